@@ -1,0 +1,69 @@
+#include <filesystem>
+#include <fstream>
+
+#include <gtest/gtest.h>
+
+#include "libcommon/base/error.h"
+#include "libcommon/base/file.h"
+#include "libcommon/base/hash.h"
+#include "libcommon/base/output_file.h"
+#include "libcommon/base/provenance.h"
+
+namespace tdpt {
+namespace {
+namespace fs = std::filesystem;
+
+struct Folder {
+  fs::path path = fs::temp_directory_path() / ("tdpt_base_test." + std::to_string(::getpid()));
+  Folder() { fs::create_directories(path); }
+  ~Folder() { fs::remove_all(path); }
+};
+
+TEST(output_file, appears_complete_and_leaves_no_temporary) {
+  Folder folder;
+  const std::string name = folder.path / "a.txt";
+  write_output(name, "hello");
+  EXPECT_EQ(read_file(name), "hello");
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder.path), {}), 1);
+}
+
+TEST(output_file, into_a_missing_folder_is_an_output_error) {
+  try {
+    write_output("/nonexistent-folder/a.txt", "x");
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code, Exit::output);
+    EXPECT_STREQ(e.what(),
+                 "/nonexistent-folder/a.txt: cannot be created: No such file or directory");
+  }
+}
+
+TEST(output_file, onto_a_folder_is_refused) {
+  Folder folder;
+  EXPECT_THROW(write_output(folder.path, "x"), OutputError);
+}
+
+TEST(file, missing_file_is_an_input_error_with_its_name) {
+  try {
+    read_file("/nonexistent.glb");
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code, Exit::bad_input);
+    EXPECT_STREQ(e.what(), "/nonexistent.glb: cannot be opened: No such file or directory");
+  }
+}
+
+TEST(hash, changes_with_one_bit) {
+  EXPECT_EQ(content_hash("").size(), 32u);
+  EXPECT_NE(content_hash("a"), content_hash("b"));
+}
+
+TEST(provenance, keeps_the_file_name_only) {
+  Provenance p;
+  p.made_by("mincut", "mincut --seed 3");
+  p.from("/somewhere/room.max", "0123");
+  EXPECT_EQ(p.lines[1], "from room.max 0123");
+}
+
+}  // namespace
+}  // namespace tdpt

@@ -1,0 +1,14 @@
+// Whole files in memory; "-" is standard input.
+#pragma once
+#include <string>
+
+namespace tdpt {
+
+/// Contents of the file `path`, or of standard input for "-". Throws InputError when it cannot be
+/// read.
+std::string read_file(const std::string& path);
+
+/// What to call `path` in messages: the path itself, or "(standard input)" for "-".
+std::string display_name(const std::string& path);
+
+}  // namespace tdpt

@@ -1,0 +1,13 @@
+// Files that appear under their final name only when they are complete.
+#pragma once
+#include <string>
+#include <string_view>
+
+namespace tdpt {
+
+/// Writes `bytes` to `path` ("-": standard output): a temporary file in the same folder, flushed to
+/// disk, then renamed. Throws OutputError; then nothing is left behind and an older file of that
+/// name is untouched. A path that is no regular file (/dev/null, a pipe) is written directly.
+void write_output(const std::string& path, std::string_view bytes);
+
+}  // namespace tdpt

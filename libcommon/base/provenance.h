@@ -1,0 +1,27 @@
+// Where a file comes from: for every stage its version, the options that shaped the result and the
+// content hashes of its inputs, oldest stage first. No time stamps.
+//
+// Lines have the forms
+//   made by TOOL VERSION: TOOL OPTION ...
+//   from NAME HASH
+// A `from` line belongs to the `made by` line above it.
+#pragma once
+#include <string>
+#include <vector>
+
+namespace tdpt {
+
+struct Provenance {
+  std::vector<std::string> lines;
+
+  /// Appends the lines of an input's own provenance that are not there yet.
+  void inherit(const Provenance& input);
+  /// Appends the `made by` line of this run.
+  void made_by(const std::string& tool, const std::string& command);
+  /// Appends a `from` line; only the file name of `path` is kept, not its folder.
+  void from(const std::string& path, const std::string& hash);
+
+  bool empty() const { return lines.empty(); }
+};
+
+}  // namespace tdpt

@@ -1,0 +1,204 @@
+#include "libcommon/cli/cli.h"
+
+#include <cstdio>
+#include <iostream>
+#include <limits>
+#include <new>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "libcommon/base/error.h"
+#include "libcommon/base/signals.h"
+#include "libcommon/base/threads.h"
+#include "tdpt_version.h"
+
+namespace tdpt::cli {
+
+Provenance Common::provenance(const std::vector<Input>& inputs) const {
+  Provenance p;
+  if (no_provenance) return p;
+  for (const Input& input : inputs) p.inherit(input.provenance);
+  p.made_by(tool, command);
+  for (const Input& input : inputs) p.from(input.path, input.hash);
+  return p;
+}
+
+void Common::note(const std::string& sentence) const {
+  if (!quiet) fmt::print(stderr, "{}: {}\n", tool, sentence);
+}
+
+void Common::warn(const std::string& sentence) const {
+  fmt::print(stderr, "{}: warning: {}\n", tool, sentence);
+}
+
+void Common::summary(const std::string& json_text) const {
+  if (json) fmt::print(output == "-" ? stderr : stdout, "{}\n", json_text);
+}
+
+struct Options::Impl {
+  explicit Impl(const std::string& summary, const std::string& tool) : app(summary, tool) {}
+
+  struct Entry {
+    CLI::Option* option;
+    Shapes shapes;
+    bool positional;
+  };
+  CLI::App app;
+  std::vector<Entry> entries;
+
+  void keep(CLI::Option* option, Shapes shapes, bool positional = false) {
+    entries.push_back({option, shapes, positional});
+  }
+
+  // The tool and the options that shape the result, in the order of the table; paths of inputs are
+  // named by their `from` lines and do not stand here.
+  std::string canonical(const std::string& tool) const {
+    std::string text = tool;
+    for (const Entry& e : entries) {
+      if (e.positional || e.shapes == Shapes::nothing || e.option->count() == 0) continue;
+      const std::string name = "--" + e.option->get_lnames().front();
+      if (e.option->get_items_expected_max() == 0) {
+        text += " " + name;
+        continue;
+      }
+      for (const std::string& value : e.option->results())
+        text += " " + name + " " + value.substr(value.find_last_of('/') + 1);
+    }
+    return text;
+  }
+};
+
+Options::Options(std::string tool, std::string summary, std::string output_help)
+    : impl_(std::make_unique<Impl>(summary, tool)) {
+  common.tool = std::move(tool);
+  CLI::App& app = impl_->app;
+  app.set_version_flag("--version", common.tool + " " TDPT_VERSION, "Print the version and exit");
+  app.set_help_flag("-h,--help", "Print this help and exit");
+  if (!output_help.empty())
+    impl_->keep(app.add_option("-o,--output", common.output, output_help)->type_name("FILE"),
+                Shapes::nothing);
+  impl_->keep(app.add_option("--seed", common.seed, "Seed of the random numbers; default 1")
+                  ->type_name("N"),
+              Shapes::result);
+  impl_->keep(app.add_option("--threads", common.threads, "Threads to use; default all cores")
+                  ->type_name("N")
+                  ->check(CLI::Range(0, 4096)),
+              Shapes::nothing);
+  impl_->keep(app.add_flag("--quiet", common.quiet, "No progress and no notes on stderr"),
+              Shapes::nothing);
+  impl_->keep(app.add_flag("--json", common.json,
+                           "Print a summary as JSON on stdout (on stderr when the result goes to "
+                           "stdout)"),
+              Shapes::nothing);
+  impl_->keep(app.add_flag("--no-provenance", common.no_provenance,
+                           "Leave out where the file comes from"),
+              Shapes::nothing);
+}
+
+Options::~Options() = default;
+
+void Options::argument(const std::string& name, std::string& target, const std::string& help,
+                       bool required) {
+  impl_->keep(impl_->app.add_option(name, target, help)->required(required)->type_name("FILE"),
+              Shapes::nothing, true);
+}
+
+void Options::option(const std::string& flags, std::string& target, const std::string& value_name,
+                     const std::string& help, Shapes shapes) {
+  impl_->keep(impl_->app.add_option(flags, target, help)->type_name(value_name), shapes);
+}
+
+void Options::option(const std::string& flags, std::vector<std::string>& target,
+                     const std::string& value_name, const std::string& help, Shapes shapes) {
+  impl_->keep(impl_->app.add_option(flags, target, help)
+                  ->type_name(value_name)
+                  ->expected(1)
+                  ->take_all(),
+              shapes);
+}
+
+namespace {
+// std::to_string and CLI's own text would print 1e18 in full: people read these bounds.
+template <class T>
+CLI::Validator within(T lowest, T highest) {
+  return CLI::Validator(
+      [lowest, highest](std::string& text) {
+        T value{};
+        if (!CLI::detail::lexical_cast(text, value) || !(value >= lowest && value <= highest))
+          return fmt::format("'{}' given, expected a number from {} to {}", text, lowest, highest);
+        return std::string();
+      },
+      "");
+}
+}  // namespace
+
+void Options::option(const std::string& flags, int64_t& target, const std::string& value_name,
+                     const std::string& help, int64_t lowest, int64_t highest, Shapes shapes) {
+  impl_->keep(impl_->app.add_option(flags, target, help)
+                  ->type_name(value_name)
+                  ->check(within(lowest, highest)),
+              shapes);
+}
+
+void Options::option(const std::string& flags, double& target, const std::string& value_name,
+                     const std::string& help, double lowest, double highest, Shapes shapes) {
+  impl_->keep(impl_->app.add_option(flags, target, help)
+                  ->type_name(value_name)
+                  ->check(within(lowest, highest)),
+              shapes);
+}
+
+void Options::choice(const std::string& flags, std::string& target,
+                     const std::vector<std::string>& words, const std::string& help,
+                     Shapes shapes) {
+  const auto known = [words](std::string& text) {
+    for (const std::string& word : words)
+      if (text == word) return std::string();
+    return fmt::format("'{}' given, expected one of {}", text, fmt::join(words, ", "));
+  };
+  impl_->keep(impl_->app.add_option(flags, target, help)
+                  ->type_name(fmt::format("{}", fmt::join(words, "|")))
+                  ->check(CLI::Validator(known, "")),
+              shapes);
+}
+
+void Options::flag(const std::string& flags, bool& target, const std::string& help, Shapes shapes) {
+  impl_->keep(impl_->app.add_flag(flags, target, help), shapes);
+}
+
+int Options::run_main(int argc, char** argv, const std::function<int()>& run) {
+  const auto fail = [this](Exit code, const std::string& text) {
+    std::string line = text;
+    for (char& c : line)
+      if (c == '\n' || c == '\r') c = ' ';
+    std::cout.flush();
+    fmt::print(stderr, "{}: {}\n", common.tool, line);
+    return static_cast<int>(code);
+  };
+  try {
+    impl_->app.parse(argc, argv);
+  } catch (const CLI::CallForHelp&) {
+    fmt::print("{}", impl_->app.help());
+    return 0;
+  } catch (const CLI::CallForVersion&) {
+    fmt::print("{} {}\n", common.tool, TDPT_VERSION);
+    return 0;
+  } catch (const CLI::ParseError& e) {
+    return fail(Exit::usage, fmt::format("{}; '{} --help' lists the options", e.what(),
+                                         common.tool));
+  }
+  try {
+    common.command = impl_->canonical(common.tool);
+    limit_threads(common.threads);
+    return run();
+  } catch (const Error& e) {
+    return fail(e.code, e.what());
+  } catch (const std::bad_alloc&) {
+    return fail(Exit::internal, "out of memory");
+  } catch (const std::exception& e) {
+    return fail(Exit::internal, fmt::format("internal error: {}", e.what()));
+  }
+}
+
+}  // namespace tdpt::cli

@@ -1,0 +1,85 @@
+// Command lines: one table of options per tool, from which parsing, --help and provenance come.
+// CLI11 stays behind this header.
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "libcommon/base/provenance.h"
+
+namespace tdpt::cli {
+
+/// The options that every tool has.
+struct Common {
+  std::string output = "-";  ///< -o; "-": standard output
+  uint64_t seed = 1;         ///< --seed
+  int threads = 0;           ///< --threads; 0: all cores. Already applied when run() is called.
+  bool quiet = false;        ///< --quiet: no progress, no notes (warnings and errors stay)
+  bool json = false;         ///< --json: summary on stdout, or on stderr when the result goes there
+  bool no_provenance = false;
+
+  std::string tool;     ///< name of the program
+  std::string command;  ///< canonical command: the tool and the options that shape the result
+
+  /// Lines for an output of this run: those of the inputs, then this stage. Empty with
+  /// --no-provenance.
+  struct Input {
+    std::string path, hash;
+    Provenance provenance;
+  };
+  Provenance provenance(const std::vector<Input>& inputs) const;
+
+  /// A plain sentence on stderr, unless --quiet.
+  void note(const std::string& sentence) const;
+  /// "tool: warning: ..." on stderr, always.
+  void warn(const std::string& sentence) const;
+  /// One JSON text (already dumped) where --json says; nothing without --json.
+  void summary(const std::string& json_text) const;
+};
+
+/// Whether an option shapes the bytes of the result (then it stands in the provenance) or not
+/// (--threads, --quiet, side outputs).
+enum class Shapes { result, nothing };
+
+class Options {
+ public:
+  /// `summary`: one sentence for --help. `output_help`: what -o receives; empty: the tool has no
+  /// -o.
+  Options(std::string tool, std::string summary, std::string output_help);
+  ~Options();
+
+  Common common;
+
+  /// A positional argument.
+  void argument(const std::string& name, std::string& target, const std::string& help,
+                bool required = true);
+  void option(const std::string& flags, std::string& target, const std::string& value_name,
+              const std::string& help, Shapes shapes = Shapes::result);
+  void option(const std::string& flags, std::vector<std::string>& target,
+              const std::string& value_name, const std::string& help,
+              Shapes shapes = Shapes::result);
+  /// A number within [lowest, highest]; anything else is a usage error.
+  void option(const std::string& flags, int64_t& target, const std::string& value_name,
+              const std::string& help, int64_t lowest, int64_t highest,
+              Shapes shapes = Shapes::result);
+  void option(const std::string& flags, double& target, const std::string& value_name,
+              const std::string& help, double lowest, double highest,
+              Shapes shapes = Shapes::result);
+  /// One word out of `words`.
+  void choice(const std::string& flags, std::string& target, const std::vector<std::string>& words,
+              const std::string& help, Shapes shapes = Shapes::result);
+  void flag(const std::string& flags, bool& target, const std::string& help,
+            Shapes shapes = Shapes::result);
+
+  /// Parses the command line, then calls `run`. Prints --help and --version. Turns every exception
+  /// into one line on stderr and its exit code. The only place in a tool that does.
+  int run_main(int argc, char** argv, const std::function<int()>& run);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace tdpt::cli

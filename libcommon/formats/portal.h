@@ -1,0 +1,33 @@
+// Portal files (.glb/.gltf): planar triangle meshes in metres, counter-clockwise seen from the side
+// the light goes to. Written by portalfit or by any modelling program; read by tdpt-render.
+#pragma once
+#include <map>
+#include <string>
+#include <vector>
+
+#include "libcommon/base/provenance.h"
+#include "libcommon/math/vec.h"
+
+namespace tdpt {
+
+struct Portal {
+  std::string name;
+  std::vector<Vec3d> vertices;                     ///< metres
+  std::vector<std::array<uint32_t, 3>> triangles;  ///< into vertices
+  std::map<std::string, double> figures;           ///< figures of merit (extras)
+};
+
+struct PortalFile {
+  std::vector<Portal> portals;  ///< empty: no bottleneck was found
+  std::string scene_hash;       ///< of the scene it was made for; empty: drawn by hand
+  Provenance provenance;
+  std::string hash;             ///< content hash of the file read
+};
+
+/// Reads every mesh of the file, one portal a mesh node, node transforms applied (a mirroring
+/// transform keeps the front side). Throws InputError.
+PortalFile read_portals(const std::string& path);
+/// The file as .glb bytes; portals are named portal.0, portal.1, ...
+std::string portal_bytes(const PortalFile& file);
+
+}  // namespace tdpt

@@ -1,0 +1,72 @@
+#include <gtest/gtest.h>
+
+#include "libcommon/math/rng.h"
+#include "libcommon/math/vec.h"
+#include "libcommon/math/warp.h"
+
+namespace tdpt {
+namespace {
+
+TEST(rng, depends_on_every_coordinate_and_on_nothing_else) {
+  const uint64_t first = Rng(1, 2, 3, 4).bits();
+  EXPECT_EQ(first, Rng(1, 2, 3, 4).bits());
+  EXPECT_NE(first, Rng(2, 2, 3, 4).bits());
+  EXPECT_NE(first, Rng(1, 3, 3, 4).bits());
+  EXPECT_NE(first, Rng(1, 2, 4, 4).bits());
+  EXPECT_NE(first, Rng(1, 2, 3, 5).bits());
+}
+
+TEST(onb, is_orthonormal_and_right_handed_in_every_direction) {
+  Rng rng(7, 0, 0);
+  for (int i = 0; i < 10000; ++i) {
+    const double z = 2 * rng.uniform() - 1, phi = 6.283185307 * rng.uniform();
+    const double r = std::sqrt(std::max(0.0, 1 - z * z));
+    const Vec3d n{r * std::cos(phi), r * std::sin(phi), z};
+    const Onb<double> o(n);
+    EXPECT_NEAR(dot(o.x, o.y), 0, 1e-12);
+    EXPECT_NEAR(dot(o.x, n), 0, 1e-12);
+    EXPECT_NEAR(length(cross(o.x, o.y) - n), 0, 1e-9);
+  }
+  EXPECT_NEAR(dot(Onb<double>(Vec3d{0, 0, -1}).x, Vec3d{0, 0, -1}), 0, 1e-12);
+}
+
+// Chi-square of draws against pdf_1 scaled by `fault`; true when the density holds.
+bool alias_table_holds(double fault) {
+  const std::vector<double> weights{1, 0, 3, 0.5, 10, 2.5};
+  const AliasTable table(weights);
+  std::vector<double> hits(weights.size());
+  Rng rng(3, 0, 0);
+  const int n = 200000;
+  for (int i = 0; i < n; ++i) hits[table.sample(rng.uniform())] += 1;
+  EXPECT_EQ(hits[1], 0);
+  double chi2 = 0;
+  for (uint32_t i = 0; i < weights.size(); ++i) {
+    if (weights[i] == 0) continue;
+    const double expected = n * table.pdf_1(i) * (i == 2 ? fault : 1);
+    chi2 += (hits[i] - expected) * (hits[i] - expected) / expected;
+  }
+  return chi2 < 23.5;  // 5 degrees of freedom and a bit: p about 3e-4
+}
+TEST(alias_table, draws_follow_pdf_1) { EXPECT_TRUE(alias_table_holds(1)); }
+TEST(alias_table, twin_a_density_off_by_5_percent_is_caught) {
+  EXPECT_FALSE(alias_table_holds(1.05));
+}
+
+// Mean of cos over the hemisphere under pdf cos/pi is 2/3; under a uniform pdf it would be 1/2.
+TEST(warp, cosine_hemisphere_has_its_moments) {
+  Rng rng(5, 0, 0);
+  double sum = 0, square = 0;
+  const int n = 200000;
+  for (int i = 0; i < n; ++i) {
+    const double u = rng.uniform();
+    const double v = rng.uniform();
+    const double c = cosine_hemisphere(u, v).z;
+    sum += c;
+    square += c * c;
+  }
+  EXPECT_NEAR(sum / n, 2.0 / 3, 4 * std::sqrt(1.0 / 18 / n));
+  EXPECT_NEAR(square / n, 0.5, 0.003);
+}
+
+}  // namespace
+}  // namespace tdpt

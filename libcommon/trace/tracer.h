@@ -1,0 +1,52 @@
+// Closest hit and visibility in the canonical frame; Embree stays behind this header.
+//
+// Rays start exactly on surfaces, so their origins are moved off the surface by a few units in the
+// last place of its coordinates, along the geometric normal to the side the ray leaves on. Hit
+// points themselves are computed from barycentrics in double precision and never moved.
+#pragma once
+#include <memory>
+
+#include "libcommon/scene/scene.h"
+
+namespace tdpt {
+
+struct Hit {
+  uint32_t triangle;
+  double b1, b2;    ///< barycentrics of vertices 1 and 2
+  double distance;  ///< from the true origin to the true hit point
+  Vec3d position;   ///< p0 + b1 e1 + b2 e2
+  Vec3d normal;     ///< unit geometric normal of the front side (counter-clockwise)
+};
+
+class Tracer {
+ public:
+  /// Builds the hierarchy; keeps a reference to `scene`.
+  explicit Tracer(const Scene& scene);
+  ~Tracer();
+
+  /// A place rays start from. `normal` (unit, either side) says how to step off the surface; zero
+  /// for places in the air (camera, portal).
+  struct Origin {
+    Vec3d position;
+    Vec3d normal{};
+  };
+
+  /// First surface along unit direction `w`; false when there is none.
+  bool closest(const Origin& from, const Vec3d& w, Hit& hit) const;
+
+  /// Whether nothing lies between two places, both ends stepped off their own surfaces.
+  bool visible(const Origin& a, const Origin& b) const;
+
+  /// Scales the step off the surface (1 by default); for the test that compares two.
+  void set_offset_scale(double scale) { offset_scale_ = scale; }
+
+ private:
+  Vec3f step_off(const Origin& from, const Vec3d& w) const;
+
+  const Scene& scene_;
+  double offset_scale_ = 1;
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace tdpt
