@@ -1,0 +1,329 @@
+#include "libcommon/formats/portal.h"
+
+#include <filesystem>
+#include <fstream>
+#include <limits>
+
+#include <unistd.h>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "libcommon/base/error.h"
+
+namespace tdpt {
+namespace {
+
+using Json = nlohmann::json;
+
+class PortalFormat : public testing::Test {
+ protected:
+  PortalFormat()
+      : folder_(std::filesystem::temp_directory_path() /
+                ("portal_test." + std::to_string(::getpid()))) {
+    std::filesystem::create_directories(folder_);
+  }
+  ~PortalFormat() override { std::filesystem::remove_all(folder_); }
+
+  std::string write(const std::string& name, const std::string& bytes) const {
+    const std::string path = (folder_ / name).string();
+    std::ofstream(path, std::ios::binary) << bytes;
+    return path;
+  }
+  PortalFile read(const Json& gltf) const { return read_portals(write("p.gltf", gltf.dump())); }
+  std::string message(const Json& gltf) const { return error_of(write("p.gltf", gltf.dump())); }
+  static std::string error_of(const std::string& path) {
+    try {
+      read_portals(path);
+    } catch (const InputError& e) {
+      const std::string text = e.what();
+      return text.substr(text.find(path) + path.size() + 1);
+    }
+    return "no error";
+  }
+
+  std::filesystem::path folder_;
+};
+
+std::string base64(const std::string& bytes) {
+  const char* digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  for (size_t i = 0; i < bytes.size(); i += 3) {
+    uint32_t v = 0;
+    for (size_t k = 0; k < 3; ++k)
+      v = v << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0u);
+    for (size_t k = 0; k < 4; ++k)
+      text += i + k > bytes.size() ? '=' : digits[v >> (18 - 6 * k) & 63];
+  }
+  return text;
+}
+
+// A unit square in the plane z = 0, front towards +z, as somebody would draw it: four corners and
+// the indices of two triangles, six of 16 bits.
+Json square(const std::vector<uint16_t>& indices = {0, 1, 2, 0, 2, 3}) {
+  std::string data;
+  for (const float f : {0.f, 0.f, 0.f, 1.f, 0.f, 0.f, 1.f, 1.f, 0.f, 0.f, 1.f, 0.f})
+    data.append(reinterpret_cast<const char*>(&f), 4);
+  for (const uint16_t i : indices) data.append(reinterpret_cast<const char*>(&i), 2);
+  Json g;
+  g["asset"]["version"] = "2.0";
+  g["scenes"] = Json::parse(R"([{"nodes":[0]}])");
+  g["nodes"] = Json::parse(R"([{"mesh":0,"name":"door"}])");
+  g["meshes"] = Json::parse(R"([{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}])");
+  g["accessors"] = Json::parse(
+      R"([{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3"},
+          {"bufferView":1,"componentType":5123,"count":6,"type":"SCALAR"}])");
+  g["bufferViews"] = Json::parse(R"([{"buffer":0,"byteLength":48},
+                                     {"buffer":0,"byteOffset":48,"byteLength":12}])");
+  g["buffers"][0] = {{"byteLength", data.size()},
+                     {"uri", "data:application/octet-stream;base64," + base64(data)}};
+  return g;
+}
+
+Vec3d area_vector(const Portal& p) {
+  Vec3d sum{};
+  for (const auto& t : p.triangles)
+    sum += cross(p.vertices[t[1]] - p.vertices[t[0]], p.vertices[t[2]] - p.vertices[t[0]]) * 0.5;
+  return sum;
+}
+
+void expect_near(const Vec3d& a, const Vec3d& b, double tolerance = 1e-12) {
+  EXPECT_LE(length(a - b), tolerance) << a.x << ' ' << a.y << ' ' << a.z;
+}
+
+TEST_F(PortalFormat, ComesBackAsItWasWritten) {
+  PortalFile file;
+  file.scene_hash = "0123";
+  file.provenance.lines = {"made by portalfit 1: portalfit", "from room.vdb 77"};
+  Portal a;
+  a.vertices = {{1e6, 0, 0}, {1e6 + 1, 0, 0}, {1e6 + 1, 1, 0.25}, {1e6, 1, 0.25}};
+  a.triangles = {{0, 1, 2}, {0, 2, 3}};
+  a.figures = {{"area", 1.0307764064044151}, {"support", 0.97}};
+  Portal b = a;
+  b.triangles.pop_back();
+  file.portals = {a, b};
+  const std::string bytes = portal_bytes(file);
+  const PortalFile back = read_portals(write("p.glb", bytes));
+  ASSERT_EQ(back.portals.size(), 2u);
+  EXPECT_EQ(back.portals[0].name, "portal.0");
+  EXPECT_EQ(back.portals[1].name, "portal.1");
+  EXPECT_EQ(back.portals[0].figures, a.figures);
+  EXPECT_EQ(back.portals[0].triangles, a.triangles);
+  EXPECT_EQ(back.portals[1].triangles, b.triangles);
+  for (size_t i = 0; i < 4; ++i) expect_near(back.portals[0].vertices[i], a.vertices[i]);
+  EXPECT_EQ(back.scene_hash, "0123");
+  EXPECT_EQ(back.provenance.lines, file.provenance.lines);
+  EXPECT_EQ(portal_bytes(back), bytes);
+}
+
+TEST_F(PortalFormat, NoPortalIsAFileToo) {
+  const PortalFile back = read_portals(write("p.glb", portal_bytes({})));
+  EXPECT_TRUE(back.portals.empty());
+}
+
+TEST_F(PortalFormat, ReadsWhatAModellingProgramWrites) {
+  const PortalFile file = read(square());
+  ASSERT_EQ(file.portals.size(), 1u);
+  EXPECT_EQ(file.portals[0].name, "door");
+  EXPECT_TRUE(file.scene_hash.empty());
+  expect_near(area_vector(file.portals[0]), {0, 0, 1});
+}
+
+TEST_F(PortalFormat, AppliesNodeTransforms) {
+  Json g = square();
+  // A quarter turn about x, then twice the size, then moved; inside a parent that moves again.
+  g["nodes"] = Json::parse(R"([{"children":[1],"translation":[0,0,5]},
+      {"mesh":0,"rotation":[0.7071067811865476,0,0,0.7071067811865476],"scale":[2,2,2],
+       "translation":[1,0,0]}])");
+  const Portal p = read(g).portals.at(0);
+  expect_near(area_vector(p), {0, -4, 0});
+  expect_near(p.vertices[0], {1, 0, 5});
+  expect_near(p.vertices[2], {3, 0, 7});
+  g["nodes"] = Json::parse(R"([{"mesh":0,"matrix":[0,1,0,0, 0,0,1,0, 1,0,0,0, 7,8,9,1]}])");
+  expect_near(area_vector(read(g).portals.at(0)), {1, 0, 0});
+}
+
+TEST_F(PortalFormat, MirroringKeepsTheFrontSide) {
+  Json g = square();
+  g["nodes"] = Json::parse(R"([{"mesh":0,"scale":[-1,1,1]}])");
+  expect_near(area_vector(read(g).portals.at(0)), {0, 0, 1});
+  g["nodes"] = Json::parse(R"([{"mesh":0,"scale":[1,1,-1]}])");
+  expect_near(area_vector(read(g).portals.at(0)), {0, 0, -1});
+}
+
+TEST_F(PortalFormat, ReadsStripsFansAndPlainCorners) {
+  Json g = square();
+  g["meshes"][0]["primitives"][0]["mode"] = 6;
+  g["meshes"][0]["primitives"][0].erase("indices");
+  expect_near(area_vector(read(g).portals.at(0)), {0, 0, 1});
+  g = square({0, 1, 3, 2, 2, 2});
+  g["meshes"][0]["primitives"][0]["mode"] = 5;
+  expect_near(area_vector(read(g).portals.at(0)), {0, 0, 1});
+  g = square();
+  g["meshes"][0]["primitives"][0].erase("indices");
+  EXPECT_EQ(read(g).portals.at(0).triangles.size(), 1u);  // four corners: one triangle, one left
+}
+
+TEST_F(PortalFormat, EveryMeshNodeIsAPortal) {
+  Json g = square();
+  g["nodes"] = Json::parse(R"([{"mesh":0},{"mesh":0,"translation":[5,0,0]},{"name":"empty"}])");
+  g.erase("scenes");
+  const PortalFile file = read(g);
+  ASSERT_EQ(file.portals.size(), 2u);
+  EXPECT_EQ(file.portals[1].name, "portal.1");
+  expect_near(file.portals[1].vertices[0], {5, 0, 0});
+}
+
+TEST_F(PortalFormat, ReadsABufferBesideIt) {
+  Json g = square();
+  const float data[12] = {0, 0, 0, 2, 0, 0, 2, 1, 0, 0, 1, 0};
+  write("a b.bin", std::string(reinterpret_cast<const char*>(data), sizeof data) +
+                       std::string("\0\0\1\0\2\0\0\0\2\0\3\0", 12));
+  g["buffers"][0]["uri"] = "a%20b.bin";
+  expect_near(area_vector(read(g).portals.at(0)), {0, 0, 2});
+  g["buffers"][0]["uri"] = "../etc/passwd";
+  EXPECT_EQ(message(g), "buffers[0]: its URI leads out of the file's folder");
+  g["buffers"][0]["uri"] = "/etc/passwd";
+  EXPECT_EQ(message(g), "buffers[0]: its URI leads out of the file's folder");
+  g["buffers"][0]["uri"] = "file:///etc/passwd";
+  EXPECT_EQ(message(g), "buffers[0]: its URI leads out of the file's folder");
+}
+
+TEST_F(PortalFormat, RefusesWhatReachesTooFar) {
+  Json g = square();
+  g["accessors"][0]["count"] = 5;
+  EXPECT_EQ(message(g), "accessors[0]: 5 elements do not fit into its bufferView of 48 bytes");
+  g["accessors"][0]["count"] = 0x7fffffffffffffffull;
+  EXPECT_EQ(message(g),
+            "accessors[0]: 9223372036854775807 elements do not fit into its "
+            "bufferView of 48 bytes");
+  g = square();
+  g["accessors"][0]["byteOffset"] = 0xfffffffffffffff0ull;
+  EXPECT_EQ(message(g), "accessors[0]: 4 elements do not fit into its bufferView of 48 bytes");
+  g = square();
+  g["bufferViews"][1]["byteOffset"] = 0xffffffffffffffffull;
+  EXPECT_EQ(message(g), "bufferViews[1]: reaches beyond its buffer of 60 bytes");
+  g = square();
+  g["bufferViews"][0]["byteStride"] = 4;
+  EXPECT_EQ(message(g), "bufferViews[0]: byteStride 4, expected 12 to 252");
+  g = square();
+  g["buffers"][0]["byteLength"] = 1000;
+  EXPECT_EQ(message(g), "buffers[0]: says 1000 bytes, but 60 are there");
+  g = square();
+  g["accessors"][0]["count"] = 3;
+  EXPECT_EQ(message(g), "meshes[0].primitives[0]: index 5 names vertex 3 of 3");
+}
+
+TEST_F(PortalFormat, RefusesWhatIsNotThere) {
+  Json g = square();
+  g["meshes"][0]["primitives"][0]["attributes"]["POSITION"] = 7;
+  EXPECT_EQ(message(g), "accessors[7]: does not exist, there are 2");
+  g["meshes"][0]["primitives"][0]["attributes"] = Json::object();
+  EXPECT_EQ(message(g), "meshes[0].primitives[0]: has no POSITION");
+  g = square();
+  g["nodes"][0]["mesh"] = -1;
+  EXPECT_EQ(message(g), "nodes[0]: \"mesh\" is no non-negative integer");
+  g["nodes"][0]["mesh"] = 3;
+  EXPECT_EQ(message(g), "meshes[3]: does not exist, there are 1");
+  g = square();
+  g["scenes"][0]["nodes"] = {4};
+  EXPECT_EQ(message(g), "scenes[0]: \"nodes\" names a node that does not exist");
+  g = square();
+  g["nodes"] = Json::parse(R"([{"children":[1]},{"children":[0]}])");
+  EXPECT_EQ(message(g), "nodes[0]: has more than one parent, expected a tree");
+  g = square();
+  g["accessors"][0].erase("bufferView");
+  EXPECT_EQ(message(g), "accessors[0]: has no data, expected a bufferView and a count");
+  g = square();
+  g["accessors"][0]["type"] = "VEC2";
+  EXPECT_EQ(message(g), "accessors[0]: expected the type VEC3");
+  g = square();
+  g["accessors"][0]["componentType"] = 5124;
+  EXPECT_EQ(message(g), "accessors[0]: unknown componentType 5124");
+  g = square();
+  g["accessors"][0]["sparse"] = Json::object();
+  EXPECT_EQ(message(g), "accessors[0]: is sparse, expected plain data");
+  g = square();
+  g["buffers"][0].erase("uri");
+  EXPECT_EQ(message(g), "buffers[0]: has no data");
+  g["buffers"][0]["uri"] = "data:;base64,????";
+  EXPECT_EQ(message(g), "buffers[0]: its data URI is no base64");
+  g = square();
+  g["nodes"] = Json("none");
+  EXPECT_EQ(message(g), "nodes: expected an array");
+  g = square();
+  g["meshes"][0]["primitives"][0]["mode"] = 9;
+  EXPECT_EQ(message(g), "meshes[0].primitives[0]: unknown mode 9");
+  g = square();
+  g["extensionsRequired"] = {"KHR_draco_mesh_compression"};
+  EXPECT_EQ(message(g),
+            "extensionsRequired: needs \"KHR_draco_mesh_compression\", which is not "
+            "known here");
+}
+
+TEST_F(PortalFormat, RefusesNotANumber) {
+  Json g = square();
+  const float nan[12] = {0, 0, 0, 1, 0, 0, std::numeric_limits<float>::quiet_NaN()};
+  const std::string data = std::string(reinterpret_cast<const char*>(nan), sizeof nan) +
+                           std::string("\0\0\1\0\2\0\0\0\2\0\3\0", 12);
+  g["buffers"][0]["uri"] = "data:;base64," + base64(data);
+  EXPECT_EQ(message(g), "accessors[0]: vertex 2 is not finite");
+  g = square();
+  g["nodes"][0]["translation"] = {1, "x", 2};
+  EXPECT_EQ(message(g), "nodes[0]: \"translation\" is not 3 finite numbers");
+  g = square();
+  g["nodes"][0]["rotation"] = {0, 0, 0, 0};
+  EXPECT_EQ(message(g), "nodes[0]: \"rotation\" is no unit quaternion");
+}
+
+TEST_F(PortalFormat, DropsTrianglesWithoutArea) {
+  Json g = square();
+  g["nodes"][0]["scale"] = {1, 0, 1};
+  EXPECT_EQ(message(g), "nodes[0]: has no triangle with an area");
+  g = square();
+  g["meshes"][0]["primitives"][0]["mode"] = 1;  // lines
+  EXPECT_EQ(message(g), "nodes[0]: has no triangle with an area");
+}
+
+TEST_F(PortalFormat, RefusesWhatIsNoGltf) {
+  EXPECT_EQ(error_of(write("p", "")), " is neither .glb nor .gltf, expected a glTF 2.0 file");
+  EXPECT_EQ(error_of(write("p", "[1]")), " is neither .glb nor .gltf, expected a glTF 2.0 file");
+  EXPECT_EQ(error_of(write("p", "{}")), "asset: is missing");
+  EXPECT_EQ(error_of(write("p", R"({"asset":{"version":"1.0"}})")),
+            "asset: expected glTF version 2");
+  EXPECT_EQ(error_of(write("p", R"({"asset":7})")), "asset: is missing");
+  std::string glb = portal_bytes({});
+  glb[4] = 1;
+  EXPECT_EQ(error_of(write("p", glb)), "header: glTF version 1, expected 2");
+}
+
+// No prefix of a good file and no single changed byte may do anything but read or refuse.
+TEST_F(PortalFormat, SurvivesDamage) {
+  PortalFile file;
+  Portal a;
+  a.vertices = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}};
+  a.triangles = {{0, 1, 2}};
+  file.portals = {a};
+  const std::string good = portal_bytes(file);
+  const std::string path = (folder_ / "damaged").string();
+  const auto attempt = [&](const std::string& bytes) {
+    write("damaged", bytes);
+    try {
+      for (const Portal& p : read_portals(path).portals)
+        for (const auto& t : p.triangles)
+          for (const uint32_t v : t) ASSERT_LT(v, p.vertices.size());
+    } catch (const InputError&) {
+    }
+  };
+  for (size_t n = 0; n < good.size(); n += 7) attempt(good.substr(0, n));
+  for (size_t n = 0; n < good.size(); ++n) {
+    std::string bad = good;
+    for (const unsigned char change : {0x01, 0x10, 0xff}) {
+      bad[n] = static_cast<char>(good[n] ^ change);
+      attempt(bad);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace tdpt
