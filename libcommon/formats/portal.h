@@ -1,6 +1,8 @@
 // Portal files (.glb/.gltf): planar triangle meshes in metres, counter-clockwise seen from the side
 // the light goes to. Written by portalfit or by any modelling program; read by tdpt-render.
 #pragma once
+#include <array>
+#include <cstdint>
 #include <map>
 #include <string>
 #include <vector>
