@@ -64,4 +64,19 @@ void write_output(const std::string& path, std::string_view bytes) {
   }
 }
 
+void check_output(const std::string& path) {
+  if (path == "-") return;
+  struct stat info {};
+  if (::stat(path.c_str(), &info) == 0) {
+    if (S_ISDIR(info.st_mode)) throw OutputError(path, "is a folder, expected a file name");
+    if (::access(path.c_str(), W_OK) != 0)
+      throw OutputError(path, reason("cannot be opened for writing"));
+    if (!S_ISREG(info.st_mode)) return;
+  }
+  const size_t slash = path.find_last_of('/');
+  const std::string folder = slash == std::string::npos ? "." : path.substr(0, slash + 1);
+  if (::access(folder.c_str(), W_OK | X_OK) != 0)
+    throw OutputError(path, reason("cannot be created"));
+}
+
 }  // namespace tdpt

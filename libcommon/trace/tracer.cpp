@@ -67,6 +67,8 @@ Tracer::Tracer(const Scene& scene) : scene_(scene), impl_(std::make_unique<Impl>
 
 Tracer::~Tracer() = default;
 
+const TriangleShape& Tracer::shape(uint32_t triangle) const { return impl_->shapes[triangle]; }
+
 Vec3f Tracer::step_off(const Origin& from, const Vec3d& w) const {
   const double step = dot(from.normal, w) < 0 ? -kStep : kStep;
   return Vec3f(from.position + from.normal * (step * offset_scale_));

@@ -37,6 +37,9 @@ class Tracer {
   /// Whether nothing lies between two places, both ends stepped off their own surfaces.
   bool visible(const Origin& a, const Origin& b) const;
 
+  /// Geometry of a triangle, computed once.
+  const TriangleShape& shape(uint32_t triangle) const;
+
   /// Scales the step off the surface (1 by default); for the test that compares two.
   void set_offset_scale(double scale) { offset_scale_ = scale; }
 

@@ -1,0 +1,24 @@
+// An integrator is a set of techniques and the order in which a sample runs them.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "tools/tdpt-render/path/path_sampler.h"
+
+namespace tdpt {
+
+struct Integrator {
+  const char* name;
+  uint64_t stream;  ///< of random numbers: no two integrators share samples
+  TechniqueSet techniques;
+  void (*sample)(PathSampler&);
+};
+
+extern const Integrator pt, nee, bdpt, tdpt_org, tdpt_ref;
+
+/// All of them, in the order of the paper.
+const std::vector<const Integrator*>& integrators();
+/// Throws UsageError for a name that there is not.
+const Integrator& integrator_named(const std::string& name);
+
+}  // namespace tdpt

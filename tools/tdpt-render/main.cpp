@@ -1,0 +1,138 @@
+// tdpt-render: renders a scene, with portals if there are any.
+#include <fmt/format.h>
+
+#include "libcommon/base/error.h"
+#include "libcommon/base/file.h"
+#include "libcommon/base/output_file.h"
+#include "libcommon/base/signals.h"
+#include "libcommon/cli/cli.h"
+#include "tools/tdpt-render/report.h"
+
+namespace tdpt {
+namespace {
+
+struct Arguments {
+  std::string scene, camera, integrator = "default", mis = "balance", device = "cpu", stats;
+  std::vector<std::string> portals;
+  int64_t spp = 0, max_depth = 6, width = 0, height = 0;
+  double seconds = 0;
+  bool preview = false;
+};
+
+// Fills in what --width and --height leave open: square pixels, the camera's aspect, 640 wide.
+void choose_size(const Camera& camera, int64_t& width, int64_t& height) {
+  const double aspect = camera.aspect > 0 ? camera.aspect : 16.0 / 9;
+  const auto at_least_1 = [](double v) { return std::max<int64_t>(1, std::llround(v)); };
+  if (width == 0 && height == 0) width = 640;
+  if (width == 0) width = at_least_1(static_cast<double>(height) * aspect);
+  if (height == 0) height = at_least_1(static_cast<double>(width) / aspect);
+  if (width > 65536 || height > 65536 || width * height > (int64_t{1} << 27))
+    throw UsageError(fmt::format("a picture of {} x {} pixels is too large, at most 134217728 pixels",
+                                 width, height));
+}
+
+std::string preview_path(const std::string& output) {
+  const size_t dot = output.find_last_of('.');
+  const size_t slash = output.find_last_of('/');
+  const bool has_suffix = dot != std::string::npos && (slash == std::string::npos || dot > slash);
+  return (has_suffix ? output.substr(0, dot) : output) + ".png";
+}
+
+int run(const Arguments& a, const cli::Common& common) {
+  if (a.device != "cpu")
+    throw Error(Exit::no_device, "--device gpu: this build renders on the CPU only");
+  if (a.preview && common.output == "-")
+    throw UsageError("--preview puts a PNG beside the picture: give -o FILE");
+  check_output(common.output);
+  if (!a.stats.empty()) check_output(a.stats);
+  catch_signals();
+
+  const Scene scene = read_gltf(a.scene);
+  for (const std::string& warning : scene.warnings) common.warn(warning);
+  const Camera& camera = scene.camera(a.camera);
+  std::vector<cli::Common::Input> inputs{{a.scene, scene.hash, {}}};
+  std::vector<Portal> portals;
+  for (const std::string& path : a.portals) {
+    PortalFile file = read_portals(path);
+    if (!file.scene_hash.empty() && file.scene_hash != scene.hash)
+      throw InputError(display_name(path), "", "was made from another scene than " + a.scene);
+    portals.insert(portals.end(), file.portals.begin(), file.portals.end());
+    inputs.push_back({path, file.hash, file.provenance});
+  }
+
+  const Integrator& integrator = a.integrator != "default" ? integrator_named(a.integrator)
+                                 : portals.empty()         ? bdpt
+                                                           : tdpt_ref;
+  if (portals.empty() && integrator.techniques.has(Technique::portal))
+    common.warn("no portal is given, so no path is sampled through one");
+  int64_t width = a.width, height = a.height;
+  choose_size(camera, width, height);
+
+  RenderSettings settings;
+  settings.spp = a.spp == 0 && a.seconds == 0 ? 16 : static_cast<uint64_t>(a.spp);
+  settings.seconds = a.seconds;
+  settings.max_depth = static_cast<int>(a.max_depth);
+  settings.beta = a.mis == "power" ? 2 : 1;
+  settings.seed = common.seed;
+  settings.quiet = common.quiet;
+  const World world(scene, camera, static_cast<int>(width), static_cast<int>(height), portals);
+  if (world.emitters.empty()) common.warn("nothing in the scene emits light: the picture is black");
+  const RenderResult result = render(world, integrator, settings);
+
+  ExrFile exr;
+  exr.picture = result.picture;
+  exr.attributes = exr_attributes(integrator, settings, result, common.provenance(inputs));
+  write_output(common.output, exr_bytes(exr));
+  if (a.preview)
+    write_output(preview_path(common.output),
+                 png_bytes(result.picture, auto_exposure(result.picture)));
+  const std::string stats = stats_json(integrator, settings, result);
+  if (!a.stats.empty()) write_output(a.stats, stats + "\n");
+  common.summary(stats);
+  for (const Tally::Place& place : result.tally.not_finite_at)
+    common.warn(fmt::format("pixel {} {} sample {}: a contribution was not finite and is left out",
+                            place.x, place.y, place.sample));
+  common.note(fmt::format("{}: {} samples per pixel at {} x {} in {:.1f} s ({:.1f} CPU s)",
+                          integrator.name, result.spp, width, height, result.seconds,
+                          result.cpu_seconds));
+  if (!result.interrupted) return 0;
+  common.note("stopped by a signal; the picture holds the samples named above");
+  return static_cast<int>(Exit::interrupted);
+}
+
+}  // namespace
+}  // namespace tdpt
+
+int main(int argc, char** argv) {
+  using namespace tdpt;
+  Arguments a;
+  cli::Options options("tdpt-render",
+                       "Renders a glTF scene by (tri-directional) path tracing, with portals where "
+                       "there are any.",
+                       "Picture to write (OpenEXR); default standard output");
+  using cli::Shapes;
+  options.argument("scene", a.scene, "Scene (.glb, .gltf); - is standard input");
+  options.option("--portal", a.portals, "FILE",
+                 "Portals (.glb, .gltf) from portalfit or a modelling program; may be repeated",
+                 Shapes::nothing);
+  std::vector<std::string> names;
+  for (const Integrator* integrator : integrators()) names.push_back(integrator->name);
+  options.choice("--integrator", a.integrator, names,
+                 "Techniques to combine; default tdpt with portals, bdpt without");
+  options.option("--spp", a.spp, "N", "Samples per pixel; default 16, or as --time allows", 1,
+                 int64_t{1} << 40);
+  options.option("--time", a.seconds, "SECONDS", "Stop rendering after this wall-clock time", 1e-3,
+                 1e9, Shapes::nothing);
+  options.option("--max-depth", a.max_depth, "K", "Edges of the longest path; default 6", 1,
+                 kMaxDepth);
+  options.option("--width", a.width, "W", "Width in pixels; default 640, or from --height", 1,
+                 65536);
+  options.option("--height", a.height, "H", "Height in pixels; default from the camera's aspect", 1,
+                 65536);
+  options.option("--camera", a.camera, "NAME", "Camera to render; default the first");
+  options.choice("--mis", a.mis, {"balance", "power"}, "MIS heuristic; default balance");
+  options.choice("--device", a.device, {"cpu", "gpu"}, "Where to render; default cpu");
+  options.option("--stats", a.stats, "FILE", "Write statistics as JSON", Shapes::nothing);
+  options.flag("--preview", a.preview, "Write a PNG beside the picture", Shapes::nothing);
+  return options.run_main(argc, argv, [&] { return run(a, options.common); });
+}

@@ -1,0 +1,120 @@
+// Densities of a path and its MIS weight. Sections 3.1 and 3.3, eqs. 6 to 8.
+//
+//   camera    s=0        prod_{i>=0} P<(x_i)
+//   direct    s=1        p_nee(x_0) prod_{i>=1} P<(x_i)         p_nee = P>(x_0): the same sampler
+//   light     s=k        prod_{i<k} P>(x_i)
+//   bi        s=2..k-1   prod_{i<s} P>(x_i) prod_{i>=s} P<(x_i)                             [eq. 7]
+//   portal a  a=0..k-2   prod_{i<a} P>(x_i) p_AA(x_a,x_{a+1}) prod_{i>a+1} P<(x_i)          [eq. 8]
+//
+// All are divided by the common factor prod q_i, q_i = P>(x_i) + P<(x_i): every factor then lies in
+// [0,1] (but for p_AA / q_a q_{a+1}), so long paths neither overflow nor underflow where it matters.
+#include "tools/tdpt-render/path/path.h"
+
+namespace tdpt {
+
+Path::Path(const World& world, const Walk& y, int s, const Walk& z, int t, RayCounts& rays) {
+  for (int i = 0; i < s; ++i) x_[static_cast<size_t>(i)] = &y[i];
+  fill(world, y, s, z, t, 0, rays);
+}
+
+Path::Path(const World& world, const Walk& y, int s, const Vertex& x_l, const Vertex& x_c, double D,
+           const Walk& z, int t, RayCounts& rays) {
+  for (int i = 0; i < s; ++i) x_[static_cast<size_t>(i)] = &y[i];
+  x_[static_cast<size_t>(s)] = &x_l;
+  x_[static_cast<size_t>(s) + 1] = &x_c;
+  fill(world, y, s, z, t, D, rays);
+}
+
+void Path::fill(const World& world, const Walk& y, int s, const Walk& z, int t, double segment_D,
+                RayCounts& rays) {
+  const int middle = segment_D > 0 ? 2 : 0;
+  k_ = s + middle + t - 1;
+  const int first_z = k_ - (t - 1);  // index of z_{t-1}
+  for (int j = 0; j < t; ++j) x_[static_cast<size_t>(k_ - j)] = &z[j];
+
+  // Inside a prefix the walk knows both densities; the two vertices at a prefix's end and the
+  // segment's learn theirs from the finished path.
+  for (int i = 0; i < k_; ++i) {
+    double& p_light = from_light_A_[static_cast<size_t>(i)];
+    double& p_camera = from_camera_A_[static_cast<size_t>(i)];
+    const int j = k_ - i;  // index from the camera
+    if (i < s)
+      p_light = y[i].pdf_own_A;
+    else if (j <= t - 3)
+      p_light = z[j].pdf_other_A;
+    else if (i == 0)
+      p_light = world.emitters.pdf_A(x(0).triangle);
+    else if (i == 1)
+      p_light = emission_pdf_A(x(0), x(1));
+    else
+      p_light = scatter_pdf_A(x(i - 2), x(i - 1), x(i));
+
+    if (i >= first_z) {
+      p_camera = z[j].pdf_own_A;
+    } else if (i <= s - 3) {
+      p_camera = y[i].pdf_other_A;
+    } else if (j == 1) {
+      const Vec3d d = x(i).position - x(k_).position;
+      const double d2 = dot(d, d);
+      const Vec3d w = d / std::sqrt(d2);
+      p_camera = to_area(world.film.pdf_w(w), w, d2, x(i).normal);
+    } else {
+      p_camera = scatter_pdf_A(x(i + 2), x(i + 1), x(i));
+    }
+  }
+
+  if (world.portals.empty()) {
+    for (int i = 0; i < k_; ++i) portal_[static_cast<size_t>(i)] = 0;
+    return;
+  }
+  for (int i = 0; i + 1 < k_; ++i) {
+    double& D = portal_[static_cast<size_t>(i)];
+    if (i + 1 < s) {
+      D = y[i + 1].portal_density;
+    } else if (i >= first_z) {
+      D = z[k_ - i].portal_density;
+    } else if (middle && i == s) {
+      D = segment_D;
+    } else {
+      ++rays.portal;
+      D = world.portals.density(x(i).position, x(i + 1).position);
+    }
+  }
+}
+
+double Path::weight(TechniqueSet set, Strategy used, double beta) const {
+  if (k_ < 2) return 1;  // a light seen directly: only the camera technique makes it
+  std::array<double, kMaxDepth + 2> camera_part;  // [s] = prod_{i>=s} P<(x_i)/q_i
+  std::array<double, kMaxDepth + 2> q;
+  const auto u = [](int i) { return static_cast<size_t>(i); };
+  camera_part[u(k_)] = 1;
+  for (int i = k_ - 1; i >= 0; --i) {
+    q[u(i)] = from_light_A_[u(i)] + from_camera_A_[u(i)];
+    if (!(q[u(i)] > 0)) return 0;
+    camera_part[u(i)] = camera_part[u(i + 1)] * from_camera_A_[u(i)] / q[u(i)];
+  }
+  double total = 0, mine = 0, light_part = 1;
+  const auto add = [&](Technique technique, int split, double p) {
+    if (beta != 1) p = std::pow(p, beta);
+    total += p;
+    if (technique == used.technique && split == used.split) mine = p;
+  };
+  for (int s = 0; s <= k_; ++s) {  // light_part = prod_{i<s} P>(x_i)/q_i
+    const Technique technique = s == 0    ? Technique::camera
+                                : s == 1  ? Technique::direct
+                                : s == k_ ? Technique::light
+                                          : Technique::bi;
+    if (set.has(technique)) add(technique, s, light_part * camera_part[u(s)]);
+    if (s <= k_ - 2 && portal_[u(s)] > 0 && set.has(Technique::portal)) {
+      const Vec3d d = x(s + 1).position - x(s).position;
+      const double d2 = dot(d, d);
+      const double g = std::abs(dot(x(s).normal, d) * dot(x(s + 1).normal, d)) / (d2 * d2);
+      add(Technique::portal, s,
+          light_part * portal_[u(s)] * (g / q[u(s)]) / q[u(s + 1)] * camera_part[u(s + 2)]);
+    }
+    if (s < k_) light_part *= from_light_A_[u(s)] / q[u(s)];
+  }
+  return total > 0 ? mine / total : 0;
+}
+
+}  // namespace tdpt

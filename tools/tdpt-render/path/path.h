@@ -1,0 +1,46 @@
+// A finished path with the densities of everything that could have sampled it.
+#pragma once
+#include <array>
+
+#include "tools/tdpt-render/path/techniques.h"
+#include "tools/tdpt-render/path/walk.h"
+
+namespace tdpt {
+
+/// One way of sampling a path of k edges:
+///   camera  split 0; direct split 1; light split k; bi split 2..k-1 (vertices from the light);
+///   portal  split a = 0..k-2: the segment x_a -> x_{a+1} came through a portal.
+struct Strategy {
+  Technique technique;
+  int split;
+};
+
+/// x_0 (on a light) ... x_k (the camera), assembled from a light prefix, 0 or 2 vertices of a portal
+/// segment, and a camera prefix. Holds pointers: the walks must outlive it.
+class Path {
+ public:
+  /// x = y_0..y_{s-1}, z_{t-1}..z_0.
+  Path(const World& world, const Walk& y, int s, const Walk& z, int t, RayCounts& rays);
+  /// x = y_0..y_{s-1}, x_l, x_c, z_{t-1}..z_0; D is the density of the segment x_l -> x_c.
+  Path(const World& world, const Walk& y, int s, const Vertex& x_l, const Vertex& x_c, double D,
+       const Walk& z, int t, RayCounts& rays);
+
+  int k() const { return k_; }
+
+  /// MIS weight of `used` among the strategies of `set`, balance heuristic [eq. 6] for beta = 1,
+  /// power heuristic for beta = 2. Computed from the path alone.
+  double weight(TechniqueSet set, Strategy used, double beta) const;
+
+ private:
+  void fill(const World& world, const Walk& y, int s, const Walk& z, int t, double segment_D,
+            RayCounts& rays);
+  const Vertex& x(int i) const { return *x_[static_cast<size_t>(i)]; }
+
+  int k_ = 0;
+  std::array<const Vertex*, kMaxDepth + 1> x_;
+  std::array<double, kMaxDepth + 1> from_light_A_;   ///< P>(x_i)
+  std::array<double, kMaxDepth + 1> from_camera_A_;  ///< P<(x_i)
+  std::array<double, kMaxDepth + 1> portal_;         ///< D of the edge x_i -> x_{i+1}
+};
+
+}  // namespace tdpt

@@ -1,0 +1,250 @@
+#include "tools/tdpt-render/path/path_sampler.h"
+
+namespace tdpt {
+namespace {
+
+bool black(const Rgb& c) { return !(c.x != 0 || c.y != 0 || c.z != 0); }
+
+/// Unit direction a -> b; d2 = squared distance.
+Vec3d towards(const Vertex& a, const Vertex& b, double& d2) {
+  const Vec3d d = b.position - a.position;
+  d2 = dot(d, d);
+  return d / std::sqrt(d2);
+}
+
+/// Unit direction from walk vertex i back to the vertex before it.
+Vec3d back(const Walk& walk, int i) {
+  return normalize(walk[i - 1].position - walk[i].position);
+}
+
+/// G without visibility [1/m2]: |cos_a cos_b| / d^2.
+double geometry(const Vertex& a, const Vertex& b, const Vec3d& w, double d2) {
+  return std::abs(dot(a.normal, w) * dot(b.normal, w)) / d2;
+}
+
+}  // namespace
+
+void Tally::merge(const Tally& other) {
+  rays.closest += other.rays.closest;
+  rays.shadow += other.rays.shadow;
+  rays.portal += other.rays.portal;
+  for (size_t i = 0; i < kTechniques; ++i) energy[i] += other.energy[i];
+  not_finite += other.not_finite;
+  for (const Place& place : other.not_finite_at)
+    if (not_finite_at.size() < 4) not_finite_at.push_back(place);
+}
+
+PathSampler::PathSampler(const World& world, const SampleSettings& settings, Film& film,
+                         Tally& tally, const PathObserver* observer)
+    : world_(world), settings_(settings), film_(film), tally_(tally), observer_(observer) {}
+
+Rng PathSampler::rng(Purpose purpose) const {
+  const uint64_t pixel = static_cast<uint64_t>(y_) << 32 | static_cast<uint64_t>(x_);
+  return Rng(settings_.seed, settings_.stream * 16 + purpose, pixel, sample_);
+}
+
+void PathSampler::begin(int x, int y, uint64_t sample) {
+  x_ = x;
+  y_ = y;
+  sample_ = sample;
+  pixel_ = {};
+}
+
+void PathSampler::end() { film_.add(x_, y_, pixel_); }
+
+void PathSampler::walk_from_camera() {
+  Rng place = rng(film_place);
+  const double x = x_ + place.uniform();
+  const double y = y_ + place.uniform();
+  tdpt::walk_from_camera(world_, x, y, settings_.max_depth, rng(camera_walk), camera_walk_,
+                         tally_.rays);
+}
+
+void PathSampler::walk_from_light() {
+  tdpt::walk_from_light(world_, settings_.max_depth - 1, rng(light_walk), light_walk_,
+                        tally_.rays);
+}
+
+void PathSampler::count_not_finite() {
+  if (tally_.not_finite++ < 4) tally_.not_finite_at.push_back({x_, y_, sample_});
+}
+
+bool PathSampler::finite(const Rgb& value) {
+  if (is_finite(value)) return true;
+  count_not_finite();
+  return false;
+}
+
+void PathSampler::to_pixel(const Path& path, Strategy strategy, const Rgb& value) {
+  if (observer_) (*observer_)(path, strategy, value);
+  const double w = path.weight(settings_.techniques, strategy, settings_.beta);
+  const Rgb weighted = value * static_cast<float>(w);
+  if (!finite(weighted)) return;
+  pixel_ += Vec3d(weighted);
+  tally_.energy[static_cast<size_t>(strategy.technique)] += luminance(weighted);
+}
+
+void PathSampler::to_film(const Path& path, Strategy strategy, double raster_x, double raster_y,
+                          const Rgb& value) {
+  if (observer_) (*observer_)(path, strategy, value);
+  const double w = path.weight(settings_.techniques, strategy, settings_.beta);
+  const Rgb weighted = value * static_cast<float>(w);
+  if (!finite(weighted)) return;
+  if (!film_.splat(static_cast<int>(raster_x), static_cast<int>(raster_y), weighted))
+    return count_not_finite();
+  tally_.energy[static_cast<size_t>(strategy.technique)] += luminance(weighted);
+}
+
+bool PathSampler::visible(const Vertex& a, const Vertex& b) {
+  ++tally_.rays.shadow;
+  return world_.tracer.visible(a.origin(), b.origin());
+}
+
+bool PathSampler::project(const Vertex& v, Vec3d& to_camera, double& factor, double& x,
+                          double& y) const {
+  const Vec3d d = v.position - world_.film.position();
+  const double d2 = dot(d, d);
+  const Vec3d w = d / std::sqrt(d2);
+  if (!world_.film.raster(w, x, y)) return false;
+  to_camera = -w;
+  factor = world_.film.pdf_w(w) * std::abs(dot(v.normal, w)) / d2;
+  return true;
+}
+
+void PathSampler::camera() {
+  const Walk& z = camera_walk_;
+  for (int j = 1; j < z.size; ++j) {
+    const Rgb Le = emitted_radiance(*z[j].material, z[j].normal, back(z, j));
+    if (black(Le)) continue;
+    to_pixel(Path(world_, light_walk_, 0, z, j + 1, tally_.rays), {Technique::camera, 0},
+             z[j].throughput * Le);
+  }
+}
+
+void PathSampler::direct() {
+  const Walk& z = camera_walk_;
+  if (world_.emitters.empty()) return;
+  Rng random = rng(next_event);
+  for (int j = 1; j < z.size && j < settings_.max_depth; ++j) {
+    // y_0 alone: a light walk of no edges.
+    RayCounts none;
+    tdpt::walk_from_light(world_, 0, Rng(random.bits(), 0, 0), light_point_, none);
+    const Vertex& y0 = light_point_[0];
+    double d2;
+    const Vec3d w = towards(z[j], y0, d2);
+    const Rgb Le = emitted_radiance(*y0.material, y0.normal, -w);
+    if (black(Le)) continue;
+    const Rgb f = bsdf(z[j], back(z, j), w);
+    const Rgb value = z[j].throughput * f * Le * y0.throughput *
+                      static_cast<float>(geometry(z[j], y0, w, d2));
+    if (black(value) || !visible(z[j], y0)) continue;
+    to_pixel(Path(world_, light_point_, 1, z, j + 1, tally_.rays), {Technique::direct, 1}, value);
+  }
+}
+
+void PathSampler::light() {
+  const Walk& y = light_walk_;
+  for (int i = 1; i < y.size; ++i) {
+    Vec3d to_camera;
+    double factor, raster_x, raster_y;
+    if (!project(y[i], to_camera, factor, raster_x, raster_y)) continue;
+    const Rgb value =
+        y[i].throughput * bsdf(y[i], back(y, i), to_camera) * static_cast<float>(factor);
+    if (black(value) || !visible(y[i], camera_walk_[0])) continue;
+    to_film(Path(world_, y, i + 1, camera_walk_, 1, tally_.rays), {Technique::light, i + 1},
+            raster_x, raster_y, value);
+  }
+}
+
+void PathSampler::bi() {
+  const Walk& y = light_walk_;
+  const Walk& z = camera_walk_;
+  for (int t = 2; t <= z.size; ++t) {
+    for (int s = 2; s <= y.size && s + t - 1 <= settings_.max_depth; ++s) {
+      const Vertex& a = y[s - 1];
+      const Vertex& b = z[t - 1];
+      double d2;
+      const Vec3d w = towards(a, b, d2);
+      const Rgb value = a.throughput * bsdf(a, back(y, s - 1), w) * b.throughput *
+                        bsdf(b, back(z, t - 1), -w) * static_cast<float>(geometry(a, b, w, d2));
+      if (black(value) || !visible(a, b)) continue;
+      to_pixel(Path(world_, y, s, z, t, tally_.rays), {Technique::bi, s}, value);
+    }
+  }
+}
+
+void PathSampler::portal() {
+  if (world_.portals.empty()) return;
+  const Walk& y = light_walk_;
+  const Walk& z = camera_walk_;
+  const int D = settings_.max_depth;
+  if (D < 2) return;
+
+  // The segment x_l -> x_c. One throughput for both ends: G / p_AA = 1 / density.
+  Rng random = rng(segment);
+  const PortalSet::Sample sample = world_.portals.sample(random);
+  Vertex x_l, x_c;
+  const auto end = [&](const Vec3d& w, Vertex& v) {
+    Hit hit;
+    ++tally_.rays.closest;
+    if (!world_.tracer.closest({sample.position, {}}, w, hit)) return false;
+    v.position = hit.position;
+    v.normal = hit.normal;
+    v.triangle = hit.triangle;
+    v.material = &world_.scene.material_of(hit.triangle);
+    return true;
+  };
+  if (!end(sample.direction, x_c) || !end(-sample.direction, x_l)) return;
+  double d2;
+  const Vec3d w = towards(x_l, x_c, d2);
+  if (!(d2 > 0)) return;
+  ++tally_.rays.portal;
+  const double density = world_.portals.density(x_l.position, x_c.position, sample.polygon);
+  const auto through = static_cast<float>(1 / density);
+
+  // Light sides: [a] with a prefix vertices y_0..y_{a-1}; arriving at x_l and scattered along w.
+  std::array<Rgb, kMaxDepth> light_side;
+  light_side[0] = emitted_radiance(*x_l.material, x_l.normal, w);
+  int last_a = 0;
+  for (int a = 1; a <= D - 2 && a <= y.size; ++a) {
+    const Vertex& v = y[a - 1];
+    Rgb& value = light_side[static_cast<size_t>(a)];
+    double e2;
+    const Vec3d u = towards(v, x_l, e2);
+    const Rgb f = a == 1 ? emitted_radiance(*v.material, v.normal, u) : bsdf(v, back(y, a - 1), u);
+    value = v.throughput * f * bsdf(x_l, -u, w) * static_cast<float>(geometry(v, x_l, u, e2));
+    if (!black(value) && !visible(v, x_l)) value = {};
+    last_a = a;
+  }
+
+  // Camera sides: b prefix vertices z_0..z_{b-1}; leaving x_c, scattered from -w.
+  for (int b = 1; b <= D - 1 && b <= std::max(z.size, 1); ++b) {
+    Rgb camera_side;
+    double raster_x = 0, raster_y = 0;
+    if (b == 1) {
+      Vec3d to_camera;
+      double factor;
+      if (!project(x_c, to_camera, factor, raster_x, raster_y)) continue;
+      camera_side = bsdf(x_c, -w, to_camera) * static_cast<float>(factor);
+    } else {
+      const Vertex& v = z[b - 1];
+      double e2;
+      const Vec3d u = towards(x_c, v, e2);
+      camera_side = bsdf(x_c, -w, u) * bsdf(v, back(z, b - 1), -u) * v.throughput *
+                    static_cast<float>(geometry(x_c, v, u, e2));
+    }
+    if (black(camera_side) || !visible(x_c, z[b - 1])) continue;
+    for (int a = 0; a <= last_a && a + b <= D - 1; ++a) {
+      const Rgb value = light_side[static_cast<size_t>(a)] * camera_side * through;
+      if (black(value)) continue;
+      const Path path(world_, y, a, x_l, x_c, density, z, b, tally_.rays);
+      const Strategy strategy{Technique::portal, a};
+      if (b == 1)
+        to_film(path, strategy, raster_x, raster_y, value);
+      else
+        to_pixel(path, strategy, value);
+    }
+  }
+}
+
+}  // namespace tdpt

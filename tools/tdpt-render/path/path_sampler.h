@@ -1,0 +1,83 @@
+// One sample of a picture: two walks, one portal segment, and the techniques that join them.
+#pragma once
+#include <functional>
+
+#include "tools/tdpt-render/film.h"
+#include "tools/tdpt-render/path/path.h"
+
+namespace tdpt {
+
+/// What one thread adds up beside the film; merged in a fixed order.
+struct Tally {
+  RayCounts rays;
+  std::array<double, kTechniques> energy{};  ///< sum of luminance per technique
+  uint64_t not_finite = 0;                   ///< contributions left out
+  struct Place {
+    int x, y;
+    uint64_t sample;
+  };
+  std::vector<Place> not_finite_at;  ///< the first few
+
+  void merge(const Tally& other);
+};
+
+struct SampleSettings {
+  TechniqueSet techniques;
+  int max_depth = 6;
+  double beta = 1;      ///< 1: balance heuristic, 2: power heuristic
+  uint64_t seed = 1;
+  uint64_t stream = 0;  ///< keeps integrators apart
+};
+
+/// Sees every contribution with its path: for tests.
+using PathObserver = std::function<void(const Path&, Strategy, const Rgb& unweighted)>;
+
+/// Each technique below adds its weighted share of the paths it makes. Call the walks first. An
+/// integrator is the list of calls it makes, and its TechniqueSet names the same ones.
+class PathSampler {
+ public:
+  PathSampler(const World& world, const SampleSettings& settings, Film& film, Tally& tally,
+              const PathObserver* observer = nullptr);
+
+  /// Starts a sample; random numbers depend on (seed, stream, pixel, sample) only.
+  void begin(int x, int y, uint64_t sample);
+  /// Adds what the camera side gathered to the pixel.
+  void end();
+
+  void walk_from_camera();
+  void walk_from_light();
+
+  void camera();  ///< the camera walk hits a light
+  void direct();  ///< a point on a light for each camera vertex
+  void light();   ///< each light vertex projected to the film
+  void bi();      ///< each light vertex with each camera vertex
+  void portal();  ///< both walks joined through a segment that crosses a portal
+
+ private:
+  enum Purpose : uint64_t { film_place, camera_walk, light_walk, next_event, segment };
+  Rng rng(Purpose purpose) const;
+
+  void to_pixel(const Path& path, Strategy strategy, const Rgb& value);
+  void to_film(const Path& path, Strategy strategy, double raster_x, double raster_y,
+               const Rgb& value);
+  bool finite(const Rgb& value);
+  void count_not_finite();
+
+  bool visible(const Vertex& a, const Vertex& b);
+
+  /// Importance of the pinhole for light leaving v: radiance of a splat per unit of f * throughput.
+  /// False when v is not in the picture. No visibility.
+  bool project(const Vertex& v, Vec3d& to_camera, double& factor, double& x, double& y) const;
+
+  const World& world_;
+  SampleSettings settings_;
+  Film& film_;
+  Tally& tally_;
+  const PathObserver* observer_;
+  int x_ = 0, y_ = 0;
+  uint64_t sample_ = 0;
+  Vec3d pixel_{};
+  Walk light_walk_, camera_walk_, light_point_;
+};
+
+}  // namespace tdpt

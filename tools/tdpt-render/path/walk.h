@@ -1,0 +1,31 @@
+// Random walks from the camera and from the light. Section 3.1.2.
+#pragma once
+#include "libcommon/math/rng.h"
+#include "tools/tdpt-render/path/vertex.h"
+#include "tools/tdpt-render/path/world.h"
+
+namespace tdpt {
+
+/// Longest path: 64 edges.
+constexpr int kMaxDepth = 64;
+
+struct RayCounts {
+  uint64_t closest = 0;  ///< first-hit rays
+  uint64_t shadow = 0;   ///< visibility tests
+  uint64_t portal = 0;   ///< edges tested against the portals
+};
+
+struct Walk {
+  std::array<Vertex, kMaxDepth + 1> v;
+  int size = 0;
+  const Vertex& operator[](int i) const { return v[static_cast<size_t>(i)]; }
+};
+
+/// z_0 at the pinhole, z_1 ... z_n, n <= edges, through raster place (x, y).
+void walk_from_camera(const World& world, double x, double y, int edges, Rng rng, Walk& walk,
+                      RayCounts& rays);
+
+/// y_0 on a light, y_1 ... y_n, n <= edges.
+void walk_from_light(const World& world, int edges, Rng rng, Walk& walk, RayCounts& rays);
+
+}  // namespace tdpt

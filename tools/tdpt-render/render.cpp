@@ -1,0 +1,84 @@
+#include "tools/tdpt-render/render.h"
+
+#include <chrono>
+
+#include <oneapi/tbb/parallel_for.h>
+
+#include "libcommon/base/progress.h"
+#include "libcommon/base/signals.h"
+#include "libcommon/base/threads.h"
+
+namespace tdpt {
+namespace {
+
+double brightest_emission(const Scene& scene) {
+  double brightest = 0;
+  for (const Material& m : scene.materials)
+    brightest = std::max(brightest, double{max_component(m.emission)});
+  return brightest;
+}
+
+}  // namespace
+
+Vec3d RenderResult::mean() const {
+  Vec3d sum;
+  for (const Rgb& p : picture.pixels) sum += Vec3d(p);
+  return sum / static_cast<double>(std::max<size_t>(picture.pixels.size(), 1));
+}
+
+double RenderResult::nonzero() const {
+  size_t n = 0;
+  for (const Rgb& p : picture.pixels) n += p != Rgb{};
+  return static_cast<double>(n) / static_cast<double>(std::max<size_t>(picture.pixels.size(), 1));
+}
+
+RenderResult render(const World& world, const Integrator& integrator,
+                    const RenderSettings& settings) {
+  using Clock = std::chrono::steady_clock;
+  const int width = world.film.width(), height = world.film.height();
+  const uint64_t pixels = static_cast<uint64_t>(width) * static_cast<uint64_t>(height);
+  SampleSettings sample_settings{integrator.techniques, settings.max_depth, settings.beta,
+                                 settings.seed, integrator.stream};
+  Film film(width, height, brightest_emission(world.scene));
+  RenderResult result;
+  Progress progress("rendering", "samples", settings.spp * pixels, settings.quiet);
+  const auto start = Clock::now();
+  const double cpu_start = cpu_seconds();
+  const auto elapsed = [&] {
+    return std::chrono::duration<double>(Clock::now() - start).count();
+  };
+
+  std::vector<Tally> rows(static_cast<size_t>(height));
+  // Small pictures take several samples a pass, so that threads have something to share.
+  const uint64_t most = std::max<uint64_t>(1, (uint64_t{1} << 16) / pixels);
+  while (settings.spp == 0 || result.spp < settings.spp) {
+    const uint64_t first = result.spp;
+    const uint64_t n = settings.spp == 0 ? most : std::min(most, settings.spp - first);
+    tbb::parallel_for(0, height, [&](int y) {
+      PathSampler sampler(world, sample_settings, film, rows[static_cast<size_t>(y)]);
+      for (int x = 0; x < width; ++x) {
+        for (uint64_t s = first; s < first + n; ++s) {
+          sampler.begin(x, y, s);
+          integrator.sample(sampler);
+          sampler.end();
+        }
+      }
+      progress.advance(static_cast<uint64_t>(width) * n);
+    });
+    result.spp += n;
+    if (stop_requested()) {
+      result.interrupted = settings.spp == 0 || result.spp < settings.spp;
+      break;
+    }
+    // Another pass takes about as long as the ones before: stop where the limit is nearest.
+    const double per_pass = elapsed() * static_cast<double>(n) / static_cast<double>(result.spp);
+    if (settings.seconds > 0 && elapsed() + 0.5 * per_pass > settings.seconds) break;
+  }
+  result.seconds = elapsed();
+  result.cpu_seconds = cpu_seconds() - cpu_start;
+  for (const Tally& row : rows) result.tally.merge(row);
+  result.picture = film.resolve(result.spp);
+  return result;
+}
+
+}  // namespace tdpt
