@@ -1,0 +1,55 @@
+// Builds small glTF files in memory, for tests and for the scenes in testdata.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace tdpt::testing {
+
+/// The JSON is free to edit: tests spoil it on purpose. Members keep their order, so the same calls
+/// give the same bytes.
+class GlbBuilder {
+ public:
+  nlohmann::ordered_json json;
+  std::string bin;
+
+  GlbBuilder();
+
+  /// Appends `data` at the next multiple of 4; returns the bufferView.
+  int view(std::string_view data, int stride = 0);
+  /// Accessor over a whole new bufferView. `components`: 1 SCALAR, 3 VEC3.
+  int floats(const std::vector<float>& values, int components);
+  int indices_u8(const std::vector<uint8_t>& values);
+  int indices_u16(const std::vector<uint16_t>& values);
+  int indices_u32(const std::vector<uint32_t>& values);
+  /// Accessor over an existing bufferView.
+  int accessor(int view, int component_type, const std::string& type, size_t count,
+               size_t offset = 0);
+
+  int material(nlohmann::ordered_json m);
+  /// A mesh of one primitive.
+  int mesh(nlohmann::ordered_json primitive, const std::string& name = "");
+  /// A root node of scene 0.
+  int node(nlohmann::ordered_json n);
+  /// A perspective camera and its root node, looking from `from` to `to` with +Y up.
+  int camera(const std::string& name, std::array<double, 3> from, std::array<double, 3> to,
+             double yfov, double aspect);
+
+  std::string glb() const;
+  /// JSON text with the buffer as a data URI.
+  std::string gltf() const;
+
+ private:
+  int indices(int view, int component_type, size_t count);
+  void extend_limits(nlohmann::ordered_json& accessor, const std::vector<float>& values,
+                     int components);
+};
+
+/// A .glb of this JSON text and binary chunk, whatever they hold.
+std::string glb_of(std::string json_text, std::string bin);
+std::string base64(std::string_view bytes);
+
+}  // namespace tdpt::testing
