@@ -1,0 +1,73 @@
+#!/bin/sh
+# run_case.sh BIN TESTDATA CASE: runs one end-to-end case; testdata/cli/README.md tells the format.
+# Exit 0: everything was as expected. Otherwise every difference is told, with both outputs.
+set -u
+bin=$1 TESTDATA=$2 case=$3
+export TESTDATA
+export LC_ALL=C
+PATH=$bin:/usr/local/bin:/usr/bin:/bin
+export PATH
+
+work=$(mktemp -d) || exit 99
+trap 'rm -rf "$work"' EXIT
+trap 'exit 99' HUP INT TERM
+mkdir "$work/run"
+script=$work/script stdout=$work/stdout stderr=$work/stderr wrong=$work/wrong
+: >"$script"
+: >"$wrong"
+complain() { printf '%s\n' "$*" >>"$wrong"; }
+
+# The value of a "key: value" line.
+value_of() { value=${line#*:}; value=${value# }; }
+
+expected=0 commands=0
+while IFS= read -r line || [ -n "$line" ]; do
+  value_of
+  case $line in
+  command:*) printf '%s\n' "$value" >>"$script"; commands=$((commands + 1)) ;;
+  exit:*) expected=$value ;;
+  esac
+done <"$case"
+[ "$commands" -gt 0 ] || complain "the case has no command: line"
+
+(cd "$work/run" && sh "$script" >"$stdout" 2>"$stderr" </dev/null)
+status=$?
+[ "$status" = "$expected" ] || complain "exit code is $status, expected $expected"
+if missing=$(grep -E '(^|: )[^ :]+: (command )?not found$' "$stderr"); then
+  complain "a program is missing: $missing"
+fi
+
+# matches FILE NAME PATTERN: some line of FILE matches the extended regular expression.
+matches() { grep -E -q -e "$3" "$1" || complain "no line of $2 matches: $3"; }
+matches_not() { if grep -E -q -e "$3" "$1"; then complain "a line of $2 matches: $3"; fi; }
+count_lines() {
+  lines=$(wc -l <"$1" | tr -d ' ')
+  [ "$lines" = "$3" ] || complain "$2 has $lines lines, expected $3"
+}
+
+number=0
+while IFS= read -r line || [ -n "$line" ]; do
+  number=$((number + 1))
+  value_of
+  case $line in
+  '' | '#'* | command:* | exit:*) ;;
+  stdout:*) matches "$stdout" stdout "$value" ;;
+  stderr:*) matches "$stderr" stderr "$value" ;;
+  not-stdout:*) matches_not "$stdout" stdout "$value" ;;
+  not-stderr:*) matches_not "$stderr" stderr "$value" ;;
+  stdout-lines:*) count_lines "$stdout" stdout "$value" ;;
+  stderr-lines:*) count_lines "$stderr" stderr "$value" ;;
+  file:*) [ -s "$work/run/$value" ] || complain "there is no file $value, or it is empty" ;;
+  no-file:*) [ ! -e "$work/run/$value" ] || complain "there is a file $value" ;;
+  *) complain "line $number of the case is none of the known ones: $line" ;;
+  esac
+done <"$case"
+
+[ -s "$wrong" ] || exit 0
+echo "$case:"
+sed 's/^/  /' "$wrong"
+echo "--- stdout"
+head -c 4000 "$stdout"
+echo "--- stderr"
+head -c 4000 "$stderr"
+exit 1
