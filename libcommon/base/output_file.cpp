@@ -12,7 +12,9 @@
 namespace tdpt {
 namespace {
 
-std::string reason(const char* what) { return std::string(what) + ": " + std::strerror(errno); }
+std::string reason(const char* what) {
+  return std::string(what) + ": " + std::strerror(errno);
+}
 
 bool write_all(int fd, std::string_view bytes) {
   while (!bytes.empty()) {

@@ -1,4 +1,5 @@
-// Progress of long work: one line on stderr with rate and time left, only when stderr is a terminal.
+// Progress of long work: one line on stderr with rate and time left, only when stderr is a
+// terminal.
 #pragma once
 #include <atomic>
 #include <chrono>

@@ -19,6 +19,8 @@ void catch_signals() {
   std::signal(SIGTERM, on_signal);
 }
 
-bool stop_requested() { return stopped != 0; }
+bool stop_requested() {
+  return stopped != 0;
+}
 
 }  // namespace tdpt

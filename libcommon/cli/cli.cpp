@@ -5,8 +5,8 @@
 #include <limits>
 #include <new>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/signals.h"
@@ -91,9 +91,9 @@ Options::Options(std::string tool, std::string summary, std::string output_help)
                            "Print a summary as JSON on stdout (on stderr when the result goes to "
                            "stdout)"),
               Shapes::nothing);
-  impl_->keep(app.add_flag("--no-provenance", common.no_provenance,
-                           "Leave out where the file comes from"),
-              Shapes::nothing);
+  impl_->keep(
+      app.add_flag("--no-provenance", common.no_provenance, "Leave out where the file comes from"),
+      Shapes::nothing);
 }
 
 Options::~Options() = default;
@@ -111,11 +111,9 @@ void Options::option(const std::string& flags, std::string& target, const std::s
 
 void Options::option(const std::string& flags, std::vector<std::string>& target,
                      const std::string& value_name, const std::string& help, Shapes shapes) {
-  impl_->keep(impl_->app.add_option(flags, target, help)
-                  ->type_name(value_name)
-                  ->expected(1)
-                  ->take_all(),
-              shapes);
+  impl_->keep(
+      impl_->app.add_option(flags, target, help)->type_name(value_name)->expected(1)->take_all(),
+      shapes);
 }
 
 namespace {
@@ -185,8 +183,8 @@ int Options::run_main(int argc, char** argv, const std::function<int()>& run) {
     fmt::print("{} {}\n", common.tool, TDPT_VERSION);
     return 0;
   } catch (const CLI::ParseError& e) {
-    return fail(Exit::usage, fmt::format("{}; '{} --help' lists the options", e.what(),
-                                         common.tool));
+    return fail(Exit::usage,
+                fmt::format("{}; '{} --help' lists the options", e.what(), common.tool));
   }
   try {
     common.command = impl_->canonical(common.tool);

@@ -47,7 +47,9 @@ bool alias_table_holds(double fault) {
   }
   return chi2 < 23.5;  // 5 degrees of freedom and a bit: p about 3e-4
 }
-TEST(alias_table, draws_follow_pdf_1) { EXPECT_TRUE(alias_table_holds(1)); }
+TEST(alias_table, draws_follow_pdf_1) {
+  EXPECT_TRUE(alias_table_holds(1));
+}
 TEST(alias_table, twin_a_density_off_by_5_percent_is_caught) {
   EXPECT_FALSE(alias_table_holds(1.05));
 }

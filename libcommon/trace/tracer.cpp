@@ -44,13 +44,13 @@ Tracer::Tracer(const Scene& scene) : scene_(scene), impl_(std::make_unique<Impl>
   rtcSetSceneBuildQuality(impl_->scene, RTC_BUILD_QUALITY_HIGH);
   RTCGeometry geometry = rtcNewGeometry(impl_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
   const size_t n = scene.triangles.size();
-  auto* positions = static_cast<Vec3f*>(rtcSetNewGeometryBuffer(
-      geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3f),
-      std::max<size_t>(scene.positions.size(), 1)));
+  auto* positions = static_cast<Vec3f*>(
+      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3f),
+                              std::max<size_t>(scene.positions.size(), 1)));
   std::copy(scene.positions.begin(), scene.positions.end(), positions);
-  auto* indices = static_cast<std::array<uint32_t, 3>*>(rtcSetNewGeometryBuffer(
-      geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, sizeof(std::array<uint32_t, 3>),
-      std::max<size_t>(n, 1)));
+  auto* indices = static_cast<std::array<uint32_t, 3>*>(
+      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                              sizeof(std::array<uint32_t, 3>), std::max<size_t>(n, 1)));
   if (n == 0) indices[0] = {0, 0, 0};
   impl_->shapes.resize(n);
   for (uint32_t t = 0; t < n; ++t) {
@@ -67,7 +67,9 @@ Tracer::Tracer(const Scene& scene) : scene_(scene), impl_(std::make_unique<Impl>
 
 Tracer::~Tracer() = default;
 
-const TriangleShape& Tracer::shape(uint32_t triangle) const { return impl_->shapes[triangle]; }
+const TriangleShape& Tracer::shape(uint32_t triangle) const {
+  return impl_->shapes[triangle];
+}
 
 Vec3f Tracer::step_off(const Origin& from, const Vec3d& w) const {
   const double step = dot(from.normal, w) < 0 ? -kStep : kStep;
@@ -79,7 +81,8 @@ bool Tracer::closest(const Origin& from, const Vec3d& w, Hit& hit) const {
   const Vec3f o = step_off(from, w);
   const Vec3f d(w);
   RTCRayHit query;
-  query.ray = {o.x, o.y, o.z, 0, d.x, d.y, d.z, 0, std::numeric_limits<float>::infinity(), ~0u, 0, 0};
+  query.ray = {o.x, o.y, o.z, 0, d.x, d.y, d.z, 0, std::numeric_limits<float>::infinity(),
+               ~0u, 0,   0};
   query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);

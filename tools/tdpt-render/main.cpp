@@ -27,8 +27,8 @@ void choose_size(const Camera& camera, int64_t& width, int64_t& height) {
   if (width == 0) width = at_least_1(static_cast<double>(height) * aspect);
   if (height == 0) height = at_least_1(static_cast<double>(width) / aspect);
   if (width > 65536 || height > 65536 || width * height > (int64_t{1} << 27))
-    throw UsageError(fmt::format("a picture of {} x {} pixels is too large, at most 134217728 pixels",
-                                 width, height));
+    throw UsageError(fmt::format(
+        "a picture of {} x {} pixels is too large, at most 134217728 pixels", width, height));
 }
 
 std::string preview_path(const std::string& output) {

@@ -44,9 +44,7 @@ RenderResult render(const World& world, const Integrator& integrator,
   Progress progress("rendering", "samples", settings.spp * pixels, settings.quiet);
   const auto start = Clock::now();
   const double cpu_start = cpu_seconds();
-  const auto elapsed = [&] {
-    return std::chrono::duration<double>(Clock::now() - start).count();
-  };
+  const auto elapsed = [&] { return std::chrono::duration<double>(Clock::now() - start).count(); };
 
   std::vector<Tally> rows(static_cast<size_t>(height));
   // Small pictures take several samples a pass, so that threads have something to share.

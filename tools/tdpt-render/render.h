@@ -22,8 +22,8 @@ struct RenderResult {
   bool interrupted = false;  ///< a signal ended it early; the picture holds what was there
   Tally tally;
 
-  Vec3d mean() const;     ///< over all pixels
-  double nonzero() const; ///< share of pixels that are not black
+  Vec3d mean() const;      ///< over all pixels
+  double nonzero() const;  ///< share of pixels that are not black
 };
 
 /// Renders in passes over the whole picture, so every pixel has the same number of samples whenever

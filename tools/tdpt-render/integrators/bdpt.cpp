@@ -4,8 +4,7 @@ namespace tdpt {
 
 /// Bidirectional path tracing (Veach).
 const Integrator bdpt{
-    "bdpt", 3,
-    TechniqueSet(Technique::camera, Technique::direct, Technique::light, Technique::bi),
+    "bdpt", 3, TechniqueSet(Technique::camera, Technique::direct, Technique::light, Technique::bi),
     [](PathSampler& sample) {
       sample.walk_from_camera();
       sample.walk_from_light();

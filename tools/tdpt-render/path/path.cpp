@@ -7,7 +7,8 @@
 //   portal a  a=0..k-2   prod_{i<a} P>(x_i) p_AA(x_a,x_{a+1}) prod_{i>a+1} P<(x_i)          [eq. 8]
 //
 // All are divided by the common factor prod q_i, q_i = P>(x_i) + P<(x_i): every factor then lies in
-// [0,1] (but for p_AA / q_a q_{a+1}), so long paths neither overflow nor underflow where it matters.
+// [0,1] (but for p_AA / q_a q_{a+1}), so long paths neither overflow nor underflow where it
+// matters.
 #include "tools/tdpt-render/path/path.h"
 
 namespace tdpt {

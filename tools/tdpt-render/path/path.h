@@ -15,8 +15,8 @@ struct Strategy {
   int split;
 };
 
-/// x_0 (on a light) ... x_k (the camera), assembled from a light prefix, 0 or 2 vertices of a portal
-/// segment, and a camera prefix. Holds pointers: the walks must outlive it.
+/// x_0 (on a light) ... x_k (the camera), assembled from a light prefix, 0 or 2 vertices of a
+/// portal segment, and a camera prefix. Holds pointers: the walks must outlive it.
 class Path {
  public:
   /// x = y_0..y_{s-1}, z_{t-1}..z_0.
@@ -26,6 +26,7 @@ class Path {
        const Walk& z, int t, RayCounts& rays);
 
   int k() const { return k_; }
+  const Vertex& vertex(int i) const { return *x_[static_cast<size_t>(i)]; }
 
   /// MIS weight of `used` among the strategies of `set`, balance heuristic [eq. 6] for beta = 1,
   /// power heuristic for beta = 2. Computed from the path alone.
@@ -34,7 +35,7 @@ class Path {
  private:
   void fill(const World& world, const Walk& y, int s, const Walk& z, int t, double segment_D,
             RayCounts& rays);
-  const Vertex& x(int i) const { return *x_[static_cast<size_t>(i)]; }
+  const Vertex& x(int i) const { return vertex(i); }
 
   int k_ = 0;
   std::array<const Vertex*, kMaxDepth + 1> x_;

@@ -3,7 +3,9 @@
 namespace tdpt {
 namespace {
 
-bool black(const Rgb& c) { return !(c.x != 0 || c.y != 0 || c.z != 0); }
+bool black(const Rgb& c) {
+  return !(c.x != 0 || c.y != 0 || c.z != 0);
+}
 
 /// Unit direction a -> b; d2 = squared distance.
 Vec3d towards(const Vertex& a, const Vertex& b, double& d2) {
@@ -50,7 +52,9 @@ void PathSampler::begin(int x, int y, uint64_t sample) {
   pixel_ = {};
 }
 
-void PathSampler::end() { film_.add(x_, y_, pixel_); }
+void PathSampler::end() {
+  film_.add(x_, y_, pixel_);
+}
 
 void PathSampler::walk_from_camera() {
   Rng place = rng(film_place);
@@ -61,8 +65,7 @@ void PathSampler::walk_from_camera() {
 }
 
 void PathSampler::walk_from_light() {
-  tdpt::walk_from_light(world_, settings_.max_depth - 1, rng(light_walk), light_walk_,
-                        tally_.rays);
+  tdpt::walk_from_light(world_, settings_.max_depth - 1, rng(light_walk), light_walk_, tally_.rays);
 }
 
 void PathSampler::count_not_finite() {
@@ -135,8 +138,8 @@ void PathSampler::direct() {
     const Rgb Le = emitted_radiance(*y0.material, y0.normal, -w);
     if (black(Le)) continue;
     const Rgb f = bsdf(z[j], back(z, j), w);
-    const Rgb value = z[j].throughput * f * Le * y0.throughput *
-                      static_cast<float>(geometry(z[j], y0, w, d2));
+    const Rgb value =
+        z[j].throughput * f * Le * y0.throughput * static_cast<float>(geometry(z[j], y0, w, d2));
     if (black(value) || !visible(z[j], y0)) continue;
     to_pixel(Path(world_, light_point_, 1, z, j + 1, tally_.rays), {Technique::direct, 1}, value);
   }

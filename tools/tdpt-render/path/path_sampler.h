@@ -24,7 +24,7 @@ struct Tally {
 struct SampleSettings {
   TechniqueSet techniques;
   int max_depth = 6;
-  double beta = 1;      ///< 1: balance heuristic, 2: power heuristic
+  double beta = 1;  ///< 1: balance heuristic, 2: power heuristic
   uint64_t seed = 1;
   uint64_t stream = 0;  ///< keeps integrators apart
 };

@@ -29,9 +29,8 @@ bool extend(const World& world, From from, const Vec3d& w, const Rgb& throughput
   // The camera's own edge never counts: no technique puts a portal there.
   if (!world.portals.empty() && !(from == From::camera && n == 1)) {
     ++rays.portal;
-    next.portal_density = from == From::light
-                              ? world.portals.density(v.position, next.position)
-                              : world.portals.density(next.position, v.position);
+    next.portal_density = from == From::light ? world.portals.density(v.position, next.position)
+                                              : world.portals.density(next.position, v.position);
   }
   ++walk.size;
   return true;
@@ -46,8 +45,8 @@ void scatter(const World& world, From from, int edges, Rng& rng, Walk& walk, Ray
     const double a = rng.uniform();
     const double b = rng.uniform();
     const bool front = dot(v.normal, previous.position - v.position) > 0;
-    const Vec3d w = normalize(
-        Onb<double>(front ? v.normal : -v.normal).to_world(cosine_hemisphere(a, b)));
+    const Vec3d w =
+        normalize(Onb<double>(front ? v.normal : -v.normal).to_world(cosine_hemisphere(a, b)));
     const auto pdf_A = [&](const Vertex& at, const Vertex& to) {
       return scatter_pdf_A(previous, at, to);
     };

@@ -1,0 +1,28 @@
+// The slow, obvious twin of path.cpp: every density of a path from its places and normals alone, as
+// logarithms, without ratios, caches or the walks that made it. For tests.
+#pragma once
+#include <vector>
+
+#include "tools/tdpt-render/path/path.h"
+
+namespace tdpt::oracle {
+
+struct StrategyDensity {
+  Strategy strategy;
+  double log_p;  ///< natural logarithm of the density per canonical area^(k+1); -inf: impossible
+};
+
+/// A planted fault, for the tests that must fail.
+enum class Fault { none, portal_density_5_percent, missing_cosine };
+
+/// All strategies of `set` that can make the path.
+std::vector<StrategyDensity> densities(const World& world, const Path& path, TechniqueSet set,
+                                       Fault fault = Fault::none);
+
+/// Balance-heuristic weight of `used` [eq. 6].
+double weight(const std::vector<StrategyDensity>& densities, Strategy used);
+
+/// Measurement contribution function: Le G f G ... f G W, eqs. 1 to 3 without visibility.
+Vec3d contribution(const World& world, const Path& path);
+
+}  // namespace tdpt::oracle

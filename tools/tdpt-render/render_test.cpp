@@ -1,0 +1,139 @@
+#include "tools/tdpt-render/render.h"
+
+#include <gtest/gtest.h>
+#include <oneapi/tbb/global_control.h>
+
+#include "tools/tdpt-render/test_rooms.h"
+
+namespace tdpt {
+namespace {
+
+struct MeanAndError {
+  double mean, error;  ///< luminance; standard error from independent seeds
+};
+
+// Mean of the picture from `runs` seeds of spp/runs samples each.
+MeanAndError estimate(const World& world, const Integrator& integrator, int max_depth, int runs,
+                      uint64_t spp) {
+  double sum = 0, square = 0;
+  for (int r = 0; r < runs; ++r) {
+    RenderSettings settings;
+    settings.spp = spp / static_cast<uint64_t>(runs);
+    settings.max_depth = max_depth;
+    settings.seed = static_cast<uint64_t>(r) + 1;
+    const double m = luminance(Vec3f(render(world, integrator, settings).mean()));
+    sum += m;
+    square += m * m;
+  }
+  const double mean = sum / runs;
+  return {mean, std::sqrt(std::max(0.0, square / runs - mean * mean) / (runs - 1))};
+}
+
+double z(const MeanAndError& a, const MeanAndError& b) {
+  return std::abs(a.mean - b.mean) / std::hypot(a.error, b.error);
+}
+
+TEST(render, the_five_integrators_agree_in_the_mean_of_two_rooms) {
+  const Scene scene = read_gltf(two_rooms_path());
+  const World world(scene, scene.camera(""), 64, 48, {portal_in_the_hole()});
+  std::vector<MeanAndError> results;
+  for (const Integrator* integrator : integrators()) {
+    results.push_back(estimate(world, *integrator, 6, 16, 256));
+    const MeanAndError& r = results.back();
+    std::printf("%-9s %.6g +- %.2g\n", integrator->name, r.mean, r.error);
+    EXPECT_GT(r.mean, 0);
+  }
+  for (size_t i = 0; i < results.size(); ++i)
+    for (size_t j = 0; j < i; ++j)
+      EXPECT_LT(z(results[i], results[j]), 3)
+          << integrators()[i]->name << " and " << integrators()[j]->name;
+}
+
+TEST(render, twin_a_technique_that_is_weighed_but_never_run_is_caught) {
+  const Scene scene = read_gltf(two_rooms_path());
+  const World world(scene, scene.camera(""), 64, 48, {portal_in_the_hole()});
+  const Integrator without_splats{"faulty", 9, tdpt_ref.techniques, [](PathSampler& sample) {
+                                    sample.walk_from_camera();
+                                    sample.walk_from_light();
+                                    sample.camera();
+                                    sample.direct();
+                                    sample.portal();
+                                  }};
+  EXPECT_GT(z(estimate(world, without_splats, 6, 8, 64), estimate(world, tdpt_ref, 6, 8, 64)), 5);
+}
+
+// Closed box: every surface emits 1 and reflects rho. L = sum_{i<k} rho^i.
+TEST(render, furnace_box_shows_the_geometric_series) {
+  const Scene scene = read_gltf(furnace_path());
+  const World world(scene, scene.camera(""), 32, 24, {portal_in_the_furnace()});
+  const double rho = scene.materials[scene.triangles[0].material].albedo.x;
+  ASSERT_GT(rho, 0.1);
+  for (int k = 1; k <= 6; ++k) {
+    double expected = 0;
+    for (int i = 0; i < k; ++i) expected += std::pow(rho, i);
+    for (const Integrator* integrator : integrators()) {
+      const MeanAndError r = estimate(world, *integrator, k, 8, 64);
+      // pt meets a light at every vertex: no variance at all but rounding.
+      EXPECT_LT(std::abs(r.mean - expected), 3.5 * r.error + 1e-5 * expected)
+          << integrator->name << " depth " << k << ": " << r.mean << " for " << expected;
+      EXPECT_LT(r.error, 0.02 * expected);
+    }
+  }
+}
+
+TEST(render, same_bytes_for_any_number_of_threads) {
+  const Scene scene = read_gltf(two_rooms_path());
+  const World world(scene, scene.camera(""), 40, 30, {portal_in_the_hole()});
+  RenderSettings settings;
+  settings.spp = 8;
+  std::vector<Picture> pictures;
+  for (size_t threads : {1, 2, 3}) {
+    tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    pictures.push_back(render(world, tdpt_org, settings).picture);
+  }
+  EXPECT_EQ(pictures[0].pixels, pictures[1].pixels);
+  EXPECT_EQ(pictures[0].pixels, pictures[2].pixels);
+}
+
+TEST(render, twin_another_seed_gives_other_pixels) {
+  const Scene scene = read_gltf(two_rooms_path());
+  const World world(scene, scene.camera(""), 40, 30, {portal_in_the_hole()});
+  RenderSettings settings;
+  settings.spp = 8;
+  const Picture first = render(world, tdpt_org, settings).picture;
+  settings.seed = 2;
+  EXPECT_NE(first.pixels, render(world, tdpt_org, settings).picture.pixels);
+}
+
+TEST(render, no_light_is_a_black_picture) {
+  Scene scene = read_gltf(two_rooms_path());
+  for (Material& m : scene.materials) m.emission = {};
+  const World world(scene, scene.camera(""), 8, 6, {portal_in_the_hole()});
+  RenderSettings settings;
+  settings.spp = 2;
+  for (const Integrator* integrator : integrators()) {
+    const RenderResult r = render(world, *integrator, settings);
+    EXPECT_EQ(r.nonzero(), 0);
+    EXPECT_EQ(r.tally.not_finite, 0u);
+  }
+}
+
+TEST(film, splats_do_not_depend_on_their_order) {
+  const std::vector<float> values{1e-6f, 3.7f, 123.4f, 0.001f, 7e5f};
+  Film a(1, 1, 10), b(1, 1, 10);
+  for (size_t i = 0; i < values.size(); ++i) {
+    EXPECT_TRUE(a.splat(0, 0, Rgb(values[i])));
+    EXPECT_TRUE(b.splat(0, 0, Rgb(values[values.size() - 1 - i])));
+  }
+  EXPECT_EQ(a.resolve(1).pixels, b.resolve(1).pixels);
+  EXPECT_NEAR(a.resolve(1).pixels[0].x, 700127.1f, 0.1f);
+}
+
+TEST(film, a_splat_too_large_to_hold_is_refused) {
+  Film film(1, 1, 1);
+  EXPECT_FALSE(film.splat(0, 0, Rgb(1e30f)));
+  EXPECT_EQ(film.resolve(1).pixels[0], Rgb{});
+}
+
+}  // namespace
+}  // namespace tdpt

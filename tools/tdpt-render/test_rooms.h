@@ -1,0 +1,37 @@
+// For tests: the rooms of testdata/scenes and portals that fit them.
+#pragma once
+#include <string>
+
+#include "libcommon/formats/portal.h"
+
+namespace tdpt {
+
+inline std::string two_rooms_path() {
+  return TDPT_TESTDATA "/scenes/two-rooms.glb";
+}
+inline std::string furnace_path() {
+  return TDPT_TESTDATA "/scenes/furnace.glb";
+}
+
+/// Rectangle p, p+u, p+u+v, p+v; normal along cross(u, v).
+inline Portal rectangle(const Vec3d& p, const Vec3d& u, const Vec3d& v) {
+  return {"rectangle", {p, p + u, p + u + v, p + v}, {{0, 1, 2}, {0, 2, 3}}, {}};
+}
+
+/// In the middle of the wall of two-rooms, light going to -x.
+inline Portal portal_in_the_hole() {
+  return rectangle({2.05, 0.875, -0.125}, {0, 0, 0.25}, {0, 0.25, 0});
+}
+
+/// The hole's portal, and a tilted one across the camera's room that many paths cross as well,
+/// some of them twice.
+inline std::vector<Portal> two_crossing_portals() {
+  return {portal_in_the_hole(), rectangle({1.0, 0.2, -0.9}, {0.3, 0, 1.8}, {0.2, 1.6, 0})};
+}
+
+/// Somewhere in the furnace box.
+inline Portal portal_in_the_furnace() {
+  return rectangle({0.1, 0.5, -0.6}, {0, 0.1, 1.0}, {0.2, 0.9, 0});
+}
+
+}  // namespace tdpt
