@@ -1,7 +1,10 @@
 // Light grids (.vdb): where light between pivot patches passes through the air.
 // Written by lightgrid; read by portalfit. OpenVDB stays behind this header.
 #pragma once
+#include <algorithm>
 #include <array>
+#include <cmath>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -26,12 +29,15 @@ struct LightGrid {
   std::vector<uint8_t> air;      ///< 1: free of geometry
   std::vector<Vec3f> direction;  ///< sum of unit directions towards the camera / count
   std::vector<LightLine> lines;  ///< a sample of the segments themselves
+  /// Lines drawn in all directions through the light's fullest places: how many were drawn through
+  /// each voxel, and which of these join the two sides. Empty: unknown.
+  std::vector<float> tried, joined;
   bool bottleneck = true;
-  std::string reason;            ///< why not
-  double flux_share = 1;         ///< share of drawn segments that were kept, see lightgrid(1)
+  std::string reason;     ///< why not
+  double flux_share = 1;  ///< share of drawn segments that were kept, see lightgrid(1)
   std::string scene_hash;
   Provenance provenance;
-  std::string hash;              ///< content hash of the file read
+  std::string hash;  ///< content hash of the file read
 
   size_t index(int i, int j, int k) const {
     return static_cast<size_t>(i) +
@@ -40,7 +46,52 @@ struct LightGrid {
   }
 };
 
+/// Calls visit(voxel index, length inside [metres]) for each voxel that the segment a-b passes, in
+/// order (3D DDA after Amanatides and Woo). Parts outside the grid are skipped.
+template <class Visit>
+void walk_grid(const LightGrid& grid, const Vec3d& a, const Vec3d& b, Visit&& visit) {
+  const Vec3d p = (a - grid.origin) / grid.voxel, d = (b - a) / grid.voxel;
+  double enter = 0, leave = 1;
+  for (int c = 0; c < 3; ++c) {
+    if (d[c] == 0) {
+      if (!(p[c] >= 0 && p[c] < grid.dim[static_cast<size_t>(c)])) return;
+      continue;
+    }
+    const double t0 = -p[c] / d[c], t1 = (grid.dim[static_cast<size_t>(c)] - p[c]) / d[c];
+    enter = std::max(enter, std::min(t0, t1));
+    leave = std::min(leave, std::max(t0, t1));
+  }
+  if (!(enter < leave)) return;
+  std::array<int, 3> at{}, step{};
+  Vec3d next{}, delta{};
+  for (int c = 0; c < 3; ++c) {
+    const auto s = static_cast<size_t>(c);
+    at[s] = std::clamp(static_cast<int>(std::floor(p[c] + enter * d[c])), 0, grid.dim[s] - 1);
+    step[s] = d[c] > 0 ? 1 : -1;
+    delta[c] = d[c] == 0 ? INFINITY : std::abs(1 / d[c]);
+    next[c] = d[c] == 0 ? INFINITY : (at[s] + (d[c] > 0 ? 1 : 0) - p[c]) / d[c];
+  }
+  const double whole = length(b - a);
+  for (double t = enter;;) {
+    const int axis = next.x < next.y ? (next.x < next.z ? 0 : 2) : (next.y < next.z ? 1 : 2);
+    const double to = std::min(next[axis], leave);
+    visit(grid.index(at[0], at[1], at[2]), std::max(0.0, to - t) * whole);
+    const auto s = static_cast<size_t>(axis);
+    at[s] += step[s];
+    if (next[axis] >= leave || at[s] < 0 || at[s] >= grid.dim[s]) return;
+    t = to;
+    next[axis] += delta[axis];
+  }
+}
+
+/// Largest number of voxels in a grid, and along one side.
+constexpr size_t kMostVoxels = size_t{1} << 28;
+constexpr int kMostVoxelsPerSide = 2048;
+
+/// Reads a file made by light_grid_bytes(); "-": standard input. Throws InputError.
 LightGrid read_light_grid(const std::string& path);
+/// The file as .vdb bytes. Lines come back in another order and with positions rounded to floats
+/// relative to their voxel.
 std::string light_grid_bytes(const LightGrid& grid);
 
 }  // namespace tdpt

@@ -1,0 +1,283 @@
+// Light grids as OpenVDB files. Grid transforms place voxel centres in metres, so viewers show the
+// light where it is; the box of the dense arrays stands in the file's metadata.
+#include "libcommon/formats/light_grid.h"
+
+#include <sstream>
+
+#include <fmt/format.h>
+#include <openvdb/io/Stream.h>
+#include <openvdb/openvdb.h>
+#include <openvdb/points/PointConversion.h>
+#include <openvdb/points/PointCount.h>
+#include <openvdb/tools/Dense.h>
+
+#include "libcommon/base/error.h"
+#include "libcommon/base/file.h"
+#include "libcommon/base/hash.h"
+
+namespace tdpt {
+namespace {
+
+namespace vdb = openvdb;
+using PointGrid = vdb::points::PointDataGrid;
+
+void initialise() {
+  static const bool once = (vdb::initialize(), true);
+  (void)once;
+}
+
+vdb::CoordBBox box_of(const LightGrid& grid) {
+  return {vdb::Coord(0), vdb::Coord(grid.dim[0] - 1, grid.dim[1] - 1, grid.dim[2] - 1)};
+}
+
+vdb::math::Transform::Ptr transform_of(const LightGrid& grid) {
+  auto t = vdb::math::Transform::createLinearTransform(grid.voxel);
+  const Vec3d centre = grid.origin + Vec3d(0.5 * grid.voxel);
+  t->postTranslate({centre.x, centre.y, centre.z});
+  return t;
+}
+
+// Dense x-fastest array -> sparse grid without the background's voxels.
+template <class Grid, class Value>
+typename Grid::Ptr sparse(const LightGrid& light, const char* name,
+                          const std::vector<Value>& values) {
+  using Element = typename Grid::ValueType;
+  auto grid = Grid::create();
+  grid->setName(name);
+  grid->setTransform(transform_of(light));
+  auto access = grid->getAccessor();
+  size_t at = 0;
+  for (int k = 0; k < light.dim[2]; ++k)
+    for (int j = 0; j < light.dim[1]; ++j)
+      for (int i = 0; i < light.dim[0]; ++i, ++at) {
+        const Value& v = values[at];
+        if constexpr (std::is_same_v<Value, Vec3f>) {
+          if (v != Vec3f{}) access.setValueOn({i, j, k}, Element(v.x, v.y, v.z));
+        } else {
+          if (v != Value{}) access.setValueOn({i, j, k}, static_cast<Element>(v));
+        }
+      }
+  grid->pruneGrid();
+  return grid;
+}
+
+struct Positions {
+  using PosType = vdb::Vec3R;
+  using value_type = vdb::Vec3R;
+  const std::vector<LightLine>& lines;
+  size_t size() const { return lines.size(); }
+  void getPos(size_t n, vdb::Vec3R& p) const {
+    const Vec3d& v = lines[n].light;
+    p = {v.x, v.y, v.z};
+  }
+};
+
+PointGrid::Ptr points_of(const LightGrid& light) {
+  const auto transform = transform_of(light);
+  const Positions positions{light.lines};
+  const auto index =
+      vdb::tools::createPointIndexGrid<vdb::tools::PointIndexGrid>(positions, *transform);
+  auto grid = vdb::points::createPointDataGrid<vdb::points::NullCodec, PointGrid>(*index, positions,
+                                                                                  *transform);
+  grid->setName("lines");
+  std::vector<vdb::Vec3f> along;
+  for (const LightLine& l : light.lines) {
+    const Vec3f d(l.camera - l.light);
+    along.emplace_back(d.x, d.y, d.z);
+  }
+  vdb::points::appendAttribute<vdb::Vec3f>(grid->tree(), "along");
+  vdb::points::PointAttributeVector<vdb::Vec3f> wrapper(along);
+  vdb::points::populateAttribute(grid->tree(), index->tree(), "along", wrapper);
+  return grid;
+}
+
+class Reader {
+ public:
+  explicit Reader(std::string name) : name_(std::move(name)) {}
+
+  LightGrid read(const std::string& bytes) {
+    LightGrid light;
+    light.hash = content_hash(bytes);
+    std::istringstream in(bytes, std::ios::binary);
+    in.exceptions(std::ios::failbit | std::ios::badbit);  // OpenVDB does not look for the end
+    vdb::io::Stream stream(in, /*delayLoad=*/false);
+    read_metadata(*stream.getMetadata(), light);
+    const vdb::GridPtrVecPtr grids = stream.getGrids();
+    // An empty grid has no voxels to read.
+    const size_t n = voxels_;
+    light.count.assign(n, 0);
+    light.air.assign(n, 0);
+    light.direction.assign(n, {});
+    for (const auto& base : *grids) {
+      if (!base) continue;
+      const std::string& grid = base->getName();
+      if (grid == "count") dense(cast<vdb::FloatGrid>(base), light, light.count);
+      if (grid == "tried") dense(cast<vdb::FloatGrid>(base), light, light.tried);
+      if (grid == "joined") dense(cast<vdb::FloatGrid>(base), light, light.joined);
+      if (grid == "direction") dense(cast<vdb::Vec3SGrid>(base), light, light.direction);
+      if (grid == "air") dense(cast<vdb::MaskGrid>(base), light, light.air);
+      if (grid == "lines") lines(cast<PointGrid>(base), light);
+    }
+    if (light.tried.empty() != light.joined.empty())
+      fail("", "has only one of the grids \"tried\" and \"joined\"");
+    return light;
+  }
+
+ private:
+  [[noreturn]] void fail(const std::string& place, const std::string& what) const {
+    throw InputError(name_, place, what);
+  }
+
+  template <class T>
+  T value(const vdb::MetaMap& meta, const char* key) const {
+    const auto typed = meta.getMetadata<vdb::TypedMetadata<T>>(key);
+    if (!typed) fail(key, "is missing, expected a light grid as lightgrid writes it");
+    return typed->value();
+  }
+
+  void read_metadata(const vdb::MetaMap& meta, LightGrid& light) {
+    const vdb::Vec3d origin = value<vdb::Vec3d>(meta, "tdpt_origin");
+    light.origin = {origin.x(), origin.y(), origin.z()};
+    light.voxel = value<double>(meta, "tdpt_voxel");
+    const vdb::Vec3i dim = value<vdb::Vec3i>(meta, "tdpt_dim");
+    size_t total = 1;
+    for (int c = 0; c < 3; ++c) {
+      const int d = dim[c];
+      if (d < 0 || d > kMostVoxelsPerSide)
+        fail("tdpt_dim",
+             fmt::format("{} voxels along a side, expected 0 to {}", d, kMostVoxelsPerSide));
+      light.dim[static_cast<size_t>(c)] = d;
+      total *= static_cast<size_t>(d);
+    }
+    if (total > kMostVoxels)
+      fail("tdpt_dim", fmt::format("{} voxels, expected at most {}", total, kMostVoxels));
+    if (!(light.voxel > 0) || !std::isfinite(light.voxel) || !is_finite(light.origin))
+      fail("tdpt_voxel", "is no positive length");
+    voxels_ = total;
+    light.scene_hash = value<std::string>(meta, "tdpt_scene_hash");
+    light.reason = value<std::string>(meta, "tdpt_reason");
+    light.bottleneck = value<bool>(meta, "tdpt_bottleneck");
+    light.flux_share = value<double>(meta, "tdpt_flux_share");
+    if (!std::isfinite(light.flux_share)) fail("tdpt_flux_share", "is not finite");
+    if (const auto lines = meta.getMetadata<vdb::StringMetadata>("tdpt_provenance")) {
+      std::istringstream text(lines->value());
+      for (std::string line; std::getline(text, line);) light.provenance.lines.push_back(line);
+    }
+  }
+
+  template <class Grid>
+  typename Grid::Ptr cast(const vdb::GridBase::Ptr& base) const {
+    const auto typed = vdb::gridPtrCast<Grid>(base);
+    if (!typed)
+      fail("grid " + base->getName(),
+           fmt::format("has the type {}, expected {}", base->type(), Grid::gridType()));
+    return typed;
+  }
+
+  template <class GridPtr, class Value>
+  void dense(const GridPtr& grid, const LightGrid& light, std::vector<Value>& values) const {
+    values.assign(voxels_, Value{});
+    const vdb::CoordBBox box = box_of(light);
+    const std::string place = "grid " + grid->getName();
+    for (auto it = grid->cbeginValueOn(); it; ++it) {
+      vdb::CoordBBox part = it.getBoundingBox();
+      if (!box.isInside(part)) fail(place, "reaches out of its box");
+      Value v{};
+      if constexpr (std::is_same_v<Value, Vec3f>) {
+        const auto& d = *it;
+        v = {d.x(), d.y(), d.z()};
+        if (!is_finite(v)) fail(place, "holds a value that is not finite");
+      } else if constexpr (std::is_same_v<Value, float>) {
+        v = *it;
+        if (!std::isfinite(v) || v < 0) fail(place, fmt::format("holds {}, expected a count", v));
+      } else {
+        v = 1;
+      }
+      for (const vdb::Coord& c : part) values[light.index(c.x(), c.y(), c.z())] = v;
+    }
+  }
+
+  void lines(const PointGrid::Ptr& grid, LightGrid& light) const {
+    const auto& transform = grid->transform();
+    for (auto leaf = grid->tree().cbeginLeaf(); leaf; ++leaf) {
+      const auto& attributes = leaf->attributeSet();
+      if (attributes.find("P") == vdb::points::AttributeSet::INVALID_POS ||
+          attributes.find("along") == vdb::points::AttributeSet::INVALID_POS)
+        fail("grid lines", "has no points with the attributes P and along");
+      vdb::points::AttributeHandle<vdb::Vec3f> place(leaf->constAttributeArray("P"));
+      vdb::points::AttributeHandle<vdb::Vec3f> along(leaf->constAttributeArray("along"));
+      for (auto it = leaf->beginIndexOn(); it; ++it) {
+        if (*it >= place.size() || *it >= along.size())
+          fail("grid lines", "names a point that does not exist");
+        const vdb::Vec3d p =
+            transform.indexToWorld(vdb::Vec3d(place.get(*it)) + it.getCoord().asVec3d());
+        const vdb::Vec3f d = along.get(*it);
+        const Vec3d a{p.x(), p.y(), p.z()}, b{a.x + d.x(), a.y + d.y(), a.z + d.z()};
+        if (!is_finite(a) || !is_finite(b) || a == b)
+          fail("grid lines", "holds a line that is no segment");
+        light.lines.push_back({a, b});
+      }
+    }
+  }
+
+  std::string name_;
+  size_t voxels_ = 0;
+};
+
+}  // namespace
+
+LightGrid read_light_grid(const std::string& path) {
+  initialise();
+  const std::string name = display_name(path);
+  const std::string bytes = read_file(path);
+  try {
+    return Reader(name).read(bytes);
+  } catch (const InputError&) {
+    throw;
+  } catch (const std::exception& e) {
+    throw InputError(name, "", fmt::format("is no light grid in OpenVDB format: {}", e.what()));
+  }
+}
+
+std::string light_grid_bytes(const LightGrid& light) {
+  initialise();
+  vdb::MetaMap meta;
+  meta.insertMeta("tdpt_origin",
+                  vdb::Vec3DMetadata({light.origin.x, light.origin.y, light.origin.z}));
+  meta.insertMeta("tdpt_voxel", vdb::DoubleMetadata(light.voxel));
+  meta.insertMeta("tdpt_dim", vdb::Vec3IMetadata({light.dim[0], light.dim[1], light.dim[2]}));
+  meta.insertMeta("tdpt_scene_hash", vdb::StringMetadata(light.scene_hash));
+  meta.insertMeta("tdpt_bottleneck", vdb::BoolMetadata(light.bottleneck));
+  meta.insertMeta("tdpt_reason", vdb::StringMetadata(light.reason));
+  meta.insertMeta("tdpt_flux_share", vdb::DoubleMetadata(light.flux_share));
+  if (!light.provenance.empty()) {
+    std::string text;
+    for (const std::string& line : light.provenance.lines) text += line + "\n";
+    meta.insertMeta("tdpt_provenance", vdb::StringMetadata(text));
+  }
+  vdb::GridPtrVec grids;
+  const size_t n = light.count.size();
+  const auto count = sparse<vdb::FloatGrid>(light, "count", light.count);
+  count->setGridClass(vdb::GRID_FOG_VOLUME);
+  grids.push_back(count);
+  grids.push_back(sparse<vdb::MaskGrid>(light, "air", light.air));
+  grids.push_back(sparse<vdb::Vec3SGrid>(light, "direction", light.direction));
+  if (!light.tried.empty() && light.tried.size() == n && light.joined.size() == n) {
+    grids.push_back(sparse<vdb::FloatGrid>(light, "tried", light.tried));
+    grids.push_back(sparse<vdb::FloatGrid>(light, "joined", light.joined));
+  }
+  if (!light.lines.empty()) grids.push_back(points_of(light));
+  std::ostringstream out(std::ios::binary);
+  vdb::io::Stream(out).write(grids, meta);
+  std::string bytes = out.str();
+  // OpenVDB writes a random identifier after magic number (8), versions (12) and one flag: the same
+  // light must give the same bytes.
+  constexpr size_t kAt = 21, kLength = 36;
+  bytes.replace(kAt, kLength, kLength, '0');
+  std::string id = content_hash(bytes);
+  for (const size_t dash : {8, 13, 18, 23}) id.insert(dash, "-");
+  bytes.replace(kAt, kLength, id);
+  return bytes;
+}
+
+}  // namespace tdpt

@@ -1,0 +1,175 @@
+#include "libcommon/formats/light_grid.h"
+
+#include <filesystem>
+#include <fstream>
+
+#include <unistd.h>
+
+#include <gtest/gtest.h>
+
+#include "libcommon/base/error.h"
+#include "libcommon/math/rng.h"
+
+namespace tdpt {
+namespace {
+
+class LightGridFormat : public testing::Test {
+ protected:
+  ~LightGridFormat() override { std::filesystem::remove(path_); }
+  std::string write(const std::string& bytes) const {
+    std::ofstream(path_, std::ios::binary) << bytes;
+    return path_;
+  }
+  std::string error_of(const std::string& bytes) const {
+    try {
+      read_light_grid(write(bytes));
+    } catch (const InputError& e) {
+      return std::string(e.what()).substr(path_.size() + 1);
+    }
+    return "no error";
+  }
+  std::string path_ =
+      (std::filesystem::temp_directory_path() / ("light_grid_test." + std::to_string(::getpid())))
+          .string();
+};
+
+LightGrid small() {
+  LightGrid g;
+  g.origin = {-1, 2, 100};
+  g.voxel = 0.25;
+  g.dim = {5, 4, 3};
+  const size_t n = 60;
+  g.count.assign(n, 0);
+  g.air.assign(n, 1);
+  g.direction.assign(n, {});
+  g.tried.assign(n, 2);
+  g.joined.assign(n, 1);
+  g.count[g.index(4, 3, 2)] = 7;
+  g.count[g.index(0, 1, 2)] = 3;
+  g.air[g.index(1, 1, 1)] = 0;
+  g.direction[g.index(4, 3, 2)] = {0.5f, -0.25f, 0.125f};
+  g.lines = {{{-0.9, 2.1, 100.1}, {0.1, 2.9, 100.7}}, {{0, 2.5, 100.2}, {-0.5, 2.25, 100.3}}};
+  g.scene_hash = "abc";
+  g.flux_share = 0.75;
+  g.provenance.lines = {"made by lightgrid 1: lightgrid", "from a b"};
+  return g;
+}
+
+TEST_F(LightGridFormat, ComesBackAsItWasWritten) {
+  const LightGrid g = small();
+  const std::string bytes = light_grid_bytes(g);
+  const LightGrid back = read_light_grid(write(bytes));
+  EXPECT_EQ(back.origin, g.origin);
+  EXPECT_EQ(back.voxel, g.voxel);
+  EXPECT_EQ(back.dim, g.dim);
+  EXPECT_EQ(back.count, g.count);
+  EXPECT_EQ(back.air, g.air);
+  EXPECT_EQ(back.direction, g.direction);
+  EXPECT_EQ(back.tried, g.tried);
+  EXPECT_EQ(back.joined, g.joined);
+  EXPECT_EQ(back.scene_hash, "abc");
+  EXPECT_EQ(back.flux_share, 0.75);
+  EXPECT_TRUE(back.bottleneck);
+  EXPECT_EQ(back.provenance.lines, g.provenance.lines);
+  ASSERT_EQ(back.lines.size(), 2u);
+  for (const LightLine& line : g.lines) {
+    double nearest = INFINITY;
+    for (const LightLine& other : back.lines)
+      nearest =
+          std::min(nearest, length(line.light - other.light) + length(line.camera - other.camera));
+    EXPECT_LT(nearest, 1e-6);
+  }
+  EXPECT_TRUE(light_grid_bytes(g) == bytes) << "two writings differ";
+}
+
+TEST_F(LightGridFormat, NoBottleneckIsAFileToo) {
+  LightGrid g;
+  g.bottleneck = false;
+  g.reason = "one side is empty";
+  const LightGrid back = read_light_grid(write(light_grid_bytes(g)));
+  EXPECT_FALSE(back.bottleneck);
+  EXPECT_EQ(back.reason, "one side is empty");
+  EXPECT_TRUE(back.lines.empty());
+  EXPECT_TRUE(back.count.empty());
+}
+
+TEST_F(LightGridFormat, RefusesWhatIsNoLightGrid) {
+  EXPECT_NE(error_of("").find("is no light grid in OpenVDB format"), std::string::npos);
+  EXPECT_NE(error_of("hello, this is text").find("is no light grid in OpenVDB format"),
+            std::string::npos);
+  LightGrid g = small();
+  g.dim = {5, 5000, 1};
+  g.count.clear(), g.air.clear(), g.direction.clear();
+  g.tried.clear(), g.joined.clear();
+  g.count.resize(25000), g.air.resize(25000), g.direction.resize(25000);
+  EXPECT_EQ(error_of(light_grid_bytes(g)),
+            "tdpt_dim: 5000 voxels along a side, expected 0 to 2048");
+  g = small();
+  g.voxel = -1;
+  EXPECT_EQ(error_of(light_grid_bytes(g)), "tdpt_voxel: is no positive length");
+  g = small();
+  g.count[0] = -1;
+  EXPECT_EQ(error_of(light_grid_bytes(g)), "grid count: holds -1, expected a count");
+  g = small();
+  g.direction[0].x = INFINITY;
+  EXPECT_EQ(error_of(light_grid_bytes(g)), "grid direction: holds a value that is not finite");
+  g = small();
+  g.lines[0].camera = g.lines[0].light;
+  EXPECT_EQ(error_of(light_grid_bytes(g)), "grid lines: holds a line that is no segment");
+}
+
+TEST_F(LightGridFormat, SurvivesBeingCutShort) {
+  const std::string good = light_grid_bytes(small());
+  for (size_t n = 0; n + 1 < good.size(); n += 131) {
+    const std::string text = error_of(good.substr(0, n));
+    EXPECT_FALSE(text.empty());
+  }
+}
+
+// The walk's lengths against the closed form: the voxel of the midpoint of each small step.
+TEST(WalkGrid, PassesEveryVoxelOfTheSegment) {
+  LightGrid g;
+  g.origin = {-1, -2, -3};
+  g.voxel = 0.5;
+  g.dim = {4, 6, 8};
+  const size_t n = 4 * 6 * 8;
+  for (uint64_t trial = 0; trial < 200; ++trial) {
+    Rng rng(1, 2, trial);
+    const auto point = [&] {
+      const double x = rng.uniform(), y = rng.uniform(), z = rng.uniform();
+      return Vec3d{-2 + 4 * x, -3 + 5 * y, -4 + 6 * z};
+    };
+    const Vec3d a = point();
+    Vec3d b = point();
+    if (trial % 4 == 0) b.x = a.x;
+    if (trial % 8 == 0) b.y = a.y;
+    std::vector<double> walked(n, 0), stepped(n, 0);
+    walk_grid(g, a, b, [&](size_t i, double s) { walked.at(i) += s; });
+    constexpr int kSteps = 4000;
+    for (int s = 0; s < kSteps; ++s) {
+      const Vec3d p = (a + (b - a) * ((s + 0.5) / kSteps) - g.origin) / g.voxel;
+      const int i = static_cast<int>(std::floor(p.x)), j = static_cast<int>(std::floor(p.y)),
+                k = static_cast<int>(std::floor(p.z));
+      if (i < 0 || j < 0 || k < 0 || i >= 4 || j >= 6 || k >= 8) continue;
+      stepped[g.index(i, j, k)] += length(b - a) / kSteps;
+    }
+    for (size_t i = 0; i < n; ++i) EXPECT_NEAR(walked[i], stepped[i], 2.1 * length(b - a) / kSteps);
+  }
+}
+
+TEST(WalkGrid, CrossesASmallGridByHand) {
+  LightGrid g;
+  g.dim = {3, 2, 1};
+  std::vector<size_t> seen;
+  walk_grid(g, {-1, 0.5, 0.5}, {4, 0.5, 0.5}, [&](size_t i, double) { seen.push_back(i); });
+  EXPECT_EQ(seen, (std::vector<size_t>{0, 1, 2}));
+  seen.clear();
+  walk_grid(g, {2.5, 1.75, 0.5}, {0.5, 0.25, 0.5}, [&](size_t i, double) { seen.push_back(i); });
+  EXPECT_EQ(seen, (std::vector<size_t>{5, 4, 1, 0}));
+  seen.clear();
+  walk_grid(g, {0, 5, 0}, {3, 5, 0}, [&](size_t i, double) { seen.push_back(i); });
+  EXPECT_TRUE(seen.empty());
+}
+
+}  // namespace
+}  // namespace tdpt
