@@ -1,0 +1,87 @@
+// The lines that networks (.max) and cuts (.cut) share: the grid, the patches and their faces.
+#pragma once
+#include <iterator>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "libcommon/formats/cut.h"
+#include "libcommon/formats/text_lines.h"
+
+namespace tdpt::patch_lines {
+
+inline constexpr int kDeepestLevel = 10;
+inline constexpr size_t kFacesPerLine = 16;
+
+inline Vec3d read_vec3(TextLines& in, const char* what) {
+  const double x = in.real(what);
+  const double y = in.real(what);
+  const double z = in.real(what);
+  return {x, y, z};
+}
+
+/// `grid X Y Z CELL`, behind its keyword.
+inline PatchGrid read_grid(TextLines& in) {
+  PatchGrid grid;
+  grid.origin = read_vec3(in, "origin of the grid");
+  grid.base_cell = in.real("side of a cell");
+  if (!(grid.base_cell > 0)) in.fail("a cell without size, expected a side above 0");
+  in.end();
+  return grid;
+}
+
+inline void write_grid(std::string& out, const char* head, const PatchGrid& g) {
+  fmt::format_to(std::back_inserter(out), "{} {} {} {} {}\n", head, g.origin.x, g.origin.y,
+                 g.origin.z, g.base_cell);
+}
+
+/// LEVEL I J K SAMPLES CX CY CZ NX NY NZ, behind the node.
+inline void read_patch(TextLines& in, Patch& p) {
+  p.level = static_cast<int>(in.integer("level of the patch", 0, kDeepestLevel));
+  for (int32_t& c : p.cell)
+    c = static_cast<int32_t>(in.integer("cell of the patch", INT32_MIN, INT32_MAX));
+  p.samples = in.real("samples of the patch");
+  if (p.samples < 0) in.fail("a negative number of samples, expected 0 or more");
+  p.centre = read_vec3(in, "centre of the patch");
+  p.normal = read_vec3(in, "normal of the patch");
+  if (!(std::abs(length(p.normal) - 1) < 1e-3))
+    in.fail("a normal of another length, expected length 1");
+  p.normal = normalize(p.normal);
+  in.end();
+}
+
+inline void write_patch(std::string& out, const Patch& p) {
+  fmt::format_to(std::back_inserter(out), "{} {} {} {} {} {} {} {} {:.6f} {:.6f} {:.6f}\n", p.level,
+                 p.cell[0], p.cell[1], p.cell[2], p.samples, p.centre.x, p.centre.y, p.centre.z,
+                 p.normal.x, p.normal.y, p.normal.z);
+}
+
+/// FACE ..., behind the node.
+inline void read_faces(TextLines& in, Patch& p) {
+  if (!in.more()) in.fail("nothing as face, expected at least one");
+  while (in.more()) p.faces.push_back(static_cast<uint32_t>(in.integer("face", 0, UINT32_MAX)));
+}
+
+inline void write_faces(std::string& out, const char* head, const Patch& p) {
+  for (size_t i = 0; i < p.faces.size(); i += kFacesPerLine) {
+    fmt::format_to(std::back_inserter(out), "{} {}", head, p.node);
+    for (size_t k = i; k < std::min(i + kFacesPerLine, p.faces.size()); ++k)
+      fmt::format_to(std::back_inserter(out), " {}", p.faces[k]);
+    out += '\n';
+  }
+}
+
+/// Index of patches by node.
+using NodeIndex = std::unordered_map<uint32_t, uint32_t>;
+
+inline uint32_t patch_of(TextLines& in, const NodeIndex& index, const char* what) {
+  const auto node = static_cast<uint32_t>(in.integer(what, 1, UINT32_MAX));
+  const auto found = index.find(node);
+  if (found == index.end())
+    in.fail(fmt::format("node {} as {}, expected a patch named above", node, what));
+  return found->second;
+}
+
+}  // namespace tdpt::patch_lines

@@ -1,0 +1,98 @@
+// Text files of whitespace-separated words, read line by line with strict numbers: every complaint
+// says in which line it is, what was found and what was expected.
+#pragma once
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <system_error>
+
+#include "libcommon/base/error.h"
+
+namespace tdpt {
+
+class TextLines {
+ public:
+  /// `file` is the name for messages. Keeps a view of `text`.
+  TextLines(std::string_view text, std::string file) : text_(text), file_(std::move(file)) {}
+
+  /// Moves to the next line that holds a word; false at the end of the text.
+  bool next() {
+    while (at_ < text_.size()) {
+      const size_t end = std::min(text_.find('\n', at_), text_.size());
+      line_ = text_.substr(at_, end - at_);
+      at_ = end + 1;
+      ++number_;
+      if (line_.find_first_not_of(kBlank) != std::string_view::npos) return true;
+    }
+    return false;
+  }
+
+  [[noreturn]] void fail(const std::string& message) const {
+    throw InputError(file_, "line " + std::to_string(number_), message);
+  }
+  [[noreturn]] void fail_file(const std::string& message) const {
+    throw InputError(file_, "", message);
+  }
+
+  /// Next word of the line; empty at its end.
+  std::string_view word() {
+    line_.remove_prefix(std::min(line_.find_first_not_of(kBlank), line_.size()));
+    const std::string_view w = line_.substr(0, line_.find_first_of(kBlank));
+    line_.remove_prefix(w.size());
+    return w;
+  }
+
+  bool more() const { return line_.find_first_not_of(kBlank) != std::string_view::npos; }
+
+  /// The rest of the line without blanks around it.
+  std::string_view rest() {
+    line_.remove_prefix(std::min(line_.find_first_not_of(kBlank), line_.size()));
+    return line_.substr(0, line_.find_last_not_of(kBlank) + 1);
+  }
+
+  /// A whole number within [lowest, highest]; `what` names it in the message.
+  int64_t integer(const char* what, int64_t lowest, int64_t highest) {
+    const std::string_view w = word();
+    int64_t value = 0;
+    const auto [end, error] = std::from_chars(w.data(), w.data() + w.size(), value);
+    if (w.empty() || error != std::errc() || end != w.data() + w.size() || value < lowest ||
+        value > highest)
+      fail(found(w) + " as " + what + ", expected a whole number from " + std::to_string(lowest) +
+           " to " + std::to_string(highest));
+    return value;
+  }
+
+  /// A finite number.
+  double real(const char* what) {
+    const std::string_view w = word();
+    double value = 0;
+    const auto [end, error] = std::from_chars(w.data(), w.data() + w.size(), value);
+    if (w.empty() || error != std::errc() || end != w.data() + w.size() || !std::isfinite(value))
+      fail(found(w) + " as " + what + ", expected a finite number");
+    return value;
+  }
+
+  /// Nothing may follow.
+  void end() {
+    const std::string_view w = word();
+    if (!w.empty()) fail(found(w) + " found, expected the end of the line");
+  }
+
+  static std::string found(std::string_view w) {
+    if (w.empty()) return "nothing";
+    std::string shown;
+    for (char c : w.substr(0, 40)) shown += c >= 32 && c < 127 ? c : '?';
+    return "'" + shown + (w.size() > 40 ? "..." : "") + "'";
+  }
+
+ private:
+  static constexpr std::string_view kBlank = " \t\r";
+  std::string_view text_, line_;
+  std::string file_;
+  size_t at_ = 0;
+  uint64_t number_ = 0;
+};
+
+}  // namespace tdpt
