@@ -1,9 +1,12 @@
 // Pictures: OpenEXR with layers and attributes; PNG for looking at.
 #pragma once
+#include <cstdint>
 #include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "libcommon/base/provenance.h"
 #include "libcommon/math/vec.h"
 
 namespace tdpt {
@@ -18,15 +21,30 @@ struct ExrFile {
   Picture picture;                           ///< channels R G B
   std::map<std::string, Picture> layers;     ///< channels <name>.R <name>.G <name>.B
   std::map<std::string, std::string> attributes;  ///< string attributes of the header
+  int64_t pixels_without_data = 0;  ///< on reading: pixels outside the data window; they are black
 };
 
-/// Reads channels R G B (half or float, scan lines or tiles, any data window). Throws InputError.
+/// Name of the string attribute that holds the provenance, its lines separated by '\n'.
+inline constexpr const char* provenance_attribute = "provenance";
+/// The provenance in `file`; empty when it has none.
+Provenance provenance_of(const ExrFile& file);
+/// Puts it there; an empty one takes no attribute.
+void set_provenance(ExrFile& file, const Provenance& provenance);
+
+/// Reads channels R G B (half or float, scan lines or tiles) of the first part that has them, and
+/// its layers. The picture is the display window: an offset or larger data window is cropped and a
+/// smaller one padded with black. At most 65536 pixels a side. Throws InputError.
 ExrFile read_exr(const std::string& path);
-/// The file as bytes: float, ZIP, scan lines.
+/// The same for a file in memory; `name` stands in messages.
+ExrFile parse_exr(std::string_view bytes, const std::string& name);
+/// The file as bytes: float, ZIP, scan lines. The same input gives the same bytes. Layers must be as
+/// large as the picture; an attribute may not bear the name of one that OpenEXR defines with
+/// another type.
 std::string exr_bytes(const ExrFile& file);
-/// 8-bit sRGB PNG of picture * 2^exposure, clipped, as bytes.
+/// 8-bit sRGB PNG of picture * 2^exposure, clipped, as bytes. NaN shows black.
 std::string png_bytes(const Picture& picture, double exposure);
-/// Exposure that puts the picture's 95th percentile luminance near white.
+/// Exposure [stops] that puts the picture's 95th percentile luminance at white; 0 for a black one.
+/// When more than 95 % of the pixels are black, the percentile is that of the others.
 double auto_exposure(const Picture& picture);
 
 }  // namespace tdpt

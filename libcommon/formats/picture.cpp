@@ -1,0 +1,348 @@
+#include "libcommon/formats/picture.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <new>
+#include <stdexcept>
+
+#include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfFrameBuffer.h>
+#include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfIO.h>
+#include <OpenEXR/ImfInputPart.h>
+#include <OpenEXR/ImfMultiPartInputFile.h>
+#include <OpenEXR/ImfOutputFile.h>
+#include <OpenEXR/ImfStringAttribute.h>
+#include <OpenEXR/ImfTileDescription.h>
+#include <fmt/format.h>
+
+#define STB_IMAGE_WRITE_IMPLEMENTATION
+#define STB_IMAGE_WRITE_STATIC
+#define STBI_WRITE_NO_STDIO
+#include <stb/stb_image_write.h>
+
+#include "libcommon/base/error.h"
+#include "libcommon/base/file.h"
+
+namespace tdpt {
+namespace {
+
+constexpr int largest_side = 65536;
+// Bounds on what the library allocates before it has seen any pixel; samples are 4 bytes.
+constexpr int64_t most_samples_in_a_row = int64_t(1) << 22;
+constexpr int64_t most_samples_in_a_tile = int64_t(1) << 28;
+constexpr int64_t most_samples = int64_t(1) << 32;
+// Rows are read in blocks of this many, so that a file cut short fails before its picture is
+// allocated; 256 is the largest number of scan lines in one chunk (DWAB).
+constexpr int rows_at_once = 256;
+
+class MemoryInput : public Imf::IStream {
+ public:
+  MemoryInput(std::string_view bytes, const std::string& name)
+      : IStream(name.c_str()), bytes_(bytes) {}
+
+  bool read(char to[], int n) override {
+    if (n < 0 || place_ > bytes_.size() || static_cast<uint64_t>(n) > bytes_.size() - place_)
+      throw std::runtime_error("the file ends too early");
+    std::memcpy(to, bytes_.data() + place_, static_cast<size_t>(n));
+    place_ += static_cast<uint64_t>(n);
+    return place_ < bytes_.size();
+  }
+  uint64_t tellg() override { return place_; }
+  void seekg(uint64_t place) override { place_ = place; }
+
+ private:
+  std::string_view bytes_;
+  uint64_t place_ = 0;
+};
+
+class MemoryOutput : public Imf::OStream {
+ public:
+  MemoryOutput() : OStream("picture") {}
+
+  void write(const char from[], int n) override {
+    const auto count = static_cast<size_t>(n);
+    if (place_ + count > bytes.size()) bytes.resize(place_ + count);
+    std::memcpy(bytes.data() + place_, from, count);
+    place_ += count;
+  }
+  uint64_t tellp() override { return place_; }
+  void seekp(uint64_t place) override { place_ = place; }
+
+  std::string bytes;
+
+ private:
+  uint64_t place_ = 0;
+};
+
+// Names X for which X + "R", X + "G" and X + "B" are channels: "" and "<layer>.".
+std::vector<std::string> colour_prefixes(const Imf::ChannelList& channels) {
+  std::vector<std::string> prefixes;
+  for (auto c = channels.begin(); c != channels.end(); ++c) {
+    const std::string name = c.name();
+    const std::string prefix = name.substr(0, name.size() - 1);
+    if (name.empty() || name.back() != 'R' || (!prefix.empty() && prefix.back() != '.')) continue;
+    if (prefix == ".") continue;
+    if (channels.findChannel(prefix + "G") && channels.findChannel(prefix + "B"))
+      prefixes.push_back(prefix);
+  }
+  return prefixes;
+}
+
+std::string channel_names(const Imf::ChannelList& channels) {
+  std::string names;
+  int n = 0;
+  for (auto c = channels.begin(); c != channels.end(); ++c, ++n)
+    if (n < 8) names += fmt::format("{}{}", n ? " " : "", c.name());
+  if (n > 8) names += " ...";
+  return n ? names : "none";
+}
+
+// Width and height of a window; 0 when it is empty.
+Vec3<int64_t> extent(const Imath::Box2i& box) {
+  return {std::max<int64_t>(0, int64_t(box.max.x) - box.min.x + 1),
+          std::max<int64_t>(0, int64_t(box.max.y) - box.min.y + 1), 0};
+}
+
+void check_header(const Imf::Header& header, const std::vector<std::string>& prefixes,
+                  const std::string& name) {
+  for (const auto& [box, what] : {std::pair(header.displayWindow(), "display window"),
+                                  std::pair(header.dataWindow(), "data window")}) {
+    const auto size = extent(box);
+    if (size.x < 1 || size.y < 1 || size.x > largest_side || size.y > largest_side)
+      throw InputError(name, what,
+                       fmt::format("is {} x {} pixels, expected 1 to {} a side", size.x, size.y,
+                                   largest_side));
+  }
+  int64_t channels = 0;
+  for (auto c = header.channels().begin(); c != header.channels().end(); ++c) ++channels;
+  const auto data = extent(header.dataWindow());
+  const auto shown = extent(header.displayWindow());
+  const auto layers = static_cast<int64_t>(prefixes.size());
+  const bool too_large =
+      data.x * channels > most_samples_in_a_row || shown.x * shown.y * 3 * layers > most_samples;
+  if (too_large)
+    throw InputError(name, "channels",
+                     fmt::format("{} channels of {} x {} pixels, more than fits in memory", channels,
+                                 data.x, data.y));
+  if (header.hasTileDescription()) {
+    const auto& tile = header.tileDescription();
+    if (tile.xSize < 1 || tile.ySize < 1 ||
+        int64_t(tile.xSize) * tile.ySize * channels > most_samples_in_a_tile)
+      throw InputError(name, "tiles",
+                       fmt::format("tiles of {} x {} pixels, more than fits in memory", tile.xSize,
+                                   tile.ySize));
+  }
+  for (const std::string& prefix : prefixes)
+    for (const char* c : {"R", "G", "B"}) {
+      const Imf::Channel& channel = header.channels()[prefix + c];
+      if (channel.xSampling != 1 || channel.ySampling != 1)
+        throw InputError(name, "channel " + prefix + c,
+                         "has fewer samples than pixels, expected one a pixel");
+    }
+}
+
+ExrFile read_part(Imf::MultiPartInputFile& file, int index, const std::vector<std::string>& prefixes,
+                  const std::string& name) {
+  const Imf::Header& header = file.header(index);
+  check_header(header, prefixes, name);
+  const Imath::Box2i data = header.dataWindow(), shown = header.displayWindow();
+  const Imath::Box2i both(
+      {std::max(data.min.x, shown.min.x), std::max(data.min.y, shown.min.y)},
+      {std::min(data.max.x, shown.max.x), std::min(data.max.y, shown.max.y)});
+  if (both.isEmpty())
+    throw InputError(name, "data window", "lies outside the display window, expected an overlap");
+
+  ExrFile result;
+  std::vector<Picture*> pictures;
+  for (const std::string& prefix : prefixes)
+    pictures.push_back(prefix.empty() ? &result.picture
+                                      : &result.layers[prefix.substr(0, prefix.size() - 1)]);
+  const auto width = static_cast<size_t>(extent(shown).x);
+  const auto height = static_cast<size_t>(extent(shown).y);
+  const auto data_width = static_cast<size_t>(extent(data).x);
+  for (Picture* p : pictures) {
+    p->width = static_cast<int>(width);
+    p->height = static_cast<int>(height);
+    p->pixels.resize(width * static_cast<size_t>(both.min.y - shown.min.y));
+  }
+
+  Imf::InputPart part(file, index);
+  const auto columns = static_cast<size_t>(both.max.x - both.min.x + 1);
+  const auto from = static_cast<size_t>(both.min.x - data.min.x);
+  const auto to = static_cast<size_t>(both.min.x - shown.min.x);
+  std::vector<std::vector<Rgb>> blocks(prefixes.size());
+  // Widest first: files of few rows must not pay for 256 of them.
+  const int rows_in_block =
+      std::max(1, std::min<int>(rows_at_once, static_cast<int>((1 << 22) / data_width)));
+  for (int y = both.min.y; y <= both.max.y; y += rows_in_block) {
+    const int last = std::min(both.max.y, y + rows_in_block - 1);
+    const auto rows = static_cast<size_t>(last - y + 1);
+    Imf::FrameBuffer buffer;
+    for (size_t k = 0; k < prefixes.size(); ++k) {
+      blocks[k].assign(rows * data_width, Rgb{});
+      const char* const channel[3] = {"R", "G", "B"};
+      float* const first[3] = {&blocks[k][0].x, &blocks[k][0].y, &blocks[k][0].z};
+      for (int c = 0; c < 3; ++c)
+        buffer.insert(prefixes[k] + channel[c],
+                      Imf::Slice::Make(Imf::FLOAT, first[c],
+                                       Imath::Box2i({data.min.x, y}, {data.max.x, last}),
+                                       sizeof(Rgb), sizeof(Rgb) * data_width));
+    }
+    part.setFrameBuffer(buffer);
+    part.readPixels(y, last);
+    for (size_t k = 0; k < prefixes.size(); ++k) {
+      std::vector<Rgb>& pixels = pictures[k]->pixels;
+      for (size_t row = 0; row < rows; ++row) {
+        pixels.resize(pixels.size() + to);
+        const Rgb* source = blocks[k].data() + row * data_width + from;
+        pixels.insert(pixels.end(), source, source + columns);
+        pixels.resize(pixels.size() + (width - to - columns));
+      }
+    }
+  }
+  for (Picture* p : pictures) p->pixels.resize(width * height);
+  const auto covered = columns * static_cast<size_t>(both.max.y - both.min.y + 1);
+  result.pixels_without_data = static_cast<int64_t>(width * height - covered);
+  for (auto a = header.begin(); a != header.end(); ++a)
+    if (const auto* text = dynamic_cast<const Imf::StringAttribute*>(&a.attribute()))
+      result.attributes[a.name()] = text->value();
+  return result;
+}
+
+void check_size(const Picture& p, int width, int height) {
+  if (p.width != width || p.height != height || width < 1 || height < 1 ||
+      p.pixels.size() != static_cast<size_t>(width) * static_cast<size_t>(height))
+    throw std::invalid_argument("picture and layers must have one size and no fewer pixels");
+}
+
+}  // namespace
+
+Provenance provenance_of(const ExrFile& file) {
+  Provenance p;
+  const auto found = file.attributes.find(provenance_attribute);
+  if (found == file.attributes.end()) return p;
+  const std::string& text = found->second;
+  for (size_t start = 0; start < text.size();) {
+    const size_t end = std::min(text.find('\n', start), text.size());
+    if (end > start) p.lines.push_back(text.substr(start, end - start));
+    start = end + 1;
+  }
+  return p;
+}
+
+void set_provenance(ExrFile& file, const Provenance& provenance) {
+  file.attributes.erase(provenance_attribute);
+  if (provenance.empty()) return;
+  file.attributes[provenance_attribute] = fmt::format("{}", fmt::join(provenance.lines, "\n"));
+}
+
+ExrFile read_exr(const std::string& path) { return parse_exr(read_file(path), display_name(path)); }
+
+ExrFile parse_exr(std::string_view bytes, const std::string& name) {
+  const char magic[4] = {0x76, 0x2f, 0x31, 0x01};
+  if (bytes.size() < 4 || std::memcmp(bytes.data(), magic, 4) != 0)
+    throw InputError(name, "", "is not an OpenEXR file");
+  try {
+    Imf::Header::setMaxImageSize(largest_side, largest_side);
+    MemoryInput stream(bytes, name);
+    Imf::MultiPartInputFile file(stream, 0, false);
+    for (int part = 0; part < file.parts(); ++part) {
+      const std::vector<std::string> prefixes = colour_prefixes(file.header(part).channels());
+      if (std::find(prefixes.begin(), prefixes.end(), "") != prefixes.end())
+        return read_part(file, part, prefixes, name);
+    }
+    throw InputError(name, "channels",
+                     fmt::format("{}, expected R, G and B",
+                                 file.parts() ? channel_names(file.header(0).channels()) : "none"));
+  } catch (const Error&) {
+    throw;
+  } catch (const std::bad_alloc&) {
+    throw InputError(name, "", "asks for more memory than there is");
+  } catch (const std::exception& e) {  // whatever the library finds wrong
+    std::string why = e.what();
+    std::replace_if(why.begin(), why.end(), [](unsigned char c) { return c < ' '; }, ' ');
+    throw InputError(name, "", "is damaged: " + why);
+  }
+}
+
+std::string exr_bytes(const ExrFile& file) {
+  const int width = file.picture.width, height = file.picture.height;
+  Imf::Header header(width, height);
+  header.compression() = Imf::ZIP_COMPRESSION;
+  for (const auto& [name, text] : file.attributes)
+    header.insert(name.c_str(), Imf::StringAttribute(text));
+
+  Imf::FrameBuffer buffer;
+  const auto insert = [&](const std::string& prefix, const Picture& p) {
+    check_size(p, width, height);
+    const char* const channel[3] = {"R", "G", "B"};
+    const float* const first[3] = {&p.pixels[0].x, &p.pixels[0].y, &p.pixels[0].z};
+    for (int c = 0; c < 3; ++c) {
+      header.channels().insert(prefix + channel[c], Imf::Channel(Imf::FLOAT));
+      // The library's interface has no const; it only reads from here.
+      buffer.insert(prefix + channel[c],
+                    Imf::Slice(Imf::FLOAT,
+                               const_cast<char*>(reinterpret_cast<const char*>(first[c])),
+                               sizeof(Rgb), sizeof(Rgb) * static_cast<size_t>(width)));
+    }
+  };
+  insert("", file.picture);
+  for (const auto& [name, picture] : file.layers) insert(name + ".", picture);
+
+  MemoryOutput stream;
+  {
+    Imf::OutputFile output(stream, header, 0);
+    output.setFrameBuffer(buffer);
+    output.writePixels(height);
+  }  // the destructor writes the table of offsets
+  return std::move(stream.bytes);
+}
+
+std::string png_bytes(const Picture& picture, double exposure) {
+  check_size(picture, picture.width, picture.height);
+  const double scale = std::exp2(exposure);
+  const auto encode = [scale](float value) {  // IEC 61966-2-1
+    const double v = scale * static_cast<double>(value);
+    if (!(v > 0)) return static_cast<unsigned char>(0);
+    const double s = v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(std::min(v, 1.0), 1 / 2.4) - 0.055;
+    return static_cast<unsigned char>(std::lround(255 * std::min(s, 1.0)));
+  };
+  std::vector<unsigned char> pixels;
+  pixels.reserve(picture.pixels.size() * 3);
+  for (const Rgb& p : picture.pixels)
+    for (int c = 0; c < 3; ++c) pixels.push_back(encode(p[c]));
+  std::string bytes;
+  const auto append = [](void* to, void* data, int n) {
+    static_cast<std::string*>(to)->append(static_cast<const char*>(data), static_cast<size_t>(n));
+  };
+  if (!stbi_write_png_to_func(append, &bytes, picture.width, picture.height, 3, pixels.data(),
+                              picture.width * 3))
+    throw std::bad_alloc();
+  return bytes;
+}
+
+double auto_exposure(const Picture& picture) {
+  std::vector<float> all;
+  for (const Rgb& p : picture.pixels) {
+    const float l = luminance(p);
+    all.push_back(std::isfinite(l) && l > 0 ? l : 0.0f);
+  }
+  const auto percentile = [](std::vector<float>& v) {
+    const size_t at = v.size() * 95 / 100;
+    std::nth_element(v.begin(), v.begin() + static_cast<std::ptrdiff_t>(at), v.end());
+    return v[at];
+  };
+  if (all.empty()) return 0;
+  float white = percentile(all);
+  if (white <= 0) {
+    std::erase_if(all, [](float l) { return l <= 0; });
+    if (all.empty()) return 0;
+    white = percentile(all);
+  }
+  return -std::log2(static_cast<double>(white));
+}
+
+}  // namespace tdpt
