@@ -120,7 +120,7 @@ int main(int argc, char** argv) {
   options.choice("--integrator", a.integrator, names,
                  "Techniques to combine; default tdpt with portals, bdpt without");
   options.option("--spp", a.spp, "N", "Samples per pixel; default 16, or as --time allows", 1,
-                 int64_t{1} << 40);
+                 int64_t{1} << 32);
   options.option("--time", a.seconds, "SECONDS", "Stop rendering after this wall-clock time", 1e-3,
                  1e9, Shapes::nothing);
   options.option("--max-depth", a.max_depth, "K", "Edges of the longest path; default 6", 1,

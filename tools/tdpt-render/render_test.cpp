@@ -81,6 +81,35 @@ TEST(render, furnace_box_shows_the_geometric_series) {
   }
 }
 
+TEST(render, power_heuristic_agrees_with_balance) {
+  const Scene scene = read_gltf(two_rooms_path());
+  const World world(scene, scene.camera(""), 64, 48, {portal_in_the_hole()});
+  const auto run = [&](double beta) {
+    RenderSettings settings;
+    settings.spp = 128;
+    settings.beta = beta;
+    return luminance(Vec3f(render(world, tdpt_org, settings).mean()));
+  };
+  const double balance = run(1), power = run(2);
+  EXPECT_NE(balance, power);
+  EXPECT_NEAR(power / balance, 1, 0.02);  // the same samples, weighed otherwise
+}
+
+// Rims of an opening count in density and in visibility alike, however far rays step off.
+TEST(render, the_step_off_the_surface_does_not_change_the_mean) {
+  const Scene scene = read_gltf(two_rooms_path());
+  World world(scene, scene.camera(""), 64, 48, {portal_in_the_hole()});
+  const auto run = [&](double scale) {
+    world.tracer.set_offset_scale(scale);
+    RenderSettings settings;
+    settings.spp = 128;
+    return luminance(Vec3f(render(world, tdpt_ref, settings).mean()));
+  };
+  const double once = run(1);
+  EXPECT_NEAR(run(4) / once, 1, 2e-3);
+  EXPECT_GT(std::abs(run(20000) / once - 1), 2e-3);  // twin: a step of 1 cm does
+}
+
 TEST(render, same_bytes_for_any_number_of_threads) {
   const Scene scene = read_gltf(two_rooms_path());
   const World world(scene, scene.camera(""), 40, 30, {portal_in_the_hole()});
