@@ -1,0 +1,174 @@
+#include "libcommon/formats/dimacs.h"
+
+#include <optional>
+
+#include "libcommon/base/file.h"
+#include "libcommon/base/hash.h"
+#include "libcommon/formats/patch_lines.h"
+
+namespace tdpt {
+namespace {
+using namespace patch_lines;
+
+class DimacsReader {
+ public:
+  DimacsReader(std::string_view text, const std::string& file) : in_(text, file) {}
+
+  DimacsFile read() {
+    while (in_.next()) {
+      const std::string_view key = in_.word();
+      if (key == "c")
+        comment();
+      else if (key == "p")
+        problem();
+      else if (key == "n")
+        terminal();
+      else if (key == "a")
+        arc();
+      else
+        in_.fail(TextLines::found(key) + " at the start of the line, expected one of c, p, n, a");
+    }
+    finish();
+    return std::move(out_);
+  }
+
+ private:
+  FlowNetwork& net() { return out_.network; }
+
+  void comment() {
+    const std::string whole(in_.rest());
+    if (!out_.has_patches) {
+      if (whole == "tdpt max 1") out_.has_patches = true;
+      return;
+    }
+    const std::string_view word = in_.word();
+    if (word == "made" || word == "from") {
+      out_.provenance.lines.push_back(whole);
+    } else if (word == "scene") {
+      out_.scene_hash = std::string(in_.word());
+      if (out_.scene_hash.empty()) in_.fail("nothing as hash of the scene, expected one");
+    } else if (word == "scale") {
+      out_.scale = in_.real("scale");
+      if (!(out_.scale > 0)) in_.fail("a scale of 0 or less, expected one above 0");
+      in_.end();
+    } else if (word == "grid") {
+      out_.grid = read_grid(in_);
+      has_grid_ = true;
+    } else if (word == "patch") {
+      Patch p;
+      p.node = static_cast<uint32_t>(in_.integer("node of a patch", 1, UINT32_MAX));
+      read_patch(in_, p);
+      if (!index_.emplace(p.node, static_cast<uint32_t>(out_.patches.size())).second)
+        in_.fail(fmt::format("patch {} again, expected each patch once", p.node));
+      out_.patches.push_back(std::move(p));
+    } else if (word == "faces") {
+      read_faces(in_, out_.patches[patch_of(in_, index_, "node of a face")]);
+    }
+  }
+
+  void problem() {
+    if (net().nodes) in_.fail("a second 'p' line, expected one");
+    const std::string_view kind = in_.word();
+    if (kind != "max") in_.fail(TextLines::found(kind) + " as problem, expected max");
+    net().nodes = static_cast<uint32_t>(in_.integer("number of nodes", 2, INT32_MAX));
+    announced_arcs_ = in_.integer("number of arcs", 0, INT32_MAX);
+    in_.end();
+  }
+
+  uint32_t node(const char* what) {
+    if (!net().nodes)
+      in_.fail("a line that needs the numbers of a 'p max' line, expected it above");
+    return static_cast<uint32_t>(in_.integer(what, 1, net().nodes)) - 1;
+  }
+
+  void terminal() {
+    const uint32_t v = node("node");
+    const std::string_view which = in_.word();
+    if (which != "s" && which != "t")
+      in_.fail(TextLines::found(which) + " as terminal, expected s or t");
+    std::optional<uint32_t>& terminal = which == "s" ? source_ : sink_;
+    if (terminal)
+      in_.fail(which == "s" ? "a second source, expected one" : "a second sink, expected one");
+    terminal = v;
+    if (source_ == sink_) in_.fail("the same node as source and sink, expected two nodes");
+    in_.end();
+  }
+
+  void arc() {
+    FlowArc a{};
+    a.from = node("tail of an arc");
+    a.to = node("head of an arc");
+    a.capacity = in_.integer("capacity", 0, INT64_MAX);
+    in_.end();
+    if (a.capacity >= kLargestCapacitySum - capacity_sum_)
+      in_.fail(
+          fmt::format("capacities add up beyond {}, expected a smaller sum", kLargestCapacitySum));
+    capacity_sum_ += a.capacity;
+    if (static_cast<int64_t>(net().arcs.size()) == announced_arcs_)
+      in_.fail(fmt::format("one arc more than the {} of the 'p' line", announced_arcs_));
+    net().arcs.push_back(a);
+  }
+
+  void finish() {
+    if (!net().nodes) in_.fail_file("no 'p max' line, expected a DIMACS maximum-flow problem");
+    if (!source_) in_.fail_file("no source, expected a line 'n NODE s'");
+    if (!sink_) in_.fail_file("no sink, expected a line 'n NODE t'");
+    net().source = *source_;
+    net().sink = *sink_;
+    if (static_cast<int64_t>(net().arcs.size()) != announced_arcs_)
+      in_.fail_file(fmt::format("{} arcs, expected the {} of the 'p' line", net().arcs.size(),
+                                announced_arcs_));
+    if (!out_.has_patches) return;
+    if (out_.scene_hash.empty()) in_.fail_file("no 'c scene' line, expected the hash of the scene");
+    if (!has_grid_) in_.fail_file("no 'c grid' line, expected the grid of the patches");
+    for (const Patch& p : out_.patches) {
+      if (p.node > net().nodes || p.node - 1 == *source_ || p.node - 1 == *sink_)
+        in_.fail_file(fmt::format("patch {} is no inner node of the network", p.node));
+      if (p.faces.empty())
+        in_.fail_file(fmt::format("patch {} has no faces, expected at least one", p.node));
+    }
+    if (out_.patches.size() + 2 != net().nodes)
+      in_.fail_file(fmt::format("{} patches, expected one for each of the {} inner nodes",
+                                out_.patches.size(), net().nodes - 2));
+  }
+
+  TextLines in_;
+  DimacsFile out_;
+  NodeIndex index_;
+  std::optional<uint32_t> source_, sink_;
+  int64_t announced_arcs_ = 0, capacity_sum_ = 0;
+  bool has_grid_ = false;
+};
+
+}  // namespace
+
+DimacsFile read_dimacs(const std::string& path) {
+  const std::string text = read_file(path);
+  DimacsFile file = DimacsReader(text, display_name(path)).read();
+  file.hash = content_hash(text);
+  return file;
+}
+
+std::string dimacs_text(const DimacsFile& file) {
+  std::string out;
+  const auto to = std::back_inserter(out);
+  if (file.has_patches) {
+    out += "c tdpt max 1\n";
+    for (const std::string& line : file.provenance.lines) fmt::format_to(to, "c {}\n", line);
+    fmt::format_to(to, "c scene {}\nc scale {}\n", file.scene_hash, file.scale);
+    write_grid(out, "c grid", file.grid);
+    for (const Patch& p : file.patches) {
+      fmt::format_to(to, "c patch {} ", p.node);
+      write_patch(out, p);
+      write_faces(out, "c faces", p);
+    }
+  }
+  const FlowNetwork& net = file.network;
+  fmt::format_to(to, "p max {} {}\nn {} s\nn {} t\n", net.nodes, net.arcs.size(), net.source + 1,
+                 net.sink + 1);
+  for (const FlowArc& a : net.arcs)
+    fmt::format_to(to, "a {} {} {}\n", a.from + 1, a.to + 1, a.capacity);
+  return out;
+}
+
+}  // namespace tdpt

@@ -1,0 +1,31 @@
+// Maximum-flow problems in DIMACS form (.max), with the geometry of their nodes in comments.
+// Written by ffgraph; read by mincut and by every DIMACS solver. Grammar: man 5 tdpt-max.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "libcommon/base/provenance.h"
+#include "libcommon/formats/cut.h"
+#include "libcommon/math/max_flow.h"
+
+namespace tdpt {
+
+/// Node k of `network` is node k + 1 of the file; Patch::node is the number in the file.
+struct DimacsFile {
+  FlowNetwork network;
+  double scale = 1;          ///< capacity of one etendue sample
+  bool has_patches = false;  ///< false: a plain DIMACS file; then all below but `hash` is empty
+  std::string scene_hash;
+  PatchGrid grid;
+  std::vector<Patch> patches;
+  Provenance provenance;
+  std::string hash;  ///< content hash of the file read
+};
+
+/// Throws InputError with the line for everything that is no maximum-flow problem with whole
+/// capacities: fractions, negative ones, sums beyond kLargestCapacitySum, nodes out of range,
+/// missing or doubled terminals, a wrong number of arcs.
+DimacsFile read_dimacs(const std::string& path);
+std::string dimacs_text(const DimacsFile& file);
+
+}  // namespace tdpt

@@ -1,0 +1,137 @@
+#include "libcommon/formats/dimacs.h"
+
+#include <filesystem>
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "libcommon/base/error.h"
+#include "libcommon/base/output_file.h"
+
+namespace tdpt {
+namespace {
+
+std::string temporary(const std::string& text) {
+  const std::string path = std::filesystem::temp_directory_path() /
+                           ("tdpt_dimacs_test." + std::to_string(::getpid()) + ".max");
+  write_output(path, text);
+  return path;
+}
+
+DimacsFile read_text(const std::string& text) {
+  const std::string path = temporary(text);
+  DimacsFile file;
+  try {
+    file = read_dimacs(path);
+  } catch (...) {
+    std::filesystem::remove(path);
+    throw;
+  }
+  std::filesystem::remove(path);
+  return file;
+}
+
+/// What the reader says of `text`, without the path in front.
+std::string complaint(const std::string& text) {
+  try {
+    read_text(text);
+  } catch (const InputError& e) {
+    const std::string what = e.what();
+    return what.substr(what.find(".max:") + 5);
+  }
+  return "(accepted)";
+}
+
+DimacsFile example() {
+  DimacsFile f;
+  f.has_patches = true;
+  f.scale = 1000;
+  f.scene_hash = "0123456789abcdef";
+  f.grid = {{-1.25, 0.1, 3e-7}, 0.1443};
+  f.patches = {{3, 0, {1, -2, 7}, 120, {0.1, 0.2, 0.3}, {0, 1, 0}, {0, 2}},
+               {4, 1, {4, 5, 6}, 3, {1, 2, 3}, {0.6, 0, -0.8}, {5}}};
+  f.network = {4, 0, 1, {{0, 2, 500}, {2, 3, 250}, {3, 2, 250}, {3, 1, 700}}};
+  f.provenance.made_by("ffgraph", "ffgraph");
+  return f;
+}
+
+TEST(dimacs, reads_back_what_was_written) {
+  const DimacsFile a = example();
+  const DimacsFile b = read_text(dimacs_text(a));
+  EXPECT_EQ(dimacs_text(b), dimacs_text(a));
+  ASSERT_EQ(b.patches.size(), 2u);
+  EXPECT_EQ(b.scale, 1000);
+  EXPECT_EQ(b.network.arcs.size(), 4u);
+  EXPECT_EQ(b.network.sink, 1u);
+  EXPECT_EQ(b.provenance.lines, a.provenance.lines);
+}
+
+TEST(dimacs, plain_problems_of_others_are_read) {
+  const DimacsFile f = read_text(
+      "c a problem from a book\nc grid of streets\n\np max 4 5\r\nn 1 s\nn 4 t\na 1 2 4\na 1 3 2\n"
+      "a 2 3 3\na 3 4 5\na 2 2 9\n");
+  EXPECT_FALSE(f.has_patches);
+  EXPECT_EQ(f.network.nodes, 4u);
+  EXPECT_EQ(f.network.arcs.size(), 5u);
+}
+
+TEST(dimacs, says_what_is_wrong_and_where) {
+  const std::string p = "p max 4 2\nn 1 s\nn 4 t\n";  // lines 1-3
+  const std::string arcs = "a 1 2 4\na 2 4 4\n";
+  const std::string ours = "c tdpt max 1\nc scene aa\nc grid 0 0 0 1\n";
+  const std::string geometry = " 0 0 0 0 9 0 0 0 0 1 0\n";
+  const std::vector<std::pair<std::string, std::string>> cases = {
+      {p + arcs, "(accepted)"},
+      {ours + "c patch 2" + geometry + "c faces 2 0\nc patch 3" + geometry + "c faces 3 4 6\n" + p +
+           arcs,
+       "(accepted)"},
+      {"", " no 'p max' line, expected a DIMACS maximum-flow problem"},
+      {"x\n", "line 1: 'x' at the start of the line, expected one of c, p, n, a"},
+      {p + "p max 4 2\n", "line 4: a second 'p' line, expected one"},
+      {"p min 4 2\n", "line 1: 'min' as problem, expected max"},
+      {"p max 1 2\n",
+       "line 1: '1' as number of nodes, expected a whole number from 2 to 2147483647"},
+      {"p max 4 -1\n",
+       "line 1: '-1' as number of arcs, expected a whole number from 0 to 2147483647"},
+      {"p max 4 2 7\n", "line 1: '7' found, expected the end of the line"},
+      {"n 1 s\n", "line 1: a line that needs the numbers of a 'p max' line, expected it above"},
+      {p + "n 2 s\n", "line 4: a second source, expected one"},
+      {p + "n 2 t\n", "line 4: a second sink, expected one"},
+      {"p max 4 0\nn 2 s\nn 2 t\n", "line 3: the same node as source and sink, expected two nodes"},
+      {p + "n 2 x\n", "line 4: 'x' as terminal, expected s or t"},
+      {p + "a 0 2 1\n", "line 4: '0' as tail of an arc, expected a whole number from 1 to 4"},
+      {p + "a 1 5 1\n", "line 4: '5' as head of an arc, expected a whole number from 1 to 4"},
+      {p + "a 1 2 0.5\n",
+       "line 4: '0.5' as capacity, expected a whole number from 0 to 9223372036854775807"},
+      {p + "a 1 2 -3\n",
+       "line 4: '-3' as capacity, expected a whole number from 0 to 9223372036854775807"},
+      {p + "a 1 2 9223372036854775808\n",
+       "line 4: '9223372036854775808' as capacity, expected a whole number from 0 to "
+       "9223372036854775807"},
+      {p + "a 1 2\n",
+       "line 4: nothing as capacity, expected a whole number from 0 to 9223372036854775807"},
+      {p + "a 1 2 2000000000000000000\na 2 4 2000000000000000000\n",
+       "line 5: capacities add up beyond 2305843009213693951, expected a smaller sum"},
+      {p + arcs + "a 1 4 1\n", "line 6: one arc more than the 2 of the 'p' line"},
+      {p + "a 1 2 4\n", " 1 arcs, expected the 2 of the 'p' line"},
+      {"p max 4 0\nn 4 t\n", " no source, expected a line 'n NODE s'"},
+      {"p max 4 0\nn 4 s\n", " no sink, expected a line 'n NODE t'"},
+      {"c tdpt max 1\nc scale 0\n", "line 2: a scale of 0 or less, expected one above 0"},
+      {"c tdpt max 1\nc scene\n", "line 2: nothing as hash of the scene, expected one"},
+      {"c tdpt max 1\nc grid 0 0 0 -1\n", "line 2: a cell without size, expected a side above 0"},
+      {ours + "c patch 2" + geometry + "c patch 2" + geometry,
+       "line 5: patch 2 again, expected each patch once"},
+      {ours + "c faces 2 1\n", "line 4: node 2 as node of a face, expected a patch named above"},
+      {"c tdpt max 1\n" + p + arcs, " no 'c scene' line, expected the hash of the scene"},
+      {"c tdpt max 1\nc scene a\n" + p + arcs,
+       " no 'c grid' line, expected the grid of the patches"},
+      {ours + p + arcs, " 0 patches, expected one for each of the 2 inner nodes"},
+      {ours + "c patch 2" + geometry + p + arcs, " patch 2 has no faces, expected at least one"},
+      {ours + "c patch 1" + geometry + "c faces 1 0\n" + p + arcs,
+       " patch 1 is no inner node of the network"},
+  };
+  for (const auto& [text, expected] : cases) EXPECT_EQ(complaint(text), expected) << text;
+}
+
+}  // namespace
+}  // namespace tdpt

@@ -1,0 +1,30 @@
+// Maximum flow and minimum cut of a network with whole capacities.
+#pragma once
+#include <cstdint>
+#include <vector>
+
+namespace tdpt {
+
+struct FlowArc {
+  uint32_t from, to;
+  int64_t capacity;  ///< 0 or more
+};
+
+/// Nodes are 0 .. nodes-1; the sum of all capacities stays below kLargestCapacitySum.
+struct FlowNetwork {
+  uint32_t nodes = 0, source = 0, sink = 0;
+  std::vector<FlowArc> arcs;
+};
+
+inline constexpr int64_t kLargestCapacitySum = INT64_MAX / 4;
+
+struct MaxFlow {
+  int64_t value = 0;
+  std::vector<int64_t> flow;         ///< on each arc of the network
+  std::vector<uint8_t> source_side;  ///< of each node: 1 when a residual path leads there
+};
+
+/// Push-relabel (Boost). The cut is the one nearest to the source.
+MaxFlow max_flow(const FlowNetwork& network);
+
+}  // namespace tdpt
