@@ -1,0 +1,56 @@
+// Lines of light that join the two sides of a cut: drawn between pivot patches, or through a place
+// in the air.
+#pragma once
+#include <memory>
+#include <optional>
+
+#include "libcommon/formats/cut.h"
+#include "libcommon/scene/scene.h"
+#include "libcommon/trace/tracer.h"
+#include "tools/lightgrid/patch_map.h"
+
+namespace tdpt {
+
+/// A line from the source side to the sink side with the surfaces it ends on; canonical.
+struct JoiningLine {
+  SurfacePoint light, camera;
+};
+
+class LightLines {
+ public:
+  /// Keeps references. Throws InputError (see PatchMap).
+  LightLines(const Scene& scene, const Tracer& tracer, const CutFile& cut,
+             const std::string& cut_name);
+
+  /// Whether any pair of the cut has surface to draw from.
+  bool empty() const { return arcs_.empty(); }
+
+  enum class Fate { blocked, leak, kept };
+  /// Draws a pair in proportion to its capacity and a point, uniform by area, on each of its
+  /// patches. `leak`: visible, but one of its ends lies on the other side of the opening.
+  Fate between_pivots(Rng& rng, JoiningLine& line) const;
+
+  enum class Through { unknown, same_side, joins };
+  /// The line through canonical `place` along unit `w`, both ways to the first surface. `unknown`:
+  /// it leaves the scene or ends on a surface without a patch. `joins`: its ends lie on different
+  /// sides; then `line` holds it, turned from light to camera.
+  Through through(Rng& rng, const Vec3d& place, const Vec3d& w, JoiningLine& line) const;
+
+ private:
+  bool sees_its_side(Rng& rng, const SurfacePoint& end, Side side) const;
+
+  struct End {
+    SurfacePoint point;
+    Side side;
+  };
+  std::optional<End> end_of(const Vec3d& place, const Vec3d& w) const;
+
+  const Tracer& tracer_;
+  const CutFile& cut_;
+  PatchMap map_;
+  std::vector<std::unique_ptr<PatchSurface>> surfaces_;  // per patch, where an arc needs it
+  std::vector<uint32_t> arcs_;
+  AliasTable arc_table_;
+};
+
+}  // namespace tdpt

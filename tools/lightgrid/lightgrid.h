@@ -1,0 +1,35 @@
+// The light grid (section 4.2): lines of light between pivot patches, counted in voxels of air.
+#pragma once
+#include <functional>
+
+#include "libcommon/formats/cut.h"
+#include "libcommon/formats/light_grid.h"
+#include "libcommon/scene/scene.h"
+
+namespace tdpt {
+
+struct LightGridOptions {
+  int resolution = 128;  ///< voxels along the longest side of the scene
+  uint64_t seed = 1;
+  uint64_t samples = 1 << 20;  ///< most segments drawn between pivot patches
+  double tolerance = 0.02;     ///< change of the normalised counts that counts as settled
+  size_t lines = 16384;        ///< lines to keep in the file
+};
+
+struct LightGridReport {
+  uint64_t drawn = 0, visible = 0, kept = 0;  ///< segments between pivot patches
+  bool settled = false;                       ///< false: the budget was spent first
+  double change = 1;                          ///< of the normalised counts in the last batch
+  uint64_t tried = 0, joined = 0;             ///< lines through the fullest places
+  float fullest = 0;                          ///< largest count of a voxel
+  size_t air = 0;                             ///< voxels of air
+};
+
+/// The grid of `scene` and `cut`; `cut_name` stands in error messages. `progress` is told how many
+/// segments were drawn since the last call. Throws InputError when the two do not belong together.
+/// A cut without a bottleneck, or one without a line of light, gives a grid with bottleneck false.
+LightGrid make_light_grid(const Scene& scene, const CutFile& cut, const std::string& cut_name,
+                          const LightGridOptions& options, LightGridReport& report,
+                          const std::function<void(uint64_t)>& progress = {});
+
+}  // namespace tdpt

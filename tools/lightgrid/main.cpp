@@ -1,0 +1,85 @@
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "libcommon/base/error.h"
+#include "libcommon/base/output_file.h"
+#include "libcommon/base/progress.h"
+#include "libcommon/base/threads.h"
+#include "libcommon/cli/cli.h"
+#include "tools/lightgrid/lightgrid.h"
+
+int main(int argc, char** argv) {
+  using namespace tdpt;
+  cli::Options options("lightgrid",
+                       "Counts the light between the two sides of a cut in the voxels of air it "
+                       "passes.",
+                       "The light grid (.vdb); default standard output");
+  std::string scene_path, cut_path, device = "cpu";
+  int64_t resolution = 128, samples = 1 << 20, lines = 1 << 14;
+  options.argument("scene", scene_path, "The scene, glTF 2.0 (.glb or .gltf)");
+  options.argument("cut", cut_path, "Its minimum cut (.cut), as mincut writes it");
+  options.option("--resolution", resolution, "N",
+                 "Voxels along the longest side of the scene; default 128", 8, 512);
+  options.option("--samples", samples, "N",
+                 "Most segments drawn between pivot patches; default 1048576", 1, int64_t{1} << 32);
+  options.option("--lines", lines, "N", "Lines of light kept in the file; default 16384", 100,
+                 1 << 22);
+  options.choice("--device", device, {"cpu", "gpu"}, "What traces the segments; default cpu");
+  return options.run_main(argc, argv, [&] {
+    const cli::Common& common = options.common;
+    if (device == "gpu")
+      throw Error(Exit::no_device, "this build has no GPU back end; --device cpu works everywhere");
+    if (scene_path == "-" && cut_path == "-")
+      throw UsageError("only one of the two inputs can come from standard input");
+    const Scene scene = read_gltf(scene_path);
+    const CutFile cut = read_cut(cut_path);
+    LightGridOptions how;
+    how.resolution = static_cast<int>(resolution);
+    how.seed = common.seed;
+    how.samples = static_cast<uint64_t>(samples);
+    how.lines = static_cast<size_t>(lines);
+    LightGridReport report;
+    LightGrid grid;
+    {
+      Progress progress("tracing", "segments", how.samples, common.quiet);
+      grid = make_light_grid(scene, cut, cut_path, how, report,
+                             [&](uint64_t n) { progress.advance(n); });
+    }
+    grid.provenance =
+        common.provenance({{scene_path, scene.hash, {}}, {cut_path, cut.hash, cut.provenance}});
+    if (!grid.bottleneck) {
+      common.note("no light grid: " + grid.reason + ".");
+    } else {
+      common.note(
+          fmt::format("{} of {} segments are visible, {} of these join the two sides; the "
+                      "counts {} (change {:.1f} %).",
+                      report.visible, report.drawn, report.kept,
+                      report.settled ? "have settled"
+                                     : "had not settled when the budget "
+                                       "was spent",
+                      100 * report.change));
+      common.note(
+          fmt::format("{} lines through the fullest places kept, {} of {} tried join the "
+                      "two sides.",
+                      grid.lines.size(), report.joined, report.tried));
+    }
+    write_output(common.output, light_grid_bytes(grid));
+    common.summary(nlohmann::json{{"bottleneck", grid.bottleneck},
+                                  {"reason", grid.reason},
+                                  {"drawn", report.drawn},
+                                  {"visible", report.visible},
+                                  {"kept", report.kept},
+                                  {"settled", report.settled},
+                                  {"change", report.change},
+                                  {"tried", report.tried},
+                                  {"joined", report.joined},
+                                  {"lines", grid.lines.size()},
+                                  {"voxels", grid.dim},
+                                  {"air", report.air},
+                                  {"voxel", grid.voxel},
+                                  {"fullest", report.fullest},
+                                  {"cpu_seconds", cpu_seconds()}}
+                       .dump());
+    return 0;
+  });
+}
