@@ -112,9 +112,9 @@ void check_header(const Imf::Header& header, const std::vector<std::string>& pre
                                   std::pair(header.dataWindow(), "data window")}) {
     const auto size = extent(box);
     if (size.x < 1 || size.y < 1 || size.x > largest_side || size.y > largest_side)
-      throw InputError(name, what,
-                       fmt::format("is {} x {} pixels, expected 1 to {} a side", size.x, size.y,
-                                   largest_side));
+      throw InputError(
+          name, what,
+          fmt::format("is {} x {} pixels, expected 1 to {} a side", size.x, size.y, largest_side));
   }
   int64_t channels = 0;
   for (auto c = header.channels().begin(); c != header.channels().end(); ++c) ++channels;
@@ -125,15 +125,15 @@ void check_header(const Imf::Header& header, const std::vector<std::string>& pre
       data.x * channels > most_samples_in_a_row || shown.x * shown.y * 3 * layers > most_samples;
   if (too_large)
     throw InputError(name, "channels",
-                     fmt::format("{} channels of {} x {} pixels, more than fits in memory", channels,
-                                 data.x, data.y));
+                     fmt::format("{} channels of {} x {} pixels, more than fits in memory",
+                                 channels, data.x, data.y));
   if (header.hasTileDescription()) {
     const auto& tile = header.tileDescription();
     if (tile.xSize < 1 || tile.ySize < 1 ||
         int64_t(tile.xSize) * tile.ySize * channels > most_samples_in_a_tile)
-      throw InputError(name, "tiles",
-                       fmt::format("tiles of {} x {} pixels, more than fits in memory", tile.xSize,
-                                   tile.ySize));
+      throw InputError(
+          name, "tiles",
+          fmt::format("tiles of {} x {} pixels, more than fits in memory", tile.xSize, tile.ySize));
   }
   for (const std::string& prefix : prefixes)
     for (const char* c : {"R", "G", "B"}) {
@@ -144,14 +144,13 @@ void check_header(const Imf::Header& header, const std::vector<std::string>& pre
     }
 }
 
-ExrFile read_part(Imf::MultiPartInputFile& file, int index, const std::vector<std::string>& prefixes,
-                  const std::string& name) {
+ExrFile read_part(Imf::MultiPartInputFile& file, int index,
+                  const std::vector<std::string>& prefixes, const std::string& name) {
   const Imf::Header& header = file.header(index);
   check_header(header, prefixes, name);
   const Imath::Box2i data = header.dataWindow(), shown = header.displayWindow();
-  const Imath::Box2i both(
-      {std::max(data.min.x, shown.min.x), std::max(data.min.y, shown.min.y)},
-      {std::min(data.max.x, shown.max.x), std::min(data.max.y, shown.max.y)});
+  const Imath::Box2i both({std::max(data.min.x, shown.min.x), std::max(data.min.y, shown.min.y)},
+                          {std::min(data.max.x, shown.max.x), std::min(data.max.y, shown.max.y)});
   if (both.isEmpty())
     throw InputError(name, "data window", "lies outside the display window, expected an overlap");
 
@@ -206,9 +205,12 @@ ExrFile read_part(Imf::MultiPartInputFile& file, int index, const std::vector<st
   for (Picture* p : pictures) p->pixels.resize(width * height);
   const auto covered = columns * static_cast<size_t>(both.max.y - both.min.y + 1);
   result.pixels_without_data = static_cast<int64_t>(width * height - covered);
-  for (auto a = header.begin(); a != header.end(); ++a)
+  for (auto a = header.begin(); a != header.end(); ++a) {
+    const std::string key = a.name();
+    if (key == "type" || key == "name") continue;  // of the part, not of the picture
     if (const auto* text = dynamic_cast<const Imf::StringAttribute*>(&a.attribute()))
-      result.attributes[a.name()] = text->value();
+      result.attributes[key] = text->value();
+  }
   return result;
 }
 
@@ -239,7 +241,9 @@ void set_provenance(ExrFile& file, const Provenance& provenance) {
   file.attributes[provenance_attribute] = fmt::format("{}", fmt::join(provenance.lines, "\n"));
 }
 
-ExrFile read_exr(const std::string& path) { return parse_exr(read_file(path), display_name(path)); }
+ExrFile read_exr(const std::string& path) {
+  return parse_exr(read_file(path), display_name(path));
+}
 
 ExrFile parse_exr(std::string_view bytes, const std::string& name) {
   const char magic[4] = {0x76, 0x2f, 0x31, 0x01};
@@ -263,7 +267,8 @@ ExrFile parse_exr(std::string_view bytes, const std::string& name) {
     throw InputError(name, "", "asks for more memory than there is");
   } catch (const std::exception& e) {  // whatever the library finds wrong
     std::string why = e.what();
-    std::replace_if(why.begin(), why.end(), [](unsigned char c) { return c < ' '; }, ' ');
+    std::replace_if(
+        why.begin(), why.end(), [](unsigned char c) { return c < ' '; }, ' ');
     throw InputError(name, "", "is damaged: " + why);
   }
 }
@@ -283,10 +288,10 @@ std::string exr_bytes(const ExrFile& file) {
     for (int c = 0; c < 3; ++c) {
       header.channels().insert(prefix + channel[c], Imf::Channel(Imf::FLOAT));
       // The library's interface has no const; it only reads from here.
-      buffer.insert(prefix + channel[c],
-                    Imf::Slice(Imf::FLOAT,
-                               const_cast<char*>(reinterpret_cast<const char*>(first[c])),
-                               sizeof(Rgb), sizeof(Rgb) * static_cast<size_t>(width)));
+      buffer.insert(
+          prefix + channel[c],
+          Imf::Slice(Imf::FLOAT, const_cast<char*>(reinterpret_cast<const char*>(first[c])),
+                     sizeof(Rgb), sizeof(Rgb) * static_cast<size_t>(width)));
     }
   };
   insert("", file.picture);
@@ -307,7 +312,8 @@ std::string png_bytes(const Picture& picture, double exposure) {
   const auto encode = [scale](float value) {  // IEC 61966-2-1
     const double v = scale * static_cast<double>(value);
     if (!(v > 0)) return static_cast<unsigned char>(0);
-    const double s = v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(std::min(v, 1.0), 1 / 2.4) - 0.055;
+    const double s =
+        v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(std::min(v, 1.0), 1 / 2.4) - 0.055;
     return static_cast<unsigned char>(std::lround(255 * std::min(s, 1.0)));
   };
   std::vector<unsigned char> pixels;

@@ -18,8 +18,8 @@ struct Picture {
 };
 
 struct ExrFile {
-  Picture picture;                           ///< channels R G B
-  std::map<std::string, Picture> layers;     ///< channels <name>.R <name>.G <name>.B
+  Picture picture;                                ///< channels R G B
+  std::map<std::string, Picture> layers;          ///< channels <name>.R <name>.G <name>.B
   std::map<std::string, std::string> attributes;  ///< string attributes of the header
   int64_t pixels_without_data = 0;  ///< on reading: pixels outside the data window; they are black
 };
@@ -37,8 +37,8 @@ void set_provenance(ExrFile& file, const Provenance& provenance);
 ExrFile read_exr(const std::string& path);
 /// The same for a file in memory; `name` stands in messages.
 ExrFile parse_exr(std::string_view bytes, const std::string& name);
-/// The file as bytes: float, ZIP, scan lines. The same input gives the same bytes. Layers must be as
-/// large as the picture; an attribute may not bear the name of one that OpenEXR defines with
+/// The file as bytes: float, ZIP, scan lines. The same input gives the same bytes. Layers must be
+/// as large as the picture; an attribute may not bear the name of one that OpenEXR defines with
 /// another type.
 std::string exr_bytes(const ExrFile& file);
 /// 8-bit sRGB PNG of picture * 2^exposure, clipped, as bytes. NaN shows black.

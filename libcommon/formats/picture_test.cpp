@@ -1,0 +1,260 @@
+#include "libcommon/formats/picture.h"
+
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <functional>
+#include <limits>
+
+#include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfFrameBuffer.h>
+#include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfOutputFile.h>
+#include <OpenEXR/ImfTileDescription.h>
+#include <OpenEXR/ImfTiledOutputFile.h>
+#include <gtest/gtest.h>
+#include <half.h>
+#include <unistd.h>
+
+#include "libcommon/base/error.h"
+#include "libcommon/base/file.h"
+#include "libcommon/math/rng.h"
+
+namespace tdpt {
+namespace {
+
+Picture gradient(int width, int height) {
+  Picture p{width, height, {}};
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x)
+      p.pixels.push_back(
+          {static_cast<float>(x), static_cast<float>(y), 0.25f * static_cast<float>(x + y)});
+  return p;
+}
+
+// What InputError says of these bytes; "" when they are accepted.
+std::string complaint(std::string_view bytes) {
+  try {
+    parse_exr(bytes, "a.exr");
+    return "";
+  } catch (const InputError& e) {
+    return e.what();
+  }
+}
+
+// A file written by the library itself, without our writer.
+class TemporaryFile {
+ public:
+  TemporaryFile()
+      : path_(::testing::TempDir() + "picture_test_" + std::to_string(::getpid()) + ".exr") {}
+  ~TemporaryFile() { std::remove(path_.c_str()); }
+  const char* name() const { return path_.c_str(); }
+  std::string bytes() const { return read_file(path_); }
+
+ private:
+  std::string path_;
+};
+
+TEST(Picture, ComesBackAsItWasWritten) {
+  ExrFile file;
+  file.picture = gradient(37, 19);
+  file.picture.pixels[5] = {1e-30f, -2.5f, 3e30f};
+  file.layers["direct"] = gradient(37, 19);
+  file.layers["portal.left"] = gradient(37, 19);
+  file.attributes["integrator"] = "tdpt";
+  set_provenance(file, {{"made by a 1: a", "from b c"}});
+  const ExrFile back = parse_exr(exr_bytes(file), "a.exr");
+  EXPECT_EQ(back.picture.width, 37);
+  EXPECT_EQ(back.picture.height, 19);
+  EXPECT_EQ(back.picture.pixels, file.picture.pixels);
+  ASSERT_EQ(back.layers.size(), 2u);
+  EXPECT_EQ(back.layers.at("portal.left").pixels, file.layers["portal.left"].pixels);
+  EXPECT_EQ(back.attributes, file.attributes);
+  EXPECT_EQ(provenance_of(back).lines, (std::vector<std::string>{"made by a 1: a", "from b c"}));
+  EXPECT_EQ(back.pixels_without_data, 0);
+}
+
+TEST(Picture, SameInputSameBytes) {
+  ExrFile file;
+  file.picture = gradient(200, 100);
+  EXPECT_EQ(exr_bytes(file), exr_bytes(file));
+}
+
+TEST(Picture, EmptyProvenanceTakesNoAttribute) {
+  ExrFile file;
+  set_provenance(file, {});
+  EXPECT_TRUE(file.attributes.empty());
+  EXPECT_TRUE(provenance_of(file).empty());
+}
+
+TEST(Picture, HalfWithAnOffsetDataWindow) {
+  const TemporaryFile file;
+  // Display window 4 x 3 at (10, 20); data 2 x 5 pixels from (11, 19): one row above and one below.
+  Imf::Header header(Imath::Box2i({10, 20}, {13, 22}), Imath::Box2i({11, 19}, {12, 23}));
+  std::vector<Imath::half> values(2 * 5);
+  for (size_t i = 0; i < values.size(); ++i) values[i] = Imath::half(static_cast<float>(i + 1));
+  Imf::FrameBuffer buffer;
+  for (const char* c : {"R", "G", "B"}) {
+    header.channels().insert(c, Imf::Channel(Imf::HALF));
+    buffer.insert(c, Imf::Slice::Make(Imf::HALF, values.data(), header.dataWindow()));
+  }
+  {
+    Imf::OutputFile output(file.name(), header);
+    output.setFrameBuffer(buffer);
+    output.writePixels(5);
+  }
+  const ExrFile back = read_exr(file.name());
+  ASSERT_EQ(back.picture.width, 4);
+  ASSERT_EQ(back.picture.height, 3);
+  for (int y = 0; y < 3; ++y) {
+    const Rgb* row = &back.picture.pixels[static_cast<size_t>(4 * y)];
+    EXPECT_EQ(row[0], Rgb(0));
+    EXPECT_EQ(row[1], Rgb(static_cast<float>(2 * y + 3)));
+    EXPECT_EQ(row[2], Rgb(static_cast<float>(2 * y + 4)));
+    EXPECT_EQ(row[3], Rgb(0));
+  }
+  EXPECT_EQ(back.pixels_without_data, 6);
+}
+
+TEST(Picture, Tiles) {
+  const TemporaryFile file;
+  Picture p = gradient(50, 30);
+  Imf::Header header(50, 30);
+  header.setTileDescription(Imf::TileDescription(16, 8, Imf::MIPMAP_LEVELS));
+  Imf::FrameBuffer buffer;
+  float* first[] = {&p.pixels[0].x, &p.pixels[0].y, &p.pixels[0].z};
+  for (int c = 0; c < 3; ++c) {
+    const std::string name(1, "RGB"[c]);
+    header.channels().insert(name, Imf::Channel(Imf::FLOAT));
+    buffer.insert(name, Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(first[c]), sizeof(Rgb),
+                                   sizeof(Rgb) * 50));
+  }
+  {
+    Imf::TiledOutputFile output(file.name(), header);
+    output.setFrameBuffer(buffer);
+    for (int level = 0; level < output.numLevels(); ++level)
+      output.writeTiles(0, output.numXTiles(level) - 1, 0, output.numYTiles(level) - 1, level);
+  }
+  EXPECT_EQ(read_exr(file.name()).picture.pixels, p.pixels);
+}
+
+// A file of one grey channel, to be changed by hand.
+std::string with_header(const std::function<void(Imf::Header&)>& change) {
+  const TemporaryFile file;
+  Imf::Header header(8, 8);
+  std::vector<float> values(64);
+  change(header);
+  Imf::FrameBuffer buffer;
+  for (auto c = header.channels().begin(); c != header.channels().end(); ++c) {
+    const auto n = c.channel().xSampling;
+    buffer.insert(c.name(),
+                  Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(values.data()), 4, 32, n, n));
+  }
+  {
+    Imf::OutputFile output(file.name(), header);
+    output.setFrameBuffer(buffer);
+    output.writePixels(8);
+  }
+  return file.bytes();
+}
+
+TEST(Picture, RefusesWhatItCannotShow) {
+  EXPECT_EQ(complaint(""), "a.exr: is not an OpenEXR file");
+  EXPECT_EQ(complaint("glTF is something else"), "a.exr: is not an OpenEXR file");
+  EXPECT_EQ(complaint(with_header([](Imf::Header& h) {
+              h.channels().insert("Y", Imf::Channel(Imf::FLOAT));
+              h.channels().insert("A", Imf::Channel(Imf::FLOAT));
+            })),
+            "a.exr:channels: A Y, expected R, G and B");
+  EXPECT_EQ(complaint(with_header([](Imf::Header& h) {
+              for (const char* c : {"R", "G", "B"})
+                h.channels().insert(c,
+                                    Imf::Channel(Imf::FLOAT, *c == 'B' ? 2 : 1, *c == 'B' ? 2 : 1));
+            })),
+            "a.exr:channel B: has fewer samples than pixels, expected one a pixel");
+  EXPECT_EQ(complaint(with_header([](Imf::Header& h) {
+              for (const char* c : {"R", "G", "B"})
+                h.channels().insert(c, Imf::Channel(Imf::FLOAT));
+              h.displayWindow() = Imath::Box2i({100, 100}, {107, 107});
+            })),
+            "a.exr:data window: lies outside the display window, expected an overlap");
+  const std::string huge = complaint(with_header([](Imf::Header& h) {
+    for (const char* c : {"R", "G", "B"}) h.channels().insert(c, Imf::Channel(Imf::FLOAT));
+    h.displayWindow() = Imath::Box2i({0, 0}, {69999, 7});
+  }));
+  EXPECT_NE(huge.find("a.exr"), std::string::npos);
+  EXPECT_NE(huge.find("65536"), std::string::npos) << huge;
+  const std::string many = complaint(with_header([](Imf::Header& h) {
+    for (const char* c : {"R", "G", "B"}) h.channels().insert(c, Imf::Channel(Imf::FLOAT));
+    h.displayWindow() = Imath::Box2i({0, 0}, {65535, 65535});
+  }));
+  EXPECT_NE(many.find("more than fits in memory"), std::string::npos) << many;
+}
+
+TEST(Picture, FilesCutShortAreRefusedInOneLine) {
+  ExrFile file;
+  file.picture = gradient(40, 40);
+  const std::string bytes = exr_bytes(file);
+  for (size_t size = 0; size < bytes.size(); size += size < 700 ? 1 : 37) {
+    const std::string text = complaint(std::string_view(bytes).substr(0, size));
+    EXPECT_TRUE(text.starts_with("a.exr: is ")) << size << ": " << text;
+    EXPECT_EQ(text.find('\n'), std::string::npos);
+  }
+}
+
+// Whatever the bytes are, the outcome is a picture or an InputError: no crash, nothing else thrown.
+TEST(Picture, DamagedBytesNeverDoWorseThanAnInputError) {
+  ExrFile file;
+  file.picture = gradient(40, 40);
+  file.layers["a"] = gradient(40, 40);
+  const std::string good = exr_bytes(file);
+  int refused = 0;
+  for (uint32_t i = 0; i < 1500; ++i) {
+    Rng rng(1, 2, i);
+    std::string bytes = good;
+    for (int n = 0; n < 1 + static_cast<int>(3 * rng.uniform()); ++n) {
+      const double size = rng.uniform() < 0.5 ? 400 : static_cast<double>(bytes.size());
+      const auto at = static_cast<size_t>(rng.uniform() * size);
+      bytes[at] = static_cast<char>(256 * rng.uniform());
+    }
+    refused += !complaint(bytes).empty();
+  }
+  EXPECT_GT(refused, 500);
+}
+
+TEST(Picture, RefusesToWriteLayersOfAnotherSize) {
+  ExrFile file;
+  file.picture = gradient(4, 4);
+  file.layers["a"] = gradient(4, 3);
+  EXPECT_THROW(exr_bytes(file), std::invalid_argument);
+}
+
+TEST(Picture, PngIsSrgbAndClipped) {
+  Picture p{2, 2, {Rgb(0.5f), Rgb(7.0f), Rgb(-1.0f), Rgb(std::numeric_limits<float>::quiet_NaN())}};
+  const std::string png = png_bytes(p, 0);
+  EXPECT_EQ(png.substr(0, 8), "\x89PNG\r\n\x1a\n");
+  EXPECT_EQ(png.substr(12, 4), "IHDR");
+  EXPECT_EQ(png[19], 2);
+  EXPECT_EQ(png[23], 2);
+  EXPECT_EQ(png[24], 8);  // bits
+  EXPECT_EQ(png[25], 2);  // RGB
+  EXPECT_EQ(png.substr(png.size() - 8, 4), "IEND");
+  // Twice as bright and one stop down is the same picture.
+  Picture twice = p;
+  for (Rgb& c : twice.pixels) c *= 2;
+  EXPECT_EQ(png_bytes(twice, -1), png);
+  EXPECT_NE(png_bytes(twice, 0), png);
+}
+
+TEST(Picture, AutomaticExposurePutsThe95thPercentileAtWhite) {
+  Picture p{100, 1, {}};
+  for (int i = 0; i < 100; ++i) p.pixels.push_back(Rgb(static_cast<float>(i)));
+  EXPECT_NEAR(auto_exposure(p), -std::log2(95.0), 1e-6);
+  for (int i = 0; i < 97; ++i) p.pixels[static_cast<size_t>(i)] = Rgb(0);
+  EXPECT_NEAR(auto_exposure(p), -std::log2(99.0), 1e-6);
+  for (Rgb& c : p.pixels) c = Rgb(0);
+  EXPECT_EQ(auto_exposure(p), 0);
+}
+
+}  // namespace
+}  // namespace tdpt

@@ -1,0 +1,151 @@
+#include <cmath>
+#include <limits>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "libcommon/base/error.h"
+#include "tools/exrdiff/difference.h"
+#include "tools/exrdiff/measure.h"
+#include "tools/exrdiff/report.h"
+
+namespace tdpt {
+namespace {
+
+// Two pixels by hand: r = 1 1 1, 3 3 3, so m = 2 and peak = 3; a = 1 2 1, 0 3 4.
+const Picture reference{2, 1, {Rgb(1), Rgb(3)}};
+const Picture picture{2, 1, {{1, 2, 1}, {0, 3, 4}}};
+
+Comparison by_hand() {
+  return compare(picture, "a.exr", reference, "r.exr");
+}
+
+std::string complaint(const Picture& a, const Picture& r) {
+  try {
+    compare(a, "a.exr", r, "r.exr");
+    return "";
+  } catch (const InputError& e) {
+    return e.what();
+  }
+}
+
+TEST(Measures, Mse) {  // squared errors 1, 9, 1
+  EXPECT_DOUBLE_EQ(by_hand().picture.mse, 11.0 / 6);
+  EXPECT_DOUBLE_EQ(by_hand().black.mse, (3 * 1 + 3 * 9) / 6.0);
+}
+
+TEST(Measures, PsnrHasThePeakOfTheReference) {
+  EXPECT_DOUBLE_EQ(by_hand().peak, 3);
+  EXPECT_DOUBLE_EQ(by_hand().picture.psnr, 10 * std::log10(9 / (11.0 / 6)));
+  EXPECT_DOUBLE_EQ(by_hand().black.psnr, 10 * std::log10(9 / 5.0));
+}
+
+TEST(Measures, Mape) {  // offset 0.01 m = 0.02
+  EXPECT_DOUBLE_EQ(by_hand().picture.mape, 100 * (1 / 1.02 + 3 / 3.02 + 1 / 3.02) / 6);
+  EXPECT_DOUBLE_EQ(by_hand().black.mape, 100 * (1 / 1.02 + 3 / 3.02) / 2);
+}
+
+TEST(Measures, RelMse) {  // offset 0.01 m^2 = 0.04
+  EXPECT_DOUBLE_EQ(by_hand().picture.relmse, (1 / 1.04 + 9 / 9.04 + 1 / 9.04) / 6);
+  EXPECT_DOUBLE_EQ(by_hand().black.relmse, (1 / 1.04 + 9 / 9.04) / 2);
+}
+
+TEST(Measures, MeansAndNonZeroShare) {
+  EXPECT_DOUBLE_EQ(by_hand().mean, 11.0 / 6);
+  EXPECT_DOUBLE_EQ(by_hand().reference_mean, 2);
+  EXPECT_DOUBLE_EQ(by_hand().nonzero, 1);
+  const Picture half{2, 1, {Rgb(0), {0, 0, 1e-30f}}};
+  EXPECT_DOUBLE_EQ(compare(half, "a", reference, "r").nonzero, 0.5);
+}
+
+TEST(Measures, BlackIsScoredLikeABlackPicture) {
+  const Picture black{2, 1, {Rgb(0), Rgb(0)}};
+  const Comparison c = compare(black, "a", reference, "r");
+  EXPECT_EQ(c.picture.mape, c.black.mape);
+  EXPECT_EQ(c.picture.psnr, c.black.psnr);
+  EXPECT_EQ(c.picture.relmse, c.black.relmse);
+  EXPECT_EQ(c.nonzero, 0);
+}
+
+TEST(Measures, TrimmingForgivesAThousandthOfThePixels) {
+  Picture r{50, 40, std::vector<Rgb>(2000, Rgb(1))}, a = r;
+  a.pixels[7] = a.pixels[1999] = Rgb(1001);  // two fireflies in 2000 pixels
+  EXPECT_DOUBLE_EQ(compare(a, "a", r, "r").picture.relmse, 2e6 / 1.01 / 2000);
+  EXPECT_DOUBLE_EQ(compare(a, "a", r, "r").picture.relmse_trimmed, 0);
+  a.pixels[8] = Rgb(2);  // one wrong pixel more than are forgiven
+  EXPECT_DOUBLE_EQ(compare(a, "a", r, "r").picture.relmse_trimmed, 1 / 1.01 / 1998);
+}
+
+TEST(Measures, DoNotDependOnTheUnitOfLight) {
+  Picture a = picture, r = reference;
+  for (Rgb& c : a.pixels) c *= 1024;
+  for (Rgb& c : r.pixels) c *= 1024;
+  const Comparison c = compare(a, "a", r, "r");
+  EXPECT_DOUBLE_EQ(c.picture.mape, by_hand().picture.mape);
+  EXPECT_DOUBLE_EQ(c.picture.relmse, by_hand().picture.relmse);
+  EXPECT_DOUBLE_EQ(c.picture.psnr, by_hand().picture.psnr);
+  EXPECT_DOUBLE_EQ(c.picture.mse, 1024 * 1024 * by_hand().picture.mse);
+}
+
+TEST(Measures, EqualPicturesDifferByNothing) {
+  const Comparison c = compare(reference, "a", reference, "r");
+  EXPECT_EQ(c.picture.mse, 0);
+  EXPECT_EQ(c.picture.mape, 0);
+  EXPECT_EQ(c.picture.relmse, 0);
+  EXPECT_TRUE(std::isinf(c.picture.psnr));
+  EXPECT_TRUE(nlohmann::json::parse(report_json(c))["psnr"].is_null());
+}
+
+TEST(Measures, RefusesWhatCannotBeCompared) {
+  EXPECT_EQ(complaint(Picture{1, 2, {Rgb(1), Rgb(3)}}, reference),
+            "a.exr: is 1 x 2 pixels, expected 2 x 1 like r.exr");
+  Picture nan = picture;
+  nan.pixels[1].y = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_EQ(complaint(nan, reference), "a.exr:pixel 1 0: is 0 nan 4, expected finite numbers");
+  Picture infinite{1, 2, {Rgb(std::numeric_limits<float>::infinity()), Rgb(1)}};
+  infinite.pixels[1].z = -std::numeric_limits<float>::infinity();
+  EXPECT_EQ(complaint(Picture{1, 2, {Rgb(1), Rgb(3)}}, infinite),
+            "r.exr:pixel 0 0: is inf inf inf, expected finite numbers; 2 pixels are not finite");
+  EXPECT_EQ(complaint(picture, Picture{2, 1, {Rgb(0), Rgb(0)}}),
+            "r.exr: is black everywhere, expected some light to compare with");
+}
+
+TEST(Report, JsonKeysAreThePromisedOnes) {
+  const auto j = nlohmann::json::parse(report_json(by_hand()));
+  for (const char* key : {"mape", "psnr", "mse", "relmse", "mean", "reference_mean", "nonzero"})
+    EXPECT_TRUE(j[key].is_number()) << key;
+  for (const char* key : {"mape", "psnr", "relmse"})
+    EXPECT_TRUE(j["black"][key].is_number()) << key;
+  EXPECT_DOUBLE_EQ(j["mse"], 11.0 / 6);
+}
+
+TEST(Report, TextNamesEveryMeasure) {
+  const std::string text = report_text(by_hand());
+  for (const char* name : {"relMSE", "MAPE", "PSNR", "MSE", "mean", "non-zero", "all black"})
+    EXPECT_NE(text.find(name), std::string::npos) << name;
+}
+
+TEST(Difference, HasItsSign) {
+  const Picture d = difference(picture, reference);
+  EXPECT_EQ(d.pixels, (std::vector<Rgb>{{0, 1, 0}, {-3, 0, 1}}));
+}
+
+TEST(Difference, FalseColourIsWhiteRedAndBlue) {
+  const Picture a{3, 1, {Rgb(2), Rgb(0), Rgb(9)}}, r{3, 1, {Rgb(2), Rgb(2), Rgb(2)}};
+  const Picture f = false_colour(a, r);
+  EXPECT_EQ(f.pixels[0], Rgb(1));
+  EXPECT_LT(f.pixels[1].x, 0.02f);
+  EXPECT_EQ(f.pixels[1].z, 1);
+  EXPECT_EQ(f.pixels[2], Rgb(1, 0, 0));
+}
+
+TEST(Difference, SideBySideHasOneExposure) {
+  const Picture s = side_by_side(picture, reference);
+  EXPECT_EQ(s.width, 6);
+  EXPECT_EQ(s.height, 1);
+  EXPECT_FLOAT_EQ(s.pixels[5].x, 1);            // the reference's brightest is white
+  EXPECT_FLOAT_EQ(s.pixels[1].z, 4.0f / 3.0f);  // and the picture follows it
+}
+
+}  // namespace
+}  // namespace tdpt

@@ -1,0 +1,108 @@
+#include "tools/exrdiff/measure.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "libcommon/base/error.h"
+
+namespace tdpt {
+namespace {
+
+double component(const Rgb& c, int i) {
+  return static_cast<double>(c[i]);
+}
+
+double mean_magnitude(const Picture& p) {
+  double sum = 0;
+  for (const Rgb& c : p.pixels)
+    for (int i = 0; i < 3; ++i) sum += std::abs(component(c, i));
+  return sum / (3 * static_cast<double>(p.pixels.size()));
+}
+
+double mean_of(const Picture& p) {
+  double sum = 0;
+  for (const Rgb& c : p.pixels)
+    for (int i = 0; i < 3; ++i) sum += component(c, i);
+  return sum / (3 * static_cast<double>(p.pixels.size()));
+}
+
+void expect_finite(const Picture& p, const std::string& name) {
+  size_t count = 0, first = 0;
+  for (size_t i = 0; i < p.pixels.size(); ++i)
+    if (!is_finite(p.pixels[i]) && count++ == 0) first = i;
+  if (count == 0) return;
+  const auto width = static_cast<size_t>(p.width);
+  const Rgb& c = p.pixels[first];
+  std::string text = fmt::format("is {} {} {}, expected finite numbers", c.x, c.y, c.z);
+  if (count > 1) text += fmt::format("; {} pixels are not finite", count);
+  throw InputError(name, fmt::format("pixel {} {}", first % width, first / width), text);
+}
+
+// `picture` null: black.
+Measures measure(const Picture* picture, const Picture& reference, double m, double peak) {
+  const size_t n = reference.pixels.size();
+  const double components = 3 * static_cast<double>(n);
+  double squares = 0, relative = 0;
+  std::vector<double> pixel_relative_squares(n);
+  for (size_t k = 0; k < n; ++k)
+    for (int i = 0; i < 3; ++i) {
+      const double r = component(reference.pixels[k], i);
+      const double d = (picture ? component(picture->pixels[k], i) : 0) - r;
+      squares += d * d;
+      relative += std::abs(d) / (std::abs(r) + 0.01 * m);
+      pixel_relative_squares[k] += d * d / (r * r + 0.01 * m * m);
+    }
+  const auto sum = [](const std::vector<double>& v, size_t first_n) {
+    double s = 0;
+    for (size_t k = 0; k < first_n; ++k) s += v[k];
+    return s;
+  };
+  Measures result;
+  result.mse = squares / components;
+  result.psnr = result.mse > 0 ? 10 * std::log10(peak * peak / result.mse)
+                               : std::numeric_limits<double>::infinity();
+  result.mape = 100 * relative / components;
+  result.relmse = sum(pixel_relative_squares, n) / components;
+  const size_t kept = n - n / 1000;
+  std::sort(pixel_relative_squares.begin(), pixel_relative_squares.end());
+  result.relmse_trimmed = sum(pixel_relative_squares, kept) / (3 * static_cast<double>(kept));
+  return result;
+}
+
+}  // namespace
+
+double relative_offset(const Picture& reference) {
+  return 0.01 * mean_magnitude(reference);
+}
+
+Comparison compare(const Picture& picture, const std::string& picture_name,
+                   const Picture& reference, const std::string& reference_name) {
+  if (picture.width != reference.width || picture.height != reference.height)
+    throw InputError(
+        picture_name, "",
+        fmt::format("is {} x {} pixels, expected {} x {} like {}", picture.width, picture.height,
+                    reference.width, reference.height, reference_name));
+  expect_finite(picture, picture_name);
+  expect_finite(reference, reference_name);
+  const double m = mean_magnitude(reference);
+  if (m == 0)
+    throw InputError(reference_name, "",
+                     "is black everywhere, expected some light to compare with");
+
+  Comparison c;
+  for (const Rgb& p : reference.pixels)
+    for (int i = 0; i < 3; ++i) c.peak = std::max(c.peak, std::abs(component(p, i)));
+  c.picture = measure(&picture, reference, m, c.peak);
+  c.black = measure(nullptr, reference, m, c.peak);
+  c.mean = mean_of(picture);
+  c.reference_mean = mean_of(reference);
+  const auto lit = std::count_if(picture.pixels.begin(), picture.pixels.end(),
+                                 [](const Rgb& p) { return p != Rgb(0); });
+  c.nonzero = static_cast<double>(lit) / static_cast<double>(picture.pixels.size());
+  return c;
+}
+
+}  // namespace tdpt
