@@ -1,175 +1,245 @@
-// glTF 2.0 scenes into the canonical frame.
-#include <tiny_gltf.h>
+// From a checked glTF file to a Scene: triangles of all placed meshes, cameras, materials, and the
+// canonical frame. Everything is double precision until canonical positions are rounded to float.
+#include <fmt/format.h>
+#include <algorithm>
 #include <cmath>
-#include <cstring>
-#include <filesystem>
+#include <limits>
+#include <map>
+#include <set>
 
-#include "libcommon/base/error.h"
-#include "libcommon/base/file.h"
-#include "libcommon/base/hash.h"
+#include "libcommon/scene/gltf_accessors.h"
+#include "libcommon/scene/gltf_document.h"
+#include "libcommon/scene/gltf_materials.h"
+#include "libcommon/scene/gltf_nodes.h"
 #include "libcommon/scene/scene.h"
 
 namespace tdpt {
 namespace {
 
-struct Mat {
-  double m[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};  // column-major
-};
-Mat operator*(const Mat& a, const Mat& b) {
-  Mat c;
-  for (int col = 0; col < 4; ++col)
-    for (int row = 0; row < 4; ++row) {
-      double sum = 0;
-      for (int k = 0; k < 4; ++k) sum += a.m[4 * k + row] * b.m[4 * col + k];
-      c.m[4 * col + row] = sum;
+using namespace gltf;
+
+// Instances multiply what a file holds; beyond this no ray tracer here would build its hierarchy.
+constexpr size_t kMostVertices = size_t{1} << 27, kMostTriangles = size_t{1} << 28;
+
+constexpr double kShortest = 1e-30, kLongest = 1e30;  // of the scene [m]
+
+class SceneReader {
+ public:
+  SceneReader(const Document& document, Scene& scene)
+      : d_(document), scene_(scene), used_(document.model.materials.size()) {}
+
+  void run() {
+    for (const PlacedNode& n : place_nodes(d_)) {
+      const tinygltf::Node& node = d_.model.nodes[n.node];
+      if (node.mesh >= 0) add_mesh(n, static_cast<size_t>(node.mesh));
+      if (node.camera >= 0) add_camera(n, static_cast<size_t>(node.camera));
+      if (node.extensions.contains("KHR_lights_punctual")) ++lights_;
+      if (node.skin >= 0) ++skins_;
     }
-  return c;
-}
-Vec3d column(const Mat& a, int c) {
-  return {a.m[4 * c], a.m[4 * c + 1], a.m[4 * c + 2]};
-}
-
-Mat local_matrix(const tinygltf::Node& n) {
-  Mat a;
-  if (n.matrix.size() == 16) {
-    std::copy(n.matrix.begin(), n.matrix.end(), a.m);
-    return a;
+    if (scene_.triangles.empty()) d_.fail("", "has no triangles in its scene");
+    to_canonical();
+    drop_flat_triangles();
+    read_materials(d_, used_, scene_);
+    if (unnamed_material_) scene_.materials.push_back({"default", Rgb(0.8f), {}, false});
+    warn();
   }
-  double x = 0, y = 0, z = 0, w = 1;
-  if (n.rotation.size() == 4)
-    x = n.rotation[0], y = n.rotation[1], z = n.rotation[2], w = n.rotation[3];
-  const double r[9] = {1 - 2 * (y * y + z * z), 2 * (x * y + z * w),     2 * (x * z - y * w),
-                       2 * (x * y - z * w),     1 - 2 * (x * x + z * z), 2 * (y * z + x * w),
-                       2 * (x * z + y * w),     2 * (y * z - x * w),     1 - 2 * (x * x + y * y)};
-  for (int c = 0; c < 3; ++c)
-    for (int i = 0; i < 3; ++i)
-      a.m[4 * c + i] = r[3 * c + i] * (n.scale.size() == 3 ? n.scale[c] : 1);
-  if (n.translation.size() == 3)
-    for (int i = 0; i < 3; ++i) a.m[12 + i] = n.translation[i];
-  return a;
-}
 
-bool no_image(tinygltf::Image*, const int, std::string*, std::string*, int, int,
-              const unsigned char*, int, void*) {
-  return true;
-}
+ private:
+  /// The corners of a primitive, three per triangle.
+  std::vector<uint32_t> corners(const tinygltf::Primitive& p, size_t vertices,
+                                const std::string& where) const {
+    std::vector<uint32_t> list;
+    if (p.indices >= 0) {
+      list = read_indices(d_, static_cast<size_t>(p.indices), vertices);
+    } else {
+      list.resize(vertices);
+      for (uint32_t i = 0; i < vertices; ++i) list[i] = i;
+    }
+    if (p.mode == TINYGLTF_MODE_TRIANGLES) {
+      if (list.size() % 3 != 0)
+        d_.fail(where,
+                fmt::format("has {} corners of triangles, expected a multiple of 3", list.size()));
+      return list;
+    }
+    if (list.size() < 3)
+      d_.fail(where, fmt::format("has {} corners, a strip or fan has at least 3", list.size()));
+    std::vector<uint32_t> out;
+    out.reserve(3 * (list.size() - 2));
+    for (size_t i = 0; i + 2 < list.size(); ++i) {
+      // glTF 2.0, 3.7.2.1: every second triangle of a strip runs the other way round.
+      if (p.mode == TINYGLTF_MODE_TRIANGLE_STRIP)
+        out.insert(out.end(), {list[i], list[i + 1 + i % 2], list[i + 2 - i % 2]});
+      else
+        out.insert(out.end(), {list[i + 1], list[i + 2], list[0]});
+    }
+    return out;
+  }
 
-struct View {
-  const unsigned char* data;
-  size_t stride, count;
-  int type;
+  void add_mesh(const PlacedNode& n, size_t mesh) {
+    const bool mirrored = n.to_world.mirrors();
+    std::map<int, uint32_t> first_of;  // primitives of a mesh often share one POSITION accessor
+    const auto& primitives = d_.model.meshes[mesh].primitives;
+    for (size_t k = 0; k < primitives.size(); ++k) {
+      const tinygltf::Primitive& p = primitives[k];
+      const std::string where = place("meshes", mesh) + "." + place("primitives", k);
+      if (p.mode < TINYGLTF_MODE_TRIANGLES) {
+        ++no_surfaces_;
+        continue;
+      }
+      const auto position = p.attributes.find("POSITION");
+      if (position == p.attributes.end()) d_.fail(where, "has no attribute POSITION");
+      const auto [first, is_new] =
+          first_of.try_emplace(position->second, static_cast<uint32_t>(world_.size()));
+      if (is_new) add_vertices(n, static_cast<size_t>(position->second));
+      const size_t vertices = d_.model.accessors[static_cast<size_t>(position->second)].count;
+      add_triangles(corners(p, vertices, where), first->second, mirrored, p.material);
+      if (p.attributes.contains("COLOR_0")) coloured_.insert({mesh, k});
+      if (!p.targets.empty()) morphed_.insert({mesh, k});
+    }
+  }
+
+  void add_vertices(const PlacedNode& n, size_t accessor) {
+    const auto cached = positions_.find(accessor);
+    const std::vector<Vec3d>& local =
+        cached != positions_.end()
+            ? cached->second
+            : positions_.emplace(accessor, read_positions(d_, accessor)).first->second;
+    if (local.size() > kMostVertices - world_.size())
+      d_.fail(place("nodes", n.node),
+              fmt::format("brings the scene to more than {} vertices", kMostVertices));
+    for (const Vec3d& p : local) {
+      world_.push_back(n.to_world.point(p));
+      if (!is_finite(world_.back()))
+        d_.fail(place("nodes", n.node), "its transform takes a vertex beyond double precision");
+    }
+  }
+
+  void add_triangles(const std::vector<uint32_t>& corner, uint32_t first, bool mirrored,
+                     int material) {
+    if (corner.size() / 3 > kMostTriangles - scene_.triangles.size())
+      d_.fail("", fmt::format("has more than {} triangles", kMostTriangles));
+    unnamed_material_ |= material < 0;
+    const auto m =
+        static_cast<uint32_t>(material < 0 ? used_.size() : static_cast<size_t>(material));
+    if (material >= 0) used_[m] = true;
+    for (size_t i = 0; i + 2 < corner.size(); i += 3) {
+      Triangle t{{first + corner[i], first + corner[i + 1], first + corner[i + 2]}, m};
+      if (mirrored) std::swap(t.vertex[1], t.vertex[2]);  // the front stays the front
+      scene_.triangles.push_back(t);
+    }
+  }
+
+  void add_camera(const PlacedNode& n, size_t index) {
+    const tinygltf::Camera& c = d_.model.cameras[index];
+    if (c.type != "perspective") {
+      ++orthographic_;
+      return;
+    }
+    const Affine& a = n.to_world;
+    Camera out;
+    out.position = a.t;
+    const auto direction = [&](const Vec3d& v) {
+      const double largest = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+      const Vec3d scaled = v / largest;
+      if (!(largest > 0) || !is_finite(scaled) || !(length(scaled) > 1e-9))
+        d_.fail(place("nodes", n.node), "holds a camera, but its transform is flat");
+      return normalize(scaled);
+    };
+    out.forward = direction(-a.z);
+    out.right = direction(cross(out.forward, direction(a.y)));
+    out.up = cross(out.right, out.forward);
+    out.yfov = c.perspective.yfov;
+    out.aspect = c.perspective.aspectRatio;
+    out.name = camera_name(c.name, d_.model.nodes[n.node].name);
+    scene_.cameras.push_back(out);
+  }
+
+  /// The camera's name, else its node's; a number is added to one that is taken.
+  std::string camera_name(const std::string& camera, const std::string& node) const {
+    const auto taken = [&](const std::string& name) {
+      return std::any_of(scene_.cameras.begin(), scene_.cameras.end(),
+                         [&](const Camera& c) { return c.name == name; });
+    };
+    for (const std::string& name : {camera, node})
+      if (!name.empty() && !taken(name)) return name;
+    const std::string base = !camera.empty() ? camera : !node.empty() ? node : "camera";
+    std::string name = base;
+    for (size_t k = 1; taken(name); ++k) name = fmt::format("{}.{}", base, k);
+    return name;
+  }
+
+  void to_canonical() {
+    Vec3d low(std::numeric_limits<double>::infinity()), high = -low;
+    for (const Triangle& t : scene_.triangles)
+      for (uint32_t v : t.vertex) low = min(low, world_[v]), high = max(high, world_[v]);
+    const double longest = max_component(high - low);
+    if (longest == 0) d_.fail("", "has no triangle with an area");
+    if (!(longest >= kShortest && longest <= kLongest))
+      d_.fail("", fmt::format("is {} m long, expected {} to {}", longest, kShortest, kLongest));
+    int exponent = 0;
+    const double mantissa = std::frexp(longest, &exponent);  // in [0.5, 1)
+    scene_.frame.scale = std::ldexp(1.0, (mantissa == 0.5 ? 2 : 1) - exponent);
+    scene_.frame.centre = low * 0.5 + high * 0.5;
+    scene_.positions.reserve(world_.size());
+    for (const Vec3d& p : world_) scene_.positions.push_back(rounded(scene_.frame.to_canonical(p)));
+    for (Camera& c : scene_.cameras) c.position = scene_.frame.to_canonical(c.position);
+  }
+
+  /// Vertices of no triangle may lie anywhere, also where float does not reach.
+  static Vec3f rounded(const Vec3d& p) {
+    const Vec3d limit(4.0);
+    return Vec3f(max(min(p, limit), -limit));
+  }
+
+  void drop_flat_triangles() {
+    dropped_ = std::erase_if(scene_.triangles, [&](const Triangle& t) {
+      const Vec3d p(scene_.positions[t.vertex[0]]);
+      const Vec3d n =
+          cross(Vec3d(scene_.positions[t.vertex[1]]) - p, Vec3d(scene_.positions[t.vertex[2]]) - p);
+      return !(length(n) > 0);
+    });
+    if (scene_.triangles.empty()) d_.fail("", "has no triangle with an area");
+  }
+
+  void warn() {
+    const auto tell = [&](size_t n, const char* noun, const char* one, const char* many) {
+      if (n > 0) scene_.warnings.push_back(counted(n, noun, one, many));
+    };
+    if (unnamed_material_)
+      scene_.warnings.push_back("surfaces without a material are taken as diffuse grey of 0.8");
+    tell(dropped_, "triangle", "without area is left out", "without area are left out");
+    tell(no_surfaces_, "set", "of points or lines is left out", "of points or lines are left out");
+    tell(orthographic_, "orthographic camera", "is left out", "are left out");
+    tell(lights_, "punctual light", "is left out", "are left out");
+    tell(coloured_.size(), "primitive", "has vertex colours, which are left out",
+         "have vertex colours, which are left out");
+    tell(skins_, "skinned mesh", "is taken in its rest pose", "are taken in their rest pose");
+    tell(morphed_.size(), "primitive", "has morph targets, which are left out",
+         "have morph targets, which are left out");
+    if (d_.json.contains("animations")) scene_.warnings.push_back("animations are left out");
+    if (uses_extension(d_, "EXT_mesh_gpu_instancing"))
+      scene_.warnings.push_back("instances by EXT_mesh_gpu_instancing are left out");
+  }
+
+  const Document& d_;
+  Scene& scene_;
+  std::vector<Vec3d> world_;                        // metres, parallel to scene_.positions
+  std::map<size_t, std::vector<Vec3d>> positions_;  // by accessor, local
+  std::vector<bool> used_;                          // by material
+  bool unnamed_material_ = false;
+  size_t dropped_ = 0, no_surfaces_ = 0, orthographic_ = 0, lights_ = 0, skins_ = 0;
+  std::set<std::pair<size_t, size_t>> coloured_, morphed_;  // mesh, primitive
 };
 
 }  // namespace
 
 Scene read_gltf(const std::string& path) {
-  const std::string bytes = read_file(path), file = display_name(path);
-  tinygltf::TinyGLTF loader;
-  loader.SetImageLoader(no_image, nullptr);
-  tinygltf::Model model;
-  std::string err, warn;
-  const auto* data = reinterpret_cast<const unsigned char*>(bytes.data());
-  const auto size = static_cast<unsigned>(bytes.size());
-  const std::string folder = std::filesystem::path(path).parent_path().string();
-  const bool ok = bytes.substr(0, 4) == "glTF"
-                      ? loader.LoadBinaryFromMemory(&model, &err, &warn, data, size, folder)
-                      : loader.LoadASCIIFromString(&model, &err, &warn, bytes.data(), size, folder);
-  if (!ok) throw InputError(file, "", err.substr(0, err.find('\n')));
-
+  Document document;
+  open_document(path, document);
   Scene scene;
   scene.path = path;
-  scene.hash = content_hash(bytes);
-  for (const auto& m : model.materials) {
-    Material out;
-    out.name = m.name;
-    const auto& c = m.pbrMetallicRoughness.baseColorFactor;
-    for (int i = 0; i < 3 && i < static_cast<int>(c.size()); ++i)
-      out.albedo[i] = static_cast<float>(c[i]);
-    double strength = 1;
-    if (auto it = m.extensions.find("KHR_materials_emissive_strength"); it != m.extensions.end())
-      strength = it->second.Get("emissiveStrength").GetNumberAsDouble();
-    for (int i = 0; i < 3 && i < static_cast<int>(m.emissiveFactor.size()); ++i)
-      out.emission[i] = static_cast<float>(m.emissiveFactor[i] * strength);
-    out.double_sided = m.doubleSided;
-    scene.materials.push_back(out);
-  }
-  const auto none = static_cast<uint32_t>(scene.materials.size());
-  scene.materials.push_back({"default", Rgb(1), {}, false});
-
-  const auto view_of = [&](int index) {
-    const auto& a = model.accessors.at(index);
-    const auto& v = model.bufferViews.at(a.bufferView);
-    const auto& b = model.buffers.at(v.buffer);
-    const size_t stride = a.ByteStride(v), start = v.byteOffset + a.byteOffset;
-    if (start + (a.count - 1) * stride > b.data.size())
-      throw InputError(file, "accessors[" + std::to_string(index) + "]", "lies outside its buffer");
-    return View{b.data.data() + start, stride, a.count, a.componentType};
-  };
-
-  std::vector<Vec3d> world;
-  const auto add_node = [&](auto&& self, int index, const Mat& parent) -> void {
-    const auto& node = model.nodes.at(index);
-    const Mat m = parent * local_matrix(node);
-    const Vec3d x = column(m, 0), y = column(m, 1), z = column(m, 2), t = column(m, 3);
-    const bool mirrored = dot(cross(x, y), z) < 0;
-    if (node.mesh >= 0)
-      for (const auto& p : model.meshes.at(node.mesh).primitives) {
-        const View pos = view_of(p.attributes.at("POSITION"));
-        const auto base = static_cast<uint32_t>(world.size());
-        for (size_t i = 0; i < pos.count; ++i) {
-          float v[3];
-          std::memcpy(v, pos.data + i * pos.stride, 12);
-          world.push_back(x * double(v[0]) + y * double(v[1]) + z * double(v[2]) + t);
-        }
-        std::vector<uint32_t> indices;
-        if (p.indices >= 0) {
-          const View iv = view_of(p.indices);
-          for (size_t i = 0; i < iv.count; ++i) {
-            uint32_t k = 0;
-            std::memcpy(&k, iv.data + i * iv.stride, tinygltf::GetComponentSizeInBytes(iv.type));
-            if (k >= pos.count) throw InputError(file, "meshes", "index out of range");
-            indices.push_back(k);
-          }
-        } else {
-          for (uint32_t i = 0; i < pos.count; ++i) indices.push_back(i);
-        }
-        for (size_t i = 0; i + 2 < indices.size(); i += 3) {
-          Triangle tri{{base + indices[i], base + indices[i + 1], base + indices[i + 2]},
-                       p.material >= 0 ? static_cast<uint32_t>(p.material) : none};
-          if (mirrored) std::swap(tri.vertex[1], tri.vertex[2]);
-          scene.triangles.push_back(tri);
-        }
-      }
-    if (node.camera >= 0 && model.cameras.at(node.camera).type == "perspective") {
-      const auto& c = model.cameras[node.camera];
-      Camera out;
-      out.name = c.name.empty() ? node.name : c.name;
-      out.position = t;
-      out.forward = normalize(-z);
-      out.right = normalize(cross(out.forward, y));
-      out.up = cross(out.right, out.forward);
-      out.yfov = c.perspective.yfov;
-      out.aspect = c.perspective.aspectRatio;
-      scene.cameras.push_back(out);
-    }
-    for (int child : node.children) self(self, child, m);
-  };
-  for (int root : model.scenes.at(std::max(0, model.defaultScene)).nodes)
-    add_node(add_node, root, Mat{});
-  if (scene.triangles.empty()) throw InputError(file, "", "has no triangles");
-
-  Vec3d lo(INFINITY), hi(-INFINITY);
-  for (const Triangle& t : scene.triangles)
-    for (uint32_t v : t.vertex) lo = min(lo, world[v]), hi = max(hi, world[v]);
-  scene.frame.centre = (lo + hi) * 0.5;
-  scene.frame.scale = std::exp2(1 - std::ceil(std::log2(max_component(hi - lo))));
-  for (const Vec3d& p : world) scene.positions.push_back(Vec3f(scene.frame.to_canonical(p)));
-  std::erase_if(scene.triangles, [&](const Triangle& t) {
-    const Vec3d a(scene.positions[t.vertex[0]]), b(scene.positions[t.vertex[1]]),
-        c(scene.positions[t.vertex[2]]);
-    return !(length(cross(b - a, c - a)) > 0);
-  });
-  for (Camera& c : scene.cameras) c.position = scene.frame.to_canonical(c.position);
+  scene.hash = document.hash;
+  SceneReader(document, scene).run();
   return scene;
 }
 

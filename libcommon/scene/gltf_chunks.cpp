@@ -1,0 +1,68 @@
+// The container: .glb header and chunks (glTF 2.0, section 4.4).
+#include <fmt/format.h>
+
+#include "libcommon/scene/gltf_document.h"
+
+namespace tdpt::gltf {
+namespace {
+
+uint32_t u32_at(std::string_view bytes, size_t at) {
+  uint32_t value = 0;
+  for (size_t i = 4; i-- > 0;) value = value << 8 | static_cast<unsigned char>(bytes[at + i]);
+  return value;
+}
+
+constexpr uint32_t kJson = 0x4E4F534A, kBin = 0x004E4942;
+constexpr size_t kHeader = 12, kChunkHeader = 8;
+
+}  // namespace
+
+Chunks split_chunks(std::string_view bytes, const std::string& file) {
+  const auto fail = [&](const std::string& where, const std::string& message) {
+    throw InputError(file, where, message);
+  };
+  if (bytes.empty()) fail("", "is empty, expected a glTF 2.0 scene");
+  if (!bytes.starts_with("glTF")) {
+    const size_t first = bytes.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
+    if (first == bytes.npos || bytes[first] != '{')
+      fail("", "is no glTF scene, expected \"glTF\" (.glb) or \"{\" (.gltf) at its start");
+    return {bytes, {}, false};
+  }
+  if (bytes.size() < kHeader)
+    fail("header", fmt::format("is cut short after {} bytes, expected {}", bytes.size(), kHeader));
+  const uint32_t version = u32_at(bytes, 4), length = u32_at(bytes, 8);
+  if (version != 2) fail("header", fmt::format("version is {}, expected 2", version));
+  if (length > bytes.size())
+    fail("header",
+         fmt::format("the file is cut short: {} bytes, expected {}", bytes.size(), length));
+  if (length < bytes.size())
+    fail("header", fmt::format("declares {} bytes, but the file has {}", length, bytes.size()));
+
+  Chunks chunks;
+  size_t at = kHeader;
+  for (size_t k = 0; at < bytes.size(); ++k) {
+    const std::string where = place("chunk", k);
+    const size_t left = bytes.size() - at;
+    if (left < kChunkHeader)
+      fail(where,
+           fmt::format("is cut short: {} bytes, expected a header of {}", left, kChunkHeader));
+    const uint32_t size = u32_at(bytes, at), type = u32_at(bytes, at + 4);
+    if (size > left - kChunkHeader)
+      fail(where, fmt::format("declares {} bytes, but {} are left in the file", size,
+                              left - kChunkHeader));
+    if (size % 4 != 0) fail(where, fmt::format("has {} bytes, expected a multiple of 4", size));
+    const std::string_view content = bytes.substr(at + kChunkHeader, size);
+    if (k == 0) {
+      if (type != kJson) fail(where, "is not JSON, expected the JSON chunk first");
+      chunks.json = content;
+    } else if (k == 1 && type == kBin) {
+      chunks.bin = content;
+      chunks.has_bin = true;
+    }
+    at += kChunkHeader + size;
+  }
+  if (chunks.json.empty()) fail("chunk[0]", "is missing or empty, expected the JSON chunk");
+  return chunks;
+}
+
+}  // namespace tdpt::gltf

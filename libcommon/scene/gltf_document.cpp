@@ -1,0 +1,150 @@
+#include "libcommon/scene/gltf_document.h"
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <array>
+#include <filesystem>
+
+#include "libcommon/base/file.h"
+#include "libcommon/base/hash.h"
+
+namespace tdpt::gltf {
+namespace {
+
+using Json = nlohmann::json;
+
+// What a scene may require of us: read, or approximated with a warning.
+constexpr std::array kSupported = {"KHR_materials_emissive_strength",
+                                   "KHR_materials_specular",
+                                   "KHR_materials_ior",
+                                   "KHR_materials_transmission",
+                                   "KHR_materials_volume",
+                                   "KHR_materials_clearcoat",
+                                   "KHR_materials_sheen",
+                                   "KHR_materials_iridescence",
+                                   "KHR_materials_anisotropy",
+                                   "KHR_materials_dispersion",
+                                   "KHR_materials_unlit",
+                                   "KHR_lights_punctual",
+                                   "KHR_mesh_quantization",
+                                   "KHR_texture_transform"};
+
+// Deeper nesting has no use in glTF, and readers that recurse would run out of stack.
+constexpr int kDeepest = 64;
+
+Json parse(std::string_view text, const std::string& file) {
+  try {
+    return Json::parse(text.begin(), text.end(), [&](int depth, Json::parse_event_t, Json&) {
+      if (depth > kDeepest)
+        throw InputError(file, "JSON", fmt::format("is nested more than {} levels deep", kDeepest));
+      return true;
+    });
+  } catch (const Json::parse_error& e) {
+    throw InputError(file, fmt::format("JSON byte {}", e.byte), "is not valid JSON");
+  } catch (const Json::exception&) {
+    throw InputError(file, "JSON", "holds a number beyond the range of double precision");
+  }
+}
+
+void check_version(const Document& d) {
+  const std::string version = d.json["asset"].value("version", "");
+  if (version.substr(0, 2) != "2." && version != "2")
+    d.fail("asset.version", fmt::format("is \"{}\", expected \"2.0\"", version.substr(0, 20)));
+}
+
+void check_extensions(const Document& d) {
+  if (!d.json.contains("extensionsRequired")) return;
+  for (const Json& e : d.json["extensionsRequired"]) {
+    const std::string name = e.get<std::string>();
+    if (std::find(kSupported.begin(), kSupported.end(), name) == kSupported.end())
+      d.fail("extensionsRequired",
+             fmt::format("\"{}\" is not supported, expected a scene exported without it",
+                         name.substr(0, 60)));
+  }
+}
+
+void load_buffers(Document& d, const Chunks& chunks) {
+  std::string all;  // what the hash is of, when there is more than the file
+  const Json buffers = d.json.value("buffers", Json::array());
+  d.owned.reserve(buffers.size());
+  for (size_t i = 0; i < buffers.size(); ++i) {
+    const std::string where = place("buffers", i);
+    const auto length = buffers[i]["byteLength"].get<uint64_t>();
+    std::string_view bytes;
+    if (buffers[i].contains("uri")) {
+      bool external = false;
+      d.owned.push_back(
+          read_uri(d, buffers[i]["uri"].get<std::string>(), where + ".uri", external));
+      bytes = d.owned.back();
+      if (external) all += d.owned.back();
+    } else {
+      if (i != 0 || !chunks.has_bin) d.fail(where, "has neither a uri nor a binary chunk");
+      bytes = chunks.bin;
+    }
+    if (bytes.size() < length)
+      d.fail(where, fmt::format("is cut short: {} bytes, expected {}", bytes.size(), length));
+    d.buffers.push_back(bytes.substr(0, length));
+  }
+  d.hash = all.empty() ? content_hash(d.bytes) : content_hash(d.bytes + all);
+}
+
+bool no_image(tinygltf::Image*, const int, std::string*, std::string*, int, int,
+              const unsigned char*, int, void*) {
+  return true;
+}
+
+// tinygltf turns the checked JSON into its model. It gets neither buffers nor images: it would copy
+// the ones and read outside of a buffer for the others.
+void load_model(Document& d) {
+  Json reduced = Json::object();
+  for (const char* section : {"asset", "scene", "scenes", "nodes", "meshes", "accessors",
+                              "bufferViews", "cameras", "materials"})
+    if (d.json.contains(section)) reduced[section] = d.json[section];
+  const std::string text = reduced.dump();
+  if (text.size() > std::numeric_limits<unsigned>::max()) d.fail("JSON", "is larger than 4 GiB");
+  tinygltf::TinyGLTF loader;
+  loader.SetImageLoader(no_image, nullptr);
+  std::string error, warning;
+  if (!loader.LoadASCIIFromString(&d.model, &error, &warning, text.data(),
+                                  static_cast<unsigned>(text.size()), ""))
+    d.fail("JSON", "is no valid glTF: " + error.substr(0, error.find_first_of("\r\n")));
+}
+
+}  // namespace
+
+std::string place(const char* section, size_t index) {
+  return fmt::format("{}[{}]", section, index);
+}
+
+void open_document(const std::string& path, Document& d) {
+  d.file = display_name(path);
+  d.bytes = read_file(path);
+  if (path != "-") {
+    d.folder = std::filesystem::path(path).parent_path().string();
+    if (d.folder.empty()) d.folder = ".";
+  }
+  const Chunks chunks = split_chunks(d.bytes, d.file);
+  d.json = parse(chunks.json, d.file);
+  check_json(d.json, d.file);
+  check_version(d);
+  check_extensions(d);
+  load_buffers(d, chunks);
+  load_model(d);
+}
+
+bool uses_extension(const Document& d, const std::string& name) {
+  const Json used = d.json.value("extensionsUsed", Json::array());
+  return std::find(used.begin(), used.end(), name) != used.end();
+}
+
+std::string_view view_bytes(const Document& d, size_t index) {
+  const tinygltf::BufferView& v = d.model.bufferViews[index];
+  const std::string_view buffer = d.buffers[static_cast<size_t>(v.buffer)];
+  if (v.byteOffset > buffer.size() || v.byteLength > buffer.size() - v.byteOffset)
+    d.fail(place("bufferViews", index),
+           fmt::format("{} bytes from byte {} reach beyond buffers[{}] of {} bytes", v.byteLength,
+                       v.byteOffset, v.buffer, buffer.size()));
+  return buffer.substr(v.byteOffset, v.byteLength);
+}
+
+}  // namespace tdpt::gltf

@@ -1,0 +1,58 @@
+// A glTF file taken apart and checked so far that its parts can be walked without fear: JSON of the
+// right types, references inside their arrays, buffers in memory. Internal to this room.
+#pragma once
+#include <tiny_gltf.h>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "libcommon/base/error.h"
+
+namespace tdpt::gltf {
+
+struct Document {
+  std::string file;                       ///< what messages call it
+  std::string folder;                     ///< external files lie in it; empty: none may be read
+  nlohmann::json json;                    ///< checked by check_json()
+  tinygltf::Model model;                  ///< without buffers and images
+  std::vector<std::string_view> buffers;  ///< of at least the byteLength they declare
+  std::string hash;                       ///< of the file and the external buffers
+  std::string bytes;                      ///< the file; buffers point into it
+  std::vector<std::string> owned;         ///< decoded and external buffers
+
+  [[noreturn]] void fail(const std::string& place, const std::string& message) const {
+    throw InputError(file, place, message);
+  }
+};
+
+/// "accessors[3]", the place of an element in messages.
+std::string place(const char* section, size_t index);
+
+/// Reads and checks `path` ("-": standard input) into `document`. Throws InputError.
+void open_document(const std::string& path, Document& document);
+
+/// The chunks of a .glb, or the whole text of a .gltf and no binary part. Throws InputError.
+struct Chunks {
+  std::string_view json, bin;
+  bool has_bin = false;
+};
+Chunks split_chunks(std::string_view bytes, const std::string& file);
+
+/// Types, ranges and references of every field this room reads; integers written as 3.0 become 3.
+/// Throws InputError with the place of the first field that is wrong.
+void check_json(nlohmann::json& json, const std::string& file);
+
+/// The bytes a URI stands for: a base64 data URI or a file in the scene's folder or below. Throws
+/// InputError when it points elsewhere, is not there or cannot be decoded. `external` is set for
+/// files.
+std::string read_uri(const Document& document, const std::string& uri, const std::string& place,
+                     bool& external);
+
+/// Whether extensionsUsed names it.
+bool uses_extension(const Document& document, const std::string& name);
+
+/// The bytes of a bufferView; throws InputError when it reaches beyond its buffer.
+std::string_view view_bytes(const Document& document, size_t view);
+
+}  // namespace tdpt::gltf
