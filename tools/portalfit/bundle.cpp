@@ -1,0 +1,275 @@
+#include "tools/portalfit/bundle.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <set>
+
+namespace tdpt {
+namespace {
+
+constexpr double kGrazing = 0.05;     // cosine below which a crossing says nothing about a place
+constexpr double kDense = 0.1;        // of the mean density: what belongs to the aperture
+constexpr double kPointsPerCell = 8;  // of the fine look
+constexpr size_t kMostForWaist = 4000;
+
+struct Moments {
+  double n = 0;
+  Vec2d mean;
+  double xx = 0, xy = 0, yy = 0;
+  double determinant() const { return xx * yy - xy * xy; }
+};
+
+Moments moments_of(const std::vector<Vec2d>& points) {
+  Moments m;
+  m.n = static_cast<double>(points.size());
+  if (points.empty()) return m;
+  for (const Vec2d& p : points) m.mean = m.mean + p;
+  m.mean = m.mean * (1 / m.n);
+  for (const Vec2d& p : points) {
+    const Vec2d d = p - m.mean;
+    m.xx += d.x * d.x, m.xy += d.x * d.y, m.yy += d.y * d.y;
+  }
+  m.xx /= m.n, m.xy /= m.n, m.yy /= m.n;
+  return m;
+}
+
+// Without the points farther than 3 standard deviations: a uniform rectangle reaches 2.45.
+Moments trimmed_moments(const std::vector<Vec2d>& points) {
+  const Moments all = moments_of(points);
+  const double det = all.determinant();
+  if (!(det > 0)) return all;
+  std::vector<Vec2d> kept;
+  kept.reserve(points.size());
+  for (const Vec2d& p : points) {
+    const Vec2d d = p - all.mean;
+    if ((all.yy * d.x * d.x - 2 * all.xy * d.x * d.y + all.xx * d.y * d.y) / det <= 9)
+      kept.push_back(p);
+  }
+  Moments m = moments_of(kept);
+  m.n = all.n;
+  return m;
+}
+
+Plane tilted(const Plane& plane, double a, double b, double along) {
+  const Onb<double> frame(plane.n);
+  return {plane.o + plane.n * along, normalize(plane.n + frame.x * a + frame.y * b)};
+}
+
+}  // namespace
+
+bool crossing(const Plane& plane, const LightLine& line, Vec2d& at) {
+  const Vec3d d = line.camera - line.light;
+  const double along = dot(d, plane.n), gap = dot(plane.o - line.light, plane.n);
+  if (along < kGrazing * length(d) || gap < 0 || gap > along) return false;
+  const Vec3d p = line.light + d * (gap / along) - plane.o;
+  const Onb<double> frame(plane.n);
+  at = {dot(p, frame.x), dot(p, frame.y)};
+  return true;
+}
+
+Vec3d to_space(const Plane& plane, Vec2d at) {
+  const Onb<double> frame(plane.n);
+  return plane.o + frame.x * at.x + frame.y * at.y;
+}
+
+Vec3d fullest_place(const LightGrid& grid, const std::vector<uint32_t>& lines) {
+  // Voxels beside a jamb are not air, so in a narrow slit there may be none: lines count
+  // everywhere.
+  std::vector<uint32_t> count(grid.count.size(), 0);
+  for (const uint32_t l : lines)
+    walk_grid(grid, grid.lines[l].light, grid.lines[l].camera,
+              [&](size_t voxel, double) { ++count[voxel]; });
+  const auto most = std::max_element(count.begin(), count.end());
+  size_t at = static_cast<size_t>(most - count.begin());
+  const auto nx = static_cast<size_t>(grid.dim[0]), ny = static_cast<size_t>(grid.dim[1]);
+  const size_t i = at % nx, j = at / nx % ny, k = at / nx / ny;
+  return grid.origin + Vec3d{static_cast<double>(i) + 0.5, static_cast<double>(j) + 0.5,
+                             static_cast<double>(k) + 0.5} *
+                           grid.voxel;
+}
+
+Vec3d mean_direction_near(const LightGrid& grid, const std::vector<uint32_t>& lines,
+                          const Vec3d& place, double radius) {
+  Vec3d sum{};
+  for (const uint32_t l : lines) {
+    const LightLine& line = grid.lines[l];
+    const Vec3d d = line.camera - line.light;
+    const double t = std::clamp(dot(place - line.light, d) / dot(d, d), 0.0, 1.0);
+    const Vec3d off = line.light + d * t - place;
+    if (dot(off, off) <= radius * radius) sum += normalize(d);
+  }
+  const double norm = length(sum);
+  return norm > 0 ? sum / norm : sum;
+}
+
+std::vector<uint32_t> members(const LightGrid& grid, const std::vector<uint32_t>& lines,
+                              const Plane& plane, double h) {
+  std::vector<uint32_t> found;
+  std::vector<Vec2d> points;
+  for (const uint32_t l : lines)
+    if (Vec2d at; crossing(plane, grid.lines[l], at)) {
+      found.push_back(l);
+      points.push_back(at);
+    }
+  using Cell = std::array<int64_t, 2>;
+  for (int look = 0; look < 3; ++look) {
+    const auto cell_of = [h](Vec2d p) {
+      return Cell{static_cast<int64_t>(std::clamp(std::floor(p.x / h), -1e15, 1e15)),
+                  static_cast<int64_t>(std::clamp(std::floor(p.y / h), -1e15, 1e15))};
+    };
+    std::map<Cell, double> count;
+    for (const Vec2d& p : points) ++count[cell_of(p)];
+    // The start: the fullest cell next to the middle, or the fullest of all.
+    Cell start{};
+    double most = 0, weighted = 0, total = 0;
+    for (const auto& [cell, n] : count) {
+      const double x = (static_cast<double>(cell[0]) + 0.5) * h,
+                   y = (static_cast<double>(cell[1]) + 0.5) * h;
+      const double nearness = n / (1 + (x * x + y * y) / (4 * h * h));
+      if (nearness > most) most = nearness, start = cell;
+    }
+    if (count.empty()) return {};
+    // Mean density that a point of the region sees; the region grows until it no longer changes.
+    std::set<Cell> region;
+    double least = std::max(1.0, kDense * count[start]);
+    for (int pass = 0; pass < 3; ++pass) {
+      region = {start};
+      std::vector<Cell> stack{start};
+      weighted = total = 0;
+      while (!stack.empty()) {
+        const Cell c = stack.back();
+        stack.pop_back();
+        const double n = count[c];
+        weighted += n * n, total += n;
+        for (int64_t dy = -1; dy <= 1; ++dy)
+          for (int64_t dx = -1; dx <= 1; ++dx) {
+            const Cell next{c[0] + dx, c[1] + dy};
+            const auto it = count.find(next);
+            if (it != count.end() && it->second >= least && region.insert(next).second)
+              stack.push_back(next);
+          }
+      }
+      least = std::max(1.5, kDense * weighted / total);
+    }
+    std::vector<uint32_t> next_found;
+    std::vector<Vec2d> next_points;
+    for (size_t i = 0; i < points.size(); ++i)
+      if (region.contains(cell_of(points[i]))) {
+        next_found.push_back(found[i]);
+        next_points.push_back(points[i]);
+      }
+    if (look == 2) return next_found;
+    // Finer cells for the next look, over all points: the first look may have joined two windows.
+    const double occupied = static_cast<double>(region.size()) * h * h;
+    const double next_h = std::sqrt(kPointsPerCell * occupied / std::max(total, 1.0));
+    h = std::clamp(next_h, 0.05 * h, 1.5 * h);
+  }
+  return found;
+}
+
+namespace {
+
+// Area of the smallest polygon with `kSides` given directions of its sides that leaves no more than
+// the share kOutside of the points beyond each side. Unlike moments it does not depend on how the
+// points lie within it: light from one side leans a bundle over, but does not move its edges.
+double robust_area(const std::vector<Vec2d>& points, const Moments& moments) {
+  constexpr int kSides = 16;
+  constexpr double kOutside = 0.005;
+  // In the frame where the points are round, so that slits are as well described as squares.
+  const double det = moments.determinant();
+  const double l11 = std::sqrt(moments.xx), l21 = moments.xy / l11, l22 = std::sqrt(det) / l11;
+  Polygon polygon{{-100, -100}, {100, -100}, {100, 100}, {-100, 100}};
+  std::vector<double> reach(points.size());
+  const auto rank =
+      static_cast<std::ptrdiff_t>((1 - kOutside) * static_cast<double>(points.size() - 1));
+  for (int side = 0; side < kSides; ++side) {
+    const double angle = 2 * std::numbers::pi * side / kSides;
+    const Vec2d axis{std::cos(angle), std::sin(angle)};
+    for (size_t i = 0; i < points.size(); ++i) {
+      const Vec2d d = points[i] - moments.mean;
+      const double x = d.x / l11, y = (d.y - l21 * x) / l22;
+      reach[i] = x * axis.x + y * axis.y;
+    }
+    std::nth_element(reach.begin(), reach.begin() + rank, reach.end());
+    const double limit = reach[static_cast<size_t>(rank)];
+    Polygon kept;
+    for (size_t i = 0; i < polygon.size(); ++i) {
+      const Vec2d &p = polygon[i], &q = polygon[(i + 1) % polygon.size()];
+      const double dp = limit - (p.x * axis.x + p.y * axis.y),
+                   dq = limit - (q.x * axis.x + q.y * axis.y);
+      if (dp >= 0) kept.push_back(p);
+      if ((dp >= 0) != (dq >= 0)) kept.push_back(p + (q - p) * (dp / (dp - dq)));
+    }
+    polygon = std::move(kept);
+  }
+  return area(polygon) * std::sqrt(det);
+}
+
+// Pattern search over slide and tilt: derivatives of trimmed quantities are not worth having.
+struct Search {
+  const std::vector<LightLine>& lines;
+  bool by_area = false;
+  Moments moments{};
+  std::vector<Vec2d> points{};
+
+  double badness(const Plane& plane) {
+    const auto size = static_cast<double>(lines.size());
+    points.clear();
+    for (const LightLine& line : lines)
+      if (Vec2d at; crossing(plane, line, at)) points.push_back(at);
+    if (static_cast<double>(points.size()) < 0.5 * size || points.size() < 8) return INFINITY;
+    moments = trimmed_moments(points);
+    const double det = moments.determinant();
+    if (!(det > 0)) return INFINITY;
+    const double spread = by_area ? std::log(robust_area(points, moments)) : 0.5 * std::log(det);
+    return spread - 3 * std::log(moments.n / size);
+  }
+
+  Plane run(Plane best, double slide, double tilt) {
+    double least = badness(best);
+    if (!std::isfinite(least)) return best;
+    const double unit = std::pow(moments.determinant(), 0.25);
+    slide *= unit;
+    best.o = to_space(best, moments.mean);  // the plane turns about the middle of its crossings
+    const bool turns = tilt > 0;
+    while (slide > 2e-3 * unit || tilt > 2e-3) {
+      bool better = false;
+      const std::array<std::array<double, 3>, 6> moves{{{0, 0, slide},
+                                                        {0, 0, -slide},
+                                                        {tilt, 0, 0},
+                                                        {-tilt, 0, 0},
+                                                        {0, tilt, 0},
+                                                        {0, -tilt, 0}}};
+      for (size_t m = 0; m < (turns ? 6u : 2u); ++m) {
+        Plane next = tilted(best, moves[m][0], moves[m][1], moves[m][2]);
+        const double bad = badness(next);
+        if (!(bad < least)) continue;
+        next.o = to_space(next, moments.mean);
+        best = next;
+        least = bad;
+        better = true;
+      }
+      if (!better) slide *= 0.5, tilt *= 0.5;
+    }
+    return best;
+  }
+};
+
+}  // namespace
+
+Plane waist(const LightGrid& grid, const std::vector<uint32_t>& lines, const Plane& start) {
+  // Every k-th line is enough.
+  std::vector<LightLine> sample;
+  const size_t step = std::max<size_t>(1, lines.size() / kMostForWaist);
+  for (size_t i = 0; i < lines.size(); i += step) sample.push_back(grid.lines[lines[i]]);
+  // Moments find the way from afar, edges give the tilt, and moments again the middle of the wall,
+  // within which the area is the same everywhere.
+  Plane plane = Search{sample}.run(start, 1, 0.3);
+  plane = Search{sample, true}.run(plane, 0.1, 0.2);
+  return Search{sample}.run(plane, 0.5, 0);
+}
+
+}  // namespace tdpt

@@ -1,0 +1,39 @@
+// A bundle of light lines that pass one aperture, and the plane of its waist.
+//
+// Symbols: n normal (the way the light goes), o a place in the plane, (u, v) coordinates in the
+// plane along the axes of Onb(n).
+#pragma once
+#include <vector>
+
+#include "libcommon/formats/light_grid.h"
+#include "libcommon/math/vec.h"
+#include "tools/portalfit/polygon.h"
+
+namespace tdpt {
+
+struct Plane {
+  Vec3d o, n;
+};
+
+/// Where `line` crosses the plane along n, in plane coordinates; false when it does not, or only
+/// at a grazing angle.
+bool crossing(const Plane& plane, const LightLine& line, Vec2d& at);
+Vec3d to_space(const Plane& plane, Vec2d at);
+
+/// The densest place of `lines` (indices into grid.lines): centre of the fullest voxel, metres.
+Vec3d fullest_place(const LightGrid& grid, const std::vector<uint32_t>& lines);
+
+/// Mean direction of the lines that pass within `radius` of `place`; zero when there are none.
+Vec3d mean_direction_near(const LightGrid& grid, const std::vector<uint32_t>& lines,
+                          const Vec3d& place, double radius);
+
+/// Those of `lines` whose crossings with the plane belong to the connected dense region around the
+/// plane's `o`. `h` is the size of the first look [metres].
+std::vector<uint32_t> members(const LightGrid& grid, const std::vector<uint32_t>& lines,
+                              const Plane& plane, double h);
+
+/// The plane near `start` that the lines cross within the smallest area: the waist of the bundle.
+/// Strays are left out; planes that fewer lines cross are held back. In a thick wall, its middle.
+Plane waist(const LightGrid& grid, const std::vector<uint32_t>& lines, const Plane& start);
+
+}  // namespace tdpt

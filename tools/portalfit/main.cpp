@@ -1,0 +1,62 @@
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "libcommon/base/error.h"
+#include "libcommon/base/output_file.h"
+#include "libcommon/base/threads.h"
+#include "libcommon/cli/cli.h"
+#include "tools/portalfit/portalfit.h"
+
+int main(int argc, char** argv) {
+  using namespace tdpt;
+  cli::Options options("portalfit", "Fits planar light portals to a light grid.",
+                       "The portals (.glb); default standard output");
+  PortalFitOptions how;
+  std::string grid_path = "-";
+  int64_t max_portals = 8;
+  bool require_portal = false;
+  options.argument("grid", grid_path, "The light grid (.vdb); default standard input", false);
+  options.option("--threshold", how.threshold, "T",
+                 "Smallest share of the lines that makes a portal; default 0.05", 0.0001, 1);
+  options.option("--max-portals", max_portals, "N", "Most portals; default 8", 1, 1000);
+  options.flag("--require-portal", require_portal, "Exit with 3 when no portal is found",
+               cli::Shapes::nothing);
+  return options.run_main(argc, argv, [&] {
+    const cli::Common& common = options.common;
+    how.max_portals = static_cast<size_t>(max_portals);
+    const LightGrid grid = read_light_grid(grid_path);
+    const FitResult fit = fit_portals(grid, how);
+    PortalFile file;
+    file.portals = fit.portals;
+    file.scene_hash = grid.scene_hash;
+    file.provenance = common.provenance({{grid_path, grid.hash, grid.provenance}});
+    nlohmann::json summary = {{"portals", nlohmann::json::array()},
+                              {"explained", fit.explained},
+                              {"refused", fit.refused}};
+    for (size_t i = 0; i < fit.portals.size(); ++i) {
+      const auto& f = fit.portals[i].figures;
+      std::string support;
+      if (f.contains("support")) support = fmt::format(", support {:.2f}", f.at("support"));
+      common.note(
+          fmt::format("portal.{}: {:.4g} m2, {:.1f} % of the light{}, {:.0f} degrees "
+                      "between normal and mean direction.",
+                      i, f.at("area"), 100 * f.at("flux_share"), support, f.at("direction_angle")));
+      nlohmann::json entry = f;
+      entry["name"] = fmt::format("portal.{}", i);
+      summary["portals"].push_back(entry);
+    }
+    for (const std::string& sentence : fit.refused) common.note("refused: " + sentence + ".");
+    if (fit.portals.empty()) {
+      const std::string why = grid.bottleneck ? "no planar opening fits the light" : grid.reason;
+      if (require_portal)
+        throw InputError(grid_path == "-" ? "(standard input)" : grid_path, "",
+                         "gives no portal: " + why);
+      common.note("no portal: " + why + ".");
+      summary["reason"] = why;
+    }
+    summary["cpu_seconds"] = cpu_seconds();
+    write_output(common.output, portal_bytes(file));
+    common.summary(summary.dump());
+    return 0;
+  });
+}

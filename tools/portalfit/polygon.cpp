@@ -1,0 +1,66 @@
+#include "tools/portalfit/polygon.h"
+
+#include <cmath>
+#include <limits>
+
+namespace tdpt {
+
+double area(const Polygon& polygon) {
+  double twice = 0;
+  for (size_t i = 2; i < polygon.size(); ++i)
+    twice += cross(polygon[i - 1] - polygon[0], polygon[i] - polygon[0]);
+  return 0.5 * twice;
+}
+
+bool contains(const Polygon& polygon, Vec2d p) {
+  for (size_t i = 0; i < polygon.size(); ++i) {
+    const Vec2d &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
+    if (cross(b - a, p - a) < 0) return false;
+  }
+  return polygon.size() >= 3;
+}
+
+Polygon enlarged(const Polygon& polygon, double growth) {
+  Vec2d centre;
+  double total = 0;
+  for (size_t i = 2; i < polygon.size(); ++i) {
+    const double w = cross(polygon[i - 1] - polygon[0], polygon[i] - polygon[0]);
+    centre = centre + (polygon[0] + polygon[i - 1] + polygon[i]) * (w / 3);
+    total += w;
+  }
+  if (!(total > 0)) return polygon;
+  centre = centre * (1 / total);
+  const double scale = std::sqrt(growth);
+  Polygon larger;
+  for (const Vec2d& p : polygon) larger.push_back(centre + (p - centre) * scale);
+  return larger;
+}
+
+Polygon simplified(const Polygon& polygon, size_t corners, double tolerance) {
+  Polygon p = polygon;
+  const double whole = area(polygon);
+  while (p.size() > 3) {
+    const size_t n = p.size();
+    double least = std::numeric_limits<double>::infinity();
+    size_t edge = n;
+    Vec2d corner;
+    for (size_t i = 0; i < n; ++i) {
+      // Edge b-c goes; a-b and d-c are extended until they meet.
+      const Vec2d &a = p[(i + n - 1) % n], &b = p[i], &c = p[(i + 1) % n], &d = p[(i + 2) % n];
+      const double turn = cross(b - a, d - c);
+      if (!(turn < 0 || turn > 0)) continue;
+      const double s = cross(c - b, d - c) / turn;  // b + s (b - a)
+      const double t = cross(b - a, c - b) / turn;  // c + t (c - d)
+      if (!(s >= 0) || !(t >= 0) || !std::isfinite(s) || !std::isfinite(t)) continue;
+      const Vec2d meet = b + (b - a) * s;
+      const double added = 0.5 * cross(meet - b, c - b);
+      if (std::abs(added) < least) least = std::abs(added), edge = i, corner = meet;
+    }
+    if (edge == n || (n <= corners && least > tolerance * whole)) break;
+    p[edge] = corner;
+    p.erase(p.begin() + static_cast<std::ptrdiff_t>((edge + 1) % n));
+  }
+  return p;
+}
+
+}  // namespace tdpt

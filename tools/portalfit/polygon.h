@@ -1,0 +1,38 @@
+// Convex polygons in a plane.
+#pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace tdpt {
+
+struct Vec2d {
+  double x = 0, y = 0;
+  friend constexpr Vec2d operator+(Vec2d a, Vec2d b) { return {a.x + b.x, a.y + b.y}; }
+  friend constexpr Vec2d operator-(Vec2d a, Vec2d b) { return {a.x - b.x, a.y - b.y}; }
+  friend constexpr Vec2d operator*(Vec2d a, double s) { return {a.x * s, a.y * s}; }
+};
+constexpr double cross(Vec2d a, Vec2d b) {
+  return a.x * b.y - a.y * b.x;
+}
+
+/// Corners counter-clockwise.
+using Polygon = std::vector<Vec2d>;
+
+/// Convex hull, counter-clockwise; fewer than three corners when the points have none (CGAL).
+Polygon convex_hull(const std::vector<Vec2d>& points);
+/// Delaunay triangulation of a convex polygon's corners, counter-clockwise (CGAL).
+std::vector<std::array<uint32_t, 3>> triangulate(const Polygon& polygon);
+
+double area(const Polygon& polygon);
+/// Whether the convex polygon holds p, its border included.
+bool contains(const Polygon& polygon, Vec2d p);
+/// Scales about the centre of mass until the area has grown by the factor `growth`.
+Polygon enlarged(const Polygon& polygon, double growth);
+/// A convex polygon around `polygon` with fewer corners: edges are removed by extending their
+/// neighbours, the one that adds the least area first, until at most `corners` are left and the
+/// next one would add more than the share `tolerance` of the area.
+Polygon simplified(const Polygon& polygon, std::size_t corners, double tolerance);
+
+}  // namespace tdpt

@@ -1,0 +1,203 @@
+// One aperture at a time: the fullest place, the lines around it, the plane of their waist, the
+// hull of their crossings; then the lines it explains are deleted.
+#include "tools/portalfit/portalfit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "tools/portalfit/bundle.h"
+#include "tools/portalfit/polygon.h"
+
+namespace tdpt {
+namespace {
+
+constexpr size_t kFewestLines = 30;
+constexpr size_t kMostCorners = 12;
+constexpr double kCornerTolerance = 0.003;  // of the area, for each corner saved
+constexpr double kDegrees = 180 / std::numbers::pi;
+
+struct Aperture {
+  Plane plane;
+  Polygon polygon;
+  std::vector<uint32_t> lines;  // that cross it along the normal
+};
+
+std::optional<Aperture> find_aperture(const LightGrid& grid, const std::vector<uint32_t>& lines) {
+  Aperture a;
+  a.plane.o = fullest_place(grid, lines);
+  a.plane.n = mean_direction_near(grid, lines, a.plane.o, 1.5 * grid.voxel);
+  if (a.plane.n == Vec3d{}) return {};
+  std::vector<uint32_t> bundle;
+  double h = grid.voxel;
+  for (int round = 0; round < 6; ++round) {
+    const Plane before = a.plane;
+    bundle = members(grid, lines, a.plane, h);
+    if (bundle.size() < kFewestLines) return {};
+    a.plane = waist(grid, bundle, a.plane);
+    if (dot(before.n, a.plane.n) > 1 - 1e-6 && length(before.o - a.plane.o) < 1e-3 * grid.voxel)
+      break;
+  }
+  bundle = members(grid, lines, a.plane, h);
+  if (bundle.size() < kFewestLines) return {};
+
+  std::vector<Vec2d> points;
+  for (const uint32_t l : bundle)
+    if (Vec2d at; crossing(a.plane, grid.lines[l], at)) points.push_back(at);
+  const Polygon hull = convex_hull(points);
+  if (hull.size() < 3 || !(area(hull) > 0)) return {};
+  // The hull of n random points lacks about (8/3) ln(n)/n of a quadrilateral's area.
+  const auto n = static_cast<double>(points.size());
+  a.polygon =
+      simplified(enlarged(hull, 1 + 8.0 / 3 * std::log(n) / n), kMostCorners, kCornerTolerance);
+  for (const uint32_t l : lines)
+    if (Vec2d at; crossing(a.plane, grid.lines[l], at) && contains(a.polygon, at))
+      a.lines.push_back(l);
+  return a;
+}
+
+// Share of the lines through the polygon that join the two sides, from the voxels it passes;
+// nothing when the file does not know.
+std::optional<double> support_of(const LightGrid& grid, const Aperture& a) {
+  if (grid.tried.empty()) return {};
+  double tried = 0, joined = 0;
+  const Polygon wider = enlarged(a.polygon, 1.1);
+  size_t at = 0;
+  for (int k = 0; k < grid.dim[2]; ++k)
+    for (int j = 0; j < grid.dim[1]; ++j)
+      for (int i = 0; i < grid.dim[0]; ++i, ++at) {
+        if (grid.tried[at] == 0) continue;
+        const Vec3d centre = grid.origin + Vec3d{i + 0.5, j + 0.5, k + 0.5} * grid.voxel;
+        const Vec3d d = centre - a.plane.o;
+        if (std::abs(dot(d, a.plane.n)) > grid.voxel) continue;
+        const Onb<double> frame(a.plane.n);
+        // The nearest corner region counts, too: slits are narrower than voxels.
+        const Vec2d p{dot(d, frame.x), dot(d, frame.y)};
+        bool near = contains(wider, p);
+        for (const double dx : {-0.5, 0.5})
+          for (const double dy : {-0.5, 0.5})
+            near = near || contains(wider, p + Vec2d{dx * grid.voxel, dy * grid.voxel});
+        if (!near) continue;
+        tried += grid.tried[at];
+        joined += grid.joined[at];
+      }
+  if (tried == 0) return {};
+  return joined / tried;
+}
+
+// Angles between n and the main and minor axis of the voxels fuller than half the fullest.
+std::pair<double, double> pca_angles(const LightGrid& grid, const Vec3d& n) {
+  const float most = *std::max_element(grid.count.begin(), grid.count.end());
+  Vec3d mean{};
+  double total = 0;
+  std::vector<Vec3d> places;
+  size_t at = 0;
+  for (int k = 0; k < grid.dim[2]; ++k)
+    for (int j = 0; j < grid.dim[1]; ++j)
+      for (int i = 0; i < grid.dim[0]; ++i, ++at)
+        if (grid.count[at] > 0 && grid.count[at] >= 0.5f * most) places.emplace_back(i, j, k);
+  for (const Vec3d& p : places) mean += p, ++total;
+  if (total == 0) return {0, 0};
+  mean = mean / total;
+  double c[3][3] = {};
+  for (const Vec3d& p : places)
+    for (int r = 0; r < 3; ++r)
+      for (int s = 0; s < 3; ++s) c[r][s] += (p - mean)[r] * (p - mean)[s];
+  // Jacobi rotations; the columns of v become the axes.
+  double v[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  for (int sweep = 0; sweep < 30; ++sweep)
+    for (int p = 0; p < 2; ++p)
+      for (int q = p + 1; q < 3; ++q) {
+        if (c[p][q] == 0) continue;
+        const double theta = 0.5 * std::atan2(2 * c[p][q], c[q][q] - c[p][p]);
+        const double cs = std::cos(theta), sn = std::sin(theta);
+        for (auto& row : c) {
+          const double x = row[p], y = row[q];
+          row[p] = cs * x - sn * y, row[q] = sn * x + cs * y;
+        }
+        for (int k = 0; k < 3; ++k) {
+          const double x = c[p][k], y = c[q][k];
+          c[p][k] = cs * x - sn * y, c[q][k] = sn * x + cs * y;
+        }
+        for (auto& row : v) {
+          const double x = row[p], y = row[q];
+          row[p] = cs * x - sn * y, row[q] = sn * x + cs * y;
+        }
+      }
+  int main = 0, minor = 0;
+  for (int i = 1; i < 3; ++i) {
+    if (c[i][i] > c[main][main]) main = i;
+    if (c[i][i] < c[minor][minor]) minor = i;
+  }
+  const auto angle = [&](int i) {
+    const double cosine = std::abs(v[0][i] * n.x + v[1][i] * n.y + v[2][i] * n.z);
+    return kDegrees * std::acos(std::min(1.0, cosine));
+  };
+  return {angle(main), angle(minor)};
+}
+
+Portal portal_of(const LightGrid& grid, const Aperture& a, std::optional<double> support) {
+  Portal portal;
+  for (const Vec2d& p : a.polygon) portal.vertices.push_back(to_space(a.plane, p));
+  portal.triangles = triangulate(a.polygon);
+  Vec3d sum{};
+  for (const uint32_t l : a.lines) sum += normalize(grid.lines[l].camera - grid.lines[l].light);
+  const Vec3d mean = normalize(sum);
+  auto& f = portal.figures;
+  f["area"] = area(a.polygon);
+  f["flux_share"] = static_cast<double>(a.lines.size()) / static_cast<double>(grid.lines.size());
+  if (support) f["support"] = *support;
+  f["direction_x"] = mean.x;
+  f["direction_y"] = mean.y;
+  f["direction_z"] = mean.z;
+  f["direction_angle"] = kDegrees * std::acos(std::clamp(dot(mean, a.plane.n), -1.0, 1.0));
+  f["concentration"] = length(sum) / static_cast<double>(a.lines.size());
+  const auto [main, minor] = pca_angles(grid, a.plane.n);
+  f["pca_main_angle"] = main;
+  f["pca_minor_angle"] = minor;
+  return portal;
+}
+
+}  // namespace
+
+FitResult fit_portals(const LightGrid& grid, const PortalFitOptions& options) {
+  FitResult result;
+  if (!grid.bottleneck || grid.lines.empty()) return result;
+  const auto total = static_cast<double>(grid.lines.size());
+  std::vector<uint32_t> rest(grid.lines.size());
+  std::iota(rest.begin(), rest.end(), 0u);
+  // A refused candidate costs its lines, so this ends.
+  while (static_cast<double>(rest.size()) >= options.threshold * total &&
+         rest.size() >= kFewestLines && result.portals.size() < options.max_portals &&
+         result.refused.size() < options.max_portals) {
+    const auto aperture = find_aperture(grid, rest);
+    if (!aperture || aperture->lines.empty()) {
+      result.refused.push_back("the lines left have no common waist");
+      break;
+    }
+    const double share = static_cast<double>(aperture->lines.size()) / total;
+    const auto support = support_of(grid, *aperture);
+    if (share < options.threshold) {
+      result.refused.push_back(
+          fmt::format("a candidate carries {:.1f} % of the lines only", 100 * share));
+    } else if (support && *support < options.support) {
+      result.refused.push_back(fmt::format(
+          "a candidate lies within one side: only {:.0f} % of the lines through it join the two",
+          100 * *support));
+    } else {
+      result.portals.push_back(portal_of(grid, *aperture, support));
+      result.explained += share;
+    }
+    std::vector<uint32_t> left;
+    std::set_difference(rest.begin(), rest.end(), aperture->lines.begin(), aperture->lines.end(),
+                        std::back_inserter(left));
+    rest = std::move(left);
+  }
+  return result;
+}
+
+}  // namespace tdpt

@@ -1,0 +1,30 @@
+// Planar portals fitted to the lines of a light grid (section 4.3).
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "libcommon/formats/light_grid.h"
+#include "libcommon/formats/portal.h"
+
+namespace tdpt {
+
+struct PortalFitOptions {
+  double threshold = 0.05;  ///< smallest share of all lines that makes a portal
+  size_t max_portals = 8;
+  double support = 0.3;  ///< smallest support that makes a portal
+};
+
+/// One portal with its figures of merit: `area` [m2], `flux_share` (share of all lines that cross
+/// it), `support` (share of the lines through it that join the two sides; left out when unknown),
+/// `direction_x/y/z` (mean direction of its lines), `direction_angle` [deg] (between it and the
+/// normal), `concentration` (length of the mean of the unit directions), `pca_main_angle` and
+/// `pca_minor_angle` [deg] (between the normal and the axes of the paper's rule, for information).
+struct FitResult {
+  std::vector<Portal> portals;
+  double explained = 0;              ///< share of all lines that cross some portal
+  std::vector<std::string> refused;  ///< why candidates were turned down: plain sentences
+};
+
+FitResult fit_portals(const LightGrid& grid, const PortalFitOptions& options);
+
+}  // namespace tdpt

@@ -1,0 +1,278 @@
+// Light grids of rooms with known openings are generated here: points uniform on the openings,
+// cosine directions, lines that run to the far walls and are dropped when a jamb is in their way.
+#include "tools/portalfit/portalfit.h"
+
+#include <cmath>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "libcommon/math/rng.h"
+#include "libcommon/math/warp.h"
+
+namespace tdpt {
+namespace {
+
+constexpr double kDegrees = 180 / std::numbers::pi;
+
+// A rectangular opening through a wall: middle, half axes u and v, direction the light goes,
+// thickness of the wall (the middle lies in the middle of it).
+struct Opening {
+  Vec3d middle, u, v, n;
+  double thickness = 0;
+  double share = 1;  // of the lines
+  bool holds(const Vec3d& p) const {
+    const Vec3d d = p - middle;
+    return std::abs(dot(d, u)) <= dot(u, u) && std::abs(dot(d, v)) <= dot(v, v);
+  }
+  double area() const { return 4 * length(u) * length(v); }
+};
+
+// Where the line a-b passes the plane of the opening shifted by `shift` along n.
+Vec3d at_plane(const Opening& o, double shift, const Vec3d& a, const Vec3d& b) {
+  const double t = (dot(o.middle - a, o.n) + shift) / dot(b - a, o.n);
+  return a + (b - a) * t;
+}
+
+struct Light {
+  double reach = 2;   // length of a line on either side of the opening
+  double lean = 0;    // the light comes from one side: directions leaning towards +u
+  double strays = 0;  // share of lines at random in the whole box
+};
+
+std::vector<LightLine> lines_through(const std::vector<Opening>& openings, size_t n,
+                                     const Light& light, uint64_t seed) {
+  std::vector<LightLine> lines;
+  for (uint64_t i = 0; lines.size() < n; ++i) {
+    Rng rng(seed, 1, i);
+    double pick = rng.uniform();
+    const double stray = rng.uniform(), a = rng.uniform(), b = rng.uniform();
+    const double c = rng.uniform(), d = rng.uniform(), e = rng.uniform(), f = rng.uniform();
+    size_t k = 0;
+    while (k + 1 < openings.size() && pick >= openings[k].share) pick -= openings[k++].share;
+    const Opening& o = openings[k];
+    if (stray < light.strays) {
+      const Onb<double> frame(o.n);
+      const auto place = [&](double x, double y, double z) {
+        return o.middle + frame.to_world(Vec3d{x, y, z} * (2 * light.reach) - Vec3d(light.reach));
+      };
+      lines.push_back({place(a, b, c), place(d, e, f)});
+      continue;
+    }
+    const Vec3d p = o.middle + o.u * (2 * a - 1) + o.v * (2 * b - 1);
+    const Onb<double> frame(o.n);
+    Vec3d w = frame.to_world(cosine_hemisphere(c, d));
+    if (dot(w, normalize(o.u)) * light.lean < 0 && e < std::abs(light.lean)) continue;
+    const LightLine line{p - w * light.reach, p + w * light.reach};
+    if (!o.holds(at_plane(o, 0.5 * o.thickness, line.light, line.camera)) ||
+        !o.holds(at_plane(o, -0.5 * o.thickness, line.light, line.camera)))
+      continue;
+    lines.push_back(line);
+  }
+  return lines;
+}
+
+LightGrid grid_of(const std::vector<LightLine>& lines, int resolution = 64) {
+  LightGrid g;
+  Vec3d low(INFINITY), high(-INFINITY);
+  for (const LightLine& l : lines) {
+    low = min(low, min(l.light, l.camera));
+    high = max(high, max(l.light, l.camera));
+  }
+  g.voxel = max_component(high - low) / resolution;
+  g.origin = low;
+  for (int c = 0; c < 3; ++c)
+    g.dim[static_cast<size_t>(c)] =
+        std::max(1, static_cast<int>(std::ceil((high - low)[c] / g.voxel)));
+  const size_t n =
+      static_cast<size_t>(g.dim[0]) * static_cast<size_t>(g.dim[1]) * static_cast<size_t>(g.dim[2]);
+  g.count.assign(n, 0);
+  g.air.assign(n, 1);
+  g.direction.assign(n, {});
+  for (const LightLine& l : lines)
+    walk_grid(g, l.light, l.camera, [&](size_t v, double) { ++g.count[v]; });
+  g.lines = lines;
+  return g;
+}
+
+// How good a portal is for an opening: share of fresh lines through the opening that cross the
+// portal along its normal, area of the opening over that of the portal, angle between the normals.
+struct Score {
+  double coverage = 0, tightness = 0, angle = 180;
+};
+
+Vec3d area_vector(const Portal& p) {
+  Vec3d sum{};
+  for (const auto& t : p.triangles)
+    sum += cross(p.vertices[t[1]] - p.vertices[t[0]], p.vertices[t[2]] - p.vertices[t[0]]) * 0.5;
+  return sum;
+}
+
+bool crosses(const Portal& portal, const LightLine& line) {
+  for (const auto& t : portal.triangles) {
+    const Vec3d &a = portal.vertices[t[0]], &b = portal.vertices[t[1]], &c = portal.vertices[t[2]];
+    const Vec3d n = cross(b - a, c - a), d = line.camera - line.light;
+    if (dot(d, n) <= 0) continue;
+    const double s = dot(a - line.light, n) / dot(d, n);
+    if (s < 0 || s > 1) continue;
+    const Vec3d p = line.light + d * s;
+    if (dot(cross(b - a, p - a), n) >= 0 && dot(cross(c - b, p - b), n) >= 0 &&
+        dot(cross(a - c, p - c), n) >= 0)
+      return true;
+  }
+  return false;
+}
+
+Score score(const Portal& portal, const Opening& opening, const Light& light) {
+  Light clean = light;
+  clean.strays = 0;
+  const auto fresh = lines_through({opening}, 4000, clean, 999);
+  Score s;
+  double through = 0;
+  for (const LightLine& line : fresh) through += crosses(portal, line);
+  s.coverage = through / static_cast<double>(fresh.size());
+  const Vec3d a = area_vector(portal);
+  s.tightness = opening.area() / length(a);
+  s.angle = kDegrees * std::acos(std::clamp(dot(normalize(a), opening.n), -1.0, 1.0));
+  return s;
+}
+
+Opening hole(double half = 0.25, double thickness = 0.1) {
+  return {{1, 2, 3}, {0, half, 0}, {0, 0, half}, {1, 0, 0}, thickness, 1};
+}
+
+void expect_good(const LightGrid& grid, const Opening& opening, const Light& light) {
+  const FitResult fit = fit_portals(grid, {});
+  ASSERT_EQ(fit.portals.size(), 1u);
+  const Score s = score(fit.portals[0], opening, light);
+  EXPECT_GT(s.coverage, 0.98);
+  EXPECT_GT(s.tightness, 0.9);
+  EXPECT_LT(s.angle, 3);
+  EXPECT_LE(fit.portals[0].vertices.size(), 12u);
+  EXPECT_NEAR(fit.portals[0].figures.at("area"), length(area_vector(fit.portals[0])), 1e-9);
+}
+
+TEST(PortalFit, FindsAHole) {
+  const Light light;
+  expect_good(grid_of(lines_through({hole()}, 8000, light, 1)), hole(), light);
+}
+
+TEST(PortalFit, StandsInTheMiddleOfAThickWall) {
+  const Light light;
+  const Opening o = hole(0.25, 0.5);
+  const FitResult fit = fit_portals(grid_of(lines_through({o}, 8000, light, 1)), {});
+  ASSERT_EQ(fit.portals.size(), 1u);
+  for (const Vec3d& v : fit.portals[0].vertices) EXPECT_NEAR(v.x, 1, 0.05);
+  EXPECT_GT(score(fit.portals[0], o, light).coverage, 0.98);
+}
+
+TEST(PortalFit, FindsASlitThinnerThanAVoxel) {
+  const Light light;
+  const Opening o{{0, 0, 0}, {0, 0.01, 0}, {0, 0, 0.5}, {1, 0, 0}, 0.01, 1};
+  expect_good(grid_of(lines_through({o}, 8000, light, 1), 48), o, light);
+}
+
+TEST(PortalFit, IsNotMisledByLightFromOneSide) {
+  Light light;
+  light.lean = 0.9;
+  expect_good(grid_of(lines_through({hole()}, 8000, light, 1)), hole(), light);
+  // The mean direction alone would be far off: what the waist is for.
+  const FitResult fit = fit_portals(grid_of(lines_through({hole()}, 8000, light, 1)), {});
+  EXPECT_GT(fit.portals.at(0).figures.at("direction_angle"), 10);
+}
+
+TEST(PortalFit, IsRobustToStrays) {
+  Light light;
+  light.strays = 0.03;
+  expect_good(grid_of(lines_through({hole()}, 8000, light, 1)), hole(), light);
+}
+
+TEST(PortalFit, FindsTwoWindows) {
+  Opening a = hole(0.2), b = hole(0.2);
+  b.middle.z += 0.8;
+  b.middle.y += 0.1;
+  a.share = 0.7;
+  const Light light;
+  const FitResult fit = fit_portals(grid_of(lines_through({a, b}, 10000, light, 1)), {});
+  ASSERT_EQ(fit.portals.size(), 2u);
+  EXPECT_GT(score(fit.portals[0], a, light).coverage, 0.98);
+  EXPECT_GT(score(fit.portals[1], b, light).coverage, 0.95);
+  EXPECT_GT(score(fit.portals[1], b, light).tightness, 0.85);
+  EXPECT_NEAR(fit.portals[0].figures.at("flux_share"), 0.7, 0.05);
+  EXPECT_GT(fit.explained, 0.97);
+  PortalFitOptions one;
+  one.max_portals = 1;
+  EXPECT_EQ(fit_portals(grid_of(lines_through({a, b}, 10000, light, 1)), one).portals.size(), 1u);
+  PortalFitOptions strong;
+  strong.threshold = 0.5;
+  EXPECT_EQ(fit_portals(grid_of(lines_through({a, b}, 10000, light, 1)), strong).portals.size(),
+            1u);
+}
+
+TEST(PortalFit, MovesWithTheScene) {
+  const Light light;
+  const Vec3d n = normalize(Vec3d{0.3, -0.8, 0.5});
+  const Onb<double> frame(n);
+  const Opening o{{100, -200, 50}, frame.x * 30.0, frame.y * 12.0, n, 3, 1};
+  Light far = light;
+  far.reach = 200;
+  expect_good(grid_of(lines_through({o}, 8000, far, 1)), o, far);
+}
+
+TEST(PortalFit, FewLinesAreEnough) {
+  const Light light;
+  const Opening o = hole();
+  const FitResult fit = fit_portals(grid_of(lines_through({o}, 400, light, 1)), {});
+  ASSERT_EQ(fit.portals.size(), 1u);
+  const Score s = score(fit.portals[0], o, light);
+  EXPECT_GT(s.coverage, 0.9);
+  EXPECT_LT(s.angle, 5);
+}
+
+TEST(PortalFit, RefusesWithoutSupport) {
+  const Light light;
+  LightGrid grid = grid_of(lines_through({hole()}, 4000, light, 1));
+  grid.tried = grid.joined = grid.count;
+  const FitResult good = fit_portals(grid, {});
+  ASSERT_EQ(good.portals.size(), 1u);
+  EXPECT_EQ(good.portals[0].figures.at("support"), 1);
+  for (float& j : grid.joined) j = std::floor(0.1f * j);
+  const FitResult bad = fit_portals(grid, {});
+  EXPECT_TRUE(bad.portals.empty());
+  ASSERT_FALSE(bad.refused.empty());
+  EXPECT_NE(bad.refused[0].find("lies within one side"), std::string::npos);
+}
+
+TEST(PortalFit, NoBottleneckGivesNoPortal) {
+  LightGrid grid;
+  grid.bottleneck = false;
+  EXPECT_TRUE(fit_portals(grid, {}).portals.empty());
+  EXPECT_TRUE(fit_portals(LightGrid{}, {}).portals.empty());
+}
+
+// The judge itself must see faults: a portal turned, shifted or facing the other way.
+TEST(PortalScore, SeesWhatIsWrong) {
+  const Light light;
+  const Opening o = hole();
+  Portal p;
+  const auto corner = [&](double u, double v) { return o.middle + o.u * u + o.v * v; };
+  p.vertices = {corner(-1, -1), corner(1, -1), corner(1, 1), corner(-1, 1)};
+  p.triangles = {{0, 1, 2}, {0, 2, 3}};
+  const Score good = score(p, o, light);
+  EXPECT_EQ(good.coverage, 1);
+  EXPECT_NEAR(good.tightness, 1, 1e-12);
+  EXPECT_NEAR(good.angle, 0, 1e-6);
+  Portal shifted = p;
+  for (Vec3d& v : shifted.vertices) v.y += 0.15;
+  EXPECT_LT(score(shifted, o, light).coverage, 0.9);
+  Portal backwards = p;
+  for (auto& t : backwards.triangles) std::swap(t[1], t[2]);
+  EXPECT_EQ(score(backwards, o, light).coverage, 0);
+  EXPECT_NEAR(score(backwards, o, light).angle, 180, 1e-6);
+  Portal large = p;
+  for (Vec3d& v : large.vertices) v = o.middle + (v - o.middle) * 1.5;
+  EXPECT_LT(score(large, o, light).tightness, 0.5);
+}
+
+}  // namespace
+}  // namespace tdpt
