@@ -1,0 +1,48 @@
+# A thin front for CMake's presets: the words people try first.
+#   make           builds into build/bin
+#   make demo      installs what is missing, builds, shows what portals are good for (demo/)
+#   make test      installs what is missing, builds, runs every test
+#   make install   programs and man pages under PREFIX (and DESTDIR)
+#   make sanitize  builds with the sanitizers into build-sanitize and runs every test there
+#   make packages  installs the Debian packages of tools/packages.txt that are missing
+#   make format    clang-format over all sources
+#   make clean     removes what was built
+PREFIX ?= /usr/local
+JOBS ?= $(shell nproc 2>/dev/null || echo 2)
+# .ci/run names a file here, to learn the exit code of ctest instead of make's.
+TEST_STATUS ?=
+
+.PHONY: all build demo test install sanitize packages format clean
+all: build
+
+build:
+	@command -v cmake >/dev/null || { echo "cmake is missing; 'make packages' installs what is needed"; exit 1; }
+	@cmake --preset release --log-level=WARNING
+	@cmake --build --preset release --parallel $(JOBS)
+
+packages:
+	@sh tools/install-packages.sh
+
+test: packages
+	@$(MAKE) --no-print-directory build
+	@ctest --preset release --parallel $(JOBS); code=$$?; \
+	if [ -n "$(TEST_STATUS)" ]; then echo $$code >"$(TEST_STATUS)"; else exit $$code; fi
+
+demo: packages
+	@$(MAKE) --no-print-directory build
+	@sh tools/demo.sh build/bin demo
+
+sanitize: packages
+	@cmake --preset sanitize --log-level=WARNING
+	@cmake --build --preset sanitize --parallel $(JOBS)
+	@ctest --preset sanitize --parallel $(JOBS)
+
+install: build
+	@cmake --install build --prefix "$(PREFIX)"
+
+format:
+	@command -v clang-format >/dev/null || { echo "clang-format is missing"; exit 1; }
+	@git ls-files -z '*.h' '*.cpp' | xargs -0 clang-format -i
+
+clean:
+	@rm -rf build build-dev build-sanitize demo

@@ -1,0 +1,55 @@
+#!/bin/sh
+# house-rules.sh ROOT: who may include whom. Prints every include that breaks a rule; exit 1 if any.
+#   A tool includes libcommon, shaders/shared and itself, never another tool.
+#   A room of libcommon includes itself and rooms before it; testing is for tests.
+#   Each heavy library has one home.
+cd "${1:?usage: house-rules.sh ROOT}" || exit 2
+found=$(mktemp) && all=$(mktemp) || exit 2
+trap 'rm -f "$found" "$all"' EXIT
+
+# Lines "file:number:included", without quotes and angle brackets.
+grep -rnE '^[[:space:]]*#[[:space:]]*include[[:space:]]*["<]' --include='*.h' --include='*.cpp' \
+  --include='*.inl' tools libcommon shaders 2>/dev/null |
+  sed -E 's/^([^:]*:[0-9]+:)[^"<]*["<]([^">]*)[">].*/\1\2/' >"$all"
+[ -s "$all" ] || { echo "house-rules: no sources under $1"; exit 2; }
+
+awk -F: '
+function bad(why) { print $1 ":" $2 ": " $3 " is included, but " why }
+BEGIN {
+  before["base"] = " "
+  before["cli"] = " base "
+  before["math"] = " base "
+  before["scene"] = " base cli math "
+  before["formats"] = before["trace"] = before["gpu"] = " base cli math scene "
+  before["testing"] = " base cli math scene formats trace gpu "
+  # What is included -> where that may stand.
+  home["^tiny_gltf"] = "^libcommon/(scene|testing)/|^libcommon/formats/portal"
+  home["^embree"] = "^libcommon/trace/"
+  home["^vulkan/"] = "^libcommon/gpu/"
+  home["^openvdb/"] = "^libcommon/formats/light_grid"
+  home["^(OpenEXR/|Imf)"] = "^libcommon/formats/picture"
+  home["^CLI/"] = "^libcommon/cli/"
+  home["^OpenMesh/"] = "^tools/ffgraph/"
+  home["^CGAL/"] = "^tools/portalfit/"
+}
+{
+  split($1, from, "/")
+  split($3, to, "/")
+  test = $1 ~ /_(test|bench)\.cpp$/ || $1 ~ /^libcommon\/testing\// || $1 ~ /\/test_[^\/]*\.h$/
+  if (to[1] == "tools") {
+    if (from[1] != "tools") bad("nothing outside a tool includes a tool")
+    else if (from[2] != to[2]) bad("a tool never includes another")
+  }
+  if (to[1] == "libcommon") {
+    if (to[2] == "testing") {
+      if (!test) bad("testing is for tests only")
+    } else if (from[1] == "libcommon" && from[2] != to[2] && !test &&
+               index(before[from[2]], " " to[2] " ") == 0)
+      bad("libcommon/" from[2] " may only include rooms before it")
+  }
+  if (to[1] == ".." || $3 ~ /\/\.\.\//) bad("includes are written from the root")
+  for (library in home)
+    if ($3 ~ library && $1 !~ home[library]) bad("its home is " home[library])
+}' "$all" >"$found"
+cat "$found"
+[ ! -s "$found" ]

@@ -1,0 +1,42 @@
+#!/bin/sh
+# house-rules_test.sh: every rule of house-rules.sh finds a planted offence, and lets good code pass.
+here=$(cd "$(dirname "$0")" && pwd)
+work=$(mktemp -d) || exit 2
+trap 'rm -rf "$work"' EXIT
+failed=0
+
+# expect STATUS FILE INCLUDED
+expect() {
+  rm -rf "$work/root"
+  mkdir -p "$work/root/tools" "$work/root/libcommon" "$work/root/$(dirname "$2")"
+  printf '#include %s\n' "$3" >"$work/root/$2"
+  sh "$here/house-rules.sh" "$work/root" >"$work/said"
+  status=$?
+  if [ "$status" != "$1" ]; then
+    echo "$2 with $3: exit code $status, expected $1"
+    cat "$work/said"
+    failed=1
+  fi
+}
+
+expect 0 tools/mincut/main.cpp '"libcommon/formats/cut.h"'
+expect 0 tools/mincut/main.cpp '"tools/mincut/max_flow.h"'
+expect 1 tools/mincut/main.cpp '"tools/ffgraph/patches.h"'
+expect 1 tools/mincut/main.cpp '"libcommon/testing/rooms.h"'
+expect 0 tools/mincut/max_flow_test.cpp '"libcommon/testing/rooms.h"'
+expect 1 tools/mincut/main.cpp '"../ffgraph/patches.h"'
+expect 1 libcommon/formats/cut.cpp '"tools/mincut/max_flow.h"'
+expect 0 libcommon/scene/scene.h '"libcommon/math/vec.h"'
+expect 1 libcommon/math/vec.h '"libcommon/scene/scene.h"'
+expect 1 libcommon/formats/cut.h '"libcommon/trace/tracer.h"'
+expect 1 libcommon/base/file.cpp '"libcommon/cli/cli.h"'
+expect 0 libcommon/trace/tracer.cpp '<embree3/rtcore.h>'
+expect 1 tools/tdpt-render/render.cpp '<embree3/rtcore.h>'
+expect 1 tools/ffgraph/main.cpp '<CGAL/convex_hull_2.h>'
+expect 1 tools/portalfit/plane.cpp '<OpenMesh/Core/Mesh/PolyMesh_ArrayKernelT.hh>'
+expect 1 tools/lightgrid/march.cpp '<openvdb/openvdb.h>'
+expect 1 tools/tdpt-render/film.cpp '<OpenEXR/ImfHeader.h>'
+expect 1 tools/tdpt-render/main.cpp '<CLI/CLI.hpp>'
+expect 1 tools/ffgraph/scene.cpp '<tiny_gltf.h>'
+expect 1 tools/lightgrid/gpu.cpp '<vulkan/vulkan.h>'
+exit $failed

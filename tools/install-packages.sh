@@ -1,0 +1,40 @@
+#!/bin/sh
+# Installs those packages of tools/packages.txt that are missing, by apt-get, as root or by sudo.
+# Says nothing when there is nothing to do.
+set -u
+list=$(dirname "$0")/packages.txt
+say() { printf '%s\n' "install-packages: $*" >&2; }
+
+if ! command -v dpkg-query >/dev/null 2>&1; then
+  say "this system has no Debian packages; what packages.txt lists must be there already"
+  exit 0
+fi
+
+missing=
+for package in $(sed 's/#.*//' "$list"); do
+  status=$(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null)
+  [ "$status" = installed ] || missing="$missing $package"
+done
+[ -n "$missing" ] || exit 0
+say "missing:$missing"
+
+if [ "$(id -u)" = 0 ]; then
+  as_root=
+elif ! command -v sudo >/dev/null 2>&1; then
+  say "only root can install them and there is no sudo; as root: apt-get install$missing"
+  exit 1
+elif sudo -n true 2>/dev/null; then
+  as_root="sudo -n"
+elif [ -t 0 ]; then
+  as_root=sudo
+else
+  say "sudo asks for a password; as root: apt-get install$missing"
+  exit 1
+fi
+
+# Unquoted on purpose: words of a command, names of packages.
+$as_root apt-get update &&
+  $as_root env DEBIAN_FRONTEND=noninteractive \
+    apt-get install -y --no-install-recommends $missing </dev/null && exit 0
+say "apt-get could not install them; without them nothing can be built"
+exit 1
