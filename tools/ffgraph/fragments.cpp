@@ -1,0 +1,153 @@
+// Clipping runs in units of the base cell, measured from the origin of the grid: cell bounds are
+// then exact. Sutherland-Hodgman against the six faces of a cell.
+#include "tools/ffgraph/fragments.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tdpt {
+namespace {
+
+// A triangle cut by six planes has at most nine corners.
+struct Polygon {
+  int n = 0;
+  std::array<Vec3d, 10> p;
+  void push(const Vec3d& v) {
+    if (n < 10) p[static_cast<size_t>(n++)] = v;
+  }
+  const Vec3d& operator[](int i) const { return p[static_cast<size_t>(i)]; }
+};
+
+// Keeps the part where sign * (v[axis] - bound) >= 0.
+Polygon keep_half(const Polygon& in, int axis, double bound, double sign) {
+  Polygon out;
+  for (int i = 0; i < in.n; ++i) {
+    const Vec3d &a = in[i], &b = in[(i + 1) % in.n];
+    const double da = sign * (a[axis] - bound), db = sign * (b[axis] - bound);
+    if (da >= 0) out.push(a);
+    if ((da < 0 && db > 0) || (da > 0 && db < 0)) {
+      Vec3d v = a + (b - a) * (da / (da - db));
+      v[axis] = bound;
+      out.push(v);
+    }
+  }
+  return out;
+}
+
+Polygon clip(Polygon poly, const std::array<int32_t, 3>& cell, double size) {
+  for (int axis = 0; axis < 3 && poly.n > 0; ++axis) {
+    const double low = cell[static_cast<size_t>(axis)] * size;
+    poly = keep_half(poly, axis, low, 1);
+    poly = keep_half(poly, axis, low + size, -1);
+  }
+  return poly;
+}
+
+// Twice the area, and six times the area times the centroid.
+double measure(const Polygon& poly, Vec3d& moment) {
+  double twice = 0;
+  for (int i = 1; i + 1 < poly.n; ++i) {
+    const double a = length(cross(poly[i] - poly[0], poly[i + 1] - poly[0]));
+    twice += a;
+    moment += (poly[0] + poly[i] + poly[i + 1]) * a;
+  }
+  return twice;
+}
+
+double cell_size(int level) {
+  return std::ldexp(1.0, -2 * level);
+}
+
+Polygon in_grid(const PatchMap& patches, uint32_t triangle) {
+  const Scene& scene = patches.scene();
+  Polygon poly;
+  for (int k = 0; k < 3; ++k)
+    poly.push((scene.frame.to_metres(Vec3d(scene.vertex(triangle, k))) - patches.grid().origin) /
+              patches.grid().base_cell);
+  return poly;
+}
+
+}  // namespace
+
+struct Fragments::Walker {
+  const PatchMap& patches;
+  std::vector<Fragment>& out;
+  uint32_t face;
+
+  void visit(const Polygon& poly, int level) {
+    const double size = cell_size(level);
+    Vec3d low(1e300), high(-1e300);
+    for (int i = 0; i < poly.n; ++i) low = min(low, poly[i]), high = max(high, poly[i]);
+    std::array<int32_t, 3> a, b;
+    for (int k = 0; k < 3; ++k) {
+      a[static_cast<size_t>(k)] = static_cast<int32_t>(std::floor(low[k] / size));
+      b[static_cast<size_t>(k)] = static_cast<int32_t>(std::floor(high[k] / size));
+    }
+    PatchKey key{a, level, patches.piece(face)};
+    if (a == b) return cell(poly, key);
+    for (key.cell[0] = a[0]; key.cell[0] <= b[0]; ++key.cell[0])
+      for (key.cell[1] = a[1]; key.cell[1] <= b[1]; ++key.cell[1])
+        for (key.cell[2] = a[2]; key.cell[2] <= b[2]; ++key.cell[2]) {
+          const uint32_t id = patches.lookup(key);
+          if (id == kNoPatch) continue;
+          cell(clip(poly, key.cell, size), key);
+        }
+  }
+
+  void cell(const Polygon& poly, const PatchKey& key) {
+    const uint32_t id = patches.lookup(key);
+    if (id == kNoPatch || poly.n < 3) return;
+    if (id == PatchMap::kSplit) return visit(poly, key.level + 1);
+    Vec3d moment;
+    const double twice = measure(poly, moment);
+    if (!(twice > 1e-12)) return;
+    const PatchGrid& grid = patches.grid();
+    const Frame& frame = patches.scene().frame;
+    const double unit = grid.base_cell * frame.scale;
+    out.push_back({id, face, 0.5 * twice * unit * unit,
+                   frame.to_canonical(moment / (3 * twice) * grid.base_cell + grid.origin)});
+  }
+};
+
+Fragments::Fragments(const PatchMap& patches) : patches_(patches) {
+  const auto faces = static_cast<uint32_t>(2 * patches.scene().triangles.size());
+  for (uint32_t face = 0; face < faces; ++face)
+    if (patches.touched(patches.piece(face)))
+      Walker{patches, fragments_, face}.visit(in_grid(patches, face / 2), 0);
+  std::stable_sort(fragments_.begin(), fragments_.end(),
+                   [](const Fragment& a, const Fragment& b) { return a.patch < b.patch; });
+}
+
+void Fragments::keep(const std::vector<uint8_t>& kept) {
+  std::vector<uint32_t> number(kept.size());
+  uint32_t next = 0;
+  for (size_t i = 0; i < kept.size(); ++i) number[i] = kept[i] ? next++ : kNoPatch;
+  for (Fragment& f : fragments_) f.patch = number[f.patch];
+}
+
+Fragments::Point Fragments::sample(uint32_t f, Rng& rng) const {
+  const double pick = rng.uniform();
+  const double u = rng.uniform();
+  const double v = rng.uniform();
+  const Fragment& fragment = fragments_[f];
+  const PatchKey& key = patches_.keys()[fragment.patch];
+  const Polygon poly = clip(in_grid(patches_, fragment.face / 2), key.cell, cell_size(key.level));
+  Vec3d moment;
+  double rest = pick * measure(poly, moment);
+  int corner = 1;
+  for (; corner + 2 < poly.n; ++corner) {
+    rest -= length(cross(poly[corner] - poly[0], poly[corner + 1] - poly[0]));
+    if (rest < 0) break;
+  }
+  double b1, b2;
+  uniform_triangle(u, v, b1, b2);
+  const Vec3d q = poly[0] + (poly[corner] - poly[0]) * b1 + (poly[corner + 1] - poly[0]) * b2;
+  const TriangleShape s = shape_of(patches_.scene(), fragment.face / 2);
+  const Vec3d p =
+      patches_.scene().frame.to_canonical(q * patches_.grid().base_cell + patches_.grid().origin);
+  // Back onto the triangle: the detour over the grid costs some last places.
+  return {fragment.patch, p - s.normal * dot(p - s.p0, s.normal),
+          fragment.face & 1 ? -s.normal : s.normal};
+}
+
+}  // namespace tdpt

@@ -1,0 +1,39 @@
+// The pieces of triangles that make up the patches: each triangle clipped to the cells it crosses.
+#pragma once
+#include <vector>
+
+#include "libcommon/math/warp.h"
+#include "tools/ffgraph/patch_map.h"
+
+namespace tdpt {
+
+class Fragments {
+ public:
+  struct Fragment {
+    uint32_t patch, face;
+    double area;     ///< canonical
+    Vec3d centroid;  ///< canonical
+  };
+
+  explicit Fragments(const PatchMap& patches);
+
+  /// Patch by patch, within a patch by face.
+  const std::vector<Fragment>& all() const { return fragments_; }
+
+  /// Patch numbers after PatchMap::keep.
+  void keep(const std::vector<uint8_t>& kept);
+
+  struct Point {
+    uint32_t patch;
+    Vec3d position, normal;  ///< canonical; facing side
+  };
+  /// Uniform by area on fragment `f`: 3 dimensions of `rng`.
+  Point sample(uint32_t f, Rng& rng) const;
+
+ private:
+  struct Walker;
+  const PatchMap& patches_;
+  std::vector<Fragment> fragments_;
+};
+
+}  // namespace tdpt

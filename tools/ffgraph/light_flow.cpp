@@ -1,0 +1,142 @@
+#include "tools/ffgraph/light_flow.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace tdpt {
+namespace {
+
+int64_t whole(double capacity) {
+  return std::llround(capacity * kCapacityScale);
+}
+
+FlowNetwork network_of(const LightFlow& f) {
+  FlowNetwork net;
+  net.nodes = f.patches.size() + 2;
+  net.source = 0;
+  net.sink = 1;
+  const auto add = [&net](uint32_t from, uint32_t to, double capacity) {
+    if (const int64_t c = whole(capacity); c > 0) net.arcs.push_back({from, to, c});
+  };
+  const std::vector<double>& n = f.etendue.samples;
+  const std::vector<double> from_light = terminal_grades(f.hits_light, n);
+  const std::vector<double> to_camera = terminal_grades(f.hits_camera, n);
+  for (uint32_t i = 0; i < f.patches.size(); ++i) {
+    add(net.source, i + 2, n[i] * from_light[i]);
+    add(i + 2, net.sink, n[i] * to_camera[i]);
+  }
+  for (const Etendue::Pair& p : f.etendue.pairs) {
+    add(p.i + 2, p.j + 2, 0.5 * p.count);
+    add(p.j + 2, p.i + 2, 0.5 * p.count);
+  }
+  return net;
+}
+
+std::vector<Patch> geometry_of(const PatchMap& patches, const Fragments& fragments,
+                               const Etendue& etendue) {
+  std::vector<Patch> geometry(patches.size());
+  std::vector<double> area(patches.size(), 0);
+  for (uint32_t i = 0; i < patches.size(); ++i) {
+    const PatchKey& key = patches.keys()[i];
+    geometry[i].node = i + 3;
+    geometry[i].level = key.level;
+    geometry[i].cell = key.cell;
+    geometry[i].samples = etendue.samples[i];
+  }
+  for (const Fragments::Fragment& f : fragments.all()) {
+    Patch& p = geometry[f.patch];
+    const Vec3d normal = shape_of(patches.scene(), f.face / 2).normal;
+    p.centre += f.centroid * f.area;
+    p.normal += normal * (f.face & 1 ? -f.area : f.area);
+    p.faces.push_back(f.face);
+    area[f.patch] += f.area;
+  }
+  for (uint32_t i = 0; i < patches.size(); ++i) {
+    geometry[i].centre = patches.scene().frame.to_metres(geometry[i].centre / area[i]);
+    geometry[i].normal = normalize(geometry[i].normal);
+  }
+  return geometry;
+}
+
+}  // namespace
+
+std::vector<double> terminal_grades(const std::vector<double>& hits,
+                                    const std::vector<double>& samples) {
+  std::vector<double> grade(hits.size(), 0);
+  std::vector<uint32_t> order;
+  double total = 0;
+  for (uint32_t i = 0; i < hits.size(); ++i) {
+    if (samples[i] <= 0 || hits[i] <= 0) continue;
+    grade[i] = hits[i] / samples[i];
+    total += hits[i];
+    order.push_back(i);
+  }
+  if (order.empty()) return grade;
+  std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
+    return grade[a] != grade[b] ? grade[a] < grade[b] : a < b;
+  });
+  double below = 0, median = 0;
+  for (uint32_t i : order) {
+    below += hits[i];
+    median = grade[i];
+    if (below >= 0.5 * total) break;
+  }
+  for (uint32_t i : order) grade[i] = std::min(1.0, grade[i] / (0.5 * median));
+  return grade;
+}
+
+LightFlow light_flow(PatchMap patches, const std::vector<WalkHit>& light,
+                     const std::vector<WalkHit>& camera, const Tracer& tracer, uint64_t seed,
+                     uint32_t rays) {
+  LightFlow f{std::move(patches), {}, {}, {}, {}, {}};
+  for (const std::vector<WalkHit>* walks : {&light, &camera})
+    for (const WalkHit& h : *walks) f.patches.find_or_add(h.face, Vec3d(h.position));
+
+  Fragments fragments(f.patches);
+  std::vector<uint8_t> has_area(f.patches.size(), 0);
+  for (const Fragments::Fragment& piece : fragments.all()) has_area[piece.patch] = 1;
+  f.patches.keep(has_area);
+  fragments.keep(has_area);
+
+  const auto hits_of = [&f](const std::vector<WalkHit>& walks) {
+    std::vector<double> hits(f.patches.size(), 0);
+    for (const WalkHit& h : walks) {
+      const uint32_t patch = f.patches.find(h.face, Vec3d(h.position));
+      if (patch != kNoPatch) hits[patch] += 1;
+    }
+    return hits;
+  };
+  f.hits_light = hits_of(light);
+  f.hits_camera = hits_of(camera);
+  f.etendue = measure_etendue(f.patches, fragments, tracer, seed, rays);
+  f.geometry = geometry_of(f.patches, fragments, f.etendue);
+  f.network = network_of(f);
+  return f;
+}
+
+std::vector<uint8_t> straddling(const Etendue& etendue, const std::vector<Side>& side,
+                                double share) {
+  std::vector<double> to_source(side.size(), 0), to_sink(side.size(), 0);
+  for (const Etendue::Pair& p : etendue.pairs) {
+    (side[p.j] == Side::source ? to_source : to_sink)[p.i] += p.count;
+    (side[p.i] == Side::source ? to_source : to_sink)[p.j] += p.count;
+  }
+  std::vector<uint8_t> chosen(side.size(), 0);
+  for (size_t i = 0; i < side.size(); ++i)
+    chosen[i] = std::max(to_source[i], to_sink[i]) < share * (to_source[i] + to_sink[i]);
+  return chosen;
+}
+
+DimacsFile dimacs_file(const LightFlow& f) {
+  DimacsFile file;
+  file.has_patches = true;
+  file.scale = kCapacityScale;
+  file.scene_hash = f.patches.scene().hash;
+  file.grid = f.patches.grid();
+  file.network = f.network;
+  file.patches = f.geometry;
+  return file;
+}
+
+}  // namespace tdpt

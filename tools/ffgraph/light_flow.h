@@ -1,0 +1,44 @@
+// The flow network of a scene: patches as nodes, etendue as capacity, graded terminals.
+//
+// Symbols: n_i samples of patch i, n_ij etendue of a pair, H_E and H_W hits of the walks from the
+// light and from the camera (east and west of the aperture, so to speak).
+#pragma once
+#include "libcommon/formats/dimacs.h"
+#include "tools/ffgraph/etendue.h"
+#include "tools/ffgraph/walks.h"
+
+namespace tdpt {
+
+/// Patches are split down to this level, cells of 1/64 of the base cell.
+inline constexpr int kDeepestSplit = 3;
+
+inline constexpr double kCapacityScale = 4096;
+
+struct LightFlow {
+  PatchMap patches;
+  std::vector<Patch> geometry;  ///< of each patch
+  Etendue etendue;
+  std::vector<double> hits_light, hits_camera;  ///< H_E, H_W of each patch
+  FlowNetwork network;                          ///< node 0: source, 1: sink, k + 2: patch k
+};
+
+/// min(1, E_i / (0.5 E_med)) of each patch, E_i = hits_i / samples_i and E_med its median weighted
+/// by hits; 0 for patches without samples.
+std::vector<double> terminal_grades(const std::vector<double>& hits,
+                                    const std::vector<double>& samples);
+
+/// Patches that a walk touched, their etendue and the network. `patches` says which cells are split
+/// and holds no patch yet.
+LightFlow light_flow(PatchMap patches, const std::vector<WalkHit>& light,
+                     const std::vector<WalkHit>& camera, const Tracer& tracer, uint64_t seed,
+                     uint32_t rays);
+
+/// Patches that send less than `share` of their etendue to one side of a cut: they straddle the
+/// opening. `side` of each patch.
+std::vector<uint8_t> straddling(const Etendue& etendue, const std::vector<Side>& side,
+                                double share);
+
+/// Network and geometry as a file, without provenance.
+DimacsFile dimacs_file(const LightFlow& flow);
+
+}  // namespace tdpt

@@ -1,0 +1,26 @@
+// The whole way from a scene to its network: walks, patches, etendue, and rounds of refinement.
+#pragma once
+#include "tools/ffgraph/light_flow.h"
+
+namespace tdpt {
+
+struct GraphSettings {
+  WalkSettings walks;
+  uint32_t rays = 300000;  ///< etendue samples of one round
+  int rounds = 1;          ///< refinements after the first estimate
+  double straddle_share = 0.92;
+};
+
+struct GraphReport {
+  size_t light_hits = 0, camera_hits = 0;  ///< surfaces hit by the walks
+  size_t rounds = 0;                       ///< refinements done
+  size_t split = 0;                        ///< patches split in all of them
+  uint64_t rays = 0;                       ///< etendue rays of all rounds
+};
+
+/// Splits where the patches of `refine` (a cut of this scene) straddle its opening; without it
+/// splits by cuts of its own, at most `rounds` times.
+LightFlow build_graph(const Scene& scene, const Camera& camera, const GraphSettings& settings,
+                      const CutFile* refine, GraphReport& report);
+
+}  // namespace tdpt

@@ -1,0 +1,74 @@
+#include "tools/ffgraph/walks.h"
+
+#include <oneapi/tbb/parallel_for.h>
+
+#include "libcommon/scene/emitters.h"
+#include "libcommon/scene/film_plane.h"
+#include "tools/ffgraph/patch_map.h"
+
+namespace tdpt {
+namespace {
+
+enum Stream : uint64_t { kLight = 101, kCamera = 102 };
+
+Vec3d cosine_direction(Rng& rng, const Vec3d& normal) {
+  const double u = rng.uniform();
+  const double v = rng.uniform();
+  return Onb<double>(normal).to_world(cosine_hemisphere(u, v));
+}
+
+// Follows one walk from its first ray; writes at most `bounces` hits.
+void follow(const Tracer& tracer, Rng& rng, Tracer::Origin from, Vec3d w, WalkHit* hits,
+            uint32_t bounces) {
+  for (uint32_t k = 0; k < bounces; ++k) {
+    Hit hit;
+    if (!tracer.closest(from, w, hit)) return;
+    const bool back = dot(hit.normal, w) > 0;
+    hits[k] = {2 * hit.triangle + (back ? 1 : 0), Vec3f(hit.position)};
+    from = {hit.position, back ? -hit.normal : hit.normal};
+    w = cosine_direction(rng, from.normal);
+  }
+}
+
+template <class Begin>
+std::vector<WalkHit> run_walks(const Tracer& tracer, const WalkSettings& s, Stream stream,
+                               const Begin& begin) {
+  std::vector<WalkHit> hits(size_t{s.walks} * s.bounces, WalkHit{kNoFace, {}});
+  tbb::parallel_for(uint32_t{0}, s.walks, [&](uint32_t i) {
+    Rng rng(s.seed, stream, i);
+    Tracer::Origin from;
+    const Vec3d w = begin(rng, from);
+    follow(tracer, rng, from, w, &hits[size_t{i} * s.bounces], s.bounces);
+  });
+  std::erase_if(hits, [](const WalkHit& h) { return h.face == kNoFace; });
+  return hits;
+}
+
+}  // namespace
+
+std::vector<WalkHit> light_walks(const Scene& scene, const Tracer& tracer,
+                                 const WalkSettings& settings) {
+  const Emitters emitters(scene);
+  if (emitters.empty()) return {};
+  return run_walks(tracer, settings, kLight, [&](Rng& rng, Tracer::Origin& from) {
+    const Emitters::Sample e = emitters.sample(rng);
+    from = {e.position, e.normal};
+    return cosine_direction(rng, e.normal);
+  });
+}
+
+std::vector<WalkHit> camera_walks(const Scene&, const Camera& camera, const Tracer& tracer,
+                                  const WalkSettings& settings) {
+  const double aspect = camera.aspect > 0 ? camera.aspect : 16.0 / 9;
+  const int height = 4096;
+  const int width = static_cast<int>(std::clamp(std::round(height * aspect), 1.0, 1e6));
+  const FilmPlane film(camera, width, height);
+  return run_walks(tracer, settings, kCamera, [&](Rng& rng, Tracer::Origin& from) {
+    const double x = rng.uniform() * width;
+    const double y = rng.uniform() * height;
+    from = {film.position(), {}};
+    return film.direction(x, y);
+  });
+}
+
+}  // namespace tdpt

@@ -1,0 +1,12 @@
+// Proof of a maximum flow and a minimum cut from the network alone; shares no code with the solver.
+#pragma once
+#include "libcommon/math/max_flow.h"
+
+namespace tdpt {
+
+/// Throws Error (internal) with the first rule that does not hold: every flow within 0 and its
+/// capacity, inflow = outflow at inner nodes, source and sink on different sides, and value of the
+/// flow = capacity of the cut. By duality flow and cut are then both optimal.
+void verify_max_flow(const FlowNetwork& network, const MaxFlow& result);
+
+}  // namespace tdpt
