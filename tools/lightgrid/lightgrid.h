@@ -12,7 +12,7 @@ struct LightGridOptions {
   int resolution = 128;  ///< voxels along the longest side of the scene
   uint64_t seed = 1;
   uint64_t samples = 1 << 20;  ///< most segments drawn between pivot patches
-  double tolerance = 0.02;     ///< change of the normalised counts that counts as settled
+  double tolerance = 0.04;     ///< change of the normalised counts that counts as settled
   size_t lines = 16384;        ///< lines to keep in the file
 };
 

@@ -1,0 +1,237 @@
+#include "tools/lightgrid/lightgrid.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include "libcommon/base/error.h"
+#include "tools/lightgrid/air.h"
+#include "tools/lightgrid/patch_map.h"
+#include "tools/lightgrid/test_cut.h"
+
+namespace tdpt {
+namespace {
+
+Scene two_rooms() {
+  return read_gltf(TDPT_TESTDATA "/scenes/two-rooms.glb");
+}
+CutFile door_cut(const Scene& scene) {
+  return testing::perfect_cut(scene, 60000, [](const Vec3d& p) { return p.x > 2.05; });
+}
+LightGridOptions quick() {
+  LightGridOptions o;
+  o.resolution = 48;
+  o.samples = 1 << 17;
+  o.lines = 2000;
+  return o;
+}
+
+TEST(Air, TriangleAgainstBox) {
+  const Vec3d half(1);
+  EXPECT_TRUE(triangle_touches_box({0, 0, 0}, {5, 0, 0}, {0, 5, 0}, half));
+  EXPECT_TRUE(triangle_touches_box({-9, -9, 0.9}, {9, -9, 0.9}, {0, 9, 0.9}, half));
+  EXPECT_FALSE(triangle_touches_box({-9, -9, 1.1}, {9, -9, 1.1}, {0, 9, 1.1}, half));
+  EXPECT_TRUE(triangle_touches_box({2, 0, 0}, {0, 2, 0}, {0, 0, 2}, half));
+  // Its box and its plane meet the box, its edge passes beside the corner.
+  EXPECT_FALSE(triangle_touches_box({2.1, 0, 0}, {0, 2.1, 0}, {3, 3, 0}, half));
+  EXPECT_TRUE(triangle_touches_box({1.9, 0, 0}, {0, 1.9, 0}, {3, 3, 0}, half));
+}
+
+TEST(Air, ConservativeAndExact) {
+  Scene scene;
+  for (uint64_t i = 0; i < 60; ++i) {
+    Rng rng(3, 3, i);
+    const float x = rng.uniform_float(), y = rng.uniform_float(), z = rng.uniform_float();
+    scene.positions.push_back({2 * x - 1, 2 * y - 1, 2 * z - 1});
+  }
+  for (uint32_t t = 0; t < 20; ++t) scene.triangles.push_back({{3 * t, 3 * t + 1, 3 * t + 2}, 0});
+  LightGrid grid;
+  grid.origin = {-1, -1, -1};
+  grid.voxel = 2.0 / 11;
+  grid.dim = {11, 11, 11};
+  grid.count.assign(1331, 0);
+  mark_air(scene, grid);
+  for (int k = 0; k < 11; ++k)
+    for (int j = 0; j < 11; ++j)
+      for (int i = 0; i < 11; ++i) {
+        const Vec3d middle = grid.origin + Vec3d{i + 0.5, j + 0.5, k + 0.5} * grid.voxel;
+        bool touched = false;
+        for (uint32_t t = 0; t < 20; ++t)
+          touched = touched || triangle_touches_box(Vec3d(scene.vertex(t, 0)) - middle,
+                                                    Vec3d(scene.vertex(t, 1)) - middle,
+                                                    Vec3d(scene.vertex(t, 2)) - middle,
+                                                    Vec3d(0.5 * grid.voxel));
+        EXPECT_EQ(grid.air[grid.index(i, j, k)], touched ? 0 : 1) << i << ' ' << j << ' ' << k;
+      }
+}
+
+TEST(PatchSurface, CellsShareATriangleOut) {
+  Scene scene;
+  scene.frame = {{10, 0, 0}, 0.5};
+  scene.positions = {{-0.9f, -0.8f, 0.3f}, {0.8f, -0.5f, -0.4f}, {0.1f, 0.9f, 0.2f}};
+  scene.triangles = {{{0, 1, 2}, 0}};
+  PatchGrid grid;
+  grid.origin = {8.1, -2.03, -1.01};
+  grid.base_cell = 0.61;
+  double total = 0;
+  int used = 0;
+  for (int32_t x = 0; x < 8; ++x)
+    for (int32_t y = 0; y < 8; ++y)
+      for (int32_t z = 0; z < 5; ++z) {
+        Patch patch;
+        patch.cell = {x, y, z};
+        patch.faces = {1};
+        const PatchSurface surface(scene, grid, patch);
+        if (surface.empty()) continue;
+        total += surface.area();
+        ++used;
+        for (uint64_t i = 0; i < 20; ++i) {
+          Rng rng(1, 1, i);
+          const SurfacePoint p = surface.sample(rng);
+          const Vec3d q = (scene.frame.to_metres(p.position) - grid.origin) / grid.base_cell;
+          for (int c = 0; c < 3; ++c) {
+            EXPECT_GE(q[c], patch.cell[static_cast<size_t>(c)] - 1e-9);
+            EXPECT_LE(q[c], patch.cell[static_cast<size_t>(c)] + 1 + 1e-9);
+          }
+          EXPECT_LT(dot(p.normal, shape_of(scene, 0).normal), 0);  // face 1 is the back
+        }
+      }
+  EXPECT_GT(used, 10);
+  EXPECT_NEAR(total, shape_of(scene, 0).area, 1e-12);
+}
+
+TEST(PatchMap, FinerPatchesComeFirst) {
+  Scene scene;
+  scene.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  scene.triangles = {{{0, 1, 2}, 0}};
+  CutFile cut;
+  cut.grid.base_cell = 4;
+  Patch coarse{}, fine{};
+  coarse.faces = fine.faces = {0};
+  fine.level = 2;  // cells of 0.25
+  cut.patches = {coarse, fine};
+  cut.side = {Side::source, Side::sink};
+  const PatchMap map(scene, cut, "a.cut");
+  EXPECT_EQ(map.side_at(0, {0.1, 0.1, 0}), Side::sink);
+  EXPECT_EQ(map.side_at(0, {0.5, 0.1, 0}), Side::source);
+  EXPECT_FALSE(map.side_at(1, {0.5, 0.1, 0}).has_value());
+  EXPECT_FALSE(map.side_at(0, {5, 0.1, 0}).has_value());
+}
+
+// Share of lines that pass the hole of two-rooms.glb, a millimetre let.
+double share_through_hole(const LightGrid& grid) {
+  double through = 0;
+  for (const LightLine& l : grid.lines) {
+    const Vec3d d = l.camera - l.light;
+    const double t = (2.05 - l.light.x) / d.x;
+    const Vec3d p = l.light + d * t;
+    through += d.x < 0 && t > 0 && t < 1 && std::abs(p.y - 1) < 0.126 && std::abs(p.z) < 0.126;
+  }
+  return through / static_cast<double>(grid.lines.size());
+}
+
+TEST(LightGrid, LightPassesTheHole) {
+  const Scene scene = two_rooms();
+  LightGridReport report;
+  const LightGrid grid = make_light_grid(scene, door_cut(scene), "a.cut", quick(), report);
+  ASSERT_TRUE(grid.bottleneck);
+  EXPECT_EQ(grid.lines.size(), 2000u);
+  EXPECT_GT(share_through_hole(grid), 0.6);  // the rest ends on the jambs
+  const auto fullest = static_cast<size_t>(std::max_element(grid.count.begin(), grid.count.end()) -
+                                           grid.count.begin());
+  const auto nx = static_cast<size_t>(grid.dim[0]), ny = static_cast<size_t>(grid.dim[1]);
+  const Vec3d at = grid.origin + Vec3d{static_cast<double>(fullest % nx) + 0.5,
+                                       static_cast<double>(fullest / nx % ny) + 0.5,
+                                       static_cast<double>(fullest / nx / ny) + 0.5} *
+                                     grid.voxel;
+  EXPECT_NEAR(at.x, 2.05, 0.2);
+  EXPECT_NEAR(at.y, 1, 0.2);
+  EXPECT_NEAR(at.z, 0, 0.2);
+  EXPECT_LT(grid.direction[fullest].x, -0.5f);
+  for (size_t i = 0; i < grid.count.size(); ++i)
+    if (!grid.air[i]) {
+      EXPECT_EQ(grid.count[i], 0);
+    }
+  EXPECT_GT(report.joined, 0.2 * static_cast<double>(report.tried));
+}
+
+// The twin that must fail: a "cut" through the middle of a room has lines, but no support.
+TEST(LightGrid, ACutThroughTheRoomHasNoSupport) {
+  const Scene scene = two_rooms();
+  const CutFile wrong =
+      testing::perfect_cut(scene, 60000, [](const Vec3d& p) { return p.x > 1.0; });
+  LightGridReport report;
+  const LightGrid grid = make_light_grid(scene, wrong, "a.cut", quick(), report);
+  EXPECT_LT(share_through_hole(grid), 0.3);
+}
+
+TEST(LightGrid, SameBytesForAnyNumberOfThreads) {
+  const Scene scene = two_rooms();
+  const CutFile cut = door_cut(scene);
+  std::vector<std::string> bytes;
+  for (const size_t threads : {1, 3}) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    LightGridReport report;
+    bytes.push_back(light_grid_bytes(make_light_grid(scene, cut, "a.cut", quick(), report)));
+  }
+  EXPECT_TRUE(bytes[0] == bytes[1]);
+  LightGridOptions other = quick();
+  other.seed = 2;
+  LightGridReport report;
+  EXPECT_FALSE(bytes[0] == light_grid_bytes(make_light_grid(scene, cut, "a.cut", other, report)));
+}
+
+TEST(LightGrid, SettlesOrSaysThatItDidNot) {
+  const Scene scene = two_rooms();
+  const CutFile cut = door_cut(scene);
+  LightGridOptions options = quick();
+  LightGridReport report;
+  options.samples = 1000;
+  make_light_grid(scene, cut, "a.cut", options, report);
+  EXPECT_FALSE(report.settled);
+  EXPECT_EQ(report.drawn, 1000u);
+  options.samples = 1 << 22;
+  options.tolerance = 0.2;
+  LightGridReport loose;
+  make_light_grid(scene, cut, "a.cut", options, loose);
+  EXPECT_TRUE(loose.settled);
+  EXPECT_LT(loose.drawn, options.samples);
+}
+
+TEST(LightGrid, RefusesWhatDoesNotBelongTogether) {
+  const Scene scene = two_rooms();
+  CutFile cut = door_cut(scene);
+  LightGridReport report;
+  const auto message = [&] {
+    try {
+      make_light_grid(scene, cut, "room.cut", quick(), report);
+    } catch (const InputError& e) {
+      return std::string(e.what());
+    }
+    return std::string("no error");
+  };
+  const std::string hash = cut.scene_hash;
+  cut.scene_hash = "0";
+  EXPECT_NE(message().find("room.cut: was made from another scene than "), std::string::npos);
+  cut.scene_hash = hash;
+  cut.patches[3].faces = {1u << 30};
+  EXPECT_EQ(message(), "room.cut:patch 3: names triangle 536870912, but the scene has " +
+                           std::to_string(scene.triangles.size()));
+}
+
+TEST(LightGrid, NoBottleneckIsAResult) {
+  const Scene scene = two_rooms();
+  CutFile cut = door_cut(scene);
+  LightGridReport report;
+  cut.bottleneck = false;
+  cut.reason = "one side is nearly empty";
+  EXPECT_EQ(make_light_grid(scene, cut, "a.cut", quick(), report).reason, cut.reason);
+  cut.bottleneck = true;
+  cut.arcs.clear();
+  EXPECT_EQ(make_light_grid(scene, cut, "a.cut", quick(), report).reason,
+            "no pair of the cut has any surface");
+}
+
+}  // namespace
+}  // namespace tdpt
