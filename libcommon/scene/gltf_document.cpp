@@ -32,13 +32,32 @@ constexpr std::array kSupported = {"KHR_materials_emissive_strength",
 // Deeper nesting has no use in glTF, and readers that recurse would run out of stack.
 constexpr int kDeepest = 64;
 
+/// Brackets that are open at once. Counted before parsing: nlohmann's parser callback, which could
+/// tell, takes quadratic time in the length of arrays.
+int depth_of(std::string_view text) {
+  int depth = 0, deepest = 0;
+  bool in_text = false;
+  for (size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (in_text && c == '\\')
+      ++i;
+    else if (c == '"')
+      in_text = !in_text;
+    else if (in_text)
+      continue;
+    else if (c == '[' || c == '{')
+      deepest = std::max(deepest, ++depth);
+    else if (c == ']' || c == '}')
+      --depth;
+  }
+  return deepest;
+}
+
 Json parse(std::string_view text, const std::string& file) {
+  if (depth_of(text) > kDeepest)
+    throw InputError(file, "JSON", fmt::format("is nested more than {} levels deep", kDeepest));
   try {
-    return Json::parse(text.begin(), text.end(), [&](int depth, Json::parse_event_t, Json&) {
-      if (depth > kDeepest)
-        throw InputError(file, "JSON", fmt::format("is nested more than {} levels deep", kDeepest));
-      return true;
-    });
+    return Json::parse(text.begin(), text.end());
   } catch (const Json::parse_error& e) {
     throw InputError(file, fmt::format("JSON byte {}", e.byte), "is not valid JSON");
   } catch (const Json::exception&) {

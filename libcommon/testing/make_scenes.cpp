@@ -1,18 +1,21 @@
-// make_scenes FOLDER: writes the scenes of testdata/scenes.
+// make_scenes TESTDATA: writes the scenes of TESTDATA/scenes and TESTDATA/malformed.
 #include <cstdio>
 #include <exception>
 
 #include "libcommon/base/output_file.h"
+#include "libcommon/testing/malformed.h"
 #include "libcommon/testing/rooms.h"
 
 int main(int argc, char** argv) {
   if (argc != 2) {
-    std::fprintf(stderr, "usage: make_scenes FOLDER\n");
+    std::fprintf(stderr, "usage: make_scenes TESTDATA\n");
     return 2;
   }
   try {
     for (const auto& scene : tdpt::testing::make_scenes())
-      tdpt::write_output(std::string(argv[1]) + "/" + scene.file, scene.bytes);
+      tdpt::write_output(std::string(argv[1]) + "/scenes/" + scene.file, scene.bytes);
+    for (const auto& scene : tdpt::testing::malformed_scenes())
+      tdpt::write_output(std::string(argv[1]) + "/malformed/" + scene.file, scene.bytes);
   } catch (const std::exception& e) {
     std::fprintf(stderr, "make_scenes: %s\n", e.what());
     return 4;

@@ -1,0 +1,19 @@
+// scene_info SCENE: what read_gltf() makes of a scene, for end-to-end cases that need no tool.
+#include <fmt/format.h>
+
+#include "libcommon/cli/cli.h"
+#include "libcommon/scene/scene.h"
+
+int main(int argc, char** argv) {
+  using namespace tdpt;
+  cli::Options options("scene_info", "Says what a scene holds.", "");
+  std::string path;
+  options.argument("SCENE", path, "glTF 2.0 scene");
+  return options.run_main(argc, argv, [&] {
+    const Scene scene = read_gltf(path);
+    for (const std::string& w : scene.warnings) options.common.warn(w);
+    fmt::print("triangles {}\nmaterials {}\ncameras {}\n", scene.triangles.size(),
+               scene.materials.size(), scene.cameras.size());
+    return 0;
+  });
+}
