@@ -1,0 +1,94 @@
+#!/bin/sh
+# demo.sh BIN FOLDER: a portal for a room lit through a hole, and what it is good for. Finds the
+# portal, renders with bdpt and with tdpt in the same time, compares both with a longer rendering,
+# and leaves everything in FOLDER.
+# The environment may set SCENE, SECONDS_EACH, SECONDS_REFERENCE, WIDTH, HEIGHT, DEPTH.
+set -eu
+bin=${1:-build/bin} out=${2:-demo}
+here=$(cd "$(dirname "$0")/.." && pwd)
+scene=${SCENE:-$here/testdata/scenes/two-rooms.glb}
+seconds=${SECONDS_EACH:-20} reference_seconds=${SECONDS_REFERENCE:-90}
+width=${WIDTH:-240} height=${HEIGHT:-180} depth=${DEPTH:-6}
+bin=$(cd "$bin" && pwd)
+mkdir -p "$out"
+cd "$out"
+
+say() { printf '%s\n' "$*"; }
+# Shows a command as one would type it, then runs it.
+run() {
+  say "  \$ $*" | sed "s|$here/||g; s|$scene|$(basename "$scene")|g"
+  tool=$1
+  shift
+  "$bin/$tool" "$@"
+}
+
+say "Finding the portal"
+run ffgraph "$scene" -o room.max --quiet
+run mincut room.max -o room.cut --quiet
+run lightgrid "$scene" room.cut -o room.vdb --quiet
+run portalfit room.vdb -o room.portal.glb
+
+say ""
+say "Rendering for $seconds seconds each, without the portal and with it"
+size="--width $width --height $height --max-depth $depth"
+# Unquoted on purpose: several options.
+run tdpt-render "$scene" --integrator bdpt --time "$seconds" $size -o bdpt.exr --preview
+run tdpt-render "$scene" --portal room.portal.glb --integrator tdpt --time "$seconds" $size \
+  -o tdpt.exr --preview
+
+say ""
+key=$(cat "$bin/tdpt-render" "$scene" room.portal.glb | cksum)
+key="$key $reference_seconds $size"
+if [ -s reference.exr ] && [ "$(cat reference.key 2>/dev/null)" = "$key" ]; then
+  say "The reference is there from last time"
+else
+  say "Rendering a reference for $reference_seconds seconds, with another seed"
+  rm -f reference.key
+  run tdpt-render "$scene" --portal room.portal.glb --integrator tdpt \
+    --time "$reference_seconds" --seed 2 $size -o reference.exr --preview
+  printf '%s\n' "$key" >reference.key
+fi
+"$bin/exrdiff" bdpt.exr reference.exr --json -o bdpt-error.png >bdpt.json
+"$bin/exrdiff" tdpt.exr reference.exr --json -o tdpt-error.png >tdpt.json
+"$bin/exrdiff" bdpt.exr tdpt.exr --side-by-side before-after.png >/dev/null
+
+# measure FILE NAME: of the picture; black FILE NAME: of the black picture.
+measure() { sed 's/"black".*//' "$1" | tr ',{}' '\n\n\n' | sed -n "s/^\"$2\"://p"; }
+black() { sed 's/.*"black"//' "$1" | tr ',{}' '\n\n\n' | sed -n "s/^\"$2\"://p"; }
+row() {
+  awk -v name="$1" -v relmse="$2" -v psnr="$3" -v mape="$4" -v mean="$5" 'BEGIN {
+    printf "  %-14s %12.4g %12.2f %12.1f %12.4g\n", name, relmse, psnr, mape, mean }'
+}
+row_of() {
+  row "$1" "$(measure "$2" relmse)" "$(measure "$2" psnr)" "$(measure "$2" mape)" \
+    "$(measure "$2" mean)"
+}
+
+say ""
+printf '  %-14s %12s %12s %12s %12s\n' "" relMSE "PSNR [dB]" "MAPE [%]" mean
+row_of "bdpt, $seconds s" bdpt.json
+row_of "tdpt, $seconds s" tdpt.json
+row "all black" "$(black tdpt.json relmse)" "$(black tdpt.json psnr)" \
+  "$(black tdpt.json mape)" 0
+printf '  %-14s %12s %12s %12s %12.4g\n' reference "" "" "" \
+  "$(measure tdpt.json reference_mean)"
+say ""
+awk -v before="$(measure bdpt.json relmse)" -v after="$(measure tdpt.json relmse)" \
+  -v psnr_before="$(measure bdpt.json psnr)" -v psnr_after="$(measure tdpt.json psnr)" \
+  -v black="$(black tdpt.json relmse)" -v seconds="$seconds" '
+BEGIN {
+  gain = before / after
+  db = psnr_after - psnr_before
+  if (gain >= 1) {
+    printf "In the same %g seconds the portal makes the error %.1f times smaller (relMSE), and the\n", seconds, gain
+    printf "picture %.1f dB %s (PSNR). ", (db < 0 ? -db : db), (db < 0 ? "worse" : "better")
+    printf "Since the error falls with time, bdpt alone would need\nabout %.0f seconds for the same.\n", seconds * gain
+    printf "The reference has noise of its own, which counts against both: the true gain is larger.\n"
+  } else {
+    printf "In the same %g seconds the error is %.1f times larger with the portal (relMSE), PSNR differs\n", seconds, 1 / gain
+    printf "by %+.1f dB: this scene is better rendered without.\n", db
+  }
+  if (before > 0.5 * black) printf "A picture of no light at all scores %.3g: bdpt has found little here.\n", black
+}'
+say "Pictures: $out/before-after.png (bdpt left, tdpt right), $out/bdpt-error.png and"
+say "$out/tdpt-error.png (red too bright, blue too dark), $out/*.exr."
