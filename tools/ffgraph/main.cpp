@@ -7,20 +7,82 @@
 #include "libcommon/base/output_file.h"
 #include "libcommon/base/threads.h"
 #include "libcommon/cli/cli.h"
+#include "libcommon/scene/emitters.h"
 #include "tools/ffgraph/rounds.h"
+#include "tools/ffgraph/triangle_flow.h"
 
 namespace tdpt {
 namespace {
 
 struct Arguments {
-  std::string scene, camera, nodes = "patches", capacity = "etendue", refine;
-  int64_t samples = 300000, walks = 100000, bounces = 12, rounds = 1;
+  std::string scene, camera, nodes = "patches", capacity, refine;
+  int64_t samples = 300000, walks = 100000, bounces = 12, rounds = 2;
 };
+using Json = nlohmann::ordered_json;
 
-int run(const Arguments& a, const cli::Common& common) {
+DimacsFile graph_of_patches(const Arguments& a, const cli::Common& common, const Scene& scene,
+                            const Camera& camera, const CutFile* refine, Json& summary) {
+  GraphSettings settings;
+  settings.walks = {common.seed, static_cast<uint32_t>(a.walks), static_cast<uint32_t>(a.bounces)};
+  settings.rays = static_cast<uint32_t>(a.samples);
+  settings.rounds = static_cast<int>(a.rounds);
+  GraphReport report;
+  const LightFlow flow = build_graph(scene, camera, settings, refine, report);
+  common.note(fmt::format(
+      "{} walks from the light hit {} surfaces, as many from the camera {}; {} of {} patches were "
+      "reached by both",
+      a.walks, report.light_hits, report.camera_hits, report.reached_by_both, flow.patches.size()));
+  common.note(
+      fmt::format("{} rays for the etendue; {} patches that straddle an opening were split "
+                  "in {} rounds: {}",
+                  report.rays, report.split, report.rounds, report.why_stopped));
+  if (report.light_hits == 0)
+    common.warn("no light reaches a surface: the network carries no flow");
+  summary["light_hits"] = report.light_hits;
+  summary["camera_hits"] = report.camera_hits;
+  summary["reached_by_both"] = report.reached_by_both;
+  summary["rays"] = report.rays;
+  summary["rounds"] = report.rounds;
+  summary["split"] = report.split;
+  summary["stopped"] = report.why_stopped;
+  return dimacs_file(flow);
+}
+
+DimacsFile graph_of_triangles(const Arguments& a, const cli::Common& common, const Scene& scene,
+                              const Camera& camera, Json& summary) {
+  TriangleSettings settings;
+  settings.seed = common.seed;
+  settings.rays = static_cast<uint32_t>(a.walks);
+  TriangleReport report;
+  DimacsFile file = triangle_flow(scene, camera, settings, report);
+  common.note(
+      fmt::format("{} triangles are lit directly, {} are kept; the camera sees {}, {} are "
+                  "kept; {} are both{}",
+                  report.lit, report.kept_lit, report.seen, report.kept_seen, report.shared,
+                  report.shared ? ": light and camera are joined" : ""));
+  summary["lit"] = report.lit;
+  summary["seen"] = report.seen;
+  summary["shared"] = report.shared;
+  return file;
+}
+
+int run(Arguments a, const cli::Common& common) {
+  const bool triangles = a.nodes == "triangles";
+  if (a.capacity.empty()) a.capacity = triangles ? "formfactor" : "etendue";
+  if (triangles != (a.capacity == "formfactor"))
+    throw UsageError("--nodes " + a.nodes + " goes with --capacity " +
+                     (triangles ? "formfactor" : "etendue"));
+  if (triangles && !a.refine.empty()) throw UsageError("--refine goes with --nodes patches");
+  if (a.scene == "-" && a.refine == "-")
+    throw UsageError("scene and cut cannot both be the standard input");
   check_output(common.output);
   const Scene scene = read_gltf(a.scene);
   for (const std::string& warning : scene.warnings) common.warn(warning);
+  if (scene.triangles.empty())
+    throw InputError(display_name(a.scene), "", "no triangles, expected surfaces");
+  if (Emitters(scene).empty())
+    throw InputError(display_name(a.scene), "",
+                     "nothing emits light, expected an emissive surface");
   const Camera& camera = scene.camera(a.camera);
   std::vector<cli::Common::Input> inputs{{a.scene, scene.hash, {}}};
   CutFile refine;
@@ -28,22 +90,20 @@ int run(const Arguments& a, const cli::Common& common) {
     refine = read_cut(a.refine);
     if (refine.scene_hash != scene.hash)
       throw InputError(display_name(a.refine), "", "was made from another scene than " + a.scene);
+    check_patches(display_name(a.refine), scene, refine);
     inputs.push_back({a.refine, refine.hash, refine.provenance});
   }
-  GraphSettings settings;
-  settings.walks = {common.seed, static_cast<uint32_t>(a.walks), static_cast<uint32_t>(a.bounces)};
-  settings.rays = static_cast<uint32_t>(a.samples);
-  settings.rounds = static_cast<int>(a.rounds);
-  GraphReport report;
-  const LightFlow flow =
-      build_graph(scene, camera, settings, a.refine.empty() ? nullptr : &refine, report);
-  DimacsFile file = dimacs_file(flow);
+
+  Json summary;
+  DimacsFile file = triangles ? graph_of_triangles(a, common, scene, camera, summary)
+                              : graph_of_patches(a, common, scene, camera,
+                                                 a.refine.empty() ? nullptr : &refine, summary);
   file.provenance = common.provenance(inputs);
   write_output(common.output, dimacs_text(file));
-  common.note(fmt::format(
-      "{} patches, {} arcs; {} hits from the light, {} from the camera; {} split; {:.1f} CPU s",
-      file.patches.size(), file.network.arcs.size(), report.light_hits, report.camera_hits,
-      report.split, cpu_seconds()));
+  summary["patches"] = file.patches.size();
+  summary["arcs"] = file.network.arcs.size();
+  summary["cpu_seconds"] = cpu_seconds();
+  common.summary(summary.dump());
   return 0;
 }
 
@@ -56,13 +116,21 @@ int main(int argc, char** argv) {
   cli::Options options("ffgraph", "Writes the light transport of a glTF scene as a flow network.",
                        "Network to write (DIMACS); default standard output");
   options.argument("scene", a.scene, "Scene (.glb, .gltf); - is standard input");
-  options.option("--camera", a.camera, "NAME", "Camera to use; default the first");
-  options.choice("--nodes", a.nodes, {"patches", "triangles"}, "What the nodes are");
-  options.choice("--capacity", a.capacity, {"etendue", "formfactor"}, "What the capacities are");
-  options.option("--samples", a.samples, "N", "Rays for the etendue", 1, 100000000);
-  options.option("--walks", a.walks, "N", "Walks", 1, 10000000);
-  options.option("--bounces", a.bounces, "N", "Bounces", 1, 64);
-  options.option("--rounds", a.rounds, "N", "Rounds", 0, 8);
-  options.option("--refine", a.refine, "CUT", "Cut", cli::Shapes::nothing);
+  options.option("--camera", a.camera, "NAME", "Camera to use; default the first one");
+  options.choice("--nodes", a.nodes, {"patches", "triangles"},
+                 "What the nodes are; default patches");
+  options.choice("--capacity", a.capacity, {"etendue", "formfactor"},
+                 "What the capacities are; default etendue for patches, formfactor for triangles");
+  options.option("--samples", a.samples, "N", "Rays for the etendue in each round; default 300000",
+                 1000, 100000000);
+  options.option("--walks", a.walks, "N",
+                 "Walks from the light, and as many from the camera; default 100000", 1, 10000000);
+  options.option("--bounces", a.bounces, "N", "Surfaces that a walk hits at most; default 12", 1,
+                 64);
+  options.option("--rounds", a.rounds, "N",
+                 "Rounds of splitting patches that straddle an opening; default 2", 0, 3);
+  options.option("--refine", a.refine, "CUT",
+                 "Split where the patches of this cut straddle its opening, instead of --rounds",
+                 cli::Shapes::nothing);
   return options.run_main(argc, argv, [&] { return run(a, options.common); });
 }

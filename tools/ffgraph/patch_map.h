@@ -28,6 +28,7 @@ struct PatchKey {
 
 class PatchMap {
  public:
+  PatchMap() = default;
   static constexpr uint32_t kSplit = UINT32_MAX - 1;
 
   /// `component` of each triangle. Keeps a pointer to `scene`.
@@ -83,7 +84,7 @@ class PatchMap {
     return {cell(canonical, 0), 0, piece(face)};
   }
 
-  const Scene* scene_;
+  const Scene* scene_ = nullptr;
   PatchGrid grid_;
   std::shared_ptr<const std::vector<uint32_t>> component_;
   std::unordered_map<PatchKey, uint32_t, KeyHash> entry_;

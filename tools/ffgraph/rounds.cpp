@@ -8,6 +8,9 @@
 namespace tdpt {
 namespace {
 
+// Rays that look where to split are not those that measure.
+constexpr uint64_t kLookSeed = 0x5eed;
+
 std::vector<Side> own_cut(const LightFlow& f) {
   const MaxFlow flow = max_flow(f.network);
   std::vector<Side> side(f.patches.size());
@@ -16,21 +19,26 @@ std::vector<Side> own_cut(const LightFlow& f) {
   return side;
 }
 
-// The patches of a cut, with their sides, in a map of this scene.
+// The patches of a cut in a map of this scene, in the order of the cut.
 PatchMap map_of(const Scene& scene, const std::vector<uint32_t>& component, const CutFile& cut) {
   PatchMap map(scene, cut.grid, component);
-  const size_t faces = 2 * scene.triangles.size();
-  for (const Patch& p : cut.patches) {
-    for (uint32_t face : p.faces)
-      if (face >= faces) throw InputError("(cut)", "", "a face beyond the triangles of the scene");
-    map.add({p.cell, p.level, map.piece(p.faces.front())});
-  }
-  if (map.size() != cut.patches.size())
-    throw InputError("(cut)", "", "two patches in one place, expected each once");
+  for (const Patch& p : cut.patches) map.add({p.cell, p.level, map.piece(p.faces.front())});
   return map;
 }
 
 }  // namespace
+
+void check_patches(const std::string& file, const Scene& scene, const CutFile& cut) {
+  for (const Patch& p : cut.patches)
+    for (uint32_t face : p.faces)
+      if (face >= 2 * scene.triangles.size())
+        throw InputError(file, "",
+                         "node " + std::to_string(p.node) + " has face " + std::to_string(face) +
+                             ", expected one below " + std::to_string(2 * scene.triangles.size()));
+  const PatchMap map = map_of(scene, surface_components(scene), cut);
+  if (map.size() != cut.patches.size())
+    throw InputError(file, "", "two patches in one place, expected patches made by ffgraph");
+}
 
 LightFlow build_graph(const Scene& scene, const Camera& camera, const GraphSettings& settings,
                       const CutFile* refine, GraphReport& report) {
@@ -55,24 +63,32 @@ LightFlow build_graph(const Scene& scene, const Camera& camera, const GraphSetti
     return map.split(chosen);
   };
 
+  LightFlow flow;
   if (refine) {
     const PatchMap map = map_of(scene, component, *refine);
-    const Etendue etendue =
-        measure_etendue(map, Fragments(map), tracer, settings.walks.seed - 1, settings.rays);
+    const Etendue etendue = measure_etendue(map, Fragments(map), tracer,
+                                            kLookSeed + settings.walks.seed, settings.rays);
     report.rays += settings.rays;
     report.rounds = 1;
-    return estimate(finer(map, straddling(etendue, refine->side, settings.straddle_share)));
+    report.why_stopped = "those of the given cut";
+    flow = estimate(finer(map, straddling(etendue, refine->side, settings.straddle_share)));
+  } else {
+    flow = estimate(PatchMap(scene, grid_for(scene), component));
+    report.why_stopped = "as many as allowed";
+    while (report.rounds < static_cast<size_t>(settings.rounds)) {
+      const size_t before = report.split;
+      PatchMap map =
+          finer(flow.patches, straddling(flow.etendue, own_cut(flow), settings.straddle_share));
+      if (report.split == before) {
+        report.why_stopped = "nothing straddles any more";
+        break;
+      }
+      ++report.rounds;
+      flow = estimate(std::move(map));
+    }
   }
-
-  LightFlow flow = estimate(PatchMap(scene, grid_for(scene), component));
-  while (report.rounds < static_cast<size_t>(settings.rounds)) {
-    const size_t before = report.split;
-    PatchMap map =
-        finer(flow.patches, straddling(flow.etendue, own_cut(flow), settings.straddle_share));
-    if (report.split == before) break;
-    ++report.rounds;
-    flow = estimate(std::move(map));
-  }
+  for (size_t i = 0; i < flow.hits_light.size(); ++i)
+    report.reached_by_both += flow.hits_light[i] > 0 && flow.hits_camera[i] > 0;
   return flow;
 }
 

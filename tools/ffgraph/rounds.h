@@ -7,7 +7,7 @@ namespace tdpt {
 struct GraphSettings {
   WalkSettings walks;
   uint32_t rays = 300000;  ///< etendue samples of one round
-  int rounds = 1;          ///< refinements after the first estimate
+  int rounds = 2;          ///< refinements after the first estimate
   double straddle_share = 0.92;
 };
 
@@ -16,10 +16,16 @@ struct GraphReport {
   size_t rounds = 0;                       ///< refinements done
   size_t split = 0;                        ///< patches split in all of them
   uint64_t rays = 0;                       ///< etendue rays of all rounds
+  size_t reached_by_both = 0;              ///< patches with hits from the light and the camera
+  const char* why_stopped = "";
 };
 
+/// Throws InputError for `file` when the patches of `cut` cannot be those of `scene`.
+void check_patches(const std::string& file, const Scene& scene, const CutFile& cut);
+
 /// Splits where the patches of `refine` (a cut of this scene) straddle its opening; without it
-/// splits by cuts of its own, at most `rounds` times.
+/// splits by cuts of its own, at most `rounds` times, and stops when nothing straddles. `refine`
+/// has passed check_patches.
 LightFlow build_graph(const Scene& scene, const Camera& camera, const GraphSettings& settings,
                       const CutFile* refine, GraphReport& report);
 

@@ -17,17 +17,15 @@ struct Sides {
 std::string why_no_bottleneck(const Sides& s, double conductance, const CutLimits& limits) {
   const double area = s.area[0] + s.area[1];
   const int small = s.area[0] < s.area[1] ? 0 : 1;
-  if (s.crossing <= 0)
-    return "no light passes between the two sides of the cut: the camera sees nothing that the "
-           "light "
-           "reaches";
   if (s.area[small] < limits.least_area * area)
-    return fmt::format("the {} has {:.2g} % of the surface on its side, less than {:.2g} %",
-                       small == 0 ? "light" : "camera", 100 * s.area[small] / area,
-                       100 * limits.least_area);
+    return fmt::format(
+        "the {} side of the cut has {:.2g} % of the surface, less than {:.2g} %: light "
+        "and camera share one open space",
+        small == 0 ? "light's" : "camera's", 100 * s.area[small] / area, 100 * limits.least_area);
+  if (s.crossing <= 0) return "no light passes from the light's side of the cut to the camera's";
   if (conductance > limits.largest_conductance)
     return fmt::format(
-        "{:.2g} of the smaller side's light crosses the cut, more than {:.2g}: the room is open",
+        "{:.2g} of the smaller side's light crosses the cut, more than {:.2g}: the opening is wide",
         conductance, limits.largest_conductance);
   return "";
 }

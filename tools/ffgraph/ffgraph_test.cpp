@@ -1,0 +1,297 @@
+// From small hand-made scenes and from testdata/scenes to networks: geometry of patches, etendue
+// against closed forms, and the place of the minimum cut.
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "libcommon/base/threads.h"
+#include "tools/ffgraph/connectivity.h"
+#include "tools/ffgraph/rounds.h"
+
+namespace tdpt {
+namespace {
+
+// Axis-parallel unit box [0,1]^3 of twelve triangles that look inwards; corners shared.
+Scene box() {
+  Scene s;
+  for (int k = 0; k < 8; ++k)
+    s.positions.push_back({float(k & 1), float(k >> 1 & 1), float(k >> 2 & 1)});
+  const auto quad = [&s](uint32_t a, uint32_t b, uint32_t c, uint32_t d) {
+    s.triangles.push_back({{a, b, c}, 0});
+    s.triangles.push_back({{a, c, d}, 0});
+  };
+  quad(0, 4, 5, 1);  // y = 0
+  quad(2, 3, 7, 6);  // y = 1
+  quad(0, 2, 6, 4);  // x = 0
+  quad(1, 5, 7, 3);  // x = 1
+  quad(0, 1, 3, 2);  // z = 0
+  quad(4, 6, 7, 5);  // z = 1
+  s.materials.resize(1);
+  return s;
+}
+
+// Every triangle of `s` in four.
+Scene subdivided(const Scene& s) {
+  Scene fine = s;
+  fine.triangles.clear();
+  for (const Triangle& t : s.triangles) {
+    std::array<uint32_t, 3> mid;
+    for (size_t k = 0; k < 3; ++k) {
+      mid[k] = static_cast<uint32_t>(fine.positions.size());
+      fine.positions.push_back((s.positions[t.vertex[k]] + s.positions[t.vertex[(k + 1) % 3]]) *
+                               0.5f);
+    }
+    for (size_t k = 0; k < 3; ++k)
+      fine.triangles.push_back({{t.vertex[k], mid[k], mid[(k + 2) % 3]}, t.material});
+    fine.triangles.push_back({mid, t.material});
+  }
+  return fine;
+}
+
+Scene room(const std::string& file) {
+  return read_gltf(std::string(TDPT_TESTDATA) + "/scenes/" + file);
+}
+
+TEST(connectivity, each_wall_of_a_box_is_one_piece) {
+  const auto c = surface_components(box());
+  for (size_t t = 0; t < 12; ++t) EXPECT_EQ(c[t], c[t / 2 * 2]);
+  EXPECT_EQ(*std::max_element(c.begin(), c.end()), 5u);
+}
+
+TEST(connectivity, does_not_depend_on_tessellation_or_on_doubled_vertices) {
+  Scene s = subdivided(box());
+  for (Triangle& t : s.triangles)
+    for (uint32_t& v : t.vertex) {
+      const Vec3f copy = s.positions[v];
+      v = static_cast<uint32_t>(s.positions.size());
+      s.positions.push_back(copy);
+    }
+  const auto c = surface_components(s);
+  EXPECT_EQ(*std::max_element(c.begin(), c.end()), 5u);
+}
+
+TEST(connectivity, faces_that_no_manifold_holds_stand_alone) {
+  Scene s = box();
+  s.triangles.push_back(s.triangles[0]);
+  const auto c = surface_components(s);
+  EXPECT_NE(c[12], c[0]);
+  EXPECT_EQ(c[1], c[0]);
+}
+
+TEST(connectivity, surfaces_that_do_not_touch_are_apart) {
+  Scene s = box();
+  for (int k = 0; k < 3; ++k) s.positions.push_back({float(k == 1), 0, float(k == 2) + 1e-3f});
+  s.triangles.push_back({{8, 10, 9}, 0});
+  const auto c = surface_components(s);
+  EXPECT_NE(c[12], c[0]);
+}
+
+PatchMap full_map(const Scene& s, double cell) {
+  PatchMap map(s, {{-0.031, -0.017, -0.043}, cell}, surface_components(s));
+  Rng rng(9, 0, 0);
+  for (int k = 0; k < 40000; ++k) {
+    const uint32_t t = rng.below(static_cast<uint32_t>(s.triangles.size()));
+    const double u = rng.uniform();
+    const double v = rng.uniform();
+    double b1, b2;
+    uniform_triangle(u, v, b1, b2);
+    const TriangleShape shape = shape_of(s, t);
+    map.find_or_add(2 * t, shape.p0 + shape.e1 * b1 + shape.e2 * b2);
+  }
+  return map;
+}
+
+double area_of(const Fragments& fragments) {
+  double sum = 0;
+  for (const auto& f : fragments.all()) sum += f.area;
+  return sum;
+}
+
+TEST(fragments, of_a_box_add_up_to_its_area) {
+  const Scene s = box();
+  const PatchMap map = full_map(s, 0.3);
+  EXPECT_NEAR(area_of(Fragments(map)), 6, 1e-9);
+}
+
+TEST(fragments, split_cells_cover_the_same_area) {
+  const Scene s = box();
+  const PatchMap coarse = full_map(s, 0.3);
+  std::vector<uint8_t> chosen(coarse.size(), 0);
+  for (size_t i = 0; i < chosen.size(); i += 3) chosen[i] = 1;
+  PatchMap fine = coarse.split(chosen);
+  EXPECT_EQ(fine.size(), 0u);
+  Rng rng(10, 0, 0);
+  for (int k = 0; k < 400000; ++k) {
+    const uint32_t t = rng.below(12);
+    const double u = rng.uniform();
+    const double v = rng.uniform();
+    double b1, b2;
+    uniform_triangle(u, v, b1, b2);
+    const TriangleShape shape = shape_of(s, t);
+    fine.find_or_add(2 * t, shape.p0 + shape.e1 * b1 + shape.e2 * b2);
+  }
+  EXPECT_NEAR(area_of(Fragments(fine)), 6, 1e-3);
+  EXPECT_GT(fine.size(), coarse.size());
+}
+
+TEST(fragments, points_lie_in_the_patch_they_were_drawn_for) {
+  const Scene s = box();
+  const PatchMap map = full_map(s, 0.3);
+  const Fragments fragments(map);
+  int elsewhere = 0;
+  for (uint32_t k = 0; k < 20000; ++k) {
+    Rng rng(3, 0, k);
+    const uint32_t f = rng.below(static_cast<uint32_t>(fragments.all().size()));
+    const Fragments::Point p = fragments.sample(f, rng);
+    elsewhere += map.find(fragments.all()[f].face, p.position) != p.patch;
+  }
+  EXPECT_LE(elsewhere, 2);  // on the very border of a cell
+}
+
+// n_ij of floor and ceiling against A_i F_ij + A_j F_ji of parallel unit squares: 2 * 0.19982.
+bool etendue_holds(const Scene& s, double fault) {
+  const Tracer tracer(s);
+  const PatchMap map = full_map(s, 0.3);
+  const uint32_t rays = 200000;
+  const Etendue e = measure_etendue(map, Fragments(map), tracer, 5, rays);
+  const auto component = surface_components(s);
+  const uint32_t low = 2 * component.front(), high = 2 * component[s.triangles.size() / 6];
+  double count = 0;
+  for (const Etendue::Pair& p : e.pairs) {
+    const uint32_t a = map.keys()[p.i].piece, b = map.keys()[p.j].piece;
+    if ((a == low && b == high) || (a == high && b == low)) count += p.count;
+  }
+  const double expected = rays * 2 * 0.19982 / 6 * fault;
+  return std::abs(count - expected) < 4 * std::sqrt(expected);
+}
+TEST(etendue, of_parallel_walls_is_that_of_the_closed_form) {
+  EXPECT_TRUE(etendue_holds(box(), 1));
+}
+TEST(etendue, is_additive_under_subdivision) {
+  EXPECT_TRUE(etendue_holds(subdivided(box()), 1));
+}
+TEST(etendue, twin_5_percent_too_much_is_caught) {
+  EXPECT_FALSE(etendue_holds(box(), 1.05));
+}
+
+TEST(terminal_grades, are_relative_to_half_the_hit_weighted_median) {
+  // E = 10, 2, 1; hits 100, 20, 10: the median by hits is 10, half of it 5.
+  const auto g = terminal_grades({100, 20, 10, 0, 7}, {10, 10, 10, 10, 0});
+  EXPECT_EQ(g, (std::vector<double>{1, 0.4, 0.2, 0, 0}));
+  EXPECT_EQ(terminal_grades({0, 0}, {1, 1}), (std::vector<double>{0, 0}));
+}
+
+TEST(straddling, is_what_sends_less_than_the_share_to_one_side) {
+  Etendue e;
+  e.pairs = {{0, 1, 91}, {0, 2, 9}, {1, 3, 9}};
+  const std::vector<Side> side{Side::source, Side::source, Side::sink, Side::source};
+  EXPECT_EQ(straddling(e, side, 0.92), (std::vector<uint8_t>{1, 0, 0, 0}));
+  EXPECT_EQ(straddling(e, side, 0.90), (std::vector<uint8_t>{0, 0, 0, 0}));
+}
+
+struct Graph {
+  Scene scene;
+  LightFlow flow;
+  GraphReport report;
+  std::vector<uint8_t> on_source;
+};
+
+std::unique_ptr<Graph> graph_of(Scene scene, int rounds, uint64_t seed = 1) {
+  auto g = std::make_unique<Graph>();
+  g->scene = std::move(scene);
+  GraphSettings settings;
+  settings.walks = {seed, 20000, 12};
+  settings.rays = 100000;
+  settings.rounds = rounds;
+  g->flow = build_graph(g->scene, g->scene.camera(""), settings, nullptr, g->report);
+  g->on_source = max_flow(g->flow.network).source_side;
+  return g;
+}
+
+// New rays between patches of the two sides, and how many of them go through the opening in the
+// plane x = at [metres].
+struct Crossing {
+  double rays = 0, through = 0;
+};
+Crossing cross(const Graph& g, double at, const Vec3d& low, const Vec3d& high) {
+  const Tracer tracer(g.scene);
+  const Fragments fragments(g.flow.patches);
+  std::vector<double> area;
+  for (const auto& f : fragments.all()) area.push_back(f.area);
+  const AliasTable table(area);
+  Crossing c;
+  for (uint32_t k = 0; k < 400000; ++k) {
+    Rng rng(77, 0, k);
+    const uint32_t f = table.sample(rng.uniform());
+    const Fragments::Point p = fragments.sample(f, rng);
+    const double u = rng.uniform();
+    const double v = rng.uniform();
+    const Vec3d w = Onb<double>(p.normal).to_world(cosine_hemisphere(u, v));
+    Hit hit;
+    if (!tracer.closest({p.position, p.normal}, w, hit)) continue;
+    const uint32_t to =
+        g.flow.patches.find(2 * hit.triangle + (dot(hit.normal, w) > 0 ? 1 : 0), hit.position);
+    if (to == kNoPatch || g.on_source[to + 2] == g.on_source[p.patch + 2]) continue;
+    c.rays += 1;
+    const Vec3d a = g.scene.frame.to_metres(p.position), b = g.scene.frame.to_metres(hit.position);
+    const double t = (at - a.x) / (b.x - a.x);
+    const Vec3d q = a + (b - a) * t;
+    c.through += t >= 0 && t <= 1 && q.y > low.y && q.y < high.y && q.z > low.z && q.z < high.z;
+  }
+  return c;
+}
+
+TEST(cut, lies_in_the_hole_between_two_rooms) {
+  const auto g = graph_of(room("two-rooms.glb"), 2);
+  // Hole 0.875..1.125, -0.125..0.125 through a wall x 2..2.1: either mouth will do.
+  const Vec3d low(0, 0.875, -0.125), high(0, 1.125, 0.125);
+  const Crossing left = cross(*g, 2.0005, low, high), right = cross(*g, 2.0995, low, high);
+  EXPECT_GT(left.rays, 200);
+  EXPECT_GT(std::max(left.through / left.rays, right.through / right.rays), 0.8);
+}
+
+TEST(cut, twin_another_place_on_the_wall_is_not_taken_for_the_hole) {
+  const auto g = graph_of(room("two-rooms.glb"), 0);
+  const Crossing c = cross(*g, 2.0005, {0, 0.3, -0.125}, {0, 0.55, 0.125});
+  EXPECT_LT(c.through, 0.05 * c.rays);
+}
+
+TEST(cut, separates_the_rooms_and_not_the_walls_of_one_room) {
+  for (const char* file : {"two-rooms.glb", "door-ajar.glb"}) {
+    const auto g = graph_of(room(file), 1);
+    double wrong = 0, all = 0;
+    for (size_t i = 0; i < g->flow.geometry.size(); ++i) {
+      const Patch& p = g->flow.geometry[i];
+      if (p.centre.x > 1.2 && p.centre.x < 2.2) continue;  // the door and its leaf
+      all += p.samples;
+      if ((p.centre.x > 2.2) != (g->on_source[i + 2] != 0)) wrong += p.samples;
+    }
+    EXPECT_LT(wrong, 0.01 * all) << file;
+  }
+}
+
+TEST(cut, stays_when_every_triangle_is_split_in_four_or_the_lamp_is_dimmed) {
+  const auto a = graph_of(room("two-rooms.glb"), 0);
+  Scene other = subdivided(room("two-rooms.glb"));
+  for (Material& m : other.materials) m.emission = m.emission * 0.01f;
+  const auto b = graph_of(std::move(other), 0);
+  const double flow_a = static_cast<double>(max_flow(a->flow.network).value);
+  const double flow_b = static_cast<double>(max_flow(b->flow.network).value);
+  EXPECT_NEAR(flow_b / flow_a, 1, 0.05);
+  for (size_t i = 0; i < b->flow.geometry.size(); ++i) {
+    const double x = b->flow.geometry[i].centre.x;
+    if (x < 1.9 || x > 2.2) EXPECT_EQ(b->on_source[i + 2] != 0, x > 2.2) << x;
+  }
+}
+
+TEST(graph, is_the_same_for_any_number_of_threads) {
+  limit_threads(1);
+  const std::string one = dimacs_text(dimacs_file(graph_of(room("two-rooms.glb"), 1)->flow));
+  limit_threads(4);
+  const std::string four = dimacs_text(dimacs_file(graph_of(room("two-rooms.glb"), 1)->flow));
+  EXPECT_TRUE(one == four);
+  EXPECT_FALSE(one == dimacs_text(dimacs_file(graph_of(room("two-rooms.glb"), 1, 2)->flow)));
+}
+
+}  // namespace
+}  // namespace tdpt

@@ -1,0 +1,28 @@
+// Form factors between triangles [eq. 9, 10], with visibility.
+//
+//   F_ij = (1/A_i) int int cos_i cos_j V / (pi r^2) dA_j dA_i
+//
+// is the share of the diffuse light leaving i that arrives at j: A_i F_ij = A_j F_ji, and the F_ij
+// of a closed box add up to 1 over j.
+#pragma once
+#include "libcommon/math/rng.h"
+#include "libcommon/trace/tracer.h"
+
+namespace tdpt {
+
+/// A triangle seen from one side.
+struct FacingTriangle {
+  Vec3d p0, e1, e2;
+  Vec3d normal;  ///< unit, of the side that faces
+  double area;
+};
+
+/// The side of `face` = 2 * triangle + side.
+FacingTriangle facing(const Scene& scene, uint32_t face);
+
+/// Estimate of F_ij from n points on i times m points on j:
+/// A_j / (n m) sum sum cos_i cos_j V / (pi r^2). Without a tracer all is visible.
+double form_factor(const FacingTriangle& i, const FacingTriangle& j, int n, int m, Rng& rng,
+                   const Tracer* tracer);
+
+}  // namespace tdpt

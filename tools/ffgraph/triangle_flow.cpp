@@ -1,0 +1,116 @@
+#include "tools/ffgraph/triangle_flow.h"
+
+#include <algorithm>
+#include <cmath>
+#include <unordered_map>
+
+#include <oneapi/tbb/parallel_for.h>
+
+#include "tools/ffgraph/form_factor.h"
+#include "tools/ffgraph/walks.h"
+
+namespace tdpt {
+namespace {
+
+constexpr uint64_t kStream = 104;
+constexpr double kScale = 1 << 30;
+constexpr double kSamples = 300000;  // of all patches, in proportion to area
+
+struct Seen {
+  uint32_t face;
+  double share;  // of all rays
+};
+
+// Faces by hits, most first; at most `largest` of them.
+std::vector<Seen> most_hit(const std::vector<WalkHit>& hits, const TriangleSettings& s,
+                           size_t& found) {
+  std::unordered_map<uint32_t, uint32_t> count;
+  for (const WalkHit& h : hits) ++count[h.face];
+  std::vector<Seen> faces;
+  for (const auto& [face, n] : count) faces.push_back({face, static_cast<double>(n) / s.rays});
+  std::sort(faces.begin(), faces.end(), [](const Seen& a, const Seen& b) {
+    return a.share != b.share ? a.share > b.share : a.face < b.face;
+  });
+  found = faces.size();
+  if (faces.size() > s.largest_set) faces.resize(s.largest_set);
+  return faces;
+}
+
+// One cell that holds the whole scene.
+PatchGrid one_cell(const Scene& scene) {
+  PatchGrid grid;
+  grid.base_cell = 4 / scene.frame.scale;
+  grid.origin = scene.frame.to_metres(Vec3d(-2));
+  return grid;
+}
+
+Patch patch_of(const Scene& scene, uint32_t node, uint32_t face) {
+  const FacingTriangle t = facing(scene, face);
+  Patch p;
+  p.node = node;
+  p.samples = t.area;
+  p.centre = scene.frame.to_metres(t.p0 + (t.e1 + t.e2) / 3.0);
+  p.normal = t.normal;
+  p.faces = {face};
+  return p;
+}
+
+}  // namespace
+
+DimacsFile triangle_flow(const Scene& scene, const Camera& camera, const TriangleSettings& settings,
+                         TriangleReport& report) {
+  const Tracer tracer(scene);
+  const WalkSettings first_hit{settings.seed, settings.rays, 1};
+  const std::vector<Seen> lit =
+      most_hit(light_walks(scene, tracer, first_hit), settings, report.lit);
+  const std::vector<Seen> seen =
+      most_hit(camera_walks(scene, camera, tracer, first_hit), settings, report.seen);
+  report.kept_lit = lit.size();
+  report.kept_seen = seen.size();
+
+  DimacsFile file;
+  file.has_patches = true;
+  file.scale = kScale;
+  file.scene_hash = scene.hash;
+  file.grid = one_cell(scene);
+  FlowNetwork& net = file.network;
+  net.source = 0;
+  net.sink = 1;
+  const auto add = [&net](uint32_t from, uint32_t to, double capacity) {
+    if (const int64_t c = std::llround(capacity * kScale); c > 0) net.arcs.push_back({from, to, c});
+  };
+  std::unordered_map<uint32_t, uint32_t> node;
+  const auto node_of = [&](uint32_t face) {
+    const auto [entry, is_new] = node.try_emplace(face, static_cast<uint32_t>(node.size()) + 2);
+    if (is_new) file.patches.push_back(patch_of(scene, entry->second + 1, face));
+    return entry->second;
+  };
+  for (const Seen& i : lit) add(net.source, node_of(i.face), i.share);
+  for (const Seen& j : seen) {
+    report.shared += node.contains(j.face);
+    add(node_of(j.face), net.sink, j.share);
+  }
+  if (report.shared > 0) add(net.source, net.sink, 1);
+
+  std::vector<double> factors(lit.size() * seen.size(), 0);
+  tbb::parallel_for(size_t{0}, lit.size(), [&](size_t i) {
+    for (size_t j = 0; j < seen.size(); ++j) {
+      if (lit[i].face == seen[j].face) continue;
+      Rng rng(settings.seed, kStream, lit[i].face, seen[j].face);
+      factors[i * seen.size() + j] =
+          form_factor(facing(scene, lit[i].face), facing(scene, seen[j].face), settings.points,
+                      settings.points, rng, &tracer);
+    }
+  });
+  for (size_t i = 0; i < lit.size(); ++i)
+    for (size_t j = 0; j < seen.size(); ++j)
+      add(node.at(lit[i].face), node.at(seen[j].face), std::min(1.0, factors[i * seen.size() + j]));
+
+  net.nodes = static_cast<uint32_t>(node.size()) + 2;
+  double area = 0;
+  for (const Patch& p : file.patches) area += p.samples;
+  for (Patch& p : file.patches) p.samples *= kSamples / area;
+  return file;
+}
+
+}  // namespace tdpt

@@ -1,0 +1,31 @@
+// The network of the paper's section 4.1: triangles as nodes, form factors as capacities.
+//
+//   light -> S_d (lit directly) -> S_p (seen by the camera) -> camera
+//
+// Kept for comparison: the sum of fractions grows with the number of nodes, so its cut tends to
+// fall on the terminals.
+#pragma once
+#include "libcommon/formats/dimacs.h"
+#include "libcommon/trace/tracer.h"
+
+namespace tdpt {
+
+struct TriangleSettings {
+  uint64_t seed = 1;
+  uint32_t rays = 100000;    ///< from the light and from the camera
+  size_t largest_set = 512;  ///< of S_d and S_p the faces with most hits are kept
+  int points = 4;            ///< N = M of eq. 10
+};
+
+struct TriangleReport {
+  size_t lit = 0, seen = 0;            ///< faces in S_d and S_p
+  size_t kept_lit = 0, kept_seen = 0;  ///< of these in the network
+  size_t shared = 0;                   ///< in both: light and camera are joined directly
+};
+
+/// A face is a triangle from one side. Capacities: of light -> i the share of the light's rays that
+/// hit i, of j -> camera the share of the camera's rays, of i -> j F_ij, of the direct joint 1.
+DimacsFile triangle_flow(const Scene& scene, const Camera& camera, const TriangleSettings& settings,
+                         TriangleReport& report);
+
+}  // namespace tdpt
