@@ -122,6 +122,10 @@ TEST(Missing, AFileThatIsNotThere) {
   EXPECT_NE(refusal(kTestdata).find("is a folder"), std::string::npos);
 }
 
+size_t get_json_size(const std::string& glb) {
+  return static_cast<unsigned char>(glb[12]) + 256u * static_cast<unsigned char>(glb[13]);
+}
+
 TEST(Mutations, ALoadedOrARefusedScene) {
   const TempFolder folder;
   const std::string whole = read_file(kTestdata + "/scenes/two-rooms.glb");
@@ -157,6 +161,41 @@ TEST(Mutations, ALoadedOrARefusedScene) {
   }
   EXPECT_GT(loaded, 200);
   EXPECT_GT(refused, 200);
+}
+
+TEST(Mutations, ExtremeNumbersInTheJson) {
+  const TempFolder folder;
+  const std::string whole = read_file(kTestdata + "/scenes/door-ajar.glb");
+  const std::string text = whole.substr(20, get_json_size(whole));
+  const std::string bin = whole.substr(20 + text.size() + 8);
+  std::vector<std::pair<size_t, size_t>> numbers;  // place and length
+  for (size_t i = 0; i < text.size(); ++i) {
+    if (text[i - (i > 0)] == '"' || !(std::isdigit(text[i]) || text[i] == '-')) continue;
+    const size_t end = text.find_first_not_of("0123456789.-+e", i);
+    numbers.push_back({i, end - i});
+    i = end;
+  }
+  ASSERT_GT(numbers.size(), 100u);
+  const std::vector<std::string> extremes = {
+      "-1",  "0",    "1",     "3",     "255",    "65536",      "2147483647",           "2147483648",
+      "0.5", "1e30", "1e300", "-1e30", "1e-300", "4294967295", "18446744073709551615", "null"};
+  int loaded = 0, refused = 0;
+  for (uint64_t i = 0; i < 1500; ++i) {
+    Rng rng(21, 0, i);
+    const auto [at, length] = numbers[rng.below(static_cast<uint32_t>(numbers.size()))];
+    std::string mutant = text;
+    mutant.replace(at, length, extremes[rng.below(static_cast<uint32_t>(extremes.size()))]);
+    try {
+      const Scene scene = read_gltf(folder.write("mutant.glb", glb_of(mutant, bin)));
+      ++loaded;
+      for (const Vec3f& p : scene.positions) ASSERT_TRUE(is_finite(p));
+    } catch (const Error& e) {
+      ++refused;
+      EXPECT_EQ(std::string(e.what()).find_first_of("\r\n"), std::string::npos) << i;
+    }
+  }
+  EXPECT_GT(loaded, 100);
+  EXPECT_GT(refused, 500);
 }
 
 TEST(Mutations, EveryTruncationIsRefused) {
