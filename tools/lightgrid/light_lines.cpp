@@ -71,7 +71,7 @@ std::optional<LightLines::End> LightLines::end_of(const Vec3d& place, const Vec3
 LightLines::Through LightLines::through(Rng& rng, const Vec3d& place, const Vec3d& w,
                                         JoiningLine& line) const {
   const auto ahead = end_of(place, w), behind = end_of(place, -w);
-  if (!ahead || !behind) return Through::unknown;
+  if (!ahead || !behind || ahead->point.position == behind->point.position) return Through::unknown;
   if (ahead->side == behind->side) return Through::same_side;
   const bool along = behind->side == Side::source;
   line.light = along ? behind->point : ahead->point;

@@ -1,8 +1,15 @@
 // Two passes. Coarse: segments between pivot patches, in batches that double until the shape of the
-// counts settles. Fine: lines in cosine-distributed directions through the fullest place of each
-// coarse line. The fine lines follow the light's own distribution (area times projected solid
-// angle), are exact where voxels are not, and tell how many of all lines through a voxel join the
-// two sides.
+// counts settles. They show where the light passes, but patches and voxels blur it and uniform
+// points on patches distort it.
+//
+// Fine: a walk among the lines that join the two sides, started from the coarse ones. A step takes
+// a place x on the line l with density w(x)/W(l), W(l) = integral of w along l, and a direction
+// with density cos/pi of the angle to l; it moves to the line through both if that joins the sides,
+// and stays otherwise. Two lines that meet at x see each other under the same angle, so the walk is
+// reversible with respect to W(l) times the measure of lines (area times projected solid angle):
+// that is where it settles, whatever the coarse pass distorted. Dividing by W leaves the light's
+// own distribution. w = count^3 keeps x near the opening, where most lines through x join the
+// sides. The tried and joined lines at each voxel are the portals' support.
 #include "tools/lightgrid/lightgrid.h"
 
 #include <cmath>
@@ -24,6 +31,7 @@ constexpr uint64_t kFirstBatch = 1 << 15;
 constexpr size_t kFewestKept = 2000;  // fewer never count as settled
 constexpr double kHot = 0.25;         // of the largest count: voxels that are compared
 constexpr size_t kChunk = 1 << 12;
+constexpr uint64_t kSteps = 4;  // of the fine pass
 
 void lay_out(const Scene& scene, int resolution, LightGrid& grid) {
   Vec3d low(INFINITY), high(-INFINITY);
@@ -48,7 +56,8 @@ void lay_out(const Scene& scene, int resolution, LightGrid& grid) {
   grid.direction.assign(total, {});
 }
 
-// Counts and directions of all kept lines, summed in their order.
+// Counts and directions of all kept lines, summed in their order; in voxels with geometry, too,
+// because a slit narrower than a voxel has no air.
 struct Tally {
   explicit Tally(size_t voxels) : count(voxels, 0), direction(voxels) {}
   std::vector<uint32_t> count;
@@ -56,7 +65,6 @@ struct Tally {
   void add(const LightGrid& grid, const LightLine& line) {
     const Vec3d w = normalize(line.camera - line.light);
     walk_grid(grid, line.light, line.camera, [&](size_t voxel, double) {
-      if (!grid.air[voxel]) return;
       ++count[voxel];
       direction[voxel] += w;
     });
@@ -77,18 +85,36 @@ double change_between(const std::vector<uint32_t>& before, const std::vector<uin
   return 0.5 * difference;
 }
 
-// A random place on `line` within the fullest voxel that it passes.
-Vec3d fullest_place(const LightGrid& grid, const LightLine& line, double u) {
-  double walked = 0, at = 0;
-  float most = -1;
+// Weight of a line: the sum over its voxels of count^3 times the length inside [metres].
+double weight_of(const LightGrid& grid, const std::vector<uint32_t>& count, const LightLine& line) {
+  double sum = 0;
   walk_grid(grid, line.light, line.camera, [&](size_t voxel, double inside) {
-    if (grid.count[voxel] > most) {
-      most = grid.count[voxel];
-      at = walked + u * inside;
+    const double c = count[voxel];
+    sum += c * c * c * inside;
+  });
+  return sum;
+}
+
+struct Place {
+  Vec3d at;  // metres
+  size_t voxel;
+};
+
+// A place on `line`, in proportion to the same weight.
+Place place_on(const LightGrid& grid, const std::vector<uint32_t>& count, const LightLine& line,
+               double u) {
+  double left = u * weight_of(grid, count, line), walked = 0, at = 0;
+  size_t in = 0;
+  walk_grid(grid, line.light, line.camera, [&](size_t voxel, double inside) {
+    const double c = count[voxel], w = c * c * c * inside;
+    if (left >= 0 && w > 0) {
+      at = walked + inside * std::min(1.0, left / w);
+      in = voxel;
     }
+    left -= w;
     walked += inside;
   });
-  return line.light + normalize(line.camera - line.light) * at;
+  return {line.light + normalize(line.camera - line.light) * at, in};
 }
 
 }  // namespace
@@ -159,59 +185,63 @@ LightGrid make_light_grid(const Scene& scene, const CutFile& cut, const std::str
     return none;
   }
   for (size_t i = 0; i < grid.count.size(); ++i) {
-    if (tally.count[i] == 0) continue;
+    if (tally.count[i] == 0 || !grid.air[i]) continue;
     grid.count[i] = static_cast<float>(tally.count[i]);
     grid.direction[i] = Vec3f(tally.direction[i] / tally.count[i]);
     report.fullest = std::max(report.fullest, grid.count[i]);
   }
 
-  // Fine pass.
+  // Fine pass. Every chain is a line; a step draws a line through a place on it and moves there if
+  // it joins the two sides, too.
   grid.tried.assign(grid.count.size(), 0);
   grid.joined.assign(grid.count.size(), 0);
-  const size_t trials = 4 * options.lines;
-  constexpr size_t kRound = 1 << 13;
-  for (size_t first = 0; first < trials && grid.lines.size() < options.lines; first += kRound) {
-    std::vector<JoiningLine> line(kRound);
-    std::vector<LightLines::Through> outcome(kRound);
-    std::vector<size_t> voxel(kRound);
-    tbb::parallel_for(tbb::blocked_range<size_t>(0, kRound, 256), [&](const auto& range) {
+  const size_t chains = 2 * options.lines;
+  std::vector<LightLine> chain(chains);
+  for (size_t i = 0; i < chains; ++i) {
+    Rng rng(options.seed, kFineStream, i, kSteps);
+    chain[i] = kept[rng.below(static_cast<uint32_t>(kept.size()))];
+  }
+  struct Step {
+    LightLines::Through outcome;
+    size_t voxel;
+  };
+  std::vector<Step> step(chains);
+  for (uint64_t round = 0; round < kSteps; ++round) {
+    tbb::parallel_for(tbb::blocked_range<size_t>(0, chains, 256), [&](const auto& range) {
       for (size_t i = range.begin(); i < range.end(); ++i) {
-        Rng rng(options.seed, kFineStream, first + i);
-        const LightLine& base = kept[rng.below(static_cast<uint32_t>(kept.size()))];
-        const double u = rng.uniform(), r = rng.uniform(), phi = rng.uniform();
-        const Vec3d on_line = fullest_place(grid, base, u);
-        const Onb<double> frame(normalize(base.camera - base.light));
-        // Up to a voxel aside, so that places between the coarse lines are reached, too.
-        const Vec3d disc = cosine_hemisphere(phi, r);
-        Vec3d place = on_line + (frame.x * disc.x + frame.y * disc.y) * grid.voxel;
-        if (!tracer.visible({scene.frame.to_canonical(on_line)}, {scene.frame.to_canonical(place)}))
-          place = on_line;
-        const double v1 = rng.uniform(), v2 = rng.uniform();
-        const Vec3d w = frame.to_world(cosine_hemisphere(v1, v2));
-        outcome[i] = lines.through(rng, scene.frame.to_canonical(place), w, line[i]);
-        const Vec3d p = (place - grid.origin) / grid.voxel;
-        std::array<int, 3> at;
-        for (int c = 0; c < 3; ++c) {
-          const auto s = static_cast<size_t>(c);
-          at[s] = std::clamp(static_cast<int>(std::floor(p[c])), 0, grid.dim[s] - 1);
-        }
-        voxel[i] = grid.index(at[0], at[1], at[2]);
+        Rng rng(options.seed, kFineStream, i, round);
+        const double u = rng.uniform(), v1 = rng.uniform(), v2 = rng.uniform();
+        const Place place = place_on(grid, tally.count, chain[i], u);
+        const Onb<double> frame(normalize(chain[i].camera - chain[i].light));
+        JoiningLine line;
+        step[i].outcome = lines.through(rng, scene.frame.to_canonical(place.at),
+                                        frame.to_world(cosine_hemisphere(v1, v2)), line);
+        step[i].voxel = place.voxel;
+        if (step[i].outcome == LightLines::Through::joins) chain[i] = metres(line);
       }
     });
-    for (size_t i = 0; i < kRound; ++i) {
-      if (outcome[i] == LightLines::Through::unknown) continue;
-      ++grid.tried[voxel[i]];
+    for (const Step& s : step) {
+      if (s.outcome == LightLines::Through::unknown) continue;
+      ++grid.tried[s.voxel];
       ++report.tried;
-      if (outcome[i] != LightLines::Through::joins) continue;
-      ++grid.joined[voxel[i]];
+      if (s.outcome != LightLines::Through::joins) continue;
+      ++grid.joined[s.voxel];
       ++report.joined;
-      if (grid.lines.size() < options.lines) grid.lines.push_back(metres(line[i]));
     }
   }
-  // Too few fine lines to speak for themselves: the coarse ones join in.
-  if (grid.lines.size() < kFewestKept)
-    for (size_t i = 0; i < kept.size() && grid.lines.size() < options.lines; ++i)
-      grid.lines.push_back(kept[i]);
+  // The chains settle at the light's own distribution times their weight: take that out again. Half
+  // of the lines go.
+  std::vector<double> weight(chains);
+  tbb::parallel_for(size_t{0}, chains,
+                    [&](size_t i) { weight[i] = weight_of(grid, tally.count, chain[i]); });
+  std::vector<double> sorted = weight;
+  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(chains / 4),
+                   sorted.end());
+  const double limit = sorted[chains / 4];
+  for (size_t i = 0; i < chains && grid.lines.size() < options.lines; ++i) {
+    Rng rng(options.seed, kFineStream, i, kSteps + 1);
+    if (rng.uniform() * weight[i] < limit) grid.lines.push_back(chain[i]);
+  }
   return grid;
 }
 

@@ -13,7 +13,7 @@ struct LightGridOptions {
   uint64_t seed = 1;
   uint64_t samples = 1 << 20;  ///< most segments drawn between pivot patches
   double tolerance = 0.04;     ///< change of the normalised counts that counts as settled
-  size_t lines = 16384;        ///< lines to keep in the file
+  size_t lines = 8192;         ///< lines to keep in the file
 };
 
 struct LightGridReport {

@@ -15,14 +15,14 @@ int main(int argc, char** argv) {
                        "passes.",
                        "The light grid (.vdb); default standard output");
   std::string scene_path, cut_path, device = "cpu";
-  int64_t resolution = 128, samples = 1 << 20, lines = 1 << 14;
+  int64_t resolution = 128, samples = 1 << 20, lines = 1 << 13;
   options.argument("scene", scene_path, "The scene, glTF 2.0 (.glb or .gltf)");
   options.argument("cut", cut_path, "Its minimum cut (.cut), as mincut writes it");
   options.option("--resolution", resolution, "N",
                  "Voxels along the longest side of the scene; default 128", 8, 512);
   options.option("--samples", samples, "N",
                  "Most segments drawn between pivot patches; default 1048576", 1, int64_t{1} << 32);
-  options.option("--lines", lines, "N", "Lines of light kept in the file; default 16384", 100,
+  options.option("--lines", lines, "N", "Lines of light kept in the file; default 8192", 100,
                  1 << 22);
   options.choice("--device", device, {"cpu", "gpu"}, "What traces the segments; default cpu");
   return options.run_main(argc, argv, [&] {
@@ -59,9 +59,9 @@ int main(int argc, char** argv) {
                                        "was spent",
                       100 * report.change));
       common.note(
-          fmt::format("{} lines through the fullest places kept, {} of {} tried join the "
+          fmt::format("{} lines kept; of {} lines drawn through the light {} join the "
                       "two sides.",
-                      grid.lines.size(), report.joined, report.tried));
+                      grid.lines.size(), report.tried, report.joined));
     }
     write_output(common.output, light_grid_bytes(grid));
     common.summary(nlohmann::json{{"bottleneck", grid.bottleneck},
