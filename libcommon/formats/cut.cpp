@@ -1,4 +1,4 @@
-// Grammar: man 5 tdpt-cut. Nodes come before their faces and before the arcs that join them.
+// Grammar: man 5 cut. Nodes come before their faces and before the arcs that join them.
 #include "libcommon/formats/cut.h"
 
 #include "libcommon/base/file.h"

@@ -1,5 +1,5 @@
 // Maximum-flow problems in DIMACS form (.max), with the geometry of their nodes in comments.
-// Written by ffgraph; read by mincut and by every DIMACS solver. Grammar: man 5 tdpt-max.
+// Written by ffgraph; read by mincut and by every DIMACS solver. Grammar: man 5 max.
 #pragma once
 #include <string>
 #include <vector>

@@ -1,0 +1,168 @@
+#include <cstdio>
+#include <filesystem>
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "libcommon/base/error.h"
+#include "libcommon/base/output_file.h"
+#include "libcommon/math/rng.h"
+#include "tools/mincut/cut_of.h"
+#include "tools/mincut/verify.h"
+
+namespace tdpt {
+namespace {
+
+FlowNetwork random_network(uint64_t seed, uint32_t nodes, uint32_t arcs, uint32_t largest) {
+  Rng rng(seed, 1, 0);
+  FlowNetwork net{nodes, 0, 1, {}};
+  for (uint32_t i = 0; i < arcs; ++i) {
+    const uint32_t from = rng.below(nodes);
+    const uint32_t to = rng.below(nodes);
+    net.arcs.push_back({from, to, rng.below(largest)});
+  }
+  return net;
+}
+
+TEST(verify, accepts_what_the_solver_finds) {
+  for (uint64_t seed = 0; seed < 100; ++seed) {
+    const FlowNetwork net = random_network(seed, 60, 400, 1000);
+    EXPECT_NO_THROW(verify_max_flow(net, max_flow(net)));
+  }
+}
+
+std::string refutation(const FlowNetwork& net, const MaxFlow& result) {
+  try {
+    verify_max_flow(net, result);
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code, Exit::internal);
+    return std::string(e.what()).substr(35);
+  }
+  return "(accepted)";
+}
+
+// s -> 2 -> t with capacities 5 and 3.
+TEST(verify, refutes_every_planted_fault) {
+  const FlowNetwork net{3, 0, 1, {{0, 2, 5}, {2, 1, 3}}};
+  const MaxFlow good{3, {3, 3}, {1, 0, 1}};
+  ASSERT_EQ(refutation(net, good), "(accepted)");
+  MaxFlow m = good;
+  m.flow[0] = 4;
+  EXPECT_EQ(refutation(net, m), "node 3 keeps 1, expected 0");
+  m = good;
+  m.flow[1] = 4;
+  EXPECT_EQ(refutation(net, m), "arc 2 carries 4, expected 0 to 3");
+  m = good;
+  m.flow[0] = -1;
+  EXPECT_EQ(refutation(net, m), "arc 1 carries -1, expected 0 to 5");
+  m = {2, {2, 2}, {1, 0, 1}};
+  EXPECT_EQ(refutation(net, m), "the cut holds 3, expected the flow 2");
+  m = good;
+  m.source_side = {1, 0, 0};
+  EXPECT_EQ(refutation(net, m), "the cut holds 5, expected the flow 3");
+  m.source_side = {1, 1, 1};
+  EXPECT_EQ(refutation(net, m), "the sink is on the source's side");
+  m.source_side = {0, 0, 1};
+  EXPECT_EQ(refutation(net, m), "the source is not on its own side");
+  m = good;
+  m.value = 4;
+  EXPECT_EQ(refutation(net, m), "3 arrives at the sink, expected 4");
+  m = good;
+  m.flow.pop_back();
+  EXPECT_EQ(refutation(net, m), "1 flows, expected 2");
+  m = good;
+  m.source_side.pop_back();
+  EXPECT_EQ(refutation(net, m), "2 sides, expected 3");
+}
+
+// LEMON's solver as an outside judge, where it is installed.
+TEST(max_flow, is_that_of_dimacs_solver) {
+  if (std::system("command -v dimacs-solver >/dev/null 2>&1") != 0)
+    GTEST_SKIP() << "dimacs-solver is not installed";
+  const std::string path = std::filesystem::temp_directory_path() /
+                           ("tdpt_mincut_test." + std::to_string(::getpid()) + ".max");
+  for (uint64_t seed = 0; seed < 10; ++seed) {
+    DimacsFile file;
+    file.network = random_network(seed, 400, 8000, 1u << 31);
+    for (FlowArc& a : file.network.arcs) a.capacity <<= 12;
+    write_output(path, dimacs_text(file));
+    std::FILE* pipe = ::popen(("dimacs-solver -long " + path + " 2>&1").c_str(), "r");
+    ASSERT_NE(pipe, nullptr);
+    std::string text;
+    for (int c; (c = std::fgetc(pipe)) != EOF;) text += static_cast<char>(c);
+    ::pclose(pipe);
+    const std::string key = "Max flow value: ";
+    const size_t at = text.find(key);
+    ASSERT_NE(at, std::string::npos) << text;
+    EXPECT_EQ(std::stoll(text.substr(at + key.size())), max_flow(file.network).value);
+  }
+  std::filesystem::remove(path);
+}
+
+// Two rooms of two patches each; `door` joins them.
+DimacsFile two_rooms(int64_t door, double small_area = 50) {
+  DimacsFile f;
+  f.has_patches = true;
+  f.scale = 10;
+  f.scene_hash = "abc";
+  for (uint32_t k = 0; k < 4; ++k)
+    f.patches.push_back(
+        {k + 3, 0, {int(k), 0, 0}, k < 2 ? small_area : 50, {}, {0, 1, 0}, {2 * k}});
+  f.network = {6, 0, 1, {{0, 2, 900}, {0, 3, 900}, {4, 1, 900}, {5, 1, 900}}};
+  const auto both = [&f](uint32_t a, uint32_t b, int64_t c) {
+    f.network.arcs.push_back({a, b, c});
+    f.network.arcs.push_back({b, a, c});
+  };
+  both(2, 3, 500);
+  both(4, 5, 500);
+  both(3, 4, door);
+  return f;
+}
+
+TEST(cut_of, a_narrow_door_is_a_bottleneck_with_its_pivot_pair) {
+  const DimacsFile f = two_rooms(20);
+  const CutFile cut = cut_of(f, max_flow(f.network), {});
+  EXPECT_TRUE(cut.bottleneck) << cut.reason;
+  EXPECT_EQ(cut.flow, 2);
+  ASSERT_EQ(cut.arcs.size(), 1u);
+  EXPECT_EQ(cut.arcs[0].from, 1u);
+  EXPECT_EQ(cut.arcs[0].to, 2u);
+  EXPECT_EQ(cut.arcs[0].capacity, 2);
+  EXPECT_NEAR(cut.conductance, 20.0 / 1020, 1e-12);
+  EXPECT_EQ(cut.side, (std::vector<Side>{Side::source, Side::source, Side::sink, Side::sink}));
+}
+
+TEST(cut_of, a_wide_door_is_none) {
+  const DimacsFile f = two_rooms(300);
+  const CutFile cut = cut_of(f, max_flow(f.network), {});
+  EXPECT_FALSE(cut.bottleneck);
+  EXPECT_EQ(
+      cut.reason,
+      "0.23 of the smaller side's light crosses the cut, more than 0.12: the opening is wide");
+}
+
+TEST(cut_of, a_side_almost_without_surface_is_none) {
+  const DimacsFile f = two_rooms(20, 1);
+  const CutFile cut = cut_of(f, max_flow(f.network), {});
+  EXPECT_FALSE(cut.bottleneck);
+  EXPECT_EQ(cut.reason,
+            "the light's side of the cut has 2 % of the surface, less than 3 %: light and camera "
+            "share one open space");
+}
+
+TEST(cut_of, a_closed_door_is_none) {
+  const DimacsFile f = two_rooms(0);
+  const CutFile cut = cut_of(f, max_flow(f.network), {});
+  EXPECT_FALSE(cut.bottleneck);
+  EXPECT_EQ(cut.reason, "no light passes from the light's side of the cut to the camera's");
+}
+
+TEST(plain_cut, names_value_sides_and_arcs) {
+  DimacsFile f;
+  f.network = {3, 0, 1, {{0, 2, 5}, {2, 1, 3}}};
+  EXPECT_EQ(plain_cut_text(f, max_flow(f.network), {}),
+            "c tdpt cut 1\ns 3\nn 1 s\nn 2 t\nn 3 s\na 3 2 3\n");
+}
+
+}  // namespace
+}  // namespace tdpt
