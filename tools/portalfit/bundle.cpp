@@ -13,7 +13,7 @@ namespace {
 constexpr double kGrazing = 0.05;     // cosine below which a crossing says nothing about a place
 constexpr double kDense = 0.1;        // of the mean density: what belongs to the aperture
 constexpr double kPointsPerCell = 8;  // of the fine look
-constexpr size_t kMostForWaist = 4000;
+constexpr size_t kMostForMoments = 2000, kMostForArea = 8000;
 
 struct Moments {
   double n = 0;
@@ -195,22 +195,24 @@ double robust_area(const std::vector<Vec2d>& points, const Moments& moments) {
     }
     std::nth_element(reach.begin(), reach.begin() + rank, reach.end());
     const double limit = reach[static_cast<size_t>(rank)];
-    Polygon kept;
-    for (size_t i = 0; i < polygon.size(); ++i) {
-      const Vec2d &p = polygon[i], &q = polygon[(i + 1) % polygon.size()];
-      const double dp = limit - (p.x * axis.x + p.y * axis.y),
-                   dq = limit - (q.x * axis.x + q.y * axis.y);
-      if (dp >= 0) kept.push_back(p);
-      if ((dp >= 0) != (dq >= 0)) kept.push_back(p + (q - p) * (dp / (dp - dq)));
-    }
-    polygon = std::move(kept);
+    polygon = clipped(polygon, axis, limit);
   }
   return area(polygon) * std::sqrt(det);
 }
 
+// Every k-th line, so that at most `most` remain.
+std::vector<LightLine> sample_of(const LightGrid& grid, const std::vector<uint32_t>& lines,
+                                 size_t most) {
+  std::vector<LightLine> sample;
+  const size_t step = (lines.size() + most - 1) / std::max<size_t>(most, 1);
+  for (size_t i = 0; i < lines.size(); i += std::max<size_t>(step, 1))
+    sample.push_back(grid.lines[lines[i]]);
+  return sample;
+}
+
 // Pattern search over slide and tilt: derivatives of trimmed quantities are not worth having.
 struct Search {
-  const std::vector<LightLine>& lines;
+  std::vector<LightLine> lines;
   bool by_area = false;
   Moments moments{};
   std::vector<Vec2d> points{};
@@ -225,7 +227,9 @@ struct Search {
     const double det = moments.determinant();
     if (!(det > 0)) return INFINITY;
     const double spread = by_area ? std::log(robust_area(points, moments)) : 0.5 * std::log(det);
-    return spread - 3 * std::log(moments.n / size);
+    // Crossings per area; from afar, losing lines must cost more than coming closer to their ends
+    // gains.
+    return spread - (by_area ? 1 : 3) * std::log(moments.n / size);
   }
 
   Plane run(Plane best, double slide, double tilt) {
@@ -261,15 +265,13 @@ struct Search {
 }  // namespace
 
 Plane waist(const LightGrid& grid, const std::vector<uint32_t>& lines, const Plane& start) {
-  // Every k-th line is enough.
-  std::vector<LightLine> sample;
-  const size_t step = std::max<size_t>(1, lines.size() / kMostForWaist);
-  for (size_t i = 0; i < lines.size(); i += step) sample.push_back(grid.lines[lines[i]]);
-  // Moments find the way from afar, edges give the tilt, and moments again the middle of the wall,
-  // within which the area is the same everywhere.
-  Plane plane = Search{sample}.run(start, 1, 0.3);
-  plane = Search{sample, true}.run(plane, 0.1, 0.2);
-  return Search{sample}.run(plane, 0.5, 0);
+  return Search{sample_of(grid, lines, kMostForMoments)}.run(start, 1, 0.3);
+}
+
+Plane fine_waist(const LightGrid& grid, const std::vector<uint32_t>& lines, const Plane& start) {
+  // Edges give the tilt; then moments the middle of the wall, within which all areas are the same.
+  const auto sample = sample_of(grid, lines, kMostForArea);
+  return Search{sample}.run(Search{sample, true}.run(start, 0.1, 0.1), 0.5, 0);
 }
 
 }  // namespace tdpt

@@ -30,6 +30,8 @@ double area(const Polygon& polygon);
 bool contains(const Polygon& polygon, Vec2d p);
 /// Scales about the centre of mass until the area has grown by the factor `growth`.
 Polygon enlarged(const Polygon& polygon, double growth);
+/// The part of the convex polygon with dot(axis, p) <= limit.
+Polygon clipped(const Polygon& polygon, Vec2d axis, double limit);
 /// A convex polygon around `polygon` with fewer corners: edges are removed by extending their
 /// neighbours, the one that adds the least area first, until at most `corners` are left and the
 /// next one would add more than the share `tolerance` of the area.

