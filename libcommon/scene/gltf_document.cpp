@@ -124,9 +124,14 @@ void load_model(Document& d) {
   tinygltf::TinyGLTF loader;
   loader.SetImageLoader(no_image, nullptr);
   std::string error, warning;
-  if (!loader.LoadASCIIFromString(&d.model, &error, &warning, text.data(),
-                                  static_cast<unsigned>(text.size()), ""))
-    d.fail("JSON", "is no valid glTF: " + error.substr(0, error.find_first_of("\r\n")));
+  bool loaded = false;
+  try {
+    loaded = loader.LoadASCIIFromString(&d.model, &error, &warning, text.data(),
+                                        static_cast<unsigned>(text.size()), "");
+  } catch (const Json::exception& e) {
+    error = e.what();
+  }
+  if (!loaded) d.fail("JSON", "is no valid glTF: " + error.substr(0, error.find_first_of("\r\n")));
 }
 
 }  // namespace
