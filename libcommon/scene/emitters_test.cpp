@@ -1,0 +1,98 @@
+// Emitters: the density is that of the samples, and power is what adds up. Each statistical check
+// is shown to notice a planted fault.
+#include "libcommon/scene/emitters.h"
+
+#include <gtest/gtest.h>
+#include <cmath>
+#include <numbers>
+
+namespace tdpt {
+namespace {
+
+// Three emitting triangles of unequal power, one of them on both sides, and a dark one.
+Scene lamps() {
+  Scene s;
+  s.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.25f, 0, 0}, {0, 0.5f, 0}};
+  s.materials = {{"dim", Rgb(), Rgb(1, 2, 3), false},
+                 {"both", Rgb(), Rgb(4), true},
+                 {"dark", Rgb(0.5f), Rgb(), true}};
+  s.triangles = {{{0, 1, 2}, 0}, {{0, 1, 2}, 2}, {{0, 3, 4}, 1}, {{0, 3, 2}, 0}};
+  return s;
+}
+
+/// Chi-square of the counts against expectations, over degrees of freedom + 5 sigma: > 1 is wrong.
+double excess(const std::vector<double>& counts, const std::vector<double>& expected) {
+  double chi2 = 0;
+  for (size_t i = 0; i < counts.size(); ++i)
+    chi2 += (counts[i] - expected[i]) * (counts[i] - expected[i]) / expected[i];
+  const double n = static_cast<double>(counts.size()) - 1;
+  return chi2 / (n + 5 * std::sqrt(2 * n));
+}
+
+TEST(Emitters, PowerAndDensityAddUp) {
+  const Scene s = lamps();
+  const Emitters e(s);
+  const double dim = luminance(Rgb(1, 2, 3)), both = luminance(Rgb(4));
+  EXPECT_NEAR(e.power(), std::numbers::pi * (dim * 0.5 + 2 * both * 0.0625 + dim * 0.125), 1e-5);
+  double total = 0;
+  for (uint32_t t = 0; t < s.triangles.size(); ++t)
+    total += e.pdf_A(t) * shape_of(s, t).area * (s.material_of(t).double_sided ? 2 : 1);
+  EXPECT_NEAR(total, 1, 1e-6);
+  EXPECT_EQ(e.pdf_A(1), 0);
+}
+
+TEST(Emitters, SamplesFollowTheDensity) {
+  const Scene s = lamps();
+  const Emitters e(s);
+  // Bins: triangle x side x quarter of the triangle (by its middle points).
+  const int n = 100000;
+  std::vector<double> counts(4 * 2 * 4), expected(counts.size());
+  for (uint32_t t : {0u, 2u, 3u})
+    for (size_t side = 0; side < (t == 2 ? 2u : 1u); ++side)
+      for (size_t k = 0; k < 4; ++k)
+        expected[8 * t + 4 * side + k] = n * double{e.pdf_A(t)} * shape_of(s, t).area / 4;
+  for (uint64_t i = 0; i < n; ++i) {
+    Rng rng(3, 0, i);
+    const Emitters::Sample x = e.sample(rng);
+    EXPECT_EQ(x.pdf_A, e.pdf_A(x.triangle));
+    const TriangleShape shape = shape_of(s, x.triangle);
+    const Vec3d p = x.position - shape.p0;
+    const double b1 = p.x / shape.e1.x, b2 = p.y / shape.e2.y;
+    EXPECT_LE(b1 + b2, 1 + 1e-12);
+    const size_t quarter = b1 > 0.5 ? 1 : b2 > 0.5 ? 2 : b1 + b2 < 0.5 ? 0 : 3;
+    const size_t side = dot(x.normal, shape.normal) < 0;
+    ++counts[8 * x.triangle + 4 * side + quarter];
+  }
+  std::vector<double> c, ex;
+  for (size_t i = 0; i < counts.size(); ++i) {
+    if (expected[i] == 0) {
+      EXPECT_EQ(counts[i], 0);
+      continue;
+    }
+    c.push_back(counts[i]), ex.push_back(expected[i]);
+  }
+  EXPECT_EQ(c.size(), 16u);
+  EXPECT_LT(excess(c, ex), 1);
+  ex[0] *= 1.05;  // the planted fault
+  EXPECT_GT(excess(c, ex), 1);
+}
+
+TEST(Emitters, ADarkSceneHasNone) {
+  Scene s = lamps();
+  for (Material& m : s.materials) m.emission = {};
+  EXPECT_TRUE(Emitters(s).empty());
+  EXPECT_EQ(Emitters(s).power(), 0);
+}
+
+TEST(Emitters, RadianceLeavesTheFrontOnlyUnlessDoubleSided) {
+  Material m{"lamp", Rgb(), Rgb(1, 2, 3), false};
+  const Vec3d n(0, 0, 1);
+  EXPECT_EQ(emitted_radiance(m, n, {0, 0.6, 0.8}), Rgb(1, 2, 3));
+  EXPECT_EQ(emitted_radiance(m, n, {0, 0.6, -0.8}), Rgb());
+  EXPECT_EQ(emitted_radiance(m, n, {1, 0, 0}), Rgb());
+  m.double_sided = true;
+  EXPECT_EQ(emitted_radiance(m, n, {0, 0.6, -0.8}), Rgb(1, 2, 3));
+}
+
+}  // namespace
+}  // namespace tdpt
