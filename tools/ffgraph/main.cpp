@@ -18,6 +18,8 @@ struct Arguments {
   std::string scene, camera, nodes = "patches", capacity, refine;
   int64_t samples = 300000, walks = 100000, bounces = 12, rounds = 2;
 };
+// Hits of walks are kept in memory, 16 bytes each.
+constexpr int64_t kMostHits = 100000000;
 using Json = nlohmann::ordered_json;
 
 DimacsFile graph_of_patches(const Arguments& a, const cli::Common& common, const Scene& scene,
@@ -34,8 +36,9 @@ DimacsFile graph_of_patches(const Arguments& a, const cli::Common& common, const
       a.walks, report.light_hits, report.camera_hits, report.reached_by_both, flow.patches.size()));
   common.note(
       fmt::format("{} rays for the etendue; {} patches that straddle an opening were split "
-                  "in {} rounds: {}",
-                  report.rays, report.split, report.rounds, report.why_stopped));
+                  "in {} {}: {}",
+                  report.rays, report.split, report.rounds, report.rounds == 1 ? "round" : "rounds",
+                  report.why_stopped));
   if (report.light_hits == 0)
     common.warn("no light reaches a surface: the network carries no flow");
   summary["light_hits"] = report.light_hits;
@@ -75,6 +78,9 @@ int run(Arguments a, const cli::Common& common) {
   if (triangles && !a.refine.empty()) throw UsageError("--refine goes with --nodes patches");
   if (a.scene == "-" && a.refine == "-")
     throw UsageError("scene and cut cannot both be the standard input");
+  if (a.walks * a.bounces > kMostHits)
+    throw UsageError(fmt::format("{} walks of {} surfaces are too many, at most {} in all", a.walks,
+                                 a.bounces, kMostHits));
   check_output(common.output);
   const Scene scene = read_gltf(a.scene);
   for (const std::string& warning : scene.warnings) common.warn(warning);

@@ -19,7 +19,7 @@ std::string why_no_bottleneck(const Sides& s, double conductance, const CutLimit
   const int small = s.area[0] < s.area[1] ? 0 : 1;
   if (s.area[small] < limits.least_area * area)
     return fmt::format(
-        "the {} side of the cut has {:.2g} % of the surface, less than {:.2g} %: light "
+        "the {} side of the cut has {:.1f} % of the surface, less than {:.1f} %: light "
         "and camera share one open space",
         small == 0 ? "light's" : "camera's", 100 * s.area[small] / area, 100 * limits.least_area);
   if (s.crossing <= 0) return "no light passes from the light's side of the cut to the camera's";

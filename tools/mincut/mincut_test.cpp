@@ -145,9 +145,10 @@ TEST(cut_of, a_side_almost_without_surface_is_none) {
   const DimacsFile f = two_rooms(20, 1);
   const CutFile cut = cut_of(f, max_flow(f.network), {});
   EXPECT_FALSE(cut.bottleneck);
-  EXPECT_EQ(cut.reason,
-            "the light's side of the cut has 2 % of the surface, less than 3 %: light and camera "
-            "share one open space");
+  EXPECT_EQ(
+      cut.reason,
+      "the light's side of the cut has 2.0 % of the surface, less than 3.0 %: light and camera "
+      "share one open space");
 }
 
 TEST(cut_of, a_closed_door_is_none) {
