@@ -234,6 +234,8 @@ LightGrid read_light_grid(const std::string& path) {
     return Reader(name).read(bytes);
   } catch (const InputError&) {
     throw;
+  } catch (const std::ios_base::failure&) {
+    throw InputError(name, "", "is no light grid in OpenVDB format, or is cut short");
   } catch (const std::exception& e) {
     throw InputError(name, "", fmt::format("is no light grid in OpenVDB format: {}", e.what()));
   }
