@@ -54,7 +54,7 @@ TEST(Malformed, EveryMessageIsOneLine) {
     EXPECT_EQ(s.expected.find_first_of("\r\n"), std::string::npos) << s.file;
 }
 
-/// two-rooms with its buffer in room.bin.
+/// One triangle, its buffer behind `uri`.
 std::string external_scene(const std::string& uri) {
   GlbBuilder b;
   const int p = b.floats({0, 0, 0, 1, 0, 0, 0, 1, 0}, 3);
@@ -114,6 +114,24 @@ TEST(ExternalFiles, APipeIsNotWaitedFor) {
   ASSERT_EQ(std::system(("mkfifo '" + pipe + "'").c_str()), 0);
   const std::string scene = folder.write("a.gltf", external_scene("room.bin"));
   EXPECT_EQ(refusal(scene), scene + ":buffers[0].uri: \"room.bin\" is no regular file");
+}
+
+/// A mesh of `vertices` zeros, `instances` nodes that use it.
+std::string crowd(size_t vertices, size_t instances) {
+  GlbBuilder b;
+  const int p = b.floats(std::vector<float>(3 * vertices), 3);
+  const int mesh = b.mesh({{"attributes", {{"POSITION", p}}}});
+  for (size_t i = 0; i < instances; ++i) b.node({{"mesh", mesh}});
+  return b.glb();
+}
+
+TEST(Size, InstancesThatWouldFillTheMemoryAreRefusedBeforeTheyDo) {
+  const TempFolder folder;
+  const std::string scene = folder.write("crowd.glb", crowd(90000, 1500));
+  EXPECT_EQ(refusal(scene),
+            scene +
+                ":nodes[1491]: brings the scene to 134280000 vertices and 44760000 triangles, "
+                "expected at most 134217728 and 268435456");
 }
 
 TEST(Missing, AFileThatIsNotThere) {

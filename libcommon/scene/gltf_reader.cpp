@@ -29,7 +29,9 @@ class SceneReader {
       : d_(document), scene_(scene), used_(document.model.materials.size()) {}
 
   void run() {
-    for (const PlacedNode& n : place_nodes(d_)) {
+    const std::vector<PlacedNode> nodes = place_nodes(d_);
+    check_size(nodes);
+    for (const PlacedNode& n : nodes) {
       const tinygltf::Node& node = d_.model.nodes[n.node];
       if (node.mesh >= 0) add_mesh(n, static_cast<size_t>(node.mesh));
       if (node.camera >= 0) add_camera(n, static_cast<size_t>(node.camera));
@@ -45,6 +47,34 @@ class SceneReader {
   }
 
  private:
+  /// Refuses a scene whose instances would fill the memory, before anything is read.
+  void check_size(const std::vector<PlacedNode>& nodes) const {
+    size_t bytes = d_.bytes.size();
+    for (std::string_view b : d_.buffers) bytes += b.size();
+    // A count beyond the bytes there are is wrong; it is refused with its place when it is read.
+    const auto count = [&](int accessor) {
+      return std::min(d_.model.accessors[static_cast<size_t>(accessor)].count, bytes);
+    };
+    size_t vertices = 0, triangles = 0;
+    for (const PlacedNode& n : nodes) {
+      const int mesh = d_.model.nodes[n.node].mesh;
+      if (mesh < 0) continue;
+      std::set<int> seen;
+      for (const tinygltf::Primitive& p : d_.model.meshes[static_cast<size_t>(mesh)].primitives) {
+        const auto position = p.attributes.find("POSITION");
+        if (position == p.attributes.end()) continue;
+        if (seen.insert(position->second).second) vertices += count(position->second);
+        const size_t corners = count(p.indices >= 0 ? p.indices : position->second);
+        triangles += p.mode == TINYGLTF_MODE_TRIANGLES ? corners / 3 : corners;
+      }
+      if (vertices > kMostVertices || triangles > kMostTriangles)
+        d_.fail(place("nodes", n.node),
+                fmt::format("brings the scene to {} vertices and {} triangles, expected at most {} "
+                            "and {}",
+                            vertices, triangles, kMostVertices, kMostTriangles));
+    }
+  }
+
   /// The corners of a primitive, three per triangle.
   std::vector<uint32_t> corners(const tinygltf::Primitive& p, size_t vertices,
                                 const std::string& where) const {
@@ -104,9 +134,6 @@ class SceneReader {
         cached != positions_.end()
             ? cached->second
             : positions_.emplace(accessor, read_positions(d_, accessor)).first->second;
-    if (local.size() > kMostVertices - world_.size())
-      d_.fail(place("nodes", n.node),
-              fmt::format("brings the scene to more than {} vertices", kMostVertices));
     for (const Vec3d& p : local) {
       world_.push_back(n.to_world.point(p));
       if (!is_finite(world_.back()))
@@ -116,8 +143,6 @@ class SceneReader {
 
   void add_triangles(const std::vector<uint32_t>& corner, uint32_t first, bool mirrored,
                      int material) {
-    if (corner.size() / 3 > kMostTriangles - scene_.triangles.size())
-      d_.fail("", fmt::format("has more than {} triangles", kMostTriangles));
     unnamed_material_ |= material < 0;
     const auto m =
         static_cast<uint32_t>(material < 0 ? used_.size() : static_cast<size_t>(material));
