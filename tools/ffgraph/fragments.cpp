@@ -73,6 +73,7 @@ struct Fragments::Walker {
   const PatchMap& patches;
   std::vector<Fragment>& out;
   uint32_t face;
+  PatchMap* grow;  // null, or where to add what is missing below split cells
 
   void visit(const Polygon& poly, int level) {
     const double size = cell_size(level);
@@ -88,19 +89,20 @@ struct Fragments::Walker {
     for (key.cell[0] = a[0]; key.cell[0] <= b[0]; ++key.cell[0])
       for (key.cell[1] = a[1]; key.cell[1] <= b[1]; ++key.cell[1])
         for (key.cell[2] = a[2]; key.cell[2] <= b[2]; ++key.cell[2]) {
-          const uint32_t id = patches.lookup(key);
-          if (id == kNoPatch) continue;
+          if (level == 0 && patches.lookup(key) == kNoPatch) continue;
           cell(clip(poly, key.cell, size), key);
         }
   }
 
   void cell(const Polygon& poly, const PatchKey& key) {
-    const uint32_t id = patches.lookup(key);
-    if (id == kNoPatch || poly.n < 3) return;
+    if (poly.n < 3) return;
+    uint32_t id = patches.lookup(key);
     if (id == PatchMap::kSplit) return visit(poly, key.level + 1);
     Vec3d moment;
     const double twice = measure(poly, moment);
     if (!(twice > 1e-12)) return;
+    if (id == kNoPatch && grow && key.level > 0) id = grow->add(key);
+    if (id == kNoPatch) return;
     const PatchGrid& grid = patches.grid();
     const Frame& frame = patches.scene().frame;
     const double unit = grid.base_cell * frame.scale;
@@ -109,11 +111,17 @@ struct Fragments::Walker {
   }
 };
 
-Fragments::Fragments(const PatchMap& patches) : patches_(patches) {
+Fragments::Fragments(const PatchMap& patches) : Fragments(patches, nullptr) {}
+
+Fragments Fragments::with_all_of_split(PatchMap& patches) {
+  return {patches, &patches};
+}
+
+Fragments::Fragments(const PatchMap& patches, PatchMap* grow) : patches_(patches) {
   const auto faces = static_cast<uint32_t>(2 * patches.scene().triangles.size());
   for (uint32_t face = 0; face < faces; ++face)
     if (patches.touched(patches.piece(face)))
-      Walker{patches, fragments_, face}.visit(in_grid(patches, face / 2), 0);
+      Walker{patches, fragments_, face, grow}.visit(in_grid(patches, face / 2), 0);
   std::stable_sort(fragments_.begin(), fragments_.end(),
                    [](const Fragment& a, const Fragment& b) { return a.patch < b.patch; });
 }

@@ -16,6 +16,9 @@ class Fragments {
   };
 
   explicit Fragments(const PatchMap& patches);
+  /// First adds every cell of split patches that holds a piece of their surface: what a walk
+  /// touched stays whole when it is split.
+  static Fragments with_all_of_split(PatchMap& patches);
 
   /// Patch by patch, within a patch by face.
   const std::vector<Fragment>& all() const { return fragments_; }
@@ -32,6 +35,8 @@ class Fragments {
 
  private:
   struct Walker;
+  Fragments(const PatchMap& patches, PatchMap* grow);
+
   const PatchMap& patches_;
   std::vector<Fragment> fragments_;
 };

@@ -93,7 +93,7 @@ LightFlow light_flow(PatchMap patches, const std::vector<WalkHit>& light,
   for (const std::vector<WalkHit>* walks : {&light, &camera})
     for (const WalkHit& h : *walks) f.patches.find_or_add(h.face, Vec3d(h.position));
 
-  Fragments fragments(f.patches);
+  Fragments fragments = Fragments::with_all_of_split(f.patches);
   std::vector<uint8_t> has_area(f.patches.size(), 0);
   for (const Fragments::Fragment& piece : fragments.all()) has_area[piece.patch] = 1;
   f.patches.keep(has_area);

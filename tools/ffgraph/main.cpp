@@ -16,7 +16,7 @@ namespace {
 
 struct Arguments {
   std::string scene, camera, nodes = "patches", capacity, refine;
-  int64_t samples = 300000, walks = 100000, bounces = 12, rounds = 2;
+  int64_t samples = 300000, walks = 100000, bounces = 12, rounds = 1;
 };
 // Hits of walks are kept in memory, 16 bytes each.
 constexpr int64_t kMostHits = 100000000;
@@ -134,7 +134,7 @@ int main(int argc, char** argv) {
   options.option("--bounces", a.bounces, "N", "Surfaces that a walk hits at most; default 12", 1,
                  64);
   options.option("--rounds", a.rounds, "N",
-                 "Rounds of splitting patches that straddle an opening; default 2", 0, 3);
+                 "Rounds of splitting patches that straddle an opening; default 1", 0, 3);
   options.option("--refine", a.refine, "CUT",
                  "Split where the patches of this cut straddle its opening, instead of --rounds",
                  cli::Shapes::nothing);

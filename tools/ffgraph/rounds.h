@@ -7,7 +7,7 @@ namespace tdpt {
 struct GraphSettings {
   WalkSettings walks;
   uint32_t rays = 300000;  ///< etendue samples of one round
-  int rounds = 2;          ///< refinements after the first estimate
+  int rounds = 1;          ///< refinements after the first estimate
   double straddle_share = 0.92;
 };
 
