@@ -215,6 +215,12 @@ class Reader {
         const Vec3d a{p.x(), p.y(), p.z()}, b{a.x + d.x(), a.y + d.y(), a.z + d.z()};
         if (!is_finite(a) || !is_finite(b) || a == b)
           fail("grid lines", "holds a line that is no segment");
+        for (const Vec3d& end : {a, b})
+          for (int c = 0; c < 3; ++c) {
+            const double at = (end[c] - light.origin[c]) / light.voxel;
+            if (!(at >= -1 && at <= light.dim[static_cast<size_t>(c)] + 1))
+              fail("grid lines", "reaches out of its box");
+          }
         light.lines.push_back({a, b});
       }
     }

@@ -85,7 +85,7 @@ void walk_grid(const LightGrid& grid, const Vec3d& a, const Vec3d& b, Visit&& vi
 }
 
 /// Largest number of voxels in a grid, and along one side.
-constexpr size_t kMostVoxels = size_t{1} << 28;
+constexpr size_t kMostVoxels = size_t{1} << 27;
 constexpr int kMostVoxelsPerSide = 2048;
 
 /// Reads a file made by light_grid_bytes(); "-": standard input. Throws InputError.

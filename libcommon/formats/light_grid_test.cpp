@@ -116,6 +116,9 @@ TEST_F(LightGridFormat, RefusesWhatIsNoLightGrid) {
   g = small();
   g.lines[0].camera = g.lines[0].light;
   EXPECT_EQ(error_of(light_grid_bytes(g)), "grid lines: holds a line that is no segment");
+  g = small();
+  g.lines[0].camera.y = 1e30;
+  EXPECT_EQ(error_of(light_grid_bytes(g)), "grid lines: reaches out of its box");
 }
 
 TEST_F(LightGridFormat, SurvivesBeingCutShort) {

@@ -13,6 +13,7 @@
 #include "tools/lightgrid/lightgrid.h"
 
 #include <cmath>
+#include <optional>
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -31,7 +32,9 @@ constexpr uint64_t kFirstBatch = 1 << 15;
 constexpr size_t kFewestKept = 2000;  // fewer never count as settled
 constexpr double kHot = 0.25;         // of the largest count: voxels that are compared
 constexpr size_t kChunk = 1 << 12;
-constexpr uint64_t kSteps = 4;  // of the fine pass
+constexpr uint64_t kBlock = 1 << 18;   // segments in memory at a time
+constexpr size_t kMostKept = 1 << 20;  // coarse lines the fine pass starts from
+constexpr uint64_t kSteps = 4;         // of the fine pass
 
 void lay_out(const Scene& scene, int resolution, LightGrid& grid) {
   Vec3d low(INFINITY), high(-INFINITY);
@@ -56,8 +59,7 @@ void lay_out(const Scene& scene, int resolution, LightGrid& grid) {
   grid.direction.assign(total, {});
 }
 
-// Counts and directions of all kept lines, summed in their order; in voxels with geometry, too,
-// because a slit narrower than a voxel has no air.
+// Counts and directions of all kept lines, summed in their order.
 struct Tally {
   explicit Tally(size_t voxels) : count(voxels, 0), direction(voxels) {}
   std::vector<uint32_t> count;
@@ -65,6 +67,7 @@ struct Tally {
   void add(const LightGrid& grid, const LightLine& line) {
     const Vec3d w = normalize(line.camera - line.light);
     walk_grid(grid, line.light, line.camera, [&](size_t voxel, double) {
+      if (!grid.air[voxel]) return;
       ++count[voxel];
       direction[voxel] += w;
     });
@@ -85,6 +88,10 @@ double change_between(const std::vector<uint32_t>& before, const std::vector<uin
   return 0.5 * difference;
 }
 
+LightLine in_metres(const Scene& scene, const JoiningLine& l) {
+  return {scene.frame.to_metres(l.light.position), scene.frame.to_metres(l.camera.position)};
+}
+
 // Weight of a line: the sum over its voxels of count^3 times the length inside [metres].
 double weight_of(const LightGrid& grid, const std::vector<uint32_t>& count, const LightLine& line) {
   double sum = 0;
@@ -100,10 +107,10 @@ struct Place {
   size_t voxel;
 };
 
-// A place on `line`, in proportion to the same weight.
-Place place_on(const LightGrid& grid, const std::vector<uint32_t>& count, const LightLine& line,
-               double u) {
-  double left = u * weight_of(grid, count, line), walked = 0, at = 0;
+// A place on `line`, in proportion to the same weight; nothing where the line has none.
+std::optional<Place> place_on(const LightGrid& grid, const std::vector<uint32_t>& count,
+                              const LightLine& line, double u) {
+  double left = u * weight_of(grid, count, line), walked = 0, at = -1;
   size_t in = 0;
   walk_grid(grid, line.light, line.camera, [&](size_t voxel, double inside) {
     const double c = count[voxel], w = c * c * c * inside;
@@ -114,14 +121,119 @@ Place place_on(const LightGrid& grid, const std::vector<uint32_t>& count, const 
     left -= w;
     walked += inside;
   });
-  return {line.light + normalize(line.camera - line.light) * at, in};
+  if (at < 0) return {};
+  return Place{line.light + normalize(line.camera - line.light) * at, in};
+}
+
+// Draws segments between pivot patches until the counts settle; returns those that join the two
+// sides, the first kMostKept of them.
+std::vector<LightLine> coarse_pass(const Scene& scene, const LightLines& lines,
+                                   const LightGrid& grid, const LightGridOptions& options,
+                                   const LightGridWatch& watch, Tally& tally,
+                                   LightGridReport& report) {
+  std::vector<LightLine> kept;
+  std::vector<JoiningLine> line;
+  std::vector<LightLines::Fate> fate;
+  for (uint64_t batch = kFirstBatch; report.drawn < options.samples; batch = report.drawn) {
+    const std::vector<uint32_t> before = tally.count;
+    const uint64_t end = report.drawn + std::min(batch, options.samples - report.drawn);
+    while (report.drawn < end && !report.stopped) {
+      const uint64_t first = report.drawn, n = std::min(end - first, kBlock);
+      line.resize(n);
+      fate.resize(n);
+      tbb::parallel_for(tbb::blocked_range<uint64_t>(0, n, kChunk), [&](const auto& range) {
+        for (uint64_t i = range.begin(); i < range.end(); ++i) {
+          Rng rng(options.seed, kCoarseStream, first + i);
+          fate[i] = lines.between_pivots(rng, line[i]);
+        }
+        if (watch.progress) watch.progress(range.size());
+      });
+      for (uint64_t i = 0; i < n; ++i) {
+        report.visible += fate[i] != LightLines::Fate::blocked;
+        if (fate[i] != LightLines::Fate::kept) continue;
+        ++report.kept;
+        const LightLine found = in_metres(scene, line[i]);
+        tally.add(grid, found);
+        if (kept.size() < kMostKept) kept.push_back(found);
+      }
+      report.drawn += n;
+      report.stopped = watch.stop && watch.stop();
+    }
+    report.change = change_between(before, tally.count);
+    report.settled = report.kept >= kFewestKept && report.change < options.tolerance;
+    if (report.settled || report.stopped) break;
+  }
+  return kept;
+}
+
+// The walk among the lines; fills lines, tried and joined of the grid.
+void fine_pass(const Scene& scene, const LightLines& lines, const std::vector<LightLine>& kept,
+               const Tally& tally, const LightGridOptions& options, LightGrid& grid,
+               LightGridReport& report) {
+  // Every chain is a line; a step draws a line through a place on it and moves there if
+  // it joins the two sides, too.
+  grid.tried.assign(grid.count.size(), 0);
+  grid.joined.assign(grid.count.size(), 0);
+  const size_t chains = 2 * options.lines;
+  std::vector<LightLine> chain(chains);
+  for (size_t i = 0; i < chains; ++i) {
+    Rng rng(options.seed, kFineStream, i, kSteps);
+    chain[i] = kept[rng.below(static_cast<uint32_t>(kept.size()))];
+  }
+  struct Step {
+    LightLines::Through outcome;
+    size_t voxel;
+  };
+  std::vector<Step> step(chains);
+  for (uint64_t round = 0; round < kSteps; ++round) {
+    tbb::parallel_for(tbb::blocked_range<size_t>(0, chains, 256), [&](const auto& range) {
+      for (size_t i = range.begin(); i < range.end(); ++i) {
+        Rng rng(options.seed, kFineStream, i, round);
+        const double u = rng.uniform(), v1 = rng.uniform(), v2 = rng.uniform();
+        step[i].outcome = LightLines::Through::unknown;
+        const auto place = place_on(grid, tally.count, chain[i], u);
+        if (!place) continue;
+        const Onb<double> frame(normalize(chain[i].camera - chain[i].light));
+        JoiningLine line;
+        step[i].outcome = lines.through(rng, scene.frame.to_canonical(place->at),
+                                        frame.to_world(cosine_hemisphere(v1, v2)), line);
+        step[i].voxel = place->voxel;
+        if (step[i].outcome == LightLines::Through::joins) chain[i] = in_metres(scene, line);
+      }
+    });
+    for (const Step& s : step) {
+      if (s.outcome == LightLines::Through::unknown) continue;
+      ++grid.tried[s.voxel];
+      ++report.tried;
+      if (s.outcome != LightLines::Through::joins) continue;
+      ++grid.joined[s.voxel];
+      ++report.joined;
+    }
+  }
+  // The chains settle at the light's own distribution times their weight: take that out again. Half
+  // of the lines go.
+  std::vector<double> weight(chains);
+  tbb::parallel_for(size_t{0}, chains,
+                    [&](size_t i) { weight[i] = weight_of(grid, tally.count, chain[i]); });
+  std::vector<double> sorted = weight;
+  std::erase(sorted, 0.0);
+  if (sorted.empty()) {  // no line passes counted air, so none is better than another
+    grid.lines.assign(chain.begin(), chain.begin() + static_cast<std::ptrdiff_t>(options.lines));
+    return;
+  }
+  const auto quarter = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 4);
+  std::nth_element(sorted.begin(), quarter, sorted.end());
+  for (size_t i = 0; i < chains && grid.lines.size() < options.lines; ++i) {
+    Rng rng(options.seed, kFineStream, i, kSteps + 1);
+    if (weight[i] > 0 && rng.uniform() * weight[i] <= *quarter) grid.lines.push_back(chain[i]);
+  }
 }
 
 }  // namespace
 
 LightGrid make_light_grid(const Scene& scene, const CutFile& cut, const std::string& cut_name,
                           const LightGridOptions& options, LightGridReport& report,
-                          const std::function<void(uint64_t)>& progress) {
+                          const LightGridWatch& watch) {
   if (cut.scene_hash != scene.hash)
     throw InputError(display_name(cut_name), "",
                      "was made from another scene than " + display_name(scene.path));
@@ -145,39 +257,9 @@ LightGrid make_light_grid(const Scene& scene, const CutFile& cut, const std::str
   const LightLines lines(scene, tracer, cut, cut_name);
   if (lines.empty()) return without("no pair of the cut has any surface");
 
-  // Coarse pass.
-  const auto metres = [&](const JoiningLine& l) {
-    return LightLine{scene.frame.to_metres(l.light.position),
-                     scene.frame.to_metres(l.camera.position)};
-  };
   Tally tally(grid.count.size());
-  std::vector<LightLine> kept;
-  for (uint64_t batch = kFirstBatch; report.drawn < options.samples; batch = report.drawn) {
-    const uint64_t first = report.drawn, n = std::min(batch, options.samples - first);
-    std::vector<JoiningLine> line(n);
-    std::vector<LightLines::Fate> fate(n);
-    tbb::parallel_for(tbb::blocked_range<uint64_t>(0, n, kChunk), [&](const auto& range) {
-      for (uint64_t i = range.begin(); i < range.end(); ++i) {
-        Rng rng(options.seed, kCoarseStream, first + i);
-        fate[i] = lines.between_pivots(rng, line[i]);
-      }
-      if (progress) progress(range.size());
-    });
-    const std::vector<uint32_t> before = tally.count;
-    for (uint64_t i = 0; i < n; ++i) {
-      report.visible += fate[i] != LightLines::Fate::blocked;
-      if (fate[i] != LightLines::Fate::kept) continue;
-      kept.push_back(metres(line[i]));
-      tally.add(grid, kept.back());
-    }
-    report.drawn += n;
-    report.change = change_between(before, tally.count);
-    if (kept.size() >= kFewestKept && report.change < options.tolerance) {
-      report.settled = true;
-      break;
-    }
-  }
-  report.kept = kept.size();
+  const std::vector<LightLine> kept =
+      coarse_pass(scene, lines, grid, options, watch, tally, report);
   grid.flux_share = report.visible ? static_cast<double>(report.kept) / report.visible : 0;
   if (kept.empty()) {
     LightGrid none = without("no segment between the pivot patches joins the two sides");
@@ -185,63 +267,13 @@ LightGrid make_light_grid(const Scene& scene, const CutFile& cut, const std::str
     return none;
   }
   for (size_t i = 0; i < grid.count.size(); ++i) {
-    if (tally.count[i] == 0 || !grid.air[i]) continue;
+    if (tally.count[i] == 0) continue;
     grid.count[i] = static_cast<float>(tally.count[i]);
     grid.direction[i] = Vec3f(tally.direction[i] / tally.count[i]);
     report.fullest = std::max(report.fullest, grid.count[i]);
   }
 
-  // Fine pass. Every chain is a line; a step draws a line through a place on it and moves there if
-  // it joins the two sides, too.
-  grid.tried.assign(grid.count.size(), 0);
-  grid.joined.assign(grid.count.size(), 0);
-  const size_t chains = 2 * options.lines;
-  std::vector<LightLine> chain(chains);
-  for (size_t i = 0; i < chains; ++i) {
-    Rng rng(options.seed, kFineStream, i, kSteps);
-    chain[i] = kept[rng.below(static_cast<uint32_t>(kept.size()))];
-  }
-  struct Step {
-    LightLines::Through outcome;
-    size_t voxel;
-  };
-  std::vector<Step> step(chains);
-  for (uint64_t round = 0; round < kSteps; ++round) {
-    tbb::parallel_for(tbb::blocked_range<size_t>(0, chains, 256), [&](const auto& range) {
-      for (size_t i = range.begin(); i < range.end(); ++i) {
-        Rng rng(options.seed, kFineStream, i, round);
-        const double u = rng.uniform(), v1 = rng.uniform(), v2 = rng.uniform();
-        const Place place = place_on(grid, tally.count, chain[i], u);
-        const Onb<double> frame(normalize(chain[i].camera - chain[i].light));
-        JoiningLine line;
-        step[i].outcome = lines.through(rng, scene.frame.to_canonical(place.at),
-                                        frame.to_world(cosine_hemisphere(v1, v2)), line);
-        step[i].voxel = place.voxel;
-        if (step[i].outcome == LightLines::Through::joins) chain[i] = metres(line);
-      }
-    });
-    for (const Step& s : step) {
-      if (s.outcome == LightLines::Through::unknown) continue;
-      ++grid.tried[s.voxel];
-      ++report.tried;
-      if (s.outcome != LightLines::Through::joins) continue;
-      ++grid.joined[s.voxel];
-      ++report.joined;
-    }
-  }
-  // The chains settle at the light's own distribution times their weight: take that out again. Half
-  // of the lines go.
-  std::vector<double> weight(chains);
-  tbb::parallel_for(size_t{0}, chains,
-                    [&](size_t i) { weight[i] = weight_of(grid, tally.count, chain[i]); });
-  std::vector<double> sorted = weight;
-  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(chains / 4),
-                   sorted.end());
-  const double limit = sorted[chains / 4];
-  for (size_t i = 0; i < chains && grid.lines.size() < options.lines; ++i) {
-    Rng rng(options.seed, kFineStream, i, kSteps + 1);
-    if (rng.uniform() * weight[i] < limit) grid.lines.push_back(chain[i]);
-  }
+  fine_pass(scene, lines, kept, tally, options, grid, report);
   return grid;
 }
 

@@ -16,7 +16,14 @@ struct LightGridOptions {
   size_t lines = 8192;         ///< lines to keep in the file
 };
 
+/// What a caller may want to know or say while segments are drawn.
+struct LightGridWatch {
+  std::function<void(uint64_t)> progress;  ///< segments drawn since the last call; any thread
+  std::function<bool()> stop;              ///< whether to go on with what there is
+};
+
 struct LightGridReport {
+  bool stopped = false;                       ///< the watch said stop
   uint64_t drawn = 0, visible = 0, kept = 0;  ///< segments between pivot patches
   bool settled = false;                       ///< false: the budget was spent first
   double change = 1;                          ///< of the normalised counts in the last batch
@@ -25,11 +32,11 @@ struct LightGridReport {
   size_t air = 0;                             ///< voxels of air
 };
 
-/// The grid of `scene` and `cut`; `cut_name` stands in error messages. `progress` is told how many
-/// segments were drawn since the last call. Throws InputError when the two do not belong together.
-/// A cut without a bottleneck, or one without a line of light, gives a grid with bottleneck false.
+/// The grid of `scene` and `cut`; `cut_name` stands in error messages. Throws InputError when the
+/// two do not belong together. A cut without a bottleneck, or one without a line of light, gives a
+/// grid with bottleneck false.
 LightGrid make_light_grid(const Scene& scene, const CutFile& cut, const std::string& cut_name,
                           const LightGridOptions& options, LightGridReport& report,
-                          const std::function<void(uint64_t)>& progress = {});
+                          const LightGridWatch& watch = {});
 
 }  // namespace tdpt

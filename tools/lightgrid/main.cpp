@@ -4,6 +4,7 @@
 #include "libcommon/base/error.h"
 #include "libcommon/base/output_file.h"
 #include "libcommon/base/progress.h"
+#include "libcommon/base/signals.h"
 #include "libcommon/base/threads.h"
 #include "libcommon/cli/cli.h"
 #include "tools/lightgrid/lightgrid.h"
@@ -22,7 +23,7 @@ int main(int argc, char** argv) {
                  "Voxels along the longest side of the scene; default 128", 8, 512);
   options.option("--samples", samples, "N",
                  "Most segments drawn between pivot patches; default 1048576", 1, int64_t{1} << 32);
-  options.option("--lines", lines, "N", "Lines of light kept in the file; default 8192", 100,
+  options.option("--lines", lines, "N", "Most lines of light kept in the file; default 8192", 100,
                  1 << 22);
   options.choice("--device", device, {"cpu", "gpu"}, "What traces the segments; default cpu");
   return options.run_main(argc, argv, [&] {
@@ -31,6 +32,7 @@ int main(int argc, char** argv) {
       throw Error(Exit::no_device, "this build has no GPU back end; --device cpu works everywhere");
     if (scene_path == "-" && cut_path == "-")
       throw UsageError("only one of the two inputs can come from standard input");
+    catch_signals();
     const Scene scene = read_gltf(scene_path);
     const CutFile cut = read_cut(cut_path);
     LightGridOptions how;
@@ -43,7 +45,7 @@ int main(int argc, char** argv) {
     {
       Progress progress("tracing", "segments", how.samples, common.quiet);
       grid = make_light_grid(scene, cut, cut_path, how, report,
-                             [&](uint64_t n) { progress.advance(n); });
+                             {[&](uint64_t n) { progress.advance(n); }, stop_requested});
     }
     grid.provenance =
         common.provenance({{scene_path, scene.hash, {}}, {cut_path, cut.hash, cut.provenance}});
@@ -80,6 +82,8 @@ int main(int argc, char** argv) {
                                   {"fullest", report.fullest},
                                   {"cpu_seconds", cpu_seconds()}}
                        .dump());
-    return 0;
+    if (!report.stopped) return 0;
+    common.warn("stopped by a signal; the grid holds what was drawn until then");
+    return static_cast<int>(Exit::interrupted);
   });
 }
