@@ -9,7 +9,8 @@
 // reversible with respect to W(l) times the measure of lines (area times projected solid angle):
 // that is where it settles, whatever the coarse pass distorted. Dividing by W leaves the light's
 // own distribution. w = count^3 keeps x near the opening, where most lines through x join the
-// sides. The tried and joined lines at each voxel are the portals' support.
+// sides; it is 0 where there is geometry: between the jambs of an opening leaks pile up. The tried
+// and joined lines at each voxel are the portals' support.
 #include "tools/lightgrid/lightgrid.h"
 
 #include <cmath>
