@@ -33,9 +33,10 @@ say ""
 say "Rendering for $seconds seconds each, without the portal and with it"
 size="--width $width --height $height --max-depth $depth"
 # Unquoted on purpose: several options.
-run tdpt-render "$scene" --integrator bdpt --time "$seconds" $size -o bdpt.exr --preview
+run tdpt-render "$scene" --integrator bdpt --time "$seconds" $size -o bdpt.exr --preview \
+  --stats bdpt.stats
 run tdpt-render "$scene" --portal room.portal.glb --integrator tdpt --time "$seconds" $size \
-  -o tdpt.exr --preview
+  -o tdpt.exr --preview --stats tdpt.stats
 
 say ""
 # The shipped reference will do if it shows the very scene (its hash stands in the header) in the
@@ -102,6 +103,11 @@ BEGIN {
     printf "by %+.1f dB: this scene is better rendered without.\n", db
   }
   if (before > 0.5 * black) printf "A picture of no light at all scores %.3g: bdpt has found little here.\n", black
+}'
+awk -v before="$(measure bdpt.stats cpu_seconds)" -v after="$(measure tdpt.stats cpu_seconds)" '
+BEGIN {
+  if (before > 1.1 * after || after > 1.1 * before)
+    printf "But the machine was busy: bdpt got %.0f CPU seconds and tdpt %.0f; try again when it is idle.\n", before, after
 }'
 say "Pictures: $out/before-after.png (bdpt left, tdpt right), $out/bdpt-error.png and"
 say "$out/tdpt-error.png (red too bright, blue too dark), $out/*.exr."
