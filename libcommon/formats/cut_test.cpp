@@ -7,6 +7,7 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/output_file.h"
+#include "libcommon/math/rng.h"
 
 namespace tdpt {
 namespace {
@@ -124,6 +125,33 @@ TEST(cut, says_what_is_wrong_and_where) {
        " no 'c grid' line, expected the grid of the patches"},
   };
   for (const auto& [text, expected] : cases) EXPECT_EQ(complaint(text), expected) << text;
+}
+
+// Whatever happens to a file, it is read or refused with a message; a sanitizer build looks on.
+TEST(cut, damaged_files_are_read_or_refused) {
+  const std::string whole = cut_text(example());
+  Rng rng(5, 0, 0);
+  int refused = 0;
+  for (int k = 0; k < 300; ++k) {
+    std::string text = whole;
+    for (uint32_t n = 1 + rng.below(4); n > 0; --n) {
+      const uint32_t at = rng.below(static_cast<uint32_t>(text.size()));
+      switch (rng.below(3)) {
+        case 0:
+          text[at] = static_cast<char>(rng.below(256));
+          break;
+        case 1:
+          text.erase(at, 1 + rng.below(9));
+          break;
+        default:
+          text.insert(at, std::to_string(rng.bits()));
+          break;
+      }
+    }
+    if (rng.below(4) == 0) text.resize(rng.below(static_cast<uint32_t>(text.size())));
+    refused += complaint(text) != "(accepted)";
+  }
+  EXPECT_GT(refused, 150);
 }
 
 }  // namespace
