@@ -3,7 +3,6 @@
 #include <array>
 #include <bit>
 #include <numeric>
-#include <sstream>
 #include <unordered_map>
 
 #include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
@@ -19,11 +18,8 @@ using Mesh = OpenMesh::TriMesh_ArrayKernelT<>;
 // OpenMesh reports every face that it refuses; the handle tells us the same.
 class SilentOpenMesh {
  public:
-  SilentOpenMesh() { omerr().connect(sink_), omerr().disconnect(std::cerr); }
-  ~SilentOpenMesh() { omerr().disconnect(sink_), omerr().connect(std::cerr); }
-
- private:
-  std::ostringstream sink_;
+  SilentOpenMesh() { omerr().disable(); }
+  ~SilentOpenMesh() { omerr().enable(); }
 };
 
 struct PlaceHash {
