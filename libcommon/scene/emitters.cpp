@@ -19,8 +19,7 @@ Emitters::Emitters(const Scene& scene) : scene_(scene), pdf_A_(scene.triangles.s
   table_ = AliasTable(weights);
   for (uint32_t i = 0; i < triangles_.size(); ++i) {
     const uint32_t t = triangles_[i];
-    const double sides = scene.material_of(t).double_sided ? 2 : 1;
-    pdf_A_[t] = static_cast<float>(table_.pdf_1(i) / (sides * shape_of(scene, t).area));
+    pdf_A_[t] = static_cast<float>(table_.pdf_1(i) / shape_of(scene, t).area);
   }
 }
 

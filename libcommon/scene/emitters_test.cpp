@@ -36,7 +36,7 @@ TEST(Emitters, PowerAndDensityAddUp) {
   EXPECT_NEAR(e.power(), std::numbers::pi * (dim * 0.5 + 2 * both * 0.0625 + dim * 0.125), 1e-5);
   double total = 0;
   for (uint32_t t = 0; t < s.triangles.size(); ++t)
-    total += e.pdf_A(t) * shape_of(s, t).area * (s.material_of(t).double_sided ? 2 : 1);
+    total += e.pdf_A(t) * shape_of(s, t).area;
   EXPECT_NEAR(total, 1, 1e-6);
   EXPECT_EQ(e.pdf_A(1), 0);
 }
@@ -50,7 +50,8 @@ TEST(Emitters, SamplesFollowTheDensity) {
   for (uint32_t t : {0u, 2u, 3u})
     for (size_t side = 0; side < (t == 2 ? 2u : 1u); ++side)
       for (size_t k = 0; k < 4; ++k)
-        expected[8 * t + 4 * side + k] = n * double{e.pdf_A(t)} * shape_of(s, t).area / 4;
+        expected[8 * t + 4 * side + k] =
+            n * double{e.pdf_A(t)} * shape_of(s, t).area / 4 / (t == 2 ? 2 : 1);
   for (uint64_t i = 0; i < n; ++i) {
     Rng rng(3, 0, i);
     const Emitters::Sample x = e.sample(rng);
@@ -82,6 +83,20 @@ TEST(Emitters, ADarkSceneHasNone) {
   for (Material& m : s.materials) m.emission = {};
   EXPECT_TRUE(Emitters(s).empty());
   EXPECT_EQ(Emitters(s).power(), 0);
+}
+
+// Integral of the density over all directions: 1, for one side and for both.
+TEST(Emitters, DirectionsOfEmissionAddUp) {
+  Material m{"lamp", Rgb(), Rgb(1), false};
+  for (bool both : {false, true}) {
+    m.double_sided = both;
+    double sum = 0;
+    const int n = 2000;
+    for (int i = 0; i < n; ++i)
+      sum += emission_pdf_w(m, -1 + (i + 0.5) * 2 / n) * 2 * std::numbers::pi * 2 / n;
+    EXPECT_NEAR(sum, 1, 1e-6);
+    EXPECT_EQ(emission_pdf_w(m, -0.5) > 0, both);
+  }
 }
 
 TEST(Emitters, RadianceLeavesTheFrontOnlyUnlessDoubleSided) {

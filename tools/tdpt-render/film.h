@@ -12,9 +12,10 @@ namespace tdpt {
 
 class Film {
  public:
-  /// `brightest`: largest radiance a light of the scene emits; sets the unit of the fixed point:
-  /// a splat is rounded to brightest * 2^-34, and a pixel holds sums up to brightest * 2^29.
-  Film(int width, int height, double brightest);
+  /// `power`: of all lamps together [Emitters::power]. Walks start in proportion to power, so every
+  /// walk carries about that much however small or faint its lamp is: splats are rounded to
+  /// power * 2^-40 and may be up to power * 2^23. A pixel holds 2^31 of them.
+  Film(int width, int height, double power);
 
   int width() const { return width_; }
   int height() const { return height_; }
@@ -33,7 +34,11 @@ class Film {
   int width_, height_;
   double unit_;
   std::vector<Vec3d> camera_;
-  std::unique_ptr<std::array<std::atomic<int64_t>, 3>[]> splats_;
+  /// Sums of the upper and the lower 32 bits of every splat, for R, G and B.
+  struct Splats {
+    std::array<std::atomic<int64_t>, 3> high, low;
+  };
+  std::unique_ptr<Splats[]> splats_;
 };
 
 }  // namespace tdpt

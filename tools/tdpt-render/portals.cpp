@@ -34,14 +34,14 @@ double PortalSet::density(const Vec3d& from, const Vec3d& to, int sampled) const
   const Vec3d d = to - from;
   for (size_t i = 0; i < polygons_.size(); ++i) {
     const Polygon& q = polygons_[i];
+    const Vec3d o = from - q.p0;
+    const double before = dot(q.normal, o);  // < 0 on the light's side
+    const double slope = dot(q.normal, d);
+    if (!(before < -kMargin && before + slope > kMargin)) continue;
     if (static_cast<int>(i) == sampled) {
       sum += q.density;
       continue;
     }
-    const Vec3d o = from - q.p0;
-    const double before = dot(q.normal, o);  // < 0 on the light's side
-    const double slope = dot(q.normal, d);
-    if (!(slope > 0) || before > 0 || before + slope < 0) continue;
     const Vec3d at = o - d * (before / slope);
     const double b1 = dot(q.grad1, at), b2 = dot(q.grad2, at);
     if (b1 >= 0 && b2 >= 0 && b1 + b2 <= 1) sum += q.density;

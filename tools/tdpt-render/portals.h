@@ -27,6 +27,10 @@ class PortalSet {
   bool empty() const { return polygons_.empty(); }
   size_t size() const { return polygons_.size(); }
 
+  /// A portal counts only for segments that begin and end at least this far from its plane
+  /// (canonical): where a portal lies in a surface, rounding would decide what crosses it.
+  static constexpr double kMargin = 2e-6;
+
   /// D of the segment `from` (light's side) -> `to` (camera's side); 0 when it crosses no triangle
   /// along its normal. `sampled`: the triangle that the segment was drawn from is counted as
   /// crossed, as borders round either way; -1: none.

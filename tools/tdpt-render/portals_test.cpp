@@ -45,6 +45,13 @@ TEST(portals, the_sampled_polygon_is_always_counted) {
   EXPECT_GT(set.density({1.0000001, 0.2, -1}, {1.0000001, 0.2, 1}, 0), 0);
 }
 
+TEST(portals, a_segment_that_ends_in_the_portals_plane_has_no_density) {
+  const PortalSet set({square()}, kMetres);
+  EXPECT_EQ(set.density({0.3, 0.2, -1}, {0.3, 0.2, 1e-7}, 0), 0);
+  EXPECT_EQ(set.density({0.3, 0.2, -1e-7}, {0.3, 0.2, 1}, 0), 0);
+  EXPECT_GT(set.density({0.3, 0.2, -1e-5}, {0.3, 0.2, 1}, 0), 0);
+}
+
 TEST(portals, degenerate_triangles_are_dropped_and_no_portal_is_empty) {
   const Portal line{"l", {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, {{0, 1, 2}}, {}};
   EXPECT_TRUE(PortalSet({line}, kMetres).empty());

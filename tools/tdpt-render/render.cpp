@@ -9,17 +9,6 @@
 #include "libcommon/base/threads.h"
 
 namespace tdpt {
-namespace {
-
-double brightest_emission(const Scene& scene) {
-  double brightest = 0;
-  for (const Material& m : scene.materials)
-    brightest = std::max(brightest, double{max_component(m.emission)});
-  return brightest;
-}
-
-}  // namespace
-
 Vec3d RenderResult::mean() const {
   Vec3d sum;
   for (const Rgb& p : picture.pixels) sum += Vec3d(p);
@@ -39,7 +28,7 @@ RenderResult render(const World& world, const Integrator& integrator,
   const uint64_t pixels = static_cast<uint64_t>(width) * static_cast<uint64_t>(height);
   SampleSettings sample_settings{integrator.techniques, settings.max_depth, settings.beta,
                                  settings.seed, integrator.stream};
-  Film film(width, height, brightest_emission(world.scene));
+  Film film(width, height, world.emitters.power());
   RenderResult result;
   Progress progress("rendering", "samples", settings.spp * pixels, settings.quiet);
   const auto start = Clock::now();

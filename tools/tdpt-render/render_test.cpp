@@ -81,6 +81,49 @@ TEST(render, furnace_box_shows_the_geometric_series) {
   }
 }
 
+void expect_all_to_agree(const World& world, uint64_t spp) {
+  const MeanAndError truth = estimate(world, nee, 5, 8, 2 * spp);
+  for (const Integrator* integrator : {&bdpt, &tdpt_org, &tdpt_ref}) {
+    const MeanAndError r = estimate(world, *integrator, 5, 8, spp);
+    EXPECT_LT(z(r, truth), 3.5) << integrator->name << " " << r.mean << " for " << truth.mean;
+    EXPECT_LT(r.error, 0.015 * r.mean);  // fine enough to notice a few per cent
+  }
+}
+
+TEST(render, lamps_that_shine_on_both_sides_agree_too) {
+  Scene scene = read_gltf(TDPT_TESTDATA "/scenes/window.glb");
+  for (Material& m : scene.materials) m.double_sided = true;
+  const World world(scene, scene.camera(""), 32, 24, {portal_in_the_hole()});
+  expect_all_to_agree(world, 256);
+}
+
+// On the floor, in the lamp, in the plane of a wall: no light passes there, or only some.
+TEST(render, portals_that_lie_in_a_surface_cost_time_only) {
+  const Scene scene = read_gltf(TDPT_TESTDATA "/scenes/window.glb");
+  const Portal floor = rectangle({0.2, 0, -0.8}, {0, 0, 1.6}, {1.6, 0, 0});
+  const Portal lamp = rectangle({2.8, 1.99, -0.3}, {0.6, 0, 0}, {0, 0, 0.6});
+  const Portal wall = rectangle({2.1, 0, -1}, {0, 0, 2}, {0, 2, 0});
+  for (const Portal& portal : {floor, lamp, wall})
+    expect_all_to_agree(World(scene, scene.camera(""), 32, 24, {portal}), 256);
+}
+
+// The power of the lamp from a spot: splats are faint beside its radiance, and are kept.
+TEST(render, a_tiny_lamp_of_the_same_power_gives_the_same_picture) {
+  const Scene lamp = read_gltf(two_rooms_path());
+  Scene spot = lamp;
+  const double shrink = 1e-3;
+  for (const Triangle& t : lamp.triangles) {
+    if (max_component(lamp.materials[t.material].emission) <= 0) continue;
+    for (uint32_t v : t.vertex) {
+      const Vec3f middle(lamp.frame.to_canonical({3.1, 1.99, 0}));
+      spot.positions[v] = middle + (lamp.positions[v] - middle) * static_cast<float>(shrink);
+    }
+  }
+  for (Material& m : spot.materials) m.emission *= static_cast<float>(1 / (shrink * shrink));
+  const World world(spot, spot.camera(""), 32, 24, {portal_in_the_hole()});
+  expect_all_to_agree(world, 2048);
+}
+
 TEST(render, power_heuristic_agrees_with_balance) {
   const Scene scene = read_gltf(two_rooms_path());
   const World world(scene, scene.camera(""), 64, 48, {portal_in_the_hole()});

@@ -78,8 +78,11 @@ std::vector<StrategyDensity> densities(const World& world, const Path& path, Tec
       P_light = world.emitters.pdf_A(x.triangle);
     } else {
       const Vertex& before = path.vertex(i - 1);
-      const double p = i == 1 ? (emits(before, x) ? cosine_at(before, x) / pi : 0)
-                              : pdf_w(path.vertex(i - 2), before, x);
+      const double p =
+          i == 1 ? (emits(before, x)
+                        ? cosine_at(before, x) / (before.material->double_sided ? 2 * pi : pi)
+                        : 0)
+                 : pdf_w(path.vertex(i - 2), before, x);
       P_light = p * cosine_at(x, before) / distance2(before, x);
       if (fault == Fault::missing_cosine && i == 2) P_light /= cosine_at(x, before);
     }

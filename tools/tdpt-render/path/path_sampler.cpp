@@ -183,26 +183,32 @@ void PathSampler::portal() {
   const int D = settings_.max_depth;
   if (D < 2) return;
 
-  // The segment x_l -> x_c. One throughput for both ends: G / p_AA = 1 / density.
+  // The segment x_l -> x_c. One throughput for both ends: G / p_AA = 1 / density. Each ray starts
+  // on the other's side of the portal's plane by more than rounding: a surface in that plane stops
+  // one of them there, and such a segment has no density.
   Rng random = rng(segment);
   const PortalSet::Sample sample = world_.portals.sample(random);
   Vertex x_l, x_c;
-  const auto end = [&](const Vec3d& w, Vertex& v) {
+  const Vec3d back_off =
+      world_.portals.polygon(sample.polygon).normal * (0.25 * PortalSet::kMargin);
+  const auto end = [&](const Vec3d& from, const Vec3d& w, Vertex& v) {
     Hit hit;
     ++tally_.rays.closest;
-    if (!world_.tracer.closest({sample.position, {}}, w, hit)) return false;
+    if (!world_.tracer.closest({from, {}}, w, hit)) return false;
     v.position = hit.position;
     v.normal = hit.normal;
     v.triangle = hit.triangle;
     v.material = &world_.scene.material_of(hit.triangle);
     return true;
   };
-  if (!end(sample.direction, x_c) || !end(-sample.direction, x_l)) return;
+  if (!end(sample.position - back_off, sample.direction, x_c)) return;
+  if (!end(sample.position + back_off, -sample.direction, x_l)) return;
   double d2;
   const Vec3d w = towards(x_l, x_c, d2);
   if (!(d2 > 0)) return;
   ++tally_.rays.portal;
   const double density = world_.portals.density(x_l.position, x_c.position, sample.polygon);
+  if (!(density > 0)) return;
   const auto through = static_cast<float>(1 / density);
 
   // Light sides: [a] with a prefix vertices y_0..y_{a-1}; arriving at x_l and scattered along w.

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <vector>
 
+#include "libcommon/scene/emitters.h"
 #include "libcommon/trace/tracer.h"
 
 namespace tdpt {
@@ -55,14 +56,12 @@ inline double scatter_pdf_A(const Vertex& from, const Vertex& at, const Vertex& 
   return to_area(std::abs(cos_out) * std::numbers::inv_pi, w, d2, to.normal);
 }
 
-/// pdf_A of reaching `to` when light leaves `light` cos-distributed on a side that emits.
+/// pdf_A of reaching `to` when light leaves `light`.
 inline double emission_pdf_A(const Vertex& light, const Vertex& to) {
   const Vec3d d = to.position - light.position;
   const double d2 = dot(d, d);
   const Vec3d w = d / std::sqrt(d2);
-  const double c = dot(light.normal, w);
-  if (!(c > 0) && !light.material->double_sided) return 0;
-  return to_area(std::abs(c) * std::numbers::inv_pi, w, d2, to.normal);
+  return to_area(emission_pdf_w(*light.material, dot(light.normal, w)), w, d2, to.normal);
 }
 
 }  // namespace tdpt

@@ -89,8 +89,9 @@ void walk_from_light(const World& world, int edges, Rng rng, Walk& walk, RayCoun
   const double a = rng.uniform();
   const double b = rng.uniform();
   const Vec3d w = normalize(Onb<double>(light.normal).to_world(cosine_hemisphere(a, b)));
+  const double sides = y0.material->double_sided ? 2 : 1;  // cos / pdf_w = pi per side
   const Rgb throughput =
-      y0.throughput * y0.material->emission * static_cast<float>(std::numbers::pi);
+      y0.throughput * y0.material->emission * static_cast<float>(sides * std::numbers::pi);
   if (extend(world, From::light, w, throughput, emission_pdf_A, walk, rays))
     scatter(world, From::light, edges, rng, walk, rays);
 }
