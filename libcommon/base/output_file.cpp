@@ -1,7 +1,9 @@
 #include "libcommon/base/output_file.h"
 
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
+#include <memory>
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -26,6 +28,20 @@ bool write_all(int fd, std::string_view bytes) {
   return true;
 }
 
+// Creates a temporary file in the folder of `path`; its name does not grow with that of `path`.
+int make_temporary(const std::string& path, std::string& name) {
+  name = path.substr(0, path.find_last_of('/') + 1) + ".tdpt-XXXXXX";
+  return ::mkostemp(name.data(), O_CLOEXEC);
+}
+
+// What a symbolic link points to is replaced, not the link.
+std::string follow_link(const std::string& path) {
+  struct stat info {};
+  if (::lstat(path.c_str(), &info) != 0 || !S_ISLNK(info.st_mode)) return path;
+  const std::unique_ptr<char, void (*)(void*)> target(::realpath(path.c_str(), nullptr), std::free);
+  return target ? target.get() : path;
+}
+
 void write_directly(const std::string& path, std::string_view bytes) {
   const int fd = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
   if (fd < 0) throw OutputError(path, reason("cannot be opened for writing"));
@@ -37,19 +53,20 @@ void write_directly(const std::string& path, std::string_view bytes) {
 
 }  // namespace
 
-void write_output(const std::string& path, std::string_view bytes) {
-  if (path == "-") {
+void write_output(const std::string& given, std::string_view bytes) {
+  if (given == "-") {
     if (!write_all(STDOUT_FILENO, bytes))
       throw OutputError("(standard output)", reason("cannot be written"));
     return;
   }
+  const std::string path = follow_link(given);
   struct stat info {};
   const bool exists = ::stat(path.c_str(), &info) == 0;
   if (exists && S_ISDIR(info.st_mode)) throw OutputError(path, "is a folder, expected a file name");
   if (exists && !S_ISREG(info.st_mode)) return write_directly(path, bytes);
 
-  std::string temporary = path + ".XXXXXX";
-  const int fd = ::mkostemp(temporary.data(), O_CLOEXEC);
+  std::string temporary;
+  const int fd = make_temporary(path, temporary);
   if (fd < 0) throw OutputError(path, reason("cannot be created"));
   const mode_t mask = ::umask(0);
   ::umask(mask);
@@ -66,8 +83,10 @@ void write_output(const std::string& path, std::string_view bytes) {
   }
 }
 
-void check_output(const std::string& path) {
-  if (path == "-") return;
+void check_output(const std::string& given) {
+  if (given == "-") return;
+  if (given.empty()) throw UsageError("an output file has an empty name");
+  const std::string path = follow_link(given);
   struct stat info {};
   if (::stat(path.c_str(), &info) == 0) {
     if (S_ISDIR(info.st_mode)) throw OutputError(path, "is a folder, expected a file name");
@@ -75,10 +94,14 @@ void check_output(const std::string& path) {
       throw OutputError(path, reason("cannot be opened for writing"));
     if (!S_ISREG(info.st_mode)) return;
   }
-  const size_t slash = path.find_last_of('/');
-  const std::string folder = slash == std::string::npos ? "." : path.substr(0, slash + 1);
-  if (::access(folder.c_str(), W_OK | X_OK) != 0)
+  // A name that is too long or otherwise impossible says so here and not after the work.
+  if (::access(path.c_str(), F_OK) != 0 && errno != ENOENT)
     throw OutputError(path, reason("cannot be created"));
+  std::string temporary;
+  const int fd = make_temporary(path, temporary);
+  if (fd < 0) throw OutputError(path, reason("cannot be created"));
+  ::close(fd);
+  ::unlink(temporary.c_str());
 }
 
 }  // namespace tdpt

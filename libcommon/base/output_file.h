@@ -10,8 +10,9 @@ namespace tdpt {
 /// name is untouched. A path that is no regular file (/dev/null, a pipe) is written directly.
 void write_output(const std::string& path, std::string_view bytes);
 
-/// Throws OutputError when write_output(path) is bound to fail (no such folder, no permission):
-/// asked before long work, so that its result is not lost.
+/// Throws OutputError when write_output(path) is bound to fail (no such folder, no permission, name
+/// too long) and UsageError for an empty name: asked before long work, so that its result is not
+/// lost.
 void check_output(const std::string& path);
 
 }  // namespace tdpt

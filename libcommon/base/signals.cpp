@@ -1,6 +1,7 @@
 #include "libcommon/base/signals.h"
 
 #include <csignal>
+#include <initializer_list>
 
 namespace tdpt {
 namespace {
@@ -15,8 +16,8 @@ void on_signal(int number) {
 }  // namespace
 
 void catch_signals() {
-  std::signal(SIGINT, on_signal);
-  std::signal(SIGTERM, on_signal);
+  for (const int number : {SIGINT, SIGTERM, SIGHUP})
+    if (std::signal(number, on_signal) == SIG_IGN) std::signal(number, SIG_IGN);
 }
 
 bool stop_requested() {

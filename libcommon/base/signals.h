@@ -3,7 +3,8 @@
 
 namespace tdpt {
 
-/// From now on SIGINT and SIGTERM only set a flag; a second one ends the process at once.
+/// From now on SIGINT, SIGTERM and SIGHUP only set a flag; a second one ends the process at once.
+/// What the caller chose to ignore (nohup) stays ignored.
 void catch_signals();
 bool stop_requested();
 

@@ -1,6 +1,8 @@
 #include "libcommon/cli/cli.h"
 
+#include <cerrno>
 #include <cstdio>
+#include <cstdlib>
 #include <iostream>
 #include <limits>
 #include <new>
@@ -69,6 +71,17 @@ struct Options::Impl {
   }
 };
 
+namespace {
+// CLI11 reads -1 and numbers that are too large as 2^64 - 1.
+std::string whole_number(std::string& text) {
+  const bool digits = !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
+  errno = 0;
+  if (digits) std::strtoull(text.c_str(), nullptr, 10);
+  if (digits && errno == 0) return {};
+  return fmt::format("'{}' given, expected a number from 0 to {}", text, ~uint64_t{0});
+}
+}  // namespace
+
 Options::Options(std::string tool, std::string summary, std::string output_help)
     : impl_(std::make_unique<Impl>(summary, tool)) {
   common.tool = std::move(tool);
@@ -79,7 +92,8 @@ Options::Options(std::string tool, std::string summary, std::string output_help)
     impl_->keep(app.add_option("-o,--output", common.output, output_help)->type_name("FILE"),
                 Shapes::nothing);
   impl_->keep(app.add_option("--seed", common.seed, "Seed of the random numbers; default 1")
-                  ->type_name("N"),
+                  ->type_name("N")
+                  ->check(CLI::Validator(whole_number, "")),
               Shapes::result);
   impl_->keep(app.add_option("--threads", common.threads, "Threads to use; default all cores")
                   ->type_name("N")
@@ -174,14 +188,19 @@ int Options::run_main(int argc, char** argv, const std::function<int()>& run) {
     fmt::print(stderr, "{}: {}\n", common.tool, line);
     return static_cast<int>(code);
   };
+  // What was printed may still be in a buffer: a full disk shows here.
+  const auto flushed = [&](int code) {
+    if (std::fflush(stdout) == 0 || code != 0) return code;
+    return fail(Exit::output, "(standard output): cannot be written");
+  };
   try {
     impl_->app.parse(argc, argv);
   } catch (const CLI::CallForHelp&) {
-    fmt::print("{}", impl_->app.help());
-    return 0;
+    std::fputs(impl_->app.help().c_str(), stdout);
+    return flushed(0);
   } catch (const CLI::CallForVersion&) {
-    fmt::print("{} {}\n", common.tool, TDPT_VERSION);
-    return 0;
+    std::printf("%s %s\n", common.tool.c_str(), TDPT_VERSION);
+    return flushed(0);
   } catch (const CLI::ParseError& e) {
     return fail(Exit::usage,
                 fmt::format("{}; '{} --help' lists the options", e.what(), common.tool));
@@ -189,7 +208,7 @@ int Options::run_main(int argc, char** argv, const std::function<int()>& run) {
   try {
     common.command = impl_->canonical(common.tool);
     limit_threads(common.threads);
-    return run();
+    return flushed(run());
   } catch (const Error& e) {
     return fail(e.code, e.what());
   } catch (const std::bad_alloc&) {

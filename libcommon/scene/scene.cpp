@@ -7,14 +7,31 @@
 
 namespace tdpt {
 
+namespace {
+
+// Farther away, single precision holds neither the camera's place nor what it sees.
+constexpr double kFarthest = 1e6;
+
+const Camera& checked(const std::string& file, const Camera& camera) {
+  const double away = length(camera.position);
+  if (!(away <= kFarthest))
+    throw InputError(file, "cameras",
+                     fmt::format("camera \"{}\" stands {:.3g} times the scene's size away, "
+                                 "expected at most {:.0g}",
+                                 camera.name, away, kFarthest));
+  return camera;
+}
+
+}  // namespace
+
 const Camera& Scene::camera(const std::string& name) const {
   const std::string file = display_name(path);
   if (cameras.empty())
     throw InputError(file, "cameras", "the scene has no camera, expected a perspective camera");
-  if (name.empty()) return cameras.front();
+  if (name.empty()) return checked(file, cameras.front());
   std::string names;
   for (const Camera& c : cameras) {
-    if (c.name == name) return c;
+    if (c.name == name) return checked(file, c);
     names += (names.empty() ? "\"" : ", \"") + c.name + "\"";
   }
   throw InputError(file, "cameras",

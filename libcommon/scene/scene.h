@@ -57,7 +57,8 @@ struct Scene {
   const Material& material_of(uint32_t triangle) const {
     return materials[triangles[triangle].material];
   }
-  /// Camera called `name`; the first one for "". Throws InputError naming those there are.
+  /// Camera called `name`; the first one for "". Throws InputError naming those there are, or
+  /// when it stands more than 1e6 times the scene's size away.
   const Camera& camera(const std::string& name) const;
 };
 

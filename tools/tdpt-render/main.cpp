@@ -22,7 +22,7 @@ struct Arguments {
 // Fills in what --width and --height leave open: square pixels, the camera's aspect, 640 wide.
 void choose_size(const Camera& camera, int64_t& width, int64_t& height) {
   const double aspect = camera.aspect > 0 ? camera.aspect : 16.0 / 9;
-  const auto at_least_1 = [](double v) { return std::max<int64_t>(1, std::llround(v)); };
+  const auto at_least_1 = [](double v) { return std::llround(std::clamp(v, 1.0, 1e6)); };
   if (width == 0 && height == 0) width = 640;
   if (width == 0) width = at_least_1(static_cast<double>(height) * aspect);
   if (height == 0) height = at_least_1(static_cast<double>(width) / aspect);
@@ -43,8 +43,15 @@ int run(const Arguments& a, const cli::Common& common) {
     throw Error(Exit::no_device, "--device gpu: this build renders on the CPU only");
   if (a.preview && common.output == "-")
     throw UsageError("--preview puts a PNG beside the picture: give -o FILE");
-  check_output(common.output);
-  if (!a.stats.empty()) check_output(a.stats);
+  std::vector<std::string> outputs{common.output};
+  if (a.preview) outputs.push_back(preview_path(common.output));
+  if (!a.stats.empty()) outputs.push_back(a.stats);
+  for (size_t i = 0; i < outputs.size(); ++i) {
+    check_output(outputs[i]);
+    if (std::find(outputs.begin(), outputs.begin() + static_cast<long>(i), outputs[i]) !=
+        outputs.begin() + static_cast<long>(i))
+      throw UsageError("two outputs would be written to " + outputs[i]);
+  }
   catch_signals();
 
   const Scene scene = read_gltf(a.scene);
@@ -56,6 +63,11 @@ int run(const Arguments& a, const cli::Common& common) {
     PortalFile file = read_portals(path);
     if (!file.scene_hash.empty() && file.scene_hash != scene.hash)
       throw InputError(display_name(path), "", "was made from another scene than " + a.scene);
+    for (const Portal& portal : file.portals)
+      for (const Vec3d& v : portal.vertices)
+        if (!(length(scene.frame.to_canonical(v)) <= 1e6))
+          throw InputError(display_name(path), portal.name,
+                           "lies more than a million times the scene's size away");
     portals.insert(portals.end(), file.portals.begin(), file.portals.end());
     inputs.push_back({path, file.hash, file.provenance});
   }
@@ -63,8 +75,6 @@ int run(const Arguments& a, const cli::Common& common) {
   const Integrator& integrator = a.integrator != "default" ? integrator_named(a.integrator)
                                  : portals.empty()         ? bdpt
                                                            : tdpt_ref;
-  if (portals.empty() && integrator.techniques.has(Technique::portal))
-    common.warn("no portal is given, so no path is sampled through one");
   int64_t width = a.width, height = a.height;
   choose_size(camera, width, height);
 
@@ -76,6 +86,8 @@ int run(const Arguments& a, const cli::Common& common) {
   settings.seed = common.seed;
   settings.quiet = common.quiet;
   const World world(scene, camera, static_cast<int>(width), static_cast<int>(height), portals);
+  if (world.portals.empty() && integrator.techniques.has(Technique::portal))
+    common.warn("no portal is given, so no path is sampled through one");
   if (world.emitters.empty()) common.warn("nothing in the scene emits light: the picture is black");
   const RenderResult result = render(world, integrator, settings);
 
