@@ -38,6 +38,25 @@ std::string preview_path(const std::string& output) {
   return (has_suffix ? output.substr(0, dot) : output) + ".png";
 }
 
+// Every edge of a path is tested against every triangle of the portals, and places are held in
+// single precision by the tracer: a whole scene given as a portal by mistake is told so.
+void check_portals(const std::string& path, const std::vector<Portal>& portals,
+                   const Frame& frame) {
+  constexpr size_t kMostTriangles = 4096;
+  size_t triangles = 0;
+  for (const Portal& portal : portals) {
+    triangles += portal.triangles.size();
+    for (const Vec3d& v : portal.vertices)
+      if (!(length(frame.to_canonical(v)) <= 1e6))
+        throw InputError(display_name(path), portal.name,
+                         "lies more than a million times the scene's size away");
+  }
+  if (triangles > kMostTriangles)
+    throw InputError(display_name(path), "",
+                     fmt::format("has {} triangles, expected a portal of at most {}", triangles,
+                                 kMostTriangles));
+}
+
 int run(const Arguments& a, const cli::Common& common) {
   if (a.device != "cpu")
     throw Error(Exit::no_device, "--device gpu: this build renders on the CPU only");
@@ -63,11 +82,7 @@ int run(const Arguments& a, const cli::Common& common) {
     PortalFile file = read_portals(path);
     if (!file.scene_hash.empty() && file.scene_hash != scene.hash)
       throw InputError(display_name(path), "", "was made from another scene than " + a.scene);
-    for (const Portal& portal : file.portals)
-      for (const Vec3d& v : portal.vertices)
-        if (!(length(scene.frame.to_canonical(v)) <= 1e6))
-          throw InputError(display_name(path), portal.name,
-                           "lies more than a million times the scene's size away");
+    check_portals(path, file.portals, scene.frame);
     portals.insert(portals.end(), file.portals.begin(), file.portals.end());
     inputs.push_back({path, file.hash, file.provenance});
   }
