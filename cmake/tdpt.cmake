@@ -34,6 +34,7 @@ function(tdpt_test name)
     TDPT_TESTDATA="${CMAKE_SOURCE_DIR}/testdata" TDPT_BIN="${CMAKE_BINARY_DIR}/bin"
     TDPT_SHARED="${CMAKE_SOURCE_DIR}/../shared")
   gtest_discover_tests(${name} TEST_PREFIX ${name}. DISCOVERY_MODE PRE_TEST
-                       PROPERTIES TIMEOUT ${A_TIMEOUT})
+                       PROPERTIES TIMEOUT ${A_TIMEOUT} ENVIRONMENT
+                       LSAN_OPTIONS=suppressions=${CMAKE_SOURCE_DIR}/libcommon/testing/lsan.supp)
 endfunction()
 include(GoogleTest)

@@ -1,5 +1,6 @@
 #include <filesystem>
 #include <fstream>
+#include <functional>
 
 #include <gtest/gtest.h>
 
@@ -36,6 +37,24 @@ TEST(output_file, into_a_missing_folder_is_an_output_error) {
     EXPECT_STREQ(e.what(),
                  "/nonexistent-folder/a.txt: cannot be created: No such file or directory");
   }
+}
+
+TEST(output_file, a_read_only_file_is_not_replaced_even_by_the_super_user) {
+  Folder folder;
+  const std::string name = folder.path / "keep.txt";
+  write_output(name, "original");
+  fs::permissions(name, fs::perms::owner_read | fs::perms::group_read);
+  for (const auto& attempt : {std::function<void()>([&] { write_output(name, "other"); }),
+                              std::function<void()>([&] { check_output(name); })}) {
+    try {
+      attempt();
+      FAIL();
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code, Exit::output);
+      EXPECT_EQ(e.what(), name + ": is a read-only file, which is not replaced");
+    }
+  }
+  EXPECT_EQ(read_file(name), "original");
 }
 
 TEST(output_file, onto_a_folder_is_refused) {

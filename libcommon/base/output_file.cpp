@@ -42,6 +42,12 @@ std::string follow_link(const std::string& path) {
   return target ? target.get() : path;
 }
 
+// A file that nobody may write is meant to stay, even where the super-user could replace it.
+void refuse_read_only(const std::string& path, const struct stat& info) {
+  if ((info.st_mode & 0222) == 0)
+    throw OutputError(path, "is a read-only file, which is not replaced");
+}
+
 void write_directly(const std::string& path, std::string_view bytes) {
   const int fd = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
   if (fd < 0) throw OutputError(path, reason("cannot be opened for writing"));
@@ -64,6 +70,7 @@ void write_output(const std::string& given, std::string_view bytes) {
   const bool exists = ::stat(path.c_str(), &info) == 0;
   if (exists && S_ISDIR(info.st_mode)) throw OutputError(path, "is a folder, expected a file name");
   if (exists && !S_ISREG(info.st_mode)) return write_directly(path, bytes);
+  if (exists) refuse_read_only(path, info);
 
   std::string temporary;
   const int fd = make_temporary(path, temporary);
@@ -93,6 +100,7 @@ void check_output(const std::string& given) {
     if (::access(path.c_str(), W_OK) != 0)
       throw OutputError(path, reason("cannot be opened for writing"));
     if (!S_ISREG(info.st_mode)) return;
+    refuse_read_only(path, info);
   }
   // A name that is too long or otherwise impossible says so here and not after the work.
   if (::access(path.c_str(), F_OK) != 0 && errno != ENOENT)

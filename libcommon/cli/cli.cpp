@@ -11,6 +11,7 @@
 #include <CLI/CLI.hpp>
 
 #include "libcommon/base/error.h"
+#include "libcommon/base/file.h"
 #include "libcommon/base/signals.h"
 #include "libcommon/base/threads.h"
 #include "tdpt_version.h"
@@ -45,12 +46,27 @@ struct Options::Impl {
     CLI::Option* option;
     Shapes shapes;
     bool positional;
+    bool output = false;  ///< the -o of the tool
+    bool reads_or_writes_file() const {
+      const std::string type = option->get_type_name();
+      return positional || type == "FILE" || type == "CUT";
+    }
   };
   CLI::App app;
   std::vector<Entry> entries;
 
-  void keep(CLI::Option* option, Shapes shapes, bool positional = false) {
-    entries.push_back({option, shapes, positional});
+  Entry& keep(CLI::Option* option, Shapes shapes, bool positional = false) {
+    return entries.emplace_back(Entry{option, shapes, positional});
+  }
+
+  // Arguments and options whose value is a file to read: none of them may be the output too.
+  void refuse_output_over_input(const std::string& output) const {
+    for (const Entry& e : entries) {
+      if (e.output || !e.reads_or_writes_file()) continue;
+      for (const std::string& value : e.option->results())
+        if (same_file(value, output))
+          throw UsageError("-o " + output + " would replace the input " + value);
+    }
   }
 
   // The tool and the options that shape the result, in the order of the table; paths of inputs are
@@ -89,8 +105,10 @@ Options::Options(std::string tool, std::string summary, std::string output_help)
   app.set_version_flag("--version", common.tool + " " TDPT_VERSION, "Print the version and exit");
   app.set_help_flag("-h,--help", "Print this help and exit");
   if (!output_help.empty())
-    impl_->keep(app.add_option("-o,--output", common.output, output_help)->type_name("FILE"),
-                Shapes::nothing);
+    impl_
+        ->keep(app.add_option("-o,--output", common.output, output_help)->type_name("FILE"),
+               Shapes::nothing)
+        .output = true;
   impl_->keep(app.add_option("--seed", common.seed, "Seed of the random numbers; default 1")
                   ->type_name("N")
                   ->check(CLI::Validator(whole_number, "")),
@@ -207,6 +225,7 @@ int Options::run_main(int argc, char** argv, const std::function<int()>& run) {
   }
   try {
     common.command = impl_->canonical(common.tool);
+    impl_->refuse_output_over_input(common.output);
     limit_threads(common.threads);
     return flushed(run());
   } catch (const Error& e) {

@@ -1,4 +1,6 @@
 // tdpt-render: renders a scene, with portals if there are any.
+#include <numeric>
+
 #include <fmt/format.h>
 
 #include "libcommon/base/error.h"
@@ -65,6 +67,10 @@ int run(const Arguments& a, const cli::Common& common) {
   std::vector<std::string> outputs{common.output};
   if (a.preview) outputs.push_back(preview_path(common.output));
   if (!a.stats.empty()) outputs.push_back(a.stats);
+  for (const char* suffix : {".png", ".jpg", ".jpeg"})
+    if (common.output.ends_with(suffix))
+      throw UsageError("-o " + common.output +
+                       ": the picture is OpenEXR, name it .exr; --preview adds a PNG");
   for (size_t i = 0; i < outputs.size(); ++i) {
     check_output(outputs[i]);
     if (std::find(outputs.begin(), outputs.begin() + static_cast<long>(i), outputs[i]) !=
@@ -83,6 +89,7 @@ int run(const Arguments& a, const cli::Common& common) {
     if (!file.scene_hash.empty() && file.scene_hash != scene.hash)
       throw InputError(display_name(path), "", "was made from another scene than " + a.scene);
     check_portals(path, file.portals, scene.frame);
+    if (file.portals.empty()) common.warn("there is no portal in " + display_name(path));
     portals.insert(portals.end(), file.portals.begin(), file.portals.end());
     inputs.push_back({path, file.hash, file.provenance});
   }
@@ -119,6 +126,11 @@ int run(const Arguments& a, const cli::Common& common) {
   for (const Tally::Place& place : result.tally.not_finite_at)
     common.warn(fmt::format("pixel {} {} sample {}: a contribution was not finite and is left out",
                             place.x, place.y, place.sample));
+  const double total = std::accumulate(result.tally.energy.begin(), result.tally.energy.end(), 0.0);
+  if (!world.portals.empty() && integrator.techniques.has(Technique::portal) &&
+      result.tally.energy[static_cast<size_t>(Technique::portal)] < 0.01 * total)
+    common.note(
+        "the portals brought less than 1 % of the light: do their fronts face the camera's room?");
   common.note(fmt::format("{}: {} samples per pixel at {} x {} in {:.1f} s ({:.1f} CPU s)",
                           integrator.name, result.spp, width, height, result.seconds,
                           result.cpu_seconds));
