@@ -20,12 +20,12 @@ struct PatchGrid {
 };
 
 struct Patch {
-  uint32_t node;                    ///< node of the flow network
-  int level = 0;                    ///< of the cell
-  std::array<int32_t, 3> cell{};    ///< floor((p - origin) / (base_cell / 4^level))
-  double samples = 0;               ///< etendue samples that started here (proportional to area)
-  Vec3d centre{};                   ///< metres, mean of the samples
-  Vec3d normal{};                   ///< unit, mean facing normal
+  uint32_t node;                  ///< node of the flow network
+  int level = 0;                  ///< of the cell
+  std::array<int32_t, 3> cell{};  ///< floor((p - origin) / (base_cell / 4^level))
+  double samples = 0;             ///< etendue samples that started here (proportional to area)
+  Vec3d centre{};                 ///< metres, mean of the samples
+  Vec3d normal{};                 ///< unit, mean facing normal
   /// 2*triangle + side; side 0: the patch faces the triangle's front, 1: its back.
   std::vector<uint32_t> faces;
 };
@@ -41,14 +41,14 @@ struct CutFile {
   std::string scene_hash;
   PatchGrid grid;
   std::vector<Patch> patches;
-  std::vector<Side> side;      ///< of each patch
-  std::vector<CutArc> arcs;    ///< patch-to-patch arcs of the cut
-  double flow = 0;             ///< value of the cut, terminals included [etendue samples]
-  double conductance = 0;      ///< patch-to-patch part / smaller side's total; a bottleneck is small
-  bool bottleneck = false;     ///< false: the network has none (then arcs may be empty)
-  std::string reason;          ///< a plain sentence, why not, when !bottleneck
+  std::vector<Side> side;    ///< of each patch
+  std::vector<CutArc> arcs;  ///< patch-to-patch arcs of the cut
+  double flow = 0;           ///< value of the cut, terminals included [etendue samples]
+  double conductance = 0;    ///< patch-to-patch part / smaller side's total; a bottleneck is small
+  bool bottleneck = false;   ///< false: the network has none (then arcs may be empty)
+  std::string reason;        ///< a plain sentence, why not, when !bottleneck
   Provenance provenance;
-  std::string hash;            ///< content hash of the file read
+  std::string hash;  ///< content hash of the file read
 };
 
 CutFile read_cut(const std::string& path);

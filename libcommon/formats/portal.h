@@ -23,7 +23,7 @@ struct PortalFile {
   std::vector<Portal> portals;  ///< empty: no bottleneck was found
   std::string scene_hash;       ///< of the scene it was made for; empty: drawn by hand
   Provenance provenance;
-  std::string hash;             ///< content hash of the file read
+  std::string hash;  ///< content hash of the file read
 };
 
 /// Reads every mesh of the file, one portal a mesh node, node transforms applied (a mirroring

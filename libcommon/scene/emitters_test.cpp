@@ -35,8 +35,7 @@ TEST(Emitters, PowerAndDensityAddUp) {
   const double dim = luminance(Rgb(1, 2, 3)), both = luminance(Rgb(4));
   EXPECT_NEAR(e.power(), std::numbers::pi * (dim * 0.5 + 2 * both * 0.0625 + dim * 0.125), 1e-5);
   double total = 0;
-  for (uint32_t t = 0; t < s.triangles.size(); ++t)
-    total += e.pdf_A(t) * shape_of(s, t).area;
+  for (uint32_t t = 0; t < s.triangles.size(); ++t) total += e.pdf_A(t) * shape_of(s, t).area;
   EXPECT_NEAR(total, 1, 1e-6);
   EXPECT_EQ(e.pdf_A(1), 0);
 }

@@ -37,13 +37,13 @@ struct Triangle {
 struct Camera {
   std::string name;
   Vec3d position, right, up, forward;
-  double yfov = 0.8;   ///< full vertical angle [rad]
-  double aspect = 0;   ///< width / height; 0: the scene does not say
+  double yfov = 0.8;  ///< full vertical angle [rad]
+  double aspect = 0;  ///< width / height; 0: the scene does not say
 };
 
 struct Scene {
-  std::string path;   ///< as given, for messages
-  std::string hash;   ///< content hash of the file and of all buffers it reads
+  std::string path;  ///< as given, for messages
+  std::string hash;  ///< content hash of the file and of all buffers it reads
   Frame frame;
   std::vector<Vec3f> positions;  ///< canonical
   std::vector<Triangle> triangles;

@@ -78,9 +78,15 @@ int hidden_pairs(double offset_scale) {
   return hidden;
 }
 
-TEST(tracer, places_on_a_convex_box_see_each_other) { EXPECT_EQ(hidden_pairs(1), 0); }
-TEST(tracer, twice_the_step_sees_the_same) { EXPECT_EQ(hidden_pairs(2), 0); }
-TEST(tracer, twin_without_the_step_surfaces_hide_themselves) { EXPECT_GT(hidden_pairs(0), 100); }
+TEST(tracer, places_on_a_convex_box_see_each_other) {
+  EXPECT_EQ(hidden_pairs(1), 0);
+}
+TEST(tracer, twice_the_step_sees_the_same) {
+  EXPECT_EQ(hidden_pairs(2), 0);
+}
+TEST(tracer, twin_without_the_step_surfaces_hide_themselves) {
+  EXPECT_GT(hidden_pairs(0), 100);
+}
 
 TEST(tracer, a_wall_hides_and_an_empty_scene_has_no_hits) {
   Box box;
