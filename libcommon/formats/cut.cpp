@@ -14,8 +14,9 @@ class CutReader {
   CutReader(std::string_view text, const std::string& file) : in_(text, file) {}
 
   CutFile read() {
+    in_.expect_text("a cut file from mincut");
     if (!in_.next() || in_.rest() != "c tdpt cut 1")
-      in_.fail_file("no cut file, expected it to start with 'c tdpt cut 1'");
+      in_.fail_file("is no cut file, expected it to start with 'c tdpt cut 1'");
     while (in_.next()) line(in_.word());
     finish();
     return std::move(out_);

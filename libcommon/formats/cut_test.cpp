@@ -86,8 +86,8 @@ TEST(cut, says_what_is_wrong_and_where) {
       "n 3 s 0 0 0 0 9 0 0 0 0 1 0\nf 3 0\nn 4 t 0 0 0 0 9 0 0 0 0 1 0\nf 4 2\n";
   EXPECT_EQ(complaint(head + nodes + "a 3 4 1\n"), "(accepted)");
   const std::vector<std::pair<std::string, std::string>> cases = {
-      {"p max 3 4\n", " no cut file, expected it to start with 'c tdpt cut 1'"},
-      {"", " no cut file, expected it to start with 'c tdpt cut 1'"},
+      {"p max 3 4\n", " is no cut file, expected it to start with 'c tdpt cut 1'"},
+      {"", " is no cut file, expected it to start with 'c tdpt cut 1'"},
       {head + "s 2\n", "line 6: a second 's' line, expected one"},
       {"c tdpt cut 1\ns -1\n", "line 2: a negative cut, expected a value of 0 or more"},
       {"c tdpt cut 1\ns nan\n", "line 2: 'nan' as value of the cut, expected a finite number"},

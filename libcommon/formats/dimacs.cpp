@@ -15,6 +15,7 @@ class DimacsReader {
   DimacsReader(std::string_view text, const std::string& file) : in_(text, file) {}
 
   DimacsFile read() {
+    in_.expect_text("a DIMACS maximum-flow problem such as ffgraph writes");
     while (in_.next()) {
       const std::string_view key = in_.word();
       if (key == "c")

@@ -17,6 +17,13 @@ class TextLines {
   /// `file` is the name for messages. Keeps a view of `text`.
   TextLines(std::string_view text, std::string file) : text_(text), file_(std::move(file)) {}
 
+  /// Refuses binary files at once, which would otherwise be quoted at length; `expected` says what
+  /// the file should have been.
+  void expect_text(const std::string& expected) const {
+    if (text_.substr(0, 4096).find('\0') != std::string_view::npos)
+      fail_file("is a binary file, expected " + expected);
+  }
+
   /// Moves to the next line that holds a word; false at the end of the text.
   bool next() {
     while (at_ < text_.size()) {
