@@ -62,7 +62,8 @@ int main(int argc, char** argv) {
                        "Cut to write; default standard output");
   options.argument("network", a.network,
                    "Network (DIMACS maximum-flow problem); default standard input", false);
-  options.option("--cuts", a.cuts, "K", "Bottlenecks to find one behind the other; default 1", 1,
+  options.option("--cuts", a.cuts, "K",
+                 "Bottlenecks to find one behind the other; only 1, the default, is supported", 1,
                  64);
   options.option("--least-area", a.limits.least_area, "SHARE",
                  "Share of the area that the smaller side must have; default 0.03", 0, 0.5);
