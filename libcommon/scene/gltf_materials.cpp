@@ -62,7 +62,7 @@ class Reader {
     out.name = m.name;
     out.double_sided = m.doubleSided;
     out.emission = emission(m, index);
-    out.albedo = albedo(m);
+    out.base_color = albedo(m);
     count_approximations(m);
     return out;
   }

@@ -34,7 +34,7 @@ Json lambert(double r, double g, double blue) {
 
 TEST(Materials, ALambertianOneNeedsNoWarning) {
   const Scene s = scene_with({lambert(0.1, 0.2, 0.3)});
-  EXPECT_EQ(s.materials[0].albedo, Rgb(0.1f, 0.2f, 0.3f));
+  EXPECT_EQ(s.materials[0].base_color, Rgb(0.1f, 0.2f, 0.3f));
   EXPECT_EQ(s.materials[0].emission, Rgb());
   EXPECT_FALSE(s.materials[0].double_sided);
   EXPECT_EQ(s.warnings, Sentences{});
@@ -70,8 +70,8 @@ TEST(Materials, OneSentenceForEachKindOfApproximation) {
                  "1 material is unlit: taken as diffuse with the base colour",
                  "1 material is not opaque (alphaMode): taken as opaque",
                  "1 material reflects more than all light: the base colour is clamped to 1"}));
-  EXPECT_EQ(s.materials[7].albedo, Rgb(1, 0.2f, 0.2f));
-  EXPECT_EQ(s.materials[0].albedo, Rgb(0.9f));
+  EXPECT_EQ(s.materials[7].base_color, Rgb(1, 0.2f, 0.2f));
+  EXPECT_EQ(s.materials[0].base_color, Rgb(0.9f));
 }
 
 // 2 x 1 texels, white and black, as PPM: the smallest format that the decoder knows.
@@ -86,7 +86,7 @@ TEST(Textures, TheirAverageColourIsTakenInLinearLight) {
   m["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", 0}};
   const Scene s = scene_with(
       {m}, with_image({{"uri", "data:image/x-portable-pixmap;base64," + base64(kImage)}}));
-  EXPECT_EQ(s.materials[0].albedo, Rgb(0.25f, 0.5f, 0));
+  EXPECT_EQ(s.materials[0].base_color, Rgb(0.25f, 0.5f, 0));
   EXPECT_EQ(s.warnings,
             Sentences{"1 material has a base-colour texture: its average colour is used"});
 }
@@ -106,7 +106,7 @@ TEST(Textures, OnesThatCannotBeDecodedLeaveTheFactor) {
   Json m = lambert(0.5, 1, 0);
   m["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", 0}};
   const Scene s = scene_with({m}, with_image({{"uri", "data:image/webp;base64,AAAA"}}));
-  EXPECT_EQ(s.materials[0].albedo, Rgb(0.5f, 1, 0));
+  EXPECT_EQ(s.materials[0].base_color, Rgb(0.5f, 1, 0));
   EXPECT_EQ(
       s.warnings,
       Sentences{
@@ -121,7 +121,7 @@ TEST(Materials, SurfacesWithoutOneAreGrey) {
           {"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}});
   const TempFolder folder;
   const Scene s = read_gltf(folder.write("scene.glb", b.glb()));
-  EXPECT_EQ(s.material_of(0).albedo, Rgb(0.8f));
+  EXPECT_EQ(s.material_of(0).base_color, Rgb(0.8f));
   EXPECT_EQ(s.warnings, (Sentences{"surfaces without a material are taken as diffuse grey of 0.8",
                                    "1 punctual light is left out",
                                    "1 primitive has vertex colours, which are left out"}));

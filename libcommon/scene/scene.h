@@ -20,11 +20,69 @@ struct Frame {
   Vec3d to_metres(const Vec3d& canonical) const { return canonical / scale + centre; }
 };
 
+/// A decoded image: 8 bits per channel RGBA, row 0 at the top (v = 0).
+struct Image {
+  int width = 0, height = 0;
+  std::vector<uint8_t> texels;  ///< 4 * width * height
+};
+
+/// One use of an image: which one, how it is wrapped round, and which coordinates reach it.
+/// Bilinear between texels unless `nearest`.
+struct TextureMap {
+  enum class Wrap : uint8_t { repeat, mirror, clamp };
+  int32_t image = -1;  ///< into Scene::images; -1: no texture
+  bool srgb = false;   ///< RGB is encoded as sRGB (alpha never is)
+  bool nearest = false;
+  Wrap wrap_u = Wrap::repeat, wrap_v = Wrap::repeat;
+  uint8_t uv_set = 0;  ///< Scene::uv[uv_set]
+  std::array<float, 6> transform{1, 0, 0,
+                                 0, 1, 0};  ///< u' = t0 u + t1 v + t2, v' = t3 u + t4 v + t5
+  explicit operator bool() const { return image >= 0; }
+};
+
+/// glTF 2.0 metallic-roughness with specular, ior, transmission, volume and emissive strength.
+/// Factors are linear; a texture multiplies its factor. The default is diffuse grey.
 struct Material {
   std::string name;
-  Rgb albedo{0.8f, 0.8f, 0.8f};  ///< diffuse reflectance, each in [0,1]
-  Rgb emission{};                ///< radiance [W/m2/sr], on the front side only unless double_sided
+  Rgb base_color{0.8f, 0.8f, 0.8f};  ///< each in [0,1]
+  Rgb emission{};  ///< radiance [W/m2/sr], on the front side only unless double_sided
   bool double_sided = false;
+
+  /// Nothing but base_color and emission matters: no lobe, texture or alpha beyond them.
+  bool plain = true;
+
+  float alpha = 1;  ///< factor of coverage
+  enum class Alpha : uint8_t { opaque, mask, blend } alpha_mode = Alpha::opaque;
+  float alpha_cutoff = 0.5f;  ///< mask: absent below it
+  float metallic = 0;
+  float roughness = 1;  ///< perceptual; GGX alpha = roughness^2
+  float ior = 1.5f;     ///< behind the front side, against 1 before it
+  float specular = 0;   ///< strength of the dielectric reflection, [0,1]
+  Rgb specular_color{1.0f};
+  float transmission = 0;  ///< share of the light that is not reflected and goes through
+  bool solid = false;      ///< encloses a volume: refracts. Otherwise it is a thin sheet.
+  Rgb absorption{};        ///< inside a solid, per canonical length
+  float normal_scale = 1;
+
+  TextureMap base_map;                ///< RGB colour, A alpha
+  TextureMap metallic_roughness_map;  ///< G roughness, B metallic
+  TextureMap emission_map;            ///< RGB
+  TextureMap normal_map;              ///< tangent space, RGB -> [-1,1]
+  TextureMap specular_map;            ///< A
+  TextureMap specular_color_map;      ///< RGB
+  TextureMap transmission_map;        ///< R
+};
+
+/// A light without extent (KHR_lights_punctual), canonical frame.
+struct PunctualLight {
+  enum class Kind : uint8_t { point, spot, directional } kind = Kind::point;
+  std::string name;
+  Vec3d position{};           ///< point, spot
+  Vec3d direction{0, 0, -1};  ///< spot, directional: unit, the way the light travels
+  /// point, spot: radiant intensity in canonical area [W/sr * scale^2], so that intensity / d^2
+  /// with canonical d is irradiance [W/m2]. directional: irradiance on a plane across it [W/m2].
+  Rgb intensity{};
+  double cos_inner = 1, cos_outer = 0;  ///< spot: full light inside, none outside
 };
 
 /// Counter-clockwise seen from the front: normal ~ cross(p1-p0, p2-p0).
@@ -48,8 +106,20 @@ struct Scene {
   std::vector<Vec3f> positions;  ///< canonical
   std::vector<Triangle> triangles;
   std::vector<Material> materials;
+  std::vector<PunctualLight> lights;
+  std::vector<Image> images;
   std::vector<Camera> cameras;
+
+  // Parallel to positions; empty where no material or mesh of the scene needs them.
+  std::vector<Vec3f> normals;                  ///< unit
+  std::vector<std::array<float, 4>> tangents;  ///< unit, w = handedness (+1 or -1)
+  std::array<std::vector<std::array<float, 2>>, 2> uv;
+  std::vector<std::array<float, 4>> colours;  ///< linear RGBA, multiplies base_color and alpha
+  /// Per triangle, or empty: the interpolated normal differs from the geometric one.
+  std::vector<uint8_t> smooth;
+
   std::vector<std::string> warnings;  ///< sentences: what was approximated or left out
+  std::vector<std::string> needs;     ///< words: what its materials and lights ask of a renderer
 
   Vec3f vertex(uint32_t triangle, int corner) const {
     return positions[triangles[triangle].vertex[corner]];

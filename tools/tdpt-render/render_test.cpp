@@ -66,7 +66,7 @@ TEST(render, twin_a_technique_that_is_weighed_but_never_run_is_caught) {
 TEST(render, furnace_box_shows_the_geometric_series) {
   const Scene scene = read_gltf(furnace_path());
   const World world(scene, scene.camera(""), 32, 24, {portal_in_the_furnace()});
-  const double rho = scene.materials[scene.triangles[0].material].albedo.x;
+  const double rho = scene.materials[scene.triangles[0].material].base_color.x;
   ASSERT_GT(rho, 0.1);
   for (int k = 1; k <= 6; ++k) {
     double expected = 0;

@@ -137,7 +137,7 @@ Vec3d contribution(const World& world, const Path& path) {
     value *= cosine_at(a, b) * cosine_at(b, a) / distance2(a, b);
     const bool reflects =
         dot(b.normal, unit(b, a)) * dot(b.normal, unit(b, path.vertex(i + 2))) > 0;
-    value = value * Vec3d(b.material->albedo) * (reflects ? 1 / pi : 0);
+    value = value * Vec3d(b.material->base_color) * (reflects ? 1 / pi : 0);
   }
   const Vertex& last = path.vertex(k - 1);
   const Vertex& camera = path.vertex(k);

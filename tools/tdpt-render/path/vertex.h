@@ -40,7 +40,7 @@ inline bool same_side(const Vertex& v, const Vec3d& wi, const Vec3d& wo) {
 
 /// Diffuse BSDF [1/sr]; wi, wo unit, away from the surface.
 inline Rgb bsdf(const Vertex& v, const Vec3d& wi, const Vec3d& wo) {
-  return same_side(v, wi, wo) ? v.material->albedo * static_cast<float>(std::numbers::inv_pi)
+  return same_side(v, wi, wo) ? v.material->base_color * static_cast<float>(std::numbers::inv_pi)
                               : Rgb{};
 }
 

@@ -40,7 +40,7 @@ void scatter(const World& world, From from, int edges, Rng& rng, Walk& walk, Ray
   while (walk.size <= edges) {
     const Vertex& v = walk[walk.size - 1];
     const Vertex& previous = walk[walk.size - 2];
-    const Rgb throughput = v.throughput * v.material->albedo;  // f cos / pdf_w
+    const Rgb throughput = v.throughput * v.material->base_color;  // f cos / pdf_w
     if (max_component(throughput) <= 0) return;
     const double a = rng.uniform();
     const double b = rng.uniform();

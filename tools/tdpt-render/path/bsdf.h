@@ -1,0 +1,64 @@
+// Scattering at one point of a surface, after textures: glTF metallic-roughness with specular, ior
+// and transmission.
+//
+// Directions are unit, point away from the surface and are given in the shading frame: z along the
+// shading normal of the front side. `from` is where a walk came from, `to` where it goes.
+//
+// f is symmetric, f(a, b) = f(b, a), because it relates basic radiance L/n^2:
+//   L_o / n_o^2 = int f (L_i / n_i^2) n_i^2 |cos_i| dw_i,   n = index(side).
+// The radiance BSDF is f * n_o^2, n_o on the camera's side. Perfectly smooth lobes (Dirac) are kept
+// apart: f and pdf_w never include them.
+#pragma once
+#include <cstdint>
+
+#include "libcommon/math/vec.h"
+
+namespace tdpt {
+
+struct Bsdf {
+  Rgb diffuse{};      ///< colour under the interface, [0,1]
+  Rgb f0{};           ///< reflectance of the interface at normal incidence
+  Rgb f90{};          ///< and at grazing incidence (Schlick); all 0: no interface
+  Rgb through{};      ///< colour of what goes through; 0: opaque
+  float alpha = 1;    ///< GGX; 0: perfectly smooth
+  float eta = 1;      ///< index behind the front side / before it; used when `through` is not 0
+  bool thin = false;  ///< transmits straight on, without refraction
+
+  /// One diffuse lobe and nothing else.
+  bool only_diffuse() const {
+    return !(f90.x > 0 || f90.y > 0 || f90.z > 0 || through.x > 0 || through.y > 0 ||
+             through.z > 0);
+  }
+  bool transmits() const { return through.x > 0 || through.y > 0 || through.z > 0; }
+  /// Index of refraction on the side of w.
+  double index(const Vec3d& w) const {
+    return w.z < 0 && !thin && transmits() ? static_cast<double>(eta) : 1.0;
+  }
+};
+
+namespace bsdf {
+
+/// Whether some lobe is not Dirac, so that connections can be made here.
+bool connectible(const Bsdf& b);
+
+/// Lobes that are not Dirac [1/sr].
+Rgb f(const Bsdf& b, const Vec3d& from, const Vec3d& to);
+/// Density with which sample() takes `to` by a lobe that is not Dirac, including the choice of the
+/// lobe.
+double pdf_w(const Bsdf& b, const Vec3d& from, const Vec3d& to);
+
+struct Scattered {
+  Vec3d to;
+  bool dirac;
+};
+/// Three uniform numbers in [0,1). False when the walk is absorbed.
+bool sample(const Bsdf& b, const Vec3d& from, double choice, double u, double v, Scattered& out);
+
+/// Of the Dirac lobe that leads from `from` to `to` (reflection on the same side, transmission on
+/// the other): the probability that sample() takes it, and its symmetric reflectance or
+/// transmittance of basic radiance.
+double dirac_probability(const Bsdf& b, const Vec3d& from, const Vec3d& to);
+Rgb dirac_reflectance(const Bsdf& b, const Vec3d& from, const Vec3d& to);
+
+}  // namespace bsdf
+}  // namespace tdpt
