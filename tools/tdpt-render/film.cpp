@@ -3,40 +3,77 @@
 #include <cmath>
 
 namespace tdpt {
+namespace {
 
-Film::Film(int width, int height, double power)
+double share_of_a_sample(uint64_t spp) {
+  return spp > 0 ? 1.0 / static_cast<double>(spp) : 0;
+}
+
+}  // namespace
+
+Film::Film(int width, int height, double power, TechniqueSet layers)
     : width_(width),
       height_(height),
       unit_(std::exp2(std::ceil(std::log2(power > 0 ? power : 1.0)) - 40)),
-      camera_(static_cast<size_t>(width) * static_cast<size_t>(height)),
-      splats_(std::make_unique<Splats[]>(camera_.size())) {}
+      picture_(make_plane()) {
+  for (size_t i = 0; i < kTechniques; ++i)
+    if (layers.has(static_cast<Technique>(i))) layers_[i] = make_plane();
+}
 
-bool Film::splat(int x, int y, const Rgb& radiance) {
+Film::Plane Film::make_plane() const {
+  return {std::vector<Vec3d>(pixels()), std::make_unique<Splats[]>(pixels())};
+}
+
+bool Film::splat(Technique technique, int x, int y, const Rgb& radiance) {
   if (!(max_component(radiance) / unit_ < 0x1p63)) return false;
-  Splats& sums = splats_[index(x, y)];
-  for (int c = 0; c < 3; ++c) {
-    const int64_t units = std::llround(radiance[c] / unit_);
-    const auto i = static_cast<size_t>(c);
-    if (units >> 32) sums.high[i].fetch_add(units >> 32, std::memory_order_relaxed);
-    sums.low[i].fetch_add(units & 0xffffffff, std::memory_order_relaxed);
-  }
+  std::array<int64_t, 3> units;
+  for (int c = 0; c < 3; ++c) units[static_cast<size_t>(c)] = std::llround(radiance[c] / unit_);
+  add_splat(picture_.splats[index(x, y)], units);
+  Plane& layer = layers_[static_cast<size_t>(technique)];
+  if (layer.splats) add_splat(layer.splats[index(x, y)], units);
   return true;
 }
 
-Picture Film::resolve(uint64_t spp) const {
-  Picture picture{width_, height_, {}};
-  picture.pixels.reserve(camera_.size());
-  const double share = spp > 0 ? 1.0 / static_cast<double>(spp) : 0;
-  for (size_t i = 0; i < camera_.size(); ++i) {
-    const auto splat = [&](size_t c) {
-      const auto high = static_cast<double>(splats_[i].high[c].load(std::memory_order_relaxed));
-      const auto low = static_cast<double>(splats_[i].low[c].load(std::memory_order_relaxed));
-      return unit_ * (0x1p32 * high + low);
-    };
-    const Vec3d sum = camera_[i] + Vec3d{splat(0), splat(1), splat(2)};
-    picture.pixels.push_back(Vec3f(sum * share));
+void Film::add_splat(Splats& sums, const std::array<int64_t, 3>& units) {
+  for (size_t c = 0; c < 3; ++c) {
+    if (units[c] >> 32) sums.high[c].fetch_add(units[c] >> 32, std::memory_order_relaxed);
+    sums.low[c].fetch_add(units[c] & 0xffffffff, std::memory_order_relaxed);
   }
+}
+
+Rgb Film::pixel(const Plane& plane, size_t i, double share) const {
+  const Splats& sums = plane.splats[i];
+  const auto splat = [&](size_t c) {
+    const auto high = static_cast<double>(sums.high[c].load(std::memory_order_relaxed));
+    const auto low = static_cast<double>(sums.low[c].load(std::memory_order_relaxed));
+    return unit_ * (0x1p32 * high + low);
+  };
+  return Vec3f((plane.camera[i] + Vec3d{splat(0), splat(1), splat(2)}) * share);
+}
+
+Picture Film::resolve(const Plane& plane, uint64_t spp) const {
+  Picture picture{width_, height_, {}};
+  if (!plane.splats) {
+    picture.pixels.resize(pixels());
+    return picture;
+  }
+  picture.pixels.reserve(pixels());
+  const double share = share_of_a_sample(spp);
+  for (size_t i = 0; i < pixels(); ++i) picture.pixels.push_back(pixel(plane, i, share));
   return picture;
+}
+
+Film::Measure Film::measure(uint64_t spp) const {
+  Vec3d sum;
+  size_t nonzero = 0;
+  const double share = share_of_a_sample(spp);
+  for (size_t i = 0; i < pixels(); ++i) {
+    const Rgb p = pixel(picture_, i, share);
+    sum += Vec3d(p);
+    nonzero += p != Rgb{};
+  }
+  const auto n = static_cast<double>(pixels());
+  return {sum / n, static_cast<double>(nonzero) / n};
 }
 
 }  // namespace tdpt

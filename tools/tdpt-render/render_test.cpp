@@ -194,8 +194,8 @@ TEST(film, splats_do_not_depend_on_their_order) {
   const std::vector<float> values{1e-6f, 3.7f, 123.4f, 0.001f, 7e5f};
   Film a(1, 1, 10), b(1, 1, 10);
   for (size_t i = 0; i < values.size(); ++i) {
-    EXPECT_TRUE(a.splat(0, 0, Rgb(values[i])));
-    EXPECT_TRUE(b.splat(0, 0, Rgb(values[values.size() - 1 - i])));
+    EXPECT_TRUE(a.splat(Technique::light, 0, 0, Rgb(values[i])));
+    EXPECT_TRUE(b.splat(Technique::light, 0, 0, Rgb(values[values.size() - 1 - i])));
   }
   EXPECT_EQ(a.resolve(1).pixels, b.resolve(1).pixels);
   EXPECT_NEAR(a.resolve(1).pixels[0].x, 700127.1f, 0.1f);
@@ -203,7 +203,7 @@ TEST(film, splats_do_not_depend_on_their_order) {
 
 TEST(film, a_splat_too_large_to_hold_is_refused) {
   Film film(1, 1, 1);
-  EXPECT_FALSE(film.splat(0, 0, Rgb(1e30f)));
+  EXPECT_FALSE(film.splat(Technique::light, 0, 0, Rgb(1e30f)));
   EXPECT_EQ(film.resolve(1).pixels[0], Rgb{});
 }
 

@@ -84,6 +84,7 @@ void PathSampler::to_pixel(const Path& path, Strategy strategy, const Rgb& value
   const Rgb weighted = value * static_cast<float>(w);
   if (!finite(weighted)) return;
   pixel_ += Vec3d(weighted);
+  film_.add_to_layer(strategy.technique, x_, y_, Vec3d(weighted));
   tally_.energy[static_cast<size_t>(strategy.technique)] += luminance(weighted);
 }
 
@@ -93,7 +94,8 @@ void PathSampler::to_film(const Path& path, Strategy strategy, double raster_x, 
   const double w = path.weight(settings_.techniques, strategy, settings_.beta);
   const Rgb weighted = value * static_cast<float>(w);
   if (!finite(weighted)) return;
-  if (!film_.splat(static_cast<int>(raster_x), static_cast<int>(raster_y), weighted))
+  if (!film_.splat(strategy.technique, static_cast<int>(raster_x), static_cast<int>(raster_y),
+                   weighted))
     return count_not_finite();
   tally_.energy[static_cast<size_t>(strategy.technique)] += luminance(weighted);
 }
