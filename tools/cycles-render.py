@@ -1,0 +1,126 @@
+# cycles-render.py: Cycles, Blender's path tracer, renders a diffuse glTF scene as tdpt-render means it.
+#   blender -b --factory-startup --python-exit-code 1 --python cycles-render.py -- SCENE.glb OUT-%d.exr [OPTIONS]
+# One picture for each seed; %d becomes the seed. OUT has to be an absolute path or relative to the
+# current folder. What is set, and why Blender's own reading of the file is not enough: doc/cycles.md.
+
+import argparse
+import os
+import sys
+
+import numpy
+
+# The importer of Blender 3.4 still asks for numpy.bool, which numpy 1.24 no longer has.
+if "bool" not in numpy.__dict__:
+    numpy.bool = bool
+
+import bpy
+
+
+def options():
+    p = argparse.ArgumentParser(prog="cycles-render.py")
+    p.add_argument("scene")
+    p.add_argument("out")
+    p.add_argument("--seeds", type=int, default=1, help="pictures to make, seeds 1..N")
+    p.add_argument("--spp", type=int, default=256)
+    p.add_argument("--max-depth", type=int, default=6, help="edges of the longest path, at least 2")
+    p.add_argument("--width", type=int, default=160)
+    p.add_argument("--height", type=int, default=120)
+    p.add_argument("--threads", type=int, default=0, help="0: all cores")
+    p.add_argument("--keep-materials", action="store_true", help="leave the materials as imported")
+    a = p.parse_args(sys.argv[sys.argv.index("--") + 1 :])
+    if a.max_depth < 2:
+        p.error("--max-depth: Cycles has no paths of less than 2 edges alone")
+    return a
+
+
+def principled(material):
+    return next(n for n in material.node_tree.nodes if n.bl_idname == "ShaderNodeBsdfPrincipled")
+
+
+def make_lambertian(material):
+    """Replaces the material by a Diffuse BSDF, or, where it emits, by an Emission on the front alone."""
+    nodes, links = material.node_tree.nodes, material.node_tree.links
+    source = principled(material)
+    for name in ("Base Color", "Emission", "Emission Strength"):
+        if source.inputs[name].is_linked:
+            sys.exit(f"cycles-render.py: material {material.name}: {name} has a texture, expected a factor")
+    if source.inputs["Metallic"].default_value or source.inputs["Transmission"].default_value:
+        sys.exit(f"cycles-render.py: material {material.name}: metal or glass, expected a diffuse one")
+    base = list(source.inputs["Base Color"].default_value)
+    strength = source.inputs["Emission Strength"].default_value
+    emission = [c * strength for c in source.inputs["Emission"].default_value[:3]]
+    one_sided = material.use_backface_culling  # What the importer makes of doubleSided false.
+
+    nodes.clear()
+    out = nodes.new("ShaderNodeOutputMaterial")
+    diffuse = nodes.new("ShaderNodeBsdfDiffuse")
+    diffuse.inputs["Color"].default_value = base
+    diffuse.inputs["Roughness"].default_value = 0
+    if not any(emission):
+        links.new(diffuse.outputs["BSDF"], out.inputs["Surface"])
+        return
+    glow = nodes.new("ShaderNodeEmission")
+    peak = max(emission)
+    glow.inputs["Color"].default_value = [c / peak for c in emission] + [1]
+    glow.inputs["Strength"].default_value = peak
+    if one_sided:
+        side = nodes.new("ShaderNodeNewGeometry")
+        front = nodes.new("ShaderNodeMath")
+        front.operation = "MULTIPLY_ADD"  # strength = peak - peak * backfacing
+        links.new(side.outputs["Backfacing"], front.inputs[0])
+        front.inputs[1].default_value = -peak
+        front.inputs[2].default_value = peak
+        links.new(front.outputs["Value"], glow.inputs["Strength"])
+    both = nodes.new("ShaderNodeAddShader")
+    links.new(diffuse.outputs["BSDF"], both.inputs[0])
+    links.new(glow.outputs["Emission"], both.inputs[1])
+    links.new(both.outputs["Shader"], out.inputs["Surface"])
+
+
+def prepare(a):
+    bpy.ops.wm.read_factory_settings(use_empty=True)  # No cube, no lamp, no grey world.
+    bpy.ops.import_scene.gltf(filepath=os.path.abspath(a.scene))
+    scene = bpy.context.scene
+    scene.camera = next(o for o in scene.objects if o.type == "CAMERA")
+    if not a.keep_materials:
+        for material in bpy.data.materials:
+            make_lambertian(material)
+
+    render = scene.render
+    render.engine = "CYCLES"
+    render.resolution_x, render.resolution_y, render.resolution_percentage = a.width, a.height, 100
+    render.film_transparent = False
+    render.threads_mode = "FIXED" if a.threads else "AUTO"
+    if a.threads:
+        render.threads = a.threads
+    render.use_persistent_data = True
+    image = render.image_settings
+    image.file_format, image.color_mode, image.color_depth = "OPEN_EXR", "RGB", "32"
+    image.exr_codec = "ZIP"
+    scene.view_settings.view_transform = "Raw"
+
+    cycles = scene.cycles
+    cycles.device = "CPU"
+    cycles.samples = a.spp
+    cycles.use_adaptive_sampling = False
+    cycles.use_denoising = False
+    cycles.pixel_filter_type = "BOX"  # One pixel wide, like ours.
+    cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0  # Off.
+    cycles.blur_glossy = 0
+    cycles.caustics_reflective = cycles.caustics_refractive = True
+    cycles.light_sampling_threshold = 0
+    # Bounces count the surfaces after the first: a path of k edges has k - 2.
+    cycles.max_bounces = cycles.diffuse_bounces = cycles.glossy_bounces = a.max_depth - 2
+    return scene
+
+
+def main():
+    a = options()
+    scene = prepare(a)
+    for seed in range(1, a.seeds + 1):
+        scene.cycles.seed = seed
+        scene.render.filepath = os.path.abspath(a.out.replace("%d", str(seed)))
+        bpy.ops.render.render(write_still=True)
+
+
+main()
