@@ -7,7 +7,19 @@
 // f is symmetric, f(a, b) = f(b, a), because it relates basic radiance L/n^2:
 //   L_o / n_o^2 = int f (L_i / n_i^2) n_i^2 |cos_i| dw_i,   n = index(side).
 // The radiance BSDF is f * n_o^2, n_o on the camera's side. Perfectly smooth lobes (Dirac) are kept
-// apart: f and pdf_w never include them.
+// apart: f and pdf_w never include them. A walk's weight is f n_to^2 |cos_to| / pdf_w, or
+// dirac_reflectance / dirac_probability: their mean is at most 1, whatever the side.
+//
+// Interface: GGX, height-correlated Smith, one bounce among microfacets (what shadows lose is lost:
+// rough metal and rough glass darken). Its reflectance goes from f0 to f90: opaque, by Schlick's
+// (1 - cos)^5; with `through`, by the exact curve of unpolarised light for eta, so that
+// f0 = ((eta-1)/(eta+1))^2, f90 = 1 is exact; all of it where reflection is total.
+// Diffuse under it: diffuse/pi (1 - E(from)) (1 - E(to)) / (1 - E_avg), E the interface's own
+// directional albedo: white under any interface reflects all that the interface does not.
+// Opaque and thin surfaces look the same from both sides. A solid's diffuse lobe is on its front
+// only; with both `diffuse` and `through`, whose sum is to be at most 1, Schlick's curve (of the
+// cosine in the thinner medium) takes the exact one's place, so that E stays known.
+// A thin sheet transmits by the reflected lobe, mirrored to the other side.
 #pragma once
 #include <cstdint>
 
@@ -20,7 +32,7 @@ struct Bsdf {
   Rgb f0{};           ///< reflectance of the interface at normal incidence
   Rgb f90{};          ///< and at grazing incidence (Schlick); all 0: no interface
   Rgb through{};      ///< colour of what goes through; 0: opaque
-  float alpha = 1;    ///< GGX; 0: perfectly smooth
+  float alpha = 1;    ///< GGX, [0,1]; below 1e-4, or for |eta - 1| < 1e-4 in a solid: smooth
   float eta = 1;      ///< index behind the front side / before it; used when `through` is not 0
   bool thin = false;  ///< transmits straight on, without refraction
 
@@ -41,7 +53,7 @@ namespace bsdf {
 /// Whether some lobe is not Dirac, so that connections can be made here.
 bool connectible(const Bsdf& b);
 
-/// Lobes that are not Dirac [1/sr].
+/// Lobes that are not Dirac [1/sr]; 0 where a direction lies in the surface.
 Rgb f(const Bsdf& b, const Vec3d& from, const Vec3d& to);
 /// Density with which sample() takes `to` by a lobe that is not Dirac, including the choice of the
 /// lobe.
@@ -51,7 +63,8 @@ struct Scattered {
   Vec3d to;
   bool dirac;
 };
-/// Three uniform numbers in [0,1). False when the walk is absorbed.
+/// Three uniform numbers in [0,1). False when the walk is absorbed: pdf_w and dirac_probability add
+/// up to 1 less the probability of that.
 bool sample(const Bsdf& b, const Vec3d& from, double choice, double u, double v, Scattered& out);
 
 /// Of the Dirac lobe that leads from `from` to `to` (reflection on the same side, transmission on
