@@ -14,11 +14,12 @@ namespace tdpt {
 namespace {
 
 struct Arguments {
-  std::string scene, camera, integrator = "default", mis = "balance", device = "cpu", stats;
+  std::string scene, camera, integrator = "default", mis = "balance", device = "cpu", stats,
+                             nonzero;
   std::vector<std::string> portals;
   int64_t spp = 0, max_depth = 6, width = 0, height = 0;
   double seconds = 0;
-  bool preview = false;
+  bool preview = false, layers = false, verbose = false;
 };
 
 // Fills in what --width and --height leave open: square pixels, the camera's aspect, 640 wide.
@@ -66,7 +67,8 @@ int run(const Arguments& a, const cli::Common& common) {
     throw UsageError("--preview puts a PNG beside the picture: give -o FILE");
   std::vector<std::string> outputs{common.output};
   if (a.preview) outputs.push_back(preview_path(common.output));
-  if (!a.stats.empty()) outputs.push_back(a.stats);
+  for (const std::string& side_output : {a.stats, a.nonzero})
+    if (!side_output.empty()) outputs.push_back(side_output);
   for (const char* suffix : {".png", ".jpg", ".jpeg"})
     if (common.output.ends_with(suffix))
       throw UsageError("-o " + common.output +
@@ -107,22 +109,25 @@ int run(const Arguments& a, const cli::Common& common) {
   settings.beta = a.mis == "power" ? 2 : 1;
   settings.seed = common.seed;
   settings.quiet = common.quiet;
+  settings.layers = a.layers;
+  settings.frames = !a.stats.empty();
   const World world(scene, camera, static_cast<int>(width), static_cast<int>(height), portals);
   if (world.portals.empty() && integrator.techniques.has(Technique::portal))
     common.warn("no portal is given, so no path is sampled through one");
-  if (world.emitters.empty()) common.warn("nothing in the scene emits light: the picture is black");
+  if (world.lights.empty()) common.warn("nothing in the scene emits light: the picture is black");
   const RenderResult result = render(world, integrator, settings);
 
   ExrFile exr;
   exr.picture = result.picture;
+  exr.layers = result.layers;
   exr.attributes = exr_attributes(integrator, settings, result, common.provenance(inputs));
   write_output(common.output, exr_bytes(exr));
   if (a.preview)
     write_output(preview_path(common.output),
                  png_bytes(result.picture, auto_exposure(result.picture)));
-  const std::string stats = stats_json(integrator, settings, result);
-  if (!a.stats.empty()) write_output(a.stats, stats + "\n");
-  common.summary(stats);
+  if (!a.nonzero.empty()) write_output(a.nonzero, png_bytes(nonzero_picture(result.picture), 0));
+  if (!a.stats.empty()) write_output(a.stats, stats_json(integrator, settings, result) + "\n");
+  common.summary(summary_json(integrator, settings, result));
   for (const Tally::Place& place : result.tally.not_finite_at)
     common.warn(fmt::format("pixel {} {} sample {}: a contribution was not finite and is left out",
                             place.x, place.y, place.sample));
@@ -134,6 +139,8 @@ int run(const Arguments& a, const cli::Common& common) {
   common.note(fmt::format("{}: {} samples per pixel at {} x {} in {:.1f} s ({:.1f} CPU s)",
                           integrator.name, result.spp, width, height, result.seconds,
                           result.cpu_seconds));
+  if (a.verbose)
+    for (const std::string& note : verbose_notes(scene, integrator, result)) common.note(note);
   if (!result.interrupted) return 0;
   common.note("stopped by a signal; the picture holds the samples named above");
   return static_cast<int>(Exit::interrupted);
@@ -171,7 +178,16 @@ int main(int argc, char** argv) {
   options.option("--camera", a.camera, "NAME", "Camera to render; default the first");
   options.choice("--mis", a.mis, {"balance", "power"}, "MIS heuristic; default balance");
   options.choice("--device", a.device, {"cpu", "gpu"}, "Where to render; default cpu");
-  options.option("--stats", a.stats, "FILE", "Write statistics as JSON", Shapes::nothing);
+  options.option("--stats", a.stats, "FILE",
+                 "Write statistics as JSON, with the picture's progress", Shapes::nothing);
+  options.flag("--layers", a.layers,
+               "Add each technique's contribution as layers <technique>.R .G .B");
+  options.option("--nonzero", a.nonzero, "FILE",
+                 "Write a PNG of the pixels: red with a contribution, green without",
+                 Shapes::nothing);
   options.flag("--preview", a.preview, "Write a PNG beside the picture", Shapes::nothing);
+  options.flag("--verbose", a.verbose,
+               "Say what the scene needs, what was left out, rays and techniques' shares",
+               Shapes::nothing);
   return options.run_main(argc, argv, [&] { return run(a, options.common); });
 }

@@ -1,5 +1,6 @@
 // The loop over pixels and samples.
 #pragma once
+#include <map>
 #include <string>
 
 #include "tools/tdpt-render/integrators/integrator.h"
@@ -13,14 +14,30 @@ struct RenderSettings {
   double beta = 1;  ///< 1: balance heuristic, 2: power heuristic
   uint64_t seed = 1;
   bool quiet = true;
+  bool layers = false;  ///< keep each technique's contribution apart
+  bool frames = false;  ///< measure the picture while it forms
 };
+
+/// The picture after its first `spp` samples per pixel.
+struct FrameRecord {
+  uint64_t spp = 0;
+  double nonzero = 0;  ///< share of pixels that are not black
+  Vec3d mean;          ///< over all pixels
+  double seconds = 0;  ///< of rendering until then
+};
+
+/// The first number of samples above `spp` that gets a record: each until 256, then each that is a
+/// sixteenth more than the one before.
+uint64_t next_frame(uint64_t spp);
 
 struct RenderResult {
   Picture picture;
-  uint64_t spp = 0;  ///< samples each pixel got
-  double seconds = 0, cpu_seconds = 0;
+  uint64_t spp = 0;                     ///< samples each pixel got
+  double seconds = 0, cpu_seconds = 0;  ///< measuring frames not counted
   bool interrupted = false;  ///< a signal ended it early; the picture holds what was there
   Tally tally;
+  std::map<std::string, Picture> layers;  ///< by technique; they add up to the picture
+  std::vector<FrameRecord> frames;        ///< the last one is the picture
 
   Vec3d mean() const;      ///< over all pixels
   double nonzero() const;  ///< share of pixels that are not black

@@ -1,13 +1,29 @@
 #include "tools/tdpt-render/report.h"
 
+#include <algorithm>
+#include <numeric>
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 namespace tdpt {
+namespace {
 
-std::string stats_json(const Integrator& integrator, const RenderSettings& settings,
-                       const RenderResult& result) {
-  const Vec3d mean = result.mean();
+/// The words of Scene::needs: code that a scene without them never enters.
+constexpr std::array<const char*, 7> kNeeds{"textures",       "shading normals", "vertex colours",
+                                            "specular",       "transmission",    "alpha",
+                                            "punctual lights"};
+
+double total_energy(const RenderResult& result) {
+  return std::accumulate(result.tally.energy.begin(), result.tally.energy.end(), 0.0);
+}
+
+nlohmann::ordered_json numbers(const Vec3d& v) {
+  return {v.x, v.y, v.z};
+}
+
+nlohmann::ordered_json summary(const Integrator& integrator, const RenderSettings& settings,
+                               const RenderResult& result) {
   nlohmann::ordered_json j;
   j["integrator"] = integrator.name;
   j["spp"] = result.spp;
@@ -16,18 +32,71 @@ std::string stats_json(const Integrator& integrator, const RenderSettings& setti
   j["max_depth"] = settings.max_depth;
   j["seconds"] = result.seconds;
   j["cpu_seconds"] = result.cpu_seconds;
-  j["mean"] = {mean.x, mean.y, mean.z};
+  j["mean"] = numbers(result.mean());
   j["nonzero"] = result.nonzero();
   const RayCounts& rays = result.tally.rays;
   j["rays"] = {{"closest", rays.closest}, {"shadow", rays.shadow}, {"portal", rays.portal}};
-  double total = 0;
-  for (double e : result.tally.energy) total += e;
+  const double total = total_energy(result);
   auto& techniques = j["techniques"] = nlohmann::ordered_json::object();
   for (size_t i = 0; i < kTechniques; ++i)
     if (integrator.techniques.has(static_cast<Technique>(i)))
       techniques[kTechniqueNames[i]] = total > 0 ? result.tally.energy[i] / total : 0.0;
   j["not_finite"] = result.tally.not_finite;
+  return j;
+}
+
+}  // namespace
+
+std::string summary_json(const Integrator& integrator, const RenderSettings& settings,
+                         const RenderResult& result) {
+  return summary(integrator, settings, result).dump();
+}
+
+std::string stats_json(const Integrator& integrator, const RenderSettings& settings,
+                       const RenderResult& result) {
+  nlohmann::ordered_json j = summary(integrator, settings, result);
+  if (!result.frames.empty()) {
+    auto& frames = j["frames"] = nlohmann::ordered_json::array();
+    for (const FrameRecord& f : result.frames)
+      frames.push_back({{"spp", f.spp},
+                        {"nonzero", f.nonzero},
+                        {"mean", numbers(f.mean)},
+                        {"seconds", f.seconds}});
+  }
   return j.dump();
+}
+
+std::vector<std::string> verbose_notes(const Scene& scene, const Integrator& integrator,
+                                       const RenderResult& result) {
+  std::vector<std::string> left_out;
+  for (const char* need : kNeeds)
+    if (std::find(scene.needs.begin(), scene.needs.end(), need) == scene.needs.end())
+      left_out.emplace_back(need);
+  std::vector<std::string> notes;
+  notes.push_back(
+      fmt::format("this scene needs {}; left out: {}",
+                  scene.needs.empty() ? "diffuse surfaces only"
+                                      : fmt::format("{}", fmt::join(scene.needs, ", ")),
+                  left_out.empty() ? "nothing" : fmt::format("{}", fmt::join(left_out, ", "))));
+  const RayCounts& rays = result.tally.rays;
+  notes.push_back(fmt::format("rays: {} closest, {} shadow, {} portal", rays.closest, rays.shadow,
+                              rays.portal));
+  const double total = total_energy(result);
+  std::vector<std::string> shares;
+  for (size_t i = 0; i < kTechniques; ++i)
+    if (integrator.techniques.has(static_cast<Technique>(i)))
+      shares.push_back(fmt::format("{} {:.1f} %", kTechniqueNames[i],
+                                   total > 0 ? 100 * result.tally.energy[i] / total : 0.0));
+  notes.push_back(fmt::format("techniques: {}", fmt::join(shares, ", ")));
+  return notes;
+}
+
+Picture nonzero_picture(const Picture& picture) {
+  Picture marks{picture.width, picture.height, {}};
+  marks.pixels.reserve(picture.pixels.size());
+  for (const Rgb& p : picture.pixels)
+    marks.pixels.push_back(p != Rgb{} ? Rgb{1, 0, 0} : Rgb{0, 1, 0});
+  return marks;
 }
 
 std::map<std::string, std::string> exr_attributes(const Integrator& integrator,

@@ -4,9 +4,20 @@
 
 namespace tdpt {
 
-/// JSON with the keys of tdpt-render(1), one object.
+/// JSON with the keys of tdpt-render(1), one object; with `frames` when the result has them.
 std::string stats_json(const Integrator& integrator, const RenderSettings& settings,
                        const RenderResult& result);
+/// The same without `frames`, which are long.
+std::string summary_json(const Integrator& integrator, const RenderSettings& settings,
+                         const RenderResult& result);
+
+/// --verbose: what the scene asks for and what was left out for want of it, the rays by kind, and
+/// the techniques' shares of the energy; a sentence each.
+std::vector<std::string> verbose_notes(const Scene& scene, const Integrator& integrator,
+                                       const RenderResult& result);
+
+/// --nonzero: red where a pixel got some contribution, green where it is black.
+Picture nonzero_picture(const Picture& picture);
 
 /// String attributes of the EXR header.
 std::map<std::string, std::string> exr_attributes(const Integrator& integrator,
