@@ -2,9 +2,9 @@
 //
 // Directional albedo of the specular lobe with Schlick's F = f0 + (f90 - f0)(1 - c)^5:
 //   E(mu) = f0 A(mu, alpha) + f90 B(mu, alpha),   E_avg = 2 int E(mu) mu dmu.
-// A and B come from a table made on first need (deterministic, about 10 ms), linear between nodes
-// in sqrt(mu) and sqrt(alpha); its averages are those of the linear interpolant, so that
-// int (1 - E) mu dmu is exact. alpha = 0 is Schlick's curve itself.
+// A and B come from a table made on first need (deterministic, about 20 ms), linear between nodes
+// in mu^(1/4) and alpha^(1/4), within 0.002 where mu > 0.05; its averages are those of the linear
+// interpolant, so that int (1 - E) mu dmu is exact. alpha = 0 is Schlick's curve itself.
 #pragma once
 
 namespace tdpt {
