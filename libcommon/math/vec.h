@@ -87,6 +87,7 @@ struct Onb {
     y = {b, sign + n.y * n.y * a, -n.y};
   }
   Vec3<T> to_world(const Vec3<T>& v) const { return x * v.x + y * v.y + z * v.z; }
+  Vec3<T> to_local(const Vec3<T>& v) const { return {dot(x, v), dot(y, v), dot(z, v)}; }
 };
 
 }  // namespace tdpt

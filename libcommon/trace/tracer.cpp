@@ -1,5 +1,6 @@
 #include "libcommon/trace/tracer.h"
 
+#include <bit>
 #include <limits>
 
 #include <embree3/rtcore.h>
@@ -7,6 +8,8 @@
 #include <xmmintrin.h>
 
 #include "libcommon/base/error.h"
+#include "libcommon/math/rng.h"
+#include "libcommon/scene/texture.h"
 
 namespace tdpt {
 
@@ -14,6 +17,15 @@ struct Tracer::Impl {
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;
   std::vector<TriangleShape> shapes;
+  /// Scene triangles of Embree's geometries 0 (opaque) and 1 (with alpha), where there are both
+  /// kinds; empty: geometry 0 holds all of them in their order.
+  std::array<std::vector<uint32_t>, 2> triangles;
+  const Scene* traced = nullptr;
+
+  uint32_t triangle(unsigned geometry, unsigned primitive) const {
+    return triangles[geometry].empty() ? primitive : triangles[geometry][primitive];
+  }
+  void add_geometry(const std::vector<uint32_t>& chosen, bool alpha);
   ~Impl() {
     if (scene) rtcReleaseScene(scene);
     if (device) rtcReleaseDevice(device);
@@ -33,7 +45,46 @@ void flush_denormals() {
   }();
   (void)done;
 }
+
+// Whether the surface is there, see the header.
+bool present(const Scene& scene, uint32_t triangle, float u, float v) {
+  const float coverage = coverage_at(scene, {triangle, u, v});
+  if (coverage >= 1 || coverage <= 0) return coverage > 0;
+  const uint64_t place = uint64_t{std::bit_cast<uint32_t>(u)} << 32 | std::bit_cast<uint32_t>(v);
+  return static_cast<double>(mix64(mix64(place) + triangle) >> 11) * 0x1p-53 < double{coverage};
+}
 }  // namespace
+
+// `chosen`: triangles of the scene; empty: all.
+void Tracer::Impl::add_geometry(const std::vector<uint32_t>& chosen, bool alpha) {
+  RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+  const bool all = chosen.empty() && triangles[1].empty();
+  const size_t n = all ? traced->triangles.size() : chosen.size();
+  auto* positions = static_cast<Vec3f*>(
+      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3f),
+                              std::max<size_t>(traced->positions.size(), 1)));
+  std::copy(traced->positions.begin(), traced->positions.end(), positions);
+  auto* indices = static_cast<std::array<uint32_t, 3>*>(
+      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                              sizeof(std::array<uint32_t, 3>), std::max<size_t>(n, 1)));
+  if (n == 0) indices[0] = {0, 0, 0};
+  for (size_t i = 0; i < n; ++i) indices[i] = traced->triangles[all ? i : size_t{chosen[i]}].vertex;
+  if (alpha) {
+    rtcSetGeometryUserData(geometry, this);
+    const auto filter = [](const RTCFilterFunctionNArguments* a) {
+      const auto& self = *static_cast<const Impl*>(a->geometryUserPtr);
+      if (a->valid[0] == 0) return;
+      const uint32_t t = self.triangles[1][RTCHitN_primID(a->hit, a->N, 0)];
+      if (!present(*self.traced, t, RTCHitN_u(a->hit, a->N, 0), RTCHitN_v(a->hit, a->N, 0)))
+        a->valid[0] = 0;
+    };
+    rtcSetGeometryIntersectFilterFunction(geometry, filter);
+    rtcSetGeometryOccludedFilterFunction(geometry, filter);
+  }
+  rtcCommitGeometry(geometry);
+  rtcAttachGeometry(scene, geometry);
+  rtcReleaseGeometry(geometry);
+}
 
 Tracer::Tracer(const Scene& scene) : scene_(scene), impl_(std::make_unique<Impl>()) {
   flush_denormals();
@@ -42,24 +93,19 @@ Tracer::Tracer(const Scene& scene) : scene_(scene), impl_(std::make_unique<Impl>
   impl_->scene = rtcNewScene(impl_->device);
   rtcSetSceneFlags(impl_->scene, RTC_SCENE_FLAG_ROBUST);
   rtcSetSceneBuildQuality(impl_->scene, RTC_BUILD_QUALITY_HIGH);
-  RTCGeometry geometry = rtcNewGeometry(impl_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-  const size_t n = scene.triangles.size();
-  auto* positions = static_cast<Vec3f*>(
-      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3f),
-                              std::max<size_t>(scene.positions.size(), 1)));
-  std::copy(scene.positions.begin(), scene.positions.end(), positions);
-  auto* indices = static_cast<std::array<uint32_t, 3>*>(
-      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                              sizeof(std::array<uint32_t, 3>), std::max<size_t>(n, 1)));
-  if (n == 0) indices[0] = {0, 0, 0};
+  impl_->traced = &scene;
+  const auto n = static_cast<uint32_t>(scene.triangles.size());
   impl_->shapes.resize(n);
+  bool any_alpha = false;
   for (uint32_t t = 0; t < n; ++t) {
-    indices[t] = scene.triangles[t].vertex;
     impl_->shapes[t] = shape_of(scene, t);
+    any_alpha |= scene.material_of(t).alpha_mode != Material::Alpha::opaque;
   }
-  rtcCommitGeometry(geometry);
-  rtcAttachGeometry(impl_->scene, geometry);
-  rtcReleaseGeometry(geometry);
+  if (any_alpha)
+    for (uint32_t t = 0; t < n; ++t)
+      impl_->triangles[scene.material_of(t).alpha_mode != Material::Alpha::opaque].push_back(t);
+  impl_->add_geometry(impl_->triangles[0], false);
+  if (any_alpha) impl_->add_geometry(impl_->triangles[1], true);
   rtcCommitScene(impl_->scene);
   if (rtcGetDeviceError(impl_->device) != RTC_ERROR_NONE)
     throw Error(Exit::internal, "Embree cannot build its hierarchy");
@@ -89,8 +135,8 @@ bool Tracer::closest(const Origin& from, const Vec3d& w, Hit& hit) const {
   context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
   rtcIntersect1(impl_->scene, &context, &query);
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
-  const TriangleShape& s = impl_->shapes[query.hit.primID];
-  hit.triangle = query.hit.primID;
+  hit.triangle = impl_->triangle(query.hit.geomID, query.hit.primID);
+  const TriangleShape& s = impl_->shapes[hit.triangle];
   hit.b1 = query.hit.u;
   hit.b2 = query.hit.v;
   hit.position = s.p0 + s.e1 * hit.b1 + s.e2 * hit.b2;

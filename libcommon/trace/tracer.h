@@ -3,6 +3,10 @@
 // Rays start exactly on surfaces, so their origins are moved off the surface by a few units in the
 // last place of its coordinates, along the geometric normal to the side the ray leaves on. Hit
 // points themselves are computed from barycentrics in double precision and never moved.
+//
+// Surfaces that are not opaque (alpha) are there or not there at each of their points: at a share
+// `coverage` of them, picked by a hash of the exact point. So a blend of 0.3 is met by three rays of
+// ten, and no ray needs random numbers of its own.
 #pragma once
 #include <memory>
 

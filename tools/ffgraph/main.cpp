@@ -7,7 +7,7 @@
 #include "libcommon/base/output_file.h"
 #include "libcommon/base/threads.h"
 #include "libcommon/cli/cli.h"
-#include "libcommon/scene/emitters.h"
+#include "libcommon/scene/lights.h"
 #include "tools/ffgraph/rounds.h"
 #include "tools/ffgraph/triangle_flow.h"
 
@@ -86,9 +86,9 @@ int run(Arguments a, const cli::Common& common) {
   for (const std::string& warning : scene.warnings) common.warn(warning);
   if (scene.triangles.empty())
     throw InputError(display_name(a.scene), "", "no triangles, expected surfaces");
-  if (Emitters(scene).empty())
+  if (Lights(scene).empty())
     throw InputError(display_name(a.scene), "",
-                     "nothing emits light, expected an emissive surface");
+                     "nothing emits light, expected an emissive surface or a lamp");
   const Camera& camera = scene.camera(a.camera);
   std::vector<cli::Common::Input> inputs{{a.scene, scene.hash, {}}};
   CutFile refine;

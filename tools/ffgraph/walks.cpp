@@ -2,7 +2,7 @@
 
 #include <oneapi/tbb/parallel_for.h>
 
-#include "libcommon/scene/emitters.h"
+#include "libcommon/scene/lights.h"
 #include "libcommon/scene/film_plane.h"
 #include "tools/ffgraph/patch_map.h"
 
@@ -48,12 +48,15 @@ std::vector<WalkHit> run_walks(const Tracer& tracer, const WalkSettings& s, Stre
 
 std::vector<WalkHit> light_walks(const Scene& scene, const Tracer& tracer,
                                  const WalkSettings& settings) {
-  const Emitters emitters(scene);
-  if (emitters.empty()) return {};
+  const Lights lights(scene);
+  if (lights.empty()) return {};
   return run_walks(tracer, settings, kLight, [&](Rng& rng, Tracer::Origin& from) {
-    const Emitters::Sample e = emitters.sample(rng);
-    from = {e.position, e.normal};
-    return cosine_direction(rng, e.normal);
+    const Lights::Point point = lights.sample(rng);
+    const double u = rng.uniform();
+    const double v = rng.uniform();
+    const Lights::Ray ray = lights.leave(point, u, v);
+    from = {ray.origin, point.normal};
+    return ray.direction;
   });
 }
 

@@ -7,28 +7,73 @@ namespace {
 
 using std::numbers::pi;
 
+/// From a to b; parallel light comes along its direction.
 Vec3d unit(const Vertex& from, const Vertex& to) {
+  if (from.at_infinity()) return from.lamp->light.direction;
+  if (to.at_infinity()) return -to.lamp->light.direction;
   return normalize(to.position - from.position);
 }
 
 double distance2(const Vertex& a, const Vertex& b) {
+  if (a.at_infinity() || b.at_infinity()) return 1;
   const Vec3d d = b.position - a.position;
   return dot(d, d);
 }
 
 double cosine_at(const Vertex& at, const Vertex& other) {
-  return std::abs(dot(at.normal, unit(at, other)));
+  return at.on_surface() ? std::abs(dot(at.normal, unit(at, other))) : 1;
 }
 
-/// Direction density at `at` [1/sr]: cos/pi on the side of `from`.
-double pdf_w(const Vertex& from, const Vertex& at, const Vertex& to) {
-  const bool same = dot(at.normal, unit(at, from)) * dot(at.normal, unit(at, to)) > 0;
-  return same ? cosine_at(at, to) / pi : 0;
+/// Lobes and shading normal, whatever shortcut the vertex takes.
+struct Surface {
+  explicit Surface(const Vertex& v)
+      : bsdf(v.bsdf), normal(v.normal), onb(v.simple ? v.normal : v.shading) {
+    if (!v.simple) return;
+    bsdf = {};
+    bsdf.diffuse = v.material->base_color;
+  }
+  Vec3d local(const Vec3d& w) const { return {dot(onb.x, w), dot(onb.y, w), dot(onb.z, w)}; }
+  /// Above both normals or below both.
+  bool valid(const Vec3d& w) const { return dot(normal, w) * local(w).z > 0; }
+
+  Bsdf bsdf;
+  Vec3d normal;
+  Onb<double> onb;
+};
+
+/// Direction density at `at` [1/sr]; of a Dirac lobe per n^2 |cos| dw.
+double pdf_w(const Vertex& from, const Vertex& at, const Vertex& to, bool dirac) {
+  const Surface s(at);
+  const Vec3d wi = unit(at, from), wo = unit(at, to);
+  if (!s.valid(wi) || !s.valid(wo)) return 0;
+  const Vec3d i = s.local(wi), o = s.local(wo);
+  if (!dirac) return bsdf::pdf_w(s.bsdf, i, o);
+  const double n = s.bsdf.index(o);
+  return bsdf::dirac_probability(s.bsdf, i, o) * n * n * std::abs(o.z);
 }
 
-bool emits(const Vertex& x0, const Vertex& x1) {
-  return luminance(x0.material->emission) > 0 &&
-         (x0.material->double_sided || dot(x0.normal, unit(x0, x1)) > 0);
+/// Radiance BSDF with geometric cosines; a Dirac lobe's delta is left out.
+Vec3d scattering(const Vertex& light_side, const Vertex& at, const Vertex& camera_side,
+                 bool dirac) {
+  const Surface s(at);
+  const Vec3d wl = unit(at, light_side), wc = unit(at, camera_side);
+  if (!s.valid(wl) || !s.valid(wc)) return {};
+  const Vec3d l = s.local(wl), c = s.local(wc);
+  const double n = s.bsdf.index(c);
+  const Rgb f = dirac ? bsdf::dirac_reflectance(s.bsdf, l, c) : bsdf::f(s.bsdf, l, c);
+  return Vec3d(f) * (n * n * std::abs(l.z) / std::abs(dot(at.normal, wl)));
+}
+
+Vec3d emission(const Vertex& x0, const Vertex& x1) {
+  if (x0.lamp) return Vec3d(x0.lamp->intensity(unit(x0, x1)));
+  if (!x0.material->double_sided && dot(x0.normal, unit(x0, x1)) <= 0) return {};
+  return Vec3d(x0.simple ? x0.material->emission : x0.emission);
+}
+
+double emission_pdf_w(const Vertex& x0, const Vertex& x1) {
+  if (luminance(Vec3f(emission(x0, x1))) <= 0) return 0;
+  if (x0.lamp) return x0.lamp->pdf;
+  return cosine_at(x0, x1) / (x0.material->double_sided ? 2 * pi : pi);
 }
 
 double film_pdf_w(const World& world, const Vertex& camera, const Vertex& x) {
@@ -37,6 +82,7 @@ double film_pdf_w(const World& world, const Vertex& camera, const Vertex& x) {
 
 /// p_AA of eq. 4, polygon by polygon with its cosines written out.
 double segment_pdf(const World& world, const Vertex& a, const Vertex& b) {
+  if (!a.on_surface()) return 0;
   const Vec3d w = unit(a, b);
   const double G = cosine_at(a, b) * cosine_at(b, a) / distance2(a, b);
   double total_area = 0, sum = 0;
@@ -75,26 +121,30 @@ std::vector<StrategyDensity> densities(const World& world, const Path& path, Tec
     double& P_light = from_light[static_cast<size_t>(i)];
     double& P_camera = from_camera[static_cast<size_t>(i)];
     if (i == 0) {
-      P_light = world.emitters.pdf_A(x.triangle);
+      P_light = x.lamp ? x.lamp->pdf_1 : world.lights.pdf_A(x.triangle);
     } else {
       const Vertex& before = path.vertex(i - 1);
-      const double p =
-          i == 1 ? (emits(before, x)
-                        ? cosine_at(before, x) / (before.material->double_sided ? 2 * pi : pi)
-                        : 0)
-                 : pdf_w(path.vertex(i - 2), before, x);
+      const double p = i == 1 ? emission_pdf_w(before, x)
+                              : pdf_w(path.vertex(i - 2), before, x, path.dirac(i - 1));
       P_light = p * cosine_at(x, before) / distance2(before, x);
       if (fault == Fault::missing_cosine && i == 2) P_light /= cosine_at(x, before);
     }
     const Vertex& after = path.vertex(i + 1);
-    const double p = i == k - 1 ? film_pdf_w(world, after, x) : pdf_w(path.vertex(i + 2), after, x);
-    P_camera = p * cosine_at(x, after) / distance2(after, x);
+    const double p = i == k - 1 ? film_pdf_w(world, after, x)
+                                : pdf_w(path.vertex(i + 2), after, x, path.dirac(i + 1));
+    P_camera = x.lamp ? 0 : p * cosine_at(x, after) / distance2(after, x);
   }
 
   std::vector<StrategyDensity> result;
   const auto add = [&](Technique technique, int split) {
     if (!set.has(technique)) return;
     const bool portal = technique == Technique::portal;
+    // Every connection of the technique, by its first vertex, needs both ends free of Dirac lobes.
+    const auto connects = [&](int i) { return !path.dirac(i) && !path.dirac(i + 1); };
+    bool possible = true;
+    if (portal) possible = connects(split) && connects(split + 1);
+    if (split > 0) possible = possible && connects(split - 1);
+    if (!possible && fault != Fault::connection_at_a_mirror) return;
     double log_p = 0;
     for (int i = 0; i < split; ++i) log_p += std::log(from_light[static_cast<size_t>(i)]);
     for (int i = portal ? split + 2 : split; i < k; ++i)
@@ -128,16 +178,12 @@ double weight(const std::vector<StrategyDensity>& densities, Strategy used) {
 
 Vec3d contribution(const World& world, const Path& path) {
   const int k = path.k();
-  const Vertex& x0 = path.vertex(0);
-  if (!emits(x0, path.vertex(1))) return {};
-  Vec3d value(x0.material->emission);
+  Vec3d value = emission(path.vertex(0), path.vertex(1));
   for (int i = 0; i + 1 < k; ++i) {
     const Vertex& a = path.vertex(i);
     const Vertex& b = path.vertex(i + 1);
     value *= cosine_at(a, b) * cosine_at(b, a) / distance2(a, b);
-    const bool reflects =
-        dot(b.normal, unit(b, a)) * dot(b.normal, unit(b, path.vertex(i + 2))) > 0;
-    value = value * Vec3d(b.material->base_color) * (reflects ? 1 / pi : 0);
+    value = value * scattering(a, b, path.vertex(i + 2), path.dirac(i + 1));
   }
   const Vertex& last = path.vertex(k - 1);
   const Vertex& camera = path.vertex(k);

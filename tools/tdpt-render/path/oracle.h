@@ -13,7 +13,7 @@ struct StrategyDensity {
 };
 
 /// A planted fault, for the tests that must fail.
-enum class Fault { none, portal_density_5_percent, missing_cosine };
+enum class Fault { none, portal_density_5_percent, missing_cosine, connection_at_a_mirror };
 
 /// All strategies of `set` that can make the path.
 std::vector<StrategyDensity> densities(const World& world, const Path& path, TechniqueSet set,
@@ -22,7 +22,8 @@ std::vector<StrategyDensity> densities(const World& world, const Path& path, Tec
 /// Balance-heuristic weight of `used` [eq. 6].
 double weight(const std::vector<StrategyDensity>& densities, Strategy used);
 
-/// Measurement contribution function: Le G f G ... f G W, eqs. 1 to 3 without visibility.
+/// Measurement contribution function: Le G f G ... f G W, eqs. 1 to 3 without visibility, without
+/// absorption along the edges and without the deltas of Dirac lobes.
 Vec3d contribution(const World& world, const Path& path);
 
 }  // namespace tdpt::oracle

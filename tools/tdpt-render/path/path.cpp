@@ -6,6 +6,10 @@
 //   bi        s=2..k-1   prod_{i<s} P>(x_i) prod_{i>=s} P<(x_i)                             [eq. 7]
 //   portal a  a=0..k-2   prod_{i<a} P>(x_i) p_AA(x_a,x_{a+1}) prod_{i>a+1} P<(x_i)          [eq. 8]
 //
+// At a vertex with a Dirac lobe on this path (a mirror, smooth glass) nothing can be connected: the
+// techniques that would end a prefix or a segment there, or join one to it, have no density. A lamp
+// without a surface has no P<(x_0).
+//
 // All are divided by the common factor prod q_i, q_i = P>(x_i) + P<(x_i): every factor then lies in
 // [0,1] (but for p_AA / q_a q_{a+1}), so long paths neither overflow nor underflow where it
 // matters.
@@ -32,6 +36,9 @@ void Path::fill(const World& world, const Walk& y, int s, const Walk& z, int t, 
   k_ = s + middle + t - 1;
   const int first_z = k_ - (t - 1);  // index of z_{t-1}
   for (int j = 0; j < t; ++j) x_[static_cast<size_t>(k_ - j)] = &z[j];
+  // Walks turned at the inner vertices of their prefixes; at the others the path was connected.
+  for (int i = 0; i <= k_; ++i)
+    dirac_[static_cast<size_t>(i)] = (i + 1 < s && y[i].dirac) || (i > first_z && z[k_ - i].dirac);
 
   // Inside a prefix the walk knows both densities; the two vertices at a prefix's end and the
   // segment's learn theirs from the finished path.
@@ -44,23 +51,23 @@ void Path::fill(const World& world, const Walk& y, int s, const Walk& z, int t, 
     else if (j <= t - 3)
       p_light = z[j].pdf_other_A;
     else if (i == 0)
-      p_light = world.emitters.pdf_A(x(0).triangle);
+      p_light = x(0).lamp ? x(0).lamp->pdf_1 : world.lights.pdf_A(x(0).triangle);
     else if (i == 1)
       p_light = emission_pdf_A(x(0), x(1));
     else
-      p_light = scatter_pdf_A(x(i - 2), x(i - 1), x(i));
+      p_light = scatter_pdf_A(x(i - 2), x(i - 1), x(i), dirac(i - 1));
 
     if (i >= first_z) {
       p_camera = z[j].pdf_own_A;
     } else if (i <= s - 3) {
       p_camera = y[i].pdf_other_A;
+    } else if (x(i).lamp) {
+      p_camera = 0;
     } else if (j == 1) {
-      const Vec3d d = x(i).position - x(k_).position;
-      const double d2 = dot(d, d);
-      const Vec3d w = d / std::sqrt(d2);
-      p_camera = to_area(world.film.pdf_w(w), w, d2, x(i).normal);
+      const Edge e = between(x(k_), x(i));
+      p_camera = to_area(world.film.pdf_w(e.w), e, x(i));
     } else {
-      p_camera = scatter_pdf_A(x(i + 2), x(i + 1), x(i));
+      p_camera = scatter_pdf_A(x(i + 2), x(i + 1), x(i), dirac(i + 1));
     }
   }
 
@@ -76,6 +83,8 @@ void Path::fill(const World& world, const Walk& y, int s, const Walk& z, int t, 
       D = z[k_ - i].portal_density;
     } else if (middle && i == s) {
       D = segment_D;
+    } else if (!x(i).on_surface()) {
+      D = 0;
     } else {
       ++rays.portal;
       D = world.portals.density(x(i).position, x(i + 1).position);
@@ -105,11 +114,11 @@ double Path::weight(TechniqueSet set, Strategy used, double beta) const {
                                 : s == 1  ? Technique::direct
                                 : s == k_ ? Technique::light
                                           : Technique::bi;
-    if (set.has(technique)) add(technique, s, light_part * camera_part[u(s)]);
-    if (s <= k_ - 2 && portal_[u(s)] > 0 && set.has(Technique::portal)) {
-      const Vec3d d = x(s + 1).position - x(s).position;
-      const double d2 = dot(d, d);
-      const double g = std::abs(dot(x(s).normal, d) * dot(x(s + 1).normal, d)) / (d2 * d2);
+    const bool joins = !(s > 0 && (dirac(s - 1) || dirac(s)));
+    if (set.has(technique) && joins) add(technique, s, light_part * camera_part[u(s)]);
+    if (s <= k_ - 2 && portal_[u(s)] > 0 && set.has(Technique::portal) && joins && !dirac(s) &&
+        !dirac(s + 1) && !dirac(s + 2)) {
+      const double g = geometry(x(s), x(s + 1), between(x(s), x(s + 1)));
       add(Technique::portal, s,
           light_part * portal_[u(s)] * (g / q[u(s)]) / q[u(s + 1)] * camera_part[u(s + 2)]);
     }

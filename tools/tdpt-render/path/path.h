@@ -27,6 +27,8 @@ class Path {
 
   int k() const { return k_; }
   const Vertex& vertex(int i) const { return *x_[static_cast<size_t>(i)]; }
+  /// Whether the path turns at x_i by a Dirac lobe: then no technique can make a connection there.
+  bool dirac(int i) const { return dirac_[static_cast<size_t>(i)]; }
 
   /// MIS weight of `used` among the strategies of `set`, balance heuristic [eq. 6] for beta = 1,
   /// power heuristic for beta = 2. Computed from the path alone.
@@ -42,6 +44,7 @@ class Path {
   std::array<double, kMaxDepth + 1> from_light_A_;   ///< P>(x_i)
   std::array<double, kMaxDepth + 1> from_camera_A_;  ///< P<(x_i)
   std::array<double, kMaxDepth + 1> portal_;         ///< D of the edge x_i -> x_{i+1}
+  std::array<bool, kMaxDepth + 1> dirac_;
 };
 
 }  // namespace tdpt

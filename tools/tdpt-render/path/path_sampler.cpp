@@ -1,5 +1,7 @@
 #include "tools/tdpt-render/path/path_sampler.h"
 
+#include "tools/tdpt-render/path/surface.h"
+
 namespace tdpt {
 namespace {
 
@@ -7,21 +9,9 @@ bool black(const Rgb& c) {
   return !(c.x != 0 || c.y != 0 || c.z != 0);
 }
 
-/// Unit direction a -> b; d2 = squared distance.
-Vec3d towards(const Vertex& a, const Vertex& b, double& d2) {
-  const Vec3d d = b.position - a.position;
-  d2 = dot(d, d);
-  return d / std::sqrt(d2);
-}
-
 /// Unit direction from walk vertex i back to the vertex before it.
 Vec3d back(const Walk& walk, int i) {
-  return normalize(walk[i - 1].position - walk[i].position);
-}
-
-/// G without visibility [1/m2]: |cos_a cos_b| / d^2.
-double geometry(const Vertex& a, const Vertex& b, const Vec3d& w, double d2) {
-  return std::abs(dot(a.normal, w) * dot(b.normal, w)) / d2;
+  return between(walk[i], walk[i - 1]).w;
 }
 
 }  // namespace
@@ -102,24 +92,33 @@ void PathSampler::to_film(const Path& path, Strategy strategy, double raster_x, 
 
 bool PathSampler::visible(const Vertex& a, const Vertex& b) {
   ++tally_.rays.shadow;
-  return world_.tracer.visible(a.origin(), b.origin());
+  // No two places of a scene are further apart than its ball's diameter, 2 sqrt 3 (canonical).
+  constexpr double kOutside = 4;
+  const auto origin = [](const Vertex& v, const Vertex& other) {
+    if (!v.at_infinity()) return v.origin();
+    return Tracer::Origin{other.position - v.lamp->light.direction * kOutside};
+  };
+  return world_.tracer.visible(origin(a, b), origin(b, a));
 }
 
-bool PathSampler::project(const Vertex& v, Vec3d& to_camera, double& factor, double& x,
+Rgb PathSampler::geometry(const Vertex& a, const Vertex& b, const Edge& e) const {
+  const auto g = static_cast<float>(tdpt::geometry(a, b, e));
+  return world_.absorbing ? transmittance(a, b, e.w, std::sqrt(e.d2)) * g : Rgb(g);
+}
+
+bool PathSampler::project(const Vertex& v, Vec3d& to_camera, Rgb& factor, double& x,
                           double& y) const {
-  const Vec3d d = v.position - world_.film.position();
-  const double d2 = dot(d, d);
-  const Vec3d w = d / std::sqrt(d2);
-  if (!world_.film.raster(w, x, y)) return false;
-  to_camera = -w;
-  factor = world_.film.pdf_w(w) * std::abs(dot(v.normal, w)) / d2;
+  const Edge e = between(camera_walk_[0], v);
+  if (!world_.film.raster(e.w, x, y)) return false;
+  to_camera = -e.w;
+  factor = geometry(camera_walk_[0], v, e) * static_cast<float>(world_.film.pdf_w(e.w));
   return true;
 }
 
 void PathSampler::camera() {
   const Walk& z = camera_walk_;
   for (int j = 1; j < z.size; ++j) {
-    const Rgb Le = emitted_radiance(*z[j].material, z[j].normal, back(z, j));
+    const Rgb Le = emitted(z[j], back(z, j));
     if (black(Le)) continue;
     to_pixel(Path(world_, light_walk_, 0, z, j + 1, tally_.rays), {Technique::camera, 0},
              z[j].throughput * Le);
@@ -128,20 +127,20 @@ void PathSampler::camera() {
 
 void PathSampler::direct() {
   const Walk& z = camera_walk_;
-  if (world_.emitters.empty()) return;
+  if (world_.lights.empty()) return;
   Rng random = rng(next_event);
   for (int j = 1; j < z.size && j < settings_.max_depth; ++j) {
+    Rng point = Rng(random.bits(), 0, 0);
+    if (!z[j].connectible) continue;
     // y_0 alone: a light walk of no edges.
-    RayCounts none;
-    tdpt::walk_from_light(world_, 0, Rng(random.bits(), 0, 0), light_point_, none);
-    const Vertex& y0 = light_point_[0];
-    double d2;
-    const Vec3d w = towards(z[j], y0, d2);
-    const Rgb Le = emitted_radiance(*y0.material, y0.normal, -w);
+    Vertex& y0 = light_point_.v[0];
+    light_point_.size = 1;
+    place_on_light(world_, world_.lights.sample(point), y0);
+    const Edge e = between(z[j], y0);
+    const Rgb Le = emitted(y0, -e.w);
     if (black(Le)) continue;
-    const Rgb f = bsdf(z[j], back(z, j), w);
-    const Rgb value =
-        z[j].throughput * f * Le * y0.throughput * static_cast<float>(geometry(z[j], y0, w, d2));
+    const Rgb f = bsdf_at(z[j], e.w, back(z, j));
+    const Rgb value = z[j].throughput * f * Le * y0.throughput * geometry(z[j], y0, e);
     if (black(value) || !visible(z[j], y0)) continue;
     to_pixel(Path(world_, light_point_, 1, z, j + 1, tally_.rays), {Technique::direct, 1}, value);
   }
@@ -150,11 +149,12 @@ void PathSampler::direct() {
 void PathSampler::light() {
   const Walk& y = light_walk_;
   for (int i = 1; i < y.size; ++i) {
+    if (!y[i].connectible) continue;
     Vec3d to_camera;
-    double factor, raster_x, raster_y;
+    Rgb factor;
+    double raster_x, raster_y;
     if (!project(y[i], to_camera, factor, raster_x, raster_y)) continue;
-    const Rgb value =
-        y[i].throughput * bsdf(y[i], back(y, i), to_camera) * static_cast<float>(factor);
+    const Rgb value = y[i].throughput * bsdf_at(y[i], back(y, i), to_camera) * factor;
     if (black(value) || !visible(y[i], camera_walk_[0])) continue;
     to_film(Path(world_, y, i + 1, camera_walk_, 1, tally_.rays), {Technique::light, i + 1},
             raster_x, raster_y, value);
@@ -165,17 +165,40 @@ void PathSampler::bi() {
   const Walk& y = light_walk_;
   const Walk& z = camera_walk_;
   for (int t = 2; t <= z.size; ++t) {
+    const Vertex& b = z[t - 1];
+    if (!b.connectible) continue;
     for (int s = 2; s <= y.size && s + t - 1 <= settings_.max_depth; ++s) {
       const Vertex& a = y[s - 1];
-      const Vertex& b = z[t - 1];
-      double d2;
-      const Vec3d w = towards(a, b, d2);
-      const Rgb value = a.throughput * bsdf(a, back(y, s - 1), w) * b.throughput *
-                        bsdf(b, back(z, t - 1), -w) * static_cast<float>(geometry(a, b, w, d2));
+      if (!a.connectible) continue;
+      const Edge e = between(a, b);
+      const Rgb value = a.throughput * bsdf_at(a, back(y, s - 1), e.w) * b.throughput *
+                        bsdf_at(b, -e.w, back(z, t - 1)) * geometry(a, b, e);
       if (black(value) || !visible(a, b)) continue;
       to_pixel(Path(world_, y, s, z, t, tally_.rays), {Technique::bi, s}, value);
     }
   }
+}
+
+bool PathSampler::portal_segment(Vertex& x_l, Vertex& x_c, double& density) {
+  // Each ray starts on the other's side of the portal's plane by more than rounding: a surface in
+  // that plane stops one of them there, and such a segment has no density.
+  Rng random = rng(segment);
+  const PortalSet::Sample sample = world_.portals.sample(random);
+  const Vec3d back_off =
+      world_.portals.polygon(sample.polygon).normal * (0.25 * PortalSet::kMargin);
+  const auto end = [&](const Vec3d& from, const Vec3d& w, Vertex& v) {
+    Hit hit;
+    ++tally_.rays.closest;
+    if (!world_.tracer.closest({from, {}}, w, hit)) return false;
+    place_on_surface(world_, hit, v);
+    return v.connectible;
+  };
+  if (!end(sample.position - back_off, sample.direction, x_c)) return false;
+  if (!end(sample.position + back_off, -sample.direction, x_l)) return false;
+  if (!(between(x_l, x_c).d2 > 0)) return false;
+  ++tally_.rays.portal;
+  density = world_.portals.density(x_l.position, x_c.position, sample.polygon);
+  return density > 0;
 }
 
 void PathSampler::portal() {
@@ -184,67 +207,49 @@ void PathSampler::portal() {
   const Walk& z = camera_walk_;
   const int D = settings_.max_depth;
   if (D < 2) return;
-
-  // The segment x_l -> x_c. One throughput for both ends: G / p_AA = 1 / density. Each ray starts
-  // on the other's side of the portal's plane by more than rounding: a surface in that plane stops
-  // one of them there, and such a segment has no density.
-  Rng random = rng(segment);
-  const PortalSet::Sample sample = world_.portals.sample(random);
   Vertex x_l, x_c;
-  const Vec3d back_off =
-      world_.portals.polygon(sample.polygon).normal * (0.25 * PortalSet::kMargin);
-  const auto end = [&](const Vec3d& from, const Vec3d& w, Vertex& v) {
-    Hit hit;
-    ++tally_.rays.closest;
-    if (!world_.tracer.closest({from, {}}, w, hit)) return false;
-    v.position = hit.position;
-    v.normal = hit.normal;
-    v.triangle = hit.triangle;
-    v.material = &world_.scene.material_of(hit.triangle);
-    return true;
-  };
-  if (!end(sample.position - back_off, sample.direction, x_c)) return;
-  if (!end(sample.position + back_off, -sample.direction, x_l)) return;
-  double d2;
-  const Vec3d w = towards(x_l, x_c, d2);
-  if (!(d2 > 0)) return;
-  ++tally_.rays.portal;
-  const double density = world_.portals.density(x_l.position, x_c.position, sample.polygon);
-  if (!(density > 0)) return;
-  const auto through = static_cast<float>(1 / density);
+  double density;
+  if (!portal_segment(x_l, x_c, density)) return;
+
+  // One throughput for both ends: G / p_AA = 1 / density.
+  const Edge middle = between(x_l, x_c);
+  const Vec3d& w = middle.w;
+  Rgb through(static_cast<float>(1 / density));
+  if (world_.absorbing) through = through * transmittance(x_l, x_c, w, std::sqrt(middle.d2));
 
   // Light sides: [a] with a prefix vertices y_0..y_{a-1}; arriving at x_l and scattered along w.
   std::array<Rgb, kMaxDepth> light_side;
-  light_side[0] = emitted_radiance(*x_l.material, x_l.normal, w);
+  light_side[0] = emitted(x_l, w);
   int last_a = 0;
   for (int a = 1; a <= D - 2 && a <= y.size; ++a) {
     const Vertex& v = y[a - 1];
     Rgb& value = light_side[static_cast<size_t>(a)];
-    double e2;
-    const Vec3d u = towards(v, x_l, e2);
-    const Rgb f = a == 1 ? emitted_radiance(*v.material, v.normal, u) : bsdf(v, back(y, a - 1), u);
-    value = v.throughput * f * bsdf(x_l, -u, w) * static_cast<float>(geometry(v, x_l, u, e2));
-    if (!black(value) && !visible(v, x_l)) value = {};
+    value = {};
     last_a = a;
+    if (!v.connectible) continue;
+    const Edge e = between(v, x_l);
+    const Rgb f = a == 1 ? emitted(v, e.w) : bsdf_at(v, back(y, a - 1), e.w);
+    value = v.throughput * f * bsdf_at(x_l, -e.w, w) * geometry(v, x_l, e);
+    if (!black(value) && !visible(v, x_l)) value = {};
   }
 
   // Camera sides: b prefix vertices z_0..z_{b-1}; leaving x_c, scattered from -w.
   for (int b = 1; b <= D - 1 && b <= std::max(z.size, 1); ++b) {
+    const Vertex& v = z[b - 1];
     Rgb camera_side;
     double raster_x = 0, raster_y = 0;
     if (b == 1) {
       Vec3d to_camera;
-      double factor;
+      Rgb factor;
       if (!project(x_c, to_camera, factor, raster_x, raster_y)) continue;
-      camera_side = bsdf(x_c, -w, to_camera) * static_cast<float>(factor);
+      camera_side = bsdf_at(x_c, -w, to_camera) * factor;
     } else {
-      const Vertex& v = z[b - 1];
-      double e2;
-      const Vec3d u = towards(x_c, v, e2);
-      camera_side = bsdf(x_c, -w, u) * bsdf(v, back(z, b - 1), -u) * v.throughput *
-                    static_cast<float>(geometry(x_c, v, u, e2));
+      if (!v.connectible) continue;
+      const Edge e = between(x_c, v);
+      camera_side = bsdf_at(x_c, -w, e.w) * bsdf_at(v, -e.w, back(z, b - 1)) * v.throughput *
+                    geometry(x_c, v, e);
     }
-    if (black(camera_side) || !visible(x_c, z[b - 1])) continue;
+    if (black(camera_side) || !visible(x_c, v)) continue;
     for (int a = 0; a <= last_a && a + b <= D - 1; ++a) {
       const Rgb value = light_side[static_cast<size_t>(a)] * camera_side * through;
       if (black(value)) continue;

@@ -65,9 +65,13 @@ class PathSampler {
 
   bool visible(const Vertex& a, const Vertex& b);
 
+  /// G times what absorbing solids let through. No visibility.
+  Rgb geometry(const Vertex& a, const Vertex& b, const Edge& e) const;
   /// Importance of the pinhole for light leaving v: radiance of a splat per unit of f * throughput.
   /// False when v is not in the picture. No visibility.
-  bool project(const Vertex& v, Vec3d& to_camera, double& factor, double& x, double& y) const;
+  bool project(const Vertex& v, Vec3d& to_camera, Rgb& factor, double& x, double& y) const;
+  /// A segment x_l -> x_c through a portal and its density D; false when it joins nothing.
+  bool portal_segment(Vertex& x_l, Vertex& x_c, double& density);
 
   const World& world_;
   SampleSettings settings_;

@@ -3,20 +3,35 @@
 // A path x_0 ... x_k runs from a light (x_0) to the camera (x_k); k edges = depth k. Sub-paths are
 // kept in the order they were walked: y_0 y_1 ... from the light, z_0 z_1 ... from the camera.
 // Densities are per canonical area (pdf_A) unless their name says otherwise.
+//
+// The radiance BSDF is taken with geometric cosines everywhere: where the shading normal ns differs
+// from the geometric normal ng, f(to_light, to_camera) carries |to_light.ns| / |to_light.ng| (Veach
+// 5.3), and a direction that lies above one of them and below the other is dark. So walks from
+// either side agree.
 #pragma once
 #include <numbers>
-#include <vector>
 
-#include "libcommon/scene/emitters.h"
+#include "libcommon/scene/lights.h"
 #include "libcommon/trace/tracer.h"
+#include "tools/tdpt-render/path/bsdf.h"
 
 namespace tdpt {
 
 struct Vertex {
-  Vec3d position;
-  Vec3d normal{};  ///< unit geometric normal of the front side; 0 at the camera
+  Vec3d position{};  ///< of no meaning at infinity
+  Vec3d normal{};    ///< unit geometric normal of the front side; 0 off surfaces (camera, lamps)
   const Material* material = nullptr;
+  const Lamp* lamp = nullptr;  ///< punctual light
   uint32_t triangle = ~0u;
+
+  /// Diffuse reflection about the geometric normal by material->base_color, emission
+  /// material->emission. Otherwise `shading`, `bsdf` and `emission` hold what is there.
+  bool simple = true;
+  bool connectible = true;  ///< some lobe is not Dirac
+  bool dirac = false;       ///< its walk went on by a Dirac lobe
+  Vec3d shading{};          ///< unit shading normal, front side
+  Bsdf bsdf;
+  Rgb emission{};
 
   // Of the walk that made the vertex.
   Rgb throughput{};           ///< product of f cos / pdf_w up to here, without the scattering here
@@ -24,44 +39,81 @@ struct Vertex {
   double pdf_other_A = 0;     ///< as the other walk would sample it; known two vertices later
   double portal_density = 0;  ///< D of the edge to the previous vertex (portals.h)
 
+  bool on_surface() const { return material != nullptr; }
+  bool at_infinity() const { return lamp && lamp->directional(); }
+  /// |cos| to the surface; 1 where there is none.
+  double cosine(const Vec3d& w) const { return on_surface() ? std::abs(dot(normal, w)) : 1; }
   Tracer::Origin origin() const { return {position, normal}; }
 };
 
-/// Density of arriving at `to` per area when leaving `at` has density pdf_w:
-/// pdf_A = pdf_w |cos_to| / d^2.
-inline double to_area(double pdf_w, const Vec3d& w, double d2, const Vec3d& normal_to) {
-  return pdf_w * std::abs(dot(normal_to, w)) / d2;
+/// The way from one vertex to another.
+struct Edge {
+  Vec3d w;    ///< unit
+  double d2;  ///< squared distance; 1 when one end is infinitely far
+};
+inline Edge between(const Vertex& a, const Vertex& b) {
+  if (a.at_infinity()) return {a.lamp->light.direction, 1};
+  if (b.at_infinity()) return {-b.lamp->light.direction, 1};
+  const Vec3d d = b.position - a.position;
+  const double d2 = dot(d, d);
+  return {d / std::sqrt(d2), d2};
 }
 
-/// Both places on the same side of the surface at `v`.
+/// G without visibility [1/m2]: |cos_a cos_b| / d^2.
+inline double geometry(const Vertex& a, const Vertex& b, const Edge& e) {
+  return a.cosine(e.w) * b.cosine(e.w) / e.d2;
+}
+
+/// Density of arriving at `to` per area along `e` when it was left with density pdf_w:
+/// pdf_A = pdf_w |cos_to| / d^2.
+inline double to_area(double pdf_w, const Edge& e, const Vertex& to) {
+  return pdf_w * to.cosine(e.w) / e.d2;
+}
+
+/// Both directions on the same side of the surface at `v`.
 inline bool same_side(const Vertex& v, const Vec3d& wi, const Vec3d& wo) {
   return dot(v.normal, wi) * dot(v.normal, wo) > 0;
 }
 
-/// Diffuse BSDF [1/sr]; wi, wo unit, away from the surface.
-inline Rgb bsdf(const Vertex& v, const Vec3d& wi, const Vec3d& wo) {
-  return same_side(v, wi, wo) ? v.material->base_color * static_cast<float>(std::numbers::inv_pi)
-                              : Rgb{};
+// Of vertices that are not simple.
+Rgb layered_bsdf(const Vertex& v, const Vec3d& to_light, const Vec3d& to_camera);
+double layered_pdf_w(const Vertex& at, const Vec3d& from, const Vec3d& to);
+double dirac_pdf_w(const Vertex& at, const Vec3d& from, const Vec3d& to);
+
+/// Radiance BSDF without Dirac lobes [1/sr]; unit directions away from the surface.
+inline Rgb bsdf_at(const Vertex& v, const Vec3d& to_light, const Vec3d& to_camera) {
+  if (!v.simple) return layered_bsdf(v, to_light, to_camera);
+  return same_side(v, to_light, to_camera)
+             ? v.material->base_color * static_cast<float>(std::numbers::inv_pi)
+             : Rgb{};
 }
 
-/// pdf_A of reaching `to` when the walk came from `from` and scatters at `at`: cos-distributed on
-/// the side it came from.
-inline double scatter_pdf_A(const Vertex& from, const Vertex& at, const Vertex& to) {
-  const Vec3d d = to.position - at.position;
-  const double d2 = dot(d, d);
-  const Vec3d w = d / std::sqrt(d2);
-  const double cos_in = dot(at.normal, from.position - at.position);
-  const double cos_out = dot(at.normal, w);
-  if (!(cos_in * cos_out > 0)) return 0;
-  return to_area(std::abs(cos_out) * std::numbers::inv_pi, w, d2, to.normal);
+/// pdf_A of reaching `to` when the walk came from `from` and scatters at `at`. `dirac`: by a Dirac
+/// lobe; its density is per n^2 |cos| dw, which reflection and refraction preserve.
+inline double scatter_pdf_A(const Vertex& from, const Vertex& at, const Vertex& to, bool dirac) {
+  const Edge e = between(at, to);
+  if (at.simple) {
+    const double cos_in = dot(at.normal, from.position - at.position);
+    const double cos_out = dot(at.normal, e.w);
+    if (!(cos_in * cos_out > 0)) return 0;
+    return to_area(std::abs(cos_out) * std::numbers::inv_pi, e, to);
+  }
+  const Vec3d back = between(at, from).w;
+  return to_area(dirac ? dirac_pdf_w(at, back, e.w) : layered_pdf_w(at, back, e.w), e, to);
+}
+
+/// Radiance that a light vertex sends along unit w; of lamps intensity (Lamp).
+inline Rgb emitted(const Vertex& v, const Vec3d& w) {
+  if (v.lamp) return v.lamp->intensity(w);
+  return emitted_radiance(*v.material, v.simple ? v.material->emission : v.emission, v.normal, w);
 }
 
 /// pdf_A of reaching `to` when light leaves `light`.
 inline double emission_pdf_A(const Vertex& light, const Vertex& to) {
-  const Vec3d d = to.position - light.position;
-  const double d2 = dot(d, d);
-  const Vec3d w = d / std::sqrt(d2);
-  return to_area(emission_pdf_w(*light.material, dot(light.normal, w)), w, d2, to.normal);
+  const Edge e = between(light, to);
+  return to_area(light.lamp ? light.lamp->pdf_towards(e.w)
+                            : emission_pdf_w(*light.material, dot(light.normal, e.w)),
+                 e, to);
 }
 
 }  // namespace tdpt

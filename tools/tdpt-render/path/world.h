@@ -1,7 +1,7 @@
 // What a path lives in.
 #pragma once
-#include "libcommon/scene/emitters.h"
 #include "libcommon/scene/film_plane.h"
+#include "libcommon/scene/lights.h"
 #include "libcommon/scene/scene.h"
 #include "libcommon/trace/tracer.h"
 #include "tools/tdpt-render/portals.h"
@@ -13,15 +13,19 @@ struct World {
         const std::vector<Portal>& portals_)
       : scene(scene_),
         tracer(scene_),
-        emitters(scene_),
+        lights(scene_),
         film(camera, width, height),
-        portals(portals_, scene_.frame) {}
+        portals(portals_, scene_.frame) {
+    for (const Material& m : scene_.materials)
+      absorbing |= m.solid && max_component(m.absorption) > 0;
+  }
 
   const Scene& scene;
   Tracer tracer;
-  Emitters emitters;
+  Lights lights;
   FilmPlane film;
   PortalSet portals;
+  bool absorbing = false;  ///< some solid takes light away on the way through
 };
 
 }  // namespace tdpt

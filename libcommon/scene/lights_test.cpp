@@ -1,6 +1,6 @@
-// Emitters: the density is that of the samples, and power is what adds up. Each statistical check
+// Lights: the density is that of the samples, and power is what adds up. Each statistical check
 // is shown to notice a planted fault.
-#include "libcommon/scene/emitters.h"
+#include "libcommon/scene/lights.h"
 
 #include <gtest/gtest.h>
 #include <cmath>
@@ -9,13 +9,18 @@
 namespace tdpt {
 namespace {
 
+Material material(const Rgb& emission, bool double_sided) {
+  Material m;
+  m.emission = emission;
+  m.double_sided = double_sided;
+  return m;
+}
+
 // Three emitting triangles of unequal power, one of them on both sides, and a dark one.
 Scene lamps() {
   Scene s;
   s.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.25f, 0, 0}, {0, 0.5f, 0}};
-  s.materials = {{"dim", Rgb(), Rgb(1, 2, 3), false},
-                 {"both", Rgb(), Rgb(4), true},
-                 {"dark", Rgb(0.5f), Rgb(), true}};
+  s.materials = {material(Rgb(1, 2, 3), false), material(Rgb(4), true), material(Rgb(), true)};
   s.triangles = {{{0, 1, 2}, 0}, {{0, 1, 2}, 2}, {{0, 3, 4}, 1}, {{0, 3, 2}, 0}};
   return s;
 }
@@ -29,9 +34,9 @@ double excess(const std::vector<double>& counts, const std::vector<double>& expe
   return chi2 / (n + 5 * std::sqrt(2 * n));
 }
 
-TEST(Emitters, PowerAndDensityAddUp) {
+TEST(Lights, PowerAndDensityAddUp) {
   const Scene s = lamps();
-  const Emitters e(s);
+  const Lights e(s);
   const double dim = luminance(Rgb(1, 2, 3)), both = luminance(Rgb(4));
   EXPECT_NEAR(e.power(), std::numbers::pi * (dim * 0.5 + 2 * both * 0.0625 + dim * 0.125), 1e-5);
   double total = 0;
@@ -40,9 +45,9 @@ TEST(Emitters, PowerAndDensityAddUp) {
   EXPECT_EQ(e.pdf_A(1), 0);
 }
 
-TEST(Emitters, SamplesFollowTheDensity) {
+TEST(Lights, SamplesFollowTheDensity) {
   const Scene s = lamps();
-  const Emitters e(s);
+  const Lights e(s);
   // Bins: triangle x side x quarter of the triangle (by its middle points).
   const int n = 100000;
   std::vector<double> counts(4 * 2 * 4), expected(counts.size());
@@ -53,8 +58,8 @@ TEST(Emitters, SamplesFollowTheDensity) {
             n * double{e.pdf_A(t)} * shape_of(s, t).area / 4 / (t == 2 ? 2 : 1);
   for (uint64_t i = 0; i < n; ++i) {
     Rng rng(3, 0, i);
-    const Emitters::Sample x = e.sample(rng);
-    EXPECT_EQ(x.pdf_A, e.pdf_A(x.triangle));
+    const Lights::Point x = e.sample(rng);
+    EXPECT_EQ(x.pdf, e.pdf_A(x.triangle));
     const TriangleShape shape = shape_of(s, x.triangle);
     const Vec3d p = x.position - shape.p0;
     const double b1 = p.x / shape.e1.x, b2 = p.y / shape.e2.y;
@@ -77,16 +82,16 @@ TEST(Emitters, SamplesFollowTheDensity) {
   EXPECT_GT(excess(c, ex), 1);
 }
 
-TEST(Emitters, ADarkSceneHasNone) {
+TEST(Lights, ADarkSceneHasNone) {
   Scene s = lamps();
   for (Material& m : s.materials) m.emission = {};
-  EXPECT_TRUE(Emitters(s).empty());
-  EXPECT_EQ(Emitters(s).power(), 0);
+  EXPECT_TRUE(Lights(s).empty());
+  EXPECT_EQ(Lights(s).power(), 0);
 }
 
 // Integral of the density over all directions: 1, for one side and for both.
-TEST(Emitters, DirectionsOfEmissionAddUp) {
-  Material m{"lamp", Rgb(), Rgb(1), false};
+TEST(Lights, DirectionsOfEmissionAddUp) {
+  Material m = material(Rgb(1), false);
   for (bool both : {false, true}) {
     m.double_sided = both;
     double sum = 0;
@@ -98,14 +103,14 @@ TEST(Emitters, DirectionsOfEmissionAddUp) {
   }
 }
 
-TEST(Emitters, RadianceLeavesTheFrontOnlyUnlessDoubleSided) {
-  Material m{"lamp", Rgb(), Rgb(1, 2, 3), false};
+TEST(Lights, RadianceLeavesTheFrontOnlyUnlessDoubleSided) {
+  Material m = material(Rgb(1, 2, 3), false);
   const Vec3d n(0, 0, 1);
-  EXPECT_EQ(emitted_radiance(m, n, {0, 0.6, 0.8}), Rgb(1, 2, 3));
-  EXPECT_EQ(emitted_radiance(m, n, {0, 0.6, -0.8}), Rgb());
-  EXPECT_EQ(emitted_radiance(m, n, {1, 0, 0}), Rgb());
+  EXPECT_EQ(emitted_radiance(m, m.emission, n, {0, 0.6, 0.8}), Rgb(1, 2, 3));
+  EXPECT_EQ(emitted_radiance(m, m.emission, n, {0, 0.6, -0.8}), Rgb());
+  EXPECT_EQ(emitted_radiance(m, m.emission, n, {1, 0, 0}), Rgb());
   m.double_sided = true;
-  EXPECT_EQ(emitted_radiance(m, n, {0, 0.6, -0.8}), Rgb(1, 2, 3));
+  EXPECT_EQ(emitted_radiance(m, m.emission, n, {0, 0.6, -0.8}), Rgb(1, 2, 3));
 }
 
 }  // namespace

@@ -1,0 +1,118 @@
+#include "libcommon/scene/lights.h"
+
+#include "libcommon/scene/texture.h"
+
+namespace tdpt {
+namespace {
+
+using std::numbers::pi;
+using Kind = PunctualLight::Kind;
+
+// Mean luminance over a triangle. Textures are looked up on a lattice; what falls between its
+// places keeps some weight, since an emitter that is never chosen would be missing from the light.
+double mean_luminance(const Scene& scene, uint32_t triangle) {
+  const Material& m = scene.material_of(triangle);
+  const double factor = luminance(m.emission);
+  if (!m.emission_map || factor <= 0) return factor;
+  constexpr int n = 8;
+  double sum = 0;
+  int places = 0;
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; i + j < n; ++j, ++places)
+      sum += luminance(emission_at(scene, {triangle, (i + 1.0 / 3) / n, (j + 1.0 / 3) / n}));
+  return 0.9 * sum / places + 0.1 * factor;
+}
+
+double cos_cone(const PunctualLight& light) {
+  return light.kind == Kind::spot ? light.cos_outer : -1;
+}
+
+}  // namespace
+
+// The smooth edge between the cones is the one KHR_lights_punctual recommends.
+Rgb Lamp::intensity(const Vec3d& w) const {
+  if (light.kind != Kind::spot) return light.intensity;
+  const double scale = 1 / std::max(1e-3, light.cos_inner - light.cos_outer);
+  const double t = std::clamp((dot(light.direction, w) - light.cos_outer) * scale, 0.0, 1.0);
+  return light.intensity * static_cast<float>(t * t);
+}
+
+double Lamp::pdf_towards(const Vec3d& w) const {
+  return light.kind == Kind::spot && dot(light.direction, w) < light.cos_outer ? 0 : pdf;
+}
+
+Lights::Lights(const Scene& scene) : scene_(scene), pdf_A_(scene.triangles.size(), 0.0f) {
+  std::vector<double> weights;
+  const auto add = [&](double power) {
+    weights.push_back(power);
+    power_ += power;
+  };
+  for (uint32_t t = 0; t < scene.triangles.size(); ++t) {
+    const double y = mean_luminance(scene, t);
+    if (y <= 0) continue;
+    triangles_.push_back(t);
+    add((scene.material_of(t).double_sided ? 2 : 1) * pi * y * shape_of(scene, t).area);
+  }
+  for (const PunctualLight& light : scene.lights) {
+    const double y = luminance(light.intensity);
+    if (y <= 0) continue;
+    if (radius_ == 0)
+      for (const Triangle& t : scene.triangles)
+        for (uint32_t v : t.vertex)
+          radius_ = std::max(radius_, 1.0001 * length(Vec3d(scene.positions[v])));
+    const double extent =
+        light.kind == Kind::directional ? pi * radius_ * radius_ : 2 * pi * (1 - cos_cone(light));
+    lamps_.push_back({light, 1 / extent, 0});
+    add(y * extent);
+  }
+  if (weights.empty()) return;
+  table_ = AliasTable(weights);
+  for (uint32_t i = 0; i < weights.size(); ++i) {
+    const double pdf_1 = table_.pdf_1(i);
+    if (i < triangles_.size())
+      pdf_A_[triangles_[i]] = static_cast<float>(pdf_1 / shape_of(scene, triangles_[i]).area);
+    else
+      lamps_[i - triangles_.size()].pdf_1 = pdf_1;
+  }
+}
+
+Lights::Point Lights::sample(Rng& rng) const {
+  const double pick = rng.uniform();
+  const double u = rng.uniform();
+  const double v = rng.uniform();
+  const double side = rng.uniform();
+  const uint32_t i = table_.sample(pick);
+  Point point;
+  if (i >= triangles_.size()) {
+    const Lamp& lamp = lamps_[i - triangles_.size()];
+    point.lamp = &lamp;
+    point.position = lamp.light.position;
+    point.pdf = lamp.pdf_1;
+    return point;
+  }
+  point.triangle = triangles_[i];
+  const TriangleShape s = shape_of(scene_, point.triangle);
+  uniform_triangle(u, v, point.b1, point.b2);
+  point.position = s.p0 + s.e1 * point.b1 + s.e2 * point.b2;
+  const bool back = scene_.material_of(point.triangle).double_sided && side < 0.5;
+  point.normal = back ? -s.normal : s.normal;
+  point.pdf = pdf_A_[point.triangle];
+  return point;
+}
+
+Lights::Ray Lights::leave(const Point& point, double u, double v) const {
+  if (!point.lamp)
+    return {point.position, normalize(Onb<double>(point.normal).to_world(cosine_hemisphere(u, v)))};
+  const PunctualLight& light = point.lamp->light;
+  const Onb<double> onb(light.direction);
+  const double phi = 2 * pi * u;
+  if (light.kind == Kind::directional) {
+    const double r = radius_ * std::sqrt(v);
+    return {onb.to_world({r * std::cos(phi), r * std::sin(phi), -2 * radius_}), light.direction};
+  }
+  const double z = 1 - v * (1 - cos_cone(light));
+  const double r = std::sqrt(std::max(0.0, 1 - z * z));
+  return {light.position, normalize(onb.to_world({r * std::cos(phi), r * std::sin(phi), z}))};
+}
+
+}  // namespace tdpt

@@ -1,0 +1,175 @@
+#include "tools/tdpt-render/path/surface.h"
+
+#include "libcommon/scene/texture.h"
+
+namespace tdpt {
+namespace {
+
+// glTF 2.0 appendix B with KHR_materials_specular, _ior and _transmission. Dielectric and metal
+// share one microfacet lobe, since Schlick's F is linear in f0 and f90.
+Bsdf bsdf_of(const Scene& scene, const Material& m, const SurfacePlace& place) {
+  const auto base = base_color_at(scene, place);
+  const Rgb color(base[0], base[1], base[2]);
+  float metallic = m.metallic, roughness = m.roughness, specular = m.specular;
+  float transmission = m.transmission;
+  Rgb specular_color = m.specular_color;
+  if (m.metallic_roughness_map) {
+    const auto t = lookup(scene, m.metallic_roughness_map, place);
+    roughness *= t[1];
+    metallic *= t[2];
+  }
+  if (m.specular_map) specular *= lookup(scene, m.specular_map, place)[3];
+  if (m.specular_color_map) {
+    const auto t = lookup(scene, m.specular_color_map, place);
+    specular_color = specular_color * Rgb(t[0], t[1], t[2]);
+  }
+  if (m.transmission_map) transmission *= lookup(scene, m.transmission_map, place)[0];
+
+  Bsdf b;
+  const float dielectric = 1 - metallic;
+  const float r = (m.ior - 1) / (m.ior + 1);
+  const Rgb f0 = min(specular_color * (r * r), Rgb(1.0f)) * specular;
+  const bool interface = m.ior != 1;
+  b.f0 = color * metallic + f0 * dielectric;
+  b.f90 = Rgb(metallic + (interface ? specular * dielectric : 0.0f));
+  b.diffuse = color * (dielectric * (1 - transmission));
+  b.through = color * (dielectric * transmission);
+  b.alpha = roughness * roughness;
+  b.eta = m.ior;
+  b.thin = !m.solid;
+  return b;
+}
+
+// Local directions; false when a direction lies above one normal and below the other.
+bool to_shading_frame(const Vertex& v, const Vec3d& a, const Vec3d& b, Vec3d& la, Vec3d& lb) {
+  const Onb<double> onb(v.shading);
+  la = onb.to_local(a);
+  lb = onb.to_local(b);
+  return la.z * dot(v.normal, a) > 0 && lb.z * dot(v.normal, b) > 0;
+}
+
+double square(double x) {
+  return x * x;
+}
+
+}  // namespace
+
+void place_on_surface(const World& world, const Hit& hit, Vertex& v) {
+  v.position = hit.position;
+  v.normal = hit.normal;
+  v.triangle = hit.triangle;
+  v.lamp = nullptr;
+  const Scene& scene = world.scene;
+  const Material& m = scene.material_of(hit.triangle);
+  v.material = &m;
+  v.dirac = false;
+  v.simple = m.plain && (scene.smooth.empty() || !scene.smooth[hit.triangle]);
+  v.connectible = true;
+  if (v.simple) return;
+  const SurfacePlace place{hit.triangle, hit.b1, hit.b2};
+  v.shading = shading_normal_at(scene, place, hit.normal);
+  if (m.plain) {
+    v.bsdf = {};
+    v.bsdf.diffuse = m.base_color;
+    v.emission = m.emission;
+    return;
+  }
+  v.bsdf = bsdf_of(scene, m, place);
+  v.connectible = bsdf::connectible(v.bsdf);
+  v.emission = emission_at(scene, place);
+}
+
+void place_on_light(const World& world, const Lights::Point& point, Vertex& v) {
+  if (point.lamp) {
+    v.position = point.position;
+    v.normal = {};
+    v.material = nullptr;
+    v.lamp = point.lamp;
+    v.triangle = ~0u;
+    v.simple = true;
+  } else {
+    Hit hit;
+    hit.triangle = point.triangle;
+    hit.b1 = point.b1;
+    hit.b2 = point.b2;
+    hit.position = point.position;
+    hit.normal = world.tracer.shape(point.triangle).normal;
+    place_on_surface(world, hit, v);
+    if (v.material->alpha_mode != Material::Alpha::opaque)
+      v.emission *= coverage_at(world.scene, {point.triangle, point.b1, point.b2});
+  }
+  v.dirac = false;
+  v.connectible = true;
+  v.pdf_own_A = point.pdf;
+  v.throughput = Rgb(static_cast<float>(1 / point.pdf));
+}
+
+Rgb layered_bsdf(const Vertex& v, const Vec3d& to_light, const Vec3d& to_camera) {
+  Vec3d l, c;
+  if (!to_shading_frame(v, to_light, to_camera, l, c)) return {};
+  return bsdf::f(v.bsdf, l, c) * static_cast<float>(square(v.bsdf.index(c)) * std::abs(l.z) /
+                                                    std::abs(dot(v.normal, to_light)));
+}
+
+double layered_pdf_w(const Vertex& at, const Vec3d& from, const Vec3d& to) {
+  Vec3d f, t;
+  return to_shading_frame(at, from, to, f, t) ? bsdf::pdf_w(at.bsdf, f, t) : 0;
+}
+
+double dirac_pdf_w(const Vertex& at, const Vec3d& from, const Vec3d& to) {
+  Vec3d f, t;
+  if (!to_shading_frame(at, from, to, f, t)) return 0;
+  return bsdf::dirac_probability(at.bsdf, f, t) * square(at.bsdf.index(t)) * std::abs(t.z);
+}
+
+bool turn(const Vertex& v, From from, const Vec3d& back, Rng& rng, Turn& out) {
+  const double a = rng.uniform();
+  const double b = rng.uniform();
+  if (v.simple) {
+    const bool front = dot(v.normal, back) > 0;
+    out.weight = v.material->base_color;
+    out.w = normalize(Onb<double>(front ? v.normal : -v.normal).to_world(cosine_hemisphere(a, b)));
+    out.dirac = false;
+    return true;
+  }
+  const double choice = rng.uniform();
+  const Onb<double> onb(v.shading);
+  const Vec3d local_back = onb.to_local(back);
+  if (!(local_back.z * dot(v.normal, back) > 0)) return false;
+  bsdf::Scattered scattered;
+  if (!bsdf::sample(v.bsdf, local_back, choice, a, b, scattered)) return false;
+  const Vec3d& to = scattered.to;
+  out.w = normalize(onb.to_world(to));
+  out.dirac = scattered.dirac;
+  const double cos_out = dot(v.normal, out.w);
+  if (!(to.z * cos_out > 0)) return false;
+  if (scattered.dirac) {
+    // f = reflectance * n_c^2 |l.ns| / |l.ng| per n^2 |cos| dw; l towards the light, c the camera.
+    const double p = bsdf::dirac_probability(v.bsdf, local_back, to);
+    const double factor = from == From::camera
+                              ? square(v.bsdf.index(local_back) / v.bsdf.index(to))
+                              : std::abs(local_back.z * cos_out / (dot(v.normal, back) * to.z));
+    out.weight = bsdf::dirac_reflectance(v.bsdf, local_back, to) * static_cast<float>(factor / p);
+    return p > 0;
+  }
+  const double pdf_w = bsdf::pdf_w(v.bsdf, local_back, to);
+  if (!(pdf_w > 0)) return false;
+  const Rgb f = from == From::camera ? layered_bsdf(v, out.w, back) : layered_bsdf(v, back, out.w);
+  out.weight = f * static_cast<float>(std::abs(cos_out) / pdf_w);
+  return true;
+}
+
+Rgb transmittance(const Vertex& a, const Vertex& b, const Vec3d& w, double d) {
+  const auto inside = [](const Vertex& v, const Vec3d& away) {
+    return v.on_surface() && v.material->solid && max_component(v.material->absorption) > 0 &&
+           dot(v.normal, away) < 0;
+  };
+  const Material* m = inside(a, w) ? a.material : inside(b, -w) ? b.material : nullptr;
+  if (!m) return Rgb(1.0f);
+  const auto share = [&](float absorption) {
+    return static_cast<float>(std::exp(-double{absorption} * d));
+  };
+  return {share(m->absorption.x), share(m->absorption.y), share(m->absorption.z)};
+}
+
+}  // namespace tdpt

@@ -1,0 +1,29 @@
+// From a hit or a point on a light to a vertex: what the surface is made of there.
+#pragma once
+#include "tools/tdpt-render/path/vertex.h"
+#include "tools/tdpt-render/path/world.h"
+
+namespace tdpt {
+
+/// Sets place, normal and material of `v`; leaves the fields of its walk alone.
+void place_on_surface(const World& world, const Hit& hit, Vertex& v);
+
+/// A vertex on a light, with the density of its choice. An emitter that is not opaque shines by its
+/// coverage: no ray decides here whether it is there.
+void place_on_light(const World& world, const Lights::Point& point, Vertex& v);
+
+/// The next direction of a walk.
+struct Turn {
+  Vec3d w;     ///< unit
+  Rgb weight;  ///< f cos / pdf_w
+  bool dirac;
+};
+enum class From { light, camera };
+/// Draws three numbers (two where the surface is simple). `back`: unit, where the walk came from.
+/// False when the walk ends here.
+bool turn(const Vertex& v, From from, const Vec3d& back, Rng& rng, Turn& out);
+
+/// Share of light that gets along the inside of an absorbing solid from a to b, d long.
+Rgb transmittance(const Vertex& a, const Vertex& b, const Vec3d& w, double d);
+
+}  // namespace tdpt
