@@ -229,7 +229,7 @@ bool sample(const Bsdf& b, const Vec3d& from, double choice, double u, double v,
   if (!(c > 0)) return false;
   const double reflect = view.reflect_probability(view.fresnel(c));
   if (reflect < 0) return false;
-  const bool reflects = choice - p < reflect * (1 - p);
+  const bool reflects = reflect >= 1 || choice - p < reflect * (1 - p);
   Vec3d w;
   if (reflects || !view.solid) {
     w = h * (2 * c) - view.from;
