@@ -47,7 +47,8 @@ RenderResult render(const World& world, const Integrator& integrator,
   const auto record_frame = [&] {
     const double seconds = elapsed(), cpu = cpu_seconds();
     const Film::Measure measure = film.measure(result.spp);
-    result.frames.push_back({result.spp, measure.nonzero, measure.mean, seconds});
+    result.frames.push_back(
+        {result.spp, measure.nonzero, measure.mean, seconds, cpu - cpu_start - cpu_aside});
     aside = since_start() - seconds;
     cpu_aside += cpu_seconds() - cpu;
   };

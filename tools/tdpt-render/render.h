@@ -21,9 +21,9 @@ struct RenderSettings {
 /// The picture after its first `spp` samples per pixel.
 struct FrameRecord {
   uint64_t spp = 0;
-  double nonzero = 0;  ///< share of pixels that are not black
-  Vec3d mean;          ///< over all pixels
-  double seconds = 0;  ///< of rendering until then
+  double nonzero = 0;                   ///< share of pixels that are not black
+  Vec3d mean;                           ///< over all pixels
+  double seconds = 0, cpu_seconds = 0;  ///< of rendering until then
 };
 
 /// The first number of samples above `spp` that gets a record: each until 256, then each that is a

@@ -61,7 +61,8 @@ std::string stats_json(const Integrator& integrator, const RenderSettings& setti
       frames.push_back({{"spp", f.spp},
                         {"nonzero", f.nonzero},
                         {"mean", numbers(f.mean)},
-                        {"seconds", f.seconds}});
+                        {"seconds", f.seconds},
+                        {"cpu_seconds", f.cpu_seconds}});
   }
   return j.dump();
 }

@@ -39,6 +39,7 @@ TEST(frames, end_with_the_picture_itself) {
     EXPECT_LT(r.frames[i].spp, r.frames[i + 1].spp);
     EXPECT_LE(r.frames[i].nonzero, r.frames[i + 1].nonzero);
     EXPECT_LE(r.frames[i].seconds, r.frames[i + 1].seconds);
+    EXPECT_LE(r.frames[i].cpu_seconds, r.frames[i + 1].cpu_seconds);
   }
   EXPECT_EQ(r.frames[256].spp, 272u);
   EXPECT_EQ(r.frames.back().spp, 280u);
@@ -46,6 +47,7 @@ TEST(frames, end_with_the_picture_itself) {
   EXPECT_EQ(r.frames.back().nonzero, r.nonzero());
   EXPECT_GT(r.nonzero(), 0.5);
   EXPECT_LE(r.frames.back().seconds, r.seconds);
+  EXPECT_LE(r.frames.back().cpu_seconds, r.cpu_seconds);
 }
 
 TEST(frames, are_what_a_shorter_rendering_gives) {
@@ -77,6 +79,7 @@ TEST(frames, stand_in_the_statistics_and_not_in_the_summary) {
     EXPECT_EQ(stats["frames"][i]["nonzero"], r.frames[i].nonzero);
     EXPECT_EQ(stats["frames"][i]["mean"][1], r.frames[i].mean.y);
     EXPECT_EQ(stats["frames"][i]["seconds"], r.frames[i].seconds);
+    EXPECT_EQ(stats["frames"][i]["cpu_seconds"], r.frames[i].cpu_seconds);
   }
   EXPECT_EQ(stats["mean"], stats["frames"][2]["mean"]);
   EXPECT_FALSE(nlohmann::json::parse(summary_json(tdpt_org, settings, r)).contains("frames"));
