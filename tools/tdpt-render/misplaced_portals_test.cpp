@@ -1,0 +1,135 @@
+// A portal may be anywhere: a bad one costs time and never changes the picture.
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "tools/tdpt-render/test_agreement.h"
+#include "tools/tdpt-render/test_rooms.h"
+
+namespace tdpt {
+namespace {
+
+constexpr AgreementSettings kSettings{.max_depth = 6, .runs = 16, .spp = 16};
+
+/// In the window's plane, light going to -x; y and z extents.
+Portal across(double x, double y0, double y1, double z0, double z1) {
+  return rectangle({x, y0, z0}, {0, 0, z1 - z0}, {0, y1 - y0, 0});
+}
+Portal in_the_window() {
+  return across(2.05, 0.2, 1.8, -0.8, 0.8);
+}
+
+/// Turned about the horizontal axis through the window's middle.
+Portal turned(double degrees) {
+  const double a = degrees * std::numbers::pi / 180, h = 0.7;
+  const Vec3d up = Vec3d(std::sin(a), std::cos(a), 0) * h, side{0, 0, h};
+  return rectangle(Vec3d(2.05, 1, 0) - up - side, side * 2, up * 2);
+}
+
+Portal reversed(Portal p) {
+  for (auto& t : p.triangles) std::swap(t[1], t[2]);
+  return p;
+}
+
+/// A disc of n triangles, light going to -x.
+Portal fan(int n) {
+  Portal p{"fan", {{2.05, 1, 0}}, {}, {}};
+  for (int i = 0; i < n; ++i) {
+    const double a = 2 * std::numbers::pi * i / n;
+    p.vertices.push_back({2.05, 1 + 0.75 * std::sin(a), 0.75 * std::cos(a)});
+    const auto v = [&](int k) { return static_cast<uint32_t>(1 + k % n); };
+    p.triangles.push_back({0, v(i), v(i + 1)});
+  }
+  return p;
+}
+
+class misplaced_portals : public ::testing::Test {
+ protected:
+  World world_with(const std::vector<Portal>& portals) const {
+    return World(scene_, scene_.camera(""), 32, 24, portals);
+  }
+  Verdict verdict(const char* what, const World& world, const Integrator& integrator) const {
+    const DepthRuns runs = render_runs(world, integrator, kSettings);
+    EXPECT_EQ(runs.not_finite, 0u);
+    const Verdict out = judge(runs, reference_);
+    std::printf("%-22s %-8s share %.3f, least p %.1e; all depths %s\n", what, integrator.name,
+                runs.share[static_cast<size_t>(Technique::portal)], out.worst_p,
+                testing::compare(runs.of_depth[0], reference_.of_depth[0]).text().c_str());
+    return out;
+  }
+  void expect_harmless(const char* what, const std::vector<Portal>& portals) const {
+    const World world = world_with(portals);
+    for (const Integrator* integrator : {&tdpt_ref, &tdpt_org}) {
+      const Verdict v = verdict(what, world, *integrator);
+      EXPECT_TRUE(v.holds()) << what << ", " << integrator->name << "\n" << v.text;
+    }
+  }
+
+  const Scene scene_ = read_gltf(TDPT_TESTDATA "/scenes/window.glb");
+  const DepthRuns reference_ = render_runs(world_with({}), bdpt, kSettings);
+};
+
+TEST_F(misplaced_portals, off_the_window) {
+  expect_harmless("half beside it", {across(2.05, 0.2, 1.8, -1.6, 0)});
+  expect_harmless("in the wall", {across(2.05, 1.85, 1.95, -0.5, 0.5)});
+  expect_harmless("in the camera's room", {rectangle({0.5, 0.4, -0.9}, {0.9, 0, 0.4}, {0, 1, 0})});
+}
+
+TEST_F(misplaced_portals, tilted) {
+  expect_harmless("by 60 degrees", {turned(60)});
+  expect_harmless("by 90 degrees", {turned(90)});
+  expect_harmless("by 150 degrees", {turned(150)});
+}
+
+TEST_F(misplaced_portals, far_too_large) {
+  expect_harmless("the room's section", {across(1.2, 0, 2, -1, 1)});
+  expect_harmless("reaching outside", {across(1.5, -6, 7, -7, 6)});
+  expect_harmless("through the camera", {across(0.15, -1, 3, -2, 2)});
+}
+
+TEST_F(misplaced_portals, far_too_small) {
+  expect_harmless("a millimetre", {across(2.05, 1, 1.001, 0, 0.001)});
+  expect_harmless("a sliver", {across(2.05, 0.2, 1.8, 0, 0.0005)});
+}
+
+TEST_F(misplaced_portals, facing_the_wrong_way) {
+  expect_harmless("reversed", {reversed(in_the_window())});
+  expect_harmless("both ways", {in_the_window(), reversed(in_the_window())});
+}
+
+TEST_F(misplaced_portals, partly_in_a_surface) {
+  expect_harmless("in the wall's face", {across(2.1, 0, 2, -1, 1)});
+  expect_harmless("through the floor", {rectangle({1, -1, -1}, {0.9, 0, 2}, {0.3, 2, 0})});
+  expect_harmless("through the lamp", {rectangle({3.1, 1.5, -0.6}, {0, 0, 1.2}, {0.2, 1, 0})});
+}
+
+TEST_F(misplaced_portals, many) {
+  expect_harmless("three times the same", {in_the_window(), in_the_window(), in_the_window()});
+  expect_harmless("a fan of 48", {fan(48)});
+  expect_harmless("crossing each other", {in_the_window(), turned(45), turned(-45)});
+  expect_harmless("one behind another",
+                  {across(1.9, 0, 2, -1, 1), across(1.4, 0, 2, -1, 1), across(0.9, 0, 2, -1, 1)});
+}
+
+/// The set is not const: its polygons may be spoilt.
+void scale_density(World& world, double factor) {
+  for (size_t i = 0; i < world.portals.size(); ++i)
+    const_cast<PortalSet::Polygon&>(world.portals.polygon(static_cast<int>(i))).density *= factor;
+}
+
+TEST_F(misplaced_portals, twin_a_density_off_by_5_percent_is_caught) {
+  for (const Portal& portal : {in_the_window(), across(1.2, 0, 2, -1, 1)}) {
+    World world = world_with({portal});
+    scale_density(world, 1.05);
+    EXPECT_FALSE(verdict("twin, 5 %", world, tdpt_ref).holds());
+  }
+}
+
+TEST_F(misplaced_portals, twin_copies_that_the_density_does_not_know_of_are_caught) {
+  World world = world_with({in_the_window(), in_the_window()});
+  scale_density(world, 0.5);
+  EXPECT_FALSE(verdict("twin, copies", world, tdpt_ref).holds());
+}
+
+}  // namespace
+}  // namespace tdpt

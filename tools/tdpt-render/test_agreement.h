@@ -1,0 +1,124 @@
+// For tests: renders a scene with several integrators and asks whether they agree, for each length
+// of paths by itself. Sections 3.1 and 3.3: all of them estimate the same integral.
+//
+// The observer of PathSampler sees every contribution with its path: one run of depth 8 tells the
+// light of exactly k edges for every k. That a run of a smaller depth is the same picture without
+// its longer paths is a test of its own (agreement_test.cpp).
+#pragma once
+#include <oneapi/tbb/parallel_for.h>
+
+#include "libcommon/testing/z_test.h"
+#include "tools/tdpt-render/integrators/integrator.h"
+
+namespace tdpt {
+
+struct AgreementSettings {
+  int max_depth = 8;
+  size_t runs = 16;
+  uint64_t spp = 16;  ///< of each run
+  int block = 4;      ///< side of the blocks [pixels]; width and height are multiples of it
+};
+
+/// Luminance of blocks: [k] of paths of exactly k edges, [0] of all together.
+struct DepthRuns {
+  std::vector<testing::BlockRuns> of_depth;
+  std::array<double, kTechniques> share{};  ///< of the energy, all depths
+  uint64_t not_finite = 0;
+};
+
+/// One picture per path length, [0] unused, luminance per pixel and sample.
+inline std::vector<std::vector<double>> render_by_depth(const World& world,
+                                                        const Integrator& integrator, int max_depth,
+                                                        uint64_t spp, uint64_t seed, Tally& tally) {
+  const int width = world.film.width(), height = world.film.height();
+  std::vector<std::vector<double>> pictures(
+      static_cast<size_t>(max_depth) + 1,
+      std::vector<double>(static_cast<size_t>(width) * static_cast<size_t>(height)));
+  Film film(width, height, 1);
+  int px = 0, py = 0;
+  const PathObserver observer = [&](const Path& path, Strategy strategy, const Rgb& value) {
+    const int k = path.k();
+    int x = px, y = py;
+    if (strategy.technique == Technique::light ||
+        (strategy.technique == Technique::portal && strategy.split == k - 2)) {  // a splat
+      double raster_x, raster_y;
+      const Vec3d w = normalize(path.vertex(k - 1).position - world.film.position());
+      if (!world.film.raster(w, raster_x, raster_y)) return;
+      x = static_cast<int>(raster_x);
+      y = static_cast<int>(raster_y);
+    }
+    const double weighted =
+        luminance(value) * path.weight(integrator.techniques, strategy, /*beta=*/1);
+    if (std::isfinite(weighted))
+      pictures[static_cast<size_t>(k)][static_cast<size_t>(y * width + x)] +=
+          weighted / static_cast<double>(spp);
+  };
+  PathSampler sampler(world, {integrator.techniques, max_depth, 1, seed, integrator.stream}, film,
+                      tally, &observer);
+  for (py = 0; py < height; ++py)
+    for (px = 0; px < width; ++px)
+      for (uint64_t s = 0; s < spp; ++s) {
+        sampler.begin(px, py, s);
+        integrator.sample(sampler);
+        sampler.end();
+      }
+  return pictures;
+}
+
+inline DepthRuns render_runs(const World& world, const Integrator& integrator,
+                             const AgreementSettings& settings) {
+  const int width = world.film.width(), height = world.film.height(), side = settings.block;
+  const auto depths = static_cast<size_t>(settings.max_depth) + 1;
+  const auto across = static_cast<size_t>(width / side), down = static_cast<size_t>(height / side);
+  using Blocks = std::vector<std::vector<double>>;  // [k][block]
+  std::vector<Blocks> runs(settings.runs, Blocks(depths, std::vector<double>(across * down)));
+  std::vector<Tally> tallies(settings.runs);
+  tbb::parallel_for(size_t{0}, settings.runs, [&](size_t r) {
+    const auto pictures =
+        render_by_depth(world, integrator, settings.max_depth, settings.spp, r + 1, tallies[r]);
+    for (size_t k = 1; k < depths; ++k)
+      for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) {
+          const double v =
+              pictures[k][static_cast<size_t>(y * width + x)] / static_cast<double>(side * side);
+          const size_t b = static_cast<size_t>(y / side) * across + static_cast<size_t>(x / side);
+          runs[r][k][b] += v;
+          runs[r][0][b] += v;
+        }
+  });
+  DepthRuns out;
+  out.of_depth.resize(depths);
+  double energy = 0;
+  for (size_t r = 0; r < settings.runs; ++r) {
+    for (size_t k = 0; k < depths; ++k) out.of_depth[k].add(runs[r][k]);
+    for (size_t i = 0; i < kTechniques; ++i) out.share[i] += tallies[r].energy[i];
+    for (double e : tallies[r].energy) energy += e;
+    out.not_finite += tallies[r].not_finite;
+  }
+  if (energy > 0)
+    for (double& share : out.share) share /= energy;
+  return out;
+}
+
+struct Verdict {
+  int disagreements = 0;  ///< of depths 1..max_depth and all of them together
+  double worst_p = 1;
+  std::string text;  ///< a line per depth that disagrees
+
+  bool holds() const { return disagreements == 0; }
+};
+
+inline Verdict judge(const DepthRuns& runs, const DepthRuns& reference) {
+  Verdict out;
+  for (size_t k = 0; k < runs.of_depth.size(); ++k) {
+    const testing::Agreement a = testing::compare(runs.of_depth[k], reference.of_depth[k]);
+    out.worst_p = std::min({out.worst_p, a.p_drift, a.p_rms, a.p_largest});
+    if (a.holds()) continue;
+    ++out.disagreements;
+    out.text += (k == 0 ? std::string("all depths") : "depth " + std::to_string(k)) + ": " +
+                a.text() + "\n";
+  }
+  return out;
+}
+
+}  // namespace tdpt
