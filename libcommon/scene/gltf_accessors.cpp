@@ -98,6 +98,25 @@ void apply_sparse(const Document& d, const std::string& accessor, const tinygltf
   }
 }
 
+/// Calls `set(element, its first component, distance of components)` for every element that the
+/// accessor's bufferView or its sparse values hold. Without a bufferView the others are zero.
+template <class Set>
+void for_elements(const Document& d, const std::string& where, const tinygltf::Accessor& a,
+                  size_t components, const Set& set) {
+  const size_t size = components * bytes_of(a.componentType);
+  if (a.bufferView >= 0) {
+    const Elements e =
+        elements(d, where, static_cast<size_t>(a.bufferView), a.byteOffset, a.count, size, true);
+    for (size_t i = 0; i < e.count; ++i) set(i, e.data + i * e.stride);
+  } else if (a.count > d.bytes.size()) {
+    // All zero but for sparse values: any count is cheap to write, so it is bounded by the file.
+    d.fail(where, fmt::format("{} elements without a bufferView, expected at most {}, the bytes "
+                              "of the file",
+                              a.count, d.bytes.size()));
+  }
+  apply_sparse(d, where, a, size, [&](uint32_t k, const char* at) { set(k, at); });
+}
+
 }  // namespace
 
 std::vector<Vec3d> read_positions(const Document& d, size_t accessor) {
@@ -108,32 +127,53 @@ std::vector<Vec3d> read_positions(const Document& d, size_t accessor) {
   if (a.componentType != kFloat && !(quantized && a.componentType != kU32))
     d.fail(where + ".componentType",
            fmt::format("positions are of type {}, expected 5126 (float)", a.componentType));
-  const size_t step = bytes_of(a.componentType), size = 3 * step;
-  const auto read = [&](const char* at) {
-    const auto component = [&](size_t k) {
-      return load_component(at + k * step, a.componentType, a.normalized);
-    };
-    return Vec3d(component(0), component(1), component(2));
-  };
-
+  const size_t step = bytes_of(a.componentType);
   std::vector<Vec3d> out;
-  if (a.bufferView >= 0) {
-    const Elements e =
-        elements(d, where, static_cast<size_t>(a.bufferView), a.byteOffset, a.count, size, true);
-    out.reserve(e.count);
-    for (size_t i = 0; i < e.count; ++i) out.push_back(read(e.data + i * e.stride));
-  } else {
-    // All zero but for sparse values: any count is cheap to write, so it is bounded by the file.
-    if (a.count > d.bytes.size())
-      d.fail(where, fmt::format("{} elements without a bufferView, expected at most {}, the bytes "
-                                "of the file",
-                                a.count, d.bytes.size()));
-    out.resize(a.count);
-  }
-  apply_sparse(d, where, a, size, [&](uint32_t k, const char* at) { out[k] = read(at); });
+  const auto set = [&](size_t k, const char* at) {
+    if (out.empty()) out.resize(a.count);  // only now is the count known to be right
+    for (int c = 0; c < 3; ++c)
+      out[k][c] = load_component(at + static_cast<size_t>(c) * step, a.componentType, a.normalized);
+  };
+  for_elements(d, where, a, 3, set);
+  out.resize(a.count);
   for (size_t i = 0; i < out.size(); ++i)
     if (!is_finite(out[i]))
       d.fail(where, fmt::format("position {} is not finite, expected three finite numbers", i));
+  return out;
+}
+
+std::vector<float> read_attribute(const Document& d, size_t accessor, const Attribute& attribute) {
+  const tinygltf::Accessor& a = d.model.accessors[accessor];
+  const std::string where = place("accessors", accessor);
+  const bool rgb = attribute.may_be_vec3 && a.type == TINYGLTF_TYPE_VEC3;
+  const int expected = attribute.components == 2   ? TINYGLTF_TYPE_VEC2
+                       : attribute.components == 3 ? TINYGLTF_TYPE_VEC3
+                                                   : TINYGLTF_TYPE_VEC4;
+  if (a.type != expected && !rgb)
+    d.fail(where + ".type",
+           fmt::format("{} are not {}VEC{}", attribute.noun,
+                       attribute.may_be_vec3 ? "VEC3 or " : "", attribute.components));
+  const bool quantized = attribute.quantizable && a.componentType != kU32 &&
+                         uses_extension(d, "KHR_mesh_quantization");
+  const bool is_unsigned = a.componentType == kU8 || a.componentType == kU16;
+  if (a.componentType != kFloat && !quantized &&
+      !(attribute.may_be_unsigned && is_unsigned && a.normalized))
+    d.fail(where + ".componentType",
+           fmt::format("{} are of type {}{}, expected 5126 (float){}", attribute.noun,
+                       a.componentType, a.normalized ? ", normalized" : "",
+                       attribute.may_be_unsigned ? ", or 5121 or 5123, normalized" : ""));
+  const size_t n = attribute.components, stored = rgb ? 3 : n, step = bytes_of(a.componentType);
+  std::vector<float> out;
+  const auto set = [&](size_t k, const char* at) {
+    if (out.empty()) out.resize(n * a.count);
+    for (size_t c = 0; c < stored; ++c)
+      out[n * k + c] =
+          static_cast<float>(load_component(at + c * step, a.componentType, a.normalized));
+  };
+  for_elements(d, where, a, stored, set);
+  out.resize(n * a.count);
+  if (rgb)
+    for (size_t k = 0; k < a.count; ++k) out[4 * k + 3] = 1;
   return out;
 }
 

@@ -1,70 +1,87 @@
 #include "libcommon/scene/gltf_materials.h"
 
 #include <fmt/format.h>
-#include <array>
+#include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "libcommon/base/hash.h"
-#include "libcommon/scene/gltf_images.h"
+#include "libcommon/scene/gltf_textures.h"
 
 namespace tdpt::gltf {
 namespace {
 
-enum Kind {
-  metallic,
-  transmissive,
-  glossy,
-  layered,
-  unlit,
-  texture,
-  no_texture,
-  emissive_texture,
-  normal_map,
-  alpha,
-  clamped,
-  kinds
-};
+using Json = nlohmann::json;
+
+enum Kind { layered, unlit, no_texture, far_uv_set, clamped, kinds };
 
 struct Sentence {
   const char *one, *many, *rest;
 };
 constexpr std::array<Sentence, kinds> kSentences = {{
-    {"is metallic", "are metallic", ": taken as diffuse with the base colour"},
-    {"transmits light", "transmit light", ": taken as opaque, diffuse with the base colour"},
-    {"has a specular reflection", "have a specular reflection", ", which is left out"},
     {"has a coat, sheen or the like", "have a coat, sheen or the like", ", which is left out"},
-    {"is unlit", "are unlit", ": taken as diffuse with the base colour"},
-    {"has a base-colour texture", "have a base-colour texture", ": its average colour is used"},
+    {"is unlit", "are unlit", ": taken as black, emitting the base colour"},
     {"has a texture that cannot be decoded", "have a texture that cannot be decoded",
-     ": the colour factor alone is used"},
-    {"has an emissive texture", "have an emissive texture", ": its average colour is used"},
-    {"has a normal map", "have a normal map", ", which is left out"},
-    {"is not opaque (alphaMode)", "are not opaque (alphaMode)", ": taken as opaque"},
+     ": its factor alone is used"},
+    {"has a texture on TEXCOORD_2 or beyond", "have a texture on TEXCOORD_2 or beyond",
+     ": its factor alone is used"},
     {"reflects more than all light", "reflect more than all light",
      ": the base colour is clamped to 1"},
 }};
 
-double extension_number(const tinygltf::Material& m, const char* extension, const char* field,
-                        double otherwise) {
-  const auto it = m.extensions.find(extension);
-  if (it == m.extensions.end() || !it->second.Has(field)) return otherwise;
-  return it->second.Get(field).GetNumberAsDouble();
+constexpr const char* kLayers[] = {
+    "KHR_materials_clearcoat",      "KHR_materials_sheen",
+    "KHR_materials_iridescence",    "KHR_materials_anisotropy",
+    "KHR_materials_dispersion",     "KHR_materials_diffuse_transmission",
+    "KHR_materials_volume_scatter", "KHR_materials_pbrSpecularGlossiness"};
+
+// An index of refraction of 0 stands for an infinite one: all light is reflected.
+constexpr float kInfiniteIor = 1e6f;
+
+const Json& child(const Json& parent, const char* name) {
+  static const Json kNothing = Json::object();
+  const auto it = parent.find(name);
+  return it == parent.end() ? kNothing : *it;
+}
+
+float number(const Json& parent, const char* name, float otherwise) {
+  const auto it = parent.find(name);
+  return it == parent.end() ? otherwise : static_cast<float>(std::min(it->get<double>(), 1e30));
+}
+
+Vec3d triple(const Json& parent, const char* name, double otherwise) {
+  const auto it = parent.find(name);
+  if (it == parent.end()) return Vec3d(otherwise);
+  return {(*it)[0].get<double>(), (*it)[1].get<double>(), (*it)[2].get<double>()};
+}
+
+bool is_black(const Rgb& c) {
+  return max_component(c) <= 0;
 }
 
 class Reader {
  public:
-  Reader(const Document& d, Scene& scene) : d_(d), scene_(scene), textures_(d) {}
+  Reader(const Document& d, Scene& scene) : d_(d), scene_(scene), textures_(d, scene) {}
 
-  Material read(size_t index) {
-    const tinygltf::Material& m = d_.model.materials[index];
-    Material out;
-    out.name = m.name;
-    out.double_sided = m.doubleSided;
-    out.emission = emission(m, index);
-    out.base_color = albedo(m);
-    count_approximations(m);
-    return out;
+  Material read(size_t index, MaterialUse& use) {
+    const Json& j = d_.json["materials"][index];
+    told_.fill(false);
+    Material m;
+    m.name = j.value("name", "");
+    m.double_sided = j.value("doubleSided", false);
+    read_base(j, m);
+    const Json& extensions = child(j, "extensions");
+    if (extensions.contains("KHR_materials_unlit")) {
+      make_unlit(m);
+      use.unlit = true;
+    } else {
+      read_lobes(j, m);
+      read_normal_map(j, m);
+      read_emission(j, index, m);
+    }
+    for (const char* layer : kLayers)
+      if (extensions.contains(layer)) tell(layered);
+    keep_maps(m, use);
+    return m;
   }
 
   void finish() {
@@ -78,67 +95,163 @@ class Reader {
   }
 
  private:
-  /// Factor times the texture's average, if there is a texture.
-  Vec3d textured(Vec3d factor, int texture_index, Kind kind) {
-    if (texture_index < 0) return factor;
-    const auto average = textures_.average(static_cast<size_t>(texture_index));
-    ++count_[average ? kind : no_texture];
-    return average ? factor * *average : factor;
+  void tell(Kind kind) {
+    if (!told_[kind]) ++count_[kind];
+    told_[kind] = true;
   }
 
-  Rgb albedo(const tinygltf::Material& m) {
-    const auto& pbr = m.pbrMetallicRoughness;
-    Vec3d colour(1);
-    for (int c = 0; c < 3 && pbr.baseColorFactor.size() == 4; ++c)
-      colour[c] = pbr.baseColorFactor[static_cast<size_t>(c)];
-    colour = textured(colour, pbr.baseColorTexture.index, texture);
-    if (max_component(colour) > 1) ++count_[clamped];
-    return Rgb(min(colour, Vec3d(1)));
+  /// The texture called `name`, if there is one; one of a single colour goes into the factors.
+  template <class Fold>
+  std::optional<Texture> texture(const Json& parent, const char* name, bool srgb,
+                                 const Fold& fold) {
+    const auto info = parent.find(name);
+    if (info == parent.end()) return {};
+    TextureReader::Fault fault{};
+    const std::optional<Texture> t = textures_.read(*info, srgb, fault);
+    if (fault != TextureReader::Fault::none)
+      tell(fault == TextureReader::Fault::undecodable ? no_texture : far_uv_set);
+    if (!t || !t->uniform) return t;
+    fold(t->value);
+    return {};
+  }
+
+  void read_base(const Json& j, Material& m) {
+    const Json& pbr = child(j, "pbrMetallicRoughness");
+    const Vec3d colour = triple(pbr, "baseColorFactor", 1);
+    if (max_component(colour) > 1) tell(clamped);
+    m.base_color = Rgb(min(colour, Vec3d(1)));
+    const std::string mode = j.value("alphaMode", "OPAQUE");
+    if (mode == "MASK") m.alpha_mode = Material::Alpha::mask;
+    if (mode == "BLEND") m.alpha_mode = Material::Alpha::blend;
+    const bool opaque = mode == "OPAQUE";
+    m.alpha_cutoff = number(j, "alphaCutoff", 0.5f);
+    if (!opaque && pbr.contains("baseColorFactor"))
+      m.alpha = static_cast<float>(std::min(pbr["baseColorFactor"][3].get<double>(), 1.0));
+    if (is_black(m.base_color) && opaque) return;
+    base_ = texture(pbr, "baseColorTexture", true, [&](const std::array<float, 4>& v) {
+      m.base_color = m.base_color * Rgb(v[0], v[1], v[2]);
+      if (!opaque) m.alpha *= v[3];
+    });
+  }
+
+  void read_lobes(const Json& j, Material& m) {
+    const Json& pbr = child(j, "pbrMetallicRoughness");
+    const Json& extensions = child(j, "extensions");
+    m.metallic = number(pbr, "metallicFactor", 1);
+    m.roughness = number(pbr, "roughnessFactor", 1);
+    // A metal has neither a dielectric reflection nor transmission.
+    const bool dielectric = m.metallic < 1 || pbr.contains("metallicRoughnessTexture");
+    m.ior = number(child(extensions, "KHR_materials_ior"), "ior", 1.5f);
+    if (m.ior == 0) m.ior = kInfiniteIor;
+    const Json& specular = child(extensions, "KHR_materials_specular");
+    m.specular = m.ior == 1 ? 0 : number(specular, "specularFactor", 1);
+    m.specular_color = Rgb(min(triple(specular, "specularColorFactor", 1), Vec3d(1e6)));
+    if (m.specular > 0 && dielectric)
+      specular_ = texture(specular, "specularTexture", false,
+                          [&](const std::array<float, 4>& v) { m.specular *= v[3]; });
+    if (m.specular > 0 && dielectric && !is_black(m.specular_color))
+      specular_color_ = texture(specular, "specularColorTexture", true, [&](const auto& v) {
+        m.specular_color = m.specular_color * Rgb(v[0], v[1], v[2]);
+      });
+    if (const Json& t = child(extensions, "KHR_materials_transmission"); dielectric) {
+      m.transmission = number(t, "transmissionFactor", 0);
+      if (m.transmission > 0)
+        transmission_ = texture(t, "transmissionTexture", false,
+                                [&](const std::array<float, 4>& v) { m.transmission *= v[0]; });
+    }
+    const bool glossy = m.metallic > 0 || m.specular > 0 || m.transmission > 0;
+    if (m.metallic > 0 || (glossy && m.roughness > 0))
+      roughness_ = texture(pbr, "metallicRoughnessTexture", false, [&](const auto& v) {
+        m.roughness *= v[1];
+        m.metallic *= v[2];
+      });
+    if (m.metallic >= 1 && !roughness_) {
+      m.transmission = 0;
+      specular_.reset(), specular_color_.reset(), transmission_.reset();
+    }
+    if (m.transmission > 0) read_volume(child(extensions, "KHR_materials_volume"), m);
+  }
+
+  /// Absorption per metre: after attenuationDistance, attenuationColor is left of white light.
+  void read_volume(const Json& volume, Material& m) {
+    m.solid = number(volume, "thicknessFactor", 0) > 0;
+    if (!m.solid || !volume.contains("attenuationDistance")) return;
+    const double distance = volume["attenuationDistance"].get<double>();
+    const Vec3d colour = triple(volume, "attenuationColor", 1);
+    for (int c = 0; c < 3; ++c)
+      m.absorption[c] = static_cast<float>(
+          std::clamp(colour[c] < 1 ? -std::log(colour[c]) / distance : 0.0, 0.0, 1e30));
+  }
+
+  void read_normal_map(const Json& j, Material& m) {
+    if (is_black(m.base_color) && m.specular <= 0 && m.metallic <= 0 && m.transmission <= 0) return;
+    const auto info = j.find("normalTexture");
+    if (info == j.end()) return;
+    m.normal_scale = static_cast<float>(std::clamp(info->value("scale", 1.0), -1e6, 1e6));
+    if (m.normal_scale == 0) return;
+    TextureReader::Fault fault{};
+    normal_ = textures_.read(*info, false, fault);
+    if (fault != TextureReader::Fault::none)
+      tell(fault == TextureReader::Fault::undecodable ? no_texture : far_uv_set);
+    // Bytes cannot say "straight up" exactly: both 127 and 128 mean it.
+    const auto level = [](uint8_t v) { return v == 127 || v == 128; };
+    if (normal_ && normal_->uniform && level(normal_->encoded[0]) && level(normal_->encoded[1]) &&
+        normal_->encoded[2] > 128)
+      normal_.reset();
   }
 
   /// Radiance [W/m2/sr]: emissiveFactor x emissiveStrength.
-  Rgb emission(const tinygltf::Material& m, size_t index) {
-    const double strength =
-        extension_number(m, "KHR_materials_emissive_strength", "emissiveStrength", 1);
-    Vec3d radiance(m.emissiveFactor[0], m.emissiveFactor[1], m.emissiveFactor[2]);
+  void read_emission(const Json& j, size_t index, Material& m) {
+    const Json& extension = child(child(j, "extensions"), "KHR_materials_emissive_strength");
+    Vec3d radiance = triple(j, "emissiveFactor", 0) * extension.value("emissiveStrength", 1.0);
     if (max_component(radiance) > 0)
-      radiance = textured(radiance, m.emissiveTexture.index, emissive_texture);
-    radiance *= strength;
+      emission_ = texture(j, "emissiveTexture", true, [&](const std::array<float, 4>& v) {
+        radiance = radiance * Vec3d(v[0], v[1], v[2]);
+      });
     if (!(max_component(radiance) <= 1e30))
       d_.fail(
           place("materials", index),
           fmt::format("emits a radiance of {}, expected at most 1e30", max_component(radiance)));
-    return Rgb(radiance);
+    m.emission = Rgb(radiance);
   }
 
-  void count_approximations(const tinygltf::Material& m) {
-    const auto has = [&](const char* extension) { return m.extensions.contains(extension); };
-    const auto& pbr = m.pbrMetallicRoughness;
-    const bool black = pbr.baseColorFactor.size() == 4 && pbr.baseColorFactor[0] == 0 &&
-                       pbr.baseColorFactor[1] == 0 && pbr.baseColorFactor[2] == 0;
-    const double specular = extension_number(m, "KHR_materials_specular", "specularFactor", 1);
-    if (has("KHR_materials_unlit"))
-      ++count_[unlit];
-    else if (extension_number(m, "KHR_materials_transmission", "transmissionFactor", 0) > 0)
-      ++count_[transmissive];
-    else if (pbr.metallicFactor > 0 && !black)
-      ++count_[metallic];
-    else if (specular > 0)
-      ++count_[glossy];
-    for (const char* coat :
-         {"KHR_materials_clearcoat", "KHR_materials_sheen", "KHR_materials_iridescence"})
-      if (has(coat)) {
-        ++count_[layered];
-        break;
-      }
-    if (m.normalTexture.index >= 0) ++count_[normal_map];
-    if (!m.alphaMode.empty() && m.alphaMode != "OPAQUE") ++count_[alpha];
+  void make_unlit(Material& m) {
+    tell(unlit);
+    m.emission = m.base_color;
+    m.base_color = Rgb(0.0f);
+    if (base_ && !is_black(m.emission)) emission_ = base_;
+    if (m.alpha_mode == Material::Alpha::opaque) base_.reset();
+  }
+
+  void keep_maps(Material& m, MaterialUse& use) {
+    use.least_alpha = m.alpha * (base_ ? base_->least_alpha : 1);
+    // A texture that is opaque all over does not cut holes; then black needs it no more.
+    if (base_ && is_black(m.base_color) && base_->least_alpha >= 1) base_.reset();
+    const auto keep = [&](std::optional<Texture>& from, TextureMap& to) {
+      if (!from) return;
+      to = textures_.keep(*from);
+      use.uv[to.uv_set] = true;
+      from.reset();
+    };
+    keep(base_, m.base_map);
+    keep(roughness_, m.metallic_roughness_map);
+    keep(emission_, m.emission_map);
+    keep(normal_, m.normal_map);
+    keep(specular_, m.specular_map);
+    keep(specular_color_, m.specular_color_map);
+    keep(transmission_, m.transmission_map);
+    use.tangents = static_cast<bool>(m.normal_map);
+    use.alpha = m.alpha_mode != Material::Alpha::opaque;
+    use.colours = !is_black(m.base_color) || use.alpha;
   }
 
   const Document& d_;
   Scene& scene_;
-  TextureColours textures_;
+  TextureReader textures_;
+  std::optional<Texture> base_, roughness_, emission_, normal_, specular_, specular_color_,
+      transmission_;  // of the material at hand
   std::array<size_t, kinds> count_{};
+  std::array<bool, kinds> told_{};  // of the material at hand
 };
 
 }  // namespace
@@ -148,11 +261,51 @@ std::string counted(size_t n, const std::string& noun, const std::string& one,
   return fmt::format("{} {}{} {}", n, noun, n == 1 ? "" : "s", n == 1 ? one : many);
 }
 
-void read_materials(const Document& d, const std::vector<bool>& used, Scene& scene) {
+std::vector<MaterialUse> read_materials(const Document& d, const std::vector<bool>& used,
+                                        Scene& scene) {
   Reader reader(d, scene);
-  for (size_t i = 0; i < d.model.materials.size(); ++i)
-    scene.materials.push_back(used[i] ? reader.read(i) : Material{d.model.materials[i].name});
+  std::vector<MaterialUse> uses(used.size());
+  for (size_t i = 0; i < used.size(); ++i) {
+    Material& m = scene.materials.emplace_back();
+    if (used[i])
+      m = reader.read(i, uses[i]);
+    else
+      m.name = d.json["materials"][i].value("name", "");
+  }
   reader.finish();
+  return uses;
+}
+
+void finish_material(const MaterialUse& use, Material& m) {
+  const float least = use.least_alpha * use.least_vertex_alpha;
+  const bool covers = m.alpha_mode == Material::Alpha::mask ? least >= m.alpha_cutoff : least >= 1;
+  if (covers) m.alpha_mode = Material::Alpha::opaque;
+  if (m.alpha_mode == Material::Alpha::opaque) m.alpha = 1;
+  const bool lobes = m.metallic > 0 || m.specular > 0 || m.transmission > 0;
+  const bool maps = m.base_map || m.metallic_roughness_map || m.emission_map || m.normal_map ||
+                    m.specular_map || m.specular_color_map || m.transmission_map;
+  m.plain = !lobes && !maps && !use.coloured && m.alpha_mode == Material::Alpha::opaque;
+}
+
+std::vector<std::string> needs_of(const Scene& scene) {
+  const auto any = [&](const auto& wants) {
+    return std::any_of(scene.materials.begin(), scene.materials.end(), wants);
+  };
+  std::vector<std::string> out;
+  const auto say = [&](bool needed, const char* word) {
+    if (needed) out.push_back(word);
+  };
+  say(!scene.images.empty(), "textures");
+  say(!scene.smooth.empty(), "shading normals");
+  say(any([](const Material& m) { return m.metallic > 0 || m.specular > 0; }), "specular");
+  say(any([](const Material& m) { return m.transmission > 0; }), "transmission");
+  say(any([](const Material& m) { return m.alpha_mode != Material::Alpha::opaque; }), "alpha");
+  say(!scene.colours.empty(), "vertex colours");
+  say(!scene.lights.empty(), "punctual lights");
+  say(any([](const Material& m) { return max_component(m.absorption) > 0; }), "absorption");
+  say(any([](const Material& m) { return bool(m.normal_map); }), "normal maps");
+  say(any([](const Material& m) { return bool(m.emission_map); }), "textured emission");
+  return out;
 }
 
 }  // namespace tdpt::gltf

@@ -1,5 +1,6 @@
-// From a checked glTF file to a Scene: triangles of all placed meshes, cameras, materials, and the
-// canonical frame. Everything is double precision until canonical positions are rounded to float.
+// From a checked glTF file to a Scene: triangles of all placed meshes, cameras, lights, materials,
+// and the canonical frame. Everything is double precision until canonical positions are rounded to
+// float.
 #include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
@@ -8,7 +9,9 @@
 #include <set>
 
 #include "libcommon/scene/gltf_accessors.h"
+#include "libcommon/scene/gltf_attributes.h"
 #include "libcommon/scene/gltf_document.h"
+#include "libcommon/scene/gltf_lights.h"
 #include "libcommon/scene/gltf_materials.h"
 #include "libcommon/scene/gltf_nodes.h"
 #include "libcommon/scene/scene.h"
@@ -26,27 +29,58 @@ constexpr double kShortest = 1e-30, kLongest = 1e30;  // of the scene [m]
 class SceneReader {
  public:
   SceneReader(const Document& document, Scene& scene)
-      : d_(document), scene_(scene), used_(document.model.materials.size()) {}
+      : d_(document),
+        scene_(scene),
+        attributes_(document, scene),
+        file_materials_(d_.json.contains("materials") ? d_.json["materials"].size() : 0) {}
 
   void run() {
     const std::vector<PlacedNode> nodes = place_nodes(d_);
+    const std::vector<bool> used = used_materials(nodes);
+    uses_ = read_materials(d_, used, scene_);
+    uses_.emplace_back();  // of surfaces without one
     check_size(nodes);
     for (const PlacedNode& n : nodes) {
       const tinygltf::Node& node = d_.model.nodes[n.node];
       if (node.mesh >= 0) add_mesh(n, static_cast<size_t>(node.mesh));
       if (node.camera >= 0) add_camera(n, static_cast<size_t>(node.camera));
-      if (node.extensions.contains("KHR_lights_punctual")) ++lights_;
+      if (const auto light = read_light(d_, n)) scene_.lights.push_back(*light);
       if (node.skin >= 0) ++skins_;
     }
     if (scene_.triangles.empty()) d_.fail("", "has no triangles in its scene");
-    to_canonical();
+    attributes_.finish(world_.size());
+    if (unnamed_material_) scene_.materials.emplace_back().name = "default";
+    for (size_t i = 0; i < scene_.materials.size(); ++i)
+      finish_material(uses_[i], scene_.materials[i]);
+    if (std::none_of(uses_.begin(), uses_.end(), [](const auto& u) { return u.coloured; }))
+      scene_.colours = {};
+    bring_to_canonical();
     drop_flat_triangles();
-    read_materials(d_, used_, scene_);
-    if (unnamed_material_) scene_.materials.push_back({"default", Rgb(0.8f), {}, false});
+    mark_smooth_triangles(scene_);
+    scene_.needs = needs_of(scene_);
     warn();
   }
 
  private:
+  /// Calls `visit(primitive, place)` for the primitives of all placed meshes that are surfaces.
+  template <class Visit>
+  void each_surface(const std::vector<PlacedNode>& nodes, const Visit& visit) const {
+    for (const PlacedNode& n : nodes) {
+      const int mesh = d_.model.nodes[n.node].mesh;
+      if (mesh < 0) continue;
+      for (const tinygltf::Primitive& p : d_.model.meshes[static_cast<size_t>(mesh)].primitives)
+        if (p.mode >= TINYGLTF_MODE_TRIANGLES) visit(p);
+    }
+  }
+
+  std::vector<bool> used_materials(const std::vector<PlacedNode>& nodes) const {
+    std::vector<bool> used(file_materials_);
+    each_surface(nodes, [&](const tinygltf::Primitive& p) {
+      if (p.material >= 0) used[static_cast<size_t>(p.material)] = true;
+    });
+    return used;
+  }
+
   /// Refuses a scene whose instances would fill the memory, before anything is read.
   void check_size(const std::vector<PlacedNode>& nodes) const {
     size_t bytes = d_.bytes.size();
@@ -59,11 +93,13 @@ class SceneReader {
     for (const PlacedNode& n : nodes) {
       const int mesh = d_.model.nodes[n.node].mesh;
       if (mesh < 0) continue;
-      std::set<int> seen;
+      std::set<AttributeSet> seen;
       for (const tinygltf::Primitive& p : d_.model.meshes[static_cast<size_t>(mesh)].primitives) {
         const auto position = p.attributes.find("POSITION");
         if (position == p.attributes.end()) continue;
-        if (seen.insert(position->second).second) vertices += count(position->second);
+        if (p.mode >= TINYGLTF_MODE_TRIANGLES &&
+            seen.insert(choose_attributes(p, uses_[material_of(p)])).second)
+          vertices += count(position->second);
         const size_t corners = count(p.indices >= 0 ? p.indices : position->second);
         triangles += p.mode == TINYGLTF_MODE_TRIANGLES ? corners / 3 : corners;
       }
@@ -107,7 +143,7 @@ class SceneReader {
 
   void add_mesh(const PlacedNode& n, size_t mesh) {
     const bool mirrored = n.to_world.mirrors();
-    std::map<int, uint32_t> first_of;  // primitives of a mesh often share one POSITION accessor
+    std::map<AttributeSet, uint32_t> first_of;  // primitives often share all their vertices
     const auto& primitives = d_.model.meshes[mesh].primitives;
     for (size_t k = 0; k < primitives.size(); ++k) {
       const tinygltf::Primitive& p = primitives[k];
@@ -118,14 +154,27 @@ class SceneReader {
       }
       const auto position = p.attributes.find("POSITION");
       if (position == p.attributes.end()) d_.fail(where, "has no attribute POSITION");
-      const auto [first, is_new] =
-          first_of.try_emplace(position->second, static_cast<uint32_t>(world_.size()));
-      if (is_new) add_vertices(n, static_cast<size_t>(position->second));
+      MaterialUse& use = uses_[material_of(p)];
+      const AttributeSet set = choose_attributes(p, use);
+      check_counts(d_, set, where);
+      const auto [first, is_new] = first_of.try_emplace(set, static_cast<uint32_t>(world_.size()));
+      if (is_new) {
+        add_vertices(n, static_cast<size_t>(position->second));
+        attributes_.add(set, n.to_world, first->second);
+      }
       const size_t vertices = d_.model.accessors[static_cast<size_t>(position->second)].count;
-      add_triangles(corners(p, vertices, where), first->second, mirrored, p.material);
-      if (p.attributes.contains("COLOR_0")) coloured_.insert({mesh, k});
+      add_triangles(corners(p, vertices, where), first->second, mirrored, material_of(p));
+      unnamed_material_ |= p.material < 0;
+      attributes_.note_colours(set, use);
+      for (size_t u = 0; u < 2; ++u)
+        if (use.uv[u] && set.uv[u] < 0) without_uv_.insert({mesh, k});
+      if (use.unlit && p.attributes.contains("COLOR_0")) coloured_.insert({mesh, k});
       if (!p.targets.empty()) morphed_.insert({mesh, k});
     }
+  }
+
+  size_t material_of(const tinygltf::Primitive& p) const {
+    return p.material < 0 ? file_materials_ : static_cast<size_t>(p.material);
   }
 
   void add_vertices(const PlacedNode& n, size_t accessor) {
@@ -142,11 +191,8 @@ class SceneReader {
   }
 
   void add_triangles(const std::vector<uint32_t>& corner, uint32_t first, bool mirrored,
-                     int material) {
-    unnamed_material_ |= material < 0;
-    const auto m =
-        static_cast<uint32_t>(material < 0 ? used_.size() : static_cast<size_t>(material));
-    if (material >= 0) used_[m] = true;
+                     size_t material) {
+    const auto m = static_cast<uint32_t>(material);
     for (size_t i = 0; i + 2 < corner.size(); i += 3) {
       Triangle t{{first + corner[i], first + corner[i + 1], first + corner[i + 2]}, m};
       if (mirrored) std::swap(t.vertex[1], t.vertex[2]);  // the front stays the front
@@ -193,7 +239,7 @@ class SceneReader {
     return name;
   }
 
-  void to_canonical() {
+  void bring_to_canonical() {
     Vec3d low(std::numeric_limits<double>::infinity()), high = -low;
     for (const Triangle& t : scene_.triangles)
       for (uint32_t v : t.vertex) low = min(low, world_[v]), high = max(high, world_[v]);
@@ -208,6 +254,9 @@ class SceneReader {
     scene_.positions.reserve(world_.size());
     for (const Vec3d& p : world_) scene_.positions.push_back(rounded(scene_.frame.to_canonical(p)));
     for (Camera& c : scene_.cameras) c.position = scene_.frame.to_canonical(c.position);
+    for (PunctualLight& l : scene_.lights) to_canonical(d_, scene_.frame, l);
+    for (Material& m : scene_.materials)  // per metre -> per canonical length
+      m.absorption = Rgb(min(Vec3d(m.absorption) / scene_.frame.scale, Vec3d(1e30)));
   }
 
   /// Vertices of no triangle may lie anywhere, also where float does not reach.
@@ -235,8 +284,10 @@ class SceneReader {
     tell(dropped_, "triangle", "without area is left out", "without area are left out");
     tell(no_surfaces_, "set", "of points or lines is left out", "of points or lines are left out");
     tell(orthographic_, "orthographic camera", "is left out", "are left out");
-    tell(lights_, "punctual light", "is left out", "are left out");
-    tell(coloured_.size(), "primitive", "has vertex colours, which are left out",
+    tell(without_uv_.size(), "primitive",
+         "lacks the texture coordinates that its material asks for: taken as 0",
+         "lack the texture coordinates that their materials ask for: taken as 0");
+    tell(coloured_.size(), "unlit primitive", "has vertex colours, which are left out",
          "have vertex colours, which are left out");
     tell(skins_, "skinned mesh", "is taken in its rest pose", "are taken in their rest pose");
     tell(morphed_.size(), "primitive", "has morph targets, which are left out",
@@ -250,10 +301,12 @@ class SceneReader {
   Scene& scene_;
   std::vector<Vec3d> world_;                        // metres, parallel to scene_.positions
   std::map<size_t, std::vector<Vec3d>> positions_;  // by accessor, local
-  std::vector<bool> used_;                          // by material
+  AttributeReader attributes_;
+  size_t file_materials_;          // the surfaces without a material come behind them
+  std::vector<MaterialUse> uses_;  // by material
   bool unnamed_material_ = false;
-  size_t dropped_ = 0, no_surfaces_ = 0, orthographic_ = 0, lights_ = 0, skins_ = 0;
-  std::set<std::pair<size_t, size_t>> coloured_, morphed_;  // mesh, primitive
+  size_t dropped_ = 0, no_surfaces_ = 0, orthographic_ = 0, skins_ = 0;
+  std::set<std::pair<size_t, size_t>> without_uv_, coloured_, morphed_;  // mesh, primitive
 };
 
 }  // namespace

@@ -110,12 +110,14 @@ struct Scene {
   std::vector<Image> images;
   std::vector<Camera> cameras;
 
-  // Parallel to positions; empty where no material or mesh of the scene needs them.
-  std::vector<Vec3f> normals;                  ///< unit
-  std::vector<std::array<float, 4>> tangents;  ///< unit, w = handedness (+1 or -1)
+  // Parallel to positions; empty where no material or mesh of the scene needs them. Vertices of
+  // meshes that lack an attribute have zeros there, white as colour.
+  std::vector<Vec3f> normals;                  ///< unit; 0 at no corner of a smooth triangle
+  std::vector<std::array<float, 4>> tangents;  ///< unit or 0, w = handedness (+1 or -1)
   std::array<std::vector<std::array<float, 2>>, 2> uv;
   std::vector<std::array<float, 4>> colours;  ///< linear RGBA, multiplies base_color and alpha
-  /// Per triangle, or empty: the interpolated normal differs from the geometric one.
+  /// Per triangle, or empty: not 0 where the interpolated normal differs from the geometric one; 2
+  /// where the normals stand on the back and are to be turned round.
   std::vector<uint8_t> smooth;
 
   std::vector<std::string> warnings;  ///< sentences: what was approximated or left out

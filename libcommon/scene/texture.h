@@ -1,5 +1,6 @@
-// What textures and vertex colours say at one place of a triangle. Only places whose material is
-// not `plain` need to ask.
+// What textures, vertex colours and vertex normals say at one place of a triangle. Only places
+// whose material is not `plain` need to ask; the shading normal matters where Scene::smooth says
+// so, too. Any texture coordinates will do: what is not a number or beyond 1e9 images counts as 0.
 #pragma once
 #include <array>
 
@@ -26,7 +27,8 @@ Rgb emission_at(const Scene& scene, const SurfacePlace& place);
 float coverage_at(const Scene& scene, const SurfacePlace& place);
 
 /// Unit shading normal on the front side: interpolated vertex normals (where `smooth`), bent by the
-/// normal map. `geometric`: unit normal of the front side. Never on its other side.
+/// normal map. `geometric`: unit normal of the front side. Their cosine is at least 1e-3: what
+/// points to the back is mirrored at the surface.
 Vec3d shading_normal_at(const Scene& scene, const SurfacePlace& place, const Vec3d& geometric);
 
 }  // namespace tdpt

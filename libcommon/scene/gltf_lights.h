@@ -1,0 +1,20 @@
+// KHR_lights_punctual. Internal to this room.
+#pragma once
+#include <optional>
+
+#include "libcommon/scene/gltf_document.h"
+#include "libcommon/scene/gltf_nodes.h"
+#include "libcommon/scene/scene.h"
+
+namespace tdpt::gltf {
+
+/// The light that a node holds, in metres as yet: position [m], intensity of points and spots
+/// [W/sr]. Nothing when it holds none or one without intensity. Throws InputError when the node's
+/// transform leaves a spot or directional light no direction.
+std::optional<PunctualLight> read_light(const Document& document, const PlacedNode& node);
+
+/// Brings a light to the canonical frame. Throws InputError when its intensity is too large or too
+/// small for single precision there.
+void to_canonical(const Document& document, const Frame& frame, PunctualLight& light);
+
+}  // namespace tdpt::gltf

@@ -1,0 +1,141 @@
+#include "libcommon/scene/gltf_textures.h"
+
+#include <fmt/format.h>
+#include <stb/stb_image.h>
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <memory>
+
+#include "libcommon/scene/srgb.h"
+
+namespace tdpt::gltf {
+namespace {
+
+using Json = nlohmann::json;
+
+// A few bytes of a compressed image can stand for many texels, so there are limits to them.
+constexpr int64_t kMostTexels = int64_t{1} << 26, kMostTexelsOfAll = int64_t{1} << 28;
+
+constexpr int kRepeat = 10497, kMirror = 33648, kNearest = 9728;
+
+/// glTF knows these two; what else the decoder knows stays out of reach of a foreign file.
+bool is_png_or_jpeg(std::string_view bytes) {
+  return bytes.starts_with("\x89PNG\r\n\x1a\n") || bytes.starts_with("\xff\xd8\xff");
+}
+
+/// KHR_texture_transform: scale, then rotate, then move. The rotation turns the coordinates
+/// counter-clockwise as seen on the image, whose v runs downwards.
+void set_transform(const Json& t, TextureMap& map) {
+  const auto pair = [&](const char* name, double otherwise) {
+    return t.contains(name) ? Vec3d(t[name][0].get<double>(), t[name][1].get<double>(), 0)
+                            : Vec3d(otherwise);
+  };
+  const Vec3d offset = pair("offset", 0), scale = pair("scale", 1);
+  const double angle = t.value("rotation", 0.0), c = std::cos(angle), s = std::sin(angle);
+  const std::array<double, 6> m{c * scale.x,  s * scale.y, offset.x,
+                                -s * scale.x, c * scale.y, offset.y};
+  for (size_t k = 0; k < 6; ++k)
+    map.transform[k] = static_cast<float>(std::clamp(m[k], -1e30, 1e30));
+}
+
+TextureMap::Wrap wrap_of(const Json& sampler, const char* name) {
+  const int wrap = sampler.value(name, kRepeat);
+  return wrap == kRepeat   ? TextureMap::Wrap::repeat
+         : wrap == kMirror ? TextureMap::Wrap::mirror
+                           : TextureMap::Wrap::clamp;
+}
+
+}  // namespace
+
+std::optional<Image> TextureReader::decode(size_t index) {
+  const Json& i = document_.json["images"][index];
+  const std::string where = place("images", index);
+  std::string owned;
+  std::string_view bytes;
+  if (i.contains("bufferView")) {
+    bytes = view_bytes(document_, i["bufferView"].get<size_t>());
+  } else if (i.contains("uri")) {
+    bool external = false;
+    owned = read_uri(document_, i["uri"].get<std::string>(), where + ".uri", external);
+    if (external) external_bytes_ += owned;
+    bytes = owned;
+  }
+  if (!is_png_or_jpeg(bytes) || bytes.size() > (size_t{1} << 30)) return {};
+  const auto* data = reinterpret_cast<const stbi_uc*>(bytes.data());
+  const int size = static_cast<int>(bytes.size());
+  Image out;
+  int channels = 0;
+  if (!stbi_info_from_memory(data, size, &out.width, &out.height, &channels)) return {};
+  const int64_t texels = int64_t{out.width} * out.height;
+  if (texels > kMostTexels) return {};
+  texels_ += texels;
+  if (texels_ > kMostTexelsOfAll)
+    document_.fail(where, fmt::format("brings the scene to {} texels, expected at most {}", texels_,
+                                      kMostTexelsOfAll));
+  const std::unique_ptr<stbi_uc, void (*)(void*)> rgba(
+      stbi_load_from_memory(data, size, &out.width, &out.height, &channels, 4), stbi_image_free);
+  if (!rgba || out.width <= 0 || out.height <= 0) return {};
+  out.texels.assign(rgba.get(), rgba.get() + 4 * texels);
+  return out;
+}
+
+TextureReader::Decoded& TextureReader::decoded(size_t index) {
+  const auto [it, is_new] = known_.try_emplace(index);
+  Decoded& d = it->second;
+  if (!is_new) return d;
+  d.image = decode(index);
+  if (!d.image) return d;
+  const std::vector<uint8_t>& t = d.image->texels;
+  std::copy_n(t.begin(), 4, d.first.begin());
+  d.uniform = std::memcmp(t.data(), t.data() + 4, t.size() - 4) == 0;
+  for (size_t k = 3; k < t.size(); k += 4) d.least_alpha = std::min(d.least_alpha, t[k]);
+  return d;
+}
+
+std::optional<Texture> TextureReader::read(const Json& info, bool srgb, Fault& fault) {
+  static const Json kNothing = Json::object();
+  Texture out;
+  size_t uv_set = info.value("texCoord", size_t{0});
+  if (info.contains("extensions") && info["extensions"].contains("KHR_texture_transform")) {
+    const Json& t = info["extensions"]["KHR_texture_transform"];
+    uv_set = t.value("texCoord", uv_set);
+    set_transform(t, out.map);
+  }
+  const Json& texture = document_.json["textures"][info["index"].get<size_t>()];
+  fault = uv_set > 1 ? Fault::far_uv_set : Fault::undecodable;
+  if (uv_set > 1 || !texture.contains("source")) return {};
+  out.image = texture["source"].get<size_t>();
+  const Decoded& image = decoded(out.image);
+  if (!image.image && image.kept < 0) return {};
+  fault = Fault::none;
+
+  const Json& sampler = texture.contains("sampler")
+                            ? document_.json["samplers"][texture["sampler"].get<size_t>()]
+                            : kNothing;
+  out.map.srgb = srgb;
+  out.map.uv_set = static_cast<uint8_t>(uv_set);
+  out.map.nearest = sampler.value("magFilter", 0) == kNearest;
+  out.map.wrap_u = wrap_of(sampler, "wrapS");
+  out.map.wrap_v = wrap_of(sampler, "wrapT");
+  out.uniform = image.uniform;
+  out.encoded = image.first;
+  for (size_t c = 0; c < 4; ++c)
+    out.value[c] = (srgb && c < 3 ? linear_of_srgb() : linear_of_byte())[image.first[c]];
+  out.least_alpha = linear_of_byte()[image.least_alpha];
+  return out;
+}
+
+TextureMap TextureReader::keep(const Texture& texture) {
+  Decoded& d = known_.at(texture.image);
+  if (d.kept < 0) {
+    d.kept = static_cast<int32_t>(scene_.images.size());
+    scene_.images.push_back(std::move(*d.image));
+    d.image.reset();
+  }
+  TextureMap map = texture.map;
+  map.image = d.kept;
+  return map;
+}
+
+}  // namespace tdpt::gltf

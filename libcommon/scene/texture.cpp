@@ -1,0 +1,210 @@
+#include "libcommon/scene/texture.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "libcommon/scene/srgb.h"
+
+namespace tdpt {
+namespace {
+
+using Texel = std::array<float, 4>;
+
+// Least cosine between a shading normal and the geometric one.
+constexpr double kGrazing = 1e-3;
+
+/// The two texels along one axis that a coordinate lies between, and the share of the second.
+struct Span {
+  int first, second;
+  float share;
+};
+
+/// Index of the texel `i` texels from the start of an image repeated endlessly, i in [-1, 2n].
+int wrapped(int i, int n, TextureMap::Wrap wrap) {
+  switch (wrap) {
+    case TextureMap::Wrap::repeat:
+      return i < 0 ? i + n : i >= n ? i - n : i;
+    case TextureMap::Wrap::mirror:
+      return i < 0 ? 0 : i < n ? i : std::max(2 * n - 1 - i, 0);
+    case TextureMap::Wrap::clamp:
+      break;
+  }
+  return std::clamp(i, 0, n - 1);
+}
+
+Span span_of(double u, int n, TextureMap::Wrap wrap, bool nearest) {
+  // Beyond this, neighbouring doubles lie more than a millionth of an image apart. NaN too.
+  if (!(std::abs(u) < 1e9)) u = 0;
+  if (wrap == TextureMap::Wrap::repeat)
+    u -= std::floor(u);
+  else if (wrap == TextureMap::Wrap::mirror)
+    u -= 2 * std::floor(0.5 * u);
+  else
+    u = std::clamp(u, 0.0, 1.0);
+  const double x = nearest ? u * n : u * n - 0.5;  // the middle of texel i lies at i + 1/2
+  const double start = std::floor(x);
+  const int i = static_cast<int>(start);
+  const int first = wrapped(i, n, wrap);
+  if (nearest) return {first, first, 0};
+  return {first, wrapped(i + 1, n, wrap), static_cast<float>(x - start)};
+}
+
+Texel texel_at(const Image& image, int x, int y, bool srgb) {
+  const uint8_t* t = image.texels.data() + 4 * (static_cast<size_t>(y) * image.width + x);
+  const LinearTable& table = srgb ? linear_of_srgb() : linear_of_byte();
+  return {table[t[0]], table[t[1]], table[t[2]], linear_of_byte()[t[3]]};
+}
+
+Texel mixed(const Texel& a, const Texel& b, float share) {
+  Texel out;
+  for (size_t c = 0; c < 4; ++c) out[c] = a[c] + (b[c] - a[c]) * share;
+  return out;
+}
+
+template <size_t N>
+std::array<double, N> interpolated(const std::vector<std::array<float, N>>& values,
+                                   const Triangle& t, const SurfacePlace& place) {
+  std::array<double, N> out;
+  const auto &a = values[t.vertex[0]], &b = values[t.vertex[1]], &c = values[t.vertex[2]];
+  const double b0 = 1 - place.b1 - place.b2;
+  for (size_t k = 0; k < N; ++k) out[k] = b0 * a[k] + place.b1 * b[k] + place.b2 * c[k];
+  return out;
+}
+
+Vec3d interpolated(const std::vector<Vec3f>& values, const Triangle& t, const SurfacePlace& place) {
+  return Vec3d(values[t.vertex[0]]) * (1 - place.b1 - place.b2) +
+         Vec3d(values[t.vertex[1]]) * place.b1 + Vec3d(values[t.vertex[2]]) * place.b2;
+}
+
+/// Interpolated vertex colour; white where the scene has none.
+std::array<double, 4> colour_at(const Scene& scene, const SurfacePlace& place) {
+  if (scene.colours.empty()) return {1, 1, 1, 1};
+  return interpolated(scene.colours, scene.triangles[place.triangle], place);
+}
+
+struct Tangents {
+  Vec3d u, v;  ///< along +X (right) and +Y (up) of the normal map; not unit, 0: there is no frame
+};
+
+/// From the corners' places and texture coordinates: u runs along dP/du, v against dP/dv, because
+/// images run downwards.
+Tangents derived_tangents(const Scene& scene, const TextureMap& map, uint32_t triangle) {
+  const auto& uv = scene.uv[map.uv_set];
+  if (uv.empty()) return {};
+  const Triangle& t = scene.triangles[triangle];
+  const auto& a = uv[t.vertex[0]];
+  std::array<double, 4> m;  // du, dv along the edges 1 and 2, after the map's transform
+  for (size_t k = 0; k < 2; ++k) {
+    const auto& b = uv[t.vertex[k + 1]];
+    const double du = static_cast<double>(b[0]) - a[0], dv = static_cast<double>(b[1]) - a[1];
+    m[2 * k] = map.transform[0] * du + map.transform[1] * dv;
+    m[2 * k + 1] = map.transform[3] * du + map.transform[4] * dv;
+  }
+  const double determinant = m[0] * m[3] - m[1] * m[2];
+  if (!std::isfinite(determinant) || determinant == 0) return {};
+  const double sign = determinant > 0 ? 1 : -1;
+  const TriangleShape s = shape_of(scene, triangle);
+  return {(s.e1 * m[3] - s.e2 * m[1]) * sign, (s.e1 * m[2] - s.e2 * m[0]) * sign};
+}
+
+/// `v` without its part along the unit `n`, unit; 0 where nothing is left.
+Vec3d across(const Vec3d& v, const Vec3d& n) {
+  const Vec3d flat = v - n * dot(v, n);
+  const double l = length(flat), whole = length(v);
+  return l > 1e-6 * whole && std::isfinite(l) ? flat / l : Vec3d{};
+}
+
+Vec3d bent(const Scene& scene, const Material& m, const SurfacePlace& place, const Vec3d& n) {
+  const Triangle& t = scene.triangles[place.triangle];
+  Vec3d x{};
+  double hand = 1;
+  if (!scene.tangents.empty()) {
+    const auto v = interpolated(scene.tangents, t, place);
+    x = across({v[0], v[1], v[2]}, n);
+    hand = scene.tangents[t.vertex[0]][3] < 0 ? -1 : 1;
+  }
+  if (x == Vec3d{}) {
+    const Tangents d = derived_tangents(scene, m.normal_map, place.triangle);
+    x = across(d.u, n);
+    hand = dot(cross(n, d.u), d.v) < 0 ? -1 : 1;
+  }
+  if (x == Vec3d{}) return n;
+  const Texel texel = lookup(scene, m.normal_map, place);
+  const Vec3d y = cross(n, x) * hand;
+  const double sx = (2.0 * texel[0] - 1) * m.normal_scale;
+  const double sy = (2.0 * texel[1] - 1) * m.normal_scale;
+  const Vec3d out = x * sx + y * sy + n * (2.0 * texel[2] - 1);
+  const double l = length(out);
+  return l > 1e-9 && std::isfinite(l) ? out / l : n;
+}
+
+/// The unit `n`, mirrored at the surface if it points behind it, never quite along it.
+Vec3d in_front(const Vec3d& n, const Vec3d& geometric) {
+  const double cosine = dot(n, geometric);
+  if (cosine >= kGrazing) return n;
+  const Vec3d flat = n - geometric * cosine;
+  return normalize(flat + geometric * std::max(-cosine, kGrazing));
+}
+
+}  // namespace
+
+Texel lookup(const Scene& scene, const TextureMap& map, const SurfacePlace& place) {
+  if (!map) return {1, 1, 1, 1};
+  std::array<double, 2> uv{};
+  if (!scene.uv[map.uv_set].empty())
+    uv = interpolated(scene.uv[map.uv_set], scene.triangles[place.triangle], place);
+  const auto& m = map.transform;
+  const Image& image = scene.images[static_cast<size_t>(map.image)];
+  const Span x = span_of(m[0] * uv[0] + m[1] * uv[1] + m[2], image.width, map.wrap_u, map.nearest);
+  const Span y = span_of(m[3] * uv[0] + m[4] * uv[1] + m[5], image.height, map.wrap_v, map.nearest);
+  const auto row = [&](int at) {
+    const Texel first = texel_at(image, x.first, at, map.srgb);
+    return x.share == 0 ? first : mixed(first, texel_at(image, x.second, at, map.srgb), x.share);
+  };
+  return y.share == 0 ? row(y.first) : mixed(row(y.first), row(y.second), y.share);
+}
+
+Texel base_color_at(const Scene& scene, const SurfacePlace& place) {
+  const Material& m = scene.material_of(place.triangle);
+  Texel out{m.base_color.x, m.base_color.y, m.base_color.z, m.alpha};
+  if (m.plain) return out;
+  const Texel texel = lookup(scene, m.base_map, place);
+  const auto colour = colour_at(scene, place);
+  for (size_t c = 0; c < 4; ++c)
+    out[c] = std::clamp(out[c] * texel[c] * static_cast<float>(colour[c]), 0.0f, 1.0f);
+  return out;
+}
+
+Rgb emission_at(const Scene& scene, const SurfacePlace& place) {
+  const Material& m = scene.material_of(place.triangle);
+  if (!m.emission_map) return m.emission;
+  const Texel texel = lookup(scene, m.emission_map, place);
+  return m.emission * Rgb(texel[0], texel[1], texel[2]);
+}
+
+float coverage_at(const Scene& scene, const SurfacePlace& place) {
+  const Material& m = scene.material_of(place.triangle);
+  if (m.alpha_mode == Material::Alpha::opaque) return 1;
+  const float alpha = base_color_at(scene, place)[3];
+  if (m.alpha_mode == Material::Alpha::mask) return alpha >= m.alpha_cutoff ? 1.0f : 0.0f;
+  return alpha;
+}
+
+Vec3d shading_normal_at(const Scene& scene, const SurfacePlace& place, const Vec3d& geometric) {
+  Vec3d n = geometric;
+  const uint8_t how = scene.smooth.empty() ? 0 : scene.smooth[place.triangle];
+  if (how != 0) {
+    const Vec3d sum = interpolated(scene.normals, scene.triangles[place.triangle], place) *
+                      (how == 2 ? -1.0 : 1.0);
+    const double l = length(sum);
+    if (l > 1e-6) n = sum / l;
+  }
+  const Material& m = scene.material_of(place.triangle);
+  if (m.normal_map)
+    n = bent(scene, m, place, in_front(n, geometric));
+  else if (how == 0)
+    return geometric;
+  return in_front(n, geometric);
+}
+
+}  // namespace tdpt
