@@ -15,24 +15,72 @@ struct Worst {
   double weight = 0;  ///< largest difference of the weights
   double value = 0;   ///< largest relative difference of value * p and the contribution
   std::array<int, kTechniques> paths{};
+  int dirac = 0, lamps = 0;  ///< paths that turn at a mirror, that begin at a lamp
 };
 
-Worst compare(const Integrator& integrator, Fault fault, int max_depth = 6, uint64_t spp = 64) {
-  const Scene scene = read_gltf(two_rooms_path());
+Scene diffuse_rooms() {
+  return read_gltf(two_rooms_path());
+}
+
+// The same rooms, every triangle of another make, with bent normals, and lamps of each kind beside
+// the emitter.
+Scene glossy_rooms() {
+  Scene scene = read_gltf(two_rooms_path());
+  std::vector<Material> makes(8);
+  for (Material& m : makes) m.plain = false;
+  makes[0].plain = true;
+  makes[1].specular = 1, makes[1].roughness = 0.5f;  // rough plastic
+  makes[2].specular = 1, makes[2].roughness = 0;     // smooth plastic
+  makes[3].metallic = 1, makes[3].roughness = 0.4f;  // rough metal
+  makes[4].metallic = 1, makes[4].roughness = 0;     // mirror
+  makes[5].transmission = 1, makes[5].solid = true, makes[5].specular = 1, makes[5].roughness = 0;
+  makes[6] = makes[5], makes[6].roughness = 0.4f;                                  // rough glass
+  makes[7].transmission = 0.5f, makes[7].specular = 1, makes[7].roughness = 0.3f;  // thin sheet
+  const auto first = static_cast<uint32_t>(scene.materials.size());
+  scene.materials.insert(scene.materials.end(), makes.begin(), makes.end());
+  scene.smooth.assign(scene.triangles.size(), 1);
+  scene.normals.resize(scene.positions.size());
+  for (uint32_t t = 0; t < scene.triangles.size(); ++t) {
+    Triangle& triangle = scene.triangles[t];
+    if (max_component(scene.material_of(t).emission) > 0) continue;
+    triangle.material = first + mix64(t) % 8;
+    scene.smooth[t] = t % 2;
+    for (uint32_t v : triangle.vertex)
+      scene.normals[v] = Vec3f(normalize(shape_of(scene, t).normal + Vec3d(0.2, 0.1, -0.1)));
+  }
+  PunctualLight lamp;
+  lamp.position = scene.frame.to_canonical({3, 1, 0.3});
+  lamp.intensity = Rgb(0.05f);
+  scene.lights.push_back(lamp);
+  lamp.kind = PunctualLight::Kind::spot;
+  lamp.direction = normalize(Vec3d(-1, -1, 0.5));
+  lamp.cos_inner = 0.95, lamp.cos_outer = 0.7;
+  scene.lights.push_back(lamp);
+  lamp.kind = PunctualLight::Kind::directional;
+  scene.lights.push_back(lamp);
+  return scene;
+}
+
+Worst compare(const Scene& scene, const Integrator& integrator, Fault fault, int max_depth = 6,
+              uint64_t spp = 64) {
   const World world(scene, scene.camera(""), 16, 12, two_crossing_portals());
   Film film(16, 12, 1);
   Tally tally;
   Worst worst;
   const PathObserver observer = [&](const Path& path, Strategy strategy, const Rgb& value) {
     ++worst.paths[static_cast<size_t>(strategy.technique)];
+    worst.lamps += path.vertex(0).lamp != nullptr;
+    bool dirac = false;
+    for (int i = 1; i < path.k(); ++i) dirac |= path.dirac(i);
+    worst.dirac += dirac;
     const auto p = oracle::densities(world, path, integrator.techniques, fault);
     const double w = path.weight(integrator.techniques, strategy, 1);
     worst.weight = std::max(worst.weight, std::abs(w - oracle::weight(p, strategy)));
     for (const auto& d : p) {
       if (d.strategy.technique != strategy.technique || d.strategy.split != strategy.split)
         continue;
-      const double expected = oracle::contribution(world, path).x;
-      const double relative = value.x * std::exp(d.log_p) / expected - 1;
+      const double expected = max_component(oracle::contribution(world, path));
+      const double relative = max_component(value) * std::exp(d.log_p) / expected - 1;
       worst.value = std::max(worst.value, std::abs(relative));
     }
   };
@@ -51,13 +99,23 @@ Worst compare(const Integrator& integrator, Fault fault, int max_depth = 6, uint
 class paths : public testing::TestWithParam<const Integrator*> {};
 
 TEST_P(paths, weights_and_values_are_the_oracles) {
-  const Worst worst = compare(*GetParam(), Fault::none);
+  const Worst worst = compare(diffuse_rooms(), *GetParam(), Fault::none);
   EXPECT_LT(worst.weight, 1e-6);  // hit points lie beside the sampled rays by float rounding
   EXPECT_LT(worst.value, 1e-4);   // values are floats
   for (size_t i = 0; i < kTechniques; ++i) {
     if (GetParam()->techniques.has(static_cast<Technique>(i))) {
       EXPECT_GT(worst.paths[i], i == 0 ? 0 : 50) << kTechniqueNames[i];
     }
+  }
+}
+
+TEST_P(paths, over_glossy_surfaces_too) {
+  const Worst worst = compare(glossy_rooms(), *GetParam(), Fault::none);
+  EXPECT_LT(worst.weight, 1e-4);
+  EXPECT_LT(worst.value, 1e-2);
+  EXPECT_GT(worst.dirac, 20);
+  if (GetParam() != &pt) {
+    EXPECT_GT(worst.lamps, 100);
   }
 }
 
@@ -103,19 +161,23 @@ INSTANTIATE_TEST_SUITE_P(integrators, paths, testing::ValuesIn(integrators()),
                          });
 
 TEST(path_twin, a_portal_density_off_by_5_percent_is_caught) {
-  const Worst worst = compare(tdpt_ref, Fault::portal_density_5_percent);
+  const Worst worst = compare(diffuse_rooms(), tdpt_ref, Fault::portal_density_5_percent);
   EXPECT_GT(worst.weight, 1e-3);
   EXPECT_GT(worst.value, 0.04);
 }
 
 TEST(path_twin, a_dropped_cosine_is_caught) {
-  const Worst worst = compare(bdpt, Fault::missing_cosine);
+  const Worst worst = compare(diffuse_rooms(), bdpt, Fault::missing_cosine);
   EXPECT_GT(worst.weight, 1e-3);
   EXPECT_GT(worst.value, 0.04);
 }
 
+TEST(path_twin, a_connection_weighed_at_a_mirror_is_caught) {
+  EXPECT_GT(compare(glossy_rooms(), bdpt, Fault::connection_at_a_mirror).weight, 1e-2);
+}
+
 TEST(paths_deep, long_paths_keep_finite_weights) {
-  const Worst worst = compare(tdpt_org, Fault::none, kMaxDepth, 1);
+  const Worst worst = compare(diffuse_rooms(), tdpt_org, Fault::none, kMaxDepth, 1);
   EXPECT_LT(worst.weight, 1e-6);
   EXPECT_GT(worst.paths[3], 1000);
 }

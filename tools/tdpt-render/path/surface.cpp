@@ -101,6 +101,7 @@ void place_on_light(const World& world, const Lights::Point& point, Vertex& v) {
   v.dirac = false;
   v.connectible = true;
   v.pdf_own_A = point.pdf;
+  v.pdf_other_A = 0;
   v.throughput = Rgb(static_cast<float>(1 / point.pdf));
 }
 
