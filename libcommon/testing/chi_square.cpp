@@ -8,7 +8,7 @@
 namespace tdpt {
 namespace {
 
-constexpr int kDeepest = 9;
+constexpr int kShallowest = 2, kDeepest = 9;
 
 using F2 = std::function<double(double, double)>;
 
@@ -33,7 +33,7 @@ double refine(const F2& f, double x0, double x1, double y0, double y1, double wh
   double sum = 0;
   for (size_t i = 0; i < 4; ++i)
     sum += value[i] = gauss(f, part[i][0], part[i][1], part[i][2], part[i][3]);
-  if (std::abs(sum - whole) <= tolerance || depth >= kDeepest) return sum;
+  if ((std::abs(sum - whole) <= tolerance && depth >= kShallowest) || depth >= kDeepest) return sum;
   sum = 0;
   for (size_t i = 0; i < 4; ++i)
     sum += refine(f, part[i][0], part[i][1], part[i][2], part[i][3], value[i], 0.5 * tolerance,
@@ -67,7 +67,7 @@ ChiSquare chi_square(const std::vector<uint64_t>& counts, const std::vector<doub
   std::stable_sort(order.begin(), order.end(),
                    [&](size_t a, size_t b) { return expected[a] < expected[b]; });
   ChiSquare result;
-  double pooled_counts = 0, pooled_expected = 0;
+  double pooled_counts = 0, pooled_expected = 0, impossible = 0;
   const auto close = [&] {
     const double d = pooled_counts - pooled_expected;
     result.statistic += d * d / pooled_expected;
@@ -75,11 +75,12 @@ ChiSquare chi_square(const std::vector<uint64_t>& counts, const std::vector<doub
     pooled_counts = pooled_expected = 0;
   };
   for (size_t i : order) {
-    if (expected[i] <= 0 && counts[i] > 0) return {INFINITY, 0, 0};
+    if (expected[i] <= 0) impossible += static_cast<double>(counts[i]);
     pooled_counts += static_cast<double>(counts[i]);
     pooled_expected += expected[i];
     if (pooled_expected >= least) close();
   }
+  if (impossible > least) return {INFINITY, 0, 0};
   // What remains when all is too little for one bin.
   if (pooled_expected > 0) close();
   result.p = chi_square_p(result.statistic, result.bins > 0 ? result.bins - 1 : 0);
@@ -93,11 +94,11 @@ SphereBins::SphereBins(size_t rings, size_t sectors) : sectors_(sectors), frame_
 
 SphereBins::SphereBins(const Vec3d& axis, double width, size_t rings, size_t sectors)
     : sectors_(sectors), frame_(axis) {
-  // tan(angle / 2) = width / 2 * x / (1 - x), x in [0,1]: half of the rings within `width`.
+  // angle = width (e^(k x) - 1), x in [0,1].
+  const double k = std::log1p(std::numbers::pi / width);
   for (size_t i = 0; i <= rings; ++i) {
     const double x = static_cast<double>(i) / static_cast<double>(rings);
-    const double t = i == rings ? INFINITY : 0.5 * width * x / (1 - x);
-    cosines_.push_back(i == rings ? -1 : (1 - t * t) / (1 + t * t));
+    cosines_.push_back(i == rings ? -1 : std::cos(width * std::expm1(k * x)));
   }
 }
 

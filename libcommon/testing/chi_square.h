@@ -25,8 +25,8 @@ struct ChiSquare {
   double p = 1;
 };
 /// Counts against expected counts with the same sum: the last bin of both is what the others leave
-/// out. Bins in which fewer than `least` are expected are pooled. p = 0 when something fell where
-/// nothing can.
+/// out. Bins in which fewer than `least` are expected are pooled. p = 0 when more than `least` fell
+/// where nothing can: quadrature may miss the corner of a bin.
 ChiSquare chi_square(const std::vector<uint64_t>& counts, const std::vector<double>& expected,
                      double least = 5);
 
@@ -52,12 +52,13 @@ class SphereBins {
 };
 
 /// Integral over [x0,x1] x [y0,y1]: Gauss-Legendre, cells split in four until they agree with their
-/// parts.
+/// parts. Peaks narrower than a twelfth of a side may be missed.
 double integrate(const std::function<double(double, double)>& f, double x0, double x1, double y0,
                  double y1, double tolerance);
 
 /// Draws `n` samples, sorts them into bins and compares with the `probability` of each. `draw(i)`
-/// gives the bin of sample i, or probability.size() for a sample that is none.
+/// gives the bin of sample i, or probability.size() for a sample that is none. p = 0 when the
+/// probabilities add up to more than 1.
 template <class Draw>
 ChiSquare chi_square_of_samples(uint64_t n, const std::vector<double>& probability, Draw draw) {
   std::vector<uint64_t> counts(probability.size() + 1);
@@ -68,6 +69,7 @@ ChiSquare chi_square_of_samples(uint64_t n, const std::vector<double>& probabili
     expected.push_back(static_cast<double>(n) * p);
     rest -= p;
   }
+  if (rest < -1e-3) return {INFINITY, 0, 0};
   expected.push_back(static_cast<double>(n) * std::max(rest, 0.0));
   return chi_square(counts, expected);
 }

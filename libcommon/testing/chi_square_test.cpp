@@ -44,8 +44,16 @@ TEST(chi_square, rare_bins_are_pooled_and_impossible_ones_fail) {
   const ChiSquare c = chi_square({50, 1, 1, 1, 1, 1}, {50, 1, 1, 1, 1, 1});
   EXPECT_EQ(c.bins, 2u);
   EXPECT_EQ(c.statistic, 0);
-  EXPECT_EQ(chi_square({50, 1}, {51, 0}).p, 0);
+  EXPECT_EQ(chi_square({50, 6}, {56, 0}).p, 0);
   EXPECT_EQ(chi_square({51, 0}, {51, 0}).p, 1);
+}
+
+TEST(chi_square, probabilities_above_one_fail) {
+  const auto all_equal = [](double p) {
+    return chi_square_of_samples(1000, {p, p}, [](uint64_t i) { return size_t{i % 2}; }).p;
+  };
+  EXPECT_EQ(all_equal(0.5), 1);
+  EXPECT_EQ(all_equal(0.51), 0);
 }
 
 // On a right program p is uniform: the share of small ones is what they say.
