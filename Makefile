@@ -1,6 +1,7 @@
 # A thin front for CMake's presets: the words people try first.
 #   make           builds into build/bin
 #   make demo      installs what is missing, builds, shows what portals are good for (demo/)
+#   make figures   the paper's Figs 5 to 7 from our renders, in doc/ (tools/figures.sh: size, samples)
 #   make test      installs what is missing, builds, runs every test
 #   make install   programs and man pages under PREFIX (and DESTDIR)
 #   make sanitize  builds with the sanitizers into build-sanitize and runs every test there
@@ -12,7 +13,7 @@ JOBS ?= $(shell nproc 2>/dev/null || echo 2)
 # .ci/run names a file here, to learn the exit code of ctest instead of make's.
 TEST_STATUS ?=
 
-.PHONY: all build demo test install sanitize packages format clean
+.PHONY: all build demo figures test install sanitize packages format clean
 all: build
 
 build:
@@ -31,6 +32,11 @@ test: packages
 demo: packages
 	@$(MAKE) --no-print-directory build
 	@sh tools/demo.sh build/bin demo
+
+figures: packages
+	@sh tools/install-packages.sh tools/packages-figures.txt
+	@$(MAKE) --no-print-directory build
+	@sh tools/figures.sh build/bin build/figures
 
 sanitize: packages
 	@cmake --preset sanitize --log-level=WARNING

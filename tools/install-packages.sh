@@ -1,12 +1,13 @@
 #!/bin/sh
-# Installs those packages of tools/packages.txt that are missing, by apt-get, as root or by sudo.
+# install-packages.sh [LIST]: installs those packages of LIST, tools/packages.txt if none is given,
+# that are missing, by apt-get, as root or by sudo.
 # Says nothing when there is nothing to do.
 set -u
-list=$(dirname "$0")/packages.txt
+list=${1:-$(dirname "$0")/packages.txt}
 say() { printf '%s\n' "install-packages: $*" >&2; }
 
 if ! command -v dpkg-query >/dev/null 2>&1; then
-  say "this system has no Debian packages; what packages.txt lists must be there already"
+  say "this system has no Debian packages; what $list lists must be there already"
   exit 0
 fi
 
@@ -36,5 +37,5 @@ fi
 $as_root apt-get update &&
   $as_root env DEBIAN_FRONTEND=noninteractive \
     apt-get install -y --no-install-recommends $missing </dev/null && exit 0
-say "apt-get could not install them; without them nothing can be built"
+say "apt-get could not install them; nothing goes on without them"
 exit 1
