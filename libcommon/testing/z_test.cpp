@@ -38,6 +38,15 @@ bool scattered(const std::vector<double>& values) {
   return !(m.mean > 0) || variance > 0.09 * m.mean * m.mean;
 }
 
+/// The tail of Student's |t| as a tail of the normal distribution; beyond 37 there is none to be
+/// had.
+double z_of_t(double t, double freedom) {
+  const double tail = boost::math::cdf(complement(boost::math::students_t(freedom), std::abs(t)));
+  const double z =
+      tail > 1e-300 ? boost::math::quantile(complement(boost::math::normal(), tail)) : 37;
+  return std::copysign(z, t);
+}
+
 double two_sided(double z) {
   return 2 * boost::math::cdf(complement(boost::math::normal(), std::abs(z)));
 }
@@ -65,23 +74,18 @@ double BlockRuns::mean() const {
 Difference difference(const std::vector<double>& first, const std::vector<double>& second) {
   if (first.size() < 2 || second.size() < 2) throw std::invalid_argument("two runs at least");
   const Moments a = moments(first), b = moments(second);
-  Difference out{a.mean, b.mean, 0};
   const double variance = a.variance_of_mean + b.variance_of_mean;
-  if (!(variance > 0)) return out;  // both are nothing but zeros
-  const double t = (a.mean - b.mean) / std::sqrt(variance);
+  if (!(variance > 0)) return {a.mean, b.mean, 0};  // both are nothing but zeros
   const double freedom =
       variance * variance /
       (a.variance_of_mean * a.variance_of_mean / (static_cast<double>(first.size()) - 1) +
        b.variance_of_mean * b.variance_of_mean / (static_cast<double>(second.size()) - 1));
-  // The tail of |t| as a tail of the normal distribution; beyond 37 there is none to be had.
-  const double tail = boost::math::cdf(complement(boost::math::students_t(freedom), std::abs(t)));
-  const double z =
-      tail > 1e-300 ? boost::math::quantile(complement(boost::math::normal(), tail)) : 37;
-  out.z = std::copysign(z, t);
-  return out;
+  return {a.mean, b.mean, z_of_t((a.mean - b.mean) / std::sqrt(variance), freedom)};
 }
 
 std::string Agreement::text() const {
+  if (tested == 0)
+    return fmt::format("{:+.3f} %, drift z {:+.2f} (p {:.1e})", 100 * relative, drift_z, p_drift);
   return fmt::format(
       "{:+.2f} %, drift z {:+.2f} (p {:.1e}), {} blocks: mean z {:+.2f}, rms z {:.2f} (p {:.1e}), "
       "{:.1f} % beyond 3, largest {:+.2f} (p {:.1e})",
@@ -89,23 +93,28 @@ std::string Agreement::text() const {
       p_largest);
 }
 
+namespace {
+
+/// Per run: the sum over the blocks of value over brightness. Blocks much darker than the picture's
+/// mean must not decide it by their noise.
+std::vector<double> sums(const BlockRuns& runs, const BlockRuns& first, const BlockRuns& second) {
+  std::vector<double> values(runs.runs());
+  const double brightness = 0.5 * (first.mean() + second.mean());
+  for (size_t b = 0; b < runs.blocks(); ++b) {
+    const double weight = 1 / (0.5 * (first.mean(b) + second.mean(b)) + 0.2 * brightness);
+    for (size_t r = 0; r < runs.runs(); ++r) values[r] += runs.run(r)[b] * weight;
+  }
+  return values;
+}
+
+}  // namespace
+
 Agreement compare(const BlockRuns& first, const BlockRuns& second) {
   if (first.blocks() != second.blocks()) throw std::invalid_argument("different blocks");
   Agreement out;
-  const double brightness = 0.5 * (first.mean() + second.mean());
-  if (!(brightness > 0)) return out;  // both black
+  if (!(first.mean() + second.mean() > 0)) return out;  // both black
   out.relative = first.mean() / second.mean() - 1;
-
-  // Blocks much darker than the picture's mean must not decide the sum by their noise.
-  const auto sums = [&](const BlockRuns& runs) {
-    std::vector<double> values(runs.runs());
-    for (size_t b = 0; b < runs.blocks(); ++b) {
-      const double weight = 1 / (0.5 * (first.mean(b) + second.mean(b)) + 0.2 * brightness);
-      for (size_t r = 0; r < runs.runs(); ++r) values[r] += runs.run(r)[b] * weight;
-    }
-    return values;
-  };
-  out.drift_z = difference(sums(first), sums(second)).z;
+  out.drift_z = difference(sums(first, first, second), sums(second, first, second)).z;
   out.p_drift = two_sided(out.drift_z);
 
   double sum = 0, square = 0;
@@ -128,6 +137,23 @@ Agreement compare(const BlockRuns& first, const BlockRuns& second) {
   out.p_rms = boost::math::cdf(complement(boost::math::chi_squared(n), square));
   // 1 - (1 - p)^n without loss where p is tiny.
   out.p_largest = -std::expm1(n * std::log1p(-std::min(two_sided(out.largest_z), 1 - 1e-16)));
+  return out;
+}
+
+Agreement compare_paired(const BlockRuns& first, const BlockRuns& second) {
+  if (first.runs() != second.runs() || first.blocks() != second.blocks())
+    throw std::invalid_argument("runs that make no pairs");
+  Agreement out;
+  if (!(first.mean() + second.mean() > 0)) return out;
+  out.relative = first.mean() / second.mean() - 1;
+  std::vector<double> d = sums(first, first, second);
+  const std::vector<double> y = sums(second, first, second);
+  const double rounding = 1e-6 * moments(d).mean;
+  for (size_t r = 0; r < d.size(); ++r) d[r] -= y[r];
+  const Moments m = moments(d);
+  out.drift_z = z_of_t(m.mean / std::sqrt(std::max(m.variance_of_mean, rounding * rounding)),
+                       static_cast<double>(d.size()) - 1);
+  out.p_drift = two_sided(out.drift_z);
   return out;
 }
 

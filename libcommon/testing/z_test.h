@@ -65,4 +65,9 @@ struct Agreement {
 /// Two runs or more of each, as many blocks in both.
 Agreement compare(const BlockRuns& first, const BlockRuns& second);
 
+/// For runs that share their random numbers one by one, so that most of their noise is common: the
+/// drift alone, by Student's t of the differences run by run. What tells two such runs apart may be
+/// a few samples, so that blocks are not asked.
+Agreement compare_paired(const BlockRuns& first, const BlockRuns& second);
+
 }  // namespace tdpt::testing

@@ -130,6 +130,41 @@ TEST(z_test, twin_one_wrong_block_is_found) {
             50);
 }
 
+/// Two pictures that share their noise but for what `own` adds to each.
+Agreement paired(uint64_t seed, Noise own, double size, double bias) {
+  const BlockRuns common = runs_of(seed, gaussian_10_percent);
+  BlockRuns first, second;
+  for (size_t r = 0; r < kRuns; ++r) {
+    Rng rng(seed, 1, r);
+    std::vector<double> x = common.run(r), y = x;
+    for (size_t b = 0; b < kBlocks; ++b) {
+      x[b] += brightness(b) * (size * (own(rng) - 1) + bias);
+      y[b] += brightness(b) * size * (own(rng) - 1);
+    }
+    first.add(x);
+    second.add(y);
+  }
+  return compare_paired(first, second);
+}
+
+TEST(z_test, pairs_see_a_bias_far_below_their_common_noise) {
+  for (uint64_t seed = 0; seed < 50; ++seed)
+    EXPECT_LT(paired(seed, gaussian_10_percent, 0.01, 1e-3).p_drift, Agreement::kLeast);
+}
+
+TEST(z_test, no_false_alarm_in_hundreds_of_pairs) {
+  for (Noise own : {gaussian_10_percent, skewed, sparse, fireflies}) {
+    int alarms = 0, by_chance = 0;
+    for (uint64_t seed = 0; seed < 300; ++seed) {
+      const Agreement a = paired(seed, own, 0.05, 0);
+      alarms += !a.holds();
+      by_chance += a.p_drift < 0.05;
+    }
+    EXPECT_EQ(alarms, 0);
+    EXPECT_NEAR(by_chance / 300.0, 0.05, 0.04);
+  }
+}
+
 TEST(z_test, twin_a_picture_that_stays_black_is_found) {
   BlockRuns black;
   for (size_t r = 0; r < kRuns; ++r) black.add(std::vector<double>(kBlocks, 0));

@@ -108,10 +108,13 @@ struct Verdict {
   bool holds() const { return disagreements == 0; }
 };
 
-inline Verdict judge(const DepthRuns& runs, const DepthRuns& reference) {
+/// `how`: testing::compare, or testing::compare_paired for runs that share their random numbers.
+inline Verdict judge(const DepthRuns& runs, const DepthRuns& reference,
+                     testing::Agreement (*how)(const testing::BlockRuns&,
+                                               const testing::BlockRuns&) = testing::compare) {
   Verdict out;
   for (size_t k = 0; k < runs.of_depth.size(); ++k) {
-    const testing::Agreement a = testing::compare(runs.of_depth[k], reference.of_depth[k]);
+    const testing::Agreement a = how(runs.of_depth[k], reference.of_depth[k]);
     out.worst_p = std::min({out.worst_p, a.p_drift, a.p_rms, a.p_largest});
     if (a.holds()) continue;
     ++out.disagreements;
