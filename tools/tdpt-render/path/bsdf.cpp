@@ -14,6 +14,7 @@ namespace {
 constexpr double kSmooth = 1e-4;    // alpha below it counts as 0
 constexpr double kMatched = 1e-4;   // so does alpha where indices differ by less: no refraction
 constexpr double kGrazing = 1e-12;  // a rough interface is not seen at smaller cosines
+constexpr double kUpright = 1e-9;   // facets steeper than that: rounding would lose their density
 
 bool positive(const Rgb& c) {
   return c.x > 0 || c.y > 0 || c.z > 0;
@@ -224,6 +225,7 @@ bool sample(const Bsdf& b, const Vec3d& from, double choice, double u, double v,
   if (view.rough()) {
     if (!(view.from.z > kGrazing)) return false;
     h = ggx::visible_normal(view.from, view.alpha, u, v);
+    if (!(h.z > kUpright)) return false;
   }
   const double c = dot(view.from, h);
   if (!(c > 0)) return false;

@@ -17,9 +17,9 @@
 // Diffuse under it: diffuse/pi (1 - E(from)) (1 - E(to)) / (1 - E_avg), E the interface's own
 // directional albedo: white under any interface reflects all that the interface does not.
 // Opaque and thin surfaces look the same from both sides. A solid's diffuse lobe is on its front
-// only; with both `diffuse` and `through`, whose sum is to be at most 1, Schlick's curve (of the
-// cosine in the thinner medium) takes the exact one's place, so that E stays known.
-// A thin sheet transmits by the reflected lobe, mirrored to the other side.
+// only; with both `diffuse` and `through`, whose sum is to be at most 1 and eta at least 1,
+// Schlick's curve (of the cosine before the front) takes the exact one's place, so that E stays
+// known. A thin sheet transmits by the reflected lobe, mirrored to the other side.
 #pragma once
 #include <cstdint>
 
