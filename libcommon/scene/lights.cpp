@@ -51,7 +51,8 @@ Lights::Lights(const Scene& scene) : scene_(scene), pdf_A_(scene.triangles.size(
     const double y = mean_luminance(scene, t);
     if (y <= 0) continue;
     triangles_.push_back(t);
-    add((scene.material_of(t).double_sided ? 2 : 1) * pi * y * shape_of(scene, t).area);
+    shapes_.push_back(shape_of(scene, t));
+    add((scene.material_of(t).double_sided ? 2 : 1) * pi * y * shapes_.back().area);
   }
   for (const PunctualLight& light : scene.lights) {
     const double y = luminance(light.intensity);
@@ -70,7 +71,7 @@ Lights::Lights(const Scene& scene) : scene_(scene), pdf_A_(scene.triangles.size(
   for (uint32_t i = 0; i < weights.size(); ++i) {
     const double pdf_1 = table_.pdf_1(i);
     if (i < triangles_.size())
-      pdf_A_[triangles_[i]] = static_cast<float>(pdf_1 / shape_of(scene, triangles_[i]).area);
+      pdf_A_[triangles_[i]] = static_cast<float>(pdf_1 / shapes_[i].area);
     else
       lamps_[i - triangles_.size()].pdf_1 = pdf_1;
   }
@@ -91,7 +92,7 @@ Lights::Point Lights::sample(Rng& rng) const {
     return point;
   }
   point.triangle = triangles_[i];
-  const TriangleShape s = shape_of(scene_, point.triangle);
+  const TriangleShape& s = shapes_[i];
   uniform_triangle(u, v, point.b1, point.b2);
   point.position = s.p0 + s.e1 * point.b1 + s.e2 * point.b2;
   const bool back = scene_.material_of(point.triangle).double_sided && side < 0.5;

@@ -57,7 +57,9 @@ class Lights {
 
  private:
   const Scene& scene_;
-  std::vector<uint32_t> triangles_;  // entries of the table: these, then the lamps
+  // Entries of the table: emitting triangles, then the lamps.
+  std::vector<uint32_t> triangles_;
+  std::vector<TriangleShape> shapes_;
   std::vector<Lamp> lamps_;
   AliasTable table_;
   std::vector<float> pdf_A_;  // per scene triangle

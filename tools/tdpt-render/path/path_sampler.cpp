@@ -118,6 +118,7 @@ bool PathSampler::project(const Vertex& v, Vec3d& to_camera, Rgb& factor, double
 void PathSampler::camera() {
   const Walk& z = camera_walk_;
   for (int j = 1; j < z.size; ++j) {
+    if (!emits(z[j])) continue;
     const Rgb Le = emitted(z[j], back(z, j));
     if (black(Le)) continue;
     to_pixel(Path(world_, light_walk_, 0, z, j + 1, tally_.rays), {Technique::camera, 0},

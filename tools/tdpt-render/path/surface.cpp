@@ -112,15 +112,14 @@ Rgb layered_bsdf(const Vertex& v, const Vec3d& to_light, const Vec3d& to_camera)
                                                     std::abs(dot(v.normal, to_light)));
 }
 
-double layered_pdf_w(const Vertex& at, const Vec3d& from, const Vec3d& to) {
+double layered_scatter_pdf_A(const Vertex& from, const Vertex& at, const Vertex& to, bool dirac) {
+  const Edge e = between(at, to);
   Vec3d f, t;
-  return to_shading_frame(at, from, to, f, t) ? bsdf::pdf_w(at.bsdf, f, t) : 0;
-}
-
-double dirac_pdf_w(const Vertex& at, const Vec3d& from, const Vec3d& to) {
-  Vec3d f, t;
-  if (!to_shading_frame(at, from, to, f, t)) return 0;
-  return bsdf::dirac_probability(at.bsdf, f, t) * square(at.bsdf.index(t)) * std::abs(t.z);
+  if (!to_shading_frame(at, between(at, from).w, e.w, f, t)) return 0;
+  const double pdf_w =
+      dirac ? bsdf::dirac_probability(at.bsdf, f, t) * square(at.bsdf.index(t)) * std::abs(t.z)
+            : bsdf::pdf_w(at.bsdf, f, t);
+  return to_area(pdf_w, e, to);
 }
 
 bool turn(const Vertex& v, From from, const Vec3d& back, Rng& rng, Turn& out) {

@@ -77,8 +77,7 @@ inline bool same_side(const Vertex& v, const Vec3d& wi, const Vec3d& wo) {
 
 // Of vertices that are not simple.
 Rgb layered_bsdf(const Vertex& v, const Vec3d& to_light, const Vec3d& to_camera);
-double layered_pdf_w(const Vertex& at, const Vec3d& from, const Vec3d& to);
-double dirac_pdf_w(const Vertex& at, const Vec3d& from, const Vec3d& to);
+double layered_scatter_pdf_A(const Vertex& from, const Vertex& at, const Vertex& to, bool dirac);
 
 /// Radiance BSDF without Dirac lobes [1/sr]; unit directions away from the surface.
 inline Rgb bsdf_at(const Vertex& v, const Vec3d& to_light, const Vec3d& to_camera) {
@@ -91,15 +90,19 @@ inline Rgb bsdf_at(const Vertex& v, const Vec3d& to_light, const Vec3d& to_camer
 /// pdf_A of reaching `to` when the walk came from `from` and scatters at `at`. `dirac`: by a Dirac
 /// lobe; its density is per n^2 |cos| dw, which reflection and refraction preserve.
 inline double scatter_pdf_A(const Vertex& from, const Vertex& at, const Vertex& to, bool dirac) {
+  if (!at.simple) return layered_scatter_pdf_A(from, at, to, dirac);
   const Edge e = between(at, to);
-  if (at.simple) {
-    const double cos_in = dot(at.normal, from.position - at.position);
-    const double cos_out = dot(at.normal, e.w);
-    if (!(cos_in * cos_out > 0)) return 0;
-    return to_area(std::abs(cos_out) * std::numbers::inv_pi, e, to);
-  }
-  const Vec3d back = between(at, from).w;
-  return to_area(dirac ? dirac_pdf_w(at, back, e.w) : layered_pdf_w(at, back, e.w), e, to);
+  const double cos_in =
+      dot(at.normal, from.at_infinity() ? between(at, from).w : from.position - at.position);
+  const double cos_out = dot(at.normal, e.w);
+  if (!(cos_in * cos_out > 0)) return 0;
+  return to_area(std::abs(cos_out) * std::numbers::inv_pi, e, to);
+}
+
+/// Whether any light leaves it.
+inline bool emits(const Vertex& v) {
+  const Rgb& e = v.simple && v.material ? v.material->emission : v.emission;
+  return v.lamp || e.x > 0 || e.y > 0 || e.z > 0;
 }
 
 /// Radiance that a light vertex sends along unit w; of lamps intensity (Lamp).
