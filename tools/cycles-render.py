@@ -13,6 +13,7 @@ import numpy
 if "bool" not in numpy.__dict__:
     numpy.bool = bool
 
+import bmesh
 import bpy
 
 
@@ -26,6 +27,7 @@ def options():
     p.add_argument("--width", type=int, default=160)
     p.add_argument("--height", type=int, default=120)
     p.add_argument("--threads", type=int, default=0, help="0: all cores")
+    p.add_argument("--lamp-cuts", type=int, default=0, help="cuts in each edge of the meshes that emit")
     p.add_argument("--keep-materials", action="store_true", help="leave the materials as imported")
     a = p.parse_args(sys.argv[sys.argv.index("--") + 1 :])
     if a.max_depth < 2:
@@ -35,6 +37,21 @@ def options():
 
 def principled(material):
     return next(n for n in material.node_tree.nodes if n.bl_idname == "ShaderNodeBsdfPrincipled")
+
+
+def glows(material):
+    inputs = principled(material).inputs
+    return inputs["Emission Strength"].default_value and any(inputs["Emission"].default_value[:3])
+
+
+def cut(mesh, cuts):
+    """The same surface in more triangles, all of them flat."""
+    mesh.use_auto_smooth = False
+    finer = bmesh.new()
+    finer.from_mesh(mesh)
+    bmesh.ops.subdivide_edges(finer, edges=finer.edges[:], cuts=cuts, use_grid_fill=True)
+    finer.to_mesh(mesh)
+    finer.free()
 
 
 def make_lambertian(material):
@@ -82,6 +99,10 @@ def prepare(a):
     bpy.ops.import_scene.gltf(filepath=os.path.abspath(a.scene))
     scene = bpy.context.scene
     scene.camera = next(o for o in scene.objects if o.type == "CAMERA")
+    if a.lamp_cuts:
+        for mesh in bpy.data.meshes:
+            if any(m and glows(m) for m in mesh.materials):
+                cut(mesh, a.lamp_cuts)
     if not a.keep_materials:
         for material in bpy.data.materials:
             make_lambertian(material)

@@ -67,6 +67,11 @@ def in_errors(a, b):
         return numpy.where(difference == 0, 0.0, difference / error)
 
 
+def percent(part, whole):
+    """0 % of nothing is 0; something of nothing is infinite."""
+    return 100 * part / whole if whole else 0.0 if not part else float("inf")
+
+
 def main():
     a = options()
     columns, rows = (int(n) for n in a.blocks.split("x"))
@@ -88,8 +93,8 @@ def main():
         one, two = (mean_and_error((p @ weights).mean((1, 2))) for p in sets)
         z = float(in_errors(one, two))
         worst = max(worst, abs(z))
-        cells = " ".join(f"{m:.7f} +- {100 * e / m:.2f} %".rjust(24) for m, e in (one, two))
-        print(f"{label:9} {cells}   {100 * (one[0] / two[0] - 1):+.2f} % = {z:+.2f} s.e.")
+        cells = " ".join(f"{m:.7f} +- {percent(e, m):.2f} %".rjust(24) for m, e in (one, two))
+        print(f"{label:9} {cells}   {percent(one[0] - two[0], two[0]):+.2f} % = {z:+.2f} s.e.")
 
     height, width = sets[0].shape[1:3]
     ys, xs = numpy.arange(height) * rows // height, numpy.arange(width) * columns // width
