@@ -13,23 +13,6 @@ using Integrators = std::vector<const Integrator*>;
 
 constexpr int kWidth = 32, kHeight = 24;
 
-void expect_agreement(const World& world, const Integrators& others,
-                      const AgreementSettings& settings = {}) {
-  const DepthRuns reference = render_runs(world, bdpt, settings);
-  EXPECT_EQ(reference.not_finite, 0u);
-  for (const Integrator* integrator : others) {
-    const DepthRuns runs = render_runs(world, *integrator, settings);
-    EXPECT_EQ(runs.not_finite, 0u);
-    const Verdict verdict = judge(runs, reference);
-    std::printf("%-9s least p %.1e; all depths %s\n", integrator->name, verdict.worst_p,
-                testing::compare(runs.of_depth[0], reference.of_depth[0]).text().c_str());
-    for (size_t i = 0; i < kTechniques; ++i)
-      if (runs.share[i] > 0) std::printf("  %s %.3f", kTechniqueNames[i], runs.share[i]);
-    std::printf("\n");
-    EXPECT_TRUE(verdict.holds()) << integrator->name << " and bdpt\n" << verdict.text;
-  }
-}
-
 // Variance of pt is that of the lamp found by chance: only where that is often.
 const Integrators kAll{&pt, &nee, &tdpt_org, &tdpt_ref};
 const Integrators kButPt{&nee, &tdpt_org, &tdpt_ref};

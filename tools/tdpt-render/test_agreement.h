@@ -5,6 +5,7 @@
 // light of exactly k edges for every k. That a run of a smaller depth is the same picture without
 // its longer paths is a test of its own (agreement_test.cpp).
 #pragma once
+#include <gtest/gtest.h>
 #include <oneapi/tbb/parallel_for.h>
 
 #include "libcommon/testing/z_test.h"
@@ -122,6 +123,24 @@ inline Verdict judge(const DepthRuns& runs, const DepthRuns& reference,
                 a.text() + "\n";
   }
   return out;
+}
+
+/// Holds each of `others` against bdpt.
+inline void expect_agreement(const World& world, const std::vector<const Integrator*>& others,
+                             const AgreementSettings& settings) {
+  const DepthRuns reference = render_runs(world, bdpt, settings);
+  EXPECT_EQ(reference.not_finite, 0u);
+  for (const Integrator* integrator : others) {
+    const DepthRuns runs = render_runs(world, *integrator, settings);
+    EXPECT_EQ(runs.not_finite, 0u);
+    const Verdict verdict = judge(runs, reference);
+    std::printf("%-9s least p %.1e; all depths %s\n", integrator->name, verdict.worst_p,
+                testing::compare(runs.of_depth[0], reference.of_depth[0]).text().c_str());
+    for (size_t i = 0; i < kTechniques; ++i)
+      if (runs.share[i] > 0) std::printf("  %s %.3f", kTechniqueNames[i], runs.share[i]);
+    std::printf("\n");
+    EXPECT_TRUE(verdict.holds()) << integrator->name << " and bdpt\n" << verdict.text;
+  }
 }
 
 }  // namespace tdpt

@@ -1,0 +1,85 @@
+// All integrators render the same picture of glossy, smooth, transparent and textured things, lit
+// by lamps large and without extent. The lamps are large enough for every integrator to have a
+// modest variance; no integrator of this project but pt, nee and bdpt can find light that goes from
+// a punctual light by mirrors and glass alone to a diffuse surface, and pt cannot find such lights
+// at all, so that rooms with them have neither mirrors nor clear glass.
+#include <gtest/gtest.h>
+
+#include "libcommon/testing/glossy_rooms.h"
+#include "libcommon/testing/temp_folder.h"
+#include "tools/tdpt-render/test_agreement.h"
+#include "tools/tdpt-render/test_rooms.h"
+
+namespace tdpt {
+namespace {
+
+using testing::GlossyRooms;
+using Light = GlossyRooms::Light;
+
+Scene scene_of(const GlossyRooms& what) {
+  const testing::TempFolder folder;
+  return read_gltf(folder.write("rooms.glb", testing::glossy_rooms(what)));
+}
+
+World world_of(const Scene& scene) {
+  return World(scene, scene.camera(""), 32, 24,
+               {rectangle({2.05, 0.5, -0.5}, {0, 0, 1}, {0, 1, 0})});
+}
+
+void expect_agreement(const GlossyRooms& what, const std::vector<const Integrator*>& others,
+                      const AgreementSettings& settings) {
+  const Scene scene = scene_of(what);
+  for (const std::string& warning : scene.warnings) ADD_FAILURE() << warning;
+  const World world = world_of(scene);
+  expect_agreement(world, others, settings);
+}
+
+const std::vector<const Integrator*> kLamp{&pt, &nee, &tdpt_org, &tdpt_ref};
+const std::vector<const Integrator*> kPunctual{&nee, &tdpt_org, &tdpt_ref};
+constexpr AgreementSettings kSettings{.runs = 16, .spp = 16};
+
+TEST(glossy_agreement, rough_plastic_and_metal) {
+  expect_agreement({.plastic_floor = true, .metal_walls = true}, kLamp, kSettings);
+}
+
+TEST(glossy_agreement, mirror_and_plastic) {
+  expect_agreement({.plastic_floor = true, .mirror = true}, kLamp, kSettings);
+}
+
+TEST(glossy_agreement, clear_and_frosted_glass) {
+  expect_agreement({.glass = true}, kLamp, kSettings);
+}
+
+TEST(glossy_agreement, smooth_shading) {
+  expect_agreement({.smooth = true}, kLamp, kSettings);
+}
+
+TEST(glossy_agreement, textures_and_a_textured_lamp) {
+  expect_agreement({.textures = true, .light = Light::textured_lamp}, kLamp, kSettings);
+}
+
+TEST(glossy_agreement, screen_with_holes) {
+  expect_agreement({.plastic_floor = true, .screen = true}, kLamp, kSettings);
+}
+
+TEST(glossy_agreement, half_transparent_veil) {
+  expect_agreement({.metal_walls = true, .veil = true}, kLamp, kSettings);
+}
+
+TEST(glossy_agreement, point_light) {
+  expect_agreement({.plastic_floor = true, .smooth = true, .light = Light::point}, kPunctual,
+                   kSettings);
+}
+
+TEST(glossy_agreement, spot_light) {
+  expect_agreement({.metal_walls = true, .textures = true, .light = Light::spot}, kPunctual,
+                   kSettings);
+}
+
+TEST(glossy_agreement, sun) {
+  expect_agreement({.plastic_floor = true, .metal_walls = true, .light = Light::sun}, kPunctual,
+                   kSettings);
+}
+
+}  // namespace
+}  // namespace tdpt
