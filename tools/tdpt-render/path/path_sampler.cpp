@@ -192,10 +192,12 @@ bool PathSampler::portal_segment(Vertex& x_l, Vertex& x_c, double& density) {
     ++tally_.rays.closest;
     if (!world_.tracer.closest({from, {}}, w, hit)) return false;
     place_on_surface(world_, hit, v);
-    return v.connectible;
+    return true;
   };
-  if (!end(sample.position - back_off, sample.direction, x_c)) return false;
+  if (!end(sample.position - back_off, sample.direction, x_c) || !x_c.connectible) return false;
   if (!end(sample.position + back_off, -sample.direction, x_l)) return false;
+  // A lamp may be black or a mirror otherwise: light that begins there is not scattered there.
+  if (!x_l.connectible && black(emitted(x_l, sample.direction))) return false;
   if (!(between(x_l, x_c).d2 > 0)) return false;
   ++tally_.rays.portal;
   density = world_.portals.density(x_l.position, x_c.position, sample.polygon);
