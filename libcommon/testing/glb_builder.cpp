@@ -21,6 +21,44 @@ void append_u32(std::string& out, size_t value) {
   for (int i = 0; i < 4; ++i) out += static_cast<char>((value >> (8 * i)) & 255);
 }
 
+void append_big_endian(std::string& out, uint32_t value) {
+  for (int i = 3; i >= 0; --i) out += static_cast<char>((value >> (8 * i)) & 255);
+}
+
+/// A PNG chunk: length, type, data and their CRC-32 (ISO 3309).
+std::string png_chunk(const std::string& type, const std::string& data) {
+  const std::string body = type + data;
+  uint32_t crc = ~0u;
+  for (char c : body) {
+    crc ^= static_cast<unsigned char>(c);
+    for (int k = 0; k < 8; ++k) crc = crc & 1 ? crc >> 1 ^ 0xEDB88320u : crc >> 1;
+  }
+  std::string out;
+  append_big_endian(out, static_cast<uint32_t>(data.size()));
+  out += body;
+  append_big_endian(out, ~crc);
+  return out;
+}
+
+/// A zlib stream of stored blocks (RFC 1950, 1951).
+std::string stored(const std::string& data) {
+  std::string out = "\x78\x01";
+  uint32_t a = 1, b = 0;
+  for (char c : data) {
+    a = (a + static_cast<unsigned char>(c)) % 65521;
+    b = (b + a) % 65521;
+  }
+  for (size_t at = 0; at < data.size(); at += 65535) {
+    const size_t n = std::min<size_t>(65535, data.size() - at);
+    out += at + n == data.size() ? '\1' : '\0';
+    for (size_t v : {n, ~n})
+      out += static_cast<char>(v & 255), out += static_cast<char>(v >> 8 & 255);
+    out.append(data, at, n);
+  }
+  append_big_endian(out, b << 16 | a);
+  return out;
+}
+
 int append(Json& json, const char* section, Json value) {
   json[section].push_back(std::move(value));
   return static_cast<int>(json[section].size()) - 1;
@@ -62,7 +100,8 @@ int GlbBuilder::accessor(int view, int component_type, const std::string& type, 
 }
 
 int GlbBuilder::floats(const std::vector<float>& values, int components) {
-  const int a = accessor(view(bytes_of(values)), kFloat, components == 3 ? "VEC3" : "SCALAR",
+  const std::string type = components == 1 ? "SCALAR" : "VEC" + std::to_string(components);
+  const int a = accessor(view(bytes_of(values)), kFloat, type,
                          values.size() / static_cast<size_t>(components));
   extend_limits(json["accessors"][static_cast<size_t>(a)], values, components);
   json["bufferViews"].back()["target"] = kVertices;
@@ -93,6 +132,16 @@ int GlbBuilder::indices_u16(const std::vector<uint16_t>& values) {
 }
 int GlbBuilder::indices_u32(const std::vector<uint32_t>& values) {
   return indices(view(bytes_of(values)), kU32, values.size());
+}
+
+int GlbBuilder::texture(std::string_view image, Json sampler) {
+  const bool png = image.starts_with("\x89PNG");
+  const int i =
+      append(json, "images",
+             {{"bufferView", view(image)}, {"mimeType", png ? "image/png" : "image/jpeg"}});
+  Json t = {{"source", i}};
+  if (!sampler.empty()) t["sampler"] = append(json, "samplers", std::move(sampler));
+  return append(json, "textures", t);
 }
 
 int GlbBuilder::material(Json m) {
@@ -162,6 +211,19 @@ std::string base64(std::string_view bytes) {
     for (size_t k = 0; k < 4; ++k) out += k <= n ? digits[(group >> (18 - 6 * k)) & 63] : '=';
   }
   return out;
+}
+
+std::string png_of(int width, int height, std::string_view texels, int bits) {
+  std::string header, rows;
+  append_big_endian(header, static_cast<uint32_t>(width));
+  append_big_endian(header, static_cast<uint32_t>(height));
+  header += static_cast<char>(bits);
+  header += std::string("\6\0\0\0", 4);  // RGBA, deflate, no filter, not interlaced
+  const size_t row = static_cast<size_t>(width) * static_cast<size_t>(bits / 2);
+  for (size_t y = 0; y < static_cast<size_t>(height); ++y)
+    rows.append(1, '\0').append(texels.substr(y * row, row));
+  return "\x89PNG\r\n\x1a\n" + png_chunk("IHDR", header) + png_chunk("IDAT", stored(rows)) +
+         png_chunk("IEND", "");
 }
 
 }  // namespace tdpt::testing

@@ -20,7 +20,7 @@ class GlbBuilder {
 
   /// Appends `data` at the next multiple of 4; returns the bufferView.
   int view(std::string_view data, int stride = 0);
-  /// Accessor over a whole new bufferView. `components`: 1 SCALAR, 3 VEC3.
+  /// Accessor over a whole new bufferView. `components`: 1 SCALAR, 2 to 4 VEC.
   int floats(const std::vector<float>& values, int components);
   int indices_u8(const std::vector<uint8_t>& values);
   int indices_u16(const std::vector<uint16_t>& values);
@@ -28,6 +28,9 @@ class GlbBuilder {
   /// Accessor over an existing bufferView.
   int accessor(int view, int component_type, const std::string& type, size_t count,
                size_t offset = 0);
+
+  /// A texture whose image, PNG or JPEG, lies in a new bufferView; {} is the default sampler.
+  int texture(std::string_view image, nlohmann::ordered_json sampler = {});
 
   int material(nlohmann::ordered_json m);
   /// A mesh of one primitive.
@@ -51,5 +54,9 @@ class GlbBuilder {
 /// A .glb of this JSON text and binary chunk, whatever they hold.
 std::string glb_of(std::string json_text, std::string bin);
 std::string base64(std::string_view bytes);
+
+/// An uncompressed PNG of RGBA texels, the top row first. `bits`: 8, or 16 with the high byte
+/// first.
+std::string png_of(int width, int height, std::string_view texels, int bits = 8);
 
 }  // namespace tdpt::testing

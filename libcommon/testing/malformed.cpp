@@ -1,66 +1,12 @@
 #include "libcommon/testing/malformed.h"
 
 #include <cstring>
-#include <functional>
 #include <limits>
 
-#include "libcommon/testing/glb_builder.h"
+#include "libcommon/testing/malformed_list.h"
 
 namespace tdpt::testing {
 namespace {
-
-using Json = nlohmann::ordered_json;
-
-/// A scene that is right: one square, one material, one camera.
-/// accessors[0] positions, accessors[1] indices; nodes[0] the square, nodes[1] the camera.
-GlbBuilder square() {
-  GlbBuilder b;
-  const int position = b.floats({0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0}, 3);
-  const int index = b.indices_u16({0, 1, 2, 0, 2, 3});
-  b.material({{"pbrMetallicRoughness", {{"metallicFactor", 0}}}});
-  const int mesh =
-      b.mesh({{"attributes", {{"POSITION", position}}}, {"indices", index}, {"material", 0}});
-  b.node({{"mesh", mesh}});
-  b.camera("camera", {0.5, 0.5, 2}, {0.5, 0.5, 0}, 1, 1);
-  return b;
-}
-
-class List {
- public:
-  std::vector<MalformedScene> scenes;
-
-  /// Any bytes.
-  void raw(const std::string& name, std::string bytes, const std::string& expected) {
-    const bool glb = bytes.starts_with("glTF");
-    scenes.push_back({name + (glb ? ".glb" : ".gltf"), std::move(bytes), expected});
-  }
-  /// The right scene as .glb, its bytes spoilt.
-  void spoil_bytes(const std::string& name, const std::function<void(std::string&)>& spoil,
-                   const std::string& expected) {
-    std::string bytes = square().glb();
-    spoil(bytes);
-    scenes.push_back({name + ".glb", bytes, expected});
-  }
-  /// The right scene, its parts spoilt.
-  void spoil(const std::string& name, const std::function<void(GlbBuilder&)>& spoil,
-             const std::string& expected) {
-    GlbBuilder b = square();
-    spoil(b);
-    scenes.push_back({name + ".glb", b.glb(), expected});
-  }
-  /// The right scene with one value of its JSON replaced; `at` is a JSON pointer.
-  void replace(const std::string& name, const std::string& at, const Json& value,
-               const std::string& expected) {
-    spoil(
-        name, [&](GlbBuilder& b) { b.json[Json::json_pointer(at)] = value; }, expected);
-  }
-  /// The right scene, its buffer behind another URI.
-  void uri(const std::string& name, const std::string& uri, const std::string& expected) {
-    Json j = Json::parse(square().gltf());
-    j["buffers"][0]["uri"] = uri;
-    scenes.push_back({name + ".gltf", j.dump(1), expected});
-  }
-};
 
 void set_u32(std::string& bytes, size_t at, uint32_t value) {
   for (size_t i = 0; i < 4; ++i) bytes[at + i] = static_cast<char>((value >> (8 * i)) & 255);
@@ -71,7 +17,7 @@ uint32_t get_u32(const std::string& bytes, size_t at) {
   return value;
 }
 
-void container(List& l) {
+void container(MalformedList& l) {
   l.raw("empty", "", " is empty, expected a glTF 2.0 scene");
   l.raw("text", "hello\n",
         " is no glTF scene, expected \"glTF\" (.glb) or \"{\" (.gltf) at its start");
@@ -104,7 +50,7 @@ void container(List& l) {
         "chunk[0]: is missing or empty, expected the JSON chunk");
 }
 
-void json(List& l) {
+void json(MalformedList& l) {
   l.raw("json-cut-short", R"({"asset": {"version": "2.0"}, "nodes": [)",
         "JSON byte 41: is not valid JSON");
   l.raw("json-number", R"({"asset": {"version": "2.0"}, "scene": 1e999})",
@@ -155,7 +101,7 @@ void json(List& l) {
             "extensionsUsed[0]: is 1, expected a string");
 }
 
-void buffers(List& l) {
+void buffers(MalformedList& l) {
   const std::string only = " is not a file in the scene's folder, which is all that is read";
   l.uri("uri-above", "../scenes/two-rooms.glb",
         "buffers[0].uri: \"../scenes/two-rooms.glb\"" + only);
@@ -175,7 +121,7 @@ void buffers(List& l) {
         "buffers[0]: has neither a uri nor a binary chunk");
 }
 
-void accessors(List& l) {
+void accessors(MalformedList& l) {
   l.replace("accessor-component-type", "/accessors/0/componentType", 5124,
             "accessors[0].componentType: is 5124, expected 5120, 5121, 5122, 5123, 5125 or 5126 "
             "(float)");
@@ -260,7 +206,7 @@ void accessors(List& l) {
             "bufferViews[0] of 48 bytes");
 }
 
-void nodes(List& l) {
+void nodes(MalformedList& l) {
   l.spoil(
       "node-cycle",
       [](GlbBuilder& b) {
@@ -317,7 +263,7 @@ void nodes(List& l) {
             "cameras[0].type: is \"fisheye\", expected perspective or orthographic");
 }
 
-void surfaces(List& l) {
+void surfaces(MalformedList& l) {
   l.replace("no-position", "/meshes/0/primitives/0/attributes", {{"NORMAL", 0}},
             "meshes[0].primitives[0]: has no attribute POSITION");
   l.replace("corners-four", "/accessors/1/count", 4,
@@ -351,13 +297,14 @@ void surfaces(List& l) {
 }  // namespace
 
 std::vector<MalformedScene> malformed_scenes() {
-  List l;
+  MalformedList l;
   container(l);
   json(l);
   buffers(l);
   accessors(l);
   nodes(l);
   surfaces(l);
+  add_malformed_surfaces(l);
   return l.scenes;
 }
 

@@ -1,0 +1,156 @@
+// Materials, textures and lights: see gltf_checker.h.
+#include <fmt/format.h>
+#include <numbers>
+
+#include "libcommon/scene/gltf_checker.h"
+
+namespace tdpt::gltf {
+namespace {
+
+void check_texture(Checker& c, Json& parent, const std::string& at, const char* name) {
+  c.check(parent, at, {object(name)});
+  if (!parent.contains(name)) return;
+  Json& t = parent[name];
+  const std::string here = at + "." + name;
+  c.check(t, here,
+          {index("index", "textures", true), integer("texCoord"), number("scale"),
+           object("extensions")});
+  if (!t.contains("extensions")) return;
+  c.check(t["extensions"], here + ".extensions", {object("KHR_texture_transform")});
+  if (t["extensions"].contains("KHR_texture_transform"))
+    c.check(t["extensions"]["KHR_texture_transform"], here + ".extensions.KHR_texture_transform",
+            {numbers("offset", 2), number("rotation"), numbers("scale", 2), integer("texCoord")});
+}
+
+void check_one_of(Checker& c, Json& parent, const std::string& at, const char* name,
+                  std::initializer_list<int> values, const std::string& expected) {
+  c.check(parent, at, {integer(name)});
+  if (!parent.contains(name)) return;
+  for (int v : values)
+    if (parent[name] == v) return;
+  c.fail(at + "." + name, parent[name], expected);
+}
+
+void check_extensions_of_material(Checker& c, Json& e, const std::string& at) {
+  for (const auto& [name, value] : e.items())
+    if (!value.is_object()) c.fail(at + "." + name.substr(0, 60), value, "an object");
+  const auto check = [&](const char* name, std::initializer_list<Field> fields,
+                         std::initializer_list<const char*> textures = {}) {
+    if (!e.contains(name)) return;
+    const std::string here = at + "." + name;
+    c.check(e[name], here, fields);
+    for (const char* texture : textures) check_texture(c, e[name], here, texture);
+  };
+  check("KHR_materials_emissive_strength", {number("emissiveStrength", false, 0)});
+  check("KHR_materials_specular",
+        {number("specularFactor", false, 0, 1), numbers("specularColorFactor", 3, 0)},
+        {"specularTexture", "specularColorTexture"});
+  check("KHR_materials_transmission", {number("transmissionFactor", false, 0, 1)},
+        {"transmissionTexture"});
+  check("KHR_materials_ior", {number("ior", false, 0)});
+  check("KHR_materials_volume",
+        {number("thicknessFactor", false, 0), number("attenuationDistance", false, 0),
+         numbers("attenuationColor", 3, 0, 1)});
+  if (e.contains("KHR_materials_ior") && e["KHR_materials_ior"].contains("ior")) {
+    const Json& ior = e["KHR_materials_ior"]["ior"];
+    const double n = ior.get<double>();
+    if (n != 0 && !(n >= 1 && n <= 1e6))
+      c.fail(at + ".KHR_materials_ior.ior", ior, "0 or a number from 1 to 1e6");
+  }
+  if (e.contains("KHR_materials_volume") &&
+      e["KHR_materials_volume"].contains("attenuationDistance")) {
+    const Json& distance = e["KHR_materials_volume"]["attenuationDistance"];
+    if (!(distance.get<double>() > 0))
+      c.fail(at + ".KHR_materials_volume.attenuationDistance", distance, "more than 0");
+  }
+}
+
+}  // namespace
+
+void check_materials(Checker& c, Json& root) {
+  c.each(root, "", "materials", [&](Json& m, const std::string& at) {
+    c.check(m, at,
+            {text("name"), numbers("emissiveFactor", 3, 0), text("alphaMode"),
+             number("alphaCutoff", false, 0), boolean("doubleSided"),
+             object("pbrMetallicRoughness"), object("extensions")});
+    if (m.contains("alphaMode")) {
+      const auto mode = m["alphaMode"].get<std::string>();
+      if (mode != "OPAQUE" && mode != "MASK" && mode != "BLEND")
+        c.fail(at + ".alphaMode", m["alphaMode"], "OPAQUE, MASK or BLEND");
+    }
+    check_texture(c, m, at, "emissiveTexture");
+    check_texture(c, m, at, "normalTexture");
+    if (m.contains("pbrMetallicRoughness")) {
+      Json& pbr = m["pbrMetallicRoughness"];
+      const std::string here = at + ".pbrMetallicRoughness";
+      c.check(pbr, here,
+              {numbers("baseColorFactor", 4, 0), number("metallicFactor", false, 0, 1),
+               number("roughnessFactor", false, 0, 1)});
+      check_texture(c, pbr, here, "baseColorTexture");
+      check_texture(c, pbr, here, "metallicRoughnessTexture");
+    }
+    if (m.contains("extensions"))
+      check_extensions_of_material(c, m["extensions"], at + ".extensions");
+  });
+}
+
+void check_textures(Checker& c, Json& root) {
+  c.each(root, "", "textures", [&](Json& t, const std::string& at) {
+    c.check(t, at, {index("source", "images"), index("sampler", "samplers")});
+  });
+  c.each(root, "", "images", [&](Json& i, const std::string& at) {
+    c.check(i, at, {text("uri"), index("bufferView", "bufferViews")});
+  });
+  c.each(root, "", "samplers", [&](Json& s, const std::string& at) {
+    check_one_of(c, s, at, "magFilter", {9728, 9729}, "9728 (nearest) or 9729 (linear)");
+    for (const char* wrap : {"wrapS", "wrapT"})
+      check_one_of(c, s, at, wrap, {10497, 33648, 33071},
+                   "10497 (repeat), 33648 (mirrored repeat) or 33071 (clamp to edge)");
+  });
+}
+
+/// KHR_lights_punctual: the lights of the file, and the nodes that hold one.
+void check_lights(Checker& c, Json& root) {
+  constexpr const char* kName = "KHR_lights_punctual";
+  const auto lights_of = [&](Json& owner, const std::string& at) -> Json* {
+    if (!owner.contains("extensions")) return nullptr;
+    c.check(owner["extensions"], at + "extensions", {object(kName)});
+    return owner["extensions"].contains(kName) ? &owner["extensions"][kName] : nullptr;
+  };
+  size_t lights = 0;
+  const std::string where = std::string("extensions.") + kName;
+  if (Json* owner = lights_of(root, "")) {
+    c.check(*owner, where, {objects("lights", true)});
+    lights = (*owner)["lights"].size();
+    c.each(*owner, where, "lights", [&](Json& l, const std::string& at) {
+      c.check(l, at,
+              {text("name"), text("type", true), numbers("color", 3, 0),
+               number("intensity", false, 0), object("spot")});
+      const auto type = l["type"].get<std::string>();
+      if (type != "point" && type != "spot" && type != "directional")
+        c.fail(at + ".type", l["type"], "point, spot or directional");
+      if (!l.contains("spot")) return;
+      Json& s = l["spot"];
+      c.check(s, at + ".spot", {number("innerConeAngle"), number("outerConeAngle")});
+      const double inner = s.value("innerConeAngle", 0.0);
+      const double outer = s.value("outerConeAngle", std::numbers::pi / 4);
+      // Files round pi/2 to single precision.
+      if (!(inner >= 0 && inner < outer && outer <= std::numbers::pi / 2 + 1e-6))
+        c.fail_because(at + ".spot",
+                       fmt::format("has an inner cone of {} and an outer one of {}, expected "
+                                   "0 <= inner < outer <= pi/2",
+                                   inner, outer));
+    });
+  }
+  c.each(root, "", "nodes", [&](Json& n, const std::string& at) {
+    if (Json* owner = lights_of(n, at + ".")) {
+      const std::string here = at + ".extensions." + kName;
+      c.check(*owner, here, {integer("light", true)});
+      const Json& light = (*owner)["light"];
+      if (light.get<uint64_t>() >= lights)
+        c.fail(here + ".light", light, fmt::format("an index into the {} lights", lights));
+    }
+  });
+}
+
+}  // namespace tdpt::gltf
