@@ -3,7 +3,7 @@
 
 # percent SHARE-FILTER FILE
 percent() { of "$2" "100 * $1" '%.3g %%'; }
-size_of() { of "$1" .width %d; printf 'x'; of "$1" .height %d; }
+size_of() { jq -r '"\(.width) x \(.height)"' "$1"; }
 
 cat <<EOF
 # The paper's figures from our renders
@@ -11,7 +11,7 @@ cat <<EOF
 Written by \`make figures\` ($("$bin/tdpt-render" --version), $(nproc 2>/dev/null || echo ?) cores), which
 finds the portals of the scenes in \`SCENES\`, renders, compares and draws. The same at another size:
 
-    make figures WIDTH=$((2 * ${WIDTH:-240})) SPP=$spp FRAMES=$frames REF_SPP=$reference_spp SCENES=FOLDER
+    make figures HEIGHT=360 SPP=$spp FRAMES=$frames REF_SPP=$reference_spp SCENES=FOLDER
 
 Times are CPU seconds of rendering alone. \`tdpt\` is the paper's TDPT-REF. The paper's own numbers stand
 beside ours where its text gives them; "not in the text" means that they are in a picture of the paper or
@@ -38,7 +38,7 @@ done
 if has cornell-box-portal; then
   cat <<EOF
 
-## Fig 5: Cornell with a hole, depth 6, $frames samples per pixel
+## Fig 5: Cornell with a hole, depth 6, $frames samples per pixel, $(size_of fig5-pt.json)
 
 ![Non-zero share, mean and CPU seconds per frame over samples per pixel](figures/fig5.svg)
 
@@ -67,7 +67,7 @@ fi
 if has veach-ajar-flip; then
   cat <<EOF
 
-## Fig 6: veach-ajar-flip, 1 sample per pixel, depth 5
+## Fig 6: veach-ajar-flip, 1 sample per pixel, depth 5, $(size_of fig6-bdpt.json)
 
 Red: some light arrived. Green: none.
 
@@ -93,7 +93,7 @@ of no light. The paper prints its PSNR and MAPE inside a picture: not in the tex
 EOF
 row() { printf '| %s | %s | %s | %s | %s | %s | %s | %s | %s |\n' "$@"; }
 for scene in $there; do
-  printf '\n### %s\n\n' "$scene"
+  printf '\n### %s\n\n%s pixels\n\n' "$scene" "$(size_of "$scene-bdpt.json")"
   row integrator 'PSNR [dB]' 'MAPE [%]' relMSE trimmed 'non-zero' mean 'CPU s' efficiency
   row --- --- --- --- --- --- --- --- ---
   for i in $integrators; do

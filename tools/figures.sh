@@ -5,7 +5,7 @@
 # The environment may set
 #   SCENES   folder of the five scenes; one that is not there is left out, with a word
 #   DOC      where figures.md goes; default doc
-#   WIDTH, HEIGHT      of the pictures; default 240 wide, the height from the camera
+#   WIDTH, HEIGHT      of the pictures; one follows from the other and the camera; default 120 high
 #   SPP, REF_SPP       samples per pixel of Fig 7's pictures and of their references
 #   FRAMES             samples per pixel of Fig 5
 #   SEED
@@ -14,7 +14,8 @@ bin=${1:-build/bin} cache=${2:-build/figures}
 here=$(cd "$(dirname "$0")/.." && pwd)
 scenes=${SCENES:-$here/../shared/scenes} doc=${DOC:-$here/doc}
 spp=${SPP:-16} frames=${FRAMES:-128} reference_spp=${REF_SPP:-1024} seed=${SEED:-1}
-size="--width ${WIDTH:-240}${HEIGHT:+ --height $HEIGHT}"
+[ -n "${WIDTH:-}" ] || HEIGHT=${HEIGHT:-120}
+size="${WIDTH:+--width $WIDTH }${HEIGHT:+--height $HEIGHT}"
 all="cornell-box-portal veach-ajar veach-ajar-flip bathroom2 bathroom2-channel"
 integrators="pt nee bdpt tdpt-org tdpt"
 
@@ -102,7 +103,6 @@ set style data lines
 set xlabel "samples per pixel"
 set grid
 set logscale x 2
-set key off
 PLOT
     plot() {
       printf 'plot'
@@ -113,11 +113,11 @@ PLOT
       done
       printf '\n'
     }
-    printf '%s\n' 'set title "a  non-zero pixels [%]"' 'set yrange [0:*]' 'set key left top'
+    printf '%s\n' 'set title "a  non-zero pixels [%]"' 'set yrange [0:*]' 'set key off'
     plot 2
-    printf '%s\n' 'set title "b  mean of the picture"' 'set yrange [0:*]' 'set key off'
+    printf '%s\n' 'set title "b  mean of the picture"' 'set key right bottom'
     plot 3
-    printf '%s\n' 'set title "c  CPU seconds per frame"'
+    printf '%s\n' 'set key off' 'set title "c  CPU seconds per frame"'
     plot 4
   } >fig5.gnuplot
   gnuplot fig5.gnuplot

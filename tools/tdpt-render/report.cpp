@@ -10,9 +10,9 @@ namespace tdpt {
 namespace {
 
 /// The words of Scene::needs: code that a scene without them never enters.
-constexpr std::array<const char*, 7> kNeeds{"textures",       "shading normals", "vertex colours",
-                                            "specular",       "transmission",    "alpha",
-                                            "punctual lights"};
+constexpr std::array kNeeds{"textures",    "shading normals",  "specular",        "transmission",
+                            "alpha",       "vertex colours",   "punctual lights", "absorption",
+                            "normal maps", "textured emission"};
 
 double total_energy(const RenderResult& result) {
   return std::accumulate(result.tally.energy.begin(), result.tally.energy.end(), 0.0);

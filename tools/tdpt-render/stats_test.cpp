@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "libcommon/scene/gltf_materials.h"
 #include "tools/tdpt-render/report.h"
 #include "tools/tdpt-render/test_rooms.h"
 
@@ -105,6 +106,26 @@ TEST(verbose, names_what_the_scene_needs_and_what_is_left_out) {
   EXPECT_EQ(notes[0].find("textures", 30), std::string::npos);  // not left out as well
   EXPECT_EQ(notes[1], "rays: 11 closest, 22 shadow, 0 portal");
   EXPECT_EQ(notes[2], "techniques: camera 25.0 %, direct 75.0 %");
+}
+
+// The words that a scene may say and those that --verbose knows are the same.
+TEST(verbose, knows_every_word_that_a_scene_may_say) {
+  Scene scene;
+  const std::string none = verbose_notes(scene, nee, {}).front();
+  Material m;
+  m.metallic = m.transmission = 1;
+  m.alpha_mode = Material::Alpha::mask;
+  m.absorption = Rgb(1.0f);
+  m.normal_map.image = m.emission_map.image = 0;
+  scene.materials = {m};
+  scene.images.resize(1);
+  scene.smooth = {1};
+  scene.colours.resize(1);
+  scene.lights.resize(1);
+  scene.needs = gltf::needs_of(scene);
+  const std::string all = verbose_notes(scene, nee, {}).front();
+  EXPECT_TRUE(all.ends_with("; left out: nothing")) << all;
+  for (const std::string& word : scene.needs) EXPECT_NE(none.find(word), std::string::npos) << word;
 }
 
 // The furnace's walls all shine with radiance 1, seen as such at depth 1. Every other
