@@ -112,11 +112,11 @@ int material(RoomScene& s, const std::string& name, std::array<double, 3> colour
   return s.b.material(m);
 }
 
-Json glass() {
+Json glass(Json volume) {
   return {{"extensions",
            {{"KHR_materials_transmission", {{"transmissionFactor", 1}}},
             {"KHR_materials_ior", {{"ior", 1.5}}},
-            {"KHR_materials_volume", {{"thicknessFactor", 1}}}}}};
+            {"KHR_materials_volume", std::move(volume)}}}};
 }
 
 Json without_specular() {
@@ -159,6 +159,20 @@ void add_sheet(RoomScene& s, bool mask) {
   add(s, "sheet", s.b.material(m), panel({1.8, 0.4, -0.7}, {0, 0, 1.4}, {0, 1.2, 0}));
 }
 
+/// Frosted and without volume: light goes straight on but for its roughness.
+void add_pane(RoomScene& s) {
+  s.b.json["extensionsUsed"].push_back("KHR_materials_transmission");
+  add(s, "pane",
+      s.b.material({{"name", "pane"},
+                    {"pbrMetallicRoughness",
+                     {{"baseColorFactor", {0.9, 0.9, 1, 1}},
+                      {"metallicFactor", 0},
+                      {"roughnessFactor", 0.5}}},
+                    {"extensions", {{"KHR_materials_transmission", {{"transmissionFactor", 0.8}}}}},
+                    {"doubleSided", true}}),
+      panel({1.8, 0.4, -0.7}, {0, 0, 1.4}, {0, 1.2, 0}));
+}
+
 void add_punctual(RoomScene& s, GlossyRooms::Light kind) {
   using Light = GlossyRooms::Light;
   Json light = {{"color", {1, 0.9, 0.8}}, {"intensity", kind == Light::sun ? 20 : 12}};
@@ -185,10 +199,22 @@ void add_punctual(RoomScene& s, GlossyRooms::Light kind) {
 void add_light(RoomScene& s, GlossyRooms::Light kind) {
   using Light = GlossyRooms::Light;
   if (kind == Light::lamp) return s.ceiling_lamp(3.1, 4, 0.8);
-  if (kind != Light::textured_lamp) return add_punctual(s, kind);
+  if (kind != Light::textured_lamp && kind != Light::mirror_lamp) return add_punctual(s, kind);
   const int colours = picture(s, 4, kLinear, [](int x, int y, int c) {
-    return c == 3 ? 255 : 20 + (x * 83 + y * 131 + c * 57) % 235;
+    return c == 3 ? 255 - 40 * x : 20 + (x * 83 + y * 131 + c * 57) % 235;
   });
+  if (kind == Light::mirror_lamp) {
+    const int sheen = s.b.material(
+        {{"name", "sheen"},
+         {"pbrMetallicRoughness",
+          {{"baseColorTexture", {{"index", colours}}}, {"roughnessFactor", 0}}},
+         {"emissiveFactor", {1, 0.9, 0.8}},
+         {"emissiveTexture", {{"index", colours}}},
+         {"alphaMode", "BLEND"},
+         {"doubleSided", true},
+         {"extensions", {{"KHR_materials_emissive_strength", {{"emissiveStrength", 8}}}}}});
+    return add(s, "sheen", sheen, panel({2.3, 1.2, -0.8}, {1.6, 0.3, 0}, {0, 0, 1.6}));
+  }
   const int lamp = s.b.material(
       {{"name", "screen"},
        {"pbrMetallicRoughness", {{"baseColorFactor", {0, 0, 0, 1}}, {"metallicFactor", 0}}},
@@ -216,9 +242,13 @@ std::string glossy_rooms(const GlossyRooms& what) {
   if (what.glass) {
     for (const char* e : {"transmission", "ior", "volume"})
       s.b.json["extensionsUsed"].push_back(std::string("KHR_materials_") + e);
-    add(s, "slab", material(s, "glass", {1, 1, 1}, 0, 0, glass()),
+    add(s, "slab", material(s, "glass", {1, 1, 1}, 0, 0, glass({{"thicknessFactor", 1}})),
         box({0.9, 0.3, -0.6}, {1.1, 1.2, 0.1}));
-    add(s, "frosted", material(s, "frosted", {0.9, 1, 0.95}, 0, 0.5, glass()),
+    add(s, "frosted",
+        material(s, "frosted", {0.9, 1, 0.95}, 0, 0.5,
+                 glass({{"thicknessFactor", 1},
+                        {"attenuationDistance", 0.5},
+                        {"attenuationColor", {0.5, 0.9, 0.7}}})),
         sphere({1.45, 0.4, 0.35}, 0.3));
   }
   if (what.smooth) {
@@ -230,6 +260,7 @@ std::string glossy_rooms(const GlossyRooms& what) {
   }
   if (what.textures) add_textured_block(s);
   if (what.screen || what.veil) add_sheet(s, what.screen);
+  if (what.pane) add_pane(s);
   add_light(s, what.light);
   s.b.camera("camera", {0.15, 1.25, 0.75}, {2, 0.8, -0.25}, kFov, kAspect);
   return s.b.glb();

@@ -15,10 +15,12 @@ struct GlossyRooms {
   bool textures = false;       ///< colour, roughness and normals of the block come from pictures
   bool screen = false;         ///< a screen with holes (alpha mask) before the window
   bool veil = false;           ///< a half transparent sheet (alpha blend) before the window
+  bool pane = false;           ///< a thin frosted pane before the window
 
-  /// A lamp of 1.6 x 1.6 m below the ceiling; a point, a spot; a sun that shines through an open
-  /// end of the second room.
-  enum class Light { lamp, textured_lamp, point, spot, sun } light = Light::lamp;
+  /// A lamp of 1.6 x 1.6 m below the ceiling, plain or textured; one that hangs free, shines on
+  /// both sides, is a mirror besides and half transparent; a point, a spot; a sun that shines
+  /// through an open end of the second room.
+  enum class Light { lamp, textured_lamp, mirror_lamp, point, spot, sun } light = Light::lamp;
 };
 
 /// A .glb. Diffuse but for what is asked for.

@@ -66,6 +66,14 @@ TEST(glossy_agreement, half_transparent_veil) {
   expect_agreement({.metal_walls = true, .veil = true}, kLamp, kSettings);
 }
 
+TEST(glossy_agreement, frosted_pane_of_no_thickness) {
+  expect_agreement({.smooth = true, .pane = true}, kLamp, kSettings);
+}
+
+TEST(glossy_agreement, lamp_that_is_a_half_transparent_mirror) {
+  expect_agreement({.plastic_floor = true, .light = Light::mirror_lamp}, kLamp, kSettings);
+}
+
 TEST(glossy_agreement, point_light) {
   expect_agreement({.plastic_floor = true, .smooth = true, .light = Light::point}, kPunctual,
                    kSettings);

@@ -130,6 +130,7 @@ inline void expect_agreement(const World& world, const std::vector<const Integra
                              const AgreementSettings& settings) {
   const DepthRuns reference = render_runs(world, bdpt, settings);
   EXPECT_EQ(reference.not_finite, 0u);
+  EXPECT_GT(reference.of_depth[0].mean(), 0);
   for (const Integrator* integrator : others) {
     const DepthRuns runs = render_runs(world, *integrator, settings);
     EXPECT_EQ(runs.not_finite, 0u);

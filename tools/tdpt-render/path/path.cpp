@@ -19,20 +19,20 @@ namespace tdpt {
 
 Path::Path(const World& world, const Walk& y, int s, const Walk& z, int t, RayCounts& rays) {
   for (int i = 0; i < s; ++i) x_[static_cast<size_t>(i)] = &y[i];
-  fill(world, y, s, z, t, 0, rays);
+  fill(world, y, s, z, t, nullptr, rays);
 }
 
-Path::Path(const World& world, const Walk& y, int s, const Vertex& x_l, const Vertex& x_c, double D,
-           const Walk& z, int t, RayCounts& rays) {
+Path::Path(const World& world, const Walk& y, int s, const Vertex& x_l, const Vertex& x_c,
+           const SegmentDensities& segment, const Walk& z, int t, RayCounts& rays) {
   for (int i = 0; i < s; ++i) x_[static_cast<size_t>(i)] = &y[i];
   x_[static_cast<size_t>(s)] = &x_l;
   x_[static_cast<size_t>(s) + 1] = &x_c;
-  fill(world, y, s, z, t, D, rays);
+  fill(world, y, s, z, t, &segment, rays);
 }
 
-void Path::fill(const World& world, const Walk& y, int s, const Walk& z, int t, double segment_D,
-                RayCounts& rays) {
-  const int middle = segment_D > 0 ? 2 : 0;
+void Path::fill(const World& world, const Walk& y, int s, const Walk& z, int t,
+                const SegmentDensities* segment, RayCounts& rays) {
+  const int middle = segment ? 2 : 0;
   k_ = s + middle + t - 1;
   const int first_z = k_ - (t - 1);  // index of z_{t-1}
   for (int j = 0; j < t; ++j) x_[static_cast<size_t>(k_ - j)] = &z[j];
@@ -81,8 +81,8 @@ void Path::fill(const World& world, const Walk& y, int s, const Walk& z, int t, 
       D = y[i + 1].portal_density;
     } else if (i >= first_z) {
       D = z[k_ - i].portal_density;
-    } else if (middle && i == s) {
-      D = segment_D;
+    } else if (segment) {
+      D = i == s ? segment->own : i < s ? segment->before : segment->after;
     } else if (!x(i).on_surface()) {
       D = 0;
     } else {

@@ -17,13 +17,20 @@ struct Strategy {
 
 /// x_0 (on a light) ... x_k (the camera), assembled from a light prefix, 0 or 2 vertices of a
 /// portal segment, and a camera prefix. Holds pointers: the walks must outlive it.
+/// Densities D (portals.h) of a portal segment and of the edges that join it to its prefixes.
+struct SegmentDensities {
+  double own = 0;     ///< x_l -> x_c; more than 0
+  double before = 0;  ///< last light vertex -> x_l; of no meaning without a light prefix
+  double after = 0;   ///< x_c -> last camera vertex; of no meaning when that is the camera
+};
+
 class Path {
  public:
   /// x = y_0..y_{s-1}, z_{t-1}..z_0.
   Path(const World& world, const Walk& y, int s, const Walk& z, int t, RayCounts& rays);
-  /// x = y_0..y_{s-1}, x_l, x_c, z_{t-1}..z_0; D is the density of the segment x_l -> x_c.
-  Path(const World& world, const Walk& y, int s, const Vertex& x_l, const Vertex& x_c, double D,
-       const Walk& z, int t, RayCounts& rays);
+  /// x = y_0..y_{s-1}, x_l, x_c, z_{t-1}..z_0.
+  Path(const World& world, const Walk& y, int s, const Vertex& x_l, const Vertex& x_c,
+       const SegmentDensities& segment, const Walk& z, int t, RayCounts& rays);
 
   int k() const { return k_; }
   const Vertex& vertex(int i) const { return *x_[static_cast<size_t>(i)]; }
@@ -35,8 +42,8 @@ class Path {
   double weight(TechniqueSet set, Strategy used, double beta) const;
 
  private:
-  void fill(const World& world, const Walk& y, int s, const Walk& z, int t, double segment_D,
-            RayCounts& rays);
+  void fill(const World& world, const Walk& y, int s, const Walk& z, int t,
+            const SegmentDensities* segment, RayCounts& rays);
   const Vertex& x(int i) const { return vertex(i); }
 
   int k_ = 0;

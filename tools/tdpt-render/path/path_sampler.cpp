@@ -221,7 +221,15 @@ void PathSampler::portal() {
   if (world_.absorbing) through = through * transmittance(x_l, x_c, w, std::sqrt(middle.d2));
 
   // Light sides: [a] with a prefix vertices y_0..y_{a-1}; arriving at x_l and scattered along w.
+  // Each end's edges are tested against the portals once, for all paths that have them.
+  const auto edge_density = [&](const Vertex& from, const Vertex& to) {
+    if (!from.on_surface()) return 0.0;
+    ++tally_.rays.portal;
+    return world_.portals.density(from.position, to.position);
+  };
   std::array<Rgb, kMaxDepth> light_side;
+  std::array<double, kMaxDepth> before;  // set where light_side is not black
+  before[0] = 0;
   light_side[0] = emitted(x_l, w);
   int last_a = 0;
   for (int a = 1; a <= D - 2 && a <= y.size; ++a) {
@@ -234,6 +242,7 @@ void PathSampler::portal() {
     const Rgb f = a == 1 ? emitted(v, e.w) : bsdf_at(v, back(y, a - 1), e.w);
     value = v.throughput * f * bsdf_at(x_l, -e.w, w) * geometry(v, x_l, e);
     if (!black(value) && !visible(v, x_l)) value = {};
+    if (!black(value)) before[static_cast<size_t>(a)] = edge_density(v, x_l);
   }
 
   // Camera sides: b prefix vertices z_0..z_{b-1}; leaving x_c, scattered from -w.
@@ -253,10 +262,12 @@ void PathSampler::portal() {
                     geometry(x_c, v, e);
     }
     if (black(camera_side) || !visible(x_c, v)) continue;
+    const double after = b == 1 ? 0 : edge_density(x_c, v);
     for (int a = 0; a <= last_a && a + b <= D - 1; ++a) {
       const Rgb value = light_side[static_cast<size_t>(a)] * camera_side * through;
       if (black(value)) continue;
-      const Path path(world_, y, a, x_l, x_c, density, z, b, tally_.rays);
+      const SegmentDensities densities{density, before[static_cast<size_t>(a)], after};
+      const Path path(world_, y, a, x_l, x_c, densities, z, b, tally_.rays);
       const Strategy strategy{Technique::portal, a};
       if (b == 1)
         to_film(path, strategy, raster_x, raster_y, value);

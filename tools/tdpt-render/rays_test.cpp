@@ -1,0 +1,153 @@
+// The rays of a sample are those of the paper's Table 1, for paths of up to k edges:
+//
+//   light walk     (k-1) c_I + (k-1) c_V          edges; y_1..y_{k-1} are splatted (the paper's
+//                                                  prose says up to y_{k-2}, which is k-2 of them)
+//   camera walk     k c_I    + (k-1) c_V          edges; next events from z_1..z_{k-1}
+//   bi-connections  (k-1)(k-2)/2 c_V              y_i with z_j, i, j >= 1, i + j <= k-1
+//   tri-connection  2 c_I    + (2k-3) c_V         x_l, x_c; x_l to y_0..y_{k-3}, x_c to
+//   z_0..z_{k-2}
+//                            + (5k-7) c_P
+//
+// c_P, tests of an edge against the portals, is what the whole sample pays for them:
+//   (k-1) + (k-1) edges of both walks (the camera's own edge z_0 z_1 never counts),
+//   (k-1) next-event edges, (k-2) edges of x_l, (k-2) edges of x_c: together 5k-7.
+// We test one edge more: the segment itself. It crosses the polygon it was drawn from, but its
+// density is a sum over all that it crosses. With bi-connections their edges are tested as well.
+//
+// A connection is not traced when a cosine or the film tells that it carries nothing. So the room
+// is a ball of small facets that shine inwards, seen from its rim by a camera that nearly has all
+// of it in its picture: of many samples most make all connections, and none makes more.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "tools/tdpt-render/integrators/integrator.h"
+#include "tools/tdpt-render/test_rooms.h"
+
+namespace tdpt {
+namespace {
+
+Scene glowing_ball() {
+  constexpr int kAround = 48, kDown = 24;
+  constexpr double kRadius = 0.9;
+  Scene scene;
+  Material glow;
+  glow.base_color = Rgb(0.5f);
+  glow.emission = Rgb(1.0f);
+  scene.materials.push_back(glow);
+  for (int i = 0; i <= kDown; ++i)
+    for (int j = 0; j < kAround; ++j) {
+      const double t = std::numbers::pi * i / kDown, p = 2 * std::numbers::pi * j / kAround;
+      const double s = i == 0 || i == kDown ? 0 : std::sin(t);
+      scene.positions.push_back(
+          Vec3f(Vec3d(s * std::cos(p), std::cos(t), s * std::sin(p)) * kRadius));
+    }
+  for (int i = 0; i < kDown; ++i)
+    for (int j = 0; j < kAround; ++j) {
+      const auto at = [&](int down, int around) {
+        return static_cast<uint32_t>(down * kAround + around % kAround);
+      };
+      if (i > 0) scene.triangles.push_back({{at(i, j), at(i + 1, j), at(i, j + 1)}, 0});
+      if (i < kDown - 1)
+        scene.triangles.push_back({{at(i, j + 1), at(i + 1, j), at(i + 1, j + 1)}, 0});
+    }
+  for (uint32_t t = 0; t < scene.triangles.size(); ++t) {  // fronts look inwards
+    const TriangleShape shape = shape_of(scene, t);
+    if (dot(shape.normal, shape.p0) > 0)
+      std::swap(scene.triangles[t].vertex[1], scene.triangles[t].vertex[2]);
+  }
+  Camera camera;
+  camera.position = {-0.85, 0.013, 0.007};
+  camera.forward = {1, 0, 0};
+  camera.up = {0, 1, 0};
+  camera.right = {0, 0, 1};
+  camera.yfov = 3.0;
+  scene.cameras.push_back(camera);
+  return scene;
+}
+
+struct Census {
+  RayCounts most;       ///< largest numbers of any sample
+  double complete = 0;  ///< share of samples that reach all three of `expected`
+  uint64_t beyond = 0;  ///< samples that have more than expected of some kind
+};
+
+Census count(const Integrator& integrator, int k, const RayCounts& expected) {
+  const Scene scene = glowing_ball();
+  const World world(scene, scene.camera(""), 16, 16,
+                    {rectangle({0, -0.2, -0.2}, {0, 0, 0.4}, {0, 0.4, 0})});
+  Film film(16, 16, 1);
+  Census census;
+  for (int i = 0; i < 512; ++i) {
+    Tally tally;
+    PathSampler sampler(world, {integrator.techniques, k, 1, 3, integrator.stream}, film, tally);
+    sampler.begin(i % 16, i / 16 % 16, static_cast<uint64_t>(i));
+    integrator.sample(sampler);
+    sampler.end();
+    const RayCounts& r = tally.rays;
+    census.most.closest = std::max(census.most.closest, r.closest);
+    census.most.shadow = std::max(census.most.shadow, r.shadow);
+    census.most.portal = std::max(census.most.portal, r.portal);
+    census.complete += (r.closest == expected.closest && r.shadow == expected.shadow &&
+                        r.portal == expected.portal) /
+                       512.0;
+    census.beyond +=
+        r.closest > expected.closest || r.shadow > expected.shadow || r.portal > expected.portal;
+  }
+  return census;
+}
+
+/// Table 1 for one sample.
+RayCounts table_1(TechniqueSet set, int depth) {
+  const auto k = static_cast<uint64_t>(depth);
+  const bool light = set.has(Technique::light), direct = set.has(Technique::direct);
+  RayCounts r{k, direct ? k - 1 : 0, k - 1 + (direct ? k - 1 : 0)};
+  if (light) r.closest += k - 1, r.shadow += k - 1, r.portal += k - 1;
+  if (set.has(Technique::bi)) r.shadow += (k - 1) * (k - 2) / 2, r.portal += (k - 1) * (k - 2) / 2;
+  if (set.has(Technique::portal)) {
+    r.closest += 2;
+    r.shadow += 2 * k - 3;
+    r.portal += 2 * (k - 2) + 1;
+  }
+  return r;
+}
+
+TEST(rays, are_those_of_table_1) {
+  for (int k = 3; k <= 8; ++k) {
+    EXPECT_EQ(table_1(tdpt_ref.techniques, k).portal, 5u * static_cast<uint64_t>(k) - 7 + 1);
+    for (const Integrator* integrator : integrators()) {
+      const RayCounts expected = table_1(integrator->techniques, k);
+      const Census census = count(*integrator, k, expected);
+      EXPECT_EQ(census.most.closest, expected.closest) << integrator->name << " " << k;
+      EXPECT_EQ(census.most.shadow, expected.shadow) << integrator->name << " " << k;
+      EXPECT_EQ(census.most.portal, expected.portal) << integrator->name << " " << k;
+      EXPECT_EQ(census.beyond, 0u) << integrator->name << " " << k;
+      EXPECT_GT(census.complete, 0.5) << integrator->name << " " << k;
+    }
+  }
+}
+
+TEST(rays, twin_one_connection_more_or_one_technique_less_is_caught) {
+  const RayCounts expected = table_1(tdpt_ref.techniques, 5);
+  const Integrator more{"more", 9, tdpt_ref.techniques, [](PathSampler& sample) {
+                          tdpt_ref.sample(sample);
+                          sample.direct();
+                        }};
+  EXPECT_GT(count(more, 5, expected).beyond, 400u);
+  const Integrator less{"less", 9, tdpt_ref.techniques, [](PathSampler& sample) {
+                          sample.walk_from_camera();
+                          sample.walk_from_light();
+                          sample.camera();
+                          sample.direct();
+                          sample.portal();
+                        }};
+  EXPECT_EQ(count(less, 5, expected).complete, 0);
+}
+
+TEST(rays, twin_a_walk_of_one_edge_more_is_caught) {
+  EXPECT_GT(count(tdpt_ref, 6, table_1(tdpt_ref.techniques, 5)).beyond, 500u);
+}
+
+}  // namespace
+}  // namespace tdpt
