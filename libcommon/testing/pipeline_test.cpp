@@ -7,6 +7,8 @@
 #include <unistd.h>
 
 #include "libcommon/testing/portal_score.h"
+#include "libcommon/testing/room_scene.h"
+#include "libcommon/testing/temp_folder.h"
 
 namespace tdpt::testing {
 namespace {
@@ -60,6 +62,28 @@ TEST(pipeline, two_rooms_have_their_portal_in_the_hole) {
   EXPECT_LT(coverage(hole, beside), 0.7);
   for (auto& t : portals[0].triangles) std::swap(t[1], t[2]);
   EXPECT_EQ(coverage(hole, portals), 0);
+}
+
+// A pane of 1 cm in the hole: glass lets the light's flow through, a board does not.
+TEST(pipeline, a_glass_pane_does_not_wall_the_hole_up) {
+  const auto rooms_with_pane = [](double transmission) {
+    RoomScene s;
+    s.b.json["extensionsUsed"].push_back("KHR_materials_transmission");
+    s.row(2, {0.875, 1.125, -0.125, 0.125});
+    s.ceiling_lamp(3.1, 20);
+    s.b.camera("camera", {0.15, 1.25, 0.75}, {2, 0.8, -0.25}, kFov, kAspect);
+    const int glass = s.b.material(
+        {{"extensions", {{"KHR_materials_transmission", {{"transmissionFactor", transmission}}}}}});
+    Quads pane;
+    for (double x : {2.045, 2.055})
+      pane.add({x, 0.875, 0.125}, {x, 0.875, -0.125}, {x, 1.125, -0.125}, {x, 1.125, 0.125});
+    s.part("pane", glass, pane);
+    const TempFolder folder;
+    return find_portals(folder.write("pane.glb", s.b.glb()));
+  };
+  const Opening hole{{2.05, 0.875, -0.125}, {0, 0.25, 0}, {0, 0, 0.25}, {-1, 0, 0}, 0.1};
+  EXPECT_GE(coverage(hole, rooms_with_pane(1)), 0.9);
+  EXPECT_TRUE(rooms_with_pane(0).empty());  // twin
 }
 
 TEST(pipeline, rooms_in_a_row_have_a_portal_in_one_of_their_doors) {

@@ -82,7 +82,8 @@ int run(Arguments a, const cli::Common& common) {
     throw UsageError(fmt::format("{} walks of {} surfaces are too many, at most {} in all", a.walks,
                                  a.bounces, kMostHits));
   check_output(common.output);
-  const Scene scene = read_gltf(a.scene);
+  Scene scene = read_gltf(a.scene);
+  open_panes(scene);
   for (const std::string& warning : scene.warnings) common.warn(warning);
   if (scene.triangles.empty())
     throw InputError(display_name(a.scene), "", "no triangles, expected surfaces");

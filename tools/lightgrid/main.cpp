@@ -33,7 +33,8 @@ int main(int argc, char** argv) {
     if (scene_path == "-" && cut_path == "-")
       throw UsageError("only one of the two inputs can come from standard input");
     catch_signals();
-    const Scene scene = read_gltf(scene_path);
+    Scene scene = read_gltf(scene_path);
+    open_panes(scene);
     const CutFile cut = read_cut(cut_path);
     LightGridOptions how;
     how.resolution = static_cast<int>(resolution);
