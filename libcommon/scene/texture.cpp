@@ -32,28 +32,37 @@ int wrapped(int i, int n, TextureMap::Wrap wrap) {
   return std::clamp(i, 0, n - 1);
 }
 
+/// floor(u) for |u| below 2^62; std::floor is a call into the library on plain x86-64.
+int64_t floor_of(double u) {
+  const auto i = static_cast<int64_t>(u);
+  return i - (static_cast<double>(i) > u ? 1 : 0);
+}
+
 Span span_of(double u, int n, TextureMap::Wrap wrap, bool nearest) {
   // Beyond this, neighbouring doubles lie more than a millionth of an image apart. NaN too.
   if (!(std::abs(u) < 1e9)) u = 0;
   if (wrap == TextureMap::Wrap::repeat)
-    u -= std::floor(u);
+    u -= static_cast<double>(floor_of(u));
   else if (wrap == TextureMap::Wrap::mirror)
-    u -= 2 * std::floor(0.5 * u);
+    u -= 2 * static_cast<double>(floor_of(0.5 * u));
   else
     u = std::clamp(u, 0.0, 1.0);
   const double x = nearest ? u * n : u * n - 0.5;  // the middle of texel i lies at i + 1/2
-  const double start = std::floor(x);
-  const int i = static_cast<int>(start);
+  const int i = static_cast<int>(floor_of(x));
   const int first = wrapped(i, n, wrap);
   if (nearest) return {first, first, 0};
-  return {first, wrapped(i + 1, n, wrap), static_cast<float>(x - start)};
+  return {first, wrapped(i + 1, n, wrap), static_cast<float>(x - i)};
 }
 
-Texel texel_at(const Image& image, int x, int y, bool srgb) {
-  const uint8_t* t = image.texels.data() + 4 * (static_cast<size_t>(y) * image.width + x);
-  const LinearTable& table = srgb ? linear_of_srgb() : linear_of_byte();
-  return {table[t[0]], table[t[1]], table[t[2]], linear_of_byte()[t[3]]};
-}
+/// Decodes texels: one table for RGB, one for alpha.
+struct Decoder {
+  const Image& image;
+  const LinearTable &rgb, &alpha;
+  Texel operator()(int x, int y) const {
+    const uint8_t* t = image.texels.data() + 4 * (static_cast<size_t>(y) * image.width + x);
+    return {rgb[t[0]], rgb[t[1]], rgb[t[2]], alpha[t[3]]};
+  }
+};
 
 Texel mixed(const Texel& a, const Texel& b, float share) {
   Texel out;
@@ -157,9 +166,10 @@ Texel lookup(const Scene& scene, const TextureMap& map, const SurfacePlace& plac
   const Image& image = scene.images[static_cast<size_t>(map.image)];
   const Span x = span_of(m[0] * uv[0] + m[1] * uv[1] + m[2], image.width, map.wrap_u, map.nearest);
   const Span y = span_of(m[3] * uv[0] + m[4] * uv[1] + m[5], image.height, map.wrap_v, map.nearest);
+  const Decoder texel{image, map.srgb ? linear_of_srgb() : linear_of_byte(), linear_of_byte()};
   const auto row = [&](int at) {
-    const Texel first = texel_at(image, x.first, at, map.srgb);
-    return x.share == 0 ? first : mixed(first, texel_at(image, x.second, at, map.srgb), x.share);
+    const Texel first = texel(x.first, at);
+    return x.share == 0 ? first : mixed(first, texel(x.second, at), x.share);
   };
   return y.share == 0 ? row(y.first) : mixed(row(y.first), row(y.second), y.share);
 }
