@@ -13,7 +13,7 @@ set -eu
 bin=${1:-build/bin} cache=${2:-build/figures}
 here=$(cd "$(dirname "$0")/.." && pwd)
 scenes=${SCENES:-$here/../shared/scenes} doc=${DOC:-$here/doc}
-spp=${SPP:-16} frames=${FRAMES:-128} reference_spp=${REF_SPP:-1024} seed=${SEED:-1}
+spp=${SPP:-16} frames=${FRAMES:-128} reference_spp=${REF_SPP:-512} seed=${SEED:-1}
 [ -n "${WIDTH:-}" ] || HEIGHT=${HEIGHT:-120}
 size="${WIDTH:+--width $WIDTH }${HEIGHT:+--height $HEIGHT}"
 all="cornell-box-portal veach-ajar veach-ajar-flip bathroom2 bathroom2-channel"
