@@ -10,7 +10,7 @@ namespace tdpt::testing {
 
 /// A rectangular opening in a wall: corner, corner + u, corner + v, corner + u + v on the wall's
 /// middle plane; light goes along `normal` (unit, perpendicular to u and v).
-struct Opening {
+struct Aperture {
   Vec3d corner, u, v, normal;
   double thickness;  ///< of the wall
 };
@@ -32,7 +32,7 @@ inline bool crosses(const Portal& portal, const Vec3d& point, const Vec3d& direc
 
 /// Share of the lines through the opening (uniform places, cosine directions, passing both faces
 /// of the wall) that cross one of the portals along its normal.
-inline double coverage(const Opening& o, const std::vector<Portal>& portals) {
+inline double coverage(const Aperture& o, const std::vector<Portal>& portals) {
   Rng rng(1, 0, 0);
   const Onb<double> frame(o.normal);
   int lines = 0, covered = 0;
