@@ -1,0 +1,61 @@
+// One scene written in the many ways of glTF 2.0.
+#pragma once
+#include <array>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "libcommon/math/vec.h"
+
+namespace tdpt::testing {
+
+/// Quads of one material: four vertices each, counter-clockwise seen from the front, split from the
+/// first to the third.
+struct QuadPart {
+  std::string name;
+  int material = 0;  ///< kGrey ...
+  std::vector<Vec3f> positions, normals;
+  std::vector<std::array<float, 2>> uv;
+
+  void add(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d);
+};
+
+/// A closed room of 2 x 2 x 2 m, x and z -1..1, y 0..2, with a lamp, a textured wall and a block.
+/// What is at y = 0 stays; the block's last vertex can be moved.
+std::vector<QuadPart> simple_room();
+
+enum class Encoding {
+  indices_u8,
+  indices_u16,
+  indices_u32,
+  no_indices,
+  interleaved,  ///< one bufferView with byteStride
+  sparse,       ///< every third position is substituted
+  data_uri,     ///< .gltf, all in it
+  external,     ///< .gltf with a .bin beside it
+  many_primitives,
+  strip,  ///< joined by degenerate triangles
+  fans,
+  mirrored,   ///< below a node of negative scale
+  nested,     ///< below three nodes of translation, rotation and scale
+  matrices,   ///< the same as matrices
+  quantized,  ///< KHR_mesh_quantization
+};
+/// What is the same as with indices_u16: every bit of places and order; all but the rounding of
+/// places; all but the order of triangles and their vertices.
+enum class Same { bits, but_rounding, but_order };
+struct NamedEncoding {
+  Encoding encoding;
+  const char* name;
+  Same same;
+};
+extern const std::vector<NamedEncoding> kEncodings;
+
+/// Files by name; the first one's name is "scene.glb" or "scene.gltf".
+struct EncodedScene {
+  std::string file;  ///< the scene's
+  std::map<std::string, std::string> files;
+};
+EncodedScene encode(const std::vector<QuadPart>& parts, Encoding encoding);
+
+}  // namespace tdpt::testing
