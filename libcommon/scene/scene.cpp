@@ -52,13 +52,14 @@ TriangleShape shape_of(const Scene& scene, uint32_t triangle) {
 
 void open_panes(Scene& scene) {
   for (Material& m : scene.materials) {
-    if (!(m.transmission > 0) || m.alpha_mode == Material::Alpha::mask) continue;
+    const float share = m.transmission * (1 - m.metallic);
+    if (!(share > 0) || m.alpha_mode == Material::Alpha::mask) continue;
     if (m.alpha_mode == Material::Alpha::opaque) {
       m.alpha_mode = Material::Alpha::blend;
       m.alpha = 1;
       m.base_map = {};  // whose alpha would count from now on
     }
-    m.alpha *= 1 - m.transmission;
+    m.alpha *= 1 - share;
   }
 }
 

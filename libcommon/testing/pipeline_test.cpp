@@ -73,7 +73,8 @@ TEST(pipeline, a_glass_pane_does_not_wall_the_hole_up) {
     s.ceiling_lamp(3.1, 20);
     s.b.camera("camera", {0.15, 1.25, 0.75}, {2, 0.8, -0.25}, kFov, kAspect);
     const int glass = s.b.material(
-        {{"extensions", {{"KHR_materials_transmission", {{"transmissionFactor", transmission}}}}}});
+        {{"pbrMetallicRoughness", {{"metallicFactor", 0}}},
+         {"extensions", {{"KHR_materials_transmission", {{"transmissionFactor", transmission}}}}}});
     Quads pane;
     for (double x : {2.045, 2.055})
       pane.add({x, 0.875, 0.125}, {x, 0.875, -0.125}, {x, 1.125, -0.125}, {x, 1.125, 0.125});
