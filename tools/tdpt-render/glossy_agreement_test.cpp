@@ -21,9 +21,21 @@ Scene scene_of(const GlossyRooms& what) {
   return read_gltf(folder.write("rooms.glb", testing::glossy_rooms(what)));
 }
 
-World world_of(const Scene& scene) {
-  return World(scene, scene.camera(""), 32, 24,
-               {rectangle({2.05, 0.5, -0.5}, {0, 0, 1}, {0, 1, 0})});
+const Portal kWindow = rectangle({2.05, 0.5, -0.5}, {0, 0, 1}, {0, 1, 0});
+
+World world_of(const Scene& scene, const std::vector<Portal>& portals = {kWindow}) {
+  return World(scene, scene.camera(""), 32, 24, portals);
+}
+
+/// With portals and without, sample by sample (misplaced_portals_test.cpp): sees hundredths of a
+/// per cent.
+Verdict paired_verdict(const World& with, const World& without, const AgreementSettings& settings) {
+  const DepthRuns runs = render_runs(with, tdpt_ref, settings);
+  const DepthRuns reference = render_runs(without, tdpt_ref, settings);
+  const Verdict verdict = judge(runs, reference, testing::compare_paired);
+  std::printf("paired    least p %.1e; all depths %s\n", verdict.worst_p,
+              testing::compare_paired(runs.of_depth[0], reference.of_depth[0]).text().c_str());
+  return verdict;
 }
 
 void expect_agreement(const GlossyRooms& what, const std::vector<const Integrator*>& others,
@@ -32,6 +44,8 @@ void expect_agreement(const GlossyRooms& what, const std::vector<const Integrato
   for (const std::string& warning : scene.warnings) ADD_FAILURE() << warning;
   const World world = world_of(scene);
   expect_agreement(world, others, settings);
+  const Verdict verdict = paired_verdict(world, world_of(scene, {}), settings);
+  EXPECT_TRUE(verdict.holds()) << "portals and none\n" << verdict.text;
 }
 
 const std::vector<const Integrator*> kLamp{&pt, &nee, &tdpt_org, &tdpt_ref};
@@ -87,6 +101,35 @@ TEST(glossy_agreement, spot_light) {
 TEST(glossy_agreement, sun) {
   expect_agreement({.plastic_floor = true, .metal_walls = true, .light = Light::sun}, kPunctual,
                    kSettings);
+}
+
+// Twins: room and samples are those of rough_plastic_and_metal.
+
+TEST(glossy_agreement_twin, faults_are_caught_on_glossy_surfaces_too) {
+  const Scene scene = scene_of({.plastic_floor = true, .metal_walls = true});
+  const World world = world_of(scene);
+  const DepthRuns reference = render_runs(world, bdpt, kSettings);
+  const auto caught = [&](const char* what, const World& in, const Integrator& faulty) {
+    const Verdict verdict = judge(render_runs(in, faulty, kSettings), reference);
+    std::printf("%-20s depths caught %d, least p %.1e\n", what, verdict.disagreements,
+                verdict.worst_p);
+    EXPECT_FALSE(verdict.holds()) << what;
+  };
+  caught("bi missing", world, {"faulty", 9, tdpt_org.techniques, tdpt_ref.sample});
+  caught("light twice", world, {"faulty", 9, bdpt.techniques, [](PathSampler& sample) {
+                                  bdpt.sample(sample);
+                                  sample.light();
+                                }});
+  World spoilt(scene, scene.camera(""), 32, 24, {kWindow});
+  for (int i = 0; i < 2; ++i)  // the set is not const: its polygons may be spoilt
+    const_cast<PortalSet::Polygon&>(spoilt.portals.polygon(i)).density *= 1.05;
+  EXPECT_FALSE(paired_verdict(spoilt, world_of(scene, {}), kSettings).holds());
+
+  // A BSDF that differs by 5 % of its colour from the one the reference has.
+  Scene darker = scene;
+  for (Material& m : darker.materials)
+    if (m.roughness < 0.35f) m.base_color *= 0.95f;
+  caught("floor 5 % darker", world_of(darker), bdpt);
 }
 
 }  // namespace
