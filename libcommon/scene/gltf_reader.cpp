@@ -62,26 +62,20 @@ class SceneReader {
   }
 
  private:
-  /// Calls `visit(primitive, place)` for the primitives of all placed meshes that are surfaces.
-  template <class Visit>
-  void each_surface(const std::vector<PlacedNode>& nodes, const Visit& visit) const {
+  /// Materials of the surfaces of all placed meshes.
+  std::vector<bool> used_materials(const std::vector<PlacedNode>& nodes) const {
+    std::vector<bool> used(file_materials_);
     for (const PlacedNode& n : nodes) {
       const int mesh = d_.model.nodes[n.node].mesh;
       if (mesh < 0) continue;
       for (const tinygltf::Primitive& p : d_.model.meshes[static_cast<size_t>(mesh)].primitives)
-        if (p.mode >= TINYGLTF_MODE_TRIANGLES) visit(p);
+        if (p.mode >= TINYGLTF_MODE_TRIANGLES && p.material >= 0)
+          used[static_cast<size_t>(p.material)] = true;
     }
-  }
-
-  std::vector<bool> used_materials(const std::vector<PlacedNode>& nodes) const {
-    std::vector<bool> used(file_materials_);
-    each_surface(nodes, [&](const tinygltf::Primitive& p) {
-      if (p.material >= 0) used[static_cast<size_t>(p.material)] = true;
-    });
     return used;
   }
 
-  /// Refuses a scene whose instances would fill the memory, before anything is read.
+  /// Refuses a scene whose instances would fill the memory, before any vertex is read.
   void check_size(const std::vector<PlacedNode>& nodes) const {
     size_t bytes = d_.bytes.size();
     for (std::string_view b : d_.buffers) bytes += b.size();
