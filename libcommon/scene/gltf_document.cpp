@@ -116,8 +116,8 @@ bool no_image(tinygltf::Image*, const int, std::string*, std::string*, int, int,
 // the ones and read outside of a buffer for the others.
 void load_model(Document& d) {
   Json reduced = Json::object();
-  for (const char* section : {"asset", "scene", "scenes", "nodes", "meshes", "accessors",
-                              "bufferViews", "cameras"})
+  for (const char* section :
+       {"asset", "scene", "scenes", "nodes", "meshes", "accessors", "bufferViews", "cameras"})
     if (d.json.contains(section)) reduced[section] = d.json[section];
   const std::string text = reduced.dump();
   if (text.size() > std::numeric_limits<unsigned>::max()) d.fail("JSON", "is larger than 4 GiB");
