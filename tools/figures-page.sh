@@ -23,7 +23,7 @@ nowhere. Its scenes, portals and machine are not ours, so compare rows rather th
 |---|---|---|---|---|
 EOF
 for scene in $there; do
-  jq -r --arg scene "$scene" 'def round(d): . * pow(10; d) | floor | . / pow(10; d);
+  jq -r --arg scene "$scene" 'def round(d): . * pow(10; d) + 0.5 | floor | . / pow(10; d);
     .portals as $p | "| \($scene) | \($p | length)" +
     if $p == [] then (if .reason then " (\(.reason))" else "" end) + " | - | - | - |"
     else " | " + ([$p[] | .area | round(3) | tostring] | join(", ")) + " | "
@@ -118,7 +118,11 @@ for scene in $there; do
     bathroom2) says='a large window; "the advantage of TDPT is not apparent"' ;;
     *) says='not in the text' ;;
   esac
-  printf '\nThe paper: %s.\n' "$says"
+  printf '\nThe paper: %s. ' "$says"
+  jq -rs '"\(.[0].psnr) \(.[1].psnr) \(.[0].mape) \(.[1].mape) \(.[0].relmse) \(.[1].relmse)"' \
+    "$scene-tdpt.error.json" "$scene-bdpt.error.json" | awk '{
+      printf "Here tdpt has %+.1f dB of PSNR against bdpt, ", $1 - $2
+      printf "a MAPE of %.3g %% against %.3g %%, a relMSE of %.3g against %.3g.\n", $3, $4, $5, $6 }'
   for i in bdpt tdpt; do
     printf '\n![%s left, reference right](figures/fig7-%s-%s.png)\n*%s, reference*\n' "$i" "$scene" "$i" "$i"
   done
