@@ -3,6 +3,7 @@
 #   make demo      installs what is missing, builds, shows what portals are good for (demo/)
 #   make figures   the paper's Figs 5 to 7 from our renders, in doc/ (tools/figures.sh: size, samples)
 #   make test      installs what is missing, builds, runs every test
+#   make bench     speed, and noise after a minute, of every integrator (tools/bench.sh; 20 minutes)
 #   make install   programs and man pages under PREFIX (and DESTDIR)
 #   make sanitize  builds with the sanitizers into build-sanitize and runs every test there
 #   make packages  installs the Debian packages of tools/packages.txt that are missing
@@ -13,7 +14,7 @@ JOBS ?= $(shell nproc 2>/dev/null || echo 2)
 # .ci/run names a file here, to learn the exit code of ctest instead of make's.
 TEST_STATUS ?=
 
-.PHONY: all build demo figures test install sanitize packages format clean
+.PHONY: all build demo figures bench test install sanitize packages format clean
 all: build
 
 build:
@@ -37,6 +38,10 @@ figures: packages
 	@sh tools/install-packages.sh tools/packages-figures.txt
 	@$(MAKE) --no-print-directory build
 	@sh tools/figures.sh build/bin build/figures
+
+bench: build
+	@build/bin/lights_bench
+	@sh tools/bench.sh build/bin build/bench
 
 sanitize: packages
 	@cmake --preset sanitize --log-level=WARNING

@@ -38,3 +38,12 @@ function(tdpt_test name)
                        LSAN_OPTIONS=suppressions=${CMAKE_SOURCE_DIR}/libcommon/testing/lsan.supp)
 endfunction()
 include(GoogleTest)
+
+# tdpt_bench(name SOURCES ... LINK ...): a program that prints ratios; built, never run as a test.
+function(tdpt_bench name)
+  cmake_parse_arguments(A "" "" "SOURCES;LINK" ${ARGN})
+  if(BUILD_TESTING)
+    add_executable(${name} ${A_SOURCES})
+    target_link_libraries(${name} PRIVATE ${A_LINK})
+  endif()
+endfunction()

@@ -26,9 +26,10 @@ void add_block(RoomScene& s) {
          {{"translation", {1.25, 0.001, -0.45}}, {"rotation", {0, 0.174108, 0, 0.984727}}});
 }
 
-std::string two_rooms() {
+/// Two rooms with a square hole of that side in the middle of their wall.
+std::string two_rooms(double side) {
   RoomScene s;
-  s.row(2, {0.875, 1.125, -0.125, 0.125});
+  s.row(2, {1 - side / 2, 1 + side / 2, -side / 2, side / 2});
   s.ceiling_lamp(3.1, 20);
   add_block(s);
   s.b.camera("camera", {0.15, 1.25, 0.75}, {2, 0.8, -0.25}, kFov, kAspect);
@@ -84,11 +85,9 @@ std::string furnace() {
 }  // namespace
 
 std::vector<NamedScene> make_scenes() {
-  return {{"two-rooms.glb", two_rooms()},
-          {"door-ajar.glb", door_ajar()},
-          {"window.glb", window()},
-          {"three-rooms.glb", three_rooms()},
-          {"furnace.glb", furnace()}};
+  return {{"two-rooms.glb", two_rooms(0.25)}, {"half-metre-hole.glb", two_rooms(0.5)},
+          {"door-ajar.glb", door_ajar()},     {"window.glb", window()},
+          {"three-rooms.glb", three_rooms()}, {"furnace.glb", furnace()}};
 }
 
 }  // namespace tdpt::testing
