@@ -57,7 +57,7 @@ TEST(agreement, wide_window) {
   const Scene scene = read_gltf(TDPT_TESTDATA "/scenes/window.glb");
   expect_agreement(World(scene, scene.camera(""), kWidth, kHeight,
                          {rectangle({2.05, 0.2, -0.8}, {0, 0, 1.6}, {0, 1.6, 0})}),
-                   kAll, {.runs = 16, .spp = 32});
+                   kAll, {.runs = 16, .spp = 16});
 }
 
 TEST(agreement, two_rooms_with_a_portal_in_the_hole) {

@@ -1,8 +1,8 @@
 // All integrators render the same picture of glossy, smooth, transparent and textured things, lit
 // by lamps large and without extent. The lamps are large enough for every integrator to have a
-// modest variance; no integrator of this project but pt, nee and bdpt can find light that goes from
-// a punctual light by mirrors and glass alone to a diffuse surface, and pt cannot find such lights
-// at all, so that rooms with them have neither mirrors nor clear glass.
+// modest variance. Lights without extent are left out of rooms with mirrors or clear glass: what
+// they send over such surfaces alone to a matt one, only light walks find, so that nee is darker
+// there; and pt never meets these lights.
 #include <gtest/gtest.h>
 
 #include "libcommon/testing/glossy_rooms.h"
