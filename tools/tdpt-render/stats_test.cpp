@@ -139,7 +139,7 @@ struct Spoilt {
     scene.materials = {material, material};
     for (size_t i = 0; i < scene.triangles.size(); ++i) scene.triangles[i].material = i % 2;
     const World world(scene, scene.camera(""), width, height, {portal_in_the_furnace()});
-    scene.materials[1].emission = Rgb(emission);
+    scene.materials[1].emission.y = emission;
     RenderSettings settings;
     settings.spp = spp;
     settings.max_depth = max_depth;
