@@ -50,7 +50,7 @@ TriangleShape shape_of(const Scene& scene, uint32_t triangle) {
   return s;
 }
 
-void open_panes(Scene& scene) {
+void open_glass(Scene& scene) {
   for (Material& m : scene.materials) {
     const float share = m.transmission * (1 - m.metallic);
     if (!(share > 0) || m.alpha_mode == Material::Alpha::mask) continue;

@@ -144,7 +144,7 @@ TriangleShape shape_of(const Scene& scene, uint32_t triangle);
 
 /// For tools that take every surface as diffuse: what transmits light (KHR_materials_transmission)
 /// becomes a veil that lets its share pass straight on, so that a pane does not wall a window up.
-void open_panes(Scene& scene);
+void open_glass(Scene& scene);
 
 /// Reads a glTF 2.0 scene (.glb or .gltf, "-": .glb from standard input). Triangles without area
 /// are dropped. Throws InputError "file:place: message" for everything that is wrong; never reads

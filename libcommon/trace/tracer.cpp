@@ -9,6 +9,7 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/math/rng.h"
+#include "libcommon/scene/pane.h"
 #include "libcommon/scene/texture.h"
 
 namespace tdpt {
@@ -17,15 +18,23 @@ struct Tracer::Impl {
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;
   std::vector<TriangleShape> shapes;
-  /// Scene triangles of Embree's geometries 0 (opaque) and 1 (with alpha), where there are both
-  /// kinds; empty: geometry 0 holds all of them in their order.
+  /// Scene triangles of Embree's geometries 0 (opaque) and 1 (with alpha, panes), where there are
+  /// both kinds; empty: geometry 0 holds all of them in their order.
   std::array<std::vector<uint32_t>, 2> triangles;
+  std::vector<Pane> panes;  ///< by material; empty: there is none
   const Scene* traced = nullptr;
 
   uint32_t triangle(unsigned geometry, unsigned primitive) const {
     return triangles[geometry].empty() ? primitive : triangles[geometry][primitive];
   }
   void add_geometry(const std::vector<uint32_t>& chosen, bool alpha);
+  bool present(uint32_t triangle, float u, float v, const Vec3d& w) const;
+  /// See Hit::presence. `w` of any length.
+  double presence(uint32_t triangle, const Vec3d& w) const {
+    if (panes.empty()) return 1;
+    const Pane& pane = panes[traced->triangles[triangle].material];
+    return pane ? pane.presence(dot(shapes[triangle].normal, w) / length(w)) : 1;
+  }
   ~Impl() {
     if (scene) rtcReleaseScene(scene);
     if (device) rtcReleaseDevice(device);
@@ -46,14 +55,17 @@ void flush_denormals() {
   (void)done;
 }
 
+}  // namespace
+
 // Whether the surface is there, see the header.
-bool present(const Scene& scene, uint32_t triangle, float u, float v) {
-  const float coverage = coverage_at(scene, {triangle, u, v});
+bool Tracer::Impl::present(uint32_t triangle, float u, float v, const Vec3d& w) const {
+  const bool alpha = traced->material_of(triangle).alpha_mode != Material::Alpha::opaque;
+  const double coverage =
+      alpha ? double{coverage_at(*traced, {triangle, u, v})} : presence(triangle, w);
   if (coverage >= 1 || coverage <= 0) return coverage > 0;
   const uint64_t place = uint64_t{std::bit_cast<uint32_t>(u)} << 32 | std::bit_cast<uint32_t>(v);
-  return static_cast<double>(mix64(mix64(place) + triangle) >> 11) * 0x1p-53 < double{coverage};
+  return static_cast<double>(mix64(mix64(place) + triangle) >> 11) * 0x1p-53 < coverage;
 }
-}  // namespace
 
 // `chosen`: triangles of the scene; empty: all.
 void Tracer::Impl::add_geometry(const std::vector<uint32_t>& chosen, bool alpha) {
@@ -75,7 +87,9 @@ void Tracer::Impl::add_geometry(const std::vector<uint32_t>& chosen, bool alpha)
       const auto& self = *static_cast<const Impl*>(a->geometryUserPtr);
       if (a->valid[0] == 0) return;
       const uint32_t t = self.triangles[1][RTCHitN_primID(a->hit, a->N, 0)];
-      if (!present(*self.traced, t, RTCHitN_u(a->hit, a->N, 0), RTCHitN_v(a->hit, a->N, 0)))
+      const Vec3d w(RTCRayN_dir_x(a->ray, a->N, 0), RTCRayN_dir_y(a->ray, a->N, 0),
+                    RTCRayN_dir_z(a->ray, a->N, 0));
+      if (!self.present(t, RTCHitN_u(a->hit, a->N, 0), RTCHitN_v(a->hit, a->N, 0), w))
         a->valid[0] = 0;
     };
     rtcSetGeometryIntersectFilterFunction(geometry, filter);
@@ -96,16 +110,24 @@ Tracer::Tracer(const Scene& scene) : scene_(scene), impl_(std::make_unique<Impl>
   impl_->traced = &scene;
   const auto n = static_cast<uint32_t>(scene.triangles.size());
   impl_->shapes.resize(n);
-  bool any_alpha = false;
+  std::vector<uint8_t> filtered(scene.materials.size());
+  std::vector<Pane> panes(scene.materials.size());
+  for (size_t m = 0; m < scene.materials.size(); ++m) {
+    panes[m] = pane_of(scene.materials[m]);
+    filtered[m] = panes[m] || scene.materials[m].alpha_mode != Material::Alpha::opaque;
+  }
+  if (std::any_of(panes.begin(), panes.end(), [](const Pane& p) { return bool(p); }))
+    impl_->panes = panes;
+  bool any = false;
   for (uint32_t t = 0; t < n; ++t) {
     impl_->shapes[t] = shape_of(scene, t);
-    any_alpha |= scene.material_of(t).alpha_mode != Material::Alpha::opaque;
+    any |= filtered[scene.triangles[t].material] != 0;
   }
-  if (any_alpha)
+  if (any)
     for (uint32_t t = 0; t < n; ++t)
-      impl_->triangles[scene.material_of(t).alpha_mode != Material::Alpha::opaque].push_back(t);
+      impl_->triangles[filtered[scene.triangles[t].material]].push_back(t);
   impl_->add_geometry(impl_->triangles[0], false);
-  if (any_alpha) impl_->add_geometry(impl_->triangles[1], true);
+  if (any) impl_->add_geometry(impl_->triangles[1], true);
   rtcCommitScene(impl_->scene);
   if (rtcGetDeviceError(impl_->device) != RTC_ERROR_NONE)
     throw Error(Exit::internal, "Embree cannot build its hierarchy");
@@ -141,6 +163,7 @@ bool Tracer::closest(const Origin& from, const Vec3d& w, Hit& hit) const {
   hit.b2 = query.hit.v;
   hit.position = s.p0 + s.e1 * hit.b1 + s.e2 * hit.b2;
   hit.normal = s.normal;
+  hit.presence = impl_->presence(hit.triangle, w);
   hit.distance = length(hit.position - from.position);
   return hit.distance > 0;
 }

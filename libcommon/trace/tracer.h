@@ -4,9 +4,10 @@
 // last place of its coordinates, along the geometric normal to the side the ray leaves on. Hit
 // points themselves are computed from barycentrics in double precision and never moved.
 //
-// Surfaces that are not opaque (alpha) are there or not there at each of their points: at a share
-// `coverage` of them, picked by a hash of the exact point. So a blend of 0.3 is met by three rays of
-// ten, and no ray needs random numbers of its own.
+// Surfaces that are not opaque (alpha) and window panes (pane.h) are there or not there at each of
+// their points: at a share `coverage` of them, picked by a hash of the exact point. So a blend of
+// 0.3 is met by three rays of ten, and no ray needs random numbers of its own. A pane is there as
+// often as it reflects.
 #pragma once
 #include <memory>
 
@@ -20,6 +21,9 @@ struct Hit {
   double distance;  ///< from the true origin to the true hit point
   Vec3d position;   ///< p0 + b1 e1 + b2 e2
   Vec3d normal;     ///< unit geometric normal of the front side (counter-clockwise)
+  /// Of a pane: probability that a ray at this angle finds it; what it scatters is to be divided by
+  /// it. 1 for all else: a blend scatters its alpha's share, so the two cancel.
+  double presence = 1;
 };
 
 class Tracer {

@@ -98,5 +98,94 @@ TEST(tracer, a_wall_hides_and_an_empty_scene_has_no_hits) {
   EXPECT_TRUE(Tracer(nothing).visible(inside, outside));
 }
 
+// A square of 1 x 1 at z = 0 that is not always there, and a floor at z = -1.
+Scene veil(const Material& material) {
+  Scene scene;
+  scene.positions = {{-0.5f, -0.5f, 0}, {0.5f, -0.5f, 0}, {0.5f, 0.5f, 0}, {-0.5f, 0.5f, 0},
+                     {-20, -20, -1},    {20, -20, -1},    {0, 30, -1}};
+  scene.triangles = {{{0, 1, 2}, 0}, {{0, 2, 3}, 0}, {{4, 5, 6}, 1}};
+  scene.materials = {material, Material()};
+  return scene;
+}
+
+struct Share {
+  double closest, visible;  ///< of rays that pass
+};
+/// Of parallel rays at cosine 0.5 through random places of the veil.
+Share share_that_passes(const Scene& scene) {
+  const Tracer tracer(scene);
+  const Vec3d w(std::sqrt(0.75), 0, -0.5);
+  constexpr int n = 40000;
+  int closest = 0, visible = 0;
+  for (int i = 0; i < n; ++i) {
+    Rng rng(4, 0, static_cast<uint64_t>(i));
+    const double x = rng.uniform() - 0.5;
+    const double y = rng.uniform() - 0.5;
+    const Vec3d at(x, y, 0);
+    Hit hit;
+    closest += tracer.closest({at - w * 0.3, {}}, w, hit) && hit.triangle == 2;
+    visible += tracer.visible({at - w * 0.3, {}}, {at + w * 0.4, {}});
+  }
+  return {double{1} * closest / n, double{1} * visible / n};
+}
+
+void expect_share(const Scene& scene, double expected, bool right = true) {
+  const Share share = share_that_passes(scene);
+  const double sigma = std::sqrt(expected * (1 - expected) / 40000);
+  EXPECT_EQ(std::abs(share.closest - expected) < 5 * sigma, right) << share.closest;
+  EXPECT_EQ(std::abs(share.visible - expected) < 5 * sigma, right) << share.visible;
+}
+
+TEST(tracer, a_blend_is_there_as_often_as_its_alpha_says) {
+  Material m;
+  m.plain = false;
+  m.alpha_mode = Material::Alpha::blend;
+  m.alpha = 0.3f;
+  expect_share(veil(m), 0.7);
+  expect_share(veil(m), 0.72, false);  // twin
+}
+
+TEST(tracer, a_mask_is_there_or_not) {
+  Material m;
+  m.plain = false;
+  m.alpha_mode = Material::Alpha::mask;
+  for (float alpha : {0.4f, 0.6f}) {
+    m.alpha = alpha;
+    const Share share = share_that_passes(veil(m));
+    EXPECT_EQ(share.closest, alpha < m.alpha_cutoff ? 1 : 0);
+    EXPECT_EQ(share.visible, alpha < m.alpha_cutoff ? 1 : 0);
+  }
+}
+
+// Schlick at cosine 0.5 from 0.04: F = 0.04 + 0.96 / 32 = 0.07.
+TEST(tracer, a_pane_lets_pass_what_it_does_not_reflect) {
+  Material m;
+  m.plain = false;
+  m.base_color = Rgb(0.9f);
+  m.specular = 1;
+  m.transmission = 1;
+  m.roughness = 0;
+  expect_share(veil(m), 0.9 * 0.93);
+  expect_share(veil(m), 0.9 * 0.96, false);  // twin: the reflectance at normal incidence
+  Hit hit;
+  const Scene scene = veil(m);
+  const Tracer tracer(scene);
+  for (int i = 0; i < 1000; ++i) {
+    const double x = i * 1e-3 - 0.5;
+    ASSERT_TRUE(tracer.closest({{x, 0.3 * x, 0.5}, {}}, {0, 0, -1}, hit));
+    if (hit.triangle == 2) continue;
+    EXPECT_NEAR(hit.presence, 1 - 0.9 * 0.96, 1e-6);
+  }
+  // Anything that colours, bends or blurs the light is no pane: rays stop there.
+  for (int k = 0; k < 4; ++k) {
+    Material other = m;
+    if (k == 0) other.base_color = Rgb(0.9f, 0.9f, 0.8f);
+    if (k == 1) other.solid = true;
+    if (k == 2) other.roughness = 0.1f;
+    if (k == 3) other.transmission = 0;
+    EXPECT_EQ(share_that_passes(veil(other)).closest, 0) << k;
+  }
+}
+
 }  // namespace
 }  // namespace tdpt

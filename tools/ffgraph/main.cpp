@@ -83,7 +83,7 @@ int run(Arguments a, const cli::Common& common) {
                                  a.bounces, kMostHits));
   check_output(common.output);
   Scene scene = read_gltf(a.scene);
-  open_panes(scene);
+  open_glass(scene);
   for (const std::string& warning : scene.warnings) common.warn(warning);
   if (scene.triangles.empty())
     throw InputError(display_name(a.scene), "", "no triangles, expected surfaces");

@@ -34,7 +34,7 @@ int main(int argc, char** argv) {
       throw UsageError("only one of the two inputs can come from standard input");
     catch_signals();
     Scene scene = read_gltf(scene_path);
-    open_panes(scene);
+    open_glass(scene);
     const CutFile cut = read_cut(cut_path);
     LightGridOptions how;
     how.resolution = static_cast<int>(resolution);

@@ -180,9 +180,10 @@ void PathSampler::bi() {
   }
 }
 
-bool PathSampler::portal_segment(Vertex& x_l, Vertex& x_c, double& density) {
+bool PathSampler::portal_segment(Vertex& x_l, Vertex& x_c, double& density, double& presence) {
   // Each ray starts on the other's side of the portal's plane by more than rounding: a surface in
   // that plane stops one of them there, and such a segment has no density.
+  presence = 1;
   Rng random = rng(segment);
   const PortalSet::Sample sample = world_.portals.sample(random);
   const Vec3d back_off =
@@ -192,6 +193,7 @@ bool PathSampler::portal_segment(Vertex& x_l, Vertex& x_c, double& density) {
     ++tally_.rays.closest;
     if (!world_.tracer.closest({from, {}}, w, hit)) return false;
     place_on_surface(world_, hit, v);
+    presence *= hit.presence;
     return true;
   };
   if (!end(sample.position - back_off, sample.direction, x_c) || !x_c.connectible) return false;
@@ -211,13 +213,13 @@ void PathSampler::portal() {
   const int D = settings_.max_depth;
   if (D < 2) return;
   Vertex x_l, x_c;
-  double density;
-  if (!portal_segment(x_l, x_c, density)) return;
+  double density, presence;
+  if (!portal_segment(x_l, x_c, density, presence)) return;
 
   // One throughput for both ends: G / p_AA = 1 / density.
   const Edge middle = between(x_l, x_c);
   const Vec3d& w = middle.w;
-  Rgb through(static_cast<float>(1 / density));
+  Rgb through(static_cast<float>(1 / (density * presence)));
   if (world_.absorbing) through = through * transmittance(x_l, x_c, w, std::sqrt(middle.d2));
 
   // Light sides: [a] with a prefix vertices y_0..y_{a-1}; arriving at x_l and scattered along w.

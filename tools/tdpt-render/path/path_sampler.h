@@ -70,8 +70,9 @@ class PathSampler {
   /// Importance of the pinhole for light leaving v: radiance of a splat per unit of f * throughput.
   /// False when v is not in the picture. No visibility.
   bool project(const Vertex& v, Vec3d& to_camera, Rgb& factor, double& x, double& y) const;
-  /// A segment x_l -> x_c through a portal and its density D; false when it joins nothing.
-  bool portal_segment(Vertex& x_l, Vertex& x_c, double& density);
+  /// A segment x_l -> x_c through a portal, its density D and the presence of both ends' surfaces
+  /// (tracer.h); false when it joins nothing.
+  bool portal_segment(Vertex& x_l, Vertex& x_c, double& density, double& presence);
 
   const World& world_;
   SampleSettings settings_;

@@ -1,5 +1,6 @@
 #include "tools/tdpt-render/path/surface.h"
 
+#include "libcommon/scene/pane.h"
 #include "libcommon/scene/texture.h"
 
 namespace tdpt {
@@ -33,7 +34,7 @@ Bsdf bsdf_of(const Scene& scene, const Material& m, const SurfacePlace& place) {
   b.f0 = color * metallic + f0 * dielectric;
   b.f90 = Rgb(metallic + (interface ? specular * dielectric : 0.0f));
   b.diffuse = color * (dielectric * (1 - transmission));
-  b.through = color * (dielectric * transmission);
+  if (!pane_of(m)) b.through = color * (dielectric * transmission);  // past a pane rays go by
   b.alpha = roughness * roughness;
   b.eta = m.ior;
   b.thin = !m.solid;

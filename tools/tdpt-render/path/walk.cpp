@@ -17,12 +17,12 @@ bool extend(const World& world, From from, const Tracer::Origin& origin, const V
   if (!world.tracer.closest(origin, w, hit)) return false;
   Vertex& next = walk.v[n];
   place_on_surface(world, hit, next);
-  next.throughput = throughput;
+  next.throughput = throughput * static_cast<float>(1 / hit.presence);
   next.pdf_own_A = own_pdf_A(v, next);
   next.pdf_other_A = 0;
   next.portal_density = 0;
   if (!(next.pdf_own_A > 0)) return false;
-  if (world.absorbing) next.throughput = throughput * transmittance(v, next, w, hit.distance);
+  if (world.absorbing) next.throughput = next.throughput * transmittance(v, next, w, hit.distance);
   if (n >= 2 && !walk.v[n - 2].lamp)  // no walk meets a lamp without surface
     walk.v[n - 2].pdf_other_A = scatter_pdf_A(next, v, walk.v[n - 2], v.dirac);
   // No technique puts a portal on the camera's own edge or on that of a lamp without surface.

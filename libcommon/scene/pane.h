@@ -1,0 +1,38 @@
+// Window panes: thin, smooth, colourless sheets of one make all over. Light that is not reflected
+// goes straight on, so a ray may simply not find the pane there. Then every ray, and not only one
+// that happens to scatter at the glass, reaches what lies behind: connections, shadow rays and
+// portals work through a glazed window.
+#pragma once
+#include <cmath>
+
+#include "libcommon/scene/scene.h"
+
+namespace tdpt {
+
+struct Pane {
+  float share = 0;        ///< of what is not reflected, gets through; 0: not a pane
+  float f0 = 0, f90 = 0;  ///< reflectance at normal and at grazing incidence (Schlick)
+
+  explicit operator bool() const { return share > 0; }
+  /// Probability that a ray finds the pane: 1 - share (1 - F), cos its cosine to the normal.
+  double presence(double cos) const {
+    const double m = 1 - std::abs(cos);
+    const double f = f0 + (double{f90} - f0) * m * m * m * m * m;
+    return 1 - share * (1 - f);
+  }
+};
+
+inline Pane pane_of(const Material& m) {
+  const auto grey = [](const Rgb& c) { return c.x == c.y && c.y == c.z; };
+  const bool textured = m.base_map || m.metallic_roughness_map || m.normal_map || m.specular_map ||
+                        m.specular_color_map || m.transmission_map;
+  if (!(m.transmission > 0) || m.solid || m.metallic != 0 || m.roughness >= 0.01f || textured ||
+      m.alpha_mode != Material::Alpha::opaque || max_component(m.emission) > 0 ||
+      !grey(m.base_color) || !grey(m.specular_color))
+    return {};
+  const float r = (m.ior - 1) / (m.ior + 1);
+  const float f0 = std::min(r * r * m.specular_color.x, 1.0f) * m.specular;
+  return {m.transmission * m.base_color.x, f0, m.ior == 1 ? 0.0f : m.specular};
+}
+
+}  // namespace tdpt
