@@ -284,6 +284,7 @@ void finish_material(const MaterialUse& use, Material& m) {
   const bool lobes = m.metallic > 0 || m.specular > 0 || m.transmission > 0;
   const bool maps = m.base_map || m.metallic_roughness_map || m.emission_map || m.normal_map ||
                     m.specular_map || m.specular_color_map || m.transmission_map;
+  m.coloured = use.coloured;
   m.plain = !lobes && !maps && !use.coloured && m.alpha_mode == Material::Alpha::opaque;
 }
 

@@ -29,10 +29,11 @@ double cos_cone(const PunctualLight& light) {
 
 }  // namespace
 
-// The smooth edge between the cones is the one KHR_lights_punctual recommends.
+// The smooth edge between the cones is the one KHR_lights_punctual recommends, without its lower
+// bound of 0.001 on the difference of the cosines, which narrow spots fall below.
 Rgb Lamp::intensity(const Vec3d& w) const {
   if (light.kind != Kind::spot) return light.intensity;
-  const double scale = 1 / std::max(1e-3, light.cos_inner - light.cos_outer);
+  const double scale = 1 / std::max(1e-15, light.cos_inner - light.cos_outer);
   const double t = std::clamp((dot(light.direction, w) - light.cos_outer) * scale, 0.0, 1.0);
   return light.intensity * static_cast<float>(t * t);
 }

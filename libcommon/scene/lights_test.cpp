@@ -113,5 +113,23 @@ TEST(Lights, RadianceLeavesTheFrontOnlyUnlessDoubleSided) {
   EXPECT_EQ(emitted_radiance(m, m.emission, n, {0, 0.6, -0.8}), Rgb(1, 2, 3));
 }
 
+TEST(Lights, NarrowSpotsAreAsBrightInsideAsWideOnes) {
+  Lamp lamp;
+  lamp.light.kind = PunctualLight::Kind::spot;
+  lamp.light.intensity = Rgb(3);
+  for (double inner : {0.4, 0.02, 1e-4}) {
+    lamp.light.cos_inner = std::cos(inner);
+    lamp.light.cos_outer = std::cos(1.5 * inner);
+    const auto at = [&](double angle) {
+      return lamp.intensity({std::sin(angle), 0, -std::cos(angle)}).x;
+    };
+    EXPECT_FLOAT_EQ(at(0), 3);
+    EXPECT_NEAR(at(0.99 * inner), 3, 1e-3);
+    EXPECT_GT(at(1.2 * inner), 0.1);
+    EXPECT_LT(at(1.2 * inner), 2.9);
+    EXPECT_EQ(at(1.51 * inner), 0);
+  }
+}
+
 }  // namespace
 }  // namespace tdpt

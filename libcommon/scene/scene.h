@@ -63,6 +63,7 @@ struct Material {
   bool solid = false;      ///< encloses a volume: refracts. Otherwise it is a thin sheet.
   Rgb absorption{};        ///< inside a solid, per canonical length
   float normal_scale = 1;
+  bool coloured = false;  ///< some vertex colour of its surfaces is not white
 
   TextureMap base_map;                ///< RGB colour, A alpha
   TextureMap metallic_roughness_map;  ///< G roughness, B metallic

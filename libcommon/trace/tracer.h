@@ -1,8 +1,8 @@
 // Closest hit and visibility in the canonical frame; Embree stays behind this header.
 //
 // Rays start exactly on surfaces, so their origins are moved off the surface by a few units in the
-// last place of its coordinates, along the geometric normal to the side the ray leaves on. Hit
-// points themselves are computed from barycentrics in double precision and never moved.
+// last place of its coordinates, along the geometric normal to the side the ray leaves on; from a
+// place in the air (a lamp or camera may stand in a surface all the same) along the ray. Hit points themselves are computed from barycentrics in double precision and never moved.
 //
 // Surfaces that are not opaque (alpha) and window panes (pane.h) are there or not there at each of
 // their points: at a share `coverage` of them, picked by a hash of the exact point. So a blend of
@@ -33,7 +33,7 @@ class Tracer {
   ~Tracer();
 
   /// A place rays start from. `normal` (unit, either side) says how to step off the surface; zero
-  /// for places in the air (camera, portal).
+  /// for places in the air (camera, lamp, portal).
   struct Origin {
     Vec3d position;
     Vec3d normal{};

@@ -177,8 +177,9 @@ TEST(tracer, a_pane_lets_pass_what_it_does_not_reflect) {
     EXPECT_NEAR(hit.presence, 1 - 0.9 * 0.96, 1e-6);
   }
   // Anything that colours, bends or blurs the light is no pane: rays stop there.
-  for (int k = 0; k < 4; ++k) {
+  for (int k = 0; k < 5; ++k) {
     Material other = m;
+    if (k == 4) other.coloured = true;
     if (k == 0) other.base_color = Rgb(0.9f, 0.9f, 0.8f);
     if (k == 1) other.solid = true;
     if (k == 2) other.roughness = 0.1f;

@@ -25,19 +25,21 @@ Film::Plane Film::make_plane() const {
 }
 
 bool Film::splat(Technique technique, int x, int y, const Rgb& radiance) {
-  if (!(max_component(radiance) / unit_ < 0x1p63)) return false;
-  std::array<int64_t, 3> units;
-  for (int c = 0; c < 3; ++c) units[static_cast<size_t>(c)] = std::llround(radiance[c] / unit_);
+  if (!(max_component(radiance) / unit_ < 0x1p76)) return false;
+  std::array<double, 3> units;
+  for (int c = 0; c < 3; ++c) units[static_cast<size_t>(c)] = std::round(radiance[c] / unit_);
   add_splat(picture_.splats[index(x, y)], units);
   Plane& layer = layers_[static_cast<size_t>(technique)];
   if (layer.splats) add_splat(layer.splats[index(x, y)], units);
   return true;
 }
 
-void Film::add_splat(Splats& sums, const std::array<int64_t, 3>& units) {
+void Film::add_splat(Splats& sums, const std::array<double, 3>& units) {
   for (size_t c = 0; c < 3; ++c) {
-    if (units[c] >> 32) sums.high[c].fetch_add(units[c] >> 32, std::memory_order_relaxed);
-    sums.low[c].fetch_add(units[c] & 0xffffffff, std::memory_order_relaxed);
+    const double high = std::floor(units[c] * 0x1p-32);
+    const auto low = static_cast<int64_t>(units[c] - high * 0x1p32);  // exact
+    if (high > 0) sums.high[c].fetch_add(static_cast<int64_t>(high), std::memory_order_relaxed);
+    sums.low[c].fetch_add(low, std::memory_order_relaxed);
   }
 }
 

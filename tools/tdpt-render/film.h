@@ -13,11 +13,12 @@ namespace tdpt {
 
 class Film {
  public:
-  /// `power`: of all lamps together [Emitters::power]. Walks start in proportion to power, so every
+  /// `power`: of all lamps together [Lights::power]. Walks start in proportion to power, so every
   /// walk carries about that much however small or faint its lamp is: splats are rounded to
-  /// power * 2^-40 and may be up to power * 2^23. A pixel holds 2^31 of them.
-  /// `layers`: techniques whose contributions are kept apart as well, each at the cost of another
-  /// film; the picture's sums are the same with and without.
+  /// power * 2^-40. One may be up to power * 2^36, as when light is scattered 1e-5 of the scene
+  /// from the camera; a pixel holds 2^19 of those and 2^31 ordinary ones. `layers`: techniques
+  /// whose contributions are kept apart as well, each at the cost of another film; the picture's
+  /// sums are the same with and without.
   Film(int width, int height, double power, TechniqueSet layers = TechniqueSet());
 
   int width() const { return width_; }
@@ -63,7 +64,7 @@ class Film {
   }
   size_t pixels() const { return index(0, height_); }
   Plane make_plane() const;
-  static void add_splat(Splats& sums, const std::array<int64_t, 3>& units);
+  static void add_splat(Splats& sums, const std::array<double, 3>& units);
   Rgb pixel(const Plane& plane, size_t i, double share) const;
   Picture resolve(const Plane& plane, uint64_t spp) const;
 

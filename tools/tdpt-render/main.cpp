@@ -114,6 +114,8 @@ int run(const Arguments& a, const cli::Common& common) {
   const World world(scene, camera, static_cast<int>(width), static_cast<int>(height), portals);
   if (world.portals.empty() && integrator.techniques.has(Technique::portal))
     common.warn("no portal is given, so no path is sampled through one");
+  if (const std::string missed = light_missed(integrator, scene); !missed.empty())
+    common.warn(missed);
   if (world.lights.empty()) common.warn("nothing in the scene emits light: the picture is black");
   const RenderResult result = render(world, integrator, settings);
 
@@ -129,8 +131,10 @@ int run(const Arguments& a, const cli::Common& common) {
   if (!a.stats.empty()) write_output(a.stats, stats_json(integrator, settings, result) + "\n");
   common.summary(summary_json(integrator, settings, result));
   for (const Tally::Place& place : result.tally.not_finite_at)
-    common.warn(fmt::format("pixel {} {} sample {}: a contribution was not finite and is left out",
-                            place.x, place.y, place.sample));
+    common.warn(
+        fmt::format("pixel {} {} sample {}: a contribution was not finite, or beyond what a splat "
+                    "holds, and is left out",
+                    place.x, place.y, place.sample));
   const double total = std::accumulate(result.tally.energy.begin(), result.tally.energy.end(), 0.0);
   if (!world.portals.empty() && integrator.techniques.has(Technique::portal) &&
       result.tally.energy[static_cast<size_t>(Technique::portal)] < 0.01 * total)

@@ -201,6 +201,32 @@ TEST(film, splats_do_not_depend_on_their_order) {
   EXPECT_NEAR(a.resolve(1).pixels[0].x, 700127.1f, 0.1f);
 }
 
+// In the plane of a surface rounding decides whether a ray meets it; every ray must decide alike.
+TEST(render, a_lamp_in_the_plane_of_the_ceiling_shines_for_every_integrator) {
+  Scene scene = read_gltf(furnace_path());
+  for (Material& m : scene.materials) m.emission = {};
+  PunctualLight lamp;
+  lamp.position = scene.frame.to_canonical({0.1, 2, 0.2});
+  lamp.intensity = Rgb(1);
+  scene.lights.push_back(lamp);
+  const World world(scene, scene.camera(""), 32, 24, {portal_in_the_furnace()});
+  RenderSettings settings;
+  settings.spp = 64;
+  const double expected = render(world, nee, settings).mean().x;
+  EXPECT_GT(expected, 0.01);
+  for (const Integrator* integrator : {&bdpt, &tdpt_org, &tdpt_ref})
+    EXPECT_NEAR(render(world, *integrator, settings).mean().x / expected, 1, 0.03)
+        << integrator->name;
+}
+
+TEST(film, holds_splats_from_close_to_the_camera) {
+  Film film(1, 1, 1);
+  EXPECT_TRUE(film.splat(Technique::light, 0, 0, Rgb(0x1p35f)));
+  EXPECT_TRUE(film.splat(Technique::light, 0, 0, Rgb(0x1p35f)));
+  EXPECT_TRUE(film.splat(Technique::light, 0, 0, Rgb(0x1p13f)));
+  EXPECT_EQ(film.resolve(1).pixels[0].x, 0x1p36f + 0x1p13f);
+}
+
 TEST(film, a_splat_too_large_to_hold_is_refused) {
   Film film(1, 1, 1);
   EXPECT_FALSE(film.splat(Technique::light, 0, 0, Rgb(1e30f)));

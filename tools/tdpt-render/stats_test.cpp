@@ -196,5 +196,25 @@ TEST(not_finite, never_reaches_the_picture_by_any_technique) {
   }
 }
 
+TEST(integrators, say_which_light_they_miss) {
+  Scene scene = read_gltf(furnace_path());
+  for (const Integrator* integrator : integrators())
+    EXPECT_EQ(light_missed(*integrator, scene), "") << integrator->name;
+  scene.lights.emplace_back();
+  EXPECT_EQ(light_missed(pt, scene),
+            "pt meets no lamp without surface: the light of those is missing");
+  EXPECT_EQ(light_missed(nee, scene), "");
+  EXPECT_EQ(light_missed(tdpt_ref, scene), "");
+  scene.materials[0].plain = false;
+  scene.materials[0].metallic = 1;
+  scene.materials[0].roughness = 0;
+  EXPECT_EQ(light_missed(nee, scene),
+            "nee misses what smooth surfaces throw of the light of lamps without surface");
+  EXPECT_EQ(light_missed(tdpt_ref, scene),
+            "tdpt misses light of lamps without surface that smooth surfaces throw and show again");
+  EXPECT_EQ(light_missed(bdpt, scene), "");
+  EXPECT_EQ(light_missed(tdpt_org, scene), "");
+}
+
 }  // namespace
 }  // namespace tdpt

@@ -21,4 +21,8 @@ const std::vector<const Integrator*>& integrators();
 /// Throws UsageError for a name that there is not.
 const Integrator& integrator_named(const std::string& name);
 
+/// A sentence about light that the scene has and none of the integrator's techniques can make
+/// (tdpt(7), "Lamps without surface"); empty when there is none to speak of.
+std::string light_missed(const Integrator& integrator, const Scene& scene);
+
 }  // namespace tdpt

@@ -161,6 +161,7 @@ bool turn(const Vertex& v, From from, const Vec3d& back, Rng& rng, Turn& out) {
 }
 
 Rgb transmittance(const Vertex& a, const Vertex& b, const Vec3d& w, double d) {
+  if (a.at_infinity() || b.at_infinity()) return Rgb(1.0f);  // the sun is in no solid
   const auto inside = [](const Vertex& v, const Vec3d& away) {
     return v.on_surface() && v.material->solid && max_component(v.material->absorption) > 0 &&
            dot(v.normal, away) < 0;
