@@ -15,6 +15,8 @@
 // matters.
 #include "tools/tdpt-render/path/path.h"
 
+#include <limits>
+
 namespace tdpt {
 
 Path::Path(const World& world, const Walk& y, int s, const Walk& z, int t, RayCounts& rays) {
@@ -92,39 +94,72 @@ void Path::fill(const World& world, const Walk& y, int s, const Walk& z, int t,
   }
 }
 
-double Path::weight(TechniqueSet set, Strategy used, double beta) const {
-  if (k_ < 2) return 1;  // a light seen directly: only the camera technique makes it
-  std::array<double, kMaxDepth + 2> camera_part;  // [s] = prod_{i>=s} P<(x_i)/q_i
-  std::array<double, kMaxDepth + 2> q;
+template <class Add>
+void Path::for_each_strategy(TechniqueSet set, const Add& add) const {
   const auto u = [](int i) { return static_cast<size_t>(i); };
-  camera_part[u(k_)] = 1;
-  for (int i = k_ - 1; i >= 0; --i) {
-    q[u(i)] = from_light_A_[u(i)] + from_camera_A_[u(i)];
-    if (!(q[u(i)] > 0)) return 0;
-    camera_part[u(i)] = camera_part[u(i + 1)] * from_camera_A_[u(i)] / q[u(i)];
-  }
-  double total = 0, mine = 0, light_part = 1;
-  const auto add = [&](Technique technique, int split, double p) {
-    if (beta != 1) p = std::pow(p, beta);
-    total += p;
-    if (technique == used.technique && split == used.split) mine = p;
-  };
-  for (int s = 0; s <= k_; ++s) {  // light_part = prod_{i<s} P>(x_i)/q_i
+  for (int s = 0; s <= k_; ++s) {
     const Technique technique = s == 0    ? Technique::camera
                                 : s == 1  ? Technique::direct
                                 : s == k_ ? Technique::light
                                           : Technique::bi;
     const bool joins = !(s > 0 && (dirac(s - 1) || dirac(s)));
-    if (set.has(technique) && joins) add(technique, s, light_part * camera_part[u(s)]);
+    if (set.has(technique) && joins) add(Strategy{technique, s}, s, 1.0);
     if (s <= k_ - 2 && portal_[u(s)] > 0 && set.has(Technique::portal) && joins && !dirac(s) &&
         !dirac(s + 1) && !dirac(s + 2)) {
       const double g = geometry(x(s), x(s + 1), between(x(s), x(s + 1)));
-      add(Technique::portal, s,
-          light_part * portal_[u(s)] * (g / q[u(s)]) / q[u(s + 1)] * camera_part[u(s + 2)]);
+      add(Strategy{Technique::portal, s}, s + 2, portal_[u(s)] * (g / common(s)) / common(s + 1));
     }
-    if (s < k_) light_part *= from_light_A_[u(s)] / q[u(s)];
   }
-  return total > 0 ? mine / total : 0;
+}
+
+double Path::weight(TechniqueSet set, Strategy used, double beta) const {
+  if (k_ < 2) return 1;  // a light seen directly: only the camera technique makes it
+  const auto u = [](int i) { return static_cast<size_t>(i); };
+  std::array<double, kMaxDepth + 2> light_part;   // [s] = prod_{i<s} P>(x_i)/q_i
+  std::array<double, kMaxDepth + 2> camera_part;  // [s] = prod_{i>=s} P<(x_i)/q_i
+  camera_part[u(k_)] = light_part[0] = 1;
+  for (int i = 0; i < k_; ++i) {
+    if (!(common(i) > 0)) return 0;
+    light_part[u(i + 1)] = light_part[u(i)] * from_light_A_[u(i)] / common(i);
+  }
+  for (int i = k_ - 1; i >= 0; --i)
+    camera_part[u(i)] = camera_part[u(i + 1)] * from_camera_A_[u(i)] / common(i);
+  double total = 0, mine = 0;
+  for_each_strategy(set, [&](Strategy strategy, int rest, double extra) {
+    double p = light_part[u(strategy.split)] * extra * camera_part[u(rest)];
+    if (beta != 1) p = std::pow(p, beta);
+    total += p;
+    if (strategy == used) mine = p;
+  });
+  constexpr double kTiny = 1e-250;
+  return total > kTiny ? mine / total : weight_by_logarithms(set, used, beta);
+}
+
+// Long paths whose edges are short and long by turns make every product tiny at once.
+double Path::weight_by_logarithms(TechniqueSet set, Strategy used, double beta) const {
+  const auto u = [](int i) { return static_cast<size_t>(i); };
+  std::array<double, kMaxDepth + 2> light_part, camera_part;
+  camera_part[u(k_)] = light_part[0] = 0;
+  for (int i = 0; i < k_; ++i)
+    light_part[u(i + 1)] = light_part[u(i)] + std::log(from_light_A_[u(i)] / common(i));
+  for (int i = k_ - 1; i >= 0; --i)
+    camera_part[u(i)] = camera_part[u(i + 1)] + std::log(from_camera_A_[u(i)] / common(i));
+  constexpr double kNone = -std::numeric_limits<double>::infinity();
+  const auto log_p = [&](Strategy strategy, int rest, double extra) {
+    return light_part[u(strategy.split)] + std::log(extra) + camera_part[u(rest)];
+  };
+  double largest = kNone, mine = kNone;
+  for_each_strategy(set, [&](Strategy strategy, int rest, double extra) {
+    const double l = log_p(strategy, rest, extra);
+    largest = std::max(largest, l);
+    if (strategy == used) mine = l;
+  });
+  if (mine == kNone) return 0;
+  double total = 0;
+  for_each_strategy(set, [&](Strategy strategy, int rest, double extra) {
+    total += std::exp(beta * (log_p(strategy, rest, extra) - largest));
+  });
+  return std::exp(beta * (mine - largest)) / total;
 }
 
 }  // namespace tdpt

@@ -13,10 +13,9 @@ namespace tdpt {
 struct Strategy {
   Technique technique;
   int split;
+  friend bool operator==(const Strategy&, const Strategy&) = default;
 };
 
-/// x_0 (on a light) ... x_k (the camera), assembled from a light prefix, 0 or 2 vertices of a
-/// portal segment, and a camera prefix. Holds pointers: the walks must outlive it.
 /// Densities D (portals.h) of a portal segment and of the edges that join it to its prefixes.
 struct SegmentDensities {
   double own = 0;     ///< x_l -> x_c; more than 0
@@ -24,6 +23,8 @@ struct SegmentDensities {
   double after = 0;   ///< x_c -> last camera vertex; of no meaning when that is the camera
 };
 
+/// x_0 (on a light) ... x_k (the camera), assembled from a light prefix, 0 or 2 vertices of a
+/// portal segment, and a camera prefix. Holds pointers: the walks must outlive it.
 class Path {
  public:
   /// x = y_0..y_{s-1}, z_{t-1}..z_0.
@@ -45,6 +46,15 @@ class Path {
   void fill(const World& world, const Walk& y, int s, const Walk& z, int t,
             const SegmentDensities* segment, RayCounts& rays);
   const Vertex& x(int i) const { return vertex(i); }
+  /// q_i, by which the densities of x_i are divided.
+  double common(int i) const {
+    return from_light_A_[static_cast<size_t>(i)] + from_camera_A_[static_cast<size_t>(i)];
+  }
+  /// Calls add(strategy, first index of its camera part, its other factor) for those of `set` that
+  /// can have made the path.
+  template <class Add>
+  void for_each_strategy(TechniqueSet set, const Add& add) const;
+  double weight_by_logarithms(TechniqueSet set, Strategy used, double beta) const;
 
   int k_ = 0;
   std::array<const Vertex*, kMaxDepth + 1> x_;

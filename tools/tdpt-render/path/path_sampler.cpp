@@ -186,8 +186,7 @@ bool PathSampler::portal_segment(Vertex& x_l, Vertex& x_c, double& density, doub
   presence = 1;
   Rng random = rng(segment);
   const PortalSet::Sample sample = world_.portals.sample(random);
-  const Vec3d back_off =
-      world_.portals.polygon(sample.polygon).normal * (0.5 * PortalSet::kMargin);
+  const Vec3d back_off = world_.portals.polygon(sample.polygon).normal * (0.5 * PortalSet::kMargin);
   const auto end = [&](const Vec3d& from, const Vec3d& w, Vertex& v) {
     Hit hit;
     ++tally_.rays.closest;

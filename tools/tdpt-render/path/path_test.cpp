@@ -182,5 +182,58 @@ TEST(paths_deep, long_paths_keep_finite_weights) {
   EXPECT_GT(worst.paths[3], 1000);
 }
 
+// Between two plates 1e-7 apart, by turns straight across and along: the densities of every
+// strategy lie hundreds of orders of magnitude below those of the common factor.
+TEST(paths_deep, weights_survive_products_that_no_double_holds) {
+  const Scene scene = diffuse_rooms();
+  const World world(scene, scene.camera(""), 16, 12, {});
+  uint32_t lamp = 0;
+  while (max_component(scene.material_of(lamp).emission) <= 0) ++lamp;
+  Material grey;
+  Walk y, z;
+  const int k = 60;
+  const auto place = [&](int i, Vertex& v) {
+    v.position = world.film.position() + world.film.forward() * 0.3 +
+                 Vec3d(0.01 * (i / 2), 1e-7 * (i % 2), 0);
+    v.normal = Vec3d(0, i % 2 ? -1 : 1, 0);
+    v.material = &grey;
+    v.pdf_own_A = 1;
+  };
+  y.size = 1;
+  place(0, y.v[0]);
+  y.v[0].material = &scene.material_of(lamp);
+  y.v[0].triangle = lamp;
+  y.v[0].pdf_own_A = world.lights.pdf_A(lamp);
+  z.size = k;
+  z.v[0].position = world.film.position();
+  for (int j = 1; j < k; ++j) place(k - j, z.v[static_cast<size_t>(j)]);
+  const auto at = [&](int i) -> const Vertex& { return i == 0 ? y[0] : z[k - i]; };
+  for (int i = 0; i < k; ++i) {
+    Vertex& v = i == 0 ? y.v[0] : z.v[static_cast<size_t>(k - i)];
+    const Edge from_camera = between(at(k), at(i));
+    const double camera = i == k - 1 ? to_area(world.film.pdf_w(from_camera.w), from_camera, v)
+                                     : scatter_pdf_A(at(i + 2), at(i + 1), v, false);
+    const double light = i == 0   ? y[0].pdf_own_A
+                         : i == 1 ? emission_pdf_A(at(0), v)
+                                  : scatter_pdf_A(at(i - 2), at(i - 1), v, false);
+    if (i > 0) v.pdf_own_A = camera, v.pdf_other_A = light;
+  }
+  RayCounts rays;
+  const Path path(world, y, 1, z, k, rays);
+  const auto p = oracle::densities(world, path, bdpt.techniques);
+  double sum = 0, largest = -1e300;
+  for (const auto& d : p) {
+    const double w = path.weight(bdpt.techniques, d.strategy, 1);
+    EXPECT_NEAR(w, oracle::weight(p, d.strategy), 1e-9);
+    sum += w;
+    largest = std::max(largest, d.log_p);
+  }
+  EXPECT_NEAR(sum, 1, 1e-9);
+  double common = 0;  // logarithm of what the product form divides by
+  for (int i = 0; i < k; ++i)
+    common += std::log(i == 0 ? y[0].pdf_own_A : z[k - i].pdf_own_A + z[k - i].pdf_other_A);
+  EXPECT_LT(largest - common, -750);  // beyond the smallest double, exp(-745)
+}
+
 }  // namespace
 }  // namespace tdpt
