@@ -39,7 +39,9 @@ figures: packages
 	@$(MAKE) --no-print-directory build
 	@sh tools/figures.sh build/bin build/figures
 
-bench: build
+bench: packages
+	@sh tools/install-packages.sh tools/packages-figures.txt
+	@$(MAKE) --no-print-directory build
 	@build/bin/lights_bench
 	@sh tools/bench.sh build/bin build/bench
 
