@@ -13,7 +13,7 @@ command -v jq >/dev/null || { echo "bench: jq is missing" >&2; exit 5; }
 mkdir -p "$cache"
 bin=$(cd "$bin" && pwd)
 
-# row SCENE WIDTH HEIGHT NAME
+# rows SCENE WIDTH HEIGHT NAME: a row for every integrator.
 rows() {
   scene=$1 width=$2 height=$3 name=$4
   if [ ! -r "$scene" ]; then
