@@ -2,7 +2,8 @@
 //
 // Rays start exactly on surfaces, so their origins are moved off the surface by a few units in the
 // last place of its coordinates, along the geometric normal to the side the ray leaves on; from a
-// place in the air (a lamp or camera may stand in a surface all the same) along the ray. Hit points themselves are computed from barycentrics in double precision and never moved.
+// place in the air (a lamp or camera may stand in a surface all the same) along the ray. Hit points
+// themselves are computed from barycentrics in double precision and never moved.
 //
 // Surfaces that are not opaque (alpha) and window panes (pane.h) are there or not there at each of
 // their points: at a share `coverage` of them, picked by a hash of the exact point. So a blend of

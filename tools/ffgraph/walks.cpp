@@ -2,8 +2,8 @@
 
 #include <oneapi/tbb/parallel_for.h>
 
-#include "libcommon/scene/lights.h"
 #include "libcommon/scene/film_plane.h"
+#include "libcommon/scene/lights.h"
 #include "tools/ffgraph/patch_map.h"
 
 namespace tdpt {
