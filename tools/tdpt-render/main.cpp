@@ -98,7 +98,7 @@ int run(const Arguments& a, const cli::Common& common) {
 
   const Integrator& integrator = a.integrator != "default" ? integrator_named(a.integrator)
                                  : portals.empty()         ? bdpt
-                                                           : tdpt_ref;
+                                                           : tdpt_org;
   int64_t width = a.width, height = a.height;
   choose_size(camera, width, height);
 
@@ -168,7 +168,7 @@ int main(int argc, char** argv) {
   std::vector<std::string> names;
   for (const Integrator* integrator : integrators()) names.push_back(integrator->name);
   options.choice("--integrator", a.integrator, names,
-                 "Techniques to combine; default tdpt with portals, bdpt without");
+                 "Techniques to combine; default tdpt-org with portals, bdpt without");
   options.option("--spp", a.spp, "N", "Samples per pixel; default 16, or as --time allows", 1,
                  int64_t{1} << 32);
   options.option("--time", a.seconds, "SECONDS", "Stop rendering after this wall-clock time", 1e-3,
