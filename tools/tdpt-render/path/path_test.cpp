@@ -4,6 +4,7 @@
 
 #include "tools/tdpt-render/integrators/integrator.h"
 #include "tools/tdpt-render/path/oracle.h"
+#include "tools/tdpt-render/path/surface.h"
 #include "tools/tdpt-render/test_rooms.h"
 
 namespace tdpt {
@@ -233,6 +234,52 @@ TEST(paths_deep, weights_survive_products_that_no_double_holds) {
   for (int i = 0; i < k; ++i)
     common += std::log(i == 0 ? y[0].pdf_own_A : z[k - i].pdf_own_A + z[k - i].pdf_other_A);
   EXPECT_LT(largest - common, -750);  // beyond the smallest double, exp(-745)
+}
+
+// G grows without bound in the corners of a box. Nothing is clamped: the weights keep it down.
+TEST(connections, at_tiny_distances_are_bounded_by_their_weights) {
+  const Scene scene = read_gltf(furnace_path());
+  const World world(scene, scene.camera(""), 16, 12, {portal_in_the_furnace()});
+  for (const Integrator* integrator : {&bdpt, &tdpt_org, &tdpt_ref}) {
+    Film film(16, 12, 1);
+    Tally tally;
+    double weighted = 0, plain = 0;
+    const PathObserver observer = [&](const Path& path, Strategy strategy, const Rgb& value) {
+      const double w = path.weight(integrator->techniques, strategy, 1);
+      plain = std::max(plain, double{value.x});
+      // Splats are per film, not per pixel.
+      if (strategy.split < path.k() && path.k() - strategy.split > 2)
+        weighted = std::max(weighted, w * value.x);
+    };
+    PathSampler sampler(world, {integrator->techniques, 6, 1, 3, integrator->stream}, film, tally,
+                        &observer);
+    for (uint64_t s = 0; s < 100000; ++s) {
+      sampler.begin(static_cast<int>(s % 16), static_cast<int>(s % 12), s);
+      integrator->sample(sampler);
+      sampler.end();
+    }
+    EXPECT_LT(weighted, 2) << integrator->name;  // the radiance in the box
+    EXPECT_GT(plain, 100) << integrator->name;   // twin: without the weights
+    EXPECT_EQ(tally.not_finite, 0u);
+  }
+}
+
+TEST(transmittance, inside_a_solid_is_that_of_its_length_and_1_towards_the_sun) {
+  Material glass;
+  glass.solid = true;
+  glass.absorption = Rgb(0.5f, 1, 2);
+  Vertex a, b, sun;
+  a.material = b.material = &glass;
+  a.normal = {0, 0, -1};  // the inside is above a
+  b.position = {0, 0, 3};
+  b.normal = {0, 0, 1};
+  EXPECT_NEAR(transmittance(a, b, {0, 0, 1}, 3).x, std::exp(-1.5f), 1e-6f);
+  EXPECT_NEAR(transmittance(a, b, {0, 0, 1}, 3).z, std::exp(-6.0f), 1e-6f);
+  EXPECT_EQ(transmittance(a, b, {0, 0, -1}, 3).x, 1);  // outside
+  Lamp lamp;
+  lamp.light.kind = PunctualLight::Kind::directional;
+  sun.lamp = &lamp;
+  EXPECT_EQ(transmittance(a, sun, {0, 0, 1}, 1).x, 1);
 }
 
 }  // namespace
