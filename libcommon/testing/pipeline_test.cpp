@@ -50,7 +50,8 @@ void shift(std::vector<Portal>& portals, const Vec3d& by) {
 }
 
 TEST(pipeline, two_rooms_have_their_portal_in_the_hole) {
-  const Aperture hole{{2.05, 0.875, -0.125}, {0, 0.25, 0}, {0, 0, 0.25}, {-1, 0, 0}, 0.1};
+  const KnownAperture hole =
+      rectangle({2.05, 0.875, -0.125}, {0, 0.25, 0}, {0, 0, 0.25}, {-1, 0, 0}, 0.1);
   std::vector<Portal> portals = find_portals(kOwn + "two-rooms.glb");
   ASSERT_EQ(portals.size(), 1u);
   EXPECT_GE(coverage(hole, portals), 0.95);
@@ -82,14 +83,17 @@ TEST(pipeline, a_glass_pane_does_not_wall_the_hole_up) {
     const TempFolder folder;
     return find_portals(folder.write("pane.glb", s.b.glb()));
   };
-  const Aperture hole{{2.05, 0.875, -0.125}, {0, 0.25, 0}, {0, 0, 0.25}, {-1, 0, 0}, 0.1};
+  const KnownAperture hole =
+      rectangle({2.05, 0.875, -0.125}, {0, 0.25, 0}, {0, 0, 0.25}, {-1, 0, 0}, 0.1);
   EXPECT_GE(coverage(hole, rooms_with_pane(1)), 0.9);
   EXPECT_TRUE(rooms_with_pane(0).empty());  // twin
 }
 
 TEST(pipeline, rooms_in_a_row_have_a_portal_in_one_of_their_doors) {
-  const Aperture first{{2.05, 0.75, -0.25}, {0, 0.5, 0}, {0, 0, 0.5}, {-1, 0, 0}, 0.1};
-  const Aperture second{{4.15, 0.75, -0.25}, {0, 0.5, 0}, {0, 0, 0.5}, {-1, 0, 0}, 0.1};
+  const KnownAperture first =
+      rectangle({2.05, 0.75, -0.25}, {0, 0.5, 0}, {0, 0, 0.5}, {-1, 0, 0}, 0.1);
+  const KnownAperture second =
+      rectangle({4.15, 0.75, -0.25}, {0, 0.5, 0}, {0, 0, 0.5}, {-1, 0, 0}, 0.1);
   const std::vector<Portal> portals = find_portals(kOwn + "three-rooms.glb");
   ASSERT_GE(portals.size(), 1u);
   EXPECT_GE(std::max(coverage(first, portals), coverage(second, portals)), 0.9);
@@ -102,7 +106,8 @@ TEST(pipeline, a_single_room_has_no_portal) {
 TEST(pipeline, cornell_box_has_its_portal_in_the_hole) {
   const std::string scene = kPaper + "cornell-box-portal.glb";
   NEEDS(scene);
-  const Aperture hole{{1.01, 0.75, -0.25}, {0, 0.5, 0}, {0, 0, 0.5}, {-1, 0, 0}, 0.02};
+  const KnownAperture hole =
+      rectangle({1.01, 0.75, -0.25}, {0, 0.5, 0}, {0, 0, 0.5}, {-1, 0, 0}, 0.02);
   std::vector<Portal> portals = find_portals(scene);
   ASSERT_EQ(portals.size(), 1u);
   EXPECT_GE(coverage(hole, portals), 0.9);
@@ -123,8 +128,8 @@ void expect_portal_in_the_door(const std::string& scene) {
   const Box opening{{-3.05, -0.1, -6.5}, {-2.2, 3.3, -4.4}};
   for (const Portal& portal : portals) EXPECT_TRUE(inside(opening, portal)) << portal.name;
   const Vec3d across = Vec3d{-2.38, 0, -6.13} - Vec3d{-2.82, 0, -6.29};
-  const Aperture slit{
-      {-2.82, 0.1, -6.29}, across, {0, 2.5, 0}, normalize(Vec3d{-across.z, 0, across.x}) * -1.0, 0};
+  const KnownAperture slit = rectangle({-2.82, 0.1, -6.29}, across, {0, 2.5, 0},
+                                       normalize(Vec3d{-across.z, 0, across.x}) * -1.0, 0);
   EXPECT_GE(coverage(slit, portals), 0.8);  // the slit itself is measured by eye
   shift(portals, across);                   // twin: one width of the slit beside it
   EXPECT_LT(coverage(slit, portals), 0.8);
@@ -139,7 +144,8 @@ TEST(pipeline, veach_ajar_flip_has_its_portals_in_the_doors_opening) {
 TEST(pipeline, bathroom_has_its_portal_in_the_channel_of_the_window) {
   const std::string scene = kPaper + "bathroom2-channel.glb";
   NEEDS(scene);
-  const Aperture channel{{-6.039, 16, -26.7}, {8.731, 0, 0}, {0, 10.413, 0}, {0, 0, 1}, 8};
+  const KnownAperture channel =
+      rectangle({-6.039, 16, -26.7}, {8.731, 0, 0}, {0, 10.413, 0}, {0, 0, 1}, 8);
   std::vector<Portal> portals = find_portals(scene);
   ASSERT_GE(portals.size(), 1u);
   EXPECT_GE(coverage(channel, portals), 0.9);

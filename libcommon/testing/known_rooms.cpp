@@ -1,0 +1,305 @@
+#include "libcommon/testing/known_rooms.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "libcommon/math/rng.h"
+
+namespace tdpt::testing {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+
+// Draws everything about a room in a fixed order.
+class Architect {
+ public:
+  Architect(RoomKind kind, uint64_t seed) : rng_(seed, 0x700 + static_cast<uint64_t>(kind), 0) {
+    room_.kind = kind;
+    room_.seed = seed;
+  }
+
+  KnownRoom build() {
+    choose_sizes();
+    choose_openings();
+    shell();
+    for (size_t w = 0; w + 1 < lengths_.size(); ++w) wall(w);
+    if (is(RoomKind::ajar) || is(RoomKind::ajar_full)) leaf();
+    lamps();
+    for (size_t r = 0; r < lengths_.size(); ++r) furnish(r);
+    camera();
+    if (rng_.uniform() < 0.5) mirror();
+    choose_writing();
+    return std::move(room_);
+  }
+
+ private:
+  bool is(RoomKind kind) const { return room_.kind == kind; }
+  double between(double low, double high) { return low + (high - low) * rng_.uniform(); }
+  double start(size_t room) const { return starts_[room]; }
+  double end(size_t room) const { return starts_[room] + lengths_[room]; }
+
+  void choose_sizes() {
+    const bool row = is(RoomKind::holes_in_row) || is(RoomKind::doors_in_row);
+    const size_t rooms = is(RoomKind::open_room) ? 1 : row ? 3 : 2;
+    double x = 0;
+    for (size_t r = 0; r < rooms; ++r) {
+      lengths_.push_back(between(2, 4));
+      starts_.push_back(x);
+      // Thin and thick walls alike.
+      thickness_.push_back(0.01 * std::pow(30, rng_.uniform()));
+      x += lengths_.back() + thickness_.back();
+    }
+    height_ = between(2.2, 2.8);
+    depth_ = between(2, 4);
+    if (is(RoomKind::window)) depth_ = between(3, 4.5);
+    if (is(RoomKind::wide_window)) depth_ = between(2, 2.5);
+    if (is(RoomKind::keyhole)) depth_ = 4;
+  }
+
+  WallOpening somewhere(double height, double width, double sill) {
+    const double z = between(-0.5 * depth_ + 0.1, 0.5 * depth_ - 0.1 - width);
+    return {sill, sill + height, z, z + width};
+  }
+
+  WallOpening opening() {
+    switch (room_.kind) {
+      case RoomKind::slit:
+        return somewhere(between(1.2, 2), 0.03, between(0.05, 0.15));
+      case RoomKind::floor_door:
+      case RoomKind::through_floor:
+      case RoomKind::doors_in_row:
+      case RoomKind::ajar: {
+        const double width = between(0.6, 0.9);
+        return somewhere(between(1.8, 2), width, 0);
+      }
+      case RoomKind::ajar_full: {
+        const double width = between(0.6, 0.9);
+        return somewhere(height_, width, 0);
+      }
+      case RoomKind::window: {
+        const double width = between(0.6, 1.1);
+        return somewhere(between(0.6, 1.1), width, between(0.7, 0.9));
+      }
+      case RoomKind::wide_window:
+        return somewhere(between(1.5, 1.8), depth_ - 0.3, 0.3);
+      case RoomKind::keyhole:
+        return somewhere(0.01, 0.01, between(0.8, 1.2));
+      default: {
+        // A hole: small ones as often as large ones.
+        const double side = (is(RoomKind::hole) ? 0.05 : 0.15) *
+                            std::pow(is(RoomKind::hole) ? 12 : 3, between(0, 1));
+        return somewhere(side, side, between(0.3, height_ - side - 0.2));
+      }
+    }
+  }
+
+  void choose_openings() {
+    for (size_t w = 0; w + 1 < lengths_.size(); ++w) {
+      std::vector<WallOpening> openings{opening()};
+      while (is(RoomKind::two_openings) && openings.size() < 2) {
+        const WallOpening o = opening(), &first = openings[0];
+        constexpr double kGap = 0.2;
+        if (o.z0 > first.z1 + kGap || o.z1 < first.z0 - kGap || o.y0 > first.y1 + kGap ||
+            o.y1 < first.y0 - kGap)
+          openings.push_back(o);
+      }
+      if (!is(RoomKind::ajar) && !is(RoomKind::ajar_full) && !is(RoomKind::wide_window)) {
+        const double x = end(w) + 0.5 * thickness_[w];
+        for (const WallOpening& o : openings)
+          room_.apertures.push_back(
+              {{{x, o.y0, o.z0}, {x, o.y0, o.z1}, {x, o.y1, o.z1}, {x, o.y1, o.z0}},
+               {-1, 0, 0},
+               thickness_[w]});
+      }
+      openings_.push_back(std::move(openings));
+    }
+  }
+
+  // Floors, ceilings and outer walls, facing inwards.
+  void shell() {
+    const double z0 = -0.5 * depth_, z1 = 0.5 * depth_, h = height_;
+    RoomPlan::Part shell{"shell", 0, {}};
+    const auto level = [&](double xa, double xb, double y) {
+      shell.quads.push_back({{{xa, y, z1}, {xb, y, z1}, {xb, y, z0}, {xa, y, z0}}});
+    };
+    const size_t last = lengths_.size() - 1;
+    const bool through = is(RoomKind::through_floor);
+    if (through) level(start(0), end(last), 0);
+    for (size_t r = 0; r <= last; ++r) {
+      const double xa = start(r), xb = end(r);
+      if (!through) level(xa, xb, 0);
+      level(xa, xb, h);
+      shell.quads.push_back({{{xa, 0, z0}, {xb, 0, z0}, {xb, h, z0}, {xa, h, z0}}});
+      shell.quads.push_back({{{xb, 0, z1}, {xa, 0, z1}, {xa, h, z1}, {xb, h, z1}}});
+    }
+    shell.quads.push_back(
+        {{{start(0), 0, z1}, {start(0), 0, z0}, {start(0), h, z0}, {start(0), h, z1}}});
+    const double x = end(last);
+    shell.quads.push_back({{{x, 0, z0}, {x, 0, z1}, {x, h, z1}, {x, h, z0}}});
+    room_.plan.parts.push_back(std::move(shell));
+  }
+
+  void wall(size_t w) {
+    const WallOpening extent{0, height_, -0.5 * depth_, 0.5 * depth_};
+    room_.plan.parts.push_back(
+        {"wall", 0,
+         wall_across_x(end(w), start(w + 1), extent, openings_[w], !is(RoomKind::through_floor))});
+  }
+
+  // A leaf hung on one side of the wall, a centimetre wider than the opening at both sides; its
+  // inner face touches the wall along the hinge, so no light passes there.
+  void leaf() {
+    constexpr double kOverlap = 0.01, kThick = 0.03;
+    const WallOpening& o = openings_[0][0];
+    const bool full = is(RoomKind::ajar_full), to_camera = rng_.uniform() < 0.5;
+    const double angle = between(5, 15) * kDegree;
+    const double x = to_camera ? end(0) : start(1), out = to_camera ? -1 : 1;
+    const double top = full ? height_ + 0.005 : o.y1 + kOverlap, bottom = full ? -0.005 : 0;
+    const Vec3d hinge{x, 0, o.z0 - kOverlap};
+    const Vec3d low{to_camera ? x - kThick : x, bottom, hinge.z},
+        high{to_camera ? x : x + kThick, top, o.z1 + kOverlap};
+    room_.plan.parts.push_back({"leaf", 0, box(low, high, out * angle, hinge)});
+
+    // The slit lies between the jamb and the place of the leaf nearest to it.
+    const Vec3d along{out * std::sin(angle), 0, std::cos(angle)};
+    const double reach = (o.z1 - hinge.z) * std::cos(angle);
+    const Vec3d foot = hinge + along * reach, jamb{x, 0, o.z1};
+    const Vec3d up{0, full ? height_ : o.y1, 0};
+    room_.apertures.push_back({{jamb, foot, foot + up, jamb + up}, along * -out, 0});
+    if (full) return;
+    const Vec3d over{0, kOverlap, 0};
+    std::vector<Vec3d> gap{hinge + up, jamb + up, foot + up + over};
+    const Vec3d n = normalize(cross(gap[1] - gap[0], gap[2] - gap[0]));
+    room_.apertures.push_back({gap, (n.y > 0) == to_camera ? n : -n, 0});
+  }
+
+  void lamp(const std::string& how, double power) {
+    const size_t last = lengths_.size() - 1;
+    const double r = between(0.1, 0.3), edge = 0.5 * depth_ - r - 0.1;
+    const double z = between(-edge, edge), y = between(1.2 + r, height_ - r - 0.1);
+    const double x = between(start(last) + r + 0.3, end(last) - r - 0.1);
+    RoomPlan::Quad q;
+    const auto facing_x = [&](double at, double way) -> RoomPlan::Quad {
+      return {{{at, y - r, z - way * r},
+               {at, y + r, z - way * r},
+               {at, y + r, z + way * r},
+               {at, y - r, z + way * r}}};
+    };
+    if (how == "up")
+      q = {{{x - r, 1.1, z + r}, {x + r, 1.1, z + r}, {x + r, 1.1, z - r}, {x - r, 1.1, z - r}}};
+    else if (how == "at")
+      q = facing_x(end(last) - 0.05, -1);
+    else if (how == "away" && lengths_.size() > 1)
+      q = facing_x(start(last) + 0.4, 1);
+    else
+      q = {{{x - r, height_ - 0.01, z - r},
+            {x + r, height_ - 0.01, z - r},
+            {x + r, height_ - 0.01, z + r},
+            {x - r, height_ - 0.01, z + r}}};
+    room_.plan.parts.push_back({"lamp", power, {q}});
+  }
+
+  void lamps() {
+    const char* const ways[] = {"down", "up", "at", "away", "several"};
+    room_.lamp = ways[rng_.below(5)];
+    if (room_.lamp != "several") return lamp(room_.lamp, 20);
+    for (uint32_t i = 0, n = 2 + rng_.below(2); i < n; ++i) {
+      const char* const way = ways[rng_.below(4)];
+      lamp(way, between(5, 30));
+    }
+  }
+
+  // Boxes on the floor, lower than cameras and lamps, away from the openings.
+  void furnish(size_t r) {
+    for (uint32_t i = 0, n = rng_.below(4); i < n; ++i) {
+      const double w = between(0.2, 0.6), d = between(0.2, 0.6), h = between(0.2, 1);
+      const double reach = 0.5 * std::hypot(w, d);
+      const double x = between(start(r) + 0.6 + reach, end(r) - 0.6 - reach);
+      const double z = between(-0.5 * depth_ + reach, 0.5 * depth_ - reach);
+      const double turn = between(0, std::numbers::pi);
+      if (end(r) - start(r) < 1.3 + 2 * reach) continue;
+      const Vec3d middle{x, 0, z};
+      room_.plan.parts.push_back({"box", 0,
+                                  box(middle - Vec3d{0.5 * w, 0, 0.5 * d},
+                                      middle + Vec3d{0.5 * w, h, 0.5 * d}, turn, middle)});
+    }
+  }
+
+  void camera() {
+    const double edge = 0.5 * depth_ - 0.15;
+    room_.plan.camera = {between(0.15, 0.5), between(1.2, 1.7), between(-edge, edge)};
+    room_.plan.look_at = {end(0), between(0.6, 1.4), between(-0.5 * edge, 0.5 * edge)};
+    if (rng_.uniform() < 0.2) room_.plan.look_at = {start(0), 1, -0.9 * room_.plan.camera.z};
+  }
+
+  void mirror() {
+    const auto flip = [](Vec3d& p) { p.z = -p.z; };
+    for (RoomPlan::Part& part : room_.plan.parts)
+      for (RoomPlan::Quad& q : part.quads) {
+        for (Vec3d& p : q) flip(p);
+        std::reverse(q.begin(), q.end());
+      }
+    for (KnownAperture& a : room_.apertures) {
+      for (Vec3d& p : a.outline) flip(p);
+      flip(a.normal);
+    }
+    flip(room_.plan.camera);
+    flip(room_.plan.look_at);
+  }
+
+  void choose_writing() {
+    Writing& w = room_.writing;
+    w.splitting = static_cast<Splitting>(rng_.below(4));
+    if (rng_.uniform() < 0.5) return;
+    Placement& p = w.placement;
+    p.axis = Vec3d{between(-1, 1), between(0.1, 1), between(-1, 1)};
+    p.angle = between(0, 2 * std::numbers::pi);
+    const double units[] = {1, 100, 0.01, 39.37};
+    p.scale = units[rng_.below(4)];
+    if (rng_.uniform() < 0.5)
+      p.move = Vec3d{between(-1, 1), between(-1, 1), between(-1, 1)} * (1000 * p.scale);
+  }
+
+  Rng rng_;
+  KnownRoom room_;
+  std::vector<double> lengths_, starts_, thickness_;  // of rooms; of the wall behind each
+  double height_ = 0, depth_ = 0;
+  std::vector<std::vector<WallOpening>> openings_;  // of each wall
+};
+
+}  // namespace
+
+const char* name_of(RoomKind kind) {
+  constexpr const char* names[] = {"hole",         "slit",         "floor-door", "through-floor",
+                                   "ajar-full",    "ajar",         "window",     "two-openings",
+                                   "holes-in-row", "doors-in-row", "keyhole",    "wide-window",
+                                   "open-room"};
+  return names[static_cast<size_t>(kind)];
+}
+
+const std::vector<RoomKind>& all_room_kinds() {
+  static const std::vector<RoomKind> kinds = [] {
+    std::vector<RoomKind> all;
+    for (int k = 0; k <= static_cast<int>(RoomKind::open_room); ++k)
+      all.push_back(static_cast<RoomKind>(k));
+    return all;
+  }();
+  return kinds;
+}
+
+std::vector<KnownAperture> KnownRoom::placed_apertures() const {
+  std::vector<KnownAperture> placed;
+  for (const KnownAperture& a : apertures) placed.push_back(writing.placement(a));
+  return placed;
+}
+
+std::string KnownRoom::file() const {
+  return std::string(name_of(kind)) + "-" + std::to_string(seed) + ".glb";
+}
+
+KnownRoom known_room(RoomKind kind, uint64_t seed) {
+  return Architect(kind, seed).build();
+}
+
+}  // namespace tdpt::testing

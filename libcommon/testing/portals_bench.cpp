@@ -1,0 +1,202 @@
+// portals_bench BIN [OPTION VALUE]...: runs the four stages on generated rooms with known openings
+// and scores the portals. Prints a row for each room on stderr and tables in markdown on stdout.
+//   --rooms N      rooms of each kind (20)
+//   --seed N       of the first room of each kind (1)
+//   --kinds A,B    only these kinds
+//   --jobs N       rooms at a time, each on one thread (all cores)
+//   --keep FOLDER  keeps scenes and what the stages wrote
+//   --ffgraph, --mincut, --lightgrid, --portalfit "OPTIONS"   for a stage
+#include <atomic>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <mutex>
+#include <sstream>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include "libcommon/testing/known_rooms.h"
+#include "libcommon/testing/portal_score.h"
+
+namespace tdpt::testing {
+namespace {
+namespace fs = std::filesystem;
+
+struct Options {
+  std::string bin, keep;
+  std::map<std::string, std::string> of_stage;
+  std::vector<RoomKind> kinds;
+  uint64_t rooms = 20, seed = 1;
+  unsigned jobs = std::max(1u, std::thread::hardware_concurrency());
+};
+
+struct Row {
+  PortalScore score;
+  double seconds = 0;  // CPU
+  bool failed = false;
+  std::string said;  // by portalfit
+};
+
+double number_in(const std::string& json, const std::string& key) {
+  const size_t at = json.find("\"" + key + "\":");
+  return at == std::string::npos ? 0 : std::strtod(json.c_str() + at + key.size() + 3, nullptr);
+}
+
+std::string text_of(const fs::path& path) {
+  std::ifstream in(path);
+  std::stringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+Row run(const Options& options, const KnownRoom& room, const fs::path& folder) {
+  const std::string stem = (folder / fs::path(room.file()).stem()).string();
+  std::ofstream(stem + ".glb", std::ios::binary) << room.plan.glb(room.writing);
+  const auto stage = [&](const std::string& name, const std::string& files) {
+    const auto extra = options.of_stage.find(name);
+    return options.bin + "/" + name + " --threads 1 --json " +
+           (extra == options.of_stage.end() ? "" : extra->second) + " " + files + " >" + stem +
+           "." + name + ".json 2>" + stem + "." + name + ".txt";
+  };
+  const std::string commands =
+      stage("ffgraph", stem + ".glb -o " + stem + ".max") + " && " +
+      stage("mincut", stem + ".max -o " + stem + ".cut") + " && " +
+      stage("lightgrid", stem + ".glb " + stem + ".cut -o " + stem + ".vdb") + " && " +
+      stage("portalfit", stem + ".vdb -o " + stem + ".portal.glb");
+  Row row;
+  row.failed = std::system(commands.c_str()) != 0;
+  std::vector<Portal> portals;
+  if (!row.failed) portals = read_portals(stem + ".portal.glb").portals;
+  row.score = score(portals, room.placed_apertures());
+  for (const char* name : {"ffgraph", "mincut", "lightgrid", "portalfit"})
+    row.seconds += number_in(text_of(stem + "." + name + ".json"), "cpu_seconds");
+  row.said = text_of(stem + ".portalfit.txt");
+  if (options.keep.empty())
+    for (const char* end : {".glb", ".max", ".cut", ".vdb", ".portal.glb"}) fs::remove(stem + end);
+  return row;
+}
+
+const char* const kSplittings[] = {"whole", "in 4", "in 144", "slivers"};
+
+void print_row(const KnownRoom& room, const Row& row) {
+  const PortalScore& s = row.score;
+  const Placement& p = room.writing.placement;
+  std::fprintf(stderr,
+               "%-5s %-14s %3llu  portals %zu/%zu  coverage %.4f  tightness %.3f  angle %5.2f  "
+               "strays %zu  lamp %-7s wall %.3f %-7s scale %g %s %.2f s%s\n",
+               s.right() ? "ok" : "MISS", name_of(room.kind),
+               static_cast<unsigned long long>(room.seed), s.portals, s.openings, s.coverage,
+               s.tightness, s.angle, s.strays, room.lamp.c_str(),
+               room.apertures.empty() ? 0 : room.apertures[0].thickness,
+               kSplittings[static_cast<size_t>(room.writing.splitting)], p.scale,
+               p.angle != 0 ? "turned" : "", row.seconds, row.failed ? "  FAILED" : "");
+  if (s.portals < s.openings || s.strays > 0) std::fprintf(stderr, "      %s", row.said.c_str());
+}
+
+void print_table(const std::vector<KnownRoom>& rooms, const std::vector<Row>& rows) {
+  std::printf(
+      "| kind | rooms | all four | coverage >= 0.98 | tightness >= 0.90 | angle <= 3 | right "
+      "number "
+      "| strays | median coverage | median tightness | median angle | CPU s |\n"
+      "|---|---|---|---|---|---|---|---|---|---|---|---|\n");
+  const auto line = [&](const std::string& name, const auto& belongs) {
+    std::vector<double> coverages, tightnesses, angles;
+    size_t n = 0, right = 0, covered = 0, tight = 0, straight = 0, counted = 0, strays = 0;
+    double seconds = 0;
+    for (size_t i = 0; i < rooms.size(); ++i) {
+      if (!belongs(rooms[i])) continue;
+      const PortalScore& s = rows[i].score;
+      ++n;
+      right += s.right();
+      covered += s.coverage >= 0.98;
+      tight += s.tightness >= 0.90;
+      straight += s.angle <= 3;
+      counted += s.right_number();
+      strays += s.strays;
+      coverages.push_back(s.coverage), tightnesses.push_back(s.tightness);
+      angles.push_back(s.angle);
+      seconds += rows[i].seconds;
+    }
+    if (n == 0) return;
+    const auto median = [](std::vector<double>& v) {
+      std::nth_element(v.begin(), v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2), v.end());
+      return v[v.size() / 2];
+    };
+    std::printf("| %s | %zu | %zu | %zu | %zu | %zu | %zu | %zu | %.4f | %.3f | %.2f | %.2f |\n",
+                name.c_str(), n, right, covered, tight, straight, counted, strays,
+                median(coverages), median(tightnesses), median(angles),
+                seconds / static_cast<double>(n));
+  };
+  for (const RoomKind kind : all_room_kinds())
+    line(name_of(kind), [&](const KnownRoom& r) { return r.kind == kind; });
+  line("with openings", [](const KnownRoom& r) { return r.kind < RoomKind::keyhole; });
+}
+
+int main_of(int argc, char** argv) {
+  Options o;
+  o.kinds = all_room_kinds();
+  if (argc < 2 || argc % 2 != 0) {
+    std::fprintf(stderr, "usage: portals_bench BIN [OPTION VALUE]...\n");
+    return 2;
+  }
+  o.bin = argv[1];
+  for (int i = 2; i + 1 < argc; i += 2) {
+    const std::string name = argv[i], value = argv[i + 1];
+    if (name == "--rooms")
+      o.rooms = std::stoull(value);
+    else if (name == "--seed")
+      o.seed = std::stoull(value);
+    else if (name == "--jobs")
+      o.jobs = static_cast<unsigned>(std::stoul(value));
+    else if (name == "--keep")
+      o.keep = value;
+    else if (name == "--kinds")
+      std::erase_if(o.kinds, [&](RoomKind k) {
+        return ("," + value + ",").find(std::string(",") + name_of(k) + ",") == std::string::npos;
+      });
+    else
+      o.of_stage[name.substr(2)] = value;
+  }
+  fs::path folder = o.keep;
+  if (o.keep.empty()) {
+    std::string name = (fs::temp_directory_path() / "portals-bench-XXXXXX").string();
+    if (!mkdtemp(name.data())) return 4;
+    folder = name;
+  }
+  fs::create_directories(folder);
+
+  std::vector<KnownRoom> rooms;
+  for (uint64_t i = 0; i < o.rooms; ++i)
+    for (const RoomKind kind : o.kinds) rooms.push_back(known_room(kind, o.seed + i));
+  std::vector<Row> rows(rooms.size());
+  std::atomic<size_t> next{0};
+  std::mutex printing;
+  std::vector<std::thread> workers;
+  for (unsigned w = 0; w < o.jobs; ++w)
+    workers.emplace_back([&] {
+      for (size_t i; (i = next++) < rooms.size();) {
+        rows[i] = run(o, rooms[i], folder);
+        const std::lock_guard lock(printing);
+        print_row(rooms[i], rows[i]);
+      }
+    });
+  for (std::thread& worker : workers) worker.join();
+  print_table(rooms, rows);
+  if (o.keep.empty()) fs::remove_all(folder);
+  return 0;
+}
+
+}  // namespace
+}  // namespace tdpt::testing
+
+int main(int argc, char** argv) {
+  try {
+    return tdpt::testing::main_of(argc, argv);
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "portals_bench: %s\n", e.what());
+    return 1;
+  }
+}
