@@ -8,6 +8,7 @@
 #include "libcommon/base/file.h"
 #include "libcommon/base/hash.h"
 #include "libcommon/base/output_file.h"
+#include "libcommon/base/phases.h"
 #include "libcommon/base/provenance.h"
 
 namespace tdpt {
@@ -55,6 +56,27 @@ TEST(output_file, a_read_only_file_is_not_replaced_even_by_the_super_user) {
     }
   }
   EXPECT_EQ(read_file(name), "original");
+}
+
+TEST(phases, follow_each_other_and_add_up_by_name) {
+  Phases phases;
+  phases.done("load");
+  phases.done("walk");
+  phases.done("load");
+  ASSERT_EQ(phases.all().size(), 2u);
+  EXPECT_EQ(phases.all()[0].name, "load");
+  EXPECT_EQ(phases.all()[1].name, "walk");
+  for (const Phases::Phase& p : phases.all()) {
+    EXPECT_GE(p.seconds, 0);
+    EXPECT_GE(p.cpu_seconds, 0);
+  }
+}
+
+TEST(phases, the_peak_of_the_memory_grows_with_what_is_held) {
+  const int64_t before = peak_memory();
+  const std::vector<char> held(1 << 27, 1);
+  EXPECT_GE(peak_memory(), static_cast<int64_t>(held.size()));
+  EXPECT_GE(peak_memory(), before);
 }
 
 TEST(output_file, onto_a_folder_is_refused) {
