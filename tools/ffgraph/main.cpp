@@ -5,6 +5,7 @@
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
 #include "libcommon/base/output_file.h"
+#include "libcommon/base/phases.h"
 #include "libcommon/base/threads.h"
 #include "libcommon/cli/cli.h"
 #include "libcommon/scene/lights.h"
@@ -82,6 +83,7 @@ int run(Arguments a, const cli::Common& common) {
     throw UsageError(fmt::format("{} walks of {} surfaces are too many, at most {} in all", a.walks,
                                  a.bounces, kMostHits));
   check_output(common.output);
+  Phases phases;
   Scene scene = read_gltf(a.scene);
   open_glass(scene);
   for (const std::string& warning : scene.warnings) common.warn(warning);
@@ -101,15 +103,21 @@ int run(Arguments a, const cli::Common& common) {
     inputs.push_back({a.refine, refine.hash, refine.provenance});
   }
 
+  phases.done("load");
+
   Json summary;
   DimacsFile file = triangles ? graph_of_triangles(a, common, scene, camera, summary)
                               : graph_of_patches(a, common, scene, camera,
                                                  a.refine.empty() ? nullptr : &refine, summary);
+  phases.done("graph");
   file.provenance = common.provenance(inputs);
   write_output(common.output, dimacs_text(file));
+  phases.done("write");
   summary["patches"] = file.patches.size();
   summary["arcs"] = file.network.arcs.size();
+  summary["phases"] = phases;
   summary["cpu_seconds"] = cpu_seconds();
+  summary["peak_bytes"] = peak_memory();
   common.summary(summary.dump());
   return 0;
 }

@@ -3,6 +3,7 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/output_file.h"
+#include "libcommon/base/phases.h"
 #include "libcommon/base/progress.h"
 #include "libcommon/base/signals.h"
 #include "libcommon/base/threads.h"
@@ -33,6 +34,7 @@ int main(int argc, char** argv) {
     if (scene_path == "-" && cut_path == "-")
       throw UsageError("only one of the two inputs can come from standard input");
     catch_signals();
+    Phases phases;
     Scene scene = read_gltf(scene_path);
     open_glass(scene);
     const CutFile cut = read_cut(cut_path);
@@ -43,11 +45,13 @@ int main(int argc, char** argv) {
     how.lines = static_cast<size_t>(lines);
     LightGridReport report;
     LightGrid grid;
+    phases.done("load");
     {
       Progress progress("tracing", "segments", how.samples, common.quiet);
       grid = make_light_grid(scene, cut, cut_path, how, report,
                              {[&](uint64_t n) { progress.advance(n); }, stop_requested});
     }
+    phases.done("grid");
     grid.provenance =
         common.provenance({{scene_path, scene.hash, {}}, {cut_path, cut.hash, cut.provenance}});
     if (!grid.bottleneck) {
@@ -67,6 +71,7 @@ int main(int argc, char** argv) {
                       grid.lines.size(), report.tried, report.joined));
     }
     write_output(common.output, light_grid_bytes(grid));
+    phases.done("write");
     common.summary(nlohmann::json{{"bottleneck", grid.bottleneck},
                                   {"reason", grid.reason},
                                   {"drawn", report.drawn},
@@ -81,7 +86,9 @@ int main(int argc, char** argv) {
                                   {"air", report.air},
                                   {"voxel", grid.voxel},
                                   {"fullest", report.fullest},
-                                  {"cpu_seconds", cpu_seconds()}}
+                                  {"phases", phases},
+                                  {"cpu_seconds", cpu_seconds()},
+                                  {"peak_bytes", peak_memory()}}
                        .dump());
     if (!report.stopped) return 0;
     common.warn("stopped by a signal; the grid holds what was drawn until then");

@@ -3,6 +3,7 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/output_file.h"
+#include "libcommon/base/phases.h"
 #include "libcommon/base/threads.h"
 #include "libcommon/cli/cli.h"
 #include "tools/portalfit/portalfit.h"
@@ -24,8 +25,11 @@ int main(int argc, char** argv) {
   return options.run_main(argc, argv, [&] {
     const cli::Common& common = options.common;
     how.max_portals = static_cast<size_t>(max_portals);
+    Phases phases;
     const LightGrid grid = read_light_grid(grid_path);
+    phases.done("load");
     const FitResult fit = fit_portals(grid, how);
+    phases.done("fit");
     PortalFile file;
     file.portals = fit.portals;
     file.scene_hash = grid.scene_hash;
@@ -54,8 +58,11 @@ int main(int argc, char** argv) {
       common.note("no portal: " + why + ".");
       summary["reason"] = why;
     }
-    summary["cpu_seconds"] = cpu_seconds();
     write_output(common.output, portal_bytes(file));
+    phases.done("write");
+    summary["phases"] = phases;
+    summary["cpu_seconds"] = cpu_seconds();
+    summary["peak_bytes"] = peak_memory();
     common.summary(summary.dump());
     return 0;
   });
