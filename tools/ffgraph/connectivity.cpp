@@ -3,9 +3,9 @@
 #include <array>
 #include <bit>
 #include <numeric>
-#include <unordered_map>
 
-#include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
+#include <oneapi/tbb/parallel_for.h>
+#include <OpenMesh/Core/Mesh/TriConnectivity.hh>
 #include <OpenMesh/Core/System/omstream.hh>
 
 #include "libcommon/math/rng.h"
@@ -13,7 +13,8 @@
 namespace tdpt {
 namespace {
 
-using Mesh = OpenMesh::TriMesh_ArrayKernelT<>;
+// Half-edges alone: nobody asks this mesh for a place.
+using Mesh = OpenMesh::TriConnectivity;
 
 // OpenMesh reports every face that it refuses; the handle tells us the same.
 class SilentOpenMesh {
@@ -22,21 +23,43 @@ class SilentOpenMesh {
   ~SilentOpenMesh() { omerr().enable(); }
 };
 
-struct PlaceHash {
-  size_t operator()(const std::array<uint32_t, 3>& p) const {
-    return mix64(mix64(mix64(p[0]) + p[1]) + p[2]);
-  }
-};
-
 std::array<uint32_t, 3> place(const Vec3f& p) {
-  // + 0: the two zeros are one place.
-  return {std::bit_cast<uint32_t>(p.x + 0.0f), std::bit_cast<uint32_t>(p.y + 0.0f),
-          std::bit_cast<uint32_t>(p.z + 0.0f)};
+  // The two zeros are one place.
+  const auto bits = [](float v) { return v == 0 ? 0 : std::bit_cast<uint32_t>(v); };
+  return {bits(p.x), bits(p.y), bits(p.z)};
 }
 
-Vec3<int> normal_bin(const Vec3d& n) {
-  const auto round = [](double v) { return static_cast<int>(std::lround(2 * v)); };
-  return {round(n.x), round(n.y), round(n.z)};
+// For each position a number: equal for equal places, dense from 0 in the order of the positions.
+struct Welded {
+  std::vector<uint32_t> number;
+  uint32_t count = 0;
+};
+
+Welded weld(const std::vector<Vec3f>& positions) {
+  constexpr uint32_t kEmpty = UINT32_MAX;
+  Welded out;
+  out.number.resize(positions.size());
+  // Open addressing, at most half full; slots hold the first position of a place.
+  std::vector<uint32_t> slots(std::bit_ceil(2 * positions.size() + 2), kEmpty);
+  for (uint32_t v = 0; v < positions.size(); ++v) {
+    const auto p = place(positions[v]);
+    size_t at = mix64(mix64(uint64_t{p[0]} << 32 | p[1]) + p[2]) & (slots.size() - 1);
+    while (slots[at] != kEmpty && place(positions[slots[at]]) != p)
+      at = (at + 1) & (slots.size() - 1);
+    if (slots[at] == kEmpty) {
+      slots[at] = v;
+      out.number[v] = out.count++;
+    } else {
+      out.number[v] = out.number[slots[at]];
+    }
+  }
+  return out;
+}
+
+// 2n rounded, one number for the three.
+uint32_t normal_bin(const Vec3d& n) {
+  const auto round = [](double v) { return static_cast<uint32_t>(std::lround(2 * v) + 2); };
+  return round(n.x) | round(n.y) << 8 | round(n.z) << 16;
 }
 
 class UnionFind {
@@ -56,23 +79,26 @@ class UnionFind {
 
 std::vector<uint32_t> surface_components(const Scene& scene) {
   const SilentOpenMesh silence;
-  Mesh mesh;
-  std::unordered_map<std::array<uint32_t, 3>, Mesh::VertexHandle, PlaceHash> vertices;
   const auto count = static_cast<uint32_t>(scene.triangles.size());
+  Mesh mesh;
   std::vector<uint32_t> triangle_of_face;
-  for (uint32_t t = 0; t < count; ++t) {
-    std::array<Mesh::VertexHandle, 3> v;
-    for (int k = 0; k < 3; ++k) {
-      const auto [entry, is_new] = vertices.try_emplace(place(scene.vertex(t, k)));
-      if (is_new) entry->second = mesh.add_vertex({0, 0, 0});
-      v[static_cast<size_t>(k)] = entry->second;
+  {
+    const Welded welded = weld(scene.positions);
+    mesh.reserve(welded.count, count + count / 2, count);
+    for (uint32_t v = 0; v < welded.count; ++v) mesh.new_vertex();
+    triangle_of_face.reserve(count);
+    for (uint32_t t = 0; t < count; ++t) {
+      std::array<Mesh::VertexHandle, 3> v;
+      for (size_t k = 0; k < 3; ++k)
+        v[k] = Mesh::VertexHandle(static_cast<int>(welded.number[scene.triangles[t].vertex[k]]));
+      if (v[0] == v[1] || v[1] == v[2] || v[2] == v[0]) continue;
+      if (mesh.add_face(v[0], v[1], v[2]).is_valid()) triangle_of_face.push_back(t);
     }
-    if (v[0] == v[1] || v[1] == v[2] || v[2] == v[0]) continue;
-    if (mesh.add_face(v[0], v[1], v[2]).is_valid()) triangle_of_face.push_back(t);
   }
 
-  std::vector<Vec3<int>> bin(count);
-  for (uint32_t t = 0; t < count; ++t) bin[t] = normal_bin(shape_of(scene, t).normal);
+  std::vector<uint32_t> bin(count);
+  tbb::parallel_for(uint32_t{0}, count,
+                    [&](uint32_t t) { bin[t] = normal_bin(shape_of(scene, t).normal); });
   UnionFind pieces(count);
   for (const auto& edge : mesh.edges()) {
     const auto h = mesh.halfedge_handle(edge, 0);
