@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+
+#include <oneapi/tbb/parallel_for.h>
 
 namespace tdpt {
 namespace {
@@ -19,10 +22,13 @@ struct Polygon {
 };
 
 // Keeps the part where sign * (v[axis] - bound) >= 0.
-Polygon keep_half(const Polygon& in, int axis, double bound, double sign) {
+void keep_half(Polygon& poly, int axis, double bound, double sign) {
+  bool whole = true;
+  for (int i = 0; i < poly.n; ++i) whole = whole && sign * (poly[i][axis] - bound) >= 0;
+  if (whole) return;
   Polygon out;
-  for (int i = 0; i < in.n; ++i) {
-    const Vec3d &a = in[i], &b = in[(i + 1) % in.n];
+  for (int i = 0; i < poly.n; ++i) {
+    const Vec3d &a = poly[i], &b = poly[(i + 1) % poly.n];
     const double da = sign * (a[axis] - bound), db = sign * (b[axis] - bound);
     if (da >= 0) out.push(a);
     if ((da < 0 && db > 0) || (da > 0 && db < 0)) {
@@ -31,14 +37,14 @@ Polygon keep_half(const Polygon& in, int axis, double bound, double sign) {
       out.push(v);
     }
   }
-  return out;
+  poly = out;
 }
 
 Polygon clip(Polygon poly, const std::array<int32_t, 3>& cell, double size) {
   for (int axis = 0; axis < 3 && poly.n > 0; ++axis) {
     const double low = cell[static_cast<size_t>(axis)] * size;
-    poly = keep_half(poly, axis, low, 1);
-    poly = keep_half(poly, axis, low + size, -1);
+    keep_half(poly, axis, low, 1);
+    keep_half(poly, axis, low + size, -1);
   }
   return poly;
 }
@@ -69,11 +75,21 @@ Polygon in_grid(const PatchMap& patches, uint32_t triangle) {
 
 }  // namespace
 
+// Fragments of some faces, and what they lack below split cells.
+struct Fragments::Part {
+  struct Missing {
+    size_t fragment;
+    PatchKey key;
+  };
+  std::vector<Fragment> fragments;
+  std::vector<Missing> missing;
+};
+
 struct Fragments::Walker {
   const PatchMap& patches;
-  std::vector<Fragment>& out;
+  Part& out;
   uint32_t face;
-  PatchMap* grow;  // null, or where to add what is missing below split cells
+  bool grow;  // whether to keep what is missing below split cells
 
   void visit(const Polygon& poly, int level) {
     const double size = cell_size(level);
@@ -96,18 +112,19 @@ struct Fragments::Walker {
 
   void cell(const Polygon& poly, const PatchKey& key) {
     if (poly.n < 3) return;
-    uint32_t id = patches.lookup(key);
+    const uint32_t id = patches.lookup(key);
     if (id == PatchMap::kSplit) return visit(poly, key.level + 1);
     Vec3d moment;
     const double twice = measure(poly, moment);
     if (!(twice > 1e-12)) return;
-    if (id == kNoPatch && grow && key.level > 0) id = grow->add(key);
-    if (id == kNoPatch) return;
+    if (id == kNoPatch && !(grow && key.level > 0)) return;
+    if (id == kNoPatch) out.missing.push_back({out.fragments.size(), key});
     const PatchGrid& grid = patches.grid();
     const Frame& frame = patches.scene().frame;
     const double unit = grid.base_cell * frame.scale;
-    out.push_back({id, face, 0.5 * twice * unit * unit,
-                   frame.to_canonical(moment / (3 * twice) * grid.base_cell + grid.origin)});
+    out.fragments.push_back(
+        {id, face, 0.5 * twice * unit * unit,
+         frame.to_canonical(moment / (3 * twice) * grid.base_cell + grid.origin)});
   }
 };
 
@@ -118,12 +135,26 @@ Fragments Fragments::with_all_of_split(PatchMap& patches) {
 }
 
 Fragments::Fragments(const PatchMap& patches, PatchMap* grow) : patches_(patches) {
+  constexpr uint32_t kFaces = 4096;  // of a part
   const auto faces = static_cast<uint32_t>(2 * patches.scene().triangles.size());
-  for (uint32_t face = 0; face < faces; ++face)
-    if (patches.touched(patches.piece(face)))
-      Walker{patches, fragments_, face, grow}.visit(in_grid(patches, face / 2), 0);
-  std::stable_sort(fragments_.begin(), fragments_.end(),
-                   [](const Fragment& a, const Fragment& b) { return a.patch < b.patch; });
+  std::vector<Part> parts(faces / kFaces + 1);
+  tbb::parallel_for(size_t{0}, parts.size(), [&](size_t p) {
+    const auto first = static_cast<uint32_t>(p) * kFaces;
+    for (uint32_t face = first; face < std::min(first + kFaces, faces); ++face)
+      if (patches.touched(patches.piece(face)))
+        Walker{patches, parts[p], face, grow != nullptr}.visit(in_grid(patches, face / 2), 0);
+  });
+  for (Part& part : parts)
+    for (const Part::Missing& m : part.missing) part.fragments[m.fragment].patch = grow->add(m.key);
+
+  // In the order of their patches; within a patch they are in that of their faces already.
+  std::vector<size_t> next(patches.size() + 1, 0);
+  for (const Part& part : parts)
+    for (const Fragment& f : part.fragments) ++next[f.patch + 1];
+  std::partial_sum(next.begin(), next.end(), next.begin());
+  fragments_.resize(next.back());
+  for (const Part& part : parts)
+    for (const Fragment& f : part.fragments) fragments_[next[f.patch]++] = f;
 }
 
 void Fragments::keep(const std::vector<uint8_t>& kept) {

@@ -34,6 +34,7 @@ class Fragments {
   Point sample(uint32_t f, Rng& rng) const;
 
  private:
+  struct Part;
   struct Walker;
   Fragments(const PatchMap& patches, PatchMap* grow);
 

@@ -19,41 +19,64 @@ PatchGrid grid_for(const Scene& scene) {
   return grid;
 }
 
-std::array<int32_t, 3> PatchMap::cell(const Vec3d& canonical, int level) const {
-  const Vec3d q = (scene_->frame.to_metres(canonical) - grid_.origin) / grid_.base_cell;
-  const double fine = std::ldexp(1.0, 2 * level);
+namespace {
+
+// Of a place in base cells.
+std::array<int32_t, 3> cell_at(const Vec3d& q, int level) {
+  const auto fine = static_cast<double>(uint64_t{1} << 2 * level);
   const auto index = [fine](double v) {
-    return static_cast<int32_t>(std::clamp(std::floor(v * fine), -2147483648.0, 2147483647.0));
+    const double bounded = std::clamp(v * fine, -2147483648.0, 2147483647.0);
+    const auto i = static_cast<int32_t>(bounded);  // towards zero; std::floor is a library call
+    return i - (static_cast<double>(i) > bounded ? 1 : 0);
   };
   return {index(q.x), index(q.y), index(q.z)};
 }
 
-uint32_t PatchMap::find(uint32_t face, const Vec3d& canonical) const {
-  PatchKey key = start(face, canonical);
-  for (;;) {
-    const auto found = entry_.find(key);
-    if (found == entry_.end()) return kNoPatch;
-    if (found->second != kSplit) return found->second;
-    ++key.level;
-    key.cell = cell(canonical, key.level);
+}  // namespace
+
+uint32_t& PatchTable::operator[](const PatchKey& key) {
+  if (2 * (size_ + 1) > slots_.size()) {
+    std::vector<Slot> old(std::max<size_t>(64, 2 * slots_.size()), {{}, kNoPatch});
+    old.swap(slots_);
+    for (const Slot& s : old)
+      if (s.value != kNoPatch) slots_[slot_of(s.key)] = s;
   }
+  Slot& slot = slots_[slot_of(key)];
+  if (slot.value == kNoPatch) {
+    slot.key = key;
+    ++size_;
+  }
+  return slot.value;
+}
+
+std::array<int32_t, 3> PatchMap::cell(const Vec3d& canonical, int level) const {
+  return cell_at(in_grid(canonical), level);
+}
+
+std::pair<PatchKey, uint32_t> PatchMap::search(uint32_t face, const Vec3d& canonical) const {
+  const Vec3d q = in_grid(canonical);
+  PatchKey key{cell_at(q, 0), 0, piece(face)};
+  for (;;) {
+    const uint32_t found = entry_.find(key);
+    if (found != kSplit) return {key, found};
+    ++key.level;
+    key.cell = cell_at(q, key.level);
+  }
+}
+
+uint32_t PatchMap::find(uint32_t face, const Vec3d& canonical) const {
+  return search(face, canonical).second;
 }
 
 uint32_t PatchMap::find_or_add(uint32_t face, const Vec3d& canonical) {
-  PatchKey key = start(face, canonical);
-  for (;;) {
-    const auto found = entry_.find(key);
-    if (found == entry_.end()) return add(key);
-    if (found->second != kSplit) return found->second;
-    ++key.level;
-    key.cell = cell(canonical, key.level);
-  }
+  const auto [key, found] = search(face, canonical);
+  return found == kNoPatch ? add(key) : found;
 }
 
 uint32_t PatchMap::add(const PatchKey& key) {
-  const auto [entry, is_new] = entry_.try_emplace(key, size());
-  if (!is_new) return entry->second;
-  const uint32_t id = size();
+  uint32_t& entry = entry_[key];
+  if (entry != kNoPatch) return entry;
+  const uint32_t id = entry = size();
   keys_.push_back(key);
   PatchKey up = key;
   while (up.level > 0) {
@@ -66,15 +89,17 @@ uint32_t PatchMap::add(const PatchKey& key) {
 }
 
 void PatchMap::keep(const std::vector<uint8_t>& kept) {
+  PatchTable entry;
   std::vector<PatchKey> keys;
+  entry_.each([&](const PatchKey& key, uint32_t value) {
+    if (value == kSplit) entry[key] = kSplit;
+  });
   for (uint32_t i = 0; i < size(); ++i) {
-    if (!kept[i]) {
-      entry_.erase(keys_[i]);
-      continue;
-    }
-    entry_[keys_[i]] = static_cast<uint32_t>(keys.size());
+    if (!kept[i]) continue;
+    entry[keys_[i]] = static_cast<uint32_t>(keys.size());
     keys.push_back(keys_[i]);
   }
+  entry_ = std::move(entry);
   keys_ = std::move(keys);
 }
 
@@ -83,8 +108,9 @@ PatchMap PatchMap::split(const std::vector<uint8_t>& chosen) const {
   finer.entry_.clear();
   finer.keys_.clear();
   finer.piece_touched_.clear();
-  for (const auto& [key, value] : entry_)
-    if (value == kSplit || chosen[value]) finer.entry_.emplace(key, kSplit);
+  entry_.each([&](const PatchKey& key, uint32_t value) {
+    if (value == kSplit || chosen[value]) finer.entry_[key] = kSplit;
+  });
   return finer;
 }
 

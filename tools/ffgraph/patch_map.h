@@ -4,8 +4,9 @@
 #include <array>
 #include <cstdint>
 #include <memory>
-#include <unordered_map>
 #include <vector>
+
+#include <oneapi/tbb/parallel_for.h>
 
 #include "libcommon/formats/cut.h"
 #include "libcommon/math/rng.h"
@@ -24,6 +25,47 @@ struct PatchKey {
   bool operator==(const PatchKey&) const = default;
 
   PatchKey parent() const { return {{cell[0] >> 2, cell[1] >> 2, cell[2] >> 2}, level - 1, piece}; }
+};
+
+/// Values by key: open addressing in one block, keys are never taken out.
+class PatchTable {
+ public:
+  struct Slot {
+    PatchKey key;
+    uint32_t value;
+  };
+
+  /// kNoPatch where there is none.
+  uint32_t find(const PatchKey& key) const {
+    return slots_.empty() ? kNoPatch : slots_[slot_of(key)].value;
+  }
+  /// The value under `key`, to be set to another one than kNoPatch when it is.
+  uint32_t& operator[](const PatchKey& key);
+  void clear() { slots_.clear(), size_ = 0; }
+
+  /// Calls visit(key, value) for all, in no particular order.
+  template <class Visit>
+  void each(const Visit& visit) const {
+    for (const Slot& s : slots_)
+      if (s.value != kNoPatch) visit(s.key, s.value);
+  }
+
+ private:
+  /// Of `key`, or the empty one where it would stand.
+  size_t slot_of(const PatchKey& k) const {
+    const auto word = [](int32_t low, uint32_t high) {
+      return static_cast<uint32_t>(low) | uint64_t{high} << 32;
+    };
+    uint64_t h = mix64(word(k.cell[0], static_cast<uint32_t>(k.cell[1])));
+    h = mix64(h + word(k.cell[2], k.piece) + (static_cast<uint64_t>(k.level) << 28));
+    size_t at = h & (slots_.size() - 1);
+    while (slots_[at].value != kNoPatch && !(slots_[at].key == k))
+      at = (at + 1) & (slots_.size() - 1);
+    return at;
+  }
+
+  std::vector<Slot> slots_;  // a power of two, at most half of them taken
+  size_t size_ = 0;          // slots that were given out
 };
 
 class PatchMap {
@@ -48,14 +90,21 @@ class PatchMap {
   uint32_t find(uint32_t face, const Vec3d& canonical) const;
   /// The same, made when it does not exist yet.
   uint32_t find_or_add(uint32_t face, const Vec3d& canonical);
+
+  struct Place {
+    uint32_t face;
+    Vec3d canonical;
+  };
+  /// As find_or_add() of place(0), ..., place(n - 1), one after the other; returns how many of them
+  /// lie on each patch. Looks up many at once, with all threads.
+  template <class PlaceAt>
+  std::vector<double> add_and_count(size_t n, const PlaceAt& place);
+
   /// Adds a patch under `key`, and the splits that lead to it.
   uint32_t add(const PatchKey& key);
 
   /// Patch under `key`, kSplit where its cell was split, kNoPatch where there is none.
-  uint32_t lookup(const PatchKey& key) const {
-    const auto found = entry_.find(key);
-    return found == entry_.end() ? kNoPatch : found->second;
-  }
+  uint32_t lookup(const PatchKey& key) const { return entry_.find(key); }
   /// Whether any patch lies on this piece.
   bool touched(uint32_t piece) const {
     return piece < piece_touched_.size() && piece_touched_[piece];
@@ -72,25 +121,44 @@ class PatchMap {
   PatchMap split(const std::vector<uint8_t>& chosen) const;
 
  private:
-  struct KeyHash {
-    size_t operator()(const PatchKey& k) const {
-      uint64_t h = mix64(k.piece + (uint64_t{static_cast<uint32_t>(k.level)} << 32));
-      for (int32_t c : k.cell) h = mix64(h + static_cast<uint32_t>(c));
-      return h;
-    }
-  };
-
-  PatchKey start(uint32_t face, const Vec3d& canonical) const {
-    return {cell(canonical, 0), 0, piece(face)};
+  /// In base cells from the origin of the grid.
+  Vec3d in_grid(const Vec3d& canonical) const {
+    return (scene_->frame.to_metres(canonical) - grid_.origin) / grid_.base_cell;
   }
+  /// The key at which the search for a patch ends, with what stands there.
+  std::pair<PatchKey, uint32_t> search(uint32_t face, const Vec3d& canonical) const;
 
   const Scene* scene_ = nullptr;
   PatchGrid grid_;
   std::shared_ptr<const std::vector<uint32_t>> component_;
-  std::unordered_map<PatchKey, uint32_t, KeyHash> entry_;
+  PatchTable entry_;
   std::vector<PatchKey> keys_;
   std::vector<uint8_t> piece_touched_;
 };
+
+template <class PlaceAt>
+std::vector<double> PatchMap::add_and_count(size_t n, const PlaceAt& place) {
+  std::vector<double> count(size(), 0);
+  // Short blocks first, while most places make a patch.
+  std::vector<uint32_t> found;
+  for (size_t first = 0, block = 1 << 10; first < n; first += found.size()) {
+    found.resize(std::min(block, n - first));
+    tbb::parallel_for(size_t{0}, found.size(), [&](size_t i) {
+      const Place p = place(first + i);
+      found[i] = find(p.face, p.canonical);
+    });
+    for (size_t i = 0; i < found.size(); ++i) {
+      if (found[i] == kNoPatch) {
+        const Place p = place(first + i);
+        found[i] = find_or_add(p.face, p.canonical);
+      }
+      if (found[i] >= count.size()) count.resize(size(), 0);
+      ++count[found[i]];
+    }
+    block = std::min<size_t>(2 * block, 1 << 16);
+  }
+  return count;
+}
 
 /// Grid for a scene: cells of (diagonal of the bounding box) / 24, in metres.
 PatchGrid grid_for(const Scene& scene);
