@@ -31,9 +31,27 @@ struct Box {
   std::array<int, 3> low, high;  // voxel indices, high excluded
 };
 
+bool is_air(const LightGrid& grid, int i, int j, int k) {
+  return __atomic_load_n(&grid.air[grid.index(i, j, k)], __ATOMIC_RELAXED) != 0;
+}
+
+// Whether a small box holds no air any more, so that nothing is left to take; large boxes are not
+// looked at.
+bool all_taken(const LightGrid& grid, const Box& box) {
+  int voxels = 1;
+  for (size_t c = 0; c < 3; ++c) voxels *= box.high[c] - box.low[c];
+  if (voxels > 8) return false;
+  for (int k = box.low[2]; k < box.high[2]; ++k)
+    for (int j = box.low[1]; j < box.high[1]; ++j)
+      for (int i = box.low[0]; i < box.high[0]; ++i)
+        if (is_air(grid, i, j, k)) return false;
+  return true;
+}
+
 // Halves the box until single voxels remain: a large slanted triangle costs its surface, not its
 // box.
 void take(LightGrid& grid, const Vec3d (&p)[3], const Box& box) {
+  if (all_taken(grid, box)) return;
   Vec3d middle, half;
   int widest = 0;
   for (int c = 0; c < 3; ++c) {
