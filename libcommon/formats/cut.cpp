@@ -1,6 +1,8 @@
 // Grammar: man 5 cut. Nodes come before their faces and before the arcs that join them.
 #include "libcommon/formats/cut.h"
 
+#include <algorithm>
+
 #include "libcommon/base/file.h"
 #include "libcommon/base/hash.h"
 #include "libcommon/formats/patch_lines.h"
@@ -15,8 +17,8 @@ class CutReader {
 
   CutFile read() {
     in_.expect_text("a cut file from mincut");
-    if (!in_.next() || in_.rest() != "c tdpt cut 1")
-      in_.fail_file("is no cut file, expected it to start with 'c tdpt cut 1'");
+    if (!in_.next() || in_.rest() != "c tdpt cut 2")
+      in_.fail_file("is no cut file, expected it to start with 'c tdpt cut 2'");
     while (in_.next()) line(in_.word());
     finish();
     return std::move(out_);
@@ -25,17 +27,22 @@ class CutReader {
  private:
   void line(std::string_view key) {
     if (key == "c") return comment();
-    if (key == "s") {
-      if (has_flow_) in_.fail("a second 's' line, expected one");
-      has_flow_ = true;
-      out_.flow = in_.real("value of the cut");
-      if (out_.flow < 0) in_.fail("a negative cut, expected a value of 0 or more");
-      return in_.end();
-    }
+    if (key == "s") return value();
     if (key == "n") return node();
     if (key == "f") return read_faces(in_, out_.patches[patch_of(in_, index_, "node of a face")]);
     if (key == "a") return arc();
     in_.fail(TextLines::found(key) + " at the start of the line, expected one of c, s, n, f, a");
+  }
+
+  void value() {
+    if (!out_.patches.empty()) in_.fail("an 's' line behind a node, expected it before");
+    Bottleneck cut;
+    cut.flow = in_.real("value of the cut");
+    if (cut.flow < 0) in_.fail("a negative cut, expected a value of 0 or more");
+    cut.conductance = in_.real("conductance of the cut");
+    if (cut.conductance < 0) in_.fail("a negative conductance, expected 0 or more");
+    in_.end();
+    out_.cuts.push_back(cut);
   }
 
   void comment() {
@@ -50,9 +57,6 @@ class CutReader {
       if (has_grid_) in_.fail("a second grid, expected one");
       has_grid_ = true;
       out_.grid = read_grid(in_);
-    } else if (word == "conductance") {
-      out_.conductance = in_.real("conductance");
-      in_.end();
     } else if (word == "bottleneck") {
       const std::string_view answer = in_.word();
       if (answer != "yes" && answer != "no")
@@ -66,24 +70,23 @@ class CutReader {
   void node() {
     Patch p;
     p.node = static_cast<uint32_t>(in_.integer("node", 1, UINT32_MAX));
-    const std::string_view side = in_.word();
-    if (side != "s" && side != "t")
-      in_.fail(TextLines::found(side) + " as side of the cut, expected s or t");
+    const auto region =
+        static_cast<uint32_t>(in_.integer("region", 0, static_cast<int64_t>(out_.cuts.size())));
     if (!in_.more())
       in_.fail("a node without geometry, expected the cut of a network made by ffgraph");
     read_patch(in_, p);
     if (!index_.emplace(p.node, static_cast<uint32_t>(out_.patches.size())).second)
       in_.fail(fmt::format("node {} again, expected each node once", p.node));
     out_.patches.push_back(std::move(p));
-    out_.side.push_back(side == "s" ? Side::source : Side::sink);
+    out_.region.push_back(region);
   }
 
   void arc() {
     CutArc a{};
     a.from = patch_of(in_, index_, "tail of an arc");
     a.to = patch_of(in_, index_, "head of an arc");
-    if (out_.side[a.from] != Side::source || out_.side[a.to] != Side::sink)
-      in_.fail("an arc that does not cross the cut, expected one from side s to side t");
+    if (out_.region[a.from] >= out_.region[a.to])
+      in_.fail("an arc that crosses no cut, expected one from a region to a higher one");
     a.capacity = in_.real("capacity");
     if (!(a.capacity > 0)) in_.fail("a capacity of 0 or less, expected one above 0");
     in_.end();
@@ -91,21 +94,25 @@ class CutReader {
   }
 
   void finish() {
-    if (!has_flow_) in_.fail_file("no 's' line, expected the value of the cut");
+    if (out_.cuts.empty()) in_.fail_file("no 's' line, expected the value of the cut");
     if (!has_bottleneck_) in_.fail_file("no 'c bottleneck' line, expected yes or no");
     if (out_.scene_hash.empty()) in_.fail_file("no 'c scene' line, expected the hash of the scene");
     if (!has_grid_) in_.fail_file("no 'c grid' line, expected the grid of the patches");
     for (const Patch& p : out_.patches)
       if (p.faces.empty())
         in_.fail_file(fmt::format("node {} has no faces, expected at least one", p.node));
-    if (out_.bottleneck && out_.arcs.empty())
-      in_.fail_file("a bottleneck without arcs, expected pivot pairs");
+    if (!out_.bottleneck) return;
+    for (size_t c = 0; c < out_.cuts.size(); ++c)
+      if (std::none_of(out_.arcs.begin(), out_.arcs.end(),
+                       [&](const CutArc& a) { return out_.crosses(a, c); }))
+        in_.fail_file(
+            fmt::format("a bottleneck without arcs, cut {}, expected pivot pairs", c + 1));
   }
 
   TextLines in_;
   CutFile out_;
   NodeIndex index_;
-  bool has_flow_ = false, has_grid_ = false, has_bottleneck_ = false;
+  bool has_grid_ = false, has_bottleneck_ = false;
 };
 
 }  // namespace
@@ -118,16 +125,16 @@ CutFile read_cut(const std::string& path) {
 }
 
 std::string cut_text(const CutFile& file) {
-  std::string out = "c tdpt cut 1\n";
+  std::string out = "c tdpt cut 2\n";
   const auto to = std::back_inserter(out);
   for (const std::string& line : file.provenance.lines) fmt::format_to(to, "c {}\n", line);
   fmt::format_to(to, "c scene {}\n", file.scene_hash);
   write_grid(out, "c grid", file.grid);
-  fmt::format_to(to, "c conductance {}\n", file.conductance);
   fmt::format_to(to, "c bottleneck {}\n", file.bottleneck ? "yes" : "no " + file.reason);
-  fmt::format_to(to, "s {}\n", file.flow);
+  for (const Bottleneck& cut : file.cuts)
+    fmt::format_to(to, "s {} {}\n", cut.flow, cut.conductance);
   for (size_t i = 0; i < file.patches.size(); ++i) {
-    fmt::format_to(to, "n {} {} ", file.patches[i].node, file.side[i] == Side::source ? 's' : 't');
+    fmt::format_to(to, "n {} {} ", file.patches[i].node, file.region[i]);
     write_patch(out, file.patches[i]);
     write_faces(out, "f", file.patches[i]);
   }

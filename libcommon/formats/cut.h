@@ -1,4 +1,4 @@
-// Cut files (.cut): the minimum cut of a flow network with the geometry of its patches.
+// Cut files (.cut): the minimum cuts of a flow network with the geometry of its patches.
 // Written by mincut; read by lightgrid and by ffgraph --refine. Self-contained with the scene.
 #pragma once
 #include <array>
@@ -33,22 +33,36 @@ struct Patch {
 enum class Side : uint8_t { source = 0, sink = 1 };
 
 struct CutArc {
-  uint32_t from, to;  ///< indices into patches: source side -> sink side, a pivot pair
+  uint32_t from, to;  ///< indices into patches: a pivot pair, `from` in the lower region
   double capacity;    ///< in units of etendue samples
+};
+
+/// One opening of those that the light passes one behind the other.
+struct Bottleneck {
+  double flow = 0;         ///< value of the cut, terminals included [etendue samples]
+  double conductance = 0;  ///< patch-to-patch part / smaller side's total; a bottleneck is small
 };
 
 struct CutFile {
   std::string scene_hash;
   PatchGrid grid;
   std::vector<Patch> patches;
-  std::vector<Side> side;    ///< of each patch
-  std::vector<CutArc> arcs;  ///< patch-to-patch arcs of the cut
-  double flow = 0;           ///< value of the cut, terminals included [etendue samples]
-  double conductance = 0;    ///< patch-to-patch part / smaller side's total; a bottleneck is small
-  bool bottleneck = false;   ///< false: the network has none (then arcs may be empty)
-  std::string reason;        ///< a plain sentence, why not, when !bottleneck
+  /// Of each patch: 0 holds the light, cuts.size() the camera. Cut c parts regions 0..c from those
+  /// above c.
+  std::vector<uint32_t> region;
+  std::vector<Bottleneck> cuts;  ///< in the light's order, at least one
+  std::vector<CutArc> arcs;      ///< patch-to-patch arcs from a region to a higher one
+  bool bottleneck = false;       ///< false: the network has none; then there is one cut
+  std::string reason;            ///< a plain sentence, why not, when !bottleneck
   Provenance provenance;
   std::string hash;  ///< content hash of the file read
+
+  /// On which side of cut `c` a region lies.
+  static Side side(uint32_t region, size_t c) { return region <= c ? Side::source : Side::sink; }
+  /// Whether an arc crosses cut `c`.
+  bool crosses(const CutArc& arc, size_t c) const {
+    return region[arc.from] <= c && region[arc.to] > c;
+  }
 };
 
 CutFile read_cut(const std::string& path);

@@ -39,10 +39,9 @@ CutFile example() {
   f.patches = {{3, 0, {1, -2, 7}, 120, {0.1, 0.2, 0.3}, {0, 1, 0}, {0, 2}},
                {9, 1, {4, 5, 6}, 3, {1, 2, 3}, {0.6, 0, -0.8}, {5}}};
   for (uint32_t k = 0; k < 40; ++k) f.patches[1].faces.push_back(2 * k + 7);
-  f.side = {Side::source, Side::sink};
+  f.region = {0, 1};
+  f.cuts = {{2.75, 0.015}};
   f.arcs = {{0, 1, 2.5}};
-  f.flow = 2.75;
-  f.conductance = 0.015;
   f.bottleneck = true;
   f.provenance.made_by("mincut", "mincut");
   f.provenance.from("room.max", "77");
@@ -59,9 +58,11 @@ TEST(cut, reads_back_what_was_written) {
   EXPECT_EQ(b.patches[1].faces, a.patches[1].faces);
   EXPECT_EQ(b.patches[0].cell, a.patches[0].cell);
   EXPECT_EQ(b.grid.base_cell, a.grid.base_cell);
-  EXPECT_EQ(b.side, a.side);
+  EXPECT_EQ(b.region, a.region);
   EXPECT_EQ(b.arcs[0].capacity, 2.5);
-  EXPECT_EQ(b.flow, 2.75);
+  ASSERT_EQ(b.cuts.size(), 1u);
+  EXPECT_EQ(b.cuts[0].flow, 2.75);
+  EXPECT_EQ(b.cuts[0].conductance, 0.015);
   EXPECT_TRUE(b.bottleneck);
   EXPECT_EQ(b.provenance.lines, a.provenance.lines);
   EXPECT_EQ(b.hash.size(), 32u);
@@ -81,31 +82,35 @@ TEST(cut, keeps_the_reason_why_there_is_no_bottleneck) {
 
 TEST(cut, says_what_is_wrong_and_where) {
   const std::string head =
-      "c tdpt cut 1\nc scene aa\nc grid 0 0 0 0.5\nc bottleneck yes\ns 1\n";  // lines 1-5
+      "c tdpt cut 2\nc scene aa\nc grid 0 0 0 0.5\nc bottleneck yes\ns 1 0.1\n";  // lines 1-5
   const std::string nodes =
-      "n 3 s 0 0 0 0 9 0 0 0 0 1 0\nf 3 0\nn 4 t 0 0 0 0 9 0 0 0 0 1 0\nf 4 2\n";
+      "n 3 0 0 0 0 0 9 0 0 0 0 1 0\nf 3 0\nn 4 1 0 0 0 0 9 0 0 0 0 1 0\nf 4 2\n";
   EXPECT_EQ(complaint(head + nodes + "a 3 4 1\n"), "(accepted)");
   const std::vector<std::pair<std::string, std::string>> cases = {
-      {"p max 3 4\n", " is no cut file, expected it to start with 'c tdpt cut 1'"},
-      {"", " is no cut file, expected it to start with 'c tdpt cut 1'"},
-      {head + "s 2\n", "line 6: a second 's' line, expected one"},
-      {"c tdpt cut 1\ns -1\n", "line 2: a negative cut, expected a value of 0 or more"},
-      {"c tdpt cut 1\ns nan\n", "line 2: 'nan' as value of the cut, expected a finite number"},
-      {"c tdpt cut 1\ns 1 2\n", "line 2: '2' found, expected the end of the line"},
+      {"p max 3 4\n", " is no cut file, expected it to start with 'c tdpt cut 2'"},
+      {"", " is no cut file, expected it to start with 'c tdpt cut 2'"},
+      {head + nodes + "s 2 0\n", "line 10: an 's' line behind a node, expected it before"},
+      {head + "s 2 -1\n", "line 6: a negative conductance, expected 0 or more"},
+      {head + "s 2 0\n" + nodes + "a 3 4 1\n",
+       " a bottleneck without arcs, cut 2, expected pivot pairs"},
+      {"c tdpt cut 2\ns -1\n", "line 2: a negative cut, expected a value of 0 or more"},
+      {"c tdpt cut 2\ns nan\n", "line 2: 'nan' as value of the cut, expected a finite number"},
+      {"c tdpt cut 2\ns 1 2 3\n", "line 2: '3' found, expected the end of the line"},
       {head + "x\n", "line 6: 'x' at the start of the line, expected one of c, s, n, f, a"},
       {head + "c scene\n", "line 6: nothing as hash of the scene, expected one"},
       {head + "c grid 0 0 0 1\n", "line 6: a second grid, expected one"},
-      {"c tdpt cut 1\nc grid 0 0 0 0\n", "line 2: a cell without size, expected a side above 0"},
-      {"c tdpt cut 1\nc bottleneck maybe\n", "line 2: 'maybe' as bottleneck, expected yes or no"},
-      {head + "n 0 s\n", "line 6: '0' as node, expected a whole number from 1 to 4294967295"},
-      {head + "n 1.5 s\n", "line 6: '1.5' as node, expected a whole number from 1 to 4294967295"},
-      {head + "n 3 q\n", "line 6: 'q' as side of the cut, expected s or t"},
-      {head + "n 3 s\n",
+      {"c tdpt cut 2\nc grid 0 0 0 0\n", "line 2: a cell without size, expected a side above 0"},
+      {"c tdpt cut 2\nc bottleneck maybe\n", "line 2: 'maybe' as bottleneck, expected yes or no"},
+      {head + "n 0 0\n", "line 6: '0' as node, expected a whole number from 1 to 4294967295"},
+      {head + "n 1.5 0\n", "line 6: '1.5' as node, expected a whole number from 1 to 4294967295"},
+      {head + "n 3 q\n", "line 6: 'q' as region, expected a whole number from 0 to 1"},
+      {head + "n 3 2\n", "line 6: '2' as region, expected a whole number from 0 to 1"},
+      {head + "n 3 0\n",
        "line 6: a node without geometry, expected the cut of a network made by ffgraph"},
-      {head + "n 3 s 99\n",
+      {head + "n 3 0 99\n",
        "line 6: '99' as level of the patch, expected a whole number from 0 to 10"},
-      {head + "n 3 s 0 0 0 0 -1\n", "line 6: a negative number of samples, expected 0 or more"},
-      {head + "n 3 s 0 0 0 0 9 0 0 0 0 0 0\n",
+      {head + "n 3 0 0 0 0 0 -1\n", "line 6: a negative number of samples, expected 0 or more"},
+      {head + "n 3 0 0 0 0 0 9 0 0 0 0 0 0\n",
        "line 6: a normal of another length, expected length 1"},
       {head + nodes + nodes, "line 10: node 3 again, expected each node once"},
       {head + nodes + "f 3\n", "line 10: nothing as face, expected at least one"},
@@ -113,15 +118,15 @@ TEST(cut, says_what_is_wrong_and_where) {
        "line 10: '-1' as face, expected a whole number from 0 to 4294967295"},
       {head + nodes + "f 7 1\n", "line 10: node 7 as node of a face, expected a patch named above"},
       {head + nodes + "a 4 3 1\n",
-       "line 10: an arc that does not cross the cut, expected one from side s to side t"},
+       "line 10: an arc that crosses no cut, expected one from a region to a higher one"},
       {head + nodes + "a 3 4 0\n", "line 10: a capacity of 0 or less, expected one above 0"},
-      {head + nodes, " a bottleneck without arcs, expected pivot pairs"},
-      {head + "n 3 s 0 0 0 0 9 0 0 0 0 1 0\n", " node 3 has no faces, expected at least one"},
-      {"c tdpt cut 1\n", " no 's' line, expected the value of the cut"},
-      {"c tdpt cut 1\ns 0\n", " no 'c bottleneck' line, expected yes or no"},
-      {"c tdpt cut 1\ns 0\nc bottleneck no\n",
+      {head + nodes, " a bottleneck without arcs, cut 1, expected pivot pairs"},
+      {head + "n 3 0 0 0 0 0 9 0 0 0 0 1 0\n", " node 3 has no faces, expected at least one"},
+      {"c tdpt cut 2\n", " no 's' line, expected the value of the cut"},
+      {"c tdpt cut 2\ns 0 0\n", " no 'c bottleneck' line, expected yes or no"},
+      {"c tdpt cut 2\ns 0 0\nc bottleneck no\n",
        " no 'c scene' line, expected the hash of the scene"},
-      {"c tdpt cut 1\ns 0\nc bottleneck no\nc scene a\n",
+      {"c tdpt cut 2\ns 0 0\nc bottleneck no\nc scene a\n",
        " no 'c grid' line, expected the grid of the patches"},
   };
   for (const auto& [text, expected] : cases) EXPECT_EQ(complaint(text), expected) << text;

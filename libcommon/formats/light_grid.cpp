@@ -88,6 +88,11 @@ PointGrid::Ptr points_of(const LightGrid& light) {
   vdb::points::appendAttribute<vdb::Vec3f>(grid->tree(), "along");
   vdb::points::PointAttributeVector<vdb::Vec3f> wrapper(along);
   vdb::points::populateAttribute(grid->tree(), index->tree(), "along", wrapper);
+  std::vector<int32_t> cut;
+  for (const LightLine& l : light.lines) cut.push_back(static_cast<int32_t>(l.cut));
+  vdb::points::appendAttribute<int32_t>(grid->tree(), "cut");
+  vdb::points::PointAttributeVector<int32_t> wrapped_cut(cut);
+  vdb::points::populateAttribute(grid->tree(), index->tree(), "cut", wrapped_cut);
   return grid;
 }
 
@@ -202,12 +207,14 @@ class Reader {
     for (auto leaf = grid->tree().cbeginLeaf(); leaf; ++leaf) {
       const auto& attributes = leaf->attributeSet();
       if (attributes.find("P") == vdb::points::AttributeSet::INVALID_POS ||
-          attributes.find("along") == vdb::points::AttributeSet::INVALID_POS)
-        fail("grid lines", "has no points with the attributes P and along");
+          attributes.find("along") == vdb::points::AttributeSet::INVALID_POS ||
+          attributes.find("cut") == vdb::points::AttributeSet::INVALID_POS)
+        fail("grid lines", "has no points with the attributes P, along and cut");
       vdb::points::AttributeHandle<vdb::Vec3f> place(leaf->constAttributeArray("P"));
       vdb::points::AttributeHandle<vdb::Vec3f> along(leaf->constAttributeArray("along"));
+      vdb::points::AttributeHandle<int32_t> cut(leaf->constAttributeArray("cut"));
       for (auto it = leaf->beginIndexOn(); it; ++it) {
-        if (*it >= place.size() || *it >= along.size())
+        if (*it >= place.size() || *it >= along.size() || *it >= cut.size())
           fail("grid lines", "names a point that does not exist");
         const vdb::Vec3d p =
             transform.indexToWorld(vdb::Vec3d(place.get(*it)) + it.getCoord().asVec3d());
@@ -221,7 +228,10 @@ class Reader {
             if (!(at >= -1 && at <= light.dim[static_cast<size_t>(c)] + 1))
               fail("grid lines", "reaches out of its box");
           }
-        light.lines.push_back({a, b});
+        if (cut.get(*it) < 0 || cut.get(*it) >= static_cast<int32_t>(kMostCuts))
+          fail("grid lines", fmt::format("holds a line of cut {}, expected one of 0 to {}",
+                                         cut.get(*it), kMostCuts - 1));
+        light.lines.push_back({a, b, static_cast<uint32_t>(cut.get(*it))});
       }
     }
   }

@@ -13,11 +13,13 @@
 
 namespace tdpt {
 
-/// One sampled line of light that joins the two sides of the cut, metres; it runs from `light`
+/// One sampled line of light that joins the two sides of a cut, metres; it runs from `light`
 /// (on the source side's surface) to `camera` (on the sink side's).
 struct LightLine {
   Vec3d light, camera;
+  uint32_t cut = 0;  ///< which cut of the .cut file, from the light to the camera
 };
+inline constexpr uint32_t kMostCuts = 64;
 
 /// Dense box of cubic voxels. Index (i,j,k) is at [i + dim[0] * (j + dim[1] * k)]; voxel (i,j,k)
 /// spans origin + voxel * [i, i+1) x [j, j+1) x [k, k+1).

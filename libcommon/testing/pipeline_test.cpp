@@ -89,14 +89,19 @@ TEST(pipeline, a_glass_pane_does_not_wall_the_hole_up) {
   EXPECT_TRUE(rooms_with_pane(0).empty());  // twin
 }
 
-TEST(pipeline, rooms_in_a_row_have_a_portal_in_one_of_their_doors) {
+TEST(pipeline, rooms_in_a_row_have_a_portal_in_each_of_their_doors) {
   const KnownAperture first =
       rectangle({2.05, 0.75, -0.25}, {0, 0.5, 0}, {0, 0, 0.5}, {-1, 0, 0}, 0.1);
   const KnownAperture second =
       rectangle({4.15, 0.75, -0.25}, {0, 0.5, 0}, {0, 0, 0.5}, {-1, 0, 0}, 0.1);
   const std::vector<Portal> portals = find_portals(kOwn + "three-rooms.glb");
-  ASSERT_GE(portals.size(), 1u);
-  EXPECT_GE(std::max(coverage(first, portals), coverage(second, portals)), 0.9);
+  const PortalScore found = score(portals, {first, second});
+  EXPECT_TRUE(found.right_number()) << portals.size();
+  EXPECT_GE(found.coverage, 0.95);
+  EXPECT_GE(found.tightness, 0.9);
+  EXPECT_LE(found.angle, 4);
+  // Twin: one of the two is not enough.
+  EXPECT_LT(score({portals[0]}, {first, second}).coverage, 0.2);
 }
 
 TEST(pipeline, a_single_room_has_no_portal) {

@@ -41,7 +41,7 @@ struct Row {
 };
 
 double number_in(const std::string& json, const std::string& key) {
-  const size_t at = json.find("\"" + key + "\":");
+  const size_t at = json.rfind("\"" + key + "\":");  // of the whole run, behind those of its phases
   return at == std::string::npos ? 0 : std::strtod(json.c_str() + at + key.size() + 3, nullptr);
 }
 

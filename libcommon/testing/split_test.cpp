@@ -1,6 +1,5 @@
 #include "libcommon/testing/split.h"
 
-
 #include <gtest/gtest.h>
 
 #include "libcommon/scene/scene.h"

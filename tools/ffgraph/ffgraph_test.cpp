@@ -175,13 +175,6 @@ TEST(etendue, twin_10_percent_too_much_is_caught) {
   EXPECT_FALSE(etendue_holds(box(), 1.1));
 }
 
-TEST(terminal_grades, are_relative_to_half_the_hit_weighted_median) {
-  // E = 10, 2, 1; hits 100, 20, 10: the median by hits is 10, half of it 5.
-  const auto g = terminal_grades({100, 20, 10, 0, 7}, {10, 10, 10, 10, 0});
-  EXPECT_EQ(g, (std::vector<double>{1, 0.4, 0.2, 0, 0}));
-  EXPECT_EQ(terminal_grades({0, 0}, {1, 1}), (std::vector<double>{0, 0}));
-}
-
 TEST(straddling, is_what_sends_less_than_the_share_to_one_side) {
   Etendue e;
   e.pairs = {{0, 1, 91}, {0, 2, 9}, {1, 3, 9}};

@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+
+#include "libcommon/math/series_cut.h"
 
 namespace tdpt {
 namespace {
@@ -60,31 +61,6 @@ std::vector<Patch> geometry_of(const PatchMap& patches, const Fragments& fragmen
 }
 
 }  // namespace
-
-std::vector<double> terminal_grades(const std::vector<double>& hits,
-                                    const std::vector<double>& samples) {
-  std::vector<double> grade(hits.size(), 0);
-  std::vector<uint32_t> order;
-  double total = 0;
-  for (uint32_t i = 0; i < hits.size(); ++i) {
-    if (samples[i] <= 0 || hits[i] <= 0) continue;
-    grade[i] = hits[i] / samples[i];
-    total += hits[i];
-    order.push_back(i);
-  }
-  if (order.empty()) return grade;
-  std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
-    return grade[a] != grade[b] ? grade[a] < grade[b] : a < b;
-  });
-  double below = 0, median = 0;
-  for (uint32_t i : order) {
-    below += hits[i];
-    median = grade[i];
-    if (below >= 0.5 * total) break;
-  }
-  for (uint32_t i : order) grade[i] = std::min(1.0, grade[i] / (0.5 * median));
-  return grade;
-}
 
 LightFlow light_flow(PatchMap patches, const std::vector<WalkHit>& light,
                      const std::vector<WalkHit>& camera, const Tracer& tracer, uint64_t seed,

@@ -22,11 +22,6 @@ struct LightFlow {
   FlowNetwork network;                          ///< node 0: source, 1: sink, k + 2: patch k
 };
 
-/// min(1, E_i / (0.5 E_med)) of each patch, E_i = hits_i / samples_i and E_med its median weighted
-/// by hits; 0 for patches without samples.
-std::vector<double> terminal_grades(const std::vector<double>& hits,
-                                    const std::vector<double>& samples);
-
 /// Patches that a walk touched, their etendue and the network. `patches` says which cells are split
 /// and holds no patch yet.
 LightFlow light_flow(PatchMap patches, const std::vector<WalkHit>& light,

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "libcommon/base/error.h"
+#include "libcommon/math/series_cut.h"
 #include "tools/ffgraph/connectivity.h"
 
 namespace tdpt {
@@ -11,12 +12,31 @@ namespace {
 // Rays that look where to split are not those that measure.
 constexpr uint64_t kLookSeed = 0x5eed;
 
-std::vector<Side> own_cut(const LightFlow& f) {
-  const MaxFlow flow = max_flow(f.network);
-  std::vector<Side> side(f.patches.size());
-  for (size_t i = 0; i < side.size(); ++i)
-    side[i] = flow.source_side[i + 2] ? Side::source : Side::sink;
-  return side;
+// Most openings in series that rounds of ffgraph's own look at.
+constexpr size_t kMostCuts = 8;
+
+struct OwnCuts {
+  std::vector<uint32_t> region;  // of each patch
+  size_t cuts;
+};
+
+OwnCuts own_cuts(const LightFlow& f) {
+  PatchNetwork patches{f.network, std::vector<double>(2, 0), kCapacityScale};
+  patches.samples.insert(patches.samples.end(), f.etendue.samples.begin(), f.etendue.samples.end());
+  const SeriesCut series = series_cut(patches, kMostCuts, {});
+  return {{series.region.begin() + 2, series.region.end()}, series.cuts.size()};
+}
+
+// Patches that straddle one of the cuts.
+std::vector<uint8_t> straddling_any(const Etendue& etendue, const OwnCuts& own, double share) {
+  std::vector<uint8_t> chosen(own.region.size(), 0);
+  for (size_t c = 0; c < own.cuts; ++c) {
+    std::vector<Side> side;
+    for (const uint32_t region : own.region) side.push_back(CutFile::side(region, c));
+    const std::vector<uint8_t> of_cut = straddling(etendue, side, share);
+    for (size_t i = 0; i < chosen.size(); ++i) chosen[i] |= of_cut[i];
+  }
+  return chosen;
 }
 
 // The patches of a cut in a map of this scene, in the order of the cut.
@@ -71,14 +91,15 @@ LightFlow build_graph(const Scene& scene, const Camera& camera, const GraphSetti
     report.rays += settings.rays;
     report.rounds = 1;
     report.why_stopped = "those of the given cut";
-    flow = estimate(finer(map, straddling(etendue, refine->side, settings.straddle_share)));
+    const OwnCuts given{refine->region, refine->cuts.size()};
+    flow = estimate(finer(map, straddling_any(etendue, given, settings.straddle_share)));
   } else {
     flow = estimate(PatchMap(scene, grid_for(scene), component));
     report.why_stopped = "as many as allowed";
     while (report.rounds < static_cast<size_t>(settings.rounds)) {
       const size_t before = report.split;
-      PatchMap map =
-          finer(flow.patches, straddling(flow.etendue, own_cut(flow), settings.straddle_share));
+      PatchMap map = finer(flow.patches,
+                           straddling_any(flow.etendue, own_cuts(flow), settings.straddle_share));
       if (report.split == before) {
         report.why_stopped = "nothing straddles any more";
         break;

@@ -17,19 +17,23 @@ LightLines::LightLines(const Scene& scene, const Tracer& tracer, const CutFile& 
   tbb::parallel_for(size_t{0}, needed.size(), [&](size_t i) {
     if (needed[i]) surfaces_[i] = std::make_unique<PatchSurface>(scene, cut.grid, cut.patches[i]);
   });
-  std::vector<double> weights;
-  for (uint32_t i = 0; i < cut.arcs.size(); ++i) {
-    const CutArc& arc = cut.arcs[i];
-    if (surfaces_[arc.from]->empty() || surfaces_[arc.to]->empty() || !(arc.capacity > 0)) continue;
-    arcs_.push_back(i);
-    weights.push_back(arc.capacity);
+  of_cut_.resize(cut.cuts.size());
+  for (size_t c = 0; c < cut.cuts.size(); ++c) {
+    std::vector<double> weights;
+    for (uint32_t i = 0; i < cut.arcs.size(); ++i) {
+      const CutArc& arc = cut.arcs[i];
+      if (!cut.crosses(arc, c) || surfaces_[arc.from]->empty() || surfaces_[arc.to]->empty())
+        continue;
+      of_cut_[c].arcs.push_back(i);
+      weights.push_back(arc.capacity);
+    }
+    if (!weights.empty()) of_cut_[c].table = AliasTable(weights);
   }
-  if (!arcs_.empty()) arc_table_ = AliasTable(weights);
 }
 
-LightLines::Fate LightLines::between_pivots(Rng& rng, JoiningLine& line) const {
+LightLines::Fate LightLines::between_pivots(size_t c, Rng& rng, JoiningLine& line) const {
   const double pick = rng.uniform();
-  const CutArc& arc = cut_.arcs[arcs_[arc_table_.sample(pick)]];
+  const CutArc& arc = cut_.arcs[of_cut_[c].arcs[of_cut_[c].table.sample(pick)]];
   line.light = surfaces_[arc.from]->sample(rng);
   line.camera = surfaces_[arc.to]->sample(rng);
   const Vec3d w = line.camera.position - line.light.position;
@@ -37,12 +41,13 @@ LightLines::Fate LightLines::between_pivots(Rng& rng, JoiningLine& line) const {
       !tracer_.visible({line.light.position, line.light.normal},
                        {line.camera.position, line.camera.normal}))
     return Fate::blocked;
-  return sees_its_side(rng, line.light, Side::source) && sees_its_side(rng, line.camera, Side::sink)
+  return sees_its_side(c, rng, line.light, Side::source) &&
+                 sees_its_side(c, rng, line.camera, Side::sink)
              ? Fate::kept
              : Fate::leak;
 }
 
-bool LightLines::sees_its_side(Rng& rng, const SurfacePoint& end, Side side) const {
+bool LightLines::sees_its_side(size_t c, Rng& rng, const SurfacePoint& end, Side side) const {
   const Onb<double> frame(end.normal);
   int same = 0, other = 0;
   for (int i = 0; i < kVotes; ++i) {
@@ -51,9 +56,9 @@ bool LightLines::sees_its_side(Rng& rng, const SurfacePoint& end, Side side) con
     Hit hit;
     if (!tracer_.closest({end.position, end.normal}, w, hit)) continue;
     const uint32_t back = dot(hit.normal, w) > 0 ? 1 : 0;
-    const auto seen = map_.side_at(2 * hit.triangle + back, hit.position);
+    const auto seen = map_.region_at(2 * hit.triangle + back, hit.position);
     if (!seen) continue;
-    ++(*seen == side ? same : other);
+    ++(CutFile::side(*seen, c) == side ? same : other);
     if (2 * same > kVotes || 2 * other > kVotes) break;
   }
   return same > other && same + other >= kFewestVotes;
@@ -63,20 +68,23 @@ std::optional<LightLines::End> LightLines::end_of(const Vec3d& place, const Vec3
   Hit hit;
   if (!tracer_.closest({place}, w, hit)) return {};
   const bool back = dot(hit.normal, w) > 0;
-  const auto side = map_.side_at(2 * hit.triangle + (back ? 1 : 0), hit.position);
-  if (!side) return {};
-  return End{{hit.position, back ? -hit.normal : hit.normal}, *side};
+  const auto region = map_.region_at(2 * hit.triangle + (back ? 1 : 0), hit.position);
+  if (!region) return {};
+  return End{{hit.position, back ? -hit.normal : hit.normal}, *region};
 }
 
-LightLines::Through LightLines::through(Rng& rng, const Vec3d& place, const Vec3d& w,
+LightLines::Through LightLines::through(size_t c, Rng& rng, const Vec3d& place, const Vec3d& w,
                                         JoiningLine& line) const {
   const auto ahead = end_of(place, w), behind = end_of(place, -w);
   if (!ahead || !behind || ahead->point.position == behind->point.position) return Through::unknown;
-  if (ahead->side == behind->side) return Through::same_side;
-  const bool along = behind->side == Side::source;
+  const Side side_ahead = CutFile::side(ahead->region, c);
+  const Side side_behind = CutFile::side(behind->region, c);
+  if (side_ahead == side_behind) return Through::same_side;
+  const bool along = side_behind == Side::source;
   line.light = along ? behind->point : ahead->point;
   line.camera = along ? ahead->point : behind->point;
-  return sees_its_side(rng, line.light, Side::source) && sees_its_side(rng, line.camera, Side::sink)
+  return sees_its_side(c, rng, line.light, Side::source) &&
+                 sees_its_side(c, rng, line.camera, Side::sink)
              ? Through::joins
              : Through::same_side;
 }

@@ -11,7 +11,7 @@
 
 namespace tdpt {
 
-/// A line from the source side to the sink side with the surfaces it ends on; canonical.
+/// A line from the source side of a cut to its sink side with the surfaces it ends on; canonical.
 struct JoiningLine {
   SurfacePoint light, camera;
 };
@@ -22,26 +22,26 @@ class LightLines {
   LightLines(const Scene& scene, const Tracer& tracer, const CutFile& cut,
              const std::string& cut_name);
 
-  /// Whether any pair of the cut has surface to draw from.
-  bool empty() const { return arcs_.empty(); }
+  /// Whether any pair of cut `c` has surface to draw from.
+  bool empty(size_t c) const { return of_cut_[c].arcs.empty(); }
 
   enum class Fate { blocked, leak, kept };
-  /// Draws a pair in proportion to its capacity and a point, uniform by area, on each of its
-  /// patches. `leak`: visible, but one of its ends lies on the other side of the opening.
-  Fate between_pivots(Rng& rng, JoiningLine& line) const;
+  /// Draws a pair of cut `c` in proportion to its capacity and a point, uniform by area, on each of
+  /// its patches. `leak`: visible, but one of its ends lies on the other side of the opening.
+  Fate between_pivots(size_t c, Rng& rng, JoiningLine& line) const;
 
   enum class Through { unknown, same_side, joins };
   /// The line through canonical `place` along unit `w`, both ways to the first surface. `unknown`:
   /// it leaves the scene or ends on a surface without a patch. `joins`: its ends lie on different
-  /// sides; then `line` holds it, turned from light to camera.
-  Through through(Rng& rng, const Vec3d& place, const Vec3d& w, JoiningLine& line) const;
+  /// sides of cut `c`; then `line` holds it, turned from light to camera.
+  Through through(size_t c, Rng& rng, const Vec3d& place, const Vec3d& w, JoiningLine& line) const;
 
  private:
-  bool sees_its_side(Rng& rng, const SurfacePoint& end, Side side) const;
+  bool sees_its_side(size_t c, Rng& rng, const SurfacePoint& end, Side side) const;
 
   struct End {
     SurfacePoint point;
-    Side side;
+    uint32_t region;
   };
   std::optional<End> end_of(const Vec3d& place, const Vec3d& w) const;
 
@@ -49,8 +49,11 @@ class LightLines {
   const CutFile& cut_;
   PatchMap map_;
   std::vector<std::unique_ptr<PatchSurface>> surfaces_;  // per patch, where an arc needs it
-  std::vector<uint32_t> arcs_;
-  AliasTable arc_table_;
+  struct Pairs {
+    std::vector<uint32_t> arcs;
+    AliasTable table;
+  };
+  std::vector<Pairs> of_cut_;
 };
 
 }  // namespace tdpt

@@ -126,12 +126,23 @@ std::optional<Place> place_on(const LightGrid& grid, const std::vector<uint32_t>
   return Place{line.light + normalize(line.camera - line.light) * at, in};
 }
 
-// Draws segments between pivot patches until the counts settle; returns those that join the two
-// sides, the first kMostKept of them.
-std::vector<LightLine> coarse_pass(const Scene& scene, const LightLines& lines,
+// Random numbers of a pass through one cut.
+uint64_t stream_of(uint64_t stream, size_t cut) {
+  return stream + (uint64_t{cut} << 32);
+}
+
+struct CoarseReport {
+  uint64_t drawn = 0, visible = 0, kept = 0;
+  double change = 1;
+  bool settled = false, stopped = false;
+};
+
+// Draws segments between pivot patches of cut `c` until the counts settle; returns those that join
+// the two sides, the first kMostKept of them.
+std::vector<LightLine> coarse_pass(const Scene& scene, const LightLines& lines, size_t c,
                                    const LightGrid& grid, const LightGridOptions& options,
                                    const LightGridWatch& watch, Tally& tally,
-                                   LightGridReport& report) {
+                                   CoarseReport& report) {
   std::vector<LightLine> kept;
   std::vector<JoiningLine> line;
   std::vector<LightLines::Fate> fate;
@@ -144,8 +155,8 @@ std::vector<LightLine> coarse_pass(const Scene& scene, const LightLines& lines,
       fate.resize(n);
       tbb::parallel_for(tbb::blocked_range<uint64_t>(0, n, kChunk), [&](const auto& range) {
         for (uint64_t i = range.begin(); i < range.end(); ++i) {
-          Rng rng(options.seed, kCoarseStream, first + i);
-          fate[i] = lines.between_pivots(rng, line[i]);
+          Rng rng(options.seed, stream_of(kCoarseStream, c), first + i);
+          fate[i] = lines.between_pivots(c, rng, line[i]);
         }
         if (watch.progress) watch.progress(range.size());
       });
@@ -167,18 +178,16 @@ std::vector<LightLine> coarse_pass(const Scene& scene, const LightLines& lines,
   return kept;
 }
 
-// The walk among the lines; fills lines, tried and joined of the grid.
-void fine_pass(const Scene& scene, const LightLines& lines, const std::vector<LightLine>& kept,
-               const Tally& tally, const LightGridOptions& options, LightGrid& grid,
-               LightGridReport& report) {
+// The walk among the lines of cut `c`; adds to lines, tried and joined of the grid.
+void fine_pass(const Scene& scene, const LightLines& lines, size_t c,
+               const std::vector<LightLine>& kept, const Tally& tally,
+               const LightGridOptions& options, LightGrid& grid, LightGridReport& report) {
   // Every chain is a line; a step draws a line through a place on it and moves there if
   // it joins the two sides, too.
-  grid.tried.assign(grid.count.size(), 0);
-  grid.joined.assign(grid.count.size(), 0);
   const size_t chains = 2 * options.lines;
   std::vector<LightLine> chain(chains);
   for (size_t i = 0; i < chains; ++i) {
-    Rng rng(options.seed, kFineStream, i, kSteps);
+    Rng rng(options.seed, stream_of(kFineStream, c), i, kSteps);
     chain[i] = kept[rng.below(static_cast<uint32_t>(kept.size()))];
   }
   struct Step {
@@ -189,14 +198,14 @@ void fine_pass(const Scene& scene, const LightLines& lines, const std::vector<Li
   for (uint64_t round = 0; round < kSteps; ++round) {
     tbb::parallel_for(tbb::blocked_range<size_t>(0, chains, 256), [&](const auto& range) {
       for (size_t i = range.begin(); i < range.end(); ++i) {
-        Rng rng(options.seed, kFineStream, i, round);
+        Rng rng(options.seed, stream_of(kFineStream, c), i, round);
         const double u = rng.uniform(), v1 = rng.uniform(), v2 = rng.uniform();
         step[i].outcome = LightLines::Through::unknown;
         const auto place = place_on(grid, tally.count, chain[i], u);
         if (!place) continue;
         const Onb<double> frame(normalize(chain[i].camera - chain[i].light));
         JoiningLine line;
-        step[i].outcome = lines.through(rng, scene.frame.to_canonical(place->at),
+        step[i].outcome = lines.through(c, rng, scene.frame.to_canonical(place->at),
                                         frame.to_world(cosine_hemisphere(v1, v2)), line);
         step[i].voxel = place->voxel;
         if (step[i].outcome == LightLines::Through::joins) chain[i] = in_metres(scene, line);
@@ -219,13 +228,15 @@ void fine_pass(const Scene& scene, const LightLines& lines, const std::vector<Li
   std::vector<double> sorted = weight;
   std::erase(sorted, 0.0);
   if (sorted.empty()) {  // no line passes counted air, so none is better than another
-    grid.lines.assign(chain.begin(), chain.begin() + static_cast<std::ptrdiff_t>(options.lines));
+    grid.lines.insert(grid.lines.end(), chain.begin(),
+                      chain.begin() + static_cast<std::ptrdiff_t>(options.lines));
     return;
   }
   const auto quarter = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 4);
   std::nth_element(sorted.begin(), quarter, sorted.end());
-  for (size_t i = 0; i < chains && grid.lines.size() < options.lines; ++i) {
-    Rng rng(options.seed, kFineStream, i, kSteps + 1);
+  const size_t most = grid.lines.size() + options.lines;
+  for (size_t i = 0; i < chains && grid.lines.size() < most; ++i) {
+    Rng rng(options.seed, stream_of(kFineStream, c), i, kSteps + 1);
     if (weight[i] > 0 && rng.uniform() * weight[i] <= *quarter) grid.lines.push_back(chain[i]);
   }
 }
@@ -256,25 +267,46 @@ LightGrid make_light_grid(const Scene& scene, const CutFile& cut, const std::str
   report.air = static_cast<size_t>(std::count(grid.air.begin(), grid.air.end(), 1));
   const Tracer tracer(scene);
   const LightLines lines(scene, tracer, cut, cut_name);
-  if (lines.empty()) return without("no pair of the cut has any surface");
-
-  Tally tally(grid.count.size());
-  const std::vector<LightLine> kept =
-      coarse_pass(scene, lines, grid, options, watch, tally, report);
-  grid.flux_share = report.visible ? static_cast<double>(report.kept) / report.visible : 0;
-  if (kept.empty()) {
+  grid.tried.assign(grid.count.size(), 0);
+  grid.joined.assign(grid.count.size(), 0);
+  report.settled = true;
+  report.change = 0;
+  std::vector<Vec3d> direction(grid.count.size());
+  for (size_t c = 0; c < cut.cuts.size() && !report.stopped; ++c) {
+    if (lines.empty(c)) continue;
+    Tally tally(grid.count.size());
+    CoarseReport coarse;
+    const std::vector<LightLine> kept =
+        coarse_pass(scene, lines, c, grid, options, watch, tally, coarse);
+    report.drawn += coarse.drawn;
+    report.visible += coarse.visible;
+    report.kept += coarse.kept;
+    report.stopped = coarse.stopped;
+    report.settled = report.settled && coarse.settled;
+    report.change = std::max(report.change, coarse.change);
+    if (kept.empty()) continue;
+    for (size_t i = 0; i < grid.count.size(); ++i) {
+      grid.count[i] += static_cast<float>(tally.count[i]);
+      direction[i] += tally.direction[i];
+    }
+    const size_t before = grid.lines.size();
+    fine_pass(scene, lines, c, kept, tally, options, grid, report);
+    for (size_t i = before; i < grid.lines.size(); ++i)
+      grid.lines[i].cut = static_cast<uint32_t>(c);
+  }
+  if (report.drawn == 0) return without("no pair of the cut has any surface");
+  grid.flux_share =
+      report.visible ? static_cast<double>(report.kept) / static_cast<double>(report.visible) : 0;
+  if (grid.lines.empty()) {
     LightGrid none = without("no segment between the pivot patches joins the two sides");
     none.flux_share = 0;
     return none;
   }
   for (size_t i = 0; i < grid.count.size(); ++i) {
-    if (tally.count[i] == 0) continue;
-    grid.count[i] = static_cast<float>(tally.count[i]);
-    grid.direction[i] = Vec3f(tally.direction[i] / tally.count[i]);
+    if (grid.count[i] == 0) continue;
+    grid.direction[i] = Vec3f(direction[i] / static_cast<double>(grid.count[i]));
     report.fullest = std::max(report.fullest, grid.count[i]);
   }
-
-  fine_pass(scene, lines, kept, tally, options, grid, report);
   return grid;
 }
 

@@ -111,12 +111,12 @@ TEST(PatchMap, FinerPatchesComeFirst) {
   coarse.faces = fine.faces = {0};
   fine.level = 2;  // cells of 0.25
   cut.patches = {coarse, fine};
-  cut.side = {Side::source, Side::sink};
+  cut.region = {0, 1};
   const PatchMap map(scene, cut, "a.cut");
-  EXPECT_EQ(map.side_at(0, {0.1, 0.1, 0}), Side::sink);
-  EXPECT_EQ(map.side_at(0, {0.5, 0.1, 0}), Side::source);
-  EXPECT_FALSE(map.side_at(1, {0.5, 0.1, 0}).has_value());
-  EXPECT_FALSE(map.side_at(0, {5, 0.1, 0}).has_value());
+  EXPECT_EQ(map.region_at(0, {0.1, 0.1, 0}), 1u);
+  EXPECT_EQ(map.region_at(0, {0.5, 0.1, 0}), 0u);
+  EXPECT_FALSE(map.region_at(1, {0.5, 0.1, 0}).has_value());
+  EXPECT_FALSE(map.region_at(0, {5, 0.1, 0}).has_value());
 }
 
 // Share of lines that pass the hole of two-rooms.glb, a millimetre let.

@@ -53,17 +53,17 @@ PatchMap::PatchMap(const Scene& scene, const CutFile& cut, const std::string& cu
         throw InputError(display_name(cut_name), fmt::format("patch {}", i),
                          fmt::format("names triangle {}, but the scene has {}", face / 2,
                                      scene.triangles.size()));
-      sides_.emplace(Key{face, patch.level, patch.cell}, cut.side[i]);
+      regions_.emplace(Key{face, patch.level, patch.cell}, cut.region[i]);
     }
   }
   std::sort(levels_.rbegin(), levels_.rend());
 }
 
-std::optional<Side> PatchMap::side_at(uint32_t face, const Vec3d& position) const {
+std::optional<uint32_t> PatchMap::region_at(uint32_t face, const Vec3d& position) const {
   const Vec3d metres = scene_.frame.to_metres(position);
   for (const int level : levels_) {
-    const auto found = sides_.find({face, level, cell_of(cut_.grid, level, metres)});
-    if (found != sides_.end()) return found->second;
+    const auto found = regions_.find({face, level, cell_of(cut_.grid, level, metres)});
+    if (found != regions_.end()) return found->second;
   }
   return {};
 }

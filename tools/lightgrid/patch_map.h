@@ -22,9 +22,9 @@ class PatchMap {
   /// `cut_name` names the cut file in the message.
   PatchMap(const Scene& scene, const CutFile& cut, const std::string& cut_name);
 
-  /// Side of the patch that holds the canonical `position` on face 2*triangle + side; nothing when
-  /// no patch does (surface that no walk has reached).
-  std::optional<Side> side_at(uint32_t face, const Vec3d& position) const;
+  /// Region of the patch that holds the canonical `position` on face 2*triangle + side; nothing
+  /// when no patch does (surface that no walk has reached).
+  std::optional<uint32_t> region_at(uint32_t face, const Vec3d& position) const;
 
  private:
   struct Key {
@@ -40,7 +40,7 @@ class PatchMap {
   const Scene& scene_;
   const CutFile& cut_;
   std::vector<int> levels_;  // that occur, finest first
-  std::unordered_map<Key, Side, Hash> sides_;
+  std::unordered_map<Key, uint32_t, Hash> regions_;
 };
 
 /// The part of a patch's faces within its cell, as triangles to draw points from.

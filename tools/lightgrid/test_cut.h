@@ -19,6 +19,7 @@ inline CutFile perfect_cut(const Scene& scene, size_t n,
   CutFile cut;
   cut.scene_hash = scene.hash;
   cut.bottleneck = true;
+  cut.cuts.resize(1);
   const Tracer tracer(scene);
   Vec3d low(1e9), high(-1e9);
   std::vector<double> areas;
@@ -77,13 +78,12 @@ inline CutFile perfect_cut(const Scene& scene, size_t n,
         patch_of(hit.triangle, hit.position, dot(hit.normal, w) < 0 ? hit.normal : -hit.normal);
     ++rays[{a, b}];
   }
-  for (const Patch& patch : cut.patches)
-    cut.side.push_back(is_source(patch.centre) ? Side::source : Side::sink);
+  for (const Patch& patch : cut.patches) cut.region.push_back(is_source(patch.centre) ? 0 : 1);
   for (const auto& [pair, count] : rays) {
     const auto [a, b] = pair;
-    if (cut.side[a] == cut.side[b]) continue;
-    cut.arcs.push_back(cut.side[a] == Side::source ? CutArc{a, b, count} : CutArc{b, a, count});
-    cut.flow += count;
+    if (cut.region[a] == cut.region[b]) continue;
+    cut.arcs.push_back(cut.region[a] == 0 ? CutArc{a, b, count} : CutArc{b, a, count});
+    cut.cuts[0].flow += count;
   }
   return cut;
 }

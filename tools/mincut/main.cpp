@@ -1,4 +1,6 @@
 // mincut: minimum cut of a flow network, verified.
+#include <algorithm>
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -14,38 +16,46 @@ namespace {
 
 struct Arguments {
   std::string network = "-";
-  int64_t cuts = 1;
+  int64_t cuts = 8;
   CutLimits limits;
 };
 
 int run(const Arguments& a, const cli::Common& common) {
-  if (a.cuts > 1) throw UsageError("--cuts above 1 is not built yet: leave it at 1");
   check_output(common.output);
   const DimacsFile problem = read_dimacs(a.network);
-  const MaxFlow flow = max_flow(problem.network);
-  verify_max_flow(problem.network, flow);
   const Provenance provenance = common.provenance({{a.network, problem.hash, problem.provenance}});
 
   nlohmann::ordered_json summary;
   summary["nodes"] = problem.network.nodes;
   summary["arcs"] = problem.network.arcs.size();
-  summary["flow"] = flow.value;
   summary["scale"] = problem.scale;
   if (!problem.has_patches) {
+    const MaxFlow flow = max_flow(problem.network);
+    verify_max_flow(problem.network, flow);
+    summary["flow"] = flow.value;
     write_output(common.output, plain_cut_text(problem, flow, provenance));
     common.note(fmt::format("maximum flow {}", flow.value));
   } else {
-    CutFile cut = cut_of(problem, flow, a.limits);
+    CutFile cut = cut_of(problem, static_cast<size_t>(a.cuts), a.limits);
     cut.provenance = provenance;
     write_output(common.output, cut_text(cut));
-    summary["cut_arcs"] = cut.arcs.size();
-    summary["conductance"] = cut.conductance;
     summary["bottleneck"] = cut.bottleneck;
-    if (!cut.bottleneck) summary["reason"] = cut.reason;
-    common.note(cut.bottleneck ? fmt::format("{} pivot pairs; {:.2g} of the smaller side's light "
-                                             "crosses the cut",
-                                             cut.arcs.size(), cut.conductance)
-                               : "no bottleneck: " + cut.reason);
+    summary["cuts"] = nlohmann::ordered_json::array();
+    for (size_t c = 0; c < cut.cuts.size(); ++c) {
+      const auto pairs = std::count_if(cut.arcs.begin(), cut.arcs.end(),
+                                       [&](const CutArc& arc) { return cut.crosses(arc, c); });
+      summary["cuts"].push_back(
+          {{"flow", cut.cuts[c].flow}, {"conductance", cut.cuts[c].conductance}, {"pairs", pairs}});
+      if (cut.bottleneck)
+        common.note(fmt::format(
+            "{}{} pivot pairs; {:.2g} of the smaller side's light crosses the cut",
+            cut.cuts.size() > 1 ? fmt::format("bottleneck {} of {}: ", c + 1, cut.cuts.size()) : "",
+            pairs, cut.cuts[c].conductance));
+    }
+    if (!cut.bottleneck) {
+      summary["reason"] = cut.reason;
+      common.note("no bottleneck: " + cut.reason);
+    }
   }
   summary["cpu_seconds"] = cpu_seconds();
   common.summary(summary.dump());
@@ -63,8 +73,7 @@ int main(int argc, char** argv) {
   options.argument("network", a.network,
                    "Network (DIMACS maximum-flow problem); default standard input", false);
   options.option("--cuts", a.cuts, "K",
-                 "Bottlenecks to find one behind the other; only 1, the default, is supported", 1,
-                 64);
+                 "Most bottlenecks to look for, one behind the other; default 8", 1, 64);
   options.option("--least-area", a.limits.least_area, "SHARE",
                  "Share of the area that the smaller side must have; default 0.03", 0, 0.5);
   options.option("--largest-conductance", a.limits.largest_conductance, "C",

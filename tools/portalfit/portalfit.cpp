@@ -60,9 +60,10 @@ Polygon trimmed(Polygon hull, std::vector<Vec2d>& points) {
   }
 }
 
-std::vector<uint32_t> lines_across(const LightGrid& grid, const Aperture& a) {
+std::vector<uint32_t> lines_across(const LightGrid& grid, const std::vector<uint32_t>& all,
+                                   const Aperture& a) {
   std::vector<uint32_t> lines;
-  for (uint32_t l = 0; l < grid.lines.size(); ++l)
+  for (const uint32_t l : all)
     if (Vec2d at; crossing(a.plane, grid.lines[l], at) && contains(a.polygon, at))
       lines.push_back(l);
   return lines;
@@ -192,7 +193,9 @@ std::pair<double, double> pca_angles(const LightGrid& grid, const Vec3d& n) {
   return {angle(main), angle(minor)};
 }
 
-Portal portal_of(const LightGrid& grid, const Aperture& a, std::optional<double> support) {
+// `of`: lines of the cut.
+Portal portal_of(const LightGrid& grid, const Aperture& a, size_t of,
+                 std::optional<double> support) {
   Portal portal;
   for (const Vec2d& p : a.polygon) portal.vertices.push_back(to_space(a.plane, p));
   portal.triangles = triangulate(a.polygon);
@@ -201,7 +204,7 @@ Portal portal_of(const LightGrid& grid, const Aperture& a, std::optional<double>
   const Vec3d mean = normalize(sum);
   auto& f = portal.figures;
   f["area"] = area(a.polygon);
-  f["flux_share"] = static_cast<double>(a.lines.size()) / static_cast<double>(grid.lines.size());
+  f["flux_share"] = static_cast<double>(a.lines.size()) / static_cast<double>(of);
   if (support) f["support"] = *support;
   f["direction_x"] = mean.x;
   f["direction_y"] = mean.y;
@@ -218,7 +221,8 @@ Portal portal_of(const LightGrid& grid, const Aperture& a, std::optional<double>
 // crosses the plane of the first beyond its edge and draws its outline there. So each is outlined
 // again by the lines that cross it alone, if these are most of its lines (they are not where
 // openings follow each other).
-void part_from_each_other(const LightGrid& grid, std::vector<Aperture>& found) {
+void part_from_each_other(const LightGrid& grid, const std::vector<uint32_t>& all,
+                          std::vector<Aperture>& found) {
   if (found.size() < 2) return;
   std::vector<int> crossed(grid.lines.size(), 0);
   for (const Aperture& a : found)
@@ -232,40 +236,38 @@ void part_from_each_other(const LightGrid& grid, std::vector<Aperture>& found) {
     auto again = outlined(grid, alone, found[i].plane);
     if (!again) continue;
     // Its lines are all that cross it.
-    again->lines = lines_across(grid, *again);
+    again->lines = lines_across(grid, all, *again);
     if (2 * again->lines.size() >= found[i].lines.size()) sharper[i] = std::move(*again);
   }
   found = std::move(sharper);
 }
 
-}  // namespace
-
-FitResult fit_portals(const LightGrid& grid, const PortalFitOptions& options) {
-  FitResult result;
-  if (!grid.bottleneck || grid.lines.empty()) return result;
-  const auto total = static_cast<double>(grid.lines.size());
-  std::vector<uint32_t> rest(grid.lines.size());
-  std::iota(rest.begin(), rest.end(), 0u);
+// The openings that the lines `all` of one cut pass.
+std::vector<Aperture> fit_cut(const LightGrid& grid, const std::vector<uint32_t>& all,
+                              const PortalFitOptions& options, std::vector<std::string>& refused) {
+  const auto total = static_cast<double>(all.size());
+  std::vector<uint32_t> rest = all;
   std::vector<Aperture> found;
   // A refused candidate costs its lines, so this ends.
-  while (static_cast<double>(rest.size()) >= options.threshold * total &&
-         rest.size() >= kFewestLines && found.size() < options.max_portals &&
-         result.refused.size() < options.max_portals) {
+  for (size_t refusals = 0; static_cast<double>(rest.size()) >= options.threshold * total &&
+                            rest.size() >= kFewestLines && found.size() < options.max_portals &&
+                            refusals < options.max_portals;) {
     const auto aperture = find_aperture(grid, rest);
     if (!aperture || aperture->lines.empty()) {
-      result.refused.push_back("the lines left have no common waist");
+      refused.push_back("the lines left have no common waist");
       break;
     }
     const double share = static_cast<double>(aperture->lines.size()) / total;
     const auto support = support_of(grid, *aperture);
+    ++refusals;
     if (share < options.threshold) {
-      result.refused.push_back(
-          fmt::format("a candidate carries {:.1f} % of the lines only", 100 * share));
+      refused.push_back(fmt::format("a candidate carries {:.1f} % of the lines only", 100 * share));
     } else if (support && *support < options.support) {
-      result.refused.push_back(fmt::format(
+      refused.push_back(fmt::format(
           "a candidate lies within one side: only {:.0f} % of the lines through it join the two",
           100 * *support));
     } else {
+      --refusals;
       found.push_back(*aperture);
     }
     std::vector<uint32_t> left;
@@ -273,14 +275,51 @@ FitResult fit_portals(const LightGrid& grid, const PortalFitOptions& options) {
                         std::back_inserter(left));
     rest = std::move(left);
   }
-  part_from_each_other(grid, found);
-  std::vector<bool> explained(grid.lines.size(), false);
-  for (const Aperture& aperture : found) {
-    result.portals.push_back(portal_of(grid, aperture, support_of(grid, aperture)));
-    for (const uint32_t l : aperture.lines) explained[l] = true;
+  part_from_each_other(grid, all, found);
+  return found;
+}
+
+// Whether one opening is the other again, found by the light of another cut.
+bool same_opening(const LightGrid& grid, const Aperture& a, const Aperture& b) {
+  const double size = std::sqrt(std::min(area(a.polygon), area(b.polygon)));
+  const auto middle = [](const Aperture& x) {
+    Vec3d sum{};
+    for (const Vec2d& p : x.polygon) sum += to_space(x.plane, p);
+    return sum / static_cast<double>(x.polygon.size());
+  };
+  constexpr double kNear = 0.9;  // cosine
+  return dot(a.plane.n, b.plane.n) > kNear &&
+         length(middle(a) - middle(b)) < std::max(0.3 * size, grid.voxel);
+}
+
+}  // namespace
+
+FitResult fit_portals(const LightGrid& grid, const PortalFitOptions& options) {
+  FitResult result;
+  if (!grid.bottleneck || grid.lines.empty()) return result;
+  std::vector<std::vector<uint32_t>> of_cut;
+  for (uint32_t l = 0; l < grid.lines.size(); ++l) {
+    const uint32_t c = grid.lines[l].cut;
+    if (c >= of_cut.size()) of_cut.resize(c + 1);
+    of_cut[c].push_back(l);
   }
-  result.explained =
-      static_cast<double>(std::count(explained.begin(), explained.end(), true)) / total;
+  std::vector<Aperture> found;
+  size_t explained = 0;
+  for (const std::vector<uint32_t>& lines : of_cut) {
+    std::vector<uint32_t> crossed;
+    for (const Aperture& a : fit_cut(grid, lines, options, result.refused)) {
+      crossed.insert(crossed.end(), a.lines.begin(), a.lines.end());
+      if (found.size() >= options.max_portals ||
+          std::any_of(found.begin(), found.end(),
+                      [&](const Aperture& b) { return same_opening(grid, a, b); }))
+        continue;
+      found.push_back(a);
+      result.portals.push_back(portal_of(grid, a, lines.size(), support_of(grid, a)));
+    }
+    std::sort(crossed.begin(), crossed.end());
+    explained += static_cast<size_t>(std::unique(crossed.begin(), crossed.end()) - crossed.begin());
+  }
+  result.explained = static_cast<double>(explained) / static_cast<double>(grid.lines.size());
   return result;
 }
 

@@ -1,0 +1,57 @@
+// Bottlenecks one behind the other: minimum cuts of a network of patches, and of what they part.
+//
+// The minimum cut finds the narrowest of several openings in series. Each side of it is then a
+// problem of its own, between its terminal and the opening just found, and is cut again, until no
+// side holds a bottleneck.
+#pragma once
+#include <functional>
+#include <string>
+
+#include "libcommon/math/max_flow.h"
+
+namespace tdpt {
+
+struct CutLimits {
+  /// Share of the whole area that either side of a bottleneck must have.
+  double least_area = 0.03;
+  /// Conductance: capacity across the cut / capacity of all arcs that leave patches of the smaller
+  /// side for other patches. A bottleneck's is at most this.
+  double largest_conductance = 0.12;
+};
+
+/// A network whose nodes but two are patches of surface.
+struct PatchNetwork {
+  FlowNetwork network;
+  std::vector<double> samples;  ///< of each node: its area [samples of etendue]; terminals: 0
+  double scale = 1;             ///< capacity of one sample
+};
+
+struct SeriesCut {
+  struct Cut {
+    int64_t flow;        ///< its value, terminals included [units of the network]
+    double conductance;  ///< of the whole network, parted here
+  };
+  /// In the light's order; at least one. Cut c parts the regions 0..c from those above c.
+  std::vector<Cut> cuts;
+  std::vector<uint32_t> region;  ///< of each node, 0 at the source, cuts.size() at the sink
+  bool bottleneck = false;       ///< whether the cuts are bottlenecks; if not there is one cut
+  std::string reason;            ///< a plain sentence, why not, when !bottleneck
+};
+
+/// Solves one maximum-flow problem; a caller may check the answer on its way.
+using FlowSolver = std::function<MaxFlow(const FlowNetwork&)>;
+
+/// At most `most` cuts. Where an opening takes the place of a terminal, its arcs are graded as
+/// terminals are: by a diffusion that enters through it and goes on for kDiffusionSteps
+/// reflections.
+SeriesCut series_cut(const PatchNetwork& problem, size_t most, const CutLimits& limits,
+                     const FlowSolver& solve = max_flow);
+
+/// min(1, E_i / (0.5 E_med)) of each patch, E_i = hits_i / samples_i and E_med its median weighted
+/// by hits; 0 for patches without samples.
+std::vector<double> terminal_grades(const std::vector<double>& hits,
+                                    const std::vector<double>& samples);
+
+inline constexpr int kDiffusionSteps = 12;
+
+}  // namespace tdpt

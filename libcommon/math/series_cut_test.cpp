@@ -1,0 +1,109 @@
+#include "libcommon/math/series_cut.h"
+
+#include <gtest/gtest.h>
+
+#include "libcommon/math/rng.h"
+
+namespace tdpt {
+namespace {
+
+constexpr int kPatches = 20;  // of a room
+
+// Rooms in a row of kPatches patches of 50 samples each, all in sight of each other; `door[r]`
+// joins the patches of room r to those of room r + 1. The camera is in room 0, the lamp in the
+// last; terminals reach other rooms as strongly as the doors let them.
+PatchNetwork rooms_in_row(const std::vector<int64_t>& door) {
+  constexpr int64_t kEach = 25000 / kPatches;
+  const auto rooms = static_cast<uint32_t>(door.size() + 1);
+  PatchNetwork p;
+  p.scale = 1000;
+  p.network = {2 + rooms * kPatches, 0, 1, {}};
+  p.samples.assign(p.network.nodes, 50);
+  p.samples[0] = p.samples[1] = 0;
+  const auto node = [](uint32_t room, uint32_t i) { return 2 + room * kPatches + i; };
+  for (uint32_t r = 0; r < rooms; ++r)
+    for (uint32_t i = 0; i < kPatches; ++i) {
+      for (uint32_t j = 0; j < kPatches; ++j)
+        if (i != j) p.network.arcs.push_back({node(r, i), node(r, j), kEach});
+      if (r == 0) p.network.arcs.push_back({node(r, i), 1, 50000});
+      if (r + 1 == rooms) p.network.arcs.push_back({0, node(r, i), 50000});
+    }
+  for (uint32_t r = 0; r + 1 < rooms; ++r) {
+    for (uint32_t i = 0; i < kPatches; ++i) {
+      p.network.arcs.push_back({node(r, i), node(r + 1, i), door[r] / kPatches});
+      p.network.arcs.push_back({node(r + 1, i), node(r, i), door[r] / kPatches});
+    }
+  }
+  return p;
+}
+
+// Region of each room when all its patches share one; 99 otherwise.
+std::vector<uint32_t> regions(const PatchNetwork& p, const SeriesCut& cut) {
+  std::vector<uint32_t> of_room;
+  for (uint32_t v = 2; v < p.network.nodes; ++v) {
+    if ((v - 2) % kPatches == 0) of_room.push_back(cut.region[v]);
+    if (cut.region[v] != of_room.back()) of_room.back() = 99;
+  }
+  return of_room;
+}
+
+TEST(series_cut, finds_every_door_of_a_row_in_the_lights_order) {
+  for (const std::vector<int64_t>& doors :
+       {std::vector<int64_t>{400}, {400, 300}, {300, 400}, {350, 300, 400, 200}}) {
+    const PatchNetwork p = rooms_in_row(doors);
+    const SeriesCut cut = series_cut(p, 8, {});
+    EXPECT_TRUE(cut.bottleneck) << cut.reason;
+    EXPECT_EQ(cut.cuts.size(), doors.size());
+    std::vector<uint32_t> expected;
+    for (size_t r = 0; r <= doors.size(); ++r)
+      expected.push_back(static_cast<uint32_t>(doors.size() - r));
+    EXPECT_EQ(regions(p, cut), expected);
+    for (size_t c = 0; c < cut.cuts.size(); ++c) {
+      EXPECT_GT(cut.cuts[c].conductance, 0);
+      EXPECT_LE(cut.cuts[c].conductance, 0.12);
+    }
+  }
+}
+
+TEST(series_cut, takes_the_narrowest_when_it_may_take_one_only) {
+  const PatchNetwork p = rooms_in_row({400, 300});
+  const SeriesCut cut = series_cut(p, 1, {});
+  ASSERT_EQ(cut.cuts.size(), 1u);
+  EXPECT_EQ(cut.cuts[0].flow, 300);
+  EXPECT_EQ(regions(p, cut), (std::vector<uint32_t>{1, 1, 0}));
+}
+
+TEST(series_cut, does_not_cut_what_is_one_room) {
+  // A door as wide as the room is none, whatever lies behind it.
+  const PatchNetwork p = rooms_in_row({400, 200000});
+  const SeriesCut cut = series_cut(p, 8, {});
+  EXPECT_EQ(cut.cuts.size(), 1u);
+  EXPECT_EQ(regions(p, cut), (std::vector<uint32_t>{1, 0, 0}));
+  const PatchNetwork open = rooms_in_row({200000});
+  const SeriesCut none = series_cut(open, 8, {});
+  EXPECT_FALSE(none.bottleneck);
+  EXPECT_EQ(none.cuts.size(), 1u);
+  EXPECT_NE(none.reason, "");
+}
+
+// A closet off the light's way has a door, too, but no light passes it on its way to the camera.
+TEST(series_cut, leaves_a_closet_beside_the_lights_way_alone) {
+  PatchNetwork p = rooms_in_row({400, 300});
+  // Room 2, the lamp's, loses its arcs to the lamp; room 1 becomes the lamp's: 2 is a closet.
+  for (FlowArc& a : p.network.arcs)
+    if (a.from == 0) a.to -= kPatches;
+  const SeriesCut cut = series_cut(p, 8, {});
+  ASSERT_EQ(cut.cuts.size(), 1u);
+  EXPECT_EQ(regions(p, cut)[0], 1u);
+  EXPECT_EQ(regions(p, cut)[1], 0u);
+}
+
+TEST(terminal_grades, are_relative_to_half_the_hit_weighted_median) {
+  // E = 10, 2, 1; hits 100, 20, 10: the median by hits is 10, half of it 5.
+  const auto g = terminal_grades({100, 20, 10, 0, 7}, {10, 10, 10, 10, 0});
+  EXPECT_EQ(g, (std::vector<double>{1, 0.4, 0.2, 0, 0}));
+  EXPECT_EQ(terminal_grades({0, 0}, {1, 1}), (std::vector<double>{0, 0}));
+}
+
+}  // namespace
+}  // namespace tdpt
