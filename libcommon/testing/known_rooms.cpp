@@ -104,7 +104,7 @@ class Architect {
             o.y1 < first.y0 - kGap)
           openings.push_back(o);
       }
-      if (!is(RoomKind::ajar) && !is(RoomKind::ajar_full) && !is(RoomKind::wide_window)) {
+      if (!is(RoomKind::ajar) && !is(RoomKind::ajar_full)) {
         const double x = end(w) + 0.5 * thickness_[w];
         for (const WallOpening& o : openings)
           room_.apertures.push_back(

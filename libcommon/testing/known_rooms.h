@@ -16,7 +16,7 @@ enum class RoomKind {
   holes_in_row,   ///< three rooms, two holes
   doors_in_row,   ///< three rooms, two doors
   keyhole,        ///< 0.01 m in a wall 4 m wide
-  wide_window,    ///< most of the wall: no bottleneck
+  wide_window,    ///< most of the wall: hardly a bottleneck
   open_room       ///< one room, lamp and camera in it
 };
 const char* name_of(RoomKind kind);
