@@ -1,6 +1,7 @@
 #include "tools/lightgrid/patch_map.h"
 
 #include <cmath>
+#include <numeric>
 
 #include <fmt/format.h>
 
@@ -36,14 +37,8 @@ void clip(std::vector<Vec3d>& polygon, int axis, double at, double sign) {
 
 }  // namespace
 
-size_t PatchMap::Hash::operator()(const Key& k) const {
-  uint64_t h = mix64(k.face + (static_cast<uint64_t>(k.level) << 40));
-  for (const int32_t c : k.cell) h = mix64(h ^ static_cast<uint32_t>(c));
-  return h;
-}
-
 PatchMap::PatchMap(const Scene& scene, const CutFile& cut, const std::string& cut_name)
-    : scene_(scene), cut_(cut) {
+    : scene_(scene), cut_(cut), first_(2 * scene.triangles.size() + 1, 0) {
   for (size_t i = 0; i < cut.patches.size(); ++i) {
     const Patch& patch = cut.patches[i];
     if (std::find(levels_.begin(), levels_.end(), patch.level) == levels_.end())
@@ -53,17 +48,32 @@ PatchMap::PatchMap(const Scene& scene, const CutFile& cut, const std::string& cu
         throw InputError(display_name(cut_name), fmt::format("patch {}", i),
                          fmt::format("names triangle {}, but the scene has {}", face / 2,
                                      scene.triangles.size()));
-      regions_.emplace(Key{face, patch.level, patch.cell}, cut.region[i]);
+      ++first_[face + 1];
     }
   }
   std::sort(levels_.rbegin(), levels_.rend());
+  std::partial_sum(first_.begin(), first_.end(), first_.begin());
+
+  // Patches are handed out to their faces in order, so each face has its own in order.
+  std::vector<uint32_t> order(cut.patches.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::stable_sort(order.begin(), order.end(),
+                   [&](uint32_t a, uint32_t b) { return place(a) < place(b); });
+  patches_.resize(first_.back());
+  std::vector<uint32_t> next(first_.begin(), first_.end() - 1);
+  for (const uint32_t patch : order)
+    for (const uint32_t face : cut.patches[patch].faces) patches_[next[face]++] = patch;
 }
 
 std::optional<uint32_t> PatchMap::region_at(uint32_t face, const Vec3d& position) const {
+  const auto begin = patches_.begin() + first_[face], end = patches_.begin() + first_[face + 1];
+  if (begin == end) return {};
   const Vec3d metres = scene_.frame.to_metres(position);
   for (const int level : levels_) {
-    const auto found = regions_.find({face, level, cell_of(cut_.grid, level, metres)});
-    if (found != regions_.end()) return found->second;
+    const Place wanted{level, cell_of(cut_.grid, level, metres)};
+    const auto found = std::lower_bound(
+        begin, end, wanted, [&](uint32_t patch, const Place& p) { return place(patch) < p; });
+    if (found != end && place(*found) == wanted) return cut_.region[*found];
   }
   return {};
 }

@@ -2,7 +2,7 @@
 // patch.
 #pragma once
 #include <optional>
-#include <unordered_map>
+#include <vector>
 
 #include "libcommon/formats/cut.h"
 #include "libcommon/math/rng.h"
@@ -27,20 +27,16 @@ class PatchMap {
   std::optional<uint32_t> region_at(uint32_t face, const Vec3d& position) const;
 
  private:
-  struct Key {
-    uint32_t face;
-    int level;
-    std::array<int32_t, 3> cell;
-    bool operator==(const Key&) const = default;
-  };
-  struct Hash {
-    size_t operator()(const Key& k) const;
-  };
+  using Place = std::pair<int, std::array<int32_t, 3>>;  // level and cell
+  Place place(uint32_t patch) const {
+    return {cut_.patches[patch].level, cut_.patches[patch].cell};
+  }
 
   const Scene& scene_;
   const CutFile& cut_;
   std::vector<int> levels_;  // that occur, finest first
-  std::unordered_map<Key, uint32_t, Hash> regions_;
+  // Patches of face f at first_[f] .. first_[f + 1]: by level, then by cell.
+  std::vector<uint32_t> first_, patches_;
 };
 
 /// The part of a patch's faces within its cell, as triangles to draw points from.
