@@ -6,6 +6,7 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/output_file.h"
+#include "libcommon/base/phases.h"
 #include "libcommon/base/threads.h"
 #include "libcommon/cli/cli.h"
 #include "tools/mincut/cut_of.h"
@@ -22,8 +23,11 @@ struct Arguments {
 
 int run(const Arguments& a, const cli::Common& common) {
   check_output(common.output);
+  Phases phases;
   const DimacsFile problem = read_dimacs(a.network);
   const Provenance provenance = common.provenance({{a.network, problem.hash, problem.provenance}});
+
+  phases.done("load");
 
   nlohmann::ordered_json summary;
   summary["nodes"] = problem.network.nodes;
@@ -32,12 +36,14 @@ int run(const Arguments& a, const cli::Common& common) {
   if (!problem.has_patches) {
     const MaxFlow flow = max_flow(problem.network);
     verify_max_flow(problem.network, flow);
+    phases.done("flow");
     summary["flow"] = flow.value;
     write_output(common.output, plain_cut_text(problem, flow, provenance));
     common.note(fmt::format("maximum flow {}", flow.value));
   } else {
     CutFile cut = cut_of(problem, static_cast<size_t>(a.cuts), a.limits);
     cut.provenance = provenance;
+    phases.done("flow");
     write_output(common.output, cut_text(cut));
     summary["bottleneck"] = cut.bottleneck;
     summary["cuts"] = nlohmann::ordered_json::array();
@@ -57,7 +63,10 @@ int run(const Arguments& a, const cli::Common& common) {
       common.note("no bottleneck: " + cut.reason);
     }
   }
+  phases.done("write");
+  summary["phases"] = phases;
   summary["cpu_seconds"] = cpu_seconds();
+  summary["peak_bytes"] = peak_memory();
   common.summary(summary.dump());
   return 0;
 }
