@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/parallel_sort.h>
 
 #include "libcommon/math/warp.h"
 
@@ -17,39 +19,55 @@ double density(int level) {
   return std::ldexp(1.0, 2 * std::min(level, kDensestLevel));
 }
 
-// Sums the weights of equal pairs. Weights are powers of two, so sums do not depend on order.
-void merge(std::vector<Etendue::Pair>& pairs) {
-  std::sort(pairs.begin(), pairs.end(),
-            [](const auto& a, const auto& b) { return a.i != b.i ? a.i < b.i : a.j < b.j; });
-  size_t kept = 0;
-  for (const Etendue::Pair& p : pairs) {
-    if (kept > 0 && pairs[kept - 1].i == p.i && pairs[kept - 1].j == p.j)
-      pairs[kept - 1].count += p.count;
-    else
-      pairs[kept++] = p;
+using Ends = std::pair<uint32_t, uint32_t>;  // smaller first
+
+void add_steps(const PatchTrace& walks, std::vector<double>& starts, std::vector<Ends>& rays) {
+  const auto on_patch = [](uint32_t entry) { return entry < kTraceStopped; };
+  for (size_t k = 0; k + 1 < walks.size(); ++k) {
+    const uint32_t from = walks[k], to = walks[k + 1];
+    if (!on_patch(from) || to == kTraceStopped) continue;
+    starts[from] += 1;
+    if (on_patch(to) && to != from) rays.push_back(std::minmax(from, to));
   }
-  pairs.resize(kept);
+}
+
+// Counts equal ends. q: rays that start on a patch per sample.
+std::vector<Etendue::Pair> pairs_of(std::vector<Ends>& rays, const std::vector<double>& q) {
+  tbb::parallel_sort(rays.begin(), rays.end());
+  std::vector<Etendue::Pair> pairs;
+  for (size_t k = 0; k < rays.size();) {
+    size_t end = k;
+    while (end < rays.size() && rays[end] == rays[k]) ++end;
+    const auto [i, j] = rays[k];
+    pairs.push_back({i, j, 2 * static_cast<double>(end - k) / (q[i] + q[j])});
+    k = end;
+  }
+  return pairs;
 }
 
 }  // namespace
 
 Etendue measure_etendue(const PatchMap& patches, const Fragments& fragments, const Tracer& tracer,
-                        uint64_t seed, uint32_t rays) {
+                        uint64_t seed, uint32_t rays, const std::vector<PatchTrace>& walks) {
   Etendue e;
   e.samples.assign(patches.size(), 0);
   if (fragments.all().empty()) return e;
-  std::vector<double> weights;
+  std::vector<double> weights, starts(patches.size(), 0);
   double total = 0;
   for (const Fragments::Fragment& f : fragments.all()) {
     weights.push_back(f.area * density(patches.keys()[f.patch].level));
     total += weights.back();
   }
-  for (const Fragments::Fragment& f : fragments.all()) e.samples[f.patch] += rays * f.area / total;
+  size_t k = 0;
+  for (const Fragments::Fragment& f : fragments.all()) {
+    e.samples[f.patch] += rays * f.area / total;
+    starts[f.patch] += rays * weights[k++] / total;
+  }
   const AliasTable table(weights);
 
-  std::vector<Etendue::Pair> ray(rays, {kNoPatch, kNoPatch, 0});
-  tbb::parallel_for(uint32_t{0}, rays, [&](uint32_t k) {
-    Rng rng(seed, kStream, k);
+  std::vector<Ends> ray(rays, {kNoPatch, kNoPatch});
+  tbb::parallel_for(uint32_t{0}, rays, [&](uint32_t n) {
+    Rng rng(seed, kStream, n);
     const uint32_t fragment = table.sample(rng.uniform());
     const Fragments::Point from = fragments.sample(fragment, rng);
     const double u = rng.uniform();
@@ -59,13 +77,13 @@ Etendue measure_etendue(const PatchMap& patches, const Fragments& fragments, con
     if (!tracer.closest({from.position, from.normal}, w, hit)) return;
     const uint32_t to =
         patches.find(2 * hit.triangle + (dot(hit.normal, w) > 0 ? 1 : 0), hit.position);
-    if (to == kNoPatch || to == from.patch) return;
-    ray[k] = {std::min(from.patch, to), std::max(from.patch, to),
-              1 / density(patches.keys()[from.patch].level)};
+    if (to != kNoPatch && to != from.patch) ray[n] = std::minmax(from.patch, to);
   });
-  std::erase_if(ray, [](const Etendue::Pair& p) { return p.i == kNoPatch; });
-  merge(ray);
-  e.pairs = std::move(ray);
+  std::erase_if(ray, [](const Ends& r) { return r.first == kNoPatch; });
+  for (const PatchTrace& trace : walks) add_steps(trace, starts, ray);
+  for (size_t i = 0; i < starts.size(); ++i)
+    if (e.samples[i] > 0) starts[i] /= e.samples[i];
+  e.pairs = pairs_of(ray, starts);
   return e;
 }
 

@@ -1,6 +1,12 @@
 // Etendue between patches, by rays [DESIGN 3.1]: points uniform by area on the patches, cosine
 // directions, closest hit. The count n_ij estimates A_i F_ij + A_j F_ji, which is additive, so
 // invariant under subdivision, and has no singularity where patches touch.
+//
+// Steps of walks over diffuse surfaces are such rays, too, but that they start where the walk is:
+// of the rays that leave patch i the same share arrives at j. With q_i rays that start on patch i
+// for each of its samples and C_ij rays from i to j,
+//   n_ij = 2 (C_ij + C_ji) / (q_i + q_j)
+// is the estimate of maximum likelihood. So a hole that few rays find is found by the walks, too.
 #pragma once
 #include <cstdint>
 #include <vector>
@@ -20,9 +26,14 @@ struct Etendue {
       samples;  ///< n_i: expected number of samples on patch i, in proportion to its area
 };
 
-/// `rays` samples. A patch at level l is sampled 4^l times as densely per area (up to 4^2), and its
-/// samples count 1/4^l: so the splinters of a split patch are not left without rays.
+/// Patches that walks came by: the patch of each hit, kNoPatch where there is none, one of the two
+/// marks behind each walk.
+using PatchTrace = std::vector<uint32_t>;
+inline constexpr uint32_t kTraceLeft = UINT32_MAX - 1, kTraceStopped = UINT32_MAX - 2;
+
+/// `rays` samples, and the steps of `walks`. A patch at level l is sampled 4^l times as densely per
+/// area (up to 4^2): so the splinters of a split patch are not left without rays.
 Etendue measure_etendue(const PatchMap& patches, const Fragments& fragments, const Tracer& tracer,
-                        uint64_t seed, uint32_t rays);
+                        uint64_t seed, uint32_t rays, const std::vector<PatchTrace>& walks = {});
 
 }  // namespace tdpt

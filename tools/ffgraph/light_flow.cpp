@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <oneapi/tbb/parallel_for.h>
+
 #include "libcommon/math/series_cut.h"
 
 namespace tdpt {
@@ -60,14 +62,32 @@ std::vector<Patch> geometry_of(const PatchMap& patches, const Fragments& fragmen
   return geometry;
 }
 
+PatchTrace trace_of(const PatchMap& patches, const Walks& walks) {
+  PatchTrace trace(walks.size());
+  tbb::parallel_for(size_t{0}, walks.size(), [&](size_t k) {
+    const WalkHit& h = walks[k];
+    trace[k] = h.face == kWalkLeft      ? kTraceLeft
+               : h.face == kWalkStopped ? kTraceStopped
+                                        : patches.find(h.face, Vec3d(h.position));
+  });
+  return trace;
+}
+
+std::vector<double> hits_of(const PatchMap& patches, const PatchTrace& trace) {
+  std::vector<double> hits(patches.size(), 0);
+  for (const uint32_t patch : trace)
+    if (patch < patches.size()) hits[patch] += 1;
+  return hits;
+}
+
 }  // namespace
 
-LightFlow light_flow(PatchMap patches, const std::vector<WalkHit>& light,
-                     const std::vector<WalkHit>& camera, const Tracer& tracer, uint64_t seed,
-                     uint32_t rays) {
+LightFlow light_flow(PatchMap patches, const Walks& light, const Walks& camera,
+                     const Tracer& tracer, uint64_t seed, uint32_t rays) {
   LightFlow f{std::move(patches), {}, {}, {}, {}, {}};
-  for (const std::vector<WalkHit>* walks : {&light, &camera})
-    for (const WalkHit& h : *walks) f.patches.find_or_add(h.face, Vec3d(h.position));
+  for (const Walks* walks : {&light, &camera})
+    for (const WalkHit& h : *walks)
+      if (is_hit(h)) f.patches.find_or_add(h.face, Vec3d(h.position));
 
   Fragments fragments = Fragments::with_all_of_split(f.patches);
   std::vector<uint8_t> has_area(f.patches.size(), 0);
@@ -75,17 +95,10 @@ LightFlow light_flow(PatchMap patches, const std::vector<WalkHit>& light,
   f.patches.keep(has_area);
   fragments.keep(has_area);
 
-  const auto hits_of = [&f](const std::vector<WalkHit>& walks) {
-    std::vector<double> hits(f.patches.size(), 0);
-    for (const WalkHit& h : walks) {
-      const uint32_t patch = f.patches.find(h.face, Vec3d(h.position));
-      if (patch != kNoPatch) hits[patch] += 1;
-    }
-    return hits;
-  };
-  f.hits_light = hits_of(light);
-  f.hits_camera = hits_of(camera);
-  f.etendue = measure_etendue(f.patches, fragments, tracer, seed, rays);
+  const std::vector<PatchTrace> traces{trace_of(f.patches, light), trace_of(f.patches, camera)};
+  f.hits_light = hits_of(f.patches, traces[0]);
+  f.hits_camera = hits_of(f.patches, traces[1]);
+  f.etendue = measure_etendue(f.patches, fragments, tracer, seed, rays, traces);
   f.geometry = geometry_of(f.patches, fragments, f.etendue);
   f.network = network_of(f);
   return f;

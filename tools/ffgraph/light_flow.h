@@ -24,9 +24,8 @@ struct LightFlow {
 
 /// Patches that a walk touched, their etendue and the network. `patches` says which cells are split
 /// and holds no patch yet.
-LightFlow light_flow(PatchMap patches, const std::vector<WalkHit>& light,
-                     const std::vector<WalkHit>& camera, const Tracer& tracer, uint64_t seed,
-                     uint32_t rays);
+LightFlow light_flow(PatchMap patches, const Walks& light, const Walks& camera,
+                     const Tracer& tracer, uint64_t seed, uint32_t rays);
 
 /// Patches that send less than `share` of their etendue to one side of a cut: they straddle the
 /// opening. `side` of each patch.

@@ -64,10 +64,10 @@ LightFlow build_graph(const Scene& scene, const Camera& camera, const GraphSetti
                       const CutFile* refine, GraphReport& report) {
   const Tracer tracer(scene);
   const std::vector<uint32_t> component = surface_components(scene);
-  const std::vector<WalkHit> light = light_walks(scene, tracer, settings.walks);
-  const std::vector<WalkHit> seen = camera_walks(scene, camera, tracer, settings.walks);
-  report.light_hits = light.size();
-  report.camera_hits = seen.size();
+  const Walks light = light_walks(scene, tracer, settings.walks);
+  const Walks seen = camera_walks(scene, camera, tracer, settings.walks);
+  report.light_hits = hits_in(light);
+  report.camera_hits = hits_in(seen);
 
   uint64_t round = 0;
   const auto estimate = [&](PatchMap map) {

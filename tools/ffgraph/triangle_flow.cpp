@@ -22,10 +22,10 @@ struct Seen {
 };
 
 // Faces by hits, most first; at most `largest` of them.
-std::vector<Seen> most_hit(const std::vector<WalkHit>& hits, const TriangleSettings& s,
-                           size_t& found) {
+std::vector<Seen> most_hit(const Walks& walks, const TriangleSettings& s, size_t& found) {
   std::unordered_map<uint32_t, uint32_t> count;
-  for (const WalkHit& h : hits) ++count[h.face];
+  for (const WalkHit& h : walks)
+    if (is_hit(h)) ++count[h.face];
   std::vector<Seen> faces;
   for (const auto& [face, n] : count) faces.push_back({face, static_cast<double>(n) / s.rays});
   std::sort(faces.begin(), faces.end(), [](const Seen& a, const Seen& b) {

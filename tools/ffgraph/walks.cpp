@@ -1,5 +1,7 @@
 #include "tools/ffgraph/walks.h"
 
+#include <algorithm>
+
 #include <oneapi/tbb/parallel_for.h>
 
 #include "libcommon/scene/film_plane.h"
@@ -17,28 +19,32 @@ Vec3d cosine_direction(Rng& rng, const Vec3d& normal) {
   return Onb<double>(normal).to_world(cosine_hemisphere(u, v));
 }
 
-// Follows one walk from its first ray; writes at most `bounces` hits.
+// Follows one walk from its first ray; writes at most `bounces` hits and a mark.
 void follow(const Tracer& tracer, Rng& rng, Tracer::Origin from, Vec3d w, WalkHit* hits,
             uint32_t bounces) {
   for (uint32_t k = 0; k < bounces; ++k) {
     Hit hit;
-    if (!tracer.closest(from, w, hit)) return;
+    if (!tracer.closest(from, w, hit)) {
+      hits[k].face = kWalkLeft;
+      return;
+    }
     const bool back = dot(hit.normal, w) > 0;
     hits[k] = {2 * hit.triangle + (back ? 1 : 0), Vec3f(hit.position)};
     from = {hit.position, back ? -hit.normal : hit.normal};
     w = cosine_direction(rng, from.normal);
   }
+  hits[bounces].face = kWalkStopped;
 }
 
 template <class Begin>
-std::vector<WalkHit> run_walks(const Tracer& tracer, const WalkSettings& s, Stream stream,
-                               const Begin& begin) {
-  std::vector<WalkHit> hits(size_t{s.walks} * s.bounces, WalkHit{kNoFace, {}});
+Walks run_walks(const Tracer& tracer, const WalkSettings& s, Stream stream, const Begin& begin) {
+  const size_t slots = size_t{s.bounces} + 1;
+  Walks hits(s.walks * slots, WalkHit{kNoFace, {}});
   tbb::parallel_for(uint32_t{0}, s.walks, [&](uint32_t i) {
     Rng rng(s.seed, stream, i);
     Tracer::Origin from;
     const Vec3d w = begin(rng, from);
-    follow(tracer, rng, from, w, &hits[size_t{i} * s.bounces], s.bounces);
+    follow(tracer, rng, from, w, &hits[i * slots], s.bounces);
   });
   std::erase_if(hits, [](const WalkHit& h) { return h.face == kNoFace; });
   return hits;
@@ -46,8 +52,7 @@ std::vector<WalkHit> run_walks(const Tracer& tracer, const WalkSettings& s, Stre
 
 }  // namespace
 
-std::vector<WalkHit> light_walks(const Scene& scene, const Tracer& tracer,
-                                 const WalkSettings& settings) {
+Walks light_walks(const Scene& scene, const Tracer& tracer, const WalkSettings& settings) {
   const Lights lights(scene);
   if (lights.empty()) return {};
   return run_walks(tracer, settings, kLight, [&](Rng& rng, Tracer::Origin& from) {
@@ -60,8 +65,8 @@ std::vector<WalkHit> light_walks(const Scene& scene, const Tracer& tracer,
   });
 }
 
-std::vector<WalkHit> camera_walks(const Scene&, const Camera& camera, const Tracer& tracer,
-                                  const WalkSettings& settings) {
+Walks camera_walks(const Scene&, const Camera& camera, const Tracer& tracer,
+                   const WalkSettings& settings) {
   const double aspect = camera.aspect > 0 ? camera.aspect : 16.0 / 9;
   const int height = 4096;
   const int width = static_cast<int>(std::clamp(std::round(height * aspect), 1.0, 1e6));
@@ -72,6 +77,10 @@ std::vector<WalkHit> camera_walks(const Scene&, const Camera& camera, const Trac
     from = {film.position(), {}};
     return film.direction(x, y);
   });
+}
+
+size_t hits_in(const Walks& walks) {
+  return static_cast<size_t>(std::count_if(walks.begin(), walks.end(), is_hit));
 }
 
 }  // namespace tdpt

@@ -16,15 +16,21 @@ struct WalkSettings {
 };
 
 struct WalkHit {
-  uint32_t face;   ///< 2 * triangle + side
+  uint32_t face;   ///< 2 * triangle + side, or one of the marks behind a walk's last hit
   Vec3f position;  ///< canonical
 };
+inline constexpr uint32_t kWalkLeft = UINT32_MAX - 1;     ///< the walk left the scene
+inline constexpr uint32_t kWalkStopped = UINT32_MAX - 2;  ///< it had hit `bounces` surfaces
+constexpr bool is_hit(const WalkHit& h) {
+  return h.face < kWalkStopped;
+}
 
-/// All hits of all walks, walk by walk. No absorption: a walk ends when it leaves the scene or
-/// after `bounces` surfaces.
-std::vector<WalkHit> light_walks(const Scene& scene, const Tracer& tracer,
-                                 const WalkSettings& settings);
-std::vector<WalkHit> camera_walks(const Scene& scene, const Camera& camera, const Tracer& tracer,
-                                  const WalkSettings& settings);
+/// All hits of all walks, walk by walk, each with its mark. No absorption: a walk ends when it
+/// leaves the scene or after `bounces` surfaces.
+using Walks = std::vector<WalkHit>;
+Walks light_walks(const Scene& scene, const Tracer& tracer, const WalkSettings& settings);
+Walks camera_walks(const Scene& scene, const Camera& camera, const Tracer& tracer,
+                   const WalkSettings& settings);
+size_t hits_in(const Walks& walks);
 
 }  // namespace tdpt
