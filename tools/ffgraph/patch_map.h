@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include <oneapi/tbb/parallel_for.h>
@@ -95,10 +96,10 @@ class PatchMap {
     uint32_t face;
     Vec3d canonical;
   };
-  /// As find_or_add() of place(0), ..., place(n - 1), one after the other; returns how many of them
-  /// lie on each patch. Looks up many at once, with all threads.
+  /// As find_or_add() of place(0), ..., place(n - 1), one after the other, those left out that are
+  /// none; looks up many at once, with all threads. place(k): std::optional<Place>.
   template <class PlaceAt>
-  std::vector<double> add_and_count(size_t n, const PlaceAt& place);
+  void add_all(size_t n, const PlaceAt& place);
 
   /// Adds a patch under `key`, and the splits that lead to it.
   uint32_t add(const PatchKey& key);
@@ -137,27 +138,22 @@ class PatchMap {
 };
 
 template <class PlaceAt>
-std::vector<double> PatchMap::add_and_count(size_t n, const PlaceAt& place) {
-  std::vector<double> count(size(), 0);
+void PatchMap::add_all(size_t n, const PlaceAt& place) {
   // Short blocks first, while most places make a patch.
-  std::vector<uint32_t> found;
-  for (size_t first = 0, block = 1 << 10; first < n; first += found.size()) {
-    found.resize(std::min(block, n - first));
-    tbb::parallel_for(size_t{0}, found.size(), [&](size_t i) {
-      const Place p = place(first + i);
-      found[i] = find(p.face, p.canonical);
+  std::vector<uint8_t> is_new;
+  for (size_t first = 0, block = 1 << 10; first < n; first += is_new.size()) {
+    is_new.assign(std::min(block, n - first), 0);
+    tbb::parallel_for(size_t{0}, is_new.size(), [&](size_t k) {
+      const std::optional<Place> p = place(first + k);
+      is_new[k] = p && find(p->face, p->canonical) == kNoPatch;
     });
-    for (size_t i = 0; i < found.size(); ++i) {
-      if (found[i] == kNoPatch) {
-        const Place p = place(first + i);
-        found[i] = find_or_add(p.face, p.canonical);
+    for (size_t k = 0; k < is_new.size(); ++k)
+      if (is_new[k]) {
+        const std::optional<Place> p = place(first + k);
+        find_or_add(p->face, p->canonical);
       }
-      if (found[i] >= count.size()) count.resize(size(), 0);
-      ++count[found[i]];
-    }
-    block = std::min<size_t>(2 * block, 1 << 16);
+    block = std::min<size_t>(2 * block, 1 << 18);
   }
-  return count;
 }
 
 /// Grid for a scene: cells of (diagonal of the bounding box) / 24, in metres.
