@@ -11,23 +11,22 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <map>
 #include <mutex>
-#include <sstream>
 #include <thread>
 
 #include <fmt/format.h>
 
 #include "libcommon/testing/known_rooms.h"
 #include "libcommon/testing/portal_score.h"
+#include "libcommon/testing/portal_stages.h"
 
 namespace tdpt::testing {
 namespace {
 namespace fs = std::filesystem;
 
 struct Options {
-  std::string bin, keep;
-  std::map<std::string, std::string> of_stage;
+  PortalStages stages;
+  std::string keep;
   std::vector<RoomKind> kinds;
   uint64_t rooms = 20, seed = 1;
   unsigned jobs = std::max(1u, std::thread::hardware_concurrency());
@@ -35,50 +34,19 @@ struct Options {
 
 struct Row {
   PortalScore score;
-  double seconds = 0;  // CPU
-  bool failed = false;
-  std::string said;  // by portalfit
+  StagesRun run;
 };
-
-double number_in(const std::string& json, const std::string& key) {
-  const size_t at = json.rfind("\"" + key + "\":");  // of the whole run, behind those of its phases
-  return at == std::string::npos ? 0 : std::strtod(json.c_str() + at + key.size() + 3, nullptr);
-}
-
-std::string text_of(const fs::path& path) {
-  std::ifstream in(path);
-  std::stringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
 
 Row run(const Options& options, const KnownRoom& room, const fs::path& folder) {
   const std::string stem = (folder / fs::path(room.file()).stem()).string();
   std::ofstream(stem + ".glb", std::ios::binary) << room.plan.glb(room.writing);
-  const auto stage = [&](const std::string& name, const std::string& files) {
-    const auto extra = options.of_stage.find(name);
-    return options.bin + "/" + name + " --threads 1 --json " +
-           (extra == options.of_stage.end() ? "" : extra->second) + " " + files + " >" + stem +
-           "." + name + ".json 2>" + stem + "." + name + ".txt";
-  };
-  const std::string commands =
-      stage("ffgraph", stem + ".glb -o " + stem + ".max") + " && " +
-      stage("mincut", stem + ".max -o " + stem + ".cut") + " && " +
-      stage("lightgrid", stem + ".glb " + stem + ".cut -o " + stem + ".vdb") + " && " +
-      stage("portalfit", stem + ".vdb -o " + stem + ".portal.glb");
   Row row;
-  row.failed = std::system(commands.c_str()) != 0;
-  std::vector<Portal> portals;
-  if (!row.failed) portals = read_portals(stem + ".portal.glb").portals;
+  row.run = run_stages(options.stages, stem);
   // An opening too wide to be a bottleneck may be found, but need not.
-  const bool nothing_is_right = room.kind == RoomKind::wide_window && portals.empty();
-  row.score =
-      score(portals, nothing_is_right ? std::vector<KnownAperture>{} : room.placed_apertures());
-  for (const char* name : {"ffgraph", "mincut", "lightgrid", "portalfit"})
-    row.seconds += number_in(text_of(stem + "." + name + ".json"), "cpu_seconds");
-  row.said = text_of(stem + ".portalfit.txt");
-  if (options.keep.empty())
-    for (const char* end : {".glb", ".max", ".cut", ".vdb", ".portal.glb"}) fs::remove(stem + end);
+  const bool nothing_is_right = room.kind == RoomKind::wide_window && row.run.portals.empty();
+  row.score = score(row.run.portals,
+                    nothing_is_right ? std::vector<KnownAperture>{} : room.placed_apertures());
+  if (options.keep.empty()) remove_stages(stem);
   return row;
 }
 
@@ -95,8 +63,9 @@ void print_row(const KnownRoom& room, const Row& row) {
                s.tightness, s.angle, s.strays, room.lamp.c_str(),
                room.apertures.empty() ? 0 : room.apertures[0].thickness,
                kSplittings[static_cast<size_t>(room.writing.splitting)], p.scale,
-               p.angle != 0 ? "turned" : "", row.seconds, row.failed ? "  FAILED" : "");
-  if (s.portals < s.openings || s.strays > 0) std::fprintf(stderr, "      %s", row.said.c_str());
+               p.angle != 0 ? "turned" : "", row.run.cpu_seconds, row.run.failed ? "  FAILED" : "");
+  if (s.portals < s.openings || s.strays > 0)
+    std::fprintf(stderr, "      %s", row.run.said.c_str());
 }
 
 void print_table(const std::vector<KnownRoom>& rooms, const std::vector<Row>& rows) {
@@ -121,7 +90,7 @@ void print_table(const std::vector<KnownRoom>& rooms, const std::vector<Row>& ro
       strays += s.strays;
       coverages.push_back(s.coverage), tightnesses.push_back(s.tightness);
       angles.push_back(s.angle);
-      seconds += rows[i].seconds;
+      seconds += rows[i].run.cpu_seconds;
     }
     if (n == 0) return;
     const auto median = [](std::vector<double>& v) {
@@ -145,7 +114,7 @@ int main_of(int argc, char** argv) {
     std::fprintf(stderr, "usage: portals_bench BIN [OPTION VALUE]...\n");
     return 2;
   }
-  o.bin = argv[1];
+  o.stages.bin = argv[1];
   for (int i = 2; i + 1 < argc; i += 2) {
     const std::string name = argv[i], value = argv[i + 1];
     if (name == "--rooms")
@@ -161,7 +130,7 @@ int main_of(int argc, char** argv) {
         return ("," + value + ",").find(std::string(",") + name_of(k) + ",") == std::string::npos;
       });
     else
-      o.of_stage[name.substr(2)] = value;
+      o.stages.options[name.substr(2)] = value;
   }
   fs::path folder = o.keep;
   if (o.keep.empty()) {

@@ -1,0 +1,100 @@
+// invariance_bench BIN [ROOMS]: the same rooms written in other ways, and how far their portals lie
+// from those of the room as it was. Prints a table in markdown on stdout: distances are in voxels
+// of the light grid. First a row for another seed, which is what chance alone does.
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <thread>
+
+#include "libcommon/testing/known_rooms.h"
+#include "libcommon/testing/portal_distance.h"
+#include "libcommon/testing/portal_stages.h"
+
+namespace tdpt::testing {
+namespace {
+namespace fs = std::filesystem;
+
+struct Variant {
+  const char* name;
+  Writing writing;
+  const char* seed = "";
+};
+
+std::vector<Variant> variants() {
+  std::vector<Variant> all(10);
+  all[0].name = "as it is";
+  all[1].name = "another seed", all[1].seed = "--seed 77";
+  all[2].name = "every triangle in 4", all[2].writing.splitting = Splitting::in_4;
+  all[3].name = "every triangle in 144", all[3].writing.splitting = Splitting::in_144;
+  all[4].name = "slivers", all[4].writing.splitting = Splitting::slivers;
+  all[5].name = "triangles in another order", all[5].writing.shuffle = 5;
+  all[6].name = "lamp 1000 times as bright", all[6].writing.power = 1000;
+  all[7].name = "turned by 33 degrees", all[7].writing.placement.axis = {0.3, 1, 0.2};
+  all[7].writing.placement.angle = 0.576;
+  all[8].name = "in centimetres", all[8].writing.placement.scale = 100;
+  all[9].name = "10 km away", all[9].writing.placement.move = {8000, 100, -6000};
+  return all;
+}
+
+int main_of(const std::string& bin, uint64_t rooms) {
+  const RoomKind kinds[] = {RoomKind::hole, RoomKind::through_floor, RoomKind::two_openings,
+                            RoomKind::holes_in_row, RoomKind::slit};
+  std::string folder = (fs::temp_directory_path() / "invariance-bench-XXXXXX").string();
+  if (!mkdtemp(folder.data())) return 4;
+  std::printf("| change | rooms | same number | median distance | 90 %% | largest |\n");
+  std::printf("|---|---|---|---|---|---|\n");
+  std::vector<StagesRun> first;
+  for (const Variant& variant : variants()) {
+    std::vector<double> distances;
+    size_t at = 0, same = 0;
+    for (const RoomKind kind : kinds)
+      for (uint64_t seed = 1; seed <= rooms; ++seed, ++at) {
+        const KnownRoom room = known_room(kind, seed);
+        const std::string stem = folder + "/room";
+        std::ofstream(stem + ".glb", std::ios::binary) << room.plan.glb(variant.writing);
+        PortalStages stages{bin, {}, static_cast<int>(std::thread::hardware_concurrency())};
+        for (const char* name : {"ffgraph", "lightgrid"}) stages.options[name] = variant.seed;
+        StagesRun run = run_stages(stages, stem);
+        if (first.size() == at) {  // the room as it is
+          first.push_back(run);
+          continue;
+        }
+        std::vector<Portal> base = first[at].portals;
+        for (Portal& portal : base)
+          for (Vec3d& v : portal.vertices) v = variant.writing.placement(v);
+        if (base.size() != run.portals.size()) {
+          std::fprintf(stderr, "%s: %s: %zu portals, %zu before\n", room.file().c_str(),
+                       variant.name, run.portals.size(), base.size());
+          continue;
+        }
+        ++same;
+        double worst = 0;
+        for (const Portal& portal : run.portals)
+          worst = std::max(worst, distance_to_nearest(portal, base));
+        distances.push_back(worst / run.voxel);
+        std::fprintf(stderr, "%s: %s: %.3f voxels\n", room.file().c_str(), variant.name,
+                     distances.back());
+      }
+    if (distances.empty()) continue;
+    std::sort(distances.begin(), distances.end());
+    std::printf("| %s | %zu | %zu | %.2f | %.2f | %.2f |\n", variant.name, at, same,
+                distances[distances.size() / 2], distances[distances.size() * 9 / 10],
+                distances.back());
+    std::fflush(stdout);
+  }
+  fs::remove_all(folder);
+  return 0;
+}
+
+}  // namespace
+}  // namespace tdpt::testing
+
+int main(int argc, char** argv) {
+  if (argc < 2) {
+    std::fprintf(stderr, "usage: invariance_bench BIN [ROOMS]\n");
+    return 2;
+  }
+  return tdpt::testing::main_of(argv[1], argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 3);
+}

@@ -1,0 +1,57 @@
+#include "libcommon/testing/portal_stages.h"
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+namespace tdpt::testing {
+namespace {
+
+const char* const kPrograms[] = {"ffgraph", "mincut", "lightgrid", "portalfit"};
+
+std::string text_of(const std::string& path) {
+  std::ifstream in(path);
+  std::stringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+// The last value under `key`: that of the whole run stands behind those of its phases.
+double number_in(const std::string& json, const std::string& key) {
+  const size_t at = json.rfind("\"" + key + "\":");
+  return at == std::string::npos ? 0 : std::strtod(json.c_str() + at + key.size() + 3, nullptr);
+}
+
+}  // namespace
+
+StagesRun run_stages(const PortalStages& stages, const std::string& stem) {
+  const auto command = [&](const std::string& name, const std::string& files) {
+    const auto extra = stages.options.find(name);
+    return stages.bin + "/" + name + " --json --threads " + std::to_string(stages.threads) + " " +
+           (extra == stages.options.end() ? "" : extra->second) + " " + files + " >" + stem + "." +
+           name + ".json 2>" + stem + "." + name + ".txt";
+  };
+  const std::string commands =
+      command("ffgraph", stem + ".glb -o " + stem + ".max") + " && " +
+      command("mincut", stem + ".max -o " + stem + ".cut") + " && " +
+      command("lightgrid", stem + ".glb " + stem + ".cut -o " + stem + ".vdb") + " && " +
+      command("portalfit", stem + ".vdb -o " + stem + ".portal.glb");
+  StagesRun run;
+  run.failed = std::system(commands.c_str()) != 0;
+  if (!run.failed) run.portals = read_portals(stem + ".portal.glb").portals;
+  for (const char* name : kPrograms)
+    run.cpu_seconds += number_in(text_of(stem + "." + name + ".json"), "cpu_seconds");
+  run.voxel = number_in(text_of(stem + ".lightgrid.json"), "voxel");
+  run.said = text_of(stem + ".portalfit.txt");
+  return run;
+}
+
+void remove_stages(const std::string& stem) {
+  for (const char* end : {".glb", ".max", ".cut", ".vdb", ".portal.glb"})
+    std::filesystem::remove(stem + end);
+  for (const char* name : kPrograms)
+    for (const char* end : {".json", ".txt"}) std::filesystem::remove(stem + "." + name + end);
+}
+
+}  // namespace tdpt::testing

@@ -1,0 +1,32 @@
+// The four programs that find portals, run one after the other on a scene.
+#pragma once
+#include <map>
+#include <string>
+#include <vector>
+
+#include "libcommon/formats/portal.h"
+
+namespace tdpt::testing {
+
+struct PortalStages {
+  std::string bin;                               ///< folder of the programs
+  std::map<std::string, std::string> options{};  ///< of each program, more than the usual
+  int threads = 1;
+};
+
+struct StagesRun {
+  bool failed = false;
+  std::vector<Portal> portals;
+  double cpu_seconds = 0;  ///< of all programs
+  double voxel = 0;        ///< of the light grid; 0 without a bottleneck [metres]
+  std::string said;        ///< by portalfit
+};
+
+/// Runs them on STEM.glb; they leave STEM.max, .cut, .vdb and .portal.glb, and what they said in
+/// STEM.PROGRAM.txt and .json.
+StagesRun run_stages(const PortalStages& stages, const std::string& stem);
+
+/// Removes what run_stages leaves, and STEM.glb.
+void remove_stages(const std::string& stem);
+
+}  // namespace tdpt::testing
