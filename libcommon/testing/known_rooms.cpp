@@ -166,7 +166,9 @@ class Architect {
     const double reach = (o.z1 - hinge.z) * std::cos(angle);
     const Vec3d foot = hinge + along * reach, jamb{x, 0, o.z1};
     const Vec3d up{0, full ? height_ : o.y1, 0};
-    room_.apertures.push_back({{jamb, foot, foot + up, jamb + up}, along * -out, 0});
+    const Vec3d edge = hinge + along * (o.z1 + kOverlap - hinge.z);  // of the leaf
+    room_.apertures.push_back(
+        {{jamb, foot, foot + up, jamb + up}, along * -out, 0, {jamb, edge, edge + up, jamb + up}});
     if (full) return;
     const Vec3d over{0, kOverlap, 0};
     std::vector<Vec3d> gap{hinge + up, jamb + up, foot + up + over};
@@ -242,6 +244,7 @@ class Architect {
       }
     for (KnownAperture& a : room_.apertures) {
       for (Vec3d& p : a.outline) flip(p);
+      for (Vec3d& p : a.mouth) flip(p);
       flip(a.normal);
     }
     flip(room_.plan.camera);

@@ -24,9 +24,18 @@ bool within(const std::vector<Vec3d>& outline, const Vec3d& normal, const Vec3d&
   return left == 0 || right == 0;
 }
 
+bool crosses(const std::vector<Vec3d>& outline, const Line& line) {
+  const Vec3d normal = cross(outline[1] - outline[0], outline[2] - outline[0]);
+  const double slope = dot(line.direction, normal);
+  if (slope == 0) return false;
+  const double t = dot(outline[0] - line.point, normal) / slope;
+  return within(outline, normal, line.point + line.direction * t);
+}
+
 bool passes(const KnownAperture& o, const Line& line) {
   const double slope = dot(line.direction, o.normal);
   if (!(slope > 0)) return false;
+  if (!o.mouth.empty() && !crosses(o.mouth, line)) return false;
   for (const double side : {-0.5, 0.5}) {
     const Vec3d shift = o.normal * (side * o.thickness);
     const double t = dot(o.outline[0] + shift - line.point, o.normal) / slope;

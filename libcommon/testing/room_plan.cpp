@@ -99,6 +99,7 @@ Vec3d Placement::turned(const Vec3d& v) const {
 KnownAperture Placement::operator()(const KnownAperture& aperture) const {
   KnownAperture placed = aperture;
   for (Vec3d& p : placed.outline) p = (*this)(p);
+  for (Vec3d& p : placed.mouth) p = (*this)(p);
   placed.normal = turned(aperture.normal);
   placed.thickness *= scale;
   return placed;

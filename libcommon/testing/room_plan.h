@@ -17,6 +17,8 @@ struct KnownAperture {
   std::vector<Vec3d> outline;  ///< corners in the middle of the wall, in order [metres]
   Vec3d normal;                ///< unit
   double thickness = 0;        ///< of the wall [metres]
+  /// Beside a leaf: where else all light passes. Its lines cross this outline, too.
+  std::vector<Vec3d> mouth{};
 };
 
 enum class Splitting { none, in_4, in_144, slivers };
