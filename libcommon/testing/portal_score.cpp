@@ -121,6 +121,10 @@ double share_passing(const LineSource& source, const std::vector<KnownAperture>&
 
 }  // namespace
 
+bool passes(const KnownAperture& opening, const Vec3d& point, const Vec3d& direction) {
+  return passes(opening, Line{point, direction});
+}
+
 KnownAperture rectangle(const Vec3d& corner, const Vec3d& u, const Vec3d& v, const Vec3d& normal,
                         double thickness) {
   return {{corner, corner + u, corner + u + v, corner + v}, normal, thickness};

@@ -14,6 +14,10 @@ namespace tdpt::testing {
 KnownAperture rectangle(const Vec3d& corner, const Vec3d& u, const Vec3d& v, const Vec3d& normal,
                         double thickness);
 
+/// Whether the straight line through `point` along `direction` goes through the opening, the
+/// light's way: through both faces of its wall.
+bool passes(const KnownAperture& opening, const Vec3d& point, const Vec3d& direction);
+
 /// Share of the opening's lines that cross one of the portals along its normal.
 double coverage(const KnownAperture& opening, const std::vector<Portal>& portals);
 

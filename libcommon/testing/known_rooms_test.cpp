@@ -1,0 +1,156 @@
+// What the generated rooms say of themselves is true, and the scores see what they should.
+#include "libcommon/testing/known_rooms.h"
+
+#include <gtest/gtest.h>
+
+#include "libcommon/math/warp.h"
+#include "libcommon/testing/portal_distance.h"
+#include "libcommon/testing/portal_score.h"
+#include "libcommon/testing/temp_folder.h"
+#include "libcommon/trace/tracer.h"
+
+namespace tdpt::testing {
+namespace {
+
+struct Leaks {
+  int rays = 0, through = 0, unexplained = 0, lost = 0;
+};
+
+// Rays between the first room and the rest that pass no known opening, of rays drawn in the last
+// room near the walls with openings; and rays that hit nothing.
+Leaks leaks_of(const KnownRoom& room, const std::vector<KnownAperture>& openings) {
+  const TempFolder folder;
+  Writing writing = room.writing;
+  writing.placement = {};
+  const Scene scene = read_gltf(folder.write("room.glb", room.plan.glb(writing)));
+  const Tracer tracer(scene);
+  const bool row = openings.size() > 1 && openings[0].normal.x < -0.9 &&
+                   std::abs(openings[0].outline[0].x - openings[1].outline[0].x) > 1;
+  Leaks leaks;
+  for (uint64_t k = 0; k < 300000; ++k) {
+    Rng rng(5, 0, k);
+    // Through random places around a random opening, so that many pass.
+    const KnownAperture& o = openings[rng.below(static_cast<uint32_t>(openings.size()))];
+    Vec3d middle{};
+    double size = 0;
+    for (const Vec3d& p : o.outline) middle += p / static_cast<double>(o.outline.size());
+    for (const Vec3d& p : o.outline) size = std::max(size, length(p - middle));
+    const double a = rng.uniform(), b = rng.uniform(), c = rng.uniform(), d = rng.uniform(),
+                 e = rng.uniform();
+    const Vec3d w = Onb<double>(o.normal).to_world(cosine_hemisphere(a, b));
+    const Vec3d place = middle + Vec3d{c - 0.5, d - 0.5, e - 0.5} * (3 * size);
+    Hit ahead, behind;
+    const Vec3d at = scene.frame.to_canonical(place);
+    const bool hit = tracer.closest({at}, w, ahead) && tracer.closest({at}, -w, behind);
+    if (!hit) {
+      ++leaks.lost;  // also places within walls or outside
+      continue;
+    }
+    const Vec3d from = scene.frame.to_metres(behind.position);
+    const Vec3d to = scene.frame.to_metres(ahead.position);
+    ++leaks.rays;
+    // From well behind the wall to well before it, leaves and walls included.
+    const double wall = o.outline[0].x, reach = 0.35;
+    if (!(from.x > wall + reach && to.x < wall - reach)) continue;
+    if (row && std::abs(to.x - from.x) > 10) continue;
+    ++leaks.through;
+    const bool known = std::any_of(openings.begin(), openings.end(), [&](const KnownAperture& k_) {
+      KnownAperture loose = k_;
+      loose.mouth.clear();
+      return passes(loose, from, to - from);
+    });
+    leaks.unexplained += !known;
+  }
+  return leaks;
+}
+
+TEST(known_rooms, light_passes_their_walls_through_the_known_openings_alone) {
+  for (const RoomKind kind :
+       {RoomKind::hole, RoomKind::slit, RoomKind::floor_door, RoomKind::through_floor,
+        RoomKind::ajar_full, RoomKind::ajar, RoomKind::window, RoomKind::two_openings,
+        RoomKind::holes_in_row, RoomKind::doors_in_row}) {
+    const KnownRoom room = known_room(kind, 7);
+    const Leaks leaks = leaks_of(room, room.apertures);
+    EXPECT_GT(leaks.through, 100) << room.file();
+    EXPECT_LE(leaks.unexplained, leaks.through / 500) << room.file() << " " << leaks.through;
+  }
+}
+
+TEST(known_rooms, twin_an_opening_that_is_kept_quiet_is_noticed) {
+  const KnownRoom room = known_room(RoomKind::two_openings, 7);
+  // The ray test around one opening meets the other's light, too.
+  KnownAperture shifted = room.apertures[0];
+  for (Vec3d& p : shifted.outline) p += Vec3d{0, 0, 0.05};
+  const Leaks leaks = leaks_of(room, {shifted});
+  EXPECT_GT(leaks.unexplained, leaks.through / 20);
+}
+
+TEST(known_rooms, come_again_from_the_same_seed) {
+  for (const RoomKind kind : all_room_kinds()) {
+    const KnownRoom a = known_room(kind, 3), b = known_room(kind, 3);
+    EXPECT_EQ(a.plan.glb(a.writing), b.plan.glb(b.writing));
+    EXPECT_NE(a.plan.glb(a.writing), known_room(kind, 4).plan.glb(a.writing));
+  }
+}
+
+Portal portal_of(const KnownAperture& o) {
+  Portal portal;
+  portal.vertices = o.outline;
+  for (uint32_t i = 2; i < o.outline.size(); ++i) portal.triangles.push_back({0, i - 1, i});
+  const Vec3d n = cross(o.outline[1] - o.outline[0], o.outline[2] - o.outline[0]);
+  if (dot(n, o.normal) < 0)
+    for (auto& t : portal.triangles) std::swap(t[1], t[2]);
+  return portal;
+}
+
+TEST(portal_score, is_full_for_the_opening_itself) {
+  for (const RoomKind kind : all_room_kinds()) {
+    const KnownRoom room = known_room(kind, 2);
+    const std::vector<KnownAperture> openings = room.placed_apertures();
+    std::vector<Portal> portals;
+    for (const KnownAperture& o : openings) portals.push_back(portal_of(o));
+    const PortalScore s = score(portals, openings);
+    EXPECT_TRUE(s.right()) << room.file() << " " << s.coverage << " " << s.tightness << " "
+                           << s.angle << " " << s.matched;
+  }
+}
+
+TEST(portal_score, sees_every_planted_fault) {
+  const std::vector<KnownAperture> openings{
+      rectangle({0, 0, 0}, {0, 0.5, 0}, {0, 0, 0.5}, {-1, 0, 0}, 0.1)};
+  const Portal good = portal_of(openings[0]);
+  ASSERT_TRUE(score({good}, openings).right());
+  const auto changed = [&](const auto& change) {
+    Portal p = good;
+    for (Vec3d& v : p.vertices) change(v);
+    return score({p}, openings);
+  };
+  EXPECT_LT(changed([](Vec3d& v) { v.y += 0.05; }).coverage, 0.98);
+  EXPECT_LT(changed([](Vec3d& v) { v.y *= 0.9; }).coverage, 0.98);
+  EXPECT_LT(changed([](Vec3d& v) { v.y *= 1.3; }).tightness, 0.9);
+  EXPECT_NEAR(changed([](Vec3d& v) { v.x += 0.07 * v.y; }).angle, 4, 0.1);
+  Portal backwards = good;
+  for (auto& t : backwards.triangles) std::swap(t[1], t[2]);
+  EXPECT_EQ(score({backwards}, openings).coverage, 0);
+  Portal far = good;
+  for (Vec3d& v : far.vertices) v.z += 3;
+  EXPECT_EQ(score({good, far}, openings).strays, 1u);
+  EXPECT_FALSE(score({good, good}, openings).right());
+  EXPECT_FALSE(score({}, openings).right());
+  EXPECT_EQ(score({good}, {}).strays, 1u);
+}
+
+TEST(portal_distance, is_that_of_shifted_squares) {
+  const Portal a = portal_of(rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, 0));
+  Portal b = a;
+  for (Vec3d& v : b.vertices) v += Vec3d{0.3, 0, 0.4};
+  EXPECT_NEAR(distance(a, a), 0, 1e-12);
+  EXPECT_NEAR(distance(a, b), 0.5, 1e-12);
+  b = portal_of(rectangle({0.2, 0.2, 0}, {0.1, 0, 0}, {0, 0.1, 0}, {0, 0, 1}, 0));
+  EXPECT_NEAR(distance(a, b), std::sqrt(2) * 0.7, 1e-12);  // from the far corner
+  EXPECT_NEAR(distance_to_nearest(a, {b, a}), 0, 1e-12);
+  EXPECT_TRUE(std::isinf(distance_to_nearest(a, {})));
+}
+
+}  // namespace
+}  // namespace tdpt::testing
