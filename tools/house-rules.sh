@@ -21,7 +21,8 @@ BEGIN {
   before["math"] = " base "
   before["scene"] = " base cli math "
   before["formats"] = before["trace"] = before["gpu"] = " base cli math scene "
-  before["testing"] = " base cli math scene formats trace gpu "
+  before["draw"] = " base cli math scene formats trace "
+  before["testing"] = " base cli math scene formats trace gpu draw "
   # What is included -> where that may stand.
   home["^tiny_gltf"] = "^libcommon/(scene|testing)/|^libcommon/formats/portal"
   home["^embree"] = "^libcommon/trace/"

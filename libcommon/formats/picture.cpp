@@ -18,13 +18,9 @@
 #include <OpenEXR/ImfTileDescription.h>
 #include <fmt/format.h>
 
-#define STB_IMAGE_WRITE_IMPLEMENTATION
-#define STB_IMAGE_WRITE_STATIC
-#define STBI_WRITE_NO_STDIO
-#include <stb/stb_image_write.h>
-
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
+#include "libcommon/formats/png.h"
 
 namespace tdpt {
 namespace {
@@ -311,23 +307,16 @@ std::string png_bytes(const Picture& picture, double exposure) {
   const double scale = std::exp2(exposure);
   const auto encode = [scale](float value) {  // IEC 61966-2-1
     const double v = scale * static_cast<double>(value);
-    if (!(v > 0)) return static_cast<unsigned char>(0);
+    if (!(v > 0)) return static_cast<uint8_t>(0);
     const double s =
         v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(std::min(v, 1.0), 1 / 2.4) - 0.055;
-    return static_cast<unsigned char>(std::lround(255 * std::min(s, 1.0)));
+    return static_cast<uint8_t>(std::lround(255 * std::min(s, 1.0)));
   };
-  std::vector<unsigned char> pixels;
+  std::vector<uint8_t> pixels;
   pixels.reserve(picture.pixels.size() * 3);
   for (const Rgb& p : picture.pixels)
     for (int c = 0; c < 3; ++c) pixels.push_back(encode(p[c]));
-  std::string bytes;
-  const auto append = [](void* to, void* data, int n) {
-    static_cast<std::string*>(to)->append(static_cast<const char*>(data), static_cast<size_t>(n));
-  };
-  if (!stbi_write_png_to_func(append, &bytes, picture.width, picture.height, 3, pixels.data(),
-                              picture.width * 3))
-    throw std::bad_alloc();
-  return bytes;
+  return png_of_rgb8(picture.width, picture.height, pixels);
 }
 
 double auto_exposure(const Picture& picture) {

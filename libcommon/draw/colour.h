@@ -1,0 +1,30 @@
+// The colours of all previews, in one place so that they say the same everywhere.
+#pragma once
+#include <array>
+#include <cstdint>
+
+#include "libcommon/draw/canvas.h"
+
+namespace tdpt::draw {
+
+inline constexpr Ink kPaper = ink(0xfbfaf7), kInk = ink(0x23262d), kMuted = ink(0x6d727c),
+                     kFaint = ink(0xd9d6cf), kVoid = ink(0xe9e6df), kClay = ink(0xdedbd4),
+                     kLight = ink(0xf4b860), kCamera = ink(0x7aaedb), kBoth = ink(0xb06fa6),
+                     kPivot = ink(0xb3243f), kPortal = ink(0x0f8b6d), kAlarm = ink(0xc4314b),
+                     kLamp = ink(0xffe14d);
+
+/// As in vertex colours of a file, opaque.
+std::array<uint8_t, 4> bytes_of(const Ink& c, uint8_t alpha = 255);
+
+/// Colour of an amount in [0,1]: from nearly the paper over amber and red to a dark violet. The
+/// lightness falls evenly, so more is always darker.
+Ink heat(double amount);
+
+/// How strongly a surface is reached from the light and from the camera, each in [0,1]: clay where
+/// neither, amber and blue where one, violet where both.
+Ink reach(double light, double camera);
+
+/// Colour of region k of n in a row from the light (0) to the camera (n - 1).
+Ink region(int k, int n);
+
+}  // namespace tdpt::draw

@@ -1,0 +1,77 @@
+// A scene seen by a pinhole or straight from one side, in a panel of a canvas: surfaces in colours
+// that the caller gives, with light shading and dark edges; lines and points over it, paler where
+// something hides them.
+#pragma once
+#include <functional>
+
+#include "libcommon/draw/canvas.h"
+#include "libcommon/scene/scene.h"
+#include "libcommon/trace/tracer.h"
+
+namespace tdpt::draw {
+
+/// From canonical places to pixels of `panel`. `forward`, `right`, `up` are unit and orthogonal.
+struct Projection {
+  Box panel;
+  Vec3d eye, right, up, forward;
+  double half_width = 1;  ///< of what the panel shows: at distance 1 by the pinhole, else canonical
+  bool pinhole = true;
+
+  /// Shows the camera's whole vertical angle; the panel should have its aspect.
+  static Projection of_camera(const Camera& camera, const Box& panel);
+  /// Looking along unit `forward`, `middle` in the middle of the panel; what lies behind the plane
+  /// through `middle` is not seen.
+  static Projection flat(const Vec3d& middle, const Vec3d& right, const Vec3d& up,
+                         double half_width, const Box& panel);
+
+  double pixels_per_unit() const { return 0.5 * panel.width / half_width; }
+  /// Distance before the eye, along forward.
+  double depth(const Vec3d& place) const { return dot(place - eye, forward); }
+  /// Undefined by a pinhole where depth() <= 0.
+  Point project(const Vec3d& place) const;
+  /// Start and unit direction of the ray through a place of the canvas.
+  void ray(const Point& at, Vec3d& from, Vec3d& w) const;
+};
+
+/// Colour of a surface at `place` (canonical) on face 2 * triangle + side.
+using Colouring = std::function<Ink(uint32_t face, const Vec3d& place)>;
+
+class SceneView {
+ public:
+  /// Keeps references.
+  SceneView(Canvas& canvas, const Tracer& tracer, const Projection& projection);
+
+  const Projection& projection() const { return projection_; }
+
+  /// Four rays a pixel; `nothing` where there is no surface.
+  void paint(const Colouring& colour, const Ink& nothing);
+
+  /// Canonical ends. `hidden`: share of alpha where a surface lies before the line.
+  void line(const Vec3d& a, const Vec3d& b, double width, const Ink& c, double alpha = 1,
+            double hidden = 0.3);
+  void dot_at(const Vec3d& place, double radius, const Ink& c, double alpha = 1,
+              double hidden = 0.3);
+  /// Whether nothing lies before a place; only after paint().
+  bool in_sight(const Vec3d& place) const;
+
+ private:
+  struct Sample {
+    Vec3f place, normal;  ///< normal 0: nothing there
+  };
+  void draw_edges();
+  bool hides(const Point& at, double depth) const;
+
+  Canvas& canvas_;
+  const Tracer& tracer_;
+  Projection projection_;
+  int left_, top_, columns_, rows_;
+  std::vector<Sample> samples_;
+};
+
+/// The lines in which a scene's triangles meet the horizontal plane y = height (canonical).
+struct Segment {
+  Vec3d a, b;
+};
+std::vector<Segment> section(const Scene& scene, double height);
+
+}  // namespace tdpt::draw

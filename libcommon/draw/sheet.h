@@ -1,0 +1,38 @@
+// The furniture of a picture that explains: headings, captions, scales and legends.
+#pragma once
+#include <string>
+#include <utility>
+
+#include "libcommon/draw/colour.h"
+#include "libcommon/draw/text.h"
+
+namespace tdpt::draw {
+
+/// Width of every preview [pixels] and the margins round its panels.
+inline constexpr int kSheetWidth = 1600;
+inline constexpr double kMargin = 36, kHeading = 92, kCaption = 40;
+inline constexpr double kTitleSize = 17, kTextSize = 10.5, kSmallSize = 9;
+
+/// Title and a plain sentence at the top left.
+void heading(Canvas& canvas, const std::string& title, const std::string& sentence);
+/// A line of words below a panel.
+void caption(Canvas& canvas, const Box& panel, const std::string& words);
+/// A bar of a round length in metres that ends at `right`, its label above it.
+void scale_bar(Canvas& canvas, Point right, double pixels_per_metre);
+/// heat() from left to right with a label at each end and a title above.
+void heat_bar(Canvas& canvas, const Box& bar, const std::string& title, const std::string& low,
+              const std::string& high);
+/// Swatches with words, in one row from `start`; returns where the next would start.
+Point key(Canvas& canvas, Point start, const std::vector<std::pair<Ink, std::string>>& entries);
+/// The square of reach(): light to the right, camera upwards.
+void reach_square(Canvas& canvas, const Box& square, const std::string& light,
+                  const std::string& camera);
+
+/// 1234567 -> "1 234 567"; fractions are rounded to three digits.
+std::string number(double value);
+/// The file name of a path.
+std::string base_name(const std::string& path);
+/// Words cut to fit a width, with "..." where something is missing.
+std::string fitted(const std::string& words, double size, double width);
+
+}  // namespace tdpt::draw

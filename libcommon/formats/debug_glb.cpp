@@ -1,0 +1,178 @@
+#include "libcommon/formats/debug_glb.h"
+
+#include <cmath>
+#include <limits>
+
+#include <nlohmann/json.hpp>
+
+#include "tdpt_version.h"
+
+namespace tdpt {
+namespace {
+
+using Json = nlohmann::ordered_json;
+constexpr uint32_t kGlbMagic = 0x46546c67, kJsonChunk = 0x4e4f534a, kBinChunk = 0x004e4942;
+constexpr int kFloat = 5126, kByte = 5121, kArrayBuffer = 34962;
+
+// Vertex colours are linear in glTF.
+uint8_t linear(uint8_t srgb) {
+  const double c = srgb / 255.0;
+  return static_cast<uint8_t>(
+      std::lround(255 * (c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4))));
+}
+
+class Writer {
+ public:
+  explicit Writer(const Provenance& provenance) {
+    root_["asset"] = {{"version", "2.0"}, {"generator", "tdpt " TDPT_VERSION}};
+    if (!provenance.empty()) root_["asset"]["extras"]["provenance"] = provenance.lines;
+    root_["scene"] = 0;
+    root_["scenes"] = Json::array({{{"name", "debug"}}});
+  }
+
+  void add(const DebugMesh& mesh) {
+    // Floats are relative to the middle, which the node carries: far from the origin nothing is
+    // lost.
+    Vec3d low(INFINITY), high(-INFINITY);
+    for (const Vec3d& p : mesh.positions) low = min(low, p), high = max(high, p);
+    const Vec3d middle = (low + high) * 0.5;
+    const size_t positions = add_positions(mesh, middle), colours = add_colours(mesh);
+
+    bool opaque = true;
+    for (const auto& c : mesh.colours) opaque = opaque && c[3] == 255;
+    Json material = {{"name", mesh.name},
+                     {"pbrMetallicRoughness", {{"metallicFactor", 0.0}}},
+                     {"doubleSided", true},
+                     {"extensions", {{"KHR_materials_unlit", Json::object()}}}};
+    if (!opaque) material["alphaMode"] = "BLEND";
+    static constexpr int kMode[] = {0, 1, 4};
+    root_["materials"].push_back(material);
+    root_["meshes"].push_back(
+        {{"name", mesh.name},
+         {"primitives",
+          Json::array({{{"attributes", {{"POSITION", positions}, {"COLOR_0", colours}}},
+                        {"material", count_},
+                        {"mode", kMode[static_cast<size_t>(mesh.kind)]}}})}});
+    root_["nodes"].push_back(
+        {{"name", mesh.name}, {"mesh", count_}, {"translation", {middle.x, middle.y, middle.z}}});
+    root_["scenes"][0]["nodes"].push_back(count_);
+    ++count_;
+  }
+
+  std::string glb() {
+    if (count_ > 0) {
+      root_["extensionsUsed"] = {"KHR_materials_unlit"};
+      root_["buffers"] = Json::array({{{"byteLength", bin_.size()}}});
+    }
+    std::string text = root_.dump(-1, ' ', false, Json::error_handler_t::replace);
+    text.resize((text.size() + 3) / 4 * 4, ' ');
+    std::string glb;
+    const auto put = [&](size_t v) {
+      const auto word = static_cast<uint32_t>(v);
+      glb.append(reinterpret_cast<const char*>(&word), sizeof word);
+    };
+    put(kGlbMagic);
+    put(2);
+    put(12 + 8 + text.size() + (bin_.empty() ? 0 : 8 + bin_.size()));
+    put(text.size());
+    put(kJsonChunk);
+    glb += text;
+    if (!bin_.empty()) {
+      put(bin_.size());
+      put(kBinChunk);
+      glb += bin_;
+    }
+    return glb;
+  }
+
+ private:
+  size_t view(size_t offset) {
+    root_["bufferViews"].push_back({{"buffer", 0},
+                                    {"byteOffset", offset},
+                                    {"byteLength", bin_.size() - offset},
+                                    {"target", kArrayBuffer}});
+    return root_["bufferViews"].size() - 1;
+  }
+
+  size_t add_positions(const DebugMesh& mesh, const Vec3d& middle) {
+    const size_t offset = bin_.size();
+    std::array<float, 3> low, high;
+    low.fill(std::numeric_limits<float>::infinity());
+    high.fill(-std::numeric_limits<float>::infinity());
+    for (const Vec3d& p : mesh.positions)
+      for (size_t c = 0; c < 3; ++c) {
+        const auto f = static_cast<float>((p - middle)[static_cast<int>(c)]);
+        low[c] = std::min(low[c], f);
+        high[c] = std::max(high[c], f);
+        bin_.append(reinterpret_cast<const char*>(&f), sizeof f);
+      }
+    const size_t at = view(offset);
+    root_["accessors"].push_back({{"bufferView", at},
+                                  {"componentType", kFloat},
+                                  {"count", mesh.positions.size()},
+                                  {"type", "VEC3"},
+                                  {"min", low},
+                                  {"max", high}});
+    return root_["accessors"].size() - 1;
+  }
+
+  size_t add_colours(const DebugMesh& mesh) {
+    const size_t offset = bin_.size();
+    for (const auto& c : mesh.colours) {
+      for (size_t k = 0; k < 3; ++k) bin_ += static_cast<char>(linear(c[k]));
+      bin_ += static_cast<char>(c[3]);
+    }
+    const size_t at = view(offset);
+    root_["accessors"].push_back({{"bufferView", at},
+                                  {"componentType", kByte},
+                                  {"normalized", true},
+                                  {"count", mesh.colours.size()},
+                                  {"type", "VEC4"}});
+    return root_["accessors"].size() - 1;
+  }
+
+  Json root_;
+  std::string bin_;
+  size_t count_ = 0;
+};
+
+}  // namespace
+
+void DebugMesh::point(const Vec3d& at, const Colour& c) {
+  positions.push_back(at);
+  colours.push_back(c);
+}
+
+void DebugMesh::line(const Vec3d& a, const Vec3d& b, const Colour& at_a, const Colour& at_b) {
+  point(a, at_a);
+  point(b, at_b);
+}
+
+void DebugMesh::triangle(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Colour& colour) {
+  for (const Vec3d& p : {a, b, c}) point(p, colour);
+}
+
+void DebugMesh::square(const Vec3d& centre, const Vec3d& normal, double side, const Colour& c) {
+  const Onb<double> frame(normal);
+  const Vec3d x = frame.x * (0.5 * side), y = frame.y * (0.5 * side);
+  triangle(centre - x - y, centre + x - y, centre + x + y, c);
+  triangle(centre - x - y, centre + x + y, centre - x + y, c);
+}
+
+void DebugMesh::cube(const Vec3d& centre, double side, const Colour& c) {
+  for (int axis = 0; axis < 3; ++axis)
+    for (const double sign : {-1.0, 1.0}) {
+      Vec3d n{};
+      n[axis] = sign;
+      square(centre + n * (0.5 * side), n, side, c);
+    }
+}
+
+std::string debug_glb_bytes(const std::vector<DebugMesh>& meshes, const Provenance& provenance) {
+  Writer writer(provenance);
+  for (const DebugMesh& mesh : meshes)
+    if (!mesh.positions.empty()) writer.add(mesh);
+  return writer.glb();
+}
+
+}  // namespace tdpt

@@ -1,0 +1,37 @@
+// glTF files for looking at, in any viewer: points, lines and triangles in plain colours.
+// Written by the stages' --debug-glb; read by people.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "libcommon/base/provenance.h"
+#include "libcommon/math/vec.h"
+
+namespace tdpt {
+
+/// One mesh of one kind of primitive; every `corners` vertices in a row make one (points 1, lines
+/// 2, triangles 3).
+struct DebugMesh {
+  enum class Kind { points, lines, triangles };
+  std::string name{};
+  Kind kind = Kind::triangles;
+  std::vector<Vec3d> positions{};  ///< metres
+  std::vector<std::array<uint8_t, 4>>
+      colours{};  ///< of each position; sRGB, alpha as a share of 255
+
+  using Colour = std::array<uint8_t, 4>;
+  void point(const Vec3d& at, const Colour& c);
+  void line(const Vec3d& a, const Vec3d& b, const Colour& at_a, const Colour& at_b);
+  void triangle(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Colour& colour);
+  /// Around `centre` across unit `normal`, counter-clockwise seen from its tip.
+  void square(const Vec3d& centre, const Vec3d& normal, double side, const Colour& c);
+  void cube(const Vec3d& centre, double side, const Colour& c);
+};
+
+/// Empty meshes are left out. Materials are unlit and seen from both sides; triangles are
+/// translucent where some alpha is below 255.
+std::string debug_glb_bytes(const std::vector<DebugMesh>& meshes, const Provenance& provenance);
+
+}  // namespace tdpt

@@ -1,0 +1,13 @@
+// PNG files of 8-bit RGB.
+#pragma once
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace tdpt {
+
+/// The file as bytes; `rgb`: 3 * width * height values, sRGB, row by row from the top left. The
+/// same pixels give the same bytes.
+std::string png_of_rgb8(int width, int height, const std::vector<uint8_t>& rgb);
+
+}  // namespace tdpt
