@@ -3,15 +3,18 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <iostream>
 #include <limits>
 #include <new>
+#include <vector>
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
+#include "libcommon/base/output_file.h"
 #include "libcommon/base/signals.h"
 #include "libcommon/base/threads.h"
 #include "tdpt_version.h"
@@ -47,6 +50,7 @@ struct Options::Impl {
     Shapes shapes;
     bool positional;
     bool output = false;  ///< the -o of the tool
+    bool side = false;    ///< a side output
     bool reads_or_writes_file() const {
       const std::string type = option->get_type_name();
       return positional || type == "FILE" || type == "CUT";
@@ -62,11 +66,36 @@ struct Options::Impl {
   // Arguments and options whose value is a file to read: none of them may be the output too.
   void refuse_output_over_input(const std::string& output) const {
     for (const Entry& e : entries) {
-      if (e.output || !e.reads_or_writes_file()) continue;
+      if (e.output || e.side || !e.reads_or_writes_file()) continue;
       for (const std::string& value : e.option->results())
         if (same_file(value, output))
           throw UsageError("-o " + output + " would replace the input " + value);
     }
+  }
+
+  void check_side_outputs(const std::string& output) const {
+    std::vector<std::string> outputs{output};
+    for (const Entry& e : entries) {
+      if (!e.side || e.option->count() == 0) continue;
+      const std::string name = e.option->get_name(), path = e.option->results().front();
+      if (path == "-") throw UsageError(name + " -: cannot go to the standard output, name a file");
+      check_output(path);
+      for (const Entry& input : entries) {
+        if (input.output || input.side || !input.reads_or_writes_file()) continue;
+        for (const std::string& value : input.option->results())
+          if (same_file(value, path))
+            throw UsageError(name + " " + path + " would replace the input " + value);
+      }
+      for (const std::string& other : outputs)
+        if (other != "-" && (same_file(other, path) || full_path(other) == full_path(path)))
+          throw UsageError("two outputs would be written to " + path);
+      outputs.push_back(path);
+    }
+  }
+
+  static std::filesystem::path full_path(const std::string& path) {
+    std::error_code ignored;
+    return std::filesystem::weakly_canonical(std::filesystem::absolute(path, ignored), ignored);
   }
 
   // The tool and the options that shape the result, in the order of the table; paths of inputs are
@@ -193,6 +222,11 @@ void Options::choice(const std::string& flags, std::string& target,
               shapes);
 }
 
+void Options::side_output(const std::string& flags, std::string& target, const std::string& help) {
+  impl_->keep(impl_->app.add_option(flags, target, help)->type_name("FILE"), Shapes::nothing).side =
+      true;
+}
+
 void Options::flag(const std::string& flags, bool& target, const std::string& help, Shapes shapes) {
   impl_->keep(impl_->app.add_flag(flags, target, help), shapes);
 }
@@ -226,6 +260,7 @@ int Options::run_main(int argc, char** argv, const std::function<int()>& run) {
   try {
     common.command = impl_->canonical(common.tool);
     impl_->refuse_output_over_input(common.output);
+    impl_->check_side_outputs(common.output);
     limit_threads(common.threads);
     return flushed(run());
   } catch (const Error& e) {

@@ -70,6 +70,9 @@ class Options {
   /// One word out of `words`.
   void choice(const std::string& flags, std::string& target, const std::vector<std::string>& words,
               const std::string& help, Shapes shapes = Shapes::result);
+  /// A file written beside the result, empty when not asked for. Before run(): it is none of the
+  /// inputs and no other output, not the standard output, and can be written.
+  void side_output(const std::string& flags, std::string& target, const std::string& help);
   void flag(const std::string& flags, bool& target, const std::string& help,
             Shapes shapes = Shapes::result);
 
