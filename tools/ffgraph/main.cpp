@@ -9,6 +9,7 @@
 #include "libcommon/base/threads.h"
 #include "libcommon/cli/cli.h"
 #include "libcommon/scene/lights.h"
+#include "tools/ffgraph/preview.h"
 #include "tools/ffgraph/rounds.h"
 #include "tools/ffgraph/triangle_flow.h"
 
@@ -16,7 +17,7 @@ namespace tdpt {
 namespace {
 
 struct Arguments {
-  std::string scene, camera, nodes = "patches", capacity, refine;
+  std::string scene, camera, nodes = "patches", capacity, refine, preview, debug_glb;
   int64_t samples = 300000, walks = 100000, bounces = 12, rounds = 1;
 };
 // Hits of walks are kept in memory, 16 bytes each.
@@ -113,6 +114,9 @@ int run(Arguments a, const cli::Common& common) {
   file.provenance = common.provenance(inputs);
   write_output(common.output, dimacs_text(file));
   phases.done("write");
+  if (!a.preview.empty()) write_output(a.preview, network_preview(scene, camera, file, triangles));
+  if (!a.debug_glb.empty()) write_output(a.debug_glb, network_debug_glb(scene, file, triangles));
+  if (!(a.preview.empty() && a.debug_glb.empty())) phases.done("pictures");
   summary["patches"] = file.patches.size();
   summary["arcs"] = file.network.arcs.size();
   summary["phases"] = phases;
@@ -147,5 +151,10 @@ int main(int argc, char** argv) {
   options.option("--refine", a.refine, "CUT",
                  "Split where the patches of this cut straddle its opening, instead of --rounds",
                  cli::Shapes::nothing);
+  options.side_output(
+      "--preview", a.preview,
+      "Write a PNG: what light and camera reach, as the camera sees it and in plan");
+  options.side_output("--debug-glb", a.debug_glb,
+                      "Write the same as glTF, the patches as coloured squares");
   return options.run_main(argc, argv, [&] { return run(a, options.common); });
 }

@@ -9,6 +9,7 @@
 #include "libcommon/base/threads.h"
 #include "libcommon/cli/cli.h"
 #include "tools/lightgrid/lightgrid.h"
+#include "tools/lightgrid/preview.h"
 
 int main(int argc, char** argv) {
   using namespace tdpt;
@@ -16,7 +17,7 @@ int main(int argc, char** argv) {
                        "Counts the light between the two sides of a cut in the voxels of air it "
                        "passes.",
                        "The light grid (.vdb); default standard output");
-  std::string scene_path, cut_path, device = "cpu";
+  std::string scene_path, cut_path, device = "cpu", preview, debug_glb;
   int64_t resolution = 128, samples = 1 << 20, lines = 1 << 13;
   options.argument("scene", scene_path, "The scene, glTF 2.0 (.glb or .gltf)");
   options.argument("cut", cut_path, "Its minimum cut (.cut), as mincut writes it");
@@ -27,6 +28,10 @@ int main(int argc, char** argv) {
   options.option("--lines", lines, "N", "Most lines of light kept in the file; default 8192", 100,
                  1 << 22);
   options.choice("--device", device, {"cpu", "gpu"}, "What traces the segments; default cpu");
+  options.side_output("--preview", preview,
+                      "Write a PNG: the counts along the three axes of the grid");
+  options.side_output("--debug-glb", debug_glb,
+                      "Write the fullest voxels and some lines of light as glTF");
   return options.run_main(argc, argv, [&] {
     const cli::Common& common = options.common;
     if (device == "gpu")
@@ -72,6 +77,9 @@ int main(int argc, char** argv) {
     }
     write_output(common.output, light_grid_bytes(grid));
     phases.done("write");
+    if (!preview.empty()) write_output(preview, grid_preview(grid, scene_path));
+    if (!debug_glb.empty()) write_output(debug_glb, grid_debug_glb(grid));
+    if (!(preview.empty() && debug_glb.empty())) phases.done("pictures");
     common.summary(nlohmann::json{{"bottleneck", grid.bottleneck},
                                   {"reason", grid.reason},
                                   {"drawn", report.drawn},

@@ -5,23 +5,38 @@
 #include <nlohmann/json.hpp>
 
 #include "libcommon/base/error.h"
+#include "libcommon/base/file.h"
 #include "libcommon/base/output_file.h"
 #include "libcommon/base/phases.h"
 #include "libcommon/base/threads.h"
 #include "libcommon/cli/cli.h"
 #include "tools/mincut/cut_of.h"
+#include "tools/mincut/preview.h"
 #include "tools/mincut/verify.h"
 
 namespace tdpt {
 namespace {
 
 struct Arguments {
-  std::string network = "-";
+  std::string network = "-", scene, camera, preview, debug_glb;
   int64_t cuts = 8;
   CutLimits limits;
 };
 
+// The scene for --preview; without it none is read.
+std::string preview_of(const Arguments& a, const CutFile& cut) {
+  Scene scene = read_gltf(a.scene);
+  open_glass(scene);
+  return cut_preview(scene, scene.camera(a.camera), cut, a.network);
+}
+
 int run(const Arguments& a, const cli::Common& common) {
+  if (!a.preview.empty() && a.scene.empty())
+    throw UsageError("--preview shows the scene: name it with --scene FILE");
+  if (a.preview.empty() && !(a.scene.empty() && a.camera.empty()))
+    throw UsageError("--scene and --camera go with --preview");
+  if (a.scene == "-" && a.network == "-")
+    throw UsageError("network and scene cannot both be the standard input");
   check_output(common.output);
   Phases phases;
   const DimacsFile problem = read_dimacs(a.network);
@@ -34,6 +49,9 @@ int run(const Arguments& a, const cli::Common& common) {
   summary["arcs"] = problem.network.arcs.size();
   summary["scale"] = problem.scale;
   if (!problem.has_patches) {
+    if (!a.preview.empty() || !a.debug_glb.empty())
+      throw InputError(display_name(a.network), "",
+                       "is a plain network, expected one of ffgraph's to draw");
     const MaxFlow flow = max_flow(problem.network);
     verify_max_flow(problem.network, flow);
     phases.done("flow");
@@ -44,7 +62,12 @@ int run(const Arguments& a, const cli::Common& common) {
     CutFile cut = cut_of(problem, static_cast<size_t>(a.cuts), a.limits);
     cut.provenance = provenance;
     phases.done("flow");
+    const std::string preview = a.preview.empty() ? "" : preview_of(a, cut);
+    const std::string debug_glb = a.debug_glb.empty() ? "" : cut_debug_glb(cut);
+    if (!(preview.empty() && debug_glb.empty())) phases.done("pictures");
     write_output(common.output, cut_text(cut));
+    if (!preview.empty()) write_output(a.preview, preview);
+    if (!debug_glb.empty()) write_output(a.debug_glb, debug_glb);
     summary["bottleneck"] = cut.bottleneck;
     summary["cuts"] = nlohmann::ordered_json::array();
     for (size_t c = 0; c < cut.cuts.size(); ++c) {
@@ -87,5 +110,13 @@ int main(int argc, char** argv) {
                  "Share of the area that the smaller side must have; default 0.03", 0, 0.5);
   options.option("--largest-conductance", a.limits.largest_conductance, "C",
                  "Largest share of the smaller side's light that may cross; default 0.12", 0, 1);
+  options.side_output("--preview", a.preview,
+                      "Write a PNG: the cut's sides and pivot pairs in the scene and in plan");
+  options.option("--scene", a.scene, "FILE", "Scene of the network (.glb, .gltf), for --preview",
+                 cli::Shapes::nothing);
+  options.option("--camera", a.camera, "NAME", "Camera for --preview; default the first one",
+                 cli::Shapes::nothing);
+  options.side_output("--debug-glb", a.debug_glb,
+                      "Write the same as glTF: patches as coloured squares, pairs as lines");
   return options.run_main(argc, argv, [&] { return run(a, options.common); });
 }

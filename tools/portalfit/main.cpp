@@ -7,13 +7,14 @@
 #include "libcommon/base/threads.h"
 #include "libcommon/cli/cli.h"
 #include "tools/portalfit/portalfit.h"
+#include "tools/portalfit/preview.h"
 
 int main(int argc, char** argv) {
   using namespace tdpt;
   cli::Options options("portalfit", "Fits planar light portals to a light grid.",
                        "The portals (.glb); default standard output");
   PortalFitOptions how;
-  std::string grid_path = "-";
+  std::string grid_path = "-", preview, debug_glb;
   int64_t max_portals = 8;
   bool require_portal = false;
   options.argument("grid", grid_path, "The light grid (.vdb); default standard input", false);
@@ -22,6 +23,10 @@ int main(int argc, char** argv) {
   options.option("--max-portals", max_portals, "N", "Most portals; default 8", 1, 1000);
   options.flag("--require-portal", require_portal, "Exit with 3 when no portal is found",
                cli::Shapes::nothing);
+  options.side_output("--preview", preview,
+                      "Write a PNG: each portal over the light, from the front and from above");
+  options.side_output("--debug-glb", debug_glb,
+                      "Write portals, their normals and some lines of light as glTF");
   return options.run_main(argc, argv, [&] {
     const cli::Common& common = options.common;
     how.max_portals = static_cast<size_t>(max_portals);
@@ -60,6 +65,12 @@ int main(int argc, char** argv) {
     }
     write_output(common.output, portal_bytes(file));
     phases.done("write");
+    if (!preview.empty())
+      write_output(preview, portal_preview(grid, file.portals, grid_path,
+                                           grid.bottleneck ? "no planar opening fits the light"
+                                                           : grid.reason));
+    if (!debug_glb.empty()) write_output(debug_glb, portal_debug_glb(grid, file));
+    if (!(preview.empty() && debug_glb.empty())) phases.done("pictures");
     summary["phases"] = phases;
     summary["cpu_seconds"] = cpu_seconds();
     summary["peak_bytes"] = peak_memory();

@@ -1,0 +1,106 @@
+#include "tools/ffgraph/preview.h"
+
+#include <gtest/gtest.h>
+
+#include "libcommon/testing/read_png.h"
+#include "libcommon/testing/temp_folder.h"
+
+namespace tdpt {
+namespace {
+
+const Scene& two_rooms() {
+  static const Scene scene = read_gltf(TDPT_TESTDATA "/scenes/two-rooms.glb");
+  return scene;
+}
+
+// Every face a patch; what lies beyond x = 2.05 is reached from the light to `light`, the rest from
+// the camera to `camera`, each in shares of its 4 samples.
+DimacsFile network(double light, double camera) {
+  const Scene& scene = two_rooms();
+  DimacsFile file;
+  file.has_patches = true;
+  file.scale = 1000;
+  file.scene_hash = scene.hash;
+  file.grid = {{-100, -100, -100}, 1000};
+  file.network.source = 0;
+  file.network.sink = 1;
+  for (uint32_t face = 0; face < 2 * scene.triangles.size(); ++face) {
+    const TriangleShape t = shape_of(scene, face / 2);
+    Patch p;
+    p.node = face + 3;
+    p.samples = 4;
+    p.centre = scene.frame.to_metres(t.p0 + (t.e1 + t.e2) / 3.0);
+    p.normal = face % 2 == 0 ? t.normal : -t.normal;
+    p.faces = {face};
+    if (p.centre.x > 2.05)
+      file.network.arcs.push_back({0, face + 2, std::llround(4000 * light)});
+    else
+      file.network.arcs.push_back({face + 2, 1, std::llround(4000 * camera)});
+    file.patches.push_back(p);
+  }
+  file.network.nodes = static_cast<uint32_t>(file.patches.size()) + 2;
+  return file;
+}
+
+TEST(reach_of_patches, is_the_terminals_share_of_the_samples) {
+  const DimacsFile file = network(0.25, 1.5);
+  const std::vector<Reach> reach = reach_of_patches(file, false);
+  for (size_t i = 0; i < reach.size(); ++i) {
+    const bool far = file.patches[i].centre.x > 2.05;
+    EXPECT_DOUBLE_EQ(reach[i].light, far ? 0.25 : 0);
+    EXPECT_DOUBLE_EQ(reach[i].camera, far ? 0 : 1) << "never above 1";
+  }
+  // Triangles are in S_d or not.
+  EXPECT_EQ(reach_of_patches(file, true)[0].light + reach_of_patches(file, true)[0].camera, 1);
+}
+
+// Pixels of floors in the plan, where the light is full.
+bool floors_have_their_colours(const DimacsFile& file) {
+  const Scene& scene = two_rooms();
+  draw::SceneSheet sheet(scene, scene.camera(""), "", "", 1.2, 20);
+  paint_network(sheet, scene, file, false);
+  const auto at = [&](const Vec3d& metres) {
+    const draw::Point p = sheet.plan().projection().project(scene.frame.to_canonical(metres));
+    return sheet.canvas().at(static_cast<int>(p.x), static_cast<int>(p.y));
+  };
+  const auto near = [](const draw::Ink& a, const draw::Ink& b) { return length(a - b) < 0.01f; };
+  return near(at({3.6, 0, 0.7}), draw::kLight) && near(at({0.5, 0, -0.7}), draw::kCamera);
+}
+
+TEST(network_preview, floors_have_the_colour_of_who_reaches_them) {
+  EXPECT_TRUE(floors_have_their_colours(network(1, 1)));
+  EXPECT_FALSE(floors_have_their_colours(network(0.5, 1))) << "twin: half as strong is seen";
+  EXPECT_FALSE(floors_have_their_colours(network(1, 0))) << "twin: no camera walk is seen";
+}
+
+TEST(network_preview, is_a_png_of_the_usual_width) {
+  const Scene& scene = two_rooms();
+  for (const bool triangles : {false, true}) {
+    const auto png =
+        testing::read_png(network_preview(scene, scene.camera(""), network(1, 1), triangles));
+    EXPECT_EQ(png.width, draw::kSheetWidth);
+    EXPECT_GT(png.height, 400);
+  }
+}
+
+TEST(network_debug_glb, has_squares_for_patches_and_the_triangles_themselves) {
+  const testing::TempFolder folder;
+  DimacsFile file = network(1, 1);
+  file.grid.base_cell = 0.3;
+  const Scene patches =
+      read_gltf(folder.write("patches.glb", network_debug_glb(two_rooms(), file, false)));
+  EXPECT_EQ(patches.triangles.size(), 2 * file.patches.size());
+  const Scene triangles =
+      read_gltf(folder.write("triangles.glb", network_debug_glb(two_rooms(), file, true)));
+  ASSERT_EQ(triangles.triangles.size(), file.patches.size());
+  double area = 0, expected = 0;
+  for (uint32_t t = 0; t < triangles.triangles.size(); ++t)
+    area += shape_of(triangles, t).area / (triangles.frame.scale * triangles.frame.scale);
+  for (uint32_t t = 0; t < two_rooms().triangles.size(); ++t)
+    expected +=
+        2 * shape_of(two_rooms(), t).area / (two_rooms().frame.scale * two_rooms().frame.scale);
+  EXPECT_NEAR(area, expected, 1e-4 * expected);
+}
+
+}  // namespace
+}  // namespace tdpt

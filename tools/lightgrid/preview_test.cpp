@@ -1,0 +1,113 @@
+#include "tools/lightgrid/preview.h"
+
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+#include "libcommon/scene/scene.h"
+#include "libcommon/testing/read_png.h"
+#include "libcommon/testing/temp_folder.h"
+#include "tools/lightgrid/lightgrid.h"
+#include "tools/lightgrid/test_cut.h"
+
+namespace tdpt {
+namespace {
+
+TEST(flattened, keeps_the_fullest_and_the_share_of_geometry) {
+  LightGrid grid;
+  grid.dim = {3, 4, 5};
+  grid.count.assign(60, 0);
+  grid.air.assign(60, 1);
+  grid.count[grid.index(2, 1, 3)] = 7;
+  grid.count[grid.index(0, 1, 3)] = 4;
+  grid.air[grid.index(1, 1, 3)] = 0;
+  const FlatGrid along_x = flattened(grid, 0);  // u = y, v = z
+  ASSERT_EQ(along_x.width, 4);
+  ASSERT_EQ(along_x.height, 5);
+  EXPECT_EQ(along_x.most[1 + 4 * 3], 7);
+  EXPECT_FLOAT_EQ(along_x.solid[1 + 4 * 3], 1.0f / 3);
+  const FlatGrid along_y = flattened(grid, 1);  // u = z, v = x
+  ASSERT_EQ(along_y.width, 5);
+  EXPECT_EQ(along_y.most[3 + 5 * 2], 7);
+  EXPECT_EQ(along_y.most[3 + 5 * 0], 4);
+  EXPECT_FLOAT_EQ(along_y.solid[3 + 5 * 1], 0.25f);
+  const FlatGrid along_z = flattened(grid, 2);  // u = x, v = y
+  ASSERT_EQ(along_z.width, 3);
+  EXPECT_EQ(along_z.most[2 + 3 * 1], 7);
+}
+
+// The hole of two-rooms: x 2..2.1, y 0.875..1.125, z -0.125..0.125.
+const LightGrid& two_rooms_grid() {
+  static const LightGrid grid = [] {
+    const Scene scene = read_gltf(TDPT_TESTDATA "/scenes/two-rooms.glb");
+    LightGridOptions how;
+    how.resolution = 64;
+    how.samples = 1 << 15;
+    how.lines = 1000;
+    LightGridReport report;
+    return make_light_grid(
+        scene, testing::perfect_cut(scene, 100000, [](const Vec3d& p) { return p.x > 2.05; }),
+        "room.cut", how, report);
+  }();
+  return grid;
+}
+
+// Whether the fullest pixel of the view along x lies within the hole, give or take a voxel.
+bool fullest_in_the_hole(const LightGrid& grid) {
+  const FlatGrid flat = flattened(grid, 0);
+  const auto at =
+      static_cast<int>(std::max_element(flat.most.begin(), flat.most.end()) - flat.most.begin());
+  const double y = grid.origin.y + grid.voxel * (at % flat.width + 0.5),
+               z = grid.origin.z + grid.voxel * (at / flat.width + 0.5);
+  return std::abs(y - 1) < 0.125 + grid.voxel && std::abs(z) < 0.125 + grid.voxel;
+}
+
+TEST(grid_preview, the_view_along_the_light_is_fullest_in_the_hole) {
+  ASSERT_TRUE(two_rooms_grid().bottleneck);
+  EXPECT_TRUE(fullest_in_the_hole(two_rooms_grid()));
+  // Twin: the same counts shifted by half a metre in y.
+  LightGrid shifted = two_rooms_grid();
+  const int by = static_cast<int>(0.5 / shifted.voxel);
+  for (int k = 0; k < shifted.dim[2]; ++k)
+    for (int j = 0; j < shifted.dim[1]; ++j)
+      for (int i = 0; i < shifted.dim[0]; ++i)
+        shifted.count[shifted.index(i, j, k)] =
+            two_rooms_grid().count[shifted.index(i, (j + by) % shifted.dim[1], k)];
+  EXPECT_FALSE(fullest_in_the_hole(shifted));
+}
+
+TEST(grid_preview, is_a_png_also_without_a_bottleneck) {
+  const auto png = testing::read_png(grid_preview(two_rooms_grid(), "two-rooms.glb"));
+  EXPECT_EQ(png.width, 1600);
+  EXPECT_GT(png.height, 600);
+  LightGrid none = two_rooms_grid();
+  none.bottleneck = false;
+  none.reason = "light and camera share one open space";
+  std::fill(none.count.begin(), none.count.end(), 0.0f);
+  none.lines.clear();
+  EXPECT_EQ(testing::read_png(grid_preview(none, "two-rooms.glb")).width, 1600);
+  none.count.clear();
+  EXPECT_EQ(testing::read_png(grid_preview(none, "two-rooms.glb")).width, 1600);
+}
+
+TEST(grid_debug_glb, shows_the_fullest_voxels_as_cubes_at_their_places) {
+  LightGrid grid;
+  grid.origin = {1, 2, 3};
+  grid.voxel = 0.5;
+  grid.dim = {4, 4, 4};
+  grid.count.assign(64, 0);
+  grid.count[grid.index(3, 0, 2)] = 100;
+  grid.count[grid.index(0, 0, 0)] = 5;  // a point
+  grid.lines = {{{0, 0, 0}, {1, 1, 1}, 0}};
+  const testing::TempFolder folder;
+  const Scene scene = read_gltf(folder.write("grid.glb", grid_debug_glb(grid)));
+  ASSERT_EQ(scene.triangles.size(), 12u);
+  for (const Triangle& t : scene.triangles)
+    for (const uint32_t v : t.vertex) {
+      const Vec3d d = scene.frame.to_metres(Vec3d(scene.positions[v])) - Vec3d{2.75, 2.25, 4.25};
+      EXPECT_NEAR(max_component(max(d, -d)), 0.2, 1e-6);
+    }
+}
+
+}  // namespace
+}  // namespace tdpt

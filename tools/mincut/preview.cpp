@@ -1,0 +1,143 @@
+#include "tools/mincut/preview.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "libcommon/base/error.h"
+#include "libcommon/base/file.h"
+#include "libcommon/draw/patch_lookup.h"
+#include "libcommon/draw/scene_sheet.h"
+#include "libcommon/formats/debug_glb.h"
+
+namespace tdpt {
+namespace {
+
+constexpr size_t kMostLines = 200, kMostGlbLines = 2000;
+
+// The light's and the camera's, and what lies between bottlenecks in series.
+int regions(const CutFile& cut) {
+  return static_cast<int>(cut.cuts.size()) + 1;
+}
+
+int region_of(const CutFile& cut, size_t patch) {
+  return static_cast<int>(cut.region[patch]);
+}
+
+std::string name_of_region(int k, int n) {
+  return k == 0       ? "the light's side"
+         : k == n - 1 ? "the camera's side"
+         : n == 3     ? "between them"
+                      : fmt::format("region {}", k);
+}
+
+std::string words_for(const CutFile& cut, size_t drawn) {
+  if (!cut.bottleneck) return "no bottleneck: " + cut.reason;
+  std::vector<std::string> shares;
+  for (const Bottleneck& b : cut.cuts)
+    shares.push_back(fmt::format("{:.2g} %", 100 * b.conductance));
+  return fmt::format("{}{} pivot pairs, {} of them drawn; {} of the smaller side's light {}",
+                     cut.cuts.size() > 1 ? fmt::format("{} bottlenecks; ", cut.cuts.size()) : "",
+                     draw::number(static_cast<double>(cut.arcs.size())), drawn,
+                     fmt::join(shares, ", "),
+                     cut.cuts.size() > 1 ? "cross them" : "crosses the cut");
+}
+
+double largest_capacity(const CutFile& cut) {
+  double most = 0;
+  for (const CutArc& a : cut.arcs) most = std::max(most, a.capacity);
+  return most;
+}
+
+// Where the light crosses: mean height of the pivot pairs' middles [metres].
+double mean_height(const CutFile& cut, double otherwise) {
+  double sum = 0, weight = 0;
+  for (const CutArc& a : cut.arcs) {
+    sum += a.capacity * 0.5 * (cut.patches[a.from].centre.y + cut.patches[a.to].centre.y);
+    weight += a.capacity;
+  }
+  return weight > 0 ? sum / weight : otherwise;
+}
+
+}  // namespace
+
+std::vector<size_t> arcs_to_draw(const CutFile& cut, size_t most) {
+  std::vector<size_t> chosen;
+  double total = 0, passed = 0;
+  for (const CutArc& a : cut.arcs) total += a.capacity;
+  const double step = total / static_cast<double>(most);
+  double next = 0.5 * step;
+  for (size_t i = 0; i < cut.arcs.size(); ++i) {
+    passed += cut.arcs[i].capacity;
+    if (cut.arcs.size() <= most || passed > next) chosen.push_back(i);
+    while (step > 0 && next < passed) next += step;
+  }
+  return chosen;
+}
+
+void paint_cut(draw::SceneSheet& sheet, const Scene& scene, const CutFile& cut) {
+  using namespace draw;
+  const int n = regions(cut);
+  const PatchLookup patches(scene.frame, cut.grid, cut.patches);
+  sheet.paint([&](uint32_t face, const Vec3d& place) {
+    const auto patch = patches.at(face, place);
+    return patch ? region(region_of(cut, *patch), n) : kClay;
+  });
+  const double most = largest_capacity(cut);
+  const auto lines = arcs_to_draw(cut, kMostLines);
+  for (const size_t i : lines) {
+    const CutArc& a = cut.arcs[i];
+    sheet.line(cut.patches[a.from].centre, cut.patches[a.to].centre, 1.1, kPivot,
+               0.12 + 0.6 * std::sqrt(a.capacity / most));
+  }
+  for (const size_t i : lines)
+    for (const uint32_t end : {cut.arcs[i].from, cut.arcs[i].to})
+      sheet.dot(cut.patches[end].centre, 1.6, mix(region(region_of(cut, end), n), kInk, 0.7), 0.9);
+}
+
+std::string cut_preview(const Scene& scene, const Camera& camera, const CutFile& cut,
+                        const std::string& cut_name) {
+  using namespace draw;
+  if (cut.scene_hash != scene.hash)
+    throw InputError(display_name(cut_name), "", "was made from another scene than " + scene.path);
+  SceneSheet sheet(scene, camera, "mincut   " + base_name(scene.path),
+                   words_for(cut, arcs_to_draw(cut, kMostLines).size()),
+                   mean_height(cut, scene.frame.to_metres(camera.position).y), 30);
+  paint_cut(sheet, scene, cut);
+  const int n = regions(cut);
+  std::vector<std::pair<Ink, std::string>> entries;
+  for (int k = 0; k < n; ++k) entries.emplace_back(region(k, n), name_of_region(k, n));
+  entries.emplace_back(kClay, "no walk came here");
+  entries.emplace_back(kPivot, "pivot pairs, more light darker, pale where hidden");
+  key(sheet.canvas(), {sheet.legend().x, sheet.legend().y + 22}, entries);
+  sheet.finish();
+  return sheet.canvas().png();
+}
+
+std::string cut_debug_glb(const CutFile& cut) {
+  const int n = regions(cut);
+  std::vector<DebugMesh> meshes(static_cast<size_t>(n));
+  for (int k = 0; k < n; ++k) meshes[static_cast<size_t>(k)].name = name_of_region(k, n);
+  for (size_t i = 0; i < cut.patches.size(); ++i) {
+    const Patch& p = cut.patches[i];
+    const double cell = std::ldexp(cut.grid.base_cell, -2 * p.level);
+    const int k = region_of(cut, i);
+    meshes[static_cast<size_t>(k)].square(p.centre + p.normal * (0.01 * cell), p.normal,
+                                          0.94 * cell, draw::bytes_of(draw::region(k, n)));
+  }
+  DebugMesh pairs{.name = "pivot pairs", .kind = DebugMesh::Kind::lines};
+  const double most = largest_capacity(cut);
+  for (const size_t i : arcs_to_draw(cut, kMostGlbLines)) {
+    const CutArc& a = cut.arcs[i];
+    // Lines have no opacity in most viewers: little capacity is pale.
+    const draw::Ink c =
+        draw::mix(draw::kFaint, draw::kPivot, 0.25 + 0.75 * std::sqrt(a.capacity / most));
+    pairs.line(cut.patches[a.from].centre, cut.patches[a.to].centre, draw::bytes_of(c),
+               draw::bytes_of(c));
+  }
+  meshes.push_back(std::move(pairs));
+  return debug_glb_bytes(meshes, cut.provenance);
+}
+
+}  // namespace tdpt

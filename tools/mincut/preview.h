@@ -1,0 +1,27 @@
+// Pictures of a cut: its regions and pivot pairs, as in the paper's Fig. 4.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "libcommon/draw/scene_sheet.h"
+#include "libcommon/formats/cut.h"
+#include "libcommon/scene/scene.h"
+
+namespace tdpt {
+
+/// At most `most` of the cut's arcs, as indices: every arc's chance to be drawn is in proportion to
+/// its capacity (systematic sampling), so that of two openings both show. Ascending, no arc twice.
+std::vector<size_t> arcs_to_draw(const CutFile& cut, size_t most);
+
+/// The surfaces of the cut's scene in the colours of their regions (draw::region), and over them
+/// the pivot pairs.
+void paint_cut(draw::SceneSheet& sheet, const Scene& scene, const CutFile& cut);
+
+/// PNG: camera view and plan, a colour a region, pivot pairs as lines, more capacity darker.
+/// Throws InputError for `cut_name` when the cut was made from another scene.
+std::string cut_preview(const Scene& scene, const Camera& camera, const CutFile& cut,
+                        const std::string& cut_name);
+/// glTF: a square for every patch in the colour of its region, pivot pairs as lines.
+std::string cut_debug_glb(const CutFile& cut);
+
+}  // namespace tdpt

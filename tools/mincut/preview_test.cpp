@@ -1,0 +1,147 @@
+#include "tools/mincut/preview.h"
+
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "libcommon/base/error.h"
+#include "libcommon/testing/read_png.h"
+#include "libcommon/testing/temp_folder.h"
+
+namespace tdpt {
+namespace {
+
+// Rooms x 0..2 and 2.1..4.1; the lamp hangs in the second, the camera stands in the first.
+const Scene& two_rooms() {
+  static const Scene scene = read_gltf(TDPT_TESTDATA "/scenes/two-rooms.glb");
+  return scene;
+}
+
+// A patch a face; what lies beyond x = 2.05 is `beyond`, the rest `before`. One pivot pair, from
+// the far room's end wall to the near one's.
+CutFile cut_at_the_wall(uint32_t before, uint32_t beyond) {
+  const Scene& scene = two_rooms();
+  CutFile cut;
+  cut.scene_hash = scene.hash;
+  cut.grid = {{-100, -100, -100}, 1000};
+  cut.bottleneck = true;
+  cut.cuts = {{10, 0.01}};
+  for (uint32_t face = 0; face < 2 * scene.triangles.size(); ++face) {
+    const TriangleShape t = shape_of(scene, face / 2);
+    Patch p;
+    p.node = face + 3;
+    p.samples = 1;
+    p.centre = scene.frame.to_metres(t.p0 + (t.e1 + t.e2) / 3.0);
+    p.normal = face % 2 == 0 ? t.normal : -t.normal;
+    p.faces = {face};
+    cut.region.push_back(p.centre.x > 2.05 ? beyond : before);
+    cut.patches.push_back(p);
+  }
+  Patch light = cut.patches[0], camera = cut.patches[0];
+  light.centre = {4.1, 1, 0.05};
+  camera.centre = {0, 1, 0.05};
+  light.faces = camera.faces = {};
+  cut.arcs = {{static_cast<uint32_t>(cut.patches.size()),
+               static_cast<uint32_t>(cut.patches.size() + 1), 10}};
+  cut.patches.push_back(light);
+  cut.patches.push_back(camera);
+  cut.region.push_back(beyond);
+  cut.region.push_back(before);
+  return cut;
+}
+
+struct Painted {
+  explicit Painted(const CutFile& cut)
+      : sheet(two_rooms(), two_rooms().camera(""), "", "", 1.05, 20) {
+    paint_cut(sheet, two_rooms(), cut);
+  }
+  draw::Ink in_plan(const Vec3d& metres) { return at(sheet.plan(), metres); }
+  draw::Ink seen(const Vec3d& metres) { return at(sheet.camera_view(), metres); }
+  draw::Ink at(const draw::SceneView& view, const Vec3d& metres) {
+    const draw::Point p = view.projection().project(two_rooms().frame.to_canonical(metres));
+    return sheet.canvas().at(static_cast<int>(p.x), static_cast<int>(p.y));
+  }
+  draw::SceneSheet sheet;
+};
+
+// A surface in light and shade keeps the ratio of its colours.
+bool is_shade_of(const draw::Ink& pixel, const draw::Ink& colour) {
+  const float shade = pixel.x / colour.x;
+  return shade > 0.5f && shade < 1.01f && std::abs(pixel.y - shade * colour.y) < 0.02f &&
+         std::abs(pixel.z - shade * colour.z) < 0.02f;
+}
+
+bool each_side_has_its_colour(const CutFile& cut) {
+  Painted p(cut);
+  // Floors of both rooms in the plan, the near room's wall and the far one's through the hole.
+  return is_shade_of(p.in_plan({3.6, 0, 0.7}), draw::kLight) &&
+         is_shade_of(p.in_plan({0.5, 0, -0.7}), draw::kCamera) &&
+         is_shade_of(p.seen({2, 1.4, -0.6}), draw::kCamera) &&
+         is_shade_of(p.seen({2.1, 1.08, -0.06}), draw::kLight);
+}
+
+TEST(cut_preview, walls_have_the_colour_of_their_side) {
+  EXPECT_TRUE(each_side_has_its_colour(cut_at_the_wall(1, 0)));
+  // Twin: with the sides exchanged the same pixels are told to be wrong.
+  EXPECT_FALSE(each_side_has_its_colour(cut_at_the_wall(0, 1)));
+}
+
+TEST(cut_preview, pivot_pairs_are_lines_through_the_opening) {
+  Painted p(cut_at_the_wall(1, 0));
+  // A line of one pixel may lie between two: the nearest in colour counts.
+  const auto off = [&](double x, double z) {
+    const draw::Point at =
+        p.sheet.plan().projection().project(two_rooms().frame.to_canonical({x, 1, z}));
+    float least = 2;
+    for (const int dy : {-1, 0, 1}) {
+      const draw::Ink& c = p.sheet.canvas().at(static_cast<int>(at.x), static_cast<int>(at.y) + dy);
+      least = std::min(least, length(c - draw::kPivot));
+    }
+    return least;
+  };
+  for (const double x : {1.0, 2.05, 3.0}) EXPECT_LT(off(x, 0.05), off(x, 0.1) - 0.15f) << x;
+}
+
+TEST(cut_preview, is_a_png_and_refuses_another_scene) {
+  CutFile cut = cut_at_the_wall(1, 0);
+  const Scene& scene = two_rooms();
+  const auto png = testing::read_png(cut_preview(scene, scene.camera(""), cut, "room.max"));
+  EXPECT_EQ(png.width, draw::kSheetWidth);
+  EXPECT_GT(png.height, 400);
+  cut.scene_hash = "another";
+  try {
+    cut_preview(scene, scene.camera(""), cut, "room.max");
+    ADD_FAILURE() << "accepted";
+  } catch (const InputError& e) {
+    EXPECT_EQ(std::string(e.what()), "room.max: was made from another scene than " + scene.path);
+  }
+}
+
+TEST(arcs_to_draw, takes_all_when_few_and_in_proportion_when_many) {
+  CutFile cut;
+  for (int i = 0; i < 10; ++i) cut.arcs.push_back({0, 1, 1.0});
+  EXPECT_EQ(arcs_to_draw(cut, 10).size(), 10u);
+  // Two openings: nine tenths of the light in the first 500 arcs, the rest in 500 others.
+  cut.arcs.clear();
+  for (int i = 0; i < 1000; ++i) cut.arcs.push_back({0, 1, i < 500 ? 9.0 : 1.0});
+  const std::vector<size_t> drawn = arcs_to_draw(cut, 100);
+  EXPECT_EQ(drawn.size(), 100u);
+  EXPECT_EQ(std::set<size_t>(drawn.begin(), drawn.end()).size(), drawn.size());
+  EXPECT_NEAR(static_cast<double>(
+                  std::count_if(drawn.begin(), drawn.end(), [](size_t i) { return i < 500; })),
+              90, 1);
+  for (CutArc& a : cut.arcs) a.capacity = 0;
+  EXPECT_TRUE(arcs_to_draw(cut, 100).empty());
+}
+
+TEST(cut_debug_glb, has_a_square_for_each_patch_before_its_face) {
+  CutFile cut = cut_at_the_wall(1, 0);
+  cut.grid.base_cell = 0.5;
+  cut.arcs.clear();
+  const testing::TempFolder folder;
+  const Scene glb = read_gltf(folder.write("cut.glb", cut_debug_glb(cut)));
+  EXPECT_EQ(glb.triangles.size(), 2 * cut.patches.size());
+}
+
+}  // namespace
+}  // namespace tdpt

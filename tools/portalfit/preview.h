@@ -1,0 +1,28 @@
+// Pictures of fitted portals over the light they were fitted to.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "libcommon/formats/light_grid.h"
+#include "libcommon/formats/portal.h"
+
+namespace tdpt {
+
+/// How a portal is looked at, metres: `front` from the camera's side along -n, `above` along -up.
+struct PortalFrame {
+  Vec3d o;             ///< middle of its area
+  Vec3d n, up, right;  ///< unit; n the way the light goes; `up` in the plane, as upright as can be
+};
+PortalFrame frame_of(const Portal& portal);
+
+/// Edges that belong to one triangle only.
+std::vector<std::array<uint32_t, 2>> outline_of(const Portal& portal);
+
+/// PNG: a row for each portal (six at most) or for the whole grid where there is none; `why_none`
+/// says why. `name`: of the grid.
+std::string portal_preview(const LightGrid& grid, const std::vector<Portal>& portals,
+                           const std::string& name, const std::string& why_none);
+/// glTF: portals translucent, their outlines and normals, and some lines of light.
+std::string portal_debug_glb(const LightGrid& grid, const PortalFile& file);
+
+}  // namespace tdpt

@@ -1,0 +1,124 @@
+#include "tools/portalfit/preview.h"
+
+#include <gtest/gtest.h>
+
+#include "libcommon/math/rng.h"
+#include "libcommon/math/warp.h"
+#include "libcommon/scene/scene.h"
+#include "libcommon/testing/read_png.h"
+#include "libcommon/testing/temp_folder.h"
+
+namespace tdpt {
+namespace {
+
+// In the plane x = 2, light towards -x: y 0.5..1.5, z -0.2..0.6.
+Portal door() {
+  Portal p;
+  p.vertices = {{2, 0.5, -0.2}, {2, 0.5, 0.6}, {2, 1.5, 0.6}, {2, 1.5, -0.2}};
+  p.triangles = {{0, 1, 2}, {0, 2, 3}};
+  p.figures = {{"area", 0.8}, {"flux_share", 0.9}};
+  const Vec3d n = cross(p.vertices[1] - p.vertices[0], p.vertices[2] - p.vertices[0]);
+  if (n.x > 0)
+    for (auto& t : p.triangles) std::swap(t[1], t[2]);
+  return p;
+}
+
+LightGrid lines_through_the_door() {
+  LightGrid grid;
+  grid.voxel = 0.25;
+  grid.origin = {0, 0, -1};
+  grid.dim = {16, 8, 8};
+  grid.count.assign(16 * 8 * 8, 0);
+  Rng rng(1, 2, 3);
+  for (int i = 0; i < 500; ++i) {
+    const double a = rng.uniform();
+    const double b = rng.uniform();
+    const double c = rng.uniform();
+    const double d = rng.uniform();
+    const Vec3d at{2, 0.5 + a, -0.2 + 0.8 * b}, w = cosine_hemisphere(c, d);
+    const Vec3d way{-w.z, w.x, w.y};
+    grid.lines.push_back({at - way, at + way, 0});
+    walk_grid(grid, at - way, at + way, [&](size_t v, double) { ++grid.count[v]; });
+  }
+  return grid;
+}
+
+TEST(frame_of, stands_upright_in_the_plane_and_looks_along_the_light) {
+  const PortalFrame f = frame_of(door());
+  EXPECT_NEAR(length(f.o - Vec3d{2, 1, 0.2}), 0, 1e-12);
+  EXPECT_NEAR(f.n.x, -1, 1e-12);
+  EXPECT_NEAR(f.up.y, 1, 1e-12);
+  // Who looks from the camera's side, along +x, has +z to the right.
+  EXPECT_NEAR(f.right.z, 1, 1e-12);
+  Portal skylight = door();
+  for (Vec3d& v : skylight.vertices) v = {v.z, 3, v.y};
+  EXPECT_NEAR(frame_of(skylight).up.z, -1, 1e-12);
+}
+
+TEST(outline_of, leaves_the_diagonal_out) {
+  const Portal p = door();
+  const auto edges = outline_of(p);
+  ASSERT_EQ(edges.size(), 4u);
+  for (const auto& e : edges) EXPECT_LE(length(p.vertices[e[0]] - p.vertices[e[1]]), 1.0 + 1e-12);
+}
+
+// Pixels of the portal's colour, in the left panel (front) and in the right one (from above).
+struct Green {
+  int front = 0, above = 0;
+};
+Green green_of(const std::string& bytes) {
+  const testing::PngPixels png = testing::read_png(bytes);
+  Green green;
+  for (int y = 92; y < 600; ++y)
+    for (int x = 0; x < png.width; ++x)
+      if (png.at(x, y) == std::array<uint8_t, 3>{0x0f, 0x8b, 0x6d})
+        ++(x < png.width / 2 ? green.front : green.above);
+  return green;
+}
+
+TEST(portal_preview, shows_the_outline_in_front_and_the_edge_from_above) {
+  const LightGrid grid = lines_through_the_door();
+  const Green with = green_of(portal_preview(grid, {door()}, "room.vdb", ""));
+  // An outline of four sides of some 300 pixels, 2 wide; an edge and an arrow.
+  EXPECT_GT(with.front, 1000);
+  EXPECT_GT(with.above, 700);
+  // Twin: without a portal there is none of it.
+  const Green without = green_of(portal_preview(grid, {}, "room.vdb", "the opening is wide"));
+  EXPECT_EQ(without.front + without.above, 0);
+}
+
+TEST(portal_preview, has_a_row_for_each_portal_but_six_at_most) {
+  const LightGrid grid = lines_through_the_door();
+  const auto height = [&](size_t n) {
+    return testing::read_png(portal_preview(grid, std::vector<Portal>(n, door()), "g", "")).height;
+  };
+  EXPECT_GT(height(3), height(1));
+  EXPECT_EQ(height(7), height(6));
+}
+
+TEST(portal_debug_glb, has_the_corners_of_the_portal) {
+  const testing::TempFolder folder;
+  PortalFile file;
+  file.portals = {door()};
+  const auto corners_missing = [&](const Portal& portal) {
+    const Scene scene =
+        read_gltf(folder.write("portal.glb", portal_debug_glb(lines_through_the_door(), file)));
+    EXPECT_EQ(scene.triangles.size(), 2u);
+    int missing = 0;
+    for (const Vec3d& v : portal.vertices) {
+      bool there = false;
+      for (const Triangle& t : scene.triangles)
+        for (const uint32_t k : t.vertex)
+          there = there || length(scene.frame.to_metres(Vec3d(scene.positions[k])) - v) < 1e-6;
+      missing += !there;
+    }
+    return missing;
+  };
+  EXPECT_EQ(corners_missing(door()), 0);
+  Portal beside = door();
+  for (Vec3d& v : beside.vertices) v.z += 0.01;
+  EXPECT_EQ(corners_missing(beside), 4);
+}
+
+}  // namespace
+}  // namespace tdpt
