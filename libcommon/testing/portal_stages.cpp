@@ -1,9 +1,10 @@
 #include "libcommon/testing/portal_stages.h"
 
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
+
+#include <nlohmann/json.hpp>
 
 namespace tdpt::testing {
 namespace {
@@ -17,10 +18,9 @@ std::string text_of(const std::string& path) {
   return text.str();
 }
 
-// The last value under `key`: that of the whole run stands behind those of its phases.
 double number_in(const std::string& json, const std::string& key) {
-  const size_t at = json.rfind("\"" + key + "\":");
-  return at == std::string::npos ? 0 : std::strtod(json.c_str() + at + key.size() + 3, nullptr);
+  const auto summary = nlohmann::json::parse(json, nullptr, /*allow_exceptions=*/false);
+  return summary.is_object() && summary.contains(key) ? summary[key].get<double>() : 0;
 }
 
 }  // namespace
