@@ -4,16 +4,18 @@
 //
 // Fine: a walk among the lines that join the two sides, started from the coarse ones. A step takes
 // a place x on the line l with density w(x)/W(l), W(l) = integral of w along l, and a direction
-// with density cos/pi of the angle to l; it moves to the line through both if that joins the sides,
-// and stays otherwise. Two lines that meet at x see each other under the same angle, so the walk is
+// with density cos/pi of the angle to l, or, in half of the steps, nearer to l: through long narrow
+// openings few others pass; it moves to the line through both if that joins the sides, and stays
+// otherwise. Two lines that meet at x see each other under the same angle, so the walk is
 // reversible with respect to W(l) times the measure of lines (area times projected solid angle):
 // that is where it settles, whatever the coarse pass distorted. Dividing by W leaves the light's
 // own distribution. w = count^3 keeps x near the opening, where most lines through x join the
 // sides; it is 0 where there is geometry: between the jambs of an opening leaks pile up. The tried
-// and joined lines at each voxel are the portals' support.
+// and joined lines of the wide steps at each voxel are the portals' support.
 #include "tools/lightgrid/lightgrid.h"
 
 #include <cmath>
+#include <numbers>
 #include <optional>
 
 #include <tbb/blocked_range.h>
@@ -35,7 +37,9 @@ constexpr double kHot = 0.25;         // of the largest count: voxels that are c
 constexpr size_t kChunk = 1 << 12;
 constexpr uint64_t kBlock = 1 << 18;   // segments in memory at a time
 constexpr size_t kMostKept = 1 << 20;  // coarse lines the fine pass starts from
-constexpr uint64_t kSteps = 4;         // of the fine pass
+// The fine pass ends when each chain has moved so often on average, or after so many steps.
+constexpr double kNarrowest = 2e4;  // exponent of the cosine
+constexpr uint64_t kMoves = 6, kMostSteps = 48;
 
 void lay_out(const Scene& scene, int resolution, LightGrid& grid) {
   Vec3d low(INFINITY), high(-INFINITY);
@@ -178,6 +182,13 @@ std::vector<LightLine> coarse_pass(const Scene& scene, const LightLines& lines, 
   return kept;
 }
 
+// A direction about +z with density proportional to cos^exponent per solid angle.
+Vec3d turned_from_axis(double u, double v, double exponent) {
+  const double z = std::pow(v, 1 / (exponent + 1)), phi = 2 * std::numbers::pi * u;
+  const double r = std::sqrt(std::max(0.0, 1 - z * z));
+  return {r * std::cos(phi), r * std::sin(phi), z};
+}
+
 // The walk among the lines of cut `c`; adds to lines, tried and joined of the grid.
 void fine_pass(const Scene& scene, const LightLines& lines, size_t c,
                const std::vector<LightLine>& kept, const Tally& tally,
@@ -185,34 +196,44 @@ void fine_pass(const Scene& scene, const LightLines& lines, size_t c,
   // Every chain is a line; a step draws a line through a place on it and moves there if
   // it joins the two sides, too.
   const size_t chains = 2 * options.lines;
+  std::vector<LightLine> start = kept;  // lines without weight, as between jambs, cannot move
+  std::erase_if(start, [&](const LightLine& l) { return !(weight_of(grid, tally.count, l) > 0); });
+  if (start.empty()) start = kept;
   std::vector<LightLine> chain(chains);
   for (size_t i = 0; i < chains; ++i) {
-    Rng rng(options.seed, stream_of(kFineStream, c), i, kSteps);
-    chain[i] = kept[rng.below(static_cast<uint32_t>(kept.size()))];
+    Rng rng(options.seed, stream_of(kFineStream, c), i, kMostSteps);
+    chain[i] = start[rng.below(static_cast<uint32_t>(start.size()))];
   }
   struct Step {
     LightLines::Through outcome;
     size_t voxel;
+    bool wide;
   };
   std::vector<Step> step(chains);
-  for (uint64_t round = 0; round < kSteps; ++round) {
+  uint64_t moves = 0;
+  for (uint64_t round = 0; round < kMostSteps && moves < kMoves * chains; ++round) {
     tbb::parallel_for(tbb::blocked_range<size_t>(0, chains, 256), [&](const auto& range) {
       for (size_t i = range.begin(); i < range.end(); ++i) {
         Rng rng(options.seed, stream_of(kFineStream, c), i, round);
         const double u = rng.uniform(), v1 = rng.uniform(), v2 = rng.uniform();
+        const double sharp = rng.uniform();
         step[i].outcome = LightLines::Through::unknown;
         const auto place = place_on(grid, tally.count, chain[i], u);
         if (!place) continue;
         const Onb<double> frame(normalize(chain[i].camera - chain[i].light));
+        step[i].wide = sharp < 0.5;
+        const double exponent = step[i].wide ? 1 : std::pow(kNarrowest, 2 * sharp - 1);
         JoiningLine line;
         step[i].outcome = lines.through(c, rng, scene.frame.to_canonical(place->at),
-                                        frame.to_world(cosine_hemisphere(v1, v2)), line);
+                                        frame.to_world(turned_from_axis(v1, v2, exponent)), line);
         step[i].voxel = place->voxel;
         if (step[i].outcome == LightLines::Through::joins) chain[i] = in_metres(scene, line);
       }
     });
     for (const Step& s : step) {
       if (s.outcome == LightLines::Through::unknown) continue;
+      moves += s.outcome == LightLines::Through::joins;
+      if (!s.wide) continue;
       ++grid.tried[s.voxel];
       ++report.tried;
       if (s.outcome != LightLines::Through::joins) continue;
@@ -236,7 +257,7 @@ void fine_pass(const Scene& scene, const LightLines& lines, size_t c,
   std::nth_element(sorted.begin(), quarter, sorted.end());
   const size_t most = grid.lines.size() + options.lines;
   for (size_t i = 0; i < chains && grid.lines.size() < most; ++i) {
-    Rng rng(options.seed, stream_of(kFineStream, c), i, kSteps + 1);
+    Rng rng(options.seed, stream_of(kFineStream, c), i, kMostSteps + 1);
     if (weight[i] > 0 && rng.uniform() * weight[i] <= *quarter) grid.lines.push_back(chain[i]);
   }
 }

@@ -13,7 +13,7 @@ namespace {
 constexpr double kGrazing = 0.05;     // cosine below which a crossing says nothing about a place
 constexpr double kDense = 0.1;        // of the mean density: what belongs to the aperture
 constexpr double kPointsPerCell = 8;  // of the fine look
-constexpr size_t kMostForMoments = 2000, kMostForArea = 8000;
+constexpr size_t kMostForMoments = 2000;
 
 struct Moments {
   double n = 0;
@@ -70,6 +70,35 @@ bool crossing(const Plane& plane, const LightLine& line, Vec2d& at) {
   return true;
 }
 
+bool inside_at(const Tube& tube, const LightLine& line, double offset, Vec2d& at) {
+  const Vec3d a = line.light - tube.middle.o, d = line.camera - line.light;
+  const double from = dot(a, tube.middle.n), along = dot(d, tube.middle.n);
+  if (!(along > 0) || from > tube.half || from + along < -tube.half) return false;
+  const Vec3d p = a + d * std::clamp((offset - from) / along, 0.0, 1.0);
+  const Onb<double> frame(tube.middle.n);
+  at = {dot(p, frame.x), dot(p, frame.y)};
+  return true;
+}
+
+Extents extents_of(const std::vector<Vec2d>& points) {
+  Extents e;
+  const double n = static_cast<double>(points.size());
+  for (const Vec2d& p : points) e.mean = e.mean + p;
+  e.mean = e.mean * (1 / n);
+  double xx = 0, xy = 0, yy = 0;
+  for (const Vec2d& p : points) {
+    const Vec2d d = p - e.mean;
+    xx += d.x * d.x, xy += d.x * d.y, yy += d.y * d.y;
+  }
+  xx /= n, xy /= n, yy /= n;
+  const double turn = 0.5 * std::atan2(2 * xy, xx - yy), half = 0.5 * (xx + yy),
+               spread = std::hypot(0.5 * (xx - yy), xy);
+  e.axis = {std::cos(turn), std::sin(turn)};
+  e.longer = std::sqrt(12 * (half + spread));
+  e.shorter = std::sqrt(12 * std::max(0.0, half - spread));
+  return e;
+}
+
 Vec3d to_space(const Plane& plane, Vec2d at) {
   const Onb<double> frame(plane.n);
   return plane.o + frame.x * at.x + frame.y * at.y;
@@ -105,100 +134,100 @@ Vec3d mean_direction_near(const LightGrid& grid, const std::vector<uint32_t>& li
   return norm > 0 ? sum / norm : sum;
 }
 
+namespace {
+
+using Cell = std::array<int64_t, 2>;
+
+// The connected cells around the middle that hold at least kDense of the mean.
+std::set<Cell> dense_region(const std::map<Cell, double>& count, double h) {
+  // The start: the fullest cell next to the middle, or the fullest of all.
+  Cell start{};
+  double most = 0;
+  for (const auto& [cell, n] : count) {
+    const double x = (static_cast<double>(cell[0]) + 0.5) * h,
+                 y = (static_cast<double>(cell[1]) + 0.5) * h;
+    const double nearness = n / (1 + (x * x + y * y) / (4 * h * h));
+    if (nearness > most) most = nearness, start = cell;
+  }
+  // Mean density that a point of the region sees; the region grows until it no longer changes.
+  std::set<Cell> region;
+  double least = std::max(1.0, kDense * count.at(start));
+  for (int pass = 0; pass < 3; ++pass) {
+    region = {start};
+    std::vector<Cell> stack{start};
+    double weighted = 0, total = 0;
+    while (!stack.empty()) {
+      const Cell c = stack.back();
+      stack.pop_back();
+      const double n = count.at(c);
+      weighted += n * n, total += n;
+      for (int64_t dy = -1; dy <= 1; ++dy)
+        for (int64_t dx = -1; dx <= 1; ++dx) {
+          const Cell next{c[0] + dx, c[1] + dy};
+          const auto it = count.find(next);
+          if (it != count.end() && it->second >= least && region.insert(next).second)
+            stack.push_back(next);
+        }
+    }
+    least = std::max(1.5, kDense * weighted / total);
+  }
+  return region;
+}
+
+}  // namespace
+
 std::vector<uint32_t> members(const LightGrid& grid, const std::vector<uint32_t>& lines,
-                              const Plane& plane, double h) {
+                              const Tube& tube, double h) {
   std::vector<uint32_t> found;
   std::vector<Vec2d> points;
+  // Lines that end before the middle pile up on the jambs: they do not count where others do.
+  std::vector<bool> counts;
+  size_t counting = 0;
   for (const uint32_t l : lines)
-    if (Vec2d at; crossing(plane, grid.lines[l], at)) {
+    if (Vec2d at; inside_at(tube, grid.lines[l], 0, at)) {
       found.push_back(l);
       points.push_back(at);
+      counts.push_back(inside_at({tube.middle, 0}, grid.lines[l], 0, at));
+      counting += counts.back();
     }
-  using Cell = std::array<int64_t, 2>;
-  for (int look = 0; look < 3; ++look) {
-    const auto cell_of = [h](Vec2d p) {
-      return Cell{static_cast<int64_t>(std::clamp(std::floor(p.x / h), -1e15, 1e15)),
-                  static_cast<int64_t>(std::clamp(std::floor(p.y / h), -1e15, 1e15))};
+  if (found.empty()) return {};
+  constexpr size_t kFewest = 30;
+  if (counting < kFewest) counts.assign(points.size(), true);
+  // Later looks are at all points again, since the first one may have joined two windows, in a
+  // frame where the region is round: slits are as well resolved along as across.
+  Vec2d origin, u{1, 0}, v{0, 1};
+  for (int look = 0;; ++look) {
+    const auto cell_of = [&](Vec2d p) {
+      const Vec2d d = p - origin;
+      const double x = d.x * u.x + d.y * u.y, y = d.x * v.x + d.y * v.y;
+      return Cell{static_cast<int64_t>(std::clamp(std::floor(x / h), -1e15, 1e15)),
+                  static_cast<int64_t>(std::clamp(std::floor(y / h), -1e15, 1e15))};
     };
     std::map<Cell, double> count;
-    for (const Vec2d& p : points) ++count[cell_of(p)];
-    // The start: the fullest cell next to the middle, or the fullest of all.
-    Cell start{};
-    double most = 0, weighted = 0, total = 0;
-    for (const auto& [cell, n] : count) {
-      const double x = (static_cast<double>(cell[0]) + 0.5) * h,
-                   y = (static_cast<double>(cell[1]) + 0.5) * h;
-      const double nearness = n / (1 + (x * x + y * y) / (4 * h * h));
-      if (nearness > most) most = nearness, start = cell;
-    }
-    if (count.empty()) return {};
-    // Mean density that a point of the region sees; the region grows until it no longer changes.
-    std::set<Cell> region;
-    double least = std::max(1.0, kDense * count[start]);
-    for (int pass = 0; pass < 3; ++pass) {
-      region = {start};
-      std::vector<Cell> stack{start};
-      weighted = total = 0;
-      while (!stack.empty()) {
-        const Cell c = stack.back();
-        stack.pop_back();
-        const double n = count[c];
-        weighted += n * n, total += n;
-        for (int64_t dy = -1; dy <= 1; ++dy)
-          for (int64_t dx = -1; dx <= 1; ++dx) {
-            const Cell next{c[0] + dx, c[1] + dy};
-            const auto it = count.find(next);
-            if (it != count.end() && it->second >= least && region.insert(next).second)
-              stack.push_back(next);
-          }
-      }
-      least = std::max(1.5, kDense * weighted / total);
-    }
-    std::vector<uint32_t> next_found;
-    std::vector<Vec2d> next_points;
+    for (size_t i = 0; i < points.size(); ++i)
+      if (counts[i]) ++count[cell_of(points[i])];
+    const std::set<Cell> region = dense_region(count, h);
+    std::vector<uint32_t> kept;
+    std::vector<Vec2d> kept_points;
+    size_t n = 0;
     for (size_t i = 0; i < points.size(); ++i)
       if (region.contains(cell_of(points[i]))) {
-        next_found.push_back(found[i]);
-        next_points.push_back(points[i]);
+        kept.push_back(found[i]);
+        kept_points.push_back(points[i]);
+        n += counts[i];
       }
-    if (look == 2) return next_found;
-    // Finer cells for the next look, over all points: the first look may have joined two windows.
-    const double occupied = static_cast<double>(region.size()) * h * h;
-    const double next_h = std::sqrt(kPointsPerCell * occupied / std::max(total, 1.0));
-    h = std::clamp(next_h, 0.05 * h, 1.5 * h);
+    if (look == 2) return kept;
+    const Extents e = extents_of(kept_points);
+    if (!(e.shorter > 0)) return kept;
+    origin = e.mean;
+    u = e.axis * (1 / e.longer);
+    v = Vec2d{-e.axis.y, e.axis.x} * (1 / e.shorter);
+    h = std::clamp(std::sqrt(kPointsPerCell / static_cast<double>(std::max<size_t>(n, 1))), 0.01,
+                   0.2);
   }
-  return found;
 }
 
 namespace {
-
-// Area of the smallest polygon with `kSides` given directions of its sides that leaves no more than
-// the share kOutside of the points beyond each side. Unlike moments it does not depend on how the
-// points lie within it: light from one side leans a bundle over, but does not move its edges.
-double robust_area(const std::vector<Vec2d>& points, const Moments& moments) {
-  constexpr int kSides = 16;
-  constexpr double kOutside = 0.005;
-  // In the frame where the points are round, so that slits are as well described as squares.
-  const double det = moments.determinant();
-  const double l11 = std::sqrt(moments.xx), l21 = moments.xy / l11, l22 = std::sqrt(det) / l11;
-  Polygon polygon{{-100, -100}, {100, -100}, {100, 100}, {-100, 100}};
-  std::vector<double> reach(points.size());
-  const auto rank =
-      static_cast<std::ptrdiff_t>((1 - kOutside) * static_cast<double>(points.size() - 1));
-  for (int side = 0; side < kSides; ++side) {
-    const double angle = 2 * std::numbers::pi * side / kSides;
-    const Vec2d axis{std::cos(angle), std::sin(angle)};
-    for (size_t i = 0; i < points.size(); ++i) {
-      const Vec2d d = points[i] - moments.mean;
-      const double x = d.x / l11, y = (d.y - l21 * x) / l22;
-      reach[i] = x * axis.x + y * axis.y;
-    }
-    std::nth_element(reach.begin(), reach.begin() + rank, reach.end());
-    const double limit = reach[static_cast<size_t>(rank)];
-    polygon = clipped(polygon, axis, limit);
-  }
-  return area(polygon) * std::sqrt(det);
-}
 
 // Every k-th line, so that at most `most` remain.
 std::vector<LightLine> sample_of(const LightGrid& grid, const std::vector<uint32_t>& lines,
@@ -213,7 +242,6 @@ std::vector<LightLine> sample_of(const LightGrid& grid, const std::vector<uint32
 // Pattern search over slide and tilt: derivatives of trimmed quantities are not worth having.
 struct Search {
   std::vector<LightLine> lines;
-  bool by_area = false;
   Moments moments{};
   std::vector<Vec2d> points{};
 
@@ -226,10 +254,10 @@ struct Search {
     moments = trimmed_moments(points);
     const double det = moments.determinant();
     if (!(det > 0)) return INFINITY;
-    const double spread = by_area ? std::log(robust_area(points, moments)) : 0.5 * std::log(det);
+    const double spread = 0.5 * std::log(det);
     // Crossings per area; from afar, losing lines must cost more than coming closer to their ends
     // gains.
-    return spread - (by_area ? 1 : 3) * std::log(moments.n / size);
+    return spread - 3 * std::log(moments.n / size);
   }
 
   Plane run(Plane best, double slide, double tilt) {
@@ -266,12 +294,6 @@ struct Search {
 
 Plane waist(const LightGrid& grid, const std::vector<uint32_t>& lines, const Plane& start) {
   return Search{sample_of(grid, lines, kMostForMoments)}.run(start, 1, 0.3);
-}
-
-Plane fine_waist(const LightGrid& grid, const std::vector<uint32_t>& lines, const Plane& start) {
-  // Edges give the tilt; then moments the middle of the wall, within which all areas are the same.
-  const auto sample = sample_of(grid, lines, kMostForArea);
-  return Search{sample}.run(Search{sample, true}.run(start, 0.1, 0.1), 0.5, 0);
 }
 
 }  // namespace tdpt

@@ -13,6 +13,7 @@
 
 #include "tools/portalfit/bundle.h"
 #include "tools/portalfit/polygon.h"
+#include "tools/portalfit/tube.h"
 
 namespace tdpt {
 namespace {
@@ -20,10 +21,11 @@ namespace {
 constexpr size_t kFewestLines = 30;
 constexpr size_t kMostCorners = 12;
 constexpr double kCornerTolerance = 0.003;  // of the area, for each corner saved
+constexpr double kWithin = 0.85;            // of the tube's depth: where its outline is taken
 constexpr double kDegrees = 180 / std::numbers::pi;
 
 struct Aperture {
-  Plane plane;
+  Tube tube;
   Polygon polygon;
   std::vector<uint32_t> lines;  // that cross it along the normal
 };
@@ -32,7 +34,7 @@ struct Aperture {
 // the edge of the aperture. Keeps in `points` what the hull keeps. Never takes more than the share
 // kMostCut of the points.
 Polygon trimmed(Polygon hull, std::vector<Vec2d>& points) {
-  constexpr double kMostCut = 0.02, kSparse = 3, kWorthIt = 0.01;
+  constexpr double kMostCut = 0.02, kSparse = 10, kWorthIt = 0.01;
   constexpr int kDirections = 64, kSteps = 40;
   const double all = static_cast<double>(points.size());
   for (;;) {
@@ -60,29 +62,54 @@ Polygon trimmed(Polygon hull, std::vector<Vec2d>& points) {
   }
 }
 
-std::vector<uint32_t> lines_across(const LightGrid& grid, const std::vector<uint32_t>& all,
+std::vector<uint32_t> lines_across(const LightGrid& grid, const std::vector<uint32_t>& lines,
                                    const Aperture& a) {
-  std::vector<uint32_t> lines;
-  for (const uint32_t l : all)
-    if (Vec2d at; crossing(a.plane, grid.lines[l], at) && contains(a.polygon, at))
-      lines.push_back(l);
-  return lines;
+  std::vector<uint32_t> across;
+  for (const uint32_t l : lines)
+    if (Vec2d at; inside_at(a.tube, grid.lines[l], 0, at) && contains(a.polygon, at))
+      across.push_back(l);
+  return across;
 }
 
-// The aperture among `lines` close to `plane`: its plane by the edges, its outline.
+// Those that come through the opening or end within or close before it: none of them tells of
+// another opening.
+std::vector<uint32_t> lines_at(const LightGrid& grid, const std::vector<uint32_t>& lines,
+                               const Aperture& a) {
+  const Polygon wider = enlarged(a.polygon, 1.1);
+  const Extents e = extents_of(a.polygon);
+  Tube deeper = a.tube;
+  deeper.half += 0.5 * e.shorter;
+  std::vector<uint32_t> at_it;
+  for (const uint32_t l : lines)
+    for (const double offset : {0.0, -a.tube.half, a.tube.half, -deeper.half, deeper.half})
+      if (Vec2d at; inside_at(deeper, grid.lines[l], offset, at) && contains(wider, at)) {
+        at_it.push_back(l);
+        break;
+      }
+  return at_it;
+}
+
+std::vector<LightLine> picked(const LightGrid& grid, const std::vector<uint32_t>& lines) {
+  std::vector<LightLine> some;
+  for (const uint32_t l : lines) some.push_back(grid.lines[l]);
+  return some;
+}
+
+// The aperture among `lines` close to `tube`: its tube, its outline.
 std::optional<Aperture> outlined(const LightGrid& grid, const std::vector<uint32_t>& lines,
-                                 const Plane& plane) {
-  Aperture a{plane, {}, {}};
+                                 const Tube& tube) {
+  Aperture a{tube, {}, {}};
   std::vector<uint32_t> bundle;
-  for (int round = 0; round < 2; ++round) {
-    if (round > 0) a.plane = fine_waist(grid, bundle, a.plane);
-    bundle = members(grid, lines, a.plane, grid.voxel);
+  for (int round = 0; round < 3; ++round) {
+    if (round > 0) a.tube = least_tube(picked(grid, bundle), a.tube);
+    bundle = members(grid, lines, a.tube, grid.voxel);
     if (bundle.size() < kFewestLines) return {};
   }
 
   std::vector<Vec2d> points;
   for (const uint32_t l : bundle)
-    if (Vec2d at; crossing(a.plane, grid.lines[l], at)) points.push_back(at);
+    for (const double face : {-kWithin * a.tube.half, kWithin * a.tube.half})
+      if (Vec2d at; inside_at(a.tube, grid.lines[l], face, at)) points.push_back(at);
   Polygon hull = convex_hull(points);
   if (hull.size() < 3 || !(area(hull) > 0)) return {};
   hull = trimmed(std::move(hull), points);
@@ -90,27 +117,33 @@ std::optional<Aperture> outlined(const LightGrid& grid, const std::vector<uint32
   const auto n = static_cast<double>(points.size());
   a.polygon =
       simplified(enlarged(hull, 1 + 8.0 / 3 * std::log(n) / n), kMostCorners, kCornerTolerance);
-  for (const uint32_t l : lines)
-    if (Vec2d at; crossing(a.plane, grid.lines[l], at) && contains(a.polygon, at))
-      a.lines.push_back(l);
+  a.lines = lines_across(grid, lines, a);
   return a;
 }
 
 std::optional<Aperture> find_aperture(const LightGrid& grid, const std::vector<uint32_t>& lines) {
-  Aperture a;
-  a.plane.o = fullest_place(grid, lines);
-  a.plane.n = mean_direction_near(grid, lines, a.plane.o, 1.5 * grid.voxel);
-  if (a.plane.n == Vec3d{}) return {};
-  std::vector<uint32_t> bundle;
+  Tube tube;
+  Plane& plane = tube.middle;
+  plane.o = fullest_place(grid, lines);
+  plane.n = mean_direction_near(grid, lines, plane.o, 1.5 * grid.voxel);
+  if (plane.n == Vec3d{}) return {};
+  tube.half = 0.5 * grid.voxel;
   for (int round = 0; round < 6; ++round) {
-    const Plane before = a.plane;
-    bundle = members(grid, lines, a.plane, grid.voxel);
+    const Plane before = plane;
+    const auto bundle = members(grid, lines, tube, grid.voxel);
     if (bundle.size() < kFewestLines) return {};
-    a.plane = waist(grid, bundle, a.plane);
-    if (dot(before.n, a.plane.n) > 1 - 1e-6 && length(before.o - a.plane.o) < 1e-3 * grid.voxel)
-      break;
+    plane = waist(grid, bundle, plane);
+    if (dot(before.n, plane.n) > 1 - 1e-6 && length(before.o - plane.o) < 1e-3 * grid.voxel) break;
   }
-  return outlined(grid, lines, a.plane);
+  return outlined(grid, lines, tube);
+}
+
+// Share of the lines through the middle of the tube that pass both its faces.
+double through_share(const Aperture& a) {
+  const Extents e = extents_of(a.polygon);
+  if (!(e.shorter > 0)) return 1;
+  const double grow = std::sqrt(area(a.polygon) / (e.longer * e.shorter));
+  return facing_rectangles(grow * e.longer, grow * e.shorter, 2 * a.tube.half);
 }
 
 // Share of the lines through the polygon that join the two sides, from the voxels it passes;
@@ -125,9 +158,9 @@ std::optional<double> support_of(const LightGrid& grid, const Aperture& a) {
       for (int i = 0; i < grid.dim[0]; ++i, ++at) {
         if (grid.tried[at] == 0) continue;
         const Vec3d centre = grid.origin + Vec3d{i + 0.5, j + 0.5, k + 0.5} * grid.voxel;
-        const Vec3d d = centre - a.plane.o;
-        if (std::abs(dot(d, a.plane.n)) > grid.voxel) continue;
-        const Onb<double> frame(a.plane.n);
+        const Vec3d d = centre - a.tube.middle.o;
+        if (std::abs(dot(d, a.tube.middle.n)) > grid.voxel) continue;
+        const Onb<double> frame(a.tube.middle.n);
         // The nearest corner region counts, too: slits are narrower than voxels.
         const Vec2d p{dot(d, frame.x), dot(d, frame.y)};
         bool near = contains(wider, p);
@@ -139,7 +172,7 @@ std::optional<double> support_of(const LightGrid& grid, const Aperture& a) {
         joined += grid.joined[at];
       }
   if (tried == 0) return {};
-  return joined / tried;
+  return std::min(1.0, joined / tried / through_share(a));
 }
 
 // Angles between n and the main and minor axis of the voxels fuller than half the fullest.
@@ -197,7 +230,7 @@ std::pair<double, double> pca_angles(const LightGrid& grid, const Vec3d& n) {
 Portal portal_of(const LightGrid& grid, const Aperture& a, size_t of,
                  std::optional<double> support) {
   Portal portal;
-  for (const Vec2d& p : a.polygon) portal.vertices.push_back(to_space(a.plane, p));
+  for (const Vec2d& p : a.polygon) portal.vertices.push_back(to_space(a.tube.middle, p));
   portal.triangles = triangulate(a.polygon);
   Vec3d sum{};
   for (const uint32_t l : a.lines) sum += normalize(grid.lines[l].camera - grid.lines[l].light);
@@ -209,9 +242,9 @@ Portal portal_of(const LightGrid& grid, const Aperture& a, size_t of,
   f["direction_x"] = mean.x;
   f["direction_y"] = mean.y;
   f["direction_z"] = mean.z;
-  f["direction_angle"] = kDegrees * std::acos(std::clamp(dot(mean, a.plane.n), -1.0, 1.0));
+  f["direction_angle"] = kDegrees * std::acos(std::clamp(dot(mean, a.tube.middle.n), -1.0, 1.0));
   f["concentration"] = length(sum) / static_cast<double>(a.lines.size());
-  const auto [main, minor] = pca_angles(grid, a.plane.n);
+  const auto [main, minor] = pca_angles(grid, a.tube.middle.n);
   f["pca_main_angle"] = main;
   f["pca_minor_angle"] = minor;
   return portal;
@@ -233,7 +266,7 @@ void part_from_each_other(const LightGrid& grid, const std::vector<uint32_t>& al
     for (const uint32_t l : found[i].lines)
       if (crossed[l] == 1) alone.push_back(l);
     if (2 * alone.size() < found[i].lines.size()) continue;
-    auto again = outlined(grid, alone, found[i].plane);
+    auto again = outlined(grid, alone, found[i].tube);
     if (!again) continue;
     // Its lines are all that cross it.
     again->lines = lines_across(grid, all, *again);
@@ -271,7 +304,8 @@ std::vector<Aperture> fit_cut(const LightGrid& grid, const std::vector<uint32_t>
       found.push_back(*aperture);
     }
     std::vector<uint32_t> left;
-    std::set_difference(rest.begin(), rest.end(), aperture->lines.begin(), aperture->lines.end(),
+    const std::vector<uint32_t> gone = lines_at(grid, rest, *aperture);
+    std::set_difference(rest.begin(), rest.end(), gone.begin(), gone.end(),
                         std::back_inserter(left));
     rest = std::move(left);
   }
@@ -284,11 +318,11 @@ bool same_opening(const LightGrid& grid, const Aperture& a, const Aperture& b) {
   const double size = std::sqrt(std::min(area(a.polygon), area(b.polygon)));
   const auto middle = [](const Aperture& x) {
     Vec3d sum{};
-    for (const Vec2d& p : x.polygon) sum += to_space(x.plane, p);
+    for (const Vec2d& p : x.polygon) sum += to_space(x.tube.middle, p);
     return sum / static_cast<double>(x.polygon.size());
   };
   constexpr double kNear = 0.9;  // cosine
-  return dot(a.plane.n, b.plane.n) > kNear &&
+  return dot(a.tube.middle.n, b.tube.middle.n) > kNear &&
          length(middle(a) - middle(b)) < std::max(0.3 * size, grid.voxel);
 }
 

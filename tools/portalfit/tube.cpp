@@ -1,0 +1,185 @@
+#include "tools/portalfit/tube.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+namespace tdpt {
+namespace {
+
+constexpr int kSides = 16;
+constexpr double kOutside = 0.001;   // share of the lines beyond each side of the outline
+constexpr double kPlaneHolds = 0.9;  // of the prism's lines
+constexpr double kPrism = 1.12;      // most area of a prism's outline over that in its middle
+constexpr double kThrough = 0.002;   // smallest share of the lines that pass both faces
+constexpr double kLosing = 2, kLosingPlane = 0.3;  // weight of the lines that miss it
+constexpr size_t kMostRough = 1500;                // lines for the first look
+constexpr size_t kMostFine = 8192;
+constexpr double kMostTilt = 0.3;
+
+struct Search {
+  std::vector<LightLine> lines;
+  bool flat = false;            // a plane, not a tube
+  double faces = 1;             // where in the tube the outline is taken: 1 its faces, 0 its middle
+  std::vector<Vec2d> points{};  // of the last look, both faces
+  std::vector<double> reach{};
+  Extents extents{};
+  double size = 0;  // area of the outline [m2]
+
+  // Logarithm of the etendue per line held; without a common factor.
+  double badness(const Tube& tube) {
+    const Onb<double> frame(tube.middle.n);
+    points.clear();
+    double through = 0;
+    for (const LightLine& l : lines) {
+      const Vec3d a = l.light - tube.middle.o, d = l.camera - l.light;
+      const double from = dot(a, tube.middle.n), along = dot(d, tube.middle.n);
+      if (!(along > 0) || from > tube.half || from + along < -tube.half) continue;
+      through += from <= -tube.half && from + along >= tube.half;
+      const double ax = dot(a, frame.x), ay = dot(a, frame.y);
+      const double dx = dot(d, frame.x), dy = dot(d, frame.y);
+      for (const double face : {-faces * tube.half, faces * tube.half}) {
+        const double t = std::clamp((face - from) / along, 0.0, 1.0);
+        points.push_back({ax + dx * t, ay + dy * t});
+      }
+    }
+    const double held = 0.5 * static_cast<double>(points.size()),
+                 all = static_cast<double>(lines.size());
+    if (held < 0.5 * all || through < std::max(8.0, kThrough * held)) return INFINITY;
+    extents = extents_of(points);
+    if (!(extents.shorter > 0)) return INFINITY;
+    // In a frame where the points are round, so that slits are as well described as squares.
+    const Vec2d u = extents.axis * (1 / extents.longer),
+                v = Vec2d{-extents.axis.y, extents.axis.x} * (1 / extents.shorter);
+    for (Vec2d& p : points) {
+      const Vec2d d = p - extents.mean;
+      p = {d.x * u.x + d.y * u.y, d.x * v.x + d.y * v.y};
+    }
+    Polygon outline{{-100, -100}, {100, -100}, {100, 100}, {-100, 100}};
+    double least[2] = {0, 0}, most[2] = {0, 0};
+    const auto beyond = static_cast<std::ptrdiff_t>(kOutside * static_cast<double>(points.size()));
+    reach.resize(points.size());
+    for (int side = 0; side < kSides; ++side) {
+      const double angle = 2 * std::numbers::pi * side / kSides;
+      const Vec2d axis{std::cos(angle), std::sin(angle)};
+      for (size_t i = 0; i < points.size(); ++i)
+        reach[i] = -(points[i].x * axis.x + points[i].y * axis.y);
+      std::nth_element(reach.begin(), reach.begin() + beyond, reach.end());
+      const double limit = -reach[static_cast<size_t>(beyond)];
+      if (side % (kSides / 4) == 0)
+        (side < kSides / 2 ? most : least)[side / (kSides / 4) % 2] = limit;
+      outline = clipped(outline, axis, limit);
+    }
+    size = area(outline) * extents.longer * extents.shorter;
+    if (!(size > 0)) return INFINITY;
+    // The rectangle of this area in the proportions of the extents.
+    const double a = (most[0] + least[0]) * extents.longer,
+                 b = (most[1] + least[1]) * extents.shorter;
+    if (!(a > 0 && b > 0)) return INFINITY;
+    const double grow = std::sqrt(size / (a * b));
+    return std::log(size * facing_rectangles(a * grow, b * grow, 2 * tube.half)) -
+           (flat ? kLosingPlane : kLosing) * std::log(held / all);
+  }
+
+  // Coordinate search: every coordinate keeps its own step.
+  Tube run(Tube best, double first, double last) {
+    double least = badness(best);
+    if (!std::isfinite(least)) return best;
+    const double unit = extents.shorter;
+    enum Move { slide, both, front, rear, long_tilt, short_tilt, moves };
+    std::array<double, moves> step;
+    step.fill(first);
+    if (flat) step[both] = step[front] = step[rear] = 0;
+    while (*std::max_element(step.begin(), step.end()) > last) {
+      for (int m = 0; m < moves; ++m) {
+        auto& s = step[static_cast<size_t>(m)];
+        if (s <= 0.5 * last || (flat && (m == both || m == front || m == rear))) continue;
+        bool better = false;
+        // The plane turns about the middle of its crossings.
+        const Extents e = extents;
+        const Onb<double> frame(best.middle.n);
+        const Vec3d along = frame.x * e.axis.x + frame.y * e.axis.y,
+                    across = frame.y * e.axis.x - frame.x * e.axis.y;
+        Tube from = best;
+        from.middle.o = to_space(best.middle, e.mean);
+        for (const double way : {1.0, -1.0}) {
+          Tube next = from;
+          const double by = way * s * unit;
+          if (m == slide || m == front || m == rear)
+            next.middle.o += from.middle.n * (m == slide ? by : 0.5 * by);
+          if (m == both || m == front) next.half += 0.5 * by;
+          if (m == rear) next.half -= 0.5 * by;
+          if (m == long_tilt)
+            next.middle.n =
+                normalize(from.middle.n + along * std::clamp(by / e.longer, -kMostTilt, kMostTilt));
+          if (m == short_tilt)
+            next.middle.n = normalize(from.middle.n +
+                                      across * std::clamp(by / e.shorter, -kMostTilt, kMostTilt));
+          next.half = std::max(next.half, 0.0);
+          const double bad = badness(next);
+          if (!(bad < least)) continue;
+          best = next, least = bad, better = true;
+          break;
+        }
+        if (!better) badness(best);
+        s *= better ? 1.5 : 0.5;
+      }
+    }
+    best.middle.o = to_space(best.middle, extents.mean);
+    return best;
+  }
+};
+
+std::vector<LightLine> every_kth(const std::vector<LightLine>& lines, size_t most) {
+  if (lines.size() <= most) return lines;
+  std::vector<LightLine> some;
+  for (size_t i = 0; i < most; ++i) some.push_back(lines[i * lines.size() / most]);
+  return some;
+}
+
+}  // namespace
+
+double facing_rectangles(double a, double b, double c) {
+  if (!(c > 1e-6 * std::min(a, b))) return 1;
+  const double x = a / c, y = b / c;
+  if (std::max(x, y) < 1e-3) return x * y / std::numbers::pi;
+  const double p = std::sqrt(1 + x * x), q = std::sqrt(1 + y * y);
+  return 2 / (std::numbers::pi * x * y) *
+         (0.5 * std::log(p * p * q * q / (1 + x * x + y * y)) + x * q * std::atan(x / q) +
+          y * p * std::atan(y / p) - x * std::atan(x) - y * std::atan(y));
+}
+
+Tube least_tube(const std::vector<LightLine>& lines, const Tube& start) {
+  const std::vector<LightLine> some = every_kth(lines, kMostRough),
+                               fine = every_kth(lines, kMostFine);
+  // From several starts: there are valleys.
+  const Onb<double> frame(start.middle.n);
+  Search rough{some};
+  Tube tube = start;
+  double least = INFINITY;
+  constexpr double kTurn = 0.25;
+  const std::array<Vec2d, 5> turns{{{0, 0}, {kTurn, 0}, {-kTurn, 0}, {0, kTurn}, {0, -kTurn}}};
+  for (const Vec2d& turn : turns) {
+    Tube from = start;
+    from.middle.n = normalize(start.middle.n + frame.x * turn.x + frame.y * turn.y);
+    from = rough.run(from, 0.3, 0.05);
+    if (const double bad = rough.badness(from); bad < least) least = bad, tube = from;
+  }
+  Search prism{fine};
+  tube = prism.run(tube, 0.1, 0.004);
+  prism.badness(tube);
+  Search middle{fine};
+  middle.faces = 0;
+  middle.badness(tube);
+  if (prism.size < kPrism * middle.size) return tube;
+  // Where the opening is no prism, as beside a door ajar, its narrowest plane is the portal.
+  Search flat{fine, true};
+  Tube plane = tube;
+  plane.half = 0;
+  plane = flat.run(plane, 0.1, 0.004);
+  flat.badness(plane);
+  return flat.points.size() < kPlaneHolds * prism.points.size() ? tube : plane;
+}
+
+}  // namespace tdpt
