@@ -1,88 +1,157 @@
+// The openings that the light passes one behind the other are drops of a potential u: 0 on the
+// patches that the light reaches well, 1 on those that the camera does, in between the mean of the
+// neighbours weighted by capacity, as in a network of resistors. Rooms are plateaus of u. A closet
+// beside the light's way has the potential of the room it belongs to: no current passes its door,
+// however narrow. A sweep over u finds the drops; a minimum cut with the potential as data term
+// then draws the border of each.
 #include "libcommon/math/series_cut.h"
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include <fmt/format.h>
 
 namespace tdpt {
 namespace {
 
-constexpr uint32_t kOutside = UINT32_MAX;
+constexpr double kPinned = 0.5;  // grade from which a terminal holds a patch's potential
+constexpr double kLeastDrop = 0.01;
+constexpr int kMostIterations = 2000;
+constexpr double kResidual = 1e-9;  // of the conjugate gradients, relative
 
-// Nodes of a part of the network, and how strongly each end reaches them.
-struct Part {
-  std::vector<uint32_t> nodes;
-  std::vector<int64_t> from_source, to_sink;  // capacities of the terminals' arcs, node by node
+// Capacities of the patches, each arc once in either direction, and of the terminals' arcs.
+struct Links {
+  struct Link {
+    uint32_t to;
+    double capacity;
+  };
+  std::vector<size_t> first;  // links of node v: first[v] .. first[v + 1]
+  std::vector<Link> links;
+  std::vector<double> total;                 // of each node's links
+  std::vector<double> from_source, to_sink;  // of each node
+};
+
+Links links_of(const PatchNetwork& p) {
+  const FlowNetwork& net = p.network;
+  Links l;
+  l.first.assign(net.nodes + 1, 0);
+  l.total.assign(net.nodes, 0);
+  l.from_source.assign(net.nodes, 0);
+  l.to_sink.assign(net.nodes, 0);
+  const auto inner = [&](const FlowArc& a) {
+    return a.from != net.source && a.to != net.sink && a.from != net.sink && a.to != net.source &&
+           a.from != a.to && a.capacity > 0;
+  };
+  for (const FlowArc& a : net.arcs) {
+    if (a.from == net.source) l.from_source[a.to] += static_cast<double>(a.capacity);
+    if (a.to == net.sink) l.to_sink[a.from] += static_cast<double>(a.capacity);
+    if (inner(a)) ++l.first[a.from + 1], ++l.first[a.to + 1];
+  }
+  std::partial_sum(l.first.begin(), l.first.end(), l.first.begin());
+  l.links.resize(l.first.back());
+  std::vector<size_t> next(l.first.begin(), l.first.end() - 1);
+  for (const FlowArc& a : net.arcs) {
+    if (!inner(a)) continue;
+    // Either direction carries half of what joins the two.
+    const double half = 0.5 * static_cast<double>(a.capacity);
+    l.links[next[a.from]++] = {a.to, half};
+    l.links[next[a.to]++] = {a.from, half};
+    l.total[a.from] += half;
+    l.total[a.to] += half;
+  }
+  return l;
+}
+
+// u of each node: the solution of sum_j c_ij (u_i - u_j) + s_i u_i + t_i (u_i - 1) = 0, where s and
+// t hold the patches that light and camera reach well.
+std::vector<double> potential_of(const PatchNetwork& p, const Links& l) {
+  const uint32_t n = p.network.nodes;
+  std::vector<double> diagonal(n), right(n, 0), u(n, 0.5);
+  for (uint32_t v = 0; v < n; ++v) {
+    const double whole = p.samples[v] * p.scale;
+    const double s = l.from_source[v], t = l.to_sink[v];
+    const double hold = std::max(s, t) >= kPinned * whole ? std::abs(s - t) : 0;
+    // Patches that nothing holds and nothing joins stay at 1/2.
+    const double loose = 1e-9 * whole + 1e-30;
+    diagonal[v] = l.total[v] + hold + loose;
+    right[v] = (t > s ? hold : 0) + 0.5 * loose;
+  }
+  const auto apply = [&](const std::vector<double>& x, std::vector<double>& y) {
+    for (uint32_t v = 0; v < n; ++v) {
+      double sum = diagonal[v] * x[v];
+      for (size_t k = l.first[v]; k < l.first[v + 1]; ++k)
+        sum -= l.links[k].capacity * x[l.links[k].to];
+      y[v] = sum;
+    }
+  };
+  const auto product = [](const std::vector<double>& a, const std::vector<double>& b) {
+    return std::inner_product(a.begin(), a.end(), b.begin(), 0.0);
+  };
+  std::vector<double> r(n), z(n), d(n), q(n);
+  apply(u, q);
+  for (uint32_t v = 0; v < n; ++v) r[v] = right[v] - q[v], z[v] = r[v] / diagonal[v];
+  d = z;
+  double rz = product(r, z);
+  const double enough = kResidual * kResidual * rz;
+  for (int i = 0; i < kMostIterations && rz > enough; ++i) {
+    apply(d, q);
+    const double step = rz / product(d, q);
+    for (uint32_t v = 0; v < n; ++v) {
+      u[v] += step * d[v], r[v] -= step * q[v];
+      z[v] = r[v] / diagonal[v];
+    }
+    const double next = product(r, z);
+    for (uint32_t v = 0; v < n; ++v) d[v] = z[v] + next / rz * d[v];
+    rz = next;
+  }
+  return u;
+}
+
+struct Sides {
+  double area[2] = {0, 0};    // in samples
+  double volume[2] = {0, 0};  // capacity of the arcs that leave a node of this side for another
+  double crossing = 0;        // from the source's side to the sink's
+  double conductance() const {
+    const double smaller = std::min(volume[0], volume[1]);
+    return smaller > 0 ? crossing / smaller : 1;
+  }
 };
 
 class SeriesCutter {
  public:
   SeriesCutter(const PatchNetwork& problem, size_t most, const CutLimits& limits,
                const FlowSolver& solve)
-      : problem_(problem), left_(most), limits_(limits), solve_(solve) {
+      : problem_(problem), net_(problem.network), most_(most), limits_(limits), solve_(solve) {
     for (const double n : problem.samples) area_ += n;
   }
 
   SeriesCut run() {
-    const FlowNetwork& net = problem_.network;
-    Part whole;
-    std::vector<uint32_t> index(net.nodes, kOutside);
-    for (uint32_t v = 0; v < net.nodes; ++v) {
-      if (v == net.source || v == net.sink) continue;
-      index[v] = static_cast<uint32_t>(whole.nodes.size());
-      whole.nodes.push_back(v);
-    }
-    whole.from_source.assign(whole.nodes.size(), 0);
-    whole.to_sink.assign(whole.nodes.size(), 0);
-    for (const FlowArc& a : net.arcs) {
-      if (a.from == net.source && index[a.to] != kOutside)
-        whole.from_source[index[a.to]] += a.capacity;
-      if (a.to == net.sink && index[a.from] != kOutside) whole.to_sink[index[a.from]] += a.capacity;
-    }
-    result_.region.assign(net.nodes, 0);
-    cut(whole);
-    result_.region[net.sink] = static_cast<uint32_t>(result_.cuts.size());
-    if (!result_.bottleneck) return std::move(result_);
-    for (size_t c = 0; c < result_.cuts.size(); ++c) result_.cuts[c].conductance = conductance(c);
+    const MaxFlow flow = solve_(net_);
+    result_.region.assign(net_.nodes, 0);
+    for (uint32_t v = 0; v < net_.nodes; ++v) result_.region[v] = flow.source_side[v] ? 0 : 1;
+    const Sides sides = sides_of(0);
+    result_.cuts.push_back({flow.value, sides.conductance()});
+    result_.reason = why_no_bottleneck(sides);
+    result_.bottleneck = result_.reason.empty();
+    if (result_.bottleneck && most_ > 1) find_others();
     return std::move(result_);
   }
 
  private:
-  struct Sides {
-    double area[2] = {0, 0};    // in samples
-    double volume[2] = {0, 0};  // capacity of the arcs that leave a node of this side for another
-    double crossing = 0;        // from the source's side to the sink's
-    double conductance() const {
-      const double smaller = std::min(volume[0], volume[1]);
-      return smaller > 0 ? crossing / smaller : 1;
-    }
-  };
+  bool terminal(uint32_t v) const { return v == net_.source || v == net_.sink; }
 
-  // The part as a network of its own: node 0 is its source, 1 its sink.
-  FlowNetwork network_of(const Part& part, std::vector<uint32_t>& index) const {
-    index.assign(problem_.network.nodes, kOutside);
-    FlowNetwork net{static_cast<uint32_t>(part.nodes.size()) + 2, 0, 1, {}};
-    for (uint32_t i = 0; i < part.nodes.size(); ++i) {
-      index[part.nodes[i]] = i;
-      if (part.from_source[i] > 0) net.arcs.push_back({0, i + 2, part.from_source[i]});
-      if (part.to_sink[i] > 0) net.arcs.push_back({i + 2, 1, part.to_sink[i]});
-    }
-    for (const FlowArc& a : problem_.network.arcs)
-      if (index[a.from] != kOutside && index[a.to] != kOutside)
-        net.arcs.push_back({index[a.from] + 2, index[a.to] + 2, a.capacity});
-    return net;
-  }
-
-  Sides sides_of(const Part& part, const FlowNetwork& net, const MaxFlow& flow) const {
+  // Of the regions up to c and those above.
+  Sides sides_of(size_t c) const {
     Sides s;
-    for (uint32_t i = 0; i < part.nodes.size(); ++i)
-      s.area[flow.source_side[i + 2] ? 0 : 1] += problem_.samples[part.nodes[i]];
-    for (const FlowArc& a : net.arcs) {
-      if (a.from < 2 || a.to < 2 || a.from == a.to) continue;
+    const auto side = [&](uint32_t v) { return result_.region[v] <= c ? 0 : 1; };
+    for (uint32_t v = 0; v < net_.nodes; ++v)
+      if (!terminal(v)) s.area[side(v)] += problem_.samples[v];
+    for (const FlowArc& a : net_.arcs) {
+      if (terminal(a.from) || terminal(a.to) || a.from == a.to) continue;
       const double capacity = static_cast<double>(a.capacity);
-      s.volume[flow.source_side[a.from] ? 0 : 1] += capacity;
-      if (flow.source_side[a.from] && !flow.source_side[a.to]) s.crossing += capacity;
+      s.volume[side(a.from)] += capacity;
+      if (side(a.from) < side(a.to)) s.crossing += capacity;
     }
     return s;
   }
@@ -104,102 +173,127 @@ class SeriesCutter {
     return "";
   }
 
-  // Cuts a part and what lies on either side, from the light to the camera. Its nodes leave with
-  // their regions.
-  void cut(const Part& part) {
-    const auto first = static_cast<uint32_t>(result_.cuts.size());
-    const auto in_one_region = [&](uint32_t region) {
-      for (const uint32_t v : part.nodes) result_.region[v] = region;
-    };
-    if (left_ == 0) return in_one_region(first);
-    std::vector<uint32_t> index;
-    const FlowNetwork net = network_of(part, index);
-    const MaxFlow flow = solve_(net);
-    const Sides sides = sides_of(part, net, flow);
-    const std::string reason = why_no_bottleneck(sides);
-    if (!reason.empty() && result_.cuts.empty() && !result_.bottleneck) {
-      // Nothing was found at all: the cut is kept for those who want to look at it.
-      result_.reason = reason;
-      result_.cuts.push_back({flow.value, sides.conductance()});
-      for (uint32_t i = 0; i < part.nodes.size(); ++i)
-        result_.region[part.nodes[i]] = flow.source_side[i + 2] ? 0 : 1;
-      return;
-    }
-    if (!reason.empty()) return in_one_region(first);
-    result_.bottleneck = true;
-    --left_;
+  // Nodes in the order of their potential: what a threshold behind each of them parts.
+  struct Sweep {
+    std::vector<uint32_t> order;
+    std::vector<double> area, volume;  // up to and with this node
+    std::vector<double> crossing;      // capacity between it and those before, and those behind
+  };
 
-    Part side[2];
-    for (uint32_t i = 0; i < part.nodes.size(); ++i) {
-      Part& s = side[flow.source_side[i + 2] ? 0 : 1];
-      s.nodes.push_back(part.nodes[i]);
-      s.from_source.push_back(part.from_source[i]);
-      s.to_sink.push_back(part.to_sink[i]);
+  Sweep sweep(const Links& links, const std::vector<double>& u) const {
+    Sweep s;
+    for (uint32_t v = 0; v < net_.nodes; ++v)
+      if (!terminal(v)) s.order.push_back(v);
+    std::sort(s.order.begin(), s.order.end(),
+              [&](uint32_t a, uint32_t b) { return u[a] != u[b] ? u[a] < u[b] : a < b; });
+    std::vector<uint8_t> before(net_.nodes, 0);
+    double area = 0, volume = 0, crossing = 0;
+    for (const uint32_t v : s.order) {
+      before[v] = 1;
+      area += problem_.samples[v];
+      volume += links.total[v];
+      for (size_t k = links.first[v]; k < links.first[v + 1]; ++k)
+        crossing += before[links.links[k].to] ? -links.links[k].capacity : links.links[k].capacity;
+      s.area.push_back(area);
+      s.volume.push_back(volume);
+      s.crossing.push_back(crossing);
     }
-    for (int k = 0; k < 2; ++k) {
-      const std::vector<int64_t> door = grade_opening(side[k], net, flow, index, k == 0);
-      (k == 0 ? side[k].to_sink : side[k].from_source) = door;
-    }
-    cut(side[0]);
-    result_.cuts.push_back({flow.value, 0});
-    cut(side[1]);
+    return s;
   }
 
-  // Capacities of arcs that join the nodes of one side of a cut to its opening: the etendue of each
-  // node, graded by how much of a diffusion that enters through the opening it receives.
-  std::vector<int64_t> grade_opening(const Part& side, const FlowNetwork& net, const MaxFlow& flow,
-                                     const std::vector<uint32_t>& index, bool source_side) const {
-    const size_t n = side.nodes.size();
-    std::vector<uint32_t> here(net.nodes, kOutside);
-    for (uint32_t i = 0; i < n; ++i) here[index[side.nodes[i]] + 2] = i;
-    struct Step {
-      uint32_t from, to;
-      double capacity;
+  // Places in the sweep between `low` and `high` (exclusive) where it parts two rooms; in order.
+  void drops(const Sweep& s, size_t low, size_t high, std::vector<size_t>& found) const {
+    const auto up_to = [](const std::vector<double>& sum, size_t i) {
+      return i == 0 ? 0.0 : sum[i - 1];
     };
-    std::vector<Step> steps;
-    std::vector<double> leaving(n, 0), density(n, 0);
-    for (const FlowArc& a : net.arcs) {
-      if (a.from < 2 || a.to < 2) continue;
-      const double capacity = static_cast<double>(a.capacity);
-      const bool from_here = (flow.source_side[a.from] != 0) == source_side;
-      const bool to_here = (flow.source_side[a.to] != 0) == source_side;
-      if (from_here) leaving[here[a.from]] += capacity;
-      if (from_here && to_here) steps.push_back({here[a.from], here[a.to], capacity});
-      if (!from_here && to_here) density[here[a.to]] += capacity;
+    size_t best = 0;
+    double least = limits_.largest_conductance;
+    for (size_t i = low + 1; i < high; ++i) {
+      if (s.area[i - 1] - up_to(s.area, low) < limits_.least_area * area_) continue;
+      if (s.area[high - 1] - s.area[i - 1] < limits_.least_area * area_) break;
+      const double smaller =
+          std::min(s.volume[i - 1] - up_to(s.volume, low), s.volume[high - 1] - s.volume[i - 1]);
+      if (!(s.crossing[i - 1] < least * smaller)) continue;
+      least = s.crossing[i - 1] / smaller;
+      best = i;
     }
-    std::vector<double> hits(n, 0), next(n);
-    for (int step = 0; step < kDiffusionSteps; ++step) {
-      for (size_t i = 0; i < n; ++i) hits[i] += density[i];
-      std::fill(next.begin(), next.end(), 0);
-      for (const Step& s : steps) next[s.to] += density[s.from] * s.capacity / leaving[s.from];
-      std::swap(density, next);
-    }
-    std::vector<double> samples;
-    for (const uint32_t v : side.nodes) samples.push_back(problem_.samples[v]);
-    const std::vector<double> grade = terminal_grades(hits, samples);
-    std::vector<int64_t> capacity(n);
-    for (size_t i = 0; i < n; ++i)
-      capacity[i] = std::llround(samples[i] * grade[i] * problem_.scale);
-    return capacity;
+    if (best == 0) return;
+    drops(s, low, best, found);
+    found.push_back(best);
+    drops(s, best, high, found);
   }
 
-  // Of cut c in the whole network.
-  double conductance(size_t c) const {
-    Sides s;
-    const FlowNetwork& net = problem_.network;
-    const auto terminal = [&](uint32_t v) { return v == net.source || v == net.sink; };
-    for (const FlowArc& a : net.arcs) {
-      if (terminal(a.from) || terminal(a.to) || a.from == a.to) continue;
-      const double capacity = static_cast<double>(a.capacity);
-      const bool from = result_.region[a.from] <= c, to = result_.region[a.to] <= c;
-      s.volume[from ? 0 : 1] += capacity;
-      if (from && !to) s.crossing += capacity;
+  // The minimum cut at a drop: patches are drawn to the sides by how far their potential lies from
+  // it, in units of the plateaus' distances.
+  MaxFlow cut_at(const std::vector<double>& u, double at, double low, double high) const {
+    FlowNetwork net{net_.nodes, net_.source, net_.sink, {}};
+    for (uint32_t v = 0; v < net_.nodes; ++v) {
+      if (terminal(v)) continue;
+      const double whole = problem_.samples[v] * problem_.scale;
+      const double pull =
+          u[v] < at ? (at - u[v]) / (at - low) : (u[v] - at) / std::max(high - at, 1e-300);
+      const auto capacity = static_cast<int64_t>(std::llround(whole * std::min(1.0, pull)));
+      if (capacity > 0)
+        net.arcs.push_back(u[v] < at ? FlowArc{net_.source, v, capacity}
+                                     : FlowArc{v, net_.sink, capacity});
     }
-    return s.conductance();
+    for (const FlowArc& a : net_.arcs)
+      if (!terminal(a.from) && !terminal(a.to)) net.arcs.push_back(a);
+    return solve_(net);
+  }
+
+  // Mean potential of the rooms between the drops, by area.
+  std::vector<double> plateaus(const Sweep& s, const std::vector<double>& u,
+                               const std::vector<size_t>& found) const {
+    std::vector<double> mean;
+    size_t i = 0;
+    for (size_t room = 0; room <= found.size(); ++room) {
+      const size_t end = room < found.size() ? found[room] : s.order.size();
+      double sum = 0, area = 0;
+      for (; i < end; ++i)
+        sum += u[s.order[i]] * problem_.samples[s.order[i]], area += problem_.samples[s.order[i]];
+      mean.push_back(area > 0 ? sum / area : 0);
+    }
+    return mean;
+  }
+
+  void find_others() {
+    const Links links = links_of(problem_);
+    const std::vector<double> u = potential_of(problem_, links);
+    const Sweep s = sweep(links, u);
+    std::vector<size_t> found;
+    drops(s, 0, s.order.size(), found);
+    std::vector<double> plateau = plateaus(s, u, found);
+    // A door with the same potential on both sides is that of a closet.
+    while (!found.empty()) {
+      size_t least = 0;
+      for (size_t c = 0; c < found.size(); ++c)
+        if (plateau[c + 1] - plateau[c] < plateau[least + 1] - plateau[least]) least = c;
+      if (plateau[least + 1] - plateau[least] >= kLeastDrop) break;
+      found.erase(found.begin() + static_cast<std::ptrdiff_t>(least));
+      plateau = plateaus(s, u, found);
+    }
+    while (found.size() > most_)  // the widest goes
+      found.erase(std::max_element(found.begin(), found.end(), [&](size_t a, size_t b) {
+        return s.crossing[a - 1] < s.crossing[b - 1];
+      }));
+    plateau = plateaus(s, u, found);
+    if (found.size() < 2) return;  // the minimum cut itself
+    result_.cuts.clear();
+    std::fill(result_.region.begin(), result_.region.end(), 0);
+    for (size_t c = 0; c < found.size(); ++c) {
+      const double at = 0.5 * (u[s.order[found[c] - 1]] + u[s.order[found[c]]]);
+      const MaxFlow flow = cut_at(u, at, plateau[c], plateau[c + 1]);
+      for (uint32_t v = 0; v < net_.nodes; ++v) result_.region[v] += !flow.source_side[v];
+      result_.cuts.push_back({flow.value, 0});
+    }
+    for (size_t c = 0; c < result_.cuts.size(); ++c)
+      result_.cuts[c].conductance = sides_of(c).conductance();
   }
 
   const PatchNetwork& problem_;
-  size_t left_;
+  const FlowNetwork& net_;
+  size_t most_;
   const CutLimits& limits_;
   const FlowSolver& solve_;
   double area_ = 0;

@@ -1,8 +1,7 @@
-// Bottlenecks one behind the other: minimum cuts of a network of patches, and of what they part.
+// Bottlenecks one behind the other: minimum cuts of a network of patches.
 //
-// The minimum cut finds the narrowest of several openings in series. Each side of it is then a
-// problem of its own, between its terminal and the opening just found, and is cut again, until no
-// side holds a bottleneck.
+// The minimum cut finds the narrowest of several openings in series. Where the potential of the
+// light (series_cut.cpp) shows more than one drop, there is a cut for each.
 #pragma once
 #include <functional>
 #include <string>
@@ -51,7 +50,5 @@ SeriesCut series_cut(const PatchNetwork& problem, size_t most, const CutLimits& 
 /// by hits; 0 for patches without samples.
 std::vector<double> terminal_grades(const std::vector<double>& hits,
                                     const std::vector<double>& samples);
-
-inline constexpr int kDiffusionSteps = 12;
 
 }  // namespace tdpt

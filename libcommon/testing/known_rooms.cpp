@@ -40,8 +40,12 @@ class Architect {
   double end(size_t room) const { return starts_[room] + lengths_[room]; }
 
   void choose_sizes() {
-    const bool row = is(RoomKind::holes_in_row) || is(RoomKind::doors_in_row);
+    const bool row =
+        is(RoomKind::holes_in_row) || is(RoomKind::doors_in_row) || is(RoomKind::closet);
     const size_t rooms = is(RoomKind::open_room) ? 1 : row ? 3 : 2;
+    lamp_room_ = rooms - 1;
+    // The closet lies behind the camera's room or behind the lamp's.
+    if (is(RoomKind::closet)) rng_.uniform() < 0.5 ? ++camera_room_ : --lamp_room_;
     double x = 0;
     for (size_t r = 0; r < rooms; ++r) {
       lengths_.push_back(between(2, 4));
@@ -83,15 +87,21 @@ class Architect {
       }
       case RoomKind::wide_window:
         return somewhere(between(1.5, 1.8), depth_ - 0.3, 0.3);
+      case RoomKind::closet:
+        if (openings_.size() == camera_room_) break;  // the hole that the light passes
+        {
+          const double width = between(0.3, 0.8);
+          return somewhere(between(0.3, 1.8), width, 0);
+        }
       case RoomKind::keyhole:
         return somewhere(0.01, 0.01, between(0.8, 1.2));
-      default: {
-        // A hole: small ones as often as large ones.
-        const double side = (is(RoomKind::hole) ? 0.05 : 0.15) *
-                            std::pow(is(RoomKind::hole) ? 12 : 3, between(0, 1));
-        return somewhere(side, side, between(0.3, height_ - side - 0.2));
-      }
+      default:
+        break;
     }
+    // A hole: small ones as often as large ones.
+    const double side =
+        (is(RoomKind::hole) ? 0.05 : 0.15) * std::pow(is(RoomKind::hole) ? 12 : 3, between(0, 1));
+    return somewhere(side, side, between(0.3, height_ - side - 0.2));
   }
 
   void choose_openings() {
@@ -104,7 +114,8 @@ class Architect {
             o.y1 < first.y0 - kGap)
           openings.push_back(o);
       }
-      if (!is(RoomKind::ajar) && !is(RoomKind::ajar_full)) {
+      const bool on_the_way = camera_room_ <= w && w < lamp_room_;
+      if (on_the_way && !is(RoomKind::ajar) && !is(RoomKind::ajar_full)) {
         const double x = end(w) + 0.5 * thickness_[w];
         for (const WallOpening& o : openings)
           room_.apertures.push_back(
@@ -177,7 +188,7 @@ class Architect {
   }
 
   void lamp(const std::string& how, double power) {
-    const size_t last = lengths_.size() - 1;
+    const size_t last = lamp_room_;
     const double r = between(0.1, 0.3), edge = 0.5 * depth_ - r - 0.1;
     const double z = between(-edge, edge), y = between(1.2 + r, height_ - r - 0.1);
     const double x = between(start(last) + r + 0.3, end(last) - r - 0.1);
@@ -192,7 +203,7 @@ class Architect {
       q = {{{x - r, 1.1, z + r}, {x + r, 1.1, z + r}, {x + r, 1.1, z - r}, {x - r, 1.1, z - r}}};
     else if (how == "at")
       q = facing_x(end(last) - 0.05, -1);
-    else if (how == "away" && lengths_.size() > 1)
+    else if (how == "away" && lamp_room_ > 0)
       q = facing_x(start(last) + 0.4, 1);
     else
       q = {{{x - r, height_ - 0.01, z - r},
@@ -230,9 +241,10 @@ class Architect {
 
   void camera() {
     const double edge = 0.5 * depth_ - 0.15;
-    room_.plan.camera = {between(0.15, 0.5), between(1.2, 1.7), between(-edge, edge)};
-    room_.plan.look_at = {end(0), between(0.6, 1.4), between(-0.5 * edge, 0.5 * edge)};
-    if (rng_.uniform() < 0.2) room_.plan.look_at = {start(0), 1, -0.9 * room_.plan.camera.z};
+    const double x = start(camera_room_);
+    room_.plan.camera = {x + between(0.15, 0.5), between(1.2, 1.7), between(-edge, edge)};
+    room_.plan.look_at = {end(camera_room_), between(0.6, 1.4), between(-0.5 * edge, 0.5 * edge)};
+    if (rng_.uniform() < 0.2) room_.plan.look_at = {x, 1, -0.9 * room_.plan.camera.z};
   }
 
   void mirror() {
@@ -267,6 +279,7 @@ class Architect {
   Rng rng_;
   KnownRoom room_;
   std::vector<double> lengths_, starts_, thickness_;  // of rooms; of the wall behind each
+  size_t camera_room_ = 0, lamp_room_ = 0;
   double height_ = 0, depth_ = 0;
   std::vector<std::vector<WallOpening>> openings_;  // of each wall
 };
@@ -276,8 +289,8 @@ class Architect {
 const char* name_of(RoomKind kind) {
   constexpr const char* names[] = {"hole",         "slit",         "floor-door", "through-floor",
                                    "ajar-full",    "ajar",         "window",     "two-openings",
-                                   "holes-in-row", "doors-in-row", "keyhole",    "wide-window",
-                                   "open-room"};
+                                   "holes-in-row", "doors-in-row", "closet",     "keyhole",
+                                   "wide-window",  "open-room"};
   return names[static_cast<size_t>(kind)];
 }
 

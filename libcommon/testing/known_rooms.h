@@ -15,6 +15,7 @@ enum class RoomKind {
   two_openings,   ///< in one wall
   holes_in_row,   ///< three rooms, two holes
   doors_in_row,   ///< three rooms, two doors
+  closet,         ///< a hole, and a third room behind one of the two, off the light's way
   keyhole,        ///< 0.01 m in a wall 4 m wide
   wide_window,    ///< most of the wall: hardly a bottleneck
   open_room       ///< one room, lamp and camera in it
