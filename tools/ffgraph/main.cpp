@@ -25,13 +25,16 @@ constexpr int64_t kMostHits = 100000000;
 using Json = nlohmann::ordered_json;
 
 DimacsFile graph_of_patches(const Arguments& a, const cli::Common& common, const Scene& scene,
-                            const Camera& camera, const CutFile* refine, Json& summary) {
+                            const Camera& camera, const CutFile* refine, Phases& phases,
+                            Json& summary) {
   GraphSettings settings;
   settings.walks = {common.seed, static_cast<uint32_t>(a.walks), static_cast<uint32_t>(a.bounces)};
   settings.rays = static_cast<uint32_t>(a.samples);
   settings.rounds = static_cast<int>(a.rounds);
   GraphReport report;
+  report.phases = phases;
   const LightFlow flow = build_graph(scene, camera, settings, refine, report);
+  phases = report.phases;
   common.note(fmt::format(
       "{} walks from the light hit {} surfaces, as many from the camera {}; {} of {} patches were "
       "reached by both",
@@ -54,12 +57,14 @@ DimacsFile graph_of_patches(const Arguments& a, const cli::Common& common, const
 }
 
 DimacsFile graph_of_triangles(const Arguments& a, const cli::Common& common, const Scene& scene,
-                              const Camera& camera, Json& summary) {
+                              const Camera& camera, Phases& phases, Json& summary) {
   TriangleSettings settings;
   settings.seed = common.seed;
   settings.rays = static_cast<uint32_t>(a.walks);
   TriangleReport report;
+  report.phases = phases;
   DimacsFile file = triangle_flow(scene, camera, settings, report);
+  phases = report.phases;
   common.note(
       fmt::format("{} triangles are lit directly, {} are kept; the camera sees {}, {} are "
                   "kept; {} are both{}",
@@ -107,10 +112,10 @@ int run(Arguments a, const cli::Common& common) {
   phases.done("load");
 
   Json summary;
-  DimacsFile file = triangles ? graph_of_triangles(a, common, scene, camera, summary)
-                              : graph_of_patches(a, common, scene, camera,
-                                                 a.refine.empty() ? nullptr : &refine, summary);
-  phases.done("graph");
+  DimacsFile file = triangles
+                        ? graph_of_triangles(a, common, scene, camera, phases, summary)
+                        : graph_of_patches(a, common, scene, camera,
+                                           a.refine.empty() ? nullptr : &refine, phases, summary);
   file.provenance = common.provenance(inputs);
   write_output(common.output, dimacs_text(file));
   phases.done("write");

@@ -63,9 +63,12 @@ void check_patches(const std::string& file, const Scene& scene, const CutFile& c
 LightFlow build_graph(const Scene& scene, const Camera& camera, const GraphSettings& settings,
                       const CutFile* refine, GraphReport& report) {
   const Tracer tracer(scene);
+  report.phases.done("bvh");
   const std::vector<uint32_t> component = surface_components(scene);
+  report.phases.done("surfaces");
   const Walks light = light_walks(scene, tracer, settings.walks);
   const Walks seen = camera_walks(scene, camera, tracer, settings.walks);
+  report.phases.done("walks");
   report.light_hits = hits_in(light);
   report.camera_hits = hits_in(seen);
 
@@ -110,6 +113,7 @@ LightFlow build_graph(const Scene& scene, const Camera& camera, const GraphSetti
   }
   for (size_t i = 0; i < flow.hits_light.size(); ++i)
     report.reached_by_both += flow.hits_light[i] > 0 && flow.hits_camera[i] > 0;
+  report.phases.done("patches");
   return flow;
 }
 

@@ -1,5 +1,6 @@
 // The whole way from a scene to its network: walks, patches, etendue, and rounds of refinement.
 #pragma once
+#include "libcommon/base/phases.h"
 #include "tools/ffgraph/light_flow.h"
 
 namespace tdpt {
@@ -18,6 +19,7 @@ struct GraphReport {
   uint64_t rays = 0;                       ///< etendue rays of all rounds
   size_t reached_by_both = 0;              ///< patches with hits from the light and the camera
   const char* why_stopped = "";
+  Phases phases;  ///< bvh, surfaces, walks, patches
 };
 
 /// Throws InputError for `file` when the patches of `cut` cannot be those of `scene`.

@@ -60,11 +60,13 @@ Patch patch_of(const Scene& scene, uint32_t node, uint32_t face) {
 DimacsFile triangle_flow(const Scene& scene, const Camera& camera, const TriangleSettings& settings,
                          TriangleReport& report) {
   const Tracer tracer(scene);
+  report.phases.done("bvh");
   const WalkSettings first_hit{settings.seed, settings.rays, 1};
   const std::vector<Seen> lit =
       most_hit(light_walks(scene, tracer, first_hit), settings, report.lit);
   const std::vector<Seen> seen =
       most_hit(camera_walks(scene, camera, tracer, first_hit), settings, report.seen);
+  report.phases.done("walks");
   report.kept_lit = lit.size();
   report.kept_seen = seen.size();
 
@@ -110,6 +112,7 @@ DimacsFile triangle_flow(const Scene& scene, const Camera& camera, const Triangl
   double area = 0;
   for (const Patch& p : file.patches) area += p.samples;
   for (Patch& p : file.patches) p.samples *= kSamples / area;
+  report.phases.done("patches");
   return file;
 }
 

@@ -5,6 +5,7 @@
 // Kept for comparison: the sum of fractions grows with the number of nodes, so its cut tends to
 // fall on the terminals.
 #pragma once
+#include "libcommon/base/phases.h"
 #include "libcommon/formats/dimacs.h"
 #include "libcommon/trace/tracer.h"
 
@@ -21,6 +22,7 @@ struct TriangleReport {
   size_t lit = 0, seen = 0;            ///< faces in S_d and S_p
   size_t kept_lit = 0, kept_seen = 0;  ///< of these in the network
   size_t shared = 0;                   ///< in both: light and camera are joined directly
+  Phases phases;                       ///< bvh, walks, patches
 };
 
 /// A face is a triangle from one side. Capacities: of light -> i the share of the light's rays that

@@ -286,8 +286,11 @@ LightGrid make_light_grid(const Scene& scene, const CutFile& cut, const std::str
   lay_out(scene, options.resolution, grid);
   mark_air(scene, grid);
   report.air = static_cast<size_t>(std::count(grid.air.begin(), grid.air.end(), 1));
+  report.phases.done("air");
   const Tracer tracer(scene);
+  report.phases.done("bvh");
   const LightLines lines(scene, tracer, cut, cut_name);
+  report.phases.done("patches");
   grid.tried.assign(grid.count.size(), 0);
   grid.joined.assign(grid.count.size(), 0);
   report.settled = true;
@@ -299,6 +302,7 @@ LightGrid make_light_grid(const Scene& scene, const CutFile& cut, const std::str
     CoarseReport coarse;
     const std::vector<LightLine> kept =
         coarse_pass(scene, lines, c, grid, options, watch, tally, coarse);
+    report.phases.done("coarse");
     report.drawn += coarse.drawn;
     report.visible += coarse.visible;
     report.kept += coarse.kept;
@@ -312,6 +316,7 @@ LightGrid make_light_grid(const Scene& scene, const CutFile& cut, const std::str
     }
     const size_t before = grid.lines.size();
     fine_pass(scene, lines, c, kept, tally, options, grid, report);
+    report.phases.done("fine");
     for (size_t i = before; i < grid.lines.size(); ++i)
       grid.lines[i].cut = static_cast<uint32_t>(c);
   }

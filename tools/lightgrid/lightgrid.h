@@ -2,6 +2,7 @@
 #pragma once
 #include <functional>
 
+#include "libcommon/base/phases.h"
 #include "libcommon/formats/cut.h"
 #include "libcommon/formats/light_grid.h"
 #include "libcommon/scene/scene.h"
@@ -30,6 +31,7 @@ struct LightGridReport {
   uint64_t tried = 0, joined = 0;             ///< lines through the fullest places
   float fullest = 0;                          ///< largest count of a voxel
   size_t air = 0;                             ///< voxels of air
+  Phases phases;                              ///< air, bvh, patches, coarse, fine
 };
 
 /// The grid of `scene` and `cut`; `cut_name` stands in error messages. Throws InputError when the

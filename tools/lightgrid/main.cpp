@@ -39,7 +39,7 @@ int main(int argc, char** argv) {
     if (scene_path == "-" && cut_path == "-")
       throw UsageError("only one of the two inputs can come from standard input");
     catch_signals();
-    Phases phases;
+    LightGridReport report;
     Scene scene = read_gltf(scene_path);
     open_glass(scene);
     const CutFile cut = read_cut(cut_path);
@@ -48,15 +48,13 @@ int main(int argc, char** argv) {
     how.seed = common.seed;
     how.samples = static_cast<uint64_t>(samples);
     how.lines = static_cast<size_t>(lines);
-    LightGridReport report;
     LightGrid grid;
-    phases.done("load");
+    report.phases.done("load");
     {
       Progress progress("tracing", "segments", how.samples, common.quiet);
       grid = make_light_grid(scene, cut, cut_path, how, report,
                              {[&](uint64_t n) { progress.advance(n); }, stop_requested});
     }
-    phases.done("grid");
     grid.provenance =
         common.provenance({{scene_path, scene.hash, {}}, {cut_path, cut.hash, cut.provenance}});
     if (!grid.bottleneck) {
@@ -76,10 +74,10 @@ int main(int argc, char** argv) {
                       grid.lines.size(), report.tried, report.joined));
     }
     write_output(common.output, light_grid_bytes(grid));
-    phases.done("write");
+    report.phases.done("write");
     if (!preview.empty()) write_output(preview, grid_preview(grid, scene_path));
     if (!debug_glb.empty()) write_output(debug_glb, grid_debug_glb(grid));
-    if (!(preview.empty() && debug_glb.empty())) phases.done("pictures");
+    if (!(preview.empty() && debug_glb.empty())) report.phases.done("pictures");
     common.summary(nlohmann::json{{"bottleneck", grid.bottleneck},
                                   {"reason", grid.reason},
                                   {"drawn", report.drawn},
@@ -94,7 +92,7 @@ int main(int argc, char** argv) {
                                   {"air", report.air},
                                   {"voxel", grid.voxel},
                                   {"fullest", report.fullest},
-                                  {"phases", phases},
+                                  {"phases", report.phases},
                                   {"cpu_seconds", cpu_seconds()},
                                   {"peak_bytes", peak_memory()}}
                        .dump());
