@@ -33,7 +33,9 @@ void add_steps(const PatchTrace& walks, std::vector<double>& starts, std::vector
 
 // Counts equal ends. q: rays that start on a patch per sample.
 std::vector<Etendue::Pair> pairs_of(std::vector<Ends>& rays, const std::vector<double>& q) {
-  tbb::parallel_sort(rays.begin(), rays.end());
+  const auto key = [](const Ends& e) { return uint64_t{e.first} << 32 | e.second; };
+  tbb::parallel_sort(rays.begin(), rays.end(),
+                     [key](const Ends& a, const Ends& b) { return key(a) < key(b); });
   std::vector<Etendue::Pair> pairs;
   for (size_t k = 0; k < rays.size();) {
     size_t end = k;

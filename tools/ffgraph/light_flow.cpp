@@ -86,8 +86,10 @@ LightFlow light_flow(PatchMap patches, const Walks& light, const Walks& camera,
                      const Tracer& tracer, uint64_t seed, uint32_t rays) {
   LightFlow f{std::move(patches), {}, {}, {}, {}, {}};
   for (const Walks* walks : {&light, &camera})
-    for (const WalkHit& h : *walks)
-      if (is_hit(h)) f.patches.find_or_add(h.face, Vec3d(h.position));
+    f.patches.add_all(walks->size(), [walks](size_t k) {
+      const WalkHit& h = (*walks)[k];
+      return is_hit(h) ? std::optional(PatchMap::Place{h.face, Vec3d(h.position)}) : std::nullopt;
+    });
 
   Fragments fragments = Fragments::with_all_of_split(f.patches);
   std::vector<uint8_t> has_area(f.patches.size(), 0);
