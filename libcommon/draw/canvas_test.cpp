@@ -68,14 +68,14 @@ TEST(canvas, nothing_is_drawn_outside_the_clip_or_the_canvas) {
   EXPECT_EQ(c.at(9, 9), kWhite);
 }
 
-TEST(canvas, becomes_a_png_of_its_pixels) {
-  Canvas c(7, 5, ink(0x336699));
+TEST(canvas, becomes_a_png_of_its_pixels_to_a_step_of_63) {
+  Canvas c(7, 5, ink(0x316599));
   c.blend(3, 2, ink(0xff8000));
   const testing::PngPixels p = testing::read_png(c.png());
   ASSERT_EQ(p.width, 7);
   ASSERT_EQ(p.height, 5);
-  EXPECT_EQ(p.at(3, 2), (std::array<uint8_t, 3>{0xff, 0x80, 0}));
-  EXPECT_EQ(p.at(2, 3), (std::array<uint8_t, 3>{0x33, 0x66, 0x99}));
+  EXPECT_EQ(p.at(3, 2), (std::array<uint8_t, 3>{0xff, 0x82, 0}));
+  EXPECT_EQ(p.at(2, 3), (std::array<uint8_t, 3>{0x31, 0x65, 0x9a}));
 }
 
 TEST(text, every_letter_leaves_its_own_trace_within_its_width) {

@@ -27,8 +27,9 @@ Ink reach(double light, double camera) {
 
 Ink region(int k, int n) {
   // Between the two ends: hues that neither end has.
-  static constexpr std::array<Ink, 4> kBetween{ink(0x9cc48a), ink(0xc69bbd), ink(0x7fc4c0),
-                                               ink(0xdf9d90)};
+  static constexpr std::array<Ink, 7> kBetween{ink(0x9cc48a), ink(0xc69bbd), ink(0x7fc4c0),
+                                               ink(0xdf9d90), ink(0xb9a26a), ink(0x9a94cf),
+                                               ink(0xd9d36f)};
   if (k <= 0) return kLight;
   if (k >= n - 1) return kCamera;
   return kBetween[static_cast<size_t>(k - 1) % kBetween.size()];

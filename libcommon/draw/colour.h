@@ -7,8 +7,8 @@
 
 namespace tdpt::draw {
 
-inline constexpr Ink kPaper = ink(0xfbfaf7), kInk = ink(0x23262d), kMuted = ink(0x6d727c),
-                     kFaint = ink(0xd9d6cf), kVoid = ink(0xe9e6df), kClay = ink(0xdedbd4),
+inline constexpr Ink kPaper = ink(0xfbfbfb), kInk = ink(0x23262d), kMuted = ink(0x6d727c),
+                     kFaint = ink(0xd9d6cf), kVoid = ink(0xe7e7e3), kClay = ink(0xdedbd4),
                      kLight = ink(0xf4b860), kCamera = ink(0x7aaedb), kBoth = ink(0xb06fa6),
                      kPivot = ink(0xb3243f), kPortal = ink(0x0f8b6d), kAlarm = ink(0xc4314b),
                      kLamp = ink(0xffe14d);

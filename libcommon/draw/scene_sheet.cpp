@@ -7,7 +7,7 @@
 namespace tdpt::draw {
 namespace {
 
-constexpr double kTallest = 820, kLowest = 300;
+constexpr double kTallest = 820, kLowest = 300, kNarrowestPlan = 430;
 constexpr double kAir = 1.06;  // the plan's frame, against the scene
 constexpr size_t kMostLamps = 4096;
 
@@ -46,10 +46,10 @@ SceneSheet::Layout SceneSheet::layout(const Scene& scene, const Camera& camera, 
   const double seen = std::clamp(camera.aspect > 0 ? camera.aspect : 16.0 / 9, 0.4, 3.0),
                plan = std::clamp(size.x / std::max(size.z, 1e-9), 0.4, 3.0);
   const double room = kSheetWidth - 3 * kMargin;
-  const double height = std::round(std::clamp(room / (seen + plan), kLowest, kTallest));
-  const double used = height * (seen + plan), spare = std::max(0.0, room - used);
+  const double height = std::round(std::clamp(
+      std::min(room / (seen + plan), (room - kNarrowestPlan) / seen), kLowest, kTallest));
   l.camera = {kMargin, kHeading, std::round(height * seen), height};
-  l.plan = {l.camera.right() + kMargin, kHeading, std::round(height * plan + spare), height};
+  l.plan = {l.camera.right() + kMargin, kHeading, room - l.camera.width, height};
   l.legend = {kMargin, l.plan.bottom() + kCaption, room + kMargin, legend};
   l.height = static_cast<int>(l.legend.bottom() + kMargin);
   return l;
@@ -138,10 +138,9 @@ void SceneSheet::finish() {
   caption(
       canvas_, camera_view_.projection().panel,
       camera_.name.empty() ? "The camera's view" : fmt::format("The view of '{}'", camera_.name));
-  caption(canvas_, p.panel,
-          fmt::format("Plan, with all above y = {:.3g} m taken away: the camera {}, lamps yellow",
-                      cut_ / scene_.frame.scale + scene_.frame.centre.y,
-                      p.panel.contains(p.project(camera_.position)) ? "black" : "outside"));
+  caption(
+      canvas_, p.panel,
+      fmt::format("Plan below y = {:.3g} m", cut_ / scene_.frame.scale + scene_.frame.centre.y));
   scale_bar(canvas_, {p.panel.right() - 2, p.panel.bottom() + 26},
             p.pixels_per_unit() * scene_.frame.scale);
 }

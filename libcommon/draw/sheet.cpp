@@ -41,13 +41,15 @@ void heat_bar(Canvas& canvas, const Box& bar, const std::string& title, const st
   text(canvas, {bar.right(), bar.bottom() + 18}, high, kSmallSize, kMuted, Align::right);
 }
 
-Point key(Canvas& canvas, Point start, const std::vector<std::pair<Ink, std::string>>& entries) {
+void key(Canvas& canvas, Point start, const std::vector<std::pair<Ink, std::string>>& entries) {
+  Point at = start;
   for (const auto& [c, words] : entries) {
-    canvas.fill({start.x, start.y - 12, 16, 14}, c);
-    text(canvas, {start.x + 24, start.y}, words, kTextSize, kInk);
-    start.x += 24 + text_width(words, kTextSize) + 30;
+    const double width = 24 + text_width(words, kTextSize);
+    if (at.x > start.x && at.x + width > canvas.width() - kMargin) at = {start.x, at.y + kKeyRow};
+    canvas.fill({at.x, at.y - 12, 16, 14}, c);
+    text(canvas, {at.x + 24, at.y}, words, kTextSize, kInk);
+    at.x += width + 30;
   }
-  return start;
 }
 
 void reach_square(Canvas& canvas, const Box& square, const std::string& light,

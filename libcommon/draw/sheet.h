@@ -22,8 +22,10 @@ void scale_bar(Canvas& canvas, Point right, double pixels_per_metre);
 /// heat() from left to right with a label at each end and a title above.
 void heat_bar(Canvas& canvas, const Box& bar, const std::string& title, const std::string& low,
               const std::string& high);
-/// Swatches with words, in one row from `start`; returns where the next would start.
-Point key(Canvas& canvas, Point start, const std::vector<std::pair<Ink, std::string>>& entries);
+/// Swatches with words in a row from `start`, and in further rows kKeyRow below where they do not
+/// fit.
+inline constexpr double kKeyRow = 26;
+void key(Canvas& canvas, Point start, const std::vector<std::pair<Ink, std::string>>& entries);
 /// The square of reach(): light to the right, camera upwards.
 void reach_square(Canvas& canvas, const Box& square, const std::string& light,
                   const std::string& camera);

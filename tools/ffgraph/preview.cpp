@@ -58,7 +58,8 @@ std::string network_preview(const Scene& scene, const Camera& camera, const Dima
         {{kLight, "S_d: lit directly"},
          {kCamera, "S_p: seen by the camera"},
          {kBoth, "both"},
-         {kClay, "neither"}});
+         {kClay, "neither"},
+         {kLamp, "lamps"}});
   } else {
     reach_square(sheet.canvas(), square, "right: grade E of walks from the light",
                  "up: grade W of walks from the camera");
@@ -66,7 +67,8 @@ std::string network_preview(const Scene& scene, const Camera& camera, const Dima
         {{kLight, "the light's"},
          {kCamera, "the camera's"},
          {kBoth, "both, fully"},
-         {kClay, "no walk came here"}});
+         {kClay, "no walk came here"},
+         {kLamp, "lamps"}});
   }
   sheet.finish();
   return sheet.canvas().png();

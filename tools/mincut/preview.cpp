@@ -103,13 +103,15 @@ std::string cut_preview(const Scene& scene, const Camera& camera, const CutFile&
     throw InputError(display_name(cut_name), "", "was made from another scene than " + scene.path);
   SceneSheet sheet(scene, camera, "mincut   " + base_name(scene.path),
                    words_for(cut, arcs_to_draw(cut, kMostLines).size()),
-                   mean_height(cut, scene.frame.to_metres(camera.position).y), 30);
+                   mean_height(cut, scene.frame.to_metres(camera.position).y),
+                   regions(cut) > 3 ? 30 + kKeyRow : 30);
   paint_cut(sheet, scene, cut);
   const int n = regions(cut);
   std::vector<std::pair<Ink, std::string>> entries;
   for (int k = 0; k < n; ++k) entries.emplace_back(region(k, n), name_of_region(k, n));
   entries.emplace_back(kClay, "no walk came here");
-  entries.emplace_back(kPivot, "pivot pairs, more light darker, pale where hidden");
+  entries.emplace_back(kLamp, "lamps");
+  entries.emplace_back(kPivot, "pivot pairs, darker with more light, pale where hidden");
   key(sheet.canvas(), {sheet.legend().x, sheet.legend().y + 22}, entries);
   sheet.finish();
   return sheet.canvas().png();

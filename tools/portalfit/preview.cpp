@@ -14,7 +14,7 @@ namespace {
 
 using namespace draw;
 
-constexpr size_t kMostRows = 6, kMostLines = 300, kMostGlbLines = 400;
+constexpr size_t kMostRows = 6, kMostLines = 110, kMostGlbLines = 400;
 constexpr double kAround = 1.45;  // of the portal's half sides: what its row shows
 constexpr double kGrazing = 0.02;
 
@@ -118,6 +118,11 @@ const Ink& ink_of(Way way, const Ink& here) {
   return way == Way::here ? here : way == Way::elsewhere ? kMuted : kAlarm;
 }
 
+// Thousands of dots in the same place of their pixel take far fewer bytes.
+Point on_pixel(const Point& p) {
+  return {std::floor(p.x) + 0.5, std::floor(p.y) + 0.5};
+}
+
 void draw_front(Canvas& canvas, const LightGrid& grid, const Row& row, const Flat& view,
                 const std::vector<Crossing>& crossings) {
   draw_voxels(canvas, grid, view, row.portal ? 0.75 * grid.voxel : row.half_right);
@@ -130,7 +135,8 @@ void draw_front(Canvas& canvas, const LightGrid& grid, const Row& row, const Fla
   for (const Way way : {Way::elsewhere, Way::here, Way::nowhere})
     for (const Crossing& c : crossings)
       if (c.way == way)
-        canvas.disc(view.at(c.at), 1.0, ink_of(way, kInk), way == Way::nowhere ? 0.9 : 0.5);
+        canvas.disc(on_pixel(view.at(c.at)), 1.0, ink_of(way, kInk),
+                    way == Way::nowhere ? 0.9 : 0.5);
   if (row.portal) {
     for (const auto& e : outline_of(*row.portal))
       canvas.line(view.at(row.portal->vertices[e[0]]), view.at(row.portal->vertices[e[1]]), 2.5,
@@ -185,7 +191,7 @@ void draw_above(Canvas& canvas, const LightGrid& grid, const Row& row, const Fla
     const LightLine& l = grid.lines[crossings[i].line];
     const Point from = view.at(l.light), middle = view.at(crossings[i].at), to = view.at(l.camera);
     const Way way = crossings[i].way;
-    const double alpha = way == Way::here ? 0.25 : way == Way::elsewhere ? 0.12 : 0.5;
+    const double alpha = way == Way::here ? 0.4 : way == Way::elsewhere ? 0.12 : 0.5;
     canvas.line(from, middle, 1, ink_of(way, ink(0xc07a10)), alpha);
     canvas.line(middle, to, 1, ink_of(way, ink(0x2a6bab)), alpha);
   }
@@ -277,7 +283,7 @@ std::string portal_preview(const LightGrid& grid, const std::vector<Portal>& por
   for (size_t i = 0; i < std::min(portals.size(), kMostRows); ++i)
     rows.push_back(row_of(portals[i], grid.voxel));
   if (rows.empty() && !grid.count.empty()) rows.push_back(whole_grid(grid));
-  const double height = rows.size() == 1 ? 520 : rows.size() == 2 ? 440 : 340, pitch = height + 48;
+  const double height = rows.size() == 1 ? 480 : rows.size() == 2 ? 440 : 340, pitch = height + 48;
   const double width = std::round((kSheetWidth - 3 * kMargin) / 2);
   Canvas canvas(kSheetWidth,
                 static_cast<int>(kHeading + pitch * static_cast<double>(rows.size()) + 50), kPaper);
