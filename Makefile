@@ -2,6 +2,7 @@
 #   make           builds into build/bin
 #   make demo      installs what is missing, builds, shows what portals are good for (demo/)
 #   make figures   the paper's Figs 5 to 7 from our renders, in doc/ (tools/figures.sh: size, samples)
+#   make stages    pictures of what each stage did, in doc/figures/ (tools/stages.sh: another scene)
 #   make test      installs what is missing, builds, runs every test
 #   make bench     speed, and noise after a minute, of every integrator (tools/bench.sh; 20 minutes)
 #   make install   programs and man pages under PREFIX (and DESTDIR)
@@ -14,7 +15,7 @@ JOBS ?= $(shell nproc 2>/dev/null || echo 2)
 # .ci/run names a file here, to learn the exit code of ctest instead of make's.
 TEST_STATUS ?=
 
-.PHONY: all build demo figures bench test install sanitize packages format clean
+.PHONY: all build demo figures stages bench test install sanitize packages format clean
 all: build
 
 build:
@@ -38,6 +39,10 @@ figures: packages
 	@sh tools/install-packages.sh tools/packages-figures.txt
 	@$(MAKE) --no-print-directory build
 	@sh tools/figures.sh build/bin build/figures
+
+stages: packages
+	@$(MAKE) --no-print-directory build
+	@sh tools/stages.sh build/bin build/stages
 
 bench: packages
 	@sh tools/install-packages.sh tools/packages-figures.txt

@@ -135,7 +135,7 @@ std::string Canvas::png() const {
     for (int c = 0; c < 3; ++c)
       rgb.push_back(static_cast<uint8_t>(
           std::lround(std::round(std::clamp(p[c], 0.0f, 1.0f) * kSteps) * (255 / kSteps))));
-  return png_of_rgb8(width_, height_, rgb);
+  return png_of_rgb8(width_, height_, rgb, PngKind::drawing);
 }
 
 }  // namespace tdpt::draw

@@ -25,10 +25,13 @@ static unsigned char* png_deflate(unsigned char* data, int size, int* out_size, 
 
 namespace tdpt {
 
-std::string png_of_rgb8(int width, int height, const std::vector<uint8_t>& rgb) {
+std::string png_of_rgb8(int width, int height, const std::vector<uint8_t>& rgb,
+                        PngKind kind) {
   if (width < 1 || height < 1 ||
       rgb.size() != size_t{3} * static_cast<size_t>(width) * static_cast<size_t>(height))
     throw std::invalid_argument("a PNG needs 3 values a pixel and at least one pixel");
+  // -1: the best of PNG's filters for each row; 0: none.
+  stbi_write_force_png_filter = kind == PngKind::drawing ? 0 : -1;
   std::string bytes;
   const auto append = [](void* to, void* data, int n) {
     static_cast<std::string*>(to)->append(static_cast<const char*>(data), static_cast<size_t>(n));

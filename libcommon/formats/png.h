@@ -7,7 +7,10 @@
 namespace tdpt {
 
 /// The file as bytes; `rgb`: 3 * width * height values, sRGB, row by row from the top left. The
-/// same pixels give the same bytes.
-std::string png_of_rgb8(int width, int height, const std::vector<uint8_t>& rgb);
+/// same pixels give the same bytes. Drawings of few colours take fewer of them than photographs
+/// would; say which it is.
+enum class PngKind { photograph, drawing };
+std::string png_of_rgb8(int width, int height, const std::vector<uint8_t>& rgb,
+                        PngKind kind = PngKind::photograph);
 
 }  // namespace tdpt

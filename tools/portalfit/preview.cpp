@@ -14,7 +14,7 @@ namespace {
 
 using namespace draw;
 
-constexpr size_t kMostRows = 6, kMostLines = 110, kMostGlbLines = 400;
+constexpr size_t kMostRows = 6, kMostLines = 60, kMostGlbLines = 400;
 constexpr double kAround = 1.45;  // of the portal's half sides: what its row shows
 constexpr double kGrazing = 0.02;
 
@@ -191,7 +191,7 @@ void draw_above(Canvas& canvas, const LightGrid& grid, const Row& row, const Fla
     const LightLine& l = grid.lines[crossings[i].line];
     const Point from = view.at(l.light), middle = view.at(crossings[i].at), to = view.at(l.camera);
     const Way way = crossings[i].way;
-    const double alpha = way == Way::here ? 0.4 : way == Way::elsewhere ? 0.12 : 0.5;
+    const double alpha = way == Way::here ? 0.5 : way == Way::elsewhere ? 0.12 : 0.5;
     canvas.line(from, middle, 1, ink_of(way, ink(0xc07a10)), alpha);
     canvas.line(middle, to, 1, ink_of(way, ink(0x2a6bab)), alpha);
   }
@@ -283,7 +283,7 @@ std::string portal_preview(const LightGrid& grid, const std::vector<Portal>& por
   for (size_t i = 0; i < std::min(portals.size(), kMostRows); ++i)
     rows.push_back(row_of(portals[i], grid.voxel));
   if (rows.empty() && !grid.count.empty()) rows.push_back(whole_grid(grid));
-  const double height = rows.size() == 1 ? 480 : rows.size() == 2 ? 440 : 340, pitch = height + 48;
+  const double height = rows.size() == 1 ? 480 : rows.size() == 2 ? 380 : 340, pitch = height + 48;
   const double width = std::round((kSheetWidth - 3 * kMargin) / 2);
   Canvas canvas(kSheetWidth,
                 static_cast<int>(kHeading + pitch * static_cast<double>(rows.size()) + 50), kPaper);
