@@ -25,8 +25,7 @@ static unsigned char* png_deflate(unsigned char* data, int size, int* out_size, 
 
 namespace tdpt {
 
-std::string png_of_rgb8(int width, int height, const std::vector<uint8_t>& rgb,
-                        PngKind kind) {
+std::string png_of_rgb8(int width, int height, const std::vector<uint8_t>& rgb, PngKind kind) {
   if (width < 1 || height < 1 ||
       rgb.size() != size_t{3} * static_cast<size_t>(width) * static_cast<size_t>(height))
     throw std::invalid_argument("a PNG needs 3 values a pixel and at least one pixel");
