@@ -127,14 +127,16 @@ class SeriesCutter {
   }
 
   SeriesCut run() {
-    const MaxFlow flow = solve_(net_);
     result_.region.assign(net_.nodes, 0);
-    for (uint32_t v = 0; v < net_.nodes; ++v) result_.region[v] = flow.source_side[v] ? 0 : 1;
-    const Sides sides = sides_of(0);
-    result_.cuts.push_back({flow.value, sides.conductance()});
-    result_.reason = why_no_bottleneck(sides);
-    result_.bottleneck = result_.reason.empty();
-    if (result_.bottleneck && most_ > 1) find_others();
+    const Links links = links_of(problem_);
+    const std::vector<double> u = potential_of(problem_, links);
+    const Sweep s = sweep(links, u);
+    std::vector<size_t> found;
+    drops(s, 0, s.order.size(), found);
+    keep_real_drops(s, u, found);
+    // One opening, or none: the minimum cut itself, if it parts two rooms.
+    if (found.size() < 2 && minimum_cut()) return std::move(result_);
+    if (!found.empty()) cuts_at(s, u, found);
     return std::move(result_);
   }
 
@@ -213,7 +215,8 @@ class SeriesCutter {
       if (s.area[high - 1] - s.area[i - 1] < limits_.least_area * area_) break;
       const double smaller =
           std::min(s.volume[i - 1] - up_to(s.volume, low), s.volume[high - 1] - s.volume[i - 1]);
-      if (!(s.crossing[i - 1] < least * smaller)) continue;
+      // Capacities are whole: less than half of one is rounding, and a closed door is no opening.
+      if (!(s.crossing[i - 1] < least * smaller) || s.crossing[i - 1] < 0.5) continue;
       least = s.crossing[i - 1] / smaller;
       best = i;
     }
@@ -257,29 +260,40 @@ class SeriesCutter {
     return mean;
   }
 
-  void find_others() {
-    const Links links = links_of(problem_);
-    const std::vector<double> u = potential_of(problem_, links);
-    const Sweep s = sweep(links, u);
-    std::vector<size_t> found;
-    drops(s, 0, s.order.size(), found);
-    std::vector<double> plateau = plateaus(s, u, found);
-    // A door with the same potential on both sides is that of a closet.
+  // A door with the same potential on both sides is that of a closet. Of more drops than wanted the
+  // widest go.
+  void keep_real_drops(const Sweep& s, const std::vector<double>& u,
+                       std::vector<size_t>& found) const {
     while (!found.empty()) {
+      const std::vector<double> plateau = plateaus(s, u, found);
       size_t least = 0;
       for (size_t c = 0; c < found.size(); ++c)
         if (plateau[c + 1] - plateau[c] < plateau[least + 1] - plateau[least]) least = c;
       if (plateau[least + 1] - plateau[least] >= kLeastDrop) break;
       found.erase(found.begin() + static_cast<std::ptrdiff_t>(least));
-      plateau = plateaus(s, u, found);
     }
-    while (found.size() > most_)  // the widest goes
+    while (found.size() > most_)
       found.erase(std::max_element(found.begin(), found.end(), [&](size_t a, size_t b) {
         return s.crossing[a - 1] < s.crossing[b - 1];
       }));
-    plateau = plateaus(s, u, found);
-    if (found.size() < 2) return;  // the minimum cut itself
+  }
+
+  // The minimum cut of the network as it is; whether it is a bottleneck.
+  bool minimum_cut() {
+    const MaxFlow flow = solve_(net_);
+    for (uint32_t v = 0; v < net_.nodes; ++v) result_.region[v] = flow.source_side[v] ? 0 : 1;
+    const Sides sides = sides_of(0);
+    result_.cuts = {{flow.value, sides.conductance()}};
+    result_.reason = why_no_bottleneck(sides);
+    result_.bottleneck = result_.reason.empty();
+    return result_.bottleneck;
+  }
+
+  void cuts_at(const Sweep& s, const std::vector<double>& u, const std::vector<size_t>& found) {
+    const std::vector<double> plateau = plateaus(s, u, found);
     result_.cuts.clear();
+    result_.reason.clear();
+    result_.bottleneck = true;
     std::fill(result_.region.begin(), result_.region.end(), 0);
     for (size_t c = 0; c < found.size(); ++c) {
       const double at = 0.5 * (u[s.order[found[c] - 1]] + u[s.order[found[c]]]);
