@@ -95,13 +95,13 @@ std::vector<LightLine> picked(const LightGrid& grid, const std::vector<uint32_t>
   return some;
 }
 
-// The aperture among `lines` close to `tube`: its tube, its outline.
+// The aperture among `lines` close to `tube`: its tube, its outline. `again`: it is one already.
 std::optional<Aperture> outlined(const LightGrid& grid, const std::vector<uint32_t>& lines,
-                                 const Tube& tube) {
+                                 const Tube& tube, bool again = false) {
   Aperture a{tube, {}, {}};
   std::vector<uint32_t> bundle;
   for (int round = 0; round < 3; ++round) {
-    if (round > 0) a.tube = least_tube(picked(grid, bundle), a.tube);
+    if (round > 0) a.tube = least_tube(picked(grid, bundle), a.tube, again || round > 1);
     bundle = members(grid, lines, a.tube, grid.voxel);
     if (bundle.size() < kFewestLines) return {};
   }
@@ -266,7 +266,7 @@ void part_from_each_other(const LightGrid& grid, const std::vector<uint32_t>& al
     for (const uint32_t l : found[i].lines)
       if (crossed[l] == 1) alone.push_back(l);
     if (2 * alone.size() < found[i].lines.size()) continue;
-    auto again = outlined(grid, alone, found[i].tube);
+    auto again = outlined(grid, alone, found[i].tube, true);
     if (!again) continue;
     // Its lines are all that cross it.
     again->lines = lines_across(grid, all, *again);

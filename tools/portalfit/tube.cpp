@@ -3,29 +3,53 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <numbers>
 
 namespace tdpt {
 namespace {
 
 constexpr int kSides = 16;
-constexpr double kOutside = 0.001;   // share of the lines beyond each side of the outline
-constexpr double kPlaneHolds = 0.9;  // of the prism's lines
-constexpr double kPrism = 1.12;      // most area of a prism's outline over that in its middle
-constexpr double kThrough = 0.002;   // smallest share of the lines that pass both faces
+constexpr double kOutside = 0.001;    // share of the lines beyond each side of the outline
+constexpr double kPlaneHolds = 0.97;  // of the prism's lines
+constexpr double kPrism = 1.12;       // most area of a prism's outline over that in its middle
+constexpr double kThrough = 0.002;    // smallest share of the lines that pass both faces
 constexpr double kLosing = 2, kLosingPlane = 0.3;  // weight of the lines that miss it
 constexpr size_t kMostRough = 1500;                // lines for the first look
 constexpr size_t kMostFine = 8192;
+constexpr double kWidest =
+    1.5;  // the same of anything: a room is a tube, too, and all lines end in it
+constexpr double kShort = 0.5;  // form factor of the faces below which a tube is long
 constexpr double kMostTilt = 0.3;
 
 struct Search {
   std::vector<LightLine> lines;
-  bool flat = false;            // a plane, not a tube
-  double faces = 1;             // where in the tube the outline is taken: 1 its faces, 0 its middle
-  std::vector<Vec2d> points{};  // of the last look, both faces
+  bool flat = false;
+  double losing = kLosing;                 // a plane, not a tube
+  std::pair<double, double> faces{-1, 1};  // where the outline is taken, in halves of the tube
+  std::vector<Vec2d> points{};             // of the last look, both faces
   std::vector<double> reach{};
   Extents extents{};
-  double size = 0;  // area of the outline [m2]
+  std::array<double, 2> box{};  // sides of a rectangle like the outline [m]
+  double size = 0;              // area of the outline [m2]
+
+  // How far along the axis the points reach but for the `beyond` farthest: the least of a heap of
+  // the farthest, which few of the points ever enter.
+  double reach_of(Vec2d axis, size_t beyond) {
+    reach.clear();
+    for (const Vec2d& p : points) {
+      const double at = p.x * axis.x + p.y * axis.y;
+      if (reach.size() <= beyond) {
+        reach.push_back(at);
+        std::push_heap(reach.begin(), reach.end(), std::greater<>());
+      } else if (at > reach.front()) {
+        std::pop_heap(reach.begin(), reach.end(), std::greater<>());
+        reach.back() = at;
+        std::push_heap(reach.begin(), reach.end(), std::greater<>());
+      }
+    }
+    return reach.front();
+  }
 
   // Logarithm of the etendue per line held; without a common factor.
   double badness(const Tube& tube) {
@@ -39,7 +63,7 @@ struct Search {
       through += from <= -tube.half && from + along >= tube.half;
       const double ax = dot(a, frame.x), ay = dot(a, frame.y);
       const double dx = dot(d, frame.x), dy = dot(d, frame.y);
-      for (const double face : {-faces * tube.half, faces * tube.half}) {
+      for (const double face : {faces.first * tube.half, faces.second * tube.half}) {
         const double t = std::clamp((face - from) / along, 0.0, 1.0);
         points.push_back({ax + dx * t, ay + dy * t});
       }
@@ -58,15 +82,11 @@ struct Search {
     }
     Polygon outline{{-100, -100}, {100, -100}, {100, 100}, {-100, 100}};
     double least[2] = {0, 0}, most[2] = {0, 0};
-    const auto beyond = static_cast<std::ptrdiff_t>(kOutside * static_cast<double>(points.size()));
-    reach.resize(points.size());
+    const auto beyond = static_cast<size_t>(kOutside * static_cast<double>(points.size()));
     for (int side = 0; side < kSides; ++side) {
       const double angle = 2 * std::numbers::pi * side / kSides;
       const Vec2d axis{std::cos(angle), std::sin(angle)};
-      for (size_t i = 0; i < points.size(); ++i)
-        reach[i] = -(points[i].x * axis.x + points[i].y * axis.y);
-      std::nth_element(reach.begin(), reach.begin() + beyond, reach.end());
-      const double limit = -reach[static_cast<size_t>(beyond)];
+      const double limit = reach_of(axis, beyond);
       if (side % (kSides / 4) == 0)
         (side < kSides / 2 ? most : least)[side / (kSides / 4) % 2] = limit;
       outline = clipped(outline, axis, limit);
@@ -78,8 +98,9 @@ struct Search {
                  b = (most[1] + least[1]) * extents.shorter;
     if (!(a > 0 && b > 0)) return INFINITY;
     const double grow = std::sqrt(size / (a * b));
+    box = {a * grow, b * grow};
     return std::log(size * facing_rectangles(a * grow, b * grow, 2 * tube.half)) -
-           (flat ? kLosingPlane : kLosing) * std::log(held / all);
+           losing * std::log(held / all);
   }
 
   // Coordinate search: every coordinate keeps its own step.
@@ -138,6 +159,16 @@ std::vector<LightLine> every_kth(const std::vector<LightLine>& lines, size_t mos
   return some;
 }
 
+// Area of the outline at the tube's faces over that in its middle.
+double waistedness(Search& search, const Tube& tube) {
+  search.faces = {0, 0};
+  search.badness(tube);
+  const double middle = search.size;
+  search.faces = {-1, 1};
+  search.badness(tube);
+  return search.size / middle;
+}
+
 }  // namespace
 
 double facing_rectangles(double a, double b, double c) {
@@ -150,34 +181,38 @@ double facing_rectangles(double a, double b, double c) {
           y * p * std::atan(y / p) - x * std::atan(x) - y * std::atan(y));
 }
 
-Tube least_tube(const std::vector<LightLine>& lines, const Tube& start) {
-  const std::vector<LightLine> some = every_kth(lines, kMostRough),
-                               fine = every_kth(lines, kMostFine);
-  // From several starts: there are valleys.
-  const Onb<double> frame(start.middle.n);
-  Search rough{some};
+Tube least_tube(const std::vector<LightLine>& lines, const Tube& start, bool near) {
+  const std::vector<LightLine> fine = every_kth(lines, kMostFine);
+  Search prism{fine}, flat{fine, true};
   Tube tube = start;
   double least = INFINITY;
-  constexpr double kTurn = 0.25;
-  const std::array<Vec2d, 5> turns{{{0, 0}, {kTurn, 0}, {-kTurn, 0}, {0, kTurn}, {0, -kTurn}}};
-  for (const Vec2d& turn : turns) {
-    Tube from = start;
-    from.middle.n = normalize(start.middle.n + frame.x * turn.x + frame.y * turn.y);
-    from = rough.run(from, 0.3, 0.05);
-    if (const double bad = rough.badness(from); bad < least) least = bad, tube = from;
+  if (!near) {
+    // From several starts: there are valleys.
+    const Onb<double> frame(start.middle.n);
+    Search rough{every_kth(lines, kMostRough)};
+    constexpr double kTurn = 0.25;
+    const std::array<Vec2d, 5> turns{{{0, 0}, {kTurn, 0}, {-kTurn, 0}, {0, kTurn}, {0, -kTurn}}};
+    for (const Vec2d& turn : turns) {
+      Tube from = start;
+      from.middle.n = normalize(start.middle.n + frame.x * turn.x + frame.y * turn.y);
+      from = rough.run(from, 0.3, 0.05);
+      const double bad = rough.badness(from);
+      if (bad < least && waistedness(rough, from) < kWidest) least = bad, tube = from;
+    }
   }
-  Search prism{fine};
+  const auto flattened = [&](Tube plane, double losing) {
+    plane.half = 0;
+    flat.losing = losing;
+    return flat.run(plane, 0.3, 0.004);
+  };
+  if (near && start.half == 0) return flattened(start, kLosingPlane);
   tube = prism.run(tube, 0.1, 0.004);
-  prism.badness(tube);
-  Search middle{fine};
-  middle.faces = 0;
-  middle.badness(tube);
-  if (prism.size < kPrism * middle.size) return tube;
+  const double waisted = waistedness(prism, tube);
+  if (!(waisted < kWidest)) return flattened(start, kLosing);
+  const bool is_short = facing_rectangles(prism.box[0], prism.box[1], 2 * tube.half) > kShort;
+  if (waisted < kPrism || !is_short) return tube;
   // Where the opening is no prism, as beside a door ajar, its narrowest plane is the portal.
-  Search flat{fine, true};
-  Tube plane = tube;
-  plane.half = 0;
-  plane = flat.run(plane, 0.1, 0.004);
+  const Tube plane = flattened(tube, kLosingPlane);
   flat.badness(plane);
   return flat.points.size() < kPlaneHolds * prism.points.size() ? tube : plane;
 }
