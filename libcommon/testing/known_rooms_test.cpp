@@ -115,6 +115,17 @@ TEST(portal_score, is_full_for_the_opening_itself) {
   }
 }
 
+TEST(portal_score, takes_any_plane_between_the_two_narrow_places_beside_a_leaf) {
+  KnownAperture o = rectangle({0, 0, 0}, {0, 2, 0}, {0, 0, 0.1}, {-1, 0, 0}, 0);
+  o.mouth = {{0, 0, 0}, {0, 2, 0}, {0.1, 2, 0.1}, {0.1, 0, 0.1}};  // turned by 45 degrees
+  const double c = std::sqrt(0.5);
+  EXPECT_NEAR(angle_to(o, {-1, 0, 0}), 0, 1e-6);
+  EXPECT_NEAR(angle_to(o, {-c, 0, c}), 0, 1e-6);
+  EXPECT_NEAR(angle_to(o, normalize(Vec3d{-2, 0, 1})), 0, 0.5);
+  EXPECT_NEAR(angle_to(o, {0, 0, 1}), 45, 1e-6);
+  EXPECT_NEAR(angle_to(o, {-c, 0, -c}), 45, 1e-6);
+}
+
 TEST(portal_score, sees_every_planted_fault) {
   const std::vector<KnownAperture> openings{
       rectangle({0, 0, 0}, {0, 0.5, 0}, {0, 0, 0.5}, {-1, 0, 0}, 0.1)};

@@ -165,6 +165,18 @@ double degrees_between(const Vec3d& a, const Vec3d& b) {
   return std::acos(std::clamp(dot(a, b), -1.0, 1.0)) * 57.29577951308232;
 }
 
+double angle_to(const KnownAperture& opening, const Vec3d& normal) {
+  if (opening.mouth.empty()) return degrees_between(normal, opening.normal);
+  const std::vector<Vec3d>& m = opening.mouth;
+  Vec3d other = normalize(cross(m[1] - m[0], m[2] - m[0]));
+  if (dot(other, opening.normal) < 0) other = -other;
+  double least = 180;
+  for (double t = 0; t <= 1; t += 1.0 / 64)
+    least =
+        std::min(least, degrees_between(normal, normalize(opening.normal * (1 - t) + other * t)));
+  return least;
+}
+
 PortalScore score(const std::vector<Portal>& portals, const std::vector<KnownAperture>& openings) {
   PortalScore s;
   s.portals = portals.size();
@@ -185,7 +197,7 @@ PortalScore score(const std::vector<Portal>& portals, const std::vector<KnownApe
       continue;
     }
     matched.insert(best);
-    s.angle = std::max(s.angle, degrees_between(mean_normal(portal), openings[best].normal));
+    s.angle = std::max(s.angle, angle_to(openings[best], mean_normal(portal)));
   }
   s.matched = matched.size();
   if (portals.empty() && !openings.empty()) s.tightness = 0, s.angle = 90;

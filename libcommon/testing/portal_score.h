@@ -30,6 +30,10 @@ double tightness(const Portal& portal, const KnownAperture& opening,
 Vec3d mean_normal(const Portal& portal);
 double degrees_between(const Vec3d& a, const Vec3d& b);
 
+/// Degrees between a unit normal and that of the opening; beside a leaf, where two narrow places
+/// bound what light passes, the nearest normal between theirs.
+double angle_to(const KnownAperture& opening, const Vec3d& normal);
+
 /// All portals of a scene against all its openings. The worst of each figure.
 struct PortalScore {
   size_t portals = 0, openings = 0;
