@@ -3,6 +3,7 @@
 #   make demo      installs what is missing, builds, shows what portals are good for (demo/)
 #   make figures   the paper's Figs 5 to 7 from our renders, in doc/ (tools/figures.sh: size, samples)
 #   make stages    pictures of what each stage did, in doc/figures/ (tools/stages.sh: another scene)
+#   make portals   how right the portals are on rooms with known openings: doc/portals.md (half an hour)
 #   make test      installs what is missing, builds, runs every test
 #   make bench     speed, and noise after a minute, of every integrator (tools/bench.sh; 20 minutes)
 #   make install   programs and man pages under PREFIX (and DESTDIR)
@@ -15,7 +16,7 @@ JOBS ?= $(shell nproc 2>/dev/null || echo 2)
 # .ci/run names a file here, to learn the exit code of ctest instead of make's.
 TEST_STATUS ?=
 
-.PHONY: all build demo figures stages bench test install sanitize packages format clean
+.PHONY: all build demo figures stages portals bench test install sanitize packages format clean
 all: build
 
 build:
@@ -39,6 +40,12 @@ figures: packages
 	@sh tools/install-packages.sh tools/packages-figures.txt
 	@$(MAKE) --no-print-directory build
 	@sh tools/figures.sh build/bin build/figures
+
+portals: packages
+	@sh tools/install-packages.sh tools/packages-figures.txt
+	@$(MAKE) --no-print-directory build
+	@sh tools/portals.sh build/bin build/portals >build/portals.md
+	@mv build/portals.md doc/portals.md
 
 stages: packages
 	@$(MAKE) --no-print-directory build
