@@ -252,27 +252,39 @@ Portal portal_of(const LightGrid& grid, const Aperture& a, size_t of,
 
 // Openings side by side, as the slit beside a door and the gap above it: light through the second
 // crosses the plane of the first beyond its edge and draws its outline there. So each is outlined
-// again by the lines that cross it alone, if these are most of its lines (they are not where
-// openings follow each other).
+// again by the lines that do not cross the others, at first with the others wider than found. Not
+// where most of its lines cross others, too: such openings follow each other. All lines
+// are those of `all`.
 void part_from_each_other(const LightGrid& grid, const std::vector<uint32_t>& all,
                           std::vector<Aperture>& found) {
   if (found.size() < 2) return;
-  std::vector<int> crossed(grid.lines.size(), 0);
-  for (const Aperture& a : found)
-    for (const uint32_t l : a.lines) ++crossed[l];
-  std::vector<Aperture> sharper = found;
-  for (size_t i = 0; i < found.size(); ++i) {
-    std::vector<uint32_t> alone;
-    for (const uint32_t l : found[i].lines)
-      if (crossed[l] == 1) alone.push_back(l);
-    if (2 * alone.size() < found[i].lines.size()) continue;
-    auto again = outlined(grid, alone, found[i].tube, true);
-    if (!again) continue;
-    // Its lines are all that cross it.
-    again->lines = lines_across(grid, all, *again);
-    if (2 * again->lines.size() >= found[i].lines.size()) sharper[i] = std::move(*again);
+  constexpr double kShared = 0.01;  // of its lines: with fewer, an opening stays as it is
+  for (const double growth : {1.5, 1.2, 1.0}) {
+    for (Aperture& a : found) {
+      std::vector<uint32_t> others;
+      for (const Aperture& b : found) {
+        if (&b == &a) continue;
+        Aperture wider = b;
+        wider.polygon = enlarged(b.polygon, growth);
+        const auto across = lines_across(grid, all, wider);
+        others.insert(others.end(), across.begin(), across.end());
+      }
+      std::sort(others.begin(), others.end());
+      const auto without = [&](const std::vector<uint32_t>& lines) {
+        std::vector<uint32_t> left;
+        std::set_difference(lines.begin(), lines.end(), others.begin(), others.end(),
+                            std::back_inserter(left));
+        return left;
+      };
+      const auto shared = static_cast<double>(a.lines.size() - without(a.lines).size());
+      const auto size = static_cast<double>(a.lines.size());
+      if (shared < kShared * size || shared > 0.5 * size) continue;
+      auto again = outlined(grid, without(all), a.tube, true);
+      if (!again) continue;
+      again->lines = lines_across(grid, all, *again);
+      if (2 * again->lines.size() >= a.lines.size()) a = std::move(*again);
+    }
   }
-  found = std::move(sharper);
 }
 
 // The openings that the lines `all` of one cut pass.

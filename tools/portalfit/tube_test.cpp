@@ -1,0 +1,94 @@
+#include "tools/portalfit/tube.h"
+
+#include <cmath>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "libcommon/math/rng.h"
+#include "libcommon/math/warp.h"
+
+namespace tdpt {
+namespace {
+
+constexpr double kDegrees = 180 / std::numbers::pi;
+
+// Two equal rectangles face to face, against points and directions drawn at random.
+double facing_by_chance(double a, double b, double c) {
+  constexpr int kRays = 200000;
+  int hits = 0;
+  for (int i = 0; i < kRays; ++i) {
+    Rng rng(1, 2, static_cast<uint64_t>(i));
+    const double x = a * rng.uniform(), y = b * rng.uniform();
+    const double u = rng.uniform(), v = rng.uniform();
+    const Vec3d w = cosine_hemisphere(u, v);
+    const double px = x + w.x / w.z * c, py = y + w.y / w.z * c;
+    hits += px >= 0 && px <= a && py >= 0 && py <= b;
+  }
+  return static_cast<double>(hits) / kRays;
+}
+
+TEST(Tube, FacingRectanglesSeeEachOther) {
+  EXPECT_NEAR(facing_rectangles(1, 1, 1), 0.1998, 1e-4);  // tabulated
+  EXPECT_EQ(facing_rectangles(1, 2, 0), 1);
+  EXPECT_NEAR(facing_rectangles(1, 2, 1e-4), 1, 1e-3);
+  EXPECT_NEAR(facing_rectangles(1, 2, 500) * std::numbers::pi * 500 * 500, 2, 1e-3);
+  EXPECT_NEAR(facing_rectangles(1, 2, 5000) * std::numbers::pi * 5000 * 5000, 2, 1e-3);
+  EXPECT_NEAR(facing_rectangles(0.03, 1.4, 0.2), facing_by_chance(0.03, 1.4, 0.2), 0.003);
+  // Twin: another distance is noticed.
+  EXPECT_GT(std::abs(facing_rectangles(0.03, 1.4, 0.22) - facing_by_chance(0.03, 1.4, 0.2)), 0.005);
+}
+
+// Lines through the middle of a rectangular tube along +x; what meets a wall of it ends there, as
+// on the jambs of an opening.
+std::vector<LightLine> lines_of_tube(double a, double b, double half, size_t n) {
+  std::vector<LightLine> lines;
+  for (uint64_t i = 0; i < n; ++i) {
+    Rng rng(3, 4, i);
+    const double y = a * (rng.uniform() - 0.5), z = b * (rng.uniform() - 0.5);
+    const double u = rng.uniform(), v = rng.uniform();
+    const Vec3d d = cosine_hemisphere(u, v), w{d.z, d.x, d.y};
+    const auto end = [&](double way) {
+      double reach = 3;
+      const auto wall = [&](double at, double slope, double size) {
+        const double t = (std::copysign(0.5 * size, slope) - at) / slope;
+        if (t * w.x < half) reach = std::min(reach, t);
+      };
+      wall(y, way * w.y, a);
+      wall(z, way * w.z, b);
+      return Vec3d{0, y, z} + w * (way * reach);
+    };
+    lines.push_back({end(-1), end(1)});
+  }
+  return lines;
+}
+
+double degrees_from_x(const Tube& tube) {
+  return kDegrees * std::acos(std::min(1.0, tube.middle.n.x));
+}
+
+TEST(Tube, IsFoundFromATiltedPlane) {
+  for (const double width : {0.3, 0.03}) {
+    const auto lines = lines_of_tube(width, 0.3, 0.1, 4000);
+    const Tube start{{{0.03, 0, 0}, normalize(Vec3d{1, 0.1, -0.2})}, 0.02};
+    EXPECT_GT(degrees_from_x(start), 10);  // twin: the measure sees the tilt
+    const Tube tube = least_tube(lines, start, false);
+    EXPECT_LT(degrees_from_x(tube), 2) << width << " " << degrees_from_x(tube) << " " << tube.half;
+    EXPECT_NEAR(tube.half, 0.1, 0.025) << width << " " << degrees_from_x(tube) << " " << tube.half;
+    EXPECT_NEAR(tube.middle.o.x, 0, 0.025) << width << " " << degrees_from_x(tube) << " " << tube.half;
+  }
+}
+
+TEST(Tube, LinesThatEndInsideCount) {
+  const Tube tube{{{0, 0, 0}, {1, 0, 0}}, 0.1};
+  Vec2d at;
+  const LightLine on_jamb{{-1, 0, 0}, {-0.05, 0.3, 0}}, before{{-1, 0, 0}, {-0.2, 0, 0}},
+      against{{1, 0, 0}, {-1, 0, 0}};
+  ASSERT_TRUE(inside_at(tube, on_jamb, 0, at));
+  EXPECT_NEAR(std::hypot(at.x, at.y), 0.3, 1e-12);
+  EXPECT_FALSE(inside_at(tube, before, 0, at));
+  EXPECT_FALSE(inside_at(tube, against, 0, at));
+}
+
+}  // namespace
+}  // namespace tdpt
