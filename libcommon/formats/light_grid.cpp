@@ -164,9 +164,30 @@ class Reader {
     light.bottleneck = value<bool>(meta, "tdpt_bottleneck");
     light.flux_share = value<double>(meta, "tdpt_flux_share");
     if (!std::isfinite(light.flux_share)) fail("tdpt_flux_share", "is not finite");
+    read_cuts(meta, light);
     if (const auto lines = meta.getMetadata<vdb::StringMetadata>("tdpt_provenance")) {
       std::istringstream text(lines->value());
       for (std::string line; std::getline(text, line);) light.provenance.lines.push_back(line);
+    }
+  }
+
+  // A file without them is a file of an unknown cut.
+  void read_cuts(const vdb::MetaMap& meta, LightGrid& light) {
+    if (!meta["tdpt_cuts"]) return;
+    const int32_t n = value<int32_t>(meta, "tdpt_cuts");
+    if (n < 0 || n > static_cast<int32_t>(kMostCuts))
+      fail("tdpt_cuts", fmt::format("{} cuts, expected 0 to {}", n, kMostCuts));
+    const auto share = [&](int32_t c, const char* what) {
+      const std::string key = fmt::format("tdpt_{}_{}", what, c);
+      const double v = value<double>(meta, key.c_str());
+      if (!(v >= 0 && v <= 1)) fail(key, fmt::format("is {}, expected a share of 0 to 1", v));
+      return v;
+    };
+    for (int32_t c = 0; c < n; ++c) {
+      CutFigures figures;
+      figures.conductance = share(c, "conductance");
+      figures.kept = share(c, "kept");
+      light.cuts.push_back(figures);
     }
   }
 
@@ -268,6 +289,14 @@ std::string light_grid_bytes(const LightGrid& light) {
   meta.insertMeta("tdpt_bottleneck", vdb::BoolMetadata(light.bottleneck));
   meta.insertMeta("tdpt_reason", vdb::StringMetadata(light.reason));
   meta.insertMeta("tdpt_flux_share", vdb::DoubleMetadata(light.flux_share));
+  if (!light.cuts.empty()) {
+    meta.insertMeta("tdpt_cuts", vdb::Int32Metadata(static_cast<int32_t>(light.cuts.size())));
+    for (size_t c = 0; c < light.cuts.size(); ++c) {
+      meta.insertMeta(fmt::format("tdpt_conductance_{}", c),
+                      vdb::DoubleMetadata(light.cuts[c].conductance));
+      meta.insertMeta(fmt::format("tdpt_kept_{}", c), vdb::DoubleMetadata(light.cuts[c].kept));
+    }
+  }
   if (!light.provenance.empty()) {
     std::string text;
     for (const std::string& line : light.provenance.lines) text += line + "\n";

@@ -21,6 +21,12 @@ struct LightLine {
 };
 inline constexpr uint32_t kMostCuts = 64;
 
+/// How narrow the way through one cut is.
+struct CutFigures {
+  double conductance = 0;  ///< of the cut, see cut(5): 0 to 1
+  double kept = 0;         ///< share of the visible segments that are no leaks: 0 to 1
+};
+
 /// Dense box of cubic voxels. Index (i,j,k) is at [i + dim[0] * (j + dim[1] * k)]; voxel (i,j,k)
 /// spans origin + voxel * [i, i+1) x [j, j+1) x [k, k+1).
 struct LightGrid {
@@ -35,8 +41,9 @@ struct LightGrid {
   /// each voxel, and which of these join the two sides. Empty: unknown.
   std::vector<float> tried, joined;
   bool bottleneck = true;
-  std::string reason;     ///< why not
-  double flux_share = 1;  ///< share of drawn segments that were kept, see lightgrid(1)
+  std::string reason;            ///< why not
+  double flux_share = 1;         ///< share of drawn segments that were kept, see lightgrid(1)
+  std::vector<CutFigures> cuts;  ///< of each cut, from the light to the camera; empty: unknown
   std::string scene_hash;
   Provenance provenance;
   std::string hash;  ///< content hash of the file read

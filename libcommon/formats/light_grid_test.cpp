@@ -51,6 +51,7 @@ LightGrid small() {
   g.lines = {{{-0.9, 2.1, 100.1}, {0.1, 2.9, 100.7}}, {{0, 2.5, 100.2}, {-0.5, 2.25, 100.3}}};
   g.scene_hash = "abc";
   g.flux_share = 0.75;
+  g.cuts = {{0.01, 0.5}, {0.25, 1}};
   g.provenance.lines = {"made by lightgrid 1: lightgrid", "from a b"};
   return g;
 }
@@ -69,6 +70,11 @@ TEST_F(LightGridFormat, ComesBackAsItWasWritten) {
   EXPECT_EQ(back.joined, g.joined);
   EXPECT_EQ(back.scene_hash, "abc");
   EXPECT_EQ(back.flux_share, 0.75);
+  ASSERT_EQ(back.cuts.size(), 2u);
+  EXPECT_EQ(back.cuts[0].conductance, 0.01);
+  EXPECT_EQ(back.cuts[0].kept, 0.5);
+  EXPECT_EQ(back.cuts[1].conductance, 0.25);
+  EXPECT_EQ(back.cuts[1].kept, 1);
   EXPECT_TRUE(back.bottleneck);
   EXPECT_EQ(back.provenance.lines, g.provenance.lines);
   ASSERT_EQ(back.lines.size(), 2u);
@@ -117,8 +123,24 @@ TEST_F(LightGridFormat, RefusesWhatIsNoLightGrid) {
   g.lines[0].camera = g.lines[0].light;
   EXPECT_EQ(error_of(light_grid_bytes(g)), "grid lines: holds a line that is no segment");
   g = small();
+  g.cuts.assign(65, {});
+  EXPECT_EQ(error_of(light_grid_bytes(g)), "tdpt_cuts: 65 cuts, expected 0 to 64");
+  g = small();
+  g.cuts[1].conductance = 1.5;
+  EXPECT_EQ(error_of(light_grid_bytes(g)),
+            "tdpt_conductance_1: is 1.5, expected a share of 0 to 1");
+  g = small();
+  g.cuts[0].kept = NAN;
+  EXPECT_EQ(error_of(light_grid_bytes(g)), "tdpt_kept_0: is nan, expected a share of 0 to 1");
+  g = small();
   g.lines[0].camera.y = 1e30;
   EXPECT_EQ(error_of(light_grid_bytes(g)), "grid lines: reaches out of its box");
+}
+
+TEST_F(LightGridFormat, CutsNeedNotBeKnown) {
+  LightGrid g = small();
+  g.cuts.clear();
+  EXPECT_TRUE(read_light_grid(write(light_grid_bytes(g))).cuts.empty());
 }
 
 TEST_F(LightGridFormat, SurvivesBeingCutShort) {

@@ -296,6 +296,8 @@ LightGrid make_light_grid(const Scene& scene, const CutFile& cut, const std::str
   report.settled = true;
   report.change = 0;
   std::vector<Vec3d> direction(grid.count.size());
+  for (const Bottleneck& b : cut.cuts)
+    grid.cuts.push_back({std::clamp(b.conductance, 0.0, 1.0), 0});
   for (size_t c = 0; c < cut.cuts.size() && !report.stopped; ++c) {
     if (lines.empty(c)) continue;
     Tally tally(grid.count.size());
@@ -306,6 +308,8 @@ LightGrid make_light_grid(const Scene& scene, const CutFile& cut, const std::str
     report.drawn += coarse.drawn;
     report.visible += coarse.visible;
     report.kept += coarse.kept;
+    if (coarse.visible > 0)
+      grid.cuts[c].kept = static_cast<double>(coarse.kept) / static_cast<double>(coarse.visible);
     report.stopped = coarse.stopped;
     report.settled = report.settled && coarse.settled;
     report.change = std::max(report.change, coarse.change);

@@ -8,6 +8,7 @@
 #include "libcommon/base/output_file.h"
 #include "libcommon/base/signals.h"
 #include "libcommon/cli/cli.h"
+#include "tools/tdpt-render/portal_report.h"
 #include "tools/tdpt-render/report.h"
 
 namespace tdpt {
@@ -114,6 +115,8 @@ int run(const Arguments& a, const cli::Common& common) {
   const World world(scene, camera, static_cast<int>(width), static_cast<int>(height), portals);
   if (world.portals.empty() && integrator.techniques.has(Technique::portal))
     common.warn("no portal is given, so no path is sampled through one");
+  if (integrator.techniques.has(Technique::portal))
+    for (const std::string& promise : promises(portals)) common.note(promise);
   if (const std::string missed = light_missed(integrator, scene); !missed.empty())
     common.warn(missed);
   if (world.lights.empty()) common.warn("nothing in the scene emits light: the picture is black");
@@ -128,8 +131,9 @@ int run(const Arguments& a, const cli::Common& common) {
     write_output(preview_path(common.output),
                  png_bytes(result.picture, auto_exposure(result.picture)));
   if (!a.nonzero.empty()) write_output(a.nonzero, png_bytes(nonzero_picture(result.picture), 0));
-  if (!a.stats.empty()) write_output(a.stats, stats_json(integrator, settings, result) + "\n");
-  common.summary(summary_json(integrator, settings, result));
+  if (!a.stats.empty())
+    write_output(a.stats, stats_json(integrator, settings, result, portals) + "\n");
+  common.summary(summary_json(integrator, settings, result, portals));
   for (const Tally::Place& place : result.tally.not_finite_at)
     common.warn(
         fmt::format("pixel {} {} sample {}: a contribution was not finite, or beyond what a splat "
@@ -140,6 +144,7 @@ int run(const Arguments& a, const cli::Common& common) {
       result.tally.energy[static_cast<size_t>(Technique::portal)] < 0.01 * total)
     common.note(
         "the portals brought less than 1 % of the light: do their fronts face the camera's room?");
+  for (const std::string& sentence : disappointments(portals, result)) common.note(sentence);
   common.note(fmt::format("{}: {} samples per pixel at {} x {} in {:.1f} s ({:.1f} CPU s)",
                           integrator.name, result.spp, width, height, result.seconds,
                           result.cpu_seconds));

@@ -10,6 +10,7 @@ PortalSet::PortalSet(const std::vector<Portal>& portals, const Frame& frame) {
   for (const Portal& portal : portals) {
     for (const auto& t : portal.triangles) {
       Polygon q;
+      q.portal = static_cast<uint32_t>(portals_);
       q.p0 = frame.to_canonical(portal.vertices[t[0]]);
       q.e1 = frame.to_canonical(portal.vertices[t[1]]) - q.p0;
       q.e2 = frame.to_canonical(portal.vertices[t[2]]) - q.p0;
@@ -23,6 +24,7 @@ PortalSet::PortalSet(const std::vector<Portal>& portals, const Frame& frame) {
       areas.push_back(0.5 * twice_area);
       total += areas.back();
     }
+    ++portals_;
   }
   // p(q) = A_q / total, so p(q) / (A_q pi) is the same for every triangle.
   for (Polygon& q : polygons_) q.density = 1 / (total * std::numbers::pi);

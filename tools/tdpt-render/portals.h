@@ -25,6 +25,8 @@ class PortalSet {
   PortalSet(const std::vector<Portal>& portals, const Frame& frame);
 
   bool empty() const { return polygons_.empty(); }
+  /// Portals that the set was made of; one whose triangles are all degenerate counts, too.
+  size_t portals() const { return portals_; }
   size_t size() const { return polygons_.size(); }
 
   /// A portal counts only for segments that begin and end at least this far from its plane
@@ -49,12 +51,14 @@ class PortalSet {
     Vec3d p0, e1, e2, normal;
     Vec3d grad1, grad2;  ///< barycentric b1 = dot(grad1, p - p0), b2 = dot(grad2, p - p0)
     double density;      ///< p(q) / (A_q pi)
+    uint32_t portal;     ///< which of the portals it is part of
   };
   const Polygon& polygon(int i) const { return polygons_[static_cast<size_t>(i)]; }
 
  private:
   std::vector<Polygon> polygons_;
   AliasTable table_;
+  size_t portals_ = 0;
 };
 
 }  // namespace tdpt

@@ -6,6 +6,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "tools/tdpt-render/portal_report.h"
+
 namespace tdpt {
 namespace {
 
@@ -23,7 +25,7 @@ nlohmann::ordered_json numbers(const Vec3d& v) {
 }
 
 nlohmann::ordered_json summary(const Integrator& integrator, const RenderSettings& settings,
-                               const RenderResult& result) {
+                               const RenderResult& result, const std::vector<Portal>& portals) {
   nlohmann::ordered_json j;
   j["integrator"] = integrator.name;
   j["spp"] = result.spp;
@@ -42,19 +44,20 @@ nlohmann::ordered_json summary(const Integrator& integrator, const RenderSetting
     if (integrator.techniques.has(static_cast<Technique>(i)))
       techniques[kTechniqueNames[i]] = total > 0 ? result.tally.energy[i] / total : 0.0;
   j["not_finite"] = result.tally.not_finite;
+  if (!portals.empty()) j["portals"] = portals_json(portals, result);
   return j;
 }
 
 }  // namespace
 
 std::string summary_json(const Integrator& integrator, const RenderSettings& settings,
-                         const RenderResult& result) {
-  return summary(integrator, settings, result).dump();
+                         const RenderResult& result, const std::vector<Portal>& portals) {
+  return summary(integrator, settings, result, portals).dump();
 }
 
 std::string stats_json(const Integrator& integrator, const RenderSettings& settings,
-                       const RenderResult& result) {
-  nlohmann::ordered_json j = summary(integrator, settings, result);
+                       const RenderResult& result, const std::vector<Portal>& portals) {
+  nlohmann::ordered_json j = summary(integrator, settings, result, portals);
   if (!result.frames.empty()) {
     auto& frames = j["frames"] = nlohmann::ordered_json::array();
     for (const FrameRecord& f : result.frames)

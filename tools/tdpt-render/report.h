@@ -6,10 +6,10 @@ namespace tdpt {
 
 /// JSON with the keys of tdpt-render(1), one object; with `frames` when the result has them.
 std::string stats_json(const Integrator& integrator, const RenderSettings& settings,
-                       const RenderResult& result);
+                       const RenderResult& result, const std::vector<Portal>& portals = {});
 /// The same without `frames`, which are long.
 std::string summary_json(const Integrator& integrator, const RenderSettings& settings,
-                         const RenderResult& result);
+                         const RenderResult& result, const std::vector<Portal>& portals = {});
 
 /// --verbose: what the scene asks for and what was left out for want of it, the rays by kind, and
 /// the techniques' shares of the energy; a sentence each.

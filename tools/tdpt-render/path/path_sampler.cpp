@@ -21,6 +21,12 @@ void Tally::merge(const Tally& other) {
   rays.shadow += other.rays.shadow;
   rays.portal += other.rays.portal;
   for (size_t i = 0; i < kTechniques; ++i) energy[i] += other.energy[i];
+  if (portals.size() < other.portals.size()) portals.resize(other.portals.size());
+  for (size_t i = 0; i < other.portals.size(); ++i) {
+    portals[i].drawn += other.portals[i].drawn;
+    portals[i].lit += other.portals[i].lit;
+    portals[i].energy += other.portals[i].energy;
+  }
   not_finite += other.not_finite;
   for (const Place& place : other.not_finite_at)
     if (not_finite_at.size() < 4) not_finite_at.push_back(place);
@@ -180,12 +186,11 @@ void PathSampler::bi() {
   }
 }
 
-bool PathSampler::portal_segment(Vertex& x_l, Vertex& x_c, double& density, double& presence) {
+bool PathSampler::portal_segment(const PortalSet::Sample& sample, Vertex& x_l, Vertex& x_c,
+                                 double& density, double& presence) {
   // Each ray starts on the other's side of the portal's plane by more than rounding: a surface in
   // that plane stops one of them there, and such a segment has no density.
   presence = 1;
-  Rng random = rng(segment);
-  const PortalSet::Sample sample = world_.portals.sample(random);
   const Vec3d back_off = world_.portals.polygon(sample.polygon).normal * (0.5 * PortalSet::kMargin);
   const auto end = [&](const Vec3d& from, const Vec3d& w, Vertex& v) {
     Hit hit;
@@ -211,9 +216,14 @@ void PathSampler::portal() {
   const Walk& z = camera_walk_;
   const int D = settings_.max_depth;
   if (D < 2) return;
+  if (tally_.portals.empty()) tally_.portals.resize(world_.portals.portals());
+  Rng random = rng(segment);
+  const PortalSet::Sample sample = world_.portals.sample(random);
+  Tally::OfPortal& of_portal = tally_.portals[world_.portals.polygon(sample.polygon).portal];
+  ++of_portal.drawn;
   Vertex x_l, x_c;
   double density, presence;
-  if (!portal_segment(x_l, x_c, density, presence)) return;
+  if (!portal_segment(sample, x_l, x_c, density, presence)) return;
 
   // One throughput for both ends: G / p_AA = 1 / density.
   const Edge middle = between(x_l, x_c);
@@ -246,6 +256,8 @@ void PathSampler::portal() {
     if (!black(value)) before[static_cast<size_t>(a)] = edge_density(v, x_l);
   }
 
+  double& energy = tally_.energy[static_cast<size_t>(Technique::portal)];
+  const double energy_before = energy;
   // Camera sides: b prefix vertices z_0..z_{b-1}; leaving x_c, scattered from -w.
   for (int b = 1; b <= D - 1 && b <= std::max(z.size, 1); ++b) {
     const Vertex& v = z[b - 1];
@@ -276,6 +288,8 @@ void PathSampler::portal() {
         to_pixel(path, strategy, value);
     }
   }
+  of_portal.lit += energy > energy_before;
+  of_portal.energy += energy - energy_before;
 }
 
 }  // namespace tdpt

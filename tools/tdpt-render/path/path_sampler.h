@@ -11,7 +11,13 @@ namespace tdpt {
 struct Tally {
   RayCounts rays;
   std::array<double, kTechniques> energy{};  ///< sum of luminance per technique
-  uint64_t not_finite = 0;                   ///< contributions left out
+  /// What the segments drawn through one portal did.
+  struct OfPortal {
+    uint64_t drawn = 0, lit = 0;  ///< those that joined a lamp with the camera
+    double energy = 0;            ///< sum of luminance of their contributions
+  };
+  std::vector<OfPortal> portals;  ///< one for each portal; empty: none was drawn from
+  uint64_t not_finite = 0;        ///< contributions left out
   struct Place {
     int x, y;
     uint64_t sample;
@@ -72,7 +78,8 @@ class PathSampler {
   bool project(const Vertex& v, Vec3d& to_camera, Rgb& factor, double& x, double& y) const;
   /// A segment x_l -> x_c through a portal, its density D and the presence of both ends' surfaces
   /// (tracer.h); false when it joins nothing.
-  bool portal_segment(Vertex& x_l, Vertex& x_c, double& density, double& presence);
+  bool portal_segment(const PortalSet::Sample& sample, Vertex& x_l, Vertex& x_c, double& density,
+                      double& presence);
 
   const World& world_;
   SampleSettings settings_;

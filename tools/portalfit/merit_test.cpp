@@ -1,0 +1,126 @@
+// Lines through walls of known thickness, whose tightness has a closed form.
+#include "tools/portalfit/merit.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "libcommon/formats/portal_worth.h"
+#include "libcommon/math/rng.h"
+#include "libcommon/math/warp.h"
+
+namespace tdpt {
+namespace {
+
+// A square hole of side `a` about the origin, light going to +z through a wall of thickness `d`:
+// places uniform on its middle, cosine directions, lines that meet the jambs dropped.
+std::vector<LightLine> lines_through(double a, double d, size_t n, uint32_t cut, double x = 0) {
+  std::vector<LightLine> lines;
+  for (uint64_t i = 0; lines.size() < n; ++i) {
+    Rng rng(3, cut, i);
+    const double u = rng.uniform(), v = rng.uniform(), s = rng.uniform(), t = rng.uniform();
+    const Vec3d p{a * (u - 0.5), a * (v - 0.5), 0}, w = cosine_hemisphere(s, t);
+    const auto within = [&](double z) {
+      const Vec3d q = p + w * (z / w.z);
+      return std::abs(q.x) <= 0.5 * a && std::abs(q.y) <= 0.5 * a;
+    };
+    if (!within(0.5 * d) || !within(-0.5 * d)) continue;
+    const Vec3d shift{x, 0, 0};
+    lines.push_back({p - w + shift, p + w + shift, cut});
+  }
+  return lines;
+}
+
+Portal square(double a, double x = 0) {
+  const double h = 0.5 * a;
+  Portal p;
+  p.vertices = {{x - h, -h, 0}, {x + h, -h, 0}, {x + h, h, 0}, {x - h, h, 0}};
+  p.triangles = {{0, 1, 2}, {0, 2, 3}};
+  p.figures = {{"area", a * a}, {"flux_share", 1}};
+  return p;
+}
+
+// Share of the cosine-distributed lines through a square channel's middle that meet no jamb, by
+// drawing them.
+double passing(double a, double d) {
+  size_t n = 0;
+  constexpr size_t kTries = 200000;
+  for (uint64_t i = 0; i < kTries; ++i) {
+    Rng rng(4, 1, i);
+    const double u = rng.uniform(), v = rng.uniform(), s = rng.uniform(), t = rng.uniform();
+    const Vec3d w = cosine_hemisphere(s, t);
+    const double dx = 0.5 * d * std::abs(w.x / w.z), dy = 0.5 * d * std::abs(w.y / w.z);
+    n += std::abs(a * (u - 0.5)) + dx <= 0.5 * a && std::abs(a * (v - 0.5)) + dy <= 0.5 * a;
+  }
+  return static_cast<double>(n) / kTries;
+}
+
+double tightness_of(const std::vector<LightLine>& lines, const Portal& portal) {
+  LightGrid grid;
+  grid.lines = lines;
+  std::vector<Portal> portals{portal};
+  appraise(grid, portals);
+  EXPECT_FALSE(portals[0].figures.contains("expected_gain"));  // of an unknown cut
+  return portals[0].figures.at("tightness");
+}
+
+bool near(double measured, double expected) {
+  return std::abs(measured / expected - 1) < 0.15;
+}
+
+TEST(Tightness, IsTheShareThatPassesTheWall) {
+  for (const double d : {0.0, 0.1, 0.3, 1.0}) {
+    const double expected = passing(1, d);
+    EXPECT_TRUE(near(tightness_of(lines_through(1, d, 8000, 0), square(1)), expected)) << d;
+  }
+  // A portal twice as wide as the hole: a quarter of its lines. Twin of the above, too.
+  const double loose = tightness_of(lines_through(0.5, 0.1, 8000, 0), square(1)),
+               tight = tightness_of(lines_through(0.5, 0.1, 8000, 0), square(0.5));
+  EXPECT_TRUE(near(loose, 0.25 * passing(0.5, 0.1))) << loose;
+  EXPECT_FALSE(near(loose, tight));
+}
+
+TEST(Tightness, DoesNotCountLinesTheOtherWay) {
+  std::vector<LightLine> lines = lines_through(1, 0, 1000, 0);
+  for (LightLine& l : lines) std::swap(l.light, l.camera);
+  LightGrid grid;
+  grid.lines = lines;
+  std::vector<Portal> portals{square(1)};
+  appraise(grid, portals);
+  EXPECT_FALSE(portals[0].figures.contains("tightness"));
+}
+
+TEST(Appraise, NarrowCutsAreWorthMoreAndEachPortalBelongsToItsOwn) {
+  LightGrid grid;
+  grid.lines = lines_through(0.2, 0.1, 4000, 0);
+  for (const LightLine& l : lines_through(1, 0.1, 4000, 1, 5)) grid.lines.push_back(l);
+  grid.cuts = {{0.001, 0.5}, {0.2, 1}};
+  std::vector<Portal> portals{square(0.2), square(1, 5)};
+  appraise(grid, portals);
+  EXPECT_EQ(portals[0].figures.at("cut"), 0);
+  EXPECT_EQ(portals[1].figures.at("cut"), 1);
+  EXPECT_DOUBLE_EQ(portals[0].figures.at("conductance"), 0.0005);
+  EXPECT_EQ(verdict_of(portals[0].figures).worth, Worth::useful);
+  EXPECT_NE(verdict_of(portals[1].figures).worth, Worth::useful);
+}
+
+TEST(Appraise, PortalsOfOneCutCoverItsLightTogether) {
+  LightGrid grid;
+  grid.lines = lines_through(0.2, 0.1, 4000, 0);
+  for (LightLine l : lines_through(0.2, 0.1, 4000, 1, 5)) l.cut = 0, grid.lines.push_back(l);
+  grid.cuts = {{0.001, 1}};
+  std::vector<Portal> both{square(0.2), square(0.2, 5)}, one{square(0.2)};
+  appraise(grid, both);
+  appraise(grid, one);
+  EXPECT_GT(both[0].figures.at("expected_gain"), 1.5 * one[0].figures.at("expected_gain"));
+}
+
+TEST(Appraise, AGridWithoutLinesTellsNothing) {
+  std::vector<Portal> portals{square(1)};
+  appraise(LightGrid{}, portals);
+  EXPECT_FALSE(portals[0].figures.contains("tightness"));
+  EXPECT_EQ(verdict_of(portals[0].figures).worth, Worth::unknown);
+}
+
+}  // namespace
+}  // namespace tdpt

@@ -1,0 +1,82 @@
+// What is said about portals, for rooms whose portals are known to be good or bad.
+#include "tools/tdpt-render/portal_report.h"
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tools/tdpt-render/test_rooms.h"
+
+namespace tdpt {
+namespace {
+
+// Upright, in a corner of the camera's room behind the camera: light passes, none of it counts.
+Portal in_the_corner() {
+  return rectangle({0.05, 0.02, -0.97}, {0, 0, 0.1}, {0, 0.1, 0});
+}
+
+RenderResult render_with(const std::vector<Portal>& portals) {
+  const Scene scene = read_gltf(two_rooms_path());
+  const World world(scene, scene.camera(""), 32, 24, portals);
+  RenderSettings settings;
+  settings.spp = 32;
+  return render(world, tdpt_org, settings);
+}
+
+TEST(portals_report, a_portal_off_the_lights_way_is_called_useless_and_one_in_the_hole_is_not) {
+  std::vector<Portal> portals{portal_in_the_hole(), in_the_corner()};
+  portals[1].name = "corner";
+  const RenderResult result = render_with(portals);
+  const auto said = disappointments(portals, result);
+  ASSERT_EQ(said.size(), 1u);
+  EXPECT_EQ(said[0].find("corner is useless: "), 0u) << said[0];
+  EXPECT_NE(said[0].find("samples joined a lamp with the camera, they brought"), std::string::npos);
+  // Each sample of the picture drew one segment, and what they brought is what the technique did.
+  ASSERT_EQ(result.tally.portals.size(), 2u);
+  EXPECT_EQ(result.tally.portals[0].drawn + result.tally.portals[1].drawn, 32u * 24 * 32);
+  EXPECT_NEAR(result.tally.portals[0].energy + result.tally.portals[1].energy,
+              result.tally.energy[static_cast<size_t>(Technique::portal)], 1e-6);
+  const auto json = portals_json(portals, result);
+  EXPECT_FALSE(json[0].at("useless").get<bool>());
+  EXPECT_TRUE(json[1].at("useless").get<bool>());
+  EXPECT_NEAR(json[0].at("area").get<double>(), 0.0625, 1e-9);
+  EXPECT_GT(json[0].at("lit").get<double>(), 10 * json[1].at("lit").get<double>());
+}
+
+TEST(portals_report, a_portal_that_faces_the_lamp_is_useless) {
+  Portal back = portal_in_the_hole();
+  for (auto& t : back.triangles) std::swap(t[1], t[2]);
+  EXPECT_EQ(disappointments({back}, render_with({back})).size(), 1u);
+}
+
+TEST(portals_report, few_samples_prove_nothing) {
+  RenderResult result;
+  result.tally.energy[0] = 1;
+  result.tally.portals = {{kEnoughSamples - 1, 0, 0}};
+  EXPECT_TRUE(disappointments({portal_in_the_hole()}, result).empty());
+  result.tally.portals[0].drawn = kEnoughSamples;
+  EXPECT_EQ(disappointments({portal_in_the_hole()}, result),
+            std::vector<std::string>{"rectangle is useless: 0 % of its 1000 samples joined a lamp "
+                                     "with the camera, they brought 0 % of the light"});
+  // Much light from few of them is worth having.
+  result.tally.portals[0].lit = 1;
+  result.tally.portals[0].energy = 0.5;
+  EXPECT_TRUE(disappointments({portal_in_the_hole()}, result).empty());
+}
+
+TEST(portals_report, promises_are_few_lines_however_many_portals_there_are) {
+  Portal fitted = portal_in_the_hole();
+  fitted.name = "portal.0";
+  fitted.figures = {
+      {"area", 0.0625}, {"flux_share", 0.98}, {"expected_gain", 0.8}, {"conductance", 0.3}};
+  EXPECT_EQ(
+      promises({fitted})[0],
+      "portal.0: 0.0625 m2, 98.0 % of the light, expected gain 0.8: useless: a wide way, 30 % "
+      "of the smaller side's light finds it alone");
+  const auto many = promises(std::vector<Portal>(20, fitted));
+  ASSERT_EQ(many.size(), 4u);
+  EXPECT_EQ(many[3], "and 17 more portals");
+  EXPECT_TRUE(promises({}).empty());
+}
+
+}  // namespace
+}  // namespace tdpt
