@@ -24,7 +24,7 @@ namespace tdpt {
 double expected_gain(double share, double tightness, double conductance);
 
 /// Below the first a portal is useless, below the second it gains little.
-inline constexpr double kNoGain = 1, kLittleGain = 1.5;
+inline constexpr double kNoGain = 1.1, kLittleGain = 1.5;
 /// Less of the light, or of a portal's lines, is next to nothing.
 inline constexpr double kNextToNothing = 0.1, kFewLines = 0.02;
 

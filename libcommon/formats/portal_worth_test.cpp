@@ -43,7 +43,7 @@ TEST(ExpectedGain, IsFiniteWhateverTheFiguresSay) {
 
 TEST(ExpectedGain, KnowsAHoleFromAnOpenPlan) {
   EXPECT_GT(expected_gain(0.98, 0.7, 0.0002), 3);
-  EXPECT_LT(expected_gain(0.98, 0.95, 0.12), kLittleGain);
+  EXPECT_LT(expected_gain(0.98, 0.95, 0.12), kNoGain);
   EXPECT_LT(expected_gain(0.02, 0.9, 0.0002), kNoGain);
 }
 

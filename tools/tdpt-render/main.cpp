@@ -8,6 +8,7 @@
 #include "libcommon/base/output_file.h"
 #include "libcommon/base/signals.h"
 #include "libcommon/cli/cli.h"
+#include "tools/tdpt-render/portal_probe.h"
 #include "tools/tdpt-render/portal_report.h"
 #include "tools/tdpt-render/report.h"
 
@@ -115,8 +116,10 @@ int run(const Arguments& a, const cli::Common& common) {
   const World world(scene, camera, static_cast<int>(width), static_cast<int>(height), portals);
   if (world.portals.empty() && integrator.techniques.has(Technique::portal))
     common.warn("no portal is given, so no path is sampled through one");
-  if (integrator.techniques.has(Technique::portal))
+  if (integrator.techniques.has(Technique::portal)) {
+    probe(world, portals);
     for (const std::string& promise : promises(portals)) common.note(promise);
+  }
   if (const std::string missed = light_missed(integrator, scene); !missed.empty())
     common.warn(missed);
   if (world.lights.empty()) common.warn("nothing in the scene emits light: the picture is black");

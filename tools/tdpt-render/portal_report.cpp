@@ -28,7 +28,8 @@ struct Deeds {
   double lit = 0;     // of the samples
   double energy = 0;  // of the picture's
   bool useless() const {
-    return samples >= kEnoughSamples && lit < kLeastLit && energy < kLeastEnergy;
+    return samples >= kEnoughSamples &&
+           (energy < kNoEnergy || (energy < kLeastEnergy && lit < kLeastLit));
   }
 };
 

@@ -6,10 +6,10 @@
 
 namespace tdpt {
 
-/// A portal brought next to no light when less than the first share of its samples joined a lamp
-/// with the camera, and these brought less than the second share of the light; told once there are
-/// as many samples as the third says.
-inline constexpr double kLeastLit = 0.01, kLeastEnergy = 0.01;
+/// A portal brought next to no light when its samples brought less than the first share of it, or
+/// less than the second and less than the third share of them joined a lamp with the camera; told
+/// once there are as many samples as the last says.
+inline constexpr double kNoEnergy = 0.001, kLeastEnergy = 0.01, kLeastLit = 0.1;
 inline constexpr uint64_t kEnoughSamples = 1000;
 
 /// A sentence for each portal: area, and what its figures promise (portal(5)); for many portals the

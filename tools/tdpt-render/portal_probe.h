@@ -1,0 +1,16 @@
+// How narrow the way through a portal is, by rays: for portals that come without figures.
+#pragma once
+#include "tools/tdpt-render/path/world.h"
+
+namespace tdpt {
+
+/// Share of the diffuse bounces on either side of the portal whose next edge crosses it: of the
+/// side where they are more. In a closed room it is the area of the opening to that of the room's
+/// surface, the conductance of cut(5). Some ten thousand rays; a function of its arguments alone.
+double probed_conductance(const World& world, const Portal& portal);
+
+/// Gives portals without an expected gain `conductance` and `expected_gain`, as if they carried
+/// all of the light and each of their lines passed; the first few of many.
+void probe(const World& world, std::vector<Portal>& portals);
+
+}  // namespace tdpt
