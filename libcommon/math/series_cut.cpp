@@ -136,7 +136,7 @@ class SeriesCutter {
     keep_real_drops(s, u, found);
     // One opening, or none: the minimum cut itself, if it parts two rooms.
     if (found.size() < 2 && minimum_cut()) return std::move(result_);
-    if (!found.empty()) cuts_at(s, u, found);
+    if (!found.empty() && !cuts_at(s, u, found)) minimum_cut();
     return std::move(result_);
   }
 
@@ -289,7 +289,8 @@ class SeriesCutter {
     return result_.bottleneck;
   }
 
-  void cuts_at(const Sweep& s, const std::vector<double>& u, const std::vector<size_t>& found) {
+  // Whether light passes each of them.
+  bool cuts_at(const Sweep& s, const std::vector<double>& u, const std::vector<size_t>& found) {
     const std::vector<double> plateau = plateaus(s, u, found);
     result_.cuts.clear();
     result_.reason.clear();
@@ -301,8 +302,12 @@ class SeriesCutter {
       for (uint32_t v = 0; v < net_.nodes; ++v) result_.region[v] += !flow.source_side[v];
       result_.cuts.push_back({flow.value, 0});
     }
-    for (size_t c = 0; c < result_.cuts.size(); ++c)
-      result_.cuts[c].conductance = sides_of(c).conductance();
+    for (size_t c = 0; c < result_.cuts.size(); ++c) {
+      const Sides sides = sides_of(c);
+      result_.cuts[c].conductance = sides.conductance();
+      if (sides.crossing <= 0) return false;
+    }
+    return true;
   }
 
   const PatchNetwork& problem_;
