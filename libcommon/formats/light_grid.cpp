@@ -72,27 +72,34 @@ struct Positions {
   }
 };
 
-PointGrid::Ptr points_of(const LightGrid& light) {
+template <class Value>
+void append(PointGrid& grid, const vdb::tools::PointIndexGrid& index, const char* name,
+            const std::vector<Value>& values) {
+  vdb::points::appendAttribute<Value>(grid.tree(), name);
+  vdb::points::PointAttributeVector<Value> wrapper(values);
+  vdb::points::populateAttribute(grid.tree(), index.tree(), name, wrapper);
+}
+
+// `joins`: null, or for each line.
+PointGrid::Ptr points_of(const LightGrid& light, const char* name,
+                         const std::vector<LightLine>& lines, const std::vector<int32_t>* joins) {
   const auto transform = transform_of(light);
-  const Positions positions{light.lines};
+  const Positions positions{lines};
   const auto index =
       vdb::tools::createPointIndexGrid<vdb::tools::PointIndexGrid>(positions, *transform);
   auto grid = vdb::points::createPointDataGrid<vdb::points::NullCodec, PointGrid>(*index, positions,
                                                                                   *transform);
-  grid->setName("lines");
+  grid->setName(name);
   std::vector<vdb::Vec3f> along;
-  for (const LightLine& l : light.lines) {
+  std::vector<int32_t> cut;
+  for (const LightLine& l : lines) {
     const Vec3f d(l.camera - l.light);
     along.emplace_back(d.x, d.y, d.z);
+    cut.push_back(static_cast<int32_t>(l.cut));
   }
-  vdb::points::appendAttribute<vdb::Vec3f>(grid->tree(), "along");
-  vdb::points::PointAttributeVector<vdb::Vec3f> wrapper(along);
-  vdb::points::populateAttribute(grid->tree(), index->tree(), "along", wrapper);
-  std::vector<int32_t> cut;
-  for (const LightLine& l : light.lines) cut.push_back(static_cast<int32_t>(l.cut));
-  vdb::points::appendAttribute<int32_t>(grid->tree(), "cut");
-  vdb::points::PointAttributeVector<int32_t> wrapped_cut(cut);
-  vdb::points::populateAttribute(grid->tree(), index->tree(), "cut", wrapped_cut);
+  append(*grid, *index, "along", along);
+  append(*grid, *index, "cut", cut);
+  if (joins) append(*grid, *index, "joins", *joins);
   return grid;
 }
 
@@ -117,14 +124,16 @@ class Reader {
       if (!base) continue;
       const std::string& grid = base->getName();
       if (grid == "count") dense(cast<vdb::FloatGrid>(base), light, light.count);
-      if (grid == "tried") dense(cast<vdb::FloatGrid>(base), light, light.tried);
-      if (grid == "joined") dense(cast<vdb::FloatGrid>(base), light, light.joined);
       if (grid == "direction") dense(cast<vdb::Vec3SGrid>(base), light, light.direction);
       if (grid == "air") dense(cast<vdb::MaskGrid>(base), light, light.air);
-      if (grid == "lines") lines(cast<PointGrid>(base), light);
+      if (grid == "lines")
+        lines(cast<PointGrid>(base), light, grid,
+              [&](const LightLine& line, bool) { light.lines.push_back(line); });
+      if (grid == "probes")
+        lines(cast<PointGrid>(base), light, grid, [&](const LightLine& line, bool joins) {
+          light.probes.push_back({line, joins});
+        });
     }
-    if (light.tried.empty() != light.joined.empty())
-      fail("", "has only one of the grids \"tried\" and \"joined\"");
     return light;
   }
 
@@ -223,38 +232,50 @@ class Reader {
     }
   }
 
-  void lines(const PointGrid::Ptr& grid, LightGrid& light) const {
+  // Calls add(line, whether it joins) for each; lines of a grid without that attribute do.
+  template <class Add>
+  void lines(const PointGrid::Ptr& grid, const LightGrid& light, const std::string& name,
+             const Add& add) const {
+    const std::string at = "grid " + name;
     const auto& transform = grid->transform();
     for (auto leaf = grid->tree().cbeginLeaf(); leaf; ++leaf) {
       const auto& attributes = leaf->attributeSet();
-      if (attributes.find("P") == vdb::points::AttributeSet::INVALID_POS ||
-          attributes.find("along") == vdb::points::AttributeSet::INVALID_POS ||
-          attributes.find("cut") == vdb::points::AttributeSet::INVALID_POS)
-        fail("grid lines", "has no points with the attributes P, along and cut");
+      for (const char* attribute : {"P", "along", "cut"})
+        if (attributes.find(attribute) == vdb::points::AttributeSet::INVALID_POS)
+          fail(at, "has no points with the attributes P, along and cut");
       vdb::points::AttributeHandle<vdb::Vec3f> place(leaf->constAttributeArray("P"));
       vdb::points::AttributeHandle<vdb::Vec3f> along(leaf->constAttributeArray("along"));
       vdb::points::AttributeHandle<int32_t> cut(leaf->constAttributeArray("cut"));
+      const bool has_joins = attributes.find("joins") != vdb::points::AttributeSet::INVALID_POS;
+      vdb::points::AttributeHandle<int32_t> joins(
+          leaf->constAttributeArray(has_joins ? "joins" : "cut"));
       for (auto it = leaf->beginIndexOn(); it; ++it) {
-        if (*it >= place.size() || *it >= along.size() || *it >= cut.size())
-          fail("grid lines", "names a point that does not exist");
+        if (*it >= place.size() || *it >= along.size() || *it >= cut.size() || *it >= joins.size())
+          fail(at, "names a point that does not exist");
         const vdb::Vec3d p =
             transform.indexToWorld(vdb::Vec3d(place.get(*it)) + it.getCoord().asVec3d());
         const vdb::Vec3f d = along.get(*it);
-        const Vec3d a{p.x(), p.y(), p.z()}, b{a.x + d.x(), a.y + d.y(), a.z + d.z()};
-        if (!is_finite(a) || !is_finite(b) || a == b)
-          fail("grid lines", "holds a line that is no segment");
-        for (const Vec3d& end : {a, b})
-          for (int c = 0; c < 3; ++c) {
-            const double at = (end[c] - light.origin[c]) / light.voxel;
-            if (!(at >= -1 && at <= light.dim[static_cast<size_t>(c)] + 1))
-              fail("grid lines", "reaches out of its box");
-          }
+        LightLine line{{p.x(), p.y(), p.z()}, {}, 0};
+        line.camera = line.light + Vec3d{d.x(), d.y(), d.z()};
+        check_ends(at, light, line);
         if (cut.get(*it) < 0 || cut.get(*it) >= static_cast<int32_t>(kMostCuts))
-          fail("grid lines", fmt::format("holds a line of cut {}, expected one of 0 to {}",
-                                         cut.get(*it), kMostCuts - 1));
-        light.lines.push_back({a, b, static_cast<uint32_t>(cut.get(*it))});
+          fail(at, fmt::format("holds a line of cut {}, expected one of 0 to {}", cut.get(*it),
+                               kMostCuts - 1));
+        line.cut = static_cast<uint32_t>(cut.get(*it));
+        add(line, !has_joins || joins.get(*it) != 0);
       }
     }
+  }
+
+  void check_ends(const std::string& place, const LightGrid& light, const LightLine& line) const {
+    if (!is_finite(line.light) || !is_finite(line.camera) || line.light == line.camera)
+      fail(place, "holds a line that is no segment");
+    for (const Vec3d& end : {line.light, line.camera})
+      for (int c = 0; c < 3; ++c) {
+        const double at = (end[c] - light.origin[c]) / light.voxel;
+        if (!(at >= -1 && at <= light.dim[static_cast<size_t>(c)] + 1))
+          fail(place, "reaches out of its box");
+      }
   }
 
   std::string name_;
@@ -303,17 +324,21 @@ std::string light_grid_bytes(const LightGrid& light) {
     meta.insertMeta("tdpt_provenance", vdb::StringMetadata(text));
   }
   vdb::GridPtrVec grids;
-  const size_t n = light.count.size();
   const auto count = sparse<vdb::FloatGrid>(light, "count", light.count);
   count->setGridClass(vdb::GRID_FOG_VOLUME);
   grids.push_back(count);
   grids.push_back(sparse<vdb::MaskGrid>(light, "air", light.air));
   grids.push_back(sparse<vdb::Vec3SGrid>(light, "direction", light.direction));
-  if (!light.tried.empty() && light.tried.size() == n && light.joined.size() == n) {
-    grids.push_back(sparse<vdb::FloatGrid>(light, "tried", light.tried));
-    grids.push_back(sparse<vdb::FloatGrid>(light, "joined", light.joined));
+  if (!light.lines.empty()) grids.push_back(points_of(light, "lines", light.lines, nullptr));
+  if (!light.probes.empty()) {
+    std::vector<LightLine> lines;
+    std::vector<int32_t> joins;
+    for (const Probe& probe : light.probes) {
+      lines.push_back(probe.line);
+      joins.push_back(probe.joins);
+    }
+    grids.push_back(points_of(light, "probes", lines, &joins));
   }
-  if (!light.lines.empty()) grids.push_back(points_of(light));
   std::ostringstream out(std::ios::binary);
   vdb::io::Stream(out).write(grids, meta);
   std::string bytes = out.str();

@@ -21,6 +21,12 @@ struct LightLine {
 };
 inline constexpr uint32_t kMostCuts = 64;
 
+/// A line drawn in any direction through the light's fullest places, up to the surfaces it meets.
+struct Probe {
+  LightLine line;      ///< from the light to the camera when it joins; else either way
+  bool joins = false;  ///< whether it joins the two sides
+};
+
 /// How narrow the way through one cut is.
 struct CutFigures {
   double conductance = 0;  ///< of the cut, see cut(5): 0 to 1
@@ -37,9 +43,7 @@ struct LightGrid {
   std::vector<uint8_t> air;      ///< 1: free of geometry
   std::vector<Vec3f> direction;  ///< sum of unit directions towards the camera / count
   std::vector<LightLine> lines;  ///< a sample of the segments themselves
-  /// Lines drawn in all directions through the light's fullest places: how many were drawn through
-  /// each voxel, and which of these join the two sides. Empty: unknown.
-  std::vector<float> tried, joined;
+  std::vector<Probe> probes;     ///< empty: unknown
   bool bottleneck = true;
   std::string reason;            ///< why not
   double flux_share = 1;         ///< share of drawn segments that were kept, see lightgrid(1)

@@ -42,13 +42,13 @@ LightGrid small() {
   g.count.assign(n, 0);
   g.air.assign(n, 1);
   g.direction.assign(n, {});
-  g.tried.assign(n, 2);
-  g.joined.assign(n, 1);
   g.count[g.index(4, 3, 2)] = 7;
   g.count[g.index(0, 1, 2)] = 3;
   g.air[g.index(1, 1, 1)] = 0;
   g.direction[g.index(4, 3, 2)] = {0.5f, -0.25f, 0.125f};
   g.lines = {{{-0.9, 2.1, 100.1}, {0.1, 2.9, 100.7}}, {{0, 2.5, 100.2}, {-0.5, 2.25, 100.3}}};
+  g.probes = {{{{-0.9, 2.1, 100.1}, {0.1, 2.9, 100.7}, 1}, true},
+              {{{0, 2.5, 100.2}, {-0.25, 2.25, 100.25}, 0}, false}};
   g.scene_hash = "abc";
   g.flux_share = 0.75;
   g.cuts = {{0.01, 0.5}, {0.25, 1}};
@@ -66,8 +66,12 @@ TEST_F(LightGridFormat, ComesBackAsItWasWritten) {
   EXPECT_EQ(back.count, g.count);
   EXPECT_EQ(back.air, g.air);
   EXPECT_EQ(back.direction, g.direction);
-  EXPECT_EQ(back.tried, g.tried);
-  EXPECT_EQ(back.joined, g.joined);
+  ASSERT_EQ(back.probes.size(), 2u);
+  const size_t joining = back.probes[0].joins ? 0 : 1;
+  EXPECT_TRUE(back.probes[joining].joins);
+  EXPECT_EQ(back.probes[joining].line.cut, 1u);
+  EXPECT_LT(length(back.probes[joining].line.camera - g.probes[0].line.camera), 1e-6);
+  EXPECT_FALSE(back.probes[1 - joining].joins);
   EXPECT_EQ(back.scene_hash, "abc");
   EXPECT_EQ(back.flux_share, 0.75);
   ASSERT_EQ(back.cuts.size(), 2u);
@@ -106,7 +110,6 @@ TEST_F(LightGridFormat, RefusesWhatIsNoLightGrid) {
   LightGrid g = small();
   g.dim = {5, 5000, 1};
   g.count.clear(), g.air.clear(), g.direction.clear();
-  g.tried.clear(), g.joined.clear();
   g.count.resize(25000), g.air.resize(25000), g.direction.resize(25000);
   EXPECT_EQ(error_of(light_grid_bytes(g)),
             "tdpt_dim: 5000 voxels along a side, expected 0 to 2048");
@@ -122,6 +125,10 @@ TEST_F(LightGridFormat, RefusesWhatIsNoLightGrid) {
   g = small();
   g.lines[0].camera = g.lines[0].light;
   EXPECT_EQ(error_of(light_grid_bytes(g)), "grid lines: holds a line that is no segment");
+  g = small();
+  g.probes[0].line.cut = 64;
+  EXPECT_EQ(error_of(light_grid_bytes(g)),
+            "grid probes: holds a line of cut 64, expected one of 0 to 63");
   g = small();
   g.cuts.assign(65, {});
   EXPECT_EQ(error_of(light_grid_bytes(g)), "tdpt_cuts: 65 cuts, expected 0 to 64");

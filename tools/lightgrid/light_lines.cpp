@@ -79,10 +79,10 @@ LightLines::Through LightLines::through(size_t c, Rng& rng, const Vec3d& place, 
   if (!ahead || !behind || ahead->point.position == behind->point.position) return Through::unknown;
   const Side side_ahead = CutFile::side(ahead->region, c);
   const Side side_behind = CutFile::side(behind->region, c);
-  if (side_ahead == side_behind) return Through::same_side;
   const bool along = side_behind == Side::source;
   line.light = along ? behind->point : ahead->point;
   line.camera = along ? ahead->point : behind->point;
+  if (side_ahead == side_behind) return Through::same_side;
   return sees_its_side(c, rng, line.light, Side::source) &&
                  sees_its_side(c, rng, line.camera, Side::sink)
              ? Through::joins

@@ -33,7 +33,7 @@ class LightLines {
   enum class Through { unknown, same_side, joins };
   /// The line through canonical `place` along unit `w`, both ways to the first surface. `unknown`:
   /// it leaves the scene or ends on a surface without a patch. `joins`: its ends lie on different
-  /// sides of cut `c`; then `line` holds it, turned from light to camera.
+  /// sides of cut `c`. If known, `line` holds it, turned from light to camera when it joins.
   Through through(size_t c, Rng& rng, const Vec3d& place, const Vec3d& w, JoiningLine& line) const;
 
  private:

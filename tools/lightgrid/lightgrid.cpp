@@ -10,8 +10,8 @@
 // reversible with respect to W(l) times the measure of lines (area times projected solid angle):
 // that is where it settles, whatever the coarse pass distorted. Dividing by W leaves the light's
 // own distribution. w = count^3 keeps x near the opening, where most lines through x join the
-// sides; it is 0 where there is geometry: between the jambs of an opening leaks pile up. The tried
-// and joined lines of the wide steps at each voxel are the portals' support.
+// sides; it is 0 where there is geometry: between the jambs of an opening leaks pile up. The last
+// wide try of each chain is kept as a probe: they tell the portals' support.
 #include "tools/lightgrid/lightgrid.h"
 
 #include <cmath>
@@ -189,7 +189,7 @@ Vec3d turned_from_axis(double u, double v, double exponent) {
   return {r * std::cos(phi), r * std::sin(phi), z};
 }
 
-// The walk among the lines of cut `c`; adds to lines, tried and joined of the grid.
+// The walk among the lines of cut `c`; adds to lines and probes of the grid.
 void fine_pass(const Scene& scene, const LightLines& lines, size_t c,
                const std::vector<LightLine>& kept, const Tally& tally,
                const LightGridOptions& options, LightGrid& grid, LightGridReport& report) {
@@ -206,10 +206,10 @@ void fine_pass(const Scene& scene, const LightLines& lines, size_t c,
   }
   struct Step {
     LightLines::Through outcome;
-    size_t voxel;
     bool wide;
   };
   std::vector<Step> step(chains);
+  std::vector<std::optional<Probe>> probe(chains);
   uint64_t moves = 0;
   for (uint64_t round = 0; round < kMostSteps && moves < kMoves * chains; ++round) {
     tbb::parallel_for(tbb::blocked_range<size_t>(0, chains, 256), [&](const auto& range) {
@@ -226,20 +226,24 @@ void fine_pass(const Scene& scene, const LightLines& lines, size_t c,
         JoiningLine line;
         step[i].outcome = lines.through(c, rng, scene.frame.to_canonical(place->at),
                                         frame.to_world(turned_from_axis(v1, v2, exponent)), line);
-        step[i].voxel = place->voxel;
-        if (step[i].outcome == LightLines::Through::joins) chain[i] = in_metres(scene, line);
+        if (step[i].outcome == LightLines::Through::unknown) continue;
+        const bool joins = step[i].outcome == LightLines::Through::joins;
+        if (step[i].wide) probe[i] = Probe{in_metres(scene, line), joins};
+        if (joins) chain[i] = in_metres(scene, line);
       }
     });
     for (const Step& s : step) {
       if (s.outcome == LightLines::Through::unknown) continue;
       moves += s.outcome == LightLines::Through::joins;
       if (!s.wide) continue;
-      ++grid.tried[s.voxel];
       ++report.tried;
-      if (s.outcome != LightLines::Through::joins) continue;
-      ++grid.joined[s.voxel];
-      ++report.joined;
+      report.joined += s.outcome == LightLines::Through::joins;
     }
+  }
+  for (std::optional<Probe>& p : probe) {
+    if (!p) continue;
+    p->line.cut = static_cast<uint32_t>(c);
+    grid.probes.push_back(*p);
   }
   // The chains settle at the light's own distribution times their weight: take that out again. Half
   // of the lines go.
@@ -291,8 +295,6 @@ LightGrid make_light_grid(const Scene& scene, const CutFile& cut, const std::str
   report.phases.done("bvh");
   const LightLines lines(scene, tracer, cut, cut_name);
   report.phases.done("patches");
-  grid.tried.assign(grid.count.size(), 0);
-  grid.joined.assign(grid.count.size(), 0);
   report.settled = true;
   report.change = 0;
   std::vector<Vec3d> direction(grid.count.size());

@@ -19,6 +19,7 @@ namespace tdpt {
 namespace {
 
 constexpr size_t kFewestLines = 30;
+constexpr double kFewestProbes = 30;  // that tell the support
 constexpr size_t kMostCorners = 12;
 constexpr double kCornerTolerance = 0.003;  // of the area, for each corner saved
 constexpr double kWithin = 0.85;            // of the tube's depth: where its outline is taken
@@ -146,32 +147,21 @@ double through_share(const Aperture& a) {
   return facing_rectangles(grow * e.longer, grow * e.shorter, 2 * a.tube.half);
 }
 
-// Share of the lines through the polygon that join the two sides, from the voxels it passes;
-// nothing when the file does not know.
+// Share of the probes through the polygon that join the two sides, over that of a perfect opening
+// as deep; nothing when the file does not know.
 std::optional<double> support_of(const LightGrid& grid, const Aperture& a) {
-  if (grid.tried.empty()) return {};
   double tried = 0, joined = 0;
-  const Polygon wider = enlarged(a.polygon, 1.1);
-  size_t at = 0;
-  for (int k = 0; k < grid.dim[2]; ++k)
-    for (int j = 0; j < grid.dim[1]; ++j)
-      for (int i = 0; i < grid.dim[0]; ++i, ++at) {
-        if (grid.tried[at] == 0) continue;
-        const Vec3d centre = grid.origin + Vec3d{i + 0.5, j + 0.5, k + 0.5} * grid.voxel;
-        const Vec3d d = centre - a.tube.middle.o;
-        if (std::abs(dot(d, a.tube.middle.n)) > grid.voxel) continue;
-        const Onb<double> frame(a.tube.middle.n);
-        // The nearest corner region counts, too: slits are narrower than voxels.
-        const Vec2d p{dot(d, frame.x), dot(d, frame.y)};
-        bool near = contains(wider, p);
-        for (const double dx : {-0.5, 0.5})
-          for (const double dy : {-0.5, 0.5})
-            near = near || contains(wider, p + Vec2d{dx * grid.voxel, dy * grid.voxel});
-        if (!near) continue;
-        tried += grid.tried[at];
-        joined += grid.joined[at];
-      }
-  if (tried == 0) return {};
+  for (const Probe& probe : grid.probes) {
+    const LightLine back{probe.line.camera, probe.line.light, probe.line.cut};
+    Vec2d at;
+    if (!crossing(a.tube.middle, probe.line, at) &&
+        (probe.joins || !crossing(a.tube.middle, back, at)))
+      continue;
+    if (!contains(a.polygon, at)) continue;
+    ++tried;
+    joined += probe.joins;
+  }
+  if (tried < kFewestProbes) return {};
   return std::min(1.0, joined / tried / through_share(a));
 }
 

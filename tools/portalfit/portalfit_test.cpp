@@ -233,11 +233,11 @@ TEST(PortalFit, FewLinesAreEnough) {
 TEST(PortalFit, RefusesWithoutSupport) {
   const Light light;
   LightGrid grid = grid_of(lines_through({hole()}, 4000, light, 1));
-  grid.tried = grid.joined = grid.count;
+  for (const LightLine& line : grid.lines) grid.probes.push_back({line, true});
   const FitResult good = fit_portals(grid, {});
   ASSERT_EQ(good.portals.size(), 1u);
   EXPECT_EQ(good.portals[0].figures.at("support"), 1);
-  for (float& j : grid.joined) j = std::floor(0.1f * j);
+  for (size_t i = 0; i < grid.probes.size(); ++i) grid.probes[i].joins = i % 10 == 0;
   const FitResult bad = fit_portals(grid, {});
   EXPECT_TRUE(bad.portals.empty());
   ASSERT_FALSE(bad.refused.empty());
