@@ -1,11 +1,13 @@
 #include "tools/lightgrid/light_lines.h"
 
+#include <cstdlib>
+
 #include <tbb/parallel_for.h>
 
 namespace tdpt {
 namespace {
 // Rays around each end of a line that vote on which side of the opening it lies.
-constexpr int kVotes = 16;
+constexpr int kVotes = 16, kLead = 4;  // a lead that great decides
 constexpr int kFewestVotes = 4;
 }  // namespace
 
@@ -59,7 +61,7 @@ bool LightLines::sees_its_side(size_t c, Rng& rng, const SurfacePoint& end, Side
     const auto seen = map_.region_at(2 * hit.triangle + back, hit.position);
     if (!seen) continue;
     ++(CutFile::side(*seen, c) == side ? same : other);
-    if (2 * same > kVotes || 2 * other > kVotes) break;
+    if (std::abs(same - other) >= kLead || 2 * same > kVotes || 2 * other > kVotes) break;
   }
   return same > other && same + other >= kFewestVotes;
 }

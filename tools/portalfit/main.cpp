@@ -17,12 +17,15 @@ int main(int argc, char** argv) {
                        "The portals (.glb); default standard output");
   PortalFitOptions how;
   std::string grid_path = "-", preview, debug_glb;
+  std::string method = "tube";
   int64_t max_portals = 8;
   bool require_portal = false, useful_only = false;
   options.argument("grid", grid_path, "The light grid (.vdb); default standard input", false);
   options.option("--threshold", how.threshold, "T",
                  "Smallest share of the lines that makes a portal; default 0.05", 0.0001, 1);
   options.option("--max-portals", max_portals, "N", "Most portals; default 8", 1, 1000);
+  options.choice("--method", method, {"tube", "paper"},
+                 "How a portal is fitted: tube, the default, or the rule of the paper");
   options.flag("--require-portal", require_portal, "Exit with 3 when no portal is found",
                cli::Shapes::nothing);
   options.flag("--useful-only", useful_only, "Leave out portals that cost more than they gain");
@@ -32,6 +35,7 @@ int main(int argc, char** argv) {
                       "Write portals, their normals and some lines of light as glTF");
   return options.run_main(argc, argv, [&] {
     const cli::Common& common = options.common;
+    how.by_paper = method == "paper";
     how.max_portals = static_cast<size_t>(max_portals);
     Phases phases;
     const LightGrid grid = read_light_grid(grid_path);

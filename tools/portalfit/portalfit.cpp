@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "tools/portalfit/bundle.h"
+#include "tools/portalfit/paper.h"
 #include "tools/portalfit/polygon.h"
 #include "tools/portalfit/tube.h"
 
@@ -23,6 +24,7 @@ constexpr double kFewestProbes = 30;  // that tell the support
 constexpr size_t kMostCorners = 12;
 constexpr double kCornerTolerance = 0.003;  // of the area, for each corner saved
 constexpr double kWithin = 0.85;            // of the tube's depth: where its outline is taken
+constexpr double kFull = 0.5;               // of the fullest voxel, for the paper's rule
 constexpr double kDegrees = 180 / std::numbers::pi;
 
 struct Aperture {
@@ -167,53 +169,12 @@ std::optional<double> support_of(const LightGrid& grid, const Aperture& a) {
 
 // Angles between n and the main and minor axis of the voxels fuller than half the fullest.
 std::pair<double, double> pca_angles(const LightGrid& grid, const Vec3d& n) {
-  const float most = *std::max_element(grid.count.begin(), grid.count.end());
-  Vec3d mean{};
-  double total = 0;
-  std::vector<Vec3d> places;
-  size_t at = 0;
-  for (int k = 0; k < grid.dim[2]; ++k)
-    for (int j = 0; j < grid.dim[1]; ++j)
-      for (int i = 0; i < grid.dim[0]; ++i, ++at)
-        if (grid.count[at] > 0 && grid.count[at] >= 0.5f * most) places.emplace_back(i, j, k);
-  for (const Vec3d& p : places) mean += p, ++total;
-  if (total == 0) return {0, 0};
-  mean = mean / total;
-  double c[3][3] = {};
-  for (const Vec3d& p : places)
-    for (int r = 0; r < 3; ++r)
-      for (int s = 0; s < 3; ++s) c[r][s] += (p - mean)[r] * (p - mean)[s];
-  // Jacobi rotations; the columns of v become the axes.
-  double v[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-  for (int sweep = 0; sweep < 30; ++sweep)
-    for (int p = 0; p < 2; ++p)
-      for (int q = p + 1; q < 3; ++q) {
-        if (c[p][q] == 0) continue;
-        const double theta = 0.5 * std::atan2(2 * c[p][q], c[q][q] - c[p][p]);
-        const double cs = std::cos(theta), sn = std::sin(theta);
-        for (auto& row : c) {
-          const double x = row[p], y = row[q];
-          row[p] = cs * x - sn * y, row[q] = sn * x + cs * y;
-        }
-        for (int k = 0; k < 3; ++k) {
-          const double x = c[p][k], y = c[q][k];
-          c[p][k] = cs * x - sn * y, c[q][k] = sn * x + cs * y;
-        }
-        for (auto& row : v) {
-          const double x = row[p], y = row[q];
-          row[p] = cs * x - sn * y, row[q] = sn * x + cs * y;
-        }
-      }
-  int main = 0, minor = 0;
-  for (int i = 1; i < 3; ++i) {
-    if (c[i][i] > c[main][main]) main = i;
-    if (c[i][i] < c[minor][minor]) minor = i;
-  }
-  const auto angle = [&](int i) {
-    const double cosine = std::abs(v[0][i] * n.x + v[1][i] * n.y + v[2][i] * n.z);
-    return kDegrees * std::acos(std::min(1.0, cosine));
+  const VoxelAxes axes = axes_of_full_voxels(grid, kFull);
+  const auto angle = [&](const Vec3d& axis) {
+    return kDegrees * std::acos(std::min(1.0, std::abs(dot(axis, n))));
   };
-  return {angle(main), angle(minor)};
+  return axes.centres.empty() ? std::pair{0.0, 0.0}
+                              : std::pair{angle(axes.main), angle(axes.minor)};
 }
 
 // `of`: lines of the cut.
@@ -333,6 +294,10 @@ bool same_opening(const LightGrid& grid, const Aperture& a, const Aperture& b) {
 FitResult fit_portals(const LightGrid& grid, const PortalFitOptions& options) {
   FitResult result;
   if (!grid.bottleneck || grid.lines.empty()) return result;
+  if (options.by_paper) {
+    if (const auto portal = portal_by_paper(grid, kFull)) result.portals.push_back(*portal);
+    return result;
+  }
   std::vector<std::vector<uint32_t>> of_cut;
   for (uint32_t l = 0; l < grid.lines.size(); ++l) {
     const uint32_t c = grid.lines[l].cut;

@@ -75,7 +75,8 @@ TEST(Tube, IsFoundFromATiltedPlane) {
     const Tube tube = least_tube(lines, start, false);
     EXPECT_LT(degrees_from_x(tube), 2) << width << " " << degrees_from_x(tube) << " " << tube.half;
     EXPECT_NEAR(tube.half, 0.1, 0.025) << width << " " << degrees_from_x(tube) << " " << tube.half;
-    EXPECT_NEAR(tube.middle.o.x, 0, 0.025) << width << " " << degrees_from_x(tube) << " " << tube.half;
+    EXPECT_NEAR(tube.middle.o.x, 0, 0.025)
+        << width << " " << degrees_from_x(tube) << " " << tube.half;
   }
 }
 

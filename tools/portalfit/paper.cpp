@@ -1,0 +1,85 @@
+#include "tools/portalfit/paper.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tools/portalfit/bundle.h"
+#include "tools/portalfit/polygon.h"
+
+namespace tdpt {
+
+VoxelAxes axes_of_full_voxels(const LightGrid& grid, double share) {
+  VoxelAxes axes;
+  if (grid.count.empty()) return axes;
+  const float most = *std::max_element(grid.count.begin(), grid.count.end());
+  size_t at = 0;
+  for (int k = 0; k < grid.dim[2]; ++k)
+    for (int j = 0; j < grid.dim[1]; ++j)
+      for (int i = 0; i < grid.dim[0]; ++i, ++at)
+        if (grid.count[at] > 0 && grid.count[at] >= static_cast<float>(share) * most)
+          axes.centres.push_back(grid.origin + Vec3d{i + 0.5, j + 0.5, k + 0.5} * grid.voxel);
+  if (axes.centres.empty()) return axes;
+  for (const Vec3d& p : axes.centres) axes.mean += p;
+  axes.mean = axes.mean / static_cast<double>(axes.centres.size());
+  double c[3][3] = {};
+  for (const Vec3d& p : axes.centres)
+    for (int r = 0; r < 3; ++r)
+      for (int s = 0; s < 3; ++s) c[r][s] += (p - axes.mean)[r] * (p - axes.mean)[s];
+  // Jacobi rotations; the columns of v become the axes.
+  double v[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  for (int sweep = 0; sweep < 30; ++sweep)
+    for (int p = 0; p < 2; ++p)
+      for (int q = p + 1; q < 3; ++q) {
+        if (c[p][q] == 0) continue;
+        const double theta = 0.5 * std::atan2(2 * c[p][q], c[q][q] - c[p][p]);
+        const double cs = std::cos(theta), sn = std::sin(theta);
+        for (auto& row : c) {
+          const double x = row[p], y = row[q];
+          row[p] = cs * x - sn * y, row[q] = sn * x + cs * y;
+        }
+        for (int k = 0; k < 3; ++k) {
+          const double x = c[p][k], y = c[q][k];
+          c[p][k] = cs * x - sn * y, c[q][k] = sn * x + cs * y;
+        }
+        for (auto& row : v) {
+          const double x = row[p], y = row[q];
+          row[p] = cs * x - sn * y, row[q] = sn * x + cs * y;
+        }
+      }
+  int main = 0, minor = 0;
+  for (int i = 1; i < 3; ++i) {
+    if (c[i][i] > c[main][main]) main = i;
+    if (c[i][i] < c[minor][minor]) minor = i;
+  }
+  axes.main = {v[0][main], v[1][main], v[2][main]};
+  axes.minor = {v[0][minor], v[1][minor], v[2][minor]};
+  return axes;
+}
+
+std::optional<Portal> portal_by_paper(const LightGrid& grid, double share) {
+  const VoxelAxes axes = axes_of_full_voxels(grid, share);
+  if (axes.centres.empty()) return {};
+  Vec3d light{};
+  for (const LightLine& l : grid.lines) light += normalize(l.camera - l.light);
+  const Plane plane{axes.mean, dot(axes.main, light) < 0 ? -axes.main : axes.main};
+  const Onb<double> frame(plane.n);
+  std::vector<Vec2d> points;
+  for (const Vec3d& p : axes.centres)
+    points.push_back({dot(p - plane.o, frame.x), dot(p - plane.o, frame.y)});
+  const Polygon hull = convex_hull(points);
+  if (hull.size() < 3 || !(area(hull) > 0)) return {};
+  Portal portal;
+  for (const Vec2d& p : hull) portal.vertices.push_back(to_space(plane, p));
+  portal.triangles = triangulate(hull);
+  size_t across = 0;
+  for (const LightLine& l : grid.lines)
+    if (Vec2d at; crossing(plane, l, at)) across += contains(hull, at);
+  portal.figures["area"] = area(hull);
+  portal.figures["flux_share"] =
+      static_cast<double>(across) / static_cast<double>(std::max<size_t>(grid.lines.size(), 1));
+  const double slant = std::abs(dot(light, plane.n)) / std::max(length(light), 1e-300);
+  portal.figures["direction_angle"] = std::acos(std::min(1.0, slant)) * 57.29577951308232;
+  return portal;
+}
+
+}  // namespace tdpt

@@ -1,0 +1,21 @@
+// The rule of the paper (section 4.3): the normal is the main axis of the full voxels.
+#pragma once
+#include <optional>
+
+#include "libcommon/formats/light_grid.h"
+#include "libcommon/formats/portal.h"
+
+namespace tdpt {
+
+/// Principal axes of the centres of the voxels with at least `share` of the fullest one's count.
+struct VoxelAxes {
+  std::vector<Vec3d> centres;     ///< metres
+  Vec3d mean{}, main{}, minor{};  ///< unit axes; zero when there are no voxels
+};
+VoxelAxes axes_of_full_voxels(const LightGrid& grid, double share);
+
+/// One portal: the convex hull of the full voxels' centres, projected along their main axis, which
+/// is turned the way the light goes. Nothing when fewer than three of them make a polygon.
+std::optional<Portal> portal_by_paper(const LightGrid& grid, double share);
+
+}  // namespace tdpt
