@@ -184,7 +184,11 @@ class Architect {
     const Vec3d over{0, kOverlap, 0};
     std::vector<Vec3d> gap{hinge + up, jamb + up, foot + up + over};
     const Vec3d n = normalize(cross(gap[1] - gap[0], gap[2] - gap[0]));
-    room_.apertures.push_back({gap, (n.y > 0) == to_camera ? n : -n, 0});
+    // The leaf's top is as wide as the leaf is thick: light passes over both its edges.
+    const Vec3d back = Vec3d{out * std::cos(angle), 0, -std::sin(angle)} * kThick;
+    const std::vector<Vec3d> far{hinge + up, jamb + up, foot + up + over + back,
+                                 hinge + up + over + back};
+    room_.apertures.push_back({gap, (n.y > 0) == to_camera ? n : -n, 0, far});
   }
 
   void lamp(const std::string& how, double power) {
