@@ -19,6 +19,7 @@ constexpr size_t kMostRough = 1500;                // lines for the first look
 constexpr size_t kMostFine = 8192;
 constexpr double kWidest =
     1.5;  // the same of anything: a room is a tube, too, and all lines end in it
+constexpr double kDense = 0.6;  // least density in a tube over that in its narrowest plane
 constexpr double kShort = 0.5;  // form factor of the faces below which a tube is long
 constexpr double kMostTilt = 0.3;
 
@@ -32,6 +33,7 @@ struct Search {
   Extents extents{};
   std::array<double, 2> box{};  // sides of a rectangle like the outline [m]
   double size = 0;              // area of the outline [m2]
+  double through = 0;           // lines that pass both faces
 
   // How far along the axis the points reach but for the `beyond` farthest: the least of a heap of
   // the farthest, which few of the points ever enter.
@@ -55,7 +57,7 @@ struct Search {
   double badness(const Tube& tube) {
     const Onb<double> frame(tube.middle.n);
     points.clear();
-    double through = 0;
+    through = 0;
     for (const LightLine& l : lines) {
       const Vec3d a = l.light - tube.middle.o, d = l.camera - l.light;
       const double from = dot(a, tube.middle.n), along = dot(d, tube.middle.n);
@@ -159,6 +161,14 @@ std::vector<LightLine> every_kth(const std::vector<LightLine>& lines, size_t mos
   return some;
 }
 
+// Share of the lines through the tube per etendue [1/m2]: where all of a tube lets light through it
+// is that of its narrowest plane.
+double density(Search& search, const Tube& tube) {
+  if (!std::isfinite(search.badness(tube))) return 0;
+  return search.through / static_cast<double>(search.lines.size()) /
+         (search.size * facing_rectangles(search.box[0], search.box[1], 2 * tube.half));
+}
+
 // Area of the outline at the tube's faces over that in its middle.
 double waistedness(Search& search, const Tube& tube) {
   search.faces = {0, 0};
@@ -184,6 +194,14 @@ double facing_rectangles(double a, double b, double c) {
 Tube least_tube(const std::vector<LightLine>& lines, const Tube& start, bool near) {
   const std::vector<LightLine> fine = every_kth(lines, kMostFine);
   Search prism{fine}, flat{fine, true};
+  const auto flattened = [&](Tube plane, double losing) {
+    plane.half = 0;
+    flat.losing = losing;
+    return flat.run(plane, 0.3, 0.004);
+  };
+  if (near && start.half == 0) return flattened(start, kLosingPlane);
+  const Tube narrowest = flattened(start, kLosing);
+  const double enough = kDense * density(flat, narrowest);
   Tube tube = start;
   double least = INFINITY;
   if (!near) {
@@ -196,19 +214,15 @@ Tube least_tube(const std::vector<LightLine>& lines, const Tube& start, bool nea
       Tube from = start;
       from.middle.n = normalize(start.middle.n + frame.x * turn.x + frame.y * turn.y);
       from = rough.run(from, 0.3, 0.05);
+      if (density(rough, from) < enough) continue;
       const double bad = rough.badness(from);
       if (bad < least && waistedness(rough, from) < kWidest) least = bad, tube = from;
     }
   }
-  const auto flattened = [&](Tube plane, double losing) {
-    plane.half = 0;
-    flat.losing = losing;
-    return flat.run(plane, 0.3, 0.004);
-  };
-  if (near && start.half == 0) return flattened(start, kLosingPlane);
   tube = prism.run(tube, 0.1, 0.004);
+  if (density(prism, tube) < enough) return narrowest;
   const double waisted = waistedness(prism, tube);
-  if (!(waisted < kWidest)) return flattened(start, kLosing);
+  if (!(waisted < kWidest)) return narrowest;
   const bool is_short = facing_rectangles(prism.box[0], prism.box[1], 2 * tube.half) > kShort;
   if (waisted < kPrism || !is_short) return tube;
   // Where the opening is no prism, as beside a door ajar, its narrowest plane is the portal.
