@@ -4,6 +4,7 @@
 #   make figures   the paper's Figs 5 to 7 from our renders, in doc/ (tools/figures.sh: size, samples)
 #   make stages    pictures of what each stage did, in doc/figures/ (tools/stages.sh: another scene)
 #   make portals   how right the portals are on rooms with known openings: doc/portals.md (half an hour)
+#   make worth     what portals gain, measured and expected: doc/portal-worth.md (twenty minutes)
 #   make test      installs what is missing, builds, runs every test
 #   make bench     speed, and noise after a minute, of every integrator (tools/bench.sh; 20 minutes)
 #   make install   programs and man pages under PREFIX (and DESTDIR)
@@ -16,7 +17,7 @@ JOBS ?= $(shell nproc 2>/dev/null || echo 2)
 # .ci/run names a file here, to learn the exit code of ctest instead of make's.
 TEST_STATUS ?=
 
-.PHONY: all build demo figures stages portals bench test install sanitize packages format clean
+.PHONY: all build demo figures stages portals worth bench test install sanitize packages format clean
 all: build
 
 build:
@@ -46,6 +47,11 @@ portals: packages
 	@$(MAKE) --no-print-directory build
 	@sh tools/portals.sh build/bin build/portals >build/portals.md
 	@mv build/portals.md doc/portals.md
+
+worth: packages
+	@sh tools/install-packages.sh tools/packages-figures.txt
+	@$(MAKE) --no-print-directory build
+	@sh tools/portal-worth.sh build/bin doc
 
 stages: packages
 	@$(MAKE) --no-print-directory build

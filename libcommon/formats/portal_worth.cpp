@@ -22,7 +22,7 @@ std::optional<double> figure(const std::map<std::string, double>& figures, const
 }  // namespace
 
 double expected_gain(double share, double tightness, double conductance) {
-  const double s = std::clamp(share, 0.0, 1.0), t = std::clamp(tightness, 0.0, 1.0);
+  const double s = std::clamp(share / (1 - kStrays), 0.0, 1.0), t = std::clamp(tightness, 0.0, 1.0);
   const double c = std::clamp(conductance, 1e-9, 1.0);
   return kTimeRatio / (1 - s + s / (1 + std::pow(kTypicalOpening * t / c, kExponent)));
 }

@@ -1,8 +1,8 @@
 // What a portal is worth: how much less a picture costs for the same error with it than without.
 //
 // Symbols: c = share of the smaller side's light that passes the opening (conductance of its cut
-// less the leaks), S = share of that light that the portals cover, t = share of a portal's lines
-// that pass to the other side (tightness).
+// less the leaks), S = share of that light that the portals cover (kStrays aside), t = share of a
+// portal's lines that pass to the other side (tightness).
 //
 // A path of bidirectional path tracing gets through the opening by luck, with a density that falls
 // with c; a portal's segment always lies in it, and joins the two sides with probability t. Under
@@ -18,6 +18,10 @@
 #include <string>
 
 namespace tdpt {
+
+/// The share of the lines that may be leaks and strays instead of light: so much of it may be
+/// missing and S is 1 all the same.
+inline constexpr double kStrays = 0.15;
 
 /// Gain G, ratio of efficiencies 1 / (relMSE x CPU time) of tdpt-org and bdpt; shares are clamped
 /// to 0..1, a conductance of 0 counts as 1e-9.

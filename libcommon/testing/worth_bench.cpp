@@ -62,6 +62,13 @@ Json json_of(const std::string& path) {
   return Json::parse(in, nullptr, false);
 }
 
+std::string text_of(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::stringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
 std::vector<Portal> perfect_portals(const KnownRoom& room) {
   std::vector<Portal> portals;
   for (const KnownAperture& a : room.placed_apertures()) {
@@ -92,7 +99,11 @@ class RoomRun {
       : o_(options), room_(room), stem_((folder / fs::path(room.file()).stem()).string()) {}
 
   Row run() {
-    std::ofstream(stem_ + ".glb", std::ios::binary) << room_.plan.glb(room_.writing);
+    const std::string scene = room_.plan.glb(room_.writing);
+    if (text_of(stem_ + ".glb") != scene)
+      for (const char* of : {"reference", "bdpt", "tdpt", "tdpt-org"})
+        fs::remove(stem_ + "." + of + ".exr");
+    std::ofstream(stem_ + ".glb", std::ios::binary) << scene;
     const std::vector<Portal> portals = perfect_portals(room_);
     PortalFile file;
     file.portals = portals;
@@ -201,7 +212,7 @@ void print_table(const std::vector<KnownRoom>& rooms, const std::vector<Row>& ro
   std::printf(
       "| room | openings [m2] | lamp | tdpt-org / bdpt | tdpt / bdpt | portals found | expected | "
       "measured / expected |\n|---|---|---|---|---|---|---|---|\n");
-  double sum = 0, square = 0, n = 0;
+  double sum = 0, square = 0, n = 0, close = 0;
   for (size_t i = 0; i < rooms.size(); ++i) {
     const Row& r = rows[i];
     if (r.failed) continue;
@@ -215,13 +226,14 @@ void print_table(const std::vector<KnownRoom>& rooms, const std::vector<Row>& ro
     std::printf(" %.2f | %.2f |\n", r.expected, r.org / r.expected);
     const double e = std::log(r.org / r.expected);
     sum += e, square += e * e, ++n;
+    close += std::abs(e) <= std::log(2.0);
   }
   if (n > 1) {
     const double mean = sum / n;
     std::printf(
-        "\nMeasured over expected: geometric mean %.2f, standard deviation a factor of %.2f, %g "
-        "rooms.\n",
-        std::exp(mean), std::exp(std::sqrt(std::max(0.0, square / n - mean * mean))), n);
+        "\nMeasured over expected: geometric mean %.2f, standard deviation a factor of %.2f; %g of "
+        "%g rooms within a factor of two.\n",
+        std::exp(mean), std::exp(std::sqrt(std::max(0.0, square / n - mean * mean))), close, n);
   }
 }
 

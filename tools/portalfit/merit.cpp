@@ -88,8 +88,6 @@ struct OfCut {
 void appraise(const LightGrid& grid, std::vector<Portal>& portals) {
   size_t cuts = 1;
   for (const LightLine& l : grid.lines) cuts = std::max<size_t>(cuts, l.cut + 1);
-  // How many portals each line crosses matters for what a cut's portals cover together.
-  std::vector<std::vector<uint8_t>> covered(cuts);
   std::vector<size_t> lines(cuts, 0), cut_of(portals.size(), 0);
   std::vector<std::vector<uint32_t>> crossing(portals.size());
   for (const LightLine& l : grid.lines) ++lines[l.cut];
@@ -126,22 +124,32 @@ void appraise(const LightGrid& grid, std::vector<Portal>& portals) {
           std::min(1.0, n / (densest * std::numbers::pi * opening.area()));
   }
 
-  // What all portals of a cut cover of its light.
+  // Lines may end on a jamb before they cross: flux_share counts them, conductance does not. Then
+  // tightness to conductance is the room's surface to the opening, wherever the cut ran.
   for (size_t c = 0; c < cuts && c < grid.cuts.size(); ++c) {
     std::vector<uint8_t> met(grid.lines.size(), 0);
-    size_t covered_lines = 0;
-    for (size_t i = 0; i < portals.size(); ++i)
-      if (cut_of[i] == c)
-        for (const uint32_t l : crossing[i])
-          if (grid.lines[l].cut == c && !met[l]) met[l] = 1, ++covered_lines;
-    const double share =
-        lines[c] ? static_cast<double>(covered_lines) / static_cast<double>(lines[c]) : 0;
-    const double conductance = grid.cuts[c].conductance * grid.cuts[c].kept;
+    double share = 0, passing = 0, crossed = 0, all = 0;
+    for (size_t i = 0; i < portals.size(); ++i) {
+      const auto tightness = portals[i].figures.find("tightness");
+      if (cut_of[i] != c || tightness == portals[i].figures.end()) continue;
+      if (const auto flux = portals[i].figures.find("flux_share"); flux != portals[i].figures.end())
+        share += flux->second;
+      double own = 0;
+      for (const uint32_t l : crossing[i])
+        if (grid.lines[l].cut == c) {
+          ++own;
+          if (!met[l]) met[l] = 1, ++passing;
+        }
+      crossed += own;
+      all += own / tightness->second;
+    }
+    if (!(passing > 0)) continue;
+    const double conductance =
+        grid.cuts[c].conductance * grid.cuts[c].kept * passing / static_cast<double>(lines[c]);
     for (size_t i = 0; i < portals.size(); ++i) {
       if (cut_of[i] != c || !portals[i].figures.contains("tightness")) continue;
       portals[i].figures["conductance"] = conductance;
-      portals[i].figures["expected_gain"] =
-          expected_gain(share, portals[i].figures["tightness"], conductance);
+      portals[i].figures["expected_gain"] = expected_gain(share, crossed / all, conductance);
     }
   }
 }

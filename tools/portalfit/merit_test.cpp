@@ -99,7 +99,7 @@ TEST(Appraise, NarrowCutsAreWorthMoreAndEachPortalBelongsToItsOwn) {
   appraise(grid, portals);
   EXPECT_EQ(portals[0].figures.at("cut"), 0);
   EXPECT_EQ(portals[1].figures.at("cut"), 1);
-  EXPECT_DOUBLE_EQ(portals[0].figures.at("conductance"), 0.0005);
+  EXPECT_NEAR(portals[0].figures.at("conductance"), 0.0005, 1e-5);
   EXPECT_EQ(verdict_of(portals[0].figures).worth, Worth::useful);
   EXPECT_NE(verdict_of(portals[1].figures).worth, Worth::useful);
 }
@@ -110,9 +110,31 @@ TEST(Appraise, PortalsOfOneCutCoverItsLightTogether) {
   for (LightLine l : lines_through(0.2, 0.1, 4000, 1, 5)) l.cut = 0, grid.lines.push_back(l);
   grid.cuts = {{0.001, 1}};
   std::vector<Portal> both{square(0.2), square(0.2, 5)}, one{square(0.2)};
+  for (Portal* p : {&both[0], &both[1], &one[0]}) p->figures["flux_share"] = 0.5;
   appraise(grid, both);
   appraise(grid, one);
   EXPECT_GT(both[0].figures.at("expected_gain"), 1.5 * one[0].figures.at("expected_gain"));
+}
+
+// Whether the cut runs before or behind the jambs, the way is as narrow.
+TEST(Appraise, JambsOnEitherSideOfTheCutMakeNoDifference) {
+  LightGrid grid;
+  grid.lines = lines_through(0.2, 0.3, 4000, 0);
+  grid.cuts = {{0.0005, 1}};
+  std::vector<Portal> clear{square(0.2)}, jambs{square(0.2)};
+  appraise(grid, clear);
+  // As many lines again that end on a jamb before the middle; the cut carries twice as much.
+  for (LightLine l : lines_through(0.2, 0.3, 4000, 0)) {
+    l.camera = l.light + (l.camera - l.light) * 0.45;
+    grid.lines.push_back(l);
+  }
+  grid.cuts = {{0.001, 1}};
+  appraise(grid, jambs);
+  EXPECT_NEAR(jambs[0].figures.at("expected_gain"), clear[0].figures.at("expected_gain"), 1e-9);
+  // Twin: a cut that carries twice as much through the middle is wider.
+  grid.lines.resize(4000);
+  appraise(grid, jambs);
+  EXPECT_LT(jambs[0].figures.at("expected_gain"), 0.9 * clear[0].figures.at("expected_gain"));
 }
 
 TEST(Appraise, AGridWithoutLinesTellsNothing) {
