@@ -9,9 +9,10 @@
 // otherwise. Two lines that meet at x see each other under the same angle, so the walk is
 // reversible with respect to W(l) times the measure of lines (area times projected solid angle):
 // that is where it settles, whatever the coarse pass distorted. Dividing by W leaves the light's
-// own distribution. w = count^3 keeps x near the opening, where most lines through x join the
-// sides; it is 0 where there is geometry: between the jambs of an opening leaks pile up. The last
-// wide try of each chain is kept as a probe: they tell the portals' support.
+// own distribution. Half-way the counts are taken again, from the walk's lines. w = count^3 keeps x
+// near the opening, where most lines through x join the sides; it is 0 where there is geometry:
+// between the jambs of an opening leaks pile up. The last wide try of each chain is kept as a
+// probe: they tell the portals' support.
 #include "tools/lightgrid/lightgrid.h"
 
 #include <cmath>
@@ -38,6 +39,7 @@ constexpr size_t kChunk = 1 << 12;
 constexpr uint64_t kBlock = 1 << 18;   // segments in memory at a time
 constexpr size_t kMostKept = 1 << 20;  // coarse lines the fine pass starts from
 // The fine pass ends when each chain has moved so often on average, or after so many steps.
+constexpr double kFull = 0.2;       // of the largest count
 constexpr double kNarrowest = 2e4;  // exponent of the cosine
 constexpr uint64_t kMoves = 6, kMostSteps = 48;
 
@@ -97,37 +99,71 @@ LightLine in_metres(const Scene& scene, const JoiningLine& l) {
   return {scene.frame.to_metres(l.light.position), scene.frame.to_metres(l.camera.position)};
 }
 
-// Weight of a line: the sum over its voxels of count^3 times the length inside [metres].
-double weight_of(const LightGrid& grid, const std::vector<uint32_t>& count, const LightLine& line) {
+// w of each voxel: its count to the third power; the fullest are all alike, so that the walk goes
+// to the faint end of an opening as well as to the bright one.
+std::vector<double> weights_of(const std::vector<double>& count) {
+  const double most = kFull * *std::max_element(count.begin(), count.end());
+  std::vector<double> w(count.size());
+  for (size_t i = 0; i < w.size(); ++i) w[i] = std::pow(std::min(count[i], most), 3);
+  return w;
+}
+
+// Weight of a line: w integrated along it [1/metres].
+double weight_of(const LightGrid& grid, const std::vector<double>& w, const LightLine& line) {
   double sum = 0;
-  walk_grid(grid, line.light, line.camera, [&](size_t voxel, double inside) {
-    const double c = count[voxel];
-    sum += c * c * c * inside;
-  });
+  walk_grid(grid, line.light, line.camera,
+            [&](size_t voxel, double inside) { sum += w[voxel] * inside; });
   return sum;
 }
 
-struct Place {
-  Vec3d at;  // metres
-  size_t voxel;
-};
-
-// A place on `line`, in proportion to the same weight; nothing where the line has none.
-std::optional<Place> place_on(const LightGrid& grid, const std::vector<uint32_t>& count,
+// A place on `line` [metres], in proportion to w; nothing where the line has none.
+std::optional<Vec3d> place_on(const LightGrid& grid, const std::vector<double>& w,
                               const LightLine& line, double u) {
-  double left = u * weight_of(grid, count, line), walked = 0, at = -1;
-  size_t in = 0;
+  double left = u * weight_of(grid, w, line), walked = 0, at = -1;
   walk_grid(grid, line.light, line.camera, [&](size_t voxel, double inside) {
-    const double c = count[voxel], w = c * c * c * inside;
-    if (left >= 0 && w > 0) {
-      at = walked + inside * std::min(1.0, left / w);
-      in = voxel;
-    }
-    left -= w;
+    const double here = w[voxel] * inside;
+    if (left >= 0 && here > 0) at = walked + inside * std::min(1.0, left / here);
+    left -= here;
     walked += inside;
   });
   if (at < 0) return {};
-  return Place{line.light + normalize(line.camera - line.light) * at, in};
+  return line.light + normalize(line.camera - line.light) * at;
+}
+
+// Weights of chains, and the quarter of them: lines are taken in proportion to 1 / weight, but none
+// for more than one of the quarter's. Both empty when no line has any weight.
+struct ChainWeights {
+  std::vector<double> of;
+  double quarter = 0;
+  bool empty() const { return quarter == 0; }
+  double share(size_t i) const { return of[i] > 0 ? std::min(1.0, quarter / of[i]) : 0; }
+};
+
+ChainWeights weights_of(const LightGrid& grid, const std::vector<double>& w,
+                        const std::vector<LightLine>& chain) {
+  ChainWeights weights;
+  weights.of.resize(chain.size());
+  tbb::parallel_for(size_t{0}, chain.size(),
+                    [&](size_t i) { weights.of[i] = weight_of(grid, w, chain[i]); });
+  std::vector<double> sorted = weights.of;
+  std::erase(sorted, 0.0);
+  if (sorted.empty()) return weights;
+  const auto quarter = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 4);
+  std::nth_element(sorted.begin(), quarter, sorted.end());
+  weights.quarter = *quarter;
+  return weights;
+}
+
+// Counts of the light's own distribution, from chains that have settled.
+std::vector<double> recount(const LightGrid& grid, const std::vector<double>& w,
+                            const std::vector<LightLine>& chain) {
+  std::vector<double> count(w.size(), 0);
+  const ChainWeights weights = weights_of(grid, w, chain);
+  for (size_t i = 0; i < chain.size(); ++i)
+    walk_grid(grid, chain[i].light, chain[i].camera, [&](size_t voxel, double) {
+      if (grid.air[voxel]) count[voxel] += weights.share(i);
+    });
+  return count;
 }
 
 // Random numbers of a pass through one cut.
@@ -196,8 +232,9 @@ void fine_pass(const Scene& scene, const LightLines& lines, size_t c,
   // Every chain is a line; a step draws a line through a place on it and moves there if
   // it joins the two sides, too.
   const size_t chains = 2 * options.lines;
+  std::vector<double> w = weights_of({tally.count.begin(), tally.count.end()});
   std::vector<LightLine> start = kept;  // lines without weight, as between jambs, cannot move
-  std::erase_if(start, [&](const LightLine& l) { return !(weight_of(grid, tally.count, l) > 0); });
+  std::erase_if(start, [&](const LightLine& l) { return !(weight_of(grid, w, l) > 0); });
   if (start.empty()) start = kept;
   std::vector<LightLine> chain(chains);
   for (size_t i = 0; i < chains; ++i) {
@@ -211,20 +248,26 @@ void fine_pass(const Scene& scene, const LightLines& lines, size_t c,
   std::vector<Step> step(chains);
   std::vector<std::optional<Probe>> probe(chains);
   uint64_t moves = 0;
+  bool recounted = false;
   for (uint64_t round = 0; round < kMostSteps && moves < kMoves * chains; ++round) {
+    if (!recounted && (2 * moves >= kMoves * chains || 2 * round >= kMostSteps)) {
+      // What the coarse pass distorted would keep the chains from where it saw too little.
+      w = weights_of(recount(grid, w, chain));
+      recounted = true;
+    }
     tbb::parallel_for(tbb::blocked_range<size_t>(0, chains, 256), [&](const auto& range) {
       for (size_t i = range.begin(); i < range.end(); ++i) {
         Rng rng(options.seed, stream_of(kFineStream, c), i, round);
         const double u = rng.uniform(), v1 = rng.uniform(), v2 = rng.uniform();
         const double sharp = rng.uniform();
         step[i].outcome = LightLines::Through::unknown;
-        const auto place = place_on(grid, tally.count, chain[i], u);
+        const auto place = place_on(grid, w, chain[i], u);
         if (!place) continue;
         const Onb<double> frame(normalize(chain[i].camera - chain[i].light));
         step[i].wide = sharp < 0.5;
         const double exponent = step[i].wide ? 1 : std::pow(kNarrowest, 2 * sharp - 1);
         JoiningLine line;
-        step[i].outcome = lines.through(c, rng, scene.frame.to_canonical(place->at),
+        step[i].outcome = lines.through(c, rng, scene.frame.to_canonical(*place),
                                         frame.to_world(turned_from_axis(v1, v2, exponent)), line);
         if (step[i].outcome == LightLines::Through::unknown) continue;
         const bool joins = step[i].outcome == LightLines::Through::joins;
@@ -247,22 +290,16 @@ void fine_pass(const Scene& scene, const LightLines& lines, size_t c,
   }
   // The chains settle at the light's own distribution times their weight: take that out again. Half
   // of the lines go.
-  std::vector<double> weight(chains);
-  tbb::parallel_for(size_t{0}, chains,
-                    [&](size_t i) { weight[i] = weight_of(grid, tally.count, chain[i]); });
-  std::vector<double> sorted = weight;
-  std::erase(sorted, 0.0);
-  if (sorted.empty()) {  // no line passes counted air, so none is better than another
+  const ChainWeights weights = weights_of(grid, w, chain);
+  if (weights.empty()) {  // no line passes counted air, so none is better than another
     grid.lines.insert(grid.lines.end(), chain.begin(),
                       chain.begin() + static_cast<std::ptrdiff_t>(options.lines));
     return;
   }
-  const auto quarter = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 4);
-  std::nth_element(sorted.begin(), quarter, sorted.end());
   const size_t most = grid.lines.size() + options.lines;
   for (size_t i = 0; i < chains && grid.lines.size() < most; ++i) {
     Rng rng(options.seed, stream_of(kFineStream, c), i, kMostSteps + 1);
-    if (weight[i] > 0 && rng.uniform() * weight[i] <= *quarter) grid.lines.push_back(chain[i]);
+    if (rng.uniform() < weights.share(i)) grid.lines.push_back(chain[i]);
   }
 }
 
