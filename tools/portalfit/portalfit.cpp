@@ -3,6 +3,7 @@
 #include "tools/portalfit/portalfit.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <numbers>
@@ -10,6 +11,7 @@
 #include <optional>
 
 #include <fmt/format.h>
+#include <oneapi/tbb/parallel_for.h>
 
 #include "tools/portalfit/bundle.h"
 #include "tools/portalfit/paper.h"
@@ -42,23 +44,32 @@ Polygon trimmed(Polygon hull, std::vector<Vec2d>& points) {
   const double all = static_cast<double>(points.size());
   for (;;) {
     const double whole = area(hull), n = static_cast<double>(points.size());
-    double gain = kWorthIt;
-    Polygon best;
-    for (int k = 0; k < kDirections; ++k) {
+    const auto most = static_cast<size_t>(kMostCut * all - (all - n));
+    struct Cut {
+      double gain = kWorthIt;
+      Polygon kept;
+    };
+    std::array<Cut, kDirections> cuts;
+    tbb::parallel_for(0, kDirections, [&](int k) {
+      Cut& cut_here = cuts[static_cast<size_t>(k)];
       const double angle = 2 * std::numbers::pi * k / kDirections;
       const Vec2d axis{std::cos(angle), std::sin(angle)};
       std::vector<double> reach;
       for (const Vec2d& p : points) reach.push_back(p.x * axis.x + p.y * axis.y);
-      std::sort(reach.begin(), reach.end(), std::greater<>());
-      const auto most = static_cast<size_t>(kMostCut * all - (all - n));
+      const size_t deepest = std::min(most + 1, reach.size());
+      std::partial_sort(reach.begin(), reach.begin() + static_cast<std::ptrdiff_t>(deepest),
+                        reach.end(), std::greater<>());
       for (int step = 1; step <= kSteps; ++step) {
         const size_t cut = most * static_cast<size_t>(step) / kSteps;
         if (cut == 0 || cut >= reach.size()) continue;
         Polygon kept = clipped(hull, axis, reach[cut]);
         const double value = (whole - area(kept)) / whole - kSparse * static_cast<double>(cut) / n;
-        if (value > gain && kept.size() >= 3) gain = value, best = std::move(kept);
+        if (value > cut_here.gain && kept.size() >= 3) cut_here = {value, std::move(kept)};
       }
-    }
+    });
+    const auto best_cut = std::max_element(
+        cuts.begin(), cuts.end(), [](const Cut& a, const Cut& b) { return a.gain < b.gain; });
+    const Polygon best = best_cut->kept;
     if (best.empty()) return hull;
     std::erase_if(points, [&](const Vec2d& p) { return !contains(best, p); });
     hull = convex_hull(points);
@@ -98,6 +109,16 @@ std::vector<LightLine> picked(const LightGrid& grid, const std::vector<uint32_t>
   return some;
 }
 
+// The convex outline of an opening with these crossings, but for strays; empty when there is none.
+Polygon outline_of(std::vector<Vec2d> points) {
+  Polygon hull = convex_hull(points);
+  if (hull.size() < 3 || !(area(hull) > 0)) return {};
+  hull = trimmed(std::move(hull), points);
+  // The hull of n random points lacks about (8/3) ln(n)/n of a quadrilateral's area.
+  const auto n = static_cast<double>(points.size());
+  return simplified(enlarged(hull, 1 + 8.0 / 3 * std::log(n) / n), kMostCorners, kCornerTolerance);
+}
+
 // The aperture among `lines` close to `tube`: its tube, its outline. `again`: it is one already.
 std::optional<Aperture> outlined(const LightGrid& grid, const std::vector<uint32_t>& lines,
                                  const Tube& tube, bool again = false) {
@@ -113,13 +134,8 @@ std::optional<Aperture> outlined(const LightGrid& grid, const std::vector<uint32
   for (const uint32_t l : bundle)
     for (const double face : {-kWithin * a.tube.half, kWithin * a.tube.half})
       if (Vec2d at; inside_at(a.tube, grid.lines[l], face, at)) points.push_back(at);
-  Polygon hull = convex_hull(points);
-  if (hull.size() < 3 || !(area(hull) > 0)) return {};
-  hull = trimmed(std::move(hull), points);
-  // The hull of n random points lacks about (8/3) ln(n)/n of a quadrilateral's area.
-  const auto n = static_cast<double>(points.size());
-  a.polygon =
-      simplified(enlarged(hull, 1 + 8.0 / 3 * std::log(n) / n), kMostCorners, kCornerTolerance);
+  a.polygon = outline_of(std::move(points));
+  if (a.polygon.empty()) return {};
   a.lines = lines_across(grid, lines, a);
   return a;
 }
@@ -238,6 +254,36 @@ void part_from_each_other(const LightGrid& grid, const std::vector<uint32_t>& al
   }
 }
 
+// Lines between openings that share an edge belong to neither yet: an opening takes those beside
+// its outline that no other has.
+void take_lines_between(const LightGrid& grid, const std::vector<uint32_t>& all,
+                        std::vector<Aperture>& found) {
+  if (found.size() < 2) return;
+  constexpr double kReach = 1.5;  // in area
+  for (Aperture& a : found) {
+    std::vector<uint32_t> taken;
+    for (const Aperture& b : found)
+      if (&b != &a) taken.insert(taken.end(), b.lines.begin(), b.lines.end());
+    std::sort(taken.begin(), taken.end());
+    const Polygon reach = enlarged(a.polygon, kReach);
+    std::vector<Vec2d> points;
+    size_t more = 0;
+    for (const uint32_t l : all) {
+      Vec2d at;
+      if (!crossing(a.tube.middle, grid.lines[l], at) || !contains(reach, at)) continue;
+      const bool own = contains(a.polygon, at);
+      if (!own && std::binary_search(taken.begin(), taken.end(), l)) continue;
+      points.push_back(at);
+      more += !own;
+    }
+    if (more == 0) continue;
+    Polygon wider = outline_of(std::move(points));
+    if (area(wider) <= area(a.polygon)) continue;
+    a.polygon = std::move(wider);
+    a.lines = lines_across(grid, all, a);
+  }
+}
+
 // The openings that the lines `all` of one cut pass.
 std::vector<Aperture> fit_cut(const LightGrid& grid, const std::vector<uint32_t>& all,
                               const PortalFitOptions& options, std::vector<std::string>& refused) {
@@ -273,6 +319,7 @@ std::vector<Aperture> fit_cut(const LightGrid& grid, const std::vector<uint32_t>
     rest = std::move(left);
   }
   part_from_each_other(grid, all, found);
+  take_lines_between(grid, all, found);
   return found;
 }
 

@@ -6,6 +6,8 @@
 #include <functional>
 #include <numbers>
 
+#include <oneapi/tbb/parallel_for.h>
+
 namespace tdpt {
 namespace {
 
@@ -200,26 +202,38 @@ Tube least_tube(const std::vector<LightLine>& lines, const Tube& start, bool nea
     return flat.run(plane, 0.3, 0.004);
   };
   if (near && start.half == 0) return flattened(start, kLosingPlane);
-  const Tube narrowest = flattened(start, kLosing);
-  const double enough = kDense * density(flat, narrowest);
-  Tube tube = start;
-  double least = INFINITY;
-  if (!near) {
-    // From several starts: there are valleys.
-    const Onb<double> frame(start.middle.n);
-    Search rough{every_kth(lines, kMostRough)};
-    constexpr double kTurn = 0.25;
-    const std::array<Vec2d, 5> turns{{{0, 0}, {kTurn, 0}, {-kTurn, 0}, {0, kTurn}, {0, -kTurn}}};
-    for (const Vec2d& turn : turns) {
+  // From several starts: there are valleys.
+  const Onb<double> frame(start.middle.n);
+  constexpr double kTurn = 0.25;
+  constexpr std::array<Vec2d, 5> turns{{{0, 0}, {kTurn, 0}, {-kTurn, 0}, {0, kTurn}, {0, -kTurn}}};
+  struct Rough {
+    Tube tube;
+    double badness, density, waistedness;
+  };
+  std::array<Rough, turns.size()> rough;
+  Tube narrowest, tube = start;
+  tbb::parallel_for(size_t{0}, near ? 2 : turns.size() + 1, [&](size_t k) {
+    if (k == 0) {
+      narrowest = flattened(start, kLosing);
+    } else if (near) {
+      tube = prism.run(start, 0.1, 0.004);
+    } else {
+      Search search{every_kth(lines, kMostRough)};
       Tube from = start;
-      from.middle.n = normalize(start.middle.n + frame.x * turn.x + frame.y * turn.y);
-      from = rough.run(from, 0.3, 0.05);
-      if (density(rough, from) < enough) continue;
-      const double bad = rough.badness(from);
-      if (bad < least && waistedness(rough, from) < kWidest) least = bad, tube = from;
+      from.middle.n =
+          normalize(start.middle.n + frame.x * turns[k - 1].x + frame.y * turns[k - 1].y);
+      from = search.run(from, 0.3, 0.05);
+      const double dense = density(search, from), bad = search.badness(from);
+      rough[k - 1] = {from, bad, dense, waistedness(search, from)};
     }
-  }
-  tube = prism.run(tube, 0.1, 0.004);
+  });
+  const double enough = kDense * density(flat, narrowest);
+  double least = INFINITY;
+  if (!near)
+    for (const Rough& r : rough)
+      if (r.density >= enough && r.badness < least && r.waistedness < kWidest)
+        least = r.badness, tube = r.tube;
+  if (!near) tube = prism.run(tube, 0.1, 0.004);
   if (density(prism, tube) < enough) return narrowest;
   const double waisted = waistedness(prism, tube);
   if (!(waisted < kWidest)) return narrowest;
