@@ -9,6 +9,7 @@
 #include <numbers>
 #include <numeric>
 #include <optional>
+#include <set>
 
 #include <fmt/format.h>
 #include <oneapi/tbb/parallel_for.h>
@@ -22,7 +23,8 @@ namespace tdpt {
 namespace {
 
 constexpr size_t kFewestLines = 30;
-constexpr double kFewestProbes = 30;  // that tell the support
+constexpr double kLeastExplained = 0.75;  // of a cut's lines, by all its portals
+constexpr double kFewestProbes = 30;      // that tell the support
 constexpr size_t kMostCorners = 12;
 constexpr double kCornerTolerance = 0.003;  // of the area, for each corner saved
 constexpr double kWithin = 0.85;            // of the tube's depth: where its outline is taken
@@ -284,9 +286,10 @@ void take_lines_between(const LightGrid& grid, const std::vector<uint32_t>& all,
   }
 }
 
-// The openings that the lines `all` of one cut pass.
+// The openings that the lines `all` of one cut pass. `scattered`: most pass elsewhere.
 std::vector<Aperture> fit_cut(const LightGrid& grid, const std::vector<uint32_t>& all,
-                              const PortalFitOptions& options, std::vector<std::string>& refused) {
+                              const PortalFitOptions& options, std::vector<std::string>& refused,
+                              bool& scattered) {
   const auto total = static_cast<double>(all.size());
   std::vector<uint32_t> rest = all;
   std::vector<Aperture> found;
@@ -320,6 +323,12 @@ std::vector<Aperture> fit_cut(const LightGrid& grid, const std::vector<uint32_t>
   }
   part_from_each_other(grid, all, found);
   take_lines_between(grid, all, found);
+  std::set<uint32_t> through;
+  for (const Aperture& a : found) through.insert(a.lines.begin(), a.lines.end());
+  // Not where openings were left out on request.
+  scattered = found.size() < options.max_portals &&
+              options.threshold <= PortalFitOptions{}.threshold &&
+              static_cast<double>(through.size()) < kLeastExplained * total;
   return found;
 }
 
@@ -353,10 +362,24 @@ FitResult fit_portals(const LightGrid& grid, const PortalFitOptions& options) {
   }
   std::vector<Aperture> found;
   size_t explained = 0;
-  for (const std::vector<uint32_t>& lines : of_cut) {
+  for (size_t c = 0; c < of_cut.size(); ++c) {
+    const std::vector<uint32_t>& lines = of_cut[c];
+    bool scattered = false;
+    const std::vector<Aperture> of_this = fit_cut(grid, lines, options, result.refused, scattered);
     std::vector<uint32_t> crossed;
-    for (const Aperture& a : fit_cut(grid, lines, options, result.refused)) {
-      crossed.insert(crossed.end(), a.lines.begin(), a.lines.end());
+    for (const Aperture& a : of_this) crossed.insert(crossed.end(), a.lines.begin(), a.lines.end());
+    std::sort(crossed.begin(), crossed.end());
+    crossed.erase(std::unique(crossed.begin(), crossed.end()), crossed.end());
+    const double share = static_cast<double>(crossed.size()) /
+                         static_cast<double>(std::max<size_t>(lines.size(), 1));
+    if (!of_this.empty() && scattered) {
+      result.refused.push_back(
+          fmt::format("the light passes cut {} in too many places: {} of them carry {:.0f} % of it",
+                      c + 1, of_this.size(), 100 * share));
+      continue;
+    }
+    explained += crossed.size();
+    for (const Aperture& a : of_this) {
       if (found.size() >= options.max_portals ||
           std::any_of(found.begin(), found.end(),
                       [&](const Aperture& b) { return same_opening(grid, a, b); }))
@@ -364,8 +387,6 @@ FitResult fit_portals(const LightGrid& grid, const PortalFitOptions& options) {
       found.push_back(a);
       result.portals.push_back(portal_of(grid, a, lines.size(), support_of(grid, a)));
     }
-    std::sort(crossed.begin(), crossed.end());
-    explained += static_cast<size_t>(std::unique(crossed.begin(), crossed.end()) - crossed.begin());
   }
   result.explained = static_cast<double>(explained) / static_cast<double>(grid.lines.size());
   return result;

@@ -210,6 +210,27 @@ TEST(PortalFit, FindsTwoWindows) {
             1u);
 }
 
+// Light that comes through a wall of many holes: the two largest are not what parts the rooms.
+TEST(PortalFit, RefusesACutThatTheLightPassesInTooManyPlaces) {
+  const Light light;
+  std::vector<Opening> holes;
+  for (int i = 0; i < 5; ++i)
+    for (int j = 0; j < 5; ++j) {
+      Opening o = hole();
+      const bool large = i == 0 && j < 2;
+      o.u = o.u * (large ? 0.25 : 0.14), o.v = o.v * (large ? 0.25 : 0.14);
+      o.share = large ? 0.2 : 0.6 / 23;
+      o.middle += normalize(o.u) * (0.5 * i) + normalize(o.v) * (0.5 * j);
+      holes.push_back(o);
+    }
+  const FitResult fit = fit_portals(grid_of(lines_through(holes, 8000, light, 1)), {});
+  EXPECT_TRUE(fit.portals.empty());
+  ASSERT_FALSE(fit.refused.empty());
+  EXPECT_NE(fit.refused.back().find("the light passes cut 1 in too many places: "),
+            std::string::npos)
+      << fit.refused.back();
+}
+
 TEST(PortalFit, MovesWithTheScene) {
   const Light light;
   const Vec3d n = normalize(Vec3d{0.3, -0.8, 0.5});
