@@ -61,8 +61,9 @@ class Architect {
     if (is(RoomKind::keyhole)) depth_ = 4;
   }
 
-  WallOpening somewhere(double height, double width, double sill) {
-    const double z = between(-0.5 * depth_ + 0.1, 0.5 * depth_ - 0.1 - width);
+  // `aside`: room for a leaf to open into, so that the light's way is not narrower beside it.
+  WallOpening somewhere(double height, double width, double sill, double aside = 0.1) {
+    const double z = between(-0.5 * depth_ + 0.1, 0.5 * depth_ - aside - width);
     return {sill, sill + height, z, z + width};
   }
 
@@ -72,14 +73,14 @@ class Architect {
         return somewhere(between(1.2, 2), 0.03, between(0.05, 0.15));
       case RoomKind::floor_door:
       case RoomKind::through_floor:
-      case RoomKind::doors_in_row:
-      case RoomKind::ajar: {
+      case RoomKind::doors_in_row: {
         const double width = between(0.6, 0.9);
         return somewhere(between(1.8, 2), width, 0);
       }
+      case RoomKind::ajar:
       case RoomKind::ajar_full: {
         const double width = between(0.6, 0.9);
-        return somewhere(height_, width, 0);
+        return somewhere(is(RoomKind::ajar) ? between(1.8, 2) : height_, width, 0, 0.6);
       }
       case RoomKind::window: {
         const double width = between(0.6, 1.1);

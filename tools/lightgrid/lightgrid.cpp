@@ -42,6 +42,7 @@ constexpr size_t kMostKept = 1 << 20;  // coarse lines the fine pass starts from
 constexpr double kFull = 0.2;       // of the largest count
 constexpr double kNarrowest = 2e4;  // exponent of the cosine
 constexpr uint64_t kMoves = 6, kMostSteps = 48;
+constexpr uint64_t kMeetings = 4;  // first steps, at places where lines meet
 
 void lay_out(const Scene& scene, int resolution, LightGrid& grid) {
   Vec3d low(INFINITY), high(-INFINITY);
@@ -154,15 +155,25 @@ ChainWeights weights_of(const LightGrid& grid, const std::vector<double>& w,
   return weights;
 }
 
+// The place on `line` nearest to `other` [metres]: all lines meet in the opening.
+Vec3d nearest_to(const LightLine& line, const LightLine& other) {
+  const Vec3d d = line.camera - line.light, e = other.camera - other.light;
+  const Vec3d between = line.light - other.light;
+  const double dd = dot(d, d), de = dot(d, e), ee = dot(e, e);
+  const double slant = dd * ee - de * de;
+  const double t =
+      slant > 1e-12 * dd * ee ? (de * dot(e, between) - ee * dot(d, between)) / slant : 0.5;
+  return line.light + d * std::clamp(t, 0.0, 1.0);
+}
+
 // Counts of the light's own distribution, from chains that have settled.
 std::vector<double> recount(const LightGrid& grid, const std::vector<double>& w,
                             const std::vector<LightLine>& chain) {
   std::vector<double> count(w.size(), 0);
   const ChainWeights weights = weights_of(grid, w, chain);
   for (size_t i = 0; i < chain.size(); ++i)
-    walk_grid(grid, chain[i].light, chain[i].camera, [&](size_t voxel, double) {
-      if (grid.air[voxel]) count[voxel] += weights.share(i);
-    });
+    walk_grid(grid, chain[i].light, chain[i].camera,
+              [&](size_t voxel, double) { count[voxel] += weights.share(i); });
   return count;
 }
 
@@ -249,7 +260,12 @@ void fine_pass(const Scene& scene, const LightLines& lines, size_t c,
   std::vector<std::optional<Probe>> probe(chains);
   uint64_t moves = 0;
   bool recounted = false;
+  const std::vector<double> ones(w.size(), 1);
+  const auto pick_of = [](double u, size_t n) {
+    return std::min(n - 1, static_cast<size_t>(u * static_cast<double>(n)));
+  };
   for (uint64_t round = 0; round < kMostSteps && moves < kMoves * chains; ++round) {
+    if (round == kMeetings) w = weights_of(recount(grid, ones, chain));
     if (!recounted && (2 * moves >= kMoves * chains || 2 * round >= kMostSteps)) {
       // What the coarse pass distorted would keep the chains from where it saw too little.
       w = weights_of(recount(grid, w, chain));
@@ -261,7 +277,9 @@ void fine_pass(const Scene& scene, const LightLines& lines, size_t c,
         const double u = rng.uniform(), v1 = rng.uniform(), v2 = rng.uniform();
         const double sharp = rng.uniform();
         step[i].outcome = LightLines::Through::unknown;
-        const auto place = place_on(grid, w, chain[i], u);
+        const std::optional<Vec3d> place =
+            round < kMeetings ? nearest_to(chain[i], start[pick_of(u, start.size())])
+                              : place_on(grid, w, chain[i], u);
         if (!place) continue;
         const Onb<double> frame(normalize(chain[i].camera - chain[i].light));
         step[i].wide = sharp < 0.5;

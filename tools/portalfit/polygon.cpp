@@ -1,5 +1,6 @@
 #include "tools/portalfit/polygon.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -45,7 +46,17 @@ Polygon clipped(const Polygon& polygon, Vec2d axis, double limit) {
     if (dp >= 0) kept.push_back(p);
     if ((dp >= 0) != (dq >= 0)) kept.push_back(p + (q - p) * (dp / (dp - dq)));
   }
-  return kept;
+  // A cut through a corner gives it twice but for rounding, and nothing lies on one side of an edge
+  // of no length.
+  double size = 0;
+  for (const Vec2d& p : kept) size = std::max({size, std::abs(p.x), std::abs(p.y)});
+  constexpr double kSame = 1e-9;
+  Polygon clean;
+  for (size_t i = 0; i < kept.size(); ++i) {
+    const Vec2d d = kept[(i + 1) % kept.size()] - kept[i];
+    if (std::max(std::abs(d.x), std::abs(d.y)) > kSame * size) clean.push_back(kept[i]);
+  }
+  return clean;
 }
 
 Polygon simplified(const Polygon& polygon, size_t corners, double tolerance) {

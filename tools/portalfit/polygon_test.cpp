@@ -74,5 +74,21 @@ TEST(Polygon, PointsOnALineHaveNoHull) {
   EXPECT_LT(convex_hull({{0, 0}, {1, 1}, {2, 2}}).size(), 3u);
 }
 
+TEST(Polygon, CutsThroughACornerLeaveNoEdgeWithoutLength) {
+  const Polygon square{{-0.3, -0.7}, {0.7, -0.1}, {0.3, 0.9}, {-0.6, 0.4}};
+  for (const Vec2d& corner : square)
+    for (int k = 0; k < 360; ++k) {
+      const Vec2d axis{std::cos(k * 0.0174533), std::sin(k * 0.0174533)};
+      const double through = corner.x * axis.x + corner.y * axis.y;
+      for (const double limit : {through, through + 1e-16, through - 1e-16}) {
+        const Polygon kept = clipped(square, axis, limit);
+        if (area(kept) < 0.05) continue;
+        Vec2d middle;
+        for (const Vec2d& p : kept) middle = middle + p * (1.0 / static_cast<double>(kept.size()));
+        EXPECT_TRUE(contains(kept, middle)) << k;
+      }
+    }
+}
+
 }  // namespace
 }  // namespace tdpt

@@ -46,7 +46,7 @@ Polygon trimmed(Polygon hull, std::vector<Vec2d>& points) {
   const double all = static_cast<double>(points.size());
   for (;;) {
     const double whole = area(hull), n = static_cast<double>(points.size());
-    const auto most = static_cast<size_t>(kMostCut * all - (all - n));
+    const auto most = static_cast<size_t>(std::max(0.0, kMostCut * all - (all - n)));
     struct Cut {
       double gain = kWorthIt;
       Polygon kept;
