@@ -9,6 +9,7 @@ export LC_ALL=C
 bin=$(cd "${1:-build/bin}" && pwd) cache=${2:-build/portals}
 here=$(cd "$(dirname "$0")/.." && pwd)
 rooms=${ROOMS:-20} seed=${SEED:-1000}
+few=$(((rooms + 6) / 7))  # rooms of each kind in the other tables
 mkdir -p "$cache"
 known=hole,slit,floor-door,through-floor,ajar-full,ajar,window,two-openings,holes-in-row,doors-in-row,closet
 
@@ -57,7 +58,6 @@ normal is the main axis of the fullest voxels (\`portalfit --method paper\`).
 
 | method $head
 PAPER
-few=$(((rooms + 3) / 4))
 summary ours "ours" --rooms "$few" --kinds $known
 summary paper-graph "triangles, our fit" --rooms "$few" --kinds $known --ffgraph "--nodes triangles"
 summary paper-fit "patches, the paper's fit" --rooms "$few" --kinds $known --portalfit "--method paper"
