@@ -9,10 +9,13 @@
 // otherwise. Two lines that meet at x see each other under the same angle, so the walk is
 // reversible with respect to W(l) times the measure of lines (area times projected solid angle):
 // that is where it settles, whatever the coarse pass distorted. Dividing by W leaves the light's
-// own distribution. Half-way the counts are taken again, from the walk's lines. w = count^3 keeps x
-// near the opening, where most lines through x join the sides; it is 0 where there is geometry:
-// between the jambs of an opening leaks pile up. The last wide try of each chain is kept as a
-// probe: they tell the portals' support.
+// own distribution. w = count^3, but for the fullest voxels, keeps x near the opening, where most
+// lines through x join the sides. The coarse counts are of no use where there is geometry, since
+// leaks pile up between the jambs of an opening, and a few bundles of light are as full along their
+// whole length as in a small opening. So in the first steps x is where the line comes nearest to
+// another: all meet in the opening. Then the counts are taken from the walk's own lines, and once
+// more half-way. The last wide try of each chain is kept as a probe: they tell the portals'
+// support.
 #include "tools/lightgrid/lightgrid.h"
 
 #include <cmath>
