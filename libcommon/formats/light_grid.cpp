@@ -30,9 +30,19 @@ vdb::CoordBBox box_of(const LightGrid& grid) {
   return {vdb::Coord(0), vdb::Coord(grid.dim[0] - 1, grid.dim[1] - 1, grid.dim[2] - 1)};
 }
 
+// OpenVDB takes no voxels whose volume is below 3e-15: its transforms show smaller ones enlarged by
+// this power of two.
+double unit_of(const LightGrid& grid) {
+  constexpr double kSmallest = 2e-5;
+  return grid.voxel > 0 && grid.voxel < kSmallest
+             ? std::exp2(std::ceil(std::log2(kSmallest / grid.voxel)))
+             : 1;
+}
+
 vdb::math::Transform::Ptr transform_of(const LightGrid& grid) {
-  auto t = vdb::math::Transform::createLinearTransform(grid.voxel);
-  const Vec3d centre = grid.origin + Vec3d(0.5 * grid.voxel);
+  const double unit = unit_of(grid);
+  auto t = vdb::math::Transform::createLinearTransform(grid.voxel * unit);
+  const Vec3d centre = (grid.origin + Vec3d(0.5 * grid.voxel)) * unit;
   t->postTranslate({centre.x, centre.y, centre.z});
   return t;
 }
@@ -65,9 +75,10 @@ struct Positions {
   using PosType = vdb::Vec3R;
   using value_type = vdb::Vec3R;
   const std::vector<LightLine>& lines;
+  double unit;
   size_t size() const { return lines.size(); }
   void getPos(size_t n, vdb::Vec3R& p) const {
-    const Vec3d& v = lines[n].light;
+    const Vec3d v = lines[n].light * unit;
     p = {v.x, v.y, v.z};
   }
 };
@@ -84,7 +95,7 @@ void append(PointGrid& grid, const vdb::tools::PointIndexGrid& index, const char
 PointGrid::Ptr points_of(const LightGrid& light, const char* name,
                          const std::vector<LightLine>& lines, const std::vector<int32_t>* joins) {
   const auto transform = transform_of(light);
-  const Positions positions{lines};
+  const Positions positions{lines, unit_of(light)};
   const auto index =
       vdb::tools::createPointIndexGrid<vdb::tools::PointIndexGrid>(positions, *transform);
   auto grid = vdb::points::createPointDataGrid<vdb::points::NullCodec, PointGrid>(*index, positions,
@@ -101,6 +112,27 @@ PointGrid::Ptr points_of(const LightGrid& light, const char* name,
   append(*grid, *index, "cut", cut);
   if (joins) append(*grid, *index, "joins", *joins);
   return grid;
+}
+
+// The file's identifier, random in OpenVDB's own files, is made of its other bytes: the same light
+// gives the same bytes, and damage shows. It follows magic number (8), versions (12) and one flag;
+// the digits that tell the kind of an identifier (RFC 9562) say that it is such a one.
+constexpr size_t kIdentifierAt = 21, kIdentifierLength = 36;
+
+std::string identifier_of(std::string bytes) {
+  bytes.replace(kIdentifierAt, kIdentifierLength, kIdentifierLength, '0');
+  std::string id = content_hash(bytes);
+  for (const size_t dash : {8, 13, 18, 23}) id.insert(dash, "-");
+  id[14] = '8', id[19] = 'a';
+  return id;
+}
+
+// OpenVDB ends the program at some kinds of damage, so it must not see them. Files that other
+// programs wrote have identifiers of another kind and go unchecked.
+bool is_damaged(const std::string& bytes) {
+  if (bytes.size() < kIdentifierAt + kIdentifierLength) return false;
+  const std::string id = bytes.substr(kIdentifierAt, kIdentifierLength);
+  return id[14] == '8' && id[19] == 'a' && id != identifier_of(bytes);
 }
 
 class Reader {
@@ -238,6 +270,7 @@ class Reader {
              const Add& add) const {
     const std::string at = "grid " + name;
     const auto& transform = grid->transform();
+    const double unit = unit_of(light);
     for (auto leaf = grid->tree().cbeginLeaf(); leaf; ++leaf) {
       const auto& attributes = leaf->attributeSet();
       for (const char* attribute : {"P", "along", "cut"})
@@ -253,7 +286,7 @@ class Reader {
         if (*it >= place.size() || *it >= along.size() || *it >= cut.size() || *it >= joins.size())
           fail(at, "names a point that does not exist");
         const vdb::Vec3d p =
-            transform.indexToWorld(vdb::Vec3d(place.get(*it)) + it.getCoord().asVec3d());
+            transform.indexToWorld(vdb::Vec3d(place.get(*it)) + it.getCoord().asVec3d()) / unit;
         const vdb::Vec3f d = along.get(*it);
         LightLine line{{p.x(), p.y(), p.z()}, {}, 0};
         line.camera = line.light + Vec3d{d.x(), d.y(), d.z()};
@@ -273,8 +306,8 @@ class Reader {
     for (const Vec3d& end : {line.light, line.camera})
       for (int c = 0; c < 3; ++c) {
         const double at = (end[c] - light.origin[c]) / light.voxel;
-        if (!(at >= -1 && at <= light.dim[static_cast<size_t>(c)] + 1))
-          fail(place, "reaches out of its box");
+        const int side = light.dim[static_cast<size_t>(c)];
+        if (!(side > 0 && at >= -1 && at <= side + 1)) fail(place, "reaches out of its box");
       }
   }
 
@@ -288,6 +321,7 @@ LightGrid read_light_grid(const std::string& path) {
   initialise();
   const std::string name = display_name(path);
   const std::string bytes = read_file(path);
+  if (is_damaged(bytes)) throw InputError(name, "", "is damaged or cut short");
   try {
     return Reader(name).read(bytes);
   } catch (const InputError&) {
@@ -342,13 +376,7 @@ std::string light_grid_bytes(const LightGrid& light) {
   std::ostringstream out(std::ios::binary);
   vdb::io::Stream(out).write(grids, meta);
   std::string bytes = out.str();
-  // OpenVDB writes a random identifier after magic number (8), versions (12) and one flag: the same
-  // light must give the same bytes.
-  constexpr size_t kAt = 21, kLength = 36;
-  bytes.replace(kAt, kLength, kLength, '0');
-  std::string id = content_hash(bytes);
-  for (const size_t dash : {8, 13, 18, 23}) id.insert(dash, "-");
-  bytes.replace(kAt, kLength, id);
+  bytes.replace(kIdentifierAt, kIdentifierLength, identifier_of(bytes));
   return bytes;
 }
 
