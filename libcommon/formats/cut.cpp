@@ -36,6 +36,8 @@ class CutReader {
 
   void value() {
     if (!out_.patches.empty()) in_.fail("an 's' line behind a node, expected it before");
+    if (out_.cuts.size() == kMostCuts)
+      in_.fail(fmt::format("one cut more than {}, expected no more", kMostCuts));
     Bottleneck cut;
     cut.flow = in_.real("value of the cut");
     if (cut.flow < 0) in_.fail("a negative cut, expected a value of 0 or more");

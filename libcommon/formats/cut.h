@@ -43,6 +43,8 @@ struct Bottleneck {
   double conductance = 0;  ///< patch-to-patch part / smaller side's total; a bottleneck is small
 };
 
+inline constexpr uint32_t kMostCuts = 64;  ///< of one file
+
 struct CutFile {
   std::string scene_hash;
   PatchGrid grid;
@@ -50,7 +52,7 @@ struct CutFile {
   /// Of each patch: 0 holds the light, cuts.size() the camera. Cut c parts regions 0..c from those
   /// above c.
   std::vector<uint32_t> region;
-  std::vector<Bottleneck> cuts;  ///< in the light's order, at least one
+  std::vector<Bottleneck> cuts;  ///< in the light's order, 1 to kMostCuts
   std::vector<CutArc> arcs;      ///< patch-to-patch arcs from a region to a higher one
   bool bottleneck = false;       ///< false: the network has none; then there is one cut
   std::string reason;            ///< a plain sentence, why not, when !bottleneck

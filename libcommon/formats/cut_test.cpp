@@ -130,6 +130,9 @@ TEST(cut, says_what_is_wrong_and_where) {
        " no 'c grid' line, expected the grid of the patches"},
   };
   for (const auto& [text, expected] : cases) EXPECT_EQ(complaint(text), expected) << text;
+  std::string many = "c tdpt cut 2\n";
+  for (uint32_t c = 0; c <= kMostCuts; ++c) many += "s 1 0.1\n";
+  EXPECT_EQ(complaint(many), "line 66: one cut more than 64, expected no more");
 }
 
 // Whatever happens to a file, it is read or refused with a message; a sanitizer build looks on.

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "libcommon/base/provenance.h"
+#include "libcommon/formats/cut.h"
 #include "libcommon/math/vec.h"
 
 namespace tdpt {
@@ -19,7 +20,6 @@ struct LightLine {
   Vec3d light, camera;
   uint32_t cut = 0;  ///< which cut of the .cut file, from the light to the camera
 };
-inline constexpr uint32_t kMostCuts = 64;
 
 /// A line drawn in any direction through the light's fullest places, up to the surfaces it meets.
 struct Probe {
