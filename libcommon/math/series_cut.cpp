@@ -158,7 +158,14 @@ class SeriesCutter {
     return s;
   }
 
-  std::string why_no_bottleneck(const Sides& s) const {
+  std::string why_no_bottleneck(const MaxFlow& flow, const Sides& s) const {
+    const auto reaches_nothing = [&](uint32_t terminal) {
+      return std::none_of(net_.arcs.begin(), net_.arcs.end(), [&](const FlowArc& a) {
+        return a.capacity > 0 && (a.from == terminal || a.to == terminal);
+      });
+    };
+    if (flow.value == 0 && reaches_nothing(net_.source)) return "no light reaches a surface";
+    if (flow.value == 0 && reaches_nothing(net_.sink)) return "the camera sees no surface";
     const int small = s.area[0] < s.area[1] ? 0 : 1;
     if (s.area[small] < limits_.least_area * area_)
       return fmt::format(
@@ -284,7 +291,7 @@ class SeriesCutter {
     for (uint32_t v = 0; v < net_.nodes; ++v) result_.region[v] = flow.source_side[v] ? 0 : 1;
     const Sides sides = sides_of(0);
     result_.cuts = {{flow.value, sides.conductance()}};
-    result_.reason = why_no_bottleneck(sides);
+    result_.reason = why_no_bottleneck(flow, sides);
     result_.bottleneck = result_.reason.empty();
     return result_.bottleneck;
   }

@@ -98,6 +98,14 @@ TEST(series_cut, leaves_a_closet_beside_the_lights_way_alone) {
   EXPECT_EQ(regions(p, cut)[1], 0u);
 }
 
+TEST(series_cut, a_terminal_that_reaches_nothing_is_told) {
+  PatchNetwork dark = rooms_in_row({400}), blind = dark;
+  std::erase_if(dark.network.arcs, [](const FlowArc& a) { return a.from == 0; });
+  std::erase_if(blind.network.arcs, [](const FlowArc& a) { return a.to == 1; });
+  EXPECT_EQ(series_cut(dark, 8, {}).reason, "no light reaches a surface");
+  EXPECT_EQ(series_cut(blind, 8, {}).reason, "the camera sees no surface");
+}
+
 TEST(terminal_grades, are_relative_to_half_the_hit_weighted_median) {
   // E = 10, 2, 1; hits 100, 20, 10: the median by hits is 10, half of it 5.
   const auto g = terminal_grades({100, 20, 10, 0, 7}, {10, 10, 10, 10, 0});

@@ -46,6 +46,8 @@ DimacsFile graph_of_patches(const Arguments& a, const cli::Common& common, const
                   report.why_stopped));
   if (report.light_hits == 0)
     common.warn("no light reaches a surface: the network carries no flow");
+  if (report.camera_hits == 0)
+    common.warn("the camera sees no surface: the network carries no flow");
   summary["light_hits"] = report.light_hits;
   summary["camera_hits"] = report.camera_hits;
   summary["reached_by_both"] = report.reached_by_both;
