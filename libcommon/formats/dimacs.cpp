@@ -122,6 +122,13 @@ class DimacsReader {
     if (!out_.has_patches) return;
     if (out_.scene_hash.empty()) in_.fail_file("no 'c scene' line, expected the hash of the scene");
     if (!has_grid_) in_.fail_file("no 'c grid' line, expected the grid of the patches");
+    // What is cut anew has capacities of at most the samples.
+    double samples = 0;
+    for (const Patch& p : out_.patches) samples += p.samples;
+    if (!(samples * out_.scale < static_cast<double>(kLargestCapacitySum)))
+      in_.fail_file(
+          fmt::format("samples times the scale add up to {:.3g}, expected less than {:.3g}",
+                      samples * out_.scale, static_cast<double>(kLargestCapacitySum)));
     for (const Patch& p : out_.patches) {
       if (p.node > net().nodes || p.node - 1 == *source_ || p.node - 1 == *sink_)
         in_.fail_file(fmt::format("patch {} is no inner node of the network", p.node));

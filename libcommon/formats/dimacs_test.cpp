@@ -130,6 +130,8 @@ TEST(dimacs, says_what_is_wrong_and_where) {
       {ours + "c patch 2" + geometry + p + arcs, " patch 2 has no faces, expected at least one"},
       {ours + "c patch 1" + geometry + "c faces 1 0\n" + p + arcs,
        " patch 1 is no inner node of the network"},
+      {ours + "c scale 1e300\nc patch 2" + geometry + "c faces 2 0\n" + p + arcs,
+       " samples times the scale add up to 9e+300, expected less than 2.31e+18"},
   };
   for (const auto& [text, expected] : cases) EXPECT_EQ(complaint(text), expected) << text;
 }

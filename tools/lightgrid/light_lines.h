@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "libcommon/formats/cut.h"
+#include "libcommon/formats/light_grid.h"
 #include "libcommon/scene/scene.h"
 #include "libcommon/trace/tracer.h"
 #include "tools/lightgrid/patch_map.h"
@@ -15,6 +16,10 @@ namespace tdpt {
 struct JoiningLine {
   SurfacePoint light, camera;
 };
+
+inline LightLine in_metres(const Scene& scene, const JoiningLine& l) {
+  return {scene.frame.to_metres(l.light.position), scene.frame.to_metres(l.camera.position)};
+}
 
 class LightLines {
  public:
