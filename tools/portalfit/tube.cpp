@@ -12,7 +12,7 @@ namespace tdpt {
 namespace {
 
 constexpr int kSides = 16;
-constexpr double kOutside = 0.001;    // share of the lines beyond each side of the outline
+constexpr double kOutside = 0.0006;   // share of the lines beyond each side of the outline
 constexpr double kPlaneHolds = 0.97;  // of the prism's lines
 constexpr double kPrism = 1.12;       // most area of a prism's outline over that in its middle
 constexpr double kThrough = 0.002;    // smallest share of the lines that pass both faces

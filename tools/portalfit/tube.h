@@ -19,7 +19,7 @@ namespace tdpt {
 double facing_rectangles(double a, double b, double c);
 
 /// The tube of least etendue near `start` that holds `lines`. Of 16 sides of its outline each
-/// leaves 0.1 % of the lines outside; lines that miss it altogether are held against it. `near`:
+/// leaves 0.06 % of the lines outside; lines that miss it altogether are held against it. `near`:
 /// `start` is a result of this already, for nearly the same lines.
 Tube least_tube(const std::vector<LightLine>& lines, const Tube& start, bool near);
 
