@@ -6,6 +6,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "libcommon/base/error.h"
+
 namespace tdpt::testing {
 namespace {
 
@@ -39,7 +41,11 @@ StagesRun run_stages(const PortalStages& stages, const std::string& stem) {
       command("portalfit", stem + ".vdb -o " + stem + ".portal.glb");
   StagesRun run;
   run.failed = std::system(commands.c_str()) != 0;
-  if (!run.failed) run.portals = read_portals(stem + ".portal.glb").portals;
+  try {
+    if (!run.failed) run.portals = read_portals(stem + ".portal.glb").portals;
+  } catch (const InputError&) {
+    run.failed = true;
+  }
   for (const char* name : kPrograms)
     run.cpu_seconds += number_in(text_of(stem + "." + name + ".json"), "cpu_seconds");
   run.voxel = number_in(text_of(stem + ".lightgrid.json"), "voxel");

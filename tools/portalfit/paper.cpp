@@ -67,7 +67,8 @@ std::optional<Portal> portal_by_paper(const LightGrid& grid, double share) {
   for (const Vec3d& p : axes.centres)
     points.push_back({dot(p - plane.o, frame.x), dot(p - plane.o, frame.y)});
   const Polygon hull = convex_hull(points);
-  if (hull.size() < 3 || !(area(hull) > 0)) return {};
+  // Voxels in one row have no width: what rounding makes of it is no portal.
+  if (hull.size() < 3 || !(area(hull) > 1e-3 * grid.voxel * grid.voxel)) return {};
   Portal portal;
   for (const Vec2d& p : hull) portal.vertices.push_back(to_space(plane, p));
   portal.triangles = triangulate(hull);

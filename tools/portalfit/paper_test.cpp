@@ -51,6 +51,10 @@ TEST(PortalByPaper, StandsAcrossFlatOnes) {
 TEST(PortalByPaper, NeedsAPolygon) {
   EXPECT_FALSE(portal_by_paper(grid_with_box(10, 1, 1), 0.5));
   EXPECT_FALSE(portal_by_paper(LightGrid{}, 0.5));
+  // A plane of voxels seen along itself is a line, whatever rounding makes of it.
+  LightGrid row = grid_with_box(9, 4, 1);
+  row.origin = {0.1, 0.7, 0.3};
+  EXPECT_FALSE(portal_by_paper(row, 0.5));
 }
 
 }  // namespace
