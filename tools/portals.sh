@@ -51,6 +51,11 @@ INTRO
 table kinds --rooms "$rooms"
 cat <<PAPER
 
+"With openings" are the kinds above the keyhole. \`ajar-full\` is a leaf from floor to ceiling, with one slit beside it;
+\`ajar\` is lower than the ceiling, and beside the slit it has a gap over the leaf, a triangle a few centimetres wide that
+shares an edge with the slit and gets about a tenth of the light. A keyhole of 1 cm is found when a step of the walks passes it,
+which in walls much thicker than that none does: then no light is said to pass. More \`--walks\` find more of them.
+
 ## The paper's rules
 
 The same rooms, fewer of them. The paper's nodes are triangles with form factors (\`ffgraph --nodes triangles\`), its
