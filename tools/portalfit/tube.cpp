@@ -17,7 +17,8 @@ constexpr double kPlaneHolds = 0.97;  // of the prism's lines
 constexpr double kPrism = 1.12;       // most area of a prism's outline over that in its middle
 constexpr double kThrough = 0.002;    // smallest share of the lines that pass both faces
 constexpr double kLosing = 2, kLosingPlane = 0.3;  // weight of the lines that miss it
-constexpr size_t kMostRough = 1500;                // lines for the first look
+constexpr double kLosingKnown = 3;   // the same, of lines that are known to pass there
+constexpr size_t kMostRough = 1500;  // lines for the first look
 constexpr size_t kMostFine = 8192;
 constexpr double kWidest =
     1.5;  // the same of anything: a room is a tube, too, and all lines end in it
@@ -243,6 +244,14 @@ Tube least_tube(const std::vector<LightLine>& lines, const Tube& start, bool nea
   const Tube plane = flattened(tube, kLosingPlane);
   flat.badness(plane);
   return flat.points.size() < kPlaneHolds * prism.points.size() ? tube : plane;
+}
+
+Tube holding_plane(const std::vector<LightLine>& lines, const Tube& start) {
+  Search flat{every_kth(lines, kMostFine), true};
+  flat.losing = kLosingKnown;
+  Tube plane = start;
+  plane.half = 0;
+  return flat.run(plane, 0.3, 0.004);
 }
 
 }  // namespace tdpt

@@ -23,4 +23,8 @@ double facing_rectangles(double a, double b, double c);
 /// `start` is a result of this already, for nearly the same lines.
 Tube least_tube(const std::vector<LightLine>& lines, const Tube& start, bool near);
 
+/// The plane of least area near that of `start`, where few of `lines` may miss it: for lines that
+/// are known to pass there.
+Tube holding_plane(const std::vector<LightLine>& lines, const Tube& start);
+
 }  // namespace tdpt

@@ -1,0 +1,122 @@
+#include "tools/portalfit/aperture.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <numbers>
+
+#include <oneapi/tbb/parallel_for.h>
+
+namespace tdpt {
+namespace {
+
+constexpr size_t kMostCorners = 12;
+constexpr double kCornerTolerance = 0.003;  // of the area, for each corner saved
+constexpr double kWithin = 0.85;            // of the tube's depth: where its outline is taken
+
+// Cuts off parts of the hull that hold far fewer points than their area: light that comes around
+// the edge of the aperture. Keeps in `points` what the hull keeps. Never takes more than the share
+// kMostCut of the points.
+Polygon trimmed(Polygon hull, std::vector<Vec2d>& points) {
+  constexpr double kMostCut = 0.02, kSparse = 10, kWorthIt = 0.01;
+  constexpr int kDirections = 64, kSteps = 40;
+  const double all = static_cast<double>(points.size());
+  for (;;) {
+    const double whole = area(hull), n = static_cast<double>(points.size());
+    const auto most = static_cast<size_t>(std::max(0.0, kMostCut * all - (all - n)));
+    struct Cut {
+      double gain = kWorthIt;
+      Polygon kept;
+    };
+    std::array<Cut, kDirections> cuts;
+    tbb::parallel_for(0, kDirections, [&](int k) {
+      Cut& cut_here = cuts[static_cast<size_t>(k)];
+      const double angle = 2 * std::numbers::pi * k / kDirections;
+      const Vec2d axis{std::cos(angle), std::sin(angle)};
+      std::vector<double> reach;
+      for (const Vec2d& p : points) reach.push_back(p.x * axis.x + p.y * axis.y);
+      const size_t deepest = std::min(most + 1, reach.size());
+      std::partial_sort(reach.begin(), reach.begin() + static_cast<std::ptrdiff_t>(deepest),
+                        reach.end(), std::greater<>());
+      for (int step = 1; step <= kSteps; ++step) {
+        const size_t cut = most * static_cast<size_t>(step) / kSteps;
+        if (cut == 0 || cut >= reach.size()) continue;
+        Polygon kept = clipped(hull, axis, reach[cut]);
+        const double value = (whole - area(kept)) / whole - kSparse * static_cast<double>(cut) / n;
+        if (value > cut_here.gain && kept.size() >= 3) cut_here = {value, std::move(kept)};
+      }
+    });
+    const auto best_cut = std::max_element(
+        cuts.begin(), cuts.end(), [](const Cut& a, const Cut& b) { return a.gain < b.gain; });
+    const Polygon best = best_cut->kept;
+    if (best.empty()) return hull;
+    std::erase_if(points, [&](const Vec2d& p) { return !contains(best, p); });
+    hull = convex_hull(points);
+  }
+}
+
+std::vector<LightLine> picked(const LightGrid& grid, const std::vector<uint32_t>& lines) {
+  std::vector<LightLine> some;
+  for (const uint32_t l : lines) some.push_back(grid.lines[l]);
+  return some;
+}
+
+}  // namespace
+
+std::vector<uint32_t> lines_across(const LightGrid& grid, const std::vector<uint32_t>& lines,
+                                   const Aperture& a) {
+  std::vector<uint32_t> across;
+  for (const uint32_t l : lines)
+    if (Vec2d at; inside_at(a.tube, grid.lines[l], 0, at) && contains(a.polygon, at))
+      across.push_back(l);
+  return across;
+}
+
+Polygon outline_of(std::vector<Vec2d> points) {
+  Polygon hull = convex_hull(points);
+  if (hull.size() < 3 || !(area(hull) > 0)) return {};
+  hull = trimmed(std::move(hull), points);
+  // The hull of n random points lacks about (8/3) ln(n)/n of a quadrilateral's area.
+  const auto n = static_cast<double>(points.size());
+  return simplified(enlarged(hull, 1 + 8.0 / 3 * std::log(n) / n), kMostCorners, kCornerTolerance);
+}
+
+std::optional<Aperture> outlined(const LightGrid& grid, const std::vector<uint32_t>& lines,
+                                 const Tube& tube, bool again) {
+  Aperture a{tube, {}, {}};
+  std::vector<uint32_t> bundle;
+  for (int round = 0; round < 3; ++round) {
+    if (round > 0) a.tube = least_tube(picked(grid, bundle), a.tube, again || round > 1);
+    bundle = members(grid, lines, a.tube, grid.voxel);
+    if (bundle.size() < kFewestLines) return {};
+  }
+
+  std::vector<Vec2d> points;
+  for (const uint32_t l : bundle)
+    for (const double face : {-kWithin * a.tube.half, kWithin * a.tube.half})
+      if (Vec2d at; inside_at(a.tube, grid.lines[l], face, at)) points.push_back(at);
+  a.polygon = outline_of(std::move(points));
+  if (a.polygon.empty()) return {};
+  a.lines = lines_across(grid, lines, a);
+  return a;
+}
+
+std::optional<Aperture> find_aperture(const LightGrid& grid, const std::vector<uint32_t>& lines) {
+  Tube tube;
+  Plane& plane = tube.middle;
+  plane.o = fullest_place(grid, lines);
+  plane.n = mean_direction_near(grid, lines, plane.o, 1.5 * grid.voxel);
+  if (plane.n == Vec3d{}) return {};
+  tube.half = 0.5 * grid.voxel;
+  for (int round = 0; round < 6; ++round) {
+    const Plane before = plane;
+    const auto bundle = members(grid, lines, tube, grid.voxel);
+    if (bundle.size() < kFewestLines) return {};
+    plane = waist(grid, bundle, plane);
+    if (dot(before.n, plane.n) > 1 - 1e-6 && length(before.o - plane.o) < 1e-3 * grid.voxel) break;
+  }
+  return outlined(grid, lines, tube);
+}
+
+}  // namespace tdpt

@@ -1,0 +1,37 @@
+// An opening that lines pass, and how it is found among them: the fullest place, the lines around
+// it, the plane of their waist, the hull of their crossings.
+#pragma once
+#include <optional>
+#include <vector>
+
+#include "libcommon/formats/light_grid.h"
+#include "tools/portalfit/bundle.h"
+#include "tools/portalfit/polygon.h"
+#include "tools/portalfit/tube.h"
+
+namespace tdpt {
+
+/// With fewer lines nothing is said about an opening.
+inline constexpr size_t kFewestLines = 30;
+
+struct Aperture {
+  Tube tube;
+  Polygon polygon;              ///< in the middle of the tube [metres]
+  std::vector<uint32_t> lines;  ///< that cross it along the normal: indices into grid.lines
+};
+
+/// Those of `lines` that cross the aperture along its normal.
+std::vector<uint32_t> lines_across(const LightGrid& grid, const std::vector<uint32_t>& lines,
+                                   const Aperture& a);
+
+/// The convex outline of an opening with these crossings, but for strays; empty when there is none.
+Polygon outline_of(std::vector<Vec2d> points);
+
+/// The aperture among `lines` close to `tube`: its tube, its outline. `again`: it is one already.
+std::optional<Aperture> outlined(const LightGrid& grid, const std::vector<uint32_t>& lines,
+                                 const Tube& tube, bool again = false);
+
+/// The aperture around the fullest place of `lines`.
+std::optional<Aperture> find_aperture(const LightGrid& grid, const std::vector<uint32_t>& lines);
+
+}  // namespace tdpt

@@ -1,0 +1,159 @@
+#include "tools/portalfit/parting.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+namespace tdpt {
+namespace {
+
+constexpr double kSlant = 0.5;  // sine between planes that bound each other
+constexpr double kMost = 0.25;  // of an opening's area, beyond the edge it shares
+constexpr double kReach = 1.5;  // in area: how near is near
+
+Vec2d in_plane(const Plane& plane, const Vec3d& place) {
+  const Onb<double> frame(plane.n);
+  return {dot(place - plane.o, frame.x), dot(place - plane.o, frame.y)};
+}
+
+// The middle of the piece of the half plane's border within `polygon`, if there is one.
+std::optional<Vec2d> middle_of_border(const Polygon& polygon, const HalfPlane& half) {
+  Vec2d sum{};
+  int ends = 0;
+  for (size_t i = 0; i < polygon.size(); ++i) {
+    const Vec2d p = polygon[i], q = polygon[(i + 1) % polygon.size()];
+    const double from = p.x * half.axis.x + p.y * half.axis.y - half.limit,
+                 to = q.x * half.axis.x + q.y * half.axis.y - half.limit;
+    if ((from > 0) == (to > 0)) continue;
+    sum = sum + p + (q - p) * (from / (from - to));
+    ++ends;
+  }
+  if (ends == 0) return {};
+  return sum * (1.0 / ends);
+}
+
+// Cuts off what reaches beyond the edges that `a` shares with other ones. False when it shares
+// none.
+bool keep_before(Aperture& a, const std::vector<Aperture>& all) {
+  bool shares = false;
+  for (const Aperture& b : all) {
+    const auto edge = shared_edge(a, b);
+    if (!edge) continue;
+    a.polygon = clipped(a.polygon, edge->axis, edge->limit);
+    shares = true;
+  }
+  return shares;
+}
+
+// Lines through `plane` near `polygon`, without the sorted `taken`.
+std::vector<LightLine> lines_near(const LightGrid& grid, const std::vector<uint32_t>& all,
+                                  const Plane& plane, const Polygon& polygon,
+                                  const std::vector<uint32_t>& taken) {
+  const Polygon reach = enlarged(polygon, kReach);
+  std::vector<LightLine> lines;
+  for (const uint32_t l : all)
+    if (Vec2d at; crossing(plane, grid.lines[l], at) && contains(reach, at) &&
+                  !std::binary_search(taken.begin(), taken.end(), l))
+      lines.push_back(grid.lines[l]);
+  return lines;
+}
+
+Polygon outline_in(const Plane& plane, const std::vector<LightLine>& lines) {
+  std::vector<Vec2d> points;
+  for (const LightLine& line : lines)
+    if (Vec2d at; crossing(plane, line, at)) points.push_back(at);
+  return points.size() < kFewestLines ? Polygon{} : outline_of(std::move(points));
+}
+
+// The opening again, from all lines that pass here and not through the others.
+std::optional<Aperture> fitted_again(const LightGrid& grid, const std::vector<uint32_t>& all,
+                                     const std::vector<uint32_t>& taken, Aperture a) {
+  constexpr int kRounds = 2;
+  for (int round = 0; round < kRounds; ++round) {
+    const auto own = lines_near(grid, all, a.tube.middle, a.polygon, taken);
+    if (own.size() < kFewestLines) return {};
+    a.tube = holding_plane(own, a.tube);
+    a.polygon = outline_in(a.tube.middle, own);
+    if (a.polygon.empty()) return {};
+  }
+  a.polygon = outline_in(a.tube.middle, lines_near(grid, all, a.tube.middle, a.polygon, taken));
+  if (a.polygon.empty()) return {};
+  return a;
+}
+
+}  // namespace
+
+std::optional<HalfPlane> shared_edge(const Aperture& a, const Aperture& b) {
+  const Plane &own = a.tube.middle, &other = b.tube.middle;
+  const Onb<double> frame(own.n);
+  const Vec2d axis{dot(other.n, frame.x), dot(other.n, frame.y)};
+  const double slant = std::hypot(axis.x, axis.y);
+  if (slant < kSlant) return {};
+  HalfPlane half{axis * (1 / slant), dot(other.o - own.o, other.n) / slant};
+  const double whole = area(a.polygon);
+  double kept = area(clipped(a.polygon, half.axis, half.limit));
+  if (kept < 0.5 * whole) half = {half.axis * -1, -half.limit}, kept = whole - kept;
+  if (kept < (1 - kMost) * whole) return {};
+  const auto middle = middle_of_border(enlarged(a.polygon, kReach), half);
+  if (!middle) return {};
+  const Vec2d there = in_plane(other, to_space(own, *middle));
+  if (!contains(enlarged(b.polygon, kReach), there)) return {};
+  return half;
+}
+
+void part_from_each_other(const LightGrid& grid, const std::vector<uint32_t>& all,
+                          std::vector<Aperture>& found) {
+  if (found.size() < 2) return;
+  constexpr double kShared = 0.01;  // of its lines: with fewer, an opening stays as it is
+  for (const double growth : {1.5, 1.2, 1.0}) {
+    for (Aperture& a : found) {
+      std::vector<uint32_t> others;
+      for (const Aperture& b : found) {
+        if (&b == &a) continue;
+        Aperture wider = b;
+        wider.polygon = enlarged(b.polygon, growth);
+        const auto across = lines_across(grid, all, wider);
+        others.insert(others.end(), across.begin(), across.end());
+      }
+      std::sort(others.begin(), others.end());
+      const auto without = [&](const std::vector<uint32_t>& lines) {
+        std::vector<uint32_t> left;
+        std::set_difference(lines.begin(), lines.end(), others.begin(), others.end(),
+                            std::back_inserter(left));
+        return left;
+      };
+      const auto shared = static_cast<double>(a.lines.size() - without(a.lines).size());
+      const auto size = static_cast<double>(a.lines.size());
+      if (shared < kShared * size || shared > 0.5 * size) continue;
+      auto again = outlined(grid, without(all), a.tube, true);
+      if (!again) continue;
+      again->lines = lines_across(grid, all, *again);
+      if (2 * again->lines.size() >= a.lines.size()) a = std::move(*again);
+    }
+  }
+}
+
+void part_at_shared_edges(const LightGrid& grid, const std::vector<uint32_t>& all,
+                          std::vector<Aperture>& found) {
+  std::vector<Aperture*> smallest_first;
+  for (Aperture& a : found)
+    if (keep_before(a, found)) {
+      a.lines = lines_across(grid, all, a);
+      smallest_first.push_back(&a);
+    }
+  std::sort(smallest_first.begin(), smallest_first.end(),
+            [](const Aperture* a, const Aperture* b) { return a->lines.size() < b->lines.size(); });
+  for (Aperture* a : smallest_first) {
+    std::vector<uint32_t> taken;
+    for (const Aperture& b : found)
+      if (&b != a) taken.insert(taken.end(), b.lines.begin(), b.lines.end());
+    std::sort(taken.begin(), taken.end());
+    auto again = fitted_again(grid, all, taken, *a);
+    if (!again) continue;
+    keep_before(*again, found);
+    again->lines = lines_across(grid, all, *again);
+    *a = std::move(*again);
+  }
+}
+
+}  // namespace tdpt

@@ -1,0 +1,110 @@
+#include "tools/portalfit/parting.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "libcommon/math/rng.h"
+#include "libcommon/math/warp.h"
+
+namespace tdpt {
+namespace {
+
+// A box open at the front (z = 0) from y = 0 to 2, the slit, and at the top (y = 2) from z = -0.7
+// to 0, the gap; both 0.1 wide. They share the edge y = 2, z = 0. Light leaves the box.
+constexpr double kHalf = 0.05, kHigh = 2, kDeep = 0.7;
+
+Aperture rectangle(const Vec3d& middle, const Vec3d& normal, const Vec3d& u, const Vec3d& v) {
+  Aperture a;
+  a.tube.middle = {middle, normal};
+  const Onb<double> frame(normal);
+  for (const Vec3d& p : {-u - v, u - v, u + v, v - u})
+    a.polygon.push_back({dot(p, frame.x), dot(p, frame.y)});
+  const Polygon& q = a.polygon;
+  if (cross(q[1] - q[0], q[2] - q[1]) < 0) std::swap(a.polygon[1], a.polygon[3]);
+  return a;
+}
+
+Aperture slit(double too_high) {
+  return rectangle({0, 0.5 * (kHigh + too_high), 0}, {0, 0, 1}, {kHalf, 0, 0},
+                   {0, 0.5 * (kHigh + too_high), 0});
+}
+
+Aperture gap() {
+  return rectangle({0, kHigh, -0.5 * kDeep}, {0, 1, 0}, {kHalf, 0, 0}, {0, 0, 0.5 * kDeep});
+}
+
+LightGrid light(size_t n) {
+  LightGrid grid;
+  grid.voxel = 0.05;
+  grid.dim = {100, 100, 100};
+  grid.origin = Vec3d{-2.5, -1, -2.5};
+  grid.bottleneck = true;
+  for (uint64_t i = 0; grid.lines.size() < n; ++i) {
+    Rng rng(3, 1, i);
+    const bool front = rng.uniform() < 0.85;
+    const double a = 2 * rng.uniform() - 1, b = rng.uniform();
+    const Vec3d d = cosine_hemisphere(rng.uniform(), rng.uniform());
+    const Vec3d place =
+        front ? Vec3d{a * kHalf, b * kHigh, 0} : Vec3d{a * kHalf, kHigh, -b * kDeep};
+    const Vec3d way = front ? d : Vec3d{d.x, d.z, d.y};
+    const Vec3d from = place - way * 0.8, to = place + way * 0.8;
+    const bool starts_inside = from.z < 0 && from.y < kHigh;
+    if (starts_inside) grid.lines.push_back({from, to});
+  }
+  return grid;
+}
+
+double highest(const Aperture& a) {
+  double y = -INFINITY;
+  for (const Vec2d& p : a.polygon) y = std::max(y, to_space(a.tube.middle, p).y);
+  return y;
+}
+
+TEST(Parting, ASharedEdgeBoundsBoth) {
+  const auto of_slit = shared_edge(slit(0.3), gap());
+  ASSERT_TRUE(of_slit);
+  const Aperture a = slit(0.3);
+  for (const Vec2d& p : clipped(a.polygon, of_slit->axis, of_slit->limit))
+    EXPECT_LT(to_space(a.tube.middle, p).y, kHigh + 1e-9);
+  ASSERT_TRUE(shared_edge(gap(), slit(0.3)));
+}
+
+TEST(Parting, OpeningsApartShareNothing) {
+  Aperture far = gap();
+  far.tube.middle.o.x += 1;
+  EXPECT_FALSE(shared_edge(slit(0), far));  // beside it
+  far.tube.middle.o = gap().tube.middle.o + Vec3d{0, 1, 0};
+  EXPECT_FALSE(shared_edge(slit(0), far));  // above it
+  far.tube.middle.o = gap().tube.middle.o - Vec3d{0, 1, 0};
+  EXPECT_FALSE(shared_edge(slit(0), far));  // across its middle
+  Aperture same_wall = slit(0);
+  same_wall.tube.middle.o.x += 0.3;
+  EXPECT_FALSE(shared_edge(slit(0), same_wall));
+  EXPECT_FALSE(shared_edge(slit(0), slit(0)));
+}
+
+// The slit has taken the light through the gap near their edge: the gap gets it back.
+TEST(Parting, EachGetsItsLines) {
+  const LightGrid grid = light(6000);
+  std::vector<uint32_t> all(grid.lines.size());
+  for (uint32_t l = 0; l < all.size(); ++l) all[l] = l;
+  Aperture small = gap();
+  small.polygon = enlarged(small.polygon, 0.7);
+  std::vector<Aperture> found{slit(0.3), small};
+  for (Aperture& a : found) a.lines = lines_across(grid, all, a);
+  part_at_shared_edges(grid, all, found);
+  EXPECT_NEAR(highest(found[0]), kHigh, 0.02);
+  EXPECT_NEAR(area(found[0].polygon), area(slit(0).polygon), 0.02 * area(slit(0).polygon));
+  EXPECT_NEAR(area(found[1].polygon), area(gap().polygon), 0.04 * area(gap().polygon));
+  EXPECT_GT(dot(found[0].tube.middle.n, Vec3d{0, 0, 1}), std::cos(0.03));
+  EXPECT_GT(dot(found[1].tube.middle.n, Vec3d{0, 1, 0}), std::cos(0.06));
+  size_t neither = 0;
+  for (const uint32_t l : all)
+    neither += !std::binary_search(found[0].lines.begin(), found[0].lines.end(), l) &&
+               !std::binary_search(found[1].lines.begin(), found[1].lines.end(), l);
+  EXPECT_LT(static_cast<double>(neither), 0.02 * static_cast<double>(all.size()));
+}
+
+}  // namespace
+}  // namespace tdpt
