@@ -14,7 +14,7 @@ namespace {
 constexpr int kSides = 16;
 constexpr double kOutside = 0.0006;   // share of the lines beyond each side of the outline
 constexpr double kPlaneHolds = 0.97;  // of the prism's lines
-constexpr double kPrism = 1.12;       // most area of a prism's outline over that in its middle
+constexpr double kPrism = 1.08;       // most area of a prism's outline over that in its middle
 constexpr double kThrough = 0.002;    // smallest share of the lines that pass both faces
 constexpr double kLosing = 2, kLosingPlane = 0.3;  // weight of the lines that miss it
 constexpr double kLosingKnown = 3;   // the same, of lines that are known to pass there
