@@ -7,9 +7,10 @@
 namespace tdpt {
 namespace {
 
-constexpr double kSlant = 0.5;  // sine between planes that bound each other
-constexpr double kMost = 0.25;  // of an opening's area, beyond the edge it shares
-constexpr double kReach = 1.5;  // in area: how near is near
+constexpr double kSlant = 0.5;      // sine between planes that bound each other
+constexpr double kMost = 0.25;      // of an opening's area, beyond the edge it shares
+constexpr double kReach = 1.5;      // in area: how near is near
+constexpr double kLeastLeft = 0.5;  // of an opening's lines, or it stays as it was
 
 Vec2d in_plane(const Plane& plane, const Vec3d& place) {
   const Onb<double> frame(plane.n);
@@ -32,12 +33,13 @@ std::optional<Vec2d> middle_of_border(const Polygon& polygon, const HalfPlane& h
   return sum * (1.0 / ends);
 }
 
-// Cuts off what reaches beyond the edges that `a` shares with other ones. False when it shares
-// none.
-bool keep_before(Aperture& a, const std::vector<Aperture>& all) {
+// Cuts off what `a`, number `own` of `all` or what shall take its place, reaches beyond the edges
+// that it shares with the others. False when it shares none.
+bool keep_before(Aperture& a, size_t own, const std::vector<Aperture>& all) {
   bool shares = false;
-  for (const Aperture& b : all) {
-    const auto edge = shared_edge(a, b);
+  for (size_t b = 0; b < all.size(); ++b) {
+    if (b == own) continue;
+    const auto edge = shared_edge(a, all[b]);
     if (!edge) continue;
     a.polygon = clipped(a.polygon, edge->axis, edge->limit);
     shares = true;
@@ -128,31 +130,33 @@ void part_from_each_other(const LightGrid& grid, const std::vector<uint32_t>& al
       auto again = outlined(grid, without(all), a.tube, true);
       if (!again) continue;
       again->lines = lines_across(grid, all, *again);
-      if (2 * again->lines.size() >= a.lines.size()) a = std::move(*again);
+      if (again->lines.size() >= kLeastLeft * size) a = std::move(*again);
     }
   }
 }
 
 void part_at_shared_edges(const LightGrid& grid, const std::vector<uint32_t>& all,
                           std::vector<Aperture>& found) {
-  std::vector<Aperture*> smallest_first;
-  for (Aperture& a : found)
-    if (keep_before(a, found)) {
-      a.lines = lines_across(grid, all, a);
-      smallest_first.push_back(&a);
+  std::vector<size_t> smallest_first;
+  for (size_t k = 0; k < found.size(); ++k)
+    if (keep_before(found[k], k, found)) {
+      found[k].lines = lines_across(grid, all, found[k]);
+      smallest_first.push_back(k);
     }
-  std::sort(smallest_first.begin(), smallest_first.end(),
-            [](const Aperture* a, const Aperture* b) { return a->lines.size() < b->lines.size(); });
-  for (Aperture* a : smallest_first) {
+  std::stable_sort(smallest_first.begin(), smallest_first.end(), [&](size_t a, size_t b) {
+    return found[a].lines.size() < found[b].lines.size();
+  });
+  for (const size_t k : smallest_first) {
     std::vector<uint32_t> taken;
-    for (const Aperture& b : found)
-      if (&b != a) taken.insert(taken.end(), b.lines.begin(), b.lines.end());
+    for (size_t b = 0; b < found.size(); ++b)
+      if (b != k) taken.insert(taken.end(), found[b].lines.begin(), found[b].lines.end());
     std::sort(taken.begin(), taken.end());
-    auto again = fitted_again(grid, all, taken, *a);
+    auto again = fitted_again(grid, all, taken, found[k]);
     if (!again) continue;
-    keep_before(*again, found);
+    keep_before(*again, k, found);
     again->lines = lines_across(grid, all, *again);
-    *a = std::move(*again);
+    if (again->lines.size() >= kLeastLeft * static_cast<double>(found[k].lines.size()))
+      found[k] = std::move(*again);
   }
 }
 

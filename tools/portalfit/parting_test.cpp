@@ -1,5 +1,6 @@
 #include "tools/portalfit/parting.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -61,6 +62,15 @@ double highest(const Aperture& a) {
   return y;
 }
 
+double through_neither(const std::vector<Aperture>& found, const std::vector<uint32_t>& all) {
+  size_t neither = 0;
+  for (const uint32_t l : all)
+    neither += std::none_of(found.begin(), found.end(), [&](const Aperture& a) {
+      return std::binary_search(a.lines.begin(), a.lines.end(), l);
+    });
+  return static_cast<double>(neither) / static_cast<double>(all.size());
+}
+
 TEST(Parting, ASharedEdgeBoundsBoth) {
   const auto of_slit = shared_edge(slit(0.3), gap());
   ASSERT_TRUE(of_slit);
@@ -93,17 +103,32 @@ TEST(Parting, EachGetsItsLines) {
   small.polygon = enlarged(small.polygon, 0.7);
   std::vector<Aperture> found{slit(0.3), small};
   for (Aperture& a : found) a.lines = lines_across(grid, all, a);
+  // Twin: what they are before is none of what is asked for after.
+  EXPECT_GT(highest(found[0]), kHigh + 0.25);
+  EXPECT_LT(area(found[1].polygon), 0.75 * area(gap().polygon));
+  EXPECT_GT(through_neither(found, all), 0.02);
+
   part_at_shared_edges(grid, all, found);
   EXPECT_NEAR(highest(found[0]), kHigh, 0.02);
   EXPECT_NEAR(area(found[0].polygon), area(slit(0).polygon), 0.02 * area(slit(0).polygon));
   EXPECT_NEAR(area(found[1].polygon), area(gap().polygon), 0.04 * area(gap().polygon));
   EXPECT_GT(dot(found[0].tube.middle.n, Vec3d{0, 0, 1}), std::cos(0.03));
   EXPECT_GT(dot(found[1].tube.middle.n, Vec3d{0, 1, 0}), std::cos(0.06));
-  size_t neither = 0;
-  for (const uint32_t l : all)
-    neither += !std::binary_search(found[0].lines.begin(), found[0].lines.end(), l) &&
-               !std::binary_search(found[1].lines.begin(), found[1].lines.end(), l);
-  EXPECT_LT(static_cast<double>(neither), 0.02 * static_cast<double>(all.size()));
+  EXPECT_LT(through_neither(found, all), 0.02);
+}
+
+// What the slit would keep alone is not enough to lay it again: it stays.
+TEST(Parting, AnOpeningWithoutLinesOfItsOwnStays) {
+  const LightGrid grid = light(200);
+  std::vector<uint32_t> all;
+  for (uint32_t l = 0; l < grid.lines.size(); ++l)
+    if (Vec2d at; crossing(gap().tube.middle, grid.lines[l], at) && contains(gap().polygon, at))
+      all.push_back(l);
+  std::vector<Aperture> found{slit(0), gap()};
+  for (Aperture& a : found) a.lines = lines_across(grid, all, a);
+  ASSERT_LT(found[0].lines.size(), kFewestLines);
+  part_at_shared_edges(grid, all, found);
+  EXPECT_NEAR(area(found[0].polygon), area(slit(0).polygon), 1e-9);
 }
 
 }  // namespace
