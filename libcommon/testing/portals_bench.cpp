@@ -6,47 +6,39 @@
 //   --jobs N       rooms at a time, each on one thread (all cores)
 //   --keep FOLDER  keeps scenes and what the stages wrote
 //   --ffgraph, --mincut, --lightgrid, --portalfit "OPTIONS"   for a stage
-#include <atomic>
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <mutex>
-#include <thread>
+#include <map>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "libcommon/testing/known_rooms.h"
 #include "libcommon/testing/portal_score.h"
 #include "libcommon/testing/portal_stages.h"
+#include "libcommon/testing/room_bench.h"
 
 namespace tdpt::testing {
 namespace {
 namespace fs = std::filesystem;
-
-struct Options {
-  PortalStages stages;
-  std::string keep;
-  std::vector<RoomKind> kinds;
-  uint64_t rooms = 20, seed = 1;
-  unsigned jobs = std::max(1u, std::thread::hardware_concurrency());
-};
 
 struct Row {
   PortalScore score;
   StagesRun run;
 };
 
-Row run(const Options& options, const KnownRoom& room, const fs::path& folder) {
+Row run(const PortalStages& stages, bool keeps, const KnownRoom& room, const fs::path& folder) {
   const std::string stem = (folder / fs::path(room.file()).stem()).string();
   std::ofstream(stem + ".glb", std::ios::binary) << room.plan.glb(room.writing);
   Row row;
-  row.run = run_stages(options.stages, stem);
+  row.run = run_stages(stages, stem);
   // An opening too wide to be a bottleneck may be found, but need not.
   const bool nothing_is_right = room.kind == RoomKind::wide_window && row.run.portals.empty();
   row.score = score(row.run.portals,
                     nothing_is_right ? std::vector<KnownAperture>{} : room.placed_apertures());
-  if (options.keep.empty()) remove_stages(stem);
+  if (!keeps) remove_stages(stem);
   return row;
 }
 
@@ -111,56 +103,19 @@ void print_table(const std::vector<KnownRoom>& rooms, const std::vector<Row>& ro
 }
 
 int main_of(int argc, char** argv) {
-  Options o;
-  o.kinds = all_room_kinds();
-  if (argc < 2 || argc % 2 != 0) {
-    std::fprintf(stderr, "usage: portals_bench BIN [OPTION VALUE]...\n");
-    return 2;
-  }
-  o.stages.bin = argv[1];
-  for (int i = 2; i + 1 < argc; i += 2) {
-    const std::string name = argv[i], value = argv[i + 1];
-    if (name == "--rooms")
-      o.rooms = std::stoull(value);
-    else if (name == "--seed")
-      o.seed = std::stoull(value);
-    else if (name == "--jobs")
-      o.jobs = static_cast<unsigned>(std::stoul(value));
-    else if (name == "--keep")
-      o.keep = value;
-    else if (name == "--kinds")
-      std::erase_if(o.kinds, [&](RoomKind k) {
-        return ("," + value + ",").find(std::string(",") + name_of(k) + ",") == std::string::npos;
-      });
-    else
-      o.stages.options[name.substr(2)] = value;
-  }
-  fs::path folder = o.keep;
-  if (o.keep.empty()) {
-    std::string name = (fs::temp_directory_path() / "portals-bench-XXXXXX").string();
-    if (!mkdtemp(name.data())) return 4;
-    folder = name;
-  }
-  fs::create_directories(folder);
-
-  std::vector<KnownRoom> rooms;
-  for (uint64_t i = 0; i < o.rooms; ++i)
-    for (const RoomKind kind : o.kinds) rooms.push_back(known_room(kind, o.seed + i));
-  std::vector<Row> rows(rooms.size());
-  std::atomic<size_t> next{0};
-  std::mutex printing;
-  std::vector<std::thread> workers;
-  for (unsigned w = 0; w < o.jobs; ++w)
-    workers.emplace_back([&] {
-      for (size_t i; (i = next++) < rooms.size();) {
-        rows[i] = run(o, rooms[i], folder);
-        const std::lock_guard lock(printing);
-        print_row(rooms[i], rows[i]);
-      }
-    });
-  for (std::thread& worker : workers) worker.join();
-  print_table(rooms, rows);
-  if (o.keep.empty()) fs::remove_all(folder);
+  PortalStages stages;
+  std::map<std::string, std::string> own;
+  for (const char* name : {"ffgraph", "mincut", "lightgrid", "portalfit"})
+    own[std::string("--") + name] = "";
+  const RoomBench bench(argc, argv, all_room_kinds(), 20, own);
+  stages.bin = bench.bin();
+  for (const auto& [name, none] : own) stages.options[name.substr(2)] = bench.own(name);
+  const std::vector<Row> rows = bench.rows<Row>(
+      [&](const KnownRoom& room, const fs::path& folder) {
+        return run(stages, bench.keeps(), room, folder);
+      },
+      print_row);
+  print_table(bench.rooms(), rows);
   return 0;
 }
 

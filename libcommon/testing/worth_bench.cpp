@@ -8,41 +8,31 @@
 //   --spp N        samples per pixel of what is judged (128); the reference has six times as many
 //   --jobs N       rooms at a time, each on one thread (all cores)
 //   --keep FOLDER  keeps scenes, pictures and what the stages wrote; pictures of an earlier run
-//   with
-//                  the same options are not rendered again
+//                  with the same options are not rendered again
 //   --data FILE    a line for each room: kind, seed, measured gains, expected gain, for plots
 //
 // Efficiency = 1 / (v T), v = relMSE and T = CPU seconds of one sample per pixel. The gain is the
 // ratio of two efficiencies. With m the relMSE between n samples and a reference of N samples of
 // tdpt-org: m_org = v_org (1/n + 1/N), and for another integrator m = v/n + v_org/N.
-#include <atomic>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <map>
-#include <mutex>
 #include <sstream>
-#include <thread>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "libcommon/testing/known_rooms.h"
 #include "libcommon/testing/portal_score.h"
+#include "libcommon/testing/room_bench.h"
 
 namespace tdpt::testing {
 namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
-
-struct Options {
-  std::string bin, keep, data;
-  std::vector<RoomKind> kinds;
-  uint64_t rooms = 2, seed = 1, spp = 128;
-  unsigned jobs = std::max(1u, std::thread::hardware_concurrency());
-};
 
 constexpr uint64_t kReference = 6;  // times as many samples
 
@@ -95,8 +85,11 @@ double area_of(const std::vector<Portal>& portals) {
 
 class RoomRun {
  public:
-  RoomRun(const Options& options, const KnownRoom& room, const fs::path& folder)
-      : o_(options), room_(room), stem_((folder / fs::path(room.file()).stem()).string()) {}
+  RoomRun(const RoomBench& bench, uint64_t spp, const KnownRoom& room, const fs::path& folder)
+      : bench_(bench),
+        spp_(spp),
+        room_(room),
+        stem_((folder / fs::path(room.file()).stem()).string()) {}
 
   Row run() {
     const std::string scene = room_.plan.glb(room_.writing);
@@ -112,7 +105,7 @@ class RoomRun {
     row_.area = area_of(portals) / (scale * scale);
     find_portals();
     measure();
-    if (o_.keep.empty())
+    if (!bench_.keeps())
       for (const char* end : {".glb", ".true.glb", ".max", ".cut", ".vdb", ".portal.glb",
                               ".reference.exr", ".bdpt.exr", ".tdpt.exr", ".tdpt-org.exr"})
         fs::remove(stem_ + end);
@@ -121,7 +114,7 @@ class RoomRun {
 
  private:
   void command(const std::string& text) {
-    if (std::system((o_.bin + "/" + text + " 2>>" + stem_ + ".txt").c_str()) != 0)
+    if (std::system((bench_.bin() + "/" + text + " 2>>" + stem_ + ".txt").c_str()) != 0)
       row_.failed = true;
   }
   Json stage(const std::string& name, const std::string& files) {
@@ -163,7 +156,7 @@ class RoomRun {
   }
   Measured judge(const std::string& integrator) {
     const std::string picture = stem_ + "." + integrator + ".exr";
-    Measured m{render(integrator, o_.spp, 1, picture), 0, 0};
+    Measured m{render(integrator, spp_, 1, picture), 0, 0};
     const std::string report = stem_ + ".exrdiff.json";
     command("exrdiff --json " + picture + " " + stem_ + ".reference.exr >" + report);
     if (row_.failed) return m;
@@ -175,7 +168,7 @@ class RoomRun {
 
   void measure() {
     if (row_.failed) return;
-    render("tdpt-org", kReference * o_.spp, 2, stem_ + ".reference.exr");
+    render("tdpt-org", kReference * spp_, 2, stem_ + ".reference.exr");
     const Measured bdpt = judge("bdpt"), ref = judge("tdpt"), org = judge("tdpt-org");
     if (row_.failed) return;
     const double k = kReference;
@@ -190,7 +183,8 @@ class RoomRun {
     row_.ref = gain(bdpt.relmse, org.relmse, ref.relmse, ref.seconds, false);
   }
 
-  const Options& o_;
+  const RoomBench& bench_;
+  uint64_t spp_;
   const KnownRoom& room_;
   std::string stem_;
   Row row_;
@@ -248,67 +242,19 @@ void write_data(const std::string& path, const std::vector<KnownRoom>& rooms,
 }
 
 int main_of(int argc, char** argv) {
-  Options o;
-  o.kinds = all_room_kinds();
+  std::vector<RoomKind> kinds = all_room_kinds();
   // One has no opening to put a portal into, the other needs a thousand times the samples.
-  std::erase_if(o.kinds, [](RoomKind kind) {
-    return kind == RoomKind::open_room || kind == RoomKind::keyhole;
-  });
-  if (argc < 2 || argc % 2 != 0) {
-    std::fprintf(stderr, "usage: worth_bench BIN [OPTION VALUE]...\n");
-    return 2;
-  }
-  o.bin = argv[1];
-  for (int i = 2; i + 1 < argc; i += 2) {
-    const std::string name = argv[i], value = argv[i + 1];
-    if (name == "--rooms")
-      o.rooms = std::stoull(value);
-    else if (name == "--seed")
-      o.seed = std::stoull(value);
-    else if (name == "--spp")
-      o.spp = std::stoull(value);
-    else if (name == "--jobs")
-      o.jobs = static_cast<unsigned>(std::stoul(value));
-    else if (name == "--keep")
-      o.keep = value;
-    else if (name == "--data")
-      o.data = value;
-    else if (name == "--kinds")
-      std::erase_if(o.kinds, [&](RoomKind k) {
-        return ("," + value + ",").find(std::string(",") + name_of(k) + ",") == std::string::npos;
-      });
-    else {
-      std::fprintf(stderr, "worth_bench: %s is no option of it\n", name.c_str());
-      return 2;
-    }
-  }
-  fs::path folder = o.keep;
-  if (o.keep.empty()) {
-    std::string name = (fs::temp_directory_path() / "worth-bench-XXXXXX").string();
-    if (!mkdtemp(name.data())) return 4;
-    folder = name;
-  }
-  fs::create_directories(folder);
-
-  std::vector<KnownRoom> rooms;
-  for (const RoomKind kind : o.kinds)
-    for (uint64_t i = 0; i < o.rooms; ++i) rooms.push_back(known_room(kind, o.seed + i));
-  std::vector<Row> rows(rooms.size());
-  std::atomic<size_t> next{0};
-  std::mutex printing;
-  std::vector<std::thread> workers;
-  for (unsigned w = 0; w < o.jobs; ++w)
-    workers.emplace_back([&] {
-      for (size_t i; (i = next++) < rooms.size();) {
-        rows[i] = RoomRun(o, rooms[i], folder).run();
-        const std::lock_guard lock(printing);
-        print_row(rooms[i], rows[i]);
-      }
-    });
-  for (std::thread& worker : workers) worker.join();
-  print_table(rooms, rows);
-  if (!o.data.empty()) write_data(o.data, rooms, rows);
-  if (o.keep.empty()) fs::remove_all(folder);
+  std::erase(kinds, RoomKind::open_room);
+  std::erase(kinds, RoomKind::keyhole);
+  const RoomBench bench(argc, argv, kinds, 2, {{"--spp", "128"}, {"--data", ""}});
+  const uint64_t spp = std::stoull(bench.own("--spp"));
+  const std::vector<Row> rows = bench.rows<Row>(
+      [&](const KnownRoom& room, const fs::path& folder) {
+        return RoomRun(bench, spp, room, folder).run();
+      },
+      print_row);
+  print_table(bench.rooms(), rows);
+  if (!bench.own("--data").empty()) write_data(bench.own("--data"), bench.rooms(), rows);
   return 0;
 }
 

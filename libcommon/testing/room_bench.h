@@ -1,0 +1,53 @@
+// What benchmarks over generated rooms share: which rooms, how many at a time, and where what is
+// written in between stays.
+#pragma once
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "libcommon/testing/known_rooms.h"
+#include "libcommon/testing/temp_folder.h"
+
+namespace tdpt::testing {
+
+/// The arguments BIN [OPTION VALUE]...: --rooms, --seed, --kinds A,B, --jobs, --keep FOLDER, and
+/// the options that a benchmark has of its own.
+class RoomBench {
+ public:
+  /// `rooms` of each kind unless --rooms says otherwise. `own`: names of the benchmark's own
+  /// options with their values where none is given. Throws std::invalid_argument for any other.
+  RoomBench(int argc, char** argv, std::vector<RoomKind> kinds, uint64_t rooms,
+            std::map<std::string, std::string> own);
+
+  const std::string& bin() const { return bin_; }  ///< folder of the programs
+  bool keeps() const { return !temporary_; }
+  const std::string& own(const std::string& name) const { return own_.at(name); }
+  const std::vector<KnownRoom>& rooms() const { return rooms_; }
+
+  /// run(room, folder) for every room, in parallel, and after each, one at a time, done(room, row).
+  /// The rows in the order of the rooms.
+  template <class Row>
+  std::vector<Row> rows(
+      const std::function<Row(const KnownRoom&, const std::filesystem::path&)>& run,
+      const std::function<void(const KnownRoom&, const Row&)>& done) const {
+    std::vector<Row> rows(rooms_.size());
+    each([&](size_t i) { rows[i] = run(rooms_[i], folder_); },
+         [&](size_t i) { done(rooms_[i], rows[i]); });
+    return rows;
+  }
+
+ private:
+  void each(const std::function<void(size_t)>& run, const std::function<void(size_t)>& done) const;
+
+  std::string bin_;
+  std::map<std::string, std::string> own_;
+  std::vector<KnownRoom> rooms_;
+  unsigned jobs_;
+  std::optional<TempFolder> temporary_;
+  std::filesystem::path folder_;
+};
+
+}  // namespace tdpt::testing
