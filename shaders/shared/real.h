@@ -1,0 +1,83 @@
+// Arithmetic that gives the same bits on every device: sums, products, comparisons and bits of
+// floats only. Vulkan allows 2.5 units in the last place to quotients, more to roots, and 2^-11 to
+// sines; these keep to the bounds given here and are the same everywhere.
+#ifndef TDPT_SHADERS_SHARED_REAL_H
+#define TDPT_SHADERS_SHARED_REAL_H
+
+#include "shaders/shared/language.h"
+
+SHARED_BEGIN
+
+SHARED float dot3(vec3 a, vec3 b) {
+  EXACT float r = a.x * b.x + a.y * b.y + a.z * b.z;
+  return r;
+}
+
+SHARED vec3 cross3(vec3 a, vec3 b) {
+  EXACT float x = a.y * b.z - a.z * b.y;
+  EXACT float y = a.z * b.x - a.x * b.z;
+  EXACT float z = a.x * b.y - a.y * b.x;
+  return vec3(x, y, z);
+}
+
+/// 1/x, to 2 units in the last place. 1e-37 <= |x| <= 1e37.
+SHARED float reciprocal(float x) {
+  float a = abs(x);
+  // Newton's iteration from a guess that is 12 % off: each squares the error.
+  EXACT float y = uintBitsToFloat(0x7EF311C7u - floatBitsToUint(a));
+  y = y * (2.0f - a * y);
+  y = y * (2.0f - a * y);
+  y = y * (2.0f - a * y);
+  y = y * (2.0f - a * y);
+  return x < 0.0f ? -y : y;
+}
+
+/// 1/sqrt(x), to 3 units in the last place. 1e-37 <= x <= 1e37.
+SHARED float inverse_root(float x) {
+  EXACT float h = 0.5f * x;
+  EXACT float y = uintBitsToFloat(0x5F3759DFu - (floatBitsToUint(x) >> 1));
+  y = y * (1.5f - h * y * y);
+  y = y * (1.5f - h * y * y);
+  y = y * (1.5f - h * y * y);
+  y = y * (1.5f - h * y * y);
+  return y;
+}
+
+/// sqrt(x) to 3 units in the last place; 0 below 1e-37.
+SHARED float root(float x) {
+  EXACT float r = x < 1e-37f ? 0.0f : x * inverse_root(x);
+  return r;
+}
+
+/// `a` scaled to length 1. Its length is at least 1e-18.
+SHARED vec3 unit(vec3 a) {
+  EXACT float s = inverse_root(dot3(a, a));
+  EXACT float x = a.x * s;
+  EXACT float y = a.y * s;
+  EXACT float z = a.z * s;
+  return vec3(x, y, z);
+}
+
+/// Cosine and sine of `turns` full turns, in [0,1); to 2e-7.
+SHARED void cos_sin_turns(float turns, OUT(float) cosine, OUT(float) sine) {
+  // Reduced to an eighth of a turn on either side of a quarter; Taylor series from there.
+  EXACT float quarters = 4.0f * turns;
+  EXACT float nearest = floor(quarters + 0.5f);
+  EXACT float x = (quarters - nearest) * 1.57079633f;
+  EXACT float x2 = x * x;
+  EXACT float s =
+      x * (1.0f + x2 * (-1.66666667e-1f +
+                        x2 * (8.33333333e-3f + x2 * (-1.98412698e-4f + x2 * 2.75573192e-6f))));
+  EXACT float c =
+      1.0f + x2 * (-0.5f + x2 * (4.16666667e-2f + x2 * (-1.38888889e-3f + x2 * 2.48015873e-5f)));
+  int quadrant = int(nearest);  // 0 to 4
+  bool odd = (quadrant & 1) != 0;
+  float a = odd ? s : c;
+  float b = odd ? c : s;
+  cosine = quadrant == 1 || quadrant == 2 ? -a : a;
+  sine = quadrant == 2 || quadrant == 3 ? -b : b;
+}
+
+SHARED_END
+
+#endif
