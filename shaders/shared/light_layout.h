@@ -1,0 +1,148 @@
+// What the light grid's kernels read and write: bindings, records, parameters. Canonical frame, but
+// for what is said to be in voxels or cells.
+#ifndef TDPT_SHADERS_SHARED_LIGHT_LAYOUT_H
+#define TDPT_SHADERS_SHARED_LIGHT_LAYOUT_H
+
+#include "shaders/shared/language.h"
+
+// Storage buffers; every kernel binds them all, in this order, and then the images.
+#define LIGHT_BVH_NODES 0
+#define LIGHT_BVH_TRIANGLES 1
+#define LIGHT_ARCS 2
+#define LIGHT_PATCHES 3
+#define LIGHT_PIECES 4
+#define LIGHT_FACES 5
+#define LIGHT_CELLS 6
+#define LIGHT_NORMALS 7
+#define LIGHT_VEIL_OF 8
+#define LIGHT_VEILS 9
+#define LIGHT_TEXELS 10
+#define LIGHT_TRIES 11
+#define LIGHT_LINES 12
+#define LIGHT_FATES 13
+#define LIGHT_LISTS 14
+#define LIGHT_BUFFERS 15
+// 3D images of 32-bit integers.
+#define LIGHT_COUNT 15
+#define LIGHT_DIRECTION_X 16
+#define LIGHT_DIRECTION_Y 17
+#define LIGHT_DIRECTION_Z 18
+#define LIGHT_BINDINGS 19
+
+#define LIGHT_GROUP 64  // invocations of a work group
+
+SHARED_BEGIN
+
+/// A pair of patches, light's side first; slot of an alias table over the pairs of its cut.
+struct PivotArc {
+  uint from_patch;
+  uint to_patch;
+  uint threshold;  ///< a coin below it keeps this slot, any other takes the alias
+  uint alias;
+};
+
+/// The pieces of a patch, consecutive.
+struct PatchPieces {
+  uint first;
+  uint count;
+};
+
+/// A triangle of a patch's surface within its cell; slot of an alias table over the patch's pieces.
+struct Piece {
+  vec3 a;
+  uint face;  ///< 2*triangle + side, side 1: the back
+  vec3 b;
+  uint threshold;
+  vec3 c;
+  uint alias;
+};
+
+/// A patch on one face, in the cell that it fills. Those of a face are sorted by level, then cell.
+struct PatchCell {
+  ivec3 cell;
+  uint level_region;  ///< level << 24 | region
+};
+
+struct FaceNormal {
+  vec3 normal;  ///< unit, of the triangle's front
+  uint pad;
+};
+
+/// A surface that is there with a probability: its alpha, see coverage_at() of texture.h.
+struct Veil {
+  float u0;  ///< texture coordinates of the corners, transformed
+  float v0;
+  float u1;
+  float v1;
+  float u2;
+  float v2;
+  float alpha0;  ///< factor of the material times the corner's
+  float alpha1;
+  float alpha2;
+  float cutoff;  ///< there from this alpha on, or not; below 0: as often as alpha says
+  uint first;    ///< texel (0,0) in bytes of the texels
+  uint width;    ///< 0: no texture
+  uint height;
+  uint how;  ///< VEIL_*
+  uint pad0;
+  uint pad1;
+};
+#define VEIL_NEAREST 1u
+#define VEIL_MIRROR_U 2u
+#define VEIL_CLAMP_U 4u
+#define VEIL_MIRROR_V 8u
+#define VEIL_CLAMP_V 16u
+
+/// A place in the air and a unit direction, to draw a line through.
+struct LineTry {
+  vec3 place;
+  uint pad0;
+  vec3 direction;
+  uint pad1;
+};
+
+/// A line between two surfaces, from the light's side of the cut to the camera's when it joins.
+struct LineEnds {
+  vec3 light;
+  uint light_face;
+  vec3 camera;
+  uint camera_face;
+};
+
+// What became of a line.
+#define FATE_NONE 0u       // blocked; or one of its ends is on no patch
+#define FATE_SAME_SIDE 1u  // it does not join the sides, or one end sees mostly the other side
+#define FATE_JOINS 2u
+
+/// Push constants.
+struct LightParameters {
+  vec3 grid_corner;
+  float voxels_per_unit;
+  ivec3 dim;
+  uint cut;
+  vec3 cell_corner;
+  float cells_per_unit;  ///< of level 0; level l has 4^l times as many
+  uvec2 seed;
+  uint stream;
+  uint round;
+  uint first;  ///< number of the first segment or try
+  uint count;
+  uint first_arc;
+  uint arcs;
+  uint levels;  ///< bit l: some patch has level l
+  uint slab_low;
+  uint slab_high;
+  uint pad;
+};
+
+SHARED_END
+
+#ifdef __cplusplus
+namespace tdpt::shader {
+static_assert(sizeof(PivotArc) == 16 && sizeof(PatchPieces) == 8 && sizeof(Piece) == 48);
+static_assert(sizeof(PatchCell) == 16 && sizeof(FaceNormal) == 16 && sizeof(Veil) == 64);
+static_assert(sizeof(LineTry) == 32 && sizeof(LineEnds) == 32 && sizeof(LightParameters) == 96);
+}  // namespace tdpt::shader
+#endif
+
+#endif

@@ -1,0 +1,197 @@
+// Lines of light between the two sides of a cut (section 4.2): drawn between pivot patches or
+// through a place in the air.
+//
+// Read within a scope that has the tables of light_layout.h by their names (pivot_arcs[], patches[],
+// pieces[], first_cell[], patch_cells[], face_normals[]), their parameters `light`, and
+// segment_blocked() and first_hit() of traversal.h or others like them: a GLSL file behind its
+// buffers, or the body of a C++ struct.
+
+// Rays around each end of a line that vote on which side of the opening it lies.
+#define LINE_VOTES 16
+#define LINE_LEAD 4  // decides
+#define LINE_FEWEST_VOTES 4
+// Off the surface: 16 units in the last place of coordinates up to 1.
+#define LINE_STEP 9.5367431640625e-7f
+// Streams beside that of the line itself.
+#define LINE_VOTES_OF_LIGHT 0x100u
+#define LINE_VOTES_OF_CAMERA 0x200u
+
+/// Unit, on the side that the face names.
+SHARED vec3 normal_of_face(uint face) {
+  vec3 n = face_normals[face >> 1].normal;
+  return (face & 1u) != 0u ? -n : n;
+}
+
+SHARED vec3 stepped_off(vec3 place, vec3 along) {
+  EXACT vec3 p = place + along * LINE_STEP;
+  return p;
+}
+
+SHARED vec3 place_on_patch(uint patch_index, INOUT(RandomNumbers) random, OUT(uint) face) {
+  uint first = patches[patch_index].first;
+  uint pick = random_word(random);
+  uint coin = random_word(random);
+  uint slot = first + below(pick, patches[patch_index].count);
+  if (coin >= pieces[slot].threshold) slot = pieces[slot].alias;
+  face = pieces[slot].face;
+  float u = unit_float(random_word(random));
+  float v = unit_float(random_word(random));
+  return uniform_triangle(pieces[slot].a, pieces[slot].b, pieces[slot].c, u, v);
+}
+
+/// Draws a pair of the cut in proportion to its capacity and a point, uniform by area, on each of
+/// its patches.
+SHARED LineEnds draw_line(uint number) {
+  RandomNumbers random = random_numbers(light.seed, light.stream, number, light.round);
+  uint pick = random_word(random);
+  uint coin = random_word(random);
+  uint slot = light.first_arc + below(pick, light.arcs);
+  if (coin >= pivot_arcs[slot].threshold) slot = pivot_arcs[slot].alias;
+  LineEnds line;
+  line.light = place_on_patch(pivot_arcs[slot].from_patch, random, line.light_face);
+  line.camera = place_on_patch(pivot_arcs[slot].to_patch, random, line.camera_face);
+  return line;
+}
+
+/// Whether the faces at both ends look along the line and nothing stands in between.
+SHARED bool line_is_free(LineEnds line, uint number) {
+  EXACT vec3 w = line.camera - line.light;
+  vec3 n = normal_of_face(line.light_face);
+  vec3 m = normal_of_face(line.camera_face);
+  if (dot3(w, n) <= 0.0f || dot3(w, m) >= 0.0f) return false;
+  return !segment_blocked(stepped_off(line.light, n), stepped_off(line.camera, m),
+                          mixed(light.stream, number));
+}
+
+SHARED int cell_coordinate(float x) {
+  return int(min(max(floor(x), -2e9f), 2e9f));
+}
+
+/// Below 0 when `p` comes before the cell (level, cell), 0 when it is that, above 0 behind it.
+SHARED int order_of_cells(PatchCell p, uint level, ivec3 cell) {
+  int by_level = int(p.level_region >> 24) - int(level);
+  if (by_level != 0) return by_level;
+  if (p.cell.x != cell.x) return p.cell.x < cell.x ? -1 : 1;
+  if (p.cell.y != cell.y) return p.cell.y < cell.y ? -1 : 1;
+  if (p.cell.z != cell.z) return p.cell.z < cell.z ? -1 : 1;
+  return 0;
+}
+
+/// Region of the finest patch that holds `place` on `face`; false when none does (surface that no
+/// walk has reached).
+SHARED bool region_at(uint face, vec3 place, OUT(uint) region) {
+  region = 0u;
+  uint begin = first_cell[face];
+  uint end = first_cell[face + 1u];
+  if (begin == end) return false;
+  EXACT vec3 from_corner = place - light.cell_corner;
+  for (int level = 15; level >= 0; --level) {
+    if ((light.levels & (1u << uint(level))) == 0u) continue;
+    // 4^level in the exponent.
+    EXACT float scale = light.cells_per_unit * uintBitsToFloat(uint(127 + 2 * level) << 23);
+    EXACT vec3 q = from_corner * scale;
+    ivec3 cell = ivec3(cell_coordinate(q.x), cell_coordinate(q.y), cell_coordinate(q.z));
+    uint low = begin;
+    uint high = end;
+    while (low < high) {
+      uint middle = (low + high) >> 1;
+      if (order_of_cells(patch_cells[middle], uint(level), cell) < 0) {
+        low = middle + 1u;
+      } else {
+        high = middle;
+      }
+    }
+    if (low < end && order_of_cells(patch_cells[low], uint(level), cell) == 0) {
+      region = patch_cells[low].level_region & 0xffffffu;
+      return true;
+    }
+  }
+  return false;
+}
+
+/// 0: the light's side of the cut, 1: the camera's.
+SHARED uint side_of_region(uint region) {
+  return region <= light.cut ? 0u : 1u;
+}
+
+/// Whether cosine rays from an end of a line meet mostly patches of its own side.
+SHARED bool sees_its_side(vec3 end, uint face, uint side, uint stream, uint number) {
+  RandomNumbers random = random_numbers(light.seed, stream, number, light.round);
+  vec3 normal = normal_of_face(face);
+  vec3 origin = stepped_off(end, normal);
+  int same = 0;
+  int other = 0;
+  for (int i = 0; i < LINE_VOTES; ++i) {
+    uint coin = random_word(random);
+    float u = unit_float(coin);
+    float v = unit_float(random_word(random));
+    vec3 w = cosine_hemisphere(normal, u, v);
+    SurfaceHit hit;
+    if (!first_hit(origin, w, coin, hit)) continue;
+    uint back = dot3(face_normals[hit.triangle].normal, w) > 0.0f ? 1u : 0u;
+    EXACT vec3 place = origin + w * hit.t;
+    uint region;
+    if (!region_at(2u * hit.triangle + back, place, region)) continue;
+    if (side_of_region(region) == side) {
+      ++same;
+    } else {
+      ++other;
+    }
+    if (abs(same - other) >= LINE_LEAD || 2 * same > LINE_VOTES || 2 * other > LINE_VOTES) break;
+  }
+  return same > other && same + other >= LINE_FEWEST_VOTES;
+}
+
+/// Whether each end of a line sees mostly its own side of the cut. What fails is a leak through a
+/// patch that straddles the opening.
+SHARED bool ends_see_their_sides(LineEnds line, uint number) {
+  return sees_its_side(line.light, line.light_face, 0u, light.stream + LINE_VOTES_OF_LIGHT,
+                       number) &&
+         sees_its_side(line.camera, line.camera_face, 1u, light.stream + LINE_VOTES_OF_CAMERA,
+                       number);
+}
+
+/// First surface from `place` along `w`: where, on which face, and on which side of the cut.
+SHARED bool end_along(vec3 place, vec3 w, uint coin, OUT(vec3) end, OUT(uint) face,
+                      OUT(uint) side) {
+  end = place;
+  face = 0u;
+  side = 0u;
+  vec3 origin = stepped_off(place, w);
+  SurfaceHit hit;
+  if (!first_hit(origin, w, coin, hit)) return false;
+  uint back = dot3(face_normals[hit.triangle].normal, w) > 0.0f ? 1u : 0u;
+  face = 2u * hit.triangle + back;
+  EXACT vec3 met = origin + w * hit.t;
+  end = met;
+  uint region;
+  if (!region_at(face, end, region)) return false;
+  side = side_of_region(region);
+  return true;
+}
+
+/// The line through a place along its direction, both ways to the first surface. FATE_JOINS: its
+/// ends lie on different sides of the cut, and `line` is turned from light to camera.
+SHARED uint line_through(LineTry through, uint number, OUT(LineEnds) line) {
+  line.light = through.place;
+  line.camera = through.place;
+  line.light_face = 0u;
+  line.camera_face = 0u;
+  uint coin = mixed(mixed(light.stream, light.round), number);
+  vec3 ahead;
+  uint ahead_face;
+  uint ahead_side;
+  vec3 behind;
+  uint behind_face;
+  uint behind_side;
+  if (!end_along(through.place, through.direction, coin, ahead, ahead_face, ahead_side) ||
+      !end_along(through.place, -through.direction, coin, behind, behind_face, behind_side))
+    return FATE_NONE;
+  if (ahead == behind) return FATE_NONE;
+  bool along = behind_side == 0u;
+  line.light = along ? behind : ahead;
+  line.light_face = along ? behind_face : ahead_face;
+  line.camera = along ? ahead : behind;
+  line.camera_face = along ? ahead_face : behind_face;
+  return ahead_side == behind_side ? FATE_SAME_SIDE : FATE_JOINS;
+}
