@@ -68,6 +68,9 @@ class AliasTable {
   size_t size() const { return pdf_1_.size(); }
   /// Probability of entry i.
   double pdf_1(uint32_t i) const { return pdf_1_[i]; }
+  /// Of slot i: the share of draws that keep it, and the entry that the others take.
+  double threshold(uint32_t i) const { return threshold_[i]; }
+  uint32_t alias(uint32_t i) const { return alias_[i]; }
   uint32_t sample(double u) const {
     const double x = u * static_cast<double>(pdf_1_.size());
     const auto i = std::min(static_cast<uint32_t>(x), static_cast<uint32_t>(pdf_1_.size() - 1));

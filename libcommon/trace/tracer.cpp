@@ -11,6 +11,7 @@
 #include "libcommon/math/rng.h"
 #include "libcommon/scene/pane.h"
 #include "libcommon/scene/texture.h"
+#include "shaders/shared/random.h"
 
 namespace tdpt {
 
@@ -28,7 +29,7 @@ struct Tracer::Impl {
     return triangles[geometry].empty() ? primitive : triangles[geometry][primitive];
   }
   void add_geometry(const std::vector<uint32_t>& chosen, bool alpha);
-  bool present(uint32_t triangle, float u, float v, const Vec3d& w) const;
+  bool present(uint32_t triangle, float u, float v, const Vec3d& w, const uint32_t* coin) const;
   /// See Hit::presence. `w` of any length.
   double presence(uint32_t triangle, const Vec3d& w) const {
     if (panes.empty()) return 1;
@@ -55,14 +56,25 @@ void flush_denormals() {
   (void)done;
 }
 
+// What Embree hands on to the filter.
+struct Context : RTCIntersectContext {
+  explicit Context(const uint32_t* coin_ = nullptr) : coin(coin_) {
+    rtcInitIntersectContext(this);
+    flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+  }
+  const uint32_t* coin;  ///< of a float ray
+};
+
 }  // namespace
 
 // Whether the surface is there, see the header.
-bool Tracer::Impl::present(uint32_t triangle, float u, float v, const Vec3d& w) const {
+bool Tracer::Impl::present(uint32_t triangle, float u, float v, const Vec3d& w,
+                           const uint32_t* coin) const {
   const bool alpha = traced->material_of(triangle).alpha_mode != Material::Alpha::opaque;
   const double coverage =
       alpha ? double{coverage_at(*traced, {triangle, u, v})} : presence(triangle, w);
   if (coverage >= 1 || coverage <= 0) return coverage > 0;
+  if (coin) return double{shader::unit_float(shader::mixed(*coin, triangle))} < coverage;
   const uint64_t place = uint64_t{std::bit_cast<uint32_t>(u)} << 32 | std::bit_cast<uint32_t>(v);
   return static_cast<double>(mix64(mix64(place) + triangle) >> 11) * 0x1p-53 < coverage;
 }
@@ -89,7 +101,8 @@ void Tracer::Impl::add_geometry(const std::vector<uint32_t>& chosen, bool alpha)
       const uint32_t t = self.triangles[1][RTCHitN_primID(a->hit, a->N, 0)];
       const Vec3d w(RTCRayN_dir_x(a->ray, a->N, 0), RTCRayN_dir_y(a->ray, a->N, 0),
                     RTCRayN_dir_z(a->ray, a->N, 0));
-      if (!self.present(t, RTCHitN_u(a->hit, a->N, 0), RTCHitN_v(a->hit, a->N, 0), w))
+      if (!self.present(t, RTCHitN_u(a->hit, a->N, 0), RTCHitN_v(a->hit, a->N, 0), w,
+                        static_cast<const Context*>(a->context)->coin))
         a->valid[0] = 0;
     };
     rtcSetGeometryIntersectFilterFunction(geometry, filter);
@@ -145,6 +158,32 @@ Vec3f Tracer::step_off(const Origin& from, const Vec3d& w) const {
   return Vec3f(from.position + from.normal * (step * offset_scale_));
 }
 
+bool Tracer::first_hit(const Vec3f& from, const Vec3f& w, uint32_t coin, FloatHit& hit) const {
+  flush_denormals();
+  RTCRayHit query;
+  query.ray = {from.x, from.y, from.z, 0, w.x, w.y, w.z, 0, std::numeric_limits<float>::infinity(),
+               ~0u,    0,      0};
+  query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  Context context(&coin);
+  rtcIntersect1(impl_->scene, &context, &query);
+  if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
+  hit.t = query.ray.tfar;
+  hit.triangle = impl_->triangle(query.hit.geomID, query.hit.primID);
+  hit.b1 = query.hit.u;
+  hit.b2 = query.hit.v;
+  hit.back = dot(impl_->shapes[hit.triangle].normal, Vec3d(w)) > 0;
+  return true;
+}
+
+bool Tracer::segment_blocked(const Vec3f& a, const Vec3f& b, uint32_t coin) const {
+  flush_denormals();
+  const Vec3f d = b - a;
+  RTCRay ray{a.x, a.y, a.z, 0, d.x, d.y, d.z, 0, 1.0f, ~0u, 0, 0};
+  Context context(&coin);
+  rtcOccluded1(impl_->scene, &context, &ray);
+  return ray.tfar < 0;
+}
+
 bool Tracer::closest(const Origin& from, const Vec3d& w, Hit& hit) const {
   flush_denormals();
   const Vec3f o = step_off(from, w);
@@ -153,9 +192,7 @@ bool Tracer::closest(const Origin& from, const Vec3d& w, Hit& hit) const {
   query.ray = {o.x, o.y, o.z, 0, d.x, d.y, d.z, 0, std::numeric_limits<float>::infinity(),
                ~0u, 0,   0};
   query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+  Context context;
   rtcIntersect1(impl_->scene, &context, &query);
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
   hit.triangle = impl_->triangle(query.hit.geomID, query.hit.primID);
@@ -176,9 +213,7 @@ bool Tracer::visible(const Origin& a, const Origin& b) const {
   const Vec3f to = step_off(b, -w);
   const Vec3f d = to - from;
   RTCRay ray{from.x, from.y, from.z, 0, d.x, d.y, d.z, 0, 1.0f, ~0u, 0, 0};
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+  Context context;
   rtcOccluded1(impl_->scene, &context, &ray);
   return ray.tfar >= 0;
 }

@@ -46,6 +46,19 @@ class Tracer {
   /// Whether nothing lies between two places, both ends stepped off their own surfaces.
   bool visible(const Origin& a, const Origin& b) const;
 
+  /// For kernels that count in floats and step off themselves: first surface beyond `from` along
+  /// `w`, of any length. `coin`, a number of the ray's own, decides with the triangle's whether a
+  /// surface that is not opaque is there (surface_stops() of shaders/shared/veil.h).
+  struct FloatHit {
+    float t;  ///< in units of w
+    uint32_t triangle;
+    float b1, b2;
+    bool back;  ///< the side that is met
+  };
+  bool first_hit(const Vec3f& from, const Vec3f& w, uint32_t coin, FloatHit& hit) const;
+  /// Whether something lies between `a` and `b`; in floats, as above.
+  bool segment_blocked(const Vec3f& a, const Vec3f& b, uint32_t coin) const;
+
   /// Geometry of a triangle, computed once.
   const TriangleShape& shape(uint32_t triangle) const;
 

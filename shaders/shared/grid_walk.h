@@ -1,7 +1,7 @@
 // Which voxels a segment passes: 3D DDA after Amanatides and Woo, made to end. It takes exactly the
-// steps that lead from the voxel of one end to that of the other, the axis with the next wall first,
-// and none along an axis that has arrived: rounding may choose another way round a corner but
-// cannot run past the end.
+// steps that lead from the voxel of one end to that of the other, the axis with the next wall
+// first, and none along an axis that has arrived: rounding may choose another way round a corner
+// but cannot run past the end.
 //
 //   VoxelWalk w = voxel_walk(a, b, dim);
 //   do visit(w.at); while (next_voxel(w));

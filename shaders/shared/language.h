@@ -20,10 +20,10 @@
 
 #define SHARED_BEGIN namespace tdpt::shader {
 #define SHARED_END }
-#define SHARED inline     // before every function
-#define EXACT             // before every float that is computed
-#define OUT(type) type&   // a parameter that is written
-#define INOUT(type) type& // a parameter that is read and written
+#define SHARED inline      // before every function
+#define EXACT              // before every float that is computed
+#define OUT(type) type&    // a parameter that is written
+#define INOUT(type) type&  // a parameter that is read and written
 
 namespace tdpt::shader {
 

@@ -30,6 +30,9 @@
 #define LIGHT_BINDINGS 19
 
 #define LIGHT_GROUP 64  // invocations of a work group
+// Units of the summed directions, and how many unit vectors may be summed: 31 bits hold them.
+#define LIGHT_DIRECTION_UNITS 2048.0f
+#define LIGHT_MOST_SUMMED 524288
 
 SHARED_BEGIN
 
@@ -129,9 +132,9 @@ struct LightParameters {
   uint count;
   uint first_arc;
   uint arcs;
-  uint levels;  ///< bit l: some patch has level l
-  uint slab_low;
-  uint slab_high;
+  uint levels;   ///< bit l: some patch has level l
+  int slab_low;  ///< voxels along z that are counted
+  int slab_high;
   uint pad;
 };
 

@@ -1,10 +1,10 @@
 // Lines of light between the two sides of a cut (section 4.2): drawn between pivot patches or
 // through a place in the air.
 //
-// Read within a scope that has the tables of light_layout.h by their names (pivot_arcs[], patches[],
-// pieces[], first_cell[], patch_cells[], face_normals[]), their parameters `light`, and
-// segment_blocked() and first_hit() of traversal.h or others like them: a GLSL file behind its
-// buffers, or the body of a C++ struct.
+// Read within a scope that has the tables of light_layout.h by their names (pivot_arcs[],
+// patches[], pieces[], first_cell[], patch_cells[], face_normals[]), their parameters `light`, and
+// segment_blocked() and first_hit() of traversal.h or others like them, and count_voxel(): a GLSL
+// file behind its buffers, or the body of a C++ struct.
 
 // Rays around each end of a line that vote on which side of the opening it lies.
 #define LINE_VOTES 16
@@ -173,10 +173,13 @@ SHARED bool end_along(vec3 place, vec3 w, uint coin, OUT(vec3) end, OUT(uint) fa
 /// The line through a place along its direction, both ways to the first surface. FATE_JOINS: its
 /// ends lie on different sides of the cut, and `line` is turned from light to camera.
 SHARED uint line_through(LineTry through, uint number, OUT(LineEnds) line) {
+  // A try without a direction stands for none.
   line.light = through.place;
   line.camera = through.place;
   line.light_face = 0u;
   line.camera_face = 0u;
+  EXACT float square = dot3(through.direction, through.direction);
+  if (square == 0.0f) return FATE_NONE;
   uint coin = mixed(mixed(light.stream, light.round), number);
   vec3 ahead;
   uint ahead_face;
@@ -194,4 +197,27 @@ SHARED uint line_through(LineTry through, uint number, OUT(LineEnds) line) {
   line.camera = along ? ahead : behind;
   line.camera_face = along ? ahead_face : behind_face;
   return ahead_side == behind_side ? FATE_SAME_SIDE : FATE_JOINS;
+}
+
+SHARED vec3 in_voxels(vec3 place) {
+  EXACT vec3 p = (place - light.grid_corner) * light.voxels_per_unit;
+  return p;
+}
+
+SHARED ivec3 direction_in_units(vec3 w) {
+  EXACT float square = dot3(w, w);
+  if (square < 1e-30f) return ivec3(0, 0, 0);
+  EXACT float scale = inverse_root(square) * LIGHT_DIRECTION_UNITS;
+  EXACT vec3 v = w * scale + vec3(0.5f, 0.5f, 0.5f);
+  return ivec3(int(floor(v.x)), int(floor(v.y)), int(floor(v.z)));
+}
+
+/// Counts the line in every voxel of the slab that it passes.
+SHARED void march(LineEnds line) {
+  EXACT vec3 w = line.camera - line.light;
+  ivec3 direction = direction_in_units(w);
+  VoxelWalk walk = voxel_walk(in_voxels(line.light), in_voxels(line.camera), light.dim);
+  do {
+    if (walk.at.z >= light.slab_low && walk.at.z < light.slab_high) count_voxel(walk.at, direction);
+  } while (next_voxel(walk));
 }

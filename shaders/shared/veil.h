@@ -11,13 +11,21 @@ SHARED float veil_texel(Veil v, int x, int y) {
   return alpha;
 }
 
-/// Texel number `i` of an endless row, wrapped into one of `n`.
-SHARED int veil_wrap(int i, int n, bool mirror, bool clamp_to_edge) {
+/// A coordinate within the image it falls on, or, mirrored, within it and its reflection: [0,1] or
+/// [0,2].
+SHARED float veil_within(float u, bool mirror, bool clamp_to_edge) {
+  if (clamp_to_edge) return min(max(u, 0.0f), 1.0f);
+  EXACT float half_u = 0.5f * u;
+  EXACT float images = mirror ? 2.0f * floor(half_u) : floor(u);
+  EXACT float r = u - images;
+  return r;
+}
+
+/// Index of the texel `i` texels from the start of a row of `n`, i in [-1, 2n].
+SHARED int veil_wrapped(int i, int n, bool mirror, bool clamp_to_edge) {
   if (clamp_to_edge) return min(max(i, 0), n - 1);
-  int period = mirror ? 2 * n : n;
-  int r = i % period;
-  r = r < 0 ? r + period : r;
-  return r < n ? r : period - 1 - r;
+  if (mirror) return i < 0 ? 0 : i < n ? i : max(2 * n - 1 - i, 0);
+  return i < 0 ? i + n : i >= n ? i - n : i;
 }
 
 SHARED float veil_texture(Veil v, float u, float w) {
@@ -25,25 +33,28 @@ SHARED float veil_texture(Veil v, float u, float w) {
   bool mirror_v = (v.how & VEIL_MIRROR_V) != 0u;
   bool clamp_u = (v.how & VEIL_CLAMP_U) != 0u;
   bool clamp_v = (v.how & VEIL_CLAMP_V) != 0u;
+  bool nearest = (v.how & VEIL_NEAREST) != 0u;
   int width = int(v.width);
   int height = int(v.height);
-  bool nearest = (v.how & VEIL_NEAREST) != 0u;
-  EXACT float shift = nearest ? 0.0f : 0.5f;
-  EXACT float x = u * float(width) - shift;
-  EXACT float y = w * float(height) - shift;
-  EXACT float x0 = min(max(floor(x), -1e9f), 1e9f);
-  EXACT float y0 = min(max(floor(y), -1e9f), 1e9f);
-  int ix = veil_wrap(int(x0), width, mirror_u, clamp_u);
-  int iy = veil_wrap(int(y0), height, mirror_v, clamp_v);
-  float first = veil_texel(v, ix, iy);
-  if (nearest) return first;
-  int jx = veil_wrap(int(x0) + 1, width, mirror_u, clamp_u);
-  int jy = veil_wrap(int(y0) + 1, height, mirror_v, clamp_v);
-  EXACT float fx = min(max(x - x0, 0.0f), 1.0f);
-  EXACT float fy = min(max(y - y0, 0.0f), 1.0f);
-  EXACT float low = first + (veil_texel(v, jx, iy) - first) * fx;
-  float left = veil_texel(v, ix, jy);
-  EXACT float high = left + (veil_texel(v, jx, jy) - left) * fx;
+  // The middle of texel i lies at i + 1/2.
+  float shift = nearest ? 0.0f : 0.5f;
+  EXACT float x = veil_within(u, mirror_u, clamp_u) * float(width) - shift;
+  EXACT float y = veil_within(w, mirror_v, clamp_v) * float(height) - shift;
+  int column = int(floor(x));
+  int row = int(floor(y));
+  int column0 = veil_wrapped(column, width, mirror_u, clamp_u);
+  int row0 = veil_wrapped(row, height, mirror_v, clamp_v);
+  float alpha00 = veil_texel(v, column0, row0);
+  if (nearest) return alpha00;
+  int column1 = veil_wrapped(column + 1, width, mirror_u, clamp_u);
+  int row1 = veil_wrapped(row + 1, height, mirror_v, clamp_v);
+  float alpha10 = veil_texel(v, column1, row0);
+  float alpha01 = veil_texel(v, column0, row1);
+  float alpha11 = veil_texel(v, column1, row1);
+  EXACT float fx = x - floor(x);
+  EXACT float fy = y - floor(y);
+  EXACT float low = alpha00 + (alpha10 - alpha00) * fx;
+  EXACT float high = alpha01 + (alpha11 - alpha01) * fx;
   EXACT float alpha = low + (high - low) * fy;
   return alpha;
 }
@@ -54,8 +65,7 @@ SHARED float veil_coverage(Veil v, float b1, float b2) {
   if (v.width > 0u) {
     EXACT float u = v.u0 * b0 + v.u1 * b1 + v.u2 * b2;
     EXACT float w = v.v0 * b0 + v.v1 * b1 + v.v2 * b2;
-    EXACT float textured = alpha * veil_texture(v, u, w);
-    alpha = textured;
+    alpha = alpha * veil_texture(v, u, w);
   }
   if (v.cutoff >= 0.0f) return alpha >= v.cutoff ? 1.0f : 0.0f;
   return alpha;

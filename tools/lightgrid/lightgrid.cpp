@@ -5,24 +5,18 @@
 
 #include <cmath>
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
-#include "libcommon/trace/tracer.h"
 #include "tools/lightgrid/air.h"
-#include "tools/lightgrid/light_lines.h"
+#include "tools/lightgrid/line_tables.h"
 #include "tools/lightgrid/line_walk.h"
 
 namespace tdpt {
 namespace {
 
-constexpr uint64_t kCoarseStream = 0x6c67'0001;
 constexpr uint64_t kFirstBatch = 1 << 15;
-constexpr size_t kFewestKept = 2000;  // fewer never count as settled
-constexpr double kHot = 0.25;         // of the largest count: voxels that are compared
-constexpr size_t kChunk = 1 << 12;
+constexpr size_t kFewestKept = 2000;   // fewer never count as settled
+constexpr double kHot = 0.25;          // of the largest count: voxels that are compared
 constexpr uint64_t kBlock = 1 << 18;   // segments in memory at a time
 constexpr size_t kMostKept = 1 << 20;  // coarse lines the fine pass starts from
 void lay_out(const Scene& scene, int resolution, LightGrid& grid) {
@@ -48,20 +42,18 @@ void lay_out(const Scene& scene, int resolution, LightGrid& grid) {
   grid.direction.assign(total, {});
 }
 
-// Counts and directions of all kept lines, summed in their order.
+// What the lines of one cut leave in the voxels of air.
 struct Tally {
   explicit Tally(size_t voxels) : count(voxels, 0), direction(voxels) {}
   std::vector<uint32_t> count;
   std::vector<Vec3d> direction;
-  void add(const LightGrid& grid, const LightLine& line) {
-    const Vec3d w = normalize(line.camera - line.light);
-    walk_grid(grid, line.light, line.camera, [&](size_t voxel, double) {
-      if (!grid.air[voxel]) return;
-      ++count[voxel];
-      direction[voxel] += w;
-    });
-  }
 };
+
+void read_counts(const LightGrid& grid, LineTracer& tracer, Tally& tally) {
+  tracer.counts(tally.count);
+  for (size_t i = 0; i < tally.count.size(); ++i)
+    if (!grid.air[i]) tally.count[i] = 0;
+}
 
 // Half the sum of differences between two normalised counts, over the hot voxels of the newer one.
 double change_between(const std::vector<uint32_t>& before, const std::vector<uint32_t>& now) {
@@ -77,11 +69,6 @@ double change_between(const std::vector<uint32_t>& before, const std::vector<uin
   return 0.5 * difference;
 }
 
-// Random numbers of a pass through one cut.
-uint64_t stream_of(uint64_t stream, size_t cut) {
-  return stream + (uint64_t{cut} << 32);
-}
-
 struct CoarseReport {
   uint64_t drawn = 0, visible = 0, kept = 0;
   double change = 1;
@@ -90,42 +77,38 @@ struct CoarseReport {
 
 // Draws segments between pivot patches of cut `c` until the counts settle; returns those that join
 // the two sides, the first kMostKept of them.
-std::vector<LightLine> coarse_pass(const Scene& scene, const LightLines& lines, size_t c,
+std::vector<LightLine> coarse_pass(const Scene& scene, LineTracer& tracer, size_t c,
                                    const LightGrid& grid, const LightGridOptions& options,
                                    const LightGridWatch& watch, Tally& tally,
                                    CoarseReport& report) {
   std::vector<LightLine> kept;
-  std::vector<JoiningLine> line;
-  std::vector<LightLines::Fate> fate;
+  TracedLines line;
+  uint64_t summed = 0;
+  tracer.clear();
   for (uint64_t batch = kFirstBatch; report.drawn < options.samples; batch = report.drawn) {
     const std::vector<uint32_t> before = tally.count;
     const uint64_t end = report.drawn + std::min(batch, options.samples - report.drawn);
     while (report.drawn < end && !report.stopped) {
-      const uint64_t first = report.drawn, n = std::min(end - first, kBlock);
-      line.resize(n);
-      fate.resize(n);
-      tbb::parallel_for(tbb::blocked_range<uint64_t>(0, n, kChunk), [&](const auto& range) {
-        for (uint64_t i = range.begin(); i < range.end(); ++i) {
-          Rng rng(options.seed, stream_of(kCoarseStream, c), first + i);
-          fate[i] = lines.between_pivots(c, rng, line[i]);
-        }
-        if (watch.progress) watch.progress(range.size());
-      });
-      for (uint64_t i = 0; i < n; ++i) {
-        report.visible += fate[i] != LightLines::Fate::blocked;
-        if (fate[i] != LightLines::Fate::kept) continue;
+      const uint64_t n = std::min(end - report.drawn, kBlock);
+      if (summed + n > LIGHT_MOST_SUMMED) tracer.take_directions(tally.direction), summed = 0;
+      tracer.between_pivots(c, static_cast<uint32_t>(report.drawn), static_cast<uint32_t>(n), line);
+      summed += n;
+      for (size_t i = 0; i < n; ++i) {
+        report.visible += line.fate[i] != LineFate::none;
+        if (line.fate[i] != LineFate::joins) continue;
         ++report.kept;
-        const LightLine found = in_metres(scene, line[i]);
-        tally.add(grid, found);
-        if (kept.size() < kMostKept) kept.push_back(found);
+        if (kept.size() < kMostKept) kept.push_back(in_metres(scene, line.ends[i]));
       }
       report.drawn += n;
+      if (watch.progress) watch.progress(n);
       report.stopped = watch.stop && watch.stop();
     }
+    read_counts(grid, tracer, tally);
     report.change = change_between(before, tally.count);
     report.settled = report.kept >= kFewestKept && report.change < options.tolerance;
     if (report.settled || report.stopped) break;
   }
+  tracer.take_directions(tally.direction);
   return kept;
 }
 
@@ -133,7 +116,7 @@ std::vector<LightLine> coarse_pass(const Scene& scene, const LightLines& lines, 
 
 LightGrid make_light_grid(const Scene& scene, const CutFile& cut, const std::string& cut_name,
                           const LightGridOptions& options, LightGridReport& report,
-                          const LightGridWatch& watch) {
+                          const LightGridWatch& watch, const MakeLineTracer& make_tracer) {
   if (cut.scene_hash != scene.hash)
     throw InputError(display_name(cut_name), "",
                      "was made from another scene than " + display_name(scene.path));
@@ -154,21 +137,21 @@ LightGrid make_light_grid(const Scene& scene, const CutFile& cut, const std::str
   mark_air(scene, grid);
   report.air = static_cast<size_t>(std::count(grid.air.begin(), grid.air.end(), 1));
   report.phases.done("air");
-  const Tracer tracer(scene);
-  report.phases.done("bvh");
-  const LightLines lines(scene, tracer, cut, cut_name);
+  const LineTables tables = make_line_tables(scene, cut, cut_name);
   report.phases.done("patches");
+  const std::unique_ptr<LineTracer> tracer = make_tracer(scene, tables, grid, options.seed);
+  report.phases.done("bvh");
   report.settled = true;
   report.change = 0;
   std::vector<Vec3d> direction(grid.count.size());
   for (const Bottleneck& b : cut.cuts)
     grid.cuts.push_back({std::clamp(b.conductance, 0.0, 1.0), 0});
   for (size_t c = 0; c < cut.cuts.size() && !report.stopped; ++c) {
-    if (lines.empty(c)) continue;
+    if (tables.cuts[c].count == 0) continue;
     Tally tally(grid.count.size());
     CoarseReport coarse;
     const std::vector<LightLine> kept =
-        coarse_pass(scene, lines, c, grid, options, watch, tally, coarse);
+        coarse_pass(scene, *tracer, c, grid, options, watch, tally, coarse);
     report.phases.done("coarse");
     report.drawn += coarse.drawn;
     report.visible += coarse.visible;
@@ -180,11 +163,12 @@ LightGrid make_light_grid(const Scene& scene, const CutFile& cut, const std::str
     report.change = std::max(report.change, coarse.change);
     if (kept.empty()) continue;
     for (size_t i = 0; i < grid.count.size(); ++i) {
+      if (!grid.air[i]) continue;
       grid.count[i] += static_cast<float>(tally.count[i]);
       direction[i] += tally.direction[i];
     }
     const LineWalk walk =
-        walk_among_lines(scene, lines, c, grid, tally.count, kept, options.lines, options.seed);
+        walk_among_lines(scene, *tracer, c, grid, tally.count, kept, options.lines, options.seed);
     grid.lines.insert(grid.lines.end(), walk.lines.begin(), walk.lines.end());
     grid.probes.insert(grid.probes.end(), walk.probes.begin(), walk.probes.end());
     report.tried += walk.tried;

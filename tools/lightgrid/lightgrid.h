@@ -6,6 +6,7 @@
 #include "libcommon/formats/cut.h"
 #include "libcommon/formats/light_grid.h"
 #include "libcommon/scene/scene.h"
+#include "tools/lightgrid/embree_lines.h"
 
 namespace tdpt {
 
@@ -19,7 +20,7 @@ struct LightGridOptions {
 
 /// What a caller may want to know or say while segments are drawn.
 struct LightGridWatch {
-  std::function<void(uint64_t)> progress;  ///< segments drawn since the last call; any thread
+  std::function<void(uint64_t)> progress;  ///< segments drawn since the last call
   std::function<bool()> stop;              ///< whether to go on with what there is
 };
 
@@ -31,14 +32,19 @@ struct LightGridReport {
   uint64_t tried = 0, joined = 0;             ///< lines through the fullest places
   float fullest = 0;                          ///< largest count of a voxel
   size_t air = 0;                             ///< voxels of air
-  Phases phases;                              ///< air, bvh, patches, coarse, fine
+  Phases phases;                              ///< air, patches, bvh, coarse, fine
 };
+
+/// What makes the tracer of the lines.
+using MakeLineTracer = std::function<std::unique_ptr<LineTracer>(const Scene&, const LineTables&,
+                                                                 const LightGrid&, uint64_t seed)>;
 
 /// The grid of `scene` and `cut`; `cut_name` stands in error messages. Throws InputError when the
 /// two do not belong together. A cut without a bottleneck, or one without a line of light, gives a
 /// grid with bottleneck false.
 LightGrid make_light_grid(const Scene& scene, const CutFile& cut, const std::string& cut_name,
                           const LightGridOptions& options, LightGridReport& report,
-                          const LightGridWatch& watch = {});
+                          const LightGridWatch& watch = {},
+                          const MakeLineTracer& make_tracer = make_embree_lines);
 
 }  // namespace tdpt

@@ -7,7 +7,6 @@
 
 #include "libcommon/base/error.h"
 #include "tools/lightgrid/air.h"
-#include "tools/lightgrid/patch_map.h"
 #include "tools/lightgrid/test_cut.h"
 
 namespace tdpt {
@@ -64,59 +63,6 @@ TEST(Air, ConservativeAndExact) {
                                                     Vec3d(0.5 * grid.voxel));
         EXPECT_EQ(grid.air[grid.index(i, j, k)], touched ? 0 : 1) << i << ' ' << j << ' ' << k;
       }
-}
-
-TEST(PatchSurface, CellsShareATriangleOut) {
-  Scene scene;
-  scene.frame = {{10, 0, 0}, 0.5};
-  scene.positions = {{-0.9f, -0.8f, 0.3f}, {0.8f, -0.5f, -0.4f}, {0.1f, 0.9f, 0.2f}};
-  scene.triangles = {{{0, 1, 2}, 0}};
-  PatchGrid grid;
-  grid.origin = {8.1, -2.03, -1.01};
-  grid.base_cell = 0.61;
-  double total = 0;
-  int used = 0;
-  for (int32_t x = 0; x < 8; ++x)
-    for (int32_t y = 0; y < 8; ++y)
-      for (int32_t z = 0; z < 5; ++z) {
-        Patch patch;
-        patch.cell = {x, y, z};
-        patch.faces = {1};
-        const PatchSurface surface(scene, grid, patch);
-        if (surface.empty()) continue;
-        total += surface.area();
-        ++used;
-        for (uint64_t i = 0; i < 20; ++i) {
-          Rng rng(1, 1, i);
-          const SurfacePoint p = surface.sample(rng);
-          const Vec3d q = (scene.frame.to_metres(p.position) - grid.origin) / grid.base_cell;
-          for (int c = 0; c < 3; ++c) {
-            EXPECT_GE(q[c], patch.cell[static_cast<size_t>(c)] - 1e-9);
-            EXPECT_LE(q[c], patch.cell[static_cast<size_t>(c)] + 1 + 1e-9);
-          }
-          EXPECT_LT(dot(p.normal, shape_of(scene, 0).normal), 0);  // face 1 is the back
-        }
-      }
-  EXPECT_GT(used, 10);
-  EXPECT_NEAR(total, shape_of(scene, 0).area, 1e-12);
-}
-
-TEST(PatchMap, FinerPatchesComeFirst) {
-  Scene scene;
-  scene.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-  scene.triangles = {{{0, 1, 2}, 0}};
-  CutFile cut;
-  cut.grid.base_cell = 4;
-  Patch coarse{}, fine{};
-  coarse.faces = fine.faces = {0};
-  fine.level = 2;  // cells of 0.25
-  cut.patches = {coarse, fine};
-  cut.region = {0, 1};
-  const PatchMap map(scene, cut, "a.cut");
-  EXPECT_EQ(map.region_at(0, {0.1, 0.1, 0}), 1u);
-  EXPECT_EQ(map.region_at(0, {0.5, 0.1, 0}), 0u);
-  EXPECT_FALSE(map.region_at(1, {0.5, 0.1, 0}).has_value());
-  EXPECT_FALSE(map.region_at(0, {5, 0.1, 0}).has_value());
 }
 
 // Share of lines that pass the hole of two-rooms.glb, a millimetre let.

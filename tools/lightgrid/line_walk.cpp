@@ -22,6 +22,9 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include "libcommon/math/rng.h"
+#include "libcommon/math/warp.h"
+
 namespace tdpt {
 namespace {
 
@@ -118,9 +121,9 @@ Vec3d turned_from_axis(double u, double v, double exponent) {
 
 }  // namespace
 
-LineWalk walk_among_lines(const Scene& scene, const LightLines& lines, size_t c,
-                          const LightGrid& grid, const std::vector<uint32_t>& count,
-                          const std::vector<LightLine>& kept, size_t most, uint64_t seed) {
+LineWalk walk_among_lines(const Scene& scene, LineTracer& tracer, size_t c, const LightGrid& grid,
+                          const std::vector<uint32_t>& count, const std::vector<LightLine>& kept,
+                          size_t most, uint64_t seed) {
   // Every chain is a line; a step draws a line through a place on it and moves there if
   // it joins the two sides, too.
   LineWalk walk;
@@ -135,11 +138,9 @@ LineWalk walk_among_lines(const Scene& scene, const LightLines& lines, size_t c,
     Rng rng(seed, stream, i, kMostSteps);
     chain[i] = start[rng.below(static_cast<uint32_t>(start.size()))];
   }
-  struct Step {
-    LightLines::Through outcome;
-    bool wide;
-  };
-  std::vector<Step> step(chains);
+  std::vector<shader::LineTry> tries(chains);
+  std::vector<uint8_t> wide(chains);
+  TracedLines found;
   std::vector<std::optional<Probe>> probe(chains);
   uint64_t moves = 0;
   bool recounted = false;
@@ -147,7 +148,7 @@ LineWalk walk_among_lines(const Scene& scene, const LightLines& lines, size_t c,
   const auto pick_of = [](double u, size_t n) {
     return std::min(n - 1, static_cast<size_t>(u * static_cast<double>(n)));
   };
-  for (uint64_t round = 0; round < kMostSteps && moves < kMoves * chains; ++round) {
+  for (uint32_t round = 0; round < kMostSteps && moves < kMoves * chains; ++round) {
     if (round == kMeetings) w = weights_of(recount(grid, ones, chain));
     if (!recounted && (2 * moves >= kMoves * chains || 2 * round >= kMostSteps)) {
       // What the coarse pass distorted would keep the chains from where it saw too little.
@@ -159,29 +160,29 @@ LineWalk walk_among_lines(const Scene& scene, const LightLines& lines, size_t c,
         Rng rng(seed, stream, i, round);
         const double u = rng.uniform(), v1 = rng.uniform(), v2 = rng.uniform();
         const double sharp = rng.uniform();
-        step[i].outcome = LightLines::Through::unknown;
+        wide[i] = sharp < 0.5;
+        tries[i] = {};
         const std::optional<Vec3d> place =
             round < kMeetings ? nearest_to(chain[i], start[pick_of(u, start.size())])
                               : place_on(grid, w, chain[i], u);
         if (!place) continue;
         const Onb<double> frame(normalize(chain[i].camera - chain[i].light));
-        step[i].wide = sharp < 0.5;
-        const double exponent = step[i].wide ? 1 : std::pow(kNarrowest, 2 * sharp - 1);
-        JoiningLine line;
-        step[i].outcome = lines.through(c, rng, scene.frame.to_canonical(*place),
-                                        frame.to_world(turned_from_axis(v1, v2, exponent)), line);
-        if (step[i].outcome == LightLines::Through::unknown) continue;
-        const bool joins = step[i].outcome == LightLines::Through::joins;
-        if (step[i].wide) probe[i] = Probe{in_metres(scene, line), joins};
-        if (joins) chain[i] = in_metres(scene, line);
+        const double exponent = wide[i] ? 1 : std::pow(kNarrowest, 2 * sharp - 1);
+        tries[i].place = Vec3f(scene.frame.to_canonical(*place));
+        tries[i].direction = Vec3f(frame.to_world(turned_from_axis(v1, v2, exponent)));
       }
     });
-    for (const Step& s : step) {
-      if (s.outcome == LightLines::Through::unknown) continue;
-      moves += s.outcome == LightLines::Through::joins;
-      if (!s.wide) continue;
+    tracer.through(c, round, tries, found);
+    for (size_t i = 0; i < chains; ++i) {
+      if (found.fate[i] == LineFate::none) continue;
+      const bool joins = found.fate[i] == LineFate::joins;
+      const LightLine line = in_metres(scene, found.ends[i]);
+      moves += joins;
+      if (joins) chain[i] = line;
+      if (!wide[i]) continue;
+      probe[i] = Probe{line, joins};
       ++walk.tried;
-      walk.joined += s.outcome == LightLines::Through::joins;
+      walk.joined += joins;
     }
   }
   for (std::optional<Probe>& p : probe) {

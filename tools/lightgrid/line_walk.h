@@ -1,7 +1,7 @@
 // The fine pass of the light grid: a walk among the lines that join the two sides of a cut.
 #pragma once
 #include "libcommon/formats/light_grid.h"
-#include "tools/lightgrid/light_lines.h"
+#include "tools/lightgrid/line_tracer.h"
 
 namespace tdpt {
 
@@ -13,8 +13,8 @@ struct LineWalk {
 
 /// Walks among the lines of cut `c`. `count`: of the coarse pass, for each voxel of `grid`; `kept`:
 /// its lines, at least one. At most `most` lines come back, numbered with the cut.
-LineWalk walk_among_lines(const Scene& scene, const LightLines& lines, size_t c,
-                          const LightGrid& grid, const std::vector<uint32_t>& count,
-                          const std::vector<LightLine>& kept, size_t most, uint64_t seed);
+LineWalk walk_among_lines(const Scene& scene, LineTracer& tracer, size_t c, const LightGrid& grid,
+                          const std::vector<uint32_t>& count, const std::vector<LightLine>& kept,
+                          size_t most, uint64_t seed);
 
 }  // namespace tdpt

@@ -1,0 +1,153 @@
+#include "tools/lightgrid/line_tables.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <tuple>
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+
+#include "libcommon/base/error.h"
+#include "libcommon/base/file.h"
+#include "libcommon/math/warp.h"
+
+namespace tdpt {
+namespace {
+
+// One cut of Sutherland and Hodgman: keeps the part of the polygon with sign*(p[axis] - at) >= 0.
+void clip(std::vector<Vec3d>& polygon, int axis, double at, double sign) {
+  std::vector<Vec3d> kept;
+  for (size_t i = 0; i < polygon.size(); ++i) {
+    const Vec3d &p = polygon[i], &q = polygon[(i + 1) % polygon.size()];
+    const double dp = sign * (p[axis] - at), dq = sign * (q[axis] - at);
+    if (dp >= 0) kept.push_back(p);
+    if ((dp >= 0) != (dq >= 0)) kept.push_back(p + (q - p) * (dp / (dp - dq)));
+  }
+  polygon = std::move(kept);
+}
+
+// Fills `threshold` and `alias` of slots first .. first + weights.size() (see PivotArc).
+template <class Slot>
+void fill_alias(std::vector<Slot>& slots, size_t first, const std::vector<double>& weights) {
+  const AliasTable table(weights);
+  for (uint32_t i = 0; i < weights.size(); ++i) {
+    Slot& slot = slots[first + i];
+    slot.threshold = static_cast<uint32_t>(std::min(table.threshold(i) * 0x1p32, 0x1p32 - 1));
+    slot.alias = static_cast<uint32_t>(first) + table.alias(i);
+  }
+}
+
+// The part of a patch's faces within its cell, as triangles, and their areas.
+struct Surface {
+  std::vector<shader::Piece> pieces;
+  std::vector<double> areas;
+};
+
+Surface surface_of(const Scene& scene, const PatchGrid& grid, const Patch& patch) {
+  Surface out;
+  const double size = std::ldexp(grid.base_cell, -2 * patch.level);
+  for (const uint32_t face : patch.faces) {
+    const TriangleShape shape = shape_of(scene, face / 2);
+    std::vector<Vec3d> polygon{shape.p0, shape.p0 + shape.e1, shape.p0 + shape.e2};
+    for (int c = 0; c < 3 && !polygon.empty(); ++c) {
+      const int32_t cell = patch.cell[static_cast<size_t>(c)];
+      Vec3d low = grid.origin, high = grid.origin;
+      low[c] += size * cell;
+      high[c] += size * (cell + 1.0);
+      clip(polygon, c, scene.frame.to_canonical(low)[c], 1);
+      clip(polygon, c, scene.frame.to_canonical(high)[c], -1);
+    }
+    for (size_t i = 2; i < polygon.size(); ++i) {
+      const double area = 0.5 * length(cross(polygon[i - 1] - polygon[0], polygon[i] - polygon[0]));
+      if (!(area > 0)) continue;
+      out.pieces.push_back(
+          {Vec3f(polygon[0]), face, Vec3f(polygon[i - 1]), 0, Vec3f(polygon[i]), 0});
+      out.areas.push_back(area);
+    }
+  }
+  return out;
+}
+
+void add_surfaces(const Scene& scene, const CutFile& cut, LineTables& tables) {
+  std::vector<bool> needed(cut.patches.size(), false);
+  for (const CutArc& arc : cut.arcs) needed[arc.from] = needed[arc.to] = true;
+  std::vector<Surface> surfaces(cut.patches.size());
+  tbb::parallel_for(size_t{0}, needed.size(), [&](size_t i) {
+    if (needed[i]) surfaces[i] = surface_of(scene, cut.grid, cut.patches[i]);
+  });
+  for (const Surface& s : surfaces) {
+    const size_t first = tables.pieces.size();
+    tables.patches.push_back(
+        {static_cast<uint32_t>(first), static_cast<uint32_t>(s.pieces.size())});
+    tables.pieces.insert(tables.pieces.end(), s.pieces.begin(), s.pieces.end());
+    if (!s.pieces.empty()) fill_alias(tables.pieces, first, s.areas);
+  }
+}
+
+void add_pairs(const CutFile& cut, LineTables& tables) {
+  for (size_t c = 0; c < cut.cuts.size(); ++c) {
+    const size_t first = tables.arcs.size();
+    std::vector<double> capacities;
+    for (const CutArc& arc : cut.arcs) {
+      if (!cut.crosses(arc, c) || tables.patches[arc.from].count == 0 ||
+          tables.patches[arc.to].count == 0)
+        continue;
+      tables.arcs.push_back({arc.from, arc.to, 0, 0});
+      capacities.push_back(arc.capacity);
+    }
+    tables.cuts.push_back({static_cast<uint32_t>(first), static_cast<uint32_t>(capacities.size())});
+    if (!capacities.empty()) fill_alias(tables.arcs, first, capacities);
+  }
+}
+
+void add_cells(const Scene& scene, const CutFile& cut, const std::string& cut_name,
+               LineTables& tables) {
+  tables.first_cell.assign(2 * scene.triangles.size() + 1, 0);
+  for (size_t i = 0; i < cut.patches.size(); ++i) {
+    const Patch& patch = cut.patches[i];
+    tables.levels |= 1u << patch.level;
+    for (const uint32_t face : patch.faces) {
+      if (face / 2 >= scene.triangles.size())
+        throw InputError(display_name(cut_name), fmt::format("patch {}", i),
+                         fmt::format("names triangle {}, but the scene has {}", face / 2,
+                                     scene.triangles.size()));
+      ++tables.first_cell[face + 1];
+    }
+  }
+  std::partial_sum(tables.first_cell.begin(), tables.first_cell.end(), tables.first_cell.begin());
+
+  // Patches are handed out to their faces in order, so each face has its own in order.
+  std::vector<uint32_t> order(cut.patches.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
+    const Patch &p = cut.patches[a], &q = cut.patches[b];
+    return std::tie(p.level, p.cell) < std::tie(q.level, q.cell);
+  });
+  tables.cells.resize(tables.first_cell.back());
+  std::vector<uint32_t> next(tables.first_cell.begin(), tables.first_cell.end() - 1);
+  for (const uint32_t i : order) {
+    const Patch& patch = cut.patches[i];
+    const shader::PatchCell cell{{patch.cell[0], patch.cell[1], patch.cell[2]},
+                                 static_cast<uint32_t>(patch.level) << 24 | cut.region[i]};
+    for (const uint32_t face : patch.faces) tables.cells[next[face]++] = cell;
+  }
+}
+
+}  // namespace
+
+LineTables make_line_tables(const Scene& scene, const CutFile& cut, const std::string& cut_name) {
+  LineTables tables;
+  add_cells(scene, cut, cut_name, tables);
+  add_surfaces(scene, cut, tables);
+  add_pairs(cut, tables);
+  tables.normals.resize(scene.triangles.size());
+  tbb::parallel_for(uint32_t{0}, static_cast<uint32_t>(scene.triangles.size()), [&](uint32_t t) {
+    tables.normals[t] = {Vec3f(shape_of(scene, t).normal), 0};
+  });
+  tables.cell_corner = Vec3f(scene.frame.to_canonical(cut.grid.origin));
+  tables.cells_per_unit = static_cast<float>(1 / (cut.grid.base_cell * scene.frame.scale));
+  return tables;
+}
+
+}  // namespace tdpt

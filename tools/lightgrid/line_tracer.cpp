@@ -1,0 +1,68 @@
+#include "tools/lightgrid/line_tracer.h"
+
+namespace tdpt {
+namespace {
+
+// Passes have streams of random numbers of their own.
+constexpr uint32_t kSegments = 1, kTries = 2;
+
+shader::LightParameters common_of(const Scene& scene, const LineTables& tables,
+                                  const LightGrid& grid, uint64_t seed) {
+  shader::LightParameters p{};
+  p.grid_corner = Vec3f(scene.frame.to_canonical(grid.origin));
+  p.voxels_per_unit = static_cast<float>(1 / (grid.voxel * scene.frame.scale));
+  p.dim = {grid.dim[0], grid.dim[1], grid.dim[2]};
+  p.cell_corner = tables.cell_corner;
+  p.cells_per_unit = tables.cells_per_unit;
+  p.seed = {static_cast<uint32_t>(seed), static_cast<uint32_t>(seed >> 32)};
+  p.levels = tables.levels;
+  p.slab_high = grid.dim[2];
+  return p;
+}
+
+}  // namespace
+
+LineTracer::LineTracer(const Scene& scene, const LineTables& tables, const LightGrid& grid,
+                       uint64_t seed)
+    : tables_(tables), common_(common_of(scene, tables, grid, seed)) {}
+
+shader::LightParameters LineTracer::parameters(uint32_t pass, size_t c, uint32_t n) const {
+  shader::LightParameters p = common_;
+  p.stream = pass << 16 | static_cast<uint32_t>(c);
+  p.cut = static_cast<uint32_t>(c);
+  p.first_arc = tables_.cuts[c].first;
+  p.arcs = tables_.cuts[c].count;
+  p.count = n;
+  return p;
+}
+
+void LineTracer::between_pivots(size_t c, uint32_t first, uint32_t n, TracedLines& out) {
+  out.ends.resize(n);
+  out.fate.resize(n);
+  shader::LightParameters p = parameters(kSegments, c, n);
+  p.first = first;
+  trace_segments(p, out);
+}
+
+void LineTracer::through(size_t c, uint32_t round, std::span<const shader::LineTry> tries,
+                         TracedLines& out) {
+  out.ends.resize(tries.size());
+  out.fate.resize(tries.size());
+  shader::LightParameters p = parameters(kTries, c, static_cast<uint32_t>(tries.size()));
+  p.round = round;
+  trace_tries(p, tries, out);
+}
+
+void VoxelSums::clear() {
+  std::fill(count_.begin(), count_.end(), 0u);
+  std::fill(direction_.begin(), direction_.end(), shader::ivec3());
+}
+
+void VoxelSums::take_directions(std::vector<Vec3d>& sum) {
+  for (size_t i = 0; i < direction_.size(); ++i) {
+    sum[i] += Vec3d(direction_[i]) * (1 / double{LIGHT_DIRECTION_UNITS});
+    direction_[i] = {};
+  }
+}
+
+}  // namespace tdpt

@@ -1,0 +1,91 @@
+// What traces lines of light and counts them in the grid. Behind this interface stand Embree
+// (embree_lines.h), a compute shader on a Vulkan device (gpu_lines.h) and that shader's scalar twin
+// (scalar_lines.h). All draw the same lines from the same seed; between Embree and the two others
+// about one line in 100 000 is met by another triangle.
+#pragma once
+#include <array>
+#include <span>
+#include <vector>
+
+#include "libcommon/formats/light_grid.h"
+#include "libcommon/scene/scene.h"
+#include "shaders/shared/light_layout.h"
+#include "tools/lightgrid/line_tables.h"
+
+namespace tdpt {
+
+/// What became of a line; the numbers are those of the shaders.
+enum class LineFate : uint32_t {
+  none = FATE_NONE,            ///< blocked, or one of its ends is on no patch
+  same_side = FATE_SAME_SIDE,  ///< does not join the sides, or an end sees mostly the other side
+  joins = FATE_JOINS,
+};
+
+struct TracedLines {
+  std::vector<shader::LineEnds> ends;
+  std::vector<LineFate> fate;
+  size_t size() const { return ends.size(); }
+};
+
+/// Canonical line -> metres.
+inline LightLine in_metres(const Scene& scene, const shader::LineEnds& line) {
+  return {scene.frame.to_metres(Vec3d(line.light)), scene.frame.to_metres(Vec3d(line.camera))};
+}
+
+class LineTracer {
+ public:
+  virtual ~LineTracer() = default;
+
+  /// Draws the segments `first` .. `first` + n between pivot patches of cut `c`, which has pairs,
+  /// and tells which are free and join its sides: same_side is a leak. Those that join are counted.
+  void between_pivots(size_t c, uint32_t first, uint32_t n, TracedLines& out);
+  /// Traces the line through each place, both ways to the first surface; a try without direction
+  /// stands for none. `round` keeps the random numbers of several calls apart.
+  void through(size_t c, uint32_t round, std::span<const shader::LineTry> tries, TracedLines& out);
+
+  /// Counts start again at 0.
+  virtual void clear() = 0;
+  /// Lines that passed each voxel since clear(); in and outside the air.
+  virtual void counts(std::vector<uint32_t>& count) = 0;
+  /// Adds the sums of their unit directions, towards the camera, since it was last called. At most
+  /// LIGHT_MOST_SUMMED segments may be drawn between two calls.
+  virtual void take_directions(std::vector<Vec3d>& sum) = 0;
+
+ protected:
+  /// Keeps a reference to the tables. Of `grid`, only the box counts.
+  LineTracer(const Scene& scene, const LineTables& tables, const LightGrid& grid, uint64_t seed);
+
+  /// Fills out.ends and out.fate, which have p.count elements, and counts the lines that join.
+  virtual void trace_segments(const shader::LightParameters& p, TracedLines& out) = 0;
+  virtual void trace_tries(const shader::LightParameters& p, std::span<const shader::LineTry> tries,
+                           TracedLines& out) = 0;
+
+  const LineTables& tables_;
+  const shader::LightParameters common_;  ///< what all calls share
+
+ private:
+  shader::LightParameters parameters(uint32_t pass, size_t c, uint32_t n) const;
+};
+
+/// Lines that a voxel was passed by and the sum of their directions [1/LIGHT_DIRECTION_UNITS]. The
+/// order of additions does not matter to integers, so results do not depend on threads.
+class VoxelSums {
+ public:
+  explicit VoxelSums(size_t voxels) : count_(voxels, 0), direction_(voxels) {}
+  /// From any thread.
+  void add(size_t voxel, const shader::ivec3& direction) {
+    __atomic_fetch_add(&count_[voxel], 1u, __ATOMIC_RELAXED);
+    __atomic_fetch_add(&direction_[voxel].x, direction.x, __ATOMIC_RELAXED);
+    __atomic_fetch_add(&direction_[voxel].y, direction.y, __ATOMIC_RELAXED);
+    __atomic_fetch_add(&direction_[voxel].z, direction.z, __ATOMIC_RELAXED);
+  }
+  void clear();
+  const std::vector<uint32_t>& counts() const { return count_; }
+  void take_directions(std::vector<Vec3d>& sum);
+
+ private:
+  std::vector<uint32_t> count_;
+  std::vector<shader::ivec3> direction_;
+};
+
+}  // namespace tdpt
