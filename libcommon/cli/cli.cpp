@@ -231,6 +231,20 @@ void Options::flag(const std::string& flags, bool& target, const std::string& he
   impl_->keep(impl_->app.add_flag(flags, target, help), shapes);
 }
 
+namespace {
+// Thrown out of the parser, which has not looked at what is required by then.
+struct Instead {
+  std::function<std::string()> text;
+};
+}  // namespace
+
+void Options::instead(const std::string& flags, const std::function<std::string()>& text,
+                      const std::string& help) {
+  impl_->keep(impl_->app.add_flag_callback(
+                  flags, [text] { throw Instead{text}; }, help),
+              Shapes::nothing);
+}
+
 int Options::run_main(int argc, char** argv, const std::function<int()>& run) {
   const auto fail = [this](Exit code, const std::string& text) {
     std::string line = text;
@@ -245,8 +259,14 @@ int Options::run_main(int argc, char** argv, const std::function<int()>& run) {
     if (std::fflush(stdout) == 0 || code != 0) return code;
     return fail(Exit::output, "(standard output): cannot be written");
   };
+  std::function<int()> wanted = run;
   try {
     impl_->app.parse(argc, argv);
+  } catch (const Instead& instead) {
+    wanted = [text = instead.text] {
+      std::fputs(text().c_str(), stdout);
+      return 0;
+    };
   } catch (const CLI::CallForHelp&) {
     std::fputs(impl_->app.help().c_str(), stdout);
     return flushed(0);
@@ -262,7 +282,7 @@ int Options::run_main(int argc, char** argv, const std::function<int()>& run) {
     impl_->refuse_output_over_input(common.output);
     impl_->check_side_outputs(common.output);
     limit_threads(common.threads);
-    return flushed(run());
+    return flushed(wanted());
   } catch (const Error& e) {
     return fail(e.code, e.what());
   } catch (const std::bad_alloc&) {

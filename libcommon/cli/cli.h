@@ -76,6 +76,10 @@ class Options {
   void flag(const std::string& flags, bool& target, const std::string& help,
             Shapes shapes = Shapes::result);
 
+  /// A flag that, like --version, prints `text()` instead of running; the arguments may be missing.
+  void instead(const std::string& flags, const std::function<std::string()>& text,
+               const std::string& help);
+
   /// Parses the command line, then calls `run`. Prints --help and --version. Turns every exception
   /// into one line on stderr and its exit code. The only place in a tool that does.
   int run_main(int argc, char** argv, const std::function<int()>& run);

@@ -83,7 +83,7 @@ struct Veil {
   float alpha1;
   float alpha2;
   float cutoff;  ///< there from this alpha on, or not; below 0: as often as alpha says
-  uint first;    ///< texel (0,0) in bytes of the texels
+  uint first;    ///< texel (0,0)
   uint width;    ///< 0: no texture
   uint height;
   uint how;  ///< VEIL_*
@@ -110,6 +110,14 @@ struct LineEnds {
   uint light_face;
   vec3 camera;
   uint camera_face;
+};
+
+/// Lines that wait for a kernel: how many, and the work groups to dispatch for them.
+struct LightList {
+  uint groups_x;
+  uint groups_y;
+  uint groups_z;
+  uint count;
 };
 
 // What became of a line.

@@ -4,16 +4,13 @@
 // Read within a scope that has veil_of[], veils[] and texels[]: a GLSL file behind its buffers, or
 // the body of a C++ struct.
 
-SHARED float veil_texel(Veil v, int x, int y) {
-  uint at = v.first + uint(y) * v.width + uint(x);
-  uint byte = (texels[at >> 2] >> (8u * (at & 3u))) & 255u;
-  EXACT float alpha = float(byte) * 3.92156863e-3f;
-  return alpha;
+SHARED float veil_texel(Veil v, int x, int y) MEMBER_CONST {
+  return texels[v.first + uint(y) * v.width + uint(x)];
 }
 
 /// A coordinate within the image it falls on, or, mirrored, within it and its reflection: [0,1] or
 /// [0,2].
-SHARED float veil_within(float u, bool mirror, bool clamp_to_edge) {
+SHARED float veil_within(float u, bool mirror, bool clamp_to_edge) MEMBER_CONST {
   if (clamp_to_edge) return min(max(u, 0.0f), 1.0f);
   EXACT float half_u = 0.5f * u;
   EXACT float images = mirror ? 2.0f * floor(half_u) : floor(u);
@@ -22,13 +19,13 @@ SHARED float veil_within(float u, bool mirror, bool clamp_to_edge) {
 }
 
 /// Index of the texel `i` texels from the start of a row of `n`, i in [-1, 2n].
-SHARED int veil_wrapped(int i, int n, bool mirror, bool clamp_to_edge) {
+SHARED int veil_wrapped(int i, int n, bool mirror, bool clamp_to_edge) MEMBER_CONST {
   if (clamp_to_edge) return min(max(i, 0), n - 1);
   if (mirror) return i < 0 ? 0 : i < n ? i : max(2 * n - 1 - i, 0);
   return i < 0 ? i + n : i >= n ? i - n : i;
 }
 
-SHARED float veil_texture(Veil v, float u, float w) {
+SHARED float veil_texture(Veil v, float u, float w) MEMBER_CONST {
   bool mirror_u = (v.how & VEIL_MIRROR_U) != 0u;
   bool mirror_v = (v.how & VEIL_MIRROR_V) != 0u;
   bool clamp_u = (v.how & VEIL_CLAMP_U) != 0u;
@@ -59,7 +56,7 @@ SHARED float veil_texture(Veil v, float u, float w) {
   return alpha;
 }
 
-SHARED float veil_coverage(Veil v, float b1, float b2) {
+SHARED float veil_coverage(Veil v, float b1, float b2) MEMBER_CONST {
   EXACT float b0 = 1.0f - b1 - b2;
   EXACT float alpha = v.alpha0 * b0 + v.alpha1 * b1 + v.alpha2 * b2;
   if (v.width > 0u) {
@@ -67,11 +64,12 @@ SHARED float veil_coverage(Veil v, float b1, float b2) {
     EXACT float w = v.v0 * b0 + v.v1 * b1 + v.v2 * b2;
     alpha = alpha * veil_texture(v, u, w);
   }
+  alpha = min(max(alpha, 0.0f), 1.0f);
   if (v.cutoff >= 0.0f) return alpha >= v.cutoff ? 1.0f : 0.0f;
   return alpha;
 }
 
 /// Whether `triangle`, which is not opaque, is there for a ray. `coin`: a number of the ray's own.
-SHARED bool surface_stops(uint triangle, float b1, float b2, uint coin) {
+SHARED bool surface_stops(uint triangle, float b1, float b2, uint coin) MEMBER_CONST {
   return unit_float(mixed(coin, triangle)) < veil_coverage(veils[veil_of[triangle]], b1, b2);
 }

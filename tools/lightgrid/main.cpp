@@ -8,8 +8,37 @@
 #include "libcommon/base/signals.h"
 #include "libcommon/base/threads.h"
 #include "libcommon/cli/cli.h"
+#include "libcommon/gpu/device.h"
+#include "tools/lightgrid/gpu_lines.h"
 #include "tools/lightgrid/lightgrid.h"
 #include "tools/lightgrid/preview.h"
+
+namespace tdpt {
+namespace {
+
+std::string list_of_devices() {
+  std::string text;
+  const std::vector<gpu::DeviceInfo> devices = gpu::list_devices();
+  for (size_t i = 0; i < devices.size(); ++i) {
+    const gpu::DeviceInfo& d = devices[i];
+    text += fmt::format("{}  {}  ({}, Vulkan {}, {}{})\n", i, d.name, d.kind, d.vulkan, d.driver,
+                        d.unfit.empty() ? "" : "; cannot be used: " + d.unfit);
+  }
+  return text;
+}
+
+// `device`: as --device names it. A GPU is opened at once: none is known before work begins.
+MakeLineTracer tracer_on(const std::string& device) {
+  if (device == "cpu") return make_embree_lines;
+  if (device != "gpu" && device.rfind("gpu:", 0) != 0)
+    throw UsageError("--device: '" + device + "' given, expected cpu, gpu or gpu:WHICH");
+  const gpu::Device opened = gpu::Device::open(device == "gpu" ? "" : device.substr(4));
+  return [opened](const Scene& scene, const LineTables& tables, const LightGrid& grid,
+                  uint64_t seed) { return make_gpu_lines(opened, scene, tables, grid, seed); };
+}
+
+}  // namespace
+}  // namespace tdpt
 
 int main(int argc, char** argv) {
   using namespace tdpt;
@@ -27,15 +56,17 @@ int main(int argc, char** argv) {
                  "Most segments drawn between pivot patches; default 1048576", 1, int64_t{1} << 32);
   options.option("--lines", lines, "N", "Most lines of light kept in the file; default 8192", 100,
                  1 << 22);
-  options.choice("--device", device, {"cpu", "gpu"}, "What traces the segments; default cpu");
+  options.option("--device", device, "cpu|gpu[:WHICH]",
+                 "What traces the lines; default cpu. WHICH: number or part of the name of a "
+                 "Vulkan device; else the best");
+  options.instead("--list-devices", list_of_devices, "List the Vulkan devices and exit");
   options.side_output("--preview", preview,
                       "Write a PNG: the counts along the three axes of the grid");
   options.side_output("--debug-glb", debug_glb,
                       "Write the fullest voxels and some lines of light as glTF");
   return options.run_main(argc, argv, [&] {
     const cli::Common& common = options.common;
-    if (device == "gpu")
-      throw Error(Exit::no_device, "this build has no GPU back end; --device cpu works everywhere");
+    const MakeLineTracer make_tracer = tracer_on(device);
     if (scene_path == "-" && cut_path == "-")
       throw UsageError("only one of the two inputs can come from standard input");
     catch_signals();
@@ -52,8 +83,9 @@ int main(int argc, char** argv) {
     report.phases.done("load");
     {
       Progress progress("tracing", "segments", how.samples, common.quiet);
-      grid = make_light_grid(scene, cut, cut_path, how, report,
-                             {[&](uint64_t n) { progress.advance(n); }, stop_requested});
+      grid =
+          make_light_grid(scene, cut, cut_path, how, report,
+                          {[&](uint64_t n) { progress.advance(n); }, stop_requested}, make_tracer);
     }
     grid.provenance =
         common.provenance({{scene_path, scene.hash, {}}, {cut_path, cut.hash, cut.provenance}});

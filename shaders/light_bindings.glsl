@@ -1,0 +1,50 @@
+// What all kernels of the light grid bind, by the names that shaders/shared/ knows.
+layout(local_size_x = LIGHT_GROUP) in;
+
+layout(std430, binding = LIGHT_BVH_NODES) readonly buffer BvhNodes { BvhNode bvh_nodes[]; };
+layout(std430, binding = LIGHT_BVH_TRIANGLES) readonly buffer BvhTriangles {
+  BvhTriangle bvh_triangles[];
+};
+layout(std430, binding = LIGHT_ARCS) readonly buffer Arcs { PivotArc pivot_arcs[]; };
+layout(std430, binding = LIGHT_PATCHES) readonly buffer Patches { PatchPieces patches[]; };
+layout(std430, binding = LIGHT_PIECES) readonly buffer Pieces { Piece pieces[]; };
+layout(std430, binding = LIGHT_FACES) readonly buffer Faces { uint first_cell[]; };
+layout(std430, binding = LIGHT_CELLS) readonly buffer Cells { PatchCell patch_cells[]; };
+layout(std430, binding = LIGHT_NORMALS) readonly buffer Normals { FaceNormal face_normals[]; };
+layout(std430, binding = LIGHT_VEIL_OF) readonly buffer VeilOf { uint veil_of[]; };
+layout(std430, binding = LIGHT_VEILS) readonly buffer Veils { Veil veils[]; };
+layout(std430, binding = LIGHT_TEXELS) readonly buffer Texels { float texels[]; };
+layout(std430, binding = LIGHT_TRIES) readonly buffer Tries { LineTry tries[]; };
+layout(std430, binding = LIGHT_LINES) buffer Lines { LineEnds lines[]; };
+layout(std430, binding = LIGHT_FATES) buffer Fates { uint fates[]; };
+layout(std430, binding = LIGHT_LISTS) buffer Lists {
+  LightList to_vote;
+  LightList to_march;
+  uint listed[];  // to_vote's numbers, then to_march's, light.count of each at most
+};
+layout(r32ui, binding = LIGHT_COUNT) uniform uimage3D voxel_count;
+layout(r32i, binding = LIGHT_DIRECTION_X) uniform iimage3D voxel_direction_x;
+layout(r32i, binding = LIGHT_DIRECTION_Y) uniform iimage3D voxel_direction_y;
+layout(r32i, binding = LIGHT_DIRECTION_Z) uniform iimage3D voxel_direction_z;
+
+layout(push_constant) uniform Parameters { LightParameters light; };
+
+// Puts a line on the list of a kernel that follows, and that kernel's work groups up to it.
+void list_to_vote(uint i) {
+  uint n = atomicAdd(to_vote.count, 1u);
+  atomicMax(to_vote.groups_x, n / LIGHT_GROUP + 1u);
+  listed[n] = i;
+}
+void list_to_march(uint i) {
+  uint n = atomicAdd(to_march.count, 1u);
+  atomicMax(to_march.groups_x, n / LIGHT_GROUP + 1u);
+  listed[light.count + n] = i;
+}
+
+void count_voxel(ivec3 at, ivec3 direction) {
+  ivec3 texel = ivec3(at.x, at.y, at.z - light.slab_low);
+  imageAtomicAdd(voxel_count, texel, 1u);
+  imageAtomicAdd(voxel_direction_x, texel, direction.x);
+  imageAtomicAdd(voxel_direction_y, texel, direction.y);
+  imageAtomicAdd(voxel_direction_z, texel, direction.z);
+}

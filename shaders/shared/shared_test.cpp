@@ -1,0 +1,237 @@
+// The headers of this folder that need no scene, compiled as C++.
+#include <cmath>
+#include <map>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "libcommon/formats/light_grid.h"
+#include "libcommon/math/rng.h"
+#include "libcommon/testing/chi_square.h"
+#include "shaders/shared/grid_walk.h"
+#include "shaders/shared/random.h"
+#include "shaders/shared/warp.h"
+
+namespace tdpt::shader {
+namespace {
+
+// Known answers of Random123, the generator's own distribution.
+TEST(philox, gives_the_published_numbers) {
+  const auto expect = [](uvec4 counter, uvec2 key, uvec4 wanted) {
+    const uvec4 got = philox(counter, key);
+    EXPECT_EQ(got.x, wanted.x);
+    EXPECT_EQ(got.y, wanted.y);
+    EXPECT_EQ(got.z, wanted.z);
+    EXPECT_EQ(got.w, wanted.w);
+  };
+  const uint f = 0xffffffffu;
+  expect({0, 0, 0, 0}, {0, 0}, {0x6627e8d5u, 0xe169c58du, 0xbc57ac4cu, 0x9b00dbd8u});
+  expect({f, f, f, f}, {f, f}, {0x408f276du, 0x41c83b0eu, 0xa20bc7c6u, 0x6d5451fdu});
+  expect({0x243f6a88u, 0x85a308d3u, 0x13198a2eu, 0x03707344u}, {0xa4093822u, 0x299f31d0u},
+         {0xd16cfe09u, 0x94fdcceb, 0x5001e420u, 0x24126ea1u});
+}
+
+TEST(random_word, goes_on_through_the_blocks) {
+  RandomNumbers r = random_numbers({1, 2}, 3, 4, 5);
+  for (uint block = 0; block < 3; ++block) {
+    const uvec4 want = philox({block, 4, 5, 3}, {1, 2});
+    for (const uint w : {want.x, want.y, want.z, want.w}) EXPECT_EQ(random_word(r), w);
+  }
+}
+
+TEST(unit_float, stays_below_1) {
+  EXPECT_EQ(unit_float(0), 0.0f);
+  EXPECT_LT(unit_float(~0u), 1.0f);
+  EXPECT_EQ(below(~0u, 7), 6u);
+  EXPECT_EQ(below(0, 7), 0u);
+}
+
+// Largest relative error of f against the exact one, in units in the last place, over `n` floats of
+// every size from 1e-`digits` to 1e`digits`.
+template <class F, class Exact>
+double worst(double digits, F f, Exact exact) {
+  double most = 0;
+  Rng rng(1, 0, 0);
+  for (int i = 0; i < 1 << 20; ++i) {
+    const auto x = static_cast<float>(std::pow(10, digits * (2 * rng.uniform() - 1)));
+    const double e = exact(double{x});
+    most = std::max(most, std::abs(f(x) - e) / std::abs(e) * 0x1p24);
+  }
+  return most;
+}
+
+TEST(real, keeps_to_its_bounds) {
+  const double inverse = worst(36, reciprocal, [](double x) { return 1 / x; });
+  const double inverse_roots = worst(36, inverse_root, [](double x) { return 1 / std::sqrt(x); });
+  const double roots = worst(36, root, [](double x) { return std::sqrt(x); });
+  RecordProperty("reciprocal_ulp", std::to_string(inverse));
+  EXPECT_LT(inverse, 2 * 2);
+  EXPECT_LT(inverse_roots, 3 * 2);
+  EXPECT_LT(roots, 3 * 2);
+  // Twin: one iteration less would not do.
+  const auto short_of = [](float x) {
+    float y = uintBitsToFloat(0x7EF311C7u - floatBitsToUint(x));
+    y = y * (2.0f - x * y);
+    return y * (2.0f - x * y);
+  };
+  EXPECT_GT(worst(36, short_of, [](double x) { return 1 / x; }), 100);
+  EXPECT_FLOAT_EQ(reciprocal(-4.0f), -0.25f);
+  EXPECT_EQ(root(0.0f), 0.0f);
+  EXPECT_EQ(root(1e-40f), 0.0f);
+  EXPECT_FLOAT_EQ(root(1.0f), 1.0f);
+}
+
+TEST(real, sines_are_good_to_2e_7) {
+  double most = 0;
+  for (uint i = 0; i < 1u << 20; ++i) {
+    const float turns = unit_float(i << 12);
+    float c, s;
+    cos_sin_turns(turns, c, s);
+    const double angle = 2 * std::numbers::pi * turns;
+    most = std::max({most, std::abs(c - std::cos(angle)), std::abs(s - std::sin(angle))});
+  }
+  EXPECT_LT(most, 2e-7);
+  RecordProperty("error", std::to_string(most * 1e7) + "e-7");
+}
+
+// p of `draw(u, v)`, directions about (2,-1,-3)/sqrt(14), against cos/pi.
+template <class Draw>
+double p_of_cosine(Draw draw) {
+  const Vec3d n = normalize(Vec3d(2, -1, -3));
+  const SphereBins bins(16, 12);
+  const std::vector<double> probability =
+      bins.integrate([&](const Vec3d& w) { return std::max(0.0, dot(w, n)) / std::numbers::pi; });
+  return chi_square_of_samples(
+             400000, probability,
+             [&](uint64_t i) {
+               RandomNumbers r = random_numbers({7, 0}, 1, static_cast<uint>(i), 0);
+               const float u = unit_float(random_word(r));
+               const float v = unit_float(random_word(r));
+               return bins.bin(normalize(Vec3d(draw(Vec3f(n), u, v))));
+             })
+      .p;
+}
+
+TEST(cosine_hemisphere, follows_its_density) {
+  EXPECT_GT(p_of_cosine([](vec3 n, float u, float v) { return cosine_hemisphere(n, u, v); }), 1e-4);
+  // Twin: uniform instead of cosine.
+  EXPECT_LT(p_of_cosine([](vec3 n, float u, float v) {
+              return cosine_hemisphere(n, u, 1 - (1 - v) * (1 - v));
+            }),
+            1e-9);
+}
+
+TEST(cosine_hemisphere, is_unit_and_in_front_for_every_normal) {
+  Rng rng(3, 0, 0);
+  for (int i = 0; i < 100000; ++i) {
+    const double x = rng.uniform() - 0.5, y = rng.uniform() - 0.5, z = rng.uniform() - 0.5;
+    const vec3 n = i < 6 ? vec3(i / 2 == 0, i / 2 == 1, i / 2 == 2) * (i % 2 ? 1.0f : -1.0f)
+                         : vec3(normalize(Vec3d(x, y, z)));
+    const float u = rng.uniform_float();
+    const float v = rng.uniform_float();
+    const vec3 w = cosine_hemisphere(n, u, v);
+    ASSERT_NEAR(length(Vec3d(w)), 1, 1e-6);
+    ASSERT_NEAR(dot(Vec3d(w), Vec3d(n)), std::sqrt(1 - v), 1e-6);
+  }
+}
+
+TEST(uniform_triangle, is_uniform_by_area) {
+  // Nine parts of equal area: each third of the sides.
+  const vec3 a(0, 0, 0), b(3, 0, 0), c(0, 3, 0);
+  const auto p = [&](bool fold) {
+    return chi_square_of_samples(
+               90000, std::vector<double>(9, 1 / 9.0),
+               [&](uint64_t i) {
+                 RandomNumbers r = random_numbers({7, 0}, 2, static_cast<uint>(i), 0);
+                 const float u = unit_float(random_word(r));
+                 float v = unit_float(random_word(r));
+                 if (!fold) v *= 1 - u;
+                 const vec3 q = uniform_triangle(a, b, c, u, v);
+                 EXPECT_LE(q.x + q.y, 3.000001f);
+                 const auto x = static_cast<size_t>(q.x), y = static_cast<size_t>(q.y);
+                 const bool upper = q.x - std::floor(q.x) + q.y - std::floor(q.y) > 1;
+                 // Row y holds 5, 3 or 1 of them.
+                 const size_t first[] = {0, 5, 8};
+                 return std::min<size_t>(first[std::min<size_t>(y, 2)] + 2 * x + upper, 8);
+               })
+        .p;
+  };
+  EXPECT_GT(p(true), 1e-4);
+  EXPECT_LT(p(false), 1e-9);  // twin
+}
+
+std::vector<ivec3> walked(vec3 a, vec3 b, ivec3 dim) {
+  std::vector<ivec3> out;
+  VoxelWalk w = voxel_walk(a, b, dim);
+  do {
+    out.push_back(w.at);
+  } while (next_voxel(w) && out.size() < 100000);
+  return out;
+}
+
+TEST(voxel_walk, visits_the_voxels_counted_by_hand) {
+  using Voxels = std::vector<ivec3>;
+  const ivec3 dim(8, 8, 8);
+  // Along an axis, both ways; between voxels' walls.
+  EXPECT_EQ(walked({0.5f, 1.5f, 2.5f}, {3.5f, 1.5f, 2.5f}, dim),
+            (Voxels{{0, 1, 2}, {1, 1, 2}, {2, 1, 2}, {3, 1, 2}}));
+  EXPECT_EQ(walked({3.5f, 1.5f, 2.5f}, {1.5f, 1.5f, 2.5f}, dim),
+            (Voxels{{3, 1, 2}, {2, 1, 2}, {1, 1, 2}}));
+  // On the wall between two voxels: the upper one.
+  EXPECT_EQ(walked({0.5f, 2, 2.5f}, {2.5f, 2, 2.5f}, dim),
+            (Voxels{{0, 2, 2}, {1, 2, 2}, {2, 2, 2}}));
+  // Slanted: x = 1 at t = 1/4, y = 1 at 1/2, x = 2 at 3/4.
+  EXPECT_EQ(walked({0.5f, 0.5f, 0.5f}, {2.5f, 1.5f, 0.5f}, dim),
+            (Voxels{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {2, 1, 0}}));
+  // Through corners: one axis after the other.
+  EXPECT_EQ(walked({0, 0, 0}, {2, 2, 2}, dim).size(), 7u);
+  EXPECT_EQ(walked({2, 2, 2}, {0, 0, 0}, dim).back(), ivec3(0, 0, 0));
+  // No length at all, also on a corner.
+  EXPECT_EQ(walked({3.5f, 3.5f, 3.5f}, {3.5f, 3.5f, 3.5f}, dim), (Voxels{{3, 3, 3}}));
+  EXPECT_EQ(walked({3, 3, 3}, {3, 3, 3}, dim), (Voxels{{3, 3, 3}}));
+  // What lies outside is drawn to the border; so is the far wall.
+  EXPECT_EQ(walked({-1, 0.5f, 0.5f}, {1.5f, 0.5f, 0.5f}, dim), (Voxels{{0, 0, 0}, {1, 0, 0}}));
+  EXPECT_EQ(walked({7.5f, 8, 8}, {8, 8, 8}, dim), (Voxels{{7, 7, 7}}));
+}
+
+// Against walk_grid(), which counts in doubles: neighbours in order, from end to end, and nothing
+// but corners that rounding passes on the other side is different. `shift` moves the segment.
+double share_that_differs(float shift) {
+  LightGrid grid;
+  grid.dim = {97, 64, 128};
+  uint64_t different = 0, all = 0;
+  for (uint64_t i = 0; i < 20000; ++i) {
+    Rng rng(4, 0, i);
+    float x[6];
+    for (float& v : x) v = rng.uniform_float();
+    if (i % 7 == 0) x[3] = x[0];                           // across an axis
+    if (i % 11 == 0) x[3] = x[0], x[4] = x[1];             // along one
+    if (i % 13 == 0) x[3] = x[0] + 1e-6f * (x[3] - x[0]);  // nearly across
+    const vec3 a(x[0] * 97, x[1] * 64, x[2] * 128), b(x[3] * 97, x[4] * 64, x[5] * 128);
+    std::map<size_t, double> inside;
+    walk_grid(grid, Vec3d(a), Vec3d(b), [&](size_t voxel, double l) { inside[voxel] += l; });
+    const vec3 s(shift, 0, 0);
+    std::vector<ivec3> mine = walked(a + s, b + s, {97, 64, 128});
+    for (size_t k = 1; k < mine.size(); ++k) {
+      const ivec3 d = mine[k] - mine[k - 1];
+      EXPECT_EQ(std::abs(d.x) + std::abs(d.y) + std::abs(d.z), 1);
+    }
+    std::vector<size_t> visited;
+    for (const ivec3& v : mine) visited.push_back(grid.index(v.x, v.y, v.z));
+    for (const size_t v : visited) {
+      ++all;
+      different += inside[v] < 1e-4 && length(Vec3d(b - a)) > 1e-3;
+      inside[v] = 0;
+    }
+    for (const auto& [voxel, l] : inside) different += l > 1e-3;
+  }
+  return static_cast<double>(different) / static_cast<double>(all);
+}
+
+TEST(voxel_walk, is_walk_grid_but_for_rounding) {
+  EXPECT_LT(share_that_differs(0), 1e-3);
+  EXPECT_GT(share_that_differs(0.05f), 1e-2);  // twin
+}
+
+}  // namespace
+}  // namespace tdpt::shader

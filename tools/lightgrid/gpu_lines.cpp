@@ -1,0 +1,227 @@
+// A submission draws or traces some lines and lists those that go on; the two kernels behind it run
+// on these lists only, so that work groups are full: the votes cost more than all the rest, and few
+// of the lines that are traced get there.
+//
+// Where the grid's four images do not fit, they hold a slab of it: every submission then marches
+// its lines once for each slab, and the sums are kept by the host.
+#include "tools/lightgrid/gpu_lines.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "libcommon/base/error.h"
+#include "libcommon/gpu/kernel.h"
+#include "libcommon/trace/bvh.h"
+#include "shaders/light_march.h"
+#include "shaders/light_segments.h"
+#include "shaders/light_through.h"
+#include "shaders/light_votes.h"
+#include "tools/lightgrid/veils.h"
+
+namespace tdpt {
+namespace {
+
+// Seconds of a submission: drivers reset devices that are busy for longer than about two.
+constexpr double kLeast = 0.05, kMost = 0.2;
+constexpr uint32_t kFirstLines = 1 << 13;
+constexpr uint64_t kVoxelBytes = 16;  // of the four images
+
+gpu::Kernel kernel_of(const gpu::Device& device, std::span<const uint32_t> program) {
+  std::vector<gpu::Binding> bindings(LIGHT_BUFFERS, gpu::Binding::buffer);
+  bindings.resize(LIGHT_BINDINGS, gpu::Binding::image);
+  return {device, program, bindings, sizeof(shader::LightParameters)};
+}
+
+// Depth of the slabs that a grid is cut into.
+uint32_t slab_depth(const gpu::Device& device, const LightGrid& grid, const GpuLineBounds& bounds) {
+  const gpu::Limits& limits = device.limits();
+  for (const int side : {grid.dim[0], grid.dim[1]})
+    if (static_cast<uint32_t>(side) > limits.image_side)
+      throw Error(Exit::no_device,
+                  fmt::format("{}: the grid has {} voxels along one side, the device's images at "
+                              "most {}",
+                              device.info().name, side, limits.image_side));
+  const auto nx = static_cast<uint64_t>(grid.dim[0]), ny = static_cast<uint64_t>(grid.dim[1]),
+             nz = static_cast<uint64_t>(grid.dim[2]);
+  // Half of the memory is left to the scene and to others.
+  const uint64_t voxels =
+      std::min({bounds.voxels, limits.image / sizeof(uint32_t), limits.memory / 2 / kVoxelBytes});
+  return static_cast<uint32_t>(
+      std::clamp<uint64_t>(voxels / (nx * ny), 1, std::min<uint64_t>(nz, limits.image_side)));
+}
+
+class GpuLines : public LineTracer {
+ public:
+  GpuLines(const gpu::Device& device, const Scene& scene, const LineTables& tables,
+           const LightGrid& grid, uint64_t seed, const GpuLineBounds& bounds)
+      : GpuLines(device, build_bvh(scene), make_veils(scene), scene, tables, grid, seed, bounds) {}
+
+  void clear() override {
+    std::fill(count_.begin(), count_.end(), 0u);
+    device_.run([&](gpu::Commands& c) { clear_images(c, 0); });
+  }
+
+  void counts(std::vector<uint32_t>& count) override {
+    if (slabs() == 1)
+      count = images_[0].download();
+    else
+      count = count_;
+  }
+
+  void take_directions(std::vector<Vec3d>& sum) override {
+    if (slabs() == 1) {
+      add_directions(0, sum);
+      device_.run([&](gpu::Commands& c) { clear_images(c, 1); });
+      return;
+    }
+    for (size_t i = 0; i < sum.size(); ++i) {
+      sum[i] += direction_[i];
+      direction_[i] = {};
+    }
+  }
+
+ protected:
+  void trace_segments(const shader::LightParameters& p, TracedLines& out) override {
+    for_pieces(p, out, [&](const shader::LightParameters& piece) {
+      const double seconds = device_.run([&](gpu::Commands& c) {
+        c.dispatch(segments_, bound_, piece, groups(piece.count));
+        c.dispatch_indirect(votes_, bound_, piece, lists_, offsetof(Lists, to_vote));
+        if (slabs() == 1)
+          c.dispatch_indirect(march_, bound_, piece, lists_, offsetof(Lists, to_march));
+      });
+      if (slabs() > 1) march_slabs(piece);
+      return seconds;
+    });
+  }
+
+  void trace_tries(const shader::LightParameters& p, std::span<const shader::LineTry> tries,
+                   TracedLines& out) override {
+    for_pieces(p, out, [&](const shader::LightParameters& piece) {
+      tries_.write(0, std::as_bytes(tries.subspan(piece.first - p.first, piece.count)));
+      return device_.run([&](gpu::Commands& c) {
+        c.dispatch(through_, bound_, piece, groups(piece.count));
+        c.dispatch_indirect(votes_, bound_, piece, lists_, offsetof(Lists, to_vote));
+      });
+    });
+  }
+
+ private:
+  struct Lists {
+    shader::LightList to_vote, to_march;
+  };
+
+  GpuLines(const gpu::Device& device, const Bvh& bvh, const VeilTables& veils, const Scene& scene,
+           const LineTables& tables, const LightGrid& grid, uint64_t seed,
+           const GpuLineBounds& bounds)
+      : LineTracer(scene, tables, grid, seed),
+        device_(device),
+        bounds_(bounds),
+        lines_in_submission_(std::min(kFirstLines, bounds.lines)),
+        depth_(slab_depth(device, grid, bounds)),
+        segments_(kernel_of(device, light_segments_spv)),
+        through_(kernel_of(device, light_through_spv)),
+        votes_(kernel_of(device, light_votes_spv)),
+        march_(kernel_of(device, light_march_spv)),
+        tries_(device, bounds.lines * sizeof(shader::LineTry)),
+        lines_(device, bounds.lines * sizeof(shader::LineEnds)),
+        fates_(device, bounds.lines * sizeof(uint32_t)),
+        lists_(device, sizeof(Lists) + 2 * bounds.lines * sizeof(uint32_t)) {
+    add(bvh.nodes, bvh.triangles, tables.arcs, tables.patches, tables.pieces, tables.first_cell,
+        tables.cells, tables.normals, veils.veil_of, veils.veils, veils.texels);
+    const std::array<uint32_t, 3> size{static_cast<uint32_t>(grid.dim[0]),
+                                       static_cast<uint32_t>(grid.dim[1]), depth_};
+    for (const gpu::Texel texel :
+         {gpu::Texel::r32ui, gpu::Texel::r32i, gpu::Texel::r32i, gpu::Texel::r32i})
+      images_.emplace_back(device, size, texel);
+    for (const gpu::Buffer& b : scene_) bound_.emplace_back(b);
+    for (const gpu::Buffer* b : {&tries_, &lines_, &fates_, &lists_}) bound_.emplace_back(*b);
+    for (const gpu::Image3D& i : images_) bound_.emplace_back(i);
+    if (slabs() == 1) return;
+    count_.resize(grid.count.size());
+    direction_.resize(grid.count.size());
+  }
+
+  template <class... Tables>
+  void add(const Tables&... tables) {
+    scene_.reserve(sizeof...(tables));
+    (scene_.emplace_back(device_, tables), ...);
+  }
+
+  static uint32_t groups(uint32_t lines) { return (lines + LIGHT_GROUP - 1) / LIGHT_GROUP; }
+  uint32_t slabs() const { return (static_cast<uint32_t>(common_.dim.z) + depth_ - 1) / depth_; }
+
+  // Calls trace(parameters) for as many lines at a time as keep a submission short, and fetches
+  // what came out; trace returns the seconds that the submission took.
+  template <class Trace>
+  void for_pieces(const shader::LightParameters& p, TracedLines& out, const Trace& trace) {
+    static const std::vector<Lists> kEmpty{{{0, 1, 1, 0}, {0, 1, 1, 0}}};
+    for (uint32_t done = 0; done < p.count;) {
+      shader::LightParameters piece = p;
+      piece.first = p.first + done;
+      piece.count = std::min(p.count - done, lines_in_submission_);
+      lists_.upload(kEmpty);
+      const double seconds = trace(piece);
+      lines_.read(0, std::as_writable_bytes(std::span(out.ends).subspan(done, piece.count)));
+      fates_.read(0, std::as_writable_bytes(std::span(out.fate).subspan(done, piece.count)));
+      done += piece.count;
+      if (seconds > kMost)
+        lines_in_submission_ = std::max(lines_in_submission_ / 2, uint32_t{LIGHT_GROUP});
+      else if (seconds < kLeast && piece.count == lines_in_submission_)
+        lines_in_submission_ = std::min(2 * lines_in_submission_, bounds_.lines);
+    }
+  }
+
+  void march_slabs(shader::LightParameters p) {
+    const size_t layer = static_cast<size_t>(p.dim.x) * static_cast<size_t>(p.dim.y);
+    for (uint32_t s = 0; s < slabs(); ++s) {
+      p.slab_low = static_cast<int32_t>(s * depth_);
+      p.slab_high = std::min(p.slab_low + static_cast<int32_t>(depth_), p.dim.z);
+      device_.run([&](gpu::Commands& c) {
+        clear_images(c, 0);
+        c.dispatch_indirect(march_, bound_, p, lists_, offsetof(Lists, to_march));
+      });
+      const size_t first = layer * static_cast<size_t>(p.slab_low);
+      const std::vector<uint32_t> count = images_[0].download();
+      for (size_t i = 0; i < count.size() && first + i < count_.size(); ++i)
+        count_[first + i] += count[i];
+      add_directions(first, direction_);
+    }
+  }
+
+  // Of the voxels in the images, the first of which is voxel `first`.
+  void add_directions(size_t first, std::vector<Vec3d>& sum) const {
+    for (int c = 0; c < 3; ++c) {
+      const std::vector<uint32_t> units = images_[static_cast<size_t>(c) + 1].download();
+      for (size_t i = 0; i < units.size() && first + i < sum.size(); ++i)
+        sum[first + i][c] += static_cast<int32_t>(units[i]) * (1 / double{LIGHT_DIRECTION_UNITS});
+    }
+  }
+
+  void clear_images(gpu::Commands& commands, size_t from) const {
+    for (size_t i = from; i < images_.size(); ++i) commands.clear(images_[i]);
+  }
+
+  gpu::Device device_;
+  const GpuLineBounds bounds_;
+  uint32_t lines_in_submission_;
+  const uint32_t depth_;
+  gpu::Kernel segments_, through_, votes_, march_;
+  std::vector<gpu::Buffer> scene_;
+  gpu::Buffer tries_, lines_, fates_, lists_;
+  std::vector<gpu::Image3D> images_;  // counts, then directions along x, y, z
+  std::vector<gpu::Bound> bound_;
+  // In slabs only.
+  std::vector<uint32_t> count_;
+  std::vector<Vec3d> direction_;
+};
+
+}  // namespace
+
+std::unique_ptr<LineTracer> make_gpu_lines(const gpu::Device& device, const Scene& scene,
+                                           const LineTables& tables, const LightGrid& grid,
+                                           uint64_t seed, const GpuLineBounds& bounds) {
+  return std::make_unique<GpuLines>(device, scene, tables, grid, seed, bounds);
+}
+
+}  // namespace tdpt

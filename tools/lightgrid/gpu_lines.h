@@ -1,0 +1,23 @@
+// Lines of light traced and counted by a Vulkan device: visibility tests and ray marching in
+// compute shaders, atomic additions on 3D images (section 4.2).
+#pragma once
+#include <memory>
+
+#include "libcommon/gpu/device.h"
+#include "tools/lightgrid/line_tracer.h"
+
+namespace tdpt {
+
+/// Bounds on what is asked of the device, below its own limits; for tests.
+struct GpuLineBounds {
+  uint32_t lines = 1u << 18;       ///< in one submission
+  uint64_t voxels = ~uint64_t{0};  ///< in memory at a time: a larger grid is counted in slabs
+};
+
+/// Keeps a reference to the tables. Throws Error (no_device) when the scene or the grid is too
+/// large for the device. The scene's glass is open.
+std::unique_ptr<LineTracer> make_gpu_lines(const gpu::Device& device, const Scene& scene,
+                                           const LineTables& tables, const LightGrid& grid,
+                                           uint64_t seed, const GpuLineBounds& bounds = {});
+
+}  // namespace tdpt
