@@ -1,0 +1,75 @@
+// One Vulkan device with one compute queue; Vulkan itself stays in this folder.
+//
+// What a machine cannot do (no loader, driver, device or queue, too old a version, a limit too low,
+// too little memory, a device that is lost) throws Error with Exit::no_device and the reason; no
+// other device steps in. A device and all that is made of it are used by one thread at a time.
+//
+// TDPT_VULKAN_VALIDATION=1 in the environment turns on the Khronos validation layer, its
+// synchronisation checks included. Its warnings and errors go to stderr as they come, and a process
+// in which nobody took them (below) ends with exit code 1.
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace tdpt::gpu {
+
+/// What a device allows.
+struct Limits {
+  uint64_t memory = 0;          ///< bytes, the device's own
+  uint64_t buffer = 0;          ///< bytes of one buffer
+  uint64_t image = 0;           ///< bytes of one 3D image
+  uint32_t image_side = 0;      ///< texels along each side of a 3D image
+  uint32_t groups = 0;          ///< work groups of one dispatch
+  uint32_t group_size = 0;      ///< invocations of one work group
+  uint32_t push_constants = 0;  ///< bytes
+  uint32_t buffers = 0;         ///< buffers that one kernel is given
+  uint32_t images = 0;          ///< images that one kernel is given
+};
+
+struct DeviceInfo {
+  std::string name;    ///< as its driver calls it
+  std::string kind;    ///< discrete, integrated, virtual, cpu, other
+  std::string driver;  ///< name and version, as the driver puts them
+  std::string vulkan;  ///< version of the API: 1.3.230
+  std::string unfit;   ///< why it cannot be used here; empty: it can
+  Limits limits;       ///< of devices that can be used
+};
+
+/// Every device there is, fit or not; throws when there is none.
+std::vector<DeviceInfo> list_devices();
+
+/// The one that `which` asks for. "": the best (discrete, integrated, virtual, cpu, other); digits:
+/// an index; else a part of one name, in whichever case. Throws when there is none or it is unfit.
+size_t pick_device(const std::vector<DeviceInfo>& devices, const std::string& which);
+
+class Commands;
+
+class Device {
+ public:
+  /// `which` as in pick_device.
+  static Device open(const std::string& which = "");
+
+  const DeviceInfo& info() const;
+  const Limits& limits() const { return info().limits; }
+
+  /// Submits what `record` records (kernel.h) and waits until it is done. Each command sees what
+  /// those before it wrote. Returns its time in seconds: the device's own, or the wall clock's
+  /// where the device has none. Keep it well below a second: drivers kill what takes longer.
+  double run(const std::function<void(Commands&)>& record);
+
+  struct Impl;
+  const std::shared_ptr<Impl>& impl() const { return impl_; }
+
+ private:
+  explicit Device(std::shared_ptr<Impl> impl) : impl_(std::move(impl)) {}
+  std::shared_ptr<Impl> impl_;  // everything made of the device holds it too
+};
+
+/// What validation has said in this process since the last call; forgets it. Complaints about what
+/// is left over come when a device's last owner goes.
+std::vector<std::string> take_validation_messages();
+
+}  // namespace tdpt::gpu
