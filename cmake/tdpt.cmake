@@ -47,3 +47,60 @@ function(tdpt_bench name)
     target_link_libraries(${name} PRIVATE ${A_LINK})
   endif()
 endfunction()
+
+# tdpt_shaders(target a/NAME.comp ...): kernels, compiled into the target; paths from the source root. C++
+# includes "shaders/NAME.h" for the span NAME_spv. Each kernel belongs to one target. It is a test that all its
+# sums and products are exact; with INEXACT that test must fail.
+function(tdpt_shaders target)
+  cmake_parse_arguments(A "INEXACT" "" "" ${ARGN})
+  set(folder ${CMAKE_BINARY_DIR}/generated/shaders)
+  foreach(file IN LISTS A_UNPARSED_ARGUMENTS)
+    get_filename_component(name ${file} NAME_WE)
+    set(source ${CMAKE_SOURCE_DIR}/${file})
+    set(out ${folder}/${name})
+    set(compile ${Vulkan_GLSLC_EXECUTABLE} --target-env=vulkan1.2 -O -Werror -I ${CMAKE_SOURCE_DIR})
+    file(CONFIGURE OUTPUT ${out}.h CONTENT
+"#pragma once
+#include <cstdint>
+#include <span>
+namespace tdpt::shader {
+inline constexpr uint32_t @name@_words[] =
+#include \"shaders/@name@.inc\"
+    ;
+inline constexpr std::span<const uint32_t> @name@_spv{@name@_words};
+}  // namespace tdpt::shader
+" @ONLY)
+    add_custom_command(OUTPUT ${out}.inc ${out}.spv
+      COMMAND ${compile} -MD -MF ${out}.d -MT ${out}.spv -o ${out}.spv ${source}
+      COMMAND ${SPIRV_VAL} --target-env vulkan1.2 ${out}.spv
+      COMMAND ${compile} -mfmt=c -o ${out}.inc ${source}
+      DEPENDS ${source} DEPFILE ${out}.d COMMENT "Compiling the kernel ${name}" VERBATIM)
+    target_sources(${target} PRIVATE ${out}.inc)
+    if(BUILD_TESTING)
+      add_test(NAME shaders.${name}-is-exact COMMAND sh ${CMAKE_SOURCE_DIR}/tools/spirv-exact.sh ${out}.spv)
+      set_tests_properties(shaders.${name}-is-exact PROPERTIES WILL_FAIL ${A_INEXACT})
+    endif()
+  endforeach()
+  target_include_directories(${target} PUBLIC ${CMAKE_BINARY_DIR}/generated)
+endfunction()
+
+# tdpt_software_vulkan(test ...): these tests run on Mesa's lavapipe, whatever else the machine has, and under
+# Vulkan's validation. A test is a name given to add_test or a program given to tdpt_test.
+file(GLOB TDPT_LAVAPIPE /usr/share/vulkan/icd.d/lvp_icd*.json /usr/local/share/vulkan/icd.d/lvp_icd*.json
+     /etc/vulkan/icd.d/lvp_icd*.json)
+function(tdpt_software_vulkan)
+  list(APPEND TDPT_LAVAPIPE lavapipe-is-not-installed)
+  list(GET TDPT_LAVAPIPE 0 driver)
+  set(environment
+      "VK_ICD_FILENAMES=set:${driver};VK_DRIVER_FILES=set:${driver};TDPT_VULKAN_VALIDATION=set:1")
+  foreach(test IN LISTS ARGN)
+    if(TARGET ${test})  # its tests are not known before ctest runs
+      set(script ${CMAKE_CURRENT_BINARY_DIR}/${test}_software_vulkan.cmake)
+      file(WRITE ${script}
+           "set_tests_properties(\${${test}_TESTS} PROPERTIES ENVIRONMENT_MODIFICATION \"${environment}\")\n")
+      set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES ${script})
+    else()
+      set_tests_properties(${test} PROPERTIES ENVIRONMENT_MODIFICATION "${environment}")
+    endif()
+  endforeach()
+endfunction()

@@ -1,0 +1,407 @@
+// Runs on lavapipe and under validation (tdpt_software_vulkan in CMakeLists.txt). A test that says
+// nothing of messages demands that there are none.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+
+#include "libcommon/gpu/device_impl.h"
+#include "shaders/gpu_test.h"
+#include "shaders/gpu_test_inexact.h"
+#include "shaders/gpu_test_signed.h"
+
+namespace tdpt::gpu {
+namespace {
+
+struct TestPush {
+  uint32_t n, step;
+  float scale;
+};
+
+/// The message of the Error that `f` throws, which is one of Exit `code`.
+template <class F>
+std::string error_of(F f, Exit code = Exit::no_device) {
+  try {
+    f();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code, code) << e.what();
+    return e.what();
+  }
+  ADD_FAILURE() << "nothing was thrown";
+  return "";
+}
+
+/// An environment variable for as long as this lives.
+class WithVariable {
+ public:
+  WithVariable(const char* name, const char* value) : name_(name) {
+    const char* before = getenv(name);
+    if (before) before_ = before;
+    had_ = before != nullptr;
+    setenv(name, value, 1);
+  }
+  ~WithVariable() {
+    if (had_) setenv(name_, before_.c_str(), 1);
+    if (!had_) unsetenv(name_);
+  }
+
+ private:
+  const char* name_;
+  std::string before_;
+  bool had_;
+};
+
+class Gpu : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    const char* on = getenv("TDPT_VULKAN_VALIDATION");
+    ASSERT_TRUE(on && std::string(on) == "1") << "run it with ctest, or set what ctest sets";
+    device = std::make_unique<Device>(Device::open());
+  }
+  void TearDown() override {
+    device.reset();  // what is left over is told now
+    EXPECT_EQ(take_validation_messages(), std::vector<std::string>());
+  }
+  const Device::Impl& vulkan() const { return *device->impl(); }
+
+  std::unique_ptr<Device> device;
+};
+
+/// Buffers of this device lie where the host sees them, or (lavapipe has no such) where it does
+/// not, so that staging is tried.
+class Memories : public Gpu, public ::testing::WithParamInterface<bool> {
+ protected:
+  void SetUp() override {
+    Gpu::SetUp();
+    ASSERT_TRUE(device->impl()->host_sees);
+    device->impl()->host_sees = GetParam();
+    device->impl()->piece = 1000;
+  }
+};
+INSTANTIATE_TEST_SUITE_P(HostSees, Memories, ::testing::Bool());
+
+std::vector<uint32_t> squares(uint32_t n) {
+  std::vector<uint32_t> v(n);
+  for (uint32_t i = 0; i < n; ++i) v[i] = i * i;
+  return v;
+}
+
+TEST_P(Memories, BuffersGiveBackWhatTheyWereGiven) {
+  const std::vector<uint32_t> values = squares(12345);
+  Buffer buffer(*device, values);
+  EXPECT_EQ(buffer.bytes(), 4 * values.size());
+  EXPECT_EQ(buffer.impl().block.mapped != nullptr, GetParam());
+  EXPECT_EQ(buffer.download<uint32_t>(values.size()), values);
+  EXPECT_EQ(buffer.download<uint32_t>(3, 4 * 1000),
+            std::vector<uint32_t>(values.begin() + 1000, values.begin() + 1003));
+  buffer.upload(std::vector<uint8_t>{1, 2, 3}, 4 * 999 + 1);
+  EXPECT_EQ(buffer.download<uint32_t>(3, 4 * 998),
+            (std::vector<uint32_t>{998 * 998, 0x03020100 + (999 * 999 & 0xff), 1000 * 1000}));
+  EXPECT_TRUE(buffer.download<uint32_t>(0).empty());
+}
+
+TEST_P(Memories, BytesOutsideOfABufferAreRefused) {
+  Buffer buffer(*device, 6);
+  EXPECT_EQ(buffer.bytes(), 8u);
+  EXPECT_EQ(Buffer(*device, 0).bytes(), 4u);
+  EXPECT_EQ(error_of([&] { buffer.download<uint32_t>(2, 4); }, Exit::internal),
+            "bytes 4 to 12 of a buffer of 8");
+  error_of([&] { buffer.upload(std::vector<uint8_t>(9)); }, Exit::internal);
+  error_of([&] { buffer.download<uint8_t>(1, UINT64_MAX); }, Exit::internal);
+}
+
+TEST_P(Memories, AKernelCountsInAnImageAndABuffer) {
+  // Layers of 13 * 11 texels and rows of 13: pieces of 1000 bytes are one layer and a part.
+  const uint32_t n = 13 * 11 * 5;
+  Image3D image(*device, {13, 11, 5});
+  EXPECT_EQ(image.download(), std::vector<uint32_t>(n));
+  std::vector<uint32_t> words = squares(n + 1);
+  words[0] = 7;
+  Buffer buffer(*device, words);
+  const Kernel kernel(*device, shader::gpu_test_spv, {Binding::image, Binding::buffer},
+                      sizeof(TestPush), {3, 1000});
+  const double seconds = device->run([&](Commands& c) {
+    c.dispatch(kernel, {image, buffer}, TestPush{n - 2, 5, 0.25f}, (n + 63) / 64);
+    c.dispatch(kernel, {image, buffer}, TestPush{n - 1, 100, 2}, (n + 63) / 64);
+  });
+  EXPECT_GT(seconds, 0);
+  EXPECT_LT(seconds, 10);
+  std::vector<uint32_t> counts(n, 105), expected = words;
+  counts[n - 2] = 100;
+  counts[n - 1] = 0;
+  expected[0] = 7 + 5 * (n - 2) + 100 * (n - 1);
+  for (uint32_t i = 1; i < n; ++i) {
+    if (i < n - 1) expected[i] = 3 * static_cast<uint32_t>(0.25f * float(words[i]) + 0.5f) + 1000;
+    expected[i] = 3 * static_cast<uint32_t>(2 * float(expected[i]) + 0.5f) + 1000;
+  }
+  EXPECT_EQ(image.download(), counts);
+  EXPECT_EQ(buffer.download<uint32_t>(n + 1), expected);
+}
+
+TEST_P(Memories, PiecesOfAnImageMayBeRowsOrLayers) {
+  const uint32_t n = 300 * 4 * 3;
+  Buffer words(*device, 4 * (n + 1));
+  const Kernel kernel(*device, shader::gpu_test_spv, {Binding::image, Binding::buffer},
+                      sizeof(TestPush));
+  for (uint64_t piece : {1200, 3000, 5000, 10000, 100000}) {
+    device->impl()->piece = piece;
+    Image3D image(*device, {300, 4, 3});
+    std::vector<uint32_t> expected(n);
+    device->run([&](Commands& c) {
+      for (uint32_t k : {1u, 2u, 1199u, 1200u, 1201u, 3000u, n}) {
+        c.dispatch(kernel, {image, words}, TestPush{k, k, 0}, (n + 63) / 64);
+        for (uint32_t i = 0; i < k; ++i) expected[i] += k;
+      }
+    });
+    EXPECT_EQ(image.download(), expected) << piece;
+  }
+}
+
+TEST_F(Gpu, SignedImagesCountDown) {
+  Image3D image(*device, {6, 1, 1}, Texel::r32i);
+  const Kernel kernel(*device, shader::gpu_test_signed_spv, {Binding::image});
+  device->run([&](Commands& c) { c.dispatch(kernel, {image}, {}, 1); });
+  EXPECT_EQ(image.download(), (std::vector<uint32_t>{~0u, ~1u, ~2u, ~3u, 0, 0}));
+}
+
+TEST_F(Gpu, SpecializationConstantsHaveTheirDefaults) {
+  Image3D image(*device, {1, 1, 1});
+  Buffer buffer(*device, std::vector<uint32_t>{0, 8});
+  const Kernel kernel(*device, shader::gpu_test_spv, {Binding::image, Binding::buffer},
+                      sizeof(TestPush));
+  device->run([&](Commands& c) { c.dispatch(kernel, {image, buffer}, TestPush{1, 2, 3}, 1); });
+  EXPECT_EQ(buffer.download<uint32_t>(2), (std::vector<uint32_t>{2, 24}));
+}
+
+TEST_F(Gpu, CommandsSeeWhatTheOnesBeforeThemWrote) {
+  Image3D image(*device, {4, 1, 1});
+  Buffer words(*device, 4 * 300), groups(*device, std::vector<uint32_t>{9, 9, 0, 1, 1});
+  const Kernel kernel(*device, shader::gpu_test_spv, {Binding::image, Binding::buffer},
+                      sizeof(TestPush), {2, 1});
+  device->run([&](Commands& c) {
+    c.fill(words, 0);
+    c.clear(image, 40);
+    c.dispatch(kernel, {image, words}, TestPush{1, 2, 1}, 1);                      // words[1]: 1
+    c.dispatch(kernel, {image, words}, TestPush{1, 2, 1}, 1);                      // 3
+    c.dispatch(kernel, {image, words}, TestPush{1, 2, 1}, 0);                      // nothing
+    c.dispatch_indirect(kernel, {image, words}, TestPush{1000, 2, 1}, groups, 0);  // 9 x 9 x 0
+    c.dispatch_indirect(kernel, {image, words}, TestPush{65, 2, 1}, groups, 4);    // nothing: 9 x 0
+  });
+  EXPECT_EQ(words.download<uint32_t>(3), (std::vector<uint32_t>{4, 3, 0}));
+  EXPECT_EQ(image.download(), (std::vector<uint32_t>{44, 40, 40, 40}));
+
+  // A kernel writes the work groups that the next one is given: words[0] = 2, words[1..2] = 1.
+  device->run([&](Commands& c) {
+    c.fill(words, 0);
+    c.dispatch(kernel, {image, words}, TestPush{2, 1, 1}, 1);
+    c.dispatch_indirect(kernel, {image, words}, TestPush{200, 1, 1}, words);
+    c.clear(image, 5);
+  });
+  EXPECT_EQ(words.download<uint32_t>(1)[0], 2u + 128u);
+  EXPECT_EQ(image.download(), std::vector<uint32_t>(4, 5));
+}
+
+TEST_F(Gpu, WhatIsAboveALimitIsRefusedWithBothNumbers) {
+  const Limits l = device->limits();
+  const std::string name = device->info().name;
+  const auto text = [](uint64_t n) { return std::to_string(n); };
+  EXPECT_EQ(error_of([&] { Buffer(*device, l.buffer + 1); }), "a buffer of " + text(l.buffer + 1) +
+                                                                  " bytes is asked for; " + name +
+                                                                  " allows " + text(l.buffer));
+  EXPECT_EQ(
+      error_of([&] { Buffer(*device, UINT64_MAX); }),
+      "a buffer of 18446744073709551615 bytes is asked for; " + name + " allows " + text(l.buffer));
+  EXPECT_EQ(error_of([&] {
+              Image3D(*device, {1, l.image_side + 1, 1});
+            }),
+            "a 3D image with a side of " + text(l.image_side + 1) + " texels is asked for; " +
+                name + " allows " + text(l.image_side));
+  error_of([&] { Image3D(*device, {1, 0, 1}); });
+  EXPECT_EQ(error_of([&] {
+              Image3D(*device, {l.image_side, l.image_side, l.image_side});
+            }),
+            "a 3D image of " + text(uint64_t{4} * l.image_side * l.image_side * l.image_side) +
+                " bytes is asked for; " + name + " allows " + text(l.image));
+  const auto kernel = [&](const std::vector<Binding>& bindings, uint32_t push) {
+    return Kernel(*device, shader::gpu_test_inexact_spv, bindings, push);
+  };
+  EXPECT_EQ(error_of([&] { kernel({Binding::buffer}, l.push_constants + 4); }),
+            "a kernel needs " + text(l.push_constants + 4) + " bytes of push constants; " + name +
+                " allows " + text(l.push_constants));
+  EXPECT_EQ(
+      error_of([&] { kernel(std::vector(l.buffers + 1, Binding::buffer), 0); }),
+      "a kernel needs " + text(l.buffers + 1) + " buffers; " + name + " allows " + text(l.buffers));
+  EXPECT_EQ(
+      error_of([&] { kernel(std::vector(l.images + 1, Binding::image), 0); }),
+      "a kernel needs " + text(l.images + 1) + " images; " + name + " allows " + text(l.images));
+  const Kernel k = kernel({Binding::buffer}, 0);
+  Buffer buffer(*device, 16);
+  EXPECT_EQ(
+      error_of(
+          [&] { device->run([&](Commands& c) { c.dispatch(k, {buffer}, {}, l.groups + 1); }); }),
+      text(l.groups + 1) + " work groups are asked for; " + name + " allows " + text(l.groups));
+  device->run([&](Commands& c) { c.dispatch(k, {buffer}, {}, l.groups); });
+}
+
+TEST_F(Gpu, AskingForTooMuchMemoryNamesTheCallAndItsResult) {
+  const std::string said = error_of([&] {
+    calling_vulkan("no buffer of 5 bytes", [&] {
+      const vk::raii::Device& d = vulkan().device;
+      return vk::raii::DeviceMemory(d, vk::MemoryAllocateInfo(uint64_t{1} << 60, 0));
+    });
+  });
+  EXPECT_EQ(said, "no buffer of 5 bytes: vkAllocateMemory: ErrorOutOfDeviceMemory");
+  EXPECT_FALSE(take_validation_messages().empty());
+}
+
+TEST_F(Gpu, AKernelIsGivenWhatItDeclares) {
+  const Kernel kernel(*device, shader::gpu_test_spv, {Binding::image, Binding::buffer},
+                      sizeof(TestPush));
+  Image3D image(*device, {1, 1, 1});
+  Buffer buffer(*device, 16);
+  const TestPush push{1, 1, 1};
+  const auto refused = [&](const std::vector<Bound>& bound, Push p) {
+    error_of([&] { device->run([&](Commands& c) { c.dispatch(kernel, bound, p, 1); }); },
+             Exit::internal);
+  };
+  refused({image}, push);
+  refused({buffer, image}, push);
+  refused({image, buffer, buffer}, push);
+  refused({image, buffer}, {});
+  refused({image, buffer}, 7);
+  for (uint64_t offset : {2, 8, 1000})
+    error_of(
+        [&] {
+          device->run([&](Commands& c) {
+            c.dispatch_indirect(kernel, {image, buffer}, push, buffer, offset);
+          });
+        },
+        Exit::internal);
+  error_of([&] { device->run([&](Commands&) { image.download(); }); }, Exit::internal);
+  error_of([&] { device->run([&](Commands&) { buffer.download<uint32_t>(1); }); }, Exit::internal);
+  // After all this it still works.
+  device->run([&](Commands& c) { c.dispatch(kernel, {image, buffer}, push, 1); });
+  EXPECT_EQ(image.download(), std::vector<uint32_t>{1});
+}
+
+TEST_F(Gpu, WhatIsMadeOfADeviceKeepsItAlive) {
+  Buffer buffer(*device, std::vector<uint32_t>{1, 2});
+  device.reset();
+  EXPECT_EQ(buffer.download<uint32_t>(2), (std::vector<uint32_t>{1, 2}));
+}
+
+TEST_F(Gpu, DevicesAreOpenedByIndexAndByName) {
+  const std::vector<DeviceInfo> all = list_devices();
+  ASSERT_EQ(all.size(), 1u);
+  EXPECT_EQ(all[0].kind, "cpu");
+  EXPECT_EQ(all[0].unfit, "");
+  EXPECT_NE(all[0].driver, "");
+  EXPECT_GE(all[0].limits.push_constants, 128u);
+  EXPECT_EQ(Device::open("0").info().name, all[0].name);
+  EXPECT_EQ(Device::open("LLVMpipe").info().name, all[0].name);
+  EXPECT_EQ(error_of([] { Device::open("geforce"); }),
+            "no Vulkan device is called 'geforce'; there are: 0: " + all[0].name + " (cpu)");
+  error_of([] { Device::open("1"); });
+  error_of([] { Device::open("00"); });
+}
+
+DeviceInfo named(const std::string& name, const std::string& kind, const std::string& unfit = "") {
+  return {name, kind, "", "", unfit, {}};
+}
+
+TEST(PickDevice, TakesTheBestOrTheOneThatIsMeant) {
+  const std::vector<DeviceInfo> all = {named("pipe", "cpu"), named("Radeon old", "discrete", "old"),
+                                       named("Iris", "integrated"), named("Radeon new", "discrete"),
+                                       named("Radeon 2", "discrete")};
+  EXPECT_EQ(pick_device(all, ""), 3u);
+  EXPECT_EQ(pick_device({all[0], all[2]}, ""), 1u);
+  EXPECT_EQ(pick_device({all[0], named("v", "virtual")}, ""), 1u);
+  EXPECT_EQ(pick_device({named("x", "other"), all[0]}, ""), 1u);
+  EXPECT_EQ(pick_device(all, "0"), 0u);
+  EXPECT_EQ(pick_device(all, "2"), 2u);
+  EXPECT_EQ(pick_device(all, "rAdEoN N"), 3u);
+  EXPECT_EQ(error_of([&] { pick_device(all, "radeon"); }),
+            "more than one Vulkan device is called 'radeon'; there are: 0: pipe (cpu), "
+            "1: Radeon old (old), 2: Iris (integrated), 3: Radeon new (discrete), "
+            "4: Radeon 2 (discrete)");
+  EXPECT_EQ(error_of([&] { pick_device(all, "1"); }), "Radeon old cannot be used: old");
+  EXPECT_EQ(error_of([&] { pick_device({all[1]}, ""); }),
+            "no Vulkan device can be used; there are: 0: Radeon old (old)");
+  error_of([&] { pick_device(all, "5"); });
+  error_of([&] { pick_device(all, "99999999999999999999"); });
+}
+
+TEST(NoDevice, WithoutADriverThereIsNoDevice) {
+  const WithVariable old_loader("VK_ICD_FILENAMES", "/nonexistent"),
+      new_loader("VK_DRIVER_FILES", "/nonexistent");
+  EXPECT_EQ(error_of([] { list_devices(); }), "there is no Vulkan driver");
+  EXPECT_EQ(error_of([] { Device::open(); }), "there is no Vulkan driver");
+}
+
+TEST(NoDevice, ValidationThatIsAskedForIsNeeded) {
+  const WithVariable paths("VK_LAYER_PATH", "/nonexistent");
+  EXPECT_EQ(error_of([] { Device::open(); }),
+            "TDPT_VULKAN_VALIDATION=1, but the Khronos validation layer is not installed");
+  const WithVariable off("TDPT_VULKAN_VALIDATION", "0");
+  Device::open();
+}
+
+// Twins: what validation is there to find is found.
+
+class Misuse : public Gpu {
+ protected:
+  void expect_message(const std::string& part) {
+    bool found = false;
+    for (const std::string& m : take_validation_messages())
+      found |= m.find(part) != std::string::npos;
+    EXPECT_TRUE(found) << part;
+  }
+};
+
+TEST_F(Misuse, AMissingBarrierIsTold) {
+  Buffer buffer(*device, 64);
+  Device::Impl& d = *device->impl();
+  d.run([&] {
+    d.commands.fillBuffer(*buffer.impl().block.buffer, 0, 64, 1);
+    d.commands.fillBuffer(*buffer.impl().block.buffer, 0, 64, 2);
+  });
+  expect_message("SYNC-HAZARD-WRITE-AFTER-WRITE");
+}
+
+TEST_F(Misuse, AMissingBarrierBetweenKernelsIsTold) {
+  Buffer buffer(*device, 64);
+  const Kernel kernel(*device, shader::gpu_test_inexact_spv, {Binding::buffer});
+  Device::Impl& d = *device->impl();
+  device->run([&](Commands& c) {
+    c.dispatch(kernel, {buffer}, {}, 1);
+    d.commands.dispatch(1, 1, 1);
+    d.commands.dispatch(1, 1, 1);
+  });
+  expect_message("SYNC-HAZARD");
+}
+
+TEST_F(Misuse, PushConstantsThatTheKernelDoesNotDeclareAreTold) {
+  const Kernel kernel(*device, shader::gpu_test_spv, {Binding::image, Binding::buffer}, 4);
+  expect_message("VUID-");
+}
+
+TEST_F(Misuse, ALeakIsTold) {
+  vulkan().device.createFence({}).release();
+  device.reset();
+  expect_message("VkFence");
+}
+
+TEST(MisuseDeathTest, MessagesThatNobodyTakesFailTheProcess) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");  // drivers have threads
+  const auto leave = [](bool leak) {
+    {
+      const Device d = Device::open();
+      if (leak) d.impl()->device.createFence({}).release();
+    }
+    std::exit(0);
+  };
+  EXPECT_EXIT(leave(true), ::testing::ExitedWithCode(1), "1 Vulkan validation messages");
+  EXPECT_EXIT(leave(false), ::testing::ExitedWithCode(0), "");
+}
+
+}  // namespace
+}  // namespace tdpt::gpu
