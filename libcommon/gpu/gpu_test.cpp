@@ -367,16 +367,16 @@ TEST_F(Misuse, AMissingBarrierIsTold) {
   expect_message("SYNC-HAZARD-WRITE-AFTER-WRITE");
 }
 
-TEST_F(Misuse, AMissingBarrierBetweenKernelsIsTold) {
+TEST_F(Misuse, AMissingBarrierAfterAKernelIsTold) {
   Buffer buffer(*device, 64);
   const Kernel kernel(*device, shader::gpu_test_inexact_spv, {Binding::buffer});
   Device::Impl& d = *device->impl();
   device->run([&](Commands& c) {
     c.dispatch(kernel, {buffer}, {}, 1);
     d.commands.dispatch(1, 1, 1);
-    d.commands.dispatch(1, 1, 1);
+    d.commands.fillBuffer(*buffer.impl().block.buffer, 0, 64, 2);
   });
-  expect_message("SYNC-HAZARD");
+  expect_message("SYNC-HAZARD-WRITE-AFTER-WRITE");
 }
 
 TEST_F(Misuse, PushConstantsThatTheKernelDoesNotDeclareAreTold) {
