@@ -7,6 +7,7 @@
 #include "tools/lightgrid/gpu_lines.h"
 
 #include <algorithm>
+#include <functional>
 
 #include <fmt/format.h>
 
@@ -33,29 +34,12 @@ gpu::Kernel kernel_of(const gpu::Device& device, std::span<const uint32_t> progr
   return {device, program, bindings, sizeof(shader::LightParameters)};
 }
 
-// Depth of the slabs that a grid is cut into.
-uint32_t slab_depth(const gpu::Device& device, const LightGrid& grid, const GpuLineBounds& bounds) {
-  const gpu::Limits& limits = device.limits();
-  for (const int side : {grid.dim[0], grid.dim[1]})
-    if (static_cast<uint32_t>(side) > limits.image_side)
-      throw Error(Exit::no_device,
-                  fmt::format("{}: the grid has {} voxels along one side, the device's images at "
-                              "most {}",
-                              device.info().name, side, limits.image_side));
-  const auto nx = static_cast<uint64_t>(grid.dim[0]), ny = static_cast<uint64_t>(grid.dim[1]),
-             nz = static_cast<uint64_t>(grid.dim[2]);
-  // Half of the memory is left to the scene and to others.
-  const uint64_t voxels =
-      std::min({bounds.voxels, limits.image / sizeof(uint32_t), limits.memory / 2 / kVoxelBytes});
-  return static_cast<uint32_t>(
-      std::clamp<uint64_t>(voxels / (nx * ny), 1, std::min<uint64_t>(nz, limits.image_side)));
-}
-
 class GpuLines : public LineTracer {
  public:
   GpuLines(const gpu::Device& device, const Scene& scene, const LineTables& tables,
-           const LightGrid& grid, uint64_t seed, const GpuLineBounds& bounds)
-      : GpuLines(device, build_bvh(scene), make_veils(scene), scene, tables, grid, seed, bounds) {}
+           const LightGrid& grid, uint64_t seed, const GpuLineBounds& bounds, GpuLineTimes* times)
+      : GpuLines(device, build_bvh(scene), make_veils(scene), scene, tables, grid, seed, bounds,
+                 times) {}
 
   void clear() override {
     std::fill(count_.begin(), count_.end(), 0u);
@@ -84,12 +68,9 @@ class GpuLines : public LineTracer {
  protected:
   void trace_segments(const shader::LightParameters& p, TracedLines& out) override {
     for_pieces(p, out, [&](const shader::LightParameters& piece) {
-      const double seconds = device_.run([&](gpu::Commands& c) {
-        c.dispatch(segments_, bound_, piece, groups(piece.count));
-        c.dispatch_indirect(votes_, bound_, piece, lists_, offsetof(Lists, to_vote));
-        if (slabs() == 1)
-          c.dispatch_indirect(march_, bound_, piece, lists_, offsetof(Lists, to_march));
-      });
+      std::vector<Step> steps{trace_with(segments_, piece), vote(piece)};
+      if (slabs() == 1) steps.push_back(march(piece));
+      const double seconds = run(steps);
       if (slabs() > 1) march_slabs(piece);
       return seconds;
     });
@@ -99,10 +80,7 @@ class GpuLines : public LineTracer {
                    TracedLines& out) override {
     for_pieces(p, out, [&](const shader::LightParameters& piece) {
       tries_.write(0, std::as_bytes(tries.subspan(piece.first - p.first, piece.count)));
-      return device_.run([&](gpu::Commands& c) {
-        c.dispatch(through_, bound_, piece, groups(piece.count));
-        c.dispatch_indirect(votes_, bound_, piece, lists_, offsetof(Lists, to_vote));
-      });
+      return run({trace_with(through_, piece), vote(piece)});
     });
   }
 
@@ -113,12 +91,13 @@ class GpuLines : public LineTracer {
 
   GpuLines(const gpu::Device& device, const Bvh& bvh, const VeilTables& veils, const Scene& scene,
            const LineTables& tables, const LightGrid& grid, uint64_t seed,
-           const GpuLineBounds& bounds)
+           const GpuLineBounds& bounds, GpuLineTimes* times)
       : LineTracer(scene, tables, grid, seed),
         device_(device),
         bounds_(bounds),
+        times_(times),
         lines_in_submission_(std::min(kFirstLines, bounds.lines)),
-        depth_(slab_depth(device, grid, bounds)),
+        depth_(slab_depth(device.info().name, device.limits(), grid, bounds.voxels)),
         segments_(kernel_of(device, shader::light_segments_spv)),
         through_(kernel_of(device, shader::light_through_spv)),
         votes_(kernel_of(device, shader::light_votes_spv)),
@@ -148,8 +127,43 @@ class GpuLines : public LineTracer {
     (scene_.emplace_back(device_, tables), ...);
   }
 
-  static uint32_t groups(uint32_t lines) { return (lines + LIGHT_GROUP - 1) / LIGHT_GROUP; }
   uint32_t slabs() const { return (static_cast<uint32_t>(common_.dim.z) + depth_ - 1) / depth_; }
+
+  // A kernel of a submission, and where its time is told.
+  struct Step {
+    double GpuLineTimes::*time;
+    std::function<void(gpu::Commands&)> record;
+  };
+  Step trace_with(const gpu::Kernel& kernel, const shader::LightParameters& p) const {
+    return {&GpuLineTimes::trace, [this, &kernel, &p](gpu::Commands& c) {
+              c.dispatch(kernel, bound_, p, (p.count + LIGHT_GROUP - 1) / LIGHT_GROUP);
+            }};
+  }
+  Step vote(const shader::LightParameters& p) const {
+    return {&GpuLineTimes::votes, [this, &p](gpu::Commands& c) {
+              c.dispatch_indirect(votes_, bound_, p, lists_, offsetof(Lists, to_vote));
+            }};
+  }
+  Step march(const shader::LightParameters& p) const {
+    return {&GpuLineTimes::march, [this, &p](gpu::Commands& c) {
+              c.dispatch_indirect(march_, bound_, p, lists_, offsetof(Lists, to_march));
+            }};
+  }
+
+  // Seconds on the device.
+  double run(const std::vector<Step>& steps) {
+    if (!times_)
+      return device_.run([&](gpu::Commands& c) {
+        for (const Step& step : steps) step.record(c);
+      });
+    double all = 0;
+    for (const Step& step : steps) {
+      const double seconds = device_.run(step.record);
+      times_->*step.time += seconds;
+      all += seconds;
+    }
+    return all;
+  }
 
   // Calls trace(parameters) for as many lines at a time as keep a submission short, and fetches
   // what came out; trace returns the seconds that the submission took.
@@ -177,10 +191,8 @@ class GpuLines : public LineTracer {
     for (uint32_t s = 0; s < slabs(); ++s) {
       p.slab_low = static_cast<int32_t>(s * depth_);
       p.slab_high = std::min(p.slab_low + static_cast<int32_t>(depth_), p.dim.z);
-      device_.run([&](gpu::Commands& c) {
-        clear_images(c, 0);
-        c.dispatch_indirect(march_, bound_, p, lists_, offsetof(Lists, to_march));
-      });
+      device_.run([&](gpu::Commands& c) { clear_images(c, 0); });
+      run({march(p)});
       const size_t first = layer * static_cast<size_t>(p.slab_low);
       const std::vector<uint32_t> count = images_[0].download();
       for (size_t i = 0; i < count.size() && first + i < count_.size(); ++i)
@@ -204,6 +216,7 @@ class GpuLines : public LineTracer {
 
   gpu::Device device_;
   const GpuLineBounds bounds_;
+  GpuLineTimes* const times_;  // or none
   uint32_t lines_in_submission_;
   const uint32_t depth_;
   gpu::Kernel segments_, through_, votes_, march_;
@@ -218,10 +231,28 @@ class GpuLines : public LineTracer {
 
 }  // namespace
 
+uint32_t slab_depth(const std::string& device, const gpu::Limits& limits, const LightGrid& grid,
+                    uint64_t most_voxels) {
+  for (const int side : {grid.dim[0], grid.dim[1]})
+    if (static_cast<uint32_t>(side) > limits.image_side)
+      throw Error(Exit::no_device,
+                  fmt::format("{}: the grid has {} voxels along one side, the device's images at "
+                              "most {}",
+                              device, side, limits.image_side));
+  const auto layer = static_cast<uint64_t>(grid.dim[0]) * static_cast<uint64_t>(grid.dim[1]);
+  // Half of the memory is left to the scene and to others.
+  const uint64_t voxels =
+      std::min({most_voxels, limits.image / sizeof(uint32_t), limits.memory / 2 / kVoxelBytes});
+  return static_cast<uint32_t>(std::clamp<uint64_t>(
+      voxels / layer, 1,
+      std::min<uint64_t>(static_cast<uint64_t>(grid.dim[2]), limits.image_side)));
+}
+
 std::unique_ptr<LineTracer> make_gpu_lines(const gpu::Device& device, const Scene& scene,
                                            const LineTables& tables, const LightGrid& grid,
-                                           uint64_t seed, const GpuLineBounds& bounds) {
-  return std::make_unique<GpuLines>(device, scene, tables, grid, seed, bounds);
+                                           uint64_t seed, const GpuLineBounds& bounds,
+                                           GpuLineTimes* times) {
+  return std::make_unique<GpuLines>(device, scene, tables, grid, seed, bounds, times);
 }
 
 }  // namespace tdpt

@@ -14,10 +14,22 @@ struct GpuLineBounds {
   uint64_t voxels = ~uint64_t{0};  ///< in memory at a time: a larger grid is counted in slabs
 };
 
-/// Keeps a reference to the tables. Throws Error (no_device) when the scene or the grid is too
-/// large for the device. The scene's glass is open.
+/// Seconds that the device has spent in each kernel.
+struct GpuLineTimes {
+  double trace = 0, votes = 0, march = 0;
+};
+
+/// Layers along z of the slabs that the grid is counted in, so that four images of one slab keep to
+/// the limits of `device`, its name. Throws Error (no_device) where none does.
+uint32_t slab_depth(const std::string& device, const gpu::Limits& limits, const LightGrid& grid,
+                    uint64_t most_voxels = ~uint64_t{0});
+
+/// Keeps a reference to the tables, and to `times`, to which it then adds: kernels are submitted
+/// one by one for that, which takes longer. Throws Error (no_device) when the scene or the grid is
+/// too large for the device. The scene's glass is open.
 std::unique_ptr<LineTracer> make_gpu_lines(const gpu::Device& device, const Scene& scene,
                                            const LineTables& tables, const LightGrid& grid,
-                                           uint64_t seed, const GpuLineBounds& bounds = {});
+                                           uint64_t seed, const GpuLineBounds& bounds = {},
+                                           GpuLineTimes* times = nullptr);
 
 }  // namespace tdpt

@@ -19,29 +19,6 @@ constexpr size_t kFewestKept = 2000;   // fewer never count as settled
 constexpr double kHot = 0.25;          // of the largest count: voxels that are compared
 constexpr uint64_t kBlock = 1 << 18;   // segments in memory at a time
 constexpr size_t kMostKept = 1 << 20;  // coarse lines the fine pass starts from
-void lay_out(const Scene& scene, int resolution, LightGrid& grid) {
-  Vec3d low(INFINITY), high(-INFINITY);
-  for (const Triangle& t : scene.triangles)
-    for (const uint32_t v : t.vertex) {
-      low = min(low, Vec3d(scene.positions[v]));
-      high = max(high, Vec3d(scene.positions[v]));
-    }
-  const Vec3d size = high - low;
-  const double voxel = max_component(size) / resolution;
-  Vec3d corner = (low + high) * 0.5;
-  size_t total = 1;
-  for (int c = 0; c < 3; ++c) {
-    const auto s = static_cast<size_t>(c);
-    grid.dim[s] = std::max(1, static_cast<int>(std::ceil(size[c] / voxel - 1e-6)));
-    corner[c] -= 0.5 * grid.dim[s] * voxel;
-    total *= static_cast<size_t>(grid.dim[s]);
-  }
-  grid.origin = scene.frame.to_metres(corner);
-  grid.voxel = voxel / scene.frame.scale;
-  grid.count.assign(total, 0);
-  grid.direction.assign(total, {});
-}
-
 // What the lines of one cut leave in the voxels of air.
 struct Tally {
   explicit Tally(size_t voxels) : count(voxels, 0), direction(voxels) {}
@@ -114,14 +91,38 @@ std::vector<LightLine> coarse_pass(const Scene& scene, LineTracer& tracer, size_
 
 }  // namespace
 
+LightGrid empty_grid(const Scene& scene, int resolution) {
+  LightGrid grid;
+  grid.scene_hash = scene.hash;
+  Vec3d low(INFINITY), high(-INFINITY);
+  for (const Triangle& t : scene.triangles)
+    for (const uint32_t v : t.vertex) {
+      low = min(low, Vec3d(scene.positions[v]));
+      high = max(high, Vec3d(scene.positions[v]));
+    }
+  const Vec3d size = high - low;
+  const double voxel = max_component(size) / resolution;
+  Vec3d corner = (low + high) * 0.5;
+  size_t total = 1;
+  for (int c = 0; c < 3; ++c) {
+    const auto s = static_cast<size_t>(c);
+    grid.dim[s] = std::max(1, static_cast<int>(std::ceil(size[c] / voxel - 1e-6)));
+    corner[c] -= 0.5 * grid.dim[s] * voxel;
+    total *= static_cast<size_t>(grid.dim[s]);
+  }
+  grid.origin = scene.frame.to_metres(corner);
+  grid.voxel = voxel / scene.frame.scale;
+  grid.count.assign(total, 0);
+  grid.direction.assign(total, {});
+  return grid;
+}
+
 LightGrid make_light_grid(const Scene& scene, const CutFile& cut, const std::string& cut_name,
                           const LightGridOptions& options, LightGridReport& report,
                           const LightGridWatch& watch, const MakeLineTracer& make_tracer) {
   if (cut.scene_hash != scene.hash)
     throw InputError(display_name(cut_name), "",
                      "was made from another scene than " + display_name(scene.path));
-  LightGrid grid;
-  grid.scene_hash = scene.hash;
   const auto without = [&](const std::string& reason) {
     LightGrid none;
     none.scene_hash = scene.hash;
@@ -133,7 +134,7 @@ LightGrid make_light_grid(const Scene& scene, const CutFile& cut, const std::str
     return without(cut.reason.empty() ? "the scene has no bottleneck" : cut.reason);
   if (scene.triangles.empty()) return without("the scene has no triangles");
 
-  lay_out(scene, options.resolution, grid);
+  LightGrid grid = empty_grid(scene, options.resolution);
   mark_air(scene, grid);
   report.air = static_cast<size_t>(std::count(grid.air.begin(), grid.air.end(), 1));
   report.phases.done("air");

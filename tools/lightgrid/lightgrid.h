@@ -39,6 +39,10 @@ struct LightGridReport {
 using MakeLineTracer = std::function<std::unique_ptr<LineTracer>(const Scene&, const LineTables&,
                                                                  const LightGrid&, uint64_t seed)>;
 
+/// The box of the scene, which has triangles, in cubic voxels, `resolution` along its longest side;
+/// no air, no counts.
+LightGrid empty_grid(const Scene& scene, int resolution);
+
 /// The grid of `scene` and `cut`; `cut_name` stands in error messages. Throws InputError when the
 /// two do not belong together. A cut without a bottleneck, or one without a line of light, gives a
 /// grid with bottleneck false.

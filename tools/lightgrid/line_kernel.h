@@ -42,6 +42,8 @@ class LineKernel {
     return ends_see_their_sides(line, number) ? LineFate::joins : LineFate::same_side;
   }
 
+#include "shaders/shared/light_lines.h"
+
  private:
   bool segment_blocked(const vec3& a, const vec3& b, uint coin) const {
     return tracer_.segment_blocked(a, b, coin);
@@ -65,8 +67,6 @@ class LineKernel {
   const PatchCell* patch_cells;
   const FaceNormal* face_normals;
   VoxelSums& sums_;
-
-#include "shaders/shared/light_lines.h"
 };
 
 }  // namespace tdpt::shader

@@ -1,0 +1,595 @@
+// Embree, the Vulkan device and the device's scalar twin against each other: the same lines, the
+// same counts. Runs on lavapipe and under validation (tdpt_software_vulkan in CMakeLists.txt).
+#include "tools/lightgrid/line_tracer.h"
+
+#include <cstring>
+#include <filesystem>
+#include <functional>
+
+#include <gtest/gtest.h>
+
+#include "libcommon/base/error.h"
+#include "libcommon/gpu/kernel.h"
+#include "libcommon/scene/texture.h"
+#include "libcommon/trace/bvh.h"
+#include "libcommon/trace/scalar_tracer.h"
+#include "shaders/special_segments_test.h"
+#include "tools/lightgrid/gpu_lines.h"
+#include "tools/lightgrid/lightgrid.h"
+#include "tools/lightgrid/line_kernel.h"
+#include "tools/lightgrid/scalar_lines.h"
+#include "tools/lightgrid/test_cut.h"
+#include "tools/lightgrid/veils.h"
+
+namespace tdpt {
+namespace {
+
+constexpr uint64_t kSeed = 0x1234'5678'9abc'def0;
+
+// A scene cut in two by a plane.
+struct Case {
+  Scene scene;
+  CutFile cut;
+  LineTables tables;
+
+  Case(Scene s, const std::function<bool(const Vec3d&)>& is_source) : scene(std::move(s)) {
+    open_glass(scene);
+    cut = testing::perfect_cut(scene, 30000, is_source);
+    tables = make_line_tables(scene, cut, "a.cut");
+  }
+};
+
+// Cut across its longest side.
+Case halved(const Scene& scene) {
+  const LightGrid box = empty_grid(scene, 64);
+  int axis = 0;
+  for (int c = 1; c < 3; ++c)
+    if (box.dim[static_cast<size_t>(c)] > box.dim[static_cast<size_t>(axis)]) axis = c;
+  const double middle = box.origin[axis] + 32.4 * box.voxel;
+  return {scene, [=](const Vec3d& p) { return p[axis] > middle; }};
+}
+
+Case room(const std::string& name) {
+  return halved(read_gltf(TDPT_TESTDATA "/scenes/" + name + ".glb"));
+}
+
+Scene two_rooms_scene() {
+  return read_gltf(TDPT_TESTDATA "/scenes/two-rooms.glb");
+}
+// Cut at its wall.
+Case two_rooms(const Scene& scene = two_rooms_scene()) {
+  return {scene, [](const Vec3d& p) { return p.x > 2.05; }};
+}
+
+// What a tracer makes of segments and tries.
+struct Outcome {
+  TracedLines segments, tries;
+  std::vector<uint32_t> count;
+  std::vector<Vec3d> direction;
+};
+
+Outcome outcome_of(LineTracer& tracer, const LightGrid& grid, uint32_t segments) {
+  Outcome out;
+  tracer.clear();
+  TracedLines first, second;
+  tracer.between_pivots(0, 0, segments / 3, first);
+  tracer.between_pivots(0, segments / 3, segments - segments / 3, second);
+  out.segments = first;
+  out.segments.ends.insert(out.segments.ends.end(), second.ends.begin(), second.ends.end());
+  out.segments.fate.insert(out.segments.fate.end(), second.fate.begin(), second.fate.end());
+  tracer.counts(out.count);
+  out.direction.resize(grid.count.size());
+  tracer.take_directions(out.direction);
+  // Lines through the middles of lines that join, in any direction, and some tries that are none.
+  std::vector<shader::LineTry> tries(4096);
+  for (size_t i = 0; i < tries.size(); ++i) {
+    const shader::LineEnds& line = out.segments.ends[i % out.segments.size()];
+    Rng rng(5, 0, i);
+    const double u = rng.uniform(), v = rng.uniform();
+    tries[i].place = (line.light + line.camera) * 0.5f;
+    if (i % 16 == 3) continue;
+    if (i % 16 == 5)
+      tries[i].direction[static_cast<int>(i / 16 % 3)] = 1;
+    else
+      tries[i].direction = Vec3f(cosine_hemisphere(u, v)) * (i % 2 ? 1.0f : -1.0f);
+  }
+  tracer.through(0, 7, tries, out.tries);
+  return out;
+}
+
+size_t differences(const TracedLines& a, const TracedLines& b) {
+  EXPECT_EQ(a.size(), b.size());
+  size_t n = 0;
+  for (size_t i = 0; i < a.size(); ++i) {
+    n += a.fate[i] != b.fate[i];
+    if (a.fate[i] == LineFate::none || b.fate[i] == LineFate::none) continue;
+    n += a.ends[i].light != b.ends[i].light || a.ends[i].camera != b.ends[i].camera ||
+         a.ends[i].light_face != b.ends[i].light_face ||
+         a.ends[i].camera_face != b.ends[i].camera_face;
+  }
+  return n;
+}
+
+size_t joining(const TracedLines& lines) {
+  return static_cast<size_t>(std::count(lines.fate.begin(), lines.fate.end(), LineFate::joins));
+}
+
+void expect_same(const Outcome& a, const Outcome& b) {
+  EXPECT_EQ(differences(a.segments, b.segments), 0u);
+  EXPECT_EQ(differences(a.tries, b.tries), 0u);
+  EXPECT_TRUE(a.count == b.count);
+  EXPECT_TRUE(a.direction == b.direction);
+  // Of something.
+  EXPECT_GT(joining(a.segments), 20u);
+  EXPECT_GT(joining(a.tries), 10u);
+  EXPECT_GT(std::count(a.tries.fate.begin(), a.tries.fate.end(), LineFate::same_side), 10);
+}
+
+class LineTracers : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    const char* on = getenv("TDPT_VULKAN_VALIDATION");
+    ASSERT_TRUE(on && std::string(on) == "1") << "run it with ctest, or set what ctest sets";
+    device = std::make_unique<gpu::Device>(gpu::Device::open());
+  }
+  void TearDown() override {
+    device.reset();  // what is left over is told now
+    EXPECT_EQ(gpu::take_validation_messages(), std::vector<std::string>());
+  }
+  Outcome on_device(const Case& c, const LightGrid& grid, uint32_t n, uint64_t seed = kSeed,
+                    const GpuLineBounds& bounds = {}) {
+    const auto tracer = make_gpu_lines(*device, c.scene, c.tables, grid, seed, bounds);
+    return outcome_of(*tracer, grid, n);
+  }
+  Outcome on_twin(const Case& c, const LightGrid& grid, uint32_t n) {
+    return outcome_of(*make_scalar_lines(c.scene, c.tables, grid, kSeed), grid, n);
+  }
+  std::unique_ptr<gpu::Device> device;
+};
+
+TEST_F(LineTracers, device_and_twin_count_the_same_in_every_voxel_of_rooms) {
+  for (const char* name : {"two-rooms", "door-ajar", "window"}) {
+    SCOPED_TRACE(name);
+    const Case c = room(name);
+    const LightGrid grid = empty_grid(c.scene, 64);
+    expect_same(on_device(c, grid, 20000), on_twin(c, grid, 20000));
+  }
+}
+
+TEST_F(LineTracers, device_and_twin_count_the_same_at_128_and_256) {
+  const Case c = two_rooms();
+  for (const int resolution : {128, 256}) {
+    SCOPED_TRACE(resolution);
+    const LightGrid grid = empty_grid(c.scene, resolution);
+    expect_same(on_device(c, grid, 10000), on_twin(c, grid, 10000));
+  }
+}
+
+TEST_F(LineTracers, device_and_twin_count_the_same_in_veach_ajar) {
+  const std::string path = TDPT_SHARED "/scenes/veach-ajar.glb";
+  if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not there";
+  const Case c = halved(read_gltf(path));
+  for (const int resolution : {64, 128, 256}) {
+    SCOPED_TRACE(resolution);
+    const LightGrid grid = empty_grid(c.scene, resolution);
+    expect_same(on_device(c, grid, 20000), on_twin(c, grid, 20000));
+  }
+}
+
+// Twin: what is compared can differ.
+TEST_F(LineTracers, another_seed_gives_other_lines) {
+  const Case c = two_rooms();
+  const LightGrid grid = empty_grid(c.scene, 64);
+  const Outcome a = on_device(c, grid, 2000), b = on_device(c, grid, 2000, kSeed + (1ull << 32));
+  EXPECT_GT(differences(a.segments, b.segments), 1000u);
+  EXPECT_FALSE(a.count == b.count);
+}
+
+TEST_F(LineTracers, slabs_and_short_submissions_change_nothing) {
+  const Case c = two_rooms();
+  const LightGrid grid = empty_grid(c.scene, 64);
+  const Outcome whole = on_device(c, grid, 5000);
+  const auto layer = static_cast<uint64_t>(grid.dim[0] * grid.dim[1]);
+  GpuLineBounds bounds;
+  bounds.voxels = 7 * layer;
+  expect_same(whole, on_device(c, grid, 5000, kSeed, bounds));
+  bounds.voxels = 1;  // never less than a layer
+  bounds.lines = 777;
+  expect_same(whole, on_device(c, grid, 5000, kSeed, bounds));
+}
+
+TEST_F(LineTracers, counts_start_again_when_cleared) {
+  const Case c = two_rooms();
+  const LightGrid grid = empty_grid(c.scene, 32);
+  for (const bool slabs : {false, true}) {
+    GpuLineBounds bounds;
+    if (slabs) bounds.voxels = 1;
+    const auto tracer = make_gpu_lines(*device, c.scene, c.tables, grid, kSeed, bounds);
+    const Outcome first = outcome_of(*tracer, grid, 3000);
+    expect_same(first, outcome_of(*tracer, grid, 3000));
+  }
+}
+
+TEST_F(LineTracers, make_the_same_file) {
+  const Case c = two_rooms();
+  LightGridOptions options;
+  options.resolution = 48;
+  options.samples = 1 << 15;
+  options.lines = 500;
+  const auto bytes = [&](const MakeLineTracer& make) {
+    LightGridReport report;
+    return light_grid_bytes(make_light_grid(c.scene, c.cut, "a.cut", options, report, {}, make));
+  };
+  const std::string twin = bytes(make_scalar_lines);
+  EXPECT_TRUE(twin == bytes([&](const Scene& scene, const LineTables& tables, const LightGrid& grid,
+                                uint64_t seed) {
+                return make_gpu_lines(*device, scene, tables, grid, seed);
+              }));
+}
+
+// Share of segments, and of tries, that Embree answers otherwise than the twin. `shift` [voxels
+// of 1/256] moves every triangle of the twin's scene.
+double share_unlike_embree(const Case& c, uint32_t n, float shift = 0) {
+  const LightGrid grid = empty_grid(c.scene, 64);
+  Scene moved = c.scene;
+  for (Vec3f& p : moved.positions) p.x += shift / 256;
+  const auto embree = make_embree_lines(c.scene, c.tables, grid, kSeed);
+  const auto twin = make_scalar_lines(moved, c.tables, grid, kSeed);
+  size_t different = 0;
+  TracedLines a, b;
+  embree->between_pivots(0, 0, n, a);
+  twin->between_pivots(0, 0, n, b);
+  for (size_t i = 0; i < n; ++i) {
+    different += a.fate[i] != b.fate[i];
+    EXPECT_EQ(a.ends[i].light, b.ends[i].light);
+    EXPECT_EQ(a.ends[i].camera, b.ends[i].camera);
+  }
+  return static_cast<double>(different) / n;
+}
+
+TEST(LinesOfEmbree, differ_from_the_twin_in_one_of_10000_at_most) {
+  for (const char* name : {"two-rooms", "three-rooms", "door-ajar", "window", "half-metre-hole"}) {
+    const double share = share_unlike_embree(room(name), 100000);
+    RecordProperty(name, std::to_string(share * 1e6) + "e-6");
+    EXPECT_LE(share, 1e-4) << name;
+  }
+  EXPECT_GT(share_unlike_embree(two_rooms(), 20000, 1), 1e-3);  // twin
+}
+
+TEST(LinesOfEmbree, differ_from_the_twin_in_one_of_10000_at_most_in_veach_ajar) {
+  const std::string path = TDPT_SHARED "/scenes/veach-ajar.glb";
+  if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not there";
+  const double share = share_unlike_embree(halved(read_gltf(path)), 100000);
+  RecordProperty("share", std::to_string(share * 1e6) + "e-6");
+  EXPECT_LE(share, 1e-4);
+}
+
+// A sheet across the hole of two-rooms.glb that is there as its alpha says.
+Scene with_veil(Material veil, const Image& image) {
+  Scene scene = two_rooms_scene();
+  const auto first = static_cast<uint32_t>(scene.positions.size());
+  for (const Vec3d& p : {Vec3d(2.05, 0.8, -0.2), Vec3d(2.05, 1.2, -0.2), Vec3d(2.05, 1.2, 0.2),
+                         Vec3d(2.05, 0.8, 0.2)})
+    scene.positions.push_back(Vec3f(scene.frame.to_canonical(p)));
+  const auto material = static_cast<uint32_t>(scene.materials.size());
+  scene.triangles.push_back({{first, first + 1, first + 2}, material});
+  scene.triangles.push_back({{first, first + 2, first + 3}, material});
+  scene.normals.clear(), scene.smooth.clear(), scene.tangents.clear();
+  scene.uv[1].assign(scene.positions.size(), {0, 0});
+  scene.colours.assign(scene.positions.size(), {1, 1, 1, 1});
+  const float uv[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+  for (uint32_t i = 0; i < 4; ++i) {
+    scene.uv[1][first + i] = {uv[i][0], uv[i][1]};
+    scene.colours[first + i][3] = i < 2 ? 1.0f : 0.75f;
+  }
+  veil.plain = false;
+  veil.base_map.uv_set = 1;
+  scene.images = {image};
+  scene.materials.push_back(veil);
+  return scene;
+}
+
+Image small_image() {
+  Image image{5, 3, {}};
+  for (int i = 0; i < 15; ++i)
+    for (int c = 0; c < 4; ++c) image.texels.push_back(static_cast<uint8_t>(i * 53 % 256));
+  return image;
+}
+
+// Alpha alone, and with textures wrapped and looked up in every way.
+std::vector<Material> veil_materials() {
+  using Wrap = TextureMap::Wrap;
+  Material m;
+  m.alpha_mode = Material::Alpha::blend;
+  m.alpha = 0.6f;
+  std::vector<Material> all;
+  all.push_back(m);  // no texture
+  m.alpha = 1;
+  m.base_map.image = 0;
+  m.base_map.transform = {80, 3, -0.3f, -2, 7, 0.2f};
+  m.base_map.wrap_u = Wrap::repeat;
+  m.base_map.wrap_v = Wrap::mirror;
+  all.push_back(m);
+  m.base_map.wrap_u = Wrap::clamp;
+  m.base_map.wrap_v = Wrap::repeat;
+  m.base_map.transform = {2, 0, -0.5f, 0, 4, 0};
+  m.alpha_mode = Material::Alpha::mask;
+  m.alpha_cutoff = 0.4f;
+  all.push_back(m);
+  m.base_map.nearest = true;
+  m.base_map.wrap_u = Wrap::mirror;
+  all.push_back(m);
+  return all;
+}
+
+TEST_F(LineTracers, agree_on_what_is_there_with_a_probability) {
+  const std::vector<Material> all = veil_materials();
+  const size_t open = [&] {
+    const Case c = two_rooms();
+    return joining(on_device(c, empty_grid(c.scene, 16), 20000).segments);
+  }();
+  for (size_t i = 0; i < all.size(); ++i) {
+    SCOPED_TRACE(i);
+    const Case c = two_rooms(with_veil(all[i], small_image()));
+    const LightGrid grid = empty_grid(c.scene, 16);
+    const Outcome device_outcome = on_device(c, grid, 20000);
+    expect_same(device_outcome, on_twin(c, grid, 20000));
+    // The sheet takes some of the light.
+    EXPECT_LT(joining(device_outcome.segments), 0.9 * static_cast<double>(open));
+    EXPECT_LE(share_unlike_embree(c, 100000), 1e-4);
+  }
+}
+
+namespace veils {
+using namespace shader;
+struct Kernel {
+  const uint* veil_of;
+  const Veil* veils;
+  const float* texels;
+#include "shaders/shared/veil.h"
+};
+}  // namespace veils
+
+// Share of places on the sheet where coverage is another than coverage_at() says, by more than a
+// thousandth; `shift` moves the texture.
+double share_of_other_coverage(const Material& material, float shift) {
+  Scene scene = with_veil(material, small_image());
+  const VeilTables tables = make_veils(scene);
+  const veils::Kernel kernel{tables.veil_of.data(), tables.veils.data(), tables.texels.data()};
+  scene.materials.back().base_map.transform[2] += shift;
+  int different = 0;
+  for (uint64_t i = 0; i < 100000; ++i) {
+    Rng rng(8, 0, i);
+    const float u = rng.uniform_float();
+    const float v = rng.uniform_float() * (1 - u);
+    const auto triangle = static_cast<uint32_t>(scene.triangles.size() - 1 - i % 2);
+    const float mine = kernel.veil_coverage(tables.veils[tables.veil_of[triangle]], u, v);
+    different += std::abs(mine - coverage_at(scene, {triangle, u, v})) > 1e-3f;
+  }
+  return different / 1e5;
+}
+
+TEST(Veils, cover_what_textures_say) {
+  const std::vector<Material> all = veil_materials();
+  for (size_t i = 0; i < all.size(); ++i) {
+    EXPECT_LT(share_of_other_coverage(all[i], 0), 3e-4) << i;
+    if (i == 0) continue;                                         // no texture
+    EXPECT_GT(share_of_other_coverage(all[i], 0.1f), 0.01) << i;  // twin
+  }
+}
+
+// Segments that rounding likes least, in a closed room from -1 to 1: along axes and edges, in the
+// plane of walls, through corners of voxels and of triangles, of no length, out of the scene.
+std::vector<shader::LineEnds> special_segments(const Scene& scene) {
+  std::vector<shader::LineEnds> out;
+  const auto add = [&](const Vec3f& a, const Vec3f& b) { out.push_back({a, 0, b, 0}); };
+  Rng rng(6, 0, 0);
+  const auto corner = [&] {  // of a voxel of 64
+    const float x = static_cast<float>(rng.below(65)), y = static_cast<float>(rng.below(65)),
+                z = static_cast<float>(rng.below(65));
+    return Vec3f(x, y, z) * (1 / 32.0f) - Vec3f(1);
+  };
+  const auto place = [&] {
+    const float x = rng.uniform_float(), y = rng.uniform_float(), z = rng.uniform_float();
+    return Vec3f(x, y, z) * 2 - Vec3f(1);
+  };
+  for (int i = 0; i < 2000; ++i) {
+    const Vec3f a = corner(), b = corner(), p = place(), q = place();
+    add(a, b);
+    add(a, a);
+    add(p, p);
+    Vec3f c = p;
+    c[i % 3] = q[i % 3];
+    add(p, c);  // along an axis
+    c = a;
+    c[i % 3] = b[i % 3];
+    add(a, c);  // along an edge of voxels
+    c[i % 3] = a[i % 3] + 1e-7f;
+    add(a, c);  // hardly any length
+    c = b;
+    c[i % 3] = a[i % 3];
+    add(a, c);  // in a plane between voxels
+    const uint32_t t = rng.below(static_cast<uint32_t>(scene.triangles.size()));
+    const uint32_t s = rng.below(static_cast<uint32_t>(scene.triangles.size()));
+    const Vec3f u = scene.vertex(t, i % 3), v = scene.vertex(t, (i + 1) % 3);
+    add(p, u);               // to a corner
+    add(u, u * 2 - p);       // from one
+    add(p, u + u - p);       // through one
+    add(u, v);               // along an edge
+    add(u, (u + v) * 0.5f);  // and part of it
+    add(u, scene.vertex(s, 0));
+    add(v + (v - u), u + (u - v));  // beyond both its ends: grazing
+    add(p, q * 30);                 // out of the scene
+    add(p * 30, q * 30);
+    c = p;
+    c.x = std::nextafter(1.0f, i % 2 ? 0.0f : 2.0f);
+    Vec3f d = q;
+    d.x = c.x;
+    add(c, d);  // beside a wall
+  }
+  return out;
+}
+
+TEST_F(LineTracers, device_and_twin_agree_on_special_segments) {
+  const Scene scene = read_gltf(TDPT_TESTDATA "/scenes/furnace.glb");
+  const Bvh bvh = build_bvh(scene);
+  const std::vector<shader::LineEnds> segments = special_segments(scene);
+  const auto n = static_cast<uint32_t>(segments.size());
+  shader::LightParameters p{};
+  p.grid_corner = Vec3f(-1);
+  p.voxels_per_unit = 32;
+  p.dim = {64, 64, 64};
+  p.count = n;
+
+  const gpu::Buffer nodes(*device, bvh.nodes), triangles(*device, bvh.triangles),
+      given(*device, segments), blocked(*device, n * sizeof(uint32_t)),
+      hits(*device, n * sizeof(shader::SurfaceHit));
+  const gpu::Image3D image(*device, {64, 64, 64});
+  std::vector<gpu::Binding> bindings(5, gpu::Binding::buffer);
+  bindings.push_back(gpu::Binding::image);
+  const gpu::Kernel kernel(*device, shader::special_segments_test_spv, bindings, sizeof p);
+  device->run([&](gpu::Commands& c) {
+    c.dispatch(kernel, {nodes, triangles, given, blocked, hits, image}, p, (n + 63) / 64);
+  });
+  const std::vector<uint32_t> device_blocked = blocked.download<uint32_t>(n),
+                              device_count = image.download();
+  const auto device_hits = hits.download<shader::SurfaceHit>(n);
+
+  const shader::ScalarTracer tracer(bvh);
+  std::vector<uint32_t> count(64 * 64 * 64);
+  size_t stopped = 0, hit = 0, different = 0;
+  for (uint32_t i = 0; i < n; ++i) {
+    const Vec3f a = segments[i].light, b = segments[i].camera;
+    const bool is_blocked = tracer.segment_blocked(a, b, i);
+    stopped += is_blocked;
+    different += is_blocked != (device_blocked[i] != 0);
+    shader::SurfaceHit mine;
+    const bool found = tracer.first_hit(a, b - a, i, mine);
+    const shader::SurfaceHit& theirs = device_hits[i];
+    hit += found;
+    if (!found) {
+      different += theirs.triangle != ~0u;
+    } else {
+      different += std::memcmp(&mine, &theirs, sizeof mine) != 0;
+    }
+    shader::VoxelWalk walk = shader::voxel_walk((a - p.grid_corner) * p.voxels_per_unit,
+                                                (b - p.grid_corner) * p.voxels_per_unit, p.dim);
+    do {
+      ++count[static_cast<size_t>(walk.at.x + 64 * (walk.at.y + 64 * walk.at.z))];
+    } while (shader::next_voxel(walk));
+  }
+  EXPECT_EQ(different, 0u);
+  EXPECT_TRUE(count == device_count);
+  EXPECT_GT(stopped, n / 20);
+  EXPECT_GT(hit, n / 20);
+}
+
+TEST(SlabDepth, KeepsToTheDevicesLimits) {
+  gpu::Limits limits;
+  limits.memory = 1ull << 30;
+  limits.image = 1ull << 28;
+  limits.image_side = 256;
+  LightGrid grid;
+  grid.dim = {128, 100, 50};
+  EXPECT_EQ(slab_depth("a device", limits, grid), 50u);
+  limits.image = 4 * 128 * 100 * 7 + 1;
+  EXPECT_EQ(slab_depth("a device", limits, grid), 7u);
+  limits.memory = 2 * 16 * 128 * 100 * 5;
+  EXPECT_EQ(slab_depth("a device", limits, grid), 5u);
+  limits.memory = 1;
+  EXPECT_EQ(slab_depth("a device", limits, grid), 1u);
+  grid.dim = {128, 300, 50};
+  try {
+    slab_depth("a device", limits, grid);
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code, Exit::no_device);
+    EXPECT_STREQ(
+        e.what(),
+        "a device: the grid has 300 voxels along one side, the device's images at most 256");
+  }
+}
+
+// The tables themselves.
+
+// The kernel's functions over a scene without rays.
+struct NoRays {
+  bool segment_blocked(const Vec3f&, const Vec3f&, uint32_t) const { return false; }
+  bool first_hit(const Vec3f&, const Vec3f&, uint32_t, shader::SurfaceHit&) const { return false; }
+};
+
+TEST(LineTables, CellsShareATriangleOut) {
+  Scene scene;
+  scene.frame = {{10, 0, 0}, 0.5};
+  scene.positions = {{-0.9f, -0.8f, 0.3f}, {0.8f, -0.5f, -0.4f}, {0.1f, 0.9f, 0.2f}};
+  scene.triangles = {{{0, 1, 2}, 0}};
+  CutFile cut;
+  cut.grid.origin = {8.1, -2.03, -1.01};
+  cut.grid.base_cell = 0.61;
+  cut.cuts.resize(1);
+  for (int32_t x = 0; x < 8; ++x)
+    for (int32_t y = 0; y < 8; ++y)
+      for (int32_t z = 0; z < 5; ++z) {
+        Patch patch{};
+        patch.cell = {x, y, z};
+        patch.faces = {1};
+        cut.patches.push_back(patch);
+        cut.region.push_back(0);
+        cut.arcs.push_back({0, static_cast<uint32_t>(cut.patches.size() - 1), 1});
+      }
+  const LineTables tables = make_line_tables(scene, cut, "a.cut");
+  double total = 0;
+  int used = 0;
+  for (size_t i = 0; i < cut.patches.size(); ++i) {
+    const shader::PatchPieces& of = tables.patches[i];
+    used += of.count > 0;
+    for (uint32_t k = of.first; k < of.first + of.count; ++k) {
+      const shader::Piece& piece = tables.pieces[k];
+      EXPECT_EQ(piece.face, 1u);
+      EXPECT_LT(piece.alias - of.first, of.count);
+      total += 0.5 * length(cross(Vec3d(piece.b - piece.a), Vec3d(piece.c - piece.a)));
+      for (const Vec3f& p : {piece.a, piece.b, piece.c}) {
+        const Vec3d q = (scene.frame.to_metres(Vec3d(p)) - cut.grid.origin) / cut.grid.base_cell;
+        for (int c = 0; c < 3; ++c) {
+          EXPECT_GE(q[c], cut.patches[i].cell[static_cast<size_t>(c)] - 1e-6);
+          EXPECT_LE(q[c], cut.patches[i].cell[static_cast<size_t>(c)] + 1 + 1e-6);
+        }
+      }
+    }
+  }
+  EXPECT_GT(used, 10);
+  EXPECT_NEAR(total, shape_of(scene, 0).area, 1e-6);
+}
+
+TEST(LineTables, FinerPatchesComeFirst) {
+  Scene scene;
+  scene.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  scene.triangles = {{{0, 1, 2}, 0}};
+  CutFile cut;
+  cut.grid.base_cell = 4;
+  Patch coarse{}, fine{};
+  coarse.faces = fine.faces = {0};
+  fine.level = 2;  // cells of 0.25
+  cut.patches = {coarse, fine};
+  cut.region = {0, 1};
+  cut.cuts.resize(1);
+  const LineTables tables = make_line_tables(scene, cut, "a.cut");
+  shader::LightParameters p{};
+  p.cell_corner = tables.cell_corner;
+  p.cells_per_unit = tables.cells_per_unit;
+  p.levels = tables.levels;
+  VoxelSums sums(1);
+  const NoRays none;
+  shader::LineKernel<NoRays> kernel(none, tables, p, sums);
+  const auto region = [&](uint32_t face, const Vec3f& at) {
+    uint32_t r = 9;
+    return kernel.region_at(face, at, r) ? static_cast<int>(r) : -1;
+  };
+  EXPECT_EQ(region(0, {0.1f, 0.1f, 0}), 1);
+  EXPECT_EQ(region(0, {0.5f, 0.1f, 0}), 0);
+  EXPECT_EQ(region(1, {0.5f, 0.1f, 0}), -1);
+  EXPECT_EQ(region(0, {5, 0.1f, 0}), -1);
+}
+
+}  // namespace
+}  // namespace tdpt
