@@ -163,6 +163,11 @@ struct Found {
   vk::raii::PhysicalDevices physical{instance};
   std::vector<DeviceInfo> infos;
   Found() {
+#ifdef __SANITIZE_ADDRESS__
+    // Keeps the drivers loaded, so that their leaks can be told from ours by their name
+    // (lsan.supp).
+    [[maybe_unused]] static const VkInstance kept = make_instance().release();
+#endif
     if (physical.empty()) no_device("there is no Vulkan device");
     for (const auto& p : physical) infos.push_back(describe(p));
   }

@@ -18,6 +18,14 @@ auto calling_vulkan(const std::string& what, F f) {
   }
 }
 
+/// "NAME allows LIMIT WHAT; ASKED are asked for".
+inline void require_within(const DeviceInfo& device, uint64_t limit, const char* what,
+                           uint64_t asked) {
+  if (asked > limit)
+    throw Error(Exit::no_device,
+                fmt::format("{} allows {} {}; {} are asked for", device.name, limit, what, asked));
+}
+
 /// A buffer with memory of its own.
 struct Block {
   vk::raii::DeviceMemory memory = nullptr;

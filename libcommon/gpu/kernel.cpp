@@ -16,18 +16,14 @@ constexpr auto kCompute = vk::ShaderStageFlagBits::eCompute;
 Kernel::Kernel(const Device& device, std::span<const uint32_t> program,
                const std::vector<Binding>& bindings, uint32_t push_bytes,
                const std::vector<uint32_t>& constants) {
-  const Limits& limits = device.limits();
-  const auto require = [&](uint64_t asked, const char* what, uint64_t allowed) {
-    if (asked > allowed)
-      throw Error(Exit::no_device, fmt::format("a kernel needs {} {}; {} allows {}", asked, what,
-                                               device.info().name, allowed));
-  };
+  const DeviceInfo& info = device.info();
+  const Limits& limits = info.limits;
   const auto buffers =
       static_cast<size_t>(std::count(bindings.begin(), bindings.end(), Binding::buffer));
-  require(buffers, "buffers", limits.buffers);
-  require(bindings.size() - buffers, "images", limits.images);
-  require(push_bytes, "bytes of push constants", limits.push_constants);
-  calling_vulkan("no kernel on " + device.info().name, [&] {
+  require_within(info, limits.buffers, "buffers in a kernel", buffers);
+  require_within(info, limits.images, "images in a kernel", bindings.size() - buffers);
+  require_within(info, limits.push_constants, "bytes of push constants", push_bytes);
+  calling_vulkan("no kernel on " + info.name, [&] {
     const vk::raii::Device& d = device.impl()->device;
     impl_ = std::make_shared<Impl>(Impl{device.impl(), bindings, push_bytes});
     std::vector<vk::DescriptorSetLayoutBinding> slots;
@@ -88,9 +84,7 @@ void Commands::Impl::bind(const Kernel::Impl& kernel, const std::vector<Bound>& 
 void Commands::dispatch(const Kernel& kernel, const std::vector<Bound>& bound, Push push,
                         uint32_t groups) {
   const DeviceInfo& info = impl_.device.info;
-  if (groups > info.limits.groups)
-    throw Error(Exit::no_device, fmt::format("{} work groups are asked for; {} allows {}", groups,
-                                             info.name, info.limits.groups));
+  require_within(info, info.limits.groups, "work groups in a dispatch", groups);
   impl_.bind(kernel.impl(), bound, push);
   impl_.device.commands.dispatch(groups, 1, 1);
   impl_.device.barrier();

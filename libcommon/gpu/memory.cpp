@@ -9,13 +9,6 @@ namespace {
 using Memory = vk::MemoryPropertyFlagBits;
 constexpr vk::MemoryPropertyFlags kHost = Memory::eHostVisible | Memory::eHostCoherent;
 
-void require(bool within, const char* what, uint64_t asked, const char* unit, uint64_t allowed,
-             const DeviceInfo& device) {
-  if (!within)
-    throw Error(Exit::no_device, fmt::format("{} of {} {} is asked for; {} allows {}", what, asked,
-                                             unit, device.name, allowed));
-}
-
 }  // namespace
 
 vk::raii::DeviceMemory Device::Impl::allocate(
@@ -50,7 +43,7 @@ const Block& Device::Impl::staging() {
 
 Buffer::Buffer(const Device& device, uint64_t bytes) {
   const DeviceInfo& info = device.info();
-  require(bytes <= info.limits.buffer, "a buffer", bytes, "bytes", info.limits.buffer, info);
+  require_within(info, info.limits.buffer, "bytes in a buffer", bytes);
   impl_ = calling_vulkan(fmt::format("no buffer of {} bytes on {}", bytes, info.name), [&] {
     using Usage = vk::BufferUsageFlagBits;
     const vk::BufferUsageFlags usage =
@@ -108,11 +101,12 @@ void Buffer::read(uint64_t offset, std::span<std::byte> to) const {
 Image3D::Image3D(const Device& device, const std::array<uint32_t, 3>& size, Texel texel) {
   const DeviceInfo& info = device.info();
   const Limits& limits = info.limits;
-  for (uint32_t side : size)
-    require(side > 0 && side <= limits.image_side, "a 3D image with a side", side, "texels",
-            limits.image_side, info);
+  for (uint32_t side : size) {
+    require_within(info, limits.image_side, "texels along a side of a 3D image", side);
+    if (side == 0) throw Error(Exit::internal, "a 3D image has a side of 0 texels");
+  }
   const uint64_t bytes = uint64_t{4} * size[0] * size[1] * size[2];
-  require(bytes <= limits.image, "a 3D image", bytes, "bytes", limits.image, info);
+  require_within(info, limits.image, "bytes in a 3D image", bytes);
   const std::string what =
       fmt::format("no 3D image of {} x {} x {} texels on {}", size[0], size[1], size[2], info.name);
   calling_vulkan(what, [&] {
