@@ -49,8 +49,8 @@ function(tdpt_bench name)
 endfunction()
 
 # tdpt_shaders(target a/NAME.comp ...): kernels, compiled into the target; paths from the source root. C++
-# includes "shaders/NAME.h" for the span NAME_spv. Each kernel belongs to one target. It is a test that all its
-# sums and products are exact; with INEXACT that test must fail.
+# includes "shaders/NAME.h" for the span NAME_spv. Each kernel belongs to one target. It is a test that its
+# arithmetic is exact (tools/spirv-exact.sh); with INEXACT the test is that this finds it is not.
 function(tdpt_shaders target)
   cmake_parse_arguments(A "INEXACT" "" "" ${ARGN})
   set(folder ${CMAKE_BINARY_DIR}/generated/shaders)
@@ -71,14 +71,16 @@ inline constexpr std::span<const uint32_t> @name@_spv{@name@_words};
 }  // namespace tdpt::shader
 " @ONLY)
     add_custom_command(OUTPUT ${out}.inc ${out}.spv
-      COMMAND ${compile} -MD -MF ${out}.d -MT ${out}.spv -o ${out}.spv ${source}
+      COMMAND ${compile} -MD -MF ${out}.d -MT ${out}.inc -o ${out}.spv ${source}
       COMMAND ${SPIRV_VAL} --target-env vulkan1.2 ${out}.spv
       COMMAND ${compile} -mfmt=c -o ${out}.inc ${source}
       DEPENDS ${source} DEPFILE ${out}.d COMMENT "Compiling the kernel ${name}" VERBATIM)
     target_sources(${target} PRIVATE ${out}.inc)
     if(BUILD_TESTING)
       add_test(NAME shaders.${name}-is-exact COMMAND sh ${CMAKE_SOURCE_DIR}/tools/spirv-exact.sh ${out}.spv)
-      set_tests_properties(shaders.${name}-is-exact PROPERTIES WILL_FAIL ${A_INEXACT})
+      if(A_INEXACT)
+        set_tests_properties(shaders.${name}-is-exact PROPERTIES PASS_REGULAR_EXPRESSION "may be fused.*not exact")
+      endif()
     endif()
   endforeach()
   target_include_directories(${target} PUBLIC ${CMAKE_BINARY_DIR}/generated)

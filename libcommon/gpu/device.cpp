@@ -114,7 +114,7 @@ DeviceInfo describe(const vk::raii::PhysicalDevice& device) {
                   kKinds[std::min(4, static_cast<int>(p.deviceType))],
                   version_text(p.driverVersion),
                   version_text(p.apiVersion),
-                  {},
+                  "",
                   {}};
   if (p.apiVersion < VK_API_VERSION_1_2) {
     info.unfit = "it has Vulkan " + info.vulkan + ", and 1.2 is needed";
@@ -134,14 +134,14 @@ DeviceInfo describe(const vk::raii::PhysicalDevice& device) {
   for (uint32_t i = 0; i < heaps.memoryHeapCount; ++i)
     if (heaps.memoryHeaps[i].flags & vk::MemoryHeapFlagBits::eDeviceLocal)
       l.memory = std::max(l.memory, heaps.memoryHeaps[i].size);
-  const uint64_t allocation =
+  l.allocation =
       std::min(l.memory, more.get<vk::PhysicalDeviceVulkan11Properties>().maxMemoryAllocationSize);
-  l.buffer = std::min<uint64_t>(p.limits.maxStorageBufferRange, allocation);
+  l.buffer = std::min<uint64_t>(p.limits.maxStorageBufferRange, l.allocation) / 4 * 4;
   using Usage = vk::ImageUsageFlagBits;
   const auto image = device.getImageFormatProperties(
       vk::Format::eR32Uint, vk::ImageType::e3D, vk::ImageTiling::eOptimal,
       Usage::eStorage | Usage::eTransferSrc | Usage::eTransferDst);
-  l.image = std::min(image.maxResourceSize, allocation);
+  l.image = std::min(image.maxResourceSize, l.allocation);
   l.image_side = std::min({image.maxExtent.width, image.maxExtent.height, image.maxExtent.depth});
   l.groups = p.limits.maxComputeWorkGroupCount[0];
   l.group_size =

@@ -19,6 +19,7 @@ namespace tdpt::gpu {
 /// What a device allows.
 struct Limits {
   uint64_t memory = 0;          ///< bytes, the device's own
+  uint64_t allocation = 0;      ///< bytes of one piece of memory
   uint64_t buffer = 0;          ///< bytes of one buffer
   uint64_t image = 0;           ///< bytes of one 3D image
   uint32_t image_side = 0;      ///< texels along each side of a 3D image

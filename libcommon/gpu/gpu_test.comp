@@ -1,5 +1,7 @@
 // Invocation i < n counts at texel i and in words[0], then changes words[1 + i].
 #version 460
+#extension GL_GOOGLE_include_directive : require
+#include "shaders/shared/language.h"
 layout(local_size_x = 64) in;
 layout(constant_id = 0) const uint kFactor = 1;
 layout(constant_id = 1) const uint kOffset = 0;
@@ -18,6 +20,6 @@ void main() {
   uvec3 texel = uvec3(i % size.x, i / size.x % size.y, i / size.x / size.y % size.z);
   imageAtomicAdd(counts, ivec3(texel), step);
   atomicAdd(words[0], step);
-  precise float scaled = scale * float(words[1 + i]) + 0.5;
+  EXACT float scaled = scale * float(words[1 + i]) + 0.5;
   words[1 + i] = kFactor * uint(scaled) + kOffset;
 }

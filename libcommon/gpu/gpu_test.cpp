@@ -244,7 +244,6 @@ TEST_F(Gpu, AFailureNamesTheCallAndItsResult) {
     });
   });
   EXPECT_EQ(said, "no second device: vkCreateDevice: ErrorExtensionNotPresent");
-  EXPECT_FALSE(take_validation_messages().empty());
 }
 
 TEST_F(Gpu, AKernelIsGivenWhatItDeclares) {

@@ -1,8 +1,9 @@
-// A product and a sum that a device may fuse: tools/spirv-exact.sh must find them.
+// A product that a device may fuse with a sum, and a root: tools/spirv-exact.sh must find them.
 #version 460
 layout(local_size_x = 1) in;
 layout(set = 0, binding = 0, std430) buffer Words { float words[]; };
 
 void main() {
-  words[0] = words[1] * words[2] + words[3];
+  words[0] = words[1] * words[2];
+  words[3] = sqrt(words[4]);
 }

@@ -14,6 +14,7 @@ constexpr vk::MemoryPropertyFlags kHost = Memory::eHostVisible | Memory::eHostCo
 vk::raii::DeviceMemory Device::Impl::allocate(
     const vk::MemoryRequirements& need,
     std::initializer_list<vk::MemoryPropertyFlags> wishes) const {
+  require_within(info, info.limits.allocation, "bytes in a piece of memory", need.size);
   const vk::PhysicalDeviceMemoryProperties types = physical.getMemoryProperties();
   for (const vk::MemoryPropertyFlags wish : wishes)
     for (uint32_t i = 0; i < types.memoryTypeCount; ++i)
@@ -123,10 +124,9 @@ Image3D::Image3D(const Device& device, const std::array<uint32_t, 3>& size, Texe
     impl_->view = {d.device, vk::ImageViewCreateInfo({}, *impl_->image, vk::ImageViewType::e3D,
                                                      format, {}, kWholeImage)};
     d.run([&] {
-      const vk::ImageMemoryBarrier to_general({}, vk::AccessFlagBits::eTransferWrite,
-                                              vk::ImageLayout::eUndefined,
-                                              vk::ImageLayout::eGeneral, VK_QUEUE_FAMILY_IGNORED,
-                                              VK_QUEUE_FAMILY_IGNORED, *impl_->image, kWholeImage);
+      vk::ImageMemoryBarrier to_general({}, vk::AccessFlagBits::eTransferWrite);
+      to_general.setNewLayout(vk::ImageLayout::eGeneral).setImage(*impl_->image);
+      to_general.setSubresourceRange(kWholeImage);
       d.commands.pipelineBarrier(vk::PipelineStageFlagBits::eTopOfPipe,
                                  vk::PipelineStageFlagBits::eTransfer, {}, {}, {}, to_general);
       d.commands.clearColorImage(*impl_->image, vk::ImageLayout::eGeneral, vk::ClearColorValue(),
