@@ -137,18 +137,22 @@ DeviceInfo describe(const vk::raii::PhysicalDevice& device) {
   l.allocation =
       std::min(l.memory, more.get<vk::PhysicalDeviceVulkan11Properties>().maxMemoryAllocationSize);
   l.buffer = std::min<uint64_t>(p.limits.maxStorageBufferRange, l.allocation) / 4 * 4;
-  using Usage = vk::ImageUsageFlagBits;
-  const auto image = device.getImageFormatProperties(
-      vk::Format::eR32Uint, vk::ImageType::e3D, vk::ImageTiling::eOptimal,
-      Usage::eStorage | Usage::eTransferSrc | Usage::eTransferDst);
-  l.image = std::min(image.maxResourceSize, l.allocation);
-  l.image_side = std::min({image.maxExtent.width, image.maxExtent.height, image.maxExtent.depth});
   l.groups = p.limits.maxComputeWorkGroupCount[0];
   l.group_size =
       std::min(p.limits.maxComputeWorkGroupInvocations, p.limits.maxComputeWorkGroupSize[0]);
   l.push_constants = p.limits.maxPushConstantsSize;
   l.buffers = p.limits.maxPerStageDescriptorStorageBuffers;
   l.images = p.limits.maxPerStageDescriptorStorageImages;
+  try {
+    using Usage = vk::ImageUsageFlagBits;
+    const auto image = device.getImageFormatProperties(
+        vk::Format::eR32Uint, vk::ImageType::e3D, vk::ImageTiling::eOptimal,
+        Usage::eStorage | Usage::eTransferSrc | Usage::eTransferDst);
+    l.image = std::min(image.maxResourceSize, l.allocation);
+    l.image_side = std::min({image.maxExtent.width, image.maxExtent.height, image.maxExtent.depth});
+  } catch (const vk::FormatNotSupportedError&) {
+    info.unfit = "it has no 3D images of whole numbers";
+  }
   return info;
 }
 
@@ -268,14 +272,13 @@ double Device::Impl::run(const std::function<void()>& record) {
     commands.writeTimestamp(vk::PipelineStageFlagBits::eTopOfPipe, *queries, 0);
   }
   barrier();
-  recording = true;
-  try {
+  {
+    const struct Recording {
+      bool& on;
+      ~Recording() { on = false; }
+    } until_here{recording = true};
     record();
-  } catch (...) {
-    recording = false;
-    throw;
   }
-  recording = false;
   if (tick > 0) commands.writeTimestamp(vk::PipelineStageFlagBits::eBottomOfPipe, *queries, 1);
   commands.end();
   const auto start = std::chrono::steady_clock::now();

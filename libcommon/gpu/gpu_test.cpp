@@ -5,6 +5,7 @@
 #include <cstdlib>
 
 #include "libcommon/gpu/device_impl.h"
+#include "libcommon/testing/temp_folder.h"
 #include "shaders/gpu_test.h"
 #include "shaders/gpu_test_inexact.h"
 #include "shaders/gpu_test_signed.h"
@@ -328,6 +329,23 @@ TEST(NoDevice, WithoutADriverThereIsNoDevice) {
       new_loader("VK_DRIVER_FILES", "/nonexistent");
   EXPECT_EQ(error_of([] { list_devices(); }), "there is no Vulkan driver");
   EXPECT_EQ(error_of([] { Device::open(); }), "there is no Vulkan driver");
+}
+
+TEST(NoDevice, WithoutALoaderThereIsNoDevice) {
+  if (getenv("TDPT_TEST_WITHOUT_LOADER")) {  // this is the process that finds none
+    EXPECT_EQ(error_of([] { list_devices(); }), "there is no Vulkan loader (libvulkan)");
+    EXPECT_EQ(error_of([] { Device::open(); }), "there is no Vulkan loader (libvulkan)");
+    return;
+  }
+  const testing::TempFolder folder;
+  folder.write("libvulkan.so", "no library");
+  folder.write("libvulkan.so.1", "no library");
+  const std::string self = std::filesystem::read_symlink("/proc/self/exe");
+  const std::string again = "'" + self + "' --gtest_filter=NoDevice.WithoutALoader*";
+  const WithVariable that("TDPT_TEST_WITHOUT_LOADER", "1");
+  EXPECT_NE(std::system(again.c_str()), 0);  // it finds one
+  const WithVariable path("LD_LIBRARY_PATH", folder.path.c_str());
+  EXPECT_EQ(std::system(again.c_str()), 0);
 }
 
 TEST(NoDevice, ValidationThatIsAskedForIsNeeded) {
