@@ -1,0 +1,474 @@
+// Top-down: each range of triangles is sorted into bins by the middle of its boxes, on three axes,
+// and cut between two bins where (area of the left box) (triangles left) + (the same on the right)
+// is least. Minima, maxima and counts do not depend on the order they are taken in, large ranges
+// are parted stably and small ones by one thread: so threads leave no trace in the result.
+#include "libcommon/trace/bvh.h"
+
+#include <emmintrin.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
+#include <tbb/parallel_reduce.h>
+
+#include <array>
+#include <bit>
+#include <limits>
+#include <memory>
+
+#include "libcommon/base/error.h"
+#include "libcommon/scene/pane.h"
+
+namespace tdpt {
+namespace {
+
+using shader::BvhNode;
+using shader::BvhTriangle;
+
+constexpr uint32_t kLeafSize = 4;
+constexpr uint32_t kMaxTriangles = 1u << 28;
+constexpr uint32_t kParallelPass = 1u << 16;  // triangles of a range that threads share
+constexpr uint32_t kChunk = 1u << 14;         // of such a range, by one thread
+constexpr uint32_t kParallelTask = 1u << 11;  // triangles of a range that is a task of its own
+constexpr uint32_t kMaxBins = 32;
+constexpr float kNodeCost = 2.0f;  // of visiting a node, in tests of a triangle
+constexpr float kPad = 0x1p-18f;   // see traversal.h
+
+struct Box {
+  __m128 low = _mm_set1_ps(std::numeric_limits<float>::infinity());
+  __m128 high = _mm_set1_ps(-std::numeric_limits<float>::infinity());
+
+  void add(const Box& b) {
+    low = _mm_min_ps(low, b.low);
+    high = _mm_max_ps(high, b.high);
+  }
+  void add(__m128 point) {
+    low = _mm_min_ps(low, point);
+    high = _mm_max_ps(high, point);
+  }
+  /// Half the surface; of an empty box 0.
+  float area() const {
+    const __m128 d = _mm_max_ps(_mm_sub_ps(high, low), _mm_setzero_ps());
+    const __m128 e = _mm_shuffle_ps(d, d, _MM_SHUFFLE(3, 0, 2, 1));
+    alignas(16) std::array<float, 4> p;
+    _mm_store_ps(p.data(), _mm_mul_ps(d, e));
+    return p[0] + p[1] + p[2];
+  }
+};
+
+// The box of a triangle. The fourth lane of `low` holds its index in a form that is a normal
+// float, so that no instruction stumbles over it.
+struct Reference {
+  __m128 low, high;
+
+  uint32_t triangle() const {
+    return static_cast<uint32_t>(
+               _mm_cvtsi128_si32(_mm_shuffle_epi32(_mm_castps_si128(low), 0xFF))) &
+           0x0FFFFFFFu;
+  }
+  __m128 twice_middle() const { return _mm_add_ps(low, high); }
+};
+
+struct Range {
+  uint32_t begin, end;
+  Box box, middles;  // of its triangles, of twice the middles of their boxes
+  uint32_t size() const { return end - begin; }
+};
+
+// A node before its place is known.
+struct Split {
+  std::array<Box, 2> box;
+  std::array<uint32_t, 2> child;  // leaf as in BvhNode, or index in Builder::splits_
+  uint32_t nodes;                 // in the subtree
+};
+
+uint32_t leaf(uint32_t first, uint32_t count) {
+  return shader::kBvhLeaf | count << shader::kBvhCountShift | first;
+}
+
+// Levels of nodes that `count` triangles need when they are halved until they fit into leaves.
+uint32_t levels(uint32_t count) {
+  return static_cast<uint32_t>(std::bit_width((count + kLeafSize - 1) / kLeafSize - (count > 0)));
+}
+
+// Maps twice the middle of a box to a bin on each axis.
+struct BinMap {
+  __m128 low, scale;
+  int bins;
+
+  BinMap(const Box& middles, uint32_t count)
+      : low(middles.low), bins(static_cast<int>(std::min(kMaxBins, 16 + count / 16))) {
+    const __m128 size = _mm_sub_ps(middles.high, middles.low);
+    const __m128 s = _mm_div_ps(_mm_set1_ps(static_cast<float>(bins) * 0.9999f), size);
+    // An axis without extent has all in bin 0.
+    const __m128 wide =
+        _mm_and_ps(_mm_cmpgt_ps(size, _mm_set1_ps(1e-30f)), _mm_cmplt_ps(size, _mm_set1_ps(1e37f)));
+    scale = _mm_and_ps(s, wide);
+  }
+  std::array<int, 4> operator()(__m128 middle) const {
+    const __m128 x = _mm_mul_ps(_mm_sub_ps(middle, low), scale);
+    const __m128 most = _mm_set1_ps(static_cast<float>(bins - 1));
+    alignas(16) std::array<int, 4> bin;
+    _mm_store_si128(reinterpret_cast<__m128i*>(bin.data()),
+                    _mm_cvttps_epi32(_mm_min_ps(_mm_max_ps(x, _mm_setzero_ps()), most)));
+    return bin;
+  }
+};
+
+struct Bins {
+  std::array<std::array<Box, kMaxBins>, 3> box;
+  std::array<std::array<uint32_t, kMaxBins>, 3> count{};
+
+  void add(const Reference* begin, const Reference* end, const BinMap& map) {
+    for (const Reference* r = begin; r != end; ++r) {
+      const std::array<int, 4> bin = map(r->twice_middle());
+      for (size_t axis = 0; axis < 3; ++axis) {
+        const auto b = static_cast<size_t>(bin[axis]);
+        box[axis][b].add(Box{r->low, r->high});
+        ++count[axis][b];
+      }
+    }
+  }
+  void add(const Bins& other, int bins) {
+    for (size_t axis = 0; axis < 3; ++axis)
+      for (size_t b = 0; b < static_cast<size_t>(bins); ++b) {
+        box[axis][b].add(other.box[axis][b]);
+        count[axis][b] += other.count[axis][b];
+      }
+  }
+};
+
+struct Cut {
+  float cost = std::numeric_limits<float>::infinity();  // areas times counts
+  int axis = -1;                                        // -1: there is none
+  int bin = 0;                                          // the first one on the right
+  uint32_t left = 0;
+};
+
+Cut best_cut(const Bins& bins, int count) {
+  Cut best;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto& box = bins.box[static_cast<size_t>(axis)];
+    const auto& number = bins.count[static_cast<size_t>(axis)];
+    std::array<float, kMaxBins> right_cost;
+    Box right;
+    uint32_t n = 0;
+    for (int b = count - 1; b > 0; --b) {
+      const auto i = static_cast<size_t>(b);
+      right.add(box[i]);
+      n += number[i];
+      right_cost[i] = n == 0 ? -1.0f : right.area() * static_cast<float>(n);
+    }
+    Box left;
+    uint32_t m = 0;
+    for (int b = 1; b < count; ++b) {
+      const auto i = static_cast<size_t>(b);
+      left.add(box[i - 1]);
+      m += number[i - 1];
+      if (m == 0 || right_cost[i] < 0) continue;
+      const float cost = left.area() * static_cast<float>(m) + right_cost[i];
+      if (cost < best.cost) best = {cost, axis, b, m};
+    }
+  }
+  return best;
+}
+
+class Builder {
+ public:
+  explicit Builder(const Scene& scene) : scene_(scene) {}
+
+  Bvh build() {
+    const auto n = static_cast<uint32_t>(scene_.triangles.size());
+    references_ = std::make_unique_for_overwrite<Reference[]>(n);
+    spare_ = std::make_unique_for_overwrite<Reference[]>(n > kParallelPass ? n : 0);
+    splits_ = std::make_unique_for_overwrite<Split[]>(n);
+    order_ = std::make_unique_for_overwrite<uint32_t[]>(n);
+    const Range all = refer();
+    alignas(16) std::array<float, 4> low, high;
+    _mm_store_ps(low.data(), all.box.low);
+    _mm_store_ps(high.data(), all.box.high);
+    float extent = 1;
+    for (size_t axis = 0; n > 0 && axis < 3; ++axis)
+      extent = std::max({extent, std::abs(low[axis]), std::abs(high[axis])});
+    pad_ = _mm_set1_ps(kPad * extent);
+
+    Bvh bvh;
+    uint32_t root = 0, nodes = 0;
+    const auto top = [&] { root = build(references_.get(), spare_.get(), all, 0, nodes); };
+    // Both write every byte of their arrays once; so the first is cleared meanwhile.
+    tbb::parallel_invoke(top, [&] { bvh.triangles.resize(n); });
+    bvh.nodes.resize(std::max(nodes, 1u));
+    if (nodes > 0) {
+      place(bvh.nodes, root, 0);
+    } else {
+      Split only;
+      const Box nothing{_mm_setzero_ps(), _mm_setzero_ps()};
+      only.box = {n > 0 ? all.box : nothing, nothing};
+      write(bvh.nodes[0], only, root, leaf(0, 0));
+    }
+    bvh.nodes[0].extent = extent;
+    fill(bvh.triangles);
+    return bvh;
+  }
+
+ private:
+  // Boxes of all triangles.
+  Range refer() const {
+    const auto n = static_cast<uint32_t>(scene_.triangles.size());
+    Range all = tbb::parallel_reduce(
+        tbb::blocked_range<uint32_t>(0, n, kChunk), Range{0, n, {}, {}},
+        [&](const tbb::blocked_range<uint32_t>& part, Range sum) {
+          for (uint32_t t = part.begin(); t != part.end(); ++t) {
+            Box box;
+            for (int corner = 0; corner < 3; ++corner) {
+              const Vec3f p = scene_.vertex(t, corner);
+              box.add(_mm_setr_ps(p.x, p.y, p.z, 1));
+            }
+            const auto name = std::bit_cast<float>(0x40000000u | t);
+            const __m128 low = _mm_shuffle_ps(
+                box.low, _mm_shuffle_ps(_mm_set1_ps(name), box.low, _MM_SHUFFLE(2, 2, 0, 0)),
+                _MM_SHUFFLE(0, 2, 1, 0));
+            references_[t] = {low, box.high};
+            sum.box.add(box);
+            sum.middles.add(references_[t].twice_middle());
+          }
+          return sum;
+        },
+        [](Range a, const Range& b) {
+          a.box.add(b.box);
+          a.middles.add(b.middles);
+          return a;
+        });
+    return all;
+  }
+
+  // Child code of the subtree over `range`; its references lie in `from`, `to` is free. `nodes`:
+  // how many it has.
+  uint32_t build(Reference* from, Reference* to, const Range& range, uint32_t depth,
+                 uint32_t& nodes) {
+    nodes = 0;
+    const uint32_t n = range.size();
+    if (n <= 1 || (n <= kLeafSize && depth == shader::kBvhStack)) return make_leaf(from, range);
+    const BinMap map(range.middles, n);
+    const Cut cut = find_cut(from, range, map);
+    const bool worth = cut.axis >= 0 && cut.cost + kNodeCost * range.box.area() <
+                                            static_cast<float>(n) * range.box.area();
+    if (n <= kLeafSize && !worth) return make_leaf(from, range);
+    const uint32_t larger = std::max(cut.left, n - cut.left);
+    const bool deep = depth + 1 + levels(larger) > shader::kBvhStack;
+    std::array<Range, 2> part;
+    if (cut.axis < 0 || deep) {
+      part = halve(from, range);
+    } else if (n > kParallelPass) {
+      part = part_in_parallel(from, to, range, map, cut);
+      std::swap(from, to);
+    } else {
+      part = part_in_place(from, range, map, cut);
+    }
+    std::array<uint32_t, 2> count;
+    Split& split = splits_[part[1].begin - 1];  // each place between two triangles is cut once
+    const auto child = [&](size_t i) {
+      split.child[i] = build(from, to, part[i], depth + 1, count[i]);
+      split.box[i] = part[i].box;
+    };
+    if (n > kParallelTask) {
+      tbb::parallel_invoke([&] { child(0); }, [&] { child(1); });
+    } else {
+      child(0);
+      child(1);
+    }
+    split.nodes = nodes = 1 + count[0] + count[1];
+    return part[1].begin - 1;
+  }
+
+  uint32_t make_leaf(const Reference* from, const Range& range) {
+    for (uint32_t i = range.begin; i < range.end; ++i) order_[i] = from[i].triangle();
+    return leaf(range.begin, range.size());
+  }
+
+  static Cut find_cut(const Reference* from, const Range& range, const BinMap& map) {
+    Bins bins;
+    if (range.size() <= kParallelPass) {
+      bins.add(from + range.begin, from + range.end, map);
+    } else {
+      bins = tbb::parallel_reduce(
+          tbb::blocked_range<uint32_t>(range.begin, range.end, kChunk), bins,
+          [&](const tbb::blocked_range<uint32_t>& part, Bins sum) {
+            sum.add(from + part.begin(), from + part.end(), map);
+            return sum;
+          },
+          [&](Bins a, const Bins& b) {
+            a.add(b, map.bins);
+            return a;
+          });
+    }
+    return best_cut(bins, map.bins);
+  }
+
+  static Range range_of(const Reference* from, uint32_t begin, uint32_t end) {
+    Range r{begin, end, {}, {}};
+    for (uint32_t i = begin; i < end; ++i) {
+      r.box.add(Box{from[i].low, from[i].high});
+      r.middles.add(from[i].twice_middle());
+    }
+    return r;
+  }
+
+  // Where no cut tells the triangles apart, or the stack of a traversal would not do.
+  static std::array<Range, 2> halve(Reference* from, const Range& range) {
+    const uint32_t middle = range.begin + range.size() / 2;
+    alignas(16) std::array<float, 4> size;
+    _mm_store_ps(size.data(), _mm_sub_ps(range.middles.high, range.middles.low));
+    const auto axis =
+        static_cast<size_t>(std::max_element(size.begin(), size.begin() + 3) - size.begin());
+    if (size[axis] > 0)
+      std::nth_element(from + range.begin, from + middle, from + range.end,
+                       [axis](const Reference& a, const Reference& b) {
+                         alignas(16) std::array<float, 4> x, y;
+                         _mm_store_ps(x.data(), a.twice_middle());
+                         _mm_store_ps(y.data(), b.twice_middle());
+                         return x[axis] < y[axis] ||
+                                (x[axis] == y[axis] && a.triangle() < b.triangle());
+                       });
+    return {range_of(from, range.begin, middle), range_of(from, middle, range.end)};
+  }
+
+  static std::array<Range, 2> part_in_place(Reference* from, const Range& range, const BinMap& map,
+                                            const Cut& cut) {
+    const auto axis = static_cast<size_t>(cut.axis);
+    std::array<Range, 2> part{Range{range.begin, range.begin + cut.left, {}, {}},
+                              Range{range.begin + cut.left, range.end, {}, {}}};
+    uint32_t i = range.begin, j = range.end;
+    while (i < j) {
+      const Reference r = from[i];
+      const __m128 middle = r.twice_middle();
+      const bool right = map(middle)[axis] >= cut.bin;
+      part[right].box.add(Box{r.low, r.high});
+      part[right].middles.add(middle);
+      if (right) {
+        --j;
+        from[i] = from[j];
+        from[j] = r;
+      } else {
+        ++i;
+      }
+    }
+    return part;
+  }
+
+  // Stable, from one array into the other.
+  static std::array<Range, 2> part_in_parallel(const Reference* from, Reference* to,
+                                               const Range& range, const BinMap& map,
+                                               const Cut& cut) {
+    const auto axis = static_cast<size_t>(cut.axis);
+    const auto is_right = [&](const Reference& r) {
+      return map(r.twice_middle())[axis] >= cut.bin;
+    };
+    const uint32_t chunks = (range.size() + kChunk - 1) / kChunk;
+    const auto begin_of = [&](uint32_t c) {
+      return range.begin + std::min(c * kChunk, range.size());
+    };
+    std::vector<uint32_t> left(chunks);
+    tbb::parallel_for(0u, chunks, [&](uint32_t c) {
+      uint32_t n = 0;
+      for (uint32_t i = begin_of(c); i < begin_of(c + 1); ++i) n += !is_right(from[i]);
+      left[c] = n;
+    });
+    std::vector<uint32_t> place(chunks);  // of the chunk's first one on the left
+    uint32_t sum = range.begin;
+    for (uint32_t c = 0; c < chunks; ++c) {
+      place[c] = sum;
+      sum += left[c];
+    }
+    std::vector<std::array<Range, 2>> parts(chunks);
+    tbb::parallel_for(0u, chunks, [&](uint32_t c) {
+      std::array<Range, 2> part{};
+      std::array<uint32_t, 2> at{place[c], sum + (begin_of(c) - place[c])};
+      for (uint32_t i = begin_of(c); i < begin_of(c + 1); ++i) {
+        const Reference& r = from[i];
+        const bool right = is_right(r);
+        part[right].box.add(Box{r.low, r.high});
+        part[right].middles.add(r.twice_middle());
+        to[at[right]++] = r;
+      }
+      parts[c] = part;
+    });
+    std::array<Range, 2> part{Range{range.begin, sum, {}, {}}, Range{sum, range.end, {}, {}}};
+    for (const auto& p : parts)
+      for (size_t s = 0; s < 2; ++s) {
+        part[s].box.add(p[s].box);
+        part[s].middles.add(p[s].middles);
+      }
+    return part;
+  }
+
+  void write(BvhNode& node, const Split& split, uint32_t child0, uint32_t child1) const {
+    const auto vector = [](__m128 a) {
+      alignas(16) std::array<float, 4> v;
+      _mm_store_ps(v.data(), a);
+      return Vec3f(v[0], v[1], v[2]);
+    };
+    node.low0 = vector(_mm_sub_ps(split.box[0].low, pad_));
+    node.high0 = vector(_mm_add_ps(split.box[0].high, pad_));
+    node.low1 = vector(_mm_sub_ps(split.box[1].low, pad_));
+    node.high1 = vector(_mm_add_ps(split.box[1].high, pad_));
+    node.child0 = child0;
+    node.child1 = child1;
+    node.extent = 0;
+    node.pad = 0;
+  }
+
+  // Writes a subtree to `at` and the places behind it, depth first.
+  void place(std::vector<BvhNode>& out, uint32_t split_index, uint32_t at) const {
+    const Split& split = splits_[split_index];
+    const auto is_leaf = [&](size_t i) { return (split.child[i] & shader::kBvhLeaf) != 0; };
+    const uint32_t at0 = at + 1;
+    const uint32_t at1 = at0 + (is_leaf(0) ? 0 : splits_[split.child[0]].nodes);
+    write(out[at], split, is_leaf(0) ? split.child[0] : at0, is_leaf(1) ? split.child[1] : at1);
+    const auto first = [&] {
+      if (!is_leaf(0)) place(out, split.child[0], at0);
+    };
+    const auto second = [&] {
+      if (!is_leaf(1)) place(out, split.child[1], at1);
+    };
+    if (split.nodes > kParallelTask) {
+      tbb::parallel_invoke(first, second);
+    } else {
+      first();
+      second();
+    }
+  }
+
+  void fill(std::vector<BvhTriangle>& out) const {
+    std::vector<uint8_t> stops;
+    for (const Material& m : scene_.materials) stops.push_back(stops_every_ray(m));
+    tbb::parallel_for(tbb::blocked_range<size_t>(0, out.size(), kChunk),
+                      [&](const tbb::blocked_range<size_t>& part) {
+                        for (size_t i = part.begin(); i != part.end(); ++i) {
+                          const uint32_t t = order_[i];
+                          out[i] = {scene_.vertex(t, 0), t,
+                                    scene_.vertex(t, 1), stops[scene_.triangles[t].material],
+                                    scene_.vertex(t, 2), 0};
+                        }
+                      });
+  }
+
+  const Scene& scene_;
+  __m128 pad_;
+  std::unique_ptr<Reference[]> references_, spare_;
+  std::unique_ptr<Split[]> splits_;
+  std::unique_ptr<uint32_t[]> order_;
+};
+
+}  // namespace
+
+bool stops_every_ray(const Material& material) {
+  return !pane_of(material) && material.alpha_mode == Material::Alpha::opaque;
+}
+
+Bvh build_bvh(const Scene& scene) {
+  if (scene.triangles.size() > kMaxTriangles)
+    throw Error(Exit::bad_input, "more than 2^28 triangles");
+  return Builder(scene).build();
+}
+
+}  // namespace tdpt

@@ -1,0 +1,21 @@
+// shaders/shared/traversal.h as C++, one ray at a time: the twin of a kernel's ray queries.
+#pragma once
+#include "libcommon/trace/bvh.h"
+#include "shaders/shared/triangle.h"
+
+namespace tdpt::shader {
+
+/// Refers to a Bvh. All surfaces are there, whatever their coverage.
+struct ScalarTracer {
+  const BvhNode* bvh_nodes;
+  const BvhTriangle* bvh_triangles;
+
+  explicit ScalarTracer(const Bvh& bvh)
+      : bvh_nodes(bvh.nodes.data()), bvh_triangles(bvh.triangles.data()) {}
+
+  bool surface_stops(uint, float, float, uint) const { return true; }
+
+#include "shaders/shared/traversal.h"
+};
+
+}  // namespace tdpt::shader

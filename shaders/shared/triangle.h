@@ -1,0 +1,158 @@
+// Watertight intersection of rays and triangles: Woop, Benthin and Wald, "Watertight ray/triangle
+// intersection", 2013, with signs that are exact.
+//
+// Seen along the ray the three corners are points (x, y) of a plane, the ray its origin. A corner's
+// point depends on the ray and the corner alone, so that triangles which share corners share points
+// whatever was rounded on the way. The ray meets a triangle when the three edge functions
+// x_i y_j - y_i x_j have no two signs that oppose each other. Rounding is monotonic: where the two
+// rounded products differ, their order is that of the exact ones; where they are equal, their
+// rounding errors decide, which are floats themselves (Dekker). So the sign is that of the exact
+// edge function, opposite for the two triangles at an edge, and an edge function of 0 counts for
+// both of them: no ray passes between them.
+//
+// Points closer than 2^-38 to an axis are put on it, so that no product and no rounding error falls
+// below 2^-122. Nothing here then depends on whether a device keeps denormal numbers.
+#ifndef TDPT_SHADERS_SHARED_TRIANGLE_H
+#define TDPT_SHADERS_SHARED_TRIANGLE_H
+
+#include "shaders/shared/language.h"
+#include "shaders/shared/real.h"
+
+SHARED_BEGIN
+
+/// A ray by its main axis, the one along which it is steepest. Depths are distances along that axis
+/// the way the ray goes.
+struct AxisRay {
+  vec3 origin;
+  vec3 slope;   ///< direction per depth: 1 or -1 on the main axis; nowhere below 1e-18 in magnitude
+  uint axis;    ///< the main axis
+  float sign;   ///< slope on the main axis
+  float start;  ///< depth of `origin` on the ray that was asked for, 0 or above
+  float size;   ///< depth of its direction's tip
+  float per_depth;  ///< 1/size
+};
+
+SHARED float slope_along(float d, float per_depth) {
+  EXACT float s = d * per_depth;
+  return abs(s) >= 1e-18f ? s : (s < 0.0f ? -1e-18f : 1e-18f);
+}
+
+/// False for a direction that is zero (below 1e-36). An origin that has a way to go until a
+/// coordinate of `extent` on the main axis is moved there: rounding then depends on the size of the
+/// scene and not on how far outside of it the ray begins. `direction` at most 1e36.
+SHARED bool ray_of(vec3 origin, vec3 direction, float extent, OUT(AxisRay) ray) {
+  float x = abs(direction.x);
+  float y = abs(direction.y);
+  float z = abs(direction.z);
+  uint axis = x >= y ? (x >= z ? 0u : 2u) : (y >= z ? 1u : 2u);
+  float size = axis == 0u ? x : (axis == 1u ? y : z);
+  float along = axis == 0u ? direction.x : (axis == 1u ? direction.y : direction.z);
+  float place = axis == 0u ? origin.x : (axis == 1u ? origin.y : origin.z);
+  float sign = along < 0.0f ? -1.0f : 1.0f;
+  float per_depth = size >= 1e-36f ? reciprocal(size) : 1.0f;
+  ray.slope = vec3(axis == 0u ? sign : slope_along(direction.x, per_depth),
+                   axis == 1u ? sign : slope_along(direction.y, per_depth),
+                   axis == 2u ? sign : slope_along(direction.z, per_depth));
+  EXACT float way = -extent - sign * place;
+  float start = way > 0.0f ? way : 0.0f;
+  EXACT vec3 moved = origin + ray.slope * start;
+  ray.origin = start > 0.0f ? moved : origin;
+  ray.axis = axis;
+  ray.sign = sign;
+  ray.start = start;
+  ray.size = size;
+  ray.per_depth = per_depth;
+  return size >= 1e-36f;
+}
+
+/// `a` with the main axis last, the others in cyclic order.
+SHARED vec3 axis_last(vec3 a, uint axis) {
+  return axis == 0u ? vec3(a.y, a.z, a.x) : (axis == 1u ? vec3(a.z, a.x, a.y) : a);
+}
+
+/// A corner as the ray sees it: its point in the plane and its depth.
+SHARED vec3 seen_along(AxisRay ray, vec3 slope, vec3 corner) {
+  EXACT vec3 from_origin = corner - ray.origin;
+  vec3 a = axis_last(from_origin, ray.axis);
+  EXACT float depth = ray.sign * a.z;
+  EXACT float x = a.x - slope.x * depth;
+  EXACT float y = a.y - slope.y * depth;
+  const float least = 3.6379788e-12f;  // 2^-38
+  return vec3(abs(x) < least ? 0.0f : x, abs(y) < least ? 0.0f : y, depth);
+}
+
+/// a b - p, which is a float when p is the rounded product (Dekker, Veltkamp).
+SHARED float product_error(float a, float b, float p) {
+  EXACT float ca = 4097.0f * a;
+  EXACT float cb = 4097.0f * b;
+  EXACT float ah = ca - (ca - a);
+  EXACT float bh = cb - (cb - b);
+  EXACT float al = a - ah;
+  EXACT float bl = b - bh;
+  EXACT float e = ((ah * bh - p) + ah * bl + al * bh) + al * bl;
+  return e;
+}
+
+/// a.x b.y - a.y b.x, with the exact sign.
+SHARED float edge_function(vec3 a, vec3 b) {
+  EXACT float p = a.x * b.y;
+  EXACT float q = a.y * b.x;
+  EXACT float r = p - q;
+  if (p == q) {
+    EXACT float ep = product_error(a.x, b.y, p);
+    EXACT float eq = product_error(a.y, b.x, q);
+    r = ep - eq;
+  }
+  return r;
+}
+
+/// `r`, which is edge_function(a, b), to two units in the last place of itself. Without this, what
+/// long thin triangles lose to the rounding of the products would move places along them.
+SHARED float refined_edge_function(vec3 a, vec3 b, float r) {
+  EXACT float p = a.x * b.y;
+  EXACT float q = a.y * b.x;
+  EXACT float ep = product_error(a.x, b.y, p);
+  EXACT float eq = product_error(a.y, b.x, q);
+  EXACT float more = (p - q) + (ep - eq);
+  return more == 0.0f ? r : more;
+}
+
+/// Whether the line of the ray meets the triangle, at any depth. Triangles that it sees from their
+/// edge are not met: those beside them are.
+SHARED bool line_meets(AxisRay ray, vec3 p0, vec3 p1, vec3 p2, OUT(float) depth, OUT(float) b1,
+                       OUT(float) b2, OUT(uint) back) {
+  vec3 slope = axis_last(ray.slope, ray.axis);
+  vec3 a = seen_along(ray, slope, p0);
+  vec3 b = seen_along(ray, slope, p1);
+  vec3 c = seen_along(ray, slope, p2);
+  depth = 0.0f;
+  b1 = 0.0f;
+  b2 = 0.0f;
+  back = 0u;
+  EXACT float u = edge_function(b, c);
+  EXACT float v = edge_function(c, a);
+  EXACT float w = edge_function(a, b);
+  if ((u < 0.0f || v < 0.0f || w < 0.0f) && (u > 0.0f || v > 0.0f || w > 0.0f)) return false;
+  if (u == 0.0f && v == 0.0f && w == 0.0f) return false;
+  u = refined_edge_function(b, c, u);
+  v = refined_edge_function(c, a, v);
+  w = refined_edge_function(a, b, w);
+  EXACT float det = u + v + w;
+  float per_det = reciprocal(det);
+  EXACT float s0 = u * per_det;
+  EXACT float s1 = v * per_det;
+  EXACT float s2 = w * per_det;
+  EXACT float mean = s0 * a.z + s1 * b.z + s2 * c.z;
+  // A weighted mean does not leave the corners: rounding must not, either.
+  depth = max(min(min(a.z, b.z), c.z), min(max(max(a.z, b.z), c.z), mean));
+  b1 = s1 < 1e-30f ? 0.0f : s1;
+  b2 = s2 < 1e-30f ? 0.0f : s2;
+  // From its front a triangle is clockwise to the ray that comes; the plane is mirrored when the
+  // ray goes down its main axis.
+  back = (det > 0.0f) == (ray.sign > 0.0f) ? 1u : 0u;
+  return true;
+}
+
+SHARED_END
+
+#endif
