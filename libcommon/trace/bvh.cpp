@@ -29,13 +29,17 @@ constexpr uint32_t kMaxTriangles = 1u << 28;
 constexpr uint32_t kParallelPass = 1u << 16;  // triangles of a range that threads share
 constexpr uint32_t kChunk = 1u << 14;         // of such a range, by one thread
 constexpr uint32_t kParallelTask = 1u << 11;  // triangles of a range that is a task of its own
-constexpr uint32_t kMaxBins = 32;
+constexpr uint32_t kMaxBins = 16;
 constexpr float kNodeCost = 2.0f;  // of visiting a node, in tests of a triangle
 constexpr float kPad = 0x1p-18f;   // see traversal.h
 
 struct Box {
-  __m128 low = _mm_set1_ps(std::numeric_limits<float>::infinity());
-  __m128 high = _mm_set1_ps(-std::numeric_limits<float>::infinity());
+  __m128 low, high;
+
+  static Box empty() {
+    return {_mm_set1_ps(std::numeric_limits<float>::infinity()),
+            _mm_set1_ps(-std::numeric_limits<float>::infinity())};
+  }
 
   void add(const Box& b) {
     low = _mm_min_ps(low, b.low);
@@ -96,7 +100,7 @@ struct BinMap {
   int bins;
 
   BinMap(const Box& middles, uint32_t count)
-      : low(middles.low), bins(static_cast<int>(std::min(kMaxBins, 16 + count / 16))) {
+      : low(middles.low), bins(static_cast<int>(std::min(kMaxBins, 4 + count / 16))) {
     const __m128 size = _mm_sub_ps(middles.high, middles.low);
     const __m128 s = _mm_div_ps(_mm_set1_ps(static_cast<float>(bins) * 0.9999f), size);
     // An axis without extent has all in bin 0.
@@ -104,23 +108,28 @@ struct BinMap {
         _mm_and_ps(_mm_cmpgt_ps(size, _mm_set1_ps(1e-30f)), _mm_cmplt_ps(size, _mm_set1_ps(1e37f)));
     scale = _mm_and_ps(s, wide);
   }
-  std::array<int, 4> operator()(__m128 middle) const {
+  __m128i operator()(__m128 middle) const {
     const __m128 x = _mm_mul_ps(_mm_sub_ps(middle, low), scale);
     const __m128 most = _mm_set1_ps(static_cast<float>(bins - 1));
-    alignas(16) std::array<int, 4> bin;
-    _mm_store_si128(reinterpret_cast<__m128i*>(bin.data()),
-                    _mm_cvttps_epi32(_mm_min_ps(_mm_max_ps(x, _mm_setzero_ps()), most)));
-    return bin;
+    return _mm_cvttps_epi32(_mm_min_ps(_mm_max_ps(x, _mm_setzero_ps()), most));
   }
 };
 
 struct Bins {
   std::array<std::array<Box, kMaxBins>, 3> box;
-  std::array<std::array<uint32_t, kMaxBins>, 3> count{};
+  std::array<std::array<uint32_t, kMaxBins>, 3> count;
 
+  explicit Bins(int bins) {
+    for (size_t axis = 0; axis < 3; ++axis)
+      for (size_t b = 0; b < static_cast<size_t>(bins); ++b) {
+        box[axis][b] = Box::empty();
+        count[axis][b] = 0;
+      }
+  }
   void add(const Reference* begin, const Reference* end, const BinMap& map) {
     for (const Reference* r = begin; r != end; ++r) {
-      const std::array<int, 4> bin = map(r->twice_middle());
+      alignas(16) std::array<int, 4> bin;
+      _mm_store_si128(reinterpret_cast<__m128i*>(bin.data()), map(r->twice_middle()));
       for (size_t axis = 0; axis < 3; ++axis) {
         const auto b = static_cast<size_t>(bin[axis]);
         box[axis][b].add(Box{r->low, r->high});
@@ -150,7 +159,7 @@ Cut best_cut(const Bins& bins, int count) {
     const auto& box = bins.box[static_cast<size_t>(axis)];
     const auto& number = bins.count[static_cast<size_t>(axis)];
     std::array<float, kMaxBins> right_cost;
-    Box right;
+    Box right = Box::empty();
     uint32_t n = 0;
     for (int b = count - 1; b > 0; --b) {
       const auto i = static_cast<size_t>(b);
@@ -158,7 +167,7 @@ Cut best_cut(const Bins& bins, int count) {
       n += number[i];
       right_cost[i] = n == 0 ? -1.0f : right.area() * static_cast<float>(n);
     }
-    Box left;
+    Box left = Box::empty();
     uint32_t m = 0;
     for (int b = 1; b < count; ++b) {
       const auto i = static_cast<size_t>(b);
@@ -171,6 +180,20 @@ Cut best_cut(const Bins& bins, int count) {
   }
   return best;
 }
+
+// Whether a triangle goes to the right of a cut.
+struct Side {
+  const BinMap& map;
+  int axis;
+  __m128i last;  // bin on the left
+
+  Side(const BinMap& m, const Cut& cut)
+      : map(m), axis(cut.axis), last(_mm_set1_epi32(cut.bin - 1)) {}
+  bool right(__m128 middle) const {
+    const __m128 beyond = _mm_castsi128_ps(_mm_cmpgt_epi32(map(middle), last));
+    return (_mm_movemask_ps(beyond) >> axis & 1) != 0;
+  }
+};
 
 class Builder {
  public:
@@ -215,10 +238,10 @@ class Builder {
   Range refer() const {
     const auto n = static_cast<uint32_t>(scene_.triangles.size());
     Range all = tbb::parallel_reduce(
-        tbb::blocked_range<uint32_t>(0, n, kChunk), Range{0, n, {}, {}},
+        tbb::blocked_range<uint32_t>(0, n, kChunk), Range{0, n, Box::empty(), Box::empty()},
         [&](const tbb::blocked_range<uint32_t>& part, Range sum) {
           for (uint32_t t = part.begin(); t != part.end(); ++t) {
-            Box box;
+            Box box = Box::empty();
             for (int corner = 0; corner < 3; ++corner) {
               const Vec3f p = scene_.vertex(t, corner);
               box.add(_mm_setr_ps(p.x, p.y, p.z, 1));
@@ -247,7 +270,8 @@ class Builder {
                  uint32_t& nodes) {
     nodes = 0;
     const uint32_t n = range.size();
-    if (n <= 1 || (n <= kLeafSize && depth == shader::kBvhStack)) return make_leaf(from, range);
+    // Two triangles are not worth a node.
+    if (n <= 2 || (n <= kLeafSize && depth == shader::kBvhStack)) return make_leaf(from, range);
     const BinMap map(range.middles, n);
     const Cut cut = find_cut(from, range, map);
     const bool worth = cut.axis >= 0 && cut.cost + kNodeCost * range.box.area() <
@@ -286,7 +310,7 @@ class Builder {
   }
 
   static Cut find_cut(const Reference* from, const Range& range, const BinMap& map) {
-    Bins bins;
+    Bins bins(map.bins);
     if (range.size() <= kParallelPass) {
       bins.add(from + range.begin, from + range.end, map);
     } else {
@@ -305,7 +329,7 @@ class Builder {
   }
 
   static Range range_of(const Reference* from, uint32_t begin, uint32_t end) {
-    Range r{begin, end, {}, {}};
+    Range r{begin, end, Box::empty(), Box::empty()};
     for (uint32_t i = begin; i < end; ++i) {
       r.box.add(Box{from[i].low, from[i].high});
       r.middles.add(from[i].twice_middle());
@@ -334,14 +358,15 @@ class Builder {
 
   static std::array<Range, 2> part_in_place(Reference* from, const Range& range, const BinMap& map,
                                             const Cut& cut) {
-    const auto axis = static_cast<size_t>(cut.axis);
-    std::array<Range, 2> part{Range{range.begin, range.begin + cut.left, {}, {}},
-                              Range{range.begin + cut.left, range.end, {}, {}}};
+    const Side side(map, cut);
+    std::array<Range, 2> part{
+        Range{range.begin, range.begin + cut.left, Box::empty(), Box::empty()},
+        Range{range.begin + cut.left, range.end, Box::empty(), Box::empty()}};
     uint32_t i = range.begin, j = range.end;
     while (i < j) {
       const Reference r = from[i];
       const __m128 middle = r.twice_middle();
-      const bool right = map(middle)[axis] >= cut.bin;
+      const bool right = side.right(middle);
       part[right].box.add(Box{r.low, r.high});
       part[right].middles.add(middle);
       if (right) {
@@ -359,10 +384,7 @@ class Builder {
   static std::array<Range, 2> part_in_parallel(const Reference* from, Reference* to,
                                                const Range& range, const BinMap& map,
                                                const Cut& cut) {
-    const auto axis = static_cast<size_t>(cut.axis);
-    const auto is_right = [&](const Reference& r) {
-      return map(r.twice_middle())[axis] >= cut.bin;
-    };
+    const Side side(map, cut);
     const uint32_t chunks = (range.size() + kChunk - 1) / kChunk;
     const auto begin_of = [&](uint32_t c) {
       return range.begin + std::min(c * kChunk, range.size());
@@ -370,7 +392,8 @@ class Builder {
     std::vector<uint32_t> left(chunks);
     tbb::parallel_for(0u, chunks, [&](uint32_t c) {
       uint32_t n = 0;
-      for (uint32_t i = begin_of(c); i < begin_of(c + 1); ++i) n += !is_right(from[i]);
+      for (uint32_t i = begin_of(c); i < begin_of(c + 1); ++i)
+        n += !side.right(from[i].twice_middle());
       left[c] = n;
     });
     std::vector<uint32_t> place(chunks);  // of the chunk's first one on the left
@@ -381,18 +404,20 @@ class Builder {
     }
     std::vector<std::array<Range, 2>> parts(chunks);
     tbb::parallel_for(0u, chunks, [&](uint32_t c) {
-      std::array<Range, 2> part{};
+      std::array<Range, 2> part;
+      for (Range& p : part) p.box = p.middles = Box::empty();
       std::array<uint32_t, 2> at{place[c], sum + (begin_of(c) - place[c])};
       for (uint32_t i = begin_of(c); i < begin_of(c + 1); ++i) {
         const Reference& r = from[i];
-        const bool right = is_right(r);
+        const bool right = side.right(r.twice_middle());
         part[right].box.add(Box{r.low, r.high});
         part[right].middles.add(r.twice_middle());
         to[at[right]++] = r;
       }
       parts[c] = part;
     });
-    std::array<Range, 2> part{Range{range.begin, sum, {}, {}}, Range{sum, range.end, {}, {}}};
+    std::array<Range, 2> part{Range{range.begin, sum, Box::empty(), Box::empty()},
+                              Range{sum, range.end, Box::empty(), Box::empty()}};
     for (const auto& p : parts)
       for (size_t s = 0; s < 2; ++s) {
         part[s].box.add(p[s].box);

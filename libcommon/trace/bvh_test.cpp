@@ -426,7 +426,7 @@ TEST(bvh, slivers_and_tiny_triangles_and_corners_of_the_frame) {
 }
 
 TEST(bvh, tiny_triangles_are_met_to_the_blur_of_a_float) {
-  // 1e-4 across, met from a place as near: here coordinates are fine enough to tell.
+  // 1e-6 across, met from a place as near: near 0 coordinates are fine enough to tell.
   Scene scene = no_triangles();
   Rng rng(17, 0, 0);
   for (int i = 0; i < 200; ++i)

@@ -1,4 +1,4 @@
-// Rays and segments through the hierarchy of bvh.h, front to back, without recursion.
+// Rays and segments through the hierarchy of bvh.h, without recursion.
 //
 // Included where the arrays are: at global scope in GLSL, behind the buffers, and INSIDE a struct's
 // body in C++, whose members they are (libcommon/trace/scalar_tracer.h). Hence no include guard, no
@@ -101,6 +101,8 @@ SHARED bool first_hit(vec3 origin, vec3 direction, uint coin, OUT(SurfaceHit) hi
 }
 
 /// Whether a surface lies strictly between `a` and `b`. Nothing lies between a place and itself.
+/// Depths are rounded: ends that lie on surfaces are to be stepped off them, as the origins of rays
+/// are, by some 2^-21 (tracer.h).
 SHARED bool segment_blocked(vec3 a, vec3 b, uint coin) MEMBER_CONST {
   EXACT vec3 direction = b - a;
   AxisRay ray;
@@ -120,7 +122,11 @@ SHARED bool segment_blocked(vec3 a, vec3 b, uint coin) MEMBER_CONST {
       box_depths(bvh_nodes[node].low1, bvh_nodes[node].high1, ray.origin, per_slope, near1, far1);
       bool hit0 = near0 <= min(far0, limit) && far0 >= 0.0f;
       bool hit1 = near1 <= min(far1, limit) && far1 >= 0.0f;
-      bool second = hit1 && (!hit0 || near1 < near0);
+      // Any surface will do: where the segment is in the box for longer, it is likelier to meet
+      // one.
+      EXACT float way0 = min(far0, limit) - max(near0, 0.0f);
+      EXACT float way1 = min(far1, limit) - max(near1, 0.0f);
+      bool second = hit1 && (!hit0 || way1 > way0);
       stack[top] = second ? child0 : child1;
       top += hit0 && hit1 ? 1u : 0u;
       node = second ? child1 : child0;
