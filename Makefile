@@ -5,6 +5,7 @@
 #   make stages    pictures of what each stage did, in doc/figures/ (tools/stages.sh: another scene)
 #   make portals   how right the portals are on rooms with known openings: doc/portals.md (half an hour)
 #   make worth     what portals gain, measured and expected: doc/portal-worth.md (twenty minutes)
+#   make grid-speed   segments per second of lightgrid on each device: doc/light-grid-speed.md (three minutes)
 #   make test      installs what is missing, builds, runs every test
 #   make bench     speed, and noise after a minute, of every integrator (tools/bench.sh; 20 minutes)
 #   make install   programs and man pages under PREFIX (and DESTDIR)
@@ -17,7 +18,7 @@ JOBS ?= $(shell nproc 2>/dev/null || echo 2)
 # .ci/run names a file here, to learn the exit code of ctest instead of make's.
 TEST_STATUS ?=
 
-.PHONY: all build demo figures stages portals worth bench test install sanitize packages format clean
+.PHONY: all build demo figures stages portals worth grid-speed bench test install sanitize packages format clean
 all: build
 
 build:
@@ -52,6 +53,12 @@ worth: packages
 	@sh tools/install-packages.sh tools/packages-figures.txt
 	@$(MAKE) --no-print-directory build
 	@sh tools/portal-worth.sh build/bin doc
+
+# DEVICE: gpu, or gpu:WHICH of lightgrid --list-devices.
+grid-speed: packages
+	@$(MAKE) --no-print-directory build
+	@sh tools/light-grid-speed.sh build/bin $(DEVICE) >build/light-grid-speed.md
+	@mv build/light-grid-speed.md doc/light-grid-speed.md
 
 stages: packages
 	@$(MAKE) --no-print-directory build

@@ -17,7 +17,7 @@ namespace {
 constexpr uint64_t kFirstBatch = 1 << 15;
 constexpr size_t kFewestKept = 2000;   // fewer never count as settled
 constexpr double kHot = 0.25;          // of the largest count: voxels that are compared
-constexpr uint64_t kBlock = 1 << 18;   // segments in memory at a time
+constexpr uint64_t kBlock = 1 << 17;   // segments in memory at a time
 constexpr size_t kMostKept = 1 << 20;  // coarse lines the fine pass starts from
 // What the lines of one cut leave in the voxels of air.
 struct Tally {

@@ -1,7 +1,7 @@
 // How many segments between pivot patches each back end draws, tests and counts in a second, in one
 // interleaved run:
 //   lightgrid_bench [gpu[:WHICH]] [RESOLUTION] SCENE CUT [SCENE CUT ...]
-// prints a table in Markdown. The bounds that CI keeps to are not here: machines differ.
+// prints a table in Markdown, and on stderr where the device spends its time.
 #include <chrono>
 #include <cstdio>
 #include <cstring>
@@ -96,10 +96,10 @@ void measure(const std::string& scene_path, const std::string& cut_path, int res
   for (const LineFate fate : out.fate)
     free += fate != LineFate::none, joins += fate == LineFate::joins;
   fmt::print(stderr,
-             "{}: {} of its time: drawing and visibility {:.0f} %, votes {:.0f} %, march {:.0f} "
-             "%; {:.0f} % of the segments are free, {:.0f} % join\n",
-             name, device.info().name, 100 * times.trace / whole, 100 * times.votes / whole,
-             100 * times.march / whole, 100.0 * free / all[2].n, 100.0 * joins / all[2].n);
+             "{}: drawing and visibility {:.0f} %, votes {:.0f} %, march {:.0f} %; {:.0f} % of the "
+             "segments are free, {:.0f} % join\n",
+             name, 100 * times.trace / whole, 100 * times.votes / whole, 100 * times.march / whole,
+             100.0 * free / all[2].n, 100.0 * joins / all[2].n);
 }
 
 int run(std::vector<std::string> arguments) {
