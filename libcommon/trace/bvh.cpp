@@ -217,7 +217,7 @@ class Builder {
     Bvh bvh;
     uint32_t root = 0, nodes = 0;
     const auto top = [&] { root = build(references_.get(), spare_.get(), all, 0, nodes); };
-    // Both write every byte of their arrays once; so the first is cleared meanwhile.
+    // Clearing as many triangles takes a while: it is done meanwhile.
     tbb::parallel_invoke(top, [&] { bvh.triangles.resize(n); });
     bvh.nodes.resize(std::max(nodes, 1u));
     if (nodes > 0) {
