@@ -2,7 +2,7 @@
 //
 // What a machine cannot do (no loader, driver, device or queue, too old a version, a limit too low,
 // too little memory, a device that is lost) throws Error with Exit::no_device and the reason; no
-// other device steps in. A device and all that is made of it are used by one thread at a time.
+// other device steps in. All of this is used by one thread at a time.
 //
 // TDPT_VULKAN_VALIDATION=1 in the environment turns on the Khronos validation layer, its
 // synchronisation checks included. Its warnings and errors go to stderr as they come, and a process
@@ -18,32 +18,25 @@ namespace tdpt::gpu {
 
 /// What a device allows.
 struct Limits {
-  uint64_t memory = 0;          ///< bytes, the device's own
-  uint64_t allocation = 0;      ///< bytes of one piece of memory
-  uint64_t buffer = 0;          ///< bytes of one buffer
-  uint64_t image = 0;           ///< bytes of one 3D image
-  uint32_t image_side = 0;      ///< texels along each side of a 3D image
-  uint32_t groups = 0;          ///< work groups of one dispatch
-  uint32_t group_size = 0;      ///< invocations of one work group
-  uint32_t push_constants = 0;  ///< bytes
-  uint32_t buffers = 0;         ///< buffers that one kernel is given
-  uint32_t images = 0;          ///< images that one kernel is given
+  uint64_t memory = 0;      ///< bytes, the device's own
+  uint64_t buffer = 0;      ///< bytes of one buffer
+  uint64_t image = 0;       ///< bytes of one 3D image
+  uint32_t image_side = 0;  ///< texels along each side of a 3D image
 };
 
 struct DeviceInfo {
-  std::string name;    ///< as its driver calls it
-  std::string kind;    ///< discrete, integrated, virtual, cpu, other
-  std::string driver;  ///< name and version, as the driver puts them
-  std::string vulkan;  ///< version of the API: 1.3.230
-  std::string unfit;   ///< why it cannot be used here; empty: it can
-  Limits limits;       ///< of devices that can be used
+  std::string name;   ///< as its driver calls it
+  std::string kind;   ///< discrete, integrated, virtual, cpu, other
+  std::string unfit;  ///< why it cannot be used here; empty: it can
+  Limits limits;      ///< of devices that can be used
 };
 
 /// Every device there is, fit or not; throws when there is none.
 std::vector<DeviceInfo> list_devices();
 
-/// The one that `which` asks for. "": the best (discrete, integrated, virtual, cpu, other); digits:
-/// an index; else a part of one name, in whichever case. Throws when there is none or it is unfit.
+/// The best (discrete, integrated, virtual, cpu, other) of the fit ones that `which` means: "":
+/// any; digits: the one of that index; else those with it in their name, in whichever case. Throws
+/// when there is none.
 size_t pick_device(const std::vector<DeviceInfo>& devices, const std::string& which);
 
 class Commands;
@@ -57,8 +50,8 @@ class Device {
   const Limits& limits() const { return info().limits; }
 
   /// Submits what `record` records (kernel.h) and waits until it is done. Each command sees what
-  /// those before it wrote. Returns its time in seconds: the device's own, or the wall clock's
-  /// where the device has none. Keep it well below a second: drivers kill what takes longer.
+  /// those before it wrote. Returns the seconds from the submission to its end. Keep them well
+  /// below one: drivers kill what takes longer.
   double run(const std::function<void(Commands&)>& record);
 
   struct Impl;

@@ -3,8 +3,6 @@
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/language.h"
 layout(local_size_x = 64) in;
-layout(constant_id = 0) const uint kFactor = 1;
-layout(constant_id = 1) const uint kOffset = 0;
 layout(set = 0, binding = 0, r32ui) uniform uimage3D counts;
 layout(set = 0, binding = 1, std430) buffer Words { uint words[]; };
 layout(push_constant) uniform Push {
@@ -21,5 +19,5 @@ void main() {
   imageAtomicAdd(counts, ivec3(texel), step);
   atomicAdd(words[0], step);
   EXACT float scaled = scale * float(words[1 + i]) + 0.5;
-  words[1 + i] = kFactor * uint(scaled) + kOffset;
+  words[1 + i] = uint(scaled);
 }

@@ -5,111 +5,96 @@
 namespace tdpt::gpu {
 namespace {
 
-vk::DescriptorType type_of(Binding b) {
-  return b == Binding::buffer ? vk::DescriptorType::eStorageBuffer
-                              : vk::DescriptorType::eStorageImage;
-}
 constexpr auto kCompute = vk::ShaderStageFlagBits::eCompute;
+
+vk::raii::Pipeline make_pipeline(const vk::raii::Device& d, std::span<const uint32_t> program,
+                                 const vk::raii::PipelineLayout& layout) {
+  const vk::raii::ShaderModule module(d, {{}, program.size_bytes(), program.data()});
+  const vk::PipelineShaderStageCreateInfo stage({}, kCompute, *module, "main");
+  return {d, nullptr, vk::ComputePipelineCreateInfo({}, stage, *layout)};
+}
 
 }  // namespace
 
 Kernel::Kernel(const Device& device, std::span<const uint32_t> program,
-               const std::vector<Binding>& bindings, uint32_t push_bytes,
-               const std::vector<uint32_t>& constants) {
-  const DeviceInfo& info = device.info();
-  const Limits& limits = info.limits;
-  const auto buffers =
-      static_cast<size_t>(std::count(bindings.begin(), bindings.end(), Binding::buffer));
-  require_within(info, limits.buffers, "buffers in a kernel", buffers);
-  require_within(info, limits.images, "images in a kernel", bindings.size() - buffers);
-  require_within(info, limits.push_constants, "bytes of push constants", push_bytes);
-  calling_vulkan("no kernel on " + info.name, [&] {
-    const vk::raii::Device& d = device.impl()->device;
-    impl_ = std::make_shared<Impl>(Impl{device.impl(), bindings, push_bytes});
-    std::vector<vk::DescriptorSetLayoutBinding> slots;
-    for (uint32_t i = 0; i < bindings.size(); ++i)
-      slots.emplace_back(i, type_of(bindings[i]), 1, kCompute);
-    impl_->set_layout = {d, vk::DescriptorSetLayoutCreateInfo({}, slots)};
+               const std::vector<Memory>& memory, uint32_t push_bytes)
+    : impl_(std::make_shared<Impl>(Impl{device, memory, push_bytes})) {
+  const Device::Impl& d = *device.impl();
+  std::vector<vk::DescriptorSetLayoutBinding> slots;
+  std::vector<vk::DescriptorPoolSize> sizes;
+  uint32_t images = 0;
+  for (const Memory& m : memory) {
+    slots.emplace_back(static_cast<uint32_t>(slots.size()), m.impl().type, 1, kCompute);
+    sizes.emplace_back(m.impl().type, 1);
+    images += m.impl().type == vk::DescriptorType::eStorageImage;
+  }
+  d.require_within(d.limits.maxPerStageDescriptorStorageBuffers, "buffers in a kernel",
+                   memory.size() - images);
+  d.require_within(d.limits.maxPerStageDescriptorStorageImages, "images in a kernel", images);
+  d.require_within(d.limits.maxPushConstantsSize, "bytes of push constants", push_bytes);
+  calling_vulkan("no kernel on " + d.info.name, [&] {
+    Impl& k = *impl_;
+    k.set_layout = {d.device, vk::DescriptorSetLayoutCreateInfo({}, slots)};
     const vk::PushConstantRange push(kCompute, 0, push_bytes);
-    impl_->layout = {
-        d, vk::PipelineLayoutCreateInfo({}, 1, &*impl_->set_layout, push_bytes > 0, &push)};
-    const vk::raii::ShaderModule module(
-        d, vk::ShaderModuleCreateInfo({}, program.size_bytes(), program.data()));
-    std::vector<vk::SpecializationMapEntry> entries;
-    for (uint32_t i = 0; i < constants.size(); ++i) entries.emplace_back(i, 4 * i, 4);
-    const vk::SpecializationInfo specialization(static_cast<uint32_t>(entries.size()),
-                                                entries.data(), 4 * constants.size(),
-                                                constants.data());
-    impl_->pipeline = {d, nullptr,
-                       vk::ComputePipelineCreateInfo(
-                           {}, {{}, kCompute, *module, "main", &specialization}, *impl_->layout)};
+    k.layout = {d.device, {{}, 1, &*k.set_layout, push_bytes > 0, &push}};
+    k.pipeline = make_pipeline(d.device, program, k.layout);
+    k.pool = {d.device, {vk::DescriptorPoolCreateFlagBits::eFreeDescriptorSet, 1, sizes}};
+    k.set = std::move(vk::raii::DescriptorSets(d.device, {*k.pool, *k.set_layout})[0]);
+    for (uint32_t i = 0; i < memory.size(); ++i) {
+      const Memory::Impl& m = memory[i].impl();
+      const vk::DescriptorBufferInfo buffer(*m.buffer, 0, VK_WHOLE_SIZE);
+      const vk::DescriptorImageInfo image({}, *m.view, vk::ImageLayout::eGeneral);
+      // The type says which of the two is read.
+      d.device.updateDescriptorSets(
+          vk::WriteDescriptorSet(*k.set, i, 0, 1, m.type, &image, &buffer), {});
+    }
   });
 }
 
-void Commands::Impl::bind(const Kernel::Impl& kernel, const std::vector<Bound>& bound,
-                          const Push& push) {
-  bool right = bound.size() == kernel.bindings.size() && push.bytes.size() == kernel.push_bytes;
-  for (size_t i = 0; right && i < bound.size(); ++i)
-    right = (bound[i].buffer != nullptr) == (kernel.bindings[i] == Binding::buffer);
-  if (!right) throw Error(Exit::internal, "a kernel is given other arguments than it declares");
-  const vk::raii::CommandBuffer& commands = device.commands;
-  commands.bindPipeline(vk::PipelineBindPoint::eCompute, *kernel.pipeline);
-  if (!push.bytes.empty())
-    commands.pushConstants<std::byte>(
-        *kernel.layout, kCompute, 0, {static_cast<uint32_t>(push.bytes.size()), push.bytes.data()});
-  if (bound.empty()) return;
-  std::vector<vk::DescriptorPoolSize> sizes;
-  for (const Binding b : kernel.bindings) sizes.emplace_back(type_of(b), 1);
-  pools.emplace_back(
-      device.device,
-      vk::DescriptorPoolCreateInfo(vk::DescriptorPoolCreateFlagBits::eFreeDescriptorSet, 1, sizes));
-  sets.push_back(
-      std::move(vk::raii::DescriptorSets(device.device, {*pools.back(), *kernel.set_layout})[0]));
-  for (uint32_t i = 0; i < bound.size(); ++i) {
-    vk::DescriptorBufferInfo buffer;
-    vk::DescriptorImageInfo image;
-    vk::WriteDescriptorSet write(*sets.back(), i, 0, 1, type_of(kernel.bindings[i]));
-    if (bound[i].buffer) {
-      buffer.setBuffer(*bound[i].buffer->impl().block.buffer).setRange(VK_WHOLE_SIZE);
-      write.pBufferInfo = &buffer;
-    } else {
-      image.setImageView(*bound[i].image->impl().view).setImageLayout(vk::ImageLayout::eGeneral);
-      write.pImageInfo = &image;
-    }
-    device.device.updateDescriptorSets(write, {});
-  }
-  commands.bindDescriptorSets(vk::PipelineBindPoint::eCompute, *kernel.layout, 0, *sets.back(), {});
+void Commands::Impl::bind(const Kernel::Impl& kernel, std::span<const std::byte> push) const {
+  const auto size = static_cast<uint32_t>(push.size());
+  if (size != kernel.push_bytes)
+    throw Error(Exit::internal, "a kernel is given other push constants than it declares");
+  vulkan.bindPipeline(vk::PipelineBindPoint::eCompute, *kernel.pipeline);
+  vulkan.bindDescriptorSets(vk::PipelineBindPoint::eCompute, *kernel.layout, 0, *kernel.set, {});
+  if (size > 0) vulkan.pushConstants<std::byte>(*kernel.layout, kCompute, 0, {size, push.data()});
 }
 
-void Commands::dispatch(const Kernel& kernel, const std::vector<Bound>& bound, Push push,
-                        uint32_t groups) {
-  const DeviceInfo& info = impl_.device.info;
-  require_within(info, info.limits.groups, "work groups in a dispatch", groups);
-  impl_.bind(kernel.impl(), bound, push);
-  impl_.device.commands.dispatch(groups, 1, 1);
-  impl_.device.barrier();
+void Commands::Impl::barrier() const {
+  using Stage = vk::PipelineStageFlagBits;
+  using Access = vk::AccessFlagBits;
+  const vk::MemoryBarrier all(Access::eMemoryWrite, Access::eMemoryRead | Access::eMemoryWrite);
+  vulkan.pipelineBarrier(Stage::eAllCommands, Stage::eAllCommands | Stage::eHost, {}, all, {}, {});
 }
 
-void Commands::dispatch_indirect(const Kernel& kernel, const std::vector<Bound>& bound, Push push,
+void Commands::dispatch(const Kernel& kernel, std::span<const std::byte> push, uint32_t groups) {
+  const Device::Impl& d = *kernel.impl().device.impl();
+  d.require_within(d.limits.maxComputeWorkGroupCount[0], "work groups in a dispatch", groups);
+  impl_.bind(kernel.impl(), push);
+  impl_.vulkan.dispatch(groups, 1, 1);
+  impl_.barrier();
+}
+
+void Commands::dispatch_indirect(const Kernel& kernel, std::span<const std::byte> push,
                                  const Buffer& groups, uint64_t offset) {
-  if (offset % 4 != 0 || groups.bytes() < 12 || offset > groups.bytes() - 12)
-    throw Error(Exit::internal,
-                fmt::format("work groups at byte {} of a buffer of {}", offset, groups.bytes()));
-  impl_.bind(kernel.impl(), bound, push);
-  impl_.device.commands.dispatchIndirect(*groups.impl().block.buffer, offset);
-  impl_.device.barrier();
+  const uint64_t bytes = groups.impl().bytes;
+  if (offset % 4 != 0 || bytes < 12 || offset > bytes - 12)
+    throw Error(Exit::internal, fmt::format("work groups at byte {} of {}", offset, bytes));
+  impl_.bind(kernel.impl(), push);
+  impl_.vulkan.dispatchIndirect(*groups.impl().buffer, offset);
+  impl_.barrier();
 }
 
-void Commands::fill(const Buffer& buffer, uint32_t word) {
-  impl_.device.commands.fillBuffer(*buffer.impl().block.buffer, 0, VK_WHOLE_SIZE, word);
-  impl_.device.barrier();
-}
-
-void Commands::clear(const Image3D& image, uint32_t texel) {
-  const std::array<uint32_t, 4> colour{texel, 0, 0, 0};
-  impl_.device.commands.clearColorImage(*image.impl().image, vk::ImageLayout::eGeneral,
-                                        vk::ClearColorValue(colour), kWholeImage);
-  impl_.device.barrier();
+void Commands::clear(const Image3D& image) {
+  // What it held before is lost; so it may be new and without a layout.
+  const vk::ImageMemoryBarrier to_general({}, vk::AccessFlagBits::eTransferWrite,
+                                          vk::ImageLayout::eUndefined, vk::ImageLayout::eGeneral, 0,
+                                          0, *image.impl().image, kWholeImage);
+  impl_.vulkan.pipelineBarrier(vk::PipelineStageFlagBits::eAllCommands,
+                               vk::PipelineStageFlagBits::eTransfer, {}, {}, {}, to_general);
+  impl_.vulkan.clearColorImage(*image.impl().image, vk::ImageLayout::eGeneral,
+                               vk::ClearColorValue(), kWholeImage);
+  impl_.barrier();
 }
 
 }  // namespace tdpt::gpu

@@ -28,12 +28,6 @@ constexpr double kLeast = 0.05, kMost = 0.2;
 constexpr uint32_t kFirstLines = 1 << 13;
 constexpr uint64_t kVoxelBytes = 16;  // of the four images
 
-gpu::Kernel kernel_of(const gpu::Device& device, std::span<const uint32_t> program) {
-  std::vector<gpu::Binding> bindings(LIGHT_BUFFERS, gpu::Binding::buffer);
-  bindings.resize(LIGHT_BINDINGS, gpu::Binding::image);
-  return {device, program, bindings, sizeof(shader::LightParameters)};
-}
-
 class GpuLines : public LineTracer {
  public:
   GpuLines(const gpu::Device& device, const Scene& scene, const LineTables& tables,
@@ -79,7 +73,7 @@ class GpuLines : public LineTracer {
   void trace_tries(const shader::LightParameters& p, std::span<const shader::LineTry> tries,
                    TracedLines& out) override {
     for_pieces(p, out, [&](const shader::LightParameters& piece) {
-      tries_.write(0, std::as_bytes(tries.subspan(piece.first - p.first, piece.count)));
+      tries_.write(std::as_bytes(tries.subspan(piece.first - p.first, piece.count)));
       return run({trace_with(through_, piece), vote(piece)});
     });
   }
@@ -98,33 +92,40 @@ class GpuLines : public LineTracer {
         times_(times),
         lines_in_submission_(std::min(kFirstLines, bounds.lines)),
         depth_(slab_depth(device.info().name, device.limits(), grid, bounds.voxels)),
-        segments_(kernel_of(device, shader::light_segments_spv)),
-        through_(kernel_of(device, shader::light_through_spv)),
-        votes_(kernel_of(device, shader::light_votes_spv)),
-        march_(kernel_of(device, shader::light_march_spv)),
         tries_(device, bounds.lines * sizeof(shader::LineTry)),
         lines_(device, bounds.lines * sizeof(shader::LineEnds)),
         fates_(device, bounds.lines * sizeof(uint32_t)),
-        lists_(device, sizeof(Lists) + 2 * bounds.lines * sizeof(uint32_t)) {
-    add(bvh.nodes, bvh.triangles, tables.arcs, tables.patches, tables.pieces, tables.first_cell,
-        tables.cells, tables.normals, veils.veil_of, veils.veils, veils.texels);
-    const std::array<uint32_t, 3> size{static_cast<uint32_t>(grid.dim[0]),
-                                       static_cast<uint32_t>(grid.dim[1]), depth_};
-    for (const gpu::Texel texel :
-         {gpu::Texel::r32ui, gpu::Texel::r32i, gpu::Texel::r32i, gpu::Texel::r32i})
-      images_.emplace_back(device, size, texel);
-    for (const gpu::Buffer& b : scene_) bound_.emplace_back(b);
-    for (const gpu::Buffer* b : {&tries_, &lines_, &fates_, &lists_}) bound_.emplace_back(*b);
-    for (const gpu::Image3D& i : images_) bound_.emplace_back(i);
+        lists_(device, sizeof(Lists) + 2 * bounds.lines * sizeof(uint32_t)),
+        images_(make_images(grid)),
+        bound_(bind(bvh.nodes, bvh.triangles, tables.arcs, tables.patches, tables.pieces,
+                    tables.first_cell, tables.cells, tables.normals, veils.veil_of, veils.veils,
+                    veils.texels)),
+        segments_(device, shader::light_segments_spv, bound_, sizeof(shader::LightParameters)),
+        through_(device, shader::light_through_spv, bound_, sizeof(shader::LightParameters)),
+        votes_(device, shader::light_votes_spv, bound_, sizeof(shader::LightParameters)),
+        march_(device, shader::light_march_spv, bound_, sizeof(shader::LightParameters)) {
     if (slabs() == 1) return;
     count_.resize(grid.count.size());
     direction_.resize(grid.count.size());
   }
 
+  std::vector<gpu::Image3D> make_images(const LightGrid& grid) const {
+    const std::array<uint32_t, 3> size{static_cast<uint32_t>(grid.dim[0]),
+                                       static_cast<uint32_t>(grid.dim[1]), depth_};
+    std::vector<gpu::Image3D> images;
+    for (const gpu::Texel texel :
+         {gpu::Texel::r32ui, gpu::Texel::r32i, gpu::Texel::r32i, gpu::Texel::r32i})
+      images.emplace_back(device_, size, texel);
+    return images;
+  }
+
+  // The scene's tables and the rest, in the order of shaders/light_bindings.glsl.
   template <class... Tables>
-  void add(const Tables&... tables) {
-    scene_.reserve(sizeof...(tables));
-    (scene_.emplace_back(device_, tables), ...);
+  std::vector<gpu::Memory> bind(const Tables&... tables) const {
+    std::vector<gpu::Memory> bound{gpu::Buffer(device_, tables)...};
+    bound.insert(bound.end(), {tries_, lines_, fates_, lists_});
+    bound.insert(bound.end(), images_.begin(), images_.end());
+    return bound;
   }
 
   uint32_t slabs() const { return (static_cast<uint32_t>(common_.dim.z) + depth_ - 1) / depth_; }
@@ -136,17 +137,17 @@ class GpuLines : public LineTracer {
   };
   Step trace_with(const gpu::Kernel& kernel, const shader::LightParameters& p) const {
     return {&GpuLineTimes::trace, [this, &kernel, &p](gpu::Commands& c) {
-              c.dispatch(kernel, bound_, p, (p.count + LIGHT_GROUP - 1) / LIGHT_GROUP);
+              c.dispatch(kernel, gpu::push(p), (p.count + LIGHT_GROUP - 1) / LIGHT_GROUP);
             }};
   }
   Step vote(const shader::LightParameters& p) const {
     return {&GpuLineTimes::votes, [this, &p](gpu::Commands& c) {
-              c.dispatch_indirect(votes_, bound_, p, lists_, offsetof(Lists, to_vote));
+              c.dispatch_indirect(votes_, gpu::push(p), lists_, offsetof(Lists, to_vote));
             }};
   }
   Step march(const shader::LightParameters& p) const {
     return {&GpuLineTimes::march, [this, &p](gpu::Commands& c) {
-              c.dispatch_indirect(march_, bound_, p, lists_, offsetof(Lists, to_march));
+              c.dispatch_indirect(march_, gpu::push(p), lists_, offsetof(Lists, to_march));
             }};
   }
 
@@ -174,10 +175,10 @@ class GpuLines : public LineTracer {
       shader::LightParameters piece = p;
       piece.first = p.first + done;
       piece.count = std::min(p.count - done, lines_in_submission_);
-      lists_.upload(kEmpty);
+      lists_.write(std::as_bytes(std::span(kEmpty)));
       const double seconds = trace(piece);
-      lines_.read(0, std::as_writable_bytes(std::span(out.ends).subspan(done, piece.count)));
-      fates_.read(0, std::as_writable_bytes(std::span(out.fate).subspan(done, piece.count)));
+      lines_.read(std::as_writable_bytes(std::span(out.ends).subspan(done, piece.count)));
+      fates_.read(std::as_writable_bytes(std::span(out.fate).subspan(done, piece.count)));
       done += piece.count;
       if (seconds > kMost)
         lines_in_submission_ = std::max(lines_in_submission_ / 2, uint32_t{LIGHT_GROUP});
@@ -219,11 +220,10 @@ class GpuLines : public LineTracer {
   GpuLineTimes* const times_;  // or none
   uint32_t lines_in_submission_;
   const uint32_t depth_;
-  gpu::Kernel segments_, through_, votes_, march_;
-  std::vector<gpu::Buffer> scene_;
   gpu::Buffer tries_, lines_, fates_, lists_;
   std::vector<gpu::Image3D> images_;  // counts, then directions along x, y, z
-  std::vector<gpu::Bound> bound_;
+  const std::vector<gpu::Memory> bound_;
+  const gpu::Kernel segments_, through_, votes_, march_;
   // In slabs only.
   std::vector<uint32_t> count_;
   std::vector<Vec3d> direction_;

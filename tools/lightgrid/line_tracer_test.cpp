@@ -445,12 +445,9 @@ TEST_F(LineTracers, device_and_twin_agree_on_special_segments) {
       given(*device, segments), blocked(*device, n * sizeof(uint32_t)),
       hits(*device, n * sizeof(shader::SurfaceHit));
   const gpu::Image3D image(*device, {64, 64, 64});
-  std::vector<gpu::Binding> bindings(5, gpu::Binding::buffer);
-  bindings.push_back(gpu::Binding::image);
-  const gpu::Kernel kernel(*device, shader::special_segments_test_spv, bindings, sizeof p);
-  device->run([&](gpu::Commands& c) {
-    c.dispatch(kernel, {nodes, triangles, given, blocked, hits, image}, p, (n + 63) / 64);
-  });
+  const gpu::Kernel kernel(*device, shader::special_segments_test_spv,
+                           {nodes, triangles, given, blocked, hits, image}, sizeof p);
+  device->run([&](gpu::Commands& c) { c.dispatch(kernel, gpu::push(p), (n + 63) / 64); });
   const std::vector<uint32_t> device_blocked = blocked.download<uint32_t>(n),
                               device_count = image.download();
   const auto device_hits = hits.download<shader::SurfaceHit>(n);

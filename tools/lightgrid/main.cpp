@@ -21,7 +21,7 @@ std::string list_of_devices() {
   const std::vector<gpu::DeviceInfo> devices = gpu::list_devices();
   for (size_t i = 0; i < devices.size(); ++i) {
     const gpu::DeviceInfo& d = devices[i];
-    text += fmt::format("{}  {}  ({}, Vulkan {}, {}{})\n", i, d.name, d.kind, d.vulkan, d.driver,
+    text += fmt::format("{}  {}  ({}{})\n", i, d.name, d.kind,
                         d.unfit.empty() ? "" : "; cannot be used: " + d.unfit);
   }
   return text;
