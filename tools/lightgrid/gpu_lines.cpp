@@ -135,8 +135,8 @@ class GpuLines : public LineTracer {
     double GpuLineTimes::*time;
     std::function<void(gpu::Commands&)> record;
   };
-  Step trace_with(const gpu::Kernel& kernel, const shader::LightParameters& p) const {
-    return {&GpuLineTimes::trace, [this, &kernel, &p](gpu::Commands& c) {
+  static Step trace_with(const gpu::Kernel& kernel, const shader::LightParameters& p) {
+    return {&GpuLineTimes::trace, [&kernel, &p](gpu::Commands& c) {
               c.dispatch(kernel, gpu::push(p), (p.count + LIGHT_GROUP - 1) / LIGHT_GROUP);
             }};
   }
@@ -151,7 +151,7 @@ class GpuLines : public LineTracer {
             }};
   }
 
-  // Seconds on the device.
+  // Seconds of their submissions.
   double run(const std::vector<Step>& steps) {
     if (!times_)
       return device_.run([&](gpu::Commands& c) {

@@ -14,7 +14,7 @@ struct GpuLineBounds {
   uint64_t voxels = ~uint64_t{0};  ///< in memory at a time: a larger grid is counted in slabs
 };
 
-/// Seconds that the device has spent in each kernel.
+/// Seconds that the submissions of each kernel have taken.
 struct GpuLineTimes {
   double trace = 0, votes = 0, march = 0;
 };
