@@ -7,28 +7,30 @@ namespace tdpt::gpu {
 namespace {
 
 using Kind = vk::MemoryPropertyFlagBits;
-// Desktop drivers have such memory; without the cache the host would read it slowly.
-constexpr auto kHost = Kind::eHostVisible | Kind::eHostCoherent | Kind::eHostCached;
+using Kinds = std::vector<vk::MemoryPropertyFlags>;  // what is wanted most comes first
+const vk::MemoryPropertyFlags kSeen = Kind::eHostVisible | Kind::eHostCoherent;
+const Kinds kHost{kSeen | Kind::eHostCached, kSeen}, kDevice{Kind::eDeviceLocal};
 constexpr auto kCopied =
     vk::BufferUsageFlagBits::eTransferSrc | vk::BufferUsageFlagBits::eTransferDst;
 
-/// Memory of one kind for a buffer or an image.
+/// Memory for a buffer or an image. Every device has some of the last kind that is asked for.
 template <class Resource>
 vk::raii::DeviceMemory allocate(const Device::Impl& d, const Resource& resource,
-                                vk::MemoryPropertyFlags kind) {
+                                const Kinds& kinds) {
   const vk::MemoryRequirements need = resource.getMemoryRequirements();
   const vk::PhysicalDeviceMemoryProperties all = d.physical.getMemoryProperties();
-  for (uint32_t i = 0; i < all.memoryTypeCount; ++i) {
-    const vk::MemoryType& type = all.memoryTypes[i];
-    const bool large_enough = need.size <= all.memoryHeaps[type.heapIndex].size;
-    if (!(need.memoryTypeBits >> i & 1) || (type.propertyFlags & kind) != kind || !large_enough)
-      continue;
-    vk::raii::DeviceMemory memory(d.device, {need.size, i});
-    resource.bindMemory(*memory, 0);
-    return memory;
-  }
+  for (const vk::MemoryPropertyFlags kind : kinds)
+    for (uint32_t i = 0; i < all.memoryTypeCount; ++i) {
+      const vk::MemoryType& type = all.memoryTypes[i];
+      const bool large_enough = need.size <= all.memoryHeaps[type.heapIndex].size;
+      if (!(need.memoryTypeBits >> i & 1) || (type.propertyFlags & kind) != kind || !large_enough)
+        continue;
+      vk::raii::DeviceMemory memory(d.device, {need.size, i});
+      resource.bindMemory(*memory, 0);
+      return memory;
+    }
   throw Error(Exit::no_device, fmt::format("{} has no memory for {} bytes that is {}", d.info.name,
-                                           need.size, vk::to_string(kind)));
+                                           need.size, vk::to_string(kinds.back())));
 }
 
 /// A buffer that the host sees too.
@@ -78,7 +80,7 @@ Buffer::Buffer(const Device& device, uint64_t bytes) {
     const vk::BufferUsageFlags usage = kCopied | Usage::eStorageBuffer | Usage::eIndirectBuffer;
     impl_ = std::make_shared<Impl>(Impl{device, vk::DescriptorType::eStorageBuffer, bytes, {}});
     impl_->buffer = {d.device, {{}, std::max<uint64_t>(bytes, 4), usage}};
-    impl_->memory = allocate(d, impl_->buffer, Kind::eDeviceLocal);
+    impl_->memory = allocate(d, impl_->buffer, kDevice);
   });
 }
 
@@ -113,7 +115,7 @@ Image3D::Image3D(const Device& device, const std::array<uint32_t, 3>& size, Texe
     vk::ImageCreateInfo how({}, vk::ImageType::e3D, format, extent, 1, 1);
     how.usage = Usage::eStorage | Usage::eTransferSrc | Usage::eTransferDst;
     impl_->image = {d.device, how};
-    impl_->memory = allocate(d, impl_->image, Kind::eDeviceLocal);
+    impl_->memory = allocate(d, impl_->image, kDevice);
     impl_->view = {d.device, {{}, *impl_->image, vk::ImageViewType::e3D, format, {}, kWholeImage}};
     impl_->device.run([&](Commands& c) { c.clear(*this); });
   });

@@ -27,14 +27,21 @@ std::string list_of_devices() {
   return text;
 }
 
-// `device`: as --device names it. A GPU is opened at once: none is known before work begins.
-MakeLineTracer tracer_on(const std::string& device) {
-  if (device == "cpu") return make_embree_lines;
+struct NamedTracer {
+  std::string name;  ///< of the device
+  MakeLineTracer make;
+};
+
+// `device`: as --device names it. A GPU is opened at once: that there is none is told before work
+// begins.
+NamedTracer tracer_on(const std::string& device) {
+  if (device == "cpu") return {device, make_embree_lines};
   if (device != "gpu" && device.rfind("gpu:", 0) != 0)
     throw UsageError("--device: '" + device + "' given, expected cpu, gpu or gpu:WHICH");
   const gpu::Device opened = gpu::Device::open(device == "gpu" ? "" : device.substr(4));
-  return [opened](const Scene& scene, const LineTables& tables, const LightGrid& grid,
-                  uint64_t seed) { return make_gpu_lines(opened, scene, tables, grid, seed); };
+  return {opened.info().name,
+          [opened](const Scene& scene, const LineTables& tables, const LightGrid& grid,
+                   uint64_t seed) { return make_gpu_lines(opened, scene, tables, grid, seed); }};
 }
 
 }  // namespace
@@ -66,7 +73,7 @@ int main(int argc, char** argv) {
                       "Write the fullest voxels and some lines of light as glTF");
   return options.run_main(argc, argv, [&] {
     const cli::Common& common = options.common;
-    const MakeLineTracer make_tracer = tracer_on(device);
+    const NamedTracer tracer = tracer_on(device);
     if (scene_path == "-" && cut_path == "-")
       throw UsageError("only one of the two inputs can come from standard input");
     catch_signals();
@@ -85,7 +92,7 @@ int main(int argc, char** argv) {
       Progress progress("tracing", "segments", how.samples, common.quiet);
       grid =
           make_light_grid(scene, cut, cut_path, how, report,
-                          {[&](uint64_t n) { progress.advance(n); }, stop_requested}, make_tracer);
+                          {[&](uint64_t n) { progress.advance(n); }, stop_requested}, tracer.make);
     }
     grid.provenance =
         common.provenance({{scene_path, scene.hash, {}}, {cut_path, cut.hash, cut.provenance}});
@@ -125,6 +132,7 @@ int main(int argc, char** argv) {
                                   {"voxel", grid.voxel},
                                   {"fullest", report.fullest},
                                   {"phases", report.phases},
+                                  {"device", tracer.name},
                                   {"cpu_seconds", cpu_seconds()},
                                   {"peak_bytes", peak_memory()}}
                        .dump());
