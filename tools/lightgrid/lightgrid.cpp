@@ -19,17 +19,11 @@ constexpr size_t kFewestKept = 2000;   // fewer never count as settled
 constexpr double kHot = 0.25;          // of the largest count: voxels that are compared
 constexpr uint64_t kBlock = 1 << 17;   // segments in memory at a time
 constexpr size_t kMostKept = 1 << 20;  // coarse lines the fine pass starts from
-// What the lines of one cut leave in the voxels of air.
-struct Tally {
-  explicit Tally(size_t voxels) : count(voxels, 0), direction(voxels) {}
-  std::vector<uint32_t> count;
-  std::vector<Vec3d> direction;
-};
-
-void read_counts(const LightGrid& grid, LineTracer& tracer, Tally& tally) {
-  tracer.counts(tally.count);
-  for (size_t i = 0; i < tally.count.size(); ++i)
-    if (!grid.air[i]) tally.count[i] = 0;
+// Lines that passed each voxel of air.
+void read_counts(const LightGrid& grid, LineTracer& tracer, std::vector<uint32_t>& count) {
+  tracer.counts(count);
+  for (size_t i = 0; i < count.size(); ++i)
+    if (!grid.air[i]) count[i] = 0;
 }
 
 // Half the sum of differences between two normalised counts, over the hot voxels of the newer one.
@@ -53,21 +47,22 @@ struct CoarseReport {
 };
 
 // Draws segments between pivot patches of cut `c` until the counts settle; returns those that join
-// the two sides, the first kMostKept of them.
+// the two sides, the first kMostKept of them. `count`: of this cut; to `direction` its lines are
+// added, in and outside the air.
 std::vector<LightLine> coarse_pass(const Scene& scene, LineTracer& tracer, size_t c,
                                    const LightGrid& grid, const LightGridOptions& options,
-                                   const LightGridWatch& watch, Tally& tally,
-                                   CoarseReport& report) {
+                                   const LightGridWatch& watch, std::vector<uint32_t>& count,
+                                   std::vector<Vec3d>& direction, CoarseReport& report) {
   std::vector<LightLine> kept;
   TracedLines line;
   uint64_t summed = 0;
   tracer.clear();
   for (uint64_t batch = kFirstBatch; report.drawn < options.samples; batch = report.drawn) {
-    const std::vector<uint32_t> before = tally.count;
+    const std::vector<uint32_t> before = count;
     const uint64_t end = report.drawn + std::min(batch, options.samples - report.drawn);
     while (report.drawn < end && !report.stopped) {
       const uint64_t n = std::min(end - report.drawn, kBlock);
-      if (summed + n > LIGHT_MOST_SUMMED) tracer.take_directions(tally.direction), summed = 0;
+      if (summed + n > LIGHT_MOST_SUMMED) tracer.take_directions(direction), summed = 0;
       tracer.between_pivots(c, static_cast<uint32_t>(report.drawn), static_cast<uint32_t>(n), line);
       summed += n;
       for (size_t i = 0; i < n; ++i) {
@@ -80,12 +75,12 @@ std::vector<LightLine> coarse_pass(const Scene& scene, LineTracer& tracer, size_
       if (watch.progress) watch.progress(n);
       report.stopped = watch.stop && watch.stop();
     }
-    read_counts(grid, tracer, tally);
-    report.change = change_between(before, tally.count);
+    read_counts(grid, tracer, count);
+    report.change = change_between(before, count);
     report.settled = report.kept >= kFewestKept && report.change < options.tolerance;
     if (report.settled || report.stopped) break;
   }
-  tracer.take_directions(tally.direction);
+  tracer.take_directions(direction);
   return kept;
 }
 
@@ -149,10 +144,10 @@ LightGrid make_light_grid(const Scene& scene, const CutFile& cut, const std::str
     grid.cuts.push_back({std::clamp(b.conductance, 0.0, 1.0), 0});
   for (size_t c = 0; c < cut.cuts.size() && !report.stopped; ++c) {
     if (tables.cuts[c].count == 0) continue;
-    Tally tally(grid.count.size());
+    std::vector<uint32_t> count(grid.count.size(), 0);
     CoarseReport coarse;
     const std::vector<LightLine> kept =
-        coarse_pass(scene, *tracer, c, grid, options, watch, tally, coarse);
+        coarse_pass(scene, *tracer, c, grid, options, watch, count, direction, coarse);
     report.phases.done("coarse");
     report.drawn += coarse.drawn;
     report.visible += coarse.visible;
@@ -163,13 +158,9 @@ LightGrid make_light_grid(const Scene& scene, const CutFile& cut, const std::str
     report.settled = report.settled && coarse.settled;
     report.change = std::max(report.change, coarse.change);
     if (kept.empty()) continue;
-    for (size_t i = 0; i < grid.count.size(); ++i) {
-      if (!grid.air[i]) continue;
-      grid.count[i] += static_cast<float>(tally.count[i]);
-      direction[i] += tally.direction[i];
-    }
+    for (size_t i = 0; i < count.size(); ++i) grid.count[i] += static_cast<float>(count[i]);
     const LineWalk walk =
-        walk_among_lines(scene, *tracer, c, grid, tally.count, kept, options.lines, options.seed);
+        walk_among_lines(scene, *tracer, c, grid, count, kept, options.lines, options.seed);
     grid.lines.insert(grid.lines.end(), walk.lines.begin(), walk.lines.end());
     grid.probes.insert(grid.probes.end(), walk.probes.begin(), walk.probes.end());
     report.tried += walk.tried;
