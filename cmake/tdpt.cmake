@@ -52,13 +52,17 @@ endfunction()
 # includes "shaders/NAME.h" for the span NAME_spv. Each kernel belongs to one target. It is a test that its
 # arithmetic is exact (tools/spirv-exact.sh); with INEXACT the test is that this finds it is not.
 function(tdpt_shaders target)
-  cmake_parse_arguments(A "INEXACT" "" "" ${ARGN})
+  cmake_parse_arguments(A "INEXACT" "SUFFIX;DEFINE" "" ${ARGN})
   set(folder ${CMAKE_BINARY_DIR}/generated/shaders)
   foreach(file IN LISTS A_UNPARSED_ARGUMENTS)
     get_filename_component(name ${file} NAME_WE)
+    string(APPEND name "${A_SUFFIX}")
     set(source ${CMAKE_SOURCE_DIR}/${file})
     set(out ${folder}/${name})
     set(compile ${Vulkan_GLSLC_EXECUTABLE} --target-env=vulkan1.2 -O -Werror -I ${CMAKE_SOURCE_DIR})
+    if(A_DEFINE)
+      list(APPEND compile -D${A_DEFINE})
+    endif()
     file(CONFIGURE OUTPUT ${out}.h CONTENT
 "#pragma once
 #include <cstdint>

@@ -1,3 +1,17 @@
+// Whether some surface is not opaque, and whether a texture says where it is. Scenes without any have
+// kernels without that part of veil.h: software devices run through both sides of a branch that a
+// lane may take, and any device needs registers for both.
+#ifdef OPAQUE
+const bool scene_has_veils = false;
+#else
+const bool scene_has_veils = true;
+#endif
+#ifdef UNTEXTURED
+const bool veils_have_textures = false;
+#else
+const bool veils_have_textures = true;
+#endif
+
 // What all kernels of the light grid bind, by the names that shaders/shared/ knows.
 layout(local_size_x = LIGHT_GROUP) in;
 

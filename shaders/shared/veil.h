@@ -1,8 +1,8 @@
 // Whether a ray finds a surface that is not opaque: alpha as coverage_at() of
 // libcommon/scene/texture.h computes it, in floats.
 //
-// Read within a scope that has veil_of[], veils[] and texels[]: a GLSL file behind its buffers, or
-// the body of a C++ struct.
+// Read within a scope that has veil_of[], veils[], texels[], scene_has_veils and
+// veils_have_textures: a GLSL file behind its buffers, or the body of a C++ struct.
 
 SHARED float veil_texel(Veil v, int x, int y) MEMBER_CONST {
   return texels[v.first + uint(y) * v.width + uint(x)];
@@ -59,7 +59,7 @@ SHARED float veil_texture(Veil v, float u, float w) MEMBER_CONST {
 SHARED float veil_coverage(Veil v, float b1, float b2) MEMBER_CONST {
   EXACT float b0 = 1.0f - b1 - b2;
   EXACT float alpha = v.alpha0 * b0 + v.alpha1 * b1 + v.alpha2 * b2;
-  if (v.width > 0u) {
+  if (veils_have_textures && v.width > 0u) {
     EXACT float u = v.u0 * b0 + v.u1 * b1 + v.u2 * b2;
     EXACT float w = v.v0 * b0 + v.v1 * b1 + v.v2 * b2;
     alpha = alpha * veil_texture(v, u, w);
@@ -71,5 +71,6 @@ SHARED float veil_coverage(Veil v, float b1, float b2) MEMBER_CONST {
 
 /// Whether `triangle`, which is not opaque, is there for a ray. `coin`: a number of the ray's own.
 SHARED bool surface_stops(uint triangle, float b1, float b2, uint coin) MEMBER_CONST {
+  if (!scene_has_veils) return true;
   return unit_float(mixed(coin, triangle)) < veil_coverage(veils[veil_of[triangle]], b1, b2);
 }

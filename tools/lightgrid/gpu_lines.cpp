@@ -16,8 +16,14 @@
 #include "libcommon/trace/bvh.h"
 #include "shaders/light_march.h"
 #include "shaders/light_segments.h"
+#include "shaders/light_segments_opaque.h"
+#include "shaders/light_segments_untextured.h"
 #include "shaders/light_through.h"
+#include "shaders/light_through_opaque.h"
+#include "shaders/light_through_untextured.h"
 #include "shaders/light_votes.h"
+#include "shaders/light_votes_opaque.h"
+#include "shaders/light_votes_untextured.h"
 #include "tools/lightgrid/veils.h"
 
 namespace tdpt {
@@ -27,6 +33,20 @@ namespace {
 constexpr double kLeast = 0.05, kMost = 0.2;
 constexpr uint32_t kFirstLines = 1 << 13;
 constexpr uint64_t kVoxelBytes = 16;  // of the four images
+
+// A kernel for scenes that need all of veil.h, none of it, or all but textures.
+struct Variants {
+  std::span<const uint32_t> all, opaque, untextured;
+  std::span<const uint32_t> of(const VeilTables& veils) const {
+    return veils.veils.empty() ? opaque : veils.texels.empty() ? untextured : all;
+  }
+};
+constexpr Variants kSegments{shader::light_segments_spv, shader::light_segments_opaque_spv,
+                             shader::light_segments_untextured_spv},
+    kThrough{shader::light_through_spv, shader::light_through_opaque_spv,
+             shader::light_through_untextured_spv},
+    kVotes{shader::light_votes_spv, shader::light_votes_opaque_spv,
+           shader::light_votes_untextured_spv};
 
 class GpuLines : public LineTracer {
  public:
@@ -100,10 +120,10 @@ class GpuLines : public LineTracer {
         bound_(bind(bvh.nodes, bvh.triangles, tables.arcs, tables.patches, tables.pieces,
                     tables.first_cell, tables.cells, tables.normals, veils.veil_of, veils.veils,
                     veils.texels)),
-        segments_(device, shader::light_segments_spv, bound_, sizeof(shader::LightParameters)),
-        through_(device, shader::light_through_spv, bound_, sizeof(shader::LightParameters)),
-        votes_(device, shader::light_votes_spv, bound_, sizeof(shader::LightParameters)),
-        march_(device, shader::light_march_spv, bound_, sizeof(shader::LightParameters)) {
+        segments_(kernel(kSegments.of(veils))),
+        through_(kernel(kThrough.of(veils))),
+        votes_(kernel(kVotes.of(veils))),
+        march_(kernel(shader::light_march_spv)) {
     if (slabs() == 1) return;
     count_.resize(grid.count.size());
     direction_.resize(grid.count.size());
@@ -126,6 +146,10 @@ class GpuLines : public LineTracer {
     bound.insert(bound.end(), {tries_, lines_, fates_, lists_});
     bound.insert(bound.end(), images_.begin(), images_.end());
     return bound;
+  }
+
+  gpu::Kernel kernel(std::span<const uint32_t> program) const {
+    return {device_, program, bound_, sizeof(shader::LightParameters)};
   }
 
   uint32_t slabs() const { return (static_cast<uint32_t>(common_.dim.z) + depth_ - 1) / depth_; }
@@ -181,7 +205,7 @@ class GpuLines : public LineTracer {
       fates_.read(std::as_writable_bytes(std::span(out.fate).subspan(done, piece.count)));
       done += piece.count;
       if (seconds > kMost)
-        lines_in_submission_ = std::max(lines_in_submission_ / 2, uint32_t{LIGHT_GROUP});
+        lines_in_submission_ = std::max(lines_in_submission_ / 2, 1u);
       else if (seconds < kLeast && piece.count == lines_in_submission_)
         lines_in_submission_ = std::min(2 * lines_in_submission_, bounds_.lines);
     }

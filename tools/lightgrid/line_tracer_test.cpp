@@ -346,6 +346,7 @@ struct Kernel {
   const uint* veil_of;
   const Veil* veils;
   const float* texels;
+  bool scene_has_veils, veils_have_textures;
 #include "shaders/shared/veil.h"
 };
 }  // namespace veils
@@ -355,7 +356,8 @@ struct Kernel {
 double share_of_other_coverage(const Material& material, float shift) {
   Scene scene = with_veil(material, small_image());
   const VeilTables tables = make_veils(scene);
-  const veils::Kernel kernel{tables.veil_of.data(), tables.veils.data(), tables.texels.data()};
+  const veils::Kernel kernel{tables.veil_of.data(), tables.veils.data(), tables.texels.data(), true,
+                             true};
   scene.materials.back().base_map.transform[2] += shift;
   int different = 0;
   for (uint64_t i = 0; i < 100000; ++i) {

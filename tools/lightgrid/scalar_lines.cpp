@@ -15,6 +15,7 @@ struct ScalarRays {
   const uint* veil_of;
   const Veil* veils;
   const float* texels;
+  bool scene_has_veils, veils_have_textures;
 
 #include "shaders/shared/veil.h"
 
@@ -39,6 +40,8 @@ struct ScalarRays : shader::ScalarRays {
     veil_of = veil_tables->veil_of.data();
     veils = veil_tables->veils.data();
     texels = veil_tables->texels.data();
+    scene_has_veils = !veil_tables->veils.empty();
+    veils_have_textures = !veil_tables->texels.empty();
   }
 };
 
