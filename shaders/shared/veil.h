@@ -57,11 +57,11 @@ SHARED float veil_texture(Veil v, float u, float w) MEMBER_CONST {
 }
 
 SHARED float veil_coverage(Veil v, float b1, float b2) MEMBER_CONST {
-  EXACT float b0 = 1.0f - b1 - b2;
-  EXACT float alpha = v.alpha0 * b0 + v.alpha1 * b1 + v.alpha2 * b2;
+  // Exact where the corners agree: a mask at its cutoff is there.
+  EXACT float alpha = v.alpha0 + (v.alpha1 - v.alpha0) * b1 + (v.alpha2 - v.alpha0) * b2;
   if (veils_have_textures && v.width > 0u) {
-    EXACT float u = v.u0 * b0 + v.u1 * b1 + v.u2 * b2;
-    EXACT float w = v.v0 * b0 + v.v1 * b1 + v.v2 * b2;
+    EXACT float u = v.u0 + (v.u1 - v.u0) * b1 + (v.u2 - v.u0) * b2;
+    EXACT float w = v.v0 + (v.v1 - v.v0) * b1 + (v.v2 - v.v0) * b2;
     alpha = alpha * veil_texture(v, u, w);
   }
   alpha = min(max(alpha, 0.0f), 1.0f);

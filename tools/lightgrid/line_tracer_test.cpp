@@ -210,6 +210,26 @@ TEST_F(LineTracers, counts_start_again_when_cleared) {
   }
 }
 
+TEST_F(LineTracers, forget_directions_when_cleared) {
+  const Case c = two_rooms();
+  const LightGrid grid = empty_grid(c.scene, 32);
+  GpuLineBounds slabs;
+  slabs.voxels = 1;
+  for (const auto& tracer : {make_embree_lines(c.scene, c.tables, grid, kSeed),
+                             make_gpu_lines(*device, c.scene, c.tables, grid, kSeed),
+                             make_gpu_lines(*device, c.scene, c.tables, grid, kSeed, slabs)}) {
+    TracedLines lines;
+    std::vector<Vec3d> sum(grid.count.size());
+    tracer->between_pivots(0, 0, 1000, lines);
+    tracer->clear();
+    tracer->take_directions(sum);
+    EXPECT_EQ(std::count(sum.begin(), sum.end(), Vec3d()), static_cast<long>(sum.size()));
+    tracer->between_pivots(0, 0, 1000, lines);
+    tracer->take_directions(sum);
+    EXPECT_LT(std::count(sum.begin(), sum.end(), Vec3d()), static_cast<long>(sum.size()));  // twin
+  }
+}
+
 TEST_F(LineTracers, make_the_same_file) {
   const Case c = two_rooms();
   LightGridOptions options;
@@ -378,6 +398,49 @@ TEST(Veils, cover_what_textures_say) {
     if (i == 0) continue;                                         // no texture
     EXPECT_GT(share_of_other_coverage(all[i], 0.1f), 0.01) << i;  // twin
   }
+}
+
+// Share of places on the sheet that it does not cover.
+double share_uncovered(const Material& material, const Image& image, bool with_uv = true) {
+  Scene scene = with_veil(material, image);
+  for (auto& colour : scene.colours) colour[3] = 1;
+  if (!with_uv) scene.uv[1].clear();
+  const VeilTables tables = make_veils(scene);
+  const veils::Kernel kernel{tables.veil_of.data(), tables.veils.data(), tables.texels.data()};
+  int uncovered = 0;
+  for (uint64_t i = 0; i < 10000; ++i) {
+    Rng rng(8, 0, i);
+    const float u = rng.uniform_float();
+    const float v = rng.uniform_float() * (1 - u);
+    const auto triangle = static_cast<uint32_t>(scene.triangles.size() - 1 - i % 2);
+    uncovered += kernel.veil_coverage(tables.veils[tables.veil_of[triangle]], u, v) < 1;
+    EXPECT_EQ(kernel.veil_coverage(tables.veils[tables.veil_of[triangle]], u, v),
+              coverage_at(scene, {triangle, u, v}));
+  }
+  return uncovered / 1e4;
+}
+
+TEST(Veils, masks_are_there_at_their_cutoff) {
+  Material m;
+  m.alpha_mode = Material::Alpha::mask;
+  for (const float alpha : {1.0f, 0.9f, 0.5f, 0.3f}) {
+    m.alpha = m.alpha_cutoff = alpha;
+    EXPECT_EQ(share_uncovered(m, small_image()), 0) << alpha;
+    m.alpha_cutoff = std::nextafter(alpha, 2.0f);
+    EXPECT_EQ(share_uncovered(m, small_image()), 1) << alpha;  // twin
+  }
+}
+
+TEST(Veils, without_texture_coordinates_have_the_texel_of_the_transform) {
+  Material m;
+  m.alpha_mode = Material::Alpha::mask;
+  m.alpha_cutoff = 0.5f;
+  m.base_map.image = 0;
+  m.base_map.nearest = true;
+  const Image halves{2, 1, {0, 0, 0, 0, 255, 255, 255, 255}};  // alpha 0, then 1
+  EXPECT_EQ(share_uncovered(m, halves, false), 1);
+  m.base_map.transform = {1, 0, 0.75f, 0, 1, 0};
+  EXPECT_EQ(share_uncovered(m, halves, false), 0);
 }
 
 // Segments that rounding likes least, in a closed room from -1 to 1: along axes and edges, in the

@@ -32,8 +32,8 @@ class Builder {
       const bool coloured = !m.plain && !scene_.colours.empty();
       alpha[c] = m.alpha * (coloured ? scene_.colours[t.vertex[c]][3] : 1.0f);
       const auto& uv = scene_.uv[m.base_map.uv_set];
-      if (!m.base_map || m.plain || uv.empty()) continue;
-      const auto& at = uv[t.vertex[c]];
+      if (!m.base_map || m.plain) continue;
+      const auto at = uv.empty() ? std::array<float, 2>{} : uv[t.vertex[c]];
       const auto& map = m.base_map.transform;
       u[c] = texture_coordinate(double{map[0]} * at[0] + double{map[1]} * at[1] + map[2]);
       w[c] = texture_coordinate(double{map[3]} * at[0] + double{map[4]} * at[1] + map[5]);
