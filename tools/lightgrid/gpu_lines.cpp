@@ -57,6 +57,7 @@ class GpuLines : public LineTracer {
 
   void clear() override {
     std::fill(count_.begin(), count_.end(), 0u);
+    std::fill(direction_.begin(), direction_.end(), Vec3d());
     device_.run([&](gpu::Commands& c) { clear_images(c, 0); });
   }
 

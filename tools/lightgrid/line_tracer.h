@@ -43,12 +43,12 @@ class LineTracer {
   /// stands for none. `round` keeps the random numbers of several calls apart.
   void through(size_t c, uint32_t round, std::span<const shader::LineTry> tries, TracedLines& out);
 
-  /// Counts start again at 0.
+  /// Counts and directions start again at 0.
   virtual void clear() = 0;
   /// Lines that passed each voxel since clear(); in and outside the air.
   virtual void counts(std::vector<uint32_t>& count) = 0;
-  /// Adds the sums of their unit directions, towards the camera, since it was last called. At most
-  /// LIGHT_MOST_SUMMED segments may be drawn between two calls.
+  /// Adds the sums of their unit directions, towards the camera, since it was last called, or
+  /// clear(). At most LIGHT_MOST_SUMMED segments may be drawn in between.
   virtual void take_directions(std::vector<Vec3d>& sum) = 0;
 
  protected:
