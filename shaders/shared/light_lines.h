@@ -63,8 +63,9 @@ SHARED bool line_is_free(LineEnds line, uint number) {
                           mixed(light.stream, number));
 }
 
+// What is out of range, or no number (the corner in cells without size), is on no patch.
 SHARED int cell_coordinate(float x) {
-  return int(min(max(floor(x), -2e9f), 2e9f));
+  return x >= -2e9f ? int(floor(min(x, 2e9f))) : -2000000000;
 }
 
 /// Below 0 when `p` comes before the cell (level, cell), 0 when it is that, above 0 behind it.

@@ -653,5 +653,28 @@ TEST(LineTables, FinerPatchesComeFirst) {
   EXPECT_EQ(region(0, {5, 0.1f, 0}), -1);
 }
 
+TEST(LineTables, CellsTooSmallForFloatsHoldNothing) {
+  Scene scene;
+  scene.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  scene.triangles = {{{0, 1, 2}, 0}};
+  CutFile cut;
+  cut.grid.base_cell = 1e-45;
+  Patch patch{};
+  patch.faces = {0};
+  patch.cell = {INT32_MIN, INT32_MIN, INT32_MIN};
+  cut.patches = {patch};
+  cut.region = {0};
+  const LineTables tables = make_line_tables(scene, cut, "a.cut");
+  shader::LightParameters p{};
+  p.cells_per_unit = tables.cells_per_unit;
+  p.levels = tables.levels;
+  VoxelSums sums(1);
+  const NoRays none;
+  shader::LineKernel<NoRays> kernel(none, tables, p, sums);
+  uint32_t region;
+  for (const Vec3f& at : {Vec3f(0), Vec3f(0.1f), Vec3f(-0.1f, 0, 0)})  // 0 * infinity
+    EXPECT_FALSE(kernel.region_at(0, at, region));
+}
+
 }  // namespace
 }  // namespace tdpt
