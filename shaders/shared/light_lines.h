@@ -53,6 +53,12 @@ SHARED LineEnds draw_line(uint number) {
   return line;
 }
 
+/// By which the rays of a line find surfaces that are there with a probability.
+SHARED uint coin_of_line(uint number) {
+  uint pass = mixed(mixed(light.seed.x, light.seed.y), light.stream);
+  return mixed(mixed(pass, light.round), number);
+}
+
 /// Whether the faces at both ends look along the line and nothing stands in between.
 SHARED bool line_is_free(LineEnds line, uint number) {
   EXACT vec3 w = line.camera - line.light;
@@ -60,7 +66,7 @@ SHARED bool line_is_free(LineEnds line, uint number) {
   vec3 m = normal_of_face(line.camera_face);
   if (dot3(w, n) <= 0.0f || dot3(w, m) >= 0.0f) return false;
   return !segment_blocked(stepped_off(line.light, n), stepped_off(line.camera, m),
-                          mixed(light.stream, number));
+                          coin_of_line(number));
 }
 
 // What is out of range, or no number (the corner in cells without size), is on no patch.
@@ -181,7 +187,7 @@ SHARED uint line_through(LineTry through, uint number, OUT(LineEnds) line) {
   line.camera_face = 0u;
   EXACT float square = dot3(through.direction, through.direction);
   if (square == 0.0f) return FATE_NONE;
-  uint coin = mixed(mixed(light.stream, light.round), number);
+  uint coin = coin_of_line(number);
   vec3 ahead;
   uint ahead_face;
   uint ahead_side;

@@ -580,6 +580,26 @@ struct NoRays {
   bool first_hit(const Vec3f&, const Vec3f&, uint32_t, shader::SurfaceHit&) const { return false; }
 };
 
+// Everything that tells lines apart tells their coins apart, so that other lines meet other veils.
+TEST(LineKernel, coins_are_of_one_line_only) {
+  const LineTables tables;
+  VoxelSums sums(1);
+  const NoRays none;
+  std::vector<uint32_t> coins;
+  for (int i = 0; i < 7; ++i) {
+    shader::LightParameters p{};
+    p.seed = {i == 1, i == 2};
+    p.stream = i == 3;
+    p.round = i == 4;
+    shader::LineKernel<NoRays> kernel(none, tables, p, sums);
+    coins.push_back(kernel.coin_of_line(i == 5));
+  }
+  EXPECT_EQ(coins[0], coins[6]);
+  coins.pop_back();
+  std::sort(coins.begin(), coins.end());
+  EXPECT_EQ(std::unique(coins.begin(), coins.end()), coins.end());
+}
+
 TEST(LineTables, CellsShareATriangleOut) {
   Scene scene;
   scene.frame = {{10, 0, 0}, 0.5};
