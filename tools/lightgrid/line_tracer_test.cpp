@@ -600,6 +600,102 @@ TEST(LineKernel, coins_are_of_one_line_only) {
   EXPECT_EQ(std::unique(coins.begin(), coins.end()), coins.end());
 }
 
+// Two triangles without place, whose fronts look along +z. Rays meet what the ballot says, one
+// after the other; behind its end, nothing.
+enum class Ballot { nothing, own, other };
+struct Ballots {
+  std::vector<Ballot> of_rays;
+  mutable std::vector<uint32_t> coins;
+  bool segment_blocked(const Vec3f&, const Vec3f&, uint32_t) const { return false; }
+  bool first_hit(const Vec3f&, const Vec3f&, uint32_t coin, shader::SurfaceHit& hit) const {
+    const size_t i = coins.size();
+    coins.push_back(coin);
+    if (i >= of_rays.size() || of_rays[i] == Ballot::nothing) return false;
+    hit = {1, of_rays[i] == Ballot::own ? 0u : 1u, 0, 0, 0};
+    return true;
+  }
+};
+
+// Whether the ends of a line win their votes; the coins of the rays that were asked.
+bool win(const std::vector<Ballot>& of_rays, std::vector<uint32_t>& coins, uint32_t number = 0,
+         uint32_t round = 0, uint32_t stream = 0x10000) {
+  Scene scene;
+  scene.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  scene.triangles = {{{0, 1, 2}, 0}, {{0, 1, 2}, 0}};
+  CutFile cut;
+  cut.grid = {Vec3d(-50), 100};
+  Patch light{}, camera{};
+  light.faces = {0, 3};  // the light's end looks down, at the fronts
+  camera.faces = {1, 2};
+  cut.patches = {light, camera};
+  cut.region = {0, 1};
+  cut.cuts.resize(1);
+  const LineTables tables = make_line_tables(scene, cut, "a.cut");
+  shader::LightParameters p{};
+  p.cell_corner = tables.cell_corner;
+  p.cells_per_unit = tables.cells_per_unit;
+  p.levels = tables.levels;
+  p.round = round;
+  p.stream = stream;
+  VoxelSums sums(1);
+  const Ballots rays{of_rays, {}};
+  shader::LineKernel<Ballots> kernel(rays, tables, p, sums);
+  const bool won = kernel.ends_see_their_sides({{}, 1, {}, 0}, number);
+  coins = rays.coins;
+  return won;
+}
+
+TEST(LineKernel, ends_win_by_a_lead_of_four_or_by_more_of_sixteen) {
+  std::vector<uint32_t> coins;
+  const auto votes = [](size_t own, size_t other) {
+    std::vector<Ballot> v(own, Ballot::own);
+    v.insert(v.end(), other, Ballot::other);
+    return v;
+  };
+  // Both ends, at once: four rays each.
+  EXPECT_TRUE(win(votes(8, 0), coins));
+  EXPECT_EQ(coins.size(), 8u);
+  // One end, then none for the other.
+  EXPECT_FALSE(win(votes(0, 4), coins));
+  EXPECT_EQ(coins.size(), 4u);
+  EXPECT_FALSE(win(votes(4, 4), coins));
+  EXPECT_EQ(coins.size(), 8u);
+  // Three votes are too few, and 16 rays are all.
+  EXPECT_FALSE(win(votes(3, 0), coins));
+  EXPECT_EQ(coins.size(), 16u);
+  // A tie is none; nine of sixteen win.
+  std::vector<Ballot> tie;
+  for (int i = 0; i < 8; ++i) tie.insert(tie.end(), {Ballot::own, Ballot::other});
+  EXPECT_FALSE(win(tie, coins));
+  EXPECT_EQ(coins.size(), 16u);
+  tie[15] = Ballot::own;
+  tie.resize(20, Ballot::own);
+  EXPECT_TRUE(win(tie, coins));
+  EXPECT_EQ(coins.size(), 20u);
+}
+
+// No random number is drawn twice: not by both ends, nor by the line itself, nor by another one.
+TEST(LineKernel, votes_have_numbers_of_their_own) {
+  std::vector<uint32_t> all, coins;
+  const std::vector<Ballot> mine(8, Ballot::own);
+  const uint32_t segments = 0x10000, tries = 0x20000;
+  for (const auto& [number, round, stream] :
+       std::vector<std::array<uint32_t, 3>>{{0, 0, segments},
+                                            {1, 0, segments},
+                                            {0, 1, segments},
+                                            {0, 0, tries},
+                                            {0, 0, segments + kMostCuts - 1},
+                                            {0, 0, tries + kMostCuts - 1}}) {
+    ASSERT_TRUE(win(mine, coins, number, round, stream));
+    all.insert(all.end(), coins.begin(), coins.end());
+    shader::RandomNumbers line = shader::random_numbers({0, 0}, stream, number, round);
+    for (int i = 0; i < 64; ++i) all.push_back(shader::random_word(line));
+  }
+  EXPECT_EQ(all.size(), 6 * 72u);
+  std::sort(all.begin(), all.end());
+  EXPECT_EQ(std::unique(all.begin(), all.end()), all.end());
+}
+
 TEST(LineTables, CellsShareATriangleOut) {
   Scene scene;
   scene.frame = {{10, 0, 0}, 0.5};
