@@ -600,6 +600,24 @@ TEST(LineKernel, coins_are_of_one_line_only) {
   EXPECT_EQ(std::unique(coins.begin(), coins.end()), coins.end());
 }
 
+TEST(LineKernel, lines_are_free_when_both_faces_look_along) {
+  LineTables tables;
+  tables.normals = {{{0, 0, 1}, 0}, {{0, 0.6f, -0.8f}, 0}};
+  VoxelSums sums(1);
+  const NoRays none;
+  shader::LineKernel<NoRays> kernel(none, tables, {}, sums);
+  const Vec3f up(0, 0, 0.5f);
+  const auto is_free = [&](const Vec3f& to, uint32_t light_face, uint32_t camera_face) {
+    return kernel.line_is_free({{}, light_face, to, camera_face}, 0);
+  };
+  EXPECT_TRUE(is_free(up, 0, 2));    // from a front to a front
+  EXPECT_FALSE(is_free(up, 1, 2));   // from the back of it
+  EXPECT_FALSE(is_free(up, 0, 3));   // to the back
+  EXPECT_FALSE(is_free(-up, 0, 2));  // the other way
+  EXPECT_TRUE(is_free(-up, 1, 3));
+  EXPECT_FALSE(is_free({0.5f, 0, 0}, 0, 2));  // within the plane of one
+}
+
 // Two triangles without place, whose fronts look along +z. Rays meet what the ballot says, one
 // after the other; behind its end, nothing.
 enum class Ballot { nothing, own, other };
