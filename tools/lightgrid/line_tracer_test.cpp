@@ -176,6 +176,29 @@ TEST_F(LineTracers, device_and_twin_count_the_same_in_veach_ajar) {
   }
 }
 
+TEST_F(LineTracers, device_and_twin_count_the_same_in_odd_scenes) {
+  const Scene room = two_rooms_scene();
+  Scene flat = room;  // one voxel high
+  for (Vec3f& p : flat.positions) p.y *= 0.01f;
+  Scene tiny = room;
+  for (Vec3f& p : tiny.positions) p *= 1e-5f;
+  Scene degenerate = room;  // with each triangle twice, and triangles without area
+  for (const Triangle& t : room.triangles) {
+    const auto [a, b, c] = t.vertex;
+    degenerate.triangles.push_back(t);
+    degenerate.triangles.push_back({{a, a, b}, t.material});
+    degenerate.triangles.push_back({{c, c, c}, t.material});
+  }
+  int i = 0;
+  for (const Scene& scene : {flat, tiny, degenerate}) {
+    SCOPED_TRACE(i++);
+    const Case c = halved(scene);
+    const LightGrid grid = empty_grid(c.scene, 37);
+    EXPECT_EQ(grid.dim[1] == 1, i == 1);
+    expect_same(on_device(c, grid, 10000), on_twin(c, grid, 10000));
+  }
+}
+
 // Twin: what is compared can differ.
 TEST_F(LineTracers, another_seed_gives_other_lines) {
   const Case c = two_rooms();
