@@ -429,7 +429,8 @@ double share_uncovered(const Material& material, const Image& image, bool with_u
   for (auto& colour : scene.colours) colour[3] = 1;
   if (!with_uv) scene.uv[1].clear();
   const VeilTables tables = make_veils(scene);
-  const veils::Kernel kernel{tables.veil_of.data(), tables.veils.data(), tables.texels.data()};
+  const veils::Kernel kernel{tables.veil_of.data(), tables.veils.data(), tables.texels.data(), true,
+                             true};
   int uncovered = 0;
   for (uint64_t i = 0; i < 10000; ++i) {
     Rng rng(8, 0, i);
