@@ -11,6 +11,7 @@
 #include "libcommon/base/error.h"
 #include "libcommon/gpu/kernel.h"
 #include "libcommon/scene/texture.h"
+#include "libcommon/testing/chi_square.h"
 #include "libcommon/trace/bvh.h"
 #include "libcommon/trace/scalar_tracer.h"
 #include "shaders/special_segments_test.h"
@@ -622,6 +623,59 @@ TEST(LineKernel, coins_are_of_one_line_only) {
   coins.pop_back();
   std::sort(coins.begin(), coins.end());
   EXPECT_EQ(std::unique(coins.begin(), coins.end()), coins.end());
+}
+
+// p of the faces that lines of the second of two cuts end on, against capacities and areas;
+// `wrong` is added to a capacity.
+double p_of_faces(double wrong) {
+  Scene scene;
+  for (const float side : {1.0f, 0.5f, 0.7f, 0.2f}) {
+    const auto first = static_cast<uint32_t>(scene.positions.size());
+    scene.positions.insert(scene.positions.end(), {{0, 0, side}, {side, 0, side}, {0, side, side}});
+    scene.triangles.push_back({{first, first + 1, first + 2}, 0});
+  }
+  CutFile cut;
+  cut.grid = {Vec3d(-50), 100};
+  cut.patches.resize(4);
+  cut.patches[0].faces = {0, 2};
+  cut.patches[1].faces = {4};
+  cut.patches[2].faces = {6};
+  cut.patches[3].faces = {1, 5, 7};
+  cut.region = {0, 1, 2, 2};
+  cut.cuts.resize(2);
+  cut.arcs = {{0, 2, 1}, {0, 3, 2}, {1, 2, 5}, {1, 3, 0.5}};
+  std::vector<double> probability(64, 0);  // light's face * 8 + camera's
+  for (const CutArc& arc : cut.arcs) {
+    const auto area = [&](uint32_t face) { return shape_of(scene, face / 2).area; };
+    double all = 0;
+    for (const uint32_t a : cut.patches[arc.from].faces)
+      for (const uint32_t b : cut.patches[arc.to].faces) all += area(a) * area(b);
+    for (const uint32_t a : cut.patches[arc.from].faces)
+      for (const uint32_t b : cut.patches[arc.to].faces)
+        probability[8 * a + b] += arc.capacity / 8.5 * area(a) * area(b) / all;
+  }
+  cut.arcs[1].capacity += wrong;
+  const LineTables tables = make_line_tables(scene, cut, "a.cut");
+  shader::LightParameters p{};
+  p.seed = {3, 0};
+  p.first_arc = tables.cuts[1].first;
+  p.arcs = tables.cuts[1].count;
+  EXPECT_EQ(p.first_arc, 2u);
+  EXPECT_EQ(p.arcs, 4u);
+  VoxelSums sums(1);
+  const NoRays none;
+  shader::LineKernel<NoRays> kernel(none, tables, p, sums);
+  return chi_square_of_samples(100000, probability,
+                               [&](uint64_t i) {
+                                 const auto line = kernel.draw_line(static_cast<uint32_t>(i));
+                                 return size_t{8} * line.light_face + line.camera_face;
+                               })
+      .p;
+}
+
+TEST(LineKernel, lines_end_on_pairs_by_capacity_and_on_faces_by_area) {
+  EXPECT_GT(p_of_faces(0), 1e-4);
+  EXPECT_LT(p_of_faces(0.3), 1e-9);  // twin
 }
 
 TEST(LineKernel, lines_are_free_when_both_faces_look_along) {
