@@ -696,6 +696,48 @@ TEST(LineKernel, lines_are_free_when_both_faces_look_along) {
   EXPECT_FALSE(is_free({0.5f, 0, 0}, 0, 2));  // within the plane of one
 }
 
+TEST(LineKernel, marches_through_voxels_of_the_slab_towards_the_camera) {
+  const LineTables tables;
+  const NoRays none;
+  shader::LightParameters p{};
+  p.grid_corner = {-1, 0, 1};
+  p.voxels_per_unit = 2;
+  p.dim = {3, 2, 4};
+  p.slab_low = 1;
+  p.slab_high = 3;
+  VoxelSums sums(24);
+  shader::LineKernel<NoRays> kernel(none, tables, p, sums);
+  kernel.march({{-0.9f, 0.6f, 2.9f}, 0, {-0.9f, 0.6f, 1.1f}, 0});  // down voxel (0,1)
+  kernel.march({{0.4f, 0.1f, 1.7f}, 0, {-0.9f, 0.1f, 1.7f}, 0});   // along row (y,z) = (0,1)
+  std::vector<Vec3d> direction(24);
+  sums.take_directions(direction);
+  for (size_t i = 0; i < 24; ++i) {
+    const size_t x = i % 3, y = i / 3 % 2, z = i / 6;
+    const bool first = x == 0 && y == 1 && (z == 1 || z == 2), second = y == 0 && z == 1;
+    EXPECT_EQ(sums.counts()[i], first || second ? 1u : 0u) << i;
+    EXPECT_EQ(direction[i], first ? Vec3d(0, 0, -1) : second ? Vec3d(-1, 0, 0) : Vec3d()) << i;
+  }
+}
+
+TEST(LineKernel, directions_are_rounded_to_the_nearest_unit) {
+  const LineTables tables;
+  VoxelSums sums(1);
+  const NoRays none;
+  shader::LineKernel<NoRays> kernel(none, tables, {}, sums);
+  Vec3d off;
+  for (uint64_t i = 0; i < 10000; ++i) {
+    Rng rng(9, 0, i);
+    const float x = rng.uniform_float(), y = rng.uniform_float(), z = rng.uniform_float();
+    const Vec3f w = Vec3f(x, y, z) * 2 - Vec3f(1);
+    const Vec3d d =
+        Vec3d(kernel.direction_in_units(w)) - normalize(Vec3d(w)) * double{LIGHT_DIRECTION_UNITS};
+    for (int c = 0; c < 3; ++c) EXPECT_LE(std::abs(d[c]), 0.501);
+    off += d * 1e-4;
+  }
+  EXPECT_LT(length(off), 0.02);  // no bias: 0.29 / 100 along each axis
+  EXPECT_EQ(kernel.direction_in_units(Vec3f(0)), shader::ivec3(0));
+}
+
 // Two triangles without place, whose fronts look along +z. Rays meet what the ballot says, one
 // after the other; behind its end, nothing.
 enum class Ballot { nothing, own, other };
