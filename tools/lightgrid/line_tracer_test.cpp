@@ -597,6 +597,58 @@ TEST(SlabDepth, KeepsToTheDevicesLimits) {
   }
 }
 
+// What a tracer is asked for.
+class AskedTracer : public LineTracer {
+ public:
+  AskedTracer(const Scene& scene, const LineTables& tables, const LightGrid& grid, uint64_t seed)
+      : LineTracer(scene, tables, grid, seed) {}
+  void clear() override {}
+  void counts(std::vector<uint32_t>&) override {}
+  void take_directions(std::vector<Vec3d>&) override {}
+  shader::LightParameters asked{};
+
+ protected:
+  void trace_segments(const shader::LightParameters& p, TracedLines&) override { asked = p; }
+  void trace_tries(const shader::LightParameters& p, std::span<const shader::LineTry>,
+                   TracedLines&) override {
+    asked = p;
+  }
+};
+
+TEST(LineTracer, asks_for_random_numbers_of_its_own_for_each_cut_and_pass) {
+  const Case c = two_rooms();
+  LineTables tables = c.tables;
+  for (uint32_t k = 0; k < kMostCuts; ++k) tables.cuts.push_back({k, 7 + k});
+  tables.cuts.erase(tables.cuts.begin());
+  const LightGrid grid = empty_grid(c.scene, 32);
+  AskedTracer tracer(c.scene, tables, grid, kSeed);
+  TracedLines lines;
+  std::vector<uint32_t> streams;
+  const auto add = [&](uint32_t k) {
+    const shader::LightParameters& p = tracer.asked;
+    EXPECT_EQ(uint64_t{p.seed.y} << 32 | p.seed.x, kSeed);
+    EXPECT_EQ(p.cut, k);
+    EXPECT_EQ(p.first_arc, k);
+    EXPECT_EQ(p.arcs, 7 + k);
+    EXPECT_EQ(p.slab_low, 0);
+    EXPECT_EQ(p.slab_high, grid.dim[2]);
+    for (const uint32_t of : {0u, LINE_VOTES_OF_LIGHT, LINE_VOTES_OF_CAMERA})
+      streams.push_back(p.stream + of);
+  };
+  for (uint32_t k = 0; k < kMostCuts; ++k) {
+    tracer.between_pivots(k, ~0u - 5, 3, lines);
+    EXPECT_EQ(tracer.asked.first, ~0u - 5);
+    EXPECT_EQ(tracer.asked.count, 3u);
+    add(k);
+    tracer.through(k, 47, std::vector<shader::LineTry>(5), lines);
+    EXPECT_EQ(tracer.asked.round, 47u);
+    EXPECT_EQ(tracer.asked.count, 5u);
+    add(k);
+  }
+  std::sort(streams.begin(), streams.end());
+  EXPECT_EQ(std::unique(streams.begin(), streams.end()), streams.end());
+}
+
 // The tables themselves.
 
 // The kernel's functions over a scene without rays.
