@@ -95,6 +95,9 @@ Outcome outcome_of(LineTracer& tracer, const LightGrid& grid, uint32_t segments)
       tries[i].direction = Vec3f(cosine_hemisphere(u, v)) * (i % 2 ? 1.0f : -1.0f);
   }
   tracer.through(0, 7, tries, out.tries);
+  std::vector<uint32_t> after;
+  tracer.counts(after);
+  EXPECT_TRUE(after == out.count);  // tries are not counted
   return out;
 }
 
@@ -595,6 +598,67 @@ TEST(SlabDepth, KeepsToTheDevicesLimits) {
         e.what(),
         "a device: the grid has 300 voxels along one side, the device's images at most 256");
   }
+}
+
+// Rays that meet triangle 0 after 1 in +x and triangle 1 after 1 in -x.
+struct BetweenTwo {
+  bool ahead = true, behind = true;
+  mutable std::vector<uint32_t> coins;
+  bool segment_blocked(const Vec3f&, const Vec3f&, uint32_t) const { return false; }
+  bool first_hit(const Vec3f&, const Vec3f& w, uint32_t coin, shader::SurfaceHit& hit) const {
+    coins.push_back(coin);
+    hit = {1, w.x > 0 ? 0u : 1u, 0, 0, 0};
+    return w.x > 0 ? ahead : behind;
+  }
+};
+
+TEST(LineKernel, lines_through_a_place_lead_from_light_to_camera) {
+  LineTables tables;
+  tables.normals = {{{-1, 0, 0}, 0}, {{-1, 0, 0}, 0}};  // faces 0 and 3 are met
+  tables.first_cell = {0, 1, 1, 1, 2};
+  VoxelSums sums(1);
+  BetweenTwo rays;
+  shader::LineEnds line;
+  // Regions ahead and behind; which cut.
+  const auto fate = [&](uint32_t ahead, uint32_t behind, uint32_t c, Vec3f direction) {
+    tables.cells = {{{0, 0, 0}, ahead}, {{0, 0, 0}, behind}};
+    shader::LightParameters p{};
+    p.cell_corner = {-50, -50, -50};
+    p.cells_per_unit = 0.01f;
+    p.levels = 1;
+    p.cut = c;
+    rays.coins.clear();
+    shader::LineKernel<BetweenTwo> kernel(rays, tables, p, sums);
+    const uint32_t out = kernel.line_through({{0, 2, 3}, 0, direction, 0}, 9, line);
+    for (const uint32_t coin : rays.coins) EXPECT_EQ(coin, kernel.coin_of_line(9));
+    return out;
+  };
+  const Vec3f right(1, 0, 0);
+  for (const float turned : {1.0f, -1.0f}) {
+    SCOPED_TRACE(turned);
+    EXPECT_EQ(fate(0, 1, 0, right * turned), FATE_JOINS);
+    EXPECT_NEAR(line.light.x, 1, 1e-5);
+    EXPECT_NEAR(line.camera.x, -1, 1e-5);
+    EXPECT_EQ(line.light.y, 2);
+    EXPECT_EQ(line.camera.z, 3);
+    EXPECT_EQ(line.light_face, 0u);
+    EXPECT_EQ(line.camera_face, 3u);
+    EXPECT_EQ(fate(2, 1, 1, right * turned), FATE_JOINS);
+    EXPECT_NEAR(line.light.x, -1, 1e-5);
+    EXPECT_EQ(line.light_face, 3u);
+    EXPECT_EQ(line.camera_face, 0u);
+    EXPECT_EQ(fate(2, 1, 0, right * turned), FATE_SAME_SIDE);
+    EXPECT_EQ(fate(0, 1, 1, right * turned), FATE_SAME_SIDE);
+  }
+  EXPECT_EQ(fate(0, 1, 0, Vec3f(0)), FATE_NONE);
+  EXPECT_TRUE(rays.coins.empty());
+  rays.ahead = false;
+  EXPECT_EQ(fate(0, 1, 0, right), FATE_NONE);
+  rays.ahead = true, rays.behind = false;
+  EXPECT_EQ(fate(0, 1, 0, right), FATE_NONE);
+  rays.behind = true;
+  tables.first_cell = {0, 1, 1, 2, 2};  // no patch on face 3
+  EXPECT_EQ(fate(0, 1, 0, right), FATE_NONE);
 }
 
 // What a tracer is asked for.
