@@ -183,8 +183,9 @@ TEST(voxel_walk, visits_the_voxels_counted_by_hand) {
   // Slanted: x = 1 at t = 1/4, y = 1 at 1/2, x = 2 at 3/4.
   EXPECT_EQ(walked({0.5f, 0.5f, 0.5f}, {2.5f, 1.5f, 0.5f}, dim),
             (Voxels{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {2, 1, 0}}));
-  // Through corners: one axis after the other.
-  EXPECT_EQ(walked({0, 0, 0}, {2, 2, 2}, dim).size(), 7u);
+  // Through corners: x first, then y, then z.
+  EXPECT_EQ(walked({0, 0, 0}, {2, 2, 2}, dim),
+            (Voxels{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {1, 1, 1}, {2, 1, 1}, {2, 2, 1}, {2, 2, 2}}));
   EXPECT_EQ(walked({2, 2, 2}, {0, 0, 0}, dim).back(), ivec3(0, 0, 0));
   // No length at all, also on a corner.
   EXPECT_EQ(walked({3.5f, 3.5f, 3.5f}, {3.5f, 3.5f, 3.5f}, dim), (Voxels{{3, 3, 3}}));
