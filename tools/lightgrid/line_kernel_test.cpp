@@ -1,0 +1,461 @@
+// The kernel's functions one by one, over rays made up for them; what tracers ask of it; its
+// tables.
+#include "tools/lightgrid/line_kernel.h"
+
+#include <gtest/gtest.h>
+
+#include "libcommon/math/rng.h"
+#include "libcommon/testing/chi_square.h"
+#include "tools/lightgrid/lightgrid.h"
+
+namespace tdpt {
+namespace {
+
+// Over a scene without rays.
+struct NoRays {
+  bool segment_blocked(const Vec3f&, const Vec3f&, uint32_t) const { return false; }
+  bool first_hit(const Vec3f&, const Vec3f&, uint32_t, shader::SurfaceHit&) const { return false; }
+};
+
+// Rays that meet triangle 0 after 1 in +x and triangle 1 after 1 in -x.
+struct BetweenTwo {
+  bool ahead = true, behind = true;
+  mutable std::vector<uint32_t> coins;
+  bool segment_blocked(const Vec3f&, const Vec3f&, uint32_t) const { return false; }
+  bool first_hit(const Vec3f&, const Vec3f& w, uint32_t coin, shader::SurfaceHit& hit) const {
+    coins.push_back(coin);
+    hit = {1, w.x > 0 ? 0u : 1u, 0, 0, 0};
+    return w.x > 0 ? ahead : behind;
+  }
+};
+
+TEST(LineKernel, lines_through_a_place_lead_from_light_to_camera) {
+  LineTables tables;
+  tables.normals = {{{-1, 0, 0}, 0}, {{-1, 0, 0}, 0}};  // faces 0 and 3 are met
+  tables.first_cell = {0, 1, 1, 1, 2};
+  VoxelSums sums(1);
+  BetweenTwo rays;
+  shader::LineEnds line;
+  // Regions ahead and behind; which cut.
+  const auto fate = [&](uint32_t ahead, uint32_t behind, uint32_t c, Vec3f direction) {
+    tables.cells = {{{0, 0, 0}, ahead}, {{0, 0, 0}, behind}};
+    shader::LightParameters p{};
+    p.cell_corner = {-50, -50, -50};
+    p.cells_per_unit = 0.01f;
+    p.levels = 1;
+    p.cut = c;
+    rays.coins.clear();
+    shader::LineKernel<BetweenTwo> kernel(rays, tables, p, sums);
+    const uint32_t out = kernel.line_through({{0, 2, 3}, 0, direction, 0}, 9, line);
+    for (const uint32_t coin : rays.coins) EXPECT_EQ(coin, kernel.coin_of_line(9));
+    return out;
+  };
+  const Vec3f right(1, 0, 0);
+  for (const float turned : {1.0f, -1.0f}) {
+    SCOPED_TRACE(turned);
+    EXPECT_EQ(fate(0, 1, 0, right * turned), FATE_JOINS);
+    EXPECT_NEAR(line.light.x, 1, 1e-5);
+    EXPECT_NEAR(line.camera.x, -1, 1e-5);
+    EXPECT_EQ(line.light.y, 2);
+    EXPECT_EQ(line.camera.z, 3);
+    EXPECT_EQ(line.light_face, 0u);
+    EXPECT_EQ(line.camera_face, 3u);
+    EXPECT_EQ(fate(2, 1, 1, right * turned), FATE_JOINS);
+    EXPECT_NEAR(line.light.x, -1, 1e-5);
+    EXPECT_EQ(line.light_face, 3u);
+    EXPECT_EQ(line.camera_face, 0u);
+    EXPECT_EQ(fate(2, 1, 0, right * turned), FATE_SAME_SIDE);
+    EXPECT_EQ(fate(0, 1, 1, right * turned), FATE_SAME_SIDE);
+  }
+  EXPECT_EQ(fate(0, 1, 0, Vec3f(0)), FATE_NONE);
+  EXPECT_TRUE(rays.coins.empty());
+  rays.ahead = false;
+  EXPECT_EQ(fate(0, 1, 0, right), FATE_NONE);
+  rays.ahead = true, rays.behind = false;
+  EXPECT_EQ(fate(0, 1, 0, right), FATE_NONE);
+  rays.behind = true;
+  tables.first_cell = {0, 1, 1, 2, 2};  // no patch on face 3
+  EXPECT_EQ(fate(0, 1, 0, right), FATE_NONE);
+}
+
+// What a tracer is asked for.
+class AskedTracer : public LineTracer {
+ public:
+  AskedTracer(const Scene& scene, const LineTables& tables, const LightGrid& grid, uint64_t seed)
+      : LineTracer(scene, tables, grid, seed) {}
+  void clear() override {}
+  void counts(std::vector<uint32_t>&) override {}
+  void take_directions(std::vector<Vec3d>&) override {}
+  shader::LightParameters asked{};
+
+ protected:
+  void trace_segments(const shader::LightParameters& p, TracedLines&) override { asked = p; }
+  void trace_tries(const shader::LightParameters& p, std::span<const shader::LineTry>,
+                   TracedLines&) override {
+    asked = p;
+  }
+};
+
+TEST(LineTracer, asks_for_random_numbers_of_its_own_for_each_cut_and_pass) {
+  const Scene scene = read_gltf(TDPT_TESTDATA "/scenes/two-rooms.glb");
+  const uint64_t seed = 0x1234'5678'9abc'def0;
+  LineTables tables;
+  for (uint32_t k = 0; k < kMostCuts; ++k) tables.cuts.push_back({k, 7 + k});
+  const LightGrid grid = empty_grid(scene, 32);
+  AskedTracer tracer(scene, tables, grid, seed);
+  TracedLines lines;
+  std::vector<uint32_t> streams;
+  const auto add = [&](uint32_t k) {
+    const shader::LightParameters& p = tracer.asked;
+    EXPECT_EQ(uint64_t{p.seed.y} << 32 | p.seed.x, seed);
+    EXPECT_EQ(p.cut, k);
+    EXPECT_EQ(p.first_arc, k);
+    EXPECT_EQ(p.arcs, 7 + k);
+    EXPECT_EQ(p.slab_low, 0);
+    EXPECT_EQ(p.slab_high, grid.dim[2]);
+    for (const uint32_t of : {0u, LINE_VOTES_OF_LIGHT, LINE_VOTES_OF_CAMERA})
+      streams.push_back(p.stream + of);
+  };
+  for (uint32_t k = 0; k < kMostCuts; ++k) {
+    tracer.between_pivots(k, ~0u - 5, 3, lines);
+    EXPECT_EQ(tracer.asked.first, ~0u - 5);
+    EXPECT_EQ(tracer.asked.count, 3u);
+    add(k);
+    tracer.through(k, 47, std::vector<shader::LineTry>(5), lines);
+    EXPECT_EQ(tracer.asked.round, 47u);
+    EXPECT_EQ(tracer.asked.count, 5u);
+    add(k);
+  }
+  std::sort(streams.begin(), streams.end());
+  EXPECT_EQ(std::unique(streams.begin(), streams.end()), streams.end());
+}
+
+// Everything that tells lines apart tells their coins apart, so that other lines meet other veils.
+TEST(LineKernel, coins_are_of_one_line_only) {
+  const LineTables tables;
+  VoxelSums sums(1);
+  const NoRays none;
+  std::vector<uint32_t> coins;
+  for (int i = 0; i < 7; ++i) {
+    shader::LightParameters p{};
+    p.seed = {i == 1, i == 2};
+    p.stream = i == 3;
+    p.round = i == 4;
+    shader::LineKernel<NoRays> kernel(none, tables, p, sums);
+    coins.push_back(kernel.coin_of_line(i == 5));
+  }
+  EXPECT_EQ(coins[0], coins[6]);
+  coins.pop_back();
+  std::sort(coins.begin(), coins.end());
+  EXPECT_EQ(std::unique(coins.begin(), coins.end()), coins.end());
+}
+
+// p of the faces that lines of the second of two cuts end on, against capacities and areas;
+// `wrong` is added to a capacity.
+double p_of_faces(double wrong) {
+  Scene scene;
+  for (const float side : {1.0f, 0.5f, 0.7f, 0.2f}) {
+    const auto first = static_cast<uint32_t>(scene.positions.size());
+    scene.positions.insert(scene.positions.end(), {{0, 0, side}, {side, 0, side}, {0, side, side}});
+    scene.triangles.push_back({{first, first + 1, first + 2}, 0});
+  }
+  CutFile cut;
+  cut.grid = {Vec3d(-50), 100};
+  cut.patches.resize(4);
+  cut.patches[0].faces = {0, 2};
+  cut.patches[1].faces = {4};
+  cut.patches[2].faces = {6};
+  cut.patches[3].faces = {1, 5, 7};
+  cut.region = {0, 1, 2, 2};
+  cut.cuts.resize(2);
+  cut.arcs = {{0, 2, 1}, {0, 3, 2}, {1, 2, 5}, {1, 3, 0.5}};
+  std::vector<double> probability(64, 0);  // light's face * 8 + camera's
+  for (const CutArc& arc : cut.arcs) {
+    const auto area = [&](uint32_t face) { return shape_of(scene, face / 2).area; };
+    double all = 0;
+    for (const uint32_t a : cut.patches[arc.from].faces)
+      for (const uint32_t b : cut.patches[arc.to].faces) all += area(a) * area(b);
+    for (const uint32_t a : cut.patches[arc.from].faces)
+      for (const uint32_t b : cut.patches[arc.to].faces)
+        probability[8 * a + b] += arc.capacity / 8.5 * area(a) * area(b) / all;
+  }
+  cut.arcs[1].capacity += wrong;
+  const LineTables tables = make_line_tables(scene, cut, "a.cut");
+  shader::LightParameters p{};
+  p.seed = {3, 0};
+  p.first_arc = tables.cuts[1].first;
+  p.arcs = tables.cuts[1].count;
+  EXPECT_EQ(p.first_arc, 2u);
+  EXPECT_EQ(p.arcs, 4u);
+  VoxelSums sums(1);
+  const NoRays none;
+  shader::LineKernel<NoRays> kernel(none, tables, p, sums);
+  return chi_square_of_samples(100000, probability,
+                               [&](uint64_t i) {
+                                 const auto line = kernel.draw_line(static_cast<uint32_t>(i));
+                                 return size_t{8} * line.light_face + line.camera_face;
+                               })
+      .p;
+}
+
+TEST(LineKernel, lines_end_on_pairs_by_capacity_and_on_faces_by_area) {
+  EXPECT_GT(p_of_faces(0), 1e-4);
+  EXPECT_LT(p_of_faces(0.3), 1e-9);  // twin
+}
+
+TEST(LineKernel, lines_are_free_when_both_faces_look_along) {
+  LineTables tables;
+  tables.normals = {{{0, 0, 1}, 0}, {{0, 0.6f, -0.8f}, 0}};
+  VoxelSums sums(1);
+  const NoRays none;
+  shader::LineKernel<NoRays> kernel(none, tables, {}, sums);
+  const Vec3f up(0, 0, 0.5f);
+  const auto is_free = [&](const Vec3f& to, uint32_t light_face, uint32_t camera_face) {
+    return kernel.line_is_free({{}, light_face, to, camera_face}, 0);
+  };
+  EXPECT_TRUE(is_free(up, 0, 2));    // from a front to a front
+  EXPECT_FALSE(is_free(up, 1, 2));   // from the back of it
+  EXPECT_FALSE(is_free(up, 0, 3));   // to the back
+  EXPECT_FALSE(is_free(-up, 0, 2));  // the other way
+  EXPECT_TRUE(is_free(-up, 1, 3));
+  EXPECT_FALSE(is_free({0.5f, 0, 0}, 0, 2));  // within the plane of one
+}
+
+TEST(LineKernel, marches_through_voxels_of_the_slab_towards_the_camera) {
+  const LineTables tables;
+  const NoRays none;
+  shader::LightParameters p{};
+  p.grid_corner = {-1, 0, 1};
+  p.voxels_per_unit = 2;
+  p.dim = {3, 2, 4};
+  p.slab_low = 1;
+  p.slab_high = 3;
+  VoxelSums sums(24);
+  shader::LineKernel<NoRays> kernel(none, tables, p, sums);
+  kernel.march({{-0.9f, 0.6f, 2.9f}, 0, {-0.9f, 0.6f, 1.1f}, 0});  // down voxel (0,1)
+  kernel.march({{0.4f, 0.1f, 1.7f}, 0, {-0.9f, 0.1f, 1.7f}, 0});   // along row (y,z) = (0,1)
+  std::vector<Vec3d> direction(24);
+  sums.take_directions(direction);
+  for (size_t i = 0; i < 24; ++i) {
+    const size_t x = i % 3, y = i / 3 % 2, z = i / 6;
+    const bool first = x == 0 && y == 1 && (z == 1 || z == 2), second = y == 0 && z == 1;
+    EXPECT_EQ(sums.counts()[i], first || second ? 1u : 0u) << i;
+    EXPECT_EQ(direction[i], first ? Vec3d(0, 0, -1) : second ? Vec3d(-1, 0, 0) : Vec3d()) << i;
+  }
+}
+
+TEST(LineKernel, directions_are_rounded_to_the_nearest_unit) {
+  const LineTables tables;
+  VoxelSums sums(1);
+  const NoRays none;
+  shader::LineKernel<NoRays> kernel(none, tables, {}, sums);
+  Vec3d off;
+  for (uint64_t i = 0; i < 10000; ++i) {
+    Rng rng(9, 0, i);
+    const float x = rng.uniform_float(), y = rng.uniform_float(), z = rng.uniform_float();
+    const Vec3f w = Vec3f(x, y, z) * 2 - Vec3f(1);
+    const Vec3d d =
+        Vec3d(kernel.direction_in_units(w)) - normalize(Vec3d(w)) * double{LIGHT_DIRECTION_UNITS};
+    for (int c = 0; c < 3; ++c) EXPECT_LE(std::abs(d[c]), 0.501);
+    off += d * 1e-4;
+  }
+  EXPECT_LT(length(off), 0.02);  // no bias: 0.29 / 100 along each axis
+  EXPECT_EQ(kernel.direction_in_units(Vec3f(0)), shader::ivec3(0));
+}
+
+// Two triangles without place, whose fronts look along +z. Rays meet what the ballot says, one
+// after the other; behind its end, nothing.
+enum class Ballot { nothing, own, other };
+struct Ballots {
+  std::vector<Ballot> of_rays;
+  mutable std::vector<uint32_t> coins;
+  bool segment_blocked(const Vec3f&, const Vec3f&, uint32_t) const { return false; }
+  bool first_hit(const Vec3f&, const Vec3f&, uint32_t coin, shader::SurfaceHit& hit) const {
+    const size_t i = coins.size();
+    coins.push_back(coin);
+    if (i >= of_rays.size() || of_rays[i] == Ballot::nothing) return false;
+    hit = {1, of_rays[i] == Ballot::own ? 0u : 1u, 0, 0, 0};
+    return true;
+  }
+};
+
+// Whether the ends of a line win their votes; the coins of the rays that were asked.
+bool win(const std::vector<Ballot>& of_rays, std::vector<uint32_t>& coins, uint32_t number = 0,
+         uint32_t round = 0, uint32_t stream = 0x10000) {
+  Scene scene;
+  scene.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  scene.triangles = {{{0, 1, 2}, 0}, {{0, 1, 2}, 0}};
+  CutFile cut;
+  cut.grid = {Vec3d(-50), 100};
+  Patch light{}, camera{};
+  light.faces = {0, 3};  // the light's end looks down, at the fronts
+  camera.faces = {1, 2};
+  cut.patches = {light, camera};
+  cut.region = {0, 1};
+  cut.cuts.resize(1);
+  const LineTables tables = make_line_tables(scene, cut, "a.cut");
+  shader::LightParameters p{};
+  p.cell_corner = tables.cell_corner;
+  p.cells_per_unit = tables.cells_per_unit;
+  p.levels = tables.levels;
+  p.round = round;
+  p.stream = stream;
+  VoxelSums sums(1);
+  const Ballots rays{of_rays, {}};
+  shader::LineKernel<Ballots> kernel(rays, tables, p, sums);
+  const bool won = kernel.ends_see_their_sides({{}, 1, {}, 0}, number);
+  coins = rays.coins;
+  return won;
+}
+
+TEST(LineKernel, ends_win_by_a_lead_of_four_or_by_more_of_sixteen) {
+  std::vector<uint32_t> coins;
+  const auto votes = [](size_t own, size_t other) {
+    std::vector<Ballot> v(own, Ballot::own);
+    v.insert(v.end(), other, Ballot::other);
+    return v;
+  };
+  // Both ends, at once: four rays each.
+  EXPECT_TRUE(win(votes(8, 0), coins));
+  EXPECT_EQ(coins.size(), 8u);
+  // One end, then none for the other.
+  EXPECT_FALSE(win(votes(0, 4), coins));
+  EXPECT_EQ(coins.size(), 4u);
+  EXPECT_FALSE(win(votes(4, 4), coins));
+  EXPECT_EQ(coins.size(), 8u);
+  // Three votes are too few, and 16 rays are all.
+  EXPECT_FALSE(win(votes(3, 0), coins));
+  EXPECT_EQ(coins.size(), 16u);
+  // A tie is none; nine of sixteen win.
+  std::vector<Ballot> tie;
+  for (int i = 0; i < 8; ++i) tie.insert(tie.end(), {Ballot::own, Ballot::other});
+  EXPECT_FALSE(win(tie, coins));
+  EXPECT_EQ(coins.size(), 16u);
+  tie[15] = Ballot::own;
+  tie.resize(20, Ballot::own);
+  EXPECT_TRUE(win(tie, coins));
+  EXPECT_EQ(coins.size(), 20u);
+}
+
+// No random number is drawn twice: not by both ends, nor by the line itself, nor by another one.
+TEST(LineKernel, votes_have_numbers_of_their_own) {
+  std::vector<uint32_t> all, coins;
+  const std::vector<Ballot> mine(8, Ballot::own);
+  const uint32_t segments = 0x10000, tries = 0x20000;
+  for (const auto& [number, round, stream] :
+       std::vector<std::array<uint32_t, 3>>{{0, 0, segments},
+                                            {1, 0, segments},
+                                            {0, 1, segments},
+                                            {0, 0, tries},
+                                            {0, 0, segments + kMostCuts - 1},
+                                            {0, 0, tries + kMostCuts - 1}}) {
+    ASSERT_TRUE(win(mine, coins, number, round, stream));
+    all.insert(all.end(), coins.begin(), coins.end());
+    shader::RandomNumbers line = shader::random_numbers({0, 0}, stream, number, round);
+    for (int i = 0; i < 64; ++i) all.push_back(shader::random_word(line));
+  }
+  EXPECT_EQ(all.size(), 6 * 72u);
+  std::sort(all.begin(), all.end());
+  EXPECT_EQ(std::unique(all.begin(), all.end()), all.end());
+}
+
+// The tables themselves.
+
+TEST(LineTables, CellsShareATriangleOut) {
+  Scene scene;
+  scene.frame = {{10, 0, 0}, 0.5};
+  scene.positions = {{-0.9f, -0.8f, 0.3f}, {0.8f, -0.5f, -0.4f}, {0.1f, 0.9f, 0.2f}};
+  scene.triangles = {{{0, 1, 2}, 0}};
+  CutFile cut;
+  cut.grid.origin = {8.1, -2.03, -1.01};
+  cut.grid.base_cell = 0.61;
+  cut.cuts.resize(1);
+  for (int32_t x = 0; x < 8; ++x)
+    for (int32_t y = 0; y < 8; ++y)
+      for (int32_t z = 0; z < 5; ++z) {
+        Patch patch{};
+        patch.cell = {x, y, z};
+        patch.faces = {1};
+        cut.patches.push_back(patch);
+        cut.region.push_back(0);
+        cut.arcs.push_back({0, static_cast<uint32_t>(cut.patches.size() - 1), 1});
+      }
+  const LineTables tables = make_line_tables(scene, cut, "a.cut");
+  double total = 0;
+  int used = 0;
+  for (size_t i = 0; i < cut.patches.size(); ++i) {
+    const shader::PatchPieces& of = tables.patches[i];
+    used += of.count > 0;
+    for (uint32_t k = of.first; k < of.first + of.count; ++k) {
+      const shader::Piece& piece = tables.pieces[k];
+      EXPECT_EQ(piece.face, 1u);
+      EXPECT_LT(piece.alias - of.first, of.count);
+      total += 0.5 * length(cross(Vec3d(piece.b - piece.a), Vec3d(piece.c - piece.a)));
+      for (const Vec3f& p : {piece.a, piece.b, piece.c}) {
+        const Vec3d q = (scene.frame.to_metres(Vec3d(p)) - cut.grid.origin) / cut.grid.base_cell;
+        for (int c = 0; c < 3; ++c) {
+          EXPECT_GE(q[c], cut.patches[i].cell[static_cast<size_t>(c)] - 1e-6);
+          EXPECT_LE(q[c], cut.patches[i].cell[static_cast<size_t>(c)] + 1 + 1e-6);
+        }
+      }
+    }
+  }
+  EXPECT_GT(used, 10);
+  EXPECT_NEAR(total, shape_of(scene, 0).area, 1e-6);
+}
+
+TEST(LineTables, FinerPatchesComeFirst) {
+  Scene scene;
+  scene.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  scene.triangles = {{{0, 1, 2}, 0}};
+  CutFile cut;
+  cut.grid.base_cell = 4;
+  Patch coarse{}, fine{};
+  coarse.faces = fine.faces = {0};
+  fine.level = 2;  // cells of 0.25
+  cut.patches = {coarse, fine};
+  cut.region = {0, 1};
+  cut.cuts.resize(1);
+  const LineTables tables = make_line_tables(scene, cut, "a.cut");
+  shader::LightParameters p{};
+  p.cell_corner = tables.cell_corner;
+  p.cells_per_unit = tables.cells_per_unit;
+  p.levels = tables.levels;
+  VoxelSums sums(1);
+  const NoRays none;
+  shader::LineKernel<NoRays> kernel(none, tables, p, sums);
+  const auto region = [&](uint32_t face, const Vec3f& at) {
+    uint32_t r = 9;
+    return kernel.region_at(face, at, r) ? static_cast<int>(r) : -1;
+  };
+  EXPECT_EQ(region(0, {0.1f, 0.1f, 0}), 1);
+  EXPECT_EQ(region(0, {0.5f, 0.1f, 0}), 0);
+  EXPECT_EQ(region(1, {0.5f, 0.1f, 0}), -1);
+  EXPECT_EQ(region(0, {5, 0.1f, 0}), -1);
+}
+
+TEST(LineTables, CellsTooSmallForFloatsHoldNothing) {
+  Scene scene;
+  scene.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  scene.triangles = {{{0, 1, 2}, 0}};
+  CutFile cut;
+  cut.grid.base_cell = 1e-45;
+  Patch patch{};
+  patch.faces = {0};
+  patch.cell = {INT32_MIN, INT32_MIN, INT32_MIN};
+  cut.patches = {patch};
+  cut.region = {0};
+  const LineTables tables = make_line_tables(scene, cut, "a.cut");
+  shader::LightParameters p{};
+  p.cells_per_unit = tables.cells_per_unit;
+  p.levels = tables.levels;
+  VoxelSums sums(1);
+  const NoRays none;
+  shader::LineKernel<NoRays> kernel(none, tables, p, sums);
+  uint32_t region;
+  for (const Vec3f& at : {Vec3f(0), Vec3f(0.1f), Vec3f(-0.1f, 0, 0)})  // 0 * infinity
+    EXPECT_FALSE(kernel.region_at(0, at, region));
+}
+
+}  // namespace
+}  // namespace tdpt
