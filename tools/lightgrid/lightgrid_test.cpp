@@ -145,6 +145,51 @@ TEST(LightGrid, SettlesOrSaysThatItDidNot) {
   EXPECT_LT(loose.drawn, options.samples);
 }
 
+// Finds nothing; keeps to itself how it was asked.
+class BlockedTracer : public LineTracer {
+ public:
+  BlockedTracer(const Scene& scene, const LineTables& tables, const LightGrid& grid, uint64_t seed,
+                uint64_t& most)
+      : LineTracer(scene, tables, grid, seed), most_(most) {}
+  void clear() override {}
+  void counts(std::vector<uint32_t>&) override {}
+  void take_directions(std::vector<Vec3d>&) override { summed_ = 0; }
+
+ protected:
+  void trace_segments(const shader::LightParameters& p, TracedLines& out) override {
+    EXPECT_EQ(p.first, next_);
+    next_ += p.count;
+    most_ = std::max(most_, summed_ += p.count);
+    std::fill(out.fate.begin(), out.fate.end(), LineFate::none);
+  }
+  void trace_tries(const shader::LightParameters&, std::span<const shader::LineTry>,
+                   TracedLines&) override {
+    ADD_FAILURE();
+  }
+
+ private:
+  uint64_t summed_ = 0;
+  uint32_t next_ = 0;
+  uint64_t& most_;
+};
+
+TEST(LightGrid, TakesDirectionsBeforeTheyOverflow) {
+  const Scene scene = two_rooms();
+  LightGridOptions options = quick();
+  options.samples = 3 * LIGHT_MOST_SUMMED + 1;
+  LightGridReport report;
+  uint64_t most = 0;
+  make_light_grid(scene, door_cut(scene), "a.cut", options, report, {},
+                  [&](const Scene& s, const LineTables& tables, const LightGrid& grid,
+                      uint64_t seed) -> std::unique_ptr<LineTracer> {
+                    return std::make_unique<BlockedTracer>(s, tables, grid, seed, most);
+                  });
+  EXPECT_EQ(report.drawn, options.samples);
+  EXPECT_LE(most, uint64_t{LIGHT_MOST_SUMMED});
+  EXPECT_GT(most, uint64_t{LIGHT_MOST_SUMMED} / 2);
+  EXPECT_LT(LIGHT_MOST_SUMMED * LIGHT_DIRECTION_UNITS, 0x1p31f);
+}
+
 TEST(LightGrid, StopsWithWhatItHas) {
   const Scene scene = two_rooms();
   LightGridReport report;
