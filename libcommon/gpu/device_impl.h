@@ -18,6 +18,14 @@ auto calling_vulkan(const std::string& what, F f) {
   }
 }
 
+/// A buffer that the host sees, too; copies go through it.
+struct Staging {
+  vk::raii::Buffer buffer = nullptr;
+  vk::raii::DeviceMemory memory = nullptr;
+  std::byte* bytes = nullptr;
+  uint64_t size = 0;
+};
+
 struct Device::Impl {
   DeviceInfo info;
   vk::PhysicalDeviceLimits limits;
@@ -28,6 +36,7 @@ struct Device::Impl {
   vk::raii::Device device = nullptr;
   vk::raii::Queue queue = nullptr;
   vk::raii::CommandPool pool = nullptr;
+  Staging staging;  ///< as large as copies have asked for
 
   /// Throws "NAME allows LIMIT WHAT; ASKED are asked for" where that is so.
   void require_within(uint64_t limit, const char* what, uint64_t asked) const;

@@ -33,17 +33,14 @@ vk::raii::DeviceMemory allocate(const Device::Impl& d, const Resource& resource,
                                            need.size, vk::to_string(kinds.back())));
 }
 
-/// A buffer that the host sees too.
-struct Staging {
-  vk::raii::Buffer buffer;
-  vk::raii::DeviceMemory memory;
-  std::byte* bytes;
-
-  Staging(const Device::Impl& d, uint64_t size)
-      : buffer(d.device, {{}, size, kCopied}),
-        memory(allocate(d, buffer, kHost)),
-        bytes(static_cast<std::byte*>(memory.mapMemory(0, VK_WHOLE_SIZE))) {}
-};
+Staging make_staging(const Device::Impl& d, uint64_t size) {
+  Staging s;
+  s.buffer = {d.device, {{}, size, kCopied}};
+  s.memory = allocate(d, s.buffer, kHost);
+  s.bytes = static_cast<std::byte*>(s.memory.mapMemory(0, VK_WHOLE_SIZE));
+  s.size = size;
+  return s;
+}
 
 /// Copies between the host and the device, piece by piece; of `from` and `to` one is empty.
 /// record(commands, staging, at, n) records it for the bytes at .. at + n - 1. Their number, and
@@ -54,8 +51,10 @@ void copy(Device device, std::span<const std::byte> from, std::span<std::byte> t
   const uint64_t size = from.size() + to.size();
   if (size == 0) return;
   calling_vulkan("cannot copy on " + device.info().name, [&] {
-    const uint64_t most = std::max<uint64_t>(device.impl()->piece / unit, 1) * unit;
-    const Staging staging(*device.impl(), std::min(size, most));
+    Device::Impl& d = *device.impl();
+    const uint64_t most = std::max<uint64_t>(d.piece / unit, 1) * unit;
+    if (d.staging.size < std::min(size, most)) d.staging = make_staging(d, std::min(size, most));
+    const Staging& staging = d.staging;
     for (uint64_t at = 0; at < size; at += most) {
       const uint64_t n = std::min(most, size - at);
       if (!from.empty()) std::memcpy(staging.bytes, &from[at], n);

@@ -10,7 +10,6 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/gpu/kernel.h"
-#include "libcommon/scene/texture.h"
 #include "libcommon/trace/bvh.h"
 #include "libcommon/trace/scalar_tracer.h"
 #include "shaders/shared/grid_walk.h"
@@ -20,10 +19,15 @@
 #include "tools/lightgrid/lightgrid.h"
 #include "tools/lightgrid/scalar_lines.h"
 #include "tools/lightgrid/test_cut.h"
-#include "tools/lightgrid/veils.h"
+#include "tools/lightgrid/test_veil.h"
 
 namespace tdpt {
 namespace {
+
+using testing::small_image;
+using testing::two_rooms_scene;
+using testing::veil_materials;
+using testing::with_veil;
 
 constexpr uint64_t kSeed = 0x1234'5678'9abc'def0;
 
@@ -54,9 +58,6 @@ Case room(const std::string& name) {
   return halved(read_gltf(TDPT_TESTDATA "/scenes/" + name + ".glb"));
 }
 
-Scene two_rooms_scene() {
-  return read_gltf(TDPT_TESTDATA "/scenes/two-rooms.glb");
-}
 // Cut at its wall.
 Case two_rooms(const Scene& scene = two_rooms_scene()) {
   return {scene, [](const Vec3d& p) { return p.x > 2.05; }};
@@ -311,64 +312,6 @@ TEST(LinesOfEmbree, differ_from_the_twin_in_one_of_10000_at_most_in_veach_ajar) 
   EXPECT_LE(share, 1e-4);
 }
 
-// A sheet across the hole of two-rooms.glb that is there as its alpha says.
-Scene with_veil(Material veil, const Image& image) {
-  Scene scene = two_rooms_scene();
-  const auto first = static_cast<uint32_t>(scene.positions.size());
-  for (const Vec3d& p : {Vec3d(2.05, 0.8, -0.2), Vec3d(2.05, 1.2, -0.2), Vec3d(2.05, 1.2, 0.2),
-                         Vec3d(2.05, 0.8, 0.2)})
-    scene.positions.push_back(Vec3f(scene.frame.to_canonical(p)));
-  const auto material = static_cast<uint32_t>(scene.materials.size());
-  scene.triangles.push_back({{first, first + 1, first + 2}, material});
-  scene.triangles.push_back({{first, first + 2, first + 3}, material});
-  scene.normals.clear(), scene.smooth.clear(), scene.tangents.clear();
-  scene.uv[1].assign(scene.positions.size(), {0, 0});
-  scene.colours.assign(scene.positions.size(), {1, 1, 1, 1});
-  const float uv[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
-  for (uint32_t i = 0; i < 4; ++i) {
-    scene.uv[1][first + i] = {uv[i][0], uv[i][1]};
-    scene.colours[first + i][3] = i < 2 ? 1.0f : 0.75f;
-  }
-  veil.plain = false;
-  veil.base_map.uv_set = 1;
-  scene.images = {image};
-  scene.materials.push_back(veil);
-  return scene;
-}
-
-Image small_image() {
-  Image image{5, 3, {}};
-  for (int i = 0; i < 15; ++i)
-    for (int c = 0; c < 4; ++c) image.texels.push_back(static_cast<uint8_t>(i * 53 % 256));
-  return image;
-}
-
-// Alpha alone, and with textures wrapped and looked up in every way.
-std::vector<Material> veil_materials() {
-  using Wrap = TextureMap::Wrap;
-  Material m;
-  m.alpha_mode = Material::Alpha::blend;
-  m.alpha = 0.6f;
-  std::vector<Material> all;
-  all.push_back(m);  // no texture
-  m.alpha = 1;
-  m.base_map.image = 0;
-  m.base_map.transform = {80, 3, -0.3f, -2, 7, 0.2f};
-  m.base_map.wrap_u = Wrap::repeat;
-  m.base_map.wrap_v = Wrap::mirror;
-  all.push_back(m);
-  m.base_map.wrap_u = Wrap::clamp;
-  m.base_map.wrap_v = Wrap::repeat;
-  m.base_map.transform = {2, 0, -0.5f, 0, 4, 0};
-  m.alpha_mode = Material::Alpha::mask;
-  m.alpha_cutoff = 0.4f;
-  all.push_back(m);
-  m.base_map.nearest = true;
-  m.base_map.wrap_u = Wrap::mirror;
-  all.push_back(m);
-  return all;
-}
-
 TEST_F(LineTracers, agree_on_what_is_there_with_a_probability) {
   const std::vector<Material> all = veil_materials();
   const size_t open = [&] {
@@ -385,90 +328,6 @@ TEST_F(LineTracers, agree_on_what_is_there_with_a_probability) {
     EXPECT_LT(joining(device_outcome.segments), 0.9 * static_cast<double>(open));
     EXPECT_LE(share_unlike_embree(c, 100000), 1e-4);
   }
-}
-
-namespace veils {
-using namespace shader;
-struct Kernel {
-  const uint* veil_of;
-  const Veil* veils;
-  const float* texels;
-  bool scene_has_veils, veils_have_textures;
-#include "shaders/shared/veil.h"
-};
-}  // namespace veils
-
-// Share of places on the sheet where coverage is another than coverage_at() says, by more than a
-// thousandth; `shift` moves the texture.
-double share_of_other_coverage(const Material& material, float shift) {
-  Scene scene = with_veil(material, small_image());
-  const VeilTables tables = make_veils(scene);
-  const veils::Kernel kernel{tables.veil_of.data(), tables.veils.data(), tables.texels.data(), true,
-                             true};
-  scene.materials.back().base_map.transform[2] += shift;
-  int different = 0;
-  for (uint64_t i = 0; i < 100000; ++i) {
-    Rng rng(8, 0, i);
-    const float u = rng.uniform_float();
-    const float v = rng.uniform_float() * (1 - u);
-    const auto triangle = static_cast<uint32_t>(scene.triangles.size() - 1 - i % 2);
-    const float mine = kernel.veil_coverage(tables.veils[tables.veil_of[triangle]], u, v);
-    different += std::abs(mine - coverage_at(scene, {triangle, u, v})) > 1e-3f;
-  }
-  return different / 1e5;
-}
-
-TEST(Veils, cover_what_textures_say) {
-  const std::vector<Material> all = veil_materials();
-  for (size_t i = 0; i < all.size(); ++i) {
-    EXPECT_LT(share_of_other_coverage(all[i], 0), 3e-4) << i;
-    if (i == 0) continue;                                         // no texture
-    EXPECT_GT(share_of_other_coverage(all[i], 0.1f), 0.01) << i;  // twin
-  }
-}
-
-// Share of places on the sheet that it does not cover.
-double share_uncovered(const Material& material, const Image& image, bool with_uv = true) {
-  Scene scene = with_veil(material, image);
-  for (auto& colour : scene.colours) colour[3] = 1;
-  if (!with_uv) scene.uv[1].clear();
-  const VeilTables tables = make_veils(scene);
-  const veils::Kernel kernel{tables.veil_of.data(), tables.veils.data(), tables.texels.data(), true,
-                             true};
-  int uncovered = 0;
-  for (uint64_t i = 0; i < 10000; ++i) {
-    Rng rng(8, 0, i);
-    const float u = rng.uniform_float();
-    const float v = rng.uniform_float() * (1 - u);
-    const auto triangle = static_cast<uint32_t>(scene.triangles.size() - 1 - i % 2);
-    uncovered += kernel.veil_coverage(tables.veils[tables.veil_of[triangle]], u, v) < 1;
-    EXPECT_EQ(kernel.veil_coverage(tables.veils[tables.veil_of[triangle]], u, v),
-              coverage_at(scene, {triangle, u, v}));
-  }
-  return uncovered / 1e4;
-}
-
-TEST(Veils, masks_are_there_at_their_cutoff) {
-  Material m;
-  m.alpha_mode = Material::Alpha::mask;
-  for (const float alpha : {1.0f, 0.9f, 0.5f, 0.3f}) {
-    m.alpha = m.alpha_cutoff = alpha;
-    EXPECT_EQ(share_uncovered(m, small_image()), 0) << alpha;
-    m.alpha_cutoff = std::nextafter(alpha, 2.0f);
-    EXPECT_EQ(share_uncovered(m, small_image()), 1) << alpha;  // twin
-  }
-}
-
-TEST(Veils, without_texture_coordinates_have_the_texel_of_the_transform) {
-  Material m;
-  m.alpha_mode = Material::Alpha::mask;
-  m.alpha_cutoff = 0.5f;
-  m.base_map.image = 0;
-  m.base_map.nearest = true;
-  const Image halves{2, 1, {0, 0, 0, 0, 255, 255, 255, 255}};  // alpha 0, then 1
-  EXPECT_EQ(share_uncovered(m, halves, false), 1);
-  m.base_map.transform = {1, 0, 0.75f, 0, 1, 0};
-  EXPECT_EQ(share_uncovered(m, halves, false), 0);
 }
 
 // Segments that rounding likes least, in a closed room from -1 to 1: along axes and edges, in the
