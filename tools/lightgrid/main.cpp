@@ -77,6 +77,7 @@ int main(int argc, char** argv) {
     if (scene_path == "-" && cut_path == "-")
       throw UsageError("only one of the two inputs can come from standard input");
     catch_signals();
+    if (device != "cpu") common.note("lines are traced by " + tracer.name + ".");
     LightGridReport report;
     Scene scene = read_gltf(scene_path);
     open_glass(scene);
