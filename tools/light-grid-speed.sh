@@ -14,7 +14,7 @@ trap 'exit 1' HUP INT TERM
 
 set --
 for scene in "${SCENES:-$here/../shared/scenes}/veach-ajar.glb" "$here/testdata/scenes/two-rooms.glb" \
-  "$here/testdata/scenes/window.glb"; do
+  "$here/testdata/scenes/half-metre-hole.glb"; do
   [ -e "$scene" ] || { echo "light-grid-speed: $(basename "$scene") is not there and stays out" >&2; continue; }
   cut=$work/$(basename "$scene" .glb).cut
   "$bin/ffgraph" "$scene" --quiet -o "$cut.max"
@@ -30,27 +30,27 @@ five rounds. \`--device\`s at hand, beside $(nproc 2>/dev/null || echo ?) cores 
 
 $("$bin/lightgrid" --list-devices | sed 's/^/    /')
 
-Rays are those of visibility and of the votes; Embree and the twin run on all cores through TBB, and so does a software
-device.
+Embree and the twin run on all cores through TBB, and so does a software device on its own threads.
 
 END
-"$bin/lightgrid_bench" "$device" 128 "$@" 2>"$work/shares"
-echo
-"$bin/lightgrid_bench" "$device" 256 "$@" 2>/dev/null | sed '1,2d'
+"$bin/lightgrid_bench" "$device" 128 "$@" 2>"$work/128"
+"$bin/lightgrid_bench" "$device" 256 "$@" 2>"$work/256" | sed '1,2d'
 cat <<END
 
-Where the device's time goes at 128 voxels, and what becomes of the segments:
+Where the device's time goes, and what becomes of the segments:
 
-$(sed 's/^/* /' "$work/shares")
+$(sed 's/^/* 128 voxels, /' "$work/128")
+$(sed 's/^/* 256 voxels, /' "$work/256")
 
 END
 cat <<'END'
-Votes are closest-hit rays in all directions: up to 32 for each segment that is free, so the speed is that of incoherent
-rays, and the grid's resolution hardly matters. On the CPU they are bound by the traversal: the scalar twin, which
-walks the same hierarchy one ray at a time without vector instructions, keeps to about half of Embree's pace. Mesa's software
-device runs eight invocations side by side, each waiting for the longest of them, and keeps the stack of each in memory:
-it is several times slower than the twin, and there for tests. Atomic additions are no bottleneck there.
+Votes are closest-hit rays in all directions, up to 32 for each segment that is free: the speed is that of incoherent rays.
+On the CPU the traversal bounds them: the scalar twin, which walks the same hierarchy one ray at a time without vector
+instructions, keeps to about half of Embree's pace. With eight times the voxels the counts no longer fit the caches, and
+the march begins to show. Mesa's software device runs eight invocations side by side, each waiting for the longest of them,
+takes both sides of every branch and keeps each stack in memory: it is several times slower than the twin, and there for
+tests.
 
-No GPU was at hand when this was written: the aim of 20 times two cores is not measured. `make grid-speed DEVICE=gpu:NAME`
-measures it.
+No GPU was at hand when this page was written, so the aim of 20 times two cores is not measured.
+`make grid-speed DEVICE=gpu:NAME` measures it.
 END

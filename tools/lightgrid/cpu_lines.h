@@ -15,7 +15,7 @@ class CpuLines : public LineTracer {
       : LineTracer(scene, tables, grid, seed), rays_(std::move(rays)), sums_(grid.count.size()) {}
 
   void clear() override { sums_.clear(); }
-  void counts(std::vector<uint32_t>& count) override { count = sums_.counts(); }
+  void counts(std::vector<uint32_t>& count) override { sums_.counts(count); }
   void take_directions(std::vector<Vec3d>& sum) override { sums_.take_directions(sum); }
 
  protected:

@@ -54,14 +54,20 @@ void LineTracer::through(size_t c, uint32_t round, std::span<const shader::LineT
 }
 
 void VoxelSums::clear() {
-  std::fill(count_.begin(), count_.end(), 0u);
-  std::fill(direction_.begin(), direction_.end(), shader::ivec3());
+  std::fill(sums_.begin(), sums_.end(), Sum());
+}
+
+void VoxelSums::counts(std::vector<uint32_t>& count) const {
+  count.resize(sums_.size());
+  for (size_t i = 0; i < sums_.size(); ++i)
+    count[i] = static_cast<uint32_t>(high(sums_[i].count_x));
 }
 
 void VoxelSums::take_directions(std::vector<Vec3d>& sum) {
-  for (size_t i = 0; i < direction_.size(); ++i) {
-    sum[i] += Vec3d(direction_[i]) * (1 / double{LIGHT_DIRECTION_UNITS});
-    direction_[i] = {};
+  for (size_t i = 0; i < sums_.size(); ++i) {
+    Sum& s = sums_[i];
+    sum[i] += Vec3d(s.direction()) * (1 / double{LIGHT_DIRECTION_UNITS});
+    s = {packed(high(s.count_x), 0), 0};
   }
 }
 

@@ -71,21 +71,32 @@ class LineTracer {
 /// order of additions does not matter to integers, so results do not depend on threads.
 class VoxelSums {
  public:
-  explicit VoxelSums(size_t voxels) : count_(voxels, 0), direction_(voxels) {}
+  explicit VoxelSums(size_t voxels) : sums_(voxels) {}
   /// From any thread.
   void add(size_t voxel, const shader::ivec3& direction) {
-    __atomic_fetch_add(&count_[voxel], 1u, __ATOMIC_RELAXED);
-    __atomic_fetch_add(&direction_[voxel].x, direction.x, __ATOMIC_RELAXED);
-    __atomic_fetch_add(&direction_[voxel].y, direction.y, __ATOMIC_RELAXED);
-    __atomic_fetch_add(&direction_[voxel].z, direction.z, __ATOMIC_RELAXED);
+    Sum& sum = sums_[voxel];
+    __atomic_fetch_add(&sum.count_x, packed(1, direction.x), __ATOMIC_RELAXED);
+    __atomic_fetch_add(&sum.y_z, packed(direction.y, direction.z), __ATOMIC_RELAXED);
   }
   void clear();
-  const std::vector<uint32_t>& counts() const { return count_; }
+  void counts(std::vector<uint32_t>& count) const;
   void take_directions(std::vector<Vec3d>& sum);
 
  private:
-  std::vector<uint32_t> count_;
-  std::vector<shader::ivec3> direction_;
+  // Two sums in one word, each of 31 bits and a sign: half of the atomic additions, which are what
+  // the march costs. What the lower one borrows from the upper, low() tells.
+  static uint64_t packed(int32_t high, int32_t low) {
+    return (uint64_t{static_cast<uint32_t>(high)} << 32) + static_cast<uint64_t>(int64_t{low});
+  }
+  static int32_t low(uint64_t word) { return static_cast<int32_t>(static_cast<uint32_t>(word)); }
+  static int32_t high(uint64_t word) {
+    return static_cast<int32_t>((word - static_cast<uint64_t>(int64_t{low(word)})) >> 32);
+  }
+  struct Sum {
+    uint64_t count_x = 0, y_z = 0;
+    shader::ivec3 direction() const { return {low(count_x), high(y_z), low(y_z)}; }
+  };
+  std::vector<Sum> sums_;
 };
 
 }  // namespace tdpt
