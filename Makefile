@@ -5,7 +5,7 @@
 #   make stages    pictures of what each stage did, in doc/figures/ (tools/stages.sh: another scene)
 #   make portals   how right the portals are on rooms with known openings: doc/portals.md (half an hour)
 #   make worth     what portals gain, measured and expected: doc/portal-worth.md (twenty minutes)
-#   make grid-speed   segments per second of lightgrid on each device: doc/light-grid-speed.md (three minutes)
+#   make grid-speed   segments per second of lightgrid on each device: doc/light-grid-speed.md (two minutes)
 #   make test      installs what is missing, builds, runs every test
 #   make bench     speed, and noise after a minute, of every integrator (tools/bench.sh; 20 minutes)
 #   make install   programs and man pages under PREFIX (and DESTDIR)

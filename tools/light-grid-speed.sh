@@ -1,6 +1,6 @@
 #!/bin/sh
 # light-grid-speed.sh BIN [DEVICE]: how fast each back end of lightgrid is; prints doc/light-grid-speed.md.
-# Three minutes on two quiet cores.
+# Two minutes on two quiet cores.
 #   DEVICE   gpu or gpu:WHICH, as lightgrid --device has it (gpu)
 # The environment may set
 #   SCENES   folder of the paper's scenes (../shared/scenes)
