@@ -3,9 +3,10 @@
 // the CPU run the same operations in the same order and give the same bits.
 //
 // Vulkan rounds sums and products of floats correctly, and every device we know to the nearest, as
-// long as none is contracted into a fused one: keep every float in an EXACT variable. It does not round quotients, roots and sines
-// correctly: use those of real.h. dot(), cross(), normalize() and mix() leave the order open: use
-// those of real.h. Never draw two random numbers in one expression: C++ leaves their order open.
+// long as none is contracted into a fused one: keep every float in an EXACT variable. It does not
+// round quotients, roots and sines correctly: use those of real.h. dot(), cross(), normalize() and
+// mix() leave the order open: use those of real.h. Never draw two random numbers in one expression:
+// C++ leaves their order open.
 #ifndef TDPT_SHADERS_SHARED_LANGUAGE_H
 #define TDPT_SHADERS_SHARED_LANGUAGE_H
 
