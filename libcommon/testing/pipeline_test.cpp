@@ -1,5 +1,6 @@
 // The four stages that find portals, run as programs on rooms whose openings are known. The scenes
 // of the paper are too large for the repository: where they are absent their tests say so and skip.
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 
@@ -16,15 +17,16 @@ namespace fs = std::filesystem;
 
 const std::string kOwn = TDPT_TESTDATA "/scenes/", kPaper = TDPT_SHARED "/scenes/";
 
-std::vector<Portal> find_portals(const std::string& scene) {
+// `seed`: of the light grid.
+std::vector<Portal> find_portals(const std::string& scene, int seed = 1) {
   const fs::path folder =
       fs::temp_directory_path() / ("tdpt_pipeline_test." + std::to_string(::getpid()));
   fs::create_directories(folder);
   const std::string bin = TDPT_BIN "/", out = (folder / "portal.glb").string();
-  const std::string command = "{ " + bin + "ffgraph --quiet " + scene + " | " + bin +
-                              "mincut --quiet | " + bin + "lightgrid --quiet " + scene + " - | " +
-                              bin + "portalfit --quiet -o " + out + "; } 2>" +
-                              (folder / "stderr").string();
+  const std::string command =
+      "{ " + bin + "ffgraph --quiet " + scene + " | " + bin + "mincut --quiet | " + bin +
+      "lightgrid --quiet --seed " + std::to_string(seed) + " " + scene + " - | " + bin +
+      "portalfit --quiet -o " + out + "; } 2>" + (folder / "stderr").string();
   EXPECT_EQ(std::system(command.c_str()), 0) << command;
   std::vector<Portal> portals;
   if (fs::exists(out)) portals = read_portals(out).portals;
@@ -127,18 +129,28 @@ TEST(pipeline, cornell_box_has_its_portal_in_the_hole) {
 // the frame (-2.82, -6.29) to the leaf's edge (-2.38, -6.13).
 void expect_portal_in_the_door(const std::string& scene) {
   NEEDS(scene);
-  std::vector<Portal> portals = find_portals(scene);
-  ASSERT_GE(portals.size(), 1u);
-  // The hull overshoots the frame (y = 2.77): up to 2.97..3.24 with seeds 1 to 4.
-  const Box opening{{-3.05, -0.1, -6.5}, {-2.2, 3.3, -4.4}};
-  for (const Portal& portal : portals) EXPECT_TRUE(inside(opening, portal)) << portal.name;
   const Vec3d across = Vec3d{-2.38, 0, -6.13} - Vec3d{-2.82, 0, -6.29};
   const KnownAperture slit = rectangle({-2.82, 0.1, -6.29}, across, {0, 2.5, 0},
                                        normalize(Vec3d{-across.z, 0, across.x}) * -1.0, 0);
-  // The slit itself is measured by eye; with seeds 1 to 12 the coverage is 0.77 to 0.91.
-  EXPECT_GE(coverage(slit, portals), 0.75);
-  shift(portals, across);  // twin: one width of the slit beside it
-  EXPECT_LT(coverage(slit, portals), 0.75);
+  // The hull overshoots the frame (y = 2.77): up to 2.97..3.24 with seeds 1 to 4.
+  const Box opening{{-3.05, -0.1, -6.5}, {-2.2, 3.3, -4.4}};
+  std::vector<double> covered, beside;
+  for (int seed = 1; seed <= 5; ++seed) {
+    std::vector<Portal> portals = find_portals(scene, seed);
+    ASSERT_GE(portals.size(), 1u);
+    for (const Portal& portal : portals)
+      EXPECT_TRUE(inside(opening, portal)) << portal.name << ", seed " << seed;
+    covered.push_back(coverage(slit, portals));
+    shift(portals, across);  // twin: one width of the slit beside it
+    beside.push_back(coverage(slit, portals));
+  }
+  const auto median = [](std::vector<double> values) {
+    std::sort(values.begin(), values.end());
+    return values[values.size() / 2];
+  };
+  // The slit itself is measured by eye: single seeds cover 0.77 to 0.91 of it.
+  EXPECT_GE(median(covered), 0.8);
+  EXPECT_LT(*std::max_element(beside.begin(), beside.end()), 0.8);
 }
 TEST(pipeline, veach_ajar_has_its_portals_in_the_doors_opening) {
   expect_portal_in_the_door(kPaper + "veach-ajar.glb");
