@@ -215,8 +215,9 @@ class GpuLines : public LineTracer {
   void march_slabs(shader::LightParameters p) {
     const size_t layer = static_cast<size_t>(p.dim.x) * static_cast<size_t>(p.dim.y);
     for (uint32_t s = 0; s < slabs(); ++s) {
-      p.slab_low = static_cast<int32_t>(s * depth_);
-      p.slab_high = std::min(p.slab_low + static_cast<int32_t>(depth_), p.dim.z);
+      const Slab slab = slab_of(s, depth_, p.dim.z);
+      p.slab_low = slab.low;
+      p.slab_high = slab.high;
       device_.run([&](gpu::Commands& c) { clear_images(c, 0); });
       run({march(p)});
       const size_t first = layer * static_cast<size_t>(p.slab_low);

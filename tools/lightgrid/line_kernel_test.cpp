@@ -33,6 +33,14 @@ TEST(VoxelSums, keep_what_they_pack_apart) {
   EXPECT_EQ(direction[1].y, -1.5 * (LIGHT_MOST_SUMMED / 2048.0) - 1 / 2048.0);
 }
 
+shader::LightParameters parameters_of(const LineTables& tables) {
+  shader::LightParameters p{};
+  p.cell_corner = tables.cell_corner;
+  p.cells_per_unit = tables.cells_per_unit;
+  p.levels = tables.levels;
+  return p;
+}
+
 // Over a scene without rays.
 struct NoRays {
   bool segment_blocked(const Vec3f&, const Vec3f&, uint32_t) const { return false; }
@@ -318,10 +326,7 @@ bool win(const std::vector<Ballot>& of_rays, std::vector<uint32_t>& coins, uint3
   cut.region = {0, 1};
   cut.cuts.resize(1);
   const LineTables tables = make_line_tables(scene, cut, "a.cut");
-  shader::LightParameters p{};
-  p.cell_corner = tables.cell_corner;
-  p.cells_per_unit = tables.cells_per_unit;
-  p.levels = tables.levels;
+  shader::LightParameters p = parameters_of(tables);
   p.round = round;
   p.stream = stream;
   VoxelSums sums(1);
@@ -441,10 +446,7 @@ TEST(LineTables, FinerPatchesComeFirst) {
   cut.region = {0, 1};
   cut.cuts.resize(1);
   const LineTables tables = make_line_tables(scene, cut, "a.cut");
-  shader::LightParameters p{};
-  p.cell_corner = tables.cell_corner;
-  p.cells_per_unit = tables.cells_per_unit;
-  p.levels = tables.levels;
+  shader::LightParameters p = parameters_of(tables);
   VoxelSums sums(1);
   const NoRays none;
   shader::LineKernel<NoRays> kernel(none, tables, p, sums);

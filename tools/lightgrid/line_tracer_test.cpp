@@ -433,6 +433,22 @@ TEST_F(LineTracers, device_and_twin_agree_on_special_segments) {
   EXPECT_GT(hit, n / 20);
 }
 
+// What lies behind an image is not for the march: no device says when it is written.
+TEST(SlabOf, TheyFollowEachOtherAndNoneIsTooDeep) {
+  for (const int32_t layers : {1, 7, 64})
+    for (const uint32_t depth : {1u, 5u, 64u}) {
+      int32_t next = 0;
+      for (uint32_t s = 0; next < layers; ++s) {
+        const Slab slab = slab_of(s, depth, layers);
+        ASSERT_EQ(slab.low, next);
+        ASSERT_GT(slab.high, slab.low);
+        ASSERT_LE(slab.high - slab.low, static_cast<int32_t>(depth));
+        next = slab.high;
+      }
+      EXPECT_EQ(next, layers);
+    }
+}
+
 TEST(SlabDepth, KeepsToTheDevicesLimits) {
   gpu::Limits limits;
   limits.memory = 1ull << 30;
