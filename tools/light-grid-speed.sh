@@ -39,18 +39,18 @@ cat <<END
 
 Where the device's time goes, and what becomes of the segments:
 
-$(sed 's/^/* 128 voxels, /' "$work/128")
-$(sed 's/^/* 256 voxels, /' "$work/256")
+$(sed '1d; s/^/* 128 voxels, /' "$work/128")
+$(sed '1d; s/^/* 256 voxels, /' "$work/256")
+
+Votes are closest-hit rays in all directions, up to 32 for each segment that is free: where they take most of the time, the
+speed is that of incoherent rays. The scalar twin walks the device's own hierarchy one ray at a time, without vector
+instructions. With eight times the voxels the counts no longer fit the caches, and the march begins to show.
 
 END
-cat <<'END'
-Votes are closest-hit rays in all directions, up to 32 for each segment that is free: the speed is that of incoherent rays.
-On the CPU the traversal bounds them: the scalar twin, which walks the same hierarchy one ray at a time without vector
-instructions, keeps to about half of Embree's pace. With eight times the voxels the counts no longer fit the caches, and
-the march begins to show. Mesa's software device runs eight invocations side by side, each waiting for the longest of them,
-takes both sides of every branch and keeps each stack in memory: it is several times slower than the twin, and there for
-tests.
-
-No GPU was at hand when this page was written, so the aim of 20 times two cores is not measured.
-`make grid-speed DEVICE=gpu:NAME` measures it.
+case $(sed -n '1p' "$work/128") in
+*'(cpu)') cat <<'END' ;;
+The device here is software. It runs several invocations side by side, each waiting for the longest of them, takes both
+sides of every branch and keeps each stack in memory; it is there for tests. What a GPU is for, 20 times the speed of two
+cores, is not measured by this page: `make grid-speed DEVICE=gpu:NAME` measures it where there is one.
 END
+esac

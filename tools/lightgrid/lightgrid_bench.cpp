@@ -1,7 +1,7 @@
 // How many segments between pivot patches each back end draws, tests and counts in a second, in one
 // interleaved run:
 //   lightgrid_bench [gpu[:WHICH]] [RESOLUTION] SCENE CUT [SCENE CUT ...]
-// prints a table in Markdown, and on stderr where the device spends its time.
+// prints a table in Markdown, and on stderr which device it is and where it spends its time.
 #include <chrono>
 #include <cstdio>
 #include <cstring>
@@ -116,6 +116,7 @@ int run(std::vector<std::string> arguments) {
   if (arguments.empty() || arguments.size() % 2 != 0)
     throw UsageError("usage: lightgrid_bench [gpu[:WHICH]] [RESOLUTION] SCENE CUT ...");
   const gpu::Device device = gpu::Device::open(which);
+  fmt::print(stderr, "device: {} ({})\n", device.info().name, device.info().kind);
   fmt::print(
       "| scene | triangles | voxels | back end | million segments/s | per CPU second | of "
       "Embree |\n|---|---|---|---|---|---|---|\n");
