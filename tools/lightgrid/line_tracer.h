@@ -1,7 +1,7 @@
 // What traces lines of light and counts them in the grid. Behind this interface stand Embree
 // (embree_lines.h), a compute shader on a Vulkan device (gpu_lines.h) and that shader's scalar twin
 // (scalar_lines.h). All draw the same lines from the same seed; between Embree and the two others
-// about one line in 100 000 is met by another triangle.
+// fewer than one ray in 10 000 meets another triangle.
 #pragma once
 #include <array>
 #include <span>
