@@ -29,6 +29,105 @@ PortalSet::PortalSet(const std::vector<Portal>& portals, const Frame& frame) {
   // p(q) = A_q / total, so p(q) / (A_q pi) is the same for every triangle.
   for (Polygon& q : polygons_) q.density = 1 / (total * std::numbers::pi);
   if (!polygons_.empty()) table_ = AliasTable(areas);
+  make_facets();
+}
+
+void PortalSet::make_facets() {
+  constexpr double kSamePlane = 1e-6;
+  std::vector<double> areas;
+  for (uint32_t i = 0; i < polygons_.size(); ++i) {
+    Polygon& q = polygons_[i];
+    const double area = 0.5 * length(cross(q.e1, q.e2));
+    const bool joins = i > 0 && polygons_[i - 1].portal == q.portal &&
+                       dot(facets_.back().normal, q.normal) > 1 - kSamePlane * kSamePlane &&
+                       std::abs(dot(facets_.back().normal, q.p0 - facets_.back().p0)) < kMargin;
+    if (!joins) {
+      facets_.emplace_back();
+      facets_.back().p0 = q.p0;
+      facets_.back().normal = q.normal;
+      facets_.back().first = i;
+      areas.clear();
+    }
+    Facet& f = facets_.back();
+    q.facet = static_cast<uint32_t>(facets_.size() - 1);
+    f.centre = (f.centre * f.area + (q.p0 + (q.e1 + q.e2) / 3) * area) / (f.area + area);
+    f.area += area;
+    f.end = i + 1;
+    for (const Vec3d& corner : {q.p0, q.p0 + q.e1, q.p0 + q.e2}) f.corners.push_back(corner);
+    areas.push_back(area);
+    f.table = AliasTable(areas);
+  }
+}
+
+double PortalSet::weight(const Facet& f, const Vec3d& v) {
+  const Vec3d d = f.centre - v;
+  const double d2 = dot(d, d), distance = std::sqrt(d2);
+  // Seen at a grazing angle a facet keeps a tenth of the weight.
+  const double height = std::max(std::abs(dot(f.normal, d)), 0.1 * distance);
+  const double reach = d2 + f.area / std::numbers::pi;
+  return f.area * height / (reach * std::sqrt(reach));
+}
+
+bool PortalSet::aimable(const Facet& f, const Vec3d& v, const Vec3d& facing, Way way) {
+  const double height = dot(f.normal, v - f.p0);
+  if (!(way == Way::with_light ? height < -kMargin : height > kMargin)) return false;
+  if (facing == Vec3d()) return true;
+  for (const Vec3d& corner : f.corners)
+    if (dot(facing, corner - v) > 0) return true;
+  return false;
+}
+
+double PortalSet::aims(const Vec3d& v, const Vec3d& facing, Way way) const {
+  double sum = 0;
+  for (const Facet& f : facets_)
+    if (aimable(f, v, facing, way)) sum += weight(f, v);
+  return sum;
+}
+
+int PortalSet::aim(const Vec3d& v, const Vec3d& facing, Way way, double W, Rng& rng,
+                   Vec3d& w) const {
+  double rest = rng.uniform() * W;
+  const double s = rng.uniform();
+  const double t = rng.uniform();
+  const Facet* chosen = nullptr;
+  for (const Facet& f : facets_) {
+    if (!aimable(f, v, facing, way)) continue;
+    chosen = &f;
+    rest -= weight(f, v);
+    if (rest < 0) break;
+  }
+  // What chose the facet within W chooses the triangle within the facet.
+  const double within = std::clamp(1 + rest / weight(*chosen, v), 0.0, 1.0);
+  const int i = static_cast<int>(chosen->first + chosen->table.sample(within));
+  const Polygon& q = polygon(i);
+  double b1, b2;
+  uniform_triangle(s, t, b1, b2);
+  w = normalize(q.p0 + q.e1 * b1 + q.e2 * b2 - v);
+  return i;
+}
+
+PortalSet::Crossing PortalSet::crossing(const Vec3d& from, const Vec3d& to, int sampled) const {
+  Crossing c;
+  const Vec3d d = to - from;
+  const double length2 = dot(d, d), whole = std::sqrt(length2);
+  for (size_t i = 0; i < polygons_.size(); ++i) {
+    const Polygon& q = polygons_[i];
+    const Vec3d o = from - q.p0;
+    const double before = dot(q.normal, o);
+    const double slope = dot(q.normal, d);
+    const double after = before + slope;
+    const bool begins = before < -kMargin, ends = after > kMargin;
+    if (!(slope > 0) || !(begins || ends)) continue;
+    const double t = -before / slope;
+    if (!crossed(i, o + d * t, sampled)) continue;
+    if (begins && ends) c.density += q.density;
+    // d^2 / (cos A), the distance along the edge t or 1 - t of it.
+    const Facet& f = facets_[q.facet];
+    const double per_area = length2 * whole / (slope * f.area);
+    if (begins) c.from_light += weight(f, from) * t * t * per_area;
+    if (ends) c.from_camera += weight(f, to) * (1 - t) * (1 - t) * per_area;
+  }
+  return c;
 }
 
 double PortalSet::density(const Vec3d& from, const Vec3d& to, int sampled) const {
@@ -40,13 +139,7 @@ double PortalSet::density(const Vec3d& from, const Vec3d& to, int sampled) const
     const double before = dot(q.normal, o);  // < 0 on the light's side
     const double slope = dot(q.normal, d);
     if (!(before < -kMargin && before + slope > kMargin)) continue;
-    if (static_cast<int>(i) == sampled) {
-      sum += q.density;
-      continue;
-    }
-    const Vec3d at = o - d * (before / slope);
-    const double b1 = dot(q.grad1, at), b2 = dot(q.grad2, at);
-    if (b1 >= 0 && b2 >= 0 && b1 + b2 <= 1) sum += q.density;
+    if (crossed(i, o - d * (before / slope), sampled)) sum += q.density;
   }
   return sum;
 }

@@ -31,7 +31,7 @@ RenderResult render(const World& world, const Integrator& integrator,
   const int width = world.film.width(), height = world.film.height();
   const uint64_t pixels = static_cast<uint64_t>(width) * static_cast<uint64_t>(height);
   SampleSettings sample_settings{integrator.techniques, settings.max_depth, settings.beta,
-                                 settings.seed, integrator.stream};
+                                 settings.seed, integrator.stream, integrator.guiding};
   Film film(width, height, world.lights.power(),
             settings.layers ? integrator.techniques : TechniqueSet());
   RenderResult result;

@@ -7,7 +7,8 @@
 namespace tdpt {
 
 const std::vector<const Integrator*>& integrators() {
-  static const std::vector<const Integrator*> all{&pt, &nee, &bdpt, &tdpt_org, &tdpt_ref};
+  static const std::vector<const Integrator*> all{&pt, &nee, &bdpt, &tdpt_org, &tdpt_ref,
+                                                   &tdpt_guided};
   return all;
 }
 

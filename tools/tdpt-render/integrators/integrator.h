@@ -12,9 +12,10 @@ struct Integrator {
   uint64_t stream;  ///< of random numbers: no two integrators share samples
   TechniqueSet techniques;
   void (*sample)(PathSampler&);
+  Guiding guiding{};  ///< how its walks are directed at the portals
 };
 
-extern const Integrator pt, nee, bdpt, tdpt_org, tdpt_ref;
+extern const Integrator pt, nee, bdpt, tdpt_org, tdpt_ref, tdpt_guided;
 
 /// All of them, in the order of the paper.
 const std::vector<const Integrator*>& integrators();

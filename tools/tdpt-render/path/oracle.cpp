@@ -110,12 +110,90 @@ double segment_pdf(const World& world, const Vertex& a, const Vertex& b) {
   return sum;
 }
 
+/// Corners of portal p, one triangle after the other.
+std::vector<std::array<Vec3d, 3>> triangles_of(const World& world, uint32_t portal) {
+  std::vector<std::array<Vec3d, 3>> triangles;
+  for (size_t i = 0; i < world.portals.size(); ++i) {
+    const PortalSet::Polygon& q = world.portals.polygon(static_cast<int>(i));
+    if (q.portal == portal) triangles.push_back({q.p0, q.p0 + q.e1, q.p0 + q.e2});
+  }
+  return triangles;
+}
+
+/// Density [1/sr] of `to` as a direction that a walk at `at`, coming from `back`, aims in; null:
+/// the walk begins there. Each portal is taken as one plane.
+double aim_pdf_w(const World& world, From from, const Vertex* back, const Vertex& at,
+                 const Vertex& to) {
+  const Vec3d w = unit(at, to);
+  double total = 0, sum = 0;
+  for (uint32_t p = 0; p < world.portals.portals(); ++p) {
+    const auto triangles = triangles_of(world, p);
+    if (triangles.empty()) continue;
+    Vec3d n, centre;
+    double area = 0;
+    bool above = false;
+    for (const auto& t : triangles) {
+      const Vec3d twice = cross(t[1] - t[0], t[2] - t[0]);
+      const double A = 0.5 * length(twice);
+      n += twice;
+      area += A;
+      centre += (t[0] + t[1] + t[2]) * (A / 3);
+    }
+    n = normalize(n);
+    centre = centre / area;
+    const double side = dot(n, at.position - triangles[0][0]);
+    if (from == From::light ? side >= 0 : side <= 0) continue;
+    // A portal below the surface's horizon is not aimed at.
+    const bool one_sided = at.on_surface() && (back ? at.simple || !at.bsdf.transmits()
+                                                    : !at.material->double_sided);
+    const double facing = back && dot(at.normal, unit(at, *back)) < 0 ? -1 : 1;
+    for (const auto& t : triangles)
+      for (const Vec3d& corner : t)
+        above |= !one_sided || facing * dot(at.normal, corner - at.position) > 0;
+    if (!above) continue;
+    // About its solid angle.
+    const double d = length(centre - at.position);
+    const double height = std::max(std::abs(dot(n, centre - at.position)), 0.1 * d);
+    const double weight = area * height * std::pow(d * d + area / pi, -1.5);
+    total += weight;
+    for (const auto& t : triangles) {
+      const double cosine = std::abs(dot(n, w));
+      const double distance = dot(n, t[0] - at.position) / dot(n, w);
+      if (!(distance > 0)) continue;
+      const Vec3d hit = at.position + w * distance;
+      bool inside = true;
+      for (size_t e = 0; e < 3; ++e)
+        inside = inside && dot(n, cross(t[(e + 1) % 3] - t[e], hit - t[e])) >= 0;
+      if (inside) sum += weight * distance * distance / (cosine * area);
+    }
+  }
+  return total > 0 ? sum / total : -1;
+}
+
+/// Density of the direction of a directed walk.
+double guided_pdf_w(const World& world, const Guiding& guiding, From from, const Vertex* back,
+                    const Vertex& at, const Vertex& to, bool dirac, double plain, Fault fault) {
+  const double q = guiding.chance[static_cast<size_t>(from)];
+  if (dirac || at.at_infinity() || !at.connectible || plain == 0) return plain;
+  const double aimed = aim_pdf_w(world, from, back, at, to);
+  if (aimed < 0) return plain;
+  double matt = 1;
+  if (back && !at.simple) {
+    const Surface s(at);
+    const Vec3d local = s.local(unit(at, *back));
+    matt -= bsdf::dirac_probability(at.bsdf, local, local);
+    matt -= bsdf::dirac_probability(at.bsdf, local, -local);
+  }
+  return (1 - q) * plain + q * matt * aimed * (fault == Fault::aim_5_percent ? 1.05 : 1);
+}
+
 }  // namespace
 
 std::vector<StrategyDensity> densities(const World& world, const Path& path, TechniqueSet set,
-                                       Fault fault) {
+                                       const Guiding& guiding, Fault fault) {
   const int k = path.k();
   std::vector<double> from_light(static_cast<size_t>(k)), from_camera(static_cast<size_t>(k));
+  std::vector<double> guided_light(from_light), guided_camera(from_light);
   for (int i = 0; i < k; ++i) {
     const Vertex& x = path.vertex(i);
     double& P_light = from_light[static_cast<size_t>(i)];
@@ -126,14 +204,25 @@ std::vector<StrategyDensity> densities(const World& world, const Path& path, Tec
       const Vertex& before = path.vertex(i - 1);
       const double p = i == 1 ? emission_pdf_w(before, x)
                               : pdf_w(path.vertex(i - 2), before, x, path.dirac(i - 1));
-      P_light = p * cosine_at(x, before) / distance2(before, x);
-      if (fault == Fault::missing_cosine && i == 2) P_light /= cosine_at(x, before);
+      const double g =
+          guided_pdf_w(world, guiding, From::light, i == 1 ? nullptr : &path.vertex(i - 2), before,
+                       x, i > 1 && path.dirac(i - 1), p, fault);
+      double per_area = cosine_at(x, before) / distance2(before, x);
+      if (fault == Fault::missing_cosine && i == 2) per_area /= cosine_at(x, before);
+      P_light = p * per_area;
+      guided_light[static_cast<size_t>(i)] = g * per_area;
     }
     const Vertex& after = path.vertex(i + 1);
     const double p = i == k - 1 ? film_pdf_w(world, after, x)
                                 : pdf_w(path.vertex(i + 2), after, x, path.dirac(i + 1));
     P_camera = x.lamp ? 0 : p * cosine_at(x, after) / distance2(after, x);
+    const double q = i == k - 1 ? p
+                                : guided_pdf_w(world, guiding, From::camera, &path.vertex(i + 2),
+                                               after, x, path.dirac(i + 1), p, fault);
+    guided_camera[static_cast<size_t>(i)] =
+        x.lamp ? 0 : q * cosine_at(x, after) / distance2(after, x);
   }
+  guided_light[0] = from_light[0];
 
   std::vector<StrategyDensity> result;
   const auto add = [&](Technique technique, int split) {
@@ -145,10 +234,21 @@ std::vector<StrategyDensity> densities(const World& world, const Path& path, Tec
     if (portal) possible = connects(split) && connects(split + 1);
     if (split > 0) possible = possible && connects(split - 1);
     if (!possible && fault != Fault::connection_at_a_mirror) return;
-    double log_p = 0;
-    for (int i = 0; i < split; ++i) log_p += std::log(from_light[static_cast<size_t>(i)]);
-    for (int i = portal ? split + 2 : split; i < k; ++i)
-      log_p += std::log(from_camera[static_cast<size_t>(i)]);
+    // Of walks that are directed and of those that are not.
+    const auto log_mixture = [&](From from, int begin, int end, const std::vector<double>& guided,
+                                 const std::vector<double>& plain) {
+      double g = 0, p = 0;
+      for (int i = begin; i < end; ++i) g += std::log(guided[static_cast<size_t>(i)]);
+      for (int i = begin; i < end; ++i) p += std::log(plain[static_cast<size_t>(i)]);
+      const double f = guiding.share[static_cast<size_t>(from)] *
+                       (fault == Fault::share_5_percent ? 0.95 : 1);
+      const double largest = std::max(g, p);
+      if (std::isinf(largest)) return largest;
+      return largest + std::log(f * std::exp(g - largest) + (1 - f) * std::exp(p - largest));
+    };
+    double log_p = log_mixture(From::light, 0, split, guided_light, from_light) +
+                   log_mixture(From::camera, portal ? split + 2 : split, k, guided_camera,
+                               from_camera);
     if (portal) {
       double p = segment_pdf(world, path.vertex(split), path.vertex(split + 1));
       if (fault == Fault::portal_density_5_percent) p *= 1.05;

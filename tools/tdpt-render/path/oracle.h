@@ -13,11 +13,18 @@ struct StrategyDensity {
 };
 
 /// A planted fault, for the tests that must fail.
-enum class Fault { none, portal_density_5_percent, missing_cosine, connection_at_a_mirror };
+enum class Fault {
+  none,
+  portal_density_5_percent,
+  missing_cosine,
+  connection_at_a_mirror,
+  aim_5_percent,    ///< density of the directions towards portals
+  share_5_percent,  ///< of the walks that are directed
+};
 
-/// All strategies of `set` that can make the path.
+/// All strategies of `set` that can make the path, of walks that are directed by `guiding`.
 std::vector<StrategyDensity> densities(const World& world, const Path& path, TechniqueSet set,
-                                       Fault fault = Fault::none);
+                                       const Guiding& guiding = {}, Fault fault = Fault::none);
 
 /// Balance-heuristic weight of `used` [eq. 6].
 double weight(const std::vector<StrategyDensity>& densities, Strategy used);

@@ -18,35 +18,46 @@
 #include <limits>
 
 namespace tdpt {
+namespace {
 
-Path::Path(const World& world, const Walk& y, int s, const Walk& z, int t, RayCounts& rays) {
-  for (int i = 0; i < s; ++i) x_[static_cast<size_t>(i)] = &y[i];
+size_t u(int i) {
+  return static_cast<size_t>(i);
+}
+
+}  // namespace
+
+Path::Path(const World& world, const Guide& guide, const Walk& y, int s, const Walk& z, int t,
+           RayCounts& rays)
+    : guide_(guide) {
+  for (int i = 0; i < s; ++i) x_[u(i)] = &y[i];
   fill(world, y, s, z, t, nullptr, rays);
 }
 
-Path::Path(const World& world, const Walk& y, int s, const Vertex& x_l, const Vertex& x_c,
-           const SegmentDensities& segment, const Walk& z, int t, RayCounts& rays) {
-  for (int i = 0; i < s; ++i) x_[static_cast<size_t>(i)] = &y[i];
-  x_[static_cast<size_t>(s)] = &x_l;
-  x_[static_cast<size_t>(s) + 1] = &x_c;
+Path::Path(const World& world, const Guide& guide, const Walk& y, int s, const Vertex& x_l,
+           const Vertex& x_c, const SegmentCrossings& segment, const Walk& z, int t,
+           RayCounts& rays)
+    : guide_(guide) {
+  for (int i = 0; i < s; ++i) x_[u(i)] = &y[i];
+  x_[u(s)] = &x_l;
+  x_[u(s + 1)] = &x_c;
   fill(world, y, s, z, t, &segment, rays);
 }
 
 void Path::fill(const World& world, const Walk& y, int s, const Walk& z, int t,
-                const SegmentDensities* segment, RayCounts& rays) {
+                const SegmentCrossings* segment, RayCounts& rays) {
   const int middle = segment ? 2 : 0;
   k_ = s + middle + t - 1;
   const int first_z = k_ - (t - 1);  // index of z_{t-1}
-  for (int j = 0; j < t; ++j) x_[static_cast<size_t>(k_ - j)] = &z[j];
+  for (int j = 0; j < t; ++j) x_[u(k_ - j)] = &z[j];
   // Walks turned at the inner vertices of their prefixes; at the others the path was connected.
   for (int i = 0; i <= k_; ++i)
-    dirac_[static_cast<size_t>(i)] = (i + 1 < s && y[i].dirac) || (i > first_z && z[k_ - i].dirac);
+    dirac_[u(i)] = (i + 1 < s && y[i].dirac) || (i > first_z && z[k_ - i].dirac);
 
   // Inside a prefix the walk knows both densities; the two vertices at a prefix's end and the
   // segment's learn theirs from the finished path.
   for (int i = 0; i < k_; ++i) {
-    double& p_light = from_light_A_[static_cast<size_t>(i)];
-    double& p_camera = from_camera_A_[static_cast<size_t>(i)];
+    double& p_light = from_light_A_[u(i)];
+    double& p_camera = from_camera_A_[u(i)];
     const int j = k_ - i;  // index from the camera
     if (i < s)
       p_light = y[i].pdf_own_A;
@@ -74,29 +85,62 @@ void Path::fill(const World& world, const Walk& y, int s, const Walk& z, int t,
   }
 
   if (world.portals.empty()) {
-    for (int i = 0; i < k_; ++i) portal_[static_cast<size_t>(i)] = 0;
+    for (int i = 0; i < k_; ++i) crossing_[u(i)] = {};
     return;
   }
   for (int i = 0; i + 1 < k_; ++i) {
-    double& D = portal_[static_cast<size_t>(i)];
+    PortalSet::Crossing& c = crossing_[u(i)];
     if (i + 1 < s) {
-      D = y[i + 1].portal_density;
+      c = y[i + 1].crossing;
     } else if (i >= first_z) {
-      D = z[k_ - i].portal_density;
+      c = z[k_ - i].crossing;
     } else if (segment) {
-      D = i == s ? segment->own : i < s ? segment->before : segment->after;
-    } else if (!x(i).on_surface()) {
-      D = 0;
+      c = i == s ? segment->own : i < s ? segment->before : segment->after;
+    } else if (!x(i).on_surface() && !guide_.active()) {
+      c = {};
     } else {
       ++rays.portal;
-      D = world.portals.density(x(i).position, x(i + 1).position);
+      c = guide_.crossing(x(i), x(i + 1));
     }
+  }
+  if (guide_.active()) fill_guided(y, s, z, t);
+}
+
+// Replaces the densities by those of directed walks and keeps the ratio of the two. [guide.h]
+void Path::fill_guided(const Walk& y, int s, const Walk& z, int t) {
+  const int first_z = k_ - (t - 1);
+  for (int i = 0; i < k_; ++i) {
+    const int j = k_ - i;
+    double light = from_light_A_[u(i)], camera = from_camera_A_[u(i)];
+    if (i == 0 || light == 0) {
+    } else if (i < s) {
+      light = y[i].guided_own_A;
+    } else if (j <= t - 3) {
+      light = z[j].guided_other_A;
+    } else if (!dirac(i - 1)) {
+      const Vec3d back = i == 1 ? Vec3d() : between(x(i - 1), x(i - 2)).w;
+      light = guide_.pdf_A(From::light, x(i - 1), back, x(i), light, crossing_[u(i - 1)]);
+    }
+    if (j == 1 || camera == 0) {
+    } else if (i >= first_z) {
+      camera = z[j].guided_own_A;
+    } else if (i <= s - 3) {
+      camera = y[i].guided_other_A;
+    } else if (!dirac(i + 1)) {
+      const Vec3d back = between(x(i + 1), x(i + 2)).w;
+      camera = guide_.pdf_A(From::camera, x(i + 1), back, x(i), camera, crossing_[u(i)]);
+    }
+    const auto swap_in = [](double guided, double& plain, double& ratio) {
+      ratio = guided > 0 ? plain / guided : 1;
+      plain = guided;
+    };
+    swap_in(light, from_light_A_[u(i)], light_ratio_[u(i)]);
+    swap_in(camera, from_camera_A_[u(i)], camera_ratio_[u(i)]);
   }
 }
 
 template <class Add>
 void Path::for_each_strategy(TechniqueSet set, const Add& add) const {
-  const auto u = [](int i) { return static_cast<size_t>(i); };
   for (int s = 0; s <= k_; ++s) {
     const Technique technique = s == 0    ? Technique::camera
                                 : s == 1  ? Technique::direct
@@ -104,17 +148,16 @@ void Path::for_each_strategy(TechniqueSet set, const Add& add) const {
                                           : Technique::bi;
     const bool joins = !(s > 0 && (dirac(s - 1) || dirac(s)));
     if (set.has(technique) && joins) add(Strategy{technique, s}, s, 1.0);
-    if (s <= k_ - 2 && portal_[u(s)] > 0 && set.has(Technique::portal) && joins && !dirac(s) &&
+    if (s <= k_ - 2 && crossing_[u(s)].density > 0 && set.has(Technique::portal) && joins && !dirac(s) &&
         !dirac(s + 1) && !dirac(s + 2)) {
       const double g = geometry(x(s), x(s + 1), between(x(s), x(s + 1)));
-      add(Strategy{Technique::portal, s}, s + 2, portal_[u(s)] * (g / common(s)) / common(s + 1));
+      add(Strategy{Technique::portal, s}, s + 2, crossing_[u(s)].density * (g / common(s)) / common(s + 1));
     }
   }
 }
 
 double Path::weight(TechniqueSet set, Strategy used, double beta) const {
   if (k_ < 2) return 1;  // a light seen directly: only the camera technique makes it
-  const auto u = [](int i) { return static_cast<size_t>(i); };
   std::array<double, kMaxDepth + 2> light_part;   // [s] = prod_{i<s} P>(x_i)/q_i
   std::array<double, kMaxDepth + 2> camera_part;  // [s] = prod_{i>=s} P<(x_i)/q_i
   camera_part[u(k_)] = light_part[0] = 1;
@@ -124,6 +167,13 @@ double Path::weight(TechniqueSet set, Strategy used, double beta) const {
   }
   for (int i = k_ - 1; i >= 0; --i)
     camera_part[u(i)] = camera_part[u(i + 1)] * from_camera_A_[u(i)] / common(i);
+  if (guide_.active()) {
+    double light = 1, camera = 1;  // r of the prefixes
+    for (int i = 0; i < k_; ++i)
+      light_part[u(i + 1)] *= guide_.mixture(From::light, light *= light_ratio_[u(i)]);
+    for (int i = k_ - 1; i >= 0; --i)
+      camera_part[u(i)] *= guide_.mixture(From::camera, camera *= camera_ratio_[u(i)]);
+  }
   double total = 0, mine = 0;
   for_each_strategy(set, [&](Strategy strategy, int rest, double extra) {
     double p = light_part[u(strategy.split)] * extra * camera_part[u(rest)];
@@ -137,13 +187,19 @@ double Path::weight(TechniqueSet set, Strategy used, double beta) const {
 
 // Long paths whose edges are short and long by turns make every product tiny at once.
 double Path::weight_by_logarithms(TechniqueSet set, Strategy used, double beta) const {
-  const auto u = [](int i) { return static_cast<size_t>(i); };
   std::array<double, kMaxDepth + 2> light_part, camera_part;
   camera_part[u(k_)] = light_part[0] = 0;
   for (int i = 0; i < k_; ++i)
     light_part[u(i + 1)] = light_part[u(i)] + std::log(from_light_A_[u(i)] / common(i));
   for (int i = k_ - 1; i >= 0; --i)
     camera_part[u(i)] = camera_part[u(i + 1)] + std::log(from_camera_A_[u(i)] / common(i));
+  if (guide_.active()) {
+    double light = 1, camera = 1;
+    for (int i = 0; i < k_; ++i)
+      light_part[u(i + 1)] += std::log(guide_.mixture(From::light, light *= light_ratio_[u(i)]));
+    for (int i = k_ - 1; i >= 0; --i)
+      camera_part[u(i)] += std::log(guide_.mixture(From::camera, camera *= camera_ratio_[u(i)]));
+  }
   constexpr double kNone = -std::numeric_limits<double>::infinity();
   const auto log_p = [&](Strategy strategy, int rest, double extra) {
     return light_part[u(strategy.split)] + std::log(extra) + camera_part[u(rest)];

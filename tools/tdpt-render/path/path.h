@@ -16,11 +16,11 @@ struct Strategy {
   friend bool operator==(const Strategy&, const Strategy&) = default;
 };
 
-/// Densities D (portals.h) of a portal segment and of the edges that join it to its prefixes.
-struct SegmentDensities {
-  double own = 0;     ///< x_l -> x_c; more than 0
-  double before = 0;  ///< last light vertex -> x_l; of no meaning without a light prefix
-  double after = 0;   ///< x_c -> last camera vertex; of no meaning when that is the camera
+/// Crossings (portals.h) of a portal segment and of the edges that join it to its prefixes.
+struct SegmentCrossings {
+  PortalSet::Crossing own;     ///< x_l -> x_c; D is more than 0
+  PortalSet::Crossing before;  ///< last light vertex -> x_l; of no meaning without a light prefix
+  PortalSet::Crossing after;   ///< x_c -> last camera vertex; of no meaning when that is the camera
 };
 
 /// x_0 (on a light) ... x_k (the camera), assembled from a light prefix, 0 or 2 vertices of a
@@ -28,10 +28,11 @@ struct SegmentDensities {
 class Path {
  public:
   /// x = y_0..y_{s-1}, z_{t-1}..z_0.
-  Path(const World& world, const Walk& y, int s, const Walk& z, int t, RayCounts& rays);
+  Path(const World& world, const Guide& guide, const Walk& y, int s, const Walk& z, int t,
+       RayCounts& rays);
   /// x = y_0..y_{s-1}, x_l, x_c, z_{t-1}..z_0.
-  Path(const World& world, const Walk& y, int s, const Vertex& x_l, const Vertex& x_c,
-       const SegmentDensities& segment, const Walk& z, int t, RayCounts& rays);
+  Path(const World& world, const Guide& guide, const Walk& y, int s, const Vertex& x_l,
+       const Vertex& x_c, const SegmentCrossings& segment, const Walk& z, int t, RayCounts& rays);
 
   int k() const { return k_; }
   const Vertex& vertex(int i) const { return *x_[static_cast<size_t>(i)]; }
@@ -44,7 +45,8 @@ class Path {
 
  private:
   void fill(const World& world, const Walk& y, int s, const Walk& z, int t,
-            const SegmentDensities* segment, RayCounts& rays);
+            const SegmentCrossings* segment, RayCounts& rays);
+  void fill_guided(const Walk& y, int s, const Walk& z, int t);
   const Vertex& x(int i) const { return vertex(i); }
   /// q_i, by which the densities of x_i are divided.
   double common(int i) const {
@@ -56,12 +58,15 @@ class Path {
   void for_each_strategy(TechniqueSet set, const Add& add) const;
   double weight_by_logarithms(TechniqueSet set, Strategy used, double beta) const;
 
+  const Guide& guide_;
   int k_ = 0;
   std::array<const Vertex*, kMaxDepth + 1> x_;
-  std::array<double, kMaxDepth + 1> from_light_A_;   ///< P>(x_i)
-  std::array<double, kMaxDepth + 1> from_camera_A_;  ///< P<(x_i)
-  std::array<double, kMaxDepth + 1> portal_;         ///< D of the edge x_i -> x_{i+1}
+  std::array<double, kMaxDepth + 1> from_light_A_;   ///< P>(x_i), of directed walks if any are
+  std::array<double, kMaxDepth + 1> from_camera_A_;  ///< P<(x_i), likewise
+  std::array<PortalSet::Crossing, kMaxDepth + 1> crossing_;  ///< of the edge x_i -> x_{i+1}
   std::array<bool, kMaxDepth + 1> dirac_;
+  // Only where walks are directed: plain over guided density.
+  std::array<double, kMaxDepth + 1> light_ratio_, camera_ratio_;
 };
 
 }  // namespace tdpt

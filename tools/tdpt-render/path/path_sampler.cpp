@@ -34,7 +34,7 @@ void Tally::merge(const Tally& other) {
 
 PathSampler::PathSampler(const World& world, const SampleSettings& settings, Film& film,
                          Tally& tally, const PathObserver* observer)
-    : world_(world), settings_(settings), film_(film), tally_(tally), observer_(observer) {}
+    : world_(world), settings_(settings), guide_(world, settings.guiding), film_(film), tally_(tally), observer_(observer) {}
 
 Rng PathSampler::rng(Purpose purpose) const {
   const uint64_t pixel = static_cast<uint64_t>(y_) << 32 | static_cast<uint64_t>(x_);
@@ -56,12 +56,12 @@ void PathSampler::walk_from_camera() {
   Rng place = rng(film_place);
   const double x = x_ + place.uniform();
   const double y = y_ + place.uniform();
-  tdpt::walk_from_camera(world_, x, y, settings_.max_depth, rng(camera_walk), camera_walk_,
+  tdpt::walk_from_camera(world_, guide_, x, y, settings_.max_depth, rng(camera_walk), camera_walk_,
                          tally_.rays);
 }
 
 void PathSampler::walk_from_light() {
-  tdpt::walk_from_light(world_, settings_.max_depth - 1, rng(light_walk), light_walk_, tally_.rays);
+  tdpt::walk_from_light(world_, guide_, settings_.max_depth - 1, rng(light_walk), light_walk_, tally_.rays);
 }
 
 void PathSampler::count_not_finite() {
@@ -127,7 +127,7 @@ void PathSampler::camera() {
     if (!emits(z[j])) continue;
     const Rgb Le = emitted(z[j], back(z, j));
     if (black(Le)) continue;
-    to_pixel(Path(world_, light_walk_, 0, z, j + 1, tally_.rays), {Technique::camera, 0},
+    to_pixel(Path(world_, guide_, light_walk_, 0, z, j + 1, tally_.rays), {Technique::camera, 0},
              z[j].throughput * Le);
   }
 }
@@ -143,13 +143,14 @@ void PathSampler::direct() {
     Vertex& y0 = light_point_.v[0];
     light_point_.size = 1;
     place_on_light(world_, world_.lights.sample(point), y0);
+    if (guide_.active()) guide_.aim_at_light(y0);
     const Edge e = between(z[j], y0);
     const Rgb Le = emitted(y0, -e.w);
     if (black(Le)) continue;
     const Rgb f = bsdf_at(z[j], e.w, back(z, j));
     const Rgb value = z[j].throughput * f * Le * y0.throughput * geometry(z[j], y0, e);
     if (black(value) || !visible(z[j], y0)) continue;
-    to_pixel(Path(world_, light_point_, 1, z, j + 1, tally_.rays), {Technique::direct, 1}, value);
+    to_pixel(Path(world_, guide_, light_point_, 1, z, j + 1, tally_.rays), {Technique::direct, 1}, value);
   }
 }
 
@@ -163,7 +164,7 @@ void PathSampler::light() {
     if (!project(y[i], to_camera, factor, raster_x, raster_y)) continue;
     const Rgb value = y[i].throughput * bsdf_at(y[i], back(y, i), to_camera) * factor;
     if (black(value) || !visible(y[i], camera_walk_[0])) continue;
-    to_film(Path(world_, y, i + 1, camera_walk_, 1, tally_.rays), {Technique::light, i + 1},
+    to_film(Path(world_, guide_, y, i + 1, camera_walk_, 1, tally_.rays), {Technique::light, i + 1},
             raster_x, raster_y, value);
   }
 }
@@ -181,13 +182,14 @@ void PathSampler::bi() {
       const Rgb value = a.throughput * bsdf_at(a, back(y, s - 1), e.w) * b.throughput *
                         bsdf_at(b, -e.w, back(z, t - 1)) * geometry(a, b, e);
       if (black(value) || !visible(a, b)) continue;
-      to_pixel(Path(world_, y, s, z, t, tally_.rays), {Technique::bi, s}, value);
+      to_pixel(Path(world_, guide_, y, s, z, t, tally_.rays), {Technique::bi, s}, value);
     }
   }
 }
 
 bool PathSampler::portal_segment(const PortalSet::Sample& sample, Vertex& x_l, Vertex& x_c,
-                                 double& density, double& presence) {
+                                 PortalSet::Crossing& crossing,
+                                 double& presence) {
   // Each ray starts on the other's side of the portal's plane by more than rounding: a surface in
   // that plane stops one of them there, and such a segment has no density.
   presence = 1;
@@ -206,8 +208,12 @@ bool PathSampler::portal_segment(const PortalSet::Sample& sample, Vertex& x_l, V
   if (!x_l.connectible && black(emitted(x_l, sample.direction))) return false;
   if (!(between(x_l, x_c).d2 > 0)) return false;
   ++tally_.rays.portal;
-  density = world_.portals.density(x_l.position, x_c.position, sample.polygon);
-  return density > 0;
+  if (guide_.active()) {
+    guide_.aim_at_surface(sample.direction, x_l);
+    guide_.aim_at_surface(-sample.direction, x_c);
+  }
+  crossing = guide_.crossing(x_l, x_c, sample.polygon);
+  return crossing.density > 0;
 }
 
 void PathSampler::portal() {
@@ -222,25 +228,25 @@ void PathSampler::portal() {
   Tally::OfPortal& of_portal = tally_.portals[world_.portals.polygon(sample.polygon).portal];
   ++of_portal.drawn;
   Vertex x_l, x_c;
-  double density, presence;
-  if (!portal_segment(sample, x_l, x_c, density, presence)) return;
+  PortalSet::Crossing crossing;
+  double presence;
+  if (!portal_segment(sample, x_l, x_c, crossing, presence)) return;
 
-  // One throughput for both ends: G / p_AA = 1 / density.
+  // One throughput for both ends: G / p_AA = 1 / D.
   const Edge middle = between(x_l, x_c);
   const Vec3d& w = middle.w;
-  Rgb through(static_cast<float>(1 / (density * presence)));
+  Rgb through(static_cast<float>(1 / (crossing.density * presence)));
   if (world_.absorbing) through = through * transmittance(x_l, x_c, w, std::sqrt(middle.d2));
 
   // Light sides: [a] with a prefix vertices y_0..y_{a-1}; arriving at x_l and scattered along w.
   // Each end's edges are tested against the portals once, for all paths that have them.
-  const auto edge_density = [&](const Vertex& from, const Vertex& to) {
-    if (!from.on_surface()) return 0.0;
+  const auto edge_crossing = [&](const Vertex& from, const Vertex& to) {
+    if (!from.on_surface() && !guide_.active()) return PortalSet::Crossing();
     ++tally_.rays.portal;
-    return world_.portals.density(from.position, to.position);
+    return guide_.crossing(from, to);
   };
   std::array<Rgb, kMaxDepth> light_side;
-  std::array<double, kMaxDepth> before;  // set where light_side is not black
-  before[0] = 0;
+  std::array<PortalSet::Crossing, kMaxDepth> before;  // of meaning where light_side is not black
   light_side[0] = emitted(x_l, w);
   int last_a = 0;
   for (int a = 1; a <= D - 2 && a <= y.size; ++a) {
@@ -253,7 +259,7 @@ void PathSampler::portal() {
     const Rgb f = a == 1 ? emitted(v, e.w) : bsdf_at(v, back(y, a - 1), e.w);
     value = v.throughput * f * bsdf_at(x_l, -e.w, w) * geometry(v, x_l, e);
     if (!black(value) && !visible(v, x_l)) value = {};
-    if (!black(value)) before[static_cast<size_t>(a)] = edge_density(v, x_l);
+    if (!black(value)) before[static_cast<size_t>(a)] = edge_crossing(v, x_l);
   }
 
   double& energy = tally_.energy[static_cast<size_t>(Technique::portal)];
@@ -275,12 +281,12 @@ void PathSampler::portal() {
                     geometry(x_c, v, e);
     }
     if (black(camera_side) || !visible(x_c, v)) continue;
-    const double after = b == 1 ? 0 : edge_density(x_c, v);
+    const PortalSet::Crossing after = b == 1 ? PortalSet::Crossing() : edge_crossing(x_c, v);
     for (int a = 0; a <= last_a && a + b <= D - 1; ++a) {
       const Rgb value = light_side[static_cast<size_t>(a)] * camera_side * through;
       if (black(value)) continue;
-      const SegmentDensities densities{density, before[static_cast<size_t>(a)], after};
-      const Path path(world_, y, a, x_l, x_c, densities, z, b, tally_.rays);
+      const SegmentCrossings crossings{crossing, before[static_cast<size_t>(a)], after};
+      const Path path(world_, guide_, y, a, x_l, x_c, crossings, z, b, tally_.rays);
       const Strategy strategy{Technique::portal, a};
       if (b == 1)
         to_film(path, strategy, raster_x, raster_y, value);

@@ -33,6 +33,7 @@ struct SampleSettings {
   double beta = 1;  ///< 1: balance heuristic, 2: power heuristic
   uint64_t seed = 1;
   uint64_t stream = 0;  ///< keeps integrators apart
+  Guiding guiding{};    ///< how walks are directed at portals; default: not
 };
 
 /// Sees every contribution with its path: for tests.
@@ -76,13 +77,14 @@ class PathSampler {
   /// Importance of the pinhole for light leaving v: radiance of a splat per unit of f * throughput.
   /// False when v is not in the picture. No visibility.
   bool project(const Vertex& v, Vec3d& to_camera, Rgb& factor, double& x, double& y) const;
-  /// A segment x_l -> x_c through a portal, its density D and the presence of both ends' surfaces
+  /// A segment x_l -> x_c through a portal, its crossing and the presence of both ends' surfaces
   /// (tracer.h); false when it joins nothing.
-  bool portal_segment(const PortalSet::Sample& sample, Vertex& x_l, Vertex& x_c, double& density,
-                      double& presence);
+  bool portal_segment(const PortalSet::Sample& sample, Vertex& x_l, Vertex& x_c,
+                      PortalSet::Crossing& crossing, double& presence);
 
   const World& world_;
   SampleSettings settings_;
+  Guide guide_;
   Film& film_;
   Tally& tally_;
   const PathObserver* observer_;

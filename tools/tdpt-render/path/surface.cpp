@@ -123,6 +123,11 @@ double layered_scatter_pdf_A(const Vertex& from, const Vertex& at, const Vertex&
   return to_area(pdf_w, e, to);
 }
 
+double layered_dirac_probability(const Vertex& at, const Vec3d& back) {
+  const Vec3d local = Onb<double>(at.shading).to_local(back);
+  return local.z * dot(at.normal, back) > 0 ? bsdf::dirac_probability(at.bsdf, local) : 0;
+}
+
 bool turn(const Vertex& v, From from, const Vec3d& back, Rng& rng, Turn& out) {
   const double a = rng.uniform();
   const double b = rng.uniform();
@@ -153,10 +158,22 @@ bool turn(const Vertex& v, From from, const Vec3d& back, Rng& rng, Turn& out) {
     out.weight = bsdf::dirac_reflectance(v.bsdf, local_back, to) * static_cast<float>(factor / p);
     return p > 0;
   }
+  return turn_towards(v, from, back, out.w, out);
+}
+
+bool turn_towards(const Vertex& v, From from, const Vec3d& back, const Vec3d& w, Turn& out) {
+  out.w = w;
+  out.dirac = false;
+  if (v.simple) {
+    out.weight = v.material->base_color;
+    return same_side(v, back, w);
+  }
+  Vec3d local_back, to;
+  if (!to_shading_frame(v, back, w, local_back, to)) return false;
   const double pdf_w = bsdf::pdf_w(v.bsdf, local_back, to);
   if (!(pdf_w > 0)) return false;
-  const Rgb f = from == From::camera ? layered_bsdf(v, out.w, back) : layered_bsdf(v, back, out.w);
-  out.weight = f * static_cast<float>(std::abs(cos_out) / pdf_w);
+  const Rgb f = from == From::camera ? layered_bsdf(v, w, back) : layered_bsdf(v, back, w);
+  out.weight = f * static_cast<float>(std::abs(dot(v.normal, w)) / pdf_w);
   return true;
 }
 

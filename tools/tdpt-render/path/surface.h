@@ -18,10 +18,11 @@ struct Turn {
   Rgb weight;  ///< f cos / pdf_w
   bool dirac;
 };
-enum class From { light, camera };
 /// Draws three numbers (two where the surface is simple). `back`: unit, where the walk came from.
 /// False when the walk ends here.
 bool turn(const Vertex& v, From from, const Vec3d& back, Rng& rng, Turn& out);
+/// The same with the direction given: `out` is by a lobe that is not Dirac. Draws nothing.
+bool turn_towards(const Vertex& v, From from, const Vec3d& back, const Vec3d& w, Turn& out);
 
 /// Share of light that gets along the inside of an absorbing solid from a to b, d long.
 Rgb transmittance(const Vertex& a, const Vertex& b, const Vec3d& w, double d);

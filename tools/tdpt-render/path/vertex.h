@@ -9,13 +9,23 @@
 // 5.3), and a direction that lies above one of them and below the other is dark. So walks from
 // either side agree.
 #pragma once
+#include <array>
 #include <numbers>
 
 #include "libcommon/scene/lights.h"
 #include "libcommon/trace/tracer.h"
 #include "tools/tdpt-render/path/bsdf.h"
+#include "tools/tdpt-render/portals.h"
 
 namespace tdpt {
+
+enum class From { light, camera };
+
+/// How a walk is directed at the portals where it stands (guide.h).
+struct Aim {
+  double chance = 0;      ///< that it is
+  double per_weight = 0;  ///< chance / W
+};
 
 struct Vertex {
   Vec3d position{};  ///< of no meaning at infinity
@@ -37,7 +47,13 @@ struct Vertex {
   Rgb throughput{};           ///< product of f cos / pdf_w up to here, without the scattering here
   double pdf_own_A = 0;       ///< sampled by its own walk
   double pdf_other_A = 0;     ///< as the other walk would sample it; known two vertices later
-  double portal_density = 0;  ///< D of the edge to the previous vertex (portals.h)
+  PortalSet::Crossing crossing;  ///< of the edge to the previous vertex (portals.h)
+
+  // Of walks that may be directed at portals (guide.h).
+  Vec3d facing{};                ///< side of the surface that its edges are on; 0: both
+  std::array<Aim, 2> aim;        ///< of a walk from the light, from the camera
+  double guided_own_A = 0;       ///< pdf_own_A and
+  double guided_other_A = 0;     ///< pdf_other_A of a directed walk
 
   bool on_surface() const { return material != nullptr; }
   bool at_infinity() const { return lamp && lamp->directional(); }
@@ -78,6 +94,7 @@ inline bool same_side(const Vertex& v, const Vec3d& wi, const Vec3d& wo) {
 // Of vertices that are not simple.
 Rgb layered_bsdf(const Vertex& v, const Vec3d& to_light, const Vec3d& to_camera);
 double layered_scatter_pdf_A(const Vertex& from, const Vertex& at, const Vertex& to, bool dirac);
+double layered_dirac_probability(const Vertex& at, const Vec3d& back);
 
 /// Radiance BSDF without Dirac lobes [1/sr]; unit directions away from the surface.
 inline Rgb bsdf_at(const Vertex& v, const Vec3d& to_light, const Vec3d& to_camera) {
@@ -97,6 +114,11 @@ inline double scatter_pdf_A(const Vertex& from, const Vertex& at, const Vertex& 
   const double cos_out = dot(at.normal, e.w);
   if (!(cos_in * cos_out > 0)) return 0;
   return to_area(std::abs(cos_out) * std::numbers::inv_pi, e, to);
+}
+
+/// That a walk which came from unit `back` goes on by a Dirac lobe.
+inline double dirac_probability(const Vertex& at, const Vec3d& back) {
+  return at.simple ? 0 : layered_dirac_probability(at, back);
 }
 
 /// Whether any light leaves it.

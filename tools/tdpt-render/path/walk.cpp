@@ -5,49 +5,116 @@
 namespace tdpt {
 namespace {
 
-// Extends `walk`, whose last vertex is v, along unit w from `origin`: first hit, its densities, and
-// what the two vertices before it learn. pdf_own_A is set by `own_pdf_A(previous, hit)`.
-template <class OwnPdf>
-bool extend(const World& world, From from, const Tracer::Origin& origin, const Vec3d& w,
-            const Rgb& throughput, OwnPdf own_pdf_A, Walk& walk, RayCounts& rays) {
-  const auto n = static_cast<size_t>(walk.size);
-  Vertex& v = walk.v[n - 1];
-  Hit hit;
-  ++rays.closest;
-  if (!world.tracer.closest(origin, w, hit)) return false;
-  Vertex& next = walk.v[n];
-  place_on_surface(world, hit, next);
-  next.throughput = throughput * static_cast<float>(1 / hit.presence);
-  next.pdf_own_A = own_pdf_A(v, next);
-  next.pdf_other_A = 0;
-  next.portal_density = 0;
-  if (!(next.pdf_own_A > 0)) return false;
-  if (world.absorbing) next.throughput = next.throughput * transmittance(v, next, w, hit.distance);
-  if (n >= 2 && !walk.v[n - 2].lamp)  // no walk meets a lamp without surface
-    walk.v[n - 2].pdf_other_A = scatter_pdf_A(next, v, walk.v[n - 2], v.dirac);
-  // No technique puts a portal on the camera's own edge or on that of a lamp without surface.
-  if (!world.portals.empty() && v.on_surface()) {
-    ++rays.portal;
-    next.portal_density = from == From::light ? world.portals.density(v.position, next.position)
-                                              : world.portals.density(next.position, v.position);
+class Walker {
+ public:
+  Walker(const World& world, const Guide& guide, From from, const Rng& rng, Walk& walk,
+         RayCounts& rays)
+      : world_(world), guide_(guide), from_(from), rng_(rng), walk_(walk), rays_(rays) {
+    guided_ = guide.active() && rng_.uniform() < guide.share(from);
   }
-  ++walk.size;
+
+  Rng& rng() { return rng_; }
+  bool guided() const { return guided_; }
+
+  /// Extends the walk, whose last vertex is v, along unit w from `origin`: first hit, its densities,
+  /// and what the two vertices before it learn. `throughput`: of a walk that is not directed.
+  /// `plain_A(v, hit)`: density of the hit in such a walk. `triangle`: of the portals, aimed at.
+  template <class PlainPdf>
+  bool extend(const Tracer::Origin& origin, const Vec3d& w, const Rgb& throughput,
+              const PlainPdf& plain_A, int triangle);
+
+  /// Goes on until the walk has that many edges or ends.
+  void scatter(int edges);
+
+ private:
+  PortalSet::Crossing crossing(const Vertex& v, const Vertex& next, int triangle);
+  Vec3d back(size_t i) const {
+    return i == 0 ? Vec3d() : between(walk_.v[i], walk_.v[i - 1]).w;
+  }
+
+  const World& world_;
+  const Guide& guide_;
+  From from_;
+  Rng rng_;
+  Walk& walk_;
+  RayCounts& rays_;
+  bool guided_;
+  Rgb throughput_{};  ///< at the last vertex, by plain densities
+  double ratio_ = 1;  ///< r
+};
+
+PortalSet::Crossing Walker::crossing(const Vertex& v, const Vertex& next, int triangle) {
+  // No technique puts a portal on the camera's own edge.
+  if (world_.portals.empty() || (!v.on_surface() && !v.lamp)) return {};
+  if (!v.on_surface() && !guide_.active()) return {};
+  ++rays_.portal;
+  return from_ == From::light ? guide_.crossing(v, next, triangle)
+                              : guide_.crossing(next, v, triangle);
+}
+
+template <class PlainPdf>
+bool Walker::extend(const Tracer::Origin& origin, const Vec3d& w, const Rgb& throughput,
+                    const PlainPdf& plain_A, int triangle) {
+  const auto n = static_cast<size_t>(walk_.size);
+  Vertex& v = walk_.v[n - 1];
+  Hit hit;
+  ++rays_.closest;
+  if (!world_.tracer.closest(origin, w, hit)) return false;
+  Vertex& next = walk_.v[n];
+  place_on_surface(world_, hit, next);
+  next.pdf_own_A = plain_A(v, next);
+  next.pdf_other_A = 0;
+  if (!(next.pdf_own_A > 0)) return false;
+  throughput_ = throughput * static_cast<float>(1 / hit.presence);
+  if (world_.absorbing) throughput_ = throughput_ * transmittance(v, next, w, hit.distance);
+  next.throughput = throughput_;
+  const bool known = n >= 2 && !walk_.v[n - 2].lamp;  // no walk meets a lamp without surface
+  if (known) walk_.v[n - 2].pdf_other_A = scatter_pdf_A(next, v, walk_.v[n - 2], v.dirac);
+  next.crossing = crossing(v, next, triangle);
+  ++walk_.size;
+  if (!guide_.active()) return true;
+
+  guide_.aim_at_surface(-w, next);
+  const bool chosen = n >= 2 || from_ == From::light;  // not by the film
+  next.guided_own_A = chosen && !v.dirac ? guide_.pdf_A(from_, v, back(n - 1), next,
+                                                        next.pdf_own_A, next.crossing)
+                                         : next.pdf_own_A;
+  ratio_ *= next.pdf_own_A / next.guided_own_A;
+  next.throughput =
+      throughput_ * static_cast<float>(ratio_ / guide_.mixture(from_, ratio_));
+  if (known) {
+    Vertex& before = walk_.v[n - 2];
+    before.guided_other_A =
+        v.dirac ? before.pdf_other_A
+                : guide_.pdf_A(from_ == From::light ? From::camera : From::light, v, w, before,
+                               before.pdf_other_A, v.crossing);
+  }
   return true;
 }
 
-void scatter(const World& world, From from, int edges, Rng& rng, Walk& walk, RayCounts& rays) {
-  while (walk.size <= edges) {
-    Vertex& v = walk.v[static_cast<size_t>(walk.size) - 1];
-    const Vertex& previous = walk[walk.size - 2];
+void Walker::scatter(int edges) {
+  while (walk_.size <= edges) {
+    Vertex& v = walk_.v[static_cast<size_t>(walk_.size) - 1];
+    const Vertex& previous = walk_[walk_.size - 2];
+    const Vec3d to_previous = between(v, previous).w;
     Turn t;
-    if (!turn(v, from, between(v, previous).w, rng, t)) return;
-    const Rgb throughput = v.throughput * t.weight;
+    const bool goes_on = turn(v, from_, to_previous, rng_, t);
+    const bool tried_dirac = goes_on && t.dirac;
+    Vec3d towards;
+    int triangle = -1;
+    const bool aims = guided_ && guide_.draw(v, from_, rng_, towards, triangle);
+    if (aims && !tried_dirac) {
+      if (!turn_towards(v, from_, to_previous, towards, t)) return;
+    } else if (!goes_on) {
+      return;
+    }
+    const Rgb throughput = throughput_ * t.weight;
     if (max_component(throughput) <= 0) return;
     v.dirac = t.dirac;
     const auto pdf_A = [&](const Vertex& at, const Vertex& to) {
       return scatter_pdf_A(previous, at, to, t.dirac);
     };
-    if (!extend(world, from, v.origin(), t.w, throughput, pdf_A, walk, rays)) {
+    if (!extend(v.origin(), t.w, throughput, pdf_A, tried_dirac ? -1 : triangle)) {
       v.dirac = false;
       return;
     }
@@ -56,41 +123,49 @@ void scatter(const World& world, From from, int edges, Rng& rng, Walk& walk, Ray
 
 }  // namespace
 
-void walk_from_camera(const World& world, double x, double y, int edges, Rng rng, Walk& walk,
-                      RayCounts& rays) {
+void walk_from_camera(const World& world, const Guide& guide, double x, double y, int edges,
+                      Rng rng, Walk& walk, RayCounts& rays) {
   walk.size = 1;
   Vertex& z0 = walk.v[0];
   z0 = {};
   z0.position = world.film.position();
-  z0.pdf_own_A = 1;
+  z0.pdf_own_A = z0.guided_own_A = 1;
   const Vec3d w = world.film.direction(x, y);
   const auto pdf_A = [&](const Vertex& at, const Vertex& to) {
     return to_area(world.film.pdf_w(w), {w, between(at, to).d2}, to);
   };
-  if (extend(world, From::camera, z0.origin(), w, Rgb(1.0f), pdf_A, walk, rays))
-    scatter(world, From::camera, edges, rng, walk, rays);
+  Walker walker(world, guide, From::camera, rng, walk, rays);
+  if (walker.extend(z0.origin(), w, Rgb(1.0f), pdf_A, -1)) walker.scatter(edges);
 }
 
-void walk_from_light(const World& world, int edges, Rng rng, Walk& walk, RayCounts& rays) {
+void walk_from_light(const World& world, const Guide& guide, int edges, Rng rng, Walk& walk,
+                     RayCounts& rays) {
   walk.size = 0;
   if (world.lights.empty()) return;
-  const Lights::Point light = world.lights.sample(rng);
+  Walker walker(world, guide, From::light, rng, walk, rays);
+  const Lights::Point light = world.lights.sample(walker.rng());
   walk.size = 1;
   Vertex& y0 = walk.v[0];
   place_on_light(world, light, y0);
+  if (guide.active()) guide.aim_at_light(y0);
   if (edges < 1) return;
-  const double a = rng.uniform();
-  const double b = rng.uniform();
-  const Lights::Ray ray = world.lights.leave(light, a, b);
+  const double a = walker.rng().uniform();
+  const double b = walker.rng().uniform();
+  Lights::Ray ray = world.lights.leave(light, a, b);
+  int triangle = -1;
+  if (walker.guided() && guide.draw(y0, From::light, walker.rng(), ray.direction, triangle))
+    ray.origin = light.position;
   // Le cos / pdf_w: pi per emitting side of a surface.
   const double sides = light.lamp ? 0 : y0.material->double_sided ? 2 : 1;
   const double per_density = light.lamp ? 1 / light.lamp->pdf : sides * std::numbers::pi;
   const Rgb throughput =
       y0.throughput * emitted(y0, ray.direction) * static_cast<float>(per_density);
   if (max_component(throughput) <= 0) return;
-  const Tracer::Origin origin{ray.origin, y0.normal};
-  if (extend(world, From::light, origin, ray.direction, throughput, emission_pdf_A, walk, rays))
-    scatter(world, From::light, edges, rng, walk, rays);
+  // A directed ray may leave by the other side of its lamp.
+  const Vec3d side = dot(y0.normal, ray.direction) < 0 ? -y0.normal : y0.normal;
+  const Tracer::Origin origin{ray.origin, side};
+  if (walker.extend(origin, ray.direction, throughput, emission_pdf_A, triangle))
+    walker.scatter(edges);
 }
 
 }  // namespace tdpt
