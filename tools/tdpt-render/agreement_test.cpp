@@ -14,8 +14,8 @@ using Integrators = std::vector<const Integrator*>;
 constexpr int kWidth = 32, kHeight = 24;
 
 // Variance of pt is that of the lamp found by chance: only where that is often.
-const Integrators kAll{&pt, &nee, &tdpt_org, &tdpt_ref};
-const Integrators kButPt{&nee, &tdpt_org, &tdpt_ref};
+const Integrators kAll{&pt, &nee, &tdpt_org, &tdpt_ref, &tdpt_guided};
+const Integrators kButPt{&nee, &tdpt_org, &tdpt_ref, &tdpt_guided};
 
 TEST(agreement, furnace) {
   const Scene scene = read_gltf(furnace_path());
@@ -69,7 +69,7 @@ TEST(agreement, two_rooms_with_a_portal_in_the_hole) {
 TEST(agreement, portals_that_cross_each_other) {
   const Scene scene = read_gltf(two_rooms_path());
   expect_agreement(World(scene, scene.camera(""), kWidth, kHeight, two_crossing_portals()),
-                   {&tdpt_org, &tdpt_ref}, {.runs = 16, .spp = 32});
+                   {&tdpt_org, &tdpt_ref, &tdpt_guided}, {.runs = 16, .spp = 32});
 }
 
 TEST(agreement, three_rooms_with_a_portal_in_each_hole) {
@@ -83,7 +83,7 @@ TEST(agreement, lamp_behind_a_door_ajar) {
   const Scene scene = read_gltf(TDPT_TESTDATA "/scenes/door-ajar.glb");
   expect_agreement(World(scene, scene.camera(""), kWidth, kHeight,
                          {rectangle({2.05, 0.02, -0.4}, {0, 0, 0.8}, {0, 1.8, 0})}),
-                   {&tdpt_org, &tdpt_ref}, {.runs = 16, .spp = 32});
+                   {&tdpt_org, &tdpt_ref, &tdpt_guided}, {.runs = 16, .spp = 32});
 }
 
 // Lamps of other power, colour and albedo than the ceiling's, some shining on both sides.

@@ -48,8 +48,8 @@ void expect_agreement(const GlossyRooms& what, const std::vector<const Integrato
   EXPECT_TRUE(verdict.holds()) << "portals and none\n" << verdict.text;
 }
 
-const std::vector<const Integrator*> kLamp{&pt, &nee, &tdpt_org, &tdpt_ref};
-const std::vector<const Integrator*> kPunctual{&nee, &tdpt_org, &tdpt_ref};
+const std::vector<const Integrator*> kLamp{&pt, &nee, &tdpt_org, &tdpt_ref, &tdpt_guided};
+const std::vector<const Integrator*> kPunctual{&nee, &tdpt_org, &tdpt_ref, &tdpt_guided};
 constexpr AgreementSettings kSettings{.runs = 16, .spp = 16};
 
 TEST(glossy_agreement, rough_plastic_and_metal) {

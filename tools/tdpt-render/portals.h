@@ -8,6 +8,14 @@
 //                  = G(x_l, x_c) * D,    D = sum over the q crossed of p(q) / (A_q pi).
 // cos cancels: no grazing singularity. D [1/(m2 sr)], canonical, is what this file computes.
 //
+// Portals that follow each other on the light's way (doors of rooms in a row) leave little room for
+// light that passes both without touching a wall between them, and a segment through one meets the
+// other by chance. So a share c of the segments, where there is such a pair, is drawn through a
+// point uniform on each, a pair with probability p(F,G):
+//   D = (1-c) sum_q p(q) / (A_q pi) + c sum over the pairs crossed of p(F,G) d^2 / (A_F A_G cos_F
+//   cos_G),
+// d the distance between the points where the segment passes the two.
+//
 // Walks are directed at facets: the triangles of a portal that lie in one plane. From v, facet F is
 // taken in proportion to w_F(v), about its solid angle, and then a point uniform on it; the
 // direction w there has
@@ -34,25 +42,32 @@ class PortalSet {
   /// Portals that the set was made of; one whose triangles are all degenerate counts, too.
   size_t portals() const { return portals_; }
   size_t size() const { return polygons_.size(); }
+  /// Of facets that segments are drawn through both of.
+  size_t pairs() const { return pairs_.size(); }
 
   /// A portal counts only for segments that begin and end at least this far from its plane
   /// (canonical): where a portal lies in a surface, rounding would decide what crosses it.
   static constexpr double kMargin = 2e-6;
 
+  /// Triangles that a segment was drawn through, the second of a pair; -1: none. They are counted
+  /// as crossed, as borders round either way, and a neighbour in their plane only when the crossing
+  /// is clear of the border.
+  struct Drawn {
+    int polygon = -1, second = -1;
+  };
   /// D of the segment `from` (light's side) -> `to` (camera's side); 0 when it crosses no triangle
-  /// along its normal. `sampled`: the triangle that the segment was drawn from is counted as
-  /// crossed, as borders round either way, and a neighbour in its plane only when the crossing is
-  /// clear of the border; -1: none.
-  double density(const Vec3d& from, const Vec3d& to, int sampled = -1) const;
+  /// along its normal.
+  double density(const Vec3d& from, const Vec3d& to, const Drawn& drawn) const;
+  double density(const Vec3d& from, const Vec3d& to) const { return density(from, to, Drawn{}); }
 
   /// What can have made an edge from the light's side to the camera's.
   struct Crossing {
-    double density = 0;  ///< D
+    double density;  ///< D
     /// pdf_w * W [1/sr] of a walk from the light that stands at `from` and is directed at `to`'s
     /// side, and of one from the camera that stands at `to`.
-    double from_light = 0, from_camera = 0;
+    double from_light, from_camera;
   };
-  Crossing crossing(const Vec3d& from, const Vec3d& to, int sampled = -1) const;
+  Crossing crossing(const Vec3d& from, const Vec3d& to, const Drawn& drawn) const;
 
   /// Which way a walk goes through the portals: with the light or against it.
   enum class Way { with_light, against_light };
@@ -64,53 +79,63 @@ class PortalSet {
   int aim(const Vec3d& v, const Vec3d& facing, Way way, double W, Rng& rng, Vec3d& w) const;
 
   struct Sample {
-    int polygon;
+    Drawn drawn;
     Vec3d position;   ///< x_p
     Vec3d direction;  ///< unit, towards the camera's side
   };
-  /// Five dimensions of `rng`. The set must not be empty.
+  /// Seven dimensions of `rng`. The set must not be empty.
   Sample sample(Rng& rng) const;
+  /// Whether x_l, x_c lie on either side of all that the segment was drawn through: one that was
+  /// drawn through a pair and is stopped between them is of no use.
+  bool spans(const Drawn& drawn, const Vec3d& x_l, const Vec3d& x_c) const;
 
   /// Geometry of one triangle, for tests.
   struct Polygon {
-    /// Whether a point of its plane, from p0, lies in it and `inside` (barycentric) off its borders.
+    /// Whether a point of its plane lies in it and `inside` (barycentric) off its borders.
     bool holds(const Vec3d& at, double inside) const {
-      const double b1 = dot(grad1, at), b2 = dot(grad2, at);
+      const double b1 = dot(grad1, at - p0), b2 = dot(grad2, at - p0);
       return b1 >= inside && b2 >= inside && b1 + b2 <= 1 - inside;
     }
 
     Vec3d p0, e1, e2, normal;
     Vec3d grad1, grad2;  ///< barycentric b1 = dot(grad1, p - p0), b2 = dot(grad2, p - p0)
-    double density;      ///< p(q) / (A_q pi)
+    double density;      ///< (1-c) p(q) / (A_q pi)
     uint32_t portal;     ///< which of the portals it is part of
     uint32_t facet;
   };
   const Polygon& polygon(int i) const { return polygons_[static_cast<size_t>(i)]; }
 
  private:
-  /// Whether triangle i is crossed at `at`, from its p0.
-  bool crossed(size_t i, const Vec3d& at, int sampled) const {
-    const auto s = static_cast<size_t>(sampled);
-    if (sampled < 0) return polygons_[i].holds(at, 0);
-    return i == s || polygons_[i].holds(at, polygons_[i].facet == polygons_[s].facet ? kBorder : 0);
-  }
-  static constexpr double kBorder = 1e-4;
-
   struct Facet {
     Vec3d p0, normal, centre;
     double area = 0;
-    std::vector<Vec3d> corners;
+    std::vector<Vec3d> corners;   ///< each once
     uint32_t first = 0, end = 0;  ///< of its triangles
     AliasTable table;             ///< among them, by area
   };
+  /// Two facets, light passing `first` before `second`.
+  struct Pair {
+    uint32_t first, second;
+    double pdf;  ///< c p(F,G) / (A_F A_G)
+  };
+
   void make_facets();
+  void make_pairs();
+  /// The pairs' part of D.
+  double pair_density(const Vec3d& from, const Vec3d& d, const Drawn& drawn) const;
+  Vec3d point_on(const Facet& f, double pick, double u, double v, int& triangle) const;
+  /// How many triangles of the facet are crossed at `at`.
+  int crossed(const Facet& f, const Vec3d& at, const Drawn& drawn) const;
   /// w_F(v), more than 0 off the plane.
-  static double weight(const Facet& f, const Vec3d& v);
+  double weight(const Facet& f, const Vec3d& v) const;
   static bool aimable(const Facet& f, const Vec3d& v, const Vec3d& facing, Way way);
 
   std::vector<Polygon> polygons_;
   AliasTable table_;
   std::vector<Facet> facets_;
+  std::vector<Pair> pairs_;
+  AliasTable pair_table_;
+  double pair_share_ = 0;  ///< c
   size_t portals_ = 0;
 };
 

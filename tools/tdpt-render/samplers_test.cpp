@@ -133,7 +133,8 @@ TEST(samplers, twin_a_film_with_a_cosine_too_many) {
   EXPECT_LT(film(1), kWrong);
 }
 
-// Portals: a quad of two triangles, a fan of a lopsided hexagon, and both with a sliver.
+// Portals: a quad of two triangles, a fan of a lopsided hexagon, both with a sliver, and the quad
+// with another that light passes after it.
 Portal quad() {
   return {"quad", {{0, 0, 0}, {1, 0, 0}, {1, 2, 0}, {0, 2, 0}}, {{0, 1, 2}, {0, 2, 3}}, {}};
 }
@@ -146,6 +147,10 @@ Portal fan() {
 Portal sliver() {
   return {"sliver", {{0, 0, 0.5}, {0.02, 0, 0.52}, {1, 2, 0.5}}, {{0, 1, 2}}, {}};
 }
+Portal ahead() {
+  return {
+      "ahead", {{0, 0.5, 1}, {2, 0.5, 1.5}, {2, 2, 1.5}, {0, 2, 1}}, {{0, 1, 2}, {0, 2, 3}}, {}};
+}
 // The fan is made planar, as portals are.
 Portal flat(Portal p) {
   const Vec3d n = normalize(
@@ -155,8 +160,14 @@ Portal flat(Portal p) {
 }
 const std::vector<std::vector<Portal>>& portal_sets() {
   static const std::vector<std::vector<Portal>> sets{
-      {quad()}, {flat(fan())}, {quad(), flat(fan()), sliver()}};
+      {quad()}, {flat(fan())}, {quad(), flat(fan()), sliver()}, {quad(), ahead()}};
   return sets;
+}
+// One that was drawn through a single portal.
+PortalSet::Sample through_one(const PortalSet& set, Rng& rng) {
+  PortalSet::Sample s = set.sample(rng);
+  while (s.drawn.second >= 0) s = set.sample(rng);
+  return s;
 }
 Frame halved() {
   Frame f;
@@ -181,11 +192,11 @@ double portal_points(const std::vector<Portal>& portals, double fault) {
   return chi_square_of_samples(kSamples, probability,
                                [&](uint64_t i) {
                                  Rng rng(35, 0, i);
-                                 const PortalSet::Sample s = set.sample(rng);
-                                 const PortalSet::Polygon& q = set.polygon(s.polygon);
+                                 const PortalSet::Sample s = through_one(set, rng);
+                                 const PortalSet::Polygon& q = set.polygon(s.drawn.polygon);
                                  const Vec3d at = s.position - q.p0;
                                  EXPECT_NEAR(dot(q.normal, at), 0, 1e-12);
-                                 return static_cast<size_t>(s.polygon) * kTriangleBins +
+                                 return static_cast<size_t>(s.drawn.polygon) * kTriangleBins +
                                         triangle_bin(dot(q.grad1, at), dot(q.grad2, at));
                                })
       .p;
@@ -211,8 +222,8 @@ double portal_directions(const std::vector<Portal>& portals, double power) {
     uint64_t kept = 0;
     for (uint64_t i = 0; i < kSamples; ++i) {
       Rng rng(36, 0, i);
-      const PortalSet::Sample s = set.sample(rng);
-      if (s.polygon != q) continue;
+      const PortalSet::Sample s = through_one(set, rng);
+      if (s.drawn.polygon != q) continue;
       ++kept;
       ++counts[bins.bin(s.direction)];
     }
@@ -287,6 +298,13 @@ TEST(samplers, twin_a_density_of_the_first_portal_alone) {
     return std::min(set.density(from, to), set.polygon(0).density);
   };
   EXPECT_LT(portal_segments(portal_sets()[2], first).p, kWrong);
+}
+TEST(samplers, twin_a_density_without_the_pairs) {
+  const auto alone = [](const PortalSet& set, const Vec3d& from, const Vec3d& to, double) {
+    return std::min(set.density(from, to), 2 * set.polygon(0).density);
+  };
+  EXPECT_GT(portal_segments(portal_sets()[0], alone).p, kRight);
+  EXPECT_LT(portal_segments(portal_sets()[3], alone).p, kWrong);
 }
 TEST(samplers, twin_a_portals_cosine_not_cancelled) {
   const auto uncancelled = [](const PortalSet& set, const Vec3d& from, const Vec3d& to,

@@ -13,13 +13,14 @@ PortalSet::Way way(From from) {
 
 }  // namespace
 
-PortalSet::Crossing Guide::crossing(const Vertex& a, const Vertex& b, int sampled) const {
-  PortalSet::Crossing c;
+PortalSet::Crossing Guide::crossing(const Vertex& a, const Vertex& b,
+                                    const PortalSet::Drawn& drawn) const {
+  PortalSet::Crossing c{};
   if (portals_.empty() || a.at_infinity()) return c;
   if (active_)
-    c = portals_.crossing(a.position, b.position, sampled);
+    c = portals_.crossing(a.position, b.position, drawn);
   else if (a.on_surface())
-    c.density = portals_.density(a.position, b.position, sampled);
+    c.density = portals_.density(a.position, b.position, drawn);
   if (!a.on_surface()) c.density = 0;  // no segment ends on a lamp without surface
   return c;
 }
@@ -62,8 +63,7 @@ double Guide::pdf_A(From from, const Vertex& at, const Vec3d& back, const Vertex
   if (!(a.chance > 0) || !(plain_A > 0)) return plain_A;
   const double towards = from == From::light ? crossing.from_light : crossing.from_camera;
   const double matt = back == Vec3d() ? 1 : 1 - dirac_probability(at, back);
-  return (1 - a.chance) * plain_A +
-         to_area(a.per_weight * matt * towards, between(at, to), to);
+  return (1 - a.chance) * plain_A + to_area(a.per_weight * matt * towards, between(at, to), to);
 }
 
 }  // namespace tdpt

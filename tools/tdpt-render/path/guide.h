@@ -20,7 +20,7 @@ namespace tdpt {
 
 /// How the walks of an integrator are directed; indices: From.
 struct Guiding {
-  std::array<double, 2> chance{};        ///< q
+  std::array<double, 2> chance{};         ///< q
   std::array<double, 2> share{1.0, 1.0};  ///< f; more than 0
   friend bool operator==(const Guiding&, const Guiding&) = default;
 };
@@ -35,8 +35,9 @@ class Guide {
   /// Whether any walk is directed; otherwise `crossing` knows D alone and the rest is not called.
   bool active() const { return active_; }
 
-  /// Of an edge `a` -> `b`, a nearer to the light on its path. `sampled`: as in portals.h.
-  PortalSet::Crossing crossing(const Vertex& a, const Vertex& b, int sampled = -1) const;
+  /// Of an edge `a` -> `b`, a nearer to the light on its path. `drawn`: as in portals.h.
+  PortalSet::Crossing crossing(const Vertex& a, const Vertex& b,
+                               const PortalSet::Drawn& drawn = {}) const;
 
   /// Tells `v` how walks are directed there: `facing` is the side that its path is on.
   void aim(const Vec3d& facing, Vertex& v) const;

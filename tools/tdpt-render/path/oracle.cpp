@@ -80,7 +80,71 @@ double film_pdf_w(const World& world, const Vertex& camera, const Vertex& x) {
   return world.film.pdf_w(unit(camera, x));
 }
 
-/// p_AA of eq. 4, polygon by polygon with its cosines written out.
+/// Corners of portal p, one triangle after the other.
+std::vector<std::array<Vec3d, 3>> triangles_of(const World& world, uint32_t portal) {
+  std::vector<std::array<Vec3d, 3>> triangles;
+  for (size_t i = 0; i < world.portals.size(); ++i) {
+    const PortalSet::Polygon& q = world.portals.polygon(static_cast<int>(i));
+    if (q.portal == portal) triangles.push_back({q.p0, q.p0 + q.e1, q.p0 + q.e2});
+  }
+  return triangles;
+}
+
+/// A portal taken as one plane.
+struct Plane {
+  Vec3d n, centre;
+  double area = 0;
+  explicit Plane(const std::vector<std::array<Vec3d, 3>>& triangles) {
+    for (const auto& t : triangles) {
+      const Vec3d twice = cross(t[1] - t[0], t[2] - t[0]);
+      n += twice;
+      area += 0.5 * length(twice);
+      centre += (t[0] + t[1] + t[2]) * (length(twice) / 6);
+    }
+    n = normalize(n);
+    centre = centre / area;
+  }
+};
+
+/// Number of the triangles that the line from `a` along `w` passes, and how far along.
+int passed(const std::vector<std::array<Vec3d, 3>>& triangles, const Vec3d& a, const Vec3d& w,
+           double& distance) {
+  int number = 0;
+  const Plane plane(triangles);
+  distance = dot(plane.n, triangles[0][0] - a) / dot(plane.n, w);
+  const Vec3d at = a + w * distance;
+  for (const auto& t : triangles) {  // left of all three edges
+    bool inside = true;
+    for (size_t e = 0; e < 3; ++e)
+      inside = inside && dot(plane.n, cross(t[(e + 1) % 3] - t[e], at - t[e])) >= 0;
+    number += inside;
+  }
+  return number;
+}
+
+/// Density, over p(F,G), of the pair of portals as the line from a to b passes them: per product of
+/// area and projected solid angle.
+double pair_pdf(const World& world, const Vertex& a, const Vertex& b, uint32_t first,
+                uint32_t second, double& etendue) {
+  const auto f = triangles_of(world, first), g = triangles_of(world, second);
+  const Plane F(f), G(g);
+  etendue = 0;
+  for (const auto& t : g)
+    for (const Vec3d& corner : t)
+      if (dot(F.n, corner - f[0][0]) <= 0) return 0;
+  for (const auto& t : f)
+    for (const Vec3d& corner : t)
+      if (dot(G.n, corner - g[0][0]) >= 0) return 0;
+  const Vec3d d = G.centre - F.centre;
+  etendue = F.area * G.area * dot(F.n, d) * dot(G.n, d) / std::pow(dot(d, d), 2);
+  const Vec3d w = unit(a, b);
+  double s, t;
+  const int ways = passed(f, a.position, w, s) * passed(g, a.position, w, t);
+  if (dot(F.n, w) <= 0 || dot(G.n, w) <= 0 || s < 0 || t > std::sqrt(distance2(a, b))) return 0;
+  return ways / (F.area * G.area) * std::pow(t - s, 2) / (dot(F.n, w) * dot(G.n, w));
+}
+
+/// p_AA of eq. 4, polygon by polygon with its cosines written out, and of pairs of portals.
 double segment_pdf(const World& world, const Vertex& a, const Vertex& b) {
   if (!a.on_surface()) return 0;
   const Vec3d w = unit(a, b);
@@ -90,6 +154,17 @@ double segment_pdf(const World& world, const Vertex& a, const Vertex& b) {
     const PortalSet::Polygon& q = world.portals.polygon(static_cast<int>(i));
     total_area += 0.5 * length(cross(q.e1, q.e2));
   }
+  double pairs = 0, etendues = 0;
+  for (uint32_t i = 0; i < world.portals.portals(); ++i)
+    for (uint32_t j = 0; j < world.portals.portals(); ++j) {
+      if (i == j) continue;
+      double etendue;
+      const double p = pair_pdf(world, a, b, i, j, etendue);
+      pairs += etendue * p * G;
+      etendues += etendue;
+    }
+  const double c = etendues > 0 ? 0.25 : 0;
+  if (c > 0) sum += c * pairs / etendues;
   for (size_t i = 0; i < world.portals.size(); ++i) {
     const PortalSet::Polygon& q = world.portals.polygon(static_cast<int>(i));
     const double cos_q = dot(q.normal, w);
@@ -105,19 +180,9 @@ double segment_pdf(const World& world, const Vertex& a, const Vertex& b) {
     if (!inside) continue;
     const double area = 0.5 * length(cross(q.e1, q.e2));
     const double p_q = area / total_area, p_A = 1 / area, p_w = cos_q / pi;
-    sum += p_q * p_A * p_w / cos_q * G;
+    sum += (1 - c) * p_q * p_A * p_w / cos_q * G;
   }
   return sum;
-}
-
-/// Corners of portal p, one triangle after the other.
-std::vector<std::array<Vec3d, 3>> triangles_of(const World& world, uint32_t portal) {
-  std::vector<std::array<Vec3d, 3>> triangles;
-  for (size_t i = 0; i < world.portals.size(); ++i) {
-    const PortalSet::Polygon& q = world.portals.polygon(static_cast<int>(i));
-    if (q.portal == portal) triangles.push_back({q.p0, q.p0 + q.e1, q.p0 + q.e2});
-  }
-  return triangles;
 }
 
 /// Density [1/sr] of `to` as a direction that a walk at `at`, coming from `back`, aims in; null:
@@ -129,23 +194,13 @@ double aim_pdf_w(const World& world, From from, const Vertex* back, const Vertex
   for (uint32_t p = 0; p < world.portals.portals(); ++p) {
     const auto triangles = triangles_of(world, p);
     if (triangles.empty()) continue;
-    Vec3d n, centre;
-    double area = 0;
+    const auto [n, centre, area] = Plane(triangles);
     bool above = false;
-    for (const auto& t : triangles) {
-      const Vec3d twice = cross(t[1] - t[0], t[2] - t[0]);
-      const double A = 0.5 * length(twice);
-      n += twice;
-      area += A;
-      centre += (t[0] + t[1] + t[2]) * (A / 3);
-    }
-    n = normalize(n);
-    centre = centre / area;
     const double side = dot(n, at.position - triangles[0][0]);
     if (from == From::light ? side >= 0 : side <= 0) continue;
     // A portal below the surface's horizon is not aimed at.
-    const bool one_sided = at.on_surface() && (back ? at.simple || !at.bsdf.transmits()
-                                                    : !at.material->double_sided);
+    const bool one_sided =
+        at.on_surface() && (back ? at.simple || !at.bsdf.transmits() : !at.material->double_sided);
     const double facing = back && dot(at.normal, unit(at, *back)) < 0 ? -1 : 1;
     for (const auto& t : triangles)
       for (const Vec3d& corner : t)
@@ -156,16 +211,9 @@ double aim_pdf_w(const World& world, From from, const Vertex* back, const Vertex
     const double height = std::max(std::abs(dot(n, centre - at.position)), 0.1 * d);
     const double weight = area * height * std::pow(d * d + area / pi, -1.5);
     total += weight;
-    for (const auto& t : triangles) {
-      const double cosine = std::abs(dot(n, w));
-      const double distance = dot(n, t[0] - at.position) / dot(n, w);
-      if (!(distance > 0)) continue;
-      const Vec3d hit = at.position + w * distance;
-      bool inside = true;
-      for (size_t e = 0; e < 3; ++e)
-        inside = inside && dot(n, cross(t[(e + 1) % 3] - t[e], hit - t[e])) >= 0;
-      if (inside) sum += weight * distance * distance / (cosine * area);
-    }
+    double distance;
+    const int number = passed(triangles, at.position, w, distance);
+    if (distance > 0) sum += number * weight * distance * distance / (std::abs(dot(n, w)) * area);
   }
   return total > 0 ? sum / total : -1;
 }
@@ -240,15 +288,15 @@ std::vector<StrategyDensity> densities(const World& world, const Path& path, Tec
       double g = 0, p = 0;
       for (int i = begin; i < end; ++i) g += std::log(guided[static_cast<size_t>(i)]);
       for (int i = begin; i < end; ++i) p += std::log(plain[static_cast<size_t>(i)]);
-      const double f = guiding.share[static_cast<size_t>(from)] *
-                       (fault == Fault::share_5_percent ? 0.95 : 1);
+      const double f =
+          guiding.share[static_cast<size_t>(from)] * (fault == Fault::share_5_percent ? 0.95 : 1);
       const double largest = std::max(g, p);
       if (std::isinf(largest)) return largest;
       return largest + std::log(f * std::exp(g - largest) + (1 - f) * std::exp(p - largest));
     };
-    double log_p = log_mixture(From::light, 0, split, guided_light, from_light) +
-                   log_mixture(From::camera, portal ? split + 2 : split, k, guided_camera,
-                               from_camera);
+    double log_p =
+        log_mixture(From::light, 0, split, guided_light, from_light) +
+        log_mixture(From::camera, portal ? split + 2 : split, k, guided_camera, from_camera);
     if (portal) {
       double p = segment_pdf(world, path.vertex(split), path.vertex(split + 1));
       if (fault == Fault::portal_density_5_percent) p *= 1.05;

@@ -148,10 +148,11 @@ void Path::for_each_strategy(TechniqueSet set, const Add& add) const {
                                           : Technique::bi;
     const bool joins = !(s > 0 && (dirac(s - 1) || dirac(s)));
     if (set.has(technique) && joins) add(Strategy{technique, s}, s, 1.0);
-    if (s <= k_ - 2 && crossing_[u(s)].density > 0 && set.has(Technique::portal) && joins && !dirac(s) &&
-        !dirac(s + 1) && !dirac(s + 2)) {
+    if (s <= k_ - 2 && crossing_[u(s)].density > 0 && set.has(Technique::portal) && joins &&
+        !dirac(s) && !dirac(s + 1) && !dirac(s + 2)) {
       const double g = geometry(x(s), x(s + 1), between(x(s), x(s + 1)));
-      add(Strategy{Technique::portal, s}, s + 2, crossing_[u(s)].density * (g / common(s)) / common(s + 1));
+      add(Strategy{Technique::portal, s}, s + 2,
+          crossing_[u(s)].density * (g / common(s)) / common(s + 1));
     }
   }
 }
@@ -160,13 +161,15 @@ double Path::weight(TechniqueSet set, Strategy used, double beta) const {
   if (k_ < 2) return 1;  // a light seen directly: only the camera technique makes it
   std::array<double, kMaxDepth + 2> light_part;   // [s] = prod_{i<s} P>(x_i)/q_i
   std::array<double, kMaxDepth + 2> camera_part;  // [s] = prod_{i>=s} P<(x_i)/q_i
+  std::array<double, kMaxDepth + 1> per_common;   // 1/q_i
   camera_part[u(k_)] = light_part[0] = 1;
   for (int i = 0; i < k_; ++i) {
     if (!(common(i) > 0)) return 0;
-    light_part[u(i + 1)] = light_part[u(i)] * from_light_A_[u(i)] / common(i);
+    per_common[u(i)] = 1 / common(i);
+    light_part[u(i + 1)] = light_part[u(i)] * (from_light_A_[u(i)] * per_common[u(i)]);
   }
   for (int i = k_ - 1; i >= 0; --i)
-    camera_part[u(i)] = camera_part[u(i + 1)] * from_camera_A_[u(i)] / common(i);
+    camera_part[u(i)] = camera_part[u(i + 1)] * (from_camera_A_[u(i)] * per_common[u(i)]);
   if (guide_.active()) {
     double light = 1, camera = 1;  // r of the prefixes
     for (int i = 0; i < k_; ++i)

@@ -34,7 +34,12 @@ void Tally::merge(const Tally& other) {
 
 PathSampler::PathSampler(const World& world, const SampleSettings& settings, Film& film,
                          Tally& tally, const PathObserver* observer)
-    : world_(world), settings_(settings), guide_(world, settings.guiding), film_(film), tally_(tally), observer_(observer) {}
+    : world_(world),
+      settings_(settings),
+      guide_(world, settings.guiding),
+      film_(film),
+      tally_(tally),
+      observer_(observer) {}
 
 Rng PathSampler::rng(Purpose purpose) const {
   const uint64_t pixel = static_cast<uint64_t>(y_) << 32 | static_cast<uint64_t>(x_);
@@ -61,7 +66,8 @@ void PathSampler::walk_from_camera() {
 }
 
 void PathSampler::walk_from_light() {
-  tdpt::walk_from_light(world_, guide_, settings_.max_depth - 1, rng(light_walk), light_walk_, tally_.rays);
+  tdpt::walk_from_light(world_, guide_, settings_.max_depth - 1, rng(light_walk), light_walk_,
+                        tally_.rays);
 }
 
 void PathSampler::count_not_finite() {
@@ -150,7 +156,8 @@ void PathSampler::direct() {
     const Rgb f = bsdf_at(z[j], e.w, back(z, j));
     const Rgb value = z[j].throughput * f * Le * y0.throughput * geometry(z[j], y0, e);
     if (black(value) || !visible(z[j], y0)) continue;
-    to_pixel(Path(world_, guide_, light_point_, 1, z, j + 1, tally_.rays), {Technique::direct, 1}, value);
+    to_pixel(Path(world_, guide_, light_point_, 1, z, j + 1, tally_.rays), {Technique::direct, 1},
+             value);
   }
 }
 
@@ -188,12 +195,12 @@ void PathSampler::bi() {
 }
 
 bool PathSampler::portal_segment(const PortalSet::Sample& sample, Vertex& x_l, Vertex& x_c,
-                                 PortalSet::Crossing& crossing,
-                                 double& presence) {
+                                 PortalSet::Crossing& crossing, double& presence) {
   // Each ray starts on the other's side of the portal's plane by more than rounding: a surface in
   // that plane stops one of them there, and such a segment has no density.
   presence = 1;
-  const Vec3d back_off = world_.portals.polygon(sample.polygon).normal * (0.5 * PortalSet::kMargin);
+  const Vec3d back_off =
+      world_.portals.polygon(sample.drawn.polygon).normal * (0.5 * PortalSet::kMargin);
   const auto end = [&](const Vec3d& from, const Vec3d& w, Vertex& v) {
     Hit hit;
     ++tally_.rays.closest;
@@ -207,12 +214,13 @@ bool PathSampler::portal_segment(const PortalSet::Sample& sample, Vertex& x_l, V
   // A lamp may be black or a mirror otherwise: light that begins there is not scattered there.
   if (!x_l.connectible && black(emitted(x_l, sample.direction))) return false;
   if (!(between(x_l, x_c).d2 > 0)) return false;
+  if (!world_.portals.spans(sample.drawn, x_l.position, x_c.position)) return false;
   ++tally_.rays.portal;
   if (guide_.active()) {
     guide_.aim_at_surface(sample.direction, x_l);
     guide_.aim_at_surface(-sample.direction, x_c);
   }
-  crossing = guide_.crossing(x_l, x_c, sample.polygon);
+  crossing = guide_.crossing(x_l, x_c, sample.drawn);
   return crossing.density > 0;
 }
 
@@ -225,10 +233,10 @@ void PathSampler::portal() {
   if (tally_.portals.empty()) tally_.portals.resize(world_.portals.portals());
   Rng random = rng(segment);
   const PortalSet::Sample sample = world_.portals.sample(random);
-  Tally::OfPortal& of_portal = tally_.portals[world_.portals.polygon(sample.polygon).portal];
+  Tally::OfPortal& of_portal = tally_.portals[world_.portals.polygon(sample.drawn.polygon).portal];
   ++of_portal.drawn;
   Vertex x_l, x_c;
-  PortalSet::Crossing crossing;
+  PortalSet::Crossing crossing{};
   double presence;
   if (!portal_segment(sample, x_l, x_c, crossing, presence)) return;
 

@@ -44,16 +44,16 @@ struct Vertex {
   Rgb emission{};
 
   // Of the walk that made the vertex.
-  Rgb throughput{};           ///< product of f cos / pdf_w up to here, without the scattering here
-  double pdf_own_A = 0;       ///< sampled by its own walk
-  double pdf_other_A = 0;     ///< as the other walk would sample it; known two vertices later
-  PortalSet::Crossing crossing;  ///< of the edge to the previous vertex (portals.h)
+  Rgb throughput{};        ///< product of f cos / pdf_w up to here, without the scattering here
+  double pdf_own_A = 0;    ///< sampled by its own walk
+  double pdf_other_A = 0;  ///< as the other walk would sample it; known two vertices later
+  PortalSet::Crossing crossing{};  ///< of the edge to the previous vertex (portals.h)
 
   // Of walks that may be directed at portals (guide.h).
-  Vec3d facing{};                ///< side of the surface that its edges are on; 0: both
-  std::array<Aim, 2> aim;        ///< of a walk from the light, from the camera
-  double guided_own_A = 0;       ///< pdf_own_A and
-  double guided_other_A = 0;     ///< pdf_other_A of a directed walk
+  Vec3d facing{};             ///< side of the surface that its edges are on; 0: both
+  std::array<Aim, 2> aim;     ///< of a walk from the light, from the camera
+  double guided_own_A = 0;    ///< pdf_own_A and
+  double guided_other_A = 0;  ///< pdf_other_A of a directed walk
 
   bool on_surface() const { return material != nullptr; }
   bool at_infinity() const { return lamp && lamp->directional(); }

@@ -16,9 +16,10 @@ class Walker {
   Rng& rng() { return rng_; }
   bool guided() const { return guided_; }
 
-  /// Extends the walk, whose last vertex is v, along unit w from `origin`: first hit, its densities,
-  /// and what the two vertices before it learn. `throughput`: of a walk that is not directed.
-  /// `plain_A(v, hit)`: density of the hit in such a walk. `triangle`: of the portals, aimed at.
+  /// Extends the walk, whose last vertex is v, along unit w from `origin`: first hit, its
+  /// densities, and what the two vertices before it learn. `throughput`: of a walk that is not
+  /// directed. `plain_A(v, hit)`: density of the hit in such a walk. `triangle`: of the portals,
+  /// aimed at.
   template <class PlainPdf>
   bool extend(const Tracer::Origin& origin, const Vec3d& w, const Rgb& throughput,
               const PlainPdf& plain_A, int triangle);
@@ -28,9 +29,7 @@ class Walker {
 
  private:
   PortalSet::Crossing crossing(const Vertex& v, const Vertex& next, int triangle);
-  Vec3d back(size_t i) const {
-    return i == 0 ? Vec3d() : between(walk_.v[i], walk_.v[i - 1]).w;
-  }
+  Vec3d back(size_t i) const { return i == 0 ? Vec3d() : between(walk_.v[i], walk_.v[i - 1]).w; }
 
   const World& world_;
   const Guide& guide_;
@@ -48,8 +47,8 @@ PortalSet::Crossing Walker::crossing(const Vertex& v, const Vertex& next, int tr
   if (world_.portals.empty() || (!v.on_surface() && !v.lamp)) return {};
   if (!v.on_surface() && !guide_.active()) return {};
   ++rays_.portal;
-  return from_ == From::light ? guide_.crossing(v, next, triangle)
-                              : guide_.crossing(next, v, triangle);
+  return from_ == From::light ? guide_.crossing(v, next, {triangle, -1})
+                              : guide_.crossing(next, v, {triangle, -1});
 }
 
 template <class PlainPdf>
@@ -76,18 +75,17 @@ bool Walker::extend(const Tracer::Origin& origin, const Vec3d& w, const Rgb& thr
 
   guide_.aim_at_surface(-w, next);
   const bool chosen = n >= 2 || from_ == From::light;  // not by the film
-  next.guided_own_A = chosen && !v.dirac ? guide_.pdf_A(from_, v, back(n - 1), next,
-                                                        next.pdf_own_A, next.crossing)
-                                         : next.pdf_own_A;
+  next.guided_own_A = chosen && !v.dirac
+                          ? guide_.pdf_A(from_, v, back(n - 1), next, next.pdf_own_A, next.crossing)
+                          : next.pdf_own_A;
   ratio_ *= next.pdf_own_A / next.guided_own_A;
-  next.throughput =
-      throughput_ * static_cast<float>(ratio_ / guide_.mixture(from_, ratio_));
+  next.throughput = throughput_ * static_cast<float>(ratio_ / guide_.mixture(from_, ratio_));
   if (known) {
     Vertex& before = walk_.v[n - 2];
-    before.guided_other_A =
-        v.dirac ? before.pdf_other_A
-                : guide_.pdf_A(from_ == From::light ? From::camera : From::light, v, w, before,
-                               before.pdf_other_A, v.crossing);
+    before.guided_other_A = v.dirac
+                                ? before.pdf_other_A
+                                : guide_.pdf_A(from_ == From::light ? From::camera : From::light, v,
+                                               w, before, before.pdf_other_A, v.crossing);
   }
   return true;
 }
