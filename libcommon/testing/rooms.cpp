@@ -85,9 +85,13 @@ std::string furnace() {
 }  // namespace
 
 std::vector<NamedScene> make_scenes() {
-  return {{"two-rooms.glb", two_rooms(0.25)}, {"half-metre-hole.glb", two_rooms(0.5)},
-          {"door-ajar.glb", door_ajar()},     {"window.glb", window()},
-          {"three-rooms.glb", three_rooms()}, {"furnace.glb", furnace()}};
+  return {{"two-rooms.glb", two_rooms(0.25)},
+          {"small-hole.glb", two_rooms(0.1)},
+          {"half-metre-hole.glb", two_rooms(0.5)},
+          {"door-ajar.glb", door_ajar()},
+          {"window.glb", window()},
+          {"three-rooms.glb", three_rooms()},
+          {"furnace.glb", furnace()}};
 }
 
 }  // namespace tdpt::testing
