@@ -8,6 +8,7 @@
 #   make grid-speed   segments per second of lightgrid on each device: doc/light-grid-speed.md (two minutes)
 #   make test      installs what is missing, builds, runs every test
 #   make bench     speed, and noise after a minute, of every integrator (tools/bench.sh; 20 minutes)
+#   make bench-efficiency   error against time of every integrator, with targets: doc/efficiency.md (40 minutes)
 #   make install   programs and man pages under PREFIX (and DESTDIR)
 #   make sanitize  builds with the sanitizers into build-sanitize and runs every test there
 #   make packages  installs the Debian packages of tools/packages.txt that are missing
@@ -18,7 +19,7 @@ JOBS ?= $(shell nproc 2>/dev/null || echo 2)
 # .ci/run names a file here, to learn the exit code of ctest instead of make's.
 TEST_STATUS ?=
 
-.PHONY: all build demo figures stages portals worth grid-speed bench test install sanitize packages format clean
+.PHONY: all build demo figures stages portals worth grid-speed bench bench-efficiency test install sanitize packages format clean
 all: build
 
 build:
@@ -69,6 +70,11 @@ bench: packages
 	@$(MAKE) --no-print-directory build
 	@build/bin/lights_bench
 	@sh tools/bench.sh build/bin build/bench
+
+bench-efficiency: packages
+	@sh tools/install-packages.sh tools/packages-figures.txt
+	@$(MAKE) --no-print-directory build
+	@sh tools/efficiency.sh build/bin build/efficiency
 
 sanitize: packages
 	@cmake --preset sanitize --log-level=WARNING
