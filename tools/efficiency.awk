@@ -206,7 +206,7 @@ function print_scene(s,    k, i, ratio, says, dB) {
     compare(s, i, "bdpt", "mse")
     dB = i == "bdpt" ? "0" : psnr_text()
     compare(s, i, "bdpt", "relmse")
-    printf "| %s | %.4g | %.2f | %.3g [%.3g, %.3g] | %s | %.3g | %.4f +- %.4f | %s | %s | %s | %s |\n", i,
+    printf "| %s | %.3g | %.2f | %.3g [%.3g, %.3g] | %s | %.3g | %.4f +- %.4f | %s | %s | %s | %s |\n", i,
       average("spp", s, i), average("cpu_seconds", s, i), average("relmse", s, i), least, most,
       psnr_of(s, i), average("mape", s, i), ratio, error, i == "bdpt" ? "1" : gain_text(),
       portal_integrator(i) ? target_text(s) : "-", says, dB

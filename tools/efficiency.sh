@@ -242,6 +242,7 @@ style_of() {
     *) say 'lc rgb "#cc79a7" pt 4' ;;
   esac
 }
+rm -f ./*.points
 for scene in $there; do
   for i in $integrators; do
     for seconds in $(printf '%s\n' $times | sort -g); do
@@ -249,6 +250,9 @@ for scene in $there; do
     done >"$scene-$i.points"
   done
 done
+# The same times in every panel.
+span=$(cat ./*.points | awk '{ if (!least || $1 < least) least = $1; if ($1 > most) most = $1 }
+  END { printf "[%.4g:%.4g]", most ? least / 1.4 : 0.1, most ? most * 1.4 : 1 }')
 columns=$(set -- $there; [ $# -le 3 ] && echo $(($# + 1)) || echo 4)
 lines=$(set -- $there; echo $((($# + columns) / columns)))
 {
@@ -275,8 +279,7 @@ PLOT
   for scene in $there; do
     black=$(awk -F '\t' -v s="$scene" '$1 == s { print $10 }' scenes.tsv)
     printf 'set title "%s" offset 0,-0.6\n' "$(say "$scene" | tr _ ' ')"
-    printf 'plot [%s:%s] %s with lines dt 3 lw 1.2 lc rgb "#666666" notitle' "$(calculate "$each" 0 a/24)" \
-      "$(calculate "$each" 0 'a*1.7')" "$black"
+    printf 'plot %s %s with lines dt 3 lw 1.2 lc rgb "#666666" notitle' "$span" "$black"
     for i in $integrators; do
       [ -s "$scene-$i.points" ] || continue
       printf ', "%s-%s.points" using 1:2:3:4 with yerrorbars lw 1 %s notitle' "$scene" "$i" "$(style_of "$i")"
