@@ -74,7 +74,7 @@ bench: packages
 bench-efficiency: packages
 	@sh tools/install-packages.sh tools/packages-figures.txt
 	@$(MAKE) --no-print-directory build
-	@sh tools/efficiency.sh build/bin build/efficiency
+	@sh tools/efficiency.sh build/bin
 
 sanitize: packages
 	@cmake --preset sanitize --log-level=WARNING

@@ -1,5 +1,5 @@
 #!/bin/sh
-# efficiency.sh BIN CACHE: how efficient the integrators are, 1 / (relMSE x CPU seconds), with portals that the
+# efficiency.sh BIN [CACHE]: how efficient the integrators are, 1 / (relMSE x CPU seconds), with portals that the
 # four stages find: doc/efficiency.{csv,md,png}. 40 minutes on two quiet cores. Pictures and references stay in
 # CACHE under names and keys that hold program, scene, portal and options, so that a run that was stopped goes
 # on where it was.
@@ -13,7 +13,7 @@
 #   REF_SECONDS    CPU seconds of a reference, in two halves (80; five times that at 320 x 180)
 #   LONG_SECONDS, LONG_SEEDS   where other programs' figures are known, of the best (60, 3; no seeds: left out)
 #   WIDTH, HEIGHT  of all pictures, for trials; else each scene has its own
-#   DOC            where the results go; default doc
+#   DOC, CACHE     where the results go and what is kept; default doc and build/efficiency
 #   JOBS           renderings at a time, one thread each (all cores)
 #
 # A reference is two halves A, B of different seeds. What a picture x is off by is measured as
@@ -21,7 +21,7 @@
 # noise of neither half contributes on average; it may come out below zero.
 set -eu
 export LC_ALL=C
-bin=${1:-build/bin} cache=${2:-build/efficiency}
+bin=${1:-build/bin} cache=${2:-${CACHE:-build/efficiency}}
 here=$(cd "$(dirname "$0")/.." && pwd)
 scenes=${SCENES:-$here/../shared/scenes} doc=${DOC:-$here/doc}
 integrators=${INTEGRATORS:-nee bdpt tdpt-org tdpt}
@@ -59,6 +59,7 @@ for number in "$each" "$seeds" "$reference_seconds" "$long" "$long_seeds" "$jobs
 done
 mkdir -p "$cache" "$doc"
 bin=$(cd "$bin" && pwd) cache=$(cd "$cache" && pwd) doc=$(cd "$doc" && pwd)
+[ ! -d "$scenes" ] || scenes=$(cd "$scenes" && pwd)
 cd "$cache"
 
 # made FILE KEY: FILE is there and was made with KEY. After making it: keep FILE KEY.
