@@ -44,7 +44,7 @@ cat <<EOF
 
 ## Scene by scene
 
-*mean / reference*: over all pictures of all lengths, +- one standard error, the reference's half difference included.
+*mean / reference*: of the pictures of all lengths together, +- one standard error, the reference's noise included.
 EOF
 for scene in $there; do
   set -- $(jq -r '"\(.width) \(.height)"' "$scene.reference-1.json")

@@ -1,7 +1,7 @@
 # efficiency.awk -v table=NAME -v seconds=T SCENES CSV: the tables of doc/efficiency.md, from
 #   SCENES  a line for each scene, tab-separated: name, target, moonshot, relMSE wanted after a minute, its
 #           moonshot, of the reference: mean, half the difference of its halves' means, relMSE, CPU seconds;
-#           of the black picture: relMSE, PSNR, MAPE. "-": none.
+#           of the black picture: relMSE, PSNR, MAPE; of the reference: integrator, spp. "-": none.
 #   CSV     doc/efficiency.csv
 # T: nominal CPU seconds of the pictures that a table is about. NAME:
 #   gains, psnr   all scenes and integrators
@@ -130,24 +130,34 @@ function met(s, i,    other) {
   compare(s, i, other, "relmse")
   return verdict(0.9) ": " gain_text() " x " other
 }
-# Mean of all pictures of i, each weighted by its samples, over the reference's; sets error, one standard
-# error of it.
-function mean_ratio(s, i,    t, k, w, sum, weight, square, runs) {
-  error = runs = 0
+# Sets mean of all pictures of i, runs of them, weight = their samples per pixel, and spread = variance of the
+# mean of a picture of one sample per pixel.
+function all_means(s, i,    t, k, w, x, square) {
+  mean = runs = weight = spread = 0
   for (t in times)
     for (k = 1; k <= n[s, i, t]; ++k) {
       w = value["spp", s, i, t, k]
-      sum += w * value["mean", s, i, t, k]
+      x = value["mean", s, i, t, k]
+      mean += w * x
+      square += w * x * x
       weight += w
       ++runs
     }
-  if (!runs || reference[s] <= 0) return 0
-  for (t in times)
-    for (k = 1; k <= n[s, i, t]; ++k)
-      square += (value["spp", s, i, t, k] / weight * (value["mean", s, i, t, k] - sum / weight))^2
-  if (runs > 1) square *= runs / (runs - 1)
-  error = sqrt(square + half[s]^2) / reference[s]
-  return sum / weight / reference[s]
+  if (!runs) return
+  mean /= weight
+  if (runs > 1) spread = (square - weight * mean * mean) / (runs - 1)
+  if (spread < 0) spread = 0
+}
+# Mean of i over the reference's. Sets error, one standard error of it: the reference's noise is known from
+# other pictures of its integrator, or, from none, roughly from its halves.
+function mean_ratio(s, i,    noise) {
+  if (reference[s] <= 0) return 0
+  all_means(s, reference_integrator[s])
+  noise = runs > 2 ? spread / reference_spp[s] : half[s]^2
+  all_means(s, i)
+  if (!runs) return 0
+  error = sqrt(spread / weight + noise) / reference[s]
+  return mean / reference[s]
 }
 
 function range(s, i,    k, x) {
@@ -223,7 +233,7 @@ function psnr_of(s, i,    k, mse, peak) {
 }
 function print_check(s,    ratio, off) {
   ratio = mean_ratio(s, "bdpt")
-  if (!ratio || !error) {
+  if (!ratio || !error || runs < 4) {
     print "No check: bdpt was not rendered often enough."
     return
   }
@@ -266,6 +276,7 @@ file == 1 {
   target[s] = f[2]; moonshot[s] = f[3]; wanted[s] = f[4]; wanted_moonshot[s] = f[5]
   reference[s] = f[6]; half[s] = f[7]
   black[s] = f[10]; black_psnr[s] = f[11]; black_mape[s] = f[12]
+  reference_integrator[s] = f[13]; reference_spp[s] = f[14]
   next
 }
 {

@@ -200,7 +200,7 @@ judge() {
     jq -r --arg line "$(about "$scene" 0 | cut -d ' ' -f 1,4-7)" --argjson a "$(cat "$scene.reference-1.json")" \
       --argjson b "$(cat "$scene.reference-2.json")" '
       ($line | split(" ")) + [.mean, .half, .relmse / 4, $a.cpu_seconds + $b.cpu_seconds,
-      .black.relmse, .black.psnr, .black.mape] | @tsv' "$scene.reference.json"
+      .black.relmse, .black.psnr, .black.mape, $a.integrator, $a.spp + $b.spp] | @tsv' "$scene.reference.json"
   done >scenes.tsv
 }
 # table NAME VARIABLE=VALUE...
@@ -212,22 +212,25 @@ table() {
   awk -v table="$name" $variables -f "$here/tools/efficiency.awk" scenes.tsv efficiency.csv
 }
 
+# Pictures of one seed begin with the same samples: each length has its own seeds, from 1, 1001, 2001 and 3001.
 times="$each $(calculate "$each" 4 a/b) $(calculate "$each" 16 a/b)"
 for scene in $there; do
+  before=0
   for seconds in $times; do
     order=$integrators
     for seed in $(seq "$seeds"); do
-      for i in $order; do row "$scene" "$i" "$seed" "$seconds"; done
+      for i in $order; do row "$scene" "$i" $((before + seed)) "$seconds"; done
       # Another one goes first.
       order=$(set -- $order; first=$1; shift; say "$* $first")
     done
+    before=$((before + 1000))
   done
 done
 judge
 for scene in $there; do
   [ "$(about "$scene" 6)" != - ] || continue
   i=$(table best scene="$scene" seconds="$each")
-  for seed in $(seq "$long_seeds"); do [ -z "$i" ] || row "$scene" "$i" "$seed" "$long"; done
+  for seed in $(seq "$long_seeds"); do [ -z "$i" ] || row "$scene" "$i" $((3000 + seed)) "$long"; done
 done
 judge
 
