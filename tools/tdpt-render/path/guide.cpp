@@ -11,6 +11,11 @@ PortalSet::Way way(From from) {
   return from == From::light ? PortalSet::Way::with_light : PortalSet::Way::against_light;
 }
 
+/// Side that a light shines to; 0: both.
+Vec3d lamp_facing(const Vertex& v) {
+  return v.lamp || v.material->double_sided ? Vec3d() : v.normal;
+}
+
 }  // namespace
 
 PortalSet::Crossing Guide::crossing(const Vertex& a, const Vertex& b,
@@ -25,44 +30,45 @@ PortalSet::Crossing Guide::crossing(const Vertex& a, const Vertex& b,
   return c;
 }
 
-void Guide::aim(const Vec3d& facing, Vertex& v) const {
-  v.facing = facing;
-  v.aim = {};
-  if (!v.connectible || v.at_infinity()) return;
-  for (const From from : {From::light, From::camera}) {
-    const double q = guiding_.chance[index(from)];
-    if (!(q > 0)) continue;
-    const double W = portals_.aims(v.position, facing, way(from));
-    if (W > 0) v.aim[index(from)] = {q, q / W};
-  }
+Aim Guide::aim(const Vertex& v, const Vec3d& facing, From from) const {
+  const double q = guiding_.chance[index(from)];
+  if (!(q > 0) || v.at_infinity()) return {};
+  const double W = portals_.aims(v.position, facing, way(from));
+  return W > 0 ? Aim{q, q / W} : Aim{};
 }
 
 void Guide::aim_at_surface(const Vec3d& away, Vertex& v) const {
   const bool through = !v.simple && v.bsdf.transmits();
-  aim(through ? Vec3d() : dot(v.normal, away) > 0 ? v.normal : -v.normal, v);
+  v.facing = through ? Vec3d() : dot(v.normal, away) > 0 ? v.normal : -v.normal;
+  for (const From from : {From::light, From::camera})
+    v.aim[index(from)] = v.connectible ? aim(v, v.facing, from) : Aim{};
+  v.lamp_aim = emits(v) ? aim(v, lamp_facing(v), From::light) : Aim{};
 }
 
 void Guide::aim_at_light(Vertex& v) const {
-  aim(v.lamp || v.material->double_sided ? Vec3d() : v.normal, v);
+  v.facing = lamp_facing(v);
+  v.aim = {};
+  v.lamp_aim = aim(v, v.facing, From::light);
 }
 
-bool Guide::draw(const Vertex& v, From from, Rng& rng, Vec3d& w, int& triangle) const {
+bool Guide::draw(const Vertex& v, const Aim& aim, From from, Rng& rng, Vec3d& w,
+                 int& triangle) const {
   const double coin = rng.uniform();
-  const Aim& a = v.aim[index(from)];
-  if (!(coin < a.chance)) {
+  if (!(coin < aim.chance)) {
     for (int i = 0; i < 3; ++i) rng.bits();
     return false;
   }
-  triangle = portals_.aim(v.position, v.facing, way(from), a.chance / a.per_weight, rng, w);
+  triangle = portals_.aim(v.position, v.facing, way(from), aim.chance / aim.per_weight, rng, w);
   return true;
 }
 
 double Guide::pdf_A(From from, const Vertex& at, const Vec3d& back, const Vertex& to,
                     double plain_A, const PortalSet::Crossing& crossing) const {
-  const Aim& a = at.aim[index(from)];
+  const bool begins = back == Vec3d();
+  const Aim& a = begins ? at.lamp_aim : at.aim[index(from)];
   if (!(a.chance > 0) || !(plain_A > 0)) return plain_A;
   const double towards = from == From::light ? crossing.from_light : crossing.from_camera;
-  const double matt = back == Vec3d() ? 1 : 1 - dirac_probability(at, back);
+  const double matt = begins ? 1 : 1 - dirac_probability(at, back);
   return (1 - a.chance) * plain_A + to_area(a.per_weight * matt * towards, between(at, to), to);
 }
 

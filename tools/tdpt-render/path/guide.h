@@ -39,15 +39,15 @@ class Guide {
   PortalSet::Crossing crossing(const Vertex& a, const Vertex& b,
                                const PortalSet::Drawn& drawn = {}) const;
 
-  /// Tells `v` how walks are directed there: `facing` is the side that its path is on.
-  void aim(const Vec3d& facing, Vertex& v) const;
-  /// The same for a surface that is seen along unit `away` from it, or was left along it.
+  /// Tells a surface that is seen along unit `away` from it, or was left along it, how walks are
+  /// directed there.
   void aim_at_surface(const Vec3d& away, Vertex& v) const;
+  /// Tells y_0, a place on a light.
   void aim_at_light(Vertex& v) const;
 
-  /// Whether a walk at `v` is directed, and then the direction and the triangle aimed at. Draws
-  /// four numbers.
-  bool draw(const Vertex& v, From from, Rng& rng, Vec3d& w, int& triangle) const;
+  /// Whether a walk that has `aim` at `v` is directed, and then the direction and the triangle aimed
+  /// at. Draws four numbers.
+  bool draw(const Vertex& v, const Aim& aim, From from, Rng& rng, Vec3d& w, int& triangle) const;
 
   /// Of a walk at `at` that came from unit `back` (0: it begins there) and reaches `to`: the guided
   /// density [1/canonical area], from the plain one and the edge's crossing.
@@ -60,6 +60,8 @@ class Guide {
   double mixture(From from, double r) const { return share(from) + (1 - share(from)) * r; }
 
  private:
+  Aim aim(const Vertex& v, const Vec3d& facing, From from) const;
+
   const PortalSet& portals_;
   Guiding guiding_;
   bool active_;

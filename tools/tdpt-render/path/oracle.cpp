@@ -222,7 +222,7 @@ double aim_pdf_w(const World& world, From from, const Vertex* back, const Vertex
 double guided_pdf_w(const World& world, const Guiding& guiding, From from, const Vertex* back,
                     const Vertex& at, const Vertex& to, bool dirac, double plain, Fault fault) {
   const double q = guiding.chance[static_cast<size_t>(from)];
-  if (dirac || at.at_infinity() || !at.connectible || plain == 0) return plain;
+  if (dirac || at.at_infinity() || (back && !at.connectible) || plain == 0) return plain;
   const double aimed = aim_pdf_w(world, from, back, at, to);
   if (aimed < 0) return plain;
   double matt = 1;

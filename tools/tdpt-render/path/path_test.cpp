@@ -25,7 +25,7 @@ Scene diffuse_rooms() {
 }
 
 // The same rooms, every triangle of another make, with bent normals, and lamps of each kind beside
-// the emitter.
+// the emitter, which shines on both sides and reflects as a mirror.
 Scene glossy_rooms() {
   Scene scene = read_gltf(two_rooms_path());
   std::vector<Material> makes(8);
@@ -44,7 +44,12 @@ Scene glossy_rooms() {
   scene.normals.resize(scene.positions.size());
   for (uint32_t t = 0; t < scene.triangles.size(); ++t) {
     Triangle& triangle = scene.triangles[t];
-    if (max_component(scene.material_of(t).emission) > 0) continue;
+    if (Material& m = scene.materials[triangle.material]; max_component(m.emission) > 0) {
+      m.plain = false;
+      m.double_sided = true;
+      m.base_color = Rgb(0.3f), m.metallic = 1, m.roughness = 0;
+      continue;
+    }
     triangle.material = first + mix64(t) % 8;
     scene.smooth[t] = t % 2;
     for (uint32_t v : triangle.vertex)

@@ -51,7 +51,8 @@ struct Vertex {
 
   // Of walks that may be directed at portals (guide.h).
   Vec3d facing{};             ///< side of the surface that its edges are on; 0: both
-  std::array<Aim, 2> aim;     ///< of a walk from the light, from the camera
+  std::array<Aim, 2> aim;    ///< of a walk from the light, from the camera, that scatters here
+  Aim lamp_aim;              ///< of a walk that begins here
   double guided_own_A = 0;    ///< pdf_own_A and
   double guided_other_A = 0;  ///< pdf_other_A of a directed walk
 

@@ -100,7 +100,7 @@ void Walker::scatter(int edges) {
     const bool tried_dirac = goes_on && t.dirac;
     Vec3d towards;
     int triangle = -1;
-    const bool aims = guided_ && guide_.draw(v, from_, rng_, towards, triangle);
+    const bool aims = guided_ && guide_.draw(v, v.aim[from_ == From::light ? 0 : 1], from_, rng_, towards, triangle);
     if (aims && !tried_dirac) {
       if (!turn_towards(v, from_, to_previous, towards, t)) return;
     } else if (!goes_on) {
@@ -151,7 +151,7 @@ void walk_from_light(const World& world, const Guide& guide, int edges, Rng rng,
   const double b = walker.rng().uniform();
   Lights::Ray ray = world.lights.leave(light, a, b);
   int triangle = -1;
-  if (walker.guided() && guide.draw(y0, From::light, walker.rng(), ray.direction, triangle))
+  if (walker.guided() && guide.draw(y0, y0.lamp_aim, From::light, walker.rng(), ray.direction, triangle))
     ray.origin = light.position;
   // Le cos / pdf_w: pi per emitting side of a surface.
   const double sides = light.lamp ? 0 : y0.material->double_sided ? 2 : 1;
@@ -159,9 +159,7 @@ void walk_from_light(const World& world, const Guide& guide, int edges, Rng rng,
   const Rgb throughput =
       y0.throughput * emitted(y0, ray.direction) * static_cast<float>(per_density);
   if (max_component(throughput) <= 0) return;
-  // A directed ray may leave by the other side of its lamp.
-  const Vec3d side = dot(y0.normal, ray.direction) < 0 ? -y0.normal : y0.normal;
-  const Tracer::Origin origin{ray.origin, side};
+  const Tracer::Origin origin{ray.origin, y0.normal};
   if (walker.extend(origin, ray.direction, throughput, emission_pdf_A, triangle))
     walker.scatter(edges);
 }
