@@ -15,6 +15,7 @@
 #pragma once
 #include <array>
 #include <bit>
+#include <cstddef>
 #include <cstdint>
 
 #include "libcommon/math/rng.h"
@@ -124,6 +125,13 @@ class Sequence {
   }
   /// Next dimension, uniform in [0,1).
   constexpr double uniform() { return static_cast<double>(bits() >> 11) * 0x1p-53; }
+  /// The next N dimensions.
+  template <std::size_t N>
+  constexpr std::array<double, N> uniforms() {
+    std::array<double, N> u;
+    for (double& x : u) x = uniform();
+    return u;
+  }
 
  private:
   static constexpr uint64_t kGolden = 0x9e3779b97f4a7c15ull;

@@ -83,6 +83,10 @@ Lights::Point Lights::sample(Rng& rng) const {
   const double u = rng.uniform();
   const double v = rng.uniform();
   const double side = rng.uniform();
+  return sample(pick, u, v, side);
+}
+
+Lights::Point Lights::sample(double pick, double u, double v, double side) const {
   const uint32_t i = table_.sample(pick);
   Point point;
   if (i >= triangles_.size()) {

@@ -43,7 +43,9 @@ class Lights {
     Vec3d normal{};         ///< unit, on the side to leave by: the front, or either (a fair coin)
     double pdf = 0;         ///< pdf_A per canonical area; of a lamp: pdf_1
   };
-  /// Four dimensions of `rng`.
+  /// Four numbers in [0,1): which light, where on it (u, v), and which of its sides.
+  Point sample(double pick, double u, double v, double side) const;
+  /// Draws them from `rng` in this order.
   Point sample(Rng& rng) const;
   /// Density of `sample` at any point of `triangle`; 0 when it does not emit.
   double pdf_A(uint32_t triangle) const { return pdf_A_[triangle]; }

@@ -125,11 +125,9 @@ double PortalSet::aims(const Vec3d& v, const Vec3d& facing, Way way) const {
   return sum;
 }
 
-int PortalSet::aim(const Vec3d& v, const Vec3d& facing, Way way, double W, Rng& rng,
-                   Vec3d& w) const {
-  double rest = rng.uniform() * W;
-  const double s = rng.uniform();
-  const double t = rng.uniform();
+int PortalSet::aim(const Vec3d& v, const Vec3d& facing, Way way, double W,
+                   const std::array<double, 3>& u, Vec3d& w) const {
+  double rest = u[2] * W;
   const Facet* chosen = nullptr;
   for (const Facet& f : facets_) {
     if (!aimable(f, v, facing, way)) continue;
@@ -140,7 +138,7 @@ int PortalSet::aim(const Vec3d& v, const Vec3d& facing, Way way, double W, Rng& 
   // What chose the facet within W chooses the triangle within the facet.
   const double within = std::clamp(1 + rest / weight(*chosen, v), 0.0, 1.0);
   int triangle;
-  w = normalize(point_on(*chosen, within, s, t, triangle) - v);
+  w = normalize(point_on(*chosen, within, u[0], u[1], triangle) - v);
   return triangle;
 }
 
@@ -226,13 +224,13 @@ PortalSet::Crossing PortalSet::crossing(const Vec3d& from, const Vec3d& to,
 }
 
 PortalSet::Sample PortalSet::sample(Rng& rng) const {
-  const double pick = rng.uniform();
-  const double u = rng.uniform();
-  const double v = rng.uniform();
-  const double s = rng.uniform();
-  const double t = rng.uniform();
-  const double kind = rng.uniform();
-  const double other = rng.uniform();
+  std::array<double, 7> u;
+  for (double& x : u) x = rng.uniform();
+  return sample(u);
+}
+
+PortalSet::Sample PortalSet::sample(const std::array<double, 7>& numbers) const {
+  const auto [u, v, s, t, pick, kind, other] = numbers;
   Sample sample;
   if (kind < pair_share_) {
     const Pair& pair = pairs_[pair_table_.sample(kind / pair_share_)];

@@ -75,15 +75,18 @@ class PortalSet {
   /// side of v that `facing` looks to (0: either). 0: nothing to aim at.
   double aims(const Vec3d& v, const Vec3d& facing, Way way) const;
   /// Unit direction from `v` towards a facet; W must be that of aims() for the same arguments.
-  /// Three dimensions of `rng`. Returns the triangle aimed at.
-  int aim(const Vec3d& v, const Vec3d& facing, Way way, double W, Rng& rng, Vec3d& w) const;
+  /// `u`: place on the facet, two numbers, and its choice. Returns the triangle aimed at.
+  int aim(const Vec3d& v, const Vec3d& facing, Way way, double W, const std::array<double, 3>& u,
+          Vec3d& w) const;
 
   struct Sample {
     Drawn drawn;
     Vec3d position;   ///< x_p
     Vec3d direction;  ///< unit, towards the camera's side
   };
-  /// Seven dimensions of `rng`. The set must not be empty.
+  /// `u`: place on a triangle and direction, two numbers each, and three for their choice. The set
+  /// must not be empty.
+  Sample sample(const std::array<double, 7>& u) const;
   Sample sample(Rng& rng) const;
   /// Whether x_l, x_c lie on either side of all that the segment was drawn through: one that was
   /// drawn through a pair and is stopped between them is of no use.

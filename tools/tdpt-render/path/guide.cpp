@@ -51,14 +51,11 @@ void Guide::aim_at_light(Vertex& v) const {
   v.lamp_aim = aim(v, v.facing, From::light);
 }
 
-bool Guide::draw(const Vertex& v, const Aim& aim, From from, Rng& rng, Vec3d& w,
-                 int& triangle) const {
-  const double coin = rng.uniform();
-  if (!(coin < aim.chance)) {
-    for (int i = 0; i < 3; ++i) rng.bits();
-    return false;
-  }
-  triangle = portals_.aim(v.position, v.facing, way(from), aim.chance / aim.per_weight, rng, w);
+bool Guide::draw(const Vertex& v, const Aim& aim, From from, const std::array<double, 4>& u,
+                 Vec3d& w, int& triangle) const {
+  if (!(u[3] < aim.chance)) return false;
+  triangle = portals_.aim(v.position, v.facing, way(from), aim.chance / aim.per_weight,
+                          {u[0], u[1], u[2]}, w);
   return true;
 }
 

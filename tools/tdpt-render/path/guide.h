@@ -45,9 +45,10 @@ class Guide {
   /// Tells y_0, a place on a light.
   void aim_at_light(Vertex& v) const;
 
-  /// Whether a walk that has `aim` at `v` is directed, and then the direction and the triangle aimed
-  /// at. Draws four numbers.
-  bool draw(const Vertex& v, const Aim& aim, From from, Rng& rng, Vec3d& w, int& triangle) const;
+  /// Whether a walk that has `aim` at `v` is directed, and then the direction and the triangle
+  /// aimed at. `u`: as in PortalSet::aim, and whether.
+  bool draw(const Vertex& v, const Aim& aim, From from, const std::array<double, 4>& u, Vec3d& w,
+            int& triangle) const;
 
   /// Of a walk at `at` that came from unit `back` (0: it begins there) and reaches `to`: the guided
   /// density [1/canonical area], from the plain one and the edge's crossing.

@@ -41,9 +41,9 @@ PathSampler::PathSampler(const World& world, const SampleSettings& settings, Fil
       tally_(tally),
       observer_(observer) {}
 
-Rng PathSampler::rng(Purpose purpose) const {
+Sequence PathSampler::numbers(Purpose purpose) const {
   const uint64_t pixel = static_cast<uint64_t>(y_) << 32 | static_cast<uint64_t>(x_);
-  return Rng(settings_.seed, settings_.stream * 16 + purpose, pixel, sample_);
+  return Sequence(settings_.seed, settings_.stream * 16 + purpose, pixel, sample_);
 }
 
 void PathSampler::begin(int x, int y, uint64_t sample) {
@@ -58,15 +58,15 @@ void PathSampler::end() {
 }
 
 void PathSampler::walk_from_camera() {
-  Rng place = rng(film_place);
+  Sequence place = numbers(film_place);
   const double x = x_ + place.uniform();
   const double y = y_ + place.uniform();
-  tdpt::walk_from_camera(world_, guide_, x, y, settings_.max_depth, rng(camera_walk), camera_walk_,
-                         tally_.rays);
+  tdpt::walk_from_camera(world_, guide_, x, y, settings_.max_depth, numbers(camera_walk),
+                         camera_walk_, tally_.rays);
 }
 
 void PathSampler::walk_from_light() {
-  tdpt::walk_from_light(world_, guide_, settings_.max_depth - 1, rng(light_walk), light_walk_,
+  tdpt::walk_from_light(world_, guide_, settings_.max_depth - 1, numbers(light_walk), light_walk_,
                         tally_.rays);
 }
 
@@ -141,14 +141,15 @@ void PathSampler::camera() {
 void PathSampler::direct() {
   const Walk& z = camera_walk_;
   if (world_.lights.empty()) return;
-  Rng random = rng(next_event);
+  Sequence random = numbers(next_event);
   for (int j = 1; j < z.size && j < settings_.max_depth; ++j) {
-    Rng point = Rng(random.bits(), 0, 0);
     if (!z[j].connectible) continue;
+    random.seek(4 * static_cast<uint32_t>(j));
+    const auto [u, v, pick, side] = random.uniforms<4>();
     // y_0 alone: a light walk of no edges.
     Vertex& y0 = light_point_.v[0];
     light_point_.size = 1;
-    place_on_light(world_, world_.lights.sample(point), y0);
+    place_on_light(world_, world_.lights.sample(pick, u, v, side), y0);
     if (guide_.active()) guide_.aim_at_light(y0);
     const Edge e = between(z[j], y0);
     const Rgb Le = emitted(y0, -e.w);
@@ -231,8 +232,7 @@ void PathSampler::portal() {
   const int D = settings_.max_depth;
   if (D < 2) return;
   if (tally_.portals.empty()) tally_.portals.resize(world_.portals.portals());
-  Rng random = rng(segment);
-  const PortalSet::Sample sample = world_.portals.sample(random);
+  const PortalSet::Sample sample = world_.portals.sample(numbers(segment).uniforms<7>());
   Tally::OfPortal& of_portal = tally_.portals[world_.portals.polygon(sample.drawn.polygon).portal];
   ++of_portal.drawn;
   Vertex x_l, x_c;

@@ -62,7 +62,7 @@ class PathSampler {
 
  private:
   enum Purpose : uint64_t { film_place, camera_walk, light_walk, next_event, segment };
-  Rng rng(Purpose purpose) const;
+  Sequence numbers(Purpose purpose) const;
 
   void to_pixel(const Path& path, Strategy strategy, const Rgb& value);
   void to_film(const Path& path, Strategy strategy, double raster_x, double raster_y,

@@ -128,9 +128,9 @@ double layered_dirac_probability(const Vertex& at, const Vec3d& back) {
   return local.z * dot(at.normal, back) > 0 ? bsdf::dirac_probability(at.bsdf, local) : 0;
 }
 
-bool turn(const Vertex& v, From from, const Vec3d& back, Rng& rng, Turn& out) {
-  const double a = rng.uniform();
-  const double b = rng.uniform();
+bool turn(const Vertex& v, From from, const Vec3d& back, const std::array<double, 3>& u,
+          Turn& out) {
+  const auto [a, b, choice] = u;
   if (v.simple) {
     const bool front = dot(v.normal, back) > 0;
     out.weight = v.material->base_color;
@@ -138,7 +138,6 @@ bool turn(const Vertex& v, From from, const Vec3d& back, Rng& rng, Turn& out) {
     out.dirac = false;
     return true;
   }
-  const double choice = rng.uniform();
   const Onb<double> onb(v.shading);
   const Vec3d local_back = onb.to_local(back);
   if (!(local_back.z * dot(v.normal, back) > 0)) return false;

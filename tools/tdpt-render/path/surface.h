@@ -18,10 +18,10 @@ struct Turn {
   Rgb weight;  ///< f cos / pdf_w
   bool dirac;
 };
-/// Draws three numbers (two where the surface is simple). `back`: unit, where the walk came from.
+/// `back`: unit, where the walk came from. `u`: direction, two numbers, and the choice of a lobe.
 /// False when the walk ends here.
-bool turn(const Vertex& v, From from, const Vec3d& back, Rng& rng, Turn& out);
-/// The same with the direction given: `out` is by a lobe that is not Dirac. Draws nothing.
+bool turn(const Vertex& v, From from, const Vec3d& back, const std::array<double, 3>& u, Turn& out);
+/// The same with the direction given: `out` is by a lobe that is not Dirac.
 bool turn_towards(const Vertex& v, From from, const Vec3d& back, const Vec3d& w, Turn& out);
 
 /// Share of light that gets along the inside of an absorbing solid from a to b, d long.

@@ -5,15 +5,24 @@
 namespace tdpt {
 namespace {
 
+// Dimensions of a walk: of its start, then of each bounce, used or not, so that one means the same
+// in every sample: where on a light (pick, place, side) or how a surface scatters; then the aim.
+constexpr uint32_t kPerBounce = 8, kDirection = 4;
+// The last of the first bounce's four for scattering, of which three are used.
+constexpr uint32_t kGuided = kPerBounce + 3;
+
 class Walker {
  public:
-  Walker(const World& world, const Guide& guide, From from, const Rng& rng, Walk& walk,
+  Walker(const World& world, const Guide& guide, From from, const Sequence& numbers, Walk& walk,
          RayCounts& rays)
-      : world_(world), guide_(guide), from_(from), rng_(rng), walk_(walk), rays_(rays) {
-    guided_ = guide.active() && rng_.uniform() < guide.share(from);
+      : world_(world), guide_(guide), from_(from), numbers_(numbers), walk_(walk), rays_(rays) {
+    if (guide.active()) {
+      numbers_.seek(kGuided);
+      guided_ = numbers_.uniform() < guide.share(from);
+    }
   }
 
-  Rng& rng() { return rng_; }
+  Sequence& numbers() { return numbers_; }
   bool guided() const { return guided_; }
 
   /// Extends the walk, whose last vertex is v, along unit w from `origin`: first hit, its
@@ -34,10 +43,10 @@ class Walker {
   const World& world_;
   const Guide& guide_;
   From from_;
-  Rng rng_;
+  Sequence numbers_;
   Walk& walk_;
   RayCounts& rays_;
-  bool guided_;
+  bool guided_ = false;
   Rgb throughput_{};  ///< at the last vertex, by plain densities
   double ratio_ = 1;  ///< r
 };
@@ -96,11 +105,14 @@ void Walker::scatter(int edges) {
     const Vertex& previous = walk_[walk_.size - 2];
     const Vec3d to_previous = between(v, previous).w;
     Turn t;
-    const bool goes_on = turn(v, from_, to_previous, rng_, t);
+    numbers_.seek(kPerBounce * static_cast<uint32_t>(walk_.size - 1));
+    const bool goes_on = turn(v, from_, to_previous, numbers_.uniforms<3>(), t);
     const bool tried_dirac = goes_on && t.dirac;
     Vec3d towards;
     int triangle = -1;
-    const bool aims = guided_ && guide_.draw(v, v.aim[from_ == From::light ? 0 : 1], from_, rng_, towards, triangle);
+    if (guided_) numbers_.seek(kPerBounce * static_cast<uint32_t>(walk_.size - 1) + kDirection);
+    const bool aims = guided_ && guide_.draw(v, v.aim[from_ == From::light ? 0 : 1], from_,
+                                             numbers_.uniforms<4>(), towards, triangle);
     if (aims && !tried_dirac) {
       if (!turn_towards(v, from_, to_previous, towards, t)) return;
     } else if (!goes_on) {
@@ -122,7 +134,7 @@ void Walker::scatter(int edges) {
 }  // namespace
 
 void walk_from_camera(const World& world, const Guide& guide, double x, double y, int edges,
-                      Rng rng, Walk& walk, RayCounts& rays) {
+                      Sequence numbers, Walk& walk, RayCounts& rays) {
   walk.size = 1;
   Vertex& z0 = walk.v[0];
   z0 = {};
@@ -132,26 +144,28 @@ void walk_from_camera(const World& world, const Guide& guide, double x, double y
   const auto pdf_A = [&](const Vertex& at, const Vertex& to) {
     return to_area(world.film.pdf_w(w), {w, between(at, to).d2}, to);
   };
-  Walker walker(world, guide, From::camera, rng, walk, rays);
+  Walker walker(world, guide, From::camera, numbers, walk, rays);
   if (walker.extend(z0.origin(), w, Rgb(1.0f), pdf_A, -1)) walker.scatter(edges);
 }
 
-void walk_from_light(const World& world, const Guide& guide, int edges, Rng rng, Walk& walk,
-                     RayCounts& rays) {
+void walk_from_light(const World& world, const Guide& guide, int edges, Sequence numbers,
+                     Walk& walk, RayCounts& rays) {
   walk.size = 0;
   if (world.lights.empty()) return;
-  Walker walker(world, guide, From::light, rng, walk, rays);
-  const Lights::Point light = world.lights.sample(walker.rng());
+  Walker walker(world, guide, From::light, numbers, walk, rays);
+  walker.numbers().seek(0);
+  const auto [u, v, pick, side] = walker.numbers().uniforms<4>();
+  const Lights::Point light = world.lights.sample(pick, u, v, side);
   walk.size = 1;
   Vertex& y0 = walk.v[0];
   place_on_light(world, light, y0);
   if (guide.active()) guide.aim_at_light(y0);
   if (edges < 1) return;
-  const double a = walker.rng().uniform();
-  const double b = walker.rng().uniform();
-  Lights::Ray ray = world.lights.leave(light, a, b);
+  const std::array<double, 4> direction = walker.numbers().uniforms<4>();
+  Lights::Ray ray = world.lights.leave(light, direction[0], direction[1]);
   int triangle = -1;
-  if (walker.guided() && guide.draw(y0, y0.lamp_aim, From::light, walker.rng(), ray.direction, triangle))
+  if (walker.guided() &&
+      guide.draw(y0, y0.lamp_aim, From::light, direction, ray.direction, triangle))
     ray.origin = light.position;
   // Le cos / pdf_w: pi per emitting side of a surface.
   const double sides = light.lamp ? 0 : y0.material->double_sided ? 2 : 1;

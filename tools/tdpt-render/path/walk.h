@@ -1,6 +1,6 @@
 // Random walks from the camera and from the light. Section 3.1.2.
 #pragma once
-#include "libcommon/math/rng.h"
+#include "libcommon/math/sequence.h"
 #include "tools/tdpt-render/path/guide.h"
 
 namespace tdpt {
@@ -22,10 +22,10 @@ struct Walk {
 
 /// z_0 at the pinhole, z_1 ... z_n, n <= edges, through raster place (x, y).
 void walk_from_camera(const World& world, const Guide& guide, double x, double y, int edges,
-                      Rng rng, Walk& walk, RayCounts& rays);
+                      Sequence numbers, Walk& walk, RayCounts& rays);
 
 /// y_0 on a light, y_1 ... y_n, n <= edges.
-void walk_from_light(const World& world, const Guide& guide, int edges, Rng rng, Walk& walk,
-                     RayCounts& rays);
+void walk_from_light(const World& world, const Guide& guide, int edges, Sequence numbers,
+                     Walk& walk, RayCounts& rays);
 
 }  // namespace tdpt
