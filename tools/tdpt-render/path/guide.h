@@ -7,21 +7,18 @@
 // m the probability that no Dirac lobe was tried: those lobes are left as they are. Where p = 0
 // nothing is scattered, and the walk ends.
 //
-// Only a share f of the walks of either kind is directed, the others are plain. A prefix
-// x_0 ... x_n then has the density
-//   f prod P_guided(x_i) + (1-f) prod P_plain(x_i) = prod P_guided(x_i) * (f + (1-f) r),
-//   r = prod P_plain(x_i) / P_guided(x_i),
-// whichever kind of walk made it: throughputs and weights are those of this mixture.
+// P> and P< of a path become these; nothing else changes. To direct only a share of the walks and
+// leave the others plain was tried: what it gains where lamps are seen directly, a larger weight of
+// next events gains without loss elsewhere (techniques.h).
 #pragma once
 #include "tools/tdpt-render/path/vertex.h"
 #include "tools/tdpt-render/path/world.h"
 
 namespace tdpt {
 
-/// How the walks of an integrator are directed; indices: From.
+/// How the walks of an integrator are directed: q by From, less than 1.
 struct Guiding {
-  std::array<double, 2> chance{};         ///< q
-  std::array<double, 2> share{1.0, 1.0};  ///< f; more than 0
+  std::array<double, 2> chance{};
   friend bool operator==(const Guiding&, const Guiding&) = default;
 };
 
@@ -54,11 +51,6 @@ class Guide {
   /// density [1/canonical area], from the plain one and the edge's crossing.
   double pdf_A(From from, const Vertex& at, const Vec3d& back, const Vertex& to, double plain_A,
                const PortalSet::Crossing& crossing) const;
-
-  /// f of walks from there.
-  double share(From from) const { return guiding_.share[static_cast<size_t>(from)]; }
-  /// f + (1-f) r.
-  double mixture(From from, double r) const { return share(from) + (1 - share(from)) * r; }
 
  private:
   Aim aim(const Vertex& v, const Vec3d& facing, From from) const;

@@ -241,7 +241,6 @@ std::vector<StrategyDensity> densities(const World& world, const Path& path, Tec
                                        const Guiding& guiding, Fault fault) {
   const int k = path.k();
   std::vector<double> from_light(static_cast<size_t>(k)), from_camera(static_cast<size_t>(k));
-  std::vector<double> guided_light(from_light), guided_camera(from_light);
   for (int i = 0; i < k; ++i) {
     const Vertex& x = path.vertex(i);
     double& P_light = from_light[static_cast<size_t>(i)];
@@ -257,20 +256,16 @@ std::vector<StrategyDensity> densities(const World& world, const Path& path, Tec
                        x, i > 1 && path.dirac(i - 1), p, fault);
       double per_area = cosine_at(x, before) / distance2(before, x);
       if (fault == Fault::missing_cosine && i == 2) per_area /= cosine_at(x, before);
-      P_light = p * per_area;
-      guided_light[static_cast<size_t>(i)] = g * per_area;
+      P_light = g * per_area;
     }
     const Vertex& after = path.vertex(i + 1);
     const double p = i == k - 1 ? film_pdf_w(world, after, x)
                                 : pdf_w(path.vertex(i + 2), after, x, path.dirac(i + 1));
-    P_camera = x.lamp ? 0 : p * cosine_at(x, after) / distance2(after, x);
     const double q = i == k - 1 ? p
                                 : guided_pdf_w(world, guiding, From::camera, &path.vertex(i + 2),
                                                after, x, path.dirac(i + 1), p, fault);
-    guided_camera[static_cast<size_t>(i)] =
-        x.lamp ? 0 : q * cosine_at(x, after) / distance2(after, x);
+    P_camera = x.lamp ? 0 : q * cosine_at(x, after) / distance2(after, x);
   }
-  guided_light[0] = from_light[0];
 
   std::vector<StrategyDensity> result;
   const auto add = [&](Technique technique, int split) {
@@ -282,27 +277,17 @@ std::vector<StrategyDensity> densities(const World& world, const Path& path, Tec
     if (portal) possible = connects(split) && connects(split + 1);
     if (split > 0) possible = possible && connects(split - 1);
     if (!possible && fault != Fault::connection_at_a_mirror) return;
-    // Of walks that are directed and of those that are not.
-    const auto log_mixture = [&](From from, int begin, int end, const std::vector<double>& guided,
-                                 const std::vector<double>& plain) {
-      double g = 0, p = 0;
-      for (int i = begin; i < end; ++i) g += std::log(guided[static_cast<size_t>(i)]);
-      for (int i = begin; i < end; ++i) p += std::log(plain[static_cast<size_t>(i)]);
-      const double f =
-          guiding.share[static_cast<size_t>(from)] * (fault == Fault::share_5_percent ? 0.95 : 1);
-      const double largest = std::max(g, p);
-      if (std::isinf(largest)) return largest;
-      return largest + std::log(f * std::exp(g - largest) + (1 - f) * std::exp(p - largest));
-    };
-    double log_p =
-        log_mixture(From::light, 0, split, guided_light, from_light) +
-        log_mixture(From::camera, portal ? split + 2 : split, k, guided_camera, from_camera);
+    double log_p = 0;
+    for (int i = 0; i < split; ++i) log_p += std::log(from_light[static_cast<size_t>(i)]);
+    for (int i = portal ? split + 2 : split; i < k; ++i)
+      log_p += std::log(from_camera[static_cast<size_t>(i)]);
     if (portal) {
       double p = segment_pdf(world, path.vertex(split), path.vertex(split + 1));
       if (fault == Fault::portal_density_5_percent) p *= 1.05;
       log_p += std::log(p);
     }
-    result.push_back({{technique, split}, log_p});
+    const double favour = technique == Technique::direct ? set.favour(technique, k) : 1;
+    result.push_back({{technique, split}, log_p, favour});
   };
   add(Technique::camera, 0);
   if (k >= 2) {
@@ -318,9 +303,10 @@ double weight(const std::vector<StrategyDensity>& densities, Strategy used) {
   double largest = -std::numeric_limits<double>::infinity(), mine = largest, total = 0;
   for (const StrategyDensity& d : densities) {
     largest = std::max(largest, d.log_p);
-    if (d.strategy.technique == used.technique && d.strategy.split == used.split) mine = d.log_p;
+    if (d.strategy.technique == used.technique && d.strategy.split == used.split)
+      mine = d.log_p + std::log(d.favour);
   }
-  for (const StrategyDensity& d : densities) total += std::exp(d.log_p - largest);
+  for (const StrategyDensity& d : densities) total += d.favour * std::exp(d.log_p - largest);
   return std::exp(mine - largest) / total;
 }
 

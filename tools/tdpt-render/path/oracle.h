@@ -9,7 +9,8 @@ namespace tdpt::oracle {
 
 struct StrategyDensity {
   Strategy strategy;
-  double log_p;  ///< natural logarithm of the density per canonical area^(k+1); -inf: impossible
+  double log_p;   ///< natural logarithm of the density per canonical area^(k+1); -inf: impossible
+  double favour;  ///< by which the set multiplies it in the weights
 };
 
 /// A planted fault, for the tests that must fail.
@@ -18,8 +19,7 @@ enum class Fault {
   portal_density_5_percent,
   missing_cosine,
   connection_at_a_mirror,
-  aim_5_percent,    ///< density of the directions towards portals
-  share_5_percent,  ///< of the walks that are directed
+  aim_5_percent,  ///< density of the directions towards portals
 };
 
 /// All strategies of `set` that can make the path, of walks that are directed by `guiding`.

@@ -53,37 +53,22 @@ void Path::fill(const World& world, const Walk& y, int s, const Walk& z, int t,
   for (int i = 0; i <= k_; ++i)
     dirac_[u(i)] = (i + 1 < s && y[i].dirac) || (i > first_z && z[k_ - i].dirac);
 
+  fill_crossings(world, y, s, z, first_z, segment, rays);
   // Inside a prefix the walk knows both densities; the two vertices at a prefix's end and the
   // segment's learn theirs from the finished path.
   for (int i = 0; i < k_; ++i) {
-    double& p_light = from_light_A_[u(i)];
-    double& p_camera = from_camera_A_[u(i)];
     const int j = k_ - i;  // index from the camera
-    if (i < s)
-      p_light = y[i].pdf_own_A;
-    else if (j <= t - 3)
-      p_light = z[j].pdf_other_A;
-    else if (i == 0)
-      p_light = x(0).lamp ? x(0).lamp->pdf_1 : world.lights.pdf_A(x(0).triangle);
-    else if (i == 1)
-      p_light = emission_pdf_A(x(0), x(1));
-    else
-      p_light = scatter_pdf_A(x(i - 2), x(i - 1), x(i), dirac(i - 1));
-
-    if (i >= first_z) {
-      p_camera = z[j].pdf_own_A;
-    } else if (i <= s - 3) {
-      p_camera = y[i].pdf_other_A;
-    } else if (x(i).lamp) {
-      p_camera = 0;
-    } else if (j == 1) {
-      const Edge e = between(x(k_), x(i));
-      p_camera = to_area(world.film.pdf_w(e.w), e, x(i));
-    } else {
-      p_camera = scatter_pdf_A(x(i + 2), x(i + 1), x(i), dirac(i + 1));
-    }
+    from_light_A_[u(i)] = i < s        ? y[i].pdf_own_A
+                          : j <= t - 3 ? z[j].pdf_other_A
+                                       : light_pdf_A(world, i);
+    from_camera_A_[u(i)] = i >= first_z ? z[j].pdf_own_A
+                           : i <= s - 3 ? y[i].pdf_other_A
+                                        : camera_pdf_A(world, i);
   }
+}
 
+void Path::fill_crossings(const World& world, const Walk& y, int s, const Walk& z, int first_z,
+                          const SegmentCrossings* segment, RayCounts& rays) {
   if (world.portals.empty()) {
     for (int i = 0; i < k_; ++i) crossing_[u(i)] = {};
     return;
@@ -103,40 +88,27 @@ void Path::fill(const World& world, const Walk& y, int s, const Walk& z, int t,
       c = guide_.crossing(x(i), x(i + 1));
     }
   }
-  if (guide_.active()) fill_guided(y, s, z, t);
 }
 
-// Replaces the densities by those of directed walks and keeps the ratio of the two. [guide.h]
-void Path::fill_guided(const Walk& y, int s, const Walk& z, int t) {
-  const int first_z = k_ - (t - 1);
-  for (int i = 0; i < k_; ++i) {
-    const int j = k_ - i;
-    double light = from_light_A_[u(i)], camera = from_camera_A_[u(i)];
-    if (i == 0 || light == 0) {
-    } else if (i < s) {
-      light = y[i].guided_own_A;
-    } else if (j <= t - 3) {
-      light = z[j].guided_other_A;
-    } else if (!dirac(i - 1)) {
-      const Vec3d back = i == 1 ? Vec3d() : between(x(i - 1), x(i - 2)).w;
-      light = guide_.pdf_A(From::light, x(i - 1), back, x(i), light, crossing_[u(i - 1)]);
-    }
-    if (j == 1 || camera == 0) {
-    } else if (i >= first_z) {
-      camera = z[j].guided_own_A;
-    } else if (i <= s - 3) {
-      camera = y[i].guided_other_A;
-    } else if (!dirac(i + 1)) {
-      const Vec3d back = between(x(i + 1), x(i + 2)).w;
-      camera = guide_.pdf_A(From::camera, x(i + 1), back, x(i), camera, crossing_[u(i)]);
-    }
-    const auto swap_in = [](double guided, double& plain, double& ratio) {
-      ratio = guided > 0 ? plain / guided : 1;
-      plain = guided;
-    };
-    swap_in(light, from_light_A_[u(i)], light_ratio_[u(i)]);
-    swap_in(camera, from_camera_A_[u(i)], camera_ratio_[u(i)]);
+double Path::light_pdf_A(const World& world, int i) const {
+  if (i == 0) return x(0).lamp ? x(0).lamp->pdf_1 : world.lights.pdf_A(x(0).triangle);
+  const double plain =
+      i == 1 ? emission_pdf_A(x(0), x(1)) : scatter_pdf_A(x(i - 2), x(i - 1), x(i), dirac(i - 1));
+  if (!guide_.active() || dirac(i - 1)) return plain;
+  const Vec3d back = i == 1 ? Vec3d() : between(x(i - 1), x(i - 2)).w;
+  return guide_.pdf_A(From::light, x(i - 1), back, x(i), plain, crossing_[u(i - 1)]);
+}
+
+double Path::camera_pdf_A(const World& world, int i) const {
+  if (x(i).lamp) return 0;
+  if (i == k_ - 1) {
+    const Edge e = between(x(k_), x(i));
+    return to_area(world.film.pdf_w(e.w), e, x(i));
   }
+  const double plain = scatter_pdf_A(x(i + 2), x(i + 1), x(i), dirac(i + 1));
+  if (!guide_.active() || dirac(i + 1)) return plain;
+  const Vec3d back = between(x(i + 1), x(i + 2)).w;
+  return guide_.pdf_A(From::camera, x(i + 1), back, x(i), plain, crossing_[u(i)]);
 }
 
 template <class Add>
@@ -147,7 +119,7 @@ void Path::for_each_strategy(TechniqueSet set, const Add& add) const {
                                 : s == k_ ? Technique::light
                                           : Technique::bi;
     const bool joins = !(s > 0 && (dirac(s - 1) || dirac(s)));
-    if (set.has(technique) && joins) add(Strategy{technique, s}, s, 1.0);
+    if (set.has(technique) && joins) add(Strategy{technique, s}, s, set.favour(technique, k_));
     if (s <= k_ - 2 && crossing_[u(s)].density > 0 && set.has(Technique::portal) && joins &&
         !dirac(s) && !dirac(s + 1) && !dirac(s + 2)) {
       const double g = geometry(x(s), x(s + 1), between(x(s), x(s + 1)));
@@ -170,13 +142,6 @@ double Path::weight(TechniqueSet set, Strategy used, double beta) const {
   }
   for (int i = k_ - 1; i >= 0; --i)
     camera_part[u(i)] = camera_part[u(i + 1)] * (from_camera_A_[u(i)] * per_common[u(i)]);
-  if (guide_.active()) {
-    double light = 1, camera = 1;  // r of the prefixes
-    for (int i = 0; i < k_; ++i)
-      light_part[u(i + 1)] *= guide_.mixture(From::light, light *= light_ratio_[u(i)]);
-    for (int i = k_ - 1; i >= 0; --i)
-      camera_part[u(i)] *= guide_.mixture(From::camera, camera *= camera_ratio_[u(i)]);
-  }
   double total = 0, mine = 0;
   for_each_strategy(set, [&](Strategy strategy, int rest, double extra) {
     double p = light_part[u(strategy.split)] * extra * camera_part[u(rest)];
@@ -196,13 +161,6 @@ double Path::weight_by_logarithms(TechniqueSet set, Strategy used, double beta) 
     light_part[u(i + 1)] = light_part[u(i)] + std::log(from_light_A_[u(i)] / common(i));
   for (int i = k_ - 1; i >= 0; --i)
     camera_part[u(i)] = camera_part[u(i + 1)] + std::log(from_camera_A_[u(i)] / common(i));
-  if (guide_.active()) {
-    double light = 1, camera = 1;
-    for (int i = 0; i < k_; ++i)
-      light_part[u(i + 1)] += std::log(guide_.mixture(From::light, light *= light_ratio_[u(i)]));
-    for (int i = k_ - 1; i >= 0; --i)
-      camera_part[u(i)] += std::log(guide_.mixture(From::camera, camera *= camera_ratio_[u(i)]));
-  }
   constexpr double kNone = -std::numeric_limits<double>::infinity();
   const auto log_p = [&](Strategy strategy, int rest, double extra) {
     return light_part[u(strategy.split)] + std::log(extra) + camera_part[u(rest)];

@@ -46,7 +46,11 @@ class Path {
  private:
   void fill(const World& world, const Walk& y, int s, const Walk& z, int t,
             const SegmentCrossings* segment, RayCounts& rays);
-  void fill_guided(const Walk& y, int s, const Walk& z, int t);
+  void fill_crossings(const World& world, const Walk& y, int s, const Walk& z, int first_z,
+                      const SegmentCrossings* segment, RayCounts& rays);
+  /// P>(x_i) and P<(x_i), from the finished path.
+  double light_pdf_A(const World& world, int i) const;
+  double camera_pdf_A(const World& world, int i) const;
   const Vertex& x(int i) const { return vertex(i); }
   /// q_i, by which the densities of x_i are divided.
   double common(int i) const {
@@ -61,12 +65,10 @@ class Path {
   const Guide& guide_;
   int k_ = 0;
   std::array<const Vertex*, kMaxDepth + 1> x_;
-  std::array<double, kMaxDepth + 1> from_light_A_;   ///< P>(x_i), of directed walks if any are
-  std::array<double, kMaxDepth + 1> from_camera_A_;  ///< P<(x_i), likewise
+  std::array<double, kMaxDepth + 1> from_light_A_;           ///< P>(x_i)
+  std::array<double, kMaxDepth + 1> from_camera_A_;          ///< P<(x_i)
   std::array<PortalSet::Crossing, kMaxDepth + 1> crossing_;  ///< of the edge x_i -> x_{i+1}
   std::array<bool, kMaxDepth + 1> dirac_;
-  // Only where walks are directed: plain over guided density.
-  std::array<double, kMaxDepth + 1> light_ratio_, camera_ratio_;
 };
 
 }  // namespace tdpt

@@ -93,8 +93,9 @@ Worst compare(const Scene& scene, const Integrator& integrator, Fault fault, int
       worst.value = std::max(worst.value, std::abs(relative));
     }
   };
-  PathSampler sampler(world, {integrator.techniques, max_depth, 1, 11, integrator.stream, integrator.guiding}, film,
-                      tally, &observer);
+  PathSampler sampler(
+      world, {integrator.techniques, max_depth, 1, 11, integrator.stream, integrator.guiding}, film,
+      tally, &observer);
   for (int y = 0; y < 12; ++y)
     for (int x = 0; x < 16; ++x)
       for (uint64_t s = 0; s < spp; ++s) {
@@ -151,7 +152,8 @@ TEST_P(paths, weights_of_all_strategies_sum_to_1) {
     }
     EXPECT_NEAR(sum, 1, 1e-12);
   };
-  PathSampler sampler(world, {set, 6, 1, 5, GetParam()->stream, GetParam()->guiding}, film, tally, &observer);
+  PathSampler sampler(world, {set, 6, 1, 5, GetParam()->stream, GetParam()->guiding}, film, tally,
+                      &observer);
   for (uint64_t s = 0; s < 2000; ++s) {
     sampler.begin(8, 6, s);
     GetParam()->sample(sampler);
@@ -172,8 +174,7 @@ INSTANTIATE_TEST_SUITE_P(integrators, paths, testing::ValuesIn(integrators()),
 // Probabilities other than the integrator's own. A ray that was aimed at a border of a portal may
 // pass it by rounding: the walk knows that it was aimed there, the oracle does not.
 TEST(paths_guided, of_any_probability_are_the_oracles) {
-  for (const Guiding& guiding : {Guiding{{0.9, 0.9}, {1, 1}}, Guiding{{0.2, 0}, {0.3, 1}},
-                                 Guiding{{0, 0.7}, {1, 0.8}}}) {
+  for (const Guiding& guiding : {Guiding{{0.9, 0.9}}, Guiding{{0.2, 0}}, Guiding{{0, 0.7}}}) {
     Integrator integrator = tdpt_guided;
     integrator.guiding = guiding;
     for (const Scene& scene : {diffuse_rooms(), glossy_rooms()}) {
@@ -197,12 +198,6 @@ TEST(path_twin, an_aim_off_by_5_percent_is_caught) {
     EXPECT_GT(worst.weight, 1e-3);
     EXPECT_GT(worst.value, 0.04);
   }
-}
-
-TEST(path_twin, a_share_of_directed_walks_off_by_5_percent_is_caught) {
-  const Worst worst = compare(diffuse_rooms(), tdpt_guided, Fault::share_5_percent);
-  EXPECT_GT(worst.weight, 1e-3);
-  EXPECT_GT(worst.value, 0.04);
 }
 
 TEST(path_twin, a_dropped_cosine_is_caught) {
@@ -290,8 +285,9 @@ TEST(connections, at_tiny_distances_are_bounded_by_their_weights) {
       if (strategy.split < path.k() && path.k() - strategy.split > 2)
         weighted = std::max(weighted, w * value.x);
     };
-    PathSampler sampler(world, {integrator->techniques, 6, 1, 3, integrator->stream, integrator->guiding}, film, tally,
-                        &observer);
+    PathSampler sampler(world,
+                        {integrator->techniques, 6, 1, 3, integrator->stream, integrator->guiding},
+                        film, tally, &observer);
     for (uint64_t s = 0; s < 100000; ++s) {
       sampler.begin(static_cast<int>(s % 16), static_cast<int>(s % 12), s);
       integrator->sample(sampler);

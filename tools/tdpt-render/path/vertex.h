@@ -50,11 +50,9 @@ struct Vertex {
   PortalSet::Crossing crossing{};  ///< of the edge to the previous vertex (portals.h)
 
   // Of walks that may be directed at portals (guide.h).
-  Vec3d facing{};             ///< side of the surface that its edges are on; 0: both
-  std::array<Aim, 2> aim;    ///< of a walk from the light, from the camera, that scatters here
-  Aim lamp_aim;              ///< of a walk that begins here
-  double guided_own_A = 0;    ///< pdf_own_A and
-  double guided_other_A = 0;  ///< pdf_other_A of a directed walk
+  Vec3d facing{};          ///< side of the surface that its edges are on; 0: both
+  std::array<Aim, 2> aim;  ///< of a walk from the light, from the camera, that scatters here
+  Aim lamp_aim;            ///< of a walk that begins here
 
   bool on_surface() const { return material != nullptr; }
   bool at_infinity() const { return lamp && lamp->directional(); }

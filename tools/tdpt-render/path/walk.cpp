@@ -8,22 +8,14 @@ namespace {
 // Dimensions of a walk: of its start, then of each bounce, used or not, so that one means the same
 // in every sample: where on a light (pick, place, side) or how a surface scatters; then the aim.
 constexpr uint32_t kPerBounce = 8, kDirection = 4;
-// The last of the first bounce's four for scattering, of which three are used.
-constexpr uint32_t kGuided = kPerBounce + 3;
 
 class Walker {
  public:
   Walker(const World& world, const Guide& guide, From from, const Sequence& numbers, Walk& walk,
          RayCounts& rays)
-      : world_(world), guide_(guide), from_(from), numbers_(numbers), walk_(walk), rays_(rays) {
-    if (guide.active()) {
-      numbers_.seek(kGuided);
-      guided_ = numbers_.uniform() < guide.share(from);
-    }
-  }
+      : world_(world), guide_(guide), from_(from), numbers_(numbers), walk_(walk), rays_(rays) {}
 
   Sequence& numbers() { return numbers_; }
-  bool guided() const { return guided_; }
 
   /// Extends the walk, whose last vertex is v, along unit w from `origin`: first hit, its
   /// densities, and what the two vertices before it learn. `throughput`: of a walk that is not
@@ -46,9 +38,6 @@ class Walker {
   Sequence numbers_;
   Walk& walk_;
   RayCounts& rays_;
-  bool guided_ = false;
-  Rgb throughput_{};  ///< at the last vertex, by plain densities
-  double ratio_ = 1;  ///< r
 };
 
 PortalSet::Crossing Walker::crossing(const Vertex& v, const Vertex& next, int triangle) {
@@ -70,31 +59,28 @@ bool Walker::extend(const Tracer::Origin& origin, const Vec3d& w, const Rgb& thr
   if (!world_.tracer.closest(origin, w, hit)) return false;
   Vertex& next = walk_.v[n];
   place_on_surface(world_, hit, next);
-  next.pdf_own_A = plain_A(v, next);
-  next.pdf_other_A = 0;
-  if (!(next.pdf_own_A > 0)) return false;
-  throughput_ = throughput * static_cast<float>(1 / hit.presence);
-  if (world_.absorbing) throughput_ = throughput_ * transmittance(v, next, w, hit.distance);
-  next.throughput = throughput_;
-  const bool known = n >= 2 && !walk_.v[n - 2].lamp;  // no walk meets a lamp without surface
-  if (known) walk_.v[n - 2].pdf_other_A = scatter_pdf_A(next, v, walk_.v[n - 2], v.dirac);
+  const double plain = plain_A(v, next);
+  if (!(plain > 0)) return false;
   next.crossing = crossing(v, next, triangle);
+  const bool known = n >= 2 && !walk_.v[n - 2].lamp;  // no walk meets a lamp without surface
+  const double other = known ? scatter_pdf_A(next, v, walk_.v[n - 2], v.dirac) : 0;
+  next.pdf_own_A = plain;
+  next.pdf_other_A = 0;
+  if (known) walk_.v[n - 2].pdf_other_A = other;
+  next.throughput = throughput * static_cast<float>(1 / hit.presence);
+  if (world_.absorbing) next.throughput = next.throughput * transmittance(v, next, w, hit.distance);
   ++walk_.size;
   if (!guide_.active()) return true;
 
   guide_.aim_at_surface(-w, next);
-  const bool chosen = n >= 2 || from_ == From::light;  // not by the film
-  next.guided_own_A = chosen && !v.dirac
-                          ? guide_.pdf_A(from_, v, back(n - 1), next, next.pdf_own_A, next.crossing)
-                          : next.pdf_own_A;
-  ratio_ *= next.pdf_own_A / next.guided_own_A;
-  next.throughput = throughput_ * static_cast<float>(ratio_ / guide_.mixture(from_, ratio_));
+  const bool by_film = n == 1 && from_ == From::camera;
+  if (v.dirac || by_film) return true;
+  next.pdf_own_A = guide_.pdf_A(from_, v, back(n - 1), next, plain, next.crossing);
+  next.throughput *= static_cast<float>(plain / next.pdf_own_A);
   if (known) {
+    const From reverse = from_ == From::light ? From::camera : From::light;
     Vertex& before = walk_.v[n - 2];
-    before.guided_other_A = v.dirac
-                                ? before.pdf_other_A
-                                : guide_.pdf_A(from_ == From::light ? From::camera : From::light, v,
-                                               w, before, before.pdf_other_A, v.crossing);
+    before.pdf_other_A = guide_.pdf_A(reverse, v, w, before, other, v.crossing);
   }
   return true;
 }
@@ -110,15 +96,18 @@ void Walker::scatter(int edges) {
     const bool tried_dirac = goes_on && t.dirac;
     Vec3d towards;
     int triangle = -1;
-    if (guided_) numbers_.seek(kPerBounce * static_cast<uint32_t>(walk_.size - 1) + kDirection);
-    const bool aims = guided_ && guide_.draw(v, v.aim[from_ == From::light ? 0 : 1], from_,
-                                             numbers_.uniforms<4>(), towards, triangle);
+    const Aim& aim = v.aim[from_ == From::light ? 0 : 1];
+    bool aims = false;
+    if (guide_.active()) {
+      numbers_.seek(kPerBounce * static_cast<uint32_t>(walk_.size - 1) + kDirection);
+      aims = guide_.draw(v, aim, from_, numbers_.uniforms<4>(), towards, triangle);
+    }
     if (aims && !tried_dirac) {
       if (!turn_towards(v, from_, to_previous, towards, t)) return;
     } else if (!goes_on) {
       return;
     }
-    const Rgb throughput = throughput_ * t.weight;
+    const Rgb throughput = v.throughput * t.weight;
     if (max_component(throughput) <= 0) return;
     v.dirac = t.dirac;
     const auto pdf_A = [&](const Vertex& at, const Vertex& to) {
@@ -139,7 +128,7 @@ void walk_from_camera(const World& world, const Guide& guide, double x, double y
   Vertex& z0 = walk.v[0];
   z0 = {};
   z0.position = world.film.position();
-  z0.pdf_own_A = z0.guided_own_A = 1;
+  z0.pdf_own_A = 1;
   const Vec3d w = world.film.direction(x, y);
   const auto pdf_A = [&](const Vertex& at, const Vertex& to) {
     return to_area(world.film.pdf_w(w), {w, between(at, to).d2}, to);
@@ -164,7 +153,7 @@ void walk_from_light(const World& world, const Guide& guide, int edges, Sequence
   const std::array<double, 4> direction = walker.numbers().uniforms<4>();
   Lights::Ray ray = world.lights.leave(light, direction[0], direction[1]);
   int triangle = -1;
-  if (walker.guided() &&
+  if (guide.active() &&
       guide.draw(y0, y0.lamp_aim, From::light, direction, ray.direction, triangle))
     ray.origin = light.position;
   // Le cos / pdf_w: pi per emitting side of a surface.
