@@ -3,13 +3,6 @@
 #include <cmath>
 
 namespace tdpt {
-namespace {
-
-double share_of_a_sample(uint64_t spp) {
-  return spp > 0 ? 1.0 / static_cast<double>(spp) : 0;
-}
-
-}  // namespace
 
 Film::Film(int width, int height, double power, TechniqueSet layers)
     : width_(width),
@@ -21,7 +14,34 @@ Film::Film(int width, int height, double power, TechniqueSet layers)
 }
 
 Film::Plane Film::make_plane() const {
-  return {std::vector<Vec3d>(pixels()), std::make_unique<Splats[]>(pixels())};
+  return {std::vector<Vec3d>(pixels()), std::make_unique<Splats[]>(pixels()), {}};
+}
+
+void Film::clear() {
+  const auto clear_plane = [this](Plane& plane) {
+    if (!plane.splats) return;
+    std::vector<Vec3d> others = std::move(plane.others);
+    plane = make_plane();
+    plane.others = std::move(others);
+  };
+  clear_plane(picture_);
+  for (Plane& layer : layers_) clear_plane(layer);
+}
+
+void Film::add_other(const Film& other, double weight) {
+  const auto add_plane = [&](Plane& to, const Plane& from) {
+    if (!to.splats || !from.splats) return;
+    to.others.resize(pixels());
+    for (size_t i = 0; i < pixels(); ++i) to.others[i] += sum(from, i) * weight;
+  };
+  add_plane(picture_, other.picture_);
+  for (size_t t = 0; t < kTechniques; ++t) add_plane(layers_[t], other.layers_[t]);
+}
+
+std::vector<Vec3d> Film::sums() const {
+  std::vector<Vec3d> all(pixels());
+  for (size_t i = 0; i < pixels(); ++i) all[i] = sum(picture_, i);
+  return all;
 }
 
 bool Film::splat(Technique technique, int x, int y, const Rgb& radiance) {
@@ -43,34 +63,37 @@ void Film::add_splat(Splats& sums, const std::array<double, 3>& units) {
   }
 }
 
-Rgb Film::pixel(const Plane& plane, size_t i, double share) const {
+Vec3d Film::sum(const Plane& plane, size_t i) const {
   const Splats& sums = plane.splats[i];
   const auto splat = [&](size_t c) {
     const auto high = static_cast<double>(sums.high[c].load(std::memory_order_relaxed));
     const auto low = static_cast<double>(sums.low[c].load(std::memory_order_relaxed));
     return unit_ * (0x1p32 * high + low);
   };
-  return Vec3f((plane.camera[i] + Vec3d{splat(0), splat(1), splat(2)}) * share);
+  return plane.camera[i] + Vec3d{splat(0), splat(1), splat(2)};
 }
 
-Picture Film::resolve(const Plane& plane, uint64_t spp) const {
+Rgb Film::pixel(const Plane& plane, size_t i, const Shares& shares) const {
+  const Vec3d own = sum(plane, i) * shares.samples;
+  return Vec3f(plane.others.empty() ? own : own + plane.others[i] * shares.others);
+}
+
+Picture Film::resolve(const Plane& plane, const Shares& shares) const {
   Picture picture{width_, height_, {}};
   if (!plane.splats) {
     picture.pixels.resize(pixels());
     return picture;
   }
   picture.pixels.reserve(pixels());
-  const double share = share_of_a_sample(spp);
-  for (size_t i = 0; i < pixels(); ++i) picture.pixels.push_back(pixel(plane, i, share));
+  for (size_t i = 0; i < pixels(); ++i) picture.pixels.push_back(pixel(plane, i, shares));
   return picture;
 }
 
-Film::Measure Film::measure(uint64_t spp) const {
+Film::Measure Film::measure(const Shares& shares) const {
   Vec3d sum;
   size_t nonzero = 0;
-  const double share = share_of_a_sample(spp);
   for (size_t i = 0; i < pixels(); ++i) {
-    const Rgb p = pixel(picture_, i, share);
+    const Rgb p = pixel(picture_, i, shares);
     sum += Vec3d(p);
     nonzero += p != Rgb{};
   }

@@ -35,19 +35,37 @@ class Film {
   /// be held; then it is left out.
   bool splat(Technique technique, int x, int y, const Rgb& radiance);
 
-  /// Sums divided by samples per pixel.
-  Picture resolve(uint64_t spp) const { return resolve(picture_, spp); }
+  /// The sums back to zero; what add_other() added stays.
+  void clear();
+  /// Adds weight * (sums of another film, of this size) to a second account, layer by layer.
+  void add_other(const Film& other, double weight);
+  /// The sums by themselves, pixel by pixel; without the other account.
+  std::vector<Vec3d> sums() const;
+
+  /// The picture is samples * sums + others * the other account.
+  struct Shares {
+    double samples = 0, others = 0;
+  };
+  /// The mean of `spp` samples per pixel, and nothing from other films.
+  static Shares mean_of(uint64_t spp) {
+    return {spp > 0 ? 1.0 / static_cast<double>(spp) : 0, 0};
+  }
+  Picture resolve(const Shares& shares) const { return resolve(picture_, shares); }
+  Picture resolve(uint64_t spp) const { return resolve(mean_of(spp)); }
   /// The same for one technique; black where it has no layer.
+  Picture resolve_layer(Technique technique, const Shares& shares) const {
+    return resolve(layers_[static_cast<size_t>(technique)], shares);
+  }
   Picture resolve_layer(Technique technique, uint64_t spp) const {
-    return resolve(layers_[static_cast<size_t>(technique)], spp);
+    return resolve_layer(technique, mean_of(spp));
   }
 
   struct Measure {
     Vec3d mean;          ///< over all pixels
     double nonzero = 0;  ///< share of pixels that are not black
   };
-  /// Of the picture that resolve(spp) gives, without making it.
-  Measure measure(uint64_t spp) const;
+  /// Of the picture that resolve(shares) gives, without making it.
+  Measure measure(const Shares& shares) const;
 
  private:
   /// Sums of the upper and the lower 32 bits of every splat, for R, G and B.
@@ -57,6 +75,7 @@ class Film {
   struct Plane {
     std::vector<Vec3d> camera;
     std::unique_ptr<Splats[]> splats;  ///< null: this plane is not kept
+    std::vector<Vec3d> others;         ///< empty until something is added
   };
 
   size_t index(int x, int y) const {
@@ -65,8 +84,9 @@ class Film {
   size_t pixels() const { return index(0, height_); }
   Plane make_plane() const;
   static void add_splat(Splats& sums, const std::array<double, 3>& units);
-  Rgb pixel(const Plane& plane, size_t i, double share) const;
-  Picture resolve(const Plane& plane, uint64_t spp) const;
+  Vec3d sum(const Plane& plane, size_t i) const;
+  Rgb pixel(const Plane& plane, size_t i, const Shares& shares) const;
+  Picture resolve(const Plane& plane, const Shares& shares) const;
 
   int width_, height_;
   double unit_;

@@ -98,9 +98,6 @@ int run(const Arguments& a, const cli::Common& common) {
     inputs.push_back({path, file.hash, file.provenance});
   }
 
-  const Integrator& integrator = a.integrator != "default" ? integrator_named(a.integrator)
-                                 : portals.empty()         ? bdpt
-                                                           : tdpt_org;
   int64_t width = a.width, height = a.height;
   choose_size(camera, width, height);
 
@@ -114,16 +111,23 @@ int run(const Arguments& a, const cli::Common& common) {
   settings.layers = a.layers;
   settings.frames = !a.stats.empty();
   const World world(scene, camera, static_cast<int>(width), static_cast<int>(height), portals);
-  if (world.portals.empty() && integrator.techniques.has(Technique::portal))
+  const bool choose = a.integrator == "auto" || (a.integrator == "default" && !portals.empty());
+  const Integrator& named = choose || a.integrator == "default" ? bdpt
+                                                                : integrator_named(a.integrator);
+  if (world.portals.empty() && named.techniques.has(Technique::portal))
     common.warn("no portal is given, so no path is sampled through one");
-  if (integrator.techniques.has(Technique::portal)) {
+  if (choose || named.techniques.has(Technique::portal)) {
     probe(world, portals);
     for (const std::string& promise : promises(portals)) common.note(promise);
   }
+  const std::vector<Candidate> candidates =
+      choose ? auto_candidates(world, portals) : std::vector<Candidate>{{&named, named.name}};
+  const Integrator integrator = choose ? either_of(candidates) : named;
   if (const std::string missed = light_missed(integrator, scene); !missed.empty())
     common.warn(missed);
   if (world.lights.empty()) common.warn("nothing in the scene emits light: the picture is black");
-  const RenderResult result = render(world, integrator, settings);
+  const RenderResult result = render(world, candidates, settings);
+  if (choose) common.note(choice_sentence(result, settings, portals));
 
   ExrFile exr;
   exr.picture = result.picture;
@@ -143,7 +147,8 @@ int run(const Arguments& a, const cli::Common& common) {
                     "holds, and is left out",
                     place.x, place.y, place.sample));
   const double total = std::accumulate(result.tally.energy.begin(), result.tally.energy.end(), 0.0);
-  if (!world.portals.empty() && integrator.techniques.has(Technique::portal) &&
+  if (!world.portals.empty() &&
+      candidates[result.chosen].integrator->techniques.has(Technique::portal) &&
       result.tally.energy[static_cast<size_t>(Technique::portal)] < 0.01 * total)
     common.note(
         "the portals brought less than 1 % of the light: do their fronts face the camera's room?");
@@ -173,10 +178,10 @@ int main(int argc, char** argv) {
   options.option("--portal", a.portals, "FILE",
                  "Portals (.glb, .gltf) from portalfit or a modelling program; may be repeated",
                  Shapes::nothing);
-  std::vector<std::string> names;
+  std::vector<std::string> names{"auto"};
   for (const Integrator* integrator : integrators()) names.push_back(integrator->name);
   options.choice("--integrator", a.integrator, names,
-                 "Techniques to combine; default tdpt-org with portals, bdpt without");
+                 "Techniques to combine; default auto with portals, bdpt without");
   options.option("--spp", a.spp, "N", "Samples per pixel; default 16, or as --time allows", 1,
                  int64_t{1} << 32);
   options.option("--time", a.seconds, "SECONDS", "Stop rendering after this wall-clock time", 1e-3,

@@ -3,7 +3,7 @@
 #include <map>
 #include <string>
 
-#include "tools/tdpt-render/integrators/integrator.h"
+#include "tools/tdpt-render/pilot.h"
 
 namespace tdpt {
 
@@ -32,12 +32,17 @@ uint64_t next_frame(uint64_t spp);
 
 struct RenderResult {
   Picture picture;
-  uint64_t spp = 0;                     ///< samples each pixel got
+  TechniqueSet techniques;              ///< that were run
+  uint64_t spp = 0;                     ///< samples each pixel got, those of a pilot included
   double seconds = 0, cpu_seconds = 0;  ///< measuring frames not counted
   bool interrupted = false;  ///< a signal ended it early; the picture holds what was there
   Tally tally;
   std::map<std::string, Picture> layers;  ///< by technique; they add up to the picture
   std::vector<FrameRecord> frames;        ///< the last one is the picture
+
+  size_t chosen = 0;               ///< which of the candidates rendered all but the pilot
+  std::string chosen_label;        ///< empty when there was only one
+  std::vector<PilotRecord> pilot;  ///< empty without one
 
   Vec3d mean() const;      ///< over all pixels
   double nonzero() const;  ///< share of pixels that are not black
@@ -46,6 +51,11 @@ struct RenderResult {
 /// Renders in passes over the whole picture, so every pixel has the same number of samples whenever
 /// it stops. The picture is a function of (scene, settings, spp) alone.
 RenderResult render(const World& world, const Integrator& integrator,
+                    const RenderSettings& settings);
+
+/// Renders with the best of the candidates, found by a pilot if the budget allows one [pilot.h],
+/// else with the first. Frames begin after the pilot.
+RenderResult render(const World& world, const std::vector<Candidate>& candidates,
                     const RenderSettings& settings);
 
 }  // namespace tdpt

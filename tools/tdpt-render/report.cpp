@@ -28,6 +28,16 @@ nlohmann::ordered_json summary(const Integrator& integrator, const RenderSetting
                                const RenderResult& result, const std::vector<Portal>& portals) {
   nlohmann::ordered_json j;
   j["integrator"] = integrator.name;
+  if (!result.chosen_label.empty()) {
+    j["chosen"] = result.chosen_label;
+    auto& pilot = j["pilot"] = nlohmann::ordered_json::array();
+    for (const PilotRecord& r : result.pilot)
+      pilot.push_back({{"integrator", r.integrator},
+                       {"spp", r.spp},
+                       {"relmse", r.relmse},
+                       {"work", r.work},
+                       {"share", r.share}});
+  }
   j["spp"] = result.spp;
   j["width"] = result.picture.width;
   j["height"] = result.picture.height;
@@ -95,6 +105,36 @@ std::vector<std::string> verbose_notes(const Scene& scene, const Integrator& int
   return notes;
 }
 
+std::string choice_sentence(const RenderResult& result, const RenderSettings& settings,
+                            const std::vector<Portal>& portals) {
+  const std::string chose = "auto chose " + result.chosen_label;
+  if (result.pilot.empty()) {
+    const std::string why = portals.empty()         ? ""
+                            : all_useless(portals) ? ", as no portal promises a gain"
+                                                   : ", as the portals promise a gain";
+    return chose + why +
+           fmt::format(
+               ": {} too short for a pilot, which takes {:.0f} samples per pixel or more",
+               settings.spp > 0 && static_cast<double>(settings.spp) < kLeastSpp ? "this run is"
+                                                                                 : "the time is",
+               kLeastSpp);
+  }
+  const PilotRecord& best = result.pilot[result.chosen];
+  std::vector<std::string> others;
+  uint64_t spp = 0;
+  for (size_t i = 0; i < result.pilot.size(); ++i) {
+    const PilotRecord& r = result.pilot[i];
+    spp += r.spp;
+    if (i != result.chosen)
+      others.push_back(fmt::format("{:.3g} x by {}", r.relmse * r.work / (best.relmse * best.work),
+                                   r.integrator));
+  }
+  const std::string measured = best.relmse > 0
+                                   ? "error x work is " + fmt::format("{}", fmt::join(others, ", "))
+                                   : "no candidate met any light";
+  return chose + fmt::format(": {} in a pilot of {} samples per pixel", measured, spp);
+}
+
 Picture nonzero_picture(const Picture& picture) {
   Picture marks{picture.width, picture.height, {}};
   marks.pixels.reserve(picture.pixels.size());
@@ -109,6 +149,7 @@ std::map<std::string, std::string> exr_attributes(const Integrator& integrator,
                                                   const Provenance& provenance) {
   std::map<std::string, std::string> a;
   a["integrator"] = integrator.name;
+  if (!result.chosen_label.empty()) a["chosen"] = result.chosen_label;
   a["spp"] = std::to_string(result.spp);
   a["maxDepth"] = std::to_string(settings.max_depth);
   a["seed"] = std::to_string(settings.seed);

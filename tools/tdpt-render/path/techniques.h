@@ -23,6 +23,11 @@ class TechniqueSet {
   constexpr explicit TechniqueSet(T... members)
       : bits_(static_cast<uint8_t>((0u | ... | (1u << static_cast<int>(members))))) {}
   constexpr bool has(Technique t) const { return (bits_ >> static_cast<int>(t)) & 1u; }
+  constexpr TechniqueSet operator|(const TechniqueSet& other) const {
+    TechniqueSet all;
+    all.bits_ = static_cast<uint8_t>(bits_ | other.bits_);
+    return all;
+  }
 
   /// The same set with factors for next events at z_1 and at later vertices.
   constexpr TechniqueSet favouring_direct(double first, double later) const {

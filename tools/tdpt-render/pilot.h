@@ -1,0 +1,142 @@
+// Integrator `auto`: which of several integrators renders this picture with the least error x work,
+// by a pilot on the picture itself whose samples are kept.
+//
+// The pilot goes in R rounds. A round renders two passes over the picture (a pass is one sample of
+// every pixel) with each of the candidates i that are left, and adds one picture to what is kept:
+//   P_r = sum_i w_i S_i(r),   sum_i w_i = 1,   w_i ~ 1 / v_i,
+// S_i(r) the mean of candidate i's two passes, v_i the relMSE of one of its samples as the rounds
+// *before* r measured it; in the first round all of the weight is the first candidate's. After a
+// round the hopeless candidates leave. After the last one the candidate of the least v_i x work is
+// chosen and renders M, and the picture is
+//   (1 - a) M + a (P_1 + ... + P_R) / R.
+//
+// Why no samples have to be thrown away: an integrator chosen because its samples look calm has,
+// among these samples, too few of the bright ones, so a picture that weighs samples by what they
+// themselves showed is too dark. Here what decides about samples never sees them. Given all rounds
+// before r, the weights of round r and the candidates that render it are fixed numbers, and its
+// random numbers are its own (a stream for each round), so E[P_r] = sum_i w_i E[S_i] = the picture;
+// given the pilot, so is E[M]. R and a are set before the first round, from the budget alone: were
+// they to depend on what was measured, sum_r P_r / R would again weigh samples by themselves.
+//
+// v_i: two passes x, x' of a pixel estimate its variance without bias as (x - x')^2 / 2. Light
+// walks of one pixel's sample splat into others, so whole passes are compared and nothing less. The
+// variance is divided by (mean^2 + 0.01 (mean of the picture)^2), exrdiff's relMSE, with the mean
+// of a block of pixels in the candidates' pictures, weighed by 1 / v_i: the mean of the pixel itself
+// would be large just where a rare bright sample fell, and hide it (DESIGN 3.8).
+//
+// Few passes miss what is rare. A candidate that never found the light of the next room shows no
+// variance there: black, and perfect. So in a block where some other candidate surely saw more
+// light, that is its mean less two standard errors, candidate i is given the variance that the
+// missing light has if it comes in one sample out of as many as were taken:
+// (passes x pixels) x missing^2.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "libcommon/formats/portal.h"
+#include "tools/tdpt-render/integrators/integrator.h"
+
+namespace tdpt {
+
+/// One of those that `auto` chooses among.
+struct Candidate {
+  const Integrator* integrator;
+  std::string label;  ///< names it in notes and statistics; several may share an integrator's name
+};
+
+/// The candidates for this scene; the first is taken when there is no pilot. None that misses light
+/// of the scene [light_missed]. With portals: those with portal techniques first, or bdpt first when
+/// no portal promises a gain. Portals must have been probed [portal_probe.h].
+std::vector<Candidate> auto_candidates(const World& world, const std::vector<Portal>& portals);
+
+/// `auto` by name, with all techniques of the candidates; it cannot be run.
+Integrator either_of(const std::vector<Candidate>& candidates);
+
+/// Whether the figures of every portal say that it is useless.
+bool all_useless(const std::vector<Portal>& portals);
+
+/// What candidates' samples cost: CPU nanoseconds of one core on average, as a function of what
+/// they count and never of the clock, so that the choice is the same in every run.
+///
+/// Of every sample 140, of every first hit 39 + 12 log2(triangles / 64), of every visibility test
+/// 174 and of every edge tested against the portals 161 and 2 for each of their triangles. The last
+/// stands for the weighing of a path as well, which costs more and is not counted. Without portals
+/// nothing is tested against them: 5, 193 + 11 log2(triangles / 64) and 215.
+/// Least squares over six scenes, three depths and five integrators: ratios of two integrators' CPU
+/// times come out within 5 % on average and 9 % at most at depth 6, 20 % at most at depth 12;
+/// without portals 7 %, 13 % and 18 %.
+class WorkModel {
+ public:
+  explicit WorkModel(const World& world);
+  /// Of one sample [ns]; `rays` of `samples` of them.
+  double per_sample(const RayCounts& rays, uint64_t samples) const;
+
+ private:
+  bool portals_;
+  double closest_, portal_;
+};
+
+struct PilotPlan {
+  size_t candidates = 1;  ///< the first so many take part
+  uint64_t rounds = 0;    ///< of two passes each; 0: no pilot
+  double kept = 0;        ///< a, the pilot's share of the picture
+};
+/// For a budget of about `spp` samples per pixel in all: a pilot of two rounds at least that takes no
+/// more than a quarter of the samples with all of its candidates in it, and of more rounds while it
+/// is a sixteenth. `exact`: spp is what will be rendered, and not only what the first candidate
+/// could do in the time.
+PilotPlan plan_pilot(double spp, size_t candidates, bool exact);
+/// Below this budget there is no pilot.
+inline constexpr double kLeastSpp = 32;
+
+/// What a pilot knows about errors. Pictures are sums of one sample per pixel, row by row.
+class PilotErrors {
+ public:
+  PilotErrors(int width, int height, size_t candidates);
+
+  void add_round(size_t candidate, const std::vector<Vec3d>& first,
+                 const std::vector<Vec3d>& second);
+
+  /// relMSE of one sample per pixel, by candidate; infinite for one of which there is no round.
+  std::vector<double> relmse() const;
+
+ private:
+  struct Block {
+    Vec3d sum, square;  ///< over pixels and passes; of (x - x')^2 / 2 over pixels and rounds
+  };
+  struct OfCandidate {
+    uint64_t rounds = 0;
+    std::vector<Block> blocks;
+  };
+
+  size_t block_of(int x, int y) const {
+    return static_cast<size_t>(y / side_) * static_cast<size_t>(across_) +
+           static_cast<size_t>(x / side_);
+  }
+
+  int width_, height_, side_, across_;
+  std::vector<double> pixels_;  ///< of each block
+  std::vector<OfCandidate> candidates_;
+};
+
+/// w_i ~ 1 / v_i, 0 where `out`; adds up to 1. All of it goes to the first that is not out when no
+/// candidate met any light.
+std::vector<double> pilot_weights(const std::vector<double>& relmse, const std::vector<bool>& out);
+
+/// What a pilot measured of one candidate.
+struct PilotRecord {
+  std::string integrator;  ///< its label
+  uint64_t spp = 0;        ///< of the pilot
+  double relmse = 0;       ///< of one sample per pixel
+  double work = 0;         ///< of one sample [ns]
+  double share = 0;        ///< its weight in the picture; the chosen one's with all of its samples
+};
+
+/// Smallest relmse x work; the first of equals.
+size_t best_of(const std::vector<PilotRecord>& pilot);
+/// More than this many times the least relmse x work is hopeless.
+inline constexpr double kHopeless = 6;
+/// Those that are out already and the hopeless ones.
+std::vector<bool> hopeless(const std::vector<PilotRecord>& pilot, std::vector<bool> out);
+
+}  // namespace tdpt
