@@ -1,6 +1,7 @@
 #include "tools/tdpt-render/pilot.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -12,12 +13,21 @@ namespace {
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 // exrdiff's: errors of pixels darker than a tenth of the picture's mean count less.
 constexpr double kDark = 0.01;
-// About so many blocks a picture: each has pixels enough to know its mean.
-constexpr double kBlocks = 300;
-constexpr double kSurely = 2;  // standard errors
+constexpr double kSurely = 3;  // standard errors
+// Blocks across and down the picture: the finest have the means that normalise, all of them are
+// asked whether a candidate misses light.
+constexpr std::array kAcross{16, 4, 1};
+// One pixel in so many counts no more than the brightest of the others: a single bright sample in a
+// few passes tells of luck. Where an integrator has many, they are still counted.
+constexpr size_t kLucky = 5000;
 
-Vec3d times(const Vec3d& a, const Vec3d& b) {
-  return {a.x * b.x, a.y * b.y, a.z * b.z};
+// Without luck.
+double calm_mean(std::vector<float>& values) {
+  std::sort(values.begin(), values.end());
+  const size_t most = values.size() - 1 - values.size() / kLucky;
+  double sum = 0;
+  for (size_t i = 0; i < values.size(); ++i) sum += values[std::min(i, most)];
+  return sum / static_cast<double>(values.size());
 }
 
 }  // namespace
@@ -78,77 +88,127 @@ PilotPlan plan_pilot(double spp, size_t candidates, bool exact) {
 }
 
 PilotErrors::PilotErrors(int width, int height, size_t candidates)
-    : width_(width), height_(height), candidates_(candidates) {
-  side_ = std::max(1, static_cast<int>(std::sqrt(width * static_cast<double>(height) / kBlocks)));
-  across_ = (width + side_ - 1) / side_;
-  const size_t down = static_cast<size_t>((height + side_ - 1) / side_);
-  pixels_.resize(static_cast<size_t>(across_) * down);
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x) ++pixels_[block_of(x, y)];
-  for (OfCandidate& c : candidates_) c.blocks.resize(pixels_.size());
-}
+    : width_(width), height_(height), candidates_(candidates) {}
 
 void PilotErrors::add_round(size_t candidate, const std::vector<Vec3d>& first,
                             const std::vector<Vec3d>& second) {
   OfCandidate& c = candidates_[candidate];
-  ++c.rounds;
-  size_t i = 0;
-  for (int y = 0; y < height_; ++y)
-    for (int x = 0; x < width_; ++x, ++i) {
-      Block& block = c.blocks[block_of(x, y)];
-      const Vec3d d = first[i] - second[i];
-      block.sum += first[i] + second[i];
-      block.square += times(d, d) * 0.5;
-    }
+  if (c.rounds++ == 0) {
+    c.sum.resize(first.size());
+    c.square.resize(first.size());
+  }
+  for (size_t i = 0; i < first.size(); ++i) {
+    const double x = luminance(Vec3f(first[i])), y = luminance(Vec3f(second[i]));
+    c.sum[i] += static_cast<float>(x + y);
+    c.square[i] += static_cast<float>(0.5 * (x - y) * (x - y));
+  }
 }
 
+// Mean and variance of a sample in blocks of pixels, for each candidate with rounds.
+struct PilotErrors::Grid {
+  Grid(const PilotErrors& errors, int across_)
+      : across(across_),
+        width(errors.width_),
+        height(errors.height_),
+        pixels(static_cast<size_t>(across * across)) {
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < width; ++x) ++pixels[block_of(x, y)];
+    for (const OfCandidate& c : errors.candidates_) {
+      std::vector<double>& m = mean.emplace_back(pixels.size());
+      std::vector<double>& v = variance.emplace_back(pixels.size());
+      rounds.push_back(static_cast<double>(c.rounds));
+      if (c.rounds == 0) continue;
+      size_t i = 0;
+      for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x, ++i) {
+          m[block_of(x, y)] += c.sum[i];
+          v[block_of(x, y)] += c.square[i];
+        }
+      for (size_t b = 0; b < pixels.size(); ++b) {
+        m[b] /= std::max(samples(rounds.size() - 1, b), 1.0);
+        v[b] /= std::max(samples(rounds.size() - 1, b) / 2, 1.0);
+      }
+    }
+  }
+
+  size_t block_of(int x, int y) const {
+    return static_cast<size_t>(int64_t{y} * across / height * across + int64_t{x} * across / width);
+  }
+  double samples(size_t candidate, size_t b) const { return 2 * pixels[b] * rounds[candidate]; }
+  // Weighed over candidates.
+  double picture(const std::vector<double>& weights, size_t b) const {
+    double sum = 0;
+    for (size_t i = 0; i < weights.size(); ++i) sum += weights[i] * mean[i][b];
+    return sum;
+  }
+  // Relative variance of a sample that comes of the light that a candidate misses.
+  std::vector<double> missed(const std::vector<double>& weights, double dark) const {
+    std::vector<double> out(weights.size());
+    const double all = static_cast<double>(width) * height;
+    for (size_t b = 0; b < pixels.size(); ++b) {
+      double surely = 0;
+      for (size_t i = 0; i < out.size(); ++i)
+        if (rounds[i] > 0 && pixels[b] > 0)
+          surely = std::max(surely,
+                            mean[i][b] - kSurely * std::sqrt(variance[i][b] / samples(i, b)));
+      if (!(surely > 0)) continue;
+      const double m = picture(weights, b);
+      for (size_t i = 0; i < out.size(); ++i) {
+        const double missing = std::max(0.0, surely - mean[i][b]);
+        out[i] += pixels[b] / all * samples(i, b) * missing * missing / (m * m + dark);
+      }
+    }
+    return out;
+  }
+
+  int across, width, height;
+  std::vector<double> pixels, rounds;
+  std::vector<std::vector<double>> mean, variance;  // [candidate][block]
+};
+
 std::vector<double> PilotErrors::relmse() const {
-  const size_t n = candidates_.size(), blocks = pixels_.size();
-  std::vector<double> error(n, kInfinite);
-  // Variance of a sample and mean of candidate i, colour c, block b.
-  const auto variance = [&](size_t i, size_t b, int c) {
-    return candidates_[i].blocks[b].square[c] /
-           (pixels_[b] * static_cast<double>(candidates_[i].rounds));
-  };
-  const auto samples = [&](size_t i, size_t b) {
-    return 2 * pixels_[b] * static_cast<double>(candidates_[i].rounds);
-  };
-  const auto mean = [&](size_t i, size_t b, int c) {
-    return candidates_[i].blocks[b].sum[c] / samples(i, b);
-  };
+  const size_t n = candidates_.size();
   std::vector<bool> out(n);
   for (size_t i = 0; i < n; ++i) out[i] = candidates_[i].rounds == 0;
+  std::vector<double> error(n, kInfinite);
   if (std::all_of(out.begin(), out.end(), [](bool o) { return o; })) return error;
+  std::vector<Grid> grids;
+  for (int across : kAcross) grids.emplace_back(*this, across);
+  const Grid& fine = grids.front();
+  const size_t pixels = static_cast<size_t>(width_) * static_cast<size_t>(height_);
 
   // The normaliser needs weights and the weights a normaliser.
   std::vector<double> weights = pilot_weights(std::vector<double>(n, 1), out);
   for (int turn = 0; turn < 3; ++turn) {
-    std::vector<Vec3d> picture(blocks);
-    double total = 0, pixels = 0;
-    for (size_t b = 0; b < blocks; ++b) {
-      for (int c = 0; c < 3; ++c)
+    const double m = grids.back().picture(weights, 0);
+    if (!(m > 0)) return std::vector<double>(n, 0);
+    const double dark = kDark * m * m;
+    std::vector<std::vector<float>> scatter(n);  // by pixel
+    std::vector<double> missed(n), in_block;
+    for (size_t i = 0; i < n; ++i)
+      if (!out[i]) scatter[i].resize(pixels);
+    for (size_t b = 0; b < fine.pixels.size(); ++b) in_block.push_back(fine.picture(weights, b));
+    size_t k = 0;
+    for (int y = 0; y < height_; ++y)
+      for (int x = 0; x < width_; ++x, ++k) {
+        const double block = in_block[fine.block_of(x, y)];
+        double here = 0;  // weighed
         for (size_t i = 0; i < n; ++i)
-          if (weights[i] > 0) picture[b][c] += weights[i] * mean(i, b, c);
-      total += pixels_[b] * (picture[b].x + picture[b].y + picture[b].z) / 3;
-      pixels += pixels_[b];
-    }
-    const double dark = kDark * (total / pixels) * (total / pixels);
-    if (!(dark > 0)) return std::vector<double>(n, 0);
-    for (size_t i = 0; i < n; ++i) error[i] = out[i] ? kInfinite : 0;
-    for (size_t b = 0; b < blocks; ++b)
-      for (int c = 0; c < 3; ++c) {
-        double surely = 0;
-        for (size_t i = 0; i < n; ++i)
-          if (!out[i])
-            surely = std::max(
-                surely, mean(i, b, c) - kSurely * std::sqrt(variance(i, b, c) / samples(i, b)));
-        const double scale = pixels_[b] / (3 * pixels * (picture[b][c] * picture[b][c] + dark));
+          if (weights[i] > 0) here += weights[i] * candidates_[i].sum[k] / (2 * fine.rounds[i]);
         for (size_t i = 0; i < n; ++i) {
           if (out[i]) continue;
-          const double missing = std::max(0.0, surely - mean(i, b, c));
-          error[i] += scale * (variance(i, b, c) + samples(i, b) * missing * missing);
+          const double own = weights[i] * candidates_[i].sum[k] / (2 * fine.rounds[i]);
+          const double others = weights[i] < 1 ? (here - own) / (1 - weights[i]) : 0;
+          const double norm = std::max(block, others);
+          scatter[i][k] = static_cast<float>(candidates_[i].square[k] /
+                                             (fine.rounds[i] * (norm * norm + dark)));
         }
       }
+    for (const Grid& grid : grids) {
+      const std::vector<double> here = grid.missed(weights, dark);
+      for (size_t i = 0; i < n; ++i) missed[i] = std::max(missed[i], here[i]);
+    }
+    for (size_t i = 0; i < n; ++i) error[i] = out[i] ? kInfinite : calm_mean(scatter[i]) + missed[i];
     weights = pilot_weights(error, out);
   }
   return error;

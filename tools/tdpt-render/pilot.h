@@ -20,15 +20,18 @@
 //
 // v_i: two passes x, x' of a pixel estimate its variance without bias as (x - x')^2 / 2. Light
 // walks of one pixel's sample splat into others, so whole passes are compared and nothing less. The
-// variance is divided by (mean^2 + 0.01 (mean of the picture)^2), exrdiff's relMSE, with the mean
-// of a block of pixels in the candidates' pictures, weighed by 1 / v_i: the mean of the pixel itself
-// would be large just where a rare bright sample fell, and hide it (DESIGN 3.8).
+// variance is divided by (mean^2 + 0.01 (mean of the picture)^2), as in exrdiff's relMSE, of
+// luminance. The mean is not that of candidate i in that pixel, which is large just where a rare
+// bright sample fell, and would hide it (DESIGN 3.8). It is the larger of two: that of a block of
+// pixels, and that of the *other* candidates in the pixel, which knows a lamp or its rim. One pixel
+// in 5000 counts no more than the largest of the rest: a single bright sample in so few passes says
+// more about luck than about its integrator.
 //
 // Few passes miss what is rare. A candidate that never found the light of the next room shows no
-// variance there: black, and perfect. So in a block where some other candidate surely saw more
-// light, that is its mean less two standard errors, candidate i is given the variance that the
-// missing light has if it comes in one sample out of as many as were taken:
-// (passes x pixels) x missing^2.
+// variance there: black, and perfect. So where some other candidate surely saw more light, that is
+// its mean less three standard errors, candidate i is given the variance that the missing light has if
+// it comes in one sample out of as many as were taken: (passes x pixels) x missing^2. This is asked
+// of the picture as a whole, of 4 x 4 parts of it and of 16 x 16; the largest answer counts.
 #pragma once
 #include <string>
 #include <vector>
@@ -101,21 +104,14 @@ class PilotErrors {
   std::vector<double> relmse() const;
 
  private:
-  struct Block {
-    Vec3d sum, square;  ///< over pixels and passes; of (x - x')^2 / 2 over pixels and rounds
-  };
   struct OfCandidate {
     uint64_t rounds = 0;
-    std::vector<Block> blocks;
+    // Of luminance, by pixel: over passes, and of (x - x')^2 / 2 over rounds.
+    std::vector<float> sum, square;
   };
+  struct Grid;
 
-  size_t block_of(int x, int y) const {
-    return static_cast<size_t>(y / side_) * static_cast<size_t>(across_) +
-           static_cast<size_t>(x / side_);
-  }
-
-  int width_, height_, side_, across_;
-  std::vector<double> pixels_;  ///< of each block
+  int width_, height_;
   std::vector<OfCandidate> candidates_;
 };
 

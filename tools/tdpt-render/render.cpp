@@ -46,12 +46,11 @@ class Loop {
         settings_(settings),
         width_(world.film.width()),
         height_(world.film.height()),
+        techniques_(techniques),
         pixels_(static_cast<uint64_t>(width_) * static_cast<uint64_t>(height_)),
-        film_(make_film(techniques)),
+        film_(make_film()),
         progress_("rendering", "samples", settings.spp * pixels_, settings.quiet),
-        rows_(static_cast<size_t>(height_)) {
-    result_.techniques = techniques;
-  }
+        rows_(static_cast<size_t>(height_)) {}
 
   /// Chooses one of the candidates to render the rest.
   const Integrator& pilot(const std::vector<Candidate>& candidates);
@@ -64,9 +63,9 @@ class Loop {
 
   size_t choose(const std::vector<Candidate>& candidates);
 
-  Film make_film(TechniqueSet techniques) const {
+  Film make_film() const {
     return Film(width_, height_, world_.lights.power(),
-                settings_.layers ? techniques : TechniqueSet());
+                settings_.layers ? techniques_ : TechniqueSet());
   }
   double since_start() const {
     return std::chrono::duration<double>(Clock::now() - start_).count();
@@ -86,6 +85,7 @@ class Loop {
   const World& world_;
   const RenderSettings& settings_;
   const int width_, height_;
+  const TechniqueSet techniques_;  // of all candidates
   const uint64_t pixels_;
   Film film_;
   RenderResult result_;
@@ -197,13 +197,13 @@ size_t Loop::choose(const std::vector<Candidate>& candidates) {
     spp = settings_.spp > 0 ? std::min(spp, in_time) : in_time;
     if (stop_requested()) return 0;
   }
-  const PilotPlan plan = plan_pilot(spp, candidates.size(), !by_clock);
+  const PilotPlan plan = settings_.pilot.value_or(plan_pilot(spp, candidates.size(), !by_clock));
   if (plan.rounds == 0) return 0;
   kept_ = plan.kept;
 
   const size_t n = plan.candidates;
   Probing probing{candidates,
-                  make_film(result_.techniques),
+                  make_film(),
                   PilotErrors(width_, height_, n),
                   WorkModel(world_),
                   std::vector<double>(n),
@@ -289,7 +289,7 @@ RenderResult Loop::finish(const Integrator& integrator) {
   }
   result_.picture = film_.resolve(s);
   for (size_t i = 0; settings_.layers && i < kTechniques; ++i)
-    if (const auto t = static_cast<Technique>(i); result_.techniques.has(t))
+    if (const auto t = static_cast<Technique>(i); techniques_.has(t))
       result_.layers[kTechniqueNames[i]] = film_.resolve_layer(t, s);
   return std::move(result_);
 }

@@ -1,6 +1,7 @@
 // The loop over pixels and samples.
 #pragma once
 #include <map>
+#include <optional>
 #include <string>
 
 #include "tools/tdpt-render/pilot.h"
@@ -16,6 +17,7 @@ struct RenderSettings {
   bool quiet = true;
   bool layers = false;  ///< keep each technique's contribution apart
   bool frames = false;  ///< measure the picture while it forms
+  std::optional<PilotPlan> pilot;  ///< in place of plan_pilot()'s
 };
 
 /// The picture after its first `spp` samples per pixel.
@@ -32,7 +34,6 @@ uint64_t next_frame(uint64_t spp);
 
 struct RenderResult {
   Picture picture;
-  TechniqueSet techniques;              ///< that were run
   uint64_t spp = 0;                     ///< samples each pixel got, those of a pilot included
   double seconds = 0, cpu_seconds = 0;  ///< measuring frames not counted
   bool interrupted = false;  ///< a signal ended it early; the picture holds what was there

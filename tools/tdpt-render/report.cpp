@@ -112,12 +112,14 @@ std::string choice_sentence(const RenderResult& result, const RenderSettings& se
     const std::string why = portals.empty()         ? ""
                             : all_useless(portals) ? ", as no portal promises a gain"
                                                    : ", as the portals promise a gain";
-    return chose + why +
-           fmt::format(
-               ": {} too short for a pilot, which takes {:.0f} samples per pixel or more",
-               settings.spp > 0 && static_cast<double>(settings.spp) < kLeastSpp ? "this run is"
-                                                                                 : "the time is",
-               kLeastSpp);
+    const bool few = settings.spp > 0 && static_cast<double>(settings.spp) < kLeastSpp;
+    const std::string too_small =
+        few ? fmt::format("{} samples per pixel are too few for a pilot, which takes {:.0f} or more",
+                          settings.spp, kLeastSpp)
+            : fmt::format("the time is too short for a pilot, which takes {:.0f} samples per pixel "
+                          "or more",
+                          kLeastSpp);
+    return chose + why + ": " + too_small;
   }
   const PilotRecord& best = result.pilot[result.chosen];
   std::vector<std::string> others;
@@ -129,6 +131,7 @@ std::string choice_sentence(const RenderResult& result, const RenderSettings& se
       others.push_back(fmt::format("{:.3g} x by {}", r.relmse * r.work / (best.relmse * best.work),
                                    r.integrator));
   }
+  if (others.empty()) return chose;
   const std::string measured = best.relmse > 0
                                    ? "error x work is " + fmt::format("{}", fmt::join(others, ", "))
                                    : "no candidate met any light";
