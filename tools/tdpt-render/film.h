@@ -47,9 +47,7 @@ class Film {
     double samples = 0, others = 0;
   };
   /// The mean of `spp` samples per pixel, and nothing from other films.
-  static Shares mean_of(uint64_t spp) {
-    return {spp > 0 ? 1.0 / static_cast<double>(spp) : 0, 0};
-  }
+  static Shares mean_of(uint64_t spp) { return {spp > 0 ? 1.0 / static_cast<double>(spp) : 0, 0}; }
   Picture resolve(const Shares& shares) const { return resolve(picture_, shares); }
   Picture resolve(uint64_t spp) const { return resolve(mean_of(spp)); }
   /// The same for one technique; black where it has no layer.

@@ -112,8 +112,8 @@ int run(const Arguments& a, const cli::Common& common) {
   settings.frames = !a.stats.empty();
   const World world(scene, camera, static_cast<int>(width), static_cast<int>(height), portals);
   const bool choose = a.integrator == "auto" || (a.integrator == "default" && !portals.empty());
-  const Integrator& named = choose || a.integrator == "default" ? bdpt
-                                                                : integrator_named(a.integrator);
+  const Integrator& named =
+      choose || a.integrator == "default" ? bdpt : integrator_named(a.integrator);
   if (world.portals.empty() && named.techniques.has(Technique::portal))
     common.warn("no portal is given, so no path is sampled through one");
   if (choose || named.techniques.has(Technique::portal)) {
@@ -127,7 +127,7 @@ int run(const Arguments& a, const cli::Common& common) {
     common.warn(missed);
   if (world.lights.empty()) common.warn("nothing in the scene emits light: the picture is black");
   const RenderResult result = render(world, candidates, settings);
-  if (choose) common.note(choice_sentence(result, settings, portals));
+  if (choose) common.note(choice_sentence(result, portals));
 
   ExrFile exr;
   exr.picture = result.picture;
@@ -153,9 +153,9 @@ int run(const Arguments& a, const cli::Common& common) {
     common.note(
         "the portals brought less than 1 % of the light: do their fronts face the camera's room?");
   for (const std::string& sentence : disappointments(portals, result)) common.note(sentence);
-  common.note(fmt::format("{}: {} samples per pixel at {} x {} in {:.1f} s ({:.1f} CPU s)",
-                          integrator.name, result.spp, width, height, result.seconds,
-                          result.cpu_seconds));
+  const std::string name = choose ? "auto (" + result.chosen_label + ")" : std::string(named.name);
+  common.note(fmt::format("{}: {} samples per pixel at {} x {} in {:.1f} s ({:.1f} CPU s)", name,
+                          result.spp, width, height, result.seconds, result.cpu_seconds));
   if (a.verbose)
     for (const std::string& note : verbose_notes(scene, integrator, result)) common.note(note);
   if (!result.interrupted) return 0;

@@ -14,17 +14,21 @@ constexpr double kInfinite = std::numeric_limits<double>::infinity();
 // exrdiff's: errors of pixels darker than a tenth of the picture's mean count less.
 constexpr double kDark = 0.01;
 constexpr double kSurely = 3;  // standard errors
-// Blocks across and down the picture: the finest have the means that normalise, all of them are
-// asked whether a candidate misses light.
-constexpr std::array kAcross{16, 4, 1};
-// One pixel in so many counts no more than the brightest of the others: a single bright sample in a
-// few passes tells of luck. Where an integrator has many, they are still counted.
+// Blocks across and down the picture: those whose means normalise, and those that are asked whether
+// a candidate misses light. The latter are large: in a small one the rim of a lamp may be all that
+// is bright, met by one candidate and not by the other.
+constexpr int kFine = 16;
+constexpr std::array kCoarse{4, 1};
+// One pixel in so many, one at least, counts no more than the brightest of the others: a single
+// bright sample in a few passes tells of luck. Where an integrator has many, they are still
+// counted.
 constexpr size_t kLucky = 5000;
 
 // Without luck.
 double calm_mean(std::vector<float>& values) {
   std::sort(values.begin(), values.end());
-  const size_t most = values.size() - 1 - values.size() / kLucky;
+  const size_t lucky = (values.size() + kLucky - 1) / kLucky;
+  const size_t most = values.size() - 1 - std::min(lucky, values.size() - 1);
   double sum = 0;
   for (size_t i = 0; i < values.size(); ++i) sum += values[std::min(i, most)];
   return sum / static_cast<double>(values.size());
@@ -33,9 +37,8 @@ double calm_mean(std::vector<float>& values) {
 }  // namespace
 
 bool all_useless(const std::vector<Portal>& portals) {
-  return std::all_of(portals.begin(), portals.end(), [](const Portal& p) {
-    return verdict_of(p.figures).worth == Worth::useless;
-  });
+  return std::all_of(portals.begin(), portals.end(),
+                     [](const Portal& p) { return verdict_of(p.figures).worth == Worth::useless; });
 }
 
 std::vector<Candidate> auto_candidates(const World& world, const std::vector<Portal>& portals) {
@@ -75,12 +78,14 @@ double WorkModel::per_sample(const RayCounts& rays, uint64_t samples) const {
          portal_ * static_cast<double>(rays.portal) / n;
 }
 
-PilotPlan plan_pilot(double spp, size_t candidates, bool exact) {
-  if (spp < kLeastSpp || candidates < 2) return {};
+PilotPlan plan_pilot(double spp, uint64_t pixels, size_t candidates, bool exact) {
+  const double least = std::max(2.0, std::ceil(kLeastSamples / (2 * static_cast<double>(pixels))));
   PilotPlan plan;
-  plan.candidates = static_cast<size_t>(std::min(static_cast<double>(candidates), spp / 16));
+  plan.candidates =
+      static_cast<size_t>(std::min(static_cast<double>(candidates), spp / 4 / (2 * least)));
+  if (plan.candidates < 2) return {};
   const double passes = 2 * static_cast<double>(plan.candidates);
-  plan.rounds = static_cast<uint64_t>(std::clamp(spp / 16 / passes, 2.0, 8.0));
+  plan.rounds = static_cast<uint64_t>(std::clamp(spp / 16 / passes, least, std::max(least, 8.0)));
   // Each round counts as the two samples that the chosen one would have taken instead. Where the
   // time is what ends the rendering, another than the first candidate may get further in it.
   plan.kept = 2 * static_cast<double>(plan.rounds) / (exact ? spp : 2 * spp);
@@ -135,6 +140,10 @@ struct PilotErrors::Grid {
     return static_cast<size_t>(int64_t{y} * across / height * across + int64_t{x} * across / width);
   }
   double samples(size_t candidate, size_t b) const { return 2 * pixels[b] * rounds[candidate]; }
+  // Standard error of the mean.
+  double error(size_t candidate, size_t b) const {
+    return std::sqrt(variance[candidate][b] / samples(candidate, b));
+  }
   // Weighed over candidates.
   double picture(const std::vector<double>& weights, size_t b) const {
     double sum = 0;
@@ -146,15 +155,15 @@ struct PilotErrors::Grid {
     std::vector<double> out(weights.size());
     const double all = static_cast<double>(width) * height;
     for (size_t b = 0; b < pixels.size(); ++b) {
-      double surely = 0;
-      for (size_t i = 0; i < out.size(); ++i)
-        if (rounds[i] > 0 && pixels[b] > 0)
-          surely = std::max(surely,
-                            mean[i][b] - kSurely * std::sqrt(variance[i][b] / samples(i, b)));
-      if (!(surely > 0)) continue;
+      if (!(pixels[b] > 0)) continue;
       const double m = picture(weights, b);
       for (size_t i = 0; i < out.size(); ++i) {
-        const double missing = std::max(0.0, surely - mean[i][b]);
+        if (!(rounds[i] > 0)) continue;
+        double missing = 0;
+        for (size_t j = 0; j < out.size(); ++j)
+          if (rounds[j] > 0)
+            missing = std::max(
+                missing, mean[j][b] - mean[i][b] - kSurely * std::hypot(error(i, b), error(j, b)));
         out[i] += pixels[b] / all * samples(i, b) * missing * missing / (m * m + dark);
       }
     }
@@ -172,15 +181,15 @@ std::vector<double> PilotErrors::relmse() const {
   for (size_t i = 0; i < n; ++i) out[i] = candidates_[i].rounds == 0;
   std::vector<double> error(n, kInfinite);
   if (std::all_of(out.begin(), out.end(), [](bool o) { return o; })) return error;
-  std::vector<Grid> grids;
-  for (int across : kAcross) grids.emplace_back(*this, across);
-  const Grid& fine = grids.front();
+  const Grid fine(*this, kFine);
+  std::vector<Grid> coarse;
+  for (int across : kCoarse) coarse.emplace_back(*this, across);
   const size_t pixels = static_cast<size_t>(width_) * static_cast<size_t>(height_);
 
   // The normaliser needs weights and the weights a normaliser.
   std::vector<double> weights = pilot_weights(std::vector<double>(n, 1), out);
   for (int turn = 0; turn < 3; ++turn) {
-    const double m = grids.back().picture(weights, 0);
+    const double m = coarse.back().picture(weights, 0);
     if (!(m > 0)) return std::vector<double>(n, 0);
     const double dark = kDark * m * m;
     std::vector<std::vector<float>> scatter(n);  // by pixel
@@ -204,11 +213,12 @@ std::vector<double> PilotErrors::relmse() const {
                                              (fine.rounds[i] * (norm * norm + dark)));
         }
       }
-    for (const Grid& grid : grids) {
+    for (const Grid& grid : coarse) {
       const std::vector<double> here = grid.missed(weights, dark);
       for (size_t i = 0; i < n; ++i) missed[i] = std::max(missed[i], here[i]);
     }
-    for (size_t i = 0; i < n; ++i) error[i] = out[i] ? kInfinite : calm_mean(scatter[i]) + missed[i];
+    for (size_t i = 0; i < n; ++i)
+      error[i] = out[i] ? kInfinite : calm_mean(scatter[i]) + missed[i];
     weights = pilot_weights(error, out);
   }
   return error;

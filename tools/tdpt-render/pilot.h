@@ -24,14 +24,14 @@
 // luminance. The mean is not that of candidate i in that pixel, which is large just where a rare
 // bright sample fell, and would hide it (DESIGN 3.8). It is the larger of two: that of a block of
 // pixels, and that of the *other* candidates in the pixel, which knows a lamp or its rim. One pixel
-// in 5000 counts no more than the largest of the rest: a single bright sample in so few passes says
-// more about luck than about its integrator.
+// in 5000, one at least, counts no more than the largest of the rest: a single bright sample in so
+// few passes says more about luck than about its integrator.
 //
 // Few passes miss what is rare. A candidate that never found the light of the next room shows no
-// variance there: black, and perfect. So where some other candidate surely saw more light, that is
-// its mean less three standard errors, candidate i is given the variance that the missing light has if
-// it comes in one sample out of as many as were taken: (passes x pixels) x missing^2. This is asked
-// of the picture as a whole, of 4 x 4 parts of it and of 16 x 16; the largest answer counts.
+// variance there: black, and perfect. So where another one sees more light, by three standard
+// errors of the difference, candidate i is given the variance that the excess has if it comes in
+// one sample out of as many as were taken: (passes x pixels) x excess^2. This is asked of the
+// picture as a whole and of 4 x 4 parts of it; the larger answer counts.
 #pragma once
 #include <string>
 #include <vector>
@@ -48,8 +48,8 @@ struct Candidate {
 };
 
 /// The candidates for this scene; the first is taken when there is no pilot. None that misses light
-/// of the scene [light_missed]. With portals: those with portal techniques first, or bdpt first when
-/// no portal promises a gain. Portals must have been probed [portal_probe.h].
+/// of the scene [light_missed]. With portals: those with portal techniques first, or bdpt first
+/// when no portal promises a gain. Portals must have been probed [portal_probe.h].
 std::vector<Candidate> auto_candidates(const World& world, const std::vector<Portal>& portals);
 
 /// `auto` by name, with all techniques of the candidates; it cannot be run.
@@ -84,13 +84,13 @@ struct PilotPlan {
   uint64_t rounds = 0;    ///< of two passes each; 0: no pilot
   double kept = 0;        ///< a, the pilot's share of the picture
 };
-/// For a budget of about `spp` samples per pixel in all: a pilot of two rounds at least that takes no
-/// more than a quarter of the samples with all of its candidates in it, and of more rounds while it
-/// is a sixteenth. `exact`: spp is what will be rendered, and not only what the first candidate
-/// could do in the time.
-PilotPlan plan_pilot(double spp, size_t candidates, bool exact);
-/// Below this budget there is no pilot.
-inline constexpr double kLeastSpp = 32;
+/// For a budget of about `spp` samples per pixel in all: two rounds at least and kLeastSamples of
+/// each candidate, with as many candidates as fit into a quarter of the budget; more rounds, up to
+/// eight, within a sixteenth of it. None where that leaves less than two candidates. `exact`: spp
+/// is what will be rendered, and not only what the first candidate could do in the time.
+PilotPlan plan_pilot(double spp, uint64_t pixels, size_t candidates, bool exact);
+/// Fewer samples, of all pixels together, cannot tell one integrator from another.
+inline constexpr double kLeastSamples = 4000;
 
 /// What a pilot knows about errors. Pictures are sums of one sample per pixel, row by row.
 class PilotErrors {
@@ -130,8 +130,9 @@ struct PilotRecord {
 
 /// Smallest relmse x work; the first of equals.
 size_t best_of(const std::vector<PilotRecord>& pilot);
-/// More than this many times the least relmse x work is hopeless.
-inline constexpr double kHopeless = 6;
+/// More than this many times the least relmse x work is hopeless. One bright sample can make it ten
+/// times.
+inline constexpr double kHopeless = 16;
 /// Those that are out already and the hopeless ones.
 std::vector<bool> hopeless(const std::vector<PilotRecord>& pilot, std::vector<bool> out);
 

@@ -1,5 +1,5 @@
-// pilot_bench SCENE PORTAL... : what pilots of `auto` conclude, seed by seed: for each candidate its
-// relMSE x work beside the least. To be held against long runs.
+// pilot_bench SCENE PORTAL... : what pilots of `auto` conclude, seed by seed: for each candidate
+// its relMSE x work beside the least. To be held against long runs.
 //   --width W --height H --rounds R --seeds N   default 160 120 2 5
 #include <cstdio>
 #include <cstdlib>

@@ -29,24 +29,27 @@ double expected(double rate) {
 }
 
 TEST(plan, small_budgets_have_no_pilot_and_large_ones_a_small_one) {
-  EXPECT_EQ(plan_pilot(16, 4, true).rounds, 0u);
-  EXPECT_EQ(plan_pilot(kLeastSpp - 1, 4, true).rounds, 0u);
-  EXPECT_EQ(plan_pilot(1e9, 1, true).rounds, 0u);
-  for (double spp : {kLeastSpp, 40.0, 64.0, 200.0, 500.0, 1e4, 1e12})
-    for (size_t candidates : {2u, 4u, 9u}) {
-      const PilotPlan plan = plan_pilot(spp, candidates, true);
-      EXPECT_GE(plan.rounds, 2u);
-      EXPECT_GE(plan.candidates, 2u);
-      EXPECT_LE(plan.candidates, candidates);
-      const double passes = 2.0 * static_cast<double>(plan.rounds * plan.candidates);
-      EXPECT_LE(passes, spp / 4);
-      if (plan.rounds > 2) {
-        EXPECT_LE(passes, spp / 16);
+  EXPECT_EQ(plan_pilot(16, 1 << 20, 4, true).rounds, 0u);
+  EXPECT_EQ(plan_pilot(31, 1 << 20, 4, true).rounds, 0u);
+  EXPECT_EQ(plan_pilot(1e9, 1 << 20, 1, true).rounds, 0u);
+  EXPECT_EQ(plan_pilot(128, 192, 4, true).rounds, 0u);
+  for (double spp : {32.0, 40.0, 64.0, 200.0, 500.0, 1e4, 1e12})
+    for (uint64_t pixels : {uint64_t{1000}, uint64_t{1} << 18})
+      for (size_t candidates : {2u, 4u, 9u}) {
+        const PilotPlan plan = plan_pilot(spp, pixels, candidates, true);
+        EXPECT_GE(plan.rounds, 2u);
+        EXPECT_GE(plan.candidates, 2u);
+        EXPECT_LE(plan.candidates, candidates);
+        EXPECT_GE(2 * plan.rounds * pixels, kLeastSamples);
+        const double passes = 2.0 * static_cast<double>(plan.rounds * plan.candidates);
+        EXPECT_LE(passes, spp / 4);
+        if (plan.rounds > 2) {
+          EXPECT_LE(passes, spp / 16);
+        }
+        EXPECT_GT(plan.kept, 0);
+        EXPECT_LE(plan.kept * spp, passes);
+        EXPECT_LT(plan_pilot(spp, pixels, candidates, false).kept, plan.kept);
       }
-      EXPECT_GT(plan.kept, 0);
-      EXPECT_LE(plan.kept * spp, passes);
-      EXPECT_LT(plan_pilot(spp, candidates, false).kept, plan.kept);
-    }
 }
 
 TEST(errors, are_those_of_one_sample) {
@@ -121,14 +124,14 @@ TEST(weights, are_the_inverse_of_errors_and_add_up_to_one) {
   EXPECT_EQ(w[2], 0);
   EXPECT_NEAR(w[0] + w[1] + w[3], 1, 1e-12);
   EXPECT_EQ(pilot_weights({0, 0}, {true, false}), (std::vector<double>{0, 1}));
-  for (double v : pilot_weights({0, 1, std::numeric_limits<double>::infinity()},
-                                {false, false, false}))
+  for (double v :
+       pilot_weights({0, 1, std::numeric_limits<double>::infinity()}, {false, false, false}))
     EXPECT_TRUE(std::isfinite(v));
 }
 
 TEST(decisions, weigh_error_and_work) {
   const std::vector<PilotRecord> pilot{
-      {"a", 2, 4, 100, 0}, {"b", 2, 1, 300, 0}, {"c", 2, 10, 181, 0}, {"d", 2, 10, 179, 0}};
+      {"a", 2, 4, 100, 0}, {"b", 2, 1, 300, 0}, {"c", 2, 24, 201, 0}, {"d", 2, 24, 199, 0}};
   EXPECT_EQ(best_of(pilot), 1u);
   EXPECT_EQ(hopeless(pilot, {true, false, false, false}),
             (std::vector<bool>{true, false, true, false}));

@@ -197,7 +197,8 @@ size_t Loop::choose(const std::vector<Candidate>& candidates) {
     spp = settings_.spp > 0 ? std::min(spp, in_time) : in_time;
     if (stop_requested()) return 0;
   }
-  const PilotPlan plan = settings_.pilot.value_or(plan_pilot(spp, candidates.size(), !by_clock));
+  const PilotPlan plan =
+      settings_.pilot.value_or(plan_pilot(spp, pixels_, candidates.size(), !by_clock));
   if (plan.rounds == 0) return 0;
   kept_ = plan.kept;
 
@@ -245,25 +246,32 @@ void Loop::samples(const Integrator& integrator) {
   const double began = elapsed();
   uint64_t last_frame = result_.spp;
   const auto wanted = [&] { return settings_.spp == 0 || result_.spp < settings_.spp; };
-  if (spp_ > 0 || weight_ > 0)  // there is a picture
-    cut_short_ |= wanted() && (stop_requested() || (weight_ > 0 && out_of_time()));
-  while (wanted() && !cut_short_) {
+  // Samples take about as long as the ones before: stop where the limit is nearest.
+  const auto in_time = [&] {
+    const double per_sample = spp_ > before
+                                  ? (elapsed() - began) / static_cast<double>(spp_ - before)
+                                  : elapsed() / static_cast<double>(result_.spp);
+    return (settings_.seconds - elapsed()) / per_sample;
+  };
+  while (wanted()) {
     uint64_t n = settings_.spp == 0 ? most : std::min(most, settings_.spp - result_.spp);
     if (settings_.frames) n = std::min(n, next_frame(last_frame) - result_.spp);
+    if (result_.spp > 0) {  // there is a picture
+      cut_short_ |= stop_requested();
+      if (cut_short_) break;
+      if (settings_.seconds > 0) {
+        // After a pilot alone little is known of the time.
+        if (spp_ == before)
+          n = static_cast<uint64_t>(std::clamp(in_time(), 1.0, static_cast<double>(n)));
+        if (in_time() < 0.5 * static_cast<double>(n)) break;
+      }
+    }
     pass(integrator, 0, spp_, n, film_, rows_);
     spp_ += n;
     if (settings_.frames && result_.spp == next_frame(last_frame)) {
       record_frame();
       last_frame = result_.spp;
     }
-    if (stop_requested()) {
-      cut_short_ = wanted();
-      break;
-    }
-    // Another pass takes about as long as the ones before: stop where the limit is nearest.
-    const double per_pass =
-        (elapsed() - began) * static_cast<double>(n) / static_cast<double>(spp_ - before);
-    if (settings_.seconds > 0 && elapsed() + 0.5 * per_pass > settings_.seconds) break;
   }
   result_.interrupted = cut_short_ && stop_requested();
   if (!settings_.frames) return;

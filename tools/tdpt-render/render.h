@@ -15,8 +15,8 @@ struct RenderSettings {
   double beta = 1;  ///< 1: balance heuristic, 2: power heuristic
   uint64_t seed = 1;
   bool quiet = true;
-  bool layers = false;  ///< keep each technique's contribution apart
-  bool frames = false;  ///< measure the picture while it forms
+  bool layers = false;             ///< keep each technique's contribution apart
+  bool frames = false;             ///< measure the picture while it forms
   std::optional<PilotPlan> pilot;  ///< in place of plan_pilot()'s
 };
 

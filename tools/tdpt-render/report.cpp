@@ -105,21 +105,15 @@ std::vector<std::string> verbose_notes(const Scene& scene, const Integrator& int
   return notes;
 }
 
-std::string choice_sentence(const RenderResult& result, const RenderSettings& settings,
-                            const std::vector<Portal>& portals) {
+std::string choice_sentence(const RenderResult& result, const std::vector<Portal>& portals) {
   const std::string chose = "auto chose " + result.chosen_label;
   if (result.pilot.empty()) {
-    const std::string why = portals.empty()         ? ""
+    const std::string why = portals.empty()        ? ""
                             : all_useless(portals) ? ", as no portal promises a gain"
                                                    : ", as the portals promise a gain";
-    const bool few = settings.spp > 0 && static_cast<double>(settings.spp) < kLeastSpp;
-    const std::string too_small =
-        few ? fmt::format("{} samples per pixel are too few for a pilot, which takes {:.0f} or more",
-                          settings.spp, kLeastSpp)
-            : fmt::format("the time is too short for a pilot, which takes {:.0f} samples per pixel "
-                          "or more",
-                          kLeastSpp);
-    return chose + why + ": " + too_small;
+    return chose + why +
+           (result.interrupted ? "; it was stopped before a pilot could tell"
+                               : "; the samples are too few for a pilot");
   }
   const PilotRecord& best = result.pilot[result.chosen];
   std::vector<std::string> others;

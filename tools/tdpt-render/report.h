@@ -17,8 +17,7 @@ std::vector<std::string> verbose_notes(const Scene& scene, const Integrator& int
                                        const RenderResult& result);
 
 /// What `auto` chose, and why.
-std::string choice_sentence(const RenderResult& result, const RenderSettings& settings,
-                            const std::vector<Portal>& portals);
+std::string choice_sentence(const RenderResult& result, const std::vector<Portal>& portals);
 
 /// --nonzero: red where a pixel got some contribution, green where it is black.
 Picture nonzero_picture(const Picture& picture);
