@@ -69,12 +69,15 @@ TEST(auto_choice, twin_another_seed_gives_another_picture) {
             render(room.world, room.candidates(), of(40, 2)).picture.pixels);
 }
 
-TEST(auto_choice, is_a_portal_integrator_for_a_small_hole) {
-  const Room room = two_rooms(64, 48);
-  for (uint64_t seed : {1, 2, 3}) {
-    const RenderResult r = render(room.world, room.candidates(), of(64, seed));
-    EXPECT_TRUE(room.candidates()[r.chosen].integrator->techniques.has(Technique::portal))
-        << r.chosen_label;
+TEST(auto_choice, is_a_portal_integrator_for_a_small_hole_and_none_for_a_wide_window) {
+  for (const bool hole : {true, false}) {
+    const Room room = hole ? two_rooms(80, 60) : window(80, 60);
+    for (uint64_t seed : {1, 2}) {
+      const RenderResult r = render(room.world, room.candidates(), of(64, seed));
+      ASSERT_EQ(r.pilot.size(), 4u);
+      EXPECT_EQ(room.candidates()[r.chosen].integrator->techniques.has(Technique::portal), hole)
+          << r.chosen_label << " for " << (hole ? "the hole" : "the window");
+    }
   }
 }
 

@@ -25,12 +25,13 @@ constexpr std::array kCoarse{4, 1};
 constexpr size_t kLucky = 5000;
 
 // Without luck.
-double calm_mean(std::vector<float>& values) {
-  std::sort(values.begin(), values.end());
+double calm_mean(const std::vector<float>& values) {
+  std::vector<float> sorted = values;
   const size_t lucky = (values.size() + kLucky - 1) / kLucky;
-  const size_t most = values.size() - 1 - std::min(lucky, values.size() - 1);
+  const auto most = sorted.end() - static_cast<std::ptrdiff_t>(std::min(lucky + 1, sorted.size()));
+  std::nth_element(sorted.begin(), most, sorted.end());
   double sum = 0;
-  for (size_t i = 0; i < values.size(); ++i) sum += values[std::min(i, most)];
+  for (float v : values) sum += std::min(v, *most);
   return sum / static_cast<double>(values.size());
 }
 

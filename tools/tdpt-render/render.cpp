@@ -77,7 +77,7 @@ class Loop {
   /// pilot's round, whose random numbers are its own.
   void pass(const Integrator& integrator, uint64_t round, uint64_t first, uint64_t n, Film& film,
             std::vector<Tally>& rows);
-  /// One round of one candidate, weighed by weights_[i]; false when it had to end early.
+  /// One round of one candidate, weighed by probing.weights[i]; false when it had to end early.
   bool round_of(Probing& probing, size_t i, uint64_t round);
   Film::Shares shares() const;
   void record_frame();
@@ -157,7 +157,6 @@ struct Loop::Probing {
 bool Loop::round_of(Probing& probing, size_t i, uint64_t round) {
   std::array<std::vector<Vec3d>, 2> pictures;
   PilotRecord& record = probing.records[i];
-  Tally counted;
   for (uint64_t half = 0; half < 2; ++half) {
     std::vector<Tally> rows(static_cast<size_t>(height_));
     probing.film.clear();
