@@ -23,7 +23,9 @@ struct Room {
         world(scene, scene.camera(""), width, height, portals) {
     probe(world, portals);
   }
-  std::vector<Candidate> candidates() const { return auto_candidates(world, portals); }
+  std::vector<Candidate> candidates() const {
+    return auto_candidates(world, portals, all_guided());
+  }
 };
 
 Room two_rooms(int width = 40, int height = 30) {

@@ -20,6 +20,7 @@ struct Arguments {
                              nonzero;
   std::vector<std::string> portals;
   int64_t spp = 0, max_depth = 6, width = 0, height = 0;
+  double guide_light = -1, guide_camera = -1;
   double seconds = 0;
   bool preview = false, layers = false, verbose = false;
 };
@@ -112,16 +113,28 @@ int run(const Arguments& a, const cli::Common& common) {
   settings.frames = !a.stats.empty();
   const World world(scene, camera, static_cast<int>(width), static_cast<int>(height), portals);
   const bool choose = a.integrator == "auto" || (a.integrator == "default" && !portals.empty());
-  const Integrator& named =
-      choose || a.integrator == "default" ? bdpt : integrator_named(a.integrator);
+  Integrator named = choose || a.integrator == "default" ? bdpt : integrator_named(a.integrator);
+  Integrator guided = tdpt_guided;
+  std::vector<const Integrator*> to_try = all_guided();
+  if (a.guide_light >= 0 || a.guide_camera >= 0) {
+    if (!choose && named.guiding == Guiding{})
+      throw UsageError(std::string("--guide-light and --guide-camera: ") + named.name +
+                       " directs no walks");
+    std::array<double, 2>& chance = guided.guiding.chance;
+    if (a.guide_light >= 0) chance[0] = a.guide_light;
+    if (a.guide_camera >= 0) chance[1] = a.guide_camera;
+    if (!choose) named = guided;
+    to_try = {&guided};
+  }
   if (world.portals.empty() && named.techniques.has(Technique::portal))
     common.warn("no portal is given, so no path is sampled through one");
   if (choose || named.techniques.has(Technique::portal)) {
     probe(world, portals);
     for (const std::string& promise : promises(portals)) common.note(promise);
   }
-  const std::vector<Candidate> candidates =
-      choose ? auto_candidates(world, portals) : std::vector<Candidate>{{&named, named.name}};
+  const std::vector<Candidate> candidates = choose
+                                                ? auto_candidates(world, portals, to_try)
+                                                : std::vector<Candidate>{{&named, label_of(named)}};
   const Integrator integrator = choose ? either_of(candidates) : named;
   if (const std::string missed = light_missed(integrator, scene); !missed.empty())
     common.warn(missed);
@@ -182,6 +195,12 @@ int main(int argc, char** argv) {
   for (const Integrator* integrator : integrators()) names.push_back(integrator->name);
   options.choice("--integrator", a.integrator, names,
                  "Techniques to combine; default auto with portals, bdpt without");
+  options.option("--guide-light", a.guide_light, "Q",
+                 "tdpt-guided: probability that a light walk aims at a portal; default 0.5", 0,
+                 0.95);
+  options.option("--guide-camera", a.guide_camera, "Q",
+                 "tdpt-guided: probability that a camera walk aims at a portal; default 0.4", 0,
+                 0.95);
   options.option("--spp", a.spp, "N", "Samples per pixel; default 16, or as --time allows", 1,
                  int64_t{1} << 32);
   options.option("--time", a.seconds, "SECONDS", "Stop rendering after this wall-clock time", 1e-3,

@@ -42,18 +42,20 @@ bool all_useless(const std::vector<Portal>& portals) {
                      [](const Portal& p) { return verdict_of(p.figures).worth == Worth::useless; });
 }
 
-std::vector<Candidate> auto_candidates(const World& world, const std::vector<Portal>& portals) {
+std::vector<Candidate> auto_candidates(const World& world, const std::vector<Portal>& portals,
+                                       const std::vector<const Integrator*>& guided) {
   std::vector<const Integrator*> order;
   if (world.portals.empty())
     order = {&bdpt, &nee, &pt};
   else if (all_useless(portals))
-    order = {&bdpt, &tdpt_org, &nee, &tdpt_ref};
+    order = {&bdpt, guided[0], &nee, &tdpt_org};
   else
-    order = {&tdpt_org, &bdpt, &tdpt_ref, &nee};
+    order = {guided[0], &bdpt, &nee, &tdpt_org};
+  if (!world.portals.empty()) order.insert(order.end(), guided.begin() + 1, guided.end());
   std::vector<Candidate> candidates;
   for (const Integrator* integrator : order)
     if (light_missed(*integrator, world.scene).empty())
-      candidates.push_back({integrator, integrator->name});
+      candidates.push_back({integrator, label_of(*integrator)});
   return candidates;
 }
 

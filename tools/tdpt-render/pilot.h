@@ -50,7 +50,9 @@ struct Candidate {
 /// The candidates for this scene; the first is taken when there is no pilot. None that misses light
 /// of the scene [light_missed]. With portals: those with portal techniques first, or bdpt first
 /// when no portal promises a gain. Portals must have been probed [portal_probe.h].
-std::vector<Candidate> auto_candidates(const World& world, const std::vector<Portal>& portals);
+/// `guided`: those of tdpt-guided that are to be tried, the likeliest first.
+std::vector<Candidate> auto_candidates(const World& world, const std::vector<Portal>& portals,
+                                       const std::vector<const Integrator*>& guided);
 
 /// `auto` by name, with all techniques of the candidates; it cannot be run.
 Integrator either_of(const std::vector<Candidate>& candidates);

@@ -140,7 +140,7 @@ TEST(decisions, weigh_error_and_work) {
 std::vector<std::string> names(const Scene& scene, const std::vector<Portal>& portals) {
   const World world(scene, scene.camera(""), 8, 6, portals);
   std::vector<std::string> all;
-  for (const Candidate& c : auto_candidates(world, portals)) all.push_back(c.label);
+  for (const Candidate& c : auto_candidates(world, portals, all_guided())) all.push_back(c.label);
   return all;
 }
 

@@ -109,8 +109,12 @@ void Loop::pass(const Integrator& integrator, uint64_t round, uint64_t first, ui
                 Film& film, std::vector<Tally>& rows) {
   // No integrator has a stream as large.
   constexpr uint64_t kStreams = 1024;
-  const SampleSettings sample_settings{integrator.techniques, settings_.max_depth, settings_.beta,
-                                       settings_.seed, integrator.stream + kStreams * round};
+  const SampleSettings sample_settings{integrator.techniques,
+                                       settings_.max_depth,
+                                       settings_.beta,
+                                       settings_.seed,
+                                       integrator.stream + kStreams * round,
+                                       integrator.guiding};
   tbb::parallel_for(0, height_, [&](int y) {
     PathSampler sampler(world_, sample_settings, film, rows[static_cast<size_t>(y)]);
     for (int x = 0; x < width_; ++x) {

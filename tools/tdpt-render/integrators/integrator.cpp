@@ -2,13 +2,21 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
+
 #include "libcommon/base/error.h"
 
 namespace tdpt {
 
 const std::vector<const Integrator*>& integrators() {
-  static const std::vector<const Integrator*> all{&pt, &nee, &bdpt, &tdpt_org, &tdpt_ref,
-                                                   &tdpt_guided};
+  static const std::vector<const Integrator*> all{&pt,       &nee,      &bdpt,
+                                                  &tdpt_org, &tdpt_ref, &tdpt_guided};
+  return all;
+}
+
+const std::vector<const Integrator*>& all_guided() {
+  static const std::vector<const Integrator*> all{&tdpt_guided, &tdpt_guided_more,
+                                                  &tdpt_guided_less};
   return all;
 }
 
@@ -16,6 +24,12 @@ const Integrator& integrator_named(const std::string& name) {
   for (const Integrator* integrator : integrators())
     if (name == integrator->name) return *integrator;
   throw UsageError("--integrator: '" + name + "' is not known");
+}
+
+std::string label_of(const Integrator& integrator) {
+  const auto [light, camera] = integrator.guiding.chance;
+  if (light == 0 && camera == 0) return integrator.name;
+  return fmt::format("{} {:g} {:g}", integrator.name, light, camera);
 }
 
 namespace {

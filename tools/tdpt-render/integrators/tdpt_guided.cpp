@@ -1,22 +1,30 @@
 #include "tools/tdpt-render/integrators/integrator.h"
 
 namespace tdpt {
+namespace {
 
-/// The techniques of tdpt-org with both walks directed at the portals. [guide.h]
-const Integrator tdpt_guided{"tdpt-guided",
-                             6,
-                             TechniqueSet(Technique::camera, Technique::direct, Technique::light,
-                                          Technique::bi, Technique::portal)
-                                 .favouring_direct(6, 2),
-                             [](PathSampler& sample) {
-                               sample.walk_from_camera();
-                               sample.walk_from_light();
-                               sample.camera();
-                               sample.direct();
-                               sample.light();
-                               sample.bi();
-                               sample.portal();
-                             },
-                             {{0.5, 0.4}}};
+// The techniques of tdpt-org with both walks directed at the portals. [guide.h]
+constexpr Integrator guided(const Guiding& guiding) {
+  return {"tdpt-guided", 6,
+          TechniqueSet(Technique::camera, Technique::direct, Technique::light, Technique::bi,
+                       Technique::portal)
+              .favouring_direct(6, 2),
+          [](PathSampler& sample) {
+            sample.walk_from_camera();
+            sample.walk_from_light();
+            sample.camera();
+            sample.direct();
+            sample.light();
+            sample.bi();
+            sample.portal();
+          },
+          guiding};
+}
+
+}  // namespace
+
+const Integrator tdpt_guided = guided({{0.5, 0.4}});
+const Integrator tdpt_guided_more = guided({{0.7, 0.5}});
+const Integrator tdpt_guided_less = guided({{0.35, 0.2}});
 
 }  // namespace tdpt

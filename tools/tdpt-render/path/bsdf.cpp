@@ -261,7 +261,7 @@ double dirac_probability(const Bsdf& b, const Vec3d& from, const Vec3d& to) {
   return (1 - p) * (view.turn(to).z > 0 ? reflect : 1 - reflect);
 }
 
-double dirac_probability(const Bsdf& b, const Vec3d& from) {
+double any_dirac_probability(const Bsdf& b, const Vec3d& from) {
   return dirac_probability(b, from, from) +
          (b.transmits() ? dirac_probability(b, from, -from) : 0.0);
 }

@@ -72,7 +72,7 @@ bool sample(const Bsdf& b, const Vec3d& from, double choice, double u, double v,
 /// transmittance of basic radiance.
 double dirac_probability(const Bsdf& b, const Vec3d& from, const Vec3d& to);
 /// That sample() tries a Dirac lobe, whichever way it leads.
-double dirac_probability(const Bsdf& b, const Vec3d& from);
+double any_dirac_probability(const Bsdf& b, const Vec3d& from);
 Rgb dirac_reflectance(const Bsdf& b, const Vec3d& from, const Vec3d& to);
 
 }  // namespace bsdf

@@ -125,7 +125,7 @@ double layered_scatter_pdf_A(const Vertex& from, const Vertex& at, const Vertex&
 
 double layered_dirac_probability(const Vertex& at, const Vec3d& back) {
   const Vec3d local = Onb<double>(at.shading).to_local(back);
-  return local.z * dot(at.normal, back) > 0 ? bsdf::dirac_probability(at.bsdf, local) : 0;
+  return local.z * dot(at.normal, back) > 0 ? bsdf::any_dirac_probability(at.bsdf, local) : 0;
 }
 
 bool turn(const Vertex& v, From from, const Vec3d& back, const std::array<double, 3>& u,
