@@ -8,7 +8,8 @@ constexpr Integrator guided(const Guiding& guiding) {
   return {"tdpt-guided", 6,
           TechniqueSet(Technique::camera, Technique::direct, Technique::light, Technique::bi,
                        Technique::portal)
-              .favouring_direct(6, 2),
+              .favouring_direct(6, 2)
+              .with_segments(0.5),
           [](PathSampler& sample) {
             sample.walk_from_camera();
             sample.walk_from_light();

@@ -283,6 +283,7 @@ std::vector<StrategyDensity> densities(const World& world, const Path& path, Tec
       log_p += std::log(from_camera[static_cast<size_t>(i)]);
     if (portal) {
       double p = segment_pdf(world, path.vertex(split), path.vertex(split + 1));
+      p *= set.segments();
       if (fault == Fault::portal_density_5_percent) p *= 1.05;
       log_p += std::log(p);
     }

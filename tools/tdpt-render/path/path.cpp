@@ -124,7 +124,7 @@ void Path::for_each_strategy(TechniqueSet set, const Add& add) const {
         !dirac(s) && !dirac(s + 1) && !dirac(s + 2)) {
       const double g = geometry(x(s), x(s + 1), between(x(s), x(s + 1)));
       add(Strategy{Technique::portal, s}, s + 2,
-          crossing_[u(s)].density * (g / common(s)) / common(s + 1));
+          set.segments() * crossing_[u(s)].density * (g / common(s)) / common(s + 1));
     }
   }
 }

@@ -232,7 +232,10 @@ void PathSampler::portal() {
   const int D = settings_.max_depth;
   if (D < 2) return;
   if (tally_.portals.empty()) tally_.portals.resize(world_.portals.portals());
-  const PortalSet::Sample sample = world_.portals.sample(numbers(segment).uniforms<7>());
+  Sequence random = numbers(segment);
+  const PortalSet::Sample sample = world_.portals.sample(random.uniforms<7>());
+  const double share = settings_.techniques.segments();
+  if (!(random.uniform() < share)) return;
   Tally::OfPortal& of_portal = tally_.portals[world_.portals.polygon(sample.drawn.polygon).portal];
   ++of_portal.drawn;
   Vertex x_l, x_c;
@@ -240,10 +243,10 @@ void PathSampler::portal() {
   double presence;
   if (!portal_segment(sample, x_l, x_c, crossing, presence)) return;
 
-  // One throughput for both ends: G / p_AA = 1 / D.
+  // One throughput for both ends: G / p_AA = 1 / D; a share of the samples stands for all.
   const Edge middle = between(x_l, x_c);
   const Vec3d& w = middle.w;
-  Rgb through(static_cast<float>(1 / (crossing.density * presence)));
+  Rgb through(static_cast<float>(1 / (share * crossing.density * presence)));
   if (world_.absorbing) through = through * transmittance(x_l, x_c, w, std::sqrt(middle.d2));
 
   // Light sides: [a] with a prefix vertices y_0..y_{a-1}; arriving at x_l and scattered along w.

@@ -181,7 +181,7 @@ TEST(paths_guided, of_any_probability_are_the_oracles) {
       const Worst worst = compare(scene, integrator, Fault::none);
       EXPECT_GT(worst.all, 5000);
       EXPECT_LE(worst.off, 3);
-      integrator.techniques = bdpt.techniques;
+      integrator.techniques = integrator.techniques.with_segments(0.3);
     }
   }
 }

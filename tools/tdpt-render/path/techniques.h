@@ -36,14 +36,24 @@ class TechniqueSet {
     set.later_ = later;
     return set;
   }
+  /// The same set with portal segments in that share of the samples alone, more than 0.
+  constexpr TechniqueSet with_segments(double share) const {
+    TechniqueSet set = *this;
+    set.segments_ = share;
+    return set;
+  }
+  constexpr double segments() const { return segments_; }
   /// By how much the density of a technique counts more, on paths of k edges.
   constexpr double favour(Technique t, int k) const {
-    return t != Technique::direct ? 1 : k == 2 ? first_ : later_;
+    return t == Technique::portal   ? segments_
+           : t != Technique::direct ? 1
+           : k == 2                 ? first_
+                                    : later_;
   }
 
  private:
   uint8_t bits_;
-  double first_ = 1, later_ = 1;
+  double first_ = 1, later_ = 1, segments_ = 1;
 };
 
 }  // namespace tdpt
