@@ -20,7 +20,7 @@ struct Arguments {
                              nonzero;
   std::vector<std::string> portals;
   int64_t spp = 0, max_depth = 6, width = 0, height = 0;
-  double guide_light = -1, guide_camera = -1;
+  double guide_light = -1, guide_camera = -1, segments = -1;
   double seconds = 0;
   bool preview = false, layers = false, verbose = false;
 };
@@ -116,13 +116,14 @@ int run(const Arguments& a, const cli::Common& common) {
   Integrator named = choose || a.integrator == "default" ? bdpt : integrator_named(a.integrator);
   Integrator guided = tdpt_guided;
   std::vector<const Integrator*> to_try = all_guided();
-  if (a.guide_light >= 0 || a.guide_camera >= 0) {
+  if (a.guide_light >= 0 || a.guide_camera >= 0 || a.segments >= 0) {
     if (!choose && named.guiding == Guiding{})
-      throw UsageError(std::string("--guide-light and --guide-camera: ") + named.name +
-                       " directs no walks");
+      throw UsageError(std::string("--guide-light, --guide-camera, --segments: ") + named.name +
+                       " has none of them");
     std::array<double, 2>& chance = guided.guiding.chance;
     if (a.guide_light >= 0) chance[0] = a.guide_light;
     if (a.guide_camera >= 0) chance[1] = a.guide_camera;
+    if (a.segments >= 0) guided.techniques = guided.techniques.with_segments(a.segments);
     if (!choose) named = guided;
     to_try = {&guided};
   }
@@ -201,6 +202,9 @@ int main(int argc, char** argv) {
   options.option("--guide-camera", a.guide_camera, "Q",
                  "tdpt-guided: probability that a camera walk aims at a portal; default 0.4", 0,
                  0.95);
+  options.option("--segments", a.segments, "SHARE",
+                 "tdpt-guided: share of the samples that draw a portal segment; default 1", 0.01,
+                 1);
   options.option("--spp", a.spp, "N", "Samples per pixel; default 16, or as --time allows", 1,
                  int64_t{1} << 32);
   options.option("--time", a.seconds, "SECONDS", "Stop rendering after this wall-clock time", 1e-3,

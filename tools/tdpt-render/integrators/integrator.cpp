@@ -29,7 +29,8 @@ const Integrator& integrator_named(const std::string& name) {
 std::string label_of(const Integrator& integrator) {
   const auto [light, camera] = integrator.guiding.chance;
   if (light == 0 && camera == 0) return integrator.name;
-  return fmt::format("{} {:g} {:g}", integrator.name, light, camera);
+  return fmt::format("{} {:g} {:g} {:g}", integrator.name, light, camera,
+                     integrator.techniques.segments());
 }
 
 namespace {

@@ -16,7 +16,7 @@ struct Integrator {
 };
 
 extern const Integrator pt, nee, bdpt, tdpt_org, tdpt_ref, tdpt_guided;
-/// tdpt_guided with larger and with smaller probabilities, for `auto` to choose among.
+/// tdpt_guided directed more often, and less often with fewer segments, for `auto` to choose among.
 extern const Integrator tdpt_guided_more, tdpt_guided_less;
 /// All three, the likeliest first.
 const std::vector<const Integrator*>& all_guided();
@@ -26,7 +26,8 @@ const std::vector<const Integrator*>& integrators();
 /// Throws UsageError for a name that there is not.
 const Integrator& integrator_named(const std::string& name);
 
-/// Its name, and how its walks are directed if they are: "tdpt-guided 0.5 0.4".
+/// Its name, and if its walks are directed, how, and the share of samples with segments:
+/// "tdpt-guided 0.5 0.4 1".
 std::string label_of(const Integrator& integrator);
 
 /// A sentence about light that the scene has and none of the integrator's techniques can make

@@ -4,12 +4,12 @@ namespace tdpt {
 namespace {
 
 // The techniques of tdpt-org with both walks directed at the portals. [guide.h]
-constexpr Integrator guided(const Guiding& guiding) {
+constexpr Integrator guided(const Guiding& guiding, double segments) {
   return {"tdpt-guided", 6,
           TechniqueSet(Technique::camera, Technique::direct, Technique::light, Technique::bi,
                        Technique::portal)
               .favouring_direct(6, 2)
-              .with_segments(0.5),
+              .with_segments(segments),
           [](PathSampler& sample) {
             sample.walk_from_camera();
             sample.walk_from_light();
@@ -24,8 +24,8 @@ constexpr Integrator guided(const Guiding& guiding) {
 
 }  // namespace
 
-const Integrator tdpt_guided = guided({{0.5, 0.4}});
-const Integrator tdpt_guided_more = guided({{0.7, 0.5}});
-const Integrator tdpt_guided_less = guided({{0.35, 0.2}});
+const Integrator tdpt_guided = guided({{0.5, 0.4}}, 1);
+const Integrator tdpt_guided_more = guided({{0.7, 0.5}}, 1);
+const Integrator tdpt_guided_less = guided({{0.5, 0.2}}, 0.25);
 
 }  // namespace tdpt
