@@ -1,7 +1,7 @@
 #!/bin/sh
 # demo.sh BIN FOLDER: a portal for a room lit through a hole, and what it is good for. Finds the
-# portal, renders with bdpt and with tdpt in the same time, compares both with a reference, and
-# leaves everything in FOLDER.
+# portal, renders with bdpt and through the portal in the same time, compares both with a reference,
+# and leaves everything in FOLDER.
 # The environment may set SCENE, SECONDS_EACH, SECONDS_REFERENCE, WIDTH, HEIGHT, DEPTH.
 set -eu
 bin=${1:-build/bin} out=${2:-demo}
@@ -35,8 +35,8 @@ size="--width $width --height $height --max-depth $depth"
 # Unquoted on purpose: several options.
 run tdpt-render "$scene" --integrator bdpt --time "$seconds" $size -o bdpt.exr --preview \
   --stats bdpt.stats
-run tdpt-render "$scene" --portal room.portal.glb --integrator tdpt --time "$seconds" $size \
-  -o tdpt.exr --preview --stats tdpt.stats
+run tdpt-render "$scene" --portal room.portal.glb --time "$seconds" $size -o portal.exr --preview \
+  --stats portal.stats
 
 say ""
 # The shipped reference will do if it shows the very scene (its hash stands in the header) in the
@@ -44,8 +44,8 @@ say ""
 kept=$here/testdata/references/$(basename "$scene" .glb)-depth$depth.exr
 origin() { head -c 16384 "$1" 2>/dev/null | grep -ao "from $(basename "$scene") [0-9a-f]*" | head -n 1; }
 key="$(cat "$bin/tdpt-render" "$scene" room.portal.glb | cksum) $reference_seconds $size"
-if [ -n "$(origin tdpt.exr)" ] && [ "$(origin tdpt.exr)" = "$(origin "$kept")" ] &&
-  "$bin/exrdiff" tdpt.exr "$kept" >/dev/null 2>&1; then
+if [ -n "$(origin portal.exr)" ] && [ "$(origin portal.exr)" = "$(origin "$kept")" ] &&
+  "$bin/exrdiff" portal.exr "$kept" >/dev/null 2>&1; then
   say "Comparing with the reference in testdata/references"
   cp "$kept" reference.exr
   rm -f reference.key
@@ -56,14 +56,14 @@ elif [ -s reference.exr ] && [ "$(cat reference.key 2>/dev/null)" = "$key" ]; th
 else
   say "Rendering a reference for $reference_seconds seconds, with another seed"
   rm -f reference.key
-  run tdpt-render "$scene" --portal room.portal.glb --integrator tdpt \
+  run tdpt-render "$scene" --portal room.portal.glb --integrator tdpt-guided \
     --time "$reference_seconds" --seed 2 $size -o reference.exr
   printf '%s\n' "$key" >reference.key
   note=short
 fi
 "$bin/exrdiff" bdpt.exr reference.exr --json -o bdpt-error.png >bdpt.json
-"$bin/exrdiff" tdpt.exr reference.exr --json -o tdpt-error.png >tdpt.json
-"$bin/exrdiff" bdpt.exr tdpt.exr --side-by-side before-after.png >/dev/null
+"$bin/exrdiff" portal.exr reference.exr --json -o portal-error.png >portal.json
+"$bin/exrdiff" bdpt.exr portal.exr --side-by-side before-after.png >/dev/null
 
 # measure FILE NAME: of the picture; black FILE NAME: of the black picture.
 measure() { sed 's/"black".*//' "$1" | tr ',{}' '\n\n\n' | sed -n "s/^\"$2\"://p"; }
@@ -80,15 +80,15 @@ row_of() {
 say ""
 printf '  %-14s %12s %12s %12s %12s\n' "" relMSE "PSNR [dB]" "MAPE [%]" mean
 row_of "bdpt, $seconds s" bdpt.json
-row_of "tdpt, $seconds s" tdpt.json
-row "all black" "$(black tdpt.json relmse)" "$(black tdpt.json psnr)" \
-  "$(black tdpt.json mape)" 0
+row_of "portal, $seconds s" portal.json
+row "all black" "$(black portal.json relmse)" "$(black portal.json psnr)" \
+  "$(black portal.json mape)" 0
 printf '  %-14s %12s %12s %12s %12.4g\n' reference "" "" "" \
-  "$(measure tdpt.json reference_mean)"
+  "$(measure portal.json reference_mean)"
 say ""
-awk -v before="$(measure bdpt.json relmse)" -v after="$(measure tdpt.json relmse)" \
-  -v psnr_before="$(measure bdpt.json psnr)" -v psnr_after="$(measure tdpt.json psnr)" \
-  -v black="$(black tdpt.json relmse)" -v seconds="$seconds" -v note="$note" '
+awk -v before="$(measure bdpt.json relmse)" -v after="$(measure portal.json relmse)" \
+  -v psnr_before="$(measure bdpt.json psnr)" -v psnr_after="$(measure portal.json psnr)" \
+  -v black="$(black portal.json relmse)" -v seconds="$seconds" -v note="$note" '
 BEGIN {
   gain = before / after
   db = psnr_after - psnr_before
@@ -104,10 +104,10 @@ BEGIN {
   }
   if (before > 0.5 * black) printf "A picture of no light at all scores %.3g: bdpt has found little here.\n", black
 }'
-awk -v before="$(measure bdpt.stats cpu_seconds)" -v after="$(measure tdpt.stats cpu_seconds)" '
+awk -v before="$(measure bdpt.stats cpu_seconds)" -v after="$(measure portal.stats cpu_seconds)" '
 BEGIN {
   if (before > 1.1 * after || after > 1.1 * before)
-    printf "But the machine was busy: bdpt got %.0f CPU seconds and tdpt %.0f; try again when it is idle.\n", before, after
+    printf "But the machine was busy: bdpt got %.0f CPU seconds and the portal %.0f; try again when it is idle.\n", before, after
 }'
-say "Pictures: $out/before-after.png (bdpt left, tdpt right), $out/bdpt-error.png and"
-say "$out/tdpt-error.png (red too bright, blue too dark), $out/*.exr."
+say "Pictures: $out/before-after.png (bdpt left, through the portal right), $out/bdpt-error.png and"
+say "$out/portal-error.png (red too bright, blue too dark), $out/*.exr."
