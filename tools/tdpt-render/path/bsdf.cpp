@@ -261,6 +261,10 @@ double dirac_probability(const Bsdf& b, const Vec3d& from, const Vec3d& to) {
   return (1 - p) * (view.turn(to).z > 0 ? reflect : 1 - reflect);
 }
 
+double diffuse_probability(const Bsdf& b, const Vec3d& from) {
+  return from.z == 0 ? 0 : std::max(0.0, View(b, from).diffuse_probability());
+}
+
 double any_dirac_probability(const Bsdf& b, const Vec3d& from) {
   return dirac_probability(b, from, from) +
          (b.transmits() ? dirac_probability(b, from, -from) : 0.0);

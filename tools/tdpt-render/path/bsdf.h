@@ -73,6 +73,8 @@ bool sample(const Bsdf& b, const Vec3d& from, double choice, double u, double v,
 double dirac_probability(const Bsdf& b, const Vec3d& from, const Vec3d& to);
 /// That sample() tries a Dirac lobe, whichever way it leads.
 double any_dirac_probability(const Bsdf& b, const Vec3d& from);
+/// That sample() takes the diffuse lobe.
+double diffuse_probability(const Bsdf& b, const Vec3d& from);
 Rgb dirac_reflectance(const Bsdf& b, const Vec3d& from, const Vec3d& to);
 
 }  // namespace bsdf

@@ -16,6 +16,22 @@ Vec3d lamp_facing(const Vertex& v) {
   return v.lamp || v.material->double_sided ? Vec3d() : v.normal;
 }
 
+// b and m of a walk that came from `back`.
+struct Scope {
+  double broad = 1, matt = 1;
+};
+
+Scope scope(const Vertex& at, const Vec3d& back) {
+  constexpr float kNarrow = 0.3f;
+  Scope s;
+  if (at.simple) return s;
+  const Vec3d local = Onb<double>(at.shading).to_local(back);
+  if (!(local.z * dot(at.normal, back) > 0)) return s;
+  s.matt -= bsdf::any_dirac_probability(at.bsdf, local);
+  if (s.matt == 1 && at.bsdf.alpha < kNarrow) s.broad = bsdf::diffuse_probability(at.bsdf, local);
+  return s;
+}
+
 }  // namespace
 
 PortalSet::Crossing Guide::crossing(const Vertex& a, const Vertex& b,
@@ -51,11 +67,13 @@ void Guide::aim_at_light(Vertex& v) const {
   v.lamp_aim = aim(v, v.facing, From::light);
 }
 
-bool Guide::draw(const Vertex& v, const Aim& aim, From from, const std::array<double, 4>& u,
+bool Guide::draw(const Vertex& v, const Vec3d& back, From from, const std::array<double, 4>& u,
                  Vec3d& w, int& triangle) const {
-  if (!(u[3] < aim.chance)) return false;
-  triangle = portals_.aim(v.position, v.facing, way(from), aim.chance / aim.per_weight,
-                          {u[0], u[1], u[2]}, w);
+  const bool begins = back == Vec3d();
+  const Aim& a = begins ? v.lamp_aim : v.aim[index(from)];
+  if (!(u[3] < a.chance) || (!begins && !(u[3] < a.chance * scope(v, back).broad))) return false;
+  triangle =
+      portals_.aim(v.position, v.facing, way(from), a.chance / a.per_weight, {u[0], u[1], u[2]}, w);
   return true;
 }
 
@@ -65,8 +83,9 @@ double Guide::pdf_A(From from, const Vertex& at, const Vec3d& back, const Vertex
   const Aim& a = begins ? at.lamp_aim : at.aim[index(from)];
   if (!(a.chance > 0) || !(plain_A > 0)) return plain_A;
   const double towards = from == From::light ? crossing.from_light : crossing.from_camera;
-  const double matt = begins ? 1 : 1 - dirac_probability(at, back);
-  return (1 - a.chance) * plain_A + to_area(a.per_weight * matt * towards, between(at, to), to);
+  const Scope s = begins ? Scope{} : scope(at, back);
+  return (1 - a.chance * s.broad) * plain_A +
+         to_area(a.per_weight * s.broad * s.matt * towards, between(at, to), to);
 }
 
 }  // namespace tdpt

@@ -3,9 +3,11 @@
 // sampling otherwise.
 //
 // With p(w) the density of the surface's own sampling and a(w) that of aiming (portals.h),
-//   guided  pdf_w = (1-q) p(w) + q m a(w),
-// m the probability that no Dirac lobe was tried: those lobes are left as they are. Where p = 0
-// nothing is scattered, and the walk ends.
+//   guided  pdf_w = (1-qb) p(w) + qb m a(w),
+// m the probability that no Dirac lobe was tried: those lobes are left as they are. b is 1, but
+// where a surface has a narrow lobe (alpha < 0.3) the probability that it would scatter by its
+// diffuse lobe: a metal floor seldom shows the portal in the direction that it is looked at from.
+// Where p = 0 nothing is scattered, and the walk ends.
 //
 // P> and P< of a path become these; nothing else changes. To direct only a share of the walks and
 // leave the others plain was tried: what it gains where lamps are seen directly, a larger weight of
@@ -42,9 +44,9 @@ class Guide {
   /// Tells y_0, a place on a light.
   void aim_at_light(Vertex& v) const;
 
-  /// Whether a walk that has `aim` at `v` is directed, and then the direction and the triangle
-  /// aimed at. `u`: as in PortalSet::aim, and whether.
-  bool draw(const Vertex& v, const Aim& aim, From from, const std::array<double, 4>& u, Vec3d& w,
+  /// Whether a walk at `v` that came from unit `back` (0: it begins there) is directed, and then
+  /// the direction and the triangle aimed at. `u`: as in PortalSet::aim, and whether.
+  bool draw(const Vertex& v, const Vec3d& back, From from, const std::array<double, 4>& u, Vec3d& w,
             int& triangle) const;
 
   /// Of a walk at `at` that came from unit `back` (0: it begins there) and reaches `to`: the guided

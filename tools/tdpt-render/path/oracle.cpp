@@ -225,14 +225,17 @@ double guided_pdf_w(const World& world, const Guiding& guiding, From from, const
   if (dirac || at.at_infinity() || (back && !at.connectible) || plain == 0) return plain;
   const double aimed = aim_pdf_w(world, from, back, at, to);
   if (aimed < 0) return plain;
-  double matt = 1;
+  double matt = 1, broad = 1;
   if (back && !at.simple) {
     const Surface s(at);
     const Vec3d local = s.local(unit(at, *back));
     matt -= bsdf::dirac_probability(at.bsdf, local, local);
     matt -= bsdf::dirac_probability(at.bsdf, local, -local);
+    const bool narrow = matt == 1 && at.bsdf.alpha < 0.3f && !at.bsdf.only_diffuse();
+    if (narrow) broad = bsdf::diffuse_probability(at.bsdf, local);
   }
-  return (1 - q) * plain + q * matt * aimed * (fault == Fault::aim_5_percent ? 1.05 : 1);
+  if (fault == Fault::aim_5_percent) matt *= 1.05;
+  return (1 - q * broad) * plain + q * broad * matt * aimed;
 }
 
 }  // namespace

@@ -123,11 +123,6 @@ double layered_scatter_pdf_A(const Vertex& from, const Vertex& at, const Vertex&
   return to_area(pdf_w, e, to);
 }
 
-double layered_dirac_probability(const Vertex& at, const Vec3d& back) {
-  const Vec3d local = Onb<double>(at.shading).to_local(back);
-  return local.z * dot(at.normal, back) > 0 ? bsdf::any_dirac_probability(at.bsdf, local) : 0;
-}
-
 bool turn(const Vertex& v, From from, const Vec3d& back, const std::array<double, 3>& u,
           Turn& out) {
   const auto [a, b, choice] = u;

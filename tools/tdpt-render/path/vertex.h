@@ -93,7 +93,6 @@ inline bool same_side(const Vertex& v, const Vec3d& wi, const Vec3d& wo) {
 // Of vertices that are not simple.
 Rgb layered_bsdf(const Vertex& v, const Vec3d& to_light, const Vec3d& to_camera);
 double layered_scatter_pdf_A(const Vertex& from, const Vertex& at, const Vertex& to, bool dirac);
-double layered_dirac_probability(const Vertex& at, const Vec3d& back);
 
 /// Radiance BSDF without Dirac lobes [1/sr]; unit directions away from the surface.
 inline Rgb bsdf_at(const Vertex& v, const Vec3d& to_light, const Vec3d& to_camera) {
@@ -113,11 +112,6 @@ inline double scatter_pdf_A(const Vertex& from, const Vertex& at, const Vertex& 
   const double cos_out = dot(at.normal, e.w);
   if (!(cos_in * cos_out > 0)) return 0;
   return to_area(std::abs(cos_out) * std::numbers::inv_pi, e, to);
-}
-
-/// That a walk which came from unit `back` goes on by a Dirac lobe.
-inline double dirac_probability(const Vertex& at, const Vec3d& back) {
-  return at.simple ? 0 : layered_dirac_probability(at, back);
 }
 
 /// Whether any light leaves it.

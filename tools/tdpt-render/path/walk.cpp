@@ -96,11 +96,10 @@ void Walker::scatter(int edges) {
     const bool tried_dirac = goes_on && t.dirac;
     Vec3d towards;
     int triangle = -1;
-    const Aim& aim = v.aim[from_ == From::light ? 0 : 1];
     bool aims = false;
     if (guide_.active()) {
       numbers_.seek(kPerBounce * static_cast<uint32_t>(walk_.size - 1) + kDirection);
-      aims = guide_.draw(v, aim, from_, numbers_.uniforms<4>(), towards, triangle);
+      aims = guide_.draw(v, to_previous, from_, numbers_.uniforms<4>(), towards, triangle);
     }
     if (aims && !tried_dirac) {
       if (!turn_towards(v, from_, to_previous, towards, t)) return;
@@ -153,8 +152,7 @@ void walk_from_light(const World& world, const Guide& guide, int edges, Sequence
   const std::array<double, 4> direction = walker.numbers().uniforms<4>();
   Lights::Ray ray = world.lights.leave(light, direction[0], direction[1]);
   int triangle = -1;
-  if (guide.active() &&
-      guide.draw(y0, y0.lamp_aim, From::light, direction, ray.direction, triangle))
+  if (guide.active() && guide.draw(y0, Vec3d(), From::light, direction, ray.direction, triangle))
     ray.origin = light.position;
   // Le cos / pdf_w: pi per emitting side of a surface.
   const double sides = light.lamp ? 0 : y0.material->double_sided ? 2 : 1;
