@@ -81,7 +81,9 @@ Census count(const Integrator& integrator, int k, const RayCounts& expected) {
   Census census;
   for (int i = 0; i < 512; ++i) {
     Tally tally;
-    PathSampler sampler(world, {integrator.techniques, k, 1, 3, integrator.stream, integrator.guiding}, film, tally);
+    PathSampler sampler(world,
+                        {integrator.techniques, k, 1, 3, integrator.stream, integrator.guiding},
+                        film, tally);
     sampler.begin(i % 16, i / 16 % 16, static_cast<uint64_t>(i));
     integrator.sample(sampler);
     sampler.end();
