@@ -14,6 +14,11 @@
 // We test one edge more: the segment itself. It crosses the polygon it was drawn from, but its
 // density is a sum over all that it crosses. With bi-connections their edges are tested as well.
 //
+// All this is the same for walks that are directed at portals: a directed walk needs the crossing
+// of each of its edges, and has it already. What it needs more are edges from a lamp without
+// surface. No segment ends there, so without directed walks none of them is tested; with them a
+// lamp's edges count as those of any other light: y_0 y_1, the (k-1) next events and y_0 x_l.
+//
 // A connection is not traced when a cosine or the film tells that it carries nothing. So the room
 // is a ball of small facets that shine inwards, seen from its rim by a camera that nearly has all
 // of it in its picture: of many samples most make all connections, and none makes more.
@@ -28,14 +33,21 @@
 namespace tdpt {
 namespace {
 
-Scene glowing_ball() {
+// Lit by its walls, or by a lamp within it.
+Scene ball(bool glowing) {
   constexpr int kAround = 48, kDown = 24;
   constexpr double kRadius = 0.9;
   Scene scene;
   Material glow;
   glow.base_color = Rgb(0.5f);
-  glow.emission = Rgb(1.0f);
+  if (glowing) glow.emission = Rgb(1.0f);
   scene.materials.push_back(glow);
+  if (!glowing) {
+    PunctualLight lamp;
+    lamp.position = {0.3, 0.11, 0.05};
+    lamp.intensity = Rgb(1.0f);
+    scene.lights.push_back(lamp);
+  }
   for (int i = 0; i <= kDown; ++i)
     for (int j = 0; j < kAround; ++j) {
       const double t = std::numbers::pi * i / kDown, p = 2 * std::numbers::pi * j / kAround;
@@ -73,8 +85,8 @@ struct Census {
   uint64_t beyond = 0;  ///< samples that have more than expected of some kind
 };
 
-Census count(const Integrator& integrator, int k, const RayCounts& expected) {
-  const Scene scene = glowing_ball();
+Census count(const Integrator& integrator, int k, const RayCounts& expected, bool glowing = true) {
+  const Scene scene = ball(glowing);
   const World world(scene, scene.camera(""), 16, 16,
                     {rectangle({0, -0.2, -0.2}, {0, 0, 0.4}, {0, 0.4, 0})});
   Film film(16, 16, 1);
@@ -128,6 +140,35 @@ TEST(rays, are_those_of_table_1) {
       EXPECT_GT(census.complete, 0.5) << integrator->name << " " << k;
     }
   }
+}
+
+// Of the edges from a lamp without surface.
+uint64_t lamp_edges(TechniqueSet set, int depth) {
+  const auto k = static_cast<uint64_t>(depth);
+  return (set.has(Technique::light) ? 1 : 0) + (set.has(Technique::direct) ? k - 1 : 0) +
+         (set.has(Technique::portal) ? 1 : 0);
+}
+
+TEST(rays, of_directed_walks_are_tested_on_a_lamps_edges_too) {
+  for (int k = 3; k <= 8; ++k)
+    for (const Integrator* integrator : {&nee, &bdpt, &tdpt_org, &tdpt_ref, &tdpt_guided}) {
+      RayCounts expected = table_1(integrator->techniques, k);
+      if (integrator->guiding == Guiding{})
+        expected.portal -= lamp_edges(integrator->techniques, k);
+      const Census census = count(*integrator, k, expected, false);
+      EXPECT_EQ(census.most.closest, expected.closest) << integrator->name << " " << k;
+      EXPECT_EQ(census.most.shadow, expected.shadow) << integrator->name << " " << k;
+      EXPECT_EQ(census.most.portal, expected.portal) << integrator->name << " " << k;
+      EXPECT_EQ(census.beyond, 0u) << integrator->name << " " << k;
+      EXPECT_GT(census.complete, 0.5) << integrator->name << " " << k;
+    }
+}
+
+TEST(rays, twin_a_directed_walk_beside_the_count_of_one_that_is_not) {
+  const RayCounts expected = table_1(tdpt_org.techniques, 5);
+  const RayCounts fewer{expected.closest, expected.shadow,
+                        expected.portal - lamp_edges(tdpt_org.techniques, 5)};
+  EXPECT_GT(count(tdpt_guided, 5, fewer, false).beyond, 400u);
 }
 
 TEST(rays, twin_one_connection_more_or_one_technique_less_is_caught) {
