@@ -179,7 +179,8 @@ bool Loop::round_of(Probing& probing, size_t i, uint64_t round) {
     if (stop_requested() || out_of_time()) return false;
   }
   probing.errors.add_round(i, pictures[0], pictures[1]);
-  record.work = probing.model.per_sample(probing.rays[i], record.spp * pixels_);
+  const bool directed = probing.candidates[i].integrator->guiding != Guiding{};
+  record.work = probing.model.per_sample(probing.rays[i], record.spp * pixels_, directed);
   return true;
 }
 
