@@ -73,8 +73,8 @@ bool all_useless(const std::vector<Portal>& portals);
 /// those that `auto` tries come out within 4 % on average and 10 % at most at depth 6, 13 % at most
 /// at depth 12; without portals 7 %, 13 % and 18 %. Without the terms of directed walks
 /// tdpt-guided's came out 9 to 24 % too small at depth 6. In two scenes that had no part in the fit
-/// tdpt-guided came out 1 and 5 % too small, nee 12 and 17 %. An edge that is tested against 1, 4, 16
-/// and 64 facets of two triangles cost 241, 299, 455 and 1097 by measurement.
+/// tdpt-guided came out 1 and 5 % too small, nee 12 and 17 %. An edge that is tested against 1, 4,
+/// 16 and 64 facets of two triangles cost 241, 299, 455 and 1097 by measurement.
 class WorkModel {
  public:
   explicit WorkModel(const World& world);
