@@ -114,7 +114,7 @@ TEST(auto_choice, renders_the_rest_as_the_chosen_one_does_alone) {
 TEST(auto_choice, without_a_pilot_is_the_first_candidate) {
   const Room room = two_rooms();
   const RenderResult r = render(room.world, room.candidates(), of(20));
-  EXPECT_EQ(r.chosen_label, "tdpt-guided 0.5 0.4");
+  EXPECT_EQ(r.chosen_label, "tdpt-guided 0.5 0.4 1");
   EXPECT_TRUE(r.pilot.empty());
   EXPECT_EQ(r.picture.pixels, render(room.world, tdpt_guided, of(20)).picture.pixels);
 }

@@ -164,13 +164,13 @@ TEST(candidates, begin_with_what_the_portals_promise) {
   EXPECT_EQ(names(scene, {}), (Names{"bdpt", "nee", "pt"}));
   Portal portal = portal_in_the_hole();
   portal.figures = {{"flux_share", 1}, {"expected_gain", 3}};
-  EXPECT_EQ(names(scene, {portal}), (Names{"tdpt-guided 0.5 0.4", "bdpt", "nee", "tdpt-org",
-                                           "tdpt-guided 0.7 0.5", "tdpt-guided 0.35 0.2"}));
+  EXPECT_EQ(names(scene, {portal}), (Names{"tdpt-guided 0.5 0.4 1", "bdpt", "nee", "tdpt-org",
+                                           "tdpt-guided 0.7 0.5 1", "tdpt-guided 0.5 0.2 0.25"}));
   EXPECT_FALSE(all_useless({portal}));
   portal.figures["expected_gain"] = 0.8;
   EXPECT_TRUE(all_useless({portal}));
-  EXPECT_EQ(names(scene, {portal}), (Names{"bdpt", "tdpt-guided 0.5 0.4", "nee", "tdpt-org",
-                                           "tdpt-guided 0.7 0.5", "tdpt-guided 0.35 0.2"}));
+  EXPECT_EQ(names(scene, {portal}), (Names{"bdpt", "tdpt-guided 0.5 0.4 1", "nee", "tdpt-org",
+                                           "tdpt-guided 0.7 0.5 1", "tdpt-guided 0.5 0.2 0.25"}));
 }
 
 // They would converge to another picture.
@@ -182,8 +182,8 @@ TEST(candidates, that_miss_light_of_the_scene_are_none) {
   scene.materials[0].roughness = 0;
   EXPECT_EQ(names(scene, {}), (std::vector<std::string>{"bdpt"}));
   EXPECT_EQ(names(scene, {portal_in_the_hole()}),
-            (std::vector<std::string>{"tdpt-guided 0.5 0.4", "bdpt", "tdpt-org",
-                                      "tdpt-guided 0.7 0.5", "tdpt-guided 0.35 0.2"}));
+            (std::vector<std::string>{"tdpt-guided 0.5 0.4 1", "bdpt", "tdpt-org",
+                                      "tdpt-guided 0.7 0.5 1", "tdpt-guided 0.5 0.2 0.25"}));
 }
 
 }  // namespace

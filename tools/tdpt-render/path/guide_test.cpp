@@ -51,7 +51,7 @@ const std::vector<Portal> kWrongSide = turned_round(kOne);
 // Its plane is 0.01 away.
 const std::vector<Portal> kGrazing{plate({0.4, 0.01, 0.4}, {0.2, 0, 0}, {0, 0, 0.2})};
 
-enum class Kind { diffuse, rough, plastic, milky, sheet };
+enum class Kind { diffuse, rough, glossy, metal, plastic, milky, sheet };
 Material material(Kind kind) {
   Material m;
   m.base_color = {0.8f, 0.5f, 0.3f};
@@ -62,6 +62,13 @@ Material material(Kind kind) {
     case Kind::rough:
       m.metallic = 0.5f;
       m.roughness = 0.6f;
+      break;
+    case Kind::glossy:  // a narrow lobe over a diffuse base
+      m.roughness = 0.4f;
+      break;
+    case Kind::metal:  // a narrow lobe alone: never directed
+      m.metallic = 1;
+      m.roughness = 0.45f;
       break;
     case Kind::plastic:
       m.roughness = 0;
@@ -78,6 +85,12 @@ Material material(Kind kind) {
       m.double_sided = true;
   }
   return m;
+}
+
+// Probability that a walk which came from `back` tries a smooth lobe.
+double smooth_share(const Vertex& at, const Vec3d& back) {
+  return at.simple ? 0
+                   : bsdf::any_dirac_probability(at.bsdf, Onb<double>(at.shading).to_local(back));
 }
 
 void add_triangle(Scene& scene, const Vec3d& a, const Vec3d& b, const Vec3d& c, uint32_t material) {
@@ -242,7 +255,7 @@ Judgement judge(const Case& c, const Stand& s, uint64_t stream, const Pdf& pdf_w
     ++dirac;
     return c.bins.size();
   });
-  const double smooth = c.begins ? 0 : dirac_probability(s.at, s.back);
+  const double smooth = c.begins ? 0 : smooth_share(s.at, s.back);
   Judgement j{chi.p, binomial_p(dirac, kSamples, smooth), smooth};
   for (double x : share) j.total += x;
   return j;
@@ -291,6 +304,8 @@ TEST(guide, other_surfaces_do_so_too_and_keep_their_smooth_lobes) {
   for (const From from : {From::light, From::camera}) {
     cases.push_back(scatters("rough", from, Kind::rough, kOne + kAside));
     cases.push_back(scatters("rough, half below", from, Kind::rough, kHalfBelow));
+    cases.push_back(scatters("glossy", from, Kind::glossy, kOne + kAside));
+    cases.push_back(scatters("metal", from, Kind::metal, kOne + kAside));
     cases.push_back(scatters("smooth plastic", from, Kind::plastic, kOne + kAside));
     cases.push_back(scatters("smooth plastic, half below", from, Kind::plastic, kHalfBelow));
     cases.push_back(scatters("smooth milky glass", from, Kind::milky, kInSeries));
@@ -359,6 +374,7 @@ Judgement spoilt(const Case& c, Spoil spoil, double least = 0) {
 std::vector<Case> each_kind(const std::vector<Portal>& portals) {
   return {scatters("diffuse", From::camera, Kind::diffuse, portals),
           scatters("rough", From::light, Kind::rough, portals),
+          scatters("glossy", From::camera, Kind::glossy, portals),
           scatters("plastic", From::camera, Kind::plastic, portals),
           scatters("sheet", From::light, Kind::sheet, portals),
           begins("lamp", Material{}, portals),
@@ -408,7 +424,7 @@ TEST(guide, twin_smooth_lobes_that_are_directed_too) {
     const Case c = scatters("smooth", From::camera, kind, kOne);
     double smooth = 0;
     const Judgement j = spoilt(c, [&](Stand& s, double) {
-      smooth = dirac_probability(s.at, s.back);
+      smooth = smooth_share(s.at, s.back);
       s.aim().per_weight /= 1 - smooth;
     });
     EXPECT_LT(j.p, kWrong);
