@@ -29,7 +29,7 @@ rows() {
       --time "$reference" --width "$width" --height "$height" -o "$cache/$name.reference.exr"
     echo "$key" >"$cache/$name.key"
   fi
-  for integrator in pt nee bdpt tdpt-org tdpt; do
+  for integrator in pt nee bdpt tdpt-org tdpt tdpt-guided; do
     "$bin/tdpt-render" --quiet "$scene" --portal "$portal" --integrator $integrator --threads 1 \
       --time "$each" --width "$width" --height "$height" --stats "$cache/stats.json" \
       -o "$cache/picture.exr"

@@ -6,10 +6,10 @@
 # The environment may set
 #   SCENES         folder of the paper's scenes; one that is not there is left out, with a word
 #   ONLY           names of the scenes to measure, the page has no others; default all
-#   INTEGRATORS    default "nee bdpt tdpt-org tdpt"; bdpt is needed for gains
+#   INTEGRATORS    default "nee bdpt tdpt-org tdpt tdpt-guided auto"; bdpt is needed for gains
 #   SECONDS_EACH   CPU seconds of a picture (4); also rendered: a quarter and a sixteenth of it
 #   SEEDS          pictures of each kind (8)
-#   REF_INTEGRATOR of the references (tdpt-org)
+#   REF_INTEGRATOR of the references (tdpt-guided)
 #   REF_SECONDS    CPU seconds of a reference, in two halves (80; five times that at 320 x 180)
 #   LONG_SECONDS, LONG_SEEDS   where other programs' figures are known, of the best (60, 3; no seeds: left out)
 #   WIDTH, HEIGHT  of all pictures, for trials; else each scene has its own
@@ -24,9 +24,9 @@ export LC_ALL=C
 bin=${1:-build/bin} cache=${2:-${CACHE:-build/efficiency}}
 here=$(cd "$(dirname "$0")/.." && pwd)
 scenes=${SCENES:-$here/../shared/scenes} doc=${DOC:-$here/doc}
-integrators=${INTEGRATORS:-nee bdpt tdpt-org tdpt}
+integrators=${INTEGRATORS:-nee bdpt tdpt-org tdpt tdpt-guided auto}
 each=${SECONDS_EACH:-4} seeds=${SEEDS:-8}
-reference_integrator=${REF_INTEGRATOR:-tdpt-org} reference_seconds=${REF_SECONDS:-80}
+reference_integrator=${REF_INTEGRATOR:-tdpt-guided} reference_seconds=${REF_SECONDS:-80}
 long=${LONG_SECONDS:-60} long_seeds=${LONG_SEEDS:-3}
 jobs=${JOBS:-$(nproc 2>/dev/null || echo 1)}
 

@@ -126,6 +126,42 @@ TEST_F(misplaced_portals, many) {
                   {across(1.9, 0, 2, -1, 1), across(1.4, 0, 2, -1, 1), across(0.9, 0, 2, -1, 1)});
 }
 
+// Walks that are directed differ from those that are not: held against bdpt's, unpaired.
+TEST_F(misplaced_portals, directed_walks_are_harmless_too) {
+  const DepthRuns expected = render_runs(world_with({}), bdpt, kSettings);
+  const auto judged = [&](const char* what, const World& world,
+                          const Integrator& integrator = tdpt_guided) {
+    const DepthRuns runs = render_runs(world, integrator, kSettings);
+    EXPECT_EQ(runs.not_finite, 0u);
+    const Verdict out = judge(runs, expected);
+    std::printf("%-22s least p %.1e; all depths %s\n", what, out.worst_p,
+                testing::compare(runs.of_depth[0], expected.of_depth[0]).text().c_str());
+    return out;
+  };
+  const std::vector<std::pair<const char*, std::vector<Portal>>> sets{
+      {"half beside it", {across(2.05, 0.2, 1.8, -1.6, 0)}},
+      {"by 60 degrees", {turned(60)}},
+      {"through the camera", {across(0.15, -1, 3, -2, 2)}},
+      {"both ways", {in_the_window(), reversed(in_the_window())}},
+      {"in the wall's face", {across(2.1, 0, 2, -1, 1)}},
+      {"through the lamp", {rectangle({3.1, 1.5, -0.6}, {0, 0, 1.2}, {0.2, 1, 0})}},
+      {"a millimetre", {across(2.05, 1, 1.001, 0, 0.001)}},
+      {"a fan of 48, and copies", {fan(48), in_the_window(), in_the_window()}},
+      {"crossing each other", {in_the_window(), turned(45), turned(-45)}},
+      {"one behind another",
+       {across(1.9, 0, 2, -1, 1), across(1.4, 0, 2, -1, 1), across(0.9, 0, 2, -1, 1)}}};
+  for (const auto& [what, portals] : sets) {
+    const Verdict v = judged(what, world_with(portals));
+    EXPECT_TRUE(v.holds()) << what << "\n" << v.text;
+  }
+  Integrator faulty = tdpt_guided;
+  faulty.sample = [](PathSampler& sample) {
+    tdpt_guided.sample(sample);
+    sample.portal();
+  };
+  EXPECT_FALSE(judged("twin, segments twice", world_with({in_the_window()}), faulty).holds());
+}
+
 /// The set is not const: its polygons may be spoilt.
 void scale_density(World& world, double factor) {
   for (size_t i = 0; i < world.portals.size(); ++i)
