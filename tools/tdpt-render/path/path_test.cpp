@@ -186,6 +186,56 @@ TEST(paths_guided, of_any_probability_are_the_oracles) {
   }
 }
 
+// Smooth plastic whose bent normals send what it mirrors into the surface at some z_1: a walk that
+// tries the mirror there ends, directed or not. What walks carry from there through portals:
+// directed ones against plain ones [standard errors]; `fault`: factor of the former.
+double carried_by_directed_walks(double fault) {
+  Scene scene = diffuse_rooms();
+  Material plastic;
+  plastic.plain = false;
+  plastic.specular = 1, plastic.specular_color = Rgb(12), plastic.roughness = 0;
+  scene.materials.push_back(plastic);
+  scene.smooth.assign(scene.triangles.size(), 1);
+  scene.normals.resize(scene.positions.size());
+  for (uint32_t t = 0; t < scene.triangles.size(); ++t) {
+    scene.triangles[t].material = static_cast<uint32_t>(scene.materials.size() - 1);
+    for (uint32_t v : scene.triangles[t].vertex)
+      scene.normals[v] = Vec3f(normalize(shape_of(scene, t).normal + Vec3d(0.7, 0.35, -0.35)));
+  }
+  const World world(scene, scene.camera(""), 16, 12, two_crossing_portals());
+  constexpr int kWalks = 200000;
+  double mean[2] = {}, variance = 0;
+  for (size_t directed : {0, 1}) {
+    const Guide guide(world, directed ? Guiding{{0.9, 0.9}} : Guiding{});
+    double sum = 0, squares = 0;
+    Walk walk;
+    RayCounts rays;
+    for (int i = 0; i < kWalks; ++i) {
+      Rng rng(3, directed, static_cast<uint64_t>(i));
+      const double x = 16 * rng.uniform(), y = 12 * rng.uniform();
+      walk_from_camera(world, guide, x, y, 2, Sequence(4, directed, static_cast<uint64_t>(i), 0),
+                       walk, rays);
+      if (walk.size < 3 || !(walk[2].crossing.density > 0)) continue;
+      const Vertex& z1 = walk[1];
+      const Vec3d back = between(z1, walk[0]).w;
+      const Vec3d mirrored = z1.shading * (2 * dot(z1.shading, back)) - back;
+      if (same_side(z1, mirrored, back)) continue;
+      const double carried = luminance(walk[2].throughput) * (directed ? fault : 1);
+      sum += carried;
+      squares += carried * carried;
+    }
+    mean[directed] = sum / kWalks;
+    variance += (squares / kWalks - mean[directed] * mean[directed]) / kWalks;
+  }
+  return std::abs(mean[1] - mean[0]) / std::sqrt(variance);
+}
+TEST(paths_guided, carry_no_more_where_a_mirrored_direction_lies_in_the_surface) {
+  EXPECT_LT(carried_by_directed_walks(1), 4);
+}
+TEST(path_twin, directed_walks_that_carry_twice_as_much_are_caught) {
+  EXPECT_GT(carried_by_directed_walks(2), 6);
+}
+
 TEST(path_twin, a_portal_density_off_by_5_percent_is_caught) {
   const Worst worst = compare(diffuse_rooms(), tdpt_ref, Fault::portal_density_5_percent);
   EXPECT_GT(worst.weight, 1e-3);

@@ -126,11 +126,11 @@ double layered_scatter_pdf_A(const Vertex& from, const Vertex& at, const Vertex&
 bool turn(const Vertex& v, From from, const Vec3d& back, const std::array<double, 3>& u,
           Turn& out) {
   const auto [a, b, choice] = u;
+  out.dirac = false;
   if (v.simple) {
     const bool front = dot(v.normal, back) > 0;
     out.weight = v.material->base_color;
     out.w = normalize(Onb<double>(front ? v.normal : -v.normal).to_world(cosine_hemisphere(a, b)));
-    out.dirac = false;
     return true;
   }
   const Onb<double> onb(v.shading);

@@ -19,7 +19,8 @@ struct Turn {
   bool dirac;
 };
 /// `back`: unit, where the walk came from. `u`: direction, two numbers, and the choice of a lobe.
-/// False when the walk ends here.
+/// False when the walk ends here; `out.dirac` then tells whether a Dirac lobe was tried, as bent
+/// normals may send what it reflects into the surface.
 bool turn(const Vertex& v, From from, const Vec3d& back, const std::array<double, 3>& u, Turn& out);
 /// The same with the direction given: `out` is by a lobe that is not Dirac.
 bool turn_towards(const Vertex& v, From from, const Vec3d& back, const Vec3d& w, Turn& out);

@@ -93,7 +93,7 @@ void Walker::scatter(int edges) {
     Turn t;
     numbers_.seek(kPerBounce * static_cast<uint32_t>(walk_.size - 1));
     const bool goes_on = turn(v, from_, to_previous, numbers_.uniforms<3>(), t);
-    const bool tried_dirac = goes_on && t.dirac;
+    const bool tried_dirac = t.dirac;
     Vec3d towards;
     int triangle = -1;
     bool aims = false;
