@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <limits>
+#include <set>
 
 #include <gtest/gtest.h>
 
@@ -171,6 +172,17 @@ TEST(candidates, begin_with_what_the_portals_promise) {
   EXPECT_TRUE(all_useless({portal}));
   EXPECT_EQ(names(scene, {portal}), (Names{"bdpt", "tdpt-guided 0.5 0.4 1", "nee", "tdpt-org",
                                            "tdpt-guided 0.7 0.5 1", "tdpt-guided 0.5 0.2 0.25"}));
+}
+
+// Bright samples that two of them shared would be taken for the picture, and their error for less.
+TEST(candidates, share_no_samples) {
+  const Scene scene = read_gltf(two_rooms_path());
+  const std::vector<Portal> portals{portal_in_the_hole()};
+  const World world(scene, scene.camera(""), 8, 6, portals);
+  std::set<uint64_t> streams;
+  const auto candidates = auto_candidates(world, portals, all_guided());
+  for (const Candidate& c : candidates) streams.insert(c.integrator->stream);
+  EXPECT_EQ(streams.size(), candidates.size());
 }
 
 // They would converge to another picture.
