@@ -5,9 +5,10 @@
 // every pixel) with each of the candidates i that are left, and adds one picture to what is kept:
 //   P_r = sum_i w_i S_i(r),   sum_i w_i = 1,   w_i ~ 1 / v_i,
 // S_i(r) the mean of candidate i's two passes, v_i the relMSE of one of its samples as the rounds
-// *before* r measured it; in the first round all of the weight is the first candidate's. After a
-// round the hopeless candidates leave. After the last one the candidate of the least v_i x work is
-// chosen and renders M, and the picture is
+// *before* r measured it. After a round the hopeless candidates leave. As long as fewer than
+// kLeastSamples were taken of each, all of the weight is the first candidate's and none leaves.
+// After the last round the candidate of the least v_i x work is chosen and renders M, and the
+// picture is
 //   (1 - a) M + a (P_1 + ... + P_R) / R.
 //
 // Why no samples have to be thrown away: an integrator chosen because its samples look calm has,

@@ -225,8 +225,10 @@ size_t Loop::choose(const std::vector<Candidate>& candidates) {
     const std::vector<double> relmse = probing.errors.relmse();
     for (size_t i = 0; i < n; ++i) probing.records[i].relmse = relmse[i];
     best = best_of(probing.records);
-    probing.out = hopeless(probing.records, probing.out);
-    probing.weights = pilot_weights(relmse, probing.out);
+    if (2 * static_cast<double>(round * pixels_) >= kLeastSamples) {
+      probing.out = hopeless(probing.records, probing.out);
+      probing.weights = pilot_weights(relmse, probing.out);
+    }
     if (round == 1) result_.pilot = probing.records;
   }
   // Of a round that was not finished nothing is known but its samples.

@@ -128,7 +128,7 @@ std::string choice_sentence(const RenderResult& result, const std::vector<Portal
   if (others.empty()) return chose;
   const std::string measured = best.relmse > 0
                                    ? "error x work is " + fmt::format("{}", fmt::join(others, ", "))
-                                   : "no candidate met any light";
+                                   : "its samples showed no error";
   return chose + fmt::format(": {} in a pilot of {} samples per pixel", measured, spp);
 }
 
