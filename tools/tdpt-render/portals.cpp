@@ -1,5 +1,6 @@
 #include "tools/tdpt-render/portals.h"
 
+#include <algorithm>
 #include <numbers>
 
 namespace tdpt {
@@ -207,7 +208,8 @@ PortalSet::Crossing PortalSet::crossing(const Vec3d& from, const Vec3d& to,
   for (const Facet& f : facets_) {
     const double before = dot(f.normal, from - f.p0);
     const double slope = dot(f.normal, d);
-    const bool begins = before<-kMargin, ends = before + slope> kMargin;
+    const bool begins = before < -kMargin;
+    const bool ends = before + slope > kMargin;
     if (!(slope > 0) || !(begins || ends)) continue;
     const double t = -before / slope;
     const int n = crossed(f, from + d * t, drawn);

@@ -92,7 +92,7 @@ class PortalSet {
   /// drawn through a pair and is stopped between them is of no use.
   bool spans(const Drawn& drawn, const Vec3d& x_l, const Vec3d& x_c) const;
 
-  /// Geometry of one triangle, for tests.
+  /// One triangle.
   struct Polygon {
     /// Whether a point of its plane lies in it and `inside` (barycentric) off its borders.
     bool holds(const Vec3d& at, double inside) const {

@@ -54,8 +54,9 @@ inline std::vector<std::vector<double>> render_by_depth(const World& world,
       pictures[static_cast<size_t>(k)][static_cast<size_t>(y * width + x)] +=
           weighted / static_cast<double>(spp);
   };
-  PathSampler sampler(world, {integrator.techniques, max_depth, 1, seed, integrator.stream, integrator.guiding}, film,
-                      tally, &observer);
+  PathSampler sampler(
+      world, {integrator.techniques, max_depth, 1, seed, integrator.stream, integrator.guiding},
+      film, tally, &observer);
   for (py = 0; py < height; ++py)
     for (px = 0; px < width; ++px)
       for (uint64_t s = 0; s < spp; ++s) {
