@@ -46,7 +46,7 @@ std::vector<Candidate> auto_candidates(const World& world, const std::vector<Por
                                        const std::vector<const Integrator*>& guided) {
   std::vector<const Integrator*> order;
   if (world.portals.empty())
-    order = {&bdpt, &nee, &pt};
+    order = {&tdpt_guided, &nee, &bdpt, &pt};  // the first: bdpt with next events favoured
   else if (all_useless(portals))
     order = {&bdpt, guided[0], &nee, &tdpt_org};
   else
