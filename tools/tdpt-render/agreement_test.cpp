@@ -53,6 +53,12 @@ TEST(agreement, glowing_ceiling) {
   expect_agreement(box.world(), kAll, GlowingCeiling::kSettings);
 }
 
+// Portal segments in a quarter of the samples stand for all, as those auto tries may.
+TEST(agreement, glowing_ceiling_with_segments_in_some_samples) {
+  const GlowingCeiling box;
+  expect_agreement(box.world(), {&tdpt_guided_less, &tdpt_guided_more}, GlowingCeiling::kSettings);
+}
+
 TEST(agreement, wide_window) {
   const Scene scene = read_gltf(TDPT_TESTDATA "/scenes/window.glb");
   expect_agreement(World(scene, scene.camera(""), kWidth, kHeight,
@@ -193,6 +199,15 @@ TEST_F(agreement_twin, a_technique_that_is_run_twice) {
   expect_caught("light twice", as_org(run<20, 20, 40, 20, 20>));
   expect_caught("bi twice", as_org(run<20, 20, 20, 40, 20>));
   expect_caught("portal twice", as_org(run<20, 20, 20, 20, 40>));
+}
+
+TEST_F(agreement_twin, segments_in_more_samples_than_they_are_weighed_for) {
+  Integrator faulty = tdpt_guided_less;
+  faulty.sample = [](PathSampler& sample) {
+    tdpt_guided_less.sample(sample);
+    sample.portal();
+  };
+  expect_caught("segments twice, in a quarter", faulty);
 }
 
 TEST_F(agreement_twin, a_technique_off_by_5_percent) {

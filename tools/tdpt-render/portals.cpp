@@ -92,12 +92,16 @@ void PortalSet::make_pairs() {
   for (Polygon& q : polygons_) q.density *= 1 - kShare;
 }
 
-Vec3d PortalSet::point_on(const Facet& f, double pick, double u, double v, int& triangle) const {
-  triangle = static_cast<int>(f.first + f.table.sample(pick));
+Vec3d PortalSet::point_in(int triangle, double u, double v) const {
   const Polygon& q = polygon(triangle);
   double b1, b2;
   uniform_triangle(u, v, b1, b2);
   return q.p0 + q.e1 * b1 + q.e2 * b2;
+}
+
+Vec3d PortalSet::point_on(const Facet& f, double pick, double u, double v, int& triangle) const {
+  triangle = static_cast<int>(f.first + f.table.sample(pick));
+  return point_in(triangle, u, v);
 }
 
 double PortalSet::weight(const Facet& f, const Vec3d& v) const {
@@ -242,12 +246,9 @@ PortalSet::Sample PortalSet::sample(const std::array<double, 7>& numbers) const 
     return sample;
   }
   const int i = static_cast<int>(table_.sample(pick));
-  const Polygon& q = polygon(i);
-  double b1, b2;
-  uniform_triangle(u, v, b1, b2);
   sample.drawn.polygon = i;
-  sample.position = q.p0 + q.e1 * b1 + q.e2 * b2;
-  sample.direction = normalize(Onb<double>(q.normal).to_world(cosine_hemisphere(s, t)));
+  sample.position = point_in(i, u, v);
+  sample.direction = normalize(Onb<double>(polygon(i).normal).to_world(cosine_hemisphere(s, t)));
   return sample;
 }
 

@@ -126,6 +126,7 @@ class PortalSet {
   void make_pairs();
   /// The pairs' part of D.
   double pair_density(const Vec3d& from, const Vec3d& d, const Drawn& drawn) const;
+  Vec3d point_in(int triangle, double u, double v) const;
   Vec3d point_on(const Facet& f, double pick, double u, double v, int& triangle) const;
   /// How many triangles of the facet are crossed at `at`.
   int crossed(const Facet& f, const Vec3d& at, const Drawn& drawn) const;
