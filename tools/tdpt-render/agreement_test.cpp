@@ -56,7 +56,7 @@ TEST(agreement, glowing_ceiling) {
 // Portal segments in a quarter of the samples stand for all, as those auto tries may.
 TEST(agreement, glowing_ceiling_with_segments_in_some_samples) {
   const GlowingCeiling box;
-  expect_agreement(box.world(), {&tdpt_guided_less, &tdpt_guided_more}, GlowingCeiling::kSettings);
+  expect_agreement(box.world(), {&kGuided[2], &kGuided[1]}, GlowingCeiling::kSettings);
 }
 
 TEST(agreement, wide_window) {
@@ -140,10 +140,10 @@ TEST(agreement, a_smaller_depth_leaves_out_the_longer_paths_and_nothing_else) {
 
 class agreement_twin : public ::testing::Test {
  protected:
-  void expect_caught(const char* what, const Integrator& faulty) {
+  void expect_caught(const char* what, const Variant& faulty) {
     expect_caught(what, faulty, world_);
   }
-  void expect_caught(const char* what, const Integrator& faulty, const World& world) {
+  void expect_caught(const char* what, const Variant& faulty, const World& world) {
     const DepthRuns runs = render_runs(world, faulty, GlowingCeiling::kSettings);
     const Verdict verdict = judge(runs, reference_);
     std::printf("%-26s depths caught %d, least p %.1e; all depths %s\n", what,
@@ -172,11 +172,11 @@ void run(PathSampler& sample) {
   for (int i = 0; i < times(Portal); ++i) sample.portal();
 }
 
-Integrator as_org(void (*sample)(PathSampler&)) {
-  return {"faulty", 9, tdpt_org.techniques, sample};
+Variant as_org(void (*run)(PathSampler&)) {
+  return {tdpt_org.mixture.techniques, run};
 }
-Integrator as_ref(void (*sample)(PathSampler&)) {
-  return {"faulty", 9, tdpt_ref.techniques, sample};
+Variant as_ref(void (*run)(PathSampler&)) {
+  return {tdpt_ref.mixture.techniques, run};
 }
 
 TEST_F(agreement_twin, control_nothing_is_wrong) {
@@ -202,12 +202,7 @@ TEST_F(agreement_twin, a_technique_that_is_run_twice) {
 }
 
 TEST_F(agreement_twin, segments_in_more_samples_than_they_are_weighed_for) {
-  Integrator faulty = tdpt_guided_less;
-  faulty.sample = [](PathSampler& sample) {
-    tdpt_guided_less.sample(sample);
-    sample.portal();
-  };
-  expect_caught("segments twice, in a quarter", faulty);
+  expect_caught("segments twice, in a quarter", {kGuided[2], run_twice<Technique::portal>});
 }
 
 TEST_F(agreement_twin, a_technique_off_by_5_percent) {

@@ -23,9 +23,7 @@ struct Room {
         world(scene, scene.camera(""), width, height, portals) {
     probe(world, portals);
   }
-  std::vector<Candidate> candidates() const {
-    return auto_candidates(world, portals, all_guided());
-  }
+  std::vector<Candidate> candidates() const { return auto_candidates(world, portals); }
 };
 
 Room two_rooms(int width = 40, int height = 30) {
@@ -77,7 +75,7 @@ TEST(auto_choice, is_a_portal_integrator_for_a_small_hole_and_none_for_a_wide_wi
     for (uint64_t seed : {1, 2}) {
       const RenderResult r = render(room.world, room.candidates(), of(64, seed));
       ASSERT_EQ(r.pilot.size(), 4u);
-      EXPECT_EQ(room.candidates()[r.chosen].integrator->techniques.has(Technique::portal), hole)
+      EXPECT_EQ(room.candidates()[r.chosen].integrator.mixture.has(Technique::portal), hole)
           << r.chosen_label << " for " << (hole ? "the hole" : "the window");
     }
   }
@@ -122,7 +120,7 @@ TEST(auto_choice, renders_the_rest_as_the_chosen_one_does_alone) {
   for (const PilotRecord& record : r.pilot) left -= record.spp;
   EXPECT_LE(left, 50u);
   EXPECT_EQ(r.picture.pixels,
-            render(room.world, *room.candidates()[r.chosen].integrator, of(left)).picture.pixels);
+            render(room.world, room.candidates()[r.chosen].integrator, of(left)).picture.pixels);
 }
 
 TEST(auto_choice, without_a_pilot_is_the_first_candidate) {
@@ -278,7 +276,7 @@ testing::BlockRuns weighed_by_themselves(const World& world, const std::vector<C
         std::vector<double> mean(picture.size());
         for (uint64_t half = 0; half < 2; ++half) {
           const uint64_t seed = 1 + (s * kRounds + round) * 2 + half;
-          const Picture p = render(world, *all[i].integrator, of(1, seed)).picture;
+          const Picture p = render(world, all[i].integrator, of(1, seed)).picture;
           for (size_t k = 0; k < mean.size(); ++k) {
             passes[half].emplace_back(p.pixels[k]);
             mean[k] += 0.5 * luminance(p.pixels[k]);

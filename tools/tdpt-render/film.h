@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "libcommon/formats/picture.h"
-#include "tools/tdpt-render/path/techniques.h"
+#include "tools/tdpt-render/path/mixture.h"
 
 namespace tdpt {
 

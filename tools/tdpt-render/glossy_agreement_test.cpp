@@ -109,17 +109,16 @@ TEST(glossy_agreement_twin, faults_are_caught_on_glossy_surfaces_too) {
   const Scene scene = scene_of({.plastic_floor = true, .metal_walls = true});
   const World world = world_of(scene);
   const DepthRuns reference = render_runs(world, bdpt, kSettings);
-  const auto caught = [&](const char* what, const World& in, const Integrator& faulty) {
+  const auto caught = [&](const char* what, const World& in, const Variant& faulty) {
     const Verdict verdict = judge(render_runs(in, faulty, kSettings), reference);
     std::printf("%-20s depths caught %d, least p %.1e\n", what, verdict.disagreements,
                 verdict.worst_p);
     EXPECT_FALSE(verdict.holds()) << what;
   };
-  caught("bi missing", world, {"faulty", 9, tdpt_org.techniques, tdpt_ref.sample});
-  caught("light twice", world, {"faulty", 9, bdpt.techniques, [](PathSampler& sample) {
-                                  bdpt.sample(sample);
-                                  sample.light();
-                                }});
+  caught("bi missing", world,
+         {tdpt_org.mixture.techniques,
+          run_only<Technique::camera, Technique::direct, Technique::light, Technique::portal>});
+  caught("light twice", world, {bdpt.mixture.techniques, run_twice<Technique::light>});
   World spoilt(scene, scene.camera(""), 32, 24, {kWindow});
   for (int i = 0; i < 2; ++i)  // the set is not const: its polygons may be spoilt
     const_cast<PortalSet::Polygon&>(spoilt.portals.polygon(i)).density *= 1.05;

@@ -3,6 +3,7 @@
 
 #include "tools/tdpt-render/render.h"
 #include "tools/tdpt-render/test_rooms.h"
+#include "tools/tdpt-render/test_variant.h"
 
 namespace tdpt {
 namespace {
@@ -43,7 +44,7 @@ TEST(layers, add_up_to_the_picture_for_every_integrator) {
     const RenderResult r = render_rooms(*integrator, true);
     size_t techniques = 0;
     for (size_t i = 0; i < kTechniques; ++i) {
-      const bool there = integrator->techniques.has(static_cast<Technique>(i));
+      const bool there = integrator->mixture.has(static_cast<Technique>(i));
       techniques += there;
       EXPECT_EQ(r.layers.count(kTechniqueNames[i]), there ? 1u : 0u) << integrator->name;
     }

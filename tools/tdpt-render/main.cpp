@@ -115,27 +115,27 @@ int run(const Arguments& a, const cli::Common& common) {
   const bool choose = a.integrator == "auto" || (a.integrator == "default" && !portals.empty());
   Integrator named = choose || a.integrator == "default" ? bdpt : integrator_named(a.integrator);
   Integrator guided = tdpt_guided;
-  std::vector<const Integrator*> to_try = all_guided();
+  std::vector<Integrator> to_try(kGuided.begin(), kGuided.end());
   if (a.guide_light >= 0 || a.guide_camera >= 0 || a.segments >= 0) {
-    if (!choose && named.guiding == Guiding{})
+    if (!choose && named.mixture.guiding == Guiding{})
       throw UsageError(std::string("--guide-light, --guide-camera, --segments: ") + named.name +
                        " has none of them");
-    std::array<double, 2>& chance = guided.guiding.chance;
+    std::array<double, 2>& chance = guided.mixture.guiding.chance;
     if (a.guide_light >= 0) chance[0] = a.guide_light;
     if (a.guide_camera >= 0) chance[1] = a.guide_camera;
-    if (a.segments >= 0) guided.techniques = guided.techniques.with_segments(a.segments);
+    if (a.segments >= 0) guided.mixture.segments = a.segments;
     if (!choose) named = guided;
-    to_try = {&guided};
+    to_try = {guided};
   }
-  if (world.portals.empty() && named.techniques.has(Technique::portal))
+  if (world.portals.empty() && named.mixture.has(Technique::portal))
     common.warn("no portal is given, so no path is sampled through one");
-  if (choose || named.techniques.has(Technique::portal)) {
+  if (choose || named.mixture.has(Technique::portal)) {
     probe(world, portals);
     for (const std::string& promise : promises(portals)) common.note(promise);
   }
   const std::vector<Candidate> candidates = choose
                                                 ? auto_candidates(world, portals, to_try)
-                                                : std::vector<Candidate>{{&named, label_of(named)}};
+                                                : std::vector<Candidate>{{named, label_of(named)}};
   const Integrator integrator = choose ? either_of(candidates) : named;
   if (const std::string missed = light_missed(integrator, scene); !missed.empty())
     common.warn(missed);
@@ -162,7 +162,7 @@ int run(const Arguments& a, const cli::Common& common) {
                     place.x, place.y, place.sample));
   const double total = std::accumulate(result.tally.energy.begin(), result.tally.energy.end(), 0.0);
   if (!world.portals.empty() &&
-      candidates[result.chosen].integrator->techniques.has(Technique::portal) &&
+      candidates[result.chosen].integrator.mixture.has(Technique::portal) &&
       result.tally.energy[static_cast<size_t>(Technique::portal)] < 0.01 * total)
     common.note(
         "the portals brought less than 1 % of the light: do their fronts face the camera's room?");
@@ -193,7 +193,7 @@ int main(int argc, char** argv) {
                  "Portals (.glb, .gltf) from portalfit or a modelling program; may be repeated",
                  Shapes::nothing);
   std::vector<std::string> names{"auto"};
-  for (const Integrator* integrator : integrators()) names.push_back(integrator->name);
+  for (const Integrator& integrator : kIntegrators) names.push_back(integrator.name);
   options.choice("--integrator", a.integrator, names,
                  "Techniques to combine; default auto with portals, bdpt without");
   options.option("--guide-light", a.guide_light, "Q",

@@ -130,8 +130,8 @@ TEST_F(misplaced_portals, many) {
 TEST_F(misplaced_portals, directed_walks_are_harmless_too) {
   const DepthRuns expected = render_runs(world_with({}), bdpt, kSettings);
   const auto judged = [&](const char* what, const World& world,
-                          const Integrator& integrator = tdpt_guided) {
-    const DepthRuns runs = render_runs(world, integrator, kSettings);
+                          const Variant& variant = tdpt_guided) {
+    const DepthRuns runs = render_runs(world, variant, kSettings);
     EXPECT_EQ(runs.not_finite, 0u);
     const Verdict out = judge(runs, expected);
     std::printf("%-22s least p %.1e; all depths %s\n", what, out.worst_p,
@@ -154,11 +154,7 @@ TEST_F(misplaced_portals, directed_walks_are_harmless_too) {
     const Verdict v = judged(what, world_with(portals));
     EXPECT_TRUE(v.holds()) << what << "\n" << v.text;
   }
-  Integrator faulty = tdpt_guided;
-  faulty.sample = [](PathSampler& sample) {
-    tdpt_guided.sample(sample);
-    sample.portal();
-  };
+  const Variant faulty{tdpt_guided, run_twice<Technique::portal>};
   EXPECT_FALSE(judged("twin, segments twice", world_with({in_the_window()}), faulty).holds());
 }
 

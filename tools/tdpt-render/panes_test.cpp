@@ -4,6 +4,7 @@
 
 #include "tools/tdpt-render/render.h"
 #include "tools/tdpt-render/test_rooms.h"
+#include "tools/tdpt-render/test_variant.h"
 
 namespace tdpt {
 namespace {

@@ -43,27 +43,27 @@ bool all_useless(const std::vector<Portal>& portals) {
 }
 
 std::vector<Candidate> auto_candidates(const World& world, const std::vector<Portal>& portals,
-                                       const std::vector<const Integrator*>& guided) {
-  std::vector<const Integrator*> order;
+                                       std::span<const Integrator> guided) {
+  std::vector<Integrator> order;
   if (world.portals.empty())
-    order = {&tdpt_guided, &nee, &bdpt, &pt};  // the first: bdpt with next events favoured
+    order = {tdpt_guided, nee, bdpt, pt};  // the first: bdpt with next events favoured
   else if (all_useless(portals))
-    order = {&bdpt, guided[0], &nee, &tdpt_org};
+    order = {bdpt, guided[0], nee, tdpt_org};
   else
-    order = {guided[0], &bdpt, &nee, &tdpt_org};
+    order = {guided[0], bdpt, nee, tdpt_org};
   if (!world.portals.empty()) order.insert(order.end(), guided.begin() + 1, guided.end());
   std::vector<Candidate> candidates;
-  for (const Integrator* integrator : order)
-    if (light_missed(*integrator, world.scene).empty())
-      candidates.push_back({integrator, label_of(*integrator)});
+  for (const Integrator& integrator : order)
+    if (light_missed(integrator, world.scene).empty())
+      candidates.push_back({integrator, label_of(integrator)});
   return candidates;
 }
 
 Integrator either_of(const std::vector<Candidate>& candidates) {
-  Integrator any = *candidates.front().integrator;
+  Integrator any = candidates.front().integrator;
   any.name = "auto";
-  any.sample = nullptr;
-  for (const Candidate& c : candidates) any.techniques = any.techniques | c.integrator->techniques;
+  TechniqueSet& all = any.mixture.techniques;
+  for (const Candidate& c : candidates) all = all | c.integrator.mixture.techniques;
   return any;
 }
 

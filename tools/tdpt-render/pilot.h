@@ -34,17 +34,19 @@
 // one sample out of as many as were taken: (passes x pixels) x excess^2. This is asked of the
 // picture as a whole and of 4 x 4 parts of it; the larger answer counts.
 #pragma once
+#include <span>
 #include <string>
 #include <vector>
 
 #include "libcommon/formats/portal.h"
 #include "tools/tdpt-render/integrators/integrator.h"
+#include "tools/tdpt-render/path/path_sampler.h"
 
 namespace tdpt {
 
 /// One of those that `auto` chooses among.
 struct Candidate {
-  const Integrator* integrator;
+  Integrator integrator;
   std::string label;  ///< names it in notes and statistics; several may share an integrator's name
 };
 
@@ -53,7 +55,7 @@ struct Candidate {
 /// when no portal promises a gain. Portals must have been probed [portal_probe.h].
 /// `guided`: those of tdpt-guided that are to be tried, the likeliest first.
 std::vector<Candidate> auto_candidates(const World& world, const std::vector<Portal>& portals,
-                                       const std::vector<const Integrator*>& guided);
+                                       std::span<const Integrator> guided = kGuided);
 
 /// `auto` by name, with all techniques of the candidates; it cannot be run.
 Integrator either_of(const std::vector<Candidate>& candidates);

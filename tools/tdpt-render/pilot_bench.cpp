@@ -34,7 +34,7 @@ int main(int argc, char** argv) {
       for (const Portal& p : read_portals(files[i]).portals) portals.push_back(p);
     const World world(scene, scene.camera(""), width, height, portals);
     probe(world, portals);
-    const std::vector<Candidate> candidates = auto_candidates(world, portals, all_guided());
+    const std::vector<Candidate> candidates = auto_candidates(world, portals);
     for (int seed = 1; seed <= seeds; ++seed) {
       RenderSettings settings;
       settings.seed = static_cast<uint64_t>(seed);

@@ -155,7 +155,7 @@ TEST(work, knows_what_directed_walks_cost) {
 std::vector<std::string> names(const Scene& scene, const std::vector<Portal>& portals) {
   const World world(scene, scene.camera(""), 8, 6, portals);
   std::vector<std::string> all;
-  for (const Candidate& c : auto_candidates(world, portals, all_guided())) all.push_back(c.label);
+  for (const Candidate& c : auto_candidates(world, portals)) all.push_back(c.label);
   return all;
 }
 
@@ -180,8 +180,8 @@ TEST(candidates, share_no_samples) {
   const std::vector<Portal> portals{portal_in_the_hole()};
   const World world(scene, scene.camera(""), 8, 6, portals);
   std::set<uint64_t> streams;
-  const auto candidates = auto_candidates(world, portals, all_guided());
-  for (const Candidate& c : candidates) streams.insert(c.integrator->stream);
+  const auto candidates = auto_candidates(world, portals);
+  for (const Candidate& c : candidates) streams.insert(c.integrator.stream);
   EXPECT_EQ(streams.size(), candidates.size());
 }
 

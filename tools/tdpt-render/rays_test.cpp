@@ -27,8 +27,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "tools/tdpt-render/integrators/integrator.h"
 #include "tools/tdpt-render/test_rooms.h"
+#include "tools/tdpt-render/test_variant.h"
 
 namespace tdpt {
 namespace {
@@ -85,7 +85,7 @@ struct Census {
   uint64_t beyond = 0;  ///< samples that have more than expected of some kind
 };
 
-Census count(const Integrator& integrator, int k, const RayCounts& expected, bool glowing = true) {
+Census count(const Variant& variant, int k, const RayCounts& expected, bool glowing = true) {
   const Scene scene = ball(glowing);
   const World world(scene, scene.camera(""), 16, 16,
                     {rectangle({0, -0.2, -0.2}, {0, 0, 0.4}, {0, 0.4, 0})});
@@ -93,12 +93,8 @@ Census count(const Integrator& integrator, int k, const RayCounts& expected, boo
   Census census;
   for (int i = 0; i < 512; ++i) {
     Tally tally;
-    PathSampler sampler(world,
-                        {integrator.techniques, k, 1, 3, integrator.stream, integrator.guiding},
-                        film, tally);
-    sampler.begin(i % 16, i / 16 % 16, static_cast<uint64_t>(i));
-    integrator.sample(sampler);
-    sampler.end();
+    PathSampler sampler(world, variant.settings(k, 3), film, tally);
+    variant.sample(sampler, i % 16, i / 16 % 16, static_cast<uint64_t>(i));
     const RayCounts& r = tally.rays;
     census.most.closest = std::max(census.most.closest, r.closest);
     census.most.shadow = std::max(census.most.shadow, r.shadow);
@@ -129,9 +125,10 @@ RayCounts table_1(TechniqueSet set, int depth) {
 
 TEST(rays, are_those_of_table_1) {
   for (int k = 3; k <= 8; ++k) {
-    EXPECT_EQ(table_1(tdpt_ref.techniques, k).portal, 5u * static_cast<uint64_t>(k) - 7 + 1);
+    EXPECT_EQ(table_1(tdpt_ref.mixture.techniques, k).portal,
+              5u * static_cast<uint64_t>(k) - 7 + 1);
     for (const Integrator* integrator : integrators()) {
-      const RayCounts expected = table_1(integrator->techniques, k);
+      const RayCounts expected = table_1(integrator->mixture.techniques, k);
       const Census census = count(*integrator, k, expected);
       EXPECT_EQ(census.most.closest, expected.closest) << integrator->name << " " << k;
       EXPECT_EQ(census.most.shadow, expected.shadow) << integrator->name << " " << k;
@@ -152,9 +149,9 @@ uint64_t lamp_edges(TechniqueSet set, int depth) {
 TEST(rays, of_directed_walks_are_tested_on_a_lamps_edges_too) {
   for (int k = 3; k <= 8; ++k)
     for (const Integrator* integrator : {&nee, &bdpt, &tdpt_org, &tdpt_ref, &tdpt_guided}) {
-      RayCounts expected = table_1(integrator->techniques, k);
-      if (integrator->guiding == Guiding{})
-        expected.portal -= lamp_edges(integrator->techniques, k);
+      RayCounts expected = table_1(integrator->mixture.techniques, k);
+      if (integrator->mixture.guiding == Guiding{})
+        expected.portal -= lamp_edges(integrator->mixture.techniques, k);
       const Census census = count(*integrator, k, expected, false);
       EXPECT_EQ(census.most.closest, expected.closest) << integrator->name << " " << k;
       EXPECT_EQ(census.most.shadow, expected.shadow) << integrator->name << " " << k;
@@ -165,31 +162,23 @@ TEST(rays, of_directed_walks_are_tested_on_a_lamps_edges_too) {
 }
 
 TEST(rays, twin_a_directed_walk_beside_the_count_of_one_that_is_not) {
-  const RayCounts expected = table_1(tdpt_org.techniques, 5);
+  const RayCounts expected = table_1(tdpt_org.mixture.techniques, 5);
   const RayCounts fewer{expected.closest, expected.shadow,
-                        expected.portal - lamp_edges(tdpt_org.techniques, 5)};
+                        expected.portal - lamp_edges(tdpt_org.mixture.techniques, 5)};
   EXPECT_GT(count(tdpt_guided, 5, fewer, false).beyond, 400u);
 }
 
 TEST(rays, twin_one_connection_more_or_one_technique_less_is_caught) {
-  const RayCounts expected = table_1(tdpt_ref.techniques, 5);
-  const Integrator more{"more", 9, tdpt_ref.techniques, [](PathSampler& sample) {
-                          tdpt_ref.sample(sample);
-                          sample.direct();
-                        }};
+  const RayCounts expected = table_1(tdpt_ref.mixture.techniques, 5);
+  const Variant more{tdpt_ref.mixture.techniques, run_twice<Technique::direct>};
   EXPECT_GT(count(more, 5, expected).beyond, 400u);
-  const Integrator less{"less", 9, tdpt_ref.techniques, [](PathSampler& sample) {
-                          sample.walk_from_camera();
-                          sample.walk_from_light();
-                          sample.camera();
-                          sample.direct();
-                          sample.portal();
-                        }};
+  const Variant less{tdpt_ref.mixture.techniques,
+                     run_only<Technique::camera, Technique::direct, Technique::portal>};
   EXPECT_EQ(count(less, 5, expected).complete, 0);
 }
 
 TEST(rays, twin_a_walk_of_one_edge_more_is_caught) {
-  EXPECT_GT(count(tdpt_ref, 6, table_1(tdpt_ref.techniques, 5)).beyond, 500u);
+  EXPECT_GT(count(tdpt_ref, 6, table_1(tdpt_ref.mixture.techniques, 5)).beyond, 500u);
 }
 
 }  // namespace

@@ -109,18 +109,14 @@ void Loop::pass(const Integrator& integrator, uint64_t round, uint64_t first, ui
                 Film& film, std::vector<Tally>& rows) {
   // No integrator has a stream as large.
   constexpr uint64_t kStreams = 1024;
-  const SampleSettings sample_settings{integrator.techniques,
-                                       settings_.max_depth,
-                                       settings_.beta,
-                                       settings_.seed,
-                                       integrator.stream + kStreams * round,
-                                       integrator.guiding};
+  const SampleSettings sample_settings{integrator.mixture, settings_.max_depth, settings_.beta,
+                                       settings_.seed, integrator.stream + kStreams * round};
   tbb::parallel_for(0, height_, [&](int y) {
     PathSampler sampler(world_, sample_settings, film, rows[static_cast<size_t>(y)]);
     for (int x = 0; x < width_; ++x) {
       for (uint64_t s = first; s < first + n; ++s) {
         sampler.begin(x, y, s);
-        integrator.sample(sampler);
+        sampler.run();
         sampler.end();
       }
     }
@@ -164,7 +160,7 @@ bool Loop::round_of(Probing& probing, size_t i, uint64_t round) {
   for (uint64_t half = 0; half < 2; ++half) {
     std::vector<Tally> rows(static_cast<size_t>(height_));
     probing.film.clear();
-    pass(*probing.candidates[i].integrator, round, half, 1, probing.film, rows);
+    pass(probing.candidates[i].integrator, round, half, 1, probing.film, rows);
     const double weight = probing.weights[i];
     Tally tally;
     for (const Tally& row : rows) tally.merge(row);
@@ -179,7 +175,7 @@ bool Loop::round_of(Probing& probing, size_t i, uint64_t round) {
     if (stop_requested() || out_of_time()) return false;
   }
   probing.errors.add_round(i, pictures[0], pictures[1]);
-  const bool directed = probing.candidates[i].integrator->guiding != Guiding{};
+  const bool directed = probing.candidates[i].integrator.mixture.guiding != Guiding{};
   record.work = probing.model.per_sample(probing.rays[i], record.spp * pixels_, directed);
   return true;
 }
@@ -187,7 +183,7 @@ bool Loop::round_of(Probing& probing, size_t i, uint64_t round) {
 const Integrator& Loop::pilot(const std::vector<Candidate>& candidates) {
   result_.chosen = choose(candidates);
   if (candidates.size() > 1) result_.chosen_label = candidates[result_.chosen].label;
-  return *candidates[result_.chosen].integrator;
+  return candidates[result_.chosen].integrator;
 }
 
 size_t Loop::choose(const std::vector<Candidate>& candidates) {
@@ -195,7 +191,7 @@ size_t Loop::choose(const std::vector<Candidate>& candidates) {
   const bool by_clock = settings_.seconds > 0;
   auto spp = static_cast<double>(settings_.spp);
   if (by_clock) {
-    pass(*candidates[0].integrator, 0, 0, 1, film_, rows_);
+    pass(candidates[0].integrator, 0, 0, 1, film_, rows_);
     spp_ = 1;
     const double in_time = settings_.seconds / elapsed();
     spp = settings_.spp > 0 ? std::min(spp, in_time) : in_time;
@@ -299,7 +295,7 @@ RenderResult Loop::finish(const Integrator& integrator) {
     if (!result_.pilot.empty())
       result_.pilot[result_.chosen].share += s.samples * static_cast<double>(spp_);
     // What the pilot drew through portals tells nothing of a picture that it is a small part of.
-    if (!integrator.techniques.has(Technique::portal)) result_.tally.portals.clear();
+    if (!integrator.mixture.has(Technique::portal)) result_.tally.portals.clear();
   }
   result_.picture = film_.resolve(s);
   for (size_t i = 0; settings_.layers && i < kTechniques; ++i)
@@ -314,7 +310,7 @@ RenderResult render(const World& world, const std::vector<Candidate>& candidates
                     const RenderSettings& settings) {
   TechniqueSet techniques;
   for (const Candidate& candidate : candidates)
-    techniques = techniques | candidate.integrator->techniques;
+    techniques = techniques | candidate.integrator.mixture.techniques;
   Loop loop(world, settings, techniques);
   const Integrator& integrator = loop.pilot(candidates);
   loop.samples(integrator);
@@ -323,7 +319,7 @@ RenderResult render(const World& world, const std::vector<Candidate>& candidates
 
 RenderResult render(const World& world, const Integrator& integrator,
                     const RenderSettings& settings) {
-  return render(world, std::vector<Candidate>{{&integrator, integrator.name}}, settings);
+  return render(world, std::vector<Candidate>{{integrator, integrator.name}}, settings);
 }
 
 }  // namespace tdpt

@@ -51,7 +51,7 @@ nlohmann::ordered_json summary(const Integrator& integrator, const RenderSetting
   const double total = total_energy(result);
   auto& techniques = j["techniques"] = nlohmann::ordered_json::object();
   for (size_t i = 0; i < kTechniques; ++i)
-    if (integrator.techniques.has(static_cast<Technique>(i)))
+    if (integrator.mixture.has(static_cast<Technique>(i)))
       techniques[kTechniqueNames[i]] = total > 0 ? result.tally.energy[i] / total : 0.0;
   j["not_finite"] = result.tally.not_finite;
   if (!portals.empty()) j["portals"] = portals_json(portals, result);
@@ -98,7 +98,7 @@ std::vector<std::string> verbose_notes(const Scene& scene, const Integrator& int
   const double total = total_energy(result);
   std::vector<std::string> shares;
   for (size_t i = 0; i < kTechniques; ++i)
-    if (integrator.techniques.has(static_cast<Technique>(i)))
+    if (integrator.mixture.has(static_cast<Technique>(i)))
       shares.push_back(fmt::format("{} {:.1f} %", kTechniqueNames[i],
                                    total > 0 ? 100 * result.tally.energy[i] / total : 0.0));
   notes.push_back(fmt::format("techniques: {}", fmt::join(shares, ", ")));

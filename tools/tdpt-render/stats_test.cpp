@@ -7,6 +7,7 @@
 #include "libcommon/scene/gltf_materials.h"
 #include "tools/tdpt-render/report.h"
 #include "tools/tdpt-render/test_rooms.h"
+#include "tools/tdpt-render/test_variant.h"
 
 namespace tdpt {
 namespace {

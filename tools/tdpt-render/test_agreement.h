@@ -9,7 +9,7 @@
 #include <oneapi/tbb/parallel_for.h>
 
 #include "libcommon/testing/z_test.h"
-#include "tools/tdpt-render/integrators/integrator.h"
+#include "tools/tdpt-render/test_variant.h"
 
 namespace tdpt {
 
@@ -28,9 +28,9 @@ struct DepthRuns {
 };
 
 /// One picture per path length, [0] unused, luminance per pixel and sample.
-inline std::vector<std::vector<double>> render_by_depth(const World& world,
-                                                        const Integrator& integrator, int max_depth,
-                                                        uint64_t spp, uint64_t seed, Tally& tally) {
+inline std::vector<std::vector<double>> render_by_depth(const World& world, const Variant& variant,
+                                                        int max_depth, uint64_t spp, uint64_t seed,
+                                                        Tally& tally) {
   const int width = world.film.width(), height = world.film.height();
   std::vector<std::vector<double>> pictures(
       static_cast<size_t>(max_depth) + 1,
@@ -49,25 +49,19 @@ inline std::vector<std::vector<double>> render_by_depth(const World& world,
       y = static_cast<int>(raster_y);
     }
     const double weighted =
-        luminance(value) * path.weight(integrator.techniques, strategy, /*beta=*/1);
+        luminance(value) * path.weight(variant.integrator.mixture, strategy, /*beta=*/1);
     if (std::isfinite(weighted))
       pictures[static_cast<size_t>(k)][static_cast<size_t>(y * width + x)] +=
           weighted / static_cast<double>(spp);
   };
-  PathSampler sampler(
-      world, {integrator.techniques, max_depth, 1, seed, integrator.stream, integrator.guiding},
-      film, tally, &observer);
+  PathSampler sampler(world, variant.settings(max_depth, seed), film, tally, &observer);
   for (py = 0; py < height; ++py)
     for (px = 0; px < width; ++px)
-      for (uint64_t s = 0; s < spp; ++s) {
-        sampler.begin(px, py, s);
-        integrator.sample(sampler);
-        sampler.end();
-      }
+      for (uint64_t s = 0; s < spp; ++s) variant.sample(sampler, px, py, s);
   return pictures;
 }
 
-inline DepthRuns render_runs(const World& world, const Integrator& integrator,
+inline DepthRuns render_runs(const World& world, const Variant& variant,
                              const AgreementSettings& settings) {
   const int width = world.film.width(), height = world.film.height(), side = settings.block;
   const auto depths = static_cast<size_t>(settings.max_depth) + 1;
@@ -77,7 +71,7 @@ inline DepthRuns render_runs(const World& world, const Integrator& integrator,
   std::vector<Tally> tallies(settings.runs);
   tbb::parallel_for(size_t{0}, settings.runs, [&](size_t r) {
     const auto pictures =
-        render_by_depth(world, integrator, settings.max_depth, settings.spp, r + 1, tallies[r]);
+        render_by_depth(world, variant, settings.max_depth, settings.spp, r + 1, tallies[r]);
     for (size_t k = 1; k < depths; ++k)
       for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x) {

@@ -1,28 +1,63 @@
-// An integrator is a set of techniques and the order in which a sample runs them.
+// The integrators: a row of a table each. What a row says is all there is to one (path/mixture.h).
 #pragma once
+#include <array>
 #include <string>
+#include <string_view>
 #include <vector>
 
-#include "tools/tdpt-render/path/path_sampler.h"
+#include "libcommon/scene/scene.h"
+#include "tools/tdpt-render/path/mixture.h"
 
 namespace tdpt {
 
 struct Integrator {
   const char* name;
-  uint64_t stream;  ///< of random numbers: no two integrators share samples
-  TechniqueSet techniques;
-  void (*sample)(PathSampler&);
-  Guiding guiding{};  ///< how its walks are directed at the portals
+  uint64_t stream;  ///< of random numbers: no two rows share samples
+  Mixture mixture;
 };
 
-extern const Integrator pt, nee, bdpt, tdpt_org, tdpt_ref, tdpt_guided;
-/// tdpt_guided directed more often, and less often with fewer segments, for `auto` to choose among.
-extern const Integrator tdpt_guided_more, tdpt_guided_less;
-/// All three, the likeliest first.
-const std::vector<const Integrator*>& all_guided();
+inline constexpr TechniqueSet kTwoWays(Technique::camera, Technique::direct, Technique::light,
+                                       Technique::bi);
+inline constexpr TechniqueSet kThreeWays = kTwoWays | TechniqueSet(Technique::portal);
 
-/// All of them, in the order of the paper.
-const std::vector<const Integrator*>& integrators();
+/// In the order of the paper.
+inline constexpr std::array kIntegrators{
+    /// Path tracing: walk from the camera until a light is met.
+    Integrator{"pt", 1, {TechniqueSet(Technique::camera)}},
+    /// And next-event estimation at every vertex.
+    Integrator{"nee", 2, {TechniqueSet(Technique::camera, Technique::direct)}},
+    /// Bidirectional path tracing (Veach).
+    Integrator{"bdpt", 3, {kTwoWays}},
+    /// Portal segments on top: the paper's TDPT-ORG, each split once.
+    Integrator{"tdpt-org", 4, {kThreeWays}},
+    /// Portal segments in place of the bi-connections: the paper's refined TDPT, section 3.
+    Integrator{
+        "tdpt",
+        5,
+        {TechniqueSet(Technique::camera, Technique::direct, Technique::light, Technique::portal)}},
+    /// The techniques of tdpt-org with both walks directed at the portals [path/guide.h].
+    Integrator{"tdpt-guided", 6, {kThreeWays, 6, 2, 1, {{0.5, 0.4}}}}};
+
+/// tdpt-guided as `auto` tries it, the likeliest first: as it stands in the table, directed more
+/// often, and less often with fewer segments.
+inline constexpr std::array kGuided{
+    kIntegrators[5], Integrator{"tdpt-guided", 7, {kThreeWays, 6, 2, 1, {{0.7, 0.5}}}},
+    Integrator{"tdpt-guided", 8, {kThreeWays, 6, 2, 0.25, {{0.5, 0.2}}}}};
+
+/// The row of that name; null when there is none.
+constexpr const Integrator* find_integrator(std::string_view name) {
+  for (const Integrator& integrator : kIntegrators)
+    if (name == integrator.name) return &integrator;
+  return nullptr;
+}
+// Those that the code speaks of.
+inline constexpr const Integrator& pt = *find_integrator("pt");
+inline constexpr const Integrator& nee = *find_integrator("nee");
+inline constexpr const Integrator& bdpt = *find_integrator("bdpt");
+inline constexpr const Integrator& tdpt_org = *find_integrator("tdpt-org");
+inline constexpr const Integrator& tdpt_ref = *find_integrator("tdpt");
+inline constexpr const Integrator& tdpt_guided = *find_integrator("tdpt-guided");
+
 /// Throws UsageError for a name that there is not.
 const Integrator& integrator_named(const std::string& name);
 

@@ -13,16 +13,11 @@
 // leave the others plain was tried: what it gains where lamps are seen directly, a larger weight of
 // next events gains without loss elsewhere (techniques.h).
 #pragma once
+#include "tools/tdpt-render/path/mixture.h"
 #include "tools/tdpt-render/path/vertex.h"
 #include "tools/tdpt-render/path/world.h"
 
 namespace tdpt {
-
-/// How the walks of an integrator are directed: q by From, less than 1.
-struct Guiding {
-  std::array<double, 2> chance{};
-  friend bool operator==(const Guiding&, const Guiding&) = default;
-};
 
 class Guide {
  public:

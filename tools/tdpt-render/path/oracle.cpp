@@ -240,8 +240,9 @@ double guided_pdf_w(const World& world, const Guiding& guiding, From from, const
 
 }  // namespace
 
-std::vector<StrategyDensity> densities(const World& world, const Path& path, TechniqueSet set,
-                                       const Guiding& guiding, Fault fault) {
+std::vector<StrategyDensity> densities(const World& world, const Path& path, const Mixture& mixture,
+                                       Fault fault) {
+  const Guiding& guiding = mixture.guiding;
   const int k = path.k();
   std::vector<double> from_light(static_cast<size_t>(k)), from_camera(static_cast<size_t>(k));
   for (int i = 0; i < k; ++i) {
@@ -272,7 +273,7 @@ std::vector<StrategyDensity> densities(const World& world, const Path& path, Tec
 
   std::vector<StrategyDensity> result;
   const auto add = [&](Technique technique, int split) {
-    if (!set.has(technique)) return;
+    if (!mixture.has(technique)) return;
     const bool portal = technique == Technique::portal;
     // Every connection of the technique, by its first vertex, needs both ends free of Dirac lobes.
     const auto connects = [&](int i) { return !path.dirac(i) && !path.dirac(i + 1); };
@@ -286,12 +287,14 @@ std::vector<StrategyDensity> densities(const World& world, const Path& path, Tec
       log_p += std::log(from_camera[static_cast<size_t>(i)]);
     if (portal) {
       double p = segment_pdf(world, path.vertex(split), path.vertex(split + 1));
-      p *= set.segments();
+      p *= mixture.segments;
       if (fault == Fault::portal_density_5_percent) p *= 1.05;
       log_p += std::log(p);
     }
-    const double favour = technique == Technique::direct ? set.favour(technique, k) : 1;
-    result.push_back({{technique, split}, log_p, favour});
+    const double sample_weight = technique != Technique::direct ? 1
+                                 : k == 2                       ? mixture.first_direct
+                                                                : mixture.later_direct;
+    result.push_back({{technique, split}, log_p, sample_weight});
   };
   add(Technique::camera, 0);
   if (k >= 2) {
@@ -308,9 +311,9 @@ double weight(const std::vector<StrategyDensity>& densities, Strategy used) {
   for (const StrategyDensity& d : densities) {
     largest = std::max(largest, d.log_p);
     if (d.strategy.technique == used.technique && d.strategy.split == used.split)
-      mine = d.log_p + std::log(d.favour);
+      mine = d.log_p + std::log(d.sample_weight);
   }
-  for (const StrategyDensity& d : densities) total += d.favour * std::exp(d.log_p - largest);
+  for (const StrategyDensity& d : densities) total += d.sample_weight * std::exp(d.log_p - largest);
   return std::exp(mine - largest) / total;
 }
 

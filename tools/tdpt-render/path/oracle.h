@@ -9,8 +9,8 @@ namespace tdpt::oracle {
 
 struct StrategyDensity {
   Strategy strategy;
-  double log_p;   ///< natural logarithm of the density per canonical area^(k+1); -inf: impossible
-  double favour;  ///< by which the set multiplies it in the weights
+  double log_p;  ///< natural logarithm of the density per canonical area^(k+1); -inf: impossible
+  double sample_weight;  ///< by which the mixture multiplies it in the weights
 };
 
 /// A planted fault, for the tests that must fail.
@@ -22,9 +22,9 @@ enum class Fault {
   aim_5_percent,  ///< density of the directions towards portals
 };
 
-/// All strategies of `set` that can make the path, of walks that are directed by `guiding`.
-std::vector<StrategyDensity> densities(const World& world, const Path& path, TechniqueSet set,
-                                       const Guiding& guiding = {}, Fault fault = Fault::none);
+/// All strategies of `mixture` that can make the path.
+std::vector<StrategyDensity> densities(const World& world, const Path& path, const Mixture& mixture,
+                                       Fault fault = Fault::none);
 
 /// Balance-heuristic weight of `used` [eq. 6].
 double weight(const std::vector<StrategyDensity>& densities, Strategy used);

@@ -112,24 +112,25 @@ double Path::camera_pdf_A(const World& world, int i) const {
 }
 
 template <class Add>
-void Path::for_each_strategy(TechniqueSet set, const Add& add) const {
+void Path::for_each_strategy(const Mixture& mixture, const Add& add) const {
   for (int s = 0; s <= k_; ++s) {
     const Technique technique = s == 0    ? Technique::camera
                                 : s == 1  ? Technique::direct
                                 : s == k_ ? Technique::light
                                           : Technique::bi;
     const bool joins = !(s > 0 && (dirac(s - 1) || dirac(s)));
-    if (set.has(technique) && joins) add(Strategy{technique, s}, s, set.favour(technique, k_));
-    if (s <= k_ - 2 && crossing_[u(s)].density > 0 && set.has(Technique::portal) && joins &&
+    if (mixture.has(technique) && joins)
+      add(Strategy{technique, s}, s, mixture.sample_weight(technique, k_));
+    if (s <= k_ - 2 && crossing_[u(s)].density > 0 && mixture.has(Technique::portal) && joins &&
         !dirac(s) && !dirac(s + 1) && !dirac(s + 2)) {
       const double g = geometry(x(s), x(s + 1), between(x(s), x(s + 1)));
       add(Strategy{Technique::portal, s}, s + 2,
-          set.segments() * crossing_[u(s)].density * (g / common(s)) / common(s + 1));
+          mixture.segments * crossing_[u(s)].density * (g / common(s)) / common(s + 1));
     }
   }
 }
 
-double Path::weight(TechniqueSet set, Strategy used, double beta) const {
+double Path::weight(const Mixture& mixture, Strategy used, double beta) const {
   if (k_ < 2) return 1;  // a light seen directly: only the camera technique makes it
   std::array<double, kMaxDepth + 2> light_part;   // [s] = prod_{i<s} P>(x_i)/q_i
   std::array<double, kMaxDepth + 2> camera_part;  // [s] = prod_{i>=s} P<(x_i)/q_i
@@ -143,18 +144,18 @@ double Path::weight(TechniqueSet set, Strategy used, double beta) const {
   for (int i = k_ - 1; i >= 0; --i)
     camera_part[u(i)] = camera_part[u(i + 1)] * (from_camera_A_[u(i)] * per_common[u(i)]);
   double total = 0, mine = 0;
-  for_each_strategy(set, [&](Strategy strategy, int rest, double extra) {
+  for_each_strategy(mixture, [&](Strategy strategy, int rest, double extra) {
     double p = light_part[u(strategy.split)] * extra * camera_part[u(rest)];
     if (beta != 1) p = std::pow(p, beta);
     total += p;
     if (strategy == used) mine = p;
   });
   constexpr double kTiny = 1e-250;
-  return total > kTiny ? mine / total : weight_by_logarithms(set, used, beta);
+  return total > kTiny ? mine / total : weight_by_logarithms(mixture, used, beta);
 }
 
 // Long paths whose edges are short and long by turns make every product tiny at once.
-double Path::weight_by_logarithms(TechniqueSet set, Strategy used, double beta) const {
+double Path::weight_by_logarithms(const Mixture& mixture, Strategy used, double beta) const {
   std::array<double, kMaxDepth + 2> light_part, camera_part;
   camera_part[u(k_)] = light_part[0] = 0;
   for (int i = 0; i < k_; ++i)
@@ -166,14 +167,14 @@ double Path::weight_by_logarithms(TechniqueSet set, Strategy used, double beta) 
     return light_part[u(strategy.split)] + std::log(extra) + camera_part[u(rest)];
   };
   double largest = kNone, mine = kNone;
-  for_each_strategy(set, [&](Strategy strategy, int rest, double extra) {
+  for_each_strategy(mixture, [&](Strategy strategy, int rest, double extra) {
     const double l = log_p(strategy, rest, extra);
     largest = std::max(largest, l);
     if (strategy == used) mine = l;
   });
   if (mine == kNone) return 0;
   double total = 0;
-  for_each_strategy(set, [&](Strategy strategy, int rest, double extra) {
+  for_each_strategy(mixture, [&](Strategy strategy, int rest, double extra) {
     total += std::exp(beta * (log_p(strategy, rest, extra) - largest));
   });
   return std::exp(beta * (mine - largest)) / total;

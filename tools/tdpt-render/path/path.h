@@ -2,7 +2,6 @@
 #pragma once
 #include <array>
 
-#include "tools/tdpt-render/path/techniques.h"
 #include "tools/tdpt-render/path/walk.h"
 
 namespace tdpt {
@@ -39,9 +38,9 @@ class Path {
   /// Whether the path turns at x_i by a Dirac lobe: then no technique can make a connection there.
   bool dirac(int i) const { return dirac_[static_cast<size_t>(i)]; }
 
-  /// MIS weight of `used` among the strategies of `set`, balance heuristic [eq. 6] for beta = 1,
-  /// power heuristic for beta = 2. Computed from the path alone.
-  double weight(TechniqueSet set, Strategy used, double beta) const;
+  /// MIS weight of `used` among the strategies of `mixture`, balance heuristic [eq. 6] for beta =
+  /// 1, power heuristic for beta = 2. Computed from the path alone.
+  double weight(const Mixture& mixture, Strategy used, double beta) const;
 
  private:
   void fill(const World& world, const Walk& y, int s, const Walk& z, int t,
@@ -56,11 +55,11 @@ class Path {
   double common(int i) const {
     return from_light_A_[static_cast<size_t>(i)] + from_camera_A_[static_cast<size_t>(i)];
   }
-  /// Calls add(strategy, first index of its camera part, its other factor) for those of `set` that
-  /// can have made the path.
+  /// Calls add(strategy, first index of its camera part, its other factor) for those of `mixture`
+  /// that can have made the path.
   template <class Add>
-  void for_each_strategy(TechniqueSet set, const Add& add) const;
-  double weight_by_logarithms(TechniqueSet set, Strategy used, double beta) const;
+  void for_each_strategy(const Mixture& mixture, const Add& add) const;
+  double weight_by_logarithms(const Mixture& mixture, Strategy used, double beta) const;
 
   const Guide& guide_;
   int k_ = 0;

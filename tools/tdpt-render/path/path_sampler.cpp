@@ -36,7 +36,7 @@ PathSampler::PathSampler(const World& world, const SampleSettings& settings, Fil
                          Tally& tally, const PathObserver* observer)
     : world_(world),
       settings_(settings),
-      guide_(world, settings.guiding),
+      guide_(world, settings.mixture.guiding),
       film_(film),
       tally_(tally),
       observer_(observer) {}
@@ -51,6 +51,29 @@ void PathSampler::begin(int x, int y, uint64_t sample) {
   y_ = y;
   sample_ = sample;
   pixel_ = {};
+}
+
+void PathSampler::run() {
+  const TechniqueSet& techniques = settings_.mixture.techniques;
+  walk_from_camera();
+  if (techniques.walks_from_light()) walk_from_light();
+  for (int i = 0; i < kTechniques; ++i)
+    if (const auto t = static_cast<Technique>(i); techniques.has(t)) run(t);
+}
+
+void PathSampler::run(Technique technique) {
+  switch (technique) {
+    case Technique::camera:
+      return camera();
+    case Technique::direct:
+      return direct();
+    case Technique::light:
+      return light();
+    case Technique::bi:
+      return bi();
+    case Technique::portal:
+      return portal();
+  }
 }
 
 void PathSampler::end() {
@@ -82,7 +105,7 @@ bool PathSampler::finite(const Rgb& value) {
 
 void PathSampler::to_pixel(const Path& path, Strategy strategy, const Rgb& value) {
   if (observer_) (*observer_)(path, strategy, value);
-  const double w = path.weight(settings_.techniques, strategy, settings_.beta);
+  const double w = path.weight(settings_.mixture, strategy, settings_.beta);
   const Rgb weighted = value * static_cast<float>(w);
   if (!finite(weighted)) return;
   pixel_ += Vec3d(weighted);
@@ -93,7 +116,7 @@ void PathSampler::to_pixel(const Path& path, Strategy strategy, const Rgb& value
 void PathSampler::to_film(const Path& path, Strategy strategy, double raster_x, double raster_y,
                           const Rgb& value) {
   if (observer_) (*observer_)(path, strategy, value);
-  const double w = path.weight(settings_.techniques, strategy, settings_.beta);
+  const double w = path.weight(settings_.mixture, strategy, settings_.beta);
   const Rgb weighted = value * static_cast<float>(w);
   if (!finite(weighted)) return;
   if (!film_.splat(strategy.technique, static_cast<int>(raster_x), static_cast<int>(raster_y),
@@ -234,7 +257,7 @@ void PathSampler::portal() {
   if (tally_.portals.empty()) tally_.portals.resize(world_.portals.portals());
   Sequence random = numbers(segment);
   const PortalSet::Sample sample = world_.portals.sample(random.uniforms<7>());
-  const double share = settings_.techniques.segments();
+  const double share = settings_.mixture.segments;
   if (!(random.uniform() < share)) return;
   Tally::OfPortal& of_portal = tally_.portals[world_.portals.polygon(sample.drawn.polygon).portal];
   ++of_portal.drawn;

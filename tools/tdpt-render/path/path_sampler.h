@@ -28,19 +28,17 @@ struct Tally {
 };
 
 struct SampleSettings {
-  TechniqueSet techniques;
+  Mixture mixture;
   int max_depth = 6;
   double beta = 1;  ///< 1: balance heuristic, 2: power heuristic
   uint64_t seed = 1;
   uint64_t stream = 0;  ///< keeps integrators apart
-  Guiding guiding{};    ///< how walks are directed at portals; default: not
 };
 
 /// Sees every contribution with its path: for tests.
 using PathObserver = std::function<void(const Path&, Strategy, const Rgb& unweighted)>;
 
-/// Each technique below adds its weighted share of the paths it makes. Call the walks first. An
-/// integrator is the list of calls it makes, and its TechniqueSet names the same ones.
+/// Makes samples of a mixture: begin(), run(), end().
 class PathSampler {
  public:
   PathSampler(const World& world, const SampleSettings& settings, Film& film, Tally& tally,
@@ -48,12 +46,18 @@ class PathSampler {
 
   /// Starts a sample; random numbers depend on (seed, stream, pixel, sample) only.
   void begin(int x, int y, uint64_t sample);
+  /// The walks and techniques that the mixture has.
+  void run();
   /// Adds what the camera side gathered to the pixel.
   void end();
+
+  // What run() is made of. Each technique adds its weighted share of the paths it makes, and needs
+  // the walks of its prefixes.
 
   void walk_from_camera();
   void walk_from_light();
 
+  void run(Technique technique);
   void camera();  ///< the camera walk hits a light
   void direct();  ///< a point on a light for each camera vertex
   void light();   ///< each light vertex projected to the film

@@ -6,6 +6,7 @@
 #include "tools/tdpt-render/path/oracle.h"
 #include "tools/tdpt-render/path/surface.h"
 #include "tools/tdpt-render/test_rooms.h"
+#include "tools/tdpt-render/test_variant.h"
 
 namespace tdpt {
 namespace {
@@ -80,8 +81,8 @@ Worst compare(const Scene& scene, const Integrator& integrator, Fault fault, int
     bool dirac = false;
     for (int i = 1; i < path.k(); ++i) dirac |= path.dirac(i);
     worst.dirac += dirac;
-    const auto p = oracle::densities(world, path, integrator.techniques, integrator.guiding, fault);
-    const double w = path.weight(integrator.techniques, strategy, 1);
+    const auto p = oracle::densities(world, path, integrator.mixture, fault);
+    const double w = path.weight(integrator.mixture, strategy, 1);
     const double weight_off = std::abs(w - oracle::weight(p, strategy));
     worst.weight = std::max(worst.weight, weight_off);
     for (const auto& d : p) {
@@ -94,16 +95,11 @@ Worst compare(const Scene& scene, const Integrator& integrator, Fault fault, int
       worst.value = std::max(worst.value, std::abs(relative));
     }
   };
-  PathSampler sampler(
-      world, {integrator.techniques, max_depth, 1, 11, integrator.stream, integrator.guiding}, film,
-      tally, &observer);
+  const Variant variant(integrator);
+  PathSampler sampler(world, variant.settings(max_depth, 11), film, tally, &observer);
   for (int y = 0; y < 12; ++y)
     for (int x = 0; x < 16; ++x)
-      for (uint64_t s = 0; s < spp; ++s) {
-        sampler.begin(x, y, s);
-        integrator.sample(sampler);
-        sampler.end();
-      }
+      for (uint64_t s = 0; s < spp; ++s) variant.sample(sampler, x, y, s);
   return worst;
 }
 
@@ -114,7 +110,7 @@ TEST_P(paths, weights_and_values_are_the_oracles) {
   EXPECT_LT(worst.weight, 1e-6);  // hit points lie beside the sampled rays by float rounding
   EXPECT_LT(worst.value, 1e-4);   // values are floats
   for (size_t i = 0; i < kTechniques; ++i) {
-    if (GetParam()->techniques.has(static_cast<Technique>(i))) {
+    if (GetParam()->mixture.has(static_cast<Technique>(i))) {
       EXPECT_GT(worst.paths[i], i == 0 ? 0 : 50) << kTechniqueNames[i];
     }
   }
@@ -135,7 +131,7 @@ TEST_P(paths, weights_of_all_strategies_sum_to_1) {
   const World world(scene, scene.camera(""), 16, 12, two_crossing_portals());
   Film film(16, 12, 1);
   Tally tally;
-  const TechniqueSet set = GetParam()->techniques;
+  const Mixture& set = GetParam()->mixture;
   int crossing = 0;
   const PathObserver observer = [&](const Path& path, Strategy, const Rgb&) {
     double sum = path.weight(set, {Technique::camera, 0}, 1);
@@ -153,13 +149,9 @@ TEST_P(paths, weights_of_all_strategies_sum_to_1) {
     }
     EXPECT_NEAR(sum, 1, 1e-12);
   };
-  PathSampler sampler(world, {set, 6, 1, 5, GetParam()->stream, GetParam()->guiding}, film, tally,
-                      &observer);
-  for (uint64_t s = 0; s < 2000; ++s) {
-    sampler.begin(8, 6, s);
-    GetParam()->sample(sampler);
-    sampler.end();
-  }
+  const Variant variant(*GetParam());
+  PathSampler sampler(world, variant.settings(6, 5), film, tally, &observer);
+  for (uint64_t s = 0; s < 2000; ++s) variant.sample(sampler, 8, 6, s);
   if (set.has(Technique::portal)) {
     EXPECT_GT(crossing, 0);  // some paths cross twice
   }
@@ -177,12 +169,12 @@ INSTANTIATE_TEST_SUITE_P(integrators, paths, testing::ValuesIn(integrators()),
 TEST(paths_guided, of_any_probability_are_the_oracles) {
   for (const Guiding& guiding : {Guiding{{0.9, 0.9}}, Guiding{{0.2, 0}}, Guiding{{0, 0.7}}}) {
     Integrator integrator = tdpt_guided;
-    integrator.guiding = guiding;
+    integrator.mixture.guiding = guiding;
     for (const Scene& scene : {diffuse_rooms(), glossy_rooms()}) {
       const Worst worst = compare(scene, integrator, Fault::none);
       EXPECT_GT(worst.all, 5000);
       EXPECT_LE(worst.off, 3);
-      integrator.techniques = integrator.techniques.with_segments(0.3);
+      integrator.mixture.segments = 0.3;
     }
   }
 }
@@ -237,15 +229,15 @@ TEST(path_twin, directed_walks_that_carry_twice_as_much_are_caught) {
   EXPECT_GT(carried_by_directed_walks(2), 8);
 }
 
-TEST(technique_sets, favour_next_events_and_count_the_share_of_segments) {
-  const TechniqueSet set = tdpt_guided_less.techniques;
-  EXPECT_EQ(set.segments(), 0.25);
-  EXPECT_EQ(set.favour(Technique::portal, 4), 0.25);
-  EXPECT_EQ(set.favour(Technique::direct, 2), 6);
-  EXPECT_EQ(set.favour(Technique::direct, 3), 2);
-  EXPECT_EQ(set.favour(Technique::bi, 3), 1);
+TEST(mixtures, weigh_next_events_and_count_the_share_of_segments) {
+  const Mixture& less = kGuided[2].mixture;
+  EXPECT_EQ(less.segments, 0.25);
+  EXPECT_EQ(less.sample_weight(Technique::portal, 4), 0.25);
+  EXPECT_EQ(less.sample_weight(Technique::direct, 2), 6);
+  EXPECT_EQ(less.sample_weight(Technique::direct, 3), 2);
+  EXPECT_EQ(less.sample_weight(Technique::bi, 3), 1);
   for (const Technique t : {Technique::direct, Technique::portal})
-    EXPECT_EQ(tdpt_org.techniques.favour(t, 2), 1);
+    EXPECT_EQ(tdpt_org.mixture.sample_weight(t, 2), 1);
 }
 
 TEST(path_twin, a_portal_density_off_by_5_percent_is_caught) {
@@ -317,10 +309,10 @@ TEST(paths_deep, weights_survive_products_that_no_double_holds) {
   RayCounts rays;
   const Guide guide(world, {});
   const Path path(world, guide, y, 1, z, k, rays);
-  const auto p = oracle::densities(world, path, bdpt.techniques);
+  const auto p = oracle::densities(world, path, bdpt.mixture);
   double sum = 0, largest = -1e300;
   for (const auto& d : p) {
-    const double w = path.weight(bdpt.techniques, d.strategy, 1);
+    const double w = path.weight(bdpt.mixture, d.strategy, 1);
     EXPECT_NEAR(w, oracle::weight(p, d.strategy), 1e-9);
     sum += w;
     largest = std::max(largest, d.log_p);
@@ -341,20 +333,16 @@ TEST(connections, at_tiny_distances_are_bounded_by_their_weights) {
     Tally tally;
     double weighted = 0, plain = 0;
     const PathObserver observer = [&](const Path& path, Strategy strategy, const Rgb& value) {
-      const double w = path.weight(integrator->techniques, strategy, 1);
+      const double w = path.weight(integrator->mixture, strategy, 1);
       plain = std::max(plain, double{value.x});
       // Splats are per film, not per pixel.
       if (strategy.split < path.k() && path.k() - strategy.split > 2)
         weighted = std::max(weighted, w * value.x);
     };
-    PathSampler sampler(world,
-                        {integrator->techniques, 6, 1, 3, integrator->stream, integrator->guiding},
-                        film, tally, &observer);
-    for (uint64_t s = 0; s < 100000; ++s) {
-      sampler.begin(static_cast<int>(s % 16), static_cast<int>(s % 12), s);
-      integrator->sample(sampler);
-      sampler.end();
-    }
+    const Variant variant(*integrator);
+    PathSampler sampler(world, variant.settings(6, 3), film, tally, &observer);
+    for (uint64_t s = 0; s < 100000; ++s)
+      variant.sample(sampler, static_cast<int>(s % 16), static_cast<int>(s % 12), s);
     EXPECT_LT(weighted, 2) << integrator->name;  // the radiance in the box
     EXPECT_GT(plain, 100) << integrator->name;   // twin: without the weights
     EXPECT_EQ(tally.not_finite, 0u);

@@ -1,0 +1,72 @@
+// What an integrator is: a mixture of sampling techniques, how often each is run, how much its
+// samples count, and how the walks that they start from are directed. All MIS weights follow from
+// it, and so do the calls that make a sample: nothing else says what an integrator does.
+//
+// MIS sample weights. The balance heuristic takes the samples of a picture for independent. But
+// each pixel gets the same number of camera walks, so what they bring has less noise than its
+// density tells, next events at z_1 above all, while splats fall where they will. A mixture may
+// therefore count next events as more than one sample: their densities weigh more, and the weights
+// still sum to 1. Measured with tdpt-guided, 128 x 96 pixels: 6 at z_1 and 2 later raise the PSNR
+// by 3 dB where lamps are seen directly (rooms with holes of 0.5 and 0.25 m), and change the relMSE
+// by 0 to 4 %.
+#pragma once
+#include <array>
+#include <cstdint>
+
+namespace tdpt {
+
+enum class Technique : uint8_t { camera, direct, light, bi, portal };
+constexpr int kTechniques = 5;
+constexpr std::array<const char*, kTechniques> kTechniqueNames{"camera", "direct", "light", "bi",
+                                                               "portal"};
+
+class TechniqueSet {
+ public:
+  template <class... T>
+  constexpr explicit TechniqueSet(T... members)
+      : bits_(static_cast<uint8_t>((0u | ... | (1u << static_cast<int>(members))))) {}
+  constexpr bool has(Technique t) const { return (bits_ >> static_cast<int>(t)) & 1u; }
+  /// Some of its paths have a prefix that was walked from a light.
+  constexpr bool walks_from_light() const {
+    return has(Technique::light) || has(Technique::bi) || has(Technique::portal);
+  }
+  constexpr TechniqueSet operator|(const TechniqueSet& other) const {
+    TechniqueSet all;
+    all.bits_ = static_cast<uint8_t>(bits_ | other.bits_);
+    return all;
+  }
+  /// Bit t for technique t.
+  constexpr uint8_t bits() const { return bits_; }
+  friend constexpr bool operator==(const TechniqueSet&, const TechniqueSet&) = default;
+
+ private:
+  uint8_t bits_;
+};
+
+/// How walks are directed at portals (path guiding by the portals, guide.h): the probability that a
+/// vertex aims at one, less than 1, for walks from the light and from the camera.
+struct Guiding {
+  std::array<double, 2> chance{};
+  friend constexpr bool operator==(const Guiding&, const Guiding&) = default;
+};
+
+struct Mixture {
+  TechniqueSet techniques;
+  /// MIS sample weights of next events at z_1 and at later vertices.
+  double first_direct = 1, later_direct = 1;
+  double segments = 1;  ///< share of the samples that draw a portal segment, (0,1]
+  Guiding guiding{};
+
+  bool has(Technique t) const { return techniques.has(t); }
+  /// By how much the density of a technique counts in the weights of paths of k edges: samples of
+  /// it per sample of the picture, times its MIS sample weight.
+  constexpr double sample_weight(Technique t, int k) const {
+    return t == Technique::portal   ? segments
+           : t != Technique::direct ? 1
+           : k == 2                 ? first_direct
+                                    : later_direct;
+  }
+  friend constexpr bool operator==(const Mixture&, const Mixture&) = default;
+};
+
+}  // namespace tdpt
