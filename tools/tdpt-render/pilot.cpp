@@ -67,25 +67,6 @@ Integrator either_of(const std::vector<Candidate>& candidates) {
   return any;
 }
 
-WorkModel::WorkModel(const World& world) : portals_(!world.portals.empty()) {
-  const double depth =
-      std::max(0.0, std::log2(static_cast<double>(world.scene.triangles.size() + 1) / 64));
-  closest_ = portals_ ? 39 + 12 * depth : 193 + 11 * depth;
-  const auto size = static_cast<int>(world.portals.size());
-  portal_ = 187 + 2.0 * size;
-  directed_ = 0;
-  if (!portals_) return;
-  const double facets = 1.0 + world.portals.polygon(size - 1).facet;
-  directed_ = 56 + (facets > 1 ? 40 + 11 * facets : 0);
-}
-
-double WorkModel::per_sample(const RayCounts& rays, uint64_t samples, bool directed) const {
-  const double n = static_cast<double>(std::max<uint64_t>(samples, 1));
-  return (portals_ ? 180 : 5) + closest_ * static_cast<double>(rays.closest) / n +
-         (portals_ ? 156 : 215) * static_cast<double>(rays.shadow) / n +
-         (portal_ + (directed ? directed_ : 0)) * static_cast<double>(rays.portal) / n;
-}
-
 PilotPlan plan_pilot(double spp, uint64_t pixels, size_t candidates, bool exact) {
   const double least = std::max(2.0, std::ceil(kLeastSamples / (2 * static_cast<double>(pixels))));
   PilotPlan plan;

@@ -63,32 +63,6 @@ Integrator either_of(const std::vector<Candidate>& candidates);
 /// Whether the figures of every portal say that it is useless.
 bool all_useless(const std::vector<Portal>& portals);
 
-/// What candidates' samples cost: CPU nanoseconds of one core on average, as a function of what
-/// they count and never of the clock, so that the choice is the same in every run.
-///
-/// Of every sample 180, of every first hit 39 + 12 log2(triangles / 64), of every visibility test
-/// 156 and of every edge tested against the portals 187 and 2 for each of their triangles. The last
-/// stands for the weighing of a path as well, which costs more and is not counted. Where walks are
-/// directed, each edge costs 56 more, as its ends are told how to aim; where there are several
-/// facets (portals.h) to weigh against each other, 40 and 11 for each of them. Without portals
-/// nothing is tested against them: 5, 193 + 11 log2(triangles / 64) and 215.
-/// Least squares over five scenes, three depths and six integrators: ratios to bdpt's CPU time of
-/// those that `auto` tries come out within 4 % on average and 10 % at most at depth 6, 13 % at most
-/// at depth 12; without portals 7 %, 13 % and 18 %. Without the terms of directed walks
-/// tdpt-guided's came out 9 to 24 % too small at depth 6. In two scenes that had no part in the fit
-/// tdpt-guided came out 1 and 5 % too small, nee 12 and 17 %. An edge that is tested against 1, 4,
-/// 16 and 64 facets of two triangles cost 241, 299, 455 and 1097 by measurement.
-class WorkModel {
- public:
-  explicit WorkModel(const World& world);
-  /// Of one sample [ns]; `rays` of `samples` of them. `directed`: whether its walks are.
-  double per_sample(const RayCounts& rays, uint64_t samples, bool directed) const;
-
- private:
-  bool portals_;
-  double closest_, portal_, directed_;
-};
-
 struct PilotPlan {
   size_t candidates = 1;  ///< the first so many take part
   uint64_t rounds = 0;    ///< of two passes each; 0: no pilot

@@ -138,20 +138,6 @@ TEST(decisions, weigh_error_and_work) {
             (std::vector<bool>{true, false, true, false}));
 }
 
-// More for edges of directed walks, and for these more again with facets to choose among.
-TEST(work, knows_what_directed_walks_cost) {
-  const Scene scene = read_gltf(two_rooms_path());
-  const RayCounts rays{1000, 1000, 2000};
-  const auto of = [&](const std::vector<Portal>& portals, bool directed) {
-    return WorkModel(World(scene, scene.camera(""), 8, 6, portals)).per_sample(rays, 100, directed);
-  };
-  const std::vector<Portal> one{portal_in_the_hole()}, two = two_crossing_portals();
-  EXPECT_NEAR(of(one, true) - of(one, false), 20 * 56, 1e-9);
-  EXPECT_NEAR(of(two, true) - of(two, false), 20 * (56 + 40 + 22), 1e-9);
-  EXPECT_NEAR(of(two, false) - of(one, false), 20 * 2 * 2, 1e-9);
-  EXPECT_EQ(of({}, true), of({}, false));
-}
-
 std::vector<std::string> names(const Scene& scene, const std::vector<Portal>& portals) {
   const World world(scene, scene.camera(""), 8, 6, portals);
   std::vector<std::string> all;

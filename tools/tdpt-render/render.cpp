@@ -7,6 +7,7 @@
 #include "libcommon/base/progress.h"
 #include "libcommon/base/signals.h"
 #include "libcommon/base/threads.h"
+#include "tools/tdpt-render/work_model.h"
 
 namespace tdpt {
 Vec3d RenderResult::mean() const {

@@ -1,0 +1,97 @@
+// work_model_bench SCENE PORTAL... : what samples of the integrators that `auto` tries cost, and
+// what the work model tells it from: a line for each integrator and depth with the terms of the
+// model, that is, what it answers where one number of its table is 1 and the others are 0.
+// bench/work_model.py fits the table to these lines. Give scenes with their portals and without.
+//   --width W --height H --seconds T   default 160 120 2, T of each line
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <iterator>
+#include <utility>
+
+#include "tools/tdpt-render/portal_probe.h"
+#include "tools/tdpt-render/render.h"
+#include "tools/tdpt-render/work_model.h"
+
+namespace tdpt {
+namespace {
+
+constexpr std::pair<const char*, double WorkCosts::*> kTerms[] = {
+    {"sample", &WorkCosts::sample},
+    {"closest", &WorkCosts::closest},
+    {"closest_deeper", &WorkCosts::closest_deeper},
+    {"shadow", &WorkCosts::shadow},
+    {"portal", &WorkCosts::portal},
+    {"portal_triangle", &WorkCosts::portal_triangle},
+    {"directed", &WorkCosts::directed},
+    {"facets", &WorkCosts::facets},
+    {"facet", &WorkCosts::facet},
+};
+static_assert(sizeof(WorkCosts) == std::size(kTerms) * sizeof(double), "a term is missing");
+constexpr int kDepths[] = {3, 6, 12};
+
+void measure(const std::string& scene_path, const std::vector<Portal>& given, int width, int height,
+             double seconds) {
+  const Scene scene = read_gltf(scene_path);
+  std::vector<Portal> portals = given;
+  const World world(scene, scene.camera(""), width, height, portals);
+  probe(world, portals);
+  for (int depth : kDepths)
+    for (const Candidate& c : auto_candidates(world, portals, all_guided())) {
+      RenderSettings settings;
+      settings.seconds = seconds;
+      settings.max_depth = depth;
+      const RenderResult r = render(world, *c.integrator, settings);
+      const uint64_t samples = r.spp * static_cast<uint64_t>(width) * static_cast<uint64_t>(height);
+      std::printf("%s\t%d\t%s\t%d\t%.6g", scene_path.c_str(), depth, c.label.c_str(),
+                  world.portals.empty() ? 0 : 1,
+                  r.cpu_seconds * 1e9 / static_cast<double>(samples));
+      for (const auto& [name, member] : kTerms) {
+        WorkCosts unit;
+        unit.*member = 1;
+        std::printf("\t%.9g",
+                    WorkModel(world, unit)
+                        .per_sample(r.tally.rays, samples, c.integrator->guiding != Guiding{}));
+      }
+      std::printf("\n");
+      std::fflush(stdout);
+    }
+}
+
+}  // namespace
+}  // namespace tdpt
+
+int main(int argc, char** argv) {
+  using namespace tdpt;
+  int width = 160, height = 120;
+  double seconds = 2;
+  std::vector<std::string> files;
+  for (int i = 1; i < argc; ++i) {
+    const bool more = i + 1 < argc;
+    if (!std::strcmp(argv[i], "--width") && more)
+      width = std::atoi(argv[++i]);
+    else if (!std::strcmp(argv[i], "--height") && more)
+      height = std::atoi(argv[++i]);
+    else if (!std::strcmp(argv[i], "--seconds") && more)
+      seconds = std::atof(argv[++i]);
+    else
+      files.emplace_back(argv[i]);
+  }
+  if (files.empty() || width < 1 || height < 1 || !(seconds > 0)) {
+    std::fprintf(
+        stderr, "usage: work_model_bench SCENE PORTAL... [--width W] [--height H] [--seconds T]\n");
+    return 2;
+  }
+  try {
+    std::vector<Portal> portals;
+    for (size_t i = 1; i < files.size(); ++i)
+      for (const Portal& p : read_portals(files[i]).portals) portals.push_back(p);
+    std::printf("scene\tdepth\tintegrator\tportals\tnanoseconds");
+    for (const auto& [name, member] : kTerms) std::printf("\t%s", name);
+    std::printf("\n");
+    measure(files[0], portals, width, height, seconds);
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "work_model_bench: %s\n", e.what());
+    return 1;
+  }
+}
