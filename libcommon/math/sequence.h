@@ -144,7 +144,7 @@ class Sequence {
     uint32_t index = scramble_reversed(sample_, order) ^ scramble_reversed(0, order);
     point_ = kTable[0][index >> 24];
     for (uint32_t byte = 1; (index <<= 8) != 0; ++byte) {
-      const Point& part = kTable[byte][index >> 24];
+      const sequence::Point& part = kTable[byte][index >> 24];
       for (uint32_t d = 0; d < kBlock; ++d) point_[d] ^= part[d];
     }
   }

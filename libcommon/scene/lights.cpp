@@ -31,15 +31,24 @@ double cos_cone(const PunctualLight& light) {
 
 // The smooth edge between the cones is the one KHR_lights_punctual recommends, without its lower
 // bound of 0.001 on the difference of the cosines, which narrow spots fall below.
-Rgb Lamp::intensity(const Vec3d& w) const {
-  if (light.kind != Kind::spot) return light.intensity;
-  const double scale = 1 / std::max(1e-15, light.cos_inner - light.cos_outer);
-  const double t = std::clamp((dot(light.direction, w) - light.cos_outer) * scale, 0.0, 1.0);
-  return light.intensity * static_cast<float>(t * t);
+Rgb LightSource::intensity(const Vec3d& w) const {
+  if (light_.kind != Kind::spot) return light_.intensity;
+  const double scale = 1 / std::max(1e-15, light_.cos_inner - light_.cos_outer);
+  const double t = std::clamp((dot(light_.direction, w) - light_.cos_outer) * scale, 0.0, 1.0);
+  return light_.intensity * static_cast<float>(t * t);
 }
 
-double Lamp::pdf_towards(const Vec3d& w) const {
-  return light.kind == Kind::spot && dot(light.direction, w) < light.cos_outer ? 0 : pdf;
+double LightSource::pdf_towards(const Vec3d& w) const {
+  return light_.kind == Kind::spot && dot(light_.direction, w) < light_.cos_outer ? 0 : pdf_;
+}
+
+LightSource LightSource::punctual(const PunctualLight& light, double extent) {
+  LightSource source(false);
+  source.is_surface_ = false;
+  source.light_ = light;
+  source.pdf_ = 1 / extent;
+  source.cos_per_pdf_w_ = 1 / source.pdf_;
+  return source;
 }
 
 Lights::Lights(const Scene& scene) : scene_(scene), pdf_A_(scene.triangles.size(), 0.0f) {
@@ -64,7 +73,7 @@ Lights::Lights(const Scene& scene) : scene_(scene), pdf_A_(scene.triangles.size(
           radius_ = std::max(radius_, 1.0001 * length(Vec3d(scene.positions[v])));
     const double extent =
         light.kind == Kind::directional ? pi * radius_ * radius_ : 2 * pi * (1 - cos_cone(light));
-    lamps_.push_back({light, 1 / extent, 0});
+    punctual_.push_back(LightSource::punctual(light, extent));
     add(y * extent);
   }
   if (weights.empty()) return;
@@ -74,7 +83,7 @@ Lights::Lights(const Scene& scene) : scene_(scene), pdf_A_(scene.triangles.size(
     if (i < triangles_.size())
       pdf_A_[triangles_[i]] = static_cast<float>(pdf_1 / shapes_[i].area);
     else
-      lamps_[i - triangles_.size()].pdf_1 = pdf_1;
+      punctual_[i - triangles_.size()].pdf_1_ = pdf_1;
   }
 }
 
@@ -90,26 +99,28 @@ Lights::Point Lights::sample(double pick, double u, double v, double side) const
   const uint32_t i = table_.sample(pick);
   Point point;
   if (i >= triangles_.size()) {
-    const Lamp& lamp = lamps_[i - triangles_.size()];
-    point.lamp = &lamp;
-    point.position = lamp.light.position;
-    point.pdf = lamp.pdf_1;
+    const LightSource& source = punctual_[i - triangles_.size()];
+    point.source = &source;
+    point.position = source.light_.position;
+    point.pdf = source.pdf_1_;
     return point;
   }
   point.triangle = triangles_[i];
   const TriangleShape& s = shapes_[i];
   uniform_triangle(u, v, point.b1, point.b2);
   point.position = s.p0 + s.e1 * point.b1 + s.e2 * point.b2;
-  const bool back = scene_.material_of(point.triangle).double_sided && side < 0.5;
+  const bool both = scene_.material_of(point.triangle).double_sided;
+  point.source = &surface(both);
+  const bool back = both && side < 0.5;
   point.normal = back ? -s.normal : s.normal;
   point.pdf = pdf_A_[point.triangle];
   return point;
 }
 
 Lights::Ray Lights::leave(const Point& point, double u, double v) const {
-  if (!point.lamp)
+  if (point.source->met())
     return {point.position, normalize(Onb<double>(point.normal).to_world(cosine_hemisphere(u, v)))};
-  const PunctualLight& light = point.lamp->light;
+  const PunctualLight& light = point.source->light_;
   const Onb<double> onb(light.direction);
   const double phi = 2 * pi * u;
   if (light.kind == Kind::directional) {

@@ -1,8 +1,10 @@
 // All lights of a scene as one: emitting triangles and punctual lights, chosen in proportion to
 // power by an alias table, so that thousands cost a sample no more than one.
 #pragma once
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include "libcommon/math/rng.h"
 #include "libcommon/math/warp.h"
@@ -10,19 +12,65 @@
 
 namespace tdpt {
 
-/// A punctual light with what its samplers need.
-struct Lamp {
-  PunctualLight light;
-  /// Density of what a walk from it draws: a direction, uniform over the sphere or the spot's cone
-  /// [1/sr]; directional: a place, uniform over a disc across the scene [1/canonical area].
-  double pdf = 0;
-  double pdf_1 = 0;  ///< of choosing it
+/// How light leaves a place of a light, and the density with which walks follow it. Emitting
+/// surfaces, points, spots and parallel light answer the same questions.
+///
+/// What leaves a place is radiance [W/m2/sr] from a surface, radiant intensity [W/sr, canonical
+/// area] from a point or spot, irradiance across its way [W/m2] of parallel light, whose places are
+/// infinitely far away: it is a direction, and its density is of the places that it passes, per
+/// canonical area across it.
+class LightSource {
+ public:
+  static LightSource surface(bool both_sides) { return LightSource(both_sides); }
+  /// `extent`: of the directions that light leaves in [sr]; parallel: of the disc across the scene
+  /// that it passes [canonical area].
+  static LightSource punctual(const PunctualLight& light, double extent);
 
-  bool directional() const { return light.kind == PunctualLight::Kind::directional; }
-  /// Radiant intensity along unit w [W/sr, canonical area]; directional: irradiance across w.
+  /// Whether a ray can meet it; if not, only those who sample lights find it.
+  bool met() const { return is_surface_; }
+  bool at_infinity() const {
+    return !is_surface_ && light_.kind == PunctualLight::Kind::directional;
+  }
+  /// Of parallel light: unit, the way it travels.
+  const Vec3d& direction() const { return light_.direction; }
+  /// The side that it shines to, from a place with unit normal `front`; 0: all.
+  Vec3d facing(const Vec3d& front) const { return is_surface_ && !both_sides_ ? front : Vec3d(); }
+
+  /// What leaves along unit w; `radiance`: of a surface there, textures included.
+  Rgb emitted(const Vec3d& front, const Rgb& radiance, const Vec3d& w) const {
+    if (!is_surface_) return intensity(w);
+    return both_sides_ || dot(front, w) > 0 ? radiance : Rgb{};
+  }
+  /// Density of the direction in which a walk leaves [1/sr]: |cos|/pi on the front of a surface,
+  /// half of that on each side when both emit; uniform over the sphere or the spot's cone;
+  /// parallel: of its place [1/canonical area].
+  double pdf_w(const Vec3d& front, const Vec3d& w) const {
+    if (!is_surface_) return pdf_towards(w);
+    const double cos = dot(front, w);
+    if (both_sides_) return std::abs(cos) * (0.5 * std::numbers::inv_pi);
+    return std::max(cos, 0.0) * std::numbers::inv_pi;
+  }
+  /// |cos| / pdf_w, the same for every direction that light leaves in: a walk that leaves carries
+  /// this times what is emitted.
+  double cos_per_pdf_w() const { return cos_per_pdf_w_; }
+  /// Probability that a point, spot or parallel light is chosen to begin a walk.
+  double pdf_1() const { return pdf_1_; }
+
+ private:
+  friend class Lights;
+  explicit LightSource(bool both_sides)
+      : is_surface_(true),
+        both_sides_(both_sides),
+        cos_per_pdf_w_((both_sides ? 2 : 1) * std::numbers::pi) {}
   Rgb intensity(const Vec3d& w) const;
-  /// `pdf` where light leaves along w, else 0.
   double pdf_towards(const Vec3d& w) const;
+
+  bool is_surface_, both_sides_ = false;
+  double cos_per_pdf_w_;
+  // Of punctual lights.
+  PunctualLight light_;
+  double pdf_ = 0;  // where light leaves
+  double pdf_1_ = 0;
 };
 
 class Lights {
@@ -36,19 +84,35 @@ class Lights {
 
   /// A place light leaves from.
   struct Point {
-    const Lamp* lamp = nullptr;  ///< set for punctual lights; then no triangle
-    uint32_t triangle = ~0u;
-    double b1 = 0, b2 = 0;  ///< barycentrics on the triangle
-    Vec3d position{};       ///< canonical; directional lights have none
-    Vec3d normal{};         ///< unit, on the side to leave by: the front, or either (a fair coin)
-    double pdf = 0;         ///< pdf_A per canonical area; of a lamp: pdf_1
+    const LightSource* source = nullptr;
+    uint32_t triangle = ~0u;  ///< of a surface
+    double b1 = 0, b2 = 0;    ///< barycentrics on the triangle
+    Vec3d position{};         ///< canonical; parallel light has none
+    Vec3d normal{};           ///< unit, on the side to leave by: the front, or either (a fair coin)
+    double pdf = 0;           ///< pdf_A per canonical area; without a surface: pdf_1
   };
-  /// Four numbers in [0,1): which light, where on it (u, v), and which of its sides.
+  /// A place to begin a walk at. Four numbers in [0,1): which light, where on it (u, v), and which
+  /// of its sides.
   Point sample(double pick, double u, double v, double side) const;
   /// Draws them from `rng` in this order.
   Point sample(Rng& rng) const;
+  /// Density of `sample`, at any point of `triangle` where that is a surface.
+  double pdf(const LightSource& source, uint32_t triangle) const {
+    return source.met() ? pdf_A(triangle) : source.pdf_1();
+  }
   /// Density of `sample` at any point of `triangle`; 0 when it does not emit.
   double pdf_A(uint32_t triangle) const { return pdf_A_[triangle]; }
+
+  /// A place for a next event at `shaded`, and its density. They are those of walks today; the
+  /// weights never take that for granted.
+  Point sample_for(const Vec3d& shaded, double pick, double u, double v, double side) const {
+    (void)shaded;
+    return sample(pick, u, v, side);
+  }
+  double pdf_for(const Vec3d& shaded, const LightSource& source, uint32_t triangle) const {
+    (void)shaded;
+    return pdf(source, triangle);
+  }
 
   struct Ray {
     Vec3d origin, direction;
@@ -57,30 +121,20 @@ class Lights {
   /// disc outside the scene for directional lights. u, v uniform in [0,1).
   Ray leave(const Point& point, double u, double v) const;
 
+  /// How surfaces shine that emit on their front or on both sides.
+  const LightSource& surface(bool both_sides) const { return surfaces_[both_sides]; }
+
  private:
   const Scene& scene_;
-  // Entries of the table: emitting triangles, then the lamps.
+  std::array<LightSource, 2> surfaces_{LightSource::surface(false), LightSource::surface(true)};
+  // Entries of the table: emitting triangles, then the punctual lights.
   std::vector<uint32_t> triangles_;
   std::vector<TriangleShape> shapes_;
-  std::vector<Lamp> lamps_;
+  std::vector<LightSource> punctual_;
   AliasTable table_;
   std::vector<float> pdf_A_;  // per scene triangle
   double power_ = 0;
   double radius_ = 0;  // of a ball around the origin that holds all triangles
 };
-
-/// Density [1/sr] of the direction in which light leaves an emitter, cos-distributed on the side it
-/// leaves by: |cos|/pi on the front, half of that on each side when both emit. `cos_front`: signed
-/// cosine to the front normal.
-inline double emission_pdf_w(const Material& material, double cos_front) {
-  if (material.double_sided) return std::abs(cos_front) * (0.5 * std::numbers::inv_pi);
-  return std::max(cos_front, 0.0) * std::numbers::inv_pi;
-}
-
-/// Radiance leaving a surface of `emission` into direction `w` (unit, away from the surface).
-inline Rgb emitted_radiance(const Material& material, const Rgb& emission,
-                            const Vec3d& front_normal, const Vec3d& w) {
-  return material.double_sided || dot(front_normal, w) > 0 ? emission : Rgb{};
-}
 
 }  // namespace tdpt

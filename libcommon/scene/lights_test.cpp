@@ -91,37 +91,39 @@ TEST(Lights, ADarkSceneHasNone) {
 
 // Integral of the density over all directions: 1, for one side and for both.
 TEST(Lights, DirectionsOfEmissionAddUp) {
-  Material m = material(Rgb(1), false);
   for (bool both : {false, true}) {
-    m.double_sided = both;
+    const LightSource source = LightSource::surface(both);
+    const auto at = [&](double cos) {
+      return source.pdf_w({0, 0, 1}, {std::sqrt(1 - cos * cos), 0, cos});
+    };
     double sum = 0;
     const int n = 2000;
-    for (int i = 0; i < n; ++i)
-      sum += emission_pdf_w(m, -1 + (i + 0.5) * 2 / n) * 2 * std::numbers::pi * 2 / n;
+    for (int i = 0; i < n; ++i) sum += at(-1 + (i + 0.5) * 2 / n) * 2 * std::numbers::pi * 2 / n;
     EXPECT_NEAR(sum, 1, 1e-6);
-    EXPECT_EQ(emission_pdf_w(m, -0.5) > 0, both);
+    EXPECT_EQ(at(-0.5) > 0, both);
   }
 }
 
 TEST(Lights, RadianceLeavesTheFrontOnlyUnlessDoubleSided) {
-  Material m = material(Rgb(1, 2, 3), false);
+  const Rgb radiance(1, 2, 3);
   const Vec3d n(0, 0, 1);
-  EXPECT_EQ(emitted_radiance(m, m.emission, n, {0, 0.6, 0.8}), Rgb(1, 2, 3));
-  EXPECT_EQ(emitted_radiance(m, m.emission, n, {0, 0.6, -0.8}), Rgb());
-  EXPECT_EQ(emitted_radiance(m, m.emission, n, {1, 0, 0}), Rgb());
-  m.double_sided = true;
-  EXPECT_EQ(emitted_radiance(m, m.emission, n, {0, 0.6, -0.8}), Rgb(1, 2, 3));
+  const LightSource front = LightSource::surface(false);
+  EXPECT_EQ(front.emitted(n, radiance, {0, 0.6, 0.8}), radiance);
+  EXPECT_EQ(front.emitted(n, radiance, {0, 0.6, -0.8}), Rgb());
+  EXPECT_EQ(front.emitted(n, radiance, {1, 0, 0}), Rgb());
+  EXPECT_EQ(LightSource::surface(true).emitted(n, radiance, {0, 0.6, -0.8}), radiance);
 }
 
 TEST(Lights, NarrowSpotsAreAsBrightInsideAsWideOnes) {
-  Lamp lamp;
-  lamp.light.kind = PunctualLight::Kind::spot;
-  lamp.light.intensity = Rgb(3);
+  PunctualLight spot;
+  spot.kind = PunctualLight::Kind::spot;
+  spot.intensity = Rgb(3);
   for (double inner : {0.4, 0.02, 1e-4}) {
-    lamp.light.cos_inner = std::cos(inner);
-    lamp.light.cos_outer = std::cos(1.5 * inner);
+    spot.cos_inner = std::cos(inner);
+    spot.cos_outer = std::cos(1.5 * inner);
     const auto at = [&](double angle) {
-      return lamp.intensity({std::sin(angle), 0, -std::cos(angle)}).x;
+      const Vec3d w(std::sin(angle), 0, -std::cos(angle));
+      return LightSource::punctual(spot, 1).emitted({}, {}, w).x;
     };
     EXPECT_FLOAT_EQ(at(0), 3);
     EXPECT_NEAR(at(0.99 * inner), 3, 1e-3);

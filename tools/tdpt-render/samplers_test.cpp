@@ -342,6 +342,13 @@ Scene lamps() {
   return s;
 }
 
+// Kind of a punctual light of lamps(), by its density.
+size_t kind_of(const Lights::Point& p) {
+  if (p.source->at_infinity()) return static_cast<size_t>(PunctualLight::Kind::directional);
+  const bool all_round = std::abs(p.source->cos_per_pdf_w() - 4 * std::numbers::pi) < 1e-9;
+  return static_cast<size_t>(all_round ? PunctualLight::Kind::point : PunctualLight::Kind::spot);
+}
+
 // Places: bins of area in each triangle and one for each lamp.
 double light_places(double fault) {
   const Scene scene = lamps();
@@ -357,7 +364,7 @@ double light_places(double fault) {
   for (uint64_t i = 0; i < 1000; ++i) {
     Rng rng(38, 0, i);
     const Lights::Point p = lights.sample(rng);
-    if (p.lamp) lamp_pdf[static_cast<size_t>(p.lamp->light.kind)] = p.pdf;
+    if (!p.source->met()) lamp_pdf[kind_of(p)] = p.pdf;
   }
   for (double p : lamp_pdf) {
     EXPECT_GT(p, 0);
@@ -368,7 +375,7 @@ double light_places(double fault) {
              [&](uint64_t i) {
                Rng rng(38, 1, i);
                const Lights::Point p = lights.sample(rng);
-               if (p.lamp) return first_lamp + static_cast<size_t>(p.lamp->light.kind);
+               if (!p.source->met()) return first_lamp + kind_of(p);
                EXPECT_EQ(p.pdf, lights.pdf_A(p.triangle));
                const TriangleShape shape = shape_of(scene, p.triangle);
                EXPECT_LT(length(shape.p0 + shape.e1 * p.b1 + shape.e2 * p.b2 - p.position), 1e-12);
@@ -392,15 +399,17 @@ double light_directions(Source source, double power) {
   const bool punctual = source == Source::spot || source == Source::point;
   const auto kind = source == Source::spot ? PunctualLight::Kind::spot : PunctualLight::Kind::point;
   const Vec3d normal = shape_of(scene, triangle).normal;
-  const Lamp* lamp = nullptr;
+  const LightSource* light = nullptr;
   const SphereBins bins(12, 12);
   std::vector<uint64_t> counts(bins.size());
   uint64_t kept = 0;
   for (uint64_t i = 0; kept < kSamples / 2; ++i) {
     Rng rng(39, static_cast<uint64_t>(source), i);
     const Lights::Point p = lights.sample(rng);
-    if (punctual ? !p.lamp || p.lamp->light.kind != kind : p.triangle != triangle) continue;
-    lamp = p.lamp;
+    if (punctual ? p.source->met() || kind_of(p) != static_cast<size_t>(kind)
+                 : p.triangle != triangle)
+      continue;
+    light = p.source;
     const double u = rng.uniform();
     const double v = rng.uniform();
     ++kept;
@@ -408,10 +417,8 @@ double light_directions(Source source, double power) {
   }
   std::vector<double> expected = bins.integrate(
       [&](const Vec3d& w) {
-        const double cos = dot(punctual ? lamp->light.direction : normal, w);
-        return (punctual ? lamp->pdf_towards(w)
-                         : emission_pdf_w(scene.material_of(triangle), cos)) *
-               std::pow(1 - std::abs(cos) / 10, power);
+        const double cos = dot(punctual ? light->direction() : normal, w);
+        return light->pdf_w(normal, w) * std::pow(1 - std::abs(cos) / 10, power);
       },
       1e-5);
   for (double& e : expected) e *= static_cast<double>(kept);
@@ -437,13 +444,14 @@ double sun_places(double exponent) {
   for (uint64_t i = 0; kept < 20000; ++i) {
     Rng rng(40, 0, i);
     const Lights::Point p = lights.sample(rng);
-    if (!p.lamp || !p.lamp->directional()) continue;
+    if (!p.source->at_infinity()) continue;
     const double u = rng.uniform();
     const double v = rng.uniform();
     const Lights::Ray ray = lights.leave(p, u, v);
     const Onb<double> onb(ray.direction);
     const double x = dot(onb.x, ray.origin), y = dot(onb.y, ray.origin);
-    const double share = std::pow((x * x + y * y) * std::numbers::pi * p.lamp->pdf, exponent);
+    const double share =
+        std::pow((x * x + y * y) * std::numbers::pi / p.source->cos_per_pdf_w(), exponent);
     EXPECT_LE(share, 1 + 1e-12);
     const double turn = std::atan2(y, x) / (2 * std::numbers::pi) + 0.5;
     ++kept;

@@ -26,11 +26,12 @@ class Guide {
         guiding_(guiding),
         active_(!world.portals.empty() && (guiding.chance[0] > 0 || guiding.chance[1] > 0)) {}
 
-  /// Whether any walk is directed; otherwise `crossing` knows D alone and the rest is not called.
+  /// Whether any walk is directed; otherwise `crossing` knows D alone and no vertex has Aims.
   bool active() const { return active_; }
 
-  /// Of an edge `a` -> `b`, a nearer to the light on its path. `drawn`: as in portals.h.
-  PortalSet::Crossing crossing(const Vertex& a, const Vertex& b,
+  /// Of an edge `a` -> `b` of a path, a nearer to the light: here alone it is decided which edges
+  /// have one. `tests` counts those that are held against the portals; `drawn`: as in portals.h.
+  PortalSet::Crossing crossing(const Point& a, const Point& b, uint64_t& tests,
                                const PortalSet::Drawn& drawn = {}) const;
 
   /// Tells a surface that is seen along unit `away` from it, or was left along it, how walks are
@@ -46,11 +47,11 @@ class Guide {
 
   /// Of a walk at `at` that came from unit `back` (0: it begins there) and reaches `to`: the guided
   /// density [1/canonical area], from the plain one and the edge's crossing.
-  double pdf_A(From from, const Vertex& at, const Vec3d& back, const Vertex& to, double plain_A,
+  double pdf_A(From from, const Vertex& at, const Vec3d& back, const Point& to, double plain_A,
                const PortalSet::Crossing& crossing) const;
 
  private:
-  Aim aim(const Vertex& v, const Vec3d& facing, From from) const;
+  Aim aim(const Point& v, const Vec3d& facing, From from) const;
 
   const PortalSet& portals_;
   Guiding guiding_;

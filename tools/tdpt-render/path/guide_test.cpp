@@ -150,15 +150,20 @@ struct Stand {
     place_on_surface(world, hit, to);
     const double plain = std::max(
         back == Vec3d() ? emission_pdf_A(at, to) : scatter_pdf_A(before, at, to, false), least);
+    uint64_t tests = 0;
     const PortalSet::Crossing c =
-        from == From::light ? guide.crossing(at, to) : guide.crossing(to, at);
+        from == From::light ? guide.crossing(at, to, tests) : guide.crossing(to, at, tests);
     const Edge e = between(at, to);
     return guide.pdf_A(from, at, back, to, plain, c) * e.d2 / to.cosine(e.w);
   }
-  const Aim& aim() const {
-    return back == Vec3d() ? at.lamp_aim : at.aim[from == From::light ? 0 : 1];
+  Aim& aim() { return of(at.aims); }
+  const Aim& aim() const { return of(at.aims); }
+
+ private:
+  template <class AnyAims>
+  auto& of(AnyAims& aims) const {
+    return back == Vec3d() ? aims.emitted : aims.scattered[from == From::light ? 0 : 1];
   }
-  Aim& aim() { return const_cast<Aim&>(static_cast<const Stand&>(*this).aim()); }
 };
 
 struct Case {
@@ -220,7 +225,7 @@ Stand stand_of(const World& world, const Case& c) {
   }
   Hit hit;
   const Vec3d w =
-      c.from == From::light ? s.before.lamp->light.direction : world.film.direction(32, 32);
+      c.from == From::light ? -normalize(s.before.position) : world.film.direction(32, 32);
   EXPECT_TRUE(world.tracer.closest(s.before.origin(), w, hit));
   place_on_surface(world, hit, s.at);
   EXPECT_LT(length(s.at.position), 1e-6);
@@ -251,7 +256,7 @@ Judgement judge(const Case& c, const Stand& s, uint64_t stream, const Pdf& pdf_w
     } while (walk.size <= begin ||
              (!c.begins && length(walk[begin].position - s.at.position) > 1e-3));
     if (walk.size == begin + 1) return c.bins.size();
-    if (!walk[begin].dirac) return c.bins.bin(between(walk[begin], walk[begin + 1]).w);
+    if (!walk.state(begin).dirac) return c.bins.bin(between(walk[begin], walk[begin + 1]).w);
     ++dirac;
     return c.bins.size();
   });

@@ -9,8 +9,8 @@ using std::numbers::pi;
 
 /// From a to b; parallel light comes along its direction.
 Vec3d unit(const Vertex& from, const Vertex& to) {
-  if (from.at_infinity()) return from.lamp->light.direction;
-  if (to.at_infinity()) return -to.lamp->light.direction;
+  if (from.at_infinity()) return from.source->direction();
+  if (to.at_infinity()) return -to.source->direction();
   return normalize(to.position - from.position);
 }
 
@@ -65,14 +65,14 @@ Vec3d scattering(const Vertex& light_side, const Vertex& at, const Vertex& camer
 }
 
 Vec3d emission(const Vertex& x0, const Vertex& x1) {
-  if (x0.lamp) return Vec3d(x0.lamp->intensity(unit(x0, x1)));
+  if (!x0.on_surface()) return Vec3d(x0.source->emitted({}, {}, unit(x0, x1)));
   if (!x0.material->double_sided && dot(x0.normal, unit(x0, x1)) <= 0) return {};
   return Vec3d(x0.simple ? x0.material->emission : x0.emission);
 }
 
 double emission_pdf_w(const Vertex& x0, const Vertex& x1) {
   if (luminance(Vec3f(emission(x0, x1))) <= 0) return 0;
-  if (x0.lamp) return x0.lamp->pdf;
+  if (!x0.on_surface()) return 1 / x0.source->cos_per_pdf_w();
   return cosine_at(x0, x1) / (x0.material->double_sided ? 2 * pi : pi);
 }
 
@@ -250,7 +250,7 @@ std::vector<StrategyDensity> densities(const World& world, const Path& path, con
     double& P_light = from_light[static_cast<size_t>(i)];
     double& P_camera = from_camera[static_cast<size_t>(i)];
     if (i == 0) {
-      P_light = x.lamp ? x.lamp->pdf_1 : world.lights.pdf_A(x.triangle);
+      P_light = x.on_surface() ? world.lights.pdf_A(x.triangle) : x.source->pdf_1();
     } else {
       const Vertex& before = path.vertex(i - 1);
       const double p = i == 1 ? emission_pdf_w(before, x)
@@ -268,7 +268,7 @@ std::vector<StrategyDensity> densities(const World& world, const Path& path, con
     const double q = i == k - 1 ? p
                                 : guided_pdf_w(world, guiding, From::camera, &path.vertex(i + 2),
                                                after, x, path.dirac(i + 1), p, fault);
-    P_camera = x.lamp ? 0 : q * cosine_at(x, after) / distance2(after, x);
+    P_camera = !x.on_surface() ? 0 : q * cosine_at(x, after) / distance2(after, x);
   }
 
   std::vector<StrategyDensity> result;

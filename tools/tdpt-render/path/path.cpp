@@ -1,14 +1,14 @@
 // Densities of a path and its MIS weight. Sections 3.1 and 3.3, eqs. 6 to 8.
 //
 //   camera    s=0        prod_{i>=0} P<(x_i)
-//   direct    s=1        p_nee(x_0) prod_{i>=1} P<(x_i)         p_nee = P>(x_0): the same sampler
+//   direct    s=1        p_nee(x_0) prod_{i>=1} P<(x_i)         p_nee may depend on x_1
 //   light     s=k        prod_{i<k} P>(x_i)
 //   bi        s=2..k-1   prod_{i<s} P>(x_i) prod_{i>=s} P<(x_i)                             [eq. 7]
 //   portal a  a=0..k-2   prod_{i<a} P>(x_i) p_AA(x_a,x_{a+1}) prod_{i>a+1} P<(x_i)          [eq. 8]
 //
 // At a vertex with a Dirac lobe on this path (a mirror, smooth glass) nothing can be connected: the
-// techniques that would end a prefix or a segment there, or join one to it, have no density. A lamp
-// without a surface has no P<(x_0).
+// techniques that would end a prefix or a segment there, or join one to it, have no density. A
+// light without a surface has no P<(x_0).
 //
 // All are divided by the common factor prod q_i, q_i = P>(x_i) + P<(x_i): every factor then lies in
 // [0,1] (but for p_AA / q_a q_{a+1}), so long paths neither overflow nor underflow where it
@@ -51,20 +51,21 @@ void Path::fill(const World& world, const Walk& y, int s, const Walk& z, int t,
   for (int j = 0; j < t; ++j) x_[u(k_ - j)] = &z[j];
   // Walks turned at the inner vertices of their prefixes; at the others the path was connected.
   for (int i = 0; i <= k_; ++i)
-    dirac_[u(i)] = (i + 1 < s && y[i].dirac) || (i > first_z && z[k_ - i].dirac);
+    dirac_[u(i)] = (i + 1 < s && y.state(i).dirac) || (i > first_z && z.state(k_ - i).dirac);
 
   fill_crossings(world, y, s, z, first_z, segment, rays);
   // Inside a prefix the walk knows both densities; the two vertices at a prefix's end and the
   // segment's learn theirs from the finished path.
   for (int i = 0; i < k_; ++i) {
     const int j = k_ - i;  // index from the camera
-    from_light_A_[u(i)] = i < s        ? y[i].pdf_own_A
-                          : j <= t - 3 ? z[j].pdf_other_A
+    from_light_A_[u(i)] = i < s        ? y.state(i).pdf_own_A
+                          : j <= t - 3 ? z.state(j).pdf_other_A
                                        : light_pdf_A(world, i);
-    from_camera_A_[u(i)] = i >= first_z ? z[j].pdf_own_A
-                           : i <= s - 3 ? y[i].pdf_other_A
+    from_camera_A_[u(i)] = i >= first_z ? z.state(j).pdf_own_A
+                           : i <= s - 3 ? y.state(i).pdf_other_A
                                         : camera_pdf_A(world, i);
   }
+  next_event_A_ = world.lights.pdf_for(x(1).position, *x(0).source, x(0).triangle);
 }
 
 void Path::fill_crossings(const World& world, const Walk& y, int s, const Walk& z, int first_z,
@@ -76,22 +77,19 @@ void Path::fill_crossings(const World& world, const Walk& y, int s, const Walk& 
   for (int i = 0; i + 1 < k_; ++i) {
     PortalSet::Crossing& c = crossing_[u(i)];
     if (i + 1 < s) {
-      c = y[i + 1].crossing;
+      c = y.state(i + 1).crossing;
     } else if (i >= first_z) {
-      c = z[k_ - i].crossing;
+      c = z.state(k_ - i).crossing;
     } else if (segment) {
       c = i == s ? segment->own : i < s ? segment->before : segment->after;
-    } else if (!x(i).on_surface() && !guide_.active()) {
-      c = {};
     } else {
-      ++rays.portal;
-      c = guide_.crossing(x(i), x(i + 1));
+      c = guide_.crossing(x(i), x(i + 1), rays.portal);
     }
   }
 }
 
 double Path::light_pdf_A(const World& world, int i) const {
-  if (i == 0) return x(0).lamp ? x(0).lamp->pdf_1 : world.lights.pdf_A(x(0).triangle);
+  if (i == 0) return world.lights.pdf(*x(0).source, x(0).triangle);
   const double plain =
       i == 1 ? emission_pdf_A(x(0), x(1)) : scatter_pdf_A(x(i - 2), x(i - 1), x(i), dirac(i - 1));
   if (!guide_.active() || dirac(i - 1)) return plain;
@@ -100,7 +98,7 @@ double Path::light_pdf_A(const World& world, int i) const {
 }
 
 double Path::camera_pdf_A(const World& world, int i) const {
-  if (x(i).lamp) return 0;
+  if (!x(i).met()) return 0;
   if (i == k_ - 1) {
     const Edge e = between(x(k_), x(i));
     return to_area(world.film.pdf_w(e.w), e, x(i));
@@ -119,12 +117,17 @@ void Path::for_each_strategy(const Mixture& mixture, const Add& add) const {
                                 : s == k_ ? Technique::light
                                           : Technique::bi;
     const bool joins = !(s > 0 && (dirac(s - 1) || dirac(s)));
-    if (mixture.has(technique) && joins)
-      add(Strategy{technique, s}, s, mixture.sample_weight(technique, k_));
+    if (mixture.has(technique) && joins) {
+      const double weight = mixture.sample_weight(technique, k_);
+      if (s == 1)
+        add(Strategy{technique, s}, 0, 1, next_event_A_ * (1 / common(0)) * weight);
+      else
+        add(Strategy{technique, s}, s, s, weight);
+    }
     if (s <= k_ - 2 && crossing_[u(s)].density > 0 && mixture.has(Technique::portal) && joins &&
         !dirac(s) && !dirac(s + 1) && !dirac(s + 2)) {
       const double g = geometry(x(s), x(s + 1), between(x(s), x(s + 1)));
-      add(Strategy{Technique::portal, s}, s + 2,
+      add(Strategy{Technique::portal, s}, s, s + 2,
           mixture.segments * crossing_[u(s)].density * (g / common(s)) / common(s + 1));
     }
   }
@@ -144,8 +147,8 @@ double Path::weight(const Mixture& mixture, Strategy used, double beta) const {
   for (int i = k_ - 1; i >= 0; --i)
     camera_part[u(i)] = camera_part[u(i + 1)] * (from_camera_A_[u(i)] * per_common[u(i)]);
   double total = 0, mine = 0;
-  for_each_strategy(mixture, [&](Strategy strategy, int rest, double extra) {
-    double p = light_part[u(strategy.split)] * extra * camera_part[u(rest)];
+  for_each_strategy(mixture, [&](Strategy strategy, int prefix, int rest, double extra) {
+    double p = light_part[u(prefix)] * extra * camera_part[u(rest)];
     if (beta != 1) p = std::pow(p, beta);
     total += p;
     if (strategy == used) mine = p;
@@ -163,19 +166,19 @@ double Path::weight_by_logarithms(const Mixture& mixture, Strategy used, double 
   for (int i = k_ - 1; i >= 0; --i)
     camera_part[u(i)] = camera_part[u(i + 1)] + std::log(from_camera_A_[u(i)] / common(i));
   constexpr double kNone = -std::numeric_limits<double>::infinity();
-  const auto log_p = [&](Strategy strategy, int rest, double extra) {
-    return light_part[u(strategy.split)] + std::log(extra) + camera_part[u(rest)];
+  const auto log_p = [&](int prefix, int rest, double extra) {
+    return light_part[u(prefix)] + std::log(extra) + camera_part[u(rest)];
   };
   double largest = kNone, mine = kNone;
-  for_each_strategy(mixture, [&](Strategy strategy, int rest, double extra) {
-    const double l = log_p(strategy, rest, extra);
+  for_each_strategy(mixture, [&](Strategy strategy, int prefix, int rest, double extra) {
+    const double l = log_p(prefix, rest, extra);
     largest = std::max(largest, l);
     if (strategy == used) mine = l;
   });
   if (mine == kNone) return 0;
   double total = 0;
-  for_each_strategy(mixture, [&](Strategy strategy, int rest, double extra) {
-    total += std::exp(beta * (log_p(strategy, rest, extra) - largest));
+  for_each_strategy(mixture, [&](Strategy, int prefix, int rest, double extra) {
+    total += std::exp(beta * (log_p(prefix, rest, extra) - largest));
   });
   return std::exp(beta * (mine - largest)) / total;
 }

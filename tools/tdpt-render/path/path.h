@@ -55,8 +55,8 @@ class Path {
   double common(int i) const {
     return from_light_A_[static_cast<size_t>(i)] + from_camera_A_[static_cast<size_t>(i)];
   }
-  /// Calls add(strategy, first index of its camera part, its other factor) for those of `mixture`
-  /// that can have made the path.
+  /// Calls add(strategy, end of its light prefix, first index of its camera part, its other factor)
+  /// for those of `mixture` that can have made the path.
   template <class Add>
   void for_each_strategy(const Mixture& mixture, const Add& add) const;
   double weight_by_logarithms(const Mixture& mixture, Strategy used, double beta) const;
@@ -64,8 +64,9 @@ class Path {
   const Guide& guide_;
   int k_ = 0;
   std::array<const Vertex*, kMaxDepth + 1> x_;
-  std::array<double, kMaxDepth + 1> from_light_A_;           ///< P>(x_i)
-  std::array<double, kMaxDepth + 1> from_camera_A_;          ///< P<(x_i)
+  std::array<double, kMaxDepth + 1> from_light_A_;   ///< P>(x_i)
+  std::array<double, kMaxDepth + 1> from_camera_A_;  ///< P<(x_i)
+  double next_event_A_ = 0;  ///< p_nee(x_0): its density as a next event at x_1
   std::array<PortalSet::Crossing, kMaxDepth + 1> crossing_;  ///< of the edge x_i -> x_{i+1}
   std::array<bool, kMaxDepth + 1> dirac_;
 };

@@ -125,39 +125,39 @@ void PathSampler::to_film(const Path& path, Strategy strategy, double raster_x, 
   tally_.energy[static_cast<size_t>(strategy.technique)] += luminance(weighted);
 }
 
-bool PathSampler::visible(const Vertex& a, const Vertex& b) {
+bool PathSampler::visible(const Point& a, const Point& b) {
   ++tally_.rays.shadow;
   // No two places of a scene are further apart than its ball's diameter, 2 sqrt 3 (canonical).
   constexpr double kOutside = 4;
-  const auto origin = [](const Vertex& v, const Vertex& other) {
-    if (!v.at_infinity()) return v.origin();
-    return Tracer::Origin{other.position - v.lamp->light.direction * kOutside};
+  const auto origin = [](const Point& p, const Point& other) {
+    if (!p.at_infinity()) return p.origin();
+    return Tracer::Origin{other.position - p.source->direction() * kOutside};
   };
   return world_.tracer.visible(origin(a, b), origin(b, a));
 }
 
-Rgb PathSampler::geometry(const Vertex& a, const Vertex& b, const Edge& e) const {
+Rgb PathSampler::geometry(const Point& a, const Point& b, const Edge& e) const {
   const auto g = static_cast<float>(tdpt::geometry(a, b, e));
   return world_.absorbing ? transmittance(a, b, e.w, std::sqrt(e.d2)) * g : Rgb(g);
 }
 
-bool PathSampler::project(const Vertex& v, Vec3d& to_camera, Rgb& factor, double& x,
+bool PathSampler::project(const Point& p, Vec3d& to_camera, Rgb& factor, double& x,
                           double& y) const {
-  const Edge e = between(camera_walk_[0], v);
+  const Edge e = between(camera_walk_[0], p);
   if (!world_.film.raster(e.w, x, y)) return false;
   to_camera = -e.w;
-  factor = geometry(camera_walk_[0], v, e) * static_cast<float>(world_.film.pdf_w(e.w));
+  factor = geometry(camera_walk_[0], p, e) * static_cast<float>(world_.film.pdf_w(e.w));
   return true;
 }
 
 void PathSampler::camera() {
   const Walk& z = camera_walk_;
   for (int j = 1; j < z.size; ++j) {
-    if (!emits(z[j])) continue;
+    if (!z[j].source) continue;
     const Rgb Le = emitted(z[j], back(z, j));
     if (black(Le)) continue;
     to_pixel(Path(world_, guide_, light_walk_, 0, z, j + 1, tally_.rays), {Technique::camera, 0},
-             z[j].throughput * Le);
+             z.state(j).throughput * Le);
   }
 }
 
@@ -169,16 +169,15 @@ void PathSampler::direct() {
     if (!z[j].connectible) continue;
     random.seek(4 * static_cast<uint32_t>(j));
     const auto [u, v, pick, side] = random.uniforms<4>();
-    // y_0 alone: a light walk of no edges.
-    Vertex& y0 = light_point_.v[0];
-    light_point_.size = 1;
-    place_on_light(world_, world_.lights.sample(pick, u, v, side), y0);
-    if (guide_.active()) guide_.aim_at_light(y0);
+    begin_at_light(world_, guide_, world_.lights.sample_for(z[j].position, pick, u, v, side),
+                   light_point_);
+    const Vertex& y0 = light_point_[0];
     const Edge e = between(z[j], y0);
     const Rgb Le = emitted(y0, -e.w);
     if (black(Le)) continue;
     const Rgb f = bsdf_at(z[j], e.w, back(z, j));
-    const Rgb value = z[j].throughput * f * Le * y0.throughput * geometry(z[j], y0, e);
+    const Rgb value =
+        z.state(j).throughput * f * Le * light_point_.state(0).throughput * geometry(z[j], y0, e);
     if (black(value) || !visible(z[j], y0)) continue;
     to_pixel(Path(world_, guide_, light_point_, 1, z, j + 1, tally_.rays), {Technique::direct, 1},
              value);
@@ -193,7 +192,7 @@ void PathSampler::light() {
     Rgb factor;
     double raster_x, raster_y;
     if (!project(y[i], to_camera, factor, raster_x, raster_y)) continue;
-    const Rgb value = y[i].throughput * bsdf_at(y[i], back(y, i), to_camera) * factor;
+    const Rgb value = y.state(i).throughput * bsdf_at(y[i], back(y, i), to_camera) * factor;
     if (black(value) || !visible(y[i], camera_walk_[0])) continue;
     to_film(Path(world_, guide_, y, i + 1, camera_walk_, 1, tally_.rays), {Technique::light, i + 1},
             raster_x, raster_y, value);
@@ -210,8 +209,9 @@ void PathSampler::bi() {
       const Vertex& a = y[s - 1];
       if (!a.connectible) continue;
       const Edge e = between(a, b);
-      const Rgb value = a.throughput * bsdf_at(a, back(y, s - 1), e.w) * b.throughput *
-                        bsdf_at(b, -e.w, back(z, t - 1)) * geometry(a, b, e);
+      const Rgb value = y.state(s - 1).throughput * bsdf_at(a, back(y, s - 1), e.w) *
+                        z.state(t - 1).throughput * bsdf_at(b, -e.w, back(z, t - 1)) *
+                        geometry(a, b, e);
       if (black(value) || !visible(a, b)) continue;
       to_pixel(Path(world_, guide_, y, s, z, t, tally_.rays), {Technique::bi, s}, value);
     }
@@ -239,12 +239,11 @@ bool PathSampler::portal_segment(const PortalSet::Sample& sample, Vertex& x_l, V
   if (!x_l.connectible && black(emitted(x_l, sample.direction))) return false;
   if (!(between(x_l, x_c).d2 > 0)) return false;
   if (!world_.portals.spans(sample.drawn, x_l.position, x_c.position)) return false;
-  ++tally_.rays.portal;
   if (guide_.active()) {
     guide_.aim_at_surface(sample.direction, x_l);
     guide_.aim_at_surface(-sample.direction, x_c);
   }
-  crossing = guide_.crossing(x_l, x_c, sample.drawn);
+  crossing = guide_.crossing(x_l, x_c, tally_.rays.portal, sample.drawn);
   return crossing.density > 0;
 }
 
@@ -274,11 +273,6 @@ void PathSampler::portal() {
 
   // Light sides: [a] with a prefix vertices y_0..y_{a-1}; arriving at x_l and scattered along w.
   // Each end's edges are tested against the portals once, for all paths that have them.
-  const auto edge_crossing = [&](const Vertex& from, const Vertex& to) {
-    if (!from.on_surface() && !guide_.active()) return PortalSet::Crossing();
-    ++tally_.rays.portal;
-    return guide_.crossing(from, to);
-  };
   std::array<Rgb, kMaxDepth> light_side;
   std::array<PortalSet::Crossing, kMaxDepth> before;  // of meaning where light_side is not black
   light_side[0] = emitted(x_l, w);
@@ -291,9 +285,9 @@ void PathSampler::portal() {
     if (!v.connectible) continue;
     const Edge e = between(v, x_l);
     const Rgb f = a == 1 ? emitted(v, e.w) : bsdf_at(v, back(y, a - 1), e.w);
-    value = v.throughput * f * bsdf_at(x_l, -e.w, w) * geometry(v, x_l, e);
+    value = y.state(a - 1).throughput * f * bsdf_at(x_l, -e.w, w) * geometry(v, x_l, e);
     if (!black(value) && !visible(v, x_l)) value = {};
-    if (!black(value)) before[static_cast<size_t>(a)] = edge_crossing(v, x_l);
+    if (!black(value)) before[static_cast<size_t>(a)] = guide_.crossing(v, x_l, tally_.rays.portal);
   }
 
   double& energy = tally_.energy[static_cast<size_t>(Technique::portal)];
@@ -311,11 +305,11 @@ void PathSampler::portal() {
     } else {
       if (!v.connectible) continue;
       const Edge e = between(x_c, v);
-      camera_side = bsdf_at(x_c, -w, e.w) * bsdf_at(v, -e.w, back(z, b - 1)) * v.throughput *
-                    geometry(x_c, v, e);
+      camera_side = bsdf_at(x_c, -w, e.w) * bsdf_at(v, -e.w, back(z, b - 1)) *
+                    z.state(b - 1).throughput * geometry(x_c, v, e);
     }
     if (black(camera_side) || !visible(x_c, v)) continue;
-    const PortalSet::Crossing after = b == 1 ? PortalSet::Crossing() : edge_crossing(x_c, v);
+    const PortalSet::Crossing after = guide_.crossing(x_c, v, tally_.rays.portal);
     for (int a = 0; a <= last_a && a + b <= D - 1; ++a) {
       const Rgb value = light_side[static_cast<size_t>(a)] * camera_side * through;
       if (black(value)) continue;

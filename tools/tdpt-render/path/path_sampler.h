@@ -74,13 +74,13 @@ class PathSampler {
   bool finite(const Rgb& value);
   void count_not_finite();
 
-  bool visible(const Vertex& a, const Vertex& b);
+  bool visible(const Point& a, const Point& b);
 
   /// G times what absorbing solids let through. No visibility.
-  Rgb geometry(const Vertex& a, const Vertex& b, const Edge& e) const;
-  /// Importance of the pinhole for light leaving v: radiance of a splat per unit of f * throughput.
-  /// False when v is not in the picture. No visibility.
-  bool project(const Vertex& v, Vec3d& to_camera, Rgb& factor, double& x, double& y) const;
+  Rgb geometry(const Point& a, const Point& b, const Edge& e) const;
+  /// Importance of the pinhole for light leaving p: radiance of a splat per unit of f * throughput.
+  /// False when p is not in the picture. No visibility.
+  bool project(const Point& p, Vec3d& to_camera, Rgb& factor, double& x, double& y) const;
   /// A segment x_l -> x_c through a portal, its crossing and the presence of both ends' surfaces
   /// (tracer.h); false when it joins nothing.
   bool portal_segment(const PortalSet::Sample& sample, Vertex& x_l, Vertex& x_c,

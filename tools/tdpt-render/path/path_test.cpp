@@ -77,7 +77,7 @@ Worst compare(const Scene& scene, const Integrator& integrator, Fault fault, int
   Worst worst;
   const PathObserver observer = [&](const Path& path, Strategy strategy, const Rgb& value) {
     ++worst.paths[static_cast<size_t>(strategy.technique)];
-    worst.lamps += path.vertex(0).lamp != nullptr;
+    worst.lamps += !path.vertex(0).on_surface();
     bool dirac = false;
     for (int i = 1; i < path.k(); ++i) dirac |= path.dirac(i);
     worst.dirac += dirac;
@@ -208,12 +208,12 @@ double carried_by_directed_walks(double fault) {
       const double x = 16 * rng.uniform(), y = 12 * rng.uniform();
       walk_from_camera(world, guide, x, y, 2, Sequence(4, directed, static_cast<uint64_t>(i), 0),
                        walk, rays);
-      if (walk.size < 3 || !(walk[2].crossing.density > 0)) continue;
+      if (walk.size < 3 || !(walk.state(2).crossing.density > 0)) continue;
       const Vertex& z1 = walk[1];
       const Vec3d back = between(z1, walk[0]).w;
       const Vec3d mirrored = z1.shading * (2 * dot(z1.shading, back)) - back;
       if (same_side(z1, mirrored, back)) continue;
-      const double carried = luminance(walk[2].throughput) * (directed ? fault : 1);
+      const double carried = luminance(walk.state(2).throughput) * (directed ? fault : 1);
       sum += carried;
       squares += carried * carried;
     }
@@ -285,26 +285,27 @@ TEST(paths_deep, weights_survive_products_that_no_double_holds) {
                  Vec3d(0.01 * (i / 2), 1e-7 * (i % 2), 0);
     v.normal = Vec3d(0, i % 2 ? -1 : 1, 0);
     v.material = &grey;
-    v.pdf_own_A = 1;
   };
   y.size = 1;
   place(0, y.v[0]);
   y.v[0].material = &scene.material_of(lamp);
   y.v[0].triangle = lamp;
-  y.v[0].pdf_own_A = world.lights.pdf_A(lamp);
+  y.v[0].source = &world.lights.surface(false);
+  y.states[0].pdf_own_A = world.lights.pdf_A(lamp);
   z.size = k;
   z.v[0].position = world.film.position();
   for (int j = 1; j < k; ++j) place(k - j, z.v[static_cast<size_t>(j)]);
   const auto at = [&](int i) -> const Vertex& { return i == 0 ? y[0] : z[k - i]; };
   for (int i = 0; i < k; ++i) {
-    Vertex& v = i == 0 ? y.v[0] : z.v[static_cast<size_t>(k - i)];
+    const Vertex& v = at(i);
     const Edge from_camera = between(at(k), at(i));
     const double camera = i == k - 1 ? to_area(world.film.pdf_w(from_camera.w), from_camera, v)
                                      : scatter_pdf_A(at(i + 2), at(i + 1), v, false);
-    const double light = i == 0   ? y[0].pdf_own_A
+    const double light = i == 0   ? y.state(0).pdf_own_A
                          : i == 1 ? emission_pdf_A(at(0), v)
                                   : scatter_pdf_A(at(i - 2), at(i - 1), v, false);
-    if (i > 0) v.pdf_own_A = camera, v.pdf_other_A = light;
+    WalkState& state = z.states[static_cast<size_t>(k - i)];
+    if (i > 0) state.pdf_own_A = camera, state.pdf_other_A = light;
   }
   RayCounts rays;
   const Guide guide(world, {});
@@ -320,7 +321,8 @@ TEST(paths_deep, weights_survive_products_that_no_double_holds) {
   EXPECT_NEAR(sum, 1, 1e-9);
   double common = 0;  // logarithm of what the product form divides by
   for (int i = 0; i < k; ++i)
-    common += std::log(i == 0 ? y[0].pdf_own_A : z[k - i].pdf_own_A + z[k - i].pdf_other_A);
+    common += std::log(i == 0 ? y.state(0).pdf_own_A
+                              : z.state(k - i).pdf_own_A + z.state(k - i).pdf_other_A);
   EXPECT_LT(largest - common, -750);  // beyond the smallest double, exp(-745)
 }
 
@@ -361,9 +363,10 @@ TEST(transmittance, inside_a_solid_is_that_of_its_length_and_1_towards_the_sun) 
   EXPECT_NEAR(transmittance(a, b, {0, 0, 1}, 3).x, std::exp(-1.5f), 1e-6f);
   EXPECT_NEAR(transmittance(a, b, {0, 0, 1}, 3).z, std::exp(-6.0f), 1e-6f);
   EXPECT_EQ(transmittance(a, b, {0, 0, -1}, 3).x, 1);  // outside
-  Lamp lamp;
-  lamp.light.kind = PunctualLight::Kind::directional;
-  sun.lamp = &lamp;
+  PunctualLight parallel;
+  parallel.kind = PunctualLight::Kind::directional;
+  const LightSource source = LightSource::punctual(parallel, 1);
+  sun.source = &source;
   EXPECT_EQ(transmittance(a, sun, {0, 0, 1}, 1).x, 1);
 }
 

@@ -42,7 +42,7 @@ Bsdf bsdf_of(const Scene& scene, const Material& m, const SurfacePlace& place) {
 }
 
 // Local directions; false when a direction lies above one normal and below the other.
-bool to_shading_frame(const Vertex& v, const Vec3d& a, const Vec3d& b, Vec3d& la, Vec3d& lb) {
+bool to_shading_frame(const Point& v, const Vec3d& a, const Vec3d& b, Vec3d& la, Vec3d& lb) {
   const Onb<double> onb(v.shading);
   la = onb.to_local(a);
   lb = onb.to_local(b);
@@ -55,65 +55,58 @@ double square(double x) {
 
 }  // namespace
 
-void place_on_surface(const World& world, const Hit& hit, Vertex& v) {
-  v.position = hit.position;
-  v.normal = hit.normal;
-  v.triangle = hit.triangle;
-  v.lamp = nullptr;
+void place_on_surface(const World& world, const Hit& hit, Point& p) {
   const Scene& scene = world.scene;
   const Material& m = scene.material_of(hit.triangle);
-  v.material = &m;
-  v.dirac = false;
-  v.simple = m.plain && (scene.smooth.empty() || !scene.smooth[hit.triangle]);
-  v.connectible = true;
-  if (v.simple) return;
-  const SurfacePlace place{hit.triangle, hit.b1, hit.b2};
-  v.shading = shading_normal_at(scene, place, hit.normal);
-  if (m.plain) {
-    v.bsdf = {};
-    v.bsdf.diffuse = m.base_color;
-    v.emission = m.emission;
-    return;
+  p.position = hit.position;
+  p.normal = hit.normal;
+  p.triangle = hit.triangle;
+  p.material = &m;
+  p.simple = m.plain && (scene.smooth.empty() || !scene.smooth[hit.triangle]);
+  p.connectible = true;
+  p.emission = m.emission;
+  if (!p.simple) {
+    const SurfacePlace place{hit.triangle, hit.b1, hit.b2};
+    p.shading = shading_normal_at(scene, place, hit.normal);
+    if (m.plain) {
+      p.bsdf = {};
+      p.bsdf.diffuse = m.base_color;
+    } else {
+      p.bsdf = bsdf_of(scene, m, place);
+      p.connectible = bsdf::connectible(p.bsdf);
+      p.emission = emission_at(scene, place);
+    }
   }
-  v.bsdf = bsdf_of(scene, m, place);
-  v.connectible = bsdf::connectible(v.bsdf);
-  v.emission = emission_at(scene, place);
+  p.source = max_component(p.emission) > 0 ? &world.lights.surface(m.double_sided) : nullptr;
 }
 
-void place_on_light(const World& world, const Lights::Point& point, Vertex& v) {
-  if (point.lamp) {
-    v.position = point.position;
-    v.normal = {};
-    v.material = nullptr;
-    v.lamp = point.lamp;
-    v.triangle = ~0u;
-    v.simple = true;
-  } else {
+void place_on_light(const World& world, const Lights::Point& light, Point& p) {
+  if (light.source->met()) {
     Hit hit;
-    hit.triangle = point.triangle;
-    hit.b1 = point.b1;
-    hit.b2 = point.b2;
-    hit.position = point.position;
-    hit.normal = world.tracer.shape(point.triangle).normal;
-    place_on_surface(world, hit, v);
-    if (v.material->alpha_mode != Material::Alpha::opaque)
-      v.emission *= coverage_at(world.scene, {point.triangle, point.b1, point.b2});
+    hit.triangle = light.triangle;
+    hit.b1 = light.b1;
+    hit.b2 = light.b2;
+    hit.position = light.position;
+    hit.normal = world.tracer.shape(light.triangle).normal;
+    place_on_surface(world, hit, p);
+    if (p.material->alpha_mode != Material::Alpha::opaque)
+      p.emission *= coverage_at(world.scene, {light.triangle, light.b1, light.b2});
+    p.connectible = true;
+  } else {
+    p = {};
+    p.position = light.position;
   }
-  v.dirac = false;
-  v.connectible = true;
-  v.pdf_own_A = point.pdf;
-  v.pdf_other_A = 0;
-  v.throughput = Rgb(static_cast<float>(1 / point.pdf));
+  p.source = light.source;
 }
 
-Rgb layered_bsdf(const Vertex& v, const Vec3d& to_light, const Vec3d& to_camera) {
+Rgb layered_bsdf(const Point& v, const Vec3d& to_light, const Vec3d& to_camera) {
   Vec3d l, c;
   if (!to_shading_frame(v, to_light, to_camera, l, c)) return {};
   return bsdf::f(v.bsdf, l, c) * static_cast<float>(square(v.bsdf.index(c)) * std::abs(l.z) /
                                                     std::abs(dot(v.normal, to_light)));
 }
 
-double layered_scatter_pdf_A(const Vertex& from, const Vertex& at, const Vertex& to, bool dirac) {
+double layered_scatter_pdf_A(const Point& from, const Point& at, const Point& to, bool dirac) {
   const Edge e = between(at, to);
   Vec3d f, t;
   if (!to_shading_frame(at, between(at, from).w, e.w, f, t)) return 0;
@@ -123,8 +116,7 @@ double layered_scatter_pdf_A(const Vertex& from, const Vertex& at, const Vertex&
   return to_area(pdf_w, e, to);
 }
 
-bool turn(const Vertex& v, From from, const Vec3d& back, const std::array<double, 3>& u,
-          Turn& out) {
+bool turn(const Point& v, From from, const Vec3d& back, const std::array<double, 3>& u, Turn& out) {
   const auto [a, b, choice] = u;
   out.dirac = false;
   if (v.simple) {
@@ -155,7 +147,7 @@ bool turn(const Vertex& v, From from, const Vec3d& back, const std::array<double
   return turn_towards(v, from, back, out.w, out);
 }
 
-bool turn_towards(const Vertex& v, From from, const Vec3d& back, const Vec3d& w, Turn& out) {
+bool turn_towards(const Point& v, From from, const Vec3d& back, const Vec3d& w, Turn& out) {
   out.w = w;
   out.dirac = false;
   if (v.simple) {
@@ -171,9 +163,9 @@ bool turn_towards(const Vertex& v, From from, const Vec3d& back, const Vec3d& w,
   return true;
 }
 
-Rgb transmittance(const Vertex& a, const Vertex& b, const Vec3d& w, double d) {
+Rgb transmittance(const Point& a, const Point& b, const Vec3d& w, double d) {
   if (a.at_infinity() || b.at_infinity()) return Rgb(1.0f);  // the sun is in no solid
-  const auto inside = [](const Vertex& v, const Vec3d& away) {
+  const auto inside = [](const Point& v, const Vec3d& away) {
     return v.on_surface() && v.material->solid && max_component(v.material->absorption) > 0 &&
            dot(v.normal, away) < 0;
   };

@@ -1,16 +1,16 @@
-// From a hit or a point on a light to a vertex: what the surface is made of there.
+// From a hit or a place on a light to a point of a path: what the surface is made of there.
 #pragma once
-#include "tools/tdpt-render/path/vertex.h"
+#include "tools/tdpt-render/path/point.h"
 #include "tools/tdpt-render/path/world.h"
 
 namespace tdpt {
 
-/// Sets place, normal and material of `v`; leaves the fields of its walk alone.
-void place_on_surface(const World& world, const Hit& hit, Vertex& v);
+/// Puts `p` where a ray has hit.
+void place_on_surface(const World& world, const Hit& hit, Point& p);
 
-/// A vertex on a light, with the density of its choice. An emitter that is not opaque shines by its
-/// coverage: no ray decides here whether it is there.
-void place_on_light(const World& world, const Lights::Point& point, Vertex& v);
+/// Puts `p` on a light. An emitter that is not opaque shines by its coverage: no ray decides here
+/// whether it is there.
+void place_on_light(const World& world, const Lights::Point& light, Point& p);
 
 /// The next direction of a walk.
 struct Turn {
@@ -21,11 +21,11 @@ struct Turn {
 /// `back`: unit, where the walk came from. `u`: direction, two numbers, and the choice of a lobe.
 /// False when the walk ends here; `out.dirac` then tells whether a Dirac lobe was tried, as bent
 /// normals may send what it reflects into the surface.
-bool turn(const Vertex& v, From from, const Vec3d& back, const std::array<double, 3>& u, Turn& out);
+bool turn(const Point& p, From from, const Vec3d& back, const std::array<double, 3>& u, Turn& out);
 /// The same with the direction given: `out` is by a lobe that is not Dirac.
-bool turn_towards(const Vertex& v, From from, const Vec3d& back, const Vec3d& w, Turn& out);
+bool turn_towards(const Point& p, From from, const Vec3d& back, const Vec3d& w, Turn& out);
 
 /// Share of light that gets along the inside of an absorbing solid from a to b, d long.
-Rgb transmittance(const Vertex& a, const Vertex& b, const Vec3d& w, double d);
+Rgb transmittance(const Point& a, const Point& b, const Vec3d& w, double d);
 
 }  // namespace tdpt

@@ -41,12 +41,8 @@ class Walker {
 };
 
 PortalSet::Crossing Walker::crossing(const Vertex& v, const Vertex& next, int triangle) {
-  // No technique puts a portal on the camera's own edge.
-  if (world_.portals.empty() || (!v.on_surface() && !v.lamp)) return {};
-  if (!v.on_surface() && !guide_.active()) return {};
-  ++rays_.portal;
-  return from_ == From::light ? guide_.crossing(v, next, {triangle, -1})
-                              : guide_.crossing(next, v, {triangle, -1});
+  return from_ == From::light ? guide_.crossing(v, next, rays_.portal, {triangle, -1})
+                              : guide_.crossing(next, v, rays_.portal, {triangle, -1});
 }
 
 template <class PlainPdf>
@@ -61,33 +57,35 @@ bool Walker::extend(const Tracer::Origin& origin, const Vec3d& w, const Rgb& thr
   place_on_surface(world_, hit, next);
   const double plain = plain_A(v, next);
   if (!(plain > 0)) return false;
-  next.crossing = crossing(v, next, triangle);
-  const bool known = n >= 2 && !walk_.v[n - 2].lamp;  // no walk meets a lamp without surface
-  const double other = known ? scatter_pdf_A(next, v, walk_.v[n - 2], v.dirac) : 0;
-  next.pdf_own_A = plain;
-  next.pdf_other_A = 0;
-  if (known) walk_.v[n - 2].pdf_other_A = other;
-  next.throughput = throughput * static_cast<float>(1 / hit.presence);
-  if (world_.absorbing) next.throughput = next.throughput * transmittance(v, next, w, hit.distance);
+  const WalkState& here = walk_.states[n - 1];
+  const bool known = n >= 2 && walk_.v[n - 2].met();
+  const double other = known ? scatter_pdf_A(next, v, walk_.v[n - 2], here.dirac) : 0;
+  if (known) walk_.states[n - 2].pdf_other_A = other;
+  WalkState& state = walk_.states[n];
+  state = {throughput * static_cast<float>(1 / hit.presence), plain, 0, crossing(v, next, triangle),
+           false};
+  if (world_.absorbing)
+    state.throughput = state.throughput * transmittance(v, next, w, hit.distance);
   ++walk_.size;
   if (!guide_.active()) return true;
 
   guide_.aim_at_surface(-w, next);
   const bool by_film = n == 1 && from_ == From::camera;
-  if (v.dirac || by_film) return true;
-  next.pdf_own_A = guide_.pdf_A(from_, v, back(n - 1), next, plain, next.crossing);
-  next.throughput *= static_cast<float>(plain / next.pdf_own_A);
+  if (here.dirac || by_film) return true;
+  state.pdf_own_A = guide_.pdf_A(from_, v, back(n - 1), next, plain, state.crossing);
+  state.throughput *= static_cast<float>(plain / state.pdf_own_A);
   if (known) {
     const From reverse = from_ == From::light ? From::camera : From::light;
-    Vertex& before = walk_.v[n - 2];
-    before.pdf_other_A = guide_.pdf_A(reverse, v, w, before, other, v.crossing);
+    walk_.states[n - 2].pdf_other_A =
+        guide_.pdf_A(reverse, v, w, walk_.v[n - 2], other, here.crossing);
   }
   return true;
 }
 
 void Walker::scatter(int edges) {
   while (walk_.size <= edges) {
-    Vertex& v = walk_.v[static_cast<size_t>(walk_.size) - 1];
+    const Vertex& v = walk_[walk_.size - 1];
+    WalkState& state = walk_.states[static_cast<size_t>(walk_.size) - 1];
     const Vertex& previous = walk_[walk_.size - 2];
     const Vec3d to_previous = between(v, previous).w;
     Turn t;
@@ -106,14 +104,14 @@ void Walker::scatter(int edges) {
     } else if (!goes_on) {
       return;
     }
-    const Rgb throughput = v.throughput * t.weight;
+    const Rgb throughput = state.throughput * t.weight;
     if (max_component(throughput) <= 0) return;
-    v.dirac = t.dirac;
+    state.dirac = t.dirac;
     const auto pdf_A = [&](const Vertex& at, const Vertex& to) {
       return scatter_pdf_A(previous, at, to, t.dirac);
     };
     if (!extend(v.origin(), t.w, throughput, pdf_A, tried_dirac ? -1 : triangle)) {
-      v.dirac = false;
+      state.dirac = false;
       return;
     }
   }
@@ -121,13 +119,22 @@ void Walker::scatter(int edges) {
 
 }  // namespace
 
+void begin_at_light(const World& world, const Guide& guide, const Lights::Point& light,
+                    Walk& walk) {
+  walk.size = 1;
+  place_on_light(world, light, walk.v[0]);
+  if (guide.active()) guide.aim_at_light(walk.v[0]);
+  walk.states[0] = {Rgb(static_cast<float>(1 / light.pdf)), light.pdf, 0, {}, false};
+}
+
 void walk_from_camera(const World& world, const Guide& guide, double x, double y, int edges,
                       Sequence numbers, Walk& walk, RayCounts& rays) {
   walk.size = 1;
   Vertex& z0 = walk.v[0];
   z0 = {};
   z0.position = world.film.position();
-  z0.pdf_own_A = 1;
+  walk.states[0] = {};
+  walk.states[0].pdf_own_A = 1;
   const Vec3d w = world.film.direction(x, y);
   const auto pdf_A = [&](const Vertex& at, const Vertex& to) {
     return to_area(world.film.pdf_w(w), {w, between(at, to).d2}, to);
@@ -144,21 +151,16 @@ void walk_from_light(const World& world, const Guide& guide, int edges, Sequence
   walker.numbers().seek(0);
   const auto [u, v, pick, side] = walker.numbers().uniforms<4>();
   const Lights::Point light = world.lights.sample(pick, u, v, side);
-  walk.size = 1;
-  Vertex& y0 = walk.v[0];
-  place_on_light(world, light, y0);
-  if (guide.active()) guide.aim_at_light(y0);
+  begin_at_light(world, guide, light, walk);
   if (edges < 1) return;
+  const Vertex& y0 = walk[0];
   const std::array<double, 4> direction = walker.numbers().uniforms<4>();
   Lights::Ray ray = world.lights.leave(light, direction[0], direction[1]);
   int triangle = -1;
   if (guide.active() && guide.draw(y0, Vec3d(), From::light, direction, ray.direction, triangle))
     ray.origin = light.position;
-  // Le cos / pdf_w: pi per emitting side of a surface.
-  const double sides = light.lamp ? 0 : y0.material->double_sided ? 2 : 1;
-  const double per_density = light.lamp ? 1 / light.lamp->pdf : sides * std::numbers::pi;
-  const Rgb throughput =
-      y0.throughput * emitted(y0, ray.direction) * static_cast<float>(per_density);
+  const Rgb throughput = walk.state(0).throughput * emitted(y0, ray.direction) *
+                         static_cast<float>(light.source->cos_per_pdf_w());
   if (max_component(throughput) <= 0) return;
   const Tracer::Origin origin{ray.origin, y0.normal};
   if (walker.extend(origin, ray.direction, throughput, emission_pdf_A, triangle))

@@ -1,0 +1,108 @@
+// A point where a path begins, turns or ends, and the light that is emitted and scattered there.
+//
+// Densities are per canonical area (pdf_A) unless their name says otherwise.
+//
+// The radiance BSDF is taken with geometric cosines everywhere: where the shading normal ns differs
+// from the geometric normal ng, f(to_light, to_camera) carries |to_light.ns| / |to_light.ng| (Veach
+// 5.3), and a direction that lies above one of them and below the other is dark. So walks from
+// either side agree.
+#pragma once
+#include <numbers>
+
+#include "libcommon/scene/lights.h"
+#include "libcommon/trace/tracer.h"
+#include "tools/tdpt-render/path/bsdf.h"
+
+namespace tdpt {
+
+enum class From { light, camera };
+
+struct Point {
+  Vec3d position{};                     ///< of no meaning at infinity
+  Vec3d normal{};                       ///< unit geometric normal of the front side; 0 off surfaces
+  const Material* material = nullptr;   ///< of a surface
+  const LightSource* source = nullptr;  ///< where light begins here
+  uint32_t triangle = ~0u;
+
+  /// Diffuse reflection about the geometric normal by material->base_color. Otherwise `shading` and
+  /// `bsdf` hold what is there.
+  bool simple = true;
+  bool connectible = true;  ///< some lobe is not Dirac
+  Rgb emission{};           ///< of a surface [W/m2/sr]
+  Vec3d shading{};          ///< unit shading normal, front side
+  Bsdf bsdf;
+
+  bool on_surface() const { return material != nullptr; }
+  bool at_infinity() const { return source && source->at_infinity(); }
+  /// Whether a ray can meet it: all but lights without surface.
+  bool met() const { return !source || source->met(); }
+  /// |cos| to the surface; 1 where there is none.
+  double cosine(const Vec3d& w) const { return on_surface() ? std::abs(dot(normal, w)) : 1; }
+  Tracer::Origin origin() const { return {position, normal}; }
+};
+
+/// The way from one point to another.
+struct Edge {
+  Vec3d w;    ///< unit
+  double d2;  ///< squared distance; 1 when one end is infinitely far
+};
+inline Edge between(const Point& a, const Point& b) {
+  if (a.at_infinity()) return {a.source->direction(), 1};
+  if (b.at_infinity()) return {-b.source->direction(), 1};
+  const Vec3d d = b.position - a.position;
+  const double d2 = dot(d, d);
+  return {d / std::sqrt(d2), d2};
+}
+
+/// G without visibility [1/m2]: |cos_a cos_b| / d^2.
+inline double geometry(const Point& a, const Point& b, const Edge& e) {
+  return a.cosine(e.w) * b.cosine(e.w) / e.d2;
+}
+
+/// Density of arriving at `to` per area along `e` when it was left with density pdf_w:
+/// pdf_A = pdf_w |cos_to| / d^2.
+inline double to_area(double pdf_w, const Edge& e, const Point& to) {
+  return pdf_w * to.cosine(e.w) / e.d2;
+}
+
+/// Both directions on the same side of the surface at `p`.
+inline bool same_side(const Point& p, const Vec3d& wi, const Vec3d& wo) {
+  return dot(p.normal, wi) * dot(p.normal, wo) > 0;
+}
+
+// Of points that are not simple.
+Rgb layered_bsdf(const Point& p, const Vec3d& to_light, const Vec3d& to_camera);
+double layered_scatter_pdf_A(const Point& from, const Point& at, const Point& to, bool dirac);
+
+/// Radiance BSDF without Dirac lobes [1/sr]; unit directions away from the surface.
+inline Rgb bsdf_at(const Point& p, const Vec3d& to_light, const Vec3d& to_camera) {
+  if (!p.simple) return layered_bsdf(p, to_light, to_camera);
+  return same_side(p, to_light, to_camera)
+             ? p.material->base_color * static_cast<float>(std::numbers::inv_pi)
+             : Rgb{};
+}
+
+/// pdf_A of reaching `to` when the walk came from `from` and scatters at `at`. `dirac`: by a Dirac
+/// lobe; its density is per n^2 |cos| dw, which reflection and refraction preserve.
+inline double scatter_pdf_A(const Point& from, const Point& at, const Point& to, bool dirac) {
+  if (!at.simple) return layered_scatter_pdf_A(from, at, to, dirac);
+  const Edge e = between(at, to);
+  const double cos_in =
+      dot(at.normal, from.at_infinity() ? between(at, from).w : from.position - at.position);
+  const double cos_out = dot(at.normal, e.w);
+  if (!(cos_in * cos_out > 0)) return 0;
+  return to_area(std::abs(cos_out) * std::numbers::inv_pi, e, to);
+}
+
+/// What leaves along unit w (LightSource); black where no light begins.
+inline Rgb emitted(const Point& p, const Vec3d& w) {
+  return p.source ? p.source->emitted(p.normal, p.emission, w) : Rgb{};
+}
+
+/// pdf_A of reaching `to` when light leaves `light`.
+inline double emission_pdf_A(const Point& light, const Point& to) {
+  const Edge e = between(light, to);
+  return to_area(light.source->pdf_w(light.normal, e.w), e, to);
+}
+
+}  // namespace tdpt
