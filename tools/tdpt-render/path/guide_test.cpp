@@ -156,14 +156,10 @@ struct Stand {
     const Edge e = between(at, to);
     return guide.pdf_A(from, at, back, to, plain, c) * e.d2 / to.cosine(e.w);
   }
-  Aim& aim() { return of(at.aims); }
-  const Aim& aim() const { return of(at.aims); }
-
- private:
-  template <class AnyAims>
-  auto& of(AnyAims& aims) const {
-    return back == Vec3d() ? aims.emitted : aims.scattered[from == From::light ? 0 : 1];
+  Aim& aim() {
+    return back == Vec3d() ? at.aims.emitted : at.aims.scattered[from == From::light ? 0 : 1];
   }
+  Aim aim() const { return Stand(*this).aim(); }
 };
 
 struct Case {
