@@ -1,6 +1,10 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <thread>
+
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <gtest/gtest.h>
 
@@ -56,6 +60,47 @@ TEST(output_file, a_read_only_file_is_not_replaced_even_by_the_super_user) {
     }
   }
   EXPECT_EQ(read_file(name), "original");
+}
+
+TEST(output_files, are_all_there) {
+  Folder folder;
+  write_outputs({{folder.path / "a", "first"}, {folder.path / "b", "second"}});
+  EXPECT_EQ(read_file(folder.path / "a"), "first");
+  EXPECT_EQ(read_file(folder.path / "b"), "second");
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder.path), {}), 2);
+}
+
+// Whichever cannot be written, and whether that shows when it is created or when it is full.
+TEST(output_files, leave_everything_as_it_was_when_one_cannot_be_written) {
+  Folder folder;
+  const std::string kept = folder.path / "kept", fresh = folder.path / "fresh";
+  write_output(kept, "old");
+  for (const std::string& bad :
+       {std::string(folder.path / "nowhere" / "b"), std::string("/dev/full")}) {
+    EXPECT_THROW(write_outputs({{kept, "new"}, {fresh, "new"}, {bad, "x"}}), OutputError);
+    EXPECT_THROW(write_outputs({{bad, "x"}, {fresh, "new"}, {kept, "new"}}), OutputError);
+  }
+  EXPECT_EQ(read_file(kept), "old");
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder.path), {}), 1);
+}
+
+// A folder that takes the place of a file after it was checked shows only at the renaming.
+TEST(output_files, get_their_names_the_first_one_last) {
+  Folder folder;
+  const std::string first = folder.path / "first", second = folder.path / "second";
+  const std::string pipe = folder.path / "pipe", other_pipe = folder.path / "other_pipe";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  ASSERT_EQ(::mkfifo(other_pipe.c_str(), 0600), 0);
+  std::thread meddler([&] {  // between the pipes all is on disk and nothing has its name
+    EXPECT_EQ(read_file(pipe), "x");
+    fs::create_directory(second);
+    EXPECT_EQ(read_file(other_pipe), "y");
+  });
+  EXPECT_THROW(write_outputs({{first, "1"}, {second, "2"}, {pipe, "x"}, {other_pipe, "y"}}),
+               OutputError);
+  meddler.join();
+  EXPECT_FALSE(fs::exists(first));
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder.path), {}), 3);
 }
 
 TEST(phases, follow_each_other_and_add_up_by_name) {

@@ -15,13 +15,6 @@ std::string display_name(const std::string& path) {
   return path == "-" ? "(standard input)" : path;
 }
 
-bool same_file(const std::string& a, const std::string& b) {
-  struct stat x {
-  }, y{};
-  return ::stat(a.c_str(), &x) == 0 && ::stat(b.c_str(), &y) == 0 && x.st_dev == y.st_dev &&
-         x.st_ino == y.st_ino;
-}
-
 std::string read_file(const std::string& path) {
   const bool standard_input = path == "-";
   struct stat info {};

@@ -11,7 +11,4 @@ std::string read_file(const std::string& path);
 /// What to call `path` in messages: the path itself, or "(standard input)" for "-".
 std::string display_name(const std::string& path);
 
-/// Both paths lead to the same existing file.
-bool same_file(const std::string& a, const std::string& b);
-
 }  // namespace tdpt

@@ -4,6 +4,8 @@
 #include <cstdlib>
 #include <cstring>
 #include <memory>
+#include <utility>
+#include <vector>
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -48,7 +50,19 @@ void refuse_read_only(const std::string& path, const struct stat& info) {
     throw OutputError(path, "is a read-only file, which is not replaced");
 }
 
-void write_directly(const std::string& path, std::string_view bytes) {
+// What is no regular file and cannot be replaced by one: standard output, a device, a pipe.
+bool is_stream(const std::string& path) {
+  struct stat info {};
+  return path == "-" ||
+         (::stat(path.c_str(), &info) == 0 && !S_ISREG(info.st_mode) && !S_ISDIR(info.st_mode));
+}
+
+void write_stream(const std::string& path, std::string_view bytes) {
+  if (path == "-") {
+    if (!write_all(STDOUT_FILENO, bytes))
+      throw OutputError("(standard output)", reason("cannot be written"));
+    return;
+  }
   const int fd = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
   if (fd < 0) throw OutputError(path, reason("cannot be opened for writing"));
   const bool ok = write_all(fd, bytes);
@@ -57,37 +71,69 @@ void write_directly(const std::string& path, std::string_view bytes) {
   if (!ok) throw OutputError(path, why);
 }
 
+// A file on disk under a temporary name, removed unless it gets its own.
+class Staged {
+ public:
+  Staged(const std::string& given, std::string_view bytes) : path_(follow_link(given)) {
+    struct stat info {};
+    const bool exists = ::stat(path_.c_str(), &info) == 0;
+    if (exists && S_ISDIR(info.st_mode))
+      throw OutputError(path_, "is a folder, expected a file name");
+    if (exists) refuse_read_only(path_, info);
+    std::string temporary;
+    const int fd = make_temporary(path_, temporary);
+    if (fd < 0) throw OutputError(path_, reason("cannot be created"));
+    temporary_ = temporary;
+    const mode_t mask = ::umask(0);
+    ::umask(mask);
+    std::string why;
+    if (!write_all(fd, bytes) || ::fsync(fd) != 0) why = reason("cannot be written");
+    if (why.empty() && ::fchmod(fd, exists ? info.st_mode & 0777 : 0666 & ~mask) != 0)
+      why = reason("cannot set permissions");
+    ::close(fd);
+    if (why.empty()) return;
+    remove();  // the destructor of what was not made is not called
+    throw OutputError(path_, why);
+  }
+  Staged(Staged&& other) noexcept
+      : path_(std::move(other.path_)), temporary_(std::exchange(other.temporary_, {})) {}
+  ~Staged() { remove(); }
+
+  void name() {
+    if (::rename(temporary_.c_str(), path_.c_str()) != 0)
+      throw OutputError(path_, reason("cannot be renamed into place"));
+    temporary_.clear();
+  }
+
+ private:
+  void remove() const {
+    if (!temporary_.empty()) ::unlink(temporary_.c_str());
+  }
+
+  std::string path_, temporary_;
+};
+
+// The files in order, the bytes held by the caller.
+using Bytes = std::pair<std::string, std::string_view>;
+void write_together(const std::vector<Bytes>& files) {
+  std::vector<Staged> staged;
+  for (const auto& [path, bytes] : files)
+    if (!is_stream(path)) staged.emplace_back(path, bytes);
+  for (const auto& [path, bytes] : files)
+    if (is_stream(path)) write_stream(path, bytes);
+  for (auto file = staged.rbegin(); file != staged.rend(); ++file) file->name();
+}
+
 }  // namespace
 
-void write_output(const std::string& given, std::string_view bytes) {
-  if (given == "-") {
-    if (!write_all(STDOUT_FILENO, bytes))
-      throw OutputError("(standard output)", reason("cannot be written"));
-    return;
-  }
-  const std::string path = follow_link(given);
-  struct stat info {};
-  const bool exists = ::stat(path.c_str(), &info) == 0;
-  if (exists && S_ISDIR(info.st_mode)) throw OutputError(path, "is a folder, expected a file name");
-  if (exists && !S_ISREG(info.st_mode)) return write_directly(path, bytes);
-  if (exists) refuse_read_only(path, info);
+void write_output(const std::string& path, std::string_view bytes) {
+  write_together({{path, bytes}});
+}
 
-  std::string temporary;
-  const int fd = make_temporary(path, temporary);
-  if (fd < 0) throw OutputError(path, reason("cannot be created"));
-  const mode_t mask = ::umask(0);
-  ::umask(mask);
-  std::string why;
-  if (!write_all(fd, bytes) || ::fsync(fd) != 0) why = reason("cannot be written");
-  if (why.empty() && ::fchmod(fd, exists ? info.st_mode & 0777 : 0666 & ~mask) != 0)
-    why = reason("cannot set permissions");
-  ::close(fd);
-  if (why.empty() && ::rename(temporary.c_str(), path.c_str()) != 0)
-    why = reason("cannot be renamed into place");
-  if (!why.empty()) {
-    ::unlink(temporary.c_str());
-    throw OutputError(path, why);
-  }
+void write_outputs(const std::vector<OutputFile>& files) {
+  std::vector<Bytes> all;
+  for (const OutputFile& file : files) all.emplace_back(file.path, file.bytes);
+  write_together(all);
 }
 
 void check_output(const std::string& given) {

@@ -2,14 +2,25 @@
 #pragma once
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace tdpt {
 
 /// Writes `bytes` to `path` ("-": standard output): a temporary file in the same folder, flushed to
 /// disk, then renamed. Throws OutputError; then nothing is left behind and an older file of that
-/// name is untouched. A read-only file is not
-/// replaced. A path that is no regular file (/dev/null, a pipe) is written directly.
+/// name is untouched. A read-only file is not replaced. A path that is no regular file (/dev/null,
+/// a pipe) is written directly.
 void write_output(const std::string& path, std::string_view bytes);
+
+struct OutputFile {
+  std::string path, bytes;
+};
+
+/// Writes all of the files or, as far as the system allows, none: each as write_output, but only
+/// when all are on disk under temporary names do they get their own, the first file last. Whoever
+/// finds the first has all of them. What cannot be taken back (standard output, a pipe) is written
+/// when the rest is on disk. Throws OutputError.
+void write_outputs(const std::vector<OutputFile>& files);
 
 /// Throws OutputError when write_output(path) is bound to fail (no such folder, no permission, name
 /// too long) and UsageError for an empty name: asked before long work, so that its result is not

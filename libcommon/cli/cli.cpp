@@ -3,7 +3,6 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstdlib>
-#include <filesystem>
 #include <iostream>
 #include <limits>
 #include <new>
@@ -13,10 +12,8 @@
 #include <CLI/CLI.hpp>
 
 #include "libcommon/base/error.h"
-#include "libcommon/base/file.h"
-#include "libcommon/base/output_file.h"
-#include "libcommon/base/signals.h"
 #include "libcommon/base/threads.h"
+#include "libcommon/cli/outputs.h"
 #include "tdpt_version.h"
 
 namespace tdpt::cli {
@@ -45,57 +42,51 @@ void Common::summary(const std::string& json_text) const {
 struct Options::Impl {
   explicit Impl(const std::string& summary, const std::string& tool) : app(summary, tool) {}
 
+  /// What the value of an option is to the run.
+  enum class Is { setting, input, output, side_output };
   struct Entry {
     CLI::Option* option;
     Shapes shapes;
-    bool positional;
-    bool output = false;  ///< the -o of the tool
-    bool side = false;    ///< a side output
-    bool reads_or_writes_file() const {
-      const std::string type = option->get_type_name();
-      return positional || type == "FILE" || type == "CUT";
-    }
+    Is is = Is::setting;
   };
   CLI::App app;
   std::vector<Entry> entries;
 
-  Entry& keep(CLI::Option* option, Shapes shapes, bool positional = false) {
-    return entries.emplace_back(Entry{option, shapes, positional});
+  /// An output whose name follows from that of the result, by `path_of`, when the flag is given.
+  struct Beside {
+    CLI::Option* flag;
+    std::string* target;
+    std::function<std::string(const std::string&)> path_of;
+  };
+  std::vector<Beside> besides;
+  std::function<void(const std::string&)> check_name;  ///< of the result, or none
+
+  void keep(CLI::Option* option, Shapes shapes, Is is = Is::setting) {
+    entries.push_back({option, shapes, is});
   }
 
-  // Arguments and options whose value is a file to read: none of them may be the output too.
-  void refuse_output_over_input(const std::string& output) const {
-    for (const Entry& e : entries) {
-      if (e.output || e.side || !e.reads_or_writes_file()) continue;
-      for (const std::string& value : e.option->results())
-        if (same_file(value, output))
-          throw UsageError("-o " + output + " would replace the input " + value);
+  // Values of the options that were given and are `is`.
+  std::vector<NamedFile> files(Is is) const {
+    std::vector<NamedFile> files;
+    for (const Entry& e : entries)
+      if (e.is == is)
+        for (const std::string& path : e.option->results())
+          files.push_back({e.option->get_name(), path});
+    return files;
+  }
+
+  // `output`: where the result goes; empty: nowhere.
+  void check_files(const std::string& output) const {
+    if (check_name) check_name(output);
+    std::vector<NamedFile> outputs;
+    if (!output.empty() || !files(Is::output).empty()) outputs.push_back({"-o", output});
+    for (const NamedFile& file : files(Is::side_output)) outputs.push_back(file);
+    for (const Beside& beside : besides) {
+      if (beside.flag->count() == 0) continue;
+      *beside.target = beside.path_of(output);
+      outputs.push_back({beside.flag->get_name(), *beside.target});
     }
-  }
-
-  void check_side_outputs(const std::string& output) const {
-    std::vector<std::string> outputs{output};
-    for (const Entry& e : entries) {
-      if (!e.side || e.option->count() == 0) continue;
-      const std::string name = e.option->get_name(), path = e.option->results().front();
-      if (path == "-") throw UsageError(name + " -: cannot go to the standard output, name a file");
-      check_output(path);
-      for (const Entry& input : entries) {
-        if (input.output || input.side || !input.reads_or_writes_file()) continue;
-        for (const std::string& value : input.option->results())
-          if (same_file(value, path))
-            throw UsageError(name + " " + path + " would replace the input " + value);
-      }
-      for (const std::string& other : outputs)
-        if (other != "-" && (same_file(other, path) || full_path(other) == full_path(path)))
-          throw UsageError("two outputs would be written to " + path);
-      outputs.push_back(path);
-    }
-  }
-
-  static std::filesystem::path full_path(const std::string& path) {
-    std::error_code ignored;
-    return std::filesystem::weakly_canonical(std::filesystem::absolute(path, ignored), ignored);
+    check_outputs(outputs, files(Is::input));
   }
 
   // The tool and the options that shape the result, in the order of the table; paths of inputs are
@@ -103,7 +94,7 @@ struct Options::Impl {
   std::string canonical(const std::string& tool) const {
     std::string text = tool;
     for (const Entry& e : entries) {
-      if (e.positional || e.shapes == Shapes::nothing || e.option->count() == 0) continue;
+      if (e.shapes == Shapes::nothing || e.option->count() == 0) continue;
       const std::string name = "--" + e.option->get_lnames().front();
       if (e.option->get_items_expected_max() == 0) {
         text += " " + name;
@@ -134,10 +125,8 @@ Options::Options(std::string tool, std::string summary, std::string output_help)
   app.set_version_flag("--version", common.tool + " " TDPT_VERSION, "Print the version and exit");
   app.set_help_flag("-h,--help", "Print this help and exit");
   if (!output_help.empty())
-    impl_
-        ->keep(app.add_option("-o,--output", common.output, output_help)->type_name("FILE"),
-               Shapes::nothing)
-        .output = true;
+    impl_->keep(app.add_option("-o,--output", common.output, output_help)->type_name("FILE"),
+                Shapes::nothing, Impl::Is::output);
   impl_->keep(app.add_option("--seed", common.seed, "Seed of the random numbers; default 1")
                   ->type_name("N")
                   ->check(CLI::Validator(whole_number, "")),
@@ -162,19 +151,25 @@ Options::~Options() = default;
 void Options::argument(const std::string& name, std::string& target, const std::string& help,
                        bool required) {
   impl_->keep(impl_->app.add_option(name, target, help)->required(required)->type_name("FILE"),
-              Shapes::nothing, true);
+              Shapes::nothing, Impl::Is::input);
+}
+
+void Options::input(const std::string& flags, std::string& target, const std::string& value_name,
+                    const std::string& help) {
+  impl_->keep(impl_->app.add_option(flags, target, help)->type_name(value_name), Shapes::nothing,
+              Impl::Is::input);
+}
+
+void Options::inputs(const std::string& flags, std::vector<std::string>& target,
+                     const std::string& value_name, const std::string& help) {
+  impl_->keep(
+      impl_->app.add_option(flags, target, help)->type_name(value_name)->expected(1)->take_all(),
+      Shapes::nothing, Impl::Is::input);
 }
 
 void Options::option(const std::string& flags, std::string& target, const std::string& value_name,
                      const std::string& help, Shapes shapes) {
   impl_->keep(impl_->app.add_option(flags, target, help)->type_name(value_name), shapes);
-}
-
-void Options::option(const std::string& flags, std::vector<std::string>& target,
-                     const std::string& value_name, const std::string& help, Shapes shapes) {
-  impl_->keep(
-      impl_->app.add_option(flags, target, help)->type_name(value_name)->expected(1)->take_all(),
-      shapes);
 }
 
 namespace {
@@ -223,8 +218,20 @@ void Options::choice(const std::string& flags, std::string& target,
 }
 
 void Options::side_output(const std::string& flags, std::string& target, const std::string& help) {
-  impl_->keep(impl_->app.add_option(flags, target, help)->type_name("FILE"), Shapes::nothing).side =
-      true;
+  impl_->keep(impl_->app.add_option(flags, target, help)->type_name("FILE"), Shapes::nothing,
+              Impl::Is::side_output);
+}
+
+void Options::output_beside(const std::string& flags, std::string& target,
+                            const std::function<std::string(const std::string&)>& path_of,
+                            const std::string& help) {
+  CLI::Option* const flag = impl_->app.add_flag(flags, help);
+  impl_->keep(flag, Shapes::nothing);
+  impl_->besides.push_back({flag, &target, path_of});
+}
+
+void Options::result_name(const std::function<void(const std::string&)>& check) {
+  impl_->check_name = check;
 }
 
 void Options::flag(const std::string& flags, bool& target, const std::string& help, Shapes shapes) {
@@ -259,30 +266,26 @@ int Options::run_main(int argc, char** argv, const std::function<int()>& run) {
     if (std::fflush(stdout) == 0 || code != 0) return code;
     return fail(Exit::output, "(standard output): cannot be written");
   };
-  std::function<int()> wanted = run;
-  try {
-    impl_->app.parse(argc, argv);
-  } catch (const Instead& instead) {
-    wanted = [text = instead.text] {
-      std::fputs(text().c_str(), stdout);
-      return 0;
-    };
-  } catch (const CLI::CallForHelp&) {
-    std::fputs(impl_->app.help().c_str(), stdout);
+  const auto print = [&](const std::string& text) {
+    std::fputs(text.c_str(), stdout);
     return flushed(0);
-  } catch (const CLI::CallForVersion&) {
-    std::printf("%s %s\n", common.tool.c_str(), TDPT_VERSION);
-    return flushed(0);
-  } catch (const CLI::ParseError& e) {
-    return fail(Exit::usage,
-                fmt::format("{}; '{} --help' lists the options", e.what(), common.tool));
-  }
+  };
   try {
+    try {
+      impl_->app.parse(argc, argv);
+    } catch (const Instead& instead) {
+      return print(instead.text());
+    } catch (const CLI::CallForHelp&) {
+      return print(impl_->app.help());
+    } catch (const CLI::CallForVersion&) {
+      return print(fmt::format("{} {}\n", common.tool, TDPT_VERSION));
+    } catch (const CLI::ParseError& e) {
+      throw UsageError(fmt::format("{}; '{} --help' lists the options", e.what(), common.tool));
+    }
     common.command = impl_->canonical(common.tool);
-    impl_->refuse_output_over_input(common.output);
-    impl_->check_side_outputs(common.output);
+    impl_->check_files(common.output);
     limit_threads(common.threads);
-    return flushed(wanted());
+    return flushed(run());
   } catch (const Error& e) {
     return fail(e.code, e.what());
   } catch (const std::bad_alloc&) {

@@ -52,14 +52,16 @@ class Options {
 
   Common common;
 
-  /// A positional argument.
+  /// A positional argument: a file that is read.
   void argument(const std::string& name, std::string& target, const std::string& help,
                 bool required = true);
+  /// A file that is read, named by an option; of several, each by the option again.
+  void input(const std::string& flags, std::string& target, const std::string& value_name,
+             const std::string& help);
+  void inputs(const std::string& flags, std::vector<std::string>& target,
+              const std::string& value_name, const std::string& help);
   void option(const std::string& flags, std::string& target, const std::string& value_name,
               const std::string& help, Shapes shapes = Shapes::result);
-  void option(const std::string& flags, std::vector<std::string>& target,
-              const std::string& value_name, const std::string& help,
-              Shapes shapes = Shapes::result);
   /// A number within [lowest, highest]; anything else is a usage error.
   void option(const std::string& flags, int64_t& target, const std::string& value_name,
               const std::string& help, int64_t lowest, int64_t highest,
@@ -70,9 +72,18 @@ class Options {
   /// One word out of `words`.
   void choice(const std::string& flags, std::string& target, const std::vector<std::string>& words,
               const std::string& help, Shapes shapes = Shapes::result);
-  /// A file written beside the result, empty when not asked for. Before run(): it is none of the
-  /// inputs and no other output, not the standard output, and can be written.
+
+  // Before run(), outputs are held against inputs and against each other [outputs.h].
+  /// A file written beside the result; its path, empty when not asked for.
   void side_output(const std::string& flags, std::string& target, const std::string& help);
+  /// A flag: a file beside the result whose path `path_of` makes of that of the result; it throws
+  /// UsageError where there is none. `target`: that path, empty without the flag.
+  void output_beside(const std::string& flags, std::string& target,
+                     const std::function<std::string(const std::string&)>& path_of,
+                     const std::string& help);
+  /// `check` throws UsageError for a path that the result cannot have.
+  void result_name(const std::function<void(const std::string&)>& check);
+
   void flag(const std::string& flags, bool& target, const std::string& help,
             Shapes shapes = Shapes::result);
 

@@ -90,7 +90,6 @@ int run(Arguments a, const cli::Common& common) {
   if (a.walks * a.bounces > kMostHits)
     throw UsageError(fmt::format("{} walks of {} surfaces are too many, at most {} in all", a.walks,
                                  a.bounces, kMostHits));
-  check_output(common.output);
   Phases phases;
   Scene scene = read_gltf(a.scene);
   open_glass(scene);
@@ -155,9 +154,8 @@ int main(int argc, char** argv) {
                  64);
   options.option("--rounds", a.rounds, "N",
                  "Rounds of splitting patches that straddle an opening; default 1", 0, 3);
-  options.option("--refine", a.refine, "CUT",
-                 "Split where the patches of this cut straddle its opening, instead of --rounds",
-                 cli::Shapes::nothing);
+  options.input("--refine", a.refine, "CUT",
+                "Split where the patches of this cut straddle its opening, instead of --rounds");
   options.side_output(
       "--preview", a.preview,
       "Write a PNG: what light and camera reach, as the camera sees it and in plan");

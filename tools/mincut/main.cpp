@@ -37,7 +37,6 @@ int run(const Arguments& a, const cli::Common& common) {
     throw UsageError("--scene and --camera go with --preview");
   if (a.scene == "-" && a.network == "-")
     throw UsageError("network and scene cannot both be the standard input");
-  check_output(common.output);
   Phases phases;
   const DimacsFile problem = read_dimacs(a.network);
   const Provenance provenance = common.provenance({{a.network, problem.hash, problem.provenance}});
@@ -112,8 +111,7 @@ int main(int argc, char** argv) {
                  "Largest share of the smaller side's light that may cross; default 0.12", 0, 1);
   options.side_output("--preview", a.preview,
                       "Write a PNG: the cut's sides and pivot pairs in the scene and in plan");
-  options.option("--scene", a.scene, "FILE", "Scene of the network (.glb, .gltf), for --preview",
-                 cli::Shapes::nothing);
+  options.input("--scene", a.scene, "FILE", "Scene of the network (.glb, .gltf), for --preview");
   options.option("--camera", a.camera, "NAME", "Camera for --preview; default the first one",
                  cli::Shapes::nothing);
   options.side_output("--debug-glb", a.debug_glb,

@@ -17,12 +17,12 @@ namespace {
 
 struct Arguments {
   std::string scene, camera, integrator = "default", mis = "balance", device = "cpu", stats,
-                             nonzero;
+                             nonzero, preview;
   std::vector<std::string> portals;
   int64_t spp = 0, max_depth = 6, width = 0, height = 0;
   double guide_light = -1, guide_camera = -1, segments = -1;
   double seconds = 0;
-  bool preview = false, layers = false, verbose = false;
+  bool layers = false, verbose = false;
 };
 
 // Fills in what --width and --height leave open: square pixels, the camera's aspect, 640 wide.
@@ -37,11 +37,20 @@ void choose_size(const Camera& camera, int64_t& width, int64_t& height) {
         "a picture of {} x {} pixels is too large, at most 134217728 pixels", width, height));
 }
 
-std::string preview_path(const std::string& output) {
-  const size_t dot = output.find_last_of('.');
-  const size_t slash = output.find_last_of('/');
+// Where --preview goes: beside the picture, under its name with .png.
+std::string preview_path(const std::string& picture) {
+  if (picture == "-") throw UsageError("--preview puts a PNG beside the picture: give -o FILE");
+  const size_t dot = picture.find_last_of('.');
+  const size_t slash = picture.find_last_of('/');
   const bool has_suffix = dot != std::string::npos && (slash == std::string::npos || dot > slash);
-  return (has_suffix ? output.substr(0, dot) : output) + ".png";
+  return (has_suffix ? picture.substr(0, dot) : picture) + ".png";
+}
+
+void check_picture_name(const std::string& picture) {
+  for (const char* suffix : {".png", ".jpg", ".jpeg"})
+    if (picture.ends_with(suffix))
+      throw UsageError("-o " + picture +
+                       ": the picture is OpenEXR, name it .exr; --preview adds a PNG");
 }
 
 // Every edge of a path is tested against every triangle of the portals, and places are held in
@@ -66,22 +75,6 @@ void check_portals(const std::string& path, const std::vector<Portal>& portals,
 int run(const Arguments& a, const cli::Common& common) {
   if (a.device != "cpu")
     throw Error(Exit::no_device, "--device gpu: this build renders on the CPU only");
-  if (a.preview && common.output == "-")
-    throw UsageError("--preview puts a PNG beside the picture: give -o FILE");
-  std::vector<std::string> outputs{common.output};
-  if (a.preview) outputs.push_back(preview_path(common.output));
-  for (const std::string& side_output : {a.stats, a.nonzero})
-    if (!side_output.empty()) outputs.push_back(side_output);
-  for (const char* suffix : {".png", ".jpg", ".jpeg"})
-    if (common.output.ends_with(suffix))
-      throw UsageError("-o " + common.output +
-                       ": the picture is OpenEXR, name it .exr; --preview adds a PNG");
-  for (size_t i = 0; i < outputs.size(); ++i) {
-    check_output(outputs[i]);
-    if (std::find(outputs.begin(), outputs.begin() + static_cast<long>(i), outputs[i]) !=
-        outputs.begin() + static_cast<long>(i))
-      throw UsageError("two outputs would be written to " + outputs[i]);
-  }
   catch_signals();
 
   const Scene scene = read_gltf(a.scene);
@@ -148,9 +141,8 @@ int run(const Arguments& a, const cli::Common& common) {
   exr.layers = result.layers;
   exr.attributes = exr_attributes(integrator, settings, result, common.provenance(inputs));
   write_output(common.output, exr_bytes(exr));
-  if (a.preview)
-    write_output(preview_path(common.output),
-                 png_bytes(result.picture, auto_exposure(result.picture)));
+  if (!a.preview.empty())
+    write_output(a.preview, png_bytes(result.picture, auto_exposure(result.picture)));
   if (!a.nonzero.empty()) write_output(a.nonzero, png_bytes(nonzero_picture(result.picture), 0));
   if (!a.stats.empty())
     write_output(a.stats, stats_json(integrator, settings, result, portals) + "\n");
@@ -189,9 +181,8 @@ int main(int argc, char** argv) {
                        "Picture to write (OpenEXR); default standard output");
   using cli::Shapes;
   options.argument("scene", a.scene, "Scene (.glb, .gltf); - is standard input");
-  options.option("--portal", a.portals, "FILE",
-                 "Portals (.glb, .gltf) from portalfit or a modelling program; may be repeated",
-                 Shapes::nothing);
+  options.inputs("--portal", a.portals, "FILE",
+                 "Portals (.glb, .gltf) from portalfit or a modelling program; may be repeated");
   std::vector<std::string> names{"auto"};
   for (const Integrator& integrator : kIntegrators) names.push_back(integrator.name);
   options.choice("--integrator", a.integrator, names,
@@ -218,14 +209,13 @@ int main(int argc, char** argv) {
   options.option("--camera", a.camera, "NAME", "Camera to render; default the first");
   options.choice("--mis", a.mis, {"balance", "power"}, "MIS heuristic; default balance");
   options.choice("--device", a.device, {"cpu", "gpu"}, "Where to render; default cpu");
-  options.option("--stats", a.stats, "FILE",
-                 "Write statistics as JSON, with the picture's progress", Shapes::nothing);
+  options.side_output("--stats", a.stats, "Write statistics as JSON, with the picture's progress");
   options.flag("--layers", a.layers,
                "Add each technique's contribution as layers <technique>.R .G .B");
-  options.option("--nonzero", a.nonzero, "FILE",
-                 "Write a PNG of the pixels: red with a contribution, green without",
-                 Shapes::nothing);
-  options.flag("--preview", a.preview, "Write a PNG beside the picture", Shapes::nothing);
+  options.side_output("--nonzero", a.nonzero,
+                      "Write a PNG of the pixels: red with a contribution, green without");
+  options.output_beside("--preview", a.preview, preview_path, "Write a PNG beside the picture");
+  options.result_name(check_picture_name);
   options.flag("--verbose", a.verbose,
                "Say what the scene needs, what was left out, rays and techniques' shares",
                Shapes::nothing);

@@ -1,0 +1,63 @@
+#include "libcommon/cli/outputs.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <optional>
+#include <utility>
+
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "libcommon/base/error.h"
+#include "libcommon/base/file.h"
+#include "libcommon/base/output_file.h"
+
+namespace tdpt::cli {
+namespace {
+
+/// What a path leads to: a file that is there, or the place where it will be.
+struct Place {
+  std::optional<std::pair<dev_t, ino_t>> file;
+  std::filesystem::path full;  ///< without links and dots; empty for standard streams
+
+  bool operator==(const Place& other) const {
+    return (file && file == other.file) || (!full.empty() && full == other.full);
+  }
+};
+
+// `stream`: what "-" stands for. It counts as the file it was redirected to; a terminal, a pipe or
+// /dev/null is none.
+Place place_of(const std::string& path, int stream) {
+  Place place;
+  struct stat info {};
+  if (path == "-") {
+    if (::fstat(stream, &info) == 0 && S_ISREG(info.st_mode))
+      place.file = {info.st_dev, info.st_ino};
+    return place;
+  }
+  if (::stat(path.c_str(), &info) == 0) place.file = {info.st_dev, info.st_ino};
+  std::error_code ignored;
+  place.full = std::filesystem::weakly_canonical(std::filesystem::absolute(path, ignored), ignored);
+  return place;
+}
+
+}  // namespace
+
+void check_outputs(const std::vector<NamedFile>& outputs, const std::vector<NamedFile>& inputs) {
+  std::vector<Place> taken;
+  for (const NamedFile& output : outputs) {
+    if (output.path == "-" && output.option != "-o")
+      throw UsageError(output.option + " -: cannot go to the standard output, name a file");
+    const Place place = place_of(output.path, STDOUT_FILENO);
+    for (const NamedFile& input : inputs)
+      if (place_of(input.path, STDIN_FILENO) == place)
+        throw UsageError(output.option + " " + output.path + " would replace the input " +
+                         display_name(input.path));
+    if (std::find(taken.begin(), taken.end(), place) != taken.end())
+      throw UsageError("two outputs would be written to " + output.path);
+    check_output(output.path);
+    taken.push_back(place);
+  }
+}
+
+}  // namespace tdpt::cli
