@@ -37,11 +37,11 @@ void measure(const std::string& scene_path, const std::vector<Portal>& given, in
   const World world(scene, scene.camera(""), width, height, portals);
   probe(world, portals);
   for (int depth : kDepths)
-    for (const Candidate& c : auto_candidates(world, portals, all_guided())) {
+    for (const Candidate& c : auto_candidates(world, portals)) {
       RenderSettings settings;
       settings.seconds = seconds;
       settings.max_depth = depth;
-      const RenderResult r = render(world, *c.integrator, settings);
+      const RenderResult r = render(world, c.integrator, settings);
       const uint64_t samples = r.spp * static_cast<uint64_t>(width) * static_cast<uint64_t>(height);
       std::printf("%s\t%d\t%s\t%d\t%.6g", scene_path.c_str(), depth, c.label.c_str(),
                   world.portals.empty() ? 0 : 1,
@@ -49,9 +49,9 @@ void measure(const std::string& scene_path, const std::vector<Portal>& given, in
       for (const auto& [name, member] : kTerms) {
         WorkCosts unit;
         unit.*member = 1;
-        std::printf("\t%.9g",
-                    WorkModel(world, unit)
-                        .per_sample(r.tally.rays, samples, c.integrator->guiding != Guiding{}));
+        std::printf("\t%.9g", WorkModel(world, unit)
+                                  .per_sample(r.tally.rays, samples,
+                                              c.integrator.mixture.guiding != Guiding{}));
       }
       std::printf("\n");
       std::fflush(stdout);

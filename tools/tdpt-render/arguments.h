@@ -1,0 +1,30 @@
+// What the command line of tdpt-render says; tdpt-render(1) tells what it means.
+#pragma once
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace tdpt {
+
+namespace cli {
+class Options;
+}
+
+struct Arguments {
+  std::string scene, camera, device = "cpu";
+  std::vector<std::string> portals;
+  int64_t width = 0, height = 0;  ///< pixels; 0: not given
+
+  std::string integrator = "default", mis = "balance";
+  double guide_light = -1, guide_camera = -1, segments = -1;  ///< below 0: not given
+  int64_t spp = 0, max_depth = 6;
+  double seconds = 0;  ///< 0: no limit
+
+  std::string stats, nonzero, preview;  ///< paths; empty: not asked for
+  bool layers = false, verbose = false;
+};
+
+/// The options of the program, which fill in `a`.
+void declare_options(cli::Options& options, Arguments& a);
+
+}  // namespace tdpt

@@ -1,0 +1,60 @@
+#include "tools/tdpt-render/choice.h"
+
+#include "libcommon/base/error.h"
+#include "tools/tdpt-render/portal_probe.h"
+#include "tools/tdpt-render/portal_report.h"
+
+namespace tdpt {
+namespace {
+
+// tdpt-guided with the numbers that were given, one at least.
+Integrator guided_as_given(const Arguments& a) {
+  Integrator guided = tdpt_guided;
+  std::array<double, 2>& chance = guided.mixture.guiding.chance;
+  if (a.guide_light >= 0) chance[0] = a.guide_light;
+  if (a.guide_camera >= 0) chance[1] = a.guide_camera;
+  if (a.segments >= 0) guided.mixture.segments = a.segments;
+  return guided;
+}
+
+std::vector<Candidate> candidates_of(const Request& request, const World& world,
+                                     const std::vector<Portal>& portals) {
+  if (!request.automatic) return {{request.named, label_of(request.named)}};
+  if (request.guided.empty()) return auto_candidates(world, portals);
+  return auto_candidates(world, portals, request.guided);
+}
+
+}  // namespace
+
+Request request_of(const Arguments& a, const std::vector<Portal>& portals) {
+  const bool by_default = a.integrator == "default";
+  Request request;
+  request.automatic = a.integrator == "auto" || (by_default && !portals.empty());
+  request.named = request.automatic || by_default ? bdpt : integrator_named(a.integrator);
+  if (a.guide_light < 0 && a.guide_camera < 0 && a.segments < 0) return request;
+  if (!request.automatic && request.named.mixture.guiding == Guiding{})
+    throw UsageError(std::string("--guide-light, --guide-camera, --segments: ") +
+                     request.named.name + " has none of them");
+  request.guided = {guided_as_given(a)};
+  if (!request.automatic) request.named = request.guided.front();
+  return request;
+}
+
+Choice choose(const Request& request, const World& world, std::vector<Portal>& portals,
+              const cli::Common& common) {
+  const bool through_portals = request.named.mixture.has(Technique::portal);
+  if (world.portals.empty() && through_portals)
+    common.warn("no portal is given, so no path is sampled through one");
+  if (request.automatic || through_portals) {
+    probe(world, portals);
+    for (const std::string& promise : promises(portals)) common.note(promise);
+  }
+  Choice choice{candidates_of(request, world, portals), request.named};
+  if (request.automatic) choice.integrator = either_of(choice.candidates);
+  if (const std::string missed = light_missed(choice.integrator, world.scene); !missed.empty())
+    common.warn(missed);
+  if (world.lights.empty()) common.warn("nothing in the scene emits light: the picture is black");
+  return choice;
+}
+
+}  // namespace tdpt
