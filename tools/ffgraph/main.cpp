@@ -1,13 +1,14 @@
 // ffgraph: light transport of a scene as a flow network.
+#include <optional>
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
-#include "libcommon/base/output_file.h"
 #include "libcommon/base/phases.h"
-#include "libcommon/base/threads.h"
 #include "libcommon/cli/cli.h"
+#include "libcommon/cli/ending.h"
 #include "libcommon/scene/lights.h"
 #include "tools/ffgraph/preview.h"
 #include "tools/ffgraph/rounds.h"
@@ -19,21 +20,65 @@ namespace {
 struct Arguments {
   std::string scene, camera, nodes = "patches", capacity, refine, preview, debug_glb;
   int64_t samples = 300000, walks = 100000, bounces = 12, rounds = 1;
+
+  bool triangles() const { return nodes == "triangles"; }
 };
 // Hits of walks are kept in memory, 16 bytes each.
 constexpr int64_t kMostHits = 100000000;
 using Json = nlohmann::ordered_json;
 
-DimacsFile graph_of_patches(const Arguments& a, const cli::Common& common, const Scene& scene,
-                            const Camera& camera, const CutFile* refine, Phases& phases,
-                            Json& summary) {
+struct Loaded {
+  Scene scene;
+  Camera camera;
+  std::optional<CutFile> refine;
+  std::vector<cli::Common::Input> files;
+};
+
+// What does not go together; fills in the capacities that go with the nodes.
+void check(Arguments& a) {
+  if (a.capacity.empty()) a.capacity = a.triangles() ? "formfactor" : "etendue";
+  if (a.triangles() != (a.capacity == "formfactor"))
+    throw UsageError("--nodes " + a.nodes + " goes with --capacity " +
+                     (a.triangles() ? "formfactor" : "etendue"));
+  if (a.triangles() && !a.refine.empty()) throw UsageError("--refine goes with --nodes patches");
+  if (a.scene == "-" && a.refine == "-")
+    throw UsageError("scene and cut cannot both be the standard input");
+  if (a.walks * a.bounces > kMostHits)
+    throw UsageError(fmt::format("{} walks of {} surfaces are too many, at most {} in all", a.walks,
+                                 a.bounces, kMostHits));
+}
+
+Loaded load(const Arguments& a, const cli::Common& common) {
+  Loaded in;
+  in.scene = read_gltf(a.scene);
+  open_glass(in.scene);
+  for (const std::string& warning : in.scene.warnings) common.warn(warning);
+  if (in.scene.triangles.empty())
+    throw InputError(display_name(a.scene), "", "no triangles, expected surfaces");
+  if (Lights(in.scene).empty())
+    throw InputError(display_name(a.scene), "",
+                     "nothing emits light, expected an emissive surface or a lamp");
+  in.camera = in.scene.camera(a.camera);
+  in.files.push_back({a.scene, in.scene.hash, {}});
+  if (a.refine.empty()) return in;
+  const CutFile& cut = in.refine.emplace(read_cut(a.refine));
+  if (cut.scene_hash != in.scene.hash)
+    throw InputError(display_name(a.refine), "", "was made from another scene than " + a.scene);
+  check_patches(display_name(a.refine), in.scene, cut);
+  in.files.push_back({a.refine, cut.hash, cut.provenance});
+  return in;
+}
+
+DimacsFile graph_of_patches(const Arguments& a, const cli::Common& common, const Loaded& in,
+                            Phases& phases, Json& summary) {
   GraphSettings settings;
   settings.walks = {common.seed, static_cast<uint32_t>(a.walks), static_cast<uint32_t>(a.bounces)};
   settings.rays = static_cast<uint32_t>(a.samples);
   settings.rounds = static_cast<int>(a.rounds);
   GraphReport report;
   report.phases = phases;
-  const LightFlow flow = build_graph(scene, camera, settings, refine, report);
+  const LightFlow flow =
+      build_graph(in.scene, in.camera, settings, in.refine ? &*in.refine : nullptr, report);
   phases = report.phases;
   common.note(fmt::format(
       "{} walks from the light hit {} surfaces, as many from the camera {}; {} of {} patches were "
@@ -58,14 +103,14 @@ DimacsFile graph_of_patches(const Arguments& a, const cli::Common& common, const
   return dimacs_file(flow);
 }
 
-DimacsFile graph_of_triangles(const Arguments& a, const cli::Common& common, const Scene& scene,
-                              const Camera& camera, Phases& phases, Json& summary) {
+DimacsFile graph_of_triangles(const Arguments& a, const cli::Common& common, const Loaded& in,
+                              Phases& phases, Json& summary) {
   TriangleSettings settings;
   settings.seed = common.seed;
   settings.rays = static_cast<uint32_t>(a.walks);
   TriangleReport report;
   report.phases = phases;
-  DimacsFile file = triangle_flow(scene, camera, settings, report);
+  DimacsFile file = triangle_flow(in.scene, in.camera, settings, report);
   phases = report.phases;
   common.note(
       fmt::format("{} triangles are lit directly, {} are kept; the camera sees {}, {} are "
@@ -78,68 +123,34 @@ DimacsFile graph_of_triangles(const Arguments& a, const cli::Common& common, con
   return file;
 }
 
+DimacsFile compute(const Arguments& a, const cli::Common& common, const Loaded& in, Phases& phases,
+                   Json& summary) {
+  DimacsFile network = a.triangles() ? graph_of_triangles(a, common, in, phases, summary)
+                                     : graph_of_patches(a, common, in, phases, summary);
+  network.provenance = common.provenance(in.files);
+  summary["patches"] = network.patches.size();
+  summary["arcs"] = network.network.arcs.size();
+  return network;
+}
+
 int run(Arguments a, const cli::Common& common) {
-  const bool triangles = a.nodes == "triangles";
-  if (a.capacity.empty()) a.capacity = triangles ? "formfactor" : "etendue";
-  if (triangles != (a.capacity == "formfactor"))
-    throw UsageError("--nodes " + a.nodes + " goes with --capacity " +
-                     (triangles ? "formfactor" : "etendue"));
-  if (triangles && !a.refine.empty()) throw UsageError("--refine goes with --nodes patches");
-  if (a.scene == "-" && a.refine == "-")
-    throw UsageError("scene and cut cannot both be the standard input");
-  if (a.walks * a.bounces > kMostHits)
-    throw UsageError(fmt::format("{} walks of {} surfaces are too many, at most {} in all", a.walks,
-                                 a.bounces, kMostHits));
+  check(a);
   Phases phases;
-  Scene scene = read_gltf(a.scene);
-  open_glass(scene);
-  for (const std::string& warning : scene.warnings) common.warn(warning);
-  if (scene.triangles.empty())
-    throw InputError(display_name(a.scene), "", "no triangles, expected surfaces");
-  if (Lights(scene).empty())
-    throw InputError(display_name(a.scene), "",
-                     "nothing emits light, expected an emissive surface or a lamp");
-  const Camera& camera = scene.camera(a.camera);
-  std::vector<cli::Common::Input> inputs{{a.scene, scene.hash, {}}};
-  CutFile refine;
-  if (!a.refine.empty()) {
-    refine = read_cut(a.refine);
-    if (refine.scene_hash != scene.hash)
-      throw InputError(display_name(a.refine), "", "was made from another scene than " + a.scene);
-    check_patches(display_name(a.refine), scene, refine);
-    inputs.push_back({a.refine, refine.hash, refine.provenance});
-  }
-
+  const Loaded in = load(a, common);
   phases.done("load");
-
   Json summary;
-  DimacsFile file = triangles
-                        ? graph_of_triangles(a, common, scene, camera, phases, summary)
-                        : graph_of_patches(a, common, scene, camera,
-                                           a.refine.empty() ? nullptr : &refine, phases, summary);
-  file.provenance = common.provenance(inputs);
-  write_output(common.output, dimacs_text(file));
-  phases.done("write");
-  if (!a.preview.empty()) write_output(a.preview, network_preview(scene, camera, file, triangles));
-  if (!a.debug_glb.empty()) write_output(a.debug_glb, network_debug_glb(scene, file, triangles));
-  if (!(a.preview.empty() && a.debug_glb.empty())) phases.done("pictures");
-  summary["patches"] = file.patches.size();
-  summary["arcs"] = file.network.arcs.size();
-  summary["phases"] = phases;
-  summary["cpu_seconds"] = cpu_seconds();
-  summary["peak_bytes"] = peak_memory();
-  common.summary(summary.dump());
+  const DimacsFile network = compute(a, common, in, phases, summary);
+  const auto preview = [&] { return network_preview(in.scene, in.camera, network, a.triangles()); };
+  const auto debug_glb = [&] { return network_debug_glb(in.scene, network, a.triangles()); };
+  cli::deliver({{common.output, [&] { return dimacs_text(network); }},
+                {a.preview, preview},
+                {a.debug_glb, debug_glb}},
+               phases);
+  cli::report(common, summary, phases);
   return 0;
 }
 
-}  // namespace
-}  // namespace tdpt
-
-int main(int argc, char** argv) {
-  using namespace tdpt;
-  Arguments a;
-  cli::Options options("ffgraph", "Writes the light transport of a glTF scene as a flow network.",
-                       "Network to write (DIMACS); default standard output");
+void declare_options(cli::Options& options, Arguments& a) {
   options.argument("scene", a.scene, "Scene (.glb, .gltf); - is standard input");
   options.option("--camera", a.camera, "NAME", "Camera to use; default the first one");
   options.choice("--nodes", a.nodes, {"patches", "triangles"},
@@ -161,5 +172,16 @@ int main(int argc, char** argv) {
       "Write a PNG: what light and camera reach, as the camera sees it and in plan");
   options.side_output("--debug-glb", a.debug_glb,
                       "Write the same as glTF, the patches as coloured squares");
+}
+
+}  // namespace
+}  // namespace tdpt
+
+int main(int argc, char** argv) {
+  using namespace tdpt;
+  Arguments a;
+  cli::Options options("ffgraph", "Writes the light transport of a glTF scene as a flow network.",
+                       "Network to write (DIMACS); default standard output");
+  declare_options(options, a);
   return options.run_main(argc, argv, [&] { return run(a, options.common); });
 }

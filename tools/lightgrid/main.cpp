@@ -1,13 +1,12 @@
+// lightgrid: counts of the light between the two sides of a cut, in the voxels of air.
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "libcommon/base/error.h"
-#include "libcommon/base/output_file.h"
-#include "libcommon/base/phases.h"
 #include "libcommon/base/progress.h"
 #include "libcommon/base/signals.h"
-#include "libcommon/base/threads.h"
 #include "libcommon/cli/cli.h"
+#include "libcommon/cli/ending.h"
 #include "libcommon/gpu/device.h"
 #include "tools/lightgrid/gpu_lines.h"
 #include "tools/lightgrid/lightgrid.h"
@@ -15,6 +14,11 @@
 
 namespace tdpt {
 namespace {
+
+struct Arguments {
+  std::string scene, cut, device = "cpu", preview, debug_glb;
+  int64_t resolution = 128, samples = 1 << 20, lines = 1 << 13;
+};
 
 std::string list_of_devices() {
   std::string text;
@@ -44,101 +48,107 @@ NamedTracer tracer_on(const std::string& device) {
                    uint64_t seed) { return make_gpu_lines(opened, scene, tables, grid, seed); }};
 }
 
+struct Loaded {
+  Scene scene;
+  CutFile cut;
+};
+
+Loaded load(const Arguments& a) {
+  Loaded in;
+  in.scene = read_gltf(a.scene);
+  open_glass(in.scene);
+  in.cut = read_cut(a.cut);
+  return in;
+}
+
+LightGrid compute(const Arguments& a, const cli::Common& common, const Loaded& in,
+                  const MakeLineTracer& make_tracer, LightGridReport& report) {
+  LightGridOptions how;
+  how.resolution = static_cast<int>(a.resolution);
+  how.seed = common.seed;
+  how.samples = static_cast<uint64_t>(a.samples);
+  how.lines = static_cast<size_t>(a.lines);
+  Progress progress("tracing", "segments", how.samples, common.quiet);
+  LightGrid grid =
+      make_light_grid(in.scene, in.cut, a.cut, how, report,
+                      {[&](uint64_t n) { progress.advance(n); }, stop_requested}, make_tracer);
+  grid.provenance =
+      common.provenance({{a.scene, in.scene.hash, {}}, {a.cut, in.cut.hash, in.cut.provenance}});
+  return grid;
+}
+
+void tell(const cli::Common& common, const LightGrid& grid, const LightGridReport& report) {
+  if (!grid.bottleneck) return common.note("no light grid: " + grid.reason + ".");
+  common.note(fmt::format(
+      "{} of {} segments are visible, {} of these join the two sides; the counts {} (change {:.1f} "
+      "%).",
+      report.visible, report.drawn, report.kept,
+      report.settled ? "have settled" : "had not settled when the budget was spent",
+      100 * report.change));
+  common.note(
+      fmt::format("{} lines kept; of {} lines drawn through the light {} join the two sides.",
+                  grid.lines.size(), report.tried, report.joined));
+}
+
+nlohmann::json summary(const LightGrid& grid, const LightGridReport& report,
+                       const std::string& device) {
+  return {{"bottleneck", grid.bottleneck}, {"reason", grid.reason},     {"drawn", report.drawn},
+          {"visible", report.visible},     {"kept", report.kept},       {"settled", report.settled},
+          {"change", report.change},       {"tried", report.tried},     {"joined", report.joined},
+          {"lines", grid.lines.size()},    {"voxels", grid.dim},        {"air", report.air},
+          {"voxel", grid.voxel},           {"fullest", report.fullest}, {"device", device}};
+}
+
+int run(const Arguments& a, const cli::Common& common) {
+  const NamedTracer tracer = tracer_on(a.device);
+  if (a.scene == "-" && a.cut == "-")
+    throw UsageError("only one of the two inputs can come from standard input");
+  catch_signals();
+  if (a.device != "cpu") common.note("lines are traced by " + tracer.name + ".");
+  LightGridReport report;
+  const Loaded in = load(a);
+  report.phases.done("load");
+  const LightGrid grid = compute(a, common, in, tracer.make, report);
+  tell(common, grid, report);
+  cli::deliver({{common.output, [&] { return light_grid_bytes(grid); }},
+                {a.preview, [&] { return grid_preview(grid, a.scene); }},
+                {a.debug_glb, [&] { return grid_debug_glb(grid); }}},
+               report.phases);
+  cli::report(common, summary(grid, report, tracer.name), report.phases);
+  if (!report.stopped) return 0;
+  common.warn("stopped by a signal; the grid holds what was drawn until then");
+  return static_cast<int>(Exit::interrupted);
+}
+
+void declare_options(cli::Options& options, Arguments& a) {
+  options.argument("scene", a.scene, "The scene, glTF 2.0 (.glb or .gltf)");
+  options.argument("cut", a.cut, "Its minimum cut (.cut), as mincut writes it");
+  options.option("--resolution", a.resolution, "N",
+                 "Voxels along the longest side of the scene; default 128", 8, 512);
+  options.option("--samples", a.samples, "N",
+                 "Most segments drawn between pivot patches; default 1048576", 1, int64_t{1} << 32);
+  options.option("--lines", a.lines, "N", "Most lines of light kept in the file; default 8192", 100,
+                 1 << 22);
+  options.option("--device", a.device, "cpu|gpu[:WHICH]",
+                 "What traces the lines; default cpu. WHICH: number or part of the name of a "
+                 "Vulkan device; else the best");
+  options.instead("--list-devices", list_of_devices, "List the Vulkan devices and exit");
+  options.side_output("--preview", a.preview,
+                      "Write a PNG: the counts along the three axes of the grid");
+  options.side_output("--debug-glb", a.debug_glb,
+                      "Write the fullest voxels and some lines of light as glTF");
+}
+
 }  // namespace
 }  // namespace tdpt
 
 int main(int argc, char** argv) {
   using namespace tdpt;
+  Arguments a;
   cli::Options options("lightgrid",
                        "Counts the light between the two sides of a cut in the voxels of air it "
                        "passes.",
                        "The light grid (.vdb); default standard output");
-  std::string scene_path, cut_path, device = "cpu", preview, debug_glb;
-  int64_t resolution = 128, samples = 1 << 20, lines = 1 << 13;
-  options.argument("scene", scene_path, "The scene, glTF 2.0 (.glb or .gltf)");
-  options.argument("cut", cut_path, "Its minimum cut (.cut), as mincut writes it");
-  options.option("--resolution", resolution, "N",
-                 "Voxels along the longest side of the scene; default 128", 8, 512);
-  options.option("--samples", samples, "N",
-                 "Most segments drawn between pivot patches; default 1048576", 1, int64_t{1} << 32);
-  options.option("--lines", lines, "N", "Most lines of light kept in the file; default 8192", 100,
-                 1 << 22);
-  options.option("--device", device, "cpu|gpu[:WHICH]",
-                 "What traces the lines; default cpu. WHICH: number or part of the name of a "
-                 "Vulkan device; else the best");
-  options.instead("--list-devices", list_of_devices, "List the Vulkan devices and exit");
-  options.side_output("--preview", preview,
-                      "Write a PNG: the counts along the three axes of the grid");
-  options.side_output("--debug-glb", debug_glb,
-                      "Write the fullest voxels and some lines of light as glTF");
-  return options.run_main(argc, argv, [&] {
-    const cli::Common& common = options.common;
-    const NamedTracer tracer = tracer_on(device);
-    if (scene_path == "-" && cut_path == "-")
-      throw UsageError("only one of the two inputs can come from standard input");
-    catch_signals();
-    if (device != "cpu") common.note("lines are traced by " + tracer.name + ".");
-    LightGridReport report;
-    Scene scene = read_gltf(scene_path);
-    open_glass(scene);
-    const CutFile cut = read_cut(cut_path);
-    LightGridOptions how;
-    how.resolution = static_cast<int>(resolution);
-    how.seed = common.seed;
-    how.samples = static_cast<uint64_t>(samples);
-    how.lines = static_cast<size_t>(lines);
-    LightGrid grid;
-    report.phases.done("load");
-    {
-      Progress progress("tracing", "segments", how.samples, common.quiet);
-      grid =
-          make_light_grid(scene, cut, cut_path, how, report,
-                          {[&](uint64_t n) { progress.advance(n); }, stop_requested}, tracer.make);
-    }
-    grid.provenance =
-        common.provenance({{scene_path, scene.hash, {}}, {cut_path, cut.hash, cut.provenance}});
-    if (!grid.bottleneck) {
-      common.note("no light grid: " + grid.reason + ".");
-    } else {
-      common.note(
-          fmt::format("{} of {} segments are visible, {} of these join the two sides; the "
-                      "counts {} (change {:.1f} %).",
-                      report.visible, report.drawn, report.kept,
-                      report.settled ? "have settled"
-                                     : "had not settled when the budget "
-                                       "was spent",
-                      100 * report.change));
-      common.note(
-          fmt::format("{} lines kept; of {} lines drawn through the light {} join the "
-                      "two sides.",
-                      grid.lines.size(), report.tried, report.joined));
-    }
-    write_output(common.output, light_grid_bytes(grid));
-    report.phases.done("write");
-    if (!preview.empty()) write_output(preview, grid_preview(grid, scene_path));
-    if (!debug_glb.empty()) write_output(debug_glb, grid_debug_glb(grid));
-    if (!(preview.empty() && debug_glb.empty())) report.phases.done("pictures");
-    common.summary(nlohmann::json{{"bottleneck", grid.bottleneck},
-                                  {"reason", grid.reason},
-                                  {"drawn", report.drawn},
-                                  {"visible", report.visible},
-                                  {"kept", report.kept},
-                                  {"settled", report.settled},
-                                  {"change", report.change},
-                                  {"tried", report.tried},
-                                  {"joined", report.joined},
-                                  {"lines", grid.lines.size()},
-                                  {"voxels", grid.dim},
-                                  {"air", report.air},
-                                  {"voxel", grid.voxel},
-                                  {"fullest", report.fullest},
-                                  {"phases", report.phases},
-                                  {"device", tracer.name},
-                                  {"cpu_seconds", cpu_seconds()},
-                                  {"peak_bytes", peak_memory()}}
-                       .dump());
-    if (!report.stopped) return 0;
-    common.warn("stopped by a signal; the grid holds what was drawn until then");
-    return static_cast<int>(Exit::interrupted);
-  });
+  declare_options(options, a);
+  return options.run_main(argc, argv, [&] { return run(a, options.common); });
 }

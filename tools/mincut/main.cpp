@@ -6,16 +6,17 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
-#include "libcommon/base/output_file.h"
 #include "libcommon/base/phases.h"
-#include "libcommon/base/threads.h"
 #include "libcommon/cli/cli.h"
+#include "libcommon/cli/ending.h"
 #include "tools/mincut/cut_of.h"
 #include "tools/mincut/preview.h"
 #include "tools/mincut/verify.h"
 
 namespace tdpt {
 namespace {
+
+using Json = nlohmann::ordered_json;
 
 struct Arguments {
   std::string network = "-", scene, camera, preview, debug_glb;
@@ -30,77 +31,81 @@ std::string preview_of(const Arguments& a, const CutFile& cut) {
   return cut_preview(scene, scene.camera(a.camera), cut, a.network);
 }
 
-int run(const Arguments& a, const cli::Common& common) {
+void check(const Arguments& a) {
   if (!a.preview.empty() && a.scene.empty())
     throw UsageError("--preview shows the scene: name it with --scene FILE");
   if (a.preview.empty() && !(a.scene.empty() && a.camera.empty()))
     throw UsageError("--scene and --camera go with --preview");
   if (a.scene == "-" && a.network == "-")
     throw UsageError("network and scene cannot both be the standard input");
+}
+
+Provenance provenance(const Arguments& a, const cli::Common& common, const DimacsFile& problem) {
+  return common.provenance({{a.network, problem.hash, problem.provenance}});
+}
+
+// Of a network that does not come from ffgraph: one cut, as text.
+void cut_plain(const Arguments& a, const cli::Common& common, const DimacsFile& problem,
+               Phases& phases, Json& summary) {
+  if (!a.preview.empty() || !a.debug_glb.empty())
+    throw InputError(display_name(a.network), "",
+                     "is a plain network, expected one of ffgraph's to draw");
+  const MaxFlow flow = max_flow(problem.network);
+  verify_max_flow(problem.network, flow);
+  phases.done("flow");
+  summary["flow"] = flow.value;
+  const auto text = [&] { return plain_cut_text(problem, flow, provenance(a, common, problem)); };
+  cli::deliver({{common.output, text}}, phases);
+  common.note(fmt::format("maximum flow {}", flow.value));
+}
+
+// Notes, and what the summary says of the bottlenecks.
+void report(const cli::Common& common, const CutFile& cut, Json& summary) {
+  summary["bottleneck"] = cut.bottleneck;
+  summary["cuts"] = Json::array();
+  for (size_t c = 0; c < cut.cuts.size(); ++c) {
+    const auto pairs = std::count_if(cut.arcs.begin(), cut.arcs.end(),
+                                     [&](const CutArc& arc) { return cut.crosses(arc, c); });
+    summary["cuts"].push_back(
+        {{"flow", cut.cuts[c].flow}, {"conductance", cut.cuts[c].conductance}, {"pairs", pairs}});
+    if (cut.bottleneck)
+      common.note(fmt::format(
+          "{}{} pivot pairs; {:.2g} of the smaller side's light crosses the cut",
+          cut.cuts.size() > 1 ? fmt::format("bottleneck {} of {}: ", c + 1, cut.cuts.size()) : "",
+          pairs, cut.cuts[c].conductance));
+  }
+  if (cut.bottleneck) return;
+  summary["reason"] = cut.reason;
+  common.note("no bottleneck: " + cut.reason);
+}
+
+void cut_patches(const Arguments& a, const cli::Common& common, const DimacsFile& problem,
+                 Phases& phases, Json& summary) {
+  CutFile cut = cut_of(problem, static_cast<size_t>(a.cuts), a.limits);
+  cut.provenance = provenance(a, common, problem);
+  phases.done("flow");
+  cli::deliver({{common.output, [&] { return cut_text(cut); }},
+                {a.preview, [&] { return preview_of(a, cut); }},
+                {a.debug_glb, [&] { return cut_debug_glb(cut); }}},
+               phases);
+  report(common, cut, summary);
+}
+
+int run(const Arguments& a, const cli::Common& common) {
+  check(a);
   Phases phases;
   const DimacsFile problem = read_dimacs(a.network);
-  const Provenance provenance = common.provenance({{a.network, problem.hash, problem.provenance}});
-
   phases.done("load");
-
-  nlohmann::ordered_json summary;
+  Json summary;
   summary["nodes"] = problem.network.nodes;
   summary["arcs"] = problem.network.arcs.size();
   summary["scale"] = problem.scale;
-  if (!problem.has_patches) {
-    if (!a.preview.empty() || !a.debug_glb.empty())
-      throw InputError(display_name(a.network), "",
-                       "is a plain network, expected one of ffgraph's to draw");
-    const MaxFlow flow = max_flow(problem.network);
-    verify_max_flow(problem.network, flow);
-    phases.done("flow");
-    summary["flow"] = flow.value;
-    write_output(common.output, plain_cut_text(problem, flow, provenance));
-    common.note(fmt::format("maximum flow {}", flow.value));
-  } else {
-    CutFile cut = cut_of(problem, static_cast<size_t>(a.cuts), a.limits);
-    cut.provenance = provenance;
-    phases.done("flow");
-    const std::string preview = a.preview.empty() ? "" : preview_of(a, cut);
-    const std::string debug_glb = a.debug_glb.empty() ? "" : cut_debug_glb(cut);
-    if (!(preview.empty() && debug_glb.empty())) phases.done("pictures");
-    write_output(common.output, cut_text(cut));
-    if (!preview.empty()) write_output(a.preview, preview);
-    if (!debug_glb.empty()) write_output(a.debug_glb, debug_glb);
-    summary["bottleneck"] = cut.bottleneck;
-    summary["cuts"] = nlohmann::ordered_json::array();
-    for (size_t c = 0; c < cut.cuts.size(); ++c) {
-      const auto pairs = std::count_if(cut.arcs.begin(), cut.arcs.end(),
-                                       [&](const CutArc& arc) { return cut.crosses(arc, c); });
-      summary["cuts"].push_back(
-          {{"flow", cut.cuts[c].flow}, {"conductance", cut.cuts[c].conductance}, {"pairs", pairs}});
-      if (cut.bottleneck)
-        common.note(fmt::format(
-            "{}{} pivot pairs; {:.2g} of the smaller side's light crosses the cut",
-            cut.cuts.size() > 1 ? fmt::format("bottleneck {} of {}: ", c + 1, cut.cuts.size()) : "",
-            pairs, cut.cuts[c].conductance));
-    }
-    if (!cut.bottleneck) {
-      summary["reason"] = cut.reason;
-      common.note("no bottleneck: " + cut.reason);
-    }
-  }
-  phases.done("write");
-  summary["phases"] = phases;
-  summary["cpu_seconds"] = cpu_seconds();
-  summary["peak_bytes"] = peak_memory();
-  common.summary(summary.dump());
+  (problem.has_patches ? cut_patches : cut_plain)(a, common, problem, phases, summary);
+  cli::report(common, summary, phases);
   return 0;
 }
 
-}  // namespace
-}  // namespace tdpt
-
-int main(int argc, char** argv) {
-  using namespace tdpt;
-  Arguments a;
-  cli::Options options("mincut", "Finds and verifies the minimum cut of a flow network.",
-                       "Cut to write; default standard output");
+void declare_options(cli::Options& options, Arguments& a) {
   options.argument("network", a.network,
                    "Network (DIMACS maximum-flow problem); default standard input", false);
   options.option("--cuts", a.cuts, "K",
@@ -116,5 +121,16 @@ int main(int argc, char** argv) {
                  cli::Shapes::nothing);
   options.side_output("--debug-glb", a.debug_glb,
                       "Write the same as glTF: patches as coloured squares, pairs as lines");
+}
+
+}  // namespace
+}  // namespace tdpt
+
+int main(int argc, char** argv) {
+  using namespace tdpt;
+  Arguments a;
+  cli::Options options("mincut", "Finds and verifies the minimum cut of a flow network.",
+                       "Cut to write; default standard output");
+  declare_options(options, a);
   return options.run_main(argc, argv, [&] { return run(a, options.common); });
 }

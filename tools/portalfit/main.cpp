@@ -1,99 +1,132 @@
+// portalfit: planar light portals fitted to a light grid.
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "libcommon/base/error.h"
-#include "libcommon/base/output_file.h"
-#include "libcommon/base/phases.h"
-#include "libcommon/base/threads.h"
+#include "libcommon/base/file.h"
 #include "libcommon/cli/cli.h"
+#include "libcommon/cli/ending.h"
 #include "libcommon/formats/portal_worth.h"
 #include "tools/portalfit/merit.h"
 #include "tools/portalfit/portalfit.h"
 #include "tools/portalfit/preview.h"
 
-int main(int argc, char** argv) {
-  using namespace tdpt;
-  cli::Options options("portalfit", "Fits planar light portals to a light grid.",
-                       "The portals (.glb); default standard output");
-  PortalFitOptions how;
-  std::string grid_path = "-", preview, debug_glb;
-  std::string method = "tube";
+namespace tdpt {
+namespace {
+
+struct Arguments {
+  std::string grid = "-", method = "tube", preview, debug_glb;
+  double threshold = PortalFitOptions{}.threshold;
   int64_t max_portals = 8;
   bool require_portal = false, useful_only = false;
-  options.argument("grid", grid_path, "The light grid (.vdb); default standard input", false);
-  options.option("--threshold", how.threshold, "T",
+};
+
+FitResult fit(const Arguments& a, const LightGrid& grid) {
+  PortalFitOptions how;
+  how.threshold = a.threshold;
+  how.max_portals = static_cast<size_t>(a.max_portals);
+  how.by_paper = a.method == "paper";
+  FitResult result = fit_portals(grid, how);
+  appraise(grid, result.portals);
+  return result;
+}
+
+bool chosen(const Arguments& a, const Portal& portal) {
+  return !a.useful_only || verdict_of(portal.figures).worth != Worth::useless;
+}
+
+// The portals to write.
+PortalFile choose(const Arguments& a, const cli::Common& common, const LightGrid& grid,
+                  const FitResult& found) {
+  PortalFile file;
+  for (const Portal& portal : found.portals)
+    if (chosen(a, portal)) file.portals.push_back(portal);
+  file.scene_hash = grid.scene_hash;
+  file.provenance = common.provenance({{a.grid, grid.hash, grid.provenance}});
+  return file;
+}
+
+// A note for each portal, and what the summary says of those that are written.
+nlohmann::json tell(const Arguments& a, const cli::Common& common, const FitResult& found) {
+  nlohmann::json written = nlohmann::json::array();
+  for (const Portal& portal : found.portals) {
+    const auto& f = portal.figures;
+    const bool write = chosen(a, portal);
+    const std::string name = fmt::format("portal.{}", written.size());
+    const std::string support =
+        f.contains("support") ? fmt::format("support {:.2f}, ", f.at("support")) : "";
+    common.note(fmt::format("{}: {} ({}{:.0f} degrees between normal and mean direction).",
+                            write ? name : "left out", worth_sentence(f, f.at("area")), support,
+                            f.at("direction_angle")));
+    if (!write) continue;
+    nlohmann::json entry = f;
+    entry["name"] = name;
+    entry["worth"] = verdict_of(f).words;
+    written.push_back(entry);
+  }
+  for (const std::string& sentence : found.refused) common.note("refused: " + sentence + ".");
+  return {{"portals", written},
+          {"explained", found.explained},
+          {"refused", found.refused},
+          {"left_out", found.portals.size() - written.size()}};
+}
+
+// Nothing is written: says why, or throws where a portal is required.
+std::string why_none(const Arguments& a, const cli::Common& common, const LightGrid& grid,
+                     const FitResult& found) {
+  const std::string why = !found.portals.empty() ? "none found is useful"
+                          : grid.bottleneck      ? "no planar opening fits the light"
+                                                 : grid.reason;
+  if (a.require_portal) throw InputError(display_name(a.grid), "", "gives no portal: " + why);
+  common.note("no portal: " + why + ".");
+  return why;
+}
+
+int run(const Arguments& a, const cli::Common& common) {
+  Phases phases;
+  const LightGrid grid = read_light_grid(a.grid);
+  phases.done("load");
+  const FitResult found = fit(a, grid);
+  phases.done("fit");
+  const PortalFile file = choose(a, common, grid, found);
+  nlohmann::json summary = tell(a, common, found);
+  if (file.portals.empty()) summary["reason"] = why_none(a, common, grid, found);
+  const auto preview = [&] {
+    return portal_preview(grid, file.portals, a.grid,
+                          grid.bottleneck ? "no planar opening fits the light" : grid.reason);
+  };
+  cli::deliver({{common.output, [&] { return portal_bytes(file); }},
+                {a.preview, preview},
+                {a.debug_glb, [&] { return portal_debug_glb(grid, file); }}},
+               phases);
+  cli::report(common, summary, phases);
+  return 0;
+}
+
+void declare_options(cli::Options& options, Arguments& a) {
+  options.argument("grid", a.grid, "The light grid (.vdb); default standard input", false);
+  options.option("--threshold", a.threshold, "T",
                  "Smallest share of the lines that makes a portal; default 0.05", 0.0001, 1);
-  options.option("--max-portals", max_portals, "N", "Most portals; default 8", 1, 1000);
-  options.choice("--method", method, {"tube", "paper"},
+  options.option("--max-portals", a.max_portals, "N", "Most portals; default 8", 1, 1000);
+  options.choice("--method", a.method, {"tube", "paper"},
                  "How a portal is fitted: tube, the default, or the rule of the paper");
-  options.flag("--require-portal", require_portal, "Exit with 3 when no portal is found",
+  options.flag("--require-portal", a.require_portal, "Exit with 3 when no portal is found",
                cli::Shapes::nothing);
-  options.flag("--useful-only", useful_only, "Leave out portals that cost more than they gain");
-  options.side_output("--preview", preview,
+  options.flag("--useful-only", a.useful_only, "Leave out portals that cost more than they gain");
+  options.side_output("--preview", a.preview,
                       "Write a PNG: each portal over the light, from the front and from above");
-  options.side_output("--debug-glb", debug_glb,
+  options.side_output("--debug-glb", a.debug_glb,
                       "Write portals, their normals and some lines of light as glTF");
-  return options.run_main(argc, argv, [&] {
-    const cli::Common& common = options.common;
-    how.by_paper = method == "paper";
-    how.max_portals = static_cast<size_t>(max_portals);
-    Phases phases;
-    const LightGrid grid = read_light_grid(grid_path);
-    phases.done("load");
-    FitResult fit = fit_portals(grid, how);
-    appraise(grid, fit.portals);
-    phases.done("fit");
-    PortalFile file;
-    for (const Portal& portal : fit.portals)
-      if (!useful_only || verdict_of(portal.figures).worth != Worth::useless)
-        file.portals.push_back(portal);
-    file.scene_hash = grid.scene_hash;
-    file.provenance = common.provenance({{grid_path, grid.hash, grid.provenance}});
-    nlohmann::json summary = {{"portals", nlohmann::json::array()},
-                              {"explained", fit.explained},
-                              {"refused", fit.refused}};
-    size_t left_out = 0;
-    for (const Portal& portal : fit.portals) {
-      const auto& f = portal.figures;
-      const Verdict verdict = verdict_of(f);
-      std::string support;
-      if (f.contains("support")) support = fmt::format("support {:.2f}, ", f.at("support"));
-      const bool written = !useful_only || verdict.worth != Worth::useless;
-      const size_t number = summary["portals"].size();
-      common.note(fmt::format("{}: {} ({}{:.0f} degrees between normal and mean direction).",
-                              written ? fmt::format("portal.{}", number) : "left out",
-                              worth_sentence(f, f.at("area")), support, f.at("direction_angle")));
-      left_out += !written;
-      if (!written) continue;
-      nlohmann::json entry = f;
-      entry["name"] = fmt::format("portal.{}", number);
-      entry["worth"] = verdict.words;
-      summary["portals"].push_back(entry);
-    }
-    summary["left_out"] = left_out;
-    for (const std::string& sentence : fit.refused) common.note("refused: " + sentence + ".");
-    if (file.portals.empty()) {
-      const std::string why = left_out > 0      ? "none found is useful"
-                              : grid.bottleneck ? "no planar opening fits the light"
-                                                : grid.reason;
-      if (require_portal)
-        throw InputError(grid_path == "-" ? "(standard input)" : grid_path, "",
-                         "gives no portal: " + why);
-      common.note("no portal: " + why + ".");
-      summary["reason"] = why;
-    }
-    write_output(common.output, portal_bytes(file));
-    phases.done("write");
-    if (!preview.empty())
-      write_output(preview, portal_preview(grid, file.portals, grid_path,
-                                           grid.bottleneck ? "no planar opening fits the light"
-                                                           : grid.reason));
-    if (!debug_glb.empty()) write_output(debug_glb, portal_debug_glb(grid, file));
-    if (!(preview.empty() && debug_glb.empty())) phases.done("pictures");
-    summary["phases"] = phases;
-    summary["cpu_seconds"] = cpu_seconds();
-    summary["peak_bytes"] = peak_memory();
-    common.summary(summary.dump());
-    return 0;
-  });
+}
+
+}  // namespace
+}  // namespace tdpt
+
+int main(int argc, char** argv) {
+  using namespace tdpt;
+  Arguments a;
+  cli::Options options("portalfit", "Fits planar light portals to a light grid.",
+                       "The portals (.glb); default standard output");
+  declare_options(options, a);
+  return options.run_main(argc, argv, [&] { return run(a, options.common); });
 }
