@@ -118,15 +118,16 @@ std::string whole_number(std::string& text) {
 }
 }  // namespace
 
-Options::Options(std::string tool, std::string summary, std::string output_help)
-    : impl_(std::make_unique<Impl>(summary, tool)) {
-  common.tool = std::move(tool);
+Options::Options(const Program& program)
+    : impl_(std::make_unique<Impl>(program.summary, program.tool)) {
+  common.tool = program.tool;
   CLI::App& app = impl_->app;
   app.set_version_flag("--version", common.tool + " " TDPT_VERSION, "Print the version and exit");
   app.set_help_flag("-h,--help", "Print this help and exit");
-  if (!output_help.empty())
-    impl_->keep(app.add_option("-o,--output", common.output, output_help)->type_name("FILE"),
-                Shapes::nothing, Impl::Is::output);
+  if (program.output_help)
+    impl_->keep(
+        app.add_option("-o,--output", common.output, program.output_help)->type_name("FILE"),
+        Shapes::nothing, Impl::Is::output);
   impl_->keep(app.add_option("--seed", common.seed, "Seed of the random numbers; default 1")
                   ->type_name("N")
                   ->check(CLI::Validator(whole_number, "")),

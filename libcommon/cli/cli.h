@@ -43,11 +43,16 @@ struct Common {
 /// (--threads, --quiet, side outputs).
 enum class Shapes { result, nothing };
 
+/// What --help says of a program before its options.
+struct Program {
+  const char* tool;         ///< its name
+  const char* summary;      ///< one sentence
+  const char* output_help;  ///< what -o receives; null: the program has no -o
+};
+
 class Options {
  public:
-  /// `summary`: one sentence for --help. `output_help`: what -o receives; empty: the tool has no
-  /// -o.
-  Options(std::string tool, std::string summary, std::string output_help);
+  explicit Options(const Program& program);
   ~Options();
 
   Common common;
@@ -99,5 +104,17 @@ class Options {
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
+
+/// main() of a program: `declare` makes its table of options, which fill in the arguments, `run`
+/// does the work and returns the exit code.
+template <class Arguments>
+int run_program(int argc, char** argv, const Program& program,
+                void (*declare)(Options&, Arguments&),
+                int (*run)(const Arguments&, const Common&)) {
+  Arguments arguments;
+  Options options(program);
+  declare(options, arguments);
+  return options.run_main(argc, argv, [&] { return run(arguments, options.common); });
+}
 
 }  // namespace tdpt::cli

@@ -6,7 +6,7 @@
 
 int main(int argc, char** argv) {
   using namespace tdpt;
-  cli::Options options("scene_info", "Says what a scene holds.", "");
+  cli::Options options({"scene_info", "Says what a scene holds.", nullptr});
   std::string path;
   options.argument("SCENE", path, "glTF 2.0 scene");
   return options.run_main(argc, argv, [&] {

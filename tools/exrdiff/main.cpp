@@ -13,9 +13,22 @@
 namespace tdpt {
 namespace {
 
+constexpr cli::Program kProgram{
+    "exrdiff", "Tells how far a picture is from its reference: MAPE, PSNR, MSE, relMSE.",
+    "Difference picture to write: false colour for .png, else OpenEXR; default "
+    "none"};
+
 struct Arguments {
   std::string picture, reference, beside;
 };
+
+void declare_options(cli::Options& options, Arguments& a) {
+  options.common.output.clear();
+  options.argument("picture", a.picture, "Picture to judge (OpenEXR); - is standard input");
+  options.argument("reference", a.reference, "What it should be (OpenEXR); - is standard input");
+  options.side_output("--side-by-side", a.beside,
+                      "Write a PNG with the picture left of the reference, exposed alike");
+}
 
 struct Input {
   ExrFile file;
@@ -67,16 +80,5 @@ int run(const Arguments& a, const cli::Common& common) {
 }  // namespace tdpt
 
 int main(int argc, char** argv) {
-  using namespace tdpt;
-  Arguments a;
-  cli::Options options("exrdiff",
-                       "Tells how far a picture is from its reference: MAPE, PSNR, MSE, relMSE.",
-                       "Difference picture to write: false colour for .png, else OpenEXR; default "
-                       "none");
-  options.common.output.clear();
-  options.argument("picture", a.picture, "Picture to judge (OpenEXR); - is standard input");
-  options.argument("reference", a.reference, "What it should be (OpenEXR); - is standard input");
-  options.side_output("--side-by-side", a.beside,
-                      "Write a PNG with the picture left of the reference, exposed alike");
-  return options.run_main(argc, argv, [&] { return run(a, options.common); });
+  return tdpt::cli::run_program(argc, argv, tdpt::kProgram, tdpt::declare_options, tdpt::run);
 }

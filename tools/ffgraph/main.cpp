@@ -17,12 +17,41 @@
 namespace tdpt {
 namespace {
 
+constexpr cli::Program kProgram{"ffgraph",
+                                "Writes the light transport of a glTF scene as a flow network.",
+                                "Network to write (DIMACS); default standard output"};
+
 struct Arguments {
   std::string scene, camera, nodes = "patches", capacity, refine, preview, debug_glb;
   int64_t samples = 300000, walks = 100000, bounces = 12, rounds = 1;
 
   bool triangles() const { return nodes == "triangles"; }
 };
+
+void declare_options(cli::Options& options, Arguments& a) {
+  options.argument("scene", a.scene, "Scene (.glb, .gltf); - is standard input");
+  options.option("--camera", a.camera, "NAME", "Camera to use; default the first one");
+  options.choice("--nodes", a.nodes, {"patches", "triangles"},
+                 "What the nodes are; default patches");
+  options.choice("--capacity", a.capacity, {"etendue", "formfactor"},
+                 "What the capacities are; default etendue for patches, formfactor for triangles");
+  options.option("--samples", a.samples, "N", "Rays for the etendue in each round; default 300000",
+                 1000, 100000000);
+  options.option("--walks", a.walks, "N",
+                 "Walks from the light, and as many from the camera; default 100000", 1, 10000000);
+  options.option("--bounces", a.bounces, "N", "Surfaces that a walk hits at most; default 12", 1,
+                 64);
+  options.option("--rounds", a.rounds, "N",
+                 "Rounds of splitting patches that straddle an opening; default 1", 0, 3);
+  options.input("--refine", a.refine, "CUT",
+                "Split where the patches of this cut straddle its opening, instead of --rounds");
+  options.side_output(
+      "--preview", a.preview,
+      "Write a PNG: what light and camera reach, as the camera sees it and in plan");
+  options.side_output("--debug-glb", a.debug_glb,
+                      "Write the same as glTF, the patches as coloured squares");
+}
+
 // Hits of walks are kept in memory, 16 bytes each.
 constexpr int64_t kMostHits = 100000000;
 using Json = nlohmann::ordered_json;
@@ -34,12 +63,10 @@ struct Loaded {
   std::vector<cli::Common::Input> files;
 };
 
-// What does not go together; fills in the capacities that go with the nodes.
-void check(Arguments& a) {
-  if (a.capacity.empty()) a.capacity = a.triangles() ? "formfactor" : "etendue";
-  if (a.triangles() != (a.capacity == "formfactor"))
-    throw UsageError("--nodes " + a.nodes + " goes with --capacity " +
-                     (a.triangles() ? "formfactor" : "etendue"));
+void check(const Arguments& a) {
+  const std::string capacity = a.triangles() ? "formfactor" : "etendue";
+  if (!a.capacity.empty() && a.capacity != capacity)
+    throw UsageError("--nodes " + a.nodes + " goes with --capacity " + capacity);
   if (a.triangles() && !a.refine.empty()) throw UsageError("--refine goes with --nodes patches");
   if (a.scene == "-" && a.refine == "-")
     throw UsageError("scene and cut cannot both be the standard input");
@@ -128,60 +155,39 @@ DimacsFile compute(const Arguments& a, const cli::Common& common, const Loaded& 
   DimacsFile network = a.triangles() ? graph_of_triangles(a, common, in, phases, summary)
                                      : graph_of_patches(a, common, in, phases, summary);
   network.provenance = common.provenance(in.files);
-  summary["patches"] = network.patches.size();
-  summary["arcs"] = network.network.arcs.size();
   return network;
 }
 
-int run(Arguments a, const cli::Common& common) {
+void deliver(const Arguments& a, const cli::Common& common, const Loaded& in,
+             const DimacsFile& network, Phases& phases) {
+  const auto text = [&] { return dimacs_text(network); };
+  const auto preview = [&] { return network_preview(in.scene, in.camera, network, a.triangles()); };
+  const auto debug_glb = [&] { return network_debug_glb(in.scene, network, a.triangles()); };
+  cli::deliver({{common.output, text}, {a.preview, preview}, {a.debug_glb, debug_glb}}, phases);
+}
+
+void report(const cli::Common& common, const DimacsFile& network, Json summary,
+            const Phases& phases) {
+  summary["patches"] = network.patches.size();
+  summary["arcs"] = network.network.arcs.size();
+  cli::report(common, summary, phases);
+}
+
+int run(const Arguments& a, const cli::Common& common) {
   check(a);
   Phases phases;
   const Loaded in = load(a, common);
   phases.done("load");
   Json summary;
   const DimacsFile network = compute(a, common, in, phases, summary);
-  const auto preview = [&] { return network_preview(in.scene, in.camera, network, a.triangles()); };
-  const auto debug_glb = [&] { return network_debug_glb(in.scene, network, a.triangles()); };
-  cli::deliver({{common.output, [&] { return dimacs_text(network); }},
-                {a.preview, preview},
-                {a.debug_glb, debug_glb}},
-               phases);
-  cli::report(common, summary, phases);
+  deliver(a, common, in, network, phases);
+  report(common, network, summary, phases);
   return 0;
-}
-
-void declare_options(cli::Options& options, Arguments& a) {
-  options.argument("scene", a.scene, "Scene (.glb, .gltf); - is standard input");
-  options.option("--camera", a.camera, "NAME", "Camera to use; default the first one");
-  options.choice("--nodes", a.nodes, {"patches", "triangles"},
-                 "What the nodes are; default patches");
-  options.choice("--capacity", a.capacity, {"etendue", "formfactor"},
-                 "What the capacities are; default etendue for patches, formfactor for triangles");
-  options.option("--samples", a.samples, "N", "Rays for the etendue in each round; default 300000",
-                 1000, 100000000);
-  options.option("--walks", a.walks, "N",
-                 "Walks from the light, and as many from the camera; default 100000", 1, 10000000);
-  options.option("--bounces", a.bounces, "N", "Surfaces that a walk hits at most; default 12", 1,
-                 64);
-  options.option("--rounds", a.rounds, "N",
-                 "Rounds of splitting patches that straddle an opening; default 1", 0, 3);
-  options.input("--refine", a.refine, "CUT",
-                "Split where the patches of this cut straddle its opening, instead of --rounds");
-  options.side_output(
-      "--preview", a.preview,
-      "Write a PNG: what light and camera reach, as the camera sees it and in plan");
-  options.side_output("--debug-glb", a.debug_glb,
-                      "Write the same as glTF, the patches as coloured squares");
 }
 
 }  // namespace
 }  // namespace tdpt
 
 int main(int argc, char** argv) {
-  using namespace tdpt;
-  Arguments a;
-  cli::Options options("ffgraph", "Writes the light transport of a glTF scene as a flow network.",
-                       "Network to write (DIMACS); default standard output");
-  declare_options(options, a);
-  return options.run_main(argc, argv, [&] { return run(a, options.common); });
+  return tdpt::cli::run_program(argc, argv, tdpt::kProgram, tdpt::declare_options, tdpt::run);
 }

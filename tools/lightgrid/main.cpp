@@ -15,11 +15,6 @@
 namespace tdpt {
 namespace {
 
-struct Arguments {
-  std::string scene, cut, device = "cpu", preview, debug_glb;
-  int64_t resolution = 128, samples = 1 << 20, lines = 1 << 13;
-};
-
 std::string list_of_devices() {
   std::string text;
   const std::vector<gpu::DeviceInfo> devices = gpu::list_devices();
@@ -29,6 +24,36 @@ std::string list_of_devices() {
                         d.unfit.empty() ? "" : "; cannot be used: " + d.unfit);
   }
   return text;
+}
+
+constexpr cli::Program kProgram{
+    "lightgrid",
+    "Counts the light between the two sides of a cut in the voxels of air it "
+    "passes.",
+    "The light grid (.vdb); default standard output"};
+
+struct Arguments {
+  std::string scene, cut, device = "cpu", preview, debug_glb;
+  int64_t resolution = 128, samples = 1 << 20, lines = 1 << 13;
+};
+
+void declare_options(cli::Options& options, Arguments& a) {
+  options.argument("scene", a.scene, "The scene, glTF 2.0 (.glb or .gltf)");
+  options.argument("cut", a.cut, "Its minimum cut (.cut), as mincut writes it");
+  options.option("--resolution", a.resolution, "N",
+                 "Voxels along the longest side of the scene; default 128", 8, 512);
+  options.option("--samples", a.samples, "N",
+                 "Most segments drawn between pivot patches; default 1048576", 1, int64_t{1} << 32);
+  options.option("--lines", a.lines, "N", "Most lines of light kept in the file; default 8192", 100,
+                 1 << 22);
+  options.option("--device", a.device, "cpu|gpu[:WHICH]",
+                 "What traces the lines; default cpu. WHICH: number or part of the name of a "
+                 "Vulkan device; else the best");
+  options.instead("--list-devices", list_of_devices, "List the Vulkan devices and exit");
+  options.side_output("--preview", a.preview,
+                      "Write a PNG: the counts along the three axes of the grid");
+  options.side_output("--debug-glb", a.debug_glb,
+                      "Write the fullest voxels and some lines of light as glTF");
 }
 
 struct NamedTracer {
@@ -120,35 +145,9 @@ int run(const Arguments& a, const cli::Common& common) {
   return static_cast<int>(Exit::interrupted);
 }
 
-void declare_options(cli::Options& options, Arguments& a) {
-  options.argument("scene", a.scene, "The scene, glTF 2.0 (.glb or .gltf)");
-  options.argument("cut", a.cut, "Its minimum cut (.cut), as mincut writes it");
-  options.option("--resolution", a.resolution, "N",
-                 "Voxels along the longest side of the scene; default 128", 8, 512);
-  options.option("--samples", a.samples, "N",
-                 "Most segments drawn between pivot patches; default 1048576", 1, int64_t{1} << 32);
-  options.option("--lines", a.lines, "N", "Most lines of light kept in the file; default 8192", 100,
-                 1 << 22);
-  options.option("--device", a.device, "cpu|gpu[:WHICH]",
-                 "What traces the lines; default cpu. WHICH: number or part of the name of a "
-                 "Vulkan device; else the best");
-  options.instead("--list-devices", list_of_devices, "List the Vulkan devices and exit");
-  options.side_output("--preview", a.preview,
-                      "Write a PNG: the counts along the three axes of the grid");
-  options.side_output("--debug-glb", a.debug_glb,
-                      "Write the fullest voxels and some lines of light as glTF");
-}
-
 }  // namespace
 }  // namespace tdpt
 
 int main(int argc, char** argv) {
-  using namespace tdpt;
-  Arguments a;
-  cli::Options options("lightgrid",
-                       "Counts the light between the two sides of a cut in the voxels of air it "
-                       "passes.",
-                       "The light grid (.vdb); default standard output");
-  declare_options(options, a);
-  return options.run_main(argc, argv, [&] { return run(a, options.common); });
+  return tdpt::cli::run_program(argc, argv, tdpt::kProgram, tdpt::declare_options, tdpt::run);
 }

@@ -18,11 +18,32 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+constexpr cli::Program kProgram{"mincut", "Finds and verifies the minimum cut of a flow network.",
+                                "Cut to write; default standard output"};
+
 struct Arguments {
   std::string network = "-", scene, camera, preview, debug_glb;
   int64_t cuts = 8;
   CutLimits limits;
 };
+
+void declare_options(cli::Options& options, Arguments& a) {
+  options.argument("network", a.network,
+                   "Network (DIMACS maximum-flow problem); default standard input", false);
+  options.option("--cuts", a.cuts, "K",
+                 "Most bottlenecks to look for, one behind the other; default 8", 1, 64);
+  options.option("--least-area", a.limits.least_area, "SHARE",
+                 "Share of the area that the smaller side must have; default 0.03", 0, 0.5);
+  options.option("--largest-conductance", a.limits.largest_conductance, "C",
+                 "Largest share of the smaller side's light that may cross; default 0.12", 0, 1);
+  options.side_output("--preview", a.preview,
+                      "Write a PNG: the cut's sides and pivot pairs in the scene and in plan");
+  options.input("--scene", a.scene, "FILE", "Scene of the network (.glb, .gltf), for --preview");
+  options.option("--camera", a.camera, "NAME", "Camera for --preview; default the first one",
+                 cli::Shapes::nothing);
+  options.side_output("--debug-glb", a.debug_glb,
+                      "Write the same as glTF: patches as coloured squares, pairs as lines");
+}
 
 // The scene for --preview; without it none is read.
 std::string preview_of(const Arguments& a, const CutFile& cut) {
@@ -105,32 +126,9 @@ int run(const Arguments& a, const cli::Common& common) {
   return 0;
 }
 
-void declare_options(cli::Options& options, Arguments& a) {
-  options.argument("network", a.network,
-                   "Network (DIMACS maximum-flow problem); default standard input", false);
-  options.option("--cuts", a.cuts, "K",
-                 "Most bottlenecks to look for, one behind the other; default 8", 1, 64);
-  options.option("--least-area", a.limits.least_area, "SHARE",
-                 "Share of the area that the smaller side must have; default 0.03", 0, 0.5);
-  options.option("--largest-conductance", a.limits.largest_conductance, "C",
-                 "Largest share of the smaller side's light that may cross; default 0.12", 0, 1);
-  options.side_output("--preview", a.preview,
-                      "Write a PNG: the cut's sides and pivot pairs in the scene and in plan");
-  options.input("--scene", a.scene, "FILE", "Scene of the network (.glb, .gltf), for --preview");
-  options.option("--camera", a.camera, "NAME", "Camera for --preview; default the first one",
-                 cli::Shapes::nothing);
-  options.side_output("--debug-glb", a.debug_glb,
-                      "Write the same as glTF: patches as coloured squares, pairs as lines");
-}
-
 }  // namespace
 }  // namespace tdpt
 
 int main(int argc, char** argv) {
-  using namespace tdpt;
-  Arguments a;
-  cli::Options options("mincut", "Finds and verifies the minimum cut of a flow network.",
-                       "Cut to write; default standard output");
-  declare_options(options, a);
-  return options.run_main(argc, argv, [&] { return run(a, options.common); });
+  return tdpt::cli::run_program(argc, argv, tdpt::kProgram, tdpt::declare_options, tdpt::run);
 }

@@ -14,12 +14,33 @@
 namespace tdpt {
 namespace {
 
+constexpr cli::Program kProgram{"portalfit", "Fits planar light portals to a light grid.",
+                                "The portals (.glb); default standard output"};
+
 struct Arguments {
   std::string grid = "-", method = "tube", preview, debug_glb;
   double threshold = PortalFitOptions{}.threshold;
   int64_t max_portals = 8;
   bool require_portal = false, useful_only = false;
 };
+
+void declare_options(cli::Options& options, Arguments& a) {
+  options.argument("grid", a.grid, "The light grid (.vdb); default standard input", false);
+  options.option("--threshold", a.threshold, "T",
+                 "Smallest share of the lines that makes a portal; default 0.05", 0.0001, 1);
+  options.option("--max-portals", a.max_portals, "N", "Most portals; default 8", 1, 1000);
+  options.choice("--method", a.method, {"tube", "paper"},
+                 "How a portal is fitted: tube, the default, or the rule of the paper");
+  options.flag("--require-portal", a.require_portal, "Exit with 3 when no portal is found",
+               cli::Shapes::nothing);
+  options.flag("--useful-only", a.useful_only, "Leave out portals that cost more than they gain");
+  options.side_output("--preview", a.preview,
+                      "Write a PNG: each portal over the light, from the front and from above");
+  options.side_output("--debug-glb", a.debug_glb,
+                      "Write portals, their normals and some lines of light as glTF");
+}
+
+constexpr const char* kNoOpening = "no planar opening fits the light";
 
 FitResult fit(const Arguments& a, const LightGrid& grid) {
   PortalFitOptions how;
@@ -75,11 +96,20 @@ nlohmann::json tell(const Arguments& a, const cli::Common& common, const FitResu
 std::string why_none(const Arguments& a, const cli::Common& common, const LightGrid& grid,
                      const FitResult& found) {
   const std::string why = !found.portals.empty() ? "none found is useful"
-                          : grid.bottleneck      ? "no planar opening fits the light"
+                          : grid.bottleneck      ? kNoOpening
                                                  : grid.reason;
   if (a.require_portal) throw InputError(display_name(a.grid), "", "gives no portal: " + why);
   common.note("no portal: " + why + ".");
   return why;
+}
+
+void deliver(const Arguments& a, const cli::Common& common, const LightGrid& grid,
+             const PortalFile& file, Phases& phases) {
+  const std::string why = grid.bottleneck ? kNoOpening : grid.reason;
+  cli::deliver({{common.output, [&] { return portal_bytes(file); }},
+                {a.preview, [&] { return portal_preview(grid, file.portals, a.grid, why); }},
+                {a.debug_glb, [&] { return portal_debug_glb(grid, file); }}},
+               phases);
 }
 
 int run(const Arguments& a, const cli::Common& common) {
@@ -91,42 +121,14 @@ int run(const Arguments& a, const cli::Common& common) {
   const PortalFile file = choose(a, common, grid, found);
   nlohmann::json summary = tell(a, common, found);
   if (file.portals.empty()) summary["reason"] = why_none(a, common, grid, found);
-  const auto preview = [&] {
-    return portal_preview(grid, file.portals, a.grid,
-                          grid.bottleneck ? "no planar opening fits the light" : grid.reason);
-  };
-  cli::deliver({{common.output, [&] { return portal_bytes(file); }},
-                {a.preview, preview},
-                {a.debug_glb, [&] { return portal_debug_glb(grid, file); }}},
-               phases);
+  deliver(a, common, grid, file, phases);
   cli::report(common, summary, phases);
   return 0;
-}
-
-void declare_options(cli::Options& options, Arguments& a) {
-  options.argument("grid", a.grid, "The light grid (.vdb); default standard input", false);
-  options.option("--threshold", a.threshold, "T",
-                 "Smallest share of the lines that makes a portal; default 0.05", 0.0001, 1);
-  options.option("--max-portals", a.max_portals, "N", "Most portals; default 8", 1, 1000);
-  options.choice("--method", a.method, {"tube", "paper"},
-                 "How a portal is fitted: tube, the default, or the rule of the paper");
-  options.flag("--require-portal", a.require_portal, "Exit with 3 when no portal is found",
-               cli::Shapes::nothing);
-  options.flag("--useful-only", a.useful_only, "Leave out portals that cost more than they gain");
-  options.side_output("--preview", a.preview,
-                      "Write a PNG: each portal over the light, from the front and from above");
-  options.side_output("--debug-glb", a.debug_glb,
-                      "Write portals, their normals and some lines of light as glTF");
 }
 
 }  // namespace
 }  // namespace tdpt
 
 int main(int argc, char** argv) {
-  using namespace tdpt;
-  Arguments a;
-  cli::Options options("portalfit", "Fits planar light portals to a light grid.",
-                       "The portals (.glb); default standard output");
-  declare_options(options, a);
-  return options.run_main(argc, argv, [&] { return run(a, options.common); });
+  return tdpt::cli::run_program(argc, argv, tdpt::kProgram, tdpt::declare_options, tdpt::run);
 }

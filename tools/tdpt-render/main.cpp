@@ -19,6 +19,12 @@
 namespace tdpt {
 namespace {
 
+constexpr cli::Program kProgram{
+    "tdpt-render",
+    "Renders a glTF scene by (tri-directional) path tracing, with portals where "
+    "there are any.",
+    "Picture to write (OpenEXR); default standard output"};
+
 struct Loaded {
   Scene scene;
   Camera camera;
@@ -131,12 +137,5 @@ int run(const Arguments& a, const cli::Common& common) {
 }  // namespace tdpt
 
 int main(int argc, char** argv) {
-  using namespace tdpt;
-  Arguments a;
-  cli::Options options("tdpt-render",
-                       "Renders a glTF scene by (tri-directional) path tracing, with portals where "
-                       "there are any.",
-                       "Picture to write (OpenEXR); default standard output");
-  declare_options(options, a);
-  return options.run_main(argc, argv, [&] { return run(a, options.common); });
+  return tdpt::cli::run_program(argc, argv, tdpt::kProgram, tdpt::declare_options, tdpt::run);
 }
