@@ -1,6 +1,8 @@
 #!/bin/sh
 # house-rules.sh ROOT: who may include whom. Prints every include that breaks a rule; exit 1 if any.
 #   A tool includes libcommon, shaders/shared and itself, never another tool.
+#   shaders/ is below them all: kernels and what they share with C++ include shaders/ alone, and every
+#   shared header gives the macros of language.h back.
 #   A room of libcommon includes itself and rooms before it; testing is for tests.
 #   Each heavy library has one home.
 cd "${1:?usage: house-rules.sh ROOT}" || exit 2
@@ -9,7 +11,7 @@ trap 'rm -f "$found" "$all"' EXIT
 
 # Lines "file:number:included", without quotes and angle brackets.
 grep -rnE '^[[:space:]]*#[[:space:]]*include[[:space:]]*["<]' --include='*.h' --include='*.cpp' \
-  --include='*.inl' tools libcommon shaders 2>/dev/null |
+  --include='*.inl' --include='*.comp' --include='*.glsl' tools libcommon shaders 2>/dev/null |
   sed -E 's/^([^:]*:[0-9]+:)[^"<]*["<]([^">]*)[">].*/\1\2/' >"$all"
 [ -s "$all" ] || { echo "house-rules: no sources under $1"; exit 2; }
 
@@ -41,6 +43,13 @@ BEGIN {
     if (from[1] != "tools") bad("nothing outside a tool includes a tool")
     else if (from[2] != to[2]) bad("a tool never includes another")
   }
+  if (($1 ~ /^shaders\// && !test || $1 ~ /\.(comp|glsl)$/) && (to[1] == "libcommon" || to[1] == "tools"))
+    bad("shaders/ is below libcommon and the tools")
+  if ($1 ~ /^shaders\/.*\.h$/) {
+    if ($3 ~ /\/language_end\.h$/) delete open[$1]
+    else if ($1 in open) bad("language.h comes last: others end its macros")
+    if ($3 ~ /\/language\.h$/) open[$1] = $2
+  }
   if (to[1] == "libcommon") {
     if (to[2] == "testing") {
       if (!test) bad("testing is for tests only")
@@ -51,6 +60,9 @@ BEGIN {
   if (to[1] == ".." || $3 ~ /\/\.\.\//) bad("includes are written from the root")
   for (library in home)
     if ($3 ~ library && $1 !~ home[library]) bad("its home is " home[library])
+}
+END {
+  for (file in open) print file ":" open[file] ": language.h is included, but language_end.h is not"
 }' "$all" >"$found"
 cat "$found"
 [ ! -s "$found" ]

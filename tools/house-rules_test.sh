@@ -5,15 +5,17 @@ work=$(mktemp -d) || exit 2
 trap 'rm -rf "$work"' EXIT
 failed=0
 
-# expect STATUS FILE INCLUDED
+# expect STATUS FILE INCLUDED ...
 expect() {
+  wanted=$1 file=$2
+  shift 2
   rm -rf "$work/root"
-  mkdir -p "$work/root/tools" "$work/root/libcommon" "$work/root/$(dirname "$2")"
-  printf '#include %s\n' "$3" >"$work/root/$2"
+  mkdir -p "$work/root/tools" "$work/root/libcommon" "$work/root/$(dirname "$file")"
+  printf '#include %s\n' "$@" >"$work/root/$file"
   sh "$here/house-rules.sh" "$work/root" >"$work/said"
   status=$?
-  if [ "$status" != "$1" ]; then
-    echo "$2 with $3: exit code $status, expected $1"
+  if [ "$status" != "$wanted" ]; then
+    echo "$file with $*: exit code $status, expected $wanted"
     cat "$work/said"
     failed=1
   fi
@@ -28,6 +30,15 @@ expect 1 tools/mincut/main.cpp '"../ffgraph/patches.h"'
 expect 1 libcommon/formats/cut.cpp '"tools/mincut/max_flow.h"'
 expect 0 libcommon/scene/scene.h '"libcommon/math/vec.h"'
 expect 1 libcommon/math/vec.h '"libcommon/scene/scene.h"'
+expect 0 libcommon/math/vec.h '"shaders/shared/vector.h"'
+expect 1 shaders/shared/types.h '"libcommon/math/vec.h"'
+expect 1 shaders/light_march.comp '"libcommon/math/vec.h"'
+expect 1 shaders/light_bindings.glsl '"tools/lightgrid/line_kernel.h"'
+expect 1 libcommon/gpu/gpu_test.comp '"libcommon/math/vec.h"'
+expect 0 shaders/shared/shared_test.cpp '"libcommon/math/rng.h"'
+expect 0 shaders/shared/warp.h '"shaders/shared/real.h"' '"shaders/shared/language.h"' '"shaders/shared/language_end.h"'
+expect 1 shaders/shared/warp.h '"shaders/shared/language.h"'
+expect 1 shaders/shared/warp.h '"shaders/shared/language.h"' '"shaders/shared/real.h"' '"shaders/shared/language_end.h"'
 expect 1 libcommon/formats/cut.h '"libcommon/trace/tracer.h"'
 expect 1 libcommon/base/file.cpp '"libcommon/cli/cli.h"'
 expect 0 libcommon/trace/tracer.cpp '<embree3/rtcore.h>'

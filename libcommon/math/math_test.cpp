@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "libcommon/math/alias_table.h"
 #include "libcommon/math/rng.h"
 #include "libcommon/math/vec.h"
 #include "libcommon/math/warp.h"

@@ -1,5 +1,6 @@
 #include "libcommon/scene/lights.h"
 
+#include "libcommon/math/warp.h"
 #include "libcommon/scene/texture.h"
 
 namespace tdpt {

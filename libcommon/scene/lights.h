@@ -6,8 +6,9 @@
 #include <numbers>
 #include <vector>
 
+#include "libcommon/math/alias_table.h"
 #include "libcommon/math/rng.h"
-#include "libcommon/math/warp.h"
+#include "libcommon/math/vec.h"
 #include "libcommon/scene/scene.h"
 
 namespace tdpt {

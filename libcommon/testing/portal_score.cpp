@@ -2,6 +2,7 @@
 
 #include <set>
 
+#include "libcommon/math/alias_table.h"
 #include "libcommon/math/rng.h"
 #include "libcommon/math/warp.h"
 

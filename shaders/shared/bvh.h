@@ -5,14 +5,6 @@
 
 #include "shaders/shared/language.h"
 
-#ifdef __cplusplus
-#define MEMBER_CONST const  // after every function that C++ has as a member, see traversal.h
-#define CACHE_LINE alignas(64)
-#else
-#define MEMBER_CONST
-#define CACHE_LINE
-#endif
-
 SHARED_BEGIN
 
 /// Entries that a traversal may have to put aside: no leaf lies deeper below node 0 than this.
@@ -58,5 +50,7 @@ static_assert(sizeof(BvhNode) == 64 && sizeof(BvhTriangle) == 48 && sizeof(Surfa
 #endif
 
 SHARED_END
+
+#include "shaders/shared/language_end.h"
 
 #endif

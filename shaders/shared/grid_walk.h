@@ -10,6 +10,8 @@
 
 #include "shaders/shared/real.h"
 
+#include "shaders/shared/language.h"
+
 SHARED_BEGIN
 
 struct VoxelWalk {
@@ -78,5 +80,7 @@ SHARED bool next_voxel(INOUT(VoxelWalk) w) {
 }
 
 SHARED_END
+
+#include "shaders/shared/language_end.h"
 
 #endif

@@ -1,72 +1,53 @@
-// What lets one text be C++ and GLSL: types, qualifiers and the few functions that one of the two
-// lacks. Every header of this folder is read by both compilers, so that a kernel and its twin on
-// the CPU run the same operations in the same order and give the same bits.
+// What lets one text be C++ and GLSL. Every header of this folder is read by both compilers, so
+// that a kernel and its twin on the CPU run the same operations in the same order and give the same
+// bits. It begins with this file, behind the other headers it needs, and ends with language_end.h,
+// so that no macro is left to who includes it.
 //
 // Vulkan rounds sums and products of floats correctly, and every device we know to the nearest, as
 // long as none is contracted into a fused one: keep every float in an EXACT variable. It does not
-// round quotients, roots and sines correctly: use those of real.h. dot(), cross(), normalize() and
-// mix() leave the order open: use those of real.h. Never draw two random numbers in one expression:
-// C++ leaves their order open.
-#ifndef TDPT_SHADERS_SHARED_LANGUAGE_H
-#define TDPT_SHADERS_SHARED_LANGUAGE_H
+// round quotients, roots and sines correctly: use those of real.h. It leaves the order of its own
+// dot(), cross(), normalize() and mix() open: use those of vector.h. Never draw two random numbers
+// in one expression: C++ leaves their order open.
+//
+// What the CPU counts in doubles and a device in floats is a GENERIC text over REAL and VEC3.
+#include "shaders/shared/types.h"
 
 #ifdef __cplusplus
 
-#include <algorithm>
-#include <bit>
-#include <cmath>
-#include <cstdint>
-
-#include "libcommon/math/vec.h"
-
 #define SHARED_BEGIN namespace tdpt::shader {
 #define SHARED_END }
-#define SHARED inline      // before every function
+#define SHARED inline       // before every function
+#define MEMBER_CONST const  // after every function that C++ has as a member, see traversal.h
+#define CACHE_LINE alignas(64)
 #define EXACT              // before every float that is computed
 #define OUT(type) type&    // a parameter that is written
 #define INOUT(type) type&  // a parameter that is read and written
-
-namespace tdpt::shader {
-
-using uint = uint32_t;
-using vec3 = Vec3f;
-using ivec3 = Vec3<int32_t>;
-struct uvec2 {
-  uint x, y;
-};
-struct uvec4 {
-  uint x, y, z, w;
-};
-
-using std::abs;
-using std::floor;
-using std::max;
-using std::min;
-
-inline uint floatBitsToUint(float x) {
-  return std::bit_cast<uint>(x);
-}
-inline float uintBitsToFloat(uint x) {
-  return std::bit_cast<float>(x);
-}
-/// high and low half of the product of `a` and `b`
-inline void umulExtended(uint a, uint b, uint& high, uint& low) {
-  const uint64_t product = uint64_t{a} * b;
-  high = static_cast<uint>(product >> 32);
-  low = static_cast<uint>(product);
-}
-
-}  // namespace tdpt::shader
+#define GENERIC_STRUCT  \
+  template <class Real> \
+  struct
+#define GENERIC         \
+  template <class Real> \
+  constexpr  // before every function, instead of SHARED
+#define REAL Real
+#define VEC3 Vec3<Real>
+#define OF_REAL(type) type<Real>  // a GENERIC_STRUCT
 
 #else
 
 #define SHARED_BEGIN
 #define SHARED_END
 #define SHARED
+#define MEMBER_CONST
+#define CACHE_LINE
 #define EXACT precise
 #define OUT(type) out type
 #define INOUT(type) inout type
-
-#endif
+#define GENERIC_STRUCT struct
+#define GENERIC
+#define REAL float
+#define VEC3 vec3
+#define OF_REAL(type) type
+#define dot exact_dot
+#define cross exact_cross
 
 #endif

@@ -156,4 +156,6 @@ static_assert(sizeof(LineTry) == 32 && sizeof(LineEnds) == 32 && sizeof(LightPar
 }  // namespace tdpt::shader
 #endif
 
+#include "shaders/shared/language_end.h"
+
 #endif

@@ -6,6 +6,8 @@
 // segment_blocked() and first_hit() of traversal.h or others like them, and count_voxel(): a GLSL
 // file behind its buffers, or the body of a C++ struct.
 
+#include "shaders/shared/language.h"
+
 // Rays around each end of a line that vote on which side of the opening it lies.
 #define LINE_VOTES 16
 #define LINE_LEAD 4  // decides
@@ -64,7 +66,7 @@ SHARED bool line_is_free(LineEnds line, uint number) {
   EXACT vec3 w = line.camera - line.light;
   vec3 n = normal_of_face(line.light_face);
   vec3 m = normal_of_face(line.camera_face);
-  if (dot3(w, n) <= 0.0f || dot3(w, m) >= 0.0f) return false;
+  if (dot(w, n) <= 0.0f || dot(w, m) >= 0.0f) return false;
   return !segment_blocked(stepped_off(line.light, n), stepped_off(line.camera, m),
                           coin_of_line(number));
 }
@@ -135,7 +137,7 @@ SHARED bool sees_its_side(vec3 end, uint face, uint side, uint stream, uint numb
     vec3 w = cosine_hemisphere(normal, u, v);
     SurfaceHit hit;
     if (!first_hit(origin, w, coin, hit)) continue;
-    uint back = dot3(face_normals[hit.triangle].normal, w) > 0.0f ? 1u : 0u;
+    uint back = dot(face_normals[hit.triangle].normal, w) > 0.0f ? 1u : 0u;
     EXACT vec3 place = origin + w * hit.t;
     uint region;
     if (!region_at(2u * hit.triangle + back, place, region)) continue;
@@ -167,7 +169,7 @@ SHARED bool end_along(vec3 place, vec3 w, uint coin, OUT(vec3) end, OUT(uint) fa
   vec3 origin = stepped_off(place, w);
   SurfaceHit hit;
   if (!first_hit(origin, w, coin, hit)) return false;
-  uint back = dot3(face_normals[hit.triangle].normal, w) > 0.0f ? 1u : 0u;
+  uint back = dot(face_normals[hit.triangle].normal, w) > 0.0f ? 1u : 0u;
   face = 2u * hit.triangle + back;
   EXACT vec3 met = origin + w * hit.t;
   end = met;
@@ -185,7 +187,7 @@ SHARED uint line_through(LineTry through, uint number, OUT(LineEnds) line) {
   line.camera = through.place;
   line.light_face = 0u;
   line.camera_face = 0u;
-  EXACT float square = dot3(through.direction, through.direction);
+  EXACT float square = dot(through.direction, through.direction);
   if (square == 0.0f) return FATE_NONE;
   uint coin = coin_of_line(number);
   vec3 ahead;
@@ -212,7 +214,7 @@ SHARED vec3 in_voxels(vec3 place) {
 }
 
 SHARED ivec3 direction_in_units(vec3 w) {
-  EXACT float square = dot3(w, w);
+  EXACT float square = dot(w, w);
   if (square < 1e-30f) return ivec3(0, 0, 0);
   EXACT float scale = inverse_root(square) * LIGHT_DIRECTION_UNITS;
   EXACT vec3 v = w * scale + vec3(0.5f, 0.5f, 0.5f);
@@ -228,3 +230,5 @@ SHARED void march(LineEnds line) {
     if (walk.at.z >= light.slab_low && walk.at.z < light.slab_high) count_voxel(walk.at, direction);
   } while (next_voxel(walk));
 }
+
+#include "shaders/shared/language_end.h"

@@ -79,4 +79,6 @@ SHARED uint mixed(uint a, uint b) {
 
 SHARED_END
 
+#include "shaders/shared/language_end.h"
+
 #endif

@@ -1,24 +1,13 @@
 // Arithmetic that gives the same bits on every device: sums, products, comparisons and bits of
 // floats only. Vulkan allows 2.5 units in the last place to quotients, more to roots, and 2^-11 to
-// sines; these keep to the bounds given here and are the same everywhere.
+// sines; these keep to the bounds given here and are the same everywhere. C++ counts in doubles,
+// too: there the library's own functions stand under the same names.
 #ifndef TDPT_SHADERS_SHARED_REAL_H
 #define TDPT_SHADERS_SHARED_REAL_H
 
 #include "shaders/shared/language.h"
 
 SHARED_BEGIN
-
-SHARED float dot3(vec3 a, vec3 b) {
-  EXACT float r = a.x * b.x + a.y * b.y + a.z * b.z;
-  return r;
-}
-
-SHARED vec3 cross3(vec3 a, vec3 b) {
-  EXACT float x = a.y * b.z - a.z * b.y;
-  EXACT float y = a.z * b.x - a.x * b.z;
-  EXACT float z = a.x * b.y - a.y * b.x;
-  return vec3(x, y, z);
-}
 
 /// 1/x, to 2 units in the last place. 1e-37 <= |x| <= 1e37.
 SHARED float reciprocal(float x) {
@@ -49,13 +38,9 @@ SHARED float root(float x) {
   return r;
 }
 
-/// `a` scaled to length 1. Its length is at least 1e-18.
-SHARED vec3 unit(vec3 a) {
-  EXACT float s = inverse_root(dot3(a, a));
-  EXACT float x = a.x * s;
-  EXACT float y = a.y * s;
-  EXACT float z = a.z * s;
-  return vec3(x, y, z);
+/// 1 or -1 by the sign of x; of a zero, either.
+SHARED float either_sign(float x) {
+  return x < 0.0f ? -1.0f : 1.0f;
 }
 
 /// Cosine and sine of `turns` full turns, in [0,1); to 2e-7.
@@ -78,6 +63,27 @@ SHARED void cos_sin_turns(float turns, OUT(float) cosine, OUT(float) sine) {
   sine = quadrant == 2 || quadrant == 3 ? -b : b;
 }
 
+#ifdef __cplusplus
+
+inline double reciprocal(double x) {
+  return 1 / x;
+}
+inline double root(double x) {
+  return std::sqrt(std::max(x, 0.0));
+}
+inline double either_sign(double x) {
+  return std::copysign(1.0, x);
+}
+inline void cos_sin_turns(double turns, double& cosine, double& sine) {
+  const double angle = 2 * std::numbers::pi * turns;
+  cosine = std::cos(angle);
+  sine = std::sin(angle);
+}
+
+#endif
+
 SHARED_END
+
+#include "shaders/shared/language_end.h"
 
 #endif

@@ -7,6 +7,7 @@
 
 #include "libcommon/formats/light_grid.h"
 #include "libcommon/math/rng.h"
+#include "libcommon/math/vec.h"
 #include "libcommon/testing/chi_square.h"
 #include "shaders/shared/grid_walk.h"
 #include "shaders/shared/random.h"
@@ -61,9 +62,11 @@ double worst(double digits, F f, Exact exact) {
 }
 
 TEST(real, keeps_to_its_bounds) {
-  const double inverse = worst(36, reciprocal, [](double x) { return 1 / x; });
+  const double inverse = worst(
+      36, [](float x) { return reciprocal(x); }, [](double x) { return 1 / x; });
   const double inverse_roots = worst(36, inverse_root, [](double x) { return 1 / std::sqrt(x); });
-  const double roots = worst(36, root, [](double x) { return std::sqrt(x); });
+  const double roots = worst(
+      36, [](float x) { return root(x); }, [](double x) { return std::sqrt(x); });
   RecordProperty("reciprocal_ulp", std::to_string(inverse));
   EXPECT_LT(inverse, 2 * 2);
   EXPECT_LT(inverse_roots, 3 * 2);

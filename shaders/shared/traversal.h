@@ -2,8 +2,8 @@
 //
 // Included where the arrays are: at global scope in GLSL, behind the buffers, and INSIDE a struct's
 // body in C++, whose members they are (libcommon/trace/scalar_tracer.h). Hence no include guard, no
-// namespace and no includes here: bvh.h and triangle.h come before, and the C++ struct lies in
-// tdpt::shader. What must be there:
+// namespace and no other includes here: bvh.h and triangle.h come before, and the C++ struct lies
+// in tdpt::shader. What must be there:
 //   bvh_nodes[], bvh_triangles[]
 //   bool surface_stops(uint triangle, float b1, float b2, uint coin)
 //       whether a surface that is there with some probability is there for this ray at this place.
@@ -19,6 +19,8 @@
 // The answer does not depend on the order of the nodes: a hit counts as no nearer than the box of
 // its leaf, boxes lie in the boxes of their parents and rounding is monotonic, so that no box that
 // is left out can hold the winner.
+
+#include "shaders/shared/language.h"
 
 /// Where the ray is in the box, as depths. Missed when near > far; behind its origin when far < 0.
 SHARED void box_depths(vec3 low, vec3 high, vec3 origin, vec3 per_slope, OUT(float) near,
@@ -153,3 +155,5 @@ SHARED bool segment_blocked(vec3 a, vec3 b, uint coin) MEMBER_CONST {
   }
   return false;
 }
+
+#include "shaders/shared/language_end.h"

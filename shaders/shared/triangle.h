@@ -15,8 +15,9 @@
 #ifndef TDPT_SHADERS_SHARED_TRIANGLE_H
 #define TDPT_SHADERS_SHARED_TRIANGLE_H
 
-#include "shaders/shared/language.h"
 #include "shaders/shared/real.h"
+
+#include "shaders/shared/language.h"
 
 SHARED_BEGIN
 
@@ -154,5 +155,7 @@ SHARED bool line_meets(AxisRay ray, vec3 p0, vec3 p1, vec3 p2, OUT(float) depth,
 }
 
 SHARED_END
+
+#include "shaders/shared/language_end.h"
 
 #endif

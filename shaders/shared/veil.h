@@ -4,6 +4,8 @@
 // Read within a scope that has veil_of[], veils[], texels[], scene_has_veils and
 // veils_have_textures: a GLSL file behind its buffers, or the body of a C++ struct.
 
+#include "shaders/shared/language.h"
+
 SHARED float veil_texel(Veil v, int x, int y) MEMBER_CONST {
   return texels[v.first + uint(y) * v.width + uint(x)];
 }
@@ -74,3 +76,5 @@ SHARED bool surface_stops(uint triangle, float b1, float b2, uint coin) MEMBER_C
   if (!scene_has_veils) return true;
   return unit_float(mixed(coin, triangle)) < veil_coverage(veils[veil_of[triangle]], b1, b2);
 }
+
+#include "shaders/shared/language_end.h"

@@ -1,14 +1,41 @@
-// Warps from uniform random numbers to distributions, as libcommon/math/warp.h has them for the
-// CPU, without roots where there is a way without.
+// Warps from uniform random numbers in [0,1) to distributions, with their densities.
 #ifndef TDPT_SHADERS_SHARED_WARP_H
 #define TDPT_SHADERS_SHARED_WARP_H
 
-#include "shaders/shared/real.h"
+#include "shaders/shared/vector.h"
+
+#include "shaders/shared/language.h"
 
 SHARED_BEGIN
 
-/// A point of the triangle, uniform by area: the half of the square beyond its diagonal is turned
-/// over.
+/// Direction about +z with pdf_w = cos/pi [1/sr].
+GENERIC VEC3 cosine_hemisphere(REAL u, REAL v) {
+  REAL cosine = REAL(0);
+  REAL sine = REAL(0);
+  cos_sin_turns(u, cosine, sine);
+  EXACT REAL r = root(v);
+  EXACT REAL x = r * cosine;
+  EXACT REAL y = r * sine;
+  EXACT REAL z = root(REAL(1) - v);
+  return VEC3(x, y, z);
+}
+
+/// Direction on the side of the unit `normal` with pdf_w = cos/pi [1/sr].
+GENERIC VEC3 cosine_hemisphere(VEC3 normal, REAL u, REAL v) {
+  return to_world(onb_about(normal), cosine_hemisphere(u, v));
+}
+
+/// Barycentrics (b1, b2) of vertices 1 and 2, uniform by area: pdf_A = 1/area [1/m2].
+GENERIC void uniform_triangle(REAL u, REAL v, OUT(REAL) b1, OUT(REAL) b2) {
+  EXACT REAL r = root(u);
+  EXACT REAL first = r * (REAL(1) - v);
+  EXACT REAL second = r * v;
+  b1 = first;
+  b2 = second;
+}
+
+/// A point of the triangle, uniform by area, without a root: the half of the square beyond its
+/// diagonal is turned over.
 SHARED vec3 uniform_triangle(vec3 a, vec3 b, vec3 c, float u, float v) {
   EXACT float sum = u + v;
   bool beyond = sum > 1.0f;
@@ -18,25 +45,8 @@ SHARED vec3 uniform_triangle(vec3 a, vec3 b, vec3 c, float u, float v) {
   return p;
 }
 
-/// Direction on the side of the unit `normal` with pdf_w = cos/pi [1/sr]; the frame about the
-/// normal is that of Duff et al. 2017.
-SHARED vec3 cosine_hemisphere(vec3 normal, float u, float v) {
-  float cosine;
-  float sine;
-  cos_sin_turns(u, cosine, sine);
-  EXACT float r = root(v);
-  EXACT float x = r * cosine;
-  EXACT float y = r * sine;
-  EXACT float z = root(1.0f - v);
-  float sign = normal.z < 0.0f ? -1.0f : 1.0f;
-  EXACT float a = -reciprocal(sign + normal.z);
-  EXACT float b = normal.x * normal.y * a;
-  EXACT vec3 s = vec3(1.0f + sign * normal.x * normal.x * a, sign * b, -sign * normal.x);
-  EXACT vec3 t = vec3(b, sign + normal.y * normal.y * a, -normal.y);
-  EXACT vec3 w = s * x + t * y + normal * z;
-  return w;
-}
-
 SHARED_END
+
+#include "shaders/shared/language_end.h"
 
 #endif

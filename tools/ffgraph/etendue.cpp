@@ -7,6 +7,7 @@
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/parallel_sort.h>
 
+#include "libcommon/math/alias_table.h"
 #include "libcommon/math/warp.h"
 
 namespace tdpt {

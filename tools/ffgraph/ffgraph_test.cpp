@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "libcommon/base/threads.h"
+#include "libcommon/math/alias_table.h"
+#include "libcommon/math/warp.h"
 #include "tools/ffgraph/connectivity.h"
 #include "tools/ffgraph/rounds.h"
 

@@ -8,6 +8,8 @@
 
 #include <oneapi/tbb/parallel_for.h>
 
+#include "libcommon/math/warp.h"
+
 namespace tdpt {
 namespace {
 

@@ -2,7 +2,7 @@
 #pragma once
 #include <vector>
 
-#include "libcommon/math/warp.h"
+#include "libcommon/math/rng.h"
 #include "tools/ffgraph/patch_map.h"
 
 namespace tdpt {

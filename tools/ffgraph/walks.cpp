@@ -4,6 +4,7 @@
 
 #include <oneapi/tbb/parallel_for.h>
 
+#include "libcommon/math/warp.h"
 #include "libcommon/scene/film_plane.h"
 #include "libcommon/scene/lights.h"
 #include "tools/ffgraph/patch_map.h"

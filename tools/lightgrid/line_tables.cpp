@@ -10,7 +10,7 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
-#include "libcommon/math/warp.h"
+#include "libcommon/math/alias_table.h"
 
 namespace tdpt {
 namespace {

@@ -23,7 +23,6 @@
 #include <tbb/parallel_for.h>
 
 #include "libcommon/math/rng.h"
-#include "libcommon/math/warp.h"
 
 namespace tdpt {
 namespace {

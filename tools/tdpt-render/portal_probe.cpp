@@ -1,6 +1,7 @@
 #include "tools/tdpt-render/portal_probe.h"
 
 #include "libcommon/formats/portal_worth.h"
+#include "libcommon/math/warp.h"
 
 namespace tdpt {
 namespace {

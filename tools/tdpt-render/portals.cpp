@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <numbers>
 
+#include "libcommon/math/warp.h"
+
 namespace tdpt {
 
 PortalSet::PortalSet(const std::vector<Portal>& portals, const Frame& frame) {

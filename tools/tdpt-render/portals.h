@@ -26,8 +26,8 @@
 #include <vector>
 
 #include "libcommon/formats/portal.h"
+#include "libcommon/math/alias_table.h"
 #include "libcommon/math/rng.h"
-#include "libcommon/math/warp.h"
 #include "libcommon/scene/scene.h"
 
 namespace tdpt {

@@ -1,5 +1,6 @@
 #include "tools/tdpt-render/path/surface.h"
 
+#include "libcommon/math/warp.h"
 #include "libcommon/scene/pane.h"
 #include "libcommon/scene/texture.h"
 

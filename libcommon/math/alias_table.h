@@ -1,0 +1,66 @@
+// Draws from a list of entries with given weights.
+#pragma once
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+namespace tdpt {
+
+/// Discrete distribution in proportion to non-negative weights, one of which must be positive.
+/// Alias table (Vose): one draw costs the same for any number of entries.
+class AliasTable {
+ public:
+  AliasTable() = default;
+  explicit AliasTable(const std::vector<double>& weights) {
+    const size_t n = weights.size();
+    double total = 0;
+    for (double w : weights) total += w;
+    pdf_1_.resize(n);
+    threshold_.assign(n, 1.0);
+    alias_.resize(n);
+    std::vector<double> scaled(n);
+    std::vector<uint32_t> small, large;
+    for (size_t i = 0; i < n; ++i) {
+      pdf_1_[i] = weights[i] / total;
+      scaled[i] = pdf_1_[i] * static_cast<double>(n);
+      alias_[i] = static_cast<uint32_t>(i);
+      (scaled[i] < 1 ? small : large).push_back(static_cast<uint32_t>(i));
+    }
+    uint32_t heaviest = 0;
+    for (size_t i = 1; i < n; ++i)
+      if (pdf_1_[i] > pdf_1_[heaviest]) heaviest = static_cast<uint32_t>(i);
+    while (!small.empty() && !large.empty()) {
+      const uint32_t s = small.back(), l = large.back();
+      small.pop_back();
+      threshold_[s] = scaled[s];
+      alias_[s] = l;
+      scaled[l] -= 1 - scaled[s];
+      if (scaled[l] < 1) {
+        large.pop_back();
+        small.push_back(l);
+      }
+    }
+    // What rounding left over must never be drawn when its weight is 0.
+    for (uint32_t s : small)
+      if (pdf_1_[s] == 0) threshold_[s] = 0, alias_[s] = heaviest;
+  }
+
+  bool empty() const { return pdf_1_.empty(); }
+  size_t size() const { return pdf_1_.size(); }
+  /// Probability of entry i.
+  double pdf_1(uint32_t i) const { return pdf_1_[i]; }
+  /// Of slot i: the share of draws that keep it, and the entry that the others take.
+  double threshold(uint32_t i) const { return threshold_[i]; }
+  uint32_t alias(uint32_t i) const { return alias_[i]; }
+  uint32_t sample(double u) const {
+    const double x = u * static_cast<double>(pdf_1_.size());
+    const auto i = std::min(static_cast<uint32_t>(x), static_cast<uint32_t>(pdf_1_.size() - 1));
+    return x - i < threshold_[i] ? i : alias_[i];
+  }
+
+ private:
+  std::vector<double> pdf_1_, threshold_;
+  std::vector<uint32_t> alias_;
+};
+
+}  // namespace tdpt

@@ -1,0 +1,18 @@
+// Takes the macros of language.h back.
+#undef SHARED_BEGIN
+#undef SHARED_END
+#undef SHARED
+#undef MEMBER_CONST
+#undef CACHE_LINE
+#undef EXACT
+#undef OUT
+#undef INOUT
+#undef GENERIC_STRUCT
+#undef GENERIC
+#undef REAL
+#undef VEC3
+#undef OF_REAL
+#ifndef __cplusplus
+#undef dot
+#undef cross
+#endif

@@ -1,0 +1,59 @@
+// Products of vectors, and frames.
+#ifndef TDPT_SHADERS_SHARED_VECTOR_H
+#define TDPT_SHADERS_SHARED_VECTOR_H
+
+#include "shaders/shared/real.h"
+
+#include "shaders/shared/language.h"
+
+SHARED_BEGIN
+
+GENERIC REAL dot(VEC3 a, VEC3 b) {
+  EXACT REAL r = a.x * b.x + a.y * b.y + a.z * b.z;
+  return r;
+}
+
+GENERIC VEC3 cross(VEC3 a, VEC3 b) {
+  EXACT REAL x = a.y * b.z - a.z * b.y;
+  EXACT REAL y = a.z * b.x - a.x * b.z;
+  EXACT REAL z = a.x * b.y - a.y * b.x;
+  return VEC3(x, y, z);
+}
+
+/// An orthonormal basis.
+GENERIC_STRUCT Onb {
+  VEC3 x;
+  VEC3 y;
+  VEC3 z;
+};
+
+/// With z along the unit `normal` (Duff et al. 2017).
+GENERIC OF_REAL(Onb) onb_about(VEC3 normal) {
+  REAL sign = either_sign(normal.z);
+  EXACT REAL a = -reciprocal(sign + normal.z);
+  EXACT REAL b = normal.x * normal.y * a;
+  EXACT REAL xx = REAL(1) + sign * normal.x * normal.x * a;
+  EXACT REAL xy = sign * b;
+  EXACT REAL xz = -sign * normal.x;
+  EXACT REAL yy = sign + normal.y * normal.y * a;
+  OF_REAL(Onb) onb;
+  onb.x = VEC3(xx, xy, xz);
+  onb.y = VEC3(b, yy, -normal.y);
+  onb.z = normal;
+  return onb;
+}
+
+GENERIC VEC3 to_world(OF_REAL(Onb) onb, VEC3 v) {
+  EXACT VEC3 w = onb.x * v.x + onb.y * v.y + onb.z * v.z;
+  return w;
+}
+
+GENERIC VEC3 to_local(OF_REAL(Onb) onb, VEC3 w) {
+  return VEC3(dot(onb.x, w), dot(onb.y, w), dot(onb.z, w));
+}
+
+SHARED_END
+
+#include "shaders/shared/language_end.h"
+
+#endif
