@@ -76,7 +76,7 @@ bool Tracer::Impl::present(uint32_t triangle, float u, float v, const Vec3d& w,
   if (coverage >= 1 || coverage <= 0) return coverage > 0;
   if (coin) return double{shader::unit_float(shader::mixed(*coin, triangle))} < coverage;
   const uint64_t place = uint64_t{std::bit_cast<uint32_t>(u)} << 32 | std::bit_cast<uint32_t>(v);
-  return static_cast<double>(mix64(mix64(place) + triangle) >> 11) * 0x1p-53 < coverage;
+  return unit_double(mix64(mix64(place) + triangle)) < coverage;
 }
 
 // `chosen`: triangles of the scene; empty: all.

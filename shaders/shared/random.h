@@ -3,6 +3,8 @@
 #ifndef TDPT_SHADERS_SHARED_RANDOM_H
 #define TDPT_SHADERS_SHARED_RANDOM_H
 
+#include "shaders/shared/rng.h"
+
 #include "shaders/shared/language.h"
 
 SHARED_BEGIN
@@ -17,9 +19,9 @@ SHARED uvec4 philox(uvec4 counter, uvec2 key) {
     uint low0;
     uint high1;
     uint low1;
-    umulExtended(0xD2511F53u, c.x, high0, low0);
-    umulExtended(0xCD9E8D57u, c.z, high1, low1);
-    c = uvec4(high1 ^ c.y ^ k0, low1, high0 ^ c.w ^ k1, low0);
+    umulExtended(0xD2511F53u, c[0], high0, low0);
+    umulExtended(0xCD9E8D57u, c[2], high1, low1);
+    c = uvec4(high1 ^ c[1] ^ k0, low1, high0 ^ c[3] ^ k1, low0);
     k0 += 0x9E3779B9u;
     k1 += 0xBB67AE85u;
   }
@@ -52,21 +54,7 @@ SHARED uint random_word(INOUT(RandomNumbers) r) {
   uint i = r.drawn & 3u;
   if (i == 0u) r.words = philox(uvec4(r.drawn >> 2, r.sample_index, r.round, r.stream), r.seed);
   r.drawn += 1u;
-  return i == 0u ? r.words.x : i == 1u ? r.words.y : i == 2u ? r.words.z : r.words.w;
-}
-
-/// In [0,1): multiples of 2^-24.
-SHARED float unit_float(uint word) {
-  EXACT float u = float(word >> 8) * 5.9604644775390625e-8f;
-  return u;
-}
-
-/// Uniform in 0..n-1 from one word, n > 0.
-SHARED uint below(uint word, uint n) {
-  uint high;
-  uint low;
-  umulExtended(word, n, high, low);
-  return high;
+  return r.words[i];
 }
 
 /// Mixes two words into one (xor-shift and multiply; bijective in each).

@@ -16,14 +16,16 @@
 namespace tdpt::shader {
 namespace {
 
+using tdpt::Rng;
+
 // Known answers of Random123, the generator's own distribution.
 TEST(philox, gives_the_published_numbers) {
   const auto expect = [](uvec4 counter, uvec2 key, uvec4 wanted) {
     const uvec4 got = philox(counter, key);
-    EXPECT_EQ(got.x, wanted.x);
-    EXPECT_EQ(got.y, wanted.y);
-    EXPECT_EQ(got.z, wanted.z);
-    EXPECT_EQ(got.w, wanted.w);
+    EXPECT_EQ(got[0], wanted[0]);
+    EXPECT_EQ(got[1], wanted[1]);
+    EXPECT_EQ(got[2], wanted[2]);
+    EXPECT_EQ(got[3], wanted[3]);
   };
   const uint f = 0xffffffffu;
   expect({0, 0, 0, 0}, {0, 0}, {0x6627e8d5u, 0xe169c58du, 0xbc57ac4cu, 0x9b00dbd8u});
@@ -36,8 +38,18 @@ TEST(random_word, goes_on_through_the_blocks) {
   RandomNumbers r = random_numbers({1, 2}, 3, 4, 5);
   for (uint block = 0; block < 3; ++block) {
     const uvec4 want = philox({block, 4, 5, 3}, {1, 2});
-    for (const uint w : {want.x, want.y, want.z, want.w}) EXPECT_EQ(random_word(r), w);
+    for (const uint w : {want[0], want[1], want[2], want[3]}) EXPECT_EQ(random_word(r), w);
   }
+}
+
+// Published first outputs of SplitMix64 from the state 1234567.
+TEST(random_bits, gives_the_published_numbers) {
+  shader::Rng rng;
+  rng.key = 1234567;
+  for (const uint64_t wanted :
+       {6457827717110365317ull, 3203168211198807973ull, 9817491932198370423ull,
+        4593380528125082431ull, 16408922859458223821ull})
+    EXPECT_EQ(random_bits(rng), wanted);
 }
 
 TEST(unit_float, stays_below_1) {

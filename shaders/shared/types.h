@@ -1,5 +1,6 @@
-// What GLSL has and C++ lacks: its vectors, and the functions that the texts of this folder call.
-// This folder depends on nothing else of the project.
+// What one of the two languages has and the other lacks: GLSL's vectors and the functions on them
+// that the texts of this folder call, for C++; words of 64 bits, for GLSL. This folder depends on
+// nothing else of the project.
 #ifndef TDPT_SHADERS_SHARED_TYPES_H
 #define TDPT_SHADERS_SHARED_TYPES_H
 
@@ -54,7 +55,15 @@ struct uvec2 {
   uint x, y;
 };
 struct uvec4 {
-  uint x, y, z, w;
+  uint word[4]{};
+
+  constexpr uvec4() = default;
+  constexpr uvec4(uint x, uint y, uint z, uint w) : word{x, y, z, w} {}
+  constexpr uint operator[](uint i) const { return word[i]; }
+  constexpr uint& operator[](uint i) { return word[i]; }
+  friend constexpr uvec4 operator^(const uvec4& a, const uvec4& b) {
+    return {a[0] ^ b[0], a[1] ^ b[1], a[2] ^ b[2], a[3] ^ b[3]};
+  }
 };
 
 using std::abs;
@@ -74,8 +83,64 @@ inline void umulExtended(uint a, uint b, uint& high, uint& low) {
   high = static_cast<uint>(product >> 32);
   low = static_cast<uint>(product);
 }
+/// The first bit last.
+constexpr uint bitfieldReverse(uint x) {
+  x = (x >> 1 & 0x55555555u) | (x & 0x55555555u) << 1;
+  x = (x >> 2 & 0x33333333u) | (x & 0x33333333u) << 2;
+  x = (x >> 4 & 0x0f0f0f0fu) | (x & 0x0f0f0f0fu) << 4;
+  return __builtin_bswap32(x);
+}
+
+using word64 = uint64_t;
+constexpr word64 word64_of(uint high, uint low) {
+  return word64{high} << 32 | low;
+}
+constexpr uint high_word(word64 a) {
+  return static_cast<uint>(a >> 32);
+}
+constexpr uint low_word(word64 a) {
+  return static_cast<uint>(a);
+}
+constexpr word64 sum64(word64 a, word64 b) {
+  return a + b;
+}
+constexpr word64 product64(word64 a, word64 b) {
+  return a * b;
+}
+/// `a` shifted down by 1 to 31 bits.
+constexpr word64 down64(word64 a, uint bits) {
+  return a >> bits;
+}
 
 }  // namespace tdpt::shader
+
+#else
+
+#define word64 uvec2  // low word, high word
+
+word64 word64_of(uint high, uint low) {
+  return uvec2(low, high);
+}
+uint high_word(word64 a) {
+  return a.y;
+}
+uint low_word(word64 a) {
+  return a.x;
+}
+word64 sum64(word64 a, word64 b) {
+  uint carry;
+  uint low = uaddCarry(a.x, b.x, carry);
+  return uvec2(low, a.y + b.y + carry);
+}
+word64 product64(word64 a, word64 b) {
+  uint high;
+  uint low;
+  umulExtended(a.x, b.x, high, low);
+  return uvec2(low, high + a.x * b.y + a.y * b.x);
+}
+word64 down64(word64 a, uint bits) {
+  return uvec2(a.x >> bits | a.y << (32u - bits), a.y >> bits);
+}
 
 #endif
 

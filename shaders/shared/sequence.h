@@ -1,0 +1,102 @@
+// Random numbers of a pixel that fill the unit cube more evenly than independent ones: padded Sobol
+// points in hashed order with digital shifts, a function of (seed, stream, pixel, sample,
+// dimension) alone as those of rng.h are.
+//
+// Dimensions come in blocks of four. Within a block, sample i is point s(i) of the Sobol sequence
+// (direction numbers of the primitive polynomials x + 1, x^2 + x + 1, x^3 + x + 1 with the initial
+// values of Joe and Kuo), where s permutes the samples within every aligned run of 2^k; each
+// dimension is then shifted on its own (exclusive or with a random number). The permutation is a
+// nested uniform scrambling (Owen) of the index: a bit is flipped or not by a coin that the bits
+// above it choose, and a hash is the coin. Blocks have independent hashes, so that dimensions of
+// two blocks are paired at random and each number by itself is uniform over the seeds: estimates
+// stay unbiased.
+//   B. Burley, Practical Hash-based Owen Scrambling, JCGT 9(4), 2020;
+//   the hash is of the kind of S. Laine and T. Karras, with the constants of N. Vegdahl.
+//
+// Included where the points are, behind a buffer in GLSL. What must be there:
+//   uvec4 sobol_points[]
+//       [256 * k + value]: what byte k of an index whose bits are reversed adds to the point; byte
+//       0 is the highest (libcommon/math/sequence.h).
+#ifndef TDPT_SHADERS_SHARED_SEQUENCE_H
+#define TDPT_SHADERS_SHARED_SEQUENCE_H
+
+#include "shaders/shared/rng.h"
+
+#include "shaders/shared/language.h"
+
+SHARED_BEGIN
+
+const uint kSequenceBlock = 4u;  // dimensions of a block
+
+/// The numbers of one sample. Takes the place of Rng where a pixel takes many samples. Of any
+/// aligned run of 2^k samples, each interval of length 2^-k of every dimension gets one, and so
+/// does each rectangle of area 2^-k (sides powers of two) of the first two dimensions of a block.
+struct Sequence {
+  word64 key;
+  word64 block_key;
+  uint reversed;  ///< bits of the sample's number
+  uint dimension;
+  uvec4 point;  ///< of the block; bit 31 of a coordinate is a half
+};
+
+/// Stream and pixel as a and b in Rng; samples are numbered 0, 1, 2, ... Runs of 2^32 samples are
+/// independent of each other.
+SHARED Sequence sequence_of(word64 seed, word64 stream, word64 pixel, word64 number) {
+  Rng rng = rng_of(seed, stream, pixel, word64_of(0u, high_word(number)));
+  Sequence s;
+  s.key = random_bits(rng);
+  s.block_key = word64_of(0u, 0u);
+  s.reversed = bitfieldReverse(low_word(number));
+  s.dimension = 0u;
+  s.point = uvec4(0u, 0u, 0u, 0u);
+  return s;
+}
+
+/// Nested uniform scrambling of a number whose bits are reversed: each step lets a bit depend on
+/// itself and on lower bits only.
+SHARED uint scramble_reversed(uint number, uint key) {
+  uint x = number ^ number * 0x3d20adeau;
+  x += key;
+  x *= key >> 16 | 1u;
+  x ^= x * 0x05526c56u;
+  x ^= x * 0x53a22864u;
+  return x;
+}
+
+SHARED void begin_block(INOUT(Sequence) s) {
+  word64 number = word64_of(0u, s.dimension / kSequenceBlock + 1u);
+  s.block_key = mix64(sum64(s.key, product64(number, golden64())));
+  uint order = high_word(s.block_key);
+  // The same flips are taken off every index: what is above a sample's highest bit stays 0.
+  uint index = scramble_reversed(s.reversed, order) ^ scramble_reversed(0u, order);
+  s.point = sobol_points[index >> 24];
+  index <<= 8;
+  for (uint k = 1u; index != 0u; ++k) {
+    s.point = s.point ^ sobol_points[256u * k + (index >> 24)];
+    index <<= 8;
+  }
+}
+
+/// The next number is that of dimension d. What a dimension stands for must not depend on the
+/// sample, or samples do not complement each other.
+SHARED void seek(INOUT(Sequence) s, uint d) {
+  s.dimension = d;
+  if (d % kSequenceBlock != 0u) begin_block(s);
+}
+
+/// Next dimension, uniform in 0..2^64-1. The upper word is that of the sequence; the lower one is
+/// hashed.
+SHARED word64 random_bits(INOUT(Sequence) s) {
+  uint d = s.dimension % kSequenceBlock;
+  if (d == 0u) begin_block(s);
+  s.dimension += 1u;
+  word64 key = mix64(sum64(s.block_key, word64_of(0u, d)));
+  word64 low = product64(key ^ word64_of(0u, s.reversed), golden64());
+  return word64_of(s.point[d] ^ low_word(key), high_word(low));
+}
+
+SHARED_END
+
+#include "shaders/shared/language_end.h"
+
+#endif
