@@ -35,7 +35,7 @@ Polygon trimmed(Polygon hull, std::vector<Vec2d>& points) {
       const double angle = 2 * std::numbers::pi * k / kDirections;
       const Vec2d axis{std::cos(angle), std::sin(angle)};
       std::vector<double> reach;
-      for (const Vec2d& p : points) reach.push_back(p.x * axis.x + p.y * axis.y);
+      for (const Vec2d& p : points) reach.push_back(dot(p, axis));
       const size_t deepest = std::min(most + 1, reach.size());
       std::partial_sort(reach.begin(), reach.begin() + static_cast<std::ptrdiff_t>(deepest),
                         reach.end(), std::greater<>());
@@ -68,7 +68,7 @@ std::vector<uint32_t> lines_across(const LightGrid& grid, const std::vector<uint
                                    const Aperture& a) {
   std::vector<uint32_t> across;
   for (const uint32_t l : lines)
-    if (Vec2d at; inside_at(a.tube, grid.lines[l], 0, at) && contains(a.polygon, at))
+    if (const auto at = inside_at(a.tube, grid.lines[l], 0); at && contains(a.polygon, *at))
       across.push_back(l);
   return across;
 }
@@ -95,7 +95,7 @@ std::optional<Aperture> outlined(const LightGrid& grid, const std::vector<uint32
   std::vector<Vec2d> points;
   for (const uint32_t l : bundle)
     for (const double face : {-kWithin * a.tube.half, kWithin * a.tube.half})
-      if (Vec2d at; inside_at(a.tube, grid.lines[l], face, at)) points.push_back(at);
+      if (const auto at = inside_at(a.tube, grid.lines[l], face)) points.push_back(*at);
   a.polygon = outline_of(std::move(points));
   if (a.polygon.empty()) return {};
   a.lines = lines_across(grid, lines, a);

@@ -7,51 +7,14 @@
 #include <numbers>
 #include <set>
 
+#include "tools/portalfit/moments.h"
+
 namespace tdpt {
 namespace {
 
-constexpr double kGrazing = 0.05;     // cosine below which a crossing says nothing about a place
 constexpr double kDense = 0.1;        // of the mean density: what belongs to the aperture
 constexpr double kPointsPerCell = 8;  // of the fine look
 constexpr size_t kMostForMoments = 2000;
-
-struct Moments {
-  double n = 0;
-  Vec2d mean;
-  double xx = 0, xy = 0, yy = 0;
-  double determinant() const { return xx * yy - xy * xy; }
-};
-
-Moments moments_of(const std::vector<Vec2d>& points) {
-  Moments m;
-  m.n = static_cast<double>(points.size());
-  if (points.empty()) return m;
-  for (const Vec2d& p : points) m.mean = m.mean + p;
-  m.mean = m.mean * (1 / m.n);
-  for (const Vec2d& p : points) {
-    const Vec2d d = p - m.mean;
-    m.xx += d.x * d.x, m.xy += d.x * d.y, m.yy += d.y * d.y;
-  }
-  m.xx /= m.n, m.xy /= m.n, m.yy /= m.n;
-  return m;
-}
-
-// Without the points farther than 3 standard deviations: a uniform rectangle reaches 2.45.
-Moments trimmed_moments(const std::vector<Vec2d>& points) {
-  const Moments all = moments_of(points);
-  const double det = all.determinant();
-  if (!(det > 0)) return all;
-  std::vector<Vec2d> kept;
-  kept.reserve(points.size());
-  for (const Vec2d& p : points) {
-    const Vec2d d = p - all.mean;
-    if ((all.yy * d.x * d.x - 2 * all.xy * d.x * d.y + all.xx * d.y * d.y) / det <= 9)
-      kept.push_back(p);
-  }
-  Moments m = moments_of(kept);
-  m.n = all.n;
-  return m;
-}
 
 Plane tilted(const Plane& plane, double a, double b, double along) {
   const Onb<double> frame(plane.n);
@@ -59,50 +22,6 @@ Plane tilted(const Plane& plane, double a, double b, double along) {
 }
 
 }  // namespace
-
-bool crossing(const Plane& plane, const LightLine& line, Vec2d& at) {
-  const Vec3d d = line.camera - line.light;
-  const double along = dot(d, plane.n), gap = dot(plane.o - line.light, plane.n);
-  if (along < kGrazing * length(d) || gap < 0 || gap > along) return false;
-  const Vec3d p = line.light + d * (gap / along) - plane.o;
-  const Onb<double> frame(plane.n);
-  at = {dot(p, frame.x), dot(p, frame.y)};
-  return true;
-}
-
-bool inside_at(const Tube& tube, const LightLine& line, double offset, Vec2d& at) {
-  const Vec3d a = line.light - tube.middle.o, d = line.camera - line.light;
-  const double from = dot(a, tube.middle.n), along = dot(d, tube.middle.n);
-  if (!(along > 0) || from > tube.half || from + along < -tube.half) return false;
-  const Vec3d p = a + d * std::clamp((offset - from) / along, 0.0, 1.0);
-  const Onb<double> frame(tube.middle.n);
-  at = {dot(p, frame.x), dot(p, frame.y)};
-  return true;
-}
-
-Extents extents_of(const std::vector<Vec2d>& points) {
-  Extents e;
-  const double n = static_cast<double>(points.size());
-  for (const Vec2d& p : points) e.mean = e.mean + p;
-  e.mean = e.mean * (1 / n);
-  double xx = 0, xy = 0, yy = 0;
-  for (const Vec2d& p : points) {
-    const Vec2d d = p - e.mean;
-    xx += d.x * d.x, xy += d.x * d.y, yy += d.y * d.y;
-  }
-  xx /= n, xy /= n, yy /= n;
-  const double turn = 0.5 * std::atan2(2 * xy, xx - yy), half = 0.5 * (xx + yy),
-               spread = std::hypot(0.5 * (xx - yy), xy);
-  e.axis = {std::cos(turn), std::sin(turn)};
-  e.longer = std::sqrt(12 * (half + spread));
-  e.shorter = std::sqrt(12 * std::max(0.0, half - spread));
-  return e;
-}
-
-Vec3d to_space(const Plane& plane, Vec2d at) {
-  const Onb<double> frame(plane.n);
-  return plane.o + frame.x * at.x + frame.y * at.y;
-}
 
 Vec3d fullest_place(const LightGrid& grid, const std::vector<uint32_t>& lines) {
   // Voxels beside a jamb are not air, so in a narrow slit there may be none: lines count
@@ -184,10 +103,10 @@ std::vector<uint32_t> members(const LightGrid& grid, const std::vector<uint32_t>
   std::vector<bool> counts;
   size_t counting = 0;
   for (const uint32_t l : lines)
-    if (Vec2d at; inside_at(tube, grid.lines[l], 0, at)) {
+    if (const auto at = inside_at(tube, grid.lines[l], 0)) {
       found.push_back(l);
-      points.push_back(at);
-      counts.push_back(inside_at({tube.middle, 0}, grid.lines[l], 0, at));
+      points.push_back(*at);
+      counts.push_back(crossing(tube.middle, grid.lines[l]).has_value());
       counting += counts.back();
     }
   if (found.empty()) return {};
@@ -195,13 +114,12 @@ std::vector<uint32_t> members(const LightGrid& grid, const std::vector<uint32_t>
   if (counting < kFewest) counts.assign(points.size(), true);
   // Later looks are at all points again, since the first one may have joined two windows, in a
   // frame where the region is round: slits are as well resolved along as across.
-  Vec2d origin, u{1, 0}, v{0, 1};
+  Whitening coordinates;
   for (int look = 0;; ++look) {
     const auto cell_of = [&](Vec2d p) {
-      const Vec2d d = p - origin;
-      const double x = d.x * u.x + d.y * u.y, y = d.x * v.x + d.y * v.y;
-      return Cell{static_cast<int64_t>(std::clamp(std::floor(x / h), -1e15, 1e15)),
-                  static_cast<int64_t>(std::clamp(std::floor(y / h), -1e15, 1e15))};
+      const Vec2d q = coordinates(p);
+      return Cell{static_cast<int64_t>(std::clamp(std::floor(q.x / h), -1e15, 1e15)),
+                  static_cast<int64_t>(std::clamp(std::floor(q.y / h), -1e15, 1e15))};
     };
     std::map<Cell, double> count;
     for (size_t i = 0; i < points.size(); ++i)
@@ -219,9 +137,7 @@ std::vector<uint32_t> members(const LightGrid& grid, const std::vector<uint32_t>
     if (look == 2) return kept;
     const Extents e = extents_of(kept_points);
     if (!(e.shorter > 0)) return kept;
-    origin = e.mean;
-    u = e.axis * (1 / e.longer);
-    v = Vec2d{-e.axis.y, e.axis.x} * (1 / e.shorter);
+    coordinates = e.whitening();
     h = std::clamp(std::sqrt(kPointsPerCell / static_cast<double>(std::max<size_t>(n, 1))), 0.01,
                    0.2);
   }
@@ -249,7 +165,7 @@ struct Search {
     const auto size = static_cast<double>(lines.size());
     points.clear();
     for (const LightLine& line : lines)
-      if (Vec2d at; crossing(plane, line, at)) points.push_back(at);
+      if (const auto at = clear_crossing(plane, line)) points.push_back(*at);
     if (static_cast<double>(points.size()) < 0.5 * size || points.size() < 8) return INFINITY;
     moments = trimmed_moments(points);
     const double det = moments.determinant();

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tools/portalfit/bundle.h"
+#include "tools/portalfit/plane.h"
 #include "tools/portalfit/polygon.h"
 
 namespace tdpt {
@@ -62,10 +62,8 @@ std::optional<Portal> portal_by_paper(const LightGrid& grid, double share) {
   Vec3d light{};
   for (const LightLine& l : grid.lines) light += normalize(l.camera - l.light);
   const Plane plane{axes.mean, dot(axes.main, light) < 0 ? -axes.main : axes.main};
-  const Onb<double> frame(plane.n);
   std::vector<Vec2d> points;
-  for (const Vec3d& p : axes.centres)
-    points.push_back({dot(p - plane.o, frame.x), dot(p - plane.o, frame.y)});
+  for (const Vec3d& p : axes.centres) points.push_back(in_plane(plane, p));
   const Polygon hull = convex_hull(points);
   // Voxels in one row have no width: what rounding makes of it is no portal.
   if (hull.size() < 3 || !(area(hull) > 1e-3 * grid.voxel * grid.voxel)) return {};
@@ -74,7 +72,7 @@ std::optional<Portal> portal_by_paper(const LightGrid& grid, double share) {
   portal.triangles = triangulate(hull);
   size_t across = 0;
   for (const LightLine& l : grid.lines)
-    if (Vec2d at; crossing(plane, l, at)) across += contains(hull, at);
+    if (const auto at = clear_crossing(plane, l)) across += contains(hull, *at);
   portal.figures["area"] = area(hull);
   portal.figures["flux_share"] =
       static_cast<double>(across) / static_cast<double>(std::max<size_t>(grid.lines.size(), 1));

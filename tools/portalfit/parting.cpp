@@ -12,19 +12,13 @@ constexpr double kMost = 0.25;      // of an opening's area, beyond the edge it 
 constexpr double kReach = 1.5;      // in area: how near is near
 constexpr double kLeastLeft = 0.5;  // of an opening's lines, or it stays as it was
 
-Vec2d in_plane(const Plane& plane, const Vec3d& place) {
-  const Onb<double> frame(plane.n);
-  return {dot(place - plane.o, frame.x), dot(place - plane.o, frame.y)};
-}
-
 // The middle of the piece of the half plane's border within `polygon`, if there is one.
 std::optional<Vec2d> middle_of_border(const Polygon& polygon, const HalfPlane& half) {
   Vec2d sum{};
   int ends = 0;
   for (size_t i = 0; i < polygon.size(); ++i) {
     const Vec2d p = polygon[i], q = polygon[(i + 1) % polygon.size()];
-    const double from = p.x * half.axis.x + p.y * half.axis.y - half.limit,
-                 to = q.x * half.axis.x + q.y * half.axis.y - half.limit;
+    const double from = dot(p, half.axis) - half.limit, to = dot(q, half.axis) - half.limit;
     if ((from > 0) == (to > 0)) continue;
     sum = sum + p + (q - p) * (from / (from - to));
     ++ends;
@@ -54,8 +48,8 @@ std::vector<LightLine> lines_near(const LightGrid& grid, const std::vector<uint3
   const Polygon reach = enlarged(polygon, kReach);
   std::vector<LightLine> lines;
   for (const uint32_t l : all)
-    if (Vec2d at; crossing(plane, grid.lines[l], at) && contains(reach, at) &&
-                  !std::binary_search(taken.begin(), taken.end(), l))
+    if (const auto at = clear_crossing(plane, grid.lines[l]);
+        at && contains(reach, *at) && !std::binary_search(taken.begin(), taken.end(), l))
       lines.push_back(grid.lines[l]);
   return lines;
 }
@@ -63,7 +57,7 @@ std::vector<LightLine> lines_near(const LightGrid& grid, const std::vector<uint3
 Polygon outline_in(const Plane& plane, const std::vector<LightLine>& lines) {
   std::vector<Vec2d> points;
   for (const LightLine& line : lines)
-    if (Vec2d at; crossing(plane, line, at)) points.push_back(at);
+    if (const auto at = clear_crossing(plane, line)) points.push_back(*at);
   return points.size() < kFewestLines ? Polygon{} : outline_of(std::move(points));
 }
 

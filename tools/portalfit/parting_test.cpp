@@ -122,7 +122,8 @@ TEST(Parting, AnOpeningWithoutLinesOfItsOwnStays) {
   const LightGrid grid = light(200);
   std::vector<uint32_t> all;
   for (uint32_t l = 0; l < grid.lines.size(); ++l)
-    if (Vec2d at; crossing(gap().tube.middle, grid.lines[l], at) && contains(gap().polygon, at))
+    if (const auto at = crossing(gap().tube.middle, grid.lines[l]);
+        at && contains(gap().polygon, *at))
       all.push_back(l);
   std::vector<Aperture> found{slit(0), gap()};
   for (Aperture& a : found) a.lines = lines_across(grid, all, a);

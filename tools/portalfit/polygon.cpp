@@ -41,8 +41,7 @@ Polygon clipped(const Polygon& polygon, Vec2d axis, double limit) {
   Polygon kept;
   for (size_t i = 0; i < polygon.size(); ++i) {
     const Vec2d &p = polygon[i], &q = polygon[(i + 1) % polygon.size()];
-    const double dp = limit - (p.x * axis.x + p.y * axis.y),
-                 dq = limit - (q.x * axis.x + q.y * axis.y);
+    const double dp = limit - dot(p, axis), dq = limit - dot(q, axis);
     if (dp >= 0) kept.push_back(p);
     if ((dp >= 0) != (dq >= 0)) kept.push_back(p + (q - p) * (dp / (dp - dq)));
   }

@@ -13,6 +13,9 @@ struct Vec2d {
   friend constexpr Vec2d operator-(Vec2d a, Vec2d b) { return {a.x - b.x, a.y - b.y}; }
   friend constexpr Vec2d operator*(Vec2d a, double s) { return {a.x * s, a.y * s}; }
 };
+constexpr double dot(Vec2d a, Vec2d b) {
+  return a.x * b.x + a.y * b.y;
+}
 constexpr double cross(Vec2d a, Vec2d b) {
   return a.x * b.y - a.y * b.x;
 }

@@ -11,7 +11,7 @@
 #include <fmt/format.h>
 
 #include "tools/portalfit/aperture.h"
-#include "tools/portalfit/bundle.h"
+#include "tools/portalfit/moments.h"
 #include "tools/portalfit/paper.h"
 #include "tools/portalfit/parting.h"
 #include "tools/portalfit/polygon.h"
@@ -36,7 +36,7 @@ std::vector<uint32_t> lines_at(const LightGrid& grid, const std::vector<uint32_t
   std::vector<uint32_t> at_it;
   for (const uint32_t l : lines)
     for (const double offset : {0.0, -a.tube.half, a.tube.half, -deeper.half, deeper.half})
-      if (Vec2d at; inside_at(deeper, grid.lines[l], offset, at) && contains(wider, at)) {
+      if (const auto at = inside_at(deeper, grid.lines[l], offset); at && contains(wider, *at)) {
         at_it.push_back(l);
         break;
       }
@@ -57,11 +57,9 @@ std::optional<double> support_of(const LightGrid& grid, const Aperture& a) {
   double tried = 0, joined = 0;
   for (const Probe& probe : grid.probes) {
     const LightLine back{probe.line.camera, probe.line.light, probe.line.cut};
-    Vec2d at;
-    if (!crossing(a.tube.middle, probe.line, at) &&
-        (probe.joins || !crossing(a.tube.middle, back, at)))
-      continue;
-    if (!contains(a.polygon, at)) continue;
+    auto at = clear_crossing(a.tube.middle, probe.line);
+    if (!at && !probe.joins) at = clear_crossing(a.tube.middle, back);
+    if (!at || !contains(a.polygon, *at)) continue;
     ++tried;
     joined += probe.joins;
   }

@@ -1,3 +1,19 @@
+// The least tube: where the wall of an opening stands, how it is turned and how thick it is, from
+// lines that pass it.
+//
+// Method: minimum etendue, by coordinate search (each coordinate has a step of its own, which grows
+// by success and shrinks by failure). What is made small is
+//
+//   log(A F) - p log(n / N)
+//
+// A  area of the outline of the lines' places on both faces of the tube [m2]: that within kSides
+//    tangents, each of which leaves the share kOutside of the places outside
+// F  form factor between its two faces; pi A F is the etendue of all lines through the tube
+// n  lines that the tube holds: those that come within its slab, along its normal; of N
+// p  penalty for lines that miss it: 1 would be etendue per line
+//
+// In thin walls a wrong tilt shows in A, which grows with the lines' slant; in thick ones in the
+// outlines on the two faces, which no longer cover each other.
 #include "tools/portalfit/tube.h"
 
 #include <algorithm>
@@ -5,89 +21,155 @@
 #include <cmath>
 #include <functional>
 #include <numbers>
+#include <span>
 
 #include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/parallel_invoke.h>
+
+#include "tools/portalfit/moments.h"
 
 namespace tdpt {
 namespace {
 
-constexpr int kSides = 16;
-constexpr double kOutside = 0.0006;   // share of the lines beyond each side of the outline
-constexpr double kPlaneHolds = 0.97;  // of the prism's lines
-constexpr double kPrism = 1.08;       // most area of a prism's outline over that in its middle
-constexpr double kThrough = 0.002;    // smallest share of the lines that pass both faces
-constexpr double kLosing = 2, kLosingPlane = 0.3;  // weight of the lines that miss it
-constexpr double kLosingKnown = 3;   // the same, of lines that are known to pass there
-constexpr size_t kMostRough = 1500;  // lines for the first look
-constexpr size_t kMostFine = 8192;
-constexpr double kWidest =
-    1.5;  // the same of anything: a room is a tube, too, and all lines end in it
-constexpr double kDense = 0.6;  // least density in a tube over that in its narrowest plane
-constexpr double kShort = 0.5;  // form factor of the faces below which a tube is long
-constexpr double kMostTilt = 0.3;
+constexpr int kSides = 16;           // of an outline
+constexpr double kOutside = 0.0006;  // share of the places beyond each of them
+constexpr double kThrough = 0.002;   // smallest share of the lines held that pass both faces
+// p of a tube; of a plane instead of a tube; of a plane for lines that are known to pass there.
+constexpr double kPenalty = 2, kPenaltyPlane = 0.3, kPenaltyKnown = 3;
+constexpr double kMostTilt = 0.3;                       // in a step: tangent
+constexpr size_t kMostRough = 1500;                     // lines for a first search
+constexpr size_t kMostFine = 8192;                      // and for the others
+constexpr double kRoughStep = 0.3, kFineStep = 0.1;     // first step of a search, in shorter sides
+constexpr double kRoughLast = 0.05, kFineLast = 0.004;  // and its last
 
-struct Search {
-  std::vector<LightLine> lines;
-  bool flat = false;
-  double losing = kLosing;                 // a plane, not a tube
-  std::pair<double, double> faces{-1, 1};  // where the outline is taken, in halves of the tube
-  std::vector<Vec2d> points{};             // of the last look, both faces
-  std::vector<double> reach{};
-  Extents extents{};
-  std::array<double, 2> box{};  // sides of a rectangle like the outline [m]
-  double size = 0;              // area of the outline [m2]
-  double through = 0;           // lines that pass both faces
+// Area of the outline on the faces over that in the middle: of a prism at most, and of anything,
+// since a room is a tube, too, and all lines end in it.
+constexpr double kPrism = 1.08, kWidest = 1.5;
+constexpr double kDense = 0.6;        // least density of a tube over that of the narrowest plane
+constexpr double kShort = 0.5;        // form factor of the faces below which a tube is long
+constexpr double kPlaneHolds = 0.97;  // of the tube's lines: then a plane may take its place
 
-  // How far along the axis the points reach but for the `beyond` farthest: the least of a heap of
-  // the farthest, which few of the points ever enter.
-  double reach_of(Vec2d axis, size_t beyond) {
-    reach.clear();
-    for (const Vec2d& p : points) {
-      const double at = p.x * axis.x + p.y * axis.y;
-      if (reach.size() <= beyond) {
-        reach.push_back(at);
-        std::push_heap(reach.begin(), reach.end(), std::greater<>());
-      } else if (at > reach.front()) {
-        std::pop_heap(reach.begin(), reach.end(), std::greater<>());
-        reach.back() = at;
-        std::push_heap(reach.begin(), reach.end(), std::greater<>());
-      }
-    }
-    return reach.front();
+// What a tube is to the lines.
+struct Look {
+  double cost = INFINITY;        // as above; infinite where it is none
+  size_t held = 0, through = 0;  // lines; those that pass both faces
+  Extents extents{};             // of their places
+  double size = 0;               // A [m2]
+  std::array<double, 2> box{};  // sides of the rectangle of area A in the outline's proportions [m]
+};
+
+struct Found {
+  Tube tube;
+  Look look;
+};
+
+double form_factor(const Found& f) {
+  return facing_rectangles(f.look.box[0], f.look.box[1], 2 * f.tube.half);
+}
+
+enum class Shape { tube, plane };
+
+// Coordinates of a tube: its place along n, the depth of both faces, of either, and two tilts.
+enum Move { slide, both, front, rear, long_tilt, short_tilt, moves };
+
+// The tube moved by `by` [metres] along one of them; it turns about its middle's `o`.
+Tube moved(Tube tube, const Extents& e, Move move, double by) {
+  const Vec3d n = tube.middle.n;
+  const Onb<double> frame(n);
+  const auto tilt = [&](const Vec3d& towards, double side) {
+    tube.middle.n = normalize(n + towards * std::clamp(by / side, -kMostTilt, kMostTilt));
+  };
+  switch (move) {
+    case slide:
+      tube.middle.o += n * by;
+      break;
+    case both:
+      tube.half += 0.5 * by;
+      break;
+    case front:
+      tube.middle.o += n * (0.5 * by), tube.half += 0.5 * by;
+      break;
+    case rear:
+      tube.middle.o += n * (0.5 * by), tube.half -= 0.5 * by;
+      break;
+    case long_tilt:
+      tilt(frame.x * e.axis.x + frame.y * e.axis.y, e.longer);
+      break;
+    case short_tilt:
+      tilt(frame.y * e.axis.x - frame.x * e.axis.y, e.shorter);
+      break;
+    case moves:
+      break;
+  }
+  tube.half = std::max(tube.half, 0.0);
+  return tube;
+}
+
+class Search {
+ public:
+  Search(std::span<const LightLine> lines, Shape shape, double penalty)
+      : lines_(lines), shape_(shape), penalty_(penalty) {}
+
+  // `faces`: where the outline is taken, in halves of the tube.
+  Look look(const Tube& tube, std::array<double, 2> faces = {-1, 1}) {
+    Look look;
+    take_places(tube, faces, look);
+    const auto held = static_cast<double>(look.held), all = static_cast<double>(lines_.size());
+    if (held < 0.5 * all || static_cast<double>(look.through) < std::max(8.0, kThrough * held))
+      return look;
+    look.extents = extents_of(places_);
+    if (!(look.extents.shorter > 0) || !measure_outline(look)) return look;
+    look.cost = std::log(look.size * facing_rectangles(look.box[0], look.box[1], 2 * tube.half)) -
+                penalty_ * std::log(held / all);
+    return look;
   }
 
-  // Logarithm of the etendue per line held; without a common factor.
-  double badness(const Tube& tube) {
-    const Onb<double> frame(tube.middle.n);
-    points.clear();
-    through = 0;
-    for (const LightLine& l : lines) {
-      const Vec3d a = l.light - tube.middle.o, d = l.camera - l.light;
-      const double from = dot(a, tube.middle.n), along = dot(d, tube.middle.n);
-      if (!(along > 0) || from > tube.half || from + along < -tube.half) continue;
-      through += from <= -tube.half && from + along >= tube.half;
-      const double ax = dot(a, frame.x), ay = dot(a, frame.y);
-      const double dx = dot(d, frame.x), dy = dot(d, frame.y);
-      for (const double face : {faces.first * tube.half, faces.second * tube.half}) {
-        const double t = std::clamp((face - from) / along, 0.0, 1.0);
-        points.push_back({ax + dx * t, ay + dy * t});
+  // Steps from `first` down to `last`, in shorter sides of the start's extents.
+  Found run(const Tube& start, double first, double last) {
+    Found best{start, look(start)};
+    if (!std::isfinite(best.look.cost)) return best;
+    const double unit = best.look.extents.shorter;
+    std::array<double, moves> step;
+    step.fill(first);
+    if (shape_ == Shape::plane) step[both] = step[front] = step[rear] = 0;
+    while (*std::max_element(step.begin(), step.end()) > last)
+      for (int m = 0; m < moves; ++m) {
+        double& s = step[static_cast<size_t>(m)];
+        if (s > 0.5 * last) s *= improved(best, static_cast<Move>(m), s * unit) ? 1.5 : 0.5;
       }
-    }
-    const double held = 0.5 * static_cast<double>(points.size()),
-                 all = static_cast<double>(lines.size());
-    if (held < 0.5 * all || through < std::max(8.0, kThrough * held)) return INFINITY;
-    extents = extents_of(points);
-    if (!(extents.shorter > 0)) return INFINITY;
-    // In a frame where the points are round, so that slits are as well described as squares.
-    const Vec2d u = extents.axis * (1 / extents.longer),
-                v = Vec2d{-extents.axis.y, extents.axis.x} * (1 / extents.shorter);
-    for (Vec2d& p : points) {
-      const Vec2d d = p - extents.mean;
-      p = {d.x * u.x + d.y * u.y, d.x * v.x + d.y * v.y};
-    }
+    best.tube.middle.o = to_space(best.tube.middle, best.look.extents.mean);
+    return best;
+  }
+
+  double density(const Found& f) const {
+    if (!std::isfinite(f.look.cost)) return 0;
+    return static_cast<double>(f.look.through) / static_cast<double>(lines_.size()) /
+           (f.look.size * form_factor(f));
+  }
+
+  // Area of the outline on the faces over that in the middle.
+  double waistedness(const Found& f) { return f.look.size / look(f.tube, {0, 0}).size; }
+
+ private:
+  // Where the lines that the tube holds are nearest to the two faces.
+  void take_places(const Tube& tube, std::array<double, 2> faces, Look& look) {
+    const Slab slab(tube);
+    places_.clear();
+    for (const LightLine& line : lines_)
+      if (const auto passage = slab.passage(line)) {
+        look.through += passage->through(tube.half);
+        for (const double face : faces) places_.push_back(passage->at(face * tube.half));
+      }
+    look.held = places_.size() / 2;
+  }
+
+  // A and the box; false when there is none. Leaves the places whitened.
+  bool measure_outline(Look& look) {
+    const Whitening whitening = look.extents.whitening();
+    for (Vec2d& p : places_) p = whitening(p);
     Polygon outline{{-100, -100}, {100, -100}, {100, 100}, {-100, 100}};
     double least[2] = {0, 0}, most[2] = {0, 0};
-    const auto beyond = static_cast<size_t>(kOutside * static_cast<double>(points.size()));
+    const auto beyond = static_cast<size_t>(kOutside * static_cast<double>(places_.size()));
     for (int side = 0; side < kSides; ++side) {
       const double angle = 2 * std::numbers::pi * side / kSides;
       const Vec2d axis{std::cos(angle), std::sin(angle)};
@@ -96,65 +178,52 @@ struct Search {
         (side < kSides / 2 ? most : least)[side / (kSides / 4) % 2] = limit;
       outline = clipped(outline, axis, limit);
     }
-    size = area(outline) * extents.longer * extents.shorter;
-    if (!(size > 0)) return INFINITY;
-    // The rectangle of this area in the proportions of the extents.
-    const double a = (most[0] + least[0]) * extents.longer,
-                 b = (most[1] + least[1]) * extents.shorter;
-    if (!(a > 0 && b > 0)) return INFINITY;
-    const double grow = std::sqrt(size / (a * b));
-    box = {a * grow, b * grow};
-    return std::log(size * facing_rectangles(a * grow, b * grow, 2 * tube.half)) -
-           losing * std::log(held / all);
+    look.size = area(outline) * look.extents.longer * look.extents.shorter;
+    const double a = (most[0] + least[0]) * look.extents.longer,
+                 b = (most[1] + least[1]) * look.extents.shorter;
+    if (!(look.size > 0 && a > 0 && b > 0)) return false;
+    const double grow = std::sqrt(look.size / (a * b));
+    look.box = {a * grow, b * grow};
+    return true;
   }
 
-  // Coordinate search: every coordinate keeps its own step.
-  Tube run(Tube best, double first, double last) {
-    double least = badness(best);
-    if (!std::isfinite(least)) return best;
-    const double unit = extents.shorter;
-    enum Move { slide, both, front, rear, long_tilt, short_tilt, moves };
-    std::array<double, moves> step;
-    step.fill(first);
-    if (flat) step[both] = step[front] = step[rear] = 0;
-    while (*std::max_element(step.begin(), step.end()) > last) {
-      for (int m = 0; m < moves; ++m) {
-        auto& s = step[static_cast<size_t>(m)];
-        if (s <= 0.5 * last || (flat && (m == both || m == front || m == rear))) continue;
-        bool better = false;
-        // The plane turns about the middle of its crossings.
-        const Extents e = extents;
-        const Onb<double> frame(best.middle.n);
-        const Vec3d along = frame.x * e.axis.x + frame.y * e.axis.y,
-                    across = frame.y * e.axis.x - frame.x * e.axis.y;
-        Tube from = best;
-        from.middle.o = to_space(best.middle, e.mean);
-        for (const double way : {1.0, -1.0}) {
-          Tube next = from;
-          const double by = way * s * unit;
-          if (m == slide || m == front || m == rear)
-            next.middle.o += from.middle.n * (m == slide ? by : 0.5 * by);
-          if (m == both || m == front) next.half += 0.5 * by;
-          if (m == rear) next.half -= 0.5 * by;
-          if (m == long_tilt)
-            next.middle.n =
-                normalize(from.middle.n + along * std::clamp(by / e.longer, -kMostTilt, kMostTilt));
-          if (m == short_tilt)
-            next.middle.n = normalize(from.middle.n +
-                                      across * std::clamp(by / e.shorter, -kMostTilt, kMostTilt));
-          next.half = std::max(next.half, 0.0);
-          const double bad = badness(next);
-          if (!(bad < least)) continue;
-          best = next, least = bad, better = true;
-          break;
-        }
-        if (!better) badness(best);
-        s *= better ? 1.5 : 0.5;
+  // How far along the axis the places reach but for the `beyond` farthest: the least of a heap of
+  // the farthest, which few of the places ever enter.
+  double reach_of(Vec2d axis, size_t beyond) {
+    farthest_.clear();
+    for (const Vec2d& p : places_) {
+      const double at = dot(p, axis);
+      if (farthest_.size() <= beyond) {
+        farthest_.push_back(at);
+        std::push_heap(farthest_.begin(), farthest_.end(), std::greater<>());
+      } else if (at > farthest_.front()) {
+        std::pop_heap(farthest_.begin(), farthest_.end(), std::greater<>());
+        farthest_.back() = at;
+        std::push_heap(farthest_.begin(), farthest_.end(), std::greater<>());
       }
     }
-    best.middle.o = to_space(best.middle, extents.mean);
-    return best;
+    return farthest_.front();
   }
+
+  bool improved(Found& best, Move move, double by) {
+    const Extents e = best.look.extents;
+    Tube from = best.tube;
+    from.middle.o = to_space(best.tube.middle, e.mean);  // about which it turns
+    for (const double way : {by, -by}) {
+      const Tube next = moved(from, e, move, way);
+      const Look there = look(next);
+      if (!(there.cost < best.look.cost)) continue;
+      best = {next, there};
+      return true;
+    }
+    return false;
+  }
+
+  std::span<const LightLine> lines_;
+  Shape shape_;
+  double penalty_;
+  std::vector<Vec2d> places_;  // of the last look, both faces
+  std::vector<double> farthest_;
 };
 
 std::vector<LightLine> every_kth(const std::vector<LightLine>& lines, size_t most) {
@@ -164,22 +233,43 @@ std::vector<LightLine> every_kth(const std::vector<LightLine>& lines, size_t mos
   return some;
 }
 
-// Share of the lines through the tube per etendue [1/m2]: where all of a tube lets light through it
-// is that of its narrowest plane.
-double density(Search& search, const Tube& tube) {
-  if (!std::isfinite(search.badness(tube))) return 0;
-  return search.through / static_cast<double>(search.lines.size()) /
-         (search.size * facing_rectangles(search.box[0], search.box[1], 2 * tube.half));
+Found least_plane(std::span<const LightLine> lines, Tube start, double penalty) {
+  start.half = 0;
+  return Search(lines, Shape::plane, penalty).run(start, kRoughStep, kFineLast);
 }
 
-// Area of the outline at the tube's faces over that in its middle.
-double waistedness(Search& search, const Tube& tube) {
-  search.faces = {0, 0};
-  search.badness(tube);
-  const double middle = search.size;
-  search.faces = {-1, 1};
-  search.badness(tube);
-  return search.size / middle;
+// What a search with few lines has found.
+struct Rough {
+  Tube tube;
+  double cost, density, waistedness;
+};
+using RoughTubes = std::array<Rough, 5>;
+
+// From several starts: there are valleys.
+RoughTubes rough_tubes(const std::vector<LightLine>& lines, const Tube& start) {
+  constexpr double kTurn = 0.25;
+  constexpr std::array<Vec2d, 5> turns{{{0, 0}, {kTurn, 0}, {-kTurn, 0}, {0, kTurn}, {0, -kTurn}}};
+  const std::vector<LightLine> some = every_kth(lines, kMostRough);
+  const Onb<double> frame(start.middle.n);
+  RoughTubes rough;
+  tbb::parallel_for(size_t{0}, turns.size(), [&](size_t k) {
+    Search search(some, Shape::tube, kPenalty);
+    Tube from = start;
+    from.middle.n = normalize(start.middle.n + frame.x * turns[k].x + frame.y * turns[k].y);
+    const Found found = search.run(from, kRoughStep, kRoughLast);
+    rough[k] = {found.tube, found.look.cost, search.density(found), search.waistedness(found)};
+  });
+  return rough;
+}
+
+// Of those as dense as `enough`; `otherwise` when there is none.
+Tube best_of(const RoughTubes& rough, double enough, const Tube& otherwise) {
+  Tube best = otherwise;
+  double least = INFINITY;
+  for (const Rough& r : rough)
+    if (r.density >= enough && r.cost < least && r.waistedness < kWidest)
+      least = r.cost, best = r.tube;
+  return best;
 }
 
 }  // namespace
@@ -196,62 +286,34 @@ double facing_rectangles(double a, double b, double c) {
 
 Tube least_tube(const std::vector<LightLine>& lines, const Tube& start, bool near) {
   const std::vector<LightLine> fine = every_kth(lines, kMostFine);
-  Search prism{fine}, flat{fine, true};
-  const auto flattened = [&](Tube plane, double losing) {
-    plane.half = 0;
-    flat.losing = losing;
-    return flat.run(plane, 0.3, 0.004);
-  };
-  if (near && start.half == 0) return flattened(start, kLosingPlane);
-  // From several starts: there are valleys.
-  const Onb<double> frame(start.middle.n);
-  constexpr double kTurn = 0.25;
-  constexpr std::array<Vec2d, 5> turns{{{0, 0}, {kTurn, 0}, {-kTurn, 0}, {0, kTurn}, {0, -kTurn}}};
-  struct Rough {
-    Tube tube;
-    double badness, density, waistedness;
-  };
-  std::array<Rough, turns.size()> rough;
-  Tube narrowest, tube = start;
-  tbb::parallel_for(size_t{0}, near ? 2 : turns.size() + 1, [&](size_t k) {
-    if (k == 0) {
-      narrowest = flattened(start, kLosing);
-    } else if (near) {
-      tube = prism.run(start, 0.1, 0.004);
-    } else {
-      Search search{every_kth(lines, kMostRough)};
-      Tube from = start;
-      from.middle.n =
-          normalize(start.middle.n + frame.x * turns[k - 1].x + frame.y * turns[k - 1].y);
-      from = search.run(from, 0.3, 0.05);
-      const double dense = density(search, from), bad = search.badness(from);
-      rough[k - 1] = {from, bad, dense, waistedness(search, from)};
-    }
-  });
-  const double enough = kDense * density(flat, narrowest);
-  double least = INFINITY;
-  if (!near)
-    for (const Rough& r : rough)
-      if (r.density >= enough && r.badness < least && r.waistedness < kWidest)
-        least = r.badness, tube = r.tube;
-  if (!near) tube = prism.run(tube, 0.1, 0.004);
-  if (density(prism, tube) < enough) return narrowest;
-  const double waisted = waistedness(prism, tube);
-  if (!(waisted < kWidest)) return narrowest;
-  const bool is_short = facing_rectangles(prism.box[0], prism.box[1], 2 * tube.half) > kShort;
-  if (waisted < kPrism || !is_short) return tube;
+  if (near && start.half == 0) return least_plane(fine, start, kPenaltyPlane).tube;
+  Search search(fine, Shape::tube, kPenalty);
+  Found narrowest, found;
+  RoughTubes rough;
+  tbb::parallel_invoke([&] { narrowest = least_plane(fine, start, kPenalty); },
+                       [&] {
+                         if (near)
+                           found = search.run(start, kFineStep, kFineLast);
+                         else
+                           rough = rough_tubes(lines, start);
+                       });
+  // Where all of a tube lets light through, its density of lines per etendue is that of its
+  // narrowest plane.
+  const double enough = kDense * search.density(narrowest);
+  if (!near) found = search.run(best_of(rough, enough, start), kFineStep, kFineLast);
+  if (search.density(found) < enough) return narrowest.tube;
+  const double waistedness = search.waistedness(found);
+  if (!(waistedness < kWidest)) return narrowest.tube;
+  if (waistedness < kPrism || form_factor(found) <= kShort) return found.tube;
   // Where the opening is no prism, as beside a door ajar, its narrowest plane is the portal.
-  const Tube plane = flattened(tube, kLosingPlane);
-  flat.badness(plane);
-  return flat.points.size() < kPlaneHolds * prism.points.size() ? tube : plane;
+  const Found plane = least_plane(fine, found.tube, kPenaltyPlane);
+  const bool holds_too_few =
+      static_cast<double>(plane.look.held) < kPlaneHolds * static_cast<double>(found.look.held);
+  return holds_too_few ? found.tube : plane.tube;
 }
 
 Tube holding_plane(const std::vector<LightLine>& lines, const Tube& start) {
-  Search flat{every_kth(lines, kMostFine), true};
-  flat.losing = kLosingKnown;
-  Tube plane = start;
-  plane.half = 0;
-  return flat.run(plane, 0.3, 0.004);
+  return least_plane(every_kth(lines, kMostFine), start, kPenaltyKnown).tube;
 }
 
 }  // namespace tdpt

@@ -82,13 +82,13 @@ TEST(Tube, IsFoundFromATiltedPlane) {
 
 TEST(Tube, LinesThatEndInsideCount) {
   const Tube tube{{{0, 0, 0}, {1, 0, 0}}, 0.1};
-  Vec2d at;
   const LightLine on_jamb{{-1, 0, 0}, {-0.05, 0.3, 0}}, before{{-1, 0, 0}, {-0.2, 0, 0}},
       against{{1, 0, 0}, {-1, 0, 0}};
-  ASSERT_TRUE(inside_at(tube, on_jamb, 0, at));
-  EXPECT_NEAR(std::hypot(at.x, at.y), 0.3, 1e-12);
-  EXPECT_FALSE(inside_at(tube, before, 0, at));
-  EXPECT_FALSE(inside_at(tube, against, 0, at));
+  const auto at = inside_at(tube, on_jamb, 0);
+  ASSERT_TRUE(at);
+  EXPECT_NEAR(std::hypot(at->x, at->y), 0.3, 1e-12);
+  EXPECT_FALSE(inside_at(tube, before, 0));
+  EXPECT_FALSE(inside_at(tube, against, 0));
 }
 
 }  // namespace
