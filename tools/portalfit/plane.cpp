@@ -8,19 +8,13 @@ constexpr double kGrazing = 0.05;  // cosine between line and normal
 }  // namespace
 
 std::optional<Vec2d> inside_at(const Tube& tube, const LightLine& line, double offset) {
-  const Vec3d a = line.light - tube.middle.o, d = line.camera - line.light;
-  const double from = dot(a, tube.middle.n), along = dot(d, tube.middle.n);
-  if (!(along > 0) || from > tube.half || from + along < -tube.half) return {};
-  const Vec3d p = a + d * std::clamp((offset - from) / along, 0.0, 1.0);
-  const Onb<double> frame(tube.middle.n);
-  return Vec2d{dot(p, frame.x), dot(p, frame.y)};
+  const auto passage = Slab(tube).passage(line);
+  if (!passage) return {};
+  return passage->at(offset);
 }
 
 std::optional<Vec2d> crossing(const Plane& plane, const LightLine& line) {
-  const Vec3d d = line.camera - line.light;
-  const double along = dot(d, plane.n), gap = dot(plane.o - line.light, plane.n);
-  if (!(along > 0) || gap < 0 || gap > along) return {};
-  return in_plane(plane, line.light + d * (gap / along));
+  return inside_at({plane, 0}, line, 0);
 }
 
 std::optional<Vec2d> clear_crossing(const Plane& plane, const LightLine& line) {

@@ -8,6 +8,7 @@
 
 #include "libcommon/draw/sheet.h"
 #include "libcommon/formats/debug_glb.h"
+#include "tools/portalfit/portal_shape.h"
 
 namespace tdpt {
 namespace {
@@ -244,18 +245,10 @@ std::string words_for(const Portal& portal, size_t i) {
 }  // namespace
 
 PortalFrame frame_of(const Portal& portal) {
-  Vec3d middle{}, normal{};
-  double area = 0;
-  for (const auto& t : portal.triangles) {
-    const Vec3d &a = portal.vertices[t[0]], &b = portal.vertices[t[1]], &c = portal.vertices[t[2]];
-    const Vec3d n = cross(b - a, c - a);
-    normal += n;
-    area += length(n);
-    middle += (a + b + c) * (length(n) / 3);
-  }
+  const Plane plane = shape_of(portal).plane;
   PortalFrame f;
-  f.o = middle / area;
-  f.n = normalize(normal);
+  f.o = plane.o;
+  f.n = plane.n;
   // Openings in floors and ceilings: -z is up, as in a plan.
   const Vec3d upright = std::abs(f.n.y) < 0.9 ? Vec3d{0, 1, 0} : Vec3d{0, 0, -1};
   f.up = normalize(upright - f.n * dot(upright, f.n));
@@ -343,18 +336,14 @@ std::string portal_debug_glb(const LightGrid& grid, const PortalFile& file) {
   for (size_t i = 0; i < file.portals.size(); ++i) {
     const Portal& portal = file.portals[i];
     DebugMesh mesh{.name = fmt::format("portal.{}", i)};
-    double area = 0;
-    for (const auto& t : portal.triangles) {
-      const Vec3d &a = portal.vertices[t[0]], &b = portal.vertices[t[1]],
-                  &c = portal.vertices[t[2]];
-      area += 0.5 * length(cross(b - a, c - a));
-      mesh.triangle(a, b, c, bytes_of(kPortal, 110));
-    }
+    for (const auto& t : portal.triangles)
+      mesh.triangle(portal.vertices[t[0]], portal.vertices[t[1]], portal.vertices[t[2]],
+                    bytes_of(kPortal, 110));
     meshes.push_back(std::move(mesh));
     for (const auto& e : outline_of(portal))
       outlines.line(portal.vertices[e[0]], portal.vertices[e[1]], green, green);
     const PortalFrame f = frame_of(portal);
-    const double arrow = std::sqrt(area);
+    const double arrow = std::sqrt(shape_of(portal).area);
     const Vec3d tip = f.o + f.n * arrow;
     normals.line(f.o, tip, dark, dark);
     for (const Vec3d& side : {f.up, -f.up, f.right, -f.right})
