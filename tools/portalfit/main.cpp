@@ -56,15 +56,23 @@ bool chosen(const Arguments& a, const Portal& portal) {
   return !a.useful_only || verdict_of(portal.figures).worth != Worth::useless;
 }
 
-// The portals to write.
-PortalFile choose(const Arguments& a, const cli::Common& common, const LightGrid& grid,
-                  const FitResult& found) {
+// The portals to write, and the lines that each counts.
+struct Written {
   PortalFile file;
-  for (const Portal& portal : found.portals)
-    if (chosen(a, portal)) file.portals.push_back(portal);
-  file.scene_hash = grid.scene_hash;
-  file.provenance = common.provenance({{a.grid, grid.hash, grid.provenance}});
-  return file;
+  std::vector<std::vector<uint32_t>> lines;
+};
+
+Written choose(const Arguments& a, const cli::Common& common, const LightGrid& grid,
+               const FitResult& found) {
+  Written out;
+  for (size_t i = 0; i < found.portals.size(); ++i)
+    if (chosen(a, found.portals[i])) {
+      out.file.portals.push_back(found.portals[i]);
+      out.lines.push_back(found.lines[i]);
+    }
+  out.file.scene_hash = grid.scene_hash;
+  out.file.provenance = common.provenance({{a.grid, grid.hash, grid.provenance}});
+  return out;
 }
 
 // A note for each portal, and what the summary says of those that are written.
@@ -104,12 +112,14 @@ std::string why_none(const Arguments& a, const cli::Common& common, const LightG
 }
 
 void deliver(const Arguments& a, const cli::Common& common, const LightGrid& grid,
-             const PortalFile& file, Phases& phases) {
+             const Written& written, Phases& phases) {
   const std::string why = grid.bottleneck ? kNoOpening : grid.reason;
-  cli::deliver({{common.output, [&] { return portal_bytes(file); }},
-                {a.preview, [&] { return portal_preview(grid, file.portals, a.grid, why); }},
-                {a.debug_glb, [&] { return portal_debug_glb(grid, file); }}},
-               phases);
+  cli::deliver(
+      {{common.output, [&] { return portal_bytes(written.file); }},
+       {a.preview,
+        [&] { return portal_preview(grid, written.file.portals, written.lines, a.grid, why); }},
+       {a.debug_glb, [&] { return portal_debug_glb(grid, written.file); }}},
+      phases);
 }
 
 int run(const Arguments& a, const cli::Common& common) {
@@ -118,10 +128,10 @@ int run(const Arguments& a, const cli::Common& common) {
   phases.done("load");
   const FitResult found = fit(a, grid);
   phases.done("fit");
-  const PortalFile file = choose(a, common, grid, found);
+  const Written written = choose(a, common, grid, found);
   nlohmann::json summary = tell(a, common, found);
-  if (file.portals.empty()) summary["reason"] = why_none(a, common, grid, found);
-  deliver(a, common, grid, file, phases);
+  if (written.file.portals.empty()) summary["reason"] = why_none(a, common, grid, found);
+  deliver(a, common, grid, written, phases);
   cli::report(common, summary, phases);
   return 0;
 }

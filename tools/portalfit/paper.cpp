@@ -56,7 +56,7 @@ VoxelAxes axes_of_full_voxels(const LightGrid& grid, double share) {
   return axes;
 }
 
-std::optional<Portal> portal_by_paper(const LightGrid& grid, double share) {
+std::optional<PaperPortal> portal_by_paper(const LightGrid& grid, double share) {
   const VoxelAxes axes = axes_of_full_voxels(grid, share);
   if (axes.centres.empty()) return {};
   Vec3d light{};
@@ -67,18 +67,19 @@ std::optional<Portal> portal_by_paper(const LightGrid& grid, double share) {
   const Polygon hull = convex_hull(points);
   // Voxels in one row have no width: what rounding makes of it is no portal.
   if (hull.size() < 3 || !(area(hull) > 1e-3 * grid.voxel * grid.voxel)) return {};
-  Portal portal;
+  PaperPortal found;
+  Portal& portal = found.portal;
   for (const Vec2d& p : hull) portal.vertices.push_back(to_space(plane, p));
   portal.triangles = triangulate(hull);
-  size_t across = 0;
-  for (const LightLine& l : grid.lines)
-    if (const auto at = clear_crossing(plane, l)) across += contains(hull, *at);
+  for (uint32_t l = 0; l < grid.lines.size(); ++l)
+    if (const auto at = clear_crossing(plane, grid.lines[l]); at && contains(hull, *at))
+      found.lines.push_back(l);
   portal.figures["area"] = area(hull);
-  portal.figures["flux_share"] =
-      static_cast<double>(across) / static_cast<double>(std::max<size_t>(grid.lines.size(), 1));
+  portal.figures["flux_share"] = static_cast<double>(found.lines.size()) /
+                                 static_cast<double>(std::max<size_t>(grid.lines.size(), 1));
   const double slant = std::abs(dot(light, plane.n)) / std::max(length(light), 1e-300);
   portal.figures["direction_angle"] = std::acos(std::min(1.0, slant)) * 57.29577951308232;
-  return portal;
+  return found;
 }
 
 }  // namespace tdpt

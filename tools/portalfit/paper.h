@@ -14,8 +14,12 @@ struct VoxelAxes {
 };
 VoxelAxes axes_of_full_voxels(const LightGrid& grid, double share);
 
+struct PaperPortal {
+  Portal portal;
+  std::vector<uint32_t> lines;  ///< that cross it along its normal, indices into grid.lines
+};
 /// One portal: the convex hull of the full voxels' centres, projected along their main axis, which
 /// is turned the way the light goes. Nothing when fewer than three of them make a polygon.
-std::optional<Portal> portal_by_paper(const LightGrid& grid, double share);
+std::optional<PaperPortal> portal_by_paper(const LightGrid& grid, double share);
 
 }  // namespace tdpt

@@ -166,7 +166,10 @@ FitResult fit_portals(const LightGrid& grid, const PortalFitOptions& options) {
   FitResult result;
   if (!grid.bottleneck || grid.lines.empty()) return result;
   if (options.by_paper) {
-    if (const auto portal = portal_by_paper(grid, kFull)) result.portals.push_back(*portal);
+    if (auto found = portal_by_paper(grid, kFull)) {
+      result.portals.push_back(std::move(found->portal));
+      result.lines.push_back(std::move(found->lines));
+    }
     return result;
   }
   std::vector<std::vector<uint32_t>> of_cut;
@@ -201,6 +204,7 @@ FitResult fit_portals(const LightGrid& grid, const PortalFitOptions& options) {
         continue;
       found.push_back(a);
       result.portals.push_back(portal_of(grid, a, lines.size(), support_of(grid, a)));
+      result.lines.push_back(a.lines);
     }
   }
   result.explained = static_cast<double>(explained) / static_cast<double>(grid.lines.size());

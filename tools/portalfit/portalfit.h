@@ -22,6 +22,8 @@ struct PortalFitOptions {
 /// `pca_minor_angle` [deg] (between the normal and the axes of the paper's rule, for information).
 struct FitResult {
   std::vector<Portal> portals;
+  /// Of each portal those that its flux_share counts, as indices into grid.lines, ascending.
+  std::vector<std::vector<uint32_t>> lines;
   double explained = 0;              ///< share of all lines that cross some portal
   std::vector<std::string> refused;  ///< why candidates were turned down: plain sentences
 };

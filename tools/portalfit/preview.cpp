@@ -17,7 +17,6 @@ using namespace draw;
 
 constexpr size_t kMostRows = 6, kMostLines = 60, kMostGlbLines = 400;
 constexpr double kAround = 1.45;  // of the portal's half sides: what its row shows
-constexpr double kGrazing = 0.02;
 
 // A flat view of a part of space in metres.
 struct Flat {
@@ -73,48 +72,6 @@ void draw_voxels(Canvas& canvas, const LightGrid& grid, const Flat& view, double
   canvas.unclip();
 }
 
-bool crossing(const PortalFrame& f, const LightLine& line, Vec3d& at) {
-  const Vec3d d = line.camera - line.light;
-  const double along = dot(d, f.n), gap = dot(f.o - line.light, f.n);
-  if (along < kGrazing * length(d) || gap < 0 || gap > along) return false;
-  at = line.light + d * (gap / along);
-  return true;
-}
-
-bool inside(const Portal& portal, const PortalFrame& f, const Vec3d& p) {
-  for (const auto& t : portal.triangles) {
-    bool in = true;
-    for (size_t k = 0; k < 3; ++k) {
-      const Vec3d &a = portal.vertices[t[k]], &b = portal.vertices[t[(k + 1) % 3]];
-      in = in && dot(cross(b - a, p - a), f.n) >= 0;
-    }
-    if (in) return true;
-  }
-  return false;
-}
-
-// Where a line goes: through this portal, beside it through another, through none.
-enum class Way { here, elsewhere, nowhere };
-struct Crossing {
-  size_t line;
-  Vec3d at;
-  Way way;
-};
-std::vector<Crossing> crossings_of(const LightGrid& grid, const std::vector<Row>& rows,
-                                   const Row& row) {
-  std::vector<Crossing> found;
-  for (size_t i = 0; i < grid.lines.size(); ++i) {
-    Vec3d at, there;
-    if (!crossing(row.frame, grid.lines[i], at)) continue;
-    Way way = Way::nowhere;
-    for (const Row& r : rows)
-      if (r.portal && crossing(r.frame, grid.lines[i], there) && inside(*r.portal, r.frame, there))
-        way = &r == &row || way == Way::here ? Way::here : Way::elsewhere;
-    found.push_back({i, at, row.portal ? way : Way::elsewhere});
-  }
-  return found;
-}
-
 const Ink& ink_of(Way way, const Ink& here) {
   return way == Way::here ? here : way == Way::elsewhere ? kMuted : kAlarm;
 }
@@ -125,7 +82,7 @@ Point on_pixel(const Point& p) {
 }
 
 void draw_front(Canvas& canvas, const LightGrid& grid, const Row& row, const Flat& view,
-                const std::vector<Crossing>& crossings) {
+                const std::vector<SeenLine>& lines) {
   draw_voxels(canvas, grid, view, row.portal ? 0.75 * grid.voxel : row.half_right);
   canvas.clip(view.panel);
   if (row.portal)
@@ -134,7 +91,7 @@ void draw_front(Canvas& canvas, const LightGrid& grid, const Row& row, const Fla
                       view.at(row.portal->vertices[t[2]])},
                      kPortal, 0.12);
   for (const Way way : {Way::elsewhere, Way::here, Way::nowhere})
-    for (const Crossing& c : crossings)
+    for (const SeenLine& c : lines)
       if (c.way == way)
         canvas.disc(on_pixel(view.at(c.at)), 1.0, ink_of(way, kInk),
                     way == Way::nowhere ? 0.9 : 0.5);
@@ -150,7 +107,7 @@ void draw_front(Canvas& canvas, const LightGrid& grid, const Row& row, const Fla
 
 // Between which places across all but one in a hundred of the lines pass, along the way.
 void draw_envelope(Canvas& canvas, const LightGrid& grid, const Row& row, const Flat& view,
-                   const std::vector<Crossing>& crossings) {
+                   const std::vector<SeenLine>& lines) {
   constexpr int kStations = 120;
   const double far = view.half_width;
   std::array<Point, 2> before{};
@@ -158,7 +115,7 @@ void draw_envelope(Canvas& canvas, const LightGrid& grid, const Row& row, const 
   for (int s = 0; s <= kStations; ++s) {
     const double along = far * (2.0 * s / kStations - 1);
     std::vector<double> across;
-    for (const Crossing& c : crossings) {
+    for (const SeenLine& c : lines) {
       if (c.way != Way::here) continue;
       const LightLine& l = grid.lines[c.line];
       const Vec3d w = l.camera - l.light;
@@ -184,20 +141,20 @@ void draw_envelope(Canvas& canvas, const LightGrid& grid, const Row& row, const 
 }
 
 void draw_above(Canvas& canvas, const LightGrid& grid, const Row& row, const Flat& view,
-                const std::vector<Crossing>& crossings) {
+                const std::vector<SeenLine>& lines) {
   draw_voxels(canvas, grid, view, row.half_up / kAround);
   canvas.clip(view.panel);
-  const size_t step = std::max<size_t>(1, crossings.size() / kMostLines);
-  for (size_t i = 0; i < crossings.size(); i += step) {
-    const LightLine& l = grid.lines[crossings[i].line];
-    const Point from = view.at(l.light), middle = view.at(crossings[i].at), to = view.at(l.camera);
-    const Way way = crossings[i].way;
+  const size_t step = std::max<size_t>(1, lines.size() / kMostLines);
+  for (size_t i = 0; i < lines.size(); i += step) {
+    const LightLine& l = grid.lines[lines[i].line];
+    const Point from = view.at(l.light), middle = view.at(lines[i].at), to = view.at(l.camera);
+    const Way way = lines[i].way;
     const double alpha = way == Way::here ? 0.5 : way == Way::elsewhere ? 0.12 : 0.5;
     canvas.line(from, middle, 1, ink_of(way, ink(0xc07a10)), alpha);
     canvas.line(middle, to, 1, ink_of(way, ink(0x2a6bab)), alpha);
   }
   if (row.portal) {
-    draw_envelope(canvas, grid, row, view, crossings);
+    draw_envelope(canvas, grid, row, view, lines);
     double low = INFINITY, high = -INFINITY;
     for (const Vec3d& v : row.portal->vertices) {
       low = std::min(low, dot(v - row.frame.o, row.frame.right));
@@ -270,8 +227,29 @@ std::vector<std::array<uint32_t, 2>> outline_of(const Portal& portal) {
   return edges;
 }
 
+std::vector<SeenLine> lines_to_show(const LightGrid& grid,
+                                    const std::vector<std::vector<uint32_t>>& lines, size_t own,
+                                    const PortalFrame& frame) {
+  std::vector<Way> way(grid.lines.size(), lines.empty() ? Way::elsewhere : Way::nowhere);
+  for (const auto& of_portal : lines)
+    for (const uint32_t l : of_portal) way[l] = Way::elsewhere;
+  if (own < lines.size())
+    for (const uint32_t l : lines[own]) way[l] = Way::here;
+  const Plane plane{frame.o, frame.n};
+  std::vector<SeenLine> seen;
+  for (uint32_t l = 0; l < grid.lines.size(); ++l) {
+    const LightLine& line = grid.lines[l];
+    if (way[l] != Way::here && !crossing(plane, line)) continue;
+    const Vec3d d = line.camera - line.light;
+    const double t = dot(frame.o - line.light, frame.n) / dot(d, frame.n);
+    seen.push_back({l, line.light + d * std::clamp(t, 0.0, 1.0), way[l]});
+  }
+  return seen;
+}
+
 std::string portal_preview(const LightGrid& grid, const std::vector<Portal>& portals,
-                           const std::string& name, const std::string& why_none) {
+                           const std::vector<std::vector<uint32_t>>& lines, const std::string& name,
+                           const std::string& why_none) {
   std::vector<Row> rows;
   for (size_t i = 0; i < std::min(portals.size(), kMostRows); ++i)
     rows.push_back(row_of(portals[i], grid.voxel));
@@ -303,9 +281,9 @@ std::string portal_preview(const LightGrid& grid, const std::vector<Portal>& por
     above.half_width = std::max(1.3 * row.half_right * width / height, 6 * grid.voxel);
     if (!row.portal)
       above.half_width = std::max(row.half_right, 0.53 * grid.dim[2] * grid.voxel * width / height);
-    const auto crossings = crossings_of(grid, rows, row);
-    draw_front(canvas, grid, row, front, crossings);
-    draw_above(canvas, grid, row, above, crossings);
+    const auto seen = lines_to_show(grid, lines, i, row.frame);
+    draw_front(canvas, grid, row, front, seen);
+    draw_above(canvas, grid, row, above, seen);
     for (const Flat* view : {&front, &above}) {
       canvas.frame(view->panel, 1, kFaint);
       scale_bar(canvas, {view->panel.right() - 2, view->panel.bottom() + 26}, view->scale());
@@ -320,7 +298,7 @@ std::string portal_preview(const LightGrid& grid, const std::vector<Portal>& por
   }
   key(canvas, {kMargin, canvas.height() - 30.0},
       {{kPortal, "portal and its normal"},
-       {kInk, "crossings within it; 1 % lie beyond each dashed line"},
+       {kInk, "its lines; 1 % lie beyond each dashed line"},
        {kMuted, "through another"},
        {kAlarm, "through none"},
        {mix(kPaper, heat(0.7), 0.4), "fuller voxels darker"}});

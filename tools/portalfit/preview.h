@@ -18,10 +18,25 @@ PortalFrame frame_of(const Portal& portal);
 /// Edges that belong to one triangle only.
 std::vector<std::array<uint32_t, 2>> outline_of(const Portal& portal);
 
+/// Where a line goes: through this portal, through another, through none.
+enum class Way { here, elsewhere, nowhere };
+struct SeenLine {
+  uint32_t line;  ///< of grid.lines
+  Vec3d at;       ///< where it crosses the portal's plane, or its end nearest to that [metres]
+  Way way;
+};
+/// The lines to show with portal number `own`: its own lines, which may end within its wall, and
+/// the others that cross its plane along the normal. `lines`: of each portal those that it counts,
+/// as fit_portals() says.
+std::vector<SeenLine> lines_to_show(const LightGrid& grid,
+                                    const std::vector<std::vector<uint32_t>>& lines, size_t own,
+                                    const PortalFrame& frame);
+
 /// PNG: a row for each portal (six at most) or for the whole grid where there is none; `why_none`
-/// says why. `name`: of the grid.
+/// says why. `lines`: as above. `name`: of the grid.
 std::string portal_preview(const LightGrid& grid, const std::vector<Portal>& portals,
-                           const std::string& name, const std::string& why_none);
+                           const std::vector<std::vector<uint32_t>>& lines, const std::string& name,
+                           const std::string& why_none);
 /// glTF: portals translucent, their outlines and normals, and some lines of light.
 std::string portal_debug_glb(const LightGrid& grid, const PortalFile& file);
 

@@ -1,5 +1,9 @@
 #include "tools/portalfit/preview.h"
 
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
 #include <gtest/gtest.h>
 
 #include "libcommon/math/rng.h"
@@ -7,6 +11,9 @@
 #include "libcommon/scene/scene.h"
 #include "libcommon/testing/read_png.h"
 #include "libcommon/testing/temp_folder.h"
+#include "tools/portalfit/portal_shape.h"
+#include "tools/portalfit/portalfit.h"
+#include "tools/portalfit/test_tube_lines.h"
 
 namespace tdpt {
 namespace {
@@ -41,6 +48,12 @@ LightGrid lines_through_the_door() {
     walk_grid(grid, at - way, at + way, [&](size_t v, double) { ++grid.count[v]; });
   }
   return grid;
+}
+
+std::vector<uint32_t> all_of(const LightGrid& grid) {
+  std::vector<uint32_t> all(grid.lines.size());
+  std::iota(all.begin(), all.end(), 0u);
+  return all;
 }
 
 TEST(frame_of, stands_upright_in_the_plane_and_looks_along_the_light) {
@@ -80,19 +93,75 @@ Green green_of(const std::string& bytes) {
 
 TEST(portal_preview, shows_the_outline_in_front_and_the_edge_from_above) {
   const LightGrid grid = lines_through_the_door();
-  const Green with = green_of(portal_preview(grid, {door()}, "room.vdb", ""));
+  const Green with = green_of(portal_preview(grid, {door()}, {all_of(grid)}, "room.vdb", ""));
   // An outline of four sides of some 300 pixels, 2 wide; an edge and an arrow.
   EXPECT_GT(with.front, 1000);
   EXPECT_GT(with.above, 700);
   // Twin: without a portal there is none of it.
-  const Green without = green_of(portal_preview(grid, {}, "room.vdb", "the opening is wide"));
+  const Green without = green_of(portal_preview(grid, {}, {}, "room.vdb", "the opening is wide"));
   EXPECT_EQ(without.front + without.above, 0);
+}
+
+// A hole as deep as wide: many of its lines end within it, before the plane of the portal or
+// behind.
+LightGrid lines_through_a_deep_hole() {
+  LightGrid grid;
+  grid.lines = testing::lines_of_tube(0.4, 0.4, 0.2, 4000);
+  for (size_t i = 0; i < 4000; i += 4) {
+    LightLine line = grid.lines[i];
+    if (line.light.x > -0.2) continue;
+    const Vec3d d = line.camera - line.light;
+    line.camera = line.light + d * ((-0.05 - line.light.x) / d.x);
+    grid.lines.push_back(line);
+  }
+  grid.voxel = 0.1;
+  grid.origin = {-3, -3, -3};
+  grid.dim = {60, 60, 60};
+  grid.count.assign(60 * 60 * 60, 0);
+  for (const LightLine& l : grid.lines)
+    walk_grid(grid, l.light, l.camera, [&](size_t v, double) { ++grid.count[v]; });
+  return grid;
+}
+
+TEST(portal_preview, shows_the_lines_that_the_fit_counts) {
+  const LightGrid grid = lines_through_a_deep_hole();
+  const FitResult fit = fit_portals(grid, {});
+  ASSERT_EQ(fit.portals.size(), 1u);
+  const auto counted = static_cast<size_t>(std::lround(fit.portals[0].figures.at("flux_share") *
+                                                       static_cast<double>(grid.lines.size())));
+  const auto seen = lines_to_show(grid, fit.lines, 0, frame_of(fit.portals[0]));
+  const auto shown =
+      std::count_if(seen.begin(), seen.end(), [](const SeenLine& l) { return l.way == Way::here; });
+  EXPECT_EQ(static_cast<size_t>(shown), counted);
+  // Twin: those that cross the polygon are fewer.
+  const PortalShape shape = shape_of(fit.portals[0]);
+  const auto crossing_it = static_cast<size_t>(
+      std::count_if(grid.lines.begin(), grid.lines.end(), [&](const LightLine& l) {
+        const auto at = crossing(shape.plane, l);
+        return at && contains(shape, *at);
+      }));
+  EXPECT_LT(crossing_it + 100, counted);
+}
+
+TEST(lines_to_show, tells_own_lines_from_those_of_others_and_of_none) {
+  const LightGrid grid = lines_through_the_door();
+  const PortalFrame frame = frame_of(door());
+  const auto ways = [&](size_t own) {
+    std::vector<int> n(3, 0);
+    for (const SeenLine& l : lines_to_show(grid, {{0, 1, 2}, {1, 7}}, own, frame))
+      ++n[static_cast<size_t>(l.way)];
+    return n;
+  };
+  EXPECT_EQ(ways(0), (std::vector<int>{3, 1, 496}));
+  EXPECT_EQ(ways(1), (std::vector<int>{2, 2, 496}));
 }
 
 TEST(portal_preview, has_a_row_for_each_portal_but_six_at_most) {
   const LightGrid grid = lines_through_the_door();
   const auto height = [&](size_t n) {
-    return testing::read_png(portal_preview(grid, std::vector<Portal>(n, door()), "g", "")).height;
+    const std::vector<std::vector<uint32_t>> lines(n, all_of(grid));
+    return testing::read_png(portal_preview(grid, std::vector<Portal>(n, door()), lines, "g", ""))
+        .height;
   };
   EXPECT_GT(height(3), height(1));
   EXPECT_EQ(height(7), height(6));

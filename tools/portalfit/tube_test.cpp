@@ -7,6 +7,7 @@
 
 #include "libcommon/math/rng.h"
 #include "libcommon/math/warp.h"
+#include "tools/portalfit/test_tube_lines.h"
 
 namespace tdpt {
 namespace {
@@ -39,37 +40,13 @@ TEST(Tube, FacingRectanglesSeeEachOther) {
   EXPECT_GT(std::abs(facing_rectangles(0.03, 1.4, 0.22) - facing_by_chance(0.03, 1.4, 0.2)), 0.005);
 }
 
-// Lines through the middle of a rectangular tube along +x; what meets a wall of it ends there, as
-// on the jambs of an opening.
-std::vector<LightLine> lines_of_tube(double a, double b, double half, size_t n) {
-  std::vector<LightLine> lines;
-  for (uint64_t i = 0; i < n; ++i) {
-    Rng rng(3, 4, i);
-    const double y = a * (rng.uniform() - 0.5), z = b * (rng.uniform() - 0.5);
-    const double u = rng.uniform(), v = rng.uniform();
-    const Vec3d d = cosine_hemisphere(u, v), w{d.z, d.x, d.y};
-    const auto end = [&](double way) {
-      double reach = 3;
-      const auto wall = [&](double at, double slope, double size) {
-        const double t = (std::copysign(0.5 * size, slope) - at) / slope;
-        if (t * w.x < half) reach = std::min(reach, t);
-      };
-      wall(y, way * w.y, a);
-      wall(z, way * w.z, b);
-      return Vec3d{0, y, z} + w * (way * reach);
-    };
-    lines.push_back({end(-1), end(1)});
-  }
-  return lines;
-}
-
 double degrees_from_x(const Tube& tube) {
   return kDegrees * std::acos(std::min(1.0, tube.middle.n.x));
 }
 
 TEST(Tube, IsFoundFromATiltedPlane) {
   for (const double width : {0.3, 0.03}) {
-    const auto lines = lines_of_tube(width, 0.3, 0.1, 4000);
+    const auto lines = testing::lines_of_tube(width, 0.3, 0.1, 4000);
     const Tube start{{{0.03, 0, 0}, normalize(Vec3d{1, 0.1, -0.2})}, 0.02};
     EXPECT_GT(degrees_from_x(start), 10);  // twin: the measure sees the tilt
     const Tube tube = least_tube(lines, start, false);
