@@ -1,17 +1,38 @@
-// The walk starts from the coarse lines. A step takes
-// a place x on the line l with density w(x)/W(l), W(l) = integral of w along l, and a direction
-// with density cos/pi of the angle to l, or, in half of the steps, nearer to l: through long narrow
-// openings few others pass; it moves to the line through both if that joins the sides, and stays
-// otherwise. Two lines that meet at x see each other under the same angle, so the walk is
-// reversible with respect to W(l) times the measure of lines (area times projected solid angle):
-// that is where it settles, whatever the coarse pass distorted. Dividing by W leaves the light's
-// own distribution. w = count^3, but for the fullest voxels, keeps x near the opening, where most
+// The fine pass of the light grid: lines that join the two sides of a cut, distributed as the light
+// itself is, whatever the coarse pass distorted.
+//
+// Method: Metropolis-Hastings, many chains side by side, each a reversible Markov chain on lines.
+//
+// l       a line between two surfaces that lie on different sides of the cut
+// dmu(l)  measure of lines, area times projected solid angle: etendue [m2 sr]
+// w(x)    weight of the voxel at x; W(l) its integral along l
+// f(a)    density of the angle a between a line and the next one [1/sr]
+// A(l)    chance that a line is accepted: that nothing stops it but its ends, where surfaces are
+//         there with a probability only (transmittance), times that the votes around both ends
+//         hold (ends_see_their_sides() of light_lines.h)
+//
+// A step takes a place x on l with density w(x)/W(l), a direction with density f, and proposes the
+// line l' through both, up to the surfaces that it meets. It moves to l' if that joins the sides
+// and is accepted, by votes of its own, and stays otherwise.
+//
+// Places on lines are places and directions, dmu(l) ds = d3x dw, and l and l' see each other under
+// the same angle. So the flow from l to l',
+//   pi(l) w(x)/W(l) f(a) A(l') with pi(l) = W(l) A(l) dmu(l),
+// is that from l' to l: the chain is reversible with respect to pi, and settles there, where
+// without the votes it would settle at W(l) dmu(l). Dividing by W leaves A(l) dmu(l): lines by
+// etendue, thinned out once by the votes, like the coarse pass's segments, not once for each step.
+//
+// That is the limit. The chains make some moves only, and w is taken anew from their own lines, the
+// last time half-way. And since no line is taken twice, those whose W is below its lower quartile Q
+// are all taken: what comes out is A(l) min(1, W(l)/Q) dmu(l).
+//
+// f is cos/pi in half of the steps. In the others it is narrower: through long narrow openings few
+// wide steps lead. w = count^3, but for the fullest voxels, keeps x near the opening, where most
 // lines through x join the sides. The coarse counts are of no use where there is geometry, since
 // leaks pile up between the jambs of an opening, and a few bundles of light are as full along their
-// whole length as in a small opening. So in the first steps x is where the line comes nearest to
-// another: all meet in the opening. Then the counts are taken from the walk's own lines, and once
-// more half-way. The last wide try of each chain is kept as a probe: they tell the portals'
-// support.
+// whole length as in a small opening. So in the first steps, which are not reversible, x is where
+// the line comes nearest to another: all meet in the opening. The last wide try of each chain is
+// kept as a probe: they tell the portals' support.
 #include "tools/lightgrid/line_walk.h"
 
 #include <algorithm>
@@ -28,7 +49,7 @@ namespace tdpt {
 namespace {
 
 constexpr uint64_t kFineStream = 0x6c67'0002;
-constexpr double kFull = 0.2;       // of the largest count
+constexpr double kFull = 0.2;       // of the largest count: from there on w is the same
 constexpr double kNarrowest = 2e4;  // exponent of the cosine
 // The walk ends when each chain has moved so often on average, or after so many steps.
 constexpr uint64_t kMoves = 6, kMostSteps = 48;
@@ -65,13 +86,13 @@ std::optional<Vec3d> place_on(const LightGrid& grid, const std::vector<double>& 
   return line.light + normalize(line.camera - line.light) * at;
 }
 
-// Weights of chains, and the quarter of them: lines are taken in proportion to 1 / weight, but none
-// for more than one of the quarter's. Both empty when no line has any weight.
+// W of chains and its lower quartile, 0 when no line has any weight. A line is taken with the
+// chance 1 / W in units of the quartile's, but never more than once.
 struct ChainWeights {
   std::vector<double> of;
-  double quarter = 0;
-  bool empty() const { return quarter == 0; }
-  double share(size_t i) const { return of[i] > 0 ? std::min(1.0, quarter / of[i]) : 0; }
+  double quartile = 0;
+  bool empty() const { return quartile == 0; }
+  double share(size_t i) const { return of[i] > 0 ? std::min(1.0, quartile / of[i]) : 0; }
 };
 
 ChainWeights weights_of(const LightGrid& grid, const std::vector<double>& w,
@@ -83,9 +104,9 @@ ChainWeights weights_of(const LightGrid& grid, const std::vector<double>& w,
   std::vector<double> sorted = weights.of;
   std::erase(sorted, 0.0);
   if (sorted.empty()) return weights;
-  const auto quarter = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 4);
-  std::nth_element(sorted.begin(), quarter, sorted.end());
-  weights.quarter = *quarter;
+  const auto quartile = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 4);
+  std::nth_element(sorted.begin(), quartile, sorted.end());
+  weights.quartile = *quartile;
   return weights;
 }
 
@@ -118,90 +139,132 @@ Vec3d turned_from_axis(double u, double v, double exponent) {
   return {r * std::cos(phi), r * std::sin(phi), z};
 }
 
+// Every chain is a line.
+class Chains {
+ public:
+  Chains(const Scene& scene, LineTracer& tracer, size_t c, const LightGrid& grid,
+         const std::vector<uint32_t>& count, const std::vector<LightLine>& kept, size_t chains,
+         uint64_t seed)
+      : scene_(scene),
+        tracer_(tracer),
+        cut_(c),
+        grid_(grid),
+        seed_(seed),
+        stream_(kFineStream + (uint64_t{c} << 32)),
+        w_(weights_of({count.begin(), count.end()})),
+        start_(kept),
+        line_(chains),
+        tries_(chains),
+        wide_(chains),
+        probe_(chains) {
+    // Lines without weight, as between jambs, cannot move.
+    std::erase_if(start_, [&](const LightLine& l) { return !(weight_of(grid_, w_, l) > 0); });
+    if (start_.empty()) start_ = kept;
+    for (size_t i = 0; i < chains; ++i) {
+      Rng rng(seed, stream_, i, kMostSteps);
+      line_[i] = start_[rng.below(static_cast<uint32_t>(start_.size()))];
+    }
+  }
+
+  void run() {
+    const size_t chains = line_.size();
+    bool recounted = false;
+    const std::vector<double> ones(w_.size(), 1);
+    for (uint32_t round = 0; round < kMostSteps && moves_ < kMoves * chains; ++round) {
+      if (round == kMeetings) w_ = weights_of(recount(grid_, ones, line_));
+      if (!recounted && (2 * moves_ >= kMoves * chains || 2 * round >= kMostSteps)) {
+        // What the coarse pass distorted would keep the chains from where it saw too little.
+        w_ = weights_of(recount(grid_, w_, line_));
+        recounted = true;
+      }
+      tbb::parallel_for(tbb::blocked_range<size_t>(0, chains, 256), [&](const auto& range) {
+        for (size_t i = range.begin(); i < range.end(); ++i) propose(i, round);
+      });
+      tracer_.through(cut_, round, tries_, found_);
+      for (size_t i = 0; i < chains; ++i) step(i);
+    }
+  }
+
+  LineWalk result(size_t most) const {
+    LineWalk walk;
+    walk.tried = tried_, walk.joined = joined_;
+    for (const std::optional<Probe>& p : probe_)
+      if (p) walk.probes.push_back(*p);
+    // The chains settle at what is wanted times their weight: take that out again. Half of the
+    // lines go.
+    const ChainWeights weights = weights_of(grid_, w_, line_);
+    if (weights.empty()) {  // no line passes counted air, so none is better than another
+      walk.lines.assign(line_.begin(), line_.begin() + static_cast<std::ptrdiff_t>(most));
+    } else {
+      for (size_t i = 0; i < line_.size() && walk.lines.size() < most; ++i) {
+        Rng rng(seed_, stream_, i, kMostSteps + 1);
+        if (rng.uniform() < weights.share(i)) walk.lines.push_back(line_[i]);
+      }
+    }
+    for (Probe& p : walk.probes) p.line.cut = static_cast<uint32_t>(cut_);
+    for (LightLine& line : walk.lines) line.cut = static_cast<uint32_t>(cut_);
+    return walk;
+  }
+
+ private:
+  // A place on chain i and a direction; no direction where the line has no weight.
+  void propose(size_t i, uint32_t round) {
+    Rng rng(seed_, stream_, i, round);
+    const double u = rng.uniform();
+    const double v1 = rng.uniform();
+    const double v2 = rng.uniform();
+    const double sharp = rng.uniform();
+    wide_[i] = sharp < 0.5;
+    tries_[i] = {};
+    const auto meeting = [&] {
+      const auto n = start_.size();
+      return std::min(n - 1, static_cast<size_t>(u * static_cast<double>(n)));
+    };
+    const std::optional<Vec3d> place = round < kMeetings ? nearest_to(line_[i], start_[meeting()])
+                                                         : place_on(grid_, w_, line_[i], u);
+    if (!place) return;
+    const Onb<double> frame(normalize(line_[i].camera - line_[i].light));
+    const double exponent = wide_[i] ? 1 : std::pow(kNarrowest, 2 * sharp - 1);
+    tries_[i].place = Vec3f(scene_.frame.to_canonical(*place));
+    tries_[i].direction = Vec3f(frame.to_world(turned_from_axis(v1, v2, exponent)));
+  }
+
+  // Moves chain i to the line that it proposed, or not.
+  void step(size_t i) {
+    if (found_.fate[i] == LineFate::none) return;
+    const bool joins = found_.fate[i] == LineFate::joins;
+    const LightLine line = in_metres(scene_, found_.ends[i]);
+    moves_ += joins;
+    if (joins) line_[i] = line;
+    if (!wide_[i]) return;
+    probe_[i] = Probe{line, joins};
+    ++tried_;
+    joined_ += joins;
+  }
+
+  const Scene& scene_;
+  LineTracer& tracer_;
+  const size_t cut_;
+  const LightGrid& grid_;
+  const uint64_t seed_, stream_;
+  std::vector<double> w_;         // of each voxel
+  std::vector<LightLine> start_;  // of the coarse pass
+  std::vector<LightLine> line_;   // of each chain, as what follows
+  std::vector<shader::LineTry> tries_;
+  std::vector<uint8_t> wide_;  // whether the try tells about the portals' support
+  std::vector<std::optional<Probe>> probe_;
+  TracedLines found_;
+  uint64_t moves_ = 0, tried_ = 0, joined_ = 0;
+};
+
 }  // namespace
 
 LineWalk walk_among_lines(const Scene& scene, LineTracer& tracer, size_t c, const LightGrid& grid,
                           const std::vector<uint32_t>& count, const std::vector<LightLine>& kept,
                           size_t most, uint64_t seed) {
-  // Every chain is a line; a step draws a line through a place on it and moves there if
-  // it joins the two sides, too.
-  LineWalk walk;
-  const uint64_t stream = kFineStream + (uint64_t{c} << 32);
-  const size_t chains = 2 * most;
-  std::vector<double> w = weights_of({count.begin(), count.end()});
-  std::vector<LightLine> start = kept;  // lines without weight, as between jambs, cannot move
-  std::erase_if(start, [&](const LightLine& l) { return !(weight_of(grid, w, l) > 0); });
-  if (start.empty()) start = kept;
-  std::vector<LightLine> chain(chains);
-  for (size_t i = 0; i < chains; ++i) {
-    Rng rng(seed, stream, i, kMostSteps);
-    chain[i] = start[rng.below(static_cast<uint32_t>(start.size()))];
-  }
-  std::vector<shader::LineTry> tries(chains);
-  std::vector<uint8_t> wide(chains);
-  TracedLines found;
-  std::vector<std::optional<Probe>> probe(chains);
-  uint64_t moves = 0;
-  bool recounted = false;
-  const std::vector<double> ones(w.size(), 1);
-  const auto pick_of = [](double u, size_t n) {
-    return std::min(n - 1, static_cast<size_t>(u * static_cast<double>(n)));
-  };
-  for (uint32_t round = 0; round < kMostSteps && moves < kMoves * chains; ++round) {
-    if (round == kMeetings) w = weights_of(recount(grid, ones, chain));
-    if (!recounted && (2 * moves >= kMoves * chains || 2 * round >= kMostSteps)) {
-      // What the coarse pass distorted would keep the chains from where it saw too little.
-      w = weights_of(recount(grid, w, chain));
-      recounted = true;
-    }
-    tbb::parallel_for(tbb::blocked_range<size_t>(0, chains, 256), [&](const auto& range) {
-      for (size_t i = range.begin(); i < range.end(); ++i) {
-        Rng rng(seed, stream, i, round);
-        const double u = rng.uniform(), v1 = rng.uniform(), v2 = rng.uniform();
-        const double sharp = rng.uniform();
-        wide[i] = sharp < 0.5;
-        tries[i] = {};
-        const std::optional<Vec3d> place =
-            round < kMeetings ? nearest_to(chain[i], start[pick_of(u, start.size())])
-                              : place_on(grid, w, chain[i], u);
-        if (!place) continue;
-        const Onb<double> frame(normalize(chain[i].camera - chain[i].light));
-        const double exponent = wide[i] ? 1 : std::pow(kNarrowest, 2 * sharp - 1);
-        tries[i].place = Vec3f(scene.frame.to_canonical(*place));
-        tries[i].direction = Vec3f(frame.to_world(turned_from_axis(v1, v2, exponent)));
-      }
-    });
-    tracer.through(c, round, tries, found);
-    for (size_t i = 0; i < chains; ++i) {
-      if (found.fate[i] == LineFate::none) continue;
-      const bool joins = found.fate[i] == LineFate::joins;
-      const LightLine line = in_metres(scene, found.ends[i]);
-      moves += joins;
-      if (joins) chain[i] = line;
-      if (!wide[i]) continue;
-      probe[i] = Probe{line, joins};
-      ++walk.tried;
-      walk.joined += joins;
-    }
-  }
-  for (std::optional<Probe>& p : probe) {
-    if (!p) continue;
-    p->line.cut = static_cast<uint32_t>(c);
-    walk.probes.push_back(*p);
-  }
-  // The chains settle at the light's own distribution times their weight: take that out again. Half
-  // of the lines go.
-  const ChainWeights weights = weights_of(grid, w, chain);
-  if (weights.empty()) {  // no line passes counted air, so none is better than another
-    walk.lines.assign(chain.begin(), chain.begin() + static_cast<std::ptrdiff_t>(most));
-  } else {
-    for (size_t i = 0; i < chains && walk.lines.size() < most; ++i) {
-      Rng rng(seed, stream, i, kMostSteps + 1);
-      if (rng.uniform() < weights.share(i)) walk.lines.push_back(chain[i]);
-    }
-  }
-  for (LightLine& line : walk.lines) line.cut = static_cast<uint32_t>(c);
-  return walk;
+  Chains chains(scene, tracer, c, grid, count, kept, 2 * most, seed);
+  chains.run();
+  return chains.result(most);
 }
 
 }  // namespace tdpt

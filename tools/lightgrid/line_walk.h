@@ -1,4 +1,5 @@
-// The fine pass of the light grid: a walk among the lines that join the two sides of a cut.
+// The fine pass of the light grid: a reversible Markov chain on the lines that join the two sides
+// of a cut.
 #pragma once
 #include "libcommon/formats/light_grid.h"
 #include "tools/lightgrid/line_tracer.h"
@@ -6,13 +7,13 @@
 namespace tdpt {
 
 struct LineWalk {
-  std::vector<LightLine> lines;    ///< a sample of the light's own distribution
+  std::vector<LightLine> lines;    ///< distributed by etendue, as far as the votes accept them
   std::vector<Probe> probes;       ///< the last line that each chain tried in any direction
   uint64_t tried = 0, joined = 0;  ///< such lines in all, and those that join the two sides
 };
 
-/// Walks among the lines of cut `c`. `count`: of the coarse pass, for each voxel of `grid`; `kept`:
-/// its lines, at least one. At most `most` lines come back, numbered with the cut.
+/// Lines of cut `c` and their probes. `count`: of the coarse pass, for each voxel of `grid`;
+/// `kept`: its lines, at least one. At most `most` lines come back, numbered with the cut.
 LineWalk walk_among_lines(const Scene& scene, LineTracer& tracer, size_t c, const LightGrid& grid,
                           const std::vector<uint32_t>& count, const std::vector<LightLine>& kept,
                           size_t most, uint64_t seed);
