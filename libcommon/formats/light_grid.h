@@ -101,6 +101,15 @@ void walk_grid(const LightGrid& grid, const Vec3d& a, const Vec3d& b, Visit&& vi
 constexpr size_t kMostVoxels = size_t{1} << 27;
 constexpr int kMostVoxelsPerSide = 2048;
 
+/// Middle of the voxel with this index [metres].
+inline Vec3d centre_of(const LightGrid& grid, size_t voxel) {
+  const auto nx = static_cast<size_t>(grid.dim[0]), ny = static_cast<size_t>(grid.dim[1]);
+  return grid.origin + Vec3d{static_cast<double>(voxel % nx) + 0.5,
+                             static_cast<double>(voxel / nx % ny) + 0.5,
+                             static_cast<double>(voxel / nx / ny) + 0.5} *
+                           grid.voxel;
+}
+
 /// Reads a file made by light_grid_bytes(); "-": standard input. Throws InputError.
 LightGrid read_light_grid(const std::string& path);
 /// The file as .vdb bytes. Lines come back in another order and with positions rounded to floats

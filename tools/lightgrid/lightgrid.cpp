@@ -1,8 +1,14 @@
-// Two passes. Coarse: segments between pivot patches, in batches that double until the shape of the
-// counts settles. They show where the light passes, but patches and voxels blur it and uniform
-// points on patches distort it. The fine pass is that of line_walk.h.
+// Where light passes through the air between the two sides of each cut: counts, directions and
+// lines [section 4.2].
+//
+// Method: Monte Carlo, in two passes. Coarse, the paper's: segments between pivot patches, tested
+// for visibility and marched through the grid (3D DDA), in batches that double until the shape of
+// the counts settles. They show where the light passes, but patches and voxels blur it and uniform
+// points on patches distort it. Fine: the Markov chain on lines of line_walk.cpp, which starts from
+// these segments.
 #include "tools/lightgrid/lightgrid.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "libcommon/base/error.h"
@@ -19,6 +25,7 @@ constexpr size_t kFewestKept = 2000;   // fewer never count as settled
 constexpr double kHot = 0.25;          // of the largest count: voxels that are compared
 constexpr uint64_t kBlock = 1 << 17;   // segments in memory at a time
 constexpr size_t kMostKept = 1 << 20;  // coarse lines the fine pass starts from
+
 // Lines that passed each voxel of air.
 void read_counts(const LightGrid& grid, LineTracer& tracer, std::vector<uint32_t>& count) {
   tracer.counts(count);
@@ -112,22 +119,55 @@ LightGrid empty_grid(const Scene& scene, int resolution) {
   return grid;
 }
 
+namespace {
+
+LightGrid no_light_grid(const Scene& scene, const std::string& reason) {
+  LightGrid none;
+  none.scene_hash = scene.hash;
+  none.bottleneck = false;
+  none.reason = reason;
+  return none;
+}
+
+// Both passes for cut `c`; what they find is added to grid, direction and report.
+void add_cut(const Scene& scene, LineTracer& tracer, size_t c, const LightGridOptions& options,
+             const LightGridWatch& watch, LightGrid& grid, std::vector<Vec3d>& direction,
+             LightGridReport& report) {
+  std::vector<uint32_t> count(grid.count.size(), 0);
+  CoarseReport coarse;
+  const std::vector<LightLine> kept =
+      coarse_pass(scene, tracer, c, grid, options, watch, count, direction, coarse);
+  report.phases.done("coarse");
+  report.drawn += coarse.drawn;
+  report.visible += coarse.visible;
+  report.kept += coarse.kept;
+  if (coarse.visible > 0)
+    grid.cuts[c].kept = static_cast<double>(coarse.kept) / static_cast<double>(coarse.visible);
+  report.stopped = coarse.stopped;
+  report.settled = report.settled && coarse.settled;
+  report.change = std::max(report.change, coarse.change);
+  if (kept.empty()) return;
+  for (size_t i = 0; i < count.size(); ++i) grid.count[i] += static_cast<float>(count[i]);
+  const LineWalk walk =
+      walk_among_lines(scene, tracer, c, grid, count, kept, options.lines, options.seed);
+  grid.lines.insert(grid.lines.end(), walk.lines.begin(), walk.lines.end());
+  grid.probes.insert(grid.probes.end(), walk.probes.begin(), walk.probes.end());
+  report.tried += walk.tried;
+  report.joined += walk.joined;
+  report.phases.done("fine");
+}
+
+}  // namespace
+
 LightGrid make_light_grid(const Scene& scene, const CutFile& cut, const std::string& cut_name,
                           const LightGridOptions& options, LightGridReport& report,
                           const LightGridWatch& watch, const MakeLineTracer& make_tracer) {
   if (cut.scene_hash != scene.hash)
     throw InputError(display_name(cut_name), "",
                      "was made from another scene than " + display_name(scene.path));
-  const auto without = [&](const std::string& reason) {
-    LightGrid none;
-    none.scene_hash = scene.hash;
-    none.bottleneck = false;
-    none.reason = reason;
-    return none;
-  };
   if (!cut.bottleneck)
-    return without(cut.reason.empty() ? "the scene has no bottleneck" : cut.reason);
-  if (scene.triangles.empty()) return without("the scene has no triangles");
+    return no_light_grid(scene, cut.reason.empty() ? "the scene has no bottleneck" : cut.reason);
+  if (scene.triangles.empty()) return no_light_grid(scene, "the scene has no triangles");
 
   LightGrid grid = empty_grid(scene, options.resolution);
   mark_air(scene, grid);
@@ -142,36 +182,15 @@ LightGrid make_light_grid(const Scene& scene, const CutFile& cut, const std::str
   std::vector<Vec3d> direction(grid.count.size());
   for (const Bottleneck& b : cut.cuts)
     grid.cuts.push_back({std::clamp(b.conductance, 0.0, 1.0), 0});
-  for (size_t c = 0; c < cut.cuts.size() && !report.stopped; ++c) {
-    if (tables.cuts[c].count == 0) continue;
-    std::vector<uint32_t> count(grid.count.size(), 0);
-    CoarseReport coarse;
-    const std::vector<LightLine> kept =
-        coarse_pass(scene, *tracer, c, grid, options, watch, count, direction, coarse);
-    report.phases.done("coarse");
-    report.drawn += coarse.drawn;
-    report.visible += coarse.visible;
-    report.kept += coarse.kept;
-    if (coarse.visible > 0)
-      grid.cuts[c].kept = static_cast<double>(coarse.kept) / static_cast<double>(coarse.visible);
-    report.stopped = coarse.stopped;
-    report.settled = report.settled && coarse.settled;
-    report.change = std::max(report.change, coarse.change);
-    if (kept.empty()) continue;
-    for (size_t i = 0; i < count.size(); ++i) grid.count[i] += static_cast<float>(count[i]);
-    const LineWalk walk =
-        walk_among_lines(scene, *tracer, c, grid, count, kept, options.lines, options.seed);
-    grid.lines.insert(grid.lines.end(), walk.lines.begin(), walk.lines.end());
-    grid.probes.insert(grid.probes.end(), walk.probes.begin(), walk.probes.end());
-    report.tried += walk.tried;
-    report.joined += walk.joined;
-    report.phases.done("fine");
-  }
-  if (report.drawn == 0) return without("no pair of the cut has any surface");
+  for (size_t c = 0; c < cut.cuts.size() && !report.stopped; ++c)
+    if (tables.cuts[c].count > 0)
+      add_cut(scene, *tracer, c, options, watch, grid, direction, report);
+  if (report.drawn == 0) return no_light_grid(scene, "no pair of the cut has any surface");
   grid.flux_share =
       report.visible ? static_cast<double>(report.kept) / static_cast<double>(report.visible) : 0;
   if (grid.lines.empty()) {
-    LightGrid none = without("no segment between the pivot patches joins the two sides");
+    LightGrid none =
+        no_light_grid(scene, "no segment between the pivot patches joins the two sides");
     none.flux_share = 0;
     return none;
   }

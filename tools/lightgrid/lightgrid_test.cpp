@@ -86,11 +86,7 @@ TEST(LightGrid, LightPassesTheHole) {
   EXPECT_GT(share_through_hole(grid), 0.6);  // the rest ends on the jambs
   const auto fullest = static_cast<size_t>(std::max_element(grid.count.begin(), grid.count.end()) -
                                            grid.count.begin());
-  const auto nx = static_cast<size_t>(grid.dim[0]), ny = static_cast<size_t>(grid.dim[1]);
-  const Vec3d at = grid.origin + Vec3d{static_cast<double>(fullest % nx) + 0.5,
-                                       static_cast<double>(fullest / nx % ny) + 0.5,
-                                       static_cast<double>(fullest / nx / ny) + 0.5} *
-                                     grid.voxel;
+  const Vec3d at = centre_of(grid, fullest);
   EXPECT_NEAR(at.x, 2.05, 0.2);
   EXPECT_NEAR(at.y, 1, 0.2);
   EXPECT_NEAR(at.z, 0, 0.2);

@@ -101,12 +101,33 @@ size_t fullest(const LightGrid& grid) {
                              grid.count.begin());
 }
 
-Vec3d centre_of(const LightGrid& grid, size_t at) {
-  const auto nx = static_cast<size_t>(grid.dim[0]), ny = static_cast<size_t>(grid.dim[1]);
-  return grid.origin + Vec3d{static_cast<double>(at % nx) + 0.5,
-                             static_cast<double>(at / nx % ny) + 0.5,
-                             static_cast<double>(at / nx / ny) + 0.5} *
-                           grid.voxel;
+// Where the three views stand, and the legend to the right of the one from above.
+struct Layout {
+  double scale;         // pixels of a voxel
+  double height, side;  // of the sheet; of the legend's left border
+  std::array<View, 3> views;
+};
+
+Layout layout_of(const LightGrid& grid) {
+  // The longer horizontal axis runs to the right, the other one to the right of the side view.
+  const bool along_x = grid.dim[0] >= grid.dim[2];
+  const double nl = grid.dim[along_x ? 0 : 2], ns = grid.dim[along_x ? 2 : 0], ny = grid.dim[1];
+  // The legend stands beside the view from above and may need more room than the side view.
+  const double room = kSheetWidth - 2 * kMargin - 20 - kGap;
+  const double scale =
+      std::min({room / (nl + ns), (room - kLegendWidth) / nl, (kTallest - kGap) / (ns + ny)});
+  const double w = std::round(nl * scale), h = std::round(ny * scale), d = std::round(ns * scale);
+  const double left = kMargin + 20, lower = kHeading + d + kGap;
+  const Box above{left, kHeading, w, d}, front{left, lower, w, h},
+      right{left + w + kGap, lower, d, h};
+  using Views = std::array<View, 3>;
+  const Views views = along_x ? Views{{{above, {0, false}, {2, false}, "from above"},
+                                       {front, {0, false}, {1, true}, "from the front"},
+                                       {right, {2, true}, {1, true}, "from the right"}}}
+                              : Views{{{above, {2, false}, {0, true}, "from above"},
+                                       {front, {2, false}, {1, true}, "from the left"},
+                                       {right, {0, false}, {1, true}, "from the front"}}};
+  return {scale, lower + h + kGap, left + w + kGap, views};
 }
 
 }  // namespace
@@ -139,26 +160,9 @@ std::string grid_preview(const LightGrid& grid, const std::string& name) {
     heading(canvas, "lightgrid   " + base_name(name), "no light grid: " + grid.reason);
     return canvas.png();
   }
-  // The longer horizontal axis runs to the right, the other one to the right of the side view.
-  const bool along_x = grid.dim[0] >= grid.dim[2];
-  const double nl = grid.dim[along_x ? 0 : 2], ns = grid.dim[along_x ? 2 : 0], ny = grid.dim[1];
-  // The legend stands beside the view from above and may need more room than the side view.
-  const double room = kSheetWidth - 2 * kMargin - 20 - kGap;
-  const double scale =
-      std::min({room / (nl + ns), (room - kLegendWidth) / nl, (kTallest - kGap) / (ns + ny)});
-  const double w = std::round(nl * scale), h = std::round(ny * scale), d = std::round(ns * scale);
-  const double left = kMargin + 20, lower = kHeading + d + kGap;
-  const Box above{left, kHeading, w, d}, front{left, lower, w, h},
-      right{left + w + kGap, lower, d, h};
-  using Views = std::array<View, 3>;
-  const Views views = along_x ? Views{{{above, {0, false}, {2, false}, "from above"},
-                                       {front, {0, false}, {1, true}, "from the front"},
-                                       {right, {2, true}, {1, true}, "from the right"}}}
-                              : Views{{{above, {2, false}, {0, true}, "from above"},
-                                       {front, {2, false}, {1, true}, "from the left"},
-                                       {right, {0, false}, {1, true}, "from the front"}}};
+  const auto [scale, height, side, views] = layout_of(grid);
   const float most = grid.count[fullest(grid)];
-  Canvas canvas(kSheetWidth, static_cast<int>(lower + h + kGap), kPaper);
+  Canvas canvas(kSheetWidth, static_cast<int>(height), kPaper);
   heading(canvas, "lightgrid   " + base_name(name),
           grid.bottleneck
               ? fmt::format("{} x {} x {} voxels of {:.3g} m; each pixel shows the fullest voxel "
@@ -181,7 +185,6 @@ std::string grid_preview(const LightGrid& grid, const std::string& name) {
       }
     }
   }
-  const double side = left + w + kGap;
   if (most > 0) {
     const Vec3d place = centre_of(grid, fullest(grid));
     heat_bar(canvas, {side, kHeading + 28, kLegendWidth - 60, 16},

@@ -31,12 +31,7 @@ Vec3d fullest_place(const LightGrid& grid, const std::vector<uint32_t>& lines) {
     walk_grid(grid, grid.lines[l].light, grid.lines[l].camera,
               [&](size_t voxel, double) { ++count[voxel]; });
   const auto most = std::max_element(count.begin(), count.end());
-  size_t at = static_cast<size_t>(most - count.begin());
-  const auto nx = static_cast<size_t>(grid.dim[0]), ny = static_cast<size_t>(grid.dim[1]);
-  const size_t i = at % nx, j = at / nx % ny, k = at / nx / ny;
-  return grid.origin + Vec3d{static_cast<double>(i) + 0.5, static_cast<double>(j) + 0.5,
-                             static_cast<double>(k) + 0.5} *
-                           grid.voxel;
+  return centre_of(grid, static_cast<size_t>(most - count.begin()));
 }
 
 Vec3d mean_direction_near(const LightGrid& grid, const std::vector<uint32_t>& lines,

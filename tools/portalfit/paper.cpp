@@ -12,12 +12,9 @@ VoxelAxes axes_of_full_voxels(const LightGrid& grid, double share) {
   VoxelAxes axes;
   if (grid.count.empty()) return axes;
   const float most = *std::max_element(grid.count.begin(), grid.count.end());
-  size_t at = 0;
-  for (int k = 0; k < grid.dim[2]; ++k)
-    for (int j = 0; j < grid.dim[1]; ++j)
-      for (int i = 0; i < grid.dim[0]; ++i, ++at)
-        if (grid.count[at] > 0 && grid.count[at] >= static_cast<float>(share) * most)
-          axes.centres.push_back(grid.origin + Vec3d{i + 0.5, j + 0.5, k + 0.5} * grid.voxel);
+  for (size_t i = 0; i < grid.count.size(); ++i)
+    if (grid.count[i] > 0 && grid.count[i] >= static_cast<float>(share) * most)
+      axes.centres.push_back(centre_of(grid, i));
   if (axes.centres.empty()) return axes;
   for (const Vec3d& p : axes.centres) axes.mean += p;
   axes.mean = axes.mean / static_cast<double>(axes.centres.size());
