@@ -1,17 +1,17 @@
 # A thin front for CMake's presets: the words people try first.
 #   make           builds into build/bin
 #   make demo      installs what is missing, builds, shows what portals are good for (demo/)
-#   make figures   the paper's Figs 5 to 7 from our renders, in doc/ (tools/figures.sh: size, samples)
-#   make stages    pictures of what each stage did, in doc/figures/ (tools/stages.sh: another scene)
+#   make figures   the paper's Figs 5 to 7 from our renders, in doc/ (bench/figures.sh: size, samples)
+#   make stages    pictures of what each stage did, in doc/figures/ (bench/stages.sh: another scene)
 #   make portals   how right the portals are on rooms with known openings: doc/portals.md (half an hour)
 #   make worth     what portals gain, measured and expected: doc/portal-worth.md (twenty minutes)
 #   make grid-speed   segments per second of lightgrid on each device: doc/light-grid-speed.md (two minutes)
 #   make test      installs what is missing, builds, runs every test
-#   make bench     speed, and noise after a minute, of every integrator (tools/bench.sh; 20 minutes)
+#   make bench     speed, and noise after a minute, of every integrator (bench/integrator-speed.sh; 20 minutes)
 #   make bench-efficiency   error against time of every integrator, with targets: doc/efficiency.md (40 minutes)
 #   make install   programs and man pages under PREFIX (and DESTDIR)
 #   make sanitize  builds with the sanitizers into build-sanitize and runs every test there
-#   make packages  installs the Debian packages of tools/packages.txt that are missing
+#   make packages  installs the Debian packages of cmake/packages.txt that are missing
 #   make format    clang-format over all sources
 #   make clean     removes what was built
 PREFIX ?= /usr/local
@@ -28,7 +28,7 @@ build:
 	@cmake --build --preset release --parallel $(JOBS)
 
 packages:
-	@sh tools/install-packages.sh
+	@sh cmake/install-packages.sh
 
 test: packages
 	@$(MAKE) --no-print-directory build
@@ -37,44 +37,44 @@ test: packages
 
 demo: packages
 	@$(MAKE) --no-print-directory build
-	@sh tools/demo.sh build/bin demo
+	@sh bench/demo.sh build/bin demo
 
 figures: packages
-	@sh tools/install-packages.sh tools/packages-figures.txt
+	@sh cmake/install-packages.sh cmake/packages-figures.txt
 	@$(MAKE) --no-print-directory build
-	@sh tools/figures.sh build/bin build/figures
+	@sh bench/figures.sh build/bin build/figures
 
 portals: packages
-	@sh tools/install-packages.sh tools/packages-figures.txt
+	@sh cmake/install-packages.sh cmake/packages-figures.txt
 	@$(MAKE) --no-print-directory build
-	@sh tools/portals.sh build/bin build/portals >build/portals.md
+	@sh bench/portals.sh build/bin build/portals >build/portals.md
 	@mv build/portals.md doc/portals.md
 
 worth: packages
-	@sh tools/install-packages.sh tools/packages-figures.txt
+	@sh cmake/install-packages.sh cmake/packages-figures.txt
 	@$(MAKE) --no-print-directory build
-	@sh tools/portal-worth.sh build/bin doc
+	@sh bench/portal-worth.sh build/bin doc
 
 # DEVICE: gpu, or gpu:WHICH of lightgrid --list-devices.
 grid-speed: packages
 	@$(MAKE) --no-print-directory build
-	@sh tools/light-grid-speed.sh build/bin $(DEVICE) >build/light-grid-speed.md
+	@sh bench/light-grid-speed.sh build/bin $(DEVICE) >build/light-grid-speed.md
 	@mv build/light-grid-speed.md doc/light-grid-speed.md
 
 stages: packages
 	@$(MAKE) --no-print-directory build
-	@sh tools/stages.sh build/bin build/stages
+	@sh bench/stages.sh build/bin build/stages
 
 bench: packages
-	@sh tools/install-packages.sh tools/packages-figures.txt
+	@sh cmake/install-packages.sh cmake/packages-figures.txt
 	@$(MAKE) --no-print-directory build
 	@build/bin/lights_bench
-	@sh tools/bench.sh build/bin build/bench
+	@sh bench/integrator-speed.sh build/bin build/bench
 
 bench-efficiency: packages
-	@sh tools/install-packages.sh tools/packages-figures.txt
+	@sh cmake/install-packages.sh cmake/packages-figures.txt
 	@$(MAKE) --no-print-directory build
-	@sh tools/efficiency.sh build/bin
+	@sh bench/efficiency.sh build/bin
 
 sanitize: packages
 	@cmake --preset sanitize --log-level=WARNING

@@ -50,7 +50,7 @@ endfunction()
 
 # tdpt_shaders(target a/NAME.comp ...): kernels, compiled into the target; paths from the source root. C++
 # includes "shaders/NAME.h" for the span NAME_spv. Each kernel belongs to one target. It is a test that its
-# arithmetic is exact (tools/spirv-exact.sh); with INEXACT the test is that this finds it is not.
+# arithmetic is exact (cmake/spirv-exact.sh); with INEXACT the test is that this finds it is not.
 function(tdpt_shaders target)
   cmake_parse_arguments(A "INEXACT" "SUFFIX;DEFINE" "" ${ARGN})
   set(folder ${CMAKE_BINARY_DIR}/generated/shaders)
@@ -81,7 +81,7 @@ inline constexpr std::span<const uint32_t> @name@_spv{@name@_words};
       DEPENDS ${source} DEPFILE ${out}.d COMMENT "Compiling the kernel ${name}" VERBATIM)
     target_sources(${target} PRIVATE ${out}.inc)
     if(BUILD_TESTING)
-      add_test(NAME shaders.${name}-is-exact COMMAND sh ${CMAKE_SOURCE_DIR}/tools/spirv-exact.sh ${out}.spv)
+      add_test(NAME shaders.${name}-is-exact COMMAND sh ${CMAKE_SOURCE_DIR}/cmake/spirv-exact.sh ${out}.spv)
       if(A_INEXACT)
         set_tests_properties(shaders.${name}-is-exact PROPERTIES PASS_REGULAR_EXPRESSION "may be fused.*not exact")
       endif()

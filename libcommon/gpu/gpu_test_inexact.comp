@@ -1,4 +1,4 @@
-// A product that a device may fuse with a sum, and a root: tools/spirv-exact.sh must find them.
+// A product that a device may fuse with a sum, and a root: cmake/spirv-exact.sh must find them.
 #version 460
 layout(local_size_x = 1) in;
 layout(set = 0, binding = 0, std430) buffer Words { float words[]; };

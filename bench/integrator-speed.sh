@@ -1,5 +1,5 @@
 #!/bin/sh
-# bench.sh BIN CACHE: how fast the integrators are, and how noisy their pictures after a minute of one
+# integrator-speed.sh BIN CACHE: how fast the integrators are, and how noisy their pictures after a minute of one
 # core, beside Tungsten's figures on a machine of the same kind (2 cores, depth 6, box filter, no
 # roulette). Prints a table. References are kept in CACHE.
 # The environment may set
@@ -9,7 +9,7 @@ set -eu
 bin=${1:-build/bin} cache=${2:-build/bench}
 here=$(cd "$(dirname "$0")/.." && pwd)
 scenes=${SCENES:-$here/../shared/scenes} each=${SECONDS_EACH:-60} reference=${REF_SECONDS:-600}
-command -v jq >/dev/null || { echo "bench: jq is missing" >&2; exit 5; }
+command -v jq >/dev/null || { echo "integrator-speed: jq is missing" >&2; exit 5; }
 mkdir -p "$cache"
 bin=$(cd "$bin" && pwd)
 
@@ -17,7 +17,7 @@ bin=$(cd "$bin" && pwd)
 rows() {
   scene=$1 width=$2 height=$3 name=$4
   if [ ! -r "$scene" ]; then
-    echo "bench: $scene is not there, its rows are left out" >&2
+    echo "integrator-speed: $scene is not there, its rows are left out" >&2
     return
   fi
   portal=$cache/$name.portal.glb

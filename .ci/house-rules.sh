@@ -3,7 +3,7 @@
 #   A tool includes libcommon, shaders/shared and itself, never another tool.
 #   shaders/ is below them all: kernels and what they share with C++ include shaders/ alone, and every
 #   shared header gives the macros of language.h back.
-#   A room of libcommon includes itself and rooms before it; testing is for tests.
+#   A room of libcommon includes itself and rooms before it; testing is for tests and bench.
 #   Each heavy library has one home.
 cd "${1:?usage: house-rules.sh ROOT}" || exit 2
 found=$(mktemp) && all=$(mktemp) || exit 2
@@ -11,7 +11,7 @@ trap 'rm -f "$found" "$all"' EXIT
 
 # Lines "file:number:included", without quotes and angle brackets.
 grep -rnE '^[[:space:]]*#[[:space:]]*include[[:space:]]*["<]' --include='*.h' --include='*.cpp' \
-  --include='*.inl' --include='*.comp' --include='*.glsl' tools libcommon shaders 2>/dev/null |
+  --include='*.inl' --include='*.comp' --include='*.glsl' tools libcommon shaders bench 2>/dev/null |
   sed -E 's/^([^:]*:[0-9]+:)[^"<]*["<]([^">]*)[">].*/\1\2/' >"$all"
 [ -s "$all" ] || { echo "house-rules: no sources under $1"; exit 2; }
 
@@ -38,7 +38,7 @@ BEGIN {
 {
   split($1, from, "/")
   split($3, to, "/")
-  test = $1 ~ /_(test|bench)\.cpp$/ || $1 ~ /^libcommon\/testing\// || $1 ~ /\/test_[^\/]*\.h$/
+  test = $1 ~ /_(test|bench)\.cpp$/ || $1 ~ /^(bench|libcommon\/testing)\// || $1 ~ /\/test_[^\/]*\.h$/
   if (to[1] == "tools") {
     if (from[1] != "tools") bad("nothing outside a tool includes a tool")
     else if (from[2] != to[2]) bad("a tool never includes another")
@@ -50,6 +50,7 @@ BEGIN {
     else if ($1 in open) bad("language.h comes last: others end its macros")
     if ($3 ~ /\/language\.h$/) open[$1] = $2
   }
+  if (to[1] == "bench" && from[1] != "bench") bad("nothing outside bench includes bench")
   if (to[1] == "libcommon") {
     if (to[2] == "testing") {
       if (!test) bad("testing is for tests only")

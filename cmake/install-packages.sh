@@ -1,5 +1,5 @@
 #!/bin/sh
-# install-packages.sh [LIST]: installs those packages of LIST, tools/packages.txt if none is given,
+# install-packages.sh [LIST]: installs those packages of LIST, cmake/packages.txt if none is given,
 # that are missing, by apt-get, as root or by sudo.
 # Says nothing when there is nothing to do.
 set -u

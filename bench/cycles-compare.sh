@@ -17,7 +17,7 @@ mkdir -p "$out"
 blender_run() {
   script=$1
   shift
-  "${BLENDER:-blender}" -b --factory-startup --python-exit-code 1 --python "$here/tools/$script" -- "$@"
+  "${BLENDER:-blender}" -b --factory-startup --python-exit-code 1 --python "$here/bench/$script" -- "$@"
 }
 
 failed=0

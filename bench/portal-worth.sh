@@ -35,7 +35,7 @@ END
 cat >"$work/page" <<END
 # What portals are worth
 
-Written by \`tools/portal-worth.sh build/bin doc\` with ROOMS=${ROOMS:-2} SEED=${SEED:-1} SPP=${SPP:-128}.
+Written by \`bench/portal-worth.sh build/bin doc\` with ROOMS=${ROOMS:-2} SEED=${SEED:-1} SPP=${SPP:-128}.
 Generated rooms (\`libcommon/testing/known_rooms.h\`), 48 x 36 pixels, depth 6. The gain is the ratio of
 efficiencies 1 / (relMSE x CPU time), measured with *perfect* portals, the known openings themselves,
 against a reference of tdpt-org with six times the samples, whose own error is taken out. *expected* is what

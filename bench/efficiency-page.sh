@@ -9,7 +9,7 @@ cat <<EOF
 # Efficiency of the integrators
 
 Written by \`make bench-efficiency\` ($("$bin/tdpt-render" --version), $(nproc 2>/dev/null || echo ?) cores; SECONDS_EACH=$each SEEDS=$seeds
-REF_INTEGRATOR=$reference_integrator REF_SECONDS=$reference_seconds; \`tools/efficiency.sh\` tells the rest). Every picture is one thread's, depth 6, \`--time $each\`,
+REF_INTEGRATOR=$reference_integrator REF_SECONDS=$reference_seconds; \`bench/efficiency.sh\` tells the rest). Every picture is one thread's, depth 6, \`--time $each\`,
 the integrators taking turns; portals are found by ffgraph, mincut, lightgrid and portalfit, none is drawn by hand.
 [efficiency.csv](efficiency.csv) has a row for each picture.
 

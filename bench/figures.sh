@@ -152,6 +152,6 @@ has() { case " $there " in *" $1 "*) ;; *) return 1 ;; esac; }
 if has cornell-box-portal; then figure5; fi
 if has veach-ajar-flip; then figure6; fi
 figure7
-. "$here/tools/figures-page.sh" >"$doc/figures.md.new"
+. "$here/bench/figures-page.sh" >"$doc/figures.md.new"
 mv "$doc/figures.md.new" "$doc/figures.md"
 say "figures: $doc/figures.md"

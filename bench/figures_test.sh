@@ -4,7 +4,7 @@
 bin=${1:?usage: figures_test.sh BIN}
 here=$(cd "$(dirname "$0")" && pwd)
 for program in jq gnuplot; do
-  command -v $program >/dev/null || { echo "skipped: $program is missing (tools/packages-figures.txt)"; exit 77; }
+  command -v $program >/dev/null || { echo "skipped: $program is missing (cmake/packages-figures.txt)"; exit 77; }
 done
 work=$(mktemp -d) || exit 2
 trap 'rm -rf "$work"' EXIT

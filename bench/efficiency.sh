@@ -209,7 +209,7 @@ table() {
   shift
   variables=
   for v in "$@"; do variables="$variables -v $v"; done
-  awk -v table="$name" $variables -f "$here/tools/efficiency.awk" scenes.tsv efficiency.csv
+  awk -v table="$name" $variables -f "$here/bench/efficiency.awk" scenes.tsv efficiency.csv
 }
 
 # Pictures of one seed begin with the same samples: each length has its own seeds, from 1, 1001, 2001 and 3001.
@@ -302,6 +302,6 @@ PLOT
 } >plot.gnuplot
 gnuplot plot.gnuplot
 
-. "$here/tools/efficiency-page.sh" >efficiency.md
+. "$here/bench/efficiency-page.sh" >efficiency.md
 cp efficiency.csv efficiency.md efficiency.png "$doc/"
 say "efficiency: $doc/efficiency.md"

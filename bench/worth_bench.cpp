@@ -25,9 +25,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "bench/room_bench.h"
 #include "libcommon/testing/known_rooms.h"
 #include "libcommon/testing/portal_score.h"
-#include "libcommon/testing/room_bench.h"
 
 namespace tdpt::testing {
 namespace {
