@@ -22,12 +22,17 @@ run() {
   shift
   "$bin/$tool" "$@"
 }
+# shellcheck source=bench/find-portals.sh
+. "$here/bench/find-portals.sh"
+stage() {
+  case $1 in
+    portalfit) run "$@" ;;
+    *) run "$@" --quiet ;;
+  esac
+}
 
 say "Finding the portal"
-run ffgraph "$scene" -o room.max --quiet
-run mincut room.max -o room.cut --quiet
-run lightgrid "$scene" room.cut -o room.vdb --quiet
-run portalfit room.vdb -o room.portal.glb
+find_portals "$scene" room
 
 say ""
 say "Rendering for $seconds seconds each, without the portal and with it"

@@ -96,6 +96,14 @@ done
 [ -n "$there" ] || { say "efficiency: none of the scenes is in $scenes" >&2; exit 3; }
 
 # ---- Portals ----
+# shellcheck source=bench/find-portals.sh
+. "$here/bench/find-portals.sh"
+# The summary that stays is the last one's.
+stage() {
+  program=$1
+  shift
+  "$bin/$program" --quiet --json "$@" >"$scene.portal.json"
+}
 portal_programs=$(cd "$bin" && cat ffgraph mincut lightgrid portalfit | cksum)
 for scene in $there; do
   file=$(path_of "$scene")
@@ -103,10 +111,7 @@ for scene in $there; do
   key="$portal_programs $(cat "$scene.sum")"
   made "$scene.portal.glb" "$key" && continue
   say "$scene: portal"
-  "$bin/ffgraph" --quiet "$file" -o "$scene.max"
-  "$bin/mincut" --quiet "$scene.max" -o "$scene.cut"
-  "$bin/lightgrid" --quiet "$file" "$scene.cut" -o "$scene.vdb"
-  "$bin/portalfit" --quiet "$scene.vdb" --json -o "$scene.portal.glb" >"$scene.portal.json"
+  find_portals "$file" "$scene"
   rm -f "$scene.max" "$scene.cut" "$scene.vdb"
   keep "$scene.portal.glb" "$key"
 done

@@ -41,19 +41,24 @@ quietly() {
   "$@" 2>"$log" || { status=$?; cat "$log" >&2; exit $status; }
 }
 
+# shellcheck source=bench/find-portals.sh
+. "$here/bench/find-portals.sh"
+# The summary that stays is the last one's.
+stage() {
+  program=$1
+  shift
+  quietly "$scene.$program.log" "$bin/$program" "$@" --seed "$seed" --json >"$scene.portal.json"
+}
 portal_programs=$(cd "$bin" && cat ffgraph mincut lightgrid portalfit | cksum)
 # portal SCENE: SCENE.portal.glb and what portalfit says of it, SCENE.portal.json.
 portal() {
-  key="$portal_programs $(cksum <"$scenes/$1.glb") $seed"
-  made "$1.portal.glb" "$key" && return
-  say "$1: portal"
-  quietly "$1.ffgraph.log" "$bin/ffgraph" "$scenes/$1.glb" --seed "$seed" -o "$1.max"
-  quietly "$1.mincut.log" "$bin/mincut" "$1.max" --seed "$seed" -o "$1.cut"
-  quietly "$1.lightgrid.log" "$bin/lightgrid" "$scenes/$1.glb" "$1.cut" --seed "$seed" -o "$1.vdb"
-  quietly "$1.portalfit.log" "$bin/portalfit" "$1.vdb" --seed "$seed" --json \
-    -o "$1.portal.glb" >"$1.portal.json"
-  rm -f "$1.max" "$1.vdb"
-  keep "$1.portal.glb" "$key"
+  scene=$1
+  key="$portal_programs $(cksum <"$scenes/$scene.glb") $seed"
+  made "$scene.portal.glb" "$key" && return
+  say "$scene: portal"
+  find_portals "$scenes/$scene.glb" "$scene"
+  rm -f "$scene.max" "$scene.vdb"
+  keep "$scene.portal.glb" "$key"
 }
 
 renderer=$(cksum <"$bin/tdpt-render")

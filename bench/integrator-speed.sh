@@ -12,6 +12,9 @@ scenes=${SCENES:-$here/../shared/scenes} each=${SECONDS_EACH:-60} reference=${RE
 command -v jq >/dev/null || { echo "integrator-speed: jq is missing" >&2; exit 5; }
 mkdir -p "$cache"
 bin=$(cd "$bin" && pwd)
+# shellcheck source=bench/find-portals.sh
+. "$here/bench/find-portals.sh"
+stage() { program=$1; shift; "$bin/$program" --quiet "$@"; }
 
 # rows SCENE WIDTH HEIGHT NAME: a row for every integrator.
 rows() {
@@ -23,8 +26,7 @@ rows() {
   portal=$cache/$name.portal.glb
   key="$name $width $height $reference $(cksum <"$bin/tdpt-render") $(cksum <"$scene")"
   if [ "$(cat "$cache/$name.key" 2>/dev/null)" != "$key" ]; then
-    "$bin/ffgraph" --quiet "$scene" | "$bin/mincut" --quiet | "$bin/lightgrid" --quiet "$scene" - |
-      "$bin/portalfit" --quiet -o "$portal"
+    find_portals "$scene" "$cache/$name"
     "$bin/tdpt-render" --quiet "$scene" --portal "$portal" --integrator tdpt-org --seed 1000 \
       --time "$reference" --width "$width" --height "$height" -o "$cache/$name.reference.exr"
     echo "$key" >"$cache/$name.key"

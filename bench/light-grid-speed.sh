@@ -12,13 +12,16 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 trap 'exit 1' HUP INT TERM
 
+# shellcheck source=bench/find-portals.sh
+. "$here/bench/find-portals.sh"
+stage() { program=$1; shift; "$bin/$program" --quiet "$@"; }
+
 set --
 for scene in "${SCENES:-$here/../shared/scenes}/veach-ajar.glb" "$here/testdata/scenes/two-rooms.glb" \
   "$here/testdata/scenes/half-metre-hole.glb"; do
   [ -e "$scene" ] || { echo "light-grid-speed: $(basename "$scene") is not there and stays out" >&2; continue; }
   cut=$work/$(basename "$scene" .glb).cut
-  "$bin/ffgraph" "$scene" --quiet -o "$cut.max"
-  "$bin/mincut" "$cut.max" --quiet -o "$cut"
+  find_cut "$scene" "${cut%.cut}"
   set -- "$@" "$scene" "$cut"
 done
 cat <<END

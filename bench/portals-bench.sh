@@ -34,7 +34,7 @@ measured() {
              END { print s }' "$work/before" "$work/after")
   aside=0
   case $stage in
-    *ffgraph | *lightgrid)
+    ffgraph | lightgrid)
       aside=$(jq '[.phases.load, .phases.bvh] | map(select(.) | .cpu_seconds) | add // 0' "$work/json")
       ;;
   esac
@@ -42,21 +42,21 @@ measured() {
   echo "$of $stage $(awk "BEGIN { print ($ended - $began) / 1e9 }") $cpu $aside $peak" >>"$work/runs"
 }
 
-stages() {
-  of=$1 file=$2
-  measured "$of" 1-ffgraph "$bin/ffgraph" --quiet --json "$file" -o "$work/a.max"
-  measured "$of" 2-mincut "$bin/mincut" --quiet --json "$work/a.max" -o "$work/a.cut"
-  measured "$of" 3-lightgrid "$bin/lightgrid" --quiet --json "$file" "$work/a.cut" -o "$work/a.vdb"
-  measured "$of" 4-portalfit "$bin/portalfit" --quiet --json "$work/a.vdb" -o "$work/a.portal.glb"
+# shellcheck source=bench/find-portals.sh
+. "$here/bench/find-portals.sh"
+stage() {
+  program=$1
+  shift
+  measured "$of" "$program" "$bin/$program" --quiet --json "$@"
 }
 
 run=0
 while [ $run -lt "$runs" ]; do
   run=$((run + 1))
-  measured "$name" 6-bdpt "$bin/tdpt-render" --quiet --integrator bdpt --spp 1 --width 1280 \
+  measured "$name" bdpt "$bin/tdpt-render" --quiet --integrator bdpt --spp 1 --width 1280 \
     --height 720 "$scene" -o "$work/a.exr"
-  stages "$name" "$scene"
-  stages "$name/4" "$work/split.glb"
+  of=$name && find_portals "$scene" "$work/a"
+  of=$name/4 && find_portals "$work/split.glb" "$work/a"
 done
 
 # Medians over the runs; the four stages together are summed within a run.
@@ -80,10 +80,10 @@ awk -v runs="$runs" -v name="$name" '
   }
   {
     take($1 " " $2, $3, $4, $5, $6)
-    if ($2 ~ /^1/) sum_wall = sum_cpu = sum_aside = most = 0
+    if ($2 == "ffgraph") sum_wall = sum_cpu = sum_aside = most = 0
     sum_wall += $3; sum_cpu += $4; sum_aside += $5
     if ($6 > most) most = $6
-    if ($2 ~ /^4/) take($1 " 5-all four", sum_wall, sum_cpu, sum_aside, most)
+    if ($2 == "portalfit") take($1 " all four", sum_wall, sum_cpu, sum_aside, most)
   }
   END {
     print "| scene | stage | wall s | CPU s | CPU s of loading and BVH | peak MiB |"
@@ -91,7 +91,7 @@ awk -v runs="$runs" -v name="$name" '
     for (i = 1; i <= count; i++) {
       key = keys[i]
       split(key, part, " ")
-      stage = substr(key, length(part[1]) + 4)
+      stage = substr(key, length(part[1]) + 2)
       if (stage == "bdpt") stage = "tdpt-render bdpt, 1 spp, 1280x720"
       of = part[1]
       sub(/\/4$/, ", split in four", of)
@@ -104,9 +104,9 @@ awk -v runs="$runs" -v name="$name" '
     print "| ratio | measured | at most |"
     print "|---|---|---|"
     printf "| four stages to bdpt, wall | %.2f | 1 |\n",
-           median(walls[name " 5-all four"]) / median(walls[name " 6-bdpt"])
+           median(walls[name " all four"]) / median(walls[name " bdpt"])
     printf "| four stages to bdpt, CPU | %.2f | 1 |\n",
-           median(cpus[name " 5-all four"]) / median(cpus[name " 6-bdpt"])
+           median(cpus[name " all four"]) / median(cpus[name " bdpt"])
     printf "| split in four to whole, CPU without loading and BVH | %.2f | 1.5 |\n",
-           median(rests[name "/4 5-all four"]) / median(rests[name " 5-all four"])
+           median(rests[name "/4 all four"]) / median(rests[name " all four"])
   }' "$work/runs"

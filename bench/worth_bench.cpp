@@ -28,6 +28,7 @@
 #include "bench/room_bench.h"
 #include "libcommon/testing/known_rooms.h"
 #include "libcommon/testing/portal_score.h"
+#include "libcommon/testing/portal_stages.h"
 
 namespace tdpt::testing {
 namespace {
@@ -105,10 +106,12 @@ class RoomRun {
     row_.area = area_of(portals) / (scale * scale);
     find_portals();
     measure();
-    if (!bench_.keeps())
-      for (const char* end : {".glb", ".true.glb", ".max", ".cut", ".vdb", ".portal.glb",
-                              ".reference.exr", ".bdpt.exr", ".tdpt.exr", ".tdpt-org.exr"})
+    if (!bench_.keeps()) {
+      remove_stages(stem_);
+      for (const char* end :
+           {".true.glb", ".reference.exr", ".bdpt.exr", ".tdpt.exr", ".tdpt-org.exr"})
         fs::remove(stem_ + end);
+    }
     return row_;
   }
 
@@ -117,18 +120,12 @@ class RoomRun {
     if (std::system((bench_.bin() + "/" + text + " 2>>" + stem_ + ".txt").c_str()) != 0)
       row_.failed = true;
   }
-  Json stage(const std::string& name, const std::string& files) {
-    const std::string out = stem_ + "." + name + ".json";
-    command(name + " --threads 1 --quiet --json " + files + " >" + out);
-    return json_of(out);
-  }
 
   void find_portals() {
-    stage("ffgraph", stem_ + ".glb -o " + stem_ + ".max");
-    const Json cut = stage("mincut", stem_ + ".max -o " + stem_ + ".cut");
-    const Json grid = stage("lightgrid", stem_ + ".glb " + stem_ + ".cut -o " + stem_ + ".vdb");
-    const Json fit = stage("portalfit", stem_ + ".vdb -o " + stem_ + ".portal.glb");
+    row_.failed = run_stages({.bin = bench_.bin()}, stem_).failed;
     if (row_.failed) return;
+    const Json cut = json_of(stem_ + ".mincut.json"), grid = json_of(stem_ + ".lightgrid.json"),
+               fit = json_of(stem_ + ".portalfit.json");
     row_.conductance = 1;
     for (const Json& c : cut.at("cuts"))
       row_.conductance = std::min(row_.conductance, c.at("conductance").get<double>());

@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
+#include <thread>
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include "libcommon/testing/portal_score.h"
+#include "libcommon/testing/portal_stages.h"
 #include "libcommon/testing/room_scene.h"
 #include "libcommon/testing/temp_folder.h"
 
@@ -19,19 +20,16 @@ const std::string kOwn = TDPT_TESTDATA "/scenes/", kPaper = TDPT_SHARED "/scenes
 
 // `seed`: of the light grid.
 std::vector<Portal> find_portals(const std::string& scene, int seed = 1) {
-  const fs::path folder =
-      fs::temp_directory_path() / ("tdpt_pipeline_test." + std::to_string(::getpid()));
-  fs::create_directories(folder);
-  const std::string bin = TDPT_BIN "/", out = (folder / "portal.glb").string();
-  const std::string command =
-      "{ " + bin + "ffgraph --quiet " + scene + " | " + bin + "mincut --quiet | " + bin +
-      "lightgrid --quiet --seed " + std::to_string(seed) + " " + scene + " - | " + bin +
-      "portalfit --quiet -o " + out + "; } 2>" + (folder / "stderr").string();
-  EXPECT_EQ(std::system(command.c_str()), 0) << command;
-  std::vector<Portal> portals;
-  if (fs::exists(out)) portals = read_portals(out).portals;
-  fs::remove_all(folder);
-  return portals;
+  const TempFolder folder;
+  const std::string stem = (folder.path / "room").string();
+  fs::create_symlink(fs::absolute(scene), stem + ".glb");
+  const StagesRun run =
+      run_stages({.bin = TDPT_BIN,
+                  .options = {{"lightgrid", "--seed " + std::to_string(seed)}},
+                  .threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()))},
+                 stem);
+  EXPECT_FALSE(run.failed) << scene << ": " << run.said;
+  return run.portals;
 }
 
 #define NEEDS(scene) \
