@@ -25,7 +25,7 @@ for scene in $scenes; do
   for depth in $depths; do
     work=$out/$(basename "$scene" .glb)-$depth
     mkdir -p "$work"
-    # Unquoted on purpose: several options.
+    # shellcheck disable=SC2086  # several options
     blender_run cycles-render.py "$scene" "$work/cycles-%d.exr" --seeds "$seeds" --spp "$spp" \
       --max-depth "$depth" --width "$width" --height "$height" ${CYCLES_OPTIONS:-} \
       >"$work/blender.log" 2>&1 || { cat "$work/blender.log" >&2; exit 1; }

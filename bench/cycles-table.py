@@ -11,6 +11,9 @@ import sys
 import bpy
 import numpy
 
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from intervals import in_errors, mean_and_error, percent
+
 LUMINANCE = numpy.array([0.2126, 0.7152, 0.0722], numpy.float64)  # Rec.709
 LIMIT = 4.0  # standard errors; by chance once in about 3000 comparisons of 16 with 16 seeds
 
@@ -53,23 +56,6 @@ def write(path, rgb):
     settings = scene.render.image_settings
     settings.file_format, settings.color_mode, settings.color_depth = "OPEN_EXR", "RGB", "32"
     image.save_render(os.path.abspath(path), scene=scene)
-
-
-def mean_and_error(values):
-    """Over axis 0, the seeds."""
-    return values.mean(0), values.std(0, ddof=1) / numpy.sqrt(len(values))
-
-
-def in_errors(a, b):
-    """The difference of two (mean, error) in units of its standard error; 0 where both are constant and equal."""
-    difference, error = a[0] - b[0], numpy.hypot(a[1], b[1])
-    with numpy.errstate(divide="ignore", invalid="ignore"):
-        return numpy.where(difference == 0, 0.0, difference / error)
-
-
-def percent(part, whole):
-    """0 % of nothing is 0; something of nothing is infinite."""
-    return 100 * part / whole if whole else 0.0 if not part else float("inf")
 
 
 def main():

@@ -37,9 +37,10 @@ find_portals "$scene" room
 say ""
 say "Rendering for $seconds seconds each, without the portal and with it"
 size="--width $width --height $height --max-depth $depth"
-# Unquoted on purpose: several options.
+# shellcheck disable=SC2086  # several options
 run tdpt-render "$scene" --integrator bdpt --time "$seconds" $size -o bdpt.exr --preview \
   --stats bdpt.stats
+# shellcheck disable=SC2086  # several options
 run tdpt-render "$scene" --portal room.portal.glb --time "$seconds" $size -o portal.exr --preview \
   --stats portal.stats
 
@@ -61,6 +62,7 @@ elif [ -s reference.exr ] && [ "$(cat reference.key 2>/dev/null)" = "$key" ]; th
 else
   say "Rendering a reference for $reference_seconds seconds, with another seed"
   rm -f reference.key
+  # shellcheck disable=SC2086  # several options
   run tdpt-render "$scene" --portal room.portal.glb --integrator tdpt-guided \
     --time "$reference_seconds" --seed 2 $size -o reference.exr
   printf '%s\n' "$key" >reference.key

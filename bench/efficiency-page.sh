@@ -1,5 +1,7 @@
+#!/bin/sh
 # Sourced by efficiency.sh, in its folder of results and with its functions and variables: prints
 # efficiency.md.
+# shellcheck disable=SC2154  # variables of efficiency.sh
 
 # of SCENE FIELD: of its line in scenes.tsv, three digits.
 of() { awk -F '\t' -v s="$1" -v f="$2" '$1 == s { printf "%.3g", $f }' scenes.tsv; }
@@ -23,11 +25,11 @@ the integrators taking turns; portals are found by ffgraph, mincut, lightgrid an
   of both halves together, stands with each scene. "-": hidden by the reference's noise.
 
 EOF
-busy=$(table busy seconds="$each")
+busy=$(table busy "$each")
 [ -z "$busy" ] || printf '%s\n\n' "$busy"
 say '## Gain over bdpt'
 say
-table gains seconds="$each"
+table gains "$each"
 cat <<EOF
 
 ![relMSE against CPU seconds, a panel for each scene](efficiency.png)
@@ -39,7 +41,7 @@ cat <<EOF
 Decibels over bdpt's, of the mean MSE x CPU seconds: pixels count by their light, so that directly lit regions decide.
 
 EOF
-table psnr seconds="$each"
+table psnr "$each"
 cat <<EOF
 
 ## Scene by scene
@@ -47,20 +49,21 @@ cat <<EOF
 *mean / reference*: of the pictures of all lengths together, +- one standard error, the reference's noise included.
 EOF
 for scene in $there; do
+  # shellcheck disable=SC2046  # two words
   set -- $(jq -r '"\(.width) \(.height)"' "$scene.reference-1.json")
   printf '\n### %s\n\n%s x %s pixels; ' "$scene" "$1" "$2"
   jq -r 'if .portals == [] then "no portal" + (if .reason then " (\(.reason))" else "" end)
     else "portals of " + ([.portals[].area * 1000 | round | . / 1000 | tostring] | join(" and ")) + " m2" end' \
     "$scene.portal.json" | tr -d '\n'
   printf '. Reference: %s CPU s of %s, relMSE %s.\n' "$(of "$scene" 9)" "$reference_integrator" "$(of "$scene" 8)"
-  table check scene="$scene" seconds="$each"
+  table check "$each" "$scene"
   say
-  table scene scene="$scene" seconds="$each"
+  table scene "$each" "$scene"
 done
 
 # paper SCENE WORDS
 paper() {
-  if has "$1"; then say "| $1 | $2 | not in the text | $(table paper scene="$1" seconds="$each") |"; fi
+  if has "$1"; then say "| $1 | $2 | not in the text | $(table paper "$each" "$1") |"; fi
 }
 if has veach-ajar || has veach-ajar-flip || has bathroom2-channel || has cornell-box-portal; then
   cat <<EOF
@@ -97,7 +100,7 @@ EOF
     say "| Tungsten, BDPT | $bdpt | 60 | - | - |"
     say "| $guiding | 60 | - | - |"
     say "| multiplexed Metropolis | $metropolis | 60 | - | - |"
-    table long scene="$scene" seconds="$long"
+    table long "$long" "$scene"
     say "| all black | $(of "$scene" 10) | - | - | - |"
   done
 fi

@@ -19,6 +19,7 @@
 # A reference is two halves A, B of different seeds. What a picture x is off by is measured as
 # (d(x,A) + d(x,B) - d(A,B)) / 2, d = relMSE or MSE of exrdiff: this is the mean of (x-A)(x-B), to which the
 # noise of neither half contributes on average; it may come out below zero.
+# shellcheck disable=SC2086  # unquoted variables are lists
 set -eu
 export LC_ALL=C
 bin=${1:-build/bin} cache=${2:-${CACHE:-build/efficiency}}
@@ -51,6 +52,7 @@ about() { say "$list" | awk -v s="$1" -v f="$2" '$1 == s { print $f }'; }
 for program in jq gnuplot; do
   command -v $program >/dev/null || { say "efficiency: $program is missing" >&2; exit 5; }
 done
+sh "$here/bench/python.sh" -c '' || { say "efficiency: python3 with numpy is missing" >&2; exit 5; }
 for name in ${ONLY:-}; do
   [ -n "$(about "$name" 1)" ] || { say "efficiency: ONLY: $name is none of the scenes" >&2; exit 2; }
 done
@@ -149,7 +151,6 @@ render() {
   made "$1.exr" "$key" && return
   say "$1: $options"
   rm -f "$1.exr.key"
-  # Unquoted on purpose: several options.
   start draw "$1" "$2" "$key" --quiet $options
 }
 
@@ -208,13 +209,11 @@ judge() {
       .black.relmse, .black.psnr, .black.mape, $a.integrator, $a.spp + $b.spp] | @tsv' "$scene.reference.json"
   done >scenes.tsv
 }
-# table NAME VARIABLE=VALUE...
+# table NAME SECONDS [SCENE [INTEGRATOR]]
 table() {
   name=$1
   shift
-  variables=
-  for v in "$@"; do variables="$variables -v $v"; done
-  awk -v table="$name" $variables -f "$here/bench/efficiency.awk" scenes.tsv efficiency.csv
+  sh "$here/bench/python.sh" "$here/bench/efficiency_tables.py" "$name" scenes.tsv efficiency.csv "$@"
 }
 
 # Pictures of one seed begin with the same samples: each length has its own seeds, from 1, 1001, 2001 and 3001.
@@ -234,7 +233,7 @@ done
 judge
 for scene in $there; do
   [ "$(about "$scene" 6)" != - ] || continue
-  i=$(table best scene="$scene" seconds="$each")
+  i=$(table best "$each" "$scene")
   for seed in $(seq "$long_seeds"); do [ -z "$i" ] || row "$scene" "$i" $((3000 + seed)) "$long"; done
 done
 judge
@@ -255,7 +254,7 @@ rm -f ./*.points
 for scene in $there; do
   for i in $integrators; do
     for seconds in $(printf '%s\n' $times | sort -g); do
-      table means scene="$scene" integrator="$i" seconds="$seconds"
+      table means "$seconds" "$scene" "$i"
     done >"$scene-$i.points"
   done
 done

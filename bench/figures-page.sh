@@ -1,5 +1,7 @@
+#!/bin/sh
 # Sourced by figures.sh, in its folder of results and with its functions and variables: prints
 # figures.md.
+# shellcheck disable=SC2154  # variables of figures.sh
 
 # percent SHARE-FILTER FILE
 percent() { of "$2" "100 * $1" '%.3g %%'; }

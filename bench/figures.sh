@@ -67,7 +67,7 @@ render() {
   name=$1 scene=$2 integrator=$3
   shift 3
   case $integrator in tdpt*) set -- --portal "$scene.portal.glb" "$@" ;; esac
-  # Unquoted on purpose: several options.
+  # shellcheck disable=SC2086  # several options
   set -- --integrator "$integrator" $size "$@"
   key="$renderer $(cat "$scenes/$scene.glb" "$scene.portal.glb" | cksum) $*"
   made "$name.exr" "$key" && return

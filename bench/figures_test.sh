@@ -25,7 +25,7 @@ figures() {
 figures first || { cat "$work/first"; exit 1; }
 page=$work/doc/figures.md
 # What a checker of the page is worth: it must find a hole where there is one.
-complete() {
+hole_in() {
   for heading in '## Portals' '## Fig 5' '## Fig 6' '## Fig 7' '### cornell-box-portal' '### veach-ajar-flip'; do
     grep -q "^$heading" "$1" || { echo "no $heading"; return; }
   done
@@ -38,10 +38,10 @@ complete() {
     [ -s "$work/doc/$file" ] || { echo "no $file"; return; }
   done
 }
-hole=$(complete "$page")
+hole=$(hole_in "$page")
 [ -z "$hole" ] || fail "figures.md: $hole"
 sed '/^| nee | [^-]/d' "$page" >"$work/cut.md"
-[ -n "$(complete "$work/cut.md")" ] || fail "a page without rows for nee passes"
+[ -n "$(hole_in "$work/cut.md")" ] || fail "a page without rows for nee passes"
 grep -q '</svg>' "$work/doc/figures/fig5.svg" || fail "fig5.svg is not whole"
 grep -q '^veach-ajar: there is no veach-ajar.glb in SCENES, left out$' "$work/first" ||
   fail "a missing scene is not named"

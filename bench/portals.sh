@@ -3,7 +3,7 @@
 # that costs: prints doc/portals.md. Half an hour on two quiet cores.
 # The environment may set
 #   ROOMS    rooms of each kind (20); SEED of the first (1000)
-#   SCENES   folder of the paper's scenes, for the timing (bench/portals-bench.sh)
+#   SCENES   folder of the paper's scenes, for the timing (bench/portals-time.sh)
 set -eu
 export LC_ALL=C
 bin=$(cd "${1:-build/bin}" && pwd) cache=${2:-build/portals}
@@ -102,4 +102,4 @@ Medians of interleaved runs, all threads; the rendering is \`tdpt-render --integ
 --height 720\`.
 
 TIME
-sh "$here/bench/portals-bench.sh" "$bin"
+sh "$here/bench/portals-time.sh" "$bin"

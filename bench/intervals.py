@@ -1,0 +1,88 @@
+"""Means, errors and intervals of a few measurements; every function is one formula."""
+import math
+
+import numpy as np
+
+DRAWS = 10000  # of a bootstrap
+NO_BOUND = 1e9  # a ratio whose divisor is not positive
+
+
+def mean_and_error(values):
+    """Mean and its standard error over axis 0."""
+    return values.mean(0), values.std(0, ddof=1) / np.sqrt(len(values))
+
+
+def in_errors(a, b):
+    """Difference of two (mean, error) in units of its standard error; 0 where both are constant and equal."""
+    difference, error = a[0] - b[0], np.hypot(a[1], b[1])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(difference == 0, 0.0, difference / error)
+
+
+def percent(part, whole):
+    """0 % of nothing is 0; something of nothing is infinite."""
+    return 100 * part / whole if whole else 0.0 if not part else float("inf")
+
+
+def weighted_mean(values, weights):
+    """Mean of pictures' means, weights: their samples per pixel; and the variance of one of weight 1."""
+    mean = np.average(values, weights=weights)
+    if len(values) < 2:
+        return mean, 0.0
+    return mean, np.sum(weights * (values - mean) ** 2) / (len(values) - 1)
+
+
+def normal_tail(x):
+    """Probability of more than x standard deviations."""
+    return 0.5 * math.erfc(x / math.sqrt(2))
+
+
+def t_tail(t, df):
+    """Probability of more than t > 0 under Student's distribution with df = 1, 2, ... degrees of freedom
+    (Abramowitz and Stegun 26.7.3, 26.7.4)."""
+    angle = math.atan(t / math.sqrt(df))
+    c = math.cos(angle)
+    term = total = c if df % 2 else 1.0
+    for k in range(3 if df % 2 else 2, df - 1, 2):
+        term *= c * c * (k - 1) / k
+        total += term
+    if df % 2:
+        inside = 2 / math.pi * (angle + (math.sin(angle) * total if df > 1 else 0))
+    else:
+        inside = math.sin(angle) * total
+    return (1 - inside) / 2
+
+
+def t_quantile(tail, df):
+    """The t > 0 with t_tail(t, df) = tail, by bisection."""
+    low, high = 0.0, 1.0
+    while t_tail(high, df) > tail:
+        high *= 2
+    while high - low > 1e-12 * high:
+        middle = (low + high) / 2
+        low, high = (middle, high) if t_tail(middle, df) > tail else (low, middle)
+    return (low + high) / 2
+
+
+def expanded_tail(n):
+    """Share of a bootstrap's draws beyond each end of a 95 % interval from n values: percentiles widened to the t
+    distribution (Hesterberg, "What Teachers Should Know About the Bootstrap", 2015: expanded percentiles)."""
+    return normal_tail(math.sqrt(n / (n - 1)) * t_quantile(0.025, n - 1))
+
+
+def ratio_interval(above, below, rng, tail=None):
+    """Ends of the 95 % interval of mean(above) / mean(below) by bootstrap, both drawn with replacement; 0 or NO_BOUND
+    where draws of theirs are not positive. tail: share beyond each end, if not expanded_tail's."""
+    if tail is None:
+        tail = expanded_tail(min(len(above), len(below)))
+    means = [v[rng.integers(len(v), size=(DRAWS, len(v)))].mean(1) for v in (above, below)]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratios = np.where(means[1] <= 0, NO_BOUND, np.maximum(means[0], 0) / means[1])
+    ratios.sort()
+    level = int(tail * DRAWS)
+    return ratios[level], ratios[DRAWS - 1 - level]
+
+
+def lower_median(values):
+    """The middle one, of an even number the smaller of the two."""
+    return sorted(values)[(len(values) - 1) // 2]
