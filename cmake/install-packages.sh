@@ -33,7 +33,7 @@ else
   exit 1
 fi
 
-# Unquoted on purpose: words of a command, names of packages.
+# shellcheck disable=SC2086  # words of a command, names of packages
 $as_root apt-get update &&
   $as_root env DEBIAN_FRONTEND=noninteractive \
     apt-get install -y --no-install-recommends $missing </dev/null && exit 0

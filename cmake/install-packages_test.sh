@@ -8,7 +8,7 @@ failed=0
 
 # A folder of commands that is the whole PATH: the real helpers and make-believe for the rest.
 fresh() {
-  rm -rf "$work/bin"
+  rm -rf "${work:?}/bin"
   mkdir "$work/bin"
   for real in sh sed dirname env cat; do ln -s "$(command -v $real)" "$work/bin/$real"; done
   : >"$work/done"
