@@ -17,6 +17,9 @@ struct Portal {
   std::vector<Vec3d> vertices;                     ///< metres
   std::vector<std::array<uint32_t, 3>> triangles;  ///< into vertices
   std::map<std::string, double> figures;           ///< figures of merit (extras)
+  /// How far a vertex may lie from where it was meant, for the file holds it in single precision
+  /// [m].
+  double rounding = 0;
 };
 
 struct PortalFile {

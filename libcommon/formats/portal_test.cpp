@@ -147,6 +147,20 @@ TEST_F(PortalFormat, AppliesNodeTransforms) {
   expect_near(area_vector(read(g).portals.at(0)), {1, 0, 0});
 }
 
+// Places of the corners in single precision, off by half a digit at most; the node's translation is
+// exact and rounds nothing, its scale scales what the floats were rounded by.
+TEST_F(PortalFormat, TellsHowFarSinglePrecisionRounds) {
+  EXPECT_NEAR(read(square()).portals[0].rounding, std::ldexp(2, -24), 1e-12);
+  Json g = square();
+  g["nodes"][0]["translation"] = {1e6, 0, 0};
+  EXPECT_NEAR(read(g).portals[0].rounding, std::ldexp(2, -24), 1e-9);
+  g["nodes"][0]["scale"] = {1000, 1000, 1000};
+  EXPECT_NEAR(read(g).portals[0].rounding, std::ldexp(2000, -24), 1e-9);
+  g["nodes"][0] = Json::parse(
+      R"({"mesh":0,"rotation":[0.5,0.5,0.5,0.5],"scale":[10,1,1],"translation":[0,0,7]})");
+  EXPECT_NEAR(read(g).portals[0].rounding, std::ldexp(11, -24), 1e-12);
+}
+
 TEST_F(PortalFormat, MirroringKeepsTheFrontSide) {
   Json g = square();
   g["nodes"] = Json::parse(R"([{"mesh":0,"scale":[-1,1,1]}])");

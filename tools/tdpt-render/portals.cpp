@@ -7,89 +7,123 @@
 
 namespace tdpt {
 
+namespace {
+
+constexpr double kLeastTwiceArea = 1e-24;  // canonical; less is degenerate
+
+double twice_area(const Corners& t) {
+  return length(cross(t[1] - t[0], t[2] - t[0]));
+}
+
+// How far the corners of a polygon may lie from its plane (canonical). A file's rounding is that of
+// its last digit; programs that turned or scaled the vertices before have rounded a few times.
+double planarity(const Portal& portal, const Frame& frame) {
+  constexpr double kRoundings = 4;
+  double largest = 0;
+  for (const Vec3d& v : portal.vertices)
+    largest = std::max(largest, length(v) + length(frame.centre));
+  return frame.scale * (kRoundings * portal.rounding + std::ldexp(largest, -46));
+}
+
+}  // namespace
+
 PortalSet::PortalSet(const std::vector<Portal>& portals, const Frame& frame) {
+  for (const Portal& portal : portals) {
+    std::vector<Corners> triangles;
+    for (const auto& t : portal.triangles) {
+      Corners corners;
+      for (size_t i = 0; i < 3; ++i) corners[i] = frame.to_canonical(portal.vertices[t[i]]);
+      if (twice_area(corners) > kLeastTwiceArea) triangles.push_back(corners);
+    }
+    for (const PlanarFacet& facet : planar_facets(triangles, planarity(portal, frame)))
+      add_facet(facet, static_cast<uint32_t>(portals_));
+    ++portals_;
+  }
+  if (empty()) return;
   std::vector<double> areas;
   double total = 0;
-  for (const Portal& portal : portals) {
-    for (const auto& t : portal.triangles) {
-      Polygon q;
-      q.portal = static_cast<uint32_t>(portals_);
-      q.p0 = frame.to_canonical(portal.vertices[t[0]]);
-      q.e1 = frame.to_canonical(portal.vertices[t[1]]) - q.p0;
-      q.e2 = frame.to_canonical(portal.vertices[t[2]]) - q.p0;
-      const Vec3d n = cross(q.e1, q.e2);
-      const double twice_area = length(n);
-      if (!(twice_area > 1e-24)) continue;
-      q.normal = n / twice_area;
-      q.grad1 = cross(q.e2, q.normal) / twice_area;
-      q.grad2 = cross(q.normal, q.e1) / twice_area;
-      polygons_.push_back(q);
-      areas.push_back(0.5 * twice_area);
-      total += areas.back();
-    }
-    ++portals_;
+  for (const Polygon& q : polygons_) {
+    areas.push_back(0.5 * length(cross(q.e1, q.e2)));
+    total += areas.back();
   }
   // p(q) = A_q / total, so p(q) / (A_q pi) is the same for every triangle.
   for (Polygon& q : polygons_) q.density = 1 / (total * std::numbers::pi);
-  if (!polygons_.empty()) table_ = AliasTable(areas);
-  make_facets();
+  table_ = AliasTable(areas);
   make_pairs();
 }
 
-void PortalSet::make_facets() {
-  constexpr double kSamePlane = 1e-6;
+void PortalSet::add_facet(const PlanarFacet& facet, uint32_t portal) {
+  Facet f;
+  f.normal = facet.normal;
+  f.first = static_cast<uint32_t>(polygons_.size());
   std::vector<double> areas;
-  for (uint32_t i = 0; i < polygons_.size(); ++i) {
-    Polygon& q = polygons_[i];
-    const double area = 0.5 * length(cross(q.e1, q.e2));
-    const bool joins = i > 0 && polygons_[i - 1].portal == q.portal &&
-                       dot(facets_.back().normal, q.normal) > 1 - kSamePlane * kSamePlane &&
-                       std::abs(dot(facets_.back().normal, q.p0 - facets_.back().p0)) < kMargin;
-    if (!joins) {
-      facets_.emplace_back();
-      facets_.back().p0 = q.p0;
-      facets_.back().normal = q.normal;
-      facets_.back().first = i;
-      areas.clear();
-    }
-    Facet& f = facets_.back();
-    q.facet = static_cast<uint32_t>(facets_.size() - 1);
+  for (const Corners& corners : facet.triangles) {
+    const double twice = twice_area(corners);
+    if (!(twice > kLeastTwiceArea)) continue;
+    Polygon q;
+    q.portal = portal;
+    q.facet = static_cast<uint32_t>(facets_.size());
+    q.p0 = corners[0];
+    q.e1 = corners[1] - q.p0;
+    q.e2 = corners[2] - q.p0;
+    q.normal = f.normal;
+    q.grad1 = cross(q.e2, q.normal) / twice;
+    q.grad2 = cross(q.normal, q.e1) / twice;
+    polygons_.push_back(q);
+    const double area = 0.5 * twice;
     f.centre = (f.centre * f.area + (q.p0 + (q.e1 + q.e2) / 3) * area) / (f.area + area);
     f.area += area;
-    f.end = i + 1;
-    for (const Vec3d& corner : {q.p0, q.p0 + q.e1, q.p0 + q.e2})
+    for (const Vec3d& corner : corners)
       if (std::none_of(f.corners.begin(), f.corners.end(),
                        [&](const Vec3d& c) { return length(c - corner) < 1e-9; }))
         f.corners.push_back(corner);
     areas.push_back(area);
-    f.table = AliasTable(areas);
   }
+  f.end = static_cast<uint32_t>(polygons_.size());
+  if (f.end == f.first) return;
+  f.p0 = polygons_[f.first].p0;
+  f.table = AliasTable(areas);
+  facets_.push_back(std::move(f));
 }
 
 void PortalSet::make_pairs() {
-  constexpr size_t kMostFacets = 16;
   constexpr double kShare = 0.25;  // c
-  if (facets_.size() > kMostFacets) return;
   const auto all = [](const Facet& of, const Facet& f, double side) {
     return std::all_of(of.corners.begin(), of.corners.end(), [&](const Vec3d& corner) {
       return side * dot(f.normal, corner - f.p0) > kMargin;
     });
   };
-  std::vector<double> etendue;
+  // A heap, the weakest of the kept on top.
+  const auto stronger = [](const Pair& a, const Pair& b) { return a.etendue > b.etendue; };
   for (uint32_t i = 0; i < facets_.size(); ++i)
     for (uint32_t j = 0; j < facets_.size(); ++j) {
       const Facet &f = facets_[i], &g = facets_[j];
-      if (i == j || !all(g, f, 1) || !all(f, g, -1)) continue;
       const Vec3d d = g.centre - f.centre;
-      const double d2 = dot(d, d);
-      pairs_.push_back({i, j, 0});
-      etendue.push_back(f.area * g.area * dot(f.normal, d) * dot(g.normal, d) / (d2 * d2));
+      const double cos_f = dot(f.normal, d), cos_g = dot(g.normal, d), d2 = dot(d, d);
+      if (!(cos_f > 0 && cos_g > 0)) continue;
+      const double etendue = f.area * g.area * cos_f * cos_g / (d2 * d2);
+      const bool full = pairs_.size() == kMostPairs;
+      if ((full && etendue <= pairs_[0].etendue) || !all(g, f, 1) || !all(f, g, -1)) continue;
+      if (full) {
+        std::pop_heap(pairs_.begin(), pairs_.end(), stronger);
+        pairs_.pop_back();
+      }
+      pairs_.push_back({i, j, etendue, 0});
+      std::push_heap(pairs_.begin(), pairs_.end(), stronger);
     }
   if (pairs_.empty()) return;
-  pair_table_ = AliasTable(etendue);
-  for (uint32_t i = 0; i < pairs_.size(); ++i)
-    pairs_[i].pdf = kShare * pair_table_.pdf_1(i) /
-                    (facets_[pairs_[i].first].area * facets_[pairs_[i].second].area);
+  std::sort(pairs_.begin(), pairs_.end(), [](const Pair& a, const Pair& b) {
+    return std::pair(a.first, a.second) < std::pair(b.first, b.second);
+  });
+  std::vector<double> etendues;
+  for (const Pair& pair : pairs_) etendues.push_back(pair.etendue);
+  pair_table_ = AliasTable(etendues);
+  for (uint32_t i = 0; i < pairs_.size(); ++i) {
+    Facet& first = facets_[pairs_[i].first];
+    pairs_[i].pdf = kShare * pair_table_.pdf_1(i) / (first.area * facets_[pairs_[i].second].area);
+    if (first.end_pair == 0) first.first_pair = i;
+    first.end_pair = i + 1;
+  }
   pair_share_ = kShare;
   for (Polygon& q : polygons_) q.density *= 1 - kShare;
 }
@@ -161,38 +195,37 @@ int PortalSet::crossed(const Facet& f, const Vec3d& at, const Drawn& drawn) cons
   return n;
 }
 
-double PortalSet::density(const Vec3d& from, const Vec3d& to, const Drawn& drawn) const {
-  double sum = 0;
-  const Vec3d d = to - from;
-  for (const Facet& f : facets_) {
-    const double before = dot(f.normal, from - f.p0);  // < 0 on the light's side
-    const double slope = dot(f.normal, d);
-    if (!(before < -kMargin && before + slope > kMargin)) continue;
-    sum += polygons_[f.first].density * crossed(f, from - d * (before / slope), drawn);
-  }
-  return sum > 0 && !pairs_.empty() ? sum + pair_density(from, d, drawn) : sum;
+PortalSet::Passage PortalSet::passage(const Facet& f, const Vec3d& from, const Vec3d& d,
+                                      const Drawn& drawn) const {
+  const double before = dot(f.normal, from - f.p0);  // < 0 on the light's side
+  const double slope = dot(f.normal, d);
+  if (!(before < -kMargin && before + slope > kMargin)) return {0, 0, 0};
+  const double t = -before / slope;
+  return {t, slope, crossed(f, from + d * t, drawn)};
 }
 
-double PortalSet::pair_density(const Vec3d& from, const Vec3d& d, const Drawn& drawn) const {
+double PortalSet::density(const Vec3d& from, const Vec3d& to, const Drawn& drawn) const {
+  double sum = 0, pairs = 0;
+  const Vec3d d = to - from;
+  for (const Facet& f : facets_) {
+    const Passage p = passage(f, from, d, drawn);
+    if (p.triangles == 0) continue;
+    sum += polygons_[f.first].density * p.triangles;
+    pairs += pair_density(f, p, from, d, drawn);
+  }
+  return sum + pairs;
+}
+
+double PortalSet::pair_density(const Facet& f, const Passage& of_f, const Vec3d& from,
+                               const Vec3d& d, const Drawn& drawn) const {
   double sum = 0;
-  for (const Pair& pair : pairs_) {
-    double t[2], slope[2];
-    int ways = 1;  // choices of triangles that give this line
-    for (int i = 0; i < 2 && ways > 0; ++i) {
-      const Facet& f = facets_[i == 0 ? pair.first : pair.second];
-      const double before = dot(f.normal, from - f.p0);
-      slope[i] = dot(f.normal, d);
-      if (!(before < -kMargin && before + slope[i] > kMargin)) {
-        ways = 0;
-        break;
-      }
-      t[i] = -before / slope[i];
-      ways *= crossed(f, from + d * t[i], drawn);
-    }
+  for (uint32_t i = f.first_pair; i < f.end_pair; ++i) {
+    const Passage of_g = passage(facets_[pairs_[i].second], from, d, drawn);
+    const int ways = of_f.triangles * of_g.triangles;  // choices of triangles that give this line
     if (ways == 0) continue;
     // Distance and cosines by parts of d: (t1 - t0) |d| and slope / |d|.
-    const double d2 = dot(d, d), part = t[1] - t[0];
-    sum += ways * pair.pdf * part * part * d2 * d2 / (slope[0] * slope[1]);
+    const double d2 = dot(d, d), part = of_g.t - of_f.t;
+    sum += ways * pairs_[i].pdf * part * part * d2 * d2 / (of_f.slope * of_g.slope);
   }
   return sum;
 }
@@ -210,6 +243,7 @@ bool PortalSet::spans(const Drawn& drawn, const Vec3d& x_l, const Vec3d& x_c) co
 PortalSet::Crossing PortalSet::crossing(const Vec3d& from, const Vec3d& to,
                                         const Drawn& drawn) const {
   Crossing c{};
+  double pairs = 0;
   const Vec3d d = to - from;
   for (const Facet& f : facets_) {
     const double before = dot(f.normal, from - f.p0);
@@ -220,14 +254,17 @@ PortalSet::Crossing PortalSet::crossing(const Vec3d& from, const Vec3d& to,
     const double t = -before / slope;
     const int n = crossed(f, from + d * t, drawn);
     if (n == 0) continue;
-    if (begins && ends) c.density += n * polygons_[f.first].density;
+    if (begins && ends) {
+      c.density += n * polygons_[f.first].density;
+      pairs += pair_density(f, {t, slope, n}, from, d, drawn);
+    }
     // d^2 / (cos A), the distance along the edge t or 1 - t of it.
     const double length2 = dot(d, d);
     const double per_area = n * length2 * std::sqrt(length2) / (slope * f.area);
     if (begins) c.from_light += weight(f, from) * t * t * per_area;
     if (ends) c.from_camera += weight(f, to) * (1 - t) * (1 - t) * per_area;
   }
-  if (c.density > 0 && !pairs_.empty()) c.density += pair_density(from, d, drawn);
+  c.density += pairs;
   return c;
 }
 

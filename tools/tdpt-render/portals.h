@@ -16,9 +16,9 @@
 //   cos_G),
 // d the distance between the points where the segment passes the two.
 //
-// Walks are directed at facets: the triangles of a portal that lie in one plane. From v, facet F is
-// taken in proportion to w_F(v), about its solid angle, and then a point uniform on it; the
-// direction w there has
+// Walks are directed at facets: the triangles of a portal that lie in one plane [facets.h]. From v,
+// facet F is taken in proportion to w_F(v), about its solid angle, and then a point uniform on it;
+// the direction w there has
 //   pdf_w = sum over the facets F that the ray (v, w) passes of  w_F(v) / W  * d^2 / (|cos| A_F),
 // d the distance to the plane along w, W the sum of w_F(v) over the facets that v can aim at.
 #pragma once
@@ -29,21 +29,27 @@
 #include "libcommon/math/alias_table.h"
 #include "libcommon/math/rng.h"
 #include "libcommon/scene/scene.h"
+#include "tools/tdpt-render/facets.h"
 
 namespace tdpt {
 
 class PortalSet {
  public:
   PortalSet() = default;
-  /// Brings portals from metres into the canonical frame. Degenerate triangles are dropped.
+  /// Brings portals from metres into the canonical frame; what is planar but for rounding becomes
+  /// so. Degenerate triangles are dropped.
   PortalSet(const std::vector<Portal>& portals, const Frame& frame);
 
   bool empty() const { return polygons_.empty(); }
   /// Portals that the set was made of; one whose triangles are all degenerate counts, too.
   size_t portals() const { return portals_; }
   size_t size() const { return polygons_.size(); }
-  /// Of facets that segments are drawn through both of.
+  size_t facets() const { return facets_.size(); }
+  /// Of facets that segments are drawn through both of: the strongest, kMostPairs at most.
   size_t pairs() const { return pairs_.size(); }
+  /// An edge is tested against those that begin with a facet it crosses: for 100 pairs of 20 facets
+  /// that is an eighth more instructions.
+  static constexpr size_t kMostPairs = 128;
 
   /// A portal counts only for segments that begin and end at least this far from its plane
   /// (canonical): where a portal lies in a surface, rounding would decide what crosses it.
@@ -115,17 +121,27 @@ class PortalSet {
     std::vector<Vec3d> corners;   ///< each once
     uint32_t first = 0, end = 0;  ///< of its triangles
     AliasTable table;             ///< among them, by area
+    /// Of the pairs that light passes it first of.
+    uint32_t first_pair = 0, end_pair = 0;
   };
   /// Two facets, light passing `first` before `second`.
   struct Pair {
     uint32_t first, second;
-    double pdf;  ///< c p(F,G) / (A_F A_G)
+    double etendue;  ///< A_F A_G cos_F cos_G / d^2, from centre to centre; p(F,G) is its share
+    double pdf;      ///< c p(F,G) / (A_F A_G)
   };
 
-  void make_facets();
+  void add_facet(const PlanarFacet& facet, uint32_t portal);
   void make_pairs();
-  /// The pairs' part of D.
-  double pair_density(const Vec3d& from, const Vec3d& d, const Drawn& drawn) const;
+  /// Where an edge from + t d crosses a facet along its normal, 0 < t < 1.
+  struct Passage {
+    double t, slope;  ///< slope = |d| cos
+    int triangles;    ///< crossed there; 0: none
+  };
+  Passage passage(const Facet& f, const Vec3d& from, const Vec3d& d, const Drawn& drawn) const;
+  /// The part of D of the pairs that begin with facet f.
+  double pair_density(const Facet& f, const Passage& of_f, const Vec3d& from, const Vec3d& d,
+                      const Drawn& drawn) const;
   Vec3d point_in(int triangle, double u, double v) const;
   Vec3d point_on(const Facet& f, double pick, double u, double v, int& triangle) const;
   /// How many triangles of the facet are crossed at `at`.
