@@ -13,7 +13,6 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/threads.h"
-#include "libcommon/cli/outputs.h"
 #include "tdpt_version.h"
 
 namespace tdpt::cli {
@@ -65,7 +64,7 @@ struct Options::Impl {
     entries.push_back({option, shapes, is});
   }
 
-  // Values of the options that were given and are `is`.
+  // All files that the command line names as `is`, by option.
   std::vector<NamedFile> files(Is is) const {
     std::vector<NamedFile> files;
     for (const Entry& e : entries)
@@ -75,18 +74,24 @@ struct Options::Impl {
     return files;
   }
 
-  // `output`: where the result goes; empty: nowhere.
-  void check_files(const std::string& output) const {
-    if (check_name) check_name(output);
+  // `result`: where -o goes; empty: nowhere.
+  std::vector<NamedFile> outputs(const std::string& result) const {
+    if (check_name) check_name(result);
     std::vector<NamedFile> outputs;
-    if (!output.empty() || !files(Is::output).empty()) outputs.push_back({"-o", output});
+    if (!result.empty() || !files(Is::output).empty()) outputs.push_back({"-o", result});
     for (const NamedFile& file : files(Is::side_output)) outputs.push_back(file);
     for (const Beside& beside : besides) {
       if (beside.flag->count() == 0) continue;
-      *beside.target = beside.path_of(output);
+      *beside.target = beside.path_of(result);
       outputs.push_back({beside.flag->get_name(), *beside.target});
     }
-    check_outputs(outputs, files(Is::input));
+    return outputs;
+  }
+
+  std::vector<std::string> inputs() const {
+    std::vector<std::string> paths;
+    for (const NamedFile& file : files(Is::input)) paths.push_back(file.path);
+    return paths;
   }
 
   // The tool and the options that shape the result, in the order of the table; paths of inputs are
@@ -284,7 +289,9 @@ int Options::run_main(int argc, char** argv, const std::function<int()>& run) {
       throw UsageError(fmt::format("{}; '{} --help' lists the options", e.what(), common.tool));
     }
     common.command = impl_->canonical(common.tool);
-    impl_->check_files(common.output);
+    common.outputs = impl_->outputs(common.output);
+    common.also_read(impl_->inputs());
+    check_outputs(common.outputs);
     limit_threads(common.threads);
     return flushed(run());
   } catch (const Error& e) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "libcommon/base/provenance.h"
+#include "libcommon/cli/outputs.h"
 
 namespace tdpt::cli {
 
@@ -19,6 +20,11 @@ struct Common {
   bool quiet = false;        ///< --quiet: no progress, no notes (warnings and errors stay)
   bool json = false;         ///< --json: summary on stdout, or on stderr when the result goes there
   bool no_provenance = false;
+
+  std::vector<NamedFile> outputs;  ///< all that the run writes, -o first
+  /// Throws UsageError when one of the outputs is one of `paths`: inputs that show only when
+  /// another is read.
+  void also_read(const std::vector<std::string>& paths) const { check_outputs(outputs, paths); }
 
   std::string tool;     ///< name of the program
   std::string command;  ///< canonical command: the tool and the options that shape the result

@@ -43,21 +43,25 @@ Place place_of(const std::string& path, int stream) {
 
 }  // namespace
 
-void check_outputs(const std::vector<NamedFile>& outputs, const std::vector<NamedFile>& inputs) {
+void check_outputs(const std::vector<NamedFile>& outputs) {
   std::vector<Place> taken;
   for (const NamedFile& output : outputs) {
     if (output.path == "-" && output.option != "-o")
       throw UsageError(output.option + " -: cannot go to the standard output, name a file");
     const Place place = place_of(output.path, STDOUT_FILENO);
-    for (const NamedFile& input : inputs)
-      if (place_of(input.path, STDIN_FILENO) == place)
-        throw UsageError(output.option + " " + output.path + " would replace the input " +
-                         display_name(input.path));
     if (std::find(taken.begin(), taken.end(), place) != taken.end())
       throw UsageError("two outputs would be written to " + output.path);
     check_output(output.path);
     taken.push_back(place);
   }
+}
+
+void check_outputs(const std::vector<NamedFile>& outputs, const std::vector<std::string>& inputs) {
+  for (const NamedFile& output : outputs)
+    for (const std::string& input : inputs)
+      if (place_of(input, STDIN_FILENO) == place_of(output.path, STDOUT_FILENO))
+        throw UsageError(output.option + " " + output.path + " would replace the input " +
+                         display_name(input));
 }
 
 }  // namespace tdpt::cli

@@ -11,9 +11,11 @@ struct NamedFile {
   std::string path;
 };
 
-/// Throws UsageError when an output is one of the inputs or another output, by whatever way their
-/// names lead there (folders, links symbolic or hard) and whether it exists yet or not, and where
-/// check_output [base/output_file.h] does. Only -o may be "-".
-void check_outputs(const std::vector<NamedFile>& outputs, const std::vector<NamedFile>& inputs);
+/// Throws UsageError when two outputs are one file, by whatever way their names lead there
+/// (folders, links symbolic or hard) and whether it exists yet or not, and where check_output
+/// [base/output_file.h] does. Only -o may be "-".
+void check_outputs(const std::vector<NamedFile>& outputs);
+/// Throws UsageError when an output is one of the inputs, compared alike.
+void check_outputs(const std::vector<NamedFile>& outputs, const std::vector<std::string>& inputs);
 
 }  // namespace tdpt::cli

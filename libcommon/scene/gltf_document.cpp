@@ -91,11 +91,13 @@ void load_buffers(Document& d, const Chunks& chunks) {
     const auto length = buffers[i]["byteLength"].get<uint64_t>();
     std::string_view bytes;
     if (buffers[i].contains("uri")) {
-      bool external = false;
-      d.owned.push_back(
-          read_uri(d, buffers[i]["uri"].get<std::string>(), where + ".uri", external));
+      std::string file;
+      d.owned.push_back(read_uri(d, buffers[i]["uri"].get<std::string>(), where + ".uri", file));
       bytes = d.owned.back();
-      if (external) all += d.owned.back();
+      if (!file.empty()) {
+        all += d.owned.back();
+        d.files.push_back(file);
+      }
     } else {
       if (i != 0 || !chunks.has_bin) d.fail(where, "has neither a uri nor a binary chunk");
       bytes = chunks.bin;

@@ -20,6 +20,7 @@ struct Document {
   std::string hash;                       ///< of the file and the external buffers
   std::string bytes;                      ///< the file; buffers point into it
   std::vector<std::string> owned;         ///< decoded and external buffers
+  std::vector<std::string> files;         ///< paths of external buffers
 
   [[noreturn]] void fail(const std::string& place, const std::string& message) const {
     throw InputError(file, place, message);
@@ -44,10 +45,10 @@ Chunks split_chunks(std::string_view bytes, const std::string& file);
 void check_json(nlohmann::json& json, const std::string& file);
 
 /// The bytes a URI stands for: a base64 data URI or a file in the scene's folder or below. Throws
-/// InputError when it points elsewhere, is not there or cannot be decoded. `external` is set for
-/// files.
+/// InputError when it points elsewhere, is not there or cannot be decoded. `file_read`: path of the
+/// file; empty for a data URI.
 std::string read_uri(const Document& document, const std::string& uri, const std::string& place,
-                     bool& external);
+                     std::string& file_read);
 
 /// Whether extensionsUsed names it.
 bool uses_extension(const Document& document, const std::string& name);

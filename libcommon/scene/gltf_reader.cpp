@@ -311,6 +311,7 @@ Scene read_gltf(const std::string& path) {
   Scene scene;
   scene.path = path;
   scene.hash = document.hash;
+  scene.files = document.files;
   SceneReader(document, scene).run();
   return scene;
 }

@@ -56,9 +56,12 @@ std::optional<Image> TextureReader::decode(size_t index) {
   if (i.contains("bufferView")) {
     bytes = view_bytes(document_, i["bufferView"].get<size_t>());
   } else if (i.contains("uri")) {
-    bool external = false;
-    owned = read_uri(document_, i["uri"].get<std::string>(), where + ".uri", external);
-    if (external) external_bytes_ += owned;
+    std::string file;
+    owned = read_uri(document_, i["uri"].get<std::string>(), where + ".uri", file);
+    if (!file.empty()) {
+      external_bytes_ += owned;
+      scene_.files.push_back(file);
+    }
     bytes = owned;
   }
   if (!is_png_or_jpeg(bytes) || bytes.size() > (size_t{1} << 30)) return {};

@@ -76,8 +76,8 @@ bool is_below(const fs::path& file, const fs::path& folder) {
 }  // namespace
 
 std::string read_uri(const Document& document, const std::string& uri, const std::string& where,
-                     bool& external) {
-  external = false;
+                     std::string& file_read) {
+  file_read.clear();
   if (uri.starts_with("data:")) {
     const size_t comma = uri.find(',');
     std::string out;
@@ -106,7 +106,7 @@ std::string read_uri(const Document& document, const std::string& uri, const std
   if (!is_below(file, folder))
     document.fail(where, quoted + " leads out of the scene's folder, which is all that is read");
   if (!fs::is_regular_file(file, error)) document.fail(where, quoted + " is no regular file");
-  external = true;
+  file_read = (fs::path(document.folder) / name).lexically_normal().string();
   try {
     return read_file(file.string());
   } catch (const InputError&) {

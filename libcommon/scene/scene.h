@@ -101,8 +101,9 @@ struct Camera {
 };
 
 struct Scene {
-  std::string path;  ///< as given, for messages
-  std::string hash;  ///< content hash of the file and of all buffers it reads
+  std::string path;                ///< as given, for messages
+  std::string hash;                ///< content hash of the file and of all buffers it reads
+  std::vector<std::string> files;  ///< paths of buffers and images read beside it
   Frame frame;
   std::vector<Vec3f> positions;  ///< canonical
   std::vector<Triangle> triangles;

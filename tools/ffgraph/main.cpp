@@ -78,6 +78,7 @@ void check(const Arguments& a) {
 Loaded load(const Arguments& a, const cli::Common& common) {
   Loaded in;
   in.scene = read_gltf(a.scene);
+  common.also_read(in.scene.files);
   open_glass(in.scene);
   for (const std::string& warning : in.scene.warnings) common.warn(warning);
   if (in.scene.triangles.empty())

@@ -78,9 +78,10 @@ struct Loaded {
   CutFile cut;
 };
 
-Loaded load(const Arguments& a) {
+Loaded load(const Arguments& a, const cli::Common& common) {
   Loaded in;
   in.scene = read_gltf(a.scene);
+  common.also_read(in.scene.files);
   open_glass(in.scene);
   in.cut = read_cut(a.cut);
   return in;
@@ -131,7 +132,7 @@ int run(const Arguments& a, const cli::Common& common) {
   catch_signals();
   if (a.device != "cpu") common.note("lines are traced by " + tracer.name + ".");
   LightGridReport report;
-  const Loaded in = load(a);
+  const Loaded in = load(a, common);
   report.phases.done("load");
   const LightGrid grid = compute(a, common, in, tracer.make, report);
   tell(common, grid, report);

@@ -46,8 +46,9 @@ void declare_options(cli::Options& options, Arguments& a) {
 }
 
 // The scene for --preview; without it none is read.
-std::string preview_of(const Arguments& a, const CutFile& cut) {
+std::string preview_of(const Arguments& a, const cli::Common& common, const CutFile& cut) {
   Scene scene = read_gltf(a.scene);
+  common.also_read(scene.files);
   open_glass(scene);
   return cut_preview(scene, scene.camera(a.camera), cut, a.network);
 }
@@ -106,7 +107,7 @@ void cut_patches(const Arguments& a, const cli::Common& common, const DimacsFile
   cut.provenance = provenance(a, common, problem);
   phases.done("flow");
   cli::deliver({{common.output, [&] { return cut_text(cut); }},
-                {a.preview, [&] { return preview_of(a, cut); }},
+                {a.preview, [&] { return preview_of(a, common, cut); }},
                 {a.debug_glb, [&] { return cut_debug_glb(cut); }}},
                phases);
   report(common, cut, summary);

@@ -36,6 +36,7 @@ struct Loaded {
 Loaded load(const Arguments& a, const cli::Common& common) {
   Loaded in;
   in.scene = read_gltf(a.scene);
+  common.also_read(in.scene.files);
   for (const std::string& warning : in.scene.warnings) common.warn(warning);
   in.camera = in.scene.camera(a.camera);
   in.files.push_back({a.scene, in.scene.hash, {}});
