@@ -1,104 +1,157 @@
 #include "tools/tdpt-render/film.h"
 
+#include <algorithm>
 #include <cmath>
+#include <stdexcept>
+
+#include "libcommon/math/rng.h"
 
 namespace tdpt {
+namespace {
 
-Film::Film(int width, int height, double power, TechniqueSet layers)
-    : width_(width),
-      height_(height),
-      unit_(std::exp2(std::ceil(std::log2(power > 0 ? power : 1.0)) - 40)),
-      picture_(make_plane()) {
-  for (size_t i = 0; i < kTechniques; ++i)
-    if (layers.has(static_cast<Technique>(i))) layers_[i] = make_plane();
+// Of the square's own unit (2^-40 of the power) squared: what is larger than 2^110 of it is held as
+// that much.
+constexpr double kSquareUnit = 0x1p-80, kMostSquared = 0x1p109;
+
+double power_of_two(double power) {
+  return std::exp2(std::ceil(std::log2(power > 0 ? power : 1.0)));
 }
 
-Film::Plane Film::make_plane() const {
-  return {std::vector<Vec3d>(pixels()), std::make_unique<Splats[]>(pixels()), {}};
+double luminance_of(const Vec3d& c) {
+  return 0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z;
+}
+
+}  // namespace
+
+Film::Film(int width, int height, double power, Options options)
+    : width_(width),
+      height_(height),
+      unit_(power_of_two(power) * 0x1p-64),
+      square_unit_(power_of_two(power) * power_of_two(power) * kSquareUnit),
+      options_(std::move(options)) {
+  clear();
 }
 
 void Film::clear() {
-  const auto clear_plane = [this](Plane& plane) {
-    if (!plane.splats) return;
-    std::vector<Vec3d> others = std::move(plane.others);
-    plane = make_plane();
-    plane.others = std::move(others);
-  };
-  clear_plane(picture_);
-  for (Plane& layer : layers_) clear_plane(layer);
+  picture_ = std::make_unique<FixedSum[]>(3 * pixels());
+  for (size_t i = 0; i < kMostLayers; ++i)
+    if (options_.layers >> i & 1u) layers_[i] = std::make_unique<FixedSum[]>(3 * pixels());
+  ranges_.clear();
+  if (options_.error_block == 0) return;
+  before_.assign(3 * pixels(), 0);
+  squares_ = std::make_unique<FixedSum[]>(pixels());
 }
 
-void Film::add_other(const Film& other, double weight) {
-  const auto add_plane = [&](Plane& to, const Plane& from) {
-    if (!to.splats || !from.splats) return;
-    to.others.resize(pixels());
-    for (size_t i = 0; i < pixels(); ++i) to.others[i] += sum(from, i) * weight;
-  };
-  add_plane(picture_, other.picture_);
-  for (size_t t = 0; t < kTechniques; ++t) add_plane(layers_[t], other.layers_[t]);
+bool Film::add(Plane& plane, int x, int y, const Vec3d& radiance, uint64_t coin) {
+  std::array<Units, 3> units;
+  for (size_t c = 0; c < 3; ++c)
+    if (!to_units(radiance[static_cast<int>(c)], unit_, mix64(coin + c), units[c])) return false;
+  FixedSum* sums =
+      &plane[3 * (static_cast<size_t>(y) * static_cast<size_t>(width_) + static_cast<size_t>(x))];
+  bool held = true;
+  for (size_t c = 0; c < 3; ++c) held &= units[c] == 0 || sums[c].add(units[c]);
+  return held;
 }
 
-std::vector<Vec3d> Film::sums() const {
+Vec3d Film::sum(const Plane& plane, size_t pixel) const {
+  const auto channel = [&](size_t c) { return from_units(plane[3 * pixel + c].units(), unit_); };
+  return {channel(0), channel(1), channel(2)};
+}
+
+std::vector<Vec3d> Film::sums(const Plane& plane) const {
   std::vector<Vec3d> all(pixels());
-  for (size_t i = 0; i < pixels(); ++i) all[i] = sum(picture_, i);
+  if (!plane) return all;
+  for (size_t i = 0; i < pixels(); ++i) all[i] = sum(plane, i);
   return all;
 }
 
-bool Film::splat(Technique technique, int x, int y, const Rgb& radiance) {
-  if (!(max_component(radiance) / unit_ < 0x1p76)) return false;
-  std::array<double, 3> units;
-  for (int c = 0; c < 3; ++c) units[static_cast<size_t>(c)] = std::round(radiance[c] / unit_);
-  add_splat(picture_.splats[index(x, y)], units);
-  Plane& layer = layers_[static_cast<size_t>(technique)];
-  if (layer.splats) add_splat(layer.splats[index(x, y)], units);
-  return true;
+uint64_t Film::samples() const {
+  uint64_t n = 0;
+  for (const SampleRange& range : ranges_) n += range.count;
+  return n;
 }
 
-void Film::add_splat(Splats& sums, const std::array<double, 3>& units) {
-  for (size_t c = 0; c < 3; ++c) {
-    const double high = std::floor(units[c] * 0x1p-32);
-    const auto low = static_cast<int64_t>(units[c] - high * 0x1p32);  // exact
-    if (high > 0) sums.high[c].fetch_add(static_cast<int64_t>(high), std::memory_order_relaxed);
-    sums.low[c].fetch_add(low, std::memory_order_relaxed);
+void Film::add_range(const SampleRange& range) {
+  if (range.count == 0) return;
+  const auto after = std::find_if(ranges_.begin(), ranges_.end(),
+                                  [&](const SampleRange& r) { return r.end() > range.first; });
+  if (after != ranges_.end() && after->first < range.end())
+    throw std::invalid_argument("samples are in the film already");
+  auto at = ranges_.insert(after, range);
+  if (at + 1 != ranges_.end() && at->end() == (at + 1)->first) {
+    at->count += (at + 1)->count;
+    ranges_.erase(at + 1);
+  }
+  if (at != ranges_.begin() && (at - 1)->end() == at->first) {
+    (at - 1)->count += at->count;
+    ranges_.erase(at);
   }
 }
 
-Vec3d Film::sum(const Plane& plane, size_t i) const {
-  const Splats& sums = plane.splats[i];
-  const auto splat = [&](size_t c) {
-    const auto high = static_cast<double>(sums.high[c].load(std::memory_order_relaxed));
-    const auto low = static_cast<double>(sums.low[c].load(std::memory_order_relaxed));
-    return unit_ * (0x1p32 * high + low);
-  };
-  return plane.camera[i] + Vec3d{splat(0), splat(1), splat(2)};
-}
-
-Rgb Film::pixel(const Plane& plane, size_t i, const Shares& shares) const {
-  const Vec3d own = sum(plane, i) * shares.samples;
-  return Vec3f(plane.others.empty() ? own : own + plane.others[i] * shares.others);
-}
-
-Picture Film::resolve(const Plane& plane, const Shares& shares) const {
-  Picture picture{width_, height_, {}};
-  if (!plane.splats) {
-    picture.pixels.resize(pixels());
-    return picture;
-  }
-  picture.pixels.reserve(pixels());
-  for (size_t i = 0; i < pixels(); ++i) picture.pixels.push_back(pixel(plane, i, shares));
-  return picture;
-}
-
-Film::Measure Film::measure(const Shares& shares) const {
-  Vec3d sum;
-  size_t nonzero = 0;
+void Film::complete(const SampleRange& range) {
+  const uint64_t block = options_.error_block;
+  if (block > 0 && (range.count != block || range.first % block != 0))
+    throw std::invalid_argument("not a block of samples");
+  add_range(range);
+  if (block == 0) return;
   for (size_t i = 0; i < pixels(); ++i) {
-    const Rgb p = pixel(picture_, i, shares);
-    sum += Vec3d(p);
-    nonzero += p != Rgb{};
+    Vec3d brought;
+    for (size_t c = 0; c < 3; ++c) {
+      const Units now = picture_[3 * i + c].units();
+      brought[static_cast<int>(c)] = from_units(now - before_[3 * i + c], unit_);
+      before_[3 * i + c] = now;
+    }
+    const double y = luminance_of(brought);
+    Units units;
+    if (to_units(std::min(y * y, kMostSquared * square_unit_), square_unit_,
+                 mix64(mix64(i) + range.first), units))
+      squares_[i].add(units);
   }
-  const auto n = static_cast<double>(pixels());
-  return {sum / n, static_cast<double>(nonzero) / n};
+}
+
+void Film::merge(const Film& other) {
+  if (width_ != other.width_ || height_ != other.height_ || unit_ != other.unit_ ||
+      options_.layers != other.options_.layers ||
+      options_.error_block != other.options_.error_block ||
+      options_.shaped_by != other.options_.shaped_by)
+    throw std::invalid_argument("films of different pictures");
+  std::vector<SampleRange> ranges = ranges_;
+  try {
+    for (const SampleRange& range : other.ranges_) add_range(range);
+  } catch (const std::invalid_argument&) {
+    ranges_ = std::move(ranges);
+    throw;
+  }
+  const auto merge_plane = [](Plane& to, const Plane& from, size_t n) {
+    if (!to) return;
+    for (size_t i = 0; i < n; ++i) to[i].add(from[i].units());
+  };
+  merge_plane(picture_, other.picture_, 3 * pixels());
+  for (size_t i = 0; i < kMostLayers; ++i) merge_plane(layers_[i], other.layers_[i], 3 * pixels());
+  merge_plane(squares_, other.squares_, pixels());
+  for (size_t i = 0; i < before_.size(); ++i) before_[i] = picture_[i].units();
+}
+
+std::vector<double> Film::variance() const {
+  std::vector<double> variance(pixels());
+  if (options_.error_block == 0) return variance;
+  const auto n = static_cast<double>(samples() / options_.error_block);
+  if (n < 2) return variance;
+  const double all = n * static_cast<double>(options_.error_block);
+  for (size_t i = 0; i < pixels(); ++i) {
+    const Vec3d s = sum(picture_, i);
+    const double y = luminance_of(s);
+    const double squares = from_units(squares_[i].units(), square_unit_);
+    variance[i] = std::max(0.0, squares - y * y / n) * n / ((n - 1) * all * all);
+  }
+  return variance;
+}
+
+Picture scaled_picture(int width, int height, const std::vector<Vec3d>& sums, double factor) {
+  Picture picture{width, height, {}};
+  picture.pixels.reserve(sums.size());
+  for (const Vec3d& sum : sums) picture.pixels.emplace_back(Vec3f(sum * factor));
+  return picture;
 }
 
 }  // namespace tdpt

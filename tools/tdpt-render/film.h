@@ -1,95 +1,101 @@
-// Where samples add up. Sums do not depend on the order of threads: a pixel's camera samples are
-// added by one thread in sample order, splats from light walks as integers in fixed point.
+// Where samples add up, in integers: a film is the same whatever the order of threads, and films of
+// different samples of one picture merge to the bytes of the undivided one.
+//
+// The unit of the sums is 2^-64 of the power of all lights together, a power of two. Walks start in
+// proportion to power, so every walk carries about that much however small or faint its light is;
+// 64 bits below it a room a billion times darker still has ten digits. One contribution may be up
+// to 2^46 times that power, as where light is scattered next to the camera.
 #pragma once
 #include <array>
-#include <atomic>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "libcommon/formats/picture.h"
-#include "tools/tdpt-render/path/mixture.h"
+#include "tools/tdpt-render/fixed_sum.h"
 
 namespace tdpt {
 
+/// Samples first .. first + count - 1 of every pixel.
+struct SampleRange {
+  uint64_t first = 0, count = 0;
+  uint64_t end() const { return first + count; }
+  friend bool operator==(const SampleRange&, const SampleRange&) = default;
+};
+
 class Film {
  public:
-  /// `power`: of all lamps together [Lights::power]. Walks start in proportion to power, so every
-  /// walk carries about that much however small or faint its lamp is: splats are rounded to
-  /// power * 2^-40. One may be up to power * 2^36, as when light is scattered 1e-5 of the scene
-  /// from the camera; a pixel holds 2^19 of those and 2^31 ordinary ones. `layers`: techniques
-  /// whose contributions are kept apart as well, each at the cost of another film; the picture's
-  /// sums are the same with and without.
-  Film(int width, int height, double power, TechniqueSet layers = TechniqueSet());
+  static constexpr size_t kMostLayers = 8;
+
+  struct Options {
+    /// Bit i: layer i, of a part of the light, is kept apart as well, at the cost of another film;
+    /// the picture's sums are the same with and without.
+    unsigned layers = 0;
+    /// Errors are known from the squares of what aligned blocks of so many samples add up to; 0:
+    /// they are not kept.
+    uint64_t error_block = 0;
+    std::string shaped_by;  ///< hash of all that shapes the picture but the samples
+  };
+
+  /// `power`: of all lights together [Lights::power].
+  Film(int width, int height, double power, Options options);
+  Film(int width, int height, double power) : Film(width, height, power, Options()) {}
 
   int width() const { return width_; }
   int height() const { return height_; }
+  double unit() const { return unit_; }
 
-  /// What a sample gathered, by all techniques together.
-  void add(int x, int y, const Vec3d& radiance) { picture_.camera[index(x, y)] += radiance; }
-  /// The part of it that one technique brought; nothing where that has no layer.
-  void add_to_layer(Technique technique, int x, int y, const Vec3d& radiance) {
-    Plane& plane = layers_[static_cast<size_t>(technique)];
-    if (plane.splats) plane.camera[index(x, y)] += radiance;
+  // Radiance [W/m2/sr] that a sample brings to a pixel. Any thread; `coin`: 64 random bits of its
+  // own. False when it cannot be held: then it is left out, or the sum has wrapped round.
+  bool add(int x, int y, const Vec3d& radiance, uint64_t coin) {
+    return add(picture_, x, y, radiance, coin);
   }
-  /// Any thread; to the picture and to the technique's layer. False when the value is too large to
-  /// be held; then it is left out.
-  bool splat(Technique technique, int x, int y, const Rgb& radiance);
+  /// The part of it that one layer shows; nothing where that is not kept.
+  bool add_to_layer(size_t layer, int x, int y, const Vec3d& radiance, uint64_t coin) {
+    return !layers_[layer] || add(layers_[layer], x, y, radiance, coin);
+  }
 
-  /// The sums back to zero; what add_other() added stays.
+  /// All that the samples of a range brought is in. Where errors are kept it is a block, aligned,
+  /// the only one that was added to since the last.
+  void complete(const SampleRange& range);
+  /// In order; neighbours are one.
+  const std::vector<SampleRange>& ranges() const { return ranges_; }
+  uint64_t samples() const;
+
+  /// Adds the samples of another film. Throws std::invalid_argument when it was shaped by something
+  /// else, differs in size, unit, layers or blocks, or holds samples that this one holds.
+  void merge(const Film& other);
+  /// As it was made.
   void clear();
-  /// Adds weight * (sums of another film, of this size) to a second account, layer by layer.
-  void add_other(const Film& other, double weight);
-  /// The sums by themselves, pixel by pixel; without the other account.
-  std::vector<Vec3d> sums() const;
 
-  /// The picture is samples * sums + others * the other account.
-  struct Shares {
-    double samples = 0, others = 0;
-  };
-  /// The mean of `spp` samples per pixel, and nothing from other films.
-  static Shares mean_of(uint64_t spp) { return {spp > 0 ? 1.0 / static_cast<double>(spp) : 0, 0}; }
-  Picture resolve(const Shares& shares) const { return resolve(picture_, shares); }
-  Picture resolve(uint64_t spp) const { return resolve(mean_of(spp)); }
-  /// The same for one technique; black where it has no layer.
-  Picture resolve_layer(Technique technique, const Shares& shares) const {
-    return resolve(layers_[static_cast<size_t>(technique)], shares);
-  }
-  Picture resolve_layer(Technique technique, uint64_t spp) const {
-    return resolve_layer(technique, mean_of(spp));
-  }
-
-  struct Measure {
-    Vec3d mean;          ///< over all pixels
-    double nonzero = 0;  ///< share of pixels that are not black
-  };
-  /// Of the picture that resolve(shares) gives, without making it.
-  Measure measure(const Shares& shares) const;
+  /// Sum over its samples, pixel by pixel, row by row.
+  std::vector<Vec3d> sums() const { return sums(picture_); }
+  std::vector<Vec3d> layer_sums(size_t layer) const { return sums(layers_[layer]); }
+  bool has_layer(size_t layer) const { return layers_[layer] != nullptr; }
+  /// Variance of each pixel's mean luminance, over blocks; 0 for less than two.
+  std::vector<double> variance() const;
 
  private:
-  /// Sums of the upper and the lower 32 bits of every splat, for R, G and B.
-  struct Splats {
-    std::array<std::atomic<int64_t>, 3> high, low;
-  };
-  struct Plane {
-    std::vector<Vec3d> camera;
-    std::unique_ptr<Splats[]> splats;  ///< null: this plane is not kept
-    std::vector<Vec3d> others;         ///< empty until something is added
-  };
+  using Plane = std::unique_ptr<FixedSum[]>;  // three for each pixel; null: not kept
 
-  size_t index(int x, int y) const {
-    return static_cast<size_t>(y) * static_cast<size_t>(width_) + static_cast<size_t>(x);
-  }
-  size_t pixels() const { return index(0, height_); }
-  Plane make_plane() const;
-  static void add_splat(Splats& sums, const std::array<double, 3>& units);
-  Vec3d sum(const Plane& plane, size_t i) const;
-  Rgb pixel(const Plane& plane, size_t i, const Shares& shares) const;
-  Picture resolve(const Plane& plane, const Shares& shares) const;
+  size_t pixels() const { return static_cast<size_t>(width_) * static_cast<size_t>(height_); }
+  bool add(Plane& plane, int x, int y, const Vec3d& radiance, uint64_t coin);
+  Vec3d sum(const Plane& plane, size_t pixel) const;
+  std::vector<Vec3d> sums(const Plane& plane) const;
+  void add_range(const SampleRange& range);
 
   int width_, height_;
-  double unit_;
+  double unit_, square_unit_;
+  Options options_;
   Plane picture_;
-  std::array<Plane, kTechniques> layers_;
+  std::array<Plane, kMostLayers> layers_;
+  std::vector<SampleRange> ranges_;
+  // Of errors: sums before the block that is being added, and sums of squares of luminance.
+  std::vector<Units> before_;
+  Plane squares_;  // one for each pixel
 };
+
+/// The mean of `samples` samples whose sum is given, or any other multiple of it.
+Picture scaled_picture(int width, int height, const std::vector<Vec3d>& sums, double factor);
 
 }  // namespace tdpt

@@ -33,7 +33,7 @@ double worst_difference(const RenderResult& r) {
   return worst;
 }
 
-double mean_of(const Picture& picture) {
+double mean_luminance(const Picture& picture) {
   double sum = 0;
   for (const Rgb& p : picture.pixels) sum += luminance(p);
   return sum / static_cast<double>(picture.pixels.size());
@@ -53,7 +53,7 @@ TEST(layers, add_up_to_the_picture_for_every_integrator) {
     EXPECT_LE(worst_difference(r), 1.0 + static_cast<double>(techniques)) << integrator->name;
     for (const auto& [name, layer] : r.layers)
       if (integrator == &tdpt_org) {
-        EXPECT_GT(mean_of(layer), 0) << name;
+        EXPECT_GT(mean_luminance(layer), 0) << name;
       }
   }
 }
@@ -78,25 +78,26 @@ TEST(layers, do_not_change_a_bit_of_the_picture) {
 
 TEST(layers, are_the_shares_that_the_tally_says) {
   const RenderResult r = render_rooms(tdpt_ref, true);
-  const double picture = mean_of(r.picture);
+  const double picture = mean_luminance(r.picture);
   double total = 0;
   for (double e : r.tally.energy) total += e;
   for (size_t i = 0; i < kTechniques; ++i) {
     const auto layer = r.layers.find(kTechniqueNames[i]);
-    const double share = layer == r.layers.end() ? 0 : mean_of(layer->second) / picture;
+    const double share = layer == r.layers.end() ? 0 : mean_luminance(layer->second) / picture;
     EXPECT_NEAR(share, r.tally.energy[i] / total, 1e-5) << kTechniqueNames[i];
   }
 }
 
-TEST(layers, a_splat_goes_to_its_own_layer) {
-  Film film(2, 1, 1, TechniqueSet(Technique::light, Technique::portal));
-  EXPECT_TRUE(film.splat(Technique::light, 1, 0, Rgb(2.0f)));
-  EXPECT_TRUE(film.splat(Technique::bi, 1, 0, Rgb(4.0f)));  // has no layer: the picture alone
-  film.add_to_layer(Technique::bi, 0, 0, Vec3d(1, 1, 1));
-  EXPECT_EQ(film.resolve(2).pixels[1], Rgb(3.0f));
-  EXPECT_EQ(film.resolve_layer(Technique::light, 2).pixels[1], Rgb(1.0f));
-  for (Technique t : {Technique::portal, Technique::bi})
-    EXPECT_EQ(film.resolve_layer(t, 2).pixels, (std::vector<Rgb>{{}, {}}));
+TEST(layers, a_contribution_goes_to_its_own_layer) {
+  Film::Options options;
+  options.layers = 0b101;
+  Film film(2, 1, 1, options);
+  EXPECT_TRUE(film.add_to_layer(2, 1, 0, Vec3d(2, 2, 2), 0));
+  EXPECT_TRUE(film.add_to_layer(1, 1, 0, Vec3d(4, 4, 4), 0));  // is not kept
+  EXPECT_TRUE(film.add(0, 0, Vec3d(1, 1, 1), 0));
+  EXPECT_EQ(film.sums(), (std::vector<Vec3d>{{1, 1, 1}, {}}));
+  EXPECT_EQ(film.layer_sums(2), (std::vector<Vec3d>{{}, {2, 2, 2}}));
+  for (size_t layer : {0, 1}) EXPECT_EQ(film.layer_sums(layer), (std::vector<Vec3d>{{}, {}}));
 }
 
 }  // namespace

@@ -88,7 +88,7 @@ void deliver(const Arguments& a, const cli::Common& common, const Loaded& in, co
 }
 
 // Whether portals took part and brought next to nothing.
-bool portals_were_idle(const World& world, const Integrator& integrator, const Tally& tally) {
+bool portals_were_idle(const World& world, const Integrator& integrator, const RenderTally& tally) {
   if (world.portals.empty() || !integrator.mixture.has(Technique::portal)) return false;
   const double total = std::accumulate(tally.energy.begin(), tally.energy.end(), 0.0);
   return tally.energy[static_cast<size_t>(Technique::portal)] < 0.01 * total;

@@ -40,7 +40,7 @@
 
 #include "libcommon/formats/portal.h"
 #include "tools/tdpt-render/integrators/integrator.h"
-#include "tools/tdpt-render/path/path_sampler.h"
+#include "tools/tdpt-render/path/world.h"
 
 namespace tdpt {
 

@@ -36,7 +36,7 @@ struct Deeds {
 Deeds deeds_of(size_t portal, const RenderResult& result) {
   Deeds d;
   if (portal >= result.tally.portals.size()) return d;
-  const Tally::OfPortal& tally = result.tally.portals[portal];
+  const RenderTally::OfPortal& tally = result.tally.portals[portal];
   const auto& all = result.tally.energy;
   const double total = std::accumulate(all.begin(), all.end(), 0.0);
   d.samples = tally.drawn;

@@ -4,7 +4,9 @@
 #include <optional>
 #include <string>
 
+#include "tools/tdpt-render/passes.h"
 #include "tools/tdpt-render/pilot.h"
+#include "tools/tdpt-render/plan.h"
 
 namespace tdpt {
 
@@ -19,6 +21,9 @@ struct RenderSettings {
   bool frames = false;             ///< measure the picture while it forms
   std::optional<PilotPlan> pilot;  ///< in place of plan_pilot()'s
 };
+
+Vec3d mean_of(const Picture& picture);      ///< over all pixels
+double nonzero_of(const Picture& picture);  ///< share of pixels that are not black
 
 /// The picture after its first `spp` samples per pixel.
 struct FrameRecord {
@@ -37,7 +42,8 @@ struct RenderResult {
   uint64_t spp = 0;                     ///< samples each pixel got, those of a pilot included
   double seconds = 0, cpu_seconds = 0;  ///< measuring frames not counted
   bool interrupted = false;  ///< a signal ended it early; the picture holds what was there
-  Tally tally;
+  Plan plan;                 ///< what was decided by measuring
+  RenderTally tally;
   std::map<std::string, Picture> layers;  ///< by technique; they add up to the picture
   std::vector<FrameRecord> frames;        ///< the last one is the picture
 
@@ -45,8 +51,8 @@ struct RenderResult {
   std::string chosen_label;        ///< empty when there was only one
   std::vector<PilotRecord> pilot;  ///< empty without one
 
-  Vec3d mean() const;      ///< over all pixels
-  double nonzero() const;  ///< share of pixels that are not black
+  Vec3d mean() const { return mean_of(picture); }
+  double nonzero() const { return nonzero_of(picture); }
 };
 
 /// Renders in passes over the whole picture, so every pixel has the same number of samples whenever

@@ -62,9 +62,9 @@ TEST(render, twin_a_technique_that_is_weighed_but_never_run_is_caught) {
     PathSampler sampler(world, without_splats.settings(6, seed), film, tally);
     for (int y = 0; y < 48; ++y)
       for (int x = 0; x < 64; ++x)
-        for (uint64_t s = 0; s < 8; ++s) without_splats.sample(sampler, x, y, s);
+        for (uint64_t i = 0; i < 8; ++i) without_splats.sample(sampler, x, y, i);
     double mean = 0;
-    for (const Rgb& p : film.resolve(8).pixels) mean += luminance(p) / (64 * 48);
+    for (const Vec3d& p : film.sums()) mean += luminance(Vec3f(p)) / (8 * 64 * 48);
     sum += mean;
     square += mean * mean;
   }
@@ -200,17 +200,6 @@ TEST(render, no_light_is_a_black_picture) {
   }
 }
 
-TEST(film, splats_do_not_depend_on_their_order) {
-  const std::vector<float> values{1e-6f, 3.7f, 123.4f, 0.001f, 7e5f};
-  Film a(1, 1, 10), b(1, 1, 10);
-  for (size_t i = 0; i < values.size(); ++i) {
-    EXPECT_TRUE(a.splat(Technique::light, 0, 0, Rgb(values[i])));
-    EXPECT_TRUE(b.splat(Technique::light, 0, 0, Rgb(values[values.size() - 1 - i])));
-  }
-  EXPECT_EQ(a.resolve(1).pixels, b.resolve(1).pixels);
-  EXPECT_NEAR(a.resolve(1).pixels[0].x, 700127.1f, 0.1f);
-}
-
 // In the plane of a surface rounding decides whether a ray meets it; every ray must decide alike.
 TEST(render, a_lamp_in_the_plane_of_the_ceiling_shines_for_every_integrator) {
   Scene scene = read_gltf(furnace_path());
@@ -227,20 +216,6 @@ TEST(render, a_lamp_in_the_plane_of_the_ceiling_shines_for_every_integrator) {
   for (const Integrator* integrator : {&bdpt, &tdpt_org, &tdpt_ref})
     EXPECT_NEAR(render(world, *integrator, settings).mean().x / expected, 1, 0.03)
         << integrator->name;
-}
-
-TEST(film, holds_splats_from_close_to_the_camera) {
-  Film film(1, 1, 1);
-  EXPECT_TRUE(film.splat(Technique::light, 0, 0, Rgb(0x1p35f)));
-  EXPECT_TRUE(film.splat(Technique::light, 0, 0, Rgb(0x1p35f)));
-  EXPECT_TRUE(film.splat(Technique::light, 0, 0, Rgb(0x1p13f)));
-  EXPECT_EQ(film.resolve(1).pixels[0].x, 0x1p36f + 0x1p13f);
-}
-
-TEST(film, a_splat_too_large_to_hold_is_refused) {
-  Film film(1, 1, 1);
-  EXPECT_FALSE(film.splat(Technique::light, 0, 0, Rgb(1e30f)));
-  EXPECT_EQ(film.resolve(1).pixels[0], Rgb{});
 }
 
 }  // namespace

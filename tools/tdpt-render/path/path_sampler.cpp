@@ -16,22 +16,6 @@ Vec3d back(const Walk& walk, int i) {
 
 }  // namespace
 
-void Tally::merge(const Tally& other) {
-  rays.closest += other.rays.closest;
-  rays.shadow += other.rays.shadow;
-  rays.portal += other.rays.portal;
-  for (size_t i = 0; i < kTechniques; ++i) energy[i] += other.energy[i];
-  if (portals.size() < other.portals.size()) portals.resize(other.portals.size());
-  for (size_t i = 0; i < other.portals.size(); ++i) {
-    portals[i].drawn += other.portals[i].drawn;
-    portals[i].lit += other.portals[i].lit;
-    portals[i].energy += other.portals[i].energy;
-  }
-  not_finite += other.not_finite;
-  for (const Place& place : other.not_finite_at)
-    if (not_finite_at.size() < 4) not_finite_at.push_back(place);
-}
-
 PathSampler::PathSampler(const World& world, const SampleSettings& settings, Film& film,
                          Tally& tally, const PathObserver* observer)
     : world_(world),
@@ -50,6 +34,7 @@ void PathSampler::begin(int x, int y, uint64_t sample) {
   x_ = x;
   y_ = y;
   sample_ = sample;
+  coins_ = mix64(mix64(sample) + (static_cast<uint64_t>(y) << 32 | static_cast<uint64_t>(x)));
   pixel_ = {};
 }
 
@@ -77,7 +62,7 @@ void PathSampler::run(Technique technique) {
 }
 
 void PathSampler::end() {
-  film_.add(x_, y_, pixel_);
+  if (pixel_ != Vec3d() && !film_.add(x_, y_, pixel_, coin())) leave_out();
 }
 
 void PathSampler::walk_from_camera() {
@@ -93,36 +78,44 @@ void PathSampler::walk_from_light() {
                         tally_.rays);
 }
 
-void PathSampler::count_not_finite() {
-  if (tally_.not_finite++ < 4) tally_.not_finite_at.push_back({x_, y_, sample_});
+uint64_t PathSampler::coin() {
+  return mix64(coins_++);
 }
 
-bool PathSampler::finite(const Rgb& value) {
-  if (is_finite(value)) return true;
-  count_not_finite();
+bool PathSampler::weigh(const Path& path, Strategy strategy, const Rgb& value, Rgb& weighted) {
+  if (observer_) (*observer_)(path, strategy, value);
+  const double w = path.weight(settings_.mixture, strategy, settings_.beta);
+  weighted = value * static_cast<float>(w);
+  if (is_finite(weighted)) return true;
+  leave_out();
   return false;
 }
 
-void PathSampler::to_pixel(const Path& path, Strategy strategy, const Rgb& value) {
-  if (observer_) (*observer_)(path, strategy, value);
-  const double w = path.weight(settings_.mixture, strategy, settings_.beta);
-  const Rgb weighted = value * static_cast<float>(w);
-  if (!finite(weighted)) return;
+double PathSampler::to_pixel(const Path& path, Strategy strategy, const Rgb& value) {
+  Rgb weighted;
+  if (!weigh(path, strategy, value, weighted)) return 0;
+  const auto technique = static_cast<size_t>(strategy.technique);
   pixel_ += Vec3d(weighted);
-  film_.add_to_layer(strategy.technique, x_, y_, Vec3d(weighted));
-  tally_.energy[static_cast<size_t>(strategy.technique)] += luminance(weighted);
+  if (film_.has_layer(technique)) film_.add_to_layer(technique, x_, y_, Vec3d(weighted), coin());
+  const double brought = luminance(weighted);
+  tally_.energy[technique].add(brought);
+  return brought;
 }
 
-void PathSampler::to_film(const Path& path, Strategy strategy, double raster_x, double raster_y,
-                          const Rgb& value) {
-  if (observer_) (*observer_)(path, strategy, value);
-  const double w = path.weight(settings_.mixture, strategy, settings_.beta);
-  const Rgb weighted = value * static_cast<float>(w);
-  if (!finite(weighted)) return;
-  if (!film_.splat(strategy.technique, static_cast<int>(raster_x), static_cast<int>(raster_y),
-                   weighted))
-    return count_not_finite();
-  tally_.energy[static_cast<size_t>(strategy.technique)] += luminance(weighted);
+double PathSampler::to_film(const Path& path, Strategy strategy, double raster_x, double raster_y,
+                            const Rgb& value) {
+  Rgb weighted;
+  if (!weigh(path, strategy, value, weighted)) return 0;
+  const auto technique = static_cast<size_t>(strategy.technique);
+  const int x = static_cast<int>(raster_x), y = static_cast<int>(raster_y);
+  if (!film_.add(x, y, Vec3d(weighted), coin())) {
+    leave_out();
+    return 0;
+  }
+  if (film_.has_layer(technique)) film_.add_to_layer(technique, x, y, Vec3d(weighted), coin());
+  const double brought = luminance(weighted);
+  tally_.energy[technique].add(brought);
+  return brought;
 }
 
 bool PathSampler::visible(const Point& a, const Point& b) {
@@ -253,7 +246,7 @@ void PathSampler::portal() {
   const Walk& z = camera_walk_;
   const int D = settings_.max_depth;
   if (D < 2) return;
-  if (tally_.portals.empty()) tally_.portals.resize(world_.portals.portals());
+  tally_.begin_portals(world_.portals.portals());
   Sequence random = numbers(segment);
   const PortalSet::Sample sample = world_.portals.sample(random.uniforms<7>());
   const double share = settings_.mixture.segments;
@@ -290,8 +283,7 @@ void PathSampler::portal() {
     if (!black(value)) before[static_cast<size_t>(a)] = guide_.crossing(v, x_l, tally_.rays.portal);
   }
 
-  double& energy = tally_.energy[static_cast<size_t>(Technique::portal)];
-  const double energy_before = energy;
+  double brought = 0;
   // Camera sides: b prefix vertices z_0..z_{b-1}; leaving x_c, scattered from -w.
   for (int b = 1; b <= D - 1 && b <= std::max(z.size, 1); ++b) {
     const Vertex& v = z[b - 1];
@@ -316,14 +308,12 @@ void PathSampler::portal() {
       const SegmentCrossings crossings{crossing, before[static_cast<size_t>(a)], after};
       const Path path(world_, guide_, y, a, x_l, x_c, crossings, z, b, tally_.rays);
       const Strategy strategy{Technique::portal, a};
-      if (b == 1)
-        to_film(path, strategy, raster_x, raster_y, value);
-      else
-        to_pixel(path, strategy, value);
+      brought += b == 1 ? to_film(path, strategy, raster_x, raster_y, value)
+                        : to_pixel(path, strategy, value);
     }
   }
-  of_portal.lit += energy > energy_before;
-  of_portal.energy += energy - energy_before;
+  of_portal.lit += brought > 0;
+  of_portal.energy.add(brought);
 }
 
 }  // namespace tdpt

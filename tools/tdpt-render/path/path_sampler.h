@@ -7,26 +7,6 @@
 
 namespace tdpt {
 
-/// What one thread adds up beside the film; merged in a fixed order.
-struct Tally {
-  RayCounts rays;
-  std::array<double, kTechniques> energy{};  ///< sum of luminance per technique
-  /// What the segments drawn through one portal did.
-  struct OfPortal {
-    uint64_t drawn = 0, lit = 0;  ///< those that joined a lamp with the camera
-    double energy = 0;            ///< sum of luminance of their contributions
-  };
-  std::vector<OfPortal> portals;  ///< one for each portal; empty: none was drawn from
-  uint64_t not_finite = 0;        ///< contributions left out
-  struct Place {
-    int x, y;
-    uint64_t sample;
-  };
-  std::vector<Place> not_finite_at;  ///< the first few
-
-  void merge(const Tally& other);
-};
-
 struct SampleSettings {
   Mixture mixture;
   int max_depth = 6;
@@ -38,11 +18,17 @@ struct SampleSettings {
 /// Sees every contribution with its path: for tests.
 using PathObserver = std::function<void(const Path&, Strategy, const Rgb& unweighted)>;
 
-/// Makes samples of a mixture: begin(), run(), end().
+/// Makes samples of a mixture: sample(), or its parts begin(), run() and end().
 class PathSampler {
  public:
   PathSampler(const World& world, const SampleSettings& settings, Film& film, Tally& tally,
               const PathObserver* observer = nullptr);
+
+  void sample(int x, int y, uint64_t sample) {
+    begin(x, y, sample);
+    run();
+    end();
+  }
 
   /// Starts a sample; random numbers depend on (seed, stream, pixel, sample) only.
   void begin(int x, int y, uint64_t sample);
@@ -68,11 +54,16 @@ class PathSampler {
   enum Purpose : uint64_t { film_place, camera_walk, light_walk, next_event, segment };
   Sequence numbers(Purpose purpose) const;
 
-  void to_pixel(const Path& path, Strategy strategy, const Rgb& value);
-  void to_film(const Path& path, Strategy strategy, double raster_x, double raster_y,
-               const Rgb& value);
-  bool finite(const Rgb& value);
-  void count_not_finite();
+  // Weigh a contribution and add it to the sample's own pixel, or where it falls on the film;
+  // return the luminance that it brought.
+  double to_pixel(const Path& path, Strategy strategy, const Rgb& value);
+  double to_film(const Path& path, Strategy strategy, double raster_x, double raster_y,
+                 const Rgb& value);
+  /// False when it is not finite: then it is counted and left out.
+  bool weigh(const Path& path, Strategy strategy, const Rgb& value, Rgb& weighted);
+  void leave_out() { tally_.leave_out({sample_, y_, x_}); }
+  /// Random bits for rounding, others at each call.
+  uint64_t coin();
 
   bool visible(const Point& a, const Point& b);
 
@@ -94,6 +85,7 @@ class PathSampler {
   const PathObserver* observer_;
   int x_ = 0, y_ = 0;
   uint64_t sample_ = 0;
+  uint64_t coins_ = 0;  ///< state of coin()
   Vec3d pixel_{};
   Walk light_walk_, camera_walk_, light_point_;
 };

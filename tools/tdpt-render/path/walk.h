@@ -2,17 +2,12 @@
 #pragma once
 #include "libcommon/math/sequence.h"
 #include "tools/tdpt-render/path/guide.h"
+#include "tools/tdpt-render/path/tally.h"
 
 namespace tdpt {
 
 /// Longest path: 64 edges.
 constexpr int kMaxDepth = 64;
-
-struct RayCounts {
-  uint64_t closest = 0;  ///< first-hit rays
-  uint64_t shadow = 0;   ///< visibility tests
-  uint64_t portal = 0;   ///< edges tested against the portals
-};
 
 /// What a walk knows of its own at one of its vertices.
 struct WalkState {

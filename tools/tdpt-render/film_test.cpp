@@ -1,0 +1,248 @@
+// Films are sums that any order gives alike, and that parts of a picture merge to.
+#include "tools/tdpt-render/film.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include <gtest/gtest.h>
+#include <oneapi/tbb/global_control.h>
+#include <oneapi/tbb/parallel_for.h>
+
+#include "libcommon/base/error.h"
+#include "libcommon/math/rng.h"
+#include "tools/tdpt-render/render.h"
+#include "tools/tdpt-render/test_rooms.h"
+
+namespace tdpt {
+namespace {
+
+Vec3d grey(double v) {
+  return {v, v, v};
+}
+
+TEST(fixed_sum, holds_what_is_added_in_any_order_and_from_any_thread) {
+  std::vector<Units> values;
+  for (uint64_t i = 0; i < 20000; ++i)
+    values.push_back(static_cast<Units>(mix64(i)) << (mix64(i + 1) % 48));
+  Units expected = 0;
+  for (Units v : values) expected += v;
+  FixedSum in_order, backwards, parallel;
+  for (Units v : values) in_order.add(v);
+  for (size_t i = values.size(); i-- > 0;) backwards.add(values[i]);
+  tbb::parallel_for(size_t{0}, values.size(), [&](size_t i) { parallel.add(values[i]); });
+  EXPECT_TRUE(in_order.units() == expected);
+  EXPECT_TRUE(backwards.units() == expected);
+  EXPECT_TRUE(parallel.units() == expected);
+}
+
+TEST(fixed_sum, says_when_it_wraps_round) {
+  FixedSum sum;
+  EXPECT_TRUE(sum.add(~Units{0}));
+  EXPECT_FALSE(sum.add(1));
+  EXPECT_TRUE(sum.units() == 0);
+}
+
+// Mean of what values far below a unit become; `up`: probability of rounding up, in place of the
+// coin's.
+double mean_of_dim(double value, bool fair) {
+  constexpr int n = 100000;
+  Units sum = 0;
+  for (int i = 0; i < n; ++i) {
+    Units units;
+    EXPECT_TRUE(to_units(value, 1, fair ? mix64(static_cast<uint64_t>(i)) : ~uint64_t{0}, units));
+    sum += units;
+  }
+  return from_units(sum, 1) / n;
+}
+TEST(fixed_sum, rounding_darkens_nothing) {
+  for (double value : {0.001, 0.37, 3.75, 1e6 + 0.25})
+    EXPECT_NEAR(mean_of_dim(value, true), value, 4 * 0.5 / std::sqrt(1e5)) << value;
+  EXPECT_EQ(mean_of_dim(0.37, false), 0);  // twin: rounding down
+}
+
+TEST(fixed_sum, is_exact_where_a_double_is) {
+  for (double value : {1.0, 0x1p52 + 1, 0x1.8p53, 0x1.fffffffffffffp109, 12345.0}) {
+    Units units;
+    EXPECT_TRUE(to_units(value, 1, 0, units));
+    EXPECT_EQ(from_units(units, 1), value);
+  }
+  Units units;
+  for (double value : {-1.0, 0x1p110, std::nan(""), std::numeric_limits<double>::infinity()})
+    EXPECT_FALSE(to_units(value, 1, 0, units)) << value;
+}
+
+TEST(film, does_not_depend_on_the_order_of_contributions) {
+  const std::vector<double> values{1e-6, 3.7, 123.4, 0.001, 7e5};
+  Film a(1, 1, 10), b(1, 1, 10);
+  for (size_t i = 0; i < values.size(); ++i) {
+    EXPECT_TRUE(a.add(0, 0, grey(values[i]), i));
+    const size_t j = values.size() - 1 - i;
+    EXPECT_TRUE(b.add(0, 0, grey(values[j]), j));
+  }
+  EXPECT_EQ(a.sums(), b.sums());
+  EXPECT_NEAR(a.sums()[0].x, 700127.101001, 1e-9);
+}
+
+TEST(film, a_dark_room_beside_a_bright_one_keeps_its_digits) {
+  Film film(2, 1, 1e6);
+  for (uint64_t i = 0; i < 1000; ++i) {
+    film.add(0, 0, grey(1e-6), mix64(i));
+    film.add(1, 0, grey(1e9), mix64(i + 1000));
+  }
+  EXPECT_NEAR(film.sums()[0].x, 1e-3, 1e-9);
+  EXPECT_EQ(film.sums()[1].x, 1e12);
+}
+
+TEST(film, holds_contributions_from_close_to_the_camera_and_refuses_larger_ones) {
+  Film film(1, 1, 1);
+  EXPECT_TRUE(film.add(0, 0, grey(0x1p45), 0));
+  EXPECT_TRUE(film.add(0, 0, grey(0x1p45), 0));
+  EXPECT_TRUE(film.add(0, 0, grey(0x1p13), 0));
+  EXPECT_FALSE(film.add(0, 0, grey(1e30), 0));
+  EXPECT_FALSE(film.add(0, 0, grey(-1), 0));
+  EXPECT_EQ(film.sums()[0].x, 0x1p46 + 0x1p13);
+}
+
+TEST(film, knows_its_samples) {
+  Film film(1, 1, 1);
+  for (const SampleRange& r : {SampleRange{4, 2}, {0, 2}, {8, 1}, {2, 2}}) film.complete(r);
+  EXPECT_EQ(film.ranges(), (std::vector<SampleRange>{{0, 6}, {8, 1}}));
+  EXPECT_EQ(film.samples(), 7u);
+  EXPECT_THROW(film.complete({5, 1}), std::invalid_argument);
+  EXPECT_THROW(film.complete({7, 2}), std::invalid_argument);
+  EXPECT_EQ(film.samples(), 7u);
+}
+
+TEST(film, merges_with_films_of_the_same_picture_only) {
+  Film::Options other;
+  other.shaped_by = "another scene";
+  Film film(2, 1, 1), stranger(2, 1, 1, other), small(1, 1, 1), brighter(2, 1, 8), same(2, 1, 1);
+  film.complete({0, 2});
+  same.complete({1, 2});
+  for (const Film* bad : {&stranger, &small, &brighter, &same})
+    EXPECT_THROW(film.merge(*bad), std::invalid_argument);
+  EXPECT_EQ(film.ranges(), (std::vector<SampleRange>{{0, 2}}));
+}
+
+// ---- Renderings in parts ----
+
+class parts : public ::testing::Test {
+ protected:
+  Film part(const SampleRange& samples, uint64_t step, uint64_t error_block = 0) {
+    Film::Options options;
+    options.layers = tdpt_org.mixture.techniques.bits();
+    options.error_block = error_block;
+    Film film(world_.film.width(), world_.film.height(), world_.lights.power(), options);
+    Tally tally(film.unit());
+    Progress progress("", "", 0, true);
+    for (uint64_t s = samples.first; s < samples.end(); s += step)
+      render_samples(world_, tdpt_org, {}, 0, {s, step}, film, tally, progress);
+    energy_ = tally.energy[static_cast<size_t>(Technique::portal)];
+    return film;
+  }
+  static void expect_same(const Film& a, const Film& b) {
+    EXPECT_EQ(a.sums(), b.sums());
+    EXPECT_EQ(a.ranges(), b.ranges());
+    EXPECT_EQ(a.variance(), b.variance());
+    for (size_t layer = 0; layer < kTechniques; ++layer)
+      EXPECT_EQ(a.layer_sums(layer), b.layer_sums(layer));
+  }
+
+  const Scene scene_ = read_gltf(two_rooms_path());
+  const World world_{scene_, scene_.camera(""), 24, 18, {portal_in_the_hole()}};
+  double energy_ = 0;
+};
+
+TEST_F(parts, have_the_bytes_of_the_undivided_picture_whatever_the_split_and_the_threads) {
+  const Film whole = part({0, 16}, 4, 4);
+  const double energy = energy_;
+  for (size_t threads : {1, 2, 3}) {
+    tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    // Merged as a tree, out of order.
+    Film left = part({8, 8}, 4, 4);
+    double sum = energy_;
+    Film right = part({4, 4}, 4, 4);
+    sum += energy_;
+    right.merge(part({0, 4}, 4, 4));
+    sum += energy_;
+    left.merge(right);
+    expect_same(left, whole);
+    EXPECT_NEAR(sum / energy, 1, 1e-14);
+  }
+  expect_same(part({0, 16}, 1), part({0, 16}, 16));
+  // Twin: other samples are another picture.
+  EXPECT_NE(part({0, 4}, 4).sums(), part({4, 4}, 4).sums());
+}
+
+TEST_F(parts, are_what_render_makes_of_the_plan) {
+  RenderSettings settings;
+  settings.spp = 6;
+  const RenderResult whole = render(world_, tdpt_org, settings);
+  Film film = part({0, 3}, 3);
+  film.merge(part({3, 3}, 1));
+  EXPECT_EQ(scaled_picture(24, 18, film.sums(), 1.0 / 6).pixels, whole.picture.pixels);
+  EXPECT_EQ(whole.plan.spp, 6u);
+}
+
+// Variance of the means of many pictures, against what each says of itself.
+double ratio_of_variances(double fault) {
+  constexpr int kPictures = 400, kBlocks = 8;
+  double said = 0, sum = 0, square = 0;
+  for (uint64_t p = 0; p < kPictures; ++p) {
+    Film::Options options;
+    options.error_block = 2;
+    Film film(1, 1, 1, options);
+    for (uint64_t b = 0; b < kBlocks; ++b) {
+      for (uint64_t s = 2 * b; s < 2 * b + 2; ++s) {
+        Rng rng(1, p, s);
+        const double u = rng.uniform();
+        film.add(0, 0, grey(u < 0.1 ? 10 : u), mix64(s));
+      }
+      film.complete({2 * b, 2});
+    }
+    const double mean = film.sums()[0].x / (2 * kBlocks);
+    said += film.variance()[0] / kPictures * fault;
+    sum += mean / kPictures;
+    square += mean * mean / kPictures;
+  }
+  return said / (square - sum * sum);
+}
+TEST(film, tells_its_variance) {
+  EXPECT_NEAR(ratio_of_variances(1), 1, 0.2);
+  EXPECT_GT(std::abs(ratio_of_variances(2) - 1), 0.2);  // twin: of single samples
+}
+
+// ---- Plans ----
+
+TEST(plan, is_read_as_it_was_written) {
+  Plan plan{kGuided[2], "tdpt-guided 0.5 0.2 0.25", 1000, 1.0 / 3};
+  EXPECT_EQ(read_plan(plan_text(plan), "a"), plan);
+  Plan other = plan;
+  other.integrator.mixture.segments = 0.5;
+  EXPECT_FALSE(read_plan(plan_text(other), "a") == plan);
+}
+
+TEST(plan, that_is_none_is_refused_with_its_place) {
+  const auto message = [](std::string text, const std::string& from, const std::string& to) {
+    if (!from.empty()) text.replace(text.find(from), from.size(), to);
+    try {
+      read_plan(text, "p.json");
+    } catch (const InputError& e) {
+      return std::string(e.what());
+    }
+    return std::string("read");
+  };
+  const std::string good = plan_text({});
+  EXPECT_EQ(message("{", "", ""), "p.json: is no JSON object, expected a plan");
+  EXPECT_EQ(message(good, "\"spp\"", "\"sp\""), "p.json:spp: is missing");
+  EXPECT_EQ(message(good, "\"spp\":0", "\"spp\":-1"), "p.json:spp: is no such number");
+  EXPECT_EQ(message(good, "\"segments\":1.0", "\"segments\":2"),
+            "p.json:segments: is out of range");
+  EXPECT_EQ(message(good, "\"integrator\":\"bdpt\"", "\"integrator\":\"b\""),
+            "p.json:integrator: is not known");
+  EXPECT_EQ(message(good, "", ""), "read");
+}
+
+}  // namespace
+}  // namespace tdpt

@@ -1,0 +1,81 @@
+// Sums in fixed point of 128 bits: the order of what is added cannot matter, whoever adds it.
+//
+// A value v becomes v / unit units, rounded up or down at random so that its mean stays v: values
+// far below a unit darken nothing. The coin is a hash of what the value is, so that it falls alike
+// in every run.
+#pragma once
+#include <atomic>
+#include <cmath>
+#include <cstdint>
+
+namespace tdpt {
+
+using Units = unsigned __int128;
+
+/// At most 2^110 units, so that 2^18 of the largest fit into a sum. False for what is negative, not
+/// finite or larger. `coin`: uniform in 0..2^64-1; `unit`: a power of two.
+inline bool to_units(double value, double unit, uint64_t coin, Units& units) {
+  const double scaled = value / unit;
+  units = 0;
+  if (!(scaled >= 0 && scaled < 0x1p110)) return false;
+  if (scaled < 0x1p53) {
+    const auto whole = static_cast<uint64_t>(scaled);
+    units =
+        whole + (static_cast<double>(coin >> 11) * 0x1p-53 < scaled - static_cast<double>(whole));
+    return true;
+  }
+  const auto high = static_cast<uint64_t>(scaled * 0x1p-53);  // the rest is exact
+  units = (static_cast<Units>(high) << 53) +
+          static_cast<uint64_t>(scaled - static_cast<double>(high) * 0x1p53);
+  return true;
+}
+inline double from_units(Units units, double unit) {
+  return (static_cast<double>(static_cast<uint64_t>(units >> 64)) * 0x1p64 +
+          static_cast<double>(static_cast<uint64_t>(units))) *
+         unit;
+}
+
+/// Any thread may add. Each wrap of the lower word carries once, whatever the order.
+class FixedSum {
+ public:
+  /// False when the sum wraps round.
+  bool add(Units units) {
+    const auto low = static_cast<uint64_t>(units);
+    auto high = static_cast<uint64_t>(units >> 64);
+    high += low_.fetch_add(low, std::memory_order_relaxed) > ~low;
+    if (high == 0) return true;
+    return high_.fetch_add(high, std::memory_order_relaxed) <= ~high;
+  }
+  /// After all have added.
+  Units units() const {
+    return static_cast<Units>(high_.load(std::memory_order_relaxed)) << 64 |
+           low_.load(std::memory_order_relaxed);
+  }
+  void set(Units units) {
+    low_.store(static_cast<uint64_t>(units), std::memory_order_relaxed);
+    high_.store(static_cast<uint64_t>(units >> 64), std::memory_order_relaxed);
+  }
+
+ private:
+  std::atomic<uint64_t> low_{0}, high_{0};
+};
+
+/// The same for one thread, with its unit.
+class UnitSum {
+ public:
+  UnitSum() = default;
+  explicit UnitSum(double unit) : unit_(unit) {}
+  /// Rounds down: for what is reported and not seen. Leaves out what cannot be held.
+  void add(double value) {
+    Units units;
+    if (to_units(value, unit_, ~uint64_t{0}, units)) units_ += units;
+  }
+  void merge(const UnitSum& other) { units_ += other.units_; }
+  operator double() const { return from_units(units_, unit_); }
+
+ private:
+  Units units_ = 0;
+  double unit_ = 1;
+};
+
+}  // namespace tdpt

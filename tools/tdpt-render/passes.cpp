@@ -1,0 +1,56 @@
+#include "tools/tdpt-render/passes.h"
+
+#include <algorithm>
+
+#include <oneapi/tbb/parallel_for.h>
+
+namespace tdpt {
+
+void render_samples(const World& world, const Integrator& integrator, const SampleRules& rules,
+                    uint64_t round, const SampleRange& samples, Film& film, Tally& tally,
+                    Progress& progress) {
+  // No integrator has a stream as large.
+  constexpr uint64_t kStreams = 1024;
+  const SampleSettings settings{integrator.mixture, rules.max_depth, rules.beta, rules.seed,
+                                integrator.stream + kStreams * round};
+  const int width = world.film.width(), height = world.film.height();
+  std::vector<Tally> rows(static_cast<size_t>(height), Tally(film.unit()));
+  tbb::parallel_for(0, height, [&](int y) {
+    PathSampler sampler(world, settings, film, rows[static_cast<size_t>(y)]);
+    for (int x = 0; x < width; ++x)
+      for (uint64_t s = samples.first; s < samples.end(); ++s) sampler.sample(x, y, s);
+    progress.advance(static_cast<uint64_t>(width) * samples.count);
+  });
+  for (const Tally& row : rows) tally.merge(row);
+  film.complete(samples);
+}
+
+Film film_for(const World& world, const TechniqueSet& layers) {
+  Film::Options options;
+  options.layers = layers.bits();
+  return Film(world.film.width(), world.film.height(), world.lights.power(), options);
+}
+
+template <class AnyTally>
+void RenderTally::add_any(const AnyTally& tally, double share) {
+  rays.merge(tally.rays);
+  for (size_t i = 0; i < kTechniques; ++i) energy[i] += share * tally.energy[i];
+  if (portals.size() < tally.portals.size()) portals.resize(tally.portals.size());
+  for (size_t i = 0; i < tally.portals.size(); ++i) {
+    portals[i].drawn += tally.portals[i].drawn;
+    portals[i].lit += tally.portals[i].lit;
+    portals[i].energy += share * tally.portals[i].energy;
+  }
+  not_finite += tally.not_finite;
+  not_finite_at.insert(not_finite_at.end(), tally.not_finite_at.begin(), tally.not_finite_at.end());
+  if (not_finite_at.size() > Tally::kMostPlaces) not_finite_at.resize(Tally::kMostPlaces);
+}
+
+void RenderTally::add(const Tally& tally, double share) {
+  add_any(tally, share);
+}
+void RenderTally::add(const RenderTally& tally, double share) {
+  add_any(tally, share);
+}
+
+}  // namespace tdpt

@@ -1,0 +1,47 @@
+// Samples of a picture: what is rendered is a function of what to render and which samples.
+#pragma once
+#include "libcommon/base/progress.h"
+#include "tools/tdpt-render/integrators/integrator.h"
+#include "tools/tdpt-render/path/path_sampler.h"
+
+namespace tdpt {
+
+/// What all samples of a rendering share, whichever integrator makes them.
+struct SampleRules {
+  int max_depth = 6;
+  double beta = 1;  ///< 1: balance heuristic, 2: power heuristic
+  uint64_t seed = 1;
+};
+
+/// Renders those samples of every pixel into `film` and counts them in `tally`, in parallel.
+/// `round` 0 is the picture itself; others have random numbers of their own. The film and the tally
+/// are the same however samples are split into calls and among threads.
+void render_samples(const World& world, const Integrator& integrator, const SampleRules& rules,
+                    uint64_t round, const SampleRange& samples, Film& film, Tally& tally,
+                    Progress& progress);
+
+/// A film for pictures of that world; with a layer for each technique in `layers`.
+Film film_for(const World& world, const TechniqueSet& layers);
+
+/// What a rendering did, all its parts together.
+struct RenderTally {
+  RayCounts rays;
+  std::array<double, kTechniques> energy{};  ///< sum of luminance per technique
+  struct OfPortal {
+    uint64_t drawn = 0, lit = 0;
+    double energy = 0;
+  };
+  std::vector<OfPortal> portals;  ///< as in Tally
+  uint64_t not_finite = 0;
+  std::vector<Tally::Place> not_finite_at;
+
+  /// Counts as they are, energies times `share`: that of the picture, not of what was done for it.
+  void add(const Tally& tally, double share);
+  void add(const RenderTally& tally, double share);
+
+ private:
+  template <class AnyTally>
+  void add_any(const AnyTally& tally, double share);
+};
+
+}  // namespace tdpt

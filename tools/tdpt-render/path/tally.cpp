@@ -1,0 +1,28 @@
+#include "tools/tdpt-render/path/tally.h"
+
+#include <algorithm>
+
+namespace tdpt {
+
+void Tally::leave_out(const Place& place) {
+  ++not_finite;
+  not_finite_at.insert(std::upper_bound(not_finite_at.begin(), not_finite_at.end(), place), place);
+  if (not_finite_at.size() > kMostPlaces) not_finite_at.pop_back();
+}
+
+void Tally::merge(const Tally& other) {
+  rays.merge(other.rays);
+  for (size_t i = 0; i < kTechniques; ++i) energy[i].merge(other.energy[i]);
+  begin_portals(other.portals.size());
+  for (size_t i = 0; i < other.portals.size(); ++i) {
+    portals[i].drawn += other.portals[i].drawn;
+    portals[i].lit += other.portals[i].lit;
+    portals[i].energy.merge(other.portals[i].energy);
+  }
+  not_finite += other.not_finite;
+  not_finite_at.insert(not_finite_at.end(), other.not_finite_at.begin(), other.not_finite_at.end());
+  std::sort(not_finite_at.begin(), not_finite_at.end());
+  if (not_finite_at.size() > kMostPlaces) not_finite_at.resize(kMostPlaces);
+}
+
+}  // namespace tdpt

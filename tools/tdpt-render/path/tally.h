@@ -1,0 +1,55 @@
+// What samples count beside the film: integers, so that the order of threads cannot matter.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "tools/tdpt-render/fixed_sum.h"
+#include "tools/tdpt-render/path/mixture.h"
+
+namespace tdpt {
+
+struct RayCounts {
+  uint64_t closest = 0;  ///< first-hit rays
+  uint64_t shadow = 0;   ///< visibility tests
+  uint64_t portal = 0;   ///< edges tested against the portals
+
+  void merge(const RayCounts& other) {
+    closest += other.closest;
+    shadow += other.shadow;
+    portal += other.portal;
+  }
+};
+
+struct Tally {
+  /// `unit`: of energies, a power of two [Film::unit].
+  explicit Tally(double unit = 0x1p-64) : unit_(unit) { energy.fill(UnitSum(unit)); }
+
+  RayCounts rays;
+  std::array<UnitSum, kTechniques> energy;  ///< sum of luminance per technique
+  /// What the segments drawn through one portal did.
+  struct OfPortal {
+    uint64_t drawn = 0, lit = 0;  ///< those that joined a light with the camera
+    UnitSum energy;               ///< sum of luminance of their contributions
+  };
+  std::vector<OfPortal> portals;  ///< one for each portal; empty: none was drawn from
+  uint64_t not_finite = 0;        ///< contributions left out
+  struct Place {
+    uint64_t sample;
+    int y, x;
+    friend auto operator<=>(const Place&, const Place&) = default;
+  };
+  static constexpr size_t kMostPlaces = 4;
+  std::vector<Place> not_finite_at;  ///< the first few, in order
+
+  void begin_portals(size_t n) {
+    if (portals.empty()) portals.resize(n, {0, 0, UnitSum(unit_)});
+  }
+  void leave_out(const Place& place);
+  void merge(const Tally& other);
+
+ private:
+  double unit_;
+};
+
+}  // namespace tdpt

@@ -1,0 +1,85 @@
+#include "tools/tdpt-render/plan.h"
+
+#include <cmath>
+
+#include <nlohmann/json.hpp>
+
+#include "libcommon/base/error.h"
+
+namespace tdpt {
+namespace {
+
+// A value of the plan, checked on the way in.
+class Reader {
+ public:
+  Reader(const nlohmann::json& from, const std::string& file) : from_(from), file_(file) {}
+
+  template <class T>
+  T get(const char* key) const {
+    const auto at = from_.find(key);
+    if (at == from_.end()) fail(key, "is missing");
+    const bool fits = std::is_same_v<T, std::string> ? at->is_string()
+                      : std::is_integral_v<T>        ? at->is_number_unsigned()
+                                                     : at->is_number();
+    if (!fits) fail(key, std::is_same_v<T, std::string> ? "is no string" : "is no such number");
+    return at->get<T>();
+  }
+  double within(const char* key, double lowest, double highest) const {
+    const double value = get<double>(key);
+    if (!(value >= lowest && value <= highest)) fail(key, "is out of range");
+    return value;
+  }
+  [[noreturn]] void fail(const char* key, const std::string& what) const {
+    throw InputError(file_, key, what);
+  }
+
+ private:
+  const nlohmann::json& from_;
+  const std::string& file_;
+};
+
+}  // namespace
+
+bool operator==(const Plan& a, const Plan& b) {
+  return std::string(a.integrator.name) == b.integrator.name &&
+         a.integrator.stream == b.integrator.stream &&
+         a.integrator.mixture == b.integrator.mixture && a.label == b.label && a.spp == b.spp &&
+         a.pilot_share == b.pilot_share;
+}
+
+std::string plan_text(const Plan& plan) {
+  const Mixture& m = plan.integrator.mixture;
+  return nlohmann::ordered_json{{"integrator", plan.integrator.name},
+                                {"stream", plan.integrator.stream},
+                                {"label", plan.label},
+                                {"first_direct", m.first_direct},
+                                {"later_direct", m.later_direct},
+                                {"segments", m.segments},
+                                {"guide_light", m.guiding.chance[0]},
+                                {"guide_camera", m.guiding.chance[1]},
+                                {"spp", plan.spp},
+                                {"pilot_share", plan.pilot_share}}
+      .dump();
+}
+
+Plan read_plan(const std::string& text, const std::string& file) {
+  const nlohmann::json from = nlohmann::json::parse(text, nullptr, false);
+  if (!from.is_object()) throw InputError(file, "", "is no JSON object, expected a plan");
+  const Reader in(from, file);
+  Plan plan;
+  const Integrator* row = find_integrator(in.get<std::string>("integrator"));
+  if (!row) in.fail("integrator", "is not known");
+  plan.integrator = *row;
+  plan.integrator.stream = in.get<uint64_t>("stream");
+  plan.label = in.get<std::string>("label");
+  Mixture& m = plan.integrator.mixture;
+  m.first_direct = in.within("first_direct", 1e-3, 1e3);
+  m.later_direct = in.within("later_direct", 1e-3, 1e3);
+  m.segments = in.within("segments", 0.01, 1);
+  m.guiding.chance = {in.within("guide_light", 0, 0.95), in.within("guide_camera", 0, 0.95)};
+  plan.spp = in.get<uint64_t>("spp");
+  plan.pilot_share = in.within("pilot_share", 0, 1);
+  return plan;
+}
+
+}  // namespace tdpt

@@ -1,0 +1,24 @@
+// All that a run decides by measuring, before the samples that it is for: with the same plan the
+// same samples have the same bytes, on however many threads, in however many parts.
+#pragma once
+#include <string>
+
+#include "tools/tdpt-render/integrators/integrator.h"
+
+namespace tdpt {
+
+struct Plan {
+  Integrator integrator = bdpt;  ///< renders the picture's own samples
+  std::string label;             ///< of the candidate that it is
+  uint64_t spp = 0;              ///< samples of each pixel; 0: as many as the time allows
+  double pilot_share = 0;        ///< of the picture, for what a pilot has rendered; 0: none
+
+  friend bool operator==(const Plan& a, const Plan& b);
+};
+
+/// As JSON: an object on one line.
+std::string plan_text(const Plan& plan);
+/// Reads it back. `file`: names it in messages. Throws InputError.
+Plan read_plan(const std::string& text, const std::string& file);
+
+}  // namespace tdpt
