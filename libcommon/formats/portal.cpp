@@ -2,6 +2,7 @@
 // They are read with the same suspicion, and the same code, as scenes.
 #include "libcommon/formats/portal.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -84,6 +85,9 @@ class Reader {
     if (!list && !strip && !fan) return;  // points and lines bound no area
     const auto position = p.attributes.find("POSITION");
     if (position == p.attributes.end()) d_.fail(where, "has no POSITION");
+    if (p.material >= 0)
+      portal.both_ways |=
+          d_.json.at("materials").at(static_cast<size_t>(p.material)).value("doubleSided", false);
     const auto accessor = static_cast<size_t>(position->second);
     const std::vector<Vec3d> places = read_positions(d_, accessor);
     const size_t base = portal.vertices.size();
@@ -184,8 +188,9 @@ std::string portal_bytes(const PortalFile& file) {
                                  {"count", 3 * portal.triangles.size()},
                                  {"type", "SCALAR"}});
     const std::string name = fmt::format("portal.{}", n);
-    Json primitive = {
-        {"attributes", {{"POSITION", accessor}}}, {"indices", accessor + 1}, {"material", 0}};
+    Json primitive = {{"attributes", {{"POSITION", accessor}}},
+                      {"indices", accessor + 1},
+                      {"material", portal.both_ways ? 1 : 0}};
     root["meshes"].push_back({{"name", name}, {"primitives", Json::array({primitive})}});
     Json node = {{"name", name}, {"mesh", n}, {"translation", {centre.x, centre.y, centre.z}}};
     for (const auto& [key, value] : portal.figures)
@@ -194,12 +199,16 @@ std::string portal_bytes(const PortalFile& file) {
     root["scenes"][0]["nodes"].push_back(n);
   }
   if (!file.portals.empty()) {
-    root["materials"] =
-        Json::array({{{"name", "portal"},
-                      {"alphaMode", "BLEND"},
-                      {"doubleSided", true},
-                      {"pbrMetallicRoughness",
-                       {{"baseColorFactor", {1.0, 0.5, 0.1, 0.4}}, {"metallicFactor", 0.0}}}}});
+    // One to pass along the normal; another, where it is used, to pass both ways.
+    Json material = {{"name", "portal"},
+                     {"alphaMode", "BLEND"},
+                     {"pbrMetallicRoughness",
+                      {{"baseColorFactor", {1.0, 0.5, 0.1, 0.4}}, {"metallicFactor", 0.0}}}};
+    root["materials"].push_back(material);
+    material["doubleSided"] = true;
+    if (std::any_of(file.portals.begin(), file.portals.end(),
+                    [](const Portal& p) { return p.both_ways; }))
+      root["materials"].push_back(material);
     root["buffers"] = Json::array({{{"byteLength", bin.size()}}});
   }
 

@@ -20,6 +20,9 @@ struct Portal {
   /// How far a vertex may lie from where it was meant, for the file holds it in single precision
   /// [m].
   double rounding = 0;
+  /// Light passes it from its back to its front and the other way, too: some primitive of it has a
+  /// doubleSided material.
+  bool both_ways = false;
 };
 
 struct PortalFile {

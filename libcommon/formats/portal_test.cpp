@@ -120,6 +120,42 @@ TEST_F(PortalFormat, ComesBackAsItWasWritten) {
   EXPECT_EQ(portal_bytes(back), bytes);
 }
 
+TEST_F(PortalFormat, OneForBothWaysComesBackAsSuch) {
+  PortalFile file;
+  Portal one;
+  one.vertices = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}};
+  one.triangles = {{0, 1, 2}};
+  Portal both = one;
+  both.both_ways = true;
+  EXPECT_EQ(portal_bytes({{one}, {}, {}, {}}).find("doubleSided"), std::string::npos);
+  const std::string bytes = portal_bytes({{one, both}, {}, {}, {}});
+  const PortalFile back = read_portals(write("p.glb", bytes));
+  EXPECT_FALSE(back.portals.at(0).both_ways);
+  EXPECT_TRUE(back.portals.at(1).both_ways);
+  EXPECT_EQ(portal_bytes(back), bytes);
+}
+
+// Blender writes doubleSided unless backface culling is on.
+TEST_F(PortalFormat, ADoubleSidedMaterialLetsLightPassBothWays) {
+  Json g = square();
+  g["meshes"][0]["primitives"][0]["material"] = 1;
+  g["materials"] = Json::parse(R"([{"doubleSided":true},{"name":"Material"}])");
+  EXPECT_FALSE(read(g).portals.at(0).both_ways);
+  g["meshes"][0]["primitives"][0]["material"] = 0;
+  EXPECT_TRUE(read(g).portals.at(0).both_ways);
+  // Of two primitives one is enough; lines have no sides.
+  g["meshes"][0]["primitives"].push_back(g["meshes"][0]["primitives"][0]);
+  g["meshes"][0]["primitives"][0]["material"] = 1;
+  EXPECT_TRUE(read(g).portals.at(0).both_ways);
+  g["meshes"][0]["primitives"][1]["mode"] = 1;
+  EXPECT_FALSE(read(g).portals.at(0).both_ways);
+  g["meshes"][0]["primitives"][0]["material"] = 2;
+  EXPECT_EQ(place_of(message(g)), "meshes[0].primitives[0].material");
+  g["meshes"][0]["primitives"][0]["material"] = 0;
+  g["materials"][0]["doubleSided"] = "yes";
+  EXPECT_EQ(place_of(message(g)), "materials[0].doubleSided");
+}
+
 TEST_F(PortalFormat, NoPortalIsAFileToo) {
   const PortalFile back = read_portals(write("p.glb", portal_bytes({})));
   EXPECT_TRUE(back.portals.empty());

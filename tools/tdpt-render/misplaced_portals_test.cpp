@@ -36,6 +36,11 @@ Portal reversed(Portal p) {
   return p;
 }
 
+std::vector<Portal> for_both_ways(std::vector<Portal> portals) {
+  for (Portal& p : portals) p.both_ways = true;
+  return portals;
+}
+
 /// A disc of n triangles, light going to -x.
 Portal fan(int n) {
   Portal p{"fan", {{2.05, 1, 0}}, {}, {}};
@@ -140,6 +145,7 @@ TEST_F(misplaced_portals, directed_walks_are_harmless_too) {
   };
   const std::vector<std::pair<const char*, std::vector<Portal>>> sets{
       {"half beside it", {across(2.05, 0.2, 1.8, -1.6, 0)}},
+      {"for both ways", for_both_ways({in_the_window(), across(0.8, 0.02, 1.98, -0.98, 0.98)})},
       {"by 60 degrees", {turned(60)}},
       {"through the camera", {across(0.15, -1, 3, -2, 2)}},
       {"both ways", {in_the_window(), reversed(in_the_window())}},
@@ -169,6 +175,32 @@ TEST_F(misplaced_portals, twin_a_density_off_by_5_percent_is_caught) {
     World world = world_with({portal});
     scale_density(world, 1.05);
     EXPECT_FALSE(verdict("twin, 5 %", world, tdpt_ref).holds());
+  }
+}
+
+}  // namespace
+
+struct PortalSetFaults {
+  /// Factor of the density of segments to +x (1) or to -x (-1).
+  static void scale_one_way(PortalSet& set, double along_x, double factor) {
+    for (PortalSet::Polygon& q : set.polygons_)
+      if (q.normal.x * along_x > 0) q.density *= factor;
+  }
+};
+
+namespace {
+
+// Light crosses the middle of the camera's room both ways.
+TEST_F(misplaced_portals, one_that_works_both_ways_is_harmless) {
+  const std::vector<Portal> room = for_both_ways({across(0.8, 0.02, 1.98, -0.98, 0.98)});
+  expect_harmless("window, both ways", for_both_ways({in_the_window()}), kBoth);
+  expect_harmless("room, both ways", room, kBoth);
+  expect_harmless("two, both ways", for_both_ways({in_the_window(), room[0]}), kBoth);
+  // Most light goes to -x: along the normal of the one, against that of the other.
+  for (const Portal& portal : {in_the_window(), reversed(in_the_window())}) {
+    World world = world_with(for_both_ways({portal}));
+    PortalSetFaults::scale_one_way(world.portals, -1, 1.05);
+    EXPECT_FALSE(verdict("twin, one way 5 %", world, tdpt_ref).holds());
   }
 }
 

@@ -14,7 +14,9 @@ constexpr int kSteps = 8, kSkipped = 2;
 }  // namespace
 
 double probed_conductance(const World& world, const Portal& portal) {
-  const PortalSet opening({portal}, world.scene.frame);
+  Portal one_way = portal;
+  one_way.both_ways = false;
+  const PortalSet opening({one_way}, world.scene.frame);
   if (opening.empty()) return 0;
   double narrowest = 0;
   for (const uint64_t to_camera : {0, 1}) {

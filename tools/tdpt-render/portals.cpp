@@ -15,6 +15,12 @@ double twice_area(const Corners& t) {
   return length(cross(t[1] - t[0], t[2] - t[0]));
 }
 
+PlanarFacet turned_round(PlanarFacet facet) {
+  facet.normal = -facet.normal;
+  for (Corners& t : facet.triangles) std::swap(t[1], t[2]);
+  return facet;
+}
+
 // How far the corners of a polygon may lie from its plane (canonical). A file's rounding is that of
 // its last digit; programs that turned or scaled the vertices before have rounded a few times.
 double planarity(const Portal& portal, const Frame& frame) {
@@ -35,8 +41,11 @@ PortalSet::PortalSet(const std::vector<Portal>& portals, const Frame& frame) {
       for (size_t i = 0; i < 3; ++i) corners[i] = frame.to_canonical(portal.vertices[t[i]]);
       if (twice_area(corners) > kLeastTwiceArea) triangles.push_back(corners);
     }
-    for (const PlanarFacet& facet : planar_facets(triangles, planarity(portal, frame)))
-      add_facet(facet, static_cast<uint32_t>(portals_));
+    const auto facets = planar_facets(triangles, planarity(portal, frame));
+    for (const PlanarFacet& facet : facets) add_facet(facet, static_cast<uint32_t>(portals_));
+    if (portal.both_ways)
+      for (const PlanarFacet& facet : facets)
+        add_facet(turned_round(facet), static_cast<uint32_t>(portals_));
     ++portals_;
   }
   if (empty()) return;

@@ -6,6 +6,7 @@
 // with p_w = cos/pi about its normal, and following it both ways to the surfaces x_l and x_c:
 //   p_AA(x_l, x_c) = G(x_l, x_c) * sum_q p(q) p_A p_w / cos_q                              [eq. 4]
 //                  = G(x_l, x_c) * D,    D = sum over the q crossed of p(q) / (A_q pi).
+// A portal that light passes both ways is its triangles in both windings, either with its own p(q).
 // cos cancels: no grazing singularity. D [1/(m2 sr)], canonical, is what this file computes.
 //
 // Portals that follow each other on the light's way (doors of rooms in a row) leave little room for
@@ -115,6 +116,8 @@ class PortalSet {
   const Polygon& polygon(int i) const { return polygons_[static_cast<size_t>(i)]; }
 
  private:
+  friend struct PortalSetFaults;  // of tests: spoils what is drawn or weighed
+
   struct Facet {
     Vec3d p0, normal, centre;
     double area = 0;

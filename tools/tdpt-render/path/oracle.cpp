@@ -80,21 +80,31 @@ double film_pdf_w(const World& world, const Vertex& camera, const Vertex& x) {
   return world.film.pdf_w(unit(camera, x));
 }
 
-/// Corners of portal p, one triangle after the other.
-std::vector<std::array<Vec3d, 3>> triangles_of(const World& world, uint32_t portal) {
-  std::vector<std::array<Vec3d, 3>> triangles;
+using Triangles = std::vector<std::array<Vec3d, 3>>;
+
+/// Corners of the portals' triangles: those of one portal that light passes the same way together.
+/// Each is planar.
+std::vector<Triangles> surfaces(const World& world) {
+  std::vector<Triangles> all;
+  std::vector<PortalSet::Polygon> firsts;
   for (size_t i = 0; i < world.portals.size(); ++i) {
     const PortalSet::Polygon& q = world.portals.polygon(static_cast<int>(i));
-    if (q.portal == portal) triangles.push_back({q.p0, q.p0 + q.e1, q.p0 + q.e2});
+    size_t k = 0;
+    while (k < all.size() && !(firsts[k].portal == q.portal && dot(firsts[k].normal, q.normal) > 0))
+      ++k;
+    if (k == all.size()) {
+      all.emplace_back();
+      firsts.push_back(q);
+    }
+    all[k].push_back({q.p0, q.p0 + q.e1, q.p0 + q.e2});
   }
-  return triangles;
+  return all;
 }
 
-/// A portal taken as one plane.
 struct Plane {
   Vec3d n, centre;
   double area = 0;
-  explicit Plane(const std::vector<std::array<Vec3d, 3>>& triangles) {
+  explicit Plane(const Triangles& triangles) {
     for (const auto& t : triangles) {
       const Vec3d twice = cross(t[1] - t[0], t[2] - t[0]);
       n += twice;
@@ -107,8 +117,7 @@ struct Plane {
 };
 
 /// Number of the triangles that the line from `a` along `w` passes, and how far along.
-int passed(const std::vector<std::array<Vec3d, 3>>& triangles, const Vec3d& a, const Vec3d& w,
-           double& distance) {
+int passed(const Triangles& triangles, const Vec3d& a, const Vec3d& w, double& distance) {
   int number = 0;
   const Plane plane(triangles);
   distance = dot(plane.n, triangles[0][0] - a) / dot(plane.n, w);
@@ -124,9 +133,8 @@ int passed(const std::vector<std::array<Vec3d, 3>>& triangles, const Vec3d& a, c
 
 /// Density, over p(F,G), of the pair of portals as the line from a to b passes them: per product of
 /// area and projected solid angle.
-double pair_pdf(const World& world, const Vertex& a, const Vertex& b, uint32_t first,
-                uint32_t second, double& etendue) {
-  const auto f = triangles_of(world, first), g = triangles_of(world, second);
+double pair_pdf(const Vertex& a, const Vertex& b, const Triangles& f, const Triangles& g,
+                double& etendue) {
   const Plane F(f), G(g);
   etendue = 0;
   for (const auto& t : g)
@@ -155,11 +163,12 @@ double segment_pdf(const World& world, const Vertex& a, const Vertex& b) {
     total_area += 0.5 * length(cross(q.e1, q.e2));
   }
   double pairs = 0, etendues = 0;
-  for (uint32_t i = 0; i < world.portals.portals(); ++i)
-    for (uint32_t j = 0; j < world.portals.portals(); ++j) {
+  const std::vector<Triangles> all = surfaces(world);
+  for (size_t i = 0; i < all.size(); ++i)
+    for (size_t j = 0; j < all.size(); ++j) {
       if (i == j) continue;
       double etendue;
-      const double p = pair_pdf(world, a, b, i, j, etendue);
+      const double p = pair_pdf(a, b, all[i], all[j], etendue);
       pairs += etendue * p * G;
       etendues += etendue;
     }
@@ -186,14 +195,12 @@ double segment_pdf(const World& world, const Vertex& a, const Vertex& b) {
 }
 
 /// Density [1/sr] of `to` as a direction that a walk at `at`, coming from `back`, aims in; null:
-/// the walk begins there. Each portal is taken as one plane.
+/// the walk begins there.
 double aim_pdf_w(const World& world, From from, const Vertex* back, const Vertex& at,
                  const Vertex& to) {
   const Vec3d w = unit(at, to);
   double total = 0, sum = 0;
-  for (uint32_t p = 0; p < world.portals.portals(); ++p) {
-    const auto triangles = triangles_of(world, p);
-    if (triangles.empty()) continue;
+  for (const Triangles& triangles : surfaces(world)) {
     const auto [n, centre, area] = Plane(triangles);
     bool above = false;
     const double side = dot(n, at.position - triangles[0][0]);
@@ -288,7 +295,9 @@ std::vector<StrategyDensity> densities(const World& world, const Path& path, con
     if (portal) {
       double p = segment_pdf(world, path.vertex(split), path.vertex(split + 1));
       p *= mixture.segments;
+      const bool to_x = path.vertex(split).position.x < path.vertex(split + 1).position.x;
       if (fault == Fault::portal_density_5_percent) p *= 1.05;
+      if (fault == Fault::one_way_5_percent && to_x) p *= 1.05;
       log_p += std::log(p);
     }
     const double sample_weight = technique != Technique::direct ? 1

@@ -17,6 +17,7 @@ struct StrategyDensity {
 enum class Fault {
   none,
   portal_density_5_percent,
+  one_way_5_percent,  ///< density of segments to +x
   missing_cosine,
   connection_at_a_mirror,
   aim_5_percent,  ///< density of the directions towards portals

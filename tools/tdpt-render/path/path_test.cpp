@@ -70,8 +70,8 @@ Scene glossy_rooms() {
 }
 
 Worst compare(const Scene& scene, const Integrator& integrator, Fault fault, int max_depth = 6,
-              uint64_t spp = 64) {
-  const World world(scene, scene.camera(""), 16, 12, two_crossing_portals());
+              uint64_t spp = 64, const std::vector<Portal>& portals = two_crossing_portals()) {
+  const World world(scene, scene.camera(""), 16, 12, portals);
   Film film(16, 12, 1);
   Tally tally;
   Worst worst;
@@ -154,6 +154,25 @@ TEST_P(paths, weights_of_all_strategies_sum_to_1) {
   for (uint64_t s = 0; s < 2000; ++s) variant.sample(sampler, 8, 6, s);
   if (set.has(Technique::portal)) {
     EXPECT_GT(crossing, 0);  // some paths cross twice
+  }
+}
+
+// The hole's is for one way; two across the camera's room make pairs either way.
+TEST_P(paths, through_portals_for_both_ways_are_the_oracles) {
+  std::vector<Portal> portals = two_crossing_portals();
+  portals.push_back(rectangle({0.6, 0.2, -0.9}, {0, 0, 1.8}, {0, 1.6, 0}));
+  portals[1].both_ways = portals[2].both_ways = true;
+  const Scene scene = diffuse_rooms();
+  ASSERT_EQ(PortalSet(portals, scene.frame).facets(), 5u);
+  ASSERT_GT(PortalSet(portals, scene.frame).pairs(), 2u);
+  const Worst worst = compare(scene, *GetParam(), Fault::none, 6, 32, portals);
+  EXPECT_LT(worst.weight, 1e-6);
+  EXPECT_LT(worst.value, 1e-4);
+  if (GetParam()->techniques.has(Technique::portal)) {
+    EXPECT_GT(worst.paths[static_cast<size_t>(Technique::portal)], 300);
+    const Worst faulty = compare(scene, *GetParam(), Fault::one_way_5_percent, 6, 4, portals);
+    EXPECT_GT(faulty.weight, 1e-3);
+    EXPECT_GT(faulty.value, 0.04);
   }
 }
 
