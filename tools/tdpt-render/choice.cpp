@@ -3,6 +3,7 @@
 #include "libcommon/base/error.h"
 #include "tools/tdpt-render/portal_probe.h"
 #include "tools/tdpt-render/portal_report.h"
+#include "tools/tdpt-render/portal_ways.h"
 
 namespace tdpt {
 namespace {
@@ -40,16 +41,22 @@ Request request_of(const Arguments& a, const std::vector<Portal>& portals) {
   return request;
 }
 
-Choice choose(const Request& request, const World& world, std::vector<Portal>& portals,
-              const cli::Common& common) {
+Choice choose(const Request& request, const RenderSettings& settings, const Camera& camera,
+              World& world, std::vector<Portal>& portals, const cli::Common& common) {
+  Choice choice;
   const bool through_portals = request.named.mixture.has(Technique::portal);
   if (world.portals.empty() && through_portals)
     common.warn("no portal is given, so no path is sampled through one");
   if (request.automatic || through_portals) {
+    choice.ways = probe_ways(world, camera, portals, settings.max_depth, settings.seed);
+    for (const std::string& turning : turnings(portals, choice.ways)) common.note(turning);
+    apply_ways(choice.ways, portals);
+    world.portals = PortalSet(portals, world.scene.frame);
     probe(world, portals);
     for (const std::string& promise : promises(portals)) common.note(promise);
   }
-  Choice choice{candidates_of(request, world, portals), request.named};
+  choice.candidates = candidates_of(request, world, portals);
+  choice.integrator = request.named;
   if (request.automatic) choice.integrator = either_of(choice.candidates);
   if (const std::string missed = light_missed(choice.integrator, world.scene); !missed.empty())
     common.warn(missed);

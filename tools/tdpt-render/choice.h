@@ -4,6 +4,7 @@
 #include "libcommon/cli/cli.h"
 #include "tools/tdpt-render/arguments.h"
 #include "tools/tdpt-render/pilot.h"
+#include "tools/tdpt-render/render.h"
 
 namespace tdpt {
 
@@ -20,11 +21,13 @@ Request request_of(const Arguments& a, const std::vector<Portal>& portals);
 
 struct Choice {
   std::vector<Candidate> candidates;
-  Integrator integrator;  ///< the only candidate, or `auto` with the techniques of all
+  std::vector<PortalWay> ways;  ///< which way portals work; empty: as drawn
+  Integrator integrator;        ///< the only candidate, or `auto` with the techniques of all
 };
-/// Warns of light that will be missing. `portals` are probed if they will be used [portal_probe.h],
-/// and what they promise is told.
-Choice choose(const Request& request, const World& world, std::vector<Portal>& portals,
-              const cli::Common& common);
+/// Warns of light that will be missing. If portals will be used, they are probed, turned to the way
+/// that light passes them, in `portals` and in the world, and what they promise is told
+/// [portal_ways.h, portal_probe.h].
+Choice choose(const Request& request, const RenderSettings& settings, const Camera& camera,
+              World& world, std::vector<Portal>& portals, const cli::Common& common);
 
 }  // namespace tdpt

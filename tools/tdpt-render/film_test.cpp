@@ -216,7 +216,7 @@ TEST(film, tells_its_variance) {
 // ---- Plans ----
 
 TEST(plan, is_read_as_it_was_written) {
-  Plan plan{kGuided[2], "tdpt-guided 0.5 0.2 0.25", 1000, 1.0 / 3};
+  Plan plan{kGuided[2], "tdpt-guided 0.5 0.2 0.25", 1000, {{1, PortalWay::back}}, 1.0 / 3};
   EXPECT_EQ(read_plan(plan_text(plan), "a"), plan);
   Plan other = plan;
   other.integrator.mixture.segments = 0.5;
@@ -239,6 +239,10 @@ TEST(plan, that_is_none_is_refused_with_its_place) {
   EXPECT_EQ(message(good, "\"spp\":0", "\"spp\":-1"), "p.json:spp: is no such number");
   EXPECT_EQ(message(good, "\"segments\":1.0", "\"segments\":2"),
             "p.json:segments: is out of range");
+  EXPECT_EQ(message(good, "\"portals\":[]", "\"portals\":[{\"portal\":0,\"way\":\"up\"}]"),
+            "p.json:way: is not known");
+  EXPECT_EQ(message(good, "\"portals\":[]", "\"portals\":[3]"),
+            "p.json:portals: has an entry that is no object");
   EXPECT_EQ(message(good, "\"integrator\":\"bdpt\"", "\"integrator\":\"b\""),
             "p.json:integrator: is not known");
   EXPECT_EQ(message(good, "", ""), "read");

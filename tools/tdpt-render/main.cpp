@@ -103,8 +103,7 @@ void report(const Arguments& a, const cli::Common& common, const Loaded& in, con
                     "holds, and is left out",
                     place.x, place.y, place.sample));
   if (portals_were_idle(world, choice.candidates[result.chosen].integrator, result.tally))
-    common.note(
-        "the portals brought less than 1 % of the light: do their fronts face the camera's room?");
+    common.note("the portals brought less than 1 % of the light: do they lie on its way?");
   for (const std::string& sentence : disappointments(in.portals, result)) common.note(sentence);
   std::string name = choice.integrator.name;
   if (!result.chosen_label.empty()) name += " (" + result.chosen_label + ")";
@@ -124,10 +123,10 @@ int run(const Arguments& a, const cli::Common& common) {
   catch_signals();
   Loaded in = load(a, common);
   const Request request = request_of(a, in.portals);
-  const World world(in.scene, in.camera, in.size.width, in.size.height, in.portals);
-  const Choice choice = choose(request, world, in.portals, common);
+  World world(in.scene, in.camera, in.size.width, in.size.height, in.portals);
   const RenderSettings settings = settings_of(a, common);
-  const RenderResult result = render(world, choice.candidates, settings);
+  const Choice choice = choose(request, settings, in.camera, world, in.portals, common);
+  const RenderResult result = render(world, choice.candidates, settings, choice.ways);
   if (request.automatic) common.note(choice_sentence(result, in.portals));
   deliver(a, common, in, choice, settings, result);
   report(a, common, in, world, choice, settings, result);

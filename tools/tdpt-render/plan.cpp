@@ -1,6 +1,7 @@
 #include "tools/tdpt-render/plan.h"
 
-#include <cmath>
+#include <algorithm>
+#include <array>
 
 #include <nlohmann/json.hpp>
 
@@ -8,6 +9,9 @@
 
 namespace tdpt {
 namespace {
+
+// By PortalWay::Way.
+constexpr std::array kWays{"as drawn", "front", "back", "both"};
 
 // A value of the plan, checked on the way in.
 class Reader {
@@ -44,10 +48,13 @@ bool operator==(const Plan& a, const Plan& b) {
   return std::string(a.integrator.name) == b.integrator.name &&
          a.integrator.stream == b.integrator.stream &&
          a.integrator.mixture == b.integrator.mixture && a.label == b.label && a.spp == b.spp &&
-         a.pilot_share == b.pilot_share;
+         a.ways == b.ways && a.pilot_share == b.pilot_share;
 }
 
 std::string plan_text(const Plan& plan) {
+  auto ways = nlohmann::ordered_json::array();
+  for (const PortalWay& w : plan.ways)
+    ways.push_back({{"portal", w.portal}, {"way", kWays[static_cast<size_t>(w.way)]}});
   const Mixture& m = plan.integrator.mixture;
   return nlohmann::ordered_json{{"integrator", plan.integrator.name},
                                 {"stream", plan.integrator.stream},
@@ -58,6 +65,7 @@ std::string plan_text(const Plan& plan) {
                                 {"guide_light", m.guiding.chance[0]},
                                 {"guide_camera", m.guiding.chance[1]},
                                 {"spp", plan.spp},
+                                {"portals", ways},
                                 {"pilot_share", plan.pilot_share}}
       .dump();
 }
@@ -78,6 +86,16 @@ Plan read_plan(const std::string& text, const std::string& file) {
   m.segments = in.within("segments", 0.01, 1);
   m.guiding.chance = {in.within("guide_light", 0, 0.95), in.within("guide_camera", 0, 0.95)};
   plan.spp = in.get<uint64_t>("spp");
+  const auto ways = from.find("portals");
+  if (ways == from.end() || !ways->is_array()) in.fail("portals", "is no list");
+  for (const nlohmann::json& entry : *ways) {
+    if (!entry.is_object()) in.fail("portals", "has an entry that is no object");
+    const Reader of_portal(entry, file);
+    const auto way = std::find(kWays.begin(), kWays.end(), of_portal.get<std::string>("way"));
+    if (way == kWays.end()) of_portal.fail("way", "is not known");
+    plan.ways.push_back({static_cast<size_t>(of_portal.get<uint64_t>("portal")),
+                         static_cast<PortalWay::Way>(way - kWays.begin())});
+  }
   plan.pilot_share = in.within("pilot_share", 0, 1);
   return plan;
 }

@@ -2,8 +2,10 @@
 // same samples have the same bytes, on however many threads, in however many parts.
 #pragma once
 #include <string>
+#include <vector>
 
 #include "tools/tdpt-render/integrators/integrator.h"
+#include "tools/tdpt-render/portal_ways.h"
 
 namespace tdpt {
 
@@ -11,6 +13,7 @@ struct Plan {
   Integrator integrator = bdpt;  ///< renders the picture's own samples
   std::string label;             ///< of the candidate that it is
   uint64_t spp = 0;              ///< samples of each pixel; 0: as many as the time allows
+  std::vector<PortalWay> ways;   ///< which way portals work; empty: as drawn
   double pilot_share = 0;        ///< of the picture, for what a pilot has rendered; 0: none
 
   friend bool operator==(const Plan& a, const Plan& b);

@@ -62,6 +62,27 @@ std::vector<std::string> promises(const std::vector<Portal>& portals) {
   return sentences;
 }
 
+std::vector<std::string> turnings(const std::vector<Portal>& portals,
+                                  const std::vector<PortalWay>& ways) {
+  std::vector<std::string> sentences;
+  const auto say = [&](const PortalWay& w, const char* words) {
+    sentences.push_back(portals[w.portal].name + ": " + words);
+  };
+  for (const PortalWay& w : ways) {
+    const bool double_sided = portals[w.portal].both_ways;
+    if (w.way == PortalWay::back && !double_sided)
+      say(w, "its front faces the light, not the camera: turned round");
+    else if (w.way == PortalWay::both && !double_sided)
+      say(w, "light passes it both ways, so it works both ways");
+    else if (w.way == PortalWay::back)
+      say(w, "is double-sided, light passes it from its front to its back: works that way alone");
+    else if (w.way == PortalWay::front && double_sided)
+      say(w, "is double-sided, light passes it from its back to its front: works that way alone");
+  }
+  shorten(sentences);
+  return sentences;
+}
+
 std::vector<std::string> disappointments(const std::vector<Portal>& portals,
                                          const RenderResult& result) {
   std::vector<std::string> sentences;

@@ -2,6 +2,7 @@
 #pragma once
 #include <nlohmann/json_fwd.hpp>
 
+#include "tools/tdpt-render/portal_ways.h"
 #include "tools/tdpt-render/render.h"
 
 namespace tdpt {
@@ -15,6 +16,11 @@ inline constexpr uint64_t kEnoughSamples = 1000;
 /// A sentence for each portal: area, and what its figures promise (portal(5)); for many portals the
 /// first ones.
 std::vector<std::string> promises(const std::vector<Portal>& portals);
+
+/// A sentence for each of the portals, as they are drawn, that will work another way; for many the
+/// first ones.
+std::vector<std::string> turnings(const std::vector<Portal>& portals,
+                                  const std::vector<PortalWay>& ways);
 
 /// After rendering: a sentence for each portal whose samples brought next to no light; for many the
 /// first ones. Empty when nothing was drawn through portals.

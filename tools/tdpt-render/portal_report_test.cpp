@@ -48,6 +48,26 @@ TEST(portals_report, a_portal_that_faces_the_lamp_is_useless) {
   EXPECT_EQ(disappointments({back}, render_with({back})).size(), 1u);
 }
 
+TEST(portals_report, every_portal_that_is_turned_is_told) {
+  std::vector<Portal> portals(4, portal_in_the_hole());
+  for (size_t i = 0; i < 4; ++i) portals[i].name = "portal." + std::to_string(i);
+  portals[2].both_ways = portals[3].both_ways = true;
+  using Strings = std::vector<std::string>;
+  EXPECT_EQ(turnings(portals, {{0}, {1}, {2}, {3}}), Strings{});
+  EXPECT_EQ(
+      turnings(portals, {{0, PortalWay::back},
+                         {1, PortalWay::both},
+                         {2, PortalWay::front},
+                         {3, PortalWay::back}}),
+      (Strings{
+          "portal.0: its front faces the light, not the camera: turned round",
+          "portal.1: light passes it both ways, so it works both ways",
+          "portal.2: is double-sided, light passes it from its back to its front: works that way "
+          "alone",
+          "portal.3: is double-sided, light passes it from its front to its back: works that way "
+          "alone"}));
+}
+
 TEST(portals_report, few_samples_prove_nothing) {
   RenderResult result;
   result.tally.energy[0] = 1;

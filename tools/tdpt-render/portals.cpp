@@ -204,39 +204,44 @@ int PortalSet::crossed(const Facet& f, const Vec3d& at, const Drawn& drawn) cons
   return n;
 }
 
+double PortalSet::density(const Vec3d& from, const Vec3d& to, const Drawn& drawn) const {
+  double sum = 0;
+  const Vec3d d = to - from;
+  for (const Facet& f : facets_) {
+    const double before = dot(f.normal, from - f.p0);  // < 0 on the light's side
+    const double slope = dot(f.normal, d);
+    if (!(before < -kMargin && before + slope > kMargin)) continue;
+    sum += polygons_[f.first].density * crossed(f, from - d * (before / slope), drawn);
+  }
+  return sum > 0 && !pairs_.empty() ? sum + pair_density(from, d, drawn) : sum;
+}
+
 PortalSet::Passage PortalSet::passage(const Facet& f, const Vec3d& from, const Vec3d& d,
                                       const Drawn& drawn) const {
-  const double before = dot(f.normal, from - f.p0);  // < 0 on the light's side
+  const double before = dot(f.normal, from - f.p0);
   const double slope = dot(f.normal, d);
   if (!(before < -kMargin && before + slope > kMargin)) return {0, 0, 0};
   const double t = -before / slope;
   return {t, slope, crossed(f, from + d * t, drawn)};
 }
 
-double PortalSet::density(const Vec3d& from, const Vec3d& to, const Drawn& drawn) const {
-  double sum = 0, pairs = 0;
-  const Vec3d d = to - from;
+double PortalSet::pair_density(const Vec3d& from, const Vec3d& d, const Drawn& drawn) const {
+  double all = 0;
   for (const Facet& f : facets_) {
-    const Passage p = passage(f, from, d, drawn);
-    if (p.triangles == 0) continue;
-    sum += polygons_[f.first].density * p.triangles;
-    pairs += pair_density(f, p, from, d, drawn);
+    if (f.first_pair == f.end_pair) continue;
+    const Passage of_f = passage(f, from, d, drawn);
+    double sum = 0;
+    for (uint32_t i = f.first_pair; i < f.end_pair && of_f.triangles > 0; ++i) {
+      const Passage of_g = passage(facets_[pairs_[i].second], from, d, drawn);
+      const int ways = of_f.triangles * of_g.triangles;  // choices of triangles that give this line
+      if (ways == 0) continue;
+      // Distance and cosines by parts of d: (t1 - t0) |d| and slope / |d|.
+      const double d2 = dot(d, d), part = of_g.t - of_f.t;
+      sum += ways * pairs_[i].pdf * part * part * d2 * d2 / (of_f.slope * of_g.slope);
+    }
+    all += sum;
   }
-  return sum + pairs;
-}
-
-double PortalSet::pair_density(const Facet& f, const Passage& of_f, const Vec3d& from,
-                               const Vec3d& d, const Drawn& drawn) const {
-  double sum = 0;
-  for (uint32_t i = f.first_pair; i < f.end_pair; ++i) {
-    const Passage of_g = passage(facets_[pairs_[i].second], from, d, drawn);
-    const int ways = of_f.triangles * of_g.triangles;  // choices of triangles that give this line
-    if (ways == 0) continue;
-    // Distance and cosines by parts of d: (t1 - t0) |d| and slope / |d|.
-    const double d2 = dot(d, d), part = of_g.t - of_f.t;
-    sum += ways * pairs_[i].pdf * part * part * d2 * d2 / (of_f.slope * of_g.slope);
-  }
-  return sum;
+  return all;
 }
 
 bool PortalSet::spans(const Drawn& drawn, const Vec3d& x_l, const Vec3d& x_c) const {
@@ -252,7 +257,6 @@ bool PortalSet::spans(const Drawn& drawn, const Vec3d& x_l, const Vec3d& x_c) co
 PortalSet::Crossing PortalSet::crossing(const Vec3d& from, const Vec3d& to,
                                         const Drawn& drawn) const {
   Crossing c{};
-  double pairs = 0;
   const Vec3d d = to - from;
   for (const Facet& f : facets_) {
     const double before = dot(f.normal, from - f.p0);
@@ -263,17 +267,14 @@ PortalSet::Crossing PortalSet::crossing(const Vec3d& from, const Vec3d& to,
     const double t = -before / slope;
     const int n = crossed(f, from + d * t, drawn);
     if (n == 0) continue;
-    if (begins && ends) {
-      c.density += n * polygons_[f.first].density;
-      pairs += pair_density(f, {t, slope, n}, from, d, drawn);
-    }
+    if (begins && ends) c.density += n * polygons_[f.first].density;
     // d^2 / (cos A), the distance along the edge t or 1 - t of it.
     const double length2 = dot(d, d);
     const double per_area = n * length2 * std::sqrt(length2) / (slope * f.area);
     if (begins) c.from_light += weight(f, from) * t * t * per_area;
     if (ends) c.from_camera += weight(f, to) * (1 - t) * (1 - t) * per_area;
   }
-  c.density += pairs;
+  if (c.density > 0 && !pairs_.empty()) c.density += pair_density(from, d, drawn);
   return c;
 }
 

@@ -142,9 +142,8 @@ class PortalSet {
     int triangles;    ///< crossed there; 0: none
   };
   Passage passage(const Facet& f, const Vec3d& from, const Vec3d& d, const Drawn& drawn) const;
-  /// The part of D of the pairs that begin with facet f.
-  double pair_density(const Facet& f, const Passage& of_f, const Vec3d& from, const Vec3d& d,
-                      const Drawn& drawn) const;
+  /// The part of D that pairs have.
+  double pair_density(const Vec3d& from, const Vec3d& d, const Drawn& drawn) const;
   Vec3d point_in(int triangle, double u, double v) const;
   Vec3d point_on(const Facet& f, double pick, double u, double v, int& triangle) const;
   /// How many triangles of the facet are crossed at `at`.

@@ -131,7 +131,7 @@ bool Rendering::wants_pilot(PilotPlan& pilot) {
 }
 
 void Rendering::plan() {
-  plan_ = {candidates_[0].integrator, candidates_[0].label, settings_.spp, 0};
+  plan_ = {candidates_[0].integrator, candidates_[0].label, settings_.spp, {}, 0};
   PilotPlan pilot;
   if (!wants_pilot(pilot)) return;
   pilot_ = fly_pilot(world_, candidates_, pilot, rules_, layers_, progress_,
@@ -256,11 +256,13 @@ RenderResult Rendering::finish() {
 }  // namespace
 
 RenderResult render(const World& world, const std::vector<Candidate>& candidates,
-                    const RenderSettings& settings) {
+                    const RenderSettings& settings, const std::vector<PortalWay>& ways) {
   Rendering rendering(world, candidates, settings);
   rendering.plan();
   rendering.samples();
-  return rendering.finish();
+  RenderResult result = rendering.finish();
+  result.plan.ways = ways;
+  return result;
 }
 
 RenderResult render(const World& world, const Integrator& integrator,

@@ -62,7 +62,8 @@ RenderResult render(const World& world, const Integrator& integrator,
 
 /// Renders with the best of the candidates, found by a pilot if the budget allows one [pilot.h],
 /// else with the first. Frames begin after the pilot.
+/// `ways`: how the portals of `world` were turned before, for the plan.
 RenderResult render(const World& world, const std::vector<Candidate>& candidates,
-                    const RenderSettings& settings);
+                    const RenderSettings& settings, const std::vector<PortalWay>& ways = {});
 
 }  // namespace tdpt

@@ -168,7 +168,7 @@ TEST_P(paths, through_portals_for_both_ways_are_the_oracles) {
   const Worst worst = compare(scene, *GetParam(), Fault::none, 6, 32, portals);
   EXPECT_LT(worst.weight, 1e-6);
   EXPECT_LT(worst.value, 1e-4);
-  if (GetParam()->techniques.has(Technique::portal)) {
+  if (GetParam()->mixture.has(Technique::portal)) {
     EXPECT_GT(worst.paths[static_cast<size_t>(Technique::portal)], 300);
     const Worst faulty = compare(scene, *GetParam(), Fault::one_way_5_percent, 6, 4, portals);
     EXPECT_GT(faulty.weight, 1e-3);

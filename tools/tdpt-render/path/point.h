@@ -28,7 +28,7 @@ struct Point {
   /// `bsdf` hold what is there.
   bool simple = true;
   bool connectible = true;  ///< some lobe is not Dirac
-  Rgb emission{};           ///< of a surface [W/m2/sr]
+  Rgb emission{};           ///< of a surface where light begins [W/m2/sr]
   Vec3d shading{};          ///< unit shading normal, front side
   Bsdf bsdf;
 

@@ -54,6 +54,24 @@ double square(double x) {
   return x * x;
 }
 
+// Out of line, for the sake of those that are simple.
+[[gnu::noinline]] void add_lobes(const Scene& scene, const Material& m, const SurfacePlace& place,
+                                 Point& p) {
+  p.shading = shading_normal_at(scene, place, p.normal);
+  if (m.plain) {
+    p.bsdf = {};
+    p.bsdf.diffuse = m.base_color;
+    return;
+  }
+  p.bsdf = bsdf_of(scene, m, place);
+  p.connectible = bsdf::connectible(p.bsdf);
+}
+[[gnu::noinline]] void add_emission(const World& world, const Material& m,
+                                    const SurfacePlace& place, Point& p) {
+  p.emission = m.plain ? m.emission : emission_at(world.scene, place);
+  if (p.emission != Rgb{}) p.source = &world.lights.surface(m.double_sided);
+}
+
 }  // namespace
 
 void place_on_surface(const World& world, const Hit& hit, Point& p) {
@@ -65,20 +83,10 @@ void place_on_surface(const World& world, const Hit& hit, Point& p) {
   p.material = &m;
   p.simple = m.plain && (scene.smooth.empty() || !scene.smooth[hit.triangle]);
   p.connectible = true;
-  p.emission = m.emission;
-  if (!p.simple) {
-    const SurfacePlace place{hit.triangle, hit.b1, hit.b2};
-    p.shading = shading_normal_at(scene, place, hit.normal);
-    if (m.plain) {
-      p.bsdf = {};
-      p.bsdf.diffuse = m.base_color;
-    } else {
-      p.bsdf = bsdf_of(scene, m, place);
-      p.connectible = bsdf::connectible(p.bsdf);
-      p.emission = emission_at(scene, place);
-    }
-  }
-  p.source = max_component(p.emission) > 0 ? &world.lights.surface(m.double_sided) : nullptr;
+  p.source = nullptr;
+  if (!p.simple) add_lobes(scene, m, {hit.triangle, hit.b1, hit.b2}, p);
+  if (m.emission.x + m.emission.y + m.emission.z > 0)
+    add_emission(world, m, {hit.triangle, hit.b1, hit.b2}, p);
 }
 
 void place_on_light(const World& world, const Lights::Point& light, Point& p) {

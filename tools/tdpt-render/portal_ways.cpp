@@ -1,0 +1,187 @@
+#include "tools/tdpt-render/portal_ways.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <oneapi/tbb/parallel_for.h>
+
+#include "tools/tdpt-render/integrators/integrator.h"
+#include "tools/tdpt-render/path/path_sampler.h"
+
+namespace tdpt {
+namespace {
+
+constexpr size_t kMostPortals = 16;
+constexpr double kPixels = 3072;
+constexpr int kDeepest = 8;
+constexpr uint64_t kStream = 1023;  // no integrator's
+constexpr uint64_t kLeastSamples = 10;
+constexpr double kLeastEnergy = 0.001;  // of the picture's
+constexpr double kEarnest = 0.2;        // of what passes the portal
+
+/// With the normal and against it.
+using BothWays = std::array<PassedLight, 2>;
+
+struct Passed {
+  std::vector<BothWays> portals;
+  double total = 0;
+};
+
+// Adds up what the paths of one row of the picture carry through each portal.
+class Counter {
+ public:
+  Counter(const std::vector<PortalSet>& portals, const Mixture& mixture)
+      : portals_(portals),
+        mixture_(mixture),
+        passed_{std::vector<BothWays>(portals.size())},
+        of_sample_(portals.size()) {}
+
+  void add(const Path& path, Strategy strategy, const Rgb& value) {
+    const double light = luminance(value) * path.weight(mixture_, strategy, 1);
+    if (!std::isfinite(light)) return;
+    passed_.total += light;
+    for (int i = 0; i + 1 < path.k(); ++i) {
+      const Vertex &a = path.vertex(i), &b = path.vertex(i + 1);
+      // No two places of a scene are further apart than 4 (canonical).
+      const Vec3d from = a.at_infinity() ? b.position + between(b, a).w * 4 : a.position;
+      for (size_t p = 0; p < portals_.size(); ++p) {
+        if (portals_[p].density(from, b.position) > 0) of_sample_[p][0] += light;
+        if (portals_[p].density(b.position, from) > 0) of_sample_[p][1] += light;
+      }
+    }
+  }
+  void end_sample() {
+    for (size_t p = 0; p < portals_.size(); ++p)
+      for (size_t way = 0; way < 2; ++way) {
+        double& light = of_sample_[p][way];
+        PassedLight& sum = passed_.portals[p][way];
+        sum.samples += light > 0;
+        sum.energy += light;
+        sum.brightest = std::max(sum.brightest, light);
+        light = 0;
+      }
+  }
+  const Passed& passed() const { return passed_; }
+
+ private:
+  const std::vector<PortalSet>& portals_;
+  Mixture mixture_;
+  Passed passed_;
+  std::vector<std::array<double, 2>> of_sample_;
+};
+
+// One sample of each pixel, with the portals of `world`.
+Passed passed_light(const World& world, const std::vector<Portal>& portals, int max_depth,
+                    uint64_t seed) {
+  std::vector<PortalSet> fronts;
+  for (Portal portal : portals) {
+    portal.both_ways = false;
+    fronts.emplace_back(std::vector{portal}, world.scene.frame);
+  }
+  const int width = world.film.width(), height = world.film.height();
+  const Integrator& integrator = tdpt_guided;
+  Film film(width, height, world.lights.power());
+  std::vector<Tally> tallies(static_cast<size_t>(height), Tally(film.unit()));
+  std::vector<Counter> rows(static_cast<size_t>(height), Counter(fronts, integrator.mixture));
+  tbb::parallel_for(0, height, [&](int y) {
+    Counter& row = rows[static_cast<size_t>(y)];
+    const PathObserver observer = [&](const Path& path, Strategy strategy, const Rgb& value) {
+      row.add(path, strategy, value);
+    };
+    PathSampler sampler(world, {integrator.mixture, max_depth, 1, seed, kStream}, film,
+                        tallies[static_cast<size_t>(y)], &observer);
+    for (int x = 0; x < width; ++x) {
+      sampler.sample(x, y, 0);
+      row.end_sample();
+    }
+  });
+  Passed all{std::vector<BothWays>(portals.size())};
+  for (const Counter& row : rows) {
+    all.total += row.passed().total;
+    for (size_t p = 0; p < portals.size(); ++p)
+      for (size_t way = 0; way < 2; ++way) {
+        PassedLight& sum = all.portals[p][way];
+        const PassedLight& part = row.passed().portals[p][way];
+        sum.samples += part.samples;
+        sum.energy += part.energy;
+        sum.brightest = std::max(sum.brightest, part.brightest);
+      }
+  }
+  return all;
+}
+
+FilmPlane small_film(const Camera& camera, const FilmPlane& film) {
+  const double aspect = static_cast<double>(film.width()) / film.height();
+  const auto size = [](double v) {
+    return static_cast<int>(std::clamp(std::round(v), 1.0, kPixels));
+  };
+  const int height = size(std::sqrt(kPixels / aspect));
+  return FilmPlane(camera, size(kPixels / height), height);
+}
+
+bool tells(const BothWays& light) {
+  return std::max(light[0].samples, light[1].samples) >= kLeastSamples;
+}
+
+}  // namespace
+
+PortalWay::Way way_of(bool drawn_both_ways, const PassedLight& with, const PassedLight& against,
+                      double total) {
+  const auto sure = [](const PassedLight& light) {
+    return light.samples < kLeastSamples ? 0 : light.energy - light.brightest;
+  };
+  if (!(std::max(sure(with), sure(against)) > kLeastEnergy * total)) return PortalWay::as_drawn;
+  const double least = kEarnest * (with.energy + against.energy);
+  if (sure(against) > least && with.energy < least) return PortalWay::back;
+  if (drawn_both_ways)
+    return sure(with) > least && against.energy < least ? PortalWay::front : PortalWay::as_drawn;
+  return sure(against) > least ? PortalWay::both : PortalWay::as_drawn;
+}
+
+std::vector<PortalWay> probe_ways(World& world, const Camera& camera,
+                                  const std::vector<Portal>& portals, int max_depth,
+                                  uint64_t seed) {
+  std::vector<PortalWay> ways(portals.size());
+  for (size_t i = 0; i < ways.size(); ++i) ways[i].portal = i;
+  std::vector<size_t> open(std::min(portals.size(), kMostPortals));
+  for (size_t i = 0; i < open.size(); ++i) open[i] = i;
+  const FilmPlane film = world.film;
+  const PortalSet drawn = world.portals;
+  world.film = small_film(camera, world.film);
+  // First all of them. Small ones beside large ones may get next to no segments: a second picture
+  // is theirs alone.
+  for (int round = 0; round < 2 && !open.empty() && !world.lights.empty(); ++round) {
+    std::vector<Portal> probed;
+    for (const size_t i : open) {
+      probed.push_back(portals[i]);
+      probed.back().both_ways = true;
+    }
+    world.portals = PortalSet(probed, world.scene.frame);
+    if (world.portals.empty()) break;
+    const Passed light = passed_light(world, probed, std::min(max_depth, kDeepest), seed);
+    std::vector<size_t> silent;
+    for (size_t k = 0; k < open.size(); ++k) {
+      const BothWays& of_portal = light.portals[k];
+      ways[open[k]].way =
+          way_of(portals[open[k]].both_ways, of_portal[0], of_portal[1], light.total);
+      if (!tells(of_portal)) silent.push_back(open[k]);
+    }
+    if (silent.size() == open.size()) break;
+    open = silent;
+  }
+  world.film = film;
+  world.portals = drawn;
+  return ways;
+}
+
+void apply_ways(const std::vector<PortalWay>& ways, std::vector<Portal>& portals) {
+  for (const PortalWay& w : ways) {
+    Portal& portal = portals[w.portal];
+    if (w.way == PortalWay::as_drawn) continue;
+    portal.both_ways = w.way == PortalWay::both;
+    if (w.way == PortalWay::back)
+      for (auto& t : portal.triangles) std::swap(t[1], t[2]);
+  }
+}
+
+}  // namespace tdpt
