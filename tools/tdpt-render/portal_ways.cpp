@@ -5,8 +5,10 @@
 
 #include <oneapi/tbb/parallel_for.h>
 
+#include "libcommon/formats/portal_worth.h"
 #include "tools/tdpt-render/integrators/integrator.h"
 #include "tools/tdpt-render/path/path_sampler.h"
+#include "tools/tdpt-render/portal_probe.h"
 
 namespace tdpt {
 namespace {
@@ -126,16 +128,19 @@ bool tells(const BothWays& light) {
 }  // namespace
 
 PortalWay::Way way_of(bool drawn_both_ways, const PassedLight& with, const PassedLight& against,
-                      double total) {
+                      double total, bool wide) {
   const auto sure = [](const PassedLight& light) {
     return light.samples < kLeastSamples ? 0 : light.energy - light.brightest;
   };
   if (!(std::max(sure(with), sure(against)) > kLeastEnergy * total)) return PortalWay::as_drawn;
   const double least = kEarnest * (with.energy + against.energy);
   if (sure(against) > least && with.energy < least) return PortalWay::back;
-  if (drawn_both_ways)
-    return sure(with) > least && against.energy < least ? PortalWay::front : PortalWay::as_drawn;
-  return sure(against) > least ? PortalWay::both : PortalWay::as_drawn;
+  if (drawn_both_ways) {
+    if (sure(with) > least && against.energy < least) return PortalWay::front;
+    if (wide) return with.energy < against.energy ? PortalWay::back : PortalWay::front;
+    return PortalWay::as_drawn;
+  }
+  return sure(against) > least && !wide ? PortalWay::both : PortalWay::as_drawn;
 }
 
 std::vector<PortalWay> probe_ways(World& world, const Camera& camera,
@@ -162,8 +167,15 @@ std::vector<PortalWay> probe_ways(World& world, const Camera& camera,
     std::vector<size_t> silent;
     for (size_t k = 0; k < open.size(); ++k) {
       const BothWays& of_portal = light.portals[k];
-      ways[open[k]].way =
-          way_of(portals[open[k]].both_ways, of_portal[0], of_portal[1], light.total);
+      const Portal& portal = portals[open[k]];
+      const auto way = [&](bool wide) {
+        return way_of(portal.both_ways, of_portal[0], of_portal[1], light.total, wide);
+      };
+      // Whether it is wide is asked only where it matters.
+      ways[open[k]].way = way(true) != way(false) &&
+                                  expected_gain(1, 1, probed_conductance(world, portal)) < kNoGain
+                              ? way(true)
+                              : way(false);
       if (!tells(of_portal)) silent.push_back(open[k]);
     }
     if (silent.size() == open.size()) break;
