@@ -2,7 +2,7 @@
 # shell-scripts.sh ROOT: shellcheck over every shell script under ROOT; exit 1 if it has anything to say, 77, with a
 # word, where it is missing.
 cd "${1:?usage: shell-scripts.sh ROOT}" || exit 2
-command -v shellcheck >/dev/null || { echo "skipped: shellcheck is missing (cmake/packages.txt)"; exit 77; }
+command -v shellcheck >/dev/null || { echo "skipped: shellcheck is missing (cmake/packages-test.txt)"; exit 77; }
 # Not asked: loops over words (SC2013), A && B || C whose B only prints (SC2015), $ in single quotes (SC2016), which
 # other programs read, and tr from one set to a repeated character (SC2020).
 find . \( -name .git -o -path './build*' -o -path ./demo \) -prune -o -type f \( -name '*.sh' -o -path ./.ci/run \) \

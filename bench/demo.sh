@@ -31,6 +31,8 @@ stage() {
   esac
 }
 
+say "This ends on $out/before-after.png: the room without and with the portal, side by side, after $seconds seconds each."
+say ""
 say "Finding the portal"
 find_portals "$scene" room
 
