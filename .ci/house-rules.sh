@@ -32,6 +32,7 @@ BEGIN {
   home["^openvdb/"] = "^libcommon/formats/light_grid"
   home["^(OpenEXR/|Imf)"] = "^libcommon/formats/picture"
   home["^CLI/"] = "^libcommon/cli/"
+  home["^(cairo|pango)"] = "^libcommon/draw/canvas[.]cpp$"
   home["^OpenMesh/"] = "^tools/ffgraph/"
   home["^CGAL/"] = "^tools/portalfit/"
 }

@@ -53,4 +53,7 @@ expect 1 tools/tdpt-render/film.cpp '<OpenEXR/ImfHeader.h>'
 expect 1 tools/tdpt-render/main.cpp '<CLI/CLI.hpp>'
 expect 1 tools/ffgraph/scene.cpp '<tiny_gltf.h>'
 expect 1 tools/lightgrid/gpu.cpp '<vulkan/vulkan.h>'
+expect 0 libcommon/draw/canvas.cpp '<pango/pangocairo.h>'
+expect 1 libcommon/draw/sheet.cpp '<cairo.h>'
+expect 1 tools/portalfit/preview.cpp '<pango/pangocairo.h>'
 exit $failed

@@ -1,141 +1,290 @@
-// Coverage of a pixel is taken from the distance of its centre to the edge of the shape, half a
-// pixel either way.
+// The drawing is a recording surface of cairo, which is played on the surface of each format.
 #include "libcommon/draw/canvas.h"
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
+#include <cairo-pdf.h>
+#include <cairo-svg.h>
+#include <pango/pangocairo.h>
+
+#include "libcommon/base/error.h"
 #include "libcommon/formats/png.h"
 
 namespace tdpt::draw {
+namespace {
+
+template <auto release>
+struct Release {
+  template <class T>
+  void operator()(T* object) const {
+    release(object);
+  }
+};
+using Surface = std::unique_ptr<cairo_surface_t, Release<cairo_surface_destroy>>;
+using Context = std::unique_ptr<cairo_t, Release<cairo_destroy>>;
+
+void check(cairo_status_t status) {
+  if (status == CAIRO_STATUS_NO_MEMORY) throw std::bad_alloc();
+  if (status != CAIRO_STATUS_SUCCESS)
+    throw std::runtime_error(std::string("drawing: ") + cairo_status_to_string(status));
+}
+
+// Cairo's coordinates are fixed-point numbers up to 2^23.
+bool can_draw(std::initializer_list<double> coordinates) {
+  return std::all_of(coordinates.begin(), coordinates.end(),
+                     [](double v) { return std::abs(v) < 1e6; });
+}
+
+uint8_t byte_of(float v) {
+  return static_cast<uint8_t>(std::lround(255 * std::clamp(v, 0.0f, 1.0f)));
+}
+
+Surface surface_of(const Raster& texels) {
+  Surface surface(cairo_image_surface_create(CAIRO_FORMAT_RGB24, texels.width(), texels.height()));
+  check(cairo_surface_status(surface.get()));
+  unsigned char* row = cairo_image_surface_get_data(surface.get());
+  const int stride = cairo_image_surface_get_stride(surface.get());
+  for (int y = 0; y < texels.height(); ++y, row += stride)
+    for (int x = 0; x < texels.width(); ++x) {
+      const Ink& c = texels.at(x, y);
+      reinterpret_cast<uint32_t*>(row)[x] =
+          uint32_t{byte_of(c.x)} << 16 | uint32_t{byte_of(c.y)} << 8 | byte_of(c.z);
+    }
+  cairo_surface_mark_dirty(surface.get());
+  return surface;
+}
+
+// The words as one line, shaped, with glyphs out of other fonts where the first has none.
+class Line {
+ public:
+  Line(const std::string& words, double size, bool bold, double room) {
+    // Of the height of DejaVu Sans' letters, capitals take this share.
+    constexpr double kCapital = 0.729;
+    PangoFontMap* fonts = pango_cairo_font_map_get_default();
+    const std::unique_ptr<PangoContext, Release<g_object_unref>> context(
+        pango_font_map_create_context(fonts));
+    // Nothing of what a desktop or a locale may ask for.
+    const std::unique_ptr<cairo_font_options_t, Release<cairo_font_options_destroy>> options(
+        cairo_font_options_create());
+    cairo_font_options_set_antialias(options.get(), CAIRO_ANTIALIAS_GRAY);
+    cairo_font_options_set_hint_style(options.get(), CAIRO_HINT_STYLE_SLIGHT);
+    cairo_font_options_set_hint_metrics(options.get(), CAIRO_HINT_METRICS_ON);
+    pango_cairo_context_set_font_options(context.get(), options.get());
+    pango_context_set_language(context.get(), pango_language_from_string("en"));
+
+    const std::unique_ptr<PangoFontDescription, Release<pango_font_description_free>> font(
+        pango_font_description_from_string("DejaVu Sans, Sans"));
+    pango_font_description_set_absolute_size(font.get(), size / kCapital * PANGO_SCALE);
+    if (bold) pango_font_description_set_weight(font.get(), PANGO_WEIGHT_BOLD);
+    if (!std::unique_ptr<PangoFont, Release<g_object_unref>>(
+            pango_font_map_load_font(fonts, context.get(), font.get())))
+      throw Error(Exit::output, "no font is installed, and a picture needs one for its words");
+    layout_.reset(pango_layout_new(context.get()));
+    pango_layout_set_font_description(layout_.get(), font.get());
+    pango_layout_set_single_paragraph_mode(layout_.get(), TRUE);
+    if (room > 0) {
+      pango_layout_set_width(layout_.get(), static_cast<int>(room * PANGO_SCALE));
+      pango_layout_set_ellipsize(layout_.get(), PANGO_ELLIPSIZE_END);
+    }
+    // Names of files may be any bytes.
+    const std::unique_ptr<char, Release<g_free>> valid(
+        g_utf8_make_valid(words.data(), static_cast<gssize>(words.size())));
+    pango_layout_set_text(layout_.get(), valid.get(), -1);
+  }
+
+  double width() const {
+    PangoRectangle extents;
+    pango_layout_get_extents(layout_.get(), nullptr, &extents);
+    return static_cast<double>(extents.width) / PANGO_SCALE;
+  }
+  void show(cairo_t* to) const {
+    pango_cairo_show_layout_line(to, pango_layout_get_line_readonly(layout_.get(), 0));
+  }
+
+ private:
+  std::unique_ptr<PangoLayout, Release<g_object_unref>> layout_;
+};
+
+}  // namespace
+
+struct Canvas::Recording {
+  Surface surface;
+  Context cairo;
+
+  void source(const Ink& c, double alpha) {
+    cairo_set_source_rgba(cairo.get(), static_cast<double>(c.x), static_cast<double>(c.y),
+                          static_cast<double>(c.z), alpha);
+  }
+  void fill(const Ink& c, double alpha) {
+    source(c, alpha);
+    cairo_fill(cairo.get());
+  }
+  void stroke(double line_width, const Ink& c, double alpha) {
+    source(c, alpha);
+    cairo_set_line_width(cairo.get(), line_width);
+    cairo_stroke(cairo.get());
+  }
+  void play(cairo_surface_t* target) const {
+    const Context to(cairo_create(target));
+    cairo_set_source_surface(to.get(), surface.get(), 0, 0);
+    cairo_paint(to.get());
+    check(cairo_status(cairo.get()));
+    check(cairo_status(to.get()));
+  }
+};
 
 Canvas::Canvas(int width, int height, const Ink& paper)
-    : width_(width),
-      height_(height),
-      pixels_(static_cast<size_t>(width) * static_cast<size_t>(height), paper) {
-  unclip();
+    : recording_(std::make_unique<Recording>()), width_(width), height_(height) {
+  const cairo_rectangle_t all{0, 0, static_cast<double>(width), static_cast<double>(height)};
+  recording_->surface.reset(cairo_recording_surface_create(CAIRO_CONTENT_COLOR, &all));
+  recording_->cairo.reset(cairo_create(recording_->surface.get()));
+  check(cairo_status(recording_->cairo.get()));
+  cairo_set_line_cap(recording_->cairo.get(), CAIRO_LINE_CAP_ROUND);
+  cairo_set_antialias(recording_->cairo.get(), CAIRO_ANTIALIAS_BEST);
+  fill({0, 0, all.width, all.height}, paper);
 }
+
+Canvas::~Canvas() = default;
+Canvas::Canvas(Canvas&&) noexcept = default;
 
 void Canvas::clip(const Box& box) {
-  const auto limit = [](double v, int most) {
-    return static_cast<int>(std::lround(std::clamp(v, 0.0, static_cast<double>(most))));
-  };
-  clip_left_ = limit(box.x, width_);
-  clip_top_ = limit(box.y, height_);
-  clip_right_ = limit(box.right(), width_);
-  clip_bottom_ = limit(box.bottom(), height_);
+  unclip();
+  const double x = std::round(box.x), y = std::round(box.y);
+  cairo_rectangle(recording_->cairo.get(), x, y, std::round(box.right()) - x,
+                  std::round(box.bottom()) - y);
+  cairo_clip(recording_->cairo.get());
 }
 
-void Canvas::blend(int x, int y, const Ink& c, double alpha) {
-  if (x < clip_left_ || x >= clip_right_ || y < clip_top_ || y >= clip_bottom_) return;
-  Ink& p = pixels_[index(x, y)];
-  p = mix(p, c, std::clamp(alpha, 0.0, 1.0));
-}
-
-template <class Cover>
-void Canvas::ink_where(double left, double top, double right, double bottom, const Ink& c,
-                       double alpha, Cover&& cover) {
-  if (!(left <= right && top <= bottom)) return;  // NaN, too
-  const int x0 = static_cast<int>(std::clamp<double>(std::floor(left), clip_left_, clip_right_)),
-            x1 = static_cast<int>(std::clamp<double>(std::ceil(right), clip_left_, clip_right_)),
-            y0 = static_cast<int>(std::clamp<double>(std::floor(top), clip_top_, clip_bottom_)),
-            y1 = static_cast<int>(std::clamp<double>(std::ceil(bottom), clip_top_, clip_bottom_));
-  for (int y = y0; y < y1; ++y)
-    for (int x = x0; x < x1; ++x)
-      if (const double share = cover(x + 0.5, y + 0.5); share > 0)
-        blend(x, y, c, alpha * std::min(share, 1.0));
+void Canvas::unclip() {
+  cairo_reset_clip(recording_->cairo.get());
 }
 
 void Canvas::line(Point a, Point b, double line_width, const Ink& c, double alpha) {
-  // A hair thinner than a pixel is a paler line of one pixel.
-  const double half = 0.5 * std::max(line_width, 1.0);
-  const double strength = alpha * std::min(line_width, 1.0);
-  const double dx = b.x - a.x, dy = b.y - a.y, squared = dx * dx + dy * dy;
-  const double reach = half + 1;
-  const auto cover = [&](double x, double y) {
-    const double t =
-        squared > 0 ? std::clamp(((x - a.x) * dx + (y - a.y) * dy) / squared, 0.0, 1.0) : 0.0;
-    return half + 0.5 - std::hypot(x - a.x - t * dx, y - a.y - t * dy);
-  };
-  // In pieces along the longer axis, so that a diagonal does not visit its whole bounding box.
-  const double longest = std::max(std::abs(dx), std::abs(dy));
-  if (!(longest < 1e6)) return;
-  if (longest < 64) {
-    ink_where(std::min(a.x, b.x) - reach, std::min(a.y, b.y) - reach, std::max(a.x, b.x) + reach,
-              std::max(a.y, b.y) + reach, c, strength, cover);
-    return;
-  }
-  const bool flat = std::abs(dx) >= std::abs(dy);
-  const double from = flat ? std::min(a.x, b.x) - reach : std::min(a.y, b.y) - reach,
-               to = flat ? std::max(a.x, b.x) + reach : std::max(a.y, b.y) + reach;
-  const double slope = flat ? dy / dx : dx / dy, spread = reach * (1 + std::abs(slope)) + 1;
-  const double first = std::max(std::floor(from), flat ? clip_left_ : clip_top_ + 0.0),
-               last = std::min(std::ceil(to), flat ? clip_right_ : clip_bottom_ + 0.0);
-  for (double k = first; k < last; ++k) {
-    const double middle = flat ? a.y + (k + 0.5 - a.x) * slope : a.x + (k + 0.5 - a.y) * slope;
-    if (flat)
-      ink_where(k, middle - spread, k + 1, middle + spread, c, strength, cover);
-    else
-      ink_where(middle - spread, k, middle + spread, k + 1, c, strength, cover);
-  }
+  if (!can_draw({a.x, a.y, b.x, b.y})) return;
+  cairo_move_to(recording_->cairo.get(), a.x, a.y);
+  cairo_line_to(recording_->cairo.get(), b.x, b.y);
+  recording_->stroke(line_width, c, alpha);
 }
 
 void Canvas::disc(Point centre, double radius, const Ink& c, double alpha) {
-  const double reach = radius + 1;
-  ink_where(
-      centre.x - reach, centre.y - reach, centre.x + reach, centre.y + reach, c, alpha,
-      [&](double x, double y) { return radius + 0.5 - std::hypot(x - centre.x, y - centre.y); });
+  line(centre, centre, 2 * radius, c, alpha);
+}
+
+void Canvas::ring(Point centre, double radius, double line_width, const Ink& c, double alpha) {
+  if (!can_draw({centre.x, centre.y, radius})) return;
+  cairo_new_path(recording_->cairo.get());
+  cairo_arc(recording_->cairo.get(), centre.x, centre.y, radius, 0, 2 * std::numbers::pi);
+  cairo_close_path(recording_->cairo.get());
+  recording_->stroke(line_width, c, alpha);
 }
 
 void Canvas::polygon(const std::vector<Point>& corners, const Ink& c, double alpha) {
   if (corners.size() < 3) return;
-  double twice = 0, left = INFINITY, top = INFINITY, right = -INFINITY, bottom = -INFINITY;
-  for (size_t i = 0; i < corners.size(); ++i) {
-    const Point &p = corners[i], &q = corners[(i + 1) % corners.size()];
-    twice += p.x * q.y - p.y * q.x;
-    left = std::min(left, p.x), right = std::max(right, p.x);
-    top = std::min(top, p.y), bottom = std::max(bottom, p.y);
-  }
-  const double turn = twice < 0 ? -1 : 1;
-  ink_where(left - 1, top - 1, right + 1, bottom + 1, c, alpha, [&](double x, double y) {
-    double inside = INFINITY;
-    for (size_t i = 0; i < corners.size(); ++i) {
-      const Point &p = corners[i], &q = corners[(i + 1) % corners.size()];
-      const double ex = q.x - p.x, ey = q.y - p.y, edge = std::hypot(ex, ey);
-      if (edge > 0) inside = std::min(inside, turn * (ex * (y - p.y) - ey * (x - p.x)) / edge);
-    }
-    return std::isfinite(inside) ? inside + 0.5 : 0.0;
-  });
+  for (const Point& p : corners)
+    if (!can_draw({p.x, p.y})) return;
+  for (const Point& p : corners) cairo_line_to(recording_->cairo.get(), p.x, p.y);
+  cairo_close_path(recording_->cairo.get());
+  recording_->fill(c, alpha);
 }
 
 void Canvas::fill(const Box& box, const Ink& c, double alpha) {
-  const auto overlap = [](double from, double to, double at) {
-    return std::min(to, at + 0.5) - std::max(from, at - 0.5);
-  };
-  ink_where(box.x, box.y, box.right(), box.bottom(), c, alpha, [&](double x, double y) {
-    return std::max(0.0, overlap(box.x, box.right(), x)) *
-           std::max(0.0, overlap(box.y, box.bottom(), y));
-  });
+  if (!can_draw({box.x, box.y, box.width, box.height})) return;
+  cairo_rectangle(recording_->cairo.get(), box.x, box.y, box.width, box.height);
+  recording_->fill(c, alpha);
 }
 
 void Canvas::frame(const Box& box, double w, const Ink& c, double alpha) {
-  fill({box.x, box.y, box.width, w}, c, alpha);
-  fill({box.x, box.bottom() - w, box.width, w}, c, alpha);
-  fill({box.x, box.y + w, w, box.height - 2 * w}, c, alpha);
-  fill({box.right() - w, box.y + w, w, box.height - 2 * w}, c, alpha);
+  if (!can_draw({box.x, box.y, box.width, box.height})) return;
+  cairo_rectangle(recording_->cairo.get(), box.x + 0.5 * w, box.y + 0.5 * w, box.width - w,
+                  box.height - w);
+  recording_->stroke(w, c, alpha);
+}
+
+void Canvas::raster(Point top_left, double texel, const Raster& texels) {
+  if (!can_draw({top_left.x, top_left.y, texel})) return;
+  const Surface surface = surface_of(texels);
+  cairo_t* cairo = recording_->cairo.get();
+  cairo_save(cairo);
+  cairo_translate(cairo, top_left.x, top_left.y);
+  cairo_scale(cairo, texel, texel);
+  cairo_set_source_surface(cairo, surface.get(), 0, 0);
+  cairo_pattern_set_filter(cairo_get_source(cairo), CAIRO_FILTER_NEAREST);
+  cairo_rectangle(cairo, 0, 0, texels.width(), texels.height());
+  cairo_fill(cairo);
+  cairo_restore(cairo);
+}
+
+double text_width(const std::string& words, double size) {
+  return Line(words, size, false, 0).width();
+}
+
+void Canvas::text(Point base, const std::string& words, const Lettering& how) {
+  if (!can_draw({base.x, base.y})) return;
+  const Line line(words, how.size, how.bold, how.room);
+  const double before =
+      how.align == Align::left ? 0 : line.width() * (how.align == Align::middle ? 0.5 : 1);
+  recording_->source(how.ink, 1);
+  cairo_move_to(recording_->cairo.get(), base.x - before, base.y);
+  line.show(recording_->cairo.get());
+  cairo_new_path(recording_->cairo.get());
+}
+
+Raster Canvas::pixels() const {
+  Raster result(width_, height_);
+  const Surface image = surface_of(result);
+  recording_->play(image.get());
+  cairo_surface_flush(image.get());
+  const unsigned char* row = cairo_image_surface_get_data(image.get());
+  const int stride = cairo_image_surface_get_stride(image.get());
+  for (int y = 0; y < height_; ++y, row += stride)
+    for (int x = 0; x < width_; ++x)
+      result.at(x, y) = ink(reinterpret_cast<const uint32_t*>(row)[x] & 0xffffff);
+  return result;
 }
 
 std::string Canvas::png() const {
-  // 64 steps are as good as 256 to the eye where there are no slow gradients, and the soft edges of
-  // a thousand lines take half the bytes.
-  constexpr float kSteps = 63;
+  const Raster drawn = pixels();
   std::vector<uint8_t> rgb;
-  rgb.reserve(3 * pixels_.size());
-  for (const Ink& p : pixels_)
-    for (int c = 0; c < 3; ++c)
-      rgb.push_back(static_cast<uint8_t>(
-          std::lround(std::round(std::clamp(p[c], 0.0f, 1.0f) * kSteps) * (255 / kSteps))));
+  rgb.reserve(size_t{3} * static_cast<size_t>(width_) * static_cast<size_t>(height_));
+  for (int y = 0; y < height_; ++y)
+    for (int x = 0; x < width_; ++x)
+      for (int c = 0; c < 3; ++c) rgb.push_back(byte_of(drawn.at(x, y)[c]));
   return png_of_rgb8(width_, height_, rgb, PngKind::drawing);
+}
+
+namespace {
+cairo_status_t append(void* to, const unsigned char* data, unsigned int n) {
+  static_cast<std::string*>(to)->append(reinterpret_cast<const char*>(data), n);
+  return CAIRO_STATUS_SUCCESS;
+}
+}  // namespace
+
+std::string Canvas::svg() const {
+  std::string bytes;
+  const Surface surface(cairo_svg_surface_create_for_stream(append, &bytes, width_, height_));
+  check(cairo_surface_status(surface.get()));
+  cairo_svg_surface_set_document_unit(surface.get(), CAIRO_SVG_UNIT_PX);
+  recording_->play(surface.get());
+  cairo_surface_finish(surface.get());
+  check(cairo_surface_status(surface.get()));
+  return bytes;
+}
+
+std::string Canvas::pdf() const {
+  std::string bytes;
+  const Surface surface(cairo_pdf_surface_create_for_stream(append, &bytes, width_, height_));
+  check(cairo_surface_status(surface.get()));
+  cairo_pdf_surface_set_metadata(surface.get(), CAIRO_PDF_METADATA_CREATE_DATE, "");
+  recording_->play(surface.get());
+  cairo_surface_finish(surface.get());
+  check(cairo_surface_status(surface.get()));
+  return bytes;
+}
+
+std::string Canvas::file_named(const std::string& path) const {
+  return path.ends_with(".svg") ? svg() : path.ends_with(".pdf") ? pdf() : png();
 }
 
 }  // namespace tdpt::draw

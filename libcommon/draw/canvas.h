@@ -1,9 +1,13 @@
-// A picture to draw on: antialiased lines, discs and convex polygons, blended over each other.
+// A drawing: lines, discs, polygons, rasters and words, laid over each other and kept as such, then
+// written as PNG, SVG or PDF. Cairo draws and Pango sets the words, both behind this header.
 //
-// Pixels: x to the right and y down from the top left corner, pixel (i, j) spans [i, i+1) x
-// [j, j+1). Colours are coded as on screens (sRGB), because that is how they are chosen.
+// Places are in pixels, x to the right and y down from the top left corner: pixel (i, j) spans [i,
+// i+1) x [j, j+1). A pixel is a CSS pixel in SVG and a point, 1/72 in, in PDF. Colours are coded as
+// on screens (sRGB), because that is how they are chosen. The same drawing gives the same bytes
+// wherever the same fonts are installed.
 #pragma once
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -36,44 +40,81 @@ struct Box {
   }
 };
 
-class Canvas {
+/// Texels of one ink each.
+class Raster {
  public:
-  Canvas(int width, int height, const Ink& paper);
-
+  Raster(int width, int height, const Ink& all = {})
+      : width_(width),
+        height_(height),
+        texels_(static_cast<size_t>(width) * static_cast<size_t>(height), all) {}
   int width() const { return width_; }
   int height() const { return height_; }
-  const Ink& at(int x, int y) const { return pixels_[index(x, y)]; }
-
-  /// Nothing is drawn outside `box` any more.
-  void clip(const Box& box);
-  void unclip() { clip({0, 0, static_cast<double>(width_), static_cast<double>(height_)}); }
-
-  /// Lays `c` over a pixel; outside the clip nothing happens. alpha in [0,1].
-  void blend(int x, int y, const Ink& c, double alpha = 1);
-  /// With round ends; a line of no length is a dot.
-  void line(Point a, Point b, double line_width, const Ink& c, double alpha = 1);
-  void disc(Point centre, double radius, const Ink& c, double alpha = 1);
-  /// Convex, either way round.
-  void polygon(const std::vector<Point>& corners, const Ink& c, double alpha = 1);
-  void fill(const Box& box, const Ink& c, double alpha = 1);
-  /// The border of a box, drawn inside it.
-  void frame(const Box& box, double line_width, const Ink& c, double alpha = 1);
-
-  std::string png() const;
+  Ink& at(int x, int y) { return texels_[index(x, y)]; }
+  const Ink& at(int x, int y) const { return texels_[index(x, y)]; }
 
  private:
   size_t index(int x, int y) const {
     return static_cast<size_t>(y) * static_cast<size_t>(width_) + static_cast<size_t>(x);
   }
-  /// Calls cover(x, y) -> share of the pixel that is inked, for pixels in the clip that the box
-  /// touches.
-  template <class Cover>
-  void ink_where(double left, double top, double right, double bottom, const Ink& c, double alpha,
-                 Cover&& cover);
-
   int width_, height_;
-  int clip_left_ = 0, clip_top_ = 0, clip_right_ = 0, clip_bottom_ = 0;
-  std::vector<Ink> pixels_;
+  std::vector<Ink> texels_;
+};
+
+enum class Align { left, middle, right };
+
+struct Lettering {
+  double size;  ///< height of a capital letter [pixels], exact in DejaVu Sans
+  Ink ink;
+  Align align = Align::left;
+  bool bold = false;
+  double room = 0;  ///< words wider than this end in an ellipsis [pixels]; 0: no limit
+};
+/// Width of words [pixels], in regular weight.
+double text_width(const std::string& words, double size);
+
+/// Shapes with a coordinate that is not finite, or further than 1e6 away, are not drawn. alpha in
+/// [0,1].
+class Canvas {
+ public:
+  Canvas(int width, int height, const Ink& paper);
+  ~Canvas();
+  Canvas(Canvas&&) noexcept;
+
+  int width() const { return width_; }
+  int height() const { return height_; }
+
+  /// Nothing is drawn outside `box`, rounded to whole pixels, any more.
+  void clip(const Box& box);
+  void unclip();
+
+  /// With round ends; a line of no length is a dot.
+  void line(Point a, Point b, double line_width, const Ink& c, double alpha = 1);
+  void disc(Point centre, double radius, const Ink& c, double alpha = 1);
+  /// The line of a circle.
+  void ring(Point centre, double radius, double line_width, const Ink& c, double alpha = 1);
+  void polygon(const std::vector<Point>& corners, const Ink& c, double alpha = 1);
+  void fill(const Box& box, const Ink& c, double alpha = 1);
+  /// The border of a box, drawn inside it.
+  void frame(const Box& box, double line_width, const Ink& c, double alpha = 1);
+  /// Each texel a square with side `texel`; never interpolated.
+  void raster(Point top_left, double texel, const Raster& texels);
+  /// UTF-8 in any script for which a font is installed, `base` on the base line; a letter that no
+  /// font has is a box with its code. DejaVu Sans where it is installed. Throws Error (output)
+  /// where no font is installed at all.
+  void text(Point base, const std::string& words, const Lettering& how);
+
+  Raster pixels() const;
+  std::string png() const;
+  std::string svg() const;
+  /// Without a date; the words can be searched.
+  std::string pdf() const;
+  /// The file for a name: SVG or PDF where it ends in .svg or .pdf, PNG otherwise.
+  std::string file_named(const std::string& path) const;
+
+ private:
+  struct Recording;
+  std::unique_ptr<Recording> recording_;
+  int width_, height_;
 };
 
 }  // namespace tdpt::draw

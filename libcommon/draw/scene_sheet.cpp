@@ -130,7 +130,7 @@ void SceneSheet::mark_camera() {
   canvas_.unclip();
 }
 
-void SceneSheet::finish() {
+Canvas SceneSheet::finish() {
   mark_camera();
   const Projection& p = plan_.projection();
   for (const SceneView* view : {&camera_view_, &plan_})
@@ -143,6 +143,7 @@ void SceneSheet::finish() {
       fmt::format("Plan below y = {:.3g} m", cut_ / scene_.frame.scale + scene_.frame.centre.y));
   scale_bar(canvas_, {p.panel.right() - 2, p.panel.bottom() + 26},
             p.pixels_per_unit() * scene_.frame.scale);
+  return std::move(canvas_);
 }
 
 }  // namespace tdpt::draw

@@ -19,8 +19,8 @@ class SceneSheet {
   /// ...then what lies over them (metres)...
   void line(const Vec3d& a, const Vec3d& b, double width, const Ink& c, double alpha);
   void dot(const Vec3d& place, double radius, const Ink& c, double alpha);
-  /// ...and the marks, captions and scale at last.
-  void finish();
+  /// ...and the marks, captions and scale at last. Hands the drawing over: the sheet is spent.
+  Canvas finish();
 
   Canvas& canvas() { return canvas_; }
   /// Where the legend goes.

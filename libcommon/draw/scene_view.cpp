@@ -51,7 +51,7 @@ SceneView::SceneView(Canvas& canvas, const Tracer& tracer, const Projection& pro
 
 void SceneView::paint(const Colouring& colour, const Ink& nothing) {
   samples_.assign(static_cast<size_t>(columns_) * static_cast<size_t>(rows_), {});
-  canvas_.clip(projection_.panel);
+  Raster seen(columns_, rows_);
   // A pixel belongs to one thread, so the order does not matter.
   tbb::parallel_for(0, rows_, [&](int row) {
     for (int column = 0; column < columns_; ++column) {
@@ -77,15 +77,15 @@ void SceneView::paint(const Colouring& colour, const Ink& nothing) {
                    static_cast<size_t>(column)] = {Vec3f(hit.position),
                                                    Vec3f(facing > 0 ? -hit.normal : hit.normal)};
       }
-      canvas_.blend(left_ + column, top_ + row, sum * (1.0f / (kSide * kSide)));
+      seen.at(column, row) = sum * (1.0f / (kSide * kSide));
     }
   });
-  draw_edges();
-  canvas_.unclip();
+  darken_edges(seen);
+  canvas_.raster({static_cast<double>(left_), static_cast<double>(top_)}, 1, seen);
 }
 
 // Dark where two neighbouring pixels show surfaces that do not lie in one plane.
-void SceneView::draw_edges() {
+void SceneView::darken_edges(Raster& seen) const {
   const auto at = [&](int column, int row) -> const Sample& {
     return samples_[static_cast<size_t>(row) * static_cast<size_t>(columns_) +
                     static_cast<size_t>(column)];
@@ -104,7 +104,7 @@ void SceneView::draw_edges() {
     for (int column = 0; column + 1 < columns_; ++column) {
       const double edge = std::max(differ(at(column, row), at(column + 1, row)),
                                    differ(at(column, row), at(column, row + 1)));
-      if (edge > 0) canvas_.blend(left_ + column, top_ + row, ink(0x2b2f36), 0.45 * edge);
+      seen.at(column, row) = mix(seen.at(column, row), ink(0x2b2f36), 0.45 * edge);
     }
 }
 

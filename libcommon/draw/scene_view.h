@@ -58,7 +58,7 @@ class SceneView {
   struct Sample {
     Vec3f place, normal;  ///< normal 0: nothing there
   };
-  void draw_edges();
+  void darken_edges(Raster& seen) const;
   bool hides(const Point& at, double depth) const;
 
   Canvas& canvas_;

@@ -66,7 +66,7 @@ class Sheet : public ::testing::Test {
   static Vec3d canonical(const Vec3d& metres) { return two_rooms().frame.to_canonical(metres); }
   Ink at(const SceneView& view, const Vec3d& metres) {
     const Point p = view.projection().project(canonical(metres));
-    return sheet_.canvas().at(static_cast<int>(p.x), static_cast<int>(p.y));
+    return sheet_.canvas().pixels().at(static_cast<int>(p.x), static_cast<int>(p.y));
   }
   SceneSheet sheet_;
 };

@@ -8,14 +8,14 @@ namespace tdpt::draw {
 
 void heading(Canvas& canvas, const std::string& title, const std::string& sentence) {
   const double room = canvas.width() - 2 * kMargin;
-  text(canvas, {kMargin, kMargin + 12}, fitted(title, kTitleSize, room), kTitleSize, kInk,
-       Align::left, 1.15);
-  text(canvas, {kMargin, kMargin + 40}, fitted(sentence, kTextSize, room), kTextSize, kMuted);
+  canvas.text({kMargin, kMargin + 12}, title,
+              {.size = kTitleSize, .ink = kInk, .bold = true, .room = room});
+  canvas.text({kMargin, kMargin + 40}, sentence, {.size = kTextSize, .ink = kMuted, .room = room});
 }
 
 void caption(Canvas& canvas, const Box& panel, const std::string& words) {
-  text(canvas, {panel.x, panel.bottom() + 24}, fitted(words, kTextSize, panel.width), kTextSize,
-       kInk);
+  canvas.text({panel.x, panel.bottom() + 24}, words,
+              {.size = kTextSize, .ink = kInk, .room = panel.width});
 }
 
 void scale_bar(Canvas& canvas, Point right, double pixels_per_metre) {
@@ -28,17 +28,19 @@ void scale_bar(Canvas& canvas, Point right, double pixels_per_metre) {
   const double left = right.x - metres * pixels_per_metre;
   canvas.line({left, right.y}, right, 2, kInk);
   for (const double x : {left, right.x}) canvas.line({x, right.y - 4}, {x, right.y + 4}, 2, kInk);
-  text(canvas, {0.5 * (left + right.x), right.y - 9}, fmt::format("{:.6g} m", metres), kSmallSize,
-       kInk, Align::middle);
+  canvas.text({0.5 * (left + right.x), right.y - 9}, fmt::format("{:.6g} m", metres),
+              {kSmallSize, kInk, Align::middle});
 }
 
 void heat_bar(Canvas& canvas, const Box& bar, const std::string& title, const std::string& low,
               const std::string& high) {
-  for (double x = 0; x < bar.width; ++x)
-    canvas.fill({bar.x + x, bar.y, std::min(1.0, bar.width - x), bar.height}, heat(x / bar.width));
-  text(canvas, {bar.x, bar.y - 10}, title, kSmallSize, kInk);
-  text(canvas, {bar.x, bar.bottom() + 18}, low, kSmallSize, kMuted);
-  text(canvas, {bar.right(), bar.bottom() + 18}, high, kSmallSize, kMuted, Align::right);
+  Raster scale(static_cast<int>(bar.width), static_cast<int>(bar.height));
+  for (int y = 0; y < scale.height(); ++y)
+    for (int x = 0; x < scale.width(); ++x) scale.at(x, y) = heat(x / bar.width);
+  canvas.raster({bar.x, bar.y}, 1, scale);
+  canvas.text({bar.x, bar.y - 10}, title, {kSmallSize, kInk});
+  canvas.text({bar.x, bar.bottom() + 18}, low, {kSmallSize, kMuted});
+  canvas.text({bar.right(), bar.bottom() + 18}, high, {kSmallSize, kMuted, Align::right});
 }
 
 void key(Canvas& canvas, Point start, const std::vector<std::pair<Ink, std::string>>& entries) {
@@ -47,19 +49,20 @@ void key(Canvas& canvas, Point start, const std::vector<std::pair<Ink, std::stri
     const double width = 24 + text_width(words, kTextSize);
     if (at.x > start.x && at.x + width > canvas.width() - kMargin) at = {start.x, at.y + kKeyRow};
     canvas.fill({at.x, at.y - 12, 16, 14}, c);
-    text(canvas, {at.x + 24, at.y}, words, kTextSize, kInk);
+    canvas.text({at.x + 24, at.y}, words, {kTextSize, kInk});
     at.x += width + 30;
   }
 }
 
 void reach_square(Canvas& canvas, const Box& square, const std::string& light,
                   const std::string& camera) {
-  for (double y = 0; y < square.height; ++y)
-    for (double x = 0; x < square.width; ++x)
-      canvas.fill({square.x + x, square.y + y, 1, 1},
-                  reach(x / (square.width - 1), 1 - y / (square.height - 1)));
-  text(canvas, {square.right() + 12, square.bottom() - 1}, light, kSmallSize, kInk);
-  text(canvas, {square.right() + 12, square.y + kSmallSize}, camera, kSmallSize, kInk);
+  Raster shades(static_cast<int>(square.width), static_cast<int>(square.height));
+  for (int y = 0; y < shades.height(); ++y)
+    for (int x = 0; x < shades.width(); ++x)
+      shades.at(x, y) = reach(x / (square.width - 1), 1 - y / (square.height - 1));
+  canvas.raster({square.x, square.y}, 1, shades);
+  canvas.text({square.right() + 12, square.bottom() - 1}, light, {kSmallSize, kInk});
+  canvas.text({square.right() + 12, square.y + kSmallSize}, camera, {kSmallSize, kInk});
 }
 
 std::string number(double value) {
@@ -75,13 +78,6 @@ std::string number(double value) {
 
 std::string base_name(const std::string& path) {
   return path == "-" ? "(standard input)" : path.substr(path.find_last_of('/') + 1);
-}
-
-std::string fitted(const std::string& words, double size, double width) {
-  if (text_width(words, size) <= width) return words;
-  std::string cut = words;
-  while (!cut.empty() && text_width(cut + "...", size) > width) cut.pop_back();
-  return cut + "...";
 }
 
 }  // namespace tdpt::draw

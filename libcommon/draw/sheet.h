@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "libcommon/draw/colour.h"
-#include "libcommon/draw/text.h"
 
 namespace tdpt::draw {
 
@@ -34,7 +33,5 @@ void reach_square(Canvas& canvas, const Box& square, const std::string& light,
 std::string number(double value);
 /// The file name of a path.
 std::string base_name(const std::string& path);
-/// Words cut to fit a width, with "..." where something is missing.
-std::string fitted(const std::string& words, double size, double width);
 
 }  // namespace tdpt::draw

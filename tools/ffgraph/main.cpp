@@ -45,9 +45,9 @@ void declare_options(cli::Options& options, Arguments& a) {
                  "Rounds of splitting patches that straddle an opening; default 1", 0, 3);
   options.input("--refine", a.refine, "CUT",
                 "Split where the patches of this cut straddle its opening, instead of --rounds");
-  options.side_output(
-      "--preview", a.preview,
-      "Write a PNG: what light and camera reach, as the camera sees it and in plan");
+  options.side_output("--preview", a.preview,
+                      "Write a picture (.png, .svg, .pdf): what light and camera reach, as the "
+                      "camera sees it and in plan");
   options.side_output("--debug-glb", a.debug_glb,
                       "Write the same as glTF, the patches as coloured squares");
 }
@@ -162,7 +162,9 @@ DimacsFile compute(const Arguments& a, const cli::Common& common, const Loaded& 
 void deliver(const Arguments& a, const cli::Common& common, const Loaded& in,
              const DimacsFile& network, Phases& phases) {
   const auto text = [&] { return dimacs_text(network); };
-  const auto preview = [&] { return network_preview(in.scene, in.camera, network, a.triangles()); };
+  const auto preview = [&] {
+    return network_preview(in.scene, in.camera, network, a.triangles()).file_named(a.preview);
+  };
   const auto debug_glb = [&] { return network_debug_glb(in.scene, network, a.triangles()); };
   cli::deliver({{common.output, text}, {a.preview, preview}, {a.debug_glb, debug_glb}}, phases);
 }

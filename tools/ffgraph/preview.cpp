@@ -37,8 +37,8 @@ void paint_network(draw::SceneSheet& sheet, const Scene& scene, const DimacsFile
   });
 }
 
-std::string network_preview(const Scene& scene, const Camera& camera, const DimacsFile& file,
-                            bool triangles) {
+draw::Canvas network_preview(const Scene& scene, const Camera& camera, const DimacsFile& file,
+                             bool triangles) {
   using namespace draw;
   const std::vector<Reach> reached = reach_of_patches(file, triangles);
   size_t both = 0;
@@ -70,8 +70,7 @@ std::string network_preview(const Scene& scene, const Camera& camera, const Dima
          {kClay, "no walk came here"},
          {kLamp, "lamps"}});
   }
-  sheet.finish();
-  return sheet.canvas().png();
+  return sheet.finish();
 }
 
 std::string network_debug_glb(const Scene& scene, const DimacsFile& file, bool triangles) {

@@ -21,9 +21,9 @@ std::vector<Reach> reach_of_patches(const DimacsFile& file, bool triangles);
 void paint_network(draw::SceneSheet& sheet, const Scene& scene, const DimacsFile& file,
                    bool triangles);
 
-/// PNG: camera view and plan, patches in the colours of their reach.
-std::string network_preview(const Scene& scene, const Camera& camera, const DimacsFile& file,
-                            bool triangles);
+/// Camera view and plan, patches in the colours of their reach.
+draw::Canvas network_preview(const Scene& scene, const Camera& camera, const DimacsFile& file,
+                             bool triangles);
 /// glTF: a square for every patch, or every triangle, in the same colours.
 std::string network_debug_glb(const Scene& scene, const DimacsFile& file, bool triangles);
 

@@ -61,7 +61,7 @@ bool floors_have_their_colours(const DimacsFile& file) {
   paint_network(sheet, scene, file, false);
   const auto at = [&](const Vec3d& metres) {
     const draw::Point p = sheet.plan().projection().project(scene.frame.to_canonical(metres));
-    return sheet.canvas().at(static_cast<int>(p.x), static_cast<int>(p.y));
+    return sheet.canvas().pixels().at(static_cast<int>(p.x), static_cast<int>(p.y));
   };
   const auto near = [](const draw::Ink& a, const draw::Ink& b) { return length(a - b) < 0.01f; };
   return near(at({3.6, 0, 0.7}), draw::kLight) && near(at({0.5, 0, -0.7}), draw::kCamera);
@@ -77,7 +77,7 @@ TEST(network_preview, is_a_png_of_the_usual_width) {
   const Scene& scene = two_rooms();
   for (const bool triangles : {false, true}) {
     const auto png =
-        testing::read_png(network_preview(scene, scene.camera(""), network(1, 1), triangles));
+        testing::read_png(network_preview(scene, scene.camera(""), network(1, 1), triangles).png());
     EXPECT_EQ(png.width, draw::kSheetWidth);
     EXPECT_GT(png.height, 400);
   }

@@ -50,8 +50,9 @@ void declare_options(cli::Options& options, Arguments& a) {
                  "What traces the lines; default cpu. WHICH: number or part of the name of a "
                  "Vulkan device; else the best");
   options.instead("--list-devices", list_of_devices, "List the Vulkan devices and exit");
-  options.side_output("--preview", a.preview,
-                      "Write a PNG: the counts along the three axes of the grid");
+  options.side_output(
+      "--preview", a.preview,
+      "Write a picture (.png, .svg, .pdf): the counts along the three axes of the grid");
   options.side_output("--debug-glb", a.debug_glb,
                       "Write the fullest voxels and some lines of light as glTF");
 }
@@ -137,7 +138,7 @@ int run(const Arguments& a, const cli::Common& common) {
   const LightGrid grid = compute(a, common, in, tracer.make, report);
   tell(common, grid, report);
   cli::deliver({{common.output, [&] { return light_grid_bytes(grid); }},
-                {a.preview, [&] { return grid_preview(grid, a.scene); }},
+                {a.preview, [&] { return grid_preview(grid, a.scene).file_named(a.preview); }},
                 {a.debug_glb, [&] { return grid_debug_glb(grid); }}},
                report.phases);
   cli::report(common, summary(grid, report, tracer.name), report.phases);

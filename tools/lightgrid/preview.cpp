@@ -44,11 +44,11 @@ void draw_counts(Canvas& canvas, const LightGrid& grid, const View& view, float 
   const int along = 3 - view.right.axis - view.down.axis;
   const FlatGrid flat = flattened(grid, along);
   const bool right_is_u = view.right.axis == (along + 1) % 3;
-  const int left = static_cast<int>(view.panel.x), top = static_cast<int>(view.panel.y);
-  for (int y = top; y < static_cast<int>(view.panel.bottom()); ++y)
-    for (int x = left; x < static_cast<int>(view.panel.right()); ++x) {
-      const int r = voxel_at(grid, view.right, (x - view.panel.x + 0.5) / view.panel.width),
-                d = voxel_at(grid, view.down, (y - view.panel.y + 0.5) / view.panel.height);
+  Raster counts(static_cast<int>(view.panel.width), static_cast<int>(view.panel.height));
+  for (int y = 0; y < counts.height(); ++y)
+    for (int x = 0; x < counts.width(); ++x) {
+      const int r = voxel_at(grid, view.right, (x + 0.5) / view.panel.width),
+                d = voxel_at(grid, view.down, (y + 0.5) / view.panel.height);
       const int u = right_is_u ? r : d, v = right_is_u ? d : r;
       const auto at = static_cast<size_t>(u + flat.width * v);
       const double shade = shade_of(flat.most[at], most);
@@ -56,8 +56,9 @@ void draw_counts(Canvas& canvas, const LightGrid& grid, const View& view, float 
       const double solid = std::pow(static_cast<double>(flat.solid[at]), 1.5);
       Ink c = mix(ink(0xffffff), ink(0x8a8f98), solid);
       c = mix(c, heat(shade), std::pow(shade, 0.7));
-      canvas.blend(x, y, c * static_cast<float>(1 - 0.25 * solid));
+      counts.at(x, y) = c * static_cast<float>(1 - 0.25 * solid);
     }
+  canvas.raster({view.panel.x, view.panel.y}, 1, counts);
 }
 
 Point pixel_of(const LightGrid& grid, const View& view, const Vec3d& metres) {
@@ -86,14 +87,14 @@ void draw_axes(Canvas& canvas, const View& view) {
   };
   const Point across = view.right.backwards ? arrow({p.right(), p.bottom() + 14}, -1, 0)
                                             : arrow({p.x, p.bottom() + 14}, 1, 0);
-  text(canvas, {across.x + (view.right.backwards ? -16 : 11), across.y + 4},
-       kNames[view.right.axis], kTextSize, kInk);
+  canvas.text({across.x + (view.right.backwards ? -16 : 11), across.y + 4}, kNames[view.right.axis],
+              {kTextSize, kInk});
   const Point upright =
       view.down.backwards ? arrow({p.x - 14, p.bottom()}, 0, -1) : arrow({p.x - 14, p.y}, 0, 1);
-  text(canvas, {upright.x, upright.y + (view.down.backwards ? -12 : 20)}, kNames[view.down.axis],
-       kTextSize, kInk, Align::middle);
-  text(canvas, {view.right.backwards ? p.x : p.x + 72, p.bottom() + 18}, view.words, kTextSize,
-       kMuted);
+  canvas.text({upright.x, upright.y + (view.down.backwards ? -12 : 20)}, kNames[view.down.axis],
+              {kTextSize, kInk, Align::middle});
+  canvas.text({view.right.backwards ? p.x : p.x + 72, p.bottom() + 18}, view.words,
+              {kTextSize, kMuted});
 }
 
 size_t fullest(const LightGrid& grid) {
@@ -154,11 +155,11 @@ FlatGrid flattened(const LightGrid& grid, int axis) {
   return flat;
 }
 
-std::string grid_preview(const LightGrid& grid, const std::string& name) {
+Canvas grid_preview(const LightGrid& grid, const std::string& name) {
   if (grid.count.empty()) {
     Canvas canvas(kSheetWidth, static_cast<int>(kHeading), kPaper);
     heading(canvas, "lightgrid   " + base_name(name), "no light grid: " + grid.reason);
-    return canvas.png();
+    return canvas;
   }
   const auto [scale, height, side, views] = layout_of(grid);
   const float most = grid.count[fullest(grid)];
@@ -175,31 +176,27 @@ std::string grid_preview(const LightGrid& grid, const std::string& name) {
     draw_axes(canvas, view);
     if (most > 0) {
       const Point at = pixel_of(grid, view, centre_of(grid, fullest(grid)));
-      for (const auto& [radius, c] : {std::pair(8.0, kInk), std::pair(8.0, ink(0xffffff))}) {
-        const double shift = c == kInk ? 0.7 : 0;
-        for (int k = 0; k < 24; ++k) {
-          const double a = k * 0.2618, b = a + 0.2618, r = radius + shift;
-          canvas.line({at.x + r * std::cos(a), at.y + r * std::sin(a)},
-                      {at.x + r * std::cos(b), at.y + r * std::sin(b)}, 1.3, c);
-        }
-      }
+      canvas.ring(at, 8.7, 1.3, kInk);
+      canvas.ring(at, 8, 1.3, ink(0xffffff));
     }
   }
   if (most > 0) {
     const Vec3d place = centre_of(grid, fullest(grid));
     heat_bar(canvas, {side, kHeading + 28, kLegendWidth - 60, 16},
              "segments through a voxel (log scale)", "0", number(static_cast<double>(most)));
-    text(canvas, {side, kHeading + 96},
-         fmt::format("Ring: the fullest, {} segments", number(static_cast<double>(most))),
-         kTextSize, kInk);
-    text(canvas, {side, kHeading + 118},
-         fmt::format("at ({:.3g}, {:.3g}, {:.3g}) m", place.x, place.y, place.z), kTextSize, kInk);
-    text(canvas, {side, kHeading + 140},
-         fmt::format("{} lines of light kept", number(static_cast<double>(grid.lines.size()))),
-         kTextSize, kMuted);
+    canvas.text({side, kHeading + 96},
+                fmt::format("Ring: the fullest, {} segments", number(static_cast<double>(most))),
+                {kTextSize, kInk});
+    canvas.text({side, kHeading + 118},
+                fmt::format("at ({:.3g}, {:.3g}, {:.3g}) m", place.x, place.y, place.z),
+                {kTextSize, kInk});
+    canvas.text(
+        {side, kHeading + 140},
+        fmt::format("{} lines of light kept", number(static_cast<double>(grid.lines.size()))),
+        {kTextSize, kMuted});
   }
   scale_bar(canvas, {side + 162, kHeading + 186}, scale / grid.voxel);
-  return canvas.png();
+  return canvas;
 }
 
 std::string grid_debug_glb(const LightGrid& grid) {

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "libcommon/draw/canvas.h"
 #include "libcommon/formats/light_grid.h"
 
 namespace tdpt {
@@ -16,8 +17,8 @@ struct FlatGrid {
 };
 FlatGrid flattened(const LightGrid& grid, int axis);
 
-/// PNG: the three flattened grids as the views of a technical drawing. `name`: of the scene.
-std::string grid_preview(const LightGrid& grid, const std::string& name);
+/// The three flattened grids as the views of a technical drawing. `name`: of the scene.
+draw::Canvas grid_preview(const LightGrid& grid, const std::string& name);
 /// glTF: the fullest voxels as cubes, others as points, and some lines of light.
 std::string grid_debug_glb(const LightGrid& grid);
 

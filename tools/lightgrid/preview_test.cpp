@@ -77,7 +77,7 @@ TEST(grid_preview, the_view_along_the_light_is_fullest_in_the_hole) {
 }
 
 TEST(grid_preview, is_a_png_also_without_a_bottleneck) {
-  const auto png = testing::read_png(grid_preview(two_rooms_grid(), "two-rooms.glb"));
+  const auto png = testing::read_png(grid_preview(two_rooms_grid(), "two-rooms.glb").png());
   EXPECT_EQ(png.width, 1600);
   EXPECT_GT(png.height, 600);
   LightGrid none = two_rooms_grid();
@@ -85,9 +85,9 @@ TEST(grid_preview, is_a_png_also_without_a_bottleneck) {
   none.reason = "light and camera share one open space";
   std::fill(none.count.begin(), none.count.end(), 0.0f);
   none.lines.clear();
-  EXPECT_EQ(testing::read_png(grid_preview(none, "two-rooms.glb")).width, 1600);
+  EXPECT_EQ(testing::read_png(grid_preview(none, "two-rooms.glb").png()).width, 1600);
   none.count.clear();
-  EXPECT_EQ(testing::read_png(grid_preview(none, "two-rooms.glb")).width, 1600);
+  EXPECT_EQ(testing::read_png(grid_preview(none, "two-rooms.glb").png()).width, 1600);
 }
 
 TEST(grid_debug_glb, shows_the_fullest_voxels_as_cubes_at_their_places) {

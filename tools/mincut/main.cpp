@@ -37,7 +37,8 @@ void declare_options(cli::Options& options, Arguments& a) {
   options.option("--largest-conductance", a.limits.largest_conductance, "C",
                  "Largest share of the smaller side's light that may cross; default 0.12", 0, 1);
   options.side_output("--preview", a.preview,
-                      "Write a PNG: the cut's sides and pivot pairs in the scene and in plan");
+                      "Write a picture (.png, .svg, .pdf): the cut's sides and pivot pairs in the "
+                      "scene and in plan");
   options.input("--scene", a.scene, "FILE", "Scene of the network (.glb, .gltf), for --preview");
   options.option("--camera", a.camera, "NAME", "Camera for --preview; default the first one",
                  cli::Shapes::nothing);
@@ -50,7 +51,7 @@ std::string preview_of(const Arguments& a, const cli::Common& common, const CutF
   Scene scene = read_gltf(a.scene);
   common.also_read(scene.files);
   open_glass(scene);
-  return cut_preview(scene, scene.camera(a.camera), cut, a.network);
+  return cut_preview(scene, scene.camera(a.camera), cut, a.network).file_named(a.preview);
 }
 
 void check(const Arguments& a) {

@@ -96,8 +96,8 @@ void paint_cut(draw::SceneSheet& sheet, const Scene& scene, const CutFile& cut) 
       sheet.dot(cut.patches[end].centre, 1.6, mix(region(region_of(cut, end), n), kInk, 0.7), 0.9);
 }
 
-std::string cut_preview(const Scene& scene, const Camera& camera, const CutFile& cut,
-                        const std::string& cut_name) {
+draw::Canvas cut_preview(const Scene& scene, const Camera& camera, const CutFile& cut,
+                         const std::string& cut_name) {
   using namespace draw;
   if (cut.scene_hash != scene.hash)
     throw InputError(display_name(cut_name), "", "was made from another scene than " + scene.path);
@@ -113,8 +113,7 @@ std::string cut_preview(const Scene& scene, const Camera& camera, const CutFile&
   entries.emplace_back(kLamp, "lamps");
   entries.emplace_back(kPivot, "pivot pairs, darker with more light, pale where hidden");
   key(sheet.canvas(), {sheet.legend().x, sheet.legend().y + 22}, entries);
-  sheet.finish();
-  return sheet.canvas().png();
+  return sheet.finish();
 }
 
 std::string cut_debug_glb(const CutFile& cut) {

@@ -17,10 +17,10 @@ std::vector<size_t> arcs_to_draw(const CutFile& cut, size_t most);
 /// the pivot pairs.
 void paint_cut(draw::SceneSheet& sheet, const Scene& scene, const CutFile& cut);
 
-/// PNG: camera view and plan, a colour a region, pivot pairs as lines, more capacity darker.
+/// Camera view and plan, a colour a region, pivot pairs as lines, more capacity darker.
 /// Throws InputError for `cut_name` when the cut was made from another scene.
-std::string cut_preview(const Scene& scene, const Camera& camera, const CutFile& cut,
-                        const std::string& cut_name);
+draw::Canvas cut_preview(const Scene& scene, const Camera& camera, const CutFile& cut,
+                         const std::string& cut_name);
 /// glTF: a square for every patch in the colour of its region, pivot pairs as lines.
 std::string cut_debug_glb(const CutFile& cut);
 

@@ -59,7 +59,7 @@ struct Painted {
   draw::Ink seen(const Vec3d& metres) { return at(sheet.camera_view(), metres); }
   draw::Ink at(const draw::SceneView& view, const Vec3d& metres) {
     const draw::Point p = view.projection().project(two_rooms().frame.to_canonical(metres));
-    return sheet.canvas().at(static_cast<int>(p.x), static_cast<int>(p.y));
+    return sheet.canvas().pixels().at(static_cast<int>(p.x), static_cast<int>(p.y));
   }
   draw::SceneSheet sheet;
 };
@@ -94,7 +94,8 @@ TEST(cut_preview, pivot_pairs_are_lines_through_the_opening) {
         p.sheet.plan().projection().project(two_rooms().frame.to_canonical({x, 1, z}));
     float least = 2;
     for (const int dy : {-1, 0, 1}) {
-      const draw::Ink& c = p.sheet.canvas().at(static_cast<int>(at.x), static_cast<int>(at.y) + dy);
+      const draw::Ink c =
+          p.sheet.canvas().pixels().at(static_cast<int>(at.x), static_cast<int>(at.y) + dy);
       least = std::min(least, length(c - draw::kPivot));
     }
     return least;
@@ -105,7 +106,7 @@ TEST(cut_preview, pivot_pairs_are_lines_through_the_opening) {
 TEST(cut_preview, is_a_png_and_refuses_another_scene) {
   CutFile cut = cut_at_the_wall(1, 0);
   const Scene& scene = two_rooms();
-  const auto png = testing::read_png(cut_preview(scene, scene.camera(""), cut, "room.max"));
+  const auto png = testing::read_png(cut_preview(scene, scene.camera(""), cut, "room.max").png());
   EXPECT_EQ(png.width, draw::kSheetWidth);
   EXPECT_GT(png.height, 400);
   cut.scene_hash = "another";

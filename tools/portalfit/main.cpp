@@ -35,7 +35,8 @@ void declare_options(cli::Options& options, Arguments& a) {
                cli::Shapes::nothing);
   options.flag("--useful-only", a.useful_only, "Leave out portals that cost more than they gain");
   options.side_output("--preview", a.preview,
-                      "Write a PNG: each portal over the light, from the front and from above");
+                      "Write a picture (.png, .svg, .pdf): each portal over the light, from the "
+                      "front and from above");
   options.side_output("--debug-glb", a.debug_glb,
                       "Write portals, their normals and some lines of light as glTF");
 }
@@ -114,12 +115,14 @@ std::string why_none(const Arguments& a, const cli::Common& common, const LightG
 void deliver(const Arguments& a, const cli::Common& common, const LightGrid& grid,
              const Written& written, Phases& phases) {
   const std::string why = grid.bottleneck ? kNoOpening : grid.reason;
-  cli::deliver(
-      {{common.output, [&] { return portal_bytes(written.file); }},
-       {a.preview,
-        [&] { return portal_preview(grid, written.file.portals, written.lines, a.grid, why); }},
-       {a.debug_glb, [&] { return portal_debug_glb(grid, written.file); }}},
-      phases);
+  cli::deliver({{common.output, [&] { return portal_bytes(written.file); }},
+                {a.preview,
+                 [&] {
+                   return portal_preview(grid, written.file.portals, written.lines, a.grid, why)
+                       .file_named(a.preview);
+                 }},
+                {a.debug_glb, [&] { return portal_debug_glb(grid, written.file); }}},
+               phases);
 }
 
 int run(const Arguments& a, const cli::Common& common) {

@@ -55,20 +55,25 @@ void draw_voxels(Canvas& canvas, const LightGrid& grid, const Flat& view, double
       grid.count.empty() ? 0 : *std::max_element(grid.count.begin(), grid.count.end());
   const Vec3d deep = cross(view.right, view.up);
   const int steps = std::clamp(static_cast<int>(std::ceil(2 * reach / grid.voxel)), 1, 64);
-  canvas.clip(view.panel);
-  canvas.fill(view.panel, ink(0xffffff));
-  // Voxels are larger than pixels: every second pixel is enough.
-  for (double y = view.panel.y; y < view.panel.bottom(); y += 2)
-    for (double x = view.panel.x; x < view.panel.right(); x += 2) {
+  // Voxels are larger than pixels: texels of two are enough.
+  constexpr double kTexel = 2;
+  Raster shades(static_cast<int>(std::ceil(view.panel.width / kTexel)),
+                static_cast<int>(std::ceil(view.panel.height / kTexel)), ink(0xffffff));
+  for (int y = 0; y < shades.height(); ++y)
+    for (int x = 0; x < shades.width(); ++x) {
+      const Vec3d place =
+          view.place(view.panel.x + (x + 0.5) * kTexel, view.panel.y + (y + 0.5) * kTexel);
       float count = 0;
       for (int k = 0; k < steps; ++k)
-        count = std::max(count, count_at(grid, view.place(x + 1, y + 1) +
-                                                   deep * (reach * ((2.0 * k + 1) / steps - 1))));
+        count =
+            std::max(count, count_at(grid, place + deep * (reach * ((2.0 * k + 1) / steps - 1))));
       if (count == 0) continue;
       const double shade =
           std::log1p(static_cast<double>(count)) / std::log1p(static_cast<double>(most));
-      canvas.fill({x, y, 2, 2}, heat(shade), 0.4 * shade);
+      shades.at(x, y) = mix(ink(0xffffff), heat(shade), 0.4 * shade);
     }
+  canvas.clip(view.panel);
+  canvas.raster({view.panel.x, view.panel.y}, kTexel, shades);
   canvas.unclip();
 }
 
@@ -247,9 +252,9 @@ std::vector<SeenLine> lines_to_show(const LightGrid& grid,
   return seen;
 }
 
-std::string portal_preview(const LightGrid& grid, const std::vector<Portal>& portals,
-                           const std::vector<std::vector<uint32_t>>& lines, const std::string& name,
-                           const std::string& why_none) {
+draw::Canvas portal_preview(const LightGrid& grid, const std::vector<Portal>& portals,
+                            const std::vector<std::vector<uint32_t>>& lines,
+                            const std::string& name, const std::string& why_none) {
   std::vector<Row> rows;
   for (size_t i = 0; i < std::min(portals.size(), kMostRows); ++i)
     rows.push_back(row_of(portals[i], grid.voxel));
@@ -266,7 +271,7 @@ std::string portal_preview(const LightGrid& grid, const std::vector<Portal>& por
                           number(static_cast<double>(grid.lines.size())));
   heading(canvas, "portalfit   " + base_name(name), sentence);
 
-  if (rows.empty()) return canvas.png();
+  if (rows.empty()) return canvas;
   for (size_t i = 0; i < rows.size(); ++i) {
     const Row& row = rows[i];
     const double top = kHeading + pitch * static_cast<double>(i);
@@ -302,7 +307,7 @@ std::string portal_preview(const LightGrid& grid, const std::vector<Portal>& por
        {kMuted, "through another"},
        {kAlarm, "through none"},
        {mix(kPaper, heat(0.7), 0.4), "fuller voxels darker"}});
-  return canvas.png();
+  return canvas;
 }
 
 std::string portal_debug_glb(const LightGrid& grid, const PortalFile& file) {

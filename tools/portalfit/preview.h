@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "libcommon/draw/canvas.h"
 #include "libcommon/formats/light_grid.h"
 #include "libcommon/formats/portal.h"
 
@@ -32,11 +33,11 @@ std::vector<SeenLine> lines_to_show(const LightGrid& grid,
                                     const std::vector<std::vector<uint32_t>>& lines, size_t own,
                                     const PortalFrame& frame);
 
-/// PNG: a row for each portal (six at most) or for the whole grid where there is none; `why_none`
+/// A row for each portal (six at most) or for the whole grid where there is none; `why_none`
 /// says why. `lines`: as above. `name`: of the grid.
-std::string portal_preview(const LightGrid& grid, const std::vector<Portal>& portals,
-                           const std::vector<std::vector<uint32_t>>& lines, const std::string& name,
-                           const std::string& why_none);
+draw::Canvas portal_preview(const LightGrid& grid, const std::vector<Portal>& portals,
+                            const std::vector<std::vector<uint32_t>>& lines,
+                            const std::string& name, const std::string& why_none);
 /// glTF: portals translucent, their outlines and normals, and some lines of light.
 std::string portal_debug_glb(const LightGrid& grid, const PortalFile& file);
 

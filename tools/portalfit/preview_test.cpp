@@ -93,12 +93,13 @@ Green green_of(const std::string& bytes) {
 
 TEST(portal_preview, shows_the_outline_in_front_and_the_edge_from_above) {
   const LightGrid grid = lines_through_the_door();
-  const Green with = green_of(portal_preview(grid, {door()}, {all_of(grid)}, "room.vdb", ""));
+  const Green with = green_of(portal_preview(grid, {door()}, {all_of(grid)}, "room.vdb", "").png());
   // An outline of four sides of some 300 pixels, 2 wide; an edge and an arrow.
   EXPECT_GT(with.front, 1000);
   EXPECT_GT(with.above, 700);
   // Twin: without a portal there is none of it.
-  const Green without = green_of(portal_preview(grid, {}, {}, "room.vdb", "the opening is wide"));
+  const Green without =
+      green_of(portal_preview(grid, {}, {}, "room.vdb", "the opening is wide").png());
   EXPECT_EQ(without.front + without.above, 0);
 }
 
@@ -160,7 +161,8 @@ TEST(portal_preview, has_a_row_for_each_portal_but_six_at_most) {
   const LightGrid grid = lines_through_the_door();
   const auto height = [&](size_t n) {
     const std::vector<std::vector<uint32_t>> lines(n, all_of(grid));
-    return testing::read_png(portal_preview(grid, std::vector<Portal>(n, door()), lines, "g", ""))
+    return testing::read_png(
+               portal_preview(grid, std::vector<Portal>(n, door()), lines, "g", "").png())
         .height;
   };
   EXPECT_GT(height(3), height(1));
