@@ -41,9 +41,8 @@ class SphereBins {
 
   size_t size() const { return (cosines_.size() - 1) * sectors_; }
   size_t bin(const Vec3d& w) const;
-  /// Integral of `density` [1/sr] over each bin by adaptive quadrature; `tolerance` of each.
-  std::vector<double> integrate(const std::function<double(const Vec3d&)>& density,
-                                double tolerance = 1e-6) const;
+  /// Integral of `density` [1/sr] over each bin, by integrate() below.
+  std::vector<double> integrate(const std::function<double(const Vec3d&)>& density) const;
 
  private:
   size_t sectors_;
@@ -51,10 +50,11 @@ class SphereBins {
   std::vector<double> cosines_;  // descending, 1 ... -1
 };
 
-/// Integral over [x0,x1] x [y0,y1]: Gauss-Legendre, cells split in four until they agree with their
-/// parts. Peaks narrower than a twelfth of a side may be missed.
+/// Integral over [x0,x1] x [y0,y1] by Boost's adaptive Gauss-Kronrod rule of 15 points, nested;
+/// `tolerance` is relative. Where the integrand jumps inside, a thousandth is what can be counted
+/// on. Peaks narrower than a twelfth of a side may be missed.
 double integrate(const std::function<double(double, double)>& f, double x0, double x1, double y0,
-                 double y1, double tolerance);
+                 double y1, double tolerance = 1e-3);
 
 /// Draws `n` samples, sorts them into bins and compares with the `probability` of each. `draw(i)`
 /// gives the bin of sample i, or probability.size() for a sample that is none. p = 0 when the

@@ -90,11 +90,11 @@ TEST(chi_square, bins_cover_the_sphere_once) {
 
 TEST(chi_square, quadrature_follows_edges_and_peaks) {
   const auto step = [](double x, double y) { return x * x + y * y < 0.5 ? 1.0 : 0.0; };
-  EXPECT_NEAR(integrate(step, 0, 1, 0, 1, 1e-5), std::numbers::pi / 8, 1e-4);
+  EXPECT_NEAR(integrate(step, 0, 1, 0, 1), std::numbers::pi / 8, 1e-3 * std::numbers::pi / 8);
   const auto peak = [](double x, double y) {
     return std::exp(-1e3 * ((x - 0.4) * (x - 0.4) + (y - 0.3) * (y - 0.3)));
   };
-  EXPECT_NEAR(integrate(peak, 0, 1, 0, 1, 1e-8), std::numbers::pi * 1e-3, 1e-7);
+  EXPECT_NEAR(integrate(peak, 0, 1, 0, 1), std::numbers::pi * 1e-3, 1e-9);
 }
 
 }  // namespace

@@ -117,7 +117,7 @@ double film(double power) {
     double x, y;
     return plane.raster(w, x, y) ? plane.pdf_w(w) * std::pow(dot(w, camera.forward), power) : 0;
   };
-  return chi_square_of_samples(kSamples, bins.integrate(pdf, 1e-5),
+  return chi_square_of_samples(kSamples, bins.integrate(pdf),
                                [&](uint64_t i) {
                                  Rng rng(34, 0, i);
                                  const double x = 64 * rng.uniform();
@@ -227,7 +227,7 @@ double portal_directions(const std::vector<Portal>& portals, double power) {
       ++kept;
       ++counts[bins.bin(s.direction)];
     }
-    std::vector<double> expected = bins.integrate(pdf, 1e-5);
+    std::vector<double> expected = bins.integrate(pdf);
     for (double& e : expected) e *= static_cast<double>(kept);
     least = std::min(least, chi_square(counts, expected).p);
   }
@@ -415,12 +415,10 @@ double light_directions(Source source, double power) {
     ++kept;
     ++counts[bins.bin(lights.leave(p, u, v).direction)];
   }
-  std::vector<double> expected = bins.integrate(
-      [&](const Vec3d& w) {
-        const double cos = dot(punctual ? light->direction() : normal, w);
-        return light->pdf_w(normal, w) * std::pow(1 - std::abs(cos) / 10, power);
-      },
-      1e-5);
+  std::vector<double> expected = bins.integrate([&](const Vec3d& w) {
+    const double cos = dot(punctual ? light->direction() : normal, w);
+    return light->pdf_w(normal, w) * std::pow(1 - std::abs(cos) / 10, power);
+  });
   for (double& e : expected) e *= static_cast<double>(kept);
   return chi_square(counts, expected).p;
 }

@@ -140,12 +140,10 @@ template <class F>
 double energy_by_quadrature(const Bsdf& b, const Vec3d& from, F f) {
   const SphereBins bins(16, 16);
   double sum = dirac_energy(b, from);
-  for (double x : bins.integrate(
-           [&](const Vec3d& to) {
-             const double n = b.index(to);
-             return f(b, from, to).y * n * n * std::abs(to.z);
-           },
-           1e-5))
+  for (double x : bins.integrate([&](const Vec3d& to) {
+         const double n = b.index(to);
+         return f(b, from, to).y * n * n * std::abs(to.z);
+       }))
     sum += x;
   return sum;
 }

@@ -241,7 +241,7 @@ Judgement judge(const Case& c, const Stand& s, uint64_t stream, const Pdf& pdf_w
   Walk walk;
   RayCounts rays;
   uint64_t tried = 0, dirac = 0;
-  const std::vector<double> share = c.bins.integrate(pdf_w, 1e-5);
+  const std::vector<double> share = c.bins.integrate(pdf_w);
   const ChiSquare chi = chi_square_of_samples(kSamples, share, [&](uint64_t) {
     do {  // until it gets to where it is judged: lamps are directed, too
       const Sequence numbers(7, stream, tried++, 0);
