@@ -130,6 +130,7 @@ struct Canvas::Recording {
     const Context to(cairo_create(target));
     cairo_set_source_surface(to.get(), surface.get(), 0, 0);
     cairo_paint(to.get());
+    cairo_surface_flush(surface.get());  // lets go of the copy that an SVG surface takes
     check(cairo_status(cairo.get()));
     check(cairo_status(to.get()));
   }
