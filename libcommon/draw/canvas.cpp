@@ -217,6 +217,10 @@ void Canvas::raster(Point top_left, double texel, const Raster& texels) {
   cairo_restore(cairo);
 }
 
+void check_fonts() {
+  text_width("", 1);
+}
+
 double text_width(const std::string& words, double size) {
   return Line(words, size, false, 0).width();
 }

@@ -69,6 +69,9 @@ struct Lettering {
   bool bold = false;
   double room = 0;  ///< words wider than this end in an ellipsis [pixels]; 0: no limit
 };
+/// Throws Error (output) where no font is installed at all, as text_width() and Canvas::text() do
+/// when the work is done.
+void check_fonts();
 /// Width of words [pixels], in regular weight.
 double text_width(const std::string& words, double size);
 
@@ -99,8 +102,7 @@ class Canvas {
   /// Each texel a square with side `texel`; never interpolated.
   void raster(Point top_left, double texel, const Raster& texels);
   /// UTF-8 in any script for which a font is installed, `base` on the base line; a letter that no
-  /// font has is a box with its code. DejaVu Sans where it is installed. Throws Error (output)
-  /// where no font is installed at all.
+  /// font has is a box with its code. DejaVu Sans where it is installed.
   void text(Point base, const std::string& words, const Lettering& how);
 
   Raster pixels() const;

@@ -9,6 +9,7 @@
 #include "libcommon/base/phases.h"
 #include "libcommon/cli/cli.h"
 #include "libcommon/cli/ending.h"
+#include "libcommon/draw/canvas.h"
 #include "libcommon/scene/lights.h"
 #include "tools/ffgraph/preview.h"
 #include "tools/ffgraph/rounds.h"
@@ -73,6 +74,7 @@ void check(const Arguments& a) {
   if (a.walks * a.bounces > kMostHits)
     throw UsageError(fmt::format("{} walks of {} surfaces are too many, at most {} in all", a.walks,
                                  a.bounces, kMostHits));
+  if (!a.preview.empty()) draw::check_fonts();
 }
 
 Loaded load(const Arguments& a, const cli::Common& common) {

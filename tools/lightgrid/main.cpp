@@ -7,6 +7,7 @@
 #include "libcommon/base/signals.h"
 #include "libcommon/cli/cli.h"
 #include "libcommon/cli/ending.h"
+#include "libcommon/draw/canvas.h"
 #include "libcommon/gpu/device.h"
 #include "tools/lightgrid/gpu_lines.h"
 #include "tools/lightgrid/lightgrid.h"
@@ -130,6 +131,7 @@ int run(const Arguments& a, const cli::Common& common) {
   const NamedTracer tracer = tracer_on(a.device);
   if (a.scene == "-" && a.cut == "-")
     throw UsageError("only one of the two inputs can come from standard input");
+  if (!a.preview.empty()) draw::check_fonts();
   catch_signals();
   if (a.device != "cpu") common.note("lines are traced by " + tracer.name + ".");
   LightGridReport report;

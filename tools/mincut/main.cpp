@@ -9,6 +9,7 @@
 #include "libcommon/base/phases.h"
 #include "libcommon/cli/cli.h"
 #include "libcommon/cli/ending.h"
+#include "libcommon/draw/canvas.h"
 #include "tools/mincut/cut_of.h"
 #include "tools/mincut/preview.h"
 #include "tools/mincut/verify.h"
@@ -61,6 +62,7 @@ void check(const Arguments& a) {
     throw UsageError("--scene and --camera go with --preview");
   if (a.scene == "-" && a.network == "-")
     throw UsageError("network and scene cannot both be the standard input");
+  if (!a.preview.empty()) draw::check_fonts();
 }
 
 Provenance provenance(const Arguments& a, const cli::Common& common, const DimacsFile& problem) {

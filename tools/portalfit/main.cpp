@@ -6,6 +6,7 @@
 #include "libcommon/base/file.h"
 #include "libcommon/cli/cli.h"
 #include "libcommon/cli/ending.h"
+#include "libcommon/draw/canvas.h"
 #include "libcommon/formats/portal_worth.h"
 #include "tools/portalfit/merit.h"
 #include "tools/portalfit/portalfit.h"
@@ -126,6 +127,7 @@ void deliver(const Arguments& a, const cli::Common& common, const LightGrid& gri
 }
 
 int run(const Arguments& a, const cli::Common& common) {
+  if (!a.preview.empty()) draw::check_fonts();
   Phases phases;
   const LightGrid grid = read_light_grid(a.grid);
   phases.done("load");
