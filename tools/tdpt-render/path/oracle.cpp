@@ -315,15 +315,16 @@ std::vector<StrategyDensity> densities(const World& world, const Path& path, con
   return result;
 }
 
-double weight(const std::vector<StrategyDensity>& densities, Strategy used) {
-  double largest = -std::numeric_limits<double>::infinity(), mine = largest, total = 0;
+double weight(const std::vector<StrategyDensity>& densities, Strategy used, double beta) {
+  double largest = -std::numeric_limits<double>::infinity();
+  for (const StrategyDensity& d : densities) largest = std::max(largest, d.log_p);
+  double mine = 0, total = 0;
   for (const StrategyDensity& d : densities) {
-    largest = std::max(largest, d.log_p);
-    if (d.strategy.technique == used.technique && d.strategy.split == used.split)
-      mine = d.log_p + std::log(d.sample_weight);
+    const double p = std::pow(d.sample_weight * std::exp(d.log_p - largest), beta);
+    total += p;
+    if (d.strategy == used) mine = p;
   }
-  for (const StrategyDensity& d : densities) total += d.sample_weight * std::exp(d.log_p - largest);
-  return std::exp(mine - largest) / total;
+  return mine / total;
 }
 
 Vec3d contribution(const World& world, const Path& path) {

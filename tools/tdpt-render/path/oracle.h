@@ -27,8 +27,9 @@ enum class Fault {
 std::vector<StrategyDensity> densities(const World& world, const Path& path, const Mixture& mixture,
                                        Fault fault = Fault::none);
 
-/// Balance-heuristic weight of `used` [eq. 6].
-double weight(const std::vector<StrategyDensity>& densities, Strategy used);
+/// Weight of `used`: (n p)^beta over the sum of those of all strategies, n the sample weight.
+/// Balance heuristic [eq. 6] for beta = 1, power heuristic for beta = 2.
+double weight(const std::vector<StrategyDensity>& densities, Strategy used, double beta);
 
 /// Measurement contribution function: Le G f G ... f G W, eqs. 1 to 3 without visibility, without
 /// absorption along the edges and without the deltas of Dirac lobes.

@@ -135,6 +135,12 @@ void Path::for_each_strategy(const Mixture& mixture, const Add& add) const {
 
 double Path::weight(const Mixture& mixture, Strategy used, double beta) const {
   if (k_ < 2) return 1;  // a light seen directly: only the camera technique makes it
+  const std::optional<double> weight = weight_by_products(mixture, used, beta);
+  return weight ? *weight : weight_by_logarithms(mixture, used, beta);
+}
+
+std::optional<double> Path::weight_by_products(const Mixture& mixture, Strategy used,
+                                               double beta) const {
   std::array<double, kMaxDepth + 2> light_part;   // [s] = prod_{i<s} P>(x_i)/q_i
   std::array<double, kMaxDepth + 2> camera_part;  // [s] = prod_{i>=s} P<(x_i)/q_i
   std::array<double, kMaxDepth + 1> per_common;   // 1/q_i
@@ -154,7 +160,8 @@ double Path::weight(const Mixture& mixture, Strategy used, double beta) const {
     if (strategy == used) mine = p;
   });
   constexpr double kTiny = 1e-250;
-  return total > kTiny ? mine / total : weight_by_logarithms(mixture, used, beta);
+  if (!(total > kTiny)) return std::nullopt;
+  return mine / total;
 }
 
 // Long paths whose edges are short and long by turns make every product tiny at once.

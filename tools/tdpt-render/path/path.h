@@ -1,6 +1,7 @@
 // A finished path with the densities of everything that could have sampled it.
 #pragma once
 #include <array>
+#include <optional>
 
 #include "tools/tdpt-render/path/walk.h"
 
@@ -41,6 +42,11 @@ class Path {
   /// MIS weight of `used` among the strategies of `mixture`, balance heuristic [eq. 6] for beta =
   /// 1, power heuristic for beta = 2. Computed from the path alone.
   double weight(const Mixture& mixture, Strategy used, double beta) const;
+  /// The two ways to it for k >= 2. By products of ratios, cheap: none where they all underflow. By
+  /// sums of logarithms, always.
+  std::optional<double> weight_by_products(const Mixture& mixture, Strategy used,
+                                           double beta) const;
+  double weight_by_logarithms(const Mixture& mixture, Strategy used, double beta) const;
 
  private:
   void fill(const World& world, const Walk& y, int s, const Walk& z, int t,
@@ -59,7 +65,6 @@ class Path {
   /// for those of `mixture` that can have made the path.
   template <class Add>
   void for_each_strategy(const Mixture& mixture, const Add& add) const;
-  double weight_by_logarithms(const Mixture& mixture, Strategy used, double beta) const;
 
   const Guide& guide_;
   int k_ = 0;

@@ -14,8 +14,12 @@ namespace {
 using oracle::Fault;
 
 struct Worst {
-  double weight = 0;  ///< largest difference of the weights
-  double value = 0;   ///< largest relative difference of value * p and the contribution
+  double weight = 0;     ///< largest difference of the weights, balance heuristic
+  double power = 0;      ///< of those of the power heuristic
+  double power_1_9 = 0;  ///< twin: the oracle's exponent is 1.9 instead
+  double ways = 0;       ///< between weights by products and by logarithms, both heuristics
+  double ways_1_9 = 0;   ///< twin: 1.9 by logarithms, 2 by products
+  double value = 0;      ///< largest relative difference of value * p and the contribution
   std::array<int, kTechniques> paths{};
   int dirac = 0, lamps = 0;  ///< paths that turn at a mirror, that begin at a lamp
   int all = 0, off = 0;      ///< paths, and those off by 1 % of their value or 0.001 of weight
@@ -69,6 +73,12 @@ Scene glossy_rooms() {
   return scene;
 }
 
+/// NaN grows it to infinity.
+void grow(double& largest, double difference) {
+  if (!(std::abs(difference) <= largest))
+    largest = std::isnan(difference) ? HUGE_VAL : std::abs(difference);
+}
+
 Worst compare(const Scene& scene, const Integrator& integrator, Fault fault, int max_depth = 6,
               uint64_t spp = 64, const std::vector<Portal>& portals = two_crossing_portals()) {
   const World world(scene, scene.camera(""), 16, 12, portals);
@@ -82,9 +92,22 @@ Worst compare(const Scene& scene, const Integrator& integrator, Fault fault, int
     for (int i = 1; i < path.k(); ++i) dirac |= path.dirac(i);
     worst.dirac += dirac;
     const auto p = oracle::densities(world, path, integrator.mixture, fault);
-    const double w = path.weight(integrator.mixture, strategy, 1);
-    const double weight_off = std::abs(w - oracle::weight(p, strategy));
-    worst.weight = std::max(worst.weight, weight_off);
+    const auto weight = [&](double beta) {
+      return path.weight(integrator.mixture, strategy, beta);
+    };
+    const double weight_off = std::abs(weight(1) - oracle::weight(p, strategy, 1));
+    grow(worst.weight, weight_off);
+    grow(worst.power, weight(2) - oracle::weight(p, strategy, 2));
+    grow(worst.power_1_9, weight(2) - oracle::weight(p, strategy, 1.9));
+    if (path.k() >= 2) {
+      const auto ways = [&](double products, double logarithms) {
+        return path.weight_by_products(integrator.mixture, strategy, products).value() -
+               path.weight_by_logarithms(integrator.mixture, strategy, logarithms);
+      };
+      grow(worst.ways, ways(1, 1));
+      grow(worst.ways, ways(2, 2));
+      grow(worst.ways_1_9, ways(2, 1.9));
+    }
     for (const auto& d : p) {
       if (d.strategy.technique != strategy.technique || d.strategy.split != strategy.split)
         continue;
@@ -108,7 +131,13 @@ class paths : public testing::TestWithParam<const Integrator*> {};
 TEST_P(paths, weights_and_values_are_the_oracles) {
   const Worst worst = compare(diffuse_rooms(), *GetParam(), Fault::none);
   EXPECT_LT(worst.weight, 1e-6);  // hit points lie beside the sampled rays by float rounding
-  EXPECT_LT(worst.value, 1e-4);   // values are floats
+  EXPECT_LT(worst.power, 2e-6);
+  EXPECT_LT(worst.ways, 1e-12);
+  EXPECT_LT(worst.value, 1e-4);  // values are floats
+  if (GetParam() != &pt) {       // which has one technique, and its weights no exponent
+    EXPECT_GT(worst.power_1_9, 2e-4);
+    EXPECT_GT(worst.ways_1_9, 2e-4);
+  }
   for (size_t i = 0; i < kTechniques; ++i) {
     if (GetParam()->mixture.has(static_cast<Technique>(i))) {
       EXPECT_GT(worst.paths[i], i == 0 ? 0 : 50) << kTechniqueNames[i];
@@ -119,6 +148,8 @@ TEST_P(paths, weights_and_values_are_the_oracles) {
 TEST_P(paths, over_glossy_surfaces_too) {
   const Worst worst = compare(glossy_rooms(), *GetParam(), Fault::none);
   EXPECT_LT(worst.weight, 1e-4);
+  EXPECT_LT(worst.power, 2e-4);
+  EXPECT_LT(worst.ways, 1e-12);
   EXPECT_LE(worst.off, 2);  // edges so short that rounding turns them
   EXPECT_GT(worst.dirac, 10);
   if (GetParam() != &pt) {
@@ -286,6 +317,7 @@ TEST(path_twin, a_connection_weighed_at_a_mirror_is_caught) {
 TEST(paths_deep, long_paths_keep_finite_weights) {
   const Worst worst = compare(diffuse_rooms(), tdpt_org, Fault::none, kMaxDepth, 1);
   EXPECT_LT(worst.weight, 1e-6);
+  EXPECT_LT(worst.power, 2e-6);
   EXPECT_GT(worst.paths[3], 1000);
 }
 
@@ -299,10 +331,12 @@ TEST(paths_deep, weights_survive_products_that_no_double_holds) {
   Material grey;
   Walk y, z;
   const int k = 60;
+  const Vec3d across = world.film.forward();  // the camera sees x_59 on its front
+  const Vec3d along = normalize(cross(across, Vec3d(0, 1, 0)));
   const auto place = [&](int i, Vertex& v) {
-    v.position = world.film.position() + world.film.forward() * 0.3 +
-                 Vec3d(0.01 * (i / 2), 1e-7 * (i % 2), 0);
-    v.normal = Vec3d(0, i % 2 ? -1 : 1, 0);
+    v.position = world.film.position() + across * (0.3 + 1e-7 * (i % 2)) +
+                 along * (0.01 * (i / 2 - (k - 1) / 2));
+    v.normal = across * (i % 2 ? -1 : 1);
     v.material = &grey;
   };
   y.size = 1;
@@ -330,14 +364,28 @@ TEST(paths_deep, weights_survive_products_that_no_double_holds) {
   const Guide guide(world, {});
   const Path path(world, guide, y, 1, z, k, rays);
   const auto p = oracle::densities(world, path, bdpt.mixture);
-  double sum = 0, largest = -1e300;
-  for (const auto& d : p) {
-    const double w = path.weight(bdpt.mixture, d.strategy, 1);
-    EXPECT_NEAR(w, oracle::weight(p, d.strategy), 1e-9);
-    sum += w;
-    largest = std::max(largest, d.log_p);
+  double largest = -1e300;
+  for (const auto& d : p) largest = std::max(largest, d.log_p);
+  for (const double beta : {1, 2}) {
+    double sum = 0, off = 0, twin = 0;
+    int told = 0;
+    for (const auto& d : p) {
+      EXPECT_FALSE(path.weight_by_products(bdpt.mixture, d.strategy, beta).has_value());
+      const double w = path.weight(bdpt.mixture, d.strategy, beta);
+      const double expected = oracle::weight(p, d.strategy, beta);
+      EXPECT_NEAR(w, expected, 1e-9);
+      if (expected > 1e-250) {
+        grow(off, w / expected - 1);
+        grow(twin, w / oracle::weight(p, d.strategy, beta * 1.05) - 1);
+        ++told;
+      }
+      sum += w;
+    }
+    EXPECT_NEAR(sum, 1, 1e-9);
+    EXPECT_LT(off, 1e-6);
+    EXPECT_GT(twin, 0.1);  // an exponent off by 5 %
+    EXPECT_GT(told, 10);
   }
-  EXPECT_NEAR(sum, 1, 1e-9);
   double common = 0;  // logarithm of what the product form divides by
   for (int i = 0; i < k; ++i)
     common += std::log(i == 0 ? y.state(0).pdf_own_A
