@@ -59,6 +59,11 @@ TEST(agreement, glowing_ceiling_with_segments_in_some_samples) {
   expect_agreement(box.world(), {&kGuided[2], &kGuided[1]}, GlowingCeiling::kSettings);
 }
 
+TEST(agreement, glowing_ceiling_by_the_power_heuristic) {
+  const GlowingCeiling box;
+  expect_agreement(box.world(), {&bdpt, &tdpt_ref, &tdpt_guided}, GlowingCeiling::kSettings, 2);
+}
+
 TEST(agreement, wide_window) {
   const Scene scene = read_gltf(TDPT_TESTDATA "/scenes/window.glb");
   expect_agreement(World(scene, scene.camera(""), kWidth, kHeight,
@@ -136,6 +141,37 @@ TEST(agreement, a_smaller_depth_leaves_out_the_longer_paths_and_nothing_else) {
   }
 }
 
+// What holds for the observer's weights of exponent 2 holds for the rendered picture.
+TEST(agreement, rendered_pictures_are_weighed_with_the_exponent_asked_for) {
+  const Scene scene = read_gltf(two_rooms_path());
+  const World world(scene, scene.camera(""), 16, 12, two_crossing_portals());
+  const auto off = [&](const Variant& variant, double beta) {
+    Tally tally;
+    const auto by_depth = render_by_depth(world, variant, 6, 16, 5, tally);
+    RenderSettings settings;
+    settings.spp = 16;
+    settings.seed = 5;
+    settings.beta = beta;
+    const Picture picture = render(world, variant.integrator, settings).picture;
+    double worst = 0, brightest = 0;
+    for (size_t i = 0; i < picture.pixels.size(); ++i) {
+      double sum = 0;
+      for (const std::vector<double>& depth : by_depth) sum += depth[i];
+      worst = std::max(worst, std::abs(luminance(picture.pixels[i]) - sum));
+      brightest = std::max(brightest, sum);
+    }
+    return worst / brightest;
+  };
+  for (const Integrator* integrator : integrators()) {
+    Variant power(*integrator);
+    power.beta.fill(2);
+    EXPECT_LE(off(power, 2), 2e-6) << integrator->name;
+    if (integrator != &pt) {
+      EXPECT_GT(off(power, 1), 1e-4) << integrator->name;  // twin
+    }
+  }
+}
+
 // Twins: room, portal and samples are those of glowing_ceiling.
 
 class agreement_twin : public ::testing::Test {
@@ -203,6 +239,14 @@ TEST_F(agreement_twin, a_technique_that_is_run_twice) {
 
 TEST_F(agreement_twin, segments_in_more_samples_than_they_are_weighed_for) {
   expect_caught("segments twice, in a quarter", {kGuided[2], run_twice<Technique::portal>});
+}
+
+TEST_F(agreement_twin, weights_whose_exponents_differ) {
+  Variant light(tdpt_ref), camera(tdpt_guided);
+  light.beta[static_cast<size_t>(Technique::light)] = 2;
+  camera.beta[static_cast<size_t>(Technique::camera)] = 2;
+  expect_caught("light with exponent 2", light);
+  expect_caught("camera with exponent 2", camera);
 }
 
 TEST_F(agreement_twin, a_technique_off_by_5_percent) {

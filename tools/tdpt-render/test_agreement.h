@@ -49,7 +49,8 @@ inline std::vector<std::vector<double>> render_by_depth(const World& world, cons
       y = static_cast<int>(raster_y);
     }
     const double weighted =
-        luminance(value) * path.weight(variant.integrator.mixture, strategy, /*beta=*/1);
+        luminance(value) * path.weight(variant.integrator.mixture, strategy,
+                                       variant.beta[static_cast<size_t>(strategy.technique)]);
     if (std::isfinite(weighted))
       pictures[static_cast<size_t>(k)][static_cast<size_t>(y * width + x)] +=
           weighted / static_cast<double>(spp);
@@ -120,14 +121,16 @@ inline Verdict judge(const DepthRuns& runs, const DepthRuns& reference,
   return out;
 }
 
-/// Holds each of `others` against bdpt.
+/// Holds each of `others`, weighed with exponent `beta`, against bdpt by the balance heuristic.
 inline void expect_agreement(const World& world, const std::vector<const Integrator*>& others,
-                             const AgreementSettings& settings) {
+                             const AgreementSettings& settings, double beta = 1) {
   const DepthRuns reference = render_runs(world, bdpt, settings);
   EXPECT_EQ(reference.not_finite, 0u);
   EXPECT_GT(reference.of_depth[0].mean(), 0);
   for (const Integrator* integrator : others) {
-    const DepthRuns runs = render_runs(world, *integrator, settings);
+    Variant variant(*integrator);
+    variant.beta.fill(beta);
+    const DepthRuns runs = render_runs(world, variant, settings);
     EXPECT_EQ(runs.not_finite, 0u);
     const Verdict verdict = judge(runs, reference);
     std::printf("%-9s least p %.1e; all depths %s\n", integrator->name, verdict.worst_p,

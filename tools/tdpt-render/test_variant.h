@@ -21,7 +21,7 @@ struct Variant {
       : integrator{"faulty", 9, {techniques}}, run(run_) {}
 
   SampleSettings settings(int max_depth, uint64_t seed) const {
-    return {integrator.mixture, max_depth, /*beta=*/1, seed, integrator.stream};
+    return {integrator.mixture, max_depth, beta[0], seed, integrator.stream};
   }
   void sample(PathSampler& sampler, int x, int y, uint64_t s) const {
     sampler.begin(x, y, s);
@@ -30,6 +30,8 @@ struct Variant {
   }
 
   Integrator integrator;
+  /// Exponent of the MIS weights of each technique's samples, which sum to 1 if it is the same.
+  std::array<double, kTechniques> beta{1, 1, 1, 1, 1};
   void (*run)(PathSampler&) = [](PathSampler& sampler) { sampler.run(); };
 };
 
