@@ -12,7 +12,8 @@
 //
 // All are divided by the common factor prod q_i, q_i = P>(x_i) + P<(x_i): every factor then lies in
 // [0,1] (but for p_AA / q_a q_{a+1}), so long paths neither overflow nor underflow where it
-// matters.
+// matters. Where no walk can have made x_i, q_i = 1: techniques that skip it, by a segment that
+// ends there or a next event, keep their density, and those of all others are 0.
 #include "tools/tdpt-render/path/path.h"
 
 #include <limits>
@@ -146,7 +147,6 @@ std::optional<double> Path::weight_by_products(const Mixture& mixture, Strategy 
   std::array<double, kMaxDepth + 1> per_common;   // 1/q_i
   camera_part[u(k_)] = light_part[0] = 1;
   for (int i = 0; i < k_; ++i) {
-    if (!(common(i) > 0)) return 0;
     per_common[u(i)] = 1 / common(i);
     light_part[u(i + 1)] = light_part[u(i)] * (from_light_A_[u(i)] * per_common[u(i)]);
   }
@@ -160,7 +160,7 @@ std::optional<double> Path::weight_by_products(const Mixture& mixture, Strategy 
     if (strategy == used) mine = p;
   });
   constexpr double kTiny = 1e-250;
-  if (!(total > kTiny)) return std::nullopt;
+  if (!(total > kTiny && mine > 0)) return std::nullopt;
   return mine / total;
 }
 
@@ -182,7 +182,7 @@ double Path::weight_by_logarithms(const Mixture& mixture, Strategy used, double 
     largest = std::max(largest, l);
     if (strategy == used) mine = l;
   });
-  if (mine == kNone) return 0;
+  if (mine == kNone) return std::numeric_limits<double>::quiet_NaN();
   double total = 0;
   for_each_strategy(mixture, [&](Strategy, int prefix, int rest, double extra) {
     total += std::exp(beta * (log_p(prefix, rest, extra) - largest));

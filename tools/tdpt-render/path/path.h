@@ -40,10 +40,11 @@ class Path {
   bool dirac(int i) const { return dirac_[static_cast<size_t>(i)]; }
 
   /// MIS weight of `used` among the strategies of `mixture`, balance heuristic [eq. 6] for beta =
-  /// 1, power heuristic for beta = 2. Computed from the path alone.
+  /// 1, power heuristic for beta = 2. Computed from the path alone. NaN when `used` has no density
+  /// there: a sample that it cannot have made is a bug, to be counted.
   double weight(const Mixture& mixture, Strategy used, double beta) const;
-  /// The two ways to it for k >= 2. By products of ratios, cheap: none where they all underflow. By
-  /// sums of logarithms, always.
+  /// The two ways to it for k >= 2. By products of ratios, cheap: none where that of `used` or all
+  /// underflow. By sums of logarithms, always.
   std::optional<double> weight_by_products(const Mixture& mixture, Strategy used,
                                            double beta) const;
   double weight_by_logarithms(const Mixture& mixture, Strategy used, double beta) const;
@@ -57,9 +58,10 @@ class Path {
   double light_pdf_A(const World& world, int i) const;
   double camera_pdf_A(const World& world, int i) const;
   const Vertex& x(int i) const { return vertex(i); }
-  /// q_i, by which the densities of x_i are divided.
+  /// q_i, more than 0, by which the densities of x_i are divided.
   double common(int i) const {
-    return from_light_A_[static_cast<size_t>(i)] + from_camera_A_[static_cast<size_t>(i)];
+    const double q = from_light_A_[static_cast<size_t>(i)] + from_camera_A_[static_cast<size_t>(i)];
+    return q == 0 ? 1 : q;
   }
   /// Calls add(strategy, end of its light prefix, first index of its camera part, its other factor)
   /// for those of `mixture` that can have made the path.

@@ -165,14 +165,18 @@ TEST_P(paths, weights_of_all_strategies_sum_to_1) {
   const Mixture& set = GetParam()->mixture;
   int crossing = 0;
   const PathObserver observer = [&](const Path& path, Strategy, const Rgb&) {
-    double sum = path.weight(set, {Technique::camera, 0}, 1);
+    const auto weight = [&](Technique technique, int split) {
+      const double w = path.weight(set, {technique, split}, 1);
+      return std::isnan(w) ? 0 : w;  // no density
+    };
+    double sum = weight(Technique::camera, 0);
     if (path.k() >= 2) {
-      sum += path.weight(set, {Technique::direct, 1}, 1);
-      sum += path.weight(set, {Technique::light, path.k()}, 1);
-      for (int s = 2; s < path.k(); ++s) sum += path.weight(set, {Technique::bi, s}, 1);
+      sum += weight(Technique::direct, 1);
+      sum += weight(Technique::light, path.k());
+      for (int s = 2; s < path.k(); ++s) sum += weight(Technique::bi, s);
       int portals = 0;
       for (int a = 0; a <= path.k() - 2; ++a) {
-        const double w = path.weight(set, {Technique::portal, a}, 1);
+        const double w = weight(Technique::portal, a);
         portals += w > 0;
         sum += w;
       }
@@ -391,6 +395,91 @@ TEST(paths_deep, weights_survive_products_that_no_double_holds) {
     common += std::log(i == 0 ? y.state(0).pdf_own_A
                               : z.state(k - i).pdf_own_A + z.state(k - i).pdf_other_A);
   EXPECT_LT(largest - common, -750);  // beyond the smallest double, exp(-745)
+}
+
+// x_0 on a lamp, then x_1, x_2, x_3, and the camera. Neither x_1 nor x_3 can scatter towards x_2:
+// only portal segments that end there, x_1 -> x_2 and x_2 -> x_3, have a density.
+TEST(paths_skipped, a_vertex_that_no_walk_can_have_made_leaves_the_weights_of_segments) {
+  const Scene scene = diffuse_rooms();
+  const World plain(scene, scene.camera(""), 16, 12, {});
+  const Vec3d forward = plain.film.forward();
+  const Vec3d side = normalize(cross(forward, Vec3d(0, 1, 0)));
+  const Vec3d x4 = plain.film.position(), x3 = x4 + forward * 0.3;
+  const Vec3d x2 = x3 + forward * 0.2 + side * 0.05, x1 = x2 + side * 0.2;
+  const Vec3d x0 = x1 + forward * 0.1 + side * 0.15;
+  // A square about the middle of an edge, across it.
+  const auto between_ends = [&](const Vec3d& from, const Vec3d& to, double size) {
+    const Vec3d u = normalize(cross(to - from, Vec3d(0.1, 1, 0.2))) * size;
+    const Vec3d v = normalize(cross(to - from, u)) * size;
+    const Vec3d corner = (from + to) / 2 - u / 2 - v / 2;
+    const auto metres = [&](const Vec3d& p) { return scene.frame.to_metres(p); };
+    return rectangle(metres(corner), metres(corner + u) - metres(corner),
+                     metres(corner + v) - metres(corner));
+  };
+  const World world(scene, scene.camera(""), 16, 12,
+                    {between_ends(x1, x2, 0.04), between_ends(x2, x3, 0.05)});
+  uint32_t lamp = 0;
+  while (max_component(scene.material_of(lamp).emission) <= 0) ++lamp;
+  Material grey;
+  const auto vertex = [&](const Vec3d& position, const Vec3d& normal) {
+    Vertex v;
+    v.position = position;
+    v.normal = normalize(normal);
+    v.material = &grey;
+    return v;
+  };
+  Walk y, z;
+  y.size = 1;
+  y.v[0] = vertex(x0, x1 - x0);
+  y.v[0].material = &scene.material_of(lamp);
+  y.v[0].triangle = lamp;
+  y.v[0].source = &world.lights.surface(false);
+  y.states[0].pdf_own_A = world.lights.pdf_A(lamp);
+  z.size = 2;
+  z.v[0].position = x4;
+  z.v[1] = vertex(x3, -forward);  // x_2 is behind it
+  const Edge film = between(z[0], z[1]);
+  z.states[1].pdf_own_A = to_area(world.film.pdf_w(film.w), film, z[1]);
+  const Vertex end_1 = vertex(x1, side);  // x_2 is behind it, x_0 in front
+  const Vertex end_2 = vertex(x2, side - forward);
+  RayCounts rays;
+  const Guide guide(world, {});
+  const SegmentCrossings crossings{guide.crossing(end_1, end_2, rays.portal),
+                                   guide.crossing(y[0], end_1, rays.portal),
+                                   guide.crossing(end_2, z[1], rays.portal)};
+  const Path path(world, guide, y, 1, end_1, end_2, crossings, z, 2, rays);
+  for (const double beta : {1, 2}) {
+    const auto p = oracle::densities(world, path, tdpt_org.mixture);
+    double sum = 0;
+    for (const auto& d : p) {
+      const double w = path.weight(tdpt_org.mixture, d.strategy, beta);
+      if (d.strategy.technique == Technique::portal && d.strategy.split > 0) {
+        EXPECT_NEAR(w, oracle::weight(p, d.strategy, beta), 1e-9);
+        EXPECT_GT(std::abs(w - oracle::weight(p, d.strategy, beta * 1.05)), 1e-3);  // twin
+        sum += w;
+      } else {
+        EXPECT_EQ(d.log_p, -HUGE_VAL);
+        EXPECT_TRUE(std::isnan(w)) << kTechniqueNames[static_cast<size_t>(d.strategy.technique)];
+      }
+    }
+    EXPECT_NEAR(sum, 1, 1e-12);
+  }
+}
+
+// Segments that the weights are not to know of: nothing of what they bring may vanish in silence.
+TEST(paths_skipped, samples_of_a_strategy_without_density_are_counted) {
+  const Scene scene = diffuse_rooms();
+  const World world(scene, scene.camera(""), 16, 12, two_crossing_portals());
+  const auto not_finite = [&](const Variant& variant) {
+    Film film(16, 12, 1);
+    Tally tally;
+    PathSampler sampler(world, variant.settings(6, 5), film, tally);
+    for (uint64_t s = 0; s < 1000; ++s) variant.sample(sampler, 8, 6, s);
+    return tally.not_finite;
+  };
+  EXPECT_EQ(not_finite(bdpt), 0u);
+  EXPECT_EQ(not_finite(tdpt_org), 0u);
+  EXPECT_GT(not_finite({bdpt, run_twice<Technique::portal>}), 10u);
 }
 
 // G grows without bound in the corners of a box. Nothing is clamped: the weights keep it down.
