@@ -2,6 +2,8 @@
 // unweighted value is the measurement contribution divided by the density of its strategy.
 #include <gtest/gtest.h>
 
+#include <set>
+
 #include "tools/tdpt-render/integrators/integrator.h"
 #include "tools/tdpt-render/path/oracle.h"
 #include "tools/tdpt-render/path/surface.h"
@@ -221,15 +223,30 @@ INSTANTIATE_TEST_SUITE_P(integrators, paths, testing::ValuesIn(integrators()),
 // Probabilities other than the integrator's own. A ray that was aimed at a border of a portal may
 // pass it by rounding: the walk knows that it was aimed there, the oracle does not.
 TEST(paths_guided, of_any_probability_are_the_oracles) {
-  for (const Guiding& guiding : {Guiding{{0.9, 0.9}}, Guiding{{0.2, 0}}, Guiding{{0, 0.7}}}) {
+  std::set<std::tuple<double, double, double, bool>> combinations;
+  const Scene diffuse = diffuse_rooms(), glossy = glossy_rooms();
+  for (const Guiding& guiding : {Guiding{{0.9, 0.9}}, Guiding{{0.2, 0}}, Guiding{{0, 0.7}}})
+    for (const double segments : {1.0, 0.3})
+      for (const Scene* scene : {&diffuse, &glossy}) {
+        Integrator integrator = tdpt_guided;
+        integrator.mixture.guiding = guiding;
+        integrator.mixture.segments = segments;
+        const Worst worst = compare(*scene, integrator, Fault::none);
+        EXPECT_GT(worst.all, 5000);
+        EXPECT_LE(worst.off, 3);
+        EXPECT_GT(worst.paths[static_cast<size_t>(Technique::portal)], 100);
+        const Mixture& m = integrator.mixture;
+        combinations.insert(
+            {m.guiding.chance[0], m.guiding.chance[1], m.segments, scene == &glossy});
+      }
+  EXPECT_EQ(combinations.size(), 3u * 2 * 2);
+}
+
+TEST(path_twin, a_portal_density_off_is_caught_where_a_share_of_the_samples_draws_segments) {
+  for (const Scene& scene : {diffuse_rooms(), glossy_rooms()}) {
     Integrator integrator = tdpt_guided;
-    integrator.mixture.guiding = guiding;
-    for (const Scene& scene : {diffuse_rooms(), glossy_rooms()}) {
-      const Worst worst = compare(scene, integrator, Fault::none);
-      EXPECT_GT(worst.all, 5000);
-      EXPECT_LE(worst.off, 3);
-      integrator.mixture.segments = 0.3;
-    }
+    integrator.mixture.segments = 0.3;
+    EXPECT_GT(compare(scene, integrator, Fault::portal_density_5_percent).weight, 1e-3);
   }
 }
 
