@@ -120,8 +120,7 @@ TEST(glossy_agreement_twin, faults_are_caught_on_glossy_surfaces_too) {
           run_only<Technique::camera, Technique::direct, Technique::light, Technique::portal>});
   caught("light twice", world, {bdpt.mixture.techniques, run_twice<Technique::light>});
   World spoilt(scene, scene.camera(""), 32, 24, {kWindow});
-  for (int i = 0; i < 2; ++i)  // the set is not const: its polygons may be spoilt
-    const_cast<PortalSet::Polygon&>(spoilt.portals.polygon(i)).density *= 1.05;
+  spoilt.portals = spoilt.portals.with_scaled_density(1.05);
   EXPECT_FALSE(paired_verdict(spoilt, world_of(scene, {}), kSettings).holds());
 
   // A BSDF that differs by 5 % of its colour from the one the reference has.

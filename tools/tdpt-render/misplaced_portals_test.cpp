@@ -164,16 +164,10 @@ TEST_F(misplaced_portals, directed_walks_are_harmless_too) {
   EXPECT_FALSE(judged("twin, segments twice", world_with({in_the_window()}), faulty).holds());
 }
 
-/// The set is not const: its polygons may be spoilt.
-void scale_density(World& world, double factor) {
-  for (size_t i = 0; i < world.portals.size(); ++i)
-    const_cast<PortalSet::Polygon&>(world.portals.polygon(static_cast<int>(i))).density *= factor;
-}
-
 TEST_F(misplaced_portals, twin_a_density_off_by_5_percent_is_caught) {
   for (const Portal& portal : {in_the_window(), across(1.2, 0, 2, -1, 1)}) {
     World world = world_with({portal});
-    scale_density(world, 1.05);
+    world.portals = world.portals.with_scaled_density(1.05);
     EXPECT_FALSE(verdict("twin, 5 %", world, tdpt_ref).holds());
   }
 }
@@ -206,7 +200,7 @@ TEST_F(misplaced_portals, one_that_works_both_ways_is_harmless) {
 
 TEST_F(misplaced_portals, twin_copies_that_the_density_does_not_know_of_are_caught) {
   World world = world_with({in_the_window(), in_the_window()});
-  scale_density(world, 0.5);
+  world.portals = world.portals.with_scaled_density(0.5);
   EXPECT_FALSE(verdict("twin, copies", world, tdpt_ref).holds());
 }
 

@@ -55,6 +55,18 @@ TEST(portals, one_behind_the_other_has_segments_drawn_through_both) {
   EXPECT_TRUE(set.spans({0, -1}, {0.3, 0.2, -1}, {0.3, 0.2, 0.2}));
 }
 
+TEST(portals, a_planted_fault_scales_the_density_of_triangles_and_pairs_and_no_sample) {
+  Portal above = square();
+  for (Vec3d& v : above.vertices) v.z += 0.5;
+  const PortalSet set({square(), above}, kMetres), spoilt = set.with_scaled_density(1.05);
+  for (const Vec3d& end : {Vec3d(0.3, 0.2, 0.2), Vec3d(0.3, 0.2, 1), Vec3d(1.3, 0.2, 1)}) {
+    const Vec3d from(0.3, 0.2, -1);
+    EXPECT_DOUBLE_EQ(spoilt.density(from, end), 1.05 * set.density(from, end));
+  }
+  Rng rng(1, 0, 0), same(1, 0, 0);
+  EXPECT_EQ(set.sample(rng).direction, spoilt.sample(same).direction);
+}
+
 TEST(portals, beside_or_across_each_other_are_no_pair) {
   Portal beside = square(), across = square();
   for (Vec3d& v : beside.vertices) v.x += 2;
