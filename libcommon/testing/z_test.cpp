@@ -7,6 +7,7 @@
 #include <boost/math/distributions/normal.hpp>
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 namespace tdpt::testing {
@@ -107,6 +108,16 @@ std::vector<double> sums(const BlockRuns& runs, const BlockRuns& first, const Bl
   return values;
 }
 
+/// Student's t of the differences pair by pair, as z.
+double z_of_pairs(std::vector<double> first, const std::vector<double>& second) {
+  const double rounding = 1e-6 * moments(first).mean;
+  for (size_t r = 0; r < first.size(); ++r) first[r] -= second[r];
+  const Moments m = moments(first);
+  const double variance = std::max(m.variance_of_mean, rounding * rounding);
+  if (!(variance > 0)) return 0;  // both are nothing but zeros
+  return z_of_t(m.mean / std::sqrt(variance), static_cast<double>(first.size()) - 1);
+}
+
 }  // namespace
 
 Agreement compare(const BlockRuns& first, const BlockRuns& second) {
@@ -121,8 +132,10 @@ Agreement compare(const BlockRuns& first, const BlockRuns& second) {
   size_t beyond = 0;
   for (size_t b = 0; b < first.blocks(); ++b) {
     const std::vector<double> x = values_of(first, b), y = values_of(second, b);
+    out.z_of_block.push_back(std::numeric_limits<double>::quiet_NaN());
     if (scattered(x) || scattered(y)) continue;
     const double z = difference(x, y).z;
+    out.z_of_block.back() = z;
     ++out.tested;
     sum += z;
     square += z * z;
@@ -146,14 +159,10 @@ Agreement compare_paired(const BlockRuns& first, const BlockRuns& second) {
   Agreement out;
   if (!(first.mean() + second.mean() > 0)) return out;
   out.relative = first.mean() / second.mean() - 1;
-  std::vector<double> d = sums(first, first, second);
-  const std::vector<double> y = sums(second, first, second);
-  const double rounding = 1e-6 * moments(d).mean;
-  for (size_t r = 0; r < d.size(); ++r) d[r] -= y[r];
-  const Moments m = moments(d);
-  out.drift_z = z_of_t(m.mean / std::sqrt(std::max(m.variance_of_mean, rounding * rounding)),
-                       static_cast<double>(d.size()) - 1);
+  out.drift_z = z_of_pairs(sums(first, first, second), sums(second, first, second));
   out.p_drift = two_sided(out.drift_z);
+  for (size_t b = 0; b < first.blocks(); ++b)
+    out.z_of_block.push_back(z_of_pairs(values_of(first, b), values_of(second, b)));
   return out;
 }
 

@@ -51,6 +51,7 @@ struct Agreement {
   double rms_z = 1;     ///< over them; 1 when there are none
   double beyond_3 = 0;  ///< share with |z| > 3; 0.0027 is to be expected
   double largest_z = 0;
+  std::vector<double> z_of_block;  ///< of all blocks; NaN: none was taken. Empty: both are black
 
   // Probability of as much by chance.
   double p_drift = 1, p_rms = 1, p_largest = 1;

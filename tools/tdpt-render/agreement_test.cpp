@@ -2,6 +2,7 @@
 // is wrong by a technique or by 5 % of a density does not.
 #include <gtest/gtest.h>
 
+#include "libcommon/testing/failures_elsewhere.h"
 #include "tools/tdpt-render/render.h"
 #include "tools/tdpt-render/test_agreement.h"
 #include "tools/tdpt-render/test_rooms.h"
@@ -216,9 +217,22 @@ Variant as_ref(void (*run)(PathSampler&)) {
 }
 
 TEST_F(agreement_twin, control_nothing_is_wrong) {
-  EXPECT_TRUE(judge(render_runs(world_, as_org(run<20, 20, 20, 20, 20>), GlowingCeiling::kSettings),
-                    reference_)
-                  .holds());
+  const DepthRuns runs =
+      render_runs(world_, as_org(run<20, 20, 20, 20, 20>), GlowingCeiling::kSettings);
+  EXPECT_TRUE(holds(judge(runs, reference_), "control", runs, reference_));
+}
+
+TEST_F(agreement_twin, each_depth_that_disagrees_leaves_its_maps) {
+  const DepthRuns runs =
+      render_runs(world_, {bdpt, run_twice<Technique::light>}, GlowingCeiling::kSettings);
+  const Verdict verdict = judge(runs, reference_);
+  ASSERT_GT(verdict.disagreements, 1);
+  const testing::FailuresElsewhere elsewhere;
+  EXPECT_FALSE(holds(verdict, "light twice", runs, reference_));
+  int maps = 0;
+  for (const auto& file : std::filesystem::directory_iterator(testing::failures_folder()))
+    maps += file.path().string().ends_with(".z.png");
+  EXPECT_EQ(maps, verdict.disagreements);
 }
 
 TEST_F(agreement_twin, a_technique_that_is_weighed_but_not_run) {

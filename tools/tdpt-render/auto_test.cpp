@@ -4,7 +4,7 @@
 #include <oneapi/tbb/global_control.h>
 #include <nlohmann/json.hpp>
 
-#include "libcommon/testing/z_test.h"
+#include "libcommon/testing/z_failure.h"
 #include "tools/tdpt-render/portal_probe.h"
 #include "tools/tdpt-render/report.h"
 #include "tools/tdpt-render/test_rooms.h"
@@ -257,7 +257,8 @@ TEST(auto_unbiased, the_pilots_picture_agrees_with_bdpt) {
   for (const auto* runs : {&pilots, &wholes}) {
     const testing::Agreement agreement = testing::compare(*runs, reference);
     std::printf("%s  %s\n", runs == &pilots ? "pilot" : "whole", agreement.text().c_str());
-    EXPECT_TRUE(agreement.holds()) << agreement.text();
+    EXPECT_TRUE(
+        testing::holds(agreement, runs == &pilots ? "pilot" : "whole", *runs, reference, kWidth));
   }
   EXPECT_FALSE(testing::compare(faulty, reference).holds());  // twin: 5 % too dark
 }
@@ -307,7 +308,7 @@ TEST(auto_unbiased, twin_weights_from_the_same_round_are_caught) {
   const testing::Agreement wrong =
       testing::compare(weighed_by_themselves(room.world, all), reference);
   std::printf("rounds before  %s\nsame round     %s\n", right.text().c_str(), wrong.text().c_str());
-  EXPECT_TRUE(right.holds()) << right.text();
+  EXPECT_TRUE(testing::holds(right, "rounds before", pilots, reference, kWidth));
   EXPECT_FALSE(wrong.holds()) << wrong.text();
 }
 

@@ -29,9 +29,7 @@ World world_of(const Scene& scene, const std::vector<Portal>& portals = {kWindow
 
 /// With portals and without, sample by sample (misplaced_portals_test.cpp): sees hundredths of a
 /// per cent.
-Verdict paired_verdict(const World& with, const World& without, const AgreementSettings& settings) {
-  const DepthRuns runs = render_runs(with, tdpt_ref, settings);
-  const DepthRuns reference = render_runs(without, tdpt_ref, settings);
+Verdict paired_verdict(const DepthRuns& runs, const DepthRuns& reference) {
   const Verdict verdict = judge(runs, reference, testing::compare_paired);
   std::printf("paired    least p %.1e; all depths %s\n", verdict.worst_p,
               testing::compare_paired(runs.of_depth[0], reference.of_depth[0]).text().c_str());
@@ -44,8 +42,9 @@ void expect_agreement(const GlossyRooms& what, const std::vector<const Integrato
   for (const std::string& warning : scene.warnings) ADD_FAILURE() << warning;
   const World world = world_of(scene);
   expect_agreement(world, others, settings);
-  const Verdict verdict = paired_verdict(world, world_of(scene, {}), settings);
-  EXPECT_TRUE(verdict.holds()) << "portals and none\n" << verdict.text;
+  const DepthRuns runs = render_runs(world, tdpt_ref, settings);
+  const DepthRuns reference = render_runs(world_of(scene, {}), tdpt_ref, settings);
+  EXPECT_TRUE(holds(paired_verdict(runs, reference), "portals and none", runs, reference));
 }
 
 const std::vector<const Integrator*> kLamp{&pt, &nee, &tdpt_org, &tdpt_ref, &tdpt_guided};
@@ -121,7 +120,9 @@ TEST(glossy_agreement_twin, faults_are_caught_on_glossy_surfaces_too) {
   caught("light twice", world, {bdpt.mixture.techniques, run_twice<Technique::light>});
   World spoilt(scene, scene.camera(""), 32, 24, {kWindow});
   spoilt.portals = spoilt.portals.with_scaled_density(1.05);
-  EXPECT_FALSE(paired_verdict(spoilt, world_of(scene, {}), kSettings).holds());
+  EXPECT_FALSE(paired_verdict(render_runs(spoilt, tdpt_ref, kSettings),
+                              render_runs(world_of(scene, {}), tdpt_ref, kSettings))
+                   .holds());
 
   // A BSDF that differs by 5 % of its colour from the one the reference has.
   Scene darker = scene;

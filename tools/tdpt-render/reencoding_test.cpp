@@ -64,11 +64,12 @@ TEST(reencoding, same_picture_within_noise_where_order_or_rounding_differ) {
     const testing::Agreement paired = testing::compare_paired(runs.of_depth[0], plain.of_depth[0]);
     std::printf("%-9s %s\n", e.name, paired.text().c_str());
     const Verdict verdict = judge(runs, plain);
-    EXPECT_TRUE(verdict.holds()) << e.name << "\n" << verdict.text;
+    EXPECT_TRUE(holds(verdict, e.name, runs, plain));
     if (e.same == Same::but_rounding)  // sees the room shrink by 15 micrometres
       EXPECT_LT(std::abs(paired.relative), 2e-4) << e.name;
     else
-      EXPECT_TRUE(paired.holds()) << e.name << " " << paired.text();
+      EXPECT_TRUE(testing::holds(paired, std::string(e.name) + ", paired", runs.of_depth[0],
+                                 plain.of_depth[0], plain.across));
   }
 }
 

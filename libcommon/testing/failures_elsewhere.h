@@ -1,0 +1,32 @@
+// For tests of z_failure.h: failures go to a folder that is gone afterwards.
+#pragma once
+#include <cstdlib>
+
+#include "libcommon/testing/temp_folder.h"
+
+namespace tdpt::testing {
+
+class FailuresElsewhere {
+ public:
+  FailuresElsewhere() {
+    if (const char* before = std::getenv("TDPT_FAILURES")) before_ = before;
+    setenv("TDPT_FAILURES", folder().c_str(), 1);
+  }
+  ~FailuresElsewhere() {
+    if (before_.empty())
+      unsetenv("TDPT_FAILURES");
+    else
+      setenv("TDPT_FAILURES", before_.c_str(), 1);
+  }
+  FailuresElsewhere(const FailuresElsewhere&) = delete;
+  FailuresElsewhere& operator=(const FailuresElsewhere&) = delete;
+
+  /// Made by the first failure.
+  std::filesystem::path folder() const { return parent_.path / "failures"; }
+
+ private:
+  const TempFolder parent_;
+  std::string before_;
+};
+
+}  // namespace tdpt::testing
