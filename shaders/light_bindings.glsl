@@ -1,15 +1,15 @@
 // Whether some surface is not opaque, and whether a texture says where it is. Scenes without any have
-// kernels without that part of veil.h: software devices run through both sides of a branch that a
+// kernels without that part of coverage.h: software devices run through both sides of a branch that a
 // lane may take, and any device needs registers for both.
 #ifdef OPAQUE
-const bool scene_has_veils = false;
+const bool scene_has_coverage = false;
 #else
-const bool scene_has_veils = true;
+const bool scene_has_coverage = true;
 #endif
 #ifdef UNTEXTURED
-const bool veils_have_textures = false;
+const bool coverage_has_textures = false;
 #else
-const bool veils_have_textures = true;
+const bool coverage_has_textures = true;
 #endif
 
 // What all kernels of the light grid bind, by the names that shaders/shared/ knows.
@@ -25,8 +25,8 @@ layout(std430, binding = LIGHT_PIECES) readonly buffer Pieces { Piece pieces[]; 
 layout(std430, binding = LIGHT_FACES) readonly buffer Faces { uint first_cell[]; };
 layout(std430, binding = LIGHT_CELLS) readonly buffer Cells { PatchCell patch_cells[]; };
 layout(std430, binding = LIGHT_NORMALS) readonly buffer Normals { FaceNormal face_normals[]; };
-layout(std430, binding = LIGHT_VEIL_OF) readonly buffer VeilOf { uint veil_of[]; };
-layout(std430, binding = LIGHT_VEILS) readonly buffer Veils { Veil veils[]; };
+layout(std430, binding = LIGHT_COVERAGE_OF) readonly buffer CoverageOf { uint coverage_of[]; };
+layout(std430, binding = LIGHT_COVERAGES) readonly buffer Coverages { Coverage coverages[]; };
 layout(std430, binding = LIGHT_TEXELS) readonly buffer Texels { float texels[]; };
 layout(std430, binding = LIGHT_TRIES) readonly buffer Tries { LineTry tries[]; };
 layout(std430, binding = LIGHT_LINES) buffer Lines { LineEnds lines[]; };

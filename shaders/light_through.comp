@@ -11,7 +11,7 @@
 
 #include "shaders/light_bindings.glsl"
 
-#include "shaders/shared/veil.h"
+#include "shaders/shared/coverage.h"
 
 #include "shaders/shared/traversal.h"
 

@@ -145,7 +145,7 @@ struct TriangleShape {
 TriangleShape shape_of(const Scene& scene, uint32_t triangle);
 
 /// For tools that take every surface as diffuse: what transmits light (KHR_materials_transmission)
-/// becomes a veil that lets its share pass straight on, so that a pane does not wall a window up.
+/// gets a coverage that lets its share pass straight on, so that a pane walls no window up.
 void open_glass(Scene& scene);
 
 /// Reads a glTF 2.0 scene (.glb or .gltf, "-": .glb from standard input). Triangles without area

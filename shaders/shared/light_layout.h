@@ -14,8 +14,8 @@
 #define LIGHT_FACES 5
 #define LIGHT_CELLS 6
 #define LIGHT_NORMALS 7
-#define LIGHT_VEIL_OF 8
-#define LIGHT_VEILS 9
+#define LIGHT_COVERAGE_OF 8
+#define LIGHT_COVERAGES 9
 #define LIGHT_TEXELS 10
 #define LIGHT_TRIES 11
 #define LIGHT_LINES 12
@@ -71,8 +71,8 @@ struct FaceNormal {
   uint pad;
 };
 
-/// A surface that is there with a probability: its alpha, see coverage_at() of texture.h.
-struct Veil {
+/// Coverage (alpha) of a triangle that is not opaque, see coverage_at() of texture.h.
+struct Coverage {
   float u0;  ///< texture coordinates of the corners, transformed
   float v0;
   float u1;
@@ -86,15 +86,15 @@ struct Veil {
   uint first;    ///< texel (0,0)
   uint width;    ///< 0: no texture
   uint height;
-  uint how;  ///< VEIL_*
+  uint how;  ///< COVERAGE_*
   uint pad0;
   uint pad1;
 };
-#define VEIL_NEAREST 1u
-#define VEIL_MIRROR_U 2u
-#define VEIL_CLAMP_U 4u
-#define VEIL_MIRROR_V 8u
-#define VEIL_CLAMP_V 16u
+#define COVERAGE_NEAREST 1u
+#define COVERAGE_MIRROR_U 2u
+#define COVERAGE_CLAMP_U 4u
+#define COVERAGE_MIRROR_V 8u
+#define COVERAGE_CLAMP_V 16u
 
 /// A place in the air and a unit direction, to draw a line through.
 struct LineTry {
@@ -151,7 +151,7 @@ SHARED_END
 #ifdef __cplusplus
 namespace tdpt::shader {
 static_assert(sizeof(PivotArc) == 16 && sizeof(PatchPieces) == 8 && sizeof(Piece) == 48);
-static_assert(sizeof(PatchCell) == 16 && sizeof(FaceNormal) == 16 && sizeof(Veil) == 64);
+static_assert(sizeof(PatchCell) == 16 && sizeof(FaceNormal) == 16 && sizeof(Coverage) == 64);
 static_assert(sizeof(LineTry) == 32 && sizeof(LineEnds) == 32 && sizeof(LightParameters) == 96);
 }  // namespace tdpt::shader
 #endif

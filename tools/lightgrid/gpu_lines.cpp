@@ -24,7 +24,7 @@
 #include "shaders/light_votes.h"
 #include "shaders/light_votes_opaque.h"
 #include "shaders/light_votes_untextured.h"
-#include "tools/lightgrid/veils.h"
+#include "tools/lightgrid/coverage.h"
 
 namespace tdpt {
 namespace {
@@ -34,11 +34,11 @@ constexpr double kLeast = 0.05, kMost = 0.2;
 constexpr uint32_t kFirstLines = 1 << 13;
 constexpr uint64_t kVoxelBytes = 16;  // of the four images
 
-// A kernel for scenes that need all of veil.h, none of it, or all but textures.
+// A kernel for scenes that need all of coverage.h, none of it, or all but textures.
 struct Variants {
   std::span<const uint32_t> all, opaque, untextured;
-  std::span<const uint32_t> of(const VeilTables& veils) const {
-    return veils.veils.empty() ? opaque : veils.texels.empty() ? untextured : all;
+  std::span<const uint32_t> of(const CoverageTables& coverage) const {
+    return coverage.coverages.empty() ? opaque : coverage.texels.empty() ? untextured : all;
   }
 };
 constexpr Variants kSegments{shader::light_segments_spv, shader::light_segments_opaque_spv,
@@ -52,7 +52,7 @@ class GpuLines : public LineTracer {
  public:
   GpuLines(const gpu::Device& device, const Scene& scene, const LineTables& tables,
            const LightGrid& grid, uint64_t seed, const GpuLineBounds& bounds, GpuLineTimes* times)
-      : GpuLines(device, build_bvh(scene), make_veils(scene), scene, tables, grid, seed, bounds,
+      : GpuLines(device, build_bvh(scene), make_coverages(scene), scene, tables, grid, seed, bounds,
                  times) {}
 
   void clear() override {
@@ -104,8 +104,8 @@ class GpuLines : public LineTracer {
     shader::LightList to_vote, to_march;
   };
 
-  GpuLines(const gpu::Device& device, const Bvh& bvh, const VeilTables& veils, const Scene& scene,
-           const LineTables& tables, const LightGrid& grid, uint64_t seed,
+  GpuLines(const gpu::Device& device, const Bvh& bvh, const CoverageTables& coverage,
+           const Scene& scene, const LineTables& tables, const LightGrid& grid, uint64_t seed,
            const GpuLineBounds& bounds, GpuLineTimes* times)
       : LineTracer(scene, tables, grid, seed),
         device_(device),
@@ -119,11 +119,11 @@ class GpuLines : public LineTracer {
         lists_(device, sizeof(Lists) + 2 * bounds.lines * sizeof(uint32_t)),
         images_(make_images(grid)),
         bound_(bind(bvh.nodes, bvh.triangles, tables.arcs, tables.patches, tables.pieces,
-                    tables.first_cell, tables.cells, tables.normals, veils.veil_of, veils.veils,
-                    veils.texels)),
-        segments_(kernel(kSegments.of(veils))),
-        through_(kernel(kThrough.of(veils))),
-        votes_(kernel(kVotes.of(veils))),
+                    tables.first_cell, tables.cells, tables.normals, coverage.coverage_of,
+                    coverage.coverages, coverage.texels)),
+        segments_(kernel(kSegments.of(coverage))),
+        through_(kernel(kThrough.of(coverage))),
+        votes_(kernel(kVotes.of(coverage))),
         march_(kernel(shader::light_march_spv)) {
     if (slabs() == 1) return;
     count_.resize(grid.count.size());

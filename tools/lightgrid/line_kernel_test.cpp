@@ -160,7 +160,8 @@ TEST(LineTracer, asks_for_random_numbers_of_its_own_for_each_cut_and_pass) {
   EXPECT_EQ(std::unique(streams.begin(), streams.end()), streams.end());
 }
 
-// Everything that tells lines apart tells their coins apart, so that other lines meet other veils.
+// Everything that tells lines apart tells their coins apart, so that other lines meet other
+// surfaces.
 TEST(LineKernel, coins_are_of_one_line_only) {
   const LineTables tables;
   VoxelSums sums(1);

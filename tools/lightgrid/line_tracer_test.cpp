@@ -18,16 +18,16 @@
 #include "tools/lightgrid/gpu_lines.h"
 #include "tools/lightgrid/lightgrid.h"
 #include "tools/lightgrid/scalar_lines.h"
+#include "tools/lightgrid/test_coverage.h"
 #include "tools/lightgrid/test_cut.h"
-#include "tools/lightgrid/test_veil.h"
 
 namespace tdpt {
 namespace {
 
+using testing::sheet_materials;
 using testing::small_image;
 using testing::two_rooms_scene;
-using testing::veil_materials;
-using testing::with_veil;
+using testing::with_sheet;
 
 constexpr uint64_t kSeed = 0x1234'5678'9abc'def0;
 
@@ -313,14 +313,14 @@ TEST(LinesOfEmbree, differ_from_the_twin_in_one_of_10000_at_most_in_veach_ajar) 
 }
 
 TEST_F(LineTracers, agree_on_what_is_there_with_a_probability) {
-  const std::vector<Material> all = veil_materials();
+  const std::vector<Material> all = sheet_materials();
   const size_t open = [&] {
     const Case c = two_rooms();
     return joining(on_device(c, empty_grid(c.scene, 16), 20000).segments);
   }();
   for (size_t i = 0; i < all.size(); ++i) {
     SCOPED_TRACE(i);
-    const Case c = two_rooms(with_veil(all[i], small_image()));
+    const Case c = two_rooms(with_sheet(all[i], small_image()));
     const LightGrid grid = empty_grid(c.scene, 16);
     const Outcome device_outcome = on_device(c, grid, 20000);
     expect_same(device_outcome, on_twin(c, grid, 20000));

@@ -2,8 +2,8 @@
 
 #include "libcommon/trace/bvh.h"
 #include "shaders/shared/triangle.h"
+#include "tools/lightgrid/coverage.h"
 #include "tools/lightgrid/cpu_lines.h"
-#include "tools/lightgrid/veils.h"
 
 namespace tdpt {
 namespace shader {
@@ -12,12 +12,12 @@ namespace {
 struct ScalarRays {
   const BvhNode* bvh_nodes;
   const BvhTriangle* bvh_triangles;
-  const uint* veil_of;
-  const Veil* veils;
+  const uint* coverage_of;
+  const Coverage* coverages;
   const float* texels;
-  bool scene_has_veils, veils_have_textures;
+  bool scene_has_coverage, coverage_has_textures;
 
-#include "shaders/shared/veil.h"
+#include "shaders/shared/coverage.h"
 
 #include "shaders/shared/traversal.h"
 };
@@ -30,18 +30,18 @@ namespace {
 // Owns what its rays look at.
 struct ScalarRays : shader::ScalarRays {
   std::shared_ptr<const Bvh> bvh;
-  std::shared_ptr<const VeilTables> veil_tables;
+  std::shared_ptr<const CoverageTables> coverage_tables;
 
   explicit ScalarRays(const Scene& scene)
       : bvh(std::make_shared<Bvh>(build_bvh(scene))),
-        veil_tables(std::make_shared<VeilTables>(make_veils(scene))) {
+        coverage_tables(std::make_shared<CoverageTables>(make_coverages(scene))) {
     bvh_nodes = bvh->nodes.data();
     bvh_triangles = bvh->triangles.data();
-    veil_of = veil_tables->veil_of.data();
-    veils = veil_tables->veils.data();
-    texels = veil_tables->texels.data();
-    scene_has_veils = !veil_tables->veils.empty();
-    veils_have_textures = !veil_tables->texels.empty();
+    coverage_of = coverage_tables->coverage_of.data();
+    coverages = coverage_tables->coverages.data();
+    texels = coverage_tables->texels.data();
+    scene_has_coverage = !coverage_tables->coverages.empty();
+    coverage_has_textures = !coverage_tables->texels.empty();
   }
 };
 

@@ -1,4 +1,4 @@
-// Test only: two-rooms.glb with a sheet in its hole that is there with a probability.
+// Test only: two-rooms.glb with a sheet in its hole that is not opaque.
 #pragma once
 #include <vector>
 
@@ -11,7 +11,7 @@ inline Scene two_rooms_scene() {
 }
 
 /// A sheet across the hole of two-rooms.glb that is there as its alpha says.
-inline Scene with_veil(Material veil, const Image& image) {
+inline Scene with_sheet(Material sheet, const Image& image) {
   Scene scene = two_rooms_scene();
   const auto first = static_cast<uint32_t>(scene.positions.size());
   for (const Vec3d& p : {Vec3d(2.05, 0.8, -0.2), Vec3d(2.05, 1.2, -0.2), Vec3d(2.05, 1.2, 0.2),
@@ -28,10 +28,10 @@ inline Scene with_veil(Material veil, const Image& image) {
     scene.uv[1][first + i] = {uv[i][0], uv[i][1]};
     scene.colours[first + i][3] = i < 2 ? 1.0f : 0.75f;
   }
-  veil.plain = false;
-  veil.base_map.uv_set = 1;
+  sheet.plain = false;
+  sheet.base_map.uv_set = 1;
   scene.images = {image};
-  scene.materials.push_back(veil);
+  scene.materials.push_back(sheet);
   return scene;
 }
 
@@ -43,7 +43,7 @@ inline Image small_image() {
 }
 
 /// Alpha alone, and with textures wrapped and looked up in every way.
-inline std::vector<Material> veil_materials() {
+inline std::vector<Material> sheet_materials() {
   using Wrap = TextureMap::Wrap;
   Material m;
   m.alpha_mode = Material::Alpha::blend;

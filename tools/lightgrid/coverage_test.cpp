@@ -1,5 +1,5 @@
 // Alpha in floats against coverage_at() of libcommon/scene/texture.h.
-#include "tools/lightgrid/veils.h"
+#include "tools/lightgrid/coverage.h"
 
 #include <cmath>
 
@@ -9,33 +9,33 @@
 #include "libcommon/scene/texture.h"
 #include "shaders/shared/bvh.h"
 #include "shaders/shared/random.h"
-#include "tools/lightgrid/test_veil.h"
+#include "tools/lightgrid/test_coverage.h"
 
 namespace tdpt {
 namespace {
 
+using testing::sheet_materials;
 using testing::small_image;
-using testing::veil_materials;
-using testing::with_veil;
+using testing::with_sheet;
 
-namespace veils {
+namespace kernel {
 using namespace shader;
 struct Kernel {
-  const uint* veil_of;
-  const Veil* veils;
+  const uint* coverage_of;
+  const Coverage* coverages;
   const float* texels;
-  bool scene_has_veils, veils_have_textures;
-#include "shaders/shared/veil.h"
+  bool scene_has_coverage, coverage_has_textures;
+#include "shaders/shared/coverage.h"
 };
-}  // namespace veils
+}  // namespace kernel
 
 // Share of places on the sheet where coverage is another than coverage_at() says, by more than a
 // thousandth; `shift` moves the texture.
 double share_of_other_coverage(const Material& material, float shift) {
-  Scene scene = with_veil(material, small_image());
-  const VeilTables tables = make_veils(scene);
-  const veils::Kernel kernel{tables.veil_of.data(), tables.veils.data(), tables.texels.data(), true,
-                             true};
+  Scene scene = with_sheet(material, small_image());
+  const CoverageTables tables = make_coverages(scene);
+  const kernel::Kernel kernel{tables.coverage_of.data(), tables.coverages.data(),
+                              tables.texels.data(), true, true};
   scene.materials.back().base_map.transform[2] += shift;
   int different = 0;
   for (uint64_t i = 0; i < 100000; ++i) {
@@ -43,14 +43,14 @@ double share_of_other_coverage(const Material& material, float shift) {
     const float u = rng.uniform_float();
     const float v = rng.uniform_float() * (1 - u);
     const auto triangle = static_cast<uint32_t>(scene.triangles.size() - 1 - i % 2);
-    const float mine = kernel.veil_coverage(tables.veils[tables.veil_of[triangle]], u, v);
+    const float mine = kernel.coverage_at(tables.coverages[tables.coverage_of[triangle]], u, v);
     different += std::abs(mine - coverage_at(scene, {triangle, u, v})) > 1e-3f;
   }
   return different / 1e5;
 }
 
-TEST(Veils, cover_what_textures_say) {
-  const std::vector<Material> all = veil_materials();
+TEST(Coverages, cover_what_textures_say) {
+  const std::vector<Material> all = sheet_materials();
   for (size_t i = 0; i < all.size(); ++i) {
     EXPECT_LT(share_of_other_coverage(all[i], 0), 3e-4) << i;
     if (i == 0) continue;                                         // no texture
@@ -60,26 +60,26 @@ TEST(Veils, cover_what_textures_say) {
 
 // Share of places on the sheet that it does not cover.
 double share_uncovered(const Material& material, const Image& image, bool with_uv = true) {
-  Scene scene = with_veil(material, image);
+  Scene scene = with_sheet(material, image);
   for (auto& colour : scene.colours) colour[3] = 1;
   if (!with_uv) scene.uv[1].clear();
-  const VeilTables tables = make_veils(scene);
-  const veils::Kernel kernel{tables.veil_of.data(), tables.veils.data(), tables.texels.data(), true,
-                             true};
+  const CoverageTables tables = make_coverages(scene);
+  const kernel::Kernel kernel{tables.coverage_of.data(), tables.coverages.data(),
+                              tables.texels.data(), true, true};
   int uncovered = 0;
   for (uint64_t i = 0; i < 10000; ++i) {
     Rng rng(8, 0, i);
     const float u = rng.uniform_float();
     const float v = rng.uniform_float() * (1 - u);
     const auto triangle = static_cast<uint32_t>(scene.triangles.size() - 1 - i % 2);
-    uncovered += kernel.veil_coverage(tables.veils[tables.veil_of[triangle]], u, v) < 1;
-    EXPECT_EQ(kernel.veil_coverage(tables.veils[tables.veil_of[triangle]], u, v),
+    uncovered += kernel.coverage_at(tables.coverages[tables.coverage_of[triangle]], u, v) < 1;
+    EXPECT_EQ(kernel.coverage_at(tables.coverages[tables.coverage_of[triangle]], u, v),
               coverage_at(scene, {triangle, u, v}));
   }
   return uncovered / 1e4;
 }
 
-TEST(Veils, masks_are_there_at_their_cutoff) {
+TEST(Coverages, masks_are_there_at_their_cutoff) {
   Material m;
   m.alpha_mode = Material::Alpha::mask;
   for (const float alpha : {1.0f, 0.9f, 0.5f, 0.3f}) {
@@ -90,7 +90,7 @@ TEST(Veils, masks_are_there_at_their_cutoff) {
   }
 }
 
-TEST(Veils, without_texture_coordinates_have_the_texel_of_the_transform) {
+TEST(Coverages, without_texture_coordinates_have_the_texel_of_the_transform) {
   Material m;
   m.alpha_mode = Material::Alpha::mask;
   m.alpha_cutoff = 0.5f;

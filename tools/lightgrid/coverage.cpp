@@ -1,4 +1,4 @@
-#include "tools/lightgrid/veils.h"
+#include "tools/lightgrid/coverage.h"
 
 #include <cmath>
 #include <map>
@@ -13,20 +13,21 @@ float texture_coordinate(double u) {
 
 uint32_t how_of(const TextureMap& map) {
   using Wrap = TextureMap::Wrap;
-  return (map.nearest ? VEIL_NEAREST : 0u) | (map.wrap_u == Wrap::mirror ? VEIL_MIRROR_U : 0u) |
-         (map.wrap_u == Wrap::clamp ? VEIL_CLAMP_U : 0u) |
-         (map.wrap_v == Wrap::mirror ? VEIL_MIRROR_V : 0u) |
-         (map.wrap_v == Wrap::clamp ? VEIL_CLAMP_V : 0u);
+  return (map.nearest ? COVERAGE_NEAREST : 0u) |
+         (map.wrap_u == Wrap::mirror ? COVERAGE_MIRROR_U : 0u) |
+         (map.wrap_u == Wrap::clamp ? COVERAGE_CLAMP_U : 0u) |
+         (map.wrap_v == Wrap::mirror ? COVERAGE_MIRROR_V : 0u) |
+         (map.wrap_v == Wrap::clamp ? COVERAGE_CLAMP_V : 0u);
 }
 
 class Builder {
  public:
   explicit Builder(const Scene& scene) : scene_(scene) {}
 
-  shader::Veil veil_of(uint32_t triangle) {
+  shader::Coverage coverage_of(uint32_t triangle) {
     const Material& m = scene_.material_of(triangle);
     const Triangle& t = scene_.triangles[triangle];
-    shader::Veil v{};
+    shader::Coverage v{};
     float alpha[3], u[3] = {}, w[3] = {};
     for (size_t c = 0; c < 3; ++c) {
       const bool coloured = !m.plain && !scene_.colours.empty();
@@ -69,14 +70,14 @@ class Builder {
 
 }  // namespace
 
-VeilTables make_veils(const Scene& scene) {
-  VeilTables tables;
+CoverageTables make_coverages(const Scene& scene) {
+  CoverageTables tables;
   Builder builder(scene);
   for (uint32_t t = 0; t < scene.triangles.size(); ++t) {
     if (scene.material_of(t).alpha_mode == Material::Alpha::opaque) continue;
-    if (tables.veil_of.empty()) tables.veil_of.resize(scene.triangles.size(), 0);
-    tables.veil_of[t] = static_cast<uint32_t>(tables.veils.size());
-    tables.veils.push_back(builder.veil_of(t));
+    if (tables.coverage_of.empty()) tables.coverage_of.resize(scene.triangles.size(), 0);
+    tables.coverage_of[t] = static_cast<uint32_t>(tables.coverages.size());
+    tables.coverages.push_back(builder.coverage_of(t));
   }
   tables.texels = std::move(builder.texels);
   return tables;
