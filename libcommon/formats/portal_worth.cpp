@@ -1,3 +1,5 @@
+// The gain that a portal lets expect, the words for it, and the sentence that tells it; symbols and
+// equation stand in the header.
 #include "libcommon/formats/portal_worth.h"
 
 #include <algorithm>
@@ -9,6 +11,7 @@
 namespace tdpt {
 namespace {
 
+// From doc/portal-worth.md.
 constexpr double kTimeRatio = 0.7;         // g_0
 constexpr double kTypicalOpening = 0.026;  // c_0
 constexpr double kExponent = 0.6;          // p

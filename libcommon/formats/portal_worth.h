@@ -1,18 +1,22 @@
-// What a portal is worth: how much less a picture costs for the same error with it than without.
+// What a portal is worth: the gain in efficiency, 1 / (relMSE x CPU time), that a portal's figures
+// let expect of rendering with it, before anything is rendered.
 //
-// Symbols: c = share of the smaller side's light that passes the opening (conductance of its cut
-// less the leaks), S = share of that light that the portals cover (kStrays aside), t = share of a
-// portal's lines that pass to the other side (tightness).
+// Method: a model of the variance under the balance heuristic with three constants fitted to
+// measurements, good to a factor of two (doc/portal-worth.md).
+//
+// G    expected gain of tdpt-org over bdpt
+// c    conductance of the cut less its leaks: share of the smaller side's light that crosses
+// S    share of the cut's light that the portals cover (kStrays aside)
+// t    tightness: share of a portal's lines that pass to the other side
+// g_0  time of a sample without portals to that of one with them
 //
 // A path of bidirectional path tracing gets through the opening by luck, with a density that falls
 // with c; a portal's segment always lies in it, and joins the two sides with probability t. Under
 // the balance heuristic the densities of techniques add, so the light that the portals cover costs
-// 1 / (1 + (c_0 t / c)^p) of what it did, and the rest what it did; g_0 is the time of a sample
-// without portals to that of one with them:
+// 1 / (1 + (c_0 t / c)^p) of what it did, and the rest what it did:
 //   G = g_0 / (1 - S + S / (1 + (c_0 t / c)^p)).
 // p would be 1 if every path had to find the way through in one stroke; light that lamps throw
-// straight through, and walks that pass by themselves, soften it. g_0, c_0 and p are measured, and
-// so is how far off G may be, a factor of two: doc/portal-worth.md.
+// straight through, and walks that pass by themselves, soften it. g_0, c_0 and p are measured.
 #pragma once
 #include <map>
 #include <string>

@@ -1,5 +1,9 @@
-// The random numbers of shaders/shared/sequence.h as an object, and the points of the Sobol
-// sequence that it reads.
+// The random numbers of a pixel's samples, spread more evenly than independent ones, as an object.
+//
+// Method: padded Sobol points in Owen-scrambled order with digital shifts; how and why, and with
+// which symbols, stands in shaders/shared/sequence.h, which C++ and kernels share. Here are
+// the table of points that it reads, made from the direction numbers at compile time, and the class
+// that the renderer draws from.
 #pragma once
 #include <array>
 #include <bit>

@@ -1,9 +1,15 @@
-// The openings that the light passes one behind the other are drops of a potential u: 0 on the
-// patches that the light reaches well, 1 on those that the camera does, in between the mean of the
-// neighbours weighted by capacity, as in a network of resistors. Rooms are plateaus of u. A closet
-// beside the light's way has the potential of the room it belongs to: no current passes its door,
-// however narrow. A sweep over u finds the drops; a minimum cut with the potential as data term
-// then draws the border of each.
+// Finds the openings that the light passes one behind the other, and draws a minimum cut through
+// each.
+//
+// Method: harmonic potential on the network, as of resistors (random-walker segmentation); a sweep
+// cut over it for each opening; a minimum cut with the potential as data term for its border.
+//
+// u    potential of a patch: 0 on those that the light reaches well, 1 on those that the camera
+//      does, in between the mean of the neighbours weighted by capacity
+// c_ij capacity between patches i and j; s_i, t_i: by which the terminals hold a patch
+//
+// Rooms are plateaus of u, openings its drops. A closet beside the light's way has the potential of
+// the room it belongs to: no current passes its door, however narrow.
 #include "libcommon/math/series_cut.h"
 
 #include <algorithm>

@@ -1,7 +1,7 @@
-// Bottlenecks one behind the other: minimum cuts of a network of patches.
+// Bottlenecks of a network of patches, also several one behind the other: a minimum cut for each.
 //
-// The minimum cut finds the narrowest of several openings in series. Where the potential of the
-// light (series_cut.cpp) shows more than one drop, there is a cut for each.
+// The minimum cut alone finds the narrowest of several openings in series. Where the harmonic
+// potential of the light (series_cut.cpp) drops more than once, there is a cut for each drop.
 #pragma once
 #include <functional>
 #include <string>

@@ -1,14 +1,18 @@
-// Closest hit and visibility in the canonical frame; Embree stays behind this header.
+// Where rays meet a scene: the closest hit, and whether two places see each other, in the canonical
+// frame.
 //
-// Rays start exactly on surfaces, so their origins are moved off the surface by a few units in the
-// last place of its coordinates, along the geometric normal to the side the ray leaves on; from a
-// place in the air (a lamp or camera may stand in a surface all the same) along the ray. Hit points
-// themselves are computed from barycentrics in double precision and never moved.
+// Method: ray casting by a bounding volume hierarchy (Embree, which stays behind this header), in
+// floats; hit points are computed anew from barycentrics in double precision and never moved.
 //
-// Surfaces that are not opaque (alpha) and window panes (pane.h) are there or not there at each of
-// their points: at a share `coverage` of them, picked by a hash of the exact point. So a blend of
-// 0.3 is met by three rays of ten, and no ray needs random numbers of its own. A pane is there as
-// often as it reflects.
+// Self-intersection: rays start exactly on surfaces, so their origins are moved off the surface by
+// a few units in the last place of its coordinates, along the geometric normal to the side the ray
+// leaves on; from a place in the air (a lamp or camera may stand in a surface all the same) along
+// the ray.
+//
+// Stochastic transparency: surfaces that are not opaque (alpha) and window panes (pane.h) cover a
+// share of each of their points, `coverage`, and stop that share of the rays: those that a hash of
+// the exact point picks. So a blend of 0.3 is met by three rays of ten, and no ray needs random
+// numbers of its own. A pane covers as much as it reflects; its transmittance is the rest.
 #pragma once
 #include <memory>
 
@@ -22,8 +26,8 @@ struct Hit {
   double distance;  ///< from the true origin to the true hit point
   Vec3d position;   ///< p0 + b1 e1 + b2 e2
   Vec3d normal;     ///< unit geometric normal of the front side (counter-clockwise)
-  /// Of a pane: probability that a ray at this angle finds it; what it scatters is to be divided by
-  /// it. 1 for all else: a blend scatters its alpha's share, so the two cancel.
+  /// Coverage of a pane: probability that a ray at this angle is stopped by it; what it scatters is
+  /// to be divided by it. 1 for all else: a blend scatters its alpha's share, so the two cancel.
   double presence = 1;
 };
 
@@ -48,7 +52,7 @@ class Tracer {
 
   /// For kernels that count in floats and step off themselves: first surface beyond `from` along
   /// `w`, of any length. `coin`, a number of the ray's own, decides with the triangle's whether a
-  /// surface that is not opaque is there (surface_stops() of shaders/shared/veil.h).
+  /// surface that is not opaque is there (surface_stops() of shaders/shared/coverage.h).
   struct FloatHit {
     float t;  ///< in units of w
     uint32_t triangle;

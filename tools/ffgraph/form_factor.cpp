@@ -43,6 +43,7 @@ double form_factor(const FacingTriangle& i, const FacingTriangle& j, int n, int 
       if (tracer && !tracer->visible({x, i.normal}, {y, j.normal})) continue;
       sum += at_i * at_j / (r2 * r2);
     }
+  // [eq. 10]
   return j.area * sum / (std::numbers::pi * n * m);
 }
 

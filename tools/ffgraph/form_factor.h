@@ -1,9 +1,9 @@
-// Form factors between triangles [eq. 9, 10], with visibility.
+// Form factors between triangles, with visibility; symbols as in radiosity.
 //
-//   F_ij = (1/A_i) int int cos_i cos_j V / (pi r^2) dA_j dA_i
+//   F_ij = (1/A_i) int int cos_i cos_j V / (pi r^2) dA_j dA_i                               [eq. 9]
 //
 // is the share of the diffuse light leaving i that arrives at j: A_i F_ij = A_j F_ji, and the F_ij
-// of a closed box add up to 1 over j.
+// of a closed box add up to 1 over j. (The paper labels it j -> i.)
 #pragma once
 #include "libcommon/math/rng.h"
 #include "libcommon/trace/tracer.h"
@@ -21,7 +21,8 @@ struct FacingTriangle {
 FacingTriangle facing(const Scene& scene, uint32_t face);
 
 /// Estimate of F_ij from n points on i times m points on j:
-/// A_j / (n m) sum sum cos_i cos_j V / (pi r^2). Without a tracer all is visible.
+/// A_j / (n m) sum sum cos_i cos_j V / (pi r^2) [eq. 10], which the paper prints without V. Without
+/// a tracer all is visible.
 double form_factor(const FacingTriangle& i, const FacingTriangle& j, int n, int m, Rng& rng,
                    const Tracer* tracer);
 

@@ -1,3 +1,5 @@
+// The pilot of `auto`: its candidates and its plan, the errors of candidates from pairs of passes,
+// and the choice [pilot.h].
 #include "tools/tdpt-render/pilot.h"
 
 #include <algorithm>

@@ -1,5 +1,12 @@
-// Integrator `auto`: which of several integrators renders this picture with the least error x work,
-// by a pilot on the picture itself whose samples are kept.
+// Integrator `auto`: finds out which of several integrators renders this picture with the least
+// error x work, and lets it render the rest.
+//
+// Method: adaptive selection among unbiased estimators by pilot samples, the worst leaving round by
+// round (successive elimination); the pilot's samples are kept, weighed by inverse variance.
+//
+// i    candidate, r: round, of R; a: share of the pilot in the picture
+// S_i  picture of candidate i; v_i its relMSE for one sample per pixel, w_i its weight
+// P_r  picture of round r; M: of the chosen candidate after the pilot
 //
 // The pilot goes in R rounds. A round renders two passes over the picture (a pass is one sample of
 // every pixel) with each of the candidates i that are left, and adds one picture to what is kept:

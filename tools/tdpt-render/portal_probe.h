@@ -1,4 +1,8 @@
-// How narrow the way through a portal is, by rays: for portals that come without figures.
+// How narrow the way through a portal is, measured by rays: for portals that come without figures,
+// as those drawn by hand.
+//
+// Method: conductance of the room's random walk (Cheeger), by Monte Carlo: diffuse walks that begin
+// in the portal; the share of their bounces whose next edge goes back through it.
 #pragma once
 #include "tools/tdpt-render/path/world.h"
 

@@ -204,6 +204,7 @@ int PortalSet::crossed(const Facet& f, const Vec3d& at, const Drawn& drawn) cons
   return n;
 }
 
+// D of [eq. 4].
 double PortalSet::density(const Vec3d& from, const Vec3d& to, const Drawn& drawn) const {
   double sum = 0;
   const Vec3d d = to - from;
@@ -284,6 +285,7 @@ PortalSet::Sample PortalSet::sample(Rng& rng) const {
   return sample(u);
 }
 
+// x_p and w of [eq. 4].
 PortalSet::Sample PortalSet::sample(const std::array<double, 7>& numbers) const {
   const auto [u, v, s, t, pick, kind, other] = numbers;
   Sample sample;

@@ -1,26 +1,29 @@
-// The portals of a rendering: segments through them and their density. Section 3.1.1, eq. 4.
+// Draws segments, and directions of walks, through the portals, and tells the density with which
+// any edge of a path would have been drawn so. Section 3.1.1, eq. 4.
 //
 // A portal is a set of triangles in the air, each with the normal its winding gives: the direction
-// from the light's side to the camera's side. A segment is sampled by choosing a triangle q with
-// probability p(q) in proportion to its area, a point uniform on it (p_A = 1/A_q) and a direction
-// with p_w = cos/pi about its normal, and following it both ways to the surfaces x_l and x_c:
+// from the light's side to the camera's side.
+//
+// Portal sampling: a triangle q with probability p(q) in proportion to its area, a point uniform on
+// it (p_A = 1/A_q), a direction with p_w = cos/pi about its normal, both ways to the surfaces x_l
+// (light's side) and x_c (camera's side):
 //   p_AA(x_l, x_c) = G(x_l, x_c) * sum_q p(q) p_A p_w / cos_q                              [eq. 4]
 //                  = G(x_l, x_c) * D,    D = sum over the q crossed of p(q) / (A_q pi).
 // A portal that light passes both ways is its triangles in both windings, either with its own p(q).
 // cos cancels: no grazing singularity. D [1/(m2 sr)], canonical, is what this file computes.
 //
-// Portals that follow each other on the light's way (doors of rooms in a row) leave little room for
-// light that passes both without touching a wall between them, and a segment through one meets the
-// other by chance. So a share c of the segments, where there is such a pair, is drawn through a
-// point uniform on each, a pair with probability p(F,G):
+// Portals in series: those that follow each other on the light's way (doors of rooms in a row)
+// leave little room for light that passes both without touching a wall between them, and a segment
+// through one meets the other by chance. So a share c of the segments, where there is such a pair
+// (F,G), is drawn through a point uniform on each, a pair with probability p(F,G):
 //   D = (1-c) sum_q p(q) / (A_q pi) + c sum over the pairs crossed of p(F,G) d^2 / (A_F A_G cos_F
 //   cos_G),
 // d the distance between the points where the segment passes the two.
 //
-// Walks are directed at facets: the triangles of a portal that lie in one plane [facets.h]. From v,
-// facet F is taken in proportion to w_F(v), about its solid angle, and then a point uniform on it;
-// the direction w there has
-//   pdf_w = sum over the facets F that the ray (v, w) passes of  w_F(v) / W  * d^2 / (|cos| A_F),
+// Path guiding [guide.h] aims walks at facets as light sampling aims at lamps: a facet is the
+// triangles of a portal that lie in one plane [facets.h]. From v, facet F is taken in proportion to
+// w_F(v), about its solid angle, and then a point uniform on it; the direction w there has
+//   a(w) = sum over the facets F that the ray (v, w) passes of  w_F(v) / W  * d^2 / (|cos| A_F),
 // d the distance to the plane along w, W the sum of w_F(v) over the facets that v can aim at.
 #pragma once
 #include <array>
@@ -70,7 +73,7 @@ class PortalSet {
   /// What can have made an edge from the light's side to the camera's.
   struct Crossing {
     double density;  ///< D
-    /// pdf_w * W [1/sr] of a walk from the light that stands at `from` and is directed at `to`'s
+    /// a(w) * W [1/sr] of a walk from the light that stands at `from` and is directed at `to`'s
     /// side, and of one from the camera that stands at `to`.
     double from_light, from_camera;
   };

@@ -1,17 +1,24 @@
-// Walks that are directed at portals: at each vertex on the side a walk begins on, its next
-// direction is drawn towards a point on a portal with some probability q, and by the surface's own
-// sampling otherwise.
+// Path guiding by the portals: where a walk stands on the side of a portal that it begins on, its
+// next direction is drawn towards a point on the portal with some probability ("the walk is
+// directed"), and as the surface scatters otherwise.
 //
-// With p(w) the density of the surface's own sampling and a(w) that of aiming (portals.h),
-//   guided  pdf_w = (1-qb) p(w) + qb m a(w),
-// m the probability that no Dirac lobe was tried: those lobes are left as they are. b is 1, but
-// where a surface has a narrow lobe (alpha < 0.3) the probability that it would scatter by its
-// diffuse lobe: a metal floor seldom shows the portal in the direction that it is looked at from.
-// Where p = 0 nothing is scattered, and the walk ends.
+// Method: one-sample mixture of BSDF sampling and of sampling the portals as if they were lamps;
+// its density is known in closed form, nothing is learnt.
 //
-// P> and P< of a path become these; nothing else changes. To direct only a share of the walks and
-// leave the others plain was tried: what it gains where lamps are seen directly, a larger weight of
-// next events gains without loss elsewhere (techniques.h).
+// w     direction; q: probability that a vertex aims
+// p(w)  density of the surface's own sampling, a(w) that of aiming [portals.h] [1/sr]
+// m     probability that no Dirac lobe was tried: those lobes are left as they are
+// b     1, but where a surface has a narrow lobe (alpha < 0.3) the probability that it would
+// scatter
+//       by its diffuse lobe: a metal floor seldom shows the portal in the direction that it is
+//       looked at from
+//
+//   pdf_w = (1-qb) p(w) + qb m a(w),
+//
+// and the walk ends where p = 0: nothing is scattered there. P> and P< of a path [eq. 7] become
+// these; nothing else changes. To guide only a share of the walks and leave the others plain was
+// tried: what it gains where lamps are seen directly, MIS sample weights of next events gain
+// without loss elsewhere [mixture.h].
 #pragma once
 #include "tools/tdpt-render/path/mixture.h"
 #include "tools/tdpt-render/path/vertex.h"

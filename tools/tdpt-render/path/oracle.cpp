@@ -152,7 +152,7 @@ double pair_pdf(const Vertex& a, const Vertex& b, const Triangles& f, const Tria
   return ways / (F.area * G.area) * std::pow(t - s, 2) / (dot(F.n, w) * dot(G.n, w));
 }
 
-/// p_AA of eq. 4, polygon by polygon with its cosines written out, and of pairs of portals.
+/// p_AA [eq. 4], polygon by polygon with its cosines written out, and of pairs of portals.
 double segment_pdf(const World& world, const Vertex& a, const Vertex& b) {
   if (!a.on_surface()) return 0;
   const Vec3d w = unit(a, b);

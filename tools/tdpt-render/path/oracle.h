@@ -31,8 +31,8 @@ std::vector<StrategyDensity> densities(const World& world, const Path& path, con
 /// Balance heuristic [eq. 6] for beta = 1, power heuristic for beta = 2.
 double weight(const std::vector<StrategyDensity>& densities, Strategy used, double beta);
 
-/// Measurement contribution function: Le G f G ... f G W, eqs. 1 to 3 without visibility, without
-/// absorption along the edges and without the deltas of Dirac lobes.
+/// Measurement contribution function: Le G f G ... f G W, the product of [eq. 1] to [eq. 3] without
+/// visibility, without absorption along the edges and without the deltas of Dirac lobes.
 Vec3d contribution(const World& world, const Path& path);
 
 }  // namespace tdpt::oracle

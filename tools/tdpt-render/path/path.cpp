@@ -1,4 +1,14 @@
-// Densities of a path and its MIS weight. Sections 3.1 and 3.3, eqs. 6 to 8.
+// The MIS weight of a finished path: the share of the strategy that made it in the densities of all
+// strategies that could have. Sections 3.1 and 3.3, eqs. 6 to 8.
+//
+// Method: multiple importance sampling (Veach), balance or power heuristic. Two arrays of densities
+// along the path, of the walk from the light and of that from the camera; every strategy is a
+// prefix of the one, a suffix of the other and what joins them, so running products give all.
+//
+// x_0 ... x_k  vertices, x_0 on a light, x_k on the camera; k edges
+// P>, P<       density [per canonical area] of a vertex in a walk from the light, from the camera
+// s, a         split: how many vertices come from the light
+// p_AA = G D   density of a portal segment [eq. 4, portals.h]
 //
 //   camera    s=0        prod_{i>=0} P<(x_i)
 //   direct    s=1        p_nee(x_0) prod_{i>=1} P<(x_i)         p_nee may depend on x_1
@@ -110,6 +120,8 @@ double Path::camera_pdf_A(const World& world, int i) const {
   return guide_.pdf_A(From::camera, x(i + 1), back, x(i), plain, crossing_[u(i)]);
 }
 
+// Densities of [eq. 7] and, with p_AA = G D of [eq. 4], of [eq. 8], as products of parts: prefix
+// and suffix are the caller's, the rest is given to `add`.
 template <class Add>
 void Path::for_each_strategy(const Mixture& mixture, const Add& add) const {
   for (int s = 0; s <= k_; ++s) {
@@ -161,7 +173,7 @@ std::optional<double> Path::weight_by_products(const Mixture& mixture, Strategy 
   });
   constexpr double kTiny = 1e-250;
   if (!(total > kTiny && mine > 0)) return std::nullopt;
-  return mine / total;
+  return mine / total;  // the balance heuristic [eq. 6] for beta = 1
 }
 
 // Long paths whose edges are short and long by turns make every product tiny at once.

@@ -91,6 +91,7 @@ bool PathSampler::weigh(const Path& path, Strategy strategy, const Rgb& value, R
   return false;
 }
 
+// [eq. 5]: `value` is contribution over density.
 double PathSampler::to_pixel(const Path& path, Strategy strategy, const Rgb& value) {
   Rgb weighted;
   if (!weigh(path, strategy, value, weighted)) return 0;
@@ -102,6 +103,7 @@ double PathSampler::to_pixel(const Path& path, Strategy strategy, const Rgb& val
   return brought;
 }
 
+// [eq. 5] of a path that begins at the light's end: it lands in a pixel of its own.
 double PathSampler::to_film(const Path& path, Strategy strategy, double raster_x, double raster_y,
                             const Rgb& value) {
   Rgb weighted;
@@ -258,13 +260,15 @@ void PathSampler::portal() {
   double presence;
   if (!portal_segment(sample, x_l, x_c, crossing, presence)) return;
 
-  // One throughput for both ends: G / p_AA = 1 / D; a share of the samples stands for all.
+  // One throughput for both ends, the G of edge C2 of [eq. 2] over its density: G / p_AA = 1 / D; a
+  // share of the samples stands for all.
   const Edge middle = between(x_l, x_c);
   const Vec3d& w = middle.w;
   Rgb through(static_cast<float>(1 / (share * crossing.density * presence)));
   if (world_.absorbing) through = through * transmittance(x_l, x_c, w, std::sqrt(middle.d2));
 
-  // Light sides: [a] with a prefix vertices y_0..y_{a-1}; arriving at x_l and scattered along w.
+  // Light sides: [eq. 1] with edge C1 of [eq. 2], over its density. [a] with a prefix vertices
+  // y_0..y_{a-1}; arriving at x_l and scattered along w.
   // Each end's edges are tested against the portals once, for all paths that have them.
   std::array<Rgb, kMaxDepth> light_side;
   std::array<PortalSet::Crossing, kMaxDepth> before;  // of meaning where light_side is not black
@@ -284,7 +288,8 @@ void PathSampler::portal() {
   }
 
   double brought = 0;
-  // Camera sides: b prefix vertices z_0..z_{b-1}; leaving x_c, scattered from -w.
+  // Camera sides: [eq. 3] with edge C3 of [eq. 2], over its density. b prefix vertices
+  // z_0..z_{b-1}; leaving x_c, scattered from -w.
   for (int b = 1; b <= D - 1 && b <= std::max(z.size, 1); ++b) {
     const Vertex& v = z[b - 1];
     Rgb camera_side;

@@ -1,4 +1,9 @@
-// One sample of a picture: two walks, one portal segment, and the techniques that join them.
+// One sample of a picture: a walk from the camera, one from a light, one segment through a portal,
+// and all paths that the techniques of a mixture join from them, each with its MIS weight.
+//
+// Method: tri-directional path tracing (sections 3.1 to 3.3), which is bidirectional path tracing
+// with a third kind of sub-path. y_0 y_1 ... are the vertices of the light's walk, z_0 z_1 ... of
+// the camera's, x_l and x_c the ends of the segment on the light's and on the camera's side.
 #pragma once
 #include <functional>
 
@@ -72,8 +77,8 @@ class PathSampler {
   /// Importance of the pinhole for light leaving p: radiance of a splat per unit of f * throughput.
   /// False when p is not in the picture. No visibility.
   bool project(const Point& p, Vec3d& to_camera, Rgb& factor, double& x, double& y) const;
-  /// A segment x_l -> x_c through a portal, its crossing and the presence of both ends' surfaces
-  /// (tracer.h); false when it joins nothing.
+  /// A segment x_l -> x_c through a portal, its crossing and the coverage of both ends' surfaces
+  /// (Hit::presence); false when it joins nothing.
   bool portal_segment(const PortalSet::Sample& sample, Vertex& x_l, Vertex& x_c,
                       PortalSet::Crossing& crossing, double& presence);
 

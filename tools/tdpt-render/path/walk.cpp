@@ -1,3 +1,11 @@
+// The sub-paths of bidirectional path tracing: random walks from the camera and from a light, each
+// vertex with its throughput, with its density from this end, and with the density that a walk from
+// the other end would have given it. Section 3.1.2, eqs. 1 and 3.
+//
+// Method: BSDF sampling, mixed with path guiding by the portals [guide.h] where an integrator has
+// it. The density from the other end depends on two more vertices and is filled in when they are
+// known; throughputs and densities of unguided sampling are computed first, the guided ones replace
+// them.
 #include "tools/tdpt-render/path/walk.h"
 
 #include "tools/tdpt-render/path/surface.h"
@@ -104,6 +112,7 @@ void Walker::scatter(int edges) {
     } else if (!goes_on) {
       return;
     }
+    // One factor more, f cos / pdf_w, of [eq. 1] or [eq. 3] over its density.
     const Rgb throughput = state.throughput * t.weight;
     if (max_component(throughput) <= 0) return;
     state.dirac = t.dirac;

@@ -1,4 +1,5 @@
-// Random walks from the camera and from the light. Section 3.1.2.
+// The sub-paths of bidirectional path tracing: random walks from the camera and from a light.
+// Section 3.1.2.
 #pragma once
 #include "libcommon/math/sequence.h"
 #include "tools/tdpt-render/path/guide.h"
