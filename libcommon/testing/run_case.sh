@@ -2,7 +2,8 @@
 # run_case.sh BIN TESTDATA CASE: runs one end-to-end case; testdata/cli/README.md tells the format.
 # Exit 0: everything was as expected. Otherwise every difference is told, with both outputs.
 set -u
-bin=$1 TESTDATA=$2 case=$3
+absolute() { case $1 in /*) printf '%s\n' "$1" ;; *) printf '%s/%s\n' "$PWD" "$1" ;; esac; }
+bin=$(absolute "$1") TESTDATA=$(absolute "$2") case=$3
 export TESTDATA
 export LC_ALL=C
 PATH=$bin:/usr/local/bin:/usr/bin:/bin
