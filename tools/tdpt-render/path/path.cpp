@@ -120,8 +120,7 @@ double Path::camera_pdf_A(const World& world, int i) const {
   return guide_.pdf_A(From::camera, x(i + 1), back, x(i), plain, crossing_[u(i)]);
 }
 
-// Densities of [eq. 7] and, with p_AA = G D of [eq. 4], of [eq. 8], as products of parts: prefix
-// and suffix are the caller's, the rest is given to `add`.
+// Densities as products of parts: prefix and suffix are the caller's, the rest is given to `add`.
 template <class Add>
 void Path::for_each_strategy(const Mixture& mixture, const Add& add) const {
   for (int s = 0; s <= k_; ++s) {
@@ -134,11 +133,12 @@ void Path::for_each_strategy(const Mixture& mixture, const Add& add) const {
       const double weight = mixture.sample_weight(technique, k_);
       if (s == 1)
         add(Strategy{technique, s}, 0, 1, next_event_A_ * (1 / common(0)) * weight);
-      else
+      else  // [eq. 7]
         add(Strategy{technique, s}, s, s, weight);
     }
     if (s <= k_ - 2 && crossing_[u(s)].density > 0 && mixture.has(Technique::portal) && joins &&
         !dirac(s) && !dirac(s + 1) && !dirac(s + 2)) {
+      // [eq. 8], p_AA = G D as in [eq. 4].
       const double g = geometry(x(s), x(s + 1), between(x(s), x(s + 1)));
       add(Strategy{Technique::portal, s}, s, s + 2,
           mixture.segments * crossing_[u(s)].density * (g / common(s)) / common(s + 1));
