@@ -1,4 +1,4 @@
-// Maximum flow and minimum cut of a network with whole capacities.
+// Maximum flow and minimum cut of a network with whole capacities (push-relabel, Boost).
 #pragma once
 #include <cstdint>
 #include <vector>
@@ -24,7 +24,7 @@ struct MaxFlow {
   std::vector<uint8_t> source_side;  ///< of each node: 1 when a residual path leads there
 };
 
-/// Push-relabel (Boost). The cut is the one nearest to the source.
+/// The cut is the one nearest to the source.
 MaxFlow max_flow(const FlowNetwork& network);
 
 }  // namespace tdpt

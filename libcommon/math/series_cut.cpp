@@ -1,15 +1,19 @@
-// Finds the openings that the light passes one behind the other, and draws a minimum cut through
-// each.
+// The openings that the light passes one behind the other, and the cut through each.
 //
-// Method: harmonic potential on the network, as of resistors (random-walker segmentation); a sweep
-// cut over it for each opening; a minimum cut with the potential as data term for its border.
+// Method: a network of resistors, as in random-walker segmentation (Grady 2006), solved by
+// conjugate gradients; sweep cuts over its potential find the drops; a minimum cut (max_flow.h)
+// with the potential as data term draws the border of each.
 //
-// u    potential of a patch: 0 on those that the light reaches well, 1 on those that the camera
-//      does, in between the mean of the neighbours weighted by capacity
-// c_ij capacity between patches i and j; s_i, t_i: by which the terminals hold a patch
+// u_i       potential of patch i, 0 where the light reaches it well, 1 where the camera does: the
+//           chance that a random walk from i along the arcs comes to the camera's patches first
+// c_ij      half the capacity of the arcs between i and j, either way
+// s_i, t_i  what holds u_i at 0 and at 1
+//   sum_j c_ij (u_i - u_j) + s_i u_i + t_i (u_i - 1) = 0
 //
-// Rooms are plateaus of u, openings its drops. A closet beside the light's way has the potential of
-// the room it belongs to: no current passes its door, however narrow.
+// Rooms are plateaus of u. A closet beside the light's way has the potential of the room it belongs
+// to: no current passes its door, however narrow, which a cut by conductance alone would take. In
+// the order of u a threshold behind each patch parts the others; a drop is a threshold of small
+// conductance in the graph's sense: capacity across over that of the smaller side.
 #include "libcommon/math/series_cut.h"
 
 #include <algorithm>
@@ -21,12 +25,12 @@
 namespace tdpt {
 namespace {
 
-constexpr double kPinned = 0.5;  // grade from which a terminal holds a patch's potential
-constexpr double kLeastDrop = 0.01;
+constexpr double kPinned = 0.5;      // grade from which a terminal holds a patch's potential
+constexpr double kLeastDrop = 0.01;  // of u between two rooms
 constexpr int kMostIterations = 2000;
 constexpr double kResidual = 1e-9;  // of the conjugate gradients, relative
 
-// Capacities of the patches, each arc once in either direction, and of the terminals' arcs.
+// The resistors: conductances c_ij of the patches' links in rows, and the terminals' arcs.
 struct Links {
   struct Link {
     uint32_t to;
@@ -69,8 +73,8 @@ Links links_of(const PatchNetwork& p) {
   return l;
 }
 
-// u of each node: the solution of sum_j c_ij (u_i - u_j) + s_i u_i + t_i (u_i - 1) = 0, where s and
-// t hold the patches that light and camera reach well.
+// u of each node, by conjugate gradients with the diagonal as preconditioner; s and t hold the
+// patches that light and camera reach well.
 std::vector<double> potential_of(const PatchNetwork& p, const Links& l) {
   const uint32_t n = p.network.nodes;
   std::vector<double> diagonal(n), right(n, 0), u(n, 0.5);
@@ -188,7 +192,7 @@ class SeriesCutter {
     return "";
   }
 
-  // Nodes in the order of their potential: what a threshold behind each of them parts.
+  // Nodes in the order of their potential, and the sweep cut behind each of them.
   struct Sweep {
     std::vector<uint32_t> order;
     std::vector<double> area, volume;  // up to and with this node
@@ -216,7 +220,8 @@ class SeriesCutter {
     return s;
   }
 
-  // Places in the sweep between `low` and `high` (exclusive) where it parts two rooms; in order.
+  // Places in the sweep between `low` and `high` (exclusive) where it parts two rooms, in order:
+  // the best one, and those within both parts.
   void drops(const Sweep& s, size_t low, size_t high, std::vector<size_t>& found) const {
     const auto up_to = [](const std::vector<double>& sum, size_t i) {
       return i == 0 ? 0.0 : sum[i - 1];
@@ -239,8 +244,8 @@ class SeriesCutter {
     drops(s, best, high, found);
   }
 
-  // The minimum cut at a drop: patches are drawn to the sides by how far their potential lies from
-  // it, in units of the plateaus' distances.
+  // The minimum cut at a drop. Data term: patches are drawn to the sides by how far their potential
+  // lies from it, in units of the plateaus' distances.
   MaxFlow cut_at(const std::vector<double>& u, double at, double low, double high) const {
     FlowNetwork net{net_.nodes, net_.source, net_.sink, {}};
     for (uint32_t v = 0; v < net_.nodes; ++v) {

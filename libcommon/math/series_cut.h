@@ -1,7 +1,7 @@
-// Bottlenecks of a network of patches, also several one behind the other: a minimum cut for each.
+// Bottlenecks one behind the other: minimum cuts of a network of patches.
 //
-// The minimum cut alone finds the narrowest of several openings in series. Where the harmonic
-// potential of the light (series_cut.cpp) drops more than once, there is a cut for each drop.
+// The minimum cut finds the narrowest of several openings in series. Where the potential of a
+// network of resistors (series_cut.cpp) shows more than one drop, there is a cut for each.
 #pragma once
 #include <functional>
 #include <string>
@@ -40,14 +40,14 @@ struct SeriesCut {
 /// Solves one maximum-flow problem; a caller may check the answer on its way.
 using FlowSolver = std::function<MaxFlow(const FlowNetwork&)>;
 
-/// At most `most` cuts. Where an opening takes the place of a terminal, its arcs are graded as
-/// terminals are: by a diffusion that enters through it and goes on for kDiffusionSteps
-/// reflections.
+/// At most `most` cuts. Where there is one drop of the potential or none, the minimum cut of the
+/// network as it is, if that is a bottleneck. Of several each is cut by itself, and its terminals
+/// draw patches by how far their potential lies from the drop.
 SeriesCut series_cut(const PatchNetwork& problem, size_t most, const CutLimits& limits,
                      const FlowSolver& solve = max_flow);
 
-/// min(1, E_i / (0.5 E_med)) of each patch, E_i = hits_i / samples_i and E_med its median weighted
-/// by hits; 0 for patches without samples.
+/// Data terms of the patches, as in image segmentation: min(1, E_i / (0.5 E_med)) with E_i = hits_i
+/// / samples_i and E_med its median weighted by hits; 0 for patches without samples.
 std::vector<double> terminal_grades(const std::vector<double>& hits,
                                     const std::vector<double>& samples);
 

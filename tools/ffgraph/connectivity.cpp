@@ -1,3 +1,7 @@
+// Pieces of surface: connected components of triangles across shared edges.
+//
+// Method: half-edge connectivity (OpenMesh) over vertices welded by place, in a hash table, and
+// union-find over the edges whose two triangles face about one way.
 #include "tools/ffgraph/connectivity.h"
 
 #include <array>

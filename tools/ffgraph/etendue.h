@@ -1,6 +1,10 @@
-// Etendue between patches, by rays [DESIGN 3.1]: points uniform by area on the patches, cosine
-// directions, closest hit. The count n_ij estimates A_i F_ij + A_j F_ji, which is additive, so
+// Etendue between patches: how much diffuse light each pair can exchange.
+//
+// Method: Monte Carlo, by rays from points uniform by area on the patches along cosine directions
+// to the closest hit. The count n_ij estimates A_i F_ij + A_j F_ji [eq. 9], which is additive, so
 // invariant under subdivision, and has no singularity where patches touch.
+//
+// A_i area of patch i, F_ij form factor: the share of the light that leaves i and arrives at j.
 //
 // Steps of walks over diffuse surfaces are such rays, too, but that they start where the walk is:
 // of the rays that leave patch i the same share arrives at j. With q_i rays that start on patch i

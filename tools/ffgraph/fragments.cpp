@@ -1,5 +1,8 @@
-// Clipping runs in units of the base cell, measured from the origin of the grid: cell bounds are
-// then exact. Sutherland-Hodgman against the six faces of a cell.
+// Triangles cut into the pieces that lie within the cells of the patches.
+//
+// Method: polygon clipping (Sutherland-Hodgman) against the six faces of a cell, down a tree of 4 x
+// 4 x 4 cells where cells are split. It runs in units of the base cell, measured from the origin of
+// the grid: cell bounds are then exact.
 #include "tools/ffgraph/fragments.h"
 
 #include <algorithm>

@@ -1,7 +1,13 @@
-// The flow network of a scene: patches as nodes, etendue as capacity, graded terminals.
+// The flow network of a scene, in the place of the paper's [section 4.1]: patches as nodes, etendue
+// as capacity, terminals by data terms as in graph-cut segmentation.
 //
-// Symbols: n_i samples of patch i, n_ij etendue of a pair, H_E and H_W hits of the walks from the
-// light and from the camera (east and west of the aperture, so to speak).
+// n_i       samples of patch i, in proportion to its area
+// n_ij      etendue of a pair (etendue.h): arcs of capacity n_ij / 2 either way
+// H_E, H_W  hits of the walks from the light and from the camera (east and west of the aperture, so
+//           to speak): source -> i n_i grade(H_E), i -> sink n_i grade(H_W), see terminal_grades()
+//
+// Its minimum cut parts the surfaces that the light reaches from those that the camera does where
+// least light is exchanged: at the openings between them.
 #pragma once
 #include "libcommon/formats/dimacs.h"
 #include "tools/ffgraph/etendue.h"

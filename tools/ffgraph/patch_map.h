@@ -1,5 +1,8 @@
 // From places on surfaces to patches: a patch is one side of one surface component within one cell
-// of a grid. Cells that were split are looked up one level deeper (4 cells per axis).
+// of a grid, whatever the triangles.
+//
+// Method: a sparse tree of cells, 4 per axis from level to level, in a hash table: cells that were
+// split are looked up one level deeper.
 #pragma once
 #include <array>
 #include <cstdint>

@@ -1,4 +1,6 @@
-// The whole way from a scene to its network: walks, patches, etendue, and rounds of refinement.
+// The whole way from a scene to its network: walks, patches, etendue, and adaptive refinement,
+// which splits the patches that straddle an opening: they leak more light than a small opening
+// passes.
 #pragma once
 #include "libcommon/base/phases.h"
 #include "tools/ffgraph/light_flow.h"

@@ -1,6 +1,10 @@
-// The network of the paper's section 4.1: triangles as nodes, form factors as capacities.
+// The network of the paper's section 4.1: triangles as nodes, form factors [eq. 9, 10] as
+// capacities.
 //
 //   light -> S_d (lit directly) -> S_p (seen by the camera) -> camera
+//
+// Symbols as in the paper: S_d, S_p sets of triangles, each a side of one; F_ij form factor from i
+// to j; N = M points on each of the two.
 //
 // Kept for comparison: the sum of fractions grows with the number of nodes, so its cut tends to
 // fall on the terminals.

@@ -1,5 +1,6 @@
-// Random walks from the lights and from the camera over the scene with all surfaces diffuse: they
-// say which surfaces matter, and how strongly each end of the transport reaches them.
+// Which surfaces matter, and how strongly each end of the transport reaches them: random walks from
+// the lights and from the camera over the scene with all surfaces diffuse and nothing absorbed, in
+// the place of the paper's sets S_d and S_p, which know direct light alone.
 #pragma once
 #include <cstdint>
 #include <vector>

@@ -1,4 +1,5 @@
-// Which voxels are free of geometry (section 4.2: "Air").
+// Which voxels are free of geometry, "Air" in section 4.2: conservative voxelisation of the
+// triangles by the separating-axis test.
 #pragma once
 #include "libcommon/formats/light_grid.h"
 #include "libcommon/scene/scene.h"

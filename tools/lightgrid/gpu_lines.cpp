@@ -1,3 +1,6 @@
+// Lines of light on a Vulkan device: compute kernels for drawing or tracing, voting and marching,
+// joined by lists on the device (stream compaction).
+//
 // A submission draws or traces some lines and lists those that go on; the two kernels behind it run
 // on these lists only, so that work groups are full: the votes cost more than all the rest, and few
 // of the lines that are traced get there.

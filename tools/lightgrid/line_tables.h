@@ -1,5 +1,6 @@
 // What lines of light are drawn from: the pivot pairs of a cut, the surface of their patches, and
-// which patch holds a place on a surface. Flat tables, in the layout of shaders/shared/.
+// which patch holds a place on a surface. Flat tables, in the layout of shaders/shared/: alias
+// tables (Vose) over pairs by capacity and over pieces of patches by area, sorted cells by face.
 #pragma once
 #include <string>
 #include <vector>

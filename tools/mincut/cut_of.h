@@ -1,4 +1,5 @@
-// From a network of patches to its bottlenecks as a file.
+// From a network of patches to its bottlenecks as a file: the pivot pairs of the paper's section
+// 4.1 are the arcs that a minimum cut (series_cut.h) crosses.
 #pragma once
 #include "libcommon/formats/dimacs.h"
 #include "libcommon/math/series_cut.h"

@@ -1,4 +1,5 @@
-// Proof of a maximum flow and a minimum cut from the network alone; shares no code with the solver.
+// Proof of a maximum flow and a minimum cut from the network alone, by duality (max-flow min-cut
+// theorem); shares no code with the solver.
 #pragma once
 #include "libcommon/math/max_flow.h"
 

@@ -1,3 +1,9 @@
+// One opening from the lines of a grid: seed, bundle, tube, outline.
+//
+// Method: fixed-point iteration between members and plane (as k-means or ICP alternate between
+// assignment and fit): the lines near a plane give a better plane, which has other lines near it.
+// The outline is a convex hull, trimmed of what a few stray lines add, and made larger by what a
+// hull of n random points lacks on average (Renyi, Sulanke 1963).
 #include "tools/portalfit/aperture.h"
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // An opening that lines pass, and how it is found among them: the fullest place, the lines around
-// it, the plane of their waist, the hull of their crossings.
+// it, the plane of their waist, the least tube there, the hull of the places within it.
 #pragma once
 #include <optional>
 #include <vector>

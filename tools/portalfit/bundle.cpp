@@ -1,3 +1,10 @@
+// Which lines pass one opening together, and where they lie closest.
+//
+// Method: density clustering of their crossings with a plane, as connected cells of a 2D histogram
+// that hold enough of the mean, three times in finer and whitened coordinates; then a pattern
+// search over slide and tilt of the plane for the least
+//   log sqrt(det C) - 3 log(n / N)
+// with C the covariance of the crossings, but for outliers, and n of N lines that cross the plane.
 #include "tools/portalfit/bundle.h"
 
 #include <algorithm>

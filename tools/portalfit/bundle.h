@@ -1,4 +1,5 @@
-// A bundle of light lines that pass one aperture, and the plane of its waist.
+// A bundle of light lines that pass one aperture, and the plane of its waist: where a beam has
+// least area.
 #pragma once
 #include <vector>
 

@@ -1,4 +1,5 @@
-// The rule of the paper (section 4.3): the normal is the main axis of the full voxels.
+// The rule of the paper (section 4.3), for comparison: the normal is the main axis of the full
+// voxels, by principal component analysis, and the outline their hull.
 #pragma once
 #include <optional>
 

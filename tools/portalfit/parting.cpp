@@ -1,3 +1,8 @@
+// Two openings that share lines or an edge: each is fitted again to what is its own.
+//
+// Method: alternating assignment of lines and fit of openings. Edges are those of the planes: the
+// plane of one opening bounds the other as a half plane does, and convex outlines are clipped
+// there.
 #include "tools/portalfit/parting.h"
 
 #include <algorithm>

@@ -1,5 +1,9 @@
-// One aperture at a time, and the lines it explains are deleted; then those that stand beside each
-// other are parted.
+// The planar openings that the light of a grid passes, cut by cut.
+//
+// Method: greedy (sequential) fitting, as sequential RANSAC finds planes: one aperture at a time,
+// the lines it explains are deleted, until few are left; then those that stand beside each other
+// are parted. A candidate needs a share of the lines, and support: few of the probes through it may
+// join one side with itself.
 #include "tools/portalfit/portalfit.h"
 
 #include <algorithm>
