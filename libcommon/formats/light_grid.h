@@ -11,6 +11,7 @@
 #include "libcommon/base/provenance.h"
 #include "libcommon/formats/cut.h"
 #include "libcommon/math/vec.h"
+#include "shaders/shared/grid_walk.h"
 
 namespace tdpt {
 
@@ -60,41 +61,31 @@ struct LightGrid {
 };
 
 /// Calls visit(voxel index, length inside [metres]) for each voxel that the segment a-b passes, in
-/// order (3D DDA after Amanatides and Woo). Parts outside the grid are skipped.
+/// order (grid_walk.h). Parts outside the grid are skipped.
 template <class Visit>
 void walk_grid(const LightGrid& grid, const Vec3d& a, const Vec3d& b, Visit&& visit) {
   const Vec3d p = (a - grid.origin) / grid.voxel, d = (b - a) / grid.voxel;
   double enter = 0, leave = 1;
   for (int c = 0; c < 3; ++c) {
+    const double side = grid.dim[static_cast<size_t>(c)];
     if (d[c] == 0) {
-      if (!(p[c] >= 0 && p[c] < grid.dim[static_cast<size_t>(c)])) return;
+      if (!(p[c] >= 0 && p[c] < side)) return;
       continue;
     }
-    const double t0 = -p[c] / d[c], t1 = (grid.dim[static_cast<size_t>(c)] - p[c]) / d[c];
+    const double t0 = -p[c] / d[c], t1 = (side - p[c]) / d[c];
     enter = std::max(enter, std::min(t0, t1));
     leave = std::min(leave, std::max(t0, t1));
   }
   if (!(enter < leave)) return;
-  std::array<int, 3> at{}, step{};
-  Vec3d next{}, delta{};
-  for (int c = 0; c < 3; ++c) {
-    const auto s = static_cast<size_t>(c);
-    at[s] = std::clamp(static_cast<int>(std::floor(p[c] + enter * d[c])), 0, grid.dim[s] - 1);
-    step[s] = d[c] > 0 ? 1 : -1;
-    delta[c] = d[c] == 0 ? INFINITY : std::abs(1 / d[c]);
-    next[c] = d[c] == 0 ? INFINITY : (at[s] + (d[c] > 0 ? 1 : 0) - p[c]) / d[c];
-  }
-  const double whole = length(b - a);
-  for (double t = enter;;) {
-    const int axis = next.x < next.y ? (next.x < next.z ? 0 : 2) : (next.y < next.z ? 1 : 2);
-    const double to = std::min(next[axis], leave);
-    visit(grid.index(at[0], at[1], at[2]), std::max(0.0, to - t) * whole);
-    const auto s = static_cast<size_t>(axis);
-    at[s] += step[s];
-    if (next[axis] >= leave || at[s] < 0 || at[s] >= grid.dim[s]) return;
+  const double whole = (leave - enter) * length(b - a);
+  auto walk =
+      shader::voxel_walk(p + d * enter, p + d * leave, {grid.dim[0], grid.dim[1], grid.dim[2]});
+  double t = 0;
+  do {
+    const double to = std::max(t, shader::leaves_voxel(walk));
+    visit(grid.index(walk.at.x, walk.at.y, walk.at.z), (to - t) * whole);
     t = to;
-    next[axis] += delta[axis];
-  }
+  } while (shader::next_voxel(walk));
 }
 
 /// Largest number of voxels in a grid, and along one side.

@@ -14,66 +14,76 @@
 
 SHARED_BEGIN
 
-struct VoxelWalk {
+GENERIC_STRUCT VoxelWalk {
   ivec3 at;    ///< voxel
   ivec3 step;  ///< +1 or -1
   ivec3 left;  ///< steps that are left along each axis
-  vec3 next;   ///< parameter of the next wall: 0 at a, 1 at b
-  vec3 delta;  ///< from wall to wall
+  VEC3 next;   ///< parameter of the next wall: 0 at a, 1 at b
+  VEC3 delta;  ///< from wall to wall
 };
 
-SHARED int voxel_of(float x, int dim) {
-  float f = min(max(floor(x), 0.0f), float(dim - 1));
+GENERIC int voxel_of(REAL x, int dim) {
+  REAL f = min(max(floor(x), REAL(0)), REAL(dim - 1));
   return int(f);
 }
 
-SHARED void walk_along(float a, float b, int dim, OUT(int) at, OUT(int) step, OUT(int) left,
-                       OUT(float) next, OUT(float) delta) {
+GENERIC void walk_along(REAL a, REAL b, int dim, OUT(int) at, OUT(int) step, OUT(int) left,
+                        OUT(REAL) next, OUT(REAL) delta) {
   at = voxel_of(a, dim);
   int end = voxel_of(b, dim);
   step = end < at ? -1 : 1;
   left = abs(end - at);
   // Where there is a step to take, |d| is at least a unit in the last place of the voxel's number;
   // elsewhere any number does.
-  EXACT float d = b - a;
-  EXACT float inverse = reciprocal(max(abs(d), 1e-18f));
-  EXACT float wall = float(step > 0 ? at + 1 : at);
-  EXACT float distance = max(step > 0 ? wall - a : a - wall, 0.0f);
+  EXACT REAL d = b - a;
+  EXACT REAL inverse = reciprocal(max(abs(d), REAL(1e-18f)));
+  EXACT REAL wall = REAL(step > 0 ? at + 1 : at);
+  EXACT REAL distance = max(step > 0 ? wall - a : a - wall, REAL(0));
   delta = inverse;
-  EXACT float first = distance * inverse;
+  EXACT REAL first = distance * inverse;
   next = first;
 }
 
 /// Of the segment a-b in units of voxels from the grid's corner. What lies outside the grid is
 /// drawn to its border.
-SHARED VoxelWalk voxel_walk(vec3 a, vec3 b, ivec3 dim) {
-  VoxelWalk w;
+GENERIC OF_REAL(VoxelWalk) voxel_walk(VEC3 a, VEC3 b, ivec3 dim) {
+  OF_REAL(VoxelWalk) w;
   walk_along(a.x, b.x, dim.x, w.at.x, w.step.x, w.left.x, w.next.x, w.delta.x);
   walk_along(a.y, b.y, dim.y, w.at.y, w.step.y, w.left.y, w.next.y, w.delta.y);
   walk_along(a.z, b.z, dim.z, w.at.z, w.step.z, w.left.z, w.next.z, w.delta.z);
   return w;
 }
 
+/// Of each axis, where the segment meets its next wall; never on an axis that has arrived.
+GENERIC VEC3 walls_ahead(OF_REAL(VoxelWalk) w) {
+  return VEC3(w.left.x > 0 ? w.next.x : REAL(3e38f), w.left.y > 0 ? w.next.y : REAL(3e38f),
+              w.left.z > 0 ? w.next.z : REAL(3e38f));
+}
+
+/// Where the segment leaves the voxel: 1 in the last one.
+GENERIC REAL leaves_voxel(OF_REAL(VoxelWalk) w) {
+  VEC3 wall = walls_ahead(w);
+  return min(min(min(wall.x, wall.y), wall.z), REAL(1));
+}
+
 /// Goes on to the next voxel; false at the end.
-SHARED bool next_voxel(INOUT(VoxelWalk) w) {
-  float x = w.left.x > 0 ? w.next.x : 3e38f;
-  float y = w.left.y > 0 ? w.next.y : 3e38f;
-  float z = w.left.z > 0 ? w.next.z : 3e38f;
+GENERIC bool next_voxel(INOUT(OF_REAL(VoxelWalk)) w) {
+  VEC3 wall = walls_ahead(w);
   if (w.left.x + w.left.y + w.left.z == 0) return false;
-  if (x <= y && x <= z) {
+  if (wall.x <= wall.y && wall.x <= wall.z) {
     w.at.x += w.step.x;
     w.left.x -= 1;
-    EXACT float n = w.next.x + w.delta.x;
+    EXACT REAL n = w.next.x + w.delta.x;
     w.next.x = n;
-  } else if (y <= z) {
+  } else if (wall.y <= wall.z) {
     w.at.y += w.step.y;
     w.left.y -= 1;
-    EXACT float n = w.next.y + w.delta.y;
+    EXACT REAL n = w.next.y + w.delta.y;
     w.next.y = n;
   } else {
     w.at.z += w.step.z;
     w.left.z -= 1;
-    EXACT float n = w.next.z + w.delta.z;
+    EXACT REAL n = w.next.z + w.delta.z;
     w.next.z = n;
   }
   return true;

@@ -30,7 +30,8 @@
   constexpr  // before every function, instead of SHARED
 #define REAL Real
 #define VEC3 Vec3<Real>
-#define OF_REAL(type) type<Real>  // a GENERIC_STRUCT
+#define OF_REAL(type) type<Real>    // a GENERIC_STRUCT
+#define OF_FLOAT(type) type<float>  // the same where all counts in floats
 
 #else
 
@@ -47,6 +48,7 @@
 #define REAL float
 #define VEC3 vec3
 #define OF_REAL(type) type
+#define OF_FLOAT(type) type
 #define dot exact_dot
 #define cross exact_cross
 

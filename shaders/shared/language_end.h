@@ -12,6 +12,7 @@
 #undef REAL
 #undef VEC3
 #undef OF_REAL
+#undef OF_FLOAT
 #ifndef __cplusplus
 #undef dot
 #undef cross

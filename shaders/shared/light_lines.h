@@ -225,7 +225,7 @@ SHARED ivec3 direction_in_units(vec3 w) {
 SHARED void march(LineEnds line) {
   EXACT vec3 w = line.camera - line.light;
   ivec3 direction = direction_in_units(w);
-  VoxelWalk walk = voxel_walk(in_voxels(line.light), in_voxels(line.camera), light.dim);
+  OF_FLOAT(VoxelWalk) walk = voxel_walk(in_voxels(line.light), in_voxels(line.camera), light.dim);
   do {
     if (walk.at.z >= light.slab_low && walk.at.z < light.slab_high) count_voxel(walk.at, direction);
   } while (next_voxel(walk));

@@ -421,7 +421,7 @@ TEST_F(LineTracers, device_and_twin_agree_on_special_segments) {
     } else {
       different += std::memcmp(&mine, &theirs, sizeof mine) != 0;
     }
-    shader::VoxelWalk walk = shader::voxel_walk((a - p.grid_corner) * p.voxels_per_unit,
+    auto walk = shader::voxel_walk((a - p.grid_corner) * p.voxels_per_unit,
                                                 (b - p.grid_corner) * p.voxels_per_unit, p.dim);
     do {
       ++count[static_cast<size_t>(walk.at.x + 64 * (walk.at.y + 64 * walk.at.z))];
