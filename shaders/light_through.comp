@@ -5,7 +5,7 @@
 #include "shaders/shared/bvh.h"
 #include "shaders/shared/grid_walk.h"
 #include "shaders/shared/light_layout.h"
-#include "shaders/shared/random.h"
+#include "shaders/shared/rng.h"
 #include "shaders/shared/triangle.h"
 #include "shaders/shared/warp.h"
 

@@ -11,7 +11,6 @@
 #include "libcommon/math/rng.h"
 #include "libcommon/scene/pane.h"
 #include "libcommon/scene/texture.h"
-#include "shaders/shared/random.h"
 
 namespace tdpt {
 
@@ -74,7 +73,7 @@ bool Tracer::Impl::present(uint32_t triangle, float u, float v, const Vec3d& w,
   const double coverage =
       alpha ? double{coverage_at(*traced, {triangle, u, v})} : presence(triangle, w);
   if (coverage >= 1 || coverage <= 0) return coverage > 0;
-  if (coin) return double{shader::unit_float(shader::mixed(*coin, triangle))} < coverage;
+  if (coin) return double{shader::hashed_unit(*coin, triangle)} < coverage;
   const uint64_t place = uint64_t{std::bit_cast<uint32_t>(u)} << 32 | std::bit_cast<uint32_t>(v);
   return unit_double(mix64(mix64(place) + triangle)) < coverage;
 }

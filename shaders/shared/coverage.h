@@ -77,7 +77,7 @@ SHARED float coverage_at(Coverage v, float b1, float b2) MEMBER_CONST {
 /// Whether `triangle`, which is not opaque, is there for a ray. `coin`: a number of the ray's own.
 SHARED bool surface_stops(uint triangle, float b1, float b2, uint coin) MEMBER_CONST {
   if (!scene_has_coverage) return true;
-  return unit_float(mixed(coin, triangle)) < coverage_at(coverages[coverage_of[triangle]], b1, b2);
+  return hashed_unit(coin, triangle) < coverage_at(coverages[coverage_of[triangle]], b1, b2);
 }
 
 #include "shaders/shared/language_end.h"

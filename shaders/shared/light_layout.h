@@ -133,7 +133,7 @@ struct LightParameters {
   uint cut;
   vec3 cell_corner;
   float cells_per_unit;  ///< of level 0; level l has 4^l times as many
-  uvec2 seed;
+  word64 seed;
   uint stream;
   uint round;
   uint first;  ///< number of the first segment or try

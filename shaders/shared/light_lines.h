@@ -17,6 +17,7 @@
 // Streams beside that of the line itself.
 #define LINE_VOTES_OF_LIGHT 0x100u
 #define LINE_VOTES_OF_CAMERA 0x200u
+#define LINE_COIN 0x300u
 
 /// Unit, on the side that the face names.
 SHARED vec3 normal_of_face(uint face) {
@@ -29,7 +30,12 @@ SHARED vec3 stepped_off(vec3 place, vec3 along) {
   return p;
 }
 
-SHARED vec3 place_on_patch(uint patch_index, INOUT(RandomNumbers) random, OUT(uint) face) {
+SHARED Rng numbers_of_line(uint stream, uint number) MEMBER_CONST {
+  return rng_of(light.seed, word64_of(0u, stream), word64_of(0u, number),
+                word64_of(0u, light.round));
+}
+
+SHARED vec3 place_on_patch(uint patch_index, INOUT(Rng) random, OUT(uint) face) {
   uint first = patches[patch_index].first;
   uint pick = random_word(random);
   uint coin = random_word(random);
@@ -38,13 +44,18 @@ SHARED vec3 place_on_patch(uint patch_index, INOUT(RandomNumbers) random, OUT(ui
   face = pieces[slot].face;
   float u = unit_float(random_word(random));
   float v = unit_float(random_word(random));
-  return uniform_triangle(pieces[slot].a, pieces[slot].b, pieces[slot].c, u, v);
+  float b1;
+  float b2;
+  uniform_triangle(u, v, b1, b2);
+  vec3 a = pieces[slot].a;
+  EXACT vec3 place = a + (pieces[slot].b - a) * b1 + (pieces[slot].c - a) * b2;
+  return place;
 }
 
 /// Draws a pair of the cut in proportion to its capacity and a point, uniform by area, on each of
 /// its patches.
 SHARED LineEnds draw_line(uint number) {
-  RandomNumbers random = random_numbers(light.seed, light.stream, number, light.round);
+  Rng random = numbers_of_line(light.stream, number);
   uint pick = random_word(random);
   uint coin = random_word(random);
   uint slot = light.first_arc + below(pick, light.arcs);
@@ -57,8 +68,8 @@ SHARED LineEnds draw_line(uint number) {
 
 /// By which the rays of a line find surfaces that are there with a probability.
 SHARED uint coin_of_line(uint number) {
-  uint pass = mixed(mixed(light.seed.x, light.seed.y), light.stream);
-  return mixed(mixed(pass, light.round), number);
+  Rng random = numbers_of_line(light.stream + LINE_COIN, number);
+  return random_word(random);
 }
 
 /// Whether the faces at both ends look along the line and nothing stands in between.
@@ -125,7 +136,7 @@ SHARED uint side_of_region(uint region) {
 
 /// Whether cosine rays from an end of a line meet mostly patches of its own side.
 SHARED bool sees_its_side(vec3 end, uint face, uint side, uint stream, uint number) {
-  RandomNumbers random = random_numbers(light.seed, stream, number, light.round);
+  Rng random = numbers_of_line(stream, number);
   vec3 normal = normal_of_face(face);
   vec3 origin = stepped_off(end, normal);
   int same = 0;

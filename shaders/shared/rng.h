@@ -42,6 +42,11 @@ SHARED word64 random_bits(INOUT(Rng) rng) {
   return mix64(rng.key);
 }
 
+/// Next dimension, uniform in 0..2^32-1.
+SHARED uint random_word(INOUT(Rng) rng) {
+  return high_word(random_bits(rng));
+}
+
 /// In [0,1): multiples of 2^-24.
 SHARED float unit_float(uint word) {
   EXACT float u = float(word >> 8) * 5.9604644775390625e-8f;
@@ -54,6 +59,11 @@ SHARED uint below(uint word, uint n) {
   uint low;
   umulExtended(word, n, high, low);
   return high;
+}
+
+/// In [0,1): a number that belongs to two words.
+SHARED float hashed_unit(uint a, uint b) {
+  return unit_float(high_word(mix64(word64_of(a, b))));
 }
 
 SHARED_END

@@ -51,9 +51,6 @@ namespace tdpt::shader {
 using uint = uint32_t;
 using vec3 = Vec3<float>;
 using ivec3 = Vec3<int32_t>;
-struct uvec2 {
-  uint x, y;
-};
 struct uvec4 {
   uint word[4]{};
 

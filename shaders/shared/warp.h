@@ -34,17 +34,6 @@ GENERIC void uniform_triangle(REAL u, REAL v, OUT(REAL) b1, OUT(REAL) b2) {
   b2 = second;
 }
 
-/// A point of the triangle, uniform by area, without a root: the half of the square beyond its
-/// diagonal is turned over.
-SHARED vec3 uniform_triangle(vec3 a, vec3 b, vec3 c, float u, float v) {
-  EXACT float sum = u + v;
-  bool beyond = sum > 1.0f;
-  EXACT float s = beyond ? 1.0f - u : u;
-  EXACT float t = beyond ? 1.0f - v : v;
-  EXACT vec3 p = a + (b - a) * s + (c - a) * t;
-  return p;
-}
-
 SHARED_END
 
 #include "shaders/shared/language_end.h"

@@ -8,7 +8,7 @@
 #include "libcommon/math/rng.h"
 #include "libcommon/scene/texture.h"
 #include "shaders/shared/bvh.h"
-#include "shaders/shared/random.h"
+#include "shaders/shared/rng.h"
 #include "tools/lightgrid/test_coverage.h"
 
 namespace tdpt {

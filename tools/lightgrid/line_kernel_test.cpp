@@ -137,13 +137,13 @@ TEST(LineTracer, asks_for_random_numbers_of_its_own_for_each_cut_and_pass) {
   std::vector<uint32_t> streams;
   const auto add = [&](uint32_t k) {
     const shader::LightParameters& p = tracer.asked;
-    EXPECT_EQ(uint64_t{p.seed.y} << 32 | p.seed.x, seed);
+    EXPECT_EQ(p.seed, seed);
     EXPECT_EQ(p.cut, k);
     EXPECT_EQ(p.first_arc, k);
     EXPECT_EQ(p.arcs, 7 + k);
     EXPECT_EQ(p.slab_low, 0);
     EXPECT_EQ(p.slab_high, grid.dim[2]);
-    for (const uint32_t of : {0u, LINE_VOTES_OF_LIGHT, LINE_VOTES_OF_CAMERA})
+    for (const uint32_t of : {0u, LINE_VOTES_OF_LIGHT, LINE_VOTES_OF_CAMERA, LINE_COIN})
       streams.push_back(p.stream + of);
   };
   for (uint32_t k = 0; k < kMostCuts; ++k) {
@@ -169,7 +169,7 @@ TEST(LineKernel, coins_are_of_one_line_only) {
   std::vector<uint32_t> coins;
   for (int i = 0; i < 7; ++i) {
     shader::LightParameters p{};
-    p.seed = {i == 1, i == 2};
+    p.seed = shader::word64_of(i == 2, i == 1);
     p.stream = i == 3;
     p.round = i == 4;
     shader::LineKernel<NoRays> kernel(none, tables, p, sums);
@@ -213,7 +213,7 @@ double p_of_faces(double wrong) {
   cut.arcs[1].capacity += wrong;
   const LineTables tables = make_line_tables(scene, cut, "a.cut");
   shader::LightParameters p{};
-  p.seed = {3, 0};
+  p.seed = 3;
   p.first_arc = tables.cuts[1].first;
   p.arcs = tables.cuts[1].count;
   EXPECT_EQ(p.first_arc, 2u);
@@ -381,7 +381,7 @@ TEST(LineKernel, votes_have_numbers_of_their_own) {
                                             {0, 0, tries + kMostCuts - 1}}) {
     ASSERT_TRUE(win(mine, coins, number, round, stream));
     all.insert(all.end(), coins.begin(), coins.end());
-    shader::RandomNumbers line = shader::random_numbers({0, 0}, stream, number, round);
+    shader::Rng line = shader::rng_of(0, stream, number, round);
     for (int i = 0; i < 64; ++i) all.push_back(shader::random_word(line));
   }
   EXPECT_EQ(all.size(), 6 * 72u);

@@ -14,7 +14,7 @@ shader::LightParameters common_of(const Scene& scene, const LineTables& tables,
   p.dim = {grid.dim[0], grid.dim[1], grid.dim[2]};
   p.cell_corner = tables.cell_corner;
   p.cells_per_unit = tables.cells_per_unit;
-  p.seed = {static_cast<uint32_t>(seed), static_cast<uint32_t>(seed >> 32)};
+  p.seed = seed;
   p.levels = tables.levels;
   p.slab_high = grid.dim[2];
   return p;

@@ -13,7 +13,7 @@
 #include "libcommon/trace/bvh.h"
 #include "libcommon/trace/scalar_tracer.h"
 #include "shaders/shared/grid_walk.h"
-#include "shaders/shared/random.h"
+#include "shaders/shared/rng.h"
 #include "shaders/special_segments_test.h"
 #include "tools/lightgrid/gpu_lines.h"
 #include "tools/lightgrid/lightgrid.h"
@@ -422,7 +422,7 @@ TEST_F(LineTracers, device_and_twin_agree_on_special_segments) {
       different += std::memcmp(&mine, &theirs, sizeof mine) != 0;
     }
     auto walk = shader::voxel_walk((a - p.grid_corner) * p.voxels_per_unit,
-                                                (b - p.grid_corner) * p.voxels_per_unit, p.dim);
+                                   (b - p.grid_corner) * p.voxels_per_unit, p.dim);
     do {
       ++count[static_cast<size_t>(walk.at.x + 64 * (walk.at.y + 64 * walk.at.z))];
     } while (shader::next_voxel(walk));
