@@ -1,7 +1,10 @@
+#include <numeric>
+
 #include <gtest/gtest.h>
 
 #include "libcommon/math/alias_table.h"
 #include "libcommon/math/rng.h"
+#include "libcommon/math/thinned.h"
 #include "libcommon/math/vec.h"
 #include "libcommon/math/warp.h"
 
@@ -69,6 +72,16 @@ TEST(warp, cosine_hemisphere_has_its_moments) {
   }
   EXPECT_NEAR(sum / n, 2.0 / 3, 4 * std::sqrt(1.0 / 18 / n));
   EXPECT_NEAR(square / n, 0.5, 0.003);
+}
+
+TEST(Thinned, KeepsOrderAndSpacing) {
+  std::vector<int> many(1000);
+  std::iota(many.begin(), many.end(), 0);
+  EXPECT_EQ(thinned(many, 1000), many);
+  EXPECT_EQ(thinned(many, 4), (std::vector<int>{0, 250, 500, 750}));
+  EXPECT_EQ(thinned(many, 3), (std::vector<int>{0, 334, 668}));
+  for (size_t most = 1; most < 1100; most += 7) EXPECT_LE(thinned(many, most).size(), most);
+  EXPECT_TRUE(thinned(std::vector<int>{}, 5).empty());
 }
 
 }  // namespace

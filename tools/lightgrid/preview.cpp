@@ -8,6 +8,7 @@
 
 #include "libcommon/draw/sheet.h"
 #include "libcommon/formats/debug_glb.h"
+#include "libcommon/math/thinned.h"
 
 namespace tdpt {
 namespace {
@@ -219,9 +220,8 @@ std::string grid_debug_glb(const LightGrid& grid) {
     else
       points.point(centre_of(grid, i), colour);
   }
-  const size_t step = std::max<size_t>(1, grid.lines.size() / kMostLines);
-  for (size_t i = 0; i < grid.lines.size(); i += step)
-    lines.line(grid.lines[i].light, grid.lines[i].camera, bytes_of(kLight), bytes_of(kCamera));
+  for (const LightLine& l : thinned(grid.lines, kMostLines))
+    lines.line(l.light, l.camera, bytes_of(kLight), bytes_of(kCamera));
   return debug_glb_bytes({cubes, points, lines}, grid.provenance);
 }
 

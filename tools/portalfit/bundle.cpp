@@ -14,6 +14,7 @@
 #include <numbers>
 #include <set>
 
+#include "libcommon/math/thinned.h"
 #include "tools/portalfit/moments.h"
 
 namespace tdpt {
@@ -147,16 +148,6 @@ std::vector<uint32_t> members(const LightGrid& grid, const std::vector<uint32_t>
 
 namespace {
 
-// Every k-th line, so that at most `most` remain.
-std::vector<LightLine> sample_of(const LightGrid& grid, const std::vector<uint32_t>& lines,
-                                 size_t most) {
-  std::vector<LightLine> sample;
-  const size_t step = (lines.size() + most - 1) / std::max<size_t>(most, 1);
-  for (size_t i = 0; i < lines.size(); i += std::max<size_t>(step, 1))
-    sample.push_back(grid.lines[lines[i]]);
-  return sample;
-}
-
 // Pattern search over slide and tilt: derivatives of trimmed quantities are not worth having.
 struct Search {
   std::vector<LightLine> lines;
@@ -211,7 +202,9 @@ struct Search {
 }  // namespace
 
 Plane waist(const LightGrid& grid, const std::vector<uint32_t>& lines, const Plane& start) {
-  return Search{sample_of(grid, lines, kMostForMoments)}.run(start, 1, 0.3);
+  std::vector<LightLine> some;
+  for (const uint32_t l : thinned(lines, kMostForMoments)) some.push_back(grid.lines[l]);
+  return Search{std::move(some)}.run(start, 1, 0.3);
 }
 
 }  // namespace tdpt

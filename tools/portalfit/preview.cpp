@@ -8,6 +8,7 @@
 
 #include "libcommon/draw/sheet.h"
 #include "libcommon/formats/debug_glb.h"
+#include "libcommon/math/thinned.h"
 #include "tools/portalfit/portal_shape.h"
 
 namespace tdpt {
@@ -149,11 +150,10 @@ void draw_above(Canvas& canvas, const LightGrid& grid, const Row& row, const Fla
                 const std::vector<SeenLine>& lines) {
   draw_voxels(canvas, grid, view, row.half_up / kAround);
   canvas.clip(view.panel);
-  const size_t step = std::max<size_t>(1, lines.size() / kMostLines);
-  for (size_t i = 0; i < lines.size(); i += step) {
-    const LightLine& l = grid.lines[lines[i].line];
-    const Point from = view.at(l.light), middle = view.at(lines[i].at), to = view.at(l.camera);
-    const Way way = lines[i].way;
+  for (const SeenLine& line : thinned(lines, kMostLines)) {
+    const LightLine& l = grid.lines[line.line];
+    const Point from = view.at(l.light), middle = view.at(line.at), to = view.at(l.camera);
+    const Way way = line.way;
     const double alpha = way == Way::here ? 0.5 : way == Way::elsewhere ? 0.12 : 0.5;
     canvas.line(from, middle, 1, ink_of(way, ink(0xc07a10)), alpha);
     canvas.line(middle, to, 1, ink_of(way, ink(0x2a6bab)), alpha);
@@ -332,9 +332,8 @@ std::string portal_debug_glb(const LightGrid& grid, const PortalFile& file) {
     for (const Vec3d& side : {f.up, -f.up, f.right, -f.right})
       normals.line(tip, tip - f.n * (0.2 * arrow) + side * (0.1 * arrow), dark, dark);
   }
-  const size_t step = std::max<size_t>(1, grid.lines.size() / kMostGlbLines);
-  for (size_t i = 0; i < grid.lines.size(); i += step)
-    lines.line(grid.lines[i].light, grid.lines[i].camera, bytes_of(kLight), bytes_of(kCamera));
+  for (const LightLine& l : thinned(grid.lines, kMostGlbLines))
+    lines.line(l.light, l.camera, bytes_of(kLight), bytes_of(kCamera));
   meshes.insert(meshes.end(), {outlines, normals, lines});
   return debug_glb_bytes(meshes, file.provenance);
 }

@@ -26,6 +26,7 @@
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/parallel_invoke.h>
 
+#include "libcommon/math/thinned.h"
 #include "tools/portalfit/moments.h"
 
 namespace tdpt {
@@ -37,7 +38,7 @@ constexpr double kThrough = 0.002;   // smallest share of the lines held that pa
 // p of a tube; of a plane instead of a tube; of a plane for lines that are known to pass there.
 constexpr double kPenalty = 2, kPenaltyPlane = 0.3, kPenaltyKnown = 3;
 constexpr double kMostTilt = 0.3;                       // in a step: tangent
-constexpr size_t kMostRough = 1500;                     // lines for a first search
+constexpr size_t kMostRough = 2000;                     // lines for a first search
 constexpr size_t kMostFine = 8192;                      // and for the others
 constexpr double kRoughStep = 0.3, kFineStep = 0.1;     // first step of a search, in shorter sides
 constexpr double kRoughLast = 0.05, kFineLast = 0.004;  // and its last
@@ -226,13 +227,6 @@ class Search {
   std::vector<double> farthest_;
 };
 
-std::vector<LightLine> every_kth(const std::vector<LightLine>& lines, size_t most) {
-  if (lines.size() <= most) return lines;
-  std::vector<LightLine> some;
-  for (size_t i = 0; i < most; ++i) some.push_back(lines[i * lines.size() / most]);
-  return some;
-}
-
 Found least_plane(std::span<const LightLine> lines, Tube start, double penalty) {
   start.half = 0;
   return Search(lines, Shape::plane, penalty).run(start, kRoughStep, kFineLast);
@@ -249,7 +243,7 @@ using RoughTubes = std::array<Rough, 5>;
 RoughTubes rough_tubes(const std::vector<LightLine>& lines, const Tube& start) {
   constexpr double kTurn = 0.25;
   constexpr std::array<Vec2d, 5> turns{{{0, 0}, {kTurn, 0}, {-kTurn, 0}, {0, kTurn}, {0, -kTurn}}};
-  const std::vector<LightLine> some = every_kth(lines, kMostRough);
+  const std::vector<LightLine> some = thinned(lines, kMostRough);
   const Onb<double> frame(start.middle.n);
   RoughTubes rough;
   tbb::parallel_for(size_t{0}, turns.size(), [&](size_t k) {
@@ -285,7 +279,7 @@ double facing_rectangles(double a, double b, double c) {
 }
 
 Tube least_tube(const std::vector<LightLine>& lines, const Tube& start, bool near) {
-  const std::vector<LightLine> fine = every_kth(lines, kMostFine);
+  const std::vector<LightLine> fine = thinned(lines, kMostFine);
   if (near && start.half == 0) return least_plane(fine, start, kPenaltyPlane).tube;
   Search search(fine, Shape::tube, kPenalty);
   Found narrowest, found;
@@ -313,7 +307,7 @@ Tube least_tube(const std::vector<LightLine>& lines, const Tube& start, bool nea
 }
 
 Tube holding_plane(const std::vector<LightLine>& lines, const Tube& start) {
-  return least_plane(every_kth(lines, kMostFine), start, kPenaltyKnown).tube;
+  return least_plane(thinned(lines, kMostFine), start, kPenaltyKnown).tube;
 }
 
 }  // namespace tdpt
