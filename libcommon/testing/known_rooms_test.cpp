@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "libcommon/math/rng.h"
 #include "libcommon/math/warp.h"
 #include "libcommon/testing/portal_distance.h"
 #include "libcommon/testing/portal_score.h"

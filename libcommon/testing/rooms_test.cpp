@@ -7,6 +7,7 @@
 #include <set>
 
 #include "libcommon/base/file.h"
+#include "libcommon/math/rng.h"
 #include "libcommon/math/warp.h"
 #include "libcommon/scene/scene.h"
 #include "libcommon/testing/temp_folder.h"

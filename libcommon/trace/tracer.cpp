@@ -184,9 +184,9 @@ bool Tracer::segment_blocked(const Vec3f& a, const Vec3f& b, uint32_t coin) cons
   return ray.tfar < 0;
 }
 
-bool Tracer::closest(const Origin& from, const Vec3d& w, Hit& hit) const {
+[[gnu::always_inline]] inline bool Tracer::first_surface(const Vec3f& o, const Vec3d& from,
+                                                         const Vec3d& w, Hit& hit) const {
   flush_denormals();
-  const Vec3f o = step_off(from, w);
   const Vec3f d(w);
   RTCRayHit query;
   query.ray = {o.x, o.y, o.z, 0, d.x, d.y, d.z, 0, std::numeric_limits<float>::infinity(),
@@ -202,8 +202,16 @@ bool Tracer::closest(const Origin& from, const Vec3d& w, Hit& hit) const {
   hit.position = s.p0 + s.e1 * hit.b1 + s.e2 * hit.b2;
   hit.normal = s.normal;
   hit.presence = impl_->presence(hit.triangle, w);
-  hit.distance = length(hit.position - from.position);
+  hit.distance = length(hit.position - from);
   return hit.distance > 0;
+}
+
+bool Tracer::closest_from(const Vec3f& from, const Vec3d& w, Hit& hit) const {
+  return first_surface(from, Vec3d(from), w, hit);
+}
+
+bool Tracer::closest(const Origin& from, const Vec3d& w, Hit& hit) const {
+  return first_surface(step_off(from, w), from.position, w, hit);
 }
 
 bool Tracer::visible(const Origin& a, const Origin& b) const {

@@ -47,6 +47,10 @@ class Tracer {
   /// First surface along unit direction `w`; false when there is none.
   bool closest(const Origin& from, const Vec3d& w, Hit& hit) const;
 
+  /// The same from exactly that place: rays both ways along a line from one place meet each surface
+  /// once, and miss none.
+  bool closest_from(const Vec3f& from, const Vec3d& w, Hit& hit) const;
+
   /// Whether nothing lies between two places, both ends stepped off their own surfaces.
   bool visible(const Origin& a, const Origin& b) const;
 
@@ -71,6 +75,7 @@ class Tracer {
 
  private:
   Vec3f step_off(const Origin& from, const Vec3d& w) const;
+  bool first_surface(const Vec3f& o, const Vec3d& from, const Vec3d& w, Hit& hit) const;
 
   const Scene& scene_;
   double offset_scale_ = 1;

@@ -85,6 +85,28 @@ TEST(panes, a_portal_works_behind_one) {
   EXPECT_LT(portal_share(glazed_rooms(tinted)), 0.01);
 }
 
+// What the portal in the hole brings, with `sheet` at each of these x.
+double brought_by_the_portal(const Material& sheet, std::initializer_list<double> at) {
+  Scene scene = read_gltf(two_rooms_path());
+  for (double x : at)
+    scene = with_sheet(scene, sheet, {x, 0.875, -0.125}, {0, 0, 0.25}, {0, 0.25, 0});
+  const RenderResult r = rendered(scene, tdpt_ref, 6, 256, {portal_in_the_hole()});
+  return r.tally.energy[static_cast<size_t>(Technique::portal)];
+}
+
+// A portal drawn on the glass is the likeliest that an artist draws.
+TEST(panes, in_the_plane_of_a_portal_take_no_more_light_than_beside_it) {
+  Material veil;
+  veil.plain = false;
+  veil.alpha = 0.3f;
+  veil.alpha_mode = Material::Alpha::blend;
+  for (const Material& sheet : {clear_pane(), veil}) {
+    const double beside = brought_by_the_portal(sheet, {2.06});
+    EXPECT_NEAR(brought_by_the_portal(sheet, {2.05}) / beside, 1, 0.02);
+    EXPECT_LT(brought_by_the_portal(sheet, {2.05, 2.06}) / beside, 0.97);  // twin: met twice
+  }
+}
+
 // The same pane as a smooth lobe that walks take, which glass of another colour is: the slow way.
 // Each passage is then an edge more; the picture of many edges is the same, but for Schlick's curve
 // in the place of Fresnel's (less than 2 % here).

@@ -215,21 +215,22 @@ void PathSampler::bi() {
 
 bool PathSampler::portal_segment(const PortalSet::Sample& sample, Vertex& x_l, Vertex& x_c,
                                  PortalSet::Crossing& crossing, double& presence) {
-  // Each ray starts on the other's side of the portal's plane by more than rounding: a surface in
-  // that plane stops one of them there, and such a segment has no density.
+  // Both rays start at one place, behind the portal by more than rounding: what lies in its plane,
+  // a pane as like as not, is met by one of them alone, and a segment that a wall there stops ends
+  // too near the plane to have a density.
   presence = 1;
-  const Vec3d back_off =
-      world_.portals.polygon(sample.drawn.polygon).normal * (0.5 * PortalSet::kMargin);
-  const auto end = [&](const Vec3d& from, const Vec3d& w, Vertex& v) {
+  const Vec3f from(sample.position - world_.portals.polygon(sample.drawn.polygon).normal *
+                                         (0.5 * PortalSet::kMargin));
+  const auto end = [&](const Vec3d& w, Vertex& v) {
     Hit hit;
     ++tally_.rays.closest;
-    if (!world_.tracer.closest({from, {}}, w, hit)) return false;
+    if (!world_.tracer.closest_from(from, w, hit)) return false;
     place_on_surface(world_, hit, v);
     presence *= hit.presence;
     return true;
   };
-  if (!end(sample.position - back_off, sample.direction, x_c) || !x_c.connectible) return false;
-  if (!end(sample.position + back_off, -sample.direction, x_l)) return false;
+  if (!end(sample.direction, x_c) || !x_c.connectible) return false;
+  if (!end(-sample.direction, x_l)) return false;
   // A lamp may be black or a mirror otherwise: light that begins there is not scattered there.
   if (!x_l.connectible && black(emitted(x_l, sample.direction))) return false;
   if (!(between(x_l, x_c).d2 > 0)) return false;
