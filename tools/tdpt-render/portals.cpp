@@ -192,6 +192,44 @@ int PortalSet::aim(const Vec3d& v, const Vec3d& facing, Way way, double W,
   return triangle;
 }
 
+double PortalSet::aims_along(const Vec3d& d) const {
+  double sum = 0;
+  for (const Facet& f : facets_) sum += across(f, d);
+  return sum;
+}
+
+int PortalSet::aim_along(const Vec3d& d, double W, const std::array<double, 3>& u,
+                         Vec3d& at) const {
+  double rest = u[2] * W;
+  const Facet* chosen = nullptr;
+  for (const Facet& f : facets_) {
+    if (!(across(f, d) > 0)) continue;
+    chosen = &f;
+    rest -= across(f, d);
+    if (rest < 0) break;
+  }
+  const double within = std::clamp(1 + rest / across(*chosen, d), 0.0, 1.0);
+  int triangle;
+  at = point_on(*chosen, within, u[0], u[1], triangle);
+  return triangle;
+}
+
+int PortalSet::crossed_along(const Vec3d& d, const Vec3d& to, const Drawn& drawn) const {
+  int n = 0;
+  for (const Facet& f : facets_) {
+    if (!(across(f, d) > 0)) continue;
+    const double t = dot(f.normal, f.p0 - to) / dot(f.normal, d);
+    n += crossed(f, to + d * t, drawn);
+  }
+  return n;
+}
+
+double PortalSet::across(const Facet& f, const Vec3d& d) {
+  constexpr double kEdgeOn = 1e-6;
+  const double cos = dot(f.normal, d);
+  return cos > kEdgeOn ? f.area * cos : 0;
+}
+
 int PortalSet::crossed(const Facet& f, const Vec3d& at, const Drawn& drawn) const {
   constexpr double kBorder = 1e-4;
   const auto within = [&](int triangle) {

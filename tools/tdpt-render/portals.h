@@ -89,6 +89,16 @@ class PortalSet {
   int aim(const Vec3d& v, const Vec3d& facing, Way way, double W, const std::array<double, 3>& u,
           Vec3d& w) const;
 
+  // The same for parallel light, which travels along unit `d`: a line is drawn through a facet, one
+  // in proportion to A_F cos_F, and a point uniform on it, so that all lines through portals are
+  // alike: per area across d each has the density n / W, n the triangles it crosses.
+  /// W.
+  double aims_along(const Vec3d& d) const;
+  /// The point that the line goes through; returns the triangle it lies on.
+  int aim_along(const Vec3d& d, double W, const std::array<double, 3>& u, Vec3d& at) const;
+  /// n of the line along d that arrives at `to`.
+  int crossed_along(const Vec3d& d, const Vec3d& to, const Drawn& drawn) const;
+
   struct Sample {
     Drawn drawn;
     Vec3d position;   ///< x_p
@@ -162,6 +172,8 @@ class PortalSet {
   int crossed(const Facet& f, const Vec3d& at, const Drawn& drawn) const;
   /// w_F(v), more than 0 off the plane.
   double weight(const Facet& f, const Vec3d& v) const;
+  /// A_F cos_F of parallel light; 0 edge on and from the front.
+  static double across(const Facet& f, const Vec3d& d);
   static bool aimable(const Facet& f, const Vec3d& v, const Vec3d& facing, Way way);
 
   std::vector<Polygon> polygons_;

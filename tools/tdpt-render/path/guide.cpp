@@ -36,7 +36,10 @@ PortalSet::Crossing Guide::crossing(const Point& a, const Point& b, uint64_t& te
   // surface: of its edges only directed walks ask.
   if (portals_.empty() || !b.on_surface() || !(a.on_surface() || active_)) return c;
   ++tests;
-  if (a.at_infinity()) return c;
+  if (a.at_infinity()) {
+    c.from_light = portals_.crossed_along(a.source->direction(), b.position, drawn);
+    return c;
+  }
   if (active_)
     c = portals_.crossing(a.position, b.position, drawn);
   else
@@ -47,8 +50,9 @@ PortalSet::Crossing Guide::crossing(const Point& a, const Point& b, uint64_t& te
 
 Aim Guide::aim(const Point& v, const Vec3d& facing, From from) const {
   const double q = guiding_.chance[index(from)];
-  if (!(q > 0) || v.at_infinity()) return {};
-  const double W = portals_.aims(v.position, facing, way(from));
+  if (!(q > 0)) return {};
+  const double W = v.at_infinity() ? portals_.aims_along(v.source->direction())
+                                   : portals_.aims(v.position, facing, way(from));
   return W > 0 ? Aim{q, q / W} : Aim{};
 }
 
@@ -73,6 +77,22 @@ bool Guide::draw(const Vertex& v, const Vec3d& back, From from, const std::array
   if (!(u[3] < a.chance) || (!begins && !(u[3] < a.chance * scope(v, back).broad))) return false;
   triangle = portals_.aim(v.position, v.aims.facing, way(from), a.chance / a.per_weight,
                           {u[0], u[1], u[2]}, w);
+  return true;
+}
+
+bool Guide::leave(const Vertex& y0, const std::array<double, 4>& u, Lights::Ray& ray,
+                  int& triangle) const {
+  if (!y0.at_infinity()) {
+    if (!draw(y0, Vec3d(), From::light, u, ray.direction, triangle)) return false;
+    ray.origin = y0.position;
+    return true;
+  }
+  const Aim& a = y0.aims.emitted;
+  if (!(u[3] < a.chance)) return false;
+  Vec3d at;
+  triangle = portals_.aim_along(ray.direction, a.chance / a.per_weight, {u[0], u[1], u[2]}, at);
+  // Before all of the scene, which lies within 2 of the origin (canonical).
+  ray.origin = at - ray.direction * (dot(at, ray.direction) + 4);
   return true;
 }
 

@@ -52,6 +52,10 @@ class Guide {
   bool draw(const Vertex& v, const Vec3d& back, From from, const std::array<double, 4>& u, Vec3d& w,
             int& triangle) const;
 
+  /// Whether the walk that leaves y_0 is directed, and then its ray and the triangle aimed at.
+  bool leave(const Vertex& y0, const std::array<double, 4>& u, Lights::Ray& ray,
+             int& triangle) const;
+
   /// Of a walk at `at` that came from unit `back` (0: it begins there) and reaches `to`: the guided
   /// density [1/canonical area], from the plain one and the edge's crossing.
   double pdf_A(From from, const Vertex& at, const Vec3d& back, const Point& to, double plain_A,

@@ -354,12 +354,64 @@ TEST(guide, what_cannot_be_reached_is_never_aimed_at) {
   all_hold(cases, false);
 }
 
-// The sun has no place to aim from.
-TEST(guide, parallel_light_is_not_directed) {
-  Case c = begins_at_a_point("sun", kOne);
-  c.scene.lights[0].kind = PunctualLight::Kind::directional;
+// Lines of the sun through a box, by where they pass the plane across its way through the origin:
+// a grid of bins over the disc, each with the share that the density gives it.
+double sun_lines(double fault) {
+  Case c = begins_at_a_point("sun", kOne + kAside);
+  PunctualLight& sun = c.scene.lights[0];
+  sun.kind = PunctualLight::Kind::directional;
+  sun.direction = normalize(Vec3d(0.2, -0.3, 1));
+  const Onb<double> onb(sun.direction);
   const World world = c.world();
-  EXPECT_EQ(stand_of(world, c).aim().chance, 0);
+  const Guide guide(world, kGuiding);
+  Vertex y0;
+  place_on_light(world, world.lights.sample(0.5, 0.5, 0.5, 0), y0);
+  guide.aim_at_light(y0);
+  EXPECT_GT(y0.aims.emitted.chance, 0);
+  constexpr int kSide = 16, kFine = 128;
+  const double radius = std::sqrt(y0.source->cos_per_pdf_w() / std::numbers::pi);
+  const auto bin = [&](const Vec3d& at) {
+    const auto index = [&](double x) {
+      return std::clamp(static_cast<int>((x / radius + 1) * 0.5 * kSide), 0, kSide - 1);
+    };
+    return static_cast<size_t>(index(dot(onb.x, at)) * kSide + index(dot(onb.y, at)));
+  };
+  std::vector<double> share(kSide * kSide);
+  const double cell = 2 * radius / (kSide * kFine);
+  for (int i = 0; i < kSide * kFine; ++i)
+    for (int j = 0; j < kSide * kFine; ++j) {
+      const double x = (i + 0.5) * cell - radius, y = (j + 0.5) * cell - radius;
+      Vertex to;  // a surface across the light's way
+      to.material = &world.scene.materials[0];
+      to.normal = -sun.direction;
+      to.position = onb.x * x + onb.y * y;
+      uint64_t tests = 0;
+      const double plain = x * x + y * y < radius * radius ? 1 / y0.source->cos_per_pdf_w() : 0;
+      const double p =
+          guide.pdf_A(From::light, y0, Vec3d(), to, plain, guide.crossing(y0, to, tests));
+      share[bin(to.position)] += p * cell * cell;
+    }
+  double total = 0;
+  for (double s : share) total += s;
+  EXPECT_NEAR(total, 1, 1e-3);
+  for (double& s : share) s = s * fault + (1 - fault) / static_cast<double>(share.size());
+  return chi_square_of_samples(kSamples, share,
+                               [&](uint64_t i) {
+                                 Sequence numbers(3, 1, i, 0);
+                                 const auto u = numbers.uniforms<4>();
+                                 Lights::Ray ray = world.lights.leave(
+                                     world.lights.sample(0.5, 0.5, 0.5, 0), u[0], u[1]);
+                                 int triangle = -1;
+                                 guide.leave(y0, u, ray, triangle);
+                                 return bin(ray.origin);
+                               })
+      .p;
+}
+TEST(guide, parallel_light_is_directed_through_portals_by_its_density) {
+  EXPECT_GT(sun_lines(1), kLevel);
+}
+TEST(guide, twin_parallel_light_less_directed_than_its_density_says) {
+  EXPECT_LT(sun_lines(0.95), kWrong);
 }
 
 // Faults that must be found: `spoil` gets the stand and W, and changes what the density is told.

@@ -194,6 +194,20 @@ double segment_pdf(const World& world, const Vertex& a, const Vertex& b) {
   return sum;
 }
 
+/// Density of the line of parallel light to `to` among those through portals [1/area across].
+double aim_line_pdf(const World& world, const Vec3d& d, const Vertex& to) {
+  double total = 0;
+  int number = 0;
+  for (const Triangles& triangles : surfaces(world)) {
+    const Plane plane(triangles);
+    if (dot(plane.n, d) <= 0) continue;
+    total += plane.area * dot(plane.n, d);
+    double distance;
+    number += passed(triangles, to.position, d, distance);
+  }
+  return total > 0 ? number / total : -1;
+}
+
 /// Density [1/sr] of `to` as a direction that a walk at `at`, coming from `back`, aims in; null:
 /// the walk begins there.
 double aim_pdf_w(const World& world, From from, const Vertex* back, const Vertex& at,
@@ -229,8 +243,9 @@ double aim_pdf_w(const World& world, From from, const Vertex* back, const Vertex
 double guided_pdf_w(const World& world, const Guiding& guiding, From from, const Vertex* back,
                     const Vertex& at, const Vertex& to, bool dirac, double plain, Fault fault) {
   const double q = guiding.chance[static_cast<size_t>(from)];
-  if (dirac || at.at_infinity() || (back && !at.connectible) || plain == 0) return plain;
-  const double aimed = aim_pdf_w(world, from, back, at, to);
+  if (dirac || (back && !at.connectible) || plain == 0) return plain;
+  const double aimed = at.at_infinity() ? aim_line_pdf(world, unit(at, to), to)
+                                        : aim_pdf_w(world, from, back, at, to);
   if (aimed < 0) return plain;
   double matt = 1, broad = 1;
   if (back && !at.simple) {

@@ -166,8 +166,7 @@ void walk_from_light(const World& world, const Guide& guide, int edges, Sequence
   const std::array<double, 4> direction = walker.numbers().uniforms<4>();
   Lights::Ray ray = world.lights.leave(light, direction[0], direction[1]);
   int triangle = -1;
-  if (guide.active() && guide.draw(y0, Vec3d(), From::light, direction, ray.direction, triangle))
-    ray.origin = light.position;
+  if (guide.active()) guide.leave(y0, direction, ray, triangle);
   const Rgb throughput = walk.state(0).throughput * emitted(y0, ray.direction) *
                          static_cast<float>(light.source->cos_per_pdf_w());
   if (max_component(throughput) <= 0) return;
