@@ -1,6 +1,7 @@
 #include "tools/tdpt-render/film.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <stdexcept>
 
@@ -45,7 +46,9 @@ void Film::clear() {
 bool Film::add(Plane& plane, int x, int y, const Vec3d& radiance, uint64_t coin) {
   std::array<Units, 3> units;
   for (size_t c = 0; c < 3; ++c)
-    if (!to_units(radiance[static_cast<int>(c)], unit_, mix64(coin + c), units[c])) return false;
+    if (!to_units(radiance[static_cast<int>(c)], unit_, std::rotl(coin, 21 * static_cast<int>(c)),
+                  units[c]))
+      return false;
   FixedSum* sums =
       &plane[3 * (static_cast<size_t>(y) * static_cast<size_t>(width_) + static_cast<size_t>(x))];
   bool held = true;

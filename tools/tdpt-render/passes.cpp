@@ -6,6 +6,12 @@
 
 namespace tdpt {
 
+namespace {
+// Samples whose light walks are drawn before their camera walks. In veach-ajar 16 took 1.05 times
+// the CPU time of 1, and 256 took 1.16 times: walks leave the cache before they are joined.
+constexpr size_t kBatch = 1;
+}  // namespace
+
 void render_samples(const World& world, const Integrator& integrator, const SampleRules& rules,
                     uint64_t round, const SampleRange& samples, Film& film, Tally& tally,
                     Progress& progress) {
@@ -17,8 +23,24 @@ void render_samples(const World& world, const Integrator& integrator, const Samp
   std::vector<Tally> rows(static_cast<size_t>(height), Tally(film.unit()));
   tbb::parallel_for(0, height, [&](int y) {
     PathSampler sampler(world, settings, film, rows[static_cast<size_t>(y)]);
-    for (int x = 0; x < width; ++x)
-      for (uint64_t s = samples.first; s < samples.end(); ++s) sampler.sample(x, y, s);
+    // Two phases, a batch at a time: pools of light vertices and kernels will want it so.
+    std::vector<Walk> light_walks(sampler.has_light_phase() ? kBatch : 1);
+    const uint64_t n = static_cast<uint64_t>(width) * samples.count;
+    const auto begin = [&](uint64_t i) {
+      sampler.begin(static_cast<int>(i / samples.count), y, samples.first + i % samples.count);
+    };
+    for (uint64_t first = 0; first < n; first += light_walks.size()) {
+      const uint64_t end = std::min(n, first + light_walks.size());
+      for (uint64_t i = first; i < end && sampler.has_light_phase(); ++i) {
+        begin(i);
+        sampler.light_phase(light_walks[i - first]);
+      }
+      for (uint64_t i = first; i < end; ++i) {
+        begin(i);
+        sampler.camera_phase(light_walks[i - first]);
+        sampler.end();
+      }
+    }
     progress.advance(static_cast<uint64_t>(width) * samples.count);
   });
   for (const Tally& row : rows) tally.merge(row);

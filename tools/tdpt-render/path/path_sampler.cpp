@@ -39,9 +39,19 @@ void PathSampler::begin(int x, int y, uint64_t sample) {
 }
 
 void PathSampler::run() {
+  if (has_light_phase()) light_phase(light_walk_);
+  camera_phase(light_walk_);
+}
+
+void PathSampler::light_phase(Walk& y) {
+  tdpt::walk_from_light(world_, guide_, settings_.max_depth - 1, numbers(light_walk), y,
+                        tally_.rays);
+}
+
+void PathSampler::camera_phase(const Walk& y) {
+  light_ = &y;
   const TechniqueSet& techniques = settings_.mixture.techniques;
   walk_from_camera();
-  if (techniques.walks_from_light()) walk_from_light();
   for (int i = 0; i < kTechniques; ++i)
     if (const auto t = static_cast<Technique>(i); techniques.has(t)) run(t);
 }
@@ -74,8 +84,8 @@ void PathSampler::walk_from_camera() {
 }
 
 void PathSampler::walk_from_light() {
-  tdpt::walk_from_light(world_, guide_, settings_.max_depth - 1, numbers(light_walk), light_walk_,
-                        tally_.rays);
+  light_phase(light_walk_);
+  light_ = &light_walk_;
 }
 
 uint64_t PathSampler::coin() {
@@ -151,7 +161,7 @@ void PathSampler::camera() {
     if (!z[j].source) continue;
     const Rgb Le = emitted(z[j], back(z, j));
     if (black(Le)) continue;
-    to_pixel(Path(world_, guide_, light_walk_, 0, z, j + 1, tally_.rays), {Technique::camera, 0},
+    to_pixel(Path(world_, guide_, *light_, 0, z, j + 1, tally_.rays), {Technique::camera, 0},
              z.state(j).throughput * Le);
   }
 }
@@ -180,7 +190,7 @@ void PathSampler::direct() {
 }
 
 void PathSampler::light() {
-  const Walk& y = light_walk_;
+  const Walk& y = *light_;
   for (int i = 1; i < y.size; ++i) {
     if (!y[i].connectible) continue;
     Vec3d to_camera;
@@ -195,7 +205,7 @@ void PathSampler::light() {
 }
 
 void PathSampler::bi() {
-  const Walk& y = light_walk_;
+  const Walk& y = *light_;
   const Walk& z = camera_walk_;
   for (int t = 2; t <= z.size; ++t) {
     const Vertex& b = z[t - 1];
@@ -245,7 +255,7 @@ bool PathSampler::portal_segment(const PortalSet::Sample& sample, Vertex& x_l, V
 
 void PathSampler::portal() {
   if (world_.portals.empty()) return;
-  const Walk& y = light_walk_;
+  const Walk& y = *light_;
   const Walk& z = camera_walk_;
   const int D = settings_.max_depth;
   if (D < 2) return;

@@ -39,6 +39,11 @@ class PathSampler {
   void begin(int x, int y, uint64_t sample);
   /// The walks and techniques that the mixture has.
   void run();
+  // The same in two phases, for many samples at a time: first the light's walk, kept by the caller,
+  // then all else with it. Both after begin() of the sample.
+  bool has_light_phase() const { return settings_.mixture.techniques.walks_from_light(); }
+  void light_phase(Walk& y);
+  void camera_phase(const Walk& y);
   /// Adds what the camera side gathered to the pixel.
   void end();
 
@@ -93,6 +98,7 @@ class PathSampler {
   uint64_t coins_ = 0;  ///< state of coin()
   Vec3d pixel_{};
   Walk light_walk_, camera_walk_, light_point_;
+  const Walk* light_ = &light_walk_;  ///< that of the sample
 };
 
 }  // namespace tdpt

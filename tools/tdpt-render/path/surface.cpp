@@ -85,7 +85,7 @@ void place_on_surface(const World& world, const Hit& hit, Point& p) {
   p.connectible = true;
   p.source = nullptr;
   if (!p.simple) add_lobes(scene, m, {hit.triangle, hit.b1, hit.b2}, p);
-  if (m.emission.x + m.emission.y + m.emission.z > 0)
+  if (!(m.emission.x + m.emission.y + m.emission.z <= 0))  // what is no number is told as well
     add_emission(world, m, {hit.triangle, hit.b1, hit.b2}, p);
 }
 

@@ -70,8 +70,11 @@ bool Walker::extend(const Tracer::Origin& origin, const Vec3d& w, const Rgb& thr
   const double other = known ? scatter_pdf_A(next, v, walk_.v[n - 2], here.dirac) : 0;
   if (known) walk_.states[n - 2].pdf_other_A = other;
   WalkState& state = walk_.states[n];
-  state = {throughput * static_cast<float>(1 / hit.presence), plain, 0, crossing(v, next, triangle),
-           false};
+  state.throughput = throughput * static_cast<float>(1 / hit.presence);
+  state.pdf_own_A = plain;
+  state.pdf_other_A = 0;
+  state.crossing = crossing(v, next, triangle);
+  state.dirac = false;
   if (world_.absorbing)
     state.throughput = state.throughput * transmittance(v, next, w, hit.distance);
   ++walk_.size;
