@@ -80,7 +80,8 @@ class Lights {
 
   bool empty() const { return table_.empty(); }
   /// Emitted power of the whole scene, luminance, in canonical area: sum of pi * Y(Le) * A over
-  /// emitting sides; of directional lights what passes the disc.
+  /// emitting sides, of Y(intensity) * extent of points and spots, and of what of parallel light
+  /// passes the disc.
   double power() const { return power_; }
 
   /// A place light leaves from.
@@ -104,8 +105,8 @@ class Lights {
   /// Density of `sample` at any point of `triangle`; 0 when it does not emit.
   double pdf_A(uint32_t triangle) const { return pdf_A_[triangle]; }
 
-  /// A place for a next event at `shaded`, and its density. They are those of walks today; the
-  /// weights never take that for granted.
+  /// A place for a next event at `shaded`, and its density. They are those of walks; the
+  /// weights do not take that for granted.
   Point sample_for(const Vec3d& shaded, double pick, double u, double v, double side) const {
     (void)shaded;
     return sample(pick, u, v, side);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include "libcommon/math/rng.h"
@@ -10,9 +11,9 @@
 namespace tdpt {
 namespace {
 
-// Of the square's own unit (2^-40 of the power) squared: what is larger than 2^110 of it is held as
-// that much.
-constexpr double kSquareUnit = 0x1p-80, kMostSquared = 0x1p109;
+// Squares of luminance count in units of 2^-60 of the power squared: luminance from 2^-30 of the
+// power to 2^24 times it. What is larger is held as the most: then the variance is not known.
+constexpr double kSquareUnit = 0x1p-60, kMostSquared = 0x1p109;
 
 double power_of_two(double power) {
   return std::exp2(std::ceil(std::log2(power > 0 ? power : 1.0)));
@@ -127,7 +128,8 @@ void Film::merge(const Film& other) {
   }
   const auto merge_plane = [](Plane& to, const Plane& from, size_t n) {
     if (!to) return;
-    for (size_t i = 0; i < n; ++i) to[i].add(from[i].units());
+    for (size_t i = 0; i < n; ++i)
+      if (!to[i].add(from[i].units())) throw std::overflow_error("a sum has wrapped round");
   };
   merge_plane(picture_, other.picture_, 3 * pixels());
   for (size_t i = 0; i < kMostLayers; ++i) merge_plane(layers_[i], other.layers_[i], 3 * pixels());
@@ -145,6 +147,10 @@ std::vector<double> Film::variance() const {
     const Vec3d s = sum(picture_, i);
     const double y = luminance_of(s);
     const double squares = from_units(squares_[i].units(), square_unit_);
+    if (squares >= kMostSquared * square_unit_) {
+      variance[i] = std::numeric_limits<double>::infinity();
+      continue;
+    }
     variance[i] = std::max(0.0, squares - y * y / n) * n / ((n - 1) * all * all);
   }
   return variance;

@@ -1,10 +1,13 @@
-// Where samples add up, in integers: a film is the same whatever the order of threads, and films of
-// different samples of one picture merge to the bytes of the undivided one.
+// Where the samples of a picture add up: a frame buffer of exact sums. They are integers, so a film
+// is the same whatever the order of threads, and films of different samples of one picture merge to
+// the bytes of the undivided one. Renderings today make one film and neither merge nor ask for
+// errors; tests hold what those do.
 //
-// The unit of the sums is 2^-64 of the power of all lights together, a power of two. Walks start in
-// proportion to power, so every walk carries about that much however small or faint its light is;
-// 64 bits below it a room a billion times darker still has ten digits. One contribution may be up
-// to 2^46 times that power, as where light is scattered next to the camera.
+// The unit of the sums is the number 2^-64 of the power of all lights together, rounded up to a
+// power of two (radiance is summed: numbers alone are compared). Walks start in proportion to
+// power, so every walk carries about that much however small or faint its light is; 64 bits below
+// it a room a billion times darker still has ten digits. One contribution may be up to 2^46 times
+// that power, as where light is scattered next to the camera.
 #pragma once
 #include <array>
 #include <memory>
@@ -63,7 +66,8 @@ class Film {
   uint64_t samples() const;
 
   /// Adds the samples of another film. Throws std::invalid_argument when it was shaped by something
-  /// else, differs in size, unit, layers or blocks, or holds samples that this one holds.
+  /// else, differs in size, unit, layers or blocks, or holds samples that this one holds, and
+  /// std::overflow_error when a sum wraps round: then neither film is of use.
   void merge(const Film& other);
   /// As it was made.
   void clear();
@@ -72,7 +76,8 @@ class Film {
   std::vector<Vec3d> sums() const { return sums(picture_); }
   std::vector<Vec3d> layer_sums(size_t layer) const { return sums(layers_[layer]); }
   bool has_layer(size_t layer) const { return layers_[layer] != nullptr; }
-  /// Variance of each pixel's mean luminance, over blocks; 0 for less than two.
+  /// Variance of each pixel's mean luminance, over blocks; 0 for less than two, infinite where a
+  /// blocks were too bright to tell.
   std::vector<double> variance() const;
 
  private:

@@ -37,10 +37,12 @@ TEST(fixed_sum, holds_what_is_added_in_any_order_and_from_any_thread) {
 }
 
 TEST(fixed_sum, says_when_it_wraps_round) {
-  FixedSum sum;
+  FixedSum sum, other;
   EXPECT_TRUE(sum.add(~Units{0}));
   EXPECT_FALSE(sum.add(1));
   EXPECT_TRUE(sum.units() == 0);
+  EXPECT_TRUE(other.add(1));
+  EXPECT_FALSE(other.add(~Units{0}));
 }
 
 // Mean of what values far below a unit become; `up`: probability of rounding up, in place of the
@@ -186,7 +188,7 @@ TEST_F(parts, are_what_render_makes_of_the_plan) {
 }
 
 // Variance of the means of many pictures, against what each says of itself.
-double ratio_of_variances(double fault) {
+double ratio_of_variances(double fault, double scale = 1) {
   constexpr int kPictures = 400, kBlocks = 8;
   double said = 0, sum = 0, square = 0;
   for (uint64_t p = 0; p < kPictures; ++p) {
@@ -197,7 +199,7 @@ double ratio_of_variances(double fault) {
       for (uint64_t s = 2 * b; s < 2 * b + 2; ++s) {
         Rng rng(1, p, s);
         const double u = rng.uniform();
-        film.add(0, 0, grey(u < 0.1 ? 10 : u), mix64(s));
+        film.add(0, 0, grey(scale * (u < 0.1 ? 10 : u)), mix64(s));
       }
       film.complete({2 * b, 2});
     }
@@ -209,8 +211,11 @@ double ratio_of_variances(double fault) {
   return said / (square - sum * sum);
 }
 TEST(film, tells_its_variance) {
-  EXPECT_NEAR(ratio_of_variances(1), 1, 0.2);
+  // Of power 1: blocks as dark as a shadow and as bright as a small lamp.
+  for (double scale : {1e-7, 1e-3, 1.0, 1e5})
+    EXPECT_NEAR(ratio_of_variances(1, scale), 1, 0.2) << scale;
   EXPECT_GT(std::abs(ratio_of_variances(2) - 1), 0.2);  // twin: of single samples
+  EXPECT_EQ(ratio_of_variances(1, 1e9), std::numeric_limits<double>::infinity());
 }
 
 // ---- Plans ----

@@ -41,10 +41,11 @@ class FixedSum {
   /// False when the sum wraps round.
   bool add(Units units) {
     const auto low = static_cast<uint64_t>(units);
-    auto high = static_cast<uint64_t>(units >> 64);
-    high += low_.fetch_add(low, std::memory_order_relaxed) > ~low;
-    if (high == 0) return true;
-    return high_.fetch_add(high, std::memory_order_relaxed) <= ~high;
+    const auto high = static_cast<uint64_t>(units >> 64);
+    const bool carry = low_.fetch_add(low, std::memory_order_relaxed) > ~low;
+    if (high == 0 && !carry) return true;
+    const Units before = high_.fetch_add(high + carry, std::memory_order_relaxed);
+    return (before + high + carry) >> 64 == 0;
   }
   /// After all have added.
   Units units() const {

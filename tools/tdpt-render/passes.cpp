@@ -15,10 +15,8 @@ constexpr size_t kBatch = 1;
 void render_samples(const World& world, const Integrator& integrator, const SampleRules& rules,
                     uint64_t round, const SampleRange& samples, Film& film, Tally& tally,
                     Progress& progress) {
-  // No integrator has a stream as large.
-  constexpr uint64_t kStreams = 1024;
   const SampleSettings settings{integrator.mixture, rules.max_depth, rules.beta, rules.seed,
-                                integrator.stream + kStreams * round};
+                                integrator.stream + (kStreams + 1) * round};
   const int width = world.film.width(), height = world.film.height();
   std::vector<Tally> rows(static_cast<size_t>(height), Tally(film.unit()));
   tbb::parallel_for(0, height, [&](int y) {

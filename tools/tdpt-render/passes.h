@@ -1,4 +1,4 @@
-// Samples of a picture: what is rendered is a function of what to render and which samples.
+// Renders a range of samples of every pixel: a pure function of world, integrator, rules and range.
 #pragma once
 #include "libcommon/base/progress.h"
 #include "tools/tdpt-render/integrators/integrator.h"

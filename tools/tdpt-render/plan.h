@@ -1,5 +1,6 @@
-// All that a run decides by measuring, before the samples that it is for: with the same plan the
-// same samples have the same bytes, on however many threads, in however many parts.
+// All that a run decides by measuring, before it renders. Given scene, portals, settings and plan,
+// each range of samples has the same bytes, on however many threads, in however many parts. Written
+// and read as text; no option reads one yet.
 #pragma once
 #include <string>
 #include <vector>

@@ -16,7 +16,6 @@ namespace {
 constexpr size_t kMostPortals = 16;
 constexpr double kPixels = 3072;
 constexpr int kDeepest = 8;
-constexpr uint64_t kStream = 1023;  // no integrator's
 constexpr uint64_t kLeastSamples = 10;
 constexpr double kLeastEnergy = 0.001;  // of the picture's
 constexpr double kEarnest = 0.2;        // of what passes the portal
@@ -90,7 +89,7 @@ Passed passed_light(const World& world, const std::vector<Portal>& portals, int 
     const PathObserver observer = [&](const Path& path, Strategy strategy, const Rgb& value) {
       row.add(path, strategy, value);
     };
-    PathSampler sampler(world, {integrator.mixture, max_depth, 1, seed, kStream}, film,
+    PathSampler sampler(world, {integrator.mixture, max_depth, 1, seed, kStreams}, film,
                         tallies[static_cast<size_t>(y)], &observer);
     for (int x = 0; x < width; ++x) {
       sampler.sample(x, y, 0);
@@ -188,7 +187,7 @@ std::vector<PortalWay> probe_ways(World& world, const Camera& camera,
 
 void apply_ways(const std::vector<PortalWay>& ways, std::vector<Portal>& portals) {
   for (const PortalWay& w : ways) {
-    Portal& portal = portals[w.portal];
+    Portal& portal = portals.at(w.portal);
     if (w.way == PortalWay::as_drawn) continue;
     portal.both_ways = w.way == PortalWay::both;
     if (w.way == PortalWay::back)

@@ -45,12 +45,12 @@ PortalWay::Way way_of(bool drawn_both_ways, const PassedLight& with, const Passe
                       double total, bool wide);
 
 /// For each portal which way it should work; those beyond the first 16 as drawn. A function of
-/// scene, camera, portals, depth and seed. Two small pictures at most, of some 3000 samples each.
-/// `world` must hold the portals' scene; it is as before afterwards.
+/// scene, camera, aspect of the picture, portals, depth and seed. Two small pictures at most, of
+/// some 3000 samples each. `world` must hold the portals' scene; it is as before afterwards.
 std::vector<PortalWay> probe_ways(World& world, const Camera& camera,
                                   const std::vector<Portal>& portals, int max_depth, uint64_t seed);
 
-/// Makes the portals work that way.
+/// Makes the portals work that way. Throws std::out_of_range for one that there is not.
 void apply_ways(const std::vector<PortalWay>& ways, std::vector<Portal>& portals);
 
 }  // namespace tdpt

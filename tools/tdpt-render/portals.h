@@ -73,8 +73,9 @@ class PortalSet {
   /// What can have made an edge from the light's side to the camera's.
   struct Crossing {
     double density;  ///< D
-    /// a(w) * W [1/sr] of a walk from the light that stands at `from` and is directed at `to`'s
-    /// side, and of one from the camera that stands at `to`.
+    /// a(w) * W [1/sr], of parallel light the triangles crossed [crossed_along()]: of a walk from
+    /// the light that stands at `from` and is directed at `to`'s side, and of one from the camera
+    /// that stands at `to`.
     double from_light, from_camera;
   };
   Crossing crossing(const Vec3d& from, const Vec3d& to, const Drawn& drawn) const;

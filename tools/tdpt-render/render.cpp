@@ -203,10 +203,11 @@ void Rendering::samples() {
   const double began = clock_.seconds();
   uint64_t last = before;  // frame
   while (true) {
-    if (before + film_.samples() > 0) cut_short_ |= stop_requested() && rendered() > 0;
-    if (cut_short_) break;
     const uint64_t n = next_pass(most, before, began);
     if (n == 0) break;
+    // A signal that comes when all is there cuts nothing short.
+    cut_short_ |= stop_requested() && rendered() > 0;
+    if (cut_short_) break;
     render({film_.samples(), n});
     if (settings_.frames && rendered() + discarded_spp_ == next_frame(last)) {
       record_frame();

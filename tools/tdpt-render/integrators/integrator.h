@@ -10,6 +10,9 @@
 
 namespace tdpt {
 
+/// No integrator has a stream as large: those beyond are a pilot's and the probe's.
+inline constexpr uint64_t kStreams = 1023;
+
 struct Integrator {
   const char* name;
   uint64_t stream;  ///< of random numbers: no two rows share samples

@@ -8,17 +8,16 @@
 // w     direction; q: probability that a vertex aims
 // p(w)  density of the surface's own sampling, a(w) that of aiming [portals.h] [1/sr]
 // m     probability that no Dirac lobe was tried: those lobes are left as they are
-// b     1, but where a surface has a narrow lobe (alpha < 0.3) the probability that it would
-// scatter
-//       by its diffuse lobe: a metal floor seldom shows the portal in the direction that it is
-//       looked at from
+// b     1, but where a surface has no Dirac lobe and a narrow one (alpha < 0.3) the probability
+// that
+//       it would scatter by its diffuse lobe: a metal floor seldom shows the portal in the
+//       direction that it is looked at from
 //
 //   pdf_w = (1-qb) p(w) + qb m a(w),
 //
 // and the walk ends where p = 0: nothing is scattered there. P> and P< of a path [eq. 7] become
-// these; nothing else changes. To guide only a share of the walks and leave the others plain was
-// tried: what it gains where lamps are seen directly, MIS sample weights of next events gain
-// without loss elsewhere [mixture.h].
+// these; nothing else changes. Every walk is guided: what plain ones gain where lamps are seen
+// directly, MIS sample weights of next events gain without loss elsewhere [mixture.h].
 #pragma once
 #include "tools/tdpt-render/path/mixture.h"
 #include "tools/tdpt-render/path/vertex.h"

@@ -1,6 +1,7 @@
 // What an integrator is: a mixture of sampling techniques, how often each is run, how much its
 // samples count, and how the walks that they start from are directed. All MIS weights follow from
-// it, and so do the calls that make a sample: nothing else says what an integrator does.
+// it and the heuristic, and so do the calls that make a sample: nothing else says what an
+// integrator does.
 //
 // MIS sample weights. The balance heuristic takes the samples of a picture for independent. But
 // each pixel gets the same number of camera walks, so what they bring has less noise than its

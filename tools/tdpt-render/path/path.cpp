@@ -68,8 +68,9 @@ void Path::fill(const World& world, const Walk& y, int s, const Walk& z, int t,
   // Inside a prefix the walk knows both densities; the two vertices at a prefix's end and the
   // segment's learn theirs from the finished path.
   for (int i = 0; i < k_; ++i) {
-    const int j = k_ - i;  // index from the camera
-    from_light_A_[u(i)] = i < s        ? y.state(i).pdf_own_A
+    const int j = k_ - i;                                       // index from the camera
+    from_light_A_[u(i)] = i == 0       ? light_pdf_A(world, 0)  // of walks, whoever placed x_0
+                          : i < s      ? y.state(i).pdf_own_A
                           : j <= t - 3 ? z.state(j).pdf_other_A
                                        : light_pdf_A(world, i);
     from_camera_A_[u(i)] = i >= first_z ? z.state(j).pdf_own_A
@@ -133,7 +134,7 @@ void Path::for_each_strategy(const Mixture& mixture, const Add& add) const {
       const double weight = mixture.sample_weight(technique, k_);
       if (s == 1)
         add(Strategy{technique, s}, 0, 1, next_event_A_ * (1 / common(0)) * weight);
-      else  // [eq. 7]
+      else
         add(Strategy{technique, s}, s, s, weight);
     }
     if (s <= k_ - 2 && crossing_[u(s)].density > 0 && mixture.has(Technique::portal) && joins &&
@@ -166,6 +167,7 @@ std::optional<double> Path::weight_by_products(const Mixture& mixture, Strategy 
     camera_part[u(i)] = camera_part[u(i + 1)] * (from_camera_A_[u(i)] * per_common[u(i)]);
   double total = 0, mine = 0;
   for_each_strategy(mixture, [&](Strategy strategy, int prefix, int rest, double extra) {
+    // [eq. 7], and [eq. 8] with p_AA in `extra`, over prod q_i.
     double p = light_part[u(prefix)] * extra * camera_part[u(rest)];
     if (beta != 1) p = std::pow(p, beta);
     total += p;

@@ -35,6 +35,7 @@ void PathSampler::begin(int x, int y, uint64_t sample) {
   y_ = y;
   sample_ = sample;
   coins_ = mix64(mix64(sample) + (static_cast<uint64_t>(y) << 32 | static_cast<uint64_t>(x)));
+  layer_coins_ = coins_;
   pixel_ = {};
 }
 
@@ -91,29 +92,31 @@ void PathSampler::walk_from_light() {
 uint64_t PathSampler::coin() {
   return mix64(coins_++);
 }
+uint64_t PathSampler::layer_coin() {
+  return mix64(~layer_coins_++);
+}
 
 bool PathSampler::weigh(const Path& path, Strategy strategy, const Rgb& value, Rgb& weighted) {
   if (observer_) (*observer_)(path, strategy, value);
   const double w = path.weight(settings_.mixture, strategy, settings_.beta);
-  weighted = value * static_cast<float>(w);
+  weighted = value * static_cast<float>(w);  // [eq. 5]: `value` is contribution over density
   if (is_finite(weighted)) return true;
   leave_out();
   return false;
 }
 
-// [eq. 5]: `value` is contribution over density.
 double PathSampler::to_pixel(const Path& path, Strategy strategy, const Rgb& value) {
   Rgb weighted;
   if (!weigh(path, strategy, value, weighted)) return 0;
   const auto technique = static_cast<size_t>(strategy.technique);
   pixel_ += Vec3d(weighted);
-  if (film_.has_layer(technique)) film_.add_to_layer(technique, x_, y_, Vec3d(weighted), coin());
+  if (film_.has_layer(technique))
+    film_.add_to_layer(technique, x_, y_, Vec3d(weighted), layer_coin());
   const double brought = luminance(weighted);
   tally_.energy[technique].add(brought);
   return brought;
 }
 
-// [eq. 5] of a path that begins at the light's end: it lands in a pixel of its own.
 double PathSampler::to_film(const Path& path, Strategy strategy, double raster_x, double raster_y,
                             const Rgb& value) {
   Rgb weighted;
@@ -124,7 +127,8 @@ double PathSampler::to_film(const Path& path, Strategy strategy, double raster_x
     leave_out();
     return 0;
   }
-  if (film_.has_layer(technique)) film_.add_to_layer(technique, x, y, Vec3d(weighted), coin());
+  if (film_.has_layer(technique))
+    film_.add_to_layer(technique, x, y, Vec3d(weighted), layer_coin());
   const double brought = luminance(weighted);
   tally_.energy[technique].add(brought);
   return brought;

@@ -20,7 +20,7 @@ struct SampleSettings {
   uint64_t stream = 0;  ///< keeps integrators apart
 };
 
-/// Sees every contribution with its path: for tests.
+/// Sees every contribution with its path: for tests, and to learn where the light goes.
 using PathObserver = std::function<void(const Path&, Strategy, const Rgb& unweighted)>;
 
 /// Makes samples of a mixture: sample(), or its parts begin(), run() and end().
@@ -72,8 +72,10 @@ class PathSampler {
   /// False when it is not finite: then it is counted and left out.
   bool weigh(const Path& path, Strategy strategy, const Rgb& value, Rgb& weighted);
   void leave_out() { tally_.leave_out({sample_, y_, x_}); }
-  /// Random bits for rounding, others at each call.
+  /// Random bits for rounding, others at each call. Layers have their own, so that the picture's
+  /// are the same with and without.
   uint64_t coin();
+  uint64_t layer_coin();
 
   bool visible(const Point& a, const Point& b);
 
@@ -95,7 +97,7 @@ class PathSampler {
   const PathObserver* observer_;
   int x_ = 0, y_ = 0;
   uint64_t sample_ = 0;
-  uint64_t coins_ = 0;  ///< state of coin()
+  uint64_t coins_ = 0, layer_coins_ = 0;  ///< state of coin(), layer_coin()
   Vec3d pixel_{};
   Walk light_walk_, camera_walk_, light_point_;
   const Walk* light_ = &light_walk_;  ///< that of the sample

@@ -12,7 +12,9 @@ constexpr int kMaxDepth = 64;
 
 /// What a walk knows of its own at one of its vertices.
 struct WalkState {
-  Rgb throughput{};      ///< product of f cos / pdf_w up to here, without the scattering here
+  /// Of all before, without what is emitted or scattered here: 1 / pdf of the place on a light,
+  /// emission and f cos over their densities, transmittance over coverage.
+  Rgb throughput{};
   double pdf_own_A = 0;  ///< of the vertex, sampled by this walk
   double pdf_other_A =
       0;  ///< as a walk from the other end would sample it; known two vertices later
