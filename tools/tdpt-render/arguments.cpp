@@ -34,7 +34,7 @@ void declare_options(cli::Options& options, Arguments& a) {
   std::vector<std::string> names{"auto"};
   for (const Integrator& integrator : kIntegrators) names.push_back(integrator.name);
   options.choice("--integrator", a.integrator, names,
-                 "Techniques to combine; default auto with portals, bdpt without");
+                 "Techniques to combine; default auto, which finds the best for this scene");
   options.option("--guide-light", a.guide_light, "Q",
                  "tdpt-guided: probability that a light walk aims at a portal; default 0.5", 0,
                  0.95);

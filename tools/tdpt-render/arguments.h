@@ -15,7 +15,7 @@ struct Arguments {
   std::vector<std::string> portals;
   int64_t width = 0, height = 0;  ///< pixels; 0: not given
 
-  std::string integrator = "default", mis = "balance";
+  std::string integrator = "auto", mis = "balance";
   double guide_light = -1, guide_camera = -1, segments = -1;  ///< below 0: not given
   int64_t spp = 0, max_depth = 6;
   double seconds = 0;  ///< 0: no limit

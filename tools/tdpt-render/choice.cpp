@@ -18,20 +18,18 @@ Integrator guided_as_given(const Arguments& a) {
   return guided;
 }
 
-std::vector<Candidate> candidates_of(const Request& request, const World& world,
-                                     const std::vector<Portal>& portals) {
+std::vector<Candidate> candidates_of(const Request& request, const World& world) {
   if (!request.automatic) return {{request.named, label_of(request.named)}};
-  if (request.guided.empty()) return auto_candidates(world, portals);
-  return auto_candidates(world, portals, request.guided);
+  if (request.guided.empty()) return auto_candidates(world);
+  return auto_candidates(world, request.guided);
 }
 
 }  // namespace
 
-Request request_of(const Arguments& a, const std::vector<Portal>& portals) {
-  const bool by_default = a.integrator == "default";
+Request request_of(const Arguments& a) {
   Request request;
-  request.automatic = a.integrator == "auto" || (by_default && !portals.empty());
-  request.named = request.automatic || by_default ? bdpt : integrator_named(a.integrator);
+  request.automatic = a.integrator == "auto";
+  request.named = request.automatic ? bdpt : integrator_named(a.integrator);
   if (a.guide_light < 0 && a.guide_camera < 0 && a.segments < 0) return request;
   if (!request.automatic && request.named.mixture.guiding == Guiding{})
     throw UsageError(std::string("--guide-light, --guide-camera, --segments: ") +
@@ -55,7 +53,7 @@ Choice choose(const Request& request, const RenderSettings& settings, const Came
     probe(world, portals);
     for (const std::string& promise : promises(portals)) common.note(promise);
   }
-  choice.candidates = candidates_of(request, world, portals);
+  choice.candidates = candidates_of(request, world);
   choice.integrator = request.named;
   if (request.automatic) choice.integrator = either_of(choice.candidates);
   if (const std::string missed = light_missed(choice.integrator, world.scene); !missed.empty())

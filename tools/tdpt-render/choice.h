@@ -1,9 +1,8 @@
 // Which integrator renders, as far as that is known before the first sample: the one that the
-// command line names, or candidates among which a pilot chooses [pilot.h].
+// command line names, or candidates among which a scout chooses [scout.h].
 #pragma once
 #include "libcommon/cli/cli.h"
 #include "tools/tdpt-render/arguments.h"
-#include "tools/tdpt-render/pilot.h"
 #include "tools/tdpt-render/render.h"
 
 namespace tdpt {
@@ -17,7 +16,7 @@ struct Request {
   std::vector<Integrator> guided;
 };
 /// Throws UsageError where numbers for directed walks are given to an integrator that has none.
-Request request_of(const Arguments& a, const std::vector<Portal>& portals);
+Request request_of(const Arguments& a);
 
 struct Choice {
   std::vector<Candidate> candidates;

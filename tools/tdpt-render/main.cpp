@@ -122,12 +122,13 @@ int run(const Arguments& a, const cli::Common& common) {
     throw Error(Exit::no_device, "--device gpu: this build renders on the CPU only");
   catch_signals();
   Loaded in = load(a, common);
-  const Request request = request_of(a, in.portals);
+  const Request request = request_of(a);
   World world(in.scene, in.camera, in.size.width, in.size.height, in.portals);
   const RenderSettings settings = settings_of(a, common);
   const Choice choice = choose(request, settings, in.camera, world, in.portals, common);
   const RenderResult result = render(world, choice.candidates, settings, choice.ways);
-  if (request.automatic) common.note(choice_sentence(result, in.portals));
+  if (request.automatic) common.note(choice_sentence(result));
+  if (const std::string verdict = verdict_sentence(result); !verdict.empty()) common.note(verdict);
   deliver(a, common, in, choice, settings, result);
   report(a, common, in, world, choice, settings, result);
   return static_cast<int>(result.interrupted ? Exit::interrupted : Exit::done);

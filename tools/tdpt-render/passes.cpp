@@ -51,26 +51,18 @@ Film film_for(const World& world, const TechniqueSet& layers) {
   return Film(world.film.width(), world.film.height(), world.lights.power(), options);
 }
 
-template <class AnyTally>
-void RenderTally::add_any(const AnyTally& tally, double share) {
+void RenderTally::add(const Tally& tally) {
   rays.merge(tally.rays);
-  for (size_t i = 0; i < kTechniques; ++i) energy[i] += share * tally.energy[i];
+  for (size_t i = 0; i < kTechniques; ++i) energy[i] += tally.energy[i];
   if (portals.size() < tally.portals.size()) portals.resize(tally.portals.size());
   for (size_t i = 0; i < tally.portals.size(); ++i) {
     portals[i].drawn += tally.portals[i].drawn;
     portals[i].lit += tally.portals[i].lit;
-    portals[i].energy += share * tally.portals[i].energy;
+    portals[i].energy += tally.portals[i].energy;
   }
   not_finite += tally.not_finite;
   not_finite_at.insert(not_finite_at.end(), tally.not_finite_at.begin(), tally.not_finite_at.end());
   if (not_finite_at.size() > Tally::kMostPlaces) not_finite_at.resize(Tally::kMostPlaces);
-}
-
-void RenderTally::add(const Tally& tally, double share) {
-  add_any(tally, share);
-}
-void RenderTally::add(const RenderTally& tally, double share) {
-  add_any(tally, share);
 }
 
 }  // namespace tdpt

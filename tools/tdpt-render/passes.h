@@ -35,13 +35,7 @@ struct RenderTally {
   uint64_t not_finite = 0;
   std::vector<Tally::Place> not_finite_at;
 
-  /// Counts as they are, energies times `share`: that of the picture, not of what was done for it.
-  void add(const Tally& tally, double share);
-  void add(const RenderTally& tally, double share);
-
- private:
-  template <class AnyTally>
-  void add_any(const AnyTally& tally, double share);
+  void add(const Tally& tally);
 };
 
 }  // namespace tdpt

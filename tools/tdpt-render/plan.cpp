@@ -48,7 +48,7 @@ bool operator==(const Plan& a, const Plan& b) {
   return std::string(a.integrator.name) == b.integrator.name &&
          a.integrator.stream == b.integrator.stream &&
          a.integrator.mixture == b.integrator.mixture && a.label == b.label && a.spp == b.spp &&
-         a.ways == b.ways && a.pilot_share == b.pilot_share;
+         a.ways == b.ways;
 }
 
 std::string plan_text(const Plan& plan) {
@@ -65,8 +65,7 @@ std::string plan_text(const Plan& plan) {
                                 {"guide_light", m.guiding.chance[0]},
                                 {"guide_camera", m.guiding.chance[1]},
                                 {"spp", plan.spp},
-                                {"portals", ways},
-                                {"pilot_share", plan.pilot_share}}
+                                {"portals", ways}}
       .dump();
 }
 
@@ -97,7 +96,6 @@ Plan read_plan(const std::string& text, const std::string& file) {
     plan.ways.push_back({static_cast<size_t>(of_portal.get<uint64_t>("portal")),
                          static_cast<PortalWay::Way>(way - kWays.begin())});
   }
-  plan.pilot_share = in.within("pilot_share", 0, 1);
   return plan;
 }
 

@@ -15,7 +15,6 @@ struct Plan {
   std::string label;             ///< of the candidate that it is
   uint64_t spp = 0;              ///< samples of each pixel; 0: as many as the time allows
   std::vector<PortalWay> ways;   ///< which way portals work; empty: as drawn
-  double pilot_share = 0;        ///< of the picture, for what a pilot has rendered; 0: none
 
   friend bool operator==(const Plan& a, const Plan& b);
 };

@@ -4,7 +4,6 @@
 
 #include "libcommon/base/signals.h"
 #include "libcommon/base/threads.h"
-#include "tools/tdpt-render/pilot_run.h"
 
 namespace tdpt {
 
@@ -55,8 +54,7 @@ TechniqueSet techniques_of(const std::vector<Candidate>& candidates) {
   return all;
 }
 
-// Plans, renders what was planned, and puts the picture together: the film's samples and, where a
-// pilot flew, what it has kept.
+// Plans, renders what was planned, and puts the picture together.
 class Rendering {
  public:
   Rendering(const World& world, const std::vector<Candidate>& candidates,
@@ -64,194 +62,129 @@ class Rendering {
       : world_(world),
         candidates_(candidates),
         settings_(settings),
-        techniques_(techniques_of(candidates)),
         rules_{settings.max_depth, settings.beta, settings.seed},
-        layers_(settings.layers ? techniques_ : TechniqueSet()),
+        layers_(settings.layers ? techniques_of(candidates) : TechniqueSet()),
         pixels_(static_cast<uint64_t>(world.film.width()) *
                 static_cast<uint64_t>(world.film.height())),
         film_(film_for(world, layers_)),
         tally_(film_.unit()),
         progress_("rendering", "samples", settings.spp * pixels_, settings.quiet) {}
 
-  /// Decides who renders, and what a pilot's part of the picture will be.
+  /// Decides who renders.
   void plan();
   /// Renders until the plan's samples are there, or the time is up.
   void samples();
   RenderResult finish();
 
  private:
-  /// Of the film's own samples and of the pilot's, in the picture.
-  struct Shares {
-    double own = 0, pilot = 0;
-  };
-  Shares shares() const;
-  uint64_t rendered() const { return film_.samples() + pilot_.samples; }
-  bool out_of_time() const { return settings_.seconds > 0 && clock_.seconds() > settings_.seconds; }
-  void render(const SampleRange& range) {
-    render_samples(world_, plan_.integrator, rules_, 0, range, film_, tally_, progress_);
-  }
-  bool wants_pilot(PilotPlan& pilot);
-  uint64_t next_pass(uint64_t most, uint64_t planned_before, double began) const;
-  Picture mixed(const std::vector<Vec3d>& own, const std::vector<Vec3d>& pilot) const;
+  void look_around(Scout& scout);
+  uint64_t next_pass(uint64_t most, double began) const;
+  Picture picture_of(const std::vector<Vec3d>& sums) const;
   void record_frame();
-  void last_frame();
 
   const World& world_;
   const std::vector<Candidate>& candidates_;
   const RenderSettings& settings_;
-  const TechniqueSet techniques_;  // of all candidates
   const SampleRules rules_;
   const TechniqueSet layers_;
   const uint64_t pixels_;
   Clock clock_;
   Film film_;
-  Tally tally_;  // of the film
+  Tally tally_;
   Progress progress_;
-  Plan plan_;
-  PilotRun pilot_;
-  RenderTally discarded_;  // counts of samples that are not in the picture
-  uint64_t discarded_spp_ = 0;
-  bool cut_short_ = false;  // the pilot, or what comes after it
-  std::vector<FrameRecord> frames_;
+  RenderResult result_;
 };
 
-// By the clock, a first sample of the first candidate tells how many fit into the time.
-bool Rendering::wants_pilot(PilotPlan& pilot) {
-  if (candidates_.size() < 2) return false;
-  const bool by_clock = settings_.seconds > 0;
-  auto spp = static_cast<double>(settings_.spp);
-  if (by_clock) {
-    render({0, 1});
-    const double in_time = settings_.seconds / clock_.seconds();
-    spp = settings_.spp > 0 ? std::min(spp, in_time) : in_time;
-    if (stop_requested()) return false;
-  }
-  pilot = settings_.pilot.value_or(plan_pilot(spp, pixels_, candidates_.size(), !by_clock));
-  return pilot.rounds > 0;
+// In rounds, each as large as all before, so that a short time is not overrun by much.
+void Rendering::look_around(Scout& scout) {
+  const uint64_t by_samples =
+      settings_.spp == 0 ? kMostGroups
+                         : groups_for(static_cast<double>(settings_.spp * pixels_),
+                                      scout.samples_of_group());
+  const auto in_time = [&] {
+    return settings_.seconds == 0 || clock_.seconds() < 0.5 * kScoutsShare * settings_.seconds;
+  };
+  while (scout.groups() < by_samples && in_time() && !stop_requested())
+    scout.draw(std::min(by_samples - scout.groups(), std::max(scout.groups(), kFewestGroups)),
+               film_);
+  film_.clear();
 }
 
 void Rendering::plan() {
-  plan_ = {candidates_[0].integrator, candidates_[0].label, settings_.spp, {}, 0};
-  PilotPlan pilot;
-  if (!wants_pilot(pilot)) return;
-  pilot_ = fly_pilot(world_, candidates_, pilot, rules_, layers_, progress_,
-                     [&] { return stop_requested() || out_of_time(); });
-  cut_short_ = pilot_.cut_short;
-  plan_.integrator = candidates_[pilot_.chosen].integrator;
-  plan_.label = candidates_[pilot_.chosen].label;
-  plan_.pilot_share = pilot.kept;
-  if (pilot_.chosen == 0 || film_.samples() == 0) return;
-  // The sample that told the time was the first candidate's.
-  discarded_spp_ = film_.samples();
-  discarded_.add(tally_, 0);
-  film_.clear();
-  tally_ = Tally(film_.unit());
-}
-
-Rendering::Shares Rendering::shares() const {
-  const auto n = static_cast<double>(film_.samples());
-  if (pilot_.weight == 0) return {n > 0 ? 1 / n : 0, 0};
-  if (n == 0) return {0, 1 / pilot_.weight};
-  // Ended before its time, the pilot is more of the picture than was planned.
-  const double a = cut_short_ ? std::max(plan_.pilot_share, pilot_.weight / (pilot_.weight + n))
-                              : plan_.pilot_share;
-  return {(1 - a) / n, a / pilot_.weight};
-}
-
-Picture Rendering::mixed(const std::vector<Vec3d>& own, const std::vector<Vec3d>& pilot) const {
-  const Shares s = shares();
-  Picture picture{film_.width(), film_.height(), {}};
-  picture.pixels.reserve(own.size());
-  for (size_t i = 0; i < own.size(); ++i) {
-    const Vec3d of_film = own[i] * s.own;
-    picture.pixels.emplace_back(Vec3f(pilot.empty() ? of_film : of_film + pilot[i] * s.pilot));
+  result_.plan = {candidates_[0].integrator, candidates_[0].label, settings_.spp, {}};
+  if (candidates_.size() < 2) return;
+  const double cpu = clock_.cpu();
+  Scout scout(world_, candidates_, rules_);
+  look_around(scout);
+  result_.scout_cpu_seconds = clock_.cpu() - cpu;
+  if (scout.groups() > 0) {
+    result_.prospects = scout.prospects();
+    result_.chosen = best_of(result_.prospects, scout.groups());
+    result_.scouted = scout.groups() * scout.samples_of_group();
   }
-  return picture;
+  result_.plan.integrator = candidates_[result_.chosen].integrator;
+  result_.plan.label = result_.chosen_label = candidates_[result_.chosen].label;
+}
+
+Picture Rendering::picture_of(const std::vector<Vec3d>& sums) const {
+  return scaled_picture(film_.width(), film_.height(), sums,
+                        1 / static_cast<double>(std::max<uint64_t>(film_.samples(), 1)));
 }
 
 void Rendering::record_frame() {
   const double seconds = clock_.seconds(), cpu = clock_.cpu();
   clock_.aside([&] {
-    const Picture picture = mixed(film_.sums(), pilot_.sums);
-    frames_.push_back(
-        {rendered() + discarded_spp_, nonzero_of(picture), mean_of(picture), seconds, cpu});
+    const Picture picture = picture_of(film_.sums());
+    result_.frames.push_back(
+        {film_.samples(), nonzero_of(picture), mean_of(picture), seconds, cpu});
   });
 }
 
 // How many samples come next, `most` at the most; 0: the picture is done, or the time is up.
-uint64_t Rendering::next_pass(uint64_t most, uint64_t planned_before, double began) const {
-  const uint64_t done = rendered() + discarded_spp_;
+uint64_t Rendering::next_pass(uint64_t most, double began) const {
+  const uint64_t done = film_.samples();
   if (settings_.spp > 0 && done >= settings_.spp) return 0;
   uint64_t n = settings_.spp == 0 ? most : std::min(most, settings_.spp - done);
   if (settings_.frames)
-    n = std::min(n, next_frame(frames_.empty() ? planned_before : frames_.back().spp) - done);
-  if (done == 0 || settings_.seconds == 0) return n;  // there must be a picture
+    n = std::min(n, next_frame(result_.frames.empty() ? 0 : result_.frames.back().spp) - done);
+  if (settings_.seconds == 0) return n;
+  if (done == 0) return 1;  // there must be a picture
   // Samples take about as long as the ones before: stop where the limit is nearest.
-  const uint64_t since = done - planned_before;
-  const double per_sample = since > 0 ? (clock_.seconds() - began) / static_cast<double>(since)
-                                      : clock_.seconds() / static_cast<double>(done);
+  const double per_sample = (clock_.seconds() - began) / static_cast<double>(done);
   const double in_time = (settings_.seconds - clock_.seconds()) / per_sample;
-  if (since == 0)  // after a pilot alone little is known of the time
-    n = static_cast<uint64_t>(std::clamp(in_time, 1.0, static_cast<double>(n)));
   return in_time < 0.5 * static_cast<double>(n) ? 0 : n;
 }
 
 void Rendering::samples() {
   // Small pictures take several samples a pass, so that threads have something to share.
   const uint64_t most = std::max<uint64_t>(1, (uint64_t{1} << 16) / pixels_);
-  const uint64_t before = rendered() + discarded_spp_;
   const double began = clock_.seconds();
-  uint64_t last = before;  // frame
-  while (true) {
-    const uint64_t n = next_pass(most, before, began);
-    if (n == 0) break;
-    // A signal that comes when all is there cuts nothing short.
-    cut_short_ |= stop_requested() && rendered() > 0;
-    if (cut_short_) break;
-    render({film_.samples(), n});
-    if (settings_.frames && rendered() + discarded_spp_ == next_frame(last)) {
+  uint64_t last = 0;  // frame
+  while (const uint64_t n = next_pass(most, began)) {
+    // A signal that comes when all is there cuts nothing short, and there must be a picture.
+    result_.interrupted = stop_requested() && film_.samples() > 0;
+    if (result_.interrupted) break;
+    render_samples(world_, result_.plan.integrator, rules_, 0, {film_.samples(), n}, film_, tally_,
+                   progress_);
+    if (settings_.frames && film_.samples() == next_frame(last)) {
       record_frame();
-      last = frames_.back().spp;
+      last = film_.samples();
     }
   }
-  if (settings_.frames) last_frame();
-}
-
-// The last frame is the picture, with the shares that it has now.
-void Rendering::last_frame() {
-  const bool stale = cut_short_ && pilot_.weight > 0;
-  const bool there = !frames_.empty() && frames_.back().spp == rendered() + discarded_spp_;
-  if (stale && there) frames_.pop_back();
-  if (stale || !there) record_frame();
+  const std::vector<FrameRecord>& frames = result_.frames;
+  if (settings_.frames && (frames.empty() || frames.back().spp != film_.samples())) record_frame();
 }
 
 RenderResult Rendering::finish() {
-  RenderResult result;
-  result.seconds = clock_.seconds();
-  result.cpu_seconds = clock_.cpu();
-  result.interrupted = cut_short_ && stop_requested();
-  result.spp = rendered() + discarded_spp_;
-  result.plan = plan_;
-  result.chosen = pilot_.chosen;
-  if (candidates_.size() > 1) result.chosen_label = plan_.label;
-  result.frames = std::move(frames_);
-  const Shares s = shares();
-  result.tally.add(tally_, 1);
-  result.tally.add(discarded_, 0);
-  if (pilot_.weight > 0) {
-    result.tally.add(pilot_.tally, s.own > 0 ? s.pilot / s.own : 1);
-    result.pilot = std::move(pilot_.records);
-    for (PilotRecord& record : result.pilot) record.share *= s.pilot;
-    if (!result.pilot.empty())
-      result.pilot[result.chosen].share += s.own * static_cast<double>(film_.samples());
-    // What the pilot drew through portals tells nothing of a picture that it is a small part of.
-    if (!plan_.integrator.mixture.has(Technique::portal)) result.tally.portals.clear();
-  }
-  result.picture = mixed(film_.sums(), pilot_.sums);
+  result_.seconds = clock_.seconds();
+  result_.cpu_seconds = clock_.cpu();
+  result_.spp = film_.samples();
+  result_.tally.add(tally_);
+  result_.picture = picture_of(film_.sums());
   for (size_t i = 0; i < kTechniques; ++i)
     if (layers_.has(static_cast<Technique>(i)))
-      result.layers[kTechniqueNames[i]] = mixed(film_.layer_sums(i), pilot_.layers[i]);
-  return result;
+      result_.layers[kTechniqueNames[i]] = picture_of(film_.layer_sums(i));
+  return std::move(result_);
 }
 
 }  // namespace

@@ -1,12 +1,11 @@
 // The loop over pixels and samples.
 #pragma once
 #include <map>
-#include <optional>
 #include <string>
 
 #include "tools/tdpt-render/passes.h"
-#include "tools/tdpt-render/pilot.h"
 #include "tools/tdpt-render/plan.h"
+#include "tools/tdpt-render/scout.h"
 
 namespace tdpt {
 
@@ -17,9 +16,8 @@ struct RenderSettings {
   double beta = 1;  ///< 1: balance heuristic, 2: power heuristic
   uint64_t seed = 1;
   bool quiet = true;
-  bool layers = false;             ///< keep each technique's contribution apart
-  bool frames = false;             ///< measure the picture while it forms
-  std::optional<PilotPlan> pilot;  ///< in place of plan_pilot()'s
+  bool layers = false;  ///< keep each technique's contribution apart
+  bool frames = false;  ///< measure the picture while it forms
 };
 
 Vec3d mean_of(const Picture& picture);      ///< over all pixels
@@ -39,17 +37,19 @@ uint64_t next_frame(uint64_t spp);
 
 struct RenderResult {
   Picture picture;
-  uint64_t spp = 0;                     ///< samples each pixel got, those of a pilot included
-  double seconds = 0, cpu_seconds = 0;  ///< measuring frames not counted
+  uint64_t spp = 0;                     ///< samples each pixel got
+  double seconds = 0, cpu_seconds = 0;  ///< the scout's counted, measuring frames not
   bool interrupted = false;  ///< a signal ended it early; the picture holds what was there
   Plan plan;                 ///< what was decided by measuring
   RenderTally tally;
   std::map<std::string, Picture> layers;  ///< by technique; they add up to the picture
   std::vector<FrameRecord> frames;        ///< the last one is the picture
 
-  size_t chosen = 0;               ///< which of the candidates rendered all but the pilot
-  std::string chosen_label;        ///< empty when there was only one
-  std::vector<PilotRecord> pilot;  ///< empty without one
+  size_t chosen = 0;                ///< which of the candidates rendered
+  std::string chosen_label;         ///< empty when there was only one
+  std::vector<Prospect> prospects;  ///< of the candidates; empty where none was looked at
+  uint64_t scouted = 0;             ///< samples that they are told from
+  double scout_cpu_seconds = 0;
 
   Vec3d mean() const { return mean_of(picture); }
   double nonzero() const { return nonzero_of(picture); }
@@ -60,9 +60,8 @@ struct RenderResult {
 RenderResult render(const World& world, const Integrator& integrator,
                     const RenderSettings& settings);
 
-/// Renders with the best of the candidates, found by a pilot if the budget allows one [pilot.h],
-/// else with the first. Frames begin after the pilot.
-/// `ways`: how the portals of `world` were turned before, for the plan.
+/// Renders with the best of the candidates, found by a scout if the budget allows one [scout.h],
+/// else with the first. `ways`: how the portals of `world` were turned before, for the plan.
 RenderResult render(const World& world, const std::vector<Candidate>& candidates,
                     const RenderSettings& settings, const std::vector<PortalWay>& ways = {});
 

@@ -1,6 +1,7 @@
 #include "tools/tdpt-render/report.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include <fmt/format.h>
@@ -24,19 +25,25 @@ nlohmann::ordered_json numbers(const Vec3d& v) {
   return {v.x, v.y, v.z};
 }
 
+nlohmann::ordered_json scout_json(const RenderResult& result) {
+  nlohmann::ordered_json j{{"samples", result.scouted}, {"cpu_seconds", result.scout_cpu_seconds}};
+  if (const auto gain = portals_gain(result)) j["portals_gain"] = *gain;
+  auto& candidates = j["candidates"] = nlohmann::ordered_json::array();
+  for (const Prospect& p : result.prospects)
+    candidates.push_back({{"integrator", p.integrator},
+                          {"portals", p.with_portals},
+                          {"relmse", p.relmse},
+                          {"work", p.work}});
+  return j;
+}
+
 nlohmann::ordered_json summary(const Integrator& integrator, const RenderSettings& settings,
                                const RenderResult& result, const std::vector<Portal>& portals) {
   nlohmann::ordered_json j;
   j["integrator"] = integrator.name;
   if (!result.chosen_label.empty()) {
     j["chosen"] = result.chosen_label;
-    auto& pilot = j["pilot"] = nlohmann::ordered_json::array();
-    for (const PilotRecord& r : result.pilot)
-      pilot.push_back({{"integrator", r.integrator},
-                       {"spp", r.spp},
-                       {"relmse", r.relmse},
-                       {"work", r.work},
-                       {"share", r.share}});
+    if (result.scouted > 0) j["scout"] = scout_json(result);
   }
   j["spp"] = result.spp;
   j["width"] = result.picture.width;
@@ -56,6 +63,20 @@ nlohmann::ordered_json summary(const Integrator& integrator, const RenderSetting
   j["not_finite"] = result.tally.not_finite;
   if (!portals.empty()) j["portals"] = portals_json(portals, result);
   return j;
+}
+
+// "3.4 x by bdpt, 5 x by nee": cost of all others.
+std::string costs_of_others(const RenderResult& result) {
+  std::vector<std::string> others;
+  const double least = result.prospects[result.chosen].cost();
+  for (size_t i = 0; i < result.prospects.size(); ++i) {
+    const Prospect& p = result.prospects[i];
+    if (i == result.chosen) continue;
+    others.push_back(std::isfinite(p.cost()) ? fmt::format("{:.3g} x by {}", p.cost() / least,
+                                                           p.integrator)
+                                             : p.integrator + " misses light");
+  }
+  return fmt::format("{}", fmt::join(others, ", "));
 }
 
 }  // namespace
@@ -105,31 +126,32 @@ std::vector<std::string> verbose_notes(const Scene& scene, const Integrator& int
   return notes;
 }
 
-std::string choice_sentence(const RenderResult& result, const std::vector<Portal>& portals) {
+std::optional<double> portals_gain(const RenderResult& result) {
+  const auto with = best_with(true, result.prospects), without = best_with(false, result.prospects);
+  if (!with || !without || !(result.prospects[*with].cost() > 0)) return {};
+  return result.prospects[*without].cost() / result.prospects[*with].cost();
+}
+
+std::string choice_sentence(const RenderResult& result) {
   const std::string chose = "auto chose " + result.chosen_label;
-  if (result.pilot.empty()) {
-    const std::string why = portals.empty()        ? ""
-                            : all_useless(portals) ? ", as no portal promises a gain"
-                                                   : ", as the portals promise a gain";
-    return chose + why +
-           (result.interrupted ? "; it was stopped before a pilot could tell"
-                               : "; the samples are too few for a pilot");
-  }
-  const PilotRecord& best = result.pilot[result.chosen];
-  std::vector<std::string> others;
-  uint64_t spp = 0;
-  for (size_t i = 0; i < result.pilot.size(); ++i) {
-    const PilotRecord& r = result.pilot[i];
-    spp += r.spp;
-    if (i != result.chosen)
-      others.push_back(fmt::format("{:.3g} x by {}", r.relmse * r.work / (best.relmse * best.work),
-                                   r.integrator));
-  }
-  if (others.empty()) return chose;
-  const std::string measured = best.relmse > 0
-                                   ? "error x work is " + fmt::format("{}", fmt::join(others, ", "))
-                                   : "its samples showed no error";
-  return chose + fmt::format(": {} in a pilot of {} samples per pixel", measured, spp);
+  if (result.prospects.empty())
+    return chose + (result.interrupted ? "; it was stopped before more could be told"
+                                       : "; the samples are too few to tell more");
+  if (result.prospects.size() < 2) return chose;
+  if (!(result.prospects[result.chosen].cost() > 0))
+    return chose + fmt::format(": no error showed in {} samples", result.scouted);
+  return chose + fmt::format(": error x work is {}, told from {} samples", costs_of_others(result),
+                             result.scouted);
+}
+
+std::string verdict_sentence(const RenderResult& result) {
+  const auto gain = portals_gain(result);
+  if (!gain) return "";
+  const std::string with = result.prospects[*best_with(true, result.prospects)].integrator;
+  const std::string without = result.prospects[*best_with(false, result.prospects)].integrator;
+  return fmt::format("portals: {:.2g} x the efficiency of {}, the best without them, by {}{}", *gain,
+                     without, with,
+                     result.prospects[result.chosen].with_portals ? "" : ": they are left out");
 }
 
 Picture nonzero_picture(const Picture& picture) {

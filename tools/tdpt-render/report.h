@@ -17,7 +17,12 @@ std::vector<std::string> verbose_notes(const Scene& scene, const Integrator& int
                                        const RenderResult& result);
 
 /// What `auto` chose, and why.
-std::string choice_sentence(const RenderResult& result, const std::vector<Portal>& portals);
+std::string choice_sentence(const RenderResult& result);
+/// How efficient the best of the candidates with portals is beside the best without, as measured
+/// before rendering; nothing where that is not known.
+std::optional<double> portals_gain(const RenderResult& result);
+/// The same as a sentence; empty where nothing is known.
+std::string verdict_sentence(const RenderResult& result);
 
 /// --nonzero: red where a pixel got some contribution, green where it is black.
 Picture nonzero_picture(const Picture& picture);

@@ -5,26 +5,27 @@
 
 namespace tdpt {
 
-WorkModel::WorkModel(const World& world)
-    : WorkModel(world, world.portals.empty() ? kWorkWithoutPortals : kWorkWithPortals) {}
+WorkModel::WorkModel(const World& world, const Mixture& mixture)
+    : WorkModel(world, mixture,
+                Guide(world, mixture).sees_portals() ? kWorkWithPortals : kWorkWithoutPortals) {}
 
-WorkModel::WorkModel(const World& world, const WorkCosts& costs)
+WorkModel::WorkModel(const World& world, const Mixture& mixture, const WorkCosts& costs)
     : sample_(costs.sample), shadow_(costs.shadow) {
   const double depth =
       std::max(0.0, std::log2(static_cast<double>(world.scene.triangles.size() + 1) / 64));
   closest_ = costs.closest + costs.closest_deeper * depth;
   const auto size = static_cast<int>(world.portals.size());
   portal_ = costs.portal + costs.portal_triangle * size;
-  if (size == 0) return;
+  if (size == 0 || mixture.guiding == Guiding{}) return;
   const double facets = 1.0 + world.portals.polygon(size - 1).facet;
-  directed_ = costs.directed + (facets > 1 ? costs.facets + costs.facet * facets : 0);
+  portal_ += costs.directed + (facets > 1 ? costs.facets + costs.facet * facets : 0);
 }
 
-double WorkModel::per_sample(const RayCounts& rays, uint64_t samples, bool directed) const {
+double WorkModel::per_sample(const RayCounts& rays, uint64_t samples) const {
   const double n = static_cast<double>(std::max<uint64_t>(samples, 1));
   return sample_ + closest_ * static_cast<double>(rays.closest) / n +
          shadow_ * static_cast<double>(rays.shadow) / n +
-         (portal_ + (directed ? directed_ : 0)) * static_cast<double>(rays.portal) / n;
+         portal_ * static_cast<double>(rays.portal) / n;
 }
 
 }  // namespace tdpt

@@ -51,15 +51,16 @@ inline constexpr WorkCosts kWorkWithoutPortals{
 
 class WorkModel {
  public:
-  /// With the table for a world with portals or without.
-  explicit WorkModel(const World& world);
-  WorkModel(const World& world, const WorkCosts& costs);
+  /// Of samples of `mixture`, with the table for those that have a use for the world's portals or
+  /// for those that have none.
+  WorkModel(const World& world, const Mixture& mixture);
+  WorkModel(const World& world, const Mixture& mixture, const WorkCosts& costs);
 
-  /// Of one sample [ns]; `rays` of `samples` of them. `directed`: whether its walks are.
-  double per_sample(const RayCounts& rays, uint64_t samples, bool directed) const;
+  /// Of one sample [ns]; `rays` of `samples` of them.
+  double per_sample(const RayCounts& rays, uint64_t samples) const;
 
  private:
-  double sample_, closest_, shadow_, portal_, directed_ = 0;
+  double sample_, closest_, shadow_, portal_;
 };
 
 }  // namespace tdpt

@@ -9,7 +9,6 @@
 #include <iterator>
 #include <utility>
 
-#include "tools/tdpt-render/portal_probe.h"
 #include "tools/tdpt-render/render.h"
 #include "tools/tdpt-render/work_model.h"
 
@@ -30,28 +29,25 @@ constexpr std::pair<const char*, double WorkCosts::*> kTerms[] = {
 static_assert(sizeof(WorkCosts) == std::size(kTerms) * sizeof(double), "a term is missing");
 constexpr int kDepths[] = {3, 6, 12};
 
-void measure(const std::string& scene_path, const std::vector<Portal>& given, int width, int height,
+void measure(const std::string& scene_path, const std::vector<Portal>& portals, int width, int height,
              double seconds) {
   const Scene scene = read_gltf(scene_path);
-  std::vector<Portal> portals = given;
   const World world(scene, scene.camera(""), width, height, portals);
-  probe(world, portals);
   for (int depth : kDepths)
-    for (const Candidate& c : auto_candidates(world, portals)) {
+    for (const Candidate& c : auto_candidates(world)) {
       RenderSettings settings;
       settings.seconds = seconds;
       settings.max_depth = depth;
       const RenderResult r = render(world, c.integrator, settings);
       const uint64_t samples = r.spp * static_cast<uint64_t>(width) * static_cast<uint64_t>(height);
       std::printf("%s\t%d\t%s\t%d\t%.6g", scene_path.c_str(), depth, c.label.c_str(),
-                  world.portals.empty() ? 0 : 1,
+                  Guide(world, c.integrator.mixture).sees_portals() ? 1 : 0,
                   r.cpu_seconds * 1e9 / static_cast<double>(samples));
       for (const auto& [name, member] : kTerms) {
         WorkCosts unit;
         unit.*member = 1;
-        std::printf("\t%.9g", WorkModel(world, unit)
-                                  .per_sample(r.tally.rays, samples,
-                                              c.integrator.mixture.guiding != Guiding{}));
+        const WorkModel model(world, c.integrator.mixture, unit);
+        std::printf("\t%.9g", model.per_sample(r.tally.rays, samples));
       }
       std::printf("\n");
       std::fflush(stdout);

@@ -34,7 +34,7 @@ PortalSet::Crossing Guide::crossing(const Point& a, const Point& b, uint64_t& te
   PortalSet::Crossing c{};
   // No technique puts a portal on the camera's own edge, and no segment ends on a light without
   // surface: of its edges only directed walks ask.
-  if (portals_.empty() || !b.on_surface() || !(a.on_surface() || active_)) return c;
+  if (!sees_portals_ || !b.on_surface() || !(a.on_surface() || active_)) return c;
   ++tests;
   if (a.at_infinity()) {
     c.from_light = portals_.crossed_along(a.source->direction(), b.position, drawn);
@@ -48,35 +48,31 @@ PortalSet::Crossing Guide::crossing(const Point& a, const Point& b, uint64_t& te
   return c;
 }
 
-Aim Guide::aim(const Point& v, const Vec3d& facing, From from) const {
-  const double q = guiding_.chance[index(from)];
-  if (!(q > 0)) return {};
-  const double W = v.at_infinity() ? portals_.aims_along(v.source->direction())
-                                   : portals_.aims(v.position, facing, way(from));
-  return W > 0 ? Aim{q, q / W} : Aim{};
+double Guide::aims(const Point& v, const Vec3d& facing, From from) const {
+  return v.at_infinity() ? portals_.aims_along(v.source->direction())
+                         : portals_.aims(v.position, facing, way(from));
 }
 
 void Guide::aim_at_surface(const Vec3d& away, Vertex& v) const {
   const bool through = !v.simple && v.bsdf.transmits();
   v.aims.facing = through ? Vec3d() : dot(v.normal, away) > 0 ? v.normal : -v.normal;
   for (const From from : {From::light, From::camera})
-    v.aims.scattered[index(from)] = v.connectible ? aim(v, v.aims.facing, from) : Aim{};
-  v.aims.emitted = v.source ? aim(v, v.source->facing(v.normal), From::light) : Aim{};
+    v.aims.scattered[index(from)] = v.connectible ? aims(v, v.aims.facing, from) : 0;
+  v.aims.emitted = v.source ? aims(v, v.source->facing(v.normal), From::light) : 0;
 }
 
 void Guide::aim_at_light(Vertex& v) const {
   v.aims = {};
   v.aims.facing = v.source->facing(v.normal);
-  v.aims.emitted = aim(v, v.aims.facing, From::light);
+  v.aims.emitted = aims(v, v.aims.facing, From::light);
 }
 
 bool Guide::draw(const Vertex& v, const Vec3d& back, From from, const std::array<double, 4>& u,
                  Vec3d& w, int& triangle) const {
   const bool begins = back == Vec3d();
-  const Aim& a = begins ? v.aims.emitted : v.aims.scattered[index(from)];
-  if (!(u[3] < a.chance) || (!begins && !(u[3] < a.chance * scope(v, back).broad))) return false;
-  triangle = portals_.aim(v.position, v.aims.facing, way(from), a.chance / a.per_weight,
-                          {u[0], u[1], u[2]}, w);
+  const double q = chance(from), W = begins ? v.aims.emitted : v.aims.scattered[index(from)];
+  if (!(W > 0 && u[3] < q) || (!begins && !(u[3] < q * scope(v, back).broad))) return false;
+  triangle = portals_.aim(v.position, v.aims.facing, way(from), W, {u[0], u[1], u[2]}, w);
   return true;
 }
 
@@ -87,10 +83,10 @@ bool Guide::leave(const Vertex& y0, const std::array<double, 4>& u, Lights::Ray&
     ray.origin = y0.position;
     return true;
   }
-  const Aim& a = y0.aims.emitted;
-  if (!(u[3] < a.chance)) return false;
+  const double W = y0.aims.emitted;
+  if (!(W > 0 && u[3] < chance(From::light))) return false;
   Vec3d at;
-  triangle = portals_.aim_along(ray.direction, a.chance / a.per_weight, {u[0], u[1], u[2]}, at);
+  triangle = portals_.aim_along(ray.direction, W, {u[0], u[1], u[2]}, at);
   // Before all of the scene, which lies within 2 of the origin (canonical).
   ray.origin = at - ray.direction * (dot(at, ray.direction) + 4);
   return true;
@@ -99,12 +95,12 @@ bool Guide::leave(const Vertex& y0, const std::array<double, 4>& u, Lights::Ray&
 double Guide::pdf_A(From from, const Vertex& at, const Vec3d& back, const Point& to, double plain_A,
                     const PortalSet::Crossing& crossing) const {
   const bool begins = back == Vec3d();
-  const Aim& a = begins ? at.aims.emitted : at.aims.scattered[index(from)];
-  if (!(a.chance > 0) || !(plain_A > 0)) return plain_A;
+  const double q = chance(from), W = begins ? at.aims.emitted : at.aims.scattered[index(from)];
+  if (!(q > 0 && W > 0) || !(plain_A > 0)) return plain_A;
   const double towards = from == From::light ? crossing.from_light : crossing.from_camera;
   const Scope s = begins ? Scope{} : scope(at, back);
-  return (1 - a.chance * s.broad) * plain_A +
-         to_area(a.per_weight * s.broad * s.matt * towards, between(at, to), to);
+  return (1 - q * s.broad) * plain_A +
+         to_area(q / W * s.broad * s.matt * towards, between(at, to), to);
 }
 
 }  // namespace tdpt

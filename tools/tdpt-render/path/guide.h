@@ -27,13 +27,19 @@ namespace tdpt {
 
 class Guide {
  public:
-  Guide(const World& world, const Guiding& guiding)
-      : portals_(world.portals),
-        guiding_(guiding),
-        active_(!world.portals.empty() && (guiding.chance[0] > 0 || guiding.chance[1] > 0)) {}
+  /// Walks of `mixture`. Where it has no use for the portals there are none, at no cost.
+  Guide(const World& world, const Mixture& mixture)
+      : Guide(world, mixture.guiding, mixture.guiding != Guiding{},
+              mixture.has(Technique::portal) || mixture.guiding != Guiding{}) {}
+  /// The same, and all is known that the densities of any other directed walks depend on.
+  static Guide knowing_all(const World& world, const Mixture& mixture) {
+    return Guide(world, mixture.guiding, true, true);
+  }
 
-  /// Whether any walk is directed; otherwise `crossing` knows D alone and no vertex has Aims.
+  /// Whether any walk may be directed; otherwise `crossing` knows D alone and no vertex has Aims.
   bool active() const { return active_; }
+  /// Whether edges have crossings at all.
+  bool sees_portals() const { return sees_portals_; }
 
   /// Of an edge `a` -> `b` of a path, a nearer to the light: here alone it is decided which edges
   /// have one. `tests` counts those that are held against the portals; `drawn`: as in portals.h.
@@ -61,11 +67,17 @@ class Guide {
                const PortalSet::Crossing& crossing) const;
 
  private:
-  Aim aim(const Point& v, const Vec3d& facing, From from) const;
+  Guide(const World& world, const Guiding& guiding, bool active, bool sees_portals)
+      : portals_(world.portals),
+        guiding_(guiding),
+        active_(active && !world.portals.empty()),
+        sees_portals_(sees_portals && !world.portals.empty()) {}
+  double chance(From from) const { return guiding_.chance[static_cast<size_t>(from)]; }
+  double aims(const Point& v, const Vec3d& facing, From from) const;
 
   const PortalSet& portals_;
   Guiding guiding_;
-  bool active_;
+  bool active_, sees_portals_;
 };
 
 }  // namespace tdpt

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "libcommon/testing/chi_square.h"
+#include "tools/tdpt-render/integrators/integrator.h"
 #include "tools/tdpt-render/path/surface.h"
 #include "tools/tdpt-render/path/walk.h"
 
@@ -16,7 +17,7 @@ namespace {
 constexpr double kLevel = 1e-3;  // a right program fails a whole TEST with this probability
 constexpr double kWrong = 1e-9;  // a wrong one is below this
 constexpr uint64_t kSamples = 50000;
-const Guiding kGuiding{{0.5, 0.4}};
+const Guiding kGuiding = tdpt_guided.mixture.guiding;
 // Of the piece in the middle, aslant to everything else.
 const Vec3d kUp = normalize(Vec3d(0.1, 0.2, 1));
 
@@ -139,7 +140,7 @@ struct Stand {
   Vertex before, at;
   Vec3d back{};  // 0: the walk begins there
 
-  Stand(const World& w, From f) : world(w), guide(w, kGuiding), from(f) {}
+  Stand(const World& w, From f) : world(w), guide(w, tdpt_guided.mixture), from(f) {}
 
   // Density [1/sr] of going on along w by a lobe that is not Dirac.
   // `least`: of the surface's own; to spoil it.
@@ -156,10 +157,10 @@ struct Stand {
     const Edge e = between(at, to);
     return guide.pdf_A(from, at, back, to, plain, c) * e.d2 / to.cosine(e.w);
   }
-  Aim& aim() {
+  double& aim() {  // W
     return back == Vec3d() ? at.aims.emitted : at.aims.scattered[from == From::light ? 0 : 1];
   }
-  Aim aim() const { return Stand(*this).aim(); }
+  double aim() const { return Stand(*this).aim(); }
 };
 
 struct Case {
@@ -269,7 +270,7 @@ void all_hold(const std::vector<Case>& cases, bool aims = true) {
     const Case& c = cases[i];
     const World world = c.world();
     const Stand s = stand_of(world, c);
-    EXPECT_EQ(s.aim().chance > 0, aims) << c.name;
+    EXPECT_EQ(s.aim() > 0, aims) << c.name;
     const Judgement j = judge(c, s, i, [&](const Vec3d& w) { return s.pdf_w(w); });
     const std::string name = c.name + (c.from == From::light ? ", from the light" : "");
     EXPECT_GT(j.p, least) << name;
@@ -363,11 +364,11 @@ double sun_lines(double fault) {
   sun.direction = normalize(Vec3d(0.2, -0.3, 1));
   const Onb<double> onb(sun.direction);
   const World world = c.world();
-  const Guide guide(world, kGuiding);
+  const Guide guide(world, tdpt_guided.mixture);
   Vertex y0;
   place_on_light(world, world.lights.sample(0.5, 0.5, 0.5, 0), y0);
   guide.aim_at_light(y0);
-  EXPECT_GT(y0.aims.emitted.chance, 0);
+  EXPECT_GT(y0.aims.emitted, 0);
   constexpr int kSide = 16, kFine = 128;
   const double radius = std::sqrt(y0.source->cos_per_pdf_w() / std::numbers::pi);
   const auto bin = [&](const Vec3d& at) {
@@ -419,9 +420,9 @@ template <class Spoil>
 Judgement spoilt(const Case& c, Spoil spoil, double least = 0) {
   const World world = c.world();
   Stand s = stand_of(world, c);
-  EXPECT_GT(s.aim().chance, 0) << c.name;
+  EXPECT_GT(s.aim(), 0) << c.name;
   // Walks get the same from a stand of their own.
-  spoil(s, s.aim().chance / s.aim().per_weight);
+  spoil(s, s.aim());
   return judge(c, s, 1, [&](const Vec3d& w) { return s.pdf_w(w, least); });
 }
 std::vector<Case> each_kind(const std::vector<Portal>& portals) {
@@ -437,7 +438,7 @@ std::vector<Case> each_kind(const std::vector<Portal>& portals) {
 TEST(guide, twin_densities_of_aiming_5_percent_off) {
   for (const Case& c : each_kind(kOne + kAside))
     for (const double factor : {0.95, 1.05}) {
-      const Judgement j = spoilt(c, [&](Stand& s, double) { s.aim().per_weight *= factor; });
+      const Judgement j = spoilt(c, [&](Stand& s, double) { s.aim() /= factor; });
       EXPECT_LT(j.p, kWrong) << c.name << " " << factor;
       if (c.name == "diffuse" && factor > 1) {
         EXPECT_GT(j.total, 1 + 1e-3);
@@ -446,7 +447,7 @@ TEST(guide, twin_densities_of_aiming_5_percent_off) {
 }
 TEST(guide, twin_weights_of_facets_that_do_not_add_up_to_1) {
   for (const Case& c : each_kind(kOne + kAside))
-    EXPECT_LT(spoilt(c, [](Stand& s, double W) { s.aim().per_weight *= W; }).p, kWrong) << c.name;
+    EXPECT_LT(spoilt(c, [](Stand& s, double W) { s.aim() /= W; }).p, kWrong) << c.name;
 }
 // W with what lies below the horizon, too: less is left for the rest.
 TEST(guide, twin_a_density_that_knows_no_horizon_when_it_chooses) {
@@ -457,7 +458,7 @@ TEST(guide, twin_a_density_that_knows_no_horizon_when_it_chooses) {
           s.at.position, {},
           from == From::light ? PortalSet::Way::with_light : PortalSet::Way::against_light);
       EXPECT_GT(all, 1.2 * W);
-      s.aim().per_weight *= W / all;
+      s.aim() *= all / W;
     });
     EXPECT_LT(j.p, kWrong);
   }
@@ -478,7 +479,7 @@ TEST(guide, twin_smooth_lobes_that_are_directed_too) {
     double smooth = 0;
     const Judgement j = spoilt(c, [&](Stand& s, double) {
       smooth = smooth_share(s.at, s.back);
-      s.aim().per_weight /= 1 - smooth;
+      s.aim() *= 1 - smooth;
     });
     EXPECT_LT(j.p, kWrong);
     // And their share, were a walk directed in their place as well.

@@ -59,6 +59,8 @@ struct Mixture {
   Guiding guiding{};
 
   bool has(Technique t) const { return techniques.has(t); }
+  /// How often a sample of the picture runs a technique: chances of less than 1 for segments alone.
+  constexpr double samples_of(Technique t) const { return t == Technique::portal ? segments : 1; }
   /// By how much the density of a technique counts in the weights of paths of k edges: samples of
   /// it per sample of the picture, times its MIS sample weight.
   constexpr double sample_weight(Technique t, int k) const {

@@ -35,6 +35,22 @@ size_t u(int i) {
   return static_cast<size_t>(i);
 }
 
+// Prefixes and suffixes of a path of k edges, densities `d` over the q_i of `unit`.
+struct Products {
+  Products(const WalkDensities& d, const WalkDensities& unit, int k) {
+    std::array<double, kMaxDepth + 1> per_common;  // 1/q_i
+    camera[u(k)] = light[0] = 1;
+    for (int i = 0; i < k; ++i) {
+      per_common[u(i)] = 1 / unit.common(i);
+      light[u(i + 1)] = light[u(i)] * (d.light_A[u(i)] * per_common[u(i)]);
+    }
+    for (int i = k - 1; i >= 0; --i)
+      camera[u(i)] = camera[u(i + 1)] * (d.camera_A[u(i)] * per_common[u(i)]);
+  }
+  std::array<double, kMaxDepth + 2> light;   // [s] = prod_{i<s} P>(x_i)/q_i
+  std::array<double, kMaxDepth + 2> camera;  // [s] = prod_{i>=s} P<(x_i)/q_i
+};
+
 }  // namespace
 
 Path::Path(const World& world, const Guide& guide, const Walk& y, int s, const Walk& z, int t,
@@ -64,25 +80,25 @@ void Path::fill(const World& world, const Walk& y, int s, const Walk& z, int t,
   for (int i = 0; i <= k_; ++i)
     dirac_[u(i)] = (i + 1 < s && y.state(i).dirac) || (i > first_z && z.state(k_ - i).dirac);
 
-  fill_crossings(world, y, s, z, first_z, segment, rays);
+  fill_crossings(y, s, z, first_z, segment, rays);
   // Inside a prefix the walk knows both densities; the two vertices at a prefix's end and the
   // segment's learn theirs from the finished path.
   for (int i = 0; i < k_; ++i) {
     const int j = k_ - i;                                       // index from the camera
-    from_light_A_[u(i)] = i == 0       ? light_pdf_A(world, 0)  // of walks, whoever placed x_0
-                          : i < s      ? y.state(i).pdf_own_A
-                          : j <= t - 3 ? z.state(j).pdf_other_A
-                                       : light_pdf_A(world, i);
-    from_camera_A_[u(i)] = i >= first_z ? z.state(j).pdf_own_A
-                           : i <= s - 3 ? y.state(i).pdf_other_A
-                                        : camera_pdf_A(world, i);
+    walks_.light_A[u(i)] = i == 0       ? plain_light_A(world, 0)  // of walks, whoever placed x_0
+                           : i < s      ? y.state(i).pdf_own_A
+                           : j <= t - 3 ? z.state(j).pdf_other_A
+                                        : directed_light_A(guide_, i, plain_light_A(world, i));
+    walks_.camera_A[u(i)] = i >= first_z ? z.state(j).pdf_own_A
+                            : i <= s - 3 ? y.state(i).pdf_other_A
+                                         : directed_camera_A(guide_, i, plain_camera_A(world, i));
   }
   next_event_A_ = world.lights.pdf_for(x(1).position, *x(0).source, x(0).triangle);
 }
 
-void Path::fill_crossings(const World& world, const Walk& y, int s, const Walk& z, int first_z,
+void Path::fill_crossings(const Walk& y, int s, const Walk& z, int first_z,
                           const SegmentCrossings* segment, RayCounts& rays) {
-  if (world.portals.empty()) {
+  if (!guide_.sees_portals()) {
     for (int i = 0; i < k_; ++i) crossing_[u(i)] = {};
     return;
   }
@@ -100,30 +116,53 @@ void Path::fill_crossings(const World& world, const Walk& y, int s, const Walk& 
   }
 }
 
-double Path::light_pdf_A(const World& world, int i) const {
+double Path::plain_light_A(const World& world, int i) const {
   if (i == 0) return world.lights.pdf(*x(0).source, x(0).triangle);
-  const double plain =
-      i == 1 ? emission_pdf_A(x(0), x(1)) : scatter_pdf_A(x(i - 2), x(i - 1), x(i), dirac(i - 1));
-  if (!guide_.active() || dirac(i - 1)) return plain;
-  const Vec3d back = i == 1 ? Vec3d() : between(x(i - 1), x(i - 2)).w;
-  return guide_.pdf_A(From::light, x(i - 1), back, x(i), plain, crossing_[u(i - 1)]);
+  return i == 1 ? emission_pdf_A(x(0), x(1))
+                : scatter_pdf_A(x(i - 2), x(i - 1), x(i), dirac(i - 1));
 }
 
-double Path::camera_pdf_A(const World& world, int i) const {
+double Path::directed_light_A(const Guide& guide, int i, double plain) const {
+  if (!guide.active() || i == 0 || dirac(i - 1)) return plain;
+  const Vec3d back = i == 1 ? Vec3d() : between(x(i - 1), x(i - 2)).w;
+  return guide.pdf_A(From::light, x(i - 1), back, x(i), plain, crossing_[u(i - 1)]);
+}
+
+double Path::plain_camera_A(const World& world, int i) const {
   if (!x(i).met()) return 0;
-  if (i == k_ - 1) {
-    const Edge e = between(x(k_), x(i));
-    return to_area(world.film.pdf_w(e.w), e, x(i));
-  }
-  const double plain = scatter_pdf_A(x(i + 2), x(i + 1), x(i), dirac(i + 1));
-  if (!guide_.active() || dirac(i + 1)) return plain;
+  if (i < k_ - 1) return scatter_pdf_A(x(i + 2), x(i + 1), x(i), dirac(i + 1));
+  const Edge e = between(x(k_), x(i));
+  return to_area(world.film.pdf_w(e.w), e, x(i));
+}
+
+double Path::directed_camera_A(const Guide& guide, int i, double plain) const {
+  if (!guide.active() || !x(i).met() || i == k_ - 1 || dirac(i + 1)) return plain;
   const Vec3d back = between(x(i + 1), x(i + 2)).w;
-  return guide_.pdf_A(From::camera, x(i + 1), back, x(i), plain, crossing_[u(i)]);
+  return guide.pdf_A(From::camera, x(i + 1), back, x(i), plain, crossing_[u(i)]);
+}
+
+WalkDensities Path::plain_densities(const World& world) const {
+  WalkDensities d;
+  for (int i = 0; i < k_; ++i) {
+    d.light_A[u(i)] = plain_light_A(world, i);
+    d.camera_A[u(i)] = plain_camera_A(world, i);
+  }
+  return d;
+}
+
+WalkDensities Path::directed_densities(const Guide& guide, const WalkDensities& plain) const {
+  WalkDensities d;
+  for (int i = 0; i < k_; ++i) {
+    d.light_A[u(i)] = directed_light_A(guide, i, plain.light_A[u(i)]);
+    d.camera_A[u(i)] = directed_camera_A(guide, i, plain.camera_A[u(i)]);
+  }
+  return d;
 }
 
 // Densities as products of parts: prefix and suffix are the caller's, the rest is given to `add`.
 template <class Add>
-void Path::for_each_strategy(const Mixture& mixture, const Add& add) const {
+void Path::for_each_strategy(const Mixture& mixture, const WalkDensities& unit,
+                             const Add& add) const {
   for (int s = 0; s <= k_; ++s) {
     const Technique technique = s == 0    ? Technique::camera
                                 : s == 1  ? Technique::direct
@@ -133,7 +172,7 @@ void Path::for_each_strategy(const Mixture& mixture, const Add& add) const {
     if (mixture.has(technique) && joins) {
       const double weight = mixture.sample_weight(technique, k_);
       if (s == 1)
-        add(Strategy{technique, s}, 0, 1, next_event_A_ * (1 / common(0)) * weight);
+        add(Strategy{technique, s}, 0, 1, next_event_A_ * (1 / unit.common(0)) * weight);
       else
         add(Strategy{technique, s}, s, s, weight);
     }
@@ -142,7 +181,7 @@ void Path::for_each_strategy(const Mixture& mixture, const Add& add) const {
       // [eq. 8], p_AA = G D as in [eq. 4].
       const double g = geometry(x(s), x(s + 1), between(x(s), x(s + 1)));
       add(Strategy{Technique::portal, s}, s, s + 2,
-          mixture.segments * crossing_[u(s)].density * (g / common(s)) / common(s + 1));
+          mixture.segments * crossing_[u(s)].density * (g / unit.common(s)) / unit.common(s + 1));
     }
   }
 }
@@ -155,20 +194,11 @@ double Path::weight(const Mixture& mixture, Strategy used, double beta) const {
 
 std::optional<double> Path::weight_by_products(const Mixture& mixture, Strategy used,
                                                double beta) const {
-  std::array<double, kMaxDepth + 2> light_part;   // [s] = prod_{i<s} P>(x_i)/q_i
-  std::array<double, kMaxDepth + 2> camera_part;  // [s] = prod_{i>=s} P<(x_i)/q_i
-  std::array<double, kMaxDepth + 1> per_common;   // 1/q_i
-  camera_part[u(k_)] = light_part[0] = 1;
-  for (int i = 0; i < k_; ++i) {
-    per_common[u(i)] = 1 / common(i);
-    light_part[u(i + 1)] = light_part[u(i)] * (from_light_A_[u(i)] * per_common[u(i)]);
-  }
-  for (int i = k_ - 1; i >= 0; --i)
-    camera_part[u(i)] = camera_part[u(i + 1)] * (from_camera_A_[u(i)] * per_common[u(i)]);
+  const Products products(walks_, walks_, k_);
   double total = 0, mine = 0;
-  for_each_strategy(mixture, [&](Strategy strategy, int prefix, int rest, double extra) {
+  for_each_strategy(mixture, walks_, [&](Strategy strategy, int prefix, int rest, double extra) {
     // [eq. 7], and [eq. 8] with p_AA in `extra`, over prod q_i.
-    double p = light_part[u(prefix)] * extra * camera_part[u(rest)];
+    double p = products.light[u(prefix)] * extra * products.camera[u(rest)];
     if (beta != 1) p = std::pow(p, beta);
     total += p;
     if (strategy == used) mine = p;
@@ -178,27 +208,43 @@ std::optional<double> Path::weight_by_products(const Mixture& mixture, Strategy 
   return mine / total;  // the balance heuristic [eq. 6] for beta = 1
 }
 
+StrategySums Path::sums(const Mixture& mixture, const WalkDensities& d, const WalkDensities& unit,
+                        Strategy used) const {
+  const Products products(d, unit, k_);
+  StrategySums sums;
+  for_each_strategy(mixture, unit, [&](Strategy strategy, int prefix, int rest, double extra) {
+    const double counted = products.light[u(prefix)] * extra * products.camera[u(rest)];
+    const double per_sample = mixture.sample_weight(strategy.technique, k_) /
+                              mixture.samples_of(strategy.technique);  // v_s / n_s
+    sums.counted += counted;
+    sums.squares += counted * per_sample;
+    if (strategy == used) sums.used = counted / per_sample;
+  });
+  return sums;
+}
+
 // Long paths whose edges are short and long by turns make every product tiny at once.
 double Path::weight_by_logarithms(const Mixture& mixture, Strategy used, double beta) const {
   std::array<double, kMaxDepth + 2> light_part, camera_part;
   camera_part[u(k_)] = light_part[0] = 0;
   for (int i = 0; i < k_; ++i)
-    light_part[u(i + 1)] = light_part[u(i)] + std::log(from_light_A_[u(i)] / common(i));
+    light_part[u(i + 1)] = light_part[u(i)] + std::log(walks_.light_A[u(i)] / walks_.common(i));
   for (int i = k_ - 1; i >= 0; --i)
-    camera_part[u(i)] = camera_part[u(i + 1)] + std::log(from_camera_A_[u(i)] / common(i));
+    camera_part[u(i)] =
+        camera_part[u(i + 1)] + std::log(walks_.camera_A[u(i)] / walks_.common(i));
   constexpr double kNone = -std::numeric_limits<double>::infinity();
   const auto log_p = [&](int prefix, int rest, double extra) {
     return light_part[u(prefix)] + std::log(extra) + camera_part[u(rest)];
   };
   double largest = kNone, mine = kNone;
-  for_each_strategy(mixture, [&](Strategy strategy, int prefix, int rest, double extra) {
+  for_each_strategy(mixture, walks_, [&](Strategy strategy, int prefix, int rest, double extra) {
     const double l = log_p(prefix, rest, extra);
     largest = std::max(largest, l);
     if (strategy == used) mine = l;
   });
   if (mine == kNone) return std::numeric_limits<double>::quiet_NaN();
   double total = 0;
-  for_each_strategy(mixture, [&](Strategy, int prefix, int rest, double extra) {
+  for_each_strategy(mixture, walks_, [&](Strategy, int prefix, int rest, double extra) {
     total += std::exp(beta * (log_p(prefix, rest, extra) - largest));
   });
   return std::exp(beta * (mine - largest)) / total;

@@ -16,6 +16,26 @@ struct Strategy {
   friend bool operator==(const Strategy&, const Strategy&) = default;
 };
 
+/// Densities of the vertices x_i of a path, i < k, in walks from the light and from the camera.
+struct WalkDensities {
+  std::array<double, kMaxDepth + 1> light_A;   ///< P>(x_i)
+  std::array<double, kMaxDepth + 1> camera_A;  ///< P<(x_i)
+  /// q_i, more than 0, by which the densities of x_i are divided.
+  double common(int i) const {
+    const double q = light_A[static_cast<size_t>(i)] + camera_A[static_cast<size_t>(i)];
+    return q == 0 ? 1 : q;
+  }
+};
+
+/// What a mixture's strategies s make of a path together: n_s samples of each in a sample of the
+/// picture, which count as v_s in the weights [Mixture::sample_weight], of density p_s over what is
+/// common to all.
+struct StrategySums {
+  double counted = 0;  ///< sum v_s p_s
+  double squares = 0;  ///< sum v_s^2 / n_s p_s
+  double used = 0;     ///< n_s p_s of one of them
+};
+
 /// Crossings (portals.h) of a portal segment and of the edges that join it to its prefixes.
 struct SegmentCrossings {
   PortalSet::Crossing own;     ///< x_l -> x_c; D is more than 0
@@ -49,30 +69,38 @@ class Path {
                                            double beta) const;
   double weight_by_logarithms(const Mixture& mixture, Strategy used, double beta) const;
 
+  // The path under other mixtures than that which made it: what it brings to their second moments
+  // [scout.h].
+
+  /// Densities where no walk is directed.
+  WalkDensities plain_densities(const World& world) const;
+  /// And where they are directed by `guide`, from the plain ones. What Guide::knowing_all() knows
+  /// must have been known to those that made the path.
+  WalkDensities directed_densities(const Guide& guide, const WalkDensities& plain) const;
+  /// Densities `d` of the mixture's walks, over the product of the q_i of `unit`. k >= 2.
+  StrategySums sums(const Mixture& mixture, const WalkDensities& d, const WalkDensities& unit,
+                    Strategy used) const;
+
  private:
   void fill(const World& world, const Walk& y, int s, const Walk& z, int t,
             const SegmentCrossings* segment, RayCounts& rays);
-  void fill_crossings(const World& world, const Walk& y, int s, const Walk& z, int first_z,
+  void fill_crossings(const Walk& y, int s, const Walk& z, int first_z,
                       const SegmentCrossings* segment, RayCounts& rays);
-  /// P>(x_i) and P<(x_i), from the finished path.
-  double light_pdf_A(const World& world, int i) const;
-  double camera_pdf_A(const World& world, int i) const;
+  /// P>(x_i) and P<(x_i), from the finished path: of plain walks, and directed ones from these.
+  double plain_light_A(const World& world, int i) const;
+  double plain_camera_A(const World& world, int i) const;
+  double directed_light_A(const Guide& guide, int i, double plain) const;
+  double directed_camera_A(const Guide& guide, int i, double plain) const;
   const Vertex& x(int i) const { return vertex(i); }
-  /// q_i, more than 0, by which the densities of x_i are divided.
-  double common(int i) const {
-    const double q = from_light_A_[static_cast<size_t>(i)] + from_camera_A_[static_cast<size_t>(i)];
-    return q == 0 ? 1 : q;
-  }
-  /// Calls add(strategy, end of its light prefix, first index of its camera part, its other factor)
-  /// for those of `mixture` that can have made the path.
+  /// Calls add(strategy, end of its light prefix, first index of its camera part, its other factor
+  /// over the q_i of `unit`) for those of `mixture` that can have made the path.
   template <class Add>
-  void for_each_strategy(const Mixture& mixture, const Add& add) const;
+  void for_each_strategy(const Mixture& mixture, const WalkDensities& unit, const Add& add) const;
 
   const Guide& guide_;
   int k_ = 0;
   std::array<const Vertex*, kMaxDepth + 1> x_;
-  std::array<double, kMaxDepth + 1> from_light_A_;   ///< P>(x_i)
-  std::array<double, kMaxDepth + 1> from_camera_A_;  ///< P<(x_i)
+  WalkDensities walks_;
   double next_event_A_ = 0;  ///< p_nee(x_0): its density as a next event at x_1
   std::array<PortalSet::Crossing, kMaxDepth + 1> crossing_;  ///< of the edge x_i -> x_{i+1}
   std::array<bool, kMaxDepth + 1> dirac_;

@@ -16,11 +16,11 @@ Vec3d back(const Walk& walk, int i) {
 
 }  // namespace
 
-PathSampler::PathSampler(const World& world, const SampleSettings& settings, Film& film,
-                         Tally& tally, const PathObserver* observer)
+PathSampler::PathSampler(const World& world, const SampleSettings& settings, const Guide& guide,
+                         Film& film, Tally& tally, const PathObserver* observer)
     : world_(world),
       settings_(settings),
-      guide_(world, settings.mixture.guiding),
+      guide_(guide),
       film_(film),
       tally_(tally),
       observer_(observer) {}

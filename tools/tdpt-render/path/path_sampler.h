@@ -27,7 +27,11 @@ using PathObserver = std::function<void(const Path&, Strategy, const Rgb& unweig
 class PathSampler {
  public:
   PathSampler(const World& world, const SampleSettings& settings, Film& film, Tally& tally,
-              const PathObserver* observer = nullptr);
+              const PathObserver* observer = nullptr)
+      : PathSampler(world, settings, Guide(world, settings.mixture), film, tally, observer) {}
+  /// `guide`: of that mixture.
+  PathSampler(const World& world, const SampleSettings& settings, const Guide& guide, Film& film,
+              Tally& tally, const PathObserver* observer);
 
   void sample(int x, int y, uint64_t sample) {
     begin(x, y, sample);

@@ -242,6 +242,52 @@ TEST(paths_guided, of_any_probability_are_the_oracles) {
   EXPECT_EQ(combinations.size(), 3u * 2 * 2);
 }
 
+// Paths of walks that are directed one way or not at all, weighed as if they were directed another:
+// the largest difference from the oracle's weight. `told`: the mixture that is asked for.
+double weighed_as_others(const Scene& scene, const Integrator& made, const Mixture& asked,
+                         const Mixture& told) {
+  const World world(scene, scene.camera(""), 16, 12, two_crossing_portals());
+  Film film(16, 12, 1);
+  Tally tally;
+  const Guide guide = Guide::knowing_all(world, made.mixture);
+  const Guide other = Guide::knowing_all(world, asked);
+  double worst = 0;
+  int all = 0;
+  const PathObserver observer = [&](const Path& path, Strategy strategy, const Rgb&) {
+    if (path.k() < 2 || !asked.has(strategy.technique)) return;
+    const WalkDensities plain = path.plain_densities(world);
+    const StrategySums sums =
+        path.sums(asked, path.directed_densities(other, plain), plain, strategy);
+    const double per_sample = asked.sample_weight(strategy.technique, path.k()) /
+                              asked.samples_of(strategy.technique);
+    const double weight =
+        oracle::weight(oracle::densities(world, path, told, Fault::none), strategy, 1);
+    worst = std::max(worst, std::abs(sums.used * per_sample / sums.counted - weight));
+    ++all;
+  };
+  PathSampler sampler(world, {made.mixture, 6, 1, 5, made.stream}, guide, film, tally, &observer);
+  for (uint64_t s = 0; s < 2000; ++s) sampler.sample(8, 6, s);
+  EXPECT_GT(all, 50);
+  return worst;
+}
+
+TEST(paths_under_other_mixtures, weigh_as_the_oracle_says) {
+  Mixture often = tdpt_guided.mixture, seldom = tdpt_guided.mixture;
+  often.guiding = {{0.9, 0.8}};
+  seldom.guiding = {{0.3, 0}};
+  seldom.segments = 0.25;
+  for (const Scene& scene : {diffuse_rooms(), glossy_rooms()})
+    for (const Integrator* made : {&tdpt_org, &tdpt_guided})
+      for (const Mixture& asked : {nee.mixture, bdpt.mixture, tdpt_org.mixture, often, seldom}) {
+        EXPECT_LT(weighed_as_others(scene, *made, asked, asked), 1e-4) << made->name;
+        // Twin: directed a little more often than was asked.
+        Mixture told = asked;
+        if (told.guiding == Guiding{}) continue;
+        told.guiding.chance[0] += 0.05;
+        EXPECT_GT(weighed_as_others(scene, *made, asked, told), 1e-3) << made->name;
+      }
+}
+
 TEST(path_twin, a_portal_density_off_is_caught_where_a_share_of_the_samples_draws_segments) {
   for (const Scene& scene : {diffuse_rooms(), glossy_rooms()}) {
     Integrator integrator = tdpt_guided;
@@ -270,7 +316,7 @@ double carried_by_directed_walks(double fault) {
   constexpr int kWalks = 800000;
   double mean[2] = {}, variance = 0;
   for (size_t directed : {0, 1}) {
-    const Guide guide(world, directed ? Guiding{{0.9, 0.9}} : Guiding{});
+    const Guide guide(world, directed ? Mixture{kThreeWays, 1, 1, 1, {{0.9, 0.9}}} : bdpt.mixture);
     double sum = 0, squares = 0;
     Walk walk;
     RayCounts rays;
@@ -382,7 +428,7 @@ TEST(paths_deep, weights_survive_products_that_no_double_holds) {
     if (i > 0) state.pdf_own_A = camera, state.pdf_other_A = light;
   }
   RayCounts rays;
-  const Guide guide(world, {});
+  const Guide guide(world, tdpt_org.mixture);
   const Path path(world, guide, y, 1, z, k, rays);
   const auto p = oracle::densities(world, path, bdpt.mixture);
   double largest = -1e300;
@@ -460,7 +506,7 @@ TEST(paths_skipped, a_vertex_that_no_walk_can_have_made_leaves_the_weights_of_se
   const Vertex end_1 = vertex(x1, side);  // x_2 is behind it, x_0 in front
   const Vertex end_2 = vertex(x2, side - forward);
   RayCounts rays;
-  const Guide guide(world, {});
+  const Guide guide(world, tdpt_org.mixture);
   const SegmentCrossings crossings{guide.crossing(end_1, end_2, rays.portal),
                                    guide.crossing(y[0], end_1, rays.portal),
                                    guide.crossing(end_2, z[1], rays.portal)};

@@ -9,17 +9,12 @@
 
 namespace tdpt {
 
-/// How a walk is directed at the portals where it stands (guide.h).
-struct Aim {
-  double chance = 0;      ///< that it is
-  double per_weight = 0;  ///< chance / W
-};
-
-/// Where walks may be directed from a point. All 0 where none is (Guide).
+/// Where walks may be directed from a point: W of what they can aim at [portals.h], 0 where that is
+/// nothing (Guide).
 struct Aims {
-  Vec3d facing{};                ///< side of the surface that the path's edges are on; 0: both
-  std::array<Aim, 2> scattered;  ///< of a walk from the light, from the camera, that scatters here
-  Aim emitted;                   ///< of a walk that begins here
+  Vec3d facing{};                     ///< side of the surface that the path's edges are on; 0: both
+  std::array<double, 2> scattered{};  ///< of a walk from the light, from the camera, scattered here
+  double emitted = 0;                 ///< of a walk that begins here
 };
 
 struct Vertex : Point {

@@ -1,0 +1,30 @@
+// Those that `auto` chooses among.
+#pragma once
+#include <span>
+#include <string>
+#include <vector>
+
+#include "tools/tdpt-render/integrators/integrator.h"
+#include "tools/tdpt-render/path/world.h"
+
+namespace tdpt {
+
+struct Candidate {
+  Integrator integrator;
+  std::string label;  ///< names it in notes and statistics; several may share an integrator's name
+  /// Whether the world's portals are any use to it.
+  bool with_portals() const {
+    return integrator.mixture.has(Technique::portal) || integrator.mixture.guiding != Guiding{};
+  }
+};
+
+/// For this scene, with the techniques that its portals allow, safe ones first: the first is taken
+/// where nothing can be told. None that misses light of the scene [light_missed].
+/// `guided`: those of tdpt-guided that are to be tried.
+std::vector<Candidate> auto_candidates(const World& world,
+                                       std::span<const Integrator> guided = kGuided);
+
+/// `auto` by name, with all techniques of the candidates; it cannot be run.
+Integrator either_of(const std::vector<Candidate>& candidates);
+
+}  // namespace tdpt

@@ -1,0 +1,402 @@
+#include "tools/tdpt-render/scout.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include <oneapi/tbb/parallel_for.h>
+
+#include "tools/tdpt-render/work_model.h"
+
+namespace tdpt {
+namespace {
+
+constexpr uint64_t kRound = 1;  // of the random numbers: 0 is the picture's
+constexpr uint64_t kChunk = 16;  // groups that are added up in a row
+constexpr double kDark = 0.01;   // as exrdiff's relMSE
+constexpr double kGroupsPerBlock = 2;
+constexpr double kPrice = 1.5;  // of a sample that all candidates look at, in others
+// The terms that paths have in common are known less well than the moments: they take away all but
+// this share of them at most.
+constexpr double kLeastLeft = 0.05;
+constexpr double kMostMissed = 1e-3;  // of the light
+
+bool directed(const Candidate& c) {
+  return c.integrator.mixture.guiding != Guiding{};
+}
+
+int techniques(const Candidate& c) {
+  return std::popcount(c.integrator.mixture.techniques.bits());
+}
+
+// Which of the parts of the picture, across or down, a pixel lies in; and how many do.
+int64_t part_of(int64_t at, int64_t size) {
+  return at * ScoutSums::kAcross / size;
+}
+int64_t in_part(int64_t part, int64_t size) {
+  const auto first = [size](int64_t p) {
+    return (p * size + ScoutSums::kAcross - 1) / ScoutSums::kAcross;
+  };
+  return first(part + 1) - first(part);
+}
+
+// The k-th of pixels spread evenly over the picture.
+std::array<int, 2> pixel_of(uint64_t k, int width, int height) {
+  // Powers of the plastic number's inverse, as fractions of 2^64.
+  const auto spread = [k](uint64_t step, int size) {
+    const uint64_t at = (k + 1) * step;
+    return static_cast<int>(static_cast<double>(at >> 11) * 0x1p-53 * size);
+  };
+  return {spread(0xc13fa9a902a6328fULL, width), spread(0x91e10da5c79e7b1dULL, height)};
+}
+
+}  // namespace
+
+ScoutSums::ScoutSums(size_t candidates, size_t runs)
+    : splats(candidates, std::vector<double>(kBlocks)),
+      luminance(kBlocks),
+      missed(candidates),
+      rays(runs) {}
+
+void ScoutSums::merge(const ScoutSums& other) {
+  for (size_t b = 0; b < kBlocks; ++b) luminance[b] += other.luminance[b];
+  for (size_t i = 0; i < splats.size(); ++i) {
+    missed[i] += other.missed[i];
+    for (size_t b = 0; b < kBlocks; ++b) splats[i][b] += other.splats[i][b];
+  }
+  for (size_t r = 0; r < rays.size(); ++r)
+    for (size_t p = 0; p < kParts; ++p) rays[r][p].merge(other.rays[r][p]);
+}
+
+// One sample of a run, seen by all candidates.
+class ScoutSample {
+ public:
+  ScoutSample(const Scout& scout, size_t run, ScoutSums& sums)
+      : scout_(scout), run_(run), sums_(sums), squares_(scout.candidates_.size()) {}
+
+  void begin(int x, int y, ScoutRecord& record) {
+    block_ = block_of(x, y);
+    record_ = &record;
+    const size_t n = squares_.size();
+    record = {0, std::vector<double>(n), std::vector<double>(n), std::vector<double>(n)};
+    std::fill(squares_.begin(), squares_.end(), 0.0);
+  }
+
+  void see(const Path& path, Strategy strategy, const Rgb& value) {
+    const double light = luminance(value);
+    if (!(light > 0 && std::isfinite(light))) return;
+    if (path.k() >= 2) return weigh(path, strategy, light);
+    // A lamp seen directly: all see it alike.
+    sums_.luminance[block_] += light / static_cast<double>(scout_.runs_.size());
+    record_->brought += light;
+    for (size_t i = 0; i < squares_.size(); ++i) {
+      record_->moments[i] += light * light / static_cast<double>(scout_.runs_.size());
+      bring(i, light);
+    }
+  }
+
+  void end() {
+    for (size_t i = 0; i < squares_.size(); ++i)
+      record_->common[i] = record_->x[i] * record_->x[i] - squares_[i];
+  }
+
+  size_t block() const { return block_; }
+
+ private:
+  const Mixture& mixture(size_t candidate) const {
+    return scout_.candidates_[candidate].integrator.mixture;
+  }
+
+  size_t block_of(int x, int y) const {
+    return static_cast<size_t>(part_of(y, scout_.world_.film.height()) * ScoutSums::kAcross +
+                               part_of(x, scout_.world_.film.width()));
+  }
+
+  // Where a path falls that no sample of its pixel has made.
+  size_t block_of(const Path& path) const {
+    const FilmPlane& film = scout_.world_.film;
+    double x = 0, y = 0;
+    film.raster(between(path.vertex(path.k()), path.vertex(path.k() - 1)).w, x, y);
+    return block_of(std::clamp(static_cast<int>(x), 0, film.width() - 1),
+                    std::clamp(static_cast<int>(y), 0, film.height() - 1));
+  }
+
+  // A path of candidate i at home, in the sample's own pixel.
+  void bring(size_t i, double brought) {
+    if (scout_.home_[i] != run_) return;
+    record_->x[i] += brought;
+    squares_[i] += brought * brought;
+  }
+
+  std::vector<StrategySums> sums_of(const Path& path, Strategy strategy) const {
+    const WalkDensities plain = path.plain_densities(scout_.world_);
+    std::vector<StrategySums> of;
+    for (size_t i = 0; i < squares_.size(); ++i)
+      of.push_back(path.sums(mixture(i),
+                             mixture(i).guiding == Guiding{}
+                                 ? plain
+                                 : path.directed_densities(scout_.guides_[i], plain),
+                             plain, strategy));
+    return of;
+  }
+
+  void weigh(const Path& path, Strategy strategy, double light) {
+    const std::vector<StrategySums> of = sums_of(path, strategy);
+    double all_runs = 0;
+    for (const size_t r : scout_.runs_) all_runs += of[r].counted;
+    const size_t own = scout_.runs_[run_];
+    if (!(of[own].used > 0 && std::isfinite(all_runs))) return;
+    // v_s / n_s
+    const auto per_sample = [&](size_t i) {
+      return mixture(i).sample_weight(strategy.technique, path.k()) /
+             mixture(i).samples_of(strategy.technique);
+    };
+    const double f = light * of[own].used;
+    const double share = f * per_sample(own) / all_runs;  // of the picture, both runs together
+    const bool splat = strategy.technique == Technique::light ||
+                       (strategy.technique == Technique::portal && strategy.split == path.k() - 2);
+    const size_t block = splat ? block_of(path) : block_;
+    sums_.luminance[block] += share;
+    if (!splat) record_->brought += f * per_sample(own) / of[own].counted;
+    for (size_t i = 0; i < of.size(); ++i) {
+      if (!(of[i].counted > 0)) {
+        sums_.missed[i] += share;
+        continue;
+      }
+      const double moment = share * f * (of[i].squares / of[i].counted / of[i].counted);
+      (splat ? sums_.splats[i][block] : record_->moments[i]) += moment;
+      if (!splat && of[i].used > 0) bring(i, f * per_sample(i) / of[i].counted);
+    }
+  }
+
+  const Scout& scout_;
+  const size_t run_;
+  ScoutSums& sums_;
+  size_t block_ = 0;
+  ScoutRecord* record_ = nullptr;
+  std::vector<double> squares_;  // of each candidate's paths
+};
+
+Scout::Scout(const World& world, const std::vector<Candidate>& candidates,
+             const SampleRules& rules)
+    : world_(world), candidates_(candidates), rules_(rules), home_(candidates.size()) {
+  // The first of those with most techniques, of the walks that are directed and of the plain ones.
+  for (const bool is_directed : {false, true}) {
+    size_t most = candidates.size();
+    for (size_t i = 0; i < candidates.size(); ++i)
+      if (directed(candidates[i]) == is_directed &&
+          (most == candidates.size() || techniques(candidates[i]) > techniques(candidates[most])))
+        most = i;
+    if (most == candidates.size()) continue;
+    for (size_t i = 0; i < candidates.size(); ++i)
+      if (directed(candidates[i]) == is_directed) home_[i] = runs_.size();
+    runs_.push_back(most);
+  }
+  for (const Candidate& c : candidates)
+    guides_.push_back(Guide::knowing_all(world, c.integrator.mixture));
+  sums_ = ScoutSums(candidates.size(), runs_.size());
+}
+
+namespace {
+
+// Makes samples of one run and counts the rays of each of its parts.
+class Runner {
+ public:
+  Runner(const World& world, const Mixture& mixture, const Guide& guide, const SampleSettings& how,
+         Film& film, const PathObserver& observer)
+      : mixture_(mixture), tally_(film.unit()), sampler_(world, how, guide, film, tally_, &observer) {}
+
+  void sample(int x, int y, uint64_t number, std::array<RayCounts, ScoutSums::kParts>& rays) {
+    sampler_.begin(x, y, number);
+    count(rays[0], [&] { sampler_.walk_from_camera(); });
+    if (sampler_.has_light_phase()) count(rays[1], [&] { sampler_.walk_from_light(); });
+    for (size_t t = 0; t < kTechniques; ++t)
+      if (const auto technique = static_cast<Technique>(t); mixture_.has(technique))
+        count(rays[2 + t], [&] { sampler_.run(technique); });
+  }
+
+ private:
+  template <class Work>
+  void count(RayCounts& rays, const Work& work) {
+    tally_.rays = {};
+    work();
+    rays.merge(tally_.rays);
+  }
+
+  const Mixture& mixture_;
+  Tally tally_;
+  PathSampler sampler_;
+};
+
+}  // namespace
+
+void Scout::draw(uint64_t groups, Film& film) {
+  const uint64_t first = this->groups(), end = first + groups;
+  blocks_.resize(end);
+  records_.resize(end * samples_of_group());
+  std::vector<ScoutSums> parts((groups + kChunk - 1) / kChunk);
+  tbb::parallel_for(size_t{0}, parts.size(), [&](size_t c) {
+    ScoutSums& sums = parts[c] = ScoutSums(candidates_.size(), runs_.size());
+    for (size_t r = 0; r < runs_.size(); ++r) {
+      const Integrator& integrator = candidates_[runs_[r]].integrator;
+      ScoutSample seen(*this, r, sums);
+      const PathObserver observer = [&](const Path& path, Strategy strategy, const Rgb& value) {
+        seen.see(path, strategy, value);
+      };
+      const SampleSettings how{integrator.mixture, rules_.max_depth, 1, rules_.seed,
+                               integrator.stream + (kStreams + 1) * kRound};
+      Runner runner(world_, integrator.mixture, guides_[runs_[r]], how, film, observer);
+      for (uint64_t k = first + c * kChunk; k < std::min(end, first + (c + 1) * kChunk); ++k) {
+        const auto [x, y] = pixel_of(k, world_.film.width(), world_.film.height());
+        for (size_t j = 0; j < kScoutGroup; ++j) {
+          seen.begin(x, y, record(k, r, j));
+          // Runs of 2^32 samples of a pixel are independent [sequence.h].
+          runner.sample(x, y, (kScoutGroup * k + j) << 32, sums.rays[r]);
+          seen.end();
+        }
+        blocks_[k] = static_cast<uint32_t>(seen.block());
+      }
+    }
+  });
+  for (const ScoutSums& part : parts) sums_.merge(part);
+}
+
+double Scout::work_of(size_t candidate) const {
+  const Mixture& m = candidates_[candidate].integrator.mixture;
+  const size_t run = home_[candidate];
+  const double rendered = candidates_[runs_[run]].integrator.mixture.segments;
+  RayCounts rays;
+  double segments = 0;
+  const WorkModel work(world_, m);
+  const uint64_t samples = kScoutGroup * groups();
+  const auto& of = sums_.rays[run];
+  rays.merge(of[0]);
+  if (m.techniques.walks_from_light()) rays.merge(of[1]);
+  for (size_t t = 0; t < kTechniques; ++t) {
+    const auto technique = static_cast<Technique>(t);
+    if (!m.has(technique)) continue;
+    if (technique == Technique::portal)
+      segments = (work.per_sample(of[2 + t], samples) - work.per_sample({}, samples)) * m.segments /
+                 rendered;
+    else
+      rays.merge(of[2 + t]);
+  }
+  return work.per_sample(rays, samples) + segments;
+}
+
+namespace {
+
+// The picture in so many blocks that each is known: brightness of each.
+struct Blocks {
+  Blocks(const std::vector<double>& luminance, double groups, int width, int height) {
+    constexpr int kAcross = ScoutSums::kAcross;
+    int across = kAcross;
+    while (across > 1 && groups < kGroupsPerBlock * across * across) across /= 2;
+    const int size = kAcross / across;
+    light.resize(static_cast<size_t>(across * across));
+    std::vector<double> pixels(light.size(), 0);
+    for (int y = 0; y < kAcross; ++y)
+      for (int x = 0; x < kAcross; ++x) {
+        coarse.push_back(static_cast<size_t>(y / size * across + x / size));
+        pixels[coarse.back()] += static_cast<double>(in_part(x, width) * in_part(y, height));
+      }
+    const double samples_of_pixel =
+        groups * kScoutGroup / (static_cast<double>(width) * static_cast<double>(height));
+    for (size_t b = 0; b < luminance.size(); ++b) {
+      light[coarse[b]] += luminance[b] / samples_of_pixel;
+      mean += luminance[b] / (groups * kScoutGroup);
+    }
+    for (size_t b = 0; b < light.size(); ++b) light[b] /= std::max(pixels[b], 1.0);
+  }
+
+  std::vector<size_t> coarse;  // of each of the blocks of the sums
+  std::vector<double> light;   // by coarse block
+  double mean = 0;
+};
+
+}  // namespace
+
+std::vector<double> Scout::errors() const {
+  const size_t n = candidates_.size();
+  std::vector<double> moments(n), common(n);
+  const Blocks blocks(sums_.luminance, static_cast<double>(groups()), world_.film.width(),
+                      world_.film.height());
+  if (!(blocks.mean > 0)) return std::vector<double>(n, 0);
+  const double dark = kDark * blocks.mean * blocks.mean;
+  const auto per_brightness = [&](double block, double pixel) {
+    const double I = std::max(block, pixel);
+    return 1 / (I * I + dark);
+  };
+  const double all = static_cast<double>(kScoutGroup * groups());
+  const size_t each = samples_of_group();
+  for (uint64_t k = 0; k < groups(); ++k) {
+    const ScoutRecord* const of_group = &records_[k * each];
+    const double block = blocks.light[blocks.coarse[blocks_[k]]];
+    double brought = 0;
+    for (size_t j = 0; j < each; ++j) brought += of_group[j].brought;
+    for (size_t a = 0; a < each; ++a) {
+      const ScoutRecord& one = of_group[a];
+      const double others = (brought - one.brought) / static_cast<double>(each - 1);
+      const double norm = per_brightness(block, others) / all;
+      for (size_t i = 0; i < n; ++i) {
+        moments[i] += one.moments[i] * norm;
+        common[i] += one.common[i] * norm;
+      }
+      for (size_t b = a + 1; b < each && b / kScoutGroup == a / kScoutGroup; ++b) {
+        const ScoutRecord& two = of_group[b];
+        const double rest = (brought - one.brought - two.brought) / static_cast<double>(each - 2);
+        // Each sample with each other.
+        const double pairs = all * 0.5 * (kScoutGroup - 1);
+        for (size_t i = 0; i < n; ++i)
+          common[i] -= one.x[i] * two.x[i] * per_brightness(block, rest) / pairs;
+      }
+    }
+  }
+  for (size_t i = 0; i < n; ++i)
+    for (size_t b = 0; b < ScoutSums::kBlocks; ++b)
+      moments[i] += sums_.splats[i][b] * per_brightness(blocks.light[blocks.coarse[b]], 0) / all;
+  std::vector<double> errors;
+  for (size_t i = 0; i < n; ++i)
+    errors.push_back(sums_.missed[i] > kMostMissed * blocks.mean * all
+                         ? INFINITY
+                         : std::max(moments[i] + common[i], kLeastLeft * moments[i]));
+  return errors;
+}
+
+std::vector<Prospect> Scout::prospects() const {
+  const std::vector<double> error = errors();
+  std::vector<Prospect> all;
+  for (size_t i = 0; i < error.size(); ++i) {
+    const Candidate& c = candidates_[i];
+    const bool safe = c.label == bdpt.name || c.label == nee.name;
+    all.push_back({c.label, c.with_portals(), safe, error[i], work_of(i)});
+  }
+  return all;
+}
+
+uint64_t groups_for(double samples, uint64_t samples_of_group) {
+  const double spared = kScoutsShare * samples / (kPrice * static_cast<double>(samples_of_group));
+  if (spared < static_cast<double>(kFewestGroups)) return 0;
+  return static_cast<uint64_t>(std::min(spared, static_cast<double>(kMostGroups)));
+}
+
+size_t best_of(const std::vector<Prospect>& prospects, uint64_t groups) {
+  // What chance does to the ratio of two candidates that are told from the same paths.
+  const double better = 1 - 1 / std::sqrt(static_cast<double>(std::max<uint64_t>(groups, 4)));
+  const auto cost = [&](const Prospect& p) { return p.cost() / (p.safe ? 1 : better); };
+  size_t best = 0;
+  for (size_t i = 1; i < prospects.size(); ++i)
+    if (cost(prospects[i]) < cost(prospects[best])) best = i;
+  return best;
+}
+
+std::optional<size_t> best_with(bool portals, const std::vector<Prospect>& prospects) {
+  std::optional<size_t> best;
+  for (size_t i = 0; i < prospects.size(); ++i)
+    if (prospects[i].with_portals == portals &&
+        (!best || prospects[i].cost() < prospects[*best].cost()))
+      best = i;
+  return best;
+}
+
+}  // namespace tdpt

@@ -1,0 +1,126 @@
+// Integrator `auto`: finds out which of several integrators renders this picture with the least
+// error x work, before it renders, from few samples.
+//
+// Method: second moments of many estimators from the samples of one or two (as Grittmann et al.
+// 2022, "Efficiency-aware multiple importance sampling for bidirectional rendering algorithms",
+// choose numbers of samples). Every path that is found says by its densities how often each
+// candidate would find it and what it would then bring, so all candidates are judged by the same
+// paths, and one that seldom finds a bright path does not look calm because it found none.
+//
+// x         path, f its luminance, s strategies of candidate i: n_s samples of density p_s, counted
+//           v_s times in the weights
+// M_i       = integral f^2 sum_s v_s^2/n_s p_s / (sum_s v_s p_s)^2: second moments of what
+//           candidate i makes of a sample, path by path (balance heuristic)
+// R         runs: candidates that are rendered, `home` of those whose walks are like theirs; paths
+//           of two runs are weighed by the balance heuristic among them
+// X, X'     luminance of two independent samples of one pixel, of a candidate, as its home makes
+//           them: the home's strategies that it has, with its own weights; without splats
+// V_i       variance of one sample of a pixel:
+//             V_i = M_i + E[X^2 - sum of squares of its paths] - E[X X'],
+//           no bias: the middle term is what the paths of one sample have in common. A candidate
+//           whose walks are like none of a run takes its home's last two terms.
+// I         the larger of two brightnesses: the mean of a block of pixels, and that of the other
+//           samples of the pixel, which know a lamp or a window from the wall beside it
+//
+// The error of a candidate is the mean of V_i / (I^2 + 0.01 mean^2): the relMSE of one sample per
+// pixel, as exrdiff has it but for I. Its work is told from the rays that its walks and techniques
+// take [work_model.h], never from the clock.
+//
+// The samples are thrown away, so nothing that is decided by them can bias the picture.
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tools/tdpt-render/candidates.h"
+#include "tools/tdpt-render/passes.h"
+
+namespace tdpt {
+
+/// What is known of one candidate.
+struct Prospect {
+  std::string integrator;     ///< its label
+  bool with_portals = false;  ///< whether it uses them
+  bool safe = false;          ///< whether it needs no proof to be chosen: `bdpt`, `nee`
+  double relmse = 0;          ///< of one sample per pixel; infinite where it misses light
+  double work = 0;            ///< of one sample [ns]
+  double cost() const { return relmse * work; }
+};
+
+/// Samples of a pixel that are drawn together.
+inline constexpr size_t kScoutGroup = 4;
+
+/// What a sample of a run says of each candidate.
+struct ScoutRecord {
+  double brought = 0;           ///< luminance, as the run brings it to the sample's own pixel
+  std::vector<double> moments;  ///< of its own pixel
+  // Where the run is the candidate's home: X, and X^2 less the squares of its paths.
+  std::vector<double> x, common;
+};
+
+/// Sums over all samples, of what they bring to other pixels or need no others for.
+struct ScoutSums {
+  /// Of the picture in blocks, row by row.
+  static constexpr int kAcross = 16;
+  static constexpr size_t kBlocks = size_t{kAcross} * kAcross;
+  /// Rays of each run: those of the walks from the camera and from the light, then by technique.
+  static constexpr size_t kParts = 2 + kTechniques;
+
+  ScoutSums() = default;
+  ScoutSums(size_t candidates, size_t runs);
+  void merge(const ScoutSums& other);
+
+  std::vector<std::vector<double>> splats;  ///< M_i of splats, by block [candidate][block]
+  std::vector<double> luminance;            ///< of all paths, by block
+  std::vector<double> missed;               ///< of those that a candidate cannot make
+  std::vector<std::array<RayCounts, kParts>> rays;
+};
+
+/// Judges candidates for one picture.
+class Scout {
+ public:
+  /// At least one candidate.
+  Scout(const World& world, const std::vector<Candidate>& candidates, const SampleRules& rules);
+
+  /// Draws more groups of samples in each run. They are left in `film`, as large as the picture.
+  void draw(uint64_t groups, Film& film);
+  uint64_t groups() const { return blocks_.size(); }
+  /// Samples of a group, in all runs.
+  uint64_t samples_of_group() const { return kScoutGroup * runs_.size(); }
+
+  /// Of each candidate.
+  std::vector<Prospect> prospects() const;
+
+ private:
+  friend class ScoutSample;
+  double work_of(size_t candidate) const;
+  std::vector<double> errors() const;
+  ScoutRecord& record(uint64_t group, size_t run, size_t sample) {
+    return records_[(group * runs_.size() + run) * kScoutGroup + sample];
+  }
+
+  const World& world_;
+  const std::vector<Candidate>& candidates_;
+  const SampleRules rules_;
+  std::vector<size_t> runs_;  ///< candidates that are rendered
+  std::vector<size_t> home_;  ///< of each candidate: which of the runs
+  std::vector<Guide> guides_;     ///< of each candidate
+  ScoutSums sums_;
+  std::vector<uint32_t> blocks_;      ///< of each group's pixel
+  std::vector<ScoutRecord> records_;  ///< by group, run, sample
+};
+
+/// Of the work of a picture, the scout may take up so much.
+inline constexpr double kScoutsShare = 0.04;
+inline constexpr uint64_t kFewestGroups = 8, kMostGroups = 2048;
+/// Groups that a picture of so many samples can spare; 0: too few to tell anything.
+uint64_t groups_for(double samples, uint64_t samples_of_group);
+
+/// The candidate of least error x work, told from so many groups; the first of equals, and the first
+/// when none met light. One that is not safe is taken where it is better than the best that is by
+/// more than chance.
+size_t best_of(const std::vector<Prospect>& prospects, uint64_t groups);
+/// The best of those without portals, or of those with them; nothing where there is none.
+std::optional<size_t> best_with(bool portals, const std::vector<Prospect>& prospects);
+
+}  // namespace tdpt
