@@ -221,7 +221,7 @@ TEST(film, tells_its_variance) {
 // ---- Plans ----
 
 TEST(plan, is_read_as_it_was_written) {
-  Plan plan{kGuided[2], "tdpt-guided 0.5 0.2 0.25", 1000, {{1, PortalWay::back}}, 1.0 / 3};
+  Plan plan{kGuided[2], "tdpt-guided 0.5 0.2 0.25", 1000, {{1, PortalWay::back}}};
   EXPECT_EQ(read_plan(plan_text(plan), "a"), plan);
   Plan other = plan;
   other.integrator.mixture.segments = 0.5;

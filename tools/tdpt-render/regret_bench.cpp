@@ -4,10 +4,11 @@
 //   --width W --height H --seconds T   default 96 72 2, CPU seconds for the truth of each integrator;
 //                                      0: none is told
 //   --seeds N                          pictures of each length, default 8
+//   --name NAME                        of the scene, in what is printed
 //
 //   truth  SCENE INTEGRATOR  relMSE of a sample, its standard error, CPU ns of a sample
 //   told   SCENE SPP SEED INTEGRATOR  relMSE and work as told from the samples of a scout
-//   choice SCENE SPP SEED INTEGRATOR  that was chosen, CPU s of the scout, and samples for it
+//   choice SCENE SPP SEED INTEGRATOR  that was chosen, CPU s of the scout, its groups; pixels
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -25,6 +26,7 @@ constexpr uint64_t kLengths[] = {4, 8, 16, 32, 64, 256};
 struct Settings {
   int width = 96, height = 72, seeds = 8;
   double seconds = 2;
+  std::string name;  // of the scene in what is printed; empty: its file
 };
 
 // Pictures of one integrator, of as many samples each.
@@ -91,7 +93,7 @@ void print_truth(const char* scene, const std::string& label, const Pictures& p,
 }
 
 // Of the candidates and of all other integrators that can render the scene.
-void print_truths(const char* scene_path, const World& world,
+void print_truths(const char* name, const World& world,
                   const std::vector<Candidate>& candidates, const Settings& s) {
   std::vector<Candidate> all = candidates;
   for (const Integrator& i : kIntegrators) {
@@ -114,15 +116,16 @@ void print_truths(const char* scene_path, const World& world,
       render_one(world, all[i].integrator, spp[i], 2000 + n, pictures[i]);
   const std::vector<double> reference = reference_of(pictures);
   for (size_t i = 0; i < all.size(); ++i)
-    print_truth(scene_path, all[i].label, pictures[i], reference);
+    print_truth(name, all[i].label, pictures[i], reference);
 
 }
 
 void measure(const char* scene_path, const std::vector<Portal>& portals, const Settings& s) {
+  const char* const name = s.name.empty() ? scene_path : s.name.c_str();
   const Scene scene = read_gltf(scene_path);
   const World world(scene, scene.camera(""), s.width, s.height, portals);
   const std::vector<Candidate> candidates = auto_candidates(world);
-  if (s.seconds > 0) print_truths(scene_path, world, candidates, s);
+  if (s.seconds > 0) print_truths(name, world, candidates, s);
   const double pixels = static_cast<double>(s.width) * s.height;
   Film film(s.width, s.height, world.lights.power());
   for (const uint64_t length : kLengths)
@@ -136,13 +139,13 @@ void measure(const char* scene_path, const std::vector<Portal>& portals, const S
       const double spent = cpu_seconds() - cpu;
       film.clear();
       for (const Prospect& p : told)
-        std::printf("told\t%s\t%llu\t%d\t%s\t%.5g\t%.5g\n", scene_path,
+        std::printf("told\t%s\t%llu\t%d\t%s\t%.5g\t%.5g\n", name,
                     static_cast<unsigned long long>(length), seed, p.integrator.c_str(), p.relmse,
                     p.work);
-      std::printf("choice\t%s\t%llu\t%d\t%s\t%.5g\t%llu\n", scene_path,
+      std::printf("choice\t%s\t%llu\t%d\t%s\t%.5g\t%llu\t%d\n", name,
                   static_cast<unsigned long long>(length), seed,
                   told[best_of(told, scout.groups())].integrator.c_str(), spent,
-                  static_cast<unsigned long long>(scout.groups()));
+                  static_cast<unsigned long long>(scout.groups()), s.width * s.height);
     }
   std::fflush(stdout);
 }
@@ -160,6 +163,8 @@ int main(int argc, char** argv) {
       settings.width = std::atoi(argv[++i]);
     else if (!std::strcmp(argv[i], "--height") && more)
       settings.height = std::atoi(argv[++i]);
+    else if (!std::strcmp(argv[i], "--name") && more)
+      settings.name = argv[++i];
     else if (!std::strcmp(argv[i], "--seeds") && more)
       settings.seeds = std::atoi(argv[++i]);
     else if (!std::strcmp(argv[i], "--seconds") && more)
