@@ -34,10 +34,7 @@ Row run(const PortalStages& stages, bool keeps, const KnownRoom& room, const fs:
   std::ofstream(stem + ".glb", std::ios::binary) << room.plan.glb(room.writing);
   Row row;
   row.run = run_stages(stages, stem);
-  // An opening too wide to be a bottleneck may be found, but need not.
-  const bool nothing_is_right = room.kind == RoomKind::wide_window && row.run.portals.empty();
-  row.score = score(row.run.portals,
-                    nothing_is_right ? std::vector<KnownAperture>{} : room.placed_apertures());
+  row.score = score(row.run.portals, room.placed_apertures());
   if (!keeps) remove_stages(stem);
   return row;
 }

@@ -4,20 +4,18 @@
 #include <cmath>
 #include <numbers>
 
-#include "libcommon/math/rng.h"
+#include "libcommon/testing/known_kinds.h"
+#include "libcommon/testing/room_site.h"
 
 namespace tdpt::testing {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
 
-// Draws everything about a room in a fixed order.
-class Architect {
+// Rooms of one height and depth in a row along x. Draws everything in a fixed order.
+class Row {
  public:
-  Architect(RoomKind kind, uint64_t seed) : rng_(seed, 0x700 + static_cast<uint64_t>(kind), 0) {
-    room_.kind = kind;
-    room_.seed = seed;
-  }
+  Row(RoomKind kind, uint64_t seed) : kind_(kind), site_(kind, seed) {}
 
   KnownRoom build() {
     choose_sizes();
@@ -25,17 +23,18 @@ class Architect {
     shell();
     for (size_t w = 0; w + 1 < lengths_.size(); ++w) wall(w);
     if (is(RoomKind::ajar) || is(RoomKind::ajar_full)) leaf();
-    lamps();
-    for (size_t r = 0; r < lengths_.size(); ++r) furnish(r);
-    camera();
-    if (rng_.uniform() < 0.5) mirror();
-    choose_writing();
-    return std::move(room_);
+    site_.lamps(space(lamp_room_), lamp_room_ > 0);
+    for (size_t r = 0; r < lengths_.size(); ++r) site_.furniture(space(r));
+    site_.camera(space(camera_room_));
+    return site_.finish();
   }
 
  private:
-  bool is(RoomKind kind) const { return room_.kind == kind; }
-  double between(double low, double high) { return low + (high - low) * rng_.uniform(); }
+  bool is(RoomKind kind) const { return kind_ == kind; }
+  double between(double low, double high) { return site_.between(low, high); }
+  Space space(size_t room) const {
+    return {start(room), end(room), 0, height_, -0.5 * depth_, 0.5 * depth_};
+  }
   double start(size_t room) const { return starts_[room]; }
   double end(size_t room) const { return starts_[room] + lengths_[room]; }
 
@@ -45,13 +44,13 @@ class Architect {
     const size_t rooms = is(RoomKind::open_room) ? 1 : row ? 3 : 2;
     lamp_room_ = rooms - 1;
     // The closet lies behind the camera's room or behind the lamp's.
-    if (is(RoomKind::closet)) rng_.uniform() < 0.5 ? ++camera_room_ : --lamp_room_;
+    if (is(RoomKind::closet)) site_.chance(0.5) ? ++camera_room_ : --lamp_room_;
     double x = 0;
     for (size_t r = 0; r < rooms; ++r) {
       lengths_.push_back(between(2, 4));
       starts_.push_back(x);
       // Thin and thick walls alike.
-      thickness_.push_back(0.01 * std::pow(30, rng_.uniform()));
+      thickness_.push_back(site_.log_between(0.01, 0.3));
       x += lengths_.back() + thickness_.back();
     }
     height_ = between(2.2, 2.8);
@@ -68,7 +67,7 @@ class Architect {
   }
 
   WallOpening opening() {
-    switch (room_.kind) {
+    switch (kind_) {
       case RoomKind::slit:
         return somewhere(between(1.2, 2), 0.03, between(0.05, 0.15));
       case RoomKind::floor_door:
@@ -105,6 +104,11 @@ class Architect {
     return somewhere(side, side, between(0.3, height_ - side - 0.2));
   }
 
+  void add(KnownAperture aperture) {
+    aperture.optional = is(RoomKind::wide_window);
+    site_.opening(std::move(aperture));
+  }
+
   void choose_openings() {
     for (size_t w = 0; w + 1 < lengths_.size(); ++w) {
       std::vector<WallOpening> openings{opening()};
@@ -119,8 +123,7 @@ class Architect {
       if (on_the_way && !is(RoomKind::ajar) && !is(RoomKind::ajar_full)) {
         const double x = end(w) + 0.5 * thickness_[w];
         for (const WallOpening& o : openings)
-          room_.apertures.push_back(
-              {{{x, o.y0, o.z0}, {x, o.y0, o.z1}, {x, o.y1, o.z1}, {x, o.y1, o.z0}},
+          add({{{x, o.y0, o.z0}, {x, o.y0, o.z1}, {x, o.y1, o.z1}, {x, o.y1, o.z0}},
                {-1, 0, 0},
                thickness_[w]});
       }
@@ -131,9 +134,9 @@ class Architect {
   // Floors, ceilings and outer walls, facing inwards.
   void shell() {
     const double z0 = -0.5 * depth_, z1 = 0.5 * depth_, h = height_;
-    RoomPlan::Part shell{"shell", 0, {}};
+    std::vector<Quad> shell;
     const auto level = [&](double xa, double xb, double y) {
-      shell.quads.push_back({{{xa, y, z1}, {xb, y, z1}, {xb, y, z0}, {xa, y, z0}}});
+      shell.push_back({{{xa, y, z1}, {xb, y, z1}, {xb, y, z0}, {xa, y, z0}}});
     };
     const size_t last = lengths_.size() - 1;
     const bool through = is(RoomKind::through_floor);
@@ -142,21 +145,19 @@ class Architect {
       const double xa = start(r), xb = end(r);
       if (!through) level(xa, xb, 0);
       level(xa, xb, h);
-      shell.quads.push_back({{{xa, 0, z0}, {xb, 0, z0}, {xb, h, z0}, {xa, h, z0}}});
-      shell.quads.push_back({{{xb, 0, z1}, {xa, 0, z1}, {xa, h, z1}, {xb, h, z1}}});
+      shell.push_back({{{xa, 0, z0}, {xb, 0, z0}, {xb, h, z0}, {xa, h, z0}}});
+      shell.push_back({{{xb, 0, z1}, {xa, 0, z1}, {xa, h, z1}, {xb, h, z1}}});
     }
-    shell.quads.push_back(
-        {{{start(0), 0, z1}, {start(0), 0, z0}, {start(0), h, z0}, {start(0), h, z1}}});
+    shell.push_back({{{start(0), 0, z1}, {start(0), 0, z0}, {start(0), h, z0}, {start(0), h, z1}}});
     const double x = end(last);
-    shell.quads.push_back({{{x, 0, z0}, {x, 0, z1}, {x, h, z1}, {x, h, z0}}});
-    room_.plan.parts.push_back(std::move(shell));
+    shell.push_back({{{x, 0, z0}, {x, 0, z1}, {x, h, z1}, {x, h, z0}}});
+    site_.part("shell", std::move(shell));
   }
 
   void wall(size_t w) {
     const WallOpening extent{0, height_, -0.5 * depth_, 0.5 * depth_};
-    room_.plan.parts.push_back(
-        {"wall", 0,
-         wall_across_x(end(w), start(w + 1), extent, openings_[w], !is(RoomKind::through_floor))});
+    site_.part("wall", wall_across_x(end(w), start(w + 1), extent, openings_[w],
+                                     !is(RoomKind::through_floor)));
   }
 
   // A leaf hung on one side of the wall, a centimetre wider than the opening at both sides; its
@@ -164,14 +165,14 @@ class Architect {
   void leaf() {
     constexpr double kOverlap = 0.01, kThick = 0.03;
     const WallOpening& o = openings_[0][0];
-    const bool full = is(RoomKind::ajar_full), to_camera = rng_.uniform() < 0.5;
+    const bool full = is(RoomKind::ajar_full), to_camera = site_.chance(0.5);
     const double angle = between(5, 15) * kDegree;
     const double x = to_camera ? end(0) : start(1), out = to_camera ? -1 : 1;
     const double top = full ? height_ + 0.005 : o.y1 + kOverlap, bottom = full ? -0.005 : 0;
     const Vec3d hinge{x, 0, o.z0 - kOverlap};
     const Vec3d low{to_camera ? x - kThick : x, bottom, hinge.z},
         high{to_camera ? x : x + kThick, top, o.z1 + kOverlap};
-    room_.plan.parts.push_back({"leaf", 0, box(low, high, out * angle, hinge)});
+    site_.part("leaf", box(low, high, out * angle, hinge));
 
     // The slit lies between the jamb and the place of the leaf nearest to it.
     const Vec3d along{out * std::sin(angle), 0, std::cos(angle)};
@@ -179,8 +180,7 @@ class Architect {
     const Vec3d foot = hinge + along * reach, jamb{x, 0, o.z1};
     const Vec3d up{0, full ? height_ : o.y1, 0};
     const Vec3d edge = hinge + along * (o.z1 + kOverlap - hinge.z);  // of the leaf
-    room_.apertures.push_back(
-        {{jamb, foot, foot + up, jamb + up}, along * -out, 0, {jamb, edge, edge + up, jamb + up}});
+    add({{jamb, foot, foot + up, jamb + up}, along * -out, 0, {jamb, edge, edge + up, jamb + up}});
     if (full) return;
     const Vec3d over{0, kOverlap, 0};
     std::vector<Vec3d> gap{hinge + up, jamb + up, foot + up + over};
@@ -189,121 +189,60 @@ class Architect {
     const Vec3d back = Vec3d{out * std::cos(angle), 0, -std::sin(angle)} * kThick;
     const std::vector<Vec3d> far{hinge + up, jamb + up, foot + up + over + back,
                                  hinge + up + over + back};
-    room_.apertures.push_back({gap, (n.y > 0) == to_camera ? n : -n, 0, far});
+    add({gap, (n.y > 0) == to_camera ? n : -n, 0, far});
   }
 
-  void lamp(const std::string& how, double power) {
-    const size_t last = lamp_room_;
-    const double r = between(0.1, 0.3), edge = 0.5 * depth_ - r - 0.1;
-    const double z = between(-edge, edge), y = between(1.2 + r, height_ - r - 0.1);
-    const double x = between(start(last) + r + 0.3, end(last) - r - 0.1);
-    RoomPlan::Quad q;
-    const auto facing_x = [&](double at, double way) -> RoomPlan::Quad {
-      return {{{at, y - r, z - way * r},
-               {at, y + r, z - way * r},
-               {at, y + r, z + way * r},
-               {at, y - r, z + way * r}}};
-    };
-    if (how == "up")
-      q = {{{x - r, 1.1, z + r}, {x + r, 1.1, z + r}, {x + r, 1.1, z - r}, {x - r, 1.1, z - r}}};
-    else if (how == "at")
-      q = facing_x(end(last) - 0.05, -1);
-    else if (how == "away" && lamp_room_ > 0)
-      q = facing_x(start(last) + 0.4, 1);
-    else
-      q = {{{x - r, height_ - 0.01, z - r},
-            {x + r, height_ - 0.01, z - r},
-            {x + r, height_ - 0.01, z + r},
-            {x - r, height_ - 0.01, z + r}}};
-    room_.plan.parts.push_back({"lamp", power, {q}});
-  }
-
-  void lamps() {
-    const char* const ways[] = {"down", "up", "at", "away", "several"};
-    room_.lamp = ways[rng_.below(5)];
-    if (room_.lamp != "several") return lamp(room_.lamp, 20);
-    for (uint32_t i = 0, n = 2 + rng_.below(2); i < n; ++i) {
-      const char* const way = ways[rng_.below(4)];
-      lamp(way, between(5, 30));
-    }
-  }
-
-  // Boxes on the floor, lower than cameras and lamps, away from the openings.
-  void furnish(size_t r) {
-    for (uint32_t i = 0, n = rng_.below(4); i < n; ++i) {
-      const double w = between(0.2, 0.6), d = between(0.2, 0.6), h = between(0.2, 1);
-      const double reach = 0.5 * std::hypot(w, d);
-      const double x = between(start(r) + 0.6 + reach, end(r) - 0.6 - reach);
-      const double z = between(-0.5 * depth_ + reach, 0.5 * depth_ - reach);
-      const double turn = between(0, std::numbers::pi);
-      if (end(r) - start(r) < 1.3 + 2 * reach) continue;
-      const Vec3d middle{x, 0, z};
-      room_.plan.parts.push_back({"box", 0,
-                                  box(middle - Vec3d{0.5 * w, 0, 0.5 * d},
-                                      middle + Vec3d{0.5 * w, h, 0.5 * d}, turn, middle)});
-    }
-  }
-
-  void camera() {
-    const double edge = 0.5 * depth_ - 0.15;
-    const double x = start(camera_room_);
-    room_.plan.camera = {x + between(0.15, 0.5), between(1.2, 1.7), between(-edge, edge)};
-    room_.plan.look_at = {end(camera_room_), between(0.6, 1.4), between(-0.5 * edge, 0.5 * edge)};
-    if (rng_.uniform() < 0.2) room_.plan.look_at = {x, 1, -0.9 * room_.plan.camera.z};
-  }
-
-  void mirror() {
-    const auto flip = [](Vec3d& p) { p.z = -p.z; };
-    for (RoomPlan::Part& part : room_.plan.parts)
-      for (RoomPlan::Quad& q : part.quads) {
-        for (Vec3d& p : q) flip(p);
-        std::reverse(q.begin(), q.end());
-      }
-    for (KnownAperture& a : room_.apertures) {
-      for (Vec3d& p : a.outline) flip(p);
-      for (Vec3d& p : a.mouth) flip(p);
-      flip(a.normal);
-    }
-    flip(room_.plan.camera);
-    flip(room_.plan.look_at);
-  }
-
-  void choose_writing() {
-    Writing& w = room_.writing;
-    w.splitting = static_cast<Splitting>(rng_.below(4));
-    if (rng_.uniform() < 0.5) return;
-    Placement& p = w.placement;
-    p.axis = Vec3d{between(-1, 1), between(0.1, 1), between(-1, 1)};
-    p.angle = between(0, 2 * std::numbers::pi);
-    const double units[] = {1, 100, 0.01, 39.37};
-    p.scale = units[rng_.below(4)];
-    if (rng_.uniform() < 0.5)
-      p.move = Vec3d{between(-1, 1), between(-1, 1), between(-1, 1)} * (1000 * p.scale);
-  }
-
-  Rng rng_;
-  KnownRoom room_;
+  RoomKind kind_;
+  Site site_;
   std::vector<double> lengths_, starts_, thickness_;  // of rooms; of the wall behind each
   size_t camera_room_ = 0, lamp_room_ = 0;
   double height_ = 0, depth_ = 0;
   std::vector<std::vector<WallOpening>> openings_;  // of each wall
 };
 
+// In the order of RoomKind. Kinds without a builder of their own are rows.
+struct {
+  const char* name;
+  void (*build)(Site&);
+} constexpr kKinds[] = {{"hole", nullptr},
+                        {"slit", nullptr},
+                        {"floor-door", nullptr},
+                        {"through-floor", nullptr},
+                        {"ajar-full", nullptr},
+                        {"ajar", nullptr},
+                        {"window", nullptr},
+                        {"two-openings", nullptr},
+                        {"holes-in-row", nullptr},
+                        {"doors-in-row", nullptr},
+                        {"closet", nullptr},
+                        {"keyhole", nullptr},
+                        {"wide-window", nullptr},
+                        {"open-room", nullptr},
+                        {"arch", arch},
+                        {"banister", banister},
+                        {"glazing-bars", glazing_bars},
+                        {"blinds", blinds},
+                        {"curtains", curtains},
+                        {"bay", bay},
+                        {"windows-in-row", windows_in_row},
+                        {"double-door", double_door},
+                        {"furnished-door", furnished_door},
+                        {"l-room", l_room},
+                        {"alcove", alcove},
+                        {"shared-edge", shared_edge},
+                        {"lampshade", lampshade},
+                        {"lamp-outside", lamp_outside}};
+
 }  // namespace
 
 const char* name_of(RoomKind kind) {
-  constexpr const char* names[] = {"hole",         "slit",         "floor-door", "through-floor",
-                                   "ajar-full",    "ajar",         "window",     "two-openings",
-                                   "holes-in-row", "doors-in-row", "closet",     "keyhole",
-                                   "wide-window",  "open-room"};
-  return names[static_cast<size_t>(kind)];
+  return kKinds[static_cast<size_t>(kind)].name;
 }
 
 const std::vector<RoomKind>& all_room_kinds() {
   static const std::vector<RoomKind> kinds = [] {
     std::vector<RoomKind> all;
-    for (int k = 0; k <= static_cast<int>(RoomKind::open_room); ++k)
-      all.push_back(static_cast<RoomKind>(k));
+    for (size_t k = 0; k < std::size(kKinds); ++k) all.push_back(static_cast<RoomKind>(k));
     return all;
   }();
   return kinds;
@@ -320,7 +259,11 @@ std::string KnownRoom::file() const {
 }
 
 KnownRoom known_room(RoomKind kind, uint64_t seed) {
-  return Architect(kind, seed).build();
+  const auto build = kKinds[static_cast<size_t>(kind)].build;
+  if (build == nullptr) return Row(kind, seed).build();
+  Site site(kind, seed);
+  build(site);
+  return site.finish();
 }
 
 }  // namespace tdpt::testing

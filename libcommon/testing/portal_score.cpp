@@ -1,5 +1,7 @@
 #include "libcommon/testing/portal_score.h"
 
+#include <algorithm>
+#include <cmath>
 #include <set>
 
 #include "libcommon/math/alias_table.h"
@@ -10,10 +12,6 @@ namespace tdpt::testing {
 namespace {
 
 constexpr int kLines = 20000;
-
-struct Line {
-  Vec3d point, direction;
-};
 
 // Whether `p` in the plane of the outline lies within it.
 bool within(const std::vector<Vec3d>& outline, const Vec3d& normal, const Vec3d& p) {
@@ -44,6 +42,15 @@ bool passes(const KnownAperture& o, const Line& line) {
     if (o.thickness == 0) break;
   }
   return true;
+}
+
+bool meets(const Quad& q, const Line& line) {
+  return crosses({q[0], q[1], q[2]}, line) || crosses({q[0], q[2], q[3]}, line);
+}
+
+bool is_free(const KnownAperture& o, const Line& line) {
+  return passes(o, line) && std::none_of(o.obstacles.begin(), o.obstacles.end(),
+                                         [&](const Quad& q) { return meets(q, line); });
 }
 
 // Meets the portal along its normal.
@@ -131,21 +138,23 @@ KnownAperture rectangle(const Vec3d& corner, const Vec3d& u, const Vec3d& v, con
   return {{corner, corner + u, corner + u + v, corner + v}, normal, thickness};
 }
 
-double coverage(const KnownAperture& opening, const std::vector<Portal>& portals) {
+std::vector<Line> free_lines(const KnownAperture& opening, size_t count) {
   Rng rng(1, 0, 0);
   const LineSource source = lines_of(opening);
-  int lines = 0, covered = 0;
-  for (int drawn = 0; lines < kLines && drawn < 200 * kLines; ++drawn) {
-    const Line line = source.draw(rng);
-    if (!passes(opening, line)) continue;
-    ++lines;
-    for (const Portal& portal : portals)
-      if (crosses(portal, line)) {
-        ++covered;
-        break;
-      }
-  }
-  return lines > 0 ? static_cast<double>(covered) / lines : 0;
+  std::vector<Line> lines;
+  for (size_t drawn = 0; lines.size() < count && drawn < 200 * count; ++drawn)
+    if (const Line line = source.draw(rng); is_free(opening, line)) lines.push_back(line);
+  return lines;
+}
+
+double coverage(const KnownAperture& opening, const std::vector<Portal>& portals) {
+  const std::vector<Line> lines = free_lines(opening, kLines);
+  const auto covered = [&](const Line& line) {
+    return std::any_of(portals.begin(), portals.end(),
+                       [&](const Portal& portal) { return crosses(portal, line); });
+  };
+  const auto n = std::count_if(lines.begin(), lines.end(), covered);
+  return lines.empty() ? 0 : static_cast<double>(n) / static_cast<double>(lines.size());
 }
 
 double tightness(const Portal& portal, const KnownAperture& opening,
@@ -178,7 +187,48 @@ double angle_to(const KnownAperture& opening, const Vec3d& normal) {
   return least;
 }
 
-PortalScore score(const std::vector<Portal>& portals, const std::vector<KnownAperture>& openings) {
+namespace {
+
+constexpr double kStray = 0.3;
+
+struct Fit {
+  size_t opening;    ///< the one that most of the portal's lines pass
+  double tightness;  ///< there, over all openings
+};
+
+Fit best_fit(const Portal& portal, const std::vector<KnownAperture>& openings) {
+  const LineSource lines = lines_of(portal);
+  size_t best = 0;
+  double most = -1;
+  for (size_t i = 0; i < openings.size(); ++i)
+    if (const double share = share_passing(lines, {openings[i]}); share > most)
+      most = share, best = i;
+  return {best, tightness(portal, openings[best], openings)};
+}
+
+// What the portals are to be held against: an opening, its panes, or nothing where it is optional.
+std::vector<KnownAperture> as_found(const std::vector<Portal>& portals,
+                                    const std::vector<KnownAperture>& openings) {
+  std::vector<size_t> fitting(openings.size());
+  if (!openings.empty())
+    for (const Portal& portal : portals)
+      if (const Fit fit = best_fit(portal, openings); fit.tightness >= kStray)
+        ++fitting[fit.opening];
+  std::vector<KnownAperture> out;
+  for (size_t i = 0; i < openings.size(); ++i) {
+    const KnownAperture& o = openings[i];
+    if (fitting[i] > 1 && !o.panes.empty())
+      out.insert(out.end(), o.panes.begin(), o.panes.end());
+    else if (fitting[i] > 0 || !o.optional)
+      out.push_back(o);
+  }
+  return out;
+}
+
+}  // namespace
+
+PortalScore score(const std::vector<Portal>& portals, const std::vector<KnownAperture>& known) {
+  const std::vector<KnownAperture> openings = as_found(portals, known);
   PortalScore s;
   s.portals = portals.size();
   s.openings = openings.size();
@@ -186,19 +236,14 @@ PortalScore score(const std::vector<Portal>& portals, const std::vector<KnownApe
   std::set<size_t> matched;
   for (const Portal& portal : portals) {
     if (openings.empty()) break;
-    size_t best = 0;
-    double most = -1;
-    for (size_t i = 0; i < openings.size(); ++i)
-      if (const double share = share_passing(lines_of(portal), {openings[i]}); share > most)
-        most = share, best = i;
-    const double tight = tightness(portal, openings[best], openings);
-    s.tightness = std::min(s.tightness, tight);
-    if (tight < 0.3) {
+    const Fit fit = best_fit(portal, openings);
+    s.tightness = std::min(s.tightness, fit.tightness);
+    if (fit.tightness < kStray) {
       ++s.strays;
       continue;
     }
-    matched.insert(best);
-    s.angle = std::max(s.angle, angle_to(openings[best], mean_normal(portal)));
+    matched.insert(fit.opening);
+    s.angle = std::max(s.angle, angle_to(openings[fit.opening], mean_normal(portal)));
   }
   s.matched = matched.size();
   if (portals.empty() && !openings.empty()) s.tightness = 0, s.angle = 90;

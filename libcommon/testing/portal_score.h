@@ -2,6 +2,12 @@
 //
 // Lines of an opening: uniform places on it, cosine directions about its normal, those that pass
 // both faces of the wall. Lines of a portal: the same on the portal, not filtered.
+//
+// What stands in an opening (bars, slats, furniture) frees a portal from covering the lines that it
+// stops. Tightness leaves it out of account: those lines count alike for a portal and for the
+// perfect one. So a portal over the whole and one over what is left free are both right.
+//
+// An opening that bars split into panes may have one portal, or one for each pane.
 #pragma once
 #include <vector>
 
@@ -14,11 +20,18 @@ namespace tdpt::testing {
 KnownAperture rectangle(const Vec3d& corner, const Vec3d& u, const Vec3d& v, const Vec3d& normal,
                         double thickness);
 
+struct Line {
+  Vec3d point, direction;
+};
+
 /// Whether the straight line through `point` along `direction` goes through the opening, the
 /// light's way: through both faces of its wall.
 bool passes(const KnownAperture& opening, const Vec3d& point, const Vec3d& direction);
 
-/// Share of the opening's lines that cross one of the portals along its normal.
+/// Lines of the opening that nothing in it stops; fewer than `count` if hardly any are free.
+std::vector<Line> free_lines(const KnownAperture& opening, size_t count);
+
+/// Share of the opening's free lines that cross one of the portals along its normal.
 double coverage(const KnownAperture& opening, const std::vector<Portal>& portals);
 
 /// Share of the portal's lines that pass one of the openings, over the same share of a perfect
@@ -34,7 +47,8 @@ double degrees_between(const Vec3d& a, const Vec3d& b);
 /// bound what light passes, the nearest normal between theirs.
 double angle_to(const KnownAperture& opening, const Vec3d& normal);
 
-/// All portals of a scene against all its openings. The worst of each figure.
+/// All portals of a scene against all its openings. The worst of each figure. An opening that more
+/// than one portal fits best counts as its panes; an optional one that none fits does not count.
 struct PortalScore {
   size_t portals = 0, openings = 0;
   double coverage = 1;   ///< over the openings

@@ -100,6 +100,9 @@ KnownAperture Placement::operator()(const KnownAperture& aperture) const {
   KnownAperture placed = aperture;
   for (Vec3d& p : placed.outline) p = (*this)(p);
   for (Vec3d& p : placed.mouth) p = (*this)(p);
+  for (Quad& q : placed.obstacles)
+    for (Vec3d& p : q) p = (*this)(p);
+  for (KnownAperture& pane : placed.panes) pane = (*this)(pane);
   placed.normal = turned(aperture.normal);
   placed.thickness *= scale;
   return placed;

@@ -12,6 +12,9 @@
 
 namespace tdpt::testing {
 
+/// Counter-clockwise seen from its front.
+using Quad = std::array<Vec3d, 4>;
+
 /// A convex opening and the way the light goes through it.
 struct KnownAperture {
   std::vector<Vec3d> outline;  ///< corners in the middle of the wall, in order [metres]
@@ -19,6 +22,11 @@ struct KnownAperture {
   double thickness = 0;        ///< of the wall [metres]
   /// Beside a leaf: where else all light passes. Its lines cross this outline, too.
   std::vector<Vec3d> mouth{};
+  /// What stands in it: bars, slats, furniture. Lines that meet them bring no light.
+  std::vector<Quad> obstacles{};
+  /// Bars split it into these: a portal for each of them is as right as one over the whole.
+  std::vector<KnownAperture> panes{};
+  bool optional = false;  ///< may be found, but need not: hardly a bottleneck
 };
 
 enum class Splitting { none, in_4, in_144, slivers };
@@ -44,8 +52,7 @@ struct Writing {
 };
 
 struct RoomPlan {
-  /// Counter-clockwise seen from its front.
-  using Quad = std::array<Vec3d, 4>;
+  using Quad = testing::Quad;
   struct Part {
     std::string name;
     double radiance = 0;  ///< above 0: a lamp that shines from its front [W/m2/sr]
