@@ -17,8 +17,8 @@ struct Leaks {
   int rays = 0, through = 0, unexplained = 0, lost = 0;
 };
 
-// Rays between the first room and the rest that pass no known opening, of rays drawn in the last
-// room near the walls with openings; and rays that hit nothing.
+// Rays from well behind a wall across x to well before it that pass no known opening, of rays drawn
+// near the openings; and rays that hit nothing.
 Leaks leaks_of(const KnownRoom& room, const std::vector<KnownAperture>& openings) {
   const TempFolder folder;
   Writing writing = room.writing;
@@ -67,9 +67,13 @@ Leaks leaks_of(const KnownRoom& room, const std::vector<KnownAperture>& openings
 
 TEST(known_rooms, light_passes_their_walls_through_the_known_openings_alone) {
   for (const RoomKind kind :
-       {RoomKind::hole, RoomKind::slit, RoomKind::floor_door, RoomKind::through_floor,
-        RoomKind::ajar_full, RoomKind::ajar, RoomKind::window, RoomKind::two_openings,
-        RoomKind::holes_in_row, RoomKind::doors_in_row}) {
+       {RoomKind::hole,          RoomKind::slit,           RoomKind::floor_door,
+        RoomKind::through_floor, RoomKind::ajar_full,      RoomKind::ajar,
+        RoomKind::window,        RoomKind::two_openings,   RoomKind::holes_in_row,
+        RoomKind::doors_in_row,  RoomKind::arch,           RoomKind::banister,
+        RoomKind::glazing_bars,  RoomKind::blinds,         RoomKind::curtains,
+        RoomKind::double_door,   RoomKind::furnished_door, RoomKind::l_room,
+        RoomKind::alcove,        RoomKind::shared_edge}) {
     const KnownRoom room = known_room(kind, 7);
     const Leaks leaks = leaks_of(room, room.apertures);
     EXPECT_GT(leaks.through, 100) << room.file();
@@ -125,6 +129,66 @@ TEST(portal_score, takes_any_plane_between_the_two_narrow_places_beside_a_leaf) 
   EXPECT_NEAR(angle_to(o, normalize(Vec3d{-2, 0, 1})), 0, 0.5);
   EXPECT_NEAR(angle_to(o, {0, 0, 1}), 45, 1e-6);
   EXPECT_NEAR(angle_to(o, {-c, 0, -c}), 45, 1e-6);
+}
+
+// A window of 1 x 1 with a cross of bars, 0.04 wide.
+KnownAperture barred_window() {
+  KnownAperture o = rectangle({0, 0, 0}, {0, 1, 0}, {0, 0, 1}, {-1, 0, 0}, 0.2);
+  const auto pane = [](double y, double z) {
+    return rectangle({0, y, z}, {0, 0.48, 0}, {0, 0, 0.48}, {-1, 0, 0}, 0.03);
+  };
+  o.panes = {pane(0, 0), pane(0, 0.52), pane(0.52, 0), pane(0.52, 0.52)};
+  o.obstacles = box({-0.015, 0.48, 0}, {0.015, 0.52, 1});
+  for (const Quad& q : box({-0.015, 0, 0.48}, {0.015, 1, 0.52})) o.obstacles.push_back(q);
+  return o;
+}
+
+TEST(portal_score, takes_one_portal_or_one_for_each_pane) {
+  const std::vector<KnownAperture> openings{barred_window()};
+  const Portal whole = portal_of(openings[0]);
+  std::vector<Portal> panes;
+  for (const KnownAperture& pane : openings[0].panes) panes.push_back(portal_of(pane));
+  EXPECT_TRUE(score({whole}, openings).right());
+  EXPECT_TRUE(score(panes, openings).right());
+  EXPECT_FALSE(score({whole, panes[0]}, openings).right());
+  EXPECT_FALSE(score({whole, whole}, openings).right());
+  EXPECT_FALSE(score({panes[0]}, openings).right());
+  EXPECT_FALSE(score({panes[0], panes[1], panes[2]}, openings).right());
+  EXPECT_FALSE(score({panes[0], panes[1], panes[2], panes[2]}, openings).right());
+  const Portal half = portal_of(rectangle({0, 0, 0}, {0, 1, 0}, {0, 0, 0.48}, {-1, 0, 0}, 0));
+  EXPECT_FALSE(score({half, panes[1], panes[3]}, openings).right());
+}
+
+TEST(portal_score, leaves_free_whether_what_obstacles_stop_is_covered) {
+  KnownAperture o = rectangle({0, 0, 0}, {0, 2, 0}, {0, 0, 0.8}, {-1, 0, 0}, 0.1);
+  const Portal whole = portal_of(o);
+  const Portal above = portal_of(rectangle({0, 0.6, 0}, {0, 1.4, 0}, {0, 0, 0.8}, {-1, 0, 0}, 0));
+  EXPECT_FALSE(score({above}, {o}).right());
+  o.obstacles = box({-0.3, 0, 0}, {0.3, 0.62, 0.8});
+  EXPECT_TRUE(score({above}, {o}).right());
+  EXPECT_TRUE(score({whole}, {o}).right());
+  const Portal higher = portal_of(rectangle({0, 0.8, 0}, {0, 1.2, 0}, {0, 0, 0.8}, {-1, 0, 0}, 0));
+  EXPECT_FALSE(score({higher}, {o}).right());
+}
+
+TEST(portal_score, asks_for_no_portal_where_it_is_optional) {
+  KnownAperture o = rectangle({0, 0, 0}, {0, 1, 0}, {0, 0, 1}, {-1, 0, 0}, 0.1);
+  o.optional = true;
+  const Portal good = portal_of(o);
+  EXPECT_TRUE(score({}, {o}).right());
+  EXPECT_TRUE(score({good}, {o}).right());
+  EXPECT_FALSE(score({good, good}, {o}).right());
+  Portal far = good;
+  for (Vec3d& v : far.vertices) v.z += 3;
+  EXPECT_FALSE(score({far}, {o}).right());
+  EXPECT_FALSE(score({good, far}, {o}).right());
+  // Half of it is worse than none.
+  EXPECT_FALSE(
+      score({portal_of(rectangle({0, 0, 0}, {0, 1, 0}, {0, 0, 0.5}, {-1, 0, 0}, 0))}, {o}).right());
+  const KnownAperture door = rectangle({0, 0, 5}, {0, 2, 0}, {0, 0, 1}, {-1, 0, 0}, 0.1);
+  EXPECT_FALSE(score({}, {door, o}).right());
+  EXPECT_TRUE(score({portal_of(door)}, {door, o}).right());
+  EXPECT_TRUE(score({portal_of(door), good}, {door, o}).right());
 }
 
 TEST(portal_score, sees_every_planted_fault) {

@@ -21,7 +21,7 @@ struct Lit {
 Lit lit_room(Site& site, double least, double most) {
   const double h = site.between(2.4, 2.8), d = site.between(3, 4.5),
                t = site.log_between(0.01, 0.3);
-  const double a = site.between(2.5, 4.5), b = site.log_between(0.8, 3.5);
+  const double a = site.between(2.5, 4.5), b = site.log_between(1, 3.5);
   const Space room{0, a, 0, h, -0.5 * d, 0.5 * d};
   const Space outside{a + t, a + t + b, 0, h, -0.5 * d, 0.5 * d};
   const double area = site.between(least, most), ratio = site.log_between(0.8, 1.7);
