@@ -5,6 +5,7 @@
 
 #include "libcommon/testing/known_kinds.h"
 #include "libcommon/testing/plan_walls.h"
+#include "libcommon/testing/room_furniture.h"
 
 namespace tdpt::testing {
 namespace {
@@ -40,8 +41,8 @@ void shells(Site& site, const Pair& rooms) {
 
 void furnish_and_look(Site& site, const Pair& rooms) {
   site.lamps(rooms.far);
-  site.furniture(rooms.near);
-  site.furniture(rooms.far);
+  furnish(site, rooms.near);
+  furnish(site, rooms.far);
   site.camera(rooms.near);
 }
 
@@ -289,8 +290,8 @@ void l_room(Site& site) {
   site.part("wall", pierced(rooms.wall, {open}));
   site.opening(aperture(rooms.wall, open));
   site.lamps(site.chance(0.5) ? far : arm);
-  site.furniture(near);
-  site.furniture(far);
+  furnish(site, near);
+  furnish(site, far);
   site.camera(near);
 }
 
@@ -314,8 +315,8 @@ void alcove(Site& site) {
   site.opening(mouth_of(niche, kX0));
   const Quad quad = lamp_in(site, niche, kX0);
   site.lamp("alcove", quad, 20);
-  site.furniture(rooms.near);
-  site.furniture(far);
+  furnish(site, rooms.near);
+  furnish(site, far);
   site.camera(rooms.near);
 }
 
@@ -354,7 +355,7 @@ void lampshade(Site& site) {
   site.opening(mouth_of(shade, mouths[which]));
   const Quad quad = lamp_in(site, shade, mouths[which]);
   site.lamp(names[which], quad, 40);
-  site.furniture(room);
+  furnish(site, room);
   site.camera(room);
 }
 

@@ -5,6 +5,7 @@
 
 #include "libcommon/testing/known_kinds.h"
 #include "libcommon/testing/plan_walls.h"
+#include "libcommon/testing/room_furniture.h"
 
 namespace tdpt::testing {
 namespace {
@@ -35,7 +36,7 @@ Lit lit_room(Site& site, double least, double most) {
 
 void furnish_and_look(Site& site, const Space& room, const Space& outside) {
   site.lamps(outside);
-  site.furniture(room);
+  furnish(site, room);
   site.camera(room);
 }
 
@@ -157,10 +158,14 @@ void curtains(Site& site) {
   std::vector<Quad> sheets{sheet(x, y0, y1, z0 - beyond, left)};
   if (pair) sheets.push_back(sheet(x, y0, y1, left + gap, z1 + beyond));
   site.part("curtains", sheets);
-  // A portal in the wall or in the gap between the sheets: light passes both.
+  // A portal in the wall or in the gap beside the sheets: light passes both. Beside a single sheet
+  // the gap reaches to the jamb.
   KnownAperture a = aperture(lit.wall, o);
-  const Quad mouth = sheet(x, o.y0 - 1, o.y1 + 1, left, pair ? left + gap : z1 + 1);
-  a.mouth = {mouth.begin(), mouth.end()};
+  const double end = pair ? left + gap : z1, far_x = pair              ? x
+                                                     : x < lit.room.x1 ? lit.room.x1
+                                                                       : lit.outside.x0;
+  const double low = o.y0 - 1, high = o.y1 + 1;
+  a.mouth = {{x, low, left}, {far_x, low, end}, {far_x, high, end}, {x, high, left}};
   site.opening(a);
   furnish_and_look(site, lit.room, lit.outside);
 }
@@ -223,7 +228,7 @@ void windows_in_row(Site& site) {
   if (round_corner) pierce(site, walls[1], evenly(walls[1], others, sill, high, wide));
   lamps_along_z(site, corridor);
   if (round_corner) site.lamps(rest);
-  site.furniture({room.x0, room.x1, 0, h, room.z0, room.z1 - 0.6});
+  furnish(site, {room.x0, room.x1, 0, h, room.z0, room.z1 - 0.6});
   site.camera(room);
 }
 
@@ -244,7 +249,7 @@ void lamp_outside(Site& site) {
   const Quad lamp =
       sheet(x, o.y0 - larger, o.y1 + larger, room.z0 + o.z0 - larger, room.z0 + o.z1 + larger);
   site.lamp("outside", lamp, 5);
-  site.furniture(room);
+  furnish(site, room);
   site.camera(room);
 }
 

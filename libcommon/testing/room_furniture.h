@@ -1,0 +1,10 @@
+// Furniture for generated rooms: tables, chairs, shelves and boxes, lower than cameras and lamps.
+#pragma once
+#include "libcommon/testing/room_site.h"
+
+namespace tdpt::testing {
+
+/// Up to eight pieces on the floor, away from the walls across x; none where there is no room.
+void furnish(Site& site, const Space& space);
+
+}  // namespace tdpt::testing
