@@ -1,14 +1,21 @@
 #!/bin/sh
 # portals.sh BIN CACHE: how right the portals are, on generated rooms whose openings are known, and what
-# that costs: prints doc/portals.md. Half an hour on two quiet cores.
+# that costs: prints doc/portals.md. An hour on two quiet cores.
 # The environment may set
-#   ROOMS    rooms of each kind (20); SEED of the first (1000)
+#   ROOMS    rooms of each kind (20)
+#   SEED     of the first; if not set, the first seven digits of the commit's hash, so that nobody chooses it
 #   SCENES   folder of the paper's scenes, for the timing (bench/portals-time.sh)
 set -eu
 export LC_ALL=C
 bin=$(cd "${1:-build/bin}" && pwd) cache=${2:-build/portals}
 here=$(cd "$(dirname "$0")/.." && pwd)
-rooms=${ROOMS:-20} seed=${SEED:-1000}
+rooms=${ROOMS:-20}
+if [ -n "${SEED:-}" ]; then
+  seed=$SEED whence=
+else
+  commit=$(git -C "$here" rev-parse HEAD | cut -c1-7)
+  seed=$(printf '%d' "0x$commit") whence=", the first digits of the commit that was measured, $commit"
+fi
 few=$(((rooms + 6) / 7))  # rooms of each kind in the other tables
 mkdir -p "$cache"
 known=hole,slit,floor-door,through-floor,ajar-full,ajar,window,two-openings,holes-in-row,doors-in-row,closet
@@ -25,7 +32,7 @@ summary() {
   name=$1 label=$2
   shift 2
   table "$name" "$@" >"$cache/all.md"
-  sed -n "s/^| with openings |/| $label |/p" "$cache/all.md"
+  sed -n "s/^| all kinds together |/| $label |/p" "$cache/all.md"
 }
 head='| rooms | all four | coverage >= 0.98 | tightness >= 0.90 | angle <= 3 | right number | strays | median coverage | median tightness | median angle | CPU s |
 |---|---|---|---|---|---|---|---|---|---|---|---|'
@@ -35,7 +42,8 @@ cat <<INTRO
 
 Written by \`make portals\` ($("$bin/portalfit" --version), $(nproc 2>/dev/null || echo ?) cores). Rooms are generated from
 seeds (\`libcommon/testing/known_rooms.h\`): sizes, lamps, furniture, walls of 1 to 30 cm, four ways of splitting the
-triangles, and in every second room another place, direction or unit. Their openings are known.
+triangles, and in every second room another place, direction or unit. Their openings are known. The first seed of
+each kind is $seed$whence.
 
 * **coverage**: share of the lines through an opening that cross the portals along their normal; of the worst opening.
 * **tightness**: share of a portal's lines that pass an opening, relative to a perfect portal in the middle of the
@@ -43,22 +51,26 @@ triangles, and in every second room another place, direction or unit. Their open
 * **angle**: degrees between the normals; of the worst portal.
 * **strays**: portals that hardly any light passes (tightness below 0.3).
 
-## By kind of room
+A window that bars split may have one portal or one for each pane, a door with a window above it likewise. What stands
+in an opening (bars, slats, furniture) stops lines that no portal has to cover. Behind curtains, and beside a leaf, a
+portal may lie in either of the two places that the light passes.
 
-A wide window may be found or not; one room has nothing to be found.
+## By kind of room
 
 INTRO
 table kinds --rooms "$rooms"
 cat <<PAPER
 
-"With openings" are the kinds above the keyhole. \`ajar-full\` is a leaf from floor to ceiling, with one slit beside it;
-\`ajar\` is lower than the ceiling, and beside the slit it has a gap over the leaf, a triangle a few centimetres wide that
-shares an edge with the slit and gets about a tenth of the light. A keyhole of 1 cm is found when a step of the walks passes it,
-which in walls much thicker than that none does: then no light is said to pass. More \`--walks\` find more of them.
+A wide window, the mouth of a lampshade, sconce, cupboard or alcove with the lamp in it, and a window with the lamp right
+behind it may be found or not; \`open-room\` has nothing to be found. \`ajar-full\` is a leaf from floor to ceiling, with
+one slit beside it; \`ajar\` is lower than the ceiling, and beside the slit it has a gap over the leaf, a triangle a few
+centimetres wide that shares an edge with the slit and gets about a tenth of the light. A keyhole of 1 cm is found when a
+step of the walks passes it, which in walls much thicker than that none does: then nothing is right only where portalfit
+says that light may pass where no walk passed. More \`--walks\` find more of them.
 
 ## The paper's rules
 
-The same rooms, fewer of them. The paper's nodes are triangles with form factors (\`ffgraph --nodes triangles\`), its
+Rooms of the first eleven kinds, fewer of them. The paper's nodes are triangles with form factors (\`ffgraph --nodes triangles\`), its
 normal is the main axis of the fullest voxels (\`portalfit --method paper\`).
 
 | method $head
