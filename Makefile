@@ -3,7 +3,7 @@
 #   make demo      installs what is missing, builds the programs, shows what portals are good for (demo/)
 #   make figures   the paper's Figs 5 to 7 from our renders, in doc/ (bench/figures.sh: size, samples)
 #   make stages    pictures of what each stage did, in doc/figures/ (bench/stages.sh: another scene)
-#   make portals   how right the portals are on rooms with known openings: doc/portals.md (half an hour)
+#   make portals   how right the portals are on rooms with known openings: doc/portals.md (an hour)
 #   make worth     what portals gain, measured and expected: doc/portal-worth.md (twenty minutes)
 #   make grid-speed   segments per second of lightgrid on each device: doc/light-grid-speed.md (two minutes)
 #   make test      installs what is missing, builds, runs every test

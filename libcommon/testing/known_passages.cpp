@@ -12,10 +12,6 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
 
-void append(std::vector<Quad>& to, const std::vector<Quad>& quads) {
-  to.insert(to.end(), quads.begin(), quads.end());
-}
-
 // What stands in a row: the camera's space, a wall, the lamps' space.
 struct Pair {
   Space near, far;

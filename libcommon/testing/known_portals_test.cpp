@@ -63,6 +63,16 @@ TEST(known_portals, of_doors_in_a_row_are_right) {
   expect_right(RoomKind::doors_in_row);
 }
 
+TEST(known_portals, of_an_arch_are_right) {
+  expect_right(RoomKind::arch);
+}
+TEST(known_portals, of_a_bay_are_right) {
+  expect_right(RoomKind::bay);
+}
+TEST(known_portals, of_windows_in_a_row_are_right) {
+  expect_right(RoomKind::windows_in_row);
+}
+
 TEST(known_portals, of_an_open_room_are_none_and_it_says_so) {
   const KnownRoom room = known_room(RoomKind::open_room, 2001);
   const StagesRun run = portals_of(room, room.writing);

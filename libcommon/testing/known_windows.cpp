@@ -42,9 +42,8 @@ void furnish_and_look(Site& site, const Space& room, const Space& outside) {
 
 // A bar over the rectangle, in the middle of the wall.
 void add_bar(const Wall& wall, const WallOpening& o, double deep, std::vector<Quad>& out) {
-  for (const Quad& q : box(wall.at(o.z0, o.y0, 0.5 * (wall.thickness - deep)),
-                           wall.at(o.z1, o.y1, 0.5 * (wall.thickness + deep))))
-    out.push_back(q);
+  append(out, box(wall.at(o.z0, o.y0, 0.5 * (wall.thickness - deep)),
+                  wall.at(o.z1, o.y1, 0.5 * (wall.thickness + deep))));
 }
 
 // Slats from edge to edge of the window, tilted about z, their middles at `x`.

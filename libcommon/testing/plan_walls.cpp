@@ -27,10 +27,6 @@ std::vector<Vec3d> corners_of(const WallOpening& o) {
   return {{o.z0, o.y0, 0}, {o.z1, o.y0, 0}, {o.z1, o.y1, 0}, {o.z0, o.y1, 0}};
 }
 
-void append(std::vector<Quad>& to, const std::vector<Quad>& quads) {
-  to.insert(to.end(), quads.begin(), quads.end());
-}
-
 std::vector<Quad> both_faces(const Wall& wall, const std::vector<WallOpening>& holes) {
   std::vector<Quad> quads = pierced_face(wall.near, holes, true);
   append(quads, pierced_face(wall.far, holes, false));
@@ -54,6 +50,10 @@ void add_spandrels(const Face& face, const std::vector<Vec3d>& corners, double t
 }
 
 }  // namespace
+
+void append(std::vector<Quad>& to, const std::vector<Quad>& quads) {
+  to.insert(to.end(), quads.begin(), quads.end());
+}
 
 Vec3d Face::at(double s, double y) const {
   const double t = (s - s0) / (s1 - s0);

@@ -11,6 +11,8 @@
 
 namespace tdpt::testing {
 
+void append(std::vector<Quad>& to, const std::vector<Quad>& quads);
+
 /// One face of a wall: an upright rectangle.
 struct Face {
   Vec3d a, b;     ///< lower corners, at y 0
