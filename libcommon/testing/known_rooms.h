@@ -35,7 +35,7 @@ enum class RoomKind {
   lamp_outside     ///< one room; the lamp right behind its window, no surface between
 };
 const char* name_of(RoomKind kind);
-const std::vector<RoomKind>& all_room_kinds();
+const std::vector<RoomKind>& all_room_kinds();  ///< in this order
 
 struct KnownRoom {
   RoomKind kind;

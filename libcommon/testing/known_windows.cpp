@@ -124,7 +124,7 @@ void blinds(Site& site) {
   site.part("wall", pierced(wall, {lit.window}));
   const int n = site.count_between(8, 40);
   const double wide = (lit.window.y1 - lit.window.y0) / n * site.between(0.7, 1.1);
-  const double tilt = site.between(10, 60) * kDegree * (site.chance(0.5) ? 1 : -1);
+  const double steep = site.between(10, 60) * kDegree, tilt = site.chance(0.5) ? steep : -steep;
   const double reach = 0.5 * wide * std::cos(tilt), off = reach + site.between(0.01, 0.03);
   const bool inside = site.chance(0.5), fits = 2 * reach < wall.thickness;
   const double x = fits     ? lit.room.x1 + 0.5 * wall.thickness
@@ -160,11 +160,10 @@ void curtains(Site& site) {
   // A portal in the wall or in the gap beside the sheets: light passes both. Beside a single sheet
   // the gap reaches to the jamb.
   KnownAperture a = aperture(lit.wall, o);
-  const double end = pair ? left + gap : z1, far_x = pair              ? x
-                                                     : x < lit.room.x1 ? lit.room.x1
-                                                                       : lit.outside.x0;
+  const double end = pair ? left + gap : z1;
+  const double face = x < lit.room.x1 ? lit.room.x1 : lit.outside.x0, end_x = pair ? x : face;
   const double low = o.y0 - 1, high = o.y1 + 1;
-  a.mouth = {{x, low, left}, {far_x, low, end}, {far_x, high, end}, {x, high, left}};
+  a.mouth = {{x, low, left}, {end_x, low, end}, {end_x, high, end}, {x, high, left}};
   site.opening(a);
   furnish_and_look(site, lit.room, lit.outside);
 }
