@@ -104,7 +104,7 @@ void Rendering::look_around(Scout& scout) {
   const auto in_time = [&] {
     return settings_.seconds == 0 || clock_.seconds() < 0.5 * kScoutsShare * settings_.seconds;
   };
-  while (scout.groups() < by_samples && in_time() && !stop_requested())
+  while (scout.groups() < by_samples && (scout.groups() == 0 || in_time()) && !stop_requested())
     scout.draw(std::min(by_samples - scout.groups(), std::max(scout.groups(), kFewestGroups)),
                film_);
   film_.clear();
