@@ -1,7 +1,8 @@
 // regret_bench SCENE PORTAL... : what `auto` loses by not knowing which integrator is best: the
 // true error x work of each, from converged second moments, and what is chosen from few samples at
 // what price. bench/regret.py makes tables of its lines.
-//   --width W --height H --seconds T   default 96 72 2, CPU seconds for the truth of each integrator;
+//   --width W --height H --seconds T   default 96 72 2, CPU seconds for the truth of each
+//   integrator;
 //                                      0: none is told
 //   --seeds N                          pictures of each length, default 8
 //   --name NAME                        of the scene, in what is printed
@@ -93,8 +94,8 @@ void print_truth(const char* scene, const std::string& label, const Pictures& p,
 }
 
 // Of the candidates and of all other integrators that can render the scene.
-void print_truths(const char* name, const World& world,
-                  const std::vector<Candidate>& candidates, const Settings& s) {
+void print_truths(const char* name, const World& world, const std::vector<Candidate>& candidates,
+                  const Settings& s) {
   std::vector<Candidate> all = candidates;
   for (const Integrator& i : kIntegrators) {
     const bool there = std::any_of(all.begin(), all.end(),
@@ -115,9 +116,7 @@ void print_truths(const char* name, const World& world,
     for (size_t i = 0; i < all.size(); ++i)
       render_one(world, all[i].integrator, spp[i], 2000 + n, pictures[i]);
   const std::vector<double> reference = reference_of(pictures);
-  for (size_t i = 0; i < all.size(); ++i)
-    print_truth(name, all[i].label, pictures[i], reference);
-
+  for (size_t i = 0; i < all.size(); ++i) print_truth(name, all[i].label, pictures[i], reference);
 }
 
 void measure(const char* scene_path, const std::vector<Portal>& portals, const Settings& s) {
@@ -126,7 +125,7 @@ void measure(const char* scene_path, const std::vector<Portal>& portals, const S
   const World world(scene, scene.camera(""), s.width, s.height, portals);
   const std::vector<Candidate> candidates = auto_candidates(world);
   if (s.seconds > 0) print_truths(name, world, candidates, s);
-  const double pixels = static_cast<double>(s.width) * s.height;
+  const auto pixels = static_cast<uint64_t>(s.width) * static_cast<uint64_t>(s.height);
   Film film(s.width, s.height, world.lights.power());
   for (const uint64_t length : kLengths)
     for (int seed = 1; seed <= s.seeds; ++seed) {
@@ -134,7 +133,9 @@ void measure(const char* scene_path, const std::vector<Portal>& portals, const S
       SampleRules rules;
       rules.seed = static_cast<uint64_t>(seed);
       Scout scout(world, candidates, rules);
-      scout.draw(groups_for(static_cast<double>(length) * pixels, scout.samples_of_group()), film);
+      scout.draw(kFewestGroups, film);
+      const uint64_t enough = groups_for(static_cast<double>(length), pixels, scout);
+      if (enough > scout.groups()) scout.draw(enough - scout.groups(), film);
       const std::vector<Prospect> told = scout.prospects();
       const double spent = cpu_seconds() - cpu;
       film.clear();
@@ -142,10 +143,11 @@ void measure(const char* scene_path, const std::vector<Portal>& portals, const S
         std::printf("told\t%s\t%llu\t%d\t%s\t%.5g\t%.5g\n", name,
                     static_cast<unsigned long long>(length), seed, p.integrator.c_str(), p.relmse,
                     p.work);
-      std::printf("choice\t%s\t%llu\t%d\t%s\t%.5g\t%llu\t%d\n", name,
-                  static_cast<unsigned long long>(length), seed,
-                  told[best_of(told, scout.groups())].integrator.c_str(), spent,
-                  static_cast<unsigned long long>(scout.groups()), s.width * s.height);
+      std::printf(
+          "choice\t%s\t%llu\t%d\t%s\t%.5g\t%llu\t%d\n", name,
+          static_cast<unsigned long long>(length), seed,
+          told[best_of(told, scout.groups(), static_cast<double>(length))].integrator.c_str(),
+          spent, static_cast<unsigned long long>(scout.groups()), s.width * s.height);
     }
   std::fflush(stdout);
 }
@@ -173,8 +175,9 @@ int main(int argc, char** argv) {
       files.emplace_back(argv[i]);
   }
   if (files.empty() || settings.width < 1 || settings.height < 1 || !(settings.seconds >= 0)) {
-    std::fprintf(stderr, "usage: regret_bench SCENE PORTAL... [--width W] [--height H] "
-                         "[--seconds T] [--seeds N]\n");
+    std::fprintf(stderr,
+                 "usage: regret_bench SCENE PORTAL... [--width W] [--height H] "
+                 "[--seconds T] [--seeds N]\n");
     return 2;
   }
   try {

@@ -78,6 +78,7 @@ class Rendering {
 
  private:
   void look_around(Scout& scout);
+  double spp_ahead(const Scout& scout) const;
   uint64_t next_pass(uint64_t most, double began) const;
   Picture picture_of(const std::vector<Vec3d>& sums) const;
   void record_frame();
@@ -97,17 +98,26 @@ class Rendering {
 
 // In rounds, each as large as all before, so that a short time is not overrun by much.
 void Rendering::look_around(Scout& scout) {
-  const uint64_t by_samples =
-      settings_.spp == 0 ? kMostGroups
-                         : groups_for(static_cast<double>(settings_.spp * pixels_),
-                                      scout.samples_of_group());
-  const auto in_time = [&] {
-    return settings_.seconds == 0 || clock_.seconds() < 0.5 * kScoutsShare * settings_.seconds;
-  };
-  while (scout.groups() < by_samples && (scout.groups() == 0 || in_time()) && !stop_requested())
-    scout.draw(std::min(by_samples - scout.groups(), std::max(scout.groups(), kFewestGroups)),
-               film_);
+  const auto spp = static_cast<double>(settings_.spp);
+  const bool by_clock = settings_.seconds > 0;
+  const double time =
+      0.5 * scouts_share(32) * settings_.seconds;  // the last round is the other half
+  if (settings_.spp > 0 && !can_spare(spp, pixels_, scout)) return;
+  for (uint64_t n = kFewestGroups; n > 0 && !stop_requested();) {
+    scout.draw(n, film_);
+    if (by_clock && clock_.seconds() > time) break;
+    const uint64_t enough = settings_.spp > 0 ? groups_for(spp, pixels_, scout) : kMostGroups;
+    n = std::min(scout.groups(), enough - std::min(enough, scout.groups()));
+  }
   film_.clear();
+}
+
+// Samples of each pixel that there will be, about; by the clock those of a core's worth of the
+// time.
+double Rendering::spp_ahead(const Scout& scout) const {
+  if (settings_.spp > 0) return static_cast<double>(settings_.spp);
+  return settings_.seconds * 1e9 * scout.samples_of_group() /
+         (scout.work_of_group() * static_cast<double>(pixels_));
 }
 
 void Rendering::plan() {
@@ -119,7 +129,7 @@ void Rendering::plan() {
   result_.scout_cpu_seconds = clock_.cpu() - cpu;
   if (scout.groups() > 0) {
     result_.prospects = scout.prospects();
-    result_.chosen = best_of(result_.prospects, scout.groups());
+    result_.chosen = best_of(result_.prospects, scout.groups(), spp_ahead(scout));
     result_.scouted = scout.groups() * scout.samples_of_group();
   }
   result_.plan.integrator = candidates_[result_.chosen].integrator;

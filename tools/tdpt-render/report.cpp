@@ -72,9 +72,9 @@ std::string costs_of_others(const RenderResult& result) {
   for (size_t i = 0; i < result.prospects.size(); ++i) {
     const Prospect& p = result.prospects[i];
     if (i == result.chosen) continue;
-    others.push_back(std::isfinite(p.cost()) ? fmt::format("{:.3g} x by {}", p.cost() / least,
-                                                           p.integrator)
-                                             : p.integrator + " misses light");
+    others.push_back(std::isfinite(p.cost())
+                         ? fmt::format("{:.3g} x by {}", p.cost() / least, p.integrator)
+                         : p.integrator + " misses light");
   }
   return fmt::format("{}", fmt::join(others, ", "));
 }
@@ -149,8 +149,8 @@ std::string verdict_sentence(const RenderResult& result) {
   if (!gain) return "";
   const std::string with = result.prospects[*best_with(true, result.prospects)].integrator;
   const std::string without = result.prospects[*best_with(false, result.prospects)].integrator;
-  return fmt::format("portals: {:.2g} x the efficiency of {}, the best without them, by {}{}", *gain,
-                     without, with,
+  return fmt::format("portals: {:.2g} x the efficiency of {}, the best without them, by {}{}",
+                     *gain, without, with,
                      result.prospects[result.chosen].with_portals ? "" : ": they are left out");
 }
 

@@ -11,13 +11,15 @@
 namespace tdpt {
 namespace {
 
-constexpr uint64_t kRound = 1;  // of the random numbers: 0 is the picture's
-constexpr uint64_t kChunk = 16;  // groups that are added up in a row
-constexpr double kDark = 0.01;   // as exrdiff's relMSE
-constexpr double kGroupsPerBlock = 2;
-constexpr double kPrice = 1.5;  // of a sample that all candidates look at, in others
-// The terms that paths have in common are known less well than the moments: they take away all but
-// this share of them at most.
+constexpr uint64_t kRound = 1;    // of the random numbers: 0 is the picture's
+constexpr uint64_t kChunk = 16;   // groups that are added up in a row
+constexpr double kDark = 0.01;    // as exrdiff's relMSE
+constexpr double kKnown = 0.2;    // relative error of what is known well
+constexpr double kAlike = 1.05;   // most of moments over the least
+constexpr double kMostAlike = 2;  // of X X' over I^2: more is chance
+// What it costs that all candidates look at a path: so many times the sample, and more where walks
+// are directed.
+constexpr double kLooking = 1.35, kLookingDirected = 1.8;
 constexpr double kLeastLeft = 0.05;
 constexpr double kMostMissed = 1e-3;  // of the light
 
@@ -53,16 +55,20 @@ std::array<int, 2> pixel_of(uint64_t k, int width, int height) {
 }  // namespace
 
 ScoutSums::ScoutSums(size_t candidates, size_t runs)
-    : splats(candidates, std::vector<double>(kBlocks)),
+    : splats(candidates, std::vector<double>(kQuarters * kBlocks)),
       luminance(kBlocks),
+      squares(kBlocks),
       missed(candidates),
       rays(runs) {}
 
 void ScoutSums::merge(const ScoutSums& other) {
-  for (size_t b = 0; b < kBlocks; ++b) luminance[b] += other.luminance[b];
+  for (size_t b = 0; b < kBlocks; ++b) {
+    luminance[b] += other.luminance[b];
+    squares[b] += other.squares[b];
+  }
   for (size_t i = 0; i < splats.size(); ++i) {
     missed[i] += other.missed[i];
-    for (size_t b = 0; b < kBlocks; ++b) splats[i][b] += other.splats[i][b];
+    for (size_t b = 0; b < splats[i].size(); ++b) splats[i][b] += other.splats[i][b];
   }
   for (size_t r = 0; r < rays.size(); ++r)
     for (size_t p = 0; p < kParts; ++p) rays[r][p].merge(other.rays[r][p]);
@@ -72,13 +78,19 @@ void ScoutSums::merge(const ScoutSums& other) {
 class ScoutSample {
  public:
   ScoutSample(const Scout& scout, size_t run, ScoutSums& sums)
-      : scout_(scout), run_(run), sums_(sums), squares_(scout.candidates_.size()) {}
+      : scout_(scout),
+        run_(run),
+        sums_(sums),
+        squares_(scout.candidates_.size()),
+        of_(squares_.size()),
+        moments_(squares_.size()) {}
 
-  void begin(int x, int y, ScoutRecord& record) {
+  void begin(int x, int y, uint64_t group, ScoutRecord& record) {
     block_ = block_of(x, y);
+    quarter_ = group % ScoutSums::kQuarters * ScoutSums::kBlocks;
     record_ = &record;
     const size_t n = squares_.size();
-    record = {0, std::vector<double>(n), std::vector<double>(n), std::vector<double>(n)};
+    record = {0, 0, std::vector<double>(n), std::vector<double>(n), std::vector<double>(n)};
     std::fill(squares_.begin(), squares_.end(), 0.0);
   }
 
@@ -86,13 +98,12 @@ class ScoutSample {
     const double light = luminance(value);
     if (!(light > 0 && std::isfinite(light))) return;
     if (path.k() >= 2) return weigh(path, strategy, light);
-    // A lamp seen directly: all see it alike.
-    sums_.luminance[block_] += light / static_cast<double>(scout_.runs_.size());
+    // A lamp seen directly.
+    const double share = light / static_cast<double>(scout_.runs_.size());
+    add_light(block_, share);
     record_->brought += light;
-    for (size_t i = 0; i < squares_.size(); ++i) {
-      record_->moments[i] += light * light / static_cast<double>(scout_.runs_.size());
-      bring(i, light);
-    }
+    record_->alike += light * share;
+    for (size_t i = 0; i < squares_.size(); ++i) bring(i, light);
   }
 
   void end() {
@@ -121,6 +132,11 @@ class ScoutSample {
                     std::clamp(static_cast<int>(y), 0, film.height() - 1));
   }
 
+  void add_light(size_t block, double light) {
+    sums_.luminance[block] += light;
+    sums_.squares[block] += light * light;
+  }
+
   // A path of candidate i at home, in the sample's own pixel.
   void bring(size_t i, double brought) {
     if (scout_.home_[i] != run_) return;
@@ -128,20 +144,27 @@ class ScoutSample {
     squares_[i] += brought * brought;
   }
 
-  std::vector<StrategySums> sums_of(const Path& path, Strategy strategy) const {
-    const WalkDensities plain = path.plain_densities(scout_.world_);
-    std::vector<StrategySums> of;
-    for (size_t i = 0; i < squares_.size(); ++i)
-      of.push_back(path.sums(mixture(i),
-                             mixture(i).guiding == Guiding{}
-                                 ? plain
-                                 : path.directed_densities(scout_.guides_[i], plain),
-                             plain, strategy));
-    return of;
+  // Of each candidate. The run knows the densities of its own walks, and where it is not directed
+  // those are the plain ones.
+  const std::vector<StrategySums>& sums_of(const Path& path, Strategy strategy) {
+    const Mixture& own = mixture(scout_.runs_[run_]);
+    const bool is_plain = own.guiding == Guiding{};
+    if (!is_plain) plain_ = path.plain_densities(scout_.world_);
+    const WalkDensities& plain = is_plain ? path.walks() : plain_;
+    for (size_t i = 0; i < squares_.size(); ++i) {
+      const Mixture& m = mixture(i);
+      if (m.guiding == Guiding{})
+        of_[i] = path.sums(m, plain, plain, strategy);
+      else if (m.guiding == own.guiding)
+        of_[i] = path.sums(m, path.walks(), plain, strategy);
+      else
+        of_[i] = path.sums(m, path.directed_densities(scout_.guides_[i], plain), plain, strategy);
+    }
+    return of_;
   }
 
   void weigh(const Path& path, Strategy strategy, double light) {
-    const std::vector<StrategySums> of = sums_of(path, strategy);
+    const std::vector<StrategySums>& of = sums_of(path, strategy);
     double all_runs = 0;
     for (const size_t r : scout_.runs_) all_runs += of[r].counted;
     const size_t own = scout_.runs_[run_];
@@ -156,29 +179,40 @@ class ScoutSample {
     const bool splat = strategy.technique == Technique::light ||
                        (strategy.technique == Technique::portal && strategy.split == path.k() - 2);
     const size_t block = splat ? block_of(path) : block_;
-    sums_.luminance[block] += share;
+    add_light(block, share);
     if (!splat) record_->brought += f * per_sample(own) / of[own].counted;
+    double least = INFINITY, most = 0;
     for (size_t i = 0; i < of.size(); ++i) {
       if (!(of[i].counted > 0)) {
         sums_.missed[i] += share;
         continue;
       }
-      const double moment = share * f * (of[i].squares / of[i].counted / of[i].counted);
-      (splat ? sums_.splats[i][block] : record_->moments[i]) += moment;
+      moments_[i] = share * f * (of[i].squares / of[i].counted / of[i].counted);
+      least = std::min(least, moments_[i]);
+      most = std::max(most, moments_[i]);
       if (!splat && of[i].used > 0) bring(i, f * per_sample(i) / of[i].counted);
     }
+    if (!splat && most < kAlike * least) {
+      record_->alike += most;
+      return;
+    }
+    for (size_t i = 0; i < of.size(); ++i)
+      if (of[i].counted > 0)
+        (splat ? sums_.splats[i][quarter_ + block] : record_->moments[i]) += moments_[i];
   }
 
   const Scout& scout_;
   const size_t run_;
   ScoutSums& sums_;
-  size_t block_ = 0;
+  size_t block_ = 0, quarter_ = 0;
   ScoutRecord* record_ = nullptr;
   std::vector<double> squares_;  // of each candidate's paths
+  std::vector<StrategySums> of_;
+  std::vector<double> moments_;
+  WalkDensities plain_;
 };
 
-Scout::Scout(const World& world, const std::vector<Candidate>& candidates,
-             const SampleRules& rules)
+Scout::Scout(const World& world, const std::vector<Candidate>& candidates, const SampleRules& rules)
     : world_(world), candidates_(candidates), rules_(rules), home_(candidates.size()) {
   // The first of those with most techniques, of the walks that are directed and of the plain ones.
   for (const bool is_directed : {false, true}) {
@@ -204,7 +238,9 @@ class Runner {
  public:
   Runner(const World& world, const Mixture& mixture, const Guide& guide, const SampleSettings& how,
          Film& film, const PathObserver& observer)
-      : mixture_(mixture), tally_(film.unit()), sampler_(world, how, guide, film, tally_, &observer) {}
+      : mixture_(mixture),
+        tally_(film.unit()),
+        sampler_(world, how, guide, film, tally_, &observer) {}
 
   void sample(int x, int y, uint64_t number, std::array<RayCounts, ScoutSums::kParts>& rays) {
     sampler_.begin(x, y, number);
@@ -249,7 +285,7 @@ void Scout::draw(uint64_t groups, Film& film) {
       for (uint64_t k = first + c * kChunk; k < std::min(end, first + (c + 1) * kChunk); ++k) {
         const auto [x, y] = pixel_of(k, world_.film.width(), world_.film.height());
         for (size_t j = 0; j < kScoutGroup; ++j) {
-          seen.begin(x, y, record(k, r, j));
+          seen.begin(x, y, k, record(k, r, j));
           // Runs of 2^32 samples of a pixel are independent [sequence.h].
           runner.sample(x, y, (kScoutGroup * k + j) << 32, sums.rays[r]);
           seen.end();
@@ -286,104 +322,171 @@ double Scout::work_of(size_t candidate) const {
 
 namespace {
 
-// The picture in so many blocks that each is known: brightness of each.
-struct Blocks {
-  Blocks(const std::vector<double>& luminance, double groups, int width, int height) {
+// Brightness of the picture in blocks, each as small as it is known well.
+class Blocks {
+ public:
+  Blocks(const ScoutSums& sums, double groups, int width, int height) {
     constexpr int kAcross = ScoutSums::kAcross;
-    int across = kAcross;
-    while (across > 1 && groups < kGroupsPerBlock * across * across) across /= 2;
-    const int size = kAcross / across;
-    light.resize(static_cast<size_t>(across * across));
-    std::vector<double> pixels(light.size(), 0);
-    for (int y = 0; y < kAcross; ++y)
-      for (int x = 0; x < kAcross; ++x) {
-        coarse.push_back(static_cast<size_t>(y / size * across + x / size));
-        pixels[coarse.back()] += static_cast<double>(in_part(x, width) * in_part(y, height));
-      }
-    const double samples_of_pixel =
-        groups * kScoutGroup / (static_cast<double>(width) * static_cast<double>(height));
-    for (size_t b = 0; b < luminance.size(); ++b) {
-      light[coarse[b]] += luminance[b] / samples_of_pixel;
-      mean += luminance[b] / (groups * kScoutGroup);
+    const double samples = groups * kScoutGroup;
+    const double of_pixel = samples / (static_cast<double>(width) * static_cast<double>(height));
+    for (const double l : sums.luminance) mean_ += l / samples;
+    light_.assign(ScoutSums::kBlocks, mean_);
+    for (int across = 2; across <= kAcross; across *= 2) {
+      const int size = kAcross / across;
+      for (int y = 0; y < kAcross; y += size)
+        for (int x = 0; x < kAcross; x += size) refine(sums, x, y, size, of_pixel, width, height);
     }
-    for (size_t b = 0; b < light.size(); ++b) light[b] /= std::max(pixels[b], 1.0);
   }
 
-  std::vector<size_t> coarse;  // of each of the blocks of the sums
-  std::vector<double> light;   // by coarse block
-  double mean = 0;
+  double mean() const { return mean_; }
+  double light(size_t block) const { return light_[block]; }
+
+ private:
+  // Takes the mean of a square of blocks where that is known.
+  void refine(const ScoutSums& sums, int x0, int y0, int size, double of_pixel, int width,
+              int height) {
+    double light = 0, squares = 0, pixels = 0;
+    const auto each = [&](const auto& visit) {
+      for (int y = y0; y < y0 + size; ++y)
+        for (int x = x0; x < x0 + size; ++x)
+          visit(static_cast<size_t>(y * ScoutSums::kAcross + x),
+                static_cast<double>(in_part(x, width) * in_part(y, height)));
+    };
+    each([&](size_t b, double in) {
+      light += sums.luminance[b], squares += sums.squares[b], pixels += in;
+    });
+    if (!(pixels > 0 && squares < kKnown * kKnown * light * light)) return;
+    each([&](size_t b, double) { light_[b] = light / (of_pixel * pixels); });
+  }
+
+  std::vector<double> light_;  // by block
+  double mean_ = 0;
+};
+
+// Terms of V_i, of all candidates, over the square of the brightness.
+struct Terms {
+  explicit Terms(size_t n) : moments(n), common(n), apart(n) {}
+  double variance(size_t i) const {
+    return std::max(moments[i] + common[i] - apart[i], kLeastLeft * moments[i]);
+  }
+  std::vector<double> moments, common, apart;
 };
 
 }  // namespace
 
-std::vector<double> Scout::errors() const {
-  const size_t n = candidates_.size();
-  std::vector<double> moments(n), common(n);
-  const Blocks blocks(sums_.luminance, static_cast<double>(groups()), world_.film.width(),
+// The moments are known best. The other terms are held within what they can be: E[X X'] is about
+// the squared brightness, which it is divided by.
+std::array<std::vector<double>, ScoutSums::kQuarters> Scout::errors() const {
+  const size_t n = candidates_.size(), each = samples_of_group();
+  std::array<std::vector<double>, ScoutSums::kQuarters> errors;
+  errors.fill(std::vector<double>(n, 0));
+  const Blocks blocks(sums_, static_cast<double>(groups()), world_.film.width(),
                       world_.film.height());
-  if (!(blocks.mean > 0)) return std::vector<double>(n, 0);
-  const double dark = kDark * blocks.mean * blocks.mean;
+  if (!(blocks.mean() > 0)) return errors;
+  const double dark = kDark * blocks.mean() * blocks.mean();
   const auto per_brightness = [&](double block, double pixel) {
     const double I = std::max(block, pixel);
     return 1 / (I * I + dark);
   };
-  const double all = static_cast<double>(kScoutGroup * groups());
-  const size_t each = samples_of_group();
+  const auto all = static_cast<double>(kScoutGroup * groups());
+  const double of_quarter = all / ScoutSums::kQuarters;
+  const double pairs =
+      of_quarter * 0.5 * (kScoutGroup - 1);  // each sample with each other of its run
+  std::array<Terms, ScoutSums::kQuarters> by_quarter{Terms(n), Terms(n), Terms(n), Terms(n)};
   for (uint64_t k = 0; k < groups(); ++k) {
+    Terms& terms = by_quarter[k % ScoutSums::kQuarters];
     const ScoutRecord* const of_group = &records_[k * each];
-    const double block = blocks.light[blocks.coarse[blocks_[k]]];
+    const double block = blocks.light(blocks_[k]);
     double brought = 0;
     for (size_t j = 0; j < each; ++j) brought += of_group[j].brought;
     for (size_t a = 0; a < each; ++a) {
       const ScoutRecord& one = of_group[a];
       const double others = (brought - one.brought) / static_cast<double>(each - 1);
-      const double norm = per_brightness(block, others) / all;
+      const double norm = per_brightness(block, others) / of_quarter;
+      const double alike =
+          one.alike * per_brightness(block, brought / static_cast<double>(each)) / of_quarter;
       for (size_t i = 0; i < n; ++i) {
-        moments[i] += one.moments[i] * norm;
-        common[i] += one.common[i] * norm;
+        terms.moments[i] += alike + one.moments[i] * norm;
+        terms.common[i] += one.common[i] * norm;
       }
       for (size_t b = a + 1; b < each && b / kScoutGroup == a / kScoutGroup; ++b) {
         const ScoutRecord& two = of_group[b];
         const double rest = (brought - one.brought - two.brought) / static_cast<double>(each - 2);
-        // Each sample with each other.
-        const double pairs = all * 0.5 * (kScoutGroup - 1);
+        const double of_pair = per_brightness(block, rest);
         for (size_t i = 0; i < n; ++i)
-          common[i] -= one.x[i] * two.x[i] * per_brightness(block, rest) / pairs;
+          terms.apart[i] += std::min(one.x[i] * two.x[i] * of_pair, kMostAlike) / pairs;
       }
     }
   }
-  for (size_t i = 0; i < n; ++i)
-    for (size_t b = 0; b < ScoutSums::kBlocks; ++b)
-      moments[i] += sums_.splats[i][b] * per_brightness(blocks.light[blocks.coarse[b]], 0) / all;
-  std::vector<double> errors;
-  for (size_t i = 0; i < n; ++i)
-    errors.push_back(sums_.missed[i] > kMostMissed * blocks.mean * all
-                         ? INFINITY
-                         : std::max(moments[i] + common[i], kLeastLeft * moments[i]));
+  for (size_t q = 0; q < ScoutSums::kQuarters; ++q)
+    for (size_t i = 0; i < n; ++i) {
+      const double* const splats = &sums_.splats[i][q * ScoutSums::kBlocks];
+      for (size_t b = 0; b < ScoutSums::kBlocks; ++b)
+        by_quarter[q].moments[i] += splats[b] / of_quarter * per_brightness(blocks.light(b), 0);
+      const bool misses = sums_.missed[i] > kMostMissed * blocks.mean() * all;
+      errors[q][i] = misses ? INFINITY : by_quarter[q].variance(i);
+    }
   return errors;
 }
 
 std::vector<Prospect> Scout::prospects() const {
-  const std::vector<double> error = errors();
+  const auto errors = this->errors();
   std::vector<Prospect> all;
-  for (size_t i = 0; i < error.size(); ++i) {
+  for (size_t i = 0; i < candidates_.size(); ++i) {
     const Candidate& c = candidates_[i];
     const bool safe = c.label == bdpt.name || c.label == nee.name;
-    all.push_back({c.label, c.with_portals(), safe, error[i], work_of(i)});
+    Prospect p{c.label, c.with_portals(), safe, 0, 0, work_of(i)};
+    double logarithm = 0;
+    for (const std::vector<double>& quarter : errors) {
+      p.relmse += quarter[i] / ScoutSums::kQuarters;
+      logarithm += std::log(quarter[i]) / ScoutSums::kQuarters;
+    }
+    p.steady = std::exp(logarithm);
+    all.push_back(p);
   }
   return all;
 }
 
-uint64_t groups_for(double samples, uint64_t samples_of_group) {
-  const double spared = kScoutsShare * samples / (kPrice * static_cast<double>(samples_of_group));
-  if (spared < static_cast<double>(kFewestGroups)) return 0;
-  return static_cast<uint64_t>(std::min(spared, static_cast<double>(kMostGroups)));
+double Scout::work_of_group() const {
+  double work = 0;
+  for (const size_t r : runs_) work += work_of(r);
+  return work * kScoutGroup * (runs_.size() > 1 ? kLookingDirected : kLooking);
 }
 
-size_t best_of(const std::vector<Prospect>& prospects, uint64_t groups) {
+double scouts_share(double spp) {
+  return std::clamp(0.06 * std::cbrt(8 / spp), 0.01, 0.06);
+}
+
+bool can_spare(double spp, uint64_t pixels, const Scout& scout) {
+  return scouts_share(spp) * spp * static_cast<double>(pixels) >=
+         static_cast<double>(kFewestGroups * scout.samples_of_group());
+}
+
+uint64_t groups_for(double spp, uint64_t pixels, const Scout& scout) {
+  const std::vector<Prospect> told = scout.prospects();
+  // The work of what may turn out to be the best.
+  const double least = told[best_of(told, scout.groups(), spp)].cost();
+  const double perhaps = 1 + 8 / std::sqrt(static_cast<double>(scout.groups()));
+  double work = 0;
+  for (const Prospect& p : told)
+    if (p.cost() <= perhaps * least) work = std::max(work, p.work);
+  work *= spp * static_cast<double>(pixels);
+  return static_cast<uint64_t>(
+      std::min(scouts_share(spp) * work / scout.work_of_group(), static_cast<double>(kMostGroups)));
+}
+
+double left_to_nee(double relmse, double spp) {
+  const double how_many = std::clamp(std::log2(spp / 8) / 2, 0.0, 1.0);
+  return 1 - how_many * (0.1 + 0.35 / (1 + relmse * relmse));
+}
+
+size_t best_of(const std::vector<Prospect>& prospects, uint64_t groups, double spp) {
   // What chance does to the ratio of two candidates that are told from the same paths.
   const double better = 1 - 1 / std::sqrt(static_cast<double>(std::max<uint64_t>(groups, 4)));
-  const auto cost = [&](const Prospect& p) { return p.cost() / (p.safe ? 1 : better); };
+  const auto cost = [&](const Prospect& p) {
+    const double left = p.integrator == nee.name ? left_to_nee(p.relmse, spp) : 1;
+    return left * p.cost() / (p.safe ? 1 : better);
+  };
   size_t best = 0;
   for (size_t i = 1; i < prospects.size(); ++i)
     if (cost(prospects[i]) < cost(prospects[best])) best = i;

@@ -24,7 +24,8 @@ class WorkModelTest : public testing::Test {
 TEST_F(WorkModelTest, more_for_edges_of_directed_walks_and_more_again_with_facets_to_choose_among) {
   const WorkCosts& c = kWorkWithPortals;
   EXPECT_NEAR(of(one_, tdpt_guided) - of(one_, tdpt_org), 20 * c.directed, 1e-9);
-  EXPECT_NEAR(of(two_, tdpt_guided) - of(two_, tdpt_org), 20 * (c.directed + c.facets + 2 * c.facet), 1e-9);
+  EXPECT_NEAR(of(two_, tdpt_guided) - of(two_, tdpt_org),
+              20 * (c.directed + c.facets + 2 * c.facet), 1e-9);
   EXPECT_NEAR(of(two_, tdpt_org) - of(one_, tdpt_org), 20 * 2 * c.portal_triangle, 1e-9);
 }
 

@@ -84,7 +84,7 @@ void Path::fill(const World& world, const Walk& y, int s, const Walk& z, int t,
   // Inside a prefix the walk knows both densities; the two vertices at a prefix's end and the
   // segment's learn theirs from the finished path.
   for (int i = 0; i < k_; ++i) {
-    const int j = k_ - i;                                       // index from the camera
+    const int j = k_ - i;                                          // index from the camera
     walks_.light_A[u(i)] = i == 0       ? plain_light_A(world, 0)  // of walks, whoever placed x_0
                            : i < s      ? y.state(i).pdf_own_A
                            : j <= t - 3 ? z.state(j).pdf_other_A
@@ -230,8 +230,7 @@ double Path::weight_by_logarithms(const Mixture& mixture, Strategy used, double 
   for (int i = 0; i < k_; ++i)
     light_part[u(i + 1)] = light_part[u(i)] + std::log(walks_.light_A[u(i)] / walks_.common(i));
   for (int i = k_ - 1; i >= 0; --i)
-    camera_part[u(i)] =
-        camera_part[u(i + 1)] + std::log(walks_.camera_A[u(i)] / walks_.common(i));
+    camera_part[u(i)] = camera_part[u(i + 1)] + std::log(walks_.camera_A[u(i)] / walks_.common(i));
   constexpr double kNone = -std::numeric_limits<double>::infinity();
   const auto log_p = [&](int prefix, int rest, double extra) {
     return light_part[u(prefix)] + std::log(extra) + camera_part[u(rest)];

@@ -72,6 +72,8 @@ class Path {
   // The path under other mixtures than that which made it: what it brings to their second moments
   // [scout.h].
 
+  /// Densities in walks as those that made it.
+  const WalkDensities& walks() const { return walks_; }
   /// Densities where no walk is directed.
   WalkDensities plain_densities(const World& world) const;
   /// And where they are directed by `guide`, from the plain ones. What Guide::knowing_all() knows

@@ -245,7 +245,7 @@ TEST(paths_guided, of_any_probability_are_the_oracles) {
 // Paths of walks that are directed one way or not at all, weighed as if they were directed another:
 // how many differ from the oracle's weight. `told`: the mixture that is asked for.
 int weighed_as_others(const Scene& scene, const Integrator& made, const Mixture& asked,
-                         const Mixture& told) {
+                      const Mixture& told) {
   const World world(scene, scene.camera(""), 16, 12, two_crossing_portals());
   Film film(16, 12, 1);
   Tally tally;
@@ -257,8 +257,8 @@ int weighed_as_others(const Scene& scene, const Integrator& made, const Mixture&
     const WalkDensities plain = path.plain_densities(world);
     const StrategySums sums =
         path.sums(asked, path.directed_densities(other, plain), plain, strategy);
-    const double per_sample = asked.sample_weight(strategy.technique, path.k()) /
-                              asked.samples_of(strategy.technique);
+    const double per_sample =
+        asked.sample_weight(strategy.technique, path.k()) / asked.samples_of(strategy.technique);
     const double weight =
         oracle::weight(oracle::densities(world, path, told, Fault::none), strategy, 1);
     ++all;
@@ -316,7 +316,8 @@ double carried_by_directed_walks(double fault) {
   constexpr int kWalks = 800000;
   double mean[2] = {}, variance = 0;
   for (size_t directed : {0, 1}) {
-    const Guide guide(world, directed ? Mixture{kThreeWays, 1, 1, 1, {{0.9, 0.9}}} : tdpt_org.mixture);
+    const Guide guide(world,
+                      directed ? Mixture{kThreeWays, 1, 1, 1, {{0.9, 0.9}}} : tdpt_org.mixture);
     double sum = 0, squares = 0;
     Walk walk;
     RayCounts rays;
@@ -529,7 +530,8 @@ TEST(paths_skipped, a_vertex_that_no_walk_can_have_made_leaves_the_weights_of_se
   }
 }
 
-// Connections that the weights are not to know of: nothing of what they bring may vanish in silence.
+// Connections that the weights are not to know of: nothing of what they bring may vanish in
+// silence.
 TEST(paths_skipped, samples_of_a_strategy_without_density_are_counted) {
   const Scene scene = diffuse_rooms();
   const World world(scene, scene.camera(""), 16, 12, two_crossing_portals());
