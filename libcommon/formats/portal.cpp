@@ -40,6 +40,8 @@ class Reader {
     PortalFile file;
     file.hash = d_.hash;
     read_asset(file);
+    file.cameras = d_.model.cameras.size();
+    file.lamps = lamps();
     for (const PlacedNode& n : place_nodes(d_))
       if (d_.model.nodes[n.node].mesh >= 0) read_portal(n, file);
     return file;
@@ -55,6 +57,21 @@ class Reader {
     if (const auto lines = extras->find("provenance"); lines != extras->end() && lines->is_array())
       for (const Json& line : *lines)
         if (line.is_string()) file.provenance.lines.push_back(line.get<std::string>());
+  }
+
+  size_t lamps() const {
+    size_t n = 0;
+    const Json none;
+    const Json& extensions = d_.json.value("extensions", none);
+    if (const auto at = extensions.find("KHR_lights_punctual"); at != extensions.end())
+      n += at->value("lights", none).size();
+    for (const Json& material : d_.json.value("materials", none))
+      for (const Json& e : material.value("emissiveFactor", none))
+        if (e.get<double>() > 0) {
+          ++n;
+          break;
+        }
+    return n;
   }
 
   void read_portal(const PlacedNode& n, PortalFile& file) {

@@ -30,6 +30,8 @@ struct PortalFile {
   std::string scene_hash;       ///< of the scene it was made for; empty: drawn by hand
   Provenance provenance;
   std::string hash;  ///< content hash of the file read
+  /// Of the file read; lamps are punctual lights and materials that emit. Portals need neither.
+  size_t cameras = 0, lamps = 0;
 };
 
 /// Reads every mesh of the file, one portal a mesh node, node transforms applied (a mirroring

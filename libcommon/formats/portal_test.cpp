@@ -135,6 +135,18 @@ TEST_F(PortalFormat, OneForBothWaysComesBackAsSuch) {
   EXPECT_EQ(portal_bytes(back), bytes);
 }
 
+TEST_F(PortalFormat, CountsWhatPortalsDoNotNeed) {
+  Json g = square();
+  EXPECT_EQ(read(g).cameras + read(g).lamps, 0u);
+  g["cameras"] = Json::parse(R"([{"type":"perspective","perspective":{"yfov":1,"znear":0.1}}])");
+  g["materials"] = Json::parse(R"([{"emissiveFactor":[0,0,0.5]},{"emissiveFactor":[0,0,0]},{}])");
+  EXPECT_EQ(read(g).cameras, 1u);
+  EXPECT_EQ(read(g).lamps, 1u);
+  g["extensionsUsed"] = {"KHR_lights_punctual"};
+  g["extensions"]["KHR_lights_punctual"]["lights"] = Json::parse(R"([{"type":"point"}])");
+  EXPECT_EQ(read(g).lamps, 2u);
+}
+
 // Blender writes doubleSided unless backface culling is on.
 TEST_F(PortalFormat, ADoubleSidedMaterialLetsLightPassBothWays) {
   Json g = square();

@@ -1,40 +1,210 @@
 #include "tools/tdpt-render/given_portals.h"
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+
 #include <fmt/format.h>
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
+#include "tools/tdpt-render/portal_fit.h"
+#include "tools/tdpt-render/portal_mesh.h"
 
 namespace tdpt {
 namespace {
 
-// Every edge of a path is tested against every triangle of the portals, and places are held in
-// single precision by the tracer.
+// Every edge of a path is tested against every triangle of the portals.
 constexpr size_t kMostTriangles = 4096;
-constexpr double kFarthest = 1e6;  ///< canonical
+constexpr double kFarLarger = 8;      // than the scene
+constexpr double kSameCorner = 1e-6;  // canonical
+// A few triangles of a scene may lie where portals do: panes, the glass of a lamp.
+constexpr size_t kFewTriangles = 8;
+constexpr size_t kSeveral = 3;  // bodies
 
-void check(const std::string& name, const std::vector<Portal>& portals, const Frame& frame) {
-  size_t triangles = 0;
-  for (const Portal& portal : portals) {
-    triangles += portal.triangles.size();
-    for (const Vec3d& v : portal.vertices)
-      if (!(length(frame.to_canonical(v)) <= kFarthest))
-        throw InputError(name, portal.name, "lies more than a million times the scene's size away");
+struct Box {
+  Vec3d low = Vec3d(std::numeric_limits<double>::infinity()),
+        high = Vec3d(-std::numeric_limits<double>::infinity());
+  void add(const Vec3d& v) {
+    low = min(low, v);
+    high = max(high, v);
   }
-  if (triangles > kMostTriangles)
-    throw InputError(name, "",
-                     fmt::format("has {} triangles, expected a portal of at most {}", triangles,
-                                 kMostTriangles));
+  double extent() const { return max_component(high - low); }
+  bool touches(const Box& other, double margin) const {
+    for (int c = 0; c < 3; ++c)
+      if (low[c] > other.high[c] + margin || high[c] < other.low[c] - margin) return false;
+    return true;
+  }
+};
+
+Box box_of(const Portal& portal, const Frame& frame) {
+  Box box;
+  for (const auto& t : portal.triangles)
+    for (const uint32_t v : t) box.add(frame.to_canonical(portal.vertices[v]));
+  return box;
 }
+// All that light goes between, but for lamps at infinity.
+Box box_of(const Scene& scene) {
+  Box box;
+  for (const Vec3f& p : scene.positions) box.add(Vec3d(p));
+  for (const PunctualLight& l : scene.lights)
+    if (l.kind != PunctualLight::Kind::directional) box.add(l.position);
+  return box;
+}
+
+size_t triangles_of(const PortalFile& file) {
+  size_t n = 0;
+  for (const Portal& portal : file.portals) n += portal.triangles.size();
+  return n;
+}
+
+double area_of(const Portal& portal) {
+  double sum = 0;
+  for (const auto& t : portal.triangles)
+    sum += 0.5 * length(cross(portal.vertices[t[1]] - portal.vertices[t[0]],
+                              portal.vertices[t[2]] - portal.vertices[t[0]]));
+  return sum;
+}
+
+// Triangles of the file that are the scene's, by their middles.
+size_t shared_triangles(const PortalFile& file, const Scene& scene) {
+  std::vector<Vec3d> middles;
+  for (uint32_t t = 0; t < scene.triangles.size(); ++t)
+    middles.push_back(
+        (Vec3d(scene.vertex(t, 0)) + Vec3d(scene.vertex(t, 1)) + Vec3d(scene.vertex(t, 2))) / 3);
+  const auto by_x = [](const Vec3d& a, const Vec3d& b) { return a.x < b.x; };
+  std::sort(middles.begin(), middles.end(), by_x);
+  size_t n = 0;
+  for (const Portal& portal : file.portals)
+    for (const auto& t : portal.triangles) {
+      Vec3d middle;
+      for (const uint32_t v : t) middle += scene.frame.to_canonical(portal.vertices[v]) / 3;
+      auto at = std::lower_bound(middles.begin(), middles.end(), middle - Vec3d(kSameCorner), by_x);
+      while (at != middles.end() && at->x <= middle.x + kSameCorner &&
+             length(*at - middle) > kSameCorner)
+        ++at;
+      n += at != middles.end() && at->x <= middle.x + kSameCorner;
+    }
+  return n;
+}
+
+class Judge {
+ public:
+  Judge(const std::string& path, const Scene& scene)
+      : name_(display_name(path)), scene_(scene), box_(box_of(scene)) {
+    out_.file = read_portals(path);
+  }
+
+  GivenPortals judged() {
+    const std::string& hash = out_.file.scene_hash;
+    if (out_.file.hash == scene_.hash) refuse("is the scene itself");
+    if (out_.file.portals.empty()) {
+      out_.notes.push_back("there is no portal in " + name_ + ": rendered as without");
+      return std::move(out_);
+    }
+    refuse_triangles_of_the_scene();
+    if (const size_t n = triangles_of(out_.file); n > kMostTriangles)
+      throw InputError(
+          name_, "",
+          fmt::format("has {} triangles, expected a portal of at most {}", n, kMostTriangles));
+    if (!hash.empty() && hash != scene_.hash)
+      out_.notes.push_back(name_ + " was made for another state of the scene, or for another one");
+    tidy_all();
+    std::erase_if(out_.file.portals, [&](const Portal& portal) { return is_elsewhere(portal); });
+    return std::move(out_);
+  }
+
+ private:
+  [[noreturn]] void refuse(const std::string& found) const {
+    throw InputError(name_, "", found + ", expected portals: planar polygons that fill openings");
+  }
+  void warn(const Portal& portal, const std::string& words) {
+    out_.warnings.push_back(portal.name + ": " + words);
+  }
+
+  void refuse_triangles_of_the_scene() const {
+    const size_t all = triangles_of(out_.file), scene = scene_.triangles.size();
+    if (all <= kFewTriangles) return;
+    const size_t shared = shared_triangles(out_.file, scene_);
+    if (2 * shared > all && (2 * shared > scene || shared > kMostTriangles))
+      refuse(fmt::format("holds {} of the scene's {} triangles", shared, scene));
+  }
+
+  // Bodies of a file that is no scene are left out.
+  void tidy_all() {
+    std::vector<PortalMesh> found;
+    size_t bodies = 0;
+    double body_area = 0, area = 0;
+    bool large = false;
+    for (Portal& portal : out_.file.portals) {
+      area += area_of(portal);
+      const PortalMesh& mesh = found.emplace_back(tidy(portal));
+      if (mesh.shape < PortalMesh::folded) continue;
+      ++bodies;
+      body_area += area_of(portal);
+      large |= 2 * box_of(portal, scene_.frame).extent() > box_.extent();
+    }
+    const bool furnished = out_.file.cameras > 0 && out_.file.lamps > 0;
+    if (2 * body_area > area && (bodies >= kSeveral || large || furnished))
+      refuse(fmt::format("holds {} bodies among {} meshes", bodies, found.size()));
+    if (furnished && found.size() > kSeveral)
+      refuse(fmt::format("holds a camera, lamps and {} meshes", found.size()));
+    std::vector<Portal> kept;
+    for (size_t i = 0; i < found.size(); ++i) {
+      const Portal& portal = out_.file.portals[i];
+      tell(portal, found[i]);
+      if (found[i].shape < PortalMesh::folded) kept.push_back(portal);
+    }
+    out_.file.portals = std::move(kept);
+  }
+
+  void tell(const Portal& portal, const PortalMesh& mesh) {
+    if (mesh.shape == PortalMesh::body)
+      return warn(portal, "is a closed body, expected a planar polygon: left out");
+    if (mesh.shape == PortalMesh::folded)
+      return warn(portal,
+                  "is folded, its triangles face all ways, expected a planar polygon: left out");
+    if (mesh.shape == PortalMesh::flattened)
+      warn(portal, fmt::format("is not planar, corners lie {:.2g} m off its plane: laid into it",
+                               mesh.off));
+    if (mesh.shape == PortalMesh::bent)
+      warn(portal, fmt::format("is not planar: used as {} planes", mesh.planes));
+    if (mesh.turned)
+      out_.notes.push_back(portal.name +
+                           ": some triangles faced another way than their neighbours: turned");
+    if (portal.triangles.size() < mesh.triangles)
+      out_.notes.push_back(fmt::format("{}: {} triangles cover the same as its {}", portal.name,
+                                       portal.triangles.size(), mesh.triangles));
+  }
+
+  bool is_elsewhere(const Portal& portal) {
+    constexpr double kMargin = 1e-3;
+    const Box box = box_of(portal, scene_.frame);
+    std::string why;
+    if (!box.touches(box_, kMargin * box_.extent()))
+      why = "lies outside the scene";
+    else if (box.extent() > kFarLarger * box_.extent())
+      why = fmt::format("is {:.2g} times as large as the scene", box.extent() / box_.extent());
+    else
+      return false;
+    if (!tracer_) tracer_ = std::make_unique<Tracer>(scene_);
+    const std::string unit = unit_words(portal, *tracer_, scene_.frame);
+    warn(portal, why + (unit.empty() ? "" : ", " + unit) + ": left out");
+    return true;
+  }
+
+  std::string name_;
+  const Scene& scene_;
+  Box box_;
+  std::unique_ptr<Tracer> tracer_;  // for a portal that is elsewhere
+  GivenPortals out_;
+};
 
 }  // namespace
 
-PortalFile read_given_portals(const std::string& path, const Scene& scene) {
-  PortalFile file = read_portals(path);
-  if (!file.scene_hash.empty() && file.scene_hash != scene.hash)
-    throw InputError(display_name(path), "", "was made from another scene than " + scene.path);
-  check(display_name(path), file.portals, scene.frame);
-  return file;
+GivenPortals read_given_portals(const std::string& path, const Scene& scene) {
+  return Judge(path, scene).judged();
 }
 
 }  // namespace tdpt

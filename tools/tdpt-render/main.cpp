@@ -41,8 +41,10 @@ Loaded load(const Arguments& a, const cli::Common& common) {
   in.camera = in.scene.camera(a.camera);
   in.files.push_back({a.scene, in.scene.hash, {}});
   for (const std::string& path : a.portals) {
-    const PortalFile file = read_given_portals(path, in.scene);
-    if (file.portals.empty()) common.warn("there is no portal in " + display_name(path));
+    const GivenPortals given = read_given_portals(path, in.scene);
+    for (const std::string& warning : first_few(given.warnings)) common.warn(warning);
+    for (const std::string& note : first_few(given.notes)) common.note(note);
+    const PortalFile& file = given.file;
     in.portals.insert(in.portals.end(), file.portals.begin(), file.portals.end());
     in.files.push_back({path, file.hash, file.provenance});
   }

@@ -45,21 +45,21 @@ Deeds deeds_of(size_t portal, const RenderResult& result) {
   return d;
 }
 
-void shorten(std::vector<std::string>& sentences) {
-  if (sentences.size() <= kMostSentences) return;
+}  // namespace
+
+std::vector<std::string> first_few(std::vector<std::string> sentences) {
+  if (sentences.size() <= kMostSentences) return sentences;
   const size_t more = sentences.size() - (kMostSentences - 1);
   sentences.resize(kMostSentences - 1);
   sentences.push_back(fmt::format("and {} more portals", more));
+  return sentences;
 }
-
-}  // namespace
 
 std::vector<std::string> promises(const std::vector<Portal>& portals) {
   std::vector<std::string> sentences;
   for (const Portal& p : portals)
     sentences.push_back(p.name + ": " + worth_sentence(p.figures, area_of(p)));
-  shorten(sentences);
-  return sentences;
+  return first_few(std::move(sentences));
 }
 
 std::vector<std::string> turnings(const std::vector<Portal>& portals,
@@ -79,8 +79,7 @@ std::vector<std::string> turnings(const std::vector<Portal>& portals,
     else if (w.way == PortalWay::front && double_sided)
       say(w, "is double-sided, light passes it from its back to its front: works that way alone");
   }
-  shorten(sentences);
-  return sentences;
+  return first_few(std::move(sentences));
 }
 
 std::vector<std::string> disappointments(const std::vector<Portal>& portals,
@@ -92,8 +91,7 @@ std::vector<std::string> disappointments(const std::vector<Portal>& portals,
           "{} is useless: {:.2g} % of its {} samples joined a lamp with the camera, they "
           "brought {:.2g} % of the light",
           portals[i].name, 100 * d.lit, d.samples, 100 * d.energy));
-  shorten(sentences);
-  return sentences;
+  return first_few(std::move(sentences));
 }
 
 nlohmann::ordered_json portals_json(const std::vector<Portal>& portals,

@@ -13,6 +13,9 @@ namespace tdpt {
 inline constexpr double kNoEnergy = 0.001, kLeastEnergy = 0.01, kLeastLit = 0.1;
 inline constexpr uint64_t kEnoughSamples = 1000;
 
+/// The sentences, one for each portal; of many the first ones, and how many more there are.
+std::vector<std::string> first_few(std::vector<std::string> sentences);
+
 /// A sentence for each portal: area, and what its figures promise (portal(5)); for many portals the
 /// first ones.
 std::vector<std::string> promises(const std::vector<Portal>& portals);
