@@ -90,6 +90,8 @@ void PortalSet::add_facet(const PlanarFacet& facet, uint32_t portal) {
   }
   f.end = static_cast<uint32_t>(polygons_.size());
   if (f.end == f.first) return;
+  for (const Vec3d& corner : f.corners)
+    f.reach2 = std::max(f.reach2, dot(corner - f.centre, corner - f.centre));
   f.p0 = polygons_[f.first].p0;
   f.table = AliasTable(areas);
   facets_.push_back(std::move(f));
@@ -236,6 +238,7 @@ int PortalSet::crossed(const Facet& f, const Vec3d& at, const Drawn& drawn) cons
     return triangle >= static_cast<int>(f.first) && triangle < static_cast<int>(f.end);
   };
   const int here = within(drawn.polygon) ? drawn.polygon : within(drawn.second) ? drawn.second : -1;
+  if (here < 0 && dot(at - f.centre, at - f.centre) > f.reach2 * (1 + kBorder)) return 0;
   int n = 0;
   for (int i = static_cast<int>(f.first); i < static_cast<int>(f.end); ++i)
     n += i == here || polygon(i).holds(at, here >= 0 ? kBorder : 0);

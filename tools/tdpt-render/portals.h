@@ -144,6 +144,7 @@ class PortalSet {
   struct Facet {
     Vec3d p0, normal, centre;
     double area = 0;
+    double reach2 = 0;            ///< of the corner that is furthest from the centre, squared
     std::vector<Vec3d> corners;   ///< each once
     uint32_t first = 0, end = 0;  ///< of its triangles
     AliasTable table;             ///< among them, by area
