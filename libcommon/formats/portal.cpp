@@ -148,6 +148,14 @@ class Reader {
 
 }  // namespace
 
+double area_of(const Portal& portal) {
+  double sum = 0;
+  for (const auto& t : portal.triangles)
+    sum += 0.5 * length(cross(portal.vertices[t[1]] - portal.vertices[t[0]],
+                              portal.vertices[t[2]] - portal.vertices[t[0]]));
+  return sum;
+}
+
 PortalFile read_portals(const std::string& path) {
   Document document;
   open_document(path, document);

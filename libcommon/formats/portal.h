@@ -25,6 +25,9 @@ struct Portal {
   bool both_ways = false;
 };
 
+/// Of all triangles [m2].
+double area_of(const Portal& portal);
+
 struct PortalFile {
   std::vector<Portal> portals;  ///< empty: no bottleneck was found
   std::string scene_hash;       ///< of the scene it was made for; empty: drawn by hand

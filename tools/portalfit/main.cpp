@@ -34,7 +34,7 @@ void declare_options(cli::Options& options, Arguments& a) {
                  "How a portal is fitted: tube, the default, or the rule of the paper");
   options.flag("--require-portal", a.require_portal, "Exit with 3 when no portal is found",
                cli::Shapes::nothing);
-  options.flag("--useful-only", a.useful_only, "Leave out portals that cost more than they gain");
+  options.flag("--useful-only", a.useful_only, "Leave out portals with a drawback");
   options.side_output("--preview", a.preview,
                       "Write a picture (.png, .svg, .pdf): each portal over the light, from the "
                       "front and from above");
@@ -55,7 +55,7 @@ FitResult fit(const Arguments& a, const LightGrid& grid) {
 }
 
 bool chosen(const Arguments& a, const Portal& portal) {
-  return !a.useful_only || verdict_of(portal.figures).worth != Worth::useless;
+  return !a.useful_only || drawback_of(portal.figures).empty();
 }
 
 // The portals to write, and the lines that each counts.
@@ -92,7 +92,7 @@ nlohmann::json tell(const Arguments& a, const cli::Common& common, const FitResu
     if (!write) continue;
     nlohmann::json entry = f;
     entry["name"] = name;
-    entry["worth"] = verdict_of(f).words;
+    entry["drawback"] = drawback_of(f);
     written.push_back(entry);
   }
   for (const std::string& sentence : found.refused) common.note("refused: " + sentence + ".");
@@ -105,7 +105,7 @@ nlohmann::json tell(const Arguments& a, const cli::Common& common, const FitResu
 // Nothing is written: says why, or throws where a portal is required.
 std::string why_none(const Arguments& a, const cli::Common& common, const LightGrid& grid,
                      const FitResult& found) {
-  const std::string why = !found.portals.empty() ? "none found is useful"
+  const std::string why = !found.portals.empty() ? "each that was found has a drawback"
                           : grid.bottleneck      ? kNoOpening
                                                  : grid.reason;
   if (a.require_portal) throw InputError(display_name(a.grid), "", "gives no portal: " + why);

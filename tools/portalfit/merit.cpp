@@ -15,7 +15,6 @@
 #include <numbers>
 #include <optional>
 
-#include "libcommon/formats/portal_worth.h"
 #include "tools/portalfit/portal_shape.h"
 
 namespace tdpt {
@@ -82,31 +81,24 @@ struct Appraised {
   std::optional<double> tightness;
 };
 
-// Conductance and gain of cut `c`, for its portals. Lines may end on a jamb before they cross:
-// flux_share counts them, conductance does not. Then tightness to conductance is the room's surface
-// to the opening, wherever the cut ran. `lines`: of the cut.
+// Conductance of cut `c`, for its portals. Lines may end on a jamb before they cross: flux_share
+// counts them, conductance does not. Then tightness to conductance is the room's surface to the
+// opening, wherever the cut ran. `lines`: of the cut.
 void appraise_cut(const LightGrid& grid, size_t c, size_t lines,
                   const std::vector<Appraised>& portals) {
   std::vector<uint8_t> met(grid.lines.size(), 0);
-  double share = 0, passing = 0, crossed = 0, all = 0;
+  double passing = 0;
   const auto counts = [&](const Appraised& a) { return a.cut == c && a.tightness; };
   for (const Appraised& a : portals) {
     if (!counts(a)) continue;
-    const auto flux = a.portal->figures.find("flux_share");
-    if (flux != a.portal->figures.end()) share += flux->second;
     for (const Crossing& line : a.crossings)
       if (!met[line.line]) met[line.line] = 1, ++passing;
-    crossed += static_cast<double>(a.crossings.size());
-    all += static_cast<double>(a.crossings.size()) / *a.tightness;
   }
   if (!(passing > 0)) return;
   const double conductance =
       grid.cuts[c].conductance * grid.cuts[c].kept * passing / static_cast<double>(lines);
-  for (const Appraised& a : portals) {
-    if (!counts(a)) continue;
-    a.portal->figures["conductance"] = conductance;
-    a.portal->figures["expected_gain"] = expected_gain(share, crossed / all, conductance);
-  }
+  for (const Appraised& a : portals)
+    if (counts(a)) a.portal->figures["conductance"] = conductance;
 }
 
 }  // namespace

@@ -10,8 +10,7 @@ namespace tdpt {
 /// Adds figures of portal(5) to each portal: `cut` (the one most of whose lines cross it),
 /// `tightness` (share of its lines that pass from one side to the other: places uniform on it,
 /// directions cosine-distributed), and where the grid knows its cuts `conductance` (of the cut,
-/// as far as lines cross its portals) and `expected_gain` (of all portals of that cut together,
-/// portal_worth.h).
+/// as far as lines cross its portals).
 void appraise(const LightGrid& grid, std::vector<Portal>& portals);
 
 }  // namespace tdpt

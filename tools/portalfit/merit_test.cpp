@@ -5,7 +5,6 @@
 
 #include <gtest/gtest.h>
 
-#include "libcommon/formats/portal_worth.h"
 #include "libcommon/math/rng.h"
 #include "libcommon/math/warp.h"
 
@@ -60,7 +59,7 @@ double tightness_of(const std::vector<LightLine>& lines, const Portal& portal) {
   grid.lines = lines;
   std::vector<Portal> portals{portal};
   appraise(grid, portals);
-  EXPECT_FALSE(portals[0].figures.contains("expected_gain"));  // of an unknown cut
+  EXPECT_FALSE(portals[0].figures.contains("conductance"));  // of an unknown cut
   return portals[0].figures.at("tightness");
 }
 
@@ -90,7 +89,7 @@ TEST(Tightness, DoesNotCountLinesTheOtherWay) {
   EXPECT_FALSE(portals[0].figures.contains("tightness"));
 }
 
-TEST(Appraise, NarrowCutsAreWorthMoreAndEachPortalBelongsToItsOwn) {
+TEST(Appraise, EachPortalBelongsToItsOwnCut) {
   LightGrid grid;
   grid.lines = lines_through(0.2, 0.1, 4000, 0);
   for (const LightLine& l : lines_through(1, 0.1, 4000, 1, 5)) grid.lines.push_back(l);
@@ -100,20 +99,20 @@ TEST(Appraise, NarrowCutsAreWorthMoreAndEachPortalBelongsToItsOwn) {
   EXPECT_EQ(portals[0].figures.at("cut"), 0);
   EXPECT_EQ(portals[1].figures.at("cut"), 1);
   EXPECT_NEAR(portals[0].figures.at("conductance"), 0.0005, 1e-5);
-  EXPECT_EQ(verdict_of(portals[0].figures).worth, Worth::useful);
-  EXPECT_NE(verdict_of(portals[1].figures).worth, Worth::useful);
+  EXPECT_NEAR(portals[1].figures.at("conductance"), 0.2, 1e-3);
 }
 
-TEST(Appraise, PortalsOfOneCutCoverItsLightTogether) {
+TEST(Appraise, PortalsOfOneCutCarryItsLightTogether) {
   LightGrid grid;
   grid.lines = lines_through(0.2, 0.1, 4000, 0);
   for (LightLine l : lines_through(0.2, 0.1, 4000, 1, 5)) l.cut = 0, grid.lines.push_back(l);
   grid.cuts = {{0.001, 1}};
   std::vector<Portal> both{square(0.2), square(0.2, 5)}, one{square(0.2)};
-  for (Portal* p : {&both[0], &both[1], &one[0]}) p->figures["flux_share"] = 0.5;
   appraise(grid, both);
   appraise(grid, one);
-  EXPECT_GT(both[0].figures.at("expected_gain"), 1.5 * one[0].figures.at("expected_gain"));
+  EXPECT_NEAR(both[0].figures.at("conductance"), 0.001, 1e-9);
+  EXPECT_EQ(both[1].figures.at("conductance"), both[0].figures.at("conductance"));
+  EXPECT_NEAR(one[0].figures.at("conductance"), 0.0005, 1e-5);
 }
 
 // Whether the cut runs before or behind the jambs, the way is as narrow.
@@ -130,18 +129,21 @@ TEST(Appraise, JambsOnEitherSideOfTheCutMakeNoDifference) {
   }
   grid.cuts = {{0.001, 1}};
   appraise(grid, jambs);
-  EXPECT_NEAR(jambs[0].figures.at("expected_gain"), clear[0].figures.at("expected_gain"), 1e-9);
+  const auto width = [](const Portal& p) {
+    return p.figures.at("conductance") / p.figures.at("tightness");
+  };
+  EXPECT_NEAR(width(jambs[0]), width(clear[0]), 1e-9);
   // Twin: a cut that carries twice as much through the middle is wider.
   grid.lines.resize(4000);
   appraise(grid, jambs);
-  EXPECT_LT(jambs[0].figures.at("expected_gain"), 0.9 * clear[0].figures.at("expected_gain"));
+  EXPECT_GT(width(jambs[0]), 1.9 * width(clear[0]));
 }
 
 TEST(Appraise, AGridWithoutLinesTellsNothing) {
   std::vector<Portal> portals{square(1)};
   appraise(LightGrid{}, portals);
   EXPECT_FALSE(portals[0].figures.contains("tightness"));
-  EXPECT_EQ(verdict_of(portals[0].figures).worth, Worth::unknown);
+  EXPECT_FALSE(portals[0].figures.contains("conductance"));
 }
 
 }  // namespace

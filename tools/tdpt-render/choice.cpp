@@ -1,6 +1,7 @@
 #include "tools/tdpt-render/choice.h"
 
 #include "libcommon/base/error.h"
+#include "tools/tdpt-render/portal_fit.h"
 #include "tools/tdpt-render/portal_probe.h"
 #include "tools/tdpt-render/portal_report.h"
 #include "tools/tdpt-render/portal_ways.h"
@@ -22,6 +23,19 @@ std::vector<Candidate> candidates_of(const Request& request, const World& world)
   if (!request.automatic) return {{request.named, label_of(request.named)}};
   if (request.guided.empty()) return auto_candidates(world);
   return auto_candidates(world, request.guided);
+}
+
+void tell_left_out(const World& world, const std::vector<Portal>& portals,
+                   const PortalProbe& probed, const cli::Common& common) {
+  std::vector<std::string> sentences;
+  for (const PortalWay& w : probed.ways) {
+    if (w.way != PortalWay::left_out) continue;
+    const Portal& portal = portals[w.portal];
+    const std::string unit = unit_words(portal, world.tracer, world.scene.frame);
+    sentences.push_back(left_out(portal, probed.light[w.portal]) +
+                        (unit.empty() ? "" : "; it " + unit));
+  }
+  for (const std::string& sentence : first_few(sentences)) common.warn(sentence);
 }
 
 }  // namespace
@@ -46,12 +60,17 @@ Choice choose(const Request& request, const RenderSettings& settings, const Came
   if (world.portals.empty() && through_portals)
     common.warn("no portal is given, so no path is sampled through one");
   if (request.automatic || through_portals) {
-    choice.ways = probe_ways(world, camera, portals, settings.max_depth, settings.seed);
+    const PortalProbe probed =
+        probe_ways(world, camera, portals, settings.max_depth, settings.seed);
+    choice.ways = probed.ways;
+    tell_left_out(world, portals, probed, common);
     for (const std::string& turning : turnings(portals, choice.ways)) common.note(turning);
     apply_ways(choice.ways, portals);
+    for (size_t i = 0; i < portals.size(); ++i)
+      if (probed.light[i].of > 0) portals[i].figures[kLight] = probed.light[i].share;
     world.portals = PortalSet(portals, world.scene.frame);
     probe(world, portals);
-    for (const std::string& promise : promises(portals)) common.note(promise);
+    for (const std::string& description : descriptions(portals)) common.note(description);
   }
   choice.candidates = candidates_of(request, world);
   choice.integrator = request.named;

@@ -24,8 +24,8 @@ struct Choice {
   Integrator integrator;        ///< the only candidate, or `auto` with the techniques of all
 };
 /// Warns of light that will be missing. If portals will be used, they are probed, turned to the way
-/// that light passes them, in `portals` and in the world, and what they promise is told
-/// [portal_ways.h, portal_probe.h].
+/// that light passes them or left out where none does, in `portals` and in the world, and what was
+/// measured is told [portal_ways.h, portal_probe.h].
 Choice choose(const Request& request, const RenderSettings& settings, const Camera& camera,
               World& world, std::vector<Portal>& portals, const cli::Common& common);
 

@@ -59,14 +59,6 @@ size_t triangles_of(const PortalFile& file) {
   return n;
 }
 
-double area_of(const Portal& portal) {
-  double sum = 0;
-  for (const auto& t : portal.triangles)
-    sum += 0.5 * length(cross(portal.vertices[t[1]] - portal.vertices[t[0]],
-                              portal.vertices[t[2]] - portal.vertices[t[0]]));
-  return sum;
-}
-
 // Triangles of the file that are the scene's, by their middles.
 size_t shared_triangles(const PortalFile& file, const Scene& scene) {
   std::vector<Vec3d> middles;

@@ -89,11 +89,12 @@ void deliver(const Arguments& a, const cli::Common& common, const Loaded& in, co
                  }}});
 }
 
-// Whether portals took part and brought next to nothing.
-bool portals_were_idle(const World& world, const Integrator& integrator, const RenderTally& tally) {
-  if (world.portals.empty() || !integrator.mixture.has(Technique::portal)) return false;
+// Share of the light that segments through portals brought; 1 where none took part.
+double share_of_portals(const World& world, const Integrator& integrator,
+                        const RenderTally& tally) {
+  if (world.portals.empty() || !integrator.mixture.has(Technique::portal)) return 1;
   const double total = std::accumulate(tally.energy.begin(), tally.energy.end(), 0.0);
-  return tally.energy[static_cast<size_t>(Technique::portal)] < 0.01 * total;
+  return total > 0 ? tally.energy[static_cast<size_t>(Technique::portal)] / total : 1;
 }
 
 void report(const Arguments& a, const cli::Common& common, const Loaded& in, const World& world,
@@ -104,8 +105,10 @@ void report(const Arguments& a, const cli::Common& common, const Loaded& in, con
         fmt::format("pixel {} {} sample {}: a contribution was not finite, or beyond what a splat "
                     "holds, and is left out",
                     place.x, place.y, place.sample));
-  if (portals_were_idle(world, choice.candidates[result.chosen].integrator, result.tally))
-    common.note("the portals brought less than 1 % of the light: do they lie on its way?");
+  if (const double share =
+          share_of_portals(world, choice.candidates[result.chosen].integrator, result.tally);
+      share < kLeastEnergy)
+    common.note(idleness(in.portals, share));
   for (const std::string& sentence : disappointments(in.portals, result)) common.note(sentence);
   std::string name = choice.integrator.name;
   if (!result.chosen_label.empty()) name += " (" + result.chosen_label + ")";

@@ -11,7 +11,7 @@ namespace tdpt {
 namespace {
 
 // By PortalWay::Way.
-constexpr std::array kWays{"as drawn", "front", "back", "both"};
+constexpr std::array kWays{"as drawn", "front", "back", "both", "left out"};
 
 // A value of the plan, checked on the way in.
 class Reader {

@@ -31,13 +31,6 @@ Portal sheet(int n, const std::function<double(double, double)>& depth) {
   }
   return p;
 }
-double area_of(const Portal& p) {
-  double sum = 0;
-  for (const auto& t : p.triangles)
-    sum += 0.5 *
-           length(cross(p.vertices[t[1]] - p.vertices[t[0]], p.vertices[t[2]] - p.vertices[t[0]]));
-  return sum;
-}
 Vec3d mean_normal(const Portal& p) {
   Vec3d sum;
   for (const auto& t : p.triangles)

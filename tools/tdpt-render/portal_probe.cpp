@@ -1,6 +1,5 @@
 #include "tools/tdpt-render/portal_probe.h"
 
-#include "libcommon/formats/portal_worth.h"
 #include "libcommon/math/warp.h"
 
 namespace tdpt {
@@ -51,10 +50,10 @@ double probed_conductance(const World& world, const Portal& portal) {
 void probe(const World& world, std::vector<Portal>& portals) {
   size_t probed = 0;
   for (Portal& portal : portals) {
-    if (portal.figures.contains("expected_gain") || ++probed > kMostProbed) continue;
-    const double c = probed_conductance(world, portal);
-    portal.figures["conductance"] = c;
-    portal.figures["expected_gain"] = expected_gain(1, 1, c);
+    if (portal.triangles.empty() || portal.figures.contains("conductance") ||
+        ++probed > kMostProbed)
+      continue;
+    portal.figures["conductance"] = probed_conductance(world, portal);
   }
 }
 

@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include "libcommon/formats/portal_worth.h"
 #include "tools/tdpt-render/test_rooms.h"
 
 namespace tdpt {
@@ -32,28 +31,12 @@ TEST(portal_probe, measures_the_opening_against_the_room) {
   EXPECT_LT(conductance_in("two-rooms.glb", portal_in_the_hole()), 0.01);
 }
 
-TEST(portal_probe, a_wide_window_drawn_by_hand_is_useless_and_a_hole_is_useful) {
-  const auto verdict = [](const char* name, const Portal& portal) {
-    const Scene scene = read_gltf(std::string(TDPT_TESTDATA "/scenes/") + name);
-    std::vector<Portal> portals{portal};
-    probe(World(scene, scene.camera(""), 8, 6, portals), portals);
-    return verdict_of(portals[0].figures);
-  };
-  const Verdict window = verdict("window.glb", in_the_window());
-  EXPECT_EQ(window.worth, Worth::useless) << window.words;
-  EXPECT_EQ(window.words.find("useless: a wide way, "), 0u);
-  EXPECT_EQ(verdict("two-rooms.glb", portal_in_the_hole()).words, "useful");
-  // Across the middle of a room: as wide as can be.
-  EXPECT_EQ(verdict("two-rooms.glb", rectangle({1, 0.1, -0.9}, {0, 0, 1.8}, {0, 1.8, 0})).worth,
-            Worth::useless);
-}
-
-TEST(portal_probe, leaves_figures_of_portalfit_alone) {
+TEST(portal_probe, is_for_portals_without_figures) {
   const Scene scene = read_gltf(two_rooms_path());
   std::vector<Portal> portals(1, portal_in_the_hole());
-  portals[0].figures["expected_gain"] = 17;
+  portals[0].figures["conductance"] = 0.5;
   probe(World(scene, scene.camera(""), 8, 6, portals), portals);
-  EXPECT_EQ(portals[0].figures.size(), 1u);
+  EXPECT_EQ(portals[0].figures, (std::map<std::string, double>{{"conductance", 0.5}}));
 }
 
 }  // namespace

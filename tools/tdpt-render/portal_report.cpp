@@ -6,21 +6,10 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "libcommon/formats/portal_worth.h"
-
 namespace tdpt {
 namespace {
 
 constexpr size_t kMostSentences = 4;
-
-// [m2]
-double area_of(const Portal& portal) {
-  double sum = 0;
-  for (const auto& t : portal.triangles)
-    sum += 0.5 * length(cross(portal.vertices[t[1]] - portal.vertices[t[0]],
-                              portal.vertices[t[2]] - portal.vertices[t[0]]));
-  return sum;
-}
 
 // What became of the samples of one portal, as shares.
 struct Deeds {
@@ -55,11 +44,38 @@ std::vector<std::string> first_few(std::vector<std::string> sentences) {
   return sentences;
 }
 
-std::vector<std::string> promises(const std::vector<Portal>& portals) {
+std::vector<std::string> descriptions(const std::vector<Portal>& portals) {
   std::vector<std::string> sentences;
-  for (const Portal& p : portals)
-    sentences.push_back(p.name + ": " + worth_sentence(p.figures, area_of(p)));
+  for (const Portal& p : portals) {
+    if (p.triangles.empty()) continue;
+    std::string text = fmt::format("{}: {:.4g} m2", p.name, area_of(p));
+    if (const auto c = p.figures.find("conductance"); c != p.figures.end())
+      text += fmt::format(", conductance {:.2g}", c->second);
+    if (const auto light = p.figures.find(kLight); light != p.figures.end())
+      text += fmt::format(", {:.2g} % of the light passed it on the way to what the camera sees",
+                          100 * light->second);
+    sentences.push_back(text);
+  }
   return first_few(std::move(sentences));
+}
+
+std::string left_out(const Portal& portal, const PortalLight& light) {
+  return fmt::format(
+      "{}: {:.2g} % of a small picture's light passed it on the way to the camera ({} of {} "
+      "samples): left out",
+      portal.name, 100 * light.share, light.samples, light.of);
+}
+
+std::string idleness(const std::vector<Portal>& portals, double share) {
+  const Portal* most = nullptr;
+  for (const Portal& p : portals)
+    if (p.figures.contains(kLight) && (!most || p.figures.at(kLight) > most->figures.at(kLight)))
+      most = &p;
+  if (!most) return "the portals brought less than 1 % of the light: do they lie on its way?";
+  return fmt::format(
+      "segments through portals brought {:.2g} % of the light; in a small picture before, {:.2g} % "
+      "passed {}",
+      100 * share, 100 * most->figures.at(kLight), most->name);
 }
 
 std::vector<std::string> turnings(const std::vector<Portal>& portals,
@@ -99,14 +115,17 @@ nlohmann::ordered_json portals_json(const std::vector<Portal>& portals,
   auto list = nlohmann::ordered_json::array();
   for (size_t i = 0; i < portals.size(); ++i) {
     const Deeds d = deeds_of(i, result);
-    nlohmann::ordered_json entry{{"name", portals[i].name}, {"area", area_of(portals[i])}};
-    for (const char* key : {"flux_share", "tightness", "conductance", "expected_gain"})
+    const bool used = !portals[i].triangles.empty();
+    nlohmann::ordered_json entry{
+        {"name", portals[i].name},
+        {"area", used ? area_of(portals[i]) : portals[i].figures.at("area")}};
+    for (const char* key : {"flux_share", "tightness", "conductance", kLight})
       if (const auto at = portals[i].figures.find(key); at != portals[i].figures.end())
         entry[key] = at->second;
     entry["samples"] = d.samples;
     entry["lit"] = d.lit;
     entry["energy"] = d.energy;
-    entry["useless"] = d.useless() || verdict_of(portals[i].figures).worth == Worth::useless;
+    entry["useless"] = d.useless() || !used;
     list.push_back(std::move(entry));
   }
   return list;

@@ -1,4 +1,4 @@
-// What a rendering says about its portals: what they promised, and what their samples did.
+// What a rendering says about its portals: what was measured of them, and what their samples did.
 #pragma once
 #include <nlohmann/json_fwd.hpp>
 
@@ -16,9 +16,19 @@ inline constexpr uint64_t kEnoughSamples = 1000;
 /// The sentences, one for each portal; of many the first ones, and how many more there are.
 std::vector<std::string> first_few(std::vector<std::string> sentences);
 
-/// A sentence for each portal: area, and what its figures promise (portal(5)); for many portals the
+/// The figure of a portal that says what share of a small picture's light passes it.
+inline constexpr const char* kLight = "light";
+
+/// A sentence for each portal that is used: its area, and what is known of it; for many portals the
 /// first ones.
-std::vector<std::string> promises(const std::vector<Portal>& portals);
+std::vector<std::string> descriptions(const std::vector<Portal>& portals);
+
+/// Of one that no light passes, or next to none.
+std::string left_out(const Portal& portal, const PortalLight& light);
+
+/// Why the segments through portals may have brought only a `share` of the light: what was measured
+/// of it before, or a question where nothing was.
+std::string idleness(const std::vector<Portal>& portals, double share);
 
 /// A sentence for each of the portals, as they are drawn, that will work another way; for many the
 /// first ones.

@@ -83,19 +83,46 @@ TEST(portals_report, few_samples_prove_nothing) {
   EXPECT_TRUE(disappointments({portal_in_the_hole()}, result).empty());
 }
 
-TEST(portals_report, promises_are_few_lines_however_many_portals_there_are) {
+// Figures that were measured; no word of what the picture would gain.
+TEST(portals_report, descriptions_are_few_lines_however_many_portals_there_are) {
   Portal fitted = portal_in_the_hole();
   fitted.name = "portal.0";
-  fitted.figures = {
-      {"area", 0.0625}, {"flux_share", 0.98}, {"expected_gain", 0.8}, {"conductance", 0.3}};
+  EXPECT_EQ(descriptions({fitted})[0], "portal.0: 0.0625 m2");
+  fitted.figures = {{"area", 0.0625}, {"flux_share", 0.98}, {"conductance", 0.3}, {kLight, 0.734}};
   EXPECT_EQ(
-      promises({fitted})[0],
-      "portal.0: 0.0625 m2, 98.0 % of the light, expected gain 0.8: useless: a wide way, 30 % "
-      "of the smaller side's light finds it alone");
-  const auto many = promises(std::vector<Portal>(20, fitted));
+      descriptions({fitted})[0],
+      "portal.0: 0.0625 m2, conductance 0.3, 73 % of the light passed it on the way to what the "
+      "camera sees");
+  const auto many = descriptions(std::vector<Portal>(20, fitted));
   ASSERT_EQ(many.size(), 4u);
   EXPECT_EQ(many[3], "and 17 more portals");
-  EXPECT_TRUE(promises({}).empty());
+  EXPECT_TRUE(descriptions({}).empty());
+  fitted.triangles.clear();
+  EXPECT_TRUE(descriptions({fitted}).empty());
+}
+
+TEST(portals_report, one_that_no_light_passes_is_told_and_stays_in_the_statistics) {
+  std::vector<Portal> portals(1, portal_in_the_hole());
+  EXPECT_EQ(
+      left_out(portals[0], {3, 3072, 0.001}),
+      "rectangle: 0.1 % of a small picture's light passed it on the way to the camera (3 of 3072 "
+      "samples): left out");
+  apply_ways({{0, PortalWay::left_out}}, portals);
+  const auto json = portals_json(portals, {});
+  EXPECT_NEAR(json[0].at("area").get<double>(), 0.0625, 1e-12);
+  EXPECT_TRUE(json[0].at("useless").get<bool>());
+}
+
+TEST(portals_report, idle_portals_are_told_with_what_was_measured_of_them) {
+  std::vector<Portal> portals(2, portal_in_the_hole());
+  EXPECT_EQ(idleness(portals, 0.003),
+            "the portals brought less than 1 % of the light: do they lie on its way?");
+  portals[0].figures[kLight] = 0.02;
+  portals[1].figures[kLight] = 0.45;
+  portals[1].name = "hall";
+  EXPECT_EQ(idleness(portals, 0.003),
+            "segments through portals brought 0.3 % of the light; in a small picture before, 45 % "
+            "passed hall");
 }
 
 }  // namespace

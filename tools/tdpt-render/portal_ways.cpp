@@ -5,7 +5,6 @@
 
 #include <oneapi/tbb/parallel_for.h>
 
-#include "libcommon/formats/portal_worth.h"
 #include "tools/tdpt-render/integrators/integrator.h"
 #include "tools/tdpt-render/path/path_sampler.h"
 #include "tools/tdpt-render/portal_probe.h"
@@ -19,13 +18,18 @@ constexpr int kDeepest = 8;
 constexpr uint64_t kLeastSamples = 10;
 constexpr double kLeastEnergy = 0.001;  // of the picture's
 constexpr double kEarnest = 0.2;        // of what passes the portal
+constexpr double kWideWay = 0.066;      // conductance
+constexpr double kNoLight = 1e-4;       // of the picture's but for its brightest sample
+constexpr uint64_t kEnoughLit = 300;    // samples
 
 /// With the normal and against it.
 using BothWays = std::array<PassedLight, 2>;
 
 struct Passed {
   std::vector<BothWays> portals;
-  double total = 0;
+  std::vector<PortalLight> either;  // way, each path once; `share`: the sum of it
+  double total = 0, brightest = 0;  // of all samples; the most that one brought
+  uint64_t lit = 0;                 // samples
 };
 
 // Adds up what the paths of one row of the picture carry through each portal.
@@ -34,25 +38,36 @@ class Counter {
   Counter(const std::vector<PortalSet>& portals, const Mixture& mixture)
       : portals_(portals),
         mixture_(mixture),
-        passed_{std::vector<BothWays>(portals.size())},
+        passed_{std::vector<BothWays>(portals.size()), std::vector<PortalLight>(portals.size())},
         of_sample_(portals.size()) {}
 
   void add(const Path& path, Strategy strategy, const Rgb& value) {
     const double light = luminance(value) * path.weight(mixture_, strategy, 1);
     if (!std::isfinite(light)) return;
     passed_.total += light;
-    for (int i = 0; i + 1 < path.k(); ++i) {
-      const Vertex &a = path.vertex(i), &b = path.vertex(i + 1);
-      // No two places of a scene are further apart than 4 (canonical).
-      const Vec3d from = a.at_infinity() ? b.position + between(b, a).w * 4 : a.position;
-      for (size_t p = 0; p < portals_.size(); ++p) {
-        if (portals_[p].density(from, b.position) > 0) of_sample_[p][0] += light;
-        if (portals_[p].density(b.position, from) > 0) of_sample_[p][1] += light;
+    sample_ += light;
+    for (size_t p = 0; p < portals_.size(); ++p) {
+      bool passes = false;
+      for (int i = 0; i + 1 < path.k(); ++i) {
+        const Vertex &a = path.vertex(i), &b = path.vertex(i + 1);
+        // No two places of a scene are further apart than 4 (canonical).
+        const Vec3d from = a.at_infinity() ? b.position + between(b, a).w * 4 : a.position;
+        const bool with = portals_[p].density(from, b.position) > 0;
+        const bool against = portals_[p].density(b.position, from) > 0;
+        if (with) of_sample_[p][0] += light;
+        if (against) of_sample_[p][1] += light;
+        passes |= with || against;
       }
+      if (passes) passed_.either[p].share += light;
     }
   }
   void end_sample() {
-    for (size_t p = 0; p < portals_.size(); ++p)
+    passed_.lit += sample_ > 0;
+    passed_.brightest = std::max(passed_.brightest, sample_);
+    sample_ = 0;
+    for (size_t p = 0; p < portals_.size(); ++p) {
+      ++passed_.either[p].of;
+      passed_.either[p].samples += of_sample_[p][0] > 0 || of_sample_[p][1] > 0;
       for (size_t way = 0; way < 2; ++way) {
         double& light = of_sample_[p][way];
         PassedLight& sum = passed_.portals[p][way];
@@ -61,6 +76,7 @@ class Counter {
         sum.brightest = std::max(sum.brightest, light);
         light = 0;
       }
+    }
   }
   const Passed& passed() const { return passed_; }
 
@@ -69,6 +85,7 @@ class Counter {
   Mixture mixture_;
   Passed passed_;
   std::vector<std::array<double, 2>> of_sample_;
+  double sample_ = 0;  // what it brought
 };
 
 // One sample of each pixel, with the portals of `world`.
@@ -96,10 +113,16 @@ Passed passed_light(const World& world, const std::vector<Portal>& portals, int 
       row.end_sample();
     }
   });
-  Passed all{std::vector<BothWays>(portals.size())};
+  Passed all{std::vector<BothWays>(portals.size()), std::vector<PortalLight>(portals.size())};
   for (const Counter& row : rows) {
     all.total += row.passed().total;
-    for (size_t p = 0; p < portals.size(); ++p)
+    all.lit += row.passed().lit;
+    all.brightest = std::max(all.brightest, row.passed().brightest);
+    for (size_t p = 0; p < portals.size(); ++p) {
+      const PortalLight& either = row.passed().either[p];
+      all.either[p].samples += either.samples;
+      all.either[p].of += either.of;
+      all.either[p].share += either.share;
       for (size_t way = 0; way < 2; ++way) {
         PassedLight& sum = all.portals[p][way];
         const PassedLight& part = row.passed().portals[p][way];
@@ -107,6 +130,7 @@ Passed passed_light(const World& world, const std::vector<Portal>& portals, int 
         sum.energy += part.energy;
         sum.brightest = std::max(sum.brightest, part.brightest);
       }
+    }
   }
   return all;
 }
@@ -142,16 +166,18 @@ PortalWay::Way way_of(bool drawn_both_ways, const PassedLight& with, const Passe
   return sure(against) > least && !wide ? PortalWay::both : PortalWay::as_drawn;
 }
 
-std::vector<PortalWay> probe_ways(World& world, const Camera& camera,
-                                  const std::vector<Portal>& portals, int max_depth,
-                                  uint64_t seed) {
-  std::vector<PortalWay> ways(portals.size());
-  for (size_t i = 0; i < ways.size(); ++i) ways[i].portal = i;
+PortalProbe probe_ways(World& world, const Camera& camera, const std::vector<Portal>& portals,
+                       int max_depth, uint64_t seed) {
+  PortalProbe probe{std::vector<PortalWay>(portals.size()),
+                    std::vector<PortalLight>(portals.size())};
+  for (size_t i = 0; i < portals.size(); ++i) probe.ways[i].portal = i;
   std::vector<size_t> open(std::min(portals.size(), kMostPortals));
   for (size_t i = 0; i < open.size(); ++i) open[i] = i;
   const FilmPlane film = world.film;
   const PortalSet drawn = world.portals;
   world.film = small_film(camera, world.film);
+  uint64_t lit = 0;
+  std::vector<bool> dark(portals.size());
   // First all of them. Small ones beside large ones may get next to no segments: a second picture
   // is theirs alone.
   for (int round = 0; round < 2 && !open.empty() && !world.lights.empty(); ++round) {
@@ -163,6 +189,7 @@ std::vector<PortalWay> probe_ways(World& world, const Camera& camera,
     world.portals = PortalSet(probed, world.scene.frame);
     if (world.portals.empty()) break;
     const Passed light = passed_light(world, probed, std::min(max_depth, kDeepest), seed);
+    lit = std::max(lit, light.lit);
     std::vector<size_t> silent;
     for (size_t k = 0; k < open.size(); ++k) {
       const BothWays& of_portal = light.portals[k];
@@ -171,24 +198,36 @@ std::vector<PortalWay> probe_ways(World& world, const Camera& camera,
         return way_of(portal.both_ways, of_portal[0], of_portal[1], light.total, wide);
       };
       // Whether it is wide is asked only where it matters.
-      ways[open[k]].way = way(true) != way(false) &&
-                                  expected_gain(1, 1, probed_conductance(world, portal)) < kNoGain
-                              ? way(true)
-                              : way(false);
+      probe.ways[open[k]].way =
+          way(true) != way(false) && probed_conductance(world, portal) > kWideWay ? way(true)
+                                                                                  : way(false);
+      PortalLight& found = probe.light[open[k]] = light.either[k];
+      dark[open[k]] = found.share < kNoLight * (light.total - light.brightest);
+      if (light.total > 0) found.share /= light.total;
       if (!tells(of_portal)) silent.push_back(open[k]);
     }
-    if (silent.size() == open.size()) break;
-    open = silent;
+    const bool all_silent = silent.size() == open.size();
+    open = std::move(silent);
+    if (all_silent) break;
   }
+  if (lit >= kEnoughLit)
+    for (size_t i = 0; i < portals.size(); ++i)
+      if (dark[i] || std::find(open.begin(), open.end(), i) != open.end())
+        probe.ways[i].way = PortalWay::left_out;
   world.film = film;
   world.portals = drawn;
-  return ways;
+  return probe;
 }
 
 void apply_ways(const std::vector<PortalWay>& ways, std::vector<Portal>& portals) {
   for (const PortalWay& w : ways) {
     Portal& portal = portals.at(w.portal);
     if (w.way == PortalWay::as_drawn) continue;
+    if (w.way == PortalWay::left_out) {
+      portal.figures.emplace("area", area_of(portal));
+      portal.triangles.clear();
+      continue;
+    }
     portal.both_ways = w.way == PortalWay::both;
     if (w.way == PortalWay::back)
       for (auto& t : portal.triangles) std::swap(t[1], t[2]);

@@ -21,7 +21,8 @@ struct PortalWay {
     as_drawn,  ///< as its file says
     front,     ///< from its back to its front alone
     back,      ///< from its front to its back alone: turned round
-    both
+    both,
+    left_out  ///< no light passes it
   } way = as_drawn;
   friend bool operator==(const PortalWay&, const PortalWay&) = default;
 };
@@ -39,18 +40,31 @@ struct PassedLight {
 /// jambs of a thick wall or in the room behind, and segments that way are lost on it. Measured with
 /// tdpt-guided: to keep a way that 7 to 9 % went (a hole of 0.10 m, a window of 1.6 m) took 1.6 to
 /// 2 times the work for the same error. What has to be much is counted without its brightest
-/// sample. `wide`: no gain is to be expected of it. Then it works one way, that drawn or else that
+/// sample. `wide`: its conductance is above 0.066. Then it works one way, that drawn or else that
 /// of the most light: across the middle of a room both ways took 3 times the work of one.
 PortalWay::Way way_of(bool drawn_both_ways, const PassedLight& with, const PassedLight& against,
                       double total, bool wide);
 
-/// For each portal which way it should work; those beyond the first 16 as drawn. A function of
+/// What a small picture showed of the light that passes a portal.
+struct PortalLight {
+  uint64_t samples = 0, of = 0;  ///< samples whose light passed it, of all; 0 of 0: not measured
+  double share = 0;              ///< of the picture's light
+};
+struct PortalProbe {
+  std::vector<PortalWay> ways;
+  std::vector<PortalLight> light;
+};
+
+/// For each portal which way it should work; those beyond the first 16 as drawn. Where 300 samples
+/// brought light, one is left out that less than a ten thousandth of it passed, or that fewer than
+/// 10 samples passed in a picture without the others. A function of
 /// scene, camera, aspect of the picture, portals, depth and seed. Two small pictures at most, of
 /// some 3000 samples each. `world` must hold the portals' scene; it is as before afterwards.
-std::vector<PortalWay> probe_ways(World& world, const Camera& camera,
-                                  const std::vector<Portal>& portals, int max_depth, uint64_t seed);
+PortalProbe probe_ways(World& world, const Camera& camera, const std::vector<Portal>& portals,
+                       int max_depth, uint64_t seed);
 
-/// Makes the portals work that way. Throws std::out_of_range for one that there is not.
+/// Makes the portals work that way; one that is left out keeps its area as a figure and no
+/// triangle. Throws std::out_of_range for one that there is not.
 void apply_ways(const std::vector<PortalWay>& ways, std::vector<Portal>& portals);
 
 }  // namespace tdpt

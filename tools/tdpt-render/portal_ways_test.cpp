@@ -10,7 +10,7 @@ namespace tdpt {
 namespace {
 
 constexpr auto kAsDrawn = PortalWay::as_drawn, kFront = PortalWay::front, kBack = PortalWay::back,
-               kBoth = PortalWay::both;
+               kBoth = PortalWay::both, kLeftOut = PortalWay::left_out;
 
 Portal turned_round(Portal portal) {
   for (auto& t : portal.triangles) std::swap(t[1], t[2]);
@@ -28,7 +28,7 @@ std::vector<PortalWay::Way> ways_in(const Scene& scene, const std::vector<Portal
                                     uint64_t seed = 1) {
   World world(scene, scene.camera(""), 320, 240, portals);
   std::vector<PortalWay::Way> ways;
-  for (const PortalWay& w : probe_ways(world, scene.camera(""), portals, 6, seed)) {
+  for (const PortalWay& w : probe_ways(world, scene.camera(""), portals, 6, seed).ways) {
     EXPECT_EQ(w.portal, ways.size());
     ways.push_back(w.way);
   }
@@ -114,12 +114,17 @@ TEST(probe_ways, finds_a_hole_beside_far_larger_portals) {
   EXPECT_EQ(ways[1], kBack);
 }
 
-TEST(probe_ways, leaves_what_no_light_passes_as_it_is) {
+TEST(probe_ways, leaves_out_what_no_light_passes) {
   const Scene scene = scene_of("two-rooms.glb");
   const Portal in_the_stone = in_the_wall(2.05, 1.5, 1.9, -0.8, 0.8);
   const Portal away = in_the_wall(9, 0, 2, -1, 1);
   EXPECT_EQ(ways_in(scene, {in_the_stone, for_both_ways(in_the_stone), away}),
-            (Ways{kAsDrawn, kAsDrawn, kAsDrawn}));
+            (Ways{kLeftOut, kLeftOut, kLeftOut}));
+  EXPECT_EQ(ways_in(scene, {in_the_stone, portal_in_the_hole()}), (Ways{kLeftOut, kAsDrawn}));
+  // Behind the camera light passes, and next to none of it is seen.
+  const Portal corner = rectangle({0.05, 0.02, -0.97}, {0, 0, 0.1}, {0, 0.1, 0});
+  EXPECT_EQ(ways_in(scene, {corner}), Ways{kLeftOut});
+  // Where next to no light was found nothing is known of portals.
   Scene dark = scene;
   for (Material& m : dark.materials) m.emission = {};
   EXPECT_EQ(ways_in(dark, {turned_round(portal_in_the_hole())}), Ways{kAsDrawn});
@@ -174,6 +179,26 @@ TEST(probe_ways, knows_light_of_lamps_without_surface) {
   EXPECT_EQ(ways_in(scene, {turned_round(portal_in_the_hole())}), Ways{kBack});
 }
 
+// All light of the camera's room came through the first of two holes in a row; it sees the wall of
+// the middle room through the second.
+TEST(probe_ways, measures_the_share_of_the_light_that_passes) {
+  const Scene scene = scene_of("three-rooms.glb");
+  const Portal first = in_the_wall(4.15, 0.75, 1.25, -0.25, 0.25),
+               half = in_the_wall(4.15, 0.75, 1.25, -0.25, 0),
+               second = in_the_wall(2.05, 0.75, 1.25, -0.25, 0.25);
+  const std::vector<Portal> portals{first, half, second, in_the_wall(2.05, 1.5, 1.9, -0.8, 0.8)};
+  World world(scene, scene.camera(""), 320, 240, portals);
+  const auto light = probe_ways(world, scene.camera(""), portals, 6, 1).light;
+  EXPECT_NEAR(light[0].share, 1, 1e-9);
+  EXPECT_NEAR(light[1].share, 0.5, 0.2);
+  EXPECT_GT(light[2].share, 0.1);
+  EXPECT_LT(light[2].share, 0.9);
+  EXPECT_EQ(light[3].samples, 0u);
+  EXPECT_EQ(light[3].share, 0);
+  EXPECT_GT(light[0].samples, 500u);
+  EXPECT_EQ(light[0].of, 3072u);
+}
+
 TEST(probe_ways, is_a_function_of_its_arguments) {
   const Scene scene = scene_of("door-ajar.glb");
   EXPECT_EQ(ways_in(scene, round_the_leaf(), 7), ways_in(scene, round_the_leaf(), 7));
@@ -190,6 +215,9 @@ TEST(apply_ways, turns_portals_and_lets_them_work_both_ways) {
   EXPECT_EQ(portals[3].triangles, turned_round(hole).triangles);
   EXPECT_FALSE(portals[3].both_ways);
   EXPECT_TRUE(portals[4].both_ways);
+  apply_ways({{1, kLeftOut}}, portals);
+  EXPECT_TRUE(portals[1].triangles.empty());
+  EXPECT_NEAR(portals[1].figures.at("area"), 0.0625, 1e-12);
 }
 
 }  // namespace
