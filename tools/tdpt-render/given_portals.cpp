@@ -160,6 +160,8 @@ class Judge {
     if (mesh.shape == PortalMesh::flattened)
       warn(portal, fmt::format("is not planar, corners lie {:.2g} m off its plane: laid into it",
                                mesh.off));
+    if (mesh.shape == PortalMesh::lid)
+      warn(portal, "is not planar, but its rim is: the polygon in its rim is used");
     if (mesh.shape == PortalMesh::bent)
       warn(portal, fmt::format("is not planar: used as {} planes", mesh.planes));
     if (mesh.turned)

@@ -160,6 +160,19 @@ TEST_F(given_portals, what_is_changed_is_told) {
                      "portal.3: some triangles faced another way than their neighbours: turned"}));
 }
 
+TEST_F(given_portals, a_dome_is_told_to_be_its_rim) {
+  Portal dome{"dome", {{2.2, 1, 0}}, {}, {}};
+  for (uint32_t i = 0; i < 16; ++i) {
+    const double a = 2 * std::numbers::pi * i / 16;
+    dome.vertices.push_back({2.05, 1 + 0.2 * std::sin(a), 0.2 * std::cos(a)});
+    dome.triangles.push_back({0, 1 + i, 1 + (i + 1) % 16});
+  }
+  const GivenPortals one = given({dome});
+  EXPECT_EQ(one.warnings, Strings{"portal.0: is not planar, but its rim is: the polygon in its rim "
+                                  "is used"});
+  EXPECT_EQ(one.file.portals.at(0).triangles.size(), 14u);
+}
+
 TEST_F(given_portals, of_another_state_of_the_scene_they_are_used_with_a_word) {
   const GivenPortals one = given({portal_in_the_hole()}, "0123");
   EXPECT_EQ(one.file.portals.size(), 1u);

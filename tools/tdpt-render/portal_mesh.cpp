@@ -7,6 +7,7 @@
 #include <limits>
 #include <map>
 #include <numeric>
+#include <optional>
 #include <queue>
 
 #include "tools/tdpt-render/outline.h"
@@ -84,11 +85,16 @@ class Mesh {
       if (facets.size() > 1) {
         changed = true;
         auto rough = planar_facets(corners, std::max(tolerance_, kBent * extent_of(corners)));
-        found.shape =
-            std::max(found.shape, rough.size() > 1 ? PortalMesh::bent : PortalMesh::flattened);
+        PortalMesh::Shape shape = rough.size() > 1 ? PortalMesh::bent : PortalMesh::flattened;
+        if (rough.size() > 1 && facets.size() > kManyPlanes)
+          if (auto lid = lid_of(part)) {
+            shape = PortalMesh::lid;
+            rough = {std::move(*lid)};
+          }
+        found.shape = std::max(found.shape, shape);
         // Exact planes unless they are many.
         if (rough.size() == 1 || facets.size() > kManyPlanes) facets = std::move(rough);
-        found.off = std::max(found.off, off(corners, facets));
+        if (shape != PortalMesh::lid) found.off = std::max(found.off, off(corners, facets));
       }
       found.planes += facets.size();
       for (const PlanarFacet& facet : facets)
@@ -185,6 +191,31 @@ class Mesh {
       flat += length(sum);
     }
     return flat / all;
+  }
+
+  // The triangles of a part that bulges out of a planar rim, in the plane of the rim: a line that
+  // passes the part an odd number of times passes them. Their area vectors have the same sum.
+  std::optional<PlanarFacet> lid_of(const std::vector<size_t>& part) const {
+    Vec3d sum;
+    for (const size_t t : part) sum += twice_area(t);
+    const Vec3d n = normalize(sum);
+    double low = std::numeric_limits<double>::infinity(), high = -low;
+    for (const size_t t : part) {
+      if (!(dot(n, twice_area(t)) > 0)) return {};
+      for (size_t i = 0; i < 3; ++i) {
+        const Edge e = edge(t, i);
+        if (at_edge_.at(e).size() > 1) continue;
+        for (const uint32_t v : {e.first, e.second}) {
+          low = std::min(low, dot(n, portal_.vertices[v]));
+          high = std::max(high, dot(n, portal_.vertices[v]));
+        }
+      }
+    }
+    PlanarFacet lid{n, corners_of(part)};
+    if (!(high - low <= 2 * kBent * extent_of(lid.triangles))) return {};
+    for (Corners& t : lid.triangles)
+      for (Vec3d& c : t) c = c - n * (dot(n, c) - 0.5 * (low + high));
+    return lid;
   }
 
   // Facets hold the corners that they were made of, but not in their order.

@@ -84,6 +84,24 @@ TEST(portal_mesh, a_vertex_moved_far_makes_planes) {
   EXPECT_NEAR(area_of(bay), 0.5 + std::sqrt(0.5), 1e-9);
 }
 
+// What passes a dome passes its rim.
+TEST(portal_mesh, a_dome_is_replaced_by_its_rim) {
+  const auto dome = [](double y, double z) {
+    return 2 + 0.3 * std::sin(std::numbers::pi * y) * std::sin(std::numbers::pi * z);
+  };
+  Portal portal = sheet(10, dome);
+  const Vec3d normal = mean_normal(portal);
+  const PortalMesh found = tidy(portal);
+  EXPECT_EQ(found.shape, PortalMesh::lid);
+  EXPECT_EQ(found.planes, 1u);
+  EXPECT_EQ(portal.triangles.size(), 2u);
+  EXPECT_NEAR(area_of(portal), 1, 1e-9);
+  EXPECT_NEAR(dot(mean_normal(portal), normal), 1, 1e-9);
+  // Half a dome: a rim that is no plane's.
+  Portal half = sheet(10, [&](double y, double z) { return dome(0.5 * y, z); });
+  EXPECT_EQ(tidy(half).shape, PortalMesh::bent);
+}
+
 TEST(portal_mesh, what_is_folded_or_closed_is_no_opening) {
   Portal folded = sheet(4, [](double, double z) { return 2 * std::abs(z - 0.5); });
   EXPECT_EQ(tidy(folded).shape, PortalMesh::folded);
