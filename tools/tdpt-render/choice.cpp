@@ -66,8 +66,10 @@ Choice choose(const Request& request, const RenderSettings& settings, const Came
     tell_left_out(world, portals, probed, common);
     for (const std::string& turning : turnings(portals, choice.ways)) common.note(turning);
     apply_ways(choice.ways, portals);
-    for (size_t i = 0; i < portals.size(); ++i)
+    for (size_t i = 0; i < portals.size(); ++i) {
+      portals[i].figures.erase(kLight);
       if (probed.light[i].of > 0) portals[i].figures[kLight] = probed.light[i].share;
+    }
     world.portals = PortalSet(portals, world.scene.frame);
     probe(world, portals);
     for (const std::string& description : descriptions(portals)) common.note(description);

@@ -34,12 +34,15 @@ std::vector<uint32_t> welded(const std::vector<Vec3d>& vertices, double toleranc
   std::vector<uint32_t> order(vertices.size()), number(vertices.size());
   std::iota(order.begin(), order.end(), 0u);
   std::iota(number.begin(), number.end(), 0u);
-  std::stable_sort(order.begin(), order.end(),
-                   [&](uint32_t a, uint32_t b) { return vertices[a].x < vertices[b].x; });
+  // Along a direction across which few vertices lie beside each other.
+  const Vec3d along = normalize(Vec3d(0.61, 0.52, 0.59));
+  std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
+    return dot(along, vertices[a]) < dot(along, vertices[b]);
+  });
   for (size_t i = 1; i < order.size(); ++i)
     for (size_t j = i; j-- > 0;) {
       const Vec3d &a = vertices[order[i]], &b = vertices[order[j]];
-      if (a.x - b.x > tolerance) break;
+      if (dot(along, a - b) > tolerance) break;
       if (length(a - b) > tolerance) continue;
       number[order[i]] = number[order[j]];
       break;
@@ -80,28 +83,13 @@ class Mesh {
     if (found.shape != PortalMesh::planar) return found;
     std::vector<Corners> out;
     for (const std::vector<size_t>& part : parts_) {
-      const std::vector<Corners> corners = corners_of(part);
-      auto facets = planar_facets(corners, tolerance_);
-      if (facets.size() > 1) {
-        changed = true;
-        auto rough = planar_facets(corners, std::max(tolerance_, kBent * extent_of(corners)));
-        PortalMesh::Shape shape = rough.size() > 1 ? PortalMesh::bent : PortalMesh::flattened;
-        if (rough.size() > 1 && facets.size() > kManyPlanes)
-          if (auto lid = lid_of(part)) {
-            shape = PortalMesh::lid;
-            rough = {std::move(*lid)};
-          }
-        found.shape = std::max(found.shape, shape);
-        // Exact planes unless they are many.
-        if (rough.size() == 1 || facets.size() > kManyPlanes) facets = std::move(rough);
-        if (shape != PortalMesh::lid) found.off = std::max(found.off, off(corners, facets));
-      }
+      const std::vector<PlanarFacet> facets = planes_of(part, found);
       found.planes += facets.size();
       for (const PlanarFacet& facet : facets)
         for (const Corners& t : fewest_triangles(facet, tolerance_)) out.push_back(t);
     }
-    changed |= out.size() < triangles_.size();
-    if (changed) replace(out);
+    changed |= found.shape != PortalMesh::planar || out.size() < triangles_.size();
+    if (changed && found.shape != PortalMesh::folded) replace(out);
     return found;
   }
 
@@ -193,9 +181,41 @@ class Mesh {
     return flat / all;
   }
 
-  // The triangles of a part that bulges out of a planar rim, in the plane of the rim: a line that
-  // passes the part an odd number of times passes them. Their area vectors have the same sum.
-  std::optional<PlanarFacet> lid_of(const std::vector<size_t>& part) const {
+  // The planes of a part; `found` learns what was done to it.
+  std::vector<PlanarFacet> planes_of(const std::vector<size_t>& part, PortalMesh& found) const {
+    const std::vector<Corners> corners = corners_of(part);
+    std::vector<PlanarFacet> exact = planar_facets(corners, tolerance_);
+    if (exact.size() == 1) return exact;
+    const double bent = std::max(tolerance_, kBent * extent_of(corners));
+    std::vector<PlanarFacet> planes = planar_facets(corners, bent);
+    PortalMesh::Shape shape = PortalMesh::bent;
+    if (planes.size() == 1) {
+      shape = PortalMesh::flattened;
+    } else if (exact.size() <= kManyPlanes) {
+      planes = std::move(exact);
+    } else if (const auto shadow = shadow_of(part)) {
+      if (shadow->rim_off <= bent)
+        shape = PortalMesh::lid;
+      else if (planes.size() > kManyPlanes)
+        shape = PortalMesh::flattened;
+      if (shape != PortalMesh::bent) planes = {shadow->facet};
+    } else if (planes.size() > kManyPlanes) {
+      shape = PortalMesh::folded;
+    }
+    found.shape = std::max(found.shape, shape);
+    if (shape == PortalMesh::flattened || shape == PortalMesh::bent)
+      found.off = std::max(found.off, off(corners, planes));
+    return planes;
+  }
+
+  // The triangles of a part laid into the mean plane of its rim; nothing where some would face
+  // the other way. If the rim lies in it, a line that passes the part an odd number of times passes
+  // them. Their area vectors have the same sum.
+  struct Shadow {
+    PlanarFacet facet;
+    double rim_off;  // how far the rim lies off the plane
+  };
+  std::optional<Shadow> shadow_of(const std::vector<size_t>& part) const {
     Vec3d sum;
     for (const size_t t : part) sum += twice_area(t);
     const Vec3d n = normalize(sum);
@@ -211,11 +231,10 @@ class Mesh {
         }
       }
     }
-    PlanarFacet lid{n, corners_of(part)};
-    if (!(high - low <= 2 * kBent * extent_of(lid.triangles))) return {};
-    for (Corners& t : lid.triangles)
+    Shadow shadow{{n, corners_of(part)}, 0.5 * (high - low)};
+    for (Corners& t : shadow.facet.triangles)
       for (Vec3d& c : t) c = c - n * (dot(n, c) - 0.5 * (low + high));
-    return lid;
+    return shadow;
   }
 
   // Facets hold the corners that they were made of, but not in their order.

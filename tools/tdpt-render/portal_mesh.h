@@ -16,7 +16,7 @@ inline constexpr double kBent = 0.02;
 struct PortalMesh {
   enum Shape {
     planar,
-    flattened,  ///< its parts are planar but for kBent
+    flattened,  ///< its parts are planar but for kBent, or would take too many planes
     lid,        ///< it bulges out of a planar rim: the polygon in its rim takes its place
     bent,       ///< it takes more planes than it has parts; where they are many, but for kBent
     folded,     ///< no opening, and left as drawn

@@ -99,7 +99,27 @@ TEST(portal_mesh, a_dome_is_replaced_by_its_rim) {
   EXPECT_NEAR(dot(mean_normal(portal), normal), 1, 1e-9);
   // Half a dome: a rim that is no plane's.
   Portal half = sheet(10, [&](double y, double z) { return dome(0.5 * y, z); });
-  EXPECT_EQ(tidy(half).shape, PortalMesh::bent);
+  EXPECT_NE(tidy(half).shape, PortalMesh::lid);
+}
+
+// Too many planes to use.
+TEST(portal_mesh, a_crumpled_sheet_is_laid_into_a_plane) {
+  const auto waves = [](double height) {
+    return sheet(24, [height](double y, double z) {
+      return 2 + height * std::sin(20 * y) * std::sin(17 * z);
+    });
+  };
+  Portal sheet = waves(0.05);
+  const PortalMesh found = tidy(sheet);
+  EXPECT_EQ(found.shape, PortalMesh::flattened);
+  EXPECT_LT(sheet.triangles.size(), 60u);
+  EXPECT_GT(found.off, 0.04);
+  EXPECT_LT(found.off, 0.1);
+  EXPECT_NEAR(area_of(sheet), 1, 0.02);
+  // Crumpled more it faces many ways.
+  sheet = waves(0.2);
+  EXPECT_EQ(tidy(sheet).shape, PortalMesh::folded);
+  EXPECT_EQ(sheet.triangles.size(), 1152u);
 }
 
 TEST(portal_mesh, what_is_folded_or_closed_is_no_opening) {

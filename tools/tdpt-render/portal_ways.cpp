@@ -20,7 +20,7 @@ constexpr double kLeastEnergy = 0.001;  // of the picture's
 constexpr double kEarnest = 0.2;        // of what passes the portal
 constexpr double kWideWay = 0.066;      // conductance
 constexpr double kNoLight = 1e-4;       // of the picture's but for its brightest sample
-constexpr uint64_t kEnoughLit = 300;    // samples
+constexpr uint64_t kEnoughLit = 100;    // samples
 
 /// With the normal and against it.
 using BothWays = std::array<PassedLight, 2>;

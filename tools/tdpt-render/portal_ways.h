@@ -55,7 +55,7 @@ struct PortalProbe {
   std::vector<PortalLight> light;
 };
 
-/// For each portal which way it should work; those beyond the first 16 as drawn. Where 300 samples
+/// For each portal which way it should work; those beyond the first 16 as drawn. Where 100 samples
 /// brought light, one is left out that less than a ten thousandth of it passed, or that fewer than
 /// 10 samples passed in a picture without the others. A function of
 /// scene, camera, aspect of the picture, portals, depth and seed. Two small pictures at most, of
