@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -31,6 +32,11 @@ struct Box {
     high = max(high, v);
   }
   double extent() const { return max_component(high - low); }
+  bool holds(const Box& other, double margin) const {
+    for (int c = 0; c < 3; ++c)
+      if (other.low[c] < low[c] - margin || other.high[c] > high[c] + margin) return false;
+    return true;
+  }
   bool touches(const Box& other, double margin) const {
     for (int c = 0; c < 3; ++c)
       if (low[c] > other.high[c] + margin || high[c] < other.low[c] - margin) return false;
@@ -183,9 +189,23 @@ class Judge {
     else
       return false;
     if (!tracer_) tracer_ = std::make_unique<Tracer>(scene_);
-    const std::string unit = unit_words(portal, *tracer_, scene_.frame);
+    std::string unit = unit_words(portal, *tracer_, scene_.frame);
+    if (unit.empty()) unit = unit_by_size(portal);
     warn(portal, why + (unit.empty() ? "" : ", " + unit) + ": left out");
     return true;
+  }
+
+  // Where a portal fills no opening: one as large as the scene that would lie in it.
+  std::string unit_by_size(const Portal& portal) const {
+    const double extent = box_of(portal, scene_.frame).extent();
+    if (2 * extent < box_.extent()) return "";
+    for (const auto& [factor, words] : {std::pair(0.01, "perhaps drawn in centimetres"),
+                                        std::pair(0.001, "perhaps drawn in millimetres")}) {
+      Portal smaller = portal;
+      for (Vec3d& v : smaller.vertices) v = v * factor;
+      if (box_.holds(box_of(smaller, scene_.frame), 0.02 * box_.extent())) return words;
+    }
+    return "";
   }
 
   std::string name_;

@@ -112,6 +112,16 @@ TEST_F(given_portals, in_another_unit_they_are_left_out_and_told_so) {
   EXPECT_EQ(said(1000), "portal.0: lies outside the scene, seems drawn in millimetres: left out");
   EXPECT_EQ(said(39.3701), "portal.0: lies outside the scene, seems drawn in inches: left out");
   EXPECT_EQ(said(-50), "portal.0: lies outside the scene: left out");
+  // One that fills no opening in any unit, but is too large in that which it is drawn in.
+  const auto loose = [&](double factor) {
+    const Portal portal = scaled(rectangle({1, 0.5, -0.5}, {0, 0, 0.8}, {0, 0.7, 0}), factor);
+    return given({portal}).warnings;
+  };
+  EXPECT_EQ(loose(100),
+            Strings{"portal.0: lies outside the scene, perhaps drawn in centimetres: left out"});
+  EXPECT_EQ(loose(1000),
+            Strings{"portal.0: lies outside the scene, perhaps drawn in millimetres: left out"});
+  EXPECT_EQ(loose(1), Strings{});
   const GivenPortals wall = given({rectangle({1, -100, -80}, {0, 0, 160}, {0, 120, 0})});
   EXPECT_EQ(wall.warnings, Strings{"portal.0: is 39 times as large as the scene: left out"});
 }
