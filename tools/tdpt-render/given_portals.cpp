@@ -173,7 +173,7 @@ class Judge {
     if (mesh.turned)
       out_.notes.push_back(portal.name +
                            ": some triangles faced another way than their neighbours: turned");
-    if (portal.triangles.size() < mesh.triangles)
+    if (mesh.shape == PortalMesh::planar && portal.triangles.size() < mesh.triangles)
       out_.notes.push_back(fmt::format("{}: {} triangles cover the same as its {}", portal.name,
                                        portal.triangles.size(), mesh.triangles));
   }
