@@ -1,5 +1,7 @@
 #include "tools/tdpt-render/choice.h"
 
+#include <algorithm>
+
 #include "libcommon/base/error.h"
 #include "tools/tdpt-render/portal_fit.h"
 #include "tools/tdpt-render/portal_probe.h"
@@ -38,6 +40,13 @@ void tell_left_out(const World& world, const std::vector<Portal>& portals,
   for (const std::string& sentence : first_few(sentences)) common.warn(sentence);
 }
 
+// Samples of the picture, about; by the clock, as fast as most scenes are.
+double samples_ahead(const RenderSettings& settings, const FilmPlane& film) {
+  constexpr double kPerSecond = 2e5;
+  if (settings.spp == 0) return kPerSecond * settings.seconds;
+  return static_cast<double>(settings.spp) * film.width() * film.height();
+}
+
 }  // namespace
 
 Request request_of(const Arguments& a) {
@@ -60,8 +69,12 @@ Choice choose(const Request& request, const RenderSettings& settings, const Came
   if (world.portals.empty() && through_portals)
     common.warn("no portal is given, so no path is sampled through one");
   if (request.automatic || through_portals) {
+    // A small part of the work.
+    constexpr double kShare = 0.02, kFewest = 256;
+    const double ahead = samples_ahead(settings, world.film);
     const PortalProbe probed =
-        probe_ways(world, camera, portals, settings.max_depth, settings.seed);
+        probe_ways(world, camera, portals, settings.max_depth, settings.seed,
+                   std::clamp(kShare * ahead, kFewest, kProbeSamples));
     choice.ways = probed.ways;
     tell_left_out(world, portals, probed, common);
     for (const std::string& turning : turnings(portals, choice.ways)) common.note(turning);
@@ -71,7 +84,7 @@ Choice choose(const Request& request, const RenderSettings& settings, const Came
       if (probed.light[i].of > 0) portals[i].figures[kLight] = probed.light[i].share;
     }
     world.portals = PortalSet(portals, world.scene.frame);
-    probe(world, portals);
+    if (kShare * ahead > kProbeSamples) probe(world, portals);
     for (const std::string& description : descriptions(portals)) common.note(description);
   }
   choice.candidates = candidates_of(request, world);

@@ -13,7 +13,6 @@ namespace tdpt {
 namespace {
 
 constexpr size_t kMostPortals = 16;
-constexpr double kPixels = 3072;
 constexpr int kDeepest = 8;
 constexpr uint64_t kLeastSamples = 10;
 constexpr double kLeastEnergy = 0.001;  // of the picture's
@@ -135,13 +134,13 @@ Passed passed_light(const World& world, const std::vector<Portal>& portals, int 
   return all;
 }
 
-FilmPlane small_film(const Camera& camera, const FilmPlane& film) {
+FilmPlane small_film(const Camera& camera, const FilmPlane& film, double pixels) {
   const double aspect = static_cast<double>(film.width()) / film.height();
-  const auto size = [](double v) {
-    return static_cast<int>(std::clamp(std::round(v), 1.0, kPixels));
+  const auto size = [pixels](double v) {
+    return static_cast<int>(std::clamp(std::round(v), 1.0, pixels));
   };
-  const int height = size(std::sqrt(kPixels / aspect));
-  return FilmPlane(camera, size(kPixels / height), height);
+  const int height = size(std::sqrt(pixels / aspect));
+  return FilmPlane(camera, size(pixels / height), height);
 }
 
 bool tells(const BothWays& light) {
@@ -167,7 +166,7 @@ PortalWay::Way way_of(bool drawn_both_ways, const PassedLight& with, const Passe
 }
 
 PortalProbe probe_ways(World& world, const Camera& camera, const std::vector<Portal>& portals,
-                       int max_depth, uint64_t seed) {
+                       int max_depth, uint64_t seed, double samples) {
   PortalProbe probe{std::vector<PortalWay>(portals.size()),
                     std::vector<PortalLight>(portals.size())};
   for (size_t i = 0; i < portals.size(); ++i) probe.ways[i].portal = i;
@@ -175,7 +174,7 @@ PortalProbe probe_ways(World& world, const Camera& camera, const std::vector<Por
   for (size_t i = 0; i < open.size(); ++i) open[i] = i;
   const FilmPlane film = world.film;
   const PortalSet drawn = world.portals;
-  world.film = small_film(camera, world.film);
+  world.film = small_film(camera, world.film, samples);
   uint64_t lit = 0;
   std::vector<bool> dark(portals.size());
   // First all of them. Small ones beside large ones may get next to no segments: a second picture

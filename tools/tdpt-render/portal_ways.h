@@ -58,10 +58,11 @@ struct PortalProbe {
 /// For each portal which way it should work; those beyond the first 16 as drawn. Where 100 samples
 /// brought light, one is left out that less than a ten thousandth of it passed, or that fewer than
 /// 10 samples passed in a picture without the others. A function of
-/// scene, camera, aspect of the picture, portals, depth and seed. Two small pictures at most, of
-/// some 3000 samples each. `world` must hold the portals' scene; it is as before afterwards.
+/// scene, camera, aspect of the picture, portals, depth, seed and `samples`, of which two small
+/// pictures at most have about so many each; kProbeSamples are enough. `world` must hold the portals' scene; it is as before afterwards.
+inline constexpr double kProbeSamples = 3072;
 PortalProbe probe_ways(World& world, const Camera& camera, const std::vector<Portal>& portals,
-                       int max_depth, uint64_t seed);
+                       int max_depth, uint64_t seed, double samples = kProbeSamples);
 
 /// Makes the portals work that way; one that is left out keeps its area as a figure and no
 /// triangle. Throws std::out_of_range for one that there is not.
