@@ -4,7 +4,7 @@
 #   make figures   the paper's Figs 5 to 7 from our renders, in doc/ (bench/figures.sh: size, samples)
 #   make stages    pictures of what each stage did, in doc/figures/ (bench/stages.sh: another scene)
 #   make portals   how right the portals are on rooms with known openings: doc/portals.md (an hour)
-#   make worth     what portals gain, measured and expected: doc/portal-worth.md (twenty minutes)
+#   make regret    what auto loses, and how right it is about portals: doc/regret.md (25 minutes)
 #   make grid-speed   segments per second of lightgrid on each device: doc/light-grid-speed.md (two minutes)
 #   make test      installs what is missing, builds, runs every test
 #   make bench     speed, and noise after a minute, of every integrator (bench/integrator-speed.sh; 20 minutes)
@@ -22,7 +22,7 @@ TEST_STATUS ?=
 # All that is there to run; `make build` adds every test and benchmark.
 PROGRAMS = ffgraph mincut lightgrid portalfit tdpt-render exrdiff
 
-.PHONY: all build programs demo figures stages portals worth grid-speed bench bench-efficiency test install sanitize packages format clean
+.PHONY: all build programs demo figures stages portals regret grid-speed bench bench-efficiency test install sanitize packages format clean
 all: build
 
 build:
@@ -64,10 +64,10 @@ portals: packages
 	@sh bench/portals.sh build/bin build/portals >build/portals.md
 	@mv build/portals.md doc/portals.md
 
-worth: packages
+regret: packages
 	@sh cmake/install-packages.sh cmake/packages-figures.txt
 	@$(MAKE) --no-print-directory build
-	@sh bench/portal-worth.sh build/bin doc
+	@sh bench/regret.sh build/bin build/regret doc
 
 # DEVICE: gpu, or gpu:WHICH of lightgrid --list-devices.
 grid-speed: packages

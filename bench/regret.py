@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 """regret.py FILE...: what `auto` loses by not knowing which integrator is best, from what regret_bench
-printed: a table of the scenes, one of the lengths, and the distribution, in Markdown.
+printed: a table of the lengths, one of the scenes, and one of what is said of portals, in Markdown.
 
 efficiency of integrator i   1 / (V_i T_i), V its relMSE for one sample, T its CPU time for one
 efficiency of auto           that of its choice times t / (t + scout), t the time of its samples
@@ -18,6 +18,7 @@ class Scene:
     def __init__(self):
         self.truth = {}  # integrator: (V, its standard error, T [ns])
         self.choices = collections.defaultdict(list)  # length: [(integrator, scout's CPU s)]
+        self.told = collections.defaultdict(dict)  # (length, seed): {integrator: cost}
         self.pixels = 0
 
     def cost(self, integrator):
@@ -46,6 +47,9 @@ def read(lines):
         try:
             if field[0] == "truth":
                 scenes[field[1]].truth[field[2]] = tuple(float(x) for x in field[3:6])
+            elif field[0] == "told":
+                told = scenes[field[1]].told[int(field[2]), int(field[3])]
+                told[field[4]] = float(field[5]) * float(field[6])
             elif field[0] == "choice":
                 scene = scenes[field[1]]
                 scene.choices[int(field[2])].append((field[4], float(field[5])))
@@ -53,6 +57,13 @@ def read(lines):
         except (IndexError, ValueError) as error:
             raise ValueError(f"line {number}: {error}") from error
     return scenes
+
+
+def portals_gain(cost):
+    """Efficiency of the best with portals over that of the best without; None where there are not both."""
+    with_portals = [c for i, c in cost.items() if i.startswith("tdpt-")]  # tdpt itself is no candidate
+    without = [c for i, c in cost.items() if not i.startswith("tdpt")]
+    return min(without) / min(with_portals) if with_portals and without else None
 
 
 def mean(values):
@@ -101,6 +112,27 @@ def length_table(scenes):
     return rows
 
 
+def verdict_table(scenes):
+    lengths = sorted({length for s in scenes.values() for length, _ in s.told})
+    rows = ["| scene | gain by portals | " + " | ".join(f"told at {n} spp" for n in lengths) + " |",
+            "|---|---|" + "---|" * len(lengths)]
+    within = {n: [0, 0] for n in lengths}
+    for name, s in scenes.items():
+        true = portals_gain({i: s.cost(i) for i in s.truth})
+        if true is None:
+            continue
+        cells = []
+        for n in lengths:
+            told = sorted(g for (length, _), cost in s.told.items() if length == n for g in [portals_gain(cost)] if g)
+            within[n][0] += sum(0.5 <= g / true <= 2 for g in told)
+            within[n][1] += len(told)
+            cells.append(f"{told[len(told) // 2]:.2g} ({told[0]:.2g} to {told[-1]:.2g})" if told else "-")
+        rows.append(f"| {name} | {true:.2f} | " + " | ".join(cells) + " |")
+    rows.append("| **within a factor of two** | | "
+                + " | ".join(f"{100 * a / b:.0f} %" if b else "-" for a, b in within.values()) + " |")
+    return rows
+
+
 def main(paths):
     lines = []
     for path in paths:
@@ -109,9 +141,13 @@ def main(paths):
     scenes = {name: s for name, s in read(lines).items() if s.truth and s.choices}
     if not scenes:
         raise ValueError("no scene with truth and choices, expected what regret_bench prints")
+    print("## All scenes\n\nGeometric means, the worst choice in twenty, and the scene where it is least.\n")
     print("\n".join(length_table(scenes)))
-    print()
+    print("\n## Scene by scene\n\nEfficiency over that of the best of all, mean over choices.\n")
     print("\n".join(scene_table(scenes)))
+    print("\n## What portals are said to be worth\n\nThe best integrator with portals over the best without: measured,")
+    print("and as told by `auto`, median (least to most).\n")
+    print("\n".join(verdict_table(scenes)))
 
 
 if __name__ == "__main__":

@@ -8,7 +8,7 @@
 //   --name NAME                        of the scene, in what is printed
 //
 //   truth  SCENE INTEGRATOR  relMSE of a sample, its standard error, CPU ns of a sample
-//   told   SCENE SPP SEED INTEGRATOR  relMSE and work as told from the samples of a scout
+//   told   SCENE SPP SEED INTEGRATOR  steady relMSE and work as told from the samples of a scout
 //   choice SCENE SPP SEED INTEGRATOR  that was chosen, CPU s of the scout, its groups; pixels
 #include <cmath>
 #include <cstdio>
@@ -141,7 +141,7 @@ void measure(const char* scene_path, const std::vector<Portal>& portals, const S
       film.clear();
       for (const Prospect& p : told)
         std::printf("told\t%s\t%llu\t%d\t%s\t%.5g\t%.5g\n", name,
-                    static_cast<unsigned long long>(length), seed, p.integrator.c_str(), p.relmse,
+                    static_cast<unsigned long long>(length), seed, p.integrator.c_str(), p.steady,
                     p.work);
       std::printf(
           "choice\t%s\t%llu\t%d\t%s\t%.5g\t%llu\t%d\n", name,
