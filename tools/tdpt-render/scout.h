@@ -20,10 +20,9 @@
 //           no bias: the second term is what the paths of one sample have in common. A candidate
 //           whose walks are like none of a run takes its home's last two terms.
 // I         the larger of two brightnesses: the mean of a block of pixels, the smallest that is
-// known
-//           well, and that of the other samples of the pixel, which know a lamp or a window from
-//           the wall beside it. Paths that all candidates make alike, as those to a lamp in sight,
-//           tell nothing of these: they count by the mean of all samples of the pixel.
+//           known well, and that of the other samples of the pixel, which know a lamp or a window
+//           from the wall beside it. Paths that all candidates make alike, as those to a lamp in
+//           sight, tell nothing of these: they count by the mean of all samples of the pixel
 //
 // The error of a candidate is the mean of V_i / (I^2 + 0.01 mean^2): the relMSE of one sample per
 // pixel, as exrdiff has it but for I. Its work is told from the rays that its walks and techniques
