@@ -16,6 +16,7 @@ namespace {
 constexpr uint64_t kStream = 103;
 constexpr int kDensestLevel = 2;
 
+// `level`: above that of the fine region.
 double density(int level) {
   return std::ldexp(1.0, 2 * std::min(level, kDensestLevel));
 }
@@ -58,7 +59,7 @@ Etendue measure_etendue(const PatchMap& patches, const Fragments& fragments, con
   std::vector<double> weights, starts(patches.size(), 0);
   double total = 0;
   for (const Fragments::Fragment& f : fragments.all()) {
-    weights.push_back(f.area * density(patches.keys()[f.patch].level));
+    weights.push_back(f.area * density(patches.keys()[f.patch].level - patches.fine_level()));
     total += weights.back();
   }
   size_t k = 0;

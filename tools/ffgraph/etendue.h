@@ -35,8 +35,9 @@ struct Etendue {
 using PatchTrace = std::vector<uint32_t>;
 inline constexpr uint32_t kTraceLeft = UINT32_MAX - 1, kTraceStopped = UINT32_MAX - 2;
 
-/// `rays` samples, and the steps of `walks`. A patch at level l is sampled 4^l times as densely per
-/// area (up to 4^2): so the splinters of a split patch are not left without rays.
+/// `rays` samples, and the steps of `walks`. A patch at level l is sampled 4^(l - L) times as
+/// densely per area (up to 4^2), L: level of the fine region. So the splinters of a split patch are
+/// not left without rays, and the ground around a house does not take those of its rooms.
 Etendue measure_etendue(const PatchMap& patches, const Fragments& fragments, const Tracer& tracer,
                         uint64_t seed, uint32_t rays, const std::vector<PatchTrace>& walks = {});
 

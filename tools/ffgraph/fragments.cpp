@@ -110,10 +110,12 @@ struct Fragments::Walker {
     for (key.cell[0] = a[0]; key.cell[0] <= b[0]; ++key.cell[0])
       for (key.cell[1] = a[1]; key.cell[1] <= b[1]; ++key.cell[1])
         for (key.cell[2] = a[2]; key.cell[2] <= b[2]; ++key.cell[2]) {
-          if (level == 0 && patches.lookup(key) == kNoPatch) continue;
+          if (patches.lookup(key) == kNoPatch && !grows(key)) continue;
           cell(clip(poly, key.cell, size), key);
         }
   }
+
+  bool grows(const PatchKey& key) const { return grow && patches.below_split(key); }
 
   void cell(const Polygon& poly, const PatchKey& key) {
     if (poly.n < 3) return;
@@ -122,7 +124,7 @@ struct Fragments::Walker {
     Vec3d moment;
     const double twice = measure(poly, moment);
     if (!(twice > 1e-12)) return;
-    if (id == kNoPatch && !(grow && key.level > 0)) return;
+    if (id == kNoPatch && !grows(key)) return;
     if (id == kNoPatch) out.missing.push_back({out.fragments.size(), key});
     const PatchGrid& grid = patches.grid();
     const Frame& frame = patches.scene().frame;

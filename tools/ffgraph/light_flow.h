@@ -15,7 +15,8 @@
 
 namespace tdpt {
 
-/// Patches are split down to this level, cells of 1/64 of the base cell.
+/// Patches are split down to this many levels below those of the fine region: cells of 1/64 of
+/// theirs.
 inline constexpr int kDeepestSplit = 3;
 
 inline constexpr double kCapacityScale = 4096;

@@ -4,21 +4,6 @@
 
 namespace tdpt {
 
-PatchGrid grid_for(const Scene& scene) {
-  Vec3d low(1e300), high(-1e300);
-  for (const Triangle& t : scene.triangles)
-    for (uint32_t v : t.vertex) {
-      low = min(low, Vec3d(scene.positions[v]));
-      high = max(high, Vec3d(scene.positions[v]));
-    }
-  if (!(low.x <= high.x)) low = high = Vec3d{};
-  PatchGrid grid;
-  grid.base_cell = std::max(length(high - low), 1e-6) / 24 / scene.frame.scale;
-  // Walls often lie on the bounding box: keep them off the faces of cells.
-  grid.origin = scene.frame.to_metres(low) - Vec3d(0.3819, 0.3453, 0.4142) * grid.base_cell;
-  return grid;
-}
-
 namespace {
 
 // Of a place in base cells.
@@ -53,11 +38,30 @@ std::array<int32_t, 3> PatchMap::cell(const Vec3d& canonical, int level) const {
   return cell_at(in_grid(canonical), level);
 }
 
+PatchMap::PatchMap(const Scene& scene, const PatchGrid& grid, std::vector<uint32_t> component,
+                   const FineRegion& fine)
+    : scene_(&scene),
+      grid_(grid),
+      fine_level_(fine.level),
+      fine_low_((fine.low - grid.origin) / grid.base_cell),
+      fine_high_((fine.high - grid.origin) / grid.base_cell),
+      component_(std::make_shared<const std::vector<uint32_t>>(std::move(component))) {}
+
+bool PatchMap::always_split(const PatchKey& key) const {
+  if (key.level >= fine_level_) return false;
+  const double size = std::ldexp(1.0, -2 * key.level);
+  for (int axis = 0; axis < 3; ++axis) {
+    const double low = key.cell[static_cast<size_t>(axis)] * size;
+    if (low > fine_high_[axis] || low + size < fine_low_[axis]) return false;
+  }
+  return true;
+}
+
 std::pair<PatchKey, uint32_t> PatchMap::search(uint32_t face, const Vec3d& canonical) const {
   const Vec3d q = in_grid(canonical);
   PatchKey key{cell_at(q, 0), 0, piece(face)};
   for (;;) {
-    const uint32_t found = entry_.find(key);
+    const uint32_t found = lookup(key);
     if (found != kSplit) return {key, found};
     ++key.level;
     key.cell = cell_at(q, key.level);

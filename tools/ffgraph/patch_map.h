@@ -72,19 +72,25 @@ class PatchTable {
   size_t size_ = 0;          // slots that were given out
 };
 
+/// Where cells are never larger than those of `level`, whatever they are elsewhere.
+struct FineRegion {
+  Vec3d low{}, high{};  ///< metres
+  int level = 0;
+};
+
 class PatchMap {
  public:
   PatchMap() = default;
   static constexpr uint32_t kSplit = UINT32_MAX - 1;
 
   /// `component` of each triangle. Keeps a pointer to `scene`.
-  PatchMap(const Scene& scene, const PatchGrid& grid, std::vector<uint32_t> component)
-      : scene_(&scene),
-        grid_(grid),
-        component_(std::make_shared<const std::vector<uint32_t>>(std::move(component))) {}
+  PatchMap(const Scene& scene, const PatchGrid& grid, std::vector<uint32_t> component,
+           const FineRegion& fine = {});
 
   const PatchGrid& grid() const { return grid_; }
   const Scene& scene() const { return *scene_; }
+  /// Level of the cells of the fine region, while they are not split.
+  int fine_level() const { return fine_level_; }
   uint32_t piece(uint32_t face) const { return 2 * (*component_)[face / 2] + (face & 1); }
 
   /// Cell of a place (canonical) at a level.
@@ -108,7 +114,13 @@ class PatchMap {
   uint32_t add(const PatchKey& key);
 
   /// Patch under `key`, kSplit where its cell was split, kNoPatch where there is none.
-  uint32_t lookup(const PatchKey& key) const { return entry_.find(key); }
+  uint32_t lookup(const PatchKey& key) const {
+    return always_split(key) ? kSplit : entry_.find(key);
+  }
+  /// Whether the cell around this one was split since a patch straddled an opening.
+  bool below_split(const PatchKey& key) const {
+    return key.level > 0 && !always_split(key.parent());
+  }
   /// Whether any patch lies on this piece.
   bool touched(uint32_t piece) const {
     return piece < piece_touched_.size() && piece_touched_[piece];
@@ -129,11 +141,15 @@ class PatchMap {
   Vec3d in_grid(const Vec3d& canonical) const {
     return (scene_->frame.to_metres(canonical) - grid_.origin) / grid_.base_cell;
   }
+  /// Whether a cell is larger than those of the fine region that it meets.
+  bool always_split(const PatchKey& key) const;
   /// The key at which the search for a patch ends, with what stands there.
   std::pair<PatchKey, uint32_t> search(uint32_t face, const Vec3d& canonical) const;
 
   const Scene* scene_ = nullptr;
   PatchGrid grid_;
+  int fine_level_ = 0;
+  Vec3d fine_low_{}, fine_high_{};  // in base cells from the origin of the grid
   std::shared_ptr<const std::vector<uint32_t>> component_;
   PatchTable entry_;
   std::vector<PatchKey> keys_;
@@ -158,8 +174,5 @@ void PatchMap::add_all(size_t n, const PlaceAt& place) {
     block = std::min<size_t>(2 * block, 1 << 18);
   }
 }
-
-/// Grid for a scene: cells of (diagonal of the bounding box) / 24, in metres.
-PatchGrid grid_for(const Scene& scene);
 
 }  // namespace tdpt

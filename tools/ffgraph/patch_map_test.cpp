@@ -4,6 +4,7 @@
 
 #include "tools/ffgraph/connectivity.h"
 #include "tools/ffgraph/fragments.h"
+#include "tools/ffgraph/patch_grid.h"
 
 namespace tdpt {
 namespace {
@@ -81,6 +82,79 @@ TEST(fragments, of_many_faces_come_patch_by_patch_and_within_it_face_by_face) {
     EXPECT_LT(std::pair(before.patch, before.face), std::pair(f.patch, f.face));
   }
   EXPECT_NEAR(area, 4, 1e-9);
+}
+
+// A sheet of 2 m x 2 m; with `ground` another of 200 m, 0.1 m below it.
+Scene sheet_on_a_ground(bool ground) {
+  Scene s = sheet(30);
+  if (!ground) return s;
+  const auto first = static_cast<uint32_t>(s.positions.size());
+  for (const float y : {-100.0f, 100.0f})
+    for (const float x : {-100.0f, 100.0f}) s.positions.push_back({x, y, -0.1f});
+  s.triangles.push_back({{first, first + 1, first + 3}, 0});
+  s.triangles.push_back({{first, first + 3, first + 2}, 0});
+  return s;
+}
+
+// Hits all over the sheet, one in `far_one_in` of them on the ground.
+Walks walks_on(const Scene& s, size_t far_one_in) {
+  Walks walks;
+  for (size_t k = 0; k < 20000; ++k) {
+    PatchMap::Place p = random_place(sheet(30), k);
+    Rng rng(5, 0, k);
+    if (k % far_one_in == 0) {
+      const double x = rng.uniform();
+      const double y = rng.uniform();
+      p = {static_cast<uint32_t>(2 * s.triangles.size() - 2), {200 * x - 100, 200 * y - 100, -0.1}};
+    }
+    walks.push_back({p.face, Vec3f(p.canonical)});
+  }
+  return walks;
+}
+
+double fine_cell(const GridOfWalks& g) {
+  return std::ldexp(g.grid.base_cell, -2 * g.fine.level);
+}
+
+TEST(patch_grid, a_wide_ground_does_not_enlarge_the_patches_of_a_room) {
+  const Scene alone = sheet_on_a_ground(false), both = sheet_on_a_ground(true);
+  const Walks home = walks_on(alone, 20001);
+  const GridOfWalks room = grid_for(alone, home, home);
+  EXPECT_EQ(room.fine.level, 0);
+  EXPECT_NEAR(fine_cell(room), std::sqrt(8.0) / 24, 1e-3);
+  const Walks few_far = walks_on(both, 100);
+  const GridOfWalks with_ground = grid_for(both, few_far, few_far);
+  EXPECT_GT(with_ground.fine.level, 0);
+  EXPECT_NEAR(fine_cell(with_ground), fine_cell(room), 0.25 * fine_cell(room));
+  // Twin: where half of the light goes to the ground it is what matters.
+  const Walks half_far = walks_on(both, 2);
+  EXPECT_GT(fine_cell(grid_for(both, half_far, half_far)), 20 * fine_cell(room));
+  // One end of the transport is enough: what the camera alone sees counts, too.
+  EXPECT_GT(fine_cell(grid_for(both, home, half_far)), 20 * fine_cell(room));
+}
+
+TEST(patch_grid, cells_are_small_about_the_region_and_large_far_away) {
+  const Scene s = sheet_on_a_ground(true);
+  const Walks walks = walks_on(s, 100);
+  const GridOfWalks g = grid_for(s, walks, walks);
+  PatchMap map(s, g.grid, surface_components(s), g.fine);
+  for (const WalkHit& h : walks) map.find_or_add(h.face, Vec3d(h.position));
+  for (const PatchKey& key : map.keys()) {
+    const double size = std::ldexp(g.grid.base_cell, -2 * key.level);
+    const Vec3d low = g.grid.origin + Vec3d(key.cell[0], key.cell[1], key.cell[2]) * size;
+    if (std::abs(low.x) < 1 && std::abs(low.y) < 1) {
+      EXPECT_EQ(key.level, g.fine.level);
+    }
+    if (low.x > 60) {
+      EXPECT_LT(key.level, g.fine.level);
+    }
+  }
+  // The pieces in them cover what they lie on, once: the sheet whole, of the ground what was hit.
+  const Fragments fragments(map);
+  double sheet = 0;
+  for (const Fragments::Fragment& f : fragments.all())
+    if (f.face < 2 * 1800) sheet += f.area;
+  EXPECT_NEAR(sheet, 4, 0.01);
 }
 
 TEST(connectivity, the_two_zeros_are_one_place) {

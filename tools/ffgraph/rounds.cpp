@@ -5,6 +5,7 @@
 #include "libcommon/base/error.h"
 #include "libcommon/math/series_cut.h"
 #include "tools/ffgraph/connectivity.h"
+#include "tools/ffgraph/patch_grid.h"
 
 namespace tdpt {
 namespace {
@@ -40,8 +41,9 @@ std::vector<uint8_t> straddling_any(const Etendue& etendue, const OwnCuts& own, 
 }
 
 // The patches of a cut in a map of this scene, in the order of the cut.
-PatchMap map_of(const Scene& scene, const std::vector<uint32_t>& component, const CutFile& cut) {
-  PatchMap map(scene, cut.grid, component);
+PatchMap map_of(const Scene& scene, const std::vector<uint32_t>& component, const CutFile& cut,
+                const FineRegion& fine = {}) {
+  PatchMap map(scene, cut.grid, component, fine);
   for (const Patch& p : cut.patches) map.add({p.cell, p.level, map.piece(p.faces.front())});
   return map;
 }
@@ -80,15 +82,18 @@ LightFlow build_graph(const Scene& scene, const Camera& camera, const GraphSetti
   };
   const auto finer = [&](const PatchMap& map, std::vector<uint8_t> chosen) {
     for (size_t i = 0; i < chosen.size(); ++i) {
-      if (map.keys()[i].level >= kDeepestSplit) chosen[i] = 0;
+      if (map.keys()[i].level >= map.fine_level() + kDeepestSplit) chosen[i] = 0;
       report.split += chosen[i];
     }
     return map.split(chosen);
   };
 
   LightFlow flow;
+  const GridOfWalks own = grid_for(scene, light, seen);
   if (refine) {
-    const PatchMap map = map_of(scene, component, *refine);
+    // Walks of other settings may have had another grid; then coarse cells stay where no patch is.
+    const bool same = own.grid.base_cell == refine->grid.base_cell;
+    const PatchMap map = map_of(scene, component, *refine, same ? own.fine : FineRegion{});
     const Etendue etendue = measure_etendue(map, Fragments(map), tracer,
                                             kLookSeed + settings.walks.seed, settings.rays);
     report.rays += settings.rays;
@@ -97,7 +102,7 @@ LightFlow build_graph(const Scene& scene, const Camera& camera, const GraphSetti
     const OwnCuts given{refine->region, refine->cuts.size()};
     flow = estimate(finer(map, straddling_any(etendue, given, settings.straddle_share)));
   } else {
-    flow = estimate(PatchMap(scene, grid_for(scene), component));
+    flow = estimate(PatchMap(scene, own.grid, component, own.fine));
     report.why_stopped = "as many as allowed";
     while (report.rounds < static_cast<size_t>(settings.rounds)) {
       const size_t before = report.split;

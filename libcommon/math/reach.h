@@ -1,0 +1,55 @@
+// The region that matters of a scene whose floor or sky may extend a hundred times as far: where
+// most of some places lie, by robust quantiles of their coordinates.
+#pragma once
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "libcommon/math/vec.h"
+
+namespace tdpt {
+
+/// A box along the axes; empty while low > high.
+struct Extent {
+  Vec3d low{1e300}, high{-1e300};
+
+  void add(const Vec3d& p) { low = min(low, p), high = max(high, p); }
+  void add(const Extent& e) { low = min(low, e.low), high = max(high, e.high); }
+  bool empty() const { return !(low.x <= high.x); }
+  Vec3d size() const { return empty() ? Vec3d{} : high - low; }
+  /// By `by` on every side.
+  Extent widened(const Vec3d& by) const { return {low - by, high + by}; }
+  Extent within(const Extent& e) const { return {max(low, e.low), min(high, e.high)}; }
+};
+
+inline constexpr double kFarShare = 0.02;  ///< of the weight, at either end of each axis
+inline constexpr double kFarMargin = 0.1;  ///< of a side: how far a few reach beyond many
+
+/// The box, along each axis, from the quantile `kFarShare` of the weights to 1 - kFarShare, and
+/// kFarMargin of its sides more all around: places that fill a room give the whole room.
+struct WeightedPlace {
+  Vec3d place;
+  double weight = 1;
+};
+inline Extent reach_of(const std::vector<WeightedPlace>& places) {
+  Extent reach;
+  double total = 0;
+  for (const WeightedPlace& p : places) total += p.weight;
+  if (!(total > 0)) return reach;
+  std::vector<std::pair<double, double>> at(places.size());  // coordinate, weight
+  for (int axis = 0; axis < 3; ++axis) {
+    for (size_t i = 0; i < places.size(); ++i) at[i] = {places[i].place[axis], places[i].weight};
+    std::sort(at.begin(), at.end());
+    double below = 0;
+    bool within = false;
+    for (const auto& [coordinate, weight] : at) {
+      below += weight;
+      if (!within && below > kFarShare * total) reach.low[axis] = coordinate, within = true;
+      reach.high[axis] = coordinate;
+      if (below >= (1 - kFarShare) * total) break;
+    }
+  }
+  return reach.widened(reach.size() * kFarMargin);
+}
+
+}  // namespace tdpt

@@ -1,0 +1,51 @@
+#include "tools/ffgraph/patch_grid.h"
+
+#include "libcommon/math/reach.h"
+
+namespace tdpt {
+namespace {
+
+constexpr double kCells = 24;          // along the diagonal of the region
+constexpr double kAround = 0.5;        // of the diagonal: how far around it cells are as small
+constexpr int kMostLevels = 6;         // between the region's cells and those of the scene
+constexpr size_t kMostPlaces = 40000;  // of a set of walks, that tell where it goes
+
+// Metres.
+Extent reach_of_walks(const Scene& scene, const Walks& walks) {
+  std::vector<WeightedPlace> places;
+  const size_t step = walks.size() / kMostPlaces + 1;
+  for (size_t k = 0; k < walks.size(); k += step)
+    if (is_hit(walks[k])) places.push_back({scene.frame.to_metres(Vec3d(walks[k].position)), 1});
+  return reach_of(places);
+}
+
+}  // namespace
+
+GridOfWalks grid_for(const Scene& scene, const Walks& light, const Walks& camera) {
+  Extent whole;
+  for (const Triangle& t : scene.triangles)
+    for (const uint32_t v : t.vertex) whole.add(scene.frame.to_metres(Vec3d(scene.positions[v])));
+  if (whole.empty()) whole.add(Vec3d{});
+  Extent region = reach_of_walks(scene, light);
+  region.add(reach_of_walks(scene, camera));
+  region = region.empty() ? whole : region.within(whole);
+
+  const double least = 1e-6 / scene.frame.scale;
+  const double diagonal = std::max(length(region.size()), least);
+  GridOfWalks g;
+  g.grid.base_cell = diagonal / kCells;
+  while (kCells * g.grid.base_cell < (1 - 1e-9) * length(whole.size()) &&
+         g.fine.level < kMostLevels) {
+    g.grid.base_cell *= 4;
+    ++g.fine.level;
+  }
+  const Extent around = region.widened(Vec3d(kAround * diagonal));
+  g.fine.low = around.low;
+  g.fine.high = around.high;
+  // Walls often lie on the bounding box: keep them off the faces of cells.
+  const double cell = diagonal / kCells;
+  g.grid.origin = region.low - Vec3d(0.3819, 0.3453, 0.4142) * cell;
+  return g;
+}
+
+}  // namespace tdpt
