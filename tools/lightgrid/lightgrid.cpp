@@ -24,6 +24,7 @@ constexpr uint64_t kFirstBatch = 1 << 15;
 constexpr size_t kFewestKept = 2000;   // fewer never count as settled
 constexpr double kHot = 0.25;          // of the largest count: voxels that are compared
 constexpr uint64_t kBlock = 1 << 17;   // segments in memory at a time
+constexpr double kAround = 0.5;        // of the pivots' reach: how far around it the grid goes
 constexpr size_t kMostKept = 1 << 20;  // coarse lines the fine pass starts from
 
 // Lines that passed each voxel of air.
@@ -93,18 +94,35 @@ std::vector<LightLine> coarse_pass(const Scene& scene, LineTracer& tracer, size_
 
 }  // namespace
 
-LightGrid empty_grid(const Scene& scene, int resolution) {
+Extent box_of(const Scene& scene) {
+  Extent box;
+  for (const Triangle& t : scene.triangles)
+    for (const uint32_t v : t.vertex) box.add(Vec3d(scene.positions[v]));
+  return box;
+}
+
+Extent reach_of_pivots(const Scene& scene, const CutFile& cut) {
+  Extent reach;
+  std::vector<WeightedPlace> ends;
+  for (size_t c = 0; c < cut.cuts.size(); ++c) {
+    ends.clear();
+    for (const CutArc& arc : cut.arcs)
+      if (cut.crosses(arc, c))
+        for (const uint32_t end : {arc.from, arc.to})
+          ends.push_back({scene.frame.to_canonical(cut.patches[end].centre), arc.capacity});
+    reach.add(reach_of(ends));
+  }
+  const Extent box = box_of(scene);
+  if (reach.empty()) return box;
+  return reach.widened(Vec3d(kAround * max_component(reach.size()))).within(box);
+}
+
+LightGrid empty_grid(const Scene& scene, const Extent& box, int resolution) {
   LightGrid grid;
   grid.scene_hash = scene.hash;
-  Vec3d low(INFINITY), high(-INFINITY);
-  for (const Triangle& t : scene.triangles)
-    for (const uint32_t v : t.vertex) {
-      low = min(low, Vec3d(scene.positions[v]));
-      high = max(high, Vec3d(scene.positions[v]));
-    }
-  const Vec3d size = high - low;
+  const Vec3d size = box.size();
   const double voxel = max_component(size) / resolution;
-  Vec3d corner = (low + high) * 0.5;
+  Vec3d corner = (box.low + box.high) * 0.5;
   size_t total = 1;
   for (int c = 0; c < 3; ++c) {
     const auto s = static_cast<size_t>(c);
@@ -169,7 +187,7 @@ LightGrid make_light_grid(const Scene& scene, const CutFile& cut, const std::str
     return no_light_grid(scene, cut.reason.empty() ? "the scene has no bottleneck" : cut.reason);
   if (scene.triangles.empty()) return no_light_grid(scene, "the scene has no triangles");
 
-  LightGrid grid = empty_grid(scene, options.resolution);
+  LightGrid grid = empty_grid(scene, reach_of_pivots(scene, cut), options.resolution);
   mark_air(scene, grid);
   report.air = static_cast<size_t>(std::count(grid.air.begin(), grid.air.end(), 1));
   report.phases.done("air");

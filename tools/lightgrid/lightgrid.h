@@ -5,13 +5,14 @@
 #include "libcommon/base/phases.h"
 #include "libcommon/formats/cut.h"
 #include "libcommon/formats/light_grid.h"
+#include "libcommon/math/reach.h"
 #include "libcommon/scene/scene.h"
 #include "tools/lightgrid/embree_lines.h"
 
 namespace tdpt {
 
 struct LightGridOptions {
-  int resolution = 128;  ///< voxels along the longest side of the scene
+  int resolution = 128;  ///< voxels along the longest side of the grid
   uint64_t seed = 1;
   uint64_t samples = 1 << 20;  ///< most segments drawn between pivot patches
   double tolerance = 0.04;     ///< change of the normalised counts that counts as settled
@@ -39,9 +40,16 @@ struct LightGridReport {
 using MakeLineTracer = std::function<std::unique_ptr<LineTracer>(const Scene&, const LineTables&,
                                                                  const LightGrid&, uint64_t seed)>;
 
-/// The box of the scene, which has triangles, in cubic voxels, `resolution` along its longest side;
-/// no air, no counts.
-LightGrid empty_grid(const Scene& scene, int resolution);
+/// The box of all triangles, canonical.
+Extent box_of(const Scene& scene);
+/// Where the grid of a cut lies, canonical: the box that most pivot pairs reach (reach.h) and half
+/// of its longest side around it, as far as that lies in the box of the scene.
+Extent reach_of_pivots(const Scene& scene, const CutFile& cut);
+/// A box of a scene in cubic voxels, `resolution` along its longest side; no air, no counts.
+LightGrid empty_grid(const Scene& scene, const Extent& box, int resolution);
+inline LightGrid empty_grid(const Scene& scene, int resolution) {
+  return empty_grid(scene, box_of(scene), resolution);
+}
 
 /// The grid of `scene` and `cut`; `cut_name` stands in error messages. Throws InputError when the
 /// two do not belong together. A cut without a bottleneck, or one without a line of light, gives a

@@ -42,7 +42,7 @@ void declare_options(cli::Options& options, Arguments& a) {
   options.argument("scene", a.scene, "The scene, glTF 2.0 (.glb or .gltf)");
   options.argument("cut", a.cut, "Its minimum cut (.cut), as mincut writes it");
   options.option("--resolution", a.resolution, "N",
-                 "Voxels along the longest side of the scene; default 128", 8, 512);
+                 "Voxels along the longest side of the grid; default 128", 8, 512);
   options.option("--samples", a.samples, "N",
                  "Most segments drawn between pivot patches; default 1048576", 1, int64_t{1} << 32);
   options.option("--lines", a.lines, "N", "Most lines of light kept in the file; default 8192", 100,
