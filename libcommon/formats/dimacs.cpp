@@ -1,5 +1,6 @@
 #include "libcommon/formats/dimacs.h"
 
+#include <algorithm>
 #include <optional>
 
 #include "libcommon/base/file.h"
@@ -62,6 +63,14 @@ class DimacsReader {
       if (!index_.emplace(p.node, static_cast<uint32_t>(out_.patches.size())).second)
         in_.fail(fmt::format("patch {} again, expected each patch once", p.node));
       out_.patches.push_back(std::move(p));
+    } else if (word == "walks") {
+      const uint32_t i = patch_of(in_, index_, "node of walks");
+      out_.walks.resize(std::max<size_t>(out_.walks.size(), i + 1));
+      for (double* n : {&out_.walks[i].begun, &out_.walks[i].light, &out_.walks[i].camera}) {
+        *n = in_.real("number of walks");
+        if (!(*n >= 0)) in_.fail("a negative number of walks, expected 0 or more");
+      }
+      in_.end();
     } else if (word == "faces") {
       read_faces(in_, out_.patches[patch_of(in_, index_, "node of a face")]);
     }
@@ -120,6 +129,7 @@ class DimacsReader {
       in_.fail_file(fmt::format("{} arcs, expected the {} of the 'p' line", net().arcs.size(),
                                 announced_arcs_));
     if (!out_.has_patches) return;
+    if (!out_.walks.empty()) out_.walks.resize(out_.patches.size());
     if (out_.scene_hash.empty()) in_.fail_file("no 'c scene' line, expected the hash of the scene");
     if (!has_grid_) in_.fail_file("no 'c grid' line, expected the grid of the patches");
     // What is cut anew has capacities of at most the samples.
@@ -169,6 +179,10 @@ std::string dimacs_text(const DimacsFile& file) {
       fmt::format_to(to, "c patch {} ", p.node);
       write_patch(out, p);
       write_faces(out, "c faces", p);
+    }
+    for (size_t i = 0; i < file.walks.size(); ++i) {
+      const PatchWalks& w = file.walks[i];
+      fmt::format_to(to, "c walks {} {} {} {}\n", file.patches[i].node, w.begun, w.light, w.camera);
     }
   }
   const FlowNetwork& net = file.network;

@@ -10,6 +10,13 @@
 
 namespace tdpt {
 
+/// Walks of ffgraph that came to a patch.
+struct PatchWalks {
+  double begun = 0;   ///< the light's, that begin there
+  double light = 0;   ///< hits of the light's
+  double camera = 0;  ///< hits of the camera's
+};
+
 /// Node k of `network` is node k + 1 of the file; Patch::node is the number in the file.
 struct DimacsFile {
   FlowNetwork network;
@@ -18,6 +25,7 @@ struct DimacsFile {
   std::string scene_hash;
   PatchGrid grid;
   std::vector<Patch> patches;
+  std::vector<PatchWalks> walks;  ///< of each patch; empty: unknown
   Provenance provenance;
   std::string hash;  ///< content hash of the file read
 };

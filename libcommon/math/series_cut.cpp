@@ -14,19 +14,26 @@
 // to: no current passes its door, however narrow, which a cut by conductance alone would take. In
 // the order of u a threshold behind each patch parts the others; a drop is a threshold of small
 // conductance in the graph's sense: capacity across over that of the smaller side.
+//
+// Each drop is cut and judged alone. Those that hold are cut once more, with the rooms between them
+// as plateaus, and made to lie one within the other.
 #include "libcommon/math/series_cut.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-
-#include <fmt/format.h>
+#include <optional>
 
 namespace tdpt {
 namespace {
 
 constexpr double kPinned = 0.5;      // grade from which a terminal holds a patch's potential
 constexpr double kLeastDrop = 0.01;  // of u between two rooms
+// The sweep cut at a drop is worse than the minimum cut there: it is looked for with a looser
+// limit.
+// There it must be a large part of the way from the light to the camera.
+constexpr double kLoose = 3, kLeastLooseDrop = 0.1;
+constexpr size_t kMostCandidates = 12;
 constexpr int kMostIterations = 2000;
 constexpr double kResidual = 1e-9;  // of the conjugate gradients, relative
 
@@ -118,138 +125,151 @@ std::vector<double> potential_of(const PatchNetwork& p, const Links& l) {
   return u;
 }
 
-struct Sides {
-  double area[2] = {0, 0};    // in samples
-  double volume[2] = {0, 0};  // capacity of the arcs that leave a node of this side for another
-  double crossing = 0;        // from the source's side to the sink's
-  double conductance() const {
-    const double smaller = std::min(volume[0], volume[1]);
-    return smaller > 0 ? crossing / smaller : 1;
+// Nodes in the order of their potential, and the sweep cut behind each of them.
+struct Sweep {
+  std::vector<uint32_t> order;
+  std::vector<double> u;             // of each node of the network
+  std::vector<double> area, volume;  // up to and with this node
+  std::vector<double> crossing;      // capacity between it and those before, and those behind
+
+  size_t size() const { return order.size(); }
+  static double between(const std::vector<double>& sum, size_t low, size_t high) {
+    return (high == 0 ? 0 : sum[high - 1]) - (low == 0 ? 0 : sum[low - 1]);
   }
+  double conductance(size_t at, size_t low, size_t high) const {
+    const double smaller = std::min(between(volume, low, at), between(volume, at, high));
+    return smaller > 0 ? crossing[at - 1] / smaller : 1;
+  }
+};
+
+Sweep sweep_of(const PatchNetwork& p) {
+  const Links links = links_of(p);
+  Sweep s;
+  s.u = potential_of(p, links);
+  for (uint32_t v = 0; v < p.network.nodes; ++v)
+    if (!p.terminal(v)) s.order.push_back(v);
+  std::sort(s.order.begin(), s.order.end(),
+            [&](uint32_t a, uint32_t b) { return s.u[a] != s.u[b] ? s.u[a] < s.u[b] : a < b; });
+  std::vector<uint8_t> before(p.network.nodes, 0);
+  double area = 0, volume = 0, crossing = 0;
+  for (const uint32_t v : s.order) {
+    before[v] = 1;
+    area += p.samples[v];
+    volume += links.total[v];
+    for (size_t k = links.first[v]; k < links.first[v + 1]; ++k)
+      crossing += before[links.links[k].to] ? -links.links[k].capacity : links.links[k].capacity;
+    s.area.push_back(area);
+    s.volume.push_back(volume);
+    s.crossing.push_back(crossing);
+  }
+  return s;
+}
+
+// A place in the sweep that may part two rooms.
+struct Drop {
+  size_t at;           // nodes before it
+  double conductance;  // of the sweep cut, within the part of the sweep where it is the best
+};
+
+struct Candidate {
+  std::vector<uint8_t> source_side;  // of each node
+  int64_t flow;
+  CutFacts facts;
+  std::string why;  // it is no bottleneck; empty when it is one
 };
 
 class SeriesCutter {
  public:
   SeriesCutter(const PatchNetwork& problem, size_t most, const CutLimits& limits,
                const FlowSolver& solve)
-      : problem_(problem), net_(problem.network), most_(most), limits_(limits), solve_(solve) {
-    for (const double n : problem.samples) area_ += n;
-  }
+      : problem_(problem),
+        net_(problem.network),
+        most_(most),
+        limits_(limits),
+        solve_(solve),
+        sweep_(sweep_of(problem)) {}
 
   SeriesCut run() {
-    result_.region.assign(net_.nodes, 0);
-    const Links links = links_of(problem_);
-    const std::vector<double> u = potential_of(problem_, links);
-    const Sweep s = sweep(links, u);
-    std::vector<size_t> found;
-    drops(s, 0, s.order.size(), found);
-    keep_real_drops(s, u, found);
-    // One opening, or none: the minimum cut itself, if it parts two rooms.
-    if (found.size() < 2 && minimum_cut()) return std::move(result_);
-    if (!found.empty() && !cuts_at(s, u, found)) minimum_cut();
+    const Candidate whole = judged(solve_(net_));
+    if (const std::string nothing = terminal_without_arcs(); !nothing.empty()) {
+      deliver({whole}, nothing);
+      return std::move(result_);
+    }
+    std::vector<Candidate> kept = at_drops();
+    add_minimum_cut(whole, kept);
+    if (kept.empty())
+      deliver({whole}, reason_for(whole));
+    else
+      deliver(std::move(kept), "");
     return std::move(result_);
   }
 
  private:
-  bool terminal(uint32_t v) const { return v == net_.source || v == net_.sink; }
-
-  // Of the regions up to c and those above.
-  Sides sides_of(size_t c) const {
-    Sides s;
-    const auto side = [&](uint32_t v) { return result_.region[v] <= c ? 0 : 1; };
-    for (uint32_t v = 0; v < net_.nodes; ++v)
-      if (!terminal(v)) s.area[side(v)] += problem_.samples[v];
-    for (const FlowArc& a : net_.arcs) {
-      if (terminal(a.from) || terminal(a.to) || a.from == a.to) continue;
-      const double capacity = static_cast<double>(a.capacity);
-      s.volume[side(a.from)] += capacity;
-      if (side(a.from) < side(a.to)) s.crossing += capacity;
-    }
-    return s;
+  Candidate judged(const MaxFlow& flow) const {
+    Candidate c{flow.source_side, flow.value, facts_of(problem_, flow.source_side), ""};
+    c.why = why_refused(c.facts, limits_);
+    return c;
   }
 
-  std::string why_no_bottleneck(const MaxFlow& flow, const Sides& s) const {
+  std::string terminal_without_arcs() const {
     const auto reaches_nothing = [&](uint32_t terminal) {
       return std::none_of(net_.arcs.begin(), net_.arcs.end(), [&](const FlowArc& a) {
         return a.capacity > 0 && (a.from == terminal || a.to == terminal);
       });
     };
-    if (flow.value == 0 && reaches_nothing(net_.source)) return "no light reaches a surface";
-    if (flow.value == 0 && reaches_nothing(net_.sink)) return "the camera sees no surface";
-    const int small = s.area[0] < s.area[1] ? 0 : 1;
-    if (s.area[small] < limits_.least_area * area_)
-      return fmt::format(
-          "the {} side of the cut has {:.1f} % of the surface, less than {:.1f} %: light and "
-          "camera share one open space",
-          small == 0 ? "light's" : "camera's", 100 * s.area[small] / area_,
-          100 * limits_.least_area);
-    if (s.crossing <= 0) return "no light passes from the light's side of the cut to the camera's";
-    if (s.conductance() > limits_.largest_conductance)
-      return fmt::format(
-          "{:.2g} of the smaller side's light crosses the cut, more than {:.2g}: the opening is "
-          "wide",
-          s.conductance(), limits_.largest_conductance);
+    if (reaches_nothing(net_.source)) return "no light reaches a surface";
+    if (reaches_nothing(net_.sink)) return "the camera sees no surface";
     return "";
   }
 
-  // Nodes in the order of their potential, and the sweep cut behind each of them.
-  struct Sweep {
-    std::vector<uint32_t> order;
-    std::vector<double> area, volume;  // up to and with this node
-    std::vector<double> crossing;      // capacity between it and those before, and those behind
-  };
-
-  Sweep sweep(const Links& links, const std::vector<double>& u) const {
-    Sweep s;
-    for (uint32_t v = 0; v < net_.nodes; ++v)
-      if (!terminal(v)) s.order.push_back(v);
-    std::sort(s.order.begin(), s.order.end(),
-              [&](uint32_t a, uint32_t b) { return u[a] != u[b] ? u[a] < u[b] : a < b; });
-    std::vector<uint8_t> before(net_.nodes, 0);
-    double area = 0, volume = 0, crossing = 0;
-    for (const uint32_t v : s.order) {
-      before[v] = 1;
-      area += problem_.samples[v];
-      volume += links.total[v];
-      for (size_t k = links.first[v]; k < links.first[v + 1]; ++k)
-        crossing += before[links.links[k].to] ? -links.links[k].capacity : links.links[k].capacity;
-      s.area.push_back(area);
-      s.volume.push_back(volume);
-      s.crossing.push_back(crossing);
-    }
-    return s;
+  // Share of the surface or of the exchanged light, whichever is more.
+  double share(size_t low, size_t high) const {
+    const size_t n = sweep_.size();
+    const double area = Sweep::between(sweep_.area, 0, n);
+    const double volume = Sweep::between(sweep_.volume, 0, n);
+    return std::max(area > 0 ? Sweep::between(sweep_.area, low, high) / area : 0,
+                    volume > 0 ? Sweep::between(sweep_.volume, low, high) / volume : 0);
   }
 
-  // Places in the sweep between `low` and `high` (exclusive) where it parts two rooms, in order:
+  // Places in the sweep between `low` and `high` (exclusive) where it may part two rooms, in order:
   // the best one, and those within both parts.
-  void drops(const Sweep& s, size_t low, size_t high, std::vector<size_t>& found) const {
-    const auto up_to = [](const std::vector<double>& sum, size_t i) {
-      return i == 0 ? 0.0 : sum[i - 1];
-    };
-    size_t best = 0;
-    double least = limits_.largest_conductance;
+  void find_drops(size_t low, size_t high, std::vector<Drop>& found) const {
+    Drop best{0, std::min(1.0, kLoose * limits_.largest_conductance)};
     for (size_t i = low + 1; i < high; ++i) {
-      if (s.area[i - 1] - up_to(s.area, low) < limits_.least_area * area_) continue;
-      if (s.area[high - 1] - s.area[i - 1] < limits_.least_area * area_) break;
-      const double smaller =
-          std::min(s.volume[i - 1] - up_to(s.volume, low), s.volume[high - 1] - s.volume[i - 1]);
+      if (share(low, i) < limits_.least_area) continue;
+      if (share(i, high) < limits_.least_area) break;
       // Capacities are whole: less than half of one is rounding, and a closed door is no opening.
-      if (!(s.crossing[i - 1] < least * smaller) || s.crossing[i - 1] < 0.5) continue;
-      least = s.crossing[i - 1] / smaller;
-      best = i;
+      const double conductance = sweep_.conductance(i, low, high);
+      if (conductance < best.conductance && sweep_.crossing[i - 1] >= 0.5) best = {i, conductance};
     }
-    if (best == 0) return;
-    drops(s, low, best, found);
+    if (best.at == 0) return;
+    find_drops(low, best.at, found);
     found.push_back(best);
-    drops(s, best, high, found);
+    find_drops(best.at, high, found);
   }
 
-  // The minimum cut at a drop. Data term: patches are drawn to the sides by how far their potential
-  // lies from it, in units of the plateaus' distances.
-  MaxFlow cut_at(const std::vector<double>& u, double at, double low, double high) const {
+  // Mean potential of the nodes low .. high of the sweep, by area.
+  double plateau(size_t low, size_t high) const {
+    double sum = 0, area = 0;
+    for (size_t i = low; i < high; ++i) {
+      const uint32_t v = sweep_.order[i];
+      sum += sweep_.u[v] * problem_.samples[v], area += problem_.samples[v];
+    }
+    return area > 0 ? sum / area : 0;
+  }
+
+  // The minimum cut at a drop between nodes low .. high of the sweep; nothing where both sides have
+  // one potential: the door of a closet, that no light passes on its way. Data term: patches are
+  // drawn to the sides by how far their potential lies from the drop, in units of the plateaus'
+  // distances.
+  std::optional<MaxFlow> cut_at(size_t drop, size_t low_end, size_t high_end, bool loose) const {
+    const std::vector<double>& u = sweep_.u;
+    const double low = plateau(low_end, drop), high = plateau(drop, high_end);
+    if (high - low < (loose ? kLeastLooseDrop : kLeastDrop)) return {};
+    const double at = 0.5 * (u[sweep_.order[drop - 1]] + u[sweep_.order[drop]]);
     FlowNetwork net{net_.nodes, net_.source, net_.sink, {}};
     for (uint32_t v = 0; v < net_.nodes; ++v) {
-      if (terminal(v)) continue;
+      if (problem_.terminal(v)) continue;
       const double whole = problem_.samples[v] * problem_.scale;
       const double pull =
           u[v] < at ? (at - u[v]) / (at - low) : (u[v] - at) / std::max(high - at, 1e-300);
@@ -259,73 +279,148 @@ class SeriesCutter {
                                      : FlowArc{v, net_.sink, capacity});
     }
     for (const FlowArc& a : net_.arcs)
-      if (!terminal(a.from) && !terminal(a.to)) net.arcs.push_back(a);
+      if (!problem_.terminal(a.from) && !problem_.terminal(a.to)) net.arcs.push_back(a);
     return solve_(net);
   }
 
-  // Mean potential of the rooms between the drops, by area.
-  std::vector<double> plateaus(const Sweep& s, const std::vector<double>& u,
-                               const std::vector<size_t>& found) const {
-    std::vector<double> mean;
-    size_t i = 0;
-    for (size_t room = 0; room <= found.size(); ++room) {
-      const size_t end = room < found.size() ? found[room] : s.order.size();
-      double sum = 0, area = 0;
-      for (; i < end; ++i)
-        sum += u[s.order[i]] * problem_.samples[s.order[i]], area += problem_.samples[s.order[i]];
-      mean.push_back(area > 0 ? sum / area : 0);
+  // The part of the sweep around drop c up to its neighbours among `drops` for which counts(k).
+  template <class Counts>
+  std::optional<MaxFlow> cut_between(const std::vector<Drop>& drops, size_t c,
+                                     const Counts& counts) const {
+    size_t low = 0, high = sweep_.size();
+    for (size_t k = 0; k < drops.size(); ++k) {
+      if (k == c || !counts(k)) continue;
+      (k < c ? low : high) = k < c ? drops[k].at : std::min(high, drops[k].at);
     }
-    return mean;
+    return cut_at(drops[c].at, low, high, drops[c].conductance > limits_.largest_conductance);
   }
 
-  // A door with the same potential on both sides is that of a closet. Of more drops than wanted the
-  // widest go.
-  void keep_real_drops(const Sweep& s, const std::vector<double>& u,
-                       std::vector<size_t>& found) const {
-    while (!found.empty()) {
-      const std::vector<double> plateau = plateaus(s, u, found);
-      size_t least = 0;
-      for (size_t c = 0; c < found.size(); ++c)
-        if (plateau[c + 1] - plateau[c] < plateau[least + 1] - plateau[least]) least = c;
-      if (plateau[least + 1] - plateau[least] >= kLeastDrop) break;
-      found.erase(found.begin() + static_cast<std::ptrdiff_t>(least));
-    }
-    while (found.size() > most_)
-      found.erase(std::max_element(found.begin(), found.end(), [&](size_t a, size_t b) {
-        return s.crossing[a - 1] < s.crossing[b - 1];
+  // The bottlenecks at drops of the potential, at most `most_`, in the light's order.
+  std::vector<Candidate> at_drops() {
+    std::vector<Drop> drops;
+    find_drops(0, sweep_.size(), drops);
+    while (drops.size() > kMostCandidates)
+      drops.erase(std::max_element(drops.begin(), drops.end(), [](const Drop& a, const Drop& b) {
+        return a.conductance < b.conductance;
       }));
+    // Each by itself: its rooms end at drops as narrow as itself.
+    std::vector<Drop> good;
+    std::vector<Candidate> candidates;
+    for (size_t c = 0; c < drops.size(); ++c) {
+      const auto flow = cut_between(
+          drops, c, [&](size_t k) { return drops[k].conductance <= drops[c].conductance; });
+      if (!flow) continue;
+      Candidate candidate = judged(*flow);
+      if (!candidate.why.empty()) {
+        refuse(candidate, candidate.why);
+        continue;
+      }
+      good.push_back(drops[c]);
+      candidates.push_back(std::move(candidate));
+    }
+    keep_most(good, candidates);
+    return drawn_among(good, candidates);
   }
 
-  // The minimum cut of the network as it is; whether it is a bottleneck.
-  bool minimum_cut() {
-    const MaxFlow flow = solve_(net_);
-    for (uint32_t v = 0; v < net_.nodes; ++v) result_.region[v] = flow.source_side[v] ? 0 : 1;
-    const Sides sides = sides_of(0);
-    result_.cuts = {{flow.value, sides.conductance()}};
-    result_.reason = why_no_bottleneck(flow, sides);
-    result_.bottleneck = result_.reason.empty();
-    return result_.bottleneck;
+  // Those of `good` once more, with the rooms between them.
+  std::vector<Candidate> drawn_among(const std::vector<Drop>& good,
+                                     const std::vector<Candidate>& alone) {
+    if (good.size() < 2) return alone;
+    std::vector<Candidate> kept;
+    for (size_t c = 0; c < good.size(); ++c) {
+      const auto flow = cut_between(good, c, [](size_t) { return true; });
+      Candidate candidate = flow ? judged(*flow) : alone[c];
+      if (!candidate.why.empty()) candidate = alone[c];
+      add(std::move(candidate), kept);
+    }
+    return kept;
   }
 
-  // Whether light passes each of them.
-  bool cuts_at(const Sweep& s, const std::vector<double>& u, const std::vector<size_t>& found) {
-    const std::vector<double> plateau = plateaus(s, u, found);
-    result_.cuts.clear();
-    result_.reason.clear();
-    result_.bottleneck = true;
-    std::fill(result_.region.begin(), result_.region.end(), 0);
-    for (size_t c = 0; c < found.size(); ++c) {
-      const double at = 0.5 * (u[s.order[found[c] - 1]] + u[s.order[found[c]]]);
-      const MaxFlow flow = cut_at(u, at, plateau[c], plateau[c + 1]);
-      for (uint32_t v = 0; v < net_.nodes; ++v) result_.region[v] += !flow.source_side[v];
-      result_.cuts.push_back({flow.value, 0});
+  void keep_most(std::vector<Drop>& drops, std::vector<Candidate>& candidates) {
+    while (candidates.size() > most_) {
+      const auto least = std::min_element(candidates.begin(), candidates.end(),
+                                          [](const Candidate& a, const Candidate& b) {
+                                            return promise_of(a.facts) < promise_of(b.facts);
+                                          });
+      refuse(*least, "others promise more");
+      drops.erase(drops.begin() + (least - candidates.begin()));
+      candidates.erase(least);
     }
-    for (size_t c = 0; c < result_.cuts.size(); ++c) {
-      const Sides sides = sides_of(c);
-      result_.cuts[c].conductance = sides.conductance();
-      if (sides.crossing <= 0) return false;
+  }
+
+  // Adds a bottleneck to those kept, between the ones that it lies between; what they share becomes
+  // one border. Not one that hardly differs from a kept one, or is no bottleneck any more.
+  bool add(Candidate c, std::vector<Candidate>& kept) {
+    size_t place = 0;
+    for (const Candidate& k : kept) place += k.facts.area[0] < c.facts.area[0];
+    for (size_t i = 0; i < kept.size(); ++i)
+      for (size_t v = 0; v < c.source_side.size(); ++v)
+        if (i < place)
+          c.source_side[v] |= kept[i].source_side[v];
+        else
+          c.source_side[v] &= kept[i].source_side[v];
+    for (const Candidate& k : kept)
+      if (difference(c, k) < limits_.least_area) return false;
+    c.facts = facts_of(problem_, c.source_side);
+    c.why = why_refused(c.facts, limits_);
+    if (!c.why.empty()) {
+      refuse(c, c.why);
+      return false;
     }
+    kept.insert(kept.begin() + static_cast<std::ptrdiff_t>(place), std::move(c));
     return true;
+  }
+
+  // Share of the surface or of the exchanged light that lies between two cuts.
+  double difference(const Candidate& a, const Candidate& b) const {
+    double area = 0, all = 0;
+    for (uint32_t v = 0; v < net_.nodes; ++v) {
+      all += problem_.samples[v];
+      if (a.source_side[v] != b.source_side[v]) area += problem_.samples[v];
+    }
+    double volume = 0, whole = 0;
+    for (const FlowArc& arc : net_.arcs) {
+      if (problem_.terminal(arc.from) || problem_.terminal(arc.to)) continue;
+      const auto capacity = static_cast<double>(arc.capacity);
+      whole += capacity;
+      if (a.source_side[arc.from] != b.source_side[arc.from]) volume += capacity;
+    }
+    return std::max(all > 0 ? area / all : 0, whole > 0 ? volume / whole : 0);
+  }
+
+  // The minimum cut of the network as it is, instead of the only other one where the two are the
+  // same opening.
+  void add_minimum_cut(const Candidate& whole, std::vector<Candidate>& kept) {
+    if (!whole.why.empty()) {
+      if (!kept.empty()) refuse(whole, whole.why);
+      return;
+    }
+    if (kept.size() == 1 && difference(whole, kept[0]) < limits_.least_area)
+      kept[0] = whole;
+    else if (kept.size() < most_)
+      add(whole, kept);
+  }
+
+  void refuse(const Candidate& c, const std::string& why) {
+    result_.refused.push_back({c.facts, why});
+  }
+
+  // Where no candidate holds: that of the minimum cut, but a lamp in its own opening tells more
+  // than that the cut there is wide or small.
+  std::string reason_for(const Candidate& whole) const {
+    for (const SeriesCut::Refused& r : result_.refused)
+      if (lamp_in_its_opening(r.facts) && !(whole.facts.crossing <= 0)) return r.why;
+    return whole.why;
+  }
+
+  void deliver(const std::vector<Candidate>& cuts, const std::string& reason) {
+    result_.reason = reason;
+    result_.bottleneck = reason.empty();
+    result_.region.assign(net_.nodes, 0);
+    for (const Candidate& c : cuts) {
+      result_.cuts.push_back({c.flow, c.facts});
+      for (uint32_t v = 0; v < net_.nodes; ++v) result_.region[v] += !c.source_side[v];
+    }
   }
 
   const PatchNetwork& problem_;
@@ -333,7 +428,7 @@ class SeriesCutter {
   size_t most_;
   const CutLimits& limits_;
   const FlowSolver& solve_;
-  double area_ = 0;
+  const Sweep sweep_;
   SeriesCut result_;
 };
 

@@ -59,8 +59,8 @@ TEST(series_cut, finds_every_door_of_a_row_in_the_lights_order) {
       expected.push_back(static_cast<uint32_t>(doors.size() - r));
     EXPECT_EQ(regions(p, cut), expected);
     for (size_t c = 0; c < cut.cuts.size(); ++c) {
-      EXPECT_GT(cut.cuts[c].conductance, 0);
-      EXPECT_LE(cut.cuts[c].conductance, 0.12);
+      EXPECT_GT(cut.cuts[c].facts.conductance, 0);
+      EXPECT_LE(cut.cuts[c].facts.conductance, 0.12);
     }
   }
 }

@@ -84,7 +84,7 @@ std::vector<double> hits_of(const PatchMap& patches, const PatchTrace& trace) {
 
 LightFlow light_flow(PatchMap patches, const Walks& light, const Walks& camera,
                      const Tracer& tracer, uint64_t seed, uint32_t rays) {
-  LightFlow f{std::move(patches), {}, {}, {}, {}, {}};
+  LightFlow f{std::move(patches), {}, {}, {}, {}, {}, {}};
   for (const Walks* walks : {&light, &camera})
     f.patches.add_all(walks->size(), [walks](size_t k) {
       const WalkHit& h = (*walks)[k];
@@ -104,6 +104,13 @@ LightFlow light_flow(PatchMap patches, const Walks& light, const Walks& camera,
   f.geometry = geometry_of(f.patches, fragments, f.etendue);
   f.network = network_of(f);
   return f;
+}
+
+std::vector<double> begun_on(const PatchMap& patches, const std::vector<WalkHit>& starts) {
+  std::vector<double> begun(patches.size(), 0);
+  for (const WalkHit& h : starts)
+    if (const uint32_t p = patches.find(h.face, Vec3d(h.position)); p != kNoPatch) begun[p] += 1;
+  return begun;
 }
 
 std::vector<uint8_t> straddling(const Etendue& etendue, const std::vector<Side>& side,
@@ -127,6 +134,8 @@ DimacsFile dimacs_file(const LightFlow& f) {
   file.grid = f.patches.grid();
   file.network = f.network;
   file.patches = f.geometry;
+  for (size_t i = 0; i < f.begun.size(); ++i)
+    file.walks.push_back({f.begun[i], f.hits_light[i], f.hits_camera[i]});
   return file;
 }
 

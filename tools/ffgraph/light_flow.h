@@ -26,6 +26,7 @@ struct LightFlow {
   std::vector<Patch> geometry;  ///< of each patch
   Etendue etendue;
   std::vector<double> hits_light, hits_camera;  ///< H_E, H_W of each patch
+  std::vector<double> begun;                    ///< walks of the light that begin on each patch
   FlowNetwork network;                          ///< node 0: source, 1: sink, k + 2: patch k
 };
 
@@ -33,6 +34,9 @@ struct LightFlow {
 /// and holds no patch yet.
 LightFlow light_flow(PatchMap patches, const Walks& light, const Walks& camera,
                      const Tracer& tracer, uint64_t seed, uint32_t rays);
+
+/// Of each patch the walks that begin there, by where they do.
+std::vector<double> begun_on(const PatchMap& patches, const std::vector<WalkHit>& starts);
 
 /// Patches that send less than `share` of their etendue to one side of a cut: they straddle the
 /// opening. `side` of each patch.

@@ -22,7 +22,7 @@ struct OwnCuts {
 };
 
 OwnCuts own_cuts(const LightFlow& f) {
-  PatchNetwork patches{f.network, std::vector<double>(2, 0), kCapacityScale};
+  PatchNetwork patches{f.network, std::vector<double>(2, 0), kCapacityScale, {}, {}, {}};
   patches.samples.insert(patches.samples.end(), f.etendue.samples.begin(), f.etendue.samples.end());
   const SeriesCut series = series_cut(patches, kMostCuts, {});
   return {{series.region.begin() + 2, series.region.end()}, series.cuts.size()};
@@ -116,6 +116,7 @@ LightFlow build_graph(const Scene& scene, const Camera& camera, const GraphSetti
       flow = estimate(std::move(map));
     }
   }
+  flow.begun = begun_on(flow.patches, light_starts(scene, settings.walks));
   for (size_t i = 0; i < flow.hits_light.size(); ++i)
     report.reached_by_both += flow.hits_light[i] > 0 && flow.hits_camera[i] > 0;
   report.phases.done("patches");

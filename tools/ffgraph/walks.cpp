@@ -66,6 +66,21 @@ Walks light_walks(const Scene& scene, const Tracer& tracer, const WalkSettings& 
   });
 }
 
+std::vector<WalkHit> light_starts(const Scene& scene, const WalkSettings& settings) {
+  const Lights lights(scene);
+  if (lights.empty()) return {};
+  std::vector<WalkHit> starts(settings.walks, WalkHit{kNoFace, {}});
+  tbb::parallel_for(uint32_t{0}, settings.walks, [&](uint32_t i) {
+    Rng rng(settings.seed, kLight, i);
+    const Lights::Point point = lights.sample(rng);
+    if (!point.source->met()) return;
+    const bool back = dot(point.normal, shape_of(scene, point.triangle).normal) < 0;
+    starts[i] = {2 * point.triangle + (back ? 1 : 0), Vec3f(point.position)};
+  });
+  std::erase_if(starts, [](const WalkHit& h) { return h.face == kNoFace; });
+  return starts;
+}
+
 Walks camera_walks(const Scene&, const Camera& camera, const Tracer& tracer,
                    const WalkSettings& settings) {
   const double aspect = camera.aspect > 0 ? camera.aspect : 16.0 / 9;

@@ -32,6 +32,8 @@ using Walks = std::vector<WalkHit>;
 Walks light_walks(const Scene& scene, const Tracer& tracer, const WalkSettings& settings);
 Walks camera_walks(const Scene& scene, const Camera& camera, const Tracer& tracer,
                    const WalkSettings& settings);
+/// Where the light's walks begin, those that begin on a surface.
+std::vector<WalkHit> light_starts(const Scene& scene, const WalkSettings& settings);
 size_t hits_in(const Walks& walks);
 
 }  // namespace tdpt

@@ -8,27 +8,36 @@
 
 namespace tdpt {
 
-CutFile cut_of(const DimacsFile& problem, size_t most, const CutLimits& limits) {
-  CutFile cut;
+FoundCuts cut_of(const DimacsFile& problem, size_t most, const CutLimits& limits) {
+  FoundCuts found;
+  CutFile& cut = found.file;
   cut.scene_hash = problem.scene_hash;
   cut.grid = problem.grid;
   cut.patches = problem.patches;
   PatchNetwork patches{problem.network, std::vector<double>(problem.network.nodes, 0),
                        problem.scale};
+  const bool walks = !problem.walks.empty();
+  if (walks) patches.begun = patches.lit = patches.viewed = patches.samples;
   constexpr uint32_t kNone = UINT32_MAX;
   std::vector<uint32_t> patch_of(problem.network.nodes, kNone);
   for (uint32_t i = 0; i < cut.patches.size(); ++i) {
     patch_of[cut.patches[i].node - 1] = i;
-    patches.samples[cut.patches[i].node - 1] = cut.patches[i].samples;
+    const uint32_t node = cut.patches[i].node - 1;
+    patches.samples[node] = cut.patches[i].samples;
+    if (!walks) continue;
+    patches.begun[node] = problem.walks[i].begun;
+    patches.lit[node] = problem.walks[i].light;
+    patches.viewed[node] = problem.walks[i].camera;
   }
-  const SeriesCut series = series_cut(patches, most, limits, [](const FlowNetwork& network) {
+  SeriesCut series = series_cut(patches, most, limits, [](const FlowNetwork& network) {
     MaxFlow flow = max_flow(network);
     verify_max_flow(network, flow);
     return flow;
   });
   for (const Patch& p : cut.patches) cut.region.push_back(series.region[p.node - 1]);
   for (const SeriesCut::Cut& c : series.cuts)
-    cut.cuts.push_back({static_cast<double>(c.flow) / problem.scale, c.conductance});
+    found.facts.push_back(c.facts),
+        cut.cuts.push_back({static_cast<double>(c.flow) / problem.scale, c.facts.conductance});
   for (const FlowArc& a : problem.network.arcs) {
     const uint32_t from = patch_of[a.from], to = patch_of[a.to];
     if (from == kNone || to == kNone || a.capacity == 0) continue;
@@ -37,7 +46,8 @@ CutFile cut_of(const DimacsFile& problem, size_t most, const CutLimits& limits) 
   }
   cut.bottleneck = series.bottleneck;
   cut.reason = series.reason;
-  return cut;
+  found.refused = std::move(series.refused);
+  return found;
 }
 
 std::string plain_cut_text(const DimacsFile& problem, const MaxFlow& flow,

@@ -6,8 +6,14 @@
 
 namespace tdpt {
 
-/// At most `most` cuts of a network with patches, each of them verified; without provenance.
-CutFile cut_of(const DimacsFile& problem, size_t most, const CutLimits& limits);
+struct FoundCuts {
+  CutFile file;                 ///< without provenance
+  std::vector<CutFacts> facts;  ///< of each cut
+  std::vector<SeriesCut::Refused> refused;
+};
+
+/// At most `most` cuts of a network with patches, each of them verified.
+FoundCuts cut_of(const DimacsFile& problem, size_t most, const CutLimits& limits);
 
 /// Cut of a plain network as text: `s` value, `n` side of each node, `a` arcs of the cut.
 std::string plain_cut_text(const DimacsFile& problem, const MaxFlow& flow,

@@ -84,20 +84,40 @@ void cut_plain(const Arguments& a, const cli::Common& common, const DimacsFile& 
   common.note(fmt::format("maximum flow {}", flow.value));
 }
 
-// Notes, and what the summary says of the bottlenecks.
-void report(const cli::Common& common, const CutFile& cut, Json& summary) {
+Json json_of(const CutFacts& facts) {
+  Json json{{"conductance", facts.conductance},
+            {"light_side", facts.area[0]},
+            {"camera_side", facts.area[1]}};
+  if (facts.across) json["across"] = *facts.across;
+  if (facts.back) json["back"] = *facts.back;
+  if (facts.camera_back) json["camera_back"] = *facts.camera_back;
+  if (facts.straight) json["straight"] = *facts.straight;
+  if (facts.seen) json["seen"] = *facts.seen;
+  return json;
+}
+
+// Notes, and what the summary says of the bottlenecks and of what is none.
+void report(const cli::Common& common, const FoundCuts& found, Json& summary) {
+  const CutFile& cut = found.file;
   summary["bottleneck"] = cut.bottleneck;
   summary["cuts"] = Json::array();
   for (size_t c = 0; c < cut.cuts.size(); ++c) {
     const auto pairs = std::count_if(cut.arcs.begin(), cut.arcs.end(),
                                      [&](const CutArc& arc) { return cut.crosses(arc, c); });
-    summary["cuts"].push_back(
-        {{"flow", cut.cuts[c].flow}, {"conductance", cut.cuts[c].conductance}, {"pairs", pairs}});
+    summary["cuts"].push_back({{"flow", cut.cuts[c].flow}, {"pairs", pairs}});
+    summary["cuts"].back().update(json_of(found.facts[c]));
     if (cut.bottleneck)
       common.note(fmt::format(
-          "{}{} pivot pairs; {:.2g} of the smaller side's light crosses the cut",
+          "{}{} pivot pairs; {}",
           cut.cuts.size() > 1 ? fmt::format("bottleneck {} of {}: ", c + 1, cut.cuts.size()) : "",
-          pairs, cut.cuts[c].conductance));
+          pairs, words_for(found.facts[c])));
+  }
+  summary["refused"] = Json::array();
+  for (const SeriesCut::Refused& r : found.refused) {
+    summary["refused"].push_back(json_of(r.facts));
+    summary["refused"].back()["why"] = r.why;
+    common.note(fmt::format("refused: a cut with {:.2g} % of the surface on the light's side: {}",
+                            100 * r.facts.area[0], r.why));
   }
   if (cut.bottleneck) return;
   summary["reason"] = cut.reason;
@@ -106,14 +126,15 @@ void report(const cli::Common& common, const CutFile& cut, Json& summary) {
 
 void cut_patches(const Arguments& a, const cli::Common& common, const DimacsFile& problem,
                  Phases& phases, Json& summary) {
-  CutFile cut = cut_of(problem, static_cast<size_t>(a.cuts), a.limits);
+  FoundCuts found = cut_of(problem, static_cast<size_t>(a.cuts), a.limits);
+  CutFile& cut = found.file;
   cut.provenance = provenance(a, common, problem);
   phases.done("flow");
   cli::deliver({{common.output, [&] { return cut_text(cut); }},
                 {a.preview, [&] { return preview_of(a, common, cut); }},
                 {a.debug_glb, [&] { return cut_debug_glb(cut); }}},
                phases);
-  report(common, cut, summary);
+  report(common, found, summary);
 }
 
 int run(const Arguments& a, const cli::Common& common) {

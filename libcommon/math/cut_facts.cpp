@@ -1,0 +1,131 @@
+#include "libcommon/math/cut_facts.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+namespace tdpt {
+namespace {
+
+// A lamp stands in its own opening where at least this much of what crosses comes straight from
+// lamps, and of what lamps send crosses at once: then sampling the lamps finds the opening as well.
+constexpr double kStraight = 0.25, kSeen = 0.1;
+// From here on the lamps send nearly all to the other side: there is no opening.
+constexpr double kOpen = 0.9;
+constexpr double kMostBack = 0.8;       // of the walks that cross
+constexpr double kLeastAcross = 0.005;  // of the light on the camera's side
+
+std::string percent(double share) {
+  return fmt::format("{:.2g} %", 100 * share);
+}
+
+}  // namespace
+
+CutFacts facts_of(const PatchNetwork& p, const std::vector<uint8_t>& source_side) {
+  CutFacts f;
+  const FlowNetwork& net = p.network;
+  const auto side = [&](uint32_t v) { return source_side[v] ? size_t{0} : size_t{1}; };
+  const bool walks = !p.begun.empty();
+  double straight = 0, scattered = 0, back = 0, total_area = 0;
+  double camera[2] = {0, 0};  // from T, from S
+  for (uint32_t v = 0; v < net.nodes; ++v)
+    if (!p.terminal(v)) f.area[side(v)] += p.samples[v], total_area += p.samples[v];
+  for (const FlowArc& a : net.arcs) {
+    if (p.terminal(a.from) || p.terminal(a.to) || a.from == a.to) continue;
+    const double capacity = static_cast<double>(a.capacity);
+    f.volume[side(a.from)] += capacity;
+    if (side(a.from) == side(a.to)) continue;
+    const bool forward = side(a.from) == 0;
+    if (forward) f.crossing += capacity;
+    if (!walks || p.samples[a.from] <= 0) continue;
+    const double chance = capacity / (p.scale * p.samples[a.from]);
+    camera[forward] += chance * p.viewed[a.from];
+    if (!forward) {
+      back += chance * (p.begun[a.from] + p.lit[a.from]);
+      continue;
+    }
+    straight += chance * p.begun[a.from];
+    scattered += chance * p.lit[a.from];
+  }
+  const double smaller = std::min(f.volume[0], f.volume[1]);
+  if (smaller > 0) f.conductance = f.crossing / smaller;
+  const double total_volume = f.volume[0] + f.volume[1];
+  for (const size_t s : {0, 1}) {
+    if (total_area > 0) f.area[s] /= total_area;
+    if (total_volume > 0) f.volume[s] /= total_volume;
+  }
+  if (!walks) return f;
+  double begun[2] = {0, 0};
+  for (uint32_t v = 0; v < net.nodes; ++v)
+    if (!p.terminal(v)) begun[side(v)] += p.begun[v];
+  const double crosses = straight + scattered;
+  if (crosses > 0) {
+    f.across = crosses / (crosses + begun[1]);
+    f.straight = straight / crosses;
+    f.back = back / crosses;
+    f.camera_back = camera[1] / std::max(camera[0], 1e-300);
+  }
+  if (begun[0] > 0) f.seen = std::min(1.0, straight / begun[0]);
+  return f;
+}
+
+bool lamp_in_its_opening(const CutFacts& f) {
+  return f.straight.value_or(0) >= kStraight && f.seen.value_or(0) >= kSeen;
+}
+
+std::string why_refused(const CutFacts& f, const CutLimits& limits) {
+  const bool small = f.smaller_side() < limits.least_area;
+  if (f.crossing <= 0 && !small)
+    return "no light passes from the light's side of the cut to the camera's";
+  if (lamp_in_its_opening(f) && !(small && f.seen >= kOpen))
+    return fmt::format(
+        "the lamp stands in its own opening: {} of the light that crosses the cut comes straight "
+        "from it, and sampling the lamp finds the opening as a portal would",
+        percent(*f.straight));
+  if (small) {
+    const size_t s = f.side(0) < f.side(1) ? 0 : 1;
+    return fmt::format(
+        "the {} side of the cut has {:.1f} % of the surface and {:.1f} % of the exchanged light, "
+        "less than {:.1f} %: light and camera share one open space",
+        s == 0 ? "light's" : "camera's", 100 * f.area[s], 100 * f.volume[s],
+        100 * limits.least_area);
+  }
+  if (f.back.value_or(0) > kMostBack)
+    return fmt::format(
+        "as much light comes back across the cut as crosses it ({:.2g} times): the lamps shine "
+        "past "
+        "its light's side",
+        *f.back);
+  if (f.camera_back.value_or(0) > kMostBack)
+    return "the camera sees past the cut: its walks cross it as often away from the light as "
+           "towards "
+           "it";
+  if (f.across && *f.across < kLeastAcross)
+    return fmt::format(
+        "of the light on the camera's side of the cut only {} comes across it: the rest is that of "
+        "lamps on that side",
+        percent(*f.across));
+  if (f.conductance > limits.largest_conductance)
+    return fmt::format(
+        "{:.2g} of the smaller side's light crosses the cut, more than {:.2g}: the opening is wide",
+        f.conductance, limits.largest_conductance);
+  return "";
+}
+
+std::string words_for(const CutFacts& f) {
+  return fmt::format(
+      "{} of the surface lies on the light's side{}; {:.2g} of the smaller side's light crosses "
+      "the "
+      "cut",
+      percent(f.area[0]),
+      f.straight
+          ? fmt::format(", {} of what crosses comes straight from a lamp", percent(*f.straight))
+          : "",
+      f.conductance);
+}
+
+double promise_of(const CutFacts& f) {
+  return f.across.value_or(1) * (1 - f.straight.value_or(0)) / std::max(f.conductance, 1e-9);
+}
+
+}  // namespace tdpt

@@ -1,0 +1,73 @@
+// What it means to part a network of patches in two: whether the border is an opening that the
+// light has to pass on its way to the camera, and if not, why.
+#pragma once
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "libcommon/math/max_flow.h"
+
+namespace tdpt {
+
+struct CutLimits {
+  /// Share that either side of a bottleneck must have, of the surface or of the light that
+  /// surfaces exchange.
+  double least_area = 0.03;
+  /// Conductance: capacity across the cut / capacity of all arcs that leave patches of the smaller
+  /// side for other patches. A bottleneck's is at most this.
+  double largest_conductance = 0.12;
+};
+
+/// A network whose nodes but two are patches of surface.
+struct PatchNetwork {
+  FlowNetwork network;
+  std::vector<double> samples;  ///< n_i of each node: its area [samples of etendue]; terminals: 0
+  double scale = 1;             ///< capacity of one sample
+  /// Of each node: walks of the light that begin on it, hits of such walks, and of the camera's;
+  /// empty: unknown.
+  std::vector<double> begun{}, lit{}, viewed{};
+
+  bool terminal(uint32_t v) const { return v == network.source || v == network.sink; }
+};
+
+/// Of a cut with sides S (0, the light's) and T (1, the camera's); c_ij capacity between patches.
+struct CutFacts {
+  std::array<double, 2> area{};    ///< share of the surface
+  std::array<double, 2> volume{};  ///< share of sum c_ij that leaves the side's patches
+  double crossing = 0;             ///< sum of c_ij from S to T
+  double conductance = 1;          ///< crossing / smaller sum c_ij of a side
+  /// Walks that cross from S to T, from patch i by the chance p_i = sum_{j in T} c_ij / n_i:
+  ///   straight sum b_i p_i, scattered sum h_i p_i,  b_i begun on patch i, h_i hits of it.
+  /// Unknown without b_i, h_i and the hits w_i of the camera's walks.
+  std::optional<double> across;  ///< of the light that comes to T: what crosses; not T's lamps'
+  /// Walks that come back over those that cross: the light's from T over those from S, and the
+  /// camera's, the sum of w_i p_i, from S over those from T. Near 1 nothing goes across on balance.
+  std::optional<double> back, camera_back;
+  std::optional<double> straight;  ///< of what crosses: what comes from a lamp without a surface
+  std::optional<double> seen;      ///< of what lamps on S send: what crosses at once
+
+  /// What stands against least_area: a wide ground has much area and exchanges little light, a side
+  /// open to the sky the same.
+  double side(size_t s) const { return std::max(area[s], volume[s]); }
+  double smaller_side() const { return std::min(side(0), side(1)); }
+};
+
+/// `source_side`: of each node.
+CutFacts facts_of(const PatchNetwork& problem, const std::vector<uint8_t>& source_side);
+
+/// Whether the lamps on the light's side shine through the opening themselves: sampling them finds
+/// it as well as a portal.
+bool lamp_in_its_opening(const CutFacts& facts);
+
+/// A plain sentence, why the cut is no bottleneck; empty when it is.
+std::string why_refused(const CutFacts& facts, const CutLimits& limits);
+
+/// What the cut is, without a full stop.
+std::string words_for(const CutFacts& facts);
+
+/// How much a bottleneck promises, from all that is known: more where more of the light comes
+/// across, less of it straight from lamps, and where it is narrower.
+double promise_of(const CutFacts& facts);
+
+}  // namespace tdpt
