@@ -24,6 +24,8 @@
 #include <numeric>
 #include <optional>
 
+#include <tbb/parallel_for.h>
+
 namespace tdpt {
 namespace {
 
@@ -190,12 +192,23 @@ class SeriesCutter {
         sweep_(sweep_of(problem)) {}
 
   SeriesCut run() {
-    const Candidate whole = judged(solve_(net_));
     if (const std::string nothing = terminal_without_arcs(); !nothing.empty()) {
-      deliver({whole}, nothing);
+      deliver({judged(solve_(net_))}, nothing);
       return std::move(result_);
     }
-    std::vector<Candidate> kept = at_drops();
+    const std::vector<Drop> drops = drops_to_look_at();
+    // The minimum cut first, then each drop by itself: its rooms end at drops as narrow as itself.
+    std::vector<std::optional<Candidate>> alone(1 + drops.size());
+    tbb::parallel_for(size_t{0}, alone.size(), [&](size_t i) {
+      if (i == 0)
+        alone[0] = judged(solve_(net_));
+      else
+        alone[i] = cut_between(drops, i - 1, [&](size_t k) {
+          return drops[k].conductance <= drops[i - 1].conductance;
+        });
+    });
+    const Candidate whole = std::move(*alone[0]);
+    std::vector<Candidate> kept = bottlenecks_among(drops, {alone.begin() + 1, alone.end()});
     add_minimum_cut(whole, kept);
     if (kept.empty())
       deliver({whole}, reason_for(whole));
@@ -262,7 +275,7 @@ class SeriesCutter {
   // one potential: the door of a closet, that no light passes on its way. Data term: patches are
   // drawn to the sides by how far their potential lies from the drop, in units of the plateaus'
   // distances.
-  std::optional<MaxFlow> cut_at(size_t drop, size_t low_end, size_t high_end, bool loose) const {
+  std::optional<Candidate> cut_at(size_t drop, size_t low_end, size_t high_end, bool loose) const {
     const std::vector<double>& u = sweep_.u;
     const double low = plateau(low_end, drop), high = plateau(drop, high_end);
     if (high - low < (loose ? kLeastLooseDrop : kLeastDrop)) return {};
@@ -280,13 +293,13 @@ class SeriesCutter {
     }
     for (const FlowArc& a : net_.arcs)
       if (!problem_.terminal(a.from) && !problem_.terminal(a.to)) net.arcs.push_back(a);
-    return solve_(net);
+    return judged(solve_(net));
   }
 
   // The part of the sweep around drop c up to its neighbours among `drops` for which counts(k).
   template <class Counts>
-  std::optional<MaxFlow> cut_between(const std::vector<Drop>& drops, size_t c,
-                                     const Counts& counts) const {
+  std::optional<Candidate> cut_between(const std::vector<Drop>& drops, size_t c,
+                                       const Counts& counts) const {
     size_t low = 0, high = sweep_.size();
     for (size_t k = 0; k < drops.size(); ++k) {
       if (k == c || !counts(k)) continue;
@@ -295,44 +308,40 @@ class SeriesCutter {
     return cut_at(drops[c].at, low, high, drops[c].conductance > limits_.largest_conductance);
   }
 
-  // The bottlenecks at drops of the potential, at most `most_`, in the light's order.
-  std::vector<Candidate> at_drops() {
+  std::vector<Drop> drops_to_look_at() const {
     std::vector<Drop> drops;
     find_drops(0, sweep_.size(), drops);
     while (drops.size() > kMostCandidates)
       drops.erase(std::max_element(drops.begin(), drops.end(), [](const Drop& a, const Drop& b) {
         return a.conductance < b.conductance;
       }));
-    // Each by itself: its rooms end at drops as narrow as itself.
+    return drops;
+  }
+
+  // Those of the candidates, one for each drop, that are bottlenecks, at most `most_`, in the
+  // light's order; drawn once more, with the rooms between them.
+  std::vector<Candidate> bottlenecks_among(const std::vector<Drop>& drops,
+                                           const std::vector<std::optional<Candidate>>& alone) {
     std::vector<Drop> good;
     std::vector<Candidate> candidates;
     for (size_t c = 0; c < drops.size(); ++c) {
-      const auto flow = cut_between(
-          drops, c, [&](size_t k) { return drops[k].conductance <= drops[c].conductance; });
-      if (!flow) continue;
-      Candidate candidate = judged(*flow);
-      if (!candidate.why.empty()) {
-        refuse(candidate, candidate.why);
+      if (!alone[c]) continue;
+      if (!alone[c]->why.empty()) {
+        refuse(*alone[c], alone[c]->why);
         continue;
       }
       good.push_back(drops[c]);
-      candidates.push_back(std::move(candidate));
+      candidates.push_back(*alone[c]);
     }
     keep_most(good, candidates);
-    return drawn_among(good, candidates);
-  }
-
-  // Those of `good` once more, with the rooms between them.
-  std::vector<Candidate> drawn_among(const std::vector<Drop>& good,
-                                     const std::vector<Candidate>& alone) {
-    if (good.size() < 2) return alone;
+    if (good.size() < 2) return candidates;
+    std::vector<std::optional<Candidate>> again(good.size());
+    tbb::parallel_for(size_t{0}, good.size(), [&](size_t c) {
+      again[c] = cut_between(good, c, [](size_t) { return true; });
+    });
     std::vector<Candidate> kept;
-    for (size_t c = 0; c < good.size(); ++c) {
-      const auto flow = cut_between(good, c, [](size_t) { return true; });
-      Candidate candidate = flow ? judged(*flow) : alone[c];
-      if (!candidate.why.empty()) candidate = alone[c];
-      add(std::move(candidate), kept);
-    }
+    for (size_t c = 0; c < good.size(); ++c)
+      add(again[c] && again[c]->why.empty() ? *again[c] : candidates[c], kept);
     return kept;
   }
 

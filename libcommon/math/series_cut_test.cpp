@@ -12,8 +12,8 @@ constexpr int kPatches = 20;  // of a room
 // Rooms in a row of kPatches patches of 50 samples each, all in sight of each other; `door[r]`
 // joins the patches of room r to those of room r + 1. The camera is in room 0, the lamp in the
 // last; terminals reach other rooms as strongly as the doors let them.
-PatchNetwork rooms_in_row(const std::vector<int64_t>& door) {
-  constexpr int64_t kEach = 25000 / kPatches;
+// Patches of a room exchange `each`, of the 50000 that a patch has.
+PatchNetwork rooms_in_row(const std::vector<int64_t>& door, int64_t each = 25000 / kPatches) {
   const auto rooms = static_cast<uint32_t>(door.size() + 1);
   PatchNetwork p;
   p.scale = 1000;
@@ -24,7 +24,7 @@ PatchNetwork rooms_in_row(const std::vector<int64_t>& door) {
   for (uint32_t r = 0; r < rooms; ++r)
     for (uint32_t i = 0; i < kPatches; ++i) {
       for (uint32_t j = 0; j < kPatches; ++j)
-        if (i != j) p.network.arcs.push_back({node(r, i), node(r, j), kEach});
+        if (i != j) p.network.arcs.push_back({node(r, i), node(r, j), each});
       if (r == 0) p.network.arcs.push_back({node(r, i), 1, 50000});
       if (r + 1 == rooms) p.network.arcs.push_back({0, node(r, i), 50000});
     }
@@ -96,6 +96,95 @@ TEST(series_cut, leaves_a_closet_beside_the_lights_way_alone) {
   ASSERT_EQ(cut.cuts.size(), 1u);
   EXPECT_EQ(regions(p, cut)[0], 1u);
   EXPECT_EQ(regions(p, cut)[1], 0u);
+}
+
+TEST(series_cut, a_candidate_that_fails_hides_none_that_holds) {
+  // The second door is too wide, and it is looked at, since sweep cuts are worse than minimum cuts.
+  const PatchNetwork p = rooms_in_row({20000, 70000});
+  const SeriesCut cut = series_cut(p, 8, {});
+  EXPECT_TRUE(cut.bottleneck);
+  ASSERT_EQ(cut.cuts.size(), 1u);
+  EXPECT_EQ(regions(p, cut), (std::vector<uint32_t>{1, 0, 0}));
+  ASSERT_EQ(cut.refused.size(), 1u);
+  EXPECT_NE(cut.refused[0].why.find("the opening is wide"), std::string::npos);
+  EXPECT_GT(cut.refused[0].facts.conductance, 0.12);
+  // Where it may be as wide it is found.
+  CutLimits wide;
+  wide.largest_conductance = 0.3;
+  EXPECT_EQ(series_cut(p, 8, wide).cuts.size(), 2u);
+}
+
+// In either room three patches belong to the other by their terminals, as where the camera sees
+// some of the lamp's room through the door: in the order of the potential they lie in between.
+PatchNetwork rooms_seen_from_each_other() {
+  PatchNetwork p = rooms_in_row({400}, 50000 / kPatches);
+  for (FlowArc& a : p.network.arcs) {
+    if (a.to == 1 && a.from < 2 + 3) a = {0, a.from, a.capacity};
+    if (a.from == 0 && a.to >= 2 + kPatches && a.to < 2 + kPatches + 3) a = {a.to, 1, a.capacity};
+  }
+  return p;
+}
+
+TEST(series_cut, finds_an_opening_whose_sweep_cuts_are_all_too_wide) {
+  const PatchNetwork p = rooms_seen_from_each_other();
+  const SeriesCut cut = series_cut(p, 8, {});
+  ASSERT_TRUE(cut.bottleneck) << cut.reason;
+  ASSERT_EQ(cut.cuts.size(), 1u);
+  EXPECT_EQ(regions(p, cut), (std::vector<uint32_t>{1, 0}));
+  EXPECT_NEAR(cut.cuts[0].facts.conductance, 400 / (20 * 19 * 2500 + 400.0), 1e-9);
+  // Twin: the minimum cut of the network as it is takes the terminals' word.
+  const MaxFlow whole = max_flow(p.network);
+  EXPECT_GT(facts_of(p, whole.source_side).conductance, 0.12);
+}
+
+// Walks of the lamp room's patches: `begun` and `lit` of each, and those of the camera's.
+PatchNetwork lamp_before_a_door(double begun, double lit, double begun_beyond, double lit_beyond) {
+  PatchNetwork p = rooms_in_row({100000});
+  p.begun.assign(p.network.nodes, 0);
+  p.lit = p.viewed = p.begun;
+  for (uint32_t v = 2; v < p.network.nodes; ++v) {
+    const bool beyond = v < 2 + kPatches;
+    p.begun[v] = beyond ? begun_beyond : begun;
+    p.lit[v] = beyond ? lit_beyond : lit;
+    p.viewed[v] = beyond ? 10 : 1;
+  }
+  return p;
+}
+
+std::string why(const PatchNetwork& p) {
+  CutLimits limits;
+  limits.largest_conductance = 0.3;
+  return series_cut(p, 8, limits).reason.substr(0, 38);
+}
+
+TEST(series_cut, says_what_the_walks_tell_of_the_opening) {
+  // Of each patch's rays a tenth pass the door: 100000 / 20 / 50000.
+  EXPECT_EQ(why(lamp_before_a_door(1, 10, 0, 1)), "");
+  EXPECT_EQ(why(lamp_before_a_door(5, 10, 0, 1)), "the lamp stands in its own opening: 33");
+  EXPECT_EQ(why(lamp_before_a_door(1, 10, 0, 10)), "as much light comes back across the cu");
+  EXPECT_EQ(why(lamp_before_a_door(1, 10, 400, 1)), "as much light comes back across the cu");
+  PatchNetwork seen = lamp_before_a_door(1, 10, 0, 1);
+  std::swap(seen.viewed.front(), seen.viewed.back());
+  for (double& w : seen.viewed) w = 5;
+  EXPECT_EQ(why(seen), "the camera sees past the cut: its walk");
+  const CutFacts facts = facts_of(seen, max_flow(seen.network).source_side);
+  EXPECT_NEAR(*facts.straight, 1.0 / 11, 1e-9);
+  EXPECT_NEAR(*facts.seen, 0.1, 1e-9);
+  EXPECT_NEAR(*facts.back, 1.0 / 11, 1e-9);
+  EXPECT_NEAR(*facts.across, 1, 1e-9);
+}
+
+TEST(series_cut, a_wide_dark_ground_leaves_a_room_its_share) {
+  // A patch with a hundred times the surface of both rooms that exchanges next to nothing.
+  PatchNetwork p = rooms_in_row({400});
+  const uint32_t ground = p.network.nodes++;
+  p.samples.push_back(200000);
+  p.network.arcs.push_back({ground, 2, 100});
+  p.network.arcs.push_back({2, ground, 100});
+  const SeriesCut cut = series_cut(p, 8, {});
+  EXPECT_TRUE(cut.bottleneck) << cut.reason;
+  ASSERT_EQ(cut.cuts.size(), 1u);
+  EXPECT_LT(std::min(cut.cuts[0].facts.area[0], cut.cuts[0].facts.area[1]), 0.03);
 }
 
 TEST(series_cut, a_terminal_that_reaches_nothing_is_told) {

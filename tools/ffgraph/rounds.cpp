@@ -16,15 +16,26 @@ constexpr uint64_t kLookSeed = 0x5eed;
 // Most openings in series that rounds of ffgraph's own look at.
 constexpr size_t kMostCuts = 8;
 
+// Patches that straddle an opening make it wider than it is.
+constexpr double kLeaks = 1.5;
+
 struct OwnCuts {
   std::vector<uint32_t> region;  // of each patch
   size_t cuts;
 };
 
 OwnCuts own_cuts(const LightFlow& f) {
-  PatchNetwork patches{f.network, std::vector<double>(2, 0), kCapacityScale, {}, {}, {}};
-  patches.samples.insert(patches.samples.end(), f.etendue.samples.begin(), f.etendue.samples.end());
-  const SeriesCut series = series_cut(patches, kMostCuts, {});
+  const auto of_nodes = [](const std::vector<double>& of_patches) {
+    std::vector<double> all(2, 0);
+    all.insert(all.end(), of_patches.begin(), of_patches.end());
+    return all;
+  };
+  const PatchNetwork patches{
+      f.network,         of_nodes(f.etendue.samples), kCapacityScale,
+      of_nodes(f.begun), of_nodes(f.hits_light),      of_nodes(f.hits_camera)};
+  CutLimits limits;
+  limits.largest_conductance *= kLeaks;
+  const SeriesCut series = series_cut(patches, kMostCuts, limits);
   return {{series.region.begin() + 2, series.region.end()}, series.cuts.size()};
 }
 
@@ -69,6 +80,7 @@ LightFlow build_graph(const Scene& scene, const Camera& camera, const GraphSetti
   const std::vector<uint32_t> component = surface_components(scene);
   report.phases.done("surfaces");
   const Walks light = light_walks(scene, tracer, settings.walks);
+  const std::vector<WalkHit> starts = light_starts(scene, settings.walks);
   const Walks seen = camera_walks(scene, camera, tracer, settings.walks);
   report.phases.done("walks");
   report.light_hits = hits_in(light);
@@ -77,8 +89,10 @@ LightFlow build_graph(const Scene& scene, const Camera& camera, const GraphSetti
   uint64_t round = 0;
   const auto estimate = [&](PatchMap map) {
     report.rays += settings.rays;
-    return light_flow(std::move(map), light, seen, tracer, settings.walks.seed + round++ * 0x10001,
-                      settings.rays);
+    LightFlow flow = light_flow(std::move(map), light, seen, tracer,
+                                settings.walks.seed + round++ * 0x10001, settings.rays);
+    flow.begun = begun_on(flow.patches, starts);
+    return flow;
   };
   const auto finer = [&](const PatchMap& map, std::vector<uint8_t> chosen) {
     for (size_t i = 0; i < chosen.size(); ++i) {
@@ -116,7 +130,6 @@ LightFlow build_graph(const Scene& scene, const Camera& camera, const GraphSetti
       flow = estimate(std::move(map));
     }
   }
-  flow.begun = begun_on(flow.patches, light_starts(scene, settings.walks));
   for (size_t i = 0; i < flow.hits_light.size(); ++i)
     report.reached_by_both += flow.hits_light[i] > 0 && flow.hits_camera[i] > 0;
   report.phases.done("patches");
