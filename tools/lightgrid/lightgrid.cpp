@@ -117,6 +117,26 @@ Extent reach_of_pivots(const Scene& scene, const CutFile& cut) {
   return reach.widened(Vec3d(kAround * max_component(reach.size()))).within(box);
 }
 
+bool clip_to(const LightGrid& grid, LightLine& line) {
+  const Vec3d d = line.camera - line.light;
+  double enter = 0, leave = 1;
+  for (int c = 0; c < 3; ++c) {
+    const double low = grid.origin[c];
+    const double high = low + grid.voxel * grid.dim[static_cast<size_t>(c)];
+    if (d[c] == 0) {
+      if (line.light[c] < low || line.light[c] > high) return false;
+      continue;
+    }
+    const double t0 = (low - line.light[c]) / d[c], t1 = (high - line.light[c]) / d[c];
+    enter = std::max(enter, std::min(t0, t1));
+    leave = std::min(leave, std::max(t0, t1));
+  }
+  if (!(enter < leave)) return false;
+  if (leave < 1) line.camera = line.light + d * leave;
+  if (enter > 0) line.light = line.light + d * enter;
+  return true;
+}
+
 LightGrid empty_grid(const Scene& scene, const Extent& box, int resolution) {
   LightGrid grid;
   grid.scene_hash = scene.hash;
@@ -168,8 +188,10 @@ void add_cut(const Scene& scene, LineTracer& tracer, size_t c, const LightGridOp
   for (size_t i = 0; i < count.size(); ++i) grid.count[i] += static_cast<float>(count[i]);
   const LineWalk walk =
       walk_among_lines(scene, tracer, c, grid, count, kept, options.lines, options.seed);
-  grid.lines.insert(grid.lines.end(), walk.lines.begin(), walk.lines.end());
-  grid.probes.insert(grid.probes.end(), walk.probes.begin(), walk.probes.end());
+  for (LightLine line : walk.lines)
+    if (clip_to(grid, line)) grid.lines.push_back(line);
+  for (Probe probe : walk.probes)
+    if (clip_to(grid, probe.line)) grid.probes.push_back(probe);
   report.tried += walk.tried;
   report.joined += walk.joined;
   report.phases.done("fine");

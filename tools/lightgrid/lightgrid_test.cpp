@@ -1,6 +1,7 @@
 #include "tools/lightgrid/lightgrid.h"
 
 #include <cmath>
+#include <optional>
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -113,6 +114,29 @@ TEST(LightGrid, AWideGroundDoesNotCoarsenTheVoxels) {
   EXPECT_GT(share_through_hole(grid), 0.6);
   // Twin: by the box of the scene they would be much larger.
   EXPECT_GT(empty_grid(scene, quick().resolution).voxel, 10 * grid.voxel);
+}
+
+TEST(LightGrid, LinesThatLeaveTheGridEndThere) {
+  LightGrid grid;
+  grid.origin = {-1, -1, -1};
+  grid.voxel = 0.5;
+  grid.dim = {4, 4, 4};
+  const auto clipped = [&](LightLine line) -> std::optional<LightLine> {
+    return clip_to(grid, line) ? std::optional(line) : std::nullopt;
+  };
+  const auto through = clipped({{-3, 0, 0}, {5, 0, 0}});
+  ASSERT_TRUE(through);
+  EXPECT_NEAR(length(through->light - Vec3d(-1, 0, 0)), 0, 1e-12);
+  EXPECT_NEAR(length(through->camera - Vec3d(1, 0, 0)), 0, 1e-12);
+  const auto out = clipped({{0, 0, 0}, {4, 4, 2}});
+  ASSERT_TRUE(out);
+  EXPECT_EQ(length(out->light), 0);
+  EXPECT_NEAR(length(out->camera - Vec3d(1, 1, 0.5)), 0, 1e-12);
+  // Within it stays as it is, to the bit; outside nothing is left.
+  const LightLine within{{0.1, 0.2, 0.3}, {0.3, -0.7, 0.9}};
+  EXPECT_EQ(clipped(within)->camera.y, within.camera.y);
+  EXPECT_FALSE(clipped({{2, 0, 0}, {2, 1, 0}}));
+  EXPECT_FALSE(clipped({{3, 0, 0}, {0, 3, 0}}));
 }
 
 // The twin that must fail: a "cut" through the middle of a room has lines, but no support.
