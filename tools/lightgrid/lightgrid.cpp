@@ -24,7 +24,6 @@ constexpr uint64_t kFirstBatch = 1 << 15;
 constexpr size_t kFewestKept = 2000;   // fewer never count as settled
 constexpr double kHot = 0.25;          // of the largest count: voxels that are compared
 constexpr uint64_t kBlock = 1 << 17;   // segments in memory at a time
-constexpr double kAround = 0.5;        // of the pivots' reach: how far around it the grid goes
 constexpr size_t kMostKept = 1 << 20;  // coarse lines the fine pass starts from
 
 // Lines that passed each voxel of air.
@@ -101,20 +100,11 @@ Extent box_of(const Scene& scene) {
   return box;
 }
 
-Extent reach_of_pivots(const Scene& scene, const CutFile& cut) {
-  Extent reach;
-  std::vector<WeightedPlace> ends;
-  for (size_t c = 0; c < cut.cuts.size(); ++c) {
-    ends.clear();
-    for (const CutArc& arc : cut.arcs)
-      if (cut.crosses(arc, c))
-        for (const uint32_t end : {arc.from, arc.to})
-          ends.push_back({scene.frame.to_canonical(cut.patches[end].centre), arc.capacity});
-    reach.add(reach_of(ends));
-  }
-  const Extent box = box_of(scene);
-  if (reach.empty()) return box;
-  return reach.widened(Vec3d(kAround * max_component(reach.size()))).within(box);
+Extent reach_of_cut(const Scene& scene, const CutFile& cut) {
+  std::vector<WeightedPlace> places;
+  for (const Patch& p : cut.patches) places.push_back({scene.frame.to_canonical(p.centre), 1});
+  const Extent reach = reach_of(places), box = box_of(scene);
+  return reach.empty() ? box : reach.within(box);
 }
 
 bool clip_to(const LightGrid& grid, LightLine& line) {
@@ -209,7 +199,7 @@ LightGrid make_light_grid(const Scene& scene, const CutFile& cut, const std::str
     return no_light_grid(scene, cut.reason.empty() ? "the scene has no bottleneck" : cut.reason);
   if (scene.triangles.empty()) return no_light_grid(scene, "the scene has no triangles");
 
-  LightGrid grid = empty_grid(scene, reach_of_pivots(scene, cut), options.resolution);
+  LightGrid grid = empty_grid(scene, reach_of_cut(scene, cut), options.resolution);
   mark_air(scene, grid);
   report.air = static_cast<size_t>(std::count(grid.air.begin(), grid.air.end(), 1));
   report.phases.done("air");

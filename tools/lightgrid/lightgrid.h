@@ -42,9 +42,9 @@ using MakeLineTracer = std::function<std::unique_ptr<LineTracer>(const Scene&, c
 
 /// The box of all triangles, canonical.
 Extent box_of(const Scene& scene);
-/// Where the grid of a cut lies, canonical: the box that most pivot pairs reach (reach.h) and half
-/// of its longest side around it, as far as that lies in the box of the scene.
-Extent reach_of_pivots(const Scene& scene, const CutFile& cut);
+/// Where the grid of a cut lies, canonical: the box that most of its patches reach (reach.h), which
+/// are small where walks came often, as far as that lies in the box of the scene.
+Extent reach_of_cut(const Scene& scene, const CutFile& cut);
 /// Cuts a line off where it leaves the grid; false where no part of it lies within.
 bool clip_to(const LightGrid& grid, LightLine& line);
 /// A box of a scene in cubic voxels, `resolution` along its longest side; no air, no counts.

@@ -102,7 +102,7 @@ TEST(LightGrid, LightPassesTheHole) {
 TEST(LightGrid, AWideGroundDoesNotCoarsenTheVoxels) {
   Scene scene = two_rooms();
   const CutFile cut = door_cut(scene);
-  EXPECT_EQ(reach_of_pivots(scene, cut).size(), box_of(scene).size());
+  EXPECT_EQ(reach_of_cut(scene, cut).size(), box_of(scene).size());
   // Fifty times as wide, below both rooms.
   const auto first = static_cast<uint32_t>(scene.positions.size());
   for (const float z : {-50.0f, 50.0f})
@@ -110,7 +110,7 @@ TEST(LightGrid, AWideGroundDoesNotCoarsenTheVoxels) {
   scene.triangles.push_back({{first, first + 1, first + 3}, 0});
   LightGridReport report;
   const LightGrid grid = make_light_grid(scene, cut, "a.cut", quick(), report);
-  EXPECT_LT(grid.voxel, 2.5 * empty_grid(two_rooms(), quick().resolution).voxel);
+  EXPECT_LT(grid.voxel, 1.3 * empty_grid(two_rooms(), quick().resolution).voxel);
   EXPECT_GT(share_through_hole(grid), 0.6);
   // Twin: by the box of the scene they would be much larger.
   EXPECT_GT(empty_grid(scene, quick().resolution).voxel, 10 * grid.voxel);
