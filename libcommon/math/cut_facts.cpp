@@ -9,10 +9,10 @@ namespace {
 
 // A lamp stands in its own opening where at least this much of what crosses comes straight from
 // lamps, and of what lamps send crosses at once: then sampling the lamps finds the opening as well.
-constexpr double kStraight = 0.25, kSeen = 0.1;
+constexpr double kStraight = 0.2, kSeen = 0.1;
 // From here on the lamps send nearly all to the other side: there is no opening.
 constexpr double kOpen = 0.9;
-constexpr double kMostBack = 0.8;       // of the walks that cross
+constexpr double kMostBack = 0.9;       // of the walks that cross
 constexpr double kLeastAcross = 0.005;  // of the light on the camera's side
 
 std::string percent(double share) {

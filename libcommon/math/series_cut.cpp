@@ -9,6 +9,9 @@
 // c_ij      half the capacity of the arcs between i and j, either way
 // s_i, t_i  what holds u_i at 0 and at 1
 //   sum_j c_ij (u_i - u_j) + s_i u_i + t_i (u_i - 1) = 0
+// E_i, W_i  hits of the light's and the camera's walks per sample, over their medians
+//   t_i - s_i = n_i (W_i - E_i) / (W_i + E_i)  on patches that one of them reaches well
+// So rooms are told apart by who reaches them better, also where both reach all.
 //
 // Rooms are plateaus of u. A closet beside the light's way has the potential of the room it belongs
 // to: no current passes its door, however narrow, which a cut by conductance alone would take. In
@@ -82,19 +85,53 @@ Links links_of(const PatchNetwork& p) {
   return l;
 }
 
+// Half the hits lie on patches with fewer of them for their samples, half on those with more [hits
+// / sample]; 0 without hits.
+double median_density(const std::vector<double>& hits, const std::vector<double>& samples) {
+  std::vector<std::pair<double, double>> densities;  // and hits
+  double total = 0, below = 0;
+  for (size_t i = 0; i < hits.size(); ++i)
+    if (samples[i] > 0 && hits[i] > 0)
+      densities.emplace_back(hits[i] / samples[i], hits[i]), total += hits[i];
+  std::sort(densities.begin(), densities.end());
+  for (const auto& [density, n] : densities)
+    if ((below += n) >= 0.5 * total) return density;
+  return 0;
+}
+
+// What holds the potential of each node [share of its samples]: below 0 the light, above 0 the
+// camera. Only what one of them reaches well is held.
+std::vector<double> holds_of(const PatchNetwork& p, const Links& l) {
+  std::vector<double> holds(p.network.nodes, 0);
+  const bool walks = !p.begun.empty();
+  const double lit = walks ? median_density(p.lit, p.samples) : 0;
+  const double viewed = walks ? median_density(p.viewed, p.samples) : 0;
+  for (uint32_t v = 0; v < p.network.nodes; ++v) {
+    const double whole = p.samples[v] * p.scale;
+    const double s = l.from_source[v], t = l.to_sink[v];
+    if (!(whole > 0) || std::max(s, t) < kPinned * whole) continue;
+    holds[v] = (t - s) / whole;
+    if (!(lit > 0 && viewed > 0)) continue;
+    // Grades end at 1: where light and camera both reach a patch, which of them does so better.
+    const double e = p.lit[v] / lit, w = p.viewed[v] / viewed;
+    if (e + w > 0) holds[v] = (w - e) / (w + e);
+  }
+  return holds;
+}
+
 // u of each node, by conjugate gradients with the diagonal as preconditioner; s and t hold the
 // patches that light and camera reach well.
 std::vector<double> potential_of(const PatchNetwork& p, const Links& l) {
   const uint32_t n = p.network.nodes;
+  const std::vector<double> holds = holds_of(p, l);
   std::vector<double> diagonal(n), right(n, 0), u(n, 0.5);
   for (uint32_t v = 0; v < n; ++v) {
     const double whole = p.samples[v] * p.scale;
-    const double s = l.from_source[v], t = l.to_sink[v];
-    const double hold = std::max(s, t) >= kPinned * whole ? std::abs(s - t) : 0;
+    const double hold = std::abs(holds[v]) * whole;
     // Patches that nothing holds and nothing joins stay at 1/2.
     const double loose = 1e-9 * whole + 1e-30;
     diagonal[v] = l.total[v] + hold + loose;
-    right[v] = (t > s ? hold : 0) + 0.5 * loose;
+    right[v] = (holds[v] > 0 ? hold : 0) + 0.5 * loose;
   }
   const auto apply = [&](const std::vector<double>& x, std::vector<double>& y) {
     for (uint32_t v = 0; v < n; ++v) {
@@ -451,25 +488,10 @@ SeriesCut series_cut(const PatchNetwork& problem, size_t most, const CutLimits& 
 std::vector<double> terminal_grades(const std::vector<double>& hits,
                                     const std::vector<double>& samples) {
   std::vector<double> grade(hits.size(), 0);
-  std::vector<uint32_t> order;
-  double total = 0;
-  for (uint32_t i = 0; i < hits.size(); ++i) {
-    if (samples[i] <= 0 || hits[i] <= 0) continue;
-    grade[i] = hits[i] / samples[i];
-    total += hits[i];
-    order.push_back(i);
-  }
-  if (order.empty()) return grade;
-  std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
-    return grade[a] != grade[b] ? grade[a] < grade[b] : a < b;
-  });
-  double below = 0, median = 0;
-  for (uint32_t i : order) {
-    below += hits[i];
-    median = grade[i];
-    if (below >= 0.5 * total) break;
-  }
-  for (uint32_t i : order) grade[i] = std::min(1.0, grade[i] / (0.5 * median));
+  const double median = median_density(hits, samples);
+  for (size_t i = 0; i < hits.size(); ++i)
+    if (samples[i] > 0 && hits[i] > 0)
+      grade[i] = std::min(1.0, hits[i] / samples[i] / (0.5 * median));
   return grade;
 }
 

@@ -174,6 +174,26 @@ TEST(series_cut, says_what_the_walks_tell_of_the_opening) {
   EXPECT_NEAR(*facts.across, 1, 1e-9);
 }
 
+TEST(series_cut, tells_rooms_apart_that_light_and_camera_both_reach) {
+  // A wide arch: all terminals' arcs are full.
+  PatchNetwork p = rooms_in_row({40000}, 50000 / kPatches);
+  for (uint32_t v = 2; v < p.network.nodes; ++v) {
+    const bool beyond = v < 2 + kPatches;
+    p.network.arcs.push_back(beyond ? FlowArc{0, v, 50000} : FlowArc{v, 1, 50000});
+  }
+  EXPECT_FALSE(series_cut(p, 8, {}).bottleneck);
+  p.begun.assign(p.network.nodes, 0);
+  p.lit = p.viewed = p.begun;
+  for (uint32_t v = 2; v < p.network.nodes; ++v) {
+    const bool beyond = v < 2 + kPatches;
+    p.lit[v] = beyond ? 700 : 1000;
+    p.viewed[v] = beyond ? 1000 : 700;
+  }
+  const SeriesCut cut = series_cut(p, 8, {});
+  ASSERT_TRUE(cut.bottleneck) << cut.reason;
+  EXPECT_EQ(regions(p, cut), (std::vector<uint32_t>{1, 0}));
+}
+
 TEST(series_cut, a_wide_dark_ground_leaves_a_room_its_share) {
   // A patch with a hundred times the surface of both rooms that exchanges next to nothing.
   PatchNetwork p = rooms_in_row({400});
