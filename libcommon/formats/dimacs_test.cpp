@@ -51,6 +51,7 @@ DimacsFile example() {
   f.grid = {{-1.25, 0.1, 3e-7}, 0.1443};
   f.patches = {{3, 0, {1, -2, 7}, 120, {0.1, 0.2, 0.3}, {0, 1, 0}, {0, 2}},
                {4, 1, {4, 5, 6}, 3, {1, 2, 3}, {0.6, 0, -0.8}, {5}}};
+  f.walks = {{0, 210, 12}, {90, 40, 160}};
   f.network = {4, 0, 1, {{0, 2, 500}, {2, 3, 250}, {3, 2, 250}, {3, 1, 700}}};
   f.provenance.made_by("ffgraph", "ffgraph");
   return f;
@@ -62,6 +63,10 @@ TEST(dimacs, reads_back_what_was_written) {
   EXPECT_EQ(dimacs_text(b), dimacs_text(a));
   ASSERT_EQ(b.patches.size(), 2u);
   EXPECT_EQ(b.scale, 1000);
+  ASSERT_EQ(b.walks.size(), 2u);
+  EXPECT_EQ(b.walks[1].begun, 90);
+  EXPECT_EQ(b.walks[0].light, 210);
+  EXPECT_EQ(b.walks[1].camera, 160);
   EXPECT_EQ(b.network.arcs.size(), 4u);
   EXPECT_EQ(b.network.sink, 1u);
   EXPECT_EQ(b.provenance.lines, a.provenance.lines);
@@ -86,6 +91,14 @@ TEST(dimacs, says_what_is_wrong_and_where) {
       {ours + "c patch 2" + geometry + "c faces 2 0\nc patch 3" + geometry + "c faces 3 4 6\n" + p +
            arcs,
        "(accepted)"},
+      // Walks of one patch alone: the other has none.
+      {ours + "c patch 2" + geometry + "c faces 2 0\nc walks 2 1 2 3\nc patch 3" + geometry +
+           "c faces 3 4 6\n" + p + arcs,
+       "(accepted)"},
+      {ours + "c patch 2" + geometry + "c walks 3 1 2 3\n",
+       "line 5: node 3 as node of walks, expected a patch named above"},
+      {ours + "c patch 2" + geometry + "c walks 2 1 -2 3\n",
+       "line 5: a negative number of walks, expected 0 or more"},
       {"", " no 'p max' line, expected a DIMACS maximum-flow problem"},
       {"x\n", "line 1: 'x' at the start of the line, expected one of c, p, n, a"},
       {p + "p max 4 2\n", "line 4: a second 'p' line, expected one"},

@@ -10,6 +10,8 @@ namespace {
 // A lamp stands in its own opening where at least this much of what crosses comes straight from
 // lamps, and of what lamps send crosses at once: then sampling the lamps finds the opening as well.
 constexpr double kStraight = 0.2, kSeen = 0.1;
+// In an open room any border is like that: it must be an opening, if a wide one.
+constexpr double kStillOpening = 1.5;
 // From here on the lamps send nearly all to the other side: there is no opening.
 constexpr double kOpen = 0.9;
 constexpr double kMostBack = 0.9;       // of the walks that cross
@@ -69,15 +71,16 @@ CutFacts facts_of(const PatchNetwork& p, const std::vector<uint8_t>& source_side
   return f;
 }
 
-bool lamp_in_its_opening(const CutFacts& f) {
-  return f.straight.value_or(0) >= kStraight && f.seen.value_or(0) >= kSeen;
+bool lamp_in_its_opening(const CutFacts& f, const CutLimits& limits) {
+  return f.conductance <= kStillOpening * limits.largest_conductance &&
+         f.straight.value_or(0) >= kStraight && f.seen.value_or(0) >= kSeen;
 }
 
 std::string why_refused(const CutFacts& f, const CutLimits& limits) {
   const bool small = f.smaller_side() < limits.least_area;
   if (f.crossing <= 0 && !small)
     return "no light passes from the light's side of the cut to the camera's";
-  if (lamp_in_its_opening(f) && !(small && f.seen >= kOpen))
+  if (lamp_in_its_opening(f, limits) && !(small && f.seen >= kOpen))
     return fmt::format(
         "the lamp stands in its own opening: {} of the light that crosses the cut comes straight "
         "from it, and sampling the lamp finds the opening as a portal would",

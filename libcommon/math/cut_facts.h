@@ -58,7 +58,7 @@ CutFacts facts_of(const PatchNetwork& problem, const std::vector<uint8_t>& sourc
 
 /// Whether the lamps on the light's side shine through the opening themselves: sampling them finds
 /// it as well as a portal.
-bool lamp_in_its_opening(const CutFacts& facts);
+bool lamp_in_its_opening(const CutFacts& facts, const CutLimits& limits);
 
 /// A plain sentence, why the cut is no bottleneck; empty when it is.
 std::string why_refused(const CutFacts& facts, const CutLimits& limits);

@@ -455,7 +455,7 @@ class SeriesCutter {
   // than that the cut there is wide or small.
   std::string reason_for(const Candidate& whole) const {
     for (const SeriesCut::Refused& r : result_.refused)
-      if (lamp_in_its_opening(r.facts) && !(whole.facts.crossing <= 0)) return r.why;
+      if (lamp_in_its_opening(r.facts, limits_) && !(whole.facts.crossing <= 0)) return r.why;
     return whole.why;
   }
 
