@@ -10,9 +10,10 @@ namespace {
 // A lamp stands in its own opening where at least this much of what crosses comes straight from
 // lamps, and of what lamps send crosses at once: then sampling the lamps finds the opening as well.
 constexpr double kStraight = 0.2, kSeen = 0.1;
-// In an open room any border is like that: it must be an opening, if a wide one.
+// Of the largest conductance.
 constexpr double kStillOpening = 1.5;
-// From here on the lamps send nearly all to the other side: there is no opening.
+constexpr double kPocket = 0.2;  // share of a light's side that is the niche of a window
+// From here on the lamps of such a side send nearly all to the other: there is no opening.
 constexpr double kOpen = 0.9;
 constexpr double kMostBack = 0.9;       // of the walks that cross
 constexpr double kLeastAcross = 0.005;  // of the light on the camera's side
@@ -71,16 +72,23 @@ CutFacts facts_of(const PatchNetwork& p, const std::vector<uint8_t>& source_side
   return f;
 }
 
+bool still_opening(const CutFacts& f, const CutLimits& limits) {
+  return f.smaller_side() >= limits.least_area &&
+         f.conductance <= kStillOpening * limits.largest_conductance;
+}
+
 bool lamp_in_its_opening(const CutFacts& f, const CutLimits& limits) {
-  return f.conductance <= kStillOpening * limits.largest_conductance &&
-         f.straight.value_or(0) >= kStraight && f.seen.value_or(0) >= kSeen;
+  const double seen = f.seen.value_or(0);
+  const bool pocket = f.side(0) < kPocket && seen < kOpen;
+  return (pocket || still_opening(f, limits)) && f.straight.value_or(0) >= kStraight &&
+         seen >= kSeen;
 }
 
 std::string why_refused(const CutFacts& f, const CutLimits& limits) {
   const bool small = f.smaller_side() < limits.least_area;
   if (f.crossing <= 0 && !small)
     return "no light passes from the light's side of the cut to the camera's";
-  if (lamp_in_its_opening(f, limits) && !(small && f.seen >= kOpen))
+  if (lamp_in_its_opening(f, limits))
     return fmt::format(
         "the lamp stands in its own opening: {} of the light that crosses the cut comes straight "
         "from it, and sampling the lamp finds the opening as a portal would",

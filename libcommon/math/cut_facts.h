@@ -56,6 +56,9 @@ struct CutFacts {
 /// `source_side`: of each node.
 CutFacts facts_of(const PatchNetwork& problem, const std::vector<uint8_t>& source_side);
 
+/// Whether a cut parts two rooms at an opening, if a wide one: in an open room any border is wider.
+bool still_opening(const CutFacts& facts, const CutLimits& limits);
+
 /// Whether the lamps on the light's side shine through the opening themselves: sampling them finds
 /// it as well as a portal.
 bool lamp_in_its_opening(const CutFacts& facts, const CutLimits& limits);

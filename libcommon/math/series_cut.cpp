@@ -451,12 +451,19 @@ class SeriesCutter {
     result_.refused.push_back({c.facts, why});
   }
 
-  // Where no candidate holds: that of the minimum cut, but a lamp in its own opening tells more
-  // than that the cut there is wide or small.
+  // Where no candidate holds: that of the minimum cut, but a lamp in its own opening tells more,
+  // and so does the narrowest place between two rooms where the minimum cut encloses next to
+  // nothing.
   std::string reason_for(const Candidate& whole) const {
     for (const SeriesCut::Refused& r : result_.refused)
       if (lamp_in_its_opening(r.facts, limits_) && !(whole.facts.crossing <= 0)) return r.why;
-    return whole.why;
+    if (whole.facts.smaller_side() >= limits_.least_area) return whole.why;
+    const SeriesCut::Refused* narrowest = nullptr;
+    for (const SeriesCut::Refused& r : result_.refused)
+      if (still_opening(r.facts, limits_) &&
+          (!narrowest || r.facts.conductance < narrowest->facts.conductance))
+        narrowest = &r;
+    return narrowest ? narrowest->why : whole.why;
   }
 
   void deliver(const std::vector<Candidate>& cuts, const std::string& reason) {

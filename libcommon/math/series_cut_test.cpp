@@ -174,6 +174,23 @@ TEST(series_cut, says_what_the_walks_tell_of_the_opening) {
   EXPECT_NEAR(*facts.across, 1, 1e-9);
 }
 
+TEST(cut_facts, a_niche_or_an_opening_may_be_the_lamps_own_but_no_open_room) {
+  const auto own = [](double conductance, double light_side, double straight, double seen) {
+    CutFacts f;
+    f.area = f.volume = {light_side, 1 - light_side};
+    f.conductance = conductance;
+    f.straight = straight;
+    f.seen = seen;
+    return lamp_in_its_opening(f, {});
+  };
+  EXPECT_TRUE(own(0.1, 0.5, 0.3, 0.2));
+  EXPECT_FALSE(own(0.1, 0.5, 0.3, 0.05));   // sampling the lamp rarely finds the opening
+  EXPECT_FALSE(own(0.1, 0.5, 0.1, 0.2));    // most light is scattered before it
+  EXPECT_FALSE(own(0.3, 0.5, 0.3, 0.2));    // half of an open room
+  EXPECT_TRUE(own(0.3, 0.02, 0.3, 0.2));    // a window's niche
+  EXPECT_FALSE(own(0.3, 0.02, 0.9, 0.95));  // a lamp in an open room
+}
+
 TEST(series_cut, tells_rooms_apart_that_light_and_camera_both_reach) {
   // A wide arch: all terminals' arcs are full.
   PatchNetwork p = rooms_in_row({40000}, 50000 / kPatches);
