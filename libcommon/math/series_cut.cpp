@@ -438,7 +438,10 @@ class SeriesCutter {
   // same opening.
   void add_minimum_cut(const Candidate& whole, std::vector<Candidate>& kept) {
     if (!whole.why.empty()) {
-      if (!kept.empty()) refuse(whole, whole.why);
+      if (kept.empty()) return;
+      refuse(whole, whole.facts.smaller_side() < limits_.least_area
+                        ? "the minimum cut of the network encloses no room"
+                        : whole.why);
       return;
     }
     if (kept.size() == 1 && difference(whole, kept[0]) < limits_.least_area)
