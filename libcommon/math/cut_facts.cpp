@@ -9,11 +9,15 @@ namespace {
 
 // A lamp stands in its own opening where at least this much of what crosses comes straight from
 // lamps, and of what lamps send crosses at once: then sampling the lamps finds the opening as well.
-constexpr double kStraight = 0.2, kSeen = 0.1;
+// A niche needs less than a room with a lamp near the opening, whose walls send light through it.
+struct Own {
+  double straight, seen;
+};
+constexpr Own kOfNiche{0.2, 0.1}, kOfRoom{0.24, 0.12};
 // Of the largest conductance.
 constexpr double kStillOpening = 1.5;
-constexpr double kPocket = 0.2;  // share of a light's side that is the niche of a window
-// From here on the lamps of such a side send nearly all to the other: there is no opening.
+constexpr double kNiche = 0.2;  // share of a light's side that is the niche of a window
+// From here on the lamps of a niche send nearly all to the other: there is no opening.
 constexpr double kOpen = 0.9;
 constexpr double kMostBack = 0.9;       // of the walks that cross
 constexpr double kLeastAcross = 0.005;  // of the light on the camera's side
@@ -79,9 +83,10 @@ bool still_opening(const CutFacts& f, const CutLimits& limits) {
 
 bool lamp_in_its_opening(const CutFacts& f, const CutLimits& limits) {
   const double seen = f.seen.value_or(0);
-  const bool pocket = f.side(0) < kPocket && seen < kOpen;
-  return (pocket || still_opening(f, limits)) && f.straight.value_or(0) >= kStraight &&
-         seen >= kSeen;
+  const bool niche = f.side(0) < kNiche && seen < kOpen;
+  const Own least = niche ? kOfNiche : kOfRoom;
+  return (niche || still_opening(f, limits)) && f.straight.value_or(0) >= least.straight &&
+         seen >= least.seen;
 }
 
 std::string why_refused(const CutFacts& f, const CutLimits& limits) {
