@@ -16,6 +16,8 @@ struct Own {
 constexpr Own kOfNiche{0.2, 0.1}, kOfRoom{0.24, 0.12};
 // Of the largest conductance.
 constexpr double kStillOpening = 1.5;
+// Of a room's opening: through a narrower one most light is scattered before, whatever the lamp.
+constexpr double kHardlyNarrow = 0.5;
 constexpr double kNiche = 0.2;  // share of a light's side that is the niche of a window
 // From here on the lamps of a niche send nearly all to the other: there is no opening.
 constexpr double kOpen = 0.9;
@@ -85,8 +87,9 @@ bool lamp_in_its_opening(const CutFacts& f, const CutLimits& limits) {
   const double seen = f.seen.value_or(0);
   const bool niche = f.side(0) < kNiche && seen < kOpen;
   const Own least = niche ? kOfNiche : kOfRoom;
-  return (niche || still_opening(f, limits)) && f.straight.value_or(0) >= least.straight &&
-         seen >= least.seen;
+  const bool wide =
+      still_opening(f, limits) && f.conductance >= kHardlyNarrow * limits.largest_conductance;
+  return (niche || wide) && f.straight.value_or(0) >= least.straight && seen >= least.seen;
 }
 
 std::string why_refused(const CutFacts& f, const CutLimits& limits) {

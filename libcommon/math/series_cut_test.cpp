@@ -186,6 +186,7 @@ TEST(cut_facts, a_niche_or_an_opening_may_be_the_lamps_own_but_no_open_room) {
   EXPECT_TRUE(own(0.1, 0.5, 0.3, 0.2));
   EXPECT_FALSE(own(0.1, 0.5, 0.3, 0.05));   // sampling the lamp rarely finds the opening
   EXPECT_FALSE(own(0.1, 0.5, 0.1, 0.2));    // most light is scattered before it
+  EXPECT_FALSE(own(0.04, 0.5, 0.3, 0.2));   // a narrow door, the lamp near it
   EXPECT_FALSE(own(0.3, 0.5, 0.3, 0.2));    // half of an open room
   EXPECT_TRUE(own(0.3, 0.02, 0.3, 0.2));    // a window's niche
   EXPECT_FALSE(own(0.3, 0.02, 0.9, 0.95));  // a lamp in an open room
