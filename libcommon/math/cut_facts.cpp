@@ -17,7 +17,7 @@ constexpr Own kOfNiche{0.2, 0.1}, kOfRoom{0.24, 0.12};
 // Of the largest conductance.
 constexpr double kStillOpening = 1.5;
 // Of a room's opening: through a narrower one most light is scattered before, whatever the lamp.
-constexpr double kHardlyNarrow = 0.5;
+constexpr double kHardlyNarrow = 0.4;
 constexpr double kNiche = 0.2;  // share of a light's side that is the niche of a window
 // From here on the lamps of a niche send nearly all to the other: there is no opening.
 constexpr double kOpen = 0.9;
