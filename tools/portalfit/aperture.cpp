@@ -18,8 +18,9 @@ namespace tdpt {
 namespace {
 
 constexpr size_t kMostCorners = 12;
-constexpr double kCornerTolerance = 0.003;  // of the area, for each corner saved
-constexpr double kWithin = 0.85;            // of the tube's depth: where its outline is taken
+// Of the area, for each corner saved; the second of an opening whose lines are known.
+constexpr double kCornerTolerance = 0.003, kWholeTolerance = 0.03;
+constexpr double kWithin = 0.85;  // of the tube's depth: where its outline is taken
 
 // Cuts off parts of the hull that hold far fewer points than their area: light that comes around
 // the edge of the aperture. Keeps in `points` what the hull keeps. Never takes more than the share
@@ -62,6 +63,12 @@ Polygon trimmed(Polygon hull, std::vector<Vec2d>& points) {
   }
 }
 
+// The hull of n random points lacks about (8/3) ln(n)/n of a quadrilateral's area.
+Polygon completed(const Polygon& hull, size_t points) {
+  const auto n = static_cast<double>(points);
+  return enlarged(hull, 1 + 8.0 / 3 * std::log(n) / n);
+}
+
 std::vector<LightLine> picked(const LightGrid& grid, const std::vector<uint32_t>& lines) {
   std::vector<LightLine> some;
   for (const uint32_t l : lines) some.push_back(grid.lines[l]);
@@ -83,9 +90,13 @@ Polygon outline_of(std::vector<Vec2d> points) {
   Polygon hull = convex_hull(points);
   if (hull.size() < 3 || !(area(hull) > 0)) return {};
   hull = trimmed(std::move(hull), points);
-  // The hull of n random points lacks about (8/3) ln(n)/n of a quadrilateral's area.
-  const auto n = static_cast<double>(points.size());
-  return simplified(enlarged(hull, 1 + 8.0 / 3 * std::log(n) / n), kMostCorners, kCornerTolerance);
+  return simplified(completed(hull, points.size()), kMostCorners, kCornerTolerance);
+}
+
+Polygon whole_outline(const std::vector<Vec2d>& points) {
+  const Polygon hull = convex_hull(points);
+  if (hull.size() < 3 || !(area(hull) > 0)) return {};
+  return simplified(completed(hull, points.size()), kMostCorners, kWholeTolerance);
 }
 
 std::optional<Aperture> outlined(const LightGrid& grid, const std::vector<uint32_t>& lines,

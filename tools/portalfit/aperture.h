@@ -27,6 +27,11 @@ std::vector<uint32_t> lines_across(const LightGrid& grid, const std::vector<uint
 /// The convex outline of an opening with these crossings, but for strays; empty when there is none.
 Polygon outline_of(std::vector<Vec2d> points);
 
+/// The same for crossings that are known to belong there: none is a stray. In few corners, by which
+/// it grows. Where a gap narrows to nothing few lines pass, and light that misses its portal costs
+/// a render more than a portal that is a little too large.
+Polygon whole_outline(const std::vector<Vec2d>& points);
+
 /// The aperture among `lines` close to `tube`: its tube, its outline. `again`: it is one already.
 std::optional<Aperture> outlined(const LightGrid& grid, const std::vector<uint32_t>& lines,
                                  const Tube& tube, bool again = false);

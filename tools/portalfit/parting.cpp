@@ -12,10 +12,11 @@
 namespace tdpt {
 namespace {
 
-constexpr double kSlant = 0.5;      // sine between planes that bound each other
-constexpr double kMost = 0.25;      // of an opening's area, beyond the edge it shares
-constexpr double kReach = 1.5;      // in area: how near is near
-constexpr double kLeastLeft = 0.5;  // of an opening's lines, or it stays as it was
+constexpr double kSlant = 0.5;       // sine between planes that bound each other
+constexpr double kMost = 0.25;       // of an opening's area, beyond the edge it shares
+constexpr double kReach = 1.5;       // in area: how near is near
+constexpr double kReachOfLines = 2;  // the same, for lines: few are where an opening narrows
+constexpr double kLeastLeft = 0.5;   // of an opening's lines, or it stays as it was
 
 // The middle of the piece of the half plane's border within `polygon`, if there is one.
 std::optional<Vec2d> middle_of_border(const Polygon& polygon, const HalfPlane& half) {
@@ -50,7 +51,7 @@ bool keep_before(Aperture& a, size_t own, const std::vector<Aperture>& all) {
 std::vector<LightLine> lines_near(const LightGrid& grid, const std::vector<uint32_t>& all,
                                   const Plane& plane, const Polygon& polygon,
                                   const std::vector<uint32_t>& taken) {
-  const Polygon reach = enlarged(polygon, kReach);
+  const Polygon reach = enlarged(polygon, kReachOfLines);
   std::vector<LightLine> lines;
   for (const uint32_t l : all)
     if (const auto at = clear_crossing(plane, grid.lines[l]);
@@ -59,26 +60,27 @@ std::vector<LightLine> lines_near(const LightGrid& grid, const std::vector<uint3
   return lines;
 }
 
-Polygon outline_in(const Plane& plane, const std::vector<LightLine>& lines) {
-  std::vector<Vec2d> points;
+std::vector<Vec2d> places_in(const Plane& plane, const std::vector<LightLine>& lines) {
+  std::vector<Vec2d> places;
   for (const LightLine& line : lines)
-    if (const auto at = clear_crossing(plane, line)) points.push_back(*at);
-  return points.size() < kFewestLines ? Polygon{} : outline_of(std::move(points));
+    if (const auto at = clear_crossing(plane, line)) places.push_back(*at);
+  return places;
 }
 
 // The opening again, from all lines that pass here and not through the others.
 std::optional<Aperture> fitted_again(const LightGrid& grid, const std::vector<uint32_t>& all,
                                      const std::vector<uint32_t>& taken, Aperture a) {
-  constexpr int kRounds = 2;
+  constexpr int kRounds = 6;
   for (int round = 0; round < kRounds; ++round) {
     const auto own = lines_near(grid, all, a.tube.middle, a.polygon, taken);
     if (own.size() < kFewestLines) return {};
     a.tube = holding_plane(own, a.tube);
-    a.polygon = outline_in(a.tube.middle, own);
+    const auto places = places_in(a.tube.middle, own);
+    if (places.size() < kFewestLines) return {};
+    const bool last = round + 1 == kRounds;
+    a.polygon = last ? whole_outline(places) : outline_of(places);
     if (a.polygon.empty()) return {};
   }
-  a.polygon = outline_in(a.tube.middle, lines_near(grid, all, a.tube.middle, a.polygon, taken));
-  if (a.polygon.empty()) return {};
   return a;
 }
 

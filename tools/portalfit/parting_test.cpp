@@ -117,6 +117,24 @@ TEST(Parting, EachGetsItsLines) {
   EXPECT_LT(through_neither(found, all), 0.02);
 }
 
+// The gap over a leaf narrows to nothing at the hinge, and the thicker the leaf the fewer lines
+// pass there.
+TEST(Parting, AThinCornerIsKept) {
+  std::vector<Vec2d> places;
+  for (uint64_t i = 0; places.size() < 800; ++i) {
+    Rng rng(7, 1, i);
+    const double x = std::sqrt(rng.uniform()), y = 0.12 * x * rng.uniform();
+    if (rng.uniform() < std::pow(x / 0.7, 6)) places.push_back({x, y});
+  }
+  const auto left_out = [&](const Polygon& outline) {
+    return std::count_if(places.begin(), places.end(),
+                         [&](Vec2d p) { return p.x < 0.5 && !contains(outline, p); });
+  };
+  EXPECT_EQ(left_out(whole_outline(places)), 0);
+  EXPECT_LT(area(whole_outline(places)), 1.1 * 0.06);
+  EXPECT_GT(left_out(outline_of(places)), 0);  // twin: where strays are looked for
+}
+
 // What the slit would keep alone is not enough to lay it again: it stays.
 TEST(Parting, AnOpeningWithoutLinesOfItsOwnStays) {
   const LightGrid grid = light(200);

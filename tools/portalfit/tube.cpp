@@ -4,13 +4,17 @@
 // Method: minimum etendue, by coordinate search (each coordinate has a step of its own, which grows
 // by success and shrinks by failure). What is made small is
 //
-//   log(A F) - p log(n / N)
+//   log(A F) - p log(n / N) + s mean(log cos)
 //
 // A  area of the outline of the lines' places on both faces of the tube [m2]: that within kSides
-//    tangents, each of which leaves the share kOutside of the places outside
+//    tangents, each of which leaves the share `outside` of the places outside
 // F  form factor between its two faces; pi A F is the etendue of all lines through the tube
 // n  lines that the tube holds: those that come within its slab, along its normal; of N
 // p  penalty for lines that miss it: 1 would be etendue per line
+// s  1: maximum likelihood whatever the directions of the light; 0: light from all directions
+// alike.
+//    Lines have density 1/A per etendue dA cos dw times that of their directions, so where these
+//    favour one side, A alone falls as the plane turns to face it
 //
 // In thin walls a wrong tilt shows in A, which grows with the lines' slant; in thick ones in the
 // outlines on the two faces, which no longer cover each other.
@@ -33,13 +37,11 @@ namespace tdpt {
 namespace {
 
 constexpr int kSides = 16;           // of an outline
-constexpr double kOutside = 0.0006;  // share of the places beyond each of them
 constexpr double kThrough = 0.002;   // smallest share of the lines held that pass both faces
-// p of a tube; of a plane instead of a tube; of a plane for lines that are known to pass there.
-constexpr double kPenalty = 2, kPenaltyPlane = 0.3, kPenaltyKnown = 3;
-constexpr double kMostTilt = 0.3;                       // in a step: tangent
-constexpr size_t kMostRough = 2000;                     // lines for a first search
-constexpr size_t kMostFine = 8192;                      // and for the others
+constexpr double kGrazing = 0.1;     // cosines count as no less
+constexpr double kMostTilt = 0.3;    // in a step: tangent
+constexpr size_t kMostRough = 2000;  // lines for a first search
+constexpr size_t kMostFine = 8192;   // and for the others
 constexpr double kRoughStep = 0.3, kFineStep = 0.1;     // first step of a search, in shorter sides
 constexpr double kRoughLast = 0.05, kFineLast = 0.004;  // and its last
 
@@ -54,6 +56,7 @@ constexpr double kPlaneHolds = 0.97;  // of the tube's lines: then a plane may t
 struct Look {
   double cost = INFINITY;        // as above; infinite where it is none
   size_t held = 0, through = 0;  // lines; those that pass both faces
+  double slant = 0;              // mean(log cos)
   Extents extents{};             // of their places
   double size = 0;               // A [m2]
   std::array<double, 2> box{};  // sides of the rectangle of area A in the outline's proportions [m]
@@ -69,6 +72,18 @@ double form_factor(const Found& f) {
 }
 
 enum class Shape { tube, plane };
+
+// What is made small: symbols as above.
+struct Goal {
+  Shape shape;
+  double penalty;           // p
+  double outside = 0.0006;  // of the places beyond each side
+  double slant = 0;         // s
+};
+constexpr Goal kTube{Shape::tube, 2}, kNarrowest{Shape::plane, 2},
+    kInsteadOfTube{Shape::plane, 0.3};
+// Few lines, which are known to pass there but for leaks.
+constexpr Goal kKnown{Shape::plane, 3, 0.005, 1};
 
 // Coordinates of a tube: its place along n, the depth of both faces, of either, and two tilts.
 enum Move { slide, both, front, rear, long_tilt, short_tilt, moves };
@@ -108,8 +123,10 @@ Tube moved(Tube tube, const Extents& e, Move move, double by) {
 
 class Search {
  public:
-  Search(std::span<const LightLine> lines, Shape shape, double penalty)
-      : lines_(lines), shape_(shape), penalty_(penalty) {}
+  Search(std::span<const LightLine> lines, const Goal& goal) : lines_(lines), goal_(goal) {
+    if (goal.slant > 0)
+      for (const LightLine& line : lines) length_.push_back(length(line.camera - line.light));
+  }
 
   // `faces`: where the outline is taken, in halves of the tube.
   Look look(const Tube& tube, std::array<double, 2> faces = {-1, 1}) {
@@ -121,7 +138,7 @@ class Search {
     look.extents = extents_of(places_);
     if (!(look.extents.shorter > 0) || !measure_outline(look)) return look;
     look.cost = std::log(look.size * facing_rectangles(look.box[0], look.box[1], 2 * tube.half)) -
-                penalty_ * std::log(held / all);
+                goal_.penalty * std::log(held / all) + goal_.slant * look.slant;
     return look;
   }
 
@@ -132,7 +149,7 @@ class Search {
     const double unit = best.look.extents.shorter;
     std::array<double, moves> step;
     step.fill(first);
-    if (shape_ == Shape::plane) step[both] = step[front] = step[rear] = 0;
+    if (goal_.shape == Shape::plane) step[both] = step[front] = step[rear] = 0;
     while (*std::max_element(step.begin(), step.end()) > last)
       for (int m = 0; m < moves; ++m) {
         double& s = step[static_cast<size_t>(m)];
@@ -156,12 +173,15 @@ class Search {
   void take_places(const Tube& tube, std::array<double, 2> faces, Look& look) {
     const Slab slab(tube);
     places_.clear();
-    for (const LightLine& line : lines_)
-      if (const auto passage = slab.passage(line)) {
+    for (size_t i = 0; i < lines_.size(); ++i)
+      if (const auto passage = slab.passage(lines_[i])) {
         look.through += passage->through(tube.half);
+        if (goal_.slant > 0)
+          look.slant += std::log(std::max(kGrazing, passage->along / length_[i]));
         for (const double face : faces) places_.push_back(passage->at(face * tube.half));
       }
     look.held = places_.size() / 2;
+    look.slant /= static_cast<double>(std::max<size_t>(look.held, 1));
   }
 
   // A and the box; false when there is none. Leaves the places whitened.
@@ -170,7 +190,7 @@ class Search {
     for (Vec2d& p : places_) p = whitening(p);
     Polygon outline{{-100, -100}, {100, -100}, {100, 100}, {-100, 100}};
     double least[2] = {0, 0}, most[2] = {0, 0};
-    const auto beyond = static_cast<size_t>(kOutside * static_cast<double>(places_.size()));
+    const auto beyond = static_cast<size_t>(goal_.outside * static_cast<double>(places_.size()));
     for (int side = 0; side < kSides; ++side) {
       const double angle = 2 * std::numbers::pi * side / kSides;
       const Vec2d axis{std::cos(angle), std::sin(angle)};
@@ -221,15 +241,15 @@ class Search {
   }
 
   std::span<const LightLine> lines_;
-  Shape shape_;
-  double penalty_;
-  std::vector<Vec2d> places_;  // of the last look, both faces
+  Goal goal_;
+  std::vector<double> length_;  // of the lines, where it is needed [m]
+  std::vector<Vec2d> places_;   // of the last look, both faces
   std::vector<double> farthest_;
 };
 
-Found least_plane(std::span<const LightLine> lines, Tube start, double penalty) {
+Found least_plane(std::span<const LightLine> lines, Tube start, const Goal& goal) {
   start.half = 0;
-  return Search(lines, Shape::plane, penalty).run(start, kRoughStep, kFineLast);
+  return Search(lines, goal).run(start, kRoughStep, kFineLast);
 }
 
 // What a search with few lines has found.
@@ -247,7 +267,7 @@ RoughTubes rough_tubes(const std::vector<LightLine>& lines, const Tube& start) {
   const Onb<double> frame(start.middle.n);
   RoughTubes rough;
   tbb::parallel_for(size_t{0}, turns.size(), [&](size_t k) {
-    Search search(some, Shape::tube, kPenalty);
+    Search search(some, kTube);
     Tube from = start;
     from.middle.n = normalize(start.middle.n + frame.x * turns[k].x + frame.y * turns[k].y);
     const Found found = search.run(from, kRoughStep, kRoughLast);
@@ -280,11 +300,11 @@ double facing_rectangles(double a, double b, double c) {
 
 Tube least_tube(const std::vector<LightLine>& lines, const Tube& start, bool near) {
   const std::vector<LightLine> fine = thinned(lines, kMostFine);
-  if (near && start.half == 0) return least_plane(fine, start, kPenaltyPlane).tube;
-  Search search(fine, Shape::tube, kPenalty);
+  if (near && start.half == 0) return least_plane(fine, start, kInsteadOfTube).tube;
+  Search search(fine, kTube);
   Found narrowest, found;
   RoughTubes rough;
-  tbb::parallel_invoke([&] { narrowest = least_plane(fine, start, kPenalty); },
+  tbb::parallel_invoke([&] { narrowest = least_plane(fine, start, kNarrowest); },
                        [&] {
                          if (near)
                            found = search.run(start, kFineStep, kFineLast);
@@ -300,14 +320,14 @@ Tube least_tube(const std::vector<LightLine>& lines, const Tube& start, bool nea
   if (!(waistedness < kWidest)) return narrowest.tube;
   if (waistedness < kPrism || form_factor(found) <= kShort) return found.tube;
   // Where the opening is no prism, as beside a door ajar, its narrowest plane is the portal.
-  const Found plane = least_plane(fine, found.tube, kPenaltyPlane);
+  const Found plane = least_plane(fine, found.tube, kInsteadOfTube);
   const bool holds_too_few =
       static_cast<double>(plane.look.held) < kPlaneHolds * static_cast<double>(found.look.held);
   return holds_too_few ? found.tube : plane.tube;
 }
 
 Tube holding_plane(const std::vector<LightLine>& lines, const Tube& start) {
-  return least_plane(thinned(lines, kMostFine), start, kPenaltyKnown).tube;
+  return least_plane(thinned(lines, kMostFine), start, kKnown).tube;
 }
 
 }  // namespace tdpt
