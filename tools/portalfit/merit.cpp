@@ -15,18 +15,10 @@
 #include <numbers>
 #include <optional>
 
-#include "tools/portalfit/portal_shape.h"
-
 namespace tdpt {
 namespace {
 
 constexpr double kFewestInCone = 60;
-
-// A line that crosses a portal along its normal.
-struct Crossing {
-  uint32_t line;
-  Vec2d at;
-};
 
 std::vector<Crossing> crossings_of(const LightGrid& grid, const PortalShape& shape) {
   std::vector<Crossing> found;
@@ -51,7 +43,8 @@ size_t cut_of(const LightGrid& grid, const std::vector<size_t>& lines,
   return most;
 }
 
-// Nothing when no line crosses. `crossings`: of one cut.
+}  // namespace
+
 std::optional<double> tightness_of(const LightGrid& grid, const PortalShape& shape,
                                    const std::vector<Crossing>& crossings) {
   if (crossings.empty()) return {};
@@ -72,6 +65,8 @@ std::optional<double> tightness_of(const LightGrid& grid, const PortalShape& sha
   }
   return std::min(1.0, n / (densest * std::numbers::pi * shape.area));
 }
+
+namespace {
 
 // A portal with its cut, and the lines of that cut that cross it.
 struct Appraised {

@@ -1,11 +1,25 @@
 // What fitted portals are worth, from the grid that they were fitted to.
 #pragma once
+#include <optional>
 #include <vector>
 
 #include "libcommon/formats/light_grid.h"
 #include "libcommon/formats/portal.h"
+#include "tools/portalfit/polygon.h"
+#include "tools/portalfit/portal_shape.h"
 
 namespace tdpt {
+
+/// A line that crosses a portal along its normal.
+struct Crossing {
+  uint32_t line;
+  Vec2d at;  ///< in the plane of the portal's shape
+};
+
+/// Share of a portal's lines that pass from one side to the other; nothing when none crosses.
+/// `crossings`: of one cut.
+std::optional<double> tightness_of(const LightGrid& grid, const PortalShape& shape,
+                                   const std::vector<Crossing>& crossings);
 
 /// Adds figures of portal(5) to each portal: `cut` (the one most of whose lines cross it),
 /// `tightness` (share of its lines that pass from one side to the other: places uniform on it,

@@ -1,13 +1,15 @@
 // The planar openings that the light of a grid passes, cut by cut.
 //
 // Method: greedy (sequential) fitting, as sequential RANSAC finds planes: one aperture at a time,
-// the lines it explains are deleted, until few are left; then those that stand beside each other
-// are parted. A candidate needs a share of the lines, and support: few of the probes through it may
-// join one side with itself.
+// the lines it explains are deleted, until few are left. A candidate needs support, few of the
+// probes through it may join one side with itself, and edges: lines must fill it. Those that lie
+// beside each other in one plane are joined, as panes; then each needs a share of the lines; then
+// those that stand beside each other are parted.
 #include "tools/portalfit/portalfit.h"
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <optional>
 #include <set>
@@ -15,6 +17,8 @@
 #include <fmt/format.h>
 
 #include "tools/portalfit/aperture.h"
+#include "tools/portalfit/candidate.h"
+#include "tools/portalfit/joining.h"
 #include "tools/portalfit/moments.h"
 #include "tools/portalfit/paper.h"
 #include "tools/portalfit/parting.h"
@@ -24,9 +28,14 @@
 namespace tdpt {
 namespace {
 
-constexpr double kLeastExplained = 0.75;  // of a cut's lines, by all its portals
-constexpr double kFewestProbes = 30;      // that tell the support
-constexpr double kFull = 0.5;             // of the fullest voxel, for the paper's rule
+constexpr double kLeastPart = 0.25;     // of the threshold: before parts are joined
+constexpr double kStrays = 0.15;        // of the lines may be leaks
+constexpr double kAfterAll = 2.5;       // thresholds, for what comes after nearly all light
+constexpr double kSparse = 0.2;         // in density, against other openings of the cut
+constexpr double kLeastPassing = 0.25;  // of a candidate's lines: support times fullness
+constexpr size_t kMostTried = 48;       // candidates of a cut
+constexpr double kFewestProbes = 30;    // that tell the support
+constexpr double kFull = 0.5;           // of the fullest voxel, for the paper's rule
 constexpr double kDegrees = 180 / std::numbers::pi;
 
 // Those that come through the opening or end within or close before it: none of them tells of
@@ -45,30 +54,6 @@ std::vector<uint32_t> lines_at(const LightGrid& grid, const std::vector<uint32_t
         break;
       }
   return at_it;
-}
-
-// Share of the lines through the middle of the tube that pass both its faces.
-double through_share(const Aperture& a) {
-  const Extents e = extents_of(a.polygon);
-  if (!(e.shorter > 0)) return 1;
-  const double grow = std::sqrt(area(a.polygon) / (e.longer * e.shorter));
-  return facing_rectangles(grow * e.longer, grow * e.shorter, 2 * a.tube.half);
-}
-
-// Share of the probes through the polygon that join the two sides, over that of a perfect opening
-// as deep; nothing when the file does not know.
-std::optional<double> support_of(const LightGrid& grid, const Aperture& a) {
-  double tried = 0, joined = 0;
-  for (const Probe& probe : grid.probes) {
-    const LightLine back{probe.line.camera, probe.line.light, probe.line.cut};
-    auto at = clear_crossing(a.tube.middle, probe.line);
-    if (!at && !probe.joins) at = clear_crossing(a.tube.middle, back);
-    if (!at || !contains(a.polygon, *at)) continue;
-    ++tried;
-    joined += probe.joins;
-  }
-  if (tried < kFewestProbes) return {};
-  return std::min(1.0, joined / tried / through_share(a));
 }
 
 // Angles between n and the main and minor axis of the voxels fuller than half the fullest.
@@ -105,49 +90,113 @@ Portal portal_of(const LightGrid& grid, const Aperture& a, size_t of,
   return portal;
 }
 
-// The openings that the lines `all` of one cut pass. `scattered`: most pass elsewhere.
-std::vector<Aperture> fit_cut(const LightGrid& grid, const std::vector<uint32_t>& all,
-                              const PortalFitOptions& options, std::vector<std::string>& refused,
-                              bool& scattered) {
-  const auto total = static_cast<double>(all.size());
+double share_of(const Aperture& a, size_t lines) {
+  return static_cast<double>(a.lines.size()) / static_cast<double>(lines);
+}
+
+// What the lines `all` of one cut pass, one after the other; however little each carries.
+std::vector<Aperture> parts_of(const LightGrid& grid, const std::vector<uint32_t>& all,
+                               const PortalFitOptions& options, std::vector<std::string>& refused) {
+  const double fewest = std::max(static_cast<double>(kFewestLines),
+                                 kLeastPart * options.threshold * static_cast<double>(all.size()));
   std::vector<uint32_t> rest = all;
-  std::vector<Aperture> found;
-  // A refused candidate costs its lines, so this ends.
-  for (size_t refusals = 0; static_cast<double>(rest.size()) >= options.threshold * total &&
-                            rest.size() >= kFewestLines && found.size() < options.max_portals &&
-                            refusals < options.max_portals;) {
-    const auto aperture = find_aperture(grid, rest);
+  std::vector<Aperture> parts;
+  // Each takes its lines, so this ends.
+  for (size_t tried = 0; tried < kMostTried && static_cast<double>(rest.size()) >= fewest;
+       ++tried) {
+    auto aperture = find_aperture(grid, rest);
     if (!aperture || aperture->lines.empty()) {
       refused.push_back("the lines left have no common waist");
       break;
     }
-    const double share = static_cast<double>(aperture->lines.size()) / total;
+    if (auto part = denser_part(grid, rest, *aperture)) aperture = std::move(part);
     const auto support = support_of(grid, *aperture);
-    ++refusals;
-    if (share < options.threshold) {
-      refused.push_back(fmt::format("a candidate carries {:.1f} % of the lines only", 100 * share));
-    } else if (support && *support < options.support) {
+    if (support && *support < options.support)
       refused.push_back(fmt::format(
           "a candidate lies within one side: only {:.0f} % of the lines through it join the two",
           100 * *support));
-    } else {
-      --refusals;
-      found.push_back(*aperture);
-    }
+    else if (const double passing = support.value_or(1) * fullness_of(grid, *aperture);
+             passing < kLeastPassing)
+      refused.push_back(
+          fmt::format("a candidate of {:.2g} m2 lies in the open: only {:.0f} % of the "
+                      "lines through it pass from one side to the other",
+                      area(aperture->polygon), 100 * passing));
+    else if (static_cast<double>(aperture->lines.size()) >= fewest)
+      parts.push_back(*aperture);
     std::vector<uint32_t> left;
     const std::vector<uint32_t> gone = lines_at(grid, rest, *aperture);
     std::set_difference(rest.begin(), rest.end(), gone.begin(), gone.end(),
                         std::back_inserter(left));
+    if (left.size() == rest.size()) break;
     rest = std::move(left);
+  }
+  return parts;
+}
+
+// Without those that far fewer lines pass to the etendue than others of about as many lines: what
+// leaks there is spread over a large plane.
+void leave_out_sparse(std::vector<Aperture>& found, std::vector<std::string>& refused) {
+  std::vector<Aperture> left;
+  for (const Aperture& a : found) {
+    // Depths of small openings are known badly: the other counts as without depth.
+    const double least = density_of(a) / kSparse;
+    if (std::none_of(found.begin(), found.end(), [&](const Aperture& b) {
+          return 2 * b.lines.size() >= a.lines.size() &&
+                 static_cast<double>(b.lines.size()) > least * area(b.polygon);
+        }))
+      left.push_back(a);
+    else
+      refused.push_back(
+          fmt::format("a candidate of {:.2g} m2 lies in the open: others pass as many lines in a "
+                      "fifth of its area",
+                      area(a.polygon)));
+  }
+  found = std::move(left);
+}
+
+// Those that carry enough, the fullest first. Where the others carry nearly all, what is left may
+// be leaks, and more is asked of it.
+std::vector<Aperture> enough_light(std::vector<Aperture> found, size_t lines,
+                                   const PortalFitOptions& options,
+                                   std::vector<std::string>& refused) {
+  std::stable_sort(found.begin(), found.end(), [](const Aperture& a, const Aperture& b) {
+    return a.lines.size() > b.lines.size();
+  });
+  std::vector<Aperture> enough;
+  double carried = 0, too_little = 0;
+  size_t few = 0;
+  for (Aperture& a : found) {
+    const double share = share_of(a, lines);
+    if (share < options.threshold * (carried > 1 - kStrays ? kAfterAll : 1))
+      ++few, too_little += share;
+    else
+      carried += share, enough.push_back(std::move(a));
+  }
+  if (few > 0)
+    refused.push_back(fmt::format("{} {} {:.1f} % of the lines only", few,
+                                  few == 1 ? "candidate carries" : "candidates together carry",
+                                  100 * too_little));
+  return enough;
+}
+
+// The openings that the lines `all` of one cut pass, the fullest first.
+std::vector<Aperture> fit_cut(const LightGrid& grid, const std::vector<uint32_t>& all,
+                              const PortalFitOptions& options, std::vector<std::string>& refused) {
+  std::vector<Aperture> found = joined_in_planes(grid, all, parts_of(grid, all, options, refused),
+                                                 std::numeric_limits<size_t>::max());
+  leave_out_sparse(found, refused);
+  found = enough_light(std::move(found), all.size(), options, refused);
+  if (found.size() > options.max_portals) {
+    found = joined_in_planes(grid, all, std::move(found), options.max_portals);
+    found = enough_light(std::move(found), all.size(), options, refused);
+  }
+  if (found.size() > options.max_portals) {
+    refused.push_back(fmt::format("{} openings more than {}", found.size() - options.max_portals,
+                                  options.max_portals));
+    found.resize(options.max_portals);
   }
   part_from_each_other(grid, all, found);
   part_at_shared_edges(grid, all, found);
-  std::set<uint32_t> through;
-  for (const Aperture& a : found) through.insert(a.lines.begin(), a.lines.end());
-  // Not where openings were left out on request.
-  scattered = found.size() < options.max_portals &&
-              options.threshold <= PortalFitOptions{}.threshold &&
-              static_cast<double>(through.size()) < kLeastExplained * total;
   return found;
 }
 
@@ -186,20 +235,9 @@ FitResult fit_portals(const LightGrid& grid, const PortalFitOptions& options) {
   size_t explained = 0;
   for (size_t c = 0; c < of_cut.size(); ++c) {
     const std::vector<uint32_t>& lines = of_cut[c];
-    bool scattered = false;
-    const std::vector<Aperture> of_this = fit_cut(grid, lines, options, result.refused, scattered);
-    std::vector<uint32_t> crossed;
-    for (const Aperture& a : of_this) crossed.insert(crossed.end(), a.lines.begin(), a.lines.end());
-    std::sort(crossed.begin(), crossed.end());
-    crossed.erase(std::unique(crossed.begin(), crossed.end()), crossed.end());
-    const double share = static_cast<double>(crossed.size()) /
-                         static_cast<double>(std::max<size_t>(lines.size(), 1));
-    if (!of_this.empty() && scattered) {
-      result.refused.push_back(
-          fmt::format("the light passes cut {} in too many places: {} of them carry {:.0f} % of it",
-                      c + 1, of_this.size(), 100 * share));
-      continue;
-    }
+    const std::vector<Aperture> of_this = fit_cut(grid, lines, options, result.refused);
+    std::set<uint32_t> crossed;
+    for (const Aperture& a : of_this) crossed.insert(a.lines.begin(), a.lines.end());
     explained += crossed.size();
     for (const Aperture& a : of_this) {
       if (found.size() >= options.max_portals ||

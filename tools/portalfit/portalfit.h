@@ -9,10 +9,10 @@
 namespace tdpt {
 
 struct PortalFitOptions {
-  double threshold = 0.05;  ///< smallest share of all lines that makes a portal
+  double threshold = 0.02;  ///< smallest share of all lines that makes a portal
   size_t max_portals = 8;
   bool by_paper = false;  ///< the rule of the paper instead, see paper.h
-  double support = 0.3;   ///< smallest support that makes a portal
+  double support = 0.5;   ///< smallest support that makes a portal
 };
 
 /// One portal with its figures of merit: `area` [m2], `flux_share` (share of all lines that cross

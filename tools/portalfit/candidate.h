@@ -1,0 +1,27 @@
+// What tells an opening from a plane in the air, or from one across several openings.
+#pragma once
+#include <optional>
+#include <vector>
+
+#include "tools/portalfit/aperture.h"
+
+namespace tdpt {
+
+/// Share of the probes through the outline that join the two sides, over that of a perfect opening
+/// as deep; nothing when the file does not know.
+std::optional<double> support_of(const LightGrid& grid, const Aperture& a);
+
+/// Tightness of the aperture (merit.h) over that of a perfect opening as deep. In open air, where
+/// no edge bounds the light, lines thin out towards the border and away from the mean direction.
+double fullness_of(const LightGrid& grid, const Aperture& a);
+
+/// Lines to the etendue of a perfect opening like it [1/(m2 pi)]. Lines are uniform by etendue, so
+/// this is the same for all openings of a cut but for what stands in them.
+double density_of(const Aperture& a);
+
+/// What lies across several openings, as the sides of a bay, has little support and fewer of the
+/// `lines` to its area than one of them: that one. Nothing when there is none.
+std::optional<Aperture> denser_part(const LightGrid& grid, const std::vector<uint32_t>& lines,
+                                    const Aperture& whole);
+
+}  // namespace tdpt

@@ -1,0 +1,193 @@
+// Which openings are one.
+//
+// Method: agglomerative clustering of flat shapes. The pair that leaves most of its joint outline
+// open is joined first. A portal over bars loses, in tightness, the share that they cover; a portal
+// for each gap between them costs a technique each, and too narrow ones are laid badly. So panes
+// are joined across bars, windows not across the wall between them.
+#include "tools/portalfit/joining.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "tools/portalfit/moments.h"
+
+namespace tdpt {
+namespace {
+
+constexpr double kMostlyOpen = 0.8;  // of the joint outline: then always
+constexpr double kOpenEnough = 0.3;  // across thin bars, or where there are too many
+constexpr double kThinBar = 2;       // voxels
+constexpr double kFlat = 0.15;       // of the shorter side
+// Cosine between normals. Slits may be turned far about their long side, as between tilted slats.
+constexpr double kTurned = 0.97, kTurnedSlit = 0.5, kSlit = 0.25;
+constexpr double kMostGrowth = 1.5;  // of the outline, when it is laid through the lines
+constexpr double kLeastLines = 0.9;  // of the parts' lines
+
+std::vector<Vec3d> corners_of(const Aperture& a) {
+  std::vector<Vec3d> corners;
+  for (const Vec2d& p : a.polygon) corners.push_back(to_space(a.tube.middle, p));
+  return corners;
+}
+
+// The plane along `first` from which the places have least squares of heights.
+Plane nearest_plane(const Plane& first, const std::vector<Vec3d>& places) {
+  const Onb<double> frame(first.n);
+  double n = 0, xx = 0, xy = 0, yy = 0, xh = 0, yh = 0;
+  Vec3d mean{};
+  for (const Vec3d& p : places) mean += p, ++n;
+  mean = mean / n;
+  for (const Vec3d& p : places) {
+    const Vec3d d = p - mean;
+    const double x = dot(d, frame.x), y = dot(d, frame.y), h = dot(d, first.n);
+    xx += x * x, xy += x * y, yy += y * y, xh += x * h, yh += y * h;
+  }
+  const double det = xx * yy - xy * xy;
+  if (!(det > 1e-9 * (xx + yy) * (xx + yy))) return {mean, first.n};
+  const double a = (xh * yy - yh * xy) / det, b = (yh * xx - xh * xy) / det;
+  return {mean, normalize(first.n - frame.x * a - frame.y * b)};
+}
+
+double distance_from_edge(Vec2d p, Vec2d a, Vec2d b) {
+  const Vec2d d = b - a;
+  const double along = dot(d, d) > 0 ? std::clamp(dot(p - a, d) / dot(d, d), 0.0, 1.0) : 0;
+  const Vec2d off = p - a - d * along;
+  return std::sqrt(dot(off, off));
+}
+
+double from_corners(const Polygon& corners, const Polygon& edges) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const Vec2d& p : corners) {
+    if (contains(edges, p)) return 0;
+    for (size_t i = 0; i < edges.size(); ++i)
+      least = std::min(least, distance_from_edge(p, edges[i], edges[(i + 1) % edges.size()]));
+  }
+  return least;
+}
+
+Polygon outline_in(const Plane& plane, const std::vector<Aperture>& parts) {
+  std::vector<Vec2d> corners;
+  for (const Aperture& a : parts)
+    for (const Vec3d& p : corners_of(a)) corners.push_back(in_plane(plane, p));
+  return convex_hull(corners);
+}
+
+// How good it is to join two groups of parts: the share left open, 0 where they stay apart.
+double worth_joining(const LightGrid& grid, const std::vector<Aperture>& a,
+                     const std::vector<Aperture>& b, bool too_many) {
+  std::vector<Aperture> both = a;
+  both.insert(both.end(), b.begin(), b.end());
+  const Joint joint = joint_of(grid, both);
+  if (!joint.flat || joint.open < kOpenEnough) return 0;
+  if (too_many || joint.open >= kMostlyOpen) return joint.open;
+  const double bar = distance_between(outline_in(joint.plane, a), outline_in(joint.plane, b));
+  return bar <= kThinBar * grid.voxel ? joint.open : 0;
+}
+
+using Group = std::vector<Aperture>;
+
+// Joins the best pair; false when there is none.
+bool join_best(const LightGrid& grid, std::vector<Group>& groups,
+               std::vector<std::vector<double>>& worth, bool too_many) {
+  size_t best_a = 0, best_b = 0;
+  double best = 0;
+  for (size_t a = 0; a < groups.size(); ++a)
+    for (size_t b = a + 1; b < groups.size(); ++b) {
+      double& w = worth[a][b];
+      if (w < 0) w = worth_joining(grid, groups[a], groups[b], too_many);
+      if (w > best) best = w, best_a = a, best_b = b;
+    }
+  if (!(best > 0)) return false;
+  groups[best_a].insert(groups[best_a].end(), groups[best_b].begin(), groups[best_b].end());
+  groups.erase(groups.begin() + static_cast<std::ptrdiff_t>(best_b));
+  worth.erase(worth.begin() + static_cast<std::ptrdiff_t>(best_b));
+  for (auto& row : worth) row.erase(row.begin() + static_cast<std::ptrdiff_t>(best_b));
+  for (size_t k = 0; k < groups.size(); ++k) worth[best_a][k] = worth[k][best_a] = -1;
+  return true;
+}
+
+std::vector<std::vector<double>> unknown(size_t groups) {
+  return std::vector<std::vector<double>>(groups, std::vector<double>(groups, -1));
+}
+
+// One opening through the lines of all parts; the parts where that fails.
+std::vector<Aperture> laid_again(const LightGrid& grid, const std::vector<uint32_t>& all,
+                                 const Group& parts) {
+  const Joint joint = joint_of(grid, parts);
+  std::vector<uint32_t> own;
+  for (const Aperture& a : parts) own.insert(own.end(), a.lines.begin(), a.lines.end());
+  std::sort(own.begin(), own.end());
+  own.erase(std::unique(own.begin(), own.end()), own.end());
+  std::vector<LightLine> lines;
+  for (const uint32_t l : own) lines.push_back(grid.lines[l]);
+  Aperture a{holding_plane(lines, {joint.plane, 0}), {}, {}};
+  std::vector<Vec2d> places;
+  for (const LightLine& line : lines)
+    if (const auto at = clear_crossing(a.tube.middle, line)) places.push_back(*at);
+  a.polygon = outline_of(std::move(places));
+  if (a.polygon.empty() || area(a.polygon) > kMostGrowth * area(joint.outline)) return parts;
+  a.lines = lines_across(grid, all, a);
+  if (static_cast<double>(a.lines.size()) < kLeastLines * static_cast<double>(own.size()))
+    return parts;
+  return {a};
+}
+
+}  // namespace
+
+Joint joint_of(const LightGrid& grid, const std::vector<Aperture>& parts) {
+  Plane first{{}, {}};
+  std::vector<Vec3d> corners;
+  double whole = 0;
+  for (const Aperture& a : parts) {
+    first.n += a.tube.middle.n * area(a.polygon);
+    whole += area(a.polygon);
+    const auto own = corners_of(a);
+    corners.insert(corners.end(), own.begin(), own.end());
+  }
+  Joint joint;
+  if (!(length(first.n) > 0.5 * whole)) return joint;
+  first.n = normalize(first.n);
+  joint.plane = nearest_plane(first, corners);
+  std::vector<Vec2d> flat;
+  double high = 0;
+  for (const Vec3d& p : corners) {
+    flat.push_back(in_plane(joint.plane, p));
+    high = std::max(high, std::abs(dot(p - joint.plane.o, joint.plane.n)));
+  }
+  joint.outline = convex_hull(flat);
+  if (joint.outline.size() < 3) return joint;
+  double open = 0;
+  bool faces = true;
+  for (const Aperture& a : parts) {
+    const double cosine = dot(a.tube.middle.n, joint.plane.n);
+    open += area(a.polygon) * cosine;
+    const Extents e = extents_of(a.polygon);
+    faces = faces && cosine > (e.shorter < kSlit * e.longer ? kTurnedSlit : kTurned);
+  }
+  joint.open = open / area(joint.outline);
+  const double side = extents_of(joint.outline).shorter;
+  joint.flat = faces && high <= std::max(grid.voxel, kFlat * side);
+  return joint;
+}
+
+double distance_between(const Polygon& a, const Polygon& b) {
+  return std::min(from_corners(a, b), from_corners(b, a));
+}
+
+std::vector<Aperture> joined_in_planes(const LightGrid& grid, const std::vector<uint32_t>& all,
+                                       std::vector<Aperture> parts, size_t most) {
+  const bool too_many = parts.size() > most;
+  std::vector<Group> groups;
+  for (Aperture& a : parts) groups.push_back({std::move(a)});
+  auto worth = unknown(groups.size());
+  while (groups.size() > (too_many ? most : 1) && join_best(grid, groups, worth, too_many)) {
+  }
+  std::vector<Aperture> joined;
+  for (const Group& group : groups) {
+    const auto some = group.size() > 1 ? laid_again(grid, all, group) : group;
+    joined.insert(joined.end(), some.begin(), some.end());
+  }
+  return joined;
+}
+
+}  // namespace tdpt
