@@ -8,6 +8,7 @@
 #include "libcommon/cli/ending.h"
 #include "libcommon/draw/canvas.h"
 #include "libcommon/formats/portal_worth.h"
+#include "tools/portalfit/choice.h"
 #include "tools/portalfit/merit.h"
 #include "tools/portalfit/portalfit.h"
 #include "tools/portalfit/preview.h"
@@ -22,19 +23,19 @@ struct Arguments {
   std::string grid = "-", method = "tube", preview, debug_glb;
   double threshold = PortalFitOptions{}.threshold;
   int64_t max_portals = 8;
-  bool require_portal = false, useful_only = false;
+  bool require_portal = false, all = false;
 };
 
 void declare_options(cli::Options& options, Arguments& a) {
   options.argument("grid", a.grid, "The light grid (.vdb); default standard input", false);
   options.option("--threshold", a.threshold, "T",
-                 "Smallest share of the lines that makes a portal; default 0.05", 0.0001, 1);
+                 "Smallest share of the lines that makes a portal; default 0.02", 0.0001, 1);
   options.option("--max-portals", a.max_portals, "N", "Most portals; default 8", 1, 1000);
   options.choice("--method", a.method, {"tube", "paper"},
                  "How a portal is fitted: tube, the default, or the rule of the paper");
   options.flag("--require-portal", a.require_portal, "Exit with 3 when no portal is found",
                cli::Shapes::nothing);
-  options.flag("--useful-only", a.useful_only, "Leave out portals with a drawback");
+  options.flag("--all", a.all, "Write portals that are useless for certain, too");
   options.side_output("--preview", a.preview,
                       "Write a picture (.png, .svg, .pdf): each portal over the light, from the "
                       "front and from above");
@@ -54,8 +55,10 @@ FitResult fit(const Arguments& a, const LightGrid& grid) {
   return result;
 }
 
-bool chosen(const Arguments& a, const Portal& portal) {
-  return !a.useful_only || drawback_of(portal.figures).empty();
+// Of each portal why it is not written; empty where it is.
+std::vector<std::string> left_out(const Arguments& a, const FitResult& found) {
+  if (a.all) return std::vector<std::string>(found.portals.size());
+  return why_useless(found.portals);
 }
 
 // The portals to write, and the lines that each counts.
@@ -65,10 +68,10 @@ struct Written {
 };
 
 Written choose(const Arguments& a, const cli::Common& common, const LightGrid& grid,
-               const FitResult& found) {
+               const FitResult& found, const std::vector<std::string>& useless) {
   Written out;
   for (size_t i = 0; i < found.portals.size(); ++i)
-    if (chosen(a, found.portals[i])) {
+    if (useless[i].empty()) {
       out.file.portals.push_back(found.portals[i]);
       out.lines.push_back(found.lines[i]);
     }
@@ -78,18 +81,21 @@ Written choose(const Arguments& a, const cli::Common& common, const LightGrid& g
 }
 
 // A note for each portal, and what the summary says of those that are written.
-nlohmann::json tell(const Arguments& a, const cli::Common& common, const FitResult& found) {
+nlohmann::json tell(const cli::Common& common, const FitResult& found,
+                    const std::vector<std::string>& useless) {
   nlohmann::json written = nlohmann::json::array();
-  for (const Portal& portal : found.portals) {
-    const auto& f = portal.figures;
-    const bool write = chosen(a, portal);
+  for (size_t i = 0; i < found.portals.size(); ++i) {
+    const auto& f = found.portals[i].figures;
     const std::string name = fmt::format("portal.{}", written.size());
+    if (!useless[i].empty()) {
+      common.note(
+          fmt::format("left out, {:.4g} m2: {}; --all writes it.", f.at("area"), useless[i]));
+      continue;
+    }
     const std::string support =
         f.contains("support") ? fmt::format("support {:.2f}, ", f.at("support")) : "";
-    common.note(fmt::format("{}: {} ({}{:.0f} degrees between normal and mean direction).",
-                            write ? name : "left out", worth_sentence(f, f.at("area")), support,
-                            f.at("direction_angle")));
-    if (!write) continue;
+    common.note(fmt::format("{}: {} ({}{:.0f} degrees between normal and mean direction).", name,
+                            worth_sentence(f, f.at("area")), support, f.at("direction_angle")));
     nlohmann::json entry = f;
     entry["name"] = name;
     entry["drawback"] = drawback_of(f);
@@ -105,7 +111,7 @@ nlohmann::json tell(const Arguments& a, const cli::Common& common, const FitResu
 // Nothing is written: says why, or throws where a portal is required.
 std::string why_none(const Arguments& a, const cli::Common& common, const LightGrid& grid,
                      const FitResult& found) {
-  const std::string why = !found.portals.empty() ? "each that was found has a drawback"
+  const std::string why = !found.portals.empty() ? "each that was found is useless"
                           : grid.bottleneck      ? kNoOpening
                                                  : grid.reason;
   if (a.require_portal) throw InputError(display_name(a.grid), "", "gives no portal: " + why);
@@ -133,8 +139,9 @@ int run(const Arguments& a, const cli::Common& common) {
   phases.done("load");
   const FitResult found = fit(a, grid);
   phases.done("fit");
-  const Written written = choose(a, common, grid, found);
-  nlohmann::json summary = tell(a, common, found);
+  const std::vector<std::string> useless = left_out(a, found);
+  const Written written = choose(a, common, grid, found, useless);
+  nlohmann::json summary = tell(common, found, useless);
   if (written.file.portals.empty()) summary["reason"] = why_none(a, common, grid, found);
   deliver(a, common, grid, written, phases);
   cli::report(common, summary, phases);
