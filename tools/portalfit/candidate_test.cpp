@@ -1,0 +1,80 @@
+#include "tools/portalfit/candidate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include <gtest/gtest.h>
+
+#include "libcommon/math/rng.h"
+#include "libcommon/math/warp.h"
+
+namespace tdpt {
+namespace {
+
+// Windows 1 m high and 1 m wide, kPier from the z axis on both sides of it, that lean back from the
+// plane across x by `angle`; and the plane across the mouth between their far sides. Probes pass
+// anywhere there; lines, and probes that join, pass a window.
+constexpr double kPier = 0.7, kFar = kPier + 1;
+
+struct Bay {
+  LightGrid grid;
+  std::vector<uint32_t> all;
+  Aperture mouth;
+};
+
+bool through_window(const LightLine& line, double side, double angle) {
+  const Vec3d along{-std::sin(angle), side * std::cos(angle), 0};
+  const Vec3d n{std::cos(angle), side * std::sin(angle), 0};
+  const Vec3d d = line.camera - line.light;
+  if (!(dot(d, n) > 0)) return false;
+  const Vec3d p = line.light - d * (dot(line.light, n) / dot(d, n));
+  return dot(p, along) >= kPier && dot(p, along) <= kFar && std::abs(p.z) <= 0.5;
+}
+
+Bay bay(double angle) {
+  Bay b;
+  b.grid.voxel = 0.05;
+  b.grid.dim = {160, 160, 160};
+  b.grid.origin = Vec3d(-4);
+  b.grid.count.assign(size_t{160} * 160 * 160, 0);
+  const double half = kFar * std::cos(angle), deep = -kFar * std::sin(angle);
+  for (uint64_t i = 0; b.grid.lines.size() < 6000; ++i) {
+    Rng rng(11, 1, i);
+    const double y = 2.5 * (2 * rng.uniform() - 1), z = 1.5 * (2 * rng.uniform() - 1);
+    const double u = rng.uniform(), v = rng.uniform();
+    const Vec3d d = cosine_hemisphere(u, v), w{d.z, d.x, d.y}, p{0.5 * deep, y, z};
+    const LightLine line{p - w * 3, p + w * 3};
+    const bool joins = through_window(line, 1, angle) || through_window(line, -1, angle);
+    b.grid.probes.push_back({line, joins});
+    if (joins) b.grid.lines.push_back(line);
+  }
+  for (uint32_t l = 0; l < b.grid.lines.size(); ++l) b.all.push_back(l);
+  b.mouth.tube.middle = {{deep, 0, 0}, {1, 0, 0}};
+  for (const auto& [y, z] : {std::pair{-1.0, -1.0}, {1.0, -1.0}, {1.0, 1.0}, {-1.0, 1.0}})
+    b.mouth.polygon.push_back(in_plane(b.mouth.tube.middle, Vec3d{deep, y * half, z * 0.5}));
+  b.mouth.polygon = convex_hull(b.mouth.polygon);
+  b.mouth.lines = lines_across(b.grid, b.all, b.mouth);
+  return b;
+}
+
+TEST(Candidate, OneWindowOfABayIsDenserThanItsMouth) {
+  constexpr double kAngle = std::numbers::pi / 6;
+  const Bay b = bay(kAngle);
+  const auto part = denser_part(b.grid, b.all, b.mouth);
+  ASSERT_TRUE(part);
+  EXPECT_NEAR(area(part->polygon), 1, 0.1);
+  EXPECT_NEAR(part->tube.middle.n.x, std::cos(kAngle), 0.05);
+}
+
+// Twin: of one of them none is.
+TEST(Candidate, APartOfOneOpeningIsNotDenser) {
+  const Bay b = bay(std::numbers::pi / 6);
+  const auto window = denser_part(b.grid, b.all, b.mouth);
+  ASSERT_TRUE(window);
+  EXPECT_FALSE(denser_part(b.grid, b.all, *window));
+}
+
+}  // namespace
+}  // namespace tdpt
