@@ -80,10 +80,12 @@ struct Goal {
   double outside = 0.0006;  // of the places beyond each side
   double slant = 0;         // s
 };
-constexpr Goal kTube{Shape::tube, 2}, kNarrowest{Shape::plane, 2},
-    kInsteadOfTube{Shape::plane, 0.3};
-// Few lines, which are known to pass there but for leaks.
-constexpr Goal kKnown{Shape::plane, 3, 0.005, 1};
+constexpr Goal kTube{Shape::tube, 2}, kNarrowest{Shape::plane, 2};
+// A plane where there is no prism, as beside a door ajar; of fewer lines than kMany, whose mean(log
+// cos) is noise; and of lines that are known but for leaks.
+constexpr size_t kMany = 500;
+constexpr Goal kOfFew{Shape::plane, 0.3};
+constexpr Goal kInsteadOfTube{Shape::plane, 2, 0.002, 1}, kKnown{Shape::plane, 3, 0.002, 1};
 
 // Coordinates of a tube: its place along n, the depth of both faces, of either, and two tilts.
 enum Move { slide, both, front, rear, long_tilt, short_tilt, moves };
@@ -300,7 +302,8 @@ double facing_rectangles(double a, double b, double c) {
 
 Tube least_tube(const std::vector<LightLine>& lines, const Tube& start, bool near) {
   const std::vector<LightLine> fine = thinned(lines, kMostFine);
-  if (near && start.half == 0) return least_plane(fine, start, kInsteadOfTube).tube;
+  const Goal& flat = lines.size() < kMany ? kOfFew : kInsteadOfTube;
+  if (near && start.half == 0) return least_plane(fine, start, flat).tube;
   Search search(fine, kTube);
   Found narrowest, found;
   RoughTubes rough;
@@ -320,7 +323,7 @@ Tube least_tube(const std::vector<LightLine>& lines, const Tube& start, bool nea
   if (!(waistedness < kWidest)) return narrowest.tube;
   if (waistedness < kPrism || form_factor(found) <= kShort) return found.tube;
   // Where the opening is no prism, as beside a door ajar, its narrowest plane is the portal.
-  const Found plane = least_plane(fine, found.tube, kInsteadOfTube);
+  const Found plane = least_plane(fine, found.tube, flat);
   const bool holds_too_few =
       static_cast<double>(plane.look.held) < kPlaneHolds * static_cast<double>(found.look.held);
   return holds_too_few ? found.tube : plane.tube;

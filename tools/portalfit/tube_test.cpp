@@ -76,7 +76,7 @@ double degrees_from_z(const Tube& tube) {
 }
 
 TEST(Tube, LightThatLeansDoesNotTiltThePlaneOfKnownLines) {
-  const auto lines = leaning_lines(800);
+  const auto lines = leaning_lines(400);
   const Tube start{{{0, 0, 0.002}, normalize(Vec3d{0.02, 0.1, 1})}, 0};
   EXPECT_LT(degrees_from_z(holding_plane(lines, start)), 2.5);
   // Twin: by the area alone it leans with the light.
