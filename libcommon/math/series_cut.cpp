@@ -37,7 +37,7 @@ constexpr double kLeastDrop = 0.01;  // of u between two rooms
 // The sweep cut at a drop is worse than the minimum cut there: it is looked for with a looser
 // limit.
 // There it must be a large part of the way from the light to the camera.
-constexpr double kLoose = 3, kLeastLooseDrop = 0.1;
+constexpr double kLoose = 2, kLeastLooseDrop = 0.1;
 constexpr size_t kMostCandidates = 12;
 constexpr int kMostIterations = 2000;
 constexpr double kResidual = 1e-9;  // of the conjugate gradients, relative
