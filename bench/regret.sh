@@ -44,15 +44,15 @@ found() {
 }
 
 data=$here/testdata/scenes
-for name in two-rooms window; do measure $name "$data/$name.glb"; done
-for name in cornell-box bathroom2 veach-ajar; do measure $name "$scenes/$name.glb"; done
+for name in two-rooms window; do measure "$name" "$data/$name.glb"; done
+for name in cornell-box bathroom2 veach-ajar; do measure "$name" "$scenes/$name.glb"; done
 for name in kitchen bathroom living-room-lamps classroom-lamps; do
-  measure $name "$scenes/interiors/$name.glb"
-  measure $name+drawn "$scenes/interiors/$name.glb" "$here/bench/drawn/$name.gltf"
+  measure "$name" "$scenes/interiors/$name.glb"
+  measure "$name+drawn" "$scenes/interiors/$name.glb" "$here/bench/drawn/$name.gltf"
 done
 measure window+drawn "$data/window.glb" "$here/bench/drawn/window.gltf"
-for name in two-rooms small-hole half-metre-hole door-ajar three-rooms; do found $name "$data/$name.glb"; done
-for name in veach-ajar cornell-box-portal bathroom2-channel; do found $name "$scenes/$name.glb"; done
+for name in two-rooms small-hole half-metre-hole door-ajar three-rooms; do found "$name" "$data/$name.glb"; done
+for name in veach-ajar cornell-box-portal bathroom2-channel; do found "$name" "$scenes/$name.glb"; done
 
 if [ -z "${ONLY:-}" ]; then
   [ -n "$(find "$cache/rooms" -name '*.portal.glb')" ] ||
