@@ -95,7 +95,9 @@ bool lamp_in_its_opening(const CutFacts& f, const CutLimits& limits) {
 std::string why_refused(const CutFacts& f, const CutLimits& limits) {
   const bool small = f.smaller_side() < limits.least_area;
   if (f.crossing <= 0 && !small)
-    return "no light passes from the light's side of the cut to the camera's";
+    return "no light was seen to pass from the light's side of the cut to the camera's; it may "
+           "pass "
+           "where no walk passed, through a keyhole: more walks look closer";
   if (lamp_in_its_opening(f, limits))
     return fmt::format(
         "the lamp stands in its own opening: {} of the light that crosses the cut comes straight "
