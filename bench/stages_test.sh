@@ -4,7 +4,8 @@ bin=${1:?usage: stages_test.sh BIN}
 here=$(cd "$(dirname "$0")" && pwd)
 work=$(mktemp -d) || exit 2
 trap 'rm -rf "$work"' EXIT
-SCENE="$here/../testdata/scenes/two-rooms.glb" DOC="$work/doc" sh "$here/stages.sh" "$bin" "$work/cache" \
+SCENE="$here/../testdata/scenes/two-rooms.glb" INTERIOR="$here/../testdata/scenes/window.glb" DOC="$work/doc" \
+  sh "$here/stages.sh" "$bin" "$work/cache" \
   >"$work/said" 2>&1 || { cat "$work/said"; exit 1; }
 # missing PAGE: pictures that the page shows and the script did not make.
 missing() {
@@ -14,7 +15,7 @@ missing() {
 }
 failed=0
 [ -z "$(missing "$here/../doc/stages.md")" ] || { missing "$here/../doc/stages.md"; failed=1; }
-[ "$(sed -n '/!\[/p' "$here/../doc/stages.md" | wc -l)" = 4 ] || { echo "stages.md has not four pictures"; failed=1; }
+[ "$(sed -n '/!\[/p' "$here/../doc/stages.md" | wc -l)" = 5 ] || { echo "stages.md has not five pictures"; failed=1; }
 rm "$work/doc/figures/stage-mincut.png"
 [ -n "$(missing "$here/../doc/stages.md")" ] || { echo "a missing picture passes"; failed=1; }
 SCENE="$work/none.glb" DOC="$work/doc" sh "$here/stages.sh" "$bin" "$work/cache" 2>"$work/none"
