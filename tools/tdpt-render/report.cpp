@@ -26,7 +26,7 @@ nlohmann::ordered_json numbers(const Vec3d& v) {
 }
 
 nlohmann::ordered_json scout_json(const RenderResult& result) {
-  nlohmann::ordered_json j{{"samples", result.scouted}, {"cpu_seconds", result.scout_cpu_seconds}};
+  nlohmann::ordered_json j{{"samples", result.scouted}, {"cpu", result.scout_cpu_seconds}};
   if (const auto gain = portals_gain(result)) j["portals_gain"] = *gain;
   auto& candidates = j["candidates"] = nlohmann::ordered_json::array();
   for (const Prospect& p : result.prospects)
