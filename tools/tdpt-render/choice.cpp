@@ -72,9 +72,8 @@ Choice choose(const Request& request, const RenderSettings& settings, const Came
     // A small part of the work.
     constexpr double kShare = 0.02, kFewest = 256;
     const double ahead = samples_ahead(settings, world.film);
-    const PortalProbe probed =
-        probe_ways(world, camera, portals, settings.max_depth, settings.seed,
-                   std::clamp(kShare * ahead, kFewest, kProbeSamples));
+    const PortalProbe probed = probe_ways(world, camera, portals, settings.max_depth, settings.seed,
+                                          std::clamp(kShare * ahead, kFewest, kProbeSamples));
     choice.ways = probed.ways;
     tell_left_out(world, portals, probed, common);
     for (const std::string& turning : turnings(portals, choice.ways)) common.note(turning);

@@ -52,7 +52,7 @@ std::vector<std::string> descriptions(const std::vector<Portal>& portals) {
     if (const auto c = p.figures.find("conductance"); c != p.figures.end())
       text += fmt::format(", conductance {:.2g}", c->second);
     if (const auto light = p.figures.find(kLight); light != p.figures.end())
-      text += fmt::format(", {:.2g} % of the light passed it on the way to what the camera sees",
+      text += fmt::format(", {:.3g} % of the light passed it on the way to what the camera sees",
                           100 * light->second);
     sentences.push_back(text);
   }

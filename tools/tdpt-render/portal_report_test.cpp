@@ -91,8 +91,10 @@ TEST(portals_report, descriptions_are_few_lines_however_many_portals_there_are) 
   fitted.figures = {{"area", 0.0625}, {"flux_share", 0.98}, {"conductance", 0.3}, {kLight, 0.734}};
   EXPECT_EQ(
       descriptions({fitted})[0],
-      "portal.0: 0.0625 m2, conductance 0.3, 73 % of the light passed it on the way to what the "
-      "camera sees");
+      "portal.0: 0.0625 m2, conductance 0.3, 73.4 % of the light passed it on the way to what "
+      "the camera sees");
+  fitted.figures[kLight] = 1;  // not 1e+02 %
+  EXPECT_NE(descriptions({fitted})[0].find(", 100 % of the light"), std::string::npos);
   const auto many = descriptions(std::vector<Portal>(20, fitted));
   ASSERT_EQ(many.size(), 4u);
   EXPECT_EQ(many[3], "and 17 more portals");

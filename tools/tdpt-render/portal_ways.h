@@ -59,7 +59,8 @@ struct PortalProbe {
 /// brought light, one is left out that less than a ten thousandth of it passed, or that fewer than
 /// 10 samples passed in a picture without the others. A function of
 /// scene, camera, aspect of the picture, portals, depth, seed and `samples`, of which two small
-/// pictures at most have about so many each; kProbeSamples are enough. `world` must hold the portals' scene; it is as before afterwards.
+/// pictures at most have about so many each; kProbeSamples are enough. `world` must hold the
+/// portals' scene; it is as before afterwards.
 inline constexpr double kProbeSamples = 3072;
 PortalProbe probe_ways(World& world, const Camera& camera, const std::vector<Portal>& portals,
                        int max_depth, uint64_t seed, double samples = kProbeSamples);

@@ -29,8 +29,8 @@ constexpr std::pair<const char*, double WorkCosts::*> kTerms[] = {
 static_assert(sizeof(WorkCosts) == std::size(kTerms) * sizeof(double), "a term is missing");
 constexpr int kDepths[] = {3, 6, 12};
 
-void measure(const std::string& scene_path, const std::vector<Portal>& portals, int width, int height,
-             double seconds) {
+void measure(const std::string& scene_path, const std::vector<Portal>& portals, int width,
+             int height, double seconds) {
   const Scene scene = read_gltf(scene_path);
   const World world(scene, scene.camera(""), width, height, portals);
   for (int depth : kDepths)
