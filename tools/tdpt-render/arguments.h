@@ -17,7 +17,8 @@ struct Arguments {
 
   std::string integrator = "auto", mis = "balance";
   double guide_light = -1, guide_camera = -1, segments = -1;  ///< below 0: not given
-  int64_t spp = 0, max_depth = 6;
+  int64_t spp = 0;
+  int64_t max_depth = 0;  ///< edges; 0: no limit
   double seconds = 0;  ///< 0: no limit
 
   std::string stats, nonzero, preview;  ///< paths; empty: not asked for

@@ -56,7 +56,7 @@ RenderSettings settings_of(const Arguments& a, const cli::Common& common) {
   RenderSettings settings;
   settings.spp = a.spp == 0 && a.seconds == 0 ? 16 : static_cast<uint64_t>(a.spp);
   settings.seconds = a.seconds;
-  settings.max_depth = static_cast<int>(a.max_depth);
+  settings.max_depth = a.max_depth == 0 ? kMaxDepth : static_cast<int>(a.max_depth);
   settings.beta = a.mis == "power" ? 2 : 1;
   settings.seed = common.seed;
   settings.quiet = common.quiet;

@@ -6,12 +6,6 @@
 
 namespace tdpt {
 
-namespace {
-// Samples whose light walks are drawn before their camera walks. In veach-ajar 16 took 1.05 times
-// the CPU time of 1, and 256 took 1.16 times: walks leave the cache before they are joined.
-constexpr size_t kBatch = 1;
-}  // namespace
-
 void render_samples(const World& world, const Integrator& integrator, const SampleRules& rules,
                     uint64_t round, const SampleRange& samples, Film& film, Tally& tally,
                     Progress& progress) {
@@ -21,24 +15,31 @@ void render_samples(const World& world, const Integrator& integrator, const Samp
   std::vector<Tally> rows(static_cast<size_t>(height), Tally(film.unit()));
   tbb::parallel_for(0, height, [&](int y) {
     PathSampler sampler(world, settings, film, rows[static_cast<size_t>(y)]);
-    // Two phases, a batch at a time: pools of light vertices and kernels will want it so.
-    std::vector<Walk> light_walks(sampler.has_light_phase() ? kBatch : 1);
-    const uint64_t n = static_cast<uint64_t>(width) * samples.count;
-    const auto begin = [&](uint64_t i) {
-      sampler.begin(static_cast<int>(i / samples.count), y, samples.first + i % samples.count);
+    // Those of pixels far apart, so that what they have in common is not seen.
+    const int apart = (width + LightPool::kWalks - 1) / LightPool::kWalks;
+    std::vector<Walk> light_walks(LightPool::kWalks);
+    LightPool pool;
+    const auto each = [&](int first, uint64_t sample, const auto& visit) {
+      size_t i = 0;
+      for (int x = first; x < width; x += apart) {
+        sampler.begin(x, y, sample);
+        visit(light_walks[i++]);
+      }
     };
-    for (uint64_t first = 0; first < n; first += light_walks.size()) {
-      const uint64_t end = std::min(n, first + light_walks.size());
-      for (uint64_t i = first; i < end && sampler.has_light_phase(); ++i) {
-        begin(i);
-        sampler.light_phase(light_walks[i - first]);
+    for (int first = 0; first < apart; ++first)
+      for (uint64_t i = 0; i < samples.count; ++i) {
+        const uint64_t sample = samples.first + i;
+        pool.clear();
+        if (sampler.has_light_phase())
+          each(first, sample, [&](Walk& walk) {
+            sampler.light_phase(walk);
+            pool.add(walk);
+          });
+        each(first, sample, [&](Walk& walk) {
+          sampler.camera_phase(walk, pool);
+          sampler.end();
+        });
       }
-      for (uint64_t i = first; i < end; ++i) {
-        begin(i);
-        sampler.camera_phase(light_walks[i - first]);
-        sampler.end();
-      }
-    }
     progress.advance(static_cast<uint64_t>(width) * samples.count);
   });
   for (const Tally& row : rows) tally.merge(row);
@@ -54,6 +55,7 @@ Film film_for(const World& world, const TechniqueSet& layers) {
 void RenderTally::add(const Tally& tally) {
   rays.merge(tally.rays);
   for (size_t i = 0; i < kTechniques; ++i) energy[i] += tally.energy[i];
+  for (size_t i = 0; i < Tally::kOctaves; ++i) by_length[i] += tally.by_length[i];
   if (portals.size() < tally.portals.size()) portals.resize(tally.portals.size());
   for (size_t i = 0; i < tally.portals.size(); ++i) {
     portals[i].drawn += tally.portals[i].drawn;

@@ -8,7 +8,7 @@ namespace tdpt {
 
 /// What all samples of a rendering share, whichever integrator makes them.
 struct SampleRules {
-  int max_depth = 6;
+  int max_depth = kMaxDepth;
   double beta = 1;  ///< 1: balance heuristic, 2: power heuristic
   uint64_t seed = 1;
 };
@@ -27,6 +27,7 @@ Film film_for(const World& world, const TechniqueSet& layers);
 struct RenderTally {
   RayCounts rays;
   std::array<double, kTechniques> energy{};  ///< sum of luminance per technique
+  std::array<double, Tally::kOctaves> by_length{};  ///< and by length, as in Tally
   struct OfPortal {
     uint64_t drawn = 0, lit = 0;
     double energy = 0;

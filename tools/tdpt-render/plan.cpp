@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "libcommon/base/error.h"
+#include "tools/tdpt-render/path/light_pool.h"
 
 namespace tdpt {
 namespace {
@@ -62,6 +63,8 @@ std::string plan_text(const Plan& plan) {
                                 {"first_direct", m.first_direct},
                                 {"later_direct", m.later_direct},
                                 {"segments", m.segments},
+                                {"joined", m.joined},
+                                {"joined_to_segments", m.joined_to_segments},
                                 {"guide_light", m.guiding.chance[0]},
                                 {"guide_camera", m.guiding.chance[1]},
                                 {"spp", plan.spp},
@@ -84,6 +87,8 @@ Plan read_plan(const std::string& text, const std::string& file) {
   m.first_direct = in.within("first_direct", 1e-3, 1e3);
   m.later_direct = in.within("later_direct", 1e-3, 1e3);
   m.segments = in.within("segments", 0.01, 1);
+  m.joined = in.within("joined", 1e-3, LightPool::kWalks);
+  m.joined_to_segments = in.within("joined_to_segments", 1e-3, LightPool::kWalks);
   m.guiding.chance = {in.within("guide_light", 0, 0.95), in.within("guide_camera", 0, 0.95)};
   plan.spp = in.get<uint64_t>("spp");
   const auto ways = from.find("portals");

@@ -40,8 +40,9 @@ class Counter {
         passed_{std::vector<BothWays>(portals.size()), std::vector<PortalLight>(portals.size())},
         of_sample_(portals.size()) {}
 
-  void add(const Path& path, Strategy strategy, const Rgb& value) {
-    const double light = luminance(value) * path.weight(mixture_, strategy, 1);
+  void add(const Contribution& found) {
+    const Path& path = found.path;
+    const double light = luminance(found.value) * path.weight(mixture_, found.strategy, 1);
     if (!std::isfinite(light)) return;
     passed_.total += light;
     sample_ += light;
@@ -102,9 +103,7 @@ Passed passed_light(const World& world, const std::vector<Portal>& portals, int 
   std::vector<Counter> rows(static_cast<size_t>(height), Counter(fronts, integrator.mixture));
   tbb::parallel_for(0, height, [&](int y) {
     Counter& row = rows[static_cast<size_t>(y)];
-    const PathObserver observer = [&](const Path& path, Strategy strategy, const Rgb& value) {
-      row.add(path, strategy, value);
-    };
+    const PathObserver observer = [&](const Contribution& found) { row.add(found); };
     PathSampler sampler(world, {integrator.mixture, max_depth, 1, seed, kStreams}, film,
                         tallies[static_cast<size_t>(y)], &observer);
     for (int x = 0; x < width; ++x) {

@@ -54,13 +54,20 @@ TechniqueSet techniques_of(const std::vector<Candidate>& candidates) {
   return all;
 }
 
+std::vector<Candidate> expecting_joins(const World& world, std::vector<Candidate> candidates,
+                                       int max_depth) {
+  for (Candidate& c : candidates)
+    c.integrator.mixture = tdpt::expecting_joins(world, c.integrator.mixture, max_depth);
+  return candidates;
+}
+
 // Plans, renders what was planned, and puts the picture together.
 class Rendering {
  public:
   Rendering(const World& world, const std::vector<Candidate>& candidates,
             const RenderSettings& settings)
       : world_(world),
-        candidates_(candidates),
+        candidates_(expecting_joins(world, candidates, settings.max_depth)),
         settings_(settings),
         rules_{settings.max_depth, settings.beta, settings.seed},
         layers_(settings.layers ? techniques_of(candidates) : TechniqueSet()),
@@ -84,7 +91,7 @@ class Rendering {
   void record_frame();
 
   const World& world_;
-  const std::vector<Candidate>& candidates_;
+  const std::vector<Candidate> candidates_;
   const RenderSettings& settings_;
   const SampleRules rules_;
   const TechniqueSet layers_;

@@ -12,7 +12,7 @@ namespace tdpt {
 struct RenderSettings {
   uint64_t spp = 0;    ///< samples per pixel; 0: as many as fit into `seconds`
   double seconds = 0;  ///< wall-clock limit of rendering alone; 0: none
-  int max_depth = 6;
+  int max_depth = kMaxDepth;
   double beta = 1;  ///< 1: balance heuristic, 2: power heuristic
   uint64_t seed = 1;
   bool quiet = true;

@@ -11,7 +11,7 @@ namespace tdpt {
 namespace {
 
 constexpr uint64_t kRound = 1;   // of the random numbers: 0 is the picture's
-constexpr uint64_t kChunk = 16;  // groups that are added up in a row
+constexpr uint64_t kChunk = 16;  // groups that are added up in a row and pool their light walks
 constexpr double kAlike = 1.05;  // most of moments over the least
 
 bool directed(const Candidate& c) {
@@ -79,10 +79,10 @@ class ScoutSample {
     std::fill(squares_.begin(), squares_.end(), 0.0);
   }
 
-  void see(const Path& path, Strategy strategy, const Rgb& value) {
-    const double light = luminance(value);
+  void see(const Contribution& found) {
+    const double light = luminance(found.value);
     if (!(light > 0 && std::isfinite(light))) return;
-    if (path.k() >= 2) return weigh(path, strategy, light);
+    if (found.path.k() >= 2) return weigh(found, light);
     // A lamp seen directly.
     const double share = light / static_cast<double>(scout_.runs_.size());
     add_light(block_, share);
@@ -134,7 +134,7 @@ class ScoutSample {
   const std::vector<StrategySums>& sums_of(const Path& path, Strategy strategy) {
     const Mixture& own = mixture(scout_.runs_[run_]);
     const bool is_plain = own.guiding == Guiding{};
-    if (!is_plain) plain_ = path.plain_densities(scout_.world_);
+    if (!is_plain) path.plain_densities(scout_.world_, plain_);
     const WalkDensities& plain = is_plain ? path.walks() : plain_;
     for (size_t i = 0; i < squares_.size(); ++i) {
       const Mixture& m = mixture(i);
@@ -142,24 +142,29 @@ class ScoutSample {
         of_[i] = path.sums(m, plain, plain, strategy);
       else if (m.guiding == own.guiding)
         of_[i] = path.sums(m, path.walks(), plain, strategy);
-      else
-        of_[i] = path.sums(m, path.directed_densities(scout_.guides_[i], plain), plain, strategy);
+      else {
+        path.directed_densities(scout_.guides_[i], plain, directed_);
+        of_[i] = path.sums(m, directed_, plain, strategy);
+      }
     }
     return of_;
   }
 
-  void weigh(const Path& path, Strategy strategy, double light) {
+  void weigh(const Contribution& found, double light) {
+    const auto& [path, strategy, value, times] = found;
     const std::vector<StrategySums>& of = sums_of(path, strategy);
+    const Mixture& own_mixture = mixture(scout_.runs_[run_]);
     double all_runs = 0;
     for (const size_t r : scout_.runs_) all_runs += of[r].counted;
     const size_t own = scout_.runs_[run_];
     if (!(of[own].used > 0 && std::isfinite(all_runs))) return;
-    // v_s / n_s
+    // v_s, over the samples that were really made: E[n_s] of them on average.
     const auto per_sample = [&](size_t i) {
-      return mixture(i).sample_weight(strategy.technique, path.k()) /
-             mixture(i).samples_of(strategy.technique);
+      return mixture(i).sample_weight(strategy.technique, strategy.split, path.k()) / times;
     };
-    const double f = light * of[own].used;
+    // Of all samples of the strategy: f = value p, `used` n_s p.
+    const double f = light * times / own_mixture.samples_of(strategy.technique, strategy.split) *
+                     of[own].used;
     const double share = f * per_sample(own) / all_runs;  // of the picture, both runs together
     const bool splat = strategy.technique == Technique::light ||
                        (strategy.technique == Technique::portal && strategy.split == path.k() - 2);
@@ -194,7 +199,7 @@ class ScoutSample {
   std::vector<double> squares_;  // of each candidate's paths
   std::vector<StrategySums> of_;
   std::vector<double> moments_;
-  WalkDensities plain_;
+  WalkDensities plain_, directed_;
 };
 
 Scout::Scout(const World& world, const std::vector<Candidate>& candidates, const SampleRules& rules)
@@ -221,16 +226,25 @@ namespace {
 // Makes samples of one run and counts the rays of each of its parts.
 class Runner {
  public:
+  using Rays = std::array<RayCounts, ScoutSums::kParts>;
+
   Runner(const World& world, const Mixture& mixture, const Guide& guide, const SampleSettings& how,
          Film& film, const PathObserver& observer)
       : mixture_(mixture),
         tally_(film.unit()),
         sampler_(world, how, guide, film, tally_, &observer) {}
 
-  void sample(int x, int y, uint64_t number, std::array<RayCounts, ScoutSums::kParts>& rays) {
+  void light_phase(int x, int y, uint64_t number, Walk& walk, Rays& rays) {
+    if (!sampler_.has_light_phase()) return;
     sampler_.begin(x, y, number);
+    count(rays[1], [&] { sampler_.light_phase(walk); });
+  }
+
+  void camera_phase(int x, int y, uint64_t number, const Walk& walk, const LightPool& pool,
+                    Rays& rays) {
+    sampler_.begin(x, y, number);
+    sampler_.join_with(walk, pool);
     count(rays[0], [&] { sampler_.walk_from_camera(); });
-    if (sampler_.has_light_phase()) count(rays[1], [&] { sampler_.walk_from_light(); });
     for (size_t t = 0; t < kTechniques; ++t)
       if (const auto technique = static_cast<Technique>(t); mixture_.has(technique))
         count(rays[2 + t], [&] { sampler_.run(technique); });
@@ -251,33 +265,46 @@ class Runner {
 
 }  // namespace
 
+// Groups first to end of one run, whose light walks are pooled as those of the picture are: one
+// sample of each group.
+void Scout::draw_run(size_t r, uint64_t first, uint64_t end, Film& film, ScoutSums& sums) {
+  const Integrator& integrator = candidates_[runs_[r]].integrator;
+  ScoutSample seen(*this, r, sums);
+  const PathObserver observer = [&](const Contribution& found) { seen.see(found); };
+  const SampleSettings how{integrator.mixture, rules_.max_depth, 1, rules_.seed,
+                           integrator.stream + (kStreams + 1) * kRound};
+  Runner runner(world_, integrator.mixture, guides_[runs_[r]], how, film, observer);
+  std::vector<Walk> walks(end - first);
+  LightPool pool;
+  for (size_t j = 0; j < kScoutGroup; ++j) {
+    // Runs of 2^32 samples of a pixel are independent [sequence.h].
+    const auto number = [&](uint64_t k) { return (kScoutGroup * k + j) << 32; };
+    pool.clear();
+    for (uint64_t k = first; k < end; ++k) {
+      const auto [x, y] = pixel_of(k, world_.film.width(), world_.film.height());
+      runner.light_phase(x, y, number(k), walks[k - first], sums.rays[r]);
+      pool.add(walks[k - first]);
+    }
+    for (uint64_t k = first; k < end; ++k) {
+      const auto [x, y] = pixel_of(k, world_.film.width(), world_.film.height());
+      seen.begin(x, y, k, record(k, r, j));
+      runner.camera_phase(x, y, number(k), walks[k - first], pool, sums.rays[r]);
+      seen.end();
+      blocks_[k] = static_cast<uint32_t>(seen.block());
+    }
+  }
+}
+
 void Scout::draw(uint64_t groups, Film& film) {
   const uint64_t first = this->groups(), end = first + groups;
   blocks_.resize(end);
   records_.resize(end * samples_of_group());
   std::vector<ScoutSums> parts((groups + kChunk - 1) / kChunk);
   tbb::parallel_for(size_t{0}, parts.size(), [&](size_t c) {
-    ScoutSums& sums = parts[c] = ScoutSums(candidates_.size(), runs_.size());
-    for (size_t r = 0; r < runs_.size(); ++r) {
-      const Integrator& integrator = candidates_[runs_[r]].integrator;
-      ScoutSample seen(*this, r, sums);
-      const PathObserver observer = [&](const Path& path, Strategy strategy, const Rgb& value) {
-        seen.see(path, strategy, value);
-      };
-      const SampleSettings how{integrator.mixture, rules_.max_depth, 1, rules_.seed,
-                               integrator.stream + (kStreams + 1) * kRound};
-      Runner runner(world_, integrator.mixture, guides_[runs_[r]], how, film, observer);
-      for (uint64_t k = first + c * kChunk; k < std::min(end, first + (c + 1) * kChunk); ++k) {
-        const auto [x, y] = pixel_of(k, world_.film.width(), world_.film.height());
-        for (size_t j = 0; j < kScoutGroup; ++j) {
-          seen.begin(x, y, k, record(k, r, j));
-          // Runs of 2^32 samples of a pixel are independent [sequence.h].
-          runner.sample(x, y, (kScoutGroup * k + j) << 32, sums.rays[r]);
-          seen.end();
-        }
-        blocks_[k] = static_cast<uint32_t>(seen.block());
-      }
-    }
+    parts[c] = ScoutSums(candidates_.size(), runs_.size());
+    const uint64_t begin = first + c * kChunk;
+    for (size_t r = 0; r < runs_.size(); ++r)
+      draw_run(r, begin, std::min(end, begin + kChunk), film, parts[c]);
   });
   for (const ScoutSums& part : parts) sums_.merge(part);
 }

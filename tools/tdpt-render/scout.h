@@ -110,6 +110,7 @@ class Scout {
 
  private:
   friend class ScoutSample;
+  void draw_run(size_t run, uint64_t first, uint64_t end, Film& film, ScoutSums& sums);
   double work_of(size_t candidate) const;
   /// relMSE by candidate, from each quarter of the groups.
   std::array<std::vector<double>, ScoutSums::kQuarters> errors() const;

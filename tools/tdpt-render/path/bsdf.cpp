@@ -209,6 +209,17 @@ double pdf_w(const Bsdf& b, const Vec3d& from, const Vec3d& to) {
   return pdf;
 }
 
+Rgb albedo(const Bsdf& b, const Vec3d& from) {
+  const View view(b, from);
+  if (view.solid && view.back && view.rough()) return Rgb(1.0f);  // all of it, beyond some angle
+  Vec3d left(1.0);
+  if (view.smooth()) left = Vec3d(1.0) - view.fresnel(view.from.z);
+  if (view.rough()) left = view.left_over(view.from.z);
+  Vec3d behind = colour(b.through);
+  if (view.has_diffuse) behind += colour(b.diffuse);
+  return narrow(Vec3d(1.0) - left + left * behind);
+}
+
 bool sample(const Bsdf& b, const Vec3d& from, double choice, double u, double v, Scattered& out) {
   if (from.z == 0) return false;
   const View view(b, from);

@@ -59,6 +59,10 @@ Rgb f(const Bsdf& b, const Vec3d& from, const Vec3d& to);
 /// lobe.
 double pdf_w(const Bsdf& b, const Vec3d& from, const Vec3d& to);
 
+/// Directional albedo: the share that leaves of what comes from `from`. Of opaque surfaces within
+/// 0.01, of rough transmission about; inside a rough solid 1.
+Rgb albedo(const Bsdf& b, const Vec3d& from);
+
 struct Scattered {
   Vec3d to;
   bool dirac;

@@ -1,5 +1,7 @@
 #include "tools/tdpt-render/path/guide.h"
 
+#include "tools/tdpt-render/path/roulette.h"
+
 namespace tdpt {
 namespace {
 
@@ -67,11 +69,23 @@ void Guide::aim_at_light(Vertex& v) const {
   v.aims.emitted = aims(v, v.aims.facing, From::light);
 }
 
+double Guide::chance(From from, const Vertex& v, const Vec3d& back) const {
+  return back == Vec3d() ? chance(from) : std::min(chance(from), 1 - albedo_at(v, back));
+}
+
+double Guide::survival(From from, const Vertex& v, const Vec3d& back) const {
+  const double albedo = albedo_at(v, back);
+  if (!active_ || !(chance(from) > 0) || !(v.aims.scattered[index(from)] > 0)) return albedo;
+  return std::min(1.0, albedo / (1 - std::min(chance(from), 1 - albedo) * scope(v, back).broad));
+}
+
 bool Guide::draw(const Vertex& v, const Vec3d& back, From from, const std::array<double, 4>& u,
                  Vec3d& w, int& triangle) const {
   const bool begins = back == Vec3d();
-  const double q = chance(from), W = begins ? v.aims.emitted : v.aims.scattered[index(from)];
-  if (!(W > 0 && u[3] < q) || (!begins && !(u[3] < q * scope(v, back).broad))) return false;
+  const double W = begins ? v.aims.emitted : v.aims.scattered[index(from)];
+  if (!(W > 0)) return false;
+  const double q = chance(from, v, back);
+  if (!(u[3] < q) || (!begins && !(u[3] < q * scope(v, back).broad))) return false;
   triangle = portals_.aim(v.position, v.aims.facing, way(from), W, {u[0], u[1], u[2]}, w);
   return true;
 }
@@ -95,8 +109,9 @@ bool Guide::leave(const Vertex& y0, const std::array<double, 4>& u, Lights::Ray&
 double Guide::pdf_A(From from, const Vertex& at, const Vec3d& back, const Point& to, double plain_A,
                     const PortalSet::Crossing& crossing) const {
   const bool begins = back == Vec3d();
-  const double q = chance(from), W = begins ? at.aims.emitted : at.aims.scattered[index(from)];
-  if (!(q > 0 && W > 0) || !(plain_A > 0)) return plain_A;
+  const double W = begins ? at.aims.emitted : at.aims.scattered[index(from)];
+  if (!(chance(from) > 0 && W > 0) || !(plain_A > 0)) return plain_A;
+  const double q = chance(from, at, back);
   const double towards = from == From::light ? crossing.from_light : crossing.from_camera;
   const Scope s = begins ? Scope{} : scope(at, back);
   return (1 - q * s.broad) * plain_A +

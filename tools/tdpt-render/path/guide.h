@@ -46,6 +46,9 @@ class Guide {
   PortalSet::Crossing crossing(const Point& a, const Point& b, uint64_t& tests,
                                const PortalSet::Drawn& drawn = {}) const;
 
+  /// Probability that a walk which came to `v`, on a surface, from unit `back` goes on there.
+  double survival(From from, const Vertex& v, const Vec3d& back) const;
+
   /// Tells a surface that is seen along unit `away` from it, or was left along it, how walks are
   /// directed there.
   void aim_at_surface(const Vec3d& away, Vertex& v) const;
@@ -73,6 +76,7 @@ class Guide {
         active_(active && !world.portals.empty()),
         sees_portals_(sees_portals && !world.portals.empty()) {}
   double chance(From from) const { return guiding_.chance[static_cast<size_t>(from)]; }
+  double chance(From from, const Vertex& v, const Vec3d& back) const;
   double aims(const Point& v, const Vec3d& facing, From from) const;
 
   const PortalSet& portals_;

@@ -58,16 +58,23 @@ struct Mixture {
   double segments = 1;  ///< share of the samples that draw a portal segment, (0,1]
   Guiding guiding{};
 
+  /// How many candidates a vertex is joined with, for each vertex that a light walk has on average
+  /// after y_0: of those, and of those with y_0 [light_pool.h, expected_joins()]. 1: with all of one
+  /// walk.
+  double joined = 1, joined_to_segments = 1;
+
   bool has(Technique t) const { return techniques.has(t); }
-  /// How often a sample of the picture runs a technique: chances of less than 1 for segments alone.
-  constexpr double samples_of(Technique t) const { return t == Technique::portal ? segments : 1; }
-  /// By how much the density of a technique counts in the weights of paths of k edges: samples of
+  /// How often a sample of the picture runs a strategy, on average.
+  constexpr double samples_of(Technique t, int split) const {
+    return t == Technique::bi       ? joined
+           : t != Technique::portal ? 1
+           : split == 0             ? segments
+                                    : segments * joined_to_segments;
+  }
+  /// By how much the density of a strategy counts in the weights of paths of k edges: samples of
   /// it per sample of the picture, times its MIS sample weight.
-  constexpr double sample_weight(Technique t, int k) const {
-    return t == Technique::portal   ? segments
-           : t != Technique::direct ? 1
-           : k == 2                 ? first_direct
-                                    : later_direct;
+  constexpr double sample_weight(Technique t, int split, int k) const {
+    return t != Technique::direct ? samples_of(t, split) : k == 2 ? first_direct : later_direct;
   }
   friend constexpr bool operator==(const Mixture&, const Mixture&) = default;
 };

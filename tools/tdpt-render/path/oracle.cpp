@@ -239,16 +239,28 @@ double aim_pdf_w(const World& world, From from, const Vertex* back, const Vertex
   return total > 0 ? sum / total : -1;
 }
 
-/// Density of the direction of a directed walk.
-double guided_pdf_w(const World& world, const Guiding& guiding, From from, const Vertex* back,
-                    const Vertex& at, const Vertex& to, bool dirac, double plain, Fault fault) {
-  const double q = guiding.chance[static_cast<size_t>(from)];
-  if (dirac || (back && !at.connectible) || plain == 0) return plain;
-  const double aimed = at.at_infinity() ? aim_line_pdf(world, unit(at, to), to)
-                                        : aim_pdf_w(world, from, back, at, to);
-  if (aimed < 0) return plain;
+/// Largest component of the albedo, as `at` is seen from `back`, within 0.05 and 1.
+double albedo(const Vertex& back, const Vertex& at) {
+  const Surface s(at);
+  return std::clamp(double{max_component(bsdf::albedo(s.bsdf, s.local(unit(at, back))))}, 0.05,
+                    1.0);
+}
+
+/// How a walk is directed.
+struct Directed {
+  double chance = 0;  ///< that it aims, if it may
   double matt = 1, broad = 1;
-  if (back && !at.simple) {
+  double aimed = -1;  ///< density [1/sr]; less than 0: there is nothing to aim at
+
+  Directed(const World& world, const Guiding& guiding, From from, const Vertex* back,
+           const Vertex& at, const Vertex& to)
+      : chance(guiding.chance[static_cast<size_t>(from)]) {
+    if (back && !at.connectible) return;
+    aimed = at.at_infinity() ? aim_line_pdf(world, unit(at, to), to)
+                             : aim_pdf_w(world, from, back, at, to);
+    if (!back) return;
+    chance = std::min(chance, 1 - albedo(*back, at));
+    if (at.simple) return;
     const Surface s(at);
     const Vec3d local = s.local(unit(at, *back));
     matt -= bsdf::dirac_probability(at.bsdf, local, local);
@@ -256,8 +268,21 @@ double guided_pdf_w(const World& world, const Guiding& guiding, From from, const
     const bool narrow = matt == 1 && at.bsdf.alpha < 0.3f && !at.bsdf.only_diffuse();
     if (narrow) broad = bsdf::diffuse_probability(at.bsdf, local);
   }
-  if (fault == Fault::aim_5_percent) matt *= 1.05;
-  return (1 - q * broad) * plain + q * broad * matt * aimed;
+};
+
+/// Density of the direction of a directed walk.
+double guided_pdf_w(const Directed& d, bool dirac, double plain, Fault fault) {
+  if (dirac || plain == 0 || d.aimed < 0) return plain;
+  const double matt = fault == Fault::aim_5_percent ? 1.05 * d.matt : d.matt;
+  return (1 - d.chance * d.broad) * plain + d.chance * d.broad * matt * d.aimed;
+}
+
+/// Probability that a walk goes on at its vertex `at`, its i-th, to where it is.
+double survival(const Directed& d, const Vertex* back, const Vertex& at, int i, Fault fault) {
+  if (i < 2 || fault == Fault::immortal) return 1;
+  const double rho = albedo(*back, at);
+  if (d.aimed < 0 || d.chance == 0) return rho;
+  return std::min(1.0, rho / (1 - d.chance * d.broad));
 }
 
 }  // namespace
@@ -275,21 +300,24 @@ std::vector<StrategyDensity> densities(const World& world, const Path& path, con
       P_light = x.on_surface() ? world.lights.pdf_A(x.triangle) : x.source->pdf_1();
     } else {
       const Vertex& before = path.vertex(i - 1);
-      const double p = i == 1 ? emission_pdf_w(before, x)
-                              : pdf_w(path.vertex(i - 2), before, x, path.dirac(i - 1));
-      const double g =
-          guided_pdf_w(world, guiding, From::light, i == 1 ? nullptr : &path.vertex(i - 2), before,
-                       x, i > 1 && path.dirac(i - 1), p, fault);
+      const Vertex* back = i == 1 ? nullptr : &path.vertex(i - 2);
+      const bool dirac = i > 1 && path.dirac(i - 1);
+      const double p = i == 1 ? emission_pdf_w(before, x) : pdf_w(*back, before, x, dirac);
+      const Directed directed(world, guiding, From::light, back, before, x);
       double per_area = cosine_at(x, before) / distance2(before, x);
       if (fault == Fault::missing_cosine && i == 2) per_area /= cosine_at(x, before);
-      P_light = g * per_area;
+      P_light = survival(directed, back, before, i - 1, fault) *
+                guided_pdf_w(directed, dirac, p, fault) * per_area;
     }
     const Vertex& after = path.vertex(i + 1);
-    const double p = i == k - 1 ? film_pdf_w(world, after, x)
-                                : pdf_w(path.vertex(i + 2), after, x, path.dirac(i + 1));
-    const double q = i == k - 1 ? p
-                                : guided_pdf_w(world, guiding, From::camera, &path.vertex(i + 2),
-                                               after, x, path.dirac(i + 1), p, fault);
+    double q = film_pdf_w(world, after, x);
+    if (i < k - 1) {
+      const Vertex& back = path.vertex(i + 2);
+      const double p = pdf_w(back, after, x, path.dirac(i + 1));
+      const Directed directed(world, guiding, From::camera, &back, after, x);
+      q = survival(directed, &back, after, k - i - 1, fault) *
+          guided_pdf_w(directed, path.dirac(i + 1), p, fault);
+    }
     P_camera = !x.on_surface() ? 0 : q * cosine_at(x, after) / distance2(after, x);
   }
 
@@ -309,12 +337,13 @@ std::vector<StrategyDensity> densities(const World& world, const Path& path, con
       log_p += std::log(from_camera[static_cast<size_t>(i)]);
     if (portal) {
       double p = segment_pdf(world, path.vertex(split), path.vertex(split + 1));
-      p *= mixture.segments;
+      p *= mixture.segments * (split > 0 ? mixture.joined_to_segments : 1);
       const bool to_x = path.vertex(split).position.x < path.vertex(split + 1).position.x;
       if (fault == Fault::portal_density_5_percent) p *= 1.05;
       if (fault == Fault::one_way_5_percent && to_x) p *= 1.05;
       log_p += std::log(p);
     }
+    if (technique == Technique::bi) log_p += std::log(mixture.joined);
     const double sample_weight = technique != Technique::direct ? 1
                                  : k == 2                       ? mixture.first_direct
                                                                 : mixture.later_direct;

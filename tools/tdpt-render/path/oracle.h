@@ -21,6 +21,7 @@ enum class Fault {
   missing_cosine,
   connection_at_a_mirror,
   aim_5_percent,  ///< density of the directions towards portals
+  immortal,       ///< walks that always go on
 };
 
 /// All strategies of `mixture` that can make the path.

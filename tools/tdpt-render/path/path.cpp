@@ -28,6 +28,8 @@
 
 #include <limits>
 
+#include "tools/tdpt-render/path/roulette.h"
+
 namespace tdpt {
 namespace {
 
@@ -80,20 +82,42 @@ void Path::fill(const World& world, const Walk& y, int s, const Walk& z, int t,
   for (int i = 0; i <= k_; ++i)
     dirac_[u(i)] = (i + 1 < s && y.state(i).dirac) || (i > first_z && z.state(k_ - i).dirac);
 
+  fill_survival(y, s, z, t);
   fill_crossings(y, s, z, first_z, segment, rays);
   // Inside a prefix the walk knows both densities; the two vertices at a prefix's end and the
   // segment's learn theirs from the finished path.
   for (int i = 0; i < k_; ++i) {
-    const int j = k_ - i;                                          // index from the camera
-    walks_.light_A[u(i)] = i == 0       ? plain_light_A(world, 0)  // of walks, whoever placed x_0
-                           : i < s      ? y.state(i).pdf_own_A
-                           : j <= t - 3 ? z.state(j).pdf_other_A
-                                        : directed_light_A(guide_, i, plain_light_A(world, i));
-    walks_.camera_A[u(i)] = i >= first_z ? z.state(j).pdf_own_A
-                            : i <= s - 3 ? y.state(i).pdf_other_A
-                                         : directed_camera_A(guide_, i, plain_camera_A(world, i));
+    const int j = k_ - i;                                   // index from the camera
+    walks_.light_A[u(i)] = i == 0  ? plain_light_A(world, 0)  // of walks, whoever placed x_0
+                           : i < s ? y.state(i).pdf_own_A
+                                   : light_survival(i) *
+                                         (j <= t - 3 ? z.state(j).pdf_other_A
+                                                     : directed_light_A(guide_, i,
+                                                                        plain_light_A(world, i)));
+    walks_.camera_A[u(i)] =
+        i >= first_z ? z.state(j).pdf_own_A
+                     : camera_survival(i) *
+                           (i <= s - 3 ? y.state(i).pdf_other_A
+                                       : directed_camera_A(guide_, i, plain_camera_A(world, i)));
   }
   next_event_A_ = world.lights.pdf_for(x(1).position, *x(0).source, x(0).triangle);
+}
+
+void Path::fill_survival(const Walk& y, int s, const Walk& z, int t) {
+  auto& [light, camera] = survival_;
+  const int first_z = k_ - (t - 1);
+  light[0] = camera[0] = light[u(k_)] = camera[u(k_)] = 1;
+  for (int i = 1; i < k_; ++i) {
+    const int j = k_ - i;
+    light[u(i)] = always_goes_on(i) ? 1
+                  : i < s                 ? y.state(i).own_survival
+                  : j + 1 < t             ? z.state(j).other_survival
+                                          : guide_.survival(From::light, x(i), between(x(i), x(i - 1)).w);
+    camera[u(i)] = always_goes_on(j) ? 1
+                   : i >= first_z           ? z.state(j).own_survival
+                   : i + 1 < s              ? y.state(i).other_survival
+                                            : guide_.survival(From::camera, x(i), between(x(i), x(i + 1)).w);
+  }
 }
 
 void Path::fill_crossings(const Walk& y, int s, const Walk& z, int first_z,
@@ -141,22 +165,20 @@ double Path::directed_camera_A(const Guide& guide, int i, double plain) const {
   return guide.pdf_A(From::camera, x(i + 1), back, x(i), plain, crossing_[u(i)]);
 }
 
-WalkDensities Path::plain_densities(const World& world) const {
-  WalkDensities d;
+void Path::plain_densities(const World& world, WalkDensities& d) const {
   for (int i = 0; i < k_; ++i) {
-    d.light_A[u(i)] = plain_light_A(world, i);
-    d.camera_A[u(i)] = plain_camera_A(world, i);
+    d.light_A[u(i)] = light_survival(i) * plain_light_A(world, i);
+    d.camera_A[u(i)] = camera_survival(i) * plain_camera_A(world, i);
   }
-  return d;
 }
 
-WalkDensities Path::directed_densities(const Guide& guide, const WalkDensities& plain) const {
-  WalkDensities d;
+void Path::directed_densities(const Guide& guide, const WalkDensities& plain,
+                              WalkDensities& d) const {
   for (int i = 0; i < k_; ++i) {
-    d.light_A[u(i)] = directed_light_A(guide, i, plain.light_A[u(i)]);
-    d.camera_A[u(i)] = directed_camera_A(guide, i, plain.camera_A[u(i)]);
+    const double light = light_survival(i), camera = camera_survival(i);
+    d.light_A[u(i)] = light * directed_light_A(guide, i, plain.light_A[u(i)] / light);
+    d.camera_A[u(i)] = camera * directed_camera_A(guide, i, plain.camera_A[u(i)] / camera);
   }
-  return d;
 }
 
 // Densities as products of parts: prefix and suffix are the caller's, the rest is given to `add`.
@@ -170,7 +192,7 @@ void Path::for_each_strategy(const Mixture& mixture, const WalkDensities& unit,
                                           : Technique::bi;
     const bool joins = !(s > 0 && (dirac(s - 1) || dirac(s)));
     if (mixture.has(technique) && joins) {
-      const double weight = mixture.sample_weight(technique, k_);
+      const double weight = mixture.sample_weight(technique, s, k_);
       if (s == 1)
         add(Strategy{technique, s}, 0, 1, next_event_A_ * (1 / unit.common(0)) * weight);
       else
@@ -181,7 +203,7 @@ void Path::for_each_strategy(const Mixture& mixture, const WalkDensities& unit,
       // [eq. 8], p_AA = G D as in [eq. 4].
       const double g = geometry(x(s), x(s + 1), between(x(s), x(s + 1)));
       add(Strategy{Technique::portal, s}, s, s + 2,
-          mixture.segments * crossing_[u(s)].density * (g / unit.common(s)) / unit.common(s + 1));
+          mixture.samples_of(Technique::portal, s) * crossing_[u(s)].density * (g / unit.common(s)) / unit.common(s + 1));
     }
   }
 }
@@ -214,8 +236,9 @@ StrategySums Path::sums(const Mixture& mixture, const WalkDensities& d, const Wa
   StrategySums sums;
   for_each_strategy(mixture, unit, [&](Strategy strategy, int prefix, int rest, double extra) {
     const double counted = products.light[u(prefix)] * extra * products.camera[u(rest)];
-    const double per_sample = mixture.sample_weight(strategy.technique, k_) /
-                              mixture.samples_of(strategy.technique);  // v_s / n_s
+    const double per_sample =
+        mixture.sample_weight(strategy.technique, strategy.split, k_) /
+        mixture.samples_of(strategy.technique, strategy.split);  // v_s / n_s
     sums.counted += counted;
     sums.squares += counted * per_sample;
     if (strategy == used) sums.used = counted / per_sample;

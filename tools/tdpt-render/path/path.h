@@ -58,6 +58,10 @@ class Path {
   const Vertex& vertex(int i) const { return *x_[static_cast<size_t>(i)]; }
   /// Whether the path turns at x_i by a Dirac lobe: then no technique can make a connection there.
   bool dirac(int i) const { return dirac_[static_cast<size_t>(i)]; }
+  /// Probability that a walk from the light, from the camera goes on at x_i, 0 < i < k [roulette.h].
+  double survives(From from, int i) const {
+    return survival_[static_cast<size_t>(from)][static_cast<size_t>(i)];
+  }
 
   /// MIS weight of `used` among the strategies of `mixture`, balance heuristic [eq. 6] for beta =
   /// 1, power heuristic for beta = 2. Computed from the path alone. NaN when `used` has no density
@@ -75,10 +79,10 @@ class Path {
   /// Densities in walks as those that made it.
   const WalkDensities& walks() const { return walks_; }
   /// Densities where no walk is directed.
-  WalkDensities plain_densities(const World& world) const;
+  void plain_densities(const World& world, WalkDensities& d) const;
   /// And where they are directed by `guide`, from the plain ones. What Guide::knowing_all() knows
   /// must have been known to those that made the path.
-  WalkDensities directed_densities(const Guide& guide, const WalkDensities& plain) const;
+  void directed_densities(const Guide& guide, const WalkDensities& plain, WalkDensities& d) const;
   /// Densities `d` of the mixture's walks, over the product of the q_i of `unit`. k >= 2.
   StrategySums sums(const Mixture& mixture, const WalkDensities& d, const WalkDensities& unit,
                     Strategy used) const;
@@ -86,9 +90,13 @@ class Path {
  private:
   void fill(const World& world, const Walk& y, int s, const Walk& z, int t,
             const SegmentCrossings* segment, RayCounts& rays);
+  void fill_survival(const Walk& y, int s, const Walk& z, int t);
+  double light_survival(int i) const { return i == 0 ? 1 : survives(From::light, i - 1); }
+  double camera_survival(int i) const { return survives(From::camera, i + 1); }
   void fill_crossings(const Walk& y, int s, const Walk& z, int first_z,
                       const SegmentCrossings* segment, RayCounts& rays);
-  /// P>(x_i) and P<(x_i), from the finished path: of plain walks, and directed ones from these.
+  /// P>(x_i) and P<(x_i) of walks that go on at the vertex before, from the finished path: of plain
+  /// walks, and directed ones from these.
   double plain_light_A(const World& world, int i) const;
   double plain_camera_A(const World& world, int i) const;
   double directed_light_A(const Guide& guide, int i, double plain) const;
@@ -106,6 +114,7 @@ class Path {
   double next_event_A_ = 0;  ///< p_nee(x_0): its density as a next event at x_1
   std::array<PortalSet::Crossing, kMaxDepth + 1> crossing_;  ///< of the edge x_i -> x_{i+1}
   std::array<bool, kMaxDepth + 1> dirac_;
+  std::array<std::array<double, kMaxDepth + 1>, 2> survival_;  ///< [From][i], 1 at both ends
 };
 
 }  // namespace tdpt

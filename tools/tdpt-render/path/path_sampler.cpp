@@ -5,6 +5,9 @@
 namespace tdpt {
 namespace {
 
+// Connections of a camera vertex, and of either end of a portal segment.
+constexpr int kConnections = 2, kSides = 2;
+
 bool black(const Rgb& c) {
   return !(c.x != 0 || c.y != 0 || c.z != 0);
 }
@@ -40,8 +43,9 @@ void PathSampler::begin(int x, int y, uint64_t sample) {
 }
 
 void PathSampler::run() {
-  if (has_light_phase()) light_phase(light_walk_);
-  camera_phase(light_walk_);
+  own_pool_.clear();
+  if (has_light_phase()) walk_from_light();
+  camera_phase(light_walk_, own_pool_);
 }
 
 void PathSampler::light_phase(Walk& y) {
@@ -49,8 +53,13 @@ void PathSampler::light_phase(Walk& y) {
                         tally_.rays);
 }
 
-void PathSampler::camera_phase(const Walk& y) {
+void PathSampler::join_with(const Walk& y, const LightPool& pool) {
   light_ = &y;
+  pool_ = &pool;
+}
+
+void PathSampler::camera_phase(const Walk& y, const LightPool& pool) {
+  join_with(y, pool);
   const TechniqueSet& techniques = settings_.mixture.techniques;
   walk_from_camera();
   for (int i = 0; i < kTechniques; ++i)
@@ -86,7 +95,9 @@ void PathSampler::walk_from_camera() {
 
 void PathSampler::walk_from_light() {
   light_phase(light_walk_);
-  light_ = &light_walk_;
+  own_pool_.clear();
+  own_pool_.add(light_walk_);
+  join_with(light_walk_, own_pool_);
 }
 
 uint64_t PathSampler::coin() {
@@ -96,19 +107,22 @@ uint64_t PathSampler::layer_coin() {
   return mix64(~layer_coins_++);
 }
 
-bool PathSampler::weigh(const Path& path, Strategy strategy, const Rgb& value, Rgb& weighted) {
-  if (observer_) (*observer_)(path, strategy, value);
-  const double w = path.weight(settings_.mixture, strategy, settings_.beta);
-  weighted = value * static_cast<float>(w);  // [eq. 5]: `value` is contribution over density
-  if (is_finite(weighted)) return true;
+bool PathSampler::weigh(const Contribution& found, Rgb& weighted) {
+  if (observer_) (*observer_)(found);
+  const double w = found.path.weight(settings_.mixture, found.strategy, settings_.beta);
+  weighted = found.value * static_cast<float>(w);  // [eq. 5]
+  if (is_finite(weighted)) {
+    tally_.count_length(found.path.k(), luminance(weighted));
+    return true;
+  }
   leave_out();
   return false;
 }
 
-double PathSampler::to_pixel(const Path& path, Strategy strategy, const Rgb& value) {
+double PathSampler::to_pixel(const Contribution& found) {
   Rgb weighted;
-  if (!weigh(path, strategy, value, weighted)) return 0;
-  const auto technique = static_cast<size_t>(strategy.technique);
+  if (!weigh(found, weighted)) return 0;
+  const auto technique = static_cast<size_t>(found.strategy.technique);
   pixel_ += Vec3d(weighted);
   if (film_.has_layer(technique))
     film_.add_to_layer(technique, x_, y_, Vec3d(weighted), layer_coin());
@@ -117,11 +131,10 @@ double PathSampler::to_pixel(const Path& path, Strategy strategy, const Rgb& val
   return brought;
 }
 
-double PathSampler::to_film(const Path& path, Strategy strategy, double raster_x, double raster_y,
-                            const Rgb& value) {
+double PathSampler::to_film(const Contribution& found, double raster_x, double raster_y) {
   Rgb weighted;
-  if (!weigh(path, strategy, value, weighted)) return 0;
-  const auto technique = static_cast<size_t>(strategy.technique);
+  if (!weigh(found, weighted)) return 0;
+  const auto technique = static_cast<size_t>(found.strategy.technique);
   const int x = static_cast<int>(raster_x), y = static_cast<int>(raster_y);
   if (!film_.add(x, y, Vec3d(weighted), coin())) {
     leave_out();
@@ -165,8 +178,8 @@ void PathSampler::camera() {
     if (!z[j].source) continue;
     const Rgb Le = emitted(z[j], back(z, j));
     if (black(Le)) continue;
-    to_pixel(Path(world_, guide_, *light_, 0, z, j + 1, tally_.rays), {Technique::camera, 0},
-             z.state(j).throughput * Le);
+    const Path path(world_, guide_, *light_, 0, z, j + 1, tally_.rays);
+    to_pixel({path, {Technique::camera, 0}, z.state(j).throughput * Le, 1});
   }
 }
 
@@ -188,8 +201,8 @@ void PathSampler::direct() {
     const Rgb value =
         z.state(j).throughput * f * Le * light_point_.state(0).throughput * geometry(z[j], y0, e);
     if (black(value) || !visible(z[j], y0)) continue;
-    to_pixel(Path(world_, guide_, light_point_, 1, z, j + 1, tally_.rays), {Technique::direct, 1},
-             value);
+    const Path path(world_, guide_, light_point_, 1, z, j + 1, tally_.rays);
+    to_pixel({path, {Technique::direct, 1}, value, 1});
   }
 }
 
@@ -203,36 +216,54 @@ void PathSampler::light() {
     if (!project(y[i], to_camera, factor, raster_x, raster_y)) continue;
     const Rgb value = y.state(i).throughput * bsdf_at(y[i], back(y, i), to_camera) * factor;
     if (black(value) || !visible(y[i], camera_walk_[0])) continue;
-    to_film(Path(world_, guide_, y, i + 1, camera_walk_, 1, tally_.rays), {Technique::light, i + 1},
-            raster_x, raster_y, value);
+    const Path path(world_, guide_, y, i + 1, camera_walk_, 1, tally_.rays);
+    to_film({path, {Technique::light, i + 1}, value, 1}, raster_x, raster_y);
   }
 }
 
+Rgb PathSampler::joined(const LightVertex& y, const Vertex& end, const Vec3d& w) const {
+  const Vertex& v = y.vertex();
+  const Edge e = between(v, end);
+  const Rgb f = y.index == 0 ? emitted(v, e.w) : bsdf_at(v, back(*y.walk, y.index), e.w);
+  if (black(f)) return {};
+  return y.walk->state(y.index).throughput * f * bsdf_at(end, -e.w, w) * geometry(v, end, e);
+}
+
 void PathSampler::bi() {
-  const Walk& y = *light_;
   const Walk& z = camera_walk_;
+  Sequence random = numbers(choices);
   for (int t = 2; t <= z.size; ++t) {
     const Vertex& b = z[t - 1];
     if (!b.connectible) continue;
-    for (int s = 2; s <= y.size && s + t - 1 <= settings_.max_depth; ++s) {
-      const Vertex& a = y[s - 1];
-      if (!a.connectible) continue;
-      const Edge e = between(a, b);
-      const Rgb value = y.state(s - 1).throughput * bsdf_at(a, back(y, s - 1), e.w) *
-                        z.state(t - 1).throughput * bsdf_at(b, -e.w, back(z, t - 1)) *
-                        geometry(a, b, e);
-      if (black(value) || !visible(a, b)) continue;
-      to_pixel(Path(world_, guide_, y, s, z, t, tally_.rays), {Technique::bi, s}, value);
+    random.seek(2 * static_cast<uint32_t>(t));
+    const auto [u_candidates, u_few] = random.uniforms<2>();
+    const double times = pool_->draw(false, u_candidates, drawn_);
+    const Vec3d to_camera = back(z, t - 1);
+    few_.clear();
+    values_.clear();
+    for (const LightVertex& y : drawn_) {
+      Rgb value;
+      if (y.index + t <= settings_.max_depth)
+        value = z.state(t - 1).throughput * joined(y, b, to_camera);
+      few_.add(luminance(value));
+      values_.push_back(value);
+    }
+    const std::span<const double> chances = few_.choose(kConnections, u_few);
+    for (size_t c = 0; c < drawn_.size(); ++c) {
+      const auto& [walk, i] = drawn_[c];
+      if (!(chances[c] > 0) || !visible((*walk)[i], b)) continue;
+      const double n = times * chances[c];
+      const Path path(world_, guide_, *walk, i + 1, z, t, tally_.rays);
+      to_pixel({path, {Technique::bi, i + 1}, values_[c] * static_cast<float>(1 / n), n});
     }
   }
 }
 
-bool PathSampler::portal_segment(const PortalSet::Sample& sample, Vertex& x_l, Vertex& x_c,
-                                 PortalSet::Crossing& crossing, double& presence) {
+bool PathSampler::draw_segment(const PortalSet::Sample& sample, Segment& segment) {
   // Both rays start at one place, behind the portal by more than rounding: what lies in its plane,
   // a pane as like as not, is met by one of them alone, and a segment that a wall there stops ends
   // too near the plane to have a density.
-  presence = 1;
+  auto& [x_l, x_c, crossing, presence] = segment;
   const Vec3f from(sample.position - world_.portals.polygon(sample.drawn.polygon).normal *
                                          (0.5 * PortalSet::kMargin));
   const auto end = [&](const Vec3d& w, Vertex& v) {
@@ -240,7 +271,7 @@ bool PathSampler::portal_segment(const PortalSet::Sample& sample, Vertex& x_l, V
     ++tally_.rays.closest;
     if (!world_.tracer.closest_from(from, w, hit)) return false;
     place_on_surface(world_, hit, v);
-    presence *= hit.presence;
+    segment.presence *= hit.presence;
     return true;
   };
   if (!end(sample.direction, x_c) || !x_c.connectible) return false;
@@ -257,81 +288,110 @@ bool PathSampler::portal_segment(const PortalSet::Sample& sample, Vertex& x_l, V
   return crossing.density > 0;
 }
 
-void PathSampler::portal() {
-  if (world_.portals.empty()) return;
-  const Walk& y = *light_;
+// [eq. 1] with edge C1 of [eq. 2], over its density: a prefix vertices y_0..y_{a-1}, arriving at x_l
+// and scattered along w. Each end's edges are tested against the portals once, for all paths that
+// have them.
+void PathSampler::light_sides(const Segment& segment, const Vec3d& w,
+                              const std::array<double, 2>& u) {
+  const Vertex& x_l = segment.x_l;
+  light_sides_.clear();
+  if (const Rgb Le = emitted(x_l, w); !black(Le)) light_sides_.push_back({light_, 0, Le, 1});
+  const double times = pool_->draw(true, u[0], drawn_);
+  few_.clear();
+  values_.clear();
+  for (const LightVertex& y : drawn_) {
+    values_.push_back(y.index + 3 <= settings_.max_depth ? joined(y, x_l, w) : Rgb{});
+    few_.add(luminance(values_.back()));
+  }
+  const std::span<const double> chances = few_.choose(kSides, u[1]);
+  for (size_t c = 0; c < drawn_.size(); ++c) {
+    const LightVertex& y = drawn_[c];
+    if (!(chances[c] > 0) || !visible(y.vertex(), x_l)) continue;
+    const double n = times * chances[c];
+    light_sides_.push_back({y.walk, y.index + 1, values_[c] * static_cast<float>(1 / n), n,
+                            guide_.crossing(y.vertex(), x_l, tally_.rays.portal)});
+  }
+}
+
+void PathSampler::splat_side(const Segment& segment, const Vec3d& w) {
+  Vec3d to_camera;
+  Rgb factor;
+  Side side{&camera_walk_, 1, {}, 1};
+  if (!project(segment.x_c, to_camera, factor, side.raster_x, side.raster_y)) return;
+  side.value = bsdf_at(segment.x_c, -w, to_camera) * factor;
+  if (black(side.value) || !visible(segment.x_c, camera_walk_[0])) return;
+  side.crossing = guide_.crossing(segment.x_c, camera_walk_[0], tally_.rays.portal);
+  camera_sides_.push_back(side);
+}
+
+// [eq. 3] with edge C3 of [eq. 2], over its density: b prefix vertices z_0..z_{b-1}, leaving x_c,
+// scattered from -w.
+void PathSampler::camera_sides(const Segment& segment, const Vec3d& w, double u) {
   const Walk& z = camera_walk_;
-  const int D = settings_.max_depth;
-  if (D < 2) return;
+  const Vertex& x_c = segment.x_c;
+  camera_sides_.clear();
+  splat_side(segment, w);
+  few_.clear();
+  values_.clear();
+  for (int b = 2; b <= settings_.max_depth - 1 && b <= z.size; ++b) {
+    const Vertex& v = z[b - 1];
+    Rgb value;
+    if (v.connectible) {
+      const Edge e = between(x_c, v);
+      value = bsdf_at(x_c, -w, e.w) * bsdf_at(v, -e.w, back(z, b - 1)) *
+              z.state(b - 1).throughput * geometry(x_c, v, e);
+    }
+    values_.push_back(value);
+    few_.add(luminance(value));
+  }
+  const std::span<const double> chances = few_.choose(kSides, u);
+  for (size_t c = 0; c < values_.size(); ++c) {
+    const int b = static_cast<int>(c) + 2;
+    if (!(chances[c] > 0) || !visible(x_c, z[b - 1])) continue;
+    camera_sides_.push_back({&z, b, values_[c] * static_cast<float>(1 / chances[c]), chances[c],
+                             guide_.crossing(x_c, z[b - 1], tally_.rays.portal)});
+  }
+}
+
+void PathSampler::portal() {
+  if (world_.portals.empty() || settings_.max_depth < 2) return;
   tally_.begin_portals(world_.portals.portals());
-  Sequence random = numbers(segment);
+  Sequence random = numbers(segment_place);
   const PortalSet::Sample sample = world_.portals.sample(random.uniforms<7>());
   const double share = settings_.mixture.segments;
   if (!(random.uniform() < share)) return;
   Tally::OfPortal& of_portal = tally_.portals[world_.portals.polygon(sample.drawn.polygon).portal];
   ++of_portal.drawn;
-  Vertex x_l, x_c;
-  PortalSet::Crossing crossing{};
-  double presence;
-  if (!portal_segment(sample, x_l, x_c, crossing, presence)) return;
+  Segment segment;
+  if (!draw_segment(sample, segment)) return;
+
+  const auto& [x_l, x_c, crossing, presence] = segment;
+  const Edge middle = between(x_l, x_c);
+  random.seek(8);
+  const auto [u_candidates, u_light, u_camera] = random.uniforms<3>();
+  light_sides(segment, middle.w, {u_candidates, u_light});
+  if (light_sides_.empty()) return;
+  camera_sides(segment, middle.w, u_camera);
 
   // One throughput for both ends, the G of edge C2 of [eq. 2] over its density: G / p_AA = 1 / D; a
   // share of the samples stands for all.
-  const Edge middle = between(x_l, x_c);
-  const Vec3d& w = middle.w;
   Rgb through(static_cast<float>(1 / (share * crossing.density * presence)));
-  if (world_.absorbing) through = through * transmittance(x_l, x_c, w, std::sqrt(middle.d2));
-
-  // Light sides: [eq. 1] with edge C1 of [eq. 2], over its density. [a] with a prefix vertices
-  // y_0..y_{a-1}; arriving at x_l and scattered along w.
-  // Each end's edges are tested against the portals once, for all paths that have them.
-  std::array<Rgb, kMaxDepth> light_side;
-  std::array<PortalSet::Crossing, kMaxDepth> before;  // of meaning where light_side is not black
-  light_side[0] = emitted(x_l, w);
-  int last_a = 0;
-  for (int a = 1; a <= D - 2 && a <= y.size; ++a) {
-    const Vertex& v = y[a - 1];
-    Rgb& value = light_side[static_cast<size_t>(a)];
-    value = {};
-    last_a = a;
-    if (!v.connectible) continue;
-    const Edge e = between(v, x_l);
-    const Rgb f = a == 1 ? emitted(v, e.w) : bsdf_at(v, back(y, a - 1), e.w);
-    value = y.state(a - 1).throughput * f * bsdf_at(x_l, -e.w, w) * geometry(v, x_l, e);
-    if (!black(value) && !visible(v, x_l)) value = {};
-    if (!black(value)) before[static_cast<size_t>(a)] = guide_.crossing(v, x_l, tally_.rays.portal);
-  }
-
+  if (world_.absorbing)
+    through = through * transmittance(x_l, x_c, middle.w, std::sqrt(middle.d2));
   double brought = 0;
-  // Camera sides: [eq. 3] with edge C3 of [eq. 2], over its density. b prefix vertices
-  // z_0..z_{b-1}; leaving x_c, scattered from -w.
-  for (int b = 1; b <= D - 1 && b <= std::max(z.size, 1); ++b) {
-    const Vertex& v = z[b - 1];
-    Rgb camera_side;
-    double raster_x = 0, raster_y = 0;
-    if (b == 1) {
-      Vec3d to_camera;
-      Rgb factor;
-      if (!project(x_c, to_camera, factor, raster_x, raster_y)) continue;
-      camera_side = bsdf_at(x_c, -w, to_camera) * factor;
-    } else {
-      if (!v.connectible) continue;
-      const Edge e = between(x_c, v);
-      camera_side = bsdf_at(x_c, -w, e.w) * bsdf_at(v, -e.w, back(z, b - 1)) *
-                    z.state(b - 1).throughput * geometry(x_c, v, e);
-    }
-    if (black(camera_side) || !visible(x_c, v)) continue;
-    const PortalSet::Crossing after = guide_.crossing(x_c, v, tally_.rays.portal);
-    for (int a = 0; a <= last_a && a + b <= D - 1; ++a) {
-      const Rgb value = light_side[static_cast<size_t>(a)] * camera_side * through;
+  for (const Side& after : camera_sides_)
+    for (const Side& before : light_sides_) {
+      if (before.prefix + after.prefix + 1 > settings_.max_depth) continue;
+      const Rgb value = before.value * after.value * through;
       if (black(value)) continue;
-      const SegmentCrossings crossings{crossing, before[static_cast<size_t>(a)], after};
-      const Path path(world_, guide_, y, a, x_l, x_c, crossings, z, b, tally_.rays);
-      const Strategy strategy{Technique::portal, a};
-      brought += b == 1 ? to_film(path, strategy, raster_x, raster_y, value)
-                        : to_pixel(path, strategy, value);
+      const SegmentCrossings crossings{crossing, before.crossing, after.crossing};
+      const Path path(world_, guide_, *before.walk, before.prefix, x_l, x_c, crossings, *after.walk,
+                      after.prefix, tally_.rays);
+      const Contribution found{path, {Technique::portal, before.prefix}, value,
+                               share * before.chance * after.chance};
+      brought += after.prefix == 1 ? to_film(found, after.raster_x, after.raster_y)
+                                   : to_pixel(found);
     }
-  }
   of_portal.lit += brought > 0;
   of_portal.energy.add(brought);
 }

@@ -2,26 +2,41 @@
 // and all paths that the techniques of a mixture join from them, each with its MIS weight.
 //
 // Method: tri-directional path tracing (sections 3.1 to 3.3), which is bidirectional path tracing
-// with a third kind of sub-path. y_0 y_1 ... are the vertices of the light's walk, z_0 z_1 ... of
+// with a third kind of sub-path. y_0 y_1 ... are the vertices of a light's walk, z_0 z_1 ... of
 // the camera's, x_l and x_c the ends of the segment on the light's and on the camera's side.
+//
+// Not all are joined with all. Light walks of several samples are pooled [light_pool.h]; what a
+// camera vertex or x_l could be joined with is estimated without visibility, and few of those get
+// their ray [few.h]. Those are the ones that matter, so that the weights take no notice of the
+// choice; what is brought is divided by its chance.
 #pragma once
 #include <functional>
 
 #include "tools/tdpt-render/film.h"
+#include "tools/tdpt-render/path/few.h"
+#include "tools/tdpt-render/path/light_pool.h"
 #include "tools/tdpt-render/path/path.h"
 
 namespace tdpt {
 
 struct SampleSettings {
   Mixture mixture;
-  int max_depth = 6;
+  int max_depth = kMaxDepth;
   double beta = 1;  ///< 1: balance heuristic, 2: power heuristic
   uint64_t seed = 1;
   uint64_t stream = 0;  ///< keeps integrators apart
 };
 
-/// Sees every contribution with its path: for tests, and to learn where the light goes.
-using PathObserver = std::function<void(const Path&, Strategy, const Rgb& unweighted)>;
+/// What a sample has found.
+struct Contribution {
+  const Path& path;
+  Strategy strategy;
+  Rgb value;     ///< measurement contribution over density and `times`, unweighted
+  double times;  ///< samples of this strategy that it stands for: 1 without choices
+};
+
+/// Sees every contribution: for tests, and to learn where the light goes.
+using PathObserver = std::function<void(const Contribution&)>;
 
 /// Makes samples of a mixture: sample(), or its parts begin(), run() and end().
 class PathSampler {
@@ -43,11 +58,12 @@ class PathSampler {
   void begin(int x, int y, uint64_t sample);
   /// The walks and techniques that the mixture has.
   void run();
-  // The same in two phases, for many samples at a time: first the light's walk, kept by the caller,
-  // then all else with it. Both after begin() of the sample.
+  // The same in two phases, for samples that pool their light walks: first those, kept by the
+  // caller, then all else. Both after begin() of the sample.
   bool has_light_phase() const { return settings_.mixture.techniques.walks_from_light(); }
   void light_phase(Walk& y);
-  void camera_phase(const Walk& y);
+  /// `y`: the sample's own walk.
+  void camera_phase(const Walk& y, const LightPool& pool);
   /// Adds what the camera side gathered to the pixel.
   void end();
 
@@ -55,26 +71,42 @@ class PathSampler {
   // the walks of its prefixes.
 
   void walk_from_camera();
-  void walk_from_light();
+  void walk_from_light();  ///< and pools that walk alone
+  /// `y`: the sample's own light walk, of no meaning where the mixture has none.
+  void join_with(const Walk& y, const LightPool& pool);
 
   void run(Technique technique);
   void camera();  ///< the camera walk hits a light
   void direct();  ///< a point on a light for each camera vertex
   void light();   ///< each light vertex projected to the film
-  void bi();      ///< each light vertex with each camera vertex
+  void bi();      ///< each camera vertex joined with a few light vertices
   void portal();  ///< both walks joined through a segment that crosses a portal
 
  private:
-  enum Purpose : uint64_t { film_place, camera_walk, light_walk, next_event, segment };
+  enum Purpose : uint64_t { film_place, camera_walk, light_walk, next_event, segment_place, choices };
   Sequence numbers(Purpose purpose) const;
+
+  /// One end of a portal segment joined with a prefix of a walk.
+  struct Side {
+    const Walk* walk;
+    int prefix;  ///< vertices of it
+    Rgb value;   ///< throughput and what is scattered at both, over the chance of being taken
+    double chance;
+    PortalSet::Crossing crossing{};  ///< of the edge that joins them
+    double raster_x = 0, raster_y = 0;  ///< where it is the camera that sees the end
+  };
+  struct Segment {
+    Vertex x_l, x_c;
+    PortalSet::Crossing crossing{};
+    double presence = 1;  ///< coverage of both ends' surfaces (Hit::presence)
+  };
 
   // Weigh a contribution and add it to the sample's own pixel, or where it falls on the film;
   // return the luminance that it brought.
-  double to_pixel(const Path& path, Strategy strategy, const Rgb& value);
-  double to_film(const Path& path, Strategy strategy, double raster_x, double raster_y,
-                 const Rgb& value);
+  double to_pixel(const Contribution& found);
+  double to_film(const Contribution& found, double raster_x, double raster_y);
   /// False when it is not finite: then it is counted and left out.
-  bool weigh(const Path& path, Strategy strategy, const Rgb& value, Rgb& weighted);
+  bool weigh(const Contribution& found, Rgb& weighted);
   void leave_out() { tally_.leave_out({sample_, y_, x_}); }
   /// Random bits for rounding, others at each call. Layers have their own, so that the picture's
   /// are the same with and without.
@@ -88,10 +120,14 @@ class PathSampler {
   /// Importance of the pinhole for light leaving p: radiance of a splat per unit of f * throughput.
   /// False when p is not in the picture. No visibility.
   bool project(const Point& p, Vec3d& to_camera, Rgb& factor, double& x, double& y) const;
-  /// A segment x_l -> x_c through a portal, its crossing and the coverage of both ends' surfaces
-  /// (Hit::presence); false when it joins nothing.
-  bool portal_segment(const PortalSet::Sample& sample, Vertex& x_l, Vertex& x_c,
-                      PortalSet::Crossing& crossing, double& presence);
+  /// Light that vertex y_i sends to `end`, whose edges go on along unit w; no visibility.
+  Rgb joined(const LightVertex& y, const Vertex& end, const Vec3d& w) const;
+  /// Whether a segment joins anything.
+  bool draw_segment(const PortalSet::Sample& sample, Segment& segment);
+  // What x_l and x_c can be joined with, few of each.
+  void light_sides(const Segment& segment, const Vec3d& w, const std::array<double, 2>& u);
+  void camera_sides(const Segment& segment, const Vec3d& w, double u);
+  void splat_side(const Segment& segment, const Vec3d& w);
 
   const World& world_;
   SampleSettings settings_;
@@ -105,6 +141,13 @@ class PathSampler {
   Vec3d pixel_{};
   Walk light_walk_, camera_walk_, light_point_;
   const Walk* light_ = &light_walk_;  ///< that of the sample
+  LightPool own_pool_;
+  const LightPool* pool_ = &own_pool_;
+  // Of one vertex at a time.
+  std::vector<LightVertex> drawn_;
+  std::vector<Rgb> values_;
+  Few few_;
+  std::vector<Side> light_sides_, camera_sides_;
 };
 
 }  // namespace tdpt

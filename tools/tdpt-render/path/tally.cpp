@@ -13,6 +13,7 @@ void Tally::leave_out(const Place& place) {
 void Tally::merge(const Tally& other) {
   rays.merge(other.rays);
   for (size_t i = 0; i < kTechniques; ++i) energy[i].merge(other.energy[i]);
+  for (size_t i = 0; i < kOctaves; ++i) by_length[i].merge(other.by_length[i]);
   begin_portals(other.portals.size());
   for (size_t i = 0; i < other.portals.size(); ++i) {
     portals[i].drawn += other.portals[i].drawn;

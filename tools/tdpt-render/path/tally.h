@@ -1,6 +1,7 @@
 // What samples count beside the film: integers, so that the order of threads cannot matter.
 #pragma once
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <vector>
 
@@ -23,10 +24,16 @@ struct RayCounts {
 
 struct Tally {
   /// `unit`: of energies, a power of two [Film::unit].
-  explicit Tally(double unit = 0x1p-64) : unit_(unit) { energy.fill(UnitSum(unit)); }
+  explicit Tally(double unit = 0x1p-64) : unit_(unit) {
+    energy.fill(UnitSum(unit));
+    by_length.fill(UnitSum(unit));
+  }
 
   RayCounts rays;
   std::array<UnitSum, kTechniques> energy;  ///< sum of luminance per technique
+  /// And by length: [i] of paths of more than 2^(i-1) edges and up to 2^i.
+  static constexpr size_t kOctaves = 11;
+  std::array<UnitSum, kOctaves> by_length;
   /// What the segments drawn through one portal did.
   struct OfPortal {
     uint64_t drawn = 0, lit = 0;  ///< those that joined a light with the camera
@@ -44,6 +51,9 @@ struct Tally {
 
   void begin_portals(size_t n) {
     if (portals.empty()) portals.resize(n, {0, 0, UnitSum(unit_)});
+  }
+  void count_length(int edges, double luminance) {
+    by_length[std::bit_width(static_cast<unsigned>(edges) - 1)].add(luminance);
   }
   void leave_out(const Place& place);
   void merge(const Tally& other);

@@ -57,21 +57,28 @@ template <class PlainPdf>
 bool Walker::extend(const Tracer::Origin& origin, const Vec3d& w, const Rgb& throughput,
                     const PlainPdf& plain_A, int triangle) {
   const auto n = static_cast<size_t>(walk_.size);
-  Vertex& v = walk_.v[n - 1];
   Hit hit;
   ++rays_.closest;
   if (!world_.tracer.closest(origin, w, hit)) return false;
+  walk_.make_place();
+  Vertex& v = walk_.v[n - 1];
   Vertex& next = walk_.v[n];
   place_on_surface(world_, hit, next);
   const double plain = plain_A(v, next);
   if (!(plain > 0)) return false;
-  const WalkState& here = walk_.states[n - 1];
+  WalkState& here = walk_.states[n - 1];
   const bool known = n >= 2 && walk_.v[n - 2].met();
   const double other = known ? scatter_pdf_A(next, v, walk_.v[n - 2], here.dirac) : 0;
   if (known) walk_.states[n - 2].pdf_other_A = other;
   WalkState& state = walk_.states[n];
+  if (guide_.active()) guide_.aim_at_surface(-w, next);
+  const From reverse = from_ == From::light ? From::camera : From::light;
+  if (n >= 2) here.other_survival = guide_.survival(reverse, v, w);
+  state.own_survival = guide_.survival(from_, next, -w);
+  state.other_survival = 1;
+  const double went_on = always_goes_on(static_cast<int>(n) - 1) ? 1 : here.own_survival;
   state.throughput = throughput * static_cast<float>(1 / hit.presence);
-  state.pdf_own_A = plain;
+  state.pdf_own_A = went_on * plain;
   state.pdf_other_A = 0;
   state.crossing = crossing(v, next, triangle);
   state.dirac = false;
@@ -80,13 +87,12 @@ bool Walker::extend(const Tracer::Origin& origin, const Vec3d& w, const Rgb& thr
   ++walk_.size;
   if (!guide_.active()) return true;
 
-  guide_.aim_at_surface(-w, next);
   const bool by_film = n == 1 && from_ == From::camera;
   if (here.dirac || by_film) return true;
-  state.pdf_own_A = guide_.pdf_A(from_, v, back(n - 1), next, plain, state.crossing);
-  state.throughput *= static_cast<float>(plain / state.pdf_own_A);
+  const double directed = guide_.pdf_A(from_, v, back(n - 1), next, plain, state.crossing);
+  state.pdf_own_A = went_on * directed;
+  state.throughput *= static_cast<float>(plain / directed);
   if (known) {
-    const From reverse = from_ == From::light ? From::camera : From::light;
     walk_.states[n - 2].pdf_other_A =
         guide_.pdf_A(reverse, v, w, walk_.v[n - 2], other, here.crossing);
   }
@@ -95,13 +101,17 @@ bool Walker::extend(const Tracer::Origin& origin, const Vec3d& w, const Rgb& thr
 
 void Walker::scatter(int edges) {
   while (walk_.size <= edges) {
+    walk_.make_place();
     const Vertex& v = walk_[walk_.size - 1];
     WalkState& state = walk_.states[static_cast<size_t>(walk_.size) - 1];
     const Vertex& previous = walk_[walk_.size - 2];
     const Vec3d to_previous = between(v, previous).w;
     Turn t;
     numbers_.seek(kPerBounce * static_cast<uint32_t>(walk_.size - 1));
-    const bool goes_on = turn(v, from_, to_previous, numbers_.uniforms<3>(), t);
+    const bool scatters = turn(v, from_, to_previous, numbers_.uniforms<3>(), t);
+    const double roulette = numbers_.uniform();
+    const double chance = always_goes_on(walk_.size - 1) ? 1 : state.own_survival;
+    if (!(roulette < chance)) return;
     const bool tried_dirac = t.dirac;
     Vec3d towards;
     int triangle = -1;
@@ -112,11 +122,11 @@ void Walker::scatter(int edges) {
     }
     if (aims && !tried_dirac) {
       if (!turn_towards(v, from_, to_previous, towards, t)) return;
-    } else if (!goes_on) {
+    } else if (!scatters) {
       return;
     }
     // One factor more, f cos / pdf_w, of [eq. 1] or [eq. 3] over its density.
-    const Rgb throughput = state.throughput * t.weight;
+    const Rgb throughput = state.throughput * t.weight * static_cast<float>(1 / chance);
     if (max_component(throughput) <= 0) return;
     state.dirac = t.dirac;
     const auto pdf_A = [&](const Vertex& at, const Vertex& to) {
@@ -133,18 +143,23 @@ void Walker::scatter(int edges) {
 
 void begin_at_light(const World& world, const Guide& guide, const Lights::Point& light,
                     Walk& walk) {
+  walk.size = 0;
+  walk.make_place();
   walk.size = 1;
   place_on_light(world, light, walk.v[0]);
   if (guide.active()) guide.aim_at_light(walk.v[0]);
-  walk.states[0] = {Rgb(static_cast<float>(1 / light.pdf)), light.pdf, 0, {}, false};
+  walk.states[0] = {};
+  walk.states[0].throughput = Rgb(static_cast<float>(1 / light.pdf));
+  walk.states[0].pdf_own_A = light.pdf;
 }
 
 void walk_from_camera(const World& world, const Guide& guide, double x, double y, int edges,
                       Sequence numbers, Walk& walk, RayCounts& rays) {
+  walk.size = 0;
+  walk.make_place();
   walk.size = 1;
-  Vertex& z0 = walk.v[0];
-  z0 = {};
-  z0.position = world.film.position();
+  walk.v[0] = {};
+  walk.v[0].position = world.film.position();
   walk.states[0] = {};
   walk.states[0].pdf_own_A = 1;
   const Vec3d w = world.film.direction(x, y);
@@ -152,7 +167,8 @@ void walk_from_camera(const World& world, const Guide& guide, double x, double y
     return to_area(world.film.pdf_w(w), {w, between(at, to).d2}, to);
   };
   Walker walker(world, guide, From::camera, numbers, walk, rays);
-  if (walker.extend(z0.origin(), w, Rgb(1.0f), pdf_A, -1)) walker.scatter(edges);
+  const Tracer::Origin pinhole = walk.v[0].origin();
+  if (walker.extend(pinhole, w, Rgb(1.0f), pdf_A, -1)) walker.scatter(edges);
 }
 
 void walk_from_light(const World& world, const Guide& guide, int edges, Sequence numbers,

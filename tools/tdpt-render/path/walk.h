@@ -1,14 +1,14 @@
 // The sub-paths of bidirectional path tracing: random walks from the camera and from a light.
 // Section 3.1.2.
 #pragma once
+#include <vector>
+
 #include "libcommon/math/sequence.h"
 #include "tools/tdpt-render/path/guide.h"
+#include "tools/tdpt-render/path/roulette.h"
 #include "tools/tdpt-render/path/tally.h"
 
 namespace tdpt {
-
-/// Longest path: 64 edges.
-constexpr int kMaxDepth = 64;
 
 /// What a walk knows of its own at one of its vertices.
 struct WalkState {
@@ -16,16 +16,26 @@ struct WalkState {
   /// emission and f cos over their densities, transmittance over coverage.
   Rgb throughput{};
   double pdf_own_A = 0;  ///< of the vertex, sampled by this walk
-  double pdf_other_A =
-      0;  ///< as a walk from the other end would sample it; known two vertices later
+  /// As a walk from the other end would sample it that goes on from the vertex after it; known two
+  /// vertices later.
+  double pdf_other_A = 0;
+  /// Survival here [Guide::survival] of this walk and, known one vertex later, of one from the other
+  /// end; where it is not sure to go on.
+  double own_survival = 1, other_survival = 1;
   PortalSet::Crossing crossing{};  ///< of the edge to the vertex before (portals.h)
   bool dirac = false;              ///< the walk went on by a Dirac lobe
 };
 
 struct Walk {
-  std::array<Vertex, kMaxDepth + 1> v;
-  std::array<WalkState, kMaxDepth + 1> states;
+  std::vector<Vertex> v;          ///< `size` of them are the walk
+  std::vector<WalkState> states;  ///< as many
   int size = 0;
+  /// Makes place for one vertex more; those there are may move.
+  void make_place() {
+    if (v.size() > static_cast<size_t>(size)) return;
+    v.resize(2 * v.size() + 8);
+    states.resize(v.size());
+  }
   const Vertex& operator[](int i) const { return v[static_cast<size_t>(i)]; }
   const WalkState& state(int i) const { return states[static_cast<size_t>(i)]; }
 };

@@ -1,0 +1,60 @@
+#include "tools/tdpt-render/path/light_pool.h"
+
+#include <algorithm>
+
+namespace tdpt {
+
+void LightPool::clear() {
+  starts_.clear();
+  scattered_.clear();
+  walks_ = 0;
+}
+
+void LightPool::add(const Walk& y) {
+  ++walks_;
+  for (int i = 0; i < y.size; ++i)
+    if (y[i].connectible) (i == 0 ? starts_ : scattered_).push_back({&y, i});
+}
+
+double LightPool::draw(bool starts, double u, std::vector<LightVertex>& drawn) const {
+  drawn.clear();
+  const size_t n = scattered_.size() + (starts ? starts_.size() : 0);
+  const auto at = [&](size_t i) {
+    return i < scattered_.size() ? scattered_[i] : starts_[i - scattered_.size()];
+  };
+  if (n == 0) return 0;
+  if (n <= kCandidates) {
+    for (size_t i = 0; i < n; ++i) drawn.push_back(at(i));
+    return walks_;
+  }
+  const double step = static_cast<double>(n) / kCandidates;
+  for (int i = 0; i < kCandidates; ++i)
+    drawn.push_back(at(std::min(n - 1, static_cast<size_t>((i + u) * step))));
+  return walks_ / step;
+}
+
+Mixture expecting_joins(const World& world, const Mixture& mixture, int max_depth) {
+  Mixture expecting = mixture;
+  if (!mixture.techniques.walks_from_light()) return expecting;
+  constexpr int kWalks = 512;
+  const Guide guide(world, mixture);
+  RayCounts rays;
+  Walk y;
+  double starts = 0, scattered = 0;
+  for (int i = 0; i < kWalks; ++i) {
+    walk_from_light(world, guide, max_depth - 1, Sequence(0, 0, 0, static_cast<uint64_t>(i)), y,
+                    rays);
+    for (int j = 0; j < y.size; ++j)
+      if (y[j].connectible) ++(j == 0 ? starts : scattered);
+  }
+  // A pool has no more than its walks.
+  const auto joins = [](double vertices) {
+    return LightPool::kCandidates * kWalks /
+           std::max(vertices, double{LightPool::kCandidates} * kWalks / LightPool::kWalks);
+  };
+  expecting.joined = joins(scattered);
+  expecting.joined_to_segments = joins(starts + scattered);
+  return expecting;
+}
+
+}  // namespace tdpt
