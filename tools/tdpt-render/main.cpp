@@ -115,6 +115,8 @@ void report(const Arguments& a, const cli::Common& common, const Loaded& in, con
   common.note(fmt::format("{}: {} samples per pixel at {} x {} in {:.1f} s ({:.1f} CPU s)", name,
                           result.spp, result.picture.width, result.picture.height, result.seconds,
                           result.cpu_seconds));
+  if (const std::string length = length_sentence(settings, result); !length.empty())
+    common.note(length);
   if (a.verbose)
     for (const std::string& note : verbose_notes(in.scene, choice.integrator, result))
       common.note(note);

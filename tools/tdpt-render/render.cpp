@@ -79,6 +79,8 @@ class Rendering {
 
   /// Decides who renders.
   void plan();
+  /// What is beyond the limit of depth, if there is one.
+  void look_beyond();
   /// Renders until the plan's samples are there, or the time is up.
   void samples();
   RenderResult finish();
@@ -141,6 +143,15 @@ void Rendering::plan() {
   }
   result_.plan.integrator = candidates_[result_.chosen].integrator;
   result_.plan.label = result_.chosen_label = candidates_[result_.chosen].label;
+}
+
+void Rendering::look_beyond() {
+  if (settings_.max_depth >= kMaxDepth) return;
+  constexpr double kShare = 0.01;  // of the picture's samples
+  const double samples = settings_.spp > 0 ? kShare * static_cast<double>(settings_.spp * pixels_)
+                                           : static_cast<double>(pixels_);
+  result_.beyond = light_beyond(world_, result_.plan.integrator, rules_, samples, film_);
+  film_.clear();
 }
 
 Picture Rendering::picture_of(const std::vector<Vec3d>& sums) const {
@@ -210,6 +221,7 @@ RenderResult render(const World& world, const std::vector<Candidate>& candidates
                     const RenderSettings& settings, const std::vector<PortalWay>& ways) {
   Rendering rendering(world, candidates, settings);
   rendering.plan();
+  rendering.look_beyond();
   rendering.samples();
   RenderResult result = rendering.finish();
   result.plan.ways = ways;

@@ -1,8 +1,10 @@
 // The loop over pixels and samples.
 #pragma once
 #include <map>
+#include <optional>
 #include <string>
 
+#include "tools/tdpt-render/beyond.h"
 #include "tools/tdpt-render/passes.h"
 #include "tools/tdpt-render/plan.h"
 #include "tools/tdpt-render/scout.h"
@@ -44,6 +46,8 @@ struct RenderResult {
   RenderTally tally;
   std::map<std::string, Picture> layers;  ///< by technique; they add up to the picture
   std::vector<FrameRecord> frames;        ///< the last one is the picture
+
+  std::optional<Beyond> beyond;  ///< what the limit of depth leaves out, where there is one
 
   size_t chosen = 0;                ///< which of the candidates rendered
   std::string chosen_label;         ///< empty when there was only one

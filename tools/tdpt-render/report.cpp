@@ -48,7 +48,8 @@ nlohmann::ordered_json summary(const Integrator& integrator, const RenderSetting
   j["spp"] = result.spp;
   j["width"] = result.picture.width;
   j["height"] = result.picture.height;
-  j["max_depth"] = settings.max_depth;
+  j["max_depth"] = nullptr;
+  if (settings.max_depth < kMaxDepth) j["max_depth"] = settings.max_depth;
   j["seconds"] = result.seconds;
   j["cpu_seconds"] = result.cpu_seconds;
   j["mean"] = numbers(result.mean());
@@ -60,6 +61,10 @@ nlohmann::ordered_json summary(const Integrator& integrator, const RenderSetting
   for (size_t i = 0; i < kTechniques; ++i)
     if (integrator.mixture.has(static_cast<Technique>(i)))
       techniques[kTechniqueNames[i]] = total > 0 ? result.tally.energy[i] / total : 0.0;
+  auto& lengths = j["light_by_length"] = nlohmann::ordered_json::array();
+  for (const double light : result.tally.by_length) lengths.push_back(total > 0 ? light / total : 0.0);
+  if (const auto& beyond = result.beyond)
+    j["beyond"] = {{"depth", beyond->depth}, {"share", beyond->share}, {"error", beyond->error}};
   j["not_finite"] = result.tally.not_finite;
   if (!portals.empty()) j["portals"] = portals_json(portals, result);
   return j;
@@ -126,6 +131,15 @@ std::vector<std::string> verbose_notes(const Scene& scene, const Integrator& int
   return notes;
 }
 
+std::string length_sentence(const RenderSettings& settings, const RenderResult& result) {
+  if (result.beyond) return sentence(*result.beyond);
+  const double total = total_energy(result), last = result.tally.by_length.back();
+  if (settings.max_depth < kMaxDepth || !(last > 1e-4 * total)) return "";
+  return fmt::format(
+      "paths of {} to {} edges hold {:.2g} % of the light; what longer ones hold is left out",
+      kMaxDepth / 2 + 1, kMaxDepth, 100 * last / total);
+}
+
 std::optional<double> portals_gain(const RenderResult& result) {
   const auto with = best_with(true, result.prospects), without = best_with(false, result.prospects);
   if (!with || !without || !(result.prospects[*with].cost() > 0)) return {};
@@ -170,7 +184,7 @@ std::map<std::string, std::string> exr_attributes(const Integrator& integrator,
   a["integrator"] = integrator.name;
   if (!result.chosen_label.empty()) a["chosen"] = result.chosen_label;
   a["spp"] = std::to_string(result.spp);
-  a["maxDepth"] = std::to_string(settings.max_depth);
+  a["maxDepth"] = settings.max_depth < kMaxDepth ? std::to_string(settings.max_depth) : "none";
   a["seed"] = std::to_string(settings.seed);
   a["mis"] = settings.beta == 1 ? "balance" : "power";
   a["pixelFilter"] = "box, one pixel wide";

@@ -16,6 +16,10 @@ std::string summary_json(const Integrator& integrator, const RenderSettings& set
 std::vector<std::string> verbose_notes(const Scene& scene, const Integrator& integrator,
                                        const RenderResult& result);
 
+/// What the length of paths leaves out, by --max-depth or by the hard stop; empty where that is
+/// nothing to speak of.
+std::string length_sentence(const RenderSettings& settings, const RenderResult& result);
+
 /// What `auto` chose, and why.
 std::string choice_sentence(const RenderResult& result);
 /// How efficient the best of the candidates with portals is beside the best without, as measured

@@ -7,6 +7,8 @@
 
 #include <oneapi/tbb/parallel_for.h>
 
+#include "tools/tdpt-render/spread_pixels.h"
+
 namespace tdpt {
 namespace {
 
@@ -25,16 +27,6 @@ int techniques(const Candidate& c) {
 // Which of the parts of the picture, across or down, a pixel lies in.
 int64_t part_of(int64_t at, int64_t size) {
   return at * ScoutSums::kAcross / size;
-}
-
-// The k-th of pixels spread evenly over the picture.
-std::array<int, 2> pixel_of(uint64_t k, int width, int height) {
-  // Powers of the plastic number's inverse, as fractions of 2^64.
-  const auto spread = [k](uint64_t step, int size) {
-    const uint64_t at = (k + 1) * step;
-    return static_cast<int>(static_cast<double>(at >> 11) * 0x1p-53 * size);
-  };
-  return {spread(0xc13fa9a902a6328fULL, width), spread(0x91e10da5c79e7b1dULL, height)};
 }
 
 }  // namespace
@@ -281,12 +273,12 @@ void Scout::draw_run(size_t r, uint64_t first, uint64_t end, Film& film, ScoutSu
     const auto number = [&](uint64_t k) { return (kScoutGroup * k + j) << 32; };
     pool.clear();
     for (uint64_t k = first; k < end; ++k) {
-      const auto [x, y] = pixel_of(k, world_.film.width(), world_.film.height());
+      const auto [x, y] = spread_pixel(k, world_.film.width(), world_.film.height());
       runner.light_phase(x, y, number(k), walks[k - first], sums.rays[r]);
       pool.add(walks[k - first]);
     }
     for (uint64_t k = first; k < end; ++k) {
-      const auto [x, y] = pixel_of(k, world_.film.width(), world_.film.height());
+      const auto [x, y] = spread_pixel(k, world_.film.width(), world_.film.height());
       seen.begin(x, y, k, record(k, r, j));
       runner.camera_phase(x, y, number(k), walks[k - first], pool, sums.rays[r]);
       seen.end();
