@@ -47,7 +47,7 @@ std::span<const double> Few::choose(int count, double u) {
   double before = u;
   for (size_t i = 0; i < estimates_.size(); ++i) {
     const double chance = std::min(1.0, k * estimates_[i]), after = before + chance;
-    if (std::floor(after) > std::floor(before)) chances_[i] = chance;
+    if (static_cast<int>(after) > static_cast<int>(before)) chances_[i] = chance;
     before = after;
   }
   return chances_;
