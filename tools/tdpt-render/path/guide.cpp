@@ -70,13 +70,8 @@ void Guide::aim_at_light(Vertex& v) const {
 }
 
 double Guide::chance(From from, const Vertex& v, const Vec3d& back) const {
-  return back == Vec3d() ? chance(from) : std::min(chance(from), 1 - albedo_at(v, back));
-}
-
-double Guide::survival(From from, const Vertex& v, const Vec3d& back) const {
-  const double albedo = albedo_at(v, back);
-  if (!active_ || !(chance(from) > 0) || !(v.aims.scattered[index(from)] > 0)) return albedo;
-  return std::min(1.0, albedo / (1 - std::min(chance(from), 1 - albedo) * scope(v, back).broad));
+  constexpr double kMost = 0.6;
+  return back == Vec3d() ? chance(from) : std::min(chance(from), kMost * (1 - albedo_at(v, back)));
 }
 
 bool Guide::draw(const Vertex& v, const Vec3d& back, From from, const std::array<double, 4>& u,

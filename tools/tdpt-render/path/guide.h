@@ -5,7 +5,9 @@
 // Method: one-sample mixture of BSDF sampling and of sampling the portals as if they were lamps;
 // its density is known in closed form, nothing is learnt.
 //
-// w     direction; q: probability that a vertex aims
+// w     direction; q: probability that a vertex aims. Beyond the first, 0.6 (1 - albedo) at most:
+//       a walk that does not aim carries 1 / (1 - q) as much from then on and survives with the
+//       albedo [roulette.h], so that q >= 1 - albedo would let it grow without bound
 // p(w)  density of the surface's own sampling, a(w) that of aiming [portals.h] [1/sr]
 // m     probability that no Dirac lobe was tried: those lobes are left as they are
 // b     1, but where a surface has no Dirac lobe and a narrow one (alpha < 0.3) the probability
@@ -45,9 +47,6 @@ class Guide {
   /// have one. `tests` counts those that are held against the portals; `drawn`: as in portals.h.
   PortalSet::Crossing crossing(const Point& a, const Point& b, uint64_t& tests,
                                const PortalSet::Drawn& drawn = {}) const;
-
-  /// Probability that a walk which came to `v`, on a surface, from unit `back` goes on there.
-  double survival(From from, const Vertex& v, const Vec3d& back) const;
 
   /// Tells a surface that is seen along unit `away` from it, or was left along it, how walks are
   /// directed there.

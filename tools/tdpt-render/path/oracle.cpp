@@ -259,7 +259,7 @@ struct Directed {
     aimed = at.at_infinity() ? aim_line_pdf(world, unit(at, to), to)
                              : aim_pdf_w(world, from, back, at, to);
     if (!back) return;
-    chance = std::min(chance, 1 - albedo(*back, at));
+    chance = std::min(chance, 0.6 * (1 - albedo(*back, at)));
     if (at.simple) return;
     const Surface s(at);
     const Vec3d local = s.local(unit(at, *back));
@@ -277,12 +277,9 @@ double guided_pdf_w(const Directed& d, bool dirac, double plain, Fault fault) {
   return (1 - d.chance * d.broad) * plain + d.chance * d.broad * matt * d.aimed;
 }
 
-/// Probability that a walk goes on at its vertex `at`, its i-th, to where it is.
-double survival(const Directed& d, const Vertex* back, const Vertex& at, int i, Fault fault) {
-  if (i < 2 || fault == Fault::immortal) return 1;
-  const double rho = albedo(*back, at);
-  if (d.aimed < 0 || d.chance == 0) return rho;
-  return std::min(1.0, rho / (1 - d.chance * d.broad));
+/// Probability that a walk goes on at its vertex `at`, its i-th.
+double survival(const Vertex* back, const Vertex& at, int i, Fault fault) {
+  return i < 2 || fault == Fault::immortal ? 1 : albedo(*back, at);
 }
 
 }  // namespace
@@ -306,7 +303,7 @@ std::vector<StrategyDensity> densities(const World& world, const Path& path, con
       const Directed directed(world, guiding, From::light, back, before, x);
       double per_area = cosine_at(x, before) / distance2(before, x);
       if (fault == Fault::missing_cosine && i == 2) per_area /= cosine_at(x, before);
-      P_light = survival(directed, back, before, i - 1, fault) *
+      P_light = survival(back, before, i - 1, fault) *
                 guided_pdf_w(directed, dirac, p, fault) * per_area;
     }
     const Vertex& after = path.vertex(i + 1);
@@ -315,7 +312,7 @@ std::vector<StrategyDensity> densities(const World& world, const Path& path, con
       const Vertex& back = path.vertex(i + 2);
       const double p = pdf_w(back, after, x, path.dirac(i + 1));
       const Directed directed(world, guiding, From::camera, &back, after, x);
-      q = survival(directed, &back, after, k - i - 1, fault) *
+      q = survival(&back, after, k - i - 1, fault) *
           guided_pdf_w(directed, path.dirac(i + 1), p, fault);
     }
     P_camera = !x.on_surface() ? 0 : q * cosine_at(x, after) / distance2(after, x);

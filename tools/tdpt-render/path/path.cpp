@@ -112,11 +112,11 @@ void Path::fill_survival(const Walk& y, int s, const Walk& z, int t) {
     light[u(i)] = always_goes_on(i) ? 1
                   : i < s                 ? y.state(i).own_survival
                   : j + 1 < t             ? z.state(j).other_survival
-                                          : guide_.survival(From::light, x(i), between(x(i), x(i - 1)).w);
+                                          : albedo_at(x(i), between(x(i), x(i - 1)).w);
     camera[u(i)] = always_goes_on(j) ? 1
                    : i >= first_z           ? z.state(j).own_survival
                    : i + 1 < s              ? y.state(i).other_survival
-                                            : guide_.survival(From::camera, x(i), between(x(i), x(i + 1)).w);
+                                            : albedo_at(x(i), between(x(i), x(i + 1)).w);
   }
 }
 

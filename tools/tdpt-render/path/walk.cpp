@@ -72,9 +72,8 @@ bool Walker::extend(const Tracer::Origin& origin, const Vec3d& w, const Rgb& thr
   if (known) walk_.states[n - 2].pdf_other_A = other;
   WalkState& state = walk_.states[n];
   if (guide_.active()) guide_.aim_at_surface(-w, next);
-  const From reverse = from_ == From::light ? From::camera : From::light;
-  if (n >= 2) here.other_survival = guide_.survival(reverse, v, w);
-  state.own_survival = guide_.survival(from_, next, -w);
+  if (n >= 2) here.other_survival = albedo_at(v, w);
+  state.own_survival = albedo_at(next, -w);
   state.other_survival = 1;
   const double went_on = always_goes_on(static_cast<int>(n) - 1) ? 1 : here.own_survival;
   state.throughput = throughput * static_cast<float>(1 / hit.presence);
@@ -93,6 +92,7 @@ bool Walker::extend(const Tracer::Origin& origin, const Vec3d& w, const Rgb& thr
   state.pdf_own_A = went_on * directed;
   state.throughput *= static_cast<float>(plain / directed);
   if (known) {
+    const From reverse = from_ == From::light ? From::camera : From::light;
     walk_.states[n - 2].pdf_other_A =
         guide_.pdf_A(reverse, v, w, walk_.v[n - 2], other, here.crossing);
   }

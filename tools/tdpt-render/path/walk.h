@@ -19,8 +19,7 @@ struct WalkState {
   /// As a walk from the other end would sample it that goes on from the vertex after it; known two
   /// vertices later.
   double pdf_other_A = 0;
-  /// Survival here [Guide::survival] of this walk and, known one vertex later, of one from the other
-  /// end; where it is not sure to go on.
+  /// Albedo here, by which this walk and, known one vertex later, one from the other end survives.
   double own_survival = 1, other_survival = 1;
   PortalSet::Crossing crossing{};  ///< of the edge to the vertex before (portals.h)
   bool dirac = false;              ///< the walk went on by a Dirac lobe
