@@ -11,22 +11,27 @@ void render_samples(const World& world, const Integrator& integrator, const Samp
                     Progress& progress) {
   const SampleSettings settings{integrator.mixture, rules.max_depth, rules.beta, rules.seed,
                                 integrator.stream + (kStreams + 1) * round};
-  const int width = world.film.width(), height = world.film.height();
-  std::vector<Tally> rows(static_cast<size_t>(height), Tally(film.unit()));
-  tbb::parallel_for(0, height, [&](int y) {
-    PathSampler sampler(world, settings, film, rows[static_cast<size_t>(y)]);
-    // Those of pixels far apart, so that what they have in common is not seen.
-    const int apart = (width + LightPool::kWalks - 1) / LightPool::kWalks;
+  const auto width = static_cast<uint64_t>(world.film.width());
+  const uint64_t pixels = width * static_cast<uint64_t>(world.film.height());
+  // Light walks are pooled over pixels far apart, so that what those have in common is not seen.
+  const uint64_t pools = (pixels + LightPool::kWalks - 1) / LightPool::kWalks;
+  const uint64_t in_task = (width + LightPool::kWalks - 1) / LightPool::kWalks;
+  std::vector<Tally> tallies((pools + in_task - 1) / in_task, Tally(film.unit()));
+  tbb::parallel_for(size_t{0}, tallies.size(), [&](size_t task) {
+    PathSampler sampler(world, settings, film, tallies[task]);
     std::vector<Walk> light_walks(LightPool::kWalks);
     LightPool pool;
-    const auto each = [&](int first, uint64_t sample, const auto& visit) {
+    // Each pixel of a pool, with the place of its light walk.
+    const auto each = [&](uint64_t first, uint64_t sample, const auto& visit) {
       size_t i = 0;
-      for (int x = first; x < width; x += apart) {
-        sampler.begin(x, y, sample);
+      for (uint64_t p = first; p < pixels; p += pools) {
+        sampler.begin(static_cast<int>(p % width), static_cast<int>(p / width), sample);
         visit(light_walks[i++]);
       }
     };
-    for (int first = 0; first < apart; ++first)
+    const uint64_t begin = task * in_task, end = std::min(pools, begin + in_task);
+    uint64_t done = 0;
+    for (uint64_t first = begin; first < end; ++first)
       for (uint64_t i = 0; i < samples.count; ++i) {
         const uint64_t sample = samples.first + i;
         pool.clear();
@@ -38,11 +43,12 @@ void render_samples(const World& world, const Integrator& integrator, const Samp
         each(first, sample, [&](Walk& walk) {
           sampler.camera_phase(walk, pool);
           sampler.end();
+          ++done;
         });
       }
-    progress.advance(static_cast<uint64_t>(width) * samples.count);
+    progress.advance(done);
   });
-  for (const Tally& row : rows) tally.merge(row);
+  for (const Tally& part : tallies) tally.merge(part);
   film.complete(samples);
 }
 
