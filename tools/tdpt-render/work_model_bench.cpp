@@ -27,7 +27,7 @@ constexpr std::pair<const char*, double WorkCosts::*> kTerms[] = {
     {"facet", &WorkCosts::facet},
 };
 static_assert(sizeof(WorkCosts) == std::size(kTerms) * sizeof(double), "a term is missing");
-constexpr int kDepths[] = {3, 6, 12};
+constexpr int kDepths[] = {3, 6, kMaxDepth};
 
 void measure(const std::string& scene_path, const std::vector<Portal>& portals, int width,
              int height, double seconds) {
