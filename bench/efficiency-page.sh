@@ -11,7 +11,7 @@ cat <<EOF
 # Efficiency of the integrators
 
 Written by \`make bench-efficiency\` ($("$bin/tdpt-render" --version), $(nproc 2>/dev/null || echo ?) cores; SECONDS_EACH=$each SEEDS=$seeds
-REF_INTEGRATOR=$reference_integrator REF_SECONDS=$reference_seconds; \`bench/efficiency.sh\` tells the rest). Every picture is one thread's, depth 6, \`--time $each\`,
+REF_INTEGRATOR=$reference_integrator REF_SECONDS=$reference_seconds; \`bench/efficiency.sh\` tells the rest). Every picture is one thread's, $depth_words, \`--time $each\`,
 the integrators taking turns; portals are found by ffgraph, mincut, lightgrid and portalfit, none is drawn by hand.
 [efficiency.csv](efficiency.csv) has a row for each picture.
 
@@ -87,7 +87,7 @@ if { has veach-ajar || has veach-ajar-flip; } && [ "$long_seeds" -gt 0 ]; then
 
 ## relMSE after $long seconds, beside other programs
 
-320 x 180, depth 6. The other programs' figures are after 60 CPU seconds.
+320 x 180, $depth_words. The other programs' figures are after 60 CPU seconds, at depth 6.
 EOF
   for scene in veach-ajar veach-ajar-flip; do
     has $scene || continue

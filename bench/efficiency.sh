@@ -12,6 +12,7 @@
 #   REF_INTEGRATOR of the references (tdpt-guided)
 #   REF_SECONDS    CPU seconds of a reference, in two halves (80; five times that at 320 x 180)
 #   LONG_SECONDS, LONG_SEEDS   where other programs' figures are known, of the best (60, 3; no seeds: left out)
+#   DEPTH          edges of the longest path, as the paper's figures have it (6); none: no limit, the whole light
 #   WIDTH, HEIGHT  of all pictures, for trials; else each scene has its own
 #   DOC, CACHE     where the results go and what is kept; default doc and build/efficiency
 #   JOBS           renderings at a time, one thread each (all cores)
@@ -29,7 +30,7 @@ integrators=${INTEGRATORS:-nee bdpt tdpt-org tdpt tdpt-guided auto}
 each=${SECONDS_EACH:-4} seeds=${SEEDS:-8}
 reference_integrator=${REF_INTEGRATOR:-tdpt-guided} reference_seconds=${REF_SECONDS:-80}
 long=${LONG_SECONDS:-60} long_seeds=${LONG_SEEDS:-3}
-jobs=${JOBS:-$(nproc 2>/dev/null || echo 1)}
+jobs=${JOBS:-$(nproc 2>/dev/null || echo 1)} depth=${DEPTH:-6}
 
 # Scene, width, height; over bdpt: target, moonshot; relMSE wanted after a minute, its moonshot.
 list='
@@ -59,6 +60,11 @@ done
 for number in "$each" "$seeds" "$reference_seconds" "$long" "$long_seeds" "$jobs"; do
   say "$number" | grep -qxE '[0-9]+(\.[0-9]+)?' || { say "efficiency: $number is no number" >&2; exit 2; }
 done
+case $depth in
+  none) depth_option='' depth_words='no limit of depth' ;;
+  *[!0-9]*) say "efficiency: DEPTH=$depth is neither a number nor none" >&2; exit 2 ;;
+  *) depth_option="--max-depth $depth" depth_words="depth $depth" ;;
+esac
 mkdir -p "$cache" "$doc"
 bin=$(cd "$bin" && pwd) cache=$(cd "$cache" && pwd) doc=$(cd "$doc" && pwd)
 [ ! -d "$scenes" ] || scenes=$(cd "$scenes" && pwd)
@@ -141,7 +147,7 @@ draw() {
 }
 # render NAME SCENE INTEGRATOR SEED SECONDS: NAME.exr, and its statistics NAME.json; starts, does not wait.
 render() {
-  options="--integrator $3 --time $5 --seed $4 --max-depth 6 --threads 1 $(size_of "$2")"
+  options="--integrator $3 --time $5 --seed $4 $depth_option --threads 1 $(size_of "$2")"
   key="$renderer $(cat "$2.sum")"
   case $3 in
     pt | nee | bdpt) ;;

@@ -66,6 +66,16 @@ rm "$work/cache/window-tdpt-org-3-0.02.exr.key"
 efficiency again SEEDS=3 ONLY=window || fail "the run after one that was stopped fails"
 expect "after a run that was stopped" "$(rendered again)" 1
 
+# Without a limit all is rendered anew: depth is part of the key.
+efficiency whole DEPTH=none ONLY=window || fail "the run without a limit of depth fails"
+expect "without a limit" "$(rendered whole)" 14
+expect "options without a limit" "$(grep -c -e --max-depth "$work/whole")" 0
+expect "options with one" "$(grep -c -e '--max-depth 6 ' "$work/first")" 30
+grep -q "one thread's, no limit of depth, " "$page" || fail "the page does not tell of the depth"
+grep -q '"max_depth":null' "$work/cache/window-bdpt-1-0.02.json" || fail "DEPTH=none does not reach the renderer"
+efficiency deep DEPTH=deep
+[ $? = 2 ] || fail "a word as a depth is no error"
+
 efficiency unknown ONLY=cellar
 [ $? = 2 ] && grep -q 'cellar is none of the scenes' "$work/unknown" || fail "an unknown scene is no error"
 efficiency word SEEDS=many

@@ -1,7 +1,7 @@
 #!/bin/sh
 # integrator-speed.sh BIN CACHE: how fast the integrators are, and how noisy their pictures after a minute of one
 # core, beside Tungsten's figures on a machine of the same kind (2 cores, depth 6, box filter, no
-# roulette). Prints a table. References are kept in CACHE.
+# roulette); ours are at depth 6, too. Prints a table. References are kept in CACHE.
 # The environment may set
 #   SCENES     folder of the paper's scenes; without veach-ajar.glb its rows are left out, with a word
 #   SECONDS_EACH, REF_SECONDS   of a picture on one core (60), of a reference on all cores (600)
@@ -28,12 +28,12 @@ rows() {
   if [ "$(cat "$cache/$name.key" 2>/dev/null)" != "$key" ]; then
     find_portals "$scene" "$cache/$name"
     "$bin/tdpt-render" --quiet "$scene" --portal "$portal" --integrator tdpt-org --seed 1000 \
-      --time "$reference" --width "$width" --height "$height" -o "$cache/$name.reference.exr"
+      --time "$reference" --max-depth 6 --width "$width" --height "$height" -o "$cache/$name.reference.exr"
     echo "$key" >"$cache/$name.key"
   fi
   for integrator in pt nee bdpt tdpt-org tdpt tdpt-guided; do
     "$bin/tdpt-render" --quiet "$scene" --portal "$portal" --integrator $integrator --threads 1 \
-      --time "$each" --width "$width" --height "$height" --stats "$cache/stats.json" \
+      --time "$each" --max-depth 6 --width "$width" --height "$height" --stats "$cache/stats.json" \
       -o "$cache/picture.exr"
     peer='- | -'
     case $name-$integrator in

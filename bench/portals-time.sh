@@ -1,6 +1,6 @@
 #!/bin/sh
 # portals-time.sh BIN: how long finding the portals takes, and how much memory, on veach-ajar and on
-# the same scene with each of its triangles split in four, beside a rendering of one sample per pixel.
+# the same scene with each of its triangles split in four, beside a rendering of one sample per pixel at depth 6.
 # Prints a table of medians and one of ratios. Runs take turns, so that a busy machine slows all down.
 # The environment may set
 #   SCENES   folder of the paper's scenes; without veach-ajar.glb a small scene of our own is taken
@@ -54,8 +54,8 @@ stage() {
 run=0
 while [ $run -lt "$runs" ]; do
   run=$((run + 1))
-  measured "$name" bdpt "$bin/tdpt-render" --quiet --integrator bdpt --spp 1 --width 1280 \
-    --height 720 "$scene" -o "$work/a.exr"
+  measured "$name" bdpt "$bin/tdpt-render" --quiet --integrator bdpt --spp 1 --max-depth 6 \
+    --width 1280 --height 720 "$scene" -o "$work/a.exr"
   of=$name && find_portals "$scene" "$work/a"
   of=$name/4 && find_portals "$work/split.glb" "$work/a"
 done

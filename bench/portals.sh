@@ -110,8 +110,8 @@ cat <<TIME
 
 ## Time and memory
 
-Medians of interleaved runs, all threads; the rendering is \`tdpt-render --integrator bdpt --spp 1 --width 1280
---height 720\`.
+Medians of interleaved runs, all threads; the rendering is \`tdpt-render --integrator bdpt --spp 1 --max-depth 6
+--width 1280 --height 720\`.
 
 TIME
 sh "$here/bench/portals-time.sh" "$bin"
