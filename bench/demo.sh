@@ -2,13 +2,15 @@
 # demo.sh BIN FOLDER: a portal for a room lit through a hole, and what it is good for. Finds the
 # portal, renders with bdpt and through the portal in the same time, compares both with a reference,
 # and leaves everything in FOLDER.
-# The environment may set SCENE, SECONDS_EACH, SECONDS_REFERENCE, WIDTH, HEIGHT, DEPTH.
+# The environment may set SCENE, SECONDS_EACH, SECONDS_REFERENCE, WIDTH, HEIGHT, DEPTH. DEPTH: edges of the longest
+# path; default none, no limit, as whoever calls tdpt-render has it: the whole light costs little more, and
+# testdata/references has a reference of it.
 set -eu
 bin=${1:-build/bin} out=${2:-demo}
 here=$(cd "$(dirname "$0")/.." && pwd)
 scene=${SCENE:-$here/testdata/scenes/two-rooms.glb}
 seconds=${SECONDS_EACH:-20} reference_seconds=${SECONDS_REFERENCE:-90}
-width=${WIDTH:-160} height=${HEIGHT:-120} depth=${DEPTH:-6}
+width=${WIDTH:-160} height=${HEIGHT:-120} depth=${DEPTH:-none}
 bin=$(cd "$bin" && pwd)
 case $scene in /*) ;; *) scene=$PWD/$scene ;; esac
 mkdir -p "$out"
@@ -38,7 +40,11 @@ find_portals "$scene" room
 
 say ""
 say "Rendering for $seconds seconds each, without the portal and with it"
-size="--width $width --height $height --max-depth $depth"
+size="--width $width --height $height" kept=$here/testdata/references/$(basename "$scene" .glb)
+case $depth in
+  none) kept=$kept.exr ;;
+  *) size="$size --max-depth $depth" kept=$kept-depth$depth.exr ;;
+esac
 # shellcheck disable=SC2086  # several options
 run tdpt-render "$scene" --integrator bdpt --time "$seconds" $size -o bdpt.exr --preview \
   --stats bdpt.stats
@@ -49,7 +55,6 @@ run tdpt-render "$scene" --portal room.portal.glb --time "$seconds" $size -o por
 say ""
 # The shipped reference will do if it shows the very scene (its hash stands in the header) in the
 # same size and depth; otherwise one is rendered, and kept for the next time.
-kept=$here/testdata/references/$(basename "$scene" .glb)-depth$depth.exr
 origin() { head -c 16384 "$1" 2>/dev/null | grep -ao "from $(basename "$scene") [0-9a-f]*" | head -n 1; }
 key="$(cat "$bin/tdpt-render" "$scene" room.portal.glb | cksum) $reference_seconds $size"
 if [ -n "$(origin portal.exr)" ] && [ "$(origin portal.exr)" = "$(origin "$kept")" ] &&
