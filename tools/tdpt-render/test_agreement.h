@@ -2,8 +2,8 @@
 // of paths by itself. Sections 3.1 and 3.3: all of them estimate the same integral.
 //
 // The observer of PathSampler sees every contribution with its path: one run of depth 8 tells the
-// light of exactly k edges for every k. That a run of a smaller depth is the same picture without
-// its longer paths is a test of its own (agreement_test.cpp).
+// light of exactly k edges for every k. That a run of a smaller depth has the same light of each
+// length is a test of its own (agreement_test.cpp).
 #pragma once
 #include <gtest/gtest.h>
 #include <oneapi/tbb/parallel_for.h>
@@ -18,9 +18,14 @@ struct AgreementSettings {
   size_t runs = 16;
   uint64_t spp = 16;  ///< of each run
   int block = 4;      ///< side of the blocks [pixels]; width and height are multiples of it
+  int apart = 8;      ///< lengths told apart; those beyond are taken together
+
+  /// Of paths by length, [0] for all together.
+  size_t lengths() const { return static_cast<size_t>(std::min(max_depth, apart + 1)) + 1; }
 };
 
-/// Luminance of blocks: [k] of paths of exactly k edges, [0] of all together.
+/// Luminance of blocks: [k] of paths of exactly k edges, the last also of longer ones, [0] of all
+/// together.
 struct DepthRuns {
   std::vector<testing::BlockRuns> of_depth;
   size_t across = 0;                        ///< blocks in a row
@@ -28,17 +33,18 @@ struct DepthRuns {
   uint64_t not_finite = 0;
 };
 
-/// One picture per path length, [0] unused, luminance per pixel and sample.
+/// One picture per path length as in DepthRuns, [0] unused, luminance per pixel and sample.
 inline std::vector<std::vector<double>> render_by_depth(const World& world, const Variant& variant,
-                                                        int max_depth, uint64_t spp, uint64_t seed,
-                                                        Tally& tally) {
+                                                        const AgreementSettings& settings,
+                                                        uint64_t seed, Tally& tally) {
   const int width = world.film.width(), height = world.film.height();
   std::vector<std::vector<double>> pictures(
-      static_cast<size_t>(max_depth) + 1,
+      settings.lengths(),
       std::vector<double>(static_cast<size_t>(width) * static_cast<size_t>(height)));
   Film film(width, height, 1);
   int px = 0, py = 0;
-  const PathObserver observer = [&](const Path& path, Strategy strategy, const Rgb& value) {
+  const PathObserver observer = [&](const Contribution& found) {
+    const auto& [path, strategy, value, times] = found;
     const int k = path.k();
     int x = px, y = py;
     if (strategy.technique == Technique::light ||
@@ -53,27 +59,25 @@ inline std::vector<std::vector<double>> render_by_depth(const World& world, cons
         luminance(value) * path.weight(variant.integrator.mixture, strategy,
                                        variant.beta[static_cast<size_t>(strategy.technique)]);
     if (std::isfinite(weighted))
-      pictures[static_cast<size_t>(k)][static_cast<size_t>(y * width + x)] +=
-          weighted / static_cast<double>(spp);
+      pictures[std::min(static_cast<size_t>(k), pictures.size() - 1)]
+              [static_cast<size_t>(y * width + x)] += weighted / static_cast<double>(settings.spp);
   };
-  PathSampler sampler(world, variant.settings(max_depth, seed), film, tally, &observer);
+  PathSampler sampler(world, variant.settings(settings.max_depth, seed), film, tally, &observer);
   for (py = 0; py < height; ++py)
-    for (px = 0; px < width; ++px)
-      for (uint64_t s = 0; s < spp; ++s) variant.sample(sampler, px, py, s);
+    variant.row(sampler, width, py, settings.spp, [&](int x) { px = x; });
   return pictures;
 }
 
 inline DepthRuns render_runs(const World& world, const Variant& variant,
                              const AgreementSettings& settings) {
   const int width = world.film.width(), height = world.film.height(), side = settings.block;
-  const auto depths = static_cast<size_t>(settings.max_depth) + 1;
+  const size_t depths = settings.lengths();
   const auto across = static_cast<size_t>(width / side), down = static_cast<size_t>(height / side);
   using Blocks = std::vector<std::vector<double>>;  // [k][block]
   std::vector<Blocks> runs(settings.runs, Blocks(depths, std::vector<double>(across * down)));
   std::vector<Tally> tallies(settings.runs);
   tbb::parallel_for(size_t{0}, settings.runs, [&](size_t r) {
-    const auto pictures =
-        render_by_depth(world, variant, settings.max_depth, settings.spp, r + 1, tallies[r]);
+    const auto pictures = render_by_depth(world, variant, settings, r + 1, tallies[r]);
     for (size_t k = 1; k < depths; ++k)
       for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x) {
@@ -100,7 +104,7 @@ inline DepthRuns render_runs(const World& world, const Variant& variant,
 }
 
 struct Verdict {
-  int disagreements = 0;  ///< of depths 1..max_depth and all of them together
+  int disagreements = 0;  ///< of lengths, and all of them together
   double worst_p = 1;
   std::vector<testing::Agreement> of_depth;  ///< as in DepthRuns
 
@@ -136,15 +140,13 @@ inline ::testing::AssertionResult holds(const Verdict& verdict, const std::strin
   return all;
 }
 
-/// Holds each of `others`, weighed with exponent `beta`, against bdpt by the balance heuristic.
-inline void expect_agreement(const World& world, const std::vector<const Integrator*>& others,
-                             const AgreementSettings& settings, double beta = 1) {
-  const DepthRuns reference = render_runs(world, bdpt, settings);
+/// Holds each of `others` against the reference.
+inline void expect_agreement(const World& world, const std::vector<Variant>& others,
+                             const DepthRuns& reference, const AgreementSettings& settings) {
   EXPECT_EQ(reference.not_finite, 0u);
   EXPECT_GT(reference.of_depth[0].mean(), 0);
-  for (const Integrator* integrator : others) {
-    Variant variant(*integrator);
-    variant.beta.fill(beta);
+  for (const Variant& variant : others) {
+    const Integrator* integrator = &variant.integrator;
     const DepthRuns runs = render_runs(world, variant, settings);
     EXPECT_EQ(runs.not_finite, 0u);
     const Verdict verdict = judge(runs, reference);
@@ -155,6 +157,17 @@ inline void expect_agreement(const World& world, const std::vector<const Integra
     std::printf("\n");
     EXPECT_TRUE(holds(verdict, std::string(integrator->name) + " and bdpt", runs, reference));
   }
+}
+
+/// Holds each of `others`, weighed with exponent `beta`, against bdpt by the balance heuristic.
+inline void expect_agreement(const World& world, const std::vector<const Integrator*>& others,
+                             const AgreementSettings& settings, double beta = 1) {
+  std::vector<Variant> variants;
+  for (const Integrator* integrator : others) {
+    variants.emplace_back(*integrator);
+    variants.back().beta.fill(beta);
+  }
+  expect_agreement(world, variants, render_runs(world, bdpt, settings), settings);
 }
 
 }  // namespace tdpt

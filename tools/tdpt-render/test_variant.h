@@ -20,6 +20,15 @@ struct Variant {
   Variant(TechniqueSet techniques, void (*run_)(PathSampler&))
       : integrator{"faulty", 9, {techniques}}, run(run_) {}
 
+  /// As a picture is rendered [passes.h]: light walks are pooled, and the weights expect as many
+  /// joins as there are.
+  static Variant pooled(const World& world, const Integrator& integrator, int max_depth) {
+    Variant v(integrator);
+    v.pools = true;
+    v.integrator.mixture = expecting_joins(world, integrator.mixture, max_depth);
+    return v;
+  }
+
   SampleSettings settings(int max_depth, uint64_t seed) const {
     return {integrator.mixture, max_depth, beta[0], seed, integrator.stream};
   }
@@ -28,12 +37,49 @@ struct Variant {
     run(sampler);
     sampler.end();
   }
+  /// Samples 0..spp-1 of a row of pixels. `at(x)` is told whose comes next.
+  template <class At>
+  void row(PathSampler& sampler, int width, int y, uint64_t spp, const At& at) const;
 
   Integrator integrator;
+  bool pools = false;
   /// Exponent of the MIS weights of each technique's samples, which sum to 1 if it is the same.
   std::array<double, kTechniques> beta{1, 1, 1, 1, 1};
   void (*run)(PathSampler&) = [](PathSampler& sampler) { sampler.run(); };
+  /// What a sample with pools does beside its phases.
+  void (*besides)(PathSampler&) = [](PathSampler&) {};
 };
+
+template <class At>
+void Variant::row(PathSampler& sampler, int width, int y, uint64_t spp, const At& at) const {
+  if (!pools) {
+    for (int x = 0; x < width; ++x) {
+      at(x);
+      for (uint64_t s = 0; s < spp; ++s) sample(sampler, x, y, s);
+    }
+    return;
+  }
+  const int apart = (width + LightPool::kWalks - 1) / LightPool::kWalks;
+  std::vector<Walk> walks(LightPool::kWalks);
+  LightPool pool;
+  for (int first = 0; first < apart; ++first)
+    for (uint64_t s = 0; s < spp; ++s) {
+      pool.clear();
+      for (int x = first; x < width && sampler.has_light_phase(); x += apart) {
+        Walk& walk = walks[static_cast<size_t>(x / apart)];
+        sampler.begin(x, y, s);
+        sampler.light_phase(walk);
+        pool.add(walk);
+      }
+      for (int x = first; x < width; x += apart) {
+        at(x);
+        sampler.begin(x, y, s);
+        sampler.camera_phase(walks[static_cast<size_t>(x / apart)], pool);
+        besides(sampler);
+        sampler.end();
+      }
+    }
+}
 
 /// Runs `fewer` in place of all that the mixture has.
 template <Technique... fewer>

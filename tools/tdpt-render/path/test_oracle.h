@@ -1,0 +1,133 @@
+// For tests: every path that the techniques of an integrator make in two rooms, held against the
+// oracle.
+#pragma once
+#include "tools/tdpt-render/integrators/integrator.h"
+#include "tools/tdpt-render/path/oracle.h"
+#include "tools/tdpt-render/path/surface.h"
+#include "tools/tdpt-render/test_rooms.h"
+#include "tools/tdpt-render/test_variant.h"
+
+namespace tdpt {
+
+struct Worst {
+  double weight = 0;     ///< largest difference of the weights, balance heuristic
+  double power = 0;      ///< of those of the power heuristic
+  double power_1_9 = 0;  ///< twin: the oracle's exponent is 1.9 instead
+  double ways = 0;       ///< between weights by products and by logarithms, both heuristics
+  double ways_1_9 = 0;   ///< twin: 1.9 by logarithms, 2 by products
+  double value = 0;      ///< largest relative difference of value * times * p and the contribution
+  std::array<int, kTechniques> paths{};
+  int dirac = 0, lamps = 0;   ///< paths that turn at a mirror, that begin at a lamp
+  int all = 0, off = 0;       ///< paths, and those off by 1 % of their value or 0.001 of weight
+  int longest = 0, deep = 0;  ///< edges of the longest path; paths of 12 or more
+};
+
+inline Scene diffuse_rooms() {
+  return read_gltf(two_rooms_path());
+}
+
+// The same rooms, every triangle of another make, with bent normals, and lamps of each kind beside
+// the emitter, which shines on both sides and reflects as a mirror.
+inline Scene glossy_rooms() {
+  Scene scene = read_gltf(two_rooms_path());
+  std::vector<Material> makes(8);
+  for (Material& m : makes) m.plain = false;
+  makes[0].plain = true;
+  makes[1].specular = 1, makes[1].roughness = 0.5f;  // rough plastic
+  makes[2].specular = 1, makes[2].roughness = 0;     // smooth plastic
+  makes[3].metallic = 1, makes[3].roughness = 0.4f;  // rough metal
+  makes[4].metallic = 1, makes[4].roughness = 0;     // mirror
+  makes[5].transmission = 1, makes[5].solid = true, makes[5].specular = 1, makes[5].roughness = 0;
+  makes[6] = makes[5], makes[6].roughness = 0.4f;                                  // rough glass
+  makes[7].transmission = 0.5f, makes[7].specular = 1, makes[7].roughness = 0.3f;  // thin sheet
+  const auto first = static_cast<uint32_t>(scene.materials.size());
+  scene.materials.insert(scene.materials.end(), makes.begin(), makes.end());
+  scene.smooth.assign(scene.triangles.size(), 1);
+  scene.normals.resize(scene.positions.size());
+  for (uint32_t t = 0; t < scene.triangles.size(); ++t) {
+    Triangle& triangle = scene.triangles[t];
+    if (Material& m = scene.materials[triangle.material]; max_component(m.emission) > 0) {
+      m.plain = false;
+      m.double_sided = true;
+      m.base_color = Rgb(0.3f), m.metallic = 1, m.roughness = 0;
+      continue;
+    }
+    triangle.material = first + mix64(t) % 8;
+    scene.smooth[t] = t % 2;
+    for (uint32_t v : triangle.vertex)
+      scene.normals[v] = Vec3f(normalize(shape_of(scene, t).normal + Vec3d(0.2, 0.1, -0.1)));
+  }
+  PunctualLight lamp;
+  lamp.position = scene.frame.to_canonical({3, 1, 0.3});
+  lamp.intensity = Rgb(0.05f);
+  scene.lights.push_back(lamp);
+  lamp.kind = PunctualLight::Kind::spot;
+  lamp.direction = normalize(Vec3d(-1, -1, 0.5));
+  lamp.cos_inner = 0.95, lamp.cos_outer = 0.7;
+  scene.lights.push_back(lamp);
+  lamp.kind = PunctualLight::Kind::directional;
+  scene.lights.push_back(lamp);
+  return scene;
+}
+
+/// NaN grows it to infinity.
+inline void grow(double& largest, double difference) {
+  if (!(std::abs(difference) <= largest))
+    largest = std::isnan(difference) ? HUGE_VAL : std::abs(difference);
+}
+
+inline Worst compare(const Scene& scene, const Integrator& integrator, oracle::Fault fault,
+                     int max_depth = 6, uint64_t spp = 64,
+                     const std::vector<Portal>& portals = two_crossing_portals()) {
+  const World world(scene, scene.camera(""), 16, 12, portals);
+  Film film(16, 12, 1);
+  Tally tally;
+  Worst worst;
+  const PathObserver observer = [&](const Contribution& found) {
+    const auto& [path, strategy, value, times] = found;
+    ++worst.paths[static_cast<size_t>(strategy.technique)];
+    worst.longest = std::max(worst.longest, path.k());
+    worst.deep += path.k() >= 12;
+    worst.lamps += !path.vertex(0).on_surface();
+    bool dirac = false;
+    for (int i = 1; i < path.k(); ++i) dirac |= path.dirac(i);
+    worst.dirac += dirac;
+    const auto p = oracle::densities(world, path, integrator.mixture, fault);
+    const auto weight = [&](double beta) {
+      return path.weight(integrator.mixture, strategy, beta);
+    };
+    const double weight_off = std::abs(weight(1) - oracle::weight(p, strategy, 1));
+    grow(worst.weight, weight_off);
+    grow(worst.power, weight(2) - oracle::weight(p, strategy, 2));
+    grow(worst.power_1_9, weight(2) - oracle::weight(p, strategy, 1.9));
+    if (path.k() >= 2) {
+      const auto ways = [&](double products, double logarithms) {
+        return path.weight_by_products(integrator.mixture, strategy, products).value() -
+               path.weight_by_logarithms(integrator.mixture, strategy, logarithms);
+      };
+      grow(worst.ways, ways(1, 1));
+      grow(worst.ways, ways(2, 2));
+      grow(worst.ways_1_9, ways(2, 1.9));
+    }
+    for (const auto& d : p) {
+      if (d.strategy.technique != strategy.technique || d.strategy.split != strategy.split)
+        continue;
+      const double expected = max_component(oracle::contribution(world, path));
+      // Of one sample of the strategy.
+      const double p_s =
+          std::exp(d.log_p) / integrator.mixture.samples_of(strategy.technique, strategy.split);
+      const double relative = max_component(value) * times * p_s / expected - 1;
+      ++worst.all;
+      worst.off += std::abs(relative) > 0.01 || weight_off > 1e-3;
+      worst.value = std::max(worst.value, std::abs(relative));
+    }
+  };
+  const Variant variant(integrator);
+  PathSampler sampler(world, variant.settings(max_depth, 11), film, tally, &observer);
+  for (int y = 0; y < 12; ++y)
+    for (int x = 0; x < 16; ++x)
+      for (uint64_t s = 0; s < spp; ++s) variant.sample(sampler, x, y, s);
+  return worst;
+}
+
+}  // namespace tdpt
