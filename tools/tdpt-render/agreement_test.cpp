@@ -116,14 +116,16 @@ TEST(agreement, several_lamps) {
                    kAll, {.runs = 16, .spp = 16});
 }
 
-// The picture of a smaller depth is the same one without its longer paths: what holds for each
-// length in a run of depth 8 then holds for every depth 1..8 that is asked for.
+// Walks of pt and nee do not know how far the others may go: the picture of a smaller depth is the
+// same one without its longer paths. What holds for each length in a run of depth 8 then holds for
+// every depth 1..8 that is asked for.
 TEST(agreement, a_smaller_depth_leaves_out_the_longer_paths_and_nothing_else) {
   const Scene scene = read_gltf(two_rooms_path());
   const World world(scene, scene.camera(""), 16, 12, two_crossing_portals());
-  for (const Integrator* integrator : integrators()) {
+  for (const Integrator* integrator : {&pt, &nee}) {
     Tally tally;
-    const auto by_depth = render_by_depth(world, *integrator, 8, 16, 5, tally);
+    const auto by_depth =
+        render_by_depth(world, *integrator, {.max_depth = 8, .spp = 16}, 5, tally);
     std::vector<double> sum(16 * 12);
     for (int depth = 1; depth <= 8; ++depth) {
       RenderSettings settings;
@@ -142,18 +144,44 @@ TEST(agreement, a_smaller_depth_leaves_out_the_longer_paths_and_nothing_else) {
   }
 }
 
-// What holds for the observer's weights of exponent 2 holds for the rendered picture.
+// Others choose what they join among other vertices: each length has the same light in the mean.
+TEST(agreement, a_smaller_depth_has_the_same_light_of_its_lengths) {
+  const GlowingCeiling box;
+  const World world = box.world();
+  const auto with_depth = [&](const Integrator& integrator, int depth) {
+    AgreementSettings settings = GlowingCeiling::kSettings;
+    settings.max_depth = depth;
+    DepthRuns runs = render_runs(world, Variant::pooled(world, integrator, depth), settings);
+    runs.of_depth.resize(5);
+    runs.of_depth.erase(runs.of_depth.begin());  // all together are less light
+    return runs;
+  };
+  for (const Integrator* integrator : {&bdpt, &tdpt_org, &tdpt_ref, &tdpt_guided}) {
+    const DepthRuns less = with_depth(*integrator, 4), more = with_depth(*integrator, 8);
+    EXPECT_TRUE(holds(judge(less, more), integrator->name, less, more));
+  }
+  // Twin: that the longest are those of a depth more.
+  DepthRuns less = with_depth(bdpt, 4), more = with_depth(bdpt, 8);
+  less.of_depth.erase(less.of_depth.begin());
+  more.of_depth.pop_back();
+  EXPECT_FALSE(judge(less, more).holds());
+}
+
+// What holds for the observer's weights of exponent 2 holds for the rendered picture, whose samples
+// share their light walks.
 TEST(agreement, rendered_pictures_are_weighed_with_the_exponent_asked_for) {
   const Scene scene = read_gltf(two_rooms_path());
-  const World world(scene, scene.camera(""), 16, 12, two_crossing_portals());
+  const World world(scene, scene.camera(""), 40, 12, two_crossing_portals());
   const auto off = [&](const Variant& variant, double beta) {
     Tally tally;
-    const auto by_depth = render_by_depth(world, variant, 6, 16, 5, tally);
+    const auto by_depth =
+        render_by_depth(world, variant, {.max_depth = kMaxDepth, .spp = 16}, 5, tally);
     RenderSettings settings;
     settings.spp = 16;
     settings.seed = 5;
     settings.beta = beta;
-    const Picture picture = render(world, variant.integrator, settings).picture;
+    const Picture picture =
+        render(world, *find_integrator(variant.integrator.name), settings).picture;
     double worst = 0, brightest = 0;
     for (size_t i = 0; i < picture.pixels.size(); ++i) {
       double sum = 0;
@@ -164,7 +192,7 @@ TEST(agreement, rendered_pictures_are_weighed_with_the_exponent_asked_for) {
     return worst / brightest;
   };
   for (const Integrator* integrator : integrators()) {
-    Variant power(*integrator);
+    Variant power = Variant::pooled(world, *integrator, kMaxDepth);
     power.beta.fill(2);
     EXPECT_LE(off(power, 2), 2e-6) << integrator->name;
     if (integrator != &pt) {

@@ -19,6 +19,7 @@ struct Worst {
   std::array<int, kTechniques> paths{};
   int dirac = 0, lamps = 0;   ///< paths that turn at a mirror, that begin at a lamp
   int all = 0, off = 0;       ///< paths, and those off by 1 % of their value or 0.001 of weight
+  int short_ones = 0;         ///< with an edge that rounding turns: they are not compared
   int longest = 0, deep = 0;  ///< edges of the longest path; paths of 12 or more
 };
 
@@ -70,6 +71,13 @@ inline Scene glossy_rooms() {
   return scene;
 }
 
+inline bool has_short_edge(const Path& path) {
+  double least = 1;
+  for (int i = 0; i < path.k(); ++i)
+    least = std::min(least, between(path.vertex(i), path.vertex(i + 1)).d2);
+  return least < 1e-10;  // canonical
+}
+
 /// NaN grows it to infinity.
 inline void grow(double& largest, double difference) {
   if (!(std::abs(difference) <= largest))
@@ -92,6 +100,8 @@ inline Worst compare(const Scene& scene, const Integrator& integrator, oracle::F
     bool dirac = false;
     for (int i = 1; i < path.k(); ++i) dirac |= path.dirac(i);
     worst.dirac += dirac;
+    worst.short_ones += has_short_edge(path);
+    if (has_short_edge(path)) return;
     const auto p = oracle::densities(world, path, integrator.mixture, fault);
     const auto weight = [&](double beta) {
       return path.weight(integrator.mixture, strategy, beta);
@@ -102,8 +112,9 @@ inline Worst compare(const Scene& scene, const Integrator& integrator, oracle::F
     grow(worst.power_1_9, weight(2) - oracle::weight(p, strategy, 1.9));
     if (path.k() >= 2) {
       const auto ways = [&](double products, double logarithms) {
-        return path.weight_by_products(integrator.mixture, strategy, products).value() -
-               path.weight_by_logarithms(integrator.mixture, strategy, logarithms);
+        const auto by_products = path.weight_by_products(integrator.mixture, strategy, products);
+        if (!by_products) return 0.0;  // they underflow
+        return *by_products - path.weight_by_logarithms(integrator.mixture, strategy, logarithms);
       };
       grow(worst.ways, ways(1, 1));
       grow(worst.ways, ways(2, 2));
