@@ -153,7 +153,9 @@ TEST(furnace, of_albedo_1_ends) {
     EXPECT_EQ(longest, kMaxDepth) << integrator->name;
     EXPECT_EQ(tally.not_finite, 0u) << integrator->name;
     EXPECT_GT(sum, 0) << integrator->name;
-    if (integrator == &pt) EXPECT_NEAR(sum, kMaxDepth, 1e-3 * kMaxDepth);
+    if (integrator == &pt) {
+      EXPECT_NEAR(sum, kMaxDepth, 1e-3 * kMaxDepth);  // each vertex shines
+    }
   }
 }
 

@@ -116,6 +116,7 @@ TEST(roulette, sampled_weights_are_the_integral) {
   for (const NamedBsdf& named : kinds(0.7f))
     for (const double z : {0.9, 0.3}) {
       const Vec3d from = test::direction(z, 0.7);
+      if (bsdf::any_dirac_probability(named.b, from) > 0) continue;  // no index changes
       const Estimate albedo = sampled_albedo(named.b, from);
       EXPECT_NEAR(integrated_albedo(named.b, from), albedo.mean, 5 * albedo.error + 2e-3)
           << named.name << " " << z;
