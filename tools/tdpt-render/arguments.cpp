@@ -48,8 +48,8 @@ void declare_options(cli::Options& options, Arguments& a) {
                  int64_t{1} << 32);
   options.option("--time", a.seconds, "SECONDS", "Stop rendering after this wall-clock time", 1e-3,
                  1e9, Shapes::nothing);
-  options.option("--max-depth", a.max_depth, "K", "Edges of the longest path; default no limit",
-                 1, kMaxDepth);
+  options.option("--max-depth", a.max_depth, "K", "Edges of the longest path; default no limit", 1,
+                 kMaxDepth);
   options.option("--width", a.width, "W", "Width in pixels; default 640, or from --height", 1,
                  65536);
   options.option("--height", a.height, "H", "Height in pixels; default from the camera's aspect", 1,

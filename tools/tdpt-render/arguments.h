@@ -19,7 +19,7 @@ struct Arguments {
   double guide_light = -1, guide_camera = -1, segments = -1;  ///< below 0: not given
   int64_t spp = 0;
   int64_t max_depth = 0;  ///< edges; 0: no limit
-  double seconds = 0;  ///< 0: no limit
+  double seconds = 0;     ///< 0: no limit
 
   std::string stats, nonzero, preview;  ///< paths; empty: not asked for
   bool layers = false, verbose = false;

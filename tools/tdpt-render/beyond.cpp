@@ -49,8 +49,8 @@ Beyond light_beyond(const World& world, const Integrator& integrator, const Samp
   tbb::parallel_for(size_t{0}, groups.size(), [&](size_t g) {
     Group& group = groups[g];
     const PathObserver observer = [&](const Contribution& found) {
-      const double light = luminance(found.value) *
-                           found.path.weight(how.mixture, found.strategy, how.beta);
+      const double light =
+          luminance(found.value) * found.path.weight(how.mixture, found.strategy, how.beta);
       if (std::isfinite(light))
         (found.path.k() > rules.max_depth ? group.beyond : group.within) += light;
     };
@@ -77,6 +77,7 @@ Beyond light_beyond(const World& world, const Integrator& integrator, const Samp
 std::string sentence(const Beyond& beyond) {
   const double most = beyond.share + 2 * beyond.error;
   const std::string depth = fmt::format("depth {} leaves out ", beyond.depth);
+  if (beyond.share > 0.995) return depth + "all of the light, or nearly";
   if (most < 0.001) return depth + "less than 0.1 % of the light";
   if (beyond.error > 0.25 * beyond.share)
     return depth + fmt::format("at most about {:.2g} % of the light", 100 * most);

@@ -26,7 +26,7 @@ Film film_for(const World& world, const TechniqueSet& layers);
 /// What a rendering did, all its parts together.
 struct RenderTally {
   RayCounts rays;
-  std::array<double, kTechniques> energy{};  ///< sum of luminance per technique
+  std::array<double, kTechniques> energy{};         ///< sum of luminance per technique
   std::array<double, Tally::kOctaves> by_length{};  ///< and by length, as in Tally
   struct OfPortal {
     uint64_t drawn = 0, lit = 0;

@@ -62,7 +62,8 @@ nlohmann::ordered_json summary(const Integrator& integrator, const RenderSetting
     if (integrator.mixture.has(static_cast<Technique>(i)))
       techniques[kTechniqueNames[i]] = total > 0 ? result.tally.energy[i] / total : 0.0;
   auto& lengths = j["light_by_length"] = nlohmann::ordered_json::array();
-  for (const double light : result.tally.by_length) lengths.push_back(total > 0 ? light / total : 0.0);
+  for (const double light : result.tally.by_length)
+    lengths.push_back(total > 0 ? light / total : 0.0);
   if (const auto& beyond = result.beyond)
     j["beyond"] = {{"depth", beyond->depth}, {"share", beyond->share}, {"error", beyond->error}};
   j["not_finite"] = result.tally.not_finite;

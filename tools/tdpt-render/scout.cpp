@@ -155,8 +155,8 @@ class ScoutSample {
       return mixture(i).sample_weight(strategy.technique, strategy.split, path.k()) / times;
     };
     // Of all samples of the strategy: f = value p, `used` n_s p.
-    const double f = light * times / own_mixture.samples_of(strategy.technique, strategy.split) *
-                     of[own].used;
+    const double f =
+        light * times / own_mixture.samples_of(strategy.technique, strategy.split) * of[own].used;
     const double share = f * per_sample(own) / all_runs;  // of the picture, both runs together
     const bool splat = strategy.technique == Technique::light ||
                        (strategy.technique == Technique::portal && strategy.split == path.k() - 2);

@@ -1,15 +1,15 @@
 // Light walks of several samples: what the camera's vertices and portal segments of those samples
 // are joined with.
 //
-// Method: bidirectional path tracing with a cache of light vertices (Davidovic et al. 2014). A vertex
-// is joined with a few of the pool's, whichever walks they are of, in place of all of its own
-// sample's: as many connections know more of the light, and a long walk costs no more of them.
+// Method: bidirectional path tracing with a cache of light vertices (Davidovic et al. 2014). A
+// vertex is joined with a few of the pool's, whichever walks they are of, in place of all of its
+// own sample's: as many connections know more of the light, and a long walk costs no more of them.
 //
 // W walks, N vertices, M of them drawn as candidates: each vertex stands for
 //   times = W M / N
 // samples of a walk, or W when all are drawn. What it brings is divided by that, the number really
-// used; the MIS weights go by the expected one [Mixture::joined], so that they stay functions of the
-// path.
+// used; the MIS weights go by the expected one [Mixture::joined], so that they stay functions of
+// the path.
 #pragma once
 #include <vector>
 
@@ -25,8 +25,8 @@ struct LightVertex {
 
 class LightPool {
  public:
-  /// Samples that pool their light walks. In veach-ajar 16 instead of 1 took 1.05 times the CPU time,
-  /// 256 took 1.16 times: walks leave the cache before they are joined.
+  /// Samples that pool their light walks. In veach-ajar 16 instead of 1 took 1.05 times the CPU
+  /// time, 256 took 1.16 times: walks leave the cache before they are joined.
   static constexpr int kWalks = 16;
   /// Candidates of one vertex that they are joined with.
   static constexpr int kCandidates = 8;
@@ -44,8 +44,8 @@ class LightPool {
   double walks_ = 0;
 };
 
-/// `mixture` with the numbers of joins that are to be expected of its light walks [Mixture::joined],
-/// told by a few of them: the same for the same world, mixture and length.
+/// `mixture` with the numbers of joins that are to be expected of its light walks
+/// [Mixture::joined], told by a few of them: the same for the same world, mixture and length.
 Mixture expecting_joins(const World& world, const Mixture& mixture, int max_depth);
 
 }  // namespace tdpt

@@ -59,8 +59,8 @@ struct Mixture {
   Guiding guiding{};
 
   /// How many candidates a vertex is joined with, for each vertex that a light walk has on average
-  /// after y_0: of those, and of those with y_0 [light_pool.h, expected_joins()]. 1: with all of one
-  /// walk.
+  /// after y_0: of those, and of those with y_0 [light_pool.h, expected_joins()]. 1: with all of
+  /// one walk.
   double joined = 1, joined_to_segments = 1;
 
   bool has(Technique t) const { return techniques.has(t); }

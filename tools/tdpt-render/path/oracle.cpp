@@ -303,8 +303,8 @@ std::vector<StrategyDensity> densities(const World& world, const Path& path, con
       const Directed directed(world, guiding, From::light, back, before, x);
       double per_area = cosine_at(x, before) / distance2(before, x);
       if (fault == Fault::missing_cosine && i == 2) per_area /= cosine_at(x, before);
-      P_light = survival(back, before, i - 1, fault) *
-                guided_pdf_w(directed, dirac, p, fault) * per_area;
+      P_light =
+          survival(back, before, i - 1, fault) * guided_pdf_w(directed, dirac, p, fault) * per_area;
     }
     const Vertex& after = path.vertex(i + 1);
     double q = film_pdf_w(world, after, x);

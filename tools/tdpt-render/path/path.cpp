@@ -87,13 +87,13 @@ void Path::fill(const World& world, const Walk& y, int s, const Walk& z, int t,
   // Inside a prefix the walk knows both densities; the two vertices at a prefix's end and the
   // segment's learn theirs from the finished path.
   for (int i = 0; i < k_; ++i) {
-    const int j = k_ - i;                                   // index from the camera
-    walks_.light_A[u(i)] = i == 0  ? plain_light_A(world, 0)  // of walks, whoever placed x_0
-                           : i < s ? y.state(i).pdf_own_A
-                                   : light_survival(i) *
-                                         (j <= t - 3 ? z.state(j).pdf_other_A
-                                                     : directed_light_A(guide_, i,
-                                                                        plain_light_A(world, i)));
+    const int j = k_ - i;  // index from the camera
+    walks_.light_A[u(i)] =
+        i == 0  ? plain_light_A(world, 0)  // of walks, whoever placed x_0
+        : i < s ? y.state(i).pdf_own_A
+                : light_survival(i) * (j <= t - 3
+                                           ? z.state(j).pdf_other_A
+                                           : directed_light_A(guide_, i, plain_light_A(world, i)));
     walks_.camera_A[u(i)] =
         i >= first_z ? z.state(j).pdf_own_A
                      : camera_survival(i) *
@@ -110,13 +110,13 @@ void Path::fill_survival(const Walk& y, int s, const Walk& z, int t) {
   for (int i = 1; i < k_; ++i) {
     const int j = k_ - i;
     light[u(i)] = always_goes_on(i) ? 1
-                  : i < s                 ? y.state(i).own_survival
-                  : j + 1 < t             ? z.state(j).other_survival
-                                          : albedo_at(x(i), between(x(i), x(i - 1)).w);
+                  : i < s           ? y.state(i).own_survival
+                  : j + 1 < t       ? z.state(j).other_survival
+                                    : albedo_at(x(i), between(x(i), x(i - 1)).w);
     camera[u(i)] = always_goes_on(j) ? 1
-                   : i >= first_z           ? z.state(j).own_survival
-                   : i + 1 < s              ? y.state(i).other_survival
-                                            : albedo_at(x(i), between(x(i), x(i + 1)).w);
+                   : i >= first_z    ? z.state(j).own_survival
+                   : i + 1 < s       ? y.state(i).other_survival
+                                     : albedo_at(x(i), between(x(i), x(i + 1)).w);
   }
 }
 
@@ -203,7 +203,8 @@ void Path::for_each_strategy(const Mixture& mixture, const WalkDensities& unit,
       // [eq. 8], p_AA = G D as in [eq. 4].
       const double g = geometry(x(s), x(s + 1), between(x(s), x(s + 1)));
       add(Strategy{Technique::portal, s}, s, s + 2,
-          mixture.samples_of(Technique::portal, s) * crossing_[u(s)].density * (g / unit.common(s)) / unit.common(s + 1));
+          mixture.samples_of(Technique::portal, s) * crossing_[u(s)].density *
+              (g / unit.common(s)) / unit.common(s + 1));
     }
   }
 }
@@ -236,9 +237,8 @@ StrategySums Path::sums(const Mixture& mixture, const WalkDensities& d, const Wa
   StrategySums sums;
   for_each_strategy(mixture, unit, [&](Strategy strategy, int prefix, int rest, double extra) {
     const double counted = products.light[u(prefix)] * extra * products.camera[u(rest)];
-    const double per_sample =
-        mixture.sample_weight(strategy.technique, strategy.split, k_) /
-        mixture.samples_of(strategy.technique, strategy.split);  // v_s / n_s
+    const double per_sample = mixture.sample_weight(strategy.technique, strategy.split, k_) /
+                              mixture.samples_of(strategy.technique, strategy.split);  // v_s / n_s
     sums.counted += counted;
     sums.squares += counted * per_sample;
     if (strategy == used) sums.used = counted / per_sample;

@@ -58,7 +58,8 @@ class Path {
   const Vertex& vertex(int i) const { return *x_[static_cast<size_t>(i)]; }
   /// Whether the path turns at x_i by a Dirac lobe: then no technique can make a connection there.
   bool dirac(int i) const { return dirac_[static_cast<size_t>(i)]; }
-  /// Probability that a walk from the light, from the camera goes on at x_i, 0 < i < k [roulette.h].
+  /// Probability that a walk from the light, from the camera goes on at x_i, 0 < i < k
+  /// [roulette.h].
   double survives(From from, int i) const {
     return survival_[static_cast<size_t>(from)][static_cast<size_t>(i)];
   }

@@ -293,9 +293,9 @@ bool PathSampler::draw_segment(const PortalSet::Sample& sample, Segment& segment
   return crossing.density > 0;
 }
 
-// [eq. 1] with edge C1 of [eq. 2], over its density: a prefix vertices y_0..y_{a-1}, arriving at x_l
-// and scattered along w. Each end's edges are tested against the portals once, for all paths that
-// have them.
+// [eq. 1] with edge C1 of [eq. 2], over its density: a prefix vertices y_0..y_{a-1}, arriving at
+// x_l and scattered along w. Each end's edges are tested against the portals once, for all paths
+// that have them.
 void PathSampler::light_sides(const Segment& segment, const Vec3d& w,
                               const std::array<double, 2>& u) {
   const Vertex& x_l = segment.x_l;
@@ -343,8 +343,8 @@ void PathSampler::camera_sides(const Segment& segment, const Vec3d& w, double u)
     Rgb value;
     if (v.connectible) {
       const Edge e = between(x_c, v);
-      value = bsdf_at(x_c, -w, e.w) * bsdf_at(v, -e.w, back(z, b - 1)) *
-              z.state(b - 1).throughput * geometry(x_c, v, e);
+      value = bsdf_at(x_c, -w, e.w) * bsdf_at(v, -e.w, back(z, b - 1)) * z.state(b - 1).throughput *
+              geometry(x_c, v, e);
     }
     values_.push_back(value);
     few_.add(luminance(value));
@@ -381,8 +381,7 @@ void PathSampler::portal() {
   // One throughput for both ends, the G of edge C2 of [eq. 2] over its density: G / p_AA = 1 / D; a
   // share of the samples stands for all.
   Rgb through(static_cast<float>(1 / (share * crossing.density * presence)));
-  if (world_.absorbing)
-    through = through * transmittance(x_l, x_c, middle.w, std::sqrt(middle.d2));
+  if (world_.absorbing) through = through * transmittance(x_l, x_c, middle.w, std::sqrt(middle.d2));
   double brought = 0;
   for (const Side& after : camera_sides_)
     for (const Side& before : light_sides_) {
@@ -392,10 +391,10 @@ void PathSampler::portal() {
       const SegmentCrossings crossings{crossing, before.crossing, after.crossing};
       const Path path(world_, guide_, *before.walk, before.prefix, x_l, x_c, crossings, *after.walk,
                       after.prefix, tally_.rays);
-      const Contribution found{path, {Technique::portal, before.prefix}, value,
-                               share * before.chance * after.chance};
-      brought += after.prefix == 1 ? to_film(found, after.raster_x, after.raster_y)
-                                   : to_pixel(found);
+      const Contribution found{
+          path, {Technique::portal, before.prefix}, value, share * before.chance * after.chance};
+      brought +=
+          after.prefix == 1 ? to_film(found, after.raster_x, after.raster_y) : to_pixel(found);
     }
   of_portal.lit += brought > 0;
   of_portal.energy.add(brought);

@@ -83,7 +83,14 @@ class PathSampler {
   void portal();  ///< both walks joined through a segment that crosses a portal
 
  private:
-  enum Purpose : uint64_t { film_place, camera_walk, light_walk, next_event, segment_place, choices };
+  enum Purpose : uint64_t {
+    film_place,
+    camera_walk,
+    light_walk,
+    next_event,
+    segment_place,
+    choices
+  };
   Sequence numbers(Purpose purpose) const;
 
   /// One end of a portal segment joined with a prefix of a walk.
@@ -92,7 +99,7 @@ class PathSampler {
     int prefix;  ///< vertices of it
     Rgb value;   ///< throughput and what is scattered at both, over the chance of being taken
     double chance;
-    PortalSet::Crossing crossing{};  ///< of the edge that joins them
+    PortalSet::Crossing crossing{};     ///< of the edge that joins them
     double raster_x = 0, raster_y = 0;  ///< where it is the camera that sees the end
   };
   struct Segment {

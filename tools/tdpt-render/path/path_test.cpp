@@ -167,7 +167,8 @@ TEST(paths_under_other_mixtures, weigh_as_the_oracle_says) {
   joined.joined_to_segments = often.joined_to_segments = 1.7;
   for (const Scene& scene : {diffuse_rooms(), glossy_rooms()})
     for (const Integrator* made : {&tdpt_org, &tdpt_guided})
-      for (const Mixture& asked : {nee.mixture, bdpt.mixture, tdpt_org.mixture, joined, often, seldom}) {
+      for (const Mixture& asked :
+           {nee.mixture, bdpt.mixture, tdpt_org.mixture, joined, often, seldom}) {
         // Edges so short that rounding turns them, as above.
         EXPECT_LE(weighed_as_others(scene, *made, asked, asked), 3) << made->name;
         // Twin: directed a little more often than was asked.
