@@ -98,10 +98,10 @@ done
 
 Written by \`make whole-light\` ($("$bin/tdpt-render" --version)). Without a limit walks end by Russian roulette; with
 \`--max-depth 6\` they end after 6 edges at the latest, and the light of longer paths is missing. $spp samples per pixel
-both ways, $seeds seeds, runs of one thread taking turns; auto gets the portals that the four stages
-find. Each way has a reference of its own, whose noise is taken out of relMSE. Efficiency = 1 / (relMSE x CPU s).
+both ways, $seeds seeds, runs of one thread taking turns; auto gets the portals that the four stages find. Each way has a reference of its own, whose noise is taken out of relMSE. Efficiency = 1 / (relMSE x CPU s).
 
-* CPU time: median of the ratios of runs that followed each other. Efficiency: of the means over seeds, in brackets the 95 %
+* CPU time: median of the ratios of runs that followed each other; at depth 6 with the samples that tell what is left
+  out, 1 % of all, 2048 at least. Efficiency: of the means over seeds, in brackets the 95 %
   interval by bootstrap. Mean: +- a standard error; what it lacks to 1 is the light that depth 6 leaves out.
 
 INTRO
