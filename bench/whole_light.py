@@ -51,9 +51,10 @@ def average(of, field):
 def row(key, above, below, mean):
     efficiency, low, high = efficiency_ratio(above, below)
     brackets = f" [{low:.2f}, {high:.2f}]" if 0 < low and high < intervals.NO_BOUND else ""
+    spread = "" if np.isnan(mean[1]) else f" +- {mean[1]:.4f}"
     return (f"| {key[0]} | {key[1]} | {average(above, 'cpu'):.2f} | {average(below, 'cpu'):.2f} | {cpu_ratio(above, below):.2f} | "
             f"{average(above, 'relmse'):.3g} | {average(below, 'relmse'):.3g} | "
-            f"{'-' if np.isnan(efficiency) else '%.2f' % efficiency}{brackets} | {mean[0]:.4f} +- {mean[1]:.4f} |")
+            f"{'-' if np.isnan(efficiency) else '%.2f' % efficiency}{brackets} | {mean[0]:.4f}{spread} |")
 
 
 def head(above, below, mean):
