@@ -41,13 +41,11 @@ MeanAndError of(const std::vector<double>& runs) {
 }
 
 // Of pictures as they are rendered.
-MeanAndError rendered(const World& world, const Integrator& integrator, uint64_t spp,
-                      int max_depth = kMaxDepth) {
+MeanAndError rendered(const World& world, const Integrator& integrator, uint64_t spp) {
   std::vector<double> runs;
   for (uint64_t seed = 1; seed <= 16; ++seed) {
     RenderSettings settings;
     settings.spp = spp;
-    settings.max_depth = max_depth;
     settings.seed = seed;
     const RenderResult r = render(world, integrator, settings);
     EXPECT_EQ(r.tally.not_finite, 0u);
@@ -83,14 +81,6 @@ TEST(furnace, of_albedo_0_99_shows_100) {
   }
 }
 
-TEST(furnace_twin, walks_cut_at_64_edges_are_caught) {
-  const Furnace f(0.99f, 8, 6);
-  for (const Integrator* integrator : {&pt, &bdpt}) {
-    const MeanAndError r = rendered(f.world, *integrator, integrator == &pt ? 16 : 1, 64);
-    EXPECT_GT(r.z(radiance(double{0.99f})), 20) << integrator->name;
-  }
-}
-
 // Survival of the walks that made a path by that strategy.
 double survived(const Path& path, const Strategy& strategy) {
   double all = 1;
@@ -103,7 +93,8 @@ double survived(const Path& path, const Strategy& strategy) {
 
 // Of all that samplers find, multiplied by what `factor` makes of it.
 template <class Factor>
-MeanAndError observed(const World& world, const Integrator& integrator, const Factor& factor) {
+MeanAndError observed(const World& world, const Integrator& integrator, uint64_t spp, int max_depth,
+                      const Factor& factor) {
   std::vector<double> runs;
   const int width = world.film.width(), height = world.film.height();
   for (uint64_t seed = 1; seed <= 16; ++seed) {
@@ -115,23 +106,50 @@ MeanAndError observed(const World& world, const Integrator& integrator, const Fa
     const Variant variant(integrator);
     Film film(width, height, 1);
     Tally tally;
-    PathSampler sampler(world, variant.settings(kMaxDepth, seed), film, tally, &observer);
+    PathSampler sampler(world, variant.settings(max_depth, seed), film, tally, &observer);
     for (int y = 0; y < height; ++y)
       for (int x = 0; x < width; ++x)
-        for (uint64_t s = 0; s < 4; ++s) variant.sample(sampler, x, y, s);
-    runs.push_back(sum / (4 * width * height));
+        for (uint64_t s = 0; s < spp; ++s) variant.sample(sampler, x, y, s);
+    runs.push_back(sum / (static_cast<double>(spp) * width * height));
   }
   return of(runs);
+}
+
+double divided(const Path&, const Strategy&) {
+  return 1;
+}
+
+TEST(furnace_twin, walks_cut_at_64_edges_are_caught) {
+  const Furnace f(0.99f, 8, 6);
+  for (const Integrator* integrator : {&pt, &bdpt})
+    EXPECT_GT(observed(f.world, *integrator, 4, 64, divided).z(radiance(double{0.99f})), 10)
+        << integrator->name;
 }
 
 TEST(furnace_twin, walks_that_end_without_dividing_by_their_survival_are_caught) {
   const Furnace f(0.9f);
   for (const Integrator* integrator : {&pt, &nee, &bdpt, &tdpt_guided}) {
-    const auto divided = [](const Path&, const Strategy&) { return 1.0; };
-    EXPECT_LT(observed(f.world, *integrator, divided).z(radiance(double{0.9f})), 5)
+    EXPECT_LT(observed(f.world, *integrator, 4, kMaxDepth, divided).z(radiance(double{0.9f})), 5)
         << integrator->name;
-    EXPECT_GT(observed(f.world, *integrator, survived).z(radiance(double{0.9f})), 20)
+    EXPECT_GT(observed(f.world, *integrator, 4, kMaxDepth, survived).z(radiance(double{0.9f})), 20)
         << integrator->name;
+  }
+}
+
+// Of 1/(1 - a), what is beyond D edges is the share a^D.
+TEST(furnace, what_a_limit_leaves_out_is_told) {
+  const Furnace f(0.9f);
+  Film film = film_for(f.world, TechniqueSet());
+  for (const Integrator* integrator : {&pt, &bdpt, &tdpt_guided}) {
+    SampleRules rules;
+    rules.max_depth = 6;
+    const Beyond beyond = light_beyond(f.world, *integrator, rules, 4096, film);
+    const auto z = [&](int depth) {
+      return std::abs(beyond.share - std::pow(0.9, depth)) / beyond.error;
+    };
+    EXPECT_LT(z(6), 5) << integrator->name << " " << beyond.share;
+    EXPECT_GT(z(5), 5) << integrator->name;  // twin
+    EXPECT_LT(beyond.error, 0.01) << integrator->name;
   }
 }
 
