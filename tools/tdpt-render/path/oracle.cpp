@@ -2,6 +2,8 @@
 
 #include <limits>
 
+#include "libcommon/scene/pane.h"
+
 namespace tdpt::oracle {
 namespace {
 
@@ -242,8 +244,9 @@ double aim_pdf_w(const World& world, From from, const Vertex* back, const Vertex
 /// Largest component of the albedo, as `at` is seen from `back`, within 0.05 and 1.
 double albedo(const Vertex& back, const Vertex& at) {
   const Surface s(at);
-  return std::clamp(double{max_component(bsdf::albedo(s.bsdf, s.local(unit(at, back))))}, 0.05,
-                    1.0);
+  double share = max_component(bsdf::albedo(s.bsdf, s.local(unit(at, back))));
+  if (const Pane pane = pane_of(*at.material)) share /= pane.presence(cosine_at(at, back));
+  return std::clamp(share, 0.05, 1.0);
 }
 
 /// How a walk is directed.

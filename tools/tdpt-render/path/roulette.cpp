@@ -2,13 +2,17 @@
 
 #include <algorithm>
 
+#include "libcommon/scene/pane.h"
+
 namespace tdpt {
 
 double albedo_at(const Point& p, const Vec3d& back) {
   if (!p.on_surface()) return 1;
-  const Rgb albedo = p.simple ? p.material->base_color
-                              : bsdf::albedo(p.bsdf, Onb<double>(p.shading).to_local(back));
-  return std::clamp(static_cast<double>(max_component(albedo)), 0.05, 1.0);
+  if (p.simple) return std::clamp(double{max_component(p.material->base_color)}, 0.05, 1.0);
+  double albedo = max_component(bsdf::albedo(p.bsdf, Onb<double>(p.shading).to_local(back)));
+  // Of walks that found the pane [Hit::presence].
+  if (const Pane pane = pane_of(*p.material)) albedo /= pane.presence(dot(p.normal, back));
+  return std::clamp(albedo, 0.05, 1.0);
 }
 
 }  // namespace tdpt

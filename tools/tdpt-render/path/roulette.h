@@ -23,7 +23,7 @@ constexpr bool always_goes_on(int i) {
 }
 
 /// Albedo of a surface as it is seen along unit `back`: the largest component, but 0.05 at least,
-/// 1 at most; 1 off surfaces.
+/// 1 at most; 1 off surfaces. Of a pane, that of the share of rays that find it.
 double albedo_at(const Point& p, const Vec3d& back);
 
 }  // namespace tdpt
