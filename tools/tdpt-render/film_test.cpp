@@ -139,7 +139,7 @@ class parts : public ::testing::Test {
     Tally tally(film.unit());
     Progress progress("", "", 0, true);
     for (uint64_t s = samples.first; s < samples.end(); s += step)
-      render_samples(world_, tdpt_org, {}, 0, {s, step}, film, tally, progress);
+      render_samples(world_, integrator_, {}, 0, {s, step}, film, tally, progress);
     energy_ = tally.energy[static_cast<size_t>(Technique::portal)];
     return film;
   }
@@ -153,6 +153,8 @@ class parts : public ::testing::Test {
 
   const Scene scene_ = read_gltf(two_rooms_path());
   const World world_{scene_, scene_.camera(""), 24, 18, {portal_in_the_hole()}};
+  const Integrator integrator_{tdpt_org.name, tdpt_org.stream,
+                               expecting_joins(world_, tdpt_org.mixture, kMaxDepth)};
   double energy_ = 0;
 };
 
@@ -185,6 +187,7 @@ TEST_F(parts, are_what_render_makes_of_the_plan) {
   film.merge(part({3, 3}, 1));
   EXPECT_EQ(scaled_picture(24, 18, film.sums(), 1.0 / 6).pixels, whole.picture.pixels);
   EXPECT_EQ(whole.plan.spp, 6u);
+  EXPECT_EQ(whole.plan.integrator.mixture, integrator_.mixture);
 }
 
 // Variance of the means of many pictures, against what each says of itself.
@@ -223,7 +226,13 @@ TEST(film, tells_its_variance) {
 TEST(plan, is_read_as_it_was_written) {
   Plan plan{kGuided[2], "tdpt-guided 0.5 0.2 0.25", 1000, {{1, PortalWay::back}}};
   EXPECT_EQ(read_plan(plan_text(plan), "a"), plan);
+  plan.integrator.mixture.joined = 2.625;
+  plan.integrator.mixture.joined_to_segments = 1.7;
+  EXPECT_EQ(read_plan(plan_text(plan), "a"), plan);
   Plan other = plan;
+  other.integrator.mixture.joined = 2;
+  EXPECT_FALSE(read_plan(plan_text(other), "a") == plan);
+  other = plan;
   other.integrator.mixture.segments = 0.5;
   EXPECT_FALSE(read_plan(plan_text(other), "a") == plan);
 }
