@@ -49,7 +49,7 @@ void expect_agreement(const GlossyRooms& what, const std::vector<const Integrato
 
 const std::vector<const Integrator*> kLamp{&pt, &nee, &tdpt_org, &tdpt_ref, &tdpt_guided};
 const std::vector<const Integrator*> kPunctual{&nee, &tdpt_org, &tdpt_ref, &tdpt_guided};
-constexpr AgreementSettings kSettings{.runs = 16, .spp = 16};
+constexpr AgreementSettings kSettings{.runs = 16, .spp = 32};
 
 TEST(glossy_agreement, rough_plastic_and_metal) {
   expect_agreement({.plastic_floor = true, .metal_walls = true}, kLamp, kSettings);

@@ -14,7 +14,7 @@ namespace tdpt {
 namespace {
 
 const std::vector<const Integrator*> kBoth{&tdpt_ref, &tdpt_org};
-constexpr AgreementSettings kSettings{.max_depth = 6, .runs = 16, .spp = 16};
+constexpr AgreementSettings kSettings{.max_depth = 6, .runs = 16, .spp = 32};
 
 /// In the window's plane, light going to -x; y and z extents.
 Portal across(double x, double y0, double y1, double z0, double z1) {

@@ -90,7 +90,7 @@ double brought_by_the_portal(const Material& sheet, std::initializer_list<double
   Scene scene = read_gltf(two_rooms_path());
   for (double x : at)
     scene = with_sheet(scene, sheet, {x, 0.875, -0.125}, {0, 0, 0.25}, {0, 0.25, 0});
-  const RenderResult r = rendered(scene, tdpt_ref, 6, 256, {portal_in_the_hole()});
+  const RenderResult r = rendered(scene, tdpt_ref, 6, 1024, {portal_in_the_hole()});
   return r.tally.energy[static_cast<size_t>(Technique::portal)];
 }
 
@@ -113,10 +113,10 @@ TEST(panes, in_the_plane_of_a_portal_take_no_more_light_than_beside_it) {
 TEST(panes, agree_with_glass_that_walks_pass_by_a_lobe) {
   Material tinted = clear_pane();
   tinted.base_color = Rgb(1, 1, 0.999f);
-  const double pane = rendered(glazed_rooms(clear_pane()), bdpt, 16, 256).mean().x;
-  const double lobe = rendered(glazed_rooms(tinted), bdpt, 18, 256).mean().x;
+  const double pane = rendered(glazed_rooms(clear_pane()), bdpt, 16, 1024).mean().x;
+  const double lobe = rendered(glazed_rooms(tinted), bdpt, 18, 1024).mean().x;
   EXPECT_NEAR(pane / lobe, 1, 0.025);
-  const double open = rendered(read_gltf(two_rooms_path()), bdpt, 16, 256).mean().x;
+  const double open = rendered(read_gltf(two_rooms_path()), bdpt, 16, 1024).mean().x;
   EXPECT_GT(open / lobe, 1.035);  // twin: without the pane
 }
 
