@@ -25,28 +25,25 @@ struct WorkCosts {
 };
 
 // The tables are bench/work_model.py's, a least-squares fit to what work_model_bench measures: five
-// scenes, three depths, the six integrators that `auto` tries. Ratios to bdpt's CPU time come out
-// within 4 % on average and 10 % at most at depth 6, 13 % at most at depth 12; without portals 7,
-// 13 and 18 %. Without the last three terms tdpt-guided came out 9 to 24 % too small at depth 6. In
-// two scenes that had no part in the fit it came out 1 and 5 % too small, nee 12 and 17 %. An edge
-// that is tested against 1, 4, 16 and 64 facets of two triangles cost 241, 299, 455 and 1097 by
-// measurement.
+// scenes with portals, six without, depth 6 and no limit, the integrators that `auto` tries but
+// `pt`. What facets and triangles of portals cost was measured apart (an edge that is tested against
+// 1, 4, 16 and 64 facets of two triangles: 241, 299, 455 and 1097) and held. Ratios to bdpt's CPU
+// time come out within 8 % on average; `nee` up to 1.2 times, in interiors with textures 1.3 times
+// too large, directed walks 0.86 to 1.13 times.
 inline constexpr WorkCosts kWorkWithPortals{
-    .sample = 180,
-    .closest = 39,
-    .closest_deeper = 12,
-    .shadow = 156,
-    .portal = 187,
+    .closest = 154,
+    .closest_deeper = 19,
+    .shadow = 89,
+    .portal = 345,
     .portal_triangle = 2,
-    .directed = 56,
-    .facets = 40,
+    .directed = 70,
+    .facets = 59,
     .facet = 11,
 };
 inline constexpr WorkCosts kWorkWithoutPortals{
-    .sample = 5,
-    .closest = 193,
-    .closest_deeper = 11,
-    .shadow = 215,
+    .closest = 194,
+    .closest_deeper = 23,
+    .shadow = 351,
 };
 
 class WorkModel {
