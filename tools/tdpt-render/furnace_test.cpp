@@ -136,23 +136,6 @@ TEST(furnace_twin, walks_that_end_without_dividing_by_their_survival_are_caught)
   }
 }
 
-// Of 1/(1 - a), what is beyond D edges is the share a^D.
-TEST(furnace, what_a_limit_leaves_out_is_told) {
-  const Furnace f(0.9f);
-  Film film = film_for(f.world, TechniqueSet());
-  for (const Integrator* integrator : {&pt, &bdpt, &tdpt_guided}) {
-    SampleRules rules;
-    rules.max_depth = 6;
-    const Beyond beyond = light_beyond(f.world, *integrator, rules, 4096, film);
-    const auto z = [&](int depth) {
-      return std::abs(beyond.share - std::pow(0.9, depth)) / beyond.error;
-    };
-    EXPECT_LT(z(6), 5) << integrator->name << " " << beyond.share;
-    EXPECT_GT(z(5), 5) << integrator->name;  // twin
-    EXPECT_LT(beyond.error, 0.01) << integrator->name;
-  }
-}
-
 // Nothing but the hard stop ends it.
 TEST(furnace, of_albedo_1_ends) {
   const Furnace f(1);

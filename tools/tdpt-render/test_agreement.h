@@ -63,8 +63,7 @@ inline std::vector<std::vector<double>> render_by_depth(const World& world, cons
               [static_cast<size_t>(y * width + x)] += weighted / static_cast<double>(settings.spp);
   };
   PathSampler sampler(world, variant.settings(settings.max_depth, seed), film, tally, &observer);
-  for (py = 0; py < height; ++py)
-    variant.row(sampler, width, py, settings.spp, [&](int x) { px = x; });
+  variant.picture(sampler, width, height, settings.spp, [&](int x, int y) { px = x, py = y; });
   return pictures;
 }
 

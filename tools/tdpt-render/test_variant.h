@@ -37,9 +37,9 @@ struct Variant {
     run(sampler);
     sampler.end();
   }
-  /// Samples 0..spp-1 of a row of pixels. `at(x)` is told whose comes next.
+  /// Samples 0..spp-1 of all pixels. `at(x, y)` is told whose comes next.
   template <class At>
-  void row(PathSampler& sampler, int width, int y, uint64_t spp, const At& at) const;
+  void picture(PathSampler& sampler, int width, int height, uint64_t spp, const At& at) const;
 
   Integrator integrator;
   bool pools = false;
@@ -51,33 +51,33 @@ struct Variant {
 };
 
 template <class At>
-void Variant::row(PathSampler& sampler, int width, int y, uint64_t spp, const At& at) const {
-  if (!pools) {
-    for (int x = 0; x < width; ++x) {
-      at(x);
-      for (uint64_t s = 0; s < spp; ++s) sample(sampler, x, y, s);
-    }
-    return;
-  }
-  const int apart = (width + LightPool::kWalks - 1) / LightPool::kWalks;
+void Variant::picture(PathSampler& sampler, int width, int height, uint64_t spp,
+                      const At& at) const {
+  const int pixels = width * height, per_pool = LightPool::kWalks;
+  const int step = pools ? (pixels + per_pool - 1) / per_pool : pixels;
   std::vector<Walk> walks(LightPool::kWalks);
   LightPool pool;
-  for (int first = 0; first < apart; ++first)
+  const auto each = [&](int first, const auto& visit) {
+    for (int p = first; p < pixels; p += step)
+      visit(p % width, p / width, walks[static_cast<size_t>(p / step)]);
+  };
+  for (int first = 0; first < step; ++first)
     for (uint64_t s = 0; s < spp; ++s) {
       pool.clear();
-      for (int x = first; x < width && sampler.has_light_phase(); x += apart) {
-        Walk& walk = walks[static_cast<size_t>(x / apart)];
+      if (pools && sampler.has_light_phase())
+        each(first, [&](int x, int y, Walk& walk) {
+          sampler.begin(x, y, s);
+          sampler.light_phase(walk);
+          pool.add(walk);
+        });
+      each(first, [&](int x, int y, const Walk& walk) {
+        at(x, y);
+        if (!pools) return sample(sampler, x, y, s);
         sampler.begin(x, y, s);
-        sampler.light_phase(walk);
-        pool.add(walk);
-      }
-      for (int x = first; x < width; x += apart) {
-        at(x);
-        sampler.begin(x, y, s);
-        sampler.camera_phase(walks[static_cast<size_t>(x / apart)], pool);
+        sampler.camera_phase(walk, pool);
         besides(sampler);
         sampler.end();
-      }
+      });
     }
 }
 
