@@ -148,6 +148,25 @@ TEST(roulette, a_diffuse_surface_has_the_largest_component_of_its_colour) {
   EXPECT_EQ(albedo_at(p, {0, 0, 1}), 1);
 }
 
+// Rays find a pane as seldom as it reflects: those that do are all reflected.
+TEST(roulette, walks_that_have_found_a_pane_go_on) {
+  Material pane, sheet;
+  pane.plain = sheet.plain = false;
+  pane.specular = pane.transmission = 1;
+  pane.roughness = 0;
+  pane.base_color = Rgb(1);
+  Point p;
+  p.simple = false;
+  p.normal = p.shading = {0, 0, 1};
+  p.bsdf = test::make({}, test::normal_reflectance(1.5f), 1, {}, 0);
+  for (const double z : {1.0, 0.6, -0.9}) {
+    p.material = &pane;
+    EXPECT_NEAR(albedo_at(p, test::direction(z, 0.7)), 1, 0.01) << z;
+    p.material = &sheet;  // twin: what all rays meet
+    EXPECT_LT(albedo_at(p, test::direction(z, 0.7)), 0.2) << z;
+  }
+}
+
 TEST(roulette, the_first_vertices_always_go_on) {
   for (const int i : {0, 1}) EXPECT_TRUE(always_goes_on(i));
   for (const int i : {2, 3, 100}) EXPECT_FALSE(always_goes_on(i));
