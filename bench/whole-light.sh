@@ -101,7 +101,7 @@ Written by \`make whole-light\` ($("$bin/tdpt-render" --version)). Without a lim
 both ways, $seeds seeds, runs of one thread taking turns; auto gets the portals that the four stages find. Each way has a reference of its own, whose noise is taken out of relMSE. Efficiency = 1 / (relMSE x CPU s).
 
 * CPU time: median of the ratios of runs that followed each other; at depth 6 with the samples that tell what is left
-  out, 1 % of all, 2048 at least. Efficiency: of the means over seeds, in brackets the 95 %
+  out, 1 % of all, up to a tenth of few. Efficiency: of the means over seeds, in brackets the 95 %
   interval by bootstrap. Mean: +- a standard error; what it lacks to 1 is the light that depth 6 leaves out.
 
 INTRO

@@ -45,7 +45,7 @@ Beyond light_beyond(const World& world, const Integrator& integrator, const Samp
   const SampleSettings how{integrator.mixture, kMaxDepth, rules.beta, rules.seed,
                            integrator.stream + (kStreams + 1) * kRound};
   std::vector<Group> groups(
-      static_cast<size_t>(std::clamp(samples, 2048.0, 16384.0) / LightPool::kWalks));
+      static_cast<size_t>(std::clamp(samples, 64.0, 16384.0) / LightPool::kWalks));
   tbb::parallel_for(size_t{0}, groups.size(), [&](size_t g) {
     Group& group = groups[g];
     const PathObserver observer = [&](const Contribution& found) {

@@ -14,7 +14,7 @@ struct Beyond {
 };
 
 /// Tells it from some samples without limit, spread over the picture, which are thrown away: about
-/// `samples`, 2048 to 16384. They are left in `film`.
+/// `samples`, 64 to 16384. They are left in `film`.
 Beyond light_beyond(const World& world, const Integrator& integrator, const SampleRules& rules,
                     double samples, Film& film);
 

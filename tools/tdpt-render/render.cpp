@@ -147,8 +147,9 @@ void Rendering::plan() {
 
 void Rendering::look_beyond() {
   if (settings_.max_depth >= kMaxDepth) return;
-  constexpr double kShare = 0.01;  // of the picture's samples; by the clock, the fewest
-  const double samples = kShare * static_cast<double>(settings_.spp * pixels_);
+  // A hundredth of the picture's samples, but of few of them up to a tenth; by the clock, enough.
+  const double all = static_cast<double>(settings_.spp * pixels_), enough = 2048;
+  const double samples = all > 0 ? std::max(0.01 * all, std::min(0.1 * all, enough)) : enough;
   result_.beyond = light_beyond(world_, result_.plan.integrator, rules_, samples, film_);
   film_.clear();
 }
