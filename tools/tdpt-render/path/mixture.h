@@ -59,7 +59,7 @@ struct Mixture {
   Guiding guiding{};
 
   /// How many candidates a vertex is joined with, for each vertex that a light walk has on average
-  /// after y_0: of those, and of those with y_0 [light_pool.h, expected_joins()]. 1: with all of
+  /// after y_0: of those, and of those with y_0 [light_pool.h, expecting_joins()]. 1: with all of
   /// one walk.
   double joined = 1, joined_to_segments = 1;
 

@@ -285,17 +285,18 @@ double survival(const Vertex* back, const Vertex& at, int i, Fault fault) {
   return i < 2 || fault == Fault::immortal ? 1 : albedo(*back, at);
 }
 
-}  // namespace
-
-std::vector<StrategyDensity> densities(const World& world, const Path& path, const Mixture& mixture,
-                                       Fault fault) {
-  const Guiding& guiding = mixture.guiding;
+/// P>(x_i) and P<(x_i) of all vertices but the camera's.
+struct Densities {
+  std::vector<double> from_light, from_camera;
+};
+Densities of_walks(const World& world, const Path& path, const Guiding& guiding, Fault fault) {
   const int k = path.k();
-  std::vector<double> from_light(static_cast<size_t>(k)), from_camera(static_cast<size_t>(k));
+  Densities all{std::vector<double>(static_cast<size_t>(k)),
+                std::vector<double>(static_cast<size_t>(k))};
   for (int i = 0; i < k; ++i) {
     const Vertex& x = path.vertex(i);
-    double& P_light = from_light[static_cast<size_t>(i)];
-    double& P_camera = from_camera[static_cast<size_t>(i)];
+    double& P_light = all.from_light[static_cast<size_t>(i)];
+    double& P_camera = all.from_camera[static_cast<size_t>(i)];
     if (i == 0) {
       P_light = x.on_surface() ? world.lights.pdf_A(x.triangle) : x.source->pdf_1();
     } else {
@@ -320,9 +321,18 @@ std::vector<StrategyDensity> densities(const World& world, const Path& path, con
     }
     P_camera = !x.on_surface() ? 0 : q * cosine_at(x, after) / distance2(after, x);
   }
+  return all;
+}
 
+}  // namespace
+
+std::vector<StrategyDensity> densities(const World& world, const Path& path, const Mixture& mixture,
+                                       Fault fault) {
+  const int k = path.k();
+  const auto [from_light, from_camera] = of_walks(world, path, mixture.guiding, fault);
   std::vector<StrategyDensity> result;
-  const auto add = [&](Technique technique, int split) {
+  const auto add = [&, &from_light = from_light, &from_camera = from_camera](Technique technique,
+                                                                             int split) {
     if (!mixture.has(technique)) return;
     const bool portal = technique == Technique::portal;
     // Every connection of the technique, by its first vertex, needs both ends free of Dirac lobes.
