@@ -52,6 +52,14 @@ LightSource LightSource::punctual(const PunctualLight& light, double extent) {
   return source;
 }
 
+LightSource LightSource::all_around(const Sky& sky, double extent) {
+  PunctualLight parallel;
+  parallel.kind = Kind::directional;
+  LightSource source = punctual(parallel, extent);
+  source.sky_ = &sky;
+  return source;
+}
+
 Lights::Lights(const Scene& scene) : scene_(scene), pdf_A_(scene.triangles.size(), 0.0f) {
   std::vector<double> weights;
   const auto add = [&](double power) {
@@ -65,17 +73,24 @@ Lights::Lights(const Scene& scene) : scene_(scene), pdf_A_(scene.triangles.size(
     shapes_.push_back(shape_of(scene, t));
     add((scene.material_of(t).double_sided ? 2 : 1) * pi * y * shapes_.back().area);
   }
+  if (!scene.lights.empty() || scene.sky)
+    for (const Triangle& t : scene.triangles)
+      for (uint32_t v : t.vertex)
+        radius_ = std::max(radius_, 1.0001 * length(Vec3d(scene.positions[v])));
   for (const PunctualLight& light : scene.lights) {
     const double y = luminance(light.intensity);
     if (y <= 0) continue;
-    if (radius_ == 0)
-      for (const Triangle& t : scene.triangles)
-        for (uint32_t v : t.vertex)
-          radius_ = std::max(radius_, 1.0001 * length(Vec3d(scene.positions[v])));
     const double extent =
         light.kind == Kind::directional ? pi * radius_ * radius_ : 2 * pi * (1 - cos_cone(light));
     punctual_.push_back(LightSource::punctual(light, extent));
     add(y * extent);
+  }
+  if (scene.sky) {
+    directions_ = SkyDirections(*scene.sky);
+    const double disc = pi * radius_ * radius_;
+    has_sky_ = !directions_.empty() && disc > 0;
+    if (has_sky_) sky_ = LightSource::all_around(*scene.sky, disc);
+    if (has_sky_) add(directions_.total() * disc);
   }
   if (weights.empty()) return;
   table_ = AliasTable(weights);
@@ -83,6 +98,8 @@ Lights::Lights(const Scene& scene) : scene_(scene), pdf_A_(scene.triangles.size(
     const double pdf_1 = table_.pdf_1(i);
     if (i < triangles_.size())
       pdf_A_[triangles_[i]] = static_cast<float>(pdf_1 / shapes_[i].area);
+    else if (i == triangles_.size() + punctual_.size())
+      sky_.pdf_1_ = pdf_1;
     else
       punctual_[i - triangles_.size()].pdf_1_ = pdf_1;
   }
@@ -99,10 +116,17 @@ Lights::Point Lights::sample(Rng& rng) const {
 Lights::Point Lights::sample(double pick, double u, double v, double side) const {
   const uint32_t i = table_.sample(pick);
   Point point;
+  if (i == triangles_.size() + punctual_.size()) {
+    point.source = &sky_;
+    const Vec3d towards = directions_.sample(side, u, v);
+    point.position = -towards;
+    point.pdf = sky_.pdf_1_ * directions_.pdf_w(towards);
+    return point;
+  }
   if (i >= triangles_.size()) {
     const LightSource& source = punctual_[i - triangles_.size()];
     point.source = &source;
-    point.position = source.light_.position;
+    point.position = source.at_infinity() ? source.light_.direction : source.light_.position;
     point.pdf = source.pdf_1_;
     return point;
   }
@@ -119,15 +143,16 @@ Lights::Point Lights::sample(double pick, double u, double v, double side) const
 }
 
 Lights::Ray Lights::leave(const Point& point, double u, double v) const {
-  if (point.source->met())
+  const double phi = 2 * pi * u;
+  if (point.source->at_infinity()) {
+    const double r = radius_ * std::sqrt(v);
+    const Onb<double> onb(point.position);
+    return {onb.to_world({r * std::cos(phi), r * std::sin(phi), -2 * radius_}), point.position};
+  }
+  if (point.source->is_surface())
     return {point.position, normalize(Onb<double>(point.normal).to_world(cosine_hemisphere(u, v)))};
   const PunctualLight& light = point.source->light_;
   const Onb<double> onb(light.direction);
-  const double phi = 2 * pi * u;
-  if (light.kind == Kind::directional) {
-    const double r = radius_ * std::sqrt(v);
-    return {onb.to_world({r * std::cos(phi), r * std::sin(phi), -2 * radius_}), light.direction};
-  }
   const double z = 1 - v * (1 - cos_cone(light));
   const double r = std::sqrt(std::max(0.0, 1 - z * z));
   return {light.position, normalize(onb.to_world({r * std::cos(phi), r * std::sin(phi), z}))};

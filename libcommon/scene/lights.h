@@ -1,5 +1,5 @@
-// All lights of a scene as one: emitting triangles and punctual lights, chosen in proportion to
-// power by an alias table, so that thousands cost a sample no more than one.
+// All lights of a scene as one: emitting triangles, punctual lights and the sky, chosen in
+// proportion to power by an alias table, so that thousands cost a sample no more than one.
 #pragma once
 #include <array>
 #include <cmath>
@@ -14,37 +14,40 @@
 namespace tdpt {
 
 /// How light leaves a place of a light, and the density with which walks follow it. Emitting
-/// surfaces, points, spots and parallel light answer the same questions.
+/// surfaces, points, spots, parallel light and the sky answer the same questions.
 ///
-/// What leaves a place is radiance [W/m2/sr] from a surface, radiant intensity [W/sr, canonical
-/// area] from a point or spot, irradiance across its way [W/m2] of parallel light, whose places are
-/// infinitely far away: it is a direction, and its density is of the places that it passes, per
-/// canonical area across it.
+/// What leaves a place is radiance [W/m2/sr] from a surface or the sky, radiant intensity [W/sr,
+/// canonical area] from a point or spot, irradiance across its way [W/m2] of parallel light. The
+/// places of parallel light and of the sky are infinitely far away: a place is a direction, and the
+/// density of what leaves it is of the lines along it, per canonical area across them.
 class LightSource {
  public:
   static LightSource surface(bool both_sides) { return LightSource(both_sides); }
   /// `extent`: of the directions that light leaves in [sr]; parallel: of the disc across the scene
   /// that it passes [canonical area].
   static LightSource punctual(const PunctualLight& light, double extent);
+  /// `extent`: of the disc across the scene [canonical area].
+  static LightSource all_around(const Sky& sky, double extent);
 
   /// Whether a ray can meet it; if not, only those who sample lights find it.
-  bool met() const { return is_surface_; }
+  bool met() const { return is_surface_ || sky_; }
   bool at_infinity() const {
     return !is_surface_ && light_.kind == PunctualLight::Kind::directional;
   }
-  /// Of parallel light: unit, the way it travels.
-  const Vec3d& direction() const { return light_.direction; }
+  bool is_sky() const { return sky_ != nullptr; }
+  bool is_surface() const { return is_surface_; }
   /// The side that it shines to, from a place with unit normal `front`; 0: all.
   Vec3d facing(const Vec3d& front) const { return is_surface_ && !both_sides_ ? front : Vec3d(); }
 
   /// What leaves along unit w; `radiance`: of a surface there, textures included.
   Rgb emitted(const Vec3d& front, const Rgb& radiance, const Vec3d& w) const {
+    if (sky_) return sky_->radiance(-w);
     if (!is_surface_) return intensity(w);
     return both_sides_ || dot(front, w) > 0 ? radiance : Rgb{};
   }
   /// Density of the direction in which a walk leaves [1/sr]: |cos|/pi on the front of a surface,
-  /// half of that on each side when both emit; uniform over the sphere or the spot's cone;
-  /// parallel: of its place [1/canonical area].
+  /// half of that on each side when both emit; uniform over the sphere or the spot's cone; at
+  /// infinity of the line along w [1/canonical area].
   double pdf_w(const Vec3d& front, const Vec3d& w) const {
     if (!is_surface_) return pdf_towards(w);
     const double cos = dot(front, w);
@@ -54,7 +57,7 @@ class LightSource {
   /// |cos| / pdf_w, the same for every direction that light leaves in: a walk that leaves carries
   /// this times what is emitted.
   double cos_per_pdf_w() const { return cos_per_pdf_w_; }
-  /// Probability that a point, spot or parallel light is chosen to begin a walk.
+  /// Probability that a point, spot, parallel light or the sky is chosen to begin a walk.
   double pdf_1() const { return pdf_1_; }
 
  private:
@@ -68,7 +71,8 @@ class LightSource {
 
   bool is_surface_, both_sides_ = false;
   double cos_per_pdf_w_;
-  // Of punctual lights.
+  const Sky* sky_ = nullptr;
+  // Of punctual lights; the sky is a directional one from everywhere.
   PunctualLight light_;
   double pdf_ = 0;  // where light leaves
   double pdf_1_ = 0;
@@ -81,7 +85,7 @@ class Lights {
   bool empty() const { return table_.empty(); }
   /// Emitted power of the whole scene, luminance, in canonical area: sum of pi * Y(Le) * A over
   /// emitting sides, of Y(intensity) * extent of points and spots, and of what of parallel light
-  /// passes the disc.
+  /// and of the sky passes the disc.
   double power() const { return power_; }
 
   /// A place light leaves from.
@@ -89,17 +93,19 @@ class Lights {
     const LightSource* source = nullptr;
     uint32_t triangle = ~0u;  ///< of a surface
     double b1 = 0, b2 = 0;    ///< barycentrics on the triangle
-    Vec3d position{};         ///< canonical; parallel light has none
+    Vec3d position{};         ///< canonical; at infinity unit, the way its light travels
     Vec3d normal{};           ///< unit, on the side to leave by: the front, or either (a fair coin)
-    double pdf = 0;           ///< pdf_A per canonical area; without a surface: pdf_1
+    double pdf = 0;           ///< pdf_A per canonical area; of the sky pdf_w; otherwise pdf_1
   };
   /// A place to begin a walk at. Four numbers in [0,1): which light, where on it (u, v), and which
-  /// of its sides.
+  /// of its sides or which part of the sky.
   Point sample(double pick, double u, double v, double side) const;
   /// Draws them from `rng` in this order.
   Point sample(Rng& rng) const;
-  /// Density of `sample`, at any point of `triangle` where that is a surface.
-  double pdf(const LightSource& source, uint32_t triangle) const {
+  /// Density of `sample`, at any point of `triangle` where that is a surface; `position` as in
+  /// Point.
+  double pdf(const LightSource& source, uint32_t triangle, const Vec3d& position) const {
+    if (source.is_sky()) return source.pdf_1() * directions_.pdf_w(-position);
     return source.met() ? pdf_A(triangle) : source.pdf_1();
   }
   /// Density of `sample` at any point of `triangle`; 0 when it does not emit.
@@ -111,25 +117,33 @@ class Lights {
     (void)shaded;
     return sample(pick, u, v, side);
   }
-  double pdf_for(const Vec3d& shaded, const LightSource& source, uint32_t triangle) const {
+  double pdf_for(const Vec3d& shaded, const LightSource& source, uint32_t triangle,
+                 const Vec3d& position) const {
     (void)shaded;
-    return pdf(source, triangle);
+    return pdf(source, triangle, position);
   }
 
   struct Ray {
     Vec3d origin, direction;
   };
   /// A ray of light from `point`: cos-distributed on a surface, uniform within a lamp's cone, on a
-  /// disc outside the scene for directional lights. u, v uniform in [0,1).
+  /// disc outside the scene from infinity. u, v uniform in [0,1).
   Ray leave(const Point& point, double u, double v) const;
 
   /// How surfaces shine that emit on their front or on both sides.
   const LightSource& surface(bool both_sides) const { return surfaces_[both_sides]; }
+  /// What rays meet that leave the scene; null: nothing shines there.
+  const LightSource* sky() const { return has_sky_ ? &sky_ : nullptr; }
+  /// Directions of the sky, as walks begin there.
+  const SkyDirections& directions() const { return directions_; }
 
  private:
   const Scene& scene_;
   std::array<LightSource, 2> surfaces_{LightSource::surface(false), LightSource::surface(true)};
-  // Entries of the table: emitting triangles, then the punctual lights.
+  LightSource sky_{false};
+  bool has_sky_ = false;
+  SkyDirections directions_;
+  // Entries of the table: emitting triangles, then the punctual lights, then the sky.
   std::vector<uint32_t> triangles_;
   std::vector<TriangleShape> shapes_;
   std::vector<LightSource> punctual_;

@@ -2,10 +2,12 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "libcommon/math/vec.h"
+#include "libcommon/scene/sky.h"
 
 namespace tdpt {
 
@@ -109,6 +111,7 @@ struct Scene {
   std::vector<Triangle> triangles;
   std::vector<Material> materials;
   std::vector<PunctualLight> lights;
+  std::shared_ptr<const Sky> sky;  ///< none: all around is black
   std::vector<Image> images;
   std::vector<Camera> cameras;
 

@@ -73,7 +73,7 @@ std::vector<WalkHit> light_starts(const Scene& scene, const WalkSettings& settin
   tbb::parallel_for(uint32_t{0}, settings.walks, [&](uint32_t i) {
     Rng rng(settings.seed, kLight, i);
     const Lights::Point point = lights.sample(rng);
-    if (!point.source->met()) return;
+    if (!point.source->is_surface()) return;
     const bool back = dot(point.normal, shape_of(scene, point.triangle).normal) < 0;
     starts[i] = {2 * point.triangle + (back ? 1 : 0), Vec3f(point.position)};
   });

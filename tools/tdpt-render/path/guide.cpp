@@ -36,22 +36,21 @@ PortalSet::Crossing Guide::crossing(const Point& a, const Point& b, uint64_t& te
   PortalSet::Crossing c{};
   // No technique puts a portal on the camera's own edge, and no segment ends on a light without
   // surface: of its edges only directed walks ask.
-  if (!sees_portals_ || !b.on_surface() || !(a.on_surface() || active_)) return c;
+  if (!sees_portals_ || !b.on_surface() || !(a.met() || active_)) return c;
   ++tests;
-  if (a.at_infinity()) {
-    c.from_light = portals_.crossed_along(a.source->direction(), b.position, drawn);
-    return c;
-  }
+  const Vec3d from = a.at_infinity() ? before_the_scene(b.position, a.position) : a.position;
   if (active_)
-    c = portals_.crossing(a.position, b.position, drawn);
+    c = portals_.crossing(from, b.position, drawn);
   else
-    c.density = portals_.density(a.position, b.position, drawn);
-  if (!a.on_surface()) c.density = 0;
+    c.density = portals_.density(from, b.position, drawn);
+  if (active_ && a.at_infinity())
+    c.from_light = portals_.crossed_along(a.position, b.position, drawn);
+  if (!a.met()) c.density = 0;
   return c;
 }
 
 double Guide::aims(const Point& v, const Vec3d& facing, From from) const {
-  return v.at_infinity() ? portals_.aims_along(v.source->direction())
+  return v.at_infinity() ? portals_.aims_along(v.position)
                          : portals_.aims(v.position, facing, way(from));
 }
 
@@ -96,8 +95,7 @@ bool Guide::leave(const Vertex& y0, const std::array<double, 4>& u, Lights::Ray&
   if (!(W > 0 && u[3] < chance(From::light))) return false;
   Vec3d at;
   triangle = portals_.aim_along(ray.direction, W, {u[0], u[1], u[2]}, at);
-  // Before all of the scene, which lies within 2 of the origin (canonical).
-  ray.origin = at - ray.direction * (dot(at, ray.direction) + 4);
+  ray.origin = before_the_scene(at, ray.direction);
   return true;
 }
 

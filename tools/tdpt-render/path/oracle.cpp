@@ -11,8 +11,8 @@ using std::numbers::pi;
 
 /// From a to b; parallel light comes along its direction.
 Vec3d unit(const Vertex& from, const Vertex& to) {
-  if (from.at_infinity()) return from.source->direction();
-  if (to.at_infinity()) return -to.source->direction();
+  if (from.at_infinity()) return from.position;
+  if (to.at_infinity()) return -to.position;
   return normalize(to.position - from.position);
 }
 

@@ -100,7 +100,7 @@ void Path::fill(const World& world, const Walk& y, int s, const Walk& z, int t,
                            (i <= s - 3 ? y.state(i).pdf_other_A
                                        : directed_camera_A(guide_, i, plain_camera_A(world, i)));
   }
-  next_event_A_ = world.lights.pdf_for(x(1).position, *x(0).source, x(0).triangle);
+  next_event_A_ = world.lights.pdf_for(x(1).position, *x(0).source, x(0).triangle, x(0).position);
 }
 
 void Path::fill_survival(const Walk& y, int s, const Walk& z, int t) {
@@ -141,7 +141,7 @@ void Path::fill_crossings(const Walk& y, int s, const Walk& z, int first_z,
 }
 
 double Path::plain_light_A(const World& world, int i) const {
-  if (i == 0) return world.lights.pdf(*x(0).source, x(0).triangle);
+  if (i == 0) return world.lights.pdf(*x(0).source, x(0).triangle, x(0).position);
   return i == 1 ? emission_pdf_A(x(0), x(1))
                 : scatter_pdf_A(x(i - 2), x(i - 1), x(i), dirac(i - 1));
 }

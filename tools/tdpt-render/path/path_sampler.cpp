@@ -154,11 +154,9 @@ double PathSampler::to_film(const Contribution& found, double raster_x, double r
 
 bool PathSampler::visible(const Point& a, const Point& b) {
   ++tally_.rays.shadow;
-  // No two places of a scene are further apart than its ball's diameter, 2 sqrt 3 (canonical).
-  constexpr double kOutside = 4;
   const auto origin = [](const Point& p, const Point& other) {
     if (!p.at_infinity()) return p.origin();
-    return Tracer::Origin{other.position - p.source->direction() * kOutside};
+    return Tracer::Origin{before_the_scene(other.position, p.position)};
   };
   return world_.tracer.visible(origin(a, b), origin(b, a));
 }
@@ -280,13 +278,21 @@ bool PathSampler::draw_segment(const PortalSet::Sample& sample, Segment& segment
     return true;
   };
   if (!end(sample.direction, x_c) || !x_c.connectible) return false;
-  if (!end(-sample.direction, x_l)) return false;
+  if (!end(-sample.direction, x_l)) {
+    if (!world_.lights.sky()) return false;
+    place_in_sky(world_, -sample.direction, x_l);
+  }
   // A lamp may be black or a mirror otherwise: light that begins there is not scattered there.
   if (!x_l.connectible && black(emitted(x_l, sample.direction))) return false;
   if (!(between(x_l, x_c).d2 > 0)) return false;
-  if (!world_.portals.spans(sample.drawn, x_l.position, x_c.position)) return false;
+  const Vec3d begin =
+      x_l.at_infinity() ? before_the_scene(x_c.position, x_l.position) : x_l.position;
+  if (!world_.portals.spans(sample.drawn, begin, x_c.position)) return false;
   if (guide_.active()) {
-    guide_.aim_at_surface(sample.direction, x_l);
+    if (x_l.at_infinity())
+      guide_.aim_at_light(x_l);
+    else
+      guide_.aim_at_surface(sample.direction, x_l);
     guide_.aim_at_surface(-sample.direction, x_c);
   }
   crossing = guide_.crossing(x_l, x_c, tally_.rays.portal, sample.drawn);
@@ -301,6 +307,7 @@ void PathSampler::light_sides(const Segment& segment, const Vec3d& w,
   const Vertex& x_l = segment.x_l;
   light_sides_.clear();
   if (const Rgb Le = emitted(x_l, w); !black(Le)) light_sides_.push_back({light_, 0, Le, 1});
+  if (x_l.at_infinity()) return;
   const double times = pool_->draw(true, u[0], drawn_);
   few_.clear();
   values_.clear();

@@ -18,7 +18,7 @@ namespace tdpt {
 enum class From { light, camera };
 
 struct Point {
-  Vec3d position{};                     ///< of no meaning at infinity
+  Vec3d position{};                     ///< at infinity unit, the way that light travels
   Vec3d normal{};                       ///< unit geometric normal of the front side; 0 off surfaces
   const Material* material = nullptr;   ///< of a surface
   const LightSource* source = nullptr;  ///< where light begins here
@@ -47,11 +47,17 @@ struct Edge {
   double d2;  ///< squared distance; 1 when one end is infinitely far
 };
 inline Edge between(const Point& a, const Point& b) {
-  if (a.at_infinity()) return {a.source->direction(), 1};
-  if (b.at_infinity()) return {-b.source->direction(), 1};
+  if (a.at_infinity()) return {a.position, 1};
+  if (b.at_infinity()) return {-b.position, 1};
   const Vec3d d = b.position - a.position;
   const double d2 = dot(d, d);
   return {d / std::sqrt(d2), d2};
+}
+
+/// The place on the line of light through `p` along unit w where it has not yet reached any of the
+/// scene, which lies within 2 of the origin (canonical).
+inline Vec3d before_the_scene(const Vec3d& p, const Vec3d& w) {
+  return p - w * (dot(p, w) + 4);
 }
 
 /// G without visibility [1/m2]: |cos_a cos_b| / d^2.

@@ -89,8 +89,15 @@ void place_on_surface(const World& world, const Hit& hit, Point& p) {
     add_emission(world, m, {hit.triangle, hit.b1, hit.b2}, p);
 }
 
+void place_in_sky(const World& world, const Vec3d& w, Point& p) {
+  p = {};
+  p.position = -w;
+  p.source = world.lights.sky();
+  p.connectible = false;
+}
+
 void place_on_light(const World& world, const Lights::Point& light, Point& p) {
-  if (light.source->met()) {
+  if (light.source->is_surface()) {
     Hit hit;
     hit.triangle = light.triangle;
     hit.b1 = light.b1;

@@ -8,6 +8,9 @@ namespace tdpt {
 /// Puts `p` where a ray has hit.
 void place_on_surface(const World& world, const Hit& hit, Point& p);
 
+/// Puts `p` where a ray along unit `w` leaves the scene, which must have a sky.
+void place_in_sky(const World& world, const Vec3d& w, Point& p);
+
 /// Puts `p` on a light. An emitter that is not opaque shines by its coverage: no ray decides here
 /// whether it is there.
 void place_on_light(const World& world, const Lights::Point& light, Point& p);

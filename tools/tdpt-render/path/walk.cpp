@@ -59,11 +59,12 @@ bool Walker::extend(const Tracer::Origin& origin, const Vec3d& w, const Rgb& thr
   const auto n = static_cast<size_t>(walk_.size);
   Hit hit;
   ++rays_.closest;
-  if (!world_.tracer.closest(origin, w, hit)) return false;
+  const bool leaves = !world_.tracer.closest(origin, w, hit);
+  if (leaves && (from_ == From::light || !world_.lights.sky())) return false;
   walk_.make_place();
   Vertex& v = walk_.v[n - 1];
   Vertex& next = walk_.v[n];
-  place_on_surface(world_, hit, next);
+  leaves ? place_in_sky(world_, w, next) : place_on_surface(world_, hit, next);
   const double plain = plain_A(v, next);
   if (!(plain > 0)) return false;
   WalkState& here = walk_.states[n - 1];
@@ -71,7 +72,7 @@ bool Walker::extend(const Tracer::Origin& origin, const Vec3d& w, const Rgb& thr
   const double other = known ? scatter_pdf_A(next, v, walk_.v[n - 2], here.dirac) : 0;
   if (known) walk_.states[n - 2].pdf_other_A = other;
   WalkState& state = walk_.states[n];
-  if (guide_.active()) guide_.aim_at_surface(-w, next);
+  if (guide_.active()) leaves ? guide_.aim_at_light(next) : guide_.aim_at_surface(-w, next);
   if (n >= 2) here.other_survival = albedo_at(v, w);
   state.own_survival = albedo_at(next, -w);
   state.other_survival = 1;
@@ -81,7 +82,7 @@ bool Walker::extend(const Tracer::Origin& origin, const Vec3d& w, const Rgb& thr
   state.pdf_other_A = 0;
   state.crossing = crossing(v, next, triangle);
   state.dirac = false;
-  if (world_.absorbing)
+  if (world_.absorbing && !leaves)
     state.throughput = state.throughput * transmittance(v, next, w, hit.distance);
   ++walk_.size;
   if (!guide_.active()) return true;
@@ -100,7 +101,7 @@ bool Walker::extend(const Tracer::Origin& origin, const Vec3d& w, const Rgb& thr
 }
 
 void Walker::scatter(int edges) {
-  while (walk_.size <= edges) {
+  while (walk_.size <= edges && !walk_[walk_.size - 1].at_infinity()) {
     walk_.make_place();
     const Vertex& v = walk_[walk_.size - 1];
     WalkState& state = walk_.states[static_cast<size_t>(walk_.size) - 1];
