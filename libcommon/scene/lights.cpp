@@ -105,6 +105,16 @@ Lights::Lights(const Scene& scene) : scene_(scene), pdf_A_(scene.triangles.size(
   }
 }
 
+void Lights::prefer(const std::function<double(const Vec3d& towards)>& weight) {
+  if (has_sky_) preferred_ = weight ? SkyDirections(*scene_.sky, weight) : SkyDirections();
+}
+
+double Lights::pdf_of_start(const Vec3d& towards) const {
+  const double plain = directions_.pdf_w(towards);
+  return preferred_.empty() ? plain
+                            : (1 - kPreferred) * plain + kPreferred * preferred_.pdf_w(towards);
+}
+
 Lights::Point Lights::sample(Rng& rng) const {
   const double pick = rng.uniform();
   const double u = rng.uniform();
@@ -118,9 +128,11 @@ Lights::Point Lights::sample(double pick, double u, double v, double side) const
   Point point;
   if (i == triangles_.size() + punctual_.size()) {
     point.source = &sky_;
-    const Vec3d towards = directions_.sample(side, u, v);
+    const double share = preferred_.empty() ? 0 : kPreferred;
+    const Vec3d towards = side < share ? preferred_.sample(side / share, u, v)
+                                       : directions_.sample((side - share) / (1 - share), u, v);
     point.position = -towards;
-    point.pdf = sky_.pdf_1_ * directions_.pdf_w(towards);
+    point.pdf = sky_.pdf_1_ * pdf_of_start(towards);
     return point;
   }
   if (i >= triangles_.size()) {

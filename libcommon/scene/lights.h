@@ -36,6 +36,8 @@ class LightSource {
   }
   bool is_sky() const { return sky_ != nullptr; }
   bool is_surface() const { return is_surface_; }
+  /// Of a spot and of parallel light: unit, the way it travels.
+  const Vec3d& direction() const { return light_.direction; }
   /// The side that it shines to, from a place with unit normal `front`; 0: all.
   Vec3d facing(const Vec3d& front) const { return is_surface_ && !both_sides_ ? front : Vec3d(); }
 
@@ -105,22 +107,18 @@ class Lights {
   /// Density of `sample`, at any point of `triangle` where that is a surface; `position` as in
   /// Point.
   double pdf(const LightSource& source, uint32_t triangle, const Vec3d& position) const {
-    if (source.is_sky()) return source.pdf_1() * directions_.pdf_w(-position);
+    if (source.is_sky()) return source.pdf_1() * pdf_of_start(-position);
     return source.met() ? pdf_A(triangle) : source.pdf_1();
   }
   /// Density of `sample` at any point of `triangle`; 0 when it does not emit.
   double pdf_A(uint32_t triangle) const { return pdf_A_[triangle]; }
 
-  /// A place for a next event at `shaded`, and its density. They are those of walks; the
-  /// weights do not take that for granted.
-  Point sample_for(const Vec3d& shaded, double pick, double u, double v, double side) const {
-    (void)shaded;
-    return sample(pick, u, v, side);
-  }
-  double pdf_for(const Vec3d& shaded, const LightSource& source, uint32_t triangle,
-                 const Vec3d& position) const {
-    (void)shaded;
-    return pdf(source, triangle, position);
+  /// Walks that begin in the sky do so, but for a tenth of them, where luminance x `weight` is
+  /// large (SkyDirections).
+  void prefer(const std::function<double(const Vec3d& towards)>& weight);
+  /// Whether this number chooses the sky.
+  bool picks_sky(double pick) const {
+    return has_sky_ && table_.sample(pick) == triangles_.size() + punctual_.size();
   }
 
   struct Ray {
@@ -134,15 +132,18 @@ class Lights {
   const LightSource& surface(bool both_sides) const { return surfaces_[both_sides]; }
   /// What rays meet that leave the scene; null: nothing shines there.
   const LightSource* sky() const { return has_sky_ ? &sky_ : nullptr; }
-  /// Directions of the sky, as walks begin there.
+  /// Directions of the sky, by luminance alone.
   const SkyDirections& directions() const { return directions_; }
 
  private:
+  static constexpr double kPreferred = 0.9;
+  double pdf_of_start(const Vec3d& towards) const;
+
   const Scene& scene_;
   std::array<LightSource, 2> surfaces_{LightSource::surface(false), LightSource::surface(true)};
   LightSource sky_{false};
   bool has_sky_ = false;
-  SkyDirections directions_;
+  SkyDirections directions_, preferred_;
   // Entries of the table: emitting triangles, then the punctual lights, then the sky.
   std::vector<uint32_t> triangles_;
   std::vector<TriangleShape> shapes_;

@@ -82,7 +82,7 @@ Choice choose(const Request& request, const RenderSettings& settings, const Came
       portals[i].figures.erase(kLight);
       if (probed.light[i].of > 0) portals[i].figures[kLight] = probed.light[i].share;
     }
-    world.portals = PortalSet(portals, world.scene.frame);
+    world.fill_openings(PortalSet(portals, world.scene.frame));
     if (kShare * ahead > kProbeSamples) probe(world, portals);
     for (const std::string& description : descriptions(portals)) common.note(description);
   }

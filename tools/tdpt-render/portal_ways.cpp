@@ -184,7 +184,7 @@ PortalProbe probe_ways(World& world, const Camera& camera, const std::vector<Por
       probed.push_back(portals[i]);
       probed.back().both_ways = true;
     }
-    world.portals = PortalSet(probed, world.scene.frame);
+    world.fill_openings(PortalSet(probed, world.scene.frame));
     if (world.portals.empty()) break;
     const Passed light = passed_light(world, probed, std::min(max_depth, kDeepest), seed);
     lit = std::max(lit, light.lit);
@@ -213,7 +213,7 @@ PortalProbe probe_ways(World& world, const Camera& camera, const std::vector<Por
       if (dark[i] || std::find(open.begin(), open.end(), i) != open.end())
         probe.ways[i].way = PortalWay::left_out;
   world.film = film;
-  world.portals = drawn;
+  world.fill_openings(drawn);
   return probe;
 }
 

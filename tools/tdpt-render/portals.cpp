@@ -97,6 +97,12 @@ void PortalSet::add_facet(const PlanarFacet& facet, uint32_t portal) {
   facets_.push_back(std::move(f));
 }
 
+std::vector<PortalSet::Outline> PortalSet::outlines() const {
+  std::vector<Outline> all;
+  for (const Facet& f : facets_) all.push_back({f.normal, f.centre, f.area, f.corners});
+  return all;
+}
+
 void PortalSet::make_pairs() {
   constexpr double kShare = 0.25;  // c
   const auto all = [](const Facet& of, const Facet& f, double side) {

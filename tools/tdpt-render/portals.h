@@ -49,6 +49,13 @@ class PortalSet {
   size_t portals() const { return portals_; }
   size_t size() const { return polygons_.size(); }
   size_t facets() const { return facets_.size(); }
+  struct Outline {
+    Vec3d normal, centre;
+    double area;                 ///< canonical
+    std::vector<Vec3d> corners;  ///< of its triangles, each once
+  };
+  /// Of each facet.
+  std::vector<Outline> outlines() const;
   /// Of facets that segments are drawn through both of: the strongest, kMostPairs at most.
   size_t pairs() const { return pairs_.size(); }
   /// An edge is tested against those that begin with a facet it crosses: for 100 pairs of 20 facets

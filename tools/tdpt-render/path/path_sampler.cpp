@@ -194,7 +194,7 @@ void PathSampler::direct() {
     if (!z[j].connectible) continue;
     random.seek(4 * static_cast<uint32_t>(j));
     const auto [u, v, pick, side] = random.uniforms<4>();
-    begin_at_light(world_, guide_, world_.lights.sample_for(z[j].position, pick, u, v, side),
+    begin_at_light(world_, guide_, world_.next_events.sample(z[j].position, pick, u, v, side),
                    light_point_);
     const Vertex& y0 = light_point_[0];
     const Edge e = between(z[j], y0);

@@ -4,6 +4,7 @@
 #include "libcommon/scene/lights.h"
 #include "libcommon/scene/scene.h"
 #include "libcommon/trace/tracer.h"
+#include "tools/tdpt-render/path/next_event.h"
 #include "tools/tdpt-render/portals.h"
 
 namespace tdpt {
@@ -11,20 +12,31 @@ namespace tdpt {
 struct World {
   World(const Scene& scene_, const Camera& camera, int width, int height,
         const std::vector<Portal>& portals_)
-      : scene(scene_),
-        tracer(scene_),
-        lights(scene_),
-        film(camera, width, height),
-        portals(portals_, scene_.frame) {
+      : scene(scene_), tracer(scene_), lights(scene_), film(camera, width, height) {
     for (const Material& m : scene_.materials)
       absorbing |= m.solid && max_component(m.absorption) > 0;
+    fill_openings(PortalSet(portals_, scene_.frame));
+  }
+  World(const World&) = delete;
+  World& operator=(const World&) = delete;
+
+  /// Puts other portals in the place of those there are.
+  void fill_openings(PortalSet set) {
+    portals = std::move(set);
+    windows = WindowSky(scene.sky.get(), portals);
+    if (portals.empty())
+      lights.prefer(nullptr);
+    else
+      lights.prefer([this](const Vec3d& towards) { return portals.aims_along(-towards); });
   }
 
   const Scene& scene;
   Tracer tracer;
   Lights lights;
   FilmPlane film;
-  PortalSet portals;
+  PortalSet portals;  ///< changed by fill_openings() alone
+  WindowSky windows;
+  NextEvents next_events{lights, windows};
   bool absorbing = false;  ///< some solid takes light away on the way through
 };
 

@@ -1,0 +1,34 @@
+// Where a next event looks: which light, and where on it, for a given shaded point.
+//
+// A light is chosen as for light walks. Of the sky a direction is drawn through the windows
+// [window_sky.h] with some probability where the point sees any, and else from all of it:
+//   p_nee(w | x) = P_sky ((1-q) p_sky(w) + q p_windows(w | x)),
+// q less than 1, so that nothing that shines is missed or seldom found: what windows miss, since no
+// portal is there, has 1-q.
+#pragma once
+#include "libcommon/scene/lights.h"
+#include "tools/tdpt-render/path/window_sky.h"
+
+namespace tdpt {
+
+class NextEvents {
+ public:
+  NextEvents(const Lights& lights, const WindowSky& windows) : lights_(lights), windows_(windows) {}
+
+  /// q of points that see a window.
+  double through_windows() const { return through_windows_; }
+  void through_windows(double q) { through_windows_ = q; }
+
+  /// A place on a light with its density. Four numbers in [0,1), as Lights::sample.
+  Lights::Point sample(const Vec3d& shaded, double pick, double u, double v, double side) const;
+  /// Density of `sample` at a place on `source`, as Lights::pdf.
+  double pdf(const Vec3d& shaded, const LightSource& source, uint32_t triangle,
+             const Vec3d& position) const;
+
+ private:
+  const Lights& lights_;
+  const WindowSky& windows_;
+  double through_windows_ = 0.5;
+};
+
+}  // namespace tdpt

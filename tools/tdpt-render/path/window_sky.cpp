@@ -1,0 +1,280 @@
+#include "tools/tdpt-render/path/window_sky.h"
+
+#include <algorithm>
+#include <numbers>
+
+namespace tdpt {
+namespace {
+
+using std::numbers::pi;
+
+double luminance_towards(const Sky& sky, const Vec3d& w) {
+  return luminance(sky.radiance(w));
+}
+
+// Of unit w with w.z > 0: da db / dw.
+double per_solid_angle(const Vec3d& w) {
+  return w.z / ((w.x * w.x + w.z * w.z) * (w.y * w.y + w.z * w.z));
+}
+
+// Fills cells with luminance x solid angle.
+class Cells {
+ public:
+  Cells(const Sky& sky, const Vec3d& x, const Vec3d& y, const Vec3d& z, int n)
+      : sky_(sky), x_(x), y_(y), z_(z), n_(n), cells_(static_cast<size_t>(n * n)) {}
+
+  // The sky itself, at a few places of each cell.
+  void gather() {
+    constexpr int kPlaces = 2;
+    const double step = pi / n_;
+    for (int i = 0; i < n_; ++i)
+      for (int j = 0; j < n_; ++j)
+        for (int k = 0; k < kPlaces * kPlaces; ++k) {
+          const double a = (i + (k % kPlaces + 0.5) / kPlaces) * step - pi / 2;
+          const double b = (j + (k / kPlaces + 0.5) / kPlaces) * step - pi / 2;
+          const Vec3d w = normalize(Vec3d(std::tan(a), std::tan(b), 1));
+          cells_[static_cast<size_t>(i * n_ + j)] +=
+              luminance_towards(sky_, x_ * w.x + y_ * w.y + z_ * w.z) / per_solid_angle(w) * step *
+              step / (kPlaces * kPlaces);
+        }
+  }
+
+  // And what those may have missed: texels much brighter than most, and suns.
+  void add_bright() {
+    const Sky::Map& map = sky_.map();
+    if (!sky_.one_colour()) {
+      double mean = 0;
+      for (const Rgb& t : map.texels) mean += luminance(t);
+      mean /= static_cast<double>(std::max<size_t>(map.texels.size(), 1));
+      for (int row = 0; row < map.height; ++row)
+        for (int column = 0; column < map.width; ++column) {
+          const double y = luminance(map.texels[static_cast<size_t>(row * map.width + column)]);
+          if (y > kBright * mean) add_texel(column, row, y);
+        }
+    }
+    for (const Sky::Sun& sun : sky_.suns()) add_sun(sun);
+  }
+
+  const std::vector<double>& cells() const { return cells_; }
+
+ private:
+  static constexpr double kBright = 8;  // times the mean
+  static constexpr int kLattice = 8;
+
+  void add(const Vec3d& towards, double light) {
+    const Vec3d w(dot(x_, towards), dot(y_, towards), dot(z_, towards));
+    if (!(w.z > 0)) return;
+    const auto cell = [&](double angle) {
+      return static_cast<size_t>(std::clamp((angle / pi + 0.5) * n_, 0.0, n_ - 1.0));
+    };
+    cells_[cell(std::atan2(w.x, w.z)) * static_cast<size_t>(n_) + cell(std::atan2(w.y, w.z))] +=
+        light;
+  }
+  // As far as it reaches between the middles of its neighbours.
+  void add_texel(int column, int row, double y) {
+    const Sky::Map& map = sky_.map();
+    const double solid_angle =
+        2 * pi / map.width *
+        (std::cos(pi * row / map.height) - std::cos(pi * (row + 1) / map.height));
+    for (int k = 0; k < kLattice * kLattice; ++k) {
+      const double c = column + 0.5 + 2 * ((k % kLattice + 0.5) / kLattice - 0.5);
+      const double r = row + 0.5 + 2 * ((k / kLattice + 0.5) / kLattice - 0.5);
+      add(sky_.towards(c, std::clamp<double>(r, 0, map.height)),
+          y * solid_angle / (kLattice * kLattice));
+    }
+  }
+  // The disc, and a little around it.
+  void add_sun(const Sky::Sun& sun) {
+    const double light = luminance(sun.radiance) * pi * std::pow(std::sin(sun.half_angle), 2);
+    const Onb<double> onb(sun.towards);
+    constexpr int kPlaces = 32;
+    for (int k = 0; k < kPlaces * kPlaces; ++k) {
+      const double r = 1.05 * std::tan(sun.half_angle) * std::sqrt((k / kPlaces + 1.0) / kPlaces);
+      const double phi = 2 * pi * (k % kPlaces + 0.5) / kPlaces;
+      add(normalize(onb.to_world({r * std::cos(phi), r * std::sin(phi), 1})),
+          light / (kPlaces * kPlaces));
+    }
+  }
+
+  const Sky& sky_;
+  const Vec3d &x_, &y_, &z_;
+  int n_;
+  std::vector<double> cells_;
+};
+
+}  // namespace
+
+RectifiedSky::RectifiedSky(const Sky& sky, const Vec3d& x, const Vec3d& z, int cells)
+    : x_(x), y_(cross(z, x)), z_(z), n_(cells) {
+  Cells content(sky, x_, y_, z_, n_);
+  content.gather();
+  content.add_bright();
+  const auto n = static_cast<size_t>(n_);
+  sums_.assign((n + 1) * (n + 1), 0);
+  for (size_t i = 0; i < n; ++i) {
+    double column = 0;
+    for (size_t j = 0; j < n; ++j) {
+      column += content.cells()[i * n + j];
+      sums_[(i + 1) * (n + 1) + j + 1] = sums_[i * (n + 1) + j + 1] + column;
+    }
+  }
+}
+
+double RectifiedSky::in_cells(double across, double out) const {
+  return std::clamp((std::atan2(across, out) / pi + 0.5) * n_, 0.0, static_cast<double>(n_));
+}
+
+double RectifiedSky::cumulative(double a, double b) const {
+  const int i = std::min(static_cast<int>(a), n_ - 1), j = std::min(static_cast<int>(b), n_ - 1);
+  const double s = a - i, t = b - j;
+  return (1 - s) * ((1 - t) * at(i, j) + t * at(i, j + 1)) +
+         s * ((1 - t) * at(i + 1, j) + t * at(i + 1, j + 1));
+}
+
+double RectifiedSky::sum(const Rect& r) const {
+  return cumulative(r.a1, r.b1) - cumulative(r.a0, r.b1) - cumulative(r.a1, r.b0) +
+         cumulative(r.a0, r.b0);
+}
+
+Vec3d RectifiedSky::sample(const Rect& r, double u, double v) const {
+  // Along one axis: where an increasing function, linear within cells, has grown by a share.
+  const auto find = [](double low, double high, double share, const auto& grown) {
+    const double begin = grown(low), wanted = begin + share * (grown(high) - begin);
+    int first = static_cast<int>(low), last = static_cast<int>(std::ceil(high)) - 1;
+    while (first < last) {
+      const int middle = (first + last) / 2;
+      (grown(std::min(middle + 1.0, high)) < wanted ? first = middle + 1 : last = middle);
+    }
+    const double from = std::max<double>(first, low), to = std::min<double>(first + 1, high);
+    const double f = grown(from), g = grown(to);
+    return g > f ? from + (to - from) * std::clamp((wanted - f) / (g - f), 0.0, 1.0) : from;
+  };
+  const double a = find(
+      r.a0, r.a1, u, [&](double at_a) { return cumulative(at_a, r.b1) - cumulative(at_a, r.b0); });
+  const double column = std::floor(std::min(a, n_ - 1.0));
+  const double b = find(r.b0, r.b1, v, [&](double at_b) {
+    return cumulative(column + 1, at_b) - cumulative(column, at_b);
+  });
+  const auto tangent = [&](double cells) { return std::tan((cells / n_ - 0.5) * pi); };
+  const Vec3d w = normalize(Vec3d(tangent(a), tangent(b), 1));
+  return normalize(x_ * w.x + y_ * w.y + z_ * w.z);
+}
+
+double RectifiedSky::density(const Vec3d& w) const {
+  const int i = static_cast<int>(std::min(in_cells(w.x, w.z), n_ - 1.0));
+  const int j = static_cast<int>(std::min(in_cells(w.y, w.z), n_ - 1.0));
+  const double content = at(i + 1, j + 1) - at(i, j + 1) - at(i + 1, j) + at(i, j);
+  const double size = pi / n_;
+  return content / (size * size) * per_solid_angle(w);
+}
+
+namespace {
+
+// The direction in the facet's plane along which its rectangle is smallest.
+Vec3d axis_of(const PortalSet::Outline& outline) {
+  Vec3d best;
+  double least = HUGE_VAL;
+  for (const Vec3d& p : outline.corners)
+    for (const Vec3d& q : outline.corners) {
+      const Vec3d d = q - p;
+      if (!(dot(d, d) > 0)) continue;
+      const Vec3d x = normalize(d), y = cross(outline.normal, x);
+      double x0 = HUGE_VAL, x1 = -HUGE_VAL, y0 = HUGE_VAL, y1 = -HUGE_VAL;
+      for (const Vec3d& corner : outline.corners) {
+        x0 = std::min(x0, dot(x, corner)), x1 = std::max(x1, dot(x, corner));
+        y0 = std::min(y0, dot(y, corner)), y1 = std::max(y1, dot(y, corner));
+      }
+      // Of those alike the first.
+      if (const double area = (x1 - x0) * (y1 - y0); area < least * (1 - 1e-9))
+        least = area, best = x;
+    }
+  return best;
+}
+
+}  // namespace
+
+WindowSky::WindowSky(const Sky* sky, const PortalSet& portals) {
+  if (!sky) return;
+  std::vector<PortalSet::Outline> outlines = portals.outlines();
+  std::stable_sort(outlines.begin(), outlines.end(),
+                   [](const auto& a, const auto& b) { return a.area > b.area; });
+  if (outlines.size() > kMostWindows) outlines.resize(kMostWindows);
+  std::vector<std::shared_ptr<const RectifiedSky>> skies;
+  for (const PortalSet::Outline& outline : outlines) {
+    const Vec3d z = -outline.normal;
+    Vec3d x = axis_of(outline);
+    std::shared_ptr<const RectifiedSky> same;
+    // A rectangle has four axes; windows of one wall share a table.
+    for (const auto& s : skies) {
+      constexpr double kAlike = 1e-6;
+      if (length(s->z() - z) > kAlike) continue;
+      const double along = std::abs(dot(s->x(), x)), across = std::abs(dot(s->y(), x));
+      if (std::min(along, across) < kAlike) same = s;
+    }
+    if (!same) {
+      const int cells =
+          sky->one_colour() && sky->suns().empty() ? 64 : std::clamp(sky->map().height, 256, 512);
+      same = skies.emplace_back(std::make_shared<RectifiedSky>(*sky, x, z, cells));
+    }
+    Window w{same, outline.centre, HUGE_VAL, -HUGE_VAL, HUGE_VAL, -HUGE_VAL};
+    for (const Vec3d& corner : outline.corners) {
+      const double cx = dot(same->x(), corner - w.centre), cy = dot(same->y(), corner - w.centre);
+      w.x0 = std::min(w.x0, cx), w.x1 = std::max(w.x1, cx);
+      w.y0 = std::min(w.y0, cy), w.y1 = std::max(w.y1, cy);
+    }
+    windows_.push_back(w);
+  }
+}
+
+bool WindowSky::rect(const Window& w, const Vec3d& p, RectifiedSky::Rect& r) {
+  const Vec3d d = w.centre - p;
+  const double height = dot(w.sky->z(), d);
+  if (!(height > PortalSet::kMargin)) return false;
+  const double x = dot(w.sky->x(), d), y = dot(w.sky->y(), d);
+  const auto angle = [&](double across) { return w.sky->in_cells(across, height); };
+  r = {angle(x + w.x0), angle(x + w.x1), angle(y + w.y0), angle(y + w.y1)};
+  return r.a0 < r.a1 && r.b0 < r.b1;
+}
+
+double WindowSky::seen_through(const Window& w, const Vec3d& p, RectifiedSky::Rect& r) {
+  if (!rect(w, p, r)) return 0;
+  // What is no more than rounding of the sums over all is nothing.
+  const double seen = w.sky->sum(r);
+  return seen > 1e-12 * w.sky->total() ? seen : 0;
+}
+
+double WindowSky::seen(const Vec3d& p) const {
+  double sum = 0;
+  RectifiedSky::Rect r;
+  for (const Window& w : windows_) sum += seen_through(w, p, r);
+  return sum;
+}
+
+Vec3d WindowSky::sample(const Vec3d& p, double seen, double pick, double u, double v) const {
+  double rest = pick * seen;
+  const Window* chosen = nullptr;
+  RectifiedSky::Rect r, of_chosen{};
+  for (const Window& w : windows_) {
+    const double through = seen_through(w, p, r);
+    if (!(through > 0)) continue;
+    chosen = &w;
+    of_chosen = r;
+    rest -= through;
+    if (rest < 0) break;
+  }
+  return chosen->sky->sample(of_chosen, u, v);
+}
+
+double WindowSky::pdf_w(const Vec3d& p, double seen, const Vec3d& towards) const {
+  double sum = 0;
+  RectifiedSky::Rect r;
+  for (const Window& w : windows_) {
+    const Vec3d local = w.sky->to_local(towards);
+    if (!(local.z > 0) || !(seen_through(w, p, r) > 0)) continue;
+    const double a = w.sky->in_cells(local.x, local.z), b = w.sky->in_cells(local.y, local.z);
+    if (a >= r.a0 && a <= r.a1 && b >= r.b0 && b <= r.b1) sum += w.sky->density(local);
+  }
+  return sum / seen;
+}
+
+}  // namespace tdpt
