@@ -1,5 +1,6 @@
 #include "libcommon/cli/cli.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstdlib>
@@ -47,6 +48,7 @@ struct Options::Impl {
     CLI::Option* option;
     Shapes shapes;
     Is is = Is::setting;
+    std::function<bool(const std::string&)> is_file{};  ///< of an input's value; none: always
   };
   CLI::App app;
   std::vector<Entry> entries;
@@ -60,8 +62,9 @@ struct Options::Impl {
   std::vector<Beside> besides;
   std::function<void(const std::string&)> check_name;  ///< of the result, or none
 
-  void keep(CLI::Option* option, Shapes shapes, Is is = Is::setting) {
-    entries.push_back({option, shapes, is});
+  void keep(CLI::Option* option, Shapes shapes, Is is = Is::setting,
+            std::function<bool(const std::string&)> is_file = {}) {
+    entries.push_back({option, shapes, is, std::move(is_file)});
   }
 
   // All files that the command line names as `is`, by option.
@@ -70,7 +73,7 @@ struct Options::Impl {
     for (const Entry& e : entries)
       if (e.is == is)
         for (const std::string& path : e.option->results())
-          files.push_back({e.option->get_name(), path});
+          if (!e.is_file || e.is_file(path)) files.push_back({e.option->get_name(), path});
     return files;
   }
 
@@ -91,6 +94,8 @@ struct Options::Impl {
   std::vector<std::string> inputs() const {
     std::vector<std::string> paths;
     for (const NamedFile& file : files(Is::input)) paths.push_back(file.path);
+    if (std::count(paths.begin(), paths.end(), "-") > 1)
+      throw UsageError("only one input can be the standard input");
     return paths;
   }
 
@@ -106,7 +111,8 @@ struct Options::Impl {
         continue;
       }
       for (const std::string& value : e.option->results())
-        text += " " + name + " " + value.substr(value.find_last_of('/') + 1);
+        if (!e.is_file || !e.is_file(value))
+          text += " " + name + " " + value.substr(value.find_last_of('/') + 1);
     }
     return text;
   }
@@ -171,6 +177,13 @@ void Options::inputs(const std::string& flags, std::vector<std::string>& target,
   impl_->keep(
       impl_->app.add_option(flags, target, help)->type_name(value_name)->expected(1)->take_all(),
       Shapes::nothing, Impl::Is::input);
+}
+
+void Options::input_or_setting(const std::string& flags, std::string& target,
+                               const std::string& value_name, const std::string& help,
+                               const std::function<bool(const std::string&)>& is_file) {
+  impl_->keep(impl_->app.add_option(flags, target, help)->type_name(value_name), Shapes::result,
+              Impl::Is::input, is_file);
 }
 
 void Options::option(const std::string& flags, std::string& target, const std::string& value_name,

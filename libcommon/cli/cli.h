@@ -71,6 +71,11 @@ class Options {
              const std::string& help);
   void inputs(const std::string& flags, std::vector<std::string>& target,
               const std::string& value_name, const std::string& help);
+  /// A file that is read where `is_file` says so of the value; otherwise a setting that shapes the
+  /// result.
+  void input_or_setting(const std::string& flags, std::string& target,
+                        const std::string& value_name, const std::string& help,
+                        const std::function<bool(const std::string&)>& is_file);
   void option(const std::string& flags, std::string& target, const std::string& value_name,
               const std::string& help, Shapes shapes = Shapes::result);
   /// A number within [lowest, highest]; anything else is a usage error.

@@ -14,6 +14,7 @@
 #include <OpenEXR/ImfInputPart.h>
 #include <OpenEXR/ImfMultiPartInputFile.h>
 #include <OpenEXR/ImfOutputFile.h>
+#include <OpenEXR/ImfPartType.h>
 #include <OpenEXR/ImfStringAttribute.h>
 #include <OpenEXR/ImfTileDescription.h>
 #include <fmt/format.h>
@@ -210,6 +211,39 @@ ExrFile read_part(Imf::MultiPartInputFile& file, int index,
   return result;
 }
 
+// `read`: of a file and the first part that has R, G and B.
+template <class Read>
+ExrFile parse(std::string_view bytes, const std::string& name, const Read& read) {
+  const char magic[4] = {0x76, 0x2f, 0x31, 0x01};
+  if (bytes.size() < 4 || std::memcmp(bytes.data(), magic, 4) != 0)
+    throw InputError(name, "", "is not an OpenEXR file");
+  try {
+    Imf::Header::setMaxImageSize(largest_side, largest_side);
+    MemoryInput stream(bytes, name);
+    Imf::MultiPartInputFile file(stream, 0, false);
+    for (int part = 0; part < file.parts(); ++part) {
+      const std::vector<std::string> prefixes = colour_prefixes(file.header(part).channels());
+      if (std::find(prefixes.begin(), prefixes.end(), "") == prefixes.end()) continue;
+      const Imf::Header& header = file.header(part);
+      if (header.hasType() && Imf::isDeepData(header.type()))
+        throw InputError(name, "type", "deep pixels, expected one sample of R, G and B a pixel");
+      return read(file, part);
+    }
+    throw InputError(name, "channels",
+                     fmt::format("{}, expected R, G and B",
+                                 file.parts() ? channel_names(file.header(0).channels()) : "none"));
+  } catch (const Error&) {
+    throw;
+  } catch (const std::bad_alloc&) {
+    throw InputError(name, "", "asks for more memory than there is");
+  } catch (const std::exception& e) {  // whatever the library finds wrong
+    std::string why = e.what();
+    std::replace_if(
+        why.begin(), why.end(), [](unsigned char c) { return c < ' '; }, ' ');
+    throw InputError(name, "", "is damaged: " + why);
+  }
+}
+
 void check_size(const Picture& p, int width, int height) {
   if (p.width != width || p.height != height || width < 1 || height < 1 ||
       p.pixels.size() != static_cast<size_t>(width) * static_cast<size_t>(height))
@@ -242,31 +276,26 @@ ExrFile read_exr(const std::string& path) {
 }
 
 ExrFile parse_exr(std::string_view bytes, const std::string& name) {
-  const char magic[4] = {0x76, 0x2f, 0x31, 0x01};
-  if (bytes.size() < 4 || std::memcmp(bytes.data(), magic, 4) != 0)
-    throw InputError(name, "", "is not an OpenEXR file");
-  try {
-    Imf::Header::setMaxImageSize(largest_side, largest_side);
-    MemoryInput stream(bytes, name);
-    Imf::MultiPartInputFile file(stream, 0, false);
-    for (int part = 0; part < file.parts(); ++part) {
-      const std::vector<std::string> prefixes = colour_prefixes(file.header(part).channels());
-      if (std::find(prefixes.begin(), prefixes.end(), "") != prefixes.end())
-        return read_part(file, part, prefixes, name);
-    }
-    throw InputError(name, "channels",
-                     fmt::format("{}, expected R, G and B",
-                                 file.parts() ? channel_names(file.header(0).channels()) : "none"));
-  } catch (const Error&) {
-    throw;
-  } catch (const std::bad_alloc&) {
-    throw InputError(name, "", "asks for more memory than there is");
-  } catch (const std::exception& e) {  // whatever the library finds wrong
-    std::string why = e.what();
-    std::replace_if(
-        why.begin(), why.end(), [](unsigned char c) { return c < ' '; }, ' ');
-    throw InputError(name, "", "is damaged: " + why);
-  }
+  return parse(bytes, name, [&](Imf::MultiPartInputFile& file, int part) {
+    return read_part(file, part, colour_prefixes(file.header(part).channels()), name);
+  });
+}
+
+Picture parse_exr_picture(std::string_view bytes, const std::string& name, int most_width,
+                          int most_height) {
+  const ExrFile file = parse(bytes, name, [&](Imf::MultiPartInputFile& input, int part) {
+    const auto size = extent(input.header(part).displayWindow());
+    if (size.x > most_width || size.y > most_height)
+      throw InputError(name, "header",
+                       fmt::format("{} x {} pixels, expected at most {} x {}", size.x, size.y,
+                                   most_width, most_height));
+    return read_part(input, part, {""}, name);
+  });
+  if (file.pixels_without_data > 0)
+    throw InputError(name, "data window",
+                     fmt::format("holds {} pixels less than the display window, expected all",
+                                 file.pixels_without_data));
+  return file.picture;
 }
 
 std::string exr_bytes(const ExrFile& file) {

@@ -37,6 +37,11 @@ void set_provenance(ExrFile& file, const Provenance& provenance);
 ExrFile read_exr(const std::string& path);
 /// The same for a file in memory; `name` stands in messages.
 ExrFile parse_exr(std::string_view bytes, const std::string& name);
+/// R, G and B alone of a file in memory, without its layers. Whether the display window is too
+/// large is seen before anything is allocated. Where the data window leaves a part of it out,
+/// InputError.
+Picture parse_exr_picture(std::string_view bytes, const std::string& name, int most_width,
+                          int most_height);
 /// The file as bytes: float, ZIP, scan lines. The same input gives the same bytes. Layers must be
 /// as large as the picture; an attribute may not bear the name of one that OpenEXR defines with
 /// another type.

@@ -24,6 +24,19 @@ const Camera& checked(const std::string& file, const Camera& camera) {
 
 }  // namespace
 
+bool Scene::is_scene_of(const std::string& identity) const {
+  return identity.substr(0, identity.find('+')) == hash;
+}
+
+void check_made_from(const Scene& scene, const std::string& identity, const std::string& file) {
+  if (identity == scene.identity()) return;
+  const bool same = scene.is_scene_of(identity);
+  throw InputError(display_name(file), "",
+                   fmt::format("was made from {}{}", same ? "" : "another scene than ",
+                               display_name(scene.path)) +
+                       (same ? ", but under another environment" : ""));
+}
+
 const Camera& Scene::camera(const std::string& name) const {
   const std::string file = display_name(path);
   if (cameras.empty())

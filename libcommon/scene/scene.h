@@ -105,6 +105,7 @@ struct Camera {
 struct Scene {
   std::string path;                ///< as given, for messages
   std::string hash;                ///< content hash of the file and of all buffers it reads
+  std::string sky_hash;            ///< of the sky, but for its power; empty: none
   std::vector<std::string> files;  ///< paths of buffers and images read beside it
   Frame frame;
   std::vector<Vec3f> positions;  ///< canonical
@@ -128,6 +129,11 @@ struct Scene {
   std::vector<std::string> warnings;  ///< sentences: what was approximated or left out
   std::vector<std::string> needs;     ///< words: what its materials and lights ask of a renderer
 
+  /// What files carry that were made from it: `hash`, with a sky "hash+sky_hash".
+  std::string identity() const { return sky_hash.empty() ? hash : hash + '+' + sky_hash; }
+  /// Whether `identity` is that of this scene, whatever the sky.
+  bool is_scene_of(const std::string& identity) const;
+
   Vec3f vertex(uint32_t triangle, int corner) const {
     return positions[triangles[triangle].vertex[corner]];
   }
@@ -146,6 +152,10 @@ struct TriangleShape {
   double area;
 };
 TriangleShape shape_of(const Scene& scene, uint32_t triangle);
+
+/// Throws InputError when `file` (as the user names it), which carries `identity`, was made from
+/// another scene, or from this one under another sky.
+void check_made_from(const Scene& scene, const std::string& identity, const std::string& file);
 
 /// For tools that take every surface as diffuse: what transmits light (KHR_materials_transmission)
 /// gets a coverage that lets its share pass straight on, so that a pane walls no window up.

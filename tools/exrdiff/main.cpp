@@ -64,8 +64,6 @@ void report(const cli::Common& common, const Comparison& comparison) {
 }
 
 int run(const Arguments& a, const cli::Common& common) {
-  if (a.picture == "-" && a.reference == "-")
-    throw UsageError("only one of picture and reference can be standard input");
   const Input picture = load(a.picture, common), reference = load(a.reference, common);
   const Picture& p = picture.file.picture;
   const Picture& r = reference.file.picture;

@@ -130,7 +130,7 @@ DimacsFile dimacs_file(const LightFlow& f) {
   DimacsFile file;
   file.has_patches = true;
   file.scale = kCapacityScale;
-  file.scene_hash = f.patches.scene().hash;
+  file.scene_hash = f.patches.scene().identity();
   file.grid = f.patches.grid();
   file.network = f.network;
   file.patches = f.geometry;

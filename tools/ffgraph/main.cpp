@@ -10,6 +10,7 @@
 #include "libcommon/cli/cli.h"
 #include "libcommon/cli/ending.h"
 #include "libcommon/draw/canvas.h"
+#include "libcommon/formats/sky_options.h"
 #include "libcommon/scene/lights.h"
 #include "tools/ffgraph/preview.h"
 #include "tools/ffgraph/rounds.h"
@@ -24,6 +25,7 @@ constexpr cli::Program kProgram{"ffgraph",
 
 struct Arguments {
   std::string scene, camera, nodes = "patches", capacity, refine, preview, debug_glb;
+  SkyArguments sky;
   int64_t samples = 300000, walks = 100000, bounces = 12, rounds = 1;
 
   bool triangles() const { return nodes == "triangles"; }
@@ -31,6 +33,7 @@ struct Arguments {
 
 void declare_options(cli::Options& options, Arguments& a) {
   options.argument("scene", a.scene, "Scene (.glb, .gltf); - is standard input");
+  declare_sky_options(options, a.sky);
   options.option("--camera", a.camera, "NAME", "Camera to use; default the first one");
   options.choice("--nodes", a.nodes, {"patches", "triangles"},
                  "What the nodes are; default patches");
@@ -69,8 +72,6 @@ void check(const Arguments& a) {
   if (!a.capacity.empty() && a.capacity != capacity)
     throw UsageError("--nodes " + a.nodes + " goes with --capacity " + capacity);
   if (a.triangles() && !a.refine.empty()) throw UsageError("--refine goes with --nodes patches");
-  if (a.scene == "-" && a.refine == "-")
-    throw UsageError("scene and cut cannot both be the standard input");
   if (a.walks * a.bounces > kMostHits)
     throw UsageError(fmt::format("{} walks of {} surfaces are too many, at most {} in all", a.walks,
                                  a.bounces, kMostHits));
@@ -85,15 +86,16 @@ Loaded load(const Arguments& a, const cli::Common& common) {
   for (const std::string& warning : in.scene.warnings) common.warn(warning);
   if (in.scene.triangles.empty())
     throw InputError(display_name(a.scene), "", "no triangles, expected surfaces");
-  if (Lights(in.scene).empty())
-    throw InputError(display_name(a.scene), "",
-                     "nothing emits light, expected an emissive surface or a lamp");
-  in.camera = in.scene.camera(a.camera);
   in.files.push_back({a.scene, in.scene.hash, {}});
+  add_sky(in.scene, a.sky, common, in.files);
+  if (Lights(in.scene).empty())
+    throw InputError(
+        display_name(a.scene), "",
+        "nothing emits light, expected an emissive surface, a lamp or an --environment");
+  in.camera = in.scene.camera(a.camera);
   if (a.refine.empty()) return in;
   const CutFile& cut = in.refine.emplace(read_cut(a.refine));
-  if (cut.scene_hash != in.scene.hash)
-    throw InputError(display_name(a.refine), "", "was made from another scene than " + a.scene);
+  check_made_from(in.scene, cut.scene_hash, a.refine);
   check_patches(display_name(a.refine), in.scene, cut);
   in.files.push_back({a.refine, cut.hash, cut.provenance});
   return in;

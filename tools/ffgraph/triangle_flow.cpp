@@ -73,7 +73,7 @@ DimacsFile triangle_flow(const Scene& scene, const Camera& camera, const Triangl
   DimacsFile file;
   file.has_patches = true;
   file.scale = kScale;
-  file.scene_hash = scene.hash;
+  file.scene_hash = scene.identity();
   file.grid = one_cell(scene);
   FlowNetwork& net = file.network;
   net.source = 0;

@@ -129,7 +129,7 @@ bool clip_to(const LightGrid& grid, LightLine& line) {
 
 LightGrid empty_grid(const Scene& scene, const Extent& box, int resolution) {
   LightGrid grid;
-  grid.scene_hash = scene.hash;
+  grid.scene_hash = scene.identity();
   const Vec3d size = box.size();
   const double voxel = max_component(size) / resolution;
   Vec3d corner = (box.low + box.high) * 0.5;
@@ -151,7 +151,7 @@ namespace {
 
 LightGrid no_light_grid(const Scene& scene, const std::string& reason) {
   LightGrid none;
-  none.scene_hash = scene.hash;
+  none.scene_hash = scene.identity();
   none.bottleneck = false;
   none.reason = reason;
   return none;
@@ -192,9 +192,7 @@ void add_cut(const Scene& scene, LineTracer& tracer, size_t c, const LightGridOp
 LightGrid make_light_grid(const Scene& scene, const CutFile& cut, const std::string& cut_name,
                           const LightGridOptions& options, LightGridReport& report,
                           const LightGridWatch& watch, const MakeLineTracer& make_tracer) {
-  if (cut.scene_hash != scene.hash)
-    throw InputError(display_name(cut_name), "",
-                     "was made from another scene than " + display_name(scene.path));
+  check_made_from(scene, cut.scene_hash, cut_name);
   if (!cut.bottleneck)
     return no_light_grid(scene, cut.reason.empty() ? "the scene has no bottleneck" : cut.reason);
   if (scene.triangles.empty()) return no_light_grid(scene, "the scene has no triangles");

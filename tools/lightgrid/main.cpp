@@ -8,6 +8,7 @@
 #include "libcommon/cli/cli.h"
 #include "libcommon/cli/ending.h"
 #include "libcommon/draw/canvas.h"
+#include "libcommon/formats/sky_options.h"
 #include "libcommon/gpu/device.h"
 #include "tools/lightgrid/gpu_lines.h"
 #include "tools/lightgrid/lightgrid.h"
@@ -35,12 +36,14 @@ constexpr cli::Program kProgram{
 
 struct Arguments {
   std::string scene, cut, device = "cpu", preview, debug_glb;
+  SkyArguments sky;
   int64_t resolution = 128, samples = 1 << 20, lines = 1 << 13;
 };
 
 void declare_options(cli::Options& options, Arguments& a) {
   options.argument("scene", a.scene, "The scene, glTF 2.0 (.glb or .gltf)");
   options.argument("cut", a.cut, "Its minimum cut (.cut), as mincut writes it");
+  declare_sky_options(options, a.sky);
   options.option("--resolution", a.resolution, "N",
                  "Voxels along the longest side of the grid; default 128", 8, 512);
   options.option("--samples", a.samples, "N",
@@ -78,6 +81,7 @@ NamedTracer tracer_on(const std::string& device) {
 struct Loaded {
   Scene scene;
   CutFile cut;
+  std::vector<cli::Common::Input> files;
 };
 
 Loaded load(const Arguments& a, const cli::Common& common) {
@@ -85,7 +89,10 @@ Loaded load(const Arguments& a, const cli::Common& common) {
   in.scene = read_gltf(a.scene);
   common.also_read(in.scene.files);
   open_glass(in.scene);
+  in.files.push_back({a.scene, in.scene.hash, {}});
+  add_sky(in.scene, a.sky, common, in.files);
   in.cut = read_cut(a.cut);
+  in.files.push_back({a.cut, in.cut.hash, in.cut.provenance});
   return in;
 }
 
@@ -100,8 +107,7 @@ LightGrid compute(const Arguments& a, const cli::Common& common, const Loaded& i
   LightGrid grid =
       make_light_grid(in.scene, in.cut, a.cut, how, report,
                       {[&](uint64_t n) { progress.advance(n); }, stop_requested}, make_tracer);
-  grid.provenance =
-      common.provenance({{a.scene, in.scene.hash, {}}, {a.cut, in.cut.hash, in.cut.provenance}});
+  grid.provenance = common.provenance(in.files);
   return grid;
 }
 
@@ -129,8 +135,6 @@ nlohmann::json summary(const LightGrid& grid, const LightGridReport& report,
 
 int run(const Arguments& a, const cli::Common& common) {
   const NamedTracer tracer = tracer_on(a.device);
-  if (a.scene == "-" && a.cut == "-")
-    throw UsageError("only one of the two inputs can come from standard input");
   if (!a.preview.empty()) draw::check_fonts();
   catch_signals();
   if (a.device != "cpu") common.note("lines are traced by " + tracer.name + ".");

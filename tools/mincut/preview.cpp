@@ -99,7 +99,7 @@ void paint_cut(draw::SceneSheet& sheet, const Scene& scene, const CutFile& cut) 
 draw::Canvas cut_preview(const Scene& scene, const Camera& camera, const CutFile& cut,
                          const std::string& cut_name) {
   using namespace draw;
-  if (cut.scene_hash != scene.hash)
+  if (!scene.is_scene_of(cut.scene_hash))
     throw InputError(display_name(cut_name), "", "was made from another scene than " + scene.path);
   SceneSheet sheet(scene, camera, "mincut   " + base_name(scene.path),
                    words_for(cut, arcs_to_draw(cut, kMostLines).size()),

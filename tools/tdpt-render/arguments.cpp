@@ -54,6 +54,7 @@ void declare_options(cli::Options& options, Arguments& a) {
                  65536);
   options.option("--height", a.height, "H", "Height in pixels; default from the camera's aspect", 1,
                  65536);
+  declare_sky_options(options, a.sky);
   options.option("--camera", a.camera, "NAME", "Camera to render; default the first");
   options.choice("--mis", a.mis, {"balance", "power"}, "MIS heuristic; default balance");
   options.choice("--device", a.device, {"cpu", "gpu"}, "Where to render; default cpu");

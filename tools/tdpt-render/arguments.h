@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "libcommon/formats/sky_options.h"
+
 namespace tdpt {
 
 namespace cli {
@@ -13,6 +15,7 @@ class Options;
 struct Arguments {
   std::string scene, camera, device = "cpu";
   std::vector<std::string> portals;
+  SkyArguments sky;
   int64_t width = 0, height = 0;  ///< pixels; 0: not given
 
   std::string integrator = "auto", mis = "balance";

@@ -106,7 +106,7 @@ class Judge {
       throw InputError(
           name_, "",
           fmt::format("has {} triangles, expected a portal of at most {}", n, kMostTriangles));
-    if (!hash.empty() && hash != scene_.hash)
+    if (!hash.empty() && hash != scene_.identity())
       out_.notes.push_back(name_ + " was made for another state of the scene, or for another one");
     tidy_all();
     std::erase_if(out_.file.portals, [&](const Portal& portal) { return is_elsewhere(portal); });

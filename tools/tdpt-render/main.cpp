@@ -40,6 +40,7 @@ Loaded load(const Arguments& a, const cli::Common& common) {
   for (const std::string& warning : in.scene.warnings) common.warn(warning);
   in.camera = in.scene.camera(a.camera);
   in.files.push_back({a.scene, in.scene.hash, {}});
+  add_sky(in.scene, a.sky, common, in.files);
   for (const std::string& path : a.portals) {
     const GivenPortals given = read_given_portals(path, in.scene);
     for (const std::string& warning : first_few(given.warnings)) common.warn(warning);

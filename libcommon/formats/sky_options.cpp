@@ -1,0 +1,143 @@
+#include "libcommon/formats/sky_options.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "libcommon/base/error.h"
+#include "libcommon/base/file.h"
+#include "libcommon/base/hash.h"
+#include "libcommon/formats/environment.h"
+
+namespace tdpt {
+namespace {
+
+constexpr double kBrightest = 1e30, kSmallestSun = 0.01;  // [W/m2/sr], [deg]
+constexpr double kRadians = std::numbers::pi / 180;
+
+std::optional<float> number(std::string_view text) {
+  float value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) return {};
+  return value;
+}
+
+// Three numbers are meant, however badly put: what has commas and is no path, or is a number.
+bool means_colour(const std::string& value) {
+  if (value.find('/') != std::string::npos) return false;
+  for (const char* suffix : {".exr", ".hdr", ".pic"})
+    if (value.ends_with(suffix)) return false;
+  return value.find(',') != std::string::npos || number(value);
+}
+
+Rgb colour_of(const std::string& text) {
+  const auto fail = [&](const std::string& expected) {
+    throw UsageError(fmt::format("--environment {}: expected {}", text, expected));
+  };
+  Rgb colour{};
+  size_t start = 0;
+  for (int c = 0; c < 3; ++c) {
+    const size_t end = c < 2 ? text.find(',', start) : text.size();
+    const auto value = end == std::string::npos
+                           ? std::nullopt
+                           : number(std::string_view(text).substr(start, end - start));
+    if (!value || !(*value >= 0 && *value <= kBrightest))
+      fail("a file, or R,G,B: three numbers from 0 to 1e30");
+    colour[c] = *value;
+    start = end + 1;
+  }
+  if (max_component(colour) <= 0) fail("a colour that is not black");
+  return colour;
+}
+
+void check(const SkyArguments& a) {
+  if (a.environment.empty() && (a.rotation != 0 || a.scale != 1))
+    throw UsageError(
+        std::string(a.rotation != 0 ? "--environment-rotation" : "--environment-scale") +
+        " goes with --environment");
+  if (a.sun_angle != 0 && a.sun_angle < kSmallestSun)
+    throw UsageError(
+        fmt::format("--sun-angle {}: expected 0, or {} to 90", a.sun_angle, kSmallestSun));
+}
+
+// A disc of radiance L and half angle h brings a plane across it the irradiance pi L sin^2 h.
+std::vector<Sky::Sun> take_suns(Scene& scene, double half_angle) {
+  const double s = std::sin(half_angle);
+  std::vector<Sky::Sun> suns;
+  std::erase_if(scene.lights, [&](const PunctualLight& lamp) {
+    if (lamp.kind != PunctualLight::Kind::directional) return false;
+    suns.push_back(
+        {-lamp.direction, half_angle, Rgb(Vec3d(lamp.intensity) / (std::numbers::pi * s * s))});
+    return true;
+  });
+  return suns;
+}
+
+template <class T>
+void append(std::string& bytes, const T* values, size_t n) {
+  bytes.append(reinterpret_cast<const char*>(values), n * sizeof(T));
+}
+
+// Of what decides where light comes from: portals do not move with its power.
+std::string hash_of(const Sky::Map& map, double rotation, double sun_angle) {
+  std::string bytes;
+  const double angles[] = {map.width > 1 ? std::remainder(rotation, 360) : 0.0, sun_angle};
+  const int size[] = {map.width, map.height};
+  append(bytes, angles, 2);
+  append(bytes, size, 2);
+  append(bytes, map.texels.data(), map.texels.size());
+  return content_hash(bytes);
+}
+
+Sky::Map read_map(const SkyArguments& a, std::vector<cli::Common::Input>& files) {
+  if (a.environment.empty()) return {};
+  if (means_colour(a.environment)) return {1, 1, {colour_of(a.environment)}};
+  const std::string bytes = read_file(a.environment);
+  files.push_back({a.environment, content_hash(bytes), {}});
+  return parse_environment(bytes, display_name(a.environment));
+}
+
+void scale(Sky::Map& map, double factor) {
+  for (Rgb& texel : map.texels) {
+    texel = Rgb(Vec3d(texel) * factor);
+    if (!(max_component(texel) <= static_cast<float>(kBrightest)))
+      throw UsageError(fmt::format("--environment-scale {}: brings the environment beyond {:.0e}",
+                                   factor, kBrightest));
+  }
+}
+
+}  // namespace
+
+void declare_sky_options(cli::Options& options, SkyArguments& a) {
+  options.input_or_setting("--environment", a.environment, "FILE|R,G,B",
+                           "What shines from all around: latitude-longitude map (.exr, .hdr) or "
+                           "one colour, W/m2/sr",
+                           [](const std::string& value) { return !means_colour(value); });
+  options.option("--environment-rotation", a.rotation, "DEG",
+                 "Turn the environment about the vertical, counter-clockwise from above; default 0",
+                 -360, 360);
+  options.option("--environment-scale", a.scale, "S", "Multiply the environment by S; default 1",
+                 1e-12, 1e12);
+  options.option("--sun-angle", a.sun_angle, "DEG",
+                 "Angle that directional lamps are seen under; default 0, parallel light", 0, 90);
+}
+
+void add_sky(Scene& scene, const SkyArguments& a, const cli::Common& common,
+             std::vector<cli::Common::Input>& files) {
+  check(a);
+  Sky::Map map = read_map(a, files);
+  std::vector<Sky::Sun> suns;
+  if (a.sun_angle > 0) suns = take_suns(scene, 0.5 * a.sun_angle * kRadians);
+  if (a.sun_angle > 0 && suns.empty())
+    common.note("the scene has no directional lamp: --sun-angle changes nothing");
+  if (map.texels.empty() && suns.empty()) return;
+  scene.sky_hash = hash_of(map, a.rotation, suns.empty() ? 0 : a.sun_angle);
+  scale(map, a.scale);
+  scene.sky = std::make_shared<Sky>(std::move(map), a.rotation * kRadians, std::move(suns));
+}
+
+}  // namespace tdpt

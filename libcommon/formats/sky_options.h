@@ -1,0 +1,28 @@
+// The options that say what shines from infinity, the same in every program that needs the light.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "libcommon/cli/cli.h"
+#include "libcommon/scene/scene.h"
+
+namespace tdpt {
+
+struct SkyArguments {
+  std::string environment;  ///< path, or "R,G,B" [W/m2/sr]; empty: none
+  double rotation = 0;      ///< [deg], counter-clockwise seen from above
+  double scale = 1;         ///< of the environment's radiance
+  double sun_angle = 0;     ///< full angle that directional lamps are seen under [deg]; 0: none
+};
+
+/// --environment, --environment-rotation, --environment-scale, --sun-angle.
+void declare_sky_options(cli::Options& options, SkyArguments& a);
+
+/// Gives the scene its sky: the environment, and its directional lamps, which are lamps no more
+/// then, as suns of that angle. Without either nothing changes. An environment that is a file is
+/// appended to `files`. Throws UsageError for a colour that is none and for options without the one
+/// they belong to, InputError for a bad file.
+void add_sky(Scene& scene, const SkyArguments& a, const cli::Common& common,
+             std::vector<cli::Common::Input>& files);
+
+}  // namespace tdpt
