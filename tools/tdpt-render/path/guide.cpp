@@ -55,8 +55,7 @@ double Guide::aims(const Point& v, const Vec3d& facing, From from) const {
 }
 
 void Guide::aim_at_surface(const Vec3d& away, Vertex& v) const {
-  const bool through = !v.simple && v.bsdf.transmits();
-  v.aims.facing = through ? Vec3d() : dot(v.normal, away) > 0 ? v.normal : -v.normal;
+  v.aims.facing = facing(v, away);
   for (const From from : {From::light, From::camera})
     v.aims.scattered[index(from)] = v.connectible ? aims(v, v.aims.facing, from) : 0;
   v.aims.emitted = v.source ? aims(v, v.source->facing(v.normal), From::light) : 0;

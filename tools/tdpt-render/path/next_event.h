@@ -7,6 +7,7 @@
 // portal is there, has 1-q.
 #pragma once
 #include "libcommon/scene/lights.h"
+#include "tools/tdpt-render/path/vertex.h"
 #include "tools/tdpt-render/path/window_sky.h"
 
 namespace tdpt {
@@ -19,13 +20,25 @@ class NextEvents {
   double through_windows() const { return through_windows_; }
   void through_windows(double q) { through_windows_ = q; }
 
-  /// A place on a light with its density. Four numbers in [0,1), as Lights::sample.
-  Lights::Point sample(const Vec3d& shaded, double pick, double u, double v, double side) const;
-  /// Density of `sample` at a place on `source`, as Lights::pdf.
-  double pdf(const Vec3d& shaded, const LightSource& source, uint32_t triangle,
-             const Vec3d& position) const;
+  /// Tells a surface that is seen along unit `away` from it, or was left along it, what it sees.
+  void look_out(const Vec3d& away, Vertex& v) const {
+    if (windows_.empty()) return;
+    v.outlook.facing = facing(v, away);
+    v.outlook.seen = windows_.seen(v.position, v.outlook.facing);
+  }
+
+  /// A place on a light with its density. `shaded` has looked out. Four numbers in [0,1), as
+  /// Lights::sample.
+  Lights::Point sample(const Vertex& shaded, double pick, double u, double v, double side) const;
+  /// Density of `sample` at a place on a light.
+  double pdf(const Vertex& shaded, const Point& light) const {
+    return pdf(shaded, *light.source, light.triangle, light.position);
+  }
 
  private:
+  double pdf(const Vertex& shaded, const LightSource& source, uint32_t triangle,
+             const Vec3d& position) const;
+
   const Lights& lights_;
   const WindowSky& windows_;
   double through_windows_ = 0.5;

@@ -100,7 +100,7 @@ void Path::fill(const World& world, const Walk& y, int s, const Walk& z, int t,
                            (i <= s - 3 ? y.state(i).pdf_other_A
                                        : directed_camera_A(guide_, i, plain_camera_A(world, i)));
   }
-  next_event_A_ = world.next_events.pdf(x(1).position, *x(0).source, x(0).triangle, x(0).position);
+  next_event_A_ = k_ > 1 ? world.next_events.pdf(x(1), x(0)) : 0;
 }
 
 void Path::fill_survival(const Walk& y, int s, const Walk& z, int t) {

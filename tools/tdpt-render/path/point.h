@@ -80,6 +80,13 @@ inline bool same_side(const Point& p, const Vec3d& wi, const Vec3d& wo) {
 Rgb layered_bsdf(const Point& p, const Vec3d& to_light, const Vec3d& to_camera);
 double layered_scatter_pdf_A(const Point& from, const Point& at, const Point& to, bool dirac);
 
+/// The side of the surface at `p` that all edges of a path are on which has one along `away`; 0:
+/// both, as light goes through.
+inline Vec3d facing(const Point& p, const Vec3d& away) {
+  if (!p.simple && p.bsdf.transmits()) return {};
+  return dot(p.normal, away) > 0 ? p.normal : -p.normal;
+}
+
 /// Radiance BSDF without Dirac lobes [1/sr]; unit directions away from the surface.
 inline Rgb bsdf_at(const Point& p, const Vec3d& to_light, const Vec3d& to_camera) {
   if (!p.simple) return layered_bsdf(p, to_light, to_camera);

@@ -17,8 +17,15 @@ struct Aims {
   double emitted = 0;                 ///< of a walk that begins here
 };
 
+/// What a point sees of the sky through the windows [window_sky.h].
+struct Outlook {
+  Vec3d facing{};   ///< side of the surface that light comes to; 0: both
+  double seen = 0;  ///< sum S_F
+};
+
 struct Vertex : Point {
   Aims aims;
+  Outlook outlook;  ///< of those that next events may be made at
 };
 
 }  // namespace tdpt

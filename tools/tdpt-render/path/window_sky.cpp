@@ -14,7 +14,16 @@ double luminance_towards(const Sky& sky, const Vec3d& w) {
 
 // Of unit w with w.z > 0: da db / dw.
 double per_solid_angle(const Vec3d& w) {
-  return w.z / ((w.x * w.x + w.z * w.z) * (w.y * w.y + w.z * w.z));
+  const double across = (std::abs(w.x) + w.z) * (std::abs(w.y) + w.z);
+  return w.z / (across * across);
+}
+
+// c and its inverse.
+double compressed(double t) {
+  return t / (1 + std::abs(t));
+}
+double stretched(double c) {
+  return c / (1 - std::abs(c));
 }
 
 // Fills cells with luminance x solid angle.
@@ -26,13 +35,13 @@ class Cells {
   // The sky itself, at a few places of each cell.
   void gather() {
     constexpr int kPlaces = 2;
-    const double step = pi / n_;
+    const double step = 2.0 / n_;
     for (int i = 0; i < n_; ++i)
       for (int j = 0; j < n_; ++j)
         for (int k = 0; k < kPlaces * kPlaces; ++k) {
-          const double a = (i + (k % kPlaces + 0.5) / kPlaces) * step - pi / 2;
-          const double b = (j + (k / kPlaces + 0.5) / kPlaces) * step - pi / 2;
-          const Vec3d w = normalize(Vec3d(std::tan(a), std::tan(b), 1));
+          const double a = (i + (k % kPlaces + 0.5) / kPlaces) * step - 1;
+          const double b = (j + (k / kPlaces + 0.5) / kPlaces) * step - 1;
+          const Vec3d w = normalize(Vec3d(stretched(a), stretched(b), 1));
           cells_[static_cast<size_t>(i * n_ + j)] +=
               luminance_towards(sky_, x_ * w.x + y_ * w.y + z_ * w.z) / per_solid_angle(w) * step *
               step / (kPlaces * kPlaces);
@@ -64,11 +73,10 @@ class Cells {
   void add(const Vec3d& towards, double light) {
     const Vec3d w(dot(x_, towards), dot(y_, towards), dot(z_, towards));
     if (!(w.z > 0)) return;
-    const auto cell = [&](double angle) {
-      return static_cast<size_t>(std::clamp((angle / pi + 0.5) * n_, 0.0, n_ - 1.0));
+    const auto cell = [&](double t) {
+      return static_cast<size_t>(std::clamp((compressed(t) + 1) * 0.5 * n_, 0.0, n_ - 1.0));
     };
-    cells_[cell(std::atan2(w.x, w.z)) * static_cast<size_t>(n_) + cell(std::atan2(w.y, w.z))] +=
-        light;
+    cells_[cell(w.x / w.z) * static_cast<size_t>(n_) + cell(w.y / w.z)] += light;
   }
   // As far as it reaches between the middles of its neighbours.
   void add_texel(int column, int row, double y) {
@@ -120,52 +128,61 @@ RectifiedSky::RectifiedSky(const Sky& sky, const Vec3d& x, const Vec3d& z, int c
   }
 }
 
-double RectifiedSky::in_cells(double across, double out) const {
-  return std::clamp((std::atan2(across, out) / pi + 0.5) * n_, 0.0, static_cast<double>(n_));
-}
-
-double RectifiedSky::cumulative(double a, double b) const {
-  const int i = std::min(static_cast<int>(a), n_ - 1), j = std::min(static_cast<int>(b), n_ - 1);
-  const double s = a - i, t = b - j;
-  return (1 - s) * ((1 - t) * at(i, j) + t * at(i, j + 1)) +
-         s * ((1 - t) * at(i + 1, j) + t * at(i + 1, j + 1));
+RectifiedSky::Place RectifiedSky::place(double b) const {
+  const int j = std::min(static_cast<int>(b), n_ - 1);
+  return {j, b - j};
 }
 
 double RectifiedSky::sum(const Rect& r) const {
-  return cumulative(r.a1, r.b1) - cumulative(r.a0, r.b1) - cumulative(r.a1, r.b0) +
-         cumulative(r.a0, r.b0);
+  const Place low = place(r.b0), high = place(r.b1);
+  const auto column = [&](double a) {
+    const auto [i, s] = place(a);
+    const double here = at(i, high) - at(i, low), next = at(i + 1, high) - at(i + 1, low);
+    return here + s * (next - here);
+  };
+  return column(r.a1) - column(r.a0);
 }
 
-Vec3d RectifiedSky::sample(const Rect& r, double u, double v) const {
-  // Along one axis: where an increasing function, linear within cells, has grown by a share.
-  const auto find = [](double low, double high, double share, const auto& grown) {
-    const double begin = grown(low), wanted = begin + share * (grown(high) - begin);
-    int first = static_cast<int>(low), last = static_cast<int>(std::ceil(high)) - 1;
-    while (first < last) {
-      const int middle = (first + last) / 2;
-      (grown(std::min(middle + 1.0, high)) < wanted ? first = middle + 1 : last = middle);
-    }
-    const double from = std::max<double>(first, low), to = std::min<double>(first + 1, high);
-    const double f = grown(from), g = grown(to);
-    return g > f ? from + (to - from) * std::clamp((wanted - f) / (g - f), 0.0, 1.0) : from;
+namespace {
+
+// Where a function that grows, linear between whole numbers, has grown by `share` of what it does
+// from `low` to `high`.
+template <class Function>
+double grown_by(double share, double low, double high, const Function& at_whole) {
+  const auto at = [&](double x) {
+    const int i = static_cast<int>(x);
+    const double here = at_whole(i);
+    return x == i ? here : here + (x - i) * (at_whole(i + 1) - here);
   };
-  const double a = find(
-      r.a0, r.a1, u, [&](double at_a) { return cumulative(at_a, r.b1) - cumulative(at_a, r.b0); });
-  const double column = std::floor(std::min(a, n_ - 1.0));
-  const double b = find(r.b0, r.b1, v, [&](double at_b) {
-    return cumulative(column + 1, at_b) - cumulative(column, at_b);
-  });
-  const auto tangent = [&](double cells) { return std::tan((cells / n_ - 0.5) * pi); };
+  const double begin = at(low), end = at(high), wanted = begin + share * (end - begin);
+  int first = static_cast<int>(low), last = static_cast<int>(std::ceil(high)) - 1;
+  while (first < last) {
+    const int middle = (first + last) / 2;
+    (at_whole(middle + 1) < wanted ? first = middle + 1 : last = middle);
+  }
+  const double from = std::max<double>(first, low), to = std::min<double>(first + 1, high);
+  const double f = at(from), g = at(to);
+  return g > f ? from + (to - from) * std::clamp((wanted - f) / (g - f), 0.0, 1.0) : from;
+}
+
+}  // namespace
+
+Vec3d RectifiedSky::sample(const Rect& r, double u, double v) const {
+  const Place low = place(r.b0), high = place(r.b1);
+  const double a = grown_by(u, r.a0, r.a1, [&](int i) { return at(i, high) - at(i, low); });
+  const int column = std::min(static_cast<int>(a), n_ - 1);
+  const double b =
+      grown_by(v, r.b0, r.b1, [&](int j) { return at(column + 1, j) - at(column, j); });
+  const auto tangent = [&](double cells) { return stretched(2 * cells / n_ - 1); };
   const Vec3d w = normalize(Vec3d(tangent(a), tangent(b), 1));
   return normalize(x_ * w.x + y_ * w.y + z_ * w.z);
 }
 
 double RectifiedSky::density(const Vec3d& w) const {
-  const int i = static_cast<int>(std::min(in_cells(w.x, w.z), n_ - 1.0));
-  const int j = static_cast<int>(std::min(in_cells(w.y, w.z), n_ - 1.0));
+  const auto cell = [&](double t) { return std::min(static_cast<int>(in_cells(t)), n_ - 1); };
+  const int i = cell(w.x / w.z), j = cell(w.y / w.z);
   const double content = at(i + 1, j + 1) - at(i, j + 1) - at(i + 1, j) + at(i, j);
-  const double size = pi / n_;
-  return content / (size * size) * per_solid_angle(w);
+  return content * (0.25 * n_ * n_) * per_solid_angle(w);
 }
 
 namespace {
@@ -216,46 +233,49 @@ WindowSky::WindowSky(const Sky* sky, const PortalSet& portals) {
           sky->one_colour() && sky->suns().empty() ? 64 : std::clamp(sky->map().height, 256, 512);
       same = skies.emplace_back(std::make_shared<RectifiedSky>(*sky, x, z, cells));
     }
-    Window w{same, outline.centre, HUGE_VAL, -HUGE_VAL, HUGE_VAL, -HUGE_VAL};
+    Window w{same, outline.centre, HUGE_VAL, -HUGE_VAL, HUGE_VAL, -HUGE_VAL, {}};
     for (const Vec3d& corner : outline.corners) {
       const double cx = dot(same->x(), corner - w.centre), cy = dot(same->y(), corner - w.centre);
       w.x0 = std::min(w.x0, cx), w.x1 = std::max(w.x1, cx);
       w.y0 = std::min(w.y0, cy), w.y1 = std::max(w.y1, cy);
     }
+    for (size_t k = 0; k < 4; ++k)
+      w.corners[k] =
+          w.centre + same->x() * (k % 2 ? w.x1 : w.x0) + same->y() * (k / 2 ? w.y1 : w.y0);
     windows_.push_back(w);
   }
 }
 
-bool WindowSky::rect(const Window& w, const Vec3d& p, RectifiedSky::Rect& r) {
-  const Vec3d d = w.centre - p;
-  const double height = dot(w.sky->z(), d);
-  if (!(height > PortalSet::kMargin)) return false;
-  const double x = dot(w.sky->x(), d), y = dot(w.sky->y(), d);
-  const auto angle = [&](double across) { return w.sky->in_cells(across, height); };
-  r = {angle(x + w.x0), angle(x + w.x1), angle(y + w.y0), angle(y + w.y1)};
-  return r.a0 < r.a1 && r.b0 < r.b1;
+bool WindowSky::faces(const Window& w, const Vec3d& p, const Vec3d& facing) {
+  if (!(dot(w.sky->z(), w.centre - p) > PortalSet::kMargin)) return false;
+  return facing == Vec3d() ||
+         std::any_of(w.corners.begin(), w.corners.end(),
+                     [&](const Vec3d& corner) { return dot(facing, corner - p) > 0; });
 }
 
-double WindowSky::seen_through(const Window& w, const Vec3d& p, RectifiedSky::Rect& r) {
-  if (!rect(w, p, r)) return 0;
-  // What is no more than rounding of the sums over all is nothing.
-  const double seen = w.sky->sum(r);
-  return seen > 1e-12 * w.sky->total() ? seen : 0;
+double WindowSky::seen_through(const Window& w, const Vec3d& p, const Vec3d& facing,
+                               RectifiedSky::Rect& r) {
+  if (!faces(w, p, facing)) return 0;
+  const Vec3d d = w.sky->to_local(w.centre - p);
+  const auto cells = [&](double across) { return w.sky->in_cells(across / d.z); };
+  r = {cells(d.x + w.x0), cells(d.x + w.x1), cells(d.y + w.y0), cells(d.y + w.y1)};
+  return r.a0 < r.a1 && r.b0 < r.b1 ? std::max(w.sky->sum(r), 0.0) : 0;
 }
 
-double WindowSky::seen(const Vec3d& p) const {
+double WindowSky::seen(const Vec3d& p, const Vec3d& facing) const {
   double sum = 0;
   RectifiedSky::Rect r;
-  for (const Window& w : windows_) sum += seen_through(w, p, r);
+  for (const Window& w : windows_) sum += seen_through(w, p, facing, r);
   return sum;
 }
 
-Vec3d WindowSky::sample(const Vec3d& p, double seen, double pick, double u, double v) const {
+Vec3d WindowSky::sample(const Vec3d& p, const Vec3d& facing, double seen, double pick, double u,
+                        double v) const {
   double rest = pick * seen;
   const Window* chosen = nullptr;
   RectifiedSky::Rect r, of_chosen{};
   for (const Window& w : windows_) {
-    const double through = seen_through(w, p, r);
+    const double through = seen_through(w, p, facing, r);
     if (!(through > 0)) continue;
     chosen = &w;
     of_chosen = r;
@@ -265,14 +285,16 @@ Vec3d WindowSky::sample(const Vec3d& p, double seen, double pick, double u, doub
   return chosen->sky->sample(of_chosen, u, v);
 }
 
-double WindowSky::pdf_w(const Vec3d& p, double seen, const Vec3d& towards) const {
+double WindowSky::pdf_w(const Vec3d& p, const Vec3d& facing, double seen,
+                        const Vec3d& towards) const {
   double sum = 0;
-  RectifiedSky::Rect r;
   for (const Window& w : windows_) {
     const Vec3d local = w.sky->to_local(towards);
-    if (!(local.z > 0) || !(seen_through(w, p, r) > 0)) continue;
-    const double a = w.sky->in_cells(local.x, local.z), b = w.sky->in_cells(local.y, local.z);
-    if (a >= r.a0 && a <= r.a1 && b >= r.b0 && b <= r.b1) sum += w.sky->density(local);
+    if (!(local.z > 0)) continue;
+    const Vec3d d = w.sky->to_local(w.centre - p);
+    const double t = d.z / local.z, x = local.x * t - d.x, y = local.y * t - d.y;
+    if (t > 0 && x >= w.x0 && x <= w.x1 && y >= w.y0 && y <= w.y1 && faces(w, p, facing))
+      sum += w.sky->density(local);
   }
   return sum / seen;
 }

@@ -1,14 +1,16 @@
 // The sky as it is seen through the portals: draws directions in proportion to it from any point of
 // the camera's side, so that next events find the bright parts of it that a window shows.
 //
-// Method: portal-masked environment map sampling (Bitterli, Novak, Jarosz 2015; in pbrt-v4 as
-// PortalImageInfiniteLight). Each facet of a portal [portals.h] has a rectangle around it, with
-// axes x, y in its plane and z out towards the sky. The sky is laid out anew over the angles
-//   a = atan2(w_x, w_z),  b = atan2(w_y, w_z),  both in (-pi/2, pi/2),
+// Method: portal-masked environment map sampling (Bitterli, Wyman and Pharr 2015; in pbrt-v4 as
+// PortalImageInfiniteLight). Each facet of a portal [portals.h] has a rectangle around it, with axes
+// x, y in its plane and z out towards the sky. The sky is laid out anew over
+//   a = c(w_x / w_z),  b = c(w_y / w_z),  c(t) = t / (1 + |t|) in (-1, 1),
 // in which the rectangle is again one, seen from any point; sums over it are four look-ups of a
-// summed-area table. Its cells hold the luminance of the sky there times solid angle.
+// summed-area table. (The paper's c is the arc tangent, which is as even and takes longer.) Its
+// cells hold the luminance of the sky there times solid angle.
 //
-// S_F(x)  what is seen of the sky through the rectangle of facet F from x; 0 behind it
+// S_F(x)  what is seen of the sky through the rectangle of facet F from x; 0 behind it, and where
+//         all of it is below the horizon of the surface at x
 // W_F(w)  content of the cell of w over its size, da db
 //   pdf_w(w) = sum over the F whose rectangle the ray (x, w) passes of
 //              W_F(w) (da db / dw) / sum_F S_F(x)
@@ -17,6 +19,8 @@
 // shines there is told by the sky itself, and small bright parts are spread over the cells around,
 // so that no cell that they touch counts as dark.
 #pragma once
+#include <array>
+#include <cmath>
 #include <memory>
 #include <vector>
 
@@ -25,10 +29,10 @@
 
 namespace tdpt {
 
-/// The sky over the angles a and b of one frame.
+/// The sky over a and b of one frame.
 class RectifiedSky {
  public:
-  /// Of angles, in cells: [0, cells] for (-pi/2, pi/2).
+  /// In cells: [0, cells] for (-1, 1).
   struct Rect {
     double a0, a1, b0, b1;
   };
@@ -40,11 +44,10 @@ class RectifiedSky {
   const Vec3d& y() const { return y_; }
   const Vec3d& z() const { return z_; }
   Vec3d to_local(const Vec3d& w) const { return {dot(x_, w), dot(y_, w), dot(z_, w)}; }
-  /// The angle of which this is the tangent, across / out; out >= 0.
-  double in_cells(double across, double out) const;
-  /// Luminance x solid angle within a rectangle, and in all.
+  /// c(t) in cells.
+  double in_cells(double t) const { return (t / (1 + std::abs(t)) + 1) * 0.5 * n_; }
+  /// Luminance x solid angle within a rectangle.
   double sum(const Rect& r) const;
-  double total() const { return sums_.back(); }
   /// Unit, towards the sky, within the rectangle in proportion to the table; u, v in [0,1). Its sum
   /// must be more than 0.
   Vec3d sample(const Rect& r, double u, double v) const;
@@ -53,7 +56,13 @@ class RectifiedSky {
 
  private:
   double at(int i, int j) const { return sums_[static_cast<size_t>(i * (n_ + 1) + j)]; }
-  double cumulative(double a, double b) const;  ///< in cells, bilinear between corners
+  /// A place along b between corners.
+  struct Place {
+    int j;
+    double t;
+  };
+  Place place(double b) const;
+  double at(int i, const Place& b) const { return at(i, b.j) + b.t * (at(i, b.j + 1) - at(i, b.j)); }
 
   Vec3d x_, y_, z_;
   int n_;
@@ -68,23 +77,27 @@ class WindowSky {
   static constexpr size_t kMostWindows = 32;
 
   bool empty() const { return windows_.empty(); }
-  /// What all windows show of the sky from `x`: sum S_F(x), canonical place.
-  double seen(const Vec3d& x) const;
+  /// What all windows show of the sky from `x` (canonical), where the surface faces `facing` (0:
+  /// both ways): sum S_F.
+  double seen(const Vec3d& x, const Vec3d& facing) const;
   /// Unit, towards the sky; `seen` more than 0, that of `x`. Three numbers in [0,1).
-  Vec3d sample(const Vec3d& x, double seen, double pick, double u, double v) const;
+  Vec3d sample(const Vec3d& x, const Vec3d& facing, double seen, double pick, double u,
+               double v) const;
   /// Density of sample() [1/sr].
-  double pdf_w(const Vec3d& x, double seen, const Vec3d& towards) const;
+  double pdf_w(const Vec3d& x, const Vec3d& facing, double seen, const Vec3d& towards) const;
 
  private:
   struct Window {
     std::shared_ptr<const RectifiedSky> sky;
     Vec3d centre;
-    double x0, x1, y0, y1;  ///< of its rectangle, from the centre along the sky's axes
+    double x0, x1, y0, y1;         ///< of its rectangle, from the centre along the sky's axes
+    std::array<Vec3d, 4> corners;  ///< of that
   };
-  /// False where `p` does not see it from inside.
-  static bool rect(const Window& w, const Vec3d& p, RectifiedSky::Rect& r);
+  /// `p` sees it from inside, above its horizon.
+  static bool faces(const Window& w, const Vec3d& p, const Vec3d& facing);
   /// S_F(p), and the rectangle where it is more than 0.
-  static double seen_through(const Window& w, const Vec3d& p, RectifiedSky::Rect& r);
+  static double seen_through(const Window& w, const Vec3d& p, const Vec3d& facing,
+                             RectifiedSky::Rect& r);
 
   std::vector<Window> windows_;
 };
