@@ -28,10 +28,10 @@ class CutReader {
   void line(std::string_view key) {
     if (key == "c") return comment();
     if (key == "s") return value();
-    if (key == "n") return node();
+    if (key == "n" || key == "k") return node(key == "k");
     if (key == "f") return read_faces(in_, out_.patches[patch_of(in_, index_, "node of a face")]);
     if (key == "a") return arc();
-    in_.fail(TextLines::found(key) + " at the start of the line, expected one of c, s, n, f, a");
+    in_.fail(TextLines::found(key) + " at the start of the line, expected one of c, s, n, k, f, a");
   }
 
   void value() {
@@ -69,14 +69,17 @@ class CutReader {
     }
   }
 
-  void node() {
+  void node(bool sky) {
     Patch p;
     p.node = static_cast<uint32_t>(in_.integer("node", 1, UINT32_MAX));
     const auto region =
         static_cast<uint32_t>(in_.integer("region", 0, static_cast<int64_t>(out_.cuts.size())));
     if (!in_.more())
       in_.fail("a node without geometry, expected the cut of a network made by ffgraph");
-    read_patch(in_, p);
+    if (sky)
+      read_sky(in_, p), bins_.add(in_, p);
+    else
+      read_patch(in_, p);
     if (!index_.emplace(p.node, static_cast<uint32_t>(out_.patches.size())).second)
       in_.fail(fmt::format("node {} again, expected each node once", p.node));
     out_.patches.push_back(std::move(p));
@@ -101,7 +104,7 @@ class CutReader {
     if (out_.scene_hash.empty()) in_.fail_file("no 'c scene' line, expected the hash of the scene");
     if (!has_grid_) in_.fail_file("no 'c grid' line, expected the grid of the patches");
     for (const Patch& p : out_.patches)
-      if (p.faces.empty())
+      if (p.faces.empty() && !p.is_sky())
         in_.fail_file(fmt::format("node {} has no faces, expected at least one", p.node));
     if (!out_.bottleneck) return;
     for (size_t c = 0; c < out_.cuts.size(); ++c)
@@ -114,6 +117,7 @@ class CutReader {
   TextLines in_;
   CutFile out_;
   NodeIndex index_;
+  SkyBinsSeen bins_;
   bool has_grid_ = false, has_bottleneck_ = false;
 };
 
@@ -136,7 +140,12 @@ std::string cut_text(const CutFile& file) {
   for (const Bottleneck& cut : file.cuts)
     fmt::format_to(to, "s {} {}\n", cut.flow, cut.conductance);
   for (size_t i = 0; i < file.patches.size(); ++i) {
-    fmt::format_to(to, "n {} {} ", file.patches[i].node, file.region[i]);
+    const bool sky = file.patches[i].is_sky();
+    fmt::format_to(to, "{} {} {} ", sky ? 'k' : 'n', file.patches[i].node, file.region[i]);
+    if (sky) {
+      write_sky(out, file.patches[i]);
+      continue;
+    }
     write_patch(out, file.patches[i]);
     write_faces(out, "f", file.patches[i]);
   }

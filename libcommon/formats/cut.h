@@ -28,6 +28,10 @@ struct Patch {
   Vec3d normal{};                 ///< unit, mean facing normal
   /// 2*triangle + side; side 0: the patch faces the triangle's front, 1: its back.
   std::vector<uint32_t> faces;
+  /// Not below 0: directions of the sky, bin `sky` of sky_bins.h, and of what is above only `node`
+  /// and `samples` count: there are no faces.
+  int32_t sky = -1;
+  bool is_sky() const { return sky >= 0; }
 };
 
 enum class Side : uint8_t { source = 0, sink = 1 };

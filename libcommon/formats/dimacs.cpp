@@ -56,10 +56,13 @@ class DimacsReader {
     } else if (word == "grid") {
       out_.grid = read_grid(in_);
       has_grid_ = true;
-    } else if (word == "patch") {
+    } else if (word == "patch" || word == "sky") {
       Patch p;
       p.node = static_cast<uint32_t>(in_.integer("node of a patch", 1, UINT32_MAX));
-      read_patch(in_, p);
+      if (word == "sky")
+        read_sky(in_, p), bins_.add(in_, p);
+      else
+        read_patch(in_, p);
       if (!index_.emplace(p.node, static_cast<uint32_t>(out_.patches.size())).second)
         in_.fail(fmt::format("patch {} again, expected each patch once", p.node));
       out_.patches.push_back(std::move(p));
@@ -142,7 +145,7 @@ class DimacsReader {
     for (const Patch& p : out_.patches) {
       if (p.node > net().nodes || p.node - 1 == *source_ || p.node - 1 == *sink_)
         in_.fail_file(fmt::format("patch {} is no inner node of the network", p.node));
-      if (p.faces.empty())
+      if (p.faces.empty() && !p.is_sky())
         in_.fail_file(fmt::format("patch {} has no faces, expected at least one", p.node));
     }
     if (out_.patches.size() + 2 != net().nodes)
@@ -153,6 +156,7 @@ class DimacsReader {
   TextLines in_;
   DimacsFile out_;
   NodeIndex index_;
+  SkyBinsSeen bins_;
   std::optional<uint32_t> source_, sink_;
   int64_t announced_arcs_ = 0, capacity_sum_ = 0;
   bool has_grid_ = false;
@@ -176,6 +180,11 @@ std::string dimacs_text(const DimacsFile& file) {
     fmt::format_to(to, "c scene {}\nc scale {}\n", file.scene_hash, file.scale);
     write_grid(out, "c grid", file.grid);
     for (const Patch& p : file.patches) {
+      if (p.is_sky()) {
+        fmt::format_to(to, "c sky {} ", p.node);
+        write_sky(out, p);
+        continue;
+      }
       fmt::format_to(to, "c patch {} ", p.node);
       write_patch(out, p);
       write_faces(out, "c faces", p);

@@ -1,5 +1,6 @@
 // The lines that networks (.max) and cuts (.cut) share: the grid, the patches and their faces.
 #pragma once
+#include <array>
 #include <iterator>
 #include <string>
 #include <unordered_map>
@@ -9,6 +10,7 @@
 
 #include "libcommon/formats/cut.h"
 #include "libcommon/formats/text_lines.h"
+#include "libcommon/scene/sky_bins.h"
 
 namespace tdpt::patch_lines {
 
@@ -58,8 +60,34 @@ inline void write_patch(std::string& out, const Patch& p) {
                  p.normal.x, p.normal.y, p.normal.z);
 }
 
+/// BIN SAMPLES, behind the node.
+inline void read_sky(TextLines& in, Patch& p) {
+  p.sky = static_cast<int32_t>(in.integer("bin of the sky", 0, kSkyBins - 1));
+  p.samples = in.real("samples of the bin");
+  if (p.samples < 0) in.fail("a negative number of samples, expected 0 or more");
+  in.end();
+}
+
+inline void write_sky(std::string& out, const Patch& p) {
+  fmt::format_to(std::back_inserter(out), "{} {}\n", p.sky, p.samples);
+}
+
+/// Each bin of the sky at most once.
+class SkyBinsSeen {
+ public:
+  void add(const TextLines& in, const Patch& p) {
+    const auto bin = static_cast<size_t>(p.sky);
+    if (seen_[bin]) in.fail(fmt::format("bin {} of the sky again, expected each once", bin));
+    seen_[bin] = true;
+  }
+
+ private:
+  std::array<bool, kSkyBins> seen_{};
+};
+
 /// FACE ..., behind the node.
 inline void read_faces(TextLines& in, Patch& p) {
+  if (p.is_sky()) in.fail(fmt::format("faces of node {}, expected none of the sky", p.node));
   if (!in.more()) in.fail("nothing as face, expected at least one");
   while (in.more()) p.faces.push_back(static_cast<uint32_t>(in.integer("face", 0, UINT32_MAX)));
 }

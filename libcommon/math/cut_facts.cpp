@@ -35,7 +35,7 @@ CutFacts facts_of(const PatchNetwork& p, const std::vector<uint8_t>& source_side
   const FlowNetwork& net = p.network;
   const auto side = [&](uint32_t v) { return source_side[v] ? size_t{0} : size_t{1}; };
   const bool walks = !p.begun.empty();
-  double straight = 0, scattered = 0, back = 0, total_area = 0;
+  double straight = 0, sky = 0, scattered = 0, back = 0, total_area = 0;
   double camera[2] = {0, 0};  // from T, from S
   for (uint32_t v = 0; v < net.nodes; ++v)
     if (!p.terminal(v)) f.area[side(v)] += p.samples[v], total_area += p.samples[v];
@@ -53,7 +53,7 @@ CutFacts facts_of(const PatchNetwork& p, const std::vector<uint8_t>& source_side
       back += chance * (p.begun[a.from] + p.lit[a.from]);
       continue;
     }
-    straight += chance * p.begun[a.from];
+    (p.is_sky(a.from) ? sky : straight) += chance * p.begun[a.from];
     scattered += chance * p.lit[a.from];
   }
   const double smaller = std::min(f.volume[0], f.volume[1]);
@@ -64,17 +64,24 @@ CutFacts facts_of(const PatchNetwork& p, const std::vector<uint8_t>& source_side
     if (total_volume > 0) f.volume[s] /= total_volume;
   }
   if (!walks) return f;
-  double begun[2] = {0, 0};
-  for (uint32_t v = 0; v < net.nodes; ++v)
-    if (!p.terminal(v)) begun[side(v)] += p.begun[v];
-  const double crosses = straight + scattered;
+  double begun[2] = {0, 0}, lamps = 0, viewed = 0;
+  for (uint32_t v = 0; v < net.nodes; ++v) {
+    if (p.terminal(v)) continue;
+    begun[side(v)] += p.begun[v];
+    if (side(v) == 0 && !p.is_sky(v)) lamps += p.begun[v];
+    if (!p.sky.empty()) f.viewed[side(v)] += p.viewed[v], viewed += p.viewed[v];
+  }
+  if (viewed > 0)
+    for (double& share : f.viewed) share /= viewed;
+  const double crosses = straight + sky + scattered;
   if (crosses > 0) {
     f.across = crosses / (crosses + begun[1]);
     f.straight = straight / crosses;
+    if (!p.sky.empty()) f.from_sky = sky / crosses;
     f.back = back / crosses;
     f.camera_back = camera[1] / std::max(camera[0], 1e-300);
   }
-  if (begun[0] > 0) f.seen = std::min(1.0, straight / begun[0]);
+  if (lamps > 0) f.seen = std::min(1.0, straight / lamps);
   return f;
 }
 
@@ -139,9 +146,10 @@ std::string words_for(const CutFacts& f) {
       "the "
       "cut",
       percent(f.area[0]),
-      f.straight
-          ? fmt::format(", {} of what crosses comes straight from a lamp", percent(*f.straight))
-          : "",
+      f.straight ? fmt::format(", {} of what crosses comes straight from {}",
+                               percent(f.from_sky.value_or(*f.straight)),
+                               f.from_sky ? "the sky" : "a lamp")
+                 : "",
       f.conductance);
 }
 

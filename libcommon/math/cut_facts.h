@@ -1,6 +1,7 @@
 // What it means to part a network of patches in two: whether the border is an opening that the
 // light has to pass on its way to the camera, and if not, why.
 #pragma once
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <string>
@@ -19,7 +20,7 @@ struct CutLimits {
   double largest_conductance = 0.12;
 };
 
-/// A network whose nodes but two are patches of surface.
+/// A network whose nodes but two are patches of surface, or of the sky.
 struct PatchNetwork {
   FlowNetwork network;
   std::vector<double> samples;  ///< n_i of each node: its area [samples of etendue]; terminals: 0
@@ -28,6 +29,10 @@ struct PatchNetwork {
   /// empty: unknown.
   std::vector<double> begun{}, lit{}, viewed{};
 
+  /// Of each node: whether it is a part of the sky; empty: there is none.
+  std::vector<uint8_t> sky{};
+
+  bool is_sky(uint32_t v) const { return !sky.empty() && sky[v]; }
   bool terminal(uint32_t v) const { return v == network.source || v == network.sink; }
 };
 
@@ -46,10 +51,14 @@ struct CutFacts {
   std::optional<double> back, camera_back;
   std::optional<double> straight;  ///< of what crosses: what comes from a lamp without a surface
   std::optional<double> seen;      ///< of what lamps on S send: what crosses at once
+  std::optional<double> from_sky;  ///< of what crosses: what comes from the sky without a surface
+  /// Share of the hits of the camera's walks; of a network with a sky only: a landscape has much
+  /// more area than the room that the camera stands in.
+  std::array<double, 2> viewed{};
 
   /// What stands against least_area: a wide ground has much area and exchanges little light, a side
   /// open to the sky the same.
-  double side(size_t s) const { return std::max(area[s], volume[s]); }
+  double side(size_t s) const { return std::max({area[s], volume[s], viewed[s]}); }
   double smaller_side() const { return std::min(side(0), side(1)); }
 };
 

@@ -25,13 +25,13 @@ struct Extent {
 inline constexpr double kFarShare = 0.02;  ///< of the weight, at either end of each axis
 inline constexpr double kFarMargin = 0.1;  ///< of a side: how far a few reach beyond many
 
-/// The box, along each axis, from the quantile `kFarShare` of the weights to 1 - kFarShare, and
+/// The box, along each axis, from the quantile `far_share` of the weights to 1 - far_share, and
 /// kFarMargin of its sides more all around: places that fill a room give the whole room.
 struct WeightedPlace {
   Vec3d place;
   double weight = 1;
 };
-inline Extent reach_of(const std::vector<WeightedPlace>& places) {
+inline Extent reach_of(const std::vector<WeightedPlace>& places, double far_share = kFarShare) {
   Extent reach;
   double total = 0;
   for (const WeightedPlace& p : places) total += p.weight;
@@ -44,9 +44,9 @@ inline Extent reach_of(const std::vector<WeightedPlace>& places) {
     bool within = false;
     for (const auto& [coordinate, weight] : at) {
       below += weight;
-      if (!within && below > kFarShare * total) reach.low[axis] = coordinate, within = true;
+      if (!within && below > far_share * total) reach.low[axis] = coordinate, within = true;
       reach.high[axis] = coordinate;
-      if (below >= (1 - kFarShare) * total) break;
+      if (below >= (1 - far_share) * total) break;
     }
   }
   return reach.widened(reach.size() * kFarMargin);

@@ -169,6 +169,7 @@ struct Sweep {
   std::vector<uint32_t> order;
   std::vector<double> u;             // of each node of the network
   std::vector<double> area, volume;  // up to and with this node
+  std::vector<double> viewed;        // likewise, hits of the camera's walks; without a sky 0
   std::vector<double> crossing;      // capacity between it and those before, and those behind
 
   size_t size() const { return order.size(); }
@@ -190,7 +191,7 @@ Sweep sweep_of(const PatchNetwork& p) {
   std::sort(s.order.begin(), s.order.end(),
             [&](uint32_t a, uint32_t b) { return s.u[a] != s.u[b] ? s.u[a] < s.u[b] : a < b; });
   std::vector<uint8_t> before(p.network.nodes, 0);
-  double area = 0, volume = 0, crossing = 0;
+  double area = 0, volume = 0, crossing = 0, viewed = 0;
   for (const uint32_t v : s.order) {
     before[v] = 1;
     area += p.samples[v];
@@ -199,6 +200,8 @@ Sweep sweep_of(const PatchNetwork& p) {
       crossing += before[links.links[k].to] ? -links.links[k].capacity : links.links[k].capacity;
     s.area.push_back(area);
     s.volume.push_back(volume);
+    if (!p.sky.empty() && !p.viewed.empty()) viewed += p.viewed[v];
+    s.viewed.push_back(viewed);
     s.crossing.push_back(crossing);
   }
   return s;
@@ -272,13 +275,14 @@ class SeriesCutter {
     return "";
   }
 
-  // Share of the surface or of the exchanged light, whichever is more.
+  // Share of the surface, of the exchanged light or, with a sky, of what the camera's walks hit,
+  // whichever is most.
   double share(size_t low, size_t high) const {
-    const size_t n = sweep_.size();
-    const double area = Sweep::between(sweep_.area, 0, n);
-    const double volume = Sweep::between(sweep_.volume, 0, n);
-    return std::max(area > 0 ? Sweep::between(sweep_.area, low, high) / area : 0,
-                    volume > 0 ? Sweep::between(sweep_.volume, low, high) / volume : 0);
+    const auto of = [&](const std::vector<double>& sum) {
+      const double all = Sweep::between(sum, 0, sweep_.size());
+      return all > 0 ? Sweep::between(sum, low, high) / all : 0;
+    };
+    return std::max({of(sweep_.area), of(sweep_.volume), of(sweep_.viewed)});
   }
 
   // Places in the sweep between `low` and `high` (exclusive) where it may part two rooms, in order:
@@ -424,6 +428,12 @@ class SeriesCutter {
       all += problem_.samples[v];
       if (a.source_side[v] != b.source_side[v]) area += problem_.samples[v];
     }
+    double viewed = 0, views = 0;
+    if (!problem_.sky.empty() && !problem_.viewed.empty())
+      for (uint32_t v = 0; v < net_.nodes; ++v) {
+        views += problem_.viewed[v];
+        if (a.source_side[v] != b.source_side[v]) viewed += problem_.viewed[v];
+      }
     double volume = 0, whole = 0;
     for (const FlowArc& arc : net_.arcs) {
       if (problem_.terminal(arc.from) || problem_.terminal(arc.to)) continue;
@@ -431,7 +441,8 @@ class SeriesCutter {
       whole += capacity;
       if (a.source_side[arc.from] != b.source_side[arc.from]) volume += capacity;
     }
-    return std::max(all > 0 ? area / all : 0, whole > 0 ? volume / whole : 0);
+    return std::max(
+        {all > 0 ? area / all : 0, whole > 0 ? volume / whole : 0, views > 0 ? viewed / views : 0});
   }
 
   // The minimum cut of the network as it is, instead of the only other one where the two are the

@@ -111,6 +111,9 @@ struct Scene {
   std::vector<Vec3f> positions;  ///< canonical
   std::vector<Triangle> triangles;
   std::vector<Material> materials;
+  /// From here on triangles stand for the sky, and are none of the file's; only where a tool has
+  /// added them.
+  uint32_t dome = UINT32_MAX;
   std::vector<PunctualLight> lights;
   std::shared_ptr<const Sky> sky;  ///< none: all around is black
   std::vector<Image> images;

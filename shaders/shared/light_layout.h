@@ -143,7 +143,7 @@ struct LightParameters {
   uint levels;   ///< bit l: some patch has level l
   int slab_low;  ///< voxels along z that are counted
   int slab_high;
-  uint pad;
+  uint first_sky_face;  ///< this and all behind are whole patches of the sky
 };
 
 SHARED_END

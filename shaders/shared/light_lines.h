@@ -25,8 +25,10 @@ SHARED vec3 normal_of_face(uint face) {
   return (face & 1u) != 0u ? -n : n;
 }
 
+// On the dome of a sky, where coordinates are larger, by as many units in the last place.
 SHARED vec3 stepped_off(vec3 place, vec3 along) {
-  EXACT vec3 p = place + along * LINE_STEP;
+  EXACT float step = LINE_STEP * max(1.0f, max(max(abs(place.x), abs(place.y)), abs(place.z)));
+  EXACT vec3 p = place + along * step;
   return p;
 }
 
@@ -104,6 +106,10 @@ SHARED bool region_at(uint face, vec3 place, OUT(uint) region) {
   uint begin = first_cell[face];
   uint end = first_cell[face + 1u];
   if (begin == end) return false;
+  if (face >= light.first_sky_face) {
+    region = patch_cells[begin].level_region & 0xffffffu;
+    return true;
+  }
   EXACT vec3 from_corner = place - light.cell_corner;
   for (int level = 15; level >= 0; --level) {
     if ((light.levels & (1u << uint(level))) == 0u) continue;
@@ -232,11 +238,42 @@ SHARED ivec3 direction_in_units(vec3 w) {
   return ivec3(int(floor(v.x)), int(floor(v.y)), int(floor(v.z)));
 }
 
+/// Where along the line from `a`, in voxels, by `way` it comes into the grid and leaves it along an
+/// axis.
+SHARED void within_axis(float a, float way, int dim, INOUT(float) enter, INOUT(float) leave) {
+  EXACT float per_way = reciprocal(either_sign(way) * max(abs(way), 1e-18f));
+  EXACT float t0 = -a * per_way;
+  EXACT float t1 = (float(dim) - a) * per_way;
+  enter = max(enter, min(t0, t1));
+  leave = min(leave, max(t0, t1));
+}
+
+/// Draws the ends of a line to the sky, in voxels, to the border of the grid; false where it passes
+/// by.
+SHARED bool within_grid(INOUT(vec3) a, INOUT(vec3) b) {
+  EXACT vec3 way = b - a;
+  float enter = 0.0f;
+  float leave = 1.0f;
+  within_axis(a.x, way.x, light.dim.x, enter, leave);
+  within_axis(a.y, way.y, light.dim.y, enter, leave);
+  within_axis(a.z, way.z, light.dim.z, enter, leave);
+  if (!(enter < leave)) return false;
+  EXACT vec3 first = a + way * enter;
+  EXACT vec3 last = leave < 1.0f ? a + way * leave : b;
+  a = first;
+  b = last;
+  return true;
+}
+
 /// Counts the line in every voxel of the slab that it passes.
 SHARED void march(LineEnds line) {
   EXACT vec3 w = line.camera - line.light;
   ivec3 direction = direction_in_units(w);
-  OF_FLOAT(VoxelWalk) walk = voxel_walk(in_voxels(line.light), in_voxels(line.camera), light.dim);
+  vec3 from = in_voxels(line.light);
+  vec3 to = in_voxels(line.camera);
+  if (max(line.light_face, line.camera_face) >= light.first_sky_face && !within_grid(from, to))
+    return;
+  OF_FLOAT(VoxelWalk) walk = voxel_walk(from, to, light.dim);
   do {
     if (walk.at.z >= light.slab_low && walk.at.z < light.slab_high) count_voxel(walk.at, direction);
   } while (next_voxel(walk));

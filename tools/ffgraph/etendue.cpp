@@ -9,6 +9,7 @@
 
 #include "libcommon/math/alias_table.h"
 #include "libcommon/math/warp.h"
+#include "libcommon/scene/sky_bins.h"
 
 namespace tdpt {
 namespace {
@@ -23,11 +24,13 @@ double density(int level) {
 
 using Ends = std::pair<uint32_t, uint32_t>;  // smaller first
 
-void add_steps(const PatchTrace& walks, std::vector<double>& starts, std::vector<Ends>& rays) {
+// Of walks that went to the sky, its patch stands in the place of a mark.
+void add_steps(const PatchMap& patches, const PatchTrace& walks, std::vector<double>& starts,
+               std::vector<Ends>& rays) {
   const auto on_patch = [](uint32_t entry) { return entry < kTraceStopped; };
   for (size_t k = 0; k + 1 < walks.size(); ++k) {
     const uint32_t from = walks[k], to = walks[k + 1];
-    if (!on_patch(from) || to == kTraceStopped) continue;
+    if (!on_patch(from) || patches.is_sky(from) || to == kTraceStopped) continue;
     starts[from] += 1;
     if (on_patch(to) && to != from) rays.push_back(std::minmax(from, to));
   }
@@ -78,16 +81,22 @@ Etendue measure_etendue(const PatchMap& patches, const Fragments& fragments, con
     const double v = rng.uniform();
     const Vec3d w = Onb<double>(from.normal).to_world(cosine_hemisphere(u, v));
     Hit hit;
-    if (!tracer.closest({from.position, from.normal}, w, hit)) return;
     const uint32_t to =
-        patches.find(2 * hit.triangle + (dot(hit.normal, w) > 0 ? 1 : 0), hit.position);
+        tracer.closest({from.position, from.normal}, w, hit)
+            ? patches.find(2 * hit.triangle + (dot(hit.normal, w) > 0 ? 1 : 0), hit.position)
+        : patches.has_sky() ? patches.find_sky(sky_bin(w))
+                            : kNoPatch;
     if (to != kNoPatch && to != from.patch) ray[n] = std::minmax(from.patch, to);
   });
   std::erase_if(ray, [](const Ends& r) { return r.first == kNoPatch; });
-  for (const PatchTrace& trace : walks) add_steps(trace, starts, ray);
+  for (const PatchTrace& trace : walks) add_steps(patches, trace, starts, ray);
   for (size_t i = 0; i < starts.size(); ++i)
     if (e.samples[i] > 0) starts[i] /= e.samples[i];
   e.pairs = pairs_of(ray, starts);
+  // No ray starts in the sky; the etendue of a bin is all that it exchanges.
+  for (const Etendue::Pair& p : e.pairs)
+    for (const uint32_t end : {p.i, p.j})
+      if (patches.is_sky(end)) e.samples[end] += 0.5 * p.count;
   return e;
 }
 

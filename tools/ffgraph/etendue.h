@@ -36,7 +36,9 @@ using PatchTrace = std::vector<uint32_t>;
 inline constexpr uint32_t kTraceLeft = UINT32_MAX - 1, kTraceStopped = UINT32_MAX - 2;
 
 /// `rays` samples, and the steps of `walks`. A patch at level l is sampled 4^(l - L) times as
-/// densely per area (up to 4^2), L: level of the fine region. So the splinters of a split patch are
+/// densely per area (up to 4^2), L: level of the fine region. Rays that leave the scene go to the
+/// patches of the sky, whose samples are half the sum of their n_ij, as all light that they send
+/// arrives. So the splinters of a split patch are
 /// not left without rays, and the ground around a house does not take those of its rooms.
 Etendue measure_etendue(const PatchMap& patches, const Fragments& fragments, const Tracer& tracer,
                         uint64_t seed, uint32_t rays, const std::vector<PatchTrace>& walks = {});

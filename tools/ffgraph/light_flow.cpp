@@ -14,7 +14,7 @@ int64_t whole(double capacity) {
   return std::llround(capacity * kCapacityScale);
 }
 
-FlowNetwork network_of(const LightFlow& f) {
+FlowNetwork network_of(const LightFlow& f, const std::vector<double>& sky_grade) {
   FlowNetwork net;
   net.nodes = f.patches.size() + 2;
   net.source = 0;
@@ -26,7 +26,8 @@ FlowNetwork network_of(const LightFlow& f) {
   const std::vector<double> from_light = terminal_grades(f.hits_light, n);
   const std::vector<double> to_camera = terminal_grades(f.hits_camera, n);
   for (uint32_t i = 0; i < f.patches.size(); ++i) {
-    add(net.source, i + 2, n[i] * from_light[i]);
+    const bool sky = f.patches.is_sky(i);
+    add(net.source, i + 2, n[i] * (sky ? sky_grade[f.patches.bin_of(i)] : from_light[i]));
     add(i + 2, net.sink, n[i] * to_camera[i]);
   }
   for (const Etendue::Pair& p : f.etendue.pairs) {
@@ -43,9 +44,13 @@ std::vector<Patch> geometry_of(const PatchMap& patches, const Fragments& fragmen
   for (uint32_t i = 0; i < patches.size(); ++i) {
     const PatchKey& key = patches.keys()[i];
     geometry[i].node = i + 3;
+    geometry[i].samples = etendue.samples[i];
+    if (patches.is_sky(i)) {
+      geometry[i].sky = static_cast<int32_t>(patches.bin_of(i));
+      continue;
+    }
     geometry[i].level = key.level;
     geometry[i].cell = key.cell;
-    geometry[i].samples = etendue.samples[i];
   }
   for (const Fragments::Fragment& f : fragments.all()) {
     Patch& p = geometry[f.patch];
@@ -56,6 +61,7 @@ std::vector<Patch> geometry_of(const PatchMap& patches, const Fragments& fragmen
     area[f.patch] += f.area;
   }
   for (uint32_t i = 0; i < patches.size(); ++i) {
+    if (patches.is_sky(i)) continue;
     geometry[i].centre = patches.scene().frame.to_metres(geometry[i].centre / area[i]);
     geometry[i].normal = normalize(geometry[i].normal);
   }
@@ -68,24 +74,36 @@ PatchTrace trace_of(const PatchMap& patches, const Walks& walks) {
     const WalkHit& h = walks[k];
     trace[k] = h.face == kWalkLeft      ? kTraceLeft
                : h.face == kWalkStopped ? kTraceStopped
+               : to_sky(h)              ? patches.find_sky(h.face - kWalkToSky)
                                         : patches.find(h.face, Vec3d(h.position));
   });
   return trace;
 }
 
+// Of surfaces.
 std::vector<double> hits_of(const PatchMap& patches, const PatchTrace& trace) {
   std::vector<double> hits(patches.size(), 0);
   for (const uint32_t patch : trace)
-    if (patch < patches.size()) hits[patch] += 1;
+    if (patch < patches.size() && !patches.is_sky(patch)) hits[patch] += 1;
   return hits;
+}
+
+// Of each patch the walks of the light that begin there.
+std::vector<double> begun_on(const PatchMap& patches, const BothWalks& walks) {
+  std::vector<double> begun(patches.size(), 0);
+  for (const WalkHit& h : walks.starts)
+    if (const uint32_t p = patches.find(h.face, Vec3d(h.position)); p != kNoPatch) begun[p] += 1;
+  for (uint32_t k = 0; k < walks.from_sky.size(); ++k)
+    begun[patches.find_sky(k)] += walks.from_sky[k];
+  return begun;
 }
 
 }  // namespace
 
-LightFlow light_flow(PatchMap patches, const Walks& light, const Walks& camera,
-                     const Tracer& tracer, uint64_t seed, uint32_t rays) {
+LightFlow light_flow(PatchMap patches, const BothWalks& both, const Tracer& tracer, uint64_t seed,
+                     uint32_t rays) {
   LightFlow f{std::move(patches), {}, {}, {}, {}, {}, {}};
-  for (const Walks* walks : {&light, &camera})
+  for (const Walks* walks : {&both.light, &both.camera})
     f.patches.add_all(walks->size(), [walks](size_t k) {
       const WalkHit& h = (*walks)[k];
       return is_hit(h) ? std::optional(PatchMap::Place{h.face, Vec3d(h.position)}) : std::nullopt;
@@ -96,21 +114,17 @@ LightFlow light_flow(PatchMap patches, const Walks& light, const Walks& camera,
   for (const Fragments::Fragment& piece : fragments.all()) has_area[piece.patch] = 1;
   f.patches.keep(has_area);
   fragments.keep(has_area);
+  for (uint32_t k = 0; k < both.from_sky.size(); ++k) f.patches.add_sky(k);
 
-  const std::vector<PatchTrace> traces{trace_of(f.patches, light), trace_of(f.patches, camera)};
+  const std::vector<PatchTrace> traces{trace_of(f.patches, both.light),
+                                       trace_of(f.patches, both.camera)};
   f.hits_light = hits_of(f.patches, traces[0]);
   f.hits_camera = hits_of(f.patches, traces[1]);
   f.etendue = measure_etendue(f.patches, fragments, tracer, seed, rays, traces);
   f.geometry = geometry_of(f.patches, fragments, f.etendue);
-  f.network = network_of(f);
+  f.begun = begun_on(f.patches, both);
+  f.network = network_of(f, both.sky_grade);
   return f;
-}
-
-std::vector<double> begun_on(const PatchMap& patches, const std::vector<WalkHit>& starts) {
-  std::vector<double> begun(patches.size(), 0);
-  for (const WalkHit& h : starts)
-    if (const uint32_t p = patches.find(h.face, Vec3d(h.position)); p != kNoPatch) begun[p] += 1;
-  return begun;
 }
 
 std::vector<uint8_t> straddling(const Etendue& etendue, const std::vector<Side>& side,

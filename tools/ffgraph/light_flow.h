@@ -6,6 +6,9 @@
 // H_E, H_W  hits of the walks from the light and from the camera (east and west of the aperture, so
 //           to speak): source -> i n_i grade(H_E), i -> sink n_i grade(H_W), see terminal_grades()
 //
+// What shines from infinity is patches, too, one for each bin of directions (sky_bins.h), joined to
+// those of surfaces by the rays that leave the scene, and to the source by how bright they are.
+//
 // Its minimum cut parts the surfaces that the light reaches from those that the camera does where
 // least light is exchanged: at the openings between them.
 #pragma once
@@ -30,13 +33,18 @@ struct LightFlow {
   FlowNetwork network;                          ///< node 0: source, 1: sink, k + 2: patch k
 };
 
+/// What the walks found, from both ends.
+struct BothWalks {
+  Walks light, camera;
+  std::vector<WalkHit> starts;    ///< of the light's, those that begin on a surface
+  std::vector<double> from_sky;   ///< of each bin, those that begin there; empty: there is no sky
+  std::vector<double> sky_grade;  ///< of each bin: how much of its etendue the source feeds
+};
+
 /// Patches that a walk touched, their etendue and the network. `patches` says which cells are split
 /// and holds no patch yet.
-LightFlow light_flow(PatchMap patches, const Walks& light, const Walks& camera,
-                     const Tracer& tracer, uint64_t seed, uint32_t rays);
-
-/// Of each patch the walks that begin there, by where they do.
-std::vector<double> begun_on(const PatchMap& patches, const std::vector<WalkHit>& starts);
+LightFlow light_flow(PatchMap patches, const BothWalks& walks, const Tracer& tracer, uint64_t seed,
+                     uint32_t rays);
 
 /// Patches that send less than `share` of their etendue to one side of a cut: they straddle the
 /// opening. `side` of each patch.

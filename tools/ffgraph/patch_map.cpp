@@ -92,6 +92,14 @@ uint32_t PatchMap::add(const PatchKey& key) {
   return id;
 }
 
+uint32_t PatchMap::add_sky(uint32_t bin) {
+  uint32_t& entry = entry_[sky_key(bin)];
+  if (entry != kNoPatch) return entry;
+  keys_.push_back(sky_key(bin));
+  sky_ = true;
+  return entry = size() - 1;
+}
+
 void PatchMap::keep(const std::vector<uint8_t>& kept) {
   PatchTable entry;
   std::vector<PatchKey> keys;

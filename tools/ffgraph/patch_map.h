@@ -21,6 +21,8 @@ namespace tdpt {
 /// face = 2 * triangle + side, side 0: front.
 inline constexpr uint32_t kNoFace = UINT32_MAX;
 inline constexpr uint32_t kNoPatch = UINT32_MAX;
+/// Piece of the patches that are bins of the sky; their cell is {bin, 0, 0}.
+inline constexpr uint32_t kSkyPiece = UINT32_MAX;
 
 struct PatchKey {
   std::array<int32_t, 3> cell{};
@@ -113,6 +115,13 @@ class PatchMap {
   /// Adds a patch under `key`, and the splits that lead to it.
   uint32_t add(const PatchKey& key);
 
+  /// The patch of a bin of the sky (sky_bins.h); kNoPatch before it is added.
+  uint32_t find_sky(uint32_t bin) const { return entry_.find(sky_key(bin)); }
+  uint32_t add_sky(uint32_t bin);
+  bool has_sky() const { return sky_; }
+  bool is_sky(uint32_t patch) const { return keys_[patch].piece == kSkyPiece; }
+  uint32_t bin_of(uint32_t patch) const { return static_cast<uint32_t>(keys_[patch].cell[0]); }
+
   /// Patch under `key`, kSplit where its cell was split, kNoPatch where there is none.
   uint32_t lookup(const PatchKey& key) const {
     return always_split(key) ? kSplit : entry_.find(key);
@@ -137,6 +146,9 @@ class PatchMap {
   PatchMap split(const std::vector<uint8_t>& chosen) const;
 
  private:
+  static PatchKey sky_key(uint32_t bin) {
+    return {{static_cast<int32_t>(bin), 0, 0}, 0, kSkyPiece};
+  }
   /// In base cells from the origin of the grid.
   Vec3d in_grid(const Vec3d& canonical) const {
     return (scene_->frame.to_metres(canonical) - grid_.origin) / grid_.base_cell;
@@ -154,6 +166,7 @@ class PatchMap {
   PatchTable entry_;
   std::vector<PatchKey> keys_;
   std::vector<uint8_t> piece_touched_;
+  bool sky_ = false;  // whether it has patches
 };
 
 template <class PlaceAt>

@@ -79,6 +79,7 @@ std::string network_debug_glb(const Scene& scene, const DimacsFile& file, bool t
   mesh.name = triangles ? "triangles" : "patches";
   for (size_t i = 0; i < reached.size(); ++i) {
     const Patch& p = file.patches[i];
+    if (p.is_sky()) continue;
     const auto colour = draw::bytes_of(draw::reach(reached[i].light, reached[i].camera));
     const double cell = std::ldexp(file.grid.base_cell, -2 * p.level);
     if (!triangles) {

@@ -16,6 +16,9 @@ constexpr uint64_t kLookSeed = 0x5eed;
 // Most openings in series that rounds of ffgraph's own look at.
 constexpr size_t kMostCuts = 8;
 
+// Of the camera's hits: walks that have passed several openings come to few places.
+constexpr double kSeldomShare = 0.001;
+
 // Patches that straddle an opening make it wider than it is.
 constexpr double kLeaks = 1.5;
 
@@ -30,9 +33,12 @@ OwnCuts own_cuts(const LightFlow& f) {
     all.insert(all.end(), of_patches.begin(), of_patches.end());
     return all;
   };
-  const PatchNetwork patches{
-      f.network,         of_nodes(f.etendue.samples), kCapacityScale,
-      of_nodes(f.begun), of_nodes(f.hits_light),      of_nodes(f.hits_camera)};
+  PatchNetwork patches{f.network,         of_nodes(f.etendue.samples), kCapacityScale,
+                       of_nodes(f.begun), of_nodes(f.hits_light),      of_nodes(f.hits_camera)};
+  if (f.patches.has_sky()) {
+    patches.sky.assign(f.network.nodes, 0);
+    for (uint32_t i = 0; i < f.patches.size(); ++i) patches.sky[i + 2] = f.patches.is_sky(i);
+  }
   CutLimits limits;
   limits.largest_conductance *= kLeaks;
   const SeriesCut series = series_cut(patches, kMostCuts, limits);
@@ -55,8 +61,36 @@ std::vector<uint8_t> straddling_any(const Etendue& etendue, const OwnCuts& own, 
 PatchMap map_of(const Scene& scene, const std::vector<uint32_t>& component, const CutFile& cut,
                 const FineRegion& fine = {}) {
   PatchMap map(scene, cut.grid, component, fine);
-  for (const Patch& p : cut.patches) map.add({p.cell, p.level, map.piece(p.faces.front())});
+  for (const Patch& p : cut.patches)
+    if (p.is_sky())
+      map.add_sky(static_cast<uint32_t>(p.sky));
+    else
+      map.add({p.cell, p.level, map.piece(p.faces.front())});
   return map;
+}
+
+// Canonical; `share` of the hits lie beyond either end of each axis.
+Extent reach_of_hits(const Walks& walks, double share) {
+  std::vector<WeightedPlace> places;
+  for (const WalkHit& h : walks)
+    if (is_hit(h)) places.push_back({Vec3d(h.position), 1});
+  return reach_of(places, share);
+}
+
+BothWalks both_walks(const Scene& scene, const Camera& camera, const Tracer& tracer,
+                     const WalkSettings& settings) {
+  BothWalks walks;
+  walks.camera = camera_walks(scene, camera, tracer, settings);
+  walks.starts = light_starts(scene, settings);
+  if (!lit_from_infinity(scene)) {
+    walks.light = light_walks(scene, tracer, settings);
+    return walks;
+  }
+  walks.sky_grade = sky_grades(sky_bin_light(scene));
+  const SkyLines lines(scene, reach_of_hits(walks.camera, kFarShare),
+                       reach_of_hits(walks.camera, kSeldomShare));
+  walks.light = light_walks(scene, tracer, settings, lines, walks.from_sky);
+  return walks;
 }
 
 }  // namespace
@@ -79,31 +113,29 @@ LightFlow build_graph(const Scene& scene, const Camera& camera, const GraphSetti
   report.phases.done("bvh");
   const std::vector<uint32_t> component = surface_components(scene);
   report.phases.done("surfaces");
-  const Walks light = light_walks(scene, tracer, settings.walks);
-  const std::vector<WalkHit> starts = light_starts(scene, settings.walks);
-  const Walks seen = camera_walks(scene, camera, tracer, settings.walks);
+  const BothWalks walks = both_walks(scene, camera, tracer, settings.walks);
   report.phases.done("walks");
-  report.light_hits = hits_in(light);
-  report.camera_hits = hits_in(seen);
+  report.light_hits = hits_in(walks.light);
+  report.camera_hits = hits_in(walks.camera);
 
   uint64_t round = 0;
   const auto estimate = [&](PatchMap map) {
     report.rays += settings.rays;
-    LightFlow flow = light_flow(std::move(map), light, seen, tracer,
-                                settings.walks.seed + round++ * 0x10001, settings.rays);
-    flow.begun = begun_on(flow.patches, starts);
-    return flow;
+    return light_flow(std::move(map), walks, tracer, settings.walks.seed + round++ * 0x10001,
+                      settings.rays);
   };
   const auto finer = [&](const PatchMap& map, std::vector<uint8_t> chosen) {
     for (size_t i = 0; i < chosen.size(); ++i) {
-      if (map.keys()[i].level >= map.fine_level() + kDeepestSplit) chosen[i] = 0;
+      if (map.is_sky(static_cast<uint32_t>(i)) ||
+          map.keys()[i].level >= map.fine_level() + kDeepestSplit)
+        chosen[i] = 0;
       report.split += chosen[i];
     }
     return map.split(chosen);
   };
 
   LightFlow flow;
-  const GridOfWalks own = grid_for(scene, light, seen);
+  const GridOfWalks own = grid_for(scene, walks.light, walks.camera);
   if (refine) {
     // Walks of other settings may have had another grid; then coarse cells stay where no patch is.
     const bool same = own.grid.base_cell == refine->grid.base_cell;

@@ -21,12 +21,12 @@ Vec3d cosine_direction(Rng& rng, const Vec3d& normal) {
 }
 
 // Follows one walk from its first ray; writes at most `bounces` hits and a mark.
-void follow(const Tracer& tracer, Rng& rng, Tracer::Origin from, Vec3d w, WalkHit* hits,
+void follow(const Tracer& tracer, bool sky, Rng& rng, Tracer::Origin from, Vec3d w, WalkHit* hits,
             uint32_t bounces) {
   for (uint32_t k = 0; k < bounces; ++k) {
     Hit hit;
     if (!tracer.closest(from, w, hit)) {
-      hits[k].face = kWalkLeft;
+      hits[k].face = sky ? kWalkToSky + sky_bin(w) : kWalkLeft;
       return;
     }
     const bool back = dot(hit.normal, w) > 0;
@@ -38,17 +38,36 @@ void follow(const Tracer& tracer, Rng& rng, Tracer::Origin from, Vec3d w, WalkHi
 }
 
 template <class Begin>
-Walks run_walks(const Tracer& tracer, const WalkSettings& s, Stream stream, const Begin& begin) {
+Walks run_walks(const Scene& scene, const Tracer& tracer, const WalkSettings& s, Stream stream,
+                const Begin& begin) {
+  const bool sky = lit_from_infinity(scene);
   const size_t slots = size_t{s.bounces} + 1;
   Walks hits(s.walks * slots, WalkHit{kNoFace, {}});
   tbb::parallel_for(uint32_t{0}, s.walks, [&](uint32_t i) {
     Rng rng(s.seed, stream, i);
     Tracer::Origin from;
-    const Vec3d w = begin(rng, from);
-    follow(tracer, rng, from, w, &hits[i * slots], s.bounces);
+    const Vec3d w = begin(i, rng, from);
+    follow(tracer, sky, rng, from, w, &hits[i * slots], s.bounces);
   });
   std::erase_if(hits, [](const WalkHit& h) { return h.face == kNoFace; });
   return hits;
+}
+
+// A ray of light from any lamp but, where `lines` are given, from infinity: then it is one of them.
+Vec3d leave_light(const Lights& lights, const SkyLines* lines, Rng& rng, Tracer::Origin& from,
+                  uint32_t& bin) {
+  const Lights::Point point = lights.sample(rng);
+  if (lines && point.source->at_infinity()) {
+    const SkyLines::Line line = lines->draw(rng);
+    from = {line.origin, {}};
+    bin = line.bin;
+    return line.direction;
+  }
+  const double u = rng.uniform();
+  const double v = rng.uniform();
+  const Lights::Ray ray = lights.leave(point, u, v);
+  from = {ray.origin, point.normal};
+  return ray.direction;
 }
 
 }  // namespace
@@ -56,14 +75,30 @@ Walks run_walks(const Tracer& tracer, const WalkSettings& s, Stream stream, cons
 Walks light_walks(const Scene& scene, const Tracer& tracer, const WalkSettings& settings) {
   const Lights lights(scene);
   if (lights.empty()) return {};
-  return run_walks(tracer, settings, kLight, [&](Rng& rng, Tracer::Origin& from) {
-    const Lights::Point point = lights.sample(rng);
-    const double u = rng.uniform();
-    const double v = rng.uniform();
-    const Lights::Ray ray = lights.leave(point, u, v);
-    from = {ray.origin, point.normal};
-    return ray.direction;
+  return run_walks(scene, tracer, settings, kLight, [&](uint32_t, Rng& rng, Tracer::Origin& from) {
+    uint32_t none;
+    return leave_light(lights, nullptr, rng, from, none);
   });
+}
+
+Walks light_walks(const Scene& scene, const Tracer& tracer, const WalkSettings& settings,
+                  const SkyLines& lines, std::vector<double>& begun) {
+  const Lights lights(scene);
+  begun.assign(kSkyBins, 0);
+  if (lights.empty()) return {};
+  std::vector<uint32_t> bin(settings.walks, kSkyBins);
+  const Walks walks =
+      run_walks(scene, tracer, settings, kLight, [&](uint32_t i, Rng& rng, Tracer::Origin& from) {
+        return leave_light(lights, &lines, rng, from, bin[i]);
+      });
+  size_t walk = 0;
+  for (size_t k = 0; k < walks.size(); ++k) {
+    const bool first = k == 0 || !is_hit(walks[k - 1]);
+    if (!first) continue;
+    if (is_hit(walks[k]) && bin[walk] < kSkyBins) begun[bin[walk]] += 1;
+    ++walk;
+  }
+  return walks;
 }
 
 std::vector<WalkHit> light_starts(const Scene& scene, const WalkSettings& settings) {
@@ -81,13 +116,13 @@ std::vector<WalkHit> light_starts(const Scene& scene, const WalkSettings& settin
   return starts;
 }
 
-Walks camera_walks(const Scene&, const Camera& camera, const Tracer& tracer,
+Walks camera_walks(const Scene& scene, const Camera& camera, const Tracer& tracer,
                    const WalkSettings& settings) {
   const double aspect = camera.aspect > 0 ? camera.aspect : 16.0 / 9;
   const int height = 4096;
   const int width = static_cast<int>(std::clamp(std::round(height * aspect), 1.0, 1e6));
   const FilmPlane film(camera, width, height);
-  return run_walks(tracer, settings, kCamera, [&](Rng& rng, Tracer::Origin& from) {
+  return run_walks(scene, tracer, settings, kCamera, [&](uint32_t, Rng& rng, Tracer::Origin& from) {
     const double x = rng.uniform() * width;
     const double y = rng.uniform() * height;
     from = {film.position(), {}};

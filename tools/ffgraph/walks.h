@@ -6,7 +6,9 @@
 #include <vector>
 
 #include "libcommon/scene/scene.h"
+#include "libcommon/scene/sky_bins.h"
 #include "libcommon/trace/tracer.h"
+#include "tools/ffgraph/sky_lines.h"
 
 namespace tdpt {
 
@@ -22,14 +24,24 @@ struct WalkHit {
 };
 inline constexpr uint32_t kWalkLeft = UINT32_MAX - 1;     ///< the walk left the scene
 inline constexpr uint32_t kWalkStopped = UINT32_MAX - 2;  ///< it had hit `bounces` surfaces
+/// The walk left the scene towards a bin of the sky, number h.face - kWalkToSky; only where light
+/// comes from there.
+inline constexpr uint32_t kWalkToSky = kWalkStopped - kSkyBins;
 constexpr bool is_hit(const WalkHit& h) {
-  return h.face < kWalkStopped;
+  return h.face < kWalkToSky;
+}
+constexpr bool to_sky(const WalkHit& h) {
+  return h.face >= kWalkToSky && h.face < kWalkStopped;
 }
 
 /// All hits of all walks, walk by walk, each with its mark. No absorption: a walk ends when it
 /// leaves the scene or after `bounces` surfaces.
 using Walks = std::vector<WalkHit>;
 Walks light_walks(const Scene& scene, const Tracer& tracer, const WalkSettings& settings);
+/// The same; those from infinity begin on `lines`. `begun`, of each bin of the sky: how many came
+/// to a surface.
+Walks light_walks(const Scene& scene, const Tracer& tracer, const WalkSettings& settings,
+                  const SkyLines& lines, std::vector<double>& begun);
 Walks camera_walks(const Scene& scene, const Camera& camera, const Tracer& tracer,
                    const WalkSettings& settings);
 /// Where the light's walks begin, those that begin on a surface.

@@ -16,11 +16,13 @@
 #include "tools/lightgrid/air.h"
 #include "tools/lightgrid/line_tables.h"
 #include "tools/lightgrid/line_walk.h"
+#include "tools/lightgrid/sky_dome.h"
 
 namespace tdpt {
 namespace {
 
 constexpr uint64_t kFirstBatch = 1 << 15;
+constexpr double kAroundRooms = 0.1;   // of their longest side: walls as thick as that
 constexpr size_t kFewestKept = 2000;   // fewer never count as settled
 constexpr double kHot = 0.25;          // of the largest count: voxels that are compared
 constexpr uint64_t kBlock = 1 << 17;   // segments in memory at a time
@@ -76,7 +78,7 @@ std::vector<LightLine> coarse_pass(const Scene& scene, LineTracer& tracer, size_
         report.visible += line.fate[i] != LineFate::none;
         if (line.fate[i] != LineFate::joins) continue;
         ++report.kept;
-        if (kept.size() < kMostKept) kept.push_back(in_metres(scene, line.ends[i]));
+        if (kept.size() < kMostKept) kept.push_back(in_metres(scene, grid, line.ends[i]));
       }
       report.drawn += n;
       if (watch.progress) watch.progress(n);
@@ -95,36 +97,26 @@ std::vector<LightLine> coarse_pass(const Scene& scene, LineTracer& tracer, size_
 
 Extent box_of(const Scene& scene) {
   Extent box;
-  for (const Triangle& t : scene.triangles)
-    for (const uint32_t v : t.vertex) box.add(Vec3d(scene.positions[v]));
+  const size_t surfaces = std::min<size_t>(scene.dome, scene.triangles.size());
+  for (size_t t = 0; t < surfaces; ++t)
+    for (const uint32_t v : scene.triangles[t].vertex) box.add(Vec3d(scene.positions[v]));
   return box;
 }
 
 Extent reach_of_cut(const Scene& scene, const CutFile& cut) {
+  // Below a sky, the rooms: their borders hold all openings, and the landscape is far larger.
+  const bool sky = has_sky(cut);
   std::vector<WeightedPlace> places;
-  for (const Patch& p : cut.patches) places.push_back({scene.frame.to_canonical(p.centre), 1});
-  const Extent reach = reach_of(places), box = box_of(scene);
-  return reach.empty() ? box : reach.within(box);
-}
-
-bool clip_to(const LightGrid& grid, LightLine& line) {
-  const Vec3d d = line.camera - line.light;
-  double enter = 0, leave = 1;
-  for (int c = 0; c < 3; ++c) {
-    const double low = grid.origin[c];
-    const double high = low + grid.voxel * grid.dim[static_cast<size_t>(c)];
-    if (d[c] == 0) {
-      if (line.light[c] < low || line.light[c] > high) return false;
-      continue;
-    }
-    const double t0 = (low - line.light[c]) / d[c], t1 = (high - line.light[c]) / d[c];
-    enter = std::max(enter, std::min(t0, t1));
-    leave = std::min(leave, std::max(t0, t1));
+  for (size_t i = 0; i < cut.patches.size(); ++i) {
+    const Patch& p = cut.patches[i];
+    if (sky && cut.region[i] == 0) continue;
+    places.push_back({scene.frame.to_canonical(p.centre), 1});
   }
-  if (!(enter < leave)) return false;
-  if (leave < 1) line.camera = line.light + d * leave;
-  if (enter > 0) line.light = line.light + d * enter;
-  return true;
+  const Extent box = box_of(scene);
+  Extent reach = reach_of(places);
+  if (reach.empty()) return box;
+  if (sky) reach = reach.widened(Vec3d(kAroundRooms * max_component(reach.size())));
+  return reach.within(box);
 }
 
 LightGrid empty_grid(const Scene& scene, const Extent& box, int resolution) {

@@ -45,8 +45,6 @@ Extent box_of(const Scene& scene);
 /// Where the grid of a cut lies, canonical: the box that most of its patches reach (reach.h), which
 /// are small where walks came often, as far as that lies in the box of the scene.
 Extent reach_of_cut(const Scene& scene, const CutFile& cut);
-/// Cuts a line off where it leaves the grid; false where no part of it lies within.
-bool clip_to(const LightGrid& grid, LightLine& line);
 /// A box of a scene in cubic voxels, `resolution` along its longest side; no air, no counts.
 LightGrid empty_grid(const Scene& scene, const Extent& box, int resolution);
 inline LightGrid empty_grid(const Scene& scene, int resolution) {

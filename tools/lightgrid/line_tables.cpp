@@ -11,6 +11,7 @@
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
 #include "libcommon/math/alias_table.h"
+#include "tools/lightgrid/sky_dome.h"
 
 namespace tdpt {
 namespace {
@@ -46,6 +47,13 @@ struct Surface {
 
 Surface surface_of(const Scene& scene, const PatchGrid& grid, const Patch& patch) {
   Surface out;
+  if (patch.is_sky()) {
+    const uint32_t face = dome_face(scene, patch.sky);
+    out.pieces.push_back({scene.vertex(face / 2, 0), face, scene.vertex(face / 2, 1), 0,
+                          scene.vertex(face / 2, 2), 0});
+    out.areas.push_back(shape_of(scene, face / 2).area);
+    return out;
+  }
   const double size = std::ldexp(grid.base_cell, -2 * patch.level);
   for (const uint32_t face : patch.faces) {
     const TriangleShape shape = shape_of(scene, face / 2);
@@ -104,14 +112,21 @@ void add_pairs(const CutFile& cut, LineTables& tables) {
 void add_cells(const Scene& scene, const CutFile& cut, const std::string& cut_name,
                LineTables& tables) {
   tables.first_cell.assign(2 * scene.triangles.size() + 1, 0);
+  const size_t surfaces = std::min<size_t>(scene.dome, scene.triangles.size());
   for (size_t i = 0; i < cut.patches.size(); ++i) {
     const Patch& patch = cut.patches[i];
+    if (patch.is_sky()) {
+      if (scene.dome >= scene.triangles.size())
+        throw Error(Exit::internal, "a cut with a sky, a scene without its dome");
+      ++tables.first_cell[dome_face(scene, patch.sky) + 1];
+      continue;
+    }
     tables.levels |= 1u << patch.level;
     for (const uint32_t face : patch.faces) {
-      if (face / 2 >= scene.triangles.size())
-        throw InputError(display_name(cut_name), fmt::format("patch {}", i),
-                         fmt::format("names triangle {}, but the scene has {}", face / 2,
-                                     scene.triangles.size()));
+      if (face / 2 >= surfaces)
+        throw InputError(
+            display_name(cut_name), fmt::format("patch {}", i),
+            fmt::format("names triangle {}, but the scene has {}", face / 2, surfaces));
       ++tables.first_cell[face + 1];
     }
   }
@@ -131,6 +146,7 @@ void add_cells(const Scene& scene, const CutFile& cut, const std::string& cut_na
     const shader::PatchCell cell{{patch.cell[0], patch.cell[1], patch.cell[2]},
                                  static_cast<uint32_t>(patch.level) << 24 | cut.region[i]};
     for (const uint32_t face : patch.faces) tables.cells[next[face]++] = cell;
+    if (patch.is_sky()) tables.cells[next[dome_face(scene, patch.sky)]++] = cell;
   }
 }
 
@@ -141,6 +157,7 @@ LineTables make_line_tables(const Scene& scene, const CutFile& cut, const std::s
   add_cells(scene, cut, cut_name, tables);
   add_surfaces(scene, cut, tables);
   add_pairs(cut, tables);
+  if (scene.dome < scene.triangles.size()) tables.first_sky_face = 2 * scene.dome;
   tables.normals.resize(scene.triangles.size());
   tbb::parallel_for(uint32_t{0}, static_cast<uint32_t>(scene.triangles.size()), [&](uint32_t t) {
     tables.normals[t] = {Vec3f(shape_of(scene, t).normal), 0};

@@ -26,10 +26,11 @@ struct LineTables {
   shader::vec3 cell_corner{};  ///< canonical
   float cells_per_unit = 1;
   uint32_t levels = 0;
+  uint32_t first_sky_face = UINT32_MAX;  ///< this and all behind are the sky's, see sky_dome.h
 };
 
-/// Throws InputError when the cut names triangles the scene does not have; `cut_name` names the
-/// cut file in the message.
+/// `scene` has a dome where the cut has a sky. Throws InputError when the cut names triangles the
+/// scene does not have; `cut_name` names the cut file in the message.
 LineTables make_line_tables(const Scene& scene, const CutFile& cut, const std::string& cut_name);
 
 }  // namespace tdpt

@@ -17,10 +17,38 @@ shader::LightParameters common_of(const Scene& scene, const LineTables& tables,
   p.seed = seed;
   p.levels = tables.levels;
   p.slab_high = grid.dim[2];
+  p.first_sky_face = tables.first_sky_face;
   return p;
 }
 
 }  // namespace
+
+bool clip_to(const LightGrid& grid, LightLine& line) {
+  const Vec3d d = line.camera - line.light;
+  double enter = 0, leave = 1;
+  for (int c = 0; c < 3; ++c) {
+    const double low = grid.origin[c];
+    const double high = low + grid.voxel * grid.dim[static_cast<size_t>(c)];
+    if (d[c] == 0) {
+      if (line.light[c] < low || line.light[c] > high) return false;
+      continue;
+    }
+    const double t0 = (low - line.light[c]) / d[c], t1 = (high - line.light[c]) / d[c];
+    enter = std::max(enter, std::min(t0, t1));
+    leave = std::min(leave, std::max(t0, t1));
+  }
+  if (!(enter < leave)) return false;
+  if (leave < 1) line.camera = line.light + d * leave;
+  if (enter > 0) line.light = line.light + d * enter;
+  return true;
+}
+
+LightLine in_metres(const Scene& scene, const LightGrid& grid, const shader::LineEnds& ends) {
+  LightLine line{scene.frame.to_metres(Vec3d(ends.light)),
+                 scene.frame.to_metres(Vec3d(ends.camera))};
+  if (std::max(ends.light_face, ends.camera_face) / 2 >= scene.dome) clip_to(grid, line);
+  return line;
+}
 
 LineTracer::LineTracer(const Scene& scene, const LineTables& tables, const LightGrid& grid,
                        uint64_t seed)

@@ -27,10 +27,11 @@ struct TracedLines {
   size_t size() const { return ends.size(); }
 };
 
-/// Canonical line -> metres.
-inline LightLine in_metres(const Scene& scene, const shader::LineEnds& line) {
-  return {scene.frame.to_metres(Vec3d(line.light)), scene.frame.to_metres(Vec3d(line.camera))};
-}
+/// Cuts a line off where it leaves the grid; false where no part of it lies within.
+bool clip_to(const LightGrid& grid, LightLine& line);
+/// Canonical line -> metres. One that comes from the sky, or goes there, is cut off where it leaves
+/// the grid.
+LightLine in_metres(const Scene& scene, const LightGrid& grid, const shader::LineEnds& line);
 
 class LineTracer {
  public:

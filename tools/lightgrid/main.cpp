@@ -13,6 +13,7 @@
 #include "tools/lightgrid/gpu_lines.h"
 #include "tools/lightgrid/lightgrid.h"
 #include "tools/lightgrid/preview.h"
+#include "tools/lightgrid/sky_dome.h"
 
 namespace tdpt {
 namespace {
@@ -93,6 +94,7 @@ Loaded load(const Arguments& a, const cli::Common& common) {
   add_sky(in.scene, a.sky, common, in.files);
   in.cut = read_cut(a.cut);
   in.files.push_back({a.cut, in.cut.hash, in.cut.provenance});
+  if (has_sky(in.cut)) add_sky_dome(in.scene);
   return in;
 }
 

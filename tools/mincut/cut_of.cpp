@@ -24,6 +24,8 @@ FoundCuts cut_of(const DimacsFile& problem, size_t most, const CutLimits& limits
     patch_of[cut.patches[i].node - 1] = i;
     const uint32_t node = cut.patches[i].node - 1;
     patches.samples[node] = cut.patches[i].samples;
+    if (cut.patches[i].is_sky())
+      patches.sky.resize(problem.network.nodes, 0), patches.sky[node] = 1;
     if (!walks) continue;
     patches.begun[node] = problem.walks[i].begun;
     patches.lit[node] = problem.walks[i].light;

@@ -10,6 +10,8 @@
 #include "libcommon/draw/patch_lookup.h"
 #include "libcommon/draw/scene_sheet.h"
 #include "libcommon/formats/debug_glb.h"
+#include "libcommon/math/reach.h"
+#include "libcommon/scene/sky_bins.h"
 
 namespace tdpt {
 namespace {
@@ -44,6 +46,29 @@ std::string words_for(const CutFile& cut, size_t drawn) {
                      cut.cuts.size() > 1 ? "cross them" : "crosses the cut");
 }
 
+// Where the ends of a pivot pair are drawn [metres]: a part of the sky, which has no place, a piece
+// of the way towards it.
+struct Ends {
+  Vec3d from, to;
+};
+
+// Of the line to the sky that is drawn: a quarter of the patches' reach [metres].
+double skyward(const CutFile& cut) {
+  std::vector<WeightedPlace> places;
+  for (const Patch& p : cut.patches)
+    if (!p.is_sky()) places.push_back({p.centre, 1});
+  return 0.25 * length(reach_of(places).size());
+}
+
+Ends ends_of(const CutFile& cut, const CutArc& arc, double skyward) {
+  const Patch &from = cut.patches[arc.from], &to = cut.patches[arc.to];
+  const auto beside = [&](const Patch& p, const Patch& sky) {
+    return p.centre + sky_bin_middle(static_cast<uint32_t>(sky.sky)) * skyward;
+  };
+  return {from.is_sky() ? beside(to, from) : from.centre,
+          to.is_sky() ? beside(from, to) : to.centre};
+}
+
 double largest_capacity(const CutFile& cut) {
   double most = 0;
   for (const CutArc& a : cut.arcs) most = std::max(most, a.capacity);
@@ -54,7 +79,8 @@ double largest_capacity(const CutFile& cut) {
 double mean_height(const CutFile& cut, double otherwise) {
   double sum = 0, weight = 0;
   for (const CutArc& a : cut.arcs) {
-    sum += a.capacity * 0.5 * (cut.patches[a.from].centre.y + cut.patches[a.to].centre.y);
+    const Ends ends = ends_of(cut, a, 0);
+    sum += a.capacity * 0.5 * (ends.from.y + ends.to.y);
     weight += a.capacity;
   }
   return weight > 0 ? sum / weight : otherwise;
@@ -86,14 +112,17 @@ void paint_cut(draw::SceneSheet& sheet, const Scene& scene, const CutFile& cut) 
   });
   const double most = largest_capacity(cut);
   const auto lines = arcs_to_draw(cut, kMostLines);
+  const double skyward_line = skyward(cut);
   for (const size_t i : lines) {
-    const CutArc& a = cut.arcs[i];
-    sheet.line(cut.patches[a.from].centre, cut.patches[a.to].centre, 1.1, kPivot,
-               0.12 + 0.6 * std::sqrt(a.capacity / most));
+    const Ends ends = ends_of(cut, cut.arcs[i], skyward_line);
+    sheet.line(ends.from, ends.to, 1.1, kPivot,
+               0.12 + 0.6 * std::sqrt(cut.arcs[i].capacity / most));
   }
   for (const size_t i : lines)
     for (const uint32_t end : {cut.arcs[i].from, cut.arcs[i].to})
-      sheet.dot(cut.patches[end].centre, 1.6, mix(region(region_of(cut, end), n), kInk, 0.7), 0.9);
+      if (!cut.patches[end].is_sky())
+        sheet.dot(cut.patches[end].centre, 1.6, mix(region(region_of(cut, end), n), kInk, 0.7),
+                  0.9);
 }
 
 draw::Canvas cut_preview(const Scene& scene, const Camera& camera, const CutFile& cut,
@@ -122,6 +151,7 @@ std::string cut_debug_glb(const CutFile& cut) {
   for (int k = 0; k < n; ++k) meshes[static_cast<size_t>(k)].name = name_of_region(k, n);
   for (size_t i = 0; i < cut.patches.size(); ++i) {
     const Patch& p = cut.patches[i];
+    if (p.is_sky()) continue;
     const double cell = std::ldexp(cut.grid.base_cell, -2 * p.level);
     const int k = region_of(cut, i);
     meshes[static_cast<size_t>(k)].square(p.centre + p.normal * (0.01 * cell), p.normal,
@@ -129,13 +159,14 @@ std::string cut_debug_glb(const CutFile& cut) {
   }
   DebugMesh pairs{.name = "pivot pairs", .kind = DebugMesh::Kind::lines};
   const double most = largest_capacity(cut);
+  const double skyward_line = skyward(cut);
   for (const size_t i : arcs_to_draw(cut, kMostGlbLines)) {
     const CutArc& a = cut.arcs[i];
     // Lines have no opacity in most viewers: little capacity is pale.
     const draw::Ink c =
         draw::mix(draw::kFaint, draw::kPivot, 0.25 + 0.75 * std::sqrt(a.capacity / most));
-    pairs.line(cut.patches[a.from].centre, cut.patches[a.to].centre, draw::bytes_of(c),
-               draw::bytes_of(c));
+    const Ends ends = ends_of(cut, a, skyward_line);
+    pairs.line(ends.from, ends.to, draw::bytes_of(c), draw::bytes_of(c));
   }
   meshes.push_back(std::move(pairs));
   return debug_glb_bytes(meshes, cut.provenance);

@@ -1,0 +1,87 @@
+#include "tools/ffgraph/sky_lines.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "libcommon/math/warp.h"
+
+namespace tdpt {
+namespace {
+
+constexpr double kByLight = 0.5;               // of the lines
+constexpr double kAimed = 0.5, kWider = 0.25;  // likewise
+constexpr double kAround = 1.1;                // of a ball's radius: so that walls are met outside
+
+SkyLines::Ball ball_about(const Extent& box) {
+  return {(box.low + box.high) * 0.5, kAround * 0.5 * length(box.size())};
+}
+
+}  // namespace
+
+std::vector<double> sky_grades(const std::vector<double>& light) {
+  std::vector<std::pair<double, double>> shining;  // radiance, solid angle
+  double total = 0, below = 0, median = 0;
+  for (uint32_t k = 0; k < light.size(); ++k) {
+    const double sr = sky_bin_solid_angle(k);
+    if (light[k] > 0) shining.emplace_back(light[k] / sr, sr), total += sr;
+  }
+  std::sort(shining.begin(), shining.end());
+  for (const auto& [radiance, sr] : shining) {
+    median = radiance;
+    if ((below += sr) >= 0.5 * total) break;
+  }
+  std::vector<double> grade(light.size(), 0);
+  for (uint32_t k = 0; k < light.size(); ++k)
+    if (light[k] > 0) grade[k] = std::min(1.0, light[k] / sky_bin_solid_angle(k) / (0.5 * median));
+  return grade;
+}
+
+SkyLines::SkyLines(const Scene& scene, const Extent& aim, const Extent& wider) : scene_(scene) {
+  Extent whole;
+  for (const Vec3f& p : scene.positions) whole.add(Vec3d(p));
+  balls_ = {ball_about(aim.empty() ? whole : aim), ball_about(wider.empty() ? whole : wider),
+            ball_about(whole)};
+  std::vector<double> weights;
+  for (const PunctualLight& l : scene.lights) {
+    if (l.kind != PunctualLight::Kind::directional) continue;
+    parallel_.push_back(-l.direction);
+    weights.push_back(luminance(l.intensity));
+  }
+  if (scene.sky) directions_ = SkyDirections(*scene.sky);
+  weights.push_back(directions_.total());
+  lights_ = AliasTable(weights);
+  weights = sky_grades(sky_bin_light(scene));
+  for (uint32_t k = 0; k < kSkyBins; ++k) weights[k] *= sky_bin_solid_angle(k);
+  bins_ = AliasTable(weights);
+}
+
+Vec3d SkyLines::towards(Rng& rng) const {
+  const bool by_light = rng.uniform() < kByLight;
+  const double pick = rng.uniform();
+  const double part = rng.uniform();
+  const double u = rng.uniform();
+  const double v = rng.uniform();
+  if (by_light) {
+    const uint32_t i = lights_.sample(pick);
+    return i < parallel_.size() ? parallel_[i] : directions_.sample(part, u, v);
+  }
+  const std::array<Vec3d, 3>& c = sky_bin_corners(bins_.sample(pick));
+  double b1, b2;
+  uniform_triangle(u, v, b1, b2);
+  return normalize(c[0] + (c[1] - c[0]) * b1 + (c[2] - c[0]) * b2);
+}
+
+SkyLines::Line SkyLines::draw(Rng& rng) const {
+  const double which = rng.uniform();
+  const Ball& ball = balls_[which < kAimed ? 0 : which < kAimed + kWider ? 1 : 2];
+  const Vec3d w = -towards(rng);
+  const double phi = 2 * std::numbers::pi * rng.uniform();
+  const double r = ball.radius * std::sqrt(rng.uniform());
+  // From beyond all that may stand in the way.
+  const double far = length(ball.centre - balls_[2].centre) + balls_[2].radius + ball.radius;
+  const Onb<double> onb(w);
+  return {ball.centre + onb.to_world({r * std::cos(phi), r * std::sin(phi), -far}), w, sky_bin(-w)};
+}
+
+}  // namespace tdpt
