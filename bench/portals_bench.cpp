@@ -40,7 +40,9 @@ Row run(const PortalStages& stages, bool keeps, const KnownRoom& room, const fs:
   const std::string stem = (folder / fs::path(room.file()).stem()).string();
   std::ofstream(stem + ".glb", std::ios::binary) << room.plan.glb(room.writing);
   Row row;
-  row.run = run_stages(stages, stem);
+  PortalStages with_sky = stages;
+  with_sky.sky = room.sky;
+  row.run = run_stages(with_sky, stem);
   row.score = score(row.run.portals, said_so(room, row.run) ? std::vector<KnownAperture>{}
                                                             : room.placed_apertures());
   if (!keeps) remove_stages(stem);
@@ -148,7 +150,9 @@ int main_of(int argc, char** argv) {
   std::map<std::string, std::string> own;
   for (const char* name : {"ffgraph", "mincut", "lightgrid", "portalfit"})
     own[std::string("--") + name] = "";
-  const RoomBench bench(argc, argv, all_room_kinds(), 20, own);
+  std::vector<RoomKind> kinds = all_room_kinds();
+  kinds.insert(kinds.end(), sky_room_kinds().begin(), sky_room_kinds().end());
+  const RoomBench bench(argc, argv, kinds, 20, own);
   stages.bin = bench.bin();
   for (const auto& [name, none] : own) stages.options[name.substr(2)] = bench.own(name);
   const std::vector<Row> rows = bench.rows<Row>(

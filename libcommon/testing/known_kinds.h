@@ -1,6 +1,7 @@
 // Builders of the kinds of room that are no plain row; for known_rooms.cpp. Each draws its spaces,
 // walls, openings, lamps, furniture and camera.
 #pragma once
+#include "libcommon/testing/plan_walls.h"
 #include "libcommon/testing/room_site.h"
 
 namespace tdpt::testing {
@@ -22,5 +23,20 @@ void curtains(Site& site);
 void bay(Site& site);
 void windows_in_row(Site& site);
 void lamp_outside(Site& site);
+/// Slats from edge to edge of the window in a wall across x, tilted about z, from below upwards,
+/// their middles at `x`, `beyond` its edges.
+std::vector<Quad> slats(const Wall& wall, const WallOpening& window, int n, double wide,
+                        double tilt, double x, double beyond);
+
+// known_skies.cpp
+void sky_window(Site& site);
+void sky_windows(Site& site);
+void corner_windows(Site& site);
+void skylight(Site& site);
+void sky_blinds(Site& site);
+void colonnade(Site& site);
+void room_behind(Site& site);
+void deep_facade(Site& site);
+void landscape(Site& site);
 
 }  // namespace tdpt::testing

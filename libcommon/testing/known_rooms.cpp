@@ -231,7 +231,23 @@ struct {
                         {"alcove", alcove},
                         {"shared-edge", shared_edge},
                         {"lampshade", lampshade},
-                        {"lamp-outside", lamp_outside}};
+                        {"lamp-outside", lamp_outside},
+                        {"sky-window", sky_window},
+                        {"sky-windows", sky_windows},
+                        {"corner-windows", corner_windows},
+                        {"skylight", skylight},
+                        {"sky-blinds", sky_blinds},
+                        {"colonnade", colonnade},
+                        {"room-behind", room_behind},
+                        {"deep-facade", deep_facade},
+                        {"landscape", landscape}};
+
+std::vector<RoomKind> kinds_between(size_t first, size_t last) {
+  std::vector<RoomKind> kinds;
+  for (size_t k = first; k < last; ++k) kinds.push_back(static_cast<RoomKind>(k));
+  return kinds;
+}
+constexpr auto kFirstSky = static_cast<size_t>(RoomKind::sky_window);
 
 }  // namespace
 
@@ -240,11 +256,12 @@ const char* name_of(RoomKind kind) {
 }
 
 const std::vector<RoomKind>& all_room_kinds() {
-  static const std::vector<RoomKind> kinds = [] {
-    std::vector<RoomKind> all;
-    for (size_t k = 0; k < std::size(kKinds); ++k) all.push_back(static_cast<RoomKind>(k));
-    return all;
-  }();
+  static const std::vector<RoomKind> kinds = kinds_between(0, kFirstSky);
+  return kinds;
+}
+
+const std::vector<RoomKind>& sky_room_kinds() {
+  static const std::vector<RoomKind> kinds = kinds_between(kFirstSky, std::size(kKinds));
   return kinds;
 }
 

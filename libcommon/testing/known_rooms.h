@@ -32,10 +32,22 @@ enum class RoomKind {
   alcove,          ///< a door, and the lamp in an alcove of the room behind it
   shared_edge,     ///< a door and a transom window over it
   lampshade,       ///< one room; the lamp in a box of 0.2 to 0.6 m that is open on one side
-  lamp_outside     ///< one room; the lamp right behind its window, no surface between
+  lamp_outside,    ///< one room; the lamp right behind its window, no surface between
+
+  // Lit by a sky, the sun or both through their windows:
+  sky_window,      ///< one window
+  sky_windows,     ///< two to five, in up to three walls
+  corner_windows,  ///< two that all but meet in a corner
+  skylight,        ///< one or two in the roof
+  sky_blinds,      ///< a window whose blind is half let down
+  colonnade,       ///< a hall with three to five openings side by side, from the floor up
+  room_behind,     ///< a room behind a door; the windows are in the other one
+  deep_facade,     ///< thick walls, a balcony over the windows
+  landscape        ///< no room at all
 };
 const char* name_of(RoomKind kind);
-const std::vector<RoomKind>& all_room_kinds();  ///< in this order
+const std::vector<RoomKind>& all_room_kinds();  ///< lit by lamps, in this order
+const std::vector<RoomKind>& sky_room_kinds();  ///< the others
 
 struct KnownRoom {
   RoomKind kind;
@@ -43,7 +55,8 @@ struct KnownRoom {
   RoomPlan plan;
   Writing writing;
   std::vector<KnownAperture> apertures;  ///< of the plan, before the placement; the light's way
-  std::string lamp;                      ///< how the lamp shines, a word
+  std::string lamp;                      ///< how the lamp shines, or what does, a word
+  std::string sky;                       ///< options of the programs that need the light
 
   /// Where they lie in the written scene.
   std::vector<KnownAperture> placed_apertures() const;

@@ -46,20 +46,6 @@ void add_bar(const Wall& wall, const WallOpening& o, double deep, std::vector<Qu
                   wall.at(o.z1, o.y1, 0.5 * (wall.thickness + deep))));
 }
 
-// Slats from edge to edge of the window, tilted about z, their middles at `x`.
-std::vector<Quad> slats(const Wall& wall, const WallOpening& o, int n, double wide, double tilt,
-                        double x, double beyond) {
-  std::vector<Quad> quads;
-  const Vec3d half = Vec3d{std::cos(tilt), std::sin(tilt), 0} * (0.5 * wide);
-  for (int k = 0; k < n; ++k) {
-    const double y = o.y0 + (o.y1 - o.y0) * (k + 0.5) / n;
-    const Vec3d a{x, y, wall.near.at(o.z0 - beyond, 0).z},
-        b{x, y, wall.near.at(o.z1 + beyond, 0).z};
-    quads.push_back({a - half, b - half, b + half, a + half});
-  }
-  return quads;
-}
-
 // An upright sheet across x.
 Quad sheet(double x, double y0, double y1, double z0, double z1) {
   return {{{x, y0, z0}, {x, y0, z1}, {x, y1, z1}, {x, y1, z0}}};
@@ -91,6 +77,19 @@ void lamps_along_z(Site& site, const Space& s) {
 }
 
 }  // namespace
+
+std::vector<Quad> slats(const Wall& wall, const WallOpening& o, int n, double wide, double tilt,
+                        double x, double beyond) {
+  std::vector<Quad> quads;
+  const Vec3d half = Vec3d{std::cos(tilt), std::sin(tilt), 0} * (0.5 * wide);
+  for (int k = 0; k < n; ++k) {
+    const double y = o.y0 + (o.y1 - o.y0) * (k + 0.5) / n;
+    const Vec3d a{x, y, wall.near.at(o.z0 - beyond, 0).z},
+        b{x, y, wall.near.at(o.z1 + beyond, 0).z};
+    quads.push_back({a - half, b - half, b + half, a + half});
+  }
+  return quads;
+}
 
 void glazing_bars(Site& site) {
   const Lit lit = lit_room(site, 1, 2.5);

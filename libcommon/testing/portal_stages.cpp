@@ -30,9 +30,10 @@ double number_in(const std::string& json, const std::string& key) {
 StagesRun run_stages(const PortalStages& stages, const std::string& stem) {
   const auto command = [&](const std::string& name, const std::string& files) {
     const auto extra = stages.options.find(name);
+    const bool light = name == "ffgraph" || name == "lightgrid";
     return stages.bin + "/" + name + " --json --threads " + std::to_string(stages.threads) + " " +
-           (extra == stages.options.end() ? "" : extra->second) + " " + files + " >" + stem + "." +
-           name + ".json 2>" + stem + "." + name + ".txt";
+           (light ? stages.sky + " " : "") + (extra == stages.options.end() ? "" : extra->second) +
+           " " + files + " >" + stem + "." + name + ".json 2>" + stem + "." + name + ".txt";
   };
   const std::string commands =
       command("ffgraph", stem + ".glb -o " + stem + ".max") + " && " +

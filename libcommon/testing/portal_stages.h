@@ -12,6 +12,7 @@ struct PortalStages {
   std::string bin;                               ///< folder of the programs
   std::map<std::string, std::string> options{};  ///< of each program, more than the usual
   int threads = 1;
+  std::string sky{};  ///< options of those that need the light
 };
 
 struct StagesRun {

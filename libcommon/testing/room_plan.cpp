@@ -88,6 +88,17 @@ void write_part(GlbBuilder& b, const RoomPlan::Part& part, const Writing& writin
   b.node({{"name", part.name}, {"mesh", b.mesh(primitive, part.name)}});
 }
 
+void write_sun(GlbBuilder& b, const Vec3d& towards, const Writing& writing) {
+  b.json["extensionsUsed"].push_back("KHR_lights_punctual");
+  b.json["extensions"]["KHR_lights_punctual"]["lights"] = {
+      {{"type", "directional"}, {"intensity", 10 * writing.power}}};
+  const Vec3d x = normalize(cross(Vec3d{0.1, 1, 0.2}, towards)), y = cross(towards, x);
+  b.node({{"name", "sun"},
+          {"matrix",
+           {x.x, x.y, x.z, 0, y.x, y.y, y.z, 0, towards.x, towards.y, towards.z, 0, 0, 0, 0, 1}},
+          {"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}});
+}
+
 }  // namespace
 
 Vec3d Placement::turned(const Vec3d& v) const {
@@ -112,6 +123,7 @@ std::string RoomPlan::glb(const Writing& writing) const {
   GlbBuilder b;
   b.json["extensionsUsed"] = {"KHR_materials_emissive_strength", "KHR_materials_specular"};
   for (const Part& part : parts) write_part(b, part, writing);
+  if (length(sun) > 0) write_sun(b, sun, writing);
   b.camera("camera", {camera.x, camera.y, camera.z}, {look_at.x, look_at.y, look_at.z}, 1.0,
            4.0 / 3);
   // All under one node, so that far away nothing is rounded.

@@ -60,6 +60,7 @@ struct RoomPlan {
   };
   std::vector<Part> parts;
   Vec3d camera, look_at;
+  Vec3d sun{};  ///< unit, towards parallel light; 0: none
 
   std::string glb(const Writing& writing = {}) const;
 };

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <sstream>
 
 namespace tdpt::testing {
 namespace {
@@ -76,6 +77,20 @@ void Site::lamps(const Space& space, bool beside_opening) {
   }
 }
 
+void Site::daylight(const std::string& what, const Vec3d& sun, const Vec3d& sky) {
+  room_.lamp = what;
+  room_.plan.sun = sun;
+  if (length(sky) > 0) {
+    std::ostringstream option;
+    option << "--environment " << sky.x << "," << sky.y << "," << sky.z;
+    room_.sky = option.str();
+  }
+}
+
+void Site::obstacles_of_last(const std::vector<Quad>& quads) {
+  room_.apertures.back().obstacles = quads;
+}
+
 void Site::furniture(const Space& s) {
   for (uint32_t i = 0, n = rng_.below(4); i < n; ++i) {
     const double w = between(0.2, 0.6), d = between(0.2, 0.6), h = between(0.2, 1);
@@ -105,6 +120,7 @@ void Site::mirror() {
   for (RoomPlan::Part& part : room_.plan.parts)
     for (Quad& q : part.quads) flip(q);
   for (KnownAperture& a : room_.apertures) flip(a);
+  flip(room_.plan.sun);
   flip(room_.plan.camera);
   flip(room_.plan.look_at);
 }
@@ -116,6 +132,7 @@ void Site::choose_writing() {
   Placement& p = w.placement;
   const double x = between(-1, 1), y = between(0.1, 1), z = between(-1, 1);
   p.axis = {x, y, z};
+  if (room_.kind >= RoomKind::sky_window) p.axis = {0, 1, 0};  // the sky stays above
   p.angle = between(0, 2 * std::numbers::pi);
   const double units[] = {1, 100, 0.01, 39.37};
   p.scale = units[rng_.below(4)];

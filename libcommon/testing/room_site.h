@@ -39,6 +39,10 @@ class Site {
   void lamps(const Space& space, bool beside_opening = true);
   /// A lamp that its kind places itself; `how` it shines, a word.
   void lamp(const std::string& how, const Quad& quad, double radiance);
+  /// What shines from infinity. `sun`: unit, towards it, 0: none; `sky`: radiance from all around.
+  void daylight(const std::string& what, const Vec3d& sun, const Vec3d& sky);
+  /// What stands in the opening added last.
+  void obstacles_of_last(const std::vector<Quad>& quads);
   /// Boxes on the floor, lower than cameras and lamps, away from the walls across x.
   void furniture(const Space& space);
   void camera(const Space& space);
