@@ -1,5 +1,6 @@
 #include "libcommon/scene/sky.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <utility>
@@ -22,13 +23,65 @@ bool holds(const Sky::Sun& sun, const Vec3d& towards) {
   return 0.5 * dot(d, d) <= height_of(sun);
 }
 
+// To 7e-5 rad, after Hastings (Abramowitz and Stegun 4.4.45): where to begin to look.
+double rough_acos(double x) {
+  const double a = std::min(std::abs(x), 1.0);
+  const double p = ((-0.0187293 * a + 0.0742610) * a - 0.2121144) * a + 1.5707288;
+  const double angle = std::sqrt(1 - a) * p;
+  return x < 0 ? pi - angle : angle;
+}
+
+double lerp(double t, double a, double b) {
+  return (1 - t) * a + t * b;
+}
+
+// From a density on [0,1] that runs from a to b.
+double sample_linear(double a, double b, double u) {
+  if (a == b) return u;
+  return std::min(1.0, u * (a + b) / (a + std::sqrt(lerp(u, a * a, b * b))));
+}
+
+double bilinear(const std::array<double, 4>& c, double across, double down) {
+  return lerp(down, lerp(across, c[0], c[1]), lerp(across, c[2], c[3]));
+}
+
+// Which of n entries of given weights `u` falls on; `u` becomes its place within that entry.
+template <class Weight>
+int choose(int n, const Weight& weight, double total, double& u) {
+  double left = u * total;
+  int last = 0;
+  for (int i = 0; i < n; ++i) {
+    const double w = weight(i);
+    if (!(w > 0)) continue;
+    if (left < w) {
+      u = left / w;
+      return i;
+    }
+    left -= w;
+    last = i;
+  }
+  u = std::nextafter(1.0, 0.0);  // rounding has left nothing
+  return last;
+}
+
+// Tables stay at 10 MB, blocks at what is summed in less time than a ray takes.
+constexpr int64_t kMostBlocks = int64_t{1} << 19;
+constexpr int kLargestBlock = 16;
+constexpr int kColumns = 128, kRows = 64;  // of weights, at least
+// Samples keep this share of a fine cell away from its sides: they are found in it again.
+constexpr double kMargin = 1e-11;
+
 }  // namespace
 
 Sky::Sky(Map map, double rotation, std::vector<Sun> suns)
     : map_(std::move(map)),
       cos_(std::cos(rotation)),
       sin_(std::sin(rotation)),
-      suns_(std::move(suns)) {}
+      suns_(std::move(suns)) {
+  top_.push_back(1);
+  for (int i = 0; i < map_.height; ++i) top_.push_back(std::cos(pi * (i + 0.5) / map_.height));
+  top_.push_back(-1);
+}
 
 void Sky::raster(const Vec3d& w, double& x, double& y) const {
   // Turned back about +y.
@@ -45,15 +98,57 @@ Vec3d Sky::towards(double x, double y) const {
   return {cos_ * wx + sin_ * wz, std::cos(theta), -sin_ * wx + cos_ * wz};
 }
 
+Sky::Cell Sky::cell(const Vec3d& w) const {
+  const double wx = cos_ * w.x - sin_ * w.z, wz = sin_ * w.x + cos_ * w.z;
+  double x = (0.5 + std::atan2(wx, -wz) * (0.5 * std::numbers::inv_pi)) * map_.width - 0.5;
+  if (x < 0) x += map_.width;
+  Cell c;
+  c.column = std::min(static_cast<int>(x), map_.width - 1);
+  c.across = x - c.column;
+  c.row = static_cast<int>(rough_acos(w.y) * std::numbers::inv_pi * map_.height + 0.5);
+  c.row = std::clamp(c.row, 0, map_.height);
+  const auto top = [&](int row) { return top_[static_cast<size_t>(row)]; };
+  while (c.row > 0 && w.y > top(c.row)) --c.row;
+  while (c.row < map_.height && w.y <= top(c.row + 1)) ++c.row;
+  c.down = std::clamp((top(c.row) - w.y) / (top(c.row) - top(c.row + 1)), 0.0, 1.0);
+  return c;
+}
+
+Vec3d Sky::towards(const Cell& c) const {
+  const auto row = static_cast<size_t>(c.row);
+  const double y = std::max(lerp(c.down, top_[row], top_[row + 1]),
+                            std::nextafter(top_[row + 1], 1.0));  // still in that row
+  const double phi = ((c.column + c.across + 0.5) / map_.width - 0.5) * 2 * pi;
+  const double s = std::sqrt((1 - y) * (1 + y)), wx = s * std::sin(phi), wz = -s * std::cos(phi);
+  return {cos_ * wx + sin_ * wz, y, -sin_ * wx + cos_ * wz};
+}
+
+std::array<size_t, 4> Sky::corners(const Cell& c) const {
+  const auto width = static_cast<size_t>(map_.width);
+  const auto left = static_cast<size_t>(c.column), right = left + 1 == width ? 0 : left + 1;
+  const size_t upper = static_cast<size_t>(std::max(c.row - 1, 0)) * width;
+  const size_t lower = static_cast<size_t>(std::min(c.row, map_.height - 1)) * width;
+  return {upper + left, upper + right, lower + left, lower + right};
+}
+
+double Sky::solid_angle(int row) const {
+  const auto i = static_cast<size_t>(row);
+  return (top_[i] - top_[i + 1]) * 2 * pi / map_.width;
+}
+
 Rgb Sky::radiance(const Vec3d& w) const {
   Rgb sum{};
   if (one_colour()) {
     sum = map_.texels[0];
   } else if (!map_.texels.empty()) {
-    double x, y;
-    raster(w, x, y);
-    sum = map_.texels[static_cast<size_t>(y) * static_cast<size_t>(map_.width) +
-                      static_cast<size_t>(x)];
+    const Cell c = cell(w);
+    const std::array<size_t, 4> at = corners(c);
+    const auto row = [&](size_t left, size_t right) {
+      return map_.texels[left] * static_cast<float>(1 - c.across) +
+             map_.texels[right] * static_cast<float>(c.across);
+    };
+    sum = row(at[0], at[1]) * static_cast<float>(1 - c.down) +
+          row(at[2], at[3]) * static_cast<float>(c.down);
   }
   for (const Sun& sun : suns_)
     if (holds(sun, w)) sum += sun.radiance;
@@ -63,72 +158,138 @@ Rgb Sky::radiance(const Vec3d& w) const {
 SkyDirections::SkyDirections(const Sky& sky,
                              const std::function<double(const Vec3d& towards)>& weight)
     : sky_(&sky) {
-  constexpr int kColumns = 128, kRows = 64;  // at least
-  const Sky::Map& map = sky.map();
-  if (map.width > 0) {
-    columns_ = map.width * std::max(1, kColumns / map.width);
-    rows_ = map.height * std::max(1, kRows / map.height);
-  }
-  for (int i = 0; i <= rows_ && rows_ > 0; ++i)
-    cos_of_row_.push_back(i == rows_ ? -1 : std::cos(pi * i / rows_));
-  std::vector<double> weights;
-  const auto add = [&](const Vec3d& towards, double luminance, double solid_angle) {
-    double w = luminance * solid_angle;
-    if (w > 0 && weight) w *= weight(towards);
-    weights.push_back(w);
-    total_ += w;
-  };
-  for (int i = 0; i < rows_; ++i) {
-    const double solid_angle =
-        (cos_of_row_[static_cast<size_t>(i)] - cos_of_row_[static_cast<size_t>(i) + 1]) * 2 * pi /
-        columns_;
-    const int row = i * map.height / rows_;
-    for (int j = 0; j < columns_; ++j) {
-      const int column = j * map.width / columns_;
-      const Rgb& texel = map.texels[static_cast<size_t>(row) * static_cast<size_t>(map.width) +
-                                    static_cast<size_t>(column)];
-      add(sky.towards((j + 0.5) * map.width / columns_, (i + 0.5) * map.height / rows_),
-          luminance(texel), solid_angle);
+  choose_blocks(static_cast<bool>(weight));
+  std::vector<double> integrals;
+  const auto add = [&](const Vec3d& towards, double light) {
+    if (weight) {
+      weights_.push_back(static_cast<float>(weight(towards)));
+      light *= weights_.back();
     }
+    integrals.push_back(light);
+    total_ += light;
+  };
+  for (int i = 0; i < blocks(); ++i) {
+    const Block b = block(i);
+    double light = 0;
+    for (int row = b.row; row < b.end_row; ++row)
+      for (int column = b.column; column < b.end_column; ++column) light += integral(column, row);
+    add(middle(b), light);
   }
   for (const Sky::Sun& sun : sky.suns())
-    add(sun.towards, luminance(sun.radiance), 2 * pi * height_of(sun));
-  if (total_ > 0) table_ = AliasTable(weights);
+    add(sun.towards, luminance(sun.radiance) * 2 * pi * height_of(sun));
+  if (total_ > 0) table_ = AliasTable(integrals);
+}
+
+void SkyDirections::choose_blocks(bool weighted) {
+  const Sky::Map& map = sky_->map();
+  if (map.texels.empty()) return;
+  if (weighted) {
+    split_ = (kColumns + map.width - 1) / map.width;
+    split_down_ = (kRows + map.height) / (map.height + 1);
+  }
+  for (block_ = 1;; block_ *= 2) {
+    columns_ = (fine_columns() + block_ - 1) / block_;
+    rows_ = (fine_rows() + block_ - 1) / block_;
+    if (int64_t{columns_} * rows_ <= kMostBlocks || block_ == kLargestBlock) return;
+  }
+}
+
+SkyDirections::Block SkyDirections::block(int i) const {
+  const int row = i / columns_ * block_, column = i % columns_ * block_;
+  return {column, row, std::min(column + block_, fine_columns()),
+          std::min(row + block_, fine_rows())};
+}
+
+SkyDirections::Corners SkyDirections::corners(int fine_column, int fine_row) const {
+  const Sky::Cell cell{fine_column / split_, fine_row / split_down_};
+  Corners c{};
+  const std::array<size_t, 4> at = sky_->corners(cell);
+  for (size_t i = 0; i < 4; ++i) c[i] = luminance(sky_->map().texels[at[i]]);
+  if (split_ == 1 && split_down_ == 1) return c;
+  const double x = 1.0 / split_, y = 1.0 / split_down_;
+  const double left = fine_column % split_ * x, upper = fine_row % split_down_ * y;
+  return {bilinear(c, left, upper), bilinear(c, left + x, upper), bilinear(c, left, upper + y),
+          bilinear(c, left + x, upper + y)};
+}
+
+double SkyDirections::integral(int fine_column, int fine_row) const {
+  const Corners c = corners(fine_column, fine_row);
+  return 0.25 * (c[0] + c[1] + c[2] + c[3]) * sky_->solid_angle(fine_row / split_down_) /
+         (split_ * split_down_);
+}
+
+Vec3d SkyDirections::middle(const Block& b) const {
+  const int column = b.column + b.end_column, row = b.row + b.end_row;  // twice the middle
+  const int columns = 2 * split_, rows = 2 * split_down_;
+  return sky_->towards(Sky::Cell{column / columns, row / rows,
+                                 static_cast<double>(column % columns) / columns,
+                                 static_cast<double>(row % rows) / rows});
 }
 
 Vec3d SkyDirections::sample(double pick, double u, double v) const {
-  const uint32_t i = table_.sample(pick);
-  const auto cells = static_cast<uint32_t>(columns_ * rows_);
-  if (i >= cells) {
-    const Sky::Sun& sun = sky_->suns()[i - cells];
-    const double h = v * height_of(sun);  // 1 - cos
-    const double r = std::sqrt(h * (2 - h)), phi = 2 * pi * u;
-    const Vec3d at(r * std::cos(phi), r * std::sin(phi), 1 - h);
-    return normalize(Onb<double>(sun.towards).to_world(at));
+  const auto i = static_cast<int>(table_.sample(pick));
+  return i < blocks() ? in_block(block(i), u, v)
+                      : in_sun(sky_->suns()[static_cast<size_t>(i - blocks())], u, v);
+}
+
+Vec3d SkyDirections::in_block(const Block& b, double u, double v) const {
+  const int columns = b.end_column - b.column, rows = b.end_row - b.row;
+  int row = b.row, column = b.column;
+  if (columns * rows > 1) {
+    std::array<double, kLargestBlock> of_row{};
+    double total = 0;
+    for (int r = 0; r < rows; ++r)
+      for (int c = 0; c < columns; ++c) {
+        const double light = integral(b.column + c, b.row + r);
+        of_row[static_cast<size_t>(r)] += light;
+        total += light;
+      }
+    const int r = choose(
+        rows, [&](int k) { return of_row[static_cast<size_t>(k)]; }, total, v);
+    row += r;
+    column += choose(
+        columns, [&](int k) { return integral(b.column + k, row); }, of_row[static_cast<size_t>(r)],
+        u);
   }
-  const uint32_t row = i / static_cast<uint32_t>(columns_),
-                 column = i % static_cast<uint32_t>(columns_);
-  const double z = cos_of_row_[row] + v * (cos_of_row_[row + 1] - cos_of_row_[row]);
-  return normalize(sky_->towards((column + u) * sky_->map().width / columns_,
-                                 std::acos(z) / pi * sky_->map().height));
+  const Corners c = corners(column, row);
+  const double y = sample_linear(c[0] + c[1], c[2] + c[3], v);
+  const double x = sample_linear(lerp(y, c[0], c[2]), lerp(y, c[1], c[3]), u);
+  return sky_->towards(
+      Sky::Cell{column / split_, row / split_down_,
+                (column % split_ + std::clamp(x, kMargin, 1 - kMargin)) / split_,
+                (row % split_down_ + std::clamp(y, kMargin, 1 - kMargin)) / split_down_});
+}
+
+Vec3d SkyDirections::in_sun(const Sky::Sun& sun, double u, double v) const {
+  const double h = std::min(v, 1 - kMargin) * height_of(sun);  // 1 - cos
+  const double r = std::sqrt(h * (2 - h)), phi = 2 * pi * u;
+  const Vec3d at(r * std::cos(phi), r * std::sin(phi), 1 - h);
+  return normalize(Onb<double>(sun.towards).to_world(at));
 }
 
 double SkyDirections::pdf_w(const Vec3d& towards) const {
   if (empty()) return 0;
   double sum = 0;
-  const auto cells = static_cast<uint32_t>(columns_ * rows_);
-  if (cells > 0) {
-    double x, y;
-    sky_->raster(towards, x, y);
-    const auto row = static_cast<uint32_t>(y * rows_ / sky_->map().height);
-    const auto column = static_cast<uint32_t>(x * columns_ / sky_->map().width);
-    sum = table_.pdf_1(row * static_cast<uint32_t>(columns_) + column) * columns_ /
-          (2 * pi * (cos_of_row_[row] - cos_of_row_[row + 1]));
+  if (sky_->one_colour() && weights_.empty()) {
+    sum = luminance(sky_->map().texels[0]);
+  } else if (blocks() > 0) {
+    const Sky::Cell cell = sky_->cell(towards);
+    const std::array<size_t, 4> at = sky_->corners(cell);
+    Corners c{};
+    for (size_t i = 0; i < 4; ++i) c[i] = luminance(sky_->map().texels[at[i]]);
+    sum = bilinear(c, cell.across, cell.down);
+    if (!weights_.empty()) {
+      const int column =
+          std::min(static_cast<int>((cell.column + cell.across) * split_), fine_columns() - 1);
+      const int row =
+          std::min(static_cast<int>((cell.row + cell.down) * split_down_), fine_rows() - 1);
+      sum *= weight(static_cast<size_t>(row / block_ * columns_ + column / block_));
+    }
   }
-  for (uint32_t i = 0; i < sky_->suns().size(); ++i)
+  for (size_t i = 0; i < sky_->suns().size(); ++i)
     if (const Sky::Sun& sun = sky_->suns()[i]; holds(sun, towards))
-      sum += table_.pdf_1(cells + i) / (2 * pi * height_of(sun));
-  return sum;
+      sum += luminance(sun.radiance) * weight(static_cast<size_t>(blocks()) + i);
+  return sum / total_;
 }
 
 }  // namespace tdpt

@@ -4,7 +4,13 @@
 // Directions are unit, in the scene's axes, y up, and point away from the scene ("towards" the
 // sky). The map is latitude-longitude, seen from inside: centre -z, three quarters of the width +x,
 // top row +y; column u = 0.5 + atan2(x, -z) / (2 pi), row v = acos(y) / pi, both of 0..1.
+//
+// Between the centres of four texels radiance is bilinear in azimuth and in y, the cosine: these
+// are the coordinates in which solid angle is area, so that what is drawn in proportion to radiance
+// needs no table of its own. Columns wrap round; beyond the first and the last row's centres lie
+// half rows that hold their values up to the pole.
 #pragma once
+#include <array>
 #include <functional>
 #include <string>
 #include <vector>
@@ -37,26 +43,41 @@ class Sky {
   const std::vector<Sun>& suns() const { return suns_; }
 
   /// Column and row of a direction in the map's texels, [0, width) x [0, height), and the other
-  /// way round.
+  /// way round. Texel i has its centre at i + 0.5.
   void raster(const Vec3d& towards, double& x, double& y) const;
   Vec3d towards(double x, double y) const;
+
+  /// A direction among the centres of four texels: those of columns `column` and the next, of rows
+  /// `row` - 1 and `row`; [0, width) x [0, height].
+  struct Cell {
+    int column = 0, row = 0;
+    double across = 0, down = 0;  ///< of 0..1, in azimuth and in y
+  };
+  Cell cell(const Vec3d& towards) const;
+  Vec3d towards(const Cell& cell) const;
+  /// Into map().texels: upper left, upper right, lower left, lower right.
+  std::array<size_t, 4> corners(const Cell& cell) const;
+  /// Solid angle of each cell of a row [sr].
+  double solid_angle(int row) const;
 
  private:
   Map map_;
   double cos_, sin_;
+  std::vector<double> top_;  // y at the upper edge of each row of cells, then -1
   std::vector<Sun> suns_;
 };
 
-/// Draws directions in proportion to luminance x solid angle x a weight.
+/// Draws directions in proportion to luminance x a weight, exactly.
 ///
-/// Method: cells of the map (of one colour: of a coarse map), each in proportion to its integral,
-/// and uniform by solid angle within; suns are entries of the same table. The density is that of
-/// the table, exactly.
+/// Method: an alias table of blocks of cells, each in proportion to its integral; within a block,
+/// whose cells are summed when it is drawn, a cell; within a cell the bilinear luminance by its
+/// inverse distribution. A block is one cell unless the map is so large that the table would be,
+/// too. Suns are entries of the same table.
 class SkyDirections {
  public:
   SkyDirections() = default;
-  /// `weight`: of a direction, not negative, taken at the middle of each cell; none: 1. The sky
-  /// must outlive this.
+  /// `weight`: of a direction, not negative, taken at the middle of each block (of a coarse map: of
+  /// each of 128 x 64 parts at least); none: 1. The sky must outlive this.
   explicit SkyDirections(const Sky& sky,
                          const std::function<double(const Vec3d& towards)>& weight = {});
 
@@ -66,14 +87,32 @@ class SkyDirections {
   double total() const { return total_; }
   /// Unit, towards the sky. Three numbers in [0,1).
   Vec3d sample(double pick, double u, double v) const;
-  /// Density of sample() [1/sr].
+  /// Density of sample() [1/sr]: luminance x weight / total().
   double pdf_w(const Vec3d& towards) const;
 
  private:
+  using Corners = std::array<double, 4>;  // luminance, ordered as Sky::corners
+  struct Block {
+    int column, row, end_column, end_row;  // of fine cells
+  };
+  int fine_columns() const { return sky_->map().width * split_; }
+  int fine_rows() const { return (sky_->map().height + 1) * split_down_; }
+  int blocks() const { return columns_ * rows_; }
+  void choose_blocks(bool weighted);
+  Block block(int i) const;
+  Corners corners(int fine_column, int fine_row) const;
+  double integral(int fine_column, int fine_row) const;
+  Vec3d middle(const Block& block) const;
+  Vec3d in_block(const Block& block, double u, double v) const;
+  Vec3d in_sun(const Sky::Sun& sun, double u, double v) const;
+  double weight(size_t i) const { return weights_.empty() ? 1 : weights_[i]; }
+
   const Sky* sky_ = nullptr;
-  int columns_ = 0, rows_ = 0;      // of cells
-  std::vector<double> cos_of_row_;  // rows + 1, from 1 to -1
-  AliasTable table_;                // cells, row by row, then suns
+  int split_ = 1, split_down_ = 1;  // a cell is so many fine cells, equal in azimuth and in y
+  int block_ = 1;                   // a block so many fine cells, both ways
+  int columns_ = 0, rows_ = 0;      // of blocks
+  std::vector<float> weights_;      // of blocks row by row, then suns; empty: 1
+  AliasTable table_;                // the same
   double total_ = 0;
 };
 
