@@ -64,8 +64,9 @@ int choose(int n, const Weight& weight, double total, double& u) {
   return last;
 }
 
-// Tables stay at 10 MB, blocks at what is summed in less time than a ray takes.
-constexpr int64_t kMostBlocks = int64_t{1} << 19;
+// Up to maps of 2048 x 1024 a block is a cell; of larger ones the table stays at 45 MB, and few
+// cells are summed for a draw.
+constexpr int64_t kMostBlocks = 2200000;
 constexpr int kLargestBlock = 16;
 constexpr int kColumns = 128, kRows = 64;  // of weights, at least
 // Samples keep this share of a fine cell away from its sides: they are found in it again.
@@ -186,6 +187,7 @@ void SkyDirections::choose_blocks(bool weighted) {
   if (weighted) {
     split_ = (kColumns + map.width - 1) / map.width;
     split_down_ = (kRows + map.height) / (map.height + 1);
+    if (int64_t{fine_columns()} * fine_rows() > kMostBlocks) split_ = split_down_ = 1;
   }
   for (block_ = 1;; block_ *= 2) {
     columns_ = (fine_columns() + block_ - 1) / block_;
@@ -232,25 +234,45 @@ Vec3d SkyDirections::sample(double pick, double u, double v) const {
                       : in_sun(sky_->suns()[static_cast<size_t>(i - blocks())], u, v);
 }
 
-Vec3d SkyDirections::in_block(const Block& b, double u, double v) const {
+// A cell of the block; u and v become the place in it. Blocks of several have no fine cells.
+void SkyDirections::choose_cell(const Block& b, int& column, int& row, double& u, double& v) const {
   const int columns = b.end_column - b.column, rows = b.end_row - b.row;
-  int row = b.row, column = b.column;
-  if (columns * rows > 1) {
-    std::array<double, kLargestBlock> of_row{};
-    double total = 0;
-    for (int r = 0; r < rows; ++r)
-      for (int c = 0; c < columns; ++c) {
-        const double light = integral(b.column + c, b.row + r);
-        of_row[static_cast<size_t>(r)] += light;
-        total += light;
-      }
-    const int r = choose(
-        rows, [&](int k) { return of_row[static_cast<size_t>(k)]; }, total, v);
-    row += r;
-    column += choose(
-        columns, [&](int k) { return integral(b.column + k, row); }, of_row[static_cast<size_t>(r)],
-        u);
+  column = b.column;
+  row = b.row;
+  if (columns * rows == 1) return;
+  const Sky::Map& map = sky_->map();
+  constexpr int kNodes = kLargestBlock + 1;
+  std::array<float, size_t{kNodes} * kNodes> light;  // of texels
+  const auto node = [&](int c, int r) -> float& {
+    return light[static_cast<size_t>(r * kNodes + c)];
+  };
+  for (int r = 0; r <= rows; ++r) {
+    const int y = std::clamp(b.row + r - 1, 0, map.height - 1);
+    const Rgb* const texels = &map.texels[static_cast<size_t>(y) * static_cast<size_t>(map.width)];
+    for (int c = 0; c <= columns; ++c)
+      node(c, r) = luminance(texels[b.column + c < map.width ? b.column + c : 0]);
   }
+  const auto of_cell = [&](int c, int r) {
+    return double{node(c, r)} + node(c + 1, r) + node(c, r + 1) + node(c + 1, r + 1);
+  };
+  std::array<double, kLargestBlock> of_row{};
+  double total = 0;
+  for (int r = 0; r < rows; ++r) {
+    double& sum = of_row[static_cast<size_t>(r)];
+    for (int c = 0; c < columns; ++c) sum += of_cell(c, r);
+    total += sum *= sky_->solid_angle(b.row + r);
+  }
+  const int r = choose(
+      rows, [&](int i) { return of_row[static_cast<size_t>(i)]; }, total, v);
+  const double sum = of_row[static_cast<size_t>(r)] / sky_->solid_angle(b.row + r);
+  column += choose(
+      columns, [&](int i) { return of_cell(i, r); }, sum, u);
+  row += r;
+}
+
+Vec3d SkyDirections::in_block(const Block& b, double u, double v) const {
+  int column, row;
+  choose_cell(b, column, row, u, v);
   const Corners c = corners(column, row);
   const double y = sample_linear(c[0] + c[1], c[2] + c[3], v);
   const double x = sample_linear(lerp(y, c[0], c[2]), lerp(y, c[1], c[3]), u);

@@ -103,6 +103,7 @@ class SkyDirections {
   Corners corners(int fine_column, int fine_row) const;
   double integral(int fine_column, int fine_row) const;
   Vec3d middle(const Block& block) const;
+  void choose_cell(const Block& block, int& column, int& row, double& u, double& v) const;
   Vec3d in_block(const Block& block, double u, double v) const;
   Vec3d in_sun(const Sky::Sun& sun, double u, double v) const;
   double weight(size_t i) const { return weights_.empty() ? 1 : weights_[i]; }

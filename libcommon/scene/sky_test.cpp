@@ -430,7 +430,7 @@ TEST(SkyDirections, WhatHasNoWeightIsNeverDrawn) {
 
 // Maps whose table has blocks of cells, not dividing the map evenly, with one texel of 1e9.
 TEST(SkyDirections, LargeMapsAreDrawnFromExactlyAsWell) {
-  constexpr int kWidth = 2050, kHeight = 1027;
+  constexpr int kWidth = 2050, kHeight = 1107;
   Sky::Map map = gradient(kWidth, kHeight);
   map.texels[size_t{700} * kWidth + 2049] = Rgb(1e9f);
   const Sky sky(map, 0.2);
