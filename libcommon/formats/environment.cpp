@@ -1,6 +1,7 @@
 #include "libcommon/formats/environment.h"
 
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -12,7 +13,8 @@ namespace tdpt {
 namespace {
 
 constexpr int kMostWidth = 8192, kMostHeight = 4096;
-constexpr double kBrightest = 1e30;  // as of emissive surfaces
+// As of emissive surfaces; what is fainter is black, lest luminance should vanish before radiance.
+constexpr float kBrightest = 1e30f, kFaintest = 1e-30f;
 // Cubes laid flat (4:3, 3:4) and mirrored balls (1:1) are no latitude-longitude maps, and would be
 // read as nonsense; some programs leave a row or a column out.
 constexpr double kLeastAspect = 1.9, kMostAspect = 2.1;
@@ -24,7 +26,7 @@ Picture read(std::string_view bytes, const std::string& name) {
   throw InputError(name, "", "is no environment, expected OpenEXR (.exr) or Radiance (.hdr)");
 }
 
-void check(const Picture& p, const std::string& name) {
+void check(Picture& p, const std::string& name) {
   const double aspect = static_cast<double>(p.width) / p.height;
   if (!(aspect >= kLeastAspect && aspect <= kMostAspect))
     throw InputError(name, "",
@@ -34,14 +36,15 @@ void check(const Picture& p, const std::string& name) {
   bool shines = false;
   for (size_t i = 0; i < p.pixels.size(); ++i)
     for (int c = 0; c < 3; ++c) {
-      const float value = p.pixels[i][c];
-      if (!(value >= 0 && value <= static_cast<float>(kBrightest)))
+      float& value = p.pixels[i][c];
+      if (!(value >= 0 && value <= kBrightest))
         throw InputError(
             name,
             fmt::format("pixel {} {}", i % static_cast<size_t>(p.width),
                         i / static_cast<size_t>(p.width)),
             fmt::format("{} is {}, expected a radiance from 0 to {:.0e}{}", "RGB"[c], value,
                         kBrightest, std::isinf(value) ? " (half pixels end at 65504)" : ""));
+      if (value < kFaintest) value = 0;
       shines |= value > 0;
     }
   if (!shines) throw InputError(name, "", "holds no light: every pixel is black");

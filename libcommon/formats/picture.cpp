@@ -283,7 +283,7 @@ ExrFile parse_exr(std::string_view bytes, const std::string& name) {
 
 Picture parse_exr_picture(std::string_view bytes, const std::string& name, int most_width,
                           int most_height) {
-  const ExrFile file = parse(bytes, name, [&](Imf::MultiPartInputFile& input, int part) {
+  ExrFile file = parse(bytes, name, [&](Imf::MultiPartInputFile& input, int part) {
     const auto size = extent(input.header(part).displayWindow());
     if (size.x > most_width || size.y > most_height)
       throw InputError(name, "header",
@@ -295,7 +295,7 @@ Picture parse_exr_picture(std::string_view bytes, const std::string& name, int m
     throw InputError(name, "data window",
                      fmt::format("holds {} pixels less than the display window, expected all",
                                  file.pixels_without_data));
-  return file.picture;
+  return std::move(file.picture);
 }
 
 std::string exr_bytes(const ExrFile& file) {

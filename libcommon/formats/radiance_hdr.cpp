@@ -31,6 +31,7 @@ class Reader {
     header();
     Picture p;
     resolution(p, most_width, most_height);
+    p.pixels.reserve(static_cast<size_t>(p.width) * static_cast<size_t>(p.height));
     std::vector<Rgbe> row(static_cast<size_t>(p.width));
     for (int y = 0; y < p.height; ++y) {
       row_ = y;

@@ -16,7 +16,8 @@
 namespace tdpt {
 namespace {
 
-constexpr double kBrightest = 1e30, kSmallestSun = 0.01;  // [W/m2/sr], [deg]
+constexpr double kBrightest = 1e30, kFaintest = 1e-30;  // [W/m2/sr]
+constexpr double kSmallestSun = 0.01;                   // [deg]
 constexpr double kRadians = std::numbers::pi / 180;
 
 std::optional<float> number(std::string_view text) {
@@ -50,7 +51,7 @@ Rgb colour_of(const std::string& text) {
     colour[c] = *value;
     start = end + 1;
   }
-  if (max_component(colour) <= 0) fail("a colour that is not black");
+  if (max_component(colour) < kFaintest) fail("a colour that is not black");
   return colour;
 }
 
@@ -77,20 +78,13 @@ std::vector<Sky::Sun> take_suns(Scene& scene, double half_angle) {
   return suns;
 }
 
-template <class T>
-void append(std::string& bytes, const T* values, size_t n) {
-  bytes.append(reinterpret_cast<const char*>(values), n * sizeof(T));
-}
-
 // Of what decides where light comes from: portals do not move with its power.
 std::string hash_of(const Sky::Map& map, double rotation, double sun_angle) {
-  std::string bytes;
-  const double angles[] = {map.width > 1 ? std::remainder(rotation, 360) : 0.0, sun_angle};
-  const int size[] = {map.width, map.height};
-  append(bytes, angles, 2);
-  append(bytes, size, 2);
-  append(bytes, map.texels.data(), map.texels.size());
-  return content_hash(bytes);
+  const std::string texels = content_hash(
+      {reinterpret_cast<const char*>(map.texels.data()), map.texels.size() * sizeof(Rgb)});
+  const bool even = map.texels.empty() || map.width * map.height == 1;
+  return content_hash(fmt::format("{} {} {} {} {}", map.width, map.height, texels,
+                                  even ? 0.0 : std::remainder(rotation, 360), sun_angle));
 }
 
 Sky::Map read_map(const SkyArguments& a, std::vector<cli::Common::Input>& files) {
@@ -104,6 +98,8 @@ Sky::Map read_map(const SkyArguments& a, std::vector<cli::Common::Input>& files)
 void scale(Sky::Map& map, double factor) {
   for (Rgb& texel : map.texels) {
     texel = Rgb(Vec3d(texel) * factor);
+    for (int c = 0; c < 3; ++c)
+      if (texel[c] < kFaintest) texel[c] = 0;
     if (!(max_component(texel) <= static_cast<float>(kBrightest)))
       throw UsageError(fmt::format("--environment-scale {}: brings the environment beyond {:.0e}",
                                    factor, kBrightest));

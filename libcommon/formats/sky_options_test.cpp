@@ -1,0 +1,179 @@
+#include "libcommon/formats/sky_options.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <cmath>
+#include <numbers>
+
+#include "libcommon/base/error.h"
+#include "libcommon/base/file.h"
+#include "libcommon/base/hash.h"
+#include "libcommon/formats/picture.h"
+#include "libcommon/testing/temp_folder.h"
+
+namespace tdpt {
+namespace {
+
+constexpr double kRadians = std::numbers::pi / 180;
+
+// A scene without triangles, with a lamp of each kind.
+Scene lamps() {
+  Scene scene;
+  scene.path = "room.glb";
+  scene.hash = "1234";
+  for (const auto kind : {PunctualLight::Kind::directional, PunctualLight::Kind::point,
+                          PunctualLight::Kind::directional}) {
+    PunctualLight lamp;
+    lamp.kind = kind;
+    lamp.direction = {0.6, -0.8, 0};
+    lamp.intensity = Rgb(5, 4, 3);
+    scene.lights.push_back(lamp);
+  }
+  return scene;
+}
+
+struct Added {
+  Scene scene = lamps();
+  std::vector<cli::Common::Input> files;
+  explicit Added(const SkyArguments& a) {
+    cli::Common common;
+    common.quiet = true;
+    add_sky(scene, a, common, files);
+  }
+};
+std::string complaint(const SkyArguments& a) {
+  try {
+    const Added added(a);
+    return "";
+  } catch (const Error& e) {
+    return fmt::format("{} {}", static_cast<int>(e.code), e.what());
+  }
+}
+SkyArguments environment(const std::string& value, double rotation = 0, double scale = 1,
+                         double sun_angle = 0) {
+  return {value, rotation, scale, sun_angle};
+}
+
+// A map in a file; its first texel is another one's.
+struct File {
+  testing::TempFolder folder;
+  std::string bytes, path;
+  explicit File(float first = 2) {
+    ExrFile exr;
+    exr.picture = {4, 2, std::vector<Rgb>(8, Rgb(1))};
+    exr.picture.pixels[0] = Rgb(first);
+    bytes = exr_bytes(exr);
+    path = folder.write("sky.exr", bytes);
+  }
+};
+
+TEST(SkyOptions, WithoutThemNothingChanges) {
+  const Added a({});
+  EXPECT_FALSE(a.scene.sky);
+  EXPECT_EQ(a.scene.lights.size(), 3u);
+  EXPECT_EQ(a.scene.identity(), "1234");
+  EXPECT_TRUE(a.files.empty());
+}
+
+TEST(SkyOptions, OneColour) {
+  const Added a(environment("0.5,1,2e3", 0, 3));
+  ASSERT_TRUE(a.scene.sky && a.scene.sky->one_colour());
+  EXPECT_EQ(a.scene.sky->radiance({0, 1, 0}), Rgb(1.5f, 3, 6000));
+  EXPECT_EQ(a.scene.lights.size(), 3u);
+  EXPECT_TRUE(a.files.empty());
+}
+
+TEST(SkyOptions, AFileIsAnInput) {
+  const File file;
+  const Added a(environment(file.path, 90, 0.5));
+  ASSERT_EQ(a.files.size(), 1u);
+  EXPECT_EQ(a.files[0].path, file.path);
+  EXPECT_EQ(a.files[0].hash, content_hash(file.bytes));
+  EXPECT_EQ(a.scene.sky->map().texels[0], Rgb(1));
+  EXPECT_EQ(a.scene.sky->map().texels[1], Rgb(0.5f));
+  // The texel at the seam, left of it behind the camera, has come a quarter turn.
+  const Vec3d w = a.scene.sky->towards(0.5, 0.5);
+  EXPECT_EQ(a.scene.sky->radiance(w), Rgb(1));
+}
+
+TEST(SkyOptions, AColourThatIsNoneIsUsage) {
+  for (const char* value :
+       {"1,2", "1,2,3,4", "-1,1,1", "1,nan,1", "inf,1,1", "1,,1", "1,2,x", "1e31,0,0", "3", ",,"})
+    EXPECT_EQ(complaint(environment(value)),
+              fmt::format("2 --environment {}: expected a file, or R,G,B: three numbers from 0 to "
+                          "1e30",
+                          value));
+  EXPECT_EQ(complaint(environment("0,0,0")),
+            "2 --environment 0,0,0: expected a colour that is not black");
+  EXPECT_EQ(complaint(environment("a,b.exr")),
+            "3 a,b.exr: cannot be opened: No such file or directory");
+  EXPECT_EQ(complaint(environment("./1,2,3")),
+            "3 ./1,2,3: cannot be opened: No such file or directory");
+}
+
+TEST(SkyOptions, OptionsWithoutWhatTheyBelongTo) {
+  EXPECT_EQ(complaint(environment("", 10)), "2 --environment-rotation goes with --environment");
+  EXPECT_EQ(complaint(environment("", 0, 2)), "2 --environment-scale goes with --environment");
+  EXPECT_EQ(complaint(environment("", 0, 1, 0.005)),
+            "2 --sun-angle 0.005: expected 0, or 0.01 to 90");
+  EXPECT_EQ(complaint(environment("1e25,1,1", 0, 1e7)),
+            "2 --environment-scale 10000000: brings the environment beyond 1e+30");
+}
+
+TEST(SkyOptions, DirectionalLampsBecomeSunsOfTheSameIrradiance) {
+  for (const double angle : {0.01, 0.53, 60.0}) {
+    const Added a(environment("", 0, 1, angle));
+    ASSERT_EQ(a.scene.lights.size(), 1u);
+    EXPECT_EQ(a.scene.lights[0].kind, PunctualLight::Kind::point);
+    ASSERT_EQ(a.scene.sky->suns().size(), 2u);
+    const Sky::Sun& sun = a.scene.sky->suns()[0];
+    EXPECT_EQ(sun.towards, Vec3d(-0.6, 0.8, 0));
+    EXPECT_DOUBLE_EQ(sun.half_angle, 0.5 * angle * kRadians);
+    // Integral of the cosine over the disc, by its projection.
+    const double projected = std::numbers::pi * std::pow(std::sin(sun.half_angle), 2);
+    EXPECT_NEAR(sun.radiance.x * projected, 5, 1e-5);
+    EXPECT_NEAR(sun.radiance.z * projected, 3, 1e-5);
+    EXPECT_TRUE(a.scene.sky->map().texels.empty());
+  }
+}
+
+// Files are of another light where it comes from elsewhere, not where there is more of it.
+TEST(SkyOptions, IdentityIsOfWhereTheLightComesFrom) {
+  const File file, other(3);
+  const auto identity = [](const SkyArguments& a) { return Added(a).scene.identity(); };
+  const std::string one = identity(environment(file.path));
+  EXPECT_TRUE(one.starts_with("1234+"));
+  EXPECT_EQ(one, identity(environment(file.path, 0, 7)));
+  EXPECT_EQ(one, identity(environment(file.path, 360)));
+  EXPECT_NE(one, identity(environment(file.path, 10)));
+  EXPECT_NE(one, identity(environment(other.path)));
+  EXPECT_NE(one, identity(environment(file.path, 0, 1, 0.5)));
+  EXPECT_NE(identity(environment(file.path, 0, 1, 1)), identity(environment(file.path, 0, 1, 0.5)));
+  EXPECT_EQ(identity(environment("1,1,1", 10)), identity(environment("1,1,1")));
+  EXPECT_NE(identity(environment("1,1,1")), identity(environment("1,1,2")));
+  EXPECT_EQ(identity(environment("1,1,1")), identity(environment("1.0,1e0,1", 0, 2)));
+}
+
+TEST(SkyOptions, FilesOfAnotherSceneOrSkyAreTold) {
+  Scene scene = lamps();
+  const auto said = [&](const std::string& identity) -> std::string {
+    try {
+      check_made_from(scene, identity, "a.cut");
+      return "";
+    } catch (const InputError& e) {
+      return e.what();
+    }
+  };
+  EXPECT_EQ(said("1234"), "");
+  EXPECT_EQ(said("1235"), "a.cut: was made from another scene than room.glb");
+  EXPECT_EQ(said("1235+88"), "a.cut: was made from another scene than room.glb");
+  EXPECT_EQ(said("1234+88"), "a.cut: was made from room.glb, but under another environment");
+  scene.sky_hash = "88";
+  EXPECT_EQ(said("1234+88"), "");
+  EXPECT_EQ(said("1234"), "a.cut: was made from room.glb, but under another environment");
+  EXPECT_TRUE(scene.is_scene_of("1234+99"));
+  EXPECT_FALSE(scene.is_scene_of("12345"));
+}
+
+}  // namespace
+}  // namespace tdpt
