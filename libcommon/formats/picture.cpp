@@ -245,8 +245,9 @@ ExrFile parse(std::string_view bytes, const std::string& name, const Read& read)
 }
 
 void check_size(const Picture& p, int width, int height) {
-  if (p.width != width || p.height != height || width < 1 || height < 1 ||
-      p.pixels.size() != static_cast<size_t>(width) * static_cast<size_t>(height))
+  const size_t n = static_cast<size_t>(width) * static_cast<size_t>(height);
+  if (p.width != width || p.height != height || width < 1 || height < 1 || p.pixels.size() != n ||
+      (!p.alpha.empty() && p.alpha.size() != n))
     throw std::invalid_argument("picture and layers must have one size and no fewer pixels");
 }
 
@@ -320,6 +321,12 @@ std::string exr_bytes(const ExrFile& file) {
     }
   };
   insert("", file.picture);
+  if (const std::vector<float>& alpha = file.picture.alpha; !alpha.empty()) {
+    header.channels().insert("A", Imf::Channel(Imf::FLOAT));
+    buffer.insert(
+        "A", Imf::Slice(Imf::FLOAT, const_cast<char*>(reinterpret_cast<const char*>(alpha.data())),
+                        sizeof(float), sizeof(float) * static_cast<size_t>(width)));
+  }
   for (const auto& [name, picture] : file.layers) insert(name + ".", picture);
 
   MemoryOutput stream;
@@ -342,10 +349,17 @@ std::string png_bytes(const Picture& picture, double exposure) {
     return static_cast<uint8_t>(std::lround(255 * std::min(s, 1.0)));
   };
   std::vector<uint8_t> pixels;
-  pixels.reserve(picture.pixels.size() * 3);
-  for (const Rgb& p : picture.pixels)
-    for (int c = 0; c < 3; ++c) pixels.push_back(encode(p[c]));
-  return png_of_rgb8(picture.width, picture.height, pixels);
+  const bool covers = picture.alpha.empty();
+  pixels.reserve(picture.pixels.size() * (covers ? 3 : 4));
+  for (size_t i = 0; i < picture.pixels.size(); ++i) {
+    const float alpha = covers ? 1 : picture.alpha[i];
+    for (int c = 0; c < 3; ++c)
+      pixels.push_back(alpha > 0 ? encode(picture.pixels[i][c] / alpha) : uint8_t{0});
+    if (!covers)
+      pixels.push_back(static_cast<uint8_t>(std::lround(255 * std::clamp(alpha, 0.0f, 1.0f))));
+  }
+  return covers ? png_of_rgb8(picture.width, picture.height, pixels)
+                : png_of_rgba8(picture.width, picture.height, pixels);
 }
 
 double auto_exposure(const Picture& picture) {

@@ -15,6 +15,8 @@ namespace tdpt {
 struct Picture {
   int width = 0, height = 0;
   std::vector<Rgb> pixels;
+  /// Share of each pixel that is covered; what lies behind is not in `pixels`. Empty: all of it.
+  std::vector<float> alpha{};
 };
 
 struct ExrFile {
@@ -42,11 +44,13 @@ ExrFile parse_exr(std::string_view bytes, const std::string& name);
 /// InputError.
 Picture parse_exr_picture(std::string_view bytes, const std::string& name, int most_width,
                           int most_height);
-/// The file as bytes: float, ZIP, scan lines. The same input gives the same bytes. Layers must be
+/// The file as bytes: float, ZIP, scan lines; a channel A where the picture has alpha, which no
+/// reader here asks for. The same input gives the same bytes. Layers must be
 /// as large as the picture; an attribute may not bear the name of one that OpenEXR defines with
 /// another type.
 std::string exr_bytes(const ExrFile& file);
-/// 8-bit sRGB PNG of picture * 2^exposure, clipped, as bytes. NaN shows black.
+/// 8-bit sRGB PNG of picture * 2^exposure, clipped, as bytes; with alpha where the picture has it,
+/// colours then divided by it. NaN shows black.
 std::string png_bytes(const Picture& picture, double exposure);
 /// Exposure [stops] that puts the picture's 95th percentile luminance at white; 0 for a black one.
 /// When more than 95 % of the pixels are black, the percentile is that of the others.

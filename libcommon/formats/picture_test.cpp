@@ -3,13 +3,18 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
+#include <fstream>
 #include <functional>
 #include <limits>
 
 #include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfDeepFrameBuffer.h>
+#include <OpenEXR/ImfDeepScanLineOutputFile.h>
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfInputFile.h>
 #include <OpenEXR/ImfOutputFile.h>
+#include <OpenEXR/ImfPartType.h>
 #include <OpenEXR/ImfTileDescription.h>
 #include <OpenEXR/ImfTiledOutputFile.h>
 #include <gtest/gtest.h>
@@ -18,6 +23,7 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
+#include "libcommon/formats/png.h"
 #include "libcommon/math/rng.h"
 
 namespace tdpt {
@@ -191,6 +197,102 @@ TEST(Picture, RefusesWhatItCannotShow) {
   EXPECT_NE(many.find("more than fits in memory"), std::string::npos) << many;
 }
 
+// What parse_exr_picture says of a file at most 16 x 8 large.
+std::string complaint_of_picture(std::string_view bytes) {
+  try {
+    parse_exr_picture(bytes, "a.exr", 16, 8);
+    return "";
+  } catch (const InputError& e) {
+    return e.what();
+  }
+}
+
+TEST(Picture, AloneItHasNoLayersAndABound) {
+  ExrFile file;
+  file.picture = gradient(16, 8);
+  file.layers["a"] = gradient(16, 8);
+  EXPECT_EQ(parse_exr_picture(exr_bytes(file), "a.exr", 16, 8).pixels, file.picture.pixels);
+  EXPECT_EQ(complaint_of_picture("glTF"), "a.exr: is not an OpenEXR file");
+  // The header alone decides: of the pixels nothing is there.
+  ExrFile large;
+  large.picture = gradient(17, 8);
+  EXPECT_EQ(complaint_of_picture(exr_bytes(large).substr(0, 400)),
+            "a.exr:header: 17 x 8 pixels, expected at most 16 x 8");
+  EXPECT_EQ(complaint_of_picture(with_header([](Imf::Header& h) {
+              for (const char* c : {"R", "G", "B"})
+                h.channels().insert(c, Imf::Channel(Imf::FLOAT));
+              h.displayWindow() = Imath::Box2i({0, 0}, {15, 7});
+            })),
+            "a.exr:data window: holds 64 pixels less than the display window, expected all");
+  EXPECT_EQ(complaint_of_picture(with_header(
+                [](Imf::Header& h) { h.channels().insert("Y", Imf::Channel(Imf::FLOAT)); })),
+            "a.exr:channels: Y, expected R, G and B");
+}
+
+TEST(Picture, HalvesOfInfinityAreInfinite) {
+  const TemporaryFile file;
+  Imf::Header header(8, 4);
+  std::vector<Imath::half> values(32, Imath::half(1.0f));
+  values[9] = Imath::half(1e6f);
+  Imf::FrameBuffer buffer;
+  for (const char* c : {"R", "G", "B"}) {
+    header.channels().insert(c, Imf::Channel(Imf::HALF));
+    buffer.insert(c, Imf::Slice::Make(Imf::HALF, values.data(), header.dataWindow()));
+  }
+  {
+    Imf::OutputFile output(file.name(), header);
+    output.setFrameBuffer(buffer);
+    output.writePixels(4);
+  }
+  const Picture p = parse_exr_picture(file.bytes(), "a.exr", 16, 8);
+  EXPECT_EQ(p.pixels[8], Rgb(1));
+  EXPECT_TRUE(std::isinf(p.pixels[9].x));
+}
+
+TEST(Picture, DeepPixelsAreRefused) {
+  const TemporaryFile file;
+  Imf::Header header(2, 2);
+  header.setType(Imf::DEEPSCANLINE);
+  header.compression() = Imf::ZIPS_COMPRESSION;
+  std::vector<unsigned> counts(4, 1);
+  std::vector<float> values(4, 1.0f);
+  std::vector<float*> pointers;
+  for (float& v : values) pointers.push_back(&v);
+  Imf::DeepFrameBuffer buffer;
+  buffer.insertSampleCountSlice(
+      Imf::Slice(Imf::UINT, reinterpret_cast<char*>(counts.data()), 4, 8));
+  for (const char* c : {"R", "G", "B"}) {
+    header.channels().insert(c, Imf::Channel(Imf::FLOAT));
+    buffer.insert(c, Imf::DeepSlice(Imf::FLOAT, reinterpret_cast<char*>(pointers.data()),
+                                    sizeof(float*), 2 * sizeof(float*), sizeof(float)));
+  }
+  {
+    Imf::DeepScanLineOutputFile output(file.name(), header);
+    output.setFrameBuffer(buffer);
+    output.writePixels(2);
+  }
+  EXPECT_EQ(complaint(file.bytes()),
+            "a.exr:type: deep pixels, expected one sample of R, G and B a pixel");
+}
+
+TEST(Picture, AlphaIsAChannelOfItsOwn) {
+  const TemporaryFile file;
+  ExrFile exr;
+  exr.picture = gradient(5, 3);
+  for (int i = 0; i < 15; ++i) exr.picture.alpha.push_back(static_cast<float>(i) / 14);
+  std::ofstream(file.name(), std::ios::binary) << exr_bytes(exr);
+  Imf::InputFile input(file.name());
+  std::vector<float> alpha(15);
+  Imf::FrameBuffer buffer;
+  buffer.insert("A", Imf::Slice::Make(Imf::FLOAT, alpha.data(), input.header().dataWindow()));
+  input.setFrameBuffer(buffer);
+  input.readPixels(0, 2);
+  EXPECT_EQ(alpha, exr.picture.alpha);
+  EXPECT_EQ(parse_exr(exr_bytes(exr), "a.exr").picture.pixels, exr.picture.pixels);
+  exr.picture.alpha.pop_back();
+  EXPECT_THROW(exr_bytes(exr), std::invalid_argument);
+}
+
 TEST(Picture, FilesCutShortAreRefusedInOneLine) {
   ExrFile file;
   file.picture = gradient(40, 40);
@@ -244,6 +346,15 @@ TEST(Picture, PngIsSrgbAndClipped) {
   for (Rgb& c : twice.pixels) c *= 2;
   EXPECT_EQ(png_bytes(twice, -1), png);
   EXPECT_NE(png_bytes(twice, 0), png);
+}
+
+// PNG holds colours that are not multiplied by alpha.
+TEST(Picture, PngWithAlpha) {
+  Picture p{2, 1, {Rgb(0.25f), Rgb(0.0f)}, {0.5f, 0}};
+  const std::string png = png_bytes(p, 0);
+  EXPECT_EQ(png[25], 6);  // RGB and alpha
+  const std::string straight = png_of_rgba8(2, 1, {188, 188, 188, 128, 0, 0, 0, 0});
+  EXPECT_EQ(png, straight);
 }
 
 TEST(Picture, AutomaticExposurePutsThe95thPercentileAtWhite) {

@@ -25,19 +25,35 @@ static unsigned char* png_deflate(unsigned char* data, int size, int* out_size, 
 
 namespace tdpt {
 
-std::string png_of_rgb8(int width, int height, const std::vector<uint8_t>& rgb, PngKind kind) {
+namespace {
+
+std::string png_of(int width, int height, const std::vector<uint8_t>& values, int channels,
+                   PngKind kind) {
   if (width < 1 || height < 1 ||
-      rgb.size() != size_t{3} * static_cast<size_t>(width) * static_cast<size_t>(height))
-    throw std::invalid_argument("a PNG needs 3 values a pixel and at least one pixel");
+      values.size() !=
+          static_cast<size_t>(channels) * static_cast<size_t>(width) * static_cast<size_t>(height))
+    throw std::invalid_argument(
+        "a PNG needs a value for each channel of a pixel, and at least one pixel");
   // -1: the best of PNG's filters for each row; 0: none.
   stbi_write_force_png_filter = kind == PngKind::drawing ? 0 : -1;
   std::string bytes;
   const auto append = [](void* to, void* data, int n) {
     static_cast<std::string*>(to)->append(static_cast<const char*>(data), static_cast<size_t>(n));
   };
-  if (!stbi_write_png_to_func(append, &bytes, width, height, 3, rgb.data(), width * 3))
+  if (!stbi_write_png_to_func(append, &bytes, width, height, channels, values.data(),
+                              width * channels))
     throw std::bad_alloc();
   return bytes;
+}
+
+}  // namespace
+
+std::string png_of_rgb8(int width, int height, const std::vector<uint8_t>& rgb, PngKind kind) {
+  return png_of(width, height, rgb, 3, kind);
+}
+
+std::string png_of_rgba8(int width, int height, const std::vector<uint8_t>& rgba) {
+  return png_of(width, height, rgba, 4, PngKind::photograph);
 }
 
 }  // namespace tdpt

@@ -1,4 +1,4 @@
-// PNG files of 8-bit RGB.
+// PNG files of 8-bit RGB, and RGB with alpha.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -12,5 +12,7 @@ namespace tdpt {
 enum class PngKind { photograph, drawing };
 std::string png_of_rgb8(int width, int height, const std::vector<uint8_t>& rgb,
                         PngKind kind = PngKind::photograph);
+/// A photograph; `rgba`: 4 * width * height values, colours not multiplied by alpha.
+std::string png_of_rgba8(int width, int height, const std::vector<uint8_t>& rgba);
 
 }  // namespace tdpt

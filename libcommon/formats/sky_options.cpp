@@ -117,7 +117,7 @@ void declare_sky_options(cli::Options& options, SkyArguments& a) {
                  "Turn the environment about the vertical, counter-clockwise from above; default 0",
                  -360, 360);
   options.option("--environment-scale", a.scale, "S", "Multiply the environment by S; default 1",
-                 1e-12, 1e12);
+                 1e-9, 1e9);
   options.option("--sun-angle", a.sun_angle, "DEG",
                  "Angle that directional lamps are seen under; default 0, parallel light", 0, 90);
 }

@@ -59,6 +59,9 @@ void declare_options(cli::Options& options, Arguments& a) {
   options.choice("--mis", a.mis, {"balance", "power"}, "MIS heuristic; default balance");
   options.choice("--device", a.device, {"cpu", "gpu"}, "Where to render; default cpu");
   options.side_output("--stats", a.stats, "Write statistics as JSON, with the picture's progress");
+  options.flag("--alpha", a.alpha,
+               "Transparent film: leave out the sky behind all, add a channel A of what is before "
+               "it");
   options.flag("--layers", a.layers,
                "Add each technique's contribution as layers <technique>.R .G .B");
   options.side_output("--nonzero", a.nonzero,

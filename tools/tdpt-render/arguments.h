@@ -25,7 +25,7 @@ struct Arguments {
   double seconds = 0;     ///< 0: no limit
 
   std::string stats, nonzero, preview;  ///< paths; empty: not asked for
-  bool layers = false, verbose = false;
+  bool layers = false, alpha = false, verbose = false;
 };
 
 /// The options of the program, which fill in `a`.

@@ -38,6 +38,7 @@ void Film::clear() {
   picture_ = std::make_unique<FixedSum[]>(3 * pixels());
   for (size_t i = 0; i < kMostLayers; ++i)
     if (options_.layers >> i & 1u) layers_[i] = std::make_unique<FixedSum[]>(3 * pixels());
+  if (options_.alpha) met_ = std::make_unique<std::atomic<uint64_t>[]>(pixels());
   ranges_.clear();
   if (options_.error_block == 0) return;
   before_.assign(3 * pixels(), 0);
@@ -117,7 +118,7 @@ void Film::merge(const Film& other) {
   if (width_ != other.width_ || height_ != other.height_ || unit_ != other.unit_ ||
       options_.layers != other.options_.layers ||
       options_.error_block != other.options_.error_block ||
-      options_.shaped_by != other.options_.shaped_by)
+      options_.alpha != other.options_.alpha || options_.shaped_by != other.options_.shaped_by)
     throw std::invalid_argument("films of different pictures");
   std::vector<SampleRange> ranges = ranges_;
   try {
@@ -133,8 +134,17 @@ void Film::merge(const Film& other) {
   };
   merge_plane(picture_, other.picture_, 3 * pixels());
   for (size_t i = 0; i < kMostLayers; ++i) merge_plane(layers_[i], other.layers_[i], 3 * pixels());
+  for (size_t i = 0; met_ && i < pixels(); ++i) met_[i] += other.met_[i];
   merge_plane(squares_, other.squares_, pixels());
   for (size_t i = 0; i < before_.size(); ++i) before_[i] = picture_[i].units();
+}
+
+std::vector<float> Film::alpha() const {
+  std::vector<float> shares;
+  const auto n = static_cast<double>(std::max<uint64_t>(samples(), 1));
+  for (size_t i = 0; met_ && i < pixels(); ++i)
+    shares.push_back(static_cast<float>(static_cast<double>(met_[i].load()) / n));
+  return shares;
 }
 
 std::vector<double> Film::variance() const {

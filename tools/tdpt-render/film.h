@@ -10,6 +10,7 @@
 // that power, as where light is scattered next to the camera.
 #pragma once
 #include <array>
+#include <atomic>
 #include <memory>
 #include <string>
 #include <vector>
@@ -37,6 +38,7 @@ class Film {
     /// Errors are known from the squares of what aligned blocks of so many samples add up to; 0:
     /// they are not kept.
     uint64_t error_block = 0;
+    bool alpha = false;     ///< what is before the sky is known [alpha()]
     std::string shaped_by;  ///< hash of all that shapes the picture but the samples
   };
 
@@ -58,6 +60,13 @@ class Film {
     return !layers_[layer] || add(layers_[layer], x, y, radiance, coin);
   }
 
+  bool has_alpha() const { return options_.alpha; }
+  /// The camera ray of a sample of the pixel meets something. Any thread.
+  void meet(int x, int y) {
+    met_[static_cast<size_t>(y) * static_cast<size_t>(width_) + static_cast<size_t>(x)].fetch_add(
+        1, std::memory_order_relaxed);
+  }
+
   /// All that the samples of a range brought is in. Where errors are kept it is a block, aligned,
   /// the only one that was added to since the last.
   void complete(const SampleRange& range);
@@ -76,6 +85,8 @@ class Film {
   std::vector<Vec3d> sums() const { return sums(picture_); }
   std::vector<Vec3d> layer_sums(size_t layer) const { return sums(layers_[layer]); }
   bool has_layer(size_t layer) const { return layers_[layer] != nullptr; }
+  /// Share of each pixel's samples that meet something; empty when it is not kept.
+  std::vector<float> alpha() const;
   /// Variance of each pixel's mean luminance, over blocks; 0 for less than two, infinite where a
   /// blocks were too bright to tell.
   std::vector<double> variance() const;
@@ -94,6 +105,7 @@ class Film {
   Options options_;
   Plane picture_;
   std::array<Plane, kMostLayers> layers_;
+  std::unique_ptr<std::atomic<uint64_t>[]> met_;  // samples of each pixel; null: not kept
   std::vector<SampleRange> ranges_;
   // Of errors: sums before the block that is being added, and sums of squares of luminance.
   std::vector<Units> before_;

@@ -127,6 +127,24 @@ TEST(film, merges_with_films_of_the_same_picture_only) {
   EXPECT_EQ(film.ranges(), (std::vector<SampleRange>{{0, 2}}));
 }
 
+TEST(film, counts_what_rays_meet_and_merges_it) {
+  Film::Options transparent;
+  transparent.alpha = true;
+  Film film(2, 1, 1, transparent), other(2, 1, 1, transparent), opaque(2, 1, 1);
+  EXPECT_TRUE(opaque.alpha().empty());
+  film.meet(0, 0);
+  film.complete({0, 1});
+  EXPECT_EQ(film.alpha(), (std::vector<float>{1, 0}));
+  other.meet(0, 0);
+  other.meet(1, 0);
+  other.complete({1, 3});
+  film.merge(other);
+  EXPECT_EQ(film.alpha(), (std::vector<float>{0.5f, 0.25f}));
+  EXPECT_THROW(film.merge(opaque), std::invalid_argument);
+  film.clear();
+  EXPECT_EQ(film.alpha(), (std::vector<float>{0, 0}));
+}
+
 // ---- Renderings in parts ----
 
 class parts : public ::testing::Test {

@@ -107,7 +107,10 @@ class Judge {
           name_, "",
           fmt::format("has {} triangles, expected a portal of at most {}", n, kMostTriangles));
     if (!hash.empty() && hash != scene_.identity())
-      out_.notes.push_back(name_ + " was made for another state of the scene, or for another one");
+      out_.notes.push_back(name_ + (scene_.is_scene_of(hash)
+                                        ? " was made for the scene under another environment"
+                                        : " was made for another state of the scene, or for "
+                                          "another one"));
     tidy_all();
     std::erase_if(out_.file.portals, [&](const Portal& portal) { return is_elsewhere(portal); });
     return std::move(out_);

@@ -61,6 +61,7 @@ RenderSettings settings_of(const Arguments& a, const cli::Common& common) {
   settings.beta = a.mis == "power" ? 2 : 1;
   settings.seed = common.seed;
   settings.quiet = common.quiet;
+  settings.alpha = a.alpha;
   settings.layers = a.layers;
   settings.frames = !a.stats.empty();
   return settings;

@@ -52,9 +52,10 @@ void render_samples(const World& world, const Integrator& integrator, const Samp
   film.complete(samples);
 }
 
-Film film_for(const World& world, const TechniqueSet& layers) {
+Film film_for(const World& world, const TechniqueSet& layers, bool alpha) {
   Film::Options options;
   options.layers = layers.bits();
+  options.alpha = alpha;
   return Film(world.film.width(), world.film.height(), world.lights.power(), options);
 }
 

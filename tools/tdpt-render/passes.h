@@ -20,8 +20,9 @@ void render_samples(const World& world, const Integrator& integrator, const Samp
                     uint64_t round, const SampleRange& samples, Film& film, Tally& tally,
                     Progress& progress);
 
-/// A film for pictures of that world; with a layer for each technique in `layers`.
-Film film_for(const World& world, const TechniqueSet& layers);
+/// A film for pictures of that world; with a layer for each technique in `layers`, transparent
+/// where `alpha` says so.
+Film film_for(const World& world, const TechniqueSet& layers, bool alpha = false);
 
 /// What a rendering did, all its parts together.
 struct RenderTally {

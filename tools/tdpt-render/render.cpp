@@ -73,7 +73,7 @@ class Rendering {
         layers_(settings.layers ? techniques_of(candidates) : TechniqueSet()),
         pixels_(static_cast<uint64_t>(world.film.width()) *
                 static_cast<uint64_t>(world.film.height())),
-        film_(film_for(world, layers_)),
+        film_(film_for(world, layers_, settings.alpha)),
         tally_(film_.unit()),
         progress_("rendering", "samples", settings.spp * pixels_, settings.quiet) {}
 
@@ -209,6 +209,7 @@ RenderResult Rendering::finish() {
   result_.spp = film_.samples();
   result_.tally.add(tally_);
   result_.picture = picture_of(film_.sums());
+  result_.picture.alpha = film_.alpha();
   for (size_t i = 0; i < kTechniques; ++i)
     if (layers_.has(static_cast<Technique>(i)))
       result_.layers[kTechniqueNames[i]] = picture_of(film_.layer_sums(i));

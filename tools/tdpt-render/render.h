@@ -18,6 +18,7 @@ struct RenderSettings {
   double beta = 1;  ///< 1: balance heuristic, 2: power heuristic
   uint64_t seed = 1;
   bool quiet = true;
+  bool alpha = false;   ///< transparent film: the sky behind all is left out
   bool layers = false;  ///< keep each technique's contribution apart
   bool frames = false;  ///< measure the picture while it forms
 };
@@ -38,7 +39,7 @@ struct FrameRecord {
 uint64_t next_frame(uint64_t spp);
 
 struct RenderResult {
-  Picture picture;
+  Picture picture;                      ///< with its alpha where the settings ask for it
   uint64_t spp = 0;                     ///< samples each pixel got
   double seconds = 0, cpu_seconds = 0;  ///< the scout's counted, measuring frames not
   bool interrupted = false;  ///< a signal ended it early; the picture holds what was there

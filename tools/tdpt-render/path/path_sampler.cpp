@@ -67,6 +67,7 @@ void PathSampler::camera_phase(const Walk& y, const LightPool& pool) {
   join_with(y, pool);
   const TechniqueSet& techniques = settings_.mixture.techniques;
   walk_from_camera();
+  if (film_.has_alpha() && !looks_out()) film_.meet(x_, y_);
   for (int i = 0; i < kTechniques; ++i)
     if (const auto t = static_cast<Technique>(i); techniques.has(t)) run(t);
 }
@@ -177,6 +178,7 @@ bool PathSampler::project(const Point& p, Vec3d& to_camera, Rgb& factor, double&
 
 void PathSampler::camera() {
   const Walk& z = camera_walk_;
+  if (film_.has_alpha() && looks_out()) return;
   for (int j = 1; j < z.size; ++j) {
     if (!z[j].source) continue;
     const Rgb Le = emitted(z[j], back(z, j));
@@ -194,8 +196,7 @@ void PathSampler::direct() {
     if (!z[j].connectible) continue;
     random.seek(4 * static_cast<uint32_t>(j));
     const auto [u, v, pick, side] = random.uniforms<4>();
-    begin_at_light(world_, guide_, world_.next_events.sample(z[j], pick, u, v, side),
-                   light_point_);
+    begin_at_light(world_, guide_, world_.next_events.sample(z[j], pick, u, v, side), light_point_);
     const Vertex& y0 = light_point_[0];
     const Edge e = between(z[j], y0);
     const Rgb Le = emitted(y0, -e.w);

@@ -76,7 +76,7 @@ class PathSampler {
   void join_with(const Walk& y, const LightPool& pool);
 
   void run(Technique technique);
-  void camera();  ///< the camera walk hits a light
+  void camera();  ///< the camera walk hits a light; on a transparent film not the sky behind all
   void direct();  ///< a point on a light for each camera vertex
   void light();   ///< each light vertex projected to the film
   void bi();      ///< each camera vertex joined with a few light vertices
@@ -114,6 +114,8 @@ class PathSampler {
   double to_film(const Contribution& found, double raster_x, double raster_y);
   /// False when it is not finite: then it is counted and left out.
   bool weigh(const Contribution& found, Rgb& weighted);
+  /// Whether nothing lies before the sky where the sample looks.
+  bool looks_out() const { return camera_walk_.size < 2 || camera_walk_[1].at_infinity(); }
   void leave_out() { tally_.leave_out({sample_, y_, x_}); }
   /// Random bits for rounding, others at each call. Layers have their own, so that the picture's
   /// are the same with and without.
