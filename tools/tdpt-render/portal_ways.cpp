@@ -42,6 +42,7 @@ class Counter {
 
   void add(const Contribution& found) {
     const Path& path = found.path;
+    if (path.k() < 2) return;  // a lamp, or the sky, seen directly
     const double light = luminance(found.value) * path.weight(mixture_, found.strategy, 1);
     if (!std::isfinite(light)) return;
     passed_.total += light;
