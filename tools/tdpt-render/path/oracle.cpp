@@ -1,6 +1,7 @@
 #include "tools/tdpt-render/path/oracle.h"
 
 #include <limits>
+#include <optional>
 
 #include "libcommon/scene/pane.h"
 
@@ -9,7 +10,7 @@ namespace {
 
 using std::numbers::pi;
 
-/// From a to b; parallel light comes along its direction.
+/// From a to b; light from infinity comes along its direction.
 Vec3d unit(const Vertex& from, const Vertex& to) {
   if (from.at_infinity()) return from.position;
   if (to.at_infinity()) return -to.position;
@@ -72,8 +73,40 @@ Vec3d emission(const Vertex& x0, const Vertex& x1) {
   return Vec3d(x0.simple ? x0.material->emission : x0.emission);
 }
 
-double emission_pdf_w(const Vertex& x0, const Vertex& x1) {
+bool in_the_sky(const Vertex& x) {
+  return x.at_infinity() && x.met();
+}
+
+/// Area of the disc across the light from infinity that holds the scene.
+double disc_of(const Scene& scene) {
+  double radius = 0;
+  for (const Triangle& t : scene.triangles)
+    for (const uint32_t v : t.vertex) radius = std::max(radius, length(Vec3d(scene.positions[v])));
+  return pi * std::pow(1.0001 * radius, 2);
+}
+
+/// P>(x_0).
+double light_pdf(const World& world, const SkyLight* sky, const Vertex& x0, Fault fault) {
+  if (x0.on_surface()) return world.lights.pdf_A(x0.triangle);
+  if (!in_the_sky(x0)) return x0.source->pdf_1();
+  const double spoilt = fault == Fault::sky_5_percent ? 1.05 : 1;
+  return spoilt * x0.source->pdf_1() * sky->start_pdf_w(-x0.position);
+}
+
+/// p_nee(x_0) of a next event at x_1.
+double next_event_pdf(const World& world, const SkyLight* sky, const Path& path, Fault fault) {
+  const Vertex& x0 = path.vertex(0);
+  if (!in_the_sky(x0)) return light_pdf(world, sky, x0, fault);
+  const double spoilt = fault == Fault::sky_5_percent ? 1.05 : 1;
+  const double through = fault == Fault::window_5_percent ? 1.05 : 1;
+  return spoilt * x0.source->pdf_1() *
+         sky->next_event_pdf_w(path.vertex(1), path.vertex(2), -x0.position, through);
+}
+
+/// Of surfaces, points and spots [1/sr]; of light from infinity [1/area across it].
+double emission_pdf_w(const World& world, const Vertex& x0, const Vertex& x1) {
   if (luminance(Vec3f(emission(x0, x1))) <= 0) return 0;
+  if (x0.at_infinity()) return 1 / disc_of(world.scene);
   if (!x0.on_surface()) return 1 / x0.source->cos_per_pdf_w();
   return cosine_at(x0, x1) / (x0.material->double_sided ? 2 * pi : pi);
 }
@@ -118,7 +151,7 @@ struct Plane {
   }
 };
 
-/// Number of the triangles that the line from `a` along `w` passes, and how far along.
+/// Number of the triangles that the line through `a` along `w` passes, and how far along.
 int passed(const Triangles& triangles, const Vec3d& a, const Vec3d& w, double& distance) {
   int number = 0;
   const Plane plane(triangles);
@@ -131,6 +164,11 @@ int passed(const Triangles& triangles, const Vec3d& a, const Vec3d& w, double& d
     number += inside;
   }
   return number;
+}
+
+/// Of the edge from a to b.
+double long_is(const Vertex& a, const Vertex& b) {
+  return a.at_infinity() ? std::numeric_limits<double>::infinity() : std::sqrt(distance2(a, b));
 }
 
 /// Density, over p(F,G), of the pair of portals as the line from a to b passes them: per product of
@@ -148,15 +186,16 @@ double pair_pdf(const Vertex& a, const Vertex& b, const Triangles& f, const Tria
   const Vec3d d = G.centre - F.centre;
   etendue = F.area * G.area * dot(F.n, d) * dot(G.n, d) / std::pow(dot(d, d), 2);
   const Vec3d w = unit(a, b);
-  double s, t;
-  const int ways = passed(f, a.position, w, s) * passed(g, a.position, w, t);
-  if (dot(F.n, w) <= 0 || dot(G.n, w) <= 0 || s < 0 || t > std::sqrt(distance2(a, b))) return 0;
+  double s, t;  // from b on: before it both are less than 0
+  const int ways = passed(f, b.position, w, s) * passed(g, b.position, w, t);
+  if (dot(F.n, w) <= 0 || dot(G.n, w) <= 0 || -s > long_is(a, b) || t > 0) return 0;
   return ways / (F.area * G.area) * std::pow(t - s, 2) / (dot(F.n, w) * dot(G.n, w));
 }
 
-/// p_AA [eq. 4], polygon by polygon with its cosines written out, and of pairs of portals.
-double segment_pdf(const World& world, const Vertex& a, const Vertex& b) {
-  if (!a.on_surface()) return 0;
+/// p_AA [eq. 4], polygon by polygon with its cosines written out, and of pairs of portals. From the
+/// sky: per solid angle of its direction and area about b.
+double segment_pdf(const World& world, const Vertex& a, const Vertex& b, Fault fault) {
+  if (!a.on_surface() && !in_the_sky(a)) return 0;
   const Vec3d w = unit(a, b);
   const double G = cosine_at(a, b) * cosine_at(b, a) / distance2(a, b);
   double total_area = 0, sum = 0;
@@ -180,10 +219,10 @@ double segment_pdf(const World& world, const Vertex& a, const Vertex& b) {
     const PortalSet::Polygon& q = world.portals.polygon(static_cast<int>(i));
     const double cos_q = dot(q.normal, w);
     if (cos_q <= 0) continue;
-    const double t = dot(q.normal, q.p0 - a.position) / cos_q;
-    if (t < 0 || t > std::sqrt(distance2(a, b))) continue;
+    const double t = dot(q.normal, b.position - q.p0) / cos_q;  // from there to b
+    if (t < 0 || t > long_is(a, b)) continue;
     // Inside: the point is left of all three edges.
-    const Vec3d at = a.position + w * t;
+    const Vec3d at = b.position - w * t;
     const Vec3d p[3] = {q.p0, q.p0 + q.e1, q.p0 + q.e2};
     bool inside = true;
     for (int e = 0; e < 3; ++e)
@@ -191,12 +230,19 @@ double segment_pdf(const World& world, const Vertex& a, const Vertex& b) {
     if (!inside) continue;
     const double area = 0.5 * length(cross(q.e1, q.e2));
     const double p_q = area / total_area, p_A = 1 / area, p_w = cos_q / pi;
-    sum += (1 - c) * p_q * p_A * p_w / cos_q * G;
+    double p_AA = p_q * p_A * p_w / cos_q * G;
+    if (a.at_infinity()) {
+      // The portal's area about the line is that about b, seen along the line.
+      p_AA = p_q * p_A * p_w * (cosine_at(b, a) / cos_q);
+      if (fault == Fault::sky_segment_distance) p_AA /= t * t;
+      if (fault == Fault::sky_segment_cosine) p_AA *= cos_q;
+    }
+    sum += (1 - c) * p_AA;
   }
   return sum;
 }
 
-/// Density of the line of parallel light to `to` among those through portals [1/area across].
+/// Density of the line of light from infinity to `to` among those through portals [1/area across].
 double aim_line_pdf(const World& world, const Vec3d& d, const Vertex& to) {
   double total = 0;
   int number = 0;
@@ -289,7 +335,8 @@ double survival(const Vertex* back, const Vertex& at, int i, Fault fault) {
 struct Densities {
   std::vector<double> from_light, from_camera;
 };
-Densities of_walks(const World& world, const Path& path, const Guiding& guiding, Fault fault) {
+Densities of_walks(const World& world, const SkyLight* sky, const Path& path,
+                   const Guiding& guiding, Fault fault) {
   const int k = path.k();
   Densities all{std::vector<double>(static_cast<size_t>(k)),
                 std::vector<double>(static_cast<size_t>(k))};
@@ -298,12 +345,12 @@ Densities of_walks(const World& world, const Path& path, const Guiding& guiding,
     double& P_light = all.from_light[static_cast<size_t>(i)];
     double& P_camera = all.from_camera[static_cast<size_t>(i)];
     if (i == 0) {
-      P_light = x.on_surface() ? world.lights.pdf_A(x.triangle) : x.source->pdf_1();
+      P_light = light_pdf(world, sky, x, fault);
     } else {
       const Vertex& before = path.vertex(i - 1);
       const Vertex* back = i == 1 ? nullptr : &path.vertex(i - 2);
       const bool dirac = i > 1 && path.dirac(i - 1);
-      const double p = i == 1 ? emission_pdf_w(before, x) : pdf_w(*back, before, x, dirac);
+      const double p = i == 1 ? emission_pdf_w(world, before, x) : pdf_w(*back, before, x, dirac);
       const Directed directed(world, guiding, From::light, back, before, x);
       double per_area = cosine_at(x, before) / distance2(before, x);
       if (fault == Fault::missing_cosine && i == 2) per_area /= cosine_at(x, before);
@@ -319,7 +366,9 @@ Densities of_walks(const World& world, const Path& path, const Guiding& guiding,
       q = survival(&back, after, k - i - 1, fault) *
           guided_pdf_w(directed, path.dirac(i + 1), p, fault);
     }
-    P_camera = !x.on_surface() ? 0 : q * cosine_at(x, after) / distance2(after, x);
+    // Of the sky per solid angle, which cosine and distance of 1 leave as it is.
+    const bool met = x.on_surface() || in_the_sky(x);
+    P_camera = met ? q * cosine_at(x, after) / distance2(after, x) : 0;
   }
   return all;
 }
@@ -327,9 +376,11 @@ Densities of_walks(const World& world, const Path& path, const Guiding& guiding,
 }  // namespace
 
 std::vector<StrategyDensity> densities(const World& world, const Path& path, const Mixture& mixture,
-                                       Fault fault) {
+                                       Fault fault, const SkyLight* sky) {
   const int k = path.k();
-  const auto [from_light, from_camera] = of_walks(world, path, mixture.guiding, fault);
+  std::optional<SkyLight> own;
+  if (!sky && world.scene.sky) sky = &own.emplace(world);
+  const auto [from_light, from_camera] = of_walks(world, sky, path, mixture.guiding, fault);
   std::vector<StrategyDensity> result;
   const auto add = [&, &from_light = from_light, &from_camera = from_camera](Technique technique,
                                                                              int split) {
@@ -342,11 +393,13 @@ std::vector<StrategyDensity> densities(const World& world, const Path& path, con
     if (split > 0) possible = possible && connects(split - 1);
     if (!possible && fault != Fault::connection_at_a_mirror) return;
     double log_p = 0;
-    for (int i = 0; i < split; ++i) log_p += std::log(from_light[static_cast<size_t>(i)]);
+    for (int i = 0; i < split; ++i)
+      log_p += std::log(technique == Technique::direct ? next_event_pdf(world, sky, path, fault)
+                                                       : from_light[static_cast<size_t>(i)]);
     for (int i = portal ? split + 2 : split; i < k; ++i)
       log_p += std::log(from_camera[static_cast<size_t>(i)]);
     if (portal) {
-      double p = segment_pdf(world, path.vertex(split), path.vertex(split + 1));
+      double p = segment_pdf(world, path.vertex(split), path.vertex(split + 1), fault);
       p *= mixture.segments * (split > 0 ? mixture.joined_to_segments : 1);
       const bool to_x = path.vertex(split).position.x < path.vertex(split + 1).position.x;
       if (fault == Fault::portal_density_5_percent) p *= 1.05;

@@ -3,6 +3,7 @@
 #pragma once
 #include <vector>
 
+#include "tools/tdpt-render/path/oracle_sky.h"
 #include "tools/tdpt-render/path/path.h"
 
 namespace tdpt::oracle {
@@ -20,13 +21,18 @@ enum class Fault {
   one_way_5_percent,  ///< density of segments to +x
   missing_cosine,
   connection_at_a_mirror,
-  aim_5_percent,  ///< density of the directions towards portals
-  immortal,       ///< walks that always go on
+  aim_5_percent,         ///< density of the directions towards portals
+  immortal,              ///< walks that always go on
+  sky_5_percent,         ///< density of the sky's directions
+  sky_segment_distance,  ///< segments from the sky spread over the squared distance to the portal
+  window_5_percent,      ///< density of next events through windows
+  sky_segment_cosine,    ///< the portal's cosine is not cancelled in those
 };
 
-/// All strategies of `mixture` that can make the path.
+/// All strategies of `mixture` that can make the path. `sky`: of the world, where it is asked for
+/// often.
 std::vector<StrategyDensity> densities(const World& world, const Path& path, const Mixture& mixture,
-                                       Fault fault = Fault::none);
+                                       Fault fault = Fault::none, const SkyLight* sky = nullptr);
 
 /// Weight of `used`: (n p)^beta over the sum of those of all strategies, n the sample weight.
 /// Balance heuristic [eq. 6] for beta = 1, power heuristic for beta = 2.

@@ -1,6 +1,8 @@
 // For tests: every path that the techniques of an integrator make in two rooms, held against the
 // oracle.
 #pragma once
+#include <optional>
+
 #include "tools/tdpt-render/integrators/integrator.h"
 #include "tools/tdpt-render/path/oracle.h"
 #include "tools/tdpt-render/path/surface.h"
@@ -16,7 +18,7 @@ struct Worst {
   double ways = 0;       ///< between weights by products and by logarithms, both heuristics
   double ways_1_9 = 0;   ///< twin: 1.9 by logarithms, 2 by products
   double value = 0;      ///< largest relative difference of value * times * p and the contribution
-  std::array<int, kTechniques> paths{};
+  std::array<int, kTechniques> paths{}, sky{};  ///< by technique; those that begin in the sky
   int dirac = 0, lamps = 0;   ///< paths that turn at a mirror, that begin at a lamp
   int all = 0, off = 0;       ///< paths, and those off by 1 % of their value or 0.001 of weight
   int short_ones = 0;         ///< with an edge that rounding turns: they are not compared
@@ -91,18 +93,22 @@ inline Worst compare(const Scene& scene, const Integrator& integrator, oracle::F
   Film film(16, 12, 1);
   Tally tally;
   Worst worst;
+  std::optional<oracle::SkyLight> sky;
+  if (scene.sky) sky.emplace(world);
   const PathObserver observer = [&](const Contribution& found) {
     const auto& [path, strategy, value, times] = found;
     ++worst.paths[static_cast<size_t>(strategy.technique)];
     worst.longest = std::max(worst.longest, path.k());
     worst.deep += path.k() >= 12;
     worst.lamps += !path.vertex(0).on_surface();
+    worst.sky[static_cast<size_t>(strategy.technique)] +=
+        path.vertex(0).at_infinity() && path.vertex(0).met();
     bool dirac = false;
     for (int i = 1; i < path.k(); ++i) dirac |= path.dirac(i);
     worst.dirac += dirac;
     worst.short_ones += has_short_edge(path);
     if (has_short_edge(path)) return;
-    const auto p = oracle::densities(world, path, integrator.mixture, fault);
+    const auto p = oracle::densities(world, path, integrator.mixture, fault, sky ? &*sky : nullptr);
     const auto weight = [&](double beta) {
       return path.weight(integrator.mixture, strategy, beta);
     };

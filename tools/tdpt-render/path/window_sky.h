@@ -77,6 +77,14 @@ class WindowSky {
   static constexpr size_t kMostWindows = 32;
 
   bool empty() const { return windows_.empty(); }
+  /// A facet's.
+  struct Window {
+    std::shared_ptr<const RectifiedSky> sky;
+    Vec3d centre;
+    double x0, x1, y0, y1;         ///< of its rectangle, from the centre along the sky's axes
+    std::array<Vec3d, 4> corners;  ///< of that
+  };
+  const std::vector<Window>& windows() const { return windows_; }
   /// What all windows show of the sky from `x` (canonical), where the surface faces `facing` (0:
   /// both ways): sum S_F.
   double seen(const Vec3d& x, const Vec3d& facing) const;
@@ -87,12 +95,6 @@ class WindowSky {
   double pdf_w(const Vec3d& x, const Vec3d& facing, double seen, const Vec3d& towards) const;
 
  private:
-  struct Window {
-    std::shared_ptr<const RectifiedSky> sky;
-    Vec3d centre;
-    double x0, x1, y0, y1;         ///< of its rectangle, from the centre along the sky's axes
-    std::array<Vec3d, 4> corners;  ///< of that
-  };
   /// `p` sees it from inside, above its horizon.
   static bool faces(const Window& w, const Vec3d& p, const Vec3d& facing);
   /// S_F(p), and the rectangle where it is more than 0.

@@ -1,0 +1,136 @@
+// Every path that any technique makes under a sky is held against the oracle: x_0 is a direction,
+// P>(x_0) and P<(x_0) are per solid angle, and so is the light's end of a portal segment.
+#include <gtest/gtest.h>
+
+#include "tools/tdpt-render/path/test_oracle.h"
+#include "tools/tdpt-render/test_sky.h"
+
+namespace tdpt {
+namespace {
+
+using oracle::Fault;
+
+constexpr double kEnd = 4.09;  // the far room's wall [m]
+
+const Sky::Sun kSun = sun_of({1, 0.12, 0.05}, 0.25 * kDegree, 4);
+const Sky::Sun kHaze = sun_of({1, 0.3, -0.2}, 10 * kDegree, 2);
+
+/// The far room has no end wall: the sky shines through it and the hole.
+Scene diffuse_under_the_sky() {
+  return under(without_lamps(open_end(diffuse_rooms(), kEnd)), uneven_sky({kSun, kHaze}));
+}
+Scene glossy_under_the_sky() {
+  return under(without_lamps(open_end(glossy_rooms(), kEnd)), uneven_sky({kSun, kHaze}));
+}
+Scene diffuse_with_lamps() {
+  return under(open_end(diffuse_rooms(), kEnd), uneven_sky({kHaze}));
+}
+Scene glossy_with_lamps() {
+  return under(open_end(glossy_rooms(), kEnd), one_colour_sky({2, 3, 4}));
+}
+
+/// The hole's, the tilted one in the camera's room and one in the open end.
+std::vector<Portal> three_portals() {
+  std::vector<Portal> portals = two_crossing_portals();
+  portals.push_back(rectangle({4.1, 0.1, -0.9}, {0, 0, 1.8}, {0, 1.8, 0}));
+  return portals;
+}
+
+class sky_paths : public testing::TestWithParam<const Integrator*> {};
+
+TEST_P(sky_paths, weights_and_values_are_the_oracles) {
+  for (const auto& portals : {two_crossing_portals(), three_portals()})
+    for (const Scene& scene : {diffuse_under_the_sky(), diffuse_with_lamps()}) {
+      const Worst worst = compare(scene, *GetParam(), Fault::none, 6, 96, portals);
+      EXPECT_LT(worst.weight, 1e-6);
+      EXPECT_LT(worst.power, 2e-6);
+      EXPECT_LT(worst.ways, 1e-12);
+      EXPECT_LT(worst.value, 1e-4);
+      for (size_t i = 0; i < kTechniques; ++i) {
+        if (GetParam()->mixture.has(static_cast<Technique>(i))) {
+          EXPECT_GT(worst.sky[i], 15) << kTechniqueNames[i];
+        }
+      }
+    }
+}
+
+// A ray that was aimed at a border of a portal may pass it by rounding, as in path_test.cpp.
+TEST_P(sky_paths, over_glossy_surfaces_too) {
+  for (const Scene& scene : {glossy_under_the_sky(), glossy_with_lamps()}) {
+    const Worst worst = compare(scene, *GetParam(), Fault::none, 6, 96, three_portals());
+    EXPECT_LT(worst.weight, 1e-4);
+    EXPECT_LT(worst.power, 2e-4);
+    EXPECT_LT(worst.ways, 1e-12);
+    EXPECT_LE(worst.off, 2);
+    EXPECT_LE(worst.short_ones, 5);
+    EXPECT_GT(worst.dirac, 10);
+  }
+}
+
+TEST_P(sky_paths, through_portals_for_both_ways_are_the_oracles) {
+  std::vector<Portal> portals = three_portals();
+  for (Portal& portal : portals) portal.both_ways = true;
+  const Worst worst = compare(diffuse_with_lamps(), *GetParam(), Fault::none, 6, 48, portals);
+  EXPECT_LT(worst.weight, 1e-6);
+  EXPECT_LT(worst.value, 1e-4);
+}
+
+TEST_P(sky_paths, of_walks_without_limit_are_the_oracles) {
+  Scene scene = diffuse_with_lamps();
+  for (Material& m : scene.materials) m.base_color = Rgb(0.8f);
+  const Worst worst = compare(scene, *GetParam(), Fault::none, kMaxDepth, 24, three_portals());
+  EXPECT_LT(worst.ways, 1e-12);
+  EXPECT_LE(worst.off, 4);
+  if (GetParam() != &pt) {
+    EXPECT_GT(worst.longest, 12);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(integrators, sky_paths, testing::ValuesIn(integrators()),
+                         [](const auto& integrator) {
+                           std::string name = integrator.param->name;
+                           std::replace(name.begin(), name.end(), '-', '_');
+                           return name;
+                         });
+
+// Beside lamps the sky is one light of several: its share counts as well.
+TEST(sky_path_twin, a_density_of_the_skys_directions_off_by_5_percent_is_caught) {
+  for (const Scene& scene : {diffuse_under_the_sky(), diffuse_with_lamps(), glossy_with_lamps()})
+    for (const Integrator* integrator : {&nee, &bdpt, &tdpt_ref, &tdpt_guided}) {
+      const Worst worst = compare(scene, *integrator, Fault::sky_5_percent, 6, 32, three_portals());
+      EXPECT_GT(worst.weight, 1e-3) << integrator->name;
+      EXPECT_GT(worst.value, 0.04) << integrator->name;
+    }
+}
+
+TEST(sky_path_twin, what_segments_from_the_sky_have_too_much_is_caught) {
+  for (const Fault fault :
+       {Fault::sky_segment_distance, Fault::sky_segment_cosine, Fault::portal_density_5_percent})
+    for (const Scene& scene : {diffuse_under_the_sky(), glossy_with_lamps()})
+      for (const Integrator* integrator : {&tdpt_org, &tdpt_ref, &tdpt_guided}) {
+        const Worst worst = compare(scene, *integrator, fault, 6, 16, three_portals());
+        EXPECT_GT(worst.weight, 1e-3) << integrator->name;
+        EXPECT_GT(worst.value, 0.04) << integrator->name;
+      }
+}
+
+TEST(sky_path_twin, next_events_through_windows_off_by_5_percent_are_caught) {
+  for (const Scene& scene : {diffuse_under_the_sky(), glossy_with_lamps()})
+    for (const Integrator* integrator : {&nee, &bdpt, &tdpt_ref, &tdpt_guided}) {
+      const Worst worst =
+          compare(scene, *integrator, Fault::window_5_percent, 6, 32, three_portals());
+      EXPECT_GT(worst.weight, 1e-3) << integrator->name;
+      EXPECT_GT(worst.value, 0.02) << integrator->name;
+    }
+}
+
+TEST(sky_path_twin, an_aim_off_by_5_percent_is_caught) {
+  for (const Scene& scene : {diffuse_under_the_sky(), glossy_with_lamps()}) {
+    const Worst worst = compare(scene, tdpt_guided, Fault::aim_5_percent, 6, 16, three_portals());
+    EXPECT_GT(worst.weight, 1e-3);
+    EXPECT_GT(worst.value, 0.04);
+  }
+}
+
+}  // namespace
+}  // namespace tdpt
