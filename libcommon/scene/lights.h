@@ -132,6 +132,9 @@ class Lights {
   const LightSource& surface(bool both_sides) const { return surfaces_[both_sides]; }
   /// What rays meet that leave the scene; null: nothing shines there.
   const LightSource* sky() const { return has_sky_ ? &sky_ : nullptr; }
+  /// A planted fault, for tests: says that the density of the sky's directions is `factor` times
+  /// what it is.
+  void scale_sky_density(double factor) { sky_.pdf_1_ *= factor; }
   /// Directions of the sky, by luminance alone.
   const SkyDirections& directions() const { return directions_; }
 

@@ -4,34 +4,11 @@
 
 #include "tools/tdpt-render/render.h"
 #include "tools/tdpt-render/test_rooms.h"
+#include "tools/tdpt-render/test_sheets.h"
 #include "tools/tdpt-render/test_variant.h"
 
 namespace tdpt {
 namespace {
-
-Material clear_pane() {
-  Material m;
-  m.name = "pane";
-  m.plain = false;
-  m.base_color = Rgb(1);
-  m.specular = 1;
-  m.transmission = 1;
-  m.roughness = 0;
-  return m;
-}
-
-// `scene` with a rectangle p, p+u, p+u+v, p+v (metres).
-Scene with_sheet(Scene scene, const Material& material, const Vec3d& p, const Vec3d& u,
-                 const Vec3d& v) {
-  const auto first = static_cast<uint32_t>(scene.positions.size());
-  for (const Vec3d& corner : {p, p + u, p + u + v, p + v})
-    scene.positions.push_back(Vec3f(scene.frame.to_canonical(corner)));
-  const auto m = static_cast<uint32_t>(scene.materials.size());
-  scene.materials.push_back(material);
-  scene.triangles.push_back({{first, first + 1, first + 2}, m});
-  scene.triangles.push_back({{first, first + 2, first + 3}, m});
-  return scene;
-}
 
 Scene furnace_with(const Material& pane, float albedo) {
   Scene scene = read_gltf(furnace_path());
@@ -96,11 +73,7 @@ double brought_by_the_portal(const Material& sheet, std::initializer_list<double
 
 // A portal drawn on the glass is the likeliest that an artist draws.
 TEST(panes, in_the_plane_of_a_portal_take_no_more_light_than_beside_it) {
-  Material veil;
-  veil.plain = false;
-  veil.alpha = 0.3f;
-  veil.alpha_mode = Material::Alpha::blend;
-  for (const Material& sheet : {clear_pane(), veil}) {
+  for (const Material& sheet : {clear_pane(), veil(0.3f)}) {
     const double beside = brought_by_the_portal(sheet, {2.06});
     EXPECT_NEAR(brought_by_the_portal(sheet, {2.05}) / beside, 1, 0.02);
     EXPECT_LT(brought_by_the_portal(sheet, {2.05, 2.06}) / beside, 0.97);  // twin: met twice
