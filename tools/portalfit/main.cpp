@@ -12,15 +12,17 @@
 #include "tools/portalfit/merit.h"
 #include "tools/portalfit/portalfit.h"
 #include "tools/portalfit/preview.h"
+#include "tools/portalfit/renderers.h"
 
 namespace tdpt {
 namespace {
 
-constexpr cli::Program kProgram{"portalfit", "Fits planar light portals to a light grid.",
-                                "The portals (.glb); default standard output"};
+constexpr cli::Program kProgram{
+    "portalfit", "Fits planar light portals to a light grid.",
+    "The portals (.glb, or the text of --for); default standard output"};
 
 struct Arguments {
-  std::string grid = "-", method = "tube", preview, debug_glb;
+  std::string grid = "-", method = "tube", renderer, preview, debug_glb;
   double threshold = PortalFitOptions{}.threshold;
   int64_t max_portals = 8;
   bool require_portal = false, all = false;
@@ -33,6 +35,9 @@ void declare_options(cli::Options& options, Arguments& a) {
   options.option("--max-portals", a.max_portals, "N", "Most portals; default 8", 1, 1000);
   options.choice("--method", a.method, {"tube", "paper"},
                  "How a portal is fitted: tube, the default, or the rule of the paper");
+  options.choice(
+      "--for", a.renderer, renderer_names(),
+      "Write the portals as rectangles in the terms of another renderer, in place of glTF");
   options.flag("--require-portal", a.require_portal, "Exit with 3 when no portal is found",
                cli::Shapes::nothing);
   options.flag("--all", a.all, "Write portals that are useless for certain, too");
@@ -122,7 +127,11 @@ std::string why_none(const Arguments& a, const cli::Common& common, const LightG
 void deliver(const Arguments& a, const cli::Common& common, const LightGrid& grid,
              const Written& written, Phases& phases) {
   const std::string why = grid.bottleneck ? kNoOpening : grid.reason;
-  cli::deliver({{common.output, [&] { return portal_bytes(written.file); }},
+  cli::deliver({{common.output,
+                 [&] {
+                   return a.renderer.empty() ? portal_bytes(written.file)
+                                             : portals_for(a.renderer, written.file);
+                 }},
                 {a.preview,
                  [&] {
                    return portal_preview(grid, written.file.portals, written.lines, a.grid, why)

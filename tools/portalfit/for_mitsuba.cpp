@@ -1,0 +1,48 @@
+// Mitsuba 3: the emitter `portal` is the square [-1, 1] x [-1, 1] of its frame; its +Z looks away
+// from the environment. Documented at the head of src/emitters/portal.cpp there; `include` in
+// docs/src/key_topics/scene_format.rst.
+#include <fmt/format.h>
+
+#include "tools/portalfit/renderer_text.h"
+#include "tools/portalfit/renderers.h"
+
+namespace tdpt {
+namespace {
+
+// Within a comment two dashes may not follow each other.
+std::string in_comment(const std::string& text) {
+  std::string spaced;
+  for (const char c : text) {
+    if (c == '-' && spaced.ends_with('-')) spaced += ' ';
+    spaced += c;
+  }
+  return spaced;
+}
+
+}  // namespace
+
+std::string portals_for_mitsuba(const PortalFile& file) {
+  std::string text = "<?xml version=\"1.0\" encoding=\"utf-8\"?>\n";
+  for (const std::string& remark : remarks_on(file))
+    text += fmt::format("<!-- {} -->\n", in_comment(remark));
+  text +=
+      "<!-- Mitsuba 3, as soon as it has the emitter \"portal\":\n"
+      "     <include filename=\"portals.xml\"/> in the scene, beside its envmap or constant. -->\n"
+      "<scene version=\"3.0.0\">\n";
+  for (size_t n = 0; n < file.portals.size(); ++n) {
+    const Rectangle r = rectangle_of(file.portals[n]);
+    const Placement p{r.x * (0.5 * r.width), r.y * (0.5 * r.height), r.normal, r.centre};
+    std::vector<double> matrix;
+    for (const auto& row : p.rows()) matrix.insert(matrix.end(), row.begin(), row.end());
+    text += fmt::format(
+        "    <emitter type=\"portal\" id=\"portal_{}\">\n"
+        "        <transform name=\"to_world\">\n"
+        "            <matrix value=\"{}\"/>\n"
+        "        </transform>\n"
+        "    </emitter>\n",
+        n, numbers(matrix));
+  }
+  return text + "</scene>\n";
+}
+
+}  // namespace tdpt

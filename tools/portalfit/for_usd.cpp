@@ -1,0 +1,62 @@
+// OpenUSD: a PortalLight is a rectangle in its local XY plane, width along X and height along Y,
+// that transmits light along -Z; a DomeLight names its portals.
+//   https://openusd.org/release/user_guides/schemas/usdLux/PortalLight.html
+//   https://openusd.org/release/user_guides/schemas/usdLux/DomeLight.html
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "tools/portalfit/renderer_text.h"
+#include "tools/portalfit/renderers.h"
+
+namespace tdpt {
+namespace {
+
+// Points are rows there.
+std::string transposed(const Placement& p) {
+  std::vector<std::string> rows;
+  for (const Vec3d& v : {p.x, p.y, p.z})
+    rows.push_back(fmt::format("({})", numbers({v.x, v.y, v.z, 0}, ", ")));
+  rows.push_back(fmt::format("({})", numbers({p.origin.x, p.origin.y, p.origin.z, 1}, ", ")));
+  return fmt::format("( {} )", fmt::join(rows, ", "));
+}
+
+}  // namespace
+
+std::string portals_for_usd(const PortalFile& file) {
+  std::string text =
+      "#usda 1.0\n"
+      "(\n"
+      "    defaultPrim = \"Portals\"\n"
+      "    metersPerUnit = 1\n"
+      "    upAxis = \"Y\"\n"
+      ")\n";
+  for (const std::string& remark : remarks_on(file)) text += "# " + remark + "\n";
+  text += "\ndef Xform \"Portals\"\n{\n";
+  std::vector<std::string> paths;
+  for (size_t n = 0; n < file.portals.size(); ++n) {
+    const Rectangle r = rectangle_of(file.portals[n]);
+    text += fmt::format(
+        "    def PortalLight \"portal_{}\"\n"
+        "    {{\n"
+        "        float inputs:height = {}\n"
+        "        float inputs:width = {}\n"
+        "        matrix4d xformOp:transform = {}\n"
+        "        uniform token[] xformOpOrder = [\"xformOp:transform\"]\n"
+        "    }}\n",
+        n, numbers({r.height}), numbers({r.width}), transposed(shining_along_minus_z(r)));
+    paths.push_back(fmt::format("</Portals/portal_{}>", n));
+  }
+  text += fmt::format(
+      "}}\n"
+      "\n"
+      "# As a sublayer of a stage whose dome light is at /Sky; for another, move this opinion "
+      "there.\n"
+      "over \"Sky\"\n"
+      "{{\n"
+      "    rel portals = [{}]\n"
+      "}}\n",
+      fmt::join(paths, ", "));
+  return text;
+}
+
+}  // namespace tdpt

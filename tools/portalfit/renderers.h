@@ -1,0 +1,32 @@
+// Portals in the terms of other renderers, which have them as rectangles: a text that each reads.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "libcommon/formats/portal.h"
+
+namespace tdpt {
+
+/// A Python script for Blender: area lamps that are portals. Z up, as Blender's importer turns
+/// glTF.
+std::string portals_for_cycles(const PortalFile& file);
+/// A file for pbrt-v4 to Include: an infinite light for each window. Axes of the scene.
+std::string portals_for_pbrt(const PortalFile& file);
+/// A scene for Mitsuba 3 to include: emitters `portal`. Axes of the scene.
+std::string portals_for_mitsuba(const PortalFile& file);
+/// A layer of OpenUSD, .usda: prims `PortalLight`. Axes of the scene.
+std::string portals_for_usd(const PortalFile& file);
+
+struct Renderer {
+  const char* name;
+  std::string (*text)(const PortalFile&);
+};
+inline constexpr Renderer kRenderers[] = {{"cycles", portals_for_cycles},
+                                          {"pbrt", portals_for_pbrt},
+                                          {"mitsuba", portals_for_mitsuba},
+                                          {"usd", portals_for_usd}};
+std::vector<std::string> renderer_names();
+/// The text for the renderer of that name.
+std::string portals_for(const std::string& renderer, const PortalFile& file);
+
+}  // namespace tdpt

@@ -1,0 +1,253 @@
+#include "tools/portalfit/renderers.h"
+
+#include <cmath>
+#include <cstdlib>
+#include <numbers>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "tdpt_version.h"
+#include "tools/portalfit/rectangle.h"
+
+namespace tdpt {
+namespace {
+
+Portal quadrilateral(const Vec3d& at, const Vec3d& u, const Vec3d& v, double cut = 0) {
+  Portal p;
+  p.vertices = {at, at + u, at + u + v, at + v};
+  p.triangles = {{0, 1, 2}, {0, 2, 3}};
+  p.figures["cut"] = cut;
+  return p;
+}
+
+// In the wall x = 2: 2 wide, 1.5 high, centre (2, 1.75, 3); its light goes to -x.
+PortalFile one_window() {
+  PortalFile file;
+  file.portals = {quadrilateral({2, 1, 2}, {0, 0, 2}, {0, 1.5, 0})};
+  file.scene_hash = "ca0c39";
+  file.provenance.lines = {"made by portalfit 0.1.0: portalfit --for usd"};
+  return file;
+}
+
+// Askew, and with numbers that have no short decimals.
+PortalFile askew_window() {
+  PortalFile file;
+  const double a = 0.3, b = 1.1;
+  file.portals = {quadrilateral({1.0 / 3, 2e-7, -1e4 / 7}, {std::cos(a) / 3, 0.1, -std::sin(a) / 3},
+                                {0.01 * std::sin(b), std::sqrt(2.0), 0.02 * std::cos(b)})};
+  return file;
+}
+
+std::string remarks(const std::string& open, const std::string& close) {
+  return open + "1 light portal by portalfit (tdpt " TDPT_VERSION "), in metres" + close + open +
+         "scene ca0c39" + close;
+}
+
+const std::string kMade = "made by portalfit 0.1.0: portalfit --for usd";
+
+// The part of `text` that begins with `from`.
+std::string tail(const std::string& text, const std::string& from) {
+  const size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from << " is not in\n" << text;
+  return at == std::string::npos ? "" : text.substr(at);
+}
+
+// The `n` numbers after the first `mark`.
+std::vector<double> numbers_after(const std::string& text, const std::string& mark, size_t n) {
+  std::vector<double> values;
+  const std::string rest = tail(text, mark);
+  const char* at = rest.c_str() + std::min(rest.size(), mark.size());
+  while (*at != 0 && values.size() < n) {
+    char* end = nullptr;
+    const double v = std::strtod(at, &end);
+    if (end == at) {
+      ++at;
+      continue;
+    }
+    values.push_back(v);
+    at = end;
+  }
+  return values;
+}
+
+TEST(Renderers, AreFoundByName) {
+  EXPECT_EQ(renderer_names(), (std::vector<std::string>{"cycles", "pbrt", "mitsuba", "usd"}));
+  for (const Renderer& r : kRenderers)
+    EXPECT_EQ(portals_for(r.name, one_window()), r.text(one_window()));
+}
+
+TEST(Renderers, CyclesHasALampForAWindow) {
+  const std::string text = portals_for_cycles(one_window());
+  EXPECT_EQ(text.substr(0, text.find("# Cycles:")), remarks("# ", "\n") + "# " + kMade + "\n");
+  // Blender's x, y, z are x, -z, y. The lamp shines along its -Z: its Z is +x.
+  EXPECT_EQ(tail(text, "PORTALS = ["), R"(PORTALS = [
+    ("portal.0", 2, 1.5,
+     ((0, 0, 1, 2),
+      (-1, 0, 0, -3),
+      (0, -1, 0, 1.75),
+      (0, 0, 0, 1))),
+]
+
+for name, width, height, matrix in PORTALS:
+    old = bpy.data.objects.get(name)
+    if old and old.type == "LIGHT" and old.data.cycles.is_portal:
+        bpy.data.objects.remove(old)
+    lamp = bpy.data.lights.new(name, "AREA")
+    lamp.shape, lamp.size, lamp.size_y = "RECTANGLE", width, height
+    lamp.cycles.is_portal = True
+    portal = bpy.data.objects.new(name, lamp)
+    portal.matrix_world = Matrix(matrix)
+    bpy.context.scene.collection.objects.link(portal)
+)");
+}
+
+TEST(Renderers, MitsubaHasAnEmitterForAWindow) {
+  EXPECT_EQ(portals_for_mitsuba(one_window()),
+            "<?xml version=\"1.0\" encoding=\"utf-8\"?>\n" + remarks("<!-- ", " -->\n") +
+                // XML has no two dashes within a comment.
+                "<!-- made by portalfit 0.1.0: portalfit - -for usd -->\n" +
+                R"(<!-- Mitsuba 3, as soon as it has the emitter "portal":
+     <include filename="portals.xml"/> in the scene, beside its envmap or constant. -->
+<scene version="3.0.0">
+    <emitter type="portal" id="portal_0">
+        <transform name="to_world">
+            <matrix value="0 0 -1 2 0 0.75 0 1.75 1 0 0 3 0 0 0 1"/>
+        </transform>
+    </emitter>
+</scene>
+)");
+}
+
+TEST(Renderers, PbrtHasALightForAWindow) {
+  const std::string text = portals_for_pbrt(one_window());
+  EXPECT_EQ(text.substr(0, text.find("# pbrt-v4:")), remarks("# ", "\n") + "# " + kMade + "\n");
+  EXPECT_EQ(tail(text, "\n# portal.0"), R"(
+# portal.0
+AttributeBegin
+    ConcatTransform [ 0 0 1 0  -1 0 0 0  0 1 0 0  0 0 0 1 ]
+    LightSource "infinite" "string filename" "sky.exr"
+        "point3 portal" [ 2 1 2 2 1 4 2 2.5 4 2 2.5 2 ]
+AttributeEnd
+)");
+}
+
+TEST(Renderers, PbrtsWayOutIsAgainstTheNormal) {
+  const std::vector<double> p =
+      numbers_after(portals_for_pbrt(askew_window()), "\"point3 portal\" [", 12);
+  ASSERT_EQ(p.size(), 12u);
+  const Vec3d p0{p[0], p[1], p[2]}, p1{p[3], p[4], p[5]}, p3{p[9], p[10], p[11]};
+  // As PortalImageInfiniteLight does: Frame::FromXY(p3 - p0, p1 - p0).
+  EXPECT_NEAR(
+      dot(normalize(cross(p3 - p0, p1 - p0)), rectangle_of(askew_window().portals[0]).normal), -1,
+      1e-9);
+}
+
+TEST(Renderers, PbrtsMapStandsAsOurs) {
+  // Column by column. Its tool reads latitude-longitude maps with z up: u is the azimuth from x to
+  // y.
+  const std::vector<double> m =
+      numbers_after(portals_for_pbrt(one_window()), "ConcatTransform [", 16);
+  ASSERT_EQ(m.size(), 16u);
+  const auto looks_to = [&](double u, double v) {
+    const double azimuth = 2 * std::numbers::pi * u, polar = std::numbers::pi * v;
+    const Vec3d w{std::sin(polar) * std::cos(azimuth), std::sin(polar) * std::sin(azimuth),
+                  std::cos(polar)};
+    return Vec3d{m[0], m[1], m[2]} * w.x + Vec3d{m[4], m[5], m[6]} * w.y +
+           Vec3d{m[8], m[9], m[10]} * w.z;
+  };
+  EXPECT_LT(length(looks_to(0.5, 0.5) - Vec3d{0, 0, -1}), 1e-12);
+  EXPECT_LT(length(looks_to(0.75, 0.5) - Vec3d{1, 0, 0}), 1e-12);
+  EXPECT_LT(length(looks_to(0.3, 0) - Vec3d{0, 1, 0}), 1e-12);
+}
+
+TEST(Renderers, PbrtCountsNoLightTwice) {
+  PortalFile file = one_window();
+  // A window that overlaps with the first, one apart, and a door further in.
+  file.portals.push_back(quadrilateral({2, 1, 3}, {0, 0, 2}, {0, 1.5, 0}));
+  file.portals.push_back(quadrilateral({2, 1, 6}, {0, 0, 1}, {0, 1.5, 0}));
+  file.portals.push_back(quadrilateral({-2, 0, 2}, {0, 0, 1}, {0, 2, 0}, 1));
+  const std::string text = portals_for_pbrt(file);
+  EXPECT_EQ(numbers_after(text, "\"point3 portal\" [", 12),
+            (std::vector<double>{2, 1, 2, 2, 1, 5, 2, 2.5, 5, 2, 2.5, 2}));
+  EXPECT_NE(text.find("\n# portal.0, portal.1\nAttributeBegin\n"), std::string::npos);
+  EXPECT_NE(text.find("\n# portal.2\nAttributeBegin\n"), std::string::npos);
+  const std::string door = tail(text, "\n# portal.3: further in,");
+  for (size_t at = 0; (at = door.find('\n', at)) + 1 < door.size(); ++at)
+    EXPECT_EQ(door[at + 1], '#') << door.substr(at);
+}
+
+TEST(Renderers, UsdHasAPortalLightForAWindow) {
+  EXPECT_EQ(portals_for_usd(one_window()), R"(#usda 1.0
+(
+    defaultPrim = "Portals"
+    metersPerUnit = 1
+    upAxis = "Y"
+)
+)" + remarks("# ", "\n") + "# " + kMade + "\n" +
+                                               R"(
+def Xform "Portals"
+{
+    def PortalLight "portal_0"
+    {
+        float inputs:height = 1.5
+        float inputs:width = 2
+        matrix4d xformOp:transform = ( (0, 0, 1, 0), (0, -1, 0, 0), (1, 0, 0, 0), (2, 1.75, 3, 1) )
+        uniform token[] xformOpOrder = ["xformOp:transform"]
+    }
+}
+
+# As a sublayer of a stage whose dome light is at /Sky; for another, move this opinion there.
+over "Sky"
+{
+    rel portals = [</Portals/portal_0>]
+}
+)");
+}
+
+TEST(Renderers, NumbersReadBackAsTheyWere) {
+  const PortalFile file = askew_window();
+  const Rectangle r = rectangle_of(file.portals[0]);
+  const Vec3d &c = r.centre, &x = r.x, &y = r.y, &n = r.normal;
+  EXPECT_EQ(numbers_after(portals_for_cycles(file), "(\"portal.0\",", 14),
+            (std::vector<double>{r.width, r.height, x.x, -y.x, -n.x, c.x, -x.z, y.z, n.z, -c.z, x.y,
+                                 -y.y, -n.y, c.y}));
+  EXPECT_EQ(numbers_after(portals_for_usd(file), "inputs:height", 2),
+            (std::vector<double>{r.height, r.width}));
+  EXPECT_EQ(numbers_after(portals_for_usd(file), "xformOp:transform", 16),
+            (std::vector<double>{x.x, x.y, x.z, 0, -y.x, -y.y, -y.z, 0, -n.x, -n.y, -n.z, 0, c.x,
+                                 c.y, c.z, 1}));
+  const Vec3d u = x * (0.5 * r.width), v = y * (0.5 * r.height);
+  EXPECT_EQ(numbers_after(portals_for_mitsuba(file), "matrix value=", 16),
+            (std::vector<double>{u.x, v.x, n.x, c.x, u.y, v.y, n.y, c.y, u.z, v.z, n.z, c.z, 0, 0,
+                                 0, 1}));
+  std::vector<double> corners;
+  for (const Vec3d& p : r.corners())
+    for (int i = 0; i < 3; ++i) corners.push_back(p[i]);
+  EXPECT_EQ(numbers_after(portals_for_pbrt(file), "\"point3 portal\" [", 12), corners);
+}
+
+TEST(Renderers, APortalFileWithoutPortalsIsATextWithoutPortals) {
+  for (const Renderer& r : kRenderers) {
+    const std::string text = r.text({});
+    EXPECT_NE(text.find("No light portals by portalfit"), std::string::npos) << r.name;
+    EXPECT_EQ(text.find("portal.0"), std::string::npos) << r.name;
+    EXPECT_EQ(text.find("portal_0"), std::string::npos) << r.name;
+    EXPECT_EQ(text.find("LightSource \"infinite\" \"string"), std::string::npos) << r.name;
+  }
+}
+
+TEST(Renderers, NamesFromOutsideStayComments) {
+  PortalFile file = one_window();
+  file.provenance.lines = {"from a\nimport os\r-->\x01\xc3\xa4.vdb ca0c39"};
+  for (const Renderer& r : kRenderers) {
+    const std::string text = r.text(file);
+    EXPECT_EQ(text.find("\nimport os"), std::string::npos) << r.name;
+    for (const char c : text) EXPECT_TRUE(c == '\n' || (c >= ' ' && c <= '~')) << r.name;
+  }
+  EXPECT_NE(portals_for_mitsuba(file).find("<!-- from a?import os?- ->???.vdb ca0c39 -->\n"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace tdpt
