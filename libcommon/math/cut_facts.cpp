@@ -77,8 +77,8 @@ CutFacts facts_of(const PatchNetwork& p, const std::vector<uint8_t>& source_side
   if (crosses > 0) {
     f.across = crosses / (crosses + begun[1]);
     f.straight = straight / crosses;
-    if (!p.sky.empty()) f.from_sky = sky / crosses;
-    f.back = back / crosses;
+    // All that comes in from the open leaves again.
+    if (p.sky.empty()) f.back = back / crosses;
     f.camera_back = camera[1] / std::max(camera[0], 1e-300);
   }
   if (lamps > 0) f.seen = std::min(1.0, straight / lamps);
@@ -146,10 +146,9 @@ std::string words_for(const CutFacts& f) {
       "the "
       "cut",
       percent(f.area[0]),
-      f.straight ? fmt::format(", {} of what crosses comes straight from {}",
-                               percent(f.from_sky.value_or(*f.straight)),
-                               f.from_sky ? "the sky" : "a lamp")
-                 : "",
+      f.straight
+          ? fmt::format(", {} of what crosses comes straight from a lamp", percent(*f.straight))
+          : "",
       f.conductance);
 }
 

@@ -26,8 +26,9 @@ GridOfWalks grid_for(const Scene& scene, const Walks& light, const Walks& camera
   for (const Triangle& t : scene.triangles)
     for (const uint32_t v : t.vertex) whole.add(scene.frame.to_metres(Vec3d(scene.positions[v])));
   if (whole.empty()) whole.add(Vec3d{});
-  Extent region = reach_of_walks(scene, light);
-  region.add(reach_of_walks(scene, camera));
+  Extent region = reach_of_walks(scene, camera);
+  // Of the sky's light little matters but what comes to rooms, wherever else it falls.
+  if (!lit_from_infinity(scene)) region.add(reach_of_walks(scene, light));
   region = region.empty() ? whole : region.within(whole);
 
   const double least = 1e-6 / scene.frame.scale;

@@ -13,7 +13,8 @@ struct GridOfWalks {
 
 /// Cells of (diagonal of the region) / 24 in the region and around it, four times as large, or 16
 /// times and so on, beyond where the scene is that much larger than the region. The region: where
-/// most hits of the light's walks are, and where most of the camera's (reach.h).
+/// most hits of the light's walks are, and where most of the camera's (reach.h); the camera's alone
+/// where light comes from infinity.
 GridOfWalks grid_for(const Scene& scene, const Walks& light, const Walks& camera);
 
 }  // namespace tdpt
