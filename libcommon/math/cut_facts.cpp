@@ -21,7 +21,8 @@ constexpr double kHardlyNarrow = 0.4;
 constexpr double kNiche = 0.2;  // share of a light's side that is the niche of a window
 // From here on the lamps of a niche send nearly all to the other: there is no opening.
 constexpr double kOpen = 0.9;
-constexpr double kMostBack = 0.9;       // of the walks that cross
+constexpr double kMostBack = 0.9;  // of the walks that cross
+constexpr double kMostSkyBeyond = 0.1;
 constexpr double kLeastAcross = 0.005;  // of the light on the camera's side
 
 std::string percent(double share) {
@@ -39,7 +40,10 @@ CutFacts facts_of(const PatchNetwork& p, const std::vector<uint8_t>& source_side
   double camera[2] = {0, 0};  // from T, from S
   for (uint32_t v = 0; v < net.nodes; ++v)
     if (!p.terminal(v)) f.area[side(v)] += p.samples[v], total_area += p.samples[v];
+  double sky_fed[2] = {0, 0};
   for (const FlowArc& a : net.arcs) {
+    if (a.from == net.source && p.is_sky(a.to))
+      sky_fed[side(a.to)] += static_cast<double>(a.capacity);
     if (p.terminal(a.from) || p.terminal(a.to) || a.from == a.to) continue;
     const double capacity = static_cast<double>(a.capacity);
     f.volume[side(a.from)] += capacity;
@@ -56,6 +60,7 @@ CutFacts facts_of(const PatchNetwork& p, const std::vector<uint8_t>& source_side
     (p.is_sky(a.from) ? sky : straight) += chance * p.begun[a.from];
     scattered += chance * p.lit[a.from];
   }
+  if (sky_fed[1] > 0) f.sky_beyond = sky_fed[1] / (sky_fed[0] + sky_fed[1]);
   const double smaller = std::min(f.volume[0], f.volume[1]);
   if (smaller > 0) f.conductance = f.crossing / smaller;
   const double total_volume = f.volume[0] + f.volume[1];
@@ -118,6 +123,9 @@ std::string why_refused(const CutFacts& f, const CutLimits& limits) {
         s == 0 ? "light's" : "camera's", 100 * f.area[s], 100 * f.volume[s],
         100 * limits.least_area);
   }
+  if (f.sky_beyond > kMostSkyBeyond)
+    return fmt::format("{} of the sky lies on the camera's side of the cut, which parts the open",
+                       percent(f.sky_beyond));
   if (f.back.value_or(0) > kMostBack)
     return fmt::format(
         "as much light comes back across the cut as crosses it ({:.2g} times): the lamps shine "

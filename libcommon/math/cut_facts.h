@@ -52,6 +52,8 @@ struct CutFacts {
   std::optional<double> back, camera_back;
   std::optional<double> straight;  ///< of what crosses: what comes from a lamp without a surface
   std::optional<double> seen;      ///< of what lamps on S send: what crosses at once
+  /// Of what the source feeds to the sky: what it feeds to parts of it on T. The sky is one light.
+  double sky_beyond = 0;
   /// Share of the hits of the camera's walks; of a network with a sky only: a landscape has much
   /// more area than the room that the camera stands in.
   std::array<double, 2> viewed{};
