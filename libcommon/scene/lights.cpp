@@ -61,9 +61,8 @@ LightSource LightSource::all_around(const Sky& sky, double extent) {
 }
 
 Lights::Lights(const Scene& scene) : scene_(scene), pdf_A_(scene.triangles.size(), 0.0f) {
-  std::vector<double> weights;
   const auto add = [&](double power) {
-    weights.push_back(power);
+    powers_.push_back(power);
     power_ += power;
   };
   for (uint32_t t = 0; t < scene.triangles.size(); ++t) {
@@ -92,7 +91,29 @@ Lights::Lights(const Scene& scene) : scene_(scene), pdf_A_(scene.triangles.size(
     if (has_sky_) sky_ = LightSource::all_around(*scene.sky, disc);
     if (has_sky_) add(directions_.total() * disc);
   }
+  if (powers_.empty()) return;
+  for (size_t i = 0; i < powers_.size(); ++i) shares_.of(source_of(i)) += powers_[i] / power_;
+  fill(powers_);
+}
+
+const LightSource& Lights::source_of(size_t entry) const {
+  if (entry < triangles_.size()) return surfaces_[0];
+  const size_t lamp = entry - triangles_.size();
+  return lamp < punctual_.size() ? punctual_[lamp] : sky_;
+}
+
+void Lights::choose_by(const Shares& shares) {
+  Shares plain, wanted = shares;
+  for (size_t i = 0; i < powers_.size(); ++i) plain.of(source_of(i)) += powers_[i];
+  std::vector<double> weights = powers_;
+  for (size_t i = 0; i < weights.size(); ++i)
+    weights[i] *= wanted.of(source_of(i)) / plain.of(source_of(i));
   if (weights.empty()) return;
+  shares_ = shares;
+  fill(weights);
+}
+
+void Lights::fill(const std::vector<double>& weights) {
   table_ = AliasTable(weights);
   for (uint32_t i = 0; i < weights.size(); ++i) {
     const double pdf_1 = table_.pdf_1(i);

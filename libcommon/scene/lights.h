@@ -90,6 +90,21 @@ class Lights {
   /// and of the sky passes the disc.
   double power() const { return power_; }
 
+  /// How often lights of a kind are chosen, together.
+  struct Shares {
+    double surfaces = 0, lamps = 0, parallel = 0, sky = 0;  ///< sum 1; points and spots are lamps
+    double& of(const LightSource& source) {
+      if (source.is_sky()) return sky;
+      if (source.is_surface()) return surfaces;
+      return source.at_infinity() ? parallel : lamps;
+    }
+    friend bool operator==(const Shares&, const Shares&) = default;
+  };
+  /// In proportion to power, unless choose_by() said otherwise.
+  const Shares& shares() const { return shares_; }
+  /// Those of a kind that there are have more than 0.
+  void choose_by(const Shares& shares);
+
   /// A place light leaves from.
   struct Point {
     const LightSource* source = nullptr;
@@ -141,6 +156,8 @@ class Lights {
  private:
   static constexpr double kPreferred = 0.9;
   double pdf_of_start(const Vec3d& towards) const;
+  const LightSource& source_of(size_t entry) const;
+  void fill(const std::vector<double>& weights);
 
   const Scene& scene_;
   std::array<LightSource, 2> surfaces_{LightSource::surface(false), LightSource::surface(true)};
@@ -152,7 +169,9 @@ class Lights {
   std::vector<TriangleShape> shapes_;
   std::vector<LightSource> punctual_;
   AliasTable table_;
-  std::vector<float> pdf_A_;  // per scene triangle
+  std::vector<float> pdf_A_;    // per scene triangle
+  std::vector<double> powers_;  // of the entries
+  Shares shares_;
   double power_ = 0;
   double radius_ = 0;  // of a ball around the origin that holds all triangles
 };

@@ -3,6 +3,8 @@
 namespace tdpt {
 namespace {
 
+constexpr double kAim = 0.4;
+
 // bdpt with tdpt-guided's sample weights of next events: what that is without portals.
 Integrator favouring_next_events() {
   Integrator integrator{"bdpt", kGuided[0].stream, kGuided[0].mixture};
@@ -11,16 +13,42 @@ Integrator favouring_next_events() {
   return integrator;
 }
 
+// As without portals.
+Integrator looking_everywhere(Integrator integrator) {
+  integrator.mixture.through_windows = 0;
+  return integrator;
+}
+
+// Its walks from the camera directed at portals: for a sky, of which much comes off the ground and
+// the houses outside, and a lamp's light walks seldom come in.
+Integrator aiming(Integrator integrator, uint64_t stream) {
+  integrator.stream = stream;
+  integrator.mixture.guiding.chance = {0, kAim};
+  return integrator;
+}
+
+Integrator with_stream(Integrator integrator, uint64_t stream) {
+  integrator.stream = stream;
+  return integrator;
+}
+
 }  // namespace
 
 std::vector<Candidate> auto_candidates(const World& world, std::span<const Integrator> guided) {
-  std::vector<Candidate> all{{bdpt, label_of(bdpt)},
-                             {nee, label_of(nee)},
-                             {pt, label_of(pt)},
-                             {favouring_next_events(), "bdpt favouring next events"}};
+  std::vector<Candidate> all{
+      {looking_everywhere(bdpt), label_of(bdpt)},
+      {looking_everywhere(nee), label_of(nee)},
+      {pt, label_of(pt)},
+      {looking_everywhere(favouring_next_events()), "bdpt favouring next events"}};
   if (!world.portals.empty()) {
     all.push_back({tdpt_org, label_of(tdpt_org)});
     for (const Integrator& integrator : guided) all.push_back({integrator, label_of(integrator)});
+  }
+  if (!world.windows.empty()) {
+    all.push_back({with_stream(bdpt, 9), "bdpt through windows"});
+    all.push_back({with_stream(nee, 10), "nee through windows"});
+    for (const Integrator& integrator : {aiming(bdpt, 11), aiming(nee, 12)})
+      all.push_back({integrator, label_of(integrator)});
   }
   std::vector<Candidate> candidates;
   for (const Candidate& c : all)

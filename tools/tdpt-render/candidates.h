@@ -14,7 +14,8 @@ struct Candidate {
   std::string label;  ///< names it in notes and statistics; several may share an integrator's name
   /// Whether the world's portals are any use to it.
   bool with_portals() const {
-    return integrator.mixture.has(Technique::portal) || integrator.mixture.guiding != Guiding{};
+    const Mixture& m = integrator.mixture;
+    return m.has(Technique::portal) || m.guiding != Guiding{} || m.looks_out();
   }
 };
 

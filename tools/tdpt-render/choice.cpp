@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "libcommon/base/error.h"
+#include "tools/tdpt-render/arrival.h"
 #include "tools/tdpt-render/portal_fit.h"
 #include "tools/tdpt-render/portal_probe.h"
 #include "tools/tdpt-render/portal_report.h"
@@ -11,9 +12,8 @@
 namespace tdpt {
 namespace {
 
-// tdpt-guided with the numbers that were given, one at least.
-Integrator guided_as_given(const Arguments& a) {
-  Integrator guided = tdpt_guided;
+// The integrator with the numbers that were given, one at least.
+Integrator guided_as_given(const Arguments& a, Integrator guided) {
   std::array<double, 2>& chance = guided.mixture.guiding.chance;
   if (a.guide_light >= 0) chance[0] = a.guide_light;
   if (a.guide_camera >= 0) chance[1] = a.guide_camera;
@@ -54,10 +54,15 @@ Request request_of(const Arguments& a) {
   request.automatic = a.integrator == "auto";
   request.named = request.automatic ? bdpt : integrator_named(a.integrator);
   if (a.guide_light < 0 && a.guide_camera < 0 && a.segments < 0) return request;
-  if (!request.automatic && request.named.mixture.guiding == Guiding{})
-    throw UsageError(std::string("--guide-light, --guide-camera, --segments: ") +
-                     request.named.name + " has none of them");
-  request.guided = {guided_as_given(a)};
+  const Integrator& row = request.automatic ? tdpt_guided : request.named;
+  const auto refuse = [&](const char* option, const char* what) {
+    throw UsageError(std::string(option) + ": " + row.name + " " + what);
+  };
+  if (a.guide_light >= 0 && !row.mixture.techniques.walks_from_light())
+    refuse("--guide-light", "has no walks from the light");
+  if (a.segments >= 0 && !row.mixture.has(Technique::portal))
+    refuse("--segments", "draws no portal segments");
+  request.guided = {guided_as_given(a, row)};
   if (!request.automatic) request.named = request.guided.front();
   return request;
 }
@@ -65,10 +70,12 @@ Request request_of(const Arguments& a) {
 Choice choose(const Request& request, const RenderSettings& settings, const Camera& camera,
               World& world, std::vector<Portal>& portals, const cli::Common& common) {
   Choice choice;
-  const bool through_portals = request.named.mixture.has(Technique::portal);
+  const Mixture& named = request.named.mixture;
+  const bool through_portals = named.has(Technique::portal) || named.guiding != Guiding{};
   if (world.portals.empty() && through_portals)
     common.warn("no portal is given, so no path is sampled through one");
-  if (request.automatic || through_portals) {
+  const bool looks_out = named.looks_out() && !world.windows.empty();
+  if (request.automatic || through_portals || looks_out) {
     // A small part of the work.
     constexpr double kShare = 0.02, kFewest = 256;
     const double ahead = samples_ahead(settings, world.film);
@@ -86,6 +93,10 @@ Choice choose(const Request& request, const RenderSettings& settings, const Came
     if (kShare * ahead > kProbeSamples) probe(world, portals);
     for (const std::string& description : descriptions(portals)) common.note(description);
   }
+  // By power alone a sky outranks every lamp indoors.
+  if (world.lights.sky() && world.lights.shares().sky < 1)
+    world.lights.choose_by(
+        arriving_shares(world, {settings.max_depth, settings.beta, settings.seed}));
   choice.candidates = candidates_of(request, world);
   choice.integrator = request.named;
   if (request.automatic) choice.integrator = either_of(choice.candidates);

@@ -49,7 +49,7 @@ bool operator==(const Plan& a, const Plan& b) {
   return std::string(a.integrator.name) == b.integrator.name &&
          a.integrator.stream == b.integrator.stream &&
          a.integrator.mixture == b.integrator.mixture && a.label == b.label && a.spp == b.spp &&
-         a.ways == b.ways;
+         a.ways == b.ways && a.lights == b.lights;
 }
 
 std::string plan_text(const Plan& plan) {
@@ -67,8 +67,13 @@ std::string plan_text(const Plan& plan) {
                                 {"joined_to_segments", m.joined_to_segments},
                                 {"guide_light", m.guiding.chance[0]},
                                 {"guide_camera", m.guiding.chance[1]},
+                                {"through_windows", m.through_windows},
                                 {"spp", plan.spp},
-                                {"portals", ways}}
+                                {"portals", ways},
+                                {"surfaces", plan.lights.surfaces},
+                                {"lamps", plan.lights.lamps},
+                                {"parallel", plan.lights.parallel},
+                                {"sky", plan.lights.sky}}
       .dump();
 }
 
@@ -90,6 +95,7 @@ Plan read_plan(const std::string& text, const std::string& file) {
   m.joined = in.within("joined", 1e-3, LightPool::kWalks);
   m.joined_to_segments = in.within("joined_to_segments", 1e-3, LightPool::kWalks);
   m.guiding.chance = {in.within("guide_light", 0, 0.95), in.within("guide_camera", 0, 0.95)};
+  m.through_windows = in.within("through_windows", 0, 0.95);
   plan.spp = in.get<uint64_t>("spp");
   const auto ways = from.find("portals");
   if (ways == from.end() || !ways->is_array()) in.fail("portals", "is no list");
@@ -101,6 +107,8 @@ Plan read_plan(const std::string& text, const std::string& file) {
     plan.ways.push_back({static_cast<size_t>(of_portal.get<uint64_t>("portal")),
                          static_cast<PortalWay::Way>(way - kWays.begin())});
   }
+  plan.lights = {in.within("surfaces", 0, 1), in.within("lamps", 0, 1), in.within("parallel", 0, 1),
+                 in.within("sky", 0, 1)};
   return plan;
 }
 

@@ -15,6 +15,7 @@ struct Plan {
   std::string label;             ///< of the candidate that it is
   uint64_t spp = 0;              ///< samples of each pixel; 0: as many as the time allows
   std::vector<PortalWay> ways;   ///< which way portals work; empty: as drawn
+  Lights::Shares lights;         ///< how often each kind is chosen
 
   friend bool operator==(const Plan& a, const Plan& b);
 };

@@ -51,8 +51,7 @@ class Counter {
       bool passes = false;
       for (int i = 0; i + 1 < path.k(); ++i) {
         const Vertex &a = path.vertex(i), &b = path.vertex(i + 1);
-        const Vec3d from =
-            a.at_infinity() ? before_the_scene(b.position, a.position) : a.position;
+        const Vec3d from = a.at_infinity() ? before_the_scene(b.position, a.position) : a.position;
         const bool with = portals_[p].density(from, b.position) > 0;
         const bool against = portals_[p].density(b.position, from) > 0;
         if (with) of_sample_[p][0] += light;

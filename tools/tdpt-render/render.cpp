@@ -130,7 +130,8 @@ double Rendering::spp_ahead(const Scout& scout) const {
 }
 
 void Rendering::plan() {
-  result_.plan = {candidates_[0].integrator, candidates_[0].label, settings_.spp, {}};
+  result_.plan = {
+      candidates_[0].integrator, candidates_[0].label, settings_.spp, {}, world_.lights.shares()};
   if (candidates_.size() < 2) return;
   const double cpu = clock_.cpu();
   Scout scout(world_, candidates_, rules_);

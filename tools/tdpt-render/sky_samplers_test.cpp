@@ -195,14 +195,14 @@ double next_events(const Shaded& shaded, double fault) {
   world.next_events.look_out(v.normal, v);
   EXPECT_GT(v.outlook.seen, 0);
   Vertex sky;
+  double q = kThroughWindows;
   const auto density = [&](const Vec3d& w) {
     place_in_sky(world, w, sky);
-    return world.next_events.pdf(v, sky);
+    return world.next_events.pdf(v, sky).of(q);
   };
-  const double q = world.next_events.through_windows();
-  world.next_events.through_windows(q * fault);
+  q *= fault;
   std::vector<double> probability = integral(density, fault == 1 ? 72 : 24);
-  world.next_events.through_windows(q);
+  q = kThroughWindows;
   return chi_square_of_samples(kSamples, probability,
                                [&](uint64_t i) {
                                  Rng rng(55, 0, i);
@@ -211,7 +211,7 @@ double next_events(const Shaded& shaded, double fault) {
                                  const double b = rng.uniform();
                                  const double side = rng.uniform();
                                  const Lights::Point p =
-                                     world.next_events.sample(v, pick, a, b, side);
+                                     world.next_events.sample(v, q, pick, a, b, side);
                                  if (!p.source->is_sky()) return kBins;
                                  EXPECT_NEAR(p.pdf / density(-p.position), 1, 1e-9);
                                  return bin_of(-p.position);

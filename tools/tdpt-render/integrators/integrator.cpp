@@ -16,8 +16,10 @@ const Integrator& integrator_named(const std::string& name) {
 std::string label_of(const Integrator& integrator) {
   const auto [light, camera] = integrator.mixture.guiding.chance;
   if (light == 0 && camera == 0) return integrator.name;
-  return fmt::format("{} {:g} {:g} {:g}", integrator.name, light, camera,
-                     integrator.mixture.segments);
+  const std::string label = fmt::format("{} {:g} {:g}", integrator.name, light, camera);
+  return integrator.mixture.has(Technique::portal)
+             ? fmt::format("{} {:g}", label, integrator.mixture.segments)
+             : label;
 }
 
 namespace {

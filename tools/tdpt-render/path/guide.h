@@ -32,16 +32,19 @@ class Guide {
   /// Walks of `mixture`. Where it has no use for the portals there are none, at no cost.
   Guide(const World& world, const Mixture& mixture)
       : Guide(world, mixture.guiding, mixture.guiding != Guiding{},
-              mixture.has(Technique::portal) || mixture.guiding != Guiding{}) {}
+              mixture.has(Technique::portal) || mixture.guiding != Guiding{}, mixture.looks_out()) {
+  }
   /// The same, and all is known that the densities of any other directed walks depend on.
   static Guide knowing_all(const World& world, const Mixture& mixture) {
-    return Guide(world, mixture.guiding, true, true);
+    return Guide(world, mixture.guiding, true, true, true);
   }
 
   /// Whether any walk may be directed; otherwise `crossing` knows D alone and no vertex has Aims.
   bool active() const { return active_; }
   /// Whether edges have crossings at all.
   bool sees_portals() const { return sees_portals_; }
+  /// Whether vertices are told what they see of the sky through the portals.
+  bool looks_out() const { return looks_out_; }
 
   /// Of an edge `a` -> `b` of a path, a nearer to the light: here alone it is decided which edges
   /// have one. `tests` counts those that are held against the portals; `drawn`: as in portals.h.
@@ -69,18 +72,19 @@ class Guide {
                const PortalSet::Crossing& crossing) const;
 
  private:
-  Guide(const World& world, const Guiding& guiding, bool active, bool sees_portals)
+  Guide(const World& world, const Guiding& guiding, bool active, bool sees_portals, bool looks_out)
       : portals_(world.portals),
         guiding_(guiding),
         active_(active && !world.portals.empty()),
-        sees_portals_(sees_portals && !world.portals.empty()) {}
+        sees_portals_(sees_portals && !world.portals.empty()),
+        looks_out_(looks_out && !world.windows.empty()) {}
   double chance(From from) const { return guiding_.chance[static_cast<size_t>(from)]; }
   double chance(From from, const Vertex& v, const Vec3d& back) const;
   double aims(const Point& v, const Vec3d& facing, From from) const;
 
   const PortalSet& portals_;
   Guiding guiding_;
-  bool active_, sees_portals_;
+  bool active_, sees_portals_, looks_out_;
 };
 
 }  // namespace tdpt

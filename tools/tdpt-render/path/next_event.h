@@ -1,10 +1,11 @@
 // Where a next event looks: which light, and where on it, for a given shaded point.
 //
 // A light is chosen as for light walks. Of the sky a direction is drawn through the windows
-// [window_sky.h] with some probability where the point sees any, and else from all of it:
-//   p_nee(w | x) = P_sky ((1-q) p_sky(w) + q p_windows(w | x)),
-// q less than 1, so that nothing that shines is missed or seldom found: what windows miss, since no
-// portal is there, has 1-q.
+// [window_sky.h] with probability q [Mixture::through_windows] where the point sees any, and else
+// from all of it:
+//   p_nee(w | x) = P_sky ((1-q) p_sky(w) + q p_windows(w | x)).
+// q is less than 1, so that nothing that shines is missed: what windows miss, since no portal is
+// there, has 1-q.
 #pragma once
 #include "libcommon/scene/lights.h"
 #include "tools/tdpt-render/path/vertex.h"
@@ -12,13 +13,16 @@
 
 namespace tdpt {
 
+/// p_nee of a place on a light, whatever q.
+struct NextEventPdf {
+  double plain = 0, windows = 0;
+  bool sees_windows = false;  ///< the shaded point does, and the place is in the sky
+  double of(double q) const { return sees_windows ? (1 - q) * plain + q * windows : plain; }
+};
+
 class NextEvents {
  public:
   NextEvents(const Lights& lights, const WindowSky& windows) : lights_(lights), windows_(windows) {}
-
-  /// q of points that see a window.
-  double through_windows() const { return through_windows_; }
-  void through_windows(double q) { through_windows_ = q; }
 
   /// Tells a surface that is seen along unit `away` from it, or was left along it, what it sees.
   void look_out(const Vec3d& away, Vertex& v) const {
@@ -27,21 +31,21 @@ class NextEvents {
     v.outlook.seen = windows_.seen(v.position, v.outlook.facing);
   }
 
-  /// A place on a light with its density. `shaded` has looked out. Four numbers in [0,1), as
-  /// Lights::sample.
-  Lights::Point sample(const Vertex& shaded, double pick, double u, double v, double side) const;
+  /// A place on a light with its density. `shaded` has looked out if q is more than 0. Four numbers
+  /// in [0,1), as Lights::sample.
+  Lights::Point sample(const Vertex& shaded, double q, double pick, double u, double v,
+                       double side) const;
   /// Density of `sample` at a place on a light.
-  double pdf(const Vertex& shaded, const Point& light) const {
+  NextEventPdf pdf(const Vertex& shaded, const Point& light) const {
     return pdf(shaded, *light.source, light.triangle, light.position);
   }
 
  private:
-  double pdf(const Vertex& shaded, const LightSource& source, uint32_t triangle,
-             const Vec3d& position) const;
+  NextEventPdf pdf(const Vertex& shaded, const LightSource& source, uint32_t triangle,
+                   const Vec3d& position) const;
 
   const Lights& lights_;
   const WindowSky& windows_;
-  double through_windows_ = 0.5;
 };
 
 }  // namespace tdpt

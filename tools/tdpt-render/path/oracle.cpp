@@ -94,13 +94,15 @@ double light_pdf(const World& world, const SkyLight* sky, const Vertex& x0, Faul
 }
 
 /// p_nee(x_0) of a next event at x_1.
-double next_event_pdf(const World& world, const SkyLight* sky, const Path& path, Fault fault) {
+double next_event_pdf(const World& world, const SkyLight* sky, const Path& path,
+                      double through_windows, Fault fault) {
   const Vertex& x0 = path.vertex(0);
   if (!in_the_sky(x0)) return light_pdf(world, sky, x0, fault);
   const double spoilt = fault == Fault::sky_5_percent ? 1.05 : 1;
   const double through = fault == Fault::window_5_percent ? 1.05 : 1;
   return spoilt * x0.source->pdf_1() *
-         sky->next_event_pdf_w(path.vertex(1), path.vertex(2), -x0.position, through);
+         sky->next_event_pdf_w(path.vertex(1), path.vertex(2), -x0.position, through_windows,
+                               through);
 }
 
 /// Of surfaces, points and spots [1/sr]; of light from infinity [1/area across it].
@@ -394,8 +396,9 @@ std::vector<StrategyDensity> densities(const World& world, const Path& path, con
     if (!possible && fault != Fault::connection_at_a_mirror) return;
     double log_p = 0;
     for (int i = 0; i < split; ++i)
-      log_p += std::log(technique == Technique::direct ? next_event_pdf(world, sky, path, fault)
-                                                       : from_light[static_cast<size_t>(i)]);
+      log_p += std::log(technique == Technique::direct
+                            ? next_event_pdf(world, sky, path, mixture.through_windows, fault)
+                            : from_light[static_cast<size_t>(i)]);
     for (int i = portal ? split + 2 : split; i < k; ++i)
       log_p += std::log(from_camera[static_cast<size_t>(i)]);
     if (portal) {

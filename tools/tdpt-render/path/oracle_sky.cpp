@@ -164,7 +164,7 @@ double SkyLight::seen_through(const WindowSky::Window& window, const Rectangle& 
 }
 
 double SkyLight::next_event_pdf_w(const Vertex& shaded, const Vertex& next, const Vec3d& towards,
-                                  double through) const {
+                                  double q, double through) const {
   const double plain = luminance(world_.scene.sky->radiance(towards)) / total_;
   const bool one_sided = shaded.simple || !shaded.bsdf.transmits();
   const double side = dot(shaded.normal, next.position - shaded.position) < 0 ? -1 : 1;
@@ -177,7 +177,6 @@ double SkyLight::next_event_pdf_w(const Vertex& shaded, const Vertex& next, cons
     if (r.seen() && local.z > 0 && r.passed_along(local)) light += window.sky->density(local);
   }
   if (!(seen > 0)) return plain;
-  const double q = world_.next_events.through_windows();
   return (1 - q) * plain + q * through * light / seen;
 }
 

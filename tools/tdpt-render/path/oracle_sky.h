@@ -17,9 +17,9 @@ class SkyLight {
   /// Density of a direction in which walks begin [1/sr], unit `towards` the sky: a tenth by
   /// luminance alone, the rest by luminance times the portals' area across the direction.
   double start_pdf_w(const Vec3d& towards) const;
-  /// Density of a direction of next events at `shaded`, from which a path goes on to `next` [1/sr];
-  /// `through`: factor of that of those through windows.
-  double next_event_pdf_w(const Vertex& shaded, const Vertex& next, const Vec3d& towards,
+  /// Density of a direction of next events at `shaded`, from which a path goes on to `next` [1/sr],
+  /// of which the share `q` looks through windows; `through`: factor of their density.
+  double next_event_pdf_w(const Vertex& shaded, const Vertex& next, const Vec3d& towards, double q,
                           double through) const;
 
  private:

@@ -100,7 +100,7 @@ void Path::fill(const World& world, const Walk& y, int s, const Walk& z, int t,
                            (i <= s - 3 ? y.state(i).pdf_other_A
                                        : directed_camera_A(guide_, i, plain_camera_A(world, i)));
   }
-  next_event_A_ = k_ > 1 ? world.next_events.pdf(x(1), x(0)) : 0;
+  if (k_ > 1) next_event_ = world.next_events.pdf(x(1), x(0));
 }
 
 void Path::fill_survival(const Walk& y, int s, const Walk& z, int t) {
@@ -194,7 +194,8 @@ void Path::for_each_strategy(const Mixture& mixture, const WalkDensities& unit,
     if (mixture.has(technique) && joins) {
       const double weight = mixture.sample_weight(technique, s, k_);
       if (s == 1)
-        add(Strategy{technique, s}, 0, 1, next_event_A_ * (1 / unit.common(0)) * weight);
+        add(Strategy{technique, s}, 0, 1,
+            next_event_.of(mixture.through_windows) * (1 / unit.common(0)) * weight);
       else
         add(Strategy{technique, s}, s, s, weight);
     }

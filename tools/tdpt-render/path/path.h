@@ -3,6 +3,7 @@
 #include <array>
 #include <optional>
 
+#include "tools/tdpt-render/path/next_event.h"
 #include "tools/tdpt-render/path/walk.h"
 
 namespace tdpt {
@@ -112,7 +113,7 @@ class Path {
   int k_ = 0;
   std::array<const Vertex*, kMaxDepth + 1> x_;
   WalkDensities walks_;
-  double next_event_A_ = 0;  ///< p_nee(x_0): its density as a next event at x_1
+  NextEventPdf next_event_;  ///< p_nee(x_0): its density as a next event at x_1
   std::array<PortalSet::Crossing, kMaxDepth + 1> crossing_;  ///< of the edge x_i -> x_{i+1}
   std::array<bool, kMaxDepth + 1> dirac_;
   std::array<std::array<double, kMaxDepth + 1>, 2> survival_;  ///< [From][i], 1 at both ends

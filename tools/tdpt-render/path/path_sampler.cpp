@@ -196,7 +196,9 @@ void PathSampler::direct() {
     if (!z[j].connectible) continue;
     random.seek(4 * static_cast<uint32_t>(j));
     const auto [u, v, pick, side] = random.uniforms<4>();
-    begin_at_light(world_, guide_, world_.next_events.sample(z[j], pick, u, v, side), light_point_);
+    const Lights::Point point =
+        world_.next_events.sample(z[j], settings_.mixture.through_windows, pick, u, v, side);
+    begin_at_light(world_, guide_, point, light_point_);
     const Vertex& y0 = light_point_[0];
     const Edge e = between(z[j], y0);
     const Rgb Le = emitted(y0, -e.w);
@@ -296,8 +298,10 @@ bool PathSampler::draw_segment(const PortalSet::Sample& sample, Segment& segment
       guide_.aim_at_surface(sample.direction, x_l);
     guide_.aim_at_surface(-sample.direction, x_c);
   }
-  if (!x_l.at_infinity()) world_.next_events.look_out(sample.direction, x_l);
-  world_.next_events.look_out(-sample.direction, x_c);
+  if (guide_.looks_out()) {
+    if (!x_l.at_infinity()) world_.next_events.look_out(sample.direction, x_l);
+    world_.next_events.look_out(-sample.direction, x_c);
+  }
   crossing = guide_.crossing(x_l, x_c, tally_.rays.portal, sample.drawn);
   return crossing.density > 0;
 }

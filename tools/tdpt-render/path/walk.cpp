@@ -74,7 +74,8 @@ bool Walker::extend(const Tracer::Origin& origin, const Vec3d& w, const Rgb& thr
   WalkState& state = walk_.states[n];
   if (guide_.active()) leaves ? guide_.aim_at_light(next) : guide_.aim_at_surface(-w, next);
   // Light walks ask for the first: it may be x_1.
-  if (!leaves && (from_ == From::camera || n == 1)) world_.next_events.look_out(-w, next);
+  if (guide_.looks_out() && !leaves && (from_ == From::camera || n == 1))
+    world_.next_events.look_out(-w, next);
   if (n >= 2) here.other_survival = albedo_at(v, w);
   state.own_survival = albedo_at(next, -w);
   state.other_survival = 1;

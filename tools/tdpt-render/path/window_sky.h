@@ -2,8 +2,8 @@
 // the camera's side, so that next events find the bright parts of it that a window shows.
 //
 // Method: portal-masked environment map sampling (Bitterli, Wyman and Pharr 2015; in pbrt-v4 as
-// PortalImageInfiniteLight). Each facet of a portal [portals.h] has a rectangle around it, with axes
-// x, y in its plane and z out towards the sky. The sky is laid out anew over
+// PortalImageInfiniteLight). Each facet of a portal [portals.h] has a rectangle around it, with
+// axes x, y in its plane and z out towards the sky. The sky is laid out anew over
 //   a = c(w_x / w_z),  b = c(w_y / w_z),  c(t) = t / (1 + |t|) in (-1, 1),
 // in which the rectangle is again one, seen from any point; sums over it are four look-ups of a
 // summed-area table. (The paper's c is the arc tangent, which is as even and takes longer.) Its
@@ -62,7 +62,9 @@ class RectifiedSky {
     double t;
   };
   Place place(double b) const;
-  double at(int i, const Place& b) const { return at(i, b.j) + b.t * (at(i, b.j + 1) - at(i, b.j)); }
+  double at(int i, const Place& b) const {
+    return at(i, b.j) + b.t * (at(i, b.j + 1) - at(i, b.j));
+  }
 
   Vec3d x_, y_, z_;
   int n_;
