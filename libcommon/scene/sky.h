@@ -71,8 +71,7 @@ class Sky {
 ///
 /// Method: an alias table of blocks of cells, each in proportion to its integral; within a block,
 /// whose cells are summed when it is drawn, a cell; within a cell the bilinear luminance by its
-/// inverse distribution. A block is one cell unless the map is so large that the table would be,
-/// too. Suns are entries of the same table.
+/// inverse distribution. Blocks keep the table small. Suns are entries of the same table.
 class SkyDirections {
  public:
   SkyDirections() = default;
