@@ -131,6 +131,8 @@ void add_sky(Scene& scene, const SkyArguments& a, const cli::Common& common,
   if (a.sun_angle > 0 && suns.empty())
     common.note("the scene has no directional lamp: --sun-angle changes nothing");
   if (map.texels.empty() && suns.empty()) return;
+  if (scene.lights.empty()) std::erase(scene.needs, "punctual lights");
+  scene.needs.push_back("a sky");
   scene.sky_hash = hash_of(map, a.rotation, suns.empty() ? 0 : a.sun_angle);
   scale(map, a.scale);
   scene.sky = std::make_shared<Sky>(std::move(map), a.rotation * kRadians, std::move(suns));

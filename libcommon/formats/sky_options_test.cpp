@@ -137,6 +137,24 @@ TEST(SkyOptions, DirectionalLampsBecomeSunsOfTheSameIrradiance) {
   }
 }
 
+// What --verbose tells of a scene.
+TEST(SkyOptions, WhatTheSceneNeedsOfARenderer) {
+  const auto needs = [](Scene scene, const SkyArguments& a) {
+    std::vector<cli::Common::Input> files;
+    scene.needs = {"textures", "punctual lights"};
+    add_sky(scene, a, {}, files);
+    return scene.needs;
+  };
+  using Words = std::vector<std::string>;
+  Scene sunny = lamps();
+  sunny.lights.resize(1);
+  EXPECT_EQ(needs(lamps(), {}), (Words{"textures", "punctual lights"}));
+  EXPECT_EQ(needs(lamps(), environment("", 0, 1, 1)),
+            (Words{"textures", "punctual lights", "a sky"}));
+  EXPECT_EQ(needs(sunny, environment("", 0, 1, 1)), (Words{"textures", "a sky"}));
+  EXPECT_EQ(needs(sunny, environment("1,1,1")), (Words{"textures", "punctual lights", "a sky"}));
+}
+
 // Files are of another light where it comes from elsewhere, not where there is more of it.
 TEST(SkyOptions, IdentityIsOfWhereTheLightComesFrom) {
   const File file, other(3);

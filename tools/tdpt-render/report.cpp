@@ -13,9 +13,10 @@ namespace tdpt {
 namespace {
 
 /// The words of Scene::needs: code that a scene without them never enters.
-constexpr std::array kNeeds{"textures",    "shading normals",  "specular",        "transmission",
-                            "alpha",       "vertex colours",   "punctual lights", "absorption",
-                            "normal maps", "textured emission"};
+constexpr std::array kNeeds{
+    "textures",       "shading normals", "specular",   "transmission", "alpha",
+    "vertex colours", "punctual lights", "absorption", "normal maps",  "textured emission",
+    "a sky"};
 
 double total_energy(const RenderResult& result) {
   return std::accumulate(result.tally.energy.begin(), result.tally.energy.end(), 0.0);
