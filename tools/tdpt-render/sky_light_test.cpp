@@ -317,15 +317,18 @@ TEST(sky_light, twin_a_portal_off_by_5_percent_is_caught) {
   }
 }
 
-// One texel of 1e6 in a black map over a floor: rows 4..5 of 16, columns 20..21 of 32.
+// One texel of 1e6 in a black map over a floor: row 4 of 16, column 20 of 32. What is seen falls to
+// 0 at the centres of its neighbours, linearly in azimuth and in y, the floor's cosine: a triangle
+// over y has its mean at the mean of its corners.
 TEST(sky_light, of_one_texel_of_a_million_is_its_projected_solid_angle) {
   Outdoors out;
   out.quad({-1, 0, 1}, {2, 0, 0}, {0, 0, -2}, out.diffuse(0.5f));
   out.look({0, 2, 0.5}, {0, 0, 0}, 0.3);
   Sky::Map map{32, 16, std::vector<Rgb>(32 * 16)};
   map.texels[4 * 32 + 20] = Rgb(1e6f);
-  const double s0 = std::sin(4 * pi / 16), s1 = std::sin(5 * pi / 16);
-  const double irradiance = 1e6 * (2 * pi / 32) / 2 * (s1 * s1 - s0 * s0);
+  const double below = std::cos(5.5 * pi / 16), at = std::cos(4.5 * pi / 16),
+               above = std::cos(3.5 * pi / 16);
+  const double irradiance = 1e6 * (2 * pi / 32) * (above - below) / 2 * (above + at + below) / 3;
   const auto sky = std::make_shared<Sky>(map, 0);
   for (const auto& portals :
        {std::vector<Portal>{}, {rectangle({-0.7, 0.5, -0.7}, {1.4, 0, 0}, {0, 0, 1.4})}})
