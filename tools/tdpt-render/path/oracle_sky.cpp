@@ -9,13 +9,43 @@ namespace {
 
 using std::numbers::pi;
 
-double map_luminance(const Sky& sky, const Vec3d& towards) {
+/// Heights y of the rows' centres of a map, from pole to pole: 1, the centres', -1.
+double node(const Sky::Map& map, int i) {
+  return i == 0 ? 1 : i > map.height ? -1 : std::cos(pi * (i - 0.5) / map.height);
+}
+
+/// Where a direction lies among the centres of texels: in columns from the first's on, and in rows
+/// of nodes.
+struct Place {
+  double column, row;
+};
+Place place_of(const Sky& sky, const Vec3d& towards) {
   const Sky::Map& map = sky.map();
-  if (map.texels.empty()) return 0;
   double x, y;
   sky.raster(towards, x, y);
-  return luminance(
-      map.texels[static_cast<size_t>(static_cast<int>(y) * map.width + static_cast<int>(x))]);
+  int row = static_cast<int>(y + 0.5);  // between centres in angle, and so in height
+  const double up = node(map, row), low = node(map, row + 1);
+  return {std::fmod(x - 0.5 + map.width, map.width),
+          row + std::clamp((up - towards.y) / (up - low), 0.0, 1.0)};
+}
+Vec3d direction_of(const Sky& sky, const Place& p) {
+  const Sky::Map& map = sky.map();
+  const int row = std::min(static_cast<int>(p.row), map.height);
+  const double t = p.row - row, y = (1 - t) * node(map, row) + t * node(map, row + 1);
+  return sky.towards(p.column + 0.5, std::acos(y) / pi * map.height);
+}
+
+/// Of the map alone: linear in azimuth and in height.
+double map_luminance(const Sky& sky, const Place& p) {
+  const Sky::Map& map = sky.map();
+  const auto texel = [&](int column, int row) {  // rows of nodes
+    const int y = std::clamp(row - 1, 0, map.height - 1);
+    return luminance(map.texels[static_cast<size_t>(y * map.width + column % map.width)]);
+  };
+  const int i = std::min(static_cast<int>(p.row), map.height), j = static_cast<int>(p.column);
+  const double t = p.row - i, s = p.column - j;
+  return (1 - t) * ((1 - s) * texel(j, i) + s * texel(j + 1, i)) +
+         t * ((1 - s) * texel(j, i + 1) + s * texel(j + 1, i + 1));
 }
 
 bool lies_in(const Sky::Sun& sun, const Vec3d& towards) {
@@ -75,18 +105,17 @@ SkyLight::SkyLight(const World& world) : world_(world) {
   const Sky& sky = *world.scene.sky;
   const Sky::Map& map = sky.map();
   if (map.width > 0) {
-    columns_ = map.width * std::max(1, 128 / map.width);
-    rows_ = map.height * std::max(1, 64 / map.height);
+    across_ = (127 + map.width) / map.width;
+    down_ = (64 + map.height) / (map.height + 1);
   }
-  for (int row = 0; row < rows_; ++row) {
-    const double cell =
-        2 * pi / columns_ * (std::cos(pi * row / rows_) - std::cos(pi * (row + 1) / rows_));
-    for (int column = 0; column < columns_; ++column) {
-      const Vec3d towards =
-          sky.towards((column + 0.5) * map.width / columns_, (row + 0.5) * map.height / rows_);
-      const double light = map_luminance(sky, towards) * cell;
+  for (int row = 0; row < (map.height + 1) * down_; ++row) {
+    const double cell = 2 * pi / (map.width * across_) *
+                        (node(map, row / down_) - node(map, row / down_ + 1)) / down_;
+    for (int column = 0; column < map.width * across_; ++column) {
+      const Place middle{(column + 0.5) / across_, (row + 0.5) / down_};
+      const double light = map_luminance(sky, middle) * cell;  // linear: the middle's is the mean
       total_ += light;
-      total_across_ += light * across_portals(towards);
+      total_across_ += light * across_portals(direction_of(sky, middle));
     }
   }
   for (const Sky::Sun& sun : sky.suns()) {
@@ -124,22 +153,17 @@ double SkyLight::across_portals(const Vec3d& towards) const {
   return area;
 }
 
-Vec3d SkyLight::middle_of_cell(const Vec3d& towards) const {
-  const Sky& sky = *world_.scene.sky;
-  double x, y;
-  sky.raster(towards, x, y);
-  const double width = static_cast<double>(sky.map().width) / columns_,
-               height = static_cast<double>(sky.map().height) / rows_;
-  return sky.towards((std::floor(x / width) + 0.5) * width,
-                     (std::floor(y / height) + 0.5) * height);
-}
-
 double SkyLight::start_pdf_w(const Vec3d& towards) const {
   const Sky& sky = *world_.scene.sky;
   const double plain = luminance(sky.radiance(towards)) / total_;
   if (!(total_across_ > 0)) return plain;
   double light = 0;
-  if (columns_ > 0) light = map_luminance(sky, towards) * across_portals(middle_of_cell(towards));
+  if (across_ > 0) {
+    const Place p = place_of(sky, towards);
+    const Place middle{(std::floor(p.column * across_) + 0.5) / across_,
+                       (std::floor(p.row * down_) + 0.5) / down_};
+    light = map_luminance(sky, p) * across_portals(direction_of(sky, middle));
+  }
   for (const Sky::Sun& sun : sky.suns())
     if (lies_in(sun, towards)) light += luminance(sun.radiance) * across_portals(sun.towards);
   return 0.1 * plain + 0.9 * light / total_across_;

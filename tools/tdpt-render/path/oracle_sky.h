@@ -31,11 +31,11 @@ class SkyLight {
   };
 
   double across_portals(const Vec3d& towards) const;
-  Vec3d middle_of_cell(const Vec3d& towards) const;
   double seen_through(const WindowSky::Window& window, const Rectangle& r) const;
 
   const World& world_;
-  int columns_ = 0, rows_ = 0;           // of cells, within which the portals count alike
+  // Parts of a cell between texels' centres, within which the portals count alike.
+  int across_ = 0, down_ = 0;
   double total_ = 0, total_across_ = 0;  // of luminance, of luminance times area [per sr]
   std::vector<Layout> layouts_;
 };
