@@ -4,6 +4,7 @@
 # current folder. What is set, and why Blender's own reading of the file is not enough: doc/cycles.md.
 
 import argparse
+import math
 import os
 import sys
 
@@ -29,6 +30,9 @@ def options():
     p.add_argument("--threads", type=int, default=0, help="0: all cores")
     p.add_argument("--lamp-cuts", type=int, default=0, help="cuts in each edge of the meshes that emit")
     p.add_argument("--keep-materials", action="store_true", help="leave the materials as imported")
+    p.add_argument("--environment", metavar="FILE|R,G,B", help="the world's light, as --environment of tdpt-render")
+    p.add_argument("--environment-rotation", type=float, default=0, help="degrees, counter-clockwise from above")
+    p.add_argument("--script", help="Python run in the scene before it renders, as portalfit --for cycles writes it")
     a = p.parse_args(sys.argv[sys.argv.index("--") + 1 :])
     if a.max_depth < 2:
         p.error("--max-depth: Cycles has no paths of less than 2 edges alone")
@@ -94,6 +98,34 @@ def make_lambertian(material):
     links.new(both.outputs["Shader"], out.inputs["Surface"])
 
 
+def shine(scene, environment, rotation):
+    """Lights the scene as `tdpt-render --environment` means it."""
+    scene.world = bpy.data.worlds.new("environment")
+    scene.world.use_nodes = True
+    nodes, links = scene.world.node_tree.nodes, scene.world.node_tree.links
+    background = next(n for n in nodes if n.bl_idname == "ShaderNodeBackground")
+    try:
+        colour = [float(c) for c in environment.split(",")]
+    except ValueError:
+        colour = None
+    if colour:
+        background.inputs["Color"].default_value = [c / max(colour) for c in colour] + [1]
+        background.inputs["Strength"].default_value = max(colour)
+        return
+    picture = nodes.new("ShaderNodeTexEnvironment")
+    picture.image = bpy.data.images.load(os.path.abspath(environment))
+    picture.image.colorspace_settings.name = "Linear"
+    picture.interpolation = "Linear"  # In the angle to the pole, ours in its cosine: the same where texels are small.
+    turn = nodes.new("ShaderNodeMapping")
+    turn.vector_type = "POINT"
+    # The centre of the map is +X here, and our -Z is +Y.
+    turn.inputs["Rotation"].default_value = (0, 0, -math.pi / 2 - math.radians(rotation))
+    place = nodes.new("ShaderNodeTexCoord")
+    links.new(place.outputs["Generated"], turn.inputs["Vector"])
+    links.new(turn.outputs["Vector"], picture.inputs["Vector"])
+    links.new(picture.outputs["Color"], background.inputs["Color"])
+
+
 def prepare(a):
     bpy.ops.wm.read_factory_settings(use_empty=True)  # No cube, no lamp, no grey world.
     bpy.ops.import_scene.gltf(filepath=os.path.abspath(a.scene))
@@ -106,6 +138,12 @@ def prepare(a):
     if not a.keep_materials:
         for material in bpy.data.materials:
             make_lambertian(material)
+
+    if a.environment:
+        shine(scene, a.environment, a.environment_rotation)
+    if a.script:
+        with open(a.script, encoding="utf-8") as script:
+            exec(compile(script.read(), a.script, "exec"), {"__name__": "__main__"})
 
     render = scene.render
     render.engine = "CYCLES"

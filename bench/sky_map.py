@@ -2,8 +2,8 @@
 
 Latitude-longitude, as tdpt-render reads it: centre of the picture -Z, three quarters of its width +X, top +Y.
 
-The sky is CIE's standard clear sky (CIE S 011/ISO 15469, type 12, low illuminance turbidity): in the zenith angle Z of a
-place and its angle s to the sun its luminance is in proportion to
+The sky is CIE's standard clear sky (CIE S 011/ISO 15469, type 12, low illuminance turbidity): in the zenith angle Z of
+a place and its angle s to the sun its luminance is in proportion to
   (1 - exp(-0.32 / cos Z)) (1 + 10 (exp(-3 s) - exp(-3 pi / 2)) + 0.45 cos^2 s),
 scaled so that it brings a horizontal plane the irradiance pi, as a sky of radiance 1 all over would. The sun is a disc
 of 0.53 degrees with ten times that irradiance across its rays (a clear day's diffuse light is about a tenth of the

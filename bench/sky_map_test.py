@@ -83,9 +83,9 @@ class Files(unittest.TestCase):
 class Directions(unittest.TestCase):
     def test_are_those_of_tdpt_render(self):
         width, height = 64, 32
-        for (column, row), w in (((32, 16), (0, 0, -1)), ((48, 16), (1, 0, 0)), ((16, 16), (-1, 0, 0)), ((0, 16), (0, 0, 1)),
-                                 ((5, 0), (0, 1, 0))):
-            np.testing.assert_allclose(sky_map.directions(column, row, width, height), w, atol=1e-12)
+        for place, w in (((32, 16), (0, 0, -1)), ((48, 16), (1, 0, 0)), ((16, 16), (-1, 0, 0)), ((0, 16), (0, 0, 1)),
+                         ((5, 0), (0, 1, 0))):
+            np.testing.assert_allclose(sky_map.directions(*place, width, height), w, atol=1e-12)
         np.testing.assert_allclose(sky_map.towards(90, 0), (1, 0, 0), atol=1e-12)
         np.testing.assert_allclose(sky_map.towards(0, 0), (0, 0, -1), atol=1e-12)
 
