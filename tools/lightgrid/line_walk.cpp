@@ -53,6 +53,7 @@ constexpr double kFull = 0.2;       // of the largest count: from there on w is 
 constexpr double kNarrowest = 2e4;  // exponent of the cosine
 // The walk ends when each chain has moved so often on average, or after so many steps.
 constexpr uint64_t kMoves = 6, kMostSteps = 48;
+constexpr double kOffEnds = 1e-3;
 constexpr uint64_t kMeetings = 4;  // first steps, at places where lines meet
 
 // w of each voxel: its count to the third power; the fullest are all alike, so that the walk goes
@@ -110,15 +111,16 @@ ChainWeights weights_of(const LightGrid& grid, const std::vector<double>& w,
   return weights;
 }
 
-// The place on `line` nearest to `other` [metres]: all lines meet in the opening.
-Vec3d nearest_to(const LightLine& line, const LightLine& other) {
+// The place on `line` nearest to `other` [metres]: all lines meet in the opening. `off_ends`: how
+// far from its ends [share of it]: beyond the wall that one lies on may be the open sky.
+Vec3d nearest_to(const LightLine& line, const LightLine& other, double off_ends) {
   const Vec3d d = line.camera - line.light, e = other.camera - other.light;
   const Vec3d between = line.light - other.light;
   const double dd = dot(d, d), de = dot(d, e), ee = dot(e, e);
   const double slant = dd * ee - de * de;
   const double t =
       slant > 1e-12 * dd * ee ? (de * dot(e, between) - ee * dot(d, between)) / slant : 0.5;
-  return line.light + d * std::clamp(t, 0.0, 1.0);
+  return line.light + d * std::clamp(t, off_ends, 1 - off_ends);
 }
 
 // Counts of the light's own distribution, from chains that have settled.
@@ -216,12 +218,14 @@ class Chains {
     const double sharp = rng.uniform();
     wide_[i] = sharp < 0.5;
     tries_[i] = {};
+    const double off_ends = scene_.dome < scene_.triangles.size() ? kOffEnds : 0;
     const auto meeting = [&] {
       const auto n = start_.size();
       return std::min(n - 1, static_cast<size_t>(u * static_cast<double>(n)));
     };
-    const std::optional<Vec3d> place = round < kMeetings ? nearest_to(line_[i], start_[meeting()])
-                                                         : place_on(grid_, w_, line_[i], u);
+    const std::optional<Vec3d> place = round < kMeetings
+                                           ? nearest_to(line_[i], start_[meeting()], off_ends)
+                                           : place_on(grid_, w_, line_[i], u);
     if (!place) return;
     const Onb<double> frame(normalize(line_[i].camera - line_[i].light));
     const double exponent = wide_[i] ? 1 : std::pow(kNarrowest, 2 * sharp - 1);

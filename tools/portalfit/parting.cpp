@@ -16,6 +16,7 @@ constexpr double kSlant = 0.5;       // sine between planes that bound each othe
 constexpr double kMost = 0.25;       // of an opening's area, beyond the edge it shares
 constexpr double kReach = 1.5;       // in area: how near is near
 constexpr double kReachOfLines = 2;  // the same, for lines: few are where an opening narrows
+constexpr double kLost = 0.03;       // of the lines through an opening, or of their density
 constexpr double kLeastLeft = 0.5;   // of an opening's lines, or it stays as it was
 
 // The middle of the piece of the half plane's border within `polygon`, if there is one.
@@ -134,6 +135,34 @@ void part_from_each_other(const LightGrid& grid, const std::vector<uint32_t>& al
       if (again->lines.size() >= kLeastLeft * size) a = std::move(*again);
     }
   }
+}
+
+void fit_to_all_lines(const LightGrid& grid, const std::vector<uint32_t>& all,
+                      std::vector<Aperture>& found) {
+  for (int round = 0; round < 2; ++round)
+    for (Aperture& a : found) {
+      const auto passing = static_cast<double>(lines_across(grid, all, a).size());
+      if (static_cast<double>(a.lines.size()) > (1 - kLost) * passing) continue;
+      std::vector<uint32_t> others;
+      for (const Aperture& b : found) {
+        if (&b == &a) continue;
+        for (const uint32_t l : all)
+          if (const auto at = clear_crossing(b.tube.middle, grid.lines[l]);
+              at && contains(b.polygon, *at))
+            others.push_back(l);
+      }
+      std::sort(others.begin(), others.end());
+      std::vector<uint32_t> own;
+      std::set_difference(all.begin(), all.end(), others.begin(), others.end(),
+                          std::back_inserter(own));
+      auto again = outlined(grid, own, a.tube, true);
+      if (!again) continue;
+      again->lines = lines_across(grid, all, *again);
+      const auto density = [](double lines, const Aperture& x) { return lines / area(x.polygon); };
+      const auto now = static_cast<double>(again->lines.size());
+      if (now >= (1 - kLost) * passing && density(now, *again) >= (1 - kLost) * density(passing, a))
+        a = std::move(*again);
+    }
 }
 
 void part_at_shared_edges(const LightGrid& grid, const std::vector<uint32_t>& all,
