@@ -77,6 +77,31 @@ double density_of(const Aperture& a) {
   return static_cast<double>(a.lines.size()) / (area(a.polygon) * through_share(a));
 }
 
+std::optional<Aperture> part_of_directions(const LightGrid& grid,
+                                           const std::vector<uint32_t>& lines,
+                                           const Aperture& whole) {
+  const Onb<double> frame(whole.tube.middle.n);
+  const Extents e = extents_of(whole.polygon);
+  std::optional<Aperture> best;
+  double most = kDenser * density(whole);
+  for (const Vec2d axis :
+       {e.axis, e.axis * -1, Vec2d{-e.axis.y, e.axis.x}, Vec2d{e.axis.y, -e.axis.x}}) {
+    const Vec3d along = frame.x * axis.x + frame.y * axis.y;
+    std::vector<uint32_t> half;
+    for (const uint32_t l : whole.lines)
+      if (dot(grid.lines[l].camera - grid.lines[l].light, along) > 0) half.push_back(l);
+    auto part = find_aperture(grid, half);
+    if (part) part = outlined(grid, lines, part->tube, true);
+    if (!part || density(*part) < most ||
+        static_cast<double>(part->lines.size()) <
+            kLeastOfWhole * static_cast<double>(whole.lines.size()))
+      continue;
+    most = density(*part);
+    best = std::move(part);
+  }
+  return best;
+}
+
 std::optional<Aperture> denser_part(const LightGrid& grid, const std::vector<uint32_t>& lines,
                                     const Aperture& whole) {
   const auto support = support_of(grid, whole);

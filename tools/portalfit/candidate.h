@@ -24,4 +24,11 @@ double density_of(const Aperture& a);
 std::optional<Aperture> denser_part(const LightGrid& grid, const std::vector<uint32_t>& lines,
                                     const Aperture& whole);
 
+/// A plane before two windows at a corner lies in the open: most of the light of each goes to one
+/// side. The densest opening, among all `lines`, of those that go to one side of `whole`. Nothing
+/// where none is denser than it.
+std::optional<Aperture> part_of_directions(const LightGrid& grid,
+                                           const std::vector<uint32_t>& lines,
+                                           const Aperture& whole);
+
 }  // namespace tdpt

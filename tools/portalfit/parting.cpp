@@ -137,31 +137,34 @@ void part_from_each_other(const LightGrid& grid, const std::vector<uint32_t>& al
   }
 }
 
+std::vector<uint32_t> lines_beside(const LightGrid& grid, const std::vector<uint32_t>& all,
+                                   const std::vector<Aperture>& others) {
+  std::vector<uint32_t> taken, own;
+  for (const Aperture& b : others)
+    for (const uint32_t l : all)
+      if (const auto at = clear_crossing(b.tube.middle, grid.lines[l]);
+          at && contains(b.polygon, *at))
+        taken.push_back(l);
+  std::sort(taken.begin(), taken.end());
+  std::set_difference(all.begin(), all.end(), taken.begin(), taken.end(), std::back_inserter(own));
+  return own;
+}
+
 void fit_to_all_lines(const LightGrid& grid, const std::vector<uint32_t>& all,
                       std::vector<Aperture>& found) {
   for (int round = 0; round < 2; ++round)
-    for (Aperture& a : found) {
-      const auto passing = static_cast<double>(lines_across(grid, all, a).size());
-      if (static_cast<double>(a.lines.size()) > (1 - kLost) * passing) continue;
-      std::vector<uint32_t> others;
-      for (const Aperture& b : found) {
-        if (&b == &a) continue;
-        for (const uint32_t l : all)
-          if (const auto at = clear_crossing(b.tube.middle, grid.lines[l]);
-              at && contains(b.polygon, *at))
-            others.push_back(l);
-      }
-      std::sort(others.begin(), others.end());
-      std::vector<uint32_t> own;
-      std::set_difference(all.begin(), all.end(), others.begin(), others.end(),
-                          std::back_inserter(own));
-      auto again = outlined(grid, own, a.tube, true);
+    for (size_t k = 0; k < found.size(); ++k) {
+      const auto passing = static_cast<double>(lines_across(grid, all, found[k]).size());
+      if (static_cast<double>(found[k].lines.size()) > (1 - kLost) * passing) continue;
+      std::vector<Aperture> others = found;
+      others.erase(others.begin() + static_cast<std::ptrdiff_t>(k));
+      auto again = outlined(grid, lines_beside(grid, all, others), found[k].tube, true);
       if (!again) continue;
       again->lines = lines_across(grid, all, *again);
-      const auto density = [](double lines, const Aperture& x) { return lines / area(x.polygon); };
       const auto now = static_cast<double>(again->lines.size());
-      if (now >= (1 - kLost) * passing && density(now, *again) >= (1 - kLost) * density(passing, a))
-        a = std::move(*again);
+      const double grown = area(again->polygon) / area(found[k].polygon);
+      if (grown < kReach && now >= (1 - kLost) * std::max(1.0, grown) * passing)
+        found[k] = std::move(*again);
     }
 }
 

@@ -27,6 +27,10 @@ std::optional<HalfPlane> shared_edge(const Aperture& a, const Aperture& b);
 void part_from_each_other(const LightGrid& grid, const std::vector<uint32_t>& all,
                           std::vector<Aperture>& found);
 
+/// Lines of `all` that pass none of `others`.
+std::vector<uint32_t> lines_beside(const LightGrid& grid, const std::vector<uint32_t>& all,
+                                   const std::vector<Aperture>& others);
+
 /// Openings that were fitted without lines that pass them, since a candidate before them had taken
 /// these: windows at the two sides of a corner. Each is fitted again to all lines but the others'.
 /// All lines are those of `all`.

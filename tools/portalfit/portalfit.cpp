@@ -110,13 +110,24 @@ std::vector<Aperture> parts_of(const LightGrid& grid, const std::vector<uint32_t
       break;
     }
     if (auto part = denser_part(grid, rest, *aperture)) aperture = std::move(part);
-    const auto support = support_of(grid, *aperture);
+    auto support = support_of(grid, *aperture);
+    double passing = support.value_or(1) * fullness_of(grid, *aperture);
+    // Lines that only end before an opening found earlier may be this one's, and what lies before
+    // two windows at a corner has a denser part.
+    const auto instead = [&](std::optional<Aperture> other) {
+      if (!other || other->lines.empty()) return;
+      aperture = std::move(other);
+      support = support_of(grid, *aperture);
+      passing = support.value_or(1) * fullness_of(grid, *aperture);
+    };
+    if (passing < kLeastPassing && !parts.empty())
+      instead(find_aperture(grid, lines_beside(grid, all, parts)));
+    if (passing < kLeastPassing) instead(part_of_directions(grid, rest, *aperture));
     if (support && *support < options.support)
       refused.push_back(fmt::format(
           "a candidate lies within one side: only {:.0f} % of the lines through it join the two",
           100 * *support));
-    else if (const double passing = support.value_or(1) * fullness_of(grid, *aperture);
-             passing < kLeastPassing)
+    else if (passing < kLeastPassing)
       refused.push_back(
           fmt::format("a candidate of {:.2g} m2 lies in the open: only {:.0f} % of the "
                       "lines through it pass from one side to the other",
