@@ -20,6 +20,7 @@ constexpr double kFewestProbes = 30;   // that tell the support
 constexpr double kSure = 0.8;          // support: with less it may be several openings
 constexpr double kDenser = 1.3;        // lines to the area, of a part over the whole
 constexpr double kLeastOfWhole = 0.1;  // of its lines, in such a part
+constexpr double kTowards = 0.6;       // cosine: lines of one wall's windows
 
 // Share of the lines through the middle of the tube that pass both its faces.
 double through_share(const Aperture& a) {
@@ -77,29 +78,55 @@ double density_of(const Aperture& a) {
   return static_cast<double>(a.lines.size()) / (area(a.polygon) * through_share(a));
 }
 
-std::optional<Aperture> part_of_directions(const LightGrid& grid,
-                                           const std::vector<uint32_t>& lines,
-                                           const Aperture& whole) {
-  const Onb<double> frame(whole.tube.middle.n);
-  const Extents e = extents_of(whole.polygon);
+namespace {
+
+// The densest opening, among all `lines`, of those of `some` that go along one of the `axes`, as
+// far as it is denser than `most` and holds so many.
+std::optional<Aperture> densest_along(const LightGrid& grid, const std::vector<uint32_t>& lines,
+                                      const std::vector<uint32_t>& some,
+                                      const std::vector<Vec3d>& axes, double least_cos, double most,
+                                      double fewest) {
   std::optional<Aperture> best;
-  double most = kDenser * density(whole);
-  for (const Vec2d axis :
-       {e.axis, e.axis * -1, Vec2d{-e.axis.y, e.axis.x}, Vec2d{e.axis.y, -e.axis.x}}) {
-    const Vec3d along = frame.x * axis.x + frame.y * axis.y;
-    std::vector<uint32_t> half;
-    for (const uint32_t l : whole.lines)
-      if (dot(grid.lines[l].camera - grid.lines[l].light, along) > 0) half.push_back(l);
-    auto part = find_aperture(grid, half);
+  for (const Vec3d& axis : axes) {
+    std::vector<uint32_t> along;
+    for (const uint32_t l : some)
+      if (dot(normalize(grid.lines[l].camera - grid.lines[l].light), axis) > least_cos)
+        along.push_back(l);
+    if (along.size() < kFewestLines) continue;
+    auto part = find_aperture(grid, along);
     if (part) part = outlined(grid, lines, part->tube, true);
-    if (!part || density(*part) < most ||
-        static_cast<double>(part->lines.size()) <
-            kLeastOfWhole * static_cast<double>(whole.lines.size()))
+    if (!part || density(*part) < most || static_cast<double>(part->lines.size()) < fewest)
       continue;
     most = density(*part);
     best = std::move(part);
   }
   return best;
+}
+
+}  // namespace
+
+std::optional<Aperture> part_of_directions(const LightGrid& grid,
+                                           const std::vector<uint32_t>& lines,
+                                           const Aperture& whole) {
+  const Onb<double> frame(whole.tube.middle.n);
+  const Extents e = extents_of(whole.polygon);
+  const Vec3d longer = frame.x * e.axis.x + frame.y * e.axis.y;
+  const Vec3d shorter = cross(whole.tube.middle.n, longer);
+  return densest_along(grid, lines, whole.lines, {longer, -longer, shorter, -shorter}, 0,
+                       kDenser * density(whole),
+                       kLeastOfWhole * static_cast<double>(whole.lines.size()));
+}
+
+std::optional<Aperture> aperture_of_directions(const LightGrid& grid,
+                                               const std::vector<uint32_t>& lines) {
+  Vec3d sum{};
+  for (const uint32_t l : lines) sum += normalize(grid.lines[l].camera - grid.lines[l].light);
+  if (!(length(sum) > 0)) return {};
+  std::vector<Vec3d> axes{normalize(sum)};
+  for (const Vec3d& axis : {Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}})
+    axes.insert(axes.end(), {axis, -axis});
+  return densest_along(grid, lines, lines, axes, kTowards, 0,
+                       kLeastOfWhole * static_cast<double>(lines.size()));
 }
 
 std::optional<Aperture> denser_part(const LightGrid& grid, const std::vector<uint32_t>& lines,

@@ -31,4 +31,9 @@ std::optional<Aperture> part_of_directions(const LightGrid& grid,
                                            const std::vector<uint32_t>& lines,
                                            const Aperture& whole);
 
+/// The densest opening of lines that go about the same way: where the windows of several walls are
+/// and the light of all has no common waist.
+std::optional<Aperture> aperture_of_directions(const LightGrid& grid,
+                                               const std::vector<uint32_t>& lines);
+
 }  // namespace tdpt

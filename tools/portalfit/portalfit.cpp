@@ -105,6 +105,9 @@ std::vector<Aperture> parts_of(const LightGrid& grid, const std::vector<uint32_t
   for (size_t tried = 0; tried < kMostTried && static_cast<double>(rest.size()) >= fewest;
        ++tried) {
     auto aperture = find_aperture(grid, rest);
+    if ((!aperture || aperture->lines.empty()) &&
+        static_cast<double>(rest.size()) > kStrays * static_cast<double>(all.size()))
+      aperture = aperture_of_directions(grid, rest);
     if (!aperture || aperture->lines.empty()) {
       refused.push_back("the lines left have no common waist");
       break;
