@@ -80,6 +80,24 @@ double density_of(const Aperture& a) {
 
 namespace {
 
+// All of them, and those that begin on either side of the middle of where they do: light of two
+// windows.
+std::vector<std::vector<uint32_t>> apart(const LightGrid& grid,
+                                         const std::vector<uint32_t>& lines) {
+  Vec3d low(INFINITY), high(-INFINITY), sum{};
+  for (const uint32_t l : lines) {
+    low = min(low, grid.lines[l].light), high = max(high, grid.lines[l].light);
+    sum += grid.lines[l].light;
+  }
+  const Vec3d size = high - low;
+  const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+  std::vector<std::vector<uint32_t>> sets{lines, {}, {}};
+  for (const uint32_t l : lines)
+    sets[grid.lines[l].light[axis] * static_cast<double>(lines.size()) < sum[axis] ? 1 : 2]
+        .push_back(l);
+  return sets;
+}
+
 // The densest opening, among all `lines`, of those of `some` that go along one of the `axes`, as
 // far as it is denser than `most` and holds so many.
 std::optional<Aperture> densest_along(const LightGrid& grid, const std::vector<uint32_t>& lines,
@@ -92,13 +110,15 @@ std::optional<Aperture> densest_along(const LightGrid& grid, const std::vector<u
     for (const uint32_t l : some)
       if (dot(normalize(grid.lines[l].camera - grid.lines[l].light), axis) > least_cos)
         along.push_back(l);
-    if (along.size() < kFewestLines) continue;
-    auto part = find_aperture(grid, along);
-    if (part) part = outlined(grid, lines, part->tube, true);
-    if (!part || density(*part) < most || static_cast<double>(part->lines.size()) < fewest)
-      continue;
-    most = density(*part);
-    best = std::move(part);
+    for (const std::vector<uint32_t>& bundle : apart(grid, along)) {
+      if (bundle.size() < kFewestLines) continue;
+      auto part = find_aperture(grid, bundle);
+      if (part) part = outlined(grid, lines, part->tube, true);
+      if (!part || density(*part) < most || static_cast<double>(part->lines.size()) < fewest)
+        continue;
+      most = density(*part);
+      best = std::move(part);
+    }
   }
   return best;
 }
