@@ -9,6 +9,7 @@
 #include <cmath>
 #include <utility>
 
+#include "tools/portalfit/bundle.h"
 #include "tools/portalfit/merit.h"
 #include "tools/portalfit/moments.h"
 #include "tools/portalfit/portal_shape.h"
@@ -98,6 +99,17 @@ std::vector<std::vector<uint32_t>> apart(const LightGrid& grid,
   return sets;
 }
 
+// At the narrowest place of a bundle, looked for from where its light begins.
+Tube at_waist(const LightGrid& grid, const std::vector<uint32_t>& bundle, const Vec3d& along) {
+  Vec3d sum{};
+  for (const uint32_t l : bundle) sum += grid.lines[l].light;
+  const Vec3d start = sum / static_cast<double>(bundle.size()) + along * (4 * grid.voxel);
+  Tube tube;
+  tube.middle = waist(grid, bundle, {start, along});
+  tube.half = 0.5 * grid.voxel;
+  return tube;
+}
+
 // The densest opening, among all `lines`, of those of `some` that go along one of the `axes`, as
 // far as it is denser than `most` and holds so many.
 std::optional<Aperture> densest_along(const LightGrid& grid, const std::vector<uint32_t>& lines,
@@ -113,6 +125,7 @@ std::optional<Aperture> densest_along(const LightGrid& grid, const std::vector<u
     for (const std::vector<uint32_t>& bundle : apart(grid, along)) {
       if (bundle.size() < kFewestLines) continue;
       auto part = find_aperture(grid, bundle);
+      if (!part) part = outlined(grid, bundle, at_waist(grid, bundle, axis));
       if (part) part = outlined(grid, lines, part->tube, true);
       if (!part || density(*part) < most || static_cast<double>(part->lines.size()) < fewest)
         continue;
