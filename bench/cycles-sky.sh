@@ -14,7 +14,7 @@ failed=0
 compare() {
   printf '\n## %s\n' "$1"
   SCENES=${SCENES:-"$out/rooms/skylight.gltf $out/rooms/windows.gltf $out/rooms/behind.gltf"} DEPTHS=${DEPTHS:-6} \
-    SKY=$2 SKY_ROTATION=$3 sh "$here/cycles-compare.sh" "$bin" "$out/$1" || failed=1
+    SPP=${SPP:-32} SKY=$2 SKY_ROTATION=$3 sh "$here/cycles-compare.sh" "$bin" "$out/$1" || failed=1
 }
 for sky in ${SKIES:-colour quarters sun}; do
   case $sky in
