@@ -21,7 +21,7 @@
 namespace tdpt {
 
 struct Hit {
-  uint32_t triangle;
+  uint32_t triangle = ~0u;
   double b1, b2;    ///< barycentrics of vertices 1 and 2
   double distance;  ///< from the true origin to the true hit point
   Vec3d position;   ///< p0 + b1 e1 + b2 e2
@@ -44,7 +44,8 @@ class Tracer {
     Vec3d normal{};
   };
 
-  /// First surface along unit direction `w`; false when there is none.
+  /// First surface along unit direction `w`; false when there is none. Also false where it is at
+  /// `from` itself, but then `hit` has its triangle: nothing was left.
   bool closest(const Origin& from, const Vec3d& w, Hit& hit) const;
 
   /// The same from exactly that place: rays both ways along a line from one place meet each surface

@@ -275,16 +275,16 @@ bool PathSampler::draw_segment(const PortalSet::Sample& sample, Segment& segment
   const auto end = [&](const Vec3d& w, Vertex& v) {
     Hit hit;
     ++tally_.rays.closest;
-    if (!world_.tracer.closest_from(from, w, hit)) return false;
-    place_on_surface(world_, hit, v);
-    segment.presence *= hit.presence;
+    if (world_.tracer.closest_from(from, w, hit)) {
+      place_on_surface(world_, hit, v);
+      segment.presence *= hit.presence;
+      return true;
+    }
+    if (hit.triangle != ~0u || !world_.lights.sky()) return false;
+    place_in_sky(world_, w, v);
     return true;
   };
-  if (!end(sample.direction, x_c) || !x_c.connectible) return false;
-  if (!end(-sample.direction, x_l)) {
-    if (!world_.lights.sky()) return false;
-    place_in_sky(world_, -sample.direction, x_l);
-  }
+  if (!end(sample.direction, x_c) || !x_c.connectible || !end(-sample.direction, x_l)) return false;
   // A lamp may be black or a mirror otherwise: light that begins there is not scattered there.
   if (!x_l.connectible && black(emitted(x_l, sample.direction))) return false;
   if (!(between(x_l, x_c).d2 > 0)) return false;

@@ -60,7 +60,7 @@ bool Walker::extend(const Tracer::Origin& origin, const Vec3d& w, const Rgb& thr
   Hit hit;
   ++rays_.closest;
   const bool leaves = !world_.tracer.closest(origin, w, hit);
-  if (leaves && (from_ == From::light || !world_.lights.sky())) return false;
+  if (leaves && (from_ == From::light || !world_.lights.sky() || hit.triangle != ~0u)) return false;
   walk_.make_place();
   Vertex& v = walk_.v[n - 1];
   Vertex& next = walk_.v[n];
@@ -190,8 +190,11 @@ void walk_from_light(const World& world, const Guide& guide, int edges, Sequence
   Lights::Ray ray = world.lights.leave(light, direction[0], direction[1]);
   int triangle = -1;
   if (guide.active()) guide.leave(y0, direction, ray, triangle);
-  const Rgb throughput = walk.state(0).throughput * emitted(y0, ray.direction) *
-                         static_cast<float>(light.source->cos_per_pdf_w());
+  // Black beside what shines, where rounding has put it, with a density of 0.
+  const Rgb Le = emitted(y0, ray.direction);
+  if (max_component(Le) <= 0) return;
+  const Rgb throughput =
+      walk.state(0).throughput * Le * static_cast<float>(light.source->cos_per_pdf_w());
   if (max_component(throughput) <= 0) return;
   const Tracer::Origin origin{ray.origin, y0.normal};
   if (walker.extend(origin, ray.direction, throughput, emission_pdf_A, triangle))
