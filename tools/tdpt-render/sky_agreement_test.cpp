@@ -167,6 +167,16 @@ TEST(sky_agreement, mirror_and_glass) {
   }
 }
 
+// Walks that nothing but roulette ends, shared by samples, as pictures are rendered.
+TEST(sky_agreement, whole_light) {
+  const AgreementSettings settings{.max_depth = kMaxDepth, .runs = 16, .spp = 8};
+  const Room r(room({}), uneven_sky({kSun}), settings);
+  const World world(r.scene(), r.scene().camera(""), 32, 24, {kWindow});
+  for (const Integrator* integrator : kAll)
+    EXPECT_TRUE(r.verdict("whole", world, Variant::pooled(world, *integrator, kMaxDepth)).holds())
+        << integrator->name;
+}
+
 // Twins: densities that claim 5 % more than they have.
 TEST(sky_agreement_twin, a_sky_or_a_portal_off_by_5_percent_is_caught) {
   const AgreementSettings settings{.max_depth = 3, .runs = 16, .spp = 24};

@@ -359,6 +359,38 @@ TEST(sky_light, comes_from_where_the_map_has_it) {
   EXPECT_EQ(lit(90 * kDegree, {0, 0, 1}), 0);
 }
 
+// What is seen directly is the map itself, and a sun beside it however small and bright, whatever
+// else an integrator does.
+TEST(sky_light, is_seen_as_it_is) {
+  Outdoors out;
+  out.box({0, -3, 0}, {0.5, 0.5, 0.5}, out.diffuse(0.5f));
+  const Vec3d towards = normalize(Vec3d(0.3, 0.4, -1));
+  out.look({0, 0, 0}, towards, 0.1);
+  Sky::Map map = uneven_map();
+  for (Rgb& texel : map.texels) texel *= 1e6f;
+  for (const double half_angle : {0.25 * kDegree, 1e-4}) {
+    const auto sky = std::make_shared<Sky>(map, 0.3, std::vector{sun_of(towards, half_angle, 5)});
+    const World world = out.world(sky, {rectangle({-1, -1, -1}, {0, 0, 2}, {2, 0, 0})});
+    const Vec3d corner = world.film.direction(0.5, 0.5);
+    for (const Integrator* integrator : integrators()) {
+      RenderSettings settings;
+      settings.spp = 64;
+      const RenderResult r = render(world, *integrator, settings);
+      EXPECT_EQ(r.tally.not_finite, 0u);
+      EXPECT_NEAR(luminance(r.picture.pixels[0]) / luminance(sky->radiance(corner)), 1, 0.01)
+          << integrator->name;
+    }
+    // The sun's disc.
+    out.look({0, 0, 0}, towards, half_angle / 4);
+    const World close = out.world(sky);
+    for (const Integrator* integrator : integrators()) {
+      const Measured m = rendered(close, *integrator, 1);
+      EXPECT_NEAR(m.mean[4] / luminance(sky->radiance(towards)), 1, 1e-3) << integrator->name;
+    }
+    out.look({0, 0, 0}, towards, 0.1);
+  }
+}
+
 // Not a ray finds its way out of a closed box, wherever portals and camera are.
 TEST(sky_light, does_not_get_into_a_closed_box) {
   Scene scene = without_lamps(read_gltf(furnace_path()));

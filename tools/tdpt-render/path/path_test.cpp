@@ -127,37 +127,6 @@ TEST(paths_guided, of_any_probability_are_the_oracles) {
   EXPECT_EQ(combinations.size(), 3u * 2 * 2);
 }
 
-// Paths of walks that are directed one way or not at all, weighed as if they were directed another:
-// how many differ from the oracle's weight. `told`: the mixture that is asked for.
-int weighed_as_others(const Scene& scene, const Integrator& made, const Mixture& asked,
-                      const Mixture& told) {
-  const World world(scene, scene.camera(""), 16, 12, two_crossing_portals());
-  Film film(16, 12, 1);
-  Tally tally;
-  const Guide guide = Guide::knowing_all(world, made.mixture);
-  const Guide other = Guide::knowing_all(world, asked);
-  int all = 0, off = 0;
-  WalkDensities plain, directed;
-  const PathObserver observer = [&](const Contribution& found) {
-    const auto& [path, strategy, value, times] = found;
-    if (path.k() < 2 || !asked.has(strategy.technique)) return;
-    path.plain_densities(world, plain);
-    path.directed_densities(other, plain, directed);
-    const StrategySums sums = path.sums(asked, directed, plain, strategy);
-    const auto [technique, split] = strategy;
-    const double per_sample =
-        asked.sample_weight(technique, split, path.k()) / asked.samples_of(technique, split);
-    const double weight =
-        oracle::weight(oracle::densities(world, path, told, Fault::none), strategy, 1);
-    ++all;
-    off += std::abs(sums.used * per_sample / sums.counted - weight) > 1e-4;
-  };
-  PathSampler sampler(world, {made.mixture, 6, 1, 5, made.stream}, guide, film, tally, &observer);
-  for (uint64_t s = 0; s < 2000; ++s) sampler.sample(8, 6, s);
-  EXPECT_GT(all, 50);
-  return off;
-}
-
 TEST(paths_under_other_mixtures, weigh_as_the_oracle_says) {
   Mixture often = tdpt_guided.mixture, seldom = tdpt_guided.mixture, joined = tdpt_org.mixture;
   often.guiding = {{0.9, 0.8}};

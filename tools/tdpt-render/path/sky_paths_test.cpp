@@ -93,6 +93,21 @@ INSTANTIATE_TEST_SUITE_P(integrators, sky_paths, testing::ValuesIn(integrators()
                            return name;
                          });
 
+// As the scout asks.
+TEST(sky_paths_under_other_mixtures, weigh_as_the_oracle_says) {
+  Mixture often = tdpt_guided.mixture;
+  often.guiding = {{0.9, 0.8}};
+  const Scene scene = diffuse_with_lamps();
+  for (const Integrator* made : {&tdpt_org, &tdpt_guided})
+    for (const Mixture& asked : {nee.mixture, bdpt.mixture, tdpt_org.mixture, often}) {
+      EXPECT_LE(weighed_as_others(scene, *made, asked, asked, three_portals()), 3) << made->name;
+      Mixture told = asked;  // twin: directed a little more often than was asked
+      if (told.guiding == Guiding{}) continue;
+      told.guiding.chance[0] += 0.05;
+      EXPECT_GT(weighed_as_others(scene, *made, asked, told, three_portals()), 100) << made->name;
+    }
+}
+
 // Beside lamps the sky is one light of several: its share counts as well.
 TEST(sky_path_twin, a_density_of_the_skys_directions_off_by_5_percent_is_caught) {
   for (const Scene& scene : {diffuse_under_the_sky(), diffuse_with_lamps(), glossy_with_lamps()})

@@ -1,6 +1,8 @@
 // For tests: every path that the techniques of an integrator make in two rooms, held against the
 // oracle.
 #pragma once
+#include <gtest/gtest.h>
+
 #include <optional>
 
 #include "tools/tdpt-render/integrators/integrator.h"
@@ -145,6 +147,41 @@ inline Worst compare(const Scene& scene, const Integrator& integrator, oracle::F
     for (int x = 0; x < 16; ++x)
       for (uint64_t s = 0; s < spp; ++s) variant.sample(sampler, x, y, s);
   return worst;
+}
+
+// Paths of walks that are directed one way or not at all, weighed as if they were directed another:
+// how many differ from the oracle's weight. `told`: the mixture that is asked for.
+inline int weighed_as_others(const Scene& scene, const Integrator& made, const Mixture& asked,
+                             const Mixture& told,
+                             const std::vector<Portal>& portals = two_crossing_portals()) {
+  const World world(scene, scene.camera(""), 16, 12, portals);
+  Film film(16, 12, 1);
+  Tally tally;
+  const Guide guide = Guide::knowing_all(world, made.mixture);
+  const Guide other = Guide::knowing_all(world, asked);
+  int all = 0, off = 0;
+  WalkDensities plain, directed;
+  std::optional<oracle::SkyLight> sky;
+  if (scene.sky) sky.emplace(world);
+  const PathObserver observer = [&](const Contribution& found) {
+    const auto& [path, strategy, value, times] = found;
+    if (path.k() < 2 || !asked.has(strategy.technique)) return;
+    path.plain_densities(world, plain);
+    path.directed_densities(other, plain, directed);
+    const StrategySums sums = path.sums(asked, directed, plain, strategy);
+    const auto [technique, split] = strategy;
+    const double per_sample =
+        asked.sample_weight(technique, split, path.k()) / asked.samples_of(technique, split);
+    const double weight = oracle::weight(
+        oracle::densities(world, path, told, oracle::Fault::none, sky ? &*sky : nullptr), strategy,
+        1);
+    ++all;
+    off += std::abs(sums.used * per_sample / sums.counted - weight) > 1e-4;
+  };
+  PathSampler sampler(world, {made.mixture, 6, 1, 5, made.stream}, guide, film, tally, &observer);
+  for (uint64_t s = 0; s < 2000; ++s) sampler.sample(8, 6, s);
+  EXPECT_GT(all, 25);
+  return off;
 }
 
 }  // namespace tdpt
