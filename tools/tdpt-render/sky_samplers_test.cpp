@@ -180,6 +180,38 @@ TEST(sky_samplers, twin_a_sky_that_is_chosen_a_twentieth_more_often) {
     EXPECT_LT(lights(portals, 0.95), kWrong);
 }
 
+// Whatever the shares of the kinds, within one lights keep theirs.
+TEST(sky_samplers, kinds_of_lights_are_chosen_as_often_as_was_asked) {
+  const Scene scene = room_with_lamps();
+  World world(scene, scene.camera(""), 4, 4, windows());
+  Lights& all = world.lights;
+  const auto of_emitters = [&] {
+    double sum = 0;
+    for (uint32_t t = 0; t < scene.triangles.size(); ++t)
+      sum += all.pdf_A(t) * shape_of(scene, t).area;
+    return sum;
+  };
+  const Lights::Shares before = all.shares();
+  EXPECT_NEAR(of_emitters(), before.surfaces, 1e-6);
+  EXPECT_NEAR(before.surfaces + before.lamps + before.parallel + before.sky, 1, 1e-12);
+  all.choose_by({0.1, 0.2, 0.3, 0.4});
+  EXPECT_NEAR(of_emitters(), 0.1, 1e-6);
+  EXPECT_NEAR(all.sky()->pdf_1(), 0.4, 1e-12);
+  std::vector<uint64_t> counts(4);
+  for (uint64_t i = 0; i < kSamples; ++i) {
+    Rng rng(57, 0, i);
+    const Lights::Point p = all.sample(rng);
+    EXPECT_NEAR(p.pdf / all.pdf(*p.source, p.triangle, p.position), 1, 1e-9);
+    ++counts[p.source->is_sky() ? 3 : p.source->is_surface() ? 0 : 1 + p.source->at_infinity()];
+  }
+  const auto chi_square_of = [&](std::vector<double> shares) {
+    for (double& share : shares) share *= kSamples;
+    return chi_square(counts, shares).p;
+  };
+  EXPECT_GT(chi_square_of({0.1, 0.2, 0.3, 0.4}), kRight);
+  EXPECT_LT(chi_square_of({0.12, 0.2, 0.28, 0.4}), kWrong);  // twin
+}
+
 // Next events at places of either room; `fault`: the density is of next events that look through
 // windows that often.
 struct Shaded {

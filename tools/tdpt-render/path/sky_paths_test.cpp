@@ -95,16 +95,22 @@ INSTANTIATE_TEST_SUITE_P(integrators, sky_paths, testing::ValuesIn(integrators()
 
 // As the scout asks.
 TEST(sky_paths_under_other_mixtures, weigh_as_the_oracle_says) {
-  Mixture often = tdpt_guided.mixture;
+  Mixture often = tdpt_guided.mixture, anywhere = bdpt.mixture, aiming = nee.mixture;
   often.guiding = {{0.9, 0.8}};
+  anywhere.through_windows = 0;
+  aiming.guiding = {{0, 0.1}};  // less than bright surfaces allow
   const Scene scene = diffuse_with_lamps();
   for (const Integrator* made : {&tdpt_org, &tdpt_guided})
-    for (const Mixture& asked : {nee.mixture, bdpt.mixture, tdpt_org.mixture, often}) {
+    for (const Mixture& asked : {nee.mixture, anywhere, tdpt_org.mixture, aiming, often}) {
       EXPECT_LE(weighed_as_others(scene, *made, asked, asked, three_portals()), 3) << made->name;
-      Mixture told = asked;  // twin: directed a little more often than was asked
-      if (told.guiding == Guiding{}) continue;
-      told.guiding.chance[0] += 0.05;
-      EXPECT_GT(weighed_as_others(scene, *made, asked, told, three_portals()), 100) << made->name;
+      // Twins: directed a little more often than was asked, and looking out.
+      for (const bool directed : {true, false}) {
+        Mixture told = asked;
+        if (directed && told.guiding == Guiding{}) continue;
+        if (directed) told.guiding.chance[0] += 0.05, told.guiding.chance[1] += 0.05;
+        if (!directed) told.through_windows += 0.05;
+        EXPECT_GT(weighed_as_others(scene, *made, asked, told, three_portals()), 10) << made->name;
+      }
     }
 }
 
