@@ -20,6 +20,15 @@ bool directed(const Candidate& c) {
   return c.integrator.mixture.guiding != Guiding{};
 }
 
+// What a run's walks and next events have to be alike in to stand for those of a candidate.
+enum class Manner { plain, looking_out, directed };
+
+Manner manner(const World& world, const Candidate& c) {
+  if (directed(c)) return Manner::directed;
+  return !world.windows.empty() && c.integrator.mixture.looks_out() ? Manner::looking_out
+                                                                     : Manner::plain;
+}
+
 int techniques(const Candidate& c) {
   return std::popcount(c.integrator.mixture.techniques.bits());
 }
@@ -196,16 +205,16 @@ class ScoutSample {
 
 Scout::Scout(const World& world, const std::vector<Candidate>& candidates, const SampleRules& rules)
     : world_(world), candidates_(candidates), rules_(rules), home_(candidates.size()) {
-  // The first of those with most techniques, of the walks that are directed and of the plain ones.
-  for (const bool is_directed : {false, true}) {
+  // The first of those with most techniques, of each manner.
+  for (const Manner m : {Manner::plain, Manner::looking_out, Manner::directed}) {
     size_t most = candidates.size();
     for (size_t i = 0; i < candidates.size(); ++i)
-      if (directed(candidates[i]) == is_directed &&
+      if (manner(world, candidates[i]) == m &&
           (most == candidates.size() || techniques(candidates[i]) > techniques(candidates[most])))
         most = i;
     if (most == candidates.size()) continue;
     for (size_t i = 0; i < candidates.size(); ++i)
-      if (directed(candidates[i]) == is_directed) home_[i] = runs_.size();
+      if (manner(world, candidates[i]) == m) home_[i] = runs_.size();
     runs_.push_back(most);
   }
   for (const Candidate& c : candidates)

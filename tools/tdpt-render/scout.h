@@ -11,8 +11,9 @@
 //           v_s times in the weights
 // M_i       = integral f^2 sum_s v_s^2/n_s p_s / (sum_s v_s p_s)^2: second moments of what
 //           candidate i makes of a sample, path by path (balance heuristic)
-// R         runs: candidates that are rendered, `home` of those whose walks are like theirs; paths
-//           of two runs are weighed by the balance heuristic among them
+// R         runs: candidates that are rendered, `home` of those whose walks, and whose next events
+//           towards a sky, are like theirs; paths of several runs are weighed by the balance
+//           heuristic among them
 // X, X'     luminance of two independent samples of one pixel, of a candidate, as its home makes
 //           them: the home's strategies that it has, with its own weights; without splats
 // V_i       variance of one sample of a pixel:

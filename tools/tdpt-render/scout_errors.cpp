@@ -216,7 +216,7 @@ size_t best_of(const std::vector<Prospect>& prospects, uint64_t groups, double s
   // What chance does to the ratio of two candidates that are told from the same paths.
   const double better = 1 - 1 / std::sqrt(static_cast<double>(std::max<uint64_t>(groups, 4)));
   const auto cost = [&](const Prospect& p) {
-    const double left = p.integrator == nee.name ? left_to_nee(p.relmse, spp) : 1;
+    const double left = p.integrator.starts_with(nee.name) ? left_to_nee(p.relmse, spp) : 1;
     return left * p.cost() / (p.safe ? 1 : better);
   };
   size_t best = 0;
