@@ -31,7 +31,9 @@ class Reader {
     header();
     Picture p;
     resolution(p, most_width, most_height);
-    p.pixels.reserve(static_cast<size_t>(p.width) * static_cast<size_t>(p.height));
+    // No row takes less; a file without them fails before its picture is allocated.
+    if (bytes_.size() - at_ >= size_t{4} * static_cast<size_t>(p.height))
+      p.pixels.reserve(static_cast<size_t>(p.width) * static_cast<size_t>(p.height));
     std::vector<Rgbe> row(static_cast<size_t>(p.width));
     for (int y = 0; y < p.height; ++y) {
       row_ = y;

@@ -35,6 +35,11 @@ bool means_colour(const std::string& value) {
   return value.find(',') != std::string::npos || number(value);
 }
 
+bool is_file(const std::string& value) {
+  if (value.empty()) throw UsageError("--environment: nothing given, expected a file or R,G,B");
+  return !means_colour(value);
+}
+
 Rgb colour_of(const std::string& text) {
   const auto fail = [&](const std::string& expected) {
     throw UsageError(fmt::format("--environment {}: expected {}", text, expected));
@@ -112,7 +117,7 @@ void declare_sky_options(cli::Options& options, SkyArguments& a) {
   options.input_or_setting("--environment", a.environment, "FILE|R,G,B",
                            "What shines from all around: latitude-longitude map (.exr, .hdr) or "
                            "one colour, W/m2/sr",
-                           [](const std::string& value) { return !means_colour(value); });
+                           is_file);
   options.option("--environment-rotation", a.rotation, "DEG",
                  "Turn the environment about the vertical, counter-clockwise from above; default 0",
                  -360, 360);
