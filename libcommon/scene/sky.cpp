@@ -105,7 +105,7 @@ Sky::Cell Sky::cell(const Vec3d& w) const {
   double x = (0.5 + std::atan2(wx, -wz) * (0.5 * std::numbers::inv_pi)) * map_.width - 0.5;
   if (x < 0) x += map_.width;
   Cell c;
-  c.column = std::min(static_cast<int>(x), map_.width - 1);
+  c.column = std::clamp(static_cast<int>(x), 0, map_.width - 1);  // of no number, too
   c.across = x - c.column;
   c.row = static_cast<int>(rough_acos(w.y) * std::numbers::inv_pi * map_.height + 0.5);
   c.row = std::clamp(c.row, 0, map_.height);
@@ -230,6 +230,15 @@ Vec3d SkyDirections::middle(const Block& b) const {
                                  static_cast<double>(row % rows) / rows});
 }
 
+int SkyDirections::block_at(const Sky::Cell& cell) const {
+  const auto part = [](double place, int parts) {
+    return std::clamp(static_cast<int>(place * parts), 0, parts - 1);
+  };
+  const int column = cell.column * split_ + part(cell.across, split_);
+  const int row = cell.row * split_down_ + part(cell.down, split_down_);
+  return row / block_ * columns_ + column / block_;
+}
+
 Vec3d SkyDirections::sample(double pick, double u, double v) const {
   const auto i = static_cast<int>(table_.sample(pick));
   return i < blocks() ? in_block(block(i), u, v)
@@ -302,13 +311,7 @@ double SkyDirections::pdf_w(const Vec3d& towards) const {
     Corners c{};
     for (size_t i = 0; i < 4; ++i) c[i] = luminance(sky_->map().texels[at[i]]);
     sum = bilinear(c, cell.across, cell.down);
-    if (!weights_.empty()) {
-      const int column =
-          std::min(static_cast<int>((cell.column + cell.across) * split_), fine_columns() - 1);
-      const int row =
-          std::min(static_cast<int>((cell.row + cell.down) * split_down_), fine_rows() - 1);
-      sum *= weight(static_cast<size_t>(row / block_ * columns_ + column / block_));
-    }
+    if (!weights_.empty()) sum *= weights_[static_cast<size_t>(block_at(cell))];
   }
   for (size_t i = 0; i < sky_->suns().size(); ++i)
     if (const Sky::Sun& sun = sky_->suns()[i]; holds(sun, towards))

@@ -99,6 +99,7 @@ class SkyDirections {
   int blocks() const { return columns_ * rows_; }
   void choose_blocks(bool weighted);
   Block block(int i) const;
+  int block_at(const Sky::Cell& cell) const;
   Corners corners(int fine_column, int fine_row) const;
   double integral(int fine_column, int fine_row) const;
   Vec3d middle(const Block& block) const;

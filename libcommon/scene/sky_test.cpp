@@ -137,6 +137,16 @@ TEST(Sky, ColumnsBeyondRoundingAreColumns) {
     }
 }
 
+// Nobody should ask; who does reads no other memory.
+TEST(Sky, NoDirectionIsSeenAsNoNumber) {
+  const Sky sky(gradient(), 0);
+  const SkyDirections plain(sky), weighted(sky, [](const Vec3d&) { return 1.0; });
+  const Vec3d none(NAN, NAN, NAN);
+  EXPECT_TRUE(std::isnan(sky.radiance(none).x));
+  EXPECT_TRUE(std::isnan(plain.pdf_w(none)));
+  EXPECT_TRUE(std::isnan(weighted.pdf_w(none)));
+}
+
 TEST(Sky, SunsAddToTheMap) {
   const Sky sky(one_colour(Rgb(2)), 0, {{direction(1, 0.5), 0.1, Rgb(7, 8, 9)}});
   expect_near(sky.radiance(direction(1, 0.5)), Rgb(9, 10, 11), 0);
