@@ -6,6 +6,7 @@
 
 #include "libcommon/testing/glossy_rooms.h"
 #include "libcommon/testing/temp_folder.h"
+#include "tools/tdpt-render/candidates.h"
 #include "tools/tdpt-render/test_agreement.h"
 #include "tools/tdpt-render/test_rooms.h"
 #include "tools/tdpt-render/test_sheets.h"
@@ -116,12 +117,16 @@ TEST(sky_agreement, sun_and_sky) {
 // The second is a triangle, half of the back wall, of which the portal's rectangle is twice as
 // much.
 TEST(sky_agreement, two_windows) {
-  const Room r(without(room({}), [](const Vec3d& p) { return p.z < -0.99 && p.y > p.x - 0.01; }),
-               uneven_sky({kSun}));
+  const Scene scene =
+      without(room({}), [](const Vec3d& p) { return p.z < -0.99 && p.y > p.x - 0.01; });
   const Portal triangle{"triangle", {{0, 0, -0.99}, {2, 2, -0.99}, {0, 2, -0.99}}, {{0, 1, 2}}, {}};
+  const Room r(scene, uneven_sky({kSun}));
   r.expect_agreement("no portal", {}, kFew);
   r.expect_agreement("in both", {kWindow, triangle}, kAll);
-  r.expect_agreement("in one", {triangle}, kFew);
+  r.expect_agreement("in the sun's", {kWindow}, kFew);
+  // A sun beside all portals is found seldom.
+  const Room sunless(scene, std::make_shared<Sky>(graded_map(), 0.3));
+  sunless.expect_agreement("in one", {triangle}, kAll);
 }
 
 // Sky and lamps beside each other.
@@ -164,6 +169,15 @@ TEST(sky_agreement, mirror_and_glass) {
     const Room r(room(what), std::make_shared<Sky>(graded_map(), 0.3));
     r.expect_agreement("no portal", {}, kFew);
     r.expect_agreement("in the window", {kWindow}, kAll);
+  }
+}
+
+TEST(sky_agreement, all_that_auto_tries) {
+  const Room r(room({}), uneven_sky({kSun}));
+  const World world(r.scene(), r.scene().camera(""), 32, 24, {kWindow});
+  for (const Candidate& c : auto_candidates(world, kGuided)) {
+    if (c.integrator.name == pt.name) continue;  // meets the sun by chance
+    EXPECT_TRUE(r.verdict(c.label, world, c.integrator).holds()) << c.label;
   }
 }
 

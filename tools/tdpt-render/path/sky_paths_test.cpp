@@ -2,6 +2,7 @@
 // P>(x_0) and P<(x_0) are per solid angle, and so is the light's end of a portal segment.
 #include <gtest/gtest.h>
 
+#include "tools/tdpt-render/candidates.h"
 #include "tools/tdpt-render/path/test_oracle.h"
 #include "tools/tdpt-render/test_sky.h"
 
@@ -92,6 +93,21 @@ INSTANTIATE_TEST_SUITE_P(integrators, sky_paths, testing::ValuesIn(integrators()
                            std::replace(name.begin(), name.end(), '-', '_');
                            return name;
                          });
+
+// All that auto tries.
+TEST(sky_paths_of_candidates, are_the_oracles) {
+  const Scene scene = diffuse_with_lamps();
+  const World world(scene, scene.camera(""), 16, 12, three_portals());
+  int directed = 0, anywhere = 0;
+  for (const Candidate& c : auto_candidates(world, kGuided)) {
+    const Worst worst = compare(scene, c.integrator, Fault::none, 6, 32, three_portals());
+    EXPECT_LT(worst.weight, 1e-6) << c.label;
+    EXPECT_LT(worst.value, 1e-4) << c.label;
+    directed += c.integrator.mixture.guiding != Guiding{};
+    anywhere += c.integrator.mixture.through_windows == 0;
+  }
+  EXPECT_GT(std::min(directed, anywhere), 1);
+}
 
 // As the scout asks.
 TEST(sky_paths_under_other_mixtures, weigh_as_the_oracle_says) {
