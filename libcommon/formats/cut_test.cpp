@@ -68,6 +68,26 @@ TEST(cut, reads_back_what_was_written) {
   EXPECT_EQ(b.hash.size(), 32u);
 }
 
+TEST(cut, reads_back_a_sky) {
+  CutFile a = example();
+  Patch sky{};
+  sky.node = 11;
+  sky.samples = 40;
+  sky.sky = 3;
+  a.patches.push_back(sky);
+  a.region.push_back(0);
+  a.arcs.push_back({2, 1, 0.5});
+  const std::string path = temporary(cut_text(a));
+  const CutFile b = read_cut(path);
+  std::filesystem::remove(path);
+  EXPECT_EQ(cut_text(b), cut_text(a));
+  ASSERT_EQ(b.patches.size(), 3u);
+  EXPECT_EQ(b.patches[2].sky, 3);
+  EXPECT_EQ(b.patches[2].samples, 40);
+  EXPECT_TRUE(b.patches[2].faces.empty());
+  EXPECT_EQ(b.region[2], 0u);
+}
+
 TEST(cut, keeps_the_reason_why_there_is_no_bottleneck) {
   CutFile a = example();
   a.bottleneck = false;
@@ -96,7 +116,7 @@ TEST(cut, says_what_is_wrong_and_where) {
       {"c tdpt cut 2\ns -1\n", "line 2: a negative cut, expected a value of 0 or more"},
       {"c tdpt cut 2\ns nan\n", "line 2: 'nan' as value of the cut, expected a finite number"},
       {"c tdpt cut 2\ns 1 2 3\n", "line 2: '3' found, expected the end of the line"},
-      {head + "x\n", "line 6: 'x' at the start of the line, expected one of c, s, n, f, a"},
+      {head + "x\n", "line 6: 'x' at the start of the line, expected one of c, s, n, k, f, a"},
       {head + "c scene\n", "line 6: nothing as hash of the scene, expected one"},
       {head + "c grid 0 0 0 1\n", "line 6: a second grid, expected one"},
       {"c tdpt cut 2\nc grid 0 0 0 0\n", "line 2: a cell without size, expected a side above 0"},
@@ -112,6 +132,14 @@ TEST(cut, says_what_is_wrong_and_where) {
       {head + "n 3 0 0 0 0 0 -1\n", "line 6: a negative number of samples, expected 0 or more"},
       {head + "n 3 0 0 0 0 0 9 0 0 0 0 0 0\n",
        "line 6: a normal of another length, expected length 1"},
+      {head + "k 3 0\n",
+       "line 6: a node without geometry, expected the cut of a network made by ffgraph"},
+      {head + "k 3 0 80 1\n",
+       "line 6: '80' as bin of the sky, expected a whole number from 0 to 79"},
+      {head + "k 3 0 1 -1\n", "line 6: a negative number of samples, expected 0 or more"},
+      {head + "k 3 0 1 1\nk 4 1 1 1\n", "line 7: bin 1 of the sky again, expected each once"},
+      {head + "k 3 0 1 1\nk 3 1 2 1\n", "line 7: node 3 again, expected each node once"},
+      {head + "k 3 0 1 1\nf 3 1\n", "line 7: faces of node 3, expected none of the sky"},
       {head + nodes + nodes, "line 10: node 3 again, expected each node once"},
       {head + nodes + "f 3\n", "line 10: nothing as face, expected at least one"},
       {head + nodes + "f 3 -1\n",

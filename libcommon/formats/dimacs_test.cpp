@@ -72,6 +72,26 @@ TEST(dimacs, reads_back_what_was_written) {
   EXPECT_EQ(b.provenance.lines, a.provenance.lines);
 }
 
+TEST(dimacs, reads_back_a_sky) {
+  DimacsFile a = example();
+  Patch sky{};
+  sky.node = 5;
+  sky.samples = 77.5;
+  sky.sky = 79;
+  a.patches.push_back(sky);
+  a.walks.push_back({9, 0, 0});
+  a.network.nodes = 5;
+  a.network.arcs.push_back({4, 2, 60});
+  const DimacsFile b = read_text(dimacs_text(a));
+  EXPECT_EQ(dimacs_text(b), dimacs_text(a));
+  ASSERT_EQ(b.patches.size(), 3u);
+  EXPECT_TRUE(b.patches[2].is_sky());
+  EXPECT_FALSE(b.patches[1].is_sky());
+  EXPECT_EQ(b.patches[2].sky, 79);
+  EXPECT_EQ(b.patches[2].samples, 77.5);
+  EXPECT_EQ(b.walks[2].begun, 9);
+}
+
 TEST(dimacs, plain_problems_of_others_are_read) {
   const DimacsFile f = read_text(
       "c a problem from a book\nc grid of streets\n\np max 4 5\r\nn 1 s\nn 4 t\na 1 2 4\na 1 3 2\n"
@@ -136,6 +156,17 @@ TEST(dimacs, says_what_is_wrong_and_where) {
       {ours + "c patch 2" + geometry + "c patch 2" + geometry,
        "line 5: patch 2 again, expected each patch once"},
       {ours + "c faces 2 1\n", "line 4: node 2 as node of a face, expected a patch named above"},
+      {ours + "c sky 2 80 1\n",
+       "line 4: '80' as bin of the sky, expected a whole number from 0 to 79"},
+      {ours + "c sky 2 -1 1\n",
+       "line 4: '-1' as bin of the sky, expected a whole number from 0 to 79"},
+      {ours + "c sky 2 7 -1\n", "line 4: a negative number of samples, expected 0 or more"},
+      {ours + "c sky 2 7 nan\n", "line 4: 'nan' as samples of the bin, expected a finite number"},
+      {ours + "c sky 2 7 1 5\n", "line 4: '5' found, expected the end of the line"},
+      {ours + "c sky 2 7 1\nc sky 3 7 1\n", "line 5: bin 7 of the sky again, expected each once"},
+      {ours + "c sky 2 7 1\nc sky 2 8 1\n", "line 5: patch 2 again, expected each patch once"},
+      {ours + "c sky 2 7 1\nc faces 2 4\n", "line 5: faces of node 2, expected none of the sky"},
+      {ours + "c sky 1 7 1\n" + p + arcs, " patch 1 is no inner node of the network"},
       {"c tdpt max 1\n" + p + arcs, " no 'c scene' line, expected the hash of the scene"},
       {"c tdpt max 1\nc scene a\n" + p + arcs,
        " no 'c grid' line, expected the grid of the patches"},

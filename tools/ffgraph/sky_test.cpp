@@ -1,0 +1,163 @@
+// The sky as patches of the network: no light leaks into a closed box, a window joins it to the
+// sky, and a sun hides nothing.
+#include <cmath>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "tools/ffgraph/rounds.h"
+#include "tools/ffgraph/sky_lines.h"
+
+namespace tdpt {
+namespace {
+
+// A box from -0.5 to 0.5, and in a wall of it a square hole of side `hole`; 0: none.
+Scene box(float hole) {
+  Scene s;
+  s.materials.resize(1);
+  s.hash = "box";
+  const auto quad = [&s](const Vec3f& a, const Vec3f& b, const Vec3f& c, const Vec3f& d) {
+    const auto first = static_cast<uint32_t>(s.positions.size());
+    s.positions.insert(s.positions.end(), {a, b, c, d});
+    s.triangles.push_back({{first, first + 1, first + 2}, 0});
+    s.triangles.push_back({{first, first + 2, first + 3}, 0});
+  };
+  const float h = 0.5f, o = 0.5f * hole;
+  quad({-h, -h, -h}, {h, -h, -h}, {h, -h, h}, {-h, -h, h});
+  quad({-h, h, -h}, {h, h, -h}, {h, h, h}, {-h, h, h});
+  quad({-h, -h, -h}, {-h, h, -h}, {-h, h, h}, {-h, -h, h});
+  quad({-h, -h, -h}, {h, -h, -h}, {h, h, -h}, {-h, h, -h});
+  quad({-h, -h, h}, {h, -h, h}, {h, h, h}, {-h, h, h});
+  // x = 0.5, around the hole.
+  quad({h, -h, -h}, {h, h, -h}, {h, h, -o}, {h, -h, -o});
+  quad({h, -h, o}, {h, h, o}, {h, h, h}, {h, -h, h});
+  quad({h, -h, -o}, {h, -o, -o}, {h, -o, o}, {h, -h, o});
+  quad({h, o, -o}, {h, h, -o}, {h, h, o}, {h, o, o});
+  s.sky = std::make_shared<Sky>(Sky::Map{1, 1, {Rgb(1.0f)}}, 0.0);
+  return s;
+}
+
+const Camera kCamera{"", {-0.3, 0, 0}, {0, 0, 1}, {0, 1, 0}, {1, 0, 0}, 1.2, 1};
+
+LightFlow flow_of(const Scene& scene) {
+  GraphSettings settings;
+  settings.walks.walks = 20000;
+  settings.rays = 100000;
+  settings.rounds = 0;
+  GraphReport report;
+  return build_graph(scene, kCamera, settings, nullptr, report);
+}
+
+bool inside(const Patch& p) {
+  // Walls face the middle from within.
+  return !p.is_sky() && dot(p.normal, p.centre) < 0;
+}
+
+// Etendue between the sky and the inside of the box, over that of the whole wall.
+double through_hole(const Scene& scene) {
+  const LightFlow f = flow_of(scene);
+  double across = 0, wall = 0;
+  for (const Patch& p : f.geometry)
+    if (inside(p) && p.normal.x > 0.9) wall += p.samples;
+  for (const Etendue::Pair& p : f.etendue.pairs)
+    if ((f.patches.is_sky(p.i) && inside(f.geometry[p.j])) ||
+        (f.patches.is_sky(p.j) && inside(f.geometry[p.i])))
+      across += 0.5 * p.count;
+  return across / wall;
+}
+
+TEST(sky_patches, see_nothing_of_a_closed_box) {
+  EXPECT_EQ(through_hole(box(0)), 0);
+}
+
+// By reciprocity the etendue from a convex room through a hole is that of the hole: its area.
+TEST(sky_patches, see_a_room_by_the_area_of_its_window) {
+  EXPECT_NEAR(through_hole(box(0.3f)), 0.09, 0.004);
+  EXPECT_GT(std::abs(through_hole(box(0.33f)) - 0.09), 0.01);  // twin
+}
+
+TEST(sky_patches, have_the_samples_that_they_exchange_and_begin_walks_that_land) {
+  const LightFlow f = flow_of(box(0.3f));
+  uint32_t bins = 0;
+  double begun = 0;
+  for (uint32_t i = 0; i < f.patches.size(); ++i) {
+    if (!f.patches.is_sky(i)) continue;
+    EXPECT_EQ(f.geometry[i].sky, static_cast<int32_t>(bins++));
+    EXPECT_TRUE(f.geometry[i].faces.empty());
+    EXPECT_EQ(f.hits_light[i], 0);
+    EXPECT_EQ(f.hits_camera[i], 0);
+    double exchanged = 0;
+    for (const Etendue::Pair& p : f.etendue.pairs)
+      if (p.i == i || p.j == i) exchanged += 0.5 * p.count;
+    EXPECT_NEAR(f.geometry[i].samples, exchanged, 1e-9 * exchanged);
+    begun += f.begun[i];
+  }
+  EXPECT_EQ(bins, kSkyBins);
+  EXPECT_GT(begun, 5000);
+  EXPECT_LE(begun, 20000);
+}
+
+TEST(sky_patches, keep_their_places_when_the_network_is_refined) {
+  const Scene scene = box(0.3f);
+  const LightFlow f = flow_of(scene);
+  CutFile cut;
+  cut.grid = f.patches.grid();
+  cut.patches = f.geometry;
+  cut.cuts.resize(1);
+  for (const Patch& p : cut.patches) cut.region.push_back(inside(p));
+  check_patches("a.cut", scene, cut);
+  GraphSettings settings;
+  settings.walks.walks = 5000;
+  settings.rays = 20000;
+  GraphReport report;
+  const LightFlow finer = build_graph(scene, kCamera, settings, &cut, report);
+  uint32_t bins = 0;
+  for (uint32_t i = 0; i < finer.patches.size(); ++i) bins += finer.patches.is_sky(i);
+  EXPECT_EQ(bins, kSkyBins);
+}
+
+TEST(sky_grades, end_at_one_so_that_a_sun_hides_nothing) {
+  std::vector<double> light(kSkyBins);
+  for (uint32_t k = 0; k < kSkyBins; ++k) light[k] = sky_bin_solid_angle(k);
+  light[3] *= 1e6;
+  light[5] *= 0.1;
+  light[6] = 0;
+  const std::vector<double> grade = sky_grades(light);
+  EXPECT_EQ(grade[3], 1);
+  EXPECT_EQ(grade[4], 1);
+  EXPECT_NEAR(grade[5], 0.2, 1e-9);
+  EXPECT_EQ(grade[6], 0);
+  for (double& l : light) l *= 1000;
+  EXPECT_NEAR(sky_grades(light)[5], 0.2, 1e-9);  // power moves nothing
+}
+
+TEST(sky_lines, come_from_outside_and_half_of_them_to_the_aim) {
+  Scene scene = box(0);
+  PunctualLight sun;
+  sun.kind = PunctualLight::Kind::directional;
+  sun.direction = normalize(Vec3d{1, -2, 0.5});
+  sun.intensity = Rgb(1e6f);
+  scene.lights = {sun};
+  Extent aim;
+  aim.add({0.2, 0.2, 0.2});
+  aim.add({0.3, 0.3, 0.3});
+  const SkyLines lines(scene, aim, aim);
+  constexpr int kLines = 20000;
+  int aimed = 0, of_sun = 0;
+  Rng rng(1, 0, 0);
+  for (int i = 0; i < kLines; ++i) {
+    const SkyLines::Line line = lines.draw(rng);
+    EXPECT_GT(length(line.origin), 0.86);
+    EXPECT_NEAR(length(line.direction), 1, 1e-9);
+    EXPECT_EQ(line.bin, sky_bin(-line.direction));
+    const Vec3d off = line.origin - Vec3d(0.25);
+    aimed += length(off - line.direction * dot(off, line.direction)) < 0.11;
+    of_sun += dot(line.direction, sun.direction) > 1 - 1e-9;
+  }
+  EXPECT_NEAR(aimed, 0.75 * kLines, 0.03 * kLines);
+  // Half by light, which is the sun's; the others leave it the share of one bin.
+  EXPECT_NEAR(of_sun, 0.5 * kLines, 0.03 * kLines);
+}
+
+}  // namespace
+}  // namespace tdpt
