@@ -113,9 +113,10 @@ Extent reach_of_cut(const Scene& scene, const CutFile& cut) {
     places.push_back({scene.frame.to_canonical(p.centre), 1});
   }
   const Extent box = box_of(scene);
-  Extent reach = reach_of(places);
+  const Extent reach = reach_of(places);
   if (reach.empty()) return box;
-  if (sky) reach = reach.widened(Vec3d(kAroundRooms * max_component(reach.size())));
+  // And a piece of the way on which light comes to the outermost of them.
+  if (sky) return reach.within(box).widened(Vec3d(kAroundRooms * max_component(reach.size())));
   return reach.within(box);
 }
 

@@ -43,7 +43,8 @@ using MakeLineTracer = std::function<std::unique_ptr<LineTracer>(const Scene&, c
 /// The box of all triangles, canonical.
 Extent box_of(const Scene& scene);
 /// Where the grid of a cut lies, canonical: the box that most of its patches reach (reach.h), which
-/// are small where walks came often, as far as that lies in the box of the scene.
+/// are small where walks came often, as far as that lies in the box of the scene. Of a cut with a
+/// sky those of the rooms alone, with some air around.
 Extent reach_of_cut(const Scene& scene, const CutFile& cut);
 /// A box of a scene in cubic voxels, `resolution` along its longest side; no air, no counts.
 LightGrid empty_grid(const Scene& scene, const Extent& box, int resolution);
