@@ -180,11 +180,12 @@ double SkyLight::seen_through(const WindowSky::Window& window, const Rectangle& 
     return of_cells;
   };
   const std::vector<double> along = overlaps(r.x0, r.x1), up = overlaps(r.y0, r.y1);
-  double sum = 0;
+  double sum = 0, all = 0;
+  for (const double cell : layout.cells) all += cell;
   for (size_t i = 0; i < along.size(); ++i)
     for (size_t j = 0; j < up.size() && along[i] > 0; ++j)
       sum += along[i] * up[j] * layout.cells[i * up.size() + j];
-  return sum;
+  return sum > 1e-12 * all ? sum : 0;
 }
 
 double SkyLight::next_event_pdf_w(const Vertex& shaded, const Vertex& next, const Vec3d& towards,

@@ -259,7 +259,11 @@ double WindowSky::seen_through(const Window& w, const Vec3d& p, const Vec3d& fac
   const Vec3d d = w.sky->to_local(w.centre - p);
   const auto cells = [&](double across) { return w.sky->in_cells(across / d.z); };
   r = {cells(d.x + w.x0), cells(d.x + w.x1), cells(d.y + w.y0), cells(d.y + w.y1)};
-  return r.a0 < r.a1 && r.b0 < r.b1 ? std::max(w.sky->sum(r), 0.0) : 0;
+  if (!(r.a0 < r.a1 && r.b0 < r.b1)) return 0;
+  // Beside a sun, all that a window without it shows may be the rounding of the sums over both.
+  constexpr double kRounding = 1e-12;
+  const double seen = w.sky->sum(r);
+  return seen > kRounding * w.sky->total() ? seen : 0;
 }
 
 double WindowSky::seen(const Vec3d& p, const Vec3d& facing) const {

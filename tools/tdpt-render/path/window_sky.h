@@ -46,8 +46,9 @@ class RectifiedSky {
   Vec3d to_local(const Vec3d& w) const { return {dot(x_, w), dot(y_, w), dot(z_, w)}; }
   /// c(t) in cells.
   double in_cells(double t) const { return (t / (1 + std::abs(t)) + 1) * 0.5 * n_; }
-  /// Luminance x solid angle within a rectangle.
+  /// Luminance x solid angle within a rectangle, and in all.
   double sum(const Rect& r) const;
+  double total() const { return sums_.back(); }
   /// Unit, towards the sky, within the rectangle in proportion to the table; u, v in [0,1). Its sum
   /// must be more than 0.
   Vec3d sample(const Rect& r, double u, double v) const;
