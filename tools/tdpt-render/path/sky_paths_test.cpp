@@ -109,6 +109,58 @@ TEST(sky_paths_of_candidates, are_the_oracles) {
   EXPECT_GT(std::min(directed, anywhere), 1);
 }
 
+// Anything: portals of all places, sizes and ways, on top of each other, in part; maps of any size
+// with black texels, suns of any; mixtures.
+struct Case {
+  explicit Case(uint64_t seed) {
+    Rng rng(61, 0, seed);
+    const auto in = [&](double a, double b) { return a + (b - a) * rng.uniform(); };
+    const auto often = [&](double share) { return rng.uniform() < share; };
+    for (double n = in(1, 6); n > 1; --n) {
+      if (often(0.5)) {
+        const double x = in(2, 4.2), y = in(0, 0.5), z = in(-0.9, 0), depth = in(0.2, 1);
+        portals.push_back(rectangle({x, y, z}, {0, 0, depth}, {0, in(0.2, 1.5), 0}));
+      } else {
+        const double x = in(0, 4.3), y = in(0, 1.5), z = in(-1, 0.5), a = in(-1, 1), b = in(-1, 1);
+        portals.push_back(rectangle({x, y, z}, {a, b, 0.5}, {b, 0.7, -a}));
+      }
+      if (often(0.2)) portals.back().triangles.pop_back();
+      portals.back().both_ways = often(0.4);
+      if (often(0.1)) portals.push_back(portals.back());
+    }
+    Sky::Map map{static_cast<int>(in(1, 40)), static_cast<int>(in(1, 20)), {}};
+    if (often(0.2)) map.width = map.height = 1;
+    for (int i = 0; i < map.width * map.height; ++i)
+      map.texels.push_back(Rgb(often(0.3) ? 0 : static_cast<float>(std::pow(10, in(-2, 3)))));
+    std::vector<Sky::Sun> suns;
+    const double y = in(-0.3, 0.5), half_angle = std::pow(10, in(-4, -0.3));
+    if (often(0.5)) suns.push_back(sun_of({1, y, 0.2}, half_angle, 3));
+    if (often(0.2)) map = {};
+    scene = open_end(diffuse_rooms(), kEnd);
+    if (often(0.5)) scene = without_lamps(scene);
+    scene.sky = std::make_shared<Sky>(map, in(0, 6), suns);
+    integrator = kIntegrators[static_cast<size_t>(in(1, 6))];
+    if (often(0.5)) integrator.mixture.guiding.chance = {0.7 * in(0, 1), 0.4};
+    integrator.mixture.through_windows = often(0.3) ? 0 : in(0, 0.95);
+  }
+  Scene scene;
+  std::vector<Portal> portals;
+  Integrator integrator;
+};
+TEST(sky_paths_at_random, are_the_oracles) {
+  int all = 0, from_sky = 0;
+  for (uint64_t seed = 0; seed < 50; ++seed) {
+    const Case c(seed);
+    const Worst worst = compare(c.scene, c.integrator, Fault::none, 6, 8, c.portals);
+    EXPECT_LT(worst.ways, 1e-12) << seed;
+    EXPECT_LE(worst.off, 2) << seed;  // rays that pass a portal's border by rounding
+    all += worst.all;
+    for (const int n : worst.sky) from_sky += n;
+  }
+  EXPECT_GT(all, 2000);
+  EXPECT_GT(from_sky, 1000);
+}
+
 // As the scout asks.
 TEST(sky_paths_under_other_mixtures, weigh_as_the_oracle_says) {
   Mixture often = tdpt_guided.mixture, anywhere = bdpt.mixture, aiming = nee.mixture;
