@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kFaces = 20, kSunSamples = 16;
 // Directions along a texel's sides, where a texel is wider than a bin is fine.
-constexpr int kLeastColumns = 256, kLeastRows = 128;
+constexpr int kLeastColumns = 1024, kLeastRows = 512;
 
 struct Bins {
   std::array<std::array<Vec3d, 3>, kFaces> face;

@@ -17,7 +17,7 @@ namespace {
 StagesRun portals_of(const KnownRoom& room, const Writing& writing) {
   const TempFolder folder;
   folder.write("room.glb", room.plan.glb(writing));
-  return run_stages({TDPT_BIN, {}, 2}, (folder.path / "room").string());
+  return run_stages({TDPT_BIN, {}, 2, room.sky}, (folder.path / "room").string());
 }
 
 void expect_right(RoomKind kind, uint64_t seed = 2001) {
@@ -71,6 +71,24 @@ TEST(known_portals, of_a_bay_are_right) {
 }
 TEST(known_portals, of_windows_in_a_row_are_right) {
   expect_right(RoomKind::windows_in_row);
+}
+
+TEST(known_portals, of_a_window_under_a_sky_are_right) {
+  expect_right(RoomKind::sky_window);
+}
+TEST(known_portals, of_windows_in_several_walls_under_the_sun_are_right) {
+  expect_right(RoomKind::sky_windows);
+}
+TEST(known_portals, of_windows_behind_a_door_are_right) {
+  expect_right(RoomKind::room_behind);
+}
+
+TEST(known_portals, of_a_landscape_are_none_and_it_says_so) {
+  const KnownRoom room = known_room(RoomKind::landscape, 2001);
+  const StagesRun run = portals_of(room, room.writing);
+  ASSERT_FALSE(run.failed);
+  EXPECT_TRUE(run.portals.empty());
+  EXPECT_NE(run.said.find("portalfit: no portal: "), std::string::npos) << run.said;
 }
 
 TEST(known_portals, of_an_open_room_are_none_and_it_says_so) {

@@ -25,9 +25,10 @@ SHARED vec3 normal_of_face(uint face) {
   return (face & 1u) != 0u ? -n : n;
 }
 
-// On the dome of a sky, where coordinates are larger, by as many units in the last place.
+// From the dome of a sky, far outside the scene, by a part of the way to it: nothing lies there.
 SHARED vec3 stepped_off(vec3 place, vec3 along) {
-  EXACT float step = LINE_STEP * max(1.0f, max(max(abs(place.x), abs(place.y)), abs(place.z)));
+  EXACT float far = max(max(abs(place.x), abs(place.y)), abs(place.z));
+  EXACT float step = far > 2.0f ? far * 0.0078125f : LINE_STEP;
   EXACT vec3 p = place + along * step;
   return p;
 }
@@ -80,7 +81,11 @@ SHARED bool line_is_free(LineEnds line, uint number) {
   vec3 n = normal_of_face(line.light_face);
   vec3 m = normal_of_face(line.camera_face);
   if (dot(w, n) <= 0.0f || dot(w, m) >= 0.0f) return false;
-  return !segment_blocked(stepped_off(line.light, n), stepped_off(line.camera, m),
+  vec3 light_end = stepped_off(line.light, n);
+  vec3 camera_end = stepped_off(line.camera, m);
+  // From where coordinates are exact.
+  bool from_sky = line.light_face >= light.first_sky_face;
+  return !segment_blocked(from_sky ? camera_end : light_end, from_sky ? light_end : camera_end,
                           coin_of_line(number));
 }
 

@@ -35,6 +35,7 @@ TEST(VoxelSums, keep_what_they_pack_apart) {
 
 shader::LightParameters parameters_of(const LineTables& tables) {
   shader::LightParameters p{};
+  p.first_sky_face = UINT32_MAX;
   p.cell_corner = tables.cell_corner;
   p.cells_per_unit = tables.cells_per_unit;
   p.levels = tables.levels;
@@ -70,6 +71,7 @@ TEST(LineKernel, lines_through_a_place_lead_from_light_to_camera) {
   const auto fate = [&](uint32_t ahead, uint32_t behind, uint32_t c, Vec3f direction) {
     tables.cells = {{{0, 0, 0}, ahead}, {{0, 0, 0}, behind}};
     shader::LightParameters p{};
+    p.first_sky_face = UINT32_MAX;
     p.cell_corner = {-50, -50, -50};
     p.cells_per_unit = 0.01f;
     p.levels = 1;
@@ -169,6 +171,7 @@ TEST(LineKernel, coins_are_of_one_line_only) {
   std::vector<uint32_t> coins;
   for (int i = 0; i < 7; ++i) {
     shader::LightParameters p{};
+    p.first_sky_face = UINT32_MAX;
     p.seed = shader::word64_of(i == 2, i == 1);
     p.stream = i == 3;
     p.round = i == 4;
@@ -213,6 +216,7 @@ double p_of_faces(double wrong) {
   cut.arcs[1].capacity += wrong;
   const LineTables tables = make_line_tables(scene, cut, "a.cut");
   shader::LightParameters p{};
+  p.first_sky_face = UINT32_MAX;
   p.seed = 3;
   p.first_arc = tables.cuts[1].first;
   p.arcs = tables.cuts[1].count;
@@ -256,6 +260,7 @@ TEST(LineKernel, marches_through_voxels_of_the_slab_towards_the_camera) {
   const LineTables tables;
   const NoRays none;
   shader::LightParameters p{};
+  p.first_sky_face = UINT32_MAX;
   p.grid_corner = {-1, 0, 1};
   p.voxels_per_unit = 2;
   p.dim = {3, 2, 4};
@@ -474,6 +479,7 @@ TEST(LineTables, CellsTooSmallForFloatsHoldNothing) {
   cut.region = {0};
   const LineTables tables = make_line_tables(scene, cut, "a.cut");
   shader::LightParameters p{};
+  p.first_sky_face = UINT32_MAX;
   p.cells_per_unit = tables.cells_per_unit;
   p.levels = tables.levels;
   VoxelSums sums(1);
