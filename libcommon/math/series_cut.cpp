@@ -111,7 +111,8 @@ std::vector<double> holds_of(const PatchNetwork& p, const Links& l) {
     const double s = l.from_source[v], t = l.to_sink[v];
     if (!(whole > 0) || std::max(s, t) < kPinned * whole) continue;
     holds[v] = (t - s) / whole;
-    if (!(lit > 0 && viewed > 0)) continue;
+    // What the sky lights it holds itself.
+    if (!(lit > 0 && viewed > 0) || !p.sky.empty()) continue;
     // Grades end at 1: where light and camera both reach a patch, which of them does so better.
     const double e = p.lit[v] / lit, w = p.viewed[v] / viewed;
     if (e + w > 0) holds[v] = (w - e) / (w + e);

@@ -23,7 +23,9 @@ FlowNetwork network_of(const LightFlow& f, const std::vector<double>& sky_grade)
     if (const int64_t c = whole(capacity); c > 0) net.arcs.push_back({from, to, c});
   };
   const std::vector<double>& n = f.etendue.samples;
-  const std::vector<double> from_light = terminal_grades(f.hits_light, n);
+  std::vector<double> of_lamps = f.hits_light;
+  for (size_t i = 0; i < f.lit_by_sky.size(); ++i) of_lamps[i] -= f.lit_by_sky[i];
+  const std::vector<double> from_light = terminal_grades(of_lamps, n);
   const std::vector<double> to_camera = terminal_grades(f.hits_camera, n);
   for (uint32_t i = 0; i < f.patches.size(); ++i) {
     const bool sky = f.patches.is_sky(i);
@@ -93,8 +95,8 @@ std::vector<double> begun_on(const PatchMap& patches, const BothWalks& walks) {
   std::vector<double> begun(patches.size(), 0);
   for (const WalkHit& h : walks.starts)
     if (const uint32_t p = patches.find(h.face, Vec3d(h.position)); p != kNoPatch) begun[p] += 1;
-  for (uint32_t k = 0; k < walks.from_sky.size(); ++k)
-    begun[patches.find_sky(k)] += walks.from_sky[k];
+  for (uint32_t k = 0; k < walks.from_sky.begun.size(); ++k)
+    begun[patches.find_sky(k)] += walks.from_sky.begun[k];
   return begun;
 }
 
@@ -102,7 +104,7 @@ std::vector<double> begun_on(const PatchMap& patches, const BothWalks& walks) {
 
 LightFlow light_flow(PatchMap patches, const BothWalks& both, const Tracer& tracer, uint64_t seed,
                      uint32_t rays) {
-  LightFlow f{std::move(patches), {}, {}, {}, {}, {}, {}};
+  LightFlow f{std::move(patches), {}, {}, {}, {}, {}, {}, {}};
   for (const Walks* walks : {&both.light, &both.camera})
     f.patches.add_all(walks->size(), [walks](size_t k) {
       const WalkHit& h = (*walks)[k];
@@ -114,7 +116,7 @@ LightFlow light_flow(PatchMap patches, const BothWalks& both, const Tracer& trac
   for (const Fragments::Fragment& piece : fragments.all()) has_area[piece.patch] = 1;
   f.patches.keep(has_area);
   fragments.keep(has_area);
-  for (uint32_t k = 0; k < both.from_sky.size(); ++k) f.patches.add_sky(k);
+  for (uint32_t k = 0; k < both.from_sky.begun.size(); ++k) f.patches.add_sky(k);
 
   const std::vector<PatchTrace> traces{trace_of(f.patches, both.light),
                                        trace_of(f.patches, both.camera)};
@@ -123,6 +125,9 @@ LightFlow light_flow(PatchMap patches, const BothWalks& both, const Tracer& trac
   f.etendue = measure_etendue(f.patches, fragments, tracer, seed, rays, traces);
   f.geometry = geometry_of(f.patches, fragments, f.etendue);
   f.begun = begun_on(f.patches, both);
+  f.lit_by_sky.assign(f.patches.size(), 0);
+  for (const size_t k : both.from_sky.hits)
+    if (const uint32_t p = traces[0][k]; p < f.patches.size()) f.lit_by_sky[p] += 1;
   f.network = network_of(f, both.sky_grade);
   return f;
 }

@@ -7,7 +7,9 @@
 //           to speak): source -> i n_i grade(H_E), i -> sink n_i grade(H_W), see terminal_grades()
 //
 // What shines from infinity is patches, too, one for each bin of directions (sky_bins.h), joined to
-// those of surfaces by the rays that leave the scene, and to the source by how bright they are.
+// those of surfaces by the rays that leave the scene, and to the source by how bright they are. The
+// grades of surfaces leave out what walks from there hit: it is spread over a wide ground, against
+// which any room near a window is bright.
 //
 // Its minimum cut parts the surfaces that the light reaches from those that the camera does where
 // least light is exchanged: at the openings between them.
@@ -30,6 +32,7 @@ struct LightFlow {
   Etendue etendue;
   std::vector<double> hits_light, hits_camera;  ///< H_E, H_W of each patch
   std::vector<double> begun;                    ///< walks of the light that begin on each patch
+  std::vector<double> lit_by_sky;               ///< of H_E, those of walks from the sky
   FlowNetwork network;                          ///< node 0: source, 1: sink, k + 2: patch k
 };
 
@@ -37,7 +40,7 @@ struct LightFlow {
 struct BothWalks {
   Walks light, camera;
   std::vector<WalkHit> starts;    ///< of the light's, those that begin on a surface
-  std::vector<double> from_sky;   ///< of each bin, those that begin there; empty: there is no sky
+  SkyStarts from_sky;             ///< empty: there is no sky
   std::vector<double> sky_grade;  ///< of each bin: how much of its etendue the source feeds
 };
 

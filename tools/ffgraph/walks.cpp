@@ -82,9 +82,9 @@ Walks light_walks(const Scene& scene, const Tracer& tracer, const WalkSettings& 
 }
 
 Walks light_walks(const Scene& scene, const Tracer& tracer, const WalkSettings& settings,
-                  const SkyLines& lines, std::vector<double>& begun) {
+                  const SkyLines& lines, SkyStarts& starts) {
   const Lights lights(scene);
-  begun.assign(kSkyBins, 0);
+  starts.begun.assign(kSkyBins, 0);
   if (lights.empty()) return {};
   std::vector<uint32_t> bin(settings.walks, kSkyBins);
   const Walks walks =
@@ -94,9 +94,10 @@ Walks light_walks(const Scene& scene, const Tracer& tracer, const WalkSettings& 
   size_t walk = 0;
   for (size_t k = 0; k < walks.size(); ++k) {
     const bool first = k == 0 || !is_hit(walks[k - 1]);
-    if (!first) continue;
-    if (is_hit(walks[k]) && bin[walk] < kSkyBins) begun[bin[walk]] += 1;
-    ++walk;
+    if (first && k > 0) ++walk;
+    if (!is_hit(walks[k]) || bin[walk] == kSkyBins) continue;
+    if (first) starts.begun[bin[walk]] += 1;
+    starts.hits.push_back(k);
   }
   return walks;
 }

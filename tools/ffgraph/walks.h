@@ -38,10 +38,13 @@ constexpr bool to_sky(const WalkHit& h) {
 /// leaves the scene or after `bounces` surfaces.
 using Walks = std::vector<WalkHit>;
 Walks light_walks(const Scene& scene, const Tracer& tracer, const WalkSettings& settings);
-/// The same; those from infinity begin on `lines`. `begun`, of each bin of the sky: how many came
-/// to a surface.
+/// The same; those from infinity begin on `lines`.
+struct SkyStarts {
+  std::vector<double> begun;  ///< of each bin of the sky: how many came to a surface
+  std::vector<size_t> hits;   ///< which of all hits are of walks from there
+};
 Walks light_walks(const Scene& scene, const Tracer& tracer, const WalkSettings& settings,
-                  const SkyLines& lines, std::vector<double>& begun);
+                  const SkyLines& lines, SkyStarts& starts);
 Walks camera_walks(const Scene& scene, const Camera& camera, const Tracer& tracer,
                    const WalkSettings& settings);
 /// Where the light's walks begin, those that begin on a surface.
