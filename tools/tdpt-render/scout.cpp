@@ -26,7 +26,7 @@ enum class Manner { plain, looking_out, directed };
 Manner manner(const World& world, const Candidate& c) {
   if (directed(c)) return Manner::directed;
   return !world.windows.empty() && c.integrator.mixture.looks_out() ? Manner::looking_out
-                                                                     : Manner::plain;
+                                                                    : Manner::plain;
 }
 
 int techniques(const Candidate& c) {
@@ -123,6 +123,19 @@ class ScoutSample {
     sums_.squares[block] += light * light;
   }
 
+  // What candidate i's weights are over the densities of a path that the run has made. Light walks
+  // directed more often than its own would be, and find what those find seldom, do not stand for
+  // them: then it has the run's.
+  double share_of(size_t i, Strategy strategy, const std::vector<StrategySums>& of) const {
+    const size_t own = scout_.runs_[run_];
+    const bool light_walk = strategy.technique == Technique::light ||
+                            strategy.technique == Technique::bi ||
+                            (strategy.technique == Technique::portal && strategy.split > 0);
+    const bool alike =
+        !light_walk || mixture(i).guiding.chance[0] >= mixture(own).guiding.chance[0];
+    return 1 / (alike ? of[i].counted : std::max(of[i].counted, of[own].counted));
+  }
+
   // A path of candidate i at home, in the sample's own pixel.
   void bring(size_t i, double brought) {
     if (scout_.home_[i] != run_) return;
@@ -181,7 +194,7 @@ class ScoutSample {
       moments_[i] = share * f * (of[i].squares / of[i].counted / of[i].counted);
       least = std::min(least, moments_[i]);
       most = std::max(most, moments_[i]);
-      if (!splat && of[i].used > 0) bring(i, f * per_sample(i) / of[i].counted);
+      if (!splat && of[i].used > 0) bring(i, f * share_of(i, strategy, of) * per_sample(i));
     }
     if (!splat && most < kAlike * least) {
       record_->alike += most;

@@ -14,6 +14,9 @@ WorkModel::WorkModel(const World& world, const Mixture& mixture, const WorkCosts
   const double depth =
       std::max(0.0, std::log2(static_cast<double>(world.scene.triangles.size() + 1) / 64));
   closest_ = costs.closest + costs.closest_deeper * depth;
+  if (!world.windows.empty() && mixture.looks_out())
+    closest_ +=
+        costs.looking_out + costs.window * static_cast<double>(world.windows.windows().size());
   const auto size = static_cast<int>(world.portals.size());
   portal_ = costs.portal + costs.portal_triangle * size;
   if (size == 0 || mixture.guiding == Guiding{}) return;

@@ -3,7 +3,8 @@
 // every run.
 //   cost = sample + rays.closest (closest + closest_deeper L) + rays.shadow x shadow
 //          + rays.portal (portal + portal_triangle T + directed D + (facets + facet F) [D and F >
-//          1]),
+//          1])
+//          + rays.closest (looking_out + window F) where there is a sky to look for,
 // rays: of one sample, L = log2(triangles of the scene / 64), 0 at least, T: triangles of the
 // portals, F: their facets (portals.h), D: 1 where walks are directed, else 0.
 #pragma once
@@ -22,6 +23,8 @@ struct WorkCosts {
   double directed = 0;         ///< more where the edge's ends are told how to aim
   double facets = 0;           ///< and where they choose among facets,
   double facet = 0;            ///< for each facet
+  double looking_out = 0;      ///< a first hit where next events look for the sky through portals,
+  double window = 0;           ///< for each facet
 };
 
 // The tables are bench/work_model.py's, a least-squares fit to what work_model_bench measures: five
@@ -39,11 +42,15 @@ inline constexpr WorkCosts kWorkWithPortals{
     .directed = 70,
     .facets = 59,
     .facet = 11,
+    .looking_out = 70,
+    .window = 20,
 };
 inline constexpr WorkCosts kWorkWithoutPortals{
     .closest = 194,
     .closest_deeper = 23,
     .shadow = 351,
+    .looking_out = 70,
+    .window = 20,
 };
 
 class WorkModel {

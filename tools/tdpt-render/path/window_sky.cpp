@@ -230,7 +230,7 @@ WindowSky::WindowSky(const Sky* sky, const PortalSet& portals) {
     }
     if (!same) {
       const int cells =
-          sky->one_colour() && sky->suns().empty() ? 64 : std::clamp(sky->map().height, 256, 512);
+          sky->one_colour() && sky->suns().empty() ? 64 : std::clamp(sky->map().height, 128, 256);
       same = skies.emplace_back(std::make_shared<RectifiedSky>(*sky, x, z, cells));
     }
     Window w{same, outline.centre, HUGE_VAL, -HUGE_VAL, HUGE_VAL, -HUGE_VAL, {}};
