@@ -47,6 +47,51 @@ std::vector<uint32_t> regions(const PatchNetwork& p, const SeriesCut& cut) {
   return of_room;
 }
 
+// Two rooms, of which the lamp's is the sky, wide open to the other or not.
+struct UnderASky {
+  PatchNetwork network;
+  std::vector<uint8_t> source_side;
+
+  explicit UnderASky(int64_t window, bool sky = true) : network(rooms_in_row({window})) {
+    const uint32_t n = network.network.nodes;
+    network.begun.assign(n, 0), network.lit.assign(n, 0), network.viewed.assign(n, 0);
+    if (sky) network.sky.assign(n, 0);
+    source_side.assign(n, 0);
+    source_side[0] = 1;
+    for (uint32_t v = 2; v < n; ++v) {
+      const bool outside = v >= 2 + kPatches;
+      source_side[v] = outside;
+      if (outside && sky) network.sky[v] = 1;
+      (outside ? network.begun : network.viewed)[v] = 1000;
+    }
+  }
+};
+
+// A lamp that shines straight through its window needs no portal; the sky is what portals are for.
+TEST(cut_facts, light_straight_from_the_sky_refuses_no_window) {
+  const UnderASky sky(60000), lamp(60000, false);
+  const CutFacts of_sky = facts_of(sky.network, sky.source_side);
+  EXPECT_EQ(of_sky.straight, 0);
+  EXPECT_FALSE(of_sky.back.has_value());
+  EXPECT_EQ(of_sky.viewed[1], 1);
+  EXPECT_FALSE(of_sky.seen.has_value());
+  EXPECT_FALSE(lamp_in_its_opening(of_sky, {}));
+  EXPECT_EQ(why_refused(of_sky, {}), "");
+  const CutFacts of_lamp = facts_of(lamp.network, lamp.source_side);  // twin
+  EXPECT_EQ(of_lamp.straight, 1);
+  EXPECT_GT(of_lamp.seen.value_or(0), 0.05);
+}
+
+TEST(cut_facts, a_cut_that_parts_the_sky_is_none) {
+  UnderASky parted(300);
+  EXPECT_EQ(facts_of(parted.network, parted.source_side).sky_beyond, 0);
+  for (uint32_t v = 2 + kPatches; v < 2 + kPatches + kPatches / 4; ++v) parted.source_side[v] = 0;
+  const CutFacts facts = facts_of(parted.network, parted.source_side);
+  EXPECT_NEAR(facts.sky_beyond, 0.25, 1e-9);
+  EXPECT_EQ(why_refused(facts, {}),
+            "25 % of the sky lies on the camera's side of the cut, which parts the open");
+}
+
 TEST(series_cut, finds_every_door_of_a_row_in_the_lights_order) {
   for (const std::vector<int64_t>& doors :
        {std::vector<int64_t>{400}, {400, 300}, {300, 400}, {350, 300, 400, 200}}) {
