@@ -1,5 +1,6 @@
 #include "tools/ffgraph/preview.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -7,6 +8,7 @@
 #include "libcommon/draw/patch_lookup.h"
 #include "libcommon/draw/scene_sheet.h"
 #include "libcommon/formats/debug_glb.h"
+#include "libcommon/math/series_cut.h"
 
 namespace tdpt {
 std::vector<Reach> reach_of_patches(const DimacsFile& file, bool triangles) {
@@ -23,6 +25,18 @@ std::vector<Reach> reach_of_patches(const DimacsFile& file, bool triangles) {
       reach[patch[arc.to]].light = share(patch[arc.to], arc);
     if (arc.to == file.network.sink && patch[arc.from] != UINT32_MAX)
       reach[patch[arc.from]].camera = share(patch[arc.from], arc);
+  }
+  // Under a sky the source feeds no surface; its walks tell which they are.
+  if (!file.walks.empty() && std::any_of(file.patches.begin(), file.patches.end(),
+                                         [](const Patch& p) { return p.is_sky(); })) {
+    std::vector<double> hits, samples;
+    for (size_t i = 0; i < reach.size(); ++i) {
+      hits.push_back(file.walks[i].light);
+      samples.push_back(file.patches[i].samples);
+    }
+    const std::vector<double> grades = terminal_grades(hits, samples);
+    for (size_t i = 0; i < reach.size(); ++i)
+      if (!file.patches[i].is_sky()) reach[i].light = grades[i];
   }
   return reach;
 }
