@@ -4,8 +4,9 @@ bin=${1:?usage: stages_test.sh BIN}
 here=$(cd "$(dirname "$0")" && pwd)
 work=$(mktemp -d) || exit 2
 trap 'rm -rf "$work"' EXIT
+sh "$here/python.sh" "$here/sky_rooms.py" "$work" >&2 || exit
 SCENE="$here/../testdata/scenes/two-rooms.glb" INTERIOR="$here/../testdata/scenes/window.glb" DOC="$work/doc" \
-  sh "$here/stages.sh" "$bin" "$work/cache" \
+  WINDOWS="$work/skylight.gltf" SKY=1,1,1 sh "$here/stages.sh" "$bin" "$work/cache" \
   >"$work/said" 2>&1 || { cat "$work/said"; exit 1; }
 # missing PAGE: pictures that the page shows and the script did not make.
 missing() {
@@ -15,7 +16,7 @@ missing() {
 }
 failed=0
 [ -z "$(missing "$here/../doc/stages.md")" ] || { missing "$here/../doc/stages.md"; failed=1; }
-[ "$(sed -n '/!\[/p' "$here/../doc/stages.md" | wc -l)" = 5 ] || { echo "stages.md has not five pictures"; failed=1; }
+[ "$(sed -n '/!\[/p' "$here/../doc/stages.md" | wc -l)" = 9 ] || { echo "stages.md has not nine pictures"; failed=1; }
 rm "$work/doc/figures/stage-mincut.png"
 [ -n "$(missing "$here/../doc/stages.md")" ] || { echo "a missing picture passes"; failed=1; }
 SCENE="$work/none.glb" DOC="$work/doc" sh "$here/stages.sh" "$bin" "$work/cache" 2>"$work/none"
