@@ -16,7 +16,6 @@ constexpr double kSlant = 0.5;       // sine between planes that bound each othe
 constexpr double kMost = 0.25;       // of an opening's area, beyond the edge it shares
 constexpr double kReach = 1.5;       // in area: how near is near
 constexpr double kReachOfLines = 2;  // the same, for lines: few are where an opening narrows
-constexpr double kLost = 0.03;       // of the lines through an opening, or of their density
 constexpr double kLeastLeft = 0.5;   // of an opening's lines, or it stays as it was
 
 // The middle of the piece of the half plane's border within `polygon`, if there is one.
@@ -148,24 +147,6 @@ std::vector<uint32_t> lines_beside(const LightGrid& grid, const std::vector<uint
   std::sort(taken.begin(), taken.end());
   std::set_difference(all.begin(), all.end(), taken.begin(), taken.end(), std::back_inserter(own));
   return own;
-}
-
-void fit_to_all_lines(const LightGrid& grid, const std::vector<uint32_t>& all,
-                      std::vector<Aperture>& found) {
-  for (int round = 0; round < 2; ++round)
-    for (size_t k = 0; k < found.size(); ++k) {
-      const auto passing = static_cast<double>(lines_across(grid, all, found[k]).size());
-      if (static_cast<double>(found[k].lines.size()) > (1 - kLost) * passing) continue;
-      std::vector<Aperture> others = found;
-      others.erase(others.begin() + static_cast<std::ptrdiff_t>(k));
-      auto again = outlined(grid, lines_beside(grid, all, others), found[k].tube, true);
-      if (!again) continue;
-      again->lines = lines_across(grid, all, *again);
-      const auto now = static_cast<double>(again->lines.size());
-      const double grown = area(again->polygon) / area(found[k].polygon);
-      if (grown < kReach && now >= (1 - kLost) * std::max(1.0, grown) * passing)
-        found[k] = std::move(*again);
-    }
 }
 
 void part_at_shared_edges(const LightGrid& grid, const std::vector<uint32_t>& all,

@@ -31,12 +31,6 @@ void part_from_each_other(const LightGrid& grid, const std::vector<uint32_t>& al
 std::vector<uint32_t> lines_beside(const LightGrid& grid, const std::vector<uint32_t>& all,
                                    const std::vector<Aperture>& others);
 
-/// Openings that were fitted without lines that pass them, since a candidate before them had taken
-/// these: windows at the two sides of a corner. Each is fitted again to all lines but the others'.
-/// All lines are those of `all`.
-void fit_to_all_lines(const LightGrid& grid, const std::vector<uint32_t>& all,
-                      std::vector<Aperture>& found);
-
 /// Openings that share an edge: lines near it belong to neither yet, and each has drawn some of the
 /// other's. Each is cut off at the other's plane; then, the smallest first, each is fitted again to
 /// the lines near it that pass no other. All lines are those of `all`.

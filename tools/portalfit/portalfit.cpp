@@ -209,7 +209,6 @@ std::vector<Aperture> fit_cut(const LightGrid& grid, const std::vector<uint32_t>
                                   options.max_portals));
     found.resize(options.max_portals);
   }
-  fit_to_all_lines(grid, all, found);
   part_from_each_other(grid, all, found);
   part_at_shared_edges(grid, all, found);
   return found;
