@@ -25,6 +25,8 @@ constexpr std::pair<const char*, double WorkCosts::*> kTerms[] = {
     {"directed", &WorkCosts::directed},
     {"facets", &WorkCosts::facets},
     {"facet", &WorkCosts::facet},
+    {"looking_out", &WorkCosts::looking_out},
+    {"window", &WorkCosts::window},
 };
 static_assert(sizeof(WorkCosts) == std::size(kTerms) * sizeof(double), "a term is missing");
 constexpr int kDepths[] = {3, 6, kMaxDepth};
