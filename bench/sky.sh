@@ -9,9 +9,9 @@
 #   SKIES     of: overcast clear sun (sun: an interior has its own map instead); default all
 #   SCENES    folder with interiors/ (../shared/scenes); what is not there is left out, with a word
 #   SPP, SEEDS       samples per pixel (32), and pictures of each kind (4)
-#   REF_SPP          samples per pixel of each half of a reference (192)
+#   REF_SPP          samples per pixel of each half of a reference (96)
 #   REF_INTEGRATOR   of the references, with the portals found (auto)
-#   WIDTH, HEIGHT    of the pictures of rooms (96 x 72); those of interiors are a third wider
+#   WIDTH, HEIGHT    of the pictures of rooms (72 x 54); those of interiors are a third wider
 #   JOBS             rooms and skies at a time (all cores)
 #
 # A reference has two halves A, B. A picture x is off by (d(x,A) + d(x,B) - d(A,B)) / 2, d = relMSE or MSE, to which the
@@ -22,9 +22,10 @@ export LC_ALL=C
 bin=$(cd "${1:-build/bin}" && pwd) cache=${2:-build/sky} doc=${3:-doc}
 here=$(cd "$(dirname "$0")/.." && pwd)
 interiors=${SCENES:-$here/../shared/scenes}/interiors maps=$here/testdata/environments
-spp=${SPP:-32} seeds=${SEEDS:-4} reference_spp=${REF_SPP:-192} reference_integrator=${REF_INTEGRATOR:-auto}
-width=${WIDTH:-96} height=${HEIGHT:-72} wide=$((${WIDTH:-96} * 4 / 3))
-# Name, group, and what it is: the N-th room of a kind (first_rooms), or an interior.
+spp=${SPP:-32} seeds=${SEEDS:-4} reference_spp=${REF_SPP:-96} reference_integrator=${REF_INTEGRATOR:-auto}
+width=${WIDTH:-72} height=${HEIGHT:-54}
+wide=$((width * 4 / 3))
+# Name, group, and what it is: the N-th room of a kind (room, below), or an interior.
 list='
 window windows sky-window 1
 windows windows sky-windows 1
@@ -43,6 +44,7 @@ sh "$here/bench/python.sh" -c '' || { say "sky: python3 with numpy is missing" >
 mkdir -p "$cache" "$doc"
 cache=$(cd "$cache" && pwd)
 programs=$(cd "$bin" && cat ffgraph mincut lightgrid portalfit tdpt-render | cksum)
+# shellcheck source=bench/find-portals.sh
 . "$here/bench/find-portals.sh"
 
 # room KIND N FILE: the N-th generated room of that kind which has no lamp and stands upright, in metres: half of them
