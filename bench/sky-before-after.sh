@@ -1,11 +1,12 @@
 #!/bin/sh
-# sky-before-after.sh BIN [CACHE [DOC]]: DOC/sky-before-after.png, a furnished room lit through its windows: on the left
-# without portals, on the right with those that the four stages find, in equal CPU time; and what both are worth, for
-# the caption, on stdout. A few minutes.
+# sky-before-after.sh BIN [CACHE [DOC]]: DOC/sky-before-after.png, a room that the sun lights through its window: on the
+# left without portals, on the right with those that the four stages find, in equal CPU time; and what both are worth,
+# for the caption, on stdout. A few minutes.
 # The environment may set
-#   SCENE, SKY, TURN   a room without lamps, its --environment and --environment-rotation (living-room.glb of the
-#                interiors, clear-sun.exr of testdata and 200: sun through both walls' windows)
-#   WIDTH, SPP   of each half (480), and samples per pixel of the right one (8); others get as many as they need for
+#   SCENE, SKY, TURN   a room without lamps, its --environment and --environment-rotation (blinds.glb, which sky.sh
+#                leaves in CACHE, clear-sun.exr of testdata and 0). For living-room.glb of the interiors TURN=200 lets
+#                the sun in through both walls' windows
+#   WIDTH, SPP   of each half (480), and samples per pixel of the right one (12); others get as many as they need for
 #                the same CPU time
 #   BEFORE       integrator of the left one (nee); ALSO: another without portals, told alone (bdpt)
 #   REF_SPP      samples per pixel of the reference (36), by auto with the portals
@@ -14,10 +15,10 @@ set -eu
 export LC_ALL=C
 bin=$(cd "${1:-build/bin}" && pwd) cache=${2:-build/sky} doc=${3:-doc}
 here=$(cd "$(dirname "$0")/.." && pwd)
-scene=${SCENE:-$here/../shared/scenes/interiors/living-room.glb}
-sky="--environment ${SKY:-$here/testdata/environments/clear-sun.exr} --environment-rotation ${TURN:-200}"
-width=${WIDTH:-480} spp=${SPP:-8} before=${BEFORE:-nee} also=${ALSO:-bdpt}
-[ -s "$scene" ] || { echo "sky-before-after: there is no scene $scene; name one with SCENE=FILE" >&2; exit 3; }
+scene=${SCENE:-$cache/blinds.glb}
+sky="--environment ${SKY:-$here/testdata/environments/clear-sun.exr} --environment-rotation ${TURN:-0}"
+width=${WIDTH:-480} spp=${SPP:-12} before=${BEFORE:-nee} also=${ALSO:-bdpt}
+[ -s "$scene" ] || { echo "sky-before-after: there is no scene $scene; run sky.sh first, or name one with SCENE=FILE" >&2; exit 3; }
 command -v jq >/dev/null || { echo "sky-before-after: jq is missing" >&2; exit 5; }
 mkdir -p "$cache" "$doc"
 stem=$cache/before-after
