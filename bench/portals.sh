@@ -19,6 +19,7 @@ fi
 few=$(((rooms + 6) / 7))  # rooms of each kind in the other tables
 mkdir -p "$cache"
 known=hole,slit,floor-door,through-floor,ajar-full,ajar,window,two-openings,holes-in-row,doors-in-row,closet
+skies=sky-window,sky-windows,corner-windows,skylight,sky-blinds,colonnade,room-behind,deep-facade,landscape
 
 # table NAME ARGUMENT...: of portals_bench; its rows room by room stay in CACHE.
 table() {
@@ -59,7 +60,7 @@ portal may lie in either of the two places that the light passes.
 
 INTRO
 table kinds --rooms "$rooms"
-cat <<PAPER
+cat <<SKIES
 
 A wide window, the mouth of a lampshade, sconce, cupboard or alcove with the lamp in it, and a window with the lamp right
 behind it may be found or not; \`open-room\` has nothing to be found. \`ajar-full\` is a leaf from floor to ceiling, with
@@ -67,6 +68,15 @@ one slit beside it; \`ajar\` is lower than the ceiling, and beside the slit it h
 centimetres wide that shares an edge with the slit and gets about a tenth of the light. A keyhole of 1 cm is found when a
 step of the walks passes it, which in walls much thicker than that none does: then nothing is right only where portalfit
 says that light may pass where no walk passed. More \`--walks\` find more of them.
+
+## Rooms lit by the sky
+
+A sky, the sun or both shine in through windows, and there is no lamp; in a \`landscape\` there is nothing to find. Fewer of
+each kind.
+
+SKIES
+table skies --rooms "$few" --kinds $skies
+cat <<PAPER
 
 ## The paper's rules
 
