@@ -78,7 +78,7 @@ TEST(LineKernel, lines_through_a_place_lead_from_light_to_camera) {
     p.cut = c;
     rays.coins.clear();
     shader::LineKernel<BetweenTwo> kernel(rays, tables, p, sums);
-    const uint32_t out = kernel.line_through({{0, 2, 3}, 0, direction, 0}, 9, line);
+    const uint32_t out = kernel.line_through({{0, 0.5f, 1.5f}, 0, direction, 0}, 9, line);
     for (const uint32_t coin : rays.coins) EXPECT_EQ(coin, kernel.coin_of_line(9));
     return out;
   };
@@ -88,8 +88,8 @@ TEST(LineKernel, lines_through_a_place_lead_from_light_to_camera) {
     EXPECT_EQ(fate(0, 1, 0, right * turned), FATE_JOINS);
     EXPECT_NEAR(line.light.x, 1, 1e-5);
     EXPECT_NEAR(line.camera.x, -1, 1e-5);
-    EXPECT_EQ(line.light.y, 2);
-    EXPECT_EQ(line.camera.z, 3);
+    EXPECT_EQ(line.light.y, 0.5f);
+    EXPECT_EQ(line.camera.z, 1.5f);
     EXPECT_EQ(line.light_face, 0u);
     EXPECT_EQ(line.camera_face, 3u);
     EXPECT_EQ(fate(2, 1, 1, right * turned), FATE_JOINS);
