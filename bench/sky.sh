@@ -107,8 +107,8 @@ cell() {
   name=$1 light=$2 group=$3 file=$4
   stem=$cache/$name-$light sky=$(environment "$name" "$light") size="--width $width --height $height"
   [ "$group" != interiors ] || size="--width $wide --height $height"
-  map=; [ ! -f "$sky" ] || map=$(cksum <"$sky")
-  key="$programs $(cksum <"$file") $map $sky $size $spp $seeds $reference_spp $reference_integrator"
+  shines=$sky; [ ! -f "$sky" ] || shines=$(cksum <"$sky")
+  key="$programs $(cksum <"$file") $shines $size $spp $seeds $reference_spp $reference_integrator"
   [ "$(cat "$stem.key" 2>/dev/null)" != "$key" ] || return 0
   rm -f "$stem.key"
   say "sky: $name, $light" >&2
