@@ -1,8 +1,8 @@
 // Bottlenecks one behind the other: minimum cuts of a network of patches.
 //
 // The minimum cut finds the narrowest of several openings in series. Where the potential of a
-// network of resistors (series_cut.cpp) shows drops, there is a candidate for each. Every candidate
-// is drawn and judged by itself (cut_facts.h): one that is refused hides no other.
+// network of resistors (potential_sweep.h) shows drops, there is a candidate for each. Every
+// candidate is drawn and judged by itself (cut_facts.h): one that is refused hides no other.
 #pragma once
 #include <functional>
 #include <string>
@@ -37,10 +37,5 @@ using FlowSolver = std::function<MaxFlow(const FlowNetwork&)>;
 /// terminals draw patches by how far their potential lies from it.
 SeriesCut series_cut(const PatchNetwork& problem, size_t most, const CutLimits& limits,
                      const FlowSolver& solve = max_flow);
-
-/// Data terms of the patches, as in image segmentation: min(1, E_i / (0.5 E_med)) with E_i = hits_i
-/// / samples_i and E_med its median weighted by hits; 0 for patches without samples.
-std::vector<double> terminal_grades(const std::vector<double>& hits,
-                                    const std::vector<double>& samples);
 
 }  // namespace tdpt

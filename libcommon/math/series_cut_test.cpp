@@ -278,12 +278,5 @@ TEST(series_cut, a_terminal_that_reaches_nothing_is_told) {
   EXPECT_EQ(series_cut(blind, 8, {}).reason, "the camera sees no surface");
 }
 
-TEST(terminal_grades, are_relative_to_half_the_hit_weighted_median) {
-  // E = 10, 2, 1; hits 100, 20, 10: the median by hits is 10, half of it 5.
-  const auto g = terminal_grades({100, 20, 10, 0, 7}, {10, 10, 10, 10, 0});
-  EXPECT_EQ(g, (std::vector<double>{1, 0.4, 0.2, 0, 0}));
-  EXPECT_EQ(terminal_grades({0, 0}, {1, 1}), (std::vector<double>{0, 0}));
-}
-
 }  // namespace
 }  // namespace tdpt

@@ -5,7 +5,7 @@
 
 #include <oneapi/tbb/parallel_for.h>
 
-#include "libcommon/math/series_cut.h"
+#include "libcommon/math/potential_sweep.h"
 
 namespace tdpt {
 namespace {

@@ -8,7 +8,7 @@
 #include "libcommon/draw/patch_lookup.h"
 #include "libcommon/draw/scene_sheet.h"
 #include "libcommon/formats/debug_glb.h"
-#include "libcommon/math/series_cut.h"
+#include "libcommon/math/potential_sweep.h"
 
 namespace tdpt {
 std::vector<Reach> reach_of_patches(const DimacsFile& file, bool triangles) {

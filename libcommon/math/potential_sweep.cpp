@@ -1,0 +1,186 @@
+// The potential of a network of resistors, and the sweep cuts over it.
+//
+// Method: random-walker segmentation (Grady 2006), solved by conjugate gradients.
+//
+// u_i       potential of patch i, 0 where the light reaches it well, 1 where the camera does: the
+//           chance that a random walk from i along the arcs comes to the camera's patches first
+// c_ij      half the capacity of the arcs between i and j, either way
+// s_i, t_i  what holds u_i at 0 and at 1
+//   sum_j c_ij (u_i - u_j) + s_i u_i + t_i (u_i - 1) = 0
+// E_i, W_i  hits of the light's and the camera's walks per sample, over their medians
+//   t_i - s_i = n_i (W_i - E_i) / (W_i + E_i)  on patches that one of them reaches well
+// So rooms are told apart by who reaches them better, also where both reach all.
+#include "libcommon/math/potential_sweep.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace tdpt {
+namespace {
+
+constexpr double kPinned = 0.5;  // grade from which a terminal holds a patch's potential
+constexpr int kMostIterations = 2000;
+constexpr double kResidual = 1e-9;  // of the conjugate gradients, relative
+
+// The resistors: conductances c_ij of the patches' links in rows, and the terminals' arcs.
+struct Links {
+  struct Link {
+    uint32_t to;
+    double capacity;
+  };
+  std::vector<size_t> first;  // links of node v: first[v] .. first[v + 1]
+  std::vector<Link> links;
+  std::vector<double> total;                 // of each node's links
+  std::vector<double> from_source, to_sink;  // of each node
+};
+
+Links links_of(const PatchNetwork& p) {
+  const FlowNetwork& net = p.network;
+  Links l;
+  l.first.assign(net.nodes + 1, 0);
+  l.total.assign(net.nodes, 0);
+  l.from_source.assign(net.nodes, 0);
+  l.to_sink.assign(net.nodes, 0);
+  const auto inner = [&](const FlowArc& a) {
+    return a.from != net.source && a.to != net.sink && a.from != net.sink && a.to != net.source &&
+           a.from != a.to && a.capacity > 0;
+  };
+  for (const FlowArc& a : net.arcs) {
+    if (a.from == net.source) l.from_source[a.to] += static_cast<double>(a.capacity);
+    if (a.to == net.sink) l.to_sink[a.from] += static_cast<double>(a.capacity);
+    if (inner(a)) ++l.first[a.from + 1], ++l.first[a.to + 1];
+  }
+  std::partial_sum(l.first.begin(), l.first.end(), l.first.begin());
+  l.links.resize(l.first.back());
+  std::vector<size_t> next(l.first.begin(), l.first.end() - 1);
+  for (const FlowArc& a : net.arcs) {
+    if (!inner(a)) continue;
+    // Either direction carries half of what joins the two.
+    const double half = 0.5 * static_cast<double>(a.capacity);
+    l.links[next[a.from]++] = {a.to, half};
+    l.links[next[a.to]++] = {a.from, half};
+    l.total[a.from] += half;
+    l.total[a.to] += half;
+  }
+  return l;
+}
+
+// Half the hits lie on patches with fewer of them for their samples, half on those with more [hits
+// / sample]; 0 without hits.
+double median_density(const std::vector<double>& hits, const std::vector<double>& samples) {
+  std::vector<std::pair<double, double>> densities;  // and hits
+  double total = 0, below = 0;
+  for (size_t i = 0; i < hits.size(); ++i)
+    if (samples[i] > 0 && hits[i] > 0)
+      densities.emplace_back(hits[i] / samples[i], hits[i]), total += hits[i];
+  std::sort(densities.begin(), densities.end());
+  for (const auto& [density, n] : densities)
+    if ((below += n) >= 0.5 * total) return density;
+  return 0;
+}
+
+// What holds the potential of each node [share of its samples]: below 0 the light, above 0 the
+// camera. Only what one of them reaches well is held.
+std::vector<double> holds_of(const PatchNetwork& p, const Links& l) {
+  std::vector<double> holds(p.network.nodes, 0);
+  const bool walks = !p.begun.empty();
+  const double lit = walks ? median_density(p.lit, p.samples) : 0;
+  const double viewed = walks ? median_density(p.viewed, p.samples) : 0;
+  for (uint32_t v = 0; v < p.network.nodes; ++v) {
+    const double whole = p.samples[v] * p.scale;
+    const double s = l.from_source[v], t = l.to_sink[v];
+    if (!(whole > 0) || std::max(s, t) < kPinned * whole) continue;
+    holds[v] = (t - s) / whole;
+    // What the sky lights it holds itself.
+    if (!(lit > 0 && viewed > 0) || !p.sky.empty()) continue;
+    // Grades end at 1: where light and camera both reach a patch, which of them does so better.
+    const double e = p.lit[v] / lit, w = p.viewed[v] / viewed;
+    if (e + w > 0) holds[v] = (w - e) / (w + e);
+  }
+  return holds;
+}
+
+// u of each node, by conjugate gradients with the diagonal as preconditioner; s and t hold the
+// patches that light and camera reach well.
+std::vector<double> potential_of(const PatchNetwork& p, const Links& l) {
+  const uint32_t n = p.network.nodes;
+  const std::vector<double> holds = holds_of(p, l);
+  std::vector<double> diagonal(n), right(n, 0), u(n, 0.5);
+  for (uint32_t v = 0; v < n; ++v) {
+    const double whole = p.samples[v] * p.scale;
+    const double hold = std::abs(holds[v]) * whole;
+    // Patches that nothing holds and nothing joins stay at 1/2.
+    const double loose = 1e-9 * whole + 1e-30;
+    diagonal[v] = l.total[v] + hold + loose;
+    right[v] = (holds[v] > 0 ? hold : 0) + 0.5 * loose;
+  }
+  const auto apply = [&](const std::vector<double>& x, std::vector<double>& y) {
+    for (uint32_t v = 0; v < n; ++v) {
+      double sum = diagonal[v] * x[v];
+      for (size_t k = l.first[v]; k < l.first[v + 1]; ++k)
+        sum -= l.links[k].capacity * x[l.links[k].to];
+      y[v] = sum;
+    }
+  };
+  const auto product = [](const std::vector<double>& a, const std::vector<double>& b) {
+    return std::inner_product(a.begin(), a.end(), b.begin(), 0.0);
+  };
+  std::vector<double> r(n), z(n), d(n), q(n);
+  apply(u, q);
+  for (uint32_t v = 0; v < n; ++v) r[v] = right[v] - q[v], z[v] = r[v] / diagonal[v];
+  d = z;
+  double rz = product(r, z);
+  const double enough = kResidual * kResidual * rz;
+  for (int i = 0; i < kMostIterations && rz > enough; ++i) {
+    apply(d, q);
+    const double step = rz / product(d, q);
+    for (uint32_t v = 0; v < n; ++v) {
+      u[v] += step * d[v], r[v] -= step * q[v];
+      z[v] = r[v] / diagonal[v];
+    }
+    const double next = product(r, z);
+    for (uint32_t v = 0; v < n; ++v) d[v] = z[v] + next / rz * d[v];
+    rz = next;
+  }
+  return u;
+}
+
+}  // namespace
+
+Sweep sweep_of(const PatchNetwork& p) {
+  const Links links = links_of(p);
+  Sweep s;
+  s.u = potential_of(p, links);
+  for (uint32_t v = 0; v < p.network.nodes; ++v)
+    if (!p.terminal(v)) s.order.push_back(v);
+  std::sort(s.order.begin(), s.order.end(),
+            [&](uint32_t a, uint32_t b) { return s.u[a] != s.u[b] ? s.u[a] < s.u[b] : a < b; });
+  std::vector<uint8_t> before(p.network.nodes, 0);
+  double area = 0, volume = 0, crossing = 0, viewed = 0;
+  for (const uint32_t v : s.order) {
+    before[v] = 1;
+    area += p.samples[v];
+    volume += links.total[v];
+    for (size_t k = links.first[v]; k < links.first[v + 1]; ++k)
+      crossing += before[links.links[k].to] ? -links.links[k].capacity : links.links[k].capacity;
+    s.area.push_back(area);
+    s.volume.push_back(volume);
+    if (!p.sky.empty() && !p.viewed.empty()) viewed += p.viewed[v];
+    s.viewed.push_back(viewed);
+    s.crossing.push_back(crossing);
+  }
+  return s;
+}
+
+std::vector<double> terminal_grades(const std::vector<double>& hits,
+                                    const std::vector<double>& samples) {
+  std::vector<double> grade(hits.size(), 0);
+  const double median = median_density(hits, samples);
+  for (size_t i = 0; i < hits.size(); ++i)
+    if (samples[i] > 0 && hits[i] > 0)
+      grade[i] = std::min(1.0, hits[i] / samples[i] / (0.5 * median));
+  return grade;
+}
+
+}  // namespace tdpt

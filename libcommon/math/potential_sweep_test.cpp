@@ -1,0 +1,48 @@
+#include "libcommon/math/potential_sweep.h"
+
+#include <utility>
+
+#include <gtest/gtest.h>
+
+namespace tdpt {
+namespace {
+
+// Four patches in a row, the light at the first and the camera at the last; the arcs between the
+// two in the middle are a tenth of the others.
+PatchNetwork row() {
+  PatchNetwork p;
+  p.scale = 1000;
+  p.network = {6, 0, 1, {{0, 2, 1000}, {5, 1, 1000}}};
+  p.samples = {0, 0, 1, 1, 1, 1};
+  const int64_t capacity[] = {400, 40, 400};
+  for (uint32_t v = 2; v < 5; ++v)
+    for (const auto& [a, b] : {std::pair{v, v + 1}, std::pair{v + 1, v}})
+      p.network.arcs.push_back({a, b, capacity[v - 2]});
+  return p;
+}
+
+TEST(potential_sweep, is_that_of_resistors_in_a_row) {
+  const Sweep s = sweep_of(row());
+  ASSERT_EQ(s.order, (std::vector<uint32_t>{2, 3, 4, 5}));
+  // Resistances: 1/1000 at either end, 1/400, 1/40, 1/400 between; 0.032 in all.
+  const double u[] = {0.001 / 0.032, 0.0035 / 0.032, 0.0285 / 0.032, 0.031 / 0.032};
+  for (uint32_t i = 0; i < 4; ++i) EXPECT_NEAR(s.u[2 + i], u[i], 1e-6) << i;
+}
+
+TEST(potential_sweep, has_its_narrowest_cut_where_the_potential_drops) {
+  const Sweep s = sweep_of(row());
+  EXPECT_EQ(s.crossing, (std::vector<double>{400, 40, 400, 0}));
+  EXPECT_EQ(s.area, (std::vector<double>{1, 2, 3, 4}));
+  EXPECT_DOUBLE_EQ(s.conductance(2, 0, 4), 40.0 / (400 + 440));
+  EXPECT_DOUBLE_EQ(s.conductance(1, 0, 4), 1);  // all of the smaller side crosses it
+}
+
+TEST(terminal_grades, are_relative_to_half_the_hit_weighted_median) {
+  // E = 10, 2, 1; hits 100, 20, 10: the median by hits is 10, half of it 5.
+  const auto g = terminal_grades({100, 20, 10, 0, 7}, {10, 10, 10, 10, 0});
+  EXPECT_EQ(g, (std::vector<double>{1, 0.4, 0.2, 0, 0}));
+  EXPECT_EQ(terminal_grades({0, 0}, {1, 1}), (std::vector<double>{0, 0}));
+}
+
+}  // namespace
+}  // namespace tdpt
