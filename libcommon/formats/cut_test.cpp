@@ -100,9 +100,11 @@ TEST(cut, keeps_the_reason_why_there_is_no_bottleneck) {
   EXPECT_EQ(b.reason, a.reason);
 }
 
+const std::string kHead =
+    "c tdpt cut 2\nc scene aa\nc grid 0 0 0 0.5\nc bottleneck yes\ns 1 0.1\n";  // lines 1-5
+
 TEST(cut, says_what_is_wrong_and_where) {
-  const std::string head =
-      "c tdpt cut 2\nc scene aa\nc grid 0 0 0 0.5\nc bottleneck yes\ns 1 0.1\n";  // lines 1-5
+  const std::string head = kHead;
   const std::string nodes =
       "n 3 0 0 0 0 0 9 0 0 0 0 1 0\nf 3 0\nn 4 1 0 0 0 0 9 0 0 0 0 1 0\nf 4 2\n";
   EXPECT_EQ(complaint(head + nodes + "a 3 4 1\n"), "(accepted)");
@@ -132,14 +134,6 @@ TEST(cut, says_what_is_wrong_and_where) {
       {head + "n 3 0 0 0 0 0 -1\n", "line 6: a negative number of samples, expected 0 or more"},
       {head + "n 3 0 0 0 0 0 9 0 0 0 0 0 0\n",
        "line 6: a normal of another length, expected length 1"},
-      {head + "k 3 0\n",
-       "line 6: a node without geometry, expected the cut of a network made by ffgraph"},
-      {head + "k 3 0 80 1\n",
-       "line 6: '80' as bin of the sky, expected a whole number from 0 to 79"},
-      {head + "k 3 0 1 -1\n", "line 6: a negative number of samples, expected 0 or more"},
-      {head + "k 3 0 1 1\nk 4 1 1 1\n", "line 7: bin 1 of the sky again, expected each once"},
-      {head + "k 3 0 1 1\nk 3 1 2 1\n", "line 7: node 3 again, expected each node once"},
-      {head + "k 3 0 1 1\nf 3 1\n", "line 7: faces of node 3, expected none of the sky"},
       {head + nodes + nodes, "line 10: node 3 again, expected each node once"},
       {head + nodes + "f 3\n", "line 10: nothing as face, expected at least one"},
       {head + nodes + "f 3 -1\n",
@@ -161,6 +155,20 @@ TEST(cut, says_what_is_wrong_and_where) {
   std::string many = "c tdpt cut 2\n";
   for (uint32_t c = 0; c <= kMostCuts; ++c) many += "s 1 0.1\n";
   EXPECT_EQ(complaint(many), "line 66: one cut more than 64, expected no more");
+}
+
+TEST(cut, says_what_is_wrong_with_a_sky_and_where) {
+  const std::vector<std::pair<std::string, std::string>> cases = {
+      {kHead + "k 3 0\n",
+       "line 6: a node without geometry, expected the cut of a network made by ffgraph"},
+      {kHead + "k 3 0 80 1\n",
+       "line 6: '80' as bin of the sky, expected a whole number from 0 to 79"},
+      {kHead + "k 3 0 1 -1\n", "line 6: a negative number of samples, expected 0 or more"},
+      {kHead + "k 3 0 1 1\nk 4 1 1 1\n", "line 7: bin 1 of the sky again, expected each once"},
+      {kHead + "k 3 0 1 1\nk 3 1 2 1\n", "line 7: node 3 again, expected each node once"},
+      {kHead + "k 3 0 1 1\nf 3 1\n", "line 7: faces of node 3, expected none of the sky"},
+  };
+  for (const auto& [text, expected] : cases) EXPECT_EQ(complaint(text), expected) << text;
 }
 
 // Whatever happens to a file, it is read or refused with a message; a sanitizer build looks on.

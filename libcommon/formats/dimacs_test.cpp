@@ -101,24 +101,15 @@ TEST(dimacs, plain_problems_of_others_are_read) {
   EXPECT_EQ(f.network.arcs.size(), 5u);
 }
 
+// A problem, whose first line is the first, or the fourth behind `kOurs`.
+const std::string kProblem = "p max 4 2\nn 1 s\nn 4 t\n";
+const std::string kArcs = "a 1 2 4\na 2 4 4\n";
+const std::string kOurs = "c tdpt max 1\nc scene aa\nc grid 0 0 0 1\n";
+
 TEST(dimacs, says_what_is_wrong_and_where) {
-  const std::string p = "p max 4 2\nn 1 s\nn 4 t\n";  // lines 1-3
-  const std::string arcs = "a 1 2 4\na 2 4 4\n";
-  const std::string ours = "c tdpt max 1\nc scene aa\nc grid 0 0 0 1\n";
-  const std::string geometry = " 0 0 0 0 9 0 0 0 0 1 0\n";
+  const std::string p = kProblem, arcs = kArcs;
   const std::vector<std::pair<std::string, std::string>> cases = {
       {p + arcs, "(accepted)"},
-      {ours + "c patch 2" + geometry + "c faces 2 0\nc patch 3" + geometry + "c faces 3 4 6\n" + p +
-           arcs,
-       "(accepted)"},
-      // Walks of one patch alone: the other has none.
-      {ours + "c patch 2" + geometry + "c faces 2 0\nc walks 2 1 2 3\nc patch 3" + geometry +
-           "c faces 3 4 6\n" + p + arcs,
-       "(accepted)"},
-      {ours + "c patch 2" + geometry + "c walks 3 1 2 3\n",
-       "line 5: node 3 as node of walks, expected a patch named above"},
-      {ours + "c patch 2" + geometry + "c walks 2 1 -2 3\n",
-       "line 5: a negative number of walks, expected 0 or more"},
       {"", " no 'p max' line, expected a DIMACS maximum-flow problem"},
       {"x\n", "line 1: 'x' at the start of the line, expected one of c, p, n, a"},
       {p + "p max 4 2\n", "line 4: a second 'p' line, expected one"},
@@ -150,23 +141,31 @@ TEST(dimacs, says_what_is_wrong_and_where) {
       {p + "a 1 2 4\n", " 1 arcs, expected the 2 of the 'p' line"},
       {"p max 4 0\nn 4 t\n", " no source, expected a line 'n NODE s'"},
       {"p max 4 0\nn 4 s\n", " no sink, expected a line 'n NODE t'"},
+  };
+  for (const auto& [text, expected] : cases) EXPECT_EQ(complaint(text), expected) << text;
+}
+
+TEST(dimacs, says_what_is_wrong_with_patches_and_where) {
+  const std::string p = kProblem, arcs = kArcs, ours = kOurs;
+  const std::string geometry = " 0 0 0 0 9 0 0 0 0 1 0\n";
+  const std::vector<std::pair<std::string, std::string>> cases = {
+      {ours + "c patch 2" + geometry + "c faces 2 0\nc patch 3" + geometry + "c faces 3 4 6\n" + p +
+           arcs,
+       "(accepted)"},
+      // Walks of one patch alone: the other has none.
+      {ours + "c patch 2" + geometry + "c faces 2 0\nc walks 2 1 2 3\nc patch 3" + geometry +
+           "c faces 3 4 6\n" + p + arcs,
+       "(accepted)"},
+      {ours + "c patch 2" + geometry + "c walks 3 1 2 3\n",
+       "line 5: node 3 as node of walks, expected a patch named above"},
+      {ours + "c patch 2" + geometry + "c walks 2 1 -2 3\n",
+       "line 5: a negative number of walks, expected 0 or more"},
       {"c tdpt max 1\nc scale 0\n", "line 2: a scale of 0 or less, expected one above 0"},
       {"c tdpt max 1\nc scene\n", "line 2: nothing as hash of the scene, expected one"},
       {"c tdpt max 1\nc grid 0 0 0 -1\n", "line 2: a cell without size, expected a side above 0"},
       {ours + "c patch 2" + geometry + "c patch 2" + geometry,
        "line 5: patch 2 again, expected each patch once"},
       {ours + "c faces 2 1\n", "line 4: node 2 as node of a face, expected a patch named above"},
-      {ours + "c sky 2 80 1\n",
-       "line 4: '80' as bin of the sky, expected a whole number from 0 to 79"},
-      {ours + "c sky 2 -1 1\n",
-       "line 4: '-1' as bin of the sky, expected a whole number from 0 to 79"},
-      {ours + "c sky 2 7 -1\n", "line 4: a negative number of samples, expected 0 or more"},
-      {ours + "c sky 2 7 nan\n", "line 4: 'nan' as samples of the bin, expected a finite number"},
-      {ours + "c sky 2 7 1 5\n", "line 4: '5' found, expected the end of the line"},
-      {ours + "c sky 2 7 1\nc sky 3 7 1\n", "line 5: bin 7 of the sky again, expected each once"},
-      {ours + "c sky 2 7 1\nc sky 2 8 1\n", "line 5: patch 2 again, expected each patch once"},
-      {ours + "c sky 2 7 1\nc faces 2 4\n", "line 5: faces of node 2, expected none of the sky"},
-      {ours + "c sky 1 7 1\n" + p + arcs, " patch 1 is no inner node of the network"},
       {"c tdpt max 1\n" + p + arcs, " no 'c scene' line, expected the hash of the scene"},
       {"c tdpt max 1\nc scene a\n" + p + arcs,
        " no 'c grid' line, expected the grid of the patches"},
@@ -176,6 +175,23 @@ TEST(dimacs, says_what_is_wrong_and_where) {
        " patch 1 is no inner node of the network"},
       {ours + "c scale 1e300\nc patch 2" + geometry + "c faces 2 0\n" + p + arcs,
        " samples times the scale add up to 9e+300, expected less than 2.31e+18"},
+  };
+  for (const auto& [text, expected] : cases) EXPECT_EQ(complaint(text), expected) << text;
+}
+
+TEST(dimacs, says_what_is_wrong_with_a_sky_and_where) {
+  const std::vector<std::pair<std::string, std::string>> cases = {
+      {kOurs + "c sky 2 80 1\n",
+       "line 4: '80' as bin of the sky, expected a whole number from 0 to 79"},
+      {kOurs + "c sky 2 -1 1\n",
+       "line 4: '-1' as bin of the sky, expected a whole number from 0 to 79"},
+      {kOurs + "c sky 2 7 -1\n", "line 4: a negative number of samples, expected 0 or more"},
+      {kOurs + "c sky 2 7 nan\n", "line 4: 'nan' as samples of the bin, expected a finite number"},
+      {kOurs + "c sky 2 7 1 5\n", "line 4: '5' found, expected the end of the line"},
+      {kOurs + "c sky 2 7 1\nc sky 3 7 1\n", "line 5: bin 7 of the sky again, expected each once"},
+      {kOurs + "c sky 2 7 1\nc sky 2 8 1\n", "line 5: patch 2 again, expected each patch once"},
+      {kOurs + "c sky 2 7 1\nc faces 2 4\n", "line 5: faces of node 2, expected none of the sky"},
+      {kOurs + "c sky 1 7 1\n" + kProblem + kArcs, " patch 1 is no inner node of the network"},
   };
   for (const auto& [text, expected] : cases) EXPECT_EQ(complaint(text), expected) << text;
 }
