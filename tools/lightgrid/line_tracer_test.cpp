@@ -4,155 +4,20 @@
 
 #include <cstring>
 #include <filesystem>
-#include <functional>
 
 #include <gtest/gtest.h>
 
 #include "libcommon/base/error.h"
 #include "libcommon/gpu/kernel.h"
-#include "libcommon/scene/sky_bins.h"
 #include "libcommon/trace/bvh.h"
 #include "libcommon/trace/scalar_tracer.h"
 #include "shaders/shared/grid_walk.h"
 #include "shaders/shared/rng.h"
 #include "shaders/special_segments_test.h"
-#include "tools/lightgrid/gpu_lines.h"
-#include "tools/lightgrid/lightgrid.h"
-#include "tools/lightgrid/scalar_lines.h"
-#include "tools/lightgrid/sky_dome.h"
-#include "tools/lightgrid/test_coverage.h"
-#include "tools/lightgrid/test_cut.h"
+#include "tools/lightgrid/test_lines.h"
 
-namespace tdpt {
+namespace tdpt::testing {
 namespace {
-
-using testing::sheet_materials;
-using testing::small_image;
-using testing::two_rooms_scene;
-using testing::with_sheet;
-
-constexpr uint64_t kSeed = 0x1234'5678'9abc'def0;
-
-// A scene cut in two by a plane.
-struct Case {
-  Scene scene;
-  CutFile cut;
-  LineTables tables;
-
-  Case(Scene s, const std::function<bool(const Vec3d&)>& is_source) : scene(std::move(s)) {
-    open_glass(scene);
-    cut = testing::perfect_cut(scene, 30000, is_source);
-    tables = make_line_tables(scene, cut, "a.cut");
-  }
-};
-
-// Cut across its longest side.
-Case halved(const Scene& scene) {
-  const LightGrid box = empty_grid(scene, 64);
-  int axis = 0;
-  for (int c = 1; c < 3; ++c)
-    if (box.dim[static_cast<size_t>(c)] > box.dim[static_cast<size_t>(axis)]) axis = c;
-  const double middle = box.origin[axis] + 32.4 * box.voxel;
-  return {scene, [=](const Vec3d& p) { return p[axis] > middle; }};
-}
-
-Case room(const std::string& name) {
-  return halved(read_gltf(TDPT_TESTDATA "/scenes/" + name + ".glb"));
-}
-
-// Cut at its wall.
-Case two_rooms(const Scene& scene = two_rooms_scene()) {
-  return {scene, [](const Vec3d& p) { return p.x > 2.05; }};
-}
-
-// What a tracer makes of segments and tries.
-struct Outcome {
-  TracedLines segments, tries;
-  std::vector<uint32_t> count;
-  std::vector<Vec3d> direction;
-};
-
-Outcome outcome_of(LineTracer& tracer, const LightGrid& grid, uint32_t segments) {
-  Outcome out;
-  tracer.clear();
-  TracedLines first, second;
-  tracer.between_pivots(0, 0, segments / 3, first);
-  tracer.between_pivots(0, segments / 3, segments - segments / 3, second);
-  out.segments = first;
-  out.segments.ends.insert(out.segments.ends.end(), second.ends.begin(), second.ends.end());
-  out.segments.fate.insert(out.segments.fate.end(), second.fate.begin(), second.fate.end());
-  tracer.counts(out.count);
-  out.direction.resize(grid.count.size());
-  tracer.take_directions(out.direction);
-  // Lines through the middles of lines that join, in any direction, and some tries that are none.
-  std::vector<shader::LineTry> tries(4096);
-  for (size_t i = 0; i < tries.size(); ++i) {
-    const shader::LineEnds& line = out.segments.ends[i % out.segments.size()];
-    Rng rng(5, 0, i);
-    const double u = rng.uniform(), v = rng.uniform();
-    tries[i].place = (line.light + line.camera) * 0.5f;
-    if (i % 16 == 3) continue;
-    if (i % 16 == 5)
-      tries[i].direction[static_cast<int>(i / 16 % 3)] = 1;
-    else
-      tries[i].direction = Vec3f(cosine_hemisphere(u, v)) * (i % 2 ? 1.0f : -1.0f);
-  }
-  tracer.through(0, 7, tries, out.tries);
-  std::vector<uint32_t> after;
-  tracer.counts(after);
-  EXPECT_TRUE(after == out.count);  // tries are not counted
-  return out;
-}
-
-size_t differences(const TracedLines& a, const TracedLines& b) {
-  EXPECT_EQ(a.size(), b.size());
-  size_t n = 0;
-  for (size_t i = 0; i < a.size(); ++i) {
-    n += a.fate[i] != b.fate[i];
-    if (a.fate[i] == LineFate::none || b.fate[i] == LineFate::none) continue;
-    n += a.ends[i].light != b.ends[i].light || a.ends[i].camera != b.ends[i].camera ||
-         a.ends[i].light_face != b.ends[i].light_face ||
-         a.ends[i].camera_face != b.ends[i].camera_face;
-  }
-  return n;
-}
-
-size_t joining(const TracedLines& lines) {
-  return static_cast<size_t>(std::count(lines.fate.begin(), lines.fate.end(), LineFate::joins));
-}
-
-void expect_same(const Outcome& a, const Outcome& b) {
-  EXPECT_EQ(differences(a.segments, b.segments), 0u);
-  EXPECT_EQ(differences(a.tries, b.tries), 0u);
-  EXPECT_TRUE(a.count == b.count);
-  EXPECT_TRUE(a.direction == b.direction);
-  // Of something.
-  EXPECT_GT(joining(a.segments), 20u);
-  EXPECT_GE(joining(a.tries), 10u);
-  EXPECT_GT(std::count(a.tries.fate.begin(), a.tries.fate.end(), LineFate::same_side), 10);
-}
-
-class LineTracers : public ::testing::Test {
- protected:
-  void SetUp() override {
-    const char* on = getenv("TDPT_VULKAN_VALIDATION");
-    ASSERT_TRUE(on && std::string(on) == "1") << "run it with ctest, or set what ctest sets";
-    device = std::make_unique<gpu::Device>(gpu::Device::open());
-  }
-  void TearDown() override {
-    device.reset();  // what is left over is told now
-    EXPECT_EQ(gpu::take_validation_messages(), std::vector<std::string>());
-  }
-  Outcome on_device(const Case& c, const LightGrid& grid, uint32_t n, uint64_t seed = kSeed,
-                    const GpuLineBounds& bounds = {}) {
-    const auto tracer = make_gpu_lines(*device, c.scene, c.tables, grid, seed, bounds);
-    return outcome_of(*tracer, grid, n);
-  }
-  Outcome on_twin(const Case& c, const LightGrid& grid, uint32_t n) {
-    return outcome_of(*make_scalar_lines(c.scene, c.tables, grid, kSeed), grid, n);
-  }
-  std::unique_ptr<gpu::Device> device;
-};
 
 TEST_F(LineTracers, device_and_twin_count_the_same_in_every_voxel_of_rooms) {
   for (const char* name : {"two-rooms", "door-ajar", "window"}) {
@@ -161,51 +26,6 @@ TEST_F(LineTracers, device_and_twin_count_the_same_in_every_voxel_of_rooms) {
     const LightGrid grid = empty_grid(c.scene, 64);
     expect_same(on_device(c, grid, 20000), on_twin(c, grid, 20000));
   }
-}
-
-// Two rooms without a ceiling under a sky, whose bins are joined to the faces that look up in one
-// of them.
-Case under_a_sky() {
-  Scene scene = two_rooms_scene();
-  std::erase_if(scene.triangles, [&](const Triangle& t) {
-    const auto y = [&](size_t k) {
-      return scene.frame.to_metres(Vec3d(scene.positions[t.vertex[k]])).y;
-    };
-    return std::min({y(0), y(1), y(2)}) > 1.995;
-  });
-  scene.smooth.clear();
-  Case c = two_rooms(scene);
-  add_sky_dome(c.scene);
-  const auto surfaces = static_cast<uint32_t>(c.cut.patches.size());
-  for (int32_t bin = 0; bin < int32_t{kSkyBins}; ++bin) {
-    Patch sky{};
-    sky.node = 10000 + static_cast<uint32_t>(bin);
-    sky.sky = bin;
-    c.cut.patches.push_back(sky);
-    c.cut.region.push_back(0);
-    for (uint32_t i = 0; i < surfaces; ++i)
-      if (c.cut.region[i] == 1 && c.cut.patches[i].normal.y > 0.9)
-        c.cut.arcs.push_back({surfaces + static_cast<uint32_t>(bin), i, 10});
-  }
-  c.tables = make_line_tables(c.scene, c.cut, "a.cut");
-  return c;
-}
-
-TEST_F(LineTracers, device_and_twin_count_the_same_under_a_sky) {
-  const Case c = under_a_sky();
-  const LightGrid grid = empty_grid(c.scene, 64);
-  const Outcome twin = on_twin(c, grid, 20000);
-  expect_same(on_device(c, grid, 20000), twin);
-  size_t from_sky = 0;
-  for (size_t i = 0; i < twin.segments.size(); ++i)
-    from_sky += twin.segments.fate[i] == LineFate::joins &&
-                twin.segments.ends[i].light_face >= c.tables.first_sky_face;
-  EXPECT_GT(from_sky, 100u);
-  // Where a grid ends no lines pile up that pass it by: every line in it has come through the top
-  // layer's air.
-  const size_t layer = static_cast<size_t>(grid.dim[0]) * static_cast<size_t>(grid.dim[1]);
-  EXPECT_GT(std::count_if(twin.count.begin(), twin.count.end(), [](uint32_t n) { return n > 0; }),
-            static_cast<std::ptrdiff_t>(layer / 4));
 }
 
 TEST_F(LineTracers, device_and_twin_count_the_same_at_128_and_256) {
@@ -349,45 +169,6 @@ TEST(LinesOfEmbree, differ_from_the_twin_in_one_of_10000_at_most) {
     EXPECT_LE(share, 1e-4) << name;
   }
   EXPECT_GT(share_unlike_embree(two_rooms(), 20000, 1), 1e-3);  // twin
-}
-
-// The twin's triangles are as exact as before; its dome makes all else 32 times as large.
-TEST(LinesOfEmbree, differ_from_the_twin_in_one_of_3000_at_most_under_a_sky) {
-  const Case c = under_a_sky();
-  const LightGrid grid = empty_grid(c.scene, 64);
-  constexpr uint32_t kLines = 40000;
-  const Outcome embree =
-      outcome_of(*make_embree_lines(c.scene, c.tables, grid, kSeed), grid, kLines);
-  const Outcome twin = outcome_of(*make_scalar_lines(c.scene, c.tables, grid, kSeed), grid, kLines);
-  EXPECT_LE(differences(embree.segments, twin.segments), kLines / 3000);
-}
-
-// What a line from the sky meets on its way is what a plain ray meets, and it is cut off at the
-// grid on the way that it goes.
-TEST(LinesUnderASky, are_free_and_end_at_the_grid) {
-  const Case c = under_a_sky();
-  const LightGrid grid = empty_grid(c.scene, 64);
-  const auto tracer = make_embree_lines(c.scene, c.tables, grid, kSeed);
-  TracedLines lines;
-  tracer->between_pivots(0, 0, 20000, lines);
-  const Tracer rays(c.scene);
-  size_t seen = 0, met_on_the_way = 0;
-  for (size_t i = 0; i < lines.size(); ++i) {
-    const shader::LineEnds& ends = lines.ends[i];
-    if (lines.fate[i] != LineFate::joins || ends.light_face < c.tables.first_sky_face) continue;
-    const Vec3d w = normalize(Vec3d(ends.light) - Vec3d(ends.camera));
-    Hit hit;
-    const TriangleShape s = shape_of(c.scene, ends.camera_face / 2);
-    ASSERT_TRUE(
-        rays.closest({Vec3d(ends.camera), ends.camera_face & 1 ? -s.normal : s.normal}, w, hit));
-    met_on_the_way += hit.triangle < c.scene.dome;
-    const LightLine line = in_metres(c.scene, grid, ends);
-    EXPECT_LT(length(line.light - line.camera), 6);  // metres
-    EXPECT_GT(dot(normalize(line.light - line.camera), w), 1 - 1e-6);
-    ++seen;
-  }
-  EXPECT_GT(seen, 100u);
-  EXPECT_LE(met_on_the_way, seen / 500);  // along edges
 }
 
 TEST(LinesOfEmbree, differ_from_the_twin_in_one_of_10000_at_most_in_veach_ajar) {
@@ -562,4 +343,4 @@ TEST(SlabDepth, KeepsToTheDevicesLimits) {
 }
 
 }  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::testing
