@@ -1,6 +1,8 @@
 // What the generated rooms say of themselves is true, and the scores see what they should.
 #include "libcommon/testing/known_rooms.h"
 
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 #include "libcommon/math/rng.h"
@@ -90,8 +92,80 @@ TEST(known_rooms, twin_an_opening_that_is_kept_quiet_is_noticed) {
   EXPECT_GT(leaks.unexplained, leaks.through / 20);
 }
 
+// The face of the wall on the room's side, which what leaves the room passes first.
+KnownAperture inner_face(KnownAperture o) {
+  for (Vec3d& p : o.outline) p += o.normal * (0.5 * o.thickness);
+  o.thickness = 0;
+  return o;
+}
+
+// Of diffuse walks from the camera, until they leave its room, be it for a jamb: those that see the
+// sky, and those of them that do so through no known opening.
+Leaks sky_seen_from(const KnownRoom& room, const std::vector<KnownAperture>& openings) {
+  const Scene scene = read_gltf(TempFolder().write("room.glb", room.plan.glb()));
+  const Tracer tracer(scene);
+  const auto any_of = [&](const auto& test) {
+    return std::any_of(openings.begin(), openings.end(), test);
+  };
+  Leaks leaks;
+  for (uint64_t k = 0; k < 20000; ++k) {
+    Rng rng(9, 0, k);
+    const double a = 2 * rng.uniform() - 1, b = 2 * rng.uniform() - 1, c = 2 * rng.uniform() - 1;
+    Vec3d place = room.plan.camera, w = normalize(Vec3d{a, b, c});
+    Tracer::Origin from{scene.frame.to_canonical(place)};
+    for (int bounce = 0; bounce < 20; ++bounce) {
+      ++leaks.rays;
+      Hit hit;
+      if (!tracer.closest(from, w, hit)) {
+        ++leaks.through;
+        leaks.unexplained += !any_of([&](const KnownAperture& o) { return passes(o, place, -w); });
+        break;
+      }
+      const Vec3d to = scene.frame.to_metres(hit.position);
+      if (any_of([&](const KnownAperture& o) {
+            const KnownAperture face = inner_face(o);
+            return passes(face, place, -w) && dot(to - face.outline[0], o.normal) < -1e-4;
+          }))
+        break;
+      const Vec3d n = dot(hit.normal, w) < 0 ? hit.normal : -hit.normal;
+      const double u = rng.uniform(), v = rng.uniform();
+      w = Onb<double>(n).to_world(cosine_hemisphere(u, v));
+      place = to;
+      from = {hit.position, n};
+    }
+  }
+  return leaks;
+}
+
+TEST(known_rooms, see_the_sky_through_the_known_openings_alone) {
+  for (const RoomKind kind : sky_room_kinds()) {
+    if (kind == RoomKind::landscape) continue;
+    const KnownRoom room = known_room(kind, 7);
+    const Leaks leaks = sky_seen_from(room, room.apertures);
+    EXPECT_GT(leaks.through, 30) << room.file();
+    EXPECT_LE(leaks.unexplained, leaks.through / 500) << room.file() << " " << leaks.through;
+  }
+}
+
+TEST(known_rooms, twin_a_window_elsewhere_than_said_is_noticed) {
+  for (const RoomKind kind : {RoomKind::sky_window, RoomKind::skylight, RoomKind::colonnade}) {
+    const KnownRoom room = known_room(kind, 7);
+    std::vector<KnownAperture> shifted = room.apertures;
+    for (KnownAperture& o : shifted)
+      for (Vec3d& p : o.outline) p += Vec3d{0, 0, 0.1};
+    const Leaks leaks = sky_seen_from(room, shifted);
+    EXPECT_GT(leaks.unexplained, leaks.through / 20) << room.file();
+  }
+}
+
+std::vector<RoomKind> every_kind() {
+  std::vector<RoomKind> kinds = all_room_kinds();
+  kinds.insert(kinds.end(), sky_room_kinds().begin(), sky_room_kinds().end());
+  return kinds;
+}
+
 TEST(known_rooms, come_again_from_the_same_seed) {
-  for (const RoomKind kind : all_room_kinds()) {
+  for (const RoomKind kind : every_kind()) {
     const KnownRoom a = known_room(kind, 3), b = known_room(kind, 3);
     EXPECT_EQ(a.plan.glb(a.writing), b.plan.glb(b.writing));
     EXPECT_NE(a.plan.glb(a.writing), known_room(kind, 4).plan.glb(a.writing));
@@ -109,7 +183,7 @@ Portal portal_of(const KnownAperture& o) {
 }
 
 TEST(portal_score, is_full_for_the_opening_itself) {
-  for (const RoomKind kind : all_room_kinds()) {
+  for (const RoomKind kind : every_kind()) {
     const KnownRoom room = known_room(kind, 2);
     const std::vector<KnownAperture> openings = room.placed_apertures();
     std::vector<Portal> portals;
