@@ -1,0 +1,98 @@
+// Windows in several walls: openings told apart by the directions of their light.
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <numeric>
+#include <utility>
+
+#include <gtest/gtest.h>
+
+#include "tools/portalfit/candidate.h"
+#include "tools/portalfit/parting.h"
+#include "tools/portalfit/portalfit.h"
+#include "tools/portalfit/test_windows.h"
+
+namespace tdpt {
+namespace {
+
+using testing::RoomWithWindows;
+using testing::Window;
+
+// 1 x 1 m, in the wall x = 0 and in the wall y = 0; their near edges 0.3 m from the corner.
+const Window kOne{{0, -0.8, 0}, {0, 0.5, 0}, {0, 0, 0.5}, {-1, 0, 0}};
+const Window kOther{{-0.8, 0, 0}, {0.5, 0, 0}, {0, 0, 0.5}, {0, -1, 0}};
+// In the wall x = -3, opposite the first.
+const Window kOpposite{{-3, -0.8, 0}, {0, 0.5, 0}, {0, 0, 0.5}, {1, 0, 0}};
+
+std::vector<uint32_t> all_of(const LightGrid& grid) {
+  std::vector<uint32_t> all(grid.lines.size());
+  std::iota(all.begin(), all.end(), 0u);
+  return all;
+}
+
+Aperture rectangle(const LightGrid& grid, const Window& w) {
+  Aperture a;
+  a.tube.middle = {w.middle, w.n};
+  a.tube.half = 0.5 * grid.voxel;
+  for (const Vec3d& p : {-w.u - w.v, w.u - w.v, w.u + w.v, w.v - w.u})
+    a.polygon.push_back(in_plane(a.tube.middle, w.middle + p));
+  a.polygon = convex_hull(a.polygon);
+  a.lines = lines_across(grid, all_of(grid), a);
+  return a;
+}
+
+// Across the corner, before both windows.
+Window diagonal() {
+  const double c = std::sqrt(0.5);
+  return {{-0.65, -0.65, 0}, Vec3d{c, -c, 0} * 0.92, {0, 0, 1}, {-c, -c, 0}};
+}
+
+// Which of the windows an opening is; none: -1.
+int window_of(const Aperture& a, const std::vector<Window>& windows) {
+  for (size_t k = 0; k < windows.size(); ++k)
+    if (dot(a.tube.middle.n, windows[k].n) > std::cos(0.06) &&
+        std::abs(dot(a.tube.middle.o - windows[k].middle, windows[k].n)) < 0.1 &&
+        std::abs(area(a.polygon) - 1) < 0.12)
+      return static_cast<int>(k);
+  return -1;
+}
+
+TEST(Directions, PartThePlaneBeforeTwoWindowsAtACorner) {
+  const RoomWithWindows room{{kOne, kOther}};
+  const LightGrid grid = room.light(6000, 0);
+  const auto part = part_of_directions(grid, all_of(grid), rectangle(grid, diagonal()));
+  ASSERT_TRUE(part);
+  EXPECT_GE(window_of(*part, room.windows), 0);
+}
+
+// Twin: a window is no such plane.
+TEST(Directions, PartNoWindow) {
+  const LightGrid grid = RoomWithWindows{{kOne, kOther}}.light(6000, 0);
+  EXPECT_FALSE(part_of_directions(grid, all_of(grid), rectangle(grid, kOne)));
+}
+
+TEST(Directions, FindAWindowWhereLightCrossesLight) {
+  const RoomWithWindows room{{kOne, kOther, kOpposite}};
+  const LightGrid grid = room.light(6000, 0);
+  const std::vector<uint32_t> all = all_of(grid);
+  const auto one = aperture_of_directions(grid, all);
+  ASSERT_TRUE(one);
+  EXPECT_GE(window_of(*one, room.windows), 0);
+  EXPECT_FALSE(aperture_of_directions(grid, {all.begin(), all.begin() + 20}));
+  EXPECT_FALSE(aperture_of_directions(grid, {}));
+}
+
+TEST(Directions, LinesBesideAnOpeningAreThoseOfTheOthers) {
+  const LightGrid grid = RoomWithWindows{{kOne, kOther}}.light(6000, 0);
+  const auto own = lines_beside(grid, all_of(grid), {rectangle(grid, kOne)});
+  const auto other = rectangle(grid, kOther).lines;
+  std::vector<uint32_t> of_other;
+  std::set_intersection(own.begin(), own.end(), other.begin(), other.end(),
+                        std::back_inserter(of_other));
+  EXPECT_GT(of_other.size(), own.size() * 95 / 100);  // but for grazing lines of the one
+  EXPECT_NEAR(static_cast<double>(own.size()), 3000, 300);
+  EXPECT_EQ(lines_beside(grid, all_of(grid), {}).size(), 6000u);
+}
+
+}  // namespace
+}  // namespace tdpt
