@@ -11,7 +11,7 @@ import numpy as np
 import work_model
 
 HEADER = os.path.join(os.path.dirname(__file__), "..", "tools", "tdpt-render", "work_model.h")
-NAMES = "sample closest closest_deeper shadow portal portal_triangle directed facets facet".split()
+NAMES = "sample closest closest_deeper shadow portal portal_triangle directed facets facet looking_out window".split()
 
 
 def source_table(name):
@@ -34,8 +34,9 @@ def measured(costs, portals, noise, rng):
                 edges *= portals
                 directed = edges * (integrator in "abc")
                 many = directed * (facets > 1)
+                out = closest * rng.integers(0, 2)  # under a sky
                 terms = np.array([1, closest, closest * deeper, shadow, edges, edges * triangles, directed,
-                                  many, many * facets])
+                                  many, many * facets, out, out * rng.integers(1, 5)])
                 time = terms @ costs * rng.uniform(1 - noise, 1 + noise)
                 fields = [f"room{scene}", depth, integrator, int(portals), f"{time:.9g}", *(f"{t:.9g}" for t in terms)]
                 lines.append("\t".join(map(str, fields)))
@@ -75,7 +76,7 @@ class Fit(unittest.TestCase):
         np.testing.assert_allclose(work_model.fit(terms, times), [1.2])
 
     def test_asks_for_more_scenes_where_costs_are_not_determined(self):
-        lines = measured(np.ones(9), True, 0, np.random.default_rng(3))
+        lines = measured(np.ones(len(NAMES)), True, 0, np.random.default_rng(3))
         one_scene = [lines[0], *(line for line in lines if line.startswith("room0\t"))]
         with self.assertRaisesRegex(ValueError, "more scenes"):
             fitted(one_scene, True)
