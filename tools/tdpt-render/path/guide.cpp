@@ -68,7 +68,7 @@ void Guide::aim_at_light(Vertex& v) const {
 }
 
 double Guide::chance(From from, const Vertex& v, const Vec3d& back) const {
-  constexpr double kMost = 0.6;
+  constexpr double kMost = 0.4;
   return back == Vec3d() ? chance(from) : std::min(chance(from), kMost * (1 - albedo_at(v, back)));
 }
 

@@ -5,7 +5,7 @@
 // Method: one-sample mixture of BSDF sampling and of sampling the portals as if they were lamps;
 // its density is known in closed form, nothing is learnt.
 //
-// w     direction; q: probability that a vertex aims. Beyond the first, 0.6 (1 - albedo) at most:
+// w     direction; q: probability that a vertex aims. Beyond the first, 0.4 (1 - albedo) at most:
 //       a walk that does not aim carries 1 / (1 - q) as much from then on and survives with the
 //       albedo [roulette.h], so that q >= 1 - albedo would let it grow without bound
 // p(w)  density of the surface's own sampling, a(w) that of aiming [portals.h] [1/sr]

@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kLevel = 1e-3;  // a right program fails a whole TEST with this probability
 constexpr double kWrong = 1e-9;  // a wrong one is below this
-constexpr uint64_t kSamples = 50000;
+constexpr uint64_t kSamples = 150000;
 const Guiding kGuiding = tdpt_guided.mixture.guiding;
 // Of the piece in the middle, aslant to everything else.
 const Vec3d kUp = normalize(Vec3d(0.1, 0.2, 1));

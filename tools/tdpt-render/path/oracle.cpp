@@ -310,7 +310,7 @@ struct Directed {
     aimed = at.at_infinity() ? aim_line_pdf(world, unit(at, to), to)
                              : aim_pdf_w(world, from, back, at, to);
     if (!back) return;
-    chance = std::min(chance, 0.6 * (1 - albedo(*back, at)));
+    chance = std::min(chance, 0.4 * (1 - albedo(*back, at)));
     if (at.simple) return;
     const Surface s(at);
     const Vec3d local = s.local(unit(at, *back));

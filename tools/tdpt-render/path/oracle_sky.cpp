@@ -194,7 +194,9 @@ double SkyLight::next_event_pdf_w(const Vertex& shaded, const Vertex& next, cons
   const bool one_sided = shaded.simple || !shaded.bsdf.transmits();
   const double side = dot(shaded.normal, next.position - shaded.position) < 0 ? -1 : 1;
   double seen = 0, light = 0;
-  for (const WindowSky::Window& window : world_.windows.windows()) {
+  for (size_t i = 0; i < world_.windows.windows().size(); ++i) {
+    if (!world_.windows.shows(i, shaded.position)) continue;
+    const WindowSky::Window& window = world_.windows.windows()[i];
     const Rectangle r(world_.portals, window, shaded.position,
                       one_sided ? shaded.normal * side : Vec3d());
     seen += seen_through(window, r);

@@ -246,6 +246,14 @@ WindowSky::WindowSky(const Sky* sky, const PortalSet& portals) {
   }
 }
 
+void WindowSky::look_around(const Tracer& tracer) {
+  std::vector<WindowViews::Opening> openings;
+  for (const Window& w : windows_)
+    openings.push_back(
+        {w.corners[0], w.corners[1] - w.corners[0], w.corners[2] - w.corners[0], w.sky->z()});
+  views_ = WindowViews(tracer, openings);
+}
+
 bool WindowSky::faces(const Window& w, const Vec3d& p, const Vec3d& facing) {
   if (!(dot(w.sky->z(), w.centre - p) > PortalSet::kMargin)) return false;
   return facing == Vec3d() ||
@@ -269,7 +277,7 @@ double WindowSky::seen_through(const Window& w, const Vec3d& p, const Vec3d& fac
 double WindowSky::seen(const Vec3d& p, const Vec3d& facing) const {
   double sum = 0;
   RectifiedSky::Rect r;
-  for (const Window& w : windows_) sum += seen_through(w, p, facing, r);
+  for_each(p, [&](const Window& w) { sum += seen_through(w, p, facing, r); });
   return sum;
 }
 
@@ -278,28 +286,28 @@ Vec3d WindowSky::sample(const Vec3d& p, const Vec3d& facing, double seen, double
   double rest = pick * seen;
   const Window* chosen = nullptr;
   RectifiedSky::Rect r, of_chosen{};
-  for (const Window& w : windows_) {
+  for_each(p, [&](const Window& w) {
+    if (rest < 0) return;
     const double through = seen_through(w, p, facing, r);
-    if (!(through > 0)) continue;
+    if (!(through > 0)) return;
     chosen = &w;
     of_chosen = r;
     rest -= through;
-    if (rest < 0) break;
-  }
+  });
   return chosen->sky->sample(of_chosen, u, v);
 }
 
 double WindowSky::pdf_w(const Vec3d& p, const Vec3d& facing, double seen,
                         const Vec3d& towards) const {
   double sum = 0;
-  for (const Window& w : windows_) {
+  for_each(p, [&](const Window& w) {
     const Vec3d local = w.sky->to_local(towards);
-    if (!(local.z > 0)) continue;
+    if (!(local.z > 0)) return;
     const Vec3d d = w.sky->to_local(w.centre - p);
     const double t = d.z / local.z, x = local.x * t - d.x, y = local.y * t - d.y;
     if (t > 0 && x >= w.x0 && x <= w.x1 && y >= w.y0 && y <= w.y1 && faces(w, p, facing))
       sum += w.sky->density(local);
-  }
+  });
   return sum / seen;
 }
 

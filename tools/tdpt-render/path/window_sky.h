@@ -9,8 +9,9 @@
 // summed-area table. (The paper's c is the arc tangent, which is as even and takes longer.) Its
 // cells hold the luminance of the sky there times solid angle.
 //
-// S_F(x)  what is seen of the sky through the rectangle of facet F from x; 0 behind it, and where
-//         all of it is below the horizon of the surface at x
+// S_F(x)  what is seen of the sky through the rectangle of facet F from x; 0 behind it, where all
+// of
+//         it is below the horizon of the surface at x, and where walls are between [window_views.h]
 // W_F(w)  content of the cell of w over its size, da db
 //   pdf_w(w) = sum over the F whose rectangle the ray (x, w) passes of
 //              W_F(w) (da db / dw) / sum_F S_F(x)
@@ -20,11 +21,13 @@
 // so that no cell that they touch counts as dark.
 #pragma once
 #include <array>
+#include <bit>
 #include <cmath>
 #include <memory>
 #include <vector>
 
 #include "libcommon/scene/sky.h"
+#include "tools/tdpt-render/path/window_views.h"
 #include "tools/tdpt-render/portals.h"
 
 namespace tdpt {
@@ -75,9 +78,12 @@ class RectifiedSky {
 class WindowSky {
  public:
   WindowSky() = default;
-  /// Of the first kMostWindows facets by area; `sky` null: none. The sky must outlive this.
+  /// Of the first kMostWindows facets by area, each seen from all of its side; `sky` null: none.
+  /// The sky must outlive this.
   WindowSky(const Sky* sky, const PortalSet& portals);
-  static constexpr size_t kMostWindows = 32;
+  static constexpr size_t kMostWindows = WindowViews::kMost;
+  /// Learns from where they are seen.
+  void look_around(const Tracer& tracer);
 
   bool empty() const { return windows_.empty(); }
   /// A facet's.
@@ -88,6 +94,8 @@ class WindowSky {
     std::array<Vec3d, 4> corners;  ///< of that
   };
   const std::vector<Window>& windows() const { return windows_; }
+  /// Whether window i may show any of the sky to `x`.
+  bool shows(size_t i, const Vec3d& x) const { return views_.at(x) >> i & 1u; }
   /// What all windows show of the sky from `x` (canonical), where the surface faces `facing` (0:
   /// both ways): sum S_F.
   double seen(const Vec3d& x, const Vec3d& facing) const;
@@ -104,7 +112,18 @@ class WindowSky {
   static double seen_through(const Window& w, const Vec3d& p, const Vec3d& facing,
                              RectifiedSky::Rect& r);
 
+  /// Calls visit(window) for those that may be seen from `x`.
+  template <class Visit>
+  void for_each(const Vec3d& x, const Visit& visit) const {
+    for (uint32_t rest = views_.at(x); rest != 0; rest &= rest - 1) {
+      const auto i = static_cast<size_t>(std::countr_zero(rest));
+      if (i >= windows_.size()) return;
+      visit(windows_[i]);
+    }
+  }
+
   std::vector<Window> windows_;
+  WindowViews views_;
 };
 
 }  // namespace tdpt

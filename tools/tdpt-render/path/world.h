@@ -24,6 +24,7 @@ struct World {
   void fill_openings(PortalSet set) {
     portals = std::move(set);
     windows = WindowSky(scene.sky.get(), portals);
+    if (!windows.empty()) windows.look_around(tracer);
     if (portals.empty())
       lights.prefer(nullptr);
     else

@@ -1,0 +1,125 @@
+// From where windows are seen: two rooms in a row with a hole between them, the last one or both
+// open at their ends, held to lines drawn from each place.
+#include "tools/tdpt-render/path/window_views.h"
+
+#include <gtest/gtest.h>
+
+#include "libcommon/math/rng.h"
+#include "tools/tdpt-render/path/world.h"
+#include "tools/tdpt-render/test_rooms.h"
+#include "tools/tdpt-render/test_sky.h"
+
+namespace tdpt {
+namespace {
+
+// Light goes to -x through the end and the hole, to +x through the beginning.
+const Portal kEnd = rectangle({4.1, 0, -1}, {0, 0, 2}, {0, 2, 0});
+const Portal kBeginning = rectangle({0, 0, -1}, {0, 2, 0}, {0, 0, 2});
+
+struct House {
+  Scene scene;
+  World world;
+  explicit House(Scene s, const std::vector<Portal>& portals)
+      : scene(std::move(s)), world(scene, scene.camera(""), 4, 4, portals) {}
+
+  // Of a place in metres: bit of the window whose centre is that of `portal`.
+  bool shows(const Portal& portal, const Vec3d& place) const {
+    return world.windows.shows(window(portal), scene.frame.to_canonical(place));
+  }
+  // Share of the window through which the place sees sky.
+  double share(const Portal& portal, const Vec3d& place, uint64_t seed) const {
+    const Vec3d p = scene.frame.to_canonical(place);
+    const auto& corners = world.windows.windows()[window(portal)].corners;
+    constexpr int kLines = 400;
+    int seen = 0;
+    for (int i = 0; i < kLines; ++i) {
+      Rng rng(7, seed, static_cast<uint64_t>(i));
+      const double u = rng.uniform(), v = rng.uniform();
+      const Vec3d at = corners[0] + (corners[1] - corners[0]) * u + (corners[2] - corners[0]) * v;
+      Hit hit;
+      seen += dot(world.windows.windows()[window(portal)].sky->z(), at - p) > 0 &&
+              !world.tracer.closest({p}, normalize(at - p), hit);
+    }
+    return static_cast<double>(seen) / kLines;
+  }
+
+ private:
+  size_t window(const Portal& portal) const {
+    Vec3d centre;
+    for (const Vec3d& corner : portal.vertices) centre += scene.frame.to_canonical(corner) * 0.25;
+    const auto& all = world.windows.windows();
+    for (size_t i = 0; i < all.size(); ++i)
+      if (length(all[i].centre - centre) < 1e-6) return i;
+    ADD_FAILURE() << "no such window";
+    return 0;
+  }
+};
+
+Scene open_at_the_end() {
+  return under(open_end(read_gltf(two_rooms_path()), 4.09), one_colour_sky({1, 1, 1}));
+}
+Scene open_at_both_ends() {
+  return without(open_at_the_end(), [](const Vec3d& p) { return p.x < 0.01; });
+}
+
+// What is seen of the end through the hole the hole shows, too: one of them is enough.
+TEST(window_views, show_what_lines_from_each_place_find) {
+  const Portal hole = portal_in_the_hole();
+  const House house(open_at_the_end(), {kEnd, hole});
+  int seen = 0, missed = 0, unseen = 0, too_many = 0;
+  for (uint64_t i = 0; i < 2000; ++i) {
+    Rng rng(8, 0, i);
+    const double x = rng.uniform(), y = rng.uniform(), z = rng.uniform();
+    const Vec3d p(0.05 + 4 * x, 0.05 + 1.9 * y, -0.95 + 1.9 * z);
+    if (p.x > 1.95 && p.x < 2.15) continue;
+    const double most = std::max(house.share(kEnd, p, i), house.share(hole, p, i));
+    const bool shown = house.shows(kEnd, p) || house.shows(hole, p);
+    seen += most > 0.02;
+    missed += most > 0.02 && !shown;
+    unseen += most == 0;
+    too_many += most == 0 && shown;
+  }
+  EXPECT_GT(seen, 1000);
+  EXPECT_EQ(missed, 0);
+  EXPECT_GT(unseen, 200);
+  EXPECT_LT(too_many, unseen / 4);  // beside those that see it
+}
+
+TEST(window_views, nothing_is_seen_from_outside) {
+  const House house(open_at_both_ends(), {kEnd, kBeginning});
+  for (const Portal* portal : {&kEnd, &kBeginning}) {
+    EXPECT_TRUE(house.shows(*portal, portal == &kEnd ? Vec3d(3, 0.5, 0) : Vec3d(1, 0.5, 0)));
+    // On the inner side of one window or the other, on all sides of the house.
+    for (const Vec3d& p : {Vec3d(-1, 1, 0), Vec3d(5.5, 1, 0), Vec3d(2, 3, 0), Vec3d(2, -1, 0.5),
+                           Vec3d(1, 1, 4), Vec3d(3, 1, -4), Vec3d(1e9, 1, 1), Vec3d(-1e9, 0, 0)})
+      EXPECT_FALSE(house.shows(*portal, p)) << p.x << " " << p.y << " " << p.z;
+  }
+}
+
+TEST(window_views, a_window_on_a_wall_shows_nothing) {
+  Portal shut = rectangle({4.05, 0, -1}, {0, 0, 2}, {0, 2, 0});
+  const House house(under(read_gltf(two_rooms_path()), one_colour_sky({1, 1, 1})), {shut});
+  for (const Vec3d& p : {Vec3d(1, 1, 0), Vec3d(3, 1, 0), Vec3d(4, 1, 0)})
+    EXPECT_FALSE(house.shows(shut, p));
+}
+
+// What this is for: outside, and where no window shows any sky, next events look everywhere.
+TEST(window_views, next_events_look_everywhere_where_no_window_is_seen) {
+  const House house(open_at_both_ends(), {kEnd, kBeginning});
+  const auto seen_at = [&](const Vec3d& place) {
+    Vertex v;
+    v.position = house.scene.frame.to_canonical(place);
+    v.normal = {0, 1, 0};
+    v.material = &house.scene.materials[0];
+    house.world.next_events.look_out(v.normal, v);
+    return v.outlook.seen;
+  };
+  EXPECT_GT(seen_at({1, 0, 0}), 0);
+  EXPECT_GT(seen_at({3, 0, 0}), 0);
+  EXPECT_EQ(seen_at({-2, 0, 0}), 0);
+  EXPECT_EQ(seen_at({6, 0, 0}), 0);
+  EXPECT_EQ(seen_at({2, 2.5, 0}), 0);
+}
+
+}  // namespace
+}  // namespace tdpt
