@@ -9,6 +9,7 @@
 
 #include "tools/tdpt-render/report.h"
 #include "tools/tdpt-render/test_rooms.h"
+#include "tools/tdpt-render/test_told.h"
 
 namespace tdpt {
 namespace {
@@ -249,29 +250,7 @@ TEST(candidates, that_miss_light_of_the_scene_are_none) {
 // What is told of errors against pictures: each pixel's variance over many of them.
 class Told : public testing::Test {
  protected:
-  static constexpr int kWidth = 12, kHeight = 9, kPictures = 24;
-  static constexpr uint64_t kSpp = 64;
-
-  // relMSE of one sample, whose pixel is normalised as exrdiff does.
-  static double measured(const World& world, const Integrator& integrator) {
-    constexpr size_t kPixels = size_t{kWidth} * kHeight;
-    std::vector<double> sum(kPixels), squares(kPixels);
-    for (uint64_t seed = 0; seed < kPictures; ++seed) {
-      const Picture p = render(world, integrator, of(kSpp, 100 + seed)).picture;
-      for (size_t k = 0; k < kPixels; ++k) {
-        const double l = luminance(p.pixels[k]);
-        sum[k] += l, squares[k] += l * l;
-      }
-    }
-    double mean = 0, error = 0;
-    for (const double s : sum) mean += s / kPictures / kPixels;
-    for (size_t k = 0; k < kPixels; ++k) {
-      const double m = sum[k] / kPictures;
-      const double variance = (squares[k] / kPictures - m * m) * kPictures / (kPictures - 1);
-      error += variance * kSpp / (m * m + 0.01 * mean * mean) / kPixels;
-    }
-    return error;
-  }
+  static constexpr int kWidth = 12, kHeight = 9;
 
   // [candidate]: by several scouts together, since a bright path that one of them meets may be half
   // of what it tells.
@@ -300,7 +279,7 @@ TEST_F(Told, errors_are_those_of_pictures) {
       pictures.push_back(0);
       continue;
     }
-    pictures.push_back(measured(room.world, room.candidates[i].integrator));
+    pictures.push_back(error_of_pictures(room.world, room.candidates[i].integrator));
     std::printf("%-28s told %8.4f  of pictures %8.4f\n", room.candidates[i].label.c_str(),
                 errors[i], pictures[i]);
     // Points that fill a pixel evenly make pictures better than one sample tells, calm ones most.

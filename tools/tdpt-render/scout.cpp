@@ -60,6 +60,48 @@ void ScoutSums::merge(const ScoutSums& other) {
     for (size_t p = 0; p < kParts; ++p) rays[r][p].merge(other.rays[r][p]);
 }
 
+bool begins_with_a_light_walk(Strategy s) {
+  return s.technique == Technique::light || s.technique == Technique::bi ||
+         (s.technique == Technique::portal && s.split > 0);
+}
+
+// What paths of one sample have in common, of one candidate: X^2 less the sum of squares of its
+// paths, as it would be expected of the candidate.
+class Together {
+ public:
+  void clear() {
+    sum = squares = lit = 0;
+    walks_.clear();
+  }
+  void add(const Vertex* walk, double brought, double often) {
+    lit += brought * often;
+    auto at =
+        std::find_if(walks_.begin(), walks_.end(), [&](const Walk& w) { return w.y == walk; });
+    if (at == walks_.end()) at = walks_.insert(at, {walk});
+    at->sum += brought * std::sqrt(often);
+    at->squares += brought * brought * often;
+    at->lit += brought * often;
+  }
+  double of_camera() const { return sum * sum - squares; }
+  double of_light_walks() const {
+    double all = (2 * sum + lit) * lit;
+    for (const Walk& w : walks_) all += w.sum * w.sum - w.squares - w.lit * w.lit;
+    return all;
+  }
+
+  double sum = 0, squares = 0;  // of paths from the camera
+  double lit = 0;               // of paths that begin with light walks
+
+ private:
+  // Two paths of one walk are made together about as often as the geometric mean of how often each
+  // is.
+  struct Walk {
+    const Vertex* y;
+    double sum = 0, squares = 0, lit = 0;
+  };
+  std::vector<Walk> walks_;
+};
+
 // One sample of a run, seen by all candidates.
 class ScoutSample {
  public:
@@ -67,17 +109,17 @@ class ScoutSample {
       : scout_(scout),
         run_(run),
         sums_(sums),
-        squares_(scout.candidates_.size()),
-        of_(squares_.size()),
-        moments_(squares_.size()) {}
+        together_(scout.candidates_.size()),
+        of_(together_.size()),
+        moments_(together_.size()) {}
 
   void begin(int x, int y, uint64_t group, ScoutRecord& record) {
     block_ = block_of(x, y);
     quarter_ = group % ScoutSums::kQuarters * ScoutSums::kBlocks;
     record_ = &record;
-    const size_t n = squares_.size();
+    const size_t n = together_.size();
     record = {0, 0, std::vector<double>(n), std::vector<double>(n), std::vector<double>(n)};
-    std::fill(squares_.begin(), squares_.end(), 0.0);
+    for (Together& t : together_) t.clear();
   }
 
   void see(const Contribution& found) {
@@ -89,12 +131,14 @@ class ScoutSample {
     add_light(block_, share);
     record_->brought += light;
     record_->alike += light * share;
-    for (size_t i = 0; i < squares_.size(); ++i) bring(i, light);
+    for (size_t i = 0; i < together_.size(); ++i) bring(i, light);
   }
 
   void end() {
-    for (size_t i = 0; i < squares_.size(); ++i)
-      record_->common[i] = record_->x[i] * record_->x[i] - squares_[i];
+    for (size_t i = 0; i < together_.size(); ++i) {
+      if (scout_.home_[i] == run_) record_->common[i] += together_[i].of_camera();
+      if (scout_.lit_by_[i] == run_) record_->common[i] += together_[i].of_light_walks();
+    }
   }
 
   size_t block() const { return block_; }
@@ -123,24 +167,20 @@ class ScoutSample {
     sums_.squares[block] += light * light;
   }
 
-  // What candidate i's weights are over the densities of a path that the run has made. Light walks
-  // directed more often than its own would be, and find what those find seldom, do not stand for
-  // them: then it has the run's.
-  double share_of(size_t i, Strategy strategy, const std::vector<StrategySums>& of) const {
-    const size_t own = scout_.runs_[run_];
-    const bool light_walk = strategy.technique == Technique::light ||
-                            strategy.technique == Technique::bi ||
-                            (strategy.technique == Technique::portal && strategy.split > 0);
-    const bool alike =
-        !light_walk || mixture(i).guiding.chance[0] >= mixture(own).guiding.chance[0];
-    return 1 / (alike ? of[i].counted : std::max(of[i].counted, of[own].counted));
+  // A path from the camera, or one that candidate i makes as the run does, in the sample's own
+  // pixel.
+  void bring(size_t i, double brought) {
+    Together& t = together_[i];
+    t.sum += brought;
+    t.squares += brought * brought;
+    if (scout_.home_[i] == run_) record_->x[i] += brought;
   }
 
-  // A path of candidate i at home, in the sample's own pixel.
-  void bring(size_t i, double brought) {
-    if (scout_.home_[i] != run_) return;
-    record_->x[i] += brought;
-    squares_[i] += brought * brought;
+  // A path that begins with a light walk of the run, which candidate i makes `often` times as
+  // often.
+  void bring(size_t i, double brought, const Vertex* walk, double often) {
+    if (scout_.lit_by_[i] == run_) together_[i].add(walk, brought, often);
+    if (scout_.home_[i] == run_) record_->x[i] += brought * often;
   }
 
   // Of each candidate. The run knows the densities of its own walks, and where it is not directed
@@ -150,7 +190,7 @@ class ScoutSample {
     const bool is_plain = own.guiding == Guiding{};
     if (!is_plain) path.plain_densities(scout_.world_, plain_);
     const WalkDensities& plain = is_plain ? path.walks() : plain_;
-    for (size_t i = 0; i < squares_.size(); ++i) {
+    for (size_t i = 0; i < of_.size(); ++i) {
       const Mixture& m = mixture(i);
       if (m.guiding == Guiding{})
         of_[i] = path.sums(m, plain, plain, strategy);
@@ -194,7 +234,16 @@ class ScoutSample {
       moments_[i] = share * f * (of[i].squares / of[i].counted / of[i].counted);
       least = std::min(least, moments_[i]);
       most = std::max(most, moments_[i]);
-      if (!splat && of[i].used > 0) bring(i, f * share_of(i, strategy, of) * per_sample(i));
+      if (splat || !(of[i].used > 0)) continue;
+      const double brought = f * per_sample(i) / of[i].counted;
+      // Where its segments are fewer than the run's, each brings as much more.
+      const double fewer = mixture(i).segments / own_mixture.segments;
+      if (strategy.technique == Technique::portal && fewer < 1)
+        bring(i, brought / fewer, &path.vertex(path.k()), of[i].used / of[own].used);
+      else if (begins_with_a_light_walk(strategy))
+        bring(i, brought, &path.vertex(0), of[i].used / of[own].used);
+      else
+        bring(i, brought);
     }
     if (!splat && most < kAlike * least) {
       record_->alike += most;
@@ -210,7 +259,7 @@ class ScoutSample {
   ScoutSums& sums_;
   size_t block_ = 0, quarter_ = 0;
   ScoutRecord* record_ = nullptr;
-  std::vector<double> squares_;  // of each candidate's paths
+  std::vector<Together> together_;  // of each candidate
   std::vector<StrategySums> of_;
   std::vector<double> moments_;
   WalkDensities plain_, directed_;
@@ -230,6 +279,10 @@ Scout::Scout(const World& world, const std::vector<Candidate>& candidates, const
       if (manner(world, candidates[i]) == m) home_[i] = runs_.size();
     runs_.push_back(most);
   }
+  lit_by_ = home_;
+  for (size_t r = 0; r < runs_.size(); ++r)
+    if (candidates[runs_[r]].integrator.mixture.guiding.chance[0] > 0)
+      std::fill(lit_by_.begin(), lit_by_.end(), r);
   for (const Candidate& c : candidates)
     guides_.push_back(Guide::knowing_all(world, c.integrator.mixture));
   sums_ = ScoutSums(candidates.size(), runs_.size());

@@ -122,8 +122,11 @@ class Scout {
   const World& world_;
   const std::vector<Candidate>& candidates_;
   const SampleRules rules_;
-  std::vector<size_t> runs_;   ///< candidates that are rendered
-  std::vector<size_t> home_;   ///< of each candidate: which of the runs
+  std::vector<size_t> runs_;  ///< candidates that are rendered
+  std::vector<size_t> home_;  ///< of each candidate: which of the runs
+  /// And that which tells what paths of one light walk have in common: with portals, one that
+  /// directs its light walks. Where those seldom come in by themselves, few samples see none.
+  std::vector<size_t> lit_by_;
   std::vector<Guide> guides_;  ///< of each candidate
   ScoutSums sums_;
   std::vector<uint32_t> blocks_;      ///< of each group's pixel
