@@ -19,7 +19,10 @@
 // V_i       variance of one sample of a pixel:
 //             V_i = M_i + E[X^2 - sum of squares of its paths] - E[X X'],
 //           no bias: the second term is what the paths of one sample have in common. A candidate
-//           whose walks are like none of a run takes its home's last two terms.
+//           whose walks are like none of a run takes its home's last two terms. What paths have in
+//           common that begin with a light walk is told, where there are portals, by the run that
+//           directs those, each path as often as the candidate would make it: few samples of walks
+//           that are not directed, and seldom come in, meet one.
 // I         the larger of two brightnesses: the mean of a block of pixels, the smallest that is
 //           known well, and that of the other samples of the pixel, which know a lamp or a window
 //           from the wall beside it. Paths that all candidates make alike, as those to a lamp in
@@ -69,7 +72,7 @@ struct ScoutRecord {
   double brought = 0;           ///< luminance, as the run brings it to the sample's own pixel
   double alike = 0;             ///< moment of paths that all candidates make alike
   std::vector<double> moments;  ///< of its own pixel
-  // Where the run is the candidate's home: X, and X^2 less the squares of its paths.
+  // X, where the run is the candidate's home; what it tells of X^2 less the squares of its paths.
   std::vector<double> x, common;
 };
 
