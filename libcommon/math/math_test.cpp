@@ -1,8 +1,10 @@
+#include <cmath>
 #include <numeric>
 
 #include <gtest/gtest.h>
 
 #include "libcommon/math/alias_table.h"
+#include "libcommon/math/cumulative_table.h"
 #include "libcommon/math/rng.h"
 #include "libcommon/math/thinned.h"
 #include "libcommon/math/vec.h"
@@ -35,9 +37,10 @@ TEST(onb, is_orthonormal_and_right_handed_in_every_direction) {
 }
 
 // Chi-square of draws against pdf_1 scaled by `fault`; true when the density holds.
-bool alias_table_holds(double fault) {
+template <typename Table>
+bool table_holds(double fault) {
   const std::vector<double> weights{1, 0, 3, 0.5, 10, 2.5};
-  const AliasTable table(weights);
+  const Table table(weights);
   std::vector<double> hits(weights.size());
   Rng rng(3, 0, 0);
   const int n = 200000;
@@ -52,10 +55,55 @@ bool alias_table_holds(double fault) {
   return chi2 < 23.5;  // 5 degrees of freedom and a bit: p about 3e-4
 }
 TEST(alias_table, draws_follow_pdf_1) {
-  EXPECT_TRUE(alias_table_holds(1));
+  EXPECT_TRUE(table_holds<AliasTable>(1));
 }
 TEST(alias_table, twin_a_density_off_by_5_percent_is_caught) {
-  EXPECT_FALSE(alias_table_holds(1.05));
+  EXPECT_FALSE(table_holds<AliasTable>(1.05));
+}
+TEST(cumulative_table, draws_follow_pdf_1) {
+  EXPECT_TRUE(table_holds<CumulativeTable>(1));
+}
+TEST(cumulative_table, twin_a_density_off_by_5_percent_is_caught) {
+  EXPECT_FALSE(table_holds<CumulativeTable>(1.05));
+}
+
+TEST(cumulative_table, every_number_finds_an_entry_of_some_weight) {
+  for (const std::vector<double>& weights :
+       {std::vector<double>{0, 0, 3, 0, 1e-300, 0.1, 0}, std::vector<double>{1e300},
+        std::vector<double>{0, 1e-9, 1, 1e-17, 0}, std::vector<double>(49, 1.0 / 49)}) {
+    const CumulativeTable table(weights);
+    const auto n = static_cast<double>(weights.size());
+    for (size_t i = 0; i <= weights.size(); ++i)
+      for (const double u : {std::nextafter(static_cast<double>(i) / n, 0.0),
+                             static_cast<double>(i) / n, (static_cast<double>(i) + 0.3) / n})
+        if (u < 1) {
+          EXPECT_GT(weights[table.sample(u)], 0) << u;
+        }
+  }
+}
+
+// How far off its share an entry of weight 7 among `entries` of 3 in all is, in samples of 64 whose
+// numbers are one in each 64th, at the same place of all: those of a digitally shifted sequence.
+template <typename Table>
+double unevenness(size_t entries) {
+  std::vector<double> weights(entries, 3 / static_cast<double>(entries - 1));
+  weights[entries / 3] = 7;
+  const Table table(weights);
+  double worst = 0;
+  for (double shift = 0.03125; shift < 1; shift += 0.0625) {
+    double hits = 0;
+    for (int i = 0; i < 64; ++i) hits += table.sample((i + shift) / 64) == entries / 3 ? 1 : 0;
+    worst = std::max(worst, std::abs(hits - 0.7 * 64));
+  }
+  return worst;
+}
+TEST(cumulative_table, a_heavy_entry_gets_its_share_of_numbers_that_are_even) {
+  for (const size_t entries : {5, 64, 1000, 2048, 2064}) {
+    EXPECT_LE(unevenness<CumulativeTable>(entries), 1) << entries;
+  }
+}
+TEST(cumulative_table, twin_an_alias_table_spreads_them_by_low_bits) {
+  EXPECT_GT(unevenness<AliasTable>(2048), 15);
 }
 
 // Mean of cos over the hemisphere under pdf cos/pi is 2/3; under a uniform pdf it would be 1/2.

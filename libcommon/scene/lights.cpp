@@ -114,7 +114,7 @@ void Lights::choose_by(const Shares& shares) {
 }
 
 void Lights::fill(const std::vector<double>& weights) {
-  table_ = AliasTable(weights);
+  table_ = CumulativeTable(weights);
   for (uint32_t i = 0; i < weights.size(); ++i) {
     const double pdf_1 = table_.pdf_1(i);
     if (i < triangles_.size())

@@ -1,12 +1,12 @@
 // All lights of a scene as one: emitting triangles, punctual lights and the sky, chosen in
-// proportion to power by an alias table, so that thousands cost a sample no more than one.
+// proportion to power by a cumulative table, so that thousands cost a sample no more than one.
 #pragma once
 #include <array>
 #include <cmath>
 #include <numbers>
 #include <vector>
 
-#include "libcommon/math/alias_table.h"
+#include "libcommon/math/cumulative_table.h"
 #include "libcommon/math/rng.h"
 #include "libcommon/math/vec.h"
 #include "libcommon/scene/scene.h"
@@ -168,7 +168,7 @@ class Lights {
   std::vector<uint32_t> triangles_;
   std::vector<TriangleShape> shapes_;
   std::vector<LightSource> punctual_;
-  AliasTable table_;
+  CumulativeTable table_;
   std::vector<float> pdf_A_;    // per scene triangle
   std::vector<double> powers_;  // of the entries
   Shares shares_;

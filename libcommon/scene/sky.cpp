@@ -179,7 +179,7 @@ SkyDirections::SkyDirections(const Sky& sky,
   }
   for (const Sky::Sun& sun : sky.suns())
     add(sun.towards, luminance(sun.radiance) * 2 * pi * height_of(sun));
-  if (total_ > 0) table_ = AliasTable(integrals);
+  if (total_ > 0) table_ = CumulativeTable(integrals);
 }
 
 void SkyDirections::choose_blocks(bool weighted) {

@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-#include "libcommon/math/alias_table.h"
+#include "libcommon/math/cumulative_table.h"
 #include "libcommon/math/vec.h"
 
 namespace tdpt {
@@ -69,9 +69,9 @@ class Sky {
 
 /// Draws directions in proportion to luminance x a weight, exactly.
 ///
-/// Method: an alias table of blocks of cells, each in proportion to its integral; within a block,
-/// whose cells are summed when it is drawn, a cell; within a cell the bilinear luminance by its
-/// inverse distribution. Blocks keep the table small. Suns are entries of the same table.
+/// Method: a cumulative table of blocks of cells, each in proportion to its integral; within a
+/// block, whose cells are summed when it is drawn, a cell; within a cell the bilinear luminance by
+/// its inverse distribution. Blocks keep the table small. Suns are entries of the same table.
 class SkyDirections {
  public:
   SkyDirections() = default;
@@ -113,7 +113,7 @@ class SkyDirections {
   int block_ = 1;                   // a block so many fine cells, both ways
   int columns_ = 0, rows_ = 0;      // of blocks
   std::vector<float> weights_;      // of blocks row by row, then suns; empty: 1
-  AliasTable table_;                // the same
+  CumulativeTable table_;           // the same
   double total_ = 0;
 };
 

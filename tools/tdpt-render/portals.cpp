@@ -57,7 +57,7 @@ PortalSet::PortalSet(const std::vector<Portal>& portals, const Frame& frame) {
   }
   // p(q) = A_q / total, so p(q) / (A_q pi) is the same for every triangle.
   for (Polygon& q : polygons_) q.density = 1 / (total * std::numbers::pi);
-  table_ = AliasTable(areas);
+  table_ = CumulativeTable(areas);
   make_pairs();
 }
 
@@ -93,7 +93,7 @@ void PortalSet::add_facet(const PlanarFacet& facet, uint32_t portal) {
   for (const Vec3d& corner : f.corners)
     f.reach2 = std::max(f.reach2, dot(corner - f.centre, corner - f.centre));
   f.p0 = polygons_[f.first].p0;
-  f.table = AliasTable(areas);
+  f.table = CumulativeTable(areas);
   facets_.push_back(std::move(f));
 }
 
@@ -134,7 +134,7 @@ void PortalSet::make_pairs() {
   });
   std::vector<double> etendues;
   for (const Pair& pair : pairs_) etendues.push_back(pair.etendue);
-  pair_table_ = AliasTable(etendues);
+  pair_table_ = CumulativeTable(etendues);
   for (uint32_t i = 0; i < pairs_.size(); ++i) {
     Facet& first = facets_[pairs_[i].first];
     pairs_[i].pdf = kShare * pair_table_.pdf_1(i) / (first.area * facets_[pairs_[i].second].area);

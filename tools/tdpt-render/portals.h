@@ -30,7 +30,7 @@
 #include <vector>
 
 #include "libcommon/formats/portal.h"
-#include "libcommon/math/alias_table.h"
+#include "libcommon/math/cumulative_table.h"
 #include "libcommon/math/rng.h"
 #include "libcommon/scene/scene.h"
 #include "tools/tdpt-render/facets.h"
@@ -154,7 +154,7 @@ class PortalSet {
     double reach2 = 0;            ///< of the corner that is furthest from the centre, squared
     std::vector<Vec3d> corners;   ///< each once
     uint32_t first = 0, end = 0;  ///< of its triangles
-    AliasTable table;             ///< among them, by area
+    CumulativeTable table;        ///< among them, by area
     /// Of the pairs that light passes it first of.
     uint32_t first_pair = 0, end_pair = 0;
   };
@@ -186,10 +186,10 @@ class PortalSet {
   static bool aimable(const Facet& f, const Vec3d& v, const Vec3d& facing, Way way);
 
   std::vector<Polygon> polygons_;
-  AliasTable table_;
+  CumulativeTable table_;
   std::vector<Facet> facets_;
   std::vector<Pair> pairs_;
-  AliasTable pair_table_;
+  CumulativeTable pair_table_;
   double pair_share_ = 0;  ///< c
   size_t portals_ = 0;
 };
