@@ -7,6 +7,7 @@ import argparse
 import math
 import os
 import sys
+import time
 
 import numpy
 
@@ -22,8 +23,11 @@ def options():
     p = argparse.ArgumentParser(prog="cycles-render.py")
     p.add_argument("scene")
     p.add_argument("out")
-    p.add_argument("--seeds", type=int, default=1, help="pictures to make, seeds 1..N")
+    p.add_argument("--seeds", type=int, default=1, help="pictures to make, seeds FIRST..FIRST+N-1")
+    p.add_argument("--first-seed", type=int, default=1, metavar="FIRST")
     p.add_argument("--spp", type=int, default=256)
+    p.add_argument("--cpu-seconds", type=float, metavar="S", help="as many samples as take so long, instead of --spp")
+    p.add_argument("--cpu", metavar="FILE", help="write a line a picture: seed, samples, CPU s beyond those of one sample")
     p.add_argument("--max-depth", type=int, default=6, help="edges of the longest path, at least 2")
     p.add_argument("--width", type=int, default=160)
     p.add_argument("--height", type=int, default=120)
@@ -173,13 +177,41 @@ def prepare(a):
     return scene
 
 
+def render(scene, path, samples):
+    """Renders and saves; CPU seconds that the process took for it, Blender's scene to Cycles' included."""
+    scene.cycles.samples = samples
+    scene.render.filepath = os.path.abspath(path)
+    before = time.process_time()
+    bpy.ops.render.render(write_still=True)
+    return time.process_time() - before
+
+
+def samples_in(scene, path, seconds, one):
+    """How many samples take so many seconds more than one. The scene keeps one."""
+    samples, taken = 1, 0
+    while taken < min(0.5, seconds):
+        samples *= 4
+        taken = render(scene, path, samples + 1) - one
+    return max(1, round(seconds * samples / taken))
+
+
 def main():
     a = options()
     scene = prepare(a)
-    for seed in range(1, a.seeds + 1):
+    samples, one, lines = a.spp, 0, []
+    if a.cpu or a.cpu_seconds:
+        path = a.out.replace("%d", "one")
+        render(scene, path, 1)  # Data that persist are made here.
+        one = min(render(scene, path, 1) for _ in range(3))
+        if a.cpu_seconds:
+            samples = samples_in(scene, path, a.cpu_seconds, one)
+        os.remove(os.path.abspath(path))
+    for seed in range(a.first_seed, a.first_seed + a.seeds):
         scene.cycles.seed = seed
-        scene.render.filepath = os.path.abspath(a.out.replace("%d", str(seed)))
-        bpy.ops.render.render(write_still=True)
+        lines.append(f"{seed} {samples} {render(scene, a.out.replace('%d', str(seed)), samples) - one:.3f}\n")
+    if a.cpu:
+        with open(a.cpu, "w", encoding="ascii") as file:
+            file.writelines(lines)
 
 
 main()

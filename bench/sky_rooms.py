@@ -1,5 +1,6 @@
-"""sky_rooms.py FOLDER: three diffuse rooms without a lamp, to be lit by an environment through their openings:
-skylight.gltf, windows.gltf (a corner window, ground and a house outside), behind.gltf (a window, then a door)."""
+"""sky_rooms.py FOLDER: diffuse rooms without a lamp, to be lit by an environment through their openings: window.gltf,
+skylight.gltf, windows.gltf (a corner window, ground and a house outside), behind.gltf (a window, then a door). Beside
+each NAME.portals.py: the openings to the outside as Blender's portals, as one would draw them by hand."""
 import base64
 import json
 import os
@@ -14,12 +15,26 @@ GREY, WHITE, RED, GREEN = (0.7, 0.7, 0.7), (0.8, 0.8, 0.78), (0.65, 0.45, 0.42),
 WOOD, GROUND = (0.5, 0.4, 0.3), (0.28, 0.3, 0.22)
 # Of a box from 0 to 1, each face counter-clockwise from outside.
 CORNERS = np.array([(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)], float)
+PORTALS = """import bpy
+from mathutils import Matrix
+
+for width, height, matrix in (
+    {lamps},
+):
+    lamp = bpy.data.lights.new("by hand", "AREA")
+    lamp.shape, lamp.size, lamp.size_y = "RECTANGLE", width, height
+    lamp.cycles.is_portal = True
+    portal = bpy.data.objects.new("by hand", lamp)
+    portal.matrix_world = Matrix(matrix)
+    bpy.context.scene.collection.objects.link(portal)
+"""
 FACES = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
 
 
 class Room:
     def __init__(self, eye, target, yfov=1.0):
         self.boxes = {}  # colour: list of (low, high)
+        self.openings = []  # to the outside: (low, high, axis across it, which way in along it)
         self.eye, self.target, self.yfov = np.array(eye, float), np.array(target, float), yfov
 
     def block(self, low, high, colour=GREY):
@@ -35,6 +50,26 @@ class Room:
                     middle = [(a + b) / 2 for a, b in (x, y, z)]
                     if not any(all(h[0][i] < middle[i] < h[1][i] for i in range(3)) for h in holes):
                         self.block((x[0], y[0], z[0]), (x[1], y[1], z[1]), colour)
+
+    def opening(self, low, high, hole, axis):
+        """That of `hole` in the wall from `low` to `high`: a rectangle in the middle of the wall, the room round 0."""
+        ends = [np.clip(np.array(corner, float), low, high) for corner in hole]
+        for end in ends:
+            end[axis] = (low[axis] + high[axis]) / 2
+        self.openings.append((*ends, axis, 1 if high[axis] <= 0 else -1))
+
+    def portals_for_blender(self):
+        """A script. There z is up: x, y, z are x, -z, y. An area lamp shines along its -Z."""
+        turned = np.array([(1, 0, 0), (0, 0, -1), (0, 1, 0)], float)
+        lamps = []
+        for low, high, axis, inwards in self.openings:
+            z = -inwards * np.eye(3)[axis]
+            x = np.eye(3)[(axis + 1) % 3]
+            y = np.cross(z, x)
+            sides = [float(np.abs(np.dot(high - low, v)).max()) for v in (x, y)]
+            frame = turned @ np.array([x, y, z, (low + high) / 2]).T
+            lamps.append((*sides, [*map(list, frame), [0.0, 0.0, 0.0, 1.0]]))
+        return PORTALS.format(lamps=",\n    ".join(map(repr, lamps)))
 
     def camera_matrix(self):
         """Column by column."""
@@ -91,6 +126,17 @@ def shell(room, x, z, height, holes=None, colours=None):
         ("+z", (-x - 0.1, -0.06, z), (x + 0.1, height + 0.11, z + 0.2 - 0.01), GREY),
     ):
         room.wall(low, high, holes.get(name, ()), colours.get(name, colour))
+        for hole in holes.get(name, ()):
+            room.opening(low, high, hole, "xyz".index(name[1]) if len(name) == 2 else 1)
+
+
+def window():
+    r = Room((-1.5, 1.5, 2.1), (0.9, 1.0, -1.0), 1.1)
+    shell(r, 2, 2.5, 2.6, {"+x": [((1, 0.9, -0.8), (3, 2.2, 0.8))]}, {"-z": GREEN})
+    r.block((-20, -0.4, -20), (20, -0.1, 20), GROUND)
+    r.block((-0.4, -0.03, -2.2), (1.2, 0.75, -1.4))
+    r.block((8, -0.3, -4), (9, 2, 3), RED)
+    return r
 
 
 def skylight():
@@ -116,7 +162,7 @@ def behind():
     return r
 
 
-ROOMS = {"skylight": skylight, "windows": windows, "behind": behind}
+ROOMS = {"window": window, "skylight": skylight, "windows": windows, "behind": behind}
 
 
 def quarters(width=256):
@@ -136,6 +182,8 @@ def main():
     for name, room in ROOMS.items():
         with open(os.path.join(folder, name + ".gltf"), "w", encoding="ascii") as file:
             file.write(room().gltf())
+        with open(os.path.join(folder, name + ".portals.py"), "w", encoding="ascii") as file:
+            file.write(room().portals_for_blender())
     exr_file.write(os.path.join(folder, "quarters.exr"), quarters())
 
 

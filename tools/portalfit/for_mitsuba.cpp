@@ -26,7 +26,7 @@ std::string portals_for_mitsuba(const PortalFile& file) {
   for (const std::string& remark : remarks_on(file))
     text += fmt::format("<!-- {} -->\n", in_comment(remark));
   text +=
-      "<!-- Mitsuba 3, as soon as it has the emitter \"portal\":\n"
+      "<!-- Mitsuba 3 from September 2026 on, which has the emitter \"portal\":\n"
       "     <include filename=\"portals.xml\"/> in the scene, beside its envmap or constant. -->\n"
       "<scene version=\"3.0.0\">\n";
   for (size_t n = 0; n < file.portals.size(); ++n) {

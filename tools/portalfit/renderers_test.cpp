@@ -107,7 +107,7 @@ TEST(Renderers, MitsubaHasAnEmitterForAWindow) {
             "<?xml version=\"1.0\" encoding=\"utf-8\"?>\n" + remarks("<!-- ", " -->\n") +
                 // XML has no two dashes within a comment.
                 "<!-- made by portalfit 0.1.0: portalfit - -for usd -->\n" +
-                R"(<!-- Mitsuba 3, as soon as it has the emitter "portal":
+                R"(<!-- Mitsuba 3 from September 2026 on, which has the emitter "portal":
      <include filename="portals.xml"/> in the scene, beside its envmap or constant. -->
 <scene version="3.0.0">
     <emitter type="portal" id="portal_0">
