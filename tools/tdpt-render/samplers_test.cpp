@@ -70,7 +70,7 @@ TEST(samplers, twin_a_hemisphere_without_the_cosine) {
 }
 
 // Weights over nine decades, a fifth of them 0; entry 100 gets `factor` times its share.
-double alias(double factor) {
+double table(double factor) {
   Rng rng(33, 0, 0);
   std::vector<double> weights;
   for (int i = 0; i < 200; ++i) {
@@ -78,7 +78,7 @@ double alias(double factor) {
     weights.push_back(i % 5 == 3 ? 0 : std::pow(10, -9 * x * x));
   }
   weights[100] = 1;
-  const AliasTable table(weights);
+  const CumulativeTable all(weights);
   weights[100] *= factor;
   double total = 0;
   for (double w : weights) total += w;
@@ -86,23 +86,23 @@ double alias(double factor) {
   for (uint32_t i = 0; i < 200; ++i) {
     probability.push_back(weights[i] / total);
     if (factor == 1) {
-      EXPECT_DOUBLE_EQ(probability.back(), table.pdf_1(i));
+      EXPECT_DOUBLE_EQ(probability.back(), all.pdf_1(i));
     }
   }
   return chi_square_of_samples(kSamples * 5, probability,
                                [&](uint64_t i) {
                                  Rng draw(33, 1, i);
-                                 const uint32_t k = table.sample(draw.uniform());
+                                 const uint32_t k = all.sample(draw.uniform());
                                  EXPECT_GT(weights[k], 0);
                                  return size_t{k};
                                })
       .p;
 }
-TEST(samplers, alias_tables_follow_their_weights) {
-  EXPECT_GT(alias(1), kRight);
+TEST(samplers, cumulative_tables_follow_their_weights) {
+  EXPECT_GT(table(1), kRight);
 }
 TEST(samplers, twin_one_weight_a_fifth_off) {
-  EXPECT_LT(alias(1.2), kWrong);
+  EXPECT_LT(table(1.2), kWrong);
 }
 
 double film(double power) {
