@@ -130,10 +130,15 @@ void Lights::prefer(const std::function<double(const Vec3d& towards)>& weight) {
   if (has_sky_) preferred_ = weight ? SkyDirections(*scene_.sky, weight) : SkyDirections();
 }
 
-double Lights::pdf_of_start(const Vec3d& towards) const {
-  const double plain = directions_.pdf_w(towards);
-  return preferred_.empty() ? plain
-                            : (1 - kPreferred) * plain + kPreferred * preferred_.pdf_w(towards);
+Lights::InSky Lights::look(const Vec3d& towards) const {
+  const bool alike =
+      scene_.sky->one_colour() && preferred_.empty();  // then the place tells nothing
+  const Sky::Place place = alike ? Sky::Place{towards} : scene_.sky->place(towards);
+  InSky in_sky{scene_.sky->radiance(place), directions_.pdf_w(place), 0};
+  in_sky.start_w = preferred_.empty()
+                       ? in_sky.plain_w
+                       : (1 - kPreferred) * in_sky.plain_w + kPreferred * preferred_.pdf_w(place);
+  return in_sky;
 }
 
 Lights::Point Lights::sample(Rng& rng) const {
@@ -153,7 +158,8 @@ Lights::Point Lights::sample(double pick, double u, double v, double side) const
     const Vec3d towards = side < share ? preferred_.sample(side / share, u, v)
                                        : directions_.sample((side - share) / (1 - share), u, v);
     point.position = -towards;
-    point.pdf = sky_.pdf_1_ * pdf_of_start(towards);
+    point.in_sky = look(towards);
+    point.pdf = pdf(sky_, point.triangle, point.in_sky);
     return point;
   }
   if (i >= triangles_.size()) {

@@ -105,6 +105,15 @@ class Lights {
   /// Those of a kind that there are have more than 0.
   void choose_by(const Shares& shares);
 
+  /// What is told of a direction of the sky, by one look at the map.
+  struct InSky {
+    Rgb radiance{};  ///< seen along it [W/m2/sr]
+    double plain_w = 0,
+           start_w = 0;  ///< density of directions(), and of those walks begin in [1/sr]
+  };
+  /// `towards`: unit. There must be a sky.
+  InSky look(const Vec3d& towards) const;
+
   /// A place light leaves from.
   struct Point {
     const LightSource* source = nullptr;
@@ -112,6 +121,7 @@ class Lights {
     double b1 = 0, b2 = 0;    ///< barycentrics on the triangle
     Vec3d position{};         ///< canonical; at infinity unit, the way its light travels
     Vec3d normal{};           ///< unit, on the side to leave by: the front, or either (a fair coin)
+    InSky in_sky{};           ///< of the sky
     double pdf = 0;           ///< pdf_A per canonical area; of the sky pdf_w; otherwise pdf_1
   };
   /// A place to begin a walk at. Four numbers in [0,1): which light, where on it (u, v), and which
@@ -119,10 +129,9 @@ class Lights {
   Point sample(double pick, double u, double v, double side) const;
   /// Draws them from `rng` in this order.
   Point sample(Rng& rng) const;
-  /// Density of `sample`, at any point of `triangle` where that is a surface; `position` as in
-  /// Point.
-  double pdf(const LightSource& source, uint32_t triangle, const Vec3d& position) const {
-    if (source.is_sky()) return source.pdf_1() * pdf_of_start(-position);
+  /// Density of `sample`, at any point of `triangle` where that is a surface.
+  double pdf(const LightSource& source, uint32_t triangle, const InSky& in_sky) const {
+    if (source.is_sky()) return source.pdf_1() * in_sky.start_w;
     return source.met() ? pdf_A(triangle) : source.pdf_1();
   }
   /// Density of `sample` at any point of `triangle`; 0 when it does not emit.
@@ -155,7 +164,6 @@ class Lights {
 
  private:
   static constexpr double kPreferred = 0.9;
-  double pdf_of_start(const Vec3d& towards) const;
   const LightSource& source_of(size_t entry) const;
   void fill(const std::vector<double>& weights);
 

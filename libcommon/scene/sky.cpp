@@ -138,13 +138,18 @@ double Sky::solid_angle(int row) const {
   return (top_[i] - top_[i + 1]) * 2 * pi / map_.width;
 }
 
-Rgb Sky::radiance(const Vec3d& w) const {
+Sky::Place Sky::place(const Vec3d& w) const {
+  if (map_.texels.empty()) return {w};
+  const Cell c = cell(w);
+  return {w, c, corners(c)};
+}
+
+Rgb Sky::radiance(const Place& place) const {
   Rgb sum{};
   if (one_colour()) {
     sum = map_.texels[0];
   } else if (!map_.texels.empty()) {
-    const Cell c = cell(w);
-    const std::array<size_t, 4> at = corners(c);
+    const auto& [w, c, at] = place;
     const auto row = [&](size_t left, size_t right) {
       return map_.texels[left] * static_cast<float>(1 - c.across) +
              map_.texels[right] * static_cast<float>(c.across);
@@ -153,7 +158,7 @@ Rgb Sky::radiance(const Vec3d& w) const {
           row(at[2], at[3]) * static_cast<float>(c.down);
   }
   for (const Sun& sun : suns_)
-    if (holds(sun, w)) sum += sun.radiance;
+    if (holds(sun, place.towards)) sum += sun.radiance;
   return sum;
 }
 
@@ -300,19 +305,18 @@ Vec3d SkyDirections::in_sun(const Sky::Sun& sun, double u, double v) const {
   return normalize(Onb<double>(sun.towards).to_world(at));
 }
 
-double SkyDirections::pdf_w(const Vec3d& towards) const {
+double SkyDirections::pdf_w(const Sky::Place& place) const {
   if (empty()) return 0;
+  const auto& [towards, cell, at] = place;
   double sum = 0;
-  if (sky_->one_colour() && weights_.empty()) {
+  if (sky_->one_colour()) {
     sum = luminance(sky_->map().texels[0]);
   } else if (blocks() > 0) {
-    const Sky::Cell cell = sky_->cell(towards);
-    const std::array<size_t, 4> at = sky_->corners(cell);
     Corners c{};
     for (size_t i = 0; i < 4; ++i) c[i] = luminance(sky_->map().texels[at[i]]);
     sum = bilinear(c, cell.across, cell.down);
-    if (!weights_.empty()) sum *= weights_[static_cast<size_t>(block_at(cell))];
   }
+  if (blocks() > 0 && !weights_.empty()) sum *= weights_[static_cast<size_t>(block_at(cell))];
   for (size_t i = 0; i < sky_->suns().size(); ++i)
     if (const Sky::Sun& sun = sky_->suns()[i]; holds(sun, towards))
       sum += luminance(sun.radiance) * weight(static_cast<size_t>(blocks()) + i);

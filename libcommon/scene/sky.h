@@ -37,7 +37,7 @@ class Sky {
   Sky(Map map, double rotation, std::vector<Sun> suns = {});
 
   /// What is seen looking along `towards` [W/m2/sr].
-  Rgb radiance(const Vec3d& towards) const;
+  Rgb radiance(const Vec3d& towards) const { return radiance(place(towards)); }
   bool one_colour() const { return map_.width == 1 && map_.height == 1; }
   const Map& map() const { return map_; }
   const std::vector<Sun>& suns() const { return suns_; }
@@ -57,6 +57,15 @@ class Sky {
   Vec3d towards(const Cell& cell) const;
   /// Into map().texels: upper left, upper right, lower left, lower right.
   std::array<size_t, 4> corners(const Cell& cell) const;
+
+  /// A direction and where it lies in the map: an arc tangent to find, for all who ask about it.
+  struct Place {
+    Vec3d towards;
+    Cell cell{};                     ///< these two of no meaning without texels
+    std::array<size_t, 4> texels{};  ///< its corners
+  };
+  Place place(const Vec3d& towards) const;
+  Rgb radiance(const Place& place) const;
   /// Solid angle of each cell of a row [sr].
   double solid_angle(int row) const;
 
@@ -86,8 +95,9 @@ class SkyDirections {
   double total() const { return total_; }
   /// Unit, towards the sky. Three numbers in [0,1).
   Vec3d sample(double pick, double u, double v) const;
-  /// Density of sample() [1/sr]: luminance x weight / total().
-  double pdf_w(const Vec3d& towards) const;
+  /// Density of sample() [1/sr]: luminance x weight / total(). `place`: in this sky.
+  double pdf_w(const Sky::Place& place) const;
+  double pdf_w(const Vec3d& towards) const { return empty() ? 0 : pdf_w(sky_->place(towards)); }
 
  private:
   using Corners = std::array<double, 4>;  // luminance, ordered as Sky::corners

@@ -147,7 +147,7 @@ double lights(const std::vector<Portal>& portals, double fault) {
   const Lights& all = world.lights;
   const LightSource& sky = *all.sky();
   std::vector<double> probability =
-      integral([&](const Vec3d& w) { return all.pdf(sky, ~0u, -w) * fault; });
+      integral([&](const Vec3d& w) { return all.pdf(sky, ~0u, all.look(w)) * fault; });
   double emitters = 0;
   for (uint32_t t = 0; t < scene.triangles.size(); ++t)
     emitters += all.pdf_A(t) * shape_of(scene, t).area;
@@ -159,16 +159,16 @@ double lights(const std::vector<Portal>& portals, double fault) {
     if (!p.source->met()) probability[kBins + 1 + p.source->at_infinity()] = p.pdf;
   }
   EXPECT_GT(std::min(probability[kBins + 1], probability[kBins + 2]), 0);
-  return chi_square_of_samples(kSamples, probability,
-                               [&](uint64_t i) {
-                                 Rng rng(54, 1, i);
-                                 const Lights::Point p = all.sample(rng);
-                                 EXPECT_NEAR(p.pdf / all.pdf(*p.source, p.triangle, p.position), 1,
-                                             1e-9);
-                                 if (p.source->is_sky()) return bin_of(-p.position);
-                                 if (p.source->is_surface()) return kBins;
-                                 return kBins + 1 + p.source->at_infinity();
-                               })
+  return chi_square_of_samples(
+             kSamples, probability,
+             [&](uint64_t i) {
+               Rng rng(54, 1, i);
+               const Lights::Point p = all.sample(rng);
+               EXPECT_NEAR(p.pdf / all.pdf(*p.source, p.triangle, all.look(-p.position)), 1, 1e-9);
+               if (p.source->is_sky()) return bin_of(-p.position);
+               if (p.source->is_surface()) return kBins;
+               return kBins + 1 + p.source->at_infinity();
+             })
       .p;
 }
 TEST(sky_samplers, lights_beside_the_sky_are_chosen_with_their_density) {
@@ -201,7 +201,8 @@ TEST(sky_samplers, kinds_of_lights_are_chosen_as_often_as_was_asked) {
   for (uint64_t i = 0; i < kSamples; ++i) {
     Rng rng(57, 0, i);
     const Lights::Point p = all.sample(rng);
-    EXPECT_NEAR(p.pdf / all.pdf(*p.source, p.triangle, p.position), 1, 1e-9);
+    const Lights::InSky in_sky = p.source->is_sky() ? all.look(-p.position) : Lights::InSky{};
+    EXPECT_NEAR(p.pdf / all.pdf(*p.source, p.triangle, in_sky), 1, 1e-9);
     ++counts[p.source->is_sky() ? 3 : p.source->is_surface() ? 0 : 1 + p.source->at_infinity()];
   }
   const auto chi_square_of = [&](std::vector<double> shares) {
@@ -297,7 +298,7 @@ double light_walks(const std::vector<Portal>& portals, const Integrator& integra
       const double r = std::sqrt(1 - y * y);
       place_in_sky(world, {r * std::cos(phi), y, r * std::sin(phi)}, y0);
       if (guide.active()) guide.aim_at_light(y0);
-      const double begins = world.lights.pdf(*y0.source, ~0u, y0.position);
+      const double begins = world.lights.pdf(*y0.source, ~0u, y0.in_sky);
       if (begins == 0) continue;
       for (int a = 0; a < kFine * kSide; ++a)
         for (int b = 0; b < kFine * kSide; ++b) {

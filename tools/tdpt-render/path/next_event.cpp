@@ -12,14 +12,15 @@ Lights::Point NextEvents::sample(const Vertex& shaded, double through_windows, d
   Lights::Point point;
   point.source = lights_.sky();
   point.position = -towards;
-  point.pdf = pdf(shaded, *point.source, point.triangle, point.position).of(q);
+  point.in_sky = lights_.look(towards);
+  point.pdf = pdf(shaded, *point.source, point.triangle, point.position, point.in_sky).of(q);
   return point;
 }
 
 NextEventPdf NextEvents::pdf(const Vertex& shaded, const LightSource& source, uint32_t triangle,
-                             const Vec3d& position) const {
-  if (!source.is_sky()) return {lights_.pdf(source, triangle, position)};
-  NextEventPdf pdf{source.pdf_1() * lights_.directions().pdf_w(-position)};
+                             const Vec3d& position, const Lights::InSky& in_sky) const {
+  if (!source.is_sky()) return {lights_.pdf(source, triangle, in_sky)};
+  NextEventPdf pdf{source.pdf_1() * in_sky.plain_w};
   const auto& [facing, seen] = shaded.outlook;
   pdf.sees_windows = seen > 0;
   if (pdf.sees_windows)

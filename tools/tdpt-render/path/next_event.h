@@ -37,12 +37,12 @@ class NextEvents {
                        double side) const;
   /// Density of `sample` at a place on a light.
   NextEventPdf pdf(const Vertex& shaded, const Point& light) const {
-    return pdf(shaded, *light.source, light.triangle, light.position);
+    return pdf(shaded, *light.source, light.triangle, light.position, light.in_sky);
   }
 
  private:
   NextEventPdf pdf(const Vertex& shaded, const LightSource& source, uint32_t triangle,
-                   const Vec3d& position) const;
+                   const Vec3d& position, const Lights::InSky& in_sky) const;
 
   const Lights& lights_;
   const WindowSky& windows_;

@@ -29,6 +29,7 @@ struct Point {
   bool simple = true;
   bool connectible = true;  ///< some lobe is not Dirac
   Rgb emission{};           ///< of a surface where light begins [W/m2/sr]
+  Lights::InSky in_sky{};   ///< of a place in the sky
   Vec3d shading{};          ///< unit shading normal, front side
   Bsdf bsdf;
 
@@ -107,9 +108,10 @@ inline double scatter_pdf_A(const Point& from, const Point& at, const Point& to,
   return to_area(std::abs(cos_out) * std::numbers::inv_pi, e, to);
 }
 
-/// What leaves along unit w (LightSource); black where no light begins.
+/// What leaves along unit w (LightSource), at infinity the position; black where no light begins.
 inline Rgb emitted(const Point& p, const Vec3d& w) {
-  return p.source ? p.source->emitted(p.normal, p.emission, w) : Rgb{};
+  if (!p.source) return {};
+  return p.source->is_sky() ? p.in_sky.radiance : p.source->emitted(p.normal, p.emission, w);
 }
 
 /// pdf_A of reaching `to` when light leaves `light`.

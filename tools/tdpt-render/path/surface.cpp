@@ -93,6 +93,7 @@ void place_in_sky(const World& world, const Vec3d& w, Point& p) {
   p = {};
   p.position = -w;
   p.source = world.lights.sky();
+  p.in_sky = world.lights.look(w);
   p.connectible = false;
 }
 
@@ -111,6 +112,7 @@ void place_on_light(const World& world, const Lights::Point& light, Point& p) {
   } else {
     p = {};
     p.position = light.position;
+    p.in_sky = light.in_sky;
   }
   p.source = light.source;
 }
