@@ -160,9 +160,10 @@ Vec3d PortalSet::point_on(const Facet& f, double pick, double u, double v, int& 
 double PortalSet::weight(const Facet& f, const Vec3d& v) const {
   if (facets_.size() == 1) return 1;
   const Vec3d d = f.centre - v;
-  const double d2 = dot(d, d), distance = std::sqrt(d2);
+  const double d2 = dot(d, d);
   // Seen at a grazing angle a facet keeps a tenth of the weight.
-  const double height = std::max(std::abs(dot(f.normal, d)), 0.1 * distance);
+  double height = std::abs(dot(f.normal, d));
+  if (height * height < 0.01 * d2) height = 0.1 * std::sqrt(d2);
   const double reach = d2 + f.area / std::numbers::pi;
   return f.area * height / (reach * std::sqrt(reach));
 }
@@ -171,6 +172,8 @@ bool PortalSet::aimable(const Facet& f, const Vec3d& v, const Vec3d& facing, Way
   const double height = dot(f.normal, v - f.p0);
   if (!(way == Way::with_light ? height < -kMargin : height > kMargin)) return false;
   if (facing == Vec3d()) return true;
+  // Where the middle is, a corner is: but for rounding.
+  if (dot(facing, f.centre - v) > kMargin) return true;
   for (const Vec3d& corner : f.corners)
     if (dot(facing, corner - v) > 0) return true;
   return false;
