@@ -130,15 +130,16 @@ void Lights::prefer(const std::function<double(const Vec3d& towards)>& weight) {
   if (has_sky_) preferred_ = weight ? SkyDirections(*scene_.sky, weight) : SkyDirections();
 }
 
-Lights::InSky Lights::look(const Vec3d& towards) const {
-  const bool alike =
-      scene_.sky->one_colour() && preferred_.empty();  // then the place tells nothing
-  const Sky::Place place = alike ? Sky::Place{towards} : scene_.sky->place(towards);
-  InSky in_sky{scene_.sky->radiance(place), directions_.pdf_w(place), 0};
-  in_sky.start_w = preferred_.empty()
-                       ? in_sky.plain_w
-                       : (1 - kPreferred) * in_sky.plain_w + kPreferred * preferred_.pdf_w(place);
+Lights::InSky Lights::look(const Sky::Place& place) const {
+  InSky in_sky{scene_.sky->radiance(place), directions_.pdf_w(place)};
+  if (preferred_.empty() || !scene_.sky->one_colour())
+    in_sky.start_w = start_w(place, in_sky.plain_w);
   return in_sky;
+}
+
+double Lights::start_w(const Sky::Place& place, double plain_w) const {
+  return preferred_.empty() ? plain_w
+                            : (1 - kPreferred) * plain_w + kPreferred * preferred_.pdf_w(place);
 }
 
 Lights::Point Lights::sample(Rng& rng) const {
@@ -155,11 +156,11 @@ Lights::Point Lights::sample(double pick, double u, double v, double side) const
   if (i == triangles_.size() + punctual_.size()) {
     point.source = &sky_;
     const double share = preferred_.empty() ? 0 : kPreferred;
-    const Vec3d towards = side < share ? preferred_.sample(side / share, u, v)
-                                       : directions_.sample((side - share) / (1 - share), u, v);
-    point.position = -towards;
-    point.in_sky = look(towards);
-    point.pdf = pdf(sky_, point.triangle, point.in_sky);
+    const Sky::Place place = side < share ? preferred_.draw(side / share, u, v)
+                                          : directions_.draw((side - share) / (1 - share), u, v);
+    point.position = -place.towards;
+    point.in_sky = look(place);
+    point.pdf = pdf(sky_, point.triangle, point.position, point.in_sky);
     return point;
   }
   if (i >= triangles_.size()) {

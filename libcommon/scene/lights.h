@@ -107,12 +107,17 @@ class Lights {
 
   /// What is told of a direction of the sky, by one look at the map.
   struct InSky {
-    Rgb radiance{};  ///< seen along it [W/m2/sr]
-    double plain_w = 0,
-           start_w = 0;  ///< density of directions(), and of those walks begin in [1/sr]
+    Rgb radiance{};      ///< seen along it [W/m2/sr]
+    double plain_w = 0;  ///< density of directions() [1/sr]
+    /// Of those in which walks begin. -1: not told, as under one colour nothing else has a use for
+    /// the place.
+    double start_w = -1;
   };
-  /// `towards`: unit. There must be a sky.
-  InSky look(const Vec3d& towards) const;
+  /// There must be a sky. The direction: unit, and as it was drawn.
+  InSky look(const Vec3d& towards) const {
+    return look(scene_.sky->one_colour() ? Sky::Place{towards} : scene_.sky->place(towards));
+  }
+  InSky look(const Sky::Place& place) const;
 
   /// A place light leaves from.
   struct Point {
@@ -129,9 +134,13 @@ class Lights {
   Point sample(double pick, double u, double v, double side) const;
   /// Draws them from `rng` in this order.
   Point sample(Rng& rng) const;
-  /// Density of `sample`, at any point of `triangle` where that is a surface.
-  double pdf(const LightSource& source, uint32_t triangle, const InSky& in_sky) const {
-    if (source.is_sky()) return source.pdf_1() * in_sky.start_w;
+  /// Density of `sample`, at any point of `triangle` where that is a surface; `position` as in
+  /// Point.
+  double pdf(const LightSource& source, uint32_t triangle, const Vec3d& position,
+             const InSky& in_sky) const {
+    if (source.is_sky())
+      return source.pdf_1() *
+             (in_sky.start_w < 0 ? start_w({-position}, in_sky.plain_w) : in_sky.start_w);
     return source.met() ? pdf_A(triangle) : source.pdf_1();
   }
   /// Density of `sample` at any point of `triangle`; 0 when it does not emit.
@@ -164,6 +173,7 @@ class Lights {
 
  private:
   static constexpr double kPreferred = 0.9;
+  double start_w(const Sky::Place& place, double plain_w) const;
   const LightSource& source_of(size_t entry) const;
   void fill(const std::vector<double>& weights);
 

@@ -31,6 +31,18 @@ double rough_acos(double x) {
   return x < 0 ? pi - angle : angle;
 }
 
+// To 1.2e-5 rad, after Hastings (Abramowitz and Stegun 4.4.47).
+double rough_atan2(double y, double x) {
+  const double a = std::abs(x), b = std::abs(y), most = std::max(a, b);
+  if (!(most > 0)) return 0;
+  const double t = std::min(a, b) / most, t2 = t * t;
+  double angle =
+      t * (0.9998660 + t2 * (-0.3302995 + t2 * (0.1801410 + t2 * (-0.0851330 + t2 * 0.0208351))));
+  if (b > a) angle = 0.5 * pi - angle;
+  if (x < 0) angle = pi - angle;
+  return std::copysign(angle, y);
+}
+
 double lerp(double t, double a, double b) {
   return (1 - t) * a + t * b;
 }
@@ -102,7 +114,11 @@ Vec3d Sky::towards(double x, double y) const {
 
 Sky::Cell Sky::cell(const Vec3d& w) const {
   const double wx = cos_ * w.x - sin_ * w.z, wz = sin_ * w.x + cos_ * w.z;
-  double x = (0.5 + std::atan2(wx, -wz) * (0.5 * std::numbers::inv_pi)) * map_.width - 0.5;
+  return cell(w, std::atan2(wx, -wz));
+}
+
+Sky::Cell Sky::cell(const Vec3d& w, double azimuth) const {
+  double x = (0.5 + azimuth * (0.5 * std::numbers::inv_pi)) * map_.width - 0.5;
   if (x < 0) x += map_.width;
   Cell c;
   c.column = std::clamp(static_cast<int>(x), 0, map_.width - 1);  // of no number, too
@@ -141,6 +157,13 @@ double Sky::solid_angle(int row) const {
 Sky::Place Sky::place(const Vec3d& w) const {
   if (map_.texels.empty()) return {w};
   const Cell c = cell(w);
+  return {w, c, corners(c)};
+}
+
+Sky::Place Sky::rough_place(const Vec3d& w) const {
+  if (map_.texels.empty()) return {w};
+  const double wx = cos_ * w.x - sin_ * w.z, wz = sin_ * w.x + cos_ * w.z;
+  const Cell c = cell(w, rough_atan2(wx, -wz));
   return {w, c, corners(c)};
 }
 
@@ -244,10 +267,10 @@ int SkyDirections::block_at(const Sky::Cell& cell) const {
   return row / block_ * columns_ + column / block_;
 }
 
-Vec3d SkyDirections::sample(double pick, double u, double v) const {
+Sky::Place SkyDirections::draw(double pick, double u, double v) const {
   const auto i = static_cast<int>(table_.sample(pick));
   return i < blocks() ? in_block(block(i), u, v)
-                      : in_sun(sky_->suns()[static_cast<size_t>(i - blocks())], u, v);
+                      : sky_->place(in_sun(sky_->suns()[static_cast<size_t>(i - blocks())], u, v));
 }
 
 // A cell of the block; u and v become the place in it. Blocks of several have no fine cells.
@@ -286,16 +309,16 @@ void SkyDirections::choose_cell(const Block& b, int& column, int& row, double& u
   row += r;
 }
 
-Vec3d SkyDirections::in_block(const Block& b, double u, double v) const {
+Sky::Place SkyDirections::in_block(const Block& b, double u, double v) const {
   int column, row;
   choose_cell(b, column, row, u, v);
   const Corners c = corners(column, row);
   const double y = sample_linear(c[0] + c[1], c[2] + c[3], v);
   const double x = sample_linear(lerp(y, c[0], c[2]), lerp(y, c[1], c[3]), u);
-  return sky_->towards(
-      Sky::Cell{column / split_, row / split_down_,
-                (column % split_ + std::clamp(x, kMargin, 1 - kMargin)) / split_,
-                (row % split_down_ + std::clamp(y, kMargin, 1 - kMargin)) / split_down_});
+  const Sky::Cell cell{column / split_, row / split_down_,
+                       (column % split_ + std::clamp(x, kMargin, 1 - kMargin)) / split_,
+                       (row % split_down_ + std::clamp(y, kMargin, 1 - kMargin)) / split_down_};
+  return {sky_->towards(cell), cell, sky_->corners(cell)};
 }
 
 Vec3d SkyDirections::in_sun(const Sky::Sun& sun, double u, double v) const {
@@ -316,7 +339,17 @@ double SkyDirections::pdf_w(const Sky::Place& place) const {
     for (size_t i = 0; i < 4; ++i) c[i] = luminance(sky_->map().texels[at[i]]);
     sum = bilinear(c, cell.across, cell.down);
   }
-  if (blocks() > 0 && !weights_.empty()) sum *= weights_[static_cast<size_t>(block_at(cell))];
+  if (blocks() > 0 && !weights_.empty()) {
+    Sky::Cell asked = cell;
+    if (sky_->one_colour()) {
+      // The block is all that is to be known, and most are clear of its borders.
+      constexpr double kRough = 1e-5;  // of the circle
+      asked = sky_->rough_place(towards).cell;
+      if (std::abs(asked.across - std::round(asked.across * split_) / split_) < kRough)
+        asked = sky_->cell(towards);
+    }
+    sum *= weights_[static_cast<size_t>(block_at(asked))];
+  }
   for (size_t i = 0; i < sky_->suns().size(); ++i)
     if (const Sky::Sun& sun = sky_->suns()[i]; holds(sun, towards))
       sum += luminance(sun.radiance) * weight(static_cast<size_t>(blocks()) + i);

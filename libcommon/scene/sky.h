@@ -37,7 +37,9 @@ class Sky {
   Sky(Map map, double rotation, std::vector<Sun> suns = {});
 
   /// What is seen looking along `towards` [W/m2/sr].
-  Rgb radiance(const Vec3d& towards) const { return radiance(place(towards)); }
+  Rgb radiance(const Vec3d& towards) const {
+    return radiance(one_colour() ? Place{towards} : place(towards));
+  }
   bool one_colour() const { return map_.width == 1 && map_.height == 1; }
   const Map& map() const { return map_; }
   const std::vector<Sun>& suns() const { return suns_; }
@@ -65,11 +67,15 @@ class Sky {
     std::array<size_t, 4> texels{};  ///< its corners
   };
   Place place(const Vec3d& towards) const;
+  /// The same to 2e-5 rad of azimuth, in half the time: for tables of what is about there.
+  Place rough_place(const Vec3d& towards) const;
   Rgb radiance(const Place& place) const;
   /// Solid angle of each cell of a row [sr].
   double solid_angle(int row) const;
 
  private:
+  Cell cell(const Vec3d& towards, double azimuth) const;
+
   Map map_;
   double cos_, sin_;
   std::vector<double> top_;  // y at the upper edge of each row of cells, then -1
@@ -94,7 +100,9 @@ class SkyDirections {
   /// Integral of luminance x weight over all directions [W/m2 for weight 1].
   double total() const { return total_; }
   /// Unit, towards the sky. Three numbers in [0,1).
-  Vec3d sample(double pick, double u, double v) const;
+  Vec3d sample(double pick, double u, double v) const { return draw(pick, u, v).towards; }
+  /// The same with its place, which is not looked for again.
+  Sky::Place draw(double pick, double u, double v) const;
   /// Density of sample() [1/sr]: luminance x weight / total(). `place`: in this sky.
   double pdf_w(const Sky::Place& place) const;
   double pdf_w(const Vec3d& towards) const { return empty() ? 0 : pdf_w(sky_->place(towards)); }
@@ -114,7 +122,7 @@ class SkyDirections {
   double integral(int fine_column, int fine_row) const;
   Vec3d middle(const Block& block) const;
   void choose_cell(const Block& block, int& column, int& row, double& u, double& v) const;
-  Vec3d in_block(const Block& block, double u, double v) const;
+  Sky::Place in_block(const Block& block, double u, double v) const;
   Vec3d in_sun(const Sky::Sun& sun, double u, double v) const;
   double weight(size_t i) const { return weights_.empty() ? 1 : weights_[i]; }
 

@@ -421,6 +421,42 @@ TEST(SkyDirections, TwinOfWeightedByOtherWeights) {
   const SkyDirections other(sky, [](const Vec3d& w) { return w.x > 0.3 ? 0.7 : 0.1; });
   EXPECT_LT(p_of(SphereBins({1, 0, 0}, 1.0, 16, 16), density_of(d), draw_of(other)), kWrong);
 }
+// One colour is cut into 128 wedges, each with the weight of its middle. Which one a direction is
+// in is first told roughly: beside a border that must be made good.
+TEST(SkyDirections, WeightsOfOneColourChangeAtTheBordersOfTheirWedges) {
+  constexpr int kWedges = 128;
+  const auto weight = [](const Vec3d& w) { return 2 + std::sin(3 * std::atan2(w.x, -w.z)); };
+  const Sky sky(one_colour({1, 2, 3}), 0.7);
+  const SkyDirections all(sky, weight);
+  const auto towards = [](double wedge) { return direction(2 * pi * wedge / kWedges - 0.7, 0.4); };
+  for (int k = 0; k < kWedges; ++k) {
+    const double before = all.pdf_w(towards(k - 0.5)), after = all.pdf_w(towards(k + 0.5));
+    EXPECT_NE(before, after) << k;
+    EXPECT_NEAR(after / before / (weight(towards(k + 0.5)) / weight(towards(k - 0.5))), 1, 1e-6);
+    for (const double off : {1e-9, 1e-6, 1e-5, 1e-4, 1e-3, 3e-3, 0.3}) {
+      EXPECT_EQ(all.pdf_w(towards(k - off)), before) << k << ' ' << off;
+      EXPECT_EQ(all.pdf_w(towards(k + off)), after) << k << ' ' << off;
+    }
+  }
+}
+
+TEST(Sky, RoughPlacesAreNearTheRightOnes) {
+  const Sky sky(gradient(), 0.7);
+  double largest = 0;
+  for (uint64_t i = 0; i < kSamples; ++i) {
+    Rng rng(15, 0, i);
+    const double azimuth = 2 * pi * rng.uniform();
+    const Vec3d w = direction(azimuth, 2 * rng.uniform() - 1);
+    const Sky::Cell right = sky.cell(w), rough = sky.rough_place(w).cell;
+    EXPECT_EQ(rough.row, right.row);
+    EXPECT_EQ(rough.down, right.down);
+    const double off = rough.column + rough.across - right.column - right.across;
+    largest = std::max(largest, std::abs(std::remainder(off, 24)));
+  }
+  EXPECT_LT(largest, 2e-5 / (2 * pi) * 24);
+  EXPECT_GT(largest, 0);
+}
+
 TEST(SkyDirections, WhatHasNoWeightIsNeverDrawn) {
   const Sky sky(gradient(), 0.5, two_suns());
   const auto upwards = [](const Vec3d& w) { return w.y > 0.5 ? 1.0 : 0.0; };

@@ -7,19 +7,27 @@ Lights::Point NextEvents::sample(const Vertex& shaded, double through_windows, d
   if (!lights_.picks_sky(pick)) return lights_.sample(pick, u, v, side);
   const auto& [facing, seen] = shaded.outlook;
   const double q = seen > 0 ? through_windows : 0;
-  const Vec3d towards = side < q ? windows_.sample(shaded.position, facing, seen, side / q, u, v)
-                                 : lights_.directions().sample((side - q) / (1 - q), u, v);
+  // What is below the horizon is as good as black: it is not looked at.
+  const auto above = [&facing = facing](const Vec3d& towards) {
+    return facing == Vec3d() || dot(facing, towards) > 0;
+  };
   Lights::Point point;
   point.source = lights_.sky();
-  point.position = -towards;
-  point.in_sky = lights_.look(towards);
-  point.pdf = pdf(shaded, *point.source, point.triangle, point.position, point.in_sky).of(q);
+  if (side < q) {
+    const Vec3d towards = windows_.sample(shaded.position, facing, seen, side / q, u, v);
+    point.position = -towards;
+    if (above(towards)) point.in_sky = lights_.look(towards);
+  } else {
+    const Sky::Place place = lights_.directions().draw((side - q) / (1 - q), u, v);
+    point.position = -place.towards;
+    if (above(place.towards)) point.in_sky = lights_.look(place);
+  }
   return point;
 }
 
 NextEventPdf NextEvents::pdf(const Vertex& shaded, const LightSource& source, uint32_t triangle,
                              const Vec3d& position, const Lights::InSky& in_sky) const {
-  if (!source.is_sky()) return {lights_.pdf(source, triangle, in_sky)};
+  if (!source.is_sky()) return {lights_.pdf(source, triangle, position, in_sky)};
   NextEventPdf pdf{source.pdf_1() * in_sky.plain_w};
   const auto& [facing, seen] = shaded.outlook;
   pdf.sees_windows = seen > 0;

@@ -28,11 +28,12 @@ class NextEvents {
   void look_out(const Vec3d& away, Vertex& v) const {
     if (windows_.empty()) return;
     v.outlook.facing = facing(v, away);
-    v.outlook.seen = windows_.seen(v.position, v.outlook.facing);
+    v.outlook.seen = v.connectible ? windows_.seen(v.position, v.outlook.facing) : 0;
   }
 
-  /// A place on a light with its density. `shaded` has looked out if q is more than 0. Four numbers
-  /// in [0,1), as Lights::sample.
+  /// A place on a light; in the sky without its density, and black where it is below the horizon
+  /// of `shaded`, which has looked out if q is more than 0. Four numbers in [0,1), as
+  /// Lights::sample.
   Lights::Point sample(const Vertex& shaded, double q, double pick, double u, double v,
                        double side) const;
   /// Density of `sample` at a place on a light.

@@ -141,7 +141,7 @@ void Path::fill_crossings(const Walk& y, int s, const Walk& z, int first_z,
 }
 
 double Path::plain_light_A(const World& world, int i) const {
-  if (i == 0) return world.lights.pdf(*x(0).source, x(0).triangle, x(0).in_sky);
+  if (i == 0) return world.lights.pdf(*x(0).source, x(0).triangle, x(0).position, x(0).in_sky);
   return i == 1 ? emission_pdf_A(x(0), x(1))
                 : scatter_pdf_A(x(i - 2), x(i - 1), x(i), dirac(i - 1));
 }

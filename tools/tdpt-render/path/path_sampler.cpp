@@ -17,9 +17,18 @@ bool black(const Rgb& c) {
   return !(c.x != 0 || c.y != 0 || c.z != 0);
 }
 
-/// Unit direction from walk vertex i back to the vertex before it.
+/// The way from `p` to `other`, of any length.
+Vec3d towards(const Point& p, const Point& other) {
+  return other.at_infinity() ? -other.position : other.position - p.position;
+}
+/// Direction from walk vertex i back to the vertex before it; unit, but where no more is asked than
+/// on which side of the surface it is.
 Vec3d back(const Walk& walk, int i) {
-  return between(walk[i], walk[i - 1]).w;
+  return walk[i].simple ? towards(walk[i], walk[i - 1]) : between(walk[i], walk[i - 1]).w;
+}
+/// Whether nothing goes from edge `a` to edge `b` at `p`: told without a root for most.
+bool blocks(const Point& p, const Vec3d& a, const Vec3d& b) {
+  return p.simple && !same_side(p, a, b);
 }
 
 }  // namespace
@@ -204,9 +213,12 @@ void PathSampler::direct() {
     const Rgb Le = emitted(y0, -e.w);
     if (black(Le)) continue;
     const Rgb f = bsdf_at(z[j], e.w, back(z, j));
-    const Rgb value =
-        z.state(j).throughput * f * Le * light_point_.state(0).throughput * geometry(z[j], y0, e);
-    if (black(value) || !visible(z[j], y0)) continue;
+    const Rgb sent = z.state(j).throughput * f * Le;
+    if (black(sent) || !visible(z[j], y0)) continue;
+    // What many do not need: half of them and more are hidden.
+    const double pdf = world_.next_events.pdf(z[j], y0).of(settings_.mixture.through_windows);
+    const Rgb value = sent * Rgb(static_cast<float>(1 / pdf)) * geometry(z[j], y0, e);
+    if (black(value)) continue;
     const Path path(world_, guide_, light_point_, 1, z, j + 1, tally_.rays);
     to_pixel({path, {Technique::direct, 1}, value, 1});
   }
@@ -229,8 +241,12 @@ void PathSampler::light() {
 
 Rgb PathSampler::joined(const LightVertex& y, const Vertex& end, const Vec3d& w) const {
   const Vertex& v = y.vertex();
+  const Vec3d to_v = towards(end, v);
+  if (blocks(end, to_v, w)) return {};
+  const Vec3d before = y.index > 0 ? back(*y.walk, y.index) : Vec3d();
+  if (y.index > 0 && blocks(v, before, -to_v)) return {};
   const Edge e = between(v, end);
-  const Rgb f = y.index == 0 ? emitted(v, e.w) : bsdf_at(v, back(*y.walk, y.index), e.w);
+  const Rgb f = y.index == 0 ? emitted(v, e.w) : bsdf_at(v, before, e.w);
   if (black(f)) return {};
   return y.walk->state(y.index).throughput * f * bsdf_at(end, -e.w, w) * geometry(v, end, e);
 }
@@ -299,8 +315,9 @@ bool PathSampler::draw_segment(const PortalSet::Sample& sample, Segment& segment
     guide_.aim_at_surface(-sample.direction, x_c);
   }
   if (guide_.looks_out()) {
+    // Where light begins at x_l, x_c may be x_1.
     if (!x_l.at_infinity()) world_.next_events.look_out(sample.direction, x_l);
-    world_.next_events.look_out(-sample.direction, x_c);
+    if (x_l.source) world_.next_events.look_out(-sample.direction, x_c);
   }
   crossing = guide_.crossing(x_l, x_c, tally_.rays.portal, sample.drawn);
   return crossing.density > 0;
@@ -355,7 +372,8 @@ void PathSampler::camera_sides(const Segment& segment, const Vec3d& w, double u)
   for (int b = 2; b <= settings_.max_depth - 1 && b <= z.size; ++b) {
     const Vertex& v = z[b - 1];
     Rgb value;
-    if (v.connectible) {
+    if (v.connectible && !blocks(x_c, -w, towards(x_c, v)) &&
+        !blocks(v, towards(v, x_c), back(z, b - 1))) {
       const Edge e = between(x_c, v);
       value = bsdf_at(x_c, -w, e.w) * bsdf_at(v, -e.w, back(z, b - 1)) * z.state(b - 1).throughput *
               geometry(x_c, v, e);

@@ -8,10 +8,6 @@ namespace {
 
 using std::numbers::pi;
 
-double luminance_towards(const Sky& sky, const Vec3d& w) {
-  return luminance(sky.radiance(w));
-}
-
 // Of unit w with w.z > 0: da db / dw.
 double per_solid_angle(const Vec3d& w) {
   const double across = (std::abs(w.x) + w.z) * (std::abs(w.y) + w.z);
@@ -35,17 +31,22 @@ class Cells {
   // The sky itself, at a few places of each cell.
   void gather() {
     constexpr int kPlaces = 2;
-    const double step = 2.0 / n_;
-    for (int i = 0; i < n_; ++i)
-      for (int j = 0; j < n_; ++j)
-        for (int k = 0; k < kPlaces * kPlaces; ++k) {
-          const double a = (i + (k % kPlaces + 0.5) / kPlaces) * step - 1;
-          const double b = (j + (k / kPlaces + 0.5) / kPlaces) * step - 1;
-          const Vec3d w = normalize(Vec3d(stretched(a), stretched(b), 1));
-          cells_[static_cast<size_t>(i * n_ + j)] +=
-              luminance_towards(sky_, x_ * w.x + y_ * w.y + z_ * w.z) / per_solid_angle(w) * step *
-              step / (kPlaces * kPlaces);
-        }
+    const int n = kPlaces * n_;
+    const double step = 2.0 / n;
+    std::vector<double> tangents;
+    for (int i = 0; i < n; ++i) tangents.push_back(stretched((i + 0.5) * step - 1));
+    for (int i = 0; i < n; ++i)
+      for (int j = 0; j < n; ++j) {
+        const double s = tangents[static_cast<size_t>(i)], t = tangents[static_cast<size_t>(j)];
+        const double scale = 1 / std::sqrt(s * s + t * t + 1);
+        const Vec3d towards = (x_ * s + y_ * t + z_) * scale;
+        const double light = luminance(
+            sky_.radiance(sky_.one_colour() ? Sky::Place{towards} : sky_.rough_place(towards)));
+        const double across = (1 + std::abs(s)) * (1 + std::abs(t));
+        const double solid_angle = across * across * scale * scale * scale;  // / (da db)
+        cells_[static_cast<size_t>(i / kPlaces * n_ + j / kPlaces)] +=
+            light * solid_angle * step * step;
+      }
   }
 
   // And what those may have missed: texels much brighter than most, and suns.
@@ -135,9 +136,16 @@ RectifiedSky::Place RectifiedSky::place(double b) const {
 
 double RectifiedSky::sum(const Rect& r) const {
   const Place low = place(r.b0), high = place(r.b1);
+  const auto between = [](const double* sums, double t) {
+    return sums[0] + t * (sums[1] - sums[0]);
+  };
+  const auto below = [&](const double* sums) {
+    return between(sums + high.j, high.t) - between(sums + low.j, low.t);
+  };
   const auto column = [&](double a) {
     const auto [i, s] = place(a);
-    const double here = at(i, high) - at(i, low), next = at(i + 1, high) - at(i + 1, low);
+    const double* const sums = &sums_[static_cast<size_t>(i * (n_ + 1))];
+    const double here = below(sums), next = below(sums + n_ + 1);
     return here + s * (next - here);
   };
   return column(r.a1) - column(r.a0);
@@ -146,7 +154,8 @@ double RectifiedSky::sum(const Rect& r) const {
 namespace {
 
 // Where a function that grows, linear between whole numbers, has grown by `share` of what it does
-// from `low` to `high`.
+// from `low` to `high`. By halves, and at last by counting: nothing branches on what was found,
+// which is as hard to predict as the share is random.
 template <class Function>
 double grown_by(double share, double low, double high, const Function& at_whole) {
   const auto at = [&](double x) {
@@ -155,13 +164,19 @@ double grown_by(double share, double low, double high, const Function& at_whole)
     return x == i ? here : here + (x - i) * (at_whole(i + 1) - here);
   };
   const double begin = at(low), end = at(high), wanted = begin + share * (end - begin);
-  int first = static_cast<int>(low), last = static_cast<int>(std::ceil(high)) - 1;
-  while (first < last) {
-    const int middle = (first + last) / 2;
-    (at_whole(middle + 1) < wanted ? first = middle + 1 : last = middle);
+  int first = static_cast<int>(low), more = static_cast<int>(std::ceil(high)) - 1 - first;
+  constexpr int kFew = 12;
+  while (more > kFew) {
+    const int half = (more + 1) / 2;
+    first = at_whole(first + half) < wanted ? first + half : first;
+    more -= half;
   }
+  int before = 0;
+  for (int i = 1; i <= more; ++i) before += at_whole(first + i) < wanted;
+  first += before;
   const double from = std::max<double>(first, low), to = std::min<double>(first + 1, high);
-  const double f = at(from), g = at(to);
+  const double f = first < low ? begin : at_whole(first);
+  const double g = first + 1 > high ? end : at_whole(first + 1);
   return g > f ? from + (to - from) * std::clamp((wanted - f) / (g - f), 0.0, 1.0) : from;
 }
 
@@ -174,13 +189,12 @@ Vec3d RectifiedSky::sample(const Rect& r, double u, double v) const {
   const double b =
       grown_by(v, r.b0, r.b1, [&](int j) { return at(column + 1, j) - at(column, j); });
   const auto tangent = [&](double cells) { return stretched(2 * cells / n_ - 1); };
-  const Vec3d w = normalize(Vec3d(tangent(a), tangent(b), 1));
-  return normalize(x_ * w.x + y_ * w.y + z_ * w.z);
+  return normalize(x_ * tangent(a) + y_ * tangent(b) + z_);
 }
 
 double RectifiedSky::density(const Vec3d& w) const {
-  const auto cell = [&](double t) { return std::min(static_cast<int>(in_cells(t)), n_ - 1); };
-  const int i = cell(w.x / w.z), j = cell(w.y / w.z);
+  const auto cell = [&](double x) { return std::min(static_cast<int>(in_cells(x, w.z)), n_ - 1); };
+  const int i = cell(w.x), j = cell(w.y);
   const double content = at(i + 1, j + 1) - at(i, j + 1) - at(i + 1, j) + at(i, j);
   return content * (0.25 * n_ * n_) * per_solid_angle(w);
 }
@@ -210,74 +224,115 @@ Vec3d axis_of(const PortalSet::Outline& outline) {
 
 }  // namespace
 
-WindowSky::WindowSky(const Sky* sky, const PortalSet& portals) {
+WindowSky::WindowSky(const Sky* sky, const PortalSet& portals, const WindowSky& before)
+    : sky_(sky) {
   if (!sky) return;
   std::vector<PortalSet::Outline> outlines = portals.outlines();
   std::stable_sort(outlines.begin(), outlines.end(),
                    [](const auto& a, const auto& b) { return a.area > b.area; });
   if (outlines.size() > kMostWindows) outlines.resize(kMostWindows);
-  std::vector<std::shared_ptr<const RectifiedSky>> skies;
   for (const PortalSet::Outline& outline : outlines) {
-    const Vec3d z = -outline.normal;
-    Vec3d x = axis_of(outline);
-    std::shared_ptr<const RectifiedSky> same;
-    // A rectangle has four axes; windows of one wall share a table.
-    for (const auto& s : skies) {
-      constexpr double kAlike = 1e-6;
-      if (length(s->z() - z) > kAlike) continue;
-      const double along = std::abs(dot(s->x(), x)), across = std::abs(dot(s->y(), x));
-      if (std::min(along, across) < kAlike) same = s;
-    }
-    if (!same) {
-      const int cells =
-          sky->one_colour() && sky->suns().empty() ? 64 : std::clamp(sky->map().height, 128, 256);
-      same = skies.emplace_back(std::make_shared<RectifiedSky>(*sky, x, z, cells));
-    }
-    Window w{same, outline.centre, HUGE_VAL, -HUGE_VAL, HUGE_VAL, -HUGE_VAL, {}};
+    Window w{laid_out(axis_of(outline), -outline.normal, before),
+             outline.centre,
+             HUGE_VAL,
+             -HUGE_VAL,
+             HUGE_VAL,
+             -HUGE_VAL,
+             0};
+    w.z = dot(w.sky->z(), w.centre);
     for (const Vec3d& corner : outline.corners) {
-      const double cx = dot(same->x(), corner - w.centre), cy = dot(same->y(), corner - w.centre);
-      w.x0 = std::min(w.x0, cx), w.x1 = std::max(w.x1, cx);
-      w.y0 = std::min(w.y0, cy), w.y1 = std::max(w.y1, cy);
+      const double x = dot(w.sky->x(), corner), y = dot(w.sky->y(), corner);
+      w.x0 = std::min(w.x0, x), w.x1 = std::max(w.x1, x);
+      w.y0 = std::min(w.y0, y), w.y1 = std::max(w.y1, y);
     }
-    for (size_t k = 0; k < 4; ++k)
-      w.corners[k] =
-          w.centre + same->x() * (k % 2 ? w.x1 : w.x0) + same->y() * (k / 2 ? w.y1 : w.y0);
     windows_.push_back(w);
   }
 }
 
 void WindowSky::look_around(const Tracer& tracer) {
   std::vector<WindowViews::Opening> openings;
-  for (const Window& w : windows_)
-    openings.push_back(
-        {w.corners[0], w.corners[1] - w.corners[0], w.corners[2] - w.corners[0], w.sky->z()});
+  for (const Window& w : windows_) {
+    const RectifiedSky& sky = *w.sky;
+    openings.push_back({sky.x() * w.x0 + sky.y() * w.y0 + sky.z() * w.z, sky.x() * (w.x1 - w.x0),
+                        sky.y() * (w.y1 - w.y0), sky.z()});
+  }
   views_ = WindowViews(tracer, openings);
 }
 
-bool WindowSky::faces(const Window& w, const Vec3d& p, const Vec3d& facing) {
-  if (!(dot(w.sky->z(), w.centre - p) > PortalSet::kMargin)) return false;
-  return facing == Vec3d() ||
-         std::any_of(w.corners.begin(), w.corners.end(),
-                     [&](const Vec3d& corner) { return dot(facing, corner - p) > 0; });
+std::shared_ptr<const RectifiedSky> WindowSky::laid_out(const Vec3d& x, const Vec3d& z,
+                                                        const WindowSky& before) const {
+  // A rectangle has four axes; windows of one wall share a table.
+  std::shared_ptr<const RectifiedSky> same;
+  for (const Window& w : windows_) {
+    constexpr double kAlike = 1e-6;
+    if (length(w.sky->z() - z) > kAlike) continue;
+    const double along = std::abs(dot(w.sky->x(), x)), across = std::abs(dot(w.sky->y(), x));
+    if (std::min(along, across) < kAlike) same = w.sky;
+  }
+  if (same) return same;
+  // The very same: a picture must not tell what was looked at before.
+  for (const Window& w : before.windows_)
+    if (before.sky_ == sky_ && w.sky->x() == x && w.sky->z() == z) return w.sky;
+  const int cells =
+      sky_->one_colour() && sky_->suns().empty() ? 64 : std::clamp(sky_->map().height, 128, 256);
+  return std::make_shared<RectifiedSky>(*sky_, x, z, cells);
 }
 
-double WindowSky::seen_through(const Window& w, const Vec3d& p, const Vec3d& facing,
-                               RectifiedSky::Rect& r) {
-  if (!faces(w, p, facing)) return 0;
-  const Vec3d d = w.sky->to_local(w.centre - p);
-  const auto cells = [&](double across) { return w.sky->in_cells(across / d.z); };
-  r = {cells(d.x + w.x0), cells(d.x + w.x1), cells(d.y + w.y0), cells(d.y + w.y1)};
-  if (!(r.a0 < r.a1 && r.b0 < r.b1)) return 0;
-  // Beside a sun, all that a window without it shows may be the rounding of the sums over both.
-  constexpr double kRounding = 1e-12;
-  const double seen = w.sky->sum(r);
-  return seen > kRounding * w.sky->total() ? seen : 0;
-}
+namespace {
+
+// A point as the windows of one frame see it, for one after the other.
+class Eye {
+ public:
+  Eye(const Vec3d& p, const Vec3d& facing)
+      : p_(p), facing_(facing), both_sides_(facing == Vec3d()) {}
+
+  // True if the frame is another than before.
+  bool turn_to(const RectifiedSky& frame) {
+    if (frame_ == &frame) return false;
+    frame_ = &frame;
+    at_ = frame.to_local(p_);
+    if (!both_sides_) front_ = frame.to_local(facing_);
+    return true;
+  }
+  const Vec3d& at() const { return at_; }
+  // From inside, a corner above the horizon.
+  bool sees(const WindowSky::Window& w) const {
+    const double height = w.z - at_.z;
+    if (!(height > PortalSet::kMargin)) return false;
+    return both_sides_ || front_.x * ((front_.x > 0 ? w.x1 : w.x0) - at_.x) +
+                                  front_.y * ((front_.y > 0 ? w.y1 : w.y0) - at_.y) +
+                                  front_.z * height >
+                              0;
+  }
+  // S_F, and the rectangle where it is more than 0.
+  double seen_through(const WindowSky::Window& w, RectifiedSky::Rect& r) {
+    const RectifiedSky& sky = *w.sky;
+    turn_to(sky);
+    if (!sees(w)) return 0;
+    const double height = w.z - at_.z;
+    r = {sky.in_cells(w.x0 - at_.x, height), sky.in_cells(w.x1 - at_.x, height),
+         sky.in_cells(w.y0 - at_.y, height), sky.in_cells(w.y1 - at_.y, height)};
+    if (!(r.a0 < r.a1 && r.b0 < r.b1)) return 0;
+    // Beside a sun, all that a window without it shows may be the rounding of the sums over both.
+    constexpr double kRounding = 1e-12;
+    const double seen = sky.sum(r);
+    return seen > kRounding * sky.total() ? seen : 0;
+  }
+
+ private:
+  const Vec3d &p_, &facing_;
+  bool both_sides_;
+  const RectifiedSky* frame_ = nullptr;
+  Vec3d at_{}, front_{};
+};
+
+}  // namespace
 
 double WindowSky::seen(const Vec3d& p, const Vec3d& facing) const {
   double sum = 0;
   RectifiedSky::Rect r;
-  for_each(p, [&](const Window& w) { sum += seen_through(w, p, facing, r); });
+  Eye eye(p, facing);
+  for_each(p, [&](const Window& w) { sum += eye.seen_through(w, r); });
   return sum;
 }
 
@@ -286,9 +341,10 @@ Vec3d WindowSky::sample(const Vec3d& p, const Vec3d& facing, double seen, double
   double rest = pick * seen;
   const Window* chosen = nullptr;
   RectifiedSky::Rect r, of_chosen{};
+  Eye eye(p, facing);
   for_each(p, [&](const Window& w) {
     if (rest < 0) return;
-    const double through = seen_through(w, p, facing, r);
+    const double through = eye.seen_through(w, r);
     if (!(through > 0)) return;
     chosen = &w;
     of_chosen = r;
@@ -299,14 +355,21 @@ Vec3d WindowSky::sample(const Vec3d& p, const Vec3d& facing, double seen, double
 
 double WindowSky::pdf_w(const Vec3d& p, const Vec3d& facing, double seen,
                         const Vec3d& towards) const {
-  double sum = 0;
+  double sum = 0, density = -1;  // of the frame's; -1: not known yet
+  Eye eye(p, facing);
+  Vec3d local;
   for_each(p, [&](const Window& w) {
-    const Vec3d local = w.sky->to_local(towards);
+    if (eye.turn_to(*w.sky)) local = w.sky->to_local(towards), density = -1;
     if (!(local.z > 0)) return;
-    const Vec3d d = w.sky->to_local(w.centre - p);
-    const double t = d.z / local.z, x = local.x * t - d.x, y = local.y * t - d.y;
-    if (t > 0 && x >= w.x0 && x <= w.x1 && y >= w.y0 && y <= w.y1 && faces(w, p, facing))
-      sum += w.sky->density(local);
+    // Where the plane is passed, times local.z.
+    const double height = w.z - eye.at().z;
+    const double x = local.x * height + eye.at().x * local.z;
+    const double y = local.y * height + eye.at().y * local.z;
+    if (!(x >= w.x0 * local.z && x <= w.x1 * local.z && y >= w.y0 * local.z &&
+          y <= w.y1 * local.z && eye.sees(w)))
+      return;
+    if (density < 0) density = w.sky->density(local);
+    sum += density;
   });
   return sum / seen;
 }

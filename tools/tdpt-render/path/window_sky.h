@@ -47,8 +47,9 @@ class RectifiedSky {
   const Vec3d& y() const { return y_; }
   const Vec3d& z() const { return z_; }
   Vec3d to_local(const Vec3d& w) const { return {dot(x_, w), dot(y_, w), dot(z_, w)}; }
-  /// c(t) in cells.
-  double in_cells(double t) const { return (t / (1 + std::abs(t)) + 1) * 0.5 * n_; }
+  /// c(t) in cells, t = x / z, z more than 0.
+  double in_cells(double x, double z) const { return (x / (z + std::abs(x)) + 1) * 0.5 * n_; }
+  double in_cells(double t) const { return in_cells(t, 1); }
   /// Luminance x solid angle within a rectangle, and in all.
   double sum(const Rect& r) const;
   double total() const { return sums_.back(); }
@@ -79,8 +80,8 @@ class WindowSky {
  public:
   WindowSky() = default;
   /// Of the first kMostWindows facets by area, each seen from all of its side; `sky` null: none.
-  /// The sky must outlive this.
-  WindowSky(const Sky* sky, const PortalSet& portals);
+  /// The sky must outlive this. What `before` has laid out of the same sky is not laid out again.
+  WindowSky(const Sky* sky, const PortalSet& portals, const WindowSky& before);
   static constexpr size_t kMostWindows = WindowViews::kMost;
   /// Learns from where they are seen.
   void look_around(const Tracer& tracer);
@@ -90,8 +91,7 @@ class WindowSky {
   struct Window {
     std::shared_ptr<const RectifiedSky> sky;
     Vec3d centre;
-    double x0, x1, y0, y1;         ///< of its rectangle, from the centre along the sky's axes
-    std::array<Vec3d, 4> corners;  ///< of that
+    double x0, x1, y0, y1, z;  ///< its rectangle, along the sky's axes
   };
   const std::vector<Window>& windows() const { return windows_; }
   /// Whether window i may show any of the sky to `x`.
@@ -106,11 +106,8 @@ class WindowSky {
   double pdf_w(const Vec3d& x, const Vec3d& facing, double seen, const Vec3d& towards) const;
 
  private:
-  /// `p` sees it from inside, above its horizon.
-  static bool faces(const Window& w, const Vec3d& p, const Vec3d& facing);
-  /// S_F(p), and the rectangle where it is more than 0.
-  static double seen_through(const Window& w, const Vec3d& p, const Vec3d& facing,
-                             RectifiedSky::Rect& r);
+  std::shared_ptr<const RectifiedSky> laid_out(const Vec3d& x, const Vec3d& z,
+                                               const WindowSky& before) const;
 
   /// Calls visit(window) for those that may be seen from `x`.
   template <class Visit>
@@ -122,6 +119,7 @@ class WindowSky {
     }
   }
 
+  const Sky* sky_ = nullptr;
   std::vector<Window> windows_;
   WindowViews views_;
 };

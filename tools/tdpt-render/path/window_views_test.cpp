@@ -29,16 +29,17 @@ struct House {
   // Share of the window through which the place sees sky.
   double share(const Portal& portal, const Vec3d& place, uint64_t seed) const {
     const Vec3d p = scene.frame.to_canonical(place);
-    const auto& corners = world.windows.windows()[window(portal)].corners;
+    const WindowSky::Window& w = world.windows.windows()[window(portal)];
+    const auto between = [](double t, double a, double b) { return a + t * (b - a); };
     constexpr int kLines = 400;
     int seen = 0;
     for (int i = 0; i < kLines; ++i) {
       Rng rng(7, seed, static_cast<uint64_t>(i));
       const double u = rng.uniform(), v = rng.uniform();
-      const Vec3d at = corners[0] + (corners[1] - corners[0]) * u + (corners[2] - corners[0]) * v;
+      const Vec3d at = w.sky->x() * between(u, w.x0, w.x1) + w.sky->y() * between(v, w.y0, w.y1) +
+                       w.sky->z() * w.z;
       Hit hit;
-      seen += dot(world.windows.windows()[window(portal)].sky->z(), at - p) > 0 &&
-              !world.tracer.closest({p}, normalize(at - p), hit);
+      seen += dot(w.sky->z(), at - p) > 0 && !world.tracer.closest({p}, normalize(at - p), hit);
     }
     return static_cast<double>(seen) / kLines;
   }

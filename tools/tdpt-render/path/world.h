@@ -23,7 +23,7 @@ struct World {
   /// Puts other portals in the place of those there are.
   void fill_openings(PortalSet set) {
     portals = std::move(set);
-    windows = WindowSky(scene.sky.get(), portals);
+    windows = WindowSky(scene.sky.get(), portals, windows);
     if (!windows.empty()) windows.look_around(tracer);
     if (portals.empty())
       lights.prefer(nullptr);
