@@ -32,7 +32,7 @@ cell() {
     jq -s 'map(.relmse) | add / 2' >"$stem.noise"
   : >"$stem.part"
   for seed in $(seq "$seeds"); do
-    for way in nee bdpt tdpt-guided auto; do
+    for way in nee tdpt-guided auto; do
       for portals in one three six; do
         option="--integrator $way"; [ "$way" != auto ] || option=
         render x "$portals" $option --spp "$spp" --seed "$seed"
@@ -60,11 +60,11 @@ for bar in ${BARS:-4 20}; do
   done
 done
 # shellcheck disable=SC2016  # Markdown's code
-echo '| bars | sky | portals | `nee` | `bdpt` | `tdpt-guided` | `auto` |'
-echo '|---|---|---|---|---|---|---|'
+echo '| bars | sky | portals | `nee` | `tdpt-guided` | `auto` |'
+echo '|---|---|---|---|---|---|'
 # Cost: mean over seeds of CPU s x relMSE.
 awk '{ key = $1 " cm | " $2; cost[key, $3, $4] += $5 * $6; if (!(key in seen)) { seen[key] = 1; order[++n] = key } }
   END { for (i = 1; i <= n; ++i) for (k = 1; k <= 2; ++k) { portals = k == 1 ? "three" : "six"; row = "| " order[i] " | " portals " |"
-    for (w = 1; w <= 4; ++w) { way = w == 1 ? "nee" : w == 2 ? "bdpt" : w == 3 ? "tdpt-guided" : "auto"
+    for (w = 1; w <= 3; ++w) { way = w == 1 ? "nee" : w == 2 ? "tdpt-guided" : "auto"
       row = row sprintf(" %.2f |", cost[order[i], way, "one"] / cost[order[i], way, portals]) }
     print row } }' "$out/all"
