@@ -403,7 +403,7 @@ double light_directions(Source source, double power) {
   const SphereBins bins(12, 12);
   std::vector<uint64_t> counts(bins.size());
   uint64_t kept = 0;
-  for (uint64_t i = 0; kept < kSamples / 2; ++i) {
+  for (uint64_t i = 0; kept < kSamples; ++i) {
     Rng rng(39, static_cast<uint64_t>(source), i);
     const Lights::Point p = lights.sample(rng);
     if (punctual ? p.source->met() || kind_of(p) != static_cast<size_t>(kind)
