@@ -224,7 +224,8 @@ Vec3d axis_of(const PortalSet::Outline& outline) {
 
 }  // namespace
 
-WindowSky::WindowSky(const Sky* sky, const PortalSet& portals, const WindowSky& before)
+WindowSky::WindowSky(const Sky* sky, const Tracer& tracer, const PortalSet& portals,
+                     const WindowSky& before)
     : sky_(sky) {
   if (!sky) return;
   std::vector<PortalSet::Outline> outlines = portals.outlines();
@@ -247,16 +248,17 @@ WindowSky::WindowSky(const Sky* sky, const PortalSet& portals, const WindowSky& 
     }
     windows_.push_back(w);
   }
+  if (!windows_.empty()) look_around(tracer, before);
 }
 
-void WindowSky::look_around(const Tracer& tracer) {
+void WindowSky::look_around(const Tracer& tracer, const WindowSky& before) {
   std::vector<WindowViews::Opening> openings;
   for (const Window& w : windows_) {
     const RectifiedSky& sky = *w.sky;
     openings.push_back({sky.x() * w.x0 + sky.y() * w.y0 + sky.z() * w.z, sky.x() * (w.x1 - w.x0),
                         sky.y() * (w.y1 - w.y0), sky.z()});
   }
-  views_ = WindowViews(tracer, openings);
+  views_ = before.views_.are_of(openings) ? before.views_ : WindowViews(tracer, openings);
 }
 
 std::shared_ptr<const RectifiedSky> WindowSky::laid_out(const Vec3d& x, const Vec3d& z,

@@ -79,12 +79,12 @@ class RectifiedSky {
 class WindowSky {
  public:
   WindowSky() = default;
-  /// Of the first kMostWindows facets by area, each seen from all of its side; `sky` null: none.
-  /// The sky must outlive this. What `before` has laid out of the same sky is not laid out again.
-  WindowSky(const Sky* sky, const PortalSet& portals, const WindowSky& before);
+  /// Of the first kMostWindows facets by area; `sky` null: none. The sky must outlive this. What
+  /// `before` has laid out of the same sky is not laid out again, nor is looked around from the
+  /// same windows, of the same scene.
+  WindowSky(const Sky* sky, const Tracer& tracer, const PortalSet& portals,
+            const WindowSky& before);
   static constexpr size_t kMostWindows = WindowViews::kMost;
-  /// Learns from where they are seen.
-  void look_around(const Tracer& tracer);
 
   bool empty() const { return windows_.empty(); }
   /// A facet's.
@@ -108,6 +108,7 @@ class WindowSky {
  private:
   std::shared_ptr<const RectifiedSky> laid_out(const Vec3d& x, const Vec3d& z,
                                                const WindowSky& before) const;
+  void look_around(const Tracer& tracer, const WindowSky& before);
 
   /// Calls visit(window) for those that may be seen from `x`.
   template <class Visit>

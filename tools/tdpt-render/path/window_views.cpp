@@ -65,7 +65,8 @@ Vec3d inwards(const Opening& opening, double u, double v) {
 
 }  // namespace
 
-WindowViews::WindowViews(const Tracer& tracer, const std::vector<Opening>& openings) {
+WindowViews::WindowViews(const Tracer& tracer, const std::vector<Opening>& openings)
+    : openings_(openings) {
   const size_t each = openings.empty() ? 0 : std::max(kFewest, kLines / openings.size());
   std::vector<Line> lines(each * openings.size());
   tbb::parallel_for(size_t{0}, lines.size(), [&](size_t k) {

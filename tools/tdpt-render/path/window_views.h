@@ -26,6 +26,7 @@ class WindowViews {
   /// A rectangle from a corner along two sides, canonical; `out`: unit, towards the sky.
   struct Opening {
     Vec3d corner, across, up, out;
+    friend bool operator==(const Opening&, const Opening&) = default;
   };
 
   /// Nothing is known: all are seen from everywhere.
@@ -33,6 +34,7 @@ class WindowViews {
   /// Of kMost openings at most.
   WindowViews(const Tracer& tracer, const std::vector<Opening>& openings);
 
+  bool are_of(const std::vector<Opening>& openings) const { return openings_ == openings; }
   /// Bit i: opening i shows some sky to a place (canonical).
   uint32_t at(const Vec3d& p) const {
     const Vec3d cell = (p - low_) * per_width_;
@@ -53,6 +55,7 @@ class WindowViews {
   void mark(const std::vector<Line>& lines);
   void widen();
 
+  std::vector<Opening> openings_;
   uint32_t beyond_ = ~0u;  ///< outside the grid
   Vec3d low_{};
   double per_width_ = 0;  ///< of a cell

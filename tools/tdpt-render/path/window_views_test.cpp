@@ -97,6 +97,20 @@ TEST(window_views, nothing_is_seen_from_outside) {
   }
 }
 
+TEST(window_views, are_of_the_windows_that_there_are) {
+  House house(open_at_both_ends(), {kEnd});
+  const Vec3d place(3, 0.5, 0);
+  EXPECT_TRUE(house.shows(kEnd, place));
+  EXPECT_FALSE(house.shows(kEnd, {5.5, 1, 0}));
+  house.world.fill_openings(PortalSet({kBeginning}, house.scene.frame));
+  EXPECT_TRUE(house.shows(kBeginning, {1, 0.5, 0}));
+  EXPECT_FALSE(house.shows(kBeginning, {3, 1.9, 0.9}));  // the other room's corner
+  house.world.fill_openings(PortalSet({kEnd}, house.scene.frame));
+  house.world.fill_openings(PortalSet({kEnd}, house.scene.frame));  // the same again
+  EXPECT_TRUE(house.shows(kEnd, place));
+  EXPECT_FALSE(house.shows(kEnd, {5.5, 1, 0}));
+}
+
 TEST(window_views, a_window_on_a_wall_shows_nothing) {
   Portal shut = rectangle({4.05, 0, -1}, {0, 0, 2}, {0, 2, 0});
   const House house(under(read_gltf(two_rooms_path()), one_colour_sky({1, 1, 1})), {shut});

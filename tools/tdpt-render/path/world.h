@@ -23,8 +23,7 @@ struct World {
   /// Puts other portals in the place of those there are.
   void fill_openings(PortalSet set) {
     portals = std::move(set);
-    windows = WindowSky(scene.sky.get(), portals, windows);
-    if (!windows.empty()) windows.look_around(tracer);
+    windows = WindowSky(scene.sky.get(), tracer, portals, windows);
     if (portals.empty())
       lights.prefer(nullptr);
     else
