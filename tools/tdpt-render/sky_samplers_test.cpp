@@ -270,9 +270,10 @@ TEST(sky_samplers, twin_next_events_that_look_through_windows_more_often_than_is
 TEST(sky_samplers, windows_that_were_there_before_keep_their_tables) {
   const Scene scene = room_with_lamps();
   std::vector<Portal> portals = windows();
-  const WindowSky one(scene.sky.get(), PortalSet(portals, scene.frame), {});
+  const Tracer tracer(scene);
+  const WindowSky one(scene.sky.get(), tracer, PortalSet(portals, scene.frame), {});
   const auto kept = [&](const Sky* sky) {
-    const WindowSky other(sky, PortalSet(portals, scene.frame), one);
+    const WindowSky other(sky, tracer, PortalSet(portals, scene.frame), one);
     size_t n = 0;
     for (const WindowSky::Window& a : other.windows())
       n += std::any_of(one.windows().begin(), one.windows().end(),
