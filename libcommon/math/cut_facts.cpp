@@ -23,6 +23,7 @@ constexpr double kNiche = 0.2;  // share of a light's side that is the niche of 
 constexpr double kOpen = 0.9;
 constexpr double kMostBack = 0.9;  // of the walks that cross
 constexpr double kMostSkyBeyond = 0.1;
+constexpr double kOpenToSky = 0.2;      // of what crosses: from the sky itself
 constexpr double kLeastAcross = 0.005;  // of the light on the camera's side
 
 std::string percent(double share) {
@@ -50,6 +51,7 @@ CutFacts facts_of(const PatchNetwork& p, const std::vector<uint8_t>& source_side
     if (side(a.from) == side(a.to)) continue;
     const bool forward = side(a.from) == 0;
     if (forward) f.crossing += capacity;
+    if (forward && p.is_sky(a.from)) f.sky_across += capacity;
     if (!walks || p.samples[a.from] <= 0) continue;
     const double chance = capacity / (p.scale * p.samples[a.from]);
     camera[forward] += chance * p.viewed[a.from];
@@ -60,6 +62,7 @@ CutFacts facts_of(const PatchNetwork& p, const std::vector<uint8_t>& source_side
     (p.is_sky(a.from) ? sky : straight) += chance * p.begun[a.from];
     scattered += chance * p.lit[a.from];
   }
+  if (f.crossing > 0) f.sky_across /= f.crossing;
   if (sky_fed[1] > 0) f.sky_beyond = sky_fed[1] / (sky_fed[0] + sky_fed[1]);
   const double smaller = std::min(f.volume[0], f.volume[1]);
   if (smaller > 0) f.conductance = f.crossing / smaller;
@@ -141,6 +144,11 @@ std::string why_refused(const CutFacts& f, const CutLimits& limits) {
         "of the light on the camera's side of the cut only {} comes across it: the rest is that of "
         "lamps on that side",
         percent(*f.across));
+  if (f.conductance > limits.largest_conductance && f.sky_across >= kOpenToSky)
+    return fmt::format(
+        "the room stands open to the sky: {:.2g} of its light crosses the opening, more than "
+        "{:.2g}, so that the sky is found without a portal",
+        f.conductance, limits.largest_conductance);
   if (f.conductance > limits.largest_conductance)
     return fmt::format(
         "{:.2g} of the smaller side's light crosses the cut, more than {:.2g}: the opening is wide",

@@ -54,6 +54,8 @@ struct CutFacts {
   std::optional<double> seen;      ///< of what lamps on S send: what crosses at once
   /// Of what the source feeds to the sky: what it feeds to parts of it on T. The sky is one light.
   double sky_beyond = 0;
+  /// Of the crossing: what leaves parts of the sky, so that T sees them through the opening.
+  double sky_across = 0;
   /// Share of the hits of the camera's walks; of a network with a sky only: a landscape has much
   /// more area than the room that the camera stands in.
   std::array<double, 2> viewed{};

@@ -92,6 +92,23 @@ TEST(cut_facts, a_cut_that_parts_the_sky_is_none) {
             "25 % of the sky lies on the camera's side of the cut, which parts the open");
 }
 
+TEST(cut_facts, a_room_whose_wall_is_missing_stands_open_to_the_sky) {
+  const UnderASky open(200000), lamp(200000, false);
+  const CutFacts facts = facts_of(open.network, open.source_side);
+  EXPECT_EQ(facts.sky_across, 1);
+  EXPECT_EQ(why_refused(facts, {}).find("the room stands open to the sky: "), 0u)
+      << why_refused(facts, {});
+  EXPECT_NE(why_refused(facts, {}).find("of its light crosses the opening, more than 0.12, so that "
+                                        "the sky is found without a portal"),
+            std::string::npos)
+      << why_refused(facts, {});
+  // Twin: another room in the sky's place.
+  CutFacts behind = facts;
+  behind.sky_across = 0;
+  EXPECT_NE(why_refused(behind, {}).find("the opening is wide"), std::string::npos);
+  EXPECT_EQ(facts_of(lamp.network, lamp.source_side).sky_across, 0);
+}
+
 TEST(series_cut, finds_every_door_of_a_row_in_the_lights_order) {
   for (const std::vector<int64_t>& doors :
        {std::vector<int64_t>{400}, {400, 300}, {300, 400}, {350, 300, 400, 200}}) {
