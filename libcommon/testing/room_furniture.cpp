@@ -8,6 +8,7 @@ namespace tdpt::testing {
 namespace {
 
 constexpr double kHighest = 1.05;
+constexpr double kFree = 0.6;  // before walls across x, and before openings in the others
 
 // Boxes about the origin of its floor, not yet turned.
 struct Piece {
@@ -65,18 +66,24 @@ Piece shelf(Site& site) {
   return p;
 }
 
+// Not where it would stand right before an opening: what it leaves free of it is narrower elsewhere
+// than in the wall, so there would be no knowing how its portal lies.
 void place(Site& site, const Piece& piece, const Space& s, const Vec3d& at, double turn) {
   std::vector<Quad> quads;
   const Vec3d foot{at.x, s.y0, at.z};
+  Vec3d least(INFINITY), most(-INFINITY);
   for (const auto& [low, high] : piece.boxes)
-    for (const Quad& q : box(foot + low, foot + high, turn, foot)) quads.push_back(q);
+    for (const Quad& q : box(foot + low, foot + high, turn, foot)) {
+      quads.push_back(q);
+      for (const Vec3d& p : q) least = min(least, p), most = max(most, p);
+    }
+  if (site.before_opening(least, most, kFree)) return;
   site.part(piece.name, std::move(quads));
 }
 
 }  // namespace
 
 void furnish(Site& site, const Space& s) {
-  constexpr double kFree = 0.6;  // before walls across x
   for (int i = 0, n = site.count_between(0, 8); i < n; ++i) {
     Piece (*const pieces[])(Site&) = {chest, table, chair, shelf};
     const Piece piece = pieces[site.count_between(0, 3)](site);

@@ -87,6 +87,18 @@ void Site::daylight(const std::string& what, const Vec3d& sun, const Vec3d& sky)
   }
 }
 
+bool Site::before_opening(const Vec3d& low, const Vec3d& high, double free) const {
+  return std::any_of(room_.apertures.begin(), room_.apertures.end(), [&](const KnownAperture& o) {
+    if (o.optional) return false;
+    Vec3d from(INFINITY), to(-INFINITY);
+    for (const Vec3d& p : o.outline)
+      for (const Vec3d& q : {p, p + o.normal * (0.5 * o.thickness + free)})
+        from = min(from, q), to = max(to, q);
+    return low.x < to.x && high.x > from.x && low.y < to.y && high.y > from.y && low.z < to.z &&
+           high.z > from.z;
+  });
+}
+
 void Site::obstacles_of_last(const std::vector<Quad>& quads) {
   room_.apertures.back().obstacles = quads;
 }
