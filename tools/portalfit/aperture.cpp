@@ -14,6 +14,8 @@
 
 #include <oneapi/tbb/parallel_for.h>
 
+#include "tools/portalfit/moments.h"
+
 namespace tdpt {
 namespace {
 
@@ -21,6 +23,9 @@ constexpr size_t kMostCorners = 12;
 // Of the area, for each corner saved; the second of an opening whose lines are known.
 constexpr double kCornerTolerance = 0.003, kWholeTolerance = 0.03;
 constexpr double kWithin = 0.85;  // of the tube's depth: where its outline is taken
+// How far lines go on beyond the tube that are clear of what stands about it, in its shorter sides;
+// and how many of all must be to tell of the tube.
+constexpr double kClear = 0.2, kLeastClear = 1.0 / 3;
 
 // Cuts off parts of the hull that hold far fewer points than their area: light that comes around
 // the edge of the aperture. Keeps in `points` what the hull keeps. Never takes more than the share
@@ -75,6 +80,23 @@ std::vector<LightLine> picked(const LightGrid& grid, const std::vector<uint32_t>
   return some;
 }
 
+// Lines that neither begin nor end in the tube or close to it. The others may end on what stands
+// before an opening, as slats or a sill: then they tell of where that is, and not of the wall.
+std::vector<LightLine> clear_of(const LightGrid& grid, const std::vector<uint32_t>& lines,
+                                const Tube& tube) {
+  const Slab slab(tube);
+  std::vector<Vec2d> places;
+  for (const uint32_t l : lines)
+    if (const auto p = slab.passage(grid.lines[l])) places.push_back(p->at(0));
+  std::vector<LightLine> clear;
+  if (places.empty()) return clear;
+  const double far = tube.half + kClear * extents_of(places).shorter;
+  for (const uint32_t l : lines)
+    if (const auto p = slab.passage(grid.lines[l]); p && p->through(far))
+      clear.push_back(grid.lines[l]);
+  return clear;
+}
+
 }  // namespace
 
 std::vector<uint32_t> lines_across(const LightGrid& grid, const std::vector<uint32_t>& lines,
@@ -108,6 +130,13 @@ std::optional<Aperture> outlined(const LightGrid& grid, const std::vector<uint32
     bundle = members(grid, lines, a.tube, grid.voxel);
     if (bundle.size() < kFewestLines) return {};
   }
+  const std::vector<LightLine> clear = clear_of(grid, bundle, a.tube);
+  if (static_cast<double>(clear.size()) > kLeastClear * static_cast<double>(bundle.size()))
+    if (const auto lesser = lesser_tube(clear, a.tube)) {
+      a.tube = *lesser;
+      bundle = members(grid, lines, a.tube, grid.voxel);
+      if (bundle.size() < kFewestLines) return {};
+    }
 
   std::vector<Vec2d> points;
   for (const uint32_t l : bundle)

@@ -9,15 +9,17 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "tools/portalfit/moments.h"
 
 namespace tdpt {
 namespace {
 
-constexpr double kMostlyOpen = 0.8;  // of the joint outline: then always
+constexpr double kMostlyOpen = 0.8;  // of the joint outline: then across mullions, too
 constexpr double kOpenEnough = 0.3;  // across thin bars, or where there are too many
 constexpr double kThinBar = 2;       // voxels
+constexpr double kMullion = 0.25;    // of the narrower part's shorter side: a wider bar is a pier
 constexpr double kFlat = 0.15;       // of the shorter side
 // Cosine between normals. Slits may be turned far about their long side, as between tilted slats.
 constexpr double kTurned = 0.97, kTurnedSlit = 0.5, kSlit = 0.25;
@@ -79,9 +81,14 @@ double worth_joining(const LightGrid& grid, const std::vector<Aperture>& a,
   both.insert(both.end(), b.begin(), b.end());
   const Joint joint = joint_of(grid, both);
   if (!joint.flat || joint.open < kOpenEnough) return 0;
-  if (too_many || joint.open >= kMostlyOpen) return joint.open;
-  const double bar = distance_between(outline_in(joint.plane, a), outline_in(joint.plane, b));
-  return bar <= kThinBar * grid.voxel ? joint.open : 0;
+  if (too_many) return joint.open;
+  const Polygon one = outline_in(joint.plane, a), other = outline_in(joint.plane, b);
+  const double bar = distance_between(one, other);
+  if (bar <= kThinBar * grid.voxel) return joint.open;
+  // The corners of a rectangle spread as a larger one.
+  const double side =
+      std::min(extents_of(one).shorter, extents_of(other).shorter) / std::numbers::sqrt3;
+  return joint.open >= kMostlyOpen && bar <= kMullion * side ? joint.open : 0;
 }
 
 using Group = std::vector<Aperture>;

@@ -19,10 +19,10 @@ Joint joint_of(const LightGrid& grid, const std::vector<Aperture>& parts);
 /// The least distance between two convex outlines in one plane; 0 where they meet.
 double distance_between(const Polygon& a, const Polygon& b);
 
-/// Joins what lies in one plane where most of the outline around both is open, and across bars as
-/// thin as the grid resolves. Of more than `most` parts those are joined that leave enough of it
-/// open, until there are no more than that. Each that is joined is laid again through its lines,
-/// which are those of `all`.
+/// Joins what lies in one plane across bars as thin as the grid resolves, and where most of the
+/// outline around both is open across mullions; not across the pier between two windows. Of more
+/// than `most` parts those are joined that leave enough of it open, until there are no more than
+/// that. Each that is joined is laid again through its lines, which are those of `all`.
 std::vector<Aperture> joined_in_planes(const LightGrid& grid, const std::vector<uint32_t>& all,
                                        std::vector<Aperture> parts, size_t most);
 

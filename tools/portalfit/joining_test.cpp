@@ -1,6 +1,13 @@
 #include "tools/portalfit/joining.h"
 
+#include <numeric>
+#include <utility>
+#include <vector>
+
 #include <gtest/gtest.h>
+
+#include "libcommon/math/rng.h"
+#include "libcommon/math/warp.h"
 
 namespace tdpt {
 namespace {
@@ -36,6 +43,31 @@ TEST(Joining, PanesOfABayAreNotFlat) {
   EXPECT_FALSE(joint_of(grid(), {pane(0, 0, -0.6), pane(1, 0, 0.6)}).flat);
   EXPECT_FALSE(joint_of(grid(), {pane(0), pane(1.25, 0.6)}).flat);  // one behind the other
   EXPECT_FALSE(joint_of(grid(), {pane(0), pane(1, 0.5, 1)}).flat);
+}
+
+// Panes 1 m x 1 m side by side, `gap` between them, in a wall across z; lines through both.
+size_t left_of_two(double gap) {
+  LightGrid g = grid();
+  std::vector<Aperture> panes{pane(0), pane(1 + gap)};
+  for (uint64_t i = 0; i < 4000; ++i) {
+    Rng rng(13, 1, i);
+    const double x = rng.uniform() - 0.5 + (i % 2 == 0 ? 0 : 1 + gap), y = rng.uniform() - 0.5;
+    const double u = rng.uniform(), v = rng.uniform();
+    const Vec3d w = cosine_hemisphere(u, v), p{x, y, 0};
+    g.lines.push_back({p - w * 2, p + w * 2});
+  }
+  std::vector<uint32_t> all(g.lines.size());
+  std::iota(all.begin(), all.end(), 0u);
+  for (Aperture& a : panes) a.lines = lines_across(g, all, a);
+  return joined_in_planes(g, all, panes, 8).size();
+}
+
+// Though 0.83 of the outline around both is open.
+TEST(Joining, IsNotAcrossThePierBetweenTwoWindows) {
+  EXPECT_EQ(left_of_two(0.4), 2u);
+  // Twins: a mullion, and a bar as thin as the grid resolves.
+  EXPECT_EQ(left_of_two(0.2), 1u);
+  EXPECT_EQ(left_of_two(0.09), 1u);
 }
 
 TEST(Joining, DistanceIsBetweenEdges) {

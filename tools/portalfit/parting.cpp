@@ -17,6 +17,7 @@ constexpr double kMost = 0.25;       // of an opening's area, beyond the edge it
 constexpr double kReach = 1.5;       // in area: how near is near
 constexpr double kReachOfLines = 2;  // the same, for lines: few are where an opening narrows
 constexpr double kLeastLeft = 0.5;   // of an opening's lines, or it stays as it was
+constexpr double kHolding = 3;       // as holding_plane(): what a line is worth against area
 
 // The middle of the piece of the half plane's border within `polygon`, if there is one.
 std::optional<Vec2d> middle_of_border(const Polygon& polygon, const HalfPlane& half) {
@@ -82,6 +83,13 @@ std::optional<Aperture> fitted_again(const LightGrid& grid, const std::vector<ui
     if (a.polygon.empty()) return {};
   }
   return a;
+}
+
+// Whether `a` is a better opening than `b`: less area, or more lines. A fit to what is left of the
+// light may turn with what it has lost.
+bool better(const Aperture& a, const Aperture& b) {
+  const auto lines = [](const Aperture& x) { return static_cast<double>(x.lines.size()); };
+  return std::log(area(a.polygon) / area(b.polygon)) < kHolding * std::log(lines(a) / lines(b));
 }
 
 }  // namespace
@@ -169,7 +177,8 @@ void part_at_shared_edges(const LightGrid& grid, const std::vector<uint32_t>& al
     if (!again) continue;
     keep_before(*again, k, found);
     again->lines = lines_across(grid, all, *again);
-    if (again->lines.size() >= kLeastLeft * static_cast<double>(found[k].lines.size()))
+    if (again->lines.size() >= kLeastLeft * static_cast<double>(found[k].lines.size()) &&
+        better(*again, found[k]))
       found[k] = std::move(*again);
   }
 }

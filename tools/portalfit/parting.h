@@ -33,7 +33,8 @@ std::vector<uint32_t> lines_beside(const LightGrid& grid, const std::vector<uint
 
 /// Openings that share an edge: lines near it belong to neither yet, and each has drawn some of the
 /// other's. Each is cut off at the other's plane; then, the smallest first, each is fitted again to
-/// the lines near it that pass no other. All lines are those of `all`.
+/// the lines near it that pass no other, as far as that is better: of less area, or with more
+/// lines. All lines are those of `all`.
 void part_at_shared_edges(const LightGrid& grid, const std::vector<uint32_t>& all,
                           std::vector<Aperture>& found);
 

@@ -35,7 +35,9 @@ constexpr double kSparse = 0.2;         // in density, against other openings of
 constexpr double kLeastPassing = 0.25;  // of a candidate's lines: support times fullness
 constexpr size_t kMostTried = 48;       // candidates of a cut
 constexpr double kFewestProbes = 30;    // that tell the support
-constexpr double kFull = 0.5;           // of the fullest voxel, for the paper's rule
+// Support of one opening: a plane across a corner, with windows on both sides of it, has less.
+constexpr double kOneOpening = 0.9;
+constexpr double kFull = 0.5;  // of the fullest voxel, for the paper's rule
 constexpr double kDegrees = 180 / std::numbers::pi;
 
 // Those that come through the opening or end within or close before it: none of them tells of
@@ -125,7 +127,8 @@ std::vector<Aperture> parts_of(const LightGrid& grid, const std::vector<uint32_t
     };
     if (passing < kLeastPassing && !parts.empty())
       instead(find_aperture(grid, lines_beside(grid, all, parts)));
-    if (passing < kLeastPassing) instead(part_of_directions(grid, rest, *aperture));
+    if (passing < kLeastPassing || support.value_or(1) < kOneOpening)
+      instead(part_of_directions(grid, rest, *aperture));
     if (support && *support < options.support)
       refused.push_back(fmt::format(
           "a candidate lies within one side: only {:.0f} % of the lines through it join the two",

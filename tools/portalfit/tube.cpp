@@ -51,6 +51,8 @@ constexpr double kPrism = 1.08, kWidest = 1.5;
 constexpr double kDense = 0.6;        // least density of a tube over that of the narrowest plane
 constexpr double kShort = 0.5;        // form factor of the faces below which a tube is long
 constexpr double kPlaneHolds = 0.97;  // of the tube's lines: then a plane may take its place
+constexpr double kBlindEnd = 0.1;     // of the depth, behind which lines end on the end of a room
+constexpr double kClearly = 0.04;     // of the area: a few per cent of it are noise
 
 // What a tube is to the lines.
 struct Look {
@@ -254,6 +256,20 @@ Found least_plane(std::span<const LightLine> lines, Tube start, const Goal& goal
   return Search(lines, goal).run(start, kRoughStep, kFineLast);
 }
 
+// Whether the tube is a room and no opening: its lines begin or end where it does.
+bool is_blind(std::span<const LightLine> lines, const Tube& tube) {
+  const Slab slab(tube);
+  const double close = kBlindEnd * 2 * tube.half;
+  size_t through = 0, begin = 0, end = 0;
+  for (const LightLine& line : lines)
+    if (const auto p = slab.passage(line); p && p->through(tube.half)) {
+      ++through;
+      begin += p->from > -tube.half - close;
+      end += p->from + p->along < tube.half + close;
+    }
+  return 2 * std::max(begin, end) > through;
+}
+
 // What a search with few lines has found.
 struct Rough {
   Tube tube;
@@ -318,7 +334,7 @@ Tube least_tube(const std::vector<LightLine>& lines, const Tube& start, bool nea
   // narrowest plane.
   const double enough = kDense * search.density(narrowest);
   if (!near) found = search.run(best_of(rough, enough, start), kFineStep, kFineLast);
-  if (search.density(found) < enough) return narrowest.tube;
+  if (search.density(found) < enough || is_blind(fine, found.tube)) return narrowest.tube;
   const double waistedness = search.waistedness(found);
   if (!(waistedness < kWidest)) return narrowest.tube;
   if (waistedness < kPrism || form_factor(found) <= kShort) return found.tube;
@@ -327,6 +343,16 @@ Tube least_tube(const std::vector<LightLine>& lines, const Tube& start, bool nea
   const bool holds_too_few =
       static_cast<double>(plane.look.held) < kPlaneHolds * static_cast<double>(found.look.held);
   return holds_too_few ? found.tube : plane.tube;
+}
+
+std::optional<Tube> lesser_tube(const std::vector<LightLine>& lines, const Tube& tube) {
+  const Tube next = least_tube(lines, tube, false);
+  const std::vector<LightLine> fine = thinned(lines, kMostFine);
+  Search search(fine, kTube);
+  const Look before = search.look(tube), after = search.look(next);
+  // Depth alone makes the cost less, and beside a door ajar there is none.
+  const bool lesser = after.cost < before.cost && after.size < (1 - kClearly) * before.size;
+  return lesser ? std::optional(next) : std::nullopt;
 }
 
 Tube holding_plane(const std::vector<LightLine>& lines, const Tube& start) {

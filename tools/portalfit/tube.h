@@ -6,6 +6,7 @@
 // area, which grows with the lines' slant; in thick ones it shows in the outlines of the two faces,
 // which no longer cover each other.
 #pragma once
+#include <optional>
 #include <vector>
 
 #include "libcommon/formats/light_grid.h"
@@ -22,6 +23,10 @@ double facing_rectangles(double a, double b, double c);
 /// leaves 0.06 % of the lines outside; lines that miss it altogether are held against it. `near`:
 /// `start` is a result of this already, for nearly the same lines.
 Tube least_tube(const std::vector<LightLine>& lines, const Tube& start, bool near);
+
+/// A tube near `tube` that holds `lines` within clearly less area, and less etendue; nothing when
+/// there is none.
+std::optional<Tube> lesser_tube(const std::vector<LightLine>& lines, const Tube& tube);
 
 /// The plane of least area near that of `start`, where few of `lines` may miss it: for lines that
 /// are known to pass there.

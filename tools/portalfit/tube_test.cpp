@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <tuple>
 
 #include <gtest/gtest.h>
 
@@ -57,6 +58,36 @@ TEST(Tube, IsFoundFromATiltedPlane) {
   }
 }
 
+// A long room, 9 x 4 x 2.6 m, one of whose ends is open: light goes from there along +x and ends on
+// its walls, or at x = `end`.
+std::vector<LightLine> into_a_long_room(double end, size_t n) {
+  std::vector<LightLine> lines;
+  for (uint64_t i = 0; i < n; ++i) {
+    Rng rng(7, 8, i);
+    const double y = 4 * (rng.uniform() - 0.5), z = 2.6 * (rng.uniform() - 0.5);
+    const double u = rng.uniform(), v = rng.uniform();
+    const Vec3d d = cosine_hemisphere(u, v), w{d.z, d.x, d.y}, p{0, y, z};
+    double reach = end / w.x;
+    for (const auto& [at, slope, size] : {std::tuple{y, w.y, 4.0}, {z, w.z, 2.6}})
+      if (const double t = (std::copysign(0.5 * size, slope) - at) / slope; t * w.x < 9)
+        reach = std::min(reach, t);
+    lines.push_back({p - w * 2, p + w * reach});
+  }
+  return lines;
+}
+
+// A room is a tube, too, and of less etendue than its opening, but its lines end where it does.
+TEST(Tube, ARoomAsWideAsItsOpeningIsNoOpening) {
+  const Tube start{{{0.1, 0, 0}, {1, 0, 0}}, 0.05};
+  const Tube mouth = least_tube(into_a_long_room(9, 4000), start, false);
+  EXPECT_NEAR(mouth.middle.o.x, 0, 0.1);
+  EXPECT_LT(mouth.half, 0.1);
+  // Twin: a passage of that length, with a hall behind it, is one.
+  const Tube passage = least_tube(into_a_long_room(19, 4000), start, false);
+  EXPECT_NEAR(passage.middle.o.x, 4.5, 1);
+  EXPECT_GT(passage.half, 3.5);
+}
+
 // A strip 1 x 0.1 in the plane across z; lines that lean towards -y are rare.
 std::vector<LightLine> leaning_lines(size_t n) {
   std::vector<LightLine> lines;
@@ -81,6 +112,17 @@ TEST(Tube, LightThatLeansDoesNotTiltThePlaneOfKnownLines) {
   EXPECT_LT(degrees_from_z(holding_plane(lines, start)), 2.5);
   // Twin: by the area alone it leans with the light.
   EXPECT_GT(degrees_from_z(least_tube(lines, start, true)), 4);
+}
+
+TEST(Tube, ALesserOneHasClearlyLessArea) {
+  const auto lines = testing::lines_of_tube(1, 1, 0.01, 6000);
+  const Tube wall{{{0, 0, 0}, {1, 0, 0}}, 0};
+  EXPECT_FALSE(lesser_tube(lines, wall));
+  Tube tilted = wall;
+  tilted.middle.n = normalize(Vec3d{1, 0.15, 0});
+  const auto lesser = lesser_tube(lines, tilted);
+  ASSERT_TRUE(lesser);
+  EXPECT_LT(degrees_from_x(*lesser), 1.5);
 }
 
 TEST(Tube, LinesThatEndInsideCount) {
