@@ -290,6 +290,39 @@ TEST(portal_score, sees_every_planted_fault) {
   EXPECT_EQ(score({good}, {}).strays, 1u);
 }
 
+// Pieces of furniture whose box holds a place before an opening, `before` its wall [metres].
+int pieces_before_windows(double before) {
+  int pieces = 0;
+  for (const RoomKind kind : {RoomKind::sky_windows, RoomKind::corner_windows})
+    for (uint64_t seed = 700; seed < 760; ++seed) {
+      const KnownRoom room = known_room(kind, seed);
+      for (const RoomPlan::Part& part : room.plan.parts) {
+        const auto is = [&](const char* name) { return part.name == name; };
+        if (!is("box") && !is("table") && !is("chair") && !is("shelf")) continue;
+        Vec3d low(INFINITY), high(-INFINITY);
+        for (const Quad& q : part.quads)
+          for (const Vec3d& p : q) low = min(low, p), high = max(high, p);
+        pieces +=
+            std::any_of(room.apertures.begin(), room.apertures.end(), [&](const KnownAperture& o) {
+              for (double u = 0.05; u < 1; u += 0.1)
+                for (double v = 0.05; v < 1; v += 0.1) {
+                  const Vec3d p = o.outline[0] + (o.outline[1] - o.outline[0]) * u +
+                                  (o.outline[3] - o.outline[0]) * v +
+                                  o.normal * (0.5 * o.thickness + before);
+                  if (min(p, low) == low && max(p, high) == high) return true;
+                }
+              return false;
+            });
+      }
+    }
+  return pieces;
+}
+
+TEST(known_rooms, have_no_furniture_right_before_a_window) {
+  for (const double before : {0.02, 0.15, 0.3, 0.55}) EXPECT_EQ(pieces_before_windows(before), 0);
+  EXPECT_GT(pieces_before_windows(1), 10);  // twin: farther off there is some
+}
+
 TEST(portal_distance, is_that_of_shifted_squares) {
   const Portal a = portal_of(rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, 0));
   Portal b = a;
