@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <thread>
 
 #include <gtest/gtest.h>
 
+#include "libcommon/testing/known_rooms.h"
 #include "libcommon/testing/portal_score.h"
 #include "libcommon/testing/portal_stages.h"
 #include "libcommon/testing/room_scene.h"
@@ -30,6 +32,45 @@ std::vector<Portal> find_portals(const std::string& scene, int seed = 1) {
                  stem);
   EXPECT_FALSE(run.failed) << scene << ": " << run.said;
   return run.portals;
+}
+
+// A room of this depth, 4 x 2.6 m, whose wall at the end x = depth is missing; behind that a frame
+// of the hole `wide` m wide, if that is more than 4. On a ground, under a sky.
+RoomPlan room_open_to_the_sky(double depth, double wide) {
+  constexpr double kHigh = 2.6, kHalf = 2, t = 0.15;
+  RoomPlan plan;
+  const auto wall = [&](const Vec3d& low, const Vec3d& high) {
+    plan.parts.push_back({"wall", 0, box(low, high)});
+  };
+  wall({-t, -t, -kHalf - t}, {depth, 0, kHalf + t});
+  wall({-t, kHigh, -kHalf - t}, {depth, kHigh + t, kHalf + t});
+  wall({-t, 0, -kHalf - t}, {0, kHigh, kHalf + t});
+  for (const double z : {-kHalf - t, kHalf}) wall({0, 0, z}, {depth, kHigh, z + t});
+  if (wide > 2 * kHalf) {
+    const double side = 0.5 * wide, beyond = depth + 2 * t;
+    wall({depth, kHigh, -side - 1}, {beyond, kHigh + 1, side + 1});
+    wall({depth, -t, -side - 1}, {beyond, 0, side + 1});
+    for (const double way : {-1.0, 1.0}) {
+      wall({depth, 0, std::min(way * side, way * (side + 1))},
+           {beyond, kHigh, std::max(way * side, way * (side + 1))});
+      wall({depth - t, 0, std::min(way * kHalf, way * (side + 1))},
+           {depth, kHigh, std::max(way * kHalf, way * (side + 1))});
+    }
+  }
+  plan.parts.push_back(
+      {"ground", 0, {{{{-20, -t, 20}, {20, -t, 20}, {20, -t, -20}, {-20, -t, -20}}}}});
+  plan.camera = {0.4, 1.5, -1.2}, plan.look_at = {depth, 1.1, 0.6};
+  return plan;
+}
+
+StagesRun under_a_sky(const std::string& glb, const std::string& sky = "--environment 1,1,1") {
+  const TempFolder folder;
+  const std::string stem = (folder.path / "room").string();
+  std::ofstream(stem + ".glb", std::ios::binary) << glb;
+  return run_stages({.bin = TDPT_BIN,
+                     .threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency())),
+                     .sky = sky},
+                    stem);
 }
 
 #define NEEDS(scene) \
@@ -106,6 +147,44 @@ TEST(pipeline, rooms_in_a_row_have_a_portal_in_each_of_their_doors) {
 
 TEST(pipeline, a_single_room_has_no_portal) {
   EXPECT_TRUE(find_portals(kOwn + "furnace.glb").empty());
+}
+
+TEST(pipeline, a_room_without_a_wall_says_that_it_stands_open_to_the_sky) {
+  for (const double wide : {4.0, 6.0}) {
+    const StagesRun run = under_a_sky(room_open_to_the_sky(3, wide).glb());
+    EXPECT_FALSE(run.failed);
+    EXPECT_TRUE(run.portals.empty());
+    EXPECT_NE(run.said.find("no portal: the room stands open to the sky: "), std::string::npos)
+        << wide << " " << run.said;
+  }
+}
+
+// As wide as the room, but a bottleneck of it, since it is deep: the portal lies in the mouth.
+TEST(pipeline, a_deep_room_has_its_portal_where_its_wall_is_missing) {
+  const KnownAperture mouth = rectangle({9, 0, -2}, {0, 2.6, 0}, {0, 0, 4}, {-1, 0, 0}, 0);
+  for (const double wide : {4.0, 6.0}) {
+    std::vector<Portal> portals = under_a_sky(room_open_to_the_sky(9, wide).glb()).portals;
+    ASSERT_EQ(portals.size(), 1u) << wide;
+    EXPECT_GE(coverage(mouth, portals), 0.98) << wide;
+    EXPECT_LE(degrees_between(mean_normal(portals[0]), mouth.normal), 3) << wide;
+    EXPECT_TRUE(inside({{8.9, -0.1, -2.2}, {9.2, 2.7, 2.2}}, portals[0])) << wide;
+    shift(portals, {-4.5, 0, 0});  // twin: across the middle of the room
+    EXPECT_LT(coverage(mouth, portals), 0.5) << wide;
+  }
+}
+
+// Slats outside the wall, windows that all but meet in a corner, windows with a narrow pier
+// between.
+TEST(pipeline, windows_under_a_sky_have_a_portal_each) {
+  const std::pair<RoomKind, uint64_t> rooms[] = {
+      {RoomKind::sky_blinds, 714}, {RoomKind::corner_windows, 715}, {RoomKind::sky_windows, 717}};
+  for (const auto& [kind, seed] : rooms) {
+    const KnownRoom room = known_room(kind, seed);
+    const StagesRun run = under_a_sky(room.plan.glb(room.writing), room.sky);
+    const PortalScore found = score(run.portals, room.placed_apertures());
+    EXPECT_TRUE(found.right()) << room.file() << " " << found.coverage << " " << found.tightness
+                               << " " << found.angle << " " << run.said;
+  }
 }
 
 TEST(pipeline, cornell_box_has_its_portal_in_the_hole) {
