@@ -94,7 +94,7 @@ class WindowSky {
     double x0, x1, y0, y1, z;  ///< its rectangle, along the sky's axes
   };
   const std::vector<Window>& windows() const { return windows_; }
-  /// Whether window i may show any of the sky to `x`.
+  /// Whether window i is seen from `x`.
   bool shows(size_t i, const Vec3d& x) const { return views_.at(x) >> i & 1u; }
   /// What all windows show of the sky from `x` (canonical), where the surface faces `facing` (0:
   /// both ways): sum S_F.

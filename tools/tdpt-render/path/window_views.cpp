@@ -46,13 +46,11 @@ double way_out(const std::vector<Opening>& openings, size_t own, const Vec3d& fr
   return least;
 }
 
-// How far a line through opening i reaches inside, along unit w; 0 where it shows no sky, kFar
-// where it leaves by a hole that no window is in.
+// How far a line from opening i reaches, along unit w; kFar where it leaves by a hole that no
+// window is in.
 double reach(const Tracer& tracer, const std::vector<Opening>& openings, size_t i,
              const Vec3f& from, const Vec3d& w) {
   Hit hit;
-  const bool shows_sky = !tracer.closest_from(from, -w, hit) && hit.triangle == ~0u;
-  if (!shows_sky) return 0;
   const double wall = tracer.closest_from(from, w, hit) ? hit.distance : kFar;
   return std::min(wall, way_out(openings, i, Vec3d(from), w));
 }

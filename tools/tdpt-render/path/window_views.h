@@ -1,14 +1,16 @@
-// From where any sky is seen through which window: a mask for each cell of the space behind them.
+// From where which window is seen: a mask for each cell of the space behind them.
 //
 // A place outside the house lies behind the windows of its other walls as a place inside does, and
 // so does one in the next room: what their rectangles would show there is behind a wall, and next
 // events are to look elsewhere.
 //
-// Method: visibility cast from the windows. Lines are drawn through each, evenly over its area and
-// over all directions. Where one meets nothing outside, the cells that it passes inside, until it
-// meets something or leaves by another window, see the sky through this one, and so do those beside
-// them, so that few are missed between lines. What is missed all the same costs no light: the mask
-// is a function of the place alone, and so is every density that is made with it.
+// Method: visibility cast from the windows. Lines are drawn from each into the house, evenly over
+// its area and over all directions. The cells that one passes, until it meets something or leaves
+// by another window, see this one, and so do those beside them, so that few are missed between
+// lines. What is missed all the same costs no light: the mask is a function of the place alone, and
+// so is every density that is made with it. Whether any sky is behind the window is not asked: a
+// sliver of it would be missed by all lines through a cell, and where there is none nothing is
+// lost.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -35,7 +37,7 @@ class WindowViews {
   WindowViews(const Tracer& tracer, const std::vector<Opening>& openings);
 
   bool are_of(const std::vector<Opening>& openings) const { return openings_ == openings; }
-  /// Bit i: opening i shows some sky to a place (canonical).
+  /// Bit i: opening i is seen from a place (canonical).
   uint32_t at(const Vec3d& p) const {
     const Vec3d cell = (p - low_) * per_width_;
     if (!(cell.x >= 0 && cell.y >= 0 && cell.z >= 0)) return beyond_;
