@@ -41,8 +41,8 @@ class Site {
   void lamp(const std::string& how, const Quad& quad, double radiance);
   /// What shines from infinity. `sun`: unit, towards it, 0: none; `sky`: radiance from all around.
   void daylight(const std::string& what, const Vec3d& sun, const Vec3d& sky);
-  /// Whether a box stands within `free` of the wall, right before one of the openings so far that are
-  /// to be found, on the side that the light goes to.
+  /// Whether a box stands within `free` of the wall, right before one of the openings so far that
+  /// are to be found, on the side that the light goes to.
   bool before_opening(const Vec3d& low, const Vec3d& high, double free) const;
   /// What stands in the opening added last.
   void obstacles_of_last(const std::vector<Quad>& quads);

@@ -19,8 +19,8 @@ Integrator looking_everywhere(Integrator integrator) {
   return integrator;
 }
 
-// Its walks from the camera directed at portals: much of a sky's light comes off the ground outside,
-// where no next event looks.
+// Its walks from the camera directed at portals: much of a sky's light comes off the ground
+// outside, where no next event looks.
 Integrator aiming(Integrator integrator, uint64_t stream) {
   integrator.stream = stream;
   integrator.mixture.guiding.chance = {0, kAim};

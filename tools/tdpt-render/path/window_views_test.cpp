@@ -2,16 +2,12 @@
 // open at their ends, held to lines drawn from each place.
 #include "tools/tdpt-render/path/window_views.h"
 
-#include <algorithm>
-#include <fstream>
-
 #include <gtest/gtest.h>
 
 #include "libcommon/math/rng.h"
-#include "libcommon/testing/known_rooms.h"
 #include "tools/tdpt-render/path/world.h"
+#include "tools/tdpt-render/test_known_windows.h"
 #include "tools/tdpt-render/test_rooms.h"
-#include "tools/tdpt-render/test_sky.h"
 #include "tools/tdpt-render/test_told.h"
 
 namespace tdpt {
@@ -117,18 +113,8 @@ TEST(window_views, are_of_the_windows_that_there_are) {
 // Of light that comes straight in nothing is lost: all that see but a sliver of the sky through a
 // window look there. Asking for sky behind the window, line by line, left 2.8 of 26 times.
 TEST(window_views, what_comes_straight_in_is_found_through_the_windows) {
-  const testing::KnownRoom room = testing::known_room(testing::RoomKind::sky_windows, 2);
-  const std::string path = ::testing::TempDir() + "views-" + room.file();
-  std::ofstream(path, std::ios::binary) << room.plan.glb(room.writing);
-  const Scene scene = under(read_gltf(path), one_colour_sky({1, 1, 1}));
-  std::vector<Portal> windows;
-  for (const testing::KnownAperture& a : room.placed_apertures()) {
-    windows.push_back({"window", a.outline, {{0, 1, 2}, {0, 2, 3}}, {}});
-    std::vector<Vec3d>& corners = windows.back().vertices;
-    if (dot(cross(corners[1] - corners[0], corners[2] - corners[0]), a.normal) < 0)
-      std::reverse(corners.begin(), corners.end());
-  }
-  const World world(scene, scene.camera(""), 24, 18, windows);
+  const RoomWithWindows room(testing::RoomKind::sky_windows, 2);
+  const World world(room.scene, room.scene.camera(""), 24, 18, room.windows);
   Integrator everywhere = nee;
   everywhere.mixture.through_windows = 0;
   const double with = error_of_pictures(world, nee, 2);
@@ -137,7 +123,7 @@ TEST(window_views, what_comes_straight_in_is_found_through_the_windows) {
   EXPECT_GT(without, 10 * with);
 }
 
-// What this is for: outside, and where no window shows any sky, next events look everywhere.
+// What this is for: outside, where no window is seen, next events look everywhere.
 TEST(window_views, next_events_look_everywhere_where_no_window_is_seen) {
   const House house(open_at_both_ends(), {kEnd, kBeginning});
   const auto seen_at = [&](const Vec3d& place) {
