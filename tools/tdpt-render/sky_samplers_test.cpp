@@ -324,11 +324,12 @@ double light_walks(const std::vector<Portal>& portals, const Integrator& integra
         for (int b = 0; b < kFine * kSide; ++b) {
           y1.position = {(a + 0.5) / (kFine * kSide) - 0.5, 0,
                          0.8 * ((b + 0.5) / (kFine * kSide) - 0.5)};
-          const double plain = emission_pdf_A(y0, y1);
-          const double arrives =
-              guide.active() && !fault
-                  ? guide.pdf_A(From::light, y0, {}, y1, plain, guide.crossing(y0, y1, rays.portal))
-                  : plain * (fault ? 1.1 : 1);
+          const Edge e = between(y0, y1);
+          const double plain = emission_pdf_A(y0, e, y1);
+          const double arrives = guide.active() && !fault
+                                     ? guide.pdf_A(From::light, y0, {}, e, y1, plain,
+                                                   guide.crossing(y0, y1, rays.portal))
+                                     : plain * (fault ? 1.1 : 1);
           probability[quarter(-y0.position) * kPlaces + place(y1.position)] +=
               begins * arrives * (4 * pi / (kUp * kAround)) *
               (0.8 / (kFine * kFine * kSide * kSide));

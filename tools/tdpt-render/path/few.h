@@ -15,12 +15,16 @@ class Few {
   /// Of the next term; 0: it is never taken.
   void add(double estimate) { estimates_.push_back(estimate); }
 
-  /// Takes `count` of the terms, or all that are not 0 if those are not more. u in [0,1). The
-  /// chances of each: 0 for those that were not taken.
-  std::span<const double> choose(int count, double u);
+  struct Taken {
+    size_t term;    ///< in the order that they were added
+    double chance;  ///< that it was taken
+  };
+  /// Takes `count` of the terms, or all that are not 0 if those are not more. u in [0,1).
+  std::span<const Taken> choose(int count, double u);
 
  private:
-  std::vector<double> estimates_, chances_;
+  std::vector<double> estimates_;
+  std::vector<Taken> taken_;
 };
 
 }  // namespace tdpt

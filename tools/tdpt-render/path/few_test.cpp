@@ -30,16 +30,14 @@ Draws draw(const std::vector<double>& estimates, int count) {
   for (int i = 0; i < kDraws; ++i) {
     few.clear();
     for (const double e : estimates) few.add(e);
-    const std::span<const double> chances = few.choose(count, (i + 0.5) / kDraws);
-    EXPECT_EQ(chances.size(), estimates.size());
-    int taken = 0;
-    for (size_t k = 0; k < chances.size(); ++k) {
-      if (!(chances[k] > 0)) continue;
-      ++taken;
+    const std::span<const Few::Taken> all = few.choose(count, (i + 0.5) / kDraws);
+    const int taken = static_cast<int>(all.size());
+    for (const auto& [k, chance] : all) {
+      EXPECT_GT(chance, 0);
       ++out.often[k];
-      out.sum[k] += 1 / chances[k];
-      out.steady = out.steady && (out.chance[k] == 0 || out.chance[k] == chances[k]);
-      out.chance[k] = chances[k];
+      out.sum[k] += 1 / chance;
+      out.steady = out.steady && (out.chance[k] == 0 || out.chance[k] == chance);
+      out.chance[k] = chance;
     }
     out.fewest = std::min(out.fewest, taken);
     out.most = std::max(out.most, taken);

@@ -98,16 +98,15 @@ bool Guide::leave(const Vertex& y0, const std::array<double, 4>& u, Lights::Ray&
   return true;
 }
 
-double Guide::pdf_A(From from, const Vertex& at, const Vec3d& back, const Point& to, double plain_A,
-                    const PortalSet::Crossing& crossing) const {
-  const bool begins = back == Vec3d();
-  const double W = begins ? at.aims.emitted : at.aims.scattered[index(from)];
-  if (!(chance(from) > 0 && W > 0) || !(plain_A > 0)) return plain_A;
+double Guide::mixed_pdf_A(From from, const Vertex& at, const Vec3d& back, const Edge& e,
+                          const Point& to, double plain_A, const PortalSet::Crossing& crossing,
+                          double W) const {
   const double q = chance(from, at, back);
   const double towards = from == From::light ? crossing.from_light : crossing.from_camera;
-  const Scope s = begins ? Scope{} : scope(at, back);
-  return (1 - q * s.broad) * plain_A +
-         to_area(q / W * s.broad * s.matt * towards, between(at, to), to);
+  const Scope s = at.simple || back == Vec3d() ? Scope{} : scope(at, back);
+  const double by_surface = (1 - q * s.broad) * plain_A;
+  if (towards == 0) return by_surface;
+  return by_surface + to_area(q / W * s.broad * s.matt * towards, e, to);
 }
 
 }  // namespace tdpt

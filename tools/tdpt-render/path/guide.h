@@ -57,6 +57,10 @@ class Guide {
   /// Tells y_0, a place on a light.
   void aim_at_light(Vertex& v) const;
 
+  /// Whether there is anything to aim at from a surface.
+  bool may_aim(const Vertex& v, From from) const {
+    return v.aims.scattered[static_cast<size_t>(from)] > 0;
+  }
   /// Whether a walk at `v` that came from unit `back` (0: it begins there) is directed, and then
   /// the direction and the triangle aimed at. `u`: as in PortalSet::aim, and whether.
   bool draw(const Vertex& v, const Vec3d& back, From from, const std::array<double, 4>& u, Vec3d& w,
@@ -66,10 +70,15 @@ class Guide {
   bool leave(const Vertex& y0, const std::array<double, 4>& u, Lights::Ray& ray,
              int& triangle) const;
 
-  /// Of a walk at `at` that came from unit `back` (0: it begins there) and reaches `to`: the guided
-  /// density [1/canonical area], from the plain one and the edge's crossing.
-  double pdf_A(From from, const Vertex& at, const Vec3d& back, const Point& to, double plain_A,
-               const PortalSet::Crossing& crossing) const;
+  /// Of a walk at `at` that came from unit `back` (0: it begins there) and reaches `to` along `e`:
+  /// the guided density [1/canonical area], from the plain one and the edge's crossing.
+  double pdf_A(From from, const Vertex& at, const Vec3d& back, const Edge& e, const Point& to,
+               double plain_A, const PortalSet::Crossing& crossing) const {
+    if (!(plain_A > 0 && chance(from) > 0)) return plain_A;
+    const double W =
+        back == Vec3d() ? at.aims.emitted : at.aims.scattered[static_cast<size_t>(from)];
+    return W > 0 ? mixed_pdf_A(from, at, back, e, to, plain_A, crossing, W) : plain_A;
+  }
 
  private:
   Guide(const World& world, const Guiding& guiding, bool active, bool sees_portals, bool looks_out)
@@ -80,6 +89,8 @@ class Guide {
         looks_out_(looks_out && !world.windows.empty()) {}
   double chance(From from) const { return guiding_.chance[static_cast<size_t>(from)]; }
   double chance(From from, const Vertex& v, const Vec3d& back) const;
+  double mixed_pdf_A(From from, const Vertex& at, const Vec3d& back, const Edge& e, const Point& to,
+                     double plain_A, const PortalSet::Crossing& crossing, double W) const;
   double aims(const Point& v, const Vec3d& facing, From from) const;
 
   const PortalSet& portals_;

@@ -149,13 +149,15 @@ struct Stand {
     if (!world.tracer.closest(at.origin(), w, hit)) return 0;
     Vertex to;
     place_on_surface(world, hit, to);
-    const double plain = std::max(
-        back == Vec3d() ? emission_pdf_A(at, to) : scatter_pdf_A(before, at, to, false), least);
+    const Edge e = between(at, to);
+    const double plain =
+        std::max(back == Vec3d() ? emission_pdf_A(at, e, to)
+                                 : scatter_pdf_A(at, between(at, before).w, e, to, false),
+                 least);
     uint64_t tests = 0;
     const PortalSet::Crossing c =
         from == From::light ? guide.crossing(at, to, tests) : guide.crossing(to, at, tests);
-    const Edge e = between(at, to);
-    return guide.pdf_A(from, at, back, to, plain, c) * e.d2 / to.cosine(e.w);
+    return guide.pdf_A(from, at, back, e, to, plain, c) * e.d2 / to.cosine(e.w);
   }
   double& aim() {  // W
     return back == Vec3d() ? at.aims.emitted : at.aims.scattered[from == From::light ? 0 : 1];
@@ -388,8 +390,8 @@ double sun_lines(double fault) {
       to.position = onb.x * x + onb.y * y;
       uint64_t tests = 0;
       const double plain = x * x + y * y < radius * radius ? 1 / y0.source->cos_per_pdf_w() : 0;
-      const double p =
-          guide.pdf_A(From::light, y0, Vec3d(), to, plain, guide.crossing(y0, to, tests));
+      const double p = guide.pdf_A(From::light, y0, Vec3d(), between(y0, to), to, plain,
+                                   guide.crossing(y0, to, tests));
       share[bin(to.position)] += p * cell * cell;
     }
   double total = 0;

@@ -13,23 +13,24 @@ void LightPool::clear() {
 void LightPool::add(const Walk& y) {
   ++walks_;
   for (int i = 0; i < y.size; ++i)
-    if (y[i].connectible) (i == 0 ? starts_ : scattered_).push_back({&y, i});
+    if (y[i].connectible) (i == 0 ? starts_ : scattered_).emplace_back(y, i);
 }
 
-double LightPool::draw(bool starts, double u, std::vector<LightVertex>& drawn) const {
+double LightPool::draw(bool starts, double u, std::vector<const LightVertex*>& drawn) const {
   drawn.clear();
   const size_t n = scattered_.size() + (starts ? starts_.size() : 0);
   const auto at = [&](size_t i) {
-    return i < scattered_.size() ? scattered_[i] : starts_[i - scattered_.size()];
+    return i < scattered_.size() ? &scattered_[i] : &starts_[i - scattered_.size()];
   };
   if (n == 0) return 0;
+  drawn.resize(std::min<size_t>(n, kCandidates));
   if (n <= kCandidates) {
-    for (size_t i = 0; i < n; ++i) drawn.push_back(at(i));
+    for (size_t i = 0; i < n; ++i) drawn[i] = at(i);
     return walks_;
   }
   const double step = static_cast<double>(n) / kCandidates;
-  for (int i = 0; i < kCandidates; ++i)
-    drawn.push_back(at(std::min(n - 1, static_cast<size_t>((i + u) * step))));
+  for (size_t i = 0; i < kCandidates; ++i)
+    drawn[i] = at(std::min(n - 1, static_cast<size_t>((static_cast<double>(i) + u) * step)));
   return walks_ / step;
 }
 

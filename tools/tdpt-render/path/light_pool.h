@@ -13,14 +13,16 @@
 #pragma once
 #include <vector>
 
+#include "tools/tdpt-render/path/join.h"
 #include "tools/tdpt-render/path/walk.h"
 
 namespace tdpt {
 
-struct LightVertex {
+struct LightVertex : End {
   const Walk* walk;
   int index;  ///< y_index
-  const Vertex& vertex() const { return (*walk)[index]; }
+  LightVertex(const Walk& y, int i)
+      : End(y[i], tdpt::back(y, i), y.state(i).throughput), walk(&y), index(i) {}
 };
 
 class LightPool {
@@ -32,12 +34,12 @@ class LightPool {
   static constexpr int kCandidates = 8;
 
   void clear();
-  /// `y` must outlive the pool's use.
+  /// `y` must outlive the pool's use, unchanged.
   void add(const Walk& y);
 
   /// Replaces `drawn` by candidates y_i, i >= 1, or with `starts` i >= 0, spread evenly from u in
   /// [0,1). Returns how many samples of a walk each stands for; 0: there are none.
-  double draw(bool starts, double u, std::vector<LightVertex>& drawn) const;
+  double draw(bool starts, double u, std::vector<const LightVertex*>& drawn) const;
 
  private:
   std::vector<LightVertex> starts_, scattered_;  ///< y_0, and those after it

@@ -43,15 +43,15 @@ double of_all(const std::vector<Walk>& walks, bool starts) {
 double told(const std::vector<Walk>& walks, bool starts, double fault = 1) {
   constexpr int kDraws = 20000;
   const LightPool pool = pool_of(walks);
-  std::vector<LightVertex> drawn;
+  std::vector<const LightVertex*> drawn;
   double sum = 0;
   for (int i = 0; i < kDraws; ++i) {
     const double times = fault * pool.draw(starts, (i + 0.5) / kDraws, drawn);
     EXPECT_LE(drawn.size(), size_t{LightPool::kCandidates});
-    for (const LightVertex& y : drawn) {
-      EXPECT_GE(y.index, starts ? 0 : 1);
-      EXPECT_TRUE(y.vertex().connectible);
-      sum += brought(y.vertex()) / times / kDraws;
+    for (const LightVertex* y : drawn) {
+      EXPECT_GE(y->index, starts ? 0 : 1);
+      EXPECT_TRUE(y->vertex->connectible);
+      sum += brought(*y->vertex) / times / kDraws;
     }
   }
   return sum / of_all(walks, starts);
@@ -73,7 +73,7 @@ TEST(light_pool, twin_candidates_that_stand_for_another_number_are_caught) {
 TEST(light_pool, fewer_vertices_than_candidates_are_all_drawn_for_any_u) {
   const std::vector<Walk> walks = walks_of({3, 1, 2, 0});
   const LightPool pool = pool_of(walks);
-  std::vector<LightVertex> drawn;
+  std::vector<const LightVertex*> drawn;
   for (const double u : {0.0, 0.5, 1 - 0x1p-53}) {
     EXPECT_EQ(pool.draw(false, u, drawn), 4);  // those without vertices count, too
     EXPECT_EQ(drawn.size(), 3u);
@@ -88,7 +88,7 @@ TEST(light_pool, fewer_vertices_than_candidates_are_all_drawn_for_any_u) {
 }
 
 TEST(light_pool, an_empty_one_has_no_candidates) {
-  std::vector<LightVertex> drawn(3);
+  std::vector<const LightVertex*> drawn(3);
   LightPool pool;
   EXPECT_EQ(pool.draw(true, 0.5, drawn), 0);
   EXPECT_TRUE(drawn.empty());

@@ -26,6 +26,7 @@
 // ends there or a next event, keep their density, and those of all others are 0.
 #include "tools/tdpt-render/path/path.h"
 
+#include <algorithm>
 #include <limits>
 
 #include "tools/tdpt-render/path/roulette.h"
@@ -40,14 +41,11 @@ size_t u(int i) {
 // Prefixes and suffixes of a path of k edges, densities `d` over the q_i of `unit`.
 struct Products {
   Products(const WalkDensities& d, const WalkDensities& unit, int k) {
-    std::array<double, kMaxDepth + 1> per_common;  // 1/q_i
     camera[u(k)] = light[0] = 1;
-    for (int i = 0; i < k; ++i) {
-      per_common[u(i)] = 1 / unit.common(i);
-      light[u(i + 1)] = light[u(i)] * (d.light_A[u(i)] * per_common[u(i)]);
+    for (int i = 0, j = k - 1; i < k; ++i, --j) {
+      light[u(i + 1)] = light[u(i)] * (d.light_A[u(i)] / unit.common(i));
+      camera[u(j)] = camera[u(j + 1)] * (d.camera_A[u(j)] / unit.common(j));
     }
-    for (int i = k - 1; i >= 0; --i)
-      camera[u(i)] = camera[u(i + 1)] * (d.camera_A[u(i)] * per_common[u(i)]);
   }
   std::array<double, kMaxDepth + 2> light;   // [s] = prod_{i<s} P>(x_i)/q_i
   std::array<double, kMaxDepth + 2> camera;  // [s] = prod_{i>=s} P<(x_i)/q_i
@@ -58,7 +56,6 @@ struct Products {
 Path::Path(const World& world, const Guide& guide, const Walk& y, int s, const Walk& z, int t,
            RayCounts& rays)
     : guide_(guide) {
-  for (int i = 0; i < s; ++i) x_[u(i)] = &y[i];
   fill(world, y, s, z, t, nullptr, rays);
 }
 
@@ -66,7 +63,6 @@ Path::Path(const World& world, const Guide& guide, const Walk& y, int s, const V
            const Vertex& x_c, const SegmentCrossings& segment, const Walk& z, int t,
            RayCounts& rays)
     : guide_(guide) {
-  for (int i = 0; i < s; ++i) x_[u(i)] = &y[i];
   x_[u(s)] = &x_l;
   x_[u(s + 1)] = &x_c;
   fill(world, y, s, z, t, &segment, rays);
@@ -77,98 +73,106 @@ void Path::fill(const World& world, const Walk& y, int s, const Walk& z, int t,
   const int middle = segment ? 2 : 0;
   k_ = s + middle + t - 1;
   const int first_z = k_ - (t - 1);  // index of z_{t-1}
-  for (int j = 0; j < t; ++j) x_[u(k_ - j)] = &z[j];
-  // Walks turned at the inner vertices of their prefixes; at the others the path was connected.
-  for (int i = 0; i <= k_; ++i)
-    dirac_[u(i)] = (i + 1 < s && y.state(i).dirac) || (i > first_z && z.state(k_ - i).dirac);
-
-  fill_survival(y, s, z, t);
-  fill_crossings(y, s, z, first_z, segment, rays);
-  // Inside a prefix the walk knows both densities; the two vertices at a prefix's end and the
-  // segment's learn theirs from the finished path.
-  for (int i = 0; i < k_; ++i) {
-    const int j = k_ - i;  // index from the camera
-    walks_.light_A[u(i)] =
-        i == 0  ? plain_light_A(world, 0)  // of walks, whoever placed x_0
-        : i < s ? y.state(i).pdf_own_A
-                : light_survival(i) * (j <= t - 3
-                                           ? z.state(j).pdf_other_A
-                                           : directed_light_A(guide_, i, plain_light_A(world, i)));
-    walks_.camera_A[u(i)] =
-        i >= first_z ? z.state(j).pdf_own_A
-                     : camera_survival(i) *
-                           (i <= s - 3 ? y.state(i).pdf_other_A
-                                       : directed_camera_A(guide_, i, plain_camera_A(world, i)));
+  take_light_prefix(y, s);
+  take_camera_prefix(z, t);
+  if (segment) {
+    for (const int i : {s, s + 1}) {
+      dirac_[u(i)] = false;
+      survival_[0][u(i)] = survival_[1][u(i)] = 1;
+    }
+    crossing_[u(s)] = &segment->own;
+    crossing_[u(s + 1)] = &segment->after;
+    if (s > 0) crossing_[u(s - 1)] = &segment->before;
+  } else if (s > 0 && t > 1) {
+    joining_ = guide_.crossing(x(s - 1), x(s), rays.portal);
+    crossing_[u(s - 1)] = &joining_;
   }
+  fill_joint(world, s, first_z);
   if (k_ > 1) next_event_ = world.next_events.pdf(x(1), x(0));
 }
 
-void Path::fill_survival(const Walk& y, int s, const Walk& z, int t) {
-  auto& [light, camera] = survival_;
-  const int first_z = k_ - (t - 1);
-  light[0] = camera[0] = light[u(k_)] = camera[u(k_)] = 1;
-  for (int i = 1; i < k_; ++i) {
-    const int j = k_ - i;
-    light[u(i)] = always_goes_on(i) ? 1
-                  : i < s           ? y.state(i).own_survival
-                  : j + 1 < t       ? z.state(j).other_survival
-                                    : albedo_at(x(i), between(x(i), x(i - 1)).w);
-    camera[u(i)] = always_goes_on(j) ? 1
-                   : i >= first_z    ? z.state(j).own_survival
-                   : i + 1 < s       ? y.state(i).other_survival
-                                     : albedo_at(x(i), between(x(i), x(i + 1)).w);
+// The walk knows both densities of all but its last two vertices, and turned at all but the last.
+void Path::take_light_prefix(const Walk& y, int s) {
+  for (int i = s - 1; i >= 0; --i) {
+    const WalkState& state = y.state(i);
+    x_[u(i)] = &y[i];
+    dirac_[u(i)] = i + 1 < s && state.dirac;
+    if (i > 0) crossing_[u(i - 1)] = &state.crossing;
+    survival_[0][u(i)] = always_goes_on(i) ? 1 : state.own_survival;
+    survival_[1][u(i)] = always_goes_on(k_ - i) || i == 0 ? 1 : state.other_survival;
+    walks_.light_A[u(i)] = state.pdf_own_A;
+    if (i <= s - 3) walks_.camera_A[u(i)] = camera_survival(i) * state.pdf_other_A;
   }
 }
 
-void Path::fill_crossings(const Walk& y, int s, const Walk& z, int first_z,
-                          const SegmentCrossings* segment, RayCounts& rays) {
-  if (!guide_.sees_portals()) {
-    for (int i = 0; i < k_; ++i) crossing_[u(i)] = {};
-    return;
-  }
-  for (int i = 0; i + 1 < k_; ++i) {
-    PortalSet::Crossing& c = crossing_[u(i)];
-    if (i + 1 < s) {
-      c = y.state(i + 1).crossing;
-    } else if (i >= first_z) {
-      c = z.state(k_ - i).crossing;
-    } else if (segment) {
-      c = i == s ? segment->own : i < s ? segment->before : segment->after;
-    } else {
-      c = guide_.crossing(x(i), x(i + 1), rays.portal);
-    }
+void Path::take_camera_prefix(const Walk& z, int t) {
+  for (int j = t - 1; j >= 0; --j) {
+    const WalkState& state = z.state(j);
+    const int i = k_ - j;
+    x_[u(i)] = &z[j];
+    dirac_[u(i)] = j + 1 < t && state.dirac;
+    if (j > 0) crossing_[u(i)] = &state.crossing;
+    survival_[1][u(i)] = always_goes_on(j) || i == 0 ? 1 : state.own_survival;
+    survival_[0][u(i)] = always_goes_on(i) || j == 0 ? 1 : state.other_survival;
+    walks_.camera_A[u(i)] = state.pdf_own_A;
+    if (j <= t - 3) walks_.light_A[u(i)] = light_survival(i) * state.pdf_other_A;
   }
 }
 
-double Path::plain_light_A(const World& world, int i) const {
+// Densities and survival that the walks do not know, from the finished path: x_s to x_{first_z} are
+// those that neither left.
+void Path::fill_joint(const World& world, int s, int first_z) {
+  std::array<Edge, 5> edges;  // and none beyond the path's ends
+  const auto at = [&](int i) -> Edge& { return edges[u(i - (s - 2))]; };  // x_i -> x_{i+1}
+  for (int i = std::max(s - 2, 0); i <= first_z && i < k_; ++i) at(i) = edge(i);
+  auto& [from_light, from_camera] = survival_;
+  for (int i = std::max(s, 2); i <= first_z && i < k_; ++i)
+    from_light[u(i)] = albedo_at(x(i), -at(i - 1).w);
+  for (int i = std::max(s - 1, 1); i < first_z && !always_goes_on(k_ - i); ++i)
+    from_camera[u(i)] = albedo_at(x(i), at(i).w);
+  auto& [light, camera] = walks_;
+  light[0] = plain_light_A(world, 0, {}, {});  // of walks, whoever placed x_0
+  for (int i = std::max(s, 1); i < first_z + 2 && i < k_; ++i) {
+    const Edge &before = at(i - 2), &e = at(i - 1);
+    light[u(i)] = light_survival(i) *
+                  directed_light_A(guide_, i, plain_light_A(world, i, before, e), before, e);
+  }
+  for (int i = std::max(s - 2, 0); i < first_z; ++i) {
+    const Edge &e = at(i), &after = at(i + 1);
+    camera[u(i)] = camera_survival(i) *
+                   directed_camera_A(guide_, i, plain_camera_A(world, i, e, after), e, after);
+  }
+}
+
+double Path::plain_light_A(const World& world, int i, const Edge& before, const Edge& e) const {
   if (i == 0) return world.lights.pdf(*x(0).source, x(0).triangle, x(0).position, x(0).in_sky);
-  return i == 1 ? emission_pdf_A(x(0), x(1))
-                : scatter_pdf_A(x(i - 2), x(i - 1), x(i), dirac(i - 1));
+  if (i == 1) return emission_pdf_A(x(0), e, x(1));
+  return scatter_pdf_A(x(i - 1), -before.w, e, x(i), dirac(i - 1));
 }
 
-double Path::directed_light_A(const Guide& guide, int i, double plain) const {
+double Path::directed_light_A(const Guide& guide, int i, double plain, const Edge& before,
+                              const Edge& e) const {
   if (!guide.active() || i == 0 || dirac(i - 1)) return plain;
-  const Vec3d back = i == 1 ? Vec3d() : between(x(i - 1), x(i - 2)).w;
-  return guide.pdf_A(From::light, x(i - 1), back, x(i), plain, crossing_[u(i - 1)]);
+  const Vec3d back = i == 1 ? Vec3d() : -before.w;
+  return guide.pdf_A(From::light, x(i - 1), back, e, x(i), plain, *crossing_[u(i - 1)]);
 }
 
-double Path::plain_camera_A(const World& world, int i) const {
+double Path::plain_camera_A(const World& world, int i, const Edge& e, const Edge& after) const {
   if (!x(i).met()) return 0;
-  if (i < k_ - 1) return scatter_pdf_A(x(i + 2), x(i + 1), x(i), dirac(i + 1));
-  const Edge e = between(x(k_), x(i));
-  return to_area(world.film.pdf_w(e.w), e, x(i));
+  if (i < k_ - 1) return scatter_pdf_A(x(i + 1), after.w, reversed(e), x(i), dirac(i + 1));
+  return to_area(world.film.pdf_w(-e.w), e, x(i));
 }
 
-double Path::directed_camera_A(const Guide& guide, int i, double plain) const {
+double Path::directed_camera_A(const Guide& guide, int i, double plain, const Edge& e,
+                               const Edge& after) const {
   if (!guide.active() || !x(i).met() || i == k_ - 1 || dirac(i + 1)) return plain;
-  const Vec3d back = between(x(i + 1), x(i + 2)).w;
-  return guide.pdf_A(From::camera, x(i + 1), back, x(i), plain, crossing_[u(i)]);
+  return guide.pdf_A(From::camera, x(i + 1), after.w, reversed(e), x(i), plain, *crossing_[u(i)]);
 }
 
 void Path::plain_densities(const World& world, WalkDensities& d) const {
   for (int i = 0; i < k_; ++i) {
-    d.light_A[u(i)] = light_survival(i) * plain_light_A(world, i);
-    d.camera_A[u(i)] = camera_survival(i) * plain_camera_A(world, i);
+    d.light_A[u(i)] = light_survival(i) * plain_light_A(world, i, edge(i - 2), edge(i - 1));
+    d.camera_A[u(i)] = camera_survival(i) * plain_camera_A(world, i, edge(i), edge(i + 1));
   }
 }
 
@@ -176,8 +180,10 @@ void Path::directed_densities(const Guide& guide, const WalkDensities& plain,
                               WalkDensities& d) const {
   for (int i = 0; i < k_; ++i) {
     const double light = light_survival(i), camera = camera_survival(i);
-    d.light_A[u(i)] = light * directed_light_A(guide, i, plain.light_A[u(i)] / light);
-    d.camera_A[u(i)] = camera * directed_camera_A(guide, i, plain.camera_A[u(i)] / camera);
+    d.light_A[u(i)] =
+        light * directed_light_A(guide, i, plain.light_A[u(i)] / light, edge(i - 2), edge(i - 1));
+    d.camera_A[u(i)] =
+        camera * directed_camera_A(guide, i, plain.camera_A[u(i)] / camera, edge(i), edge(i + 1));
   }
 }
 
@@ -185,29 +191,29 @@ void Path::directed_densities(const Guide& guide, const WalkDensities& plain,
 template <class Add>
 void Path::for_each_strategy(const Mixture& mixture, const WalkDensities& unit,
                              const Add& add) const {
-  for (int s = 0; s <= k_; ++s) {
-    const Technique technique = s == 0    ? Technique::camera
-                                : s == 1  ? Technique::direct
-                                : s == k_ ? Technique::light
-                                          : Technique::bi;
-    const bool joins = !(s > 0 && (dirac(s - 1) || dirac(s)));
-    if (mixture.has(technique) && joins) {
-      const double weight = mixture.sample_weight(technique, s, k_);
-      if (s == 1)
-        add(Strategy{technique, s}, 0, 1,
-            next_event_.of(mixture.through_windows) * (1 / unit.common(0)) * weight);
-      else
-        add(Strategy{technique, s}, s, s, weight);
-    }
-    if (s <= k_ - 2 && crossing_[u(s)].density > 0 && mixture.has(Technique::portal) && joins &&
-        !dirac(s) && !dirac(s + 1) && !dirac(s + 2)) {
-      // [eq. 8], p_AA = G D as in [eq. 4].
-      const double g = geometry(x(s), x(s + 1), between(x(s), x(s + 1)));
-      add(Strategy{Technique::portal, s}, s, s + 2,
-          mixture.samples_of(Technique::portal, s) * crossing_[u(s)].density *
-              (g / unit.common(s)) / unit.common(s + 1));
-    }
+  const auto joins = [&](int s) { return s == 0 || !(dirac(s - 1) || dirac(s)); };
+  const auto join = [&](Technique technique, int s) {
+    if (mixture.has(technique) && joins(s))
+      add(Strategy{technique, s}, s, s, mixture.sample_weight(technique, s, k_));
+  };
+  join(Technique::camera, 0);
+  if (mixture.has(Technique::direct) && joins(1))
+    add(Strategy{Technique::direct, 1}, 0, 1,
+        next_event_.of(mixture.through_windows) * (1 / unit.common(0)) *
+            mixture.sample_weight(Technique::direct, 1, k_));
+  for (int s = 0; s <= k_ - 2; ++s) {
+    if (s >= 2) join(Technique::bi, s);
+    if (!mixture.has(Technique::portal)) continue;
+    const double density = crossing_[u(s)]->density;
+    if (!(density > 0) || !joins(s) || dirac(s) || dirac(s + 1) || dirac(s + 2)) continue;
+    // [eq. 8], p_AA = G D as in [eq. 4].
+    const double g = geometry(x(s), x(s + 1), edge(s));
+    add(Strategy{Technique::portal, s}, s, s + 2,
+        mixture.samples_of(Technique::portal, s) * density * (g / unit.common(s)) /
+            unit.common(s + 1));
   }
+  if (k_ > 2) join(Technique::bi, k_ - 1);
+  join(Technique::light, k_);
 }
 
 double Path::weight(const Mixture& mixture, Strategy used, double beta) const {

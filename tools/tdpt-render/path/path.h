@@ -54,6 +54,8 @@ class Path {
   /// x = y_0..y_{s-1}, x_l, x_c, z_{t-1}..z_0.
   Path(const World& world, const Guide& guide, const Walk& y, int s, const Vertex& x_l,
        const Vertex& x_c, const SegmentCrossings& segment, const Walk& z, int t, RayCounts& rays);
+  Path(const Path&) = delete;
+  Path& operator=(const Path&) = delete;
 
   int k() const { return k_; }
   const Vertex& vertex(int i) const { return *x_[static_cast<size_t>(i)]; }
@@ -92,18 +94,24 @@ class Path {
  private:
   void fill(const World& world, const Walk& y, int s, const Walk& z, int t,
             const SegmentCrossings* segment, RayCounts& rays);
-  void fill_survival(const Walk& y, int s, const Walk& z, int t);
+  void take_light_prefix(const Walk& y, int s);
+  void take_camera_prefix(const Walk& z, int t);
+  void fill_joint(const World& world, int s, int first_z);
   double light_survival(int i) const { return i == 0 ? 1 : survives(From::light, i - 1); }
   double camera_survival(int i) const { return survives(From::camera, i + 1); }
-  void fill_crossings(const Walk& y, int s, const Walk& z, int first_z,
-                      const SegmentCrossings* segment, RayCounts& rays);
   /// P>(x_i) and P<(x_i) of walks that go on at the vertex before, from the finished path: of plain
-  /// walks, and directed ones from these.
-  double plain_light_A(const World& world, int i) const;
-  double plain_camera_A(const World& world, int i) const;
-  double directed_light_A(const Guide& guide, int i, double plain) const;
-  double directed_camera_A(const Guide& guide, int i, double plain) const;
+  /// walks, and directed ones from these. The edges, in the order of the path: of P>(x_i) those
+  /// that end at x_{i-1} and x_i, of P<(x_i) those that begin at x_i and x_{i+1}; where there is no
+  /// such edge, any.
+  double plain_light_A(const World& world, int i, const Edge& before, const Edge& e) const;
+  double plain_camera_A(const World& world, int i, const Edge& e, const Edge& after) const;
+  double directed_light_A(const Guide& guide, int i, double plain, const Edge& before,
+                          const Edge& e) const;
+  double directed_camera_A(const Guide& guide, int i, double plain, const Edge& e,
+                           const Edge& after) const;
   const Vertex& x(int i) const { return vertex(i); }
+  /// x_i -> x_{i+1}; nothing beyond the ends.
+  Edge edge(int i) const { return i < 0 || i >= k_ ? Edge{} : between(x(i), x(i + 1)); }
   /// Calls add(strategy, end of its light prefix, first index of its camera part, its other factor
   /// over the q_i of `unit`) for those of `mixture` that can have made the path.
   template <class Add>
@@ -114,7 +122,8 @@ class Path {
   std::array<const Vertex*, kMaxDepth + 1> x_;
   WalkDensities walks_;
   NextEventPdf next_event_;  ///< p_nee(x_0): its density as a next event at x_1
-  std::array<PortalSet::Crossing, kMaxDepth + 1> crossing_;  ///< of the edge x_i -> x_{i+1}
+  std::array<const PortalSet::Crossing*, kMaxDepth + 1> crossing_;  ///< of x_i -> x_{i+1}
+  PortalSet::Crossing joining_;  ///< where no walk and no segment knows it
   std::array<bool, kMaxDepth + 1> dirac_;
   std::array<std::array<double, kMaxDepth + 1>, 2> survival_;  ///< [From][i], 1 at both ends
 };

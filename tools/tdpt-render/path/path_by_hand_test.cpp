@@ -39,14 +39,17 @@ TEST(paths_by_hand, weights_survive_products_that_no_double_holds) {
   z.v[0].position = world.film.position();
   for (int j = 1; j < k; ++j) place(k - j, z.v[static_cast<size_t>(j)]);
   const auto at = [&](int i) -> const Vertex& { return i == 0 ? y[0] : z[k - i]; };
+  const auto scattered = [](const Vertex& from, const Vertex& v, const Vertex& to) {
+    return scatter_pdf_A(v, between(v, from).w, between(v, to), to, false);
+  };
   for (int i = 0; i < k; ++i) {
     const Vertex& v = at(i);
     const Edge from_camera = between(at(k), at(i));
     const double camera = i == k - 1 ? to_area(world.film.pdf_w(from_camera.w), from_camera, v)
-                                     : scatter_pdf_A(at(i + 2), at(i + 1), v, false);
+                                     : scattered(at(i + 2), at(i + 1), v);
     const double light = i == 0   ? y.state(0).pdf_own_A
-                         : i == 1 ? emission_pdf_A(at(0), v)
-                                  : scatter_pdf_A(at(i - 2), at(i - 1), v, false);
+                         : i == 1 ? emission_pdf_A(at(0), between(at(0), v), v)
+                                  : scattered(at(i - 2), at(i - 1), v);
     WalkState& state = z.states[static_cast<size_t>(k - i)];
     if (i > 0) state.pdf_own_A = camera, state.pdf_other_A = light;
   }

@@ -17,20 +17,6 @@ bool black(const Rgb& c) {
   return !(c.x != 0 || c.y != 0 || c.z != 0);
 }
 
-/// The way from `p` to `other`, of any length.
-Vec3d towards(const Point& p, const Point& other) {
-  return other.at_infinity() ? -other.position : other.position - p.position;
-}
-/// Direction from walk vertex i back to the vertex before it; unit, but where no more is asked than
-/// on which side of the surface it is.
-Vec3d back(const Walk& walk, int i) {
-  return walk[i].simple ? towards(walk[i], walk[i - 1]) : between(walk[i], walk[i - 1]).w;
-}
-/// Whether nothing goes from edge `a` to edge `b` at `p`: told without a root for most.
-bool blocks(const Point& p, const Vec3d& a, const Vec3d& b) {
-  return p.simple && !same_side(p, a, b);
-}
-
 }  // namespace
 
 PathSampler::PathSampler(const World& world, const SampleSettings& settings, const Guide& guide,
@@ -106,6 +92,10 @@ void PathSampler::walk_from_camera() {
   const double y = y_ + place.uniform();
   tdpt::walk_from_camera(world_, guide_, x, y, settings_.max_depth, numbers(camera_walk),
                          camera_walk_, tally_.rays);
+  camera_ends_.clear();
+  for (int j = 1; j < camera_walk_.size; ++j)
+    camera_ends_.emplace_back(camera_walk_[j], back(camera_walk_, j),
+                              camera_walk_.state(j).throughput);
 }
 
 void PathSampler::walk_from_light() {
@@ -207,7 +197,7 @@ void PathSampler::direct() {
     const auto [u, v, pick, side] = random.uniforms<4>();
     const Lights::Point point =
         world_.next_events.sample(z[j], settings_.mixture.through_windows, pick, u, v, side);
-    begin_at_light(world_, guide_, point, light_point_);
+    begin_at_light(world_, point, light_point_);
     const Vertex& y0 = light_point_[0];
     const Edge e = between(z[j], y0);
     const Rgb Le = emitted(y0, -e.w);
@@ -219,6 +209,7 @@ void PathSampler::direct() {
     const double pdf = world_.next_events.pdf(z[j], y0).of(settings_.mixture.through_windows);
     const Rgb value = sent * Rgb(static_cast<float>(1 / pdf)) * geometry(z[j], y0, e);
     if (black(value)) continue;
+    if (guide_.active()) guide_.aim_at_light(light_point_.v[0]);
     const Path path(world_, guide_, light_point_, 1, z, j + 1, tally_.rays);
     to_pixel({path, {Technique::direct, 1}, value, 1});
   }
@@ -239,44 +230,31 @@ void PathSampler::light() {
   }
 }
 
-Rgb PathSampler::joined(const LightVertex& y, const Vertex& end, const Vec3d& w) const {
-  const Vertex& v = y.vertex();
-  const Vec3d to_v = towards(end, v);
-  if (blocks(end, to_v, w)) return {};
-  const Vec3d before = y.index > 0 ? back(*y.walk, y.index) : Vec3d();
-  if (y.index > 0 && blocks(v, before, -to_v)) return {};
-  const Edge e = between(v, end);
-  const Rgb f = y.index == 0 ? emitted(v, e.w) : bsdf_at(v, before, e.w);
-  if (black(f)) return {};
-  return y.walk->state(y.index).throughput * f * bsdf_at(end, -e.w, w) * geometry(v, end, e);
+void PathSampler::join_drawn(const End& end, int edges) {
+  few_.clear();
+  values_.resize(drawn_.size());
+  for (size_t c = 0; c < drawn_.size(); ++c) {
+    const LightVertex& y = *drawn_[c];
+    values_[c] = y.index + edges <= settings_.max_depth ? join(world_, y, end) : Rgb{};
+    few_.add(luminance(values_[c]));
+  }
 }
 
 void PathSampler::bi() {
   const Walk& z = camera_walk_;
   Sequence random = numbers(choices);
   for (int t = 2; t <= z.size; ++t) {
-    const Vertex& b = z[t - 1];
-    if (!b.connectible) continue;
+    if (!z[t - 1].connectible) continue;
     random.seek(2 * static_cast<uint32_t>(t));
     const auto [u_candidates, u_few] = random.uniforms<2>();
     const double times = pool_->draw(false, u_candidates, drawn_);
-    const Vec3d to_camera = back(z, t - 1);
-    few_.clear();
-    values_.clear();
-    for (const LightVertex& y : drawn_) {
-      Rgb value;
-      if (y.index + t <= settings_.max_depth)
-        value = z.state(t - 1).throughput * joined(y, b, to_camera);
-      few_.add(luminance(value));
-      values_.push_back(value);
-    }
-    const std::span<const double> chances = few_.choose(connections(t), u_few);
-    for (size_t c = 0; c < drawn_.size(); ++c) {
-      const auto& [walk, i] = drawn_[c];
-      if (!(chances[c] > 0) || !visible((*walk)[i], b)) continue;
-      const double n = times * chances[c];
-      const Path path(world_, guide_, *walk, i + 1, z, t, tally_.rays);
-      to_pixel({path, {Technique::bi, i + 1}, values_[c] * static_cast<float>(1 / n), n});
+    join_drawn(camera_end(t - 1), t);
+    for (const auto& [c, chance] : few_.choose(connections(t), u_few)) {
+      const LightVertex& y = *drawn_[c];
+      if (!visible(*y.vertex, z[t - 1])) continue;
+      const double n = times * chance;
+      const Path path(world_, guide_, *y.walk, y.index + 1, z, t, tally_.rays);
+      to_pixel({path, {Technique::bi, y.index + 1}, values_[c] * static_cast<float>(1 / n), n});
     }
   }
 }
@@ -333,19 +311,13 @@ void PathSampler::light_sides(const Segment& segment, const Vec3d& w,
   if (const Rgb Le = emitted(x_l, w); !black(Le)) light_sides_.push_back({light_, 0, Le, 1});
   if (x_l.at_infinity()) return;
   const double times = pool_->draw(true, u[0], drawn_);
-  few_.clear();
-  values_.clear();
-  for (const LightVertex& y : drawn_) {
-    values_.push_back(y.index + 3 <= settings_.max_depth ? joined(y, x_l, w) : Rgb{});
-    few_.add(luminance(values_.back()));
-  }
-  const std::span<const double> chances = few_.choose(kSides, u[1]);
-  for (size_t c = 0; c < drawn_.size(); ++c) {
-    const LightVertex& y = drawn_[c];
-    if (!(chances[c] > 0) || !visible(y.vertex(), x_l)) continue;
-    const double n = times * chances[c];
+  join_drawn(End(x_l, w, Rgb(1.0f)), 3);
+  for (const auto& [c, chance] : few_.choose(kSides, u[1])) {
+    const LightVertex& y = *drawn_[c];
+    if (!visible(*y.vertex, x_l)) continue;
+    const double n = times * chance;
     light_sides_.push_back({y.walk, y.index + 1, values_[c] * static_cast<float>(1 / n), n,
-                            guide_.crossing(y.vertex(), x_l, tally_.rays.portal)});
+                            guide_.crossing(*y.vertex, x_l, tally_.rays.portal)});
   }
 }
 
@@ -369,23 +341,15 @@ void PathSampler::camera_sides(const Segment& segment, const Vec3d& w, double u)
   splat_side(segment, w);
   few_.clear();
   values_.clear();
+  const End end(x_c, -w, Rgb(1.0f));
   for (int b = 2; b <= settings_.max_depth - 1 && b <= z.size; ++b) {
-    const Vertex& v = z[b - 1];
-    Rgb value;
-    if (v.connectible && !blocks(x_c, -w, towards(x_c, v)) &&
-        !blocks(v, towards(v, x_c), back(z, b - 1))) {
-      const Edge e = between(x_c, v);
-      value = bsdf_at(x_c, -w, e.w) * bsdf_at(v, -e.w, back(z, b - 1)) * z.state(b - 1).throughput *
-              geometry(x_c, v, e);
-    }
-    values_.push_back(value);
-    few_.add(luminance(value));
+    values_.push_back(z[b - 1].connectible ? join(world_, end, camera_end(b - 1)) : Rgb{});
+    few_.add(luminance(values_.back()));
   }
-  const std::span<const double> chances = few_.choose(kSides, u);
-  for (size_t c = 0; c < values_.size(); ++c) {
+  for (const auto& [c, chance] : few_.choose(kSides, u)) {
     const int b = static_cast<int>(c) + 2;
-    if (!(chances[c] > 0) || !visible(x_c, z[b - 1])) continue;
-    camera_sides_.push_back({&z, b, values_[c] * static_cast<float>(1 / chances[c]), chances[c],
+    if (!visible(x_c, z[b - 1])) continue;
+    camera_sides_.push_back({&z, b, values_[c] * static_cast<float>(1 / chance), chance,
                              guide_.crossing(x_c, z[b - 1], tally_.rays.portal)});
   }
 }

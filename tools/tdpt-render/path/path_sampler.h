@@ -108,6 +108,8 @@ class PathSampler {
     double presence = 1;  ///< coverage of both ends' surfaces (Hit::presence)
   };
 
+  const End& camera_end(int j) const { return camera_ends_[static_cast<size_t>(j - 1)]; }
+
   // Weigh a contribution and add it to the sample's own pixel, or where it falls on the film;
   // return the luminance that it brought.
   double to_pixel(const Contribution& found);
@@ -129,8 +131,9 @@ class PathSampler {
   /// Importance of the pinhole for light leaving p: radiance of a splat per unit of f * throughput.
   /// False when p is not in the picture. No visibility.
   bool project(const Point& p, Vec3d& to_camera, Rgb& factor, double& x, double& y) const;
-  /// Light that vertex y_i sends to `end`, whose edges go on along unit w; no visibility.
-  Rgb joined(const LightVertex& y, const Vertex& end, const Vec3d& w) const;
+  /// What drawn_ bring to `end`, to values_ and few_; nothing where the path would be too long: of
+  /// y_0 it would have so many edges.
+  void join_drawn(const End& end, int edges);
   /// Whether a segment joins anything.
   bool draw_segment(const PortalSet::Sample& sample, Segment& segment);
   // What x_l and x_c can be joined with, few of each.
@@ -152,8 +155,9 @@ class PathSampler {
   const Walk* light_ = &light_walk_;  ///< that of the sample
   LightPool own_pool_;
   const LightPool* pool_ = &own_pool_;
+  std::vector<End> camera_ends_;  ///< [j-1] of z_j
   // Of one vertex at a time.
-  std::vector<LightVertex> drawn_;
+  std::vector<const LightVertex*> drawn_;
   std::vector<Rgb> values_;
   Few few_;
   std::vector<Side> light_sides_, camera_sides_;

@@ -47,6 +47,10 @@ struct Edge {
   Vec3d w;    ///< unit
   double d2;  ///< squared distance; 1 when one end is infinitely far
 };
+/// The same way from the other end.
+inline Edge reversed(const Edge& e) {
+  return {-e.w, e.d2};
+}
 inline Edge between(const Point& a, const Point& b) {
   if (a.at_infinity()) return {a.position, 1};
   if (b.at_infinity()) return {-b.position, 1};
@@ -79,7 +83,7 @@ inline bool same_side(const Point& p, const Vec3d& wi, const Vec3d& wo) {
 
 // Of points that are not simple.
 Rgb layered_bsdf(const Point& p, const Vec3d& to_light, const Vec3d& to_camera);
-double layered_scatter_pdf_A(const Point& from, const Point& at, const Point& to, bool dirac);
+double layered_scatter_pdf_w(const Point& at, const Vec3d& back, const Vec3d& to, bool dirac);
 
 /// The side of the surface at `p` that all edges of a path are on which has one along `away`; 0:
 /// both, as light goes through.
@@ -96,15 +100,14 @@ inline Rgb bsdf_at(const Point& p, const Vec3d& to_light, const Vec3d& to_camera
              : Rgb{};
 }
 
-/// pdf_A of reaching `to` when the walk came from `from` and scatters at `at`. `dirac`: by a Dirac
-/// lobe; its density is per n^2 |cos| dw, which reflection and refraction preserve.
-inline double scatter_pdf_A(const Point& from, const Point& at, const Point& to, bool dirac) {
-  if (!at.simple) return layered_scatter_pdf_A(from, at, to, dirac);
-  const Edge e = between(at, to);
-  const double cos_in =
-      dot(at.normal, from.at_infinity() ? between(at, from).w : from.position - at.position);
+/// pdf_A of reaching `to` along `e` when the walk came along unit `back`, away from the surface,
+/// and scatters at `at`. `dirac`: by a Dirac lobe; its density is per n^2 |cos| dw, which
+/// reflection and refraction preserve.
+inline double scatter_pdf_A(const Point& at, const Vec3d& back, const Edge& e, const Point& to,
+                            bool dirac) {
+  if (!at.simple) return to_area(layered_scatter_pdf_w(at, back, e.w, dirac), e, to);
   const double cos_out = dot(at.normal, e.w);
-  if (!(cos_in * cos_out > 0)) return 0;
+  if (!(dot(at.normal, back) * cos_out > 0)) return 0;
   return to_area(std::abs(cos_out) * std::numbers::inv_pi, e, to);
 }
 
@@ -114,9 +117,8 @@ inline Rgb emitted(const Point& p, const Vec3d& w) {
   return p.source->is_sky() ? p.in_sky.radiance : p.source->emitted(p.normal, p.emission, w);
 }
 
-/// pdf_A of reaching `to` when light leaves `light`.
-inline double emission_pdf_A(const Point& light, const Point& to) {
-  const Edge e = between(light, to);
+/// pdf_A of reaching `to` along `e` when light leaves `light`.
+inline double emission_pdf_A(const Point& light, const Edge& e, const Point& to) {
   return to_area(light.source->pdf_w(light.normal, e.w), e, to);
 }
 

@@ -6,9 +6,7 @@
 
 namespace tdpt {
 
-double albedo_at(const Point& p, const Vec3d& back) {
-  if (!p.on_surface()) return 1;
-  if (p.simple) return std::clamp(double{max_component(p.material->base_color)}, 0.05, 1.0);
+double layered_albedo(const Point& p, const Vec3d& back) {
   double albedo = max_component(bsdf::albedo(p.bsdf, Onb<double>(p.shading).to_local(back)));
   // Of walks that found the pane [Hit::presence].
   if (const Pane pane = pane_of(*p.material)) albedo /= pane.presence(dot(p.normal, back));

@@ -10,6 +10,8 @@
 // factor of the densities P> and P< of the next vertex, which all weights are made of: a strategy
 // that needs a long walk is known to be seldom.
 #pragma once
+#include <algorithm>
+
 #include "tools/tdpt-render/path/point.h"
 
 namespace tdpt {
@@ -24,6 +26,10 @@ constexpr bool always_goes_on(int i) {
 
 /// Albedo of a surface as it is seen along unit `back`: the largest component, but 0.05 at least,
 /// 1 at most; 1 off surfaces. Of a pane, that of the share of rays that find it.
-double albedo_at(const Point& p, const Vec3d& back);
+double layered_albedo(const Point& p, const Vec3d& back);
+inline double albedo_at(const Point& p, const Vec3d& back) {
+  if (!p.simple) return layered_albedo(p, back);
+  return p.on_surface() ? std::clamp(double{max_component(p.material->base_color)}, 0.05, 1.0) : 1;
+}
 
 }  // namespace tdpt

@@ -124,14 +124,11 @@ Rgb layered_bsdf(const Point& v, const Vec3d& to_light, const Vec3d& to_camera) 
                                                     std::abs(dot(v.normal, to_light)));
 }
 
-double layered_scatter_pdf_A(const Point& from, const Point& at, const Point& to, bool dirac) {
-  const Edge e = between(at, to);
+double layered_scatter_pdf_w(const Point& at, const Vec3d& back, const Vec3d& to, bool dirac) {
   Vec3d f, t;
-  if (!to_shading_frame(at, between(at, from).w, e.w, f, t)) return 0;
-  const double pdf_w =
-      dirac ? bsdf::dirac_probability(at.bsdf, f, t) * square(at.bsdf.index(t)) * std::abs(t.z)
-            : bsdf::pdf_w(at.bsdf, f, t);
-  return to_area(pdf_w, e, to);
+  if (!to_shading_frame(at, back, to, f, t)) return 0;
+  return dirac ? bsdf::dirac_probability(at.bsdf, f, t) * square(at.bsdf.index(t)) * std::abs(t.z)
+               : bsdf::pdf_w(at.bsdf, f, t);
 }
 
 bool turn(const Point& v, From from, const Vec3d& back, const std::array<double, 3>& u, Turn& out) {
@@ -140,7 +137,7 @@ bool turn(const Point& v, From from, const Vec3d& back, const std::array<double,
   if (v.simple) {
     const bool front = dot(v.normal, back) > 0;
     out.weight = v.material->base_color;
-    out.w = normalize(Onb<double>(front ? v.normal : -v.normal).to_world(cosine_hemisphere(a, b)));
+    out.w = Onb<double>(front ? v.normal : -v.normal).to_world(cosine_hemisphere(a, b));
     return true;
   }
   const Onb<double> onb(v.shading);

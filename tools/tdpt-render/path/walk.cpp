@@ -8,6 +8,8 @@
 // them.
 #include "tools/tdpt-render/path/walk.h"
 
+#include <utility>
+
 #include "tools/tdpt-render/path/surface.h"
 
 namespace tdpt {
@@ -27,7 +29,7 @@ class Walker {
 
   /// Extends the walk, whose last vertex is v, along unit w from `origin`: first hit, its
   /// densities, and what the two vertices before it learn. `throughput`: of a walk that is not
-  /// directed. `plain_A(v, hit)`: density of the hit in such a walk. `triangle`: of the portals,
+  /// directed. `plain_A(v, e, hit)`: density of the hit in such a walk. `triangle`: of the portals,
   /// aimed at.
   template <class PlainPdf>
   bool extend(const Tracer::Origin& origin, const Vec3d& w, const Rgb& throughput,
@@ -38,7 +40,6 @@ class Walker {
 
  private:
   PortalSet::Crossing crossing(const Vertex& v, const Vertex& next, int triangle);
-  Vec3d back(size_t i) const { return i == 0 ? Vec3d() : between(walk_.v[i], walk_.v[i - 1]).w; }
 
   const World& world_;
   const Guide& guide_;
@@ -46,6 +47,7 @@ class Walker {
   Sequence numbers_;
   Walk& walk_;
   RayCounts& rays_;
+  Edge last_{};  ///< to the walk's last vertex; 0 where it begins there
 };
 
 PortalSet::Crossing Walker::crossing(const Vertex& v, const Vertex& next, int triangle) {
@@ -65,19 +67,21 @@ bool Walker::extend(const Tracer::Origin& origin, const Vec3d& w, const Rgb& thr
   Vertex& v = walk_.v[n - 1];
   Vertex& next = walk_.v[n];
   leaves ? place_in_sky(world_, w, next) : place_on_surface(world_, hit, next);
-  const double plain = plain_A(v, next);
+  const Edge e = between(v, next);
+  const double plain = plain_A(v, e, next);
   if (!(plain > 0)) return false;
   WalkState& here = walk_.states[n - 1];
   const bool known = n >= 2 && walk_.v[n - 2].met();
-  const double other = known ? scatter_pdf_A(next, v, walk_.v[n - 2], here.dirac) : 0;
+  const double other =
+      known ? scatter_pdf_A(v, e.w, reversed(last_), walk_.v[n - 2], here.dirac) : 0;
   if (known) walk_.states[n - 2].pdf_other_A = other;
   WalkState& state = walk_.states[n];
   if (guide_.active()) leaves ? guide_.aim_at_light(next) : guide_.aim_at_surface(-w, next);
   // Light walks ask for the first: it may be x_1.
   if (guide_.looks_out() && !leaves && (from_ == From::camera || n == 1))
     world_.next_events.look_out(-w, next);
-  if (n >= 2) here.other_survival = albedo_at(v, w);
-  state.own_survival = albedo_at(next, -w);
+  if (n >= 2) here.other_survival = albedo_at(v, e.w);
+  state.own_survival = albedo_at(next, -e.w);
   state.other_survival = 1;
   const double went_on = always_goes_on(static_cast<int>(n) - 1) ? 1 : here.own_survival;
   state.throughput = throughput * static_cast<float>(1 / hit.presence);
@@ -88,17 +92,18 @@ bool Walker::extend(const Tracer::Origin& origin, const Vec3d& w, const Rgb& thr
   if (world_.absorbing && !leaves)
     state.throughput = state.throughput * transmittance(v, next, w, hit.distance);
   ++walk_.size;
+  const Edge before = std::exchange(last_, e);
   if (!guide_.active()) return true;
 
   const bool by_film = n == 1 && from_ == From::camera;
   if (here.dirac || by_film) return true;
-  const double directed = guide_.pdf_A(from_, v, back(n - 1), next, plain, state.crossing);
+  const double directed = guide_.pdf_A(from_, v, -before.w, e, next, plain, state.crossing);
   state.pdf_own_A = went_on * directed;
   state.throughput *= static_cast<float>(plain / directed);
   if (known) {
     const From reverse = from_ == From::light ? From::camera : From::light;
     walk_.states[n - 2].pdf_other_A =
-        guide_.pdf_A(reverse, v, w, walk_.v[n - 2], other, here.crossing);
+        guide_.pdf_A(reverse, v, e.w, reversed(before), walk_.v[n - 2], other, here.crossing);
   }
   return true;
 }
@@ -108,19 +113,18 @@ void Walker::scatter(int edges) {
     walk_.make_place();
     const Vertex& v = walk_[walk_.size - 1];
     WalkState& state = walk_.states[static_cast<size_t>(walk_.size) - 1];
-    const Vertex& previous = walk_[walk_.size - 2];
-    const Vec3d to_previous = between(v, previous).w;
-    Turn t;
+    const Vec3d to_previous = -last_.w;
     numbers_.seek(kPerBounce * static_cast<uint32_t>(walk_.size - 1));
-    const bool scatters = turn(v, from_, to_previous, numbers_.uniforms<3>(), t);
-    const double roulette = numbers_.uniform();
+    const auto [a, b, lobe, roulette] = numbers_.uniforms<4>();
     const double chance = always_goes_on(walk_.size - 1) ? 1 : state.own_survival;
     if (!(roulette < chance)) return;
+    Turn t;
+    const bool scatters = turn(v, from_, to_previous, {a, b, lobe}, t);
     const bool tried_dirac = t.dirac;
     Vec3d towards;
     int triangle = -1;
     bool aims = false;
-    if (guide_.active()) {
+    if (guide_.active() && guide_.may_aim(v, from_)) {
       numbers_.seek(kPerBounce * static_cast<uint32_t>(walk_.size - 1) + kDirection);
       aims = guide_.draw(v, to_previous, from_, numbers_.uniforms<4>(), towards, triangle);
     }
@@ -133,8 +137,8 @@ void Walker::scatter(int edges) {
     const Rgb throughput = state.throughput * t.weight * static_cast<float>(1 / chance);
     if (max_component(throughput) <= 0) return;
     state.dirac = t.dirac;
-    const auto pdf_A = [&](const Vertex& at, const Vertex& to) {
-      return scatter_pdf_A(previous, at, to, t.dirac);
+    const auto pdf_A = [&](const Vertex& at, const Edge& e, const Vertex& to) {
+      return scatter_pdf_A(at, to_previous, e, to, t.dirac);
     };
     if (!extend(v.origin(), t.w, throughput, pdf_A, tried_dirac ? -1 : triangle)) {
       state.dirac = false;
@@ -145,13 +149,11 @@ void Walker::scatter(int edges) {
 
 }  // namespace
 
-void begin_at_light(const World& world, const Guide& guide, const Lights::Point& light,
-                    Walk& walk) {
+void begin_at_light(const World& world, const Lights::Point& light, Walk& walk) {
   walk.size = 0;
   walk.make_place();
   walk.size = 1;
   place_on_light(world, light, walk.v[0]);
-  if (guide.active()) guide.aim_at_light(walk.v[0]);
   walk.states[0] = {};
   walk.states[0].throughput = Rgb(static_cast<float>(1 / light.pdf));
   walk.states[0].pdf_own_A = light.pdf;
@@ -167,8 +169,8 @@ void walk_from_camera(const World& world, const Guide& guide, double x, double y
   walk.states[0] = {};
   walk.states[0].pdf_own_A = 1;
   const Vec3d w = world.film.direction(x, y);
-  const auto pdf_A = [&](const Vertex& at, const Vertex& to) {
-    return to_area(world.film.pdf_w(w), {w, between(at, to).d2}, to);
+  const auto pdf_A = [&](const Vertex&, const Edge& e, const Vertex& to) {
+    return to_area(world.film.pdf_w(w), {w, e.d2}, to);
   };
   Walker walker(world, guide, From::camera, numbers, walk, rays);
   const Tracer::Origin pinhole = walk.v[0].origin();
@@ -183,7 +185,8 @@ void walk_from_light(const World& world, const Guide& guide, int edges, Sequence
   walker.numbers().seek(0);
   const auto [u, v, pick, side] = walker.numbers().uniforms<4>();
   const Lights::Point light = world.lights.sample(pick, u, v, side);
-  begin_at_light(world, guide, light, walk);
+  begin_at_light(world, light, walk);
+  if (guide.active()) guide.aim_at_light(walk.v[0]);
   if (edges < 1) return;
   const Vertex& y0 = walk[0];
   const std::array<double, 4> direction = walker.numbers().uniforms<4>();

@@ -39,8 +39,17 @@ struct Walk {
   const WalkState& state(int i) const { return states[static_cast<size_t>(i)]; }
 };
 
-/// y_0 alone, a walk of no edges.
-void begin_at_light(const World& world, const Guide& guide, const Lights::Point& light, Walk& walk);
+/// Direction from vertex i back to the vertex before it, 0 where the walk begins; unit, but where
+/// no more is asked than on which side of the surface it is.
+inline Vec3d back(const Walk& walk, int i) {
+  if (i == 0) return {};
+  const Vertex &v = walk[i], &before = walk[i - 1];
+  const bool any_length = v.simple && !before.at_infinity();
+  return any_length ? before.position - v.position : between(v, before).w;
+}
+
+/// y_0 alone, a walk of no edges; it has yet to be told where it may aim [Guide::aim_at_light].
+void begin_at_light(const World& world, const Lights::Point& light, Walk& walk);
 
 /// z_0 at the pinhole, z_1 ... z_n, n <= edges, through raster place (x, y).
 void walk_from_camera(const World& world, const Guide& guide, double x, double y, int edges,
