@@ -37,14 +37,15 @@ void declare_options(cli::Options& options, Arguments& a) {
                  "Techniques to combine; default auto, which finds the best for this scene");
   options.option(
       "--guide-light", a.guide_light, "Q",
-      "Probability that a light walk aims at a portal; default 0.5 with tdpt-guided, else 0", 0,
+      "Probability that a light walk aims at a portal; default 0.7 with tdpt-guided, else 0", 0,
       0.95);
   options.option(
       "--guide-camera", a.guide_camera, "Q",
       "Probability that a camera walk aims at a portal; default 0.4 with tdpt-guided, else 0", 0,
       0.95);
   options.option("--segments", a.segments, "SHARE",
-                 "Share of the samples that draw a portal segment; default 1", 0.01, 1);
+                 "Share of the samples that draw a portal segment; default 1, with tdpt-guided 0.5",
+                 0.01, 1);
   options.option("--spp", a.spp, "N", "Samples per pixel; default 16, or as --time allows", 1,
                  int64_t{1} << 32);
   options.option("--time", a.seconds, "SECONDS", "Stop rendering after this wall-clock time", 1e-3,

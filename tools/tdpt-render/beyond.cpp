@@ -35,6 +35,8 @@ void add_group(PathSampler& sampler, const World& world, uint64_t group) {
       sampler.light_phase(walk);
       pool.add(walk);
     });
+  if (sampler.has_segment_phase())
+    each([&](const Walk& walk) { sampler.segment_phase(walk, pool); });
   each([&](const Walk& walk) { sampler.camera_phase(walk, pool); });
 }
 

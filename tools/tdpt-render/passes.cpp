@@ -40,6 +40,8 @@ void render_samples(const World& world, const Integrator& integrator, const Samp
             sampler.light_phase(walk);
             pool.add(walk);
           });
+        if (sampler.has_segment_phase())
+          each(first, sample, [&](Walk& walk) { sampler.segment_phase(walk, pool); });
         each(first, sample, [&](Walk& walk) {
           sampler.camera_phase(walk, pool);
           sampler.end();

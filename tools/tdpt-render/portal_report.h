@@ -10,7 +10,7 @@ namespace tdpt {
 /// A portal brought next to no light when its samples brought less than the first share of it, or
 /// less than the second and less than the third share of them joined a lamp with the camera; told
 /// once there are as many samples as the last says.
-inline constexpr double kNoEnergy = 0.001, kLeastEnergy = 0.01, kLeastLit = 0.1;
+inline constexpr double kNoEnergy = 0.001, kLeastEnergy = 0.01, kLeastLit = 0.25;
 inline constexpr uint64_t kEnoughSamples = 1000;
 
 /// The sentences, one for each portal; of many the first ones, and how many more there are.

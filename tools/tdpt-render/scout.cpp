@@ -217,8 +217,9 @@ class ScoutSample {
       return mixture(i).sample_weight(strategy.technique, strategy.split, path.k()) / times;
     };
     // Of all samples of the strategy: f = value p, `used` n_s p.
-    const double f =
-        light * times / own_mixture.samples_of(strategy.technique, strategy.split) * of[own].used;
+    const double f = light * times /
+                     own_mixture.samples_of(strategy.technique, strategy.split, path.k()) *
+                     of[own].used;
     const double share = f * per_sample(own) / all_runs;  // of the picture, both runs together
     const bool splat = strategy.technique == Technique::light ||
                        (strategy.technique == Technique::portal && strategy.split == path.k() - 2);
@@ -236,10 +237,10 @@ class ScoutSample {
       most = std::max(most, moments_[i]);
       if (splat || !(of[i].used > 0)) continue;
       const double brought = f * per_sample(i) / of[i].counted;
-      // Where its segments are fewer than the run's, each brings as much more.
-      const double fewer = mixture(i).segments / own_mixture.segments;
-      if (strategy.technique == Technique::portal && fewer < 1)
-        bring(i, brought / fewer, &path.vertex(path.k()), of[i].used / of[own].used);
+      // As few joins with segments are made of more of them, each of which brings as much less.
+      const double more = mixture(i).segments / own_mixture.segments;
+      if (strategy.technique == Technique::portal)
+        bring(i, brought, &path.vertex(strategy.split), of[i].used / of[own].used / more);
       else if (begins_with_a_light_walk(strategy))
         bring(i, brought, &path.vertex(0), of[i].used / of[own].used);
       else
@@ -307,14 +308,19 @@ class Runner {
     count(rays[1], [&] { sampler_.light_phase(walk); });
   }
 
-  void camera_phase(int x, int y, uint64_t number, const Walk& walk, const LightPool& pool,
-                    Rays& rays) {
+  void segment_phase(int x, int y, uint64_t number, const Walk& walk, LightPool& pool, Rays& rays) {
+    if (!sampler_.has_segment_phase()) return;
+    sampler_.begin(x, y, number);
+    count(rays[2], [&] { sampler_.segment_phase(walk, pool); });
+  }
+
+  void camera_phase(int x, int y, uint64_t number, const Walk& walk, LightPool& pool, Rays& rays) {
     sampler_.begin(x, y, number);
     sampler_.join_with(walk, pool);
     count(rays[0], [&] { sampler_.walk_from_camera(); });
     for (size_t t = 0; t < kTechniques; ++t)
       if (const auto technique = static_cast<Technique>(t); mixture_.has(technique))
-        count(rays[2 + t], [&] { sampler_.run(technique); });
+        count(rays[3 + t], [&] { sampler_.run(technique); });
   }
 
  private:
@@ -347,18 +353,25 @@ void Scout::draw_run(size_t r, uint64_t first, uint64_t end, Film& film, ScoutSu
     // Runs of 2^32 samples of a pixel are independent [sequence.h].
     const auto number = [&](uint64_t k) { return (kScoutGroup * k + j) << 32; };
     pool.clear();
-    for (uint64_t k = first; k < end; ++k) {
-      const auto [x, y] = spread_pixel(k, world_.film.width(), world_.film.height());
-      runner.light_phase(x, y, number(k), walks[k - first], sums.rays[r]);
-      pool.add(walks[k - first]);
-    }
-    for (uint64_t k = first; k < end; ++k) {
-      const auto [x, y] = spread_pixel(k, world_.film.width(), world_.film.height());
+    const auto each = [&](const auto& visit) {
+      for (uint64_t k = first; k < end; ++k) {
+        const auto [x, y] = spread_pixel(k, world_.film.width(), world_.film.height());
+        visit(k, x, y, walks[k - first]);
+      }
+    };
+    each([&](uint64_t k, int x, int y, Walk& walk) {
+      runner.light_phase(x, y, number(k), walk, sums.rays[r]);
+      pool.add(walk);
+    });
+    each([&](uint64_t k, int x, int y, const Walk& walk) {
+      runner.segment_phase(x, y, number(k), walk, pool, sums.rays[r]);
+    });
+    each([&](uint64_t k, int x, int y, const Walk& walk) {
       seen.begin(x, y, k, record(k, r, j));
-      runner.camera_phase(x, y, number(k), walks[k - first], pool, sums.rays[r]);
+      runner.camera_phase(x, y, number(k), walk, pool, sums.rays[r]);
       seen.end();
       blocks_[k] = static_cast<uint32_t>(seen.block());
-    }
+    });
   }
 }
 

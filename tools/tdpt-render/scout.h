@@ -82,8 +82,9 @@ struct ScoutSums {
   static constexpr int kAcross = 16;
   static constexpr size_t kBlocks = size_t{kAcross} * kAcross;
   static constexpr size_t kQuarters = 4;  ///< of the groups, k-th of each four
-  /// Rays of each run: those of the walks from the camera and from the light, then by technique.
-  static constexpr size_t kParts = 2 + kTechniques;
+  /// Rays of each run: those of the walks from the camera and from the light, of segments until
+  /// they are joined with the camera's side, then by technique.
+  static constexpr size_t kParts = 3 + kTechniques;
 
   ScoutSums() = default;
   ScoutSums(size_t candidates, size_t runs);

@@ -44,10 +44,9 @@ double Scout::work_of(size_t candidate) const {
     const auto technique = static_cast<Technique>(t);
     if (!m.has(technique)) continue;
     if (technique == Technique::portal)
-      segments = (work.per_sample(of[2 + t], samples) - work.per_sample({}, samples)) * m.segments /
+      segments = (work.per_sample(of[2], samples) - work.per_sample({}, samples)) * m.segments /
                  rendered;
-    else
-      rays.merge(of[2 + t]);
+    rays.merge(of[3 + t]);
   }
   return work.per_sample(rays, samples) + segments;
 }

@@ -70,6 +70,11 @@ void Variant::picture(PathSampler& sampler, int width, int height, uint64_t spp,
           sampler.light_phase(walk);
           pool.add(walk);
         });
+      if (pools && sampler.has_segment_phase())
+        each(first, [&](int x, int y, const Walk& walk) {
+          sampler.begin(x, y, s);
+          sampler.segment_phase(walk, pool);
+        });
       each(first, [&](int x, int y, const Walk& walk) {
         at(x, y);
         if (!pools) return sample(sampler, x, y, s);

@@ -9,6 +9,10 @@
 
 namespace tdpt {
 
+inline bool black(const Rgb& c) {
+  return !(c.x != 0 || c.y != 0 || c.z != 0);
+}
+
 struct End {
   const Vertex* vertex;
   Vec3d position;

@@ -8,6 +8,13 @@ void LightPool::clear() {
   starts_.clear();
   scattered_.clear();
   walks_ = 0;
+  kept_ = 0;
+  drawn_ = 0;
+}
+
+PortalSegment& LightPool::place_for_segment() {
+  if (kept_ == segments_.size()) segments_.emplace_back();
+  return segments_[kept_];
 }
 
 void LightPool::add(const Walk& y) {

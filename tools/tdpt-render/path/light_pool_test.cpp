@@ -154,5 +154,24 @@ TEST(expecting_joins, leave_alone_what_does_not_walk_from_lights) {
   EXPECT_EQ(in_furnace(nee.mixture, 0.5f, 6), nee.mixture);
 }
 
+// A sample that has no use for its segment leaves its place to the next one.
+TEST(light_pool, keeps_the_segments_that_are_of_use_and_counts_those_that_are_not) {
+  LightPool pool;
+  for (int round = 0; round < 2; ++round) {
+    pool.clear();
+    EXPECT_TRUE(pool.segments().empty());
+    EXPECT_EQ(pool.segments_drawn(), 0);
+    for (int sample = 0; sample < 5; ++sample) {
+      pool.place_for_segment().x = sample;
+      if (sample % 2 == 0) pool.keep_segment();
+      pool.end_segment();
+    }
+    std::vector<int> kept;
+    for (const PortalSegment& segment : pool.segments()) kept.push_back(segment.x);
+    EXPECT_EQ(kept, (std::vector{0, 2, 4}));
+    EXPECT_EQ(pool.segments_drawn(), 5);
+  }
+}
+
 }  // namespace
 }  // namespace tdpt

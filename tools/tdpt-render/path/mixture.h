@@ -55,6 +55,9 @@ struct Guiding {
 /// than noise.
 inline constexpr double kThroughWindows = 0.75;
 
+/// Samples whose light walks and portal segments are pooled [light_pool.h].
+inline constexpr int kPooled = 16;
+
 struct Mixture {
   TechniqueSet techniques;
   /// MIS sample weights of next events at z_1 and at later vertices.
@@ -72,17 +75,19 @@ struct Mixture {
 
   bool has(Technique t) const { return techniques.has(t); }
   bool looks_out() const { return has(Technique::direct) && through_windows > 0; }
-  /// How often a sample of the picture runs a strategy, on average.
-  constexpr double samples_of(Technique t, int split) const {
-    return t == Technique::bi       ? joined
-           : t != Technique::portal ? 1
-           : split == 0             ? segments
-                                    : segments * joined_to_segments;
+  /// How often a sample of the picture runs a strategy of paths of k edges, on average. All
+  /// segments of a pool are joined with its vertices, but only its own is seen by the camera.
+  constexpr double samples_of(Technique t, int split, int k) const {
+    if (t == Technique::bi) return joined;
+    if (t != Technique::portal) return 1;
+    return segments * (split > 0 ? joined_to_segments : 1) * (sees_segment(split, k) ? 1 : kPooled);
   }
+  /// Whether the end of the segment is what the camera sees.
+  static constexpr bool sees_segment(int split, int k) { return split == k - 2; }
   /// By how much the density of a strategy counts in the weights of paths of k edges: samples of
   /// it per sample of the picture, times its MIS sample weight.
   constexpr double sample_weight(Technique t, int split, int k) const {
-    return t != Technique::direct ? samples_of(t, split) : k == 2 ? first_direct : later_direct;
+    return t != Technique::direct ? samples_of(t, split, k) : k == 2 ? first_direct : later_direct;
   }
   friend constexpr bool operator==(const Mixture&, const Mixture&) = default;
 };

@@ -209,7 +209,7 @@ void Path::for_each_strategy(const Mixture& mixture, const WalkDensities& unit,
     // [eq. 8], p_AA = G D as in [eq. 4].
     const double g = geometry(x(s), x(s + 1), edge(s));
     add(Strategy{Technique::portal, s}, s, s + 2,
-        mixture.samples_of(Technique::portal, s) * density * (g / unit.common(s)) /
+        mixture.samples_of(Technique::portal, s, k_) * density * (g / unit.common(s)) /
             unit.common(s + 1));
   }
   if (k_ > 2) join(Technique::bi, k_ - 1);
@@ -245,7 +245,7 @@ StrategySums Path::sums(const Mixture& mixture, const WalkDensities& d, const Wa
   for_each_strategy(mixture, unit, [&](Strategy strategy, int prefix, int rest, double extra) {
     const double counted = products.light[u(prefix)] * extra * products.camera[u(rest)];
     const double per_sample = mixture.sample_weight(strategy.technique, strategy.split, k_) /
-                              mixture.samples_of(strategy.technique, strategy.split);  // v_s / n_s
+                              mixture.samples_of(strategy.technique, strategy.split, k_);  // v_s / n_s
     sums.counted += counted;
     sums.squares += counted * per_sample;
     if (strategy == used) sums.used = counted / per_sample;

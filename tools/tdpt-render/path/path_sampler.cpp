@@ -11,11 +11,6 @@ namespace {
 constexpr int connections(int t) {
   return t <= 3 ? 2 : 1;
 }
-constexpr int kSides = 2;  // of either end of a portal segment
-
-bool black(const Rgb& c) {
-  return !(c.x != 0 || c.y != 0 || c.z != 0);
-}
 
 }  // namespace
 
@@ -53,12 +48,12 @@ void PathSampler::light_phase(Walk& y) {
                         tally_.rays);
 }
 
-void PathSampler::join_with(const Walk& y, const LightPool& pool) {
+void PathSampler::join_with(const Walk& y, LightPool& pool) {
   light_ = &y;
   pool_ = &pool;
 }
 
-void PathSampler::camera_phase(const Walk& y, const LightPool& pool) {
+void PathSampler::camera_phase(const Walk& y, LightPool& pool) {
   join_with(y, pool);
   const TechniqueSet& techniques = settings_.mixture.techniques;
   walk_from_camera();
@@ -102,6 +97,7 @@ void PathSampler::walk_from_light() {
   light_phase(light_walk_);
   own_pool_.clear();
   own_pool_.add(light_walk_);
+  if (has_segment_phase()) segment_phase(light_walk_, own_pool_);
   join_with(light_walk_, own_pool_);
 }
 
@@ -257,143 +253,6 @@ void PathSampler::bi() {
       to_pixel({path, {Technique::bi, y.index + 1}, values_[c] * static_cast<float>(1 / n), n});
     }
   }
-}
-
-bool PathSampler::draw_segment(const PortalSet::Sample& sample, Segment& segment) {
-  // Both rays start at one place, behind the portal by more than rounding: what lies in its plane,
-  // a pane as like as not, is met by one of them alone, and a segment that a wall there stops ends
-  // too near the plane to have a density.
-  auto& [x_l, x_c, crossing, presence] = segment;
-  const Vec3f from(sample.position - world_.portals.polygon(sample.drawn.polygon).normal *
-                                         (0.5 * PortalSet::kMargin));
-  const auto end = [&](const Vec3d& w, Vertex& v) {
-    Hit hit;
-    ++tally_.rays.closest;
-    if (world_.tracer.closest_from(from, w, hit)) {
-      place_on_surface(world_, hit, v);
-      segment.presence *= hit.presence;
-      return true;
-    }
-    if (hit.triangle != ~0u || !world_.lights.sky()) return false;
-    place_in_sky(world_, w, v);
-    return true;
-  };
-  if (!end(sample.direction, x_c) || !x_c.connectible || !end(-sample.direction, x_l)) return false;
-  // A lamp may be black or a mirror otherwise: light that begins there is not scattered there.
-  if (!x_l.connectible && black(emitted(x_l, sample.direction))) return false;
-  if (!(between(x_l, x_c).d2 > 0)) return false;
-  const Vec3d begin =
-      x_l.at_infinity() ? before_the_scene(x_c.position, x_l.position) : x_l.position;
-  if (!world_.portals.spans(sample.drawn, begin, x_c.position)) return false;
-  if (guide_.active()) {
-    if (x_l.at_infinity())
-      guide_.aim_at_light(x_l);
-    else
-      guide_.aim_at_surface(sample.direction, x_l);
-    guide_.aim_at_surface(-sample.direction, x_c);
-  }
-  if (guide_.looks_out()) {
-    // Where light begins at x_l, x_c may be x_1.
-    if (!x_l.at_infinity()) world_.next_events.look_out(sample.direction, x_l);
-    if (x_l.source) world_.next_events.look_out(-sample.direction, x_c);
-  }
-  crossing = guide_.crossing(x_l, x_c, tally_.rays.portal, sample.drawn);
-  return crossing.density > 0;
-}
-
-// [eq. 1] with edge C1 of [eq. 2], over its density: a prefix vertices y_0..y_{a-1}, arriving at
-// x_l and scattered along w. Each end's edges are tested against the portals once, for all paths
-// that have them.
-void PathSampler::light_sides(const Segment& segment, const Vec3d& w,
-                              const std::array<double, 2>& u) {
-  const Vertex& x_l = segment.x_l;
-  light_sides_.clear();
-  if (const Rgb Le = emitted(x_l, w); !black(Le)) light_sides_.push_back({light_, 0, Le, 1});
-  if (x_l.at_infinity()) return;
-  const double times = pool_->draw(true, u[0], drawn_);
-  join_drawn(End(x_l, w, Rgb(1.0f)), 3);
-  for (const auto& [c, chance] : few_.choose(kSides, u[1])) {
-    const LightVertex& y = *drawn_[c];
-    if (!visible(*y.vertex, x_l)) continue;
-    const double n = times * chance;
-    light_sides_.push_back({y.walk, y.index + 1, values_[c] * static_cast<float>(1 / n), n,
-                            guide_.crossing(*y.vertex, x_l, tally_.rays.portal)});
-  }
-}
-
-void PathSampler::splat_side(const Segment& segment, const Vec3d& w) {
-  Vec3d to_camera;
-  Rgb factor;
-  Side side{&camera_walk_, 1, {}, 1};
-  if (!project(segment.x_c, to_camera, factor, side.raster_x, side.raster_y)) return;
-  side.value = bsdf_at(segment.x_c, -w, to_camera) * factor;
-  if (black(side.value) || !visible(segment.x_c, camera_walk_[0])) return;
-  side.crossing = guide_.crossing(segment.x_c, camera_walk_[0], tally_.rays.portal);
-  camera_sides_.push_back(side);
-}
-
-// [eq. 3] with edge C3 of [eq. 2], over its density: b prefix vertices z_0..z_{b-1}, leaving x_c,
-// scattered from -w.
-void PathSampler::camera_sides(const Segment& segment, const Vec3d& w, double u) {
-  const Walk& z = camera_walk_;
-  const Vertex& x_c = segment.x_c;
-  camera_sides_.clear();
-  splat_side(segment, w);
-  few_.clear();
-  values_.clear();
-  const End end(x_c, -w, Rgb(1.0f));
-  for (int b = 2; b <= settings_.max_depth - 1 && b <= z.size; ++b) {
-    values_.push_back(z[b - 1].connectible ? join(world_, end, camera_end(b - 1)) : Rgb{});
-    few_.add(luminance(values_.back()));
-  }
-  for (const auto& [c, chance] : few_.choose(kSides, u)) {
-    const int b = static_cast<int>(c) + 2;
-    if (!visible(x_c, z[b - 1])) continue;
-    camera_sides_.push_back({&z, b, values_[c] * static_cast<float>(1 / chance), chance,
-                             guide_.crossing(x_c, z[b - 1], tally_.rays.portal)});
-  }
-}
-
-void PathSampler::portal() {
-  if (world_.portals.empty() || settings_.max_depth < 2) return;
-  tally_.begin_portals(world_.portals.portals());
-  Sequence random = numbers(segment_place);
-  const PortalSet::Sample sample = world_.portals.sample(random.uniforms<7>());
-  const double share = settings_.mixture.segments;
-  if (!(random.uniform() < share)) return;
-  Tally::OfPortal& of_portal = tally_.portals[world_.portals.polygon(sample.drawn.polygon).portal];
-  ++of_portal.drawn;
-  Segment segment;
-  if (!draw_segment(sample, segment)) return;
-
-  const auto& [x_l, x_c, crossing, presence] = segment;
-  const Edge middle = between(x_l, x_c);
-  random.seek(8);
-  const auto [u_candidates, u_light, u_camera] = random.uniforms<3>();
-  light_sides(segment, middle.w, {u_candidates, u_light});
-  if (light_sides_.empty()) return;
-  camera_sides(segment, middle.w, u_camera);
-
-  // One throughput for both ends, the G of edge C2 of [eq. 2] over its density: G / p_AA = 1 / D; a
-  // share of the samples stands for all.
-  Rgb through(static_cast<float>(1 / (share * crossing.density * presence)));
-  if (world_.absorbing) through = through * transmittance(x_l, x_c, middle.w, std::sqrt(middle.d2));
-  double brought = 0;
-  for (const Side& after : camera_sides_)
-    for (const Side& before : light_sides_) {
-      if (before.prefix + after.prefix + 1 > settings_.max_depth) continue;
-      const Rgb value = before.value * after.value * through;
-      if (black(value)) continue;
-      const SegmentCrossings crossings{crossing, before.crossing, after.crossing};
-      const Path path(world_, guide_, *before.walk, before.prefix, x_l, x_c, crossings, *after.walk,
-                      after.prefix, tally_.rays);
-      const Contribution found{
-          path, {Technique::portal, before.prefix}, value, share * before.chance * after.chance};
-      brought +=
-          after.prefix == 1 ? to_film(found, after.raster_x, after.raster_y) : to_pixel(found);
-    }
-  of_portal.lit += brought > 0;
-  of_portal.energy.add(brought);
 }
 
 }  // namespace tdpt

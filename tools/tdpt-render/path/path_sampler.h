@@ -5,10 +5,10 @@
 // with a third kind of sub-path. y_0 y_1 ... are the vertices of a light's walk, z_0 z_1 ... of
 // the camera's, x_l and x_c the ends of the segment on the light's and on the camera's side.
 //
-// Not all are joined with all. Light walks of several samples are pooled [light_pool.h]; what a
-// camera vertex or x_l could be joined with is estimated without visibility, and few of those get
-// their ray [few.h]. Those are the ones that matter, so that the weights take no notice of the
-// choice; what is brought is divided by its chance.
+// Not all are joined with all. Light walks and segments of several samples are pooled
+// [light_pool.h]; what a camera vertex, x_l or x_c could be joined with is estimated without
+// visibility, and few of those get their ray [few.h]. Those are the ones that matter, so that the
+// weights take no notice of the choice; what is brought is divided by its chance.
 #pragma once
 #include <functional>
 
@@ -58,12 +58,14 @@ class PathSampler {
   void begin(int x, int y, uint64_t sample);
   /// The walks and techniques that the mixture has.
   void run();
-  // The same in two phases, for samples that pool their light walks: first those, kept by the
-  // caller, then all else. Both after begin() of the sample.
+  // The same in phases, for samples that pool what comes from the light: their walks, kept by the
+  // caller, then their segments, then all else. Each after begin() of the sample.
   bool has_light_phase() const { return settings_.mixture.techniques.walks_from_light(); }
   void light_phase(Walk& y);
-  /// `y`: the sample's own walk.
-  void camera_phase(const Walk& y, const LightPool& pool);
+  bool has_segment_phase() const { return settings_.mixture.has(Technique::portal); }
+  /// `y`: the sample's own walk, which `pool` must have, with those of the other samples.
+  void segment_phase(const Walk& y, LightPool& pool);
+  void camera_phase(const Walk& y, LightPool& pool);
   /// Adds what the camera side gathered to the pixel.
   void end();
 
@@ -71,16 +73,16 @@ class PathSampler {
   // the walks of its prefixes.
 
   void walk_from_camera();
-  void walk_from_light();  ///< and pools that walk alone
+  void walk_from_light();  ///< and pools that walk alone, and a segment that is joined with it
   /// `y`: the sample's own light walk, of no meaning where the mixture has none.
-  void join_with(const Walk& y, const LightPool& pool);
+  void join_with(const Walk& y, LightPool& pool);
 
   void run(Technique technique);
   void camera();  ///< the camera walk hits a light; on a transparent film not the sky behind all
   void direct();  ///< a point on a light for each camera vertex
   void light();   ///< each light vertex projected to the film
   void bi();      ///< each camera vertex joined with a few light vertices
-  void portal();  ///< both walks joined through a segment that crosses a portal
+  void portal();  ///< the camera and its vertices joined with few segments that cross a portal
 
  private:
   enum Purpose : uint64_t {
@@ -92,21 +94,6 @@ class PathSampler {
     choices
   };
   Sequence numbers(Purpose purpose) const;
-
-  /// One end of a portal segment joined with a prefix of a walk.
-  struct Side {
-    const Walk* walk;
-    int prefix;  ///< vertices of it
-    Rgb value;   ///< throughput and what is scattered at both, over the chance of being taken
-    double chance;
-    PortalSet::Crossing crossing{};     ///< of the edge that joins them
-    double raster_x = 0, raster_y = 0;  ///< where it is the camera that sees the end
-  };
-  struct Segment {
-    Vertex x_l, x_c;
-    PortalSet::Crossing crossing{};
-    double presence = 1;  ///< coverage of both ends' surfaces (Hit::presence)
-  };
 
   const End& camera_end(int j) const { return camera_ends_[static_cast<size_t>(j - 1)]; }
 
@@ -134,12 +121,19 @@ class PathSampler {
   /// What drawn_ bring to `end`, to values_ and few_; nothing where the path would be too long: of
   /// y_0 it would have so many edges.
   void join_drawn(const End& end, int edges);
-  /// Whether a segment joins anything.
-  bool draw_segment(const PortalSet::Sample& sample, Segment& segment);
-  // What x_l and x_c can be joined with, few of each.
-  void light_sides(const Segment& segment, const Vec3d& w, const std::array<double, 2>& u);
-  void camera_sides(const Segment& segment, const Vec3d& w, double u);
-  void splat_side(const Segment& segment, const Vec3d& w);
+  // Of segments [segment_sampler.cpp].
+  /// Whether it joins anything.
+  bool draw_segment(const PortalSet::Sample& sample, PortalSegment& segment);
+  /// What x_l can be joined with, few of it.
+  void join_with_light(PortalSegment& segment, const std::array<double, 2>& u);
+  /// Light of prefixes that leave room for t vertices from the camera.
+  Rgb light_of(const PortalSegment& segment, int t) const;
+  /// All paths through a segment to z_{t-1}, `value` of them but for the light at x_l, each
+  /// `times`. `raster`: where it is the camera that sees x_c.
+  void through(PortalSegment& segment, int t, const Rgb& value, double times,
+               const std::array<double, 2>& raster);
+  void see(PortalSegment& segment);
+  void join_with_segments();
 
   const World& world_;
   SampleSettings settings_;
@@ -154,13 +148,12 @@ class PathSampler {
   Walk light_walk_, camera_walk_, light_point_;
   const Walk* light_ = &light_walk_;  ///< that of the sample
   LightPool own_pool_;
-  const LightPool* pool_ = &own_pool_;
+  LightPool* pool_ = &own_pool_;
   std::vector<End> camera_ends_;  ///< [j-1] of z_j
   // Of one vertex at a time.
   std::vector<const LightVertex*> drawn_;
   std::vector<Rgb> values_;
   Few few_;
-  std::vector<Side> light_sides_, camera_sides_;
 };
 
 }  // namespace tdpt

@@ -221,14 +221,17 @@ TEST(mixtures, weigh_next_events_and_count_joins_and_the_share_of_segments) {
   EXPECT_EQ(less.sample_weight(Technique::direct, 1, 2), 6);
   EXPECT_EQ(less.sample_weight(Technique::direct, 1, 3), 2);
   EXPECT_EQ(less.sample_weight(Technique::bi, 2, 3), 1);
-  for (const Technique t : {Technique::direct, Technique::portal})
-    EXPECT_EQ(tdpt_org.mixture.sample_weight(t, 1, 2), 1);
+  EXPECT_EQ(tdpt_org.mixture.sample_weight(Technique::direct, 1, 2), 1);
+  EXPECT_EQ(tdpt_org.mixture.sample_weight(Technique::portal, 0, 2), 1);
   less.joined = 2.5, less.joined_to_segments = 1.5;
   EXPECT_EQ(less.sample_weight(Technique::bi, 2, 3), 2.5);
   EXPECT_EQ(less.sample_weight(Technique::light, 3, 3), 1);
   EXPECT_EQ(less.sample_weight(Technique::camera, 0, 3), 1);
-  EXPECT_EQ(less.sample_weight(Technique::portal, 0, 4), 0.25);  // light that begins at x_l
-  EXPECT_EQ(less.sample_weight(Technique::portal, 1, 4), 0.375);
+  // Those of a pool are joined with each camera walk; light that begins at x_l is so once.
+  EXPECT_EQ(less.sample_weight(Technique::portal, 0, 4), 0.25 * kPooled);
+  EXPECT_EQ(less.sample_weight(Technique::portal, 1, 4), 0.375 * kPooled);
+  EXPECT_EQ(less.sample_weight(Technique::portal, 2, 4), 0.375);  // the camera sees x_c
+  EXPECT_EQ(less.sample_weight(Technique::portal, 0, 2), 0.25);
 }
 
 TEST(path_twin, a_portal_density_off_by_5_percent_is_caught) {
@@ -336,18 +339,17 @@ TEST(connections, at_tiny_distances_are_bounded_by_their_weights) {
     Film film(16, 12, 1);
     Tally tally;
     double weighted = 0, plain = 0;
+    const Variant variant = Variant::pooled(world, *integrator, 6);
     const PathObserver observer = [&](const Contribution& found) {
       const auto& [path, strategy, value, times] = found;
-      const double w = path.weight(integrator->mixture, strategy, 1);
+      const double w = path.weight(variant.integrator.mixture, strategy, 1);
       plain = std::max(plain, double{value.x});
       // Splats are per film, not per pixel.
       if (strategy.split < path.k() && path.k() - strategy.split > 2)
         weighted = std::max(weighted, w * value.x);
     };
-    const Variant variant(*integrator);
     PathSampler sampler(world, variant.settings(6, 3), film, tally, &observer);
-    for (uint64_t s = 0; s < 100000; ++s)
-      variant.sample(sampler, static_cast<int>(s % 16), static_cast<int>(s % 12), s);
+    variant.picture(sampler, 16, 12, 512, [](int, int) {});
     EXPECT_LT(weighted, 2) << integrator->name;  // the radiance in the box
     EXPECT_GT(plain, 100) << integrator->name;   // twin: without the weights
     EXPECT_EQ(tally.not_finite, 0u);
