@@ -246,12 +246,16 @@ TEST(plan, is_read_as_it_was_written) {
   EXPECT_EQ(read_plan(plan_text(plan), "a"), plan);
   plan.integrator.mixture.joined = 2.625;
   plan.integrator.mixture.joined_to_segments = 1.7;
+  plan.integrator.mixture.segments_joined = 16;
   EXPECT_EQ(read_plan(plan_text(plan), "a"), plan);
   Plan other = plan;
   other.integrator.mixture.joined = 2;
   EXPECT_FALSE(read_plan(plan_text(other), "a") == plan);
   other = plan;
   other.integrator.mixture.segments = 0.5;
+  EXPECT_FALSE(read_plan(plan_text(other), "a") == plan);
+  other = plan;
+  other.integrator.mixture.segments_joined = 8;
   EXPECT_FALSE(read_plan(plan_text(other), "a") == plan);
 }
 

@@ -65,6 +65,7 @@ std::string plan_text(const Plan& plan) {
                                 {"segments", m.segments},
                                 {"joined", m.joined},
                                 {"joined_to_segments", m.joined_to_segments},
+                                {"segments_joined", m.segments_joined},
                                 {"guide_light", m.guiding.chance[0]},
                                 {"guide_camera", m.guiding.chance[1]},
                                 {"through_windows", m.through_windows},
@@ -94,6 +95,7 @@ Plan read_plan(const std::string& text, const std::string& file) {
   m.segments = in.within("segments", 0.01, 1);
   m.joined = in.within("joined", 1e-3, LightPool::kWalks);
   m.joined_to_segments = in.within("joined_to_segments", 1e-3, LightPool::kWalks);
+  m.segments_joined = in.within("segments_joined", 1, LightPool::kWalks);
   m.guiding.chance = {in.within("guide_light", 0, 0.95), in.within("guide_camera", 0, 0.95)};
   m.through_windows = in.within("through_windows", 0, 0.95);
   plan.spp = in.get<uint64_t>("spp");

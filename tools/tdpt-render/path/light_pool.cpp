@@ -62,6 +62,7 @@ Mixture expecting_joins(const World& world, const Mixture& mixture, int max_dept
   };
   expecting.joined = joins(scattered);
   expecting.joined_to_segments = joins(starts + scattered);
+  if (mixture.has(Technique::portal)) expecting.segments_joined = LightPool::kWalks;
   return expecting;
 }
 

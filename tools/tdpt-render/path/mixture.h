@@ -55,9 +55,6 @@ struct Guiding {
 /// than noise.
 inline constexpr double kThroughWindows = 0.75;
 
-/// Samples whose light walks and portal segments are pooled [light_pool.h].
-inline constexpr int kPooled = 16;
-
 struct Mixture {
   TechniqueSet techniques;
   /// MIS sample weights of next events at z_1 and at later vertices.
@@ -72,6 +69,8 @@ struct Mixture {
   /// after y_0: of those, and of those with y_0 [light_pool.h, expecting_joins()]. 1: with all of
   /// one walk.
   double joined = 1, joined_to_segments = 1;
+  /// Camera walks whose vertices each segment is joined with.
+  double segments_joined = 1;
 
   bool has(Technique t) const { return techniques.has(t); }
   bool looks_out() const { return has(Technique::direct) && through_windows > 0; }
@@ -80,7 +79,8 @@ struct Mixture {
   constexpr double samples_of(Technique t, int split, int k) const {
     if (t == Technique::bi) return joined;
     if (t != Technique::portal) return 1;
-    return segments * (split > 0 ? joined_to_segments : 1) * (sees_segment(split, k) ? 1 : kPooled);
+    return segments * (split > 0 ? joined_to_segments : 1) *
+           (sees_segment(split, k) ? 1 : segments_joined);
   }
   /// Whether the end of the segment is what the camera sees.
   static constexpr bool sees_segment(int split, int k) { return split == k - 2; }

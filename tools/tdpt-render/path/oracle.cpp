@@ -405,7 +405,7 @@ std::vector<StrategyDensity> densities(const World& world, const Path& path, con
       double p = segment_pdf(world, path.vertex(split), path.vertex(split + 1), fault);
       p *= mixture.segments * (split > 0 ? mixture.joined_to_segments : 1);
       // A sample's own segment alone is seen by the camera; its vertices meet those of all.
-      if (split + 2 < k) p *= kPooled;
+      if (split + 2 < k) p *= mixture.segments_joined;
       const bool to_x = path.vertex(split).position.x < path.vertex(split + 1).position.x;
       if (fault == Fault::portal_density_5_percent) p *= 1.05;
       if (fault == Fault::one_way_5_percent && to_x) p *= 1.05;

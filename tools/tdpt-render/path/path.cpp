@@ -244,8 +244,9 @@ StrategySums Path::sums(const Mixture& mixture, const WalkDensities& d, const Wa
   StrategySums sums;
   for_each_strategy(mixture, unit, [&](Strategy strategy, int prefix, int rest, double extra) {
     const double counted = products.light[u(prefix)] * extra * products.camera[u(rest)];
-    const double per_sample = mixture.sample_weight(strategy.technique, strategy.split, k_) /
-                              mixture.samples_of(strategy.technique, strategy.split, k_);  // v_s / n_s
+    const double per_sample =
+        mixture.sample_weight(strategy.technique, strategy.split, k_) /
+        mixture.samples_of(strategy.technique, strategy.split, k_);  // v_s / n_s
     sums.counted += counted;
     sums.squares += counted * per_sample;
     if (strategy == used) sums.used = counted / per_sample;

@@ -134,6 +134,7 @@ TEST(paths_under_other_mixtures, weigh_as_the_oracle_says) {
   seldom.segments = 0.25;
   joined.joined = often.joined = 2.5;
   joined.joined_to_segments = often.joined_to_segments = 1.7;
+  joined.segments_joined = often.segments_joined = 16;
   for (const Scene& scene : {diffuse_rooms(), glossy_rooms()})
     for (const Integrator* made : {&tdpt_org, &tdpt_guided})
       for (const Mixture& asked :
@@ -152,6 +153,9 @@ TEST(paths_under_other_mixtures, weigh_as_the_oracle_says) {
   EXPECT_GT(weighed_as_others(diffuse_rooms(), tdpt_org, joined, told), 100);
   told = joined;
   told.joined_to_segments *= 1.05;
+  EXPECT_GT(weighed_as_others(diffuse_rooms(), tdpt_org, joined, told), 100);
+  told = joined;
+  told.segments_joined *= 1.05;
   EXPECT_GT(weighed_as_others(diffuse_rooms(), tdpt_org, joined, told), 100);
 }
 
@@ -227,9 +231,11 @@ TEST(mixtures, weigh_next_events_and_count_joins_and_the_share_of_segments) {
   EXPECT_EQ(less.sample_weight(Technique::bi, 2, 3), 2.5);
   EXPECT_EQ(less.sample_weight(Technique::light, 3, 3), 1);
   EXPECT_EQ(less.sample_weight(Technique::camera, 0, 3), 1);
-  // Those of a pool are joined with each camera walk; light that begins at x_l is so once.
-  EXPECT_EQ(less.sample_weight(Technique::portal, 0, 4), 0.25 * kPooled);
-  EXPECT_EQ(less.sample_weight(Technique::portal, 1, 4), 0.375 * kPooled);
+  EXPECT_EQ(less.sample_weight(Technique::portal, 0, 4), 0.25);  // light that begins at x_l
+  EXPECT_EQ(less.sample_weight(Technique::portal, 1, 4), 0.375);
+  less.segments_joined = 3;
+  EXPECT_EQ(less.sample_weight(Technique::portal, 0, 4), 0.75);
+  EXPECT_EQ(less.sample_weight(Technique::portal, 1, 4), 1.125);
   EXPECT_EQ(less.sample_weight(Technique::portal, 2, 4), 0.375);  // the camera sees x_c
   EXPECT_EQ(less.sample_weight(Technique::portal, 0, 2), 0.25);
 }
@@ -307,6 +313,7 @@ TEST(paths_joined, any_number_of_times_are_the_oracles) {
         Integrator integrator = *row;
         integrator.mixture.joined = joined;
         integrator.mixture.joined_to_segments = to_segments;
+        integrator.mixture.segments_joined = 6 * joined;
         const Worst worst = compare(diffuse_rooms(), integrator, Fault::none, depth);
         EXPECT_LT(worst.weight, 1e-6) << integrator.name;
         EXPECT_LT(worst.power, 2e-6) << integrator.name;

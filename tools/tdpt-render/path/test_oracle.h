@@ -152,8 +152,8 @@ inline Worst compare(const Scene& scene, const Integrator& integrator, oracle::F
         continue;
       const double expected = max_component(oracle::contribution(world, path));
       // Of one sample of the strategy.
-      const double p_s =
-          std::exp(d.log_p) / integrator.mixture.samples_of(strategy.technique, strategy.split, path.k());
+      const double p_s = std::exp(d.log_p) / integrator.mixture.samples_of(
+                                                 strategy.technique, strategy.split, path.k());
       const double relative = max_component(value) * times * p_s / expected - 1;
       ++worst.all;
       worst.off += std::abs(relative) > 0.01 || weight_off > 1e-3;
@@ -190,8 +190,8 @@ inline int weighed_as_others(const Scene& scene, const Integrator& made, const M
     path.directed_densities(other, plain, directed);
     const StrategySums sums = path.sums(asked, directed, plain, strategy);
     const auto [technique, split] = strategy;
-    const double per_sample =
-        asked.sample_weight(technique, split, path.k()) / asked.samples_of(technique, split, path.k());
+    const double per_sample = asked.sample_weight(technique, split, path.k()) /
+                              asked.samples_of(technique, split, path.k());
     const double weight = oracle::weight(
         oracle::densities(world, path, told, oracle::Fault::none, sky ? &*sky : nullptr), strategy,
         1);
