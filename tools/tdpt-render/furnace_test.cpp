@@ -74,7 +74,7 @@ TEST(furnace, of_albedo_0_99_shows_100) {
   const Furnace f(0.99f, 8, 6);
   for (const Integrator* integrator : integrators()) {
     const MeanAndError r =
-        rendered(f.world, *integrator, integrator->mixture.has(Technique::light) ? 1 : 16);
+        rendered(f.world, *integrator, integrator->mixture.has(Technique::light) ? 2 : 16);
     std::printf("%-11s %8.4f +- %.4f\n", integrator->name, r.mean, r.error);
     EXPECT_LT(r.z(radiance(double{0.99f})), 5) << integrator->name;
     EXPECT_LT(r.error, 0.05 * r.mean) << integrator->name;

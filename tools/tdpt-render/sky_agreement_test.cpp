@@ -48,7 +48,7 @@ class Room {
                 const std::vector<Portal>& of_reference = {})
       : scene_(under(std::move(scene), std::move(sky))), settings_(settings) {
     AgreementSettings calm = settings;  // all are held against it
-    calm.spp *= 4;
+    calm.spp *= 16;
     const World world(scene_, scene_.camera(""), 32, 24, of_reference);
     reference_ = render_runs(world, bdpt, calm);
     EXPECT_EQ(reference_.not_finite, 0u);
