@@ -18,7 +18,7 @@ namespace {
 using testing::GlossyRooms;
 using Integrators = std::vector<const Integrator*>;
 
-constexpr AgreementSettings kSettings{.max_depth = 6, .runs = 16, .spp = 8};
+constexpr AgreementSettings kSettings{.max_depth = 6, .runs = 32, .spp = 24};
 const Integrators kWithPt{&pt, &nee, &bdpt, &tdpt_org, &tdpt_ref, &tdpt_guided};
 const Integrators kAll{&nee, &bdpt, &tdpt_org, &tdpt_ref, &tdpt_guided};
 const Integrators kFew{&nee, &tdpt_ref, &tdpt_guided};
@@ -48,7 +48,7 @@ class Room {
                 const std::vector<Portal>& of_reference = {})
       : scene_(under(std::move(scene), std::move(sky))), settings_(settings) {
     AgreementSettings calm = settings;  // all are held against it
-    calm.spp *= 16;
+    calm.spp *= 4;
     const World world(scene_, scene_.camera(""), 32, 24, of_reference);
     reference_ = render_runs(world, bdpt, calm);
     EXPECT_EQ(reference_.not_finite, 0u);
@@ -183,7 +183,7 @@ TEST(sky_agreement, all_that_auto_tries) {
 
 // Walks that nothing but roulette ends, shared by samples, as pictures are rendered.
 TEST(sky_agreement, whole_light) {
-  const AgreementSettings settings{.max_depth = kMaxDepth, .runs = 16, .spp = 8};
+  const AgreementSettings settings{.max_depth = kMaxDepth, .runs = 32, .spp = 24};
   const Room r(room({}), uneven_sky({kSun}), settings);
   const World world(r.scene(), r.scene().camera(""), 32, 24, {kWindow});
   for (const Integrator* integrator : kAll)
