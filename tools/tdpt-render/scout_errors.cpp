@@ -44,8 +44,8 @@ double Scout::work_of(size_t candidate) const {
     const auto technique = static_cast<Technique>(t);
     if (!m.has(technique)) continue;
     if (technique == Technique::portal)
-      segments = (work.per_sample(of[2], samples) - work.per_sample({}, samples)) * m.segments /
-                 rendered;
+      segments =
+          (work.per_sample(of[2], samples) - work.per_sample({}, samples)) * m.segments / rendered;
     rays.merge(of[3 + t]);
   }
   return work.per_sample(rays, samples) + segments;
