@@ -77,7 +77,7 @@ TEST(furnace, of_albedo_0_99_shows_100) {
         rendered(f.world, *integrator, integrator->mixture.has(Technique::light) ? 2 : 16);
     std::printf("%-11s %8.4f +- %.4f\n", integrator->name, r.mean, r.error);
     EXPECT_LT(r.z(radiance(double{0.99f})), 5) << integrator->name;
-    EXPECT_LT(r.error, 0.05 * r.mean) << integrator->name;
+    EXPECT_LT(r.error, 0.04 * r.mean) << integrator->name;
   }
 }
 

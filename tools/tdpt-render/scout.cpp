@@ -221,8 +221,9 @@ class ScoutSample {
                      own_mixture.samples_of(strategy.technique, strategy.split, path.k()) *
                      of[own].used;
     const double share = f * per_sample(own) / all_runs;  // of the picture, both runs together
-    const bool splat = strategy.technique == Technique::light ||
-                       (strategy.technique == Technique::portal && strategy.split == path.k() - 2);
+    const bool splat =
+        strategy.technique == Technique::light || (strategy.technique == Technique::portal &&
+                                                   Mixture::sees_segment(strategy.split, path.k()));
     const size_t block = splat ? block_of(path) : block_;
     add_light(block, share);
     if (!splat) record_->brought += f * per_sample(own) / of[own].counted;

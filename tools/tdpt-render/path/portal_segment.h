@@ -7,10 +7,10 @@
 
 namespace tdpt {
 
-/// A prefix of a walk that an end of a portal segment is joined with.
+/// A prefix of a light walk that x_l is joined with.
 struct Side {
   const Walk* walk;
-  int prefix;  ///< vertices of it
+  int prefix;  ///< vertices of it; 0: light begins at x_l
   Rgb value;   ///< throughput and what is scattered at both, over the chance of being taken
   double chance;
   PortalSet::Crossing crossing{};  ///< of the edge that joins them
