@@ -46,6 +46,10 @@ void declare_options(cli::Options& options, Arguments& a) {
   options.option("--segments", a.segments, "SHARE",
                  "Share of the samples that draw a portal segment; default 1, with tdpt-guided 0.5",
                  0.01, 1);
+  options.option(
+      "--light-walks", a.light_walks, "SHARE",
+      "Share of the samples that make a light walk; default 0.25 with tdpt-guided, else 1",
+      kFewestLightWalks, 1);
   options.option("--spp", a.spp, "N", "Samples per pixel; default 16, or as --time allows", 1,
                  int64_t{1} << 32);
   options.option("--time", a.seconds, "SECONDS", "Stop rendering after this wall-clock time", 1e-3,

@@ -19,7 +19,8 @@ struct Arguments {
   int64_t width = 0, height = 0;  ///< pixels; 0: not given
 
   std::string integrator = "auto", mis = "balance";
-  double guide_light = -1, guide_camera = -1, segments = -1;  ///< below 0: not given
+  double guide_light = -1, guide_camera = -1, segments = -1,
+         light_walks = -1;  ///< below 0: not given
   int64_t spp = 0;
   int64_t max_depth = 0;  ///< edges; 0: no limit
   double seconds = 0;     ///< 0: no limit

@@ -233,9 +233,9 @@ TEST(candidates, are_safe_first_and_share_no_samples) {
     streams.insert(c.integrator.stream);
     labels.insert(c.label);
   }
-  EXPECT_EQ(streams.size(), 7u);  // bdpt favouring next events has tdpt-guided's, never both
-  EXPECT_EQ(labels.size(), 8u);
-  EXPECT_EQ(room.candidates.size(), 8u);
+  EXPECT_EQ(streams.size(), 8u);  // bdpt favouring next events has tdpt-guided's, never both
+  EXPECT_EQ(labels.size(), 9u);
+  EXPECT_EQ(room.candidates.size(), 9u);
   const World without(room.scene, room.scene.camera(""), 16, 12, {});
   for (const Candidate& c : auto_candidates(without)) EXPECT_FALSE(c.with_portals()) << c.label;
 }
@@ -249,7 +249,8 @@ TEST(candidates, that_miss_light_of_the_scene_are_none) {
   const World world(scene, scene.camera(""), 16, 12, {});
   std::vector<std::string> labels;
   for (const Candidate& c : auto_candidates(world)) labels.push_back(c.label);
-  EXPECT_EQ(labels, (std::vector<std::string>{"bdpt", "bdpt favouring next events"}));
+  EXPECT_EQ(labels, (std::vector<std::string>{"bdpt", "bdpt favouring next events",
+                                              "bdpt, light walks 0.25"}));
 }
 
 // What is told of errors against pictures: each pixel's variance over many of them.

@@ -22,6 +22,7 @@ struct Group {
 void add_group(PathSampler& sampler, const World& world, uint64_t group) {
   std::vector<Walk> walks(LightPool::kWalks);
   LightPool pool;
+  pool.clear(walks.size());
   const auto each = [&](const auto& visit) {
     for (uint64_t i = 0; i < walks.size(); ++i) {
       const uint64_t k = group * walks.size() + i;
@@ -44,7 +45,10 @@ void add_group(PathSampler& sampler, const World& world, uint64_t group) {
 
 Beyond light_beyond(const World& world, const Integrator& integrator, const SampleRules& rules,
                     double samples, Film& film) {
-  const SampleSettings how{integrator.mixture, kMaxDepth, rules.beta, rules.seed,
+  // Its samples are few: each makes a light walk.
+  Mixture mixture = integrator.mixture;
+  mixture.light_walks = 1;
+  const SampleSettings how{mixture, kMaxDepth, rules.beta, rules.seed,
                            integrator.stream + (kStreams + 1) * kRound};
   std::vector<Group> groups(
       static_cast<size_t>(std::clamp(samples, 64.0, 16384.0) / LightPool::kWalks));

@@ -27,6 +27,12 @@ Integrator aiming(Integrator integrator, uint64_t stream) {
   return integrator;
 }
 
+Integrator with_few_light_walks(Integrator integrator, uint64_t stream) {
+  integrator.stream = stream;
+  integrator.mixture.light_walks = kFewLightWalks;
+  return integrator;
+}
+
 Integrator with_stream(Integrator integrator, uint64_t stream) {
   integrator.stream = stream;
   return integrator;
@@ -40,6 +46,8 @@ std::vector<Candidate> auto_candidates(const World& world, std::span<const Integ
       {looking_everywhere(nee), label_of(nee)},
       {pt, label_of(pt)},
       {looking_everywhere(favouring_next_events()), "bdpt favouring next events"}};
+  const Integrator few_light_walks = with_few_light_walks(looking_everywhere(bdpt), 13);
+  all.push_back({few_light_walks, label_of(few_light_walks)});
   if (!world.portals.empty()) {
     all.push_back({tdpt_org, label_of(tdpt_org)});
     for (const Integrator& integrator : guided) all.push_back({integrator, label_of(integrator)});

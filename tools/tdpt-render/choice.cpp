@@ -18,6 +18,7 @@ Integrator guided_as_given(const Arguments& a, Integrator guided) {
   if (a.guide_light >= 0) chance[0] = a.guide_light;
   if (a.guide_camera >= 0) chance[1] = a.guide_camera;
   if (a.segments >= 0) guided.mixture.segments = a.segments;
+  if (a.light_walks >= 0) guided.mixture.light_walks = a.light_walks;
   return guided;
 }
 
@@ -53,13 +54,16 @@ Request request_of(const Arguments& a) {
   Request request;
   request.automatic = a.integrator == "auto";
   request.named = request.automatic ? bdpt : integrator_named(a.integrator);
-  if (a.guide_light < 0 && a.guide_camera < 0 && a.segments < 0) return request;
+  if (a.guide_light < 0 && a.guide_camera < 0 && a.segments < 0 && a.light_walks < 0)
+    return request;
   const Integrator& row = request.automatic ? tdpt_guided : request.named;
   const auto refuse = [&](const char* option, const char* what) {
     throw UsageError(std::string(option) + ": " + row.name + " " + what);
   };
   if (a.guide_light >= 0 && !row.mixture.techniques.walks_from_light())
     refuse("--guide-light", "has no walks from the light");
+  if (a.light_walks >= 0 && !row.mixture.techniques.walks_from_light())
+    refuse("--light-walks", "has no walks from the light");
   if (a.segments >= 0 && !row.mixture.has(Technique::portal))
     refuse("--segments", "draws no portal segments");
   request.guided = {guided_as_given(a, row)};

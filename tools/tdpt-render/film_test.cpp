@@ -257,6 +257,10 @@ TEST(plan, is_read_as_it_was_written) {
   other = plan;
   other.integrator.mixture.segments_joined = 8;
   EXPECT_FALSE(read_plan(plan_text(other), "a") == plan);
+  other = plan;
+  other.integrator.mixture.light_walks = 0.5;
+  EXPECT_FALSE(read_plan(plan_text(other), "a") == plan);
+  EXPECT_EQ(read_plan(plan_text(other), "a"), other);
 }
 
 TEST(plan, that_is_none_is_refused_with_its_place) {
@@ -275,6 +279,8 @@ TEST(plan, that_is_none_is_refused_with_its_place) {
   EXPECT_EQ(message(good, "\"spp\":0", "\"spp\":-1"), "p.json:spp: is no such number");
   EXPECT_EQ(message(good, "\"segments\":1.0", "\"segments\":2"),
             "p.json:segments: is out of range");
+  EXPECT_EQ(message(good, "\"light_walks\":1.0", "\"light_walks\":0.01"),
+            "p.json:light_walks: is out of range");
   EXPECT_EQ(message(good, "\"portals\":[]", "\"portals\":[{\"portal\":0,\"way\":\"up\"}]"),
             "p.json:way: is not known");
   EXPECT_EQ(message(good, "\"portals\":[]", "\"portals\":[3]"),

@@ -14,40 +14,45 @@ void render_samples(const World& world, const Integrator& integrator, const Samp
   const auto width = static_cast<uint64_t>(world.film.width());
   const uint64_t pixels = width * static_cast<uint64_t>(world.film.height());
   // Light walks are pooled over pixels far apart, so that what those have in common is not seen.
-  const uint64_t pools = (pixels + LightPool::kWalks - 1) / LightPool::kWalks;
-  const uint64_t in_task = (width + LightPool::kWalks - 1) / LightPool::kWalks;
+  const uint64_t per_pool = samples_of_pool(integrator.mixture);
+  const uint64_t pools = (pixels + per_pool - 1) / per_pool;
+  const uint64_t in_task = (width + per_pool - 1) / per_pool;
   std::vector<Tally> tallies((pools + in_task - 1) / in_task, Tally(film.unit()));
   tbb::parallel_for(size_t{0}, tallies.size(), [&](size_t task) {
     PathSampler sampler(world, settings, film, tallies[task]);
-    std::vector<Walk> light_walks(LightPool::kWalks);
+    std::vector<Walk> light_walks(light_walks_of(integrator.mixture, per_pool));
+    const Walk none;
     LightPool pool;
-    // Each pixel of a pool, with the place of its light walk.
-    const auto each = [&](uint64_t first, uint64_t sample, const auto& visit) {
-      size_t i = 0;
-      for (uint64_t p = first; p < pixels; p += pools) {
+    // The first `count` pixels of a pool.
+    const auto each = [&](uint64_t first, uint64_t count, uint64_t sample, const auto& visit) {
+      for (uint64_t i = 0; i < count; ++i) {
+        const uint64_t p = first + i * pools;
         sampler.begin(static_cast<int>(p % width), static_cast<int>(p / width), sample);
-        visit(light_walks[i++]);
+        visit(i);
       }
     };
     const uint64_t begin = task * in_task, end = std::min(pools, begin + in_task);
     uint64_t done = 0;
-    for (uint64_t first = begin; first < end; ++first)
+    for (uint64_t first = begin; first < end; ++first) {
+      const uint64_t in_pool = (pixels - first + pools - 1) / pools;
+      const uint64_t walks = light_walks_of(integrator.mixture, in_pool);
       for (uint64_t i = 0; i < samples.count; ++i) {
         const uint64_t sample = samples.first + i;
-        pool.clear();
-        if (sampler.has_light_phase())
-          each(first, sample, [&](Walk& walk) {
-            sampler.light_phase(walk);
-            pool.add(walk);
-          });
+        pool.clear(in_pool);
+        each(first, walks, sample, [&](uint64_t w) {
+          sampler.light_phase(light_walks[w]);
+          pool.add(light_walks[w]);
+        });
         if (sampler.has_segment_phase())
-          each(first, sample, [&](Walk& walk) { sampler.segment_phase(walk, pool); });
-        each(first, sample, [&](Walk& walk) {
-          sampler.camera_phase(walk, pool);
+          each(first, in_pool, sample,
+               [&](uint64_t w) { sampler.segment_phase(w < walks ? light_walks[w] : none, pool); });
+        each(first, in_pool, sample, [&](uint64_t w) {
+          sampler.camera_phase(w < walks ? light_walks[w] : none, pool);
           sampler.end();
           ++done;
         });
       }
+    }
     progress.advance(done);
   });
   for (const Tally& part : tallies) tally.merge(part);

@@ -63,6 +63,7 @@ std::string plan_text(const Plan& plan) {
                                 {"first_direct", m.first_direct},
                                 {"later_direct", m.later_direct},
                                 {"segments", m.segments},
+                                {"light_walks", m.light_walks},
                                 {"joined", m.joined},
                                 {"joined_to_segments", m.joined_to_segments},
                                 {"segments_joined", m.segments_joined},
@@ -93,9 +94,10 @@ Plan read_plan(const std::string& text, const std::string& file) {
   m.first_direct = in.within("first_direct", 1e-3, 1e3);
   m.later_direct = in.within("later_direct", 1e-3, 1e3);
   m.segments = in.within("segments", 0.01, 1);
+  m.light_walks = in.within("light_walks", kFewestLightWalks, 1);
   m.joined = in.within("joined", 1e-3, LightPool::kWalks);
   m.joined_to_segments = in.within("joined_to_segments", 1e-3, LightPool::kWalks);
-  m.segments_joined = in.within("segments_joined", 1, LightPool::kWalks);
+  m.segments_joined = in.within("segments_joined", 1, LightPool::kWalks / kFewestLightWalks);
   m.guiding.chance = {in.within("guide_light", 0, 0.95), in.within("guide_camera", 0, 0.95)};
   m.through_windows = in.within("through_windows", 0, 0.95);
   plan.spp = in.get<uint64_t>("spp");

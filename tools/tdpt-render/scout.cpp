@@ -13,7 +13,7 @@ namespace tdpt {
 namespace {
 
 constexpr uint64_t kRound = 1;   // of the random numbers: 0 is the picture's
-constexpr uint64_t kChunk = 16;  // groups that are added up in a row and pool their light walks
+constexpr uint64_t kChunk = 64;  // groups that are added up in a row
 constexpr double kAlike = 1.05;  // most of moments over the least
 
 bool directed(const Candidate& c) {
@@ -339,8 +339,8 @@ class Runner {
 
 }  // namespace
 
-// Groups first to end of one run, whose light walks are pooled as those of the picture are: one
-// sample of each group.
+// Groups first to end of one run, one sample of each at a time, whose light walks are pooled as
+// those of the picture are.
 void Scout::draw_run(size_t r, uint64_t first, uint64_t end, Film& film, ScoutSums& sums) {
   const Integrator& integrator = candidates_[runs_[r]].integrator;
   ScoutSample seen(*this, r, sums);
@@ -348,32 +348,37 @@ void Scout::draw_run(size_t r, uint64_t first, uint64_t end, Film& film, ScoutSu
   const SampleSettings how{integrator.mixture, rules_.max_depth, 1, rules_.seed,
                            integrator.stream + (kStreams + 1) * kRound};
   Runner runner(world_, integrator.mixture, guides_[runs_[r]], how, film, observer);
-  std::vector<Walk> walks(end - first);
+  const uint64_t per_pool = samples_of_pool(integrator.mixture);
+  std::vector<Walk> walks(light_walks_of(integrator.mixture, per_pool));
+  const Walk none;
   LightPool pool;
-  for (size_t j = 0; j < kScoutGroup; ++j) {
-    // Runs of 2^32 samples of a pixel are independent [sequence.h].
-    const auto number = [&](uint64_t k) { return (kScoutGroup * k + j) << 32; };
-    pool.clear();
-    const auto each = [&](const auto& visit) {
-      for (uint64_t k = first; k < end; ++k) {
-        const auto [x, y] = spread_pixel(k, world_.film.width(), world_.film.height());
-        visit(k, x, y, walks[k - first]);
-      }
-    };
-    each([&](uint64_t k, int x, int y, Walk& walk) {
-      runner.light_phase(x, y, number(k), walk, sums.rays[r]);
-      pool.add(walk);
-    });
-    each([&](uint64_t k, int x, int y, const Walk& walk) {
-      runner.segment_phase(x, y, number(k), walk, pool, sums.rays[r]);
-    });
-    each([&](uint64_t k, int x, int y, const Walk& walk) {
+  // Runs of 2^32 samples of a pixel are independent [sequence.h].
+  const auto number = [](uint64_t k, size_t j) { return (kScoutGroup * k + j) << 32; };
+  const auto draw_pool = [&](uint64_t begin, uint64_t in_pool, size_t j) {
+    const uint64_t walking = light_walks_of(integrator.mixture, in_pool);
+    pool.clear(in_pool);
+    for (uint64_t i = 0; i < walking; ++i) {
+      const uint64_t k = begin + i;
+      const auto [x, y] = spread_pixel(k, world_.film.width(), world_.film.height());
+      runner.light_phase(x, y, number(k, j), walks[i], sums.rays[r]);
+      pool.add(walks[i]);
+    }
+    for (uint64_t i = 0; i < in_pool; ++i) {
+      const uint64_t k = begin + i;
+      const auto [x, y] = spread_pixel(k, world_.film.width(), world_.film.height());
+      runner.segment_phase(x, y, number(k, j), i < walking ? walks[i] : none, pool, sums.rays[r]);
+    }
+    for (uint64_t i = 0; i < in_pool; ++i) {
+      const uint64_t k = begin + i;
+      const auto [x, y] = spread_pixel(k, world_.film.width(), world_.film.height());
       seen.begin(x, y, k, record(k, r, j));
-      runner.camera_phase(x, y, number(k), walk, pool, sums.rays[r]);
+      runner.camera_phase(x, y, number(k, j), i < walking ? walks[i] : none, pool, sums.rays[r]);
       seen.end();
       blocks_[k] = static_cast<uint32_t>(seen.block());
-    });
-  }
+    }
+  };
+  for (uint64_t begin = first; begin < end; begin += per_pool)
+    for (size_t j = 0; j < kScoutGroup; ++j) draw_pool(begin, std::min(per_pool, end - begin), j);
 }
 
 void Scout::draw(uint64_t groups, Film& film) {

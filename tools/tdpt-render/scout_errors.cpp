@@ -29,26 +29,26 @@ int64_t in_part(int64_t part, int64_t size) {
 
 }  // namespace
 
+// Where the run makes more segments or light walks than the candidate, those count in proportion.
 double Scout::work_of(size_t candidate) const {
   const Mixture& m = candidates_[candidate].integrator.mixture;
   const size_t run = home_[candidate];
-  const double rendered = candidates_[runs_[run]].integrator.mixture.segments;
-  RayCounts rays;
-  double segments = 0;
-  const WorkModel work(world_, m);
-  const uint64_t samples = kScoutGroup * groups();
-  const auto& of = sums_.rays[run];
-  rays.merge(of[0]);
-  if (m.techniques.walks_from_light()) rays.merge(of[1]);
+  const Mixture& rendered = candidates_[runs_[run]].integrator.mixture;
+  const WorkModel model(world_, m);
+  const auto work = [&](size_t part) {
+    return model.per_sample(sums_.rays[run][part], kScoutGroup * groups()) -
+           model.per_sample({}, 1);
+  };
+  const double light_walks = m.light_walks / rendered.light_walks;
+  double all = model.per_sample({}, 1) + work(0);
+  if (m.techniques.walks_from_light()) all += light_walks * work(1);
   for (size_t t = 0; t < kTechniques; ++t) {
     const auto technique = static_cast<Technique>(t);
     if (!m.has(technique)) continue;
-    if (technique == Technique::portal)
-      segments =
-          (work.per_sample(of[2], samples) - work.per_sample({}, samples)) * m.segments / rendered;
-    rays.merge(of[3 + t]);
+    if (technique == Technique::portal) all += work(2) * m.segments / rendered.segments;
+    all += work(3 + t) * (technique == Technique::light ? light_walks : 1);
   }
-  return work.per_sample(rays, samples) + segments;
+  return all;
 }
 
 namespace {

@@ -1,5 +1,7 @@
 // For tests: integrators that do something else than their mixture says, to be caught.
 #pragma once
+#include <cmath>
+
 #include "tools/tdpt-render/integrators/integrator.h"
 #include "tools/tdpt-render/path/path_sampler.h"
 
@@ -46,6 +48,8 @@ struct Variant {
   /// Exponent of the MIS weights of each technique's samples, which sum to 1 if it is the same.
   std::array<double, kTechniques> beta{1, 1, 1, 1, 1};
   void (*run)(PathSampler&) = [](PathSampler& sampler) { sampler.run(); };
+  /// Share of a pool's samples that its light walks are counted as those of.
+  double counted_samples = 1;
   /// What a sample with pools does beside its phases.
   void (*besides)(PathSampler&) = [](PathSampler&) {};
 };
@@ -53,33 +57,39 @@ struct Variant {
 template <class At>
 void Variant::picture(PathSampler& sampler, int width, int height, uint64_t spp,
                       const At& at) const {
-  const int pixels = width * height, per_pool = LightPool::kWalks;
-  const int step = pools ? (pixels + per_pool - 1) / per_pool : pixels;
-  std::vector<Walk> walks(LightPool::kWalks);
+  const auto pixels = static_cast<uint64_t>(width * height);
+  const uint64_t per_pool = pools ? samples_of_pool(integrator.mixture) : 1;
+  const uint64_t step = (pixels + per_pool - 1) / per_pool;
+  std::vector<Walk> walks(per_pool);
+  const Walk none;
   LightPool pool;
-  const auto each = [&](int first, const auto& visit) {
-    for (int p = first; p < pixels; p += step)
-      visit(p % width, p / width, walks[static_cast<size_t>(p / step)]);
-  };
-  for (int first = 0; first < step; ++first)
+  for (uint64_t first = 0; first < step; ++first)
     for (uint64_t s = 0; s < spp; ++s) {
-      pool.clear();
-      if (pools && sampler.has_light_phase())
-        each(first, [&](int x, int y, Walk& walk) {
-          sampler.begin(x, y, s);
-          sampler.light_phase(walk);
-          pool.add(walk);
-        });
+      const uint64_t samples = (pixels - first + step - 1) / step;
+      const uint64_t walking = pools ? light_walks_of(integrator.mixture, samples) : 0;
+      const auto each = [&](uint64_t count, const auto& visit) {
+        for (uint64_t i = 0; i < count; ++i) {
+          const int p = static_cast<int>(first + i * step);
+          visit(p % width, p / width, i);
+        }
+      };
+      pool.clear(
+          static_cast<uint64_t>(std::lround(counted_samples * static_cast<double>(samples))));
+      each(walking, [&](int x, int y, uint64_t i) {
+        sampler.begin(x, y, s);
+        sampler.light_phase(walks[i]);
+        pool.add(walks[i]);
+      });
       if (pools && sampler.has_segment_phase())
-        each(first, [&](int x, int y, const Walk& walk) {
+        each(samples, [&](int x, int y, uint64_t i) {
           sampler.begin(x, y, s);
-          sampler.segment_phase(walk, pool);
+          sampler.segment_phase(i < walking ? walks[i] : none, pool);
         });
-      each(first, [&](int x, int y, const Walk& walk) {
+      each(samples, [&](int x, int y, uint64_t i) {
         at(x, y);
         if (!pools) return sample(sampler, x, y, s);
         sampler.begin(x, y, s);
-        sampler.camera_phase(walk, pool);
+        sampler.camera_phase(i < walking ? walks[i] : none, pool);
         besides(sampler);
         sampler.end();
       });

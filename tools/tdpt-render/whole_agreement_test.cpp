@@ -27,6 +27,11 @@ Scene glossy_rooms() {
       testing::glossy_rooms({.plastic_floor = true, .metal_walls = true, .smooth = true})));
 }
 
+Integrator with_light_walks(Integrator integrator, double share) {
+  integrator.mixture.light_walks = share;
+  return integrator;
+}
+
 void expect_whole_agreement(const World& world, const std::vector<const Integrator*>& others) {
   std::vector<Variant> variants;
   for (const Integrator* integrator : others)
@@ -43,6 +48,16 @@ TEST(whole_agreement, two_rooms) {
   const Scene scene = bright_rooms();
   expect_whole_agreement(World(scene, scene.camera(""), 32, 24, {portal_in_the_hole()}),
                          {&nee, &bdpt, &tdpt_org, &tdpt_ref, &tdpt_guided, &kGuided[2]});
+}
+
+TEST(whole_agreement, of_light_walks_in_any_share_of_the_samples) {
+  const Scene scene = glossy_rooms();
+  const Integrator quarter = with_light_walks(bdpt, 0.25), most = with_light_walks(bdpt, 0.7),
+                   fewest = with_light_walks(tdpt_org, kFewestLightWalks),
+                   all = with_light_walks(tdpt_guided, 1);
+  expect_whole_agreement(
+      World(scene, scene.camera(""), 32, 24, {rectangle({2.05, 0.5, -0.5}, {0, 0, 1}, {0, 1, 0})}),
+      {&quarter, &most, &fewest, &all});
 }
 
 TEST(whole_agreement, glossy_rooms) {
@@ -85,6 +100,15 @@ TEST_F(whole_agreement_twin, joins_that_are_made_twice_as_well_are_caught) {
   Variant segments = expecting(tdpt_org, world_, 2);
   segments.besides = [](PathSampler& sampler) { sampler.run(Technique::portal); };
   EXPECT_FALSE(verdict("portal twice", segments).holds());
+}
+
+TEST_F(whole_agreement_twin, splats_of_few_light_walks_that_count_for_others_are_caught) {
+  Variant twice = Variant::pooled(world_, with_light_walks(bdpt, 0.25), kMaxDepth);
+  twice.besides = [](PathSampler& sampler) { sampler.run(Technique::light); };
+  EXPECT_FALSE(verdict("light twice, in a quarter", twice).holds());
+  Variant uncounted = Variant::pooled(world_, with_light_walks(bdpt, 0.5), kMaxDepth);
+  uncounted.counted_samples = 0.5;
+  EXPECT_FALSE(verdict("light walks counted as all", uncounted).holds());
 }
 
 TEST_F(whole_agreement_twin, a_technique_that_is_weighed_but_not_run_is_caught) {

@@ -14,12 +14,14 @@ const Integrator& integrator_named(const std::string& name) {
 }
 
 std::string label_of(const Integrator& integrator) {
-  const auto [light, camera] = integrator.mixture.guiding.chance;
-  if (light == 0 && camera == 0) return integrator.name;
-  const std::string label = fmt::format("{} {:g} {:g}", integrator.name, light, camera);
-  return integrator.mixture.has(Technique::portal)
-             ? fmt::format("{} {:g}", label, integrator.mixture.segments)
-             : label;
+  const Mixture& m = integrator.mixture;
+  std::string label = integrator.name;
+  if (m.guiding != Guiding{}) {
+    label += fmt::format(" {:g} {:g}", m.guiding.chance[0], m.guiding.chance[1]);
+    if (m.has(Technique::portal)) label += fmt::format(" {:g}", m.segments);
+  }
+  if (m.light_walks < 1) label += fmt::format(", light walks {:g}", m.light_walks);
+  return label;
 }
 
 namespace {

@@ -1,15 +1,26 @@
 #include "tools/tdpt-render/path/light_pool.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace tdpt {
 
-void LightPool::clear() {
+uint64_t samples_of_pool(const Mixture& mixture) {
+  return static_cast<uint64_t>(std::lround(LightPool::kWalks / mixture.light_walks));
+}
+
+uint64_t light_walks_of(const Mixture& mixture, uint64_t samples) {
+  if (!mixture.techniques.walks_from_light() || samples == 0) return 0;
+  const double walks = mixture.light_walks * static_cast<double>(samples);
+  return std::clamp<uint64_t>(static_cast<uint64_t>(std::lround(walks)), 1, samples);
+}
+
+void LightPool::clear(uint64_t samples) {
   starts_.clear();
   scattered_.clear();
   walks_ = 0;
+  samples_ = static_cast<double>(samples);
   kept_ = 0;
-  drawn_ = 0;
 }
 
 PortalSegment& LightPool::place_for_segment() {
@@ -62,7 +73,8 @@ Mixture expecting_joins(const World& world, const Mixture& mixture, int max_dept
   };
   expecting.joined = joins(scattered);
   expecting.joined_to_segments = joins(starts + scattered);
-  if (mixture.has(Technique::portal)) expecting.segments_joined = LightPool::kWalks;
+  if (mixture.has(Technique::portal))
+    expecting.segments_joined = static_cast<double>(samples_of_pool(mixture));
   return expecting;
 }
 

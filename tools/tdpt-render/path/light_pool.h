@@ -10,6 +10,10 @@
 // samples of a walk, or W when all are drawn. What it brings is divided by that, the number really
 // used; the MIS weights go by the expected one [Mixture::joined], so that they stay functions of
 // the path. Each segment stands for one in every sample of the pool [Mixture::samples_of].
+//
+// Not every sample makes a light walk [Mixture::light_walks], and a pool has as many walks however
+// small that share is: it is one of more samples then. Which of them walk is of no consequence,
+// since light walks know nothing of the pixel that they are made for: the first ones do.
 #pragma once
 #include <span>
 #include <vector>
@@ -28,37 +32,41 @@ struct LightVertex : End {
 
 class LightPool {
  public:
-  /// Samples that pool their light walks. In veach-ajar 16 instead of 1 took 1.05 times the CPU
-  /// time, 256 took 1.16 times: walks leave the cache before they are joined.
+  /// Light walks that are pooled. In veach-ajar 16 instead of 1 took 1.05 times the CPU time, 256
+  /// took 1.16 times: walks leave the cache before they are joined.
   static constexpr int kWalks = 16;
   /// Candidates of one vertex that they are joined with.
   static constexpr int kCandidates = 8;
 
-  void clear();
+  /// For so many samples.
+  void clear(uint64_t samples = 1);
   /// `y` must outlive the pool's use, unchanged.
   void add(const Walk& y);
 
   /// Place for the segment of one sample more; it stays if it is kept before the next is asked for.
   PortalSegment& place_for_segment();
   void keep_segment() { ++kept_; }
-  /// Counts a sample whose segment, if it had one, was kept.
-  void end_segment() { ++drawn_; }
   /// Those kept.
   std::span<PortalSegment> segments() { return std::span(segments_).first(kept_); }
-  /// Samples that might have drawn one.
-  double segments_drawn() const { return drawn_; }
 
   /// Replaces `drawn` by candidates y_i, i >= 1, or with `starts` i >= 0, spread evenly from u in
   /// [0,1). Returns how many samples of a walk each stands for; 0: there are none.
   double draw(bool starts, double u, std::vector<const LightVertex*>& drawn) const;
 
+  double samples() const { return samples_; }
+  double walks_per_sample() const { return walks_ / samples_; }
+
  private:
   std::vector<LightVertex> starts_, scattered_;  ///< y_0, and those after it
-  double walks_ = 0;
+  double walks_ = 0, samples_ = 1;
   std::vector<PortalSegment> segments_;  ///< the first of them are kept, the others place
   size_t kept_ = 0;
-  double drawn_ = 0;
 };
+
+/// How many samples pool their light walks.
+uint64_t samples_of_pool(const Mixture& mixture);
+/// How many of a pool's samples make a light walk; one at least, if any technique needs one.
+uint64_t light_walks_of(const Mixture& mixture, uint64_t samples);
 
 /// `mixture` with the numbers of joins that are to be expected of its light walks
 /// [Mixture::joined], told by a few of them: the same for the same world, mixture and length.

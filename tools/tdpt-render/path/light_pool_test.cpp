@@ -143,6 +143,31 @@ TEST(expecting_joins, are_those_of_walks_in_the_furnace) {
     }
 }
 
+TEST(light_pool, has_as_many_walks_however_few_samples_make_one) {
+  Mixture mixture = bdpt.mixture;
+  for (const double share : {1.0, 0.5, 0.25, 0.3, kFewestLightWalks}) {
+    mixture.light_walks = share;
+    const uint64_t samples = samples_of_pool(mixture);
+    EXPECT_EQ(light_walks_of(mixture, samples), uint64_t{LightPool::kWalks}) << share;
+    EXPECT_NEAR(static_cast<double>(samples) * share, LightPool::kWalks, share / 2);
+  }
+  // At the end of a picture: one at least, and of each sample one at most.
+  EXPECT_EQ(light_walks_of(mixture, 1), 1u);
+  EXPECT_EQ(light_walks_of(mixture, 100), 6u);
+  EXPECT_EQ(light_walks_of(mixture, 0), 0u);
+  EXPECT_EQ(light_walks_of(bdpt.mixture, 7), 7u);
+  EXPECT_EQ(light_walks_of(nee.mixture, 16), 0u);
+}
+
+TEST(light_pool, knows_how_many_walks_there_are_for_each_sample) {
+  const std::vector<Walk> walks = walks_of({4, 0, 2});
+  LightPool pool;
+  pool.clear(12);
+  for (const Walk& y : walks) pool.add(y);
+  EXPECT_EQ(pool.walks_per_sample(), 0.25);  // those without vertices count, too
+  EXPECT_EQ(pool_of(walks_of({3})).walks_per_sample(), 1);
+}
+
 TEST(expecting_joins, no_more_than_a_pool_has_walks) {
   const Mixture m = in_furnace(bdpt.mixture, 0.5f, 1);  // y_0 alone
   EXPECT_EQ(m.joined, LightPool::kWalks);
@@ -155,21 +180,18 @@ TEST(expecting_joins, leave_alone_what_does_not_walk_from_lights) {
 }
 
 // A sample that has no use for its segment leaves its place to the next one.
-TEST(light_pool, keeps_the_segments_that_are_of_use_and_counts_those_that_are_not) {
+TEST(light_pool, keeps_the_segments_that_are_of_use) {
   LightPool pool;
   for (int round = 0; round < 2; ++round) {
     pool.clear();
     EXPECT_TRUE(pool.segments().empty());
-    EXPECT_EQ(pool.segments_drawn(), 0);
     for (int sample = 0; sample < 5; ++sample) {
       pool.place_for_segment().x = sample;
       if (sample % 2 == 0) pool.keep_segment();
-      pool.end_segment();
     }
     std::vector<int> kept;
     for (const PortalSegment& segment : pool.segments()) kept.push_back(segment.x);
     EXPECT_EQ(kept, (std::vector{0, 2, 4}));
-    EXPECT_EQ(pool.segments_drawn(), 5);
   }
 }
 

@@ -55,6 +55,9 @@ struct Guiding {
 /// than noise.
 inline constexpr double kThroughWindows = 0.75;
 
+/// Of Mixture::light_walks.
+inline constexpr double kFewestLightWalks = 1.0 / 16;
+
 struct Mixture {
   TechniqueSet techniques;
   /// MIS sample weights of next events at z_1 and at later vertices.
@@ -64,6 +67,10 @@ struct Mixture {
   /// Of next events that look for the sky: the share of those that look through a portal, where
   /// there are any [next_event.h].
   double through_windows = kThroughWindows;
+
+  /// Share of the samples that make a light walk. Those of others are joined with, and what they
+  /// splat counts for all [light_pool.h].
+  double light_walks = 1;
 
   /// How many candidates a vertex is joined with, for each vertex that a light walk has on average
   /// after y_0: of those, and of those with y_0 [light_pool.h, expecting_joins()]. 1: with all of
@@ -78,6 +85,7 @@ struct Mixture {
   /// segments of a pool are joined with its vertices, but only its own is seen by the camera.
   constexpr double samples_of(Technique t, int split, int k) const {
     if (t == Technique::bi) return joined;
+    if (t == Technique::light) return light_walks;
     if (t != Technique::portal) return 1;
     return segments * (split > 0 ? joined_to_segments : 1) *
            (sees_segment(split, k) ? 1 : segments_joined);

@@ -412,6 +412,7 @@ std::vector<StrategyDensity> densities(const World& world, const Path& path, con
       log_p += std::log(p);
     }
     if (technique == Technique::bi) log_p += std::log(mixture.joined);
+    if (technique == Technique::light) log_p += std::log(mixture.light_walks);
     const double sample_weight = technique != Technique::direct ? 1
                                  : k == 2                       ? mixture.first_direct
                                                                 : mixture.later_direct;

@@ -213,16 +213,18 @@ void PathSampler::direct() {
 
 void PathSampler::light() {
   const Walk& y = *light_;
+  const double times = pool_->walks_per_sample();
   for (int i = 1; i < y.size; ++i) {
     if (!y[i].connectible) continue;
     Vec3d to_camera;
     Rgb factor;
     double raster_x, raster_y;
     if (!project(y[i], to_camera, factor, raster_x, raster_y)) continue;
-    const Rgb value = y.state(i).throughput * bsdf_at(y[i], back(y, i), to_camera) * factor;
+    const Rgb value = y.state(i).throughput * bsdf_at(y[i], back(y, i), to_camera) * factor *
+                      static_cast<float>(1 / times);
     if (black(value) || !visible(y[i], camera_walk_[0])) continue;
     const Path path(world_, guide_, y, i + 1, camera_walk_, 1, tally_.rays);
-    to_film({path, {Technique::light, i + 1}, value, 1}, raster_x, raster_y);
+    to_film({path, {Technique::light, i + 1}, value, times}, raster_x, raster_y);
   }
 }
 

@@ -63,7 +63,7 @@ class PathSampler {
   bool has_light_phase() const { return settings_.mixture.techniques.walks_from_light(); }
   void light_phase(Walk& y);
   bool has_segment_phase() const { return settings_.mixture.has(Technique::portal); }
-  /// `y`: the sample's own walk, which `pool` must have, with those of the other samples.
+  /// `y`: the sample's own walk, of no vertices where it makes none; `pool` has all walks.
   void segment_phase(const Walk& y, LightPool& pool);
   void camera_phase(const Walk& y, LightPool& pool);
   /// Adds what the camera side gathered to the pixel.
@@ -74,7 +74,7 @@ class PathSampler {
 
   void walk_from_camera();
   void walk_from_light();  ///< and pools that walk alone, and a segment that is joined with it
-  /// `y`: the sample's own light walk, of no meaning where the mixture has none.
+  /// `y`: the sample's own light walk, of no vertices where it makes none.
   void join_with(const Walk& y, LightPool& pool);
 
   void run(Technique technique);

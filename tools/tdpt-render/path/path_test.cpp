@@ -135,6 +135,7 @@ TEST(paths_under_other_mixtures, weigh_as_the_oracle_says) {
   joined.joined = often.joined = 2.5;
   joined.joined_to_segments = often.joined_to_segments = 1.7;
   joined.segments_joined = often.segments_joined = 16;
+  seldom.light_walks = 0.125;
   for (const Scene& scene : {diffuse_rooms(), glossy_rooms()})
     for (const Integrator* made : {&tdpt_org, &tdpt_guided})
       for (const Mixture& asked :
@@ -156,6 +157,9 @@ TEST(paths_under_other_mixtures, weigh_as_the_oracle_says) {
   EXPECT_GT(weighed_as_others(diffuse_rooms(), tdpt_org, joined, told), 100);
   told = joined;
   told.segments_joined *= 1.05;
+  EXPECT_GT(weighed_as_others(diffuse_rooms(), tdpt_org, joined, told), 100);
+  told = joined;
+  told.light_walks = 0.95;
   EXPECT_GT(weighed_as_others(diffuse_rooms(), tdpt_org, joined, told), 100);
 }
 
@@ -229,7 +233,8 @@ TEST(mixtures, weigh_next_events_and_count_joins_and_the_share_of_segments) {
   EXPECT_EQ(tdpt_org.mixture.sample_weight(Technique::portal, 0, 2), 1);
   less.joined = 2.5, less.joined_to_segments = 1.5;
   EXPECT_EQ(less.sample_weight(Technique::bi, 2, 3), 2.5);
-  EXPECT_EQ(less.sample_weight(Technique::light, 3, 3), 1);
+  EXPECT_EQ(less.sample_weight(Technique::light, 3, 3), 0.25);
+  EXPECT_EQ(bdpt.mixture.sample_weight(Technique::light, 3, 3), 1);
   EXPECT_EQ(less.sample_weight(Technique::camera, 0, 3), 1);
   EXPECT_EQ(less.sample_weight(Technique::portal, 0, 4), 0.25);  // light that begins at x_l
   EXPECT_EQ(less.sample_weight(Technique::portal, 1, 4), 0.375);

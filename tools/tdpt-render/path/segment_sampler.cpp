@@ -19,7 +19,6 @@ constexpr int kPairs = 3;       // joins of a sample's camera vertices with segm
 
 void PathSampler::segment_phase(const Walk& y, LightPool& pool) {
   join_with(y, pool);
-  pool.end_segment();
   if (world_.portals.empty() || settings_.max_depth < 2) return;
   tally_.begin_portals(world_.portals.portals());
   Sequence random = numbers(segment_place);
@@ -172,7 +171,7 @@ void PathSampler::join_with_segments() {
     PortalSegment& segment = segments[c / static_cast<size_t>(of_each)];
     const int t = 2 + static_cast<int>(c % static_cast<size_t>(of_each));
     if (!visible(segment.x_c, z[t - 1])) continue;
-    const double n = pool_->segments_drawn() * chance;
+    const double n = pool_->samples() * chance;
     through(segment, t, values_[c] * static_cast<float>(1 / n), settings_.mixture.segments * n, {});
   }
 }
