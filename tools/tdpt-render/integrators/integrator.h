@@ -24,7 +24,7 @@ inline constexpr TechniqueSet kTwoWays(Technique::camera, Technique::direct, Tec
 inline constexpr TechniqueSet kThreeWays = kTwoWays | TechniqueSet(Technique::portal);
 
 /// Share of the samples that make a light walk, where not all do: about as good as any from 1/2 to
-/// 1/8, and the picture without limit takes three quarters of the time.
+/// 1/8, and the picture without limit takes 0.75 to 0.85 of the time.
 inline constexpr double kFewLightWalks = 0.25;
 
 /// In the order of the paper.
