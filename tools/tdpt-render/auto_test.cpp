@@ -256,12 +256,14 @@ TEST(candidates, that_miss_light_of_the_scene_are_none) {
 // What is told of errors against pictures: each pixel's variance over many of them.
 class Told : public testing::Test {
  protected:
-  static constexpr int kWidth = 12, kHeight = 9;
+  static constexpr int kWidth = 24, kHeight = 18;
 
   // [candidate]: by several scouts together, since a bright path that one of them meets may be half
   // of what it tells.
-  static std::vector<double> told(const World& world, const std::vector<Candidate>& candidates) {
+  static std::vector<double> told(const World& world, std::vector<Candidate> candidates) {
     constexpr uint64_t kScouts = 6;
+    for (Candidate& c : candidates)
+      c.integrator.mixture = expecting_joins(world, c.integrator.mixture, kMaxDepth);
     Film film(kWidth, kHeight, world.lights.power());
     std::vector<double> errors(candidates.size());
     for (uint64_t seed = 1; seed <= kScouts; ++seed) {

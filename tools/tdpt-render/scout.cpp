@@ -65,6 +65,14 @@ bool begins_with_a_light_walk(Strategy s) {
          (s.technique == Technique::portal && s.split > 0);
 }
 
+// A path that a sample's camera walk makes with a light walk or a segment of the pool, as a
+// candidate would.
+struct Joined {
+  double brought;  // when the candidate has that walk
+  double often;    // that it has it, over the run's
+  double chance;   // that the path is then made; of what is seldom made the square is so much more
+};
+
 // What paths of one sample have in common, of one candidate: X^2 less the sum of squares of its
 // paths, as it would be expected of the candidate.
 class Together {
@@ -73,14 +81,14 @@ class Together {
     sum = squares = lit = 0;
     walks_.clear();
   }
-  void add(const Vertex* walk, double brought, double often) {
-    lit += brought * often;
+  void add(const Vertex* walk, const Joined& j) {
+    lit += j.brought * j.often;
     auto at =
         std::find_if(walks_.begin(), walks_.end(), [&](const Walk& w) { return w.y == walk; });
     if (at == walks_.end()) at = walks_.insert(at, {walk});
-    at->sum += brought * std::sqrt(often);
-    at->squares += brought * brought * often;
-    at->lit += brought * often;
+    at->sum += j.brought * std::sqrt(j.often);
+    at->squares += j.brought * j.brought * j.often * j.chance;
+    at->lit += j.brought * j.often;
   }
   double of_camera() const { return sum * sum - squares; }
   double of_light_walks() const {
@@ -176,11 +184,10 @@ class ScoutSample {
     if (scout_.home_[i] == run_) record_->x[i] += brought;
   }
 
-  // A path that begins with a light walk of the run, which candidate i makes `often` times as
-  // often.
-  void bring(size_t i, double brought, const Vertex* walk, double often) {
-    if (scout_.lit_by_[i] == run_) together_[i].add(walk, brought, often);
-    if (scout_.home_[i] == run_) record_->x[i] += brought * often;
+  // A path that begins with a light walk of the run, or has its segment.
+  void bring(size_t i, const Joined& j, const Vertex* walk) {
+    if (scout_.lit_by_[i] == run_) together_[i].add(walk, j);
+    if (scout_.home_[i] == run_) record_->x[i] += j.brought * j.often;
   }
 
   // Of each candidate. The run knows the densities of its own walks, and where it is not directed
@@ -207,7 +214,6 @@ class ScoutSample {
   void weigh(const Contribution& found, double light) {
     const auto& [path, strategy, value, times] = found;
     const std::vector<StrategySums>& of = sums_of(path, strategy);
-    const Mixture& own_mixture = mixture(scout_.runs_[run_]);
     double all_runs = 0;
     for (const size_t r : scout_.runs_) all_runs += of[r].counted;
     const size_t own = scout_.runs_[run_];
@@ -216,10 +222,12 @@ class ScoutSample {
     const auto per_sample = [&](size_t i) {
       return mixture(i).sample_weight(strategy.technique, strategy.split, path.k()) / times;
     };
+    const auto samples_of = [&](size_t i) {
+      return mixture(i).samples_of(strategy.technique, strategy.split, path.k());
+    };
     // Of all samples of the strategy: f = value p, `used` n_s p.
-    const double f = light * times /
-                     own_mixture.samples_of(strategy.technique, strategy.split, path.k()) *
-                     of[own].used;
+    const double f = light * times / samples_of(own) * of[own].used;
+    const double chance = std::min(1.0, times / samples_of(own));
     const double share = f * per_sample(own) / all_runs;  // of the picture, both runs together
     const bool splat =
         strategy.technique == Technique::light || (strategy.technique == Technique::portal &&
@@ -238,14 +246,14 @@ class ScoutSample {
       most = std::max(most, moments_[i]);
       if (splat || !(of[i].used > 0)) continue;
       const double brought = f * per_sample(i) / of[i].counted;
-      // As few joins with segments are made of more of them, each of which brings as much less.
-      const double more = mixture(i).segments / own_mixture.segments;
-      if (strategy.technique == Technique::portal)
-        bring(i, brought, &path.vertex(strategy.split), of[i].used / of[own].used / more);
-      else if (begins_with_a_light_walk(strategy))
-        bring(i, brought, &path.vertex(0), of[i].used / of[own].used);
-      else
+      if (strategy.technique != Technique::portal && !begins_with_a_light_walk(strategy)) {
         bring(i, brought);
+        continue;
+      }
+      // Samples of it that are made for each that the run makes, were all joined.
+      const double more = samples_of(i) / samples_of(own);
+      const int walk = strategy.technique == Technique::portal ? strategy.split : 0;
+      bring(i, {brought, of[i].used / of[own].used / more, chance / more}, &path.vertex(walk));
     }
     if (!splat && most < kAlike * least) {
       record_->alike += most;

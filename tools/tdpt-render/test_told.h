@@ -7,12 +7,12 @@
 namespace tdpt {
 
 /// relMSE of one sample, whose pixel is normalised as exrdiff does: from the variance of each pixel
-/// over pictures of 64 samples.
+/// over pictures of 16 samples.
 inline double error_of_pictures(const World& world, const Integrator& integrator,
                                 int max_depth = kMaxDepth) {
-  constexpr int kPictures = 24;
+  constexpr int kPictures = 48;
   RenderSettings settings;
-  settings.spp = 64;
+  settings.spp = 16;
   settings.max_depth = max_depth;
   const size_t pixels =
       static_cast<size_t>(world.film.width()) * static_cast<size_t>(world.film.height());

@@ -44,16 +44,17 @@ inline constexpr std::array kIntegrators{
         {TechniqueSet(Technique::camera, Technique::direct, Technique::light, Technique::portal)}},
     /// The techniques of tdpt-org with both walks directed at the portals [path/guide.h].
     Integrator{
-        "tdpt-guided", 6, {kThreeWays, 6, 2, 0.5, {{0.7, 0.4}}, kThroughWindows, kFewLightWalks}}};
+        "tdpt-guided", 6, {kThreeWays, 6, 2, 0.25, {{0.7, 0.4}}, kThroughWindows, kFewLightWalks}}};
 
 /// tdpt-guided as `auto` tries it, the likeliest first: as it stands in the table, with more
 /// segments, and less often directed with fewer.
 inline constexpr std::array kGuided{
     kIntegrators[5],
     Integrator{
-        "tdpt-guided", 7, {kThreeWays, 6, 2, 1, {{0.7, 0.4}}, kThroughWindows, kFewLightWalks}},
-    Integrator{
-        "tdpt-guided", 8, {kThreeWays, 6, 2, 0.25, {{0.5, 0.2}}, kThroughWindows, kFewLightWalks}}};
+        "tdpt-guided", 7, {kThreeWays, 6, 2, 0.5, {{0.7, 0.4}}, kThroughWindows, kFewLightWalks}},
+    Integrator{"tdpt-guided",
+               8,
+               {kThreeWays, 6, 2, 0.125, {{0.5, 0.2}}, kThroughWindows, kFewLightWalks}}};
 
 /// The row of that name; null when there is none.
 constexpr const Integrator* find_integrator(std::string_view name) {
