@@ -43,9 +43,9 @@ void declare_options(cli::Options& options, Arguments& a) {
       "--guide-camera", a.guide_camera, "Q",
       "Probability that a camera walk aims at a portal; default 0.4 with tdpt-guided, else 0", 0,
       0.95);
-  options.option("--segments", a.segments, "SHARE",
-                 "Share of the samples that draw a portal segment; default 1, with tdpt-guided 0.5",
-                 0.01, 1);
+  options.option(
+      "--segments", a.segments, "SHARE",
+      "Share of the samples that draw a portal segment; default 1, with tdpt-guided 0.25", 0.01, 1);
   options.option(
       "--light-walks", a.light_walks, "SHARE",
       "Share of the samples that make a light walk; default 0.25 with tdpt-guided, else 1",

@@ -74,7 +74,7 @@ inline constexpr const Integrator& tdpt_guided = *find_integrator("tdpt-guided")
 const Integrator& integrator_named(const std::string& name);
 
 /// Its name, and if its walks are directed, how, and the share of samples with segments; that with
-/// light walks where not all have one: "tdpt-guided 0.7 0.4 0.5, light walks 0.25".
+/// light walks where not all have one: "tdpt-guided 0.7 0.4 0.25, light walks 0.25".
 std::string label_of(const Integrator& integrator);
 
 /// A sentence about light that the scene has and none of the integrator's techniques can make
