@@ -32,8 +32,9 @@ class Guide {
   /// Walks of `mixture`. Where it has no use for the portals there are none, at no cost.
   Guide(const World& world, const Mixture& mixture)
       : Guide(world, mixture.guiding, mixture.guiding != Guiding{},
-              mixture.has(Technique::portal) || mixture.guiding != Guiding{}, mixture.looks_out()) {
-  }
+              mixture.has(Technique::portal) || mixture.guiding != Guiding{},
+              world.next_events.by_panels() ? mixture.has(Technique::direct)
+                                            : mixture.looks_out() && !world.windows.empty()) {}
   /// The same, and all is known that the densities of any other directed walks depend on.
   static Guide knowing_all(const World& world, const Mixture& mixture) {
     return Guide(world, mixture.guiding, true, true, true);
@@ -43,7 +44,7 @@ class Guide {
   bool active() const { return active_; }
   /// Whether edges have crossings at all.
   bool sees_portals() const { return sees_portals_; }
-  /// Whether vertices are told what they see of the sky through the portals.
+  /// Whether vertices are told what next events know of them.
   bool looks_out() const { return looks_out_; }
 
   /// Of an edge `a` -> `b` of a path, a nearer to the light: here alone it is decided which edges
@@ -86,7 +87,7 @@ class Guide {
         guiding_(guiding),
         active_(active && !world.portals.empty()),
         sees_portals_(sees_portals && !world.portals.empty()),
-        looks_out_(looks_out && !world.windows.empty()) {}
+        looks_out_(looks_out && (!world.windows.empty() || world.next_events.by_panels())) {}
   double chance(From from) const { return guiding_.chance[static_cast<size_t>(from)]; }
   double chance(From from, const Vertex& v, const Vec3d& back) const;
   double mixed_pdf_A(From from, const Vertex& at, const Vec3d& back, const Edge& e, const Point& to,

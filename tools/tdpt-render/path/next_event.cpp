@@ -2,10 +2,17 @@
 
 namespace tdpt {
 
-Lights::Point NextEvents::sample(const Vertex& shaded, double through_windows, double pick,
-                                 double u, double v, double side) const {
+Lights::Point NextEvents::sample(Vertex& shaded, double through_windows, double pick, double u,
+                                 double v, double side) const {
+  if (const double share = lights_.shares().surfaces; by_panels() && pick < share) {
+    Lights::Point point;
+    if (!panels_.sample(shaded, pick / share, u, v, shaded.outlook.sent, point)) return point;
+    point.pdf *= share;
+    point.source = &lights_.surface(panels_.both_sides(point.triangle));
+    return point;
+  }
   if (!lights_.picks_sky(pick)) return lights_.sample(pick, u, v, side);
-  const auto& [facing, seen] = shaded.outlook;
+  const auto& [facing, seen, sent] = shaded.outlook;
   const double q = seen > 0 ? through_windows : 0;
   // What is below the horizon is as good as black: it is not looked at.
   const auto above = [&facing = facing](const Vec3d& towards) {
@@ -27,9 +34,14 @@ Lights::Point NextEvents::sample(const Vertex& shaded, double through_windows, d
 
 NextEventPdf NextEvents::pdf(const Vertex& shaded, const LightSource& source, uint32_t triangle,
                              const Vec3d& position, const Lights::InSky& in_sky) const {
+  if (by_panels() && source.is_surface()) {
+    const double told = shaded.outlook.sent;
+    const double sent = told < 0 ? panels_.sent(shaded) : told;
+    return {lights_.shares().surfaces * panels_.pdf_A(shaded, sent, triangle, position)};
+  }
   if (!source.is_sky()) return {lights_.pdf(source, triangle, position, in_sky)};
   NextEventPdf pdf{source.pdf_1() * in_sky.plain_w};
-  const auto& [facing, seen] = shaded.outlook;
+  const auto& [facing, seen, sent] = shaded.outlook;
   pdf.sees_windows = seen > 0;
   if (pdf.sees_windows)
     pdf.windows = source.pdf_1() * windows_.pdf_w(shaded.position, facing, seen, -position);

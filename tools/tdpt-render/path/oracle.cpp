@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "libcommon/scene/pane.h"
+#include "tools/tdpt-render/path/oracle_panels.h"
 
 namespace tdpt::oracle {
 namespace {
@@ -97,6 +98,9 @@ double light_pdf(const World& world, const SkyLight* sky, const Vertex& x0, Faul
 double next_event_pdf(const World& world, const SkyLight* sky, const Path& path,
                       double through_windows, Fault fault) {
   const Vertex& x0 = path.vertex(0);
+  if (x0.on_surface() && !world.next_events.panels().empty())
+    return (fault == Fault::panel_5_percent ? 1.05 : 1) * world.lights.shares().surfaces *
+           panel_pdf_A(world, x0, path.vertex(1), path.vertex(2));
   if (!in_the_sky(x0)) return light_pdf(world, sky, x0, fault);
   const double spoilt = fault == Fault::sky_5_percent ? 1.05 : 1;
   const double through = fault == Fault::window_5_percent ? 1.05 : 1;

@@ -26,6 +26,7 @@ enum class Fault {
   sky_5_percent,         ///< density of the sky's directions
   sky_segment_distance,  ///< segments from the sky spread over the squared distance to the portal
   window_5_percent,      ///< density of next events through windows
+  panel_5_percent,       ///< density of next events at panels
   sky_segment_cosine,    ///< the portal's cosine is not cancelled in those
 };
 

@@ -192,7 +192,9 @@ void PathSampler::direct() {
     random.seek(4 * static_cast<uint32_t>(j));
     const auto [u, v, pick, side] = random.uniforms<4>();
     const Lights::Point point =
-        world_.next_events.sample(z[j], settings_.mixture.through_windows, pick, u, v, side);
+        world_.next_events.sample(camera_walk_.v[static_cast<size_t>(j)],
+                                  settings_.mixture.through_windows, pick, u, v, side);
+    if (!point.source) continue;
     begin_at_light(world_, point, light_point_);
     const Vertex& y0 = light_point_[0];
     const Edge e = between(z[j], y0);
@@ -202,7 +204,9 @@ void PathSampler::direct() {
     const Rgb sent = z.state(j).throughput * f * Le;
     if (black(sent) || !visible(z[j], y0)) continue;
     // What many do not need: half of them and more are hidden.
-    const double pdf = world_.next_events.pdf(z[j], y0).of(settings_.mixture.through_windows);
+    const double pdf = point.pdf > 0
+                           ? point.pdf
+                           : world_.next_events.pdf(z[j], y0).of(settings_.mixture.through_windows);
     const Rgb value = sent * Rgb(static_cast<float>(1 / pdf)) * geometry(z[j], y0, e);
     if (black(value)) continue;
     if (guide_.active()) guide_.aim_at_light(light_point_.v[0]);

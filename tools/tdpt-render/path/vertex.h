@@ -17,10 +17,11 @@ struct Aims {
   double emitted = 0;                 ///< of a walk that begins here
 };
 
-/// What a point sees of the sky through the windows [window_sky.h].
+/// What next events know of a point [next_event.h].
 struct Outlook {
   Vec3d facing{};   ///< side of the surface that light comes to; 0: both
-  double seen = 0;  ///< sum S_F
+  double seen = 0;  ///< of the sky through the windows: sum S_F [window_sky.h]
+  double sent = 0;  ///< by the panels [panels.h]; less than 0: not yet told
 };
 
 struct Vertex : Point {

@@ -78,8 +78,10 @@ bool Walker::extend(const Tracer::Origin& origin, const Vec3d& w, const Rgb& thr
   WalkState& state = walk_.states[n];
   if (guide_.active()) leaves ? guide_.aim_at_light(next) : guide_.aim_at_surface(-w, next);
   // Light walks ask for the first: it may be x_1.
-  if (guide_.looks_out() && !leaves && (from_ == From::camera || n == 1))
+  if (guide_.looks_out() && !leaves && (from_ == From::camera || n == 1)) {
     world_.next_events.look_out(-w, next);
+    if (from_ == From::light) world_.next_events.look_at_panels(next);
+  }
   if (n >= 2) here.other_survival = albedo_at(v, e.w);
   state.own_survival = albedo_at(next, -e.w);
   state.other_survival = 1;

@@ -36,7 +36,7 @@ struct World {
   FilmPlane film;
   PortalSet portals;  ///< changed by fill_openings() alone
   WindowSky windows;
-  NextEvents next_events{lights, windows};
+  NextEvents next_events{scene, lights, windows};
   bool absorbing = false;  ///< some solid takes light away on the way through
 };
 
