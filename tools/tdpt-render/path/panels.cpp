@@ -103,11 +103,11 @@ Panels::Panels(const Scene& scene, const Lights& lights) {
   all_ = std::move(found);
 }
 
-Panels::View Panels::view(const Panel& panel, const Vertex& v, const Vec3d& up) {
-  View view;
+void Panels::look(const Panel& panel, const Vertex& v, const Vec3d& up, View& view) {
+  view.total = 0;
   const Vec3d r = panel.corner - v.position;
   const double height = -dot(panel.normal, r);
-  if (!(height > 0) && !(panel.both_sides && height < 0)) return view;
+  if (!(height > 0) && !(panel.both_sides && height < 0)) return;
   const double z = dot(up, r);
   const double z_x = dot(up, panel.x) * panel.length_x, z_y = dot(up, panel.y) * panel.length_y;
   std::array<double, 4> over{z, z + z_x, z + z_y, z + z_x + z_y};
@@ -117,26 +117,28 @@ Panels::View Panels::view(const Panel& panel, const Vertex& v, const Vec3d& up) 
     o = both_ways ? std::abs(o) : std::max(o, 0.0);
     highest = std::max(highest, o);
   }
-  if (!(highest > 0)) return view;
+  if (!(highest > 0)) return;
   const double h = std::abs(height), H = std::max(h, panel.least_height);
   view.H = H;
   view.s = dot(panel.x, r);
   view.t = dot(panel.y, r);
   const std::array<double, 2> s{view.s, view.s + panel.length_x},
       t{view.t, view.t + panel.length_y};
+  const std::array<double, 2> f{H + std::abs(s[0]), H + std::abs(s[1])};
+  const std::array<double, 2> g{H + std::abs(t[0]), H + std::abs(t[1])};
+  const double scale = h / (H * H);
   double sum = 0;
   for (size_t k = 0; k < 4; ++k) {
-    const double S = s[k & 1], T = t[k >> 1];
-    const double d2 = S * S + T * T + h * h;
-    view.R[k] = over[k] * h * spread(S, T, H) / (d2 * d2);
+    const size_t i = k & 1, j = k >> 1;
+    const double spread_per_d2 = f[i] * g[j] / (s[i] * s[i] + t[j] * t[j] + h * h);
+    view.R[k] = over[k] * scale * spread_per_d2 * spread_per_d2;
     sum += view.R[k];
   }
-  view.a0 = compressed(s[0], H);
-  view.a1 = compressed(s[1], H);
-  view.b0 = compressed(t[0], H);
-  view.b1 = compressed(t[1], H);
+  view.a0 = s[0] / f[0];
+  view.a1 = s[1] / f[1];
+  view.b0 = t[0] / g[0];
+  view.b1 = t[1] / g[1];
   view.total = 0.25 * sum * (view.a1 - view.a0) * (view.b1 - view.b0);
-  return view;
 }
 
 namespace {
@@ -159,7 +161,11 @@ const Panels::Panel* Panels::find(uint32_t triangle) const {
 double Panels::sent(const Vertex& v) const {
   const Vec3d up = horizon(v);
   double sum = 0;
-  for (const Panel& panel : all_) sum += panel.luminance * view(panel, v, up).total;
+  View view;
+  for (const Panel& panel : all_) {
+    look(panel, v, up, view);
+    sum += panel.luminance * view.total;
+  }
   return sum;
 }
 
@@ -169,7 +175,7 @@ bool Panels::sample(const Vertex& v, double pick, double u, double w, double& se
   std::array<View, kMost> views;
   sent = 0;
   for (size_t i = 0; i < all_.size(); ++i) {
-    views[i] = view(all_[i], v, up);
+    look(all_[i], v, up, views[i]);
     sent += all_[i].luminance * views[i].total;
   }
   if (!(sent > 0)) return false;
@@ -205,7 +211,8 @@ bool Panels::sample(const Vertex& v, double pick, double u, double w, double& se
 double Panels::pdf_A(const Vertex& v, double sent, uint32_t triangle, const Vec3d& position) const {
   const Panel* const panel = find(triangle);
   if (!panel || !(sent > 0)) return 0;
-  const View seen = view(*panel, v, horizon(v));
+  View seen;
+  look(*panel, v, horizon(v), seen);
   if (!(seen.total > 0)) return 0;
   const Vec3d r = position - v.position;
   const double s = dot(panel->x, r), t = dot(panel->y, r);

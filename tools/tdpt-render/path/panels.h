@@ -64,12 +64,12 @@ class Panels {
  private:
   /// A panel from a point.
   struct View {
-    double H, s, t;             ///< s, t of `corner`
-    double a0, a1, b0, b1;      ///< it is [a0,a1] x [b0,b1]
-    std::array<double, 4> R{};  ///< of (a0,b0), (a1,b0), (a0,b1), (a1,b1)
-    double total = 0;           ///< integral R da db
+    double H, s, t;           ///< s, t of `corner`
+    double a0, a1, b0, b1;    ///< it is [a0,a1] x [b0,b1]
+    std::array<double, 4> R;  ///< of (a0,b0), (a1,b0), (a0,b1), (a1,b1)
+    double total;             ///< integral R da db; 0: nothing else is told
   };
-  static View view(const Panel& panel, const Vertex& v, const Vec3d& up);
+  static void look(const Panel& panel, const Vertex& v, const Vec3d& up, View& view);
 
   /// Null: on none.
   const Panel* find(uint32_t triangle) const;

@@ -117,7 +117,7 @@ TEST(panels, twin_a_density_of_another_place) {
 
 TEST(panels, those_that_send_nothing_are_not_chosen) {
   const Rooms rooms;
-  for (const Shaded& dark : {Shaded{{0.01, 0.5, 0}, {-1, 0, 0}},      // behind the wall's
+  for (const Shaded& dark : {Shaded{{0.01, 0.5, 0}, {-1, 0, 0}},     // behind the wall's
                              Shaded{{1.0, 2.5, 0.9}, {0, 1, 0}}}) {  // all below the horizon
     Vertex v = rooms.vertex(dark);
     const Lights::Point p = rooms.world().next_events.sample(v, 0, 0.5, 0.5, 0.5, 0.5);
