@@ -14,9 +14,9 @@
 // R      z h / d^4 per da db: what is common to all cos cos / d^2 of the panel
 //   p_A(x_0 | x_1) = Y R(a,b) (da db / dA) / sum over the panels of Y integral R da db
 //
-// It is an estimate of cos cos / d^2, not a bound: 0 only where that is 0. Measured in furnished
-// rooms: nine tenths of what samples in exact proportion to it (Peters 2021) gain, in a tenth of
-// the time.
+// It is an estimate of cos cos / d^2, not a bound: 0 only where that is 0. Samples in exact
+// proportion to it (Peters 2021) have 0.93 of its relMSE, and a picture takes twice the time:
+// measured with next events alone in two furnished rooms.
 #pragma once
 #include <array>
 #include <optional>
