@@ -87,7 +87,7 @@ TEST_P(paths, through_portals_for_both_ways_are_the_oracles) {
   const Scene scene = diffuse_rooms();
   ASSERT_EQ(PortalSet(portals, scene.frame).facets(), 5u);
   ASSERT_GT(PortalSet(portals, scene.frame).pairs(), 2u);
-  const Worst worst = compare(scene, *GetParam(), Fault::none, 6, 48, portals);
+  const Worst worst = compare(scene, *GetParam(), Fault::none, 6, 96, portals);
   EXPECT_LT(worst.weight, 1e-6);
   EXPECT_LT(worst.value, 1e-4);
   if (GetParam()->mixture.has(Technique::portal)) {
@@ -223,7 +223,7 @@ TEST(path_twin, directed_walks_that_carry_twice_as_much_are_caught) {
 }
 
 TEST(mixtures, weigh_next_events_and_count_joins_and_the_share_of_segments) {
-  Mixture less = kGuided[2].mixture;
+  Mixture less = tdpt_guided.mixture;
   EXPECT_EQ(less.segments, 0.25);
   EXPECT_EQ(less.sample_weight(Technique::portal, 2, 4), 0.25);
   EXPECT_EQ(less.sample_weight(Technique::direct, 1, 2), 6);
