@@ -1,11 +1,12 @@
 #!/usr/bin/python3
-"""work_model.py [FILE...]: fits the tables of tools/tdpt-render/work_model.h to what work_model_bench
-measured (files or standard input, headers in between allowed) and prints them as they stand there.
+"""work_model.py [--hold TERM=COST]... [FILE...]: fits the tables of tools/tdpt-render/work_model.h to what
+work_model_bench measured (files or standard input, headers in between allowed) and prints them as they stand there.
 
 Least squares of relative errors: sum over lines of ((terms . costs) / nanoseconds - 1)^2, one fit to the
-lines with portals and one to those without. A term that is 0 in all lines stays 0, unwritten. How far the
-fit is off goes to standard error.
+lines with portals and one to those without; lines of pt do not count. A term that is 0 in all lines stays 0,
+unwritten; one that is held has that cost where it is not. How far the fit is off goes to standard error.
 """
+import argparse
 import sys
 
 import numpy as np
@@ -36,33 +37,42 @@ def read(lines):
     return terms, rows
 
 
-def fit(terms, times):
-    """Costs [ns] that least squares of relative errors give; terms[line, term], times[line] in ns.
+def fit(terms, times, held=None):
+    """Costs [ns] that least squares of relative errors give; terms[line, term], times[line] in ns. held[term]: its
+    cost where it is known, else nan.
 
     Throws ValueError where the lines do not determine them."""
     there = np.any(terms != 0, axis=0)
+    costs = np.zeros(terms.shape[1])
+    if held is not None:
+        known = ~np.isnan(held)
+        costs[known & there] = held[known & there]
+        there &= ~known
     a = terms[:, there] / times[:, None]
     # Columns of one length: the rank is then about directions and not about units.
     lengths = np.linalg.norm(a, axis=0)
-    solution, _, rank, _ = np.linalg.lstsq(a / lengths, np.ones(len(times)), rcond=1e-9)
+    solution, _, rank, _ = np.linalg.lstsq(a / lengths, 1 - terms @ costs / times, rcond=1e-9)
     if rank < a.shape[1]:
         raise ValueError(f"{len(times)} lines determine {rank} of {a.shape[1]} costs: more scenes are needed")
-    costs = np.zeros(terms.shape[1])
     costs[there] = solution / lengths
     return costs
 
 
 def ratio_errors(rows, costs):
-    """By line: the model's ratio to bdpt's time, of the same scene and depth, over the measured one, less 1."""
-    times = {}
-    for keys, terms in rows:
-        times[keys["scene"], keys["depth"], keys["integrator"]] = (np.dot(terms, costs), float(keys["nanoseconds"]))
-    errors = []
-    for (scene, depth, integrator), (model, measured) in times.items():
-        bdpt = times.get((scene, depth, "bdpt"))
-        if bdpt and integrator != "bdpt":
-            errors.append((model / bdpt[0]) / (measured / bdpt[1]) - 1)
-    return np.array(errors)
+    """By line: the model's ratio to bdpt's time, of the same scene and depth, over the measured one, less 1. `rows`,
+    `costs`: by TABLES' keys; bdpt's line may have the other table's."""
+    lines = [
+        (keys, np.dot(terms, costs[key]), float(keys["nanoseconds"])) for key in rows for keys, terms in rows[key]
+    ]
+    place = lambda keys: (keys["scene"], keys["depth"])
+    bdpt = {place(keys): (model, measured) for keys, model, measured in lines if keys["integrator"] == "bdpt"}
+    return np.array(
+        [
+            (model / bdpt[place(keys)][0]) / (measured / bdpt[place(keys)][1]) - 1
+            for keys, model, measured in lines
+            if keys["integrator"] != "bdpt" and place(keys) in bdpt
+        ]
+    )
 
 
 def table(name, names, costs):
@@ -71,26 +81,41 @@ def table(name, names, costs):
     return "\n".join([f"inline constexpr WorkCosts {name}{{", *lines, "};"])
 
 
-def main(paths):
+def held_costs(arguments, names):
+    """held[term] of fit(). Throws ValueError."""
+    held = np.full(len(names), np.nan)
+    for argument in arguments:
+        name, _, cost = argument.partition("=")
+        if name not in names:
+            raise ValueError(f"--hold {argument}: there is no such term")
+        held[names.index(name)] = float(cost)
+    return held
+
+
+def main(arguments):
+    parser = argparse.ArgumentParser(prog="work_model.py", description=__doc__)
+    parser.add_argument("--hold", action="append", default=[], metavar="TERM=COST")
+    parser.add_argument("files", nargs="*", default=["/dev/stdin"])
+    options = parser.parse_args(arguments)
     lines = []
-    for path in paths or ["/dev/stdin"]:
+    for path in options.files:
         with open(path, encoding="utf-8") as file:
             lines += file.readlines()
     names, rows = read(lines)
-    for key, name in TABLES.items():
-        if not rows[key]:
-            continue
-        terms = np.array([row for _, row in rows[key]])
-        times = np.array([float(keys["nanoseconds"]) for keys, _ in rows[key]])
-        costs = fit(terms, times)
-        print(table(name, names, costs))
-        errors = np.abs(ratio_errors(rows[key], np.round(costs)))
-        if errors.size:
-            print(
-                f"{name}: {len(times)} lines; ratios to bdpt are off by {100 * errors.mean():.1f} % on average, "
-                f"{100 * errors.max():.1f} % at most",
-                file=sys.stderr,
-            )
+    held = held_costs(options.hold, names)
+    rows = {key: [row for row in rows[key] if row[0]["integrator"] != "pt"] for key in rows if rows[key]}
+    costs = {}
+    for key, of in rows.items():
+        terms = np.array([row for _, row in of])
+        costs[key] = np.round(fit(terms, np.array([float(keys["nanoseconds"]) for keys, _ in of]), held))
+        print(table(TABLES[key], names, costs[key]))
+    errors = np.abs(ratio_errors(rows, costs))
+    if errors.size:
+        print(
+            f"{sum(map(len, rows.values()))} lines; ratios to bdpt are off by {100 * errors.mean():.1f} % on average, "
+            f"{100 * errors.max():.1f} % at most",
+            file=sys.stderr,
+        )
 
 
 if __name__ == "__main__":

@@ -11,7 +11,7 @@ import numpy as np
 import work_model
 
 HEADER = os.path.join(os.path.dirname(__file__), "..", "tools", "tdpt-render", "work_model.h")
-NAMES = "sample closest closest_deeper shadow portal portal_triangle directed facets facet looking_out window".split()
+NAMES = "sample closest closest_deeper shadow join portal portal_triangle directed facets facet looking_out window".split()
 
 
 def source_table(name):
@@ -30,12 +30,12 @@ def measured(costs, portals, noise, rng):
         triangles, facets = (2 * (scene + 1), 1 + scene % 3) if portals else (0, 0)
         for depth in (3, 6, 12):
             for integrator in ("bdpt", "nee", "tdpt-org", "a", "b", "c"):
-                closest, shadow, edges = depth * rng.uniform(0.5, 2, 3)
+                closest, shadow, joins, edges = depth * rng.uniform(0.5, 2, 4)
                 edges *= portals
                 directed = edges * (integrator in "abc")
                 many = directed * (facets > 1)
                 out = closest * rng.integers(0, 2)  # under a sky
-                terms = np.array([1, closest, closest * deeper, shadow, edges, edges * triangles, directed,
+                terms = np.array([1, closest, closest * deeper, shadow, joins, edges, edges * triangles, directed,
                                   many, many * facets, out, out * rng.integers(1, 5)])
                 time = terms @ costs * rng.uniform(1 - noise, 1 + noise)
                 fields = [f"room{scene}", depth, integrator, int(portals), f"{time:.9g}", *(f"{t:.9g}" for t in terms)]
@@ -50,7 +50,7 @@ def fitted(lines, portals, hide=None):
     if hide is not None:
         of = [(keys, [0 if n == hide else t for n, t in zip(names, terms)]) for keys, terms in of]
     costs = work_model.fit(np.array([t for _, t in of]), np.array([float(k["nanoseconds"]) for k, _ in of]))
-    return costs, np.max(np.abs(work_model.ratio_errors(of, costs)))
+    return costs, np.max(np.abs(work_model.ratio_errors({0: of}, {0: costs})))
 
 
 class Fit(unittest.TestCase):
@@ -68,6 +68,24 @@ class Fit(unittest.TestCase):
         self.assertLess(worst, 0.06)
         _, worst = fitted(lines, True, hide="shadow")
         self.assertGreater(worst, 0.06)
+
+    def test_leaves_what_is_held_and_fits_the_others_beside_it(self):
+        lines = measured(np.arange(1.0, len(NAMES) + 1), True, 0, np.random.default_rng(5))
+        _, rows = work_model.read(lines)
+        terms = np.array([t for _, t in rows[1]])
+        times = np.array([float(k["nanoseconds"]) for k, _ in rows[1]])
+        costs = work_model.fit(terms, times, work_model.held_costs(["facet=10", "join=5"], NAMES))
+        np.testing.assert_allclose(costs, np.arange(1.0, len(NAMES) + 1), rtol=1e-6)
+        wrong = work_model.fit(terms, times, work_model.held_costs(["join=9"], NAMES))
+        self.assertEqual(wrong[NAMES.index("join")], 9)
+        self.assertGreater(np.max(np.abs(wrong - costs)[np.array(NAMES) != "join"]), 0.01)
+        with self.assertRaisesRegex(ValueError, "no such term"):
+            work_model.held_costs(["roof=1"], NAMES)
+
+    def test_bdpt_may_be_of_the_other_table(self):
+        line = lambda name, ns: ({"scene": "a", "depth": "6", "integrator": name, "nanoseconds": ns}, [1.0])
+        rows = {0: [line("bdpt", "100")], 1: [line("tdpt-org", "300")]}
+        np.testing.assert_allclose(work_model.ratio_errors(rows, {0: [100], 1: [450]}), [0.5])
 
     def test_weighs_short_and_long_samples_alike(self):
         # Of one cost and two lines that contradict each other: relative errors of 1 / 3 each way,

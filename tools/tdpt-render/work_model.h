@@ -1,7 +1,8 @@
 // What a sample costs, told from what it counts: a linear model of CPU time, fitted to
 // measurements. `auto` weighs errors by it and never by the clock, so that it chooses alike in
 // every run.
-//   cost = sample + rays.closest (closest + closest_deeper L) + rays.shadow x shadow
+//   cost = sample + rays.closest (closest + closest_deeper L) + rays.shadow x shadow + rays.join x
+//   join
 //          + rays.portal (portal + portal_triangle T + directed D + (facets + facet F) [D and F >
 //          1])
 //          + rays.closest (looking_out + window F) where there is a sky to look for,
@@ -18,6 +19,7 @@ struct WorkCosts {
   double closest = 0;         ///< a first hit
   double closest_deeper = 0;  ///< more for each doubling of the scene's triangles
   double shadow = 0;          ///< a visibility test
+  double join = 0;            ///< a pair of ends that comes into question for a join
   double portal = 0;          ///< an edge tested against the portals, with the weighing of its path
   double portal_triangle = 0;  ///< more for each triangle of the portals
   double directed = 0;         ///< more where the edge's ends are told how to aim
@@ -65,7 +67,7 @@ class WorkModel {
   double per_sample(const RayCounts& rays, uint64_t samples) const;
 
  private:
-  double sample_, closest_, shadow_, portal_;
+  double sample_, closest_, shadow_, join_, portal_;
 };
 
 }  // namespace tdpt

@@ -235,6 +235,7 @@ void PathSampler::light() {
 void PathSampler::join_drawn(const End& end, int edges) {
   few_.clear();
   values_.resize(drawn_.size());
+  tally_.rays.join += drawn_.size();
   for (size_t c = 0; c < drawn_.size(); ++c) {
     const LightVertex& y = *drawn_[c];
     values_[c] = y.index + edges <= settings_.max_depth ? join(world_, y, end) : Rgb{};

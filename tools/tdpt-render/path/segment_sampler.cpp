@@ -165,6 +165,7 @@ void PathSampler::join_with_segments() {
       few_.add(luminance(values_.back() * light_of(segment, t)));
     }
   }
+  tally_.rays.join += values_.size();
   Sequence random = numbers(segment_place);
   random.seek(12);
   for (const auto& [c, chance] : few_.choose(kPairs, random.uniform())) {

@@ -14,11 +14,13 @@ struct RayCounts {
   uint64_t closest = 0;  ///< first-hit rays
   uint64_t shadow = 0;   ///< visibility tests
   uint64_t portal = 0;   ///< edges tested against the portals
+  uint64_t join = 0;     ///< pairs of ends that came into question for a join
 
   void merge(const RayCounts& other) {
     closest += other.closest;
     shadow += other.shadow;
     portal += other.portal;
+    join += other.join;
   }
 };
 
