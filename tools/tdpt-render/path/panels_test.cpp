@@ -3,7 +3,9 @@
 #include "tools/tdpt-render/path/panels.h"
 
 #include "libcommon/testing/chi_square.h"
+#include "tools/tdpt-render/candidates.h"
 #include "tools/tdpt-render/path/test_panels.h"
+#include "tools/tdpt-render/test_sky.h"
 
 namespace tdpt {
 namespace {
@@ -182,6 +184,29 @@ TEST_P(panel_paths, are_the_oracles) {
 TEST_P(panel_paths, over_glossy_surfaces_too) {
   const Worst worst = compare(with_panels(glossy_rooms()), *GetParam(), Fault::none, 6, 48);
   EXPECT_LE(worst.off, 2);
+}
+
+// All that auto tries, under a sky that shines in through a portal and past it.
+TEST(panel_paths_beside_a_sky, are_the_oracles) {
+  const Scene scene = under(open_end(with_panels(diffuse_rooms()), 4.09), uneven_sky());
+  std::vector<Portal> portals = two_crossing_portals();
+  portals.push_back(rectangle({4.1, 0.1, -0.9}, {0, 0, 1.8}, {0, 1.8, 0}));
+  const World world(scene, scene.camera(""), 16, 12, portals);
+  ASSERT_TRUE(world.next_events.by_panels() && !world.windows.empty());
+  int caught = 0;
+  for (const Candidate& c : auto_candidates(world, kGuided)) {
+    const Worst worst = compare(scene, c.integrator, Fault::none, 6, 48, portals);
+    EXPECT_LT(worst.weight, 1e-5) << c.label;
+    EXPECT_LT(worst.value, 1e-4) << c.label;
+    if (!c.integrator.mixture.has(Technique::direct)) continue;
+    const auto direct = static_cast<size_t>(Technique::direct);
+    EXPECT_GT(worst.sky[direct], 15) << c.label;
+    EXPECT_GT(worst.paths[direct] - worst.sky[direct], 1000) << c.label;
+    const Worst faulty = compare(scene, c.integrator, Fault::panel_5_percent, 6, 2, portals);
+    EXPECT_GT(faulty.value, 0.04) << c.label;
+    ++caught;
+  }
+  EXPECT_GT(caught, 5);
 }
 
 INSTANTIATE_TEST_SUITE_P(integrators, panel_paths, testing::ValuesIn(integrators()),
