@@ -33,8 +33,8 @@ class Guide {
   Guide(const World& world, const Mixture& mixture)
       : Guide(world, mixture.guiding, mixture.guiding != Guiding{},
               mixture.has(Technique::portal) || mixture.guiding != Guiding{},
-              world.next_events.by_panels() ? mixture.has(Technique::direct)
-                                            : mixture.looks_out() && !world.windows.empty()) {}
+              mixture.looks_out() ||
+                  (mixture.has(Technique::direct) && world.next_events.by_panels())) {}
   /// The same, and all is known that the densities of any other directed walks depend on.
   static Guide knowing_all(const World& world, const Mixture& mixture) {
     return Guide(world, mixture.guiding, true, true, true);
