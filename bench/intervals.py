@@ -70,17 +70,34 @@ def expanded_tail(n):
     return normal_tail(math.sqrt(n / (n - 1)) * t_quantile(0.025, n - 1))
 
 
-def ratio_interval(above, below, rng, tail=None):
-    """Ends of the 95 % interval of mean(above) / mean(below) by bootstrap, both drawn with replacement; 0 or NO_BOUND
-    where draws of theirs are not positive. tail: share beyond each end, if not expanded_tail's."""
-    if tail is None:
-        tail = expanded_tail(min(len(above), len(below)))
+def _ratios(above, below, rng):
+    """Of the means of draws with replacement; 0 or NO_BOUND where draws of theirs are not positive."""
     means = [v[rng.integers(len(v), size=(DRAWS, len(v)))].mean(1) for v in (above, below)]
     with np.errstate(divide="ignore", invalid="ignore"):
-        ratios = np.where(means[1] <= 0, NO_BOUND, np.maximum(means[0], 0) / means[1])
-    ratios.sort()
+        return np.where(means[1] <= 0, NO_BOUND, np.maximum(means[0], 0) / means[1])
+
+
+def _ends(draws, tail):
+    draws.sort()
     level = int(tail * DRAWS)
-    return ratios[level], ratios[DRAWS - 1 - level]
+    return draws[level], draws[DRAWS - 1 - level]
+
+
+def ratio_interval(above, below, rng, tail=None):
+    """Ends of the 95 % interval of mean(above) / mean(below) by bootstrap. tail: share beyond each end, if not
+    expanded_tail's."""
+    if tail is None:
+        tail = expanded_tail(min(len(above), len(below)))
+    return _ends(_ratios(above, below, rng), tail)
+
+
+def geometric_interval(pairs, rng):
+    """The same of the geometric mean of such ratios, pairs: of (above, below), each drawn from by itself."""
+    draws = [_ratios(above, below, rng) for above, below in pairs]
+    with np.errstate(divide="ignore"):
+        means = np.exp(np.mean(np.log(draws), axis=0))
+    means[np.max(draws, axis=0) >= NO_BOUND] = NO_BOUND
+    return _ends(means, expanded_tail(min(len(v) for pair in pairs for v in pair)))
 
 
 def lower_median(values):

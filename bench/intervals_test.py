@@ -36,6 +36,16 @@ def share_held(truth, tail, n=4, cases=400):
     return held / cases
 
 
+def share_of_geometric_means_held(truth, cases=400):
+    """The same for the geometric mean of three ratios of means of 6 values; the true ones are 1, 2 and 4."""
+    rng, held = np.random.default_rng(8), 0
+    for _ in range(cases):
+        pairs = [(ratio * rng.lognormal(0, 0.5, 6), rng.lognormal(0, 0.5, 6)) for ratio in (1, 2, 4)]
+        low, high = intervals.geometric_interval(pairs, rng)
+        held += low <= truth <= high
+    return held / cases
+
+
 class Bootstrap(unittest.TestCase):
     # 95 % of 400: one standard deviation is 1.1 %.
     def test_intervals_hold_the_ratio_as_often_as_they_say(self):
@@ -45,6 +55,10 @@ class Bootstrap(unittest.TestCase):
         self.assertLess(share_held(2, 0.025), 0.92)
         self.assertLess(share_held(3, None), 0.92)
 
+    def test_geometric_means_are_held_and_no_other_value(self):
+        self.assertGreater(share_of_geometric_means_held(2), 0.92)
+        self.assertLess(share_of_geometric_means_held(7 / 3), 0.92)  # the arithmetic mean
+
     def test_ends_without_bound(self):
         rng = np.random.default_rng(1)
         ones = np.ones(4)
@@ -52,6 +66,9 @@ class Bootstrap(unittest.TestCase):
         mixed = np.array([-3.0, 1, 1, 2])
         self.assertEqual(intervals.ratio_interval(mixed, ones, rng)[0], 0)
         self.assertEqual(intervals.ratio_interval(ones, mixed, rng)[1], intervals.NO_BOUND)
+        self.assertEqual(intervals.geometric_interval([(ones, ones), (4 * ones, ones)], rng), (2, 2))
+        self.assertEqual(intervals.geometric_interval([(ones, ones), (mixed, ones)], rng)[0], 0)
+        self.assertEqual(intervals.geometric_interval([(ones, ones), (ones, mixed)], rng)[1], intervals.NO_BOUND)
 
 
 class Means(unittest.TestCase):
