@@ -1,6 +1,6 @@
-"""Writes OpenEXR pictures, since the distribution has no Python module that does: scanlines, ZIP, channels B G R. They
-are half, or float where a value is beyond half's range; the others come to half's precision there, too, which packs to
-half the size."""
+"""Writes OpenEXR pictures, since the distribution has no Python module that does: scanlines, ZIP, channels B G R; and
+reads such, whatever wrote them. What is written is half, or float where a value is beyond half's range; the others come
+to half's precision there, too, which packs to half the size."""
 import struct
 import zlib
 
@@ -28,8 +28,8 @@ def _zip(raw):
     return packed if len(packed) < len(raw) else raw
 
 
-def content(rgb, comments=""):
-    """The bytes of the file. `rgb`: height x width x 3, row 0 at the top."""
+def content(rgb, comments="", **strings):
+    """The bytes of the file. `rgb`: height x width x 3, row 0 at the top; strings: more attributes."""
     height, width, channels = rgb.shape
     if channels != 3:
         raise ValueError(f"{channels} channels, expected 3")
@@ -42,8 +42,9 @@ def content(rgb, comments=""):
     window = struct.pack("<4i", 0, 0, width - 1, height - 1)
     head = struct.pack("<2i", 20000630, 2)
     head += _attribute("channels", "chlist", kinds)
-    if comments:
-        head += _attribute("comments", "string", comments.encode("ascii"))
+    for name, text in {"comments": comments, **strings}.items():
+        if text:
+            head += _attribute(name, "string", text.encode("utf-8"))
     head += _attribute("compression", "compression", b"\x03")  # ZIP
     head += _attribute("dataWindow", "box2i", window)
     head += _attribute("displayWindow", "box2i", window)
@@ -60,6 +61,60 @@ def content(rgb, comments=""):
     return head + places.astype("<u8").tobytes() + b"".join(blocks)
 
 
-def write(path, rgb, comments=""):
+def _unzip(packed, size):
+    if len(packed) == size:
+        return packed
+    steps = np.frombuffer(zlib.decompress(packed), np.uint8)
+    parted = np.cumsum(steps - np.uint8(128), dtype=np.uint8) + np.uint8(128)
+    raw = np.empty(size, np.uint8)
+    raw[::2], raw[1::2] = parted[: (size + 1) // 2], parted[(size + 1) // 2 :]
+    return raw.tobytes()
+
+
+def _attributes(data):
+    """{name: (type, bytes)}, and where the header ends."""
+    found, place = {}, 8
+
+    def word():
+        nonlocal place
+        start, place = place, data.index(0, place) + 1
+        return data[start : place - 1].decode("ascii")
+
+    while data[place]:
+        name, kind = word(), word()
+        (size,) = struct.unpack_from("<i", data, place)
+        found[name] = kind, data[place + 4 : place + 4 + size]
+        place += 4 + size
+    return found, place + 1
+
+
+def parse(data, path="picture"):
+    """(height x width x 3 of R G B, its string attributes) of the bytes of a file."""
+    attributes, place = _attributes(data)
+    left, top, right, bottom = struct.unpack("<4i", attributes["dataWindow"][1])
+    width, height = right - left + 1, bottom - top + 1
+    head = attributes["channels"][1]
+    channels = [struct.unpack_from("<2si", head, at) for at in range(0, len(head) - 1, 18)]
+    types = {kind for _, kind in channels}
+    if [name for name, _ in channels] != [b"B\0", b"G\0", b"R\0"] or len(types) > 1:
+        raise ValueError(f"{path}: expected channels B G R alone, of one type")
+    if attributes["compression"][1] != b"\x03":
+        raise ValueError(f"{path}: expected ZIP compression")
+    kind = {1: "<f2", 2: "<f4"}[types.pop()]
+    rgb = np.empty((height, width, 3))
+    for start in struct.unpack_from(f"<{-(-height // LINES)}Q", data, place):
+        y, size = struct.unpack_from("<2i", data, start)
+        lines = min(LINES, height - (y - top))
+        raw = _unzip(data[start + 8 : start + 8 + size], lines * width * 3 * np.dtype(kind).itemsize)
+        rgb[y - top : y - top + lines] = np.frombuffer(raw, kind).reshape(lines, 3, width).transpose(0, 2, 1)[..., ::-1]
+    return rgb, {name: value.decode() for name, (kind, value) in attributes.items() if kind == "string"}
+
+
+def read(path):
+    with open(path, "rb") as file:
+        return parse(file.read(), path)
+
+
+def write(path, rgb, comments="", **strings):
     with open(path, "wb") as file:
-        file.write(content(rgb, comments))
+        file.write(content(rgb, comments, **strings))

@@ -62,6 +62,17 @@ class Files(unittest.TestCase):
                 np.testing.assert_array_equal(picture, rgb.astype(np.float16).astype(float))
                 self.assertEqual(size, 2)
 
+    def test_are_read_as_the_other_reader_does(self):
+        rng = np.random.default_rng(6)
+        for peak in (0.01, 900, 467000):
+            for shape in ((1, 1, 3), (37, 20, 3)):
+                content = exr_file.content(rng.uniform(0, peak, shape) ** 2 / peak, "more\nwords")
+                picture, strings = exr_file.parse(content)
+                np.testing.assert_array_equal(picture, read_back(content)[0])
+                self.assertEqual(strings, {"comments": "more\nwords"})
+        with self.assertRaisesRegex(ValueError, "expected channels B G R"):
+            exr_file.parse(content.replace(b"R\0", b"S\0", 1))
+
     def test_are_float_beyond_the_range_of_half(self):
         rgb = np.full((20, 10, 3), 0.1)
         rgb[3, 4] = 467000.25, 65504, 65505
