@@ -10,7 +10,9 @@
 #   make grid-speed   segments per second of lightgrid on each device: doc/light-grid-speed.md (two minutes)
 #   make test      installs what is missing, builds, runs every test
 #   make bench     speed, and noise after a minute, of every integrator (bench/integrator-speed.sh; 20 minutes)
-#   make bench-efficiency   error against time of every integrator, with targets: doc/efficiency.md (40 minutes)
+#   make bench-efficiency   error against time of every integrator, with aims: doc/efficiency.md (an hour on two
+#                  cores; BASELINE=PROGRAM BASELINE_NAME=WORDS: gains are over that older one's)
+#   make efficiency-references   its references that are missing or out of date, in testdata/references/efficiency
 #   make install   programs and man pages under PREFIX (and DESTDIR)
 #   make sanitize  builds with the sanitizers into build-sanitize and runs every test there
 #   make packages  installs the Debian packages of cmake/packages*.txt that are missing
@@ -24,7 +26,7 @@ TEST_STATUS ?=
 # All that is there to run; `make build` adds every test and benchmark.
 PROGRAMS = ffgraph mincut lightgrid portalfit tdpt-render exrdiff
 
-.PHONY: all build programs demo figures stages portals regret whole-light sky grid-speed bench bench-efficiency test install sanitize packages format clean
+.PHONY: all build programs demo figures stages portals regret whole-light sky grid-speed bench bench-efficiency efficiency-references test install sanitize packages format clean
 all: build
 
 build:
@@ -99,7 +101,12 @@ bench: packages
 bench-efficiency: packages
 	@sh cmake/install-packages.sh cmake/packages-figures.txt
 	@$(MAKE) --no-print-directory build
-	@sh bench/efficiency.sh build/bin
+	@BASELINE="$(BASELINE)" sh bench/efficiency.sh build/bin
+
+efficiency-references: packages
+	@sh cmake/install-packages.sh cmake/packages-figures.txt
+	@$(MAKE) --no-print-directory build
+	@REFERENCES=make NAME="$$(git describe --always --dirty 2>/dev/null)" sh bench/efficiency.sh build/bin
 
 sanitize: packages
 	@cmake --preset sanitize --log-level=WARNING

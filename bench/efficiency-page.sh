@@ -6,30 +6,61 @@
 # of SCENE FIELD: of its line in scenes.tsv, three digits.
 of() { awk -F '\t' -v s="$1" -v f="$2" '$1 == s { printf "%.3g", $f }' scenes.tsv; }
 has() { case " $there " in *" $1 "*) ;; *) return 1 ;; esac; }
+# part WORDS TABLE..., section HEADING WORDS TABLE...: nothing where the table is empty.
+part() {
+  words=$1
+  shift
+  rows=$(table "$@")
+  [ -z "$rows" ] || printf '\n%s\n\n%s\n' "$words" "$rows"
+}
+section() {
+  heading=$1
+  shift
+  rest=$(part "$@")
+  [ -z "$rest" ] || printf '\n## %s\n%s\n' "$heading" "$rest"
+}
 
+if [ -n "$baseline" ]; then
+  over="bdpt of $baseline_name" better="the better of bdpt and nee of $baseline_name"
+else
+  over=bdpt better='the better of bdpt and nee'
+fi
 cat <<EOF
 # Efficiency of the integrators
 
 Written by \`make bench-efficiency\` ($("$bin/tdpt-render" --version), $(nproc 2>/dev/null || echo ?) cores; SECONDS_EACH=$each SEEDS=$seeds
-REF_INTEGRATOR=$reference_integrator REF_SECONDS=$reference_seconds; \`bench/efficiency.sh\` tells the rest). Every picture is one thread's, $depth_words, \`--time $each\`,
-the integrators taking turns; portals are found by ffgraph, mincut, lightgrid and portalfit, none is drawn by hand.
-[efficiency.csv](efficiency.csv) has a row for each picture.
+INTEGRATORS="$integrators"; \`bench/efficiency.sh\` tells the rest). Every picture is one thread's, $depth_words
+unless said otherwise, \`--time $each\`, the integrators taking turns; portals are found by ffgraph, mincut, lightgrid and
+portalfit, none is drawn by hand. [efficiency.csv](efficiency.csv) has a row for each picture.
 
-* Efficiency = 1 / (relMSE x CPU seconds). **Gain** = efficiency over bdpt's = mean of bdpt's relMSE x CPU seconds over the
-  seeds / the same mean of the other's. The mean, not the median: it is what more samples would have to make up for.
+EOF
+[ -z "$baseline" ] || cat <<EOF
+* \`bdpt-before\` and \`nee-before\` are bdpt and nee of another program, $baseline_name ($("$baseline" --version)), in the same run.
+EOF
+cat <<EOF
+* Efficiency = 1 / (relMSE x CPU seconds). **Gain** = efficiency over another's = mean of the other's relMSE x CPU seconds over
+  the seeds / the same mean of its own. The mean, not the median: it is what more samples would have to make up for.
+* Gains are over $over, in scenes without a door over $better. bdpt's own
+  efficiency stands beside, so that no gain comes of a bdpt made worse.
 * Brackets: 95 % intervals by bootstrap over the $seeds seeds, widened as the t distribution is for few (expanded percentiles).
   relMSE is heavy-tailed where bdpt is bad: fireflies that no seed met are missing from bdpt's mean and from the interval, so
   gains are more likely too small than too large.
+* Aims are asked of \`auto\`, the default, or, where it was not measured, of the best with portals.
 * A reference is two halves of different seeds; what they have in common is taken for the truth, so their noise is in no error,
   only in MAPE and, a little, in the squares that relMSE divides by, where it makes all relMSE too large alike. Its own relMSE,
-  of both halves together, stands with each scene. "-": hidden by the reference's noise.
-
+  of both halves together, stands with each scene, beside what it judges: the relMSE that would meet the scene's aim in
+  the same time, without an aim that of bdpt. "-": hidden by the reference's noise.
+* MiB: the most memory that any seed's run held.
 EOF
-busy=$(table busy "$each")
-[ -z "$busy" ] || printf '%s\n\n' "$busy"
-say '## Gain over bdpt'
-say
-table gains "$each"
+# shellcheck disable=SC2043  # one word each
+for table in busy noisy; do
+  words=$(table $table "$each")
+  [ -z "$words" ] || printf '\n%s\n' "$words"
+done
+section 'Doors, holes, windows' "Gain over $over." gains "$each" doors
+section 'Furnished rooms, and a box' "No door; portals where the four stages find any. Gain over $better." gains "$each" rooms
+section 'No limit of depth' "Gain over bdpt of this program; references of their own. NAME-whole is scene NAME." \
+  gains "$each" whole
 cat <<EOF
 
 ![relMSE against CPU seconds, a panel for each scene](efficiency.png)
@@ -38,10 +69,11 @@ cat <<EOF
 
 ## PSNR in the same time
 
-Decibels over bdpt's, of the mean MSE x CPU seconds: pixels count by their light, so that directly lit regions decide.
-
+Decibels, of the mean MSE x CPU seconds: pixels count by their light, so that directly lit regions decide.
 EOF
-table psnr "$each"
+part "Over $over." psnr "$each" doors
+part "Over $better, that of the smaller relMSE." psnr "$each" rooms
+part "No limit of depth, over bdpt of this program." psnr "$each" whole
 cat <<EOF
 
 ## Scene by scene
@@ -52,12 +84,12 @@ for scene in $there; do
   # shellcheck disable=SC2046  # two words
   set -- $(jq -r '"\(.width) \(.height)"' "$scene.reference-1.json")
   printf '\n### %s\n\n%s x %s pixels; ' "$scene" "$1" "$2"
+  [ "$(kind_of "$scene")" != whole ] || printf 'no limit of depth; '
   jq -r 'if .portals == [] then "no portal" + (if .reason then " (\(.reason))" else "" end)
     else "portals of " + ([.portals[].area * 1000 | round | . / 1000 | tostring] | join(" and ")) + " m2" end' \
-    "$scene.portal.json" | tr -d '\n'
-  printf '. Reference: %s CPU s of %s, relMSE %s.\n' "$(of "$scene" 9)" "$reference_integrator" "$(of "$scene" 8)"
-  table check "$each" "$scene"
-  say
+    "$(file_of "$scene").portal.json" | tr -d '\n'
+  jq -r --arg seconds "$(of "$scene" 11)" '". Reference: \($seconds) CPU s of \(.integrator)" +
+    if .stored then " (stored, rendered by \(.stored)), " else ", " end' "$scene.reference-1.json" | tr -d '\n'
   table scene "$each" "$scene"
 done
 
@@ -82,25 +114,31 @@ EOF
   paper cornell-box-portal -
 fi
 
+if [ "$long_seeds" -gt 0 ]; then
+  section "Gain after $long seconds" "$long_seeds seeds; over $over." gains "$long" doors
+  section "Gain after $long seconds in furnished rooms" "$long_seeds seeds; over $better." gains "$long" rooms
+fi
 if { has veach-ajar || has veach-ajar-flip; } && [ "$long_seeds" -gt 0 ]; then
   cat <<EOF
 
 ## relMSE after $long seconds, beside other programs
 
-320 x 180, $depth_words. The other programs' figures are after 60 CPU seconds, at depth 6.
+320 x 180, $depth_words. The other programs' figures are for 60 CPU seconds at depth 6; they were measured outside of
+this script, on a like machine. Metropolis light transport is Tungsten's, multiplexed (MMLT); its error differs much from
+run to run.
 EOF
   for scene in veach-ajar veach-ajar-flip; do
     has $scene || continue
     printf '\n### %s after %s s\n\n| | relMSE, seed by seed | CPU s | wanted (moonshot) | met |\n|---|---|---|---|---|\n' \
       "$scene" "$long"
     case $scene in
-      veach-ajar) bdpt=0.20 guiding='path guiding with next-event estimation | 0.23' metropolis=0.06-0.30 ;;
+      veach-ajar) bdpt=0.20 guiding='path guiding with next-event estimation | 0.23' metropolis='0.06 to 0.30' ;;
       *) bdpt=1.5 guiding='path guiding | 5' metropolis=0.32 ;;
     esac
     say "| Tungsten, BDPT | $bdpt | 60 | - | - |"
     say "| $guiding | 60 | - | - |"
-    say "| multiplexed Metropolis | $metropolis | 60 | - | - |"
+    say "| Tungsten, multiplexed Metropolis | $metropolis | 60 | - | - |"
     table long "$long" "$scene"
-    say "| all black | $(of "$scene" 10) | - | - | - |"
+    say "| all black | $(of "$scene" 12) | - | - | - |"
   done
 fi

@@ -1,19 +1,23 @@
-"""efficiency_tables.py TABLE SCENES CSV SECONDS [SCENE [INTEGRATOR]]: the tables of doc/efficiency.md, from
+"""efficiency_tables.py TABLE SCENES CSV SECONDS [ARGUMENT...]: the tables of doc/efficiency.md, from
   SCENES  a line for each scene, tab-separated, as in Scene below; "-": none
   CSV     doc/efficiency.csv
-SECONDS: nominal CPU seconds of the pictures that a table is about. TABLE:
-  gains, psnr   all scenes and integrators
-  scene         a row for each integrator
-  check         a word on bdpt's mean
-  busy          a warning, where pictures got much less CPU time than they should
-  long          a row for each integrator with the relMSE of every seed
-  paper         two cells: PSNR and MAPE of tdpt against bdpt's
-  best          name of the best portal integrator
-  means         CPU seconds, relMSE, its lowest and highest; for plots
+SECONDS: nominal CPU seconds of the pictures that a table is about. TABLE, and its ARGUMENTs:
+  gains GROUP, psnr GROUP   scenes of a group (GROUPS below) and all integrators; nothing where there are none
+  scene SCENE               words on the reference's relMSE and bdpt's mean, and a row for each integrator
+  noisy                     the names of scenes whose references are too noisy
+  busy                      a warning, where pictures got much less CPU time than they should
+  long SCENE                a row for each integrator with the relMSE of every seed
+  paper SCENE               two cells: PSNR and MAPE of tdpt against bdpt's
+  pair SCENE                names of the integrator that aims are asked of, and of the one it is compared with
+  points                    scene, integrator; CPU seconds, relMSE, its lowest and highest; for plots, of all
+                            pictures that are no longer than SECONDS
 
 cost = error x CPU seconds, error = relMSE or MSE; gain of a over b = mean cost of b / mean cost of a. Intervals of
 gains: intervals.py. A firefly that no seed met is in no interval.
+
+NAME-before is integrator NAME of the older program that gains are told over.
 """
+import copy
 import csv
 import math
 import sys
@@ -24,17 +28,26 @@ import numpy as np
 import intervals
 
 SEED = 20240229
+BEFORE = "-before"
+# Kinds of scenes in each table of gains.
+GROUPS = {"doors": ("door",), "rooms": ("interior", "open"), "whole": ("whole",)}
+INTERIORS_AIM = 2.5  # of the geometric mean of interiors' gains
+OF_THE_AIM = 0.1  # the most that a reference's relMSE may be of the one it judges
 
 
 @dataclass
 class Scene:
-    """A line of SCENES. wanted: relMSE after a minute; half: difference of the reference's halves' means / 2."""
+    """A line of SCENES. kind: door, interior, open (no door), whole (no limit of depth). target: of the gain; wanted:
+    relMSE after a minute; wanted_psnr: PSNR over the base's in the same time [dB]; half: difference of the reference's
+    halves' means / 2."""
 
     name: str
+    kind: str
     target: str
     moonshot: str
     wanted: str
     wanted_moonshot: str
+    wanted_psnr: str
     mean: str
     half: str
     relmse: str
@@ -104,6 +117,15 @@ class Measurements:
         for row in rows:
             self.rows.setdefault((row["scene"], row["integrator"]), []).append(row)
 
+    def at(self, seconds):
+        """The same, of pictures of another length."""
+        other = copy.copy(self)
+        other.seconds = seconds
+        return other
+
+    def of_group(self, group):
+        return [name for name, s in self.scenes.items() if s.kind in GROUPS[group]]
+
     def field(self, name, scene, integrator):
         """Of all seeds; nan where the CSV has none."""
         rows = [r for r in self.rows.get((scene, integrator), []) if r["seconds"] == self.seconds]
@@ -128,30 +150,59 @@ class Measurements:
             return Gain(value)
         return Gain(value, *intervals.ratio_interval(of_b, of_a, np.random.default_rng(SEED)))
 
-    def best(self, scene, portals, but=None):
-        """The cheapest; among those with portals, or among all but one. None where there is none."""
-        costs = {i: self.costs(scene, i, "relmse") for i in self.integrators if i != but}
-        means = {i: c.mean() for i, c in costs.items() if len(c) and (with_portals(i) or not portals)}
+    def cheapest(self, scene, integrators):
+        """By relMSE. None where none is known."""
+        means = {i: self.costs(scene, i, "relmse").mean() for i in integrators if self.count(scene, i)}
         return min((i for i in means if means[i] > 0), key=means.get, default=None)
 
-    def target_text(self, scene):
-        s = self.scenes[scene]
-        if s.target in ("-", "others"):
-            return "-" if s.target == "-" else "0.9 x the best other"
-        return s.target + ("" if s.moonshot == "-" else f" ({s.moonshot})")
+    def base(self, scene):
+        """What gains are over: bdpt, in scenes without a door the better of bdpt and nee; of the older program where it
+        was measured. None where none was."""
+        names = ("bdpt", "nee") if self.scenes[scene].kind in GROUPS["rooms"] else ("bdpt",)
+        before = [name + BEFORE for name in names if self.count(scene, name + BEFORE)]
+        there = before or [name for name in names if self.count(scene, name)]
+        return self.cheapest(scene, there) or next(iter(there), None)
 
-    def met(self, scene, integrator):
-        """Whether the integrator meets the scene's target."""
-        target = self.scenes[scene].target
-        if not integrator or target == "-" or not with_portals(integrator):
-            return "-"
-        if target != "others":
-            return self.gain(scene, integrator, "bdpt").verdict(float(target))
-        other = self.best(scene, portals=False, but=integrator)
-        if not other:
-            return "-"
-        gain = self.gain(scene, integrator, other)
-        return f"{gain.verdict(0.9)}: {gain.text()} x {other}"
+    def judged(self, scene):
+        """What aims are asked of: auto, or the best with portals where auto was not measured."""
+        if self.count(scene, "auto"):
+            return "auto"
+        return self.cheapest(scene, [i for i in self.integrators if with_portals(i)])
+
+    def over_base(self, scene, integrator, error="relmse"):
+        base = self.base(scene)
+        return self.gain(scene, integrator, base, error) if base and integrator else Gain()
+
+    def efficiency(self, scene, integrator):
+        """1 / (relMSE x CPU s), as text."""
+        costs = self.costs(scene, integrator, "relmse")
+        return "%.3g" % (1 / costs.mean()) if len(costs) and costs.mean() > 0 else "-"
+
+    def geometric_mean(self, scenes, integrator):
+        """Of the gains over the base; unknown where one of them is."""
+        gains = [self.over_base(s, integrator) for s in scenes]
+        if not gains or min(g.value for g in gains) <= 0:
+            return Gain()
+        pairs = [(self.costs(s, self.base(s), "relmse"), self.costs(s, integrator, "relmse"))
+                 for s in scenes if self.base(s) != integrator]
+        value = math.exp(np.mean([math.log(g.value) for g in gains]))
+        if not pairs or min(len(v) for pair in pairs for v in pair) < 2:
+            return Gain(value)
+        # A gain of 1 over itself has no interval.
+        exponent = len(pairs) / len(scenes)
+        low, high = intervals.geometric_interval(pairs, np.random.default_rng(SEED))
+        return Gain(value, low**exponent, high**exponent if high < intervals.NO_BOUND else high)
+
+    def aimed_relmse(self, scene):
+        """The least relMSE that an aim asks of a picture of the scene, without an aim the base's. None where it is not
+        known."""
+        s, base, judged = self.scenes[scene], self.base(scene), self.judged(scene)
+        if not base or not judged:
+            return None
+        target = INTERIORS_AIM if s.kind == "interior" else 1 if s.target == "-" else float(s.target)
+        relmse = self.costs(scene, base, "relmse").mean() / target / self.average("cpu_seconds", scene, judged)
+        known = [x for x in (relmse, 0 if s.wanted == "-" else float(s.wanted)) if x > 0]
+        return min(known, default=None)
 
     def all_means(self, scene, integrator):
         """Of the pictures of all lengths: how many, their samples, their mean, variance of one of one sample."""
@@ -173,6 +224,11 @@ class Measurements:
         noise = noise / float(s.spp) if others > 2 else float(s.half) ** 2
         return mean / reference, math.sqrt(variance / weight + noise) / reference
 
+    def most_memory(self, scene, integrator):
+        """MiB, as text."""
+        peaks = self.field("peak_mib", scene, integrator)
+        return "-" if np.isnan(peaks).any() else "%.0f" % peaks.max()
+
     def psnr(self, scene, integrator):
         """Of the mean MSE."""
         mse, psnr = self.field("mse", scene, integrator), self.field("psnr", scene, integrator)
@@ -183,49 +239,114 @@ class Measurements:
         return "%.2f" % (10 * math.log10(peak / mse.mean()))
 
 
-def overview(m, cell, heads):
-    """A row for each scene, a cell for each integrator but bdpt; rest(scene): the cells of `heads`."""
-    others = [i for i in m.integrators if i != "bdpt"]
-    print("|".join(["", " scene ", *(f" {i} " for i in others), *(f" {h} " for h in heads), ""]))
-    print("|---" * (1 + len(others) + len(heads)) + "|")
-    for scene in m.scenes:
-        print("|".join(["", f" {scene} ", *(f" {c} " for c in cell(scene, others)), ""]))
+def aim(wanted, moonshot):
+    return "-" if wanted == "-" else wanted + ("" if moonshot == "-" else f" ({moonshot})")
 
 
-def print_gains(m):
-    def cells(scene, others):
-        best = m.best(scene, portals=True)
-        says = f"{best}: {m.met(scene, best)}" if best and m.scenes[scene].target != "-" else "-"
-        return [*(m.gain(scene, i, "bdpt").text() for i in others), m.target_text(scene), says]
+def overview(m, group, cells, heads):
+    """A row for each scene of the group that was measured: cells(scene, integrators), the last of them under `heads`.
+    bdpt, where it is what all gains are over, has no column. The scenes and integrators that are shown."""
+    scenes = [s for s in m.of_group(group) if m.base(s)]
+    bases = {m.base(s) for s in scenes}
+    shown = [i for i in m.integrators if any(m.count(s, i) for s in scenes) and (group == "rooms" or {i} != bases)]
+    if scenes:
+        print("|".join(["", " scene ", *(f" {i} " for i in shown), *(f" {h} " for h in heads), ""]))
+        print("|---" * (1 + len(shown) + len(heads)) + "|")
+    for scene in scenes:
+        print("|".join(["", f" {scene} ", *(f" {c} " for c in cells(scene, shown)), ""]))
+    return scenes, shown
 
-    overview(m, cells, ("target (moonshot)", "met by the best with portals"))
+
+def print_gains(m, group):
+    """Of bdpt also what it is itself: no gain comes of a bdpt made worse."""
+    itself = [i for i in ("bdpt" + BEFORE, "bdpt") if any(m.count(s, i) for s in m.of_group(group))]
+
+    def cells(scene, shown):
+        s, judged = m.scenes[scene], m.judged(scene)
+        gain = m.over_base(scene, judged)
+        says = "-" if s.target == "-" or not judged else f"{judged}: {gain.verdict(float(s.target))}"
+        gains = ("1" if i == m.base(scene) else m.over_base(scene, i).text() for i in shown)
+        return [*gains, aim(s.target, s.moonshot), says, *(m.efficiency(scene, i) for i in itself)]
+
+    heads = ("aim (moonshot)", "met", *(f"efficiency of {i} [1/s]" for i in itself))
+    scenes, shown = overview(m, group, cells, heads)
+    interiors = [s for s in scenes if m.scenes[s].kind == "interior"]
+    if interiors:
+        print_interiors(m, interiors, shown, len(itself))
 
 
-def print_psnr(m):
-    def cells(scene, others):
-        best = m.best(scene, portals=True)
-        says = f"{best}: {m.gain(scene, best, 'bdpt', 'mse').verdict(10**-0.03)}" if best else "-"
-        return [*(m.gain(scene, i, "bdpt", "mse").decibels() for i in others), says]
+def print_interiors(m, interiors, shown, more):
+    """Two rows that end the table; `more` cells stay empty."""
+    means = {i: m.geometric_mean(interiors, i) for i in shown}
+    judged = m.judged(interiors[0])
+    says = f"{judged}: {means[judged].verdict(INTERIORS_AIM)}" if judged else "-"
+    rows = {f"geometric mean of {len(interiors)} interiors": [*(means[i].text() for i in shown), INTERIORS_AIM, says],
+            "the least of them": [*(least(m, interiors, i) for i in shown), "-", "-"]}
+    for words, cells in rows.items():
+        print("|".join(["", f" **{words}** ", *(f" {c} " for c in cells), *[" - "] * more, ""]))
 
-    overview(m, cells, ("at least -0.3 dB, by the best with portals",))
+
+def least(m, scenes, integrator):
+    gains = {s: m.over_base(s, integrator).value for s in scenes}
+    scene = min(gains, key=gains.get)
+    return f"{digits(gains[scene])} ({scene})" if gains[scene] > 0 else "-"
+
+
+def print_psnr(m, group):
+    def cells(scene, shown):
+        wanted, judged = m.scenes[scene].wanted_psnr, m.judged(scene)
+        gain = m.over_base(scene, judged, "mse")
+        says = "-" if wanted == "-" or not judged else f"{judged}: {gain.verdict(10 ** (float(wanted) / 10))}"
+        return ["0" if i == m.base(scene) else m.over_base(scene, i, "mse").decibels() for i in shown] + [wanted, says]
+
+    overview(m, group, cells, ("at least", "met"))
 
 
 def print_scene(m, scene):
-    print("| integrator | spp | CPU s | relMSE [seeds] | PSNR [dB] | MAPE [%] | mean / reference | gain | target | met |"
-          " PSNR - bdpt's |")
+    print_reference(m, scene)
+    print_check(m, scene)
+    print()
+    print_rows(m, scene)
+
+
+def print_rows(m, scene):
+    base = m.base(scene)
+    print("| integrator | spp | CPU s | MiB | relMSE [seeds] | efficiency [1/s] | gain | PSNR [dB] |"
+          f" PSNR - that of {base} | MAPE [%] | mean / reference |")
     print("|---" * 11 + "|")
     for i in m.integrators:
         if not m.count(scene, i):
             continue
-        relmse, is_bdpt = m.field("relmse", scene, i), i == "bdpt"
-        print("| %s | %.3g | %.2f | %.3g [%.3g, %.3g] | %s | %.3g | %.4f +- %.4f | %s | %s | %s | %s |" % (
-            i, m.average("spp", scene, i), m.average("cpu_seconds", scene, i), relmse.mean(), relmse.min(), relmse.max(),
-            m.psnr(scene, i), m.average("mape", scene, i), *m.mean_ratio(scene, i),
-            "1" if is_bdpt else m.gain(scene, i, "bdpt").text(), m.target_text(scene) if with_portals(i) else "-",
-            m.met(scene, i), "0" if is_bdpt else m.gain(scene, i, "bdpt", "mse").decibels()))
+        relmse, is_base = m.field("relmse", scene, i), i == base
+        print("| %s | %.3g | %.2f | %s | %.3g [%.3g, %.3g] | %s | %s | %s | %s | %.3g | %.4f +- %.4f |" % (
+            i, m.average("spp", scene, i), m.average("cpu_seconds", scene, i), m.most_memory(scene, i),
+            relmse.mean(), relmse.min(), relmse.max(), m.efficiency(scene, i),
+            "1" if is_base else m.over_base(scene, i).text(), m.psnr(scene, i),
+            "0" if is_base else m.over_base(scene, i, "mse").decibels(), m.average("mape", scene, i),
+            *m.mean_ratio(scene, i)))
     s = m.scenes[scene]
-    print(f"| all black | - | - | {number(s.black_relmse, '%.3g')} | {number(s.black_psnr, '%.2f')} | "
-          f"{number(s.black_mape, '%.3g')} | 0 | - | - | - | - |")
+    print(f"| all black | - | - | - | {number(s.black_relmse, '%.3g')} | - | - | {number(s.black_psnr, '%.2f')} | - | "
+          f"{number(s.black_mape, '%.3g')} | 0 |")
+
+
+def too_noisy(m, scene):
+    aimed = m.aimed_relmse(scene)
+    return aimed is not None and float(m.scenes[scene].relmse) > OF_THE_AIM * aimed
+
+
+def print_reference(m, scene):
+    aimed = m.aimed_relmse(scene)
+    words = "relMSE %.3g" % float(m.scenes[scene].relmse)
+    if aimed is not None:
+        words += ", %s a tenth of the %.3g that it judges" % (
+            "MORE THAN" if too_noisy(m, scene) else "at most", aimed)
+    print(words + ".")
+
+
+def print_noisy(m):
+    names = [s for s in m.scenes if too_noisy(m, s)]
+    if names:
+        print("References with more than a tenth of the relMSE that they judge: %s." % ", ".join(names))
 
 
 def print_check(m, scene):
@@ -240,14 +361,15 @@ def print_check(m, scene):
 
 def print_long(m, scene):
     s = m.scenes[scene]
-    goal = "-" if s.wanted == "-" else f"at most {s.wanted} ({s.wanted_moonshot}), every seed"
+    goal = "-" if s.wanted == "-" else f"at most {aim(s.wanted, s.wanted_moonshot)}, every seed"
     for i in m.integrators:
         relmse = m.field("relmse", scene, i)
         if not len(relmse):
             continue
         met = "-" if s.wanted == "-" or not with_portals(i) else "met" if relmse.max() <= float(s.wanted) else "missed"
         seeds = ", ".join("%.3g" % x for x in relmse)
-        print(f"| {i} | {seeds} | {m.average('cpu_seconds', scene, i):.1f} | {goal} | {met} |")
+        goal_of_it = goal if with_portals(i) else "-"
+        print(f"| {i} | {seeds} | {m.average('cpu_seconds', scene, i):.1f} | {goal_of_it} | {met} |")
 
 
 def print_busy(m):
@@ -265,23 +387,28 @@ def print_paper(m, scene):
             decibels(gain), m.average("mape", scene, "tdpt"), m.average("mape", scene, "bdpt")))
 
 
-def print_means(m, scene, integrator):
-    relmse = m.field("relmse", scene, integrator)
-    if len(relmse) and relmse.mean() > 0:
-        low = relmse.min() if relmse.min() > 0 else relmse.mean()
-        print("%.6g %.6g %.6g %.6g" % (m.average("cpu_seconds", scene, integrator), relmse.mean(), low, relmse.max()))
+def print_points(m):
+    lengths = {r["seconds"] for rows in m.rows.values() for r in rows}
+    for seconds in sorted((s for s in lengths if float(s) <= float(m.seconds)), key=float):
+        at = m.at(seconds)
+        for scene, i in m.rows:
+            relmse = at.field("relmse", scene, i)
+            if len(relmse) and relmse.mean() > 0:
+                low = relmse.min() if relmse.min() > 0 else relmse.mean()
+                numbers = at.average("cpu_seconds", scene, i), relmse.mean(), low, relmse.max()
+                print(scene, i, *("%.6g" % x for x in numbers))
 
 
 TABLES = {
     "gains": print_gains,
     "psnr": print_psnr,
     "scene": print_scene,
-    "check": print_check,
+    "noisy": print_noisy,
     "busy": print_busy,
     "long": print_long,
     "paper": print_paper,
-    "best": lambda m, scene: print(m.best(scene, portals=True) or ""),
-    "means": print_means,
+    "pair": lambda m, scene: print(*dict.fromkeys(i for i in (m.judged(scene), m.base(scene)) if i)),
+    "points": print_points,
 }
 
 
@@ -298,5 +425,5 @@ def main(table, scenes, measured, seconds, *which):
 
 if __name__ == "__main__":
     if len(sys.argv) < 5 or sys.argv[1] not in TABLES:
-        sys.exit("usage: efficiency_tables.py TABLE SCENES CSV SECONDS [SCENE [INTEGRATOR]]")
+        sys.exit("usage: efficiency_tables.py TABLE SCENES CSV SECONDS [ARGUMENT...]")
     main(*sys.argv[1:])
