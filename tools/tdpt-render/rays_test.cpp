@@ -102,6 +102,7 @@ Census count(const Variant& variant, int k, const RayCounts& expected, bool glow
     census.most.closest = std::max(census.most.closest, r.closest);
     census.most.shadow = std::max(census.most.shadow, r.shadow);
     census.most.portal = std::max(census.most.portal, r.portal);
+    census.most.join = std::max(census.most.join, r.join);
     census.complete += (r.closest == expected.closest && r.shadow == expected.shadow &&
                         r.portal == expected.portal) /
                        512.0;
@@ -193,6 +194,14 @@ TEST(rays, of_directed_walks_are_tested_on_a_lamps_edges_too) {
       EXPECT_EQ(census.beyond, 0u) << integrator->name << " " << k;
       EXPECT_GT(census.complete, chosen ? 0.0 : 0.5) << integrator->name << " " << k;
     }
+}
+
+// z_1 to z_6, each with y_1 to y_5 of a walk that is pooled alone, though some paths be too long;
+// an end of a segment with y_0, too, and the segment with z_1 to z_4.
+TEST(rays, pairs_that_come_into_question_for_a_join_are_counted) {
+  EXPECT_EQ(count(nee, 6, {}).most.join, 0u);
+  EXPECT_EQ(count(bdpt, 6, {}).most.join, 6u * 5);
+  EXPECT_EQ(count(with_all_segments(tdpt_org), 6, {}).most.join, 6u * 5 + 6 + 4);
 }
 
 TEST(rays, twin_a_directed_walk_beside_the_count_of_one_that_is_not) {

@@ -29,29 +29,31 @@ struct WorkCosts {
   double window = 0;           ///< for each facet
 };
 
-// The tables are bench/work_model.py's, a least-squares fit to what work_model_bench measures: five
-// scenes with portals, six without, depth 6 and no limit, the integrators that `auto` tries but
-// `pt`. What facets and triangles of portals cost was measured apart (an edge that is tested
+// The tables are bench/work_model.py's, a least-squares fit to what work_model_bench measures: six
+// scenes with portals, eight without, depth 3, 6 and no limit, the integrators that `auto` tries
+// but `pt`. What facets and triangles of portals cost was measured apart (an edge that is tested
 // against 1, 4, 16 and 64 facets of two triangles: 241, 299, 455 and 1097) and held, and so was
-// what looking out costs (a room with one window and one with four). Ratios to
-// bdpt's CPU time come out within 8 % on average; `nee` up to 1.2 times, in interiors with
-// textures 1.3 times too large, directed walks 0.86 to 1.13 times.
+// what looking out costs (a room with one window and one with four); with portals a first hit was
+// held, too, since there are about as many as edges. Ratios to bdpt's CPU time come out within 10 %
+// on average; `nee` 0.7 to 1.25 times, tdpt-guided 0.6 to 1.1 times.
 inline constexpr WorkCosts kWorkWithPortals{
-    .closest = 154,
-    .closest_deeper = 19,
-    .shadow = 89,
-    .portal = 345,
+    .closest = 60,
+    .closest_deeper = 25,
+    .shadow = 218,
+    .join = 19,
+    .portal = 132,
     .portal_triangle = 2,
-    .directed = 70,
+    .directed = 86,
     .facets = 59,
     .facet = 11,
     .looking_out = 70,
     .window = 20,
 };
 inline constexpr WorkCosts kWorkWithoutPortals{
-    .closest = 194,
-    .closest_deeper = 23,
-    .shadow = 351,
+    .closest = 193,
+    .closest_deeper = 25,
+    .shadow = 297,
+    .join = 6,
     .looking_out = 70,
     .window = 20,
 };

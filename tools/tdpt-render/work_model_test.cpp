@@ -9,7 +9,7 @@ namespace tdpt {
 namespace {
 
 constexpr uint64_t kSamples = 100;
-constexpr RayCounts kRays{1000, 500, 2000};
+constexpr RayCounts kRays{1000, 500, 2000, 300};
 
 class WorkModelTest : public testing::Test {
  protected:
@@ -50,6 +50,7 @@ TEST_F(WorkModelTest, is_linear_in_its_table) {
               cost({.sample = 3, .closest = 7, .facet = 5}), 1e-9);
   EXPECT_NEAR(cost({.closest = 1}), 10, 1e-12);
   EXPECT_NEAR(cost({.facet = 1}), 40, 1e-12);
+  EXPECT_NEAR(cost({.join = 1}), 3, 1e-12);
 }
 
 }  // namespace
