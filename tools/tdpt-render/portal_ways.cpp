@@ -97,14 +97,16 @@ Passed passed_light(const World& world, const std::vector<Portal>& portals, int 
     fronts.emplace_back(std::vector{portal}, world.scene.frame);
   }
   const int width = world.film.width(), height = world.film.height();
-  const Integrator& integrator = tdpt_guided;
+  // Its samples are few: each makes a light walk and draws a segment.
+  Mixture mixture = tdpt_guided.mixture;
+  mixture.light_walks = mixture.segments = 1;
   Film film(width, height, world.lights.power());
   std::vector<Tally> tallies(static_cast<size_t>(height), Tally(film.unit()));
-  std::vector<Counter> rows(static_cast<size_t>(height), Counter(fronts, integrator.mixture));
+  std::vector<Counter> rows(static_cast<size_t>(height), Counter(fronts, mixture));
   tbb::parallel_for(0, height, [&](int y) {
     Counter& row = rows[static_cast<size_t>(y)];
     const PathObserver observer = [&](const Contribution& found) { row.add(found); };
-    PathSampler sampler(world, {integrator.mixture, max_depth, 1, seed, kStreams}, film,
+    PathSampler sampler(world, {mixture, max_depth, 1, seed, kStreams}, film,
                         tallies[static_cast<size_t>(y)], &observer);
     for (int x = 0; x < width; ++x) {
       sampler.sample(x, y, 0);
