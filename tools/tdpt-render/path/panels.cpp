@@ -8,7 +8,8 @@ namespace {
 // Of H, as a share of half a panel's diagonal: c would fold a panel whose plane is grazed into its
 // axes.
 constexpr double kLeastHeight = 0.05;
-constexpr double kFlat = 1e-6;  // canonical; corners are floats
+constexpr double kFlat = 1e-6;    // canonical; corners are floats
+constexpr double kSquare = 1e-3;  // of an edge: the density takes a panel for length_x length_y
 
 using Corners = std::array<Vec3d, 3>;
 Corners corners_of(const TriangleShape& s) {
@@ -29,7 +30,7 @@ std::optional<Joined> common_edge(const Corners& a, const Corners& b) {
 double compressed(double v, double H) {
   return v / (H + std::abs(v));
 }
-// ds dt / (da db) in units of H^2.
+// ds dt / (da db).
 double spread(double s, double t, double H) {
   const double f = (H + std::abs(s)) * (H + std::abs(t)) / H;
   return f * f;
@@ -63,7 +64,8 @@ std::optional<Panels::Panel> joined(const Scene& scene, const Lights& lights, ui
   panel.y = y / panel.length_y;
   panel.normal = sa.normal;
   const double skew = std::abs(dot(panel.x, panel.y)) * std::min(panel.length_x, panel.length_y);
-  if (!(skew < kFlat) || !(length(around[0] + x + y - around[2]) < kFlat)) return std::nullopt;
+  const double most = std::min(kFlat, kSquare * std::min(panel.length_x, panel.length_y));
+  if (!(skew < most) || !(length(around[0] + x + y - around[2]) < most)) return std::nullopt;
   const bool both = scene.material_of(first).double_sided;
   if (both != scene.material_of(second).double_sided) return std::nullopt;
   panel.both_sides = both;
@@ -205,7 +207,7 @@ bool Panels::sample(const Vertex& v, double pick, double u, double w, double& se
   point.b1 = weight[panel.corners[half][1]];
   point.b2 = weight[panel.corners[half][2]];
   point.pdf = panel.luminance * bilinear(R, U, V) / (spread(s, t, seen.H) * sent);
-  return true;
+  return point.pdf > 0;
 }
 
 double Panels::pdf_A(const Vertex& v, double sent, uint32_t triangle, const Vec3d& position) const {

@@ -160,6 +160,11 @@ TEST(panels, are_few_and_rectangles_or_there_are_none) {
   EXPECT_EQ(number(scene), 4u);
   scene.triangles.back().vertex = {0, 1, 2};
   EXPECT_EQ(number(scene), 0u);
+  for (const double size : {0.5, 4e-6}) {  // sheared, however small
+    scene = diffuse_rooms();
+    add_panel(scene, {0.5, 1.9, 0}, {size, 0, 0}, {0.5 * size, 0, size}, Rgb(1.0f));
+    EXPECT_EQ(number(scene), 0u) << size;
+  }
   scene = diffuse_rooms();
   for (size_t n = 2; n <= Panels::kMost + 1; ++n) {
     add_panel(scene, {0.2 * static_cast<double>(n), 1.9, 0}, {0.1, 0, 0}, {0, 0, 0.1}, Rgb(1.0f));
