@@ -3,7 +3,7 @@ halves of different seeds, as pictures of half floats: NAME-1.exr and NAME-2.exr
 B.json what tdpt-render --json says of them; NAME.json, what they are; and a row of FOLDER/README.md for each that
 is there. SCENE: the file they show; PROGRAM: words for what rendered them.
 
-Rounding to half floats is off by at most 2^-11 of a value: relMSE 1e-7 at most.
+Rounding to half floats is off by at most 2^-11 of a value: relMSE 2.4e-7 at most, 5e-8 on average.
 """
 import glob
 import json

@@ -17,12 +17,14 @@
 // X, X'     luminance of two independent samples of one pixel, of a candidate, as its home makes
 //           them: the home's strategies that it has, with its own weights; without splats
 // V_i       variance of one sample of a pixel:
-//             V_i = M_i + E[X^2 - sum of squares of its paths] - E[X X'],
-//           no bias: the second term is what the paths of one sample have in common. A candidate
-//           whose walks are like none of a run takes its home's last two terms. What paths have in
-//           common that begin with a light walk is told, where there are portals, by the run that
-//           directs those, each path as often as the candidate would make it: few samples of walks
-//           that are not directed, and seldom come in, meet one.
+//             V_i = M_i + E[X^2 - sum of squares of its paths, each times c] - E[X X'],
+//           no bias: the second term is what the paths of one sample have in common, and what it
+//           adds that few joins are made: M_i counts all that come into question, c is the chance
+//           of one to get its ray [few.h]. A candidate whose walks are like none of a run takes
+//           its home's last two terms. What paths have in common that begin with a light walk is
+//           told, where there are portals, by the run that directs those, each path as often as the
+//           candidate would make it: few samples of walks that are not directed, and seldom come
+//           in, meet one.
 // I         the larger of two brightnesses: the mean of a block of pixels, the smallest that is
 //           known well, and that of the other samples of the pixel, which know a lamp or a window
 //           from the wall beside it. Paths that all candidates make alike, as those to a lamp in

@@ -1,8 +1,8 @@
 // What a sample costs, told from what it counts: a linear model of CPU time, fitted to
 // measurements. `auto` weighs errors by it and never by the clock, so that it chooses alike in
 // every run.
-//   cost = sample + rays.closest (closest + closest_deeper L) + rays.shadow x shadow + rays.join x
-//   join
+//   cost = sample + rays.closest (closest + closest_deeper L) + rays.shadow x shadow
+//          + rays.join x join
 //          + rays.portal (portal + portal_triangle T + directed D + (facets + facet F) [D and F >
 //          1])
 //          + rays.closest (looking_out + window F) where there is a sky to look for,
