@@ -45,9 +45,10 @@ void add_group(PathSampler& sampler, const World& world, uint64_t group) {
 
 Beyond light_beyond(const World& world, const Integrator& integrator, const SampleRules& rules,
                     double samples, Film& film) {
-  // Its samples are few: each makes a light walk.
+  // Its samples are few: each makes a light walk, and pools are as small as that.
   Mixture mixture = integrator.mixture;
   mixture.light_walks = 1;
+  mixture.segments_joined = std::min<double>(mixture.segments_joined, LightPool::kWalks);
   const SampleSettings how{mixture, kMaxDepth, rules.beta, rules.seed,
                            integrator.stream + (kStreams + 1) * kRound};
   std::vector<Group> groups(
