@@ -253,7 +253,8 @@ class ScoutSample {
       // Samples of it that are made for each that the run makes, were all joined.
       const double more = samples_of(i) / samples_of(own);
       const int walk = strategy.technique == Technique::portal ? strategy.split : 0;
-      bring(i, {brought, of[i].used / of[own].used / more, chance / more}, &path.vertex(walk));
+      bring(i, {brought, of[i].used / of[own].used / more, std::min(1.0, chance / more)},
+            &path.vertex(walk));
     }
     if (!splat && most < kAlike * least) {
       record_->alike += most;
