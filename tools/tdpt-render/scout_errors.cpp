@@ -35,18 +35,23 @@ double Scout::work_of(size_t candidate) const {
   const size_t run = home_[candidate];
   const Mixture& rendered = candidates_[runs_[run]].integrator.mixture;
   const WorkModel model(world_, m);
-  const auto work = [&](size_t part) {
-    return model.per_sample(sums_.rays[run][part], kScoutGroup * groups()) -
-           model.per_sample({}, 1);
+  const auto work_of_rays = [&](const RayCounts& rays) {
+    return model.per_sample(rays, kScoutGroup * groups()) - model.per_sample({}, 1);
   };
+  const auto work = [&](size_t part) { return work_of_rays(sums_.rays[run][part]); };
   const double light_walks = m.light_walks / rendered.light_walks;
   double all = model.per_sample({}, 1) + work(0);
   if (m.techniques.walks_from_light()) all += light_walks * work(1);
   for (size_t t = 0; t < kTechniques; ++t) {
     const auto technique = static_cast<Technique>(t);
     if (!m.has(technique)) continue;
-    if (technique == Technique::portal) all += work(2) * m.segments / rendered.segments;
     all += work(3 + t) * (technique == Technique::light ? light_walks : 1);
+    if (technique != Technique::portal) continue;
+    // The segments, and the pairs of them and vertices, few of which get their ray whatever.
+    const double segments = m.segments / rendered.segments;
+    RayCounts pairs;
+    pairs.join = sums_.rays[run][3 + t].join;
+    all += work(2) * segments + work_of_rays(pairs) * (segments - 1);
   }
   return all;
 }
