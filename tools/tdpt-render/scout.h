@@ -101,7 +101,7 @@ struct ScoutSums {
 /// Judges candidates for one picture.
 class Scout {
  public:
-  /// At least one candidate.
+  /// At least one candidate, with the joins that are to be expected of it [expecting_joins()].
   Scout(const World& world, const std::vector<Candidate>& candidates, const SampleRules& rules);
 
   /// Draws more groups of samples in each run. They are left in `film`, as large as the picture.
