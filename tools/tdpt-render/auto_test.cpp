@@ -22,7 +22,7 @@ struct Room {
   Room(const std::string& path, const std::vector<Portal>& portals, int width, int height)
       : scene(read_gltf(path)),
         world(scene, scene.camera(""), width, height, portals),
-        candidates(auto_candidates(world)) {}
+        candidates(expecting_joins(world, auto_candidates(world), kMaxDepth)) {}
 
   RenderResult render(const RenderSettings& settings) const {
     return tdpt::render(world, candidates, settings);
@@ -260,10 +260,8 @@ class Told : public testing::Test {
 
   // [candidate]: by several scouts together, since a bright path that one of them meets may be half
   // of what it tells.
-  static std::vector<double> told(const World& world, std::vector<Candidate> candidates) {
+  static std::vector<double> told(const World& world, const std::vector<Candidate>& candidates) {
     constexpr uint64_t kScouts = 6;
-    for (Candidate& c : candidates)
-      c.integrator.mixture = expecting_joins(world, c.integrator.mixture, kMaxDepth);
     Film film(kWidth, kHeight, world.lights.power());
     std::vector<double> errors(candidates.size());
     for (uint64_t seed = 1; seed <= kScouts; ++seed) {

@@ -1,5 +1,7 @@
 #include "tools/tdpt-render/candidates.h"
 
+#include "tools/tdpt-render/path/light_pool.h"
+
 namespace tdpt {
 namespace {
 
@@ -63,6 +65,13 @@ std::vector<Candidate> auto_candidates(const World& world, std::span<const Integ
     if (light_missed(c.integrator, world.scene).empty()) candidates.push_back(c);
   // Where each misses some, the first misses least.
   if (candidates.empty()) candidates.push_back(all.front());
+  return candidates;
+}
+
+std::vector<Candidate> expecting_joins(const World& world, std::vector<Candidate> candidates,
+                                       int max_depth) {
+  for (Candidate& c : candidates)
+    c.integrator.mixture = expecting_joins(world, c.integrator.mixture, max_depth);
   return candidates;
 }
 

@@ -25,6 +25,10 @@ struct Candidate {
 std::vector<Candidate> auto_candidates(const World& world,
                                        std::span<const Integrator> guided = kGuided);
 
+/// With the numbers of joins that are to be expected of each [light_pool.h].
+std::vector<Candidate> expecting_joins(const World& world, std::vector<Candidate> candidates,
+                                       int max_depth);
+
 /// `auto` by name, with all techniques of the candidates; it cannot be run.
 Integrator either_of(const std::vector<Candidate>& candidates);
 

@@ -123,9 +123,8 @@ void measure(const char* scene_path, const std::vector<Portal>& portals, const S
   const char* const name = s.name.empty() ? scene_path : s.name.c_str();
   const Scene scene = read_gltf(scene_path);
   const World world(scene, scene.camera(""), s.width, s.height, portals);
-  std::vector<Candidate> candidates = auto_candidates(world);
-  for (Candidate& c : candidates)
-    c.integrator.mixture = expecting_joins(world, c.integrator.mixture, kMaxDepth);
+  const std::vector<Candidate> candidates =
+      expecting_joins(world, auto_candidates(world), kMaxDepth);
   if (s.seconds > 0) print_truths(name, world, candidates, s);
   const auto pixels = static_cast<uint64_t>(s.width) * static_cast<uint64_t>(s.height);
   Film film(s.width, s.height, world.lights.power());

@@ -54,13 +54,6 @@ TechniqueSet techniques_of(const std::vector<Candidate>& candidates) {
   return all;
 }
 
-std::vector<Candidate> expecting_joins(const World& world, std::vector<Candidate> candidates,
-                                       int max_depth) {
-  for (Candidate& c : candidates)
-    c.integrator.mixture = tdpt::expecting_joins(world, c.integrator.mixture, max_depth);
-  return candidates;
-}
-
 // Plans, renders what was planned, and puts the picture together.
 class Rendering {
  public:

@@ -130,6 +130,9 @@ class ScoutSample {
     for (Together& t : together_) t.clear();
   }
 
+  /// Of the samples that a pool has in pictures, how many this one has.
+  void share_of_pool(double share) { share_of_pool_ = share; }
+
   void see(const Contribution& found) {
     const double light = luminance(found.value);
     if (!(light > 0 && std::isfinite(light))) return;
@@ -227,11 +230,11 @@ class ScoutSample {
     };
     // Of all samples of the strategy: f = value p, `used` n_s p.
     const double f = light * times / samples_of(own) * of[own].used;
-    const double chance = std::min(1.0, times / samples_of(own));
     const double share = f * per_sample(own) / all_runs;  // of the picture, both runs together
-    const bool splat =
-        strategy.technique == Technique::light || (strategy.technique == Technique::portal &&
-                                                   Mixture::sees_segment(strategy.split, path.k()));
+    const bool segment = strategy.technique == Technique::portal;
+    const bool splat = strategy.technique == Technique::light ||
+                       (segment && Mixture::sees_segment(strategy.split, path.k()));
+    const double chance = std::min(1.0, times / (samples_of(own) * (segment ? share_of_pool_ : 1)));
     const size_t block = splat ? block_of(path) : block_;
     add_light(block, share);
     if (!splat) record_->brought += f * per_sample(own) / of[own].counted;
@@ -246,13 +249,13 @@ class ScoutSample {
       most = std::max(most, moments_[i]);
       if (splat || !(of[i].used > 0)) continue;
       const double brought = f * per_sample(i) / of[i].counted;
-      if (strategy.technique != Technique::portal && !begins_with_a_light_walk(strategy)) {
+      if (!segment && !begins_with_a_light_walk(strategy)) {
         bring(i, brought);
         continue;
       }
       // Samples of it that are made for each that the run makes, were all joined.
       const double more = samples_of(i) / samples_of(own);
-      const int walk = strategy.technique == Technique::portal ? strategy.split : 0;
+      const int walk = segment ? strategy.split : 0;
       bring(i, {brought, of[i].used / of[own].used / more, std::min(1.0, chance / more)},
             &path.vertex(walk));
     }
@@ -269,6 +272,7 @@ class ScoutSample {
   const size_t run_;
   ScoutSums& sums_;
   size_t block_ = 0, quarter_ = 0;
+  double share_of_pool_ = 1;
   ScoutRecord* record_ = nullptr;
   std::vector<Together> together_;  // of each candidate
   std::vector<StrategySums> of_;
@@ -366,6 +370,7 @@ void Scout::draw_run(size_t r, uint64_t first, uint64_t end, Film& film, ScoutSu
   const auto draw_pool = [&](uint64_t begin, uint64_t in_pool, size_t j) {
     const uint64_t walking = light_walks_of(integrator.mixture, in_pool);
     pool.clear(in_pool);
+    seen.share_of_pool(static_cast<double>(in_pool) / static_cast<double>(per_pool));
     for (uint64_t i = 0; i < walking; ++i) {
       const uint64_t k = begin + i;
       const auto [x, y] = spread_pixel(k, world_.film.width(), world_.film.height());

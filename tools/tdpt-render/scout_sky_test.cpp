@@ -23,7 +23,8 @@ TEST(scout_under_a_sky, directed_light_walks_do_not_stand_for_those_that_are_not
     std::vector<Portal> portals = two_crossing_portals();
     if (in_the_end_too) portals.push_back(rectangle({4.1, 0.1, -0.9}, {0, 0, 1.8}, {0, 1.8, 0}));
     const World world(scene, scene.camera(""), 32, 24, portals);
-    const std::vector<Candidate> candidates = auto_candidates(world);
+    const std::vector<Candidate> candidates =
+        expecting_joins(world, auto_candidates(world), kMaxDepth);
     Scout scout(world, candidates, {});
     Film film(32, 24, world.lights.power());
     scout.draw(2048, film);
@@ -46,9 +47,8 @@ TEST(scout_under_a_sky, directed_light_walks_do_not_stand_for_those_that_are_not
 TEST(scout_under_a_sky, errors_of_light_walks_that_seldom_come_in) {
   const RoomWithWindows room(testing::RoomKind::sky_windows, 2);
   const World world(room.scene, room.scene.camera(""), 12, 9, room.windows);
-  std::vector<Candidate> candidates = auto_candidates(world);
-  for (Candidate& c : candidates)
-    c.integrator.mixture = expecting_joins(world, c.integrator.mixture, kMaxDepth);
+  const std::vector<Candidate> candidates =
+      expecting_joins(world, auto_candidates(world), kMaxDepth);
   Film film(12, 9, world.lights.power());
   for (size_t i = 0; i < candidates.size(); ++i) {
     if (candidates[i].label == "pt") continue;
