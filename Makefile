@@ -106,7 +106,7 @@ bench-efficiency: packages
 efficiency-references: packages
 	@sh cmake/install-packages.sh cmake/packages-figures.txt
 	@$(MAKE) --no-print-directory build
-	@REFERENCES=make NAME="$$(git describe --always --dirty 2>/dev/null)" sh bench/efficiency.sh build/bin
+	@REFERENCES=make COMMIT="$$(git describe --always --dirty 2>/dev/null)" sh bench/efficiency.sh build/bin
 
 sanitize: packages
 	@cmake --preset sanitize --log-level=WARNING

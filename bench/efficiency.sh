@@ -17,7 +17,7 @@
 #   DEPTH          edges of the longest path, as the paper's figures have it (6); none: no limit, the whole light, in all
 #                  scenes. Scenes NAME-whole have no limit in any case
 #   REFERENCES     stored (the default): those of REFERENCE_FOLDER that fit, others are rendered; render: none of them;
-#                  make: those that do not fit are rendered and stored there, and nothing else (NAME: words for the
+#                  make: those that do not fit are rendered and stored there, and nothing else (COMMIT: words for the
 #                  program, its commit for example)
 #   REFERENCE_FOLDER   default testdata/references/efficiency
 #   REF_INTEGRATOR of the references (tdpt-guided)
@@ -237,6 +237,7 @@ judge() {
             ($a.mape + $b.mape) / 2, $a.mean, $mse, $peak] |
             map(if . == null then "" else tostring end) | join(",")' |
           awk -F , -v OFS=, '{ for (i = 1; i <= NF; ++i) if ($i != "") $i = sprintf("%.6g", $i); print }' >"$name.row"
+        [ -s "$name.row" ] || { say "efficiency: $name cannot be judged" >&2; exit 1; }
         keep "$name.row" "$key"
       fi
       say "$r,$(cat "$name.row")"

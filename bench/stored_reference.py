@@ -8,6 +8,7 @@ Rounding to half floats is off by at most 2^-11 of a value: relMSE 2.4e-7 at mos
 import glob
 import json
 import os
+import struct
 import subprocess
 import sys
 
@@ -81,5 +82,5 @@ if __name__ == "__main__":
         sys.exit("usage: stored_reference.py FOLDER NAME SCENE A B PROGRAM")
     try:
         main(*sys.argv[1:])
-    except (OSError, KeyError, ValueError) as error:
+    except (OSError, KeyError, ValueError, struct.error) as error:
         sys.exit(f"stored_reference.py: {error}")

@@ -17,13 +17,13 @@ Corners corners_of(const TriangleShape& s) {
 }
 
 // Two triangles as a rectangle: which corners of either are which of the rectangle's.
-struct Joined {
+struct CommonEdge {
   size_t i, j;  // the right angle that the rectangle begins with is b's, opposite their edge
 };
-std::optional<Joined> common_edge(const Corners& a, const Corners& b) {
+std::optional<CommonEdge> common_edge(const Corners& a, const Corners& b) {
   for (size_t i = 0; i < 3; ++i)
     for (size_t j = 0; j < 3; ++j)
-      if (a[i] == b[(j + 1) % 3] && a[(i + 1) % 3] == b[j]) return Joined{i, j};
+      if (a[i] == b[(j + 1) % 3] && a[(i + 1) % 3] == b[j]) return CommonEdge{i, j};
   return std::nullopt;
 }
 
