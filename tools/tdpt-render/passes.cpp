@@ -5,20 +5,6 @@
 #include <oneapi/tbb/parallel_for.h>
 
 namespace tdpt {
-namespace {
-
-// Pixel i of a pool. Each is of a stretch of its own, as long as there are pools, and in every
-// stretch further along, lest those of a pool lie in few columns of the picture.
-uint64_t pixel_of(uint64_t pool, uint64_t i, uint64_t pools, uint64_t pixels) {
-  const uint64_t stretch = i * pools;
-  if (stretch + pools > pixels) return stretch + pool;
-  constexpr double kGolden = 0.6180339887498949;
-  const auto along = static_cast<uint64_t>(kGolden * static_cast<double>(stretch));
-  return stretch + (pool + along) % pools;
-}
-
-}  // namespace
-
 void render_samples(const World& world, const Integrator& integrator, const SampleRules& rules,
                     uint64_t round, const SampleRange& samples, Film& film, Tally& tally,
                     Progress& progress) {
@@ -39,7 +25,7 @@ void render_samples(const World& world, const Integrator& integrator, const Samp
     // The first `count` pixels of a pool.
     const auto each = [&](uint64_t first, uint64_t count, uint64_t sample, const auto& visit) {
       for (uint64_t i = 0; i < count; ++i) {
-        const uint64_t p = pixel_of(first, i, pools, pixels);
+        const uint64_t p = pixel_of_pool(first, i, pools, pixels);
         sampler.begin(static_cast<int>(p % width), static_cast<int>(p / width), sample);
         visit(i);
       }

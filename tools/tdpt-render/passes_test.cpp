@@ -63,7 +63,10 @@ TEST_F(Pools, leave_no_trace_down_the_columns_of_a_picture) {
 
 // Twin: pixels of a pool as many apart as there are pools, 192, are those of two columns.
 TEST_F(Pools, twin_pixels_evenly_apart_are_caught) {
-  const Variant variant = Variant::pooled(world_, tdpt_guided, 6);
+  Variant variant = Variant::pooled(world_, tdpt_guided, 6);
+  variant.pixel = [](uint64_t pool, uint64_t i, uint64_t pools, uint64_t) {
+    return pool + i * pools;
+  };
   AgreementSettings settings;
   settings.spp = 1;
   settings.max_depth = 6;

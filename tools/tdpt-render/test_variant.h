@@ -50,6 +50,8 @@ struct Variant {
   void (*run)(PathSampler&) = [](PathSampler& sampler) { sampler.run(); };
   /// Share of a pool's samples that its light walks are counted as those of.
   double counted_samples = 1;
+  /// Which pixels have a pool in common.
+  uint64_t (*pixel)(uint64_t pool, uint64_t i, uint64_t pools, uint64_t pixels) = pixel_of_pool;
   /// What a sample with pools does beside its phases.
   void (*besides)(PathSampler&) = [](PathSampler&) {};
 };
@@ -69,7 +71,7 @@ void Variant::picture(PathSampler& sampler, int width, int height, uint64_t spp,
       const uint64_t walking = pools ? light_walks_of(integrator.mixture, samples) : 0;
       const auto each = [&](uint64_t count, const auto& visit) {
         for (uint64_t i = 0; i < count; ++i) {
-          const int p = static_cast<int>(first + i * step);
+          const auto p = static_cast<int>(pixel(first, i, step, pixels));
           visit(p % width, p / width, i);
         }
       };

@@ -15,6 +15,14 @@ uint64_t light_walks_of(const Mixture& mixture, uint64_t samples) {
   return std::clamp<uint64_t>(static_cast<uint64_t>(std::lround(walks)), 1, samples);
 }
 
+uint64_t pixel_of_pool(uint64_t pool, uint64_t i, uint64_t pools, uint64_t pixels) {
+  const uint64_t stretch = i * pools;
+  if (stretch + pools > pixels) return stretch + pool;
+  constexpr double kGolden = 0.6180339887498949;
+  const auto along = static_cast<uint64_t>(kGolden * static_cast<double>(stretch));
+  return stretch + (pool + along) % pools;
+}
+
 void LightPool::clear(uint64_t samples) {
   starts_.clear();
   scattered_.clear();

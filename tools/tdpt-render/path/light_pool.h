@@ -65,6 +65,10 @@ class LightPool {
 
 /// How many samples pool their light walks.
 uint64_t samples_of_pool(const Mixture& mixture);
+/// Pixel i of pool `pool`, one of `pools`, in a picture of so many pixels. Each is of a stretch of
+/// its own, as long as there are pools, and in every stretch further along, lest those of a pool
+/// lie in few columns of the picture.
+uint64_t pixel_of_pool(uint64_t pool, uint64_t i, uint64_t pools, uint64_t pixels);
 /// How many of a pool's samples make a light walk; one at least, if any technique needs one.
 uint64_t light_walks_of(const Mixture& mixture, uint64_t samples);
 

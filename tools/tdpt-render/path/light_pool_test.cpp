@@ -159,6 +159,18 @@ TEST(light_pool, has_as_many_walks_however_few_samples_make_one) {
   EXPECT_EQ(light_walks_of(nee.mixture, 16), 0u);
 }
 
+TEST(light_pool, has_each_pixel_of_a_picture_once) {
+  for (const uint64_t pixels : {1, 3, 63, 64, 65, 1000, 12288, 57600})
+    for (const uint64_t per_pool : {1, 16, 64, 256}) {
+      const uint64_t pools = (pixels + per_pool - 1) / per_pool;
+      std::vector<int> times(pixels);
+      for (uint64_t pool = 0; pool < pools; ++pool)
+        for (uint64_t i = 0; i < (pixels - pool + pools - 1) / pools; ++i)
+          ++times.at(pixel_of_pool(pool, i, pools, pixels));
+      EXPECT_EQ(times, std::vector<int>(pixels, 1)) << pixels << " " << per_pool;
+    }
+}
+
 TEST(light_pool, knows_how_many_walks_there_are_for_each_sample) {
   const std::vector<Walk> walks = walks_of({4, 0, 2});
   LightPool pool;
