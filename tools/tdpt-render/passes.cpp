@@ -5,6 +5,7 @@
 #include <oneapi/tbb/parallel_for.h>
 
 namespace tdpt {
+
 void render_samples(const World& world, const Integrator& integrator, const SampleRules& rules,
                     uint64_t round, const SampleRange& samples, Film& film, Tally& tally,
                     Progress& progress) {

@@ -371,25 +371,27 @@ void Scout::draw_run(size_t r, uint64_t first, uint64_t end, Film& film, ScoutSu
     const uint64_t walking = light_walks_of(integrator.mixture, in_pool);
     pool.clear(in_pool);
     seen.share_of_pool(static_cast<double>(in_pool) / static_cast<double>(per_pool));
-    for (uint64_t i = 0; i < walking; ++i) {
-      const uint64_t k = begin + i;
-      const auto [x, y] = spread_pixel(k, world_.film.width(), world_.film.height());
+    // The first `count` samples: place in the pool, group, pixel.
+    const auto each = [&](uint64_t count, const auto& visit) {
+      for (uint64_t i = 0; i < count; ++i) {
+        const auto [x, y] = spread_pixel(begin + i, world_.film.width(), world_.film.height());
+        visit(i, begin + i, x, y);
+      }
+    };
+    const auto walk_of = [&](uint64_t i) -> const Walk& { return i < walking ? walks[i] : none; };
+    each(walking, [&](uint64_t i, uint64_t k, int x, int y) {
       runner.light_phase(x, y, number(k, j), walks[i], sums.rays[r]);
       pool.add(walks[i]);
-    }
-    for (uint64_t i = 0; i < in_pool; ++i) {
-      const uint64_t k = begin + i;
-      const auto [x, y] = spread_pixel(k, world_.film.width(), world_.film.height());
-      runner.segment_phase(x, y, number(k, j), i < walking ? walks[i] : none, pool, sums.rays[r]);
-    }
-    for (uint64_t i = 0; i < in_pool; ++i) {
-      const uint64_t k = begin + i;
-      const auto [x, y] = spread_pixel(k, world_.film.width(), world_.film.height());
+    });
+    each(in_pool, [&](uint64_t i, uint64_t k, int x, int y) {
+      runner.segment_phase(x, y, number(k, j), walk_of(i), pool, sums.rays[r]);
+    });
+    each(in_pool, [&](uint64_t i, uint64_t k, int x, int y) {
       seen.begin(x, y, k, record(k, r, j));
-      runner.camera_phase(x, y, number(k, j), i < walking ? walks[i] : none, pool, sums.rays[r]);
+      runner.camera_phase(x, y, number(k, j), walk_of(i), pool, sums.rays[r]);
       seen.end();
       blocks_[k] = static_cast<uint32_t>(seen.block());
-    }
+    });
   };
   for (uint64_t begin = first; begin < end; begin += per_pool)
     for (size_t j = 0; j < kScoutGroup; ++j) draw_pool(begin, std::min(per_pool, end - begin), j);
