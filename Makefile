@@ -6,6 +6,7 @@
 #   make portals   how right the portals are on rooms with known openings: doc/portals.md (an hour)
 #   make regret    what auto loses, and how right it is about portals: doc/regret.md (25 minutes)
 #   make whole-light   what the light beyond six edges costs: doc/whole-light.md (half an hour; BASE=PROGRAM: an older one)
+#   make target-error   whether pictures have the error that was asked for: doc/target-error.md (ten minutes)
 #   make sky       what the windows found are worth under skies: doc/sky.md (a quarter of an hour)
 #   make grid-speed   segments per second of lightgrid on each device: doc/light-grid-speed.md (two minutes)
 #   make test      installs what is missing, builds, runs every test
@@ -26,7 +27,7 @@ TEST_STATUS ?=
 # All that is there to run; `make build` adds every test and benchmark.
 PROGRAMS = ffgraph mincut lightgrid portalfit tdpt-render exrdiff
 
-.PHONY: all build programs demo figures stages portals regret whole-light sky grid-speed bench bench-efficiency efficiency-references test install sanitize packages format clean
+.PHONY: all build programs demo figures stages portals regret whole-light target-error sky grid-speed bench bench-efficiency efficiency-references test install sanitize packages format clean
 all: build
 
 build:
@@ -77,6 +78,11 @@ whole-light: packages
 	@sh cmake/install-packages.sh cmake/packages-figures.txt
 	@$(MAKE) --no-print-directory build
 	@BASE="$(BASE)" sh bench/whole-light.sh build/bin build/whole-light
+
+target-error: packages
+	@sh cmake/install-packages.sh cmake/packages-figures.txt
+	@$(MAKE) --no-print-directory build
+	@sh bench/target-error.sh build/bin build/target-error
 
 sky: packages
 	@sh cmake/install-packages.sh cmake/packages-figures.txt

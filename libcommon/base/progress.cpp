@@ -34,6 +34,7 @@ void Progress::show(double seconds, uint64_t done) {
     line += fmt::format(", {:.0f} %, {:.0f} s left",
                         100.0 * static_cast<double>(done) / static_cast<double>(total_), left);
   }
+  if (!more_.empty()) line += ", " + more_;
   std::fputs(line.c_str(), stderr);
   std::fflush(stderr);
 }

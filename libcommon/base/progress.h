@@ -19,12 +19,14 @@ class Progress {
   Progress& operator=(const Progress&) = delete;
 
   void advance(uint64_t n = 1);
+  /// What else the line says, at its end; while no thread advances.
+  void tell(std::string more) { more_ = std::move(more); }
 
  private:
   void show(double seconds, uint64_t done);
 
   using Clock = std::chrono::steady_clock;
-  std::string what_, unit_;
+  std::string what_, unit_, more_;
   uint64_t total_;
   bool visible_;
   std::atomic<uint64_t> done_{0};

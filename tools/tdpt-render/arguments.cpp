@@ -50,10 +50,16 @@ void declare_options(cli::Options& options, Arguments& a) {
       "--light-walks", a.light_walks, "SHARE",
       "Share of the samples that make a light walk; default 0.25 with tdpt-guided, else 1",
       kFewestLightWalks, 1);
-  options.option("--spp", a.spp, "N", "Samples per pixel; default 16, or as --time allows", 1,
+  options.option("--spp", a.spp, "N",
+                 "Samples per pixel; default 16, or as --time allows or --target-error takes", 1,
                  int64_t{1} << 32);
   options.option("--time", a.seconds, "SECONDS", "Stop rendering after this wall-clock time", 1e-3,
                  1e9, Shapes::nothing);
+  options.option("--target-error", a.target_error, "E",
+                 "Render until the relMSE is E, within --spp and --time; the number of samples is "
+                 "fixed beforehand",
+                 1e-9, 1e9);
+  options.flag("--retry", a.retry, "Where the target seems to be missed, render on once");
   options.option("--max-depth", a.max_depth, "K", "Edges of the longest path; default no limit", 1,
                  kMaxDepth);
   options.option("--width", a.width, "W", "Width in pixels; default 640, or from --height", 1,

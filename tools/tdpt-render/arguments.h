@@ -22,8 +22,10 @@ struct Arguments {
   double guide_light = -1, guide_camera = -1, segments = -1,
          light_walks = -1;  ///< below 0: not given
   int64_t spp = 0;
-  int64_t max_depth = 0;  ///< edges; 0: no limit
-  double seconds = 0;     ///< 0: no limit
+  int64_t max_depth = 0;    ///< edges; 0: no limit
+  double seconds = 0;       ///< 0: no limit
+  double target_error = 0;  ///< relMSE; 0: none
+  bool retry = false;
 
   std::string stats, nonzero, preview;  ///< paths; empty: not asked for
   bool layers = false, alpha = false, verbose = false;

@@ -44,8 +44,9 @@ void tell_left_out(const World& world, const std::vector<Portal>& portals,
 // Samples of the picture, about; by the clock, as fast as most scenes are.
 double samples_ahead(const RenderSettings& settings, const FilmPlane& film) {
   constexpr double kPerSecond = 2e5;
-  if (settings.spp == 0) return kPerSecond * settings.seconds;
-  return static_cast<double>(settings.spp) * film.width() * film.height();
+  const uint64_t spp = spp_foreseen(settings);
+  if (spp == 0) return kPerSecond * settings.seconds;
+  return static_cast<double>(spp) * film.width() * film.height();
 }
 
 }  // namespace

@@ -15,6 +15,7 @@
 #include "tools/tdpt-render/portal_report.h"
 #include "tools/tdpt-render/render.h"
 #include "tools/tdpt-render/report.h"
+#include "tools/tdpt-render/target_report.h"
 
 namespace tdpt {
 namespace {
@@ -55,7 +56,10 @@ Loaded load(const Arguments& a, const cli::Common& common) {
 
 RenderSettings settings_of(const Arguments& a, const cli::Common& common) {
   RenderSettings settings;
-  settings.spp = a.spp == 0 && a.seconds == 0 ? 16 : static_cast<uint64_t>(a.spp);
+  const bool unlimited = a.spp == 0 && a.seconds == 0 && a.target_error == 0;
+  settings.spp = unlimited ? 16 : static_cast<uint64_t>(a.spp);
+  settings.target_error = a.target_error;
+  settings.retry = a.retry;
   settings.seconds = a.seconds;
   settings.max_depth = a.max_depth == 0 ? kMaxDepth : static_cast<int>(a.max_depth);
   settings.beta = a.mis == "power" ? 2 : 1;
@@ -124,11 +128,13 @@ void report(const Arguments& a, const cli::Common& common, const Loaded& in, con
       common.note(note);
   if (result.interrupted)
     common.note("stopped by a signal; the picture holds the samples named above");
+  if (result.target) common.note(target_sentence(*result.target, result.spp));
 }
 
 int run(const Arguments& a, const cli::Common& common) {
   if (a.device != "cpu")
     throw Error(Exit::no_device, "--device gpu: this build renders on the CPU only");
+  if (a.retry && a.target_error == 0) throw UsageError("--retry: needs --target-error");
   catch_signals();
   Loaded in = load(a, common);
   const Request request = request_of(a);

@@ -2,8 +2,11 @@
 
 #include <chrono>
 
+#include <fmt/format.h>
+
 #include "libcommon/base/signals.h"
 #include "libcommon/base/threads.h"
+#include "tools/tdpt-render/pilot.h"
 
 namespace tdpt {
 
@@ -19,11 +22,19 @@ double nonzero_of(const Picture& picture) {
   return static_cast<double>(n) / static_cast<double>(std::max<size_t>(picture.pixels.size(), 1));
 }
 
+uint64_t spp_foreseen(const RenderSettings& settings) {
+  constexpr uint64_t kOfTarget = 64;  // before anything is known
+  if (settings.target_error == 0) return settings.spp;
+  return settings.spp > 0 ? std::min(settings.spp, kOfTarget) : kOfTarget;
+}
+
 uint64_t next_frame(uint64_t spp) {
   return spp + std::max<uint64_t>(1, spp < 256 ? 1 : spp / 16);
 }
 
 namespace {
+
+constexpr uint64_t kMostSamples = uint64_t{1} << 32;  // of a pixel, as --spp
 
 // Wall-clock and CPU time of rendering; what is done aside does not count.
 class Clock {
@@ -68,10 +79,12 @@ class Rendering {
                 static_cast<uint64_t>(world.film.height())),
         film_(film_for(world, layers_, settings.alpha)),
         tally_(film_.unit()),
-        progress_("rendering", "samples", settings.spp * pixels_, settings.quiet) {}
+        goal_(settings.spp) {}
 
   /// Decides who renders.
   void plan();
+  /// Finds out how many samples the error takes that is asked for, if one is.
+  void aim();
   /// What is beyond the limit of depth, if there is one.
   void look_beyond();
   /// Renders until the plan's samples are there, or the time is up.
@@ -81,9 +94,13 @@ class Rendering {
  private:
   void look_around(Scout& scout);
   double spp_ahead(const Scout& scout) const;
-  uint64_t next_pass(uint64_t most, double began) const;
+  uint64_t next_pass(uint64_t most) const;
   Picture picture_of(const std::vector<Vec3d>& sums) const;
   void record_frame();
+  void render_goal();
+  void judge();
+  bool retry_is_due();
+  std::string error_so_far() const;
 
   const World& world_;
   const std::vector<Candidate> candidates_;
@@ -94,21 +111,24 @@ class Rendering {
   Clock clock_;
   Film film_;
   Tally tally_;
-  Progress progress_;
+  uint64_t goal_;  // samples of each pixel; 0: as many as the time allows
+  Pilot pilot_;
+  PictureBlocks blocks_;
+  double began_ = 0;  // the picture's own samples [s]
   RenderResult result_;
 };
 
 // In rounds, each as large as all before, so that a short time is not overrun by much.
 void Rendering::look_around(Scout& scout) {
-  const auto spp = static_cast<double>(settings_.spp);
-  const bool by_clock = settings_.seconds > 0;
+  const auto spp = static_cast<double>(spp_foreseen(settings_));
+  const bool by_clock = settings_.seconds > 0 && settings_.target_error == 0;
   const double time =
       0.5 * scouts_share(32) * settings_.seconds;  // the last round is the other half
-  if (settings_.spp > 0 && !can_spare(spp, pixels_, scout)) return;
+  if (spp > 0 && !can_spare(spp, pixels_, scout)) return;
   for (uint64_t n = kFewestGroups; n > 0 && !stop_requested();) {
     scout.draw(n, film_);
     if (by_clock && clock_.seconds() > time) break;
-    const uint64_t enough = settings_.spp > 0 ? groups_for(spp, pixels_, scout) : kMostGroups;
+    const uint64_t enough = spp > 0 ? groups_for(spp, pixels_, scout) : kMostGroups;
     n = std::min(scout.groups(), enough - std::min(enough, scout.groups()));
   }
   film_.clear();
@@ -117,7 +137,7 @@ void Rendering::look_around(Scout& scout) {
 // Samples of each pixel that there will be, about; by the clock those of a core's worth of the
 // time.
 double Rendering::spp_ahead(const Scout& scout) const {
-  if (settings_.spp > 0) return static_cast<double>(settings_.spp);
+  if (const uint64_t spp = spp_foreseen(settings_)) return static_cast<double>(spp);
   return settings_.seconds * 1e9 * scout.samples_of_group() /
          (scout.work_of_group() * static_cast<double>(pixels_));
 }
@@ -139,10 +159,85 @@ void Rendering::plan() {
   result_.plan.label = result_.chosen_label = candidates_[result_.chosen].label;
 }
 
+void Rendering::aim() {
+  if (settings_.target_error == 0) return;
+  TargetOutcome& target = result_.target.emplace();
+  target.error = settings_.target_error;
+  target.dark = world_.lights.empty();
+  if (target.dark) {
+    target.fixed = goal_ = 1;
+    return;
+  }
+  const double cpu = clock_.cpu();
+  const auto give_up = [&] {
+    const bool late = settings_.seconds > 0 && clock_.seconds() > 0.5 * settings_.seconds;
+    return late || stop_requested();
+  };
+  {
+    Progress progress("measuring the error", "samples", 0, settings_.quiet);
+    const uint64_t most = settings_.spp > 0 ? settings_.spp : kMostSamples;
+    pilot_ = run_pilot(world_, result_.plan.integrator, rules_, target.error, most, give_up, film_,
+                       progress);
+  }
+  target.pilot_samples = Pilot::kParts * pilot_.part_samples;
+  target.pilot_cpu_seconds = clock_.cpu() - cpu;
+  target.fixed = pilot_.needed;
+  // Where the pilot met no light the picture gets as many samples: they may.
+  goal_ = pilot_.needed > 0 ? pilot_.needed : target.pilot_samples;
+  if (settings_.spp > 0) goal_ = goal_ > 0 ? std::min(goal_, settings_.spp) : settings_.spp;
+  if (goal_ == 0 && settings_.seconds == 0) goal_ = kMostSamples;  // a signal came: it ends it
+  result_.plan.spp = goal_;
+}
+
+// What the picture's own blocks tell of its error; what the pilot's parts do where it has fewer
+// than three.
+void Rendering::judge() {
+  TargetOutcome& target = *result_.target;
+  const auto done = static_cast<double>(film_.samples());
+  using Stop = TargetOutcome::Stop;
+  if (result_.interrupted)
+    target.stop = Stop::signal;
+  else if (goal_ == 0 || film_.samples() < goal_)
+    target.stop = Stop::time;
+  else if (goal_ == settings_.spp && target.fixed != goal_)
+    target.stop = Stop::spp;
+  else
+    target.stop = target.fixed > 0 ? Stop::fixed : Stop::unlit;
+  const bool by_blocks = blocks_.blocks().size() > 2;
+  const ErrorEstimate told = by_blocks ? estimate_error(blocks_.blocks()) : pilot_.estimate;
+  target.relmse.reset();
+  if (!told.lit) return;
+  const uint64_t of = by_blocks ? blocks_.size() : pilot_.part_samples;
+  target.relmse = told.relmse * static_cast<double>(of) / done;
+  target.low = *target.relmse / interval_factor(told);
+  target.high = *target.relmse * interval_factor(told);
+}
+
+// Then there is a new goal. The samples that are there stay.
+bool Rendering::retry_is_due() {
+  if (!settings_.retry || !result_.target || blocks_.blocks().size() < 3) return false;
+  TargetOutcome& target = *result_.target;
+  if (target.stop != TargetOutcome::Stop::fixed || target.reached() || !target.relmse) return false;
+  const uint64_t needed = samples_needed(estimate_error(blocks_.blocks()), blocks_.blocks().size(),
+                                         blocks_.size(), target.error);
+  const uint64_t most = settings_.spp > 0 ? settings_.spp : kMostSamples;
+  target.fixed = needed;
+  goal_ = std::min(needed, most);
+  target.retried = goal_ > film_.samples();
+  return target.retried;
+}
+
+// "relMSE about 0.02", as the pilot foresees it.
+std::string Rendering::error_so_far() const {
+  if (!(pilot_.estimate.relmse > 0) || film_.samples() == 0) return "";
+  const double of = static_cast<double>(pilot_.part_samples) / static_cast<double>(film_.samples());
+  return fmt::format("relMSE about {:.2g}", pilot_.estimate.relmse * of);
+}
+
 void Rendering::look_beyond() {
   if (settings_.max_depth >= kMaxDepth) return;
   // A hundredth of the picture's samples, but of few of them up to a tenth; by the clock, enough.
-  const double all = static_cast<double>(settings_.spp * pixels_), enough = 2048;
+  const double all = static_cast<double>(goal_) * static_cast<double>(pixels_), enough = 2048;
   const double samples = all > 0 ? std::max(0.01 * all, std::min(0.1 * all, enough)) : enough;
   result_.beyond = light_beyond(world_, result_.plan.integrator, rules_, samples, film_);
   film_.clear();
@@ -163,35 +258,46 @@ void Rendering::record_frame() {
 }
 
 // How many samples come next, `most` at the most; 0: the picture is done, or the time is up.
-uint64_t Rendering::next_pass(uint64_t most, double began) const {
+uint64_t Rendering::next_pass(uint64_t most) const {
   const uint64_t done = film_.samples();
-  if (settings_.spp > 0 && done >= settings_.spp) return 0;
-  uint64_t n = settings_.spp == 0 ? most : std::min(most, settings_.spp - done);
+  if (goal_ > 0 && done >= goal_) return 0;
+  uint64_t n = goal_ == 0 ? most : std::min(most, goal_ - done);
+  if (result_.target) n = std::min(n, blocks_.next() - done);
   if (settings_.frames)
     n = std::min(n, next_frame(result_.frames.empty() ? 0 : result_.frames.back().spp) - done);
   if (settings_.seconds == 0) return n;
   if (done == 0) return 1;  // there must be a picture
   // Samples take about as long as the ones before: stop where the limit is nearest.
-  const double per_sample = (clock_.seconds() - began) / static_cast<double>(done);
+  const double per_sample = (clock_.seconds() - began_) / static_cast<double>(done);
   const double in_time = (settings_.seconds - clock_.seconds()) / per_sample;
   return in_time < 0.5 * static_cast<double>(n) ? 0 : n;
 }
 
-void Rendering::samples() {
+void Rendering::render_goal() {
+  Progress progress("rendering", "samples", (goal_ - std::min(goal_, film_.samples())) * pixels_,
+                    settings_.quiet);
   // Small pictures take several samples a pass, so that threads have something to share.
   const uint64_t most = std::max<uint64_t>(1, (uint64_t{1} << 16) / pixels_);
-  const double began = clock_.seconds();
-  uint64_t last = 0;  // frame
-  while (const uint64_t n = next_pass(most, began)) {
+  while (const uint64_t n = next_pass(most)) {
     // A signal that comes when all is there cuts nothing short, and there must be a picture.
     result_.interrupted = stop_requested() && film_.samples() > 0;
     if (result_.interrupted) break;
+    progress.tell(error_so_far());
+    const uint64_t last = result_.frames.empty() ? 0 : result_.frames.back().spp;
     render_samples(world_, result_.plan.integrator, rules_, 0, {film_.samples(), n}, film_, tally_,
-                   progress_);
-    if (settings_.frames && film_.samples() == next_frame(last)) {
-      record_frame();
-      last = film_.samples();
-    }
+                   progress);
+    if (result_.target && film_.samples() == blocks_.next()) blocks_.add(film_.sums());
+    if (settings_.frames && film_.samples() == next_frame(last)) record_frame();
+  }
+}
+
+void Rendering::samples() {
+  began_ = clock_.seconds();
+  render_goal();
+  if (result_.target) judge();
+  if (retry_is_due()) {
+    render_goal();
+    judge();
   }
   const std::vector<FrameRecord>& frames = result_.frames;
   if (settings_.frames && (frames.empty() || frames.back().spp != film_.samples())) record_frame();
@@ -216,6 +322,7 @@ RenderResult render(const World& world, const std::vector<Candidate>& candidates
                     const RenderSettings& settings, const std::vector<PortalWay>& ways) {
   Rendering rendering(world, candidates, settings);
   rendering.plan();
+  rendering.aim();
   rendering.look_beyond();
   rendering.samples();
   RenderResult result = rendering.finish();

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "tools/tdpt-render/beyond.h"
+#include "tools/tdpt-render/error_estimate.h"
 #include "tools/tdpt-render/passes.h"
 #include "tools/tdpt-render/plan.h"
 #include "tools/tdpt-render/scout.h"
@@ -12,8 +13,11 @@
 namespace tdpt {
 
 struct RenderSettings {
-  uint64_t spp = 0;    ///< samples per pixel; 0: as many as fit into `seconds`
+  uint64_t spp = 0;    ///< samples per pixel; 0: as many as fit into `seconds`, or the target takes
   double seconds = 0;  ///< wall-clock limit of rendering alone; 0: none
+  /// relMSE to render to, within the limits of spp and seconds; 0: none, they are what is rendered.
+  double target_error = 0;
+  bool retry = false;  ///< where it is missed, goes on once
   int max_depth = kMaxDepth;
   double beta = 1;  ///< 1: balance heuristic, 2: power heuristic
   uint64_t seed = 1;
@@ -22,6 +26,9 @@ struct RenderSettings {
   bool layers = false;  ///< keep each technique's contribution apart
   bool frames = false;  ///< measure the picture while it forms
 };
+
+/// How many samples per pixel there will be, as far as the settings say; 0: as time allows.
+uint64_t spp_foreseen(const RenderSettings& settings);
 
 Vec3d mean_of(const Picture& picture);      ///< over all pixels
 double nonzero_of(const Picture& picture);  ///< share of pixels that are not black
@@ -38,6 +45,23 @@ struct FrameRecord {
 /// sixteenth more than the one before.
 uint64_t next_frame(uint64_t spp);
 
+/// How a picture that was to have a relMSE of at most `error` came out.
+struct TargetOutcome {
+  /// `fixed`: all samples are there that were fixed; `unlit`: none were, the pilot met no light.
+  enum class Stop { fixed, spp, time, signal, unlit };
+
+  double error = 0;
+  uint64_t pilot_samples = 0;  ///< of each pixel, thrown away
+  double pilot_cpu_seconds = 0;
+  uint64_t fixed = 0;  ///< samples of each pixel, by the pilot; 0: it did not come to that
+  bool retried = false;
+  Stop stop = Stop::fixed;
+  bool dark = false;             ///< nothing in the scene emits light: there is no error
+  std::optional<double> relmse;  ///< of the picture, estimated; from no light nothing is told
+  double low = 0, high = 0;      ///< its interval, about 95 %
+  bool reached() const { return dark || (relmse && *relmse <= error); }
+};
+
 struct RenderResult {
   Picture picture;                      ///< with its alpha where the settings ask for it
   uint64_t spp = 0;                     ///< samples each pixel got
@@ -48,7 +72,8 @@ struct RenderResult {
   std::map<std::string, Picture> layers;  ///< by technique; they add up to the picture
   std::vector<FrameRecord> frames;        ///< the last one is the picture
 
-  std::optional<Beyond> beyond;  ///< what the limit of depth leaves out, where there is one
+  std::optional<TargetOutcome> target;  ///< where the settings have one
+  std::optional<Beyond> beyond;         ///< what the limit of depth leaves out, where there is one
 
   size_t chosen = 0;                ///< which of the candidates rendered
   std::string chosen_label;         ///< empty when there was only one

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/tdpt-render/portal_report.h"
+#include "tools/tdpt-render/target_report.h"
 
 namespace tdpt {
 namespace {
@@ -55,6 +56,7 @@ nlohmann::ordered_json summary(const Integrator& integrator, const RenderSetting
   j["cpu_seconds"] = result.cpu_seconds;
   j["mean"] = numbers(result.mean());
   j["nonzero"] = result.nonzero();
+  if (result.target) j["target"] = target_json(*result.target);
   const RayCounts& rays = result.tally.rays;
   j["rays"] = {{"closest", rays.closest}, {"shadow", rays.shadow}, {"portal", rays.portal}};
   const double total = total_energy(result);
@@ -191,6 +193,7 @@ std::map<std::string, std::string> exr_attributes(const Integrator& integrator,
   a["mis"] = settings.beta == 1 ? "balance" : "power";
   a["pixelFilter"] = "box, one pixel wide";
   a["colorSpace"] = "scene-linear Rec.709";
+  if (result.target) a.merge(target_attributes(*result.target));
   if (!provenance.empty()) a["provenance"] = fmt::format("{}", fmt::join(provenance.lines, "\n"));
   return a;
 }

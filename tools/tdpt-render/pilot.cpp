@@ -1,0 +1,69 @@
+#include "tools/tdpt-render/pilot.h"
+
+#include <algorithm>
+
+namespace tdpt {
+namespace {
+
+constexpr uint64_t kRound = 3;  // of the first part: 0 is the picture's, 1 the scout's, 2 beyond's
+// Samples of all pixels together. Fewer tell nothing of small pictures; where so many, and so many
+// of each pixel, met no light, more are not tried.
+constexpr uint64_t kFewest = uint64_t{1} << 14, kDarkness = uint64_t{1} << 20, kDarkEach = 64;
+// Parts as large as a fourth of the picture are enough whatever they tell; an eighth where it is
+// told well, and never more than so many samples of each pixel then.
+constexpr uint64_t kShare = 4, kShareIfKnown = 8, kMostIfKnown = uint64_t{1} << 15;
+constexpr double kKnown = 0.1, kCalm = 0.3;
+
+bool is_enough(const Pilot& pilot, uint64_t picture) {
+  const uint64_t drawn = Pilot::kParts * pilot.part_samples;
+  if (drawn >= (picture + kShare - 1) / kShare) return true;
+  return pilot.estimate.spread <= kKnown && pilot.estimate.relmse <= kCalm &&
+         drawn >= std::min((picture + kShareIfKnown - 1) / kShareIfKnown, kMostIfKnown);
+}
+
+}  // namespace
+
+Pilot run_pilot(uint64_t pixels, double target, uint64_t most, const DrawPart& draw) {
+  PictureParts parts(Pilot::kParts, std::vector<Rgb>(pixels));
+  uint64_t samples = 1, done = 0;
+  while (Pilot::kParts * samples * pixels < kFewest) samples *= 2;
+  Pilot pilot;
+  for (;; samples *= 2) {
+    const auto before = static_cast<double>(done), now = static_cast<double>(samples);
+    for (uint64_t k = 0; k < Pilot::kParts; ++k) {
+      const auto sums = draw(k, {done, samples - done});
+      if (!sums) return pilot;
+      for (size_t i = 0; i < pixels; ++i)
+        parts[k][i] = Vec3f((Vec3d(parts[k][i]) * before + (*sums)[i]) * (1 / now));
+    }
+    done = samples;
+    pilot.part_samples = samples;
+    pilot.estimate = estimate_error(parts);
+    const uint64_t drawn = Pilot::kParts * samples;
+    if (pilot.estimate.lit) {
+      pilot.needed = samples_needed(pilot.estimate, Pilot::kParts, samples, target);
+      if (is_enough(pilot, std::min(pilot.needed, most))) return pilot;
+    } else if ((drawn >= kDarkEach && drawn * pixels >= kDarkness) || drawn >= most) {
+      return pilot;
+    }
+  }
+}
+
+Pilot run_pilot(const World& world, const Integrator& integrator, const SampleRules& rules,
+                double target, uint64_t most, const std::function<bool()>& give_up, Film& film,
+                Progress& progress) {
+  Tally tally(film.unit());
+  const auto pixels = static_cast<uint64_t>(film.width()) * static_cast<uint64_t>(film.height());
+  const DrawPart draw = [&](uint64_t part,
+                            const SampleRange& samples) -> std::optional<std::vector<Vec3d>> {
+    if (give_up()) return {};
+    film.clear();
+    render_samples(world, integrator, rules, kRound + part, samples, film, tally, progress);
+    return film.sums();
+  };
+  const Pilot pilot = run_pilot(pixels, target, most, draw);
+  film.clear();
+  return pilot;
+}
+
+}  // namespace tdpt
