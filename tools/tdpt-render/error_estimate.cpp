@@ -93,8 +93,8 @@ ErrorEstimate estimate_error(const PictureParts& parts) {
   const auto pixels = static_cast<double>(parts[0].size());
   e.relmse = (parts.size() > 2 ? std::sqrt(high * low) : low) / (3 * pixels);
   if (!(low > 0)) return e;
-  e.pixels = low * low / squares;
-  const double of_pixels = std::sqrt(std::max(0.0, 1 / e.pixels - 1 / pixels));
+  e.pixels = pixels;
+  const double of_pixels = std::sqrt(std::max(0.0, squares / (low * low) - 1 / pixels));
   e.spread = std::max(relative_error(of_part), of_pixels);
   return e;
 }
@@ -105,7 +105,7 @@ double interval_factor(const ErrorEstimate& estimate) {
 
 uint64_t samples_needed(const ErrorEstimate& estimate, uint64_t parts, uint64_t samples,
                         double target) {
-  constexpr double kMost = 0x1p32, kDeviations = 2;
+  constexpr double kMost = 0x1p32, kNinetyFive = 1.645;
   constexpr double kMargin = 1.1;  // for what the estimate is too small by
   const double plain = static_cast<double>(samples) * estimate.relmse / target;
   if (!(plain > 0)) return 1;
@@ -113,7 +113,7 @@ uint64_t samples_needed(const ErrorEstimate& estimate, uint64_t parts, uint64_t 
   const double known = static_cast<double>(parts * samples);
   const double variance =
       estimate.spread * estimate.spread * (1 + known / std::max(plain, 1.0)) + 2 / estimate.pixels;
-  const double safe = kMargin * plain * quantile(std::min(std::sqrt(variance), 2.0), kDeviations);
+  const double safe = kMargin * plain * quantile(std::min(std::sqrt(variance), 2.0), kNinetyFive);
   return safe >= kMost ? uint64_t{1} << 32 : rounded_up(static_cast<uint64_t>(std::ceil(safe)));
 }
 

@@ -30,7 +30,6 @@ struct ErrorEstimate {
   double relmse = 0;  ///< of one part
   /// Relative standard error of that: the larger of what parts and what pixels show.
   double spread = 0;
-  /// How many equally bad pixels would scatter the error of a picture as its own do.
   double pixels = 1;
 };
 
@@ -40,7 +39,7 @@ ErrorEstimate estimate_error(const PictureParts& parts);
 /// About 95 %: the estimate, times and over this.
 double interval_factor(const ErrorEstimate& estimate);
 
-/// How many samples of each pixel meet `target`, with about 97 % chance as far as the estimate
+/// How many samples of each pixel meet `target`, with about 95 % chance as far as the estimate
 /// shows, told from `parts` parts of `samples` samples of each pixel: relMSE falls as 1/N at least,
 /// times a safety factor. At most 2^32, and of the form m 2^j, m < 16: of those, blocks of a
 /// fourth to an eighth complement each other as samples of powers of two do.

@@ -6,7 +6,7 @@
 //   --seeds N               default 100; FOLDER/SEED.exr, and a line of statistics each:
 //                             SEED, samples fixed, relMSE estimated, low, high, pilot's samples,
 //                             reached
-//   --reference N           samples of each pixel of FOLDER/reference.exr; default 0: none is made
+// Also FOLDER/SEED.reference.exr, the mean of all other pictures, which are independent of it.
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -19,7 +19,7 @@ namespace {
 
 struct Settings {
   int width = 32, height = 24;
-  uint64_t seeds = 100, reference = 0;
+  uint64_t seeds = 100;
   double target = 0.05;
   std::string integrator = "bdpt";
 };
@@ -28,6 +28,21 @@ void write_picture(const std::string& path, const Picture& picture) {
   ExrFile exr;
   exr.picture = picture;
   write_output(path, exr_bytes(exr));
+}
+
+void write_pictures(const std::string& folder, const std::vector<Picture>& pictures) {
+  std::vector<Vec3d> sums(pictures[0].pixels.size(), Vec3d(0, 0, 0));
+  for (const Picture& p : pictures)
+    for (size_t i = 0; i < sums.size(); ++i) sums[i] += Vec3d(p.pixels[i]);
+  const double share = 1 / static_cast<double>(pictures.size() - 1);
+  for (size_t k = 0; k < pictures.size(); ++k) {
+    const std::string stem = folder + "/" + std::to_string(k + 1);
+    write_picture(stem + ".exr", pictures[k]);
+    Picture others = pictures[k];
+    for (size_t i = 0; i < sums.size(); ++i)
+      others.pixels[i] = Vec3f((sums[i] - Vec3d(pictures[k].pixels[i])) * share);
+    write_picture(stem + ".reference.exr", others);
+  }
 }
 
 void measure(const std::vector<std::string>& files, const Settings& s) {
@@ -44,23 +59,19 @@ void measure(const std::vector<std::string>& files, const Settings& s) {
     candidates.push_back({named, named.name});
   }
   RenderSettings settings;
-  if (s.reference > 0) {
-    settings.spp = s.reference;
-    settings.seed = 1000000;
-    write_picture(files[1] + "/reference.exr", render(world, candidates, settings).picture);
-  }
-  settings.spp = 0;
   settings.target_error = s.target;
+  std::vector<Picture> pictures;
   for (uint64_t seed = 1; seed <= s.seeds; ++seed) {
     settings.seed = seed;
     const RenderResult r = render(world, candidates, settings);
-    write_picture(files[1] + "/" + std::to_string(seed) + ".exr", r.picture);
+    pictures.push_back(r.picture);
     const TargetOutcome& t = *r.target;
     std::printf("%llu %llu %.5g %.5g %.5g %llu %d\n", static_cast<unsigned long long>(seed),
                 static_cast<unsigned long long>(t.fixed), t.relmse.value_or(-1), t.low, t.high,
                 static_cast<unsigned long long>(t.pilot_samples), t.reached());
     std::fflush(stdout);
   }
+  write_pictures(files[1], pictures);
 }
 
 }  // namespace
@@ -83,15 +94,14 @@ int main(int argc, char** argv) {
       settings.target = std::atof(argv[++i]);
     else if (is("--seeds"))
       settings.seeds = std::strtoull(argv[++i], nullptr, 10);
-    else if (is("--reference"))
-      settings.reference = std::strtoull(argv[++i], nullptr, 10);
     else
       files.emplace_back(argv[i]);
   }
-  if (files.size() < 2 || settings.width < 1 || settings.height < 1 || !(settings.target > 0)) {
+  if (files.size() < 2 || settings.width < 1 || settings.height < 1 || settings.seeds < 2 ||
+      !(settings.target > 0)) {
     std::fprintf(stderr,
                  "usage: target_bench SCENE FOLDER [PORTAL...] [--width W] [--height H] "
-                 "[--integrator NAME] [--target E] [--seeds N] [--reference N]\n");
+                 "[--integrator NAME] [--target E] [--seeds N]\n");
     return 2;
   }
   try {
