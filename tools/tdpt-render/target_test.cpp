@@ -167,6 +167,36 @@ TEST(target, a_picture_without_light_ends) {
   EXPECT_EQ(target_json(*r.target)["relmse"], 0);
 }
 
+// A heavy-tailed picture, of a door that is hardly open: some seed misses its target.
+TEST(target, a_retry_goes_on_with_the_picture_once) {
+  const Scene scene = read_gltf(TDPT_TESTDATA "/scenes/door-ajar.glb");
+  const World world(scene, scene.camera(""), 8, 6, {});
+  RenderSettings settings = to(0.3);
+  RenderResult missed;
+  for (settings.seed = 1; settings.seed <= 60; ++settings.seed) {
+    missed = render(world, bdpt, settings);
+    ASSERT_EQ(missed.spp, missed.target->fixed);
+    if (!missed.target->reached()) break;
+  }
+  ASSERT_FALSE(missed.target->reached()) << "no seed misses it";
+  EXPECT_FALSE(missed.target->retried);
+  settings.retry = settings.frames = true;
+  const RenderResult retried = render(world, bdpt, settings);
+  EXPECT_TRUE(retried.target->retried);
+  EXPECT_GT(retried.spp, missed.spp);
+  EXPECT_EQ(retried.spp, retried.target->fixed);
+  EXPECT_EQ(retried.frames.back().spp, retried.spp);
+  EXPECT_LT(*retried.target->relmse, *missed.target->relmse);
+  RenderSettings plain;
+  plain.seed = settings.seed;
+  plain.spp = retried.spp;
+  EXPECT_EQ(retried.picture.pixels, render(world, bdpt, plain).picture.pixels);
+  settings.spp = missed.spp;  // a limit that leaves nothing to go on with
+  const RenderResult limited = render(world, bdpt, settings);
+  EXPECT_FALSE(limited.target->retried);
+  EXPECT_EQ(limited.spp, missed.spp);
+}
+
 TEST(target, a_miss_says_so_and_a_retry_once_more) {
   TargetOutcome t;
   t.error = 0.01;
