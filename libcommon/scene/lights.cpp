@@ -1,5 +1,7 @@
 #include "libcommon/scene/lights.h"
 
+#include <numeric>
+
 #include "libcommon/math/warp.h"
 #include "libcommon/scene/texture.h"
 
@@ -8,6 +10,8 @@ namespace {
 
 using std::numbers::pi;
 using Kind = PunctualLight::Kind;
+
+constexpr double kLeastShare = 0.01;  // of the mean power
 
 // Mean luminance over a triangle. Textures are looked up on a lattice; what falls between its
 // places keeps some weight, since an emitter that is never chosen would be missing from the light.
@@ -92,7 +96,12 @@ Lights::Lights(const Scene& scene) : scene_(scene), pdf_A_(scene.triangles.size(
     if (has_sky_) add(directions_.total() * disc);
   }
   if (powers_.empty()) return;
-  for (size_t i = 0; i < powers_.size(); ++i) shares_.of(source_of(i)) += powers_[i] / power_;
+  // Defensive: one that is billions of times fainter than the others would never be chosen, and a
+  // room that it lights alone be black. All that are lifted are chosen one time in a hundred.
+  const double least = kLeastShare * power_ / static_cast<double>(powers_.size());
+  for (double& w : powers_) w = std::max(w, least);
+  const double all = std::accumulate(powers_.begin(), powers_.end(), 0.0);
+  for (size_t i = 0; i < powers_.size(); ++i) shares_.of(source_of(i)) += powers_[i] / all;
   fill(powers_);
 }
 

@@ -1,5 +1,5 @@
 // All lights of a scene as one: emitting triangles, punctual lights and the sky, chosen in
-// proportion to power by a cumulative table, so that thousands cost a sample no more than one.
+// proportion to power, the faint more often, by a cumulative table: thousands cost as much as one.
 #pragma once
 #include <array>
 #include <cmath>
@@ -100,7 +100,7 @@ class Lights {
     }
     friend bool operator==(const Shares&, const Shares&) = default;
   };
-  /// In proportion to power, unless choose_by() said otherwise.
+  /// In proportion to power, but for the faint, unless choose_by() said otherwise.
   const Shares& shares() const { return shares_; }
   /// Those of a kind that there are have more than 0.
   void choose_by(const Shares& shares);
@@ -188,7 +188,7 @@ class Lights {
   std::vector<LightSource> punctual_;
   CumulativeTable table_;
   std::vector<float> pdf_A_;    // per scene triangle
-  std::vector<double> powers_;  // of the entries
+  std::vector<double> powers_;  // of the entries; the faintest are taken for more [lights.cpp]
   Shares shares_;
   double power_ = 0;
   double radius_ = 0;  // of a ball around the origin that holds all triangles

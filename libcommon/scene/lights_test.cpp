@@ -82,6 +82,20 @@ TEST(Lights, SamplesFollowTheDensity) {
   EXPECT_GT(excess(c, ex), 1);
 }
 
+// Two of equal area, one of which is billions of times fainter.
+TEST(Lights, TheFaintAreChosenAHundredthAsOftenAsTheMean) {
+  Scene s = lamps();
+  s.materials[0].emission = Rgb(1e10f);
+  s.materials[1].emission = Rgb(1e-10f);
+  s.triangles = {{{0, 1, 2}, 0}, {{0, 1, 2}, 1}};
+  const Lights e(s);
+  EXPECT_NEAR(e.pdf_A(1) / e.pdf_A(0), 0.01 / 2, 1e-6);
+  EXPECT_NEAR(e.shares().surfaces, 1, 1e-12);
+  s.materials[1].emission = Rgb(1e9f);  // not faint: by power, which both sides have
+  const Lights both(s);
+  EXPECT_NEAR(both.pdf_A(1) / both.pdf_A(0), 2 * 0.1, 1e-6);
+}
+
 TEST(Lights, ADarkSceneHasNone) {
   Scene s = lamps();
   for (Material& m : s.materials) m.emission = {};
