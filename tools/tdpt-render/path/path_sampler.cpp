@@ -32,7 +32,8 @@ void PathSampler::begin(int x, int y, uint64_t sample) {
   x_ = x;
   y_ = y;
   sample_ = sample;
-  coins_ = mix64(mix64(sample) + (static_cast<uint64_t>(y) << 32 | static_cast<uint64_t>(x)));
+  coins_ = mix64(mix64(mix64(settings_.seed) + sample) +
+                 (static_cast<uint64_t>(y) << 32 | static_cast<uint64_t>(x)));
   layer_coins_ = coins_;
   pixel_ = {};
 }
