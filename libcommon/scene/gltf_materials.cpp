@@ -12,7 +12,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-enum Kind { layered, unlit, no_texture, far_uv_set, clamped, kinds };
+enum Kind { layered, unlit, no_texture, far_uv_set, clamped, faint, kinds };
 
 struct Sentence {
   const char *one, *many, *rest;
@@ -26,7 +26,11 @@ constexpr std::array<Sentence, kinds> kSentences = {{
      ": its factor alone is used"},
     {"reflects more than all light", "reflect more than all light",
      ": the base colour is clamped to 1"},
+    {"emits a radiance below 1e-30", "emit a radiance below 1e-30", ", which counts as none"},
 }};
+
+// Less is lost in single precision before it reaches the camera; more is beyond it.
+constexpr double kFaintest = 1e-30, kBrightest = 1e30;
 
 constexpr const char* kLayers[] = {
     "KHR_materials_clearcoat",      "KHR_materials_sheen",
@@ -208,10 +212,15 @@ class Reader {
       emission_ = texture(j, "emissiveTexture", true, [&](const std::array<float, 4>& v) {
         radiance = radiance * Vec3d(v[0], v[1], v[2]);
       });
-    if (!(max_component(radiance) <= 1e30))
+    if (!(max_component(radiance) <= kBrightest))
       d_.fail(
           place("materials", index),
           fmt::format("emits a radiance of {}, expected at most 1e30", max_component(radiance)));
+    if (max_component(radiance) > 0 && max_component(radiance) < kFaintest) {
+      tell(faint);
+      emission_.reset();
+      return;
+    }
     m.emission = Rgb(radiance);
   }
 

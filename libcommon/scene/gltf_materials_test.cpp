@@ -125,6 +125,19 @@ TEST(Materials, RadianceIsFactorTimesStrength) {
   EXPECT_EQ(s.needs, Sentences{});
 }
 
+TEST(Materials, ARadianceBelow1e_30CountsAsNone) {
+  Json m = lambert(0, 0, 0);
+  m["emissiveFactor"] = {1, 0.5, 0.25};
+  Json& strength = m["extensions"]["KHR_materials_emissive_strength"]["emissiveStrength"];
+  strength = 1e-30;
+  EXPECT_EQ(scene_with({m}).warnings, Sentences{});
+  EXPECT_EQ(material(m).emission.x, 1e-30f);
+  strength = 0.9e-30;
+  const Scene s = scene_with({m, m});
+  EXPECT_EQ(s.materials[0].emission, Rgb());
+  EXPECT_EQ(s.warnings, Sentences{"2 materials emit a radiance below 1e-30, which counts as none"});
+}
+
 TEST(Materials, LobesAndVolume) {
   Json m = lambert(0.9, 0.8, 0.7);
   m["pbrMetallicRoughness"]["metallicFactor"] = 0.25;
