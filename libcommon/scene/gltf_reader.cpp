@@ -25,6 +25,7 @@ using namespace gltf;
 constexpr size_t kMostVertices = size_t{1} << 27, kMostTriangles = size_t{1} << 28;
 
 constexpr double kShortest = 1e-30, kLongest = 1e30;  // of the scene [m]
+constexpr double kCoarsest = 1e-4;  // rounding of vertices that nobody sees, in sizes of the scene
 
 class SceneReader {
  public:
@@ -157,7 +158,9 @@ class SceneReader {
         attributes_.add(set, n.to_world, first->second);
       }
       const size_t vertices = d_.model.accessors[static_cast<size_t>(position->second)].count;
-      add_triangles(corners(p, vertices, where), first->second, mirrored, material_of(p));
+      const std::vector<uint32_t> corner = corners(p, vertices, where);
+      add_triangles(corner, first->second, mirrored, material_of(p));
+      note_grain(n, static_cast<size_t>(position->second), corner);
       unnamed_material_ |= p.material < 0;
       attributes_.note_colours(set, use);
       for (size_t u = 0; u < 2; ++u)
@@ -182,6 +185,19 @@ class SceneReader {
       if (!is_finite(world_.back()))
         d_.fail(place("nodes", n.node), "its transform takes a vertex beyond double precision");
     }
+  }
+
+  /// What rounding has made of these vertices: of floats in the file, and of doubles in the world.
+  void note_grain(const PlacedNode& n, size_t accessor, const std::vector<uint32_t>& corner) {
+    const bool floats = d_.model.accessors[accessor].componentType == TINYGLTF_COMPONENT_TYPE_FLOAT;
+    const Affine& a = n.to_world;
+    const Vec3d by_axis(length(a.x), length(a.y), length(a.z));
+    Vec3d local, world;
+    const std::vector<Vec3d>& positions = positions_.at(accessor);
+    for (const uint32_t c : corner) local = max(local, max(positions[c], -positions[c]));
+    for (int i = 0; i < 3; ++i) world[i] = std::abs(a.t[i]);
+    const double reach = dot(by_axis, local);
+    grain_ = std::max(grain_, (floats ? 0x1p-24 : 0) * reach + 0x1p-53 * (length(world) + reach));
   }
 
   void add_triangles(const std::vector<uint32_t>& corner, uint32_t first, bool mirrored,
@@ -241,6 +257,11 @@ class SceneReader {
     if (longest == 0) d_.fail("", "has no triangle with an area");
     if (!(longest >= kShortest && longest <= kLongest))
       d_.fail("", fmt::format("is {} m long, expected {} to {}", longest, kShortest, kLongest));
+    if (grain_ > kCoarsest * longest)
+      scene_.warnings.push_back(
+          fmt::format("the scene lies so far from the origin that its vertices are known to {:.1g} "
+                      "m only, {:.1g} of its size",
+                      grain_, grain_ / longest));
     int exponent = 0;
     const double mantissa = std::frexp(longest, &exponent);  // in [0.5, 1)
     scene_.frame.scale = std::ldexp(1.0, (mantissa == 0.5 ? 2 : 1) - exponent);
@@ -299,6 +320,7 @@ class SceneReader {
   size_t file_materials_;          // the surfaces without a material come behind them
   std::vector<MaterialUse> uses_;  // by material
   bool unnamed_material_ = false;
+  double grain_ = 0;  // largest rounding of a vertex [m]
   size_t dropped_ = 0, no_surfaces_ = 0, orthographic_ = 0, skins_ = 0;
   std::set<std::pair<size_t, size_t>> without_uv_, coloured_, morphed_;  // mesh, primitive
 };
