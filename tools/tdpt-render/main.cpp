@@ -10,6 +10,7 @@
 #include "libcommon/cli/ending.h"
 #include "tools/tdpt-render/arguments.h"
 #include "tools/tdpt-render/choice.h"
+#include "tools/tdpt-render/covered_lamps.h"
 #include "tools/tdpt-render/given_portals.h"
 #include "tools/tdpt-render/picture_size.h"
 #include "tools/tdpt-render/portal_report.h"
@@ -138,7 +139,9 @@ int run(const Arguments& a, const cli::Common& common) {
   catch_signals();
   Loaded in = load(a, common);
   const Request request = request_of(a);
-  World world(in.scene, in.camera, in.size.width, in.size.height, in.portals);
+  const OpenWorld open = open_world(in.scene, in.camera, in.size.width, in.size.height, in.portals);
+  if (open.uncovered > 0) common.warn(uncovered_sentence(open.uncovered, in.scene.frame));
+  World& world = *open.world;
   const RenderSettings settings = settings_of(a, common);
   const Choice choice = choose(request, settings, in.camera, world, in.portals, common);
   const RenderResult result = render(world, choice.candidates, settings, choice.ways);
