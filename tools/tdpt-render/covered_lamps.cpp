@@ -65,7 +65,7 @@ std::vector<uint32_t> covered_lamps(const Scene& scene, const Tracer& tracer) {
   for (uint32_t t = 0; t < scene.triangles.size(); ++t)
     if (emits(scene, t)) lamps.push_back(t);
   if (lamps.empty()) return {};
-  const size_t rays = std::clamp<size_t>((size_t{1} << 16) / lamps.size(), 4, 256);
+  const size_t rays = std::clamp<size_t>((size_t{1} << 16) / lamps.size(), 1, 256);
   std::set<uint32_t> covered;
   for (const uint32_t lamp : lamps)
     for (uint64_t i = 0; i < rays; ++i) {

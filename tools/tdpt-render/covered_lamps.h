@@ -13,7 +13,7 @@
 namespace tdpt {
 
 /// Emitting triangles of which a ray to some place of their front finds another triangle there; of
-/// two that emit the later one. Told by 4 to 256 rays to each: an overlap that few of them
+/// two that emit the later one. Told by 1 to 256 rays to each: an overlap that few of them
 /// notice may be missed.
 std::vector<uint32_t> covered_lamps(const Scene& scene, const Tracer& tracer);
 

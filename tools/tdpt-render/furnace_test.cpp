@@ -2,7 +2,7 @@
 // that nothing but roulette ends.
 #include <gtest/gtest.h>
 
-#include "tools/tdpt-render/render.h"
+#include "tools/tdpt-render/test_means.h"
 #include "tools/tdpt-render/test_rooms.h"
 #include "tools/tdpt-render/test_variant.h"
 
@@ -25,38 +25,9 @@ struct Furnace {
   }
 };
 
-struct MeanAndError {
-  double mean, error;  ///< luminance; standard error from independent runs
-  double z(double expected) const {
-    return std::abs(mean - expected) / std::hypot(error, 1e-5 * expected);  // rounding
-  }
-};
-
-MeanAndError of(const std::vector<double>& runs) {
-  double sum = 0, squares = 0;
-  for (const double m : runs) sum += m, squares += m * m;
-  const auto n = static_cast<double>(runs.size());
-  const double mean = sum / n;
-  return {mean, std::sqrt(std::max(0.0, squares / n - mean * mean) / (n - 1))};
-}
-
-// Of pictures as they are rendered.
-MeanAndError rendered(const World& world, const Integrator& integrator, uint64_t spp) {
-  std::vector<double> runs;
-  for (uint64_t seed = 1; seed <= 16; ++seed) {
-    RenderSettings settings;
-    settings.spp = spp;
-    settings.seed = seed;
-    const RenderResult r = render(world, integrator, settings);
-    EXPECT_EQ(r.tally.not_finite, 0u);
-    runs.push_back(luminance(Vec3f(r.mean())));
-  }
-  return of(runs);
-}
-
 // 1 + a + a^2 + ... as far as paths go.
-double radiance(double albedo) {
-  return (1 - std::pow(albedo, kMaxDepth)) / (1 - albedo);
+double radiance(double albedo, int depth = kMaxDepth) {
+  return (1 - std::pow(albedo, depth)) / (1 - albedo);
 }
 
 TEST(furnace, of_albedo_0_9_shows_10) {
@@ -67,6 +38,16 @@ TEST(furnace, of_albedo_0_9_shows_10) {
     EXPECT_LT(r.z(radiance(double{0.9f})), 5) << integrator->name;
     EXPECT_LT(r.error, 0.01 * r.mean) << integrator->name;
   }
+}
+
+TEST(furnace, of_paths_of_1_2_and_64_edges_shows_as_many_terms) {
+  const Furnace f(0.9f, 8, 6);
+  for (const int depth : {1, 2, 64})
+    for (const Integrator* integrator : integrators()) {
+      const MeanAndError r = rendered(f.world, *integrator, 8, 16, depth);
+      EXPECT_LT(r.z(radiance(double{0.9f}, depth)), 5) << integrator->name << " " << depth;
+      EXPECT_LT(r.error, 0.02 * r.mean) << integrator->name << " " << depth;
+    }
 }
 
 // Every path of a strategy that joins walks of a hundred edges takes as long as they: few samples.
@@ -114,7 +95,7 @@ MeanAndError observed(const World& world, const Integrator& integrator, uint64_t
         for (uint64_t s = 0; s < spp; ++s) variant.sample(sampler, x, y, s);
     runs.push_back(sum / (static_cast<double>(spp) * width * height));
   }
-  return of(runs);
+  return mean_and_error(runs);
 }
 
 double divided(const Path&, const Strategy&) {
