@@ -26,7 +26,7 @@ constexpr cli::Program kProgram{"ffgraph",
 struct Arguments {
   std::string scene, camera, nodes = "patches", capacity, refine, preview, debug_glb;
   SkyArguments sky;
-  int64_t samples = 300000, walks = 100000, bounces = 12, rounds = 1;
+  int64_t samples = 300000, walks = 100000, bounces = 12, rounds = 1, cells = 24;
 
   bool triangles() const { return nodes == "triangles"; }
 };
@@ -45,6 +45,8 @@ void declare_options(cli::Options& options, Arguments& a) {
                  "Walks from the light, and as many from the camera; default 100000", 1, 10000000);
   options.option("--bounces", a.bounces, "N", "Surfaces that a walk hits at most; default 12", 1,
                  64);
+  options.option("--cells", a.cells, "N",
+                 "Patches along the diagonal of what the walks reach; default 24", 4, 256);
   options.option("--rounds", a.rounds, "N",
                  "Rounds of splitting patches that straddle an opening; default 1", 0, 3);
   options.input("--refine", a.refine, "CUT",
@@ -107,6 +109,7 @@ DimacsFile graph_of_patches(const Arguments& a, const cli::Common& common, const
   settings.walks = {common.seed, static_cast<uint32_t>(a.walks), static_cast<uint32_t>(a.bounces)};
   settings.rays = static_cast<uint32_t>(a.samples);
   settings.rounds = static_cast<int>(a.rounds);
+  settings.cells = static_cast<double>(a.cells);
   GraphReport report;
   report.phases = phases;
   const LightFlow flow =

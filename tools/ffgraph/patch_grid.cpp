@@ -5,7 +5,6 @@
 namespace tdpt {
 namespace {
 
-constexpr double kCells = 24;          // along the diagonal of the region
 constexpr double kAround = 0.5;        // of the diagonal: how far around it cells are as small
 constexpr int kMostLevels = 6;         // between the region's cells and those of the scene
 constexpr size_t kMostPlaces = 40000;  // of a set of walks, that tell where it goes
@@ -21,7 +20,7 @@ Extent reach_of_walks(const Scene& scene, const Walks& walks) {
 
 }  // namespace
 
-GridOfWalks grid_for(const Scene& scene, const Walks& light, const Walks& camera) {
+GridOfWalks grid_for(const Scene& scene, const Walks& light, const Walks& camera, double cells) {
   Extent whole;
   for (const Triangle& t : scene.triangles)
     for (const uint32_t v : t.vertex) whole.add(scene.frame.to_metres(Vec3d(scene.positions[v])));
@@ -34,8 +33,8 @@ GridOfWalks grid_for(const Scene& scene, const Walks& light, const Walks& camera
   const double least = 1e-6 / scene.frame.scale;
   const double diagonal = std::max(length(region.size()), least);
   GridOfWalks g;
-  g.grid.base_cell = diagonal / kCells;
-  while (kCells * g.grid.base_cell < (1 - 1e-9) * length(whole.size()) &&
+  g.grid.base_cell = diagonal / cells;
+  while (cells * g.grid.base_cell < (1 - 1e-9) * length(whole.size()) &&
          g.fine.level < kMostLevels) {
     g.grid.base_cell *= 4;
     ++g.fine.level;
@@ -44,7 +43,7 @@ GridOfWalks grid_for(const Scene& scene, const Walks& light, const Walks& camera
   g.fine.low = around.low;
   g.fine.high = around.high;
   // Walls often lie on the bounding box: keep them off the faces of cells.
-  const double cell = diagonal / kCells;
+  const double cell = diagonal / cells;
   g.grid.origin = region.low - Vec3d(0.3819, 0.3453, 0.4142) * cell;
   return g;
 }

@@ -135,7 +135,7 @@ LightFlow build_graph(const Scene& scene, const Camera& camera, const GraphSetti
   };
 
   LightFlow flow;
-  const GridOfWalks own = grid_for(scene, walks.light, walks.camera);
+  const GridOfWalks own = grid_for(scene, walks.light, walks.camera, settings.cells);
   if (refine) {
     // Walks of other settings may have had another grid; then coarse cells stay where no patch is.
     const bool same = own.grid.base_cell == refine->grid.base_cell;

@@ -11,6 +11,7 @@ struct GraphSettings {
   WalkSettings walks;
   uint32_t rays = 300000;  ///< etendue samples of one round
   int rounds = 1;          ///< refinements after the first estimate
+  double cells = 24;       ///< along the diagonal of what the walks reach [patch_grid.h]
   double straddle_share = 0.92;
 };
 
