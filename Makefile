@@ -5,6 +5,7 @@
 #   make stages    pictures of what each stage did, in doc/figures/ (bench/stages.sh: another scene)
 #   make portals   how right the portals are on rooms with known openings: doc/portals.md (an hour)
 #   make regret    what auto loses, and how right it is about portals: doc/regret.md (25 minutes)
+#   make tradeoff  speed against accuracy of every knob: doc/tradeoff.md (a night; QUICK=1: twenty minutes)
 #   make whole-light   what the light beyond six edges costs: doc/whole-light.md (half an hour; BASE=PROGRAM: an older one)
 #   make target-error   whether pictures have the error that was asked for: doc/target-error.md (ten minutes)
 #   make sky       what the windows found are worth under skies: doc/sky.md (a quarter of an hour)
@@ -27,7 +28,7 @@ TEST_STATUS ?=
 # All that is there to run; `make build` adds every test and benchmark.
 PROGRAMS = ffgraph mincut lightgrid portalfit tdpt-render exrdiff
 
-.PHONY: all build programs demo figures stages portals regret whole-light target-error sky grid-speed bench bench-efficiency efficiency-references test install sanitize packages format clean
+.PHONY: all build programs demo figures stages portals regret tradeoff whole-light target-error sky grid-speed bench bench-efficiency efficiency-references test install sanitize packages format clean
 all: build
 
 build:
@@ -73,6 +74,11 @@ regret: packages
 	@sh cmake/install-packages.sh cmake/packages-figures.txt
 	@$(MAKE) --no-print-directory build
 	@sh bench/regret.sh build/bin build/regret doc
+
+tradeoff: packages
+	@sh cmake/install-packages.sh cmake/packages-figures.txt
+	@$(MAKE) --no-print-directory build
+	@sh bench/tradeoff.sh build/bin build/tradeoff
 
 whole-light: packages
 	@sh cmake/install-packages.sh cmake/packages-figures.txt

@@ -1,0 +1,266 @@
+"""measure.py BIN CACHE SCENES: runs whatever curves need and writes CACHE/{portals,pictures,rooms,simplified}.csv. What
+is in CACHE is not run again; a run that is stopped goes on where it was. The environment may set
+
+  QUICK   1: fewer seeds, scenes, values and rooms: twenty minutes on two cores, a night's work else
+  SEEDS   of each setting
+  JOBS    programs at a time, one thread each (all cores)
+
+Every number is one run's: `cpu` seconds of the process; errors against references (error.py)."""
+import csv
+import itertools
+import json
+import math
+import os
+import re
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+
+import exr_file
+import glb
+import knobs
+from error import Reference
+from store import Failed, Store
+
+HERE = Path(__file__).resolve().parent.parent.parent
+REFERENCES = HERE / "testdata/references/efficiency"
+SAMPLES = 200_000  # of a picture, about
+
+
+class Extent:
+    """How much is measured."""
+
+    def __init__(self, environment):
+        self.quick = environment.get("QUICK", "") not in ("", "0")
+        self.seeds = int(environment.get("SEEDS", 2 if self.quick else 5))
+        self.jobs = int(environment.get("JOBS", os.cpu_count()))
+        self.samples = SAMPLES // 4 if self.quick else SAMPLES
+        self.rooms = 1 if self.quick else 3
+
+    def values(self, knob):
+        if not self.quick:
+            return knob.values
+        default = knob.values.index(knob.default)
+        return tuple(v for i, v in enumerate(knob.values) if abs(i - default) == 1 or i in (default, 0))
+
+    def scenes(self, scenes):
+        return tuple(s for s in scenes if s.name not in ("bathroom2-channel", "three-rooms")) if self.quick else scenes
+
+    def kinds(self):
+        return knobs.KINDS[::2] if self.quick else knobs.KINDS
+
+    def lengths(self):
+        return knobs.LENGTHS[1::2] if self.quick else knobs.LENGTHS
+
+
+class Bench:
+    def __init__(self, programs, cache, scenes, extent):
+        self.store, self.cache, self.folder, self.extent = Store(cache / "runs", programs), cache, scenes, extent
+        self.references = {}
+
+    def path(self, scene):
+        name = scene.removesuffix("-whole")
+        for folder in (HERE / "testdata/scenes", self.folder, self.folder / "interiors"):
+            if (folder / f"{name}.glb").exists():
+                return folder / f"{name}.glb"
+        return None
+
+    def reference(self, scene):
+        """(Reference, width, height, depth)"""
+        if scene not in self.references:
+            with open(REFERENCES / f"{scene}.json", encoding="utf-8") as file:
+                about = json.load(file)
+            self.references[scene] = (Reference.read(REFERENCES / scene), about["width"], about["height"],
+                                      about["max_depth"])
+        return self.references[scene]
+
+    def samples_of(self, scene):
+        """Samples per pixel of its pictures: a power of two."""
+        _, width, height, _ = self.reference(scene)
+        return max(1, 2 ** round(math.log2(self.extent.samples / (width * height))))
+
+    def portal(self, path, seed, settings):
+        """Portals of a scene by the four stages; settings: {program: options}. (file, CPU seconds, how many, exit codes
+        that were not 0)"""
+        cpu, given = 0, {"ffgraph": (path,), "lightgrid": (path,)}
+        out = None
+        for program in knobs.STAGES:
+            inputs = given.get(program, ()) + ((out,) if out else ())
+            run = self.store.run(program, *inputs, "--seed", str(seed), *settings.get(program, ()))
+            cpu, out = cpu + run.cpu, run.out
+        return out, cpu, len(run.said.get("portals", ()))
+
+    def picture(self, scene, seed, options, spp, portal=None):
+        """A row of what a picture is, `options` of the renderer."""
+        reference, width, height, depth = self.reference(scene)
+        limit = () if depth is None or "--max-depth" in options else ("--max-depth", str(depth))
+        options = tuple(o for o in options if o not in ("--max-depth=none",))
+        given = ("--portal", portal) if portal else ()
+        run = self.store.run(knobs.RENDERER, self.path(scene), *given, *options, *limit, "--spp", str(spp), "--seed",
+                             str(seed), "--width", str(width), "--height", str(height))
+        rgb = exr_file.read(run.out)[0]
+        return {"scene": scene, "seed": seed, "spp": spp, "cpu": run.said["cpu_seconds"], **reference.measures(rgb)}
+
+    def true_portal(self, scene):
+        """Where it is known, that; else what the most accurate settings find."""
+        if scene.apertures:
+            data = glb.portals(scene.apertures)
+            return self.store.keep(("portals", repr(scene.apertures)), lambda path: path.write_bytes(data))
+        settings = {program: knobs.accurate(program) for program in knobs.STAGES}
+        return self.portal(self.path(scene.name), 1, settings)[0]
+
+
+# ---- What each table needs: functions of no arguments, each a list of rows ----
+def through(bench, scene, seed, portal, **words):
+    """The row of a picture through these portals."""
+    row = bench.picture(scene.name, 100 + seed, ("--integrator", "tdpt-guided"), bench.samples_of(scene.name), portal)
+    return {**words, **row}
+
+
+def stage_settings(extent):
+    """(knob's name, value, {program: options}) of all curves of the four stages; the default once."""
+    yield "default", "", {}
+    for knob in knobs.KNOBS:
+        if knob.program == knobs.RENDERER:
+            continue
+        for value in extent.values(knob):
+            if value != knob.default:
+                yield knob.name, value, {knob.program: knob.arguments(value)}
+
+
+def portal_tasks(bench):
+    scenes = bench.extent.scenes(knobs.SCENES)
+    for seed, (knob, value, settings), scene in itertools.product(
+            range(1, bench.extent.seeds + 1), list(stage_settings(bench.extent)), scenes):
+        def task(seed=seed, knob=knob, value=value, settings=settings, scene=scene):
+            portal, cpu, count = bench.portal(bench.path(scene.name), seed, settings)
+            return [through(bench, scene, seed, portal, knob=knob, value=value, chain_cpu=cpu, portals=count)]
+        yield task
+    for seed, scene in itertools.product(range(1, bench.extent.seeds + 1), scenes):
+        def task(seed=seed, scene=scene):
+            return [through(bench, scene, seed, bench.true_portal(scene), knob="true", value="", chain_cpu=0,
+                            portals=len(scene.apertures))]
+        yield task
+
+
+def simplified_tasks(bench):
+    """The four stages on scenes without their smallest triangles; the portal is used in the whole one."""
+    shares = (0.01, 0.1, 0.5) if bench.extent.quick else knobs.SIMPLIFIED
+    for seed, share, scene in itertools.product(range(1, bench.extent.seeds + 1), shares,
+                                                bench.extent.scenes(knobs.SCENES)):
+        def task(seed=seed, share=share, scene=scene):
+            data, gone, of = glb.simplified(bench.path(scene.name).read_bytes(), share)
+            path = bench.store.keep(("simplified", bench.store.sum_of(bench.path(scene.name)), str(share)),
+                                    lambda p: p.write_bytes(data))
+            named = path.with_suffix(".glb")
+            if not named.exists():
+                os.link(path, named)
+            portal, cpu, count = bench.portal(named, seed, {})
+            row = through(bench, scene, seed, portal, share=share, dropped=gone, triangles=of, chain_cpu=cpu, portals=count)
+            return [row]
+        yield task
+
+
+def picture_tasks(bench):
+    """Curves of the renderer: error against time by integrator, what its knobs do at one length, and depth."""
+    extent = bench.extent
+    scenes = extent.scenes(knobs.SCENES) + (() if extent.quick else knobs.OPEN)
+
+    def found(scene):
+        return bench.portal(bench.path(scene.name), 1, {})[0] if scene.aperture else None
+
+    def task_of(scene, seed, options, spp, knob, value, with_portals=True):
+        def task():
+            portal = found(scene) if with_portals else None
+            return [{"knob": knob, "value": value, **bench.picture(scene.name, seed, options, spp, portal)}]
+        return task
+
+    for seed in range(1, extent.seeds + 1):
+        for length, integrator, scene in itertools.product(extent.lengths(), knobs.INTEGRATORS, scenes):
+            spp = bench.samples_of(scene.name) * length / 8
+            if spp >= 1 and (scene.aperture or not integrator.startswith("tdpt")):
+                # Pictures of one seed begin with the same samples: each length has its own.
+                yield task_of(scene, 1000 * length + seed, ("--integrator", integrator), int(spp), "integrator", integrator,
+                              integrator not in knobs.WITHOUT_PORTALS)
+        for knob in knobs.KNOBS:
+            if knob.program != knobs.RENDERER:
+                continue
+            for value, scene in itertools.product(extent.values(knob), scenes):
+                if scene.aperture:
+                    options = ("--integrator", "tdpt-guided", *(knob.arguments(value) if value != knob.default else ()))
+                    yield task_of(scene, 500 + seed, options, bench.samples_of(scene.name), knob.name, value)
+        for depth, name in itertools.product(knobs.DEPTHS, knobs.WHOLE[:: 2 if extent.quick else 1]):
+            scene = knobs.Scene(name, aperture=not name.startswith(("kitchen", "bathroom2")))
+            if bench.path(name):
+                limit = ("--max-depth=none",) if depth == "none" else ("--max-depth", depth)
+                yield task_of(scene, 700 + seed, ("--integrator", "auto", *limit), bench.samples_of(name),
+                              "tdpt-render --max-depth", depth)
+
+
+ROOM = re.compile(r"(ok|MISS)\s+(\S+)\s+(\d+)\s+portals (\d+)/(\d+)\s+coverage (\S+)\s+tightness (\S+)\s+angle\s+(\S+)\s+"
+                  r"strays (\d+) .* (\S+) s(?:  FAILED)?$")
+
+
+def rooms_of(text):
+    """Rows of what portals_bench says room by room."""
+    fields = ("verdict", "kind", "seed", "portals", "openings", "coverage", "tightness", "angle", "strays", "cpu")
+    return [dict(zip(fields, match.groups())) for match in map(ROOM.match, text.splitlines()) if match]
+
+
+def room_tasks(bench):
+    programs = bench.store.programs
+    sums = [bench.store.sum_of(programs / p) for p in ("portals_bench", *knobs.STAGES)]
+    for (knob, value, settings), kind in itertools.product(list(stage_settings(bench.extent)), bench.extent.kinds()):
+        def task(knob=knob, value=value, settings=settings, kind=kind):
+            command = [str(programs / "portals_bench"), str(programs), "--rooms", str(bench.extent.rooms), "--seed", "1801",
+                       "--jobs", "1", "--kinds", kind]
+            for program, options in settings.items():
+                command += [f"--{program}", " ".join(options)]
+
+            def make(path):
+                path.write_text(subprocess.run(command, check=True, text=True, stdout=subprocess.DEVNULL,
+                                               stderr=subprocess.PIPE).stderr)
+            text = bench.store.keep((*sums, *command[2:]), make).read_text()
+            return [{"knob": knob, "value": value, **row} for row in rooms_of(text)]
+        yield task
+
+
+TABLES = {"portals": portal_tasks, "pictures": picture_tasks, "rooms": room_tasks, "simplified": simplified_tasks}
+
+
+def write(path, rows):
+    with open(path, "w", newline="", encoding="utf-8") as file:
+        table = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
+        table.writeheader()
+        table.writerows({k: "%.6g" % v if isinstance(v, float) else v for k, v in row.items()} for row in rows)
+
+
+def main(programs, cache, scenes):
+    bench = Bench(Path(programs).resolve(), Path(cache), Path(scenes), Extent(os.environ))
+    absent = [s.name for s in knobs.SCENES + knobs.OPEN if bench.path(s.name) is None]
+    if absent:
+        raise Failed("these scenes are not there: " + ", ".join(absent), 3)
+    with ThreadPoolExecutor(bench.extent.jobs) as pool:
+        for name, tasks in TABLES.items():
+            if name not in (os.environ.get("ONLY") or name):
+                continue
+            waiting = [pool.submit(task) for task in tasks(bench)]
+            rows = []
+            for done, future in enumerate(waiting, 1):
+                rows += future.result()
+                if sys.stderr.isatty() or done % 50 == 0 or done == len(waiting):
+                    print(f"tradeoff: {name}: {done} of {len(waiting)}, {bench.store.made} programs run, "
+                          f"{bench.store.found} found", file=sys.stderr)
+            write(bench.cache / f"{name}.csv", rows)
+
+
+if __name__ == "__main__":
+    if len(sys.argv) != 4:
+        sys.exit("usage: measure.py BIN CACHE SCENES")
+    try:
+        main(*sys.argv[1:])
+    except (Failed, OSError, KeyError, ValueError) as error:
+        sys.exit(f"tradeoff: {error}")

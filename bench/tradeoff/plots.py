@@ -1,0 +1,75 @@
+"""Plots of the trade, as text for gnuplot: panels that are told apart without colour, by points and dashes."""
+import math
+
+STYLES = ("dt 1 pt 7", "dt 2 pt 5", "dt 3 pt 9", "dt 4 pt 11", "dt 5 pt 13", "dt 2 pt 6", "dt 3 pt 4", "dt 4 pt 8",
+          "dt 5 pt 10", "dt 2 pt 12")
+COLOURS = ("#000000", "#d55e00", "#0072b2", "#009e73", "#cc79a7", "#56b4e9", "#8c6d00", "#666666", "#aa4499", "#44aa99")
+
+
+def quoted(text):
+    return '"' + text.replace("\\", "\\\\").replace('"', '\\"').replace("_", "\\\\_") + '"'
+
+
+def number(x):
+    return "NaN" if x is None or (isinstance(x, float) and not math.isfinite(x)) else "%.6g" % x
+
+
+class Figure:
+    """Panels in rows. Each: title, words of the axes, lines, marks."""
+
+    def __init__(self, columns, width=400, height=320):
+        self.columns, self.width, self.height, self.panels, self.data = columns, width, height, [], []
+
+    def block(self, rows):
+        """Rows of numbers, as a named block of the script."""
+        name = "$d%d" % len(self.data)
+        self.data.append("%s << EOD\n%s\nEOD\n" % (name, "\n".join(
+            " ".join(c if isinstance(c, str) else number(c) for c in row) for row in rows)))
+        return name
+
+    def panel(self, title, x, y, plots, settings=()):
+        self.panels.append(["set title %s offset 0,-0.6" % quoted(title), "set xlabel %s offset 0,0.4" % quoted(x),
+                            "set ylabel %s offset 1,0" % quoted(y), *settings,
+                            "plot " + ", \\\n  ".join(plots) if plots else "plot NaN notitle"])
+
+    def key(self, plots):
+        """A panel that holds the key alone."""
+        self.panels.append(["unset title", "unset xlabel", "unset ylabel", "unset logscale", "unset xtics", "unset ytics",
+                            "unset border", "unset grid", "set key center center spacing 1.4 samplen 3 Left reverse",
+                            "plot [1:2] [1:2] " + ", ".join(plots)])
+
+    def script(self, output):
+        lines = -(-len(self.panels) // self.columns)
+        head = ['set terminal pngcairo size %d,%d font "sans-serif,12" background "white"' %
+                (self.columns * self.width, lines * self.height), "set output %s" % quoted(output),
+                "set multiplot layout %d,%d" % (lines, self.columns)]
+        common = ['set grid lc rgb "#dddddd" lt 1 lw 0.5', "set border lw 1", "set key off", "set pointsize 1.1", "set bars 0.6",
+                  "set lmargin 9", "set rmargin 2", "set tmargin 2", "set bmargin 3.5", "set format x \"%g\"",
+                  "set format y \"%g\""]
+        body = [line for panel in self.panels for line in ("reset", *common, *panel)]
+        return "".join(self.data) + "\n".join(head + body + ["unset multiplot"]) + "\n"
+
+
+def style(k, thick=1.5):
+    return 'lc rgb "%s" lw %g %s' % (COLOURS[k % len(COLOURS)], thick, STYLES[k % len(STYLES)])
+
+
+def bars(block, k, thick=1.5, lines=True):
+    """x y low high, with its interval; joined by lines."""
+    dashed = style(k, thick)
+    found = ['%s using 1:2:3:4 with yerrorbars lc rgb "%s" lw %g pt %s notitle' % (
+        block, COLOURS[k % len(COLOURS)], thick, STYLES[k % len(STYLES)].split()[-1])]
+    return found + (["%s using 1:2 with lines %s notitle" % (block, dashed.rsplit(" pt ", 1)[0])] if lines else [])
+
+
+def thin(block):
+    return '%s using 1:2 with lines lc rgb "#aaaaaa" lw 1 notitle' % block
+
+
+def ring(block):
+    return '%s using 1:2 with points pt 6 ps 2.4 lw 1.5 lc rgb "#000000" notitle' % block
+
+
+def words(block):
+    """x y text, a little above."""
+    return '%s using 1:2:3 with labels offset 0,0.9 font ",10" notitle' % block
