@@ -15,38 +15,33 @@ def settings_of(curves, knob):
     return found
 
 
+RATIOS = "0.2, 0.5, 0.7, 1, 1.5, 2, 3, 5, 10, 20, 50, 100"
+LABELS = 'using 1:2:5 with labels left rotate by 40 offset 0.3,0.7 font ",9" notitle'
+
+
 def stage(curves, program):
     """For each knob two panels: what pictures through its portals cost, and the rooms that are right, against time."""
     figure = plots.Figure(4)
     for knob in knobs.KNOBS:
-        if knob.program != program:
+        settings = settings_of(curves, knob) if knob.program == program else []
+        if not settings:
             continue
-        settings = settings_of(curves, knob)
-        mean, marks = [], []
-        for setting, value in settings:
-            loss = curves.loss(setting)
-            mean.append((curves.chain(setting), loss.value, loss.low, loss.high, '"%s"' % value))
-            if value == knob.default:
-                marks.append(mean[-1][:2])
-        lines = []
-        for scene in curves.scenes:
-            lines.append(plots.thin(figure.block([(curves.chain(s, scene), curves.loss(s, [scene]).value)
-                                                  for s, _ in settings])))
-        block = figure.block(mean)
-        figure.panel(f"{knob.name}: pictures", "CPU seconds of the four stages", "cost / through the true opening",
-                     lines + plots.bars(block, 0, 2, not knob.words) + [plots.ring(figure.block(marks))] +
-                     [f"{block} using 1:2:5 with labels offset 0,1 font \",10\" notitle"], (LOG["xy"], "set offsets 0.1,0.1,0.1,0.1"))
-        rooms, marks = [], []
-        for setting, value in settings:
-            right = curves.right(setting)
-            rooms.append((curves.room_cpu(setting), 100 * right.value, 100 * right.low, 100 * right.high, '"%s"' % value))
-            if value == knob.default:
-                marks.append(rooms[-1][:2])
-        block = figure.block(rooms)
-        figure.panel(f"{knob.name}: rooms", "CPU seconds of the four stages", "rooms right [%]",
-                     plots.bars(block, 1, 2, not knob.words) + [plots.ring(figure.block(marks))] +
-                     [f"{block} using 1:2:5 with labels offset 0,1 font \",10\" notitle"],
-                     (LOG["x"], "set yrange [0:110]", "set offsets 0.1,0.1,0,0"))
+        loss = {s: curves.loss(s) for s, _ in settings}
+        each = [[(curves.chain(s, scene), curves.loss(s, [scene]).value) for s, _ in settings] for scene in curves.scenes]
+        every = [point for points in each for point in points]
+        across = "set xtics (0.2, 0.5, 1, 2, 5, 10, 20, 50); set xrange " + plots.span([x for x, _ in every], 1, 20)
+        costs = [(curves.chain(s), loss[s].value, loss[s].low, loss[s].high, '"%s"' % plots.short(v)) for s, v in settings]
+        rooms = [(curves.room_cpu(s), *(100 * x for x in (e.value, e.low, e.high)), '"%s"' % plots.short(v))
+                 for s, v in settings for e in (curves.right(s),)]
+        here = [value for _, value in settings].index(knob.default)
+        for words, y, points, lines, ranges in (
+                ("pictures", "cost / through the true opening", costs, [plots.thin(figure.block(p)) for p in each],
+                 (LOG["xy"], f"set ytics ({RATIOS}); set yrange " + plots.span([y for _, y in every], 0.7, 3))),
+                ("rooms", "rooms right [%]", rooms, [], (LOG["x"], "set yrange [0:119]"))):
+            block = figure.block(points)
+            figure.panel(f"{knob.name}: {words}", "CPU seconds of the four stages", y,
+                         [*lines, *plots.bars(block, 0, 2, not knob.words), plots.ring(figure.block([points[here][:2]])),
+                          f"{block} {LABELS}"], (*ranges, across))
     return figure
 
 
@@ -76,28 +71,35 @@ def renderer(curves):
         for scene in scenes:
             lines.append(plots.thin(figure.block([(i, curves.relative(knob.name, v, knob.default, [scene]).value)
                                                   for i, v in enumerate(values)])))
+        every = [curves.relative(knob.name, v, knob.default, [s]).value for v in values for s in scenes]
         mean = [(i, e.value, e.low, e.high) for i, e in
                 enumerate(curves.relative(knob.name, v, knob.default) for v in values)]
         ticks = "set xtics (%s)" % ", ".join('"%s" %d' % (v, i) for i, v in enumerate(values))
         marks = figure.block([mean[values.index(knob.default)][:2]])
         figure.panel(knob.name, knob.unit or "heuristic", "cost / at the default",
                      lines + plots.bars(figure.block(mean), 0, 2, not knob.words) + [plots.ring(marks)],
-                     (LOG["y"], ticks, "set xrange [-0.5:%g]" % (len(values) - 0.5), "set offsets 0,0,0.1,0.1"))
+                     (LOG["y"], ticks, "set xrange [-0.5:%g]" % (len(values) - 0.5), f"set ytics ({RATIOS}); set yrange " + plots.span(every, 0.7, 2)))
     return figure
 
 
 def chain(pictures, portals):
-    """Total time to an error, the four stages included."""
+    """Total time to an error, the four stages included: what was measured, and from the longest pictures on as 1 / time."""
     figure = plots.Figure(4)
     lines = (("bdpt", False, 0), ("tdpt-guided", True, 4), ("auto", True, 5))
     for scene in portals.scenes:
-        drawn = []
+        drawn, every = [], []
         for integrator, through, k in lines:
             extra = portals.chain(("default", ""), scene) if through else 0
             points = [(t + extra, e, low, high) for t, e, low, high in pictures.points(scene, integrator)]
-            if points:
-                drawn += plots.bars(figure.block(points), k, 1.5)
-        figure.panel(scene, "CPU seconds from .glb to picture", "relMSE", drawn, (LOG["xy"], 'set format y "10^{%T}"'))
+            if not points:
+                continue
+            seconds, error = points[-1][0] - extra, points[-1][1]
+            ahead = [(seconds * 2**i + extra, error / 2**i) for i in range(13) if seconds * 2**i < 2000]
+            drawn += plots.bars(figure.block(points), k, 1.5, False)
+            drawn.append(f"{figure.block([p[:2] for p in points] + ahead)} using 1:2 with lines {plots.line(k)} notitle")
+            every += [e for _, e, _, _ in points]
+        figure.panel(scene, "CPU seconds from .glb to picture", "relMSE", drawn,
+                     (LOG["xy"], 'set format y "10^{%T}"', "set xrange [0.03:2000]", "set yrange [1e-4:%g]" % (2 * max(every))))
     figure.key(['NaN with linespoints %s title "%s"' % (plots.style(k), i + (", portals found first" if p else ""))
                 for i, p, k in lines])
     return figure

@@ -47,7 +47,7 @@ class Extent:
         return tuple(v for i, v in enumerate(knob.values) if abs(i - default) == 1 or i in (default, 0))
 
     def scenes(self, scenes):
-        return tuple(s for s in scenes if s.name not in ("bathroom2-channel", "three-rooms")) if self.quick else scenes
+        return tuple(s for s in scenes if s.name not in ("bathroom2-channel", "half-metre-hole", "kitchen", "cornell-box")) if self.quick else scenes
 
     def kinds(self):
         return knobs.KINDS[::2] if self.quick else knobs.KINDS
@@ -167,7 +167,7 @@ def simplified_tasks(bench):
 def picture_tasks(bench):
     """Curves of the renderer: error against time by integrator, what its knobs do at one length, and depth."""
     extent = bench.extent
-    scenes = extent.scenes(knobs.SCENES) + (() if extent.quick else knobs.OPEN)
+    scenes = extent.scenes(knobs.SCENES + knobs.OPEN)
 
     def found(scene):
         return bench.portal(bench.path(scene.name), 1, {})[0] if scene.aperture else None

@@ -14,6 +14,24 @@ def number(x):
     return "NaN" if x is None or (isinstance(x, float) and not math.isfinite(x)) else "%.6g" % x
 
 
+def short(value):
+    """A number of an axis: 6.25k, 1.2M; a word as it is."""
+    try:
+        x = float(value)
+    except ValueError:
+        return value
+    for limit, letter in ((1e6, "M"), (1e3, "k")):
+        if x >= limit:
+            return "%.3g%s" % (x / limit, letter)
+    return "%.4g" % x
+
+
+def span(values, least, most):
+    """A range of an axis that holds the values and what is given, a little wider; as gnuplot has it."""
+    values = [v for v in values if v is not None and math.isfinite(v) and v > 0]
+    return "[%.4g:%.4g]" % (min([least, *values]) / 1.15, max([most, *values]) * 1.15)
+
+
 class Figure:
     """Panels in rows. Each: title, words of the axes, lines, marks."""
 
@@ -22,6 +40,7 @@ class Figure:
 
     def block(self, rows):
         """Rows of numbers, as a named block of the script."""
+        rows = [[*row[:2], *(row[1] if isinstance(c, float) and math.isnan(c) else c for c in row[2:])] for row in rows]
         name = "$d%d" % len(self.data)
         self.data.append("%s << EOD\n%s\nEOD\n" % (name, "\n".join(
             " ".join(c if isinstance(c, str) else number(c) for c in row) for row in rows)))
@@ -44,7 +63,7 @@ class Figure:
                 (self.columns * self.width, lines * self.height), "set output %s" % quoted(output),
                 "set multiplot layout %d,%d" % (lines, self.columns)]
         common = ['set grid lc rgb "#dddddd" lt 1 lw 0.5', "set border lw 1", "set key off", "set pointsize 1.1", "set bars 0.6",
-                  "set lmargin 9", "set rmargin 2", "set tmargin 2", "set bmargin 3.5", "set format x \"%g\"",
+                  "set lmargin 9", "set rmargin 2", "set tmargin 2.2", "set bmargin 3.5", "set format x \"%g\"",
                   "set format y \"%g\""]
         body = [line for panel in self.panels for line in ("reset", *common, *panel)]
         return "".join(self.data) + "\n".join(head + body + ["unset multiplot"]) + "\n"
@@ -54,12 +73,16 @@ def style(k, thick=1.5):
     return 'lc rgb "%s" lw %g %s' % (COLOURS[k % len(COLOURS)], thick, STYLES[k % len(STYLES)])
 
 
+def line(k, thick=1.5):
+    """The style of a line without points."""
+    return style(k, thick).rsplit(" pt ", 1)[0]
+
+
 def bars(block, k, thick=1.5, lines=True):
-    """x y low high, with its interval; joined by lines."""
-    dashed = style(k, thick)
+    """x y low high, with its interval; joined by lines. An interval that is not known is none."""
     found = ['%s using 1:2:3:4 with yerrorbars lc rgb "%s" lw %g pt %s notitle' % (
         block, COLOURS[k % len(COLOURS)], thick, STYLES[k % len(STYLES)].split()[-1])]
-    return found + (["%s using 1:2 with lines %s notitle" % (block, dashed.rsplit(" pt ", 1)[0])] if lines else [])
+    return found + (["%s using 1:2 with lines %s notitle" % (block, line(k, thick))] if lines else [])
 
 
 def thin(block):
@@ -68,8 +91,3 @@ def thin(block):
 
 def ring(block):
     return '%s using 1:2 with points pt 6 ps 2.4 lw 1.5 lc rgb "#000000" notitle' % block
-
-
-def words(block):
-    """x y text, a little above."""
-    return '%s using 1:2:3 with labels offset 0,0.9 font ",10" notitle' % block

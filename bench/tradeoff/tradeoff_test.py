@@ -158,7 +158,7 @@ class Curves(unittest.TestCase):
 
     def test_figures_hold_every_setting(self):
         text = figures.stage(made_up(), "lightgrid").script("x.png")
-        self.assertIn('"8192"', text)
+        self.assertIn('"8.19k"', text)
         self.assertIn('"512"', text)
         self.assertIn("lightgrid --lines: rooms", text)
         self.assertEqual(plots.number(float("nan")), "NaN")
