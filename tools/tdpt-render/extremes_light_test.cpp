@@ -106,6 +106,14 @@ TEST(lamp, of_any_size_and_radiance_lights_a_patch_as_its_form_factor_says) {
   }
 }
 
+TEST(lamp_twin, a_radiance_off_by_a_tenth_is_caught) {
+  const Scene scene = floor_below(1e-4, 1.1e20);
+  const World world(scene, scene.camera(""), 4, 4, {});
+  const double expected = 0.5 * 1e20 * form_factor(1, 0.5e-4, 0.5e-4);
+  for (const Integrator* integrator : {&nee, &bdpt})
+    EXPECT_GT(rendered(world, *integrator, 64, 16, 2).z(expected), 6) << integrator->name;
+}
+
 // Closed white rooms whose ceilings are of 1e10, 1 and 1e-10: each shows its own.
 TEST(twenty_decades, in_one_scene_keep_the_mean_of_each_part) {
   SceneParts parts;
