@@ -20,6 +20,15 @@ bool emits(const Scene& scene, uint32_t triangle) {
   return max_component(scene.material_of(triangle).emission) > 0;
 }
 
+/// Whether the place, which lies in its plane, lies within the triangle.
+bool holds(const TriangleShape& s, const Vec3d& place) {
+  const Vec3d at = place - s.p0;
+  const double twice = 2 * s.area;
+  const double b1 = dot(cross(at, s.e2), s.normal) / twice;
+  const double b2 = dot(cross(s.e1, at), s.normal) / twice;
+  return b1 > 0 && b2 > 0 && b1 + b2 < 1;
+}
+
 /// What a ray from before the triangle, somewhere between it and what it shines on, to a place
 /// within it finds there; the triangle where that is nothing else. Near and far it may be another
 /// one, as roundings differ.
@@ -38,7 +47,8 @@ uint32_t found_at(const Tracer& tracer, uint32_t triangle, Rng& rng) {
   const double free = tracer.closest({place, s.normal}, w, hit) ? hit.distance : 2;
   const bool there = tracer.closest({place + w * (free * way), {}}, -w, hit) &&
                      std::abs(dot(hit.normal, s.normal)) > 0.999 &&
-                     std::abs(dot(hit.position - place, s.normal)) < 0.5 * kHair;
+                     std::abs(dot(hit.position - place, s.normal)) < 0.5 * kHair &&
+                     holds(tracer.shape(hit.triangle), place);
   return there ? hit.triangle : triangle;
 }
 
