@@ -10,6 +10,7 @@
 #   make target-error   whether pictures have the error that was asked for: doc/target-error.md (ten minutes)
 #   make sky       what the windows found are worth under skies: doc/sky.md (a quarter of an hour)
 #   make grid-speed   segments per second of lightgrid on each device: doc/light-grid-speed.md (two minutes)
+#   make limit     how far rendering is from casting its rays and nothing else, with a profile: doc/limit.md (4 minutes)
 #   make test      installs what is missing, builds, runs every test
 #   make bench     speed, and noise after a minute, of every integrator (bench/integrator-speed.sh; 20 minutes)
 #   make bench-efficiency   error against time of every integrator, with aims: doc/efficiency.md (an hour on two
@@ -28,7 +29,7 @@ TEST_STATUS ?=
 # All that is there to run; `make build` adds every test and benchmark.
 PROGRAMS = ffgraph mincut lightgrid portalfit tdpt-render exrdiff
 
-.PHONY: all build programs demo figures stages portals regret tradeoff whole-light target-error sky grid-speed bench bench-efficiency efficiency-references test install sanitize packages format clean
+.PHONY: all build programs demo figures stages portals regret tradeoff whole-light target-error sky grid-speed limit bench bench-efficiency efficiency-references test install sanitize packages format clean
 all: build
 
 build:
@@ -100,6 +101,11 @@ grid-speed: packages
 	@$(MAKE) --no-print-directory build
 	@sh bench/light-grid-speed.sh build/bin $(DEVICE) >build/light-grid-speed.md
 	@mv build/light-grid-speed.md doc/light-grid-speed.md
+
+limit: packages
+	@sh cmake/install-packages.sh cmake/packages-figures.txt
+	@$(MAKE) --no-print-directory build
+	@sh bench/limit.sh build/bin build/limit
 
 stages: programs
 	@sh bench/stages.sh build/bin build/stages

@@ -1,0 +1,131 @@
+#include "libcommon/trace/ray_record.h"
+
+#include <limits>
+#include <memory>
+#include <mutex>
+#include <numeric>
+#include <thread>
+#include <vector>
+
+#include <embree3/rtcore.h>
+#include <pmmintrin.h>
+#include <xmmintrin.h>
+
+extern "C" {
+void __real_rtcIntersect1(RTCScene scene, RTCIntersectContext* context, RTCRayHit* query);
+void __real_rtcOccluded1(RTCScene scene, RTCIntersectContext* context, RTCRay* ray);
+void __wrap_rtcIntersect1(RTCScene scene, RTCIntersectContext* context, RTCRayHit* query);
+void __wrap_rtcOccluded1(RTCScene scene, RTCIntersectContext* context, RTCRay* ray);
+}
+
+namespace tdpt::ray_record {
+namespace {
+
+constexpr float kInfinite = std::numeric_limits<float>::infinity();
+
+struct Ray {
+  float org_x, org_y, org_z, dir_x, dir_y, dir_z;
+  float tfar;  // infinite: a first hit was asked for, else whether anything is nearer
+  bool met;
+};
+using Rays = std::vector<Ray>;
+
+struct Record {
+  std::mutex lock;  // of what follows
+  std::vector<std::unique_ptr<Rays>> of_threads;
+  uint64_t number = 0;  // of the record: a thread that knows another has no place in this one
+  bool open = false;
+  RTCScene scene = nullptr;
+  RTCIntersectContextFlags flags{};
+};
+Record record;
+
+Rays& rays_of_thread(RTCScene scene, const RTCIntersectContext& context) {
+  thread_local Rays* own = nullptr;
+  thread_local uint64_t number = 0;
+  if (number != record.number) {
+    const std::lock_guard lock(record.lock);
+    own = record.of_threads.emplace_back(std::make_unique<Rays>()).get();
+    number = record.number;
+    record.scene = scene;
+    record.flags = context.flags;
+  }
+  return *own;
+}
+
+Ray kept(const RTCRay& r, float tfar, bool met) {
+  return {r.org_x, r.org_y, r.org_z, r.dir_x, r.dir_y, r.dir_z, tfar, met};
+}
+
+uint64_t cast(const Rays& rays) {
+  // As the Tracer does.
+  _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
+  _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  context.flags = record.flags;
+  uint64_t others = 0;
+  for (const Ray& r : rays) {
+    RTCRayHit query;
+    query.ray = {r.org_x, r.org_y, r.org_z, 0, r.dir_x, r.dir_y, r.dir_z, 0, r.tfar, ~0u, 0, 0};
+    query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    if (r.tfar == kInfinite)
+      __real_rtcIntersect1(record.scene, &context, &query);
+    else
+      __real_rtcOccluded1(record.scene, &context, &query.ray);
+    const bool met =
+        r.tfar == kInfinite ? query.hit.geomID != RTC_INVALID_GEOMETRY_ID : query.ray.tfar < 0;
+    others += met != r.met;
+  }
+  return others;
+}
+
+}  // namespace
+
+void begin() {
+  record.of_threads.clear();
+  ++record.number;
+  record.open = true;
+}
+
+void end() {
+  record.open = false;
+}
+
+uint64_t rays() {
+  uint64_t n = 0;
+  for (const auto& of_thread : record.of_threads) n += of_thread->size();
+  return n;
+}
+
+uint64_t threads() {
+  return record.of_threads.size();
+}
+
+uint64_t cast_again() {
+  const auto& all = record.of_threads;
+  std::vector<uint64_t> others(all.size());
+  std::vector<std::thread> workers;
+  for (size_t i = 1; i < all.size(); ++i)
+    workers.emplace_back([&, i] { others[i] = cast(*all[i]); });
+  if (!all.empty()) others[0] = cast(*all[0]);
+  for (std::thread& worker : workers) worker.join();
+  return std::accumulate(others.begin(), others.end(), uint64_t{0});
+}
+
+}  // namespace tdpt::ray_record
+
+using namespace tdpt::ray_record;
+
+void __wrap_rtcIntersect1(RTCScene scene, RTCIntersectContext* context, RTCRayHit* query) {
+  __real_rtcIntersect1(scene, context, query);
+  if (!record.open) return;
+  const bool met = query->hit.geomID != RTC_INVALID_GEOMETRY_ID;
+  rays_of_thread(scene, *context).push_back(kept(query->ray, kInfinite, met));
+}
+
+void __wrap_rtcOccluded1(RTCScene scene, RTCIntersectContext* context, RTCRay* ray) {
+  const float tfar = ray->tfar;
+  __real_rtcOccluded1(scene, context, ray);
+  if (record.open) rays_of_thread(scene, *context).push_back(kept(*ray, tfar, ray->tfar < 0));
+}
