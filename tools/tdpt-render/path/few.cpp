@@ -9,13 +9,16 @@ namespace {
 // Share of the chances that all terms have alike: an estimate knows neither shadows nor weights.
 constexpr double kAlike = 0.5;
 
-// k for which the sum of min(1, k e_i) is `count`; less than as many e_i are not 0.
-double factor(std::span<const double> estimates, double total, int count) {
-  double k = count / total;
+}  // namespace
+
+// k for which the sum of min(1, k e_i) is `count`; less than as many terms are not 0, and their e_i
+// sum to 1.
+double Few::factor(int count) const {
+  double k = count;
   for (;;) {
     double rest = 0;
     int sure = 0;
-    for (const double e : estimates)
+    for (const auto& [number, e] : terms())
       if (k * e < 1)
         rest += e;
       else
@@ -26,38 +29,31 @@ double factor(std::span<const double> estimates, double total, int count) {
   }
 }
 
-}  // namespace
-
-// Which terms are 0 and which are taken is anybody's guess: nothing jumps by it.
+// Which terms are taken is anybody's guess: nothing jumps by it.
 std::span<const Few::Taken> Few::choose(int count, double u) {
+  if (taken_.size() < not_zero_ + 1) taken_.resize(not_zero_ + 1);
   double total = 0;
-  int terms = 0;
-  for (const double e : estimates_) {
-    total += e;
-    terms += e != 0;
-  }
-  taken_.resize(estimates_.size());
-  size_t n = 0;
-  const auto take = [&](size_t term, double chance, bool taken) {
-    taken_[n] = {term, chance};
-    n += taken;
-  };
+  for (const auto& [number, e] : terms()) total += e;
   // What is no number is not weighed against others: it is to be met and counted.
-  if (terms <= count || !std::isfinite(total)) {
-    for (size_t i = 0; i < estimates_.size(); ++i) take(i, 1, estimates_[i] != 0);
-    return {taken_.data(), n};
+  if (not_zero_ <= static_cast<size_t>(count) || !std::isfinite(total)) {
+    for (size_t i = 0; i < not_zero_; ++i) taken_[i] = {terms_[i].number, 1};
+    return {taken_.data(), not_zero_};
   }
-  const double by_estimate = (1 - kAlike) / total, alike = kAlike / terms;
+  const double by_estimate = (1 - kAlike) / total;
+  const double alike = kAlike / static_cast<double>(not_zero_);
   double largest = 0;
-  for (double& e : estimates_) {
-    e = e * by_estimate + (e > 0 ? alike : 0.0);
+  for (size_t i = 0; i < not_zero_; ++i) {
+    double& e = terms_[i].estimate;
+    e = e * by_estimate + alike;
     largest = std::max(largest, e);
   }
-  const double k = count * largest < 1 ? count : factor(estimates_, 1, count);
+  const double k = count * largest < 1 ? count : factor(count);
   double before = u;
-  for (size_t i = 0; i < estimates_.size(); ++i) {
-    const double chance = std::min(1.0, k * estimates_[i]), after = before + chance;
-    take(i, chance, static_cast<int>(after) > static_cast<int>(before));
+  size_t n = 0;
+  for (const auto& [number, e] : terms()) {
+    const double chance = std::min(1.0, k * e), after = before + chance;
+    taken_[n] = {number, chance};
+    n += static_cast<int>(after) > static_cast<int>(before);
     before = after;
   }
   return {taken_.data(), n};

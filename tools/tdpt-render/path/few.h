@@ -11,9 +11,17 @@ namespace tdpt {
 
 class Few {
  public:
-  void clear() { estimates_.clear(); }
-  /// Of the next term; 0: it is never taken.
-  void add(double estimate) { estimates_.push_back(estimate); }
+  /// At most so many terms will be added.
+  void clear(size_t most) {
+    if (terms_.size() < most + 1) terms_.resize(most + 1);
+    added_ = not_zero_ = 0;
+  }
+  /// Of the next term; 0: it is never taken. Many are 0, and nobody foresees which: they are passed
+  /// over without a jump.
+  void add(double estimate) {
+    terms_[not_zero_] = {added_++, estimate};
+    not_zero_ += estimate != 0;
+  }
 
   struct Taken {
     size_t term;    ///< in the order that they were added
@@ -23,7 +31,15 @@ class Few {
   std::span<const Taken> choose(int count, double u);
 
  private:
-  std::vector<double> estimates_;
+  struct Term {
+    size_t number;  // in the order that they were added
+    double estimate;
+  };
+  std::span<const Term> terms() const { return {terms_.data(), not_zero_}; }
+  double factor(int count) const;
+
+  std::vector<Term> terms_;  // the first not_zero_ of them
+  size_t added_ = 0, not_zero_ = 0;
   std::vector<Taken> taken_;
 };
 

@@ -28,7 +28,7 @@ Draws draw(const std::vector<double>& estimates, int count) {
   out.often.resize(estimates.size());
   Few few;
   for (int i = 0; i < kDraws; ++i) {
-    few.clear();
+    few.clear(estimates.size());
     for (const double e : estimates) few.add(e);
     const std::span<const Few::Taken> all = few.choose(count, (i + 0.5) / kDraws);
     const int taken = static_cast<int>(all.size());

@@ -16,10 +16,11 @@ inline bool black(const Rgb& c) {
 struct End {
   const Vertex* vertex;
   Vec3d position;
-  Vec3d back;      ///< towards the vertex before, unit where `layered`; 0: light begins here
-  Vec3d facing{};  ///< normal on the side of `back`; 0 where `layered`
-  Rgb carried;     ///< throughput, times the BSDF unless `layered`
-  bool layered;    ///< how much is scattered depends on the direction, or light begins here
+  Vec3d back;           ///< towards the vertex before, unit where `layered`; 0: light begins here
+  Vec3d facing{};       ///< normal on the side of `back`; 0 where `layered` and not `opaque`
+  Rgb carried;          ///< throughput, times the BSDF unless `layered`
+  bool layered;         ///< how much is scattered depends on the direction, or light begins here
+  bool opaque = false;  ///< layered, and light that comes is scattered, on its own side alone
 
   End(const Vertex& v, const Vec3d& back_, const Rgb& throughput)
       : vertex(&v),
@@ -27,13 +28,14 @@ struct End {
         back(back_),
         carried(throughput),
         layered(!v.simple || !v.on_surface() || back_ == Vec3d()) {
-    if (layered) return;
+    opaque = layered && v.on_surface() && back != Vec3d() && !v.bsdf.transmits();
+    if (layered && !opaque) return;
     facing = dot(v.normal, back) > 0 ? v.normal : -v.normal;
-    carried = carried * bsdf_at(v, back, back);
+    if (!layered) carried = carried * bsdf_at(v, back, back);
   }
 
   /// Whether any light leaves along d, of any length.
-  bool faces(const Vec3d& d) const { return layered || dot(facing, d) > 0; }
+  bool faces(const Vec3d& d) const { return facing == Vec3d() || dot(facing, d) > 0; }
 };
 
 Rgb join_layered(const World& world, const End& l, const End& c);

@@ -29,6 +29,9 @@ void LightPool::clear(uint64_t samples) {
   walks_ = 0;
   samples_ = static_cast<double>(samples);
   kept_ = 0;
+  columns_.clear();
+  segment_ends_.clear();
+  segment_columns_.clear();
 }
 
 PortalSegment& LightPool::place_for_segment() {
@@ -36,10 +39,35 @@ PortalSegment& LightPool::place_for_segment() {
   return segments_[kept_];
 }
 
+void LightPool::prepare_segments() {
+  for (size_t i = segment_ends_.size(); i < kept_; ++i) {
+    const PortalSegment& segment = segments_[i];
+    segment_columns_.add(segment_ends_.emplace_back(segment.x_c, -segment.w, segment.through));
+    Rgb light;
+    for (const Side& side : segment.light) light += side.value;
+    segment_columns_.set_light(i, light);
+  }
+}
+
 void LightPool::add(const Walk& y) {
   ++walks_;
-  for (int i = 0; i < y.size; ++i)
-    if (y[i].connectible) (i == 0 ? starts_ : scattered_).emplace_back(y, i);
+  if (y.size > 0 && y[0].connectible) starts_.emplace_back(y, 0);
+  for (int i = 1; i < y.size; ++i) {
+    if (!y[i].connectible) continue;
+    columns_.add(scattered_.emplace_back(y, i));
+    columns_.set_light(columns_.size() - 1, Rgb(1.0f));
+  }
+}
+
+void LightPool::estimate(const std::vector<const LightVertex*>& drawn, const End& end,
+                         std::vector<double>& estimates) const {
+  static_assert(kCandidates == Ends::kLanes);
+  std::array<int, kCandidates> places{};
+  size_t n = 0;
+  for (const LightVertex* y : drawn)
+    places[n++] = y->index > 0 ? static_cast<int>(y - scattered_.data()) : 0;
+  if (estimates.size() < kCandidates) estimates.resize(kCandidates);
+  if (columns_.size() > 0) columns_.estimate(end, places, estimates.data());
 }
 
 double LightPool::draw(bool starts, double u, std::vector<const LightVertex*>& drawn) const {

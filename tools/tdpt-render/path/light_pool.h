@@ -18,7 +18,7 @@
 #include <span>
 #include <vector>
 
-#include "tools/tdpt-render/path/join.h"
+#include "tools/tdpt-render/path/joins.h"
 #include "tools/tdpt-render/path/portal_segment.h"
 
 namespace tdpt {
@@ -48,19 +48,32 @@ class LightPool {
   void keep_segment() { ++kept_; }
   /// Those kept.
   std::span<PortalSegment> segments() { return std::span(segments_).first(kept_); }
+  /// After the last of them: their ends on the camera's side, and these in columns, with all the
+  /// light that there is at x_l.
+  void prepare_segments();
+  const End& segment_end(size_t i) const { return segment_ends_[i]; }
+  Ends& segment_columns() { return segment_columns_; }
 
   /// Replaces `drawn` by candidates y_i, i >= 1, or with `starts` i >= 0, spread evenly from u in
   /// [0,1). Returns how many samples of a walk each stands for; 0: there are none.
   double draw(bool starts, double u, std::vector<const LightVertex*>& drawn) const;
+
+  /// Of each that draw() gave what it brings to `end` [joins.h]; of those that have no estimates,
+  /// as all y_0, anything.
+  void estimate(const std::vector<const LightVertex*>& drawn, const End& end,
+                std::vector<double>& estimates) const;
 
   double samples() const { return samples_; }
   double walks_per_sample() const { return walks_ / samples_; }
 
  private:
   std::vector<LightVertex> starts_, scattered_;  ///< y_0, and those after it
+  Ends columns_;                                 ///< of scattered_
   double walks_ = 0, samples_ = 1;
   std::vector<PortalSegment> segments_;  ///< the first of them are kept, the others place
   size_t kept_ = 0;
+  std::vector<End> segment_ends_;  ///< of those kept
+  Ends segment_columns_;
 };
 
 /// How many samples pool their light walks.

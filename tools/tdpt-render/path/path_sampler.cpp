@@ -234,14 +234,28 @@ void PathSampler::light() {
 }
 
 void PathSampler::join_drawn(const End& end, int edges) {
-  few_.clear();
+  few_.clear(drawn_.size());
   values_.resize(drawn_.size());
   tally_.rays.join += drawn_.size();
+  const bool in_columns = Ends::has(end) && !world_.absorbing;
+  if (in_columns) pool_->estimate(drawn_, end, estimates_);
   for (size_t c = 0; c < drawn_.size(); ++c) {
     const LightVertex& y = *drawn_[c];
-    values_[c] = y.index + edges <= settings_.max_depth ? join(world_, y, end) : Rgb{};
-    few_.add(luminance(values_[c]));
+    if (y.index + edges > settings_.max_depth) {
+      few_.add(0);
+    } else if (in_columns && Ends::has(y)) {
+      few_.add(estimates_[c]);
+    } else {
+      values_[c] = join(world_, y, end);
+      few_.add(luminance(values_[c]));
+    }
   }
+}
+
+// What was estimated in columns alone is computed when it is taken.
+Rgb PathSampler::joined(const End& l, const End& c, size_t number) const {
+  const bool in_columns = Ends::has(l) && Ends::has(c) && !world_.absorbing;
+  return in_columns ? join(world_, l, c) : values_[number];
 }
 
 void PathSampler::bi() {
@@ -252,13 +266,15 @@ void PathSampler::bi() {
     random.seek(2 * static_cast<uint32_t>(t));
     const auto [u_candidates, u_few] = random.uniforms<2>();
     const double times = pool_->draw(false, u_candidates, drawn_);
-    join_drawn(camera_end(t - 1), t);
+    const End& end = camera_end(t - 1);
+    join_drawn(end, t);
     for (const auto& [c, chance] : few_.choose(connections(t), u_few)) {
       const LightVertex& y = *drawn_[c];
       if (!visible(*y.vertex, z[t - 1])) continue;
       const double n = times * chance;
       const Path path(world_, guide_, *y.walk, y.index + 1, z, t, tally_.rays);
-      to_pixel({path, {Technique::bi, y.index + 1}, values_[c] * static_cast<float>(1 / n), n});
+      const Rgb value = joined(y, end, c) * static_cast<float>(1 / n);
+      to_pixel({path, {Technique::bi, y.index + 1}, value, n});
     }
   }
 }

@@ -118,9 +118,13 @@ class PathSampler {
   /// Importance of the pinhole for light leaving p: radiance of a splat per unit of f * throughput.
   /// False when p is not in the picture. No visibility.
   bool project(const Point& p, Vec3d& to_camera, Rgb& factor, double& x, double& y) const;
-  /// What drawn_ bring to `end`, to values_ and few_; nothing where the path would be too long: of
-  /// y_0 it would have so many edges.
+  /// What drawn_ bring to `end`, to few_; nothing where the path would be too long: of y_0 it would
+  /// have so many edges.
   void join_drawn(const End& end, int edges);
+  /// join() of two ends that were estimated under this number.
+  Rgb joined(const End& l, const End& c, size_t number) const;
+  /// What all segments bring to z_{t-1}, of the i-th to estimates_[(t-2) row + i], a row for each t.
+  void estimate_segments(int t);
   // Of segments [segment_sampler.cpp].
   /// Whether it joins anything.
   bool draw_segment(const PortalSet::Sample& sample, PortalSegment& segment);
@@ -152,7 +156,8 @@ class PathSampler {
   std::vector<End> camera_ends_;  ///< [j-1] of z_j
   // Of one vertex at a time.
   std::vector<const LightVertex*> drawn_;
-  std::vector<Rgb> values_;
+  std::vector<Rgb> values_;  ///< of those that were not estimated in columns
+  std::vector<double> estimates_;
   Few few_;
 };
 
