@@ -39,16 +39,27 @@ size_t u(int i) {
 }
 
 // Prefixes and suffixes of a path of k edges, densities `d` over the q_i of `unit`.
-struct Products {
+class Products {
+ public:
   Products(const WalkDensities& d, const WalkDensities& unit, int k) {
-    camera[u(k)] = light[0] = 1;
+    // Running products in variables: through memory each would wait for the one before.
+    double of_light = 1, of_camera = 1;
+    at_[0].light = at_[u(k)].camera = 1;
     for (int i = 0, j = k - 1; i < k; ++i, --j) {
-      light[u(i + 1)] = light[u(i)] * (d.light_A[u(i)] / unit.common(i));
-      camera[u(j)] = camera[u(j + 1)] * (d.camera_A[u(j)] / unit.common(j));
+      of_light *= d[i].light_A / unit[i].common();
+      of_camera *= d[j].camera_A / unit[j].common();
+      at_[u(i + 1)].light = of_light;
+      at_[u(j)].camera = of_camera;
     }
   }
-  std::array<double, kMaxDepth + 2> light;   // [s] = prod_{i<s} P>(x_i)/q_i
-  std::array<double, kMaxDepth + 2> camera;  // [s] = prod_{i>=s} P<(x_i)/q_i
+  double light(int s) const { return at_[u(s)].light; }    // prod_{i<s} P>(x_i)/q_i
+  double camera(int s) const { return at_[u(s)].camera; }  // prod_{i>=s} P<(x_i)/q_i
+
+ private:
+  struct At {
+    double light, camera;
+  };
+  std::array<At, kMaxDepth + 2> at_;
 };
 
 }  // namespace
@@ -63,8 +74,8 @@ Path::Path(const World& world, const Guide& guide, const Walk& y, int s, const V
            const Vertex& x_c, const SegmentCrossings& segment, const Walk& z, int t,
            RayCounts& rays)
     : guide_(guide) {
-  x_[u(s)] = &x_l;
-  x_[u(s + 1)] = &x_c;
+  place(s).x = &x_l;
+  place(s + 1).x = &x_c;
   fill(world, y, s, z, t, &segment, rays);
 }
 
@@ -77,15 +88,15 @@ void Path::fill(const World& world, const Walk& y, int s, const Walk& z, int t,
   take_camera_prefix(z, t);
   if (segment) {
     for (const int i : {s, s + 1}) {
-      dirac_[u(i)] = false;
-      survival_[0][u(i)] = survival_[1][u(i)] = 1;
+      place(i).dirac = false;
+      place(i).survival = {1, 1};
     }
-    crossing_[u(s)] = &segment->own;
-    crossing_[u(s + 1)] = &segment->after;
-    if (s > 0) crossing_[u(s - 1)] = &segment->before;
+    place(s).crossing = &segment->own;
+    place(s + 1).crossing = &segment->after;
+    if (s > 0) place(s - 1).crossing = &segment->before;
   } else if (s > 0 && t > 1) {
     joining_ = guide_.crossing(x(s - 1), x(s), rays.portal);
-    crossing_[u(s - 1)] = &joining_;
+    place(s - 1).crossing = &joining_;
   }
   fill_joint(world, s, first_z);
   if (k_ > 1) next_event_ = world.next_events.pdf(x(1), x(0));
@@ -95,13 +106,18 @@ void Path::fill(const World& world, const Walk& y, int s, const Walk& z, int t,
 void Path::take_light_prefix(const Walk& y, int s) {
   for (int i = s - 1; i >= 0; --i) {
     const WalkState& state = y.state(i);
-    x_[u(i)] = &y[i];
-    dirac_[u(i)] = i + 1 < s && state.dirac;
-    if (i > 0) crossing_[u(i - 1)] = &state.crossing;
-    survival_[0][u(i)] = always_goes_on(i) ? 1 : state.own_survival;
-    survival_[1][u(i)] = always_goes_on(k_ - i) || i == 0 ? 1 : state.other_survival;
-    walks_.light_A[u(i)] = state.pdf_own_A;
-    if (i <= s - 3) walks_.camera_A[u(i)] = camera_survival(i) * state.pdf_other_A;
+    Place& here = place(i);
+    here.x = &y[i];
+    here.dirac = i + 1 < s && state.dirac;
+    any_dirac_ |= here.dirac;
+    if (i > 0) {
+      place(i - 1).crossing = &state.crossing;
+      place(i - 1).edge = &state.edge;
+    }
+    here.survival[0] = always_goes_on(i) ? 1 : state.own_survival;
+    here.survival[1] = always_goes_on(k_ - i) || i == 0 ? 1 : state.other_survival;
+    walks_[i].light_A = state.pdf_own_A;
+    if (i <= s - 3) walks_[i].camera_A = camera_survival(i) * state.pdf_other_A;
   }
 }
 
@@ -109,13 +125,18 @@ void Path::take_camera_prefix(const Walk& z, int t) {
   for (int j = t - 1; j >= 0; --j) {
     const WalkState& state = z.state(j);
     const int i = k_ - j;
-    x_[u(i)] = &z[j];
-    dirac_[u(i)] = j + 1 < t && state.dirac;
-    if (j > 0) crossing_[u(i)] = &state.crossing;
-    survival_[1][u(i)] = always_goes_on(j) || i == 0 ? 1 : state.own_survival;
-    survival_[0][u(i)] = always_goes_on(i) || j == 0 ? 1 : state.other_survival;
-    walks_.camera_A[u(i)] = state.pdf_own_A;
-    if (j <= t - 3) walks_.light_A[u(i)] = light_survival(i) * state.pdf_other_A;
+    Place& here = place(i);
+    here.x = &z[j];
+    here.dirac = j + 1 < t && state.dirac;
+    any_dirac_ |= here.dirac;
+    if (j > 0) {
+      here.crossing = &state.crossing;
+      here.edge = &state.edge;
+    }
+    here.survival[1] = always_goes_on(j) || i == 0 ? 1 : state.own_survival;
+    here.survival[0] = always_goes_on(i) || j == 0 ? 1 : state.other_survival;
+    walks_[i].camera_A = state.pdf_own_A;
+    if (j <= t - 3) walks_[i].light_A = light_survival(i) * state.pdf_other_A;
   }
 }
 
@@ -124,23 +145,26 @@ void Path::take_camera_prefix(const Walk& z, int t) {
 void Path::fill_joint(const World& world, int s, int first_z) {
   std::array<Edge, 5> edges;  // and none beyond the path's ends
   const auto at = [&](int i) -> Edge& { return edges[u(i - (s - 2))]; };  // x_i -> x_{i+1}
-  for (int i = std::max(s - 2, 0); i <= first_z && i < k_; ++i) at(i) = edge(i);
-  auto& [from_light, from_camera] = survival_;
+  if (s > 1) at(s - 2) = *place(s - 2).edge;
+  for (int i = std::max(s - 1, 0); i < first_z; ++i) {
+    at(i) = joint_[u(i - (s - 1))] = edge(i);
+    place(i).edge = &joint_[u(i - (s - 1))];
+  }
+  if (first_z < k_) at(first_z) = reversed(*place(first_z).edge);
   for (int i = std::max(s, 2); i <= first_z && i < k_; ++i)
-    from_light[u(i)] = albedo_at(x(i), -at(i - 1).w);
+    place(i).survival[0] = albedo_at(x(i), -at(i - 1).w);
   for (int i = std::max(s - 1, 1); i < first_z && !always_goes_on(k_ - i); ++i)
-    from_camera[u(i)] = albedo_at(x(i), at(i).w);
-  auto& [light, camera] = walks_;
-  light[0] = plain_light_A(world, 0, {}, {});  // of walks, whoever placed x_0
+    place(i).survival[1] = albedo_at(x(i), at(i).w);
+  walks_[0].light_A = plain_light_A(world, 0, {}, {});  // of walks, whoever placed x_0
   for (int i = std::max(s, 1); i < first_z + 2 && i < k_; ++i) {
     const Edge &before = at(i - 2), &e = at(i - 1);
-    light[u(i)] = light_survival(i) *
-                  directed_light_A(guide_, i, plain_light_A(world, i, before, e), before, e);
+    walks_[i].light_A = light_survival(i) *
+                        directed_light_A(guide_, i, plain_light_A(world, i, before, e), before, e);
   }
   for (int i = std::max(s - 2, 0); i < first_z; ++i) {
     const Edge &e = at(i), &after = at(i + 1);
-    camera[u(i)] = camera_survival(i) *
-                   directed_camera_A(guide_, i, plain_camera_A(world, i, e, after), e, after);
+    walks_[i].camera_A = camera_survival(i) *
+                         directed_camera_A(guide_, i, plain_camera_A(world, i, e, after), e, after);
   }
 }
 
@@ -154,7 +178,7 @@ double Path::directed_light_A(const Guide& guide, int i, double plain, const Edg
                               const Edge& e) const {
   if (!guide.active() || i == 0 || dirac(i - 1)) return plain;
   const Vec3d back = i == 1 ? Vec3d() : -before.w;
-  return guide.pdf_A(From::light, x(i - 1), back, e, x(i), plain, *crossing_[u(i - 1)]);
+  return guide.pdf_A(From::light, x(i - 1), back, e, x(i), plain, *place(i - 1).crossing);
 }
 
 double Path::plain_camera_A(const World& world, int i, const Edge& e, const Edge& after) const {
@@ -166,13 +190,13 @@ double Path::plain_camera_A(const World& world, int i, const Edge& e, const Edge
 double Path::directed_camera_A(const Guide& guide, int i, double plain, const Edge& e,
                                const Edge& after) const {
   if (!guide.active() || !x(i).met() || i == k_ - 1 || dirac(i + 1)) return plain;
-  return guide.pdf_A(From::camera, x(i + 1), after.w, reversed(e), x(i), plain, *crossing_[u(i)]);
+  return guide.pdf_A(From::camera, x(i + 1), after.w, reversed(e), x(i), plain, *place(i).crossing);
 }
 
 void Path::plain_densities(const World& world, WalkDensities& d) const {
   for (int i = 0; i < k_; ++i) {
-    d.light_A[u(i)] = light_survival(i) * plain_light_A(world, i, edge(i - 2), edge(i - 1));
-    d.camera_A[u(i)] = camera_survival(i) * plain_camera_A(world, i, edge(i), edge(i + 1));
+    d[i].light_A = light_survival(i) * plain_light_A(world, i, edge(i - 2), edge(i - 1));
+    d[i].camera_A = camera_survival(i) * plain_camera_A(world, i, edge(i), edge(i + 1));
   }
 }
 
@@ -180,10 +204,10 @@ void Path::directed_densities(const Guide& guide, const WalkDensities& plain,
                               WalkDensities& d) const {
   for (int i = 0; i < k_; ++i) {
     const double light = light_survival(i), camera = camera_survival(i);
-    d.light_A[u(i)] =
-        light * directed_light_A(guide, i, plain.light_A[u(i)] / light, edge(i - 2), edge(i - 1));
-    d.camera_A[u(i)] =
-        camera * directed_camera_A(guide, i, plain.camera_A[u(i)] / camera, edge(i), edge(i + 1));
+    d[i].light_A =
+        light * directed_light_A(guide, i, plain[i].light_A / light, edge(i - 2), edge(i - 1));
+    d[i].camera_A =
+        camera * directed_camera_A(guide, i, plain[i].camera_A / camera, edge(i), edge(i + 1));
   }
 }
 
@@ -191,7 +215,7 @@ void Path::directed_densities(const Guide& guide, const WalkDensities& plain,
 template <class Add>
 void Path::for_each_strategy(const Mixture& mixture, const WalkDensities& unit,
                              const Add& add) const {
-  const auto joins = [&](int s) { return s == 0 || !(dirac(s - 1) || dirac(s)); };
+  const auto joins = [&](int s) { return !any_dirac_ || s == 0 || !(dirac(s - 1) || dirac(s)); };
   const auto join = [&](Technique technique, int s) {
     if (mixture.has(technique) && joins(s))
       add(Strategy{technique, s}, s, s, mixture.sample_weight(technique, s, k_));
@@ -199,18 +223,19 @@ void Path::for_each_strategy(const Mixture& mixture, const WalkDensities& unit,
   join(Technique::camera, 0);
   if (mixture.has(Technique::direct) && joins(1))
     add(Strategy{Technique::direct, 1}, 0, 1,
-        next_event_.of(mixture.through_windows) * (1 / unit.common(0)) *
+        next_event_.of(mixture.through_windows) * (1 / unit[0].common()) *
             mixture.sample_weight(Technique::direct, 1, k_));
   for (int s = 0; s <= k_ - 2; ++s) {
     if (s >= 2) join(Technique::bi, s);
     if (!mixture.has(Technique::portal)) continue;
-    const double density = crossing_[u(s)]->density;
-    if (!(density > 0) || !joins(s) || dirac(s) || dirac(s + 1) || dirac(s + 2)) continue;
+    const double density = place(s).crossing->density;
+    if (!(density > 0)) continue;
+    if (any_dirac_ && (!joins(s) || dirac(s) || dirac(s + 1) || dirac(s + 2))) continue;
     // [eq. 8], p_AA = G D as in [eq. 4].
-    const double g = geometry(x(s), x(s + 1), edge(s));
+    const double g = geometry(x(s), x(s + 1), *place(s).edge);
     add(Strategy{Technique::portal, s}, s, s + 2,
-        mixture.samples_of(Technique::portal, s, k_) * density * (g / unit.common(s)) /
-            unit.common(s + 1));
+        mixture.samples_of(Technique::portal, s, k_) * density * (g / unit[s].common()) /
+            unit[s + 1].common());
   }
   if (k_ > 2) join(Technique::bi, k_ - 1);
   join(Technique::light, k_);
@@ -222,18 +247,60 @@ double Path::weight(const Mixture& mixture, Strategy used, double beta) const {
   return weight ? *weight : weight_by_logarithms(mixture, used, beta);
 }
 
+constexpr double kTiny = 1e-250;
+
+// What most paths take: by the same sums, without asking of each strategy what it is.
+std::optional<double> Path::balanced_weight(const Mixture& mixture, Strategy used) const {
+  const Products products(walks_, walks_, k_);
+  const auto product = [&](int prefix, int rest, double extra) {
+    return products.light(prefix) * extra * products.camera(rest);
+  };
+  const auto portal = [&](int s) {
+    const double g = geometry(x(s), x(s + 1), *place(s).edge);
+    const double extra = mixture.samples_of(Technique::portal, s, k_) * place(s).crossing->density *
+                         (g / walks_[s].common()) / walks_[s + 1].common();
+    return product(s, s + 2, extra);
+  };
+  const double direct = next_event_.of(mixture.through_windows) * (1 / walks_[0].common()) *
+                        mixture.sample_weight(Technique::direct, 1, k_);
+  const double joined = mixture.samples_of(Technique::bi, 0, k_);
+  double total = 0, of_split = 0;  // the latter: of the portal segment used
+  if (mixture.has(Technique::camera)) total += product(0, 0, 1);
+  if (mixture.has(Technique::direct)) total += product(0, 1, direct);
+  const bool joins = mixture.has(Technique::bi), crosses = mixture.has(Technique::portal);
+  for (int s = 0; s <= k_ - 2; ++s) {
+    if (joins && s >= 2) total += product(s, s, joined);
+    if (!crosses || !(place(s).crossing->density > 0)) continue;
+    const double p = portal(s);
+    total += p;
+    if (s == used.split) of_split = p;
+  }
+  if (joins && k_ > 2) total += product(k_ - 1, k_ - 1, joined);
+  const double splats = mixture.samples_of(Technique::light, k_, k_);
+  if (mixture.has(Technique::light)) total += product(k_, k_, splats);
+  const auto [technique, split] = used;
+  if (!mixture.has(technique)) return std::nullopt;
+  const double mine = technique == Technique::portal   ? of_split
+                      : technique == Technique::direct ? product(0, 1, direct)
+                      : technique == Technique::bi     ? product(split, split, joined)
+                      : technique == Technique::light  ? product(k_, k_, splats)
+                                                       : product(0, 0, 1);
+  if (!(total > kTiny && mine > 0)) return std::nullopt;
+  return mine / total;
+}
+
 std::optional<double> Path::weight_by_products(const Mixture& mixture, Strategy used,
                                                double beta) const {
+  if (beta == 1 && !any_dirac_) return balanced_weight(mixture, used);
   const Products products(walks_, walks_, k_);
   double total = 0, mine = 0;
   for_each_strategy(mixture, walks_, [&](Strategy strategy, int prefix, int rest, double extra) {
     // [eq. 7], and [eq. 8] with p_AA in `extra`, over prod q_i.
-    double p = products.light[u(prefix)] * extra * products.camera[u(rest)];
+    double p = products.light(prefix) * extra * products.camera(rest);
     if (beta != 1) p = std::pow(p, beta);
     total += p;
     if (strategy == used) mine = p;
   });
-  constexpr double kTiny = 1e-250;
   if (!(total > kTiny && mine > 0)) return std::nullopt;
   return mine / total;  // the balance heuristic [eq. 6] for beta = 1
 }
@@ -243,7 +310,7 @@ StrategySums Path::sums(const Mixture& mixture, const WalkDensities& d, const Wa
   const Products products(d, unit, k_);
   StrategySums sums;
   for_each_strategy(mixture, unit, [&](Strategy strategy, int prefix, int rest, double extra) {
-    const double counted = products.light[u(prefix)] * extra * products.camera[u(rest)];
+    const double counted = products.light(prefix) * extra * products.camera(rest);
     const double per_sample =
         mixture.sample_weight(strategy.technique, strategy.split, k_) /
         mixture.samples_of(strategy.technique, strategy.split, k_);  // v_s / n_s
@@ -259,9 +326,9 @@ double Path::weight_by_logarithms(const Mixture& mixture, Strategy used, double 
   std::array<double, kMaxDepth + 2> light_part, camera_part;
   camera_part[u(k_)] = light_part[0] = 0;
   for (int i = 0; i < k_; ++i)
-    light_part[u(i + 1)] = light_part[u(i)] + std::log(walks_.light_A[u(i)] / walks_.common(i));
+    light_part[u(i + 1)] = light_part[u(i)] + std::log(walks_[i].light_A / walks_[i].common());
   for (int i = k_ - 1; i >= 0; --i)
-    camera_part[u(i)] = camera_part[u(i + 1)] + std::log(walks_.camera_A[u(i)] / walks_.common(i));
+    camera_part[u(i)] = camera_part[u(i + 1)] + std::log(walks_[i].camera_A / walks_[i].common());
   constexpr double kNone = -std::numeric_limits<double>::infinity();
   const auto log_p = [&](int prefix, int rest, double extra) {
     return light_part[u(prefix)] + std::log(extra) + camera_part[u(rest)];

@@ -19,13 +19,18 @@ struct Strategy {
 
 /// Densities of the vertices x_i of a path, i < k, in walks from the light and from the camera.
 struct WalkDensities {
-  std::array<double, kMaxDepth + 1> light_A;   ///< P>(x_i)
-  std::array<double, kMaxDepth + 1> camera_A;  ///< P<(x_i)
-  /// q_i, more than 0, by which the densities of x_i are divided.
-  double common(int i) const {
-    const double q = light_A[static_cast<size_t>(i)] + camera_A[static_cast<size_t>(i)];
-    return q == 0 ? 1 : q;
-  }
+  struct At {
+    double light_A;   ///< P>(x_i)
+    double camera_A;  ///< P<(x_i)
+    /// q_i, more than 0, by which the densities of x_i are divided.
+    double common() const {
+      const double q = light_A + camera_A;
+      return q == 0 ? 1 : q;
+    }
+  };
+  std::array<At, kMaxDepth + 1> at;
+  At& operator[](int i) { return at[static_cast<size_t>(i)]; }
+  const At& operator[](int i) const { return at[static_cast<size_t>(i)]; }
 };
 
 /// What a mixture's strategies s make of a path together: n_s samples of each in a sample of the
@@ -58,14 +63,12 @@ class Path {
   Path& operator=(const Path&) = delete;
 
   int k() const { return k_; }
-  const Vertex& vertex(int i) const { return *x_[static_cast<size_t>(i)]; }
+  const Vertex& vertex(int i) const { return *place(i).x; }
   /// Whether the path turns at x_i by a Dirac lobe: then no technique can make a connection there.
-  bool dirac(int i) const { return dirac_[static_cast<size_t>(i)]; }
+  bool dirac(int i) const { return place(i).dirac; }
   /// Probability that a walk from the light, from the camera goes on at x_i, 0 < i < k
   /// [roulette.h].
-  double survives(From from, int i) const {
-    return survival_[static_cast<size_t>(from)][static_cast<size_t>(i)];
-  }
+  double survives(From from, int i) const { return place(i).survival[static_cast<size_t>(from)]; }
 
   /// MIS weight of `used` among the strategies of `mixture`, balance heuristic [eq. 6] for beta =
   /// 1, power heuristic for beta = 2. Computed from the path alone. NaN when `used` has no density
@@ -92,6 +95,7 @@ class Path {
                     Strategy used) const;
 
  private:
+  std::optional<double> balanced_weight(const Mixture& mixture, Strategy used) const;
   void fill(const World& world, const Walk& y, int s, const Walk& z, int t,
             const SegmentCrossings* segment, RayCounts& rays);
   void take_light_prefix(const Walk& y, int s);
@@ -117,15 +121,26 @@ class Path {
   template <class Add>
   void for_each_strategy(const Mixture& mixture, const WalkDensities& unit, const Add& add) const;
 
+  // What is known of x_i, side by side: arrays of kMaxDepth numbers each would lie a multiple of
+  // 4096 bytes and a few apart, where a processor takes what is read for what was just written.
+  struct Place {
+    const Vertex* x;
+    const PortalSet::Crossing* crossing;  ///< of x_i -> x_{i+1}
+    const Edge* edge;                     ///< the same, from the end that its walk came from
+    std::array<double, 2> survival;       ///< [From], 1 at both ends
+    bool dirac;
+  };
+  Place& place(int i) { return places_[static_cast<size_t>(i)]; }
+  const Place& place(int i) const { return places_[static_cast<size_t>(i)]; }
+
   const Guide& guide_;
   int k_ = 0;
-  std::array<const Vertex*, kMaxDepth + 1> x_;
-  WalkDensities walks_;
-  NextEventPdf next_event_;  ///< p_nee(x_0): its density as a next event at x_1
-  std::array<const PortalSet::Crossing*, kMaxDepth + 1> crossing_;  ///< of x_i -> x_{i+1}
+  bool any_dirac_ = false;
+  NextEventPdf next_event_;      ///< p_nee(x_0): its density as a next event at x_1
+  std::array<Edge, 3> joint_;    ///< edges that no walk knows, from the light
   PortalSet::Crossing joining_;  ///< where no walk and no segment knows it
-  std::array<bool, kMaxDepth + 1> dirac_;
-  std::array<std::array<double, kMaxDepth + 1>, 2> survival_;  ///< [From][i], 1 at both ends
+  std::array<Place, kMaxDepth + 1> places_;
+  WalkDensities walks_;
 };
 
 }  // namespace tdpt

@@ -51,7 +51,9 @@ TEST(paths_by_hand, weights_survive_products_that_no_double_holds) {
                          : i == 1 ? emission_pdf_A(at(0), between(at(0), v), v)
                                   : scattered(at(i - 2), at(i - 1), v);
     WalkState& state = z.states[static_cast<size_t>(k - i)];
-    if (i > 0) state.pdf_own_A = camera, state.pdf_other_A = light;
+    if (i == 0) continue;
+    state.edge = between(z[k - i - 1], z[k - i]);
+    state.pdf_own_A = camera, state.pdf_other_A = light;
   }
   RayCounts rays;
   const Guide guide(world, tdpt_org.mixture);
@@ -126,6 +128,7 @@ TEST(paths_by_hand, a_vertex_that_no_walk_can_have_made_leaves_the_weights_of_se
   z.v[0].position = x4;
   z.v[1] = vertex(x3, -forward);  // x_2 is behind it
   const Edge film = between(z[0], z[1]);
+  z.states[1].edge = film;
   z.states[1].pdf_own_A = to_area(world.film.pdf_w(film.w), film, z[1]);
   const Vertex end_1 = vertex(x1, side);  // x_2 is behind it, x_0 in front
   const Vertex end_2 = vertex(x2, side - forward);

@@ -89,6 +89,7 @@ bool Walker::extend(const Tracer::Origin& origin, const Vec3d& w, const Rgb& thr
   state.throughput = throughput * static_cast<float>(1 / hit.presence);
   state.pdf_own_A = went_on * plain;
   state.pdf_other_A = 0;
+  state.edge = e;
   state.crossing = crossing(v, next, triangle);
   state.dirac = false;
   if (world_.absorbing && !leaves)

@@ -21,7 +21,8 @@ struct WalkState {
   double pdf_other_A = 0;
   /// Albedo here, by which this walk and, known one vertex later, one from the other end survives.
   double own_survival = 1, other_survival = 1;
-  PortalSet::Crossing crossing{};  ///< of the edge to the vertex before (portals.h)
+  Edge edge{};                     ///< from the vertex before
+  PortalSet::Crossing crossing{};  ///< of that edge (portals.h)
   bool dirac = false;              ///< the walk went on by a Dirac lobe
 };
 
@@ -39,13 +40,10 @@ struct Walk {
   const WalkState& state(int i) const { return states[static_cast<size_t>(i)]; }
 };
 
-/// Direction from vertex i back to the vertex before it, 0 where the walk begins; unit, but where
-/// no more is asked than on which side of the surface it is.
+/// Unit direction from vertex i back to the vertex before it, 0 where the walk begins.
 inline Vec3d back(const Walk& walk, int i) {
   if (i == 0) return {};
-  const Vertex &v = walk[i], &before = walk[i - 1];
-  const bool any_length = v.simple && !before.at_infinity();
-  return any_length ? before.position - v.position : between(v, before).w;
+  return -walk.state(i).edge.w;
 }
 
 /// y_0 alone, a walk of no edges; it has yet to be told where it may aim [Guide::aim_at_light].
