@@ -94,8 +94,13 @@ struct View {
     const Vec3d r = Vec3d(1.0) - (colour(b.f0) * e.a + colour(b.f90) * e.b);
     return max(r, Vec3d(0.0));
   }
-  Vec3d left_over(double mu) const { return left_over(interface_albedo(mu, alpha)); }
-  Vec3d left_over_average() const { return left_over(interface_albedo_average(alpha)); }
+  bool prepared() const { return alpha > 0 && b.row.node >= 0; }
+  Vec3d left_over(double mu) const {
+    return left_over(prepared() ? interface_albedo(mu, b.row) : interface_albedo(mu, alpha));
+  }
+  Vec3d left_over_average() const {
+    return left_over(prepared() ? b.row.average : interface_albedo_average(alpha));
+  }
 
   // Diffuse lobe [1/sr] for two directions on this side.
   Vec3d diffuse(double mu_from, double mu_to) const {

@@ -24,17 +24,24 @@
 #include <cstdint>
 
 #include "libcommon/math/vec.h"
+#include "tools/tdpt-render/path/interface_albedo.h"
 
 namespace tdpt {
 
 struct Bsdf {
-  Rgb diffuse{};      ///< colour under the interface, [0,1]
-  Rgb f0{};           ///< reflectance of the interface at normal incidence
-  Rgb f90{};          ///< and at grazing incidence (Schlick); all 0: no interface
-  Rgb through{};      ///< colour of what goes through; 0: opaque
-  float alpha = 1;    ///< GGX, [0,1]; below 1e-4, or for |eta - 1| < 1e-4 in a solid: smooth
-  float eta = 1;      ///< index behind the front side / before it; used when `through` is not 0
-  bool thin = false;  ///< transmits straight on, without refraction
+  Rgb diffuse{};       ///< colour under the interface, [0,1]
+  Rgb f0{};            ///< reflectance of the interface at normal incidence
+  Rgb f90{};           ///< and at grazing incidence (Schlick); all 0: no interface
+  Rgb through{};       ///< colour of what goes through; 0: opaque
+  float alpha = 1;     ///< GGX, [0,1]; below 1e-4, or for |eta - 1| < 1e-4 in a solid: smooth
+  float eta = 1;       ///< index behind the front side / before it; used when `through` is not 0
+  bool thin = false;   ///< transmits straight on, without refraction
+  InterfaceRow row{};  ///< of alpha, where many will ask [prepare()]
+
+  /// After alpha is set; what is not prepared is found each time, to the same bits.
+  void prepare() {
+    if (alpha > 0) row = interface_row(double{alpha});
+  }
 
   /// One diffuse lobe and nothing else.
   bool only_diffuse() const {

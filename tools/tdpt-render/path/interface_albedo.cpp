@@ -106,10 +106,24 @@ size_t node(double x, size_t nodes, double& rest) {
 
 InterfaceAlbedo interface_albedo(double mu, double alpha) {
   if (!(alpha > 0)) return {1 - schlick(mu), schlick(mu)};
-  double s, t;
-  const size_t k = node(alpha, kAlpha, s), i = node(mu, kMu, t);
+  InterfaceRow row;
+  row.node = static_cast<int>(node(alpha, kAlpha, row.rest));
+  return interface_albedo(mu, row);
+}
+
+InterfaceAlbedo interface_albedo(double mu, const InterfaceRow& row) {
+  double t;
+  const size_t k = static_cast<size_t>(row.node), i = node(mu, kMu, t);
+  const double s = row.rest;
   const Table& e = table();
   return mix(mix(e.at[k][i], e.at[k][i + 1], t), mix(e.at[k + 1][i], e.at[k + 1][i + 1], t), s);
+}
+
+InterfaceRow interface_row(double alpha) {
+  InterfaceRow row;
+  row.node = static_cast<int>(node(alpha, kAlpha, row.rest));
+  row.average = interface_albedo_average(alpha);
+  return row;
 }
 
 InterfaceAlbedo interface_albedo_average(double alpha) {

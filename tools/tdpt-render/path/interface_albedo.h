@@ -20,8 +20,18 @@ inline double schlick(double cos) {
   return m2 * m2 * m;
 }
 
+/// What is known of alpha, for many cosines.
+struct InterfaceRow {
+  int node = -1;  ///< of the table; -1: not told
+  double rest = 0;
+  InterfaceAlbedo average{};  ///< interface_albedo_average()
+};
+/// alpha in (0,1].
+InterfaceRow interface_row(double alpha);
+
 /// At cosine `mu` in [0,1] to the normal; alpha in [0,1].
 InterfaceAlbedo interface_albedo(double mu, double alpha);
+InterfaceAlbedo interface_albedo(double mu, const InterfaceRow& row);
 /// Average over cosine-distributed directions.
 InterfaceAlbedo interface_albedo_average(double alpha);
 

@@ -39,6 +39,7 @@ Bsdf bsdf_of(const Scene& scene, const Material& m, const SurfacePlace& place) {
   b.alpha = roughness * roughness;
   b.eta = m.ior;
   b.thin = !m.solid;
+  if (!b.only_diffuse()) b.prepare();
   return b;
 }
 
