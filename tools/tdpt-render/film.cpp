@@ -29,6 +29,7 @@ Film::Film(int width, int height, double power, Options options)
     : width_(width),
       height_(height),
       unit_(power_of_two(power) * 0x1p-64),
+      per_unit_(1 / unit_),
       square_unit_(power_of_two(power) * power_of_two(power) * kSquareUnit),
       options_(std::move(options)) {
   clear();
@@ -48,8 +49,8 @@ void Film::clear() {
 bool Film::add(Plane& plane, int x, int y, const Vec3d& radiance, uint64_t coin) {
   std::array<Units, 3> units;
   for (size_t c = 0; c < 3; ++c)
-    if (!to_units(radiance[static_cast<int>(c)], unit_, std::rotl(coin, 21 * static_cast<int>(c)),
-                  units[c]))
+    if (!to_units(radiance[static_cast<int>(c)], per_unit_,
+                  std::rotl(coin, 21 * static_cast<int>(c)), units[c]))
       return false;
   FixedSum* sums =
       &plane[3 * (static_cast<size_t>(y) * static_cast<size_t>(width_) + static_cast<size_t>(x))];
@@ -108,7 +109,7 @@ void Film::complete(const SampleRange& range) {
     }
     const double y = luminance_of(brought);
     Units units;
-    if (to_units(std::min(y * y, kMostSquared * square_unit_), square_unit_,
+    if (to_units(std::min(y * y, kMostSquared * square_unit_), 1 / square_unit_,
                  mix64(mix64(i) + range.first), units))
       squares_[i].add(units);
   }

@@ -101,7 +101,7 @@ class Film {
   void add_range(const SampleRange& range);
 
   int width_, height_;
-  double unit_, square_unit_;
+  double unit_, per_unit_, square_unit_;
   Options options_;
   Plane picture_;
   std::array<Plane, kMostLayers> layers_;

@@ -13,9 +13,9 @@ namespace tdpt {
 using Units = unsigned __int128;
 
 /// At most 2^110 units, so that 2^18 of the largest fit into a sum. False for what is negative, not
-/// finite or larger. `coin`: uniform in 0..2^64-1; `unit`: a power of two.
-inline bool to_units(double value, double unit, uint64_t coin, Units& units) {
-  const double scaled = value / unit;
+/// finite or larger. `coin`: uniform in 0..2^64-1; `per_unit`: 1 / unit, a power of two.
+inline bool to_units(double value, double per_unit, uint64_t coin, Units& units) {
+  const double scaled = value * per_unit;
   units = 0;
   if (!(scaled >= 0 && scaled < 0x1p110)) return false;
   if (scaled < 0x1p53) {
@@ -65,18 +65,18 @@ class FixedSum {
 class UnitSum {
  public:
   UnitSum() = default;
-  explicit UnitSum(double unit) : unit_(unit) {}
+  explicit UnitSum(double unit) : unit_(unit), per_unit_(1 / unit) {}
   /// Rounds down: for what is reported and not seen. Leaves out what cannot be held.
   void add(double value) {
     Units units;
-    if (to_units(value, unit_, ~uint64_t{0}, units)) units_ += units;
+    if (to_units(value, per_unit_, ~uint64_t{0}, units)) units_ += units;
   }
   void merge(const UnitSum& other) { units_ += other.units_; }
   operator double() const { return from_units(units_, unit_); }
 
  private:
   Units units_ = 0;
-  double unit_ = 1;
+  double unit_ = 1, per_unit_ = 1;
 };
 
 }  // namespace tdpt
