@@ -123,7 +123,7 @@ class PathSampler {
   void join_drawn(const End& end, int edges);
   /// join() of two ends that were estimated under this number.
   Rgb joined(const End& l, const End& c, size_t number) const;
-  /// What all segments bring to z_{t-1}, of the i-th to estimates_[(t-2) row + i], a row for each t.
+  /// What all segments bring to z_{t-1}, the i-th to estimates_[(t-2) row + i]: a row for each t.
   void estimate_segments(int t);
   // Of segments [segment_sampler.cpp].
   /// Whether it joins anything.
