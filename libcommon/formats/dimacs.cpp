@@ -11,9 +11,14 @@ namespace tdpt {
 namespace {
 using namespace patch_lines;
 
+// Nodes that no line names are legal, and a solver pays for each; so many are given, and as many as
+// the file has bytes.
+constexpr int64_t kNodesForNothing = 1 << 20;
+
 class DimacsReader {
  public:
-  DimacsReader(std::string_view text, const std::string& file) : in_(text, file) {}
+  DimacsReader(std::string_view text, const std::string& file)
+      : in_(text, file), most_nodes_(kNodesForNothing + static_cast<int64_t>(text.size())) {}
 
   DimacsFile read() {
     in_.expect_text("a DIMACS maximum-flow problem such as ffgraph writes");
@@ -84,6 +89,9 @@ class DimacsReader {
     const std::string_view kind = in_.word();
     if (kind != "max") in_.fail(TextLines::found(kind) + " as problem, expected max");
     net().nodes = static_cast<uint32_t>(in_.integer("number of nodes", 2, INT32_MAX));
+    if (net().nodes > most_nodes_)
+      in_.fail(fmt::format("{} nodes in a file of {} bytes, expected at most {}", net().nodes,
+                           most_nodes_ - kNodesForNothing, most_nodes_));
     announced_arcs_ = in_.integer("number of arcs", 0, INT32_MAX);
     in_.end();
   }
@@ -158,6 +166,7 @@ class DimacsReader {
   NodeIndex index_;
   SkyBinsSeen bins_;
   std::optional<uint32_t> source_, sink_;
+  const int64_t most_nodes_;
   int64_t announced_arcs_ = 0, capacity_sum_ = 0;
   bool has_grid_ = false;
 };

@@ -116,6 +116,8 @@ TEST(dimacs, says_what_is_wrong_and_where) {
       {"p min 4 2\n", "line 1: 'min' as problem, expected max"},
       {"p max 1 2\n",
        "line 1: '1' as number of nodes, expected a whole number from 2 to 2147483647"},
+      {"p max 2147483647 0\n",
+       "line 1: 2147483647 nodes in a file of 19 bytes, expected at most 1048595"},
       {"p max 4 -1\n",
        "line 1: '-1' as number of arcs, expected a whole number from 0 to 2147483647"},
       {"p max 4 2 7\n", "line 1: '7' found, expected the end of the line"},
