@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "libcommon/base/error.h"
+#include "libcommon/base/shown.h"
 
 namespace tdpt {
 namespace {
@@ -68,7 +69,7 @@ class Reader {
     line("its first line");
     for (std::string_view text; !(text = line("an empty line")).empty();) {
       if (text.starts_with("FORMAT=") && text != "FORMAT=32-bit_rle_rgbe")
-        fail("header", fmt::format("\"{}\", expected FORMAT=32-bit_rle_rgbe", text.substr(0, 60)));
+        fail("header", fmt::format("\"{}\", expected FORMAT=32-bit_rle_rgbe", shown(text, 60)));
       if (text.starts_with("EXPOSURE=")) divide_by<1>(text.substr(9));
       if (text.starts_with("COLORCORR=")) divide_by<3>(text.substr(10));
     }
@@ -84,7 +85,7 @@ class Reader {
         while (at < end && *at == ' ') ++at;
         const auto [next, error] = std::from_chars(at, end, value);
         if (error != std::errc() || !(value > 0) || !std::isfinite(value))
-          fail("header", fmt::format("\"{}\" as exposure, expected {} above 0", numbers,
+          fail("header", fmt::format("\"{}\" as exposure, expected {} above 0", shown(numbers, 60),
                                      n == 1 ? "a number" : "three numbers"));
         at = next;
       }
@@ -99,7 +100,7 @@ class Reader {
     if (text.size() > 60 ||
         std::sscanf(text.c_str(), "-Y %ld +X %ld%n", &height, &width, &used) != 2 ||
         static_cast<size_t>(used) != text.size())
-      fail("header", fmt::format("\"{}\", expected \"-Y HEIGHT +X WIDTH\"", text.substr(0, 60)));
+      fail("header", fmt::format("\"{}\", expected \"-Y HEIGHT +X WIDTH\"", shown(text, 60)));
     if (width < 1 || height < 1 || width > most_width || height > most_height)
       fail("header", fmt::format("{} x {} pixels, expected at most {} x {}", width, height,
                                  most_width, most_height));

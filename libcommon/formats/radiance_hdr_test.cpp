@@ -117,6 +117,8 @@ TEST(RadianceHdr, SaysWhatIsWrongAndWhere) {
             "a.hdr:row 0: a run that does not fit the row");
   EXPECT_EQ(complaint(header(3, 1) + kTexel + repeated(bytes({1, 1, 1, 0}), 4)),
             "a.hdr:row 0: a run that does not fit the row");
+  EXPECT_EQ(complaint("#?RADIANCE\n\n-Y\r\x1b[2J\n"),
+            "a.hdr:header: \"-Y??[2J\", expected \"-Y HEIGHT +X WIDTH\"");
 }
 
 // Read, or refused; under the sanitizers nothing else happens.

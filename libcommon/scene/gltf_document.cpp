@@ -7,6 +7,7 @@
 
 #include "libcommon/base/file.h"
 #include "libcommon/base/hash.h"
+#include "libcommon/base/shown.h"
 
 namespace tdpt::gltf {
 namespace {
@@ -68,7 +69,7 @@ Json parse(std::string_view text, const std::string& file) {
 void check_version(const Document& d) {
   const std::string version = d.json["asset"].value("version", "");
   if (version.substr(0, 2) != "2." && version != "2")
-    d.fail("asset.version", fmt::format("is \"{}\", expected \"2.0\"", version.substr(0, 20)));
+    d.fail("asset.version", fmt::format("is \"{}\", expected \"2.0\"", shown(version, 20)));
 }
 
 void check_extensions(const Document& d) {
@@ -78,7 +79,7 @@ void check_extensions(const Document& d) {
     if (std::find(kSupported.begin(), kSupported.end(), name) == kSupported.end())
       d.fail("extensionsRequired",
              fmt::format("\"{}\" is not supported, expected a scene exported without it",
-                         name.substr(0, 60)));
+                         shown(name, 60)));
   }
 }
 
@@ -133,7 +134,8 @@ void load_model(Document& d) {
   } catch (const Json::exception& e) {
     error = e.what();
   }
-  if (!loaded) d.fail("JSON", "is no valid glTF: " + error.substr(0, error.find_first_of("\r\n")));
+  if (!loaded)
+    d.fail("JSON", "is no valid glTF: " + shown(error.substr(0, error.find_first_of("\r\n")), 200));
 }
 
 }  // namespace

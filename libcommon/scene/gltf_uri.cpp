@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "libcommon/base/file.h"
+#include "libcommon/base/shown.h"
 #include "libcommon/scene/gltf_document.h"
 
 namespace tdpt::gltf {
@@ -59,13 +60,6 @@ std::string percent_decode(std::string_view text) {
     }
   }
   return out;
-}
-
-/// What of a URI may stand in a message: short, and one line.
-std::string shown(const std::string& uri) {
-  std::string out;
-  for (char c : uri.substr(0, 80)) out += static_cast<unsigned char>(c) < 32 || c == 127 ? '?' : c;
-  return uri.size() > 80 ? out + "..." : out;
 }
 
 bool is_below(const fs::path& file, const fs::path& folder) {

@@ -95,6 +95,10 @@ void json(MalformedList& l) {
     l.replace(std::string("requires-") + name, "/extensionsRequired", Json::array({name}),
               std::string("extensionsRequired: \"") + name +
                   "\" is not supported, expected a scene exported without it");
+  l.replace("requires-control-characters", "/extensionsRequired",
+            Json::array({"two\nlines\x1b[2J"}),
+            "extensionsRequired: \"two?lines?[2J\" is not supported, expected a scene exported "
+            "without it");
   l.replace("extensions-list", "/extensionsUsed", "x",
             "extensionsUsed: is \"x\", expected an array");
   l.replace("extensions-names", "/extensionsUsed", {1},

@@ -1,0 +1,17 @@
+// What of a foreign text may stand in a message.
+#pragma once
+#include <string>
+#include <string_view>
+
+namespace tdpt {
+
+/// The beginning of `text`, with "..." where it is longer than `most` bytes, on one line: control
+/// characters, which could also command a terminal, show as '?'.
+inline std::string shown(std::string_view text, size_t most = 80) {
+  std::string out;
+  for (const char c : text.substr(0, most))
+    out += static_cast<unsigned char>(c) < 32 || c == 127 ? '?' : c;
+  return text.size() > most ? out + "..." : out;
+}
+
+}  // namespace tdpt
