@@ -18,6 +18,7 @@
 #   make efficiency-references   its references that are missing or out of date, in testdata/references/efficiency
 #   make install   programs and man pages under PREFIX (and DESTDIR)
 #   make sanitize  builds with the sanitizers into build-sanitize and runs every test there
+#   make fuzz      libFuzzer on every reader, SECONDS=60 each, with clang (TARGETS="scene cut": these): doc/fuzzing.md
 #   make packages  installs the Debian packages of cmake/packages*.txt that are missing
 #   make format    clang-format over all sources
 #   make clean     removes what was built
@@ -29,7 +30,7 @@ TEST_STATUS ?=
 # All that is there to run; `make build` adds every test and benchmark.
 PROGRAMS = ffgraph mincut lightgrid portalfit tdpt-render exrdiff
 
-.PHONY: all build programs demo figures stages portals regret tradeoff whole-light target-error sky grid-speed limit bench bench-efficiency efficiency-references test install sanitize packages format clean
+.PHONY: all build programs demo figures stages portals regret tradeoff whole-light target-error sky grid-speed limit bench bench-efficiency efficiency-references test install sanitize fuzz packages format clean
 all: build
 
 build:
@@ -131,6 +132,13 @@ sanitize: packages
 	@cmake --build --preset sanitize --parallel $(JOBS)
 	@ctest --preset sanitize --parallel $(JOBS)
 
+fuzz:
+	@sh cmake/install-packages.sh
+	@sh cmake/install-packages.sh cmake/packages-fuzz.txt
+	@cmake --preset fuzz --log-level=WARNING
+	@cmake --build --preset fuzz --parallel $(JOBS)
+	@FUZZ_SECONDS="$(or $(SECONDS),60)" MERGE="$(MERGE)" sh libcommon/testing/fuzz.sh build-fuzz/bin testdata build-fuzz/fuzz $(TARGETS)
+
 install: build
 	@cmake --install build --prefix "$(PREFIX)"
 
@@ -139,4 +147,4 @@ format:
 	@git ls-files -z '*.h' '*.cpp' | xargs -0 clang-format -i
 
 clean:
-	@rm -rf build build-dev build-sanitize demo
+	@rm -rf build build-dev build-sanitize build-fuzz demo

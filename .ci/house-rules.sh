@@ -39,7 +39,7 @@ BEGIN {
 {
   split($1, from, "/")
   split($3, to, "/")
-  test = $1 ~ /_(test|bench)\.cpp$/ || $1 ~ /^(bench|libcommon\/testing)\// || $1 ~ /\/test_[^\/]*\.h$/
+  test = $1 ~ /_(test|bench|fuzz)\.cpp$/ || $1 ~ /^(bench|libcommon\/testing)\// || $1 ~ /\/test_[^\/]*\.h$/
   if (to[1] == "tools") {
     if (from[1] != "tools") bad("nothing outside a tool includes a tool")
     else if (from[2] != to[2]) bad("a tool never includes another")

@@ -48,6 +48,31 @@ function(tdpt_bench name)
   endif()
 endfunction()
 
+# tdpt_fuzz(name SOURCES ... LINK ...): a target of libFuzzer, LLVMFuzzerTestOneInput of bytes that a reader must
+# read or refuse. With TDPT_FUZZ it is the program <name>_fuzz, one of `fuzzers`; else <name>_replay, which runs
+# it on stored inputs, those of testdata/fuzz/<name> as the test fuzz.<name>.
+function(tdpt_fuzz name)
+  cmake_parse_arguments(A "" "" "SOURCES;LINK" ${ARGN})
+  if(TDPT_FUZZ)
+    add_executable(${name}_fuzz EXCLUDE_FROM_ALL ${A_SOURCES})
+    target_link_libraries(${name}_fuzz PRIVATE ${A_LINK})
+    target_link_options(${name}_fuzz PRIVATE -fsanitize=fuzzer)
+    if(NOT TARGET fuzzers)
+      add_custom_target(fuzzers)
+    endif()
+    add_dependencies(fuzzers ${name}_fuzz)
+  elseif(BUILD_TESTING)
+    add_executable(${name}_replay ${A_SOURCES})
+    target_link_libraries(${name}_replay PRIVATE ${A_LINK} fuzz_replay)
+    set(folder ${CMAKE_SOURCE_DIR}/testdata/fuzz/${name})
+    if(IS_DIRECTORY ${folder})
+      add_test(NAME fuzz.${name} COMMAND ${name}_replay ${folder})
+      set_tests_properties(fuzz.${name} PROPERTIES LABELS fuzz TIMEOUT 120 ENVIRONMENT
+                           LSAN_OPTIONS=suppressions=${CMAKE_SOURCE_DIR}/libcommon/testing/lsan.supp)
+    endif()
+  endif()
+endfunction()
+
 # tdpt_shaders(target a/NAME.comp ...): kernels, compiled into the target; paths from the source root. C++
 # includes "shaders/NAME.h" for the span NAME_spv. Each kernel belongs to one target. It is a test that its
 # arithmetic is exact (cmake/spirv-exact.sh); with INEXACT the test is that this finds it is not.

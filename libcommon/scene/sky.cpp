@@ -172,7 +172,8 @@ Rgb Sky::radiance(const Place& place) const {
   if (one_colour()) {
     sum = map_.texels[0];
   } else if (!map_.texels.empty()) {
-    const auto& [w, c, at] = place;
+    const Cell& c = place.cell;
+    const std::array<size_t, 4>& at = place.texels;
     const auto row = [&](size_t left, size_t right) {
       return map_.texels[left] * static_cast<float>(1 - c.across) +
              map_.texels[right] * static_cast<float>(c.across);

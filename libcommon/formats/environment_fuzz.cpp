@@ -1,0 +1,18 @@
+// Any bytes as what surrounds a scene; what is read can be lit by.
+#include "libcommon/formats/environment.h"
+
+#include <cmath>
+
+#include "libcommon/testing/fuzz.h"
+
+using namespace tdpt;
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  testing::reads([&] {
+    const Sky::Map map = parse_environment(testing::text_of(data, size), "input");
+    for (const Rgb& p : map.texels)
+      for (int c = 0; c < 3; ++c)
+        testing::require(p[c] >= 0 && std::isfinite(p[c]), "a radiance is not negative");
+  });
+  return 0;
+}

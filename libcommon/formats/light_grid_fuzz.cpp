@@ -1,0 +1,50 @@
+// Any bytes as a light grid. What is read lies in its box, and can be written and read again.
+#include "libcommon/formats/light_grid.h"
+
+#include <cstdlib>
+#include <new>
+
+#include "libcommon/testing/fuzz.h"
+
+using namespace tdpt;
+
+// OpenVDB asks for whatever length a block of it declares, before it reads that. Where there is
+// memory it takes none of it, the system gives pages when they are used; else it must be refused.
+void* operator new(size_t size) {
+  void* const memory = size >> 30 ? nullptr : std::malloc(size);
+  if (!memory) throw std::bad_alloc();
+  return memory;
+}
+void* operator new[](size_t size) {
+  return operator new(size);
+}
+void operator delete(void* memory) noexcept {
+  std::free(memory);
+}
+void operator delete(void* memory, size_t) noexcept {
+  std::free(memory);
+}
+void operator delete[](void* memory) noexcept {
+  std::free(memory);
+}
+void operator delete[](void* memory, size_t) noexcept {
+  std::free(memory);
+}
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  using testing::require;
+  LightGrid a;
+  if (!testing::reads([&] { a = read_light_grid(testing::file_of(testing::text_of(data, size))); }))
+    return 0;
+  const size_t n = a.count.size();
+  require(a.air.size() == n && a.direction.size() == n, "a voxel has all three values");
+  if (n > 4096) return 0;  // the rest takes long
+  const LightGrid b = read_light_grid(testing::file_of(light_grid_bytes(a)));
+  require(a.dim == b.dim && a.voxel == b.voxel && a.origin == b.origin && a.count == b.count &&
+              a.air == b.air && a.direction == b.direction,
+          "voxels come back");
+  require(a.lines.size() == b.lines.size() && a.probes.size() == b.probes.size() &&
+              a.cuts.size() == b.cuts.size(),
+          "lines come back");
+  return 0;
+}

@@ -1,0 +1,69 @@
+#!/bin/sh
+# fuzz.sh BIN TESTDATA WORK [TARGET ...]: runs libFuzzer's targets BIN/TARGET_fuzz, all of them if none is named, each
+# for FUZZ_SECONDS (60). Inputs: TESTDATA/fuzz/TARGET and the files of its format elsewhere in TESTDATA; what brings new edges
+# stays in WORK/corpus/TARGET, what breaks a target in WORK/findings, and then the exit code is 1.
+# A line for each: its edges, runs and the inputs that are kept.
+# MERGE=1 makes TESTDATA/fuzz/TARGET anew instead: the fewest inputs that have all edges, each of 4 KiB at most, and those
+# named found-*.
+set -u
+bin=${1:?usage: fuzz.sh BIN TESTDATA WORK [TARGET ...]} testdata=${2:?} work=${3:?}
+shift 3
+# planted: its faults are meant.
+[ $# -gt 0 ] || for program in "$bin"/*_fuzz; do
+  target=$(basename "$program" _fuzz)
+  [ "$target" = planted ] || set -- "$@" "$target"
+done
+seconds=${FUZZ_SECONDS:-60}
+testing=$(dirname "$0")
+mkdir -p "$work/findings" || exit 2
+# Files of a run lie in memory where there is room.
+files=$(mktemp -d /dev/shm/tdpt-fuzz.XXXXXX 2>/dev/null || mktemp -d) || exit 2
+trap 'rm -rf "$files"' EXIT
+trap 'exit 2' HUP INT TERM
+export TMPDIR="$files"
+# Memory from a target's own operator new goes back by free() within the libraries.
+export ASAN_OPTIONS="${ASAN_OPTIONS:-detect_container_overflow=0:alloc_dealloc_mismatch=0}"
+export UBSAN_OPTIONS="${UBSAN_OPTIONS:-print_stacktrace=1}"
+export LSAN_OPTIONS="${LSAN_OPTIONS:-suppressions=$testing/lsan.supp:print_suppressions=0}"
+
+# Folders of the format's files in TESTDATA.
+seeds_of() {
+  case $1 in
+  scene | portal) echo "$testdata/scenes $testdata/malformed" ;;
+  environment) echo "$testdata/environments" ;;
+  esac
+}
+
+failed=0
+for target in "$@"; do
+  stored=$testdata/fuzz/$target corpus=$work/corpus/$target log=$work/$target.log
+  seeds=$(seeds_of "$target")
+  mkdir -p "$corpus" "$stored" || exit 2
+  [ -x "$bin/${target}_fuzz" ] || { echo "fuzz: $bin/${target}_fuzz is missing"; failed=1; continue; }
+  # No header's word is worth more than this at once: 2^26 texels of a texture, 2^27 samples of a picture.
+  limits="-rss_limit_mb=2048 -malloc_limit_mb=600 -timeout=20"
+  # OpenVDB declares lengths, see light_grid_fuzz.cpp.
+  [ "$target" = light_grid ] && limits="-rss_limit_mb=3072 -malloc_limit_mb=1100 -timeout=20"
+  [ -f "$testdata/fuzz/$target.dict" ] && limits="$limits -dict=$testdata/fuzz/$target.dict"
+  if [ "${MERGE:-0}" = 1 ]; then
+    mkdir "$files/merged" || exit 2
+    # shellcheck disable=SC2086 # limits and seeds are words
+    "$bin/${target}_fuzz" -merge=1 -max_len=4096 $limits "$files/merged" "$stored" "$corpus" $seeds >"$log" 2>&1 ||
+      { echo "fuzz: $target: merging fails, see $log"; failed=1; continue; }
+    cp "$stored"/found-* "$files/merged" 2>/dev/null # what once broke the target stays
+    rm -rf "$stored" && cp -R "$files/merged" "$stored" && rm -rf "$files/merged"
+    echo "$target: $(find "$stored" -type f | wc -l) inputs"
+    continue
+  fi
+  # shellcheck disable=SC2086
+  "$bin/${target}_fuzz" -max_total_time="$seconds" -max_len=65536 $limits -print_final_stats=1 \
+    -artifact_prefix="$work/findings/$target-" "$corpus" "$stored" $seeds >"$log" 2>&1
+  status=$?
+  awk -v target="$target" -v status="$status" '
+    / cov: / { for (i = 1; i < NF; ++i) { if ($i == "cov:") cov = $(i + 1); if ($i == "corp:") corp = $(i + 1) } }
+    /number_of_executed_units/ { runs = $2 }
+    END { printf "%-12s %6d edges %10d runs %6s inputs%s\n", target, cov, runs, corp, status ? "  FOUND SOMETHING" : "" }
+  ' "$log"
+  [ "$status" = 0 ] || { failed=1; grep -aE 'ERROR|runtime error|broken promise|artifact|Test unit' "$log" | head -5; }
+done
+exit "$failed"
