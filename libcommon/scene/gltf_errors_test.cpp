@@ -137,6 +137,7 @@ TEST(Size, ImagesThatWouldFillTheMemoryAreRefusedBeforeTheyDo) {
   const int p = b.floats({0, 0, 0, 1, 0, 0, 0, 1, 0}, 3);
   std::string image = png_of(1, 1, "\1\2\3\4");  // claims 8192 x 8192 texels
   image.replace(16, 8, std::string("\0\0\x20\0\0\0\x20\0", 8));
+  image += std::string(300000, '\0');  // which so many bytes could hold
   for (int i = 0; i < 5; ++i) {
     const int material = b.material(
         {{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", b.texture(image)}}}}}});

@@ -1,12 +1,11 @@
 #include "libcommon/scene/gltf_textures.h"
 
 #include <fmt/format.h>
-#include <stb/stb_image.h>
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <memory>
 
+#include "libcommon/scene/gltf_images.h"
 #include "libcommon/scene/srgb.h"
 
 namespace tdpt::gltf {
@@ -18,11 +17,6 @@ using Json = nlohmann::json;
 constexpr int64_t kMostTexels = int64_t{1} << 26, kMostTexelsOfAll = int64_t{1} << 28;
 
 constexpr int kRepeat = 10497, kMirror = 33648, kNearest = 9728;
-
-/// glTF knows these two; what else the decoder knows stays out of reach of a foreign file.
-bool is_png_or_jpeg(std::string_view bytes) {
-  return bytes.starts_with("\x89PNG\r\n\x1a\n") || bytes.starts_with("\xff\xd8\xff");
-}
 
 /// KHR_texture_transform: scale, then rotate, then move. The rotation turns the coordinates
 /// counter-clockwise as seen on the image, whose v runs downwards.
@@ -64,23 +58,13 @@ std::optional<Image> TextureReader::decode(size_t index) {
     }
     bytes = owned;
   }
-  if (!is_png_or_jpeg(bytes) || bytes.size() > (size_t{1} << 30)) return {};
-  const auto* data = reinterpret_cast<const stbi_uc*>(bytes.data());
-  const int size = static_cast<int>(bytes.size());
-  Image out;
-  int channels = 0;
-  if (!stbi_info_from_memory(data, size, &out.width, &out.height, &channels)) return {};
-  const int64_t texels = int64_t{out.width} * out.height;
-  if (texels > kMostTexels) return {};
-  texels_ += texels;
+  const std::optional<int64_t> texels = texels_declared(bytes);
+  if (!texels || *texels > kMostTexels) return {};
+  texels_ += *texels;
   if (texels_ > kMostTexelsOfAll)
     document_.fail(where, fmt::format("brings the scene to {} texels, expected at most {}", texels_,
                                       kMostTexelsOfAll));
-  const std::unique_ptr<stbi_uc, void (*)(void*)> rgba(
-      stbi_load_from_memory(data, size, &out.width, &out.height, &channels, 4), stbi_image_free);
-  if (!rgba || out.width <= 0 || out.height <= 0) return {};
-  out.texels.assign(rgba.get(), rgba.get() + 4 * texels);
-  return out;
+  return decode_image(bytes);
 }
 
 TextureReader::Decoded& TextureReader::decoded(size_t index) {

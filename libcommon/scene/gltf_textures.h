@@ -1,5 +1,4 @@
-// Textures of materials: which image, decoded once, and how it is reached. Internal to this room;
-// stb_image stays behind it.
+// Textures of materials: which image, decoded once, and how it is reached. Internal to this room.
 #pragma once
 #include <array>
 #include <map>

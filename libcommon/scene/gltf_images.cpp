@@ -1,0 +1,73 @@
+// stb_image, compiled here: for the two formats that glTF knows alone, and with memory that is
+// zero. Where a damaged JPEG ends early, or lacks the scan of a colour, the decoder goes on with
+// what it finds there, which from malloc would be another image in each run.
+#include "libcommon/scene/gltf_images.h"
+
+#include <cstdlib>
+#include <memory>
+
+#define STB_IMAGE_IMPLEMENTATION
+#define STB_IMAGE_STATIC
+#define STBI_ONLY_PNG
+#define STBI_ONLY_JPEG
+#define STBI_NO_STDIO
+#define STBI_MALLOC(size) std::calloc(size, 1)
+#define STBI_REALLOC(pointer, size) std::realloc(pointer, size)
+#define STBI_FREE(pointer) std::free(pointer)
+#include <stb/stb_image.h>
+
+namespace tdpt::gltf {
+namespace {
+
+constexpr std::string_view kPng = "\x89PNG\r\n\x1a\n", kJpeg = "\xff\xd8\xff";
+
+const stbi_uc* data_of(std::string_view bytes) {
+  return reinterpret_cast<const stbi_uc*>(bytes.data());
+}
+
+// Bytes that the rows of a PNG have before they are deflated; its header comes first in the file.
+// An interlaced one has some more.
+int64_t bytes_of_rows(std::string_view png, int64_t width, int64_t height) {
+  constexpr size_t kDepth = 24, kColour = 25;
+  const int bits = png[kDepth];
+  const int channels = png[kColour] == 2 ? 3 : png[kColour] == 4 ? 2 : png[kColour] == 6 ? 4 : 1;
+  return height * (1 + (width * bits * channels + 7) / 8);
+}
+
+// Whether so many texels can stand in so few bytes. Deflate expands a byte to 1032 at most, and a
+// JPEG spends a bit on each block of 8 x 8.
+bool can_hold(std::string_view bytes, int64_t width, int64_t height) {
+  const auto size = static_cast<int64_t>(bytes.size());
+  if (bytes.starts_with(kPng)) return bytes_of_rows(bytes, width, height) <= 1032 * size;
+  return width * height / 64 <= 8 * size;
+}
+
+}  // namespace
+
+std::optional<int64_t> texels_declared(std::string_view bytes) {
+  const bool png =
+      bytes.starts_with(kPng) && bytes.size() > 12 && bytes.substr(12).starts_with("IHDR");
+  const bool known = png || bytes.starts_with(kJpeg);
+  if (!known || bytes.size() > (size_t{1} << 30)) return {};
+  int width = 0, height = 0, channels = 0;
+  if (!stbi_info_from_memory(data_of(bytes), static_cast<int>(bytes.size()), &width, &height,
+                             &channels))
+    return {};
+  if (width < 1 || height < 1 || !can_hold(bytes, width, height)) return {};
+  return int64_t{width} * height;
+}
+
+std::optional<Image> decode_image(std::string_view bytes) {
+  Image out;
+  int channels = 0;
+  const std::unique_ptr<stbi_uc, void (*)(void*)> rgba(
+      stbi_load_from_memory(data_of(bytes), static_cast<int>(bytes.size()), &out.width, &out.height,
+                            &channels, 4),
+      stbi_image_free);
+  if (!rgba || out.width < 1 || out.height < 1) return {};
+  out.texels.assign(rgba.get(), rgba.get() + size_t{4} * static_cast<size_t>(out.width) *
+                                                 static_cast<size_t>(out.height));
+  return out;
+}
+
+}  // namespace tdpt::gltf
