@@ -21,6 +21,8 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
+#include "libcommon/base/shown.h"
+#include "libcommon/formats/exr_attributes.h"
 #include "libcommon/formats/png.h"
 
 namespace tdpt {
@@ -29,7 +31,8 @@ namespace {
 constexpr int largest_side = 65536;
 // Bounds on what the library allocates before it has seen any pixel; samples are 4 bytes.
 constexpr int64_t most_samples_in_a_row = int64_t(1) << 22;
-constexpr int64_t most_samples_in_a_tile = int64_t(1) << 28;
+constexpr int64_t most_samples_in_a_tile = int64_t(1) << 26;
+constexpr int64_t most_samples_in_a_chunk = int64_t(1) << 27;
 constexpr int64_t most_samples = int64_t(1) << 32;
 // Rows are read in blocks of this many, so that a file cut short fails before its picture is
 // allocated; 256 is the largest number of scan lines in one chunk (DWAB).
@@ -92,7 +95,7 @@ std::string channel_names(const Imf::ChannelList& channels) {
   std::string names;
   int n = 0;
   for (auto c = channels.begin(); c != channels.end(); ++c, ++n)
-    if (n < 8) names += fmt::format("{}{}", n ? " " : "", c.name());
+    if (n < 8) names += fmt::format("{}{}", n ? " " : "", shown(c.name()));
   if (n > 8) names += " ...";
   return n ? names : "none";
 }
@@ -101,6 +104,24 @@ std::string channel_names(const Imf::ChannelList& channels) {
 Vec3<int64_t> extent(const Imath::Box2i& box) {
   return {std::max<int64_t>(0, int64_t(box.max.x) - box.min.x + 1),
           std::max<int64_t>(0, int64_t(box.max.y) - box.min.y + 1), 0};
+}
+
+// Scan lines that are compressed as one.
+int64_t rows_in_chunk(Imf::Compression compression) {
+  switch (compression) {
+    case Imf::ZIP_COMPRESSION:
+    case Imf::PXR24_COMPRESSION:
+      return 16;
+    case Imf::PIZ_COMPRESSION:
+    case Imf::B44_COMPRESSION:
+    case Imf::B44A_COMPRESSION:
+    case Imf::DWAA_COMPRESSION:
+      return 32;
+    case Imf::DWAB_COMPRESSION:
+      return rows_at_once;
+    default:
+      return 1;
+  }
 }
 
 void check_header(const Imf::Header& header, const std::vector<std::string>& prefixes,
@@ -119,7 +140,9 @@ void check_header(const Imf::Header& header, const std::vector<std::string>& pre
   const auto shown = extent(header.displayWindow());
   const auto layers = static_cast<int64_t>(prefixes.size());
   const bool too_large =
-      data.x * channels > most_samples_in_a_row || shown.x * shown.y * 3 * layers > most_samples;
+      data.x * channels > most_samples_in_a_row ||
+      data.x * channels * rows_in_chunk(header.compression()) > most_samples_in_a_chunk ||
+      shown.x * shown.y * 3 * layers > most_samples;
   if (too_large)
     throw InputError(name, "channels",
                      fmt::format("{} channels of {} x {} pixels, more than fits in memory",
@@ -136,7 +159,7 @@ void check_header(const Imf::Header& header, const std::vector<std::string>& pre
     for (const char* c : {"R", "G", "B"}) {
       const Imf::Channel& channel = header.channels()[prefix + c];
       if (channel.xSampling != 1 || channel.ySampling != 1)
-        throw InputError(name, "channel " + prefix + c,
+        throw InputError(name, "channel " + tdpt::shown(prefix) + c,
                          "has fewer samples than pixels, expected one a pixel");
     }
 }
@@ -217,6 +240,8 @@ ExrFile parse(std::string_view bytes, const std::string& name, const Read& read)
   const char magic[4] = {0x76, 0x2f, 0x31, 0x01};
   if (bytes.size() < 4 || std::memcmp(bytes.data(), magic, 4) != 0)
     throw InputError(name, "", "is not an OpenEXR file");
+  if (const std::string fault = fault_of_exr_attributes(bytes); !fault.empty())
+    throw InputError(name, "", "is damaged: " + fault);
   try {
     Imf::Header::setMaxImageSize(largest_side, largest_side);
     MemoryInput stream(bytes, name);
@@ -237,10 +262,7 @@ ExrFile parse(std::string_view bytes, const std::string& name, const Read& read)
   } catch (const std::bad_alloc&) {
     throw InputError(name, "", "asks for more memory than there is");
   } catch (const std::exception& e) {  // whatever the library finds wrong
-    std::string why = e.what();
-    std::replace_if(
-        why.begin(), why.end(), [](unsigned char c) { return c < ' '; }, ' ');
-    throw InputError(name, "", "is damaged: " + why);
+    throw InputError(name, "", "is damaged: " + shown(e.what(), 300));
   }
 }
 

@@ -17,6 +17,7 @@
 #include <OpenEXR/ImfPartType.h>
 #include <OpenEXR/ImfTileDescription.h>
 #include <OpenEXR/ImfTiledOutputFile.h>
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <half.h>
 #include <unistd.h>
@@ -302,6 +303,36 @@ TEST(Picture, FilesCutShortAreRefusedInOneLine) {
     EXPECT_TRUE(text.starts_with("a.exr: is ")) << size << ": " << text;
     EXPECT_EQ(text.find('\n'), std::string::npos);
   }
+}
+
+// The library would make room for whatever they say, and read on where its values end.
+TEST(Picture, AttributesAreAsLongAsTheySay) {
+  ExrFile file;
+  file.picture = gradient(4, 4);
+  file.attributes["note"] = "seven";
+  const std::string good = exr_bytes(file);
+  const auto with_size = [&](std::string_view before, uint32_t size) {
+    std::string bad = good;
+    const size_t at = bad.find(before) + before.size();
+    return bad.replace(at, 4, reinterpret_cast<const char*>(&size), 4);
+  };
+  using namespace std::string_view_literals;
+  const auto note = "note\0string\0"sv;
+  EXPECT_EQ(complaint(with_size(note, 5)), "");
+  const size_t left = good.size() - good.find(note) - note.size() - 4;
+  EXPECT_EQ(complaint(with_size(note, 0x60000005)),
+            fmt::format("a.exr: is damaged: attribute note of 1610612741 bytes in a file with {} "
+                        "more",
+                        left));
+  EXPECT_EQ(complaint(with_size("lineOrder\0lineOrder\0"sv, 2)),
+            "a.exr: is damaged: attribute lineOrder of 2 bytes is no lineOrder");
+  EXPECT_EQ(complaint(with_size("channels\0chlist\0"sv, 54)),
+            "a.exr: is damaged: attribute channels of 54 bytes is no chlist");
+}
+
+TEST(Picture, TilesOfAnySizeAreNotAllocatedOnTheHeadersWord) {
+  EXPECT_EQ(complaint(read_file(TDPT_TESTDATA "/fuzz/picture/found-tile-of-4653064-rows.exr")),
+            "a.exr:tiles: tiles of 8 x 4653064 pixels, more than fits in memory");
 }
 
 // Whatever the bytes are, the outcome is a picture or an InputError: no crash, nothing else thrown.
