@@ -2,7 +2,9 @@
 // light where it is; the box of the dense arrays stands in the file's metadata.
 #include "libcommon/formats/light_grid.h"
 
+#include <cstring>
 #include <sstream>
+#include <type_traits>
 
 #include <fmt/format.h>
 #include <openvdb/io/Stream.h>
@@ -14,6 +16,7 @@
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
 #include "libcommon/base/hash.h"
+#include "libcommon/base/shown.h"
 
 namespace tdpt {
 namespace {
@@ -147,6 +150,7 @@ class Reader {
     vdb::io::Stream stream(in, /*delayLoad=*/false);
     read_metadata(*stream.getMetadata(), light);
     const vdb::GridPtrVecPtr grids = stream.getGrids();
+    check_size(*grids);
     // An empty grid has no voxels to read.
     const size_t n = voxels_;
     light.count.assign(n, 0);
@@ -178,7 +182,13 @@ class Reader {
   T value(const vdb::MetaMap& meta, const char* key) const {
     const auto typed = meta.getMetadata<vdb::TypedMetadata<T>>(key);
     if (!typed) fail(key, "is missing, expected a light grid as lightgrid writes it");
-    return typed->value();
+    if constexpr (std::is_same_v<T, bool>) {  // OpenVDB puts any byte of the file there
+      uint8_t byte;
+      std::memcpy(&byte, &typed->value(), sizeof byte);
+      return byte != 0;
+    } else {
+      return typed->value();
+    }
   }
 
   void read_metadata(const vdb::MetaMap& meta, LightGrid& light) {
@@ -212,6 +222,19 @@ class Reader {
     }
   }
 
+  // Box and voxels are two words for one size: a few bytes of the one must not claim the memory of
+  // many of the other.
+  void check_size(const vdb::GridPtrVec& grids) const {
+    constexpr size_t kForNothing = size_t{1} << 20, kForEachActive = 1024;
+    vdb::Index64 active = 0;
+    for (const auto& grid : grids)
+      if (grid && (grid->getName() == "count" || grid->getName() == "air"))
+        active = std::max(active, grid->activeVoxelCount());
+    if (voxels_ > kForNothing && (voxels_ - kForNothing) / kForEachActive > active)
+      fail("tdpt_dim", fmt::format("{} voxels, but {} hold air or light, expected one in {}",
+                                   voxels_, active, kForEachActive));
+  }
+
   // A file without them is a file of an unknown cut.
   void read_cuts(const vdb::MetaMap& meta, LightGrid& light) {
     if (!meta["tdpt_cuts"]) return;
@@ -237,7 +260,7 @@ class Reader {
     const auto typed = vdb::gridPtrCast<Grid>(base);
     if (!typed)
       fail("grid " + base->getName(),
-           fmt::format("has the type {}, expected {}", base->type(), Grid::gridType()));
+           fmt::format("has the type {}, expected {}", shown(base->type()), Grid::gridType()));
     return typed;
   }
 
@@ -329,7 +352,8 @@ LightGrid read_light_grid(const std::string& path) {
   } catch (const std::ios_base::failure&) {
     throw InputError(name, "", "is no light grid in OpenVDB format, or is cut short");
   } catch (const std::exception& e) {
-    throw InputError(name, "", fmt::format("is no light grid in OpenVDB format: {}", e.what()));
+    throw InputError(name, "",
+                     fmt::format("is no light grid in OpenVDB format: {}", shown(e.what(), 300)));
   }
 }
 

@@ -161,6 +161,29 @@ TEST_F(LightGridFormat, RefusesLinesWithoutVoxels) {
   EXPECT_EQ(error_of(light_grid_bytes(g)), "grid lines: reaches out of its box");
 }
 
+// `bytes` of the file with other numbers of voxels.
+std::string of_voxels(std::string bytes, const std::array<int32_t, 3>& dim) {
+  const std::string_view key = "tdpt_dim";
+  const size_t type =
+      bytes.find(key) + key.size() + sizeof(int32_t) + std::string_view("vec3i").size();
+  return bytes.replace(type + sizeof(int32_t), sizeof dim, reinterpret_cast<const char*>(&dim),
+                       sizeof dim);
+}
+
+TEST_F(LightGridFormat, OneVoxelAndTooManyOfThem) {
+  LightGrid g = small();
+  g.dim = {1, 1, 1};
+  g.count = {3}, g.air = {1}, g.direction = {{1, 0, 0}};
+  g.lines = {{{-1, 2, 100}, {-0.75, 2.25, 100.25}, 0}}, g.probes.clear();
+  const LightGrid back = read_light_grid(write(light_grid_bytes(g)));
+  EXPECT_EQ(back.count, g.count);
+  expect_same_lines(back, g, 1e-6);
+  EXPECT_EQ(error_of(foreign(of_voxels(light_grid_bytes(g), {1024, 1024, 1024}))),
+            "tdpt_dim: 1073741824 voxels, expected at most 134217728");
+  EXPECT_EQ(error_of(foreign(of_voxels(light_grid_bytes(g), {512, 512, 512}))),
+            "tdpt_dim: 134217728 voxels, but 1 hold air or light, expected one in 1024");
+}
+
 TEST_F(LightGridFormat, DamageShowsBeforeOpenVdbSeesIt) {
   const std::string good = light_grid_bytes(small());
   EXPECT_EQ(error_of(foreign(good)), "no error");
