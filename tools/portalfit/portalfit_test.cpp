@@ -174,6 +174,14 @@ TEST(PortalFit, FindsASlitThinnerThanAVoxel) {
   expect_good(grid_of(lines_through({o}, 8000, light, 1), 48), o, light, 5);
 }
 
+// Nothing but the lines tells where the opening is.
+TEST(PortalFit, AGridOfOneVoxelIsEnough) {
+  const Light light;
+  LightGrid grid = grid_of(lines_through({hole()}, 8000, light, 1), 1);
+  EXPECT_EQ(grid.count.size(), 1u);
+  expect_good(grid, hole(), light);
+}
+
 TEST(PortalFit, IsNotMisledByLightFromOneSide) {
   Light light;
   light.lean = 0.9;
