@@ -82,22 +82,20 @@ void check_counts(const Document& d, const AttributeSet& set, const std::string&
   check(set.colour, kColour);
 }
 
-const std::vector<float>& AttributeReader::values(int accessor, const Attribute& attribute) {
-  const auto [it, is_new] = known_.try_emplace({accessor, attribute.name});
-  if (is_new) it->second = read_attribute(d_, static_cast<size_t>(accessor), attribute);
-  return it->second;
+std::vector<float> AttributeReader::values(int accessor, const Attribute& attribute) const {
+  return read_attribute(d_, static_cast<size_t>(accessor), attribute);
 }
 
 void AttributeReader::add(const AttributeSet& set, const Affine& to_world, size_t first) {
   if (set.normal >= 0) {
-    const std::vector<float>& v = values(set.normal, kNormal);
+    const std::vector<float> v = values(set.normal, kNormal);
     const Affine map = normal_map_of(to_world);
     pad(scene_.normals, first, Vec3f{});
     for (size_t i = 0; i < v.size(); i += 3)
       scene_.normals.push_back(Vec3f(unit_or_zero(map.vector({v[i], v[i + 1], v[i + 2]}))));
   }
   if (set.tangent >= 0) {
-    const std::vector<float>& v = values(set.tangent, kTangent);
+    const std::vector<float> v = values(set.tangent, kTangent);
     const float mirrored = to_world.mirrors() ? -1 : 1;
     pad(scene_.tangents, first, {0, 0, 0, 1});
     for (size_t i = 0; i < v.size(); i += 4) {
@@ -109,12 +107,12 @@ void AttributeReader::add(const AttributeSet& set, const Affine& to_world, size_
   }
   for (size_t k = 0; k < 2; ++k)
     if (set.uv[k] >= 0) {
-      const std::vector<float>& v = values(set.uv[k], kTexCoord[k]);
+      const std::vector<float> v = values(set.uv[k], kTexCoord[k]);
       pad(scene_.uv[k], first, {0, 0});
       for (size_t i = 0; i < v.size(); i += 2) scene_.uv[k].push_back({v[i], v[i + 1]});
     }
   if (set.colour >= 0) {
-    const std::vector<float>& v = values(set.colour, kColour);
+    const std::vector<float> v = values(set.colour, kColour);
     pad(scene_.colours, first, kWhite);
     for (size_t i = 0; i < v.size(); i += 4)
       scene_.colours.push_back(
@@ -122,9 +120,9 @@ void AttributeReader::add(const AttributeSet& set, const Affine& to_world, size_
   }
 }
 
-void AttributeReader::note_colours(const AttributeSet& set, MaterialUse& use) {
+void AttributeReader::note_colours(const AttributeSet& set, MaterialUse& use) const {
   if (set.colour < 0) return;
-  const std::vector<float>& v = values(set.colour, kColour);
+  const std::vector<float> v = values(set.colour, kColour);
   for (size_t i = 0; i < v.size(); ++i) {
     if (i % 4 == 3 && !use.alpha) continue;
     use.coloured |= v[i] != 1;

@@ -1,6 +1,5 @@
 // Vertex attributes of placed meshes, gathered into the scene's arrays. Internal to this room.
 #pragma once
-#include <map>
 #include <string>
 #include <vector>
 
@@ -35,17 +34,16 @@ class AttributeReader {
   void add(const AttributeSet& set, const Affine& to_world, size_t first);
 
   /// Tells a material what colours its primitive's vertices have.
-  void note_colours(const AttributeSet& set, MaterialUse& use);
+  void note_colours(const AttributeSet& set, MaterialUse& use) const;
 
   /// Fills up the arrays that are in use to all `vertices`.
   void finish(size_t vertices);
 
  private:
-  const std::vector<float>& values(int accessor, const Attribute& attribute);
+  std::vector<float> values(int accessor, const Attribute& attribute) const;
 
   const Document& d_;
   Scene& scene_;
-  std::map<std::pair<int, const char*>, std::vector<float>> known_;  // by accessor and use
 };
 
 /// Fills scene.smooth, and drops the normals if no triangle is smooth. After drop_flat_triangles.

@@ -40,7 +40,7 @@ class SceneReader {
     const std::vector<bool> used = used_materials(nodes);
     uses_ = read_materials(d_, used, scene_);
     uses_.emplace_back();  // of surfaces without one
-    check_size(nodes);
+    make_room(nodes);
     for (const PlacedNode& n : nodes) {
       const tinygltf::Node& node = d_.model.nodes[n.node];
       if (node.mesh >= 0) add_mesh(n, static_cast<size_t>(node.mesh));
@@ -76,8 +76,9 @@ class SceneReader {
     return used;
   }
 
-  /// Refuses a scene whose instances would fill the memory, before any vertex is read.
-  void check_size(const std::vector<PlacedNode>& nodes) const {
+  /// Makes room for all; refuses a scene whose instances would fill the memory, before any vertex
+  /// is read.
+  void make_room(const std::vector<PlacedNode>& nodes) {
     size_t bytes = d_.bytes.size();
     for (std::string_view b : d_.buffers) bytes += b.size();
     // A count beyond the bytes there are is wrong; it is refused with its place when it is read.
@@ -104,6 +105,8 @@ class SceneReader {
                             "and {}",
                             vertices, triangles, kMostVertices, kMostTriangles));
     }
+    world_.reserve(vertices);
+    scene_.triangles.reserve(triangles);
   }
 
   /// The corners of a primitive, three per triangle.
@@ -175,12 +178,7 @@ class SceneReader {
   }
 
   void add_vertices(const PlacedNode& n, size_t accessor) {
-    const auto cached = positions_.find(accessor);
-    const std::vector<Vec3d>& local =
-        cached != positions_.end()
-            ? cached->second
-            : positions_.emplace(accessor, read_positions(d_, accessor)).first->second;
-    for (const Vec3d& p : local) {
+    for (const Vec3d& p : read_positions(d_, accessor)) {
       world_.push_back(n.to_world.point(p));
       if (!is_finite(world_.back()))
         d_.fail(place("nodes", n.node), "its transform takes a vertex beyond double precision");
@@ -266,8 +264,9 @@ class SceneReader {
     const double mantissa = std::frexp(longest, &exponent);  // in [0.5, 1)
     scene_.frame.scale = std::ldexp(1.0, (mantissa == 0.5 ? 2 : 1) - exponent);
     scene_.frame.centre = low * 0.5 + high * 0.5;
-    scene_.positions.reserve(world_.size());
+    scene_.positions.reserve(world_.size() + 1);  // so that a Tracer needs no copy
     for (const Vec3d& p : world_) scene_.positions.push_back(rounded(scene_.frame.to_canonical(p)));
+    world_ = {};
     for (Camera& c : scene_.cameras) c.position = scene_.frame.to_canonical(c.position);
     for (PunctualLight& l : scene_.lights) to_canonical(d_, scene_.frame, l);
     for (Material& m : scene_.materials)  // per metre -> per canonical length
@@ -314,8 +313,7 @@ class SceneReader {
 
   const Document& d_;
   Scene& scene_;
-  std::vector<Vec3d> world_;                        // metres, parallel to scene_.positions
-  std::map<size_t, std::vector<Vec3d>> positions_;  // by accessor, local
+  std::vector<Vec3d> world_;  // metres, parallel to scene_.positions; none any more once these are
   AttributeReader attributes_;
   size_t file_materials_;          // the surfaces without a material come behind them
   std::vector<MaterialUse> uses_;  // by material

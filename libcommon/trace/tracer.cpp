@@ -64,6 +64,20 @@ struct Context : RTCIntersectContext {
   const uint32_t* coin;  ///< of a float ray
 };
 
+// Where they are, if Embree may read the 16 bytes at the last one, of which 12 are its own.
+void give_vertices(RTCGeometry geometry, const std::vector<Vec3f>& positions) {
+  const size_t n = positions.size();
+  if (positions.capacity() > n) {
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                               positions.data(), 0, sizeof(Vec3f), n);
+    return;
+  }
+  auto* copy = static_cast<Vec3f*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0,
+                                                           RTC_FORMAT_FLOAT3, sizeof(Vec3f),
+                                                           std::max<size_t>(n, 1)));
+  std::copy(positions.begin(), positions.end(), copy);
+}
+
 }  // namespace
 
 // Whether the surface is there, see the header.
@@ -83,15 +97,18 @@ void Tracer::Impl::add_geometry(const std::vector<uint32_t>& chosen, bool alpha)
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
   const bool all = chosen.empty() && triangles[1].empty();
   const size_t n = all ? traced->triangles.size() : chosen.size();
-  auto* positions = static_cast<Vec3f*>(
-      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3f),
-                              std::max<size_t>(traced->positions.size(), 1)));
-  std::copy(traced->positions.begin(), traced->positions.end(), positions);
-  auto* indices = static_cast<std::array<uint32_t, 3>*>(
-      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                              sizeof(std::array<uint32_t, 3>), std::max<size_t>(n, 1)));
-  if (n == 0) indices[0] = {0, 0, 0};
-  for (size_t i = 0; i < n; ++i) indices[i] = traced->triangles[all ? i : size_t{chosen[i]}].vertex;
+  give_vertices(geometry, traced->positions);
+  if (all && n > 0) {
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                               traced->triangles.data(), offsetof(Triangle, vertex),
+                               sizeof(Triangle), n);
+  } else {
+    auto* indices = static_cast<std::array<uint32_t, 3>*>(
+        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                sizeof(std::array<uint32_t, 3>), std::max<size_t>(n, 1)));
+    if (n == 0) indices[0] = {0, 0, 0};
+    for (size_t i = 0; i < n; ++i) indices[i] = traced->triangles[chosen[i]].vertex;
+  }
   if (alpha) {
     rtcSetGeometryUserData(geometry, this);
     const auto filter = [](const RTCFilterFunctionNArguments* a) {
@@ -121,7 +138,6 @@ Tracer::Tracer(const Scene& scene) : scene_(scene), impl_(std::make_unique<Impl>
   rtcSetSceneBuildQuality(impl_->scene, RTC_BUILD_QUALITY_HIGH);
   impl_->traced = &scene;
   const auto n = static_cast<uint32_t>(scene.triangles.size());
-  impl_->shapes.resize(n);
   std::vector<uint8_t> filtered(scene.materials.size());
   std::vector<Pane> panes(scene.materials.size());
   for (size_t m = 0; m < scene.materials.size(); ++m) {
@@ -131,10 +147,7 @@ Tracer::Tracer(const Scene& scene) : scene_(scene), impl_(std::make_unique<Impl>
   if (std::any_of(panes.begin(), panes.end(), [](const Pane& p) { return bool(p); }))
     impl_->panes = panes;
   bool any = false;
-  for (uint32_t t = 0; t < n; ++t) {
-    impl_->shapes[t] = shape_of(scene, t);
-    any |= filtered[scene.triangles[t].material] != 0;
-  }
+  for (const Triangle& t : scene.triangles) any |= filtered[t.material] != 0;
   if (any)
     for (uint32_t t = 0; t < n; ++t)
       impl_->triangles[filtered[scene.triangles[t].material]].push_back(t);
@@ -143,6 +156,9 @@ Tracer::Tracer(const Scene& scene) : scene_(scene), impl_(std::make_unique<Impl>
   rtcCommitScene(impl_->scene);
   if (rtcGetDeviceError(impl_->device) != RTC_ERROR_NONE)
     throw Error(Exit::internal, "Embree cannot build its hierarchy");
+  // Last: building needs as much memory as they do, and gives it back.
+  impl_->shapes.reserve(n);
+  for (uint32_t t = 0; t < n; ++t) impl_->shapes.push_back(shape_of(scene, t));
 }
 
 Tracer::~Tracer() = default;

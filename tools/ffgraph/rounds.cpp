@@ -109,10 +109,10 @@ void check_patches(const std::string& file, const Scene& scene, const CutFile& c
 
 LightFlow build_graph(const Scene& scene, const Camera& camera, const GraphSettings& settings,
                       const CutFile* refine, GraphReport& report) {
-  const Tracer tracer(scene);
-  report.phases.done("bvh");
   const std::vector<uint32_t> component = surface_components(scene);
   report.phases.done("surfaces");
+  const Tracer tracer(scene);
+  report.phases.done("bvh");
   const BothWalks walks = both_walks(scene, camera, tracer, settings.walks);
   report.phases.done("walks");
   report.light_hits = hits_in(walks.light);
