@@ -11,6 +11,8 @@
 #   make sky       what the windows found are worth under skies: doc/sky.md (a quarter of an hour)
 #   make grid-speed   segments per second of lightgrid on each device: doc/light-grid-speed.md (two minutes)
 #   make limit     how far rendering is from casting its rays and nothing else, with a profile: doc/limit.md (4 minutes)
+#   make scale     time and memory of every program, a thousand to ten million triangles: doc/scale.md (a quarter of an
+#                  hour, 5 GiB of memory)
 #   make test      installs what is missing, builds, runs every test
 #   make bench     speed, and noise after a minute, of every integrator (bench/integrator-speed.sh; 20 minutes)
 #   make bench-efficiency   error against time of every integrator, with aims: doc/efficiency.md (an hour on two
@@ -30,7 +32,7 @@ TEST_STATUS ?=
 # All that is there to run; `make build` adds every test and benchmark.
 PROGRAMS = ffgraph mincut lightgrid portalfit tdpt-render exrdiff
 
-.PHONY: all build programs demo figures stages portals regret tradeoff whole-light target-error sky grid-speed limit bench bench-efficiency efficiency-references test install sanitize fuzz packages format clean
+.PHONY: all build programs demo figures stages portals regret tradeoff whole-light target-error sky grid-speed scale limit bench bench-efficiency efficiency-references test install sanitize fuzz packages format clean
 all: build
 
 build:
@@ -107,6 +109,10 @@ limit: packages
 	@sh cmake/install-packages.sh cmake/packages-figures.txt
 	@$(MAKE) --no-print-directory build
 	@sh bench/limit.sh build/bin build/limit
+scale: packages
+	@sh cmake/install-packages.sh cmake/packages-figures.txt
+	@$(MAKE) --no-print-directory programs
+	@sh bench/scale.sh build/bin build/scale
 
 stages: programs
 	@sh bench/stages.sh build/bin build/stages
