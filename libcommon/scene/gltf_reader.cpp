@@ -163,7 +163,7 @@ class SceneReader {
       const size_t vertices = d_.model.accessors[static_cast<size_t>(position->second)].count;
       const std::vector<uint32_t> corner = corners(p, vertices, where);
       add_triangles(corner, first->second, mirrored, material_of(p));
-      note_grain(n, static_cast<size_t>(position->second), corner);
+      note_grain(n, static_cast<size_t>(position->second), corner, first->second);
       unnamed_material_ |= p.material < 0;
       attributes_.note_colours(set, use);
       for (size_t u = 0; u < 2; ++u)
@@ -186,16 +186,13 @@ class SceneReader {
   }
 
   /// What rounding has made of these vertices: of floats in the file, and of doubles in the world.
-  void note_grain(const PlacedNode& n, size_t accessor, const std::vector<uint32_t>& corner) {
+  void note_grain(const PlacedNode& n, size_t accessor, const std::vector<uint32_t>& corner,
+                  uint32_t first) {
     const bool floats = d_.model.accessors[accessor].componentType == TINYGLTF_COMPONENT_TYPE_FLOAT;
-    const Affine& a = n.to_world;
-    const Vec3d by_axis(length(a.x), length(a.y), length(a.z));
-    Vec3d local, world;
-    const std::vector<Vec3d>& positions = positions_.at(accessor);
-    for (const uint32_t c : corner) local = max(local, max(positions[c], -positions[c]));
-    for (int i = 0; i < 3; ++i) world[i] = std::abs(a.t[i]);
-    const double reach = dot(by_axis, local);
-    grain_ = std::max(grain_, (floats ? 0x1p-24 : 0) * reach + 0x1p-53 * (length(world) + reach));
+    const Vec3d& moved = n.to_world.t;
+    double reach = 0;  // of the vertices before the node moves them
+    for (const uint32_t c : corner) reach = std::max(reach, length(world_[first + c] - moved));
+    grain_ = std::max(grain_, (floats ? 0x1p-24 : 0) * reach + 0x1p-53 * (length(moved) + reach));
   }
 
   void add_triangles(const std::vector<uint32_t>& corner, uint32_t first, bool mirrored,
