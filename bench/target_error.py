@@ -62,8 +62,9 @@ def table(runs):
     rows += ["", f"All {len(pictures)} pictures: {100 * share:.1f} % [{100 * low:.1f}, {100 * high:.1f}] meet their target, and the "
              f"median picture is {better:.2f} times too good.", "",
              "Samples are of each pixel, medians; the pilot's are thrown away, and small pictures take more of them than large "
-             "ones. The estimate is the program's own, after rendering, from blocks of the picture; it is too high where the "
-             "samples of a pixel complement each other across blocks."]
+             "ones. The estimate is the program's own, after rendering, from blocks of the picture, a median; it is too high where "
+             "the samples of a pixel complement each other across blocks. Pictures miss where bright paths came that the pilot "
+             "did not meet."]
     return rows
 
 
