@@ -31,6 +31,11 @@ void Common::note(const std::string& sentence) const {
   if (!quiet) fmt::print(stderr, "{}: {}\n", tool, sentence);
 }
 
+void Common::explain_by(const std::function<Decisions()>& decisions) const {
+  if (!explain) return;
+  for (const Decision& d : decisions()) fmt::print(stderr, "{}: {}\n", tool, sentence(d));
+}
+
 void Common::warn(const std::string& sentence) const {
   fmt::print(stderr, "{}: warning: {}\n", tool, sentence);
 }
@@ -148,6 +153,9 @@ Options::Options(const Program& program)
                   ->check(CLI::Range(0, 4096)),
               Shapes::nothing);
   impl_->keep(app.add_flag("--quiet", common.quiet, "No progress and no notes on stderr"),
+              Shapes::nothing);
+  impl_->keep(app.add_flag("--explain", common.explain,
+                           "Print on stderr what was decided, why, and what it costs"),
               Shapes::nothing);
   impl_->keep(app.add_flag("--json", common.json,
                            "Print a summary as JSON on stdout (on stderr when the result goes to "

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "libcommon/base/provenance.h"
+#include "libcommon/cli/decision.h"
 #include "libcommon/cli/outputs.h"
 
 namespace tdpt::cli {
@@ -19,6 +20,7 @@ struct Common {
   int threads = 0;           ///< --threads; 0: all cores. Already applied when run() is called.
   bool quiet = false;        ///< --quiet: no progress, no notes (warnings and errors stay)
   bool json = false;         ///< --json: summary on stdout, or on stderr when the result goes there
+  bool explain = false;      ///< --explain: decisions on stderr, whatever --quiet says
   bool no_provenance = false;
 
   std::vector<NamedFile> outputs;  ///< all that the run writes, -o first
@@ -39,6 +41,8 @@ struct Common {
 
   /// A plain sentence on stderr, unless --quiet.
   void note(const std::string& sentence) const;
+  /// With --explain the decisions, a line each on stderr; else they are not asked for.
+  void explain_by(const std::function<Decisions()>& decisions) const;
   /// "tool: warning: ..." on stderr, always.
   void warn(const std::string& sentence) const;
   /// One JSON text (already dumped) where --json says; nothing without --json.

@@ -137,7 +137,7 @@ TEST(SkyOptions, DirectionalLampsBecomeSunsOfTheSameIrradiance) {
   }
 }
 
-// What --verbose tells of a scene.
+// What --explain tells of a scene.
 TEST(SkyOptions, WhatTheSceneNeedsOfARenderer) {
   const auto needs = [](Scene scene, const SkyArguments& a) {
     std::vector<cli::Common::Input> files;

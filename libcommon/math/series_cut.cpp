@@ -172,9 +172,11 @@ class SeriesCutter {
     return cut_at(drops[c].at, low, high, drops[c].conductance > limits_.largest_conductance);
   }
 
-  std::vector<Drop> drops_to_look_at() const {
+  std::vector<Drop> drops_to_look_at() {
     std::vector<Drop> drops;
     find_drops(0, sweep_.size(), drops);
+    result_.passed = drops.size() - std::min(drops.size(), kMostCandidates);
+    result_.drops = drops.size() - result_.passed;
     while (drops.size() > kMostCandidates)
       drops.erase(std::max_element(drops.begin(), drops.end(), [](const Drop& a, const Drop& b) {
         return a.conductance < b.conductance;
@@ -189,6 +191,7 @@ class SeriesCutter {
     std::vector<Drop> good;
     std::vector<Candidate> candidates;
     for (size_t c = 0; c < drops.size(); ++c) {
+      result_.closets += !alone[c];
       if (!alone[c]) continue;
       if (!alone[c]->why.empty()) {
         refuse(*alone[c], alone[c]->why);

@@ -27,6 +27,10 @@ struct SeriesCut {
     std::string why;  ///< a plain sentence
   };
   std::vector<Refused> refused;
+
+  size_t drops = 0;    ///< of the potential, looked at
+  size_t passed = 0;   ///< of more, not looked at: the widest
+  size_t closets = 0;  ///< of those looked at: no current passes, so nothing was cut
 };
 
 /// Solves one maximum-flow problem; a caller may check the answer on its way.

@@ -7,6 +7,7 @@
 #include "libcommon/cli/cli.h"
 #include "libcommon/cli/ending.h"
 #include "tools/exrdiff/difference.h"
+#include "tools/exrdiff/explain.h"
 #include "tools/exrdiff/measure.h"
 #include "tools/exrdiff/report.h"
 
@@ -71,6 +72,12 @@ int run(const Arguments& a, const cli::Common& common) {
   cli::deliver({{common.output, [&] { return difference_bytes(a, common, picture, reference); }},
                 {a.beside, [&] { return png_bytes(side_by_side(p, r), 0); }}});
   report(common, comparison);
+  common.explain_by([&] {
+    return decisions_of(
+        comparison, r,
+        static_cast<int64_t>(picture.file.pixels_without_data + reference.file.pixels_without_data),
+        common.output);
+  });
   return 0;
 }
 

@@ -39,6 +39,7 @@ struct LightFlow {
 /// What the walks found, from both ends.
 struct BothWalks {
   Walks light, camera;
+  size_t of_light = 0;            ///< walks that the light's are
   std::vector<WalkHit> starts;    ///< of the light's, those that begin on a surface
   SkyStarts from_sky;             ///< empty: there is no sky
   std::vector<double> sky_grade;  ///< of each bin: how much of its etendue the source feeds

@@ -12,6 +12,7 @@
 #include "libcommon/draw/canvas.h"
 #include "libcommon/formats/sky_options.h"
 #include "libcommon/scene/lights.h"
+#include "tools/ffgraph/explain.h"
 #include "tools/ffgraph/preview.h"
 #include "tools/ffgraph/rounds.h"
 #include "tools/ffgraph/triangle_flow.h"
@@ -116,9 +117,10 @@ DimacsFile graph_of_patches(const Arguments& a, const cli::Common& common, const
       build_graph(in.scene, in.camera, settings, in.refine ? &*in.refine : nullptr, report);
   phases = report.phases;
   common.note(fmt::format(
-      "{} walks from the light hit {} surfaces, as many from the camera {}; {} of {} patches were "
+      "{} walks from the light hit {} surfaces, {} from the camera {}; {} of {} patches were "
       "reached by both",
-      a.walks, report.light_hits, report.camera_hits, report.reached_by_both, flow.patches.size()));
+      report.light_walks, report.light_hits, a.walks, report.camera_hits, report.reached_by_both,
+      flow.patches.size()));
   common.note(
       fmt::format("{} rays for the etendue; {} patches that straddle an opening were split "
                   "in {} {}: {}",
@@ -128,6 +130,7 @@ DimacsFile graph_of_patches(const Arguments& a, const cli::Common& common, const
     common.warn("no light reaches a surface: the network carries no flow");
   if (report.camera_hits == 0)
     common.warn("the camera sees no surface: the network carries no flow");
+  common.explain_by([&] { return decisions_of(in.scene, settings, flow, report); });
   summary["light_hits"] = report.light_hits;
   summary["camera_hits"] = report.camera_hits;
   summary["reached_by_both"] = report.reached_by_both;
@@ -152,6 +155,7 @@ DimacsFile graph_of_triangles(const Arguments& a, const cli::Common& common, con
                   "kept; {} are both{}",
                   report.lit, report.kept_lit, report.seen, report.kept_seen, report.shared,
                   report.shared ? ": light and camera are joined" : ""));
+  common.explain_by([&] { return decisions_of(in.scene, settings, report); });
   summary["lit"] = report.lit;
   summary["seen"] = report.seen;
   summary["shared"] = report.shared;

@@ -3,12 +3,16 @@
 #include <algorithm>
 
 #include "libcommon/base/error.h"
+#include "libcommon/base/threads.h"
 #include "libcommon/math/series_cut.h"
 #include "tools/ffgraph/connectivity.h"
 #include "tools/ffgraph/patch_grid.h"
 
 namespace tdpt {
 namespace {
+
+// Of a network that carries nothing.
+constexpr uint32_t kFewRays = 1000, kFewWalks = 1000;
 
 // Rays that look where to split are not those that measure.
 constexpr uint64_t kLookSeed = 0x5eed;
@@ -25,7 +29,14 @@ constexpr double kLeaks = 1.5;
 struct OwnCuts {
   std::vector<uint32_t> region;  // of each patch
   size_t cuts;
+  double conductance;  // of the narrowest
 };
+
+double narrowest(const auto& cuts) {
+  double least = 1;
+  for (const auto& c : cuts) least = std::min(least, c.conductance);
+  return least;
+}
 
 OwnCuts own_cuts(const LightFlow& f) {
   const auto of_nodes = [](const std::vector<double>& of_patches) {
@@ -42,7 +53,10 @@ OwnCuts own_cuts(const LightFlow& f) {
   CutLimits limits;
   limits.largest_conductance *= kLeaks;
   const SeriesCut series = series_cut(patches, kMostCuts, limits);
-  return {{series.region.begin() + 2, series.region.end()}, series.cuts.size()};
+  std::vector<CutFacts> facts;
+  if (series.bottleneck)
+    for (const SeriesCut::Cut& c : series.cuts) facts.push_back(c.facts);
+  return {{series.region.begin() + 2, series.region.end()}, series.cuts.size(), narrowest(facts)};
 }
 
 // Patches that straddle one of the cuts.
@@ -78,9 +92,11 @@ Extent reach_of_hits(const Walks& walks, double share) {
 }
 
 BothWalks both_walks(const Scene& scene, const Camera& camera, const Tracer& tracer,
-                     const WalkSettings& settings) {
+                     WalkSettings settings) {
   BothWalks walks;
   walks.camera = camera_walks(scene, camera, tracer, settings);
+  if (hits_in(walks.camera) == 0) settings.walks = std::min(settings.walks, kFewWalks);
+  walks.of_light = settings.walks;
   walks.starts = light_starts(scene, settings);
   if (!lit_from_infinity(scene)) {
     walks.light = light_walks(scene, tracer, settings);
@@ -107,61 +123,122 @@ void check_patches(const std::string& file, const Scene& scene, const CutFile& c
     throw InputError(file, "", "two patches in one place, expected patches made by ffgraph");
 }
 
-LightFlow build_graph(const Scene& scene, const Camera& camera, const GraphSettings& settings,
-                      const CutFile* refine, GraphReport& report) {
-  const std::vector<uint32_t> component = surface_components(scene);
-  report.phases.done("surfaces");
-  const Tracer tracer(scene);
-  report.phases.done("bvh");
-  const BothWalks walks = both_walks(scene, camera, tracer, settings.walks);
-  report.phases.done("walks");
-  report.light_hits = hits_in(walks.light);
-  report.camera_hits = hits_in(walks.camera);
+double narrowest_opening(const LightFlow& flow) {
+  return own_cuts(flow).conductance;
+}
 
-  uint64_t round = 0;
-  const auto estimate = [&](PatchMap map) {
-    report.rays += settings.rays;
-    return light_flow(std::move(map), walks, tracer, settings.walks.seed + round++ * 0x10001,
-                      settings.rays);
-  };
-  const auto finer = [&](const PatchMap& map, std::vector<uint8_t> chosen) {
+namespace {
+
+// Networks of one scene, coarse ones and finer ones.
+class Rounds {
+ public:
+  Rounds(const Scene& scene, const Camera& camera, const GraphSettings& settings,
+         GraphReport& report)
+      : scene_(scene),
+        settings_(settings),
+        report_(report),
+        component_(components(scene, report)),
+        tracer_(scene) {
+    report.phases.done("bvh");
+    walks_ = both_walks(scene, camera, tracer_, settings.walks);
+    report.phases.done("walks");
+    report.light_walks = walks_.of_light;
+    report.light_hits = hits_in(walks_.light);
+    report.camera_hits = hits_in(walks_.camera);
+    // Then no network carries a flow, and patches are there to be looked at only.
+    if (report.light_hits == 0 || report.camera_hits == 0) {
+      settings_.rays = std::min(settings_.rays, kFewRays);
+      settings_.rounds = 0;
+    }
+    grid_ = grid_for(scene, walks_.light, walks_.camera, settings_.cells);
+  }
+
+  /// Split where its patches straddle the openings of a cut.
+  LightFlow by_cut(const CutFile& cut) {
+    const double cpu = cpu_seconds();
+    // Walks of other settings may have had another grid; then coarse cells stay where no patch is.
+    const bool same = grid_.grid.base_cell == cut.grid.base_cell;
+    const PatchMap map = map_of(scene_, component_, cut, same ? grid_.fine : FineRegion{});
+    const Etendue etendue = measure_etendue(map, Fragments(map), tracer_,
+                                            kLookSeed + settings_.walks.seed, settings_.rays);
+    report_.rays += settings_.rays;
+    report_.rounds = 1;
+    report_.why_stopped = "those of the given cut";
+    const std::vector<uint8_t> chosen =
+        chosen_to_split(map, etendue, {cut.region, cut.cuts.size(), narrowest(cut.cuts)});
+    LightFlow flow = estimate(map.split(chosen));
+    report_.by_round.back().cpu_seconds = cpu_seconds() - cpu;
+    return flow;
+  }
+
+  /// Split by cuts of its own.
+  LightFlow by_itself() {
+    LightFlow flow = estimate(PatchMap(scene_, grid_.grid, component_, grid_.fine));
+    report_.why_stopped = report_.camera_hits == 0  ? "the camera sees no surface"
+                          : report_.light_hits == 0 ? "no light reaches a surface"
+                                                    : "as many as allowed";
+    while (report_.rounds < static_cast<size_t>(settings_.rounds)) {
+      const double cpu = cpu_seconds();
+      const std::vector<uint8_t> chosen =
+          chosen_to_split(flow.patches, flow.etendue, own_cuts(flow));
+      RoundReport& round = report_.by_round.back();
+      if (round.split > 0) {
+        ++report_.rounds;
+        flow = estimate(flow.patches.split(chosen));
+      }
+      round.cpu_seconds = cpu_seconds() - cpu;
+      if (round.split > 0) continue;
+      report_.why_stopped = "nothing straddles any more";
+      break;
+    }
+    return flow;
+  }
+
+ private:
+  static std::vector<uint32_t> components(const Scene& scene, GraphReport& report) {
+    std::vector<uint32_t> found = surface_components(scene);
+    report.phases.done("surfaces");
+    return found;
+  }
+
+  // Begins the report of a round.
+  std::vector<uint8_t> chosen_to_split(const PatchMap& map, const Etendue& etendue,
+                                       const OwnCuts& cuts) {
+    std::vector<uint8_t> chosen = straddling_any(etendue, cuts, settings_.straddle_share);
+    size_t split = 0;
     for (size_t i = 0; i < chosen.size(); ++i) {
       if (map.is_sky(static_cast<uint32_t>(i)) ||
           map.keys()[i].level >= map.fine_level() + kDeepestSplit)
         chosen[i] = 0;
-      report.split += chosen[i];
+      split += chosen[i];
     }
-    return map.split(chosen);
-  };
-
-  LightFlow flow;
-  const GridOfWalks own = grid_for(scene, walks.light, walks.camera, settings.cells);
-  if (refine) {
-    // Walks of other settings may have had another grid; then coarse cells stay where no patch is.
-    const bool same = own.grid.base_cell == refine->grid.base_cell;
-    const PatchMap map = map_of(scene, component, *refine, same ? own.fine : FineRegion{});
-    const Etendue etendue = measure_etendue(map, Fragments(map), tracer,
-                                            kLookSeed + settings.walks.seed, settings.rays);
-    report.rays += settings.rays;
-    report.rounds = 1;
-    report.why_stopped = "those of the given cut";
-    const OwnCuts given{refine->region, refine->cuts.size()};
-    flow = estimate(finer(map, straddling_any(etendue, given, settings.straddle_share)));
-  } else {
-    flow = estimate(PatchMap(scene, own.grid, component, own.fine));
-    report.why_stopped = "as many as allowed";
-    while (report.rounds < static_cast<size_t>(settings.rounds)) {
-      const size_t before = report.split;
-      PatchMap map = finer(flow.patches,
-                           straddling_any(flow.etendue, own_cuts(flow), settings.straddle_share));
-      if (report.split == before) {
-        report.why_stopped = "nothing straddles any more";
-        break;
-      }
-      ++report.rounds;
-      flow = estimate(std::move(map));
-    }
+    report_.split += split;
+    report_.by_round.push_back({cuts.cuts, cuts.conductance, split, 0});
+    return chosen;
   }
+
+  LightFlow estimate(PatchMap map) {
+    report_.rays += settings_.rays;
+    return light_flow(std::move(map), walks_, tracer_,
+                      settings_.walks.seed + estimates_++ * 0x10001, settings_.rays);
+  }
+
+  const Scene& scene_;
+  GraphSettings settings_;
+  GraphReport& report_;
+  const std::vector<uint32_t> component_;
+  const Tracer tracer_;  // after what takes memory for a while
+  BothWalks walks_;
+  GridOfWalks grid_;
+  uint64_t estimates_ = 0;
+};
+
+}  // namespace
+
+LightFlow build_graph(const Scene& scene, const Camera& camera, const GraphSettings& settings,
+                      const CutFile* refine, GraphReport& report) {
+  Rounds rounds(scene, camera, settings, report);
+  LightFlow flow = refine ? rounds.by_cut(*refine) : rounds.by_itself();
   for (size_t i = 0; i < flow.hits_light.size(); ++i)
     report.reached_by_both += flow.hits_light[i] > 0 && flow.hits_camera[i] > 0;
   report.phases.done("patches");

@@ -49,10 +49,8 @@ double change_between(const std::vector<uint32_t>& before, const std::vector<uin
   return 0.5 * difference;
 }
 
-struct CoarseReport {
-  uint64_t drawn = 0, visible = 0, kept = 0;
-  double change = 1;
-  bool settled = false, stopped = false;
+struct CoarseReport : LightGridReport::OfCut {
+  bool stopped = false;
 };
 
 // Draws segments between pivot patches of cut `c` until the counts settle; returns those that join
@@ -84,6 +82,7 @@ std::vector<LightLine> coarse_pass(const Scene& scene, LineTracer& tracer, size_
       if (watch.progress) watch.progress(n);
       report.stopped = watch.stop && watch.stop();
     }
+    ++report.batches;
     read_counts(grid, tracer, count);
     report.change = change_between(before, count);
     report.settled = report.kept >= kFewestKept && report.change < options.tolerance;
@@ -167,16 +166,19 @@ void add_cut(const Scene& scene, LineTracer& tracer, size_t c, const LightGridOp
   report.stopped = coarse.stopped;
   report.settled = report.settled && coarse.settled;
   report.change = std::max(report.change, coarse.change);
+  LightGridReport::OfCut& of_cut = report.cuts[c] = coarse;
   if (kept.empty()) return;
   for (size_t i = 0; i < count.size(); ++i) grid.count[i] += static_cast<float>(count[i]);
   const LineWalk walk =
       walk_among_lines(scene, tracer, c, grid, count, kept, options.lines, options.seed);
+  const size_t before = grid.lines.size();
   for (LightLine line : walk.lines)
     if (clip_to(grid, line)) grid.lines.push_back(line);
   for (Probe probe : walk.probes)
     if (clip_to(grid, probe.line)) grid.probes.push_back(probe);
-  report.tried += walk.tried;
-  report.joined += walk.joined;
+  of_cut.lines = grid.lines.size() - before;
+  report.tried += of_cut.tried = walk.tried;
+  report.joined += of_cut.joined = walk.joined;
   report.phases.done("fine");
 }
 
@@ -200,6 +202,7 @@ LightGrid make_light_grid(const Scene& scene, const CutFile& cut, const std::str
   report.phases.done("bvh");
   report.settled = true;
   report.change = 0;
+  report.cuts.resize(cut.cuts.size());
   std::vector<Vec3d> direction(grid.count.size());
   for (const Bottleneck& b : cut.cuts)
     grid.cuts.push_back({std::clamp(b.conductance, 0.0, 1.0), 0});

@@ -26,6 +26,15 @@ struct LightGridWatch {
 };
 
 struct LightGridReport {
+  /// Both passes for one cut.
+  struct OfCut {
+    uint64_t drawn = 0, visible = 0, kept = 0;
+    size_t batches = 0;
+    bool settled = false;
+    double change = 1;
+    uint64_t tried = 0, joined = 0;
+    size_t lines = 0;  ///< kept in the file
+  };
   bool stopped = false;                       ///< the watch said stop
   uint64_t drawn = 0, visible = 0, kept = 0;  ///< segments between pivot patches
   bool settled = false;                       ///< false: the budget was spent first
@@ -33,6 +42,7 @@ struct LightGridReport {
   uint64_t tried = 0, joined = 0;             ///< lines through the fullest places
   float fullest = 0;                          ///< largest count of a voxel
   size_t air = 0;                             ///< voxels of air
+  std::vector<OfCut> cuts;                    ///< of each cut; without pivot pairs nothing is drawn
   Phases phases;                              ///< air, patches, bvh, coarse, fine
 };
 

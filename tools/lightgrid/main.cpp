@@ -10,6 +10,7 @@
 #include "libcommon/draw/canvas.h"
 #include "libcommon/formats/sky_options.h"
 #include "libcommon/gpu/device.h"
+#include "tools/lightgrid/explain.h"
 #include "tools/lightgrid/gpu_lines.h"
 #include "tools/lightgrid/lightgrid.h"
 #include "tools/lightgrid/preview.h"
@@ -98,13 +99,18 @@ Loaded load(const Arguments& a, const cli::Common& common) {
   return in;
 }
 
-LightGrid compute(const Arguments& a, const cli::Common& common, const Loaded& in,
-                  const MakeLineTracer& make_tracer, LightGridReport& report) {
+LightGridOptions options_of(const Arguments& a, const cli::Common& common) {
   LightGridOptions how;
   how.resolution = static_cast<int>(a.resolution);
   how.seed = common.seed;
   how.samples = static_cast<uint64_t>(a.samples);
   how.lines = static_cast<size_t>(a.lines);
+  return how;
+}
+
+LightGrid compute(const Arguments& a, const cli::Common& common, const Loaded& in,
+                  const LightGridOptions& how, const MakeLineTracer& make_tracer,
+                  LightGridReport& report) {
   Progress progress("tracing", "segments", how.samples, common.quiet);
   LightGrid grid =
       make_light_grid(in.scene, in.cut, a.cut, how, report,
@@ -143,8 +149,10 @@ int run(const Arguments& a, const cli::Common& common) {
   LightGridReport report;
   const Loaded in = load(a, common);
   report.phases.done("load");
-  const LightGrid grid = compute(a, common, in, tracer.make, report);
+  const LightGridOptions how = options_of(a, common);
+  const LightGrid grid = compute(a, common, in, how, tracer.make, report);
   tell(common, grid, report);
+  common.explain_by([&] { return decisions_of(in.scene, grid, how, report, tracer.name); });
   cli::deliver({{common.output, [&] { return light_grid_bytes(grid); }},
                 {a.preview, [&] { return grid_preview(grid, a.scene).file_named(a.preview); }},
                 {a.debug_glb, [&] { return grid_debug_glb(grid); }}},

@@ -1,5 +1,6 @@
 #include "tools/mincut/cut_of.h"
 
+#include <atomic>
 #include <iterator>
 
 #include <fmt/format.h>
@@ -31,7 +32,9 @@ FoundCuts cut_of(const DimacsFile& problem, size_t most, const CutLimits& limits
     patches.lit[node] = problem.walks[i].light;
     patches.viewed[node] = problem.walks[i].camera;
   }
-  SeriesCut series = series_cut(patches, most, limits, [](const FlowNetwork& network) {
+  std::atomic<size_t> flows = 0;
+  SeriesCut series = series_cut(patches, most, limits, [&](const FlowNetwork& network) {
+    ++flows;
     MaxFlow flow = max_flow(network);
     verify_max_flow(network, flow);
     return flow;
@@ -49,6 +52,10 @@ FoundCuts cut_of(const DimacsFile& problem, size_t most, const CutLimits& limits
   cut.bottleneck = series.bottleneck;
   cut.reason = series.reason;
   found.refused = std::move(series.refused);
+  found.drops = series.drops;
+  found.passed = series.passed;
+  found.closets = series.closets;
+  found.flows = flows;
   return found;
 }
 

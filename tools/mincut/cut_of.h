@@ -10,6 +10,8 @@ struct FoundCuts {
   CutFile file;                 ///< without provenance
   std::vector<CutFacts> facts;  ///< of each cut
   std::vector<SeriesCut::Refused> refused;
+  size_t drops = 0, passed = 0, closets = 0;  ///< as in SeriesCut
+  size_t flows = 0;                           ///< maximum flows, each verified
 };
 
 /// At most `most` cuts of a network with patches, each of them verified.

@@ -11,6 +11,7 @@
 #include "libcommon/cli/ending.h"
 #include "libcommon/draw/canvas.h"
 #include "tools/mincut/cut_of.h"
+#include "tools/mincut/explain.h"
 #include "tools/mincut/preview.h"
 #include "tools/mincut/verify.h"
 
@@ -82,6 +83,11 @@ void cut_plain(const Arguments& a, const cli::Common& common, const DimacsFile& 
   const auto text = [&] { return plain_cut_text(problem, flow, provenance(a, common, problem)); };
   cli::deliver({{common.output, text}}, phases);
   common.note(fmt::format("maximum flow {}", flow.value));
+  common.explain_by([&] {
+    return cli::Decisions{{"search", "ended after the minimum cut",
+                           "the network has no patches to tell bottlenecks by",
+                           cli::price_of(phases, {"flow"})}};
+  });
 }
 
 Json json_of(const CutFacts& facts) {
@@ -135,6 +141,8 @@ void cut_patches(const Arguments& a, const cli::Common& common, const DimacsFile
                 {a.debug_glb, [&] { return cut_debug_glb(cut); }}},
                phases);
   report(common, found, summary);
+  common.explain_by(
+      [&] { return decisions_of(found, static_cast<size_t>(a.cuts), a.limits, phases); });
 }
 
 int run(const Arguments& a, const cli::Common& common) {

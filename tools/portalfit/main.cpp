@@ -9,6 +9,7 @@
 #include "libcommon/draw/canvas.h"
 #include "libcommon/formats/portal_worth.h"
 #include "tools/portalfit/choice.h"
+#include "tools/portalfit/explain.h"
 #include "tools/portalfit/merit.h"
 #include "tools/portalfit/portalfit.h"
 #include "tools/portalfit/preview.h"
@@ -50,12 +51,16 @@ void declare_options(cli::Options& options, Arguments& a) {
 
 constexpr const char* kNoOpening = "no planar opening fits the light";
 
-FitResult fit(const Arguments& a, const LightGrid& grid) {
+PortalFitOptions options_of(const Arguments& a) {
   PortalFitOptions how;
   how.threshold = a.threshold;
   how.max_portals = static_cast<size_t>(a.max_portals);
   how.by_paper = a.method == "paper";
-  FitResult result = fit_portals(grid, how);
+  return how;
+}
+
+FitResult fit(const Arguments& a, const LightGrid& grid) {
+  FitResult result = fit_portals(grid, options_of(a));
   appraise(grid, result.portals);
   return result;
 }
@@ -106,10 +111,14 @@ nlohmann::json tell(const cli::Common& common, const FitResult& found,
     entry["drawback"] = drawback_of(f);
     written.push_back(entry);
   }
-  for (const std::string& sentence : found.refused) common.note("refused: " + sentence + ".");
+  std::vector<std::string> refused;
+  for (const FitResult::Refusal& r : found.refused) {
+    refused.push_back(r.why);
+    common.note("refused: " + r.why + ".");
+  }
   return {{"portals", written},
           {"explained", found.explained},
-          {"refused", found.refused},
+          {"refused", refused},
           {"left_out", found.portals.size() - written.size()}};
 }
 
@@ -152,6 +161,7 @@ int run(const Arguments& a, const cli::Common& common) {
   const Written written = choose(a, common, grid, found, useless);
   nlohmann::json summary = tell(common, found, useless);
   if (written.file.portals.empty()) summary["reason"] = why_none(a, common, grid, found);
+  common.explain_by([&] { return decisions_of(grid, options_of(a), found, useless, phases); });
   deliver(a, common, grid, written, phases);
   cli::report(common, summary, phases);
   return 0;

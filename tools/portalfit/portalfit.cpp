@@ -40,6 +40,8 @@ constexpr double kOneOpening = 0.9;
 constexpr double kFull = 0.5;  // of the fullest voxel, for the paper's rule
 constexpr double kDegrees = 180 / std::numbers::pi;
 
+using Refusals = std::vector<FitResult::Refusal>;
+
 // Those that come through the opening or end within or close before it: none of them tells of
 // another opening.
 std::vector<uint32_t> lines_at(const LightGrid& grid, const std::vector<uint32_t>& lines,
@@ -92,13 +94,18 @@ Portal portal_of(const LightGrid& grid, const Aperture& a, size_t of,
   return portal;
 }
 
+std::string at_least(double share) {
+  return fmt::format("at least {:.2g} %", 100 * share);
+}
+
 double share_of(const Aperture& a, size_t lines) {
   return static_cast<double>(a.lines.size()) / static_cast<double>(lines);
 }
 
 // What the lines `all` of one cut pass, one after the other; however little each carries.
 std::vector<Aperture> parts_of(const LightGrid& grid, const std::vector<uint32_t>& all,
-                               const PortalFitOptions& options, std::vector<std::string>& refused) {
+                               const PortalFitOptions& options, FitResult& result) {
+  Refusals& refused = result.refused;
   const double fewest = std::max(static_cast<double>(kFewestLines),
                                  kLeastPart * options.threshold * static_cast<double>(all.size()));
   std::vector<uint32_t> rest = all;
@@ -111,9 +118,10 @@ std::vector<Aperture> parts_of(const LightGrid& grid, const std::vector<uint32_t
         static_cast<double>(rest.size()) > kStrays * static_cast<double>(all.size()))
       aperture = aperture_of_directions(grid, rest);
     if (!aperture || aperture->lines.empty()) {
-      refused.push_back("the lines left have no common waist");
+      refused.push_back({"the lines left have no common waist", ""});
       break;
     }
+    ++result.candidates;
     if (auto part = denser_part(grid, rest, *aperture)) aperture = std::move(part);
     auto support = support_of(grid, *aperture);
     double passing = support.value_or(1) * fullness_of(grid, *aperture);
@@ -130,14 +138,17 @@ std::vector<Aperture> parts_of(const LightGrid& grid, const std::vector<uint32_t
     if (passing < kLeastPassing || support.value_or(1) < kOneOpening)
       instead(part_of_directions(grid, rest, *aperture));
     if (support && *support < options.support)
-      refused.push_back(fmt::format(
-          "a candidate lies within one side: only {:.0f} % of the lines through it join the two",
-          100 * *support));
-    else if (passing < kLeastPassing)
       refused.push_back(
-          fmt::format("a candidate of {:.2g} m2 lies in the open: only {:.0f} % of the "
-                      "lines through it pass from one side to the other",
-                      area(aperture->polygon), 100 * passing));
+          {fmt::format(
+               "a candidate lies within one side: only {:.0f} % of the lines through it join the "
+               "two",
+               100 * *support),
+           at_least(options.support)});
+    else if (passing < kLeastPassing)
+      refused.push_back({fmt::format("a candidate of {:.2g} m2 lies in the open: only {:.0f} % of "
+                                     "the lines through it pass from one side to the other",
+                                     area(aperture->polygon), 100 * passing),
+                         at_least(kLeastPassing)});
     else if (static_cast<double>(aperture->lines.size()) >= fewest)
       parts.push_back(*aperture);
     std::vector<uint32_t> left;
@@ -152,7 +163,7 @@ std::vector<Aperture> parts_of(const LightGrid& grid, const std::vector<uint32_t
 
 // Without those that far fewer lines pass to the etendue than others of about as many lines: what
 // leaks there is spread over a large plane.
-void leave_out_sparse(std::vector<Aperture>& found, std::vector<std::string>& refused) {
+void leave_out_sparse(std::vector<Aperture>& found, Refusals& refused) {
   std::vector<Aperture> left;
   for (const Aperture& a : found) {
     // Depths of small openings are known badly: the other counts as without depth.
@@ -164,9 +175,10 @@ void leave_out_sparse(std::vector<Aperture>& found, std::vector<std::string>& re
       left.push_back(a);
     else
       refused.push_back(
-          fmt::format("a candidate of {:.2g} m2 lies in the open: others pass as many lines in a "
-                      "fifth of its area",
-                      area(a.polygon)));
+          {fmt::format("a candidate of {:.2g} m2 lies in the open: others pass as many lines in a "
+                       "fifth of its area",
+                       area(a.polygon)),
+           ""});
   }
   found = std::move(left);
 }
@@ -174,8 +186,7 @@ void leave_out_sparse(std::vector<Aperture>& found, std::vector<std::string>& re
 // Those that carry enough, the fullest first. Where the others carry nearly all, what is left may
 // be leaks, and more is asked of it.
 std::vector<Aperture> enough_light(std::vector<Aperture> found, size_t lines,
-                                   const PortalFitOptions& options,
-                                   std::vector<std::string>& refused) {
+                                   const PortalFitOptions& options, Refusals& refused) {
   std::stable_sort(found.begin(), found.end(), [](const Aperture& a, const Aperture& b) {
     return a.lines.size() > b.lines.size();
   });
@@ -190,16 +201,18 @@ std::vector<Aperture> enough_light(std::vector<Aperture> found, size_t lines,
       carried += share, enough.push_back(std::move(a));
   }
   if (few > 0)
-    refused.push_back(fmt::format("{} {} {:.1f} % of the lines only", few,
-                                  few == 1 ? "candidate carries" : "candidates together carry",
-                                  100 * too_little));
+    refused.push_back({fmt::format("{} {} {:.1f} % of the lines only", few,
+                                   few == 1 ? "candidate carries" : "candidates together carry",
+                                   100 * too_little),
+                       at_least(options.threshold * (carried > 1 - kStrays ? kAfterAll : 1))});
   return enough;
 }
 
 // The openings that the lines `all` of one cut pass, the fullest first.
 std::vector<Aperture> fit_cut(const LightGrid& grid, const std::vector<uint32_t>& all,
-                              const PortalFitOptions& options, std::vector<std::string>& refused) {
-  std::vector<Aperture> found = joined_in_planes(grid, all, parts_of(grid, all, options, refused),
+                              const PortalFitOptions& options, FitResult& result) {
+  Refusals& refused = result.refused;
+  std::vector<Aperture> found = joined_in_planes(grid, all, parts_of(grid, all, options, result),
                                                  std::numeric_limits<size_t>::max());
   leave_out_sparse(found, refused);
   found = enough_light(std::move(found), all.size(), options, refused);
@@ -208,8 +221,9 @@ std::vector<Aperture> fit_cut(const LightGrid& grid, const std::vector<uint32_t>
     found = enough_light(std::move(found), all.size(), options, refused);
   }
   if (found.size() > options.max_portals) {
-    refused.push_back(fmt::format("{} openings more than {}", found.size() - options.max_portals,
-                                  options.max_portals));
+    refused.push_back({fmt::format("{} openings more than {}", found.size() - options.max_portals,
+                                   options.max_portals),
+                       "--max-portals"});
     found.resize(options.max_portals);
   }
   part_from_each_other(grid, all, found);
@@ -252,15 +266,17 @@ FitResult fit_portals(const LightGrid& grid, const PortalFitOptions& options) {
   size_t explained = 0;
   for (size_t c = 0; c < of_cut.size(); ++c) {
     const std::vector<uint32_t>& lines = of_cut[c];
-    const std::vector<Aperture> of_this = fit_cut(grid, lines, options, result.refused);
+    const std::vector<Aperture> of_this = fit_cut(grid, lines, options, result);
     std::set<uint32_t> crossed;
     for (const Aperture& a : of_this) crossed.insert(a.lines.begin(), a.lines.end());
     explained += crossed.size();
     for (const Aperture& a : of_this) {
       if (found.size() >= options.max_portals ||
           std::any_of(found.begin(), found.end(),
-                      [&](const Aperture& b) { return same_opening(grid, a, b); }))
+                      [&](const Aperture& b) { return same_opening(grid, a, b); })) {
+        ++result.repeated;
         continue;
+      }
       found.push_back(a);
       result.portals.push_back(portal_of(grid, a, lines.size(), support_of(grid, a)));
       result.lines.push_back(a.lines);

@@ -15,17 +15,24 @@ struct PortalFitOptions {
   double support = 0.5;   ///< smallest support that makes a portal
 };
 
-/// One portal with its figures of merit: `area` [m2], `flux_share` (share of all lines that cross
+/// A portal has figures of merit: `area` [m2], `flux_share` (share of all lines that cross
 /// it), `support` (share of the lines through it that join the two sides; left out when unknown),
 /// `direction_x/y/z` (mean direction of its lines), `direction_angle` [deg] (between it and the
 /// normal), `concentration` (length of the mean of the unit directions), `pca_main_angle` and
 /// `pca_minor_angle` [deg] (between the normal and the axes of the paper's rule, for information).
 struct FitResult {
+  /// A candidate that was turned down.
+  struct Refusal {
+    std::string why;    ///< a plain sentence with its figure
+    std::string limit;  ///< what that is held against; empty: nothing
+  };
   std::vector<Portal> portals;
   /// Of each portal those that its flux_share counts, as indices into grid.lines, ascending.
   std::vector<std::vector<uint32_t>> lines;
-  double explained = 0;              ///< share of all lines that cross some portal
-  std::vector<std::string> refused;  ///< why candidates were turned down: plain sentences
+  double explained = 0;  ///< share of all lines that cross some portal
+  std::vector<Refusal> refused;
+  size_t candidates = 0;  ///< looked at, joined ones apart
+  size_t repeated = 0;    ///< openings of one cut that are those of another, or too many
 };
 
 FitResult fit_portals(const LightGrid& grid, const PortalFitOptions& options);

@@ -240,8 +240,8 @@ TEST(PortalFit, WhatCarriesLittleHidesNoOther) {
                 score(fit.portals[0], holes[1], light).coverage,
             0.95);
   ASSERT_FALSE(fit.refused.empty());
-  EXPECT_NE(fit.refused.back().find("23 candidates together carry "), std::string::npos)
-      << fit.refused.back();
+  EXPECT_NE(fit.refused.back().why.find("23 candidates together carry "), std::string::npos)
+      << fit.refused.back().why;
 }
 
 // `n` panes, each `wide` across u, at a distance of `step`; all in the plane of hole().
@@ -322,8 +322,8 @@ TEST(PortalFit, RefusesAPlaneInTheOpen) {
   const FitResult fit = fit_portals(grid_of(lines_in_the_open(8000)), {});
   EXPECT_TRUE(fit.portals.empty());
   ASSERT_FALSE(fit.refused.empty());
-  EXPECT_NE(fit.refused[0].find(" m2 lies in the open: only "), std::string::npos)
-      << fit.refused[0];
+  EXPECT_NE(fit.refused[0].why.find(" m2 lies in the open: only "), std::string::npos)
+      << fit.refused[0].why;
 }
 
 TEST(PortalFit, MovesWithTheScene) {
@@ -374,7 +374,7 @@ TEST(PortalFit, RefusesWithoutSupport) {
   const FitResult bad = fit_portals(grid, {});
   EXPECT_TRUE(bad.portals.empty());
   ASSERT_FALSE(bad.refused.empty());
-  EXPECT_NE(bad.refused[0].find("lies within one side"), std::string::npos);
+  EXPECT_NE(bad.refused[0].why.find("lies within one side"), std::string::npos);
 }
 
 TEST(PortalFit, NoBottleneckGivesNoPortal) {

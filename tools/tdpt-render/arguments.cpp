@@ -80,9 +80,6 @@ void declare_options(cli::Options& options, Arguments& a) {
                       "Write a PNG of the pixels: red with a contribution, green without");
   options.output_beside("--preview", a.preview, preview_path, "Write a PNG beside the picture");
   options.result_name(check_picture_name);
-  options.flag("--verbose", a.verbose,
-               "Say what the scene needs, what was left out, rays and techniques' shares",
-               Shapes::nothing);
 }
 
 }  // namespace tdpt

@@ -28,7 +28,7 @@ struct Arguments {
   bool retry = false;
 
   std::string stats, nonzero, preview;  ///< paths; empty: not asked for
-  bool layers = false, alpha = false, verbose = false;
+  bool layers = false, alpha = false;
 };
 
 /// The options of the program, which fill in `a`.

@@ -42,7 +42,7 @@ Integrator with_stream(Integrator integrator, uint64_t stream) {
 
 }  // namespace
 
-std::vector<Candidate> auto_candidates(const World& world, std::span<const Integrator> guided) {
+std::vector<Candidate> possible_candidates(const World& world, std::span<const Integrator> guided) {
   std::vector<Candidate> all{
       {looking_everywhere(bdpt), label_of(bdpt)},
       {looking_everywhere(nee), label_of(nee)},
@@ -60,6 +60,11 @@ std::vector<Candidate> auto_candidates(const World& world, std::span<const Integ
     for (const Integrator& integrator : {aiming(bdpt, 11), aiming(nee, 12)})
       all.push_back({integrator, label_of(integrator)});
   }
+  return all;
+}
+
+std::vector<Candidate> auto_candidates(const World& world, std::span<const Integrator> guided) {
+  const std::vector<Candidate> all = possible_candidates(world, guided);
   std::vector<Candidate> candidates;
   for (const Candidate& c : all)
     if (light_missed(c.integrator, world.scene).empty()) candidates.push_back(c);

@@ -20,8 +20,10 @@ struct Candidate {
 };
 
 /// For this scene, with the techniques that its portals allow, safe ones first: the first is taken
-/// where nothing can be told. None that misses light of the scene [light_missed].
-/// `guided`: those of tdpt-guided that are to be tried.
+/// where nothing can be told. `guided`: those of tdpt-guided that are to be tried.
+std::vector<Candidate> possible_candidates(const World& world,
+                                           std::span<const Integrator> guided = kGuided);
+/// Those that miss no light of the scene [light_missed]; the first of all where each does.
 std::vector<Candidate> auto_candidates(const World& world,
                                        std::span<const Integrator> guided = kGuided);
 

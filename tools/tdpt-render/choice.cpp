@@ -4,6 +4,7 @@
 
 #include "libcommon/base/error.h"
 #include "tools/tdpt-render/arrival.h"
+#include "tools/tdpt-render/longest_path.h"
 #include "tools/tdpt-render/portal_fit.h"
 #include "tools/tdpt-render/portal_probe.h"
 #include "tools/tdpt-render/portal_report.h"
@@ -80,7 +81,9 @@ Choice choose(const Request& request, const RenderSettings& settings, const Came
   if (world.portals.empty() && through_portals)
     common.warn("no portal is given, so no path is sampled through one");
   const bool looks_out = named.looks_out() && !world.windows.empty();
-  if (request.automatic || through_portals || looks_out) {
+  const bool sampled =
+      longest_path(world, settings.max_depth, settings.alpha) == settings.max_depth;
+  if (sampled && (request.automatic || through_portals || looks_out)) {
     // A small part of the work.
     constexpr double kShare = 0.02, kFewest = 256;
     const double ahead = samples_ahead(settings, world.film);
@@ -97,17 +100,25 @@ Choice choose(const Request& request, const RenderSettings& settings, const Came
     world.fill_openings(PortalSet(portals, world.scene.frame));
     if (kShare * ahead > kProbeSamples) probe(world, portals);
     for (const std::string& description : descriptions(portals)) common.note(description);
+    choice.probed = true;
   }
+  choice.phases.done("probe");
   // By power alone a sky outranks every lamp indoors.
-  if (world.lights.sky() && world.lights.shares().sky < 1)
+  choice.by_arrival = sampled && world.lights.sky() && world.lights.shares().sky < 1;
+  if (choice.by_arrival)
     world.lights.choose_by(
         arriving_shares(world, {settings.max_depth, settings.beta, settings.seed}));
+  choice.phases.done("arrival");
   choice.candidates = candidates_of(request, world);
   choice.integrator = request.named;
   if (request.automatic) choice.integrator = either_of(choice.candidates);
   if (const std::string missed = light_missed(choice.integrator, world.scene); !missed.empty())
     common.warn(missed);
-  if (world.lights.empty()) common.warn("nothing in the scene emits light: the picture is black");
+  if (world.lights.empty())
+    common.warn("nothing in the scene emits light: the picture is black");
+  else if (!may_see_surfaces(world))
+    common.warn(std::string("no surface lies in the camera's view: the picture ") +
+                (world.scene.sky ? "shows the sky alone" : "is black"));
   return choice;
 }
 

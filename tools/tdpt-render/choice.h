@@ -1,6 +1,7 @@
 // Which integrator renders, as far as that is known before the first sample: the one that the
 // command line names, or candidates among which a scout chooses [scout.h].
 #pragma once
+#include "libcommon/base/phases.h"
 #include "libcommon/cli/cli.h"
 #include "tools/tdpt-render/arguments.h"
 #include "tools/tdpt-render/render.h"
@@ -22,6 +23,9 @@ struct Choice {
   std::vector<Candidate> candidates;
   std::vector<PortalWay> ways;  ///< which way portals work; empty: as drawn
   Integrator integrator;        ///< the only candidate, or `auto` with the techniques of all
+  bool probed = false;          ///< portals were looked at
+  bool by_arrival = false;      ///< kinds of light are chosen by what arrives
+  Phases phases;                ///< probe, arrival
 };
 /// Warns of light that will be missing. If portals will be used, they are probed, turned to the way
 /// that light passes them or left out where none does, in `portals` and in the world, and what was

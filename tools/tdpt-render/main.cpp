@@ -11,6 +11,7 @@
 #include "tools/tdpt-render/arguments.h"
 #include "tools/tdpt-render/choice.h"
 #include "tools/tdpt-render/covered_lamps.h"
+#include "tools/tdpt-render/explain.h"
 #include "tools/tdpt-render/given_portals.h"
 #include "tools/tdpt-render/picture_size.h"
 #include "tools/tdpt-render/portal_report.h"
@@ -104,8 +105,8 @@ double share_of_portals(const World& world, const Integrator& integrator,
   return total > 0 ? tally.energy[static_cast<size_t>(Technique::portal)] / total : 1;
 }
 
-void report(const Arguments& a, const cli::Common& common, const Loaded& in, const World& world,
-            const Choice& choice, const RenderSettings& settings, const RenderResult& result) {
+void report(const cli::Common& common, const Loaded& in, const World& world, const Choice& choice,
+            const RenderSettings& settings, const RenderResult& result) {
   common.summary(summary_json(choice.integrator, settings, result, in.portals));
   for (const Tally::Place& place : result.tally.not_finite_at)
     common.warn(
@@ -124,9 +125,6 @@ void report(const Arguments& a, const cli::Common& common, const Loaded& in, con
                           result.cpu_seconds));
   if (const std::string length = length_sentence(settings, result); !length.empty())
     common.note(length);
-  if (a.verbose)
-    for (const std::string& note : verbose_notes(in.scene, choice.integrator, result))
-      common.note(note);
   if (result.interrupted)
     common.note("stopped by a signal; the picture holds the samples named above");
   if (result.target) common.note(target_sentence(*result.target, result.spp));
@@ -148,7 +146,10 @@ int run(const Arguments& a, const cli::Common& common) {
   if (request.automatic) common.note(choice_sentence(result));
   if (const std::string verdict = verdict_sentence(result); !verdict.empty()) common.note(verdict);
   deliver(a, common, in, choice, settings, result);
-  report(a, common, in, world, choice, settings, result);
+  report(common, in, world, choice, settings, result);
+  common.explain_by([&] {
+    return decisions_of({world, in.portals, request, choice, settings, result});
+  });
   return static_cast<int>(result.interrupted ? Exit::interrupted : Exit::done);
 }
 

@@ -6,6 +6,7 @@
 
 #include "libcommon/base/signals.h"
 #include "libcommon/base/threads.h"
+#include "tools/tdpt-render/longest_path.h"
 #include "tools/tdpt-render/pilot.h"
 
 namespace tdpt {
@@ -73,7 +74,8 @@ class Rendering {
       : world_(world),
         candidates_(expecting_joins(world, candidates, settings.max_depth)),
         settings_(settings),
-        rules_{settings.max_depth, settings.beta, settings.seed},
+        longest_(longest_path(world, settings.max_depth, settings.alpha)),
+        rules_{std::max(longest_, 1), settings.beta, settings.seed},
         layers_(settings.layers ? techniques_of(candidates) : TechniqueSet()),
         pixels_(static_cast<uint64_t>(world.film.width()) *
                 static_cast<uint64_t>(world.film.height())),
@@ -105,6 +107,7 @@ class Rendering {
   const World& world_;
   const std::vector<Candidate> candidates_;
   const RenderSettings& settings_;
+  const int longest_;  // path that can bring light; 0: none can
   const SampleRules rules_;
   const TechniqueSet layers_;
   const uint64_t pixels_;
@@ -145,7 +148,10 @@ double Rendering::spp_ahead(const Scout& scout) const {
 void Rendering::plan() {
   result_.plan = {
       candidates_[0].integrator, candidates_[0].label, settings_.spp, {}, world_.lights.shares()};
+  if (longest_ < settings_.max_depth) result_.longest = longest_;
   if (candidates_.size() < 2) return;
+  result_.chosen_label = candidates_[0].label;
+  if (result_.longest) return;
   const double cpu = clock_.cpu();
   Scout scout(world_, candidates_, rules_);
   look_around(scout);
@@ -163,7 +169,7 @@ void Rendering::aim() {
   if (settings_.target_error == 0) return;
   TargetOutcome& target = result_.target.emplace();
   target.error = settings_.target_error;
-  target.dark = world_.lights.empty();
+  target.dark = longest_ == 0;
   if (target.dark) {
     target.fixed = goal_ = 1;
     return;
@@ -235,7 +241,7 @@ std::string Rendering::error_so_far() const {
 }
 
 void Rendering::look_beyond() {
-  if (settings_.max_depth >= kMaxDepth) return;
+  if (settings_.max_depth >= kMaxDepth || result_.longest) return;
   // A hundredth of the picture's samples, but of few of them up to a tenth; by the clock, enough.
   const double all = static_cast<double>(goal_) * static_cast<double>(pixels_), enough = 2048;
   const double samples = all > 0 ? std::max(0.01 * all, std::min(0.1 * all, enough)) : enough;
@@ -265,6 +271,7 @@ uint64_t Rendering::next_pass(uint64_t most) const {
   if (result_.target) n = std::min(n, blocks_.next() - done);
   if (settings_.frames)
     n = std::min(n, next_frame(result_.frames.empty() ? 0 : result_.frames.back().spp) - done);
+  if (longest_ == 0) return 0;
   if (settings_.seconds == 0) return n;
   if (done == 0) return 1;  // there must be a picture
   // Samples take about as long as the ones before: stop where the limit is nearest.
@@ -278,6 +285,7 @@ void Rendering::render_goal() {
                     settings_.quiet);
   // Small pictures take several samples a pass, so that threads have something to share.
   const uint64_t most = std::max<uint64_t>(1, (uint64_t{1} << 16) / pixels_);
+  if (longest_ == 0) film_.complete({0, std::max<uint64_t>(goal_, 1)});
   while (const uint64_t n = next_pass(most)) {
     // A signal that comes when all is there cuts nothing short, and there must be a picture.
     result_.interrupted = stop_requested() && film_.samples() > 0;

@@ -75,6 +75,7 @@ struct RenderResult {
   std::optional<TargetOutcome> target;  ///< where the settings have one
   std::optional<Beyond> beyond;         ///< what the limit of depth leaves out, where there is one
 
+  std::optional<int> longest;       ///< path worth sampling, if shorter than asked [longest_path.h]
   size_t chosen = 0;                ///< which of the candidates rendered
   std::string chosen_label;         ///< empty when there was only one
   std::vector<Prospect> prospects;  ///< of the candidates; empty where none was looked at

@@ -1,6 +1,5 @@
 #include "tools/tdpt-render/report.h"
 
-#include <algorithm>
 #include <cmath>
 #include <numeric>
 
@@ -12,12 +11,6 @@
 
 namespace tdpt {
 namespace {
-
-/// The words of Scene::needs: code that a scene without them never enters.
-constexpr std::array kNeeds{
-    "textures",       "shading normals", "specular",   "transmission", "alpha",
-    "vertex colours", "punctual lights", "absorption", "normal maps",  "textured emission",
-    "a sky"};
 
 double total_energy(const RenderResult& result) {
   return std::accumulate(result.tally.energy.begin(), result.tally.energy.end(), 0.0);
@@ -110,31 +103,6 @@ std::string stats_json(const Integrator& integrator, const RenderSettings& setti
   return j.dump();
 }
 
-std::vector<std::string> verbose_notes(const Scene& scene, const Integrator& integrator,
-                                       const RenderResult& result) {
-  std::vector<std::string> left_out;
-  for (const char* need : kNeeds)
-    if (std::find(scene.needs.begin(), scene.needs.end(), need) == scene.needs.end())
-      left_out.emplace_back(need);
-  std::vector<std::string> notes;
-  notes.push_back(
-      fmt::format("this scene needs {}; left out: {}",
-                  scene.needs.empty() ? "diffuse surfaces only"
-                                      : fmt::format("{}", fmt::join(scene.needs, ", ")),
-                  left_out.empty() ? "nothing" : fmt::format("{}", fmt::join(left_out, ", "))));
-  const RayCounts& rays = result.tally.rays;
-  notes.push_back(fmt::format("rays: {} closest, {} shadow, {} portal", rays.closest, rays.shadow,
-                              rays.portal));
-  const double total = total_energy(result);
-  std::vector<std::string> shares;
-  for (size_t i = 0; i < kTechniques; ++i)
-    if (integrator.mixture.has(static_cast<Technique>(i)))
-      shares.push_back(fmt::format("{} {:.1f} %", kTechniqueNames[i],
-                                   total > 0 ? 100 * result.tally.energy[i] / total : 0.0));
-  notes.push_back(fmt::format("techniques: {}", fmt::join(shares, ", ")));
-  return notes;
-}
-
 std::string length_sentence(const RenderSettings& settings, const RenderResult& result) {
   if (result.beyond) return sentence(*result.beyond);
   const double total = total_energy(result), last = result.tally.by_length.back();
@@ -152,6 +120,7 @@ std::optional<double> portals_gain(const RenderResult& result) {
 
 std::string choice_sentence(const RenderResult& result) {
   const std::string chose = "auto chose " + result.chosen_label;
+  if (result.longest) return chose + ": there is nothing to choose by";
   if (result.prospects.empty())
     return chose + (result.interrupted ? "; it was stopped before more could be told"
                                        : "; the samples are too few to tell more");

@@ -11,11 +11,6 @@ std::string stats_json(const Integrator& integrator, const RenderSettings& setti
 std::string summary_json(const Integrator& integrator, const RenderSettings& settings,
                          const RenderResult& result, const std::vector<Portal>& portals = {});
 
-/// --verbose: what the scene asks for and what was left out for want of it, the rays by kind, and
-/// the techniques' shares of the energy; a sentence each.
-std::vector<std::string> verbose_notes(const Scene& scene, const Integrator& integrator,
-                                       const RenderResult& result);
-
 /// What the length of paths leaves out, by --max-depth or by the hard stop; empty where that is
 /// nothing to speak of.
 std::string length_sentence(const RenderSettings& settings, const RenderResult& result);

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "libcommon/scene/gltf_materials.h"
 #include "tools/tdpt-render/report.h"
 #include "tools/tdpt-render/test_rooms.h"
 #include "tools/tdpt-render/test_variant.h"
@@ -90,44 +89,6 @@ TEST(frames, stand_in_the_statistics_and_not_in_the_summary) {
 TEST(nonzero, red_where_light_arrives_and_green_elsewhere) {
   const Picture picture{3, 1, {Rgb{}, Rgb{0, 1e-30f, 0}, Rgb{5, 5, 5}}};
   EXPECT_EQ(nonzero_picture(picture).pixels, (std::vector<Rgb>{{0, 1, 0}, {1, 0, 0}, {1, 0, 0}}));
-}
-
-TEST(verbose, names_what_the_scene_needs_and_what_is_left_out) {
-  Scene scene;
-  scene.needs = {"textures", "alpha"};
-  RenderResult r;
-  r.tally.rays.closest = 11;
-  r.tally.rays.shadow = 22;
-  r.tally.energy[static_cast<size_t>(Technique::direct)] = 3;
-  r.tally.energy[static_cast<size_t>(Technique::camera)] = 1;
-  const std::vector<std::string> notes = verbose_notes(scene, nee, r);
-  ASSERT_EQ(notes.size(), 3u);
-  EXPECT_TRUE(notes[0].starts_with("this scene needs textures, alpha; left out: ")) << notes[0];
-  EXPECT_NE(notes[0].find("transmission"), std::string::npos);
-  EXPECT_EQ(notes[0].find("textures", 30), std::string::npos);  // not left out as well
-  EXPECT_EQ(notes[1], "rays: 11 closest, 22 shadow, 0 portal");
-  EXPECT_EQ(notes[2], "techniques: camera 25.0 %, direct 75.0 %");
-}
-
-// The words that a scene may say and those that --verbose knows are the same.
-TEST(verbose, knows_every_word_that_a_scene_may_say) {
-  Scene scene;
-  const std::string none = verbose_notes(scene, nee, {}).front();
-  Material m;
-  m.metallic = m.transmission = 1;
-  m.alpha_mode = Material::Alpha::mask;
-  m.absorption = Rgb(1.0f);
-  m.normal_map.image = m.emission_map.image = 0;
-  scene.materials = {m};
-  scene.images.resize(1);
-  scene.smooth = {1};
-  scene.colours.resize(1);
-  scene.lights.resize(1);
-  scene.needs = gltf::needs_of(scene);
-  scene.needs.push_back("a sky");  // add_sky()
-  const std::string all = verbose_notes(scene, nee, {}).front();
-  EXPECT_TRUE(all.ends_with("; left out: nothing")) << all;
-  for (const std::string& word : scene.needs) EXPECT_NE(none.find(word), std::string::npos) << word;
 }
 
 // The furnace's walls all shine with radiance 1, seen as such at depth 1. Every other

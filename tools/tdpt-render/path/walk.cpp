@@ -86,7 +86,8 @@ bool Walker::extend(const Tracer::Origin& origin, const Vec3d& w, const Rgb& thr
   state.own_survival = albedo_at(next, -e.w);
   state.other_survival = 1;
   const double went_on = always_goes_on(static_cast<int>(n) - 1) ? 1 : here.own_survival;
-  state.throughput = throughput * static_cast<float>(1 / hit.presence);
+  state.throughput =
+      hit.presence < 1 ? throughput * static_cast<float>(1 / hit.presence) : throughput;
   state.pdf_own_A = went_on * plain;
   state.pdf_other_A = 0;
   state.edge = e;

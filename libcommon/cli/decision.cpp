@@ -1,0 +1,27 @@
+#include "libcommon/cli/decision.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "libcommon/base/phases.h"
+
+namespace tdpt::cli {
+
+std::string sentence(const Decision& d) {
+  return fmt::format("{}: {}, because {}{}", d.what, d.chosen, d.reason,
+                     d.price.empty() ? "" : " (" + d.price + ")");
+}
+
+std::string price_of(double cpu_seconds) {
+  return fmt::format("{:.2g} CPU s", cpu_seconds < 1e-4 ? 0.0 : cpu_seconds);
+}
+
+std::string price_of(const Phases& phases, const std::vector<std::string>& names) {
+  double sum = 0;
+  for (const Phases::Phase& p : phases.all())
+    if (std::find(names.begin(), names.end(), p.name) != names.end()) sum += p.cpu_seconds;
+  return price_of(sum);
+}
+
+}  // namespace tdpt::cli

@@ -1,0 +1,119 @@
+#include "libcommon/scene/uses.h"
+
+#include <algorithm>
+#include <array>
+
+#include <fmt/format.h>
+
+namespace tdpt {
+namespace {
+
+// "2 of 5 materials shine".
+std::string share(size_t n, size_t of, const char* noun, const char* do_what) {
+  return fmt::format("{} of {} {} {}", n, of, noun, do_what);
+}
+
+std::string of_materials(const Scene& s, bool (*which)(const Material&), const char* do_what) {
+  const auto n = std::count_if(s.materials.begin(), s.materials.end(), which);
+  return share(static_cast<size_t>(n), s.materials.size(), "materials", do_what);
+}
+
+bool textured(const Material& m) {
+  return m.base_map || m.metallic_roughness_map || m.emission_map || m.normal_map ||
+         m.specular_map || m.specular_color_map || m.transmission_map;
+}
+
+// A word of Scene::needs, how many ask for it, and what is saved where none does.
+struct Use {
+  std::string_view word;
+  std::string (*who)(const Scene&);
+  const char* saved;
+};
+
+constexpr std::array kUses{
+    Use{"textures", [](const Scene& s) { return of_materials(s, textured, "name an image"); },
+        "no look-up"},
+    Use{"shading normals",
+        [](const Scene& s) {
+          const auto flat = std::count(s.smooth.begin(), s.smooth.end(), 0);
+          return share(s.smooth.size() - static_cast<size_t>(flat), s.triangles.size(), "triangles",
+                       "have normals that are not their own");
+        },
+        "none is interpolated"},
+    Use{"specular",
+        [](const Scene& s) {
+          return of_materials(
+              s, [](const Material& m) { return m.metallic > 0 || m.specular > 0; }, "shine");
+        },
+        "no microfacets"},
+    Use{"transmission",
+        [](const Scene& s) {
+          return of_materials(
+              s, [](const Material& m) { return m.transmission > 0; }, "let light through");
+        },
+        "no refraction, no panes"},
+    Use{"alpha",
+        [](const Scene& s) {
+          return of_materials(
+              s, [](const Material& m) { return m.alpha_mode != Material::Alpha::opaque; },
+              "have holes");
+        },
+        "no ray asks whether it is covered"},
+    Use{"vertex colours",
+        [](const Scene& s) {
+          return of_materials(
+              s, [](const Material& m) { return m.coloured; }, "are tinted by their vertices");
+        },
+        "none is interpolated"},
+    Use{"punctual lights",
+        [](const Scene& s) {
+          return fmt::format("the scene has {} lamps without surface", s.lights.size());
+        },
+        "none is drawn"},
+    Use{"absorption",
+        [](const Scene& s) {
+          return of_materials(
+              s, [](const Material& m) { return max_component(m.absorption) > 0; },
+              "absorb light within");
+        },
+        "no edge asks what it lies in"},
+    Use{"normal maps",
+        [](const Scene& s) {
+          return of_materials(
+              s, [](const Material& m) { return bool(m.normal_map); }, "name one");
+        },
+        "no look-up"},
+    Use{"textured emission",
+        [](const Scene& s) {
+          return of_materials(
+              s, [](const Material& m) { return bool(m.emission_map); }, "name one");
+        },
+        "each emitter is even"},
+    Use{"a sky",
+        [](const Scene& s) {
+          return std::string(s.sky ? "an environment or a sun is given"
+                                   : "neither an environment nor a sun is given");
+        },
+        "what leaves the scene is dropped"}};
+
+}  // namespace
+
+std::vector<std::string_view> all_needs() {
+  std::vector<std::string_view> words;
+  for (const Use& use : kUses) words.push_back(use.word);
+  return words;
+}
+
+cli::Decisions uses_of(const Scene& scene, const std::vector<std::string_view>& words) {
+  cli::Decisions decisions;
+  for (const Use& use : kUses) {
+    if (std::find(words.begin(), words.end(), use.word) == words.end()) continue;
+    const bool used =
+        std::find(scene.needs.begin(), scene.needs.end(), use.word) != scene.needs.end();
+    decisions.push_back(
+        {std::string(use.word), used ? "used" : "left out", use.who(scene), used ? "" : use.saved});
+  }
+  return decisions;
+}
+
+}  // namespace tdpt

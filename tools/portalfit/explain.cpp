@@ -1,0 +1,67 @@
+#include "tools/portalfit/explain.h"
+
+#include <fmt/format.h>
+
+namespace tdpt {
+namespace {
+
+using cli::Decision;
+using cli::Decisions;
+
+std::string percent(double share) {
+  return fmt::format("{:.3g} %", 100 * share);
+}
+
+// What let it be a portal.
+std::string merits(const Portal& portal, const PortalFitOptions& options) {
+  const auto& f = portal.figures;
+  if (options.by_paper) return "the fullest voxels lie along it";
+  const std::string support =
+      f.contains("support")
+          ? fmt::format("; {} of the lines through it join the two sides, at least {}",
+                        percent(f.at("support")), percent(options.support))
+          : "";
+  return fmt::format("it carries {} of the lines of its cut, at least {}{}",
+                     percent(f.at("flux_share")), percent(options.threshold), support);
+}
+
+Decision of_search(const LightGrid& grid, const FitResult& found, const Phases& phases) {
+  const std::string chosen =
+      fmt::format("{} candidates looked at, {} fitted", found.candidates, found.portals.size());
+  const std::string price = cli::price_of(phases, {"fit"});
+  return {"search", chosen,
+          fmt::format("{} of {} lines cross what was found", percent(found.explained),
+                      grid.lines.size()),
+          price};
+}
+
+}  // namespace
+
+Decisions decisions_of(const LightGrid& grid, const PortalFitOptions& options,
+                       const FitResult& found, const std::vector<std::string>& useless,
+                       const Phases& phases) {
+  if (!grid.bottleneck || grid.lines.empty())
+    return {{"search", "left out",
+             grid.bottleneck ? "the grid holds no line of light" : grid.reason,
+             cli::price_of(phases, {"fit"})}};
+  Decisions all{of_search(grid, found, phases)};
+  size_t written = 0;
+  for (size_t i = 0; i < found.portals.size(); ++i) {
+    const Portal& portal = found.portals[i];
+    const std::string area = fmt::format("{:.3g} m2", portal.figures.at("area"));
+    if (useless[i].empty())
+      all.push_back(
+          {fmt::format("portal.{}", written++), "written", merits(portal, options), area});
+    else
+      all.push_back({"a portal", "left out", useless[i] + "; --all writes it", area});
+  }
+  for (const FitResult::Refusal& r : found.refused)
+    all.push_back(
+        {"candidate", "refused", r.why + (r.limit.empty() ? "" : "; asked for: " + r.limit), ""});
+  if (found.repeated > 0)
+    all.push_back({"openings", fmt::format("{} passed by", found.repeated),
+                   "they are those of another cut again, or more than --max-portals", ""});
+  return all;
+}
+
+}  // namespace tdpt

@@ -1,0 +1,229 @@
+#include "tools/tdpt-render/explain.h"
+
+#include <cmath>
+#include <numeric>
+
+#include <fmt/format.h>
+
+#include "libcommon/scene/uses.h"
+#include "tools/tdpt-render/portal_report.h"
+
+namespace tdpt {
+namespace {
+
+using cli::Decision;
+using cli::Decisions;
+
+void append(Decisions& all, Decisions more) {
+  all.insert(all.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
+}
+
+Decision panels(const Rendered& r) {
+  const size_t n = r.world.next_events.panels().all().size();
+  if (n > 0)
+    return {"panels", "used",
+            fmt::format("{} flat rectangles are all that emits: next events choose among them by "
+                        "what arrives",
+                        n),
+            "four corners looked at for each panel and next event"};
+  return {"panels", "left out",
+          fmt::format("the surfaces that emit are not one big rectangle or 2 to {}", Panels::kMost),
+          "next events draw by power alone"};
+}
+
+Decision windows(const Rendered& r) {
+  const size_t n = r.world.windows.windows().size();
+  if (n > 0)
+    return {"windows", "used", fmt::format("{} facets of portals show the sky", n),
+            "each next event towards the sky looks through them"};
+  return {"windows", "left out",
+          r.world.scene.sky ? "no portal shows the sky" : "there is no sky to look for",
+          "no summed-area table is made"};
+}
+
+// How lights are chosen among their kinds.
+Decision kinds_of_light(const Rendered& r) {
+  const Lights::Shares s = r.world.lights.shares();
+  const std::string shares =
+      fmt::format("surfaces {:.2g}, lamps {:.2g}, parallel light {:.2g}, the sky {:.2g}",
+                  s.surfaces, s.lamps, s.parallel, s.sky);
+  if (r.choice.by_arrival)
+    return {"kinds of light", "chosen by what arrives",
+            "by power a sky would outrank every lamp indoors: " + shares,
+            cli::price_of(r.choice.phases, {"arrival"})};
+  return {"kinds of light", "chosen by power", "no sky stands beside other lights: " + shares,
+          "nothing is measured"};
+}
+
+std::string way_words(PortalWay::Way way) {
+  switch (way) {
+    case PortalWay::as_drawn:
+      return "used as drawn";
+    case PortalWay::front:
+      return "used from its back to its front";
+    case PortalWay::back:
+      return "used from its front to its back";
+    case PortalWay::both:
+      return "used both ways";
+    case PortalWay::left_out:
+      return "left out";
+  }
+  return "";
+}
+
+Decisions portals(const Rendered& r) {
+  if (r.portals.empty())
+    return {
+        {"portals", "left out", "none is given that can be used", "no edge is tested against any"}};
+  if (!r.choice.probed)
+    return {{"portals", "left out", fmt::format("{} goes through none", r.choice.integrator.name),
+             "nothing is measured"}};
+  Decisions all{
+      {"portals", "looked at",
+       fmt::format("a small picture tells which of the {} the light passes, and which way",
+                   r.portals.size()),
+       cli::price_of(r.choice.phases, {"probe"})}};
+  for (const PortalWay& w : r.choice.ways) {
+    const Portal& portal = r.portals[w.portal];
+    const auto light = portal.figures.find(kLight);
+    all.push_back(
+        {portal.name, way_words(w.way),
+         light == portal.figures.end()
+             ? "too little of a small picture's light was seen to tell"
+             : fmt::format("{:.3g} % of a small picture's light passed it", 100 * light->second),
+         w.way == PortalWay::left_out
+             ? "no edge is tested against it"
+             : fmt::format("each edge is tested against {} triangles", portal.triangles.size())});
+  }
+  return all;
+}
+
+Decision scout(const Rendered& r) {
+  if (r.choice.candidates.size() < 2)
+    return {"scout", "left out",
+            r.request.automatic ? "there is one candidate only" : "the integrator is named",
+            "no sample is thrown away"};
+  if (r.result.longest)
+    return {"scout", "left out", "no path beyond the camera's ray can bring light",
+            "no sample is thrown away"};
+  if (r.result.prospects.empty())
+    return {"scout", "left out", "the samples asked for cannot spare the fewest that tell anything",
+            "the first candidate renders"};
+  return {
+      "scout", fmt::format("{} samples drawn", r.result.scouted),
+      fmt::format("auto weighs {} candidates by what they would find", r.choice.candidates.size()),
+      fmt::format("{}, {:.2g} % of the rendering", cli::price_of(r.result.scout_cpu_seconds),
+                  100 * r.result.scout_cpu_seconds / std::max(r.result.cpu_seconds, 1e-9))};
+}
+
+// Why the candidate rendered or did not.
+std::string why(const Rendered& r, size_t i) {
+  const std::vector<Prospect>& all = r.result.prospects;
+  const Prospect& p = all[i];
+  if (!std::isfinite(p.cost())) return "it misses light that others found";
+  double least = INFINITY;
+  for (const Prospect& q : all) least = std::min(least, q.cost());
+  const bool is_least = !(p.cost() > least);
+  const std::string times =
+      least > 0 ? fmt::format("{:.3g} times the least", p.cost() / least) : "0";
+  if (i == r.result.chosen)
+    return is_least ? "its error x work is the least"
+                    : "its error x work is " + times +
+                          ", and what has less may have it by chance or gains less from samples "
+                          "that complement each other";
+  return is_least ? "its error x work is the least, but may be so by chance"
+                  : "its error x work is " + times;
+}
+
+Decisions candidates(const Rendered& r) {
+  Decisions all;
+  if (!r.request.automatic) return all;
+  for (const Candidate& c : possible_candidates(r.world))
+    if (const std::string missed = light_missed(c.integrator, r.world.scene); !missed.empty())
+      all.push_back({c.label, "not weighed", missed, "no work"});
+  for (size_t i = 0; i < r.result.prospects.size(); ++i) {
+    const Prospect& p = r.result.prospects[i];
+    all.push_back({p.integrator, i == r.result.chosen ? "chosen" : "refused", why(r, i),
+                   fmt::format("relMSE {:.3g} x {:.3g} us a sample", p.steady, 1e-3 * p.work)});
+  }
+  if (r.world.portals.empty())
+    all.push_back({"integrators with portals", "not weighed", "no portal can be used", "no work"});
+  return all;
+}
+
+Decisions techniques(const Rendered& r) {
+  const Integrator& ran = r.result.plan.integrator;
+  const auto& energy = r.result.tally.energy;
+  const double total = std::accumulate(energy.begin(), energy.end(), 0.0);
+  Decisions all;
+  for (size_t i = 0; i < kTechniques; ++i) {
+    const bool worth = !r.result.longest || static_cast<int>(i) < *r.result.longest;
+    const bool has = worth && ran.mixture.has(static_cast<Technique>(i));
+    all.push_back(
+        {fmt::format("technique {}", kTechniqueNames[i]), has ? "run" : "left out",
+         worth ? fmt::format("{} {}", r.result.plan.label, has ? "combines it" : "does without")
+               : "no path that it makes can bring light",
+         has ? fmt::format("brought {:.1f} % of the light",
+                           total > 0 ? 100 * energy[i] / total : 0.0)
+             : ""});
+  }
+  return all;
+}
+
+Decisions outputs(const Rendered& r) {
+  const RenderSettings& s = r.settings;
+  const auto asked = [](const char* what, bool done, const char* option, const char* price) {
+    return Decision{what, done ? "made" : "left out",
+                    fmt::format("{} is {}", option, done ? "given" : "not given"),
+                    done ? price : "no memory, no sums"};
+  };
+  return {asked("layers", s.layers, "--layers", "a sum more for each contribution"),
+          asked("frames", s.frames, "--stats", "measured aside, not in the times told"),
+          asked("alpha", s.alpha, "--alpha", "a count for each sample")};
+}
+
+Decision depth(const Rendered& r) {
+  if (r.result.longest)
+    return {"length of paths", r.result.longest == 0 ? "nothing sampled" : "camera rays only",
+            r.world.lights.empty() ? "nothing emits light" : "no surface lies in the camera's view",
+            "no path beyond is traced"};
+  if (r.settings.max_depth >= kMaxDepth)
+    return {"length of paths", "not limited", "--max-depth is not given",
+            "Russian roulette ends walks"};
+  return {"length of paths", fmt::format("{} edges at most", r.settings.max_depth),
+          "--max-depth says so",
+          r.result.beyond
+              ? fmt::format("leaves out about {:.2g} % of the light", 100 * r.result.beyond->share)
+              : "what that leaves out is not known"};
+}
+
+Decision samples(const Rendered& r) {
+  const RayCounts& rays = r.result.tally.rays;
+  const bool all = r.settings.spp > 0 && r.result.spp >= r.settings.spp;
+  return {"samples", fmt::format("{} a pixel", r.result.spp),
+          r.result.longest == 0  ? "each is black, and none is traced"
+          : all                  ? "so many were asked for"
+          : r.result.interrupted ? "a signal ended the rendering"
+                                 : "--time was up",
+          fmt::format("{}; {} closest, {} shadow, {} portal rays",
+                      cli::price_of(r.result.cpu_seconds), rays.closest, rays.shadow, rays.portal)};
+}
+
+}  // namespace
+
+Decisions decisions_of(const Rendered& r) {
+  Decisions all = uses_of(r.world.scene, all_needs());
+  all.push_back(panels(r));
+  append(all, portals(r));
+  all.push_back(windows(r));
+  all.push_back(kinds_of_light(r));
+  all.push_back(scout(r));
+  append(all, candidates(r));
+  append(all, techniques(r));
+  append(all, outputs(r));
+  all.push_back(depth(r));
+  all.push_back(samples(r));
+  return all;
+}
+
+}  // namespace tdpt
