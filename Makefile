@@ -9,6 +9,7 @@
 #   make whole-light   what the light beyond six edges costs: doc/whole-light.md (half an hour; BASE=PROGRAM: an older one)
 #   make target-error   whether pictures have the error that was asked for: doc/target-error.md (ten minutes)
 #   make sky       what the windows found are worth under skies: doc/sky.md (a quarter of an hour)
+#   make only-needed   what a scene does not ask for costs how much: doc/only-needed.md (half an hour)
 #   make grid-speed   segments per second of lightgrid on each device: doc/light-grid-speed.md (two minutes)
 #   make limit     how far rendering is from casting its rays and nothing else, with a profile: doc/limit.md (4 minutes)
 #   make scale     time and memory of every program, a thousand to ten million triangles: doc/scale.md (a quarter of an
@@ -32,7 +33,7 @@ TEST_STATUS ?=
 # All that is there to run; `make build` adds every test and benchmark.
 PROGRAMS = ffgraph mincut lightgrid portalfit tdpt-render exrdiff
 
-.PHONY: all build programs demo figures stages portals regret tradeoff whole-light target-error sky grid-speed scale limit bench bench-efficiency efficiency-references test install sanitize fuzz packages format clean
+.PHONY: all build programs demo figures stages portals regret tradeoff whole-light target-error sky only-needed grid-speed scale limit bench bench-efficiency efficiency-references test install sanitize fuzz packages format clean
 all: build
 
 build:
@@ -98,6 +99,13 @@ sky: packages
 	@sh cmake/install-packages.sh cmake/packages-figures.txt
 	@$(MAKE) --no-print-directory build
 	@sh bench/sky.sh build/bin build/sky
+
+only-needed: packages
+	@sh cmake/install-packages.sh cmake/packages-figures.txt
+	@$(MAKE) --no-print-directory build
+	@cmake --build --preset release --parallel $(JOBS) --target tdpt-render-diffuse
+	@INSTRUCTIONS="$(INSTRUCTIONS)" sh bench/only-needed.sh build/bin build/only-needed >build/only-needed.md
+	@mv build/only-needed.md doc/only-needed.md
 
 # DEVICE: gpu, or gpu:WHICH of lightgrid --list-devices.
 grid-speed: packages

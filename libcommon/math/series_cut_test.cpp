@@ -116,6 +116,8 @@ TEST(series_cut, finds_every_door_of_a_row_in_the_lights_order) {
     const SeriesCut cut = series_cut(p, 8, {});
     EXPECT_TRUE(cut.bottleneck) << cut.reason;
     EXPECT_EQ(cut.cuts.size(), doors.size());
+    EXPECT_EQ(cut.drops, doors.size());
+    EXPECT_EQ(cut.passed + cut.closets, 0u);
     std::vector<uint32_t> expected;
     for (size_t r = 0; r <= doors.size(); ++r)
       expected.push_back(static_cast<uint32_t>(doors.size() - r));
@@ -156,6 +158,8 @@ TEST(series_cut, leaves_a_closet_beside_the_lights_way_alone) {
     if (a.from == 0) a.to -= kPatches;
   const SeriesCut cut = series_cut(p, 8, {});
   ASSERT_EQ(cut.cuts.size(), 1u);
+  EXPECT_EQ(cut.drops, 2u);
+  EXPECT_EQ(cut.closets, 1u);
   EXPECT_EQ(regions(p, cut)[0], 1u);
   EXPECT_EQ(regions(p, cut)[1], 0u);
 }

@@ -263,6 +263,12 @@ TEST(cut, refinement_takes_leaks_away_and_keeps_the_light_through_the_slit) {
     flow[rounds / 2] = static_cast<double>(max_flow(g->flow.network).value);
     if (rounds > 0) {
       EXPECT_GT(g->report.split, 10u);
+      // What --explain tells: the first round narrows the slit, and all of them are told.
+      const std::vector<RoundReport>& told = g->report.by_round;
+      ASSERT_GE(told.size(), g->report.rounds);
+      EXPECT_EQ(told[0].openings, 1u);
+      EXPECT_LT(told[1].conductance, told[0].conductance);
+      EXPECT_LE(narrowest_opening(g->flow), told[0].conductance);
     }
   }
   EXPECT_LT(flow[1], 0.9 * flow[0]);

@@ -237,6 +237,12 @@ TEST(LightGrid, StopsWithWhatItHas) {
       make_light_grid(scene, door_cut(scene), "a.cut", options, report, {{}, [] { return true; }});
   EXPECT_TRUE(report.stopped);
   EXPECT_LT(report.drawn, options.samples);
+  ASSERT_EQ(report.cuts.size(), 1u);
+  EXPECT_EQ(report.cuts[0].drawn, report.drawn);
+  EXPECT_EQ(report.cuts[0].kept, report.kept);
+  EXPECT_EQ(report.cuts[0].batches, 1u);
+  EXPECT_FALSE(report.cuts[0].settled);
+  EXPECT_EQ(report.cuts[0].lines, grid.lines.size());
   EXPECT_FALSE(grid.lines.empty());
 }
 

@@ -242,6 +242,7 @@ TEST(PortalFit, WhatCarriesLittleHidesNoOther) {
   ASSERT_FALSE(fit.refused.empty());
   EXPECT_NE(fit.refused.back().why.find("23 candidates together carry "), std::string::npos)
       << fit.refused.back().why;
+  EXPECT_EQ(fit.refused.back().limit, "at least 5 %");
 }
 
 // `n` panes, each `wide` across u, at a distance of `step`; all in the plane of hole().
@@ -375,6 +376,7 @@ TEST(PortalFit, RefusesWithoutSupport) {
   EXPECT_TRUE(bad.portals.empty());
   ASSERT_FALSE(bad.refused.empty());
   EXPECT_NE(bad.refused[0].why.find("lies within one side"), std::string::npos);
+  EXPECT_EQ(bad.refused[0].limit, "at least 50 %");
 }
 
 TEST(PortalFit, NoBottleneckGivesNoPortal) {

@@ -169,7 +169,7 @@ void Rendering::aim() {
   if (settings_.target_error == 0) return;
   TargetOutcome& target = result_.target.emplace();
   target.error = settings_.target_error;
-  target.dark = longest_ == 0;
+  target.dark = longest_ == 0 || world_.lights.empty();
   if (target.dark) {
     target.fixed = goal_ = 1;
     return;

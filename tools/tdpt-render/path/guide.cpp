@@ -29,6 +29,14 @@ Scope scope(const Point& at, const Vec3d& back) {
   return s;
 }
 
+// By the mixture: q, and `towards`, what the infinite ray crosses. [1/canonical area]
+double mixed(double q, const Scope& s, double plain_A, double towards, double W, const Edge& e,
+             const Point& to) {
+  const double by_surface = (1 - q * s.broad) * plain_A;
+  if (towards == 0) return by_surface;
+  return by_surface + to_area(q / W * s.broad * s.matt * towards, e, to);
+}
+
 }  // namespace
 
 PortalSet::Crossing Guide::crossing(const Point& a, const Point& b, uint64_t& tests,
@@ -67,9 +75,13 @@ void Guide::aim_at_light(Vertex& v) const {
   v.aims.emitted = aims(v, v.aims.facing, From::light);
 }
 
-double Guide::chance(From from, const Vertex& v, const Vec3d& back) const {
+double Guide::chance(From from, double albedo) const {
   constexpr double kMost = 0.4;
-  return back == Vec3d() ? chance(from) : std::min(chance(from), kMost * (1 - albedo_at(v, back)));
+  return std::min(chance(from), kMost * (1 - albedo));
+}
+
+double Guide::chance(From from, const Vertex& v, const Vec3d& back) const {
+  return back == Vec3d() ? chance(from) : chance(from, albedo_at(v, back));
 }
 
 bool Guide::draw(const Vertex& v, const Vec3d& back, From from, const std::array<double, 4>& u,
@@ -101,12 +113,15 @@ bool Guide::leave(const Vertex& y0, const std::array<double, 4>& u, Lights::Ray&
 double Guide::mixed_pdf_A(From from, const Vertex& at, const Vec3d& back, const Edge& e,
                           const Point& to, double plain_A, const PortalSet::Crossing& crossing,
                           double W) const {
-  const double q = chance(from, at, back);
   const double towards = from == From::light ? crossing.from_light : crossing.from_camera;
-  const Scope s = at.simple || back == Vec3d() ? Scope{} : scope(at, back);
-  const double by_surface = (1 - q * s.broad) * plain_A;
-  if (towards == 0) return by_surface;
-  return by_surface + to_area(q / W * s.broad * s.matt * towards, e, to);
+  if (back == Vec3d()) return mixed(chance(from), {}, plain_A, towards, W, e, to);
+  if (at.simple) return mixed(chance(from, simple_albedo(at)), {}, plain_A, towards, W, e, to);
+  return layered_pdf_A(from, at, back, e, to, plain_A, towards, W);
+}
+
+double Guide::layered_pdf_A(From from, const Vertex& at, Vec3d back, const Edge& e, const Point& to,
+                            double plain_A, double towards, double W) const {
+  return mixed(chance(from, at, back), scope(at, back), plain_A, towards, W, e, to);
 }
 
 }  // namespace tdpt

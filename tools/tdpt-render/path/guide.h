@@ -89,9 +89,14 @@ class Guide {
         sees_portals_(sees_portals && !world.portals.empty()),
         looks_out_(looks_out && (!world.windows.empty() || world.next_events.by_panels())) {}
   double chance(From from) const { return guiding_.chance[static_cast<size_t>(from)]; }
+  double chance(From from, double albedo) const;
   double chance(From from, const Vertex& v, const Vec3d& back) const;
   double mixed_pdf_A(From from, const Vertex& at, const Vec3d& back, const Edge& e, const Point& to,
                      double plain_A, const PortalSet::Crossing& crossing, double W) const;
+  // Of a surface that is not simple: out of line, for the sake of those that are.
+  [[gnu::noinline]] double layered_pdf_A(From from, const Vertex& at, Vec3d back, const Edge& e,
+                                         const Point& to, double plain_A, double towards,
+                                         double W) const;
   double aims(const Point& v, const Vec3d& facing, From from) const;
 
   const PortalSet& portals_;

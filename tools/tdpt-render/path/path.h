@@ -128,7 +128,7 @@ class Path {
     const PortalSet::Crossing* crossing;  ///< of x_i -> x_{i+1}
     const Edge* edge;                     ///< the same, from the end that its walk came from
     std::array<double, 2> survival;       ///< [From], 1 at both ends
-    bool dirac;
+    Known<false> dirac;
   };
   Place& place(int i) { return places_[static_cast<size_t>(i)]; }
   const Place& place(int i) const { return places_[static_cast<size_t>(i)]; }

@@ -12,6 +12,7 @@
 #include "libcommon/scene/lights.h"
 #include "libcommon/trace/tracer.h"
 #include "tools/tdpt-render/path/bsdf.h"
+#include "tools/tdpt-render/path/known.h"
 
 namespace tdpt {
 
@@ -26,7 +27,7 @@ struct Point {
 
   /// Diffuse reflection about the geometric normal by material->base_color. Otherwise `shading` and
   /// `bsdf` hold what is there.
-  bool simple = true;
+  Known<true> simple = true;
   bool connectible = true;  ///< some lobe is not Dirac
   Rgb emission{};           ///< of a surface where light begins [W/m2/sr]
   Lights::InSky in_sky{};   ///< of a place in the sky
@@ -81,9 +82,10 @@ inline bool same_side(const Point& p, const Vec3d& wi, const Vec3d& wo) {
   return dot(p.normal, wi) * dot(p.normal, wo) > 0;
 }
 
-// Of points that are not simple.
-Rgb layered_bsdf(const Point& p, const Vec3d& to_light, const Vec3d& to_camera);
-double layered_scatter_pdf_w(const Point& at, const Vec3d& back, const Vec3d& to, bool dirac);
+// Of points that are not simple. By value: an address taken would keep the vectors of simple ones
+// out of registers.
+Rgb layered_bsdf(const Point& p, Vec3d to_light, Vec3d to_camera);
+double layered_scatter_pdf_w(const Point& at, Vec3d back, Vec3d to, bool dirac);
 
 /// The side of the surface at `p` that all edges of a path are on which has one along `away`; 0:
 /// both, as light goes through.

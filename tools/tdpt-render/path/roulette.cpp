@@ -6,7 +6,7 @@
 
 namespace tdpt {
 
-double layered_albedo(const Point& p, const Vec3d& back) {
+double layered_albedo(const Point& p, Vec3d back) {
   double albedo = max_component(bsdf::albedo(p.bsdf, Onb<double>(p.shading).to_local(back)));
   // Of walks that found the pane [Hit::presence].
   if (const Pane pane = pane_of(*p.material)) albedo /= pane.presence(dot(p.normal, back));

@@ -26,10 +26,12 @@ constexpr bool always_goes_on(int i) {
 
 /// Albedo of a surface as it is seen along unit `back`: the largest component, but 0.05 at least,
 /// 1 at most; 1 off surfaces. Of a pane, that of the share of rays that find it.
-double layered_albedo(const Point& p, const Vec3d& back);
-inline double albedo_at(const Point& p, const Vec3d& back) {
-  if (!p.simple) return layered_albedo(p, back);
+double layered_albedo(const Point& p, Vec3d back);
+inline double simple_albedo(const Point& p) {
   return p.on_surface() ? std::clamp(double{max_component(p.material->base_color)}, 0.05, 1.0) : 1;
+}
+inline double albedo_at(const Point& p, const Vec3d& back) {
+  return p.simple ? simple_albedo(p) : layered_albedo(p, back);
 }
 
 }  // namespace tdpt

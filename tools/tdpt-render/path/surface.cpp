@@ -55,9 +55,8 @@ double square(double x) {
   return x * x;
 }
 
-// Out of line, for the sake of those that are simple.
-[[gnu::noinline]] void add_lobes(const Scene& scene, const Material& m, const SurfacePlace& place,
-                                 Point& p) {
+void add_lobes(const Scene& scene, const Material& m, const SurfacePlace& place, Point& p) {
+  p.simple = false;
   p.shading = shading_normal_at(scene, place, p.normal);
   if (m.plain) {
     p.bsdf = {};
@@ -67,27 +66,39 @@ double square(double x) {
   p.bsdf = bsdf_of(scene, m, place);
   p.connectible = bsdf::connectible(p.bsdf);
 }
-[[gnu::noinline]] void add_emission(const World& world, const Material& m,
-                                    const SurfacePlace& place, Point& p) {
-  p.emission = m.plain ? m.emission : emission_at(world.scene, place);
+
+bool emits(const Material& m) {
+  return !(m.emission.x + m.emission.y + m.emission.z <= 0);  // what is no number is told as well
+}
+
+// Out of line, for the sake of surfaces that need neither.
+[[gnu::noinline]] void add_emission(const World& world, const Material& m, const Hit& hit,
+                                    Point& p) {
+  p.emission = m.plain ? m.emission : emission_at(world.scene, {hit.triangle, hit.b1, hit.b2});
   if (p.emission != Rgb{}) p.source = &world.lights.surface(m.double_sided);
+}
+[[gnu::noinline]] void add_layers(const World& world, const Material& m, const Hit& hit, Point& p) {
+  const Scene& scene = world.scene;
+  const bool flat = scene.smooth.empty() || !scene.smooth[hit.triangle];
+  if (!(m.plain && flat)) add_lobes(scene, m, {hit.triangle, hit.b1, hit.b2}, p);
+  if (emits(m)) add_emission(world, m, hit, p);
 }
 
 }  // namespace
 
 void place_on_surface(const World& world, const Hit& hit, Point& p) {
-  const Scene& scene = world.scene;
-  const Material& m = scene.material_of(hit.triangle);
+  const Material& m = world.scene.material_of(hit.triangle);
   p.position = hit.position;
   p.normal = hit.normal;
   p.triangle = hit.triangle;
   p.material = &m;
-  p.simple = m.plain && (scene.smooth.empty() || !scene.smooth[hit.triangle]);
+  p.simple = true;
   p.connectible = true;
   p.source = nullptr;
-  if (!p.simple) add_lobes(scene, m, {hit.triangle, hit.b1, hit.b2}, p);
-  if (!(m.emission.x + m.emission.y + m.emission.z <= 0))  // what is no number is told as well
-    add_emission(world, m, {hit.triangle, hit.b1, hit.b2}, p);
+  if (world.layered)
+    add_layers(world, m, hit, p);
+  else if (emits(m))
+    add_emission(world, m, hit, p);
 }
 
 void place_in_sky(const World& world, const Vec3d& w, Point& p) {
@@ -118,29 +129,36 @@ void place_on_light(const World& world, const Lights::Point& light, Point& p) {
   p.source = light.source;
 }
 
-Rgb layered_bsdf(const Point& v, const Vec3d& to_light, const Vec3d& to_camera) {
+Rgb layered_bsdf(const Point& v, Vec3d to_light, Vec3d to_camera) {
   Vec3d l, c;
   if (!to_shading_frame(v, to_light, to_camera, l, c)) return {};
   return bsdf::f(v.bsdf, l, c) * static_cast<float>(square(v.bsdf.index(c)) * std::abs(l.z) /
                                                     std::abs(dot(v.normal, to_light)));
 }
 
-double layered_scatter_pdf_w(const Point& at, const Vec3d& back, const Vec3d& to, bool dirac) {
+double layered_scatter_pdf_w(const Point& at, Vec3d back, Vec3d to, bool dirac) {
   Vec3d f, t;
   if (!to_shading_frame(at, back, to, f, t)) return 0;
   return dirac ? bsdf::dirac_probability(at.bsdf, f, t) * square(at.bsdf.index(t)) * std::abs(t.z)
                : bsdf::pdf_w(at.bsdf, f, t);
 }
 
-bool turn(const Point& v, From from, const Vec3d& back, const std::array<double, 3>& u, Turn& out) {
+namespace {
+
+[[gnu::noinline]] bool layered_turn_towards(const Point& v, From from, const Vec3d& back,
+                                            const Vec3d& w, Turn& out) {
+  Vec3d local_back, to;
+  if (!to_shading_frame(v, back, w, local_back, to)) return false;
+  const double pdf_w = bsdf::pdf_w(v.bsdf, local_back, to);
+  if (!(pdf_w > 0)) return false;
+  const Rgb f = from == From::camera ? layered_bsdf(v, w, back) : layered_bsdf(v, back, w);
+  out.weight = f * static_cast<float>(std::abs(dot(v.normal, w)) / pdf_w);
+  return true;
+}
+
+[[gnu::noinline]] bool layered_turn(const Point& v, From from, const Vec3d& back,
+                                    const std::array<double, 3>& u, Turn& out) {
   const auto [a, b, choice] = u;
-  out.dirac = false;
-  if (v.simple) {
-    const bool front = dot(v.normal, back) > 0;
-    out.weight = v.material->base_color;
-    out.w = Onb<double>(front ? v.normal : -v.normal).to_world(cosine_hemisphere(a, b));
-    return true;
-  }
   const Onb<double> onb(v.shading);
   const Vec3d local_back = onb.to_local(back);
   if (!(local_back.z * dot(v.normal, back) > 0)) return false;
@@ -160,23 +178,26 @@ bool turn(const Point& v, From from, const Vec3d& back, const std::array<double,
     out.weight = bsdf::dirac_reflectance(v.bsdf, local_back, to) * static_cast<float>(factor / p);
     return p > 0;
   }
-  return turn_towards(v, from, back, out.w, out);
+  return layered_turn_towards(v, from, back, out.w, out);
+}
+
+}  // namespace
+
+bool turn(const Point& v, From from, const Vec3d& back, const std::array<double, 3>& u, Turn& out) {
+  out.dirac = false;
+  if (!v.simple) return layered_turn(v, from, back, u, out);
+  const bool front = dot(v.normal, back) > 0;
+  out.weight = v.material->base_color;
+  out.w = Onb<double>(front ? v.normal : -v.normal).to_world(cosine_hemisphere(u[0], u[1]));
+  return true;
 }
 
 bool turn_towards(const Point& v, From from, const Vec3d& back, const Vec3d& w, Turn& out) {
   out.w = w;
   out.dirac = false;
-  if (v.simple) {
-    out.weight = v.material->base_color;
-    return same_side(v, back, w);
-  }
-  Vec3d local_back, to;
-  if (!to_shading_frame(v, back, w, local_back, to)) return false;
-  const double pdf_w = bsdf::pdf_w(v.bsdf, local_back, to);
-  if (!(pdf_w > 0)) return false;
-  const Rgb f = from == From::camera ? layered_bsdf(v, w, back) : layered_bsdf(v, back, w);
-  out.weight = f * static_cast<float>(std::abs(dot(v.normal, w)) / pdf_w);
-  return true;
+  if (!v.simple) return layered_turn_towards(v, from, back, w, out);
+  out.weight = v.material->base_color;
+  return same_side(v, back, w);
 }
 
 Rgb transmittance(const Point& a, const Point& b, const Vec3d& w, double d) {

@@ -19,7 +19,7 @@ void place_on_light(const World& world, const Lights::Point& light, Point& p);
 struct Turn {
   Vec3d w;     ///< unit
   Rgb weight;  ///< f cos / pdf_w
-  bool dirac;
+  Known<false> dirac;
 };
 /// `back`: unit, where the walk came from. `u`: direction, two numbers, and the choice of a lobe.
 /// False when the walk ends here; `out.dirac` then tells whether a Dirac lobe was tried, as bent

@@ -23,7 +23,7 @@ struct WalkState {
   double own_survival = 1, other_survival = 1;
   Edge edge{};                     ///< from the vertex before
   PortalSet::Crossing crossing{};  ///< of that edge (portals.h)
-  bool dirac = false;              ///< the walk went on by a Dirac lobe
+  Known<false> dirac = false;      ///< the walk went on by a Dirac lobe
 };
 
 struct Walk {

@@ -13,8 +13,11 @@ struct World {
   World(const Scene& scene_, const Camera& camera, int width, int height,
         const std::vector<Portal>& portals_)
       : scene(scene_), tracer(scene_), lights(scene_), film(camera, width, height) {
-    for (const Material& m : scene_.materials)
-      absorbing |= m.solid && max_component(m.absorption) > 0;
+    layered = !scene_.smooth.empty();
+    for (const Material& m : scene_.materials) {
+      layered = layered || !m.plain;
+      absorbing = absorbing || (m.solid && max_component(m.absorption) > 0);
+    }
     fill_openings(PortalSet(portals_, scene_.frame));
   }
   World(const World&) = delete;
@@ -37,7 +40,8 @@ struct World {
   PortalSet portals;  ///< changed by fill_openings() alone
   WindowSky windows;
   NextEvents next_events{scene, lights, windows};
-  bool absorbing = false;  ///< some solid takes light away on the way through
+  Known<false> layered = false;    ///< some surface is more than diffuse about its own normal
+  Known<false> absorbing = false;  ///< some solid takes light away on the way through
 };
 
 }  // namespace tdpt

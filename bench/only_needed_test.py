@@ -1,0 +1,54 @@
+import unittest
+
+import only_needed
+
+
+def runs(what, scene, ratios):
+    return [[what, scene, str(i), str(2 * r), "2"] for i, r in enumerate(ratios)]
+
+
+class Ratios(unittest.TestCase):
+    def test_are_medians_of_pairs_with_an_interval_around_the_mean(self):
+        table = only_needed.ratios(runs("twin --integrator nee", "room", [1.0, 1.01, 1.02, 1.03, 9.0]))
+        ratio, low, high, least = table["twin --integrator nee", "room"]
+        self.assertAlmostEqual(ratio, 1.02)
+        self.assertLess(low, 1.03)
+        self.assertGreater(high, 2)
+        self.assertEqual(least, 2)
+
+    def test_instructions_decide_where_they_are_counted(self):
+        slow, fast = runs("twin --integrator nee", "room", [1.05] * 3), runs("twin --integrator nee", "room", [1.01])
+        self.assertIn("**no**", list(only_needed.twin_lines(slow, []))[2])
+        self.assertIn("| yes |", list(only_needed.twin_lines(slow, fast))[2])
+        self.assertIn("**no**", list(only_needed.twin_lines(fast * 2, slow))[2])  # twin
+
+    def test_what_is_asked_for_stands_apart_from_twins(self):
+        rows = runs("--layers", "room", [1.1] * 3) + runs("twin --integrator nee", "room", [1.0] * 3)
+        self.assertEqual(len(list(only_needed.asked_lines(rows))), 3)
+        self.assertEqual(len(list(only_needed.twin_lines(rows, []))), 3)
+
+
+class Scenes(unittest.TestCase):
+    def test_a_glb_comes_back_as_it_went(self):
+        import os
+        import tempfile
+
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "a.glb")
+            with open(path, "wb") as file:
+                file.write(only_needed.glb_bytes({"asset": {"version": "2.0"}}, b"rest"))
+            self.assertEqual(only_needed.read_glb(path), ({"asset": {"version": "2.0"}}, b"rest"))
+
+    def test_dark_emits_nothing(self):
+        scene = only_needed.dark({"materials": [{"emissiveFactor": [1, 1, 1], "extensions": {"e": 1}, "name": "m"}]})
+        self.assertEqual(scene, {"materials": [{"name": "m"}]})
+
+    def test_away_turns_the_camera_alone(self):
+        scene = only_needed.away({"nodes": [{"mesh": 0}, {"camera": 0, "matrix": [1] * 16}]})
+        self.assertEqual(scene["nodes"][0], {"mesh": 0})
+        self.assertEqual(scene["nodes"][1]["translation"], [0, 50, 0])
+        self.assertNotIn("matrix", scene["nodes"][1])
+
+
+if __name__ == "__main__":
+    unittest.main()
