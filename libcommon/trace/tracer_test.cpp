@@ -78,6 +78,24 @@ int hidden_pairs(double offset_scale) {
   return hidden;
 }
 
+TEST(tracer, corners_read_in_place_and_copied_ones_are_hit_alike) {
+  Box box;
+  ASSERT_GT(box.scene.positions.capacity(), box.scene.positions.size()) << "read_gltf makes room";
+  Scene copied = box.scene;
+  copied.positions.shrink_to_fit();
+  ASSERT_EQ(copied.positions.capacity(), copied.positions.size());
+  const Tracer other(copied);
+  Rng rng(3, 0, 0);
+  for (int i = 0; i < 10000; ++i) {
+    const Vec3d w = random_direction(rng);
+    Hit a, b;
+    ASSERT_TRUE(box.tracer.closest({{0.1, -0.2, 0.05}, {}}, w, a));
+    ASSERT_TRUE(other.closest({{0.1, -0.2, 0.05}, {}}, w, b));
+    ASSERT_EQ(a.triangle, b.triangle);
+    ASSERT_EQ(a.position, b.position);
+  }
+}
+
 TEST(tracer, places_on_a_convex_box_see_each_other) {
   EXPECT_EQ(hidden_pairs(1), 0);
 }
