@@ -2,9 +2,16 @@
 // light where it is; the box of the dense arrays stands in the file's metadata.
 #include "libcommon/formats/light_grid.h"
 
+#include <cerrno>
+#include <csignal>
 #include <cstring>
 #include <sstream>
 #include <type_traits>
+
+#include <fcntl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <fmt/format.h>
 #include <openvdb/io/Stream.h>
@@ -130,12 +137,36 @@ std::string identifier_of(std::string bytes) {
   return id;
 }
 
-// OpenVDB ends the program at some kinds of damage, so it must not see them. Files that other
-// programs wrote have identifiers of another kind and go unchecked.
-bool is_damaged(const std::string& bytes) {
-  if (bytes.size() < kIdentifierAt + kIdentifierLength) return false;
+// Whose identifier is its hash. Files that other programs wrote have identifiers of another kind.
+enum class Content { right, damaged, unknown };
+
+Content content_of(const std::string& bytes) {
+  if (bytes.size() < kIdentifierAt + kIdentifierLength) return Content::unknown;
   const std::string id = bytes.substr(kIdentifierAt, kIdentifierLength);
-  return id[14] == '8' && id[19] == 'a' && id != identifier_of(bytes);
+  if (id[14] != '8' || id[19] != 'a') return Content::unknown;
+  return id == identifier_of(bytes) ? Content::right : Content::damaged;
+}
+
+// Whether `read` ends a program that calls it: another process tries, and says nothing.
+template <class Read>
+bool ends_the_program(const Read& read) {
+  const pid_t child = ::fork();
+  if (child < 0) return false;
+  if (child == 0) {
+    if (const int nowhere = ::open("/dev/null", O_WRONLY); nowhere >= 0) ::dup2(nowhere, 2);
+    const rlimit no_core{0, 0};
+    ::setrlimit(RLIMIT_CORE, &no_core);
+    std::signal(SIGABRT, SIG_DFL);
+    try {
+      read();
+    } catch (...) {  // to be thrown again where it is told
+    }
+    ::_exit(0);
+  }
+  int status = 0;
+  while (::waitpid(child, &status, 0) < 0 && errno == EINTR) continue;
+  return WIFSIGNALED(status) && (WTERMSIG(status) == SIGABRT || WTERMSIG(status) == SIGSEGV ||
+                                 WTERMSIG(status) == SIGBUS || WTERMSIG(status) == SIGFPE);
 }
 
 class Reader {
@@ -344,7 +375,11 @@ LightGrid read_light_grid(const std::string& path) {
   initialise();
   const std::string name = display_name(path);
   const std::string bytes = read_file(path);
-  if (is_damaged(bytes)) throw InputError(name, "", "is damaged or cut short");
+  // OpenVDB ends the program at some kinds of damage. It must not see ours; others are tried first.
+  const Content content = content_of(bytes);
+  if (content == Content::damaged ||
+      (content == Content::unknown && ends_the_program([&] { Reader(name).read(bytes); })))
+    throw InputError(name, "", "is damaged or cut short");
   try {
     return Reader(name).read(bytes);
   } catch (const InputError&) {

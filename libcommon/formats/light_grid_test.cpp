@@ -194,6 +194,14 @@ TEST_F(LightGridFormat, DamageShowsBeforeOpenVdbSeesIt) {
   }
 }
 
+// At an attribute of place 2^56 OpenVDB ends the program.
+TEST_F(LightGridFormat, DamageOfForeignFilesEndsNoProgram) {
+  std::string bad = foreign(light_grid_bytes(small()));
+  const std::string_view attribute = "along";
+  bad[bad.rfind(attribute) + attribute.size() + 7] = 1;
+  EXPECT_EQ(error_of(bad), " is damaged or cut short");
+}
+
 // OpenVDB itself takes no voxels that small.
 TEST_F(LightGridFormat, VoxelsOfAThousandthOfAMillimetre) {
   LightGrid g = small();
