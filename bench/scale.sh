@@ -112,7 +112,7 @@ Embree's compact hierarchy would save 50 to 60 bytes; rays through a soup of 10^
 grid 1.1 times, and the pictures are the same bytes, so it is not used. `bench.memory` holds the programs below the limit.
 
 What corners have beside a place and a normal comes on top where a material uses it: 8 bytes for texture coordinates, 16 for a
-tangent or a colour. Surfaces with alpha and window panes have their triangles twice in lists, 16 bytes each.
+tangent or a colour. A scene that has surfaces with alpha or window panes costs 16 bytes a triangle more.
 PAGE
 } >scale.md
 cp scale.csv scale.md scale.png "$doc/"
