@@ -39,8 +39,8 @@ Real weight_by_plain_products(const Path& path, Strategy used) {
                                          : Technique::bi;
     Real p = static_cast<Real>(kJoins.sample_weight(technique, s, k));
     for (int i = 0; i < k; ++i) {
-      const auto& densities = i < s ? path.walks().light_A : path.walks().camera_A;
-      p *= static_cast<Real>(densities[static_cast<size_t>(i)]);
+      const WalkDensities::At& at = path.walks()[i];
+      p *= static_cast<Real>(i < s ? at.light_A : at.camera_A);
     }
     total += p;
     if (Strategy{technique, s} == used) mine = p;
