@@ -51,8 +51,10 @@ struct Way {
 template <class L>
 TDPT_INLINE Way way(const L& l, int i, const Vec3d& at, const Vec3d& facing) {
   Way w;
-  w.x = at.x - l.place[0][i], w.y = at.y - l.place[1][i], w.z = at.z - l.place[2][i];
-  const double sent = l.place[3][i] * w.x + l.place[4][i] * w.y + l.place[5][i] * w.z;
+  w.x = at.x - l.place[Ends::x][i], w.y = at.y - l.place[Ends::y][i],
+  w.z = at.z - l.place[Ends::z][i];
+  const double sent = l.place[Ends::facing_x][i] * w.x + l.place[Ends::facing_y][i] * w.y +
+                      l.place[Ends::facing_z][i] * w.z;
   const double met = -(facing.x * w.x + facing.y * w.y + facing.z * w.z);
   w.d2 = w.x * w.x + w.y * w.y + w.z * w.z;
   w.g = sent * met / (w.d2 * w.d2);
@@ -62,7 +64,8 @@ TDPT_INLINE Way way(const L& l, int i, const Vec3d& at, const Vec3d& facing) {
 
 template <class L>
 TDPT_INLINE double brought(const L& l, int i, float r, float g, float b) {
-  r = r * l.colour[3][i], g = g * l.colour[4][i], b = b * l.colour[5][i];
+  r = r * l.colour[Ends::light_red][i], g = g * l.colour[Ends::light_green][i],
+  b = b * l.colour[Ends::light_blue][i];
   return static_cast<double>(0.2126f * r + 0.7152f * g + 0.0722f * b);
 }
 
@@ -71,8 +74,8 @@ TDPT_INLINE double estimate_simple(const L& l, int i, const Vec3d& at, const Vec
                                    const Rgb& carried) {
   const Way w = way(l, i, at, facing);
   const auto g = static_cast<float>((w.sent > 0) & (w.met > 0) ? w.g : 0.0);
-  return brought(l, i, l.colour[0][i] * carried.x * g, l.colour[1][i] * carried.y * g,
-                 l.colour[2][i] * carried.z * g);
+  return brought(l, i, l.colour[Ends::red][i] * carried.x * g,
+                 l.colour[Ends::green][i] * carried.y * g, l.colour[Ends::blue][i] * carried.z * g);
 }
 
 struct Colours {
@@ -83,24 +86,29 @@ TDPT_INLINE float most(float a, float b) {
   return a > b ? a : b;
 }
 
-// What an end scatters along unit w: its diffuse lobe, and the interface's [ggx.h]. `at(n)`: column
-// n of it.
+// What an end scatters along unit w: its diffuse lobe, and the interface's [ggx.h]. `at(c)`: column
+// c of it.
 template <class At>
 TDPT_INLINE Colours scattered(const At& at, float x, float y, float z) {
-  const float hx = at(6) + x, hy = at(7) + y, hz = at(8) + z;
+  const float hx = at(Ends::back_x) + x, hy = at(Ends::back_y) + y, hz = at(Ends::back_z) + z;
   const float scale = 1 / std::sqrt(hx * hx + hy * hy + hz * hz + 1e-12f);
-  const float cos_h = (at(9) * hx + at(10) * hy + at(11) * hz) * scale;
-  const float cos_d = (at(6) * hx + at(7) * hy + at(8) * hz) * scale;
-  const float cos_w = most(at(9) * x + at(10) * y + at(11) * z, 1e-3f), cos_b = at(12);
-  const float a2 = at(13);
+  const float cos_h =
+      (at(Ends::normal_x) * hx + at(Ends::normal_y) * hy + at(Ends::normal_z) * hz) * scale;
+  const float cos_d =
+      (at(Ends::back_x) * hx + at(Ends::back_y) * hy + at(Ends::back_z) * hz) * scale;
+  const float cos_w = most(at(Ends::normal_x) * x + at(Ends::normal_y) * y + at(Ends::normal_z) * z,
+                           1e-3f),
+              cos_b = at(Ends::cosine);
+  const float a2 = at(Ends::alpha2);
   const float s = most(cos_h * cos_h * (a2 - 1) + 1, a2);
   const float d = a2 / (s * s);
   const float v = 1 / (cos_w * std::sqrt(a2 + (1 - a2) * cos_b * cos_b) +
                        cos_b * std::sqrt(a2 + (1 - a2) * cos_w * cos_w));
   const float lobe = d * v * static_cast<float>(0.5 * std::numbers::inv_pi);
   const float m = most(1 - cos_d, 0.0f), m2 = m * m, schlick = m2 * m2 * m;
-  return {at(0) + (at(14) + at(17) * schlick) * lobe, at(1) + (at(15) + at(18) * schlick) * lobe,
-          at(2) + (at(16) + at(19) * schlick) * lobe};
+  return {at(Ends::red) + (at(Ends::f0_red) + at(Ends::f90_red) * schlick) * lobe,
+          at(Ends::green) + (at(Ends::f0_green) + at(Ends::f90_green) * schlick) * lobe,
+          at(Ends::blue) + (at(Ends::f0_blue) + at(Ends::f90_blue) * schlick) * lobe};
 }
 
 template <class L, class C>
@@ -110,8 +118,8 @@ TDPT_INLINE double estimate_glossy(const L& l, int i, const Vec3d& at, const Vec
   const double scale = 1 / std::sqrt(w.d2);
   const auto x = static_cast<float>(w.x * scale), y = static_cast<float>(w.y * scale),
              z = static_cast<float>(w.z * scale);
-  const Colours sent = scattered([&](int n) { return l.colour[n][i]; }, x, y, z);
-  const Colours met = scattered([&](int n) { return c.of[n]; }, -x, -y, -z);
+  const Colours sent = scattered([&](Ends::Colour k) { return l.colour[k][i]; }, x, y, z);
+  const Colours met = scattered([&](Ends::Colour k) { return c.of[k]; }, -x, -y, -z);
   const auto g = static_cast<float>((w.sent > 0) & (w.met > 0) ? w.g : 0.0);
   // Where both ends are at one place there is no direction.
   const double value = brought(l, i, sent.r * met.r * g, sent.g * met.g * g, sent.b * met.b * g);

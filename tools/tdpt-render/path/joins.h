@@ -16,6 +16,34 @@ namespace tdpt {
 /// Ends on the light's side of what may be joined.
 class Ends {
  public:
+  // Columns.
+  enum Place { x, y, z, facing_x, facing_y, facing_z, kPlaces };
+  enum Colour {
+    red,
+    green,
+    blue,
+    light_red,
+    light_green,
+    light_blue,
+    // Of glossy ones: unit direction back and shading normal on that side, its cosine to back,
+    // alpha^2, and what is reflected at normal incidence and more at grazing.
+    back_x,
+    back_y,
+    back_z,
+    normal_x,
+    normal_y,
+    normal_z,
+    cosine,
+    alpha2,
+    f0_red,
+    f0_green,
+    f0_blue,
+    f90_red,
+    f90_green,
+    f90_blue,
+    kColours
+  };
+
   Ends() = default;
   Ends(Ends&&) = default;  // a copy would know the columns of another
   Ends& operator=(Ends&&) = default;
@@ -43,32 +71,6 @@ class Ends {
   void estimate(const End& c, const std::array<int, kLanes>& chosen, double* out) const;
 
  private:
-  enum Place { x, y, z, facing_x, facing_y, facing_z, kPlaces };
-  enum Colour {
-    red,
-    green,
-    blue,
-    light_red,
-    light_green,
-    light_blue,
-    // Of glossy ones: unit direction back and shading normal on that side, its cosine to back,
-    // alpha^2, and what is reflected at normal incidence and more at grazing.
-    back_x,
-    back_y,
-    back_z,
-    normal_x,
-    normal_y,
-    normal_z,
-    cosine,
-    alpha2,
-    f0_red,
-    f0_green,
-    f0_blue,
-    f90_red,
-    f90_green,
-    f90_blue,
-    kColours
-  };
   struct Columns {
     std::array<const double*, kPlaces> place{};
     std::array<const float*, kColours> colour{};
