@@ -48,7 +48,7 @@ for target in "$@"; do
   if [ "${MERGE:-0}" = 1 ]; then
     mkdir "$files/merged" || exit 2
     # shellcheck disable=SC2086 # limits and seeds are words
-    "$bin/${target}_fuzz" -merge=1 -max_len=4096 $limits "$files/merged" "$stored" "$corpus" $seeds >"$log" 2>&1 ||
+    "$bin/${target}_fuzz" -set_cover_merge=1 -max_len=4096 $limits "$files/merged" "$stored" "$corpus" $seeds >"$log" 2>&1 ||
       { echo "fuzz: $target: merging fails, see $log"; failed=1; continue; }
     cp "$stored"/found-* "$files/merged" 2>/dev/null # what once broke the target stays
     rm -rf "$stored" && cp -R "$files/merged" "$stored" && rm -rf "$files/merged"

@@ -179,7 +179,7 @@ TEST(PortalFit, AGridOfOneVoxelIsEnough) {
   const Light light;
   LightGrid grid = grid_of(lines_through({hole()}, 8000, light, 1), 1);
   EXPECT_EQ(grid.count.size(), 1u);
-  expect_good(grid, hole(), light);
+  expect_good(grid, hole(), light, 6);
 }
 
 TEST(PortalFit, IsNotMisledByLightFromOneSide) {
