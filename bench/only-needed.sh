@@ -29,7 +29,7 @@ cpu() {
   program=$1 scene=$2
   shift 2
   "$bin/$program" --quiet --json --threads 1 --no-provenance --spp "$spp" --width "$width" "$scene" "$@" \
-    -o "$out/$program.exr" | jq .cpu_seconds
+    -o "$out/$program.exr" 2>>"$out/words" | jq .cpu_seconds
 }
 # counted SAMPLES PROGRAM SCENE OPTION...: instructions of a run.
 counted() {
@@ -81,7 +81,7 @@ nothing() {
   what=$1
   shift
   /usr/bin/time -o "$out/time" -f '%U %S' "$@" >"$out/words" 2>&1 || :
-  awk -v what="$what" '{ print what ";" $1 + $2 }' "$out/time" >>"$out/nothing.csv"
+  tail -n 1 "$out/time" | awk -v what="$what" '{ print what ";" $1 + $2 }' >>"$out/nothing.csv"
 }
 : >"$out/nothing.csv"
 sh "$here/bench/python.sh" "$here/bench/only_needed.py" scenes "$rooms" "$out"

@@ -16,11 +16,20 @@ class Ratios(unittest.TestCase):
         self.assertGreater(high, 2)
         self.assertEqual(least, 2)
 
-    def test_instructions_decide_where_they_are_counted(self):
-        slow, fast = runs("twin --integrator nee", "room", [1.05] * 3), runs("twin --integrator nee", "room", [1.01])
-        self.assertIn("**no**", list(only_needed.twin_lines(slow, []))[2])
-        self.assertIn("| yes |", list(only_needed.twin_lines(slow, fast))[2])
-        self.assertIn("**no**", list(only_needed.twin_lines(fast * 2, slow))[2])  # twin
+    def test_the_interval_decides_where_it_can(self):
+        def last(*ratios):
+            return list(only_needed.twin_lines(runs("twin --integrator nee", "room", ratios), []))[2].split(" | ")[-1]
+
+        self.assertEqual(last(1.01, 1.011, 1.012, 1.01), "yes |")
+        self.assertEqual(last(1.05, 1.051, 1.049, 1.05), "**no** |")
+        self.assertEqual(last(1.0, 1.01, 1.09, 1.01), "likely |")
+        self.assertEqual(last(1.03, 1.0, 1.031, 1.032), "perhaps not |")
+
+    def test_instructions_stand_beside(self):
+        key = "twin --integrator nee", "room"
+        lines = list(only_needed.twin_lines(runs(*key, [1.01] * 3), runs(*key, [1.034])))
+        self.assertIn("| 1.034 |", lines[2])
+        self.assertIn("| - |", list(only_needed.twin_lines(runs(*key, [1.01] * 3), []))[2])
 
     def test_what_is_asked_for_stands_apart_from_twins(self):
         rows = runs("--layers", "room", [1.1] * 3) + runs("twin --integrator nee", "room", [1.0] * 3)
