@@ -1,0 +1,288 @@
+// Which maps and images of materials survive, and the sentences and words about them.
+#include <gtest/gtest.h>
+
+#include "libcommon/scene/test_materials.h"
+#include "libcommon/scene/texture.h"
+
+namespace tdpt::testing {
+namespace {
+
+TEST(Maps, EveryOneFindsItsPlace) {
+  Json m = lambert(0.5, 0.5, 0.5);
+  const auto info = [](int index) { return Json{{"index", index}}; };
+  m["pbrMetallicRoughness"]["metallicFactor"] = 0.5;
+  m["pbrMetallicRoughness"]["baseColorTexture"] = info(0);
+  m["pbrMetallicRoughness"]["metallicRoughnessTexture"] = info(1);
+  m["normalTexture"] = {{"index", 2}, {"scale", 0.5}};
+  m["emissiveTexture"] = info(3);
+  m["emissiveFactor"] = {1, 1, 1};
+  m["occlusionTexture"] = info(7);
+  m["extensions"]["KHR_materials_specular"] = {{"specularTexture", info(4)},
+                                               {"specularColorTexture", info(5)}};
+  m["extensions"]["KHR_materials_transmission"] = {{"transmissionFactor", 1},
+                                                   {"transmissionTexture", info(6)}};
+  GlbBuilder b;
+  for (char k = 0; k < 8; ++k)  // images tell each other apart by their first byte
+    b.texture(png_of(2, 1, std::string({char(100 + k), 1, 2, 3, 4, 5, 6, 7})));
+  const Scene s = scene_with({m}, b);
+  const Material& out = s.materials[0];
+  const auto image = [&](const TextureMap& map) {
+    return map ? s.images[static_cast<size_t>(map.image)].texels[0] : 0;
+  };
+  EXPECT_EQ(image(out.base_map), 100);
+  EXPECT_EQ(image(out.metallic_roughness_map), 101);
+  EXPECT_EQ(image(out.normal_map), 102);
+  EXPECT_EQ(image(out.emission_map), 103);
+  EXPECT_EQ(image(out.specular_map), 104);
+  EXPECT_EQ(image(out.specular_color_map), 105);
+  EXPECT_EQ(image(out.transmission_map), 106);
+  EXPECT_EQ(s.images.size(), 7u);  // light that is occluded needs no texture here
+  EXPECT_TRUE(out.base_map.srgb && out.emission_map.srgb && out.specular_color_map.srgb);
+  EXPECT_FALSE(out.metallic_roughness_map.srgb || out.normal_map.srgb || out.specular_map.srgb ||
+               out.transmission_map.srgb);
+  EXPECT_EQ(out.normal_scale, 0.5f);
+  EXPECT_EQ(s.needs, (Sentences{"textures", "specular", "transmission", "normal maps",
+                                "textured emission"}));
+  EXPECT_EQ(s.warnings, Sentences{});
+}
+
+Json textured(const Json& info) {
+  Json m = lambert(0.5, 1, 0.25);
+  m["pbrMetallicRoughness"]["baseColorTexture"] = info;
+  return m;
+}
+
+TEST(Maps, SamplersSayHowTheyAreWrapped) {
+  TextureMap map = material(textured({{"index", 0}}), with(kTwo)).base_map;
+  EXPECT_EQ(map.wrap_u, Wrap::repeat);
+  EXPECT_EQ(map.wrap_v, Wrap::repeat);
+  EXPECT_FALSE(map.nearest);
+  EXPECT_EQ(map.uv_set, 0);
+  map = material(textured({{"index", 0}, {"texCoord", 1}}),
+                 with(kTwo, {{"wrapS", 33648}, {"wrapT", 33071}, {"magFilter", 9728}}))
+            .base_map;
+  EXPECT_EQ(map.wrap_u, Wrap::mirror);
+  EXPECT_EQ(map.wrap_v, Wrap::clamp);
+  EXPECT_TRUE(map.nearest);
+  EXPECT_EQ(map.uv_set, 1);
+  EXPECT_FALSE(
+      material(textured({{"index", 0}}), with(kTwo, {{"magFilter", 9729}, {"minFilter", 9728}}))
+          .base_map.nearest);
+}
+
+TEST(Maps, OnlyTheCoordinatesThatTheyLookUpAreKept) {
+  const Scene s = scene_with({textured({{"index", 0}, {"texCoord", 1}})}, with(kTwo));
+  EXPECT_TRUE(s.uv[0].empty());
+  ASSERT_EQ(s.uv[1].size(), 3u);
+  EXPECT_EQ(s.uv[1][1], (std::array<float, 2>{1, 0}));
+}
+
+TEST(Maps, TransformsScaleThenTurnThenMove) {
+  const double pi = std::acos(-1.0);
+  const auto transform = [&](const Json& t) {
+    return material(textured({{"index", 0}, {"extensions", {{"KHR_texture_transform", t}}}}),
+                    with(kTwo))
+        .base_map.transform;
+  };
+  const auto expect = [](const std::array<float, 6>& a, const std::array<float, 6>& b) {
+    for (size_t k = 0; k < 6; ++k) EXPECT_NEAR(a[k], b[k], 1e-6) << k;
+  };
+  expect(transform({{"offset", {0.25, -3}}, {"scale", {2, 5}}}), {2, 0, 0.25f, 0, 5, -3});
+  // The lower left quarter of the image, turned clockwise by a right angle: the specification's
+  // own example. (0,0) -> (0,1), (1,0) -> (0,0.5), (0,1) -> (0.5,1).
+  expect(transform({{"offset", {0, 1}}, {"rotation", pi / 2}, {"scale", {0.5, 0.5}}}),
+         {0, 0.5f, 0, -0.5f, 0, 1});
+  // Uneven scales show the order: u is stretched before it turns into v.
+  expect(transform({{"rotation", pi / 2}, {"scale", {2, 5}}}), {0, 5, 0, -2, 0, 0});
+  EXPECT_EQ(material(textured({{"index", 0},
+                               {"extensions", {{"KHR_texture_transform", {{"texCoord", 1}}}}}}),
+                     with(kTwo))
+                .base_map.uv_set,
+            1);
+}
+
+TEST(Maps, OneOfASingleColourBecomesAFactor) {
+  Json m = textured({{"index", 0}});
+  m["alphaMode"] = "BLEND";
+  m["pbrMetallicRoughness"]["metallicRoughnessTexture"] = {{"index", 0}};
+  m["pbrMetallicRoughness"]["metallicFactor"] = 0.5;
+  m["pbrMetallicRoughness"]["roughnessFactor"] = 0.5;
+  m["emissiveFactor"] = {10, 10, 10};
+  m["emissiveTexture"] = {{"index", 0}};
+  m["extensions"]["KHR_materials_specular"] = {{"specularFactor", 0.5},
+                                               {"specularTexture", {{"index", 0}}},
+                                               {"specularColorTexture", {{"index", 0}}}};
+  m["extensions"]["KHR_materials_transmission"] = {{"transmissionFactor", 0.5},
+                                                   {"transmissionTexture", {{"index", 0}}}};
+  const Scene s = scene_with({m}, with(kOne));
+  const Material& out = s.materials[0];
+  EXPECT_NEAR(out.base_color.x, 0.5, 1e-6);
+  EXPECT_NEAR(out.base_color.y, linear(0.2), 1e-6);
+  EXPECT_NEAR(out.base_color.z, 0.25 * linear(0.4), 1e-6);
+  EXPECT_NEAR(out.alpha, 0.6, 1e-6);
+  EXPECT_NEAR(out.roughness, 0.5 * 0.2, 1e-6);
+  EXPECT_NEAR(out.metallic, 0.5 * 0.4, 1e-6);
+  EXPECT_NEAR(out.emission.y, 10 * linear(0.2), 1e-5);
+  EXPECT_NEAR(out.specular, 0.5 * 0.6, 1e-6);
+  EXPECT_NEAR(out.specular_color.z, linear(0.4), 1e-6);
+  EXPECT_NEAR(out.transmission, 0.5, 1e-6);
+  EXPECT_TRUE(s.images.empty());
+  EXPECT_EQ(s.needs, (Sentences{"specular", "transmission", "alpha"}));
+}
+
+TEST(Maps, ThoseThatChangeNothingAreNotRead) {
+  const Json broken = {{"index", 0}};
+  Json m = lambert(0, 0, 0);  // black, diffuse
+  m["pbrMetallicRoughness"]["baseColorTexture"] = broken;
+  m["pbrMetallicRoughness"]["metallicRoughnessTexture"] = broken;
+  m["emissiveTexture"] = broken;
+  m["normalTexture"] = broken;
+  m["extensions"]["KHR_materials_specular"]["specularTexture"] = broken;
+  m["extensions"]["KHR_materials_specular"]["specularColorTexture"] = broken;
+  m["extensions"]["KHR_materials_transmission"]["transmissionTexture"] = broken;
+  const Scene s = scene_with({m}, with("no image"));
+  EXPECT_EQ(s.warnings, Sentences{});
+  EXPECT_TRUE(s.materials[0].plain);
+  m["pbrMetallicRoughness"]["baseColorFactor"] = {0.1, 0, 0, 1};
+  EXPECT_EQ(scene_with({m}, with("no image")).warnings,
+            Sentences{"1 material has a texture that cannot be decoded: its factor alone is used"});
+}
+
+TEST(Maps, AFlatNormalMapIsNone) {
+  Json m = lambert(0.5, 0.5, 0.5);
+  m["normalTexture"] = {{"index", 0}};
+  EXPECT_TRUE(material(m, with(png_of(1, 1, "\x80\x80\xff\xff"))).plain);
+  EXPECT_TRUE(material(m, with(png_of(1, 1, "\x7f\x80\xff\xff"))).plain);
+  EXPECT_TRUE(material(m, with(png_of(1, 1, "\x90\x80\xff\xff"))).normal_map);
+  m["normalTexture"]["scale"] = 0;
+  EXPECT_FALSE(material(m, with(png_of(1, 1, "\x90\x80\xff\xff"))).normal_map);
+}
+
+TEST(Images, AreKeptOnceHoweverManyUseThem) {
+  const Scene s =
+      scene_with({textured({{"index", 0}}), textured({{"index", 0}, {"texCoord", 1}})}, with(kTwo));
+  ASSERT_EQ(s.images.size(), 1u);
+  EXPECT_EQ(s.images[0].width, 2);
+  EXPECT_EQ(s.images[0].height, 1);
+  EXPECT_EQ(std::string(s.images[0].texels.begin(), s.images[0].texels.end()), kTwoTexels);
+  EXPECT_EQ(s.materials[0].base_map.image, 0);
+  EXPECT_EQ(s.materials[1].base_map.image, 0);
+  EXPECT_FALSE(s.materials[0].plain);
+  EXPECT_EQ(s.needs, Sentences{"textures"});
+}
+
+TEST(Images, OfMaterialsThatNothingUsesAreNotRead) {
+  GlbBuilder b = with("no image");
+  b.material(textured({{"index", 0}}));
+  EXPECT_EQ(scene_with({lambert(1, 1, 1)}, b).warnings, Sentences{});
+}
+
+TEST(Images, SixteenBitsBecomeEight) {
+  const std::string wide("\x12\x34\x80\x00\xff\xff\xff\xff\0\0\0\0\0\0\xff\xff", 16);
+  const Scene s = scene_with({textured({{"index", 0}})}, with(png_of(2, 1, wide, 16)));
+  ASSERT_EQ(s.images.size(), 1u);
+  EXPECT_EQ(s.images[0].texels, (std::vector<uint8_t>{0x12, 0x80, 0xff, 0xff, 0, 0, 0, 0xff}));
+}
+
+TEST(Images, MayBeJpeg) {
+  GlbBuilder b = with("unused");
+  b.json["images"][0] = {{"uri", std::string("data:image/jpeg;base64,") + kJpeg}};
+  const Scene s = scene_with({textured({{"index", 0}})}, b);
+  ASSERT_EQ(s.images.size(), 1u);
+  const Image& i = s.images[0];
+  EXPECT_EQ(i.width, 16);
+  EXPECT_EQ(i.height, 8);
+  EXPECT_NEAR(i.texels[0], 255, 3);           // red on the left
+  EXPECT_NEAR(i.texels[4 * 15 + 2], 255, 3);  // blue on the right
+  EXPECT_EQ(i.texels[3], 255);
+}
+
+TEST(Images, FromDataUrisAndFilesOfTheFolder) {
+  for (const std::string& uri :
+       {"data:image/png;base64," + base64(kTwo), std::string("maps/two%20texels.png")}) {
+    GlbBuilder b = with("unused");
+    b.json["images"][0] = {{"uri", uri}};
+    const int p = b.floats({0, 0, 0, 2, 0, 0, 0, 1, 0}, 3);
+    const int index = b.material(textured({{"index", 0}}));
+    b.node({{"mesh", b.mesh({{"attributes", {{"POSITION", p}}}, {"material", index}})}});
+    const TempFolder folder;
+    folder.write("maps/two texels.png", kTwo);
+    const std::string path = folder.write("scene.glb", b.glb());
+    const Scene s = read_gltf(path);
+    ASSERT_EQ(s.images.size(), 1u) << uri;
+    EXPECT_EQ(std::string(s.images[0].texels.begin(), s.images[0].texels.end()), kTwoTexels);
+    EXPECT_EQ(s.warnings, Sentences{"1 primitive lacks the texture coordinates that its material "
+                                    "asks for: taken as 0"});
+    folder.write("maps/two texels.png", kTwoOpaque);  // a file's content is part of the scene
+    EXPECT_EQ(read_gltf(path).hash != s.hash, uri.starts_with("maps"));
+  }
+}
+
+TEST(Images, ThatCannotBeDecodedLeaveTheFactor) {
+  std::string huge = kTwo;  // claims 2^16 x 2^16 texels
+  huge.replace(16, 8, std::string("\0\1\0\0\0\1\0\0", 8));
+  for (const std::string& image :
+       {std::string("RIFF1234WEBP"), std::string("P6 2 1 255\n\1\2\3\4\5\6"), kTwo.substr(0, 40),
+        huge, std::string("\xff\xd8\xff", 3), std::string("\x89PNG\r\n\x1a\n")}) {
+    const Scene s = scene_with({textured({{"index", 0}})}, with(image));
+    EXPECT_EQ(s.materials[0].base_color, Rgb(0.5f, 1, 0.25f));
+    EXPECT_TRUE(s.materials[0].plain);
+    EXPECT_EQ(
+        s.warnings,
+        Sentences{"1 material has a texture that cannot be decoded: its factor alone is used"});
+  }
+  GlbBuilder none = with(kTwo);
+  none.json["textures"][0].erase("source");
+  EXPECT_EQ(scene_with({textured({{"index", 0}})}, none).warnings.size(), 1u);
+}
+
+TEST(Images, OnAThirdSetOfCoordinatesLeaveTheFactor) {
+  const Scene s = scene_with({textured({{"index", 0}, {"texCoord", 2}})}, with(kTwo));
+  EXPECT_EQ(s.warnings, Sentences{"1 material has a texture on TEXCOORD_2 or beyond: its factor "
+                                  "alone is used"});
+  EXPECT_TRUE(s.materials[0].plain);
+}
+
+TEST(Alpha, OpaqueWhereItIsOneEverywhere) {
+  const auto mode = [](const Json& m, const std::string& image) {
+    return material(m, with(image)).alpha_mode;
+  };
+  Json m = textured({{"index", 0}});
+  for (const char* name : {"BLEND", "MASK"}) {
+    m["alphaMode"] = name;
+    EXPECT_EQ(mode(m, kTwoOpaque), Material::Alpha::opaque);
+  }
+  m["alphaMode"] = "BLEND";
+  EXPECT_EQ(mode(m, kTwo), Material::Alpha::blend);
+  m["alphaMode"] = "OPAQUE";
+  EXPECT_EQ(mode(m, kTwo), Material::Alpha::opaque);
+  m["alphaMode"] = "MASK";
+  EXPECT_EQ(mode(m, kTwo), Material::Alpha::opaque);  // 128 / 255 is above the cutoff of 0.5
+  m["alphaCutoff"] = 0.75;
+  EXPECT_EQ(mode(m, kTwo), Material::Alpha::mask);
+  EXPECT_EQ(material(m, with(kTwo)).alpha_cutoff, 0.75f);
+  m["pbrMetallicRoughness"]["baseColorFactor"][3] = 0.5;
+  EXPECT_EQ(mode(m, kTwoOpaque), Material::Alpha::mask);
+  EXPECT_EQ(material(m, with(kTwo)).alpha, 0.5f);
+}
+
+TEST(Alpha, IsANeedAndNotPlain) {
+  Json m = lambert(0.5, 0.5, 0.5);
+  m["pbrMetallicRoughness"]["baseColorFactor"][3] = 0.25;
+  EXPECT_TRUE(material(m).plain);  // opaque materials have no alpha
+  EXPECT_EQ(material(m).alpha, 1);
+  m["alphaMode"] = "BLEND";
+  const Scene s = scene_with({m});
+  EXPECT_FALSE(s.materials[0].plain);
+  EXPECT_EQ(coverage_at(s, {0, 0.2, 0.2}), 0.25f);
+  EXPECT_EQ(s.needs, Sentences{"alpha"});
+  Json black = textured({{"index", 0}});  // its colour matters no more, its holes do
+  black["pbrMetallicRoughness"]["baseColorFactor"] = {0, 0, 0, 1};
+  black["alphaMode"] = "BLEND";
+  EXPECT_TRUE(material(black, with(kTwo)).base_map);
+  EXPECT_FALSE(material(black, with(kTwoOpaque)).base_map);
+  EXPECT_TRUE(material(black, with(kTwoOpaque)).plain);
+}
+
+}  // namespace
+}  // namespace tdpt::testing
