@@ -25,7 +25,7 @@ std::string estimate_of(const TargetOutcome& target) {
 
 std::string target_sentence(const TargetOutcome& target, uint64_t spp) {
   const std::string aim = fmt::format("target relMSE {:.3g} ", target.error);
-  if (target.dark) return aim + "reached: nothing emits light, the picture is black";
+  if (target.dark) return aim + "reached: no light can come to the camera, the picture is black";
   const std::string got =
       fmt::format(": it is {} after {} samples per pixel{}", estimate_of(target), spp,
                   target.retried ? ", those of --retry among them" : "");
