@@ -105,7 +105,7 @@ TEST(precision, sums_of_1e9_samples_need_more_than_floats) {
   EXPECT_LT(std::abs(sum_of_many<double>(sample) - expected), 1);
   FixedSum sum;
   Units units;
-  ASSERT_TRUE(to_units(sample, unit, 0, units));
+  ASSERT_TRUE(to_units(sample, 1 / unit, 0, units));
   sum.set(units * (kMany - kLast));
   for (uint64_t i = 0; i < kLast; ++i) ASSERT_TRUE(sum.add(units));
   EXPECT_EQ(sum.units(), units * kMany);  // exactly, and so in any order
@@ -120,7 +120,7 @@ TEST(precision, sums_in_doubles_depend_on_their_order) {
   for (int i = 0; i < 1000; ++i) {
     Units a, b;
     up += sample(i), down += sample(999 - i);
-    ASSERT_TRUE(to_units(sample(i), 0x1p-64, 0, a) && to_units(sample(999 - i), 0x1p-64, 0, b));
+    ASSERT_TRUE(to_units(sample(i), 0x1p64, 0, a) && to_units(sample(999 - i), 0x1p64, 0, b));
     fixed_up.add(a), fixed_down.add(b);
   }
   EXPECT_NE(up, down);
