@@ -15,5 +15,5 @@ scenes=${SCENES:-$here/../shared/scenes} doc=${DOC:-$here/doc}
 command -v gnuplot >/dev/null || { echo "tradeoff: gnuplot is missing" >&2; exit 5; }
 mkdir -p "$cache" "$doc"
 sh "$here/bench/python.sh" "$here/bench/tradeoff/measure.py" "$bin" "$cache" "$scenes"
-extent="\`SEEDS=${SEEDS:-default}\`${QUICK:+, \`QUICK=$QUICK\`}"
+extent="\`SEEDS=${SEEDS:-default}\`$([ "${QUICK:-0}" = 0 ] || printf ", \`QUICK=%s\`" "$QUICK")"
 sh "$here/bench/python.sh" "$here/bench/tradeoff/page.py" "$bin" "$cache" "$doc" "$extent" "$(nproc 2>/dev/null || echo ?)"

@@ -3,6 +3,7 @@ is in CACHE is not run again; a run that is stopped goes on where it was. The en
 
   QUICK   1: fewer seeds, scenes, values and rooms: twenty minutes on two cores, a night's work else
   SEEDS   of each setting
+  ONLY    the name of one table: portals, pictures, rooms, simplified
   JOBS    programs at a time, one thread each (all cores)
 
 Every number is one run's: `cpu` seconds of the process; errors against references (error.py)."""
@@ -36,7 +37,7 @@ class Extent:
     def __init__(self, environment):
         self.quick = environment.get("QUICK", "") not in ("", "0")
         self.seeds = int(environment.get("SEEDS", 2 if self.quick else 5))
-        self.jobs = int(environment.get("JOBS", os.cpu_count()))
+        self.jobs = int(environment.get("JOBS", len(os.sched_getaffinity(0))))
         self.samples = SAMPLES // 4 if self.quick else SAMPLES
         self.rooms = 1 if self.quick else 3
 
@@ -60,6 +61,12 @@ class Bench:
     def __init__(self, programs, cache, scenes, extent):
         self.store, self.cache, self.folder, self.extent = Store(cache / "runs", programs), cache, scenes, extent
         self.references = {}
+        for scene in self.extent.scenes(knobs.SCENES + knobs.OPEN):
+            if self.path(scene.name) is None:
+                print(f"tradeoff: {scene.name}: there is no {scene.name}.glb in SCENES, left out", file=sys.stderr)
+
+    def scenes(self, scenes):
+        return tuple(s for s in self.extent.scenes(scenes) if self.path(s.name))
 
     def path(self, scene):
         name = scene.removesuffix("-whole")
@@ -83,8 +90,7 @@ class Bench:
         return max(1, 2 ** round(math.log2(self.extent.samples / (width * height))))
 
     def portal(self, path, seed, settings):
-        """Portals of a scene by the four stages; settings: {program: options}. (file, CPU seconds, how many, exit codes
-        that were not 0)"""
+        """Portals of a scene by the four stages; settings: {program: options}. (file, CPU seconds, how many)"""
         cpu, given = 0, {"ffgraph": (path,), "lightgrid": (path,)}
         out = None
         for program in knobs.STAGES:
@@ -132,7 +138,7 @@ def stage_settings(extent):
 
 
 def portal_tasks(bench):
-    scenes = bench.extent.scenes(knobs.SCENES)
+    scenes = bench.scenes(knobs.SCENES)
     for seed, (knob, value, settings), scene in itertools.product(
             range(1, bench.extent.seeds + 1), list(stage_settings(bench.extent)), scenes):
         def task(seed=seed, knob=knob, value=value, settings=settings, scene=scene):
@@ -150,15 +156,12 @@ def simplified_tasks(bench):
     """The four stages on scenes without their smallest triangles; the portal is used in the whole one."""
     shares = (0.01, 0.1, 0.5) if bench.extent.quick else knobs.SIMPLIFIED
     for seed, share, scene in itertools.product(range(1, bench.extent.seeds + 1), shares,
-                                                bench.extent.scenes(knobs.SCENES)):
+                                                bench.scenes(knobs.SCENES)):
         def task(seed=seed, share=share, scene=scene):
             data, gone, of = glb.simplified(bench.path(scene.name).read_bytes(), share)
             path = bench.store.keep(("simplified", bench.store.sum_of(bench.path(scene.name)), str(share)),
-                                    lambda p: p.write_bytes(data))
-            named = path.with_suffix(".glb")
-            if not named.exists():
-                os.link(path, named)
-            portal, cpu, count = bench.portal(named, seed, {})
+                                    lambda p: p.write_bytes(data), ".glb")
+            portal, cpu, count = bench.portal(path, seed, {})
             row = through(bench, scene, seed, portal, share=share, dropped=gone, triangles=of, chain_cpu=cpu, portals=count)
             return [row]
         yield task
@@ -167,7 +170,7 @@ def simplified_tasks(bench):
 def picture_tasks(bench):
     """Curves of the renderer: error against time by integrator, what its knobs do at one length, and depth."""
     extent = bench.extent
-    scenes = extent.scenes(knobs.SCENES + knobs.OPEN)
+    scenes = bench.scenes(knobs.SCENES + knobs.OPEN)
 
     def found(scene):
         return bench.portal(bench.path(scene.name), 1, {})[0] if scene.aperture else None
@@ -240,21 +243,25 @@ def write(path, rows):
 
 def main(programs, cache, scenes):
     bench = Bench(Path(programs).resolve(), Path(cache), Path(scenes), Extent(os.environ))
-    absent = [s.name for s in knobs.SCENES + knobs.OPEN if bench.path(s.name) is None]
-    if absent:
-        raise Failed("these scenes are not there: " + ", ".join(absent), 3)
+    for name, tasks in TABLES.items():
+        if os.environ.get("ONLY", name) == name:
+            write(bench.cache / f"{name}.csv", run_all(bench, name, list(tasks(bench))))
+
+
+def run_all(bench, name, tasks):
+    """Their rows in order. What fails first ends them all."""
     with ThreadPoolExecutor(bench.extent.jobs) as pool:
-        for name, tasks in TABLES.items():
-            if name not in (os.environ.get("ONLY") or name):
-                continue
-            waiting = [pool.submit(task) for task in tasks(bench)]
-            rows = []
+        waiting, rows = [pool.submit(task) for task in tasks], []
+        try:
             for done, future in enumerate(waiting, 1):
                 rows += future.result()
                 if sys.stderr.isatty() or done % 50 == 0 or done == len(waiting):
                     print(f"tradeoff: {name}: {done} of {len(waiting)}, {bench.store.made} programs run, "
                           f"{bench.store.found} found", file=sys.stderr)
-            write(bench.cache / f"{name}.csv", rows)
+        except BaseException:
+            pool.shutdown(cancel_futures=True)
+            raise
+    return rows
 
 
 if __name__ == "__main__":
@@ -262,5 +269,10 @@ if __name__ == "__main__":
         sys.exit("usage: measure.py BIN CACHE SCENES")
     try:
         main(*sys.argv[1:])
-    except (Failed, OSError, KeyError, ValueError) as error:
-        sys.exit(f"tradeoff: {error}")
+    except Failed as error:
+        print(f"tradeoff: {error}", file=sys.stderr)
+        sys.exit(error.status)
+    except KeyboardInterrupt:
+        sys.exit(130)
+    except (OSError, KeyError, ValueError, subprocess.CalledProcessError) as error:
+        sys.exit(f"tradeoff: {type(error).__name__}: {error}")

@@ -7,7 +7,13 @@ COLOURS = ("#000000", "#d55e00", "#0072b2", "#009e73", "#cc79a7", "#56b4e9", "#8
 
 
 def quoted(text):
-    return '"' + text.replace("\\", "\\\\").replace('"', '\\"').replace("_", "\\\\_") + '"'
+    """A text of gnuplot's, such as a path."""
+    return '"' + text.replace("\\", "\\\\").replace('"', '\\"') + '"'
+
+
+def label(text):
+    """The same of what is drawn, in which an underscore would lower the next letter."""
+    return quoted(text.replace("_", "\\_"))
 
 
 def number(x):
@@ -47,8 +53,8 @@ class Figure:
         return name
 
     def panel(self, title, x, y, plots, settings=()):
-        self.panels.append(["set title %s offset 0,-0.6" % quoted(title), "set xlabel %s offset 0,0.4" % quoted(x),
-                            "set ylabel %s offset 1,0" % quoted(y), *settings,
+        self.panels.append(["set title %s offset 0,-0.6" % label(title), "set xlabel %s offset 0,0.4" % label(x),
+                            "set ylabel %s offset 1,0" % label(y), *settings,
                             "plot " + ", \\\n  ".join(plots) if plots else "plot NaN notitle"])
 
     def key(self, plots):

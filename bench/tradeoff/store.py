@@ -68,9 +68,9 @@ class Store:
             self.found += 1
         return Run(folder)
 
-    def keep(self, words, make):
+    def keep(self, words, make, suffix=".kept"):
         """A file that no program makes: make(path) writes it. words: all that it depends on."""
-        path = self.folder / hashlib.sha256("\0".join(words).encode()).hexdigest()[:32]
+        path = self.folder / (hashlib.sha256("\0".join(words).encode()).hexdigest()[:32] + suffix)
         if not path.exists():
             half = path.with_suffix(".half%d" % threading.get_ident())
             make(half)
@@ -80,7 +80,6 @@ class Store:
     def _make(self, folder, program, arguments, may_fail):
         half = Path(tempfile.mkdtemp(dir=self.folder, prefix="half-"))
         try:
-            # A name that portal files and scenes are known by.
             command = [str(self.programs / program), *map(str, arguments), "--threads", "1", "--quiet", "--json", "--no-provenance",
                        "-o", str(half / "out")]
             with open(half / "said", "wb") as said, open(half / "errors", "wb") as errors:

@@ -1,10 +1,14 @@
 """The parts of make tradeoff on made-up data."""
+import contextlib
+import io
 import json
 import math
 import os
+import shutil
 import stat
 import sys
 import tempfile
+import time
 import unittest
 from pathlib import Path
 
@@ -162,6 +166,39 @@ class Curves(unittest.TestCase):
         self.assertIn('"512"', text)
         self.assertIn("lightgrid --lines: rooms", text)
         self.assertEqual(plots.number(float("nan")), "NaN")
+
+    def test_paths_keep_their_underscores_and_titles_show_them(self):
+        figure = plots.Figure(1)
+        figure.panel("a_b", "x", "y", [])
+        script = figure.script("my_dir/x.png")
+        self.assertIn('set output "my_dir/x.png"', script)
+        self.assertIn('set title "a\\\\_b"', script)
+
+
+class Tasks(unittest.TestCase):
+    class Bench:
+        extent = measure.Extent({"JOBS": "1", "SEEDS": "2"})
+
+    def test_rows_come_in_order(self):
+        with contextlib.redirect_stderr(io.StringIO()):
+            self.assertEqual(measure.run_all(self.kept(), "name", [lambda i=i: [i] for i in range(5)]), [0, 1, 2, 3, 4])
+
+    def test_first_failure_ends_them_all(self):
+        ran = []
+
+        def fails():
+            raise Failed("no", 3)
+
+        tasks = [fails] + [lambda: ran.append(time.sleep(0.01)) or [] for _ in range(50)]
+        with self.assertRaises(Failed):
+            measure.run_all(self.kept(), "name", tasks)
+        self.assertLess(len(ran), 10)
+
+    def kept(self):
+        bench = self.Bench()
+        bench.store = Store(tempfile.mkdtemp(), ".")
+        self.addCleanup(shutil.rmtree, bench.store.folder)
+        return bench
 
 
 class Rooms(unittest.TestCase):
