@@ -36,6 +36,12 @@ struct ErrorEstimate {
 /// From two parts or more; `high` needs three.
 ErrorEstimate estimate_error(const PictureParts& parts);
 
+/// Whether that is within about a tenth of the truth, as far as chance lets it; else it may be many
+/// times too large.
+inline bool tells(const ErrorEstimate& estimate) {
+  return estimate.lit && estimate.relmse <= 0.5;
+}
+
 /// About 95 %: the estimate, times and over this.
 double interval_factor(const ErrorEstimate& estimate);
 

@@ -18,6 +18,9 @@ void append(Decisions& all, Decisions more) {
   all.insert(all.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
 }
 
+// Where no light comes by more than the camera's own ray.
+constexpr const char* kNothingBeyond = "no path beyond the camera's ray can bring light";
+
 Decision panels(const Rendered& r) {
   const size_t n = r.world.next_events.panels().all().size();
   if (n > 0)
@@ -32,6 +35,7 @@ Decision panels(const Rendered& r) {
 }
 
 Decision windows(const Rendered& r) {
+  if (r.result.longest) return {"windows", "left out", kNothingBeyond, "no next event is made"};
   const size_t n = r.world.windows.windows().size();
   if (n > 0)
     return {"windows", "used", fmt::format("{} facets of portals show the sky", n),
@@ -43,6 +47,8 @@ Decision windows(const Rendered& r) {
 
 // How lights are chosen among their kinds.
 Decision kinds_of_light(const Rendered& r) {
+  if (r.result.longest)
+    return {"kinds of light", "none chosen", kNothingBeyond, "nothing is measured"};
   const Lights::Shares s = r.world.lights.shares();
   const std::string shares =
       fmt::format("surfaces {:.2g}, lamps {:.2g}, parallel light {:.2g}, the sky {:.2g}",
@@ -75,6 +81,7 @@ Decisions portals(const Rendered& r) {
   if (r.portals.empty())
     return {
         {"portals", "left out", "none is given that can be used", "no edge is tested against any"}};
+  if (r.result.longest) return {{"portals", "left out", kNothingBeyond, "no segment is drawn"}};
   if (!r.choice.probed)
     return {{"portals", "left out", fmt::format("{} goes through none", r.choice.integrator.name),
              "nothing is measured"}};
@@ -103,9 +110,7 @@ Decision scout(const Rendered& r) {
     return {"scout", "left out",
             r.request.automatic ? "there is one candidate only" : "the integrator is named",
             "no sample is thrown away"};
-  if (r.result.longest)
-    return {"scout", "left out", "no path beyond the camera's ray can bring light",
-            "no sample is thrown away"};
+  if (r.result.longest) return {"scout", "left out", kNothingBeyond, "no sample is thrown away"};
   if (r.result.prospects.empty())
     return {"scout", "left out", "the samples asked for cannot spare the fewest that tell anything",
             "the first candidate renders"};
@@ -197,14 +202,32 @@ Decision depth(const Rendered& r) {
               : "what that leaves out is not known"};
 }
 
+Decision pilot(const Rendered& r) {
+  const TargetOutcome& target = *r.result.target;
+  if (target.pilot_samples == 0)
+    return {"pilot", "left out", target.dark ? kNothingBeyond : "a limit came before it",
+            "no sample is thrown away"};
+  return {"pilot", fmt::format("{} samples a pixel drawn", target.pilot_samples),
+          target.fixed > 0 ? fmt::format("they tell that {} take the relMSE to {:.3g}",
+                                         target.fixed, target.error)
+                           : "no light was met, or a limit came first",
+          cli::price_of(target.pilot_cpu_seconds)};
+}
+
+std::string why_so_many(const Rendered& r) {
+  if (r.result.longest == 0) return "each is black, and none is traced";
+  if (r.result.interrupted) return "a signal ended the rendering";
+  if (r.settings.spp > 0 && r.result.spp >= r.settings.spp) return "so many were asked for";
+  using Stop = TargetOutcome::Stop;
+  if (!r.result.target || r.result.target->stop == Stop::time) return "--time was up";
+  return r.result.target->stop == Stop::unlit ? "the pilot, of as many, met no light"
+         : r.result.target->retried           ? "the pilot fixed fewer, and --retry so many"
+                                              : "the pilot fixed so many";
+}
+
 Decision samples(const Rendered& r) {
   const RayCounts& rays = r.result.tally.rays;
-  const bool all = r.settings.spp > 0 && r.result.spp >= r.settings.spp;
-  return {"samples", fmt::format("{} a pixel", r.result.spp),
-          r.result.longest == 0  ? "each is black, and none is traced"
-          : all                  ? "so many were asked for"
-          : r.result.interrupted ? "a signal ended the rendering"
-                                 : "--time was up",
+  return {"samples", fmt::format("{} a pixel", r.result.spp), why_so_many(r),
           fmt::format("{}; {} closest, {} shadow, {} portal rays",
                       cli::price_of(r.result.cpu_seconds), rays.closest, rays.shadow, rays.portal)};
 }
@@ -222,6 +245,7 @@ Decisions decisions_of(const Rendered& r) {
   append(all, techniques(r));
   append(all, outputs(r));
   all.push_back(depth(r));
+  if (r.result.target) all.push_back(pilot(r));
   all.push_back(samples(r));
   return all;
 }

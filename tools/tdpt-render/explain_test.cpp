@@ -16,7 +16,8 @@ struct Told {
   RenderResult result;
   cli::Decisions decisions;
 
-  Told(const std::string& integrator, std::vector<Portal> given, uint64_t spp = 16, int width = 48)
+  Told(const std::string& integrator, std::vector<Portal> given, uint64_t spp = 16, int width = 48,
+       double target_error = 0)
       : portals(std::move(given)), world(scene, scene.camera(""), width, 3 * width / 4, portals) {
     Arguments a;
     a.integrator = integrator;
@@ -24,6 +25,7 @@ struct Told {
     common.quiet = true;
     RenderSettings settings;
     settings.spp = spp;
+    settings.target_error = target_error;
     const Request request = request_of(a);
     const Choice choice = choose(request, settings, scene.camera(""), world, portals, common);
     result = render(world, choice.candidates, settings, choice.ways);
@@ -74,6 +76,14 @@ TEST(explain, a_portal_that_no_light_passes_is_left_out) {
   const Told told("tdpt-org", {portal_in_the_hole(), beside});
   EXPECT_EQ(told.with("used as drawn"), 1u);
   EXPECT_EQ(told.with("left out"), Told("tdpt-org", {portal_in_the_hole()}).with("left out") + 1);
+}
+
+TEST(explain, says_that_a_pilot_fixed_the_samples) {
+  const Told told("bdpt", {}, 0, 16, 1e3);
+  EXPECT_EQ(told.about("samples").reason, "the pilot fixed so many");
+  EXPECT_NE(told.about("pilot").reason.find("they tell that 1 take"), std::string::npos)
+      << told.about("pilot").reason;
+  EXPECT_EQ(Told("bdpt", {}, 1, 16, 1e-3).about("samples").reason, "so many were asked for");
 }
 
 TEST(explain, samples_too_few_to_weigh_are_said_to_be) {

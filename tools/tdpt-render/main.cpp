@@ -99,8 +99,10 @@ void deliver(const Arguments& a, const cli::Common& common, const Loaded& in, co
 
 // Share of the light that segments through portals brought; 1 where none took part.
 double share_of_portals(const World& world, const Integrator& integrator,
-                        const RenderTally& tally) {
-  if (world.portals.empty() || !integrator.mixture.has(Technique::portal)) return 1;
+                        const RenderResult& result) {
+  if (world.portals.empty() || !integrator.mixture.has(Technique::portal) || result.longest)
+    return 1;
+  const RenderTally& tally = result.tally;
   const double total = std::accumulate(tally.energy.begin(), tally.energy.end(), 0.0);
   return total > 0 ? tally.energy[static_cast<size_t>(Technique::portal)] / total : 1;
 }
@@ -114,7 +116,7 @@ void report(const cli::Common& common, const Loaded& in, const World& world, con
                     "holds, and is left out",
                     place.x, place.y, place.sample));
   if (const double share =
-          share_of_portals(world, choice.candidates[result.chosen].integrator, result.tally);
+          share_of_portals(world, choice.candidates[result.chosen].integrator, result);
       share < kLeastEnergy)
     common.note(idleness(in.portals, share));
   for (const std::string& sentence : disappointments(in.portals, result)) common.note(sentence);

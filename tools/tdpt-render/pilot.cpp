@@ -15,20 +15,38 @@ constexpr uint64_t kShare = 4, kShareIfKnown = 8, kMostIfKnown = uint64_t{1} << 
 constexpr double kKnown = 0.1, kCalm = 0.3;
 
 bool is_enough(const Pilot& pilot, uint64_t picture) {
-  const uint64_t drawn = Pilot::kParts * pilot.part_samples;
+  const uint64_t drawn = Pilot::kParts * pilot.part_samples();
   if (drawn >= (picture + kShare - 1) / kShare) return true;
-  return pilot.estimate.spread <= kKnown && pilot.estimate.relmse <= kCalm &&
+  const ErrorEstimate& e = pilot.rounds.back().estimate;
+  return e.spread <= kKnown && e.relmse <= kCalm &&
          drawn >= std::min((picture + kShareIfKnown - 1) / kShareIfKnown, kMostIfKnown);
+}
+
+// By the round that is about as large as the picture.
+uint64_t needed_by(const Pilot& pilot, double target) {
+  uint64_t needed = 0;
+  for (size_t k = pilot.rounds.size(); k-- > 0;) {
+    const Pilot::Round& round = pilot.rounds[k];
+    if (needed > 0 && !tells(round.estimate)) break;
+    needed = samples_needed(round.estimate, Pilot::kParts, round.samples, target);
+    if (needed >= round.samples) break;
+  }
+  return needed;
 }
 
 }  // namespace
 
+const Pilot::Round& Pilot::about(uint64_t samples) const {
+  size_t k = 0;
+  while (k + 1 < rounds.size() && (rounds[k + 1].samples <= samples || !tells(rounds[k].estimate)))
+    ++k;
+  return rounds[k];
+}
+
 Pilot run_pilot(uint64_t pixels, double target, uint64_t most, const DrawPart& draw) {
   PictureParts parts(Pilot::kParts, std::vector<Rgb>(pixels));
-  uint64_t samples = 1, done = 0;
-  while (Pilot::kParts * samples * pixels < kFewest) samples *= 2;
   Pilot pilot;
-  for (;; samples *= 2) {
+  for (uint64_t samples = 1, done = 0;; done = samples, samples *= 2) {
     const auto before = static_cast<double>(done), now = static_cast<double>(samples);
     for (uint64_t k = 0; k < Pilot::kParts; ++k) {
       const auto sums = draw(k, {done, samples - done});
@@ -36,12 +54,12 @@ Pilot run_pilot(uint64_t pixels, double target, uint64_t most, const DrawPart& d
       for (size_t i = 0; i < pixels; ++i)
         parts[k][i] = Vec3f((Vec3d(parts[k][i]) * before + (*sums)[i]) * (1 / now));
     }
-    done = samples;
-    pilot.part_samples = samples;
-    pilot.estimate = estimate_error(parts);
+    const ErrorEstimate& estimate =
+        pilot.rounds.emplace_back(samples, estimate_error(parts)).estimate;
     const uint64_t drawn = Pilot::kParts * samples;
-    if (pilot.estimate.lit) {
-      pilot.needed = samples_needed(pilot.estimate, Pilot::kParts, samples, target);
+    if (drawn * pixels < kFewest) continue;
+    if (estimate.lit) {
+      pilot.needed = needed_by(pilot, target);
       if (is_enough(pilot, std::min(pilot.needed, most))) return pilot;
     } else if ((drawn >= kDarkEach && drawn * pixels >= kDarkness) || drawn >= most) {
       return pilot;

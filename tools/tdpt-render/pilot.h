@@ -13,9 +13,19 @@ namespace tdpt {
 
 struct Pilot {
   static constexpr uint64_t kParts = 8;
-  ErrorEstimate estimate;     ///< of a part
-  uint64_t part_samples = 0;  ///< of each pixel in each part; 0: it was given up before that
+  /// Of parts of so many samples of each pixel.
+  struct Round {
+    uint64_t samples = 0;
+    ErrorEstimate estimate;
+  };
+  std::vector<Round> rounds;  ///< each of twice as many; none: it was given up before that
   uint64_t needed = 0;        ///< samples of each pixel; 0: it is not known
+
+  uint64_t part_samples() const { return rounds.empty() ? 0 : rounds.back().samples; }
+  /// That tells most of a picture of `samples`: the last one that is no larger, since relMSE falls
+  /// as 1/N at least; where that one tells too little, or there is none, the next that tells
+  /// enough. There is a round.
+  const Round& about(uint64_t samples) const;
 };
 
 /// Sums over those samples of a part, pixel by pixel; nothing to give up.

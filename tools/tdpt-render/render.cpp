@@ -124,7 +124,7 @@ class Rendering {
 // In rounds, each as large as all before, so that a short time is not overrun by much.
 void Rendering::look_around(Scout& scout) {
   const auto spp = static_cast<double>(spp_foreseen(settings_));
-  const bool by_clock = settings_.seconds > 0 && settings_.target_error == 0;
+  const bool by_clock = settings_.seconds > 0;
   const double time =
       0.5 * scouts_share(32) * settings_.seconds;  // the last round is the other half
   if (spp > 0 && !can_spare(spp, pixels_, scout)) return;
@@ -148,7 +148,7 @@ double Rendering::spp_ahead(const Scout& scout) const {
 void Rendering::plan() {
   result_.plan = {
       candidates_[0].integrator, candidates_[0].label, settings_.spp, {}, world_.lights.shares()};
-  if (longest_ < settings_.max_depth) result_.longest = longest_;
+  if (longest_ < settings_.max_depth || world_.lights.empty()) result_.longest = longest_;
   if (candidates_.size() < 2) return;
   result_.chosen_label = candidates_[0].label;
   if (result_.longest) return;
@@ -170,8 +170,10 @@ void Rendering::aim() {
   TargetOutcome& target = result_.target.emplace();
   target.error = settings_.target_error;
   target.dark = longest_ == 0 || world_.lights.empty();
+  target.may_retry = !settings_.retry;
   if (target.dark) {
-    target.fixed = goal_ = 1;
+    if (settings_.spp == 0) goal_ = settings_.alpha ? 16 : 1;
+    target.fixed = goal_;
     return;
   }
   const double cpu = clock_.cpu();
@@ -185,7 +187,7 @@ void Rendering::aim() {
     pilot_ = run_pilot(world_, result_.plan.integrator, rules_, target.error, most, give_up, film_,
                        progress);
   }
-  target.pilot_samples = Pilot::kParts * pilot_.part_samples;
+  target.pilot_samples = Pilot::kParts * pilot_.part_samples();
   target.pilot_cpu_seconds = clock_.cpu() - cpu;
   target.fixed = pilot_.needed;
   // Where the pilot met no light the picture gets as many samples: they may.
@@ -195,8 +197,8 @@ void Rendering::aim() {
   result_.plan.spp = goal_;
 }
 
-// What the picture's own blocks tell of its error; what the pilot's parts do where it has fewer
-// than three.
+// What the picture's own blocks tell of its error; what the pilot's parts do where those tell too
+// little, or there are fewer than three.
 void Rendering::judge() {
   TargetOutcome& target = *result_.target;
   const auto done = static_cast<double>(film_.samples());
@@ -209,11 +211,16 @@ void Rendering::judge() {
     target.stop = Stop::spp;
   else
     target.stop = target.fixed > 0 ? Stop::fixed : Stop::unlit;
-  const bool by_blocks = blocks_.blocks().size() > 2;
-  const ErrorEstimate told = by_blocks ? estimate_error(blocks_.blocks()) : pilot_.estimate;
+  const auto& blocks = blocks_.blocks();
+  ErrorEstimate told = blocks.size() > 2 ? estimate_error(blocks) : ErrorEstimate{};
+  uint64_t of = blocks_.size();
+  if (!tells(told) && !pilot_.rounds.empty()) {
+    const Pilot::Round& round = pilot_.about(film_.samples());
+    if (round.estimate.lit && (tells(round.estimate) || round.samples > of || !told.lit))
+      told = round.estimate, of = round.samples;
+  }
   target.relmse.reset();
   if (!told.lit) return;
-  const uint64_t of = by_blocks ? blocks_.size() : pilot_.part_samples;
   target.relmse = told.relmse * static_cast<double>(of) / done;
   target.low = *target.relmse / interval_factor(told);
   target.high = *target.relmse * interval_factor(told);
@@ -221,23 +228,30 @@ void Rendering::judge() {
 
 // Then there is a new goal. The samples that are there stay.
 bool Rendering::retry_is_due() {
-  if (!settings_.retry || !result_.target || blocks_.blocks().size() < 3) return false;
+  if (!settings_.retry || !result_.target) return false;
   TargetOutcome& target = *result_.target;
-  if (target.stop != TargetOutcome::Stop::fixed || target.reached() || !target.relmse) return false;
-  const uint64_t needed = samples_needed(estimate_error(blocks_.blocks()), blocks_.blocks().size(),
-                                         blocks_.size(), target.error);
-  const uint64_t most = settings_.spp > 0 ? settings_.spp : kMostSamples;
+  const ErrorEstimate told =
+      blocks_.blocks().size() > 2 ? estimate_error(blocks_.blocks()) : ErrorEstimate{};
+  if (target.stop != TargetOutcome::Stop::fixed || target.reached() || !tells(told)) return false;
+  const uint64_t needed =
+      samples_needed(told, blocks_.blocks().size(), blocks_.size(), target.error);
+  const uint64_t goal = settings_.spp > 0 ? std::min(needed, settings_.spp) : needed;
+  if (goal <= film_.samples()) {
+    if (needed > goal) target.stop = TargetOutcome::Stop::spp;
+    return false;
+  }
   target.fixed = needed;
-  goal_ = std::min(needed, most);
-  target.retried = goal_ > film_.samples();
-  return target.retried;
+  goal_ = goal;
+  return target.retried = true;
 }
 
 // "relMSE about 0.02", as the pilot foresees it.
 std::string Rendering::error_so_far() const {
-  if (!(pilot_.estimate.relmse > 0) || film_.samples() == 0) return "";
-  const double of = static_cast<double>(pilot_.part_samples) / static_cast<double>(film_.samples());
-  return fmt::format("relMSE about {:.2g}", pilot_.estimate.relmse * of);
+  if (pilot_.rounds.empty() || film_.samples() == 0) return "";
+  const Pilot::Round& round = pilot_.about(film_.samples());
+  if (!(round.estimate.relmse > 0)) return "";
+  const double of = static_cast<double>(round.samples) / static_cast<double>(film_.samples());
+  return fmt::format("relMSE about {:.2g}", round.estimate.relmse * of);
 }
 
 void Rendering::look_beyond() {

@@ -44,7 +44,7 @@ std::string target_sentence(const TargetOutcome& target, uint64_t spp) {
     case Stop::fixed:
       break;
   }
-  return aim + "missed" + got + (target.retried ? "" : "; --retry renders on");
+  return aim + "missed" + got + (target.may_retry ? "; --retry renders on" : "");
 }
 
 nlohmann::ordered_json target_json(const TargetOutcome& target) {

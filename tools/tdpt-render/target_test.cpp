@@ -70,11 +70,11 @@ double told_over_true(bool one_round) {
   constexpr uint64_t kPictures = 12;
   for (uint64_t seed = 1; seed <= kPictures; ++seed) {
     RenderSettings settings;
-    settings.spp = pilot.part_samples;
+    settings.spp = pilot.part_samples();
     settings.seed = seed;
     mean += relmse(render(window().world, nee, settings).picture, reference()) / kPictures;
   }
-  return pilot.estimate.relmse / mean;
+  return pilot.rounds.back().estimate.relmse / mean;
 }
 
 TEST(target, a_pilot_tells_the_error_of_pictures_like_its_parts) {
@@ -104,6 +104,47 @@ TEST(target, the_picture_is_that_of_as_many_samples_on_any_number_of_threads) {
     settings.spp = one.spp;
     EXPECT_EQ(one.picture.pixels, render(window().world, nee, settings).picture.pixels);
   }
+}
+
+// The geometric mean of what is said over what is, of pictures that take three or four samples.
+TEST(target, the_error_said_of_few_samples_is_about_right) {
+  double logarithm = 0;
+  constexpr uint64_t kPictures = 8;
+  for (uint64_t seed = 1; seed <= kPictures; ++seed) {
+    RenderSettings settings = to(0.2);
+    settings.seed = seed;
+    const RenderResult r = render(window().world, bdpt, settings);
+    EXPECT_LE(r.spp, 8u);
+    const double error = relmse(r.picture, reference());
+    EXPECT_TRUE(r.target->reached() || error > 0.1) << error;
+    logarithm += std::log(*r.target->relmse / error) / kPictures;
+  }
+  EXPECT_NEAR(std::exp(logarithm), 1.25, 0.75);
+}
+
+TEST(target, twin_four_blocks_of_one_sample) {
+  double logarithm = 0;
+  constexpr uint64_t kPictures = 8;
+  for (uint64_t seed = 1; seed <= kPictures; ++seed) {
+    PictureParts blocks;
+    std::vector<Vec3d> before(kWidth * kHeight);
+    Picture picture;
+    for (uint64_t spp = 1; spp <= 4; ++spp) {
+      RenderSettings settings;
+      settings.spp = spp;
+      settings.seed = seed;
+      picture = render(window().world, bdpt, settings).picture;
+      std::vector<Rgb>& block = blocks.emplace_back();
+      for (size_t i = 0; i < before.size(); ++i) {
+        const Vec3d sum = Vec3d(picture.pixels[i]) * static_cast<double>(spp);
+        block.emplace_back(Vec3f(sum - before[i]));
+        before[i] = sum;
+      }
+    }
+    EXPECT_FALSE(tells(estimate_error(blocks)));
+    logarithm += std::log(estimate_error(blocks).relmse / 4 / relmse(picture, reference()));
+  }
+  EXPECT_GT(std::exp(logarithm / kPictures), 2.5);
 }
 
 TEST(target, smaller_errors_take_more_samples) {
