@@ -22,18 +22,6 @@ bool is_enough(const Pilot& pilot, uint64_t picture) {
          drawn >= std::min((picture + kShareIfKnown - 1) / kShareIfKnown, kMostIfKnown);
 }
 
-// By the round that is about as large as the picture.
-uint64_t needed_by(const Pilot& pilot, double target) {
-  uint64_t needed = 0;
-  for (size_t k = pilot.rounds.size(); k-- > 0;) {
-    const Pilot::Round& round = pilot.rounds[k];
-    if (needed > 0 && !tells(round.estimate)) break;
-    needed = samples_needed(round.estimate, Pilot::kParts, round.samples, target);
-    if (needed >= round.samples) break;
-  }
-  return needed;
-}
-
 }  // namespace
 
 const Pilot::Round& Pilot::about(uint64_t samples) const {
@@ -57,10 +45,9 @@ Pilot run_pilot(uint64_t pixels, double target, uint64_t most, const DrawPart& d
     const ErrorEstimate& estimate =
         pilot.rounds.emplace_back(samples, estimate_error(parts)).estimate;
     const uint64_t drawn = Pilot::kParts * samples;
-    if (drawn * pixels < kFewest) continue;
     if (estimate.lit) {
-      pilot.needed = needed_by(pilot, target);
-      if (is_enough(pilot, std::min(pilot.needed, most))) return pilot;
+      pilot.needed = samples_needed(estimate, Pilot::kParts, samples, target);
+      if (drawn * pixels >= kFewest && is_enough(pilot, std::min(pilot.needed, most))) return pilot;
     } else if ((drawn >= kDarkEach && drawn * pixels >= kDarkness) || drawn >= most) {
       return pilot;
     }
