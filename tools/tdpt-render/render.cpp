@@ -197,6 +197,9 @@ void Rendering::aim() {
   result_.plan.spp = goal_;
 }
 
+// Blocks of so many samples tell more than a pilot does, whatever they tell.
+constexpr uint64_t kTelling = 8;
+
 // What the picture's own blocks tell of its error; what the pilot's parts do where those tell too
 // little, or there are fewer than three.
 void Rendering::judge() {
@@ -214,7 +217,7 @@ void Rendering::judge() {
   const auto& blocks = blocks_.blocks();
   ErrorEstimate told = blocks.size() > 2 ? estimate_error(blocks) : ErrorEstimate{};
   uint64_t of = blocks_.size();
-  if (!tells(told) && !pilot_.rounds.empty()) {
+  if (!tells(told) && of < kTelling && !pilot_.rounds.empty()) {
     const Pilot::Round& round = pilot_.about(film_.samples());
     if (round.estimate.lit && (tells(round.estimate) || round.samples > of || !told.lit))
       told = round.estimate, of = round.samples;
@@ -232,7 +235,8 @@ bool Rendering::retry_is_due() {
   TargetOutcome& target = *result_.target;
   const ErrorEstimate told =
       blocks_.blocks().size() > 2 ? estimate_error(blocks_.blocks()) : ErrorEstimate{};
-  if (target.stop != TargetOutcome::Stop::fixed || target.reached() || !tells(told)) return false;
+  const bool known = tells(told) || (told.lit && blocks_.size() >= kTelling);
+  if (target.stop != TargetOutcome::Stop::fixed || target.reached() || !known) return false;
   const uint64_t needed =
       samples_needed(told, blocks_.blocks().size(), blocks_.size(), target.error);
   const uint64_t goal = settings_.spp > 0 ? std::min(needed, settings_.spp) : needed;
