@@ -133,7 +133,8 @@ Coverage coverage(size_t pixels, double sigma, double target, bool naive) {
       double sum = 0;
       for (size_t i = 0; i < pixels; ++i) {
         const auto a = static_cast<double>(last[0][i].x), b = static_cast<double>(last[1][i].x);
-        sum += (a - b) * (a - b) / 2 / (a * a + 0.01 * scene.mean() * scene.mean());
+        const double own = (a * a + b * b) / 2;
+        sum += (a - b) * (a - b) / 2 / (own + 0.01 * scene.mean() * scene.mean());
       }
       const double each = static_cast<double>((pilot.part_samples() + 1) / 2);
       samples = static_cast<uint64_t>(std::ceil(each * sum / static_cast<double>(pixels) / target));
