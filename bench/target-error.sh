@@ -54,11 +54,13 @@ measure() {
   options="--width $(about "$1" 2) --height $(about "$1" 3) --target $(about "$1" 4) --integrator auto"
   key="$renderer $(cat "$2" $portal | cksum) $options $seeds"
   made "$stem.runs" "$key" && return
+  rm -f "$stem.runs"
   mkdir -p "$stem"
-  # Without threads: scenes take turns on the cores.
-  taskset -c "$3" "$bin/target_bench" "$2" "$stem" $portal $options --seeds "$seeds" >"$stem.told"
+  # Scenes take turns on the cores.
+  "$bin/target_bench" "$2" "$stem" $portal $options --threads 1 --seeds "$seeds" >"$stem.told"
   while read -r seed told; do
-    relmse=$("$bin/exrdiff" --quiet --json "$stem/$seed.exr" "$stem/$seed.reference.exr" | jq .relmse)
+    difference=$("$bin/exrdiff" --quiet --json "$stem/$seed.exr" "$stem/$seed.reference.exr")
+    relmse=$(say "$difference" | jq .relmse)
     say "$1 $(($(about "$1" 2) * $(about "$1" 3))) $(about "$1" 4) $relmse $seed $told"
   done <"$stem.told" >"$stem.measured"
   rm -r "$stem"
@@ -66,7 +68,17 @@ measure() {
   keep "$stem.runs" "$key"
 }
 
-names="" core=0
+# finish: waits for the scenes under way, and ends where one of them could not be measured.
+finish() {
+  failed=0
+  for job in $jobs_now; do
+    wait "${job#*:}" || { failed=$?; say "target-error: ${job%:*} could not be measured" >&2; }
+  done
+  jobs_now=""
+  [ "$failed" = 0 ] || exit "$failed"
+}
+
+names="" jobs_now=""
 for name in $(say "$list" | cut -d ' ' -f 1); do
   case " ${ONLY:-$name} " in *" $name "*) ;; *) continue ;; esac
   file=$here/testdata/scenes/$name.glb
@@ -74,11 +86,11 @@ for name in $(say "$list" | cut -d ' ' -f 1); do
   [ -s "$file" ] || file=$scenes/interiors/$name.glb
   [ -s "$file" ] || { say "$name: there is no $name.glb in SCENES, left out" >&2; continue; }
   names="$names $name"
-  measure "$name" "$file" "$core" &
-  core=$((core + 1))
-  [ "$core" -lt "$jobs" ] || { wait; core=0; }
+  measure "$name" "$file" &
+  jobs_now="$jobs_now $name:$!"
+  [ "$(say "$jobs_now" | wc -w)" -lt "$jobs" ] || finish
 done
-wait
+finish
 [ -n "$names" ] || { say "target-error: none of the scenes is there" >&2; exit 3; }
 for name in $names; do cat "$cache/$name.runs"; done >"$cache/runs"
 {

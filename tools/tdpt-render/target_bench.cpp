@@ -3,6 +3,7 @@
 //   --width W --height H    default 32 24
 //   --integrator NAME       default bdpt; auto
 //   --target E              relMSE, default 0.05
+//   --threads N             default all cores
 //   --seeds N               default 100; FOLDER/SEED.exr, and a line of statistics each:
 //                             SEED, samples fixed, relMSE estimated, low, high, pilot's samples,
 //                             reached
@@ -12,13 +13,14 @@
 #include <cstring>
 
 #include "libcommon/base/output_file.h"
+#include "libcommon/base/threads.h"
 #include "tools/tdpt-render/render.h"
 
 namespace tdpt {
 namespace {
 
 struct Settings {
-  int width = 32, height = 24;
+  int width = 32, height = 24, threads = 0;
   uint64_t seeds = 100;
   double target = 0.05;
   std::string integrator = "bdpt";
@@ -92,19 +94,22 @@ int main(int argc, char** argv) {
       settings.integrator = argv[++i];
     else if (is("--target"))
       settings.target = std::atof(argv[++i]);
+    else if (is("--threads"))
+      settings.threads = std::atoi(argv[++i]);
     else if (is("--seeds"))
       settings.seeds = std::strtoull(argv[++i], nullptr, 10);
     else
       files.emplace_back(argv[i]);
   }
   if (files.size() < 2 || settings.width < 1 || settings.height < 1 || settings.seeds < 2 ||
-      !(settings.target > 0)) {
+      settings.threads < 0 || !(settings.target > 0)) {
     std::fprintf(stderr,
                  "usage: target_bench SCENE FOLDER [PORTAL...] [--width W] [--height H] "
-                 "[--integrator NAME] [--target E] [--seeds N]\n");
+                 "[--integrator NAME] [--target E] [--threads N] [--seeds N]\n");
     return 2;
   }
   try {
+    limit_threads(settings.threads);
     measure(files, settings);
   } catch (const std::exception& e) {
     std::fprintf(stderr, "target_bench: %s\n", e.what());
