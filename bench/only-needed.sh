@@ -2,7 +2,7 @@
 # only-needed.sh BIN [FOLDER]: what a scene or a command line does not ask for, costs how much? CPU seconds of
 # rendering, runs taking turns, one thread: of tdpt-render over its twin that knows diffuse surfaces only
 # (tdpt-render-diffuse), over itself with things asked for that others do without, and of stages that find nothing to
-# do. Prints doc/only-needed.md. Twenty minutes. What was measured stays in FOLDER.
+# do. Prints doc/only-needed.md. Half an hour. What was measured stays in FOLDER.
 # The environment may set
 #   SCENES        folder of the paper's scenes; without cornell-box.glb its rows are left out, with a word
 #   RUNS          pairs of runs (15)
@@ -15,7 +15,16 @@ bin=$(cd "${1:-build/bin}" && pwd) out=${2:-build/only-needed}
 here=$(cd "$(dirname "$0")/.." && pwd)
 scenes=${SCENES:-$here/../shared/scenes} small=$here/testdata/scenes
 runs=${RUNS:-15} spp=${SPP:-16} width=${WIDTH:-160}
-command -v jq >/dev/null || { echo "only-needed: jq is missing" >&2; exit 5; }
+command -v jq >/dev/null || { echo "only-needed: jq is missing (cmake/packages-figures.txt)" >&2; exit 5; }
+sh "$here/bench/python.sh" -c '' || { echo "only-needed: python3 with numpy is missing" >&2; exit 5; }
+if [ "${INSTRUCTIONS:-0}" = 1 ] && ! command -v valgrind >/dev/null; then
+  echo "only-needed: valgrind is missing (cmake/packages-figures.txt), which counts instructions" >&2
+  exit 5
+fi
+[ -x "$bin/tdpt-render-diffuse" ] || {
+  echo "only-needed: $bin/tdpt-render-diffuse is missing: cmake --build --preset release --target tdpt-render-diffuse" >&2
+  exit 5
+}
 mkdir -p "$out"
 out=$(cd "$out" && pwd)
 : >"$out/runs.csv"
@@ -28,8 +37,12 @@ stage() { program=$1; shift; "$bin/$program" --quiet "$@"; }
 cpu() {
   program=$1 scene=$2
   shift 2
-  "$bin/$program" --quiet --json --threads 1 --no-provenance --spp "$spp" --width "$width" "$scene" "$@" \
-    -o "$out/$program.exr" 2>>"$out/words" | jq .cpu_seconds
+  if ! said=$("$bin/$program" --quiet --json --threads 1 --no-provenance --spp "$spp" --width "$width" "$scene" "$@" \
+    -o "$out/$program.exr" 2>"$out/words"); then
+    cat "$out/words" >&2
+    return 1
+  fi
+  echo "$said" | jq .cpu_seconds
 }
 # counted SAMPLES PROGRAM SCENE OPTION...: instructions of a run.
 counted() {
@@ -44,7 +57,8 @@ instructions() { echo $(($(counted 12 "$@") - $(counted 4 "$@"))); }
 pair() {
   what=$1 scene=$2 first=$3 second=$4
   for run in $(seq "$runs"); do
-    a=$(cpu ${first%% *} "$scene" ${first#* }) b=$(cpu ${second%% *} "$scene" ${second#* })
+    a=$(cpu ${first%% *} "$scene" ${first#* })
+    b=$(cpu ${second%% *} "$scene" ${second#* })
     echo "$what;$(basename "$scene" .glb);$run;$a;$b" >>"$out/runs.csv"
   done
 }
@@ -76,22 +90,17 @@ pair "--stats" "$rooms" "$bdpt --stats $out/stats.json" "$bdpt"
 pair "--alpha" "$rooms" "$bdpt --alpha" "$bdpt"
 pair "--environment 1e-30,0,0" "$rooms" "$bdpt --environment 1e-30,0,0" "$bdpt"
 
-# nothing WHAT COMMAND...: CPU seconds of a program that has nothing to do.
-nothing() {
-  what=$1
-  shift
-  /usr/bin/time -o "$out/time" -f '%U %S' "$@" >"$out/words" 2>&1 || :
-  tail -n 1 "$out/time" | awk -v what="$what" '{ print what ";" $1 + $2 }' >>"$out/nothing.csv"
-}
+# nothing STATUS WHAT COMMAND...: CPU seconds of a program that has nothing to do and ends with STATUS.
+nothing() { sh "$here/bench/python.sh" "$here/bench/only_needed.py" nothing "$out/nothing.csv" "$@"; }
 : >"$out/nothing.csv"
 sh "$here/bench/python.sh" "$here/bench/only_needed.py" scenes "$rooms" "$out"
-nothing "ffgraph, no light" "$bin/ffgraph" "$out/dark.glb" -o "$out/dark.max"
-nothing "ffgraph, the camera sees no surface" "$bin/ffgraph" "$out/away.glb" -o "$out/away.max"
-nothing "mincut, no flow" "$bin/mincut" "$out/away.max" -o "$out/away.cut"
-nothing "lightgrid, no bottleneck" "$bin/lightgrid" "$out/away.glb" "$out/away.cut" -o "$out/away.vdb"
-nothing "portalfit, empty grid" "$bin/portalfit" "$out/away.vdb" -o "$out/away.portal.glb"
-nothing "tdpt-render, 640 x 480 x 16, no light" "$bin/tdpt-render" "$out/dark.glb" -o "$out/x.exr"
-nothing "tdpt-render, 640 x 480 x 16, the camera sees no surface" "$bin/tdpt-render" "$out/away.glb" -o "$out/x.exr"
+nothing 3 "ffgraph, no light" "$bin/ffgraph" "$out/dark.glb" -o "$out/dark.max"
+nothing 0 "ffgraph, the camera sees no surface" "$bin/ffgraph" "$out/away.glb" -o "$out/away.max"
+nothing 0 "mincut, no flow" "$bin/mincut" "$out/away.max" -o "$out/away.cut"
+nothing 0 "lightgrid, no bottleneck" "$bin/lightgrid" "$out/away.glb" "$out/away.cut" -o "$out/away.vdb"
+nothing 0 "portalfit, empty grid" "$bin/portalfit" "$out/away.vdb" -o "$out/away.portal.glb"
+nothing 0 "tdpt-render, 640 x 480 x 16, no light" "$bin/tdpt-render" "$out/dark.glb" -o "$out/x.exr"
+nothing 0 "tdpt-render, 640 x 480 x 16, the camera sees no surface" "$bin/tdpt-render" "$out/away.glb" -o "$out/x.exr"
 
 # What ffgraph's rounds of splitting brought.
 for scene in "$small"/door-ajar.glb "$small"/half-metre-hole.glb "$small"/small-hole.glb "$small"/three-rooms.glb \

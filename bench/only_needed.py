@@ -1,12 +1,15 @@
-"""Scenes and page of only-needed.sh: only_needed.py scenes ROOM FOLDER | page FOLDER."""
+"""Scenes and page of only-needed.sh: see USAGE."""
 import csv
 import json
+import os
 import struct
+import subprocess
 import sys
 
 import numpy as np
 from intervals import ratio_interval
 
+USAGE = "usage: only_needed.py scenes ROOM FOLDER | nothing CSV STATUS WHAT COMMAND... | page FOLDER"
 LIMIT = 1.02  # of tdpt-render over its twin
 
 
@@ -156,8 +159,24 @@ lets a twentieth less of the light pass than before.
 """
 
 
+def nothing(path, status, what, *command):
+    """A row more: the CPU seconds of a command, which ends with that status."""
+    child = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+    said = child.stderr.read().decode(errors="replace")
+    _, ended, usage = os.wait4(child.pid, 0)
+    child.returncode = os.waitstatus_to_exitcode(ended)
+    if child.returncode != int(status):
+        sys.exit(f"only-needed: {what}: status {child.returncode}, expected {status}: {said}")
+    with open(path, "a", encoding="ascii") as file:
+        print(what, "%.3f" % (usage.ru_utime + usage.ru_stime), sep=";", file=file)
+
+
 def main(arguments):
-    if arguments[0] == "scenes":
+    if not arguments or arguments[0] not in ("scenes", "nothing", "page"):
+        sys.exit(USAGE)
+    if arguments[0] == "nothing":
+        nothing(*arguments[1:])
+    elif arguments[0] == "scenes":
         scene, rest = read_glb(arguments[1])
         text = json.dumps(scene)
         for name, change in {"dark": dark, "away": away}.items():

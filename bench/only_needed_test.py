@@ -1,3 +1,6 @@
+import os
+import sys
+import tempfile
 import unittest
 
 import only_needed
@@ -39,9 +42,6 @@ class Ratios(unittest.TestCase):
 
 class Scenes(unittest.TestCase):
     def test_a_glb_comes_back_as_it_went(self):
-        import os
-        import tempfile
-
         with tempfile.TemporaryDirectory() as folder:
             path = os.path.join(folder, "a.glb")
             with open(path, "wb") as file:
@@ -57,6 +57,23 @@ class Scenes(unittest.TestCase):
         self.assertEqual(scene["nodes"][0], {"mesh": 0})
         self.assertEqual(scene["nodes"][1]["translation"], [0, 50, 0])
         self.assertNotIn("matrix", scene["nodes"][1])
+
+
+class Nothing(unittest.TestCase):
+    def test_a_row_is_of_a_program_that_ends_as_it_should(self):
+        def runs(path, status, *command):
+            only_needed.main(["nothing", path, str(status), "a program", *command])
+
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "nothing.csv")
+            runs(path, 3, "sh", "-c", "exit 3")
+            runs(path, 0, sys.executable, "-S", "-c", "import time\nwhile time.process_time() < 0.3: pass")
+            for status, command in ((3, "true"), (0, "kill -SEGV $$")):
+                with self.assertRaisesRegex(SystemExit, "a program: status .*, expected %d" % status):
+                    runs(path, status, "sh", "-c", command)
+            rows = only_needed.read(folder, "nothing")
+            self.assertEqual([row[0] for row in rows], ["a program"] * 2)
+            self.assertAlmostEqual(float(rows[1][1]), 0.3, delta=0.2)
 
 
 if __name__ == "__main__":
