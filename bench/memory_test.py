@@ -1,4 +1,5 @@
-"""memory_test.py BIN: the five programs hold less than 400 bytes for each triangle that a scene has more."""
+"""memory_test.py BIN: the five programs hold less than 400 bytes for each triangle that a scene has more,
+one thread each."""
 import os
 import subprocess
 import sys
@@ -37,8 +38,7 @@ class Memory(unittest.TestCase):
                      "lightgrid": ((".glb", ".cut"), ".vdb"), "portalfit": ((".vdb",), ".portal.glb"),
                      "tdpt-render": ((".glb",), ".exr")}
             for program, (read, written) in files.items():
-                threads = ["--threads", "1"] if program in FEW else []
-                each = bytes_each(folder, lambda n: [os.path.join(BIN, program), "--quiet", *threads, *FEW.get(program, []),
+                each = bytes_each(folder, lambda n: [os.path.join(BIN, program), "--quiet", "--threads", "1", *FEW.get(program, []),
                                              *(file(n, end) for end in read), "-o", file(n, written)])
                 print("%s: %.0f bytes a triangle" % (program, each))
                 self.assertLess(each, scale.MOST_BYTES, program)

@@ -81,7 +81,7 @@ def print_page(rows):
         step, whole = bytes_each(*of[-2:]), of[-1].peak * MIB / of[-1].triangles
         return "%.0f, %.0f: %s" % (step, whole, "met" if max(step, whole) < MOST_BYTES else "**missed**")
 
-    print("CPU seconds:\n")
+    print("CPU seconds; a growth of up to %.1f times that of n log n counts as noise:\n" % NOISE)
     print_table(rows, sizes, lambda r: "%.2f" % r.cpu, "growth in the last step", verdict)
     print("Peak memory [MiB]:\n")
     print_table(rows, sizes, lambda r: "%.0f" % r.peak,

@@ -14,7 +14,7 @@ sizes=${SIZES:-1e3 1e4 1e5 1e6 1e7} forms=${FORMS:-grid parts soup} doc=${DOC:-$
 command -v gnuplot >/dev/null || { echo "scale: gnuplot is missing" >&2; exit 5; }
 python() { sh "$here/bench/python.sh" "$@"; }
 python -c '' || { echo "scale: python3 with numpy is missing" >&2; exit 5; }
-mkdir -p "$work"
+mkdir -p "$work" "$doc"
 bin=$(cd "$bin" && pwd) doc=$(cd "$doc" && pwd)
 cd "$work"
 trap 'rm -f room.glb room.max room.cut room.vdb room.portal.glb room.exr' EXIT
@@ -24,8 +24,7 @@ trap 'rm -f room.glb room.max room.cut room.vdb room.portal.glb room.exr' EXIT
 stage() {
   program=$1
   shift
-  case $program in mincut | portalfit) ;; *) set -- --threads 1 "$@" ;; esac
-  python "$here/bench/scale.py" run scale.csv "$form" "$triangles" "$program" "$bin/$program" --quiet "$@"
+  python "$here/bench/scale.py" run scale.csv "$form" "$triangles" "$program" "$bin/$program" --quiet --threads 1 "$@"
 }
 [ -n "${KEEP:-}" ] || rm -f scale.csv
 for form in ${KEEP:+none} $forms; do

@@ -27,6 +27,7 @@ class Scale(unittest.TestCase):
     def test_n_log_n_is_no_faster_and_a_power_of_one_and_a_half_is(self):
         self.assertIn("no faster", page(series(lambda n: 2 + 1e-7 * n * math.log(n), lambda n: n)))
         self.assertIn("**faster**", page(series(lambda n: 0.1 + 1e-9 * n**1.5, lambda n: n)))
+        self.assertIn("up to 1.3 times that of n log n counts as noise", page(series(lambda n: 1e-7 * n, lambda n: n)))
         self.assertIn("too short", page(series(lambda n: 0.02, lambda n: n)))
 
     def test_bytes_of_a_triangle_are_those_of_the_last_step_and_of_all(self):
