@@ -38,20 +38,23 @@ failed=0
 for target in "$@"; do
   stored=$testdata/fuzz/$target corpus=$work/corpus/$target log=$work/$target.log
   seeds=$(seeds_of "$target")
-  mkdir -p "$corpus" "$stored" || exit 2
   [ -x "$bin/${target}_fuzz" ] || { echo "fuzz: $bin/${target}_fuzz is missing"; failed=1; continue; }
+  mkdir -p "$corpus" "$stored" || exit 2
   # No header's word is worth more than this at once: 2^26 texels of a texture, 2^27 samples of a picture.
   limits="-rss_limit_mb=2048 -malloc_limit_mb=600 -timeout=20"
   # OpenVDB declares lengths, see light_grid_fuzz.cpp.
   [ "$target" = light_grid ] && limits="-rss_limit_mb=3072 -malloc_limit_mb=1100 -timeout=20"
   [ -f "$testdata/fuzz/$target.dict" ] && limits="$limits -dict=$testdata/fuzz/$target.dict"
   if [ "${MERGE:-0}" = 1 ]; then
-    mkdir "$files/merged" || exit 2
+    [ ! -e "$stored.new" ] || { echo "fuzz: $stored.new is left of a run that was ended: rename it to $stored, or remove it"; exit 2; }
+    rm -rf "$files/merged" && mkdir "$files/merged" || exit 2
     # shellcheck disable=SC2086 # limits and seeds are words
     "$bin/${target}_fuzz" -set_cover_merge=1 -max_len=4096 $limits "$files/merged" "$stored" "$corpus" $seeds >"$log" 2>&1 ||
       { echo "fuzz: $target: merging fails, see $log"; failed=1; continue; }
     cp "$stored"/found-* "$files/merged" 2>/dev/null # what once broke the target stays
-    rm -rf "$stored" && cp -R "$files/merged" "$stored" && rm -rf "$files/merged"
+    # Beside the old ones first: whenever this ends, all inputs of one of the two are there.
+    cp -R "$files/merged" "$stored.new" && rm -rf "$stored" && mv "$stored.new" "$stored" ||
+      { echo "fuzz: $target: the inputs could not be put into $stored"; exit 2; }
     echo "$target: $(find "$stored" -type f | wc -l) inputs"
     continue
   fi

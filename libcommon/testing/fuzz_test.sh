@@ -1,0 +1,40 @@
+#!/bin/sh
+# fuzz_test.sh: what fuzz.sh does with inputs that are stored, by targets that play theirs.
+set -u
+here=$(cd "$(dirname "$0")" && pwd)
+work=$(mktemp -d) || exit 2
+trap 'rm -rf "$work"' EXIT
+mkdir -p "$work/bin" "$work/testdata/fuzz/keeps" "$work/testdata/fuzz/fails"
+target() { { echo '#!/bin/sh'; cat; } >"$work/bin/$1_fuzz" && chmod +x "$work/bin/$1_fuzz"; }
+target fails <<'TARGET'
+exit 1
+TARGET
+# The folder that inputs are merged into is the first argument that is one.
+target keeps <<'TARGET'
+for argument in "$@"; do [ -d "$argument" ] && { echo fewest >"$argument/fewest"; exit 0; }; done
+TARGET
+echo old >"$work/testdata/fuzz/fails/old"
+echo old >"$work/testdata/fuzz/keeps/old"
+echo found >"$work/testdata/fuzz/keeps/found-it"
+failed=0
+# expect STATUS WHAT FILES TARGET...: exit code of a merge, and the files that are then stored.
+expect() {
+  expected=$1 what=$2 files=$3
+  shift 3
+  MERGE=1 sh "$here/fuzz.sh" "$work/bin" "$work/testdata" "$work/work" "$@" >"$work/said" 2>&1
+  status=$?
+  stored=$(cd "$work/testdata/fuzz" && find . | LC_ALL=C sort | tr '\n' ' ')
+  [ "$status" = "$expected" ] && [ "$stored" = "$files" ] && return
+  echo "$what: exit $status, expected $expected; stored $stored, expected $files"
+  cat "$work/said"
+  failed=1
+}
+
+before=". ./fails ./fails/old ./keeps ./keeps/found-it ./keeps/old "
+expect 1 "a target that is not there" "$before" nosuch
+grep -q '^fuzz: .*nosuch_fuzz is missing$' "$work/said" || { echo "no word of the target that is not there"; failed=1; }
+expect 1 "one fails, the next goes on" ". ./fails ./fails/old ./keeps ./keeps/fewest ./keeps/found-it " fails fails keeps
+grep -q '^keeps: 2 inputs$' "$work/said" || { echo "no word of the inputs that are kept"; failed=1; }
+mkdir "$work/testdata/fuzz/keeps.new"
+expect 2 "what an ended run left" ". ./fails ./fails/old ./keeps ./keeps.new ./keeps/fewest ./keeps/found-it " keeps
+exit $failed
