@@ -20,7 +20,17 @@ class Limit(unittest.TestCase):
     def test_the_factor_is_the_median_over_seeds(self):
         frames = limit.read([HEAD, line(seed=1, frame=3.0), line(seed=2, frame=6.0), line(seed=3, frame=4.5)])[1]
         row = limit.factor_rows(frames)[0]
-        self.assertEqual(row, ("a", "`bdpt`", "12.0", "42 %", "45000000", "1250000", "3.00 (2.00 to 4.00)"))
+        self.assertEqual(row, ("a", "`bdpt`", "12.0", "42 %", "45000000", "1250000", "3.00 (2.00 to 4.00)", "1.6: **missed**"))
+
+    def test_the_median_is_held_against_what_is_wanted(self):
+        def verdicts(integrator, *factors):
+            return [row[-1] for row in limit.factor_rows(limit.read(
+                [line(seed=i, frame=f, raw=1.0, integrator=integrator) for i, f in enumerate(factors)])[1])]
+
+        self.assertEqual(verdicts("bdpt", 1.5, 1.6, 9.0), ["1.6: met"])
+        self.assertEqual(verdicts("bdpt", 1.0, 1.61, 1.7), ["1.6: **missed**"])
+        self.assertEqual(verdicts("tdpt-guided", 2.1), ["2.2: met"])
+        self.assertEqual(verdicts("nee", 9.0), ["-"])
 
     def test_threads_are_compared_seed_by_seed(self):
         frames = limit.read([line(), line(threads=2, frame=3.2, raw=1.5, wall=1.6), line(seed=2, frame=8.0),
@@ -52,6 +62,8 @@ class Limit(unittest.TestCase):
         busy = limit.page(*limit.read(["load 3.1 2", HEAD, line(), line(threads=2), *PROFILE]))
         self.assertIn("up to 3 processes", busy)
         self.assertIn("perf", busy)
+        self.assertIn("as wanted: 0 of the 1 that have an aim.", busy)
+        self.assertIn("as wanted: 1 of the 1 that", limit.page(*limit.read([line(frame=1.5, raw=1.0), *PROFILE])))
         self.assertNotIn("not idle", limit.page(*limit.read(["load 0.5 2", line(), line(threads=2), *PROFILE])))
 
 
