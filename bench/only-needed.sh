@@ -106,7 +106,7 @@ nothing 0 "tdpt-render, 640 x 480 x 16, the camera sees no surface" "$bin/tdpt-r
 for scene in "$small"/door-ajar.glb "$small"/half-metre-hole.glb "$small"/small-hole.glb "$small"/three-rooms.glb \
   "$small"/two-rooms.glb "$small"/window.glb "$scenes"/veach-ajar.glb "$scenes"/cornell-box-portal.glb; do
   [ -r "$scene" ] || continue
-  "$bin/ffgraph" --quiet --explain "$scene" -o "$out/rounds.max" 2>&1 |
-    sed -n "s/^ffgraph: round 1: \(.*\), because \(.*\) (\(.*\) CPU s)$/$(basename "$scene" .glb);\1;\2;\3/p"
+  "$bin/ffgraph" --quiet --explain "$scene" -o "$out/rounds.max" 2>"$out/words" || { cat "$out/words" >&2; exit 1; }
+  sed -n "s/^ffgraph: round 1: \(.*\), because \(.*\) (\(.*\) CPU s)$/$(basename "$scene" .glb);\1;\2;\3/p" "$out/words"
 done >"$out/rounds.csv"
-sh "$here/bench/python.sh" "$here/bench/only_needed.py" page "$out"
+sh "$here/bench/python.sh" "$here/bench/only_needed.py" page "$out" "$spp" "$width"

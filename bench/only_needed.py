@@ -9,7 +9,7 @@ import sys
 import numpy as np
 from intervals import ratio_interval
 
-USAGE = "usage: only_needed.py scenes ROOM FOLDER | nothing CSV STATUS WHAT COMMAND... | page FOLDER"
+USAGE = "usage: only_needed.py scenes ROOM FOLDER | nothing CSV STATUS WHAT COMMAND... | page FOLDER SPP WIDTH"
 LIMIT = 1.02  # of tdpt-render over its twin
 
 
@@ -105,12 +105,18 @@ def nothing_lines(rows):
         yield f"| {what} | {float(seconds):.2f} |"
 
 
-def page(folder):
-    runs, counts = read(folder, "runs"), read(folder, "instructions")
+def settings(runs, counts, spp, width):
+    """How the page was made, which the command may be told otherwise."""
+    counted = "INSTRUCTIONS=1" if counts else "instructions not counted"
     n = max(int(row[2]) for row in runs)
-    return f"""# What is not needed costs nothing
+    return f"RUNS={n} pairs of runs that take turns, SPP={spp} samples a pixel, WIDTH={width} pixels,\n{counted}"
 
-`make only-needed` writes this page: {n} pairs of runs that take turns, one thread, CPU seconds of rendering alone.
+
+def page(folder, spp, width):
+    runs, counts = read(folder, "runs"), read(folder, "instructions")
+    return f"""# What is not needed, and what it costs
+
+`make only-needed` writes this page. This one: {settings(runs, counts, spp, width)}; one thread, CPU seconds of rendering alone.
 `--explain` of every program says what it leaves out, and why.
 
 ## A diffuse scene
@@ -183,7 +189,7 @@ def main(arguments):
             with open(f"{arguments[2]}/{name}.glb", "wb") as file:
                 file.write(glb_bytes(change(json.loads(text)), rest))
     else:
-        print(page(arguments[1]), end="")
+        print(page(*arguments[1:]), end="")
 
 
 if __name__ == "__main__":

@@ -40,6 +40,13 @@ class Ratios(unittest.TestCase):
         self.assertEqual(len(list(only_needed.twin_lines(rows, []))), 3)
 
 
+class Settings(unittest.TestCase):
+    def test_are_those_of_the_run(self):
+        rows = runs("--layers", "room", [1.0] * 6)
+        self.assertRegex(only_needed.settings(rows, [], "8", "128"), r"RUNS=5.*SPP=8 .*WIDTH=128 .*\n.* not counted")
+        self.assertIn("INSTRUCTIONS=1", only_needed.settings(rows, rows, "8", "128"))
+
+
 class Scenes(unittest.TestCase):
     def test_a_glb_comes_back_as_it_went(self):
         with tempfile.TemporaryDirectory() as folder:
