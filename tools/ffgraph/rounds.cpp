@@ -163,7 +163,7 @@ class Rounds {
                                             kLookSeed + settings_.walks.seed, settings_.rays);
     report_.rays += settings_.rays;
     report_.rounds = 1;
-    report_.why_stopped = "those of the given cut";
+    report_.why_stopped = "a cut was given";
     const std::vector<uint8_t> chosen =
         chosen_to_split(map, etendue, {cut.region, cut.cuts.size(), narrowest(cut.cuts)});
     LightFlow flow = estimate(map.split(chosen));
@@ -176,7 +176,7 @@ class Rounds {
     LightFlow flow = estimate(PatchMap(scene_, grid_.grid, component_, grid_.fine));
     report_.why_stopped = report_.camera_hits == 0  ? "the camera sees no surface"
                           : report_.light_hits == 0 ? "no light reaches a surface"
-                                                    : "as many as allowed";
+                                                    : "--rounds allows no more";
     while (report_.rounds < static_cast<size_t>(settings_.rounds)) {
       const double cpu = cpu_seconds();
       const std::vector<uint8_t> chosen =

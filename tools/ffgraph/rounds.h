@@ -31,8 +31,8 @@ struct GraphReport {
   uint64_t rays = 0;                       ///< etendue rays of all rounds
   std::vector<RoundReport> by_round;       ///< also that which found nothing to split
   size_t reached_by_both = 0;              ///< patches with hits from the light and the camera
-  const char* why_stopped = "";
-  Phases phases;  ///< bvh, surfaces, walks, patches
+  const char* why_stopped = "";            ///< completes "because ..."
+  Phases phases;                           ///< bvh, surfaces, walks, patches
 };
 
 /// Throws InputError for `file` when the patches of `cut` cannot be those of `scene`.
