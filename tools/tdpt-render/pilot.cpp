@@ -13,11 +13,15 @@ constexpr uint64_t kFewest = uint64_t{1} << 14, kDarkness = uint64_t{1} << 20, k
 // told well, and never more than so many samples of each pixel then.
 constexpr uint64_t kShare = 4, kShareIfKnown = 8, kMostIfKnown = uint64_t{1} << 15;
 constexpr double kKnown = 0.1, kCalm = 0.3;
+// Where the picture takes so few samples of each pixel, parts of a fourth tell too little, and more
+// are cheap.
+constexpr uint64_t kFewSamples = 32;
 
 bool is_enough(const Pilot& pilot, uint64_t picture) {
   const uint64_t drawn = Pilot::kParts * pilot.part_samples();
-  if (drawn >= (picture + kShare - 1) / kShare) return true;
   const ErrorEstimate& e = pilot.rounds.back().estimate;
+  if (drawn >= (picture + kShare - 1) / kShare)
+    return tells(e) || picture > kFewSamples || drawn >= Pilot::kParts * kFewSamples;
   return e.spread <= kKnown && e.relmse <= kCalm &&
          drawn >= std::min((picture + kShareIfKnown - 1) / kShareIfKnown, kMostIfKnown);
 }
