@@ -3,7 +3,8 @@
 //
 // Which of two surfaces in one place a ray meets is decided by its rounding. Walks from the camera
 // would meet such a lamp now and then, next events would always reach it, and each integrator would
-// show another brightness. So it is brought before the other surface by a hair.
+// show another brightness. So it is brought before the other surface by a hair; one that emits on
+// both sides becomes two of one side, before the other surface and behind it.
 #pragma once
 #include <memory>
 #include <string>
@@ -12,16 +13,16 @@
 
 namespace tdpt {
 
-/// Emitting triangles of which a ray to some place of their front finds another triangle there; of
-/// two that emit the later one. Told by 1 to 256 rays to each: an overlap that few of them
-/// notice may be missed.
-std::vector<uint32_t> covered_lamps(const Scene& scene, const Tracer& tracer);
+/// Emitting triangles of which a ray to some place of a side that shines finds another triangle
+/// there; of two that emit the later one. Told by 8 to 256 rays to each, others for another seed:
+/// an overlap that few of them notice may be missed.
+std::vector<uint32_t> covered_lamps(const Scene& scene, const Tracer& tracer, uint32_t seed);
 
 struct OpenWorld {
   std::unique_ptr<World> world;
-  size_t uncovered = 0;  ///< triangles that were moved
+  size_t uncovered = 0;  ///< triangles of the file that were moved
 };
-/// A world of the scene, whose covered lamps are moved along their normals.
+/// A world of the scene, whose covered lamps are moved along their normals until none is found.
 OpenWorld open_world(Scene& scene, const Camera& camera, int width, int height,
                      const std::vector<Portal>& portals);
 

@@ -215,6 +215,7 @@ struct Cover {
   const char* name;
   bool before, after;  ///< a larger sheet in its plane, earlier and later in the file
   int lamps;
+  bool both_sides = false, reversed = false;  ///< of the lamp; reversed: its front is above
 };
 
 Scene covered(const Cover& row) {
@@ -223,18 +224,26 @@ Scene covered(const Cover& row) {
   const Mesh larger = sheet({-1, 1, -1}, {2, 0, 0}, {0, 0, 2});
   parts.add(sheet({-1, 0, -1}, {0, 0, 2}, {2, 0, 0}), grey);
   if (row.before) parts.add(larger, grey);
+  Vec3d u{0.5, 0, 0}, v{0, 0, 0.5};
+  if (row.reversed) std::swap(u, v);
   for (int i = 0; i < row.lamps; ++i)
-    parts.add(sheet({-0.25, 1, -0.25}, {0.5, 0, 0}, {0, 0, 0.5}), parts.lamp(1));
+    parts.add(sheet({-0.25, 1, -0.25}, u, v), parts.lamp(1, row.both_sides));
   if (row.after) parts.add(larger, grey);
-  parts.camera({0.5, 0.5, 0}, {0, 0, 0}, kNarrow);   // the floor
-  parts.camera({0.3, 0.2, 0.1}, {0, 1, 0.05}, 0.2);  // the lamp
+  parts.camera({0.5, 0.5, 0}, {0, 0, 0}, kNarrow);                       // the floor
+  parts.camera({0.3, 0.2, 0.1}, {0, 1, 0.05}, 0.2);                      // the lamp
+  if (row.both_sides) parts.camera({0.3, 1.8, 0.1}, {0, 1, 0.05}, 0.2);  // from above
   return parts.read();
 }
 
-const std::vector<Cover> kCovers{
-    {"before", true, false, 1},       {"after", false, true, 1},
-    {"between", true, true, 1},       {"lamp twice", false, false, 2},
-    {"lamp thrice", false, false, 3}, {"twice in a ceiling", true, false, 2}};
+const std::vector<Cover> kCovers{{"before", true, false, 1},
+                                 {"after", false, true, 1},
+                                 {"between", true, true, 1},
+                                 {"lamp twice", false, false, 2},
+                                 {"lamp thrice", false, false, 3},
+                                 {"twice in a ceiling", true, false, 2},
+                                 {"of two sides", true, true, 1, true},
+                                 {"of two, reversed", true, true, 1, true, true},
+                                 {"of two, thrice", true, true, 3, true, true}};
 
 TEST(covered_lamps, shine_before_what_covers_them_in_every_integrator) {
   for (const Cover& row : kCovers) {
@@ -242,10 +251,29 @@ TEST(covered_lamps, shine_before_what_covers_them_in_every_integrator) {
     const OpenWorld floor = open_world(scene, Camera(scene.cameras[0]), 4, 4, {});
     EXPECT_GT(floor.uncovered, 0u) << row.name;
     expect_mean(row.name, *floor.world, {&nee, &bdpt}, 0.5 * form_factor(1, 0.25, 0.25), 64, 0.05);
-    const OpenWorld lamp = open_world(scene, Camera(scene.cameras[1]), 4, 4, {});
-    EXPECT_EQ(lamp.uncovered, 0u) << row.name;
-    EXPECT_NEAR(rendered(*lamp.world, pt, 16, 2).mean, 1, 1e-4) << row.name;
+    for (size_t side = 1; side < scene.cameras.size(); ++side) {
+      const OpenWorld lamp = open_world(scene, Camera(scene.cameras[side]), 4, 4, {});
+      EXPECT_EQ(lamp.uncovered, 0u) << row.name;
+      EXPECT_NEAR(rendered(*lamp.world, pt, 16, 2).mean, 1, 1e-4) << row.name << side;
+    }
   }
+}
+
+// A floor that is one lamp, of as many triangles as get few rays each.
+TEST(covered_lamps, of_many_triangles_are_found_to_the_last) {
+  constexpr int n = 90;
+  SceneParts parts;
+  parts.add(sheet({-1, 0, -1}, {0, 0, 2}, {2, 0, 0}), parts.material(0.5));
+  Mesh lamp;
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j)
+      for (const auto& triangle :
+           sheet({0.8 * i / n - 0.4, 0, 0.8 * j / n - 0.4}, {0, 0, 0.8 / n}, {0.8 / n, 0, 0}))
+        lamp.push_back(triangle);
+  parts.add(lamp, parts.lamp(1));
+  parts.camera({0.5, 0.5, 0}, {0, 0, 0}, kNarrow);
+  Scene scene = parts.read();
+  EXPECT_EQ(open_world(scene, scene.camera(""), 4, 4, {}).uncovered, size_t{2 * n * n});
 }
 
 TEST(covered_lamps, others_are_left_alone) {
