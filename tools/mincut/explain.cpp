@@ -15,14 +15,23 @@ std::string figures(const CutFacts& f, const CutLimits& limits) {
                      100 * limits.least_area);
 }
 
-Decision of_search(const FoundCuts& found, size_t most, const std::string& price) {
-  const std::string chosen = fmt::format("ended after {} {} of the potential", found.drops,
-                                         found.drops == 1 ? "drop" : "drops");
-  if (found.passed > 0)
-    return {"search", chosen, fmt::format("{} more are wider", found.passed), price};
-  if (found.file.bottleneck && found.file.cuts.size() == most)
-    return {"search", chosen, fmt::format("{} cuts were asked for", most), price};
-  return {"search", chosen, "the potential falls nowhere else", price};
+std::string plural(size_t n, const char* noun) {
+  return fmt::format("{} {}{}", n, noun, n == 1 ? "" : "s");
+}
+
+Decision of_search(const FoundCuts& found, const std::string& price) {
+  return {"search", fmt::format("ended after {} of the potential", plural(found.drops, "drop")),
+          found.passed > 0
+              ? fmt::format("{} more {} wider", found.passed, found.passed == 1 ? "is" : "are")
+              : "the potential falls nowhere else",
+          price};
+}
+
+// Refused cuts that are bottlenecks all the same.
+size_t one_too_many(const FoundCuts& found, const CutLimits& limits) {
+  size_t n = 0;
+  for (const SeriesCut::Refused& r : found.refused) n += why_refused(r.facts, limits).empty();
+  return n;
 }
 
 }  // namespace
@@ -40,9 +49,12 @@ Decisions decisions_of(const FoundCuts& found, size_t most, const CutLimits& lim
   if (found.closets > 0)
     all.push_back({"closets", fmt::format("{} passed by", found.closets),
                    "no light passes their doors on its way to the camera", "not cut"});
-  all.push_back(of_search(
-      found, most,
-      fmt::format("{} maximum flows, verified: {}", found.flows, cli::price_of(phases, {"flow"}))));
+  all.push_back(
+      of_search(found, fmt::format("{}, verified: {}", plural(found.flows, "maximum flow"),
+                                   cli::price_of(phases, {"flow"}))));
+  if (const size_t more = one_too_many(found, limits); more > 0)
+    all.push_back({plural(more, "bottleneck"), "left out",
+                   fmt::format("--cuts is {}, and others promise more", most), ""});
   if (!found.file.bottleneck)
     all.push_back({"bottleneck", "none", found.file.reason, "the next stages have nothing to do"});
   return all;
