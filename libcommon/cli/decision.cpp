@@ -14,6 +14,7 @@ std::string sentence(const Decision& d) {
 }
 
 std::string price_of(double cpu_seconds) {
+  if (cpu_seconds >= 10) return fmt::format("{:.0f} CPU s", cpu_seconds);
   return fmt::format("{:.2g} CPU s", cpu_seconds < 1e-4 ? 0.0 : cpu_seconds);
 }
 
