@@ -27,7 +27,8 @@ std::string merits(const Portal& portal, const PortalFitOptions& options) {
 
 Decision of_search(const LightGrid& grid, const FitResult& found, const Phases& phases) {
   const std::string chosen =
-      fmt::format("{} candidates looked at, {} fitted", found.candidates, found.portals.size());
+      fmt::format("{} {} looked at, {} fitted", found.candidates,
+                  found.candidates == 1 ? "candidate" : "candidates", found.portals.size());
   const std::string price = cli::price_of(phases, {"fit"});
   return {"search", chosen,
           fmt::format("{} of {} lines cross what was found", percent(found.explained),

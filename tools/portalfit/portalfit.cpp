@@ -250,8 +250,11 @@ FitResult fit_portals(const LightGrid& grid, const PortalFitOptions& options) {
   FitResult result;
   if (!grid.bottleneck || grid.lines.empty()) return result;
   if (options.by_paper) {
+    result.candidates = 1;
     if (auto found = portal_by_paper(grid, kFull)) {
       result.portals.push_back(std::move(found->portal));
+      result.explained =
+          static_cast<double>(found->lines.size()) / static_cast<double>(grid.lines.size());
       result.lines.push_back(std::move(found->lines));
     }
     return result;
