@@ -259,7 +259,7 @@ TEST(covered_lamps, shine_before_what_covers_them_in_every_integrator) {
   }
 }
 
-// A floor that is one lamp, of as many triangles as get few rays each.
+// A lamp in a floor, of so many triangles that each gets few rays.
 TEST(covered_lamps, of_many_triangles_are_found_to_the_last) {
   constexpr int n = 90;
   SceneParts parts;
