@@ -117,6 +117,7 @@ limit: packages
 	@sh cmake/install-packages.sh cmake/packages-figures.txt
 	@$(MAKE) --no-print-directory build
 	@sh bench/limit.sh build/bin build/limit
+
 scale: packages
 	@sh cmake/install-packages.sh cmake/packages-figures.txt
 	@$(MAKE) --no-print-directory programs

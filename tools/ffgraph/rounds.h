@@ -32,7 +32,7 @@ struct GraphReport {
   std::vector<RoundReport> by_round;       ///< also that which found nothing to split
   size_t reached_by_both = 0;              ///< patches with hits from the light and the camera
   const char* why_stopped = "";            ///< completes "because ..."
-  Phases phases;                           ///< bvh, surfaces, walks, patches
+  Phases phases;                           ///< surfaces, bvh, walks, patches
 };
 
 /// Throws InputError for `file` when the patches of `cut` cannot be those of `scene`.
