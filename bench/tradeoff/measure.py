@@ -12,6 +12,7 @@ import itertools
 import json
 import math
 import os
+import random
 import re
 import subprocess
 import sys
@@ -138,17 +139,16 @@ def stage_settings(extent):
 
 
 def portal_tasks(bench):
-    scenes = bench.scenes(knobs.SCENES)
+    """The true ones take their turn among the settings: what else the machine does slows all alike."""
+    settings_of = [("true", "", None), *stage_settings(bench.extent)]
     for seed, (knob, value, settings), scene in itertools.product(
-            range(1, bench.extent.seeds + 1), list(stage_settings(bench.extent)), scenes):
+            range(1, bench.extent.seeds + 1), settings_of, bench.scenes(knobs.SCENES)):
         def task(seed=seed, knob=knob, value=value, settings=settings, scene=scene):
-            portal, cpu, count = bench.portal(bench.path(scene.name), seed, settings)
+            if settings is None:
+                portal, cpu, count = bench.true_portal(scene), 0, len(scene.apertures)
+            else:
+                portal, cpu, count = bench.portal(bench.path(scene.name), seed, settings)
             return [through(bench, scene, seed, portal, knob=knob, value=value, chain_cpu=cpu, portals=count)]
-        yield task
-    for seed, scene in itertools.product(range(1, bench.extent.seeds + 1), scenes):
-        def task(seed=seed, scene=scene):
-            return [through(bench, scene, seed, bench.true_portal(scene), knob="true", value="", chain_cpu=0,
-                            portals=len(scene.apertures))]
         yield task
 
 
@@ -249,19 +249,22 @@ def main(programs, cache, scenes):
 
 
 def run_all(bench, name, tasks):
-    """Their rows in order. What fails first ends them all."""
+    """Their rows in order. They are run in another one, always the same, so that settings that are compared are not measured
+    one after the other. What fails first ends them all."""
+    order = list(range(len(tasks)))
+    random.Random(name).shuffle(order)
     with ThreadPoolExecutor(bench.extent.jobs) as pool:
-        waiting, rows = [pool.submit(task) for task in tasks], []
+        waiting, rows = [pool.submit(tasks[i]) for i in order], [[] for _ in tasks]
         try:
-            for done, future in enumerate(waiting, 1):
-                rows += future.result()
+            for done, (i, future) in enumerate(zip(order, waiting), 1):
+                rows[i] = future.result()
                 if sys.stderr.isatty() or done % 50 == 0 or done == len(waiting):
                     print(f"tradeoff: {name}: {done} of {len(waiting)}, {bench.store.made} programs run, "
                           f"{bench.store.found} found", file=sys.stderr)
         except BaseException:
             pool.shutdown(cancel_futures=True)
             raise
-    return rows
+    return [row for of_task in rows for row in of_task]
 
 
 if __name__ == "__main__":
