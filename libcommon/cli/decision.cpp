@@ -13,6 +13,10 @@ std::string sentence(const Decision& d) {
                      d.price.empty() ? "" : " (" + d.price + ")");
 }
 
+std::string plural(size_t n, const char* noun) {
+  return fmt::format("{} {}{}", n, noun, n == 1 ? "" : "s");
+}
+
 std::string price_of(double cpu_seconds) {
   if (cpu_seconds >= 10) return fmt::format("{:.0f} CPU s", cpu_seconds);
   return fmt::format("{:.2g} CPU s", cpu_seconds < 1e-4 ? 0.0 : cpu_seconds);

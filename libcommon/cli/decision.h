@@ -21,6 +21,9 @@ using Decisions = std::vector<Decision>;
 /// "what: chosen, because reason (price)"; without a price no brackets.
 std::string sentence(const Decision& decision);
 
+/// "1 round", "2 rounds".
+std::string plural(size_t n, const char* noun);
+
 /// "0.31 CPU s", of the phases so called together; of one that has not been, 0.
 std::string price_of(const Phases& phases, const std::vector<std::string>& names);
 /// The same of a number.

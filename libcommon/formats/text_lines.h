@@ -9,6 +9,7 @@
 #include <system_error>
 
 #include "libcommon/base/error.h"
+#include "libcommon/base/shown.h"
 
 namespace tdpt {
 
@@ -88,10 +89,7 @@ class TextLines {
   }
 
   static std::string found(std::string_view w) {
-    if (w.empty()) return "nothing";
-    std::string shown;
-    for (char c : w.substr(0, 40)) shown += c >= 32 && c < 127 ? c : '?';
-    return "'" + shown + (w.size() > 40 ? "..." : "") + "'";
+    return w.empty() ? "nothing" : "'" + shown(w, 40) + "'";
   }
 
  private:

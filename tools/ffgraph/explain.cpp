@@ -9,14 +9,11 @@ namespace {
 
 using cli::Decision;
 using cli::Decisions;
+using cli::plural;
 
 // All surfaces count as diffuse: only what light passes, and lamps, matter.
 Decisions of_scene(const Scene& scene) {
   return uses_of(scene, {"transmission", "alpha", "punctual lights", "a sky"});
-}
-
-std::string plural(size_t n, const char* noun) {
-  return fmt::format("{} {}{}", n, noun, n == 1 ? "" : "s");
 }
 
 // `after`: conductance of the narrowest opening.

@@ -7,16 +7,13 @@ namespace {
 
 using cli::Decision;
 using cli::Decisions;
+using cli::plural;
 
 // The two figures that every cut is held against.
 std::string figures(const CutFacts& f, const CutLimits& limits) {
   return fmt::format("conductance {:.2g}, at most {:.2g}; smaller side {:.2g} %, at least {:.2g} %",
                      f.conductance, limits.largest_conductance, 100 * f.smaller_side(),
                      100 * limits.least_area);
-}
-
-std::string plural(size_t n, const char* noun) {
-  return fmt::format("{} {}{}", n, noun, n == 1 ? "" : "s");
 }
 
 Decision of_search(const FoundCuts& found, const std::string& price) {
