@@ -22,6 +22,7 @@ constexpr double kNiche = 0.2;  // share of a light's side that is the niche of 
 // From here on the lamps of a niche send nearly all to the other: there is no opening.
 constexpr double kOpen = 0.9;
 constexpr double kMostBack = 0.9;  // of the walks that cross
+constexpr double kFewestBack = 10;  // that cross: of fewer, how many come back is chance
 constexpr double kMostSkyBeyond = 0.1;
 constexpr double kOpenToSky = 0.2;      // of what crosses: from the sky itself
 constexpr double kLeastAcross = 0.005;  // of the light on the camera's side
@@ -86,8 +87,8 @@ CutFacts facts_of(const PatchNetwork& p, const std::vector<uint8_t>& source_side
     f.across = crosses / (crosses + begun[1]);
     f.straight = straight / crosses;
     // All that comes in from the open leaves again.
-    if (p.sky.empty()) f.back = back / crosses;
-    f.camera_back = camera[1] / std::max(camera[0], 1e-300);
+    if (p.sky.empty() && crosses >= kFewestBack) f.back = back / crosses;
+    if (camera[0] >= kFewestBack) f.camera_back = camera[1] / camera[0];
   }
   if (lamps > 0) f.seen = std::min(1.0, straight / lamps);
   return f;

@@ -48,7 +48,8 @@ struct CutFacts {
   std::optional<double> across;  ///< of the light that comes to T: what crosses; not T's lamps'
   /// Walks that come back over those that cross: the light's from T over those from S, and the
   /// camera's, the sum of w_i p_i, from S over those from T. Near 1 nothing goes across on balance.
-  /// Of light from the sky `back` tells nothing and is not known.
+  /// Of light from the sky `back` tells nothing and is not known, nor is either of walks of which
+  /// fewer than ten cross.
   std::optional<double> back, camera_back;
   std::optional<double> straight;  ///< of what crosses: what comes from a lamp without a surface
   std::optional<double> seen;      ///< of what lamps on S send: what crosses at once

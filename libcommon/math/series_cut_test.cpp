@@ -240,6 +240,20 @@ TEST(series_cut, says_what_the_walks_tell_of_the_opening) {
   EXPECT_NEAR(*facts.across, 1, 1e-9);
 }
 
+// One camera walk that came through a keyhole and found its way back says nothing of the cut.
+TEST(series_cut, walks_too_few_to_tell_refuse_no_cut) {
+  const auto of_walks = [](double each) {
+    PatchNetwork p = lamp_before_a_door(each, 10 * each, 0, 10 * each);
+    for (double& w : p.viewed) w = each;
+    return p;
+  };
+  EXPECT_EQ(why(of_walks(0.01)), "");
+  const PatchNetwork few = of_walks(0.01);
+  EXPECT_FALSE(facts_of(few, max_flow(few.network).source_side).back.has_value());
+  EXPECT_FALSE(facts_of(few, max_flow(few.network).source_side).camera_back.has_value());
+  EXPECT_NE(why(of_walks(10)), "");  // twin: of many walks the same shares do refuse it
+}
+
 TEST(cut_facts, a_niche_or_an_opening_may_be_the_lamps_own_but_no_open_room) {
   const auto own = [](double conductance, double light_side, double straight, double seen) {
     CutFacts f;
