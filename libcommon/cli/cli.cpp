@@ -67,6 +67,18 @@ struct Options::Impl {
   std::vector<Beside> besides;
   std::function<void(const std::string&)> check_name;  ///< of the result, or none
 
+  std::string quality;                              ///< as given; empty: not
+  std::vector<std::function<void(Quality)>> knobs;  ///< set what was not given
+
+  // What the words of --quality mean, to the knobs and to `common`.
+  void set_quality(Common& common) const {
+    if (!quality.empty())
+      common.quality = quality == "draft"  ? Quality::draft
+                       : quality == "high" ? Quality::high
+                                           : Quality::normal;
+    for (const auto& knob : knobs) knob(common.quality);
+  }
+
   void keep(CLI::Option* option, Shapes shapes, Is is = Is::setting,
             std::function<bool(const std::string&)> is_file = {}) {
     entries.push_back({option, shapes, is, std::move(is_file)});
@@ -230,6 +242,25 @@ void Options::option(const std::string& flags, double& target, const std::string
               shapes);
 }
 
+void Options::quality() {
+  choice("--quality", impl_->quality, {"draft", "normal", "high"},
+         "Speed or accuracy; default normal");
+}
+
+void Options::option(const std::string& flags, int64_t& target, const ByQuality<int64_t>& defaults,
+                     const std::string& value_name, const std::string& help, int64_t lowest,
+                     int64_t highest) {
+  target = defaults.normal;
+  option(flags, target, value_name,
+         fmt::format("{}; default {} (draft {}, high {})", help, defaults.normal, defaults.draft,
+                     defaults.high),
+         lowest, highest);
+  const CLI::Option* const given = impl_->entries.back().option;
+  impl_->knobs.emplace_back([given, &target, defaults](Quality quality) {
+    if (given->count() == 0) target = defaults.at(quality);
+  });
+}
+
 void Options::choice(const std::string& flags, std::string& target,
                      const std::vector<std::string>& words, const std::string& help,
                      Shapes shapes) {
@@ -309,6 +340,7 @@ int Options::run_main(int argc, char** argv, const std::function<int()>& run) {
     } catch (const CLI::ParseError& e) {
       throw UsageError(fmt::format("{}; '{} --help' lists the options", e.what(), common.tool));
     }
+    impl_->set_quality(common);
     common.command = impl_->canonical(common.tool);
     common.outputs = impl_->outputs(common.output);
     common.also_read(impl_->inputs());

@@ -13,6 +13,19 @@
 
 namespace tdpt::cli {
 
+/// --quality: which of three settings of all knobs that trade speed for accuracy, along the front
+/// that doc/tradeoff.md shows.
+enum class Quality { draft, normal, high };
+
+/// What a knob is at each of them where its own option is not given.
+template <class T>
+struct ByQuality {
+  T draft, normal, high;
+  T at(Quality quality) const {
+    return quality == Quality::draft ? draft : quality == Quality::high ? high : normal;
+  }
+};
+
 /// The options that every tool has.
 struct Common {
   std::string output = "-";  ///< -o; "-": standard output
@@ -22,6 +35,7 @@ struct Common {
   bool json = false;         ///< --json: summary on stdout, or on stderr when the result goes there
   bool explain = false;      ///< --explain: decisions on stderr, whatever --quiet says
   bool no_provenance = false;
+  Quality quality = Quality::normal;  ///< where the tool has such an option
 
   std::vector<NamedFile> outputs;  ///< all that the run writes, -o first
   /// Throws UsageError when one of the outputs is one of `paths`: inputs that show only when
@@ -89,6 +103,12 @@ class Options {
   void option(const std::string& flags, double& target, const std::string& value_name,
               const std::string& help, double lowest, double highest,
               Shapes shapes = Shapes::result);
+  /// --quality draft|normal|high. The knobs that follow it are declared after it.
+  void quality();
+  /// A knob that --quality sets where the option is not given. `help` says nothing of defaults.
+  void option(const std::string& flags, int64_t& target, const ByQuality<int64_t>& defaults,
+              const std::string& value_name, const std::string& help, int64_t lowest,
+              int64_t highest);
   /// One word out of `words`.
   void choice(const std::string& flags, std::string& target, const std::vector<std::string>& words,
               const std::string& help, Shapes shapes = Shapes::result);

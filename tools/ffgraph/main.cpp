@@ -24,10 +24,13 @@ constexpr cli::Program kProgram{"ffgraph",
                                 "Writes the light transport of a glTF scene as a flow network.",
                                 "Network to write (DIMACS); default standard output"};
 
+// By measured curves, doc/tradeoff.md.
+constexpr cli::ByQuality<int64_t> kSamples{18750, 75000, 300000}, kWalks{6250, 25000, 100000};
+
 struct Arguments {
   std::string scene, camera, nodes = "patches", capacity, refine, preview, debug_glb;
   SkyArguments sky;
-  int64_t samples = 300000, walks = 100000, bounces = 12, rounds = 1, cells = 24;
+  int64_t samples = 0, walks = 0, bounces = 12, rounds = 1, cells = 24;
 
   bool triangles() const { return nodes == "triangles"; }
 };
@@ -40,10 +43,11 @@ void declare_options(cli::Options& options, Arguments& a) {
                  "What the nodes are; default patches");
   options.choice("--capacity", a.capacity, {"etendue", "formfactor"},
                  "What the capacities are; default etendue for patches, formfactor for triangles");
-  options.option("--samples", a.samples, "N", "Rays for the etendue in each round; default 300000",
-                 1000, 100000000);
-  options.option("--walks", a.walks, "N",
-                 "Walks from the light, and as many from the camera; default 100000", 1, 10000000);
+  options.quality();
+  options.option("--samples", a.samples, kSamples, "N", "Rays for the etendue in each round", 1000,
+                 100000000);
+  options.option("--walks", a.walks, kWalks, "N",
+                 "Walks from the light, and as many from the camera", 1, 10000000);
   options.option("--bounces", a.bounces, "N", "Surfaces that a walk hits at most; default 12", 1,
                  64);
   options.option("--cells", a.cells, "N",

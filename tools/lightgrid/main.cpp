@@ -36,21 +36,23 @@ constexpr cli::Program kProgram{
     "passes.",
     "The light grid (.vdb); default standard output"};
 
+// By measured curves, doc/tradeoff.md.
+constexpr cli::ByQuality<int64_t> kResolution{64, 64, 128}, kLines{2048, 8192, 16384};
+
 struct Arguments {
   std::string scene, cut, device = "cpu", preview, debug_glb;
   SkyArguments sky;
-  int64_t resolution = 128, samples = 1 << 20, lines = 1 << 13;
+  int64_t resolution = 0, lines = 0;
 };
 
 void declare_options(cli::Options& options, Arguments& a) {
   options.argument("scene", a.scene, "The scene, glTF 2.0 (.glb or .gltf)");
   options.argument("cut", a.cut, "Its minimum cut (.cut), as mincut writes it");
   declare_sky_options(options, a.sky);
-  options.option("--resolution", a.resolution, "N",
-                 "Voxels along the longest side of the grid; default 128", 8, 512);
-  options.option("--samples", a.samples, "N",
-                 "Most segments drawn between pivot patches; default 1048576", 1, int64_t{1} << 32);
-  options.option("--lines", a.lines, "N", "Most lines of light kept in the file; default 8192", 100,
+  options.quality();
+  options.option("--resolution", a.resolution, kResolution, "N",
+                 "Voxels along the longest side of the grid", 8, 512);
+  options.option("--lines", a.lines, kLines, "N", "Most lines of light kept in the file", 100,
                  1 << 22);
   options.option("--device", a.device, "cpu|gpu[:WHICH]",
                  "What traces the lines; default cpu. WHICH: number or part of the name of a "
@@ -103,7 +105,6 @@ LightGridOptions options_of(const Arguments& a, const cli::Common& common) {
   LightGridOptions how;
   how.resolution = static_cast<int>(a.resolution);
   how.seed = common.seed;
-  how.samples = static_cast<uint64_t>(a.samples);
   how.lines = static_cast<size_t>(a.lines);
   return how;
 }

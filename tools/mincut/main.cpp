@@ -32,10 +32,9 @@ struct Arguments {
 void declare_options(cli::Options& options, Arguments& a) {
   options.argument("network", a.network,
                    "Network (DIMACS maximum-flow problem); default standard input", false);
+  options.quality();
   options.option("--cuts", a.cuts, "K",
                  "Most bottlenecks to look for, one behind the other; default 8", 1, 64);
-  options.option("--least-area", a.limits.least_area, "SHARE",
-                 "Share of the area that the smaller side must have; default 0.03", 0, 0.5);
   options.option("--largest-conductance", a.limits.largest_conductance, "C",
                  "Largest share of the smaller side's light that may cross; default 0.12", 0, 1);
   options.side_output("--preview", a.preview,

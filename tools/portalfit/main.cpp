@@ -31,6 +31,7 @@ struct Arguments {
 
 void declare_options(cli::Options& options, Arguments& a) {
   options.argument("grid", a.grid, "The light grid (.vdb); default standard input", false);
+  options.quality();
   options.option("--threshold", a.threshold, "T",
                  "Smallest share of the lines that makes a portal; default 0.02", 0.0001, 1);
   options.option("--max-portals", a.max_portals, "N", "Most portals; default 8", 1, 1000);

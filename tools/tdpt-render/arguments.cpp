@@ -50,9 +50,11 @@ void declare_options(cli::Options& options, Arguments& a) {
       "--light-walks", a.light_walks, "SHARE",
       "Share of the samples that make a light walk; default 0.25 with tdpt-guided, else 1",
       kFewestLightWalks, 1);
+  options.quality();
   options.option("--spp", a.spp, "N",
-                 "Samples per pixel; default 16, or as --time allows or --target-error takes", 1,
-                 int64_t{1} << 32);
+                 "Samples per pixel; default 16 (draft 4, high 64), or as --time allows or "
+                 "--target-error takes",
+                 1, int64_t{1} << 32);
   options.option("--time", a.seconds, "SECONDS", "Stop rendering after this wall-clock time", 1e-3,
                  1e9, Shapes::nothing);
   options.option("--target-error", a.target_error, "E",

@@ -28,6 +28,9 @@ constexpr cli::Program kProgram{
     "there are any.",
     "Picture to write (OpenEXR); default standard output"};
 
+// Of each pixel, where nothing else says how many.
+constexpr cli::ByQuality<uint64_t> kSamples{4, 16, 64};
+
 struct Loaded {
   Scene scene;
   Camera camera;
@@ -59,7 +62,7 @@ Loaded load(const Arguments& a, const cli::Common& common) {
 RenderSettings settings_of(const Arguments& a, const cli::Common& common) {
   RenderSettings settings;
   const bool unlimited = a.spp == 0 && a.seconds == 0 && a.target_error == 0;
-  settings.spp = unlimited ? 16 : static_cast<uint64_t>(a.spp);
+  settings.spp = unlimited ? kSamples.at(common.quality) : static_cast<uint64_t>(a.spp);
   settings.target_error = a.target_error;
   settings.retry = a.retry;
   settings.seconds = a.seconds;
