@@ -4,6 +4,7 @@
 # The environment may set
 #   QUICK   1: fewer scenes, seeds, values and rooms: twenty minutes on two quiet cores
 #   SEEDS   of each setting (5; QUICK 2)
+#   ROOMS   of each kind (3; QUICK 1, of every second kind)
 #   SCENES  folder of the paper's scenes, with interiors/
 #   DOC     where the page goes (doc)
 #   JOBS    programs at a time, one thread each (all cores)
@@ -15,5 +16,8 @@ scenes=${SCENES:-$here/../shared/scenes} doc=${DOC:-$here/doc}
 command -v gnuplot >/dev/null || { echo "tradeoff: gnuplot is missing" >&2; exit 5; }
 mkdir -p "$cache" "$doc"
 sh "$here/bench/python.sh" "$here/bench/tradeoff/measure.py" "$bin" "$cache" "$scenes"
-extent="\`SEEDS=${SEEDS:-default}\`$([ "${QUICK:-0}" = 0 ] || printf ", \`QUICK=%s\`" "$QUICK")"
+extent=$(for name in QUICK SEEDS ROOMS; do
+  eval "value=\${$name:-}"
+  [ -z "$value" ] || printf '%s' "$name=$value "
+done)
 sh "$here/bench/python.sh" "$here/bench/tradeoff/page.py" "$bin" "$cache" "$doc" "$extent" "$(nproc 2>/dev/null || echo ?)"

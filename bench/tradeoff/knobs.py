@@ -3,6 +3,7 @@ curves are measured on. Data alone."""
 from dataclasses import dataclass
 
 STAGES = ("ffgraph", "mincut", "lightgrid", "portalfit")
+CHAIN = "the four stages"  # an option of all of them
 RENDERER = "tdpt-render"
 
 
@@ -25,20 +26,23 @@ class Knob:
     def arguments(self, value):
         return (self.option, value)
 
+    def settings(self, value):
+        """{program: options}"""
+        return {p: self.arguments(value) for p in (STAGES if self.program == CHAIN else (self.program,))}
+
 
 KNOBS = (
-    Knob("ffgraph", "--walks", ("6250", "25000", "100000", "400000"), "100000", "walks"),
-    Knob("ffgraph", "--samples", ("18750", "75000", "300000", "1200000"), "300000", "rays a round"),
+    Knob(CHAIN, "--quality", ("draft", "normal", "high"), "normal"),
+    Knob("ffgraph", "--walks", ("6250", "25000", "100000", "400000"), "25000", "walks"),
+    Knob("ffgraph", "--samples", ("18750", "75000", "300000", "1200000"), "75000", "rays a round"),
     Knob("ffgraph", "--rounds", ("0", "1", "2", "3"), "1", "rounds"),
     Knob("ffgraph", "--cells", ("6", "12", "24", "48"), "24", "patches along the diagonal"),
     Knob("ffgraph", "--bounces", ("2", "4", "8", "12", "24"), "12", "surfaces of a walk"),
     Knob("ffgraph", "--nodes", ("triangles", "patches"), "patches", words=True),
     Knob("mincut", "--cuts", ("1", "2", "4", "8", "16"), "8", "bottlenecks looked for"),
-    Knob("mincut", "--least-area", ("0.01", "0.03", "0.1"), "0.03", "share of the area"),
     Knob("mincut", "--largest-conductance", ("0.03", "0.06", "0.12", "0.24"), "0.12", "share of the light"),
-    Knob("lightgrid", "--resolution", ("32", "64", "128", "256"), "128", "voxels along the longest side"),
-    Knob("lightgrid", "--samples", ("16384", "65536", "262144", "1048576", "4194304"), "1048576", "segments at most"),
-    Knob("lightgrid", "--lines", ("512", "2048", "8192", "32768"), "8192", "lines of light"),
+    Knob("lightgrid", "--resolution", ("32", "64", "128", "256"), "64", "voxels along the longest side"),
+    Knob("lightgrid", "--lines", ("512", "2048", "4096", "8192", "16384", "32768"), "8192", "lines of light"),
     Knob("portalfit", "--threshold", ("0.005", "0.02", "0.05", "0.2"), "0.02", "share of the lines"),
     Knob("portalfit", "--max-portals", ("1", "2", "4", "8"), "8", "portals at most"),
     Knob("portalfit", "--method", ("paper", "tube"), "tube", words=True),

@@ -3,6 +3,7 @@ is in CACHE is not run again; a run that is stopped goes on where it was. The en
 
   QUICK   1: fewer seeds, scenes, values and rooms: twenty minutes on two cores, a night's work else
   SEEDS   of each setting
+  ROOMS   of each kind
   ONLY    the name of one table: portals, pictures, rooms, simplified
   JOBS    programs at a time, one thread each (all cores)
 
@@ -40,7 +41,7 @@ class Extent:
         self.seeds = int(environment.get("SEEDS", 2 if self.quick else 5))
         self.jobs = int(environment.get("JOBS", len(os.sched_getaffinity(0))))
         self.samples = SAMPLES // 4 if self.quick else SAMPLES
-        self.rooms = 1 if self.quick else 3
+        self.rooms = int(environment.get("ROOMS", 1 if self.quick else 3))
 
     def values(self, knob):
         if not self.quick:
@@ -52,7 +53,7 @@ class Extent:
         return tuple(s for s in scenes if s.name not in ("bathroom2-channel", "half-metre-hole", "kitchen", "cornell-box")) if self.quick else scenes
 
     def kinds(self):
-        return knobs.KINDS[::2] if self.quick else knobs.KINDS
+        return knobs.KINDS[::2] if self.quick and self.rooms == 1 else knobs.KINDS
 
     def lengths(self):
         return knobs.LENGTHS[1::2] if self.quick else knobs.LENGTHS
@@ -135,7 +136,7 @@ def stage_settings(extent):
             continue
         for value in extent.values(knob):
             if value != knob.default:
-                yield knob.name, value, {knob.program: knob.arguments(value)}
+                yield knob.name, value, knob.settings(value)
 
 
 def portal_tasks(bench):

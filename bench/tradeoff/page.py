@@ -56,7 +56,8 @@ def verdict(knob, settings, curve):
 
 
 def stage_section(program, curve):
-    lines = [f"## {program}", "", f"![Cost and rooms against time for each knob of {program}](tradeoff-{program}.png)"]
+    picture = picture_of(program)
+    lines = [f"## {program}", "", f"![Cost and rooms against time for each knob of {program}]({picture})"]
     for knob in knobs.KNOBS:
         settings = figures.settings_of(curve, knob) if knob.program == program else []
         if not settings:
@@ -141,7 +142,7 @@ def simplified_section(rows, portals):
 WORDS = {
     "head": """# Speed against accuracy
 
-Written by `make tradeoff` ({version}, {cores} cores; {extent}). Every knob that buys speed with
+Written by `{extent}make tradeoff` ({version}, {cores} cores). Every knob that buys speed with
 accuracy, the others at their defaults; {seeds} seeds of each setting, programs taking turns on one thread each. CPU seconds
 throughout. The data: [portals](tradeoff-portals.csv), [rooms](tradeoff-rooms.csv), [pictures](tradeoff-pictures.csv),
 [simplified](tradeoff-simplified.csv).
@@ -188,6 +189,10 @@ opening, and the share of the triangles that are gone.
 }
 
 
+def picture_of(program):
+    return f"tradeoff-{'quality' if program == knobs.CHAIN else program}.png"
+
+
 def draw(figure, path):
     script = path.with_suffix(".gnuplot")
     script.write_text(figure.script(str(path)), encoding="utf-8")
@@ -199,8 +204,8 @@ def main(programs, cache, doc, extent, cores):
     cache, doc = Path(cache), Path(doc)
     read = {name: curves.read(cache / f"{name}.csv") for name in ("portals", "rooms", "pictures", "simplified")}
     portals, pictures = curves.PortalCurves(read["portals"], read["rooms"]), curves.PictureCurves(read["pictures"])
-    for program in knobs.STAGES:
-        draw(figures.stage(portals, program), doc / f"tradeoff-{program}.png")
+    for program in (knobs.CHAIN, *knobs.STAGES):
+        draw(figures.stage(portals, program), doc / picture_of(program))
     for name, figure in (("integrators", figures.integrators(pictures)), ("renderer", figures.renderer(pictures)),
                          ("chain", figures.chain(pictures, portals)),
                          ("simplified", figures.simplified(read["simplified"], portals, curves))):
@@ -210,7 +215,7 @@ def main(programs, cache, doc, extent, cores):
     version = subprocess.run([f"{programs}/tdpt-render", "--version"], check=True, capture_output=True, text=True).stdout
     lines = [WORDS["head"].format(version=version.strip(), cores=cores, extent=extent, count=len(portals.scenes),
                                   seeds=len({r["seed"] for r in read["portals"]}))]
-    for program in knobs.STAGES:
+    for program in (knobs.CHAIN, *knobs.STAGES):
         lines += [*stage_section(program, portals), ""]
     lines += [WORDS["integrators"].rstrip(), *renderer_section(pictures), "", WORDS["depth"], *depth_section(pictures), "",
               WORDS["chain"], *chain_section(pictures, portals), "", WORDS["simplified"],
