@@ -1,0 +1,187 @@
+// --quality draft|normal|high: in each program that has numbers to set, every step is nearer to
+// the truth and takes more work. Work is counted, not timed: doc/tradeoff.md has the seconds.
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <optional>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "libcommon/formats/light_grid.h"
+#include "libcommon/testing/temp_folder.h"
+
+namespace tdpt::testing {
+namespace {
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+const std::string kScene = TDPT_TESTDATA "/scenes/two-rooms.glb";
+const std::array<std::string, 3> kQualities{"draft", "normal", "high"};
+
+struct Point {
+  double error, work;
+};
+using Curve = std::array<Point, 3>;
+
+// By more than chance: each step at least a fifth better, and a fifth dearer.
+bool ordered(const Curve& curve) {
+  for (size_t k = 1; k < curve.size(); ++k)
+    if (!(1.2 * curve[k].error < curve[k - 1].error && curve[k].work > 1.2 * curve[k - 1].work))
+      return false;
+  return true;
+}
+
+std::string told(const Curve& curve) {
+  std::string text;
+  for (const Point& p : curve)
+    text += "error " + std::to_string(p.error) + ", work " + std::to_string(p.work) + "; ";
+  return text;
+}
+
+std::string text_of(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+class Quality : public ::testing::Test {
+ protected:
+  // Runs a program, without progress, and returns its summary.
+  json run(const std::string& program, const std::string& words) {
+    const std::string to = (folder_.path / (program + ".json")).string();
+    const std::string command = TDPT_BIN "/" + program + " --quiet --json --no-provenance " +
+                                words + " >" + to + " 2>" + to + ".txt";
+    EXPECT_EQ(std::system(command.c_str()), 0) << command << ": " << text_of(to + ".txt");
+    return json::parse(text_of(to), nullptr, false);
+  }
+  std::string file(const std::string& name) const { return (folder_.path / name).string(); }
+
+  TempFolder folder_;
+};
+
+std::string words_of(const std::string& quality, int seed) {
+  return "--quality " + quality + " --seed " + std::to_string(seed) + " ";
+}
+
+// ---- ffgraph: how far facts of the cut are spread from seed to seed ----
+constexpr std::array<const char*, 4> kFacts{"conductance", "back", "camera_back", "straight"};
+
+class QualityOfGraphs : public Quality {
+ protected:
+  Point point(const std::string& quality, int first_seed) {
+    constexpr int kSeeds = 10;
+    std::array<double, kFacts.size()> sum{}, squares{};
+    double work = 0;
+    for (int s = 0; s < kSeeds; ++s) {
+      const json made =
+          run("ffgraph", words_of(quality, first_seed + s) + kScene + " -o " + file("m"));
+      work += made["light_hits"].get<double>() + made["camera_hits"].get<double>() +
+              made["rays"].get<double>();
+      const json cuts = run("mincut", file("m") + " -o " + file("c"))["cuts"];
+      for (size_t k = 0; k < kFacts.size(); ++k) {
+        const double x = cuts.at(0)[kFacts[k]].get<double>();
+        sum[k] += x, squares[k] += x * x;
+      }
+    }
+    double log_error = 0;
+    for (size_t k = 0; k < kFacts.size(); ++k) {
+      const double mean = sum[k] / kSeeds;
+      log_error += 0.5 * std::log((squares[k] / kSeeds - mean * mean) / (mean * mean));
+    }
+    return {std::exp(log_error / kFacts.size()), work};
+  }
+};
+
+TEST_F(QualityOfGraphs, each_step_tells_more_of_the_cut) {
+  Curve curve, twin;
+  for (size_t k = 0; k < 3; ++k) {
+    curve[k] = point(kQualities[k], 1);
+    twin[k] = {k == 0 ? curve[0].error : point("draft", 101 * static_cast<int>(k)).error,
+               curve[k].work};
+  }
+  EXPECT_TRUE(ordered(curve)) << told(curve);
+  EXPECT_FALSE(ordered(twin)) << "draft under three names: " << told(twin);
+}
+
+// ---- lightgrid: how much of the opening its lines do not reach ----
+class QualityOfLines : public Quality {
+ protected:
+  // From edges of the hole of 0.25 m about (2.05, 1, 0), on average [metres].
+  double lack() const {
+    double low[2] = {9, 9}, high[2] = {-9, -9};
+    for (const LightLine& line : read_light_grid(file("g.vdb")).lines) {
+      const Vec3d way = line.camera - line.light;
+      const double there = (2.05 - line.light.x) / way.x;
+      if (!(there > 0 && there < 1)) continue;
+      const Vec3d at = line.light + way * there;
+      low[0] = std::min(low[0], at.y - 1), high[0] = std::max(high[0], at.y - 1);
+      low[1] = std::min(low[1], at.z), high[1] = std::max(high[1], at.z);
+    }
+    return 0.125 - (high[0] - low[0] + high[1] - low[1]) / 4;
+  }
+  Point point(const std::string& quality, int first_seed) {
+    Point sum{0, 0};
+    for (int s = 0; s < 16; ++s) {
+      const json made = run("lightgrid", words_of(quality, first_seed + s) + kScene + " " +
+                                             file("c") + " -o " + file("g.vdb"));
+      sum.error += lack(), sum.work += made["tried"].get<double>();
+    }
+    return sum;
+  }
+};
+
+TEST_F(QualityOfLines, each_step_reaches_nearer_to_the_edges) {
+  run("ffgraph", kScene + " -o " + file("m"));
+  run("mincut", file("m") + " -o " + file("c"));
+  Curve curve, twin;
+  for (size_t k = 0; k < 3; ++k) {
+    curve[k] = point(kQualities[k], 1);
+    twin[k] = {k == 0 ? curve[0].error : point("draft", 101 * static_cast<int>(k)).error,
+               curve[k].work};
+  }
+  EXPECT_TRUE(ordered(curve)) << told(curve);
+  EXPECT_FALSE(ordered(twin)) << "draft under three names: " << told(twin);
+
+  // What mincut and portalfit make does not depend on the word.
+  for (const std::string& quality : kQualities) {
+    run("mincut", words_of(quality, 1) + file("m") + " -o " + file(quality + ".cut"));
+    run("portalfit", words_of(quality, 1) + file("g.vdb") + " -o " + file(quality + ".glb"));
+    EXPECT_EQ(text_of(file(quality + ".cut")), text_of(file("draft.cut"))) << quality;
+    EXPECT_EQ(text_of(file(quality + ".glb")), text_of(file("draft.glb"))) << quality;
+  }
+}
+
+// ---- tdpt-render: relMSE ----
+class QualityOfPictures : public Quality {
+ protected:
+  const std::string size_ =
+      "--width 48 --integrator nee --max-depth 3 " TDPT_TESTDATA "/scenes/window.glb -o ";
+  Point point(const std::string& quality, int first_seed) {
+    Point sum{0, 0};
+    for (int s = 0; s < 4; ++s) {
+      const json made =
+          run("tdpt-render", words_of(quality, first_seed + s) + size_ + file("p.exr"));
+      sum.work += made["spp"].get<double>();
+      sum.error += run("exrdiff", file("p.exr") + " " + file("r.exr"))["relmse"].get<double>();
+    }
+    return sum;
+  }
+};
+
+TEST_F(QualityOfPictures, each_step_is_nearer_to_a_reference) {
+  run("tdpt-render", "--spp 4096 --seed 99 " + size_ + file("r.exr"));
+  Curve curve, twin;
+  for (size_t k = 0; k < 3; ++k) {
+    curve[k] = point(kQualities[k], 1);
+    twin[k] = {k == 0 ? curve[0].error : point("draft", 101 * static_cast<int>(k)).error,
+               curve[k].work};
+  }
+  EXPECT_TRUE(ordered(curve)) << told(curve);
+  EXPECT_FALSE(ordered(twin)) << "draft under three names: " << told(twin);
+}
+
+}  // namespace
+}  // namespace tdpt::testing
