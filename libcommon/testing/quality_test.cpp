@@ -124,7 +124,7 @@ class QualityOfLines : public Quality {
   }
   Point point(const std::string& quality, int first_seed) {
     Point sum{0, 0};
-    for (int s = 0; s < 16; ++s) {
+    for (int s = 0; s < 8; ++s) {
       const json made = run("lightgrid", words_of(quality, first_seed + s) + kScene + " " +
                                              file("c") + " -o " + file("g.vdb"));
       sum.error += lack(), sum.work += made["tried"].get<double>();
