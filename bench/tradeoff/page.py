@@ -55,6 +55,37 @@ def verdict(knob, settings, curve):
     return "Total time of the default, by R. " + "; ".join(says) + "."
 
 
+def best_value(totals):
+    """Of {value: total}: the first of the least and how it is told."""
+    value = curves.best(totals, totals.get)
+    return value, f"`{value}`"
+
+
+def summary_section(portals, pictures):
+    """Where each default lies: what is best at each R, and the default's total over that one's."""
+    rows = []
+    for knob in knobs.KNOBS:
+        cells = [f"`{knob.name}`", knob.default]
+        if knob.program == knobs.RENDERER:
+            scenes = pictures.scenes(knob.name)
+            if not scenes:
+                continue
+            each = {v: pictures.relative(knob.name, v, knob.default).value for v in knob.values
+                    if (knob.name, v, scenes[0]) in pictures.by}
+            value, words = best_value(each)
+            rows.append([*cells, *["" if value == knob.default else f"{words}, {digits(1 / each[value])}"] * 3])
+            continue
+        settings = figures.settings_of(portals, knob)
+        if not settings:
+            continue
+        for render in curves.RENDERS:
+            totals = {v: portals.total(s, render) for s, v in settings}
+            value, words = best_value(totals)
+            cells.append("" if value == knob.default else f"{words}, {digits(totals[knob.default] / totals[value])}")
+        rows.append(cells)
+    return table(("knob", "default", *(f"better at {r} s" for r in curves.RENDERS)), rows)
+
+
 def stage_section(program, curve):
     picture = picture_of(program)
     lines = [f"## {program}", "", f"![Cost and rooms against time for each knob of {program}]({picture})"]
@@ -155,7 +186,14 @@ throughout. The data: [portals](tradeoff-portals.csv), [rooms](tradeoff-rooms.cs
   those with all four marks of [portals.md](portals.md); coverage and tightness are medians.
 * **total at R s**: the four stages and then a picture as good as R CPU seconds give through the true opening: chain + R x cost /
   that through the true opening; geometric mean. The least in bold. A default is right where its total is the least or near it.
+* A picture's noise is that of few bright paths: of the default's own cost the interval is a factor of [{low}, {high}]. Nearer
+  than that, two settings are alike.
 * Brackets: 95 % intervals over seeds (bootstrap; of shares Wilson's). Plots: grey lines are single scenes, the ring is the default.
+""",
+    "summary": """## Where the defaults lie
+
+The values that do better than the default, if only by chance, and the default's total over theirs (of the renderer's knobs: its
+cost).
 """,
     "integrators": """## tdpt-render
 
@@ -213,8 +251,11 @@ def main(programs, cache, doc, extent, cores):
     for name in read:
         shutil.copy(cache / f"{name}.csv", doc / f"tradeoff-{name}.csv")
     version = subprocess.run([f"{programs}/tdpt-render", "--version"], check=True, capture_output=True, text=True).stdout
+    own = portals.loss(DEFAULT)
     lines = [WORDS["head"].format(version=version.strip(), cores=cores, extent=extent, count=len(portals.scenes),
-                                  seeds=len({r["seed"] for r in read["portals"]}))]
+                                  seeds=len({r["seed"] for r in read["portals"]}), low=digits(own.low / own.value),
+                                  high=digits(own.high / own.value))]
+    lines += [WORDS["summary"], *summary_section(portals, pictures), ""]
     for program in (knobs.CHAIN, *knobs.STAGES):
         lines += [*stage_section(program, portals), ""]
     lines += [WORDS["integrators"].rstrip(), *renderer_section(pictures), "", WORDS["depth"], *depth_section(pictures), "",
