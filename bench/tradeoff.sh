@@ -2,9 +2,9 @@
 # tradeoff.sh BIN CACHE: every knob that trades speed for accuracy, as curves: doc/tradeoff.md, its plots and tables. A
 # night on two cores; stopped, it goes on where it was, since what ran stays in CACHE by content.
 # The environment may set
-#   QUICK   1: fewer scenes, seeds, values and rooms: twenty minutes on two quiet cores
+#   QUICK   1: fewer scenes, seeds, values and rooms: twenty-five minutes on two quiet cores
 #   SEEDS   of each setting (5; QUICK 2)
-#   ROOMS   of each kind (3; QUICK 1, of every second kind)
+#   ROOMS   of each kind (3; QUICK 1)
 #   SCENES  folder of the paper's scenes, with interiors/
 #   DOC     where the page goes (doc)
 #   JOBS    programs at a time, one thread each (all cores)

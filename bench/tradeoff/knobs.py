@@ -33,7 +33,7 @@ class Knob:
 
 KNOBS = (
     Knob(CHAIN, "--quality", ("draft", "normal", "high"), "normal"),
-    Knob("ffgraph", "--walks", ("6250", "25000", "100000", "400000"), "25000", "walks"),
+    Knob("ffgraph", "--walks", ("6250", "25000", "100000", "400000"), "100000", "walks"),
     Knob("ffgraph", "--samples", ("18750", "75000", "300000", "1200000"), "75000", "rays a round"),
     Knob("ffgraph", "--rounds", ("0", "1", "2", "3"), "1", "rounds"),
     Knob("ffgraph", "--cells", ("6", "12", "24", "48"), "24", "patches along the diagonal"),

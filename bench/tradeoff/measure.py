@@ -53,7 +53,7 @@ class Extent:
         return tuple(s for s in scenes if s.name not in ("bathroom2-channel", "half-metre-hole", "kitchen", "cornell-box")) if self.quick else scenes
 
     def kinds(self):
-        return knobs.KINDS[::2] if self.quick and self.rooms == 1 else knobs.KINDS
+        return knobs.KINDS
 
     def lengths(self):
         return knobs.LENGTHS[1::2] if self.quick else knobs.LENGTHS
@@ -182,6 +182,11 @@ def picture_tasks(bench):
             return [{"knob": knob, "value": value, **bench.picture(scene.name, seed, options, spp, portal)}]
         return task
 
+    def black_of(scene):
+        nothing = {"scene": scene.name, "seed": 0, "spp": 0, "cpu": 0}
+        return lambda: [{"knob": "black", "value": "", **nothing, **bench.reference(scene.name)[0].black()}]
+
+    yield from map(black_of, scenes)
     for seed in range(1, extent.seeds + 1):
         for length, integrator, scene in itertools.product(extent.lengths(), knobs.INTEGRATORS, scenes):
             spp = bench.samples_of(scene.name) * length / 8

@@ -124,6 +124,19 @@ def renderer_section(pictures):
     return lines
 
 
+def errors_section(pictures):
+    """Every measure of the longest pictures, and what a black one has."""
+    def told(rows):
+        relmse, psnr, mape = (sum(r[field] for r in rows) / len(rows) for field in ("relmse", "psnr", "mape"))
+        return "%s, %.1f dB, %s %%" % (digits(relmse) if relmse >= 0.1 else "%.2g" % relmse, psnr, digits(mape))
+    rows = []
+    for s in pictures.scenes("integrator"):
+        found = [pictures.longest(s, i) for i in knobs.INTEGRATORS]
+        rows.append([s, told(pictures.by["black", "", s]),
+                     *(f"{digits(sum(r['cpu'] for r in of) / len(of))} s: {told(of)}" if of else "-" for of in found)])
+    return table(("scene", "black", *knobs.INTEGRATORS), rows)
+
+
 def depth_section(pictures):
     name = "tdpt-render --max-depth"
     scenes = pictures.scenes(name)
@@ -201,6 +214,10 @@ Error against time by integrator, found portals, depth 6.
 
 ![Error against CPU time, a panel for each scene](tradeoff-integrators.png)
 
+The longest of these pictures, and a black one: CPU seconds, relMSE, PSNR, MAPE (which holds the reference's noise).
+
+{errors}
+
 What each knob of `tdpt-guided` costs: cost over that at the default, geometric mean of the scenes and each scene.
 
 ![Cost over that at the default, a panel for each knob](tradeoff-renderer.png)
@@ -258,7 +275,7 @@ def main(programs, cache, doc, extent, cores):
     lines += [WORDS["summary"], *summary_section(portals, pictures), ""]
     for program in (knobs.CHAIN, *knobs.STAGES):
         lines += [*stage_section(program, portals), ""]
-    lines += [WORDS["integrators"].rstrip(), *renderer_section(pictures), "", WORDS["depth"], *depth_section(pictures), "",
+    lines += [WORDS["integrators"].format(errors="\n".join(errors_section(pictures))).rstrip(), *renderer_section(pictures), "", WORDS["depth"], *depth_section(pictures), "",
               WORDS["chain"], *chain_section(pictures, portals), "", WORDS["simplified"],
               *simplified_section(read["simplified"], portals)]
     (doc / "tradeoff.md").write_text("\n".join(lines) + "\n", encoding="utf-8")

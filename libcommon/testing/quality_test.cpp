@@ -72,7 +72,7 @@ constexpr std::array<const char*, 4> kFacts{"conductance", "back", "camera_back"
 class QualityOfGraphs : public Quality {
  protected:
   Point point(const std::string& quality, int first_seed) {
-    constexpr int kSeeds = 10;
+    constexpr int kSeeds = 6;
     std::array<double, kFacts.size()> sum{}, squares{};
     double work = 0;
     for (int s = 0; s < kSeeds; ++s) {

@@ -25,7 +25,7 @@ constexpr cli::Program kProgram{"ffgraph",
                                 "Network to write (DIMACS); default standard output"};
 
 // By measured curves, doc/tradeoff.md.
-constexpr cli::ByQuality<int64_t> kSamples{18750, 75000, 300000}, kWalks{6250, 25000, 100000};
+constexpr cli::ByQuality<int64_t> kSamples{18750, 75000, 300000}, kWalks{25000, 100000, 400000};
 
 struct Arguments {
   std::string scene, camera, nodes = "patches", capacity, refine, preview, debug_glb;
