@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <optional>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -66,32 +66,45 @@ std::string words_of(const std::string& quality, int seed) {
   return "--quality " + quality + " --seed " + std::to_string(seed) + " ";
 }
 
-// ---- ffgraph: how far facts of the cut are spread from seed to seed ----
-constexpr std::array<const char*, 4> kFacts{"conductance", "back", "camera_back", "straight"};
+// How far figures of the same thing are apart from seed to seed: the geometric mean of their
+// standard deviations.
+class Spread {
+ public:
+  void add(const std::vector<double>& figures) {
+    if (sums_.empty()) sums_.resize(figures.size());
+    for (size_t k = 0; k < figures.size(); ++k)
+      sums_[k][0] += figures[k], sums_[k][1] += figures[k] * figures[k];
+    ++seeds_;
+  }
+  double error() const {
+    double log_error = 0;
+    for (const auto& [sum, squares] : sums_) {
+      const double mean = sum / seeds_;
+      log_error += 0.5 * std::log(squares / seeds_ - mean * mean);
+    }
+    return std::exp(log_error / static_cast<double>(sums_.size()));
+  }
 
+ private:
+  std::vector<std::array<double, 2>> sums_;
+  int seeds_ = 0;
+};
+
+// ---- ffgraph: facts of the cut ----
 class QualityOfGraphs : public Quality {
  protected:
   Point point(const std::string& quality, int first_seed) {
-    constexpr int kSeeds = 6;
-    std::array<double, kFacts.size()> sum{}, squares{};
+    Spread spread;
     double work = 0;
-    for (int s = 0; s < kSeeds; ++s) {
+    for (int s = 0; s < 6; ++s) {
       const json made =
           run("ffgraph", words_of(quality, first_seed + s) + kScene + " -o " + file("m"));
       work += made["light_hits"].get<double>() + made["camera_hits"].get<double>() +
               made["rays"].get<double>();
-      const json cuts = run("mincut", file("m") + " -o " + file("c"))["cuts"];
-      for (size_t k = 0; k < kFacts.size(); ++k) {
-        const double x = cuts.at(0)[kFacts[k]].get<double>();
-        sum[k] += x, squares[k] += x * x;
-      }
+      const json facts = run("mincut", file("m") + " -o " + file("c"))["cuts"].at(0);
+      spread.add({facts["conductance"], facts["back"], facts["camera_back"], facts["straight"]});
     }
-    double log_error = 0;
-    for (size_t k = 0; k < kFacts.size(); ++k) {
-      const double mean = sum[k] / kSeeds;
-      log_error += 0.5 * std::log((squares[k] / kSeeds - mean * mean) / (mean * mean));
-    }
-    return {std::exp(log_error / kFacts.size()), work};
+    return {spread.error(), work};
   }
 };
 
@@ -106,34 +119,39 @@ TEST_F(QualityOfGraphs, each_step_tells_more_of_the_cut) {
   EXPECT_FALSE(ordered(twin)) << "draft under three names: " << told(twin);
 }
 
-// ---- lightgrid: how much of the opening its lines do not reach ----
+// ---- lightgrid: where and which way its lines cross the wall ----
 class QualityOfLines : public Quality {
  protected:
-  // From edges of the hole of 0.25 m about (2.05, 1, 0), on average [metres].
-  double lack() const {
-    double low[2] = {9, 9}, high[2] = {-9, -9};
+  // Means and mean squares of their places and directions in the middle of the wall, x = 2.05.
+  std::vector<double> moments() const {
+    std::vector<double> sums(8, 0.0);
+    double lines = 0;
     for (const LightLine& line : read_light_grid(file("g.vdb")).lines) {
       const Vec3d way = line.camera - line.light;
       const double there = (2.05 - line.light.x) / way.x;
       if (!(there > 0 && there < 1)) continue;
-      const Vec3d at = line.light + way * there;
-      low[0] = std::min(low[0], at.y - 1), high[0] = std::max(high[0], at.y - 1);
-      low[1] = std::min(low[1], at.z), high[1] = std::max(high[1], at.z);
+      const Vec3d at = line.light + way * there, w = normalize(way);
+      size_t k = 0;
+      for (const double x : {at.y - 1, at.z, w.y, w.z}) sums[k++] += x, sums[k++] += x * x;
+      ++lines;
     }
-    return 0.125 - (high[0] - low[0] + high[1] - low[1]) / 4;
+    for (double& sum : sums) sum /= lines;
+    return sums;
   }
   Point point(const std::string& quality, int first_seed) {
-    Point sum{0, 0};
-    for (int s = 0; s < 8; ++s) {
+    Spread spread;
+    double work = 0;
+    for (int s = 0; s < 10; ++s) {
       const json made = run("lightgrid", words_of(quality, first_seed + s) + kScene + " " +
                                              file("c") + " -o " + file("g.vdb"));
-      sum.error += lack(), sum.work += made["tried"].get<double>();
+      spread.add(moments());
+      work += made["tried"].get<double>();
     }
-    return sum;
+    return {spread.error(), work};
   }
 };
 
-TEST_F(QualityOfLines, each_step_reaches_nearer_to_the_edges) {
+TEST_F(QualityOfLines, each_step_tells_more_of_the_light) {
   run("ffgraph", kScene + " -o " + file("m"));
   run("mincut", file("m") + " -o " + file("c"));
   Curve curve, twin;
