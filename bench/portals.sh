@@ -87,9 +87,9 @@ normal is the main axis of the fullest voxels (\`portalfit --method paper\`).
 PAPER
 summary ours "ours" --rooms "$few" --kinds $known
 summary paper-graph "triangles, our fit" --rooms "$few" --kinds $known --ffgraph "--nodes triangles"
-summary paper-fit "patches, the paper's fit" --rooms "$few" --kinds $known --portalfit "--method paper" --lightgrid "--resolution 128"
+summary paper-fit "patches, the paper's fit" --rooms "$few" --kinds $known --portalfit "--method paper"
 summary paper "triangles, the paper's fit" --rooms "$few" --kinds $known --ffgraph "--nodes triangles" \
-  --portalfit "--method paper" --lightgrid "--resolution 128"
+  --portalfit "--method paper"
 cat <<TRADE
 
 ## Speed against accuracy

@@ -24,8 +24,8 @@ constexpr cli::Program kProgram{"ffgraph",
                                 "Writes the light transport of a glTF scene as a flow network.",
                                 "Network to write (DIMACS); default standard output"};
 
-// By measured curves, doc/tradeoff.md.
-constexpr cli::ByQuality<int64_t> kSamples{18750, 75000, 300000}, kWalks{25000, 100000, 400000};
+// Between which of them curves tell, doc/tradeoff.md.
+constexpr cli::ByQuality<int64_t> kSamples{75000, 300000, 1200000}, kWalks{25000, 100000, 400000};
 
 struct Arguments {
   std::string scene, camera, nodes = "patches", capacity, refine, preview, debug_glb;

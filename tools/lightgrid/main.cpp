@@ -36,8 +36,8 @@ constexpr cli::Program kProgram{
     "passes.",
     "The light grid (.vdb); default standard output"};
 
-// By measured curves, doc/tradeoff.md.
-constexpr cli::ByQuality<int64_t> kResolution{64, 64, 128}, kLines{2048, 8192, 16384};
+// Between which of them curves tell, doc/tradeoff.md.
+constexpr cli::ByQuality<int64_t> kResolution{64, 128, 256}, kLines{2048, 8192, 16384};
 
 struct Arguments {
   std::string scene, cut, device = "cpu", preview, debug_glb;
