@@ -1,7 +1,7 @@
 """measure.py BIN CACHE SCENES: runs whatever curves need and writes CACHE/{portals,pictures,rooms,simplified}.csv. What
 is in CACHE is not run again; a run that is stopped goes on where it was. The environment may set
 
-  QUICK   1: fewer seeds, scenes, values and rooms: twenty minutes on two cores, a night's work else
+  QUICK   1: fewer seeds, scenes, values and rooms: half an hour on two cores, a night's work else
   SEEDS   of each setting
   ROOMS   of each kind
   ONLY    the name of one table: portals, pictures, rooms, simplified

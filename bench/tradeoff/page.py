@@ -207,6 +207,11 @@ throughout. The data: [portals](tradeoff-portals.csv), [rooms](tradeoff-rooms.cs
 
 The values that do better than the default, if only by chance, and the default's total over theirs (of the renderer's knobs: its
 cost).
+
+Bare rooms, as these scenes are, would do with a quarter of most numbers: `--quality draft`. What keeps the defaults where they
+are: with a quarter of `ffgraph --walks` a furnished room's cut is told wrong, and the lamp's own opening there passes for a
+portal's; with `lightgrid --resolution 64` a deep room under a sky loses its mouth (`pipeline_test`); `lightgrid --lines 2048`
+costs a third more behind a door ajar.
 """,
     "integrators": """## tdpt-render
 
