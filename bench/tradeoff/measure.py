@@ -52,9 +52,6 @@ class Extent:
     def scenes(self, scenes):
         return tuple(s for s in scenes if s.name not in ("bathroom2-channel", "half-metre-hole", "kitchen", "cornell-box")) if self.quick else scenes
 
-    def kinds(self):
-        return knobs.KINDS
-
     def lengths(self):
         return knobs.LENGTHS[1::2] if self.quick else knobs.LENGTHS
 
@@ -222,7 +219,7 @@ def rooms_of(text):
 def room_tasks(bench):
     programs = bench.store.programs
     sums = [bench.store.sum_of(programs / p) for p in ("portals_bench", *knobs.STAGES)]
-    for (knob, value, settings), kind in itertools.product(list(stage_settings(bench.extent)), bench.extent.kinds()):
+    for (knob, value, settings), kind in itertools.product(list(stage_settings(bench.extent)), knobs.KINDS):
         def task(knob=knob, value=value, settings=settings, kind=kind):
             command = [str(programs / "portals_bench"), str(programs), "--rooms", str(bench.extent.rooms), "--seed", "1801",
                        "--jobs", "1", "--kinds", kind]

@@ -55,12 +55,6 @@ def verdict(knob, settings, curve):
     return "Total time of the default, by R. " + "; ".join(says) + "."
 
 
-def best_value(totals):
-    """Of {value: total}: the first of the least and how it is told."""
-    value = curves.best(totals, totals.get)
-    return value, f"`{value}`"
-
-
 def summary_section(portals, pictures):
     """Where each default lies: what is best at each R, and the default's total over that one's."""
     rows = []
@@ -72,16 +66,16 @@ def summary_section(portals, pictures):
                 continue
             each = {v: pictures.relative(knob.name, v, knob.default).value for v in knob.values
                     if (knob.name, v, scenes[0]) in pictures.by}
-            value, words = best_value(each)
-            rows.append([*cells, *["" if value == knob.default else f"{words}, {digits(1 / each[value])}"] * 3])
+            value = curves.best(each, each.get)
+            rows.append([*cells, *["" if value == knob.default else f"`{value}`, {digits(1 / each[value])}"] * 3])
             continue
         settings = figures.settings_of(portals, knob)
         if not settings:
             continue
         for render in curves.RENDERS:
             totals = {v: portals.total(s, render) for s, v in settings}
-            value, words = best_value(totals)
-            cells.append("" if value == knob.default else f"{words}, {digits(totals[knob.default] / totals[value])}")
+            value = curves.best(totals, totals.get)
+            cells.append("" if value == knob.default else f"`{value}`, {digits(totals[knob.default] / totals[value])}")
         rows.append(cells)
     return table(("knob", "default", *(f"better at {r} s" for r in curves.RENDERS)), rows)
 
@@ -208,10 +202,8 @@ throughout. The data: [portals](tradeoff-portals.csv), [rooms](tradeoff-rooms.cs
 The values that do better than the default, if only by chance, and the default's total over theirs (of the renderer's knobs: its
 cost).
 
-Bare rooms, as these scenes are, would do with a quarter of most numbers: `--quality draft`. What keeps the defaults where they
-are: with a quarter of `ffgraph --walks` a furnished room's cut is told wrong, and the lamp's own opening there passes for a
-portal's; with `lightgrid --resolution 64` a deep room under a sky loses its mouth (`pipeline_test`); `lightgrid --lines 2048`
-costs a third more behind a door ajar.
+Most of these scenes are bare rooms, which would do with less: `--quality draft`. Others keep the defaults where they are: a
+furnished one, whose cut fewer walks tell wrong, and a deep one under a sky, whose mouth coarser voxels lose (`pipeline_test`).
 """,
     "integrators": """## tdpt-render
 

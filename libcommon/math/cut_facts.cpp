@@ -21,7 +21,7 @@ constexpr double kHardlyNarrow = 0.4;
 constexpr double kNiche = 0.2;  // share of a light's side that is the niche of a window
 // From here on the lamps of a niche send nearly all to the other: there is no opening.
 constexpr double kOpen = 0.9;
-constexpr double kMostBack = 0.9;  // of the walks that cross
+constexpr double kMostBack = 0.9;   // of the walks that cross
 constexpr double kFewestBack = 10;  // that cross: of fewer, how many come back is chance
 constexpr double kMostSkyBeyond = 0.1;
 constexpr double kOpenToSky = 0.2;      // of what crosses: from the sky itself

@@ -159,6 +159,14 @@ TEST(pipeline, a_room_without_a_wall_says_that_it_stands_open_to_the_sky) {
   }
 }
 
+// Its lamps stand in their own opening; that nearly a third of the light comes straight from them,
+// few walks tell as a quarter.
+TEST(pipeline, a_furnished_room_whose_lamps_are_seen_has_no_portal) {
+  const std::string scene = kPaper + "interiors/living-room-lamps.glb";
+  if (!fs::exists(scene)) GTEST_SKIP() << scene << " is not beside the project";
+  EXPECT_TRUE(find_portals(scene).empty());
+}
+
 // As wide as the room, but a bottleneck of it, since it is deep: the portal lies in the mouth.
 TEST(pipeline, a_deep_room_has_its_portal_where_its_wall_is_missing) {
   const KnownAperture mouth = rectangle({9, 0, -2}, {0, 2.6, 0}, {0, 0, 4}, {-1, 0, 0}, 0);

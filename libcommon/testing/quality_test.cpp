@@ -59,6 +59,19 @@ class Quality : public ::testing::Test {
   }
   std::string file(const std::string& name) const { return (folder_.path / name).string(); }
 
+  // Mean or sum over some seeds from this one on.
+  virtual Point point(const std::string& quality, int first_seed) = 0;
+
+  void expect_ordered() {
+    Curve curve, twin;  // the twin: draft under three names
+    for (size_t k = 0; k < curve.size(); ++k) {
+      curve[k] = twin[k] = point(kQualities[k], 1);
+      twin[k].error = k == 0 ? curve[0].error : point("draft", 101 * static_cast<int>(k)).error;
+    }
+    EXPECT_TRUE(ordered(curve)) << told(curve);
+    EXPECT_FALSE(ordered(twin)) << "draft under three names: " << told(twin);
+  }
+
   TempFolder folder_;
 };
 
@@ -93,7 +106,7 @@ class Spread {
 // ---- ffgraph: facts of the cut ----
 class QualityOfGraphs : public Quality {
  protected:
-  Point point(const std::string& quality, int first_seed) {
+  Point point(const std::string& quality, int first_seed) override {
     Spread spread;
     double work = 0;
     for (int s = 0; s < 6; ++s) {
@@ -109,14 +122,7 @@ class QualityOfGraphs : public Quality {
 };
 
 TEST_F(QualityOfGraphs, each_step_tells_more_of_the_cut) {
-  Curve curve, twin;
-  for (size_t k = 0; k < 3; ++k) {
-    curve[k] = point(kQualities[k], 1);
-    twin[k] = {k == 0 ? curve[0].error : point("draft", 101 * static_cast<int>(k)).error,
-               curve[k].work};
-  }
-  EXPECT_TRUE(ordered(curve)) << told(curve);
-  EXPECT_FALSE(ordered(twin)) << "draft under three names: " << told(twin);
+  expect_ordered();
 }
 
 // ---- lightgrid: where and which way its lines cross the wall ----
@@ -138,7 +144,7 @@ class QualityOfLines : public Quality {
     for (double& sum : sums) sum /= lines;
     return sums;
   }
-  Point point(const std::string& quality, int first_seed) {
+  Point point(const std::string& quality, int first_seed) override {
     Spread spread;
     double work = 0;
     for (int s = 0; s < 10; ++s) {
@@ -154,14 +160,7 @@ class QualityOfLines : public Quality {
 TEST_F(QualityOfLines, each_step_tells_more_of_the_light) {
   run("ffgraph", kScene + " -o " + file("m"));
   run("mincut", file("m") + " -o " + file("c"));
-  Curve curve, twin;
-  for (size_t k = 0; k < 3; ++k) {
-    curve[k] = point(kQualities[k], 1);
-    twin[k] = {k == 0 ? curve[0].error : point("draft", 101 * static_cast<int>(k)).error,
-               curve[k].work};
-  }
-  EXPECT_TRUE(ordered(curve)) << told(curve);
-  EXPECT_FALSE(ordered(twin)) << "draft under three names: " << told(twin);
+  expect_ordered();
 
   // What mincut and portalfit make does not depend on the word.
   for (const std::string& quality : kQualities) {
@@ -177,7 +176,7 @@ class QualityOfPictures : public Quality {
  protected:
   const std::string size_ =
       "--width 48 --integrator nee --max-depth 3 " TDPT_TESTDATA "/scenes/window.glb -o ";
-  Point point(const std::string& quality, int first_seed) {
+  Point point(const std::string& quality, int first_seed) override {
     Point sum{0, 0};
     for (int s = 0; s < 4; ++s) {
       const json made =
@@ -191,14 +190,7 @@ class QualityOfPictures : public Quality {
 
 TEST_F(QualityOfPictures, each_step_is_nearer_to_a_reference) {
   run("tdpt-render", "--spp 4096 --seed 99 " + size_ + file("r.exr"));
-  Curve curve, twin;
-  for (size_t k = 0; k < 3; ++k) {
-    curve[k] = point(kQualities[k], 1);
-    twin[k] = {k == 0 ? curve[0].error : point("draft", 101 * static_cast<int>(k)).error,
-               curve[k].work};
-  }
-  EXPECT_TRUE(ordered(curve)) << told(curve);
-  EXPECT_FALSE(ordered(twin)) << "draft under three names: " << told(twin);
+  expect_ordered();
 }
 
 }  // namespace

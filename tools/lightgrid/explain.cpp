@@ -33,7 +33,7 @@ Decision of_batches(const std::string& cut, const LightGridReport::OfCut& c,
                                          100 * c.change, 100 * options.tolerance);
   return {cut + ", segments", fmt::format("stopped after {} batches", c.batches),
           c.settled                    ? change
-          : c.drawn >= options.samples ? "no more are drawn: " + change
+          : c.drawn >= options.samples ? fmt::format("{} are the most: ", options.samples) + change
                                        : "a signal came: " + change,
           fmt::format("{} segments", c.drawn)};
 }
