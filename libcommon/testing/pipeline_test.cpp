@@ -163,7 +163,7 @@ TEST(pipeline, a_room_without_a_wall_says_that_it_stands_open_to_the_sky) {
 // few walks tell as a quarter.
 TEST(pipeline, a_furnished_room_whose_lamps_are_seen_has_no_portal) {
   const std::string scene = kPaper + "interiors/living-room-lamps.glb";
-  if (!fs::exists(scene)) GTEST_SKIP() << scene << " is not beside the project";
+  NEEDS(scene);
   EXPECT_TRUE(find_portals(scene).empty());
 }
 
