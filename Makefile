@@ -5,7 +5,7 @@
 #   make stages    pictures of what each stage did, in doc/figures/ (bench/stages.sh: another scene)
 #   make portals   how right the portals are on rooms with known openings: doc/portals.md (an hour)
 #   make regret    what auto loses, and how right it is about portals: doc/regret.md (25 minutes)
-#   make tradeoff  speed against accuracy of every knob: doc/tradeoff.md (a night; QUICK=1: half an hour)
+#   make tradeoff  speed against accuracy of every knob: doc/tradeoff.md (a night; QUICK=1: three quarters of an hour)
 #   make whole-light   what the light beyond six edges costs: doc/whole-light.md (half an hour; BASE=PROGRAM: an older one)
 #   make target-error   whether pictures have the error that was asked for: doc/target-error.md (ten minutes)
 #   make sky       what the windows found are worth under skies: doc/sky.md (a quarter of an hour)

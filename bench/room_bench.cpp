@@ -3,10 +3,28 @@
 #include <algorithm>
 #include <atomic>
 #include <mutex>
+#include <sstream>
 #include <stdexcept>
 #include <thread>
 
 namespace tdpt::testing {
+
+namespace {
+
+// names: of some of the kinds, with commas between.
+std::vector<RoomKind> those_of(const std::string& names, const std::vector<RoomKind>& kinds) {
+  std::vector<RoomKind> found;
+  std::istringstream words(names);
+  for (std::string word; std::getline(words, word, ',');) {
+    const auto kind = std::find_if(kinds.begin(), kinds.end(),
+                                   [&](RoomKind k) { return word == name_of(k); });
+    if (kind == kinds.end()) throw std::invalid_argument(word + " is no kind of room");
+    found.push_back(*kind);
+  }
+  return found;
+}
+
+}  // namespace
 
 RoomBench::RoomBench(int argc, char** argv, std::vector<RoomKind> kinds, uint64_t rooms,
                      std::map<std::string, std::string> own)
@@ -26,9 +44,7 @@ RoomBench::RoomBench(int argc, char** argv, std::vector<RoomKind> kinds, uint64_
     else if (name == "--keep")
       folder_ = value;
     else if (name == "--kinds")
-      std::erase_if(kinds, [&](RoomKind k) {
-        return ("," + value + ",").find(std::string(",") + name_of(k) + ",") == std::string::npos;
-      });
+      kinds = those_of(value, kinds);
     else if (const auto at = own_.find(name); at != own_.end())
       at->second = value;
     else

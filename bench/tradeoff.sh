@@ -2,7 +2,7 @@
 # tradeoff.sh BIN CACHE: every knob that trades speed for accuracy, as curves: doc/tradeoff.md, its plots and tables. A
 # night on two cores; stopped, it goes on where it was, since what ran stays in CACHE by content.
 # The environment may set
-#   QUICK   1: fewer scenes, seeds, values and rooms: half an hour on two quiet cores
+#   QUICK   1: fewer scenes, seeds, values and rooms: three quarters of an hour on two quiet cores
 #   SEEDS   of each setting (5; QUICK 2)
 #   ROOMS   of each kind (3; QUICK 1)
 #   SCENES  folder of the paper's scenes, with interiors/

@@ -111,7 +111,7 @@ class PortalCurves:
     def found(self, setting):
         """Share of the runs that found as many portals as there are, where that is known."""
         rows = [(r, t) for s in self.scenes for r in self.rows(setting, s) for t in self.rows(("true", ""), s)[:1]
-                if t["portals"]]
+                if t["portals"] != ""]
         return wilson(sum(r["portals"] == t["portals"] for r, t in rows), len(rows))
 
     def right(self, setting):

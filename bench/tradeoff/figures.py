@@ -16,7 +16,14 @@ def settings_of(curves, knob):
 
 
 RATIOS = "0.2, 0.5, 0.7, 1, 1.5, 2, 3, 5, 10, 20, 50, 100"
-LABELS = 'using 1:2:5 with labels left rotate by 40 offset 0.3,0.7 font ",9" notitle'
+
+
+def labels(block):
+    """Names at points, above and below by turns: neighbours may be near."""
+    return ['%s every 2::%d using 1:2:5 with labels %s rotate by 40 offset %s font ",9" notitle' % (block, first, side, offset)
+            for first, side, offset in ((0, "left", "0.3,0.7"), (1, "right", "-0.3,-0.7"))]
+
+
 
 
 def stage(curves, program):
@@ -41,7 +48,7 @@ def stage(curves, program):
             block = figure.block(points)
             figure.panel(f"{knob.name}: {words}", "CPU seconds of the four stages", y,
                          [*lines, *plots.bars(block, 0, 2, not knob.words), plots.ring(figure.block([points[here][:2]])),
-                          f"{block} {LABELS}"], (*ranges, across))
+                          *labels(block)], (*ranges, across))
     return figure
 
 
@@ -86,7 +93,7 @@ def chain(pictures, portals):
     """Total time to an error, the four stages included: what was measured, and from the longest pictures on as 1 / time."""
     figure = plots.Figure(4)
     lines = (("bdpt", False, 0), ("tdpt-guided", True, 4), ("auto", True, 5))
-    for scene in portals.scenes:
+    for scene in (s for s in portals.scenes if pictures.longest(s, "tdpt-guided")):
         drawn, every = [], []
         for integrator, through, k in lines:
             extra = portals.chain(("default", ""), scene) if through else 0

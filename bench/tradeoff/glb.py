@@ -23,15 +23,20 @@ def parse(data):
 
 
 def content(document, binary):
+    """A glTF binary; of no bytes, without a second chunk."""
     text = json.dumps(document, separators=(",", ":")).encode()
     text += b" " * (-len(text) % 4)
     binary += b"\0" * (-len(binary) % 4)
-    return (struct.pack("<4sII", b"glTF", 2, 28 + len(text) + len(binary)) + struct.pack("<I4s", len(text), b"JSON") + text
-            + struct.pack("<I4s", len(binary), b"BIN\0") + binary)
+    if binary:
+        binary = struct.pack("<I4s", len(binary), b"BIN\0") + binary
+    return (struct.pack("<4sII", b"glTF", 2, 20 + len(text) + len(binary)) + struct.pack("<I4s", len(text), b"JSON") + text
+            + binary)
 
 
 def portals(rectangles):
     """Of (corner, edge, edge), a mesh each; the light goes along edge x edge."""
+    if not rectangles:
+        return content({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{}]}, b"")
     document = {"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": list(range(len(rectangles)))}],
                 "nodes": [], "meshes": [], "accessors": [], "bufferViews": []}
     binary = b""

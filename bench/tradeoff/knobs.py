@@ -62,12 +62,18 @@ LENGTHS = (1, 2, 4, 8, 16, 32, 64)  # samples per pixel, of the samples that a s
 class Scene:
     """reference: of testdata/references/efficiency, which tells size and depth. apertures: the true ones, rectangles
     (corner, edge, edge) in metres whose normal, edge x edge, is the light's way; none where they are not known in figures:
-    then the portal of the most accurate settings stands for them."""
+    then the portal of the most accurate settings stands for them. aperture: whether there is any; where not, no portal is
+    the right answer."""
 
     name: str
     apertures: tuple = ()
     paper: bool = False
-    aperture: bool = True  # whether there is one
+    aperture: bool = True
+
+    @property
+    def openings(self):
+        """How many there are; "" where that is not known in figures."""
+        return len(self.apertures) if self.apertures or not self.aperture else ""
 
 
 def hole(x, side):
@@ -85,6 +91,7 @@ SCENES = (
     Scene("cornell-box-portal", (((1.01, 0.75, -0.25), (0, 0, 0.5), (0, 0.5, 0)),), paper=True),
     Scene("veach-ajar", paper=True),
     Scene("bathroom2-channel", paper=True),
+    Scene("living-room-lamps", aperture=False),
 )
 # Where portals are worth little or nothing: for the renderer's curves alone.
 OPEN = (Scene("window", (((2.05, 0.2, -0.8), (0, 0, 1.6), (0, 1.6, 0)),)), Scene("kitchen", aperture=False),
@@ -93,7 +100,7 @@ WHOLE = ("two-rooms-whole", "veach-ajar-whole", "kitchen-whole", "bathroom2-whol
 
 # Rooms whose openings are known (libcommon/testing/known_rooms.h) that score portals, one by one.
 KINDS = ("slit", "hole", "ajar-full", "floor-door", "doors-in-row", "two-openings", "furnished-door", "closet",
-         "shared-edge", "ajar", "keyhole", "window")
+         "shared-edge", "ajar", "keyhole", "window", "sky-window", "deep-facade")
 
 # Shares of the area that the smallest triangles make, dropped before the four stages.
 SIMPLIFIED = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5)

@@ -1,7 +1,7 @@
 """measure.py BIN CACHE SCENES: runs whatever curves need and writes CACHE/{portals,pictures,rooms,simplified}.csv. What
 is in CACHE is not run again; a run that is stopped goes on where it was. The environment may set
 
-  QUICK   1: fewer seeds, scenes, values and rooms: half an hour on two cores, a night's work else
+  QUICK   1: fewer seeds, scenes, values and rooms: three quarters of an hour on two cores, a night's work else
   SEEDS   of each setting
   ROOMS   of each kind
   ONLY    the name of one table: portals, pictures, rooms, simplified
@@ -110,8 +110,8 @@ class Bench:
         return {"scene": scene, "seed": seed, "spp": spp, "cpu": run.said["cpu_seconds"], **reference.measures(rgb)}
 
     def true_portal(self, scene):
-        """Where it is known, that; else what the most accurate settings find."""
-        if scene.apertures:
+        """Where it is known, that, or a file of none; else what the most accurate settings find."""
+        if scene.openings != "":
             data = glb.portals(scene.apertures)
             return self.store.keep(("portals", repr(scene.apertures)), lambda path: path.write_bytes(data))
         settings = {program: knobs.accurate(program) for program in knobs.STAGES}
@@ -143,7 +143,7 @@ def portal_tasks(bench):
             range(1, bench.extent.seeds + 1), settings_of, bench.scenes(knobs.SCENES)):
         def task(seed=seed, knob=knob, value=value, settings=settings, scene=scene):
             if settings is None:
-                portal, cpu, count = bench.true_portal(scene), 0, len(scene.apertures)
+                portal, cpu, count = bench.true_portal(scene), 0, scene.openings
             else:
                 portal, cpu, count = bench.portal(bench.path(scene.name), seed, settings)
             return [through(bench, scene, seed, portal, knob=knob, value=value, chain_cpu=cpu, portals=count)]

@@ -220,6 +220,17 @@ class Knobs(unittest.TestCase):
             self.assertIn(knob.default, knob.values)
             self.assertIn(knob.default, measure.Extent({"QUICK": "1"}).values(knob))
 
+    def test_scenes_without_an_opening_count_those_that_are_found(self):
+        rows = [{"knob": k, "value": "", "scene": "lamps", "seed": 1, "chain_cpu": 1, "portals": n, "relmse": 1, "cpu": 1}
+                for k, n in (("true", 0), ("default", 1))]
+        self.assertEqual(curves.PortalCurves(rows, []).found(("default", "")).value, 0)
+        rows[0]["portals"] = ""  # nobody knows
+        self.assertTrue(math.isnan(curves.PortalCurves(rows, []).found(("default", "")).value))
+
+    def test_openings_are_counted_where_they_are_known(self):
+        self.assertEqual({s.name: s.openings for s in knobs.SCENES if s.name in ("three-rooms", "door-ajar", "living-room-lamps")},
+                         {"three-rooms": 2, "door-ajar": "", "living-room-lamps": 0})
+
     def test_scenes_have_references(self):
         for scene in knobs.SCENES + knobs.OPEN:
             about = json.loads((measure.REFERENCES / f"{scene.name}.json").read_text())
