@@ -16,8 +16,8 @@ std::vector<RoomKind> those_of(const std::string& names, const std::vector<RoomK
   std::vector<RoomKind> found;
   std::istringstream words(names);
   for (std::string word; std::getline(words, word, ',');) {
-    const auto kind = std::find_if(kinds.begin(), kinds.end(),
-                                   [&](RoomKind k) { return word == name_of(k); });
+    const auto kind =
+        std::find_if(kinds.begin(), kinds.end(), [&](RoomKind k) { return word == name_of(k); });
     if (kind == kinds.end()) throw std::invalid_argument(word + " is no kind of room");
     found.push_back(*kind);
   }
