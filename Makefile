@@ -21,7 +21,8 @@
 #   make efficiency-references   its references that are missing or out of date, in testdata/references/efficiency
 #   make install   programs and man pages under PREFIX (and DESTDIR)
 #   make sanitize  builds with the sanitizers into build-sanitize and runs every test there
-#   make fuzz      libFuzzer on every reader, SECONDS=60 each, with clang (TARGETS="scene cut": these): doc/fuzzing.md
+#   make fuzz      libFuzzer on every reader, SECONDS=60 each, with clang (TARGETS="scene cut": these; ROUNDS=N: N times at
+#                  most, until a round brings no new edge): doc/fuzzing.md
 #   make packages  installs the Debian packages of cmake/packages*.txt that are missing
 #   make format    clang-format over all sources
 #   make clean     removes what was built
@@ -152,7 +153,7 @@ fuzz:
 	@sh cmake/install-packages.sh cmake/packages-fuzz.txt
 	@cmake --preset fuzz --log-level=WARNING
 	@cmake --build --preset fuzz --parallel $(JOBS)
-	@FUZZ_SECONDS="$(or $(SECONDS),60)" MERGE="$(MERGE)" sh libcommon/testing/fuzz.sh build-fuzz/bin testdata build-fuzz/fuzz $(TARGETS)
+	@FUZZ_SECONDS="$(or $(SECONDS),60)" ROUNDS="$(ROUNDS)" MERGE="$(MERGE)" sh libcommon/testing/fuzz.sh build-fuzz/bin testdata build-fuzz/fuzz $(TARGETS)
 
 install: build
 	@cmake --install build --prefix "$(PREFIX)"

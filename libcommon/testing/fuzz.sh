@@ -1,8 +1,8 @@
 #!/bin/sh
 # fuzz.sh BIN TESTDATA WORK [TARGET ...]: runs libFuzzer's targets BIN/TARGET_fuzz, all of them if none is named, each
-# for FUZZ_SECONDS (60). Inputs: TESTDATA/fuzz/TARGET and the files of its format elsewhere in TESTDATA; what brings new edges
+# for FUZZ_SECONDS (60), and then again, ROUNDS (1) times at most, until a round brings no new edge. Inputs: TESTDATA/fuzz/TARGET and the files of its format elsewhere in TESTDATA; what brings new edges
 # stays in WORK/corpus/TARGET, what breaks a target in WORK/findings, and then the exit code is 1.
-# A line for each: its edges, runs and the inputs that are kept.
+# A line for each: its edges, runs and inputs, and how many edges the last round brought.
 # MERGE=1 makes TESTDATA/fuzz/TARGET anew instead: the fewest inputs that have all edges, each of 4 KiB at most, and those
 # named found-*.
 set -u
@@ -13,7 +13,7 @@ shift 3
   target=$(basename "$program" _fuzz)
   [ "$target" = planted ] || set -- "$@" "$target"
 done
-seconds=${FUZZ_SECONDS:-60}
+seconds=${FUZZ_SECONDS:-60} rounds=${ROUNDS:-1}
 testing=$(dirname "$0")
 mkdir -p "$work/findings" || exit 2
 # Files of a run lie in memory where there is room.
@@ -33,6 +33,9 @@ seeds_of() {
   environment) echo "$testdata/environments" ;;
   esac
 }
+
+# What a round's log says.
+set_round() { edges=$1 brought=$2 runs=$((runs + $3)) inputs=$4; }
 
 failed=0
 for target in "$@"; do
@@ -58,15 +61,23 @@ for target in "$@"; do
     echo "$target: $(find "$stored" -type f | wc -l) inputs"
     continue
   fi
-  # shellcheck disable=SC2086
-  "$bin/${target}_fuzz" -max_total_time="$seconds" -max_len=65536 $limits -print_final_stats=1 \
-    -artifact_prefix="$work/findings/$target-" "$corpus" "$stored" $seeds >"$log" 2>&1
-  status=$?
-  awk -v target="$target" -v status="$status" '
-    / cov: / { for (i = 1; i < NF; ++i) { if ($i == "cov:") cov = $(i + 1); if ($i == "corp:") corp = $(i + 1) } }
-    /number_of_executed_units/ { runs = $2 }
-    END { printf "%-12s %6d edges %10d runs %6s inputs%s\n", target, cov, runs, corp, status ? "  FOUND SOMETHING" : "" }
-  ' "$log"
+  runs=0 round=0 brought=1
+  while [ "$brought" -gt 0 ] && [ "$round" -lt "$rounds" ]; do
+    round=$((round + 1))
+    # shellcheck disable=SC2086
+    "$bin/${target}_fuzz" -max_total_time="$seconds" -max_len=65536 $limits -print_final_stats=1 \
+      -artifact_prefix="$work/findings/$target-" "$corpus" "$stored" $seeds >"$log" 2>&1
+    status=$?
+    # shellcheck disable=SC2046 # three numbers
+    set_round $(awk '
+      / cov: / { for (i = 1; i < NF; ++i) { if ($i == "cov:") cov = $(i + 1); if ($i == "corp:") split($(i + 1), corp, "/") } }
+      $2 == "INITED" { first = cov }
+      /number_of_executed_units/ { runs = $2 }
+      END { print cov + 0, cov - first, runs + 0, corp[1] + 0 }' "$log")
+    [ "$status" = 0 ] || break
+  done
+  printf '%-12s %6d edges %10d runs %6d inputs, %d edges in the last of %s, %s s each%s\n' "$target" "$edges" "$runs" "$inputs" \
+    "$brought" "$round round$([ "$round" = 1 ] || echo s)" "$seconds" "$([ "$status" = 0 ] || echo "  FOUND SOMETHING")"
   [ "$status" = 0 ] || { failed=1; grep -aE 'ERROR|runtime error|broken promise|artifact|Test unit' "$log" | head -5; }
 done
 exit "$failed"

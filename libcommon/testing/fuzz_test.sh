@@ -37,4 +37,21 @@ expect 1 "one fails, the next goes on" ". ./fails ./fails/old ./keeps ./keeps/fe
 grep -q '^keeps: 2 inputs$' "$work/said" || { echo "no word of the inputs that are kept"; failed=1; }
 mkdir "$work/testdata/fuzz/keeps.new"
 expect 2 "what an ended run left" ". ./fails ./fails/old ./keeps ./keeps.new ./keeps/fewest ./keeps/found-it " keeps
+
+# Rounds end with the first that brings no new edge: the third of this target's.
+target learns <<'TARGET'
+rounds=$(cat "$0.rounds" 2>/dev/null || echo 0)
+echo $((rounds + 1)) >"$0.rounds"
+edges=$((rounds < 2 ? rounds + 1 : 2))
+echo "#1 INITED cov: $rounds ft: 9 corp: 1/9b"
+[ $rounds = 2 ] || echo "#2 NEW    cov: $edges ft: 9 corp: 2/9b"
+echo "stat::number_of_executed_units: 100"
+TARGET
+learns() {
+  rm -f "$work/bin/learns_fuzz.rounds"
+  said=$(ROUNDS=$1 sh "$here/fuzz.sh" "$work/bin" "$work/testdata" "$work/work" learns)
+  [ "$said" = "$2" ] || { echo "ROUNDS=$1: $said"; failed=1; }
+}
+learns 1 "learns            1 edges        100 runs      2 inputs, 1 edges in the last of 1 round, 60 s each"
+learns 9 "learns            2 edges        300 runs      1 inputs, 0 edges in the last of 3 rounds, 60 s each"
 exit $failed
