@@ -25,6 +25,7 @@ struct Error : std::runtime_error {
 /// Something is wrong in a file that was read. `place` names where in it: "line 7",
 /// "accessors[3]"; empty when the whole file is meant.
 struct InputError : Error {
+  explicit InputError(const std::string& line) : Error(Exit::bad_input, line) {}  ///< all of it
   InputError(const std::string& file, const std::string& place, const std::string& message)
       : Error(Exit::bad_input, file + ":" + (place.empty() ? "" : place + ":") + " " + message) {}
 };

@@ -101,8 +101,12 @@ inline Vec3d centre_of(const LightGrid& grid, size_t voxel) {
                            grid.voxel;
 }
 
-/// Reads a file made by light_grid_bytes(); "-": standard input. Throws InputError.
+/// Reads a file made by light_grid_bytes(), in another process: no bytes end this one. "-":
+/// standard input. Throws InputError.
 LightGrid read_light_grid(const std::string& path);
+/// The same of the bytes of `name`, in this process and on this thread alone. OpenVDB, given bytes
+/// that are not its own, may end the process or spoil its memory. Throws InputError.
+LightGrid parse_light_grid(const std::string& bytes, const std::string& name);
 /// The file as .vdb bytes. Lines come back in another order and with positions rounded to floats
 /// relative to their voxel.
 std::string light_grid_bytes(const LightGrid& grid);

@@ -3,6 +3,7 @@
 // what it finds there, which from malloc would be another image in each run.
 #include "libcommon/scene/gltf_images.h"
 
+#include <algorithm>
 #include <cstdlib>
 #include <memory>
 
@@ -42,6 +43,23 @@ bool can_hold(std::string_view bytes, int64_t width, int64_t height) {
   return width * height / 64 <= 8 * size;
 }
 
+uint32_t big_endian(std::string_view four) {
+  uint32_t value = 0;
+  for (const char c : four) value = value << 8 | static_cast<uint8_t>(c);
+  return value;
+}
+
+// Whether its chunks are as long as they say: stb_image makes room for one before it reads it.
+bool chunks_lie_within(std::string_view png) {
+  for (size_t at = kPng.size(); png.size() - at >= 8;) {
+    const size_t length = big_endian(png.substr(at, 4)), left = png.size() - at - 8;
+    if (length > left) return false;
+    if (png.substr(at + 4, 4) == "IEND") return true;
+    at += 8 + std::min(length + 4, left);  // the checksum
+  }
+  return true;
+}
+
 }  // namespace
 
 std::optional<int64_t> texels_declared(std::string_view bytes) {
@@ -49,6 +67,7 @@ std::optional<int64_t> texels_declared(std::string_view bytes) {
       bytes.starts_with(kPng) && bytes.size() > 12 && bytes.substr(12).starts_with("IHDR");
   const bool known = png || bytes.starts_with(kJpeg);
   if (!known || bytes.size() > (size_t{1} << 30)) return {};
+  if (png && !chunks_lie_within(bytes)) return {};
   int width = 0, height = 0, channels = 0;
   if (!stbi_info_from_memory(data_of(bytes), static_cast<int>(bytes.size()), &width, &height,
                              &channels))

@@ -59,5 +59,25 @@ TEST(Images, OfMoreTexelsThanTheirBytesCanHoldAreNone) {
   EXPECT_EQ(texels_declared(jpeg(8192, 8192, false, "")), std::nullopt);
 }
 
+/// A grey PNG of one texel, whose data says to be of so many bytes.
+std::string png(uint32_t declared) {
+  const std::string data("\x78\x01\x01\x02\x00\xfd\xff\x00\x80\x00\x82\x00\x81", 13);
+  const auto word = [](uint32_t value) {
+    std::string four;
+    for (int shift : {24, 16, 8, 0}) four += static_cast<char>(value >> shift);
+    return four;
+  };
+  return "\x89PNG\r\n\x1a\n" + word(13) + "IHDR" + word(1) + word(1) +
+         std::string("\x08\x00\x00\x00\x00", 5) + word(0) + word(declared) + "IDAT" + data +
+         word(0) + word(0) + "IEND" + word(0);
+}
+
+TEST(Images, ChunksAreAsLongAsTheySay) {
+  EXPECT_EQ(texels_declared(png(13)), 1);
+  EXPECT_EQ(texels_of(png(13)), (std::vector<uint8_t>{128, 128, 128, 255}));
+  for (const uint32_t longer : {30u, 0x26000000u, 0xffffffffu})
+    EXPECT_EQ(texels_declared(png(longer)), std::nullopt) << longer;
+}
+
 }  // namespace
 }  // namespace tdpt::gltf

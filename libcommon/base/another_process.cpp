@@ -1,0 +1,70 @@
+#include "libcommon/base/another_process.h"
+
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <exception>
+#include <string>
+
+#include <fcntl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "libcommon/base/error.h"
+
+namespace tdpt {
+namespace {
+
+[[noreturn]] void fail() {
+  throw Error(Exit::internal,
+              std::string("no other process can be started: ") + std::strerror(errno));
+}
+
+// Never returns. What the program had to write stays with it: _exit() flushes nothing.
+[[noreturn]] void run(const std::function<void(std::FILE*)>& work, int end) {
+  if (const int nowhere = ::open("/dev/null", O_WRONLY); nowhere >= 0) ::dup2(nowhere, 2);
+  const rlimit no_core{0, 0};
+  ::setrlimit(RLIMIT_CORE, &no_core);
+  for (const int signal : {SIGABRT, SIGPIPE}) std::signal(signal, SIG_DFL);
+  bool done = false;
+  try {
+    std::FILE* const out = ::fdopen(end, "wb");
+    if (out) work(out), done = std::fflush(out) == 0;
+  } catch (...) {  // told by the exit code
+  }
+  ::_exit(done ? 0 : 1);
+}
+
+}  // namespace
+
+bool in_another_process(const std::function<void(std::FILE*)>& work,
+                        const std::function<bool(std::FILE*)>& take) {
+  int ends[2];
+  if (::pipe2(ends, O_CLOEXEC) != 0) fail();
+  const pid_t child = ::fork();
+  if (child == 0) {
+    ::close(ends[0]);
+    run(work, ends[1]);
+  }
+  ::close(ends[1]);
+  if (child < 0) {
+    ::close(ends[0]);
+    fail();
+  }
+  std::FILE* const in = ::fdopen(ends[0], "rb");
+  bool taken = false;
+  std::exception_ptr error;  // for when the copy has been waited for
+  try {
+    taken = in && take(in);
+  } catch (...) {
+    error = std::current_exception();
+  }
+  if (in) std::fclose(in);
+  int status = 0;
+  while (::waitpid(child, &status, 0) < 0 && errno == EINTR) continue;
+  if (error) std::rethrow_exception(error);
+  return taken && WIFEXITED(status) && WEXITSTATUS(status) == 0;
+}
+
+}  // namespace tdpt

@@ -1,0 +1,56 @@
+#include "libcommon/base/another_process.h"
+
+#include <csignal>
+#include <cstdlib>
+#include <stdexcept>
+#include <string>
+
+#include <unistd.h>
+
+#include <gtest/gtest.h>
+
+namespace tdpt {
+namespace {
+
+constexpr size_t kLong = 1 << 20;  // more than a pipe holds
+
+bool gives(const std::function<void(std::FILE*)>& after) {
+  const std::string text(kLong, 'x');
+  return in_another_process(
+      [&](std::FILE* out) {
+        std::fwrite(text.data(), 1, text.size(), out);
+        std::fflush(out);
+        after(out);
+      },
+      [&](std::FILE* in) {
+        std::string got(kLong, ' ');
+        return std::fread(got.data(), 1, kLong, in) == kLong && got == text &&
+               std::fgetc(in) == EOF;
+      });
+}
+
+TEST(another_process, gives_back_what_it_writes) {
+  EXPECT_TRUE(gives([](std::FILE*) {}));
+}
+
+// Whatever it ends by, after all was written.
+TEST(another_process, that_ends_before_its_work_gave_nothing) {
+  EXPECT_FALSE(gives([](std::FILE*) { std::abort(); }));
+  EXPECT_FALSE(gives([](std::FILE*) { ::kill(::getpid(), SIGSEGV); }));
+  EXPECT_FALSE(gives([](std::FILE*) { ::kill(::getpid(), SIGKILL); }));
+  EXPECT_FALSE(gives([](std::FILE*) { ::_exit(3); }));
+  EXPECT_FALSE(gives([](std::FILE*) { throw std::runtime_error("no"); }));
+  EXPECT_FALSE(gives([](std::FILE* out) { std::fputc('x', out); }));
+}
+
+TEST(another_process, is_waited_for_when_what_reads_it_throws) {
+  const auto endless = [](std::FILE* out) {
+    while (std::fputc('x', out) != EOF) continue;
+  };
+  EXPECT_THROW(in_another_process(endless, [](std::FILE*) -> bool { throw std::bad_alloc(); }),
+               std::bad_alloc);
+  EXPECT_FALSE(in_another_process(endless, [](std::FILE*) { return true; }));
+}
+
+}  // namespace
+}  // namespace tdpt

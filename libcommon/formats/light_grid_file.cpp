@@ -1,0 +1,131 @@
+// The file of a light grid, read by another process: OpenVDB believes lengths that a file declares,
+// writes beyond its own memory where they are wrong, and ends the program at others. What it made
+// of the file comes back through a pipe, field by field.
+#include <cstdio>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "libcommon/base/another_process.h"
+#include "libcommon/base/error.h"
+#include "libcommon/base/file.h"
+#include "libcommon/formats/light_grid.h"
+
+namespace tdpt {
+namespace {
+
+// Calls each(field); a field more does not compile.
+template <class Grid, class Each>
+void each_field(Grid& grid, const Each& each) {
+  auto& [origin, voxel, dim, count, air, direction, lines, probes, bottleneck, reason, flux_share,
+         cuts, scene_hash, provenance, hash] = grid;
+  each(origin), each(voxel), each(dim), each(count), each(air), each(direction), each(lines);
+  each(probes), each(bottleneck), each(reason), each(flux_share), each(cuts), each(scene_hash);
+  each(provenance.lines), each(hash);
+}
+
+class Out {
+ public:
+  explicit Out(std::FILE* file) : file_(file) {}
+
+  template <class T>
+  void operator()(const T& value) const {
+    static_assert(std::is_trivially_copyable_v<T>);
+    bytes(&value, sizeof value);
+  }
+  template <class T>
+  void operator()(const std::vector<T>& values) const {
+    (*this)(values.size());
+    if constexpr (std::is_trivially_copyable_v<T>)
+      bytes(values.data(), values.size() * sizeof(T));
+    else
+      for (const T& value : values) (*this)(value);
+  }
+  void operator()(const std::string& text) const {
+    (*this)(text.size());
+    bytes(text.data(), text.size());
+  }
+
+ private:
+  // What does not get through is missed at the other end.
+  void bytes(const void* data, size_t size) const { std::fwrite(data, 1, size, file_); }
+
+  std::FILE* file_;
+};
+
+struct TooShort {};
+
+// The other end. The process there may have gone wrong: no length is believed beyond what a grid
+// may have.
+class In {
+ public:
+  explicit In(std::FILE* file) : file_(file) {}
+
+  template <class T>
+  void operator()(T& value) const {
+    static_assert(std::is_trivially_copyable_v<T>);
+    bytes(&value, sizeof value);
+  }
+  template <class T>
+  void operator()(std::vector<T>& values) const {
+    values.resize(length());
+    if constexpr (std::is_trivially_copyable_v<T>)
+      bytes(values.data(), values.size() * sizeof(T));
+    else
+      for (T& value : values) (*this)(value);
+  }
+  void operator()(std::string& text) const {
+    text.resize(length());
+    bytes(text.data(), text.size());
+  }
+
+ private:
+  size_t length() const {
+    size_t n = 0;
+    (*this)(n);
+    if (n > kMostVoxels) throw TooShort();
+    return n;
+  }
+  void bytes(void* data, size_t size) const {
+    if (std::fread(data, 1, size, file_) != size) throw TooShort();
+  }
+
+  std::FILE* file_;
+};
+
+}  // namespace
+
+LightGrid read_light_grid(const std::string& path) {
+  const std::string name = display_name(path);
+  const std::string bytes = read_file(path);
+  LightGrid grid;
+  std::string refused;
+  const bool whole = in_another_process(
+      [&](std::FILE* file) {
+        const Out out(file);
+        LightGrid read;
+        std::string message;
+        try {
+          read = parse_light_grid(bytes, name);
+        } catch (const InputError& e) {
+          message = e.what();
+        }
+        out(message);
+        each_field(read, out);
+      },
+      [&](std::FILE* file) {
+        try {
+          const In in(file);
+          in(refused);
+          each_field(grid, in);
+        } catch (const TooShort&) {
+          return false;
+        }
+        return true;
+      });
+  if (!whole) throw InputError(name, "", "is damaged or cut short");
+  if (!refused.empty()) throw InputError(refused);
+  return grid;
+}
+
+}  // namespace tdpt
