@@ -9,8 +9,8 @@
 
 using namespace tdpt;
 
-// OpenVDB asks for whatever length a block of it declares, before it reads that. Where there is
-// memory it takes none of it, the system gives pages when they are used; else it must be refused.
+// OpenVDB asks for whatever length a block of it declares, before it reads that. Here there is none
+// beyond 64 MiB, or most of the time would go into clearing it.
 void* operator new(size_t size) {
   void* const memory = size >> 26 ? nullptr : std::malloc(size);
   if (!memory) throw std::bad_alloc();
