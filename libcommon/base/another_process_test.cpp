@@ -5,9 +5,12 @@
 #include <stdexcept>
 #include <string>
 
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <gtest/gtest.h>
+
+#include "libcommon/base/error.h"
 
 namespace tdpt {
 namespace {
@@ -50,6 +53,21 @@ TEST(another_process, is_waited_for_when_what_reads_it_throws) {
   EXPECT_THROW(in_another_process(endless, [](std::FILE*) -> bool { throw std::bad_alloc(); }),
                std::bad_alloc);
   EXPECT_FALSE(in_another_process(endless, [](std::FILE*) { return true; }));
+}
+
+TEST(another_process, that_cannot_be_had_is_told) {
+  rlimit files;
+  ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &files), 0);
+  const rlimit none{0, files.rlim_max};
+  ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &none), 0);
+  std::string said;
+  try {
+    gives([](std::FILE*) {});
+  } catch (const Error& e) {
+    said = e.what();
+  }
+  ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &files), 0);
+  EXPECT_EQ(said, "no other process can be started: Too many open files");
 }
 
 }  // namespace

@@ -19,9 +19,9 @@
 namespace tdpt {
 namespace {
 
-// No option, since nothing is to be had for it: in 33 rooms of 11 kinds (portals_bench --seed 4100) 24
-// give the same portals, 6 the same verdicts, 4 fit arches worse (tightness 0.92, not 0.98), and all
-// take the same time.
+// No option, since nothing is to be had for it: in 33 rooms of 11 kinds (portals_bench --seed 4100)
+// 24 give the same portals, 6 the same verdicts, 4 fit arches worse (tightness 0.92, not 0.98), and
+// all take the same time.
 constexpr size_t kMostCorners = 12;
 // Of the area, for each corner saved; the second of an opening whose lines are known.
 constexpr double kCornerTolerance = 0.003, kWholeTolerance = 0.03;
