@@ -19,7 +19,7 @@ fi
 few=$(((rooms + 6) / 7))  # rooms of each kind in the other tables
 mkdir -p "$cache"
 known=hole,slit,floor-door,through-floor,ajar-full,ajar,window,two-openings,holes-in-row,doors-in-row,closet
-skies=sky-window,sky-windows,corner-windows,skylight,sky-blinds,colonnade,room-behind,deep-facade,landscape
+skies=sky-window,sky-windows,corner-windows,skylight,sky-blinds,colonnade,room-behind,deep-facade,landscape,deep-room
 
 # table NAME ARGUMENT...: of portals_bench; its rows room by room stay in CACHE.
 table() {

@@ -99,8 +99,8 @@ OPEN = (Scene("window", (((2.05, 0.2, -0.8), (0, 0, 1.6), (0, 1.6, 0)),)), Scene
 WHOLE = ("two-rooms-whole", "veach-ajar-whole", "kitchen-whole", "bathroom2-whole")
 
 # Rooms whose openings are known (libcommon/testing/known_rooms.h) that score portals, one by one.
-KINDS = ("slit", "hole", "ajar-full", "floor-door", "doors-in-row", "two-openings", "furnished-door", "closet",
-         "shared-edge", "ajar", "keyhole", "window", "sky-window", "deep-facade")
+KINDS = ("slit", "hole", "ajar-full", "doors-in-row", "two-openings", "furnished-door", "shared-edge", "ajar", "keyhole",
+         "sky-window", "deep-facade", "deep-room")
 
 # Shares of the area that the smallest triangles make, dropped before the four stages.
 SIMPLIFIED = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5)

@@ -38,5 +38,6 @@ void colonnade(Site& site);
 void room_behind(Site& site);
 void deep_facade(Site& site);
 void landscape(Site& site);
+void deep_room(Site& site);
 
 }  // namespace tdpt::testing

@@ -240,7 +240,8 @@ struct {
                         {"colonnade", colonnade},
                         {"room-behind", room_behind},
                         {"deep-facade", deep_facade},
-                        {"landscape", landscape}};
+                        {"landscape", landscape},
+                        {"deep-room", deep_room}};
 
 std::vector<RoomKind> kinds_between(size_t first, size_t last) {
   std::vector<RoomKind> kinds;

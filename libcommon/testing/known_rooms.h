@@ -43,7 +43,8 @@ enum class RoomKind {
   colonnade,       ///< a hall with three to five openings side by side, from the floor up
   room_behind,     ///< a room behind a door; the windows are in the other one
   deep_facade,     ///< thick walls, a balcony over the windows
-  landscape        ///< no room at all
+  landscape,       ///< no room at all
+  deep_room        ///< 2 to 2.5 times as deep as wide, its end wall missing
 };
 const char* name_of(RoomKind kind);
 const std::vector<RoomKind>& all_room_kinds();  ///< lit by lamps, in this order

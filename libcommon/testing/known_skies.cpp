@@ -263,4 +263,14 @@ void landscape(Site& site) {
   site.camera(place);
 }
 
+void deep_room(Site& site) {
+  const double high = site.between(2.4, 2.9), wide = site.between(3, 4.2);
+  const double deep = wide * site.between(2, 2.5), t = site.between(0.1, 0.3);
+  House h{{0, deep, 0, high, -0.5 * wide, 0.5 * wide}, t, {}};
+  h.windows[0] = {{0, high, 0, wide}};
+  build(site, h);
+  outdoors(site, h.room);
+  furnish_and_look(site, h.room);
+}
+
 }  // namespace tdpt::testing
