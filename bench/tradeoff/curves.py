@@ -119,6 +119,13 @@ class PortalCurves:
         rows = self.rooms.get(setting, [])
         return wilson(sum(r["verdict"] == "ok" for r in rows), len(rows))
 
+    def changed(self, setting, other=("default", "")):
+        """(kinds of the rooms that are wrong by it and right by the other, kinds of those the other way round)"""
+        here, there = ({(r["kind"], r["seed"]): r["verdict"] == "ok" for r in self.rooms.get(s, [])} for s in (setting, other))
+        both = [room for room in here if room in there]
+        return ([kind for kind, seed in both if there[kind, seed] and not here[kind, seed]],
+                [kind for kind, seed in both if here[kind, seed] and not there[kind, seed]])
+
     def room_median(self, setting, field):
         rows = self.rooms.get(setting, [])
         return float(np.median([r[field] for r in rows])) if rows else math.nan

@@ -43,6 +43,12 @@ def bold_least(values):
     return [("**%s**" if v <= 1.005 * least else "%s") % digits(v) for v in values]
 
 
+def changed(curve, setting):
+    """The kinds of rooms that a setting loses (-) and wins (+)."""
+    lost, won = curve.changed(setting)
+    return " ".join(sign + kind for sign, kinds in (("-", lost), ("+", won)) for kind in kinds)
+
+
 def verdict(knob, settings, curve):
     """Where the default lies: its total over the least, at each length."""
     says = []
@@ -92,10 +98,10 @@ def stage_section(program, curve):
         for i, (setting, value) in enumerate(settings):
             rows.append([value + (" (default)" if value == knob.default else ""), digits(curve.chain(setting)),
                          interval(curve.loss(setting)), interval(curve.found(setting), True),
-                         interval(curve.right(setting), True), "%.4f" % curve.room_median(setting, "coverage"),
+                         interval(curve.right(setting), True), changed(curve, setting), "%.4f" % curve.room_median(setting, "coverage"),
                          "%.3f" % curve.room_median(setting, "tightness"), *(t[i] for t in totals)])
         lines += ["", f"### {knob.name}" + (f" [{knob.unit}]" if knob.unit else ""), "", *table(
-            ("value", "CPU s", "cost / through the true opening", "right number [%]", "rooms right [%]", "coverage",
+            ("value", "CPU s", "cost / through the true opening", "right number [%]", "rooms right [%]", "rooms lost, won", "coverage",
              "tightness", *(f"total at {r} s" for r in curves.RENDERS)), rows), "", verdict(knob, settings, curve)]
     return lines
 
@@ -194,7 +200,8 @@ throughout. The data: [portals](tradeoff-portals.csv), [rooms](tradeoff-rooms.cs
   veach-ajar and bathroom2-channel the portals of the most accurate settings stand for the true ones; living-room-lamps has no
   opening: there it is what useless portals cost.
 * **right number**: of the runs, where the number of openings is known. **rooms right**: of generated rooms with known openings
-  those with all four marks of [portals.md](portals.md); coverage and tightness are medians.
+  those with all four marks of [portals.md](portals.md); **lost, won**: the kinds of those that are right by the default and
+  wrong by the setting (-), or the other way round (+); coverage and tightness are medians.
 * **total at R s**: the four stages and then a picture as good as R CPU seconds give through the true opening: chain + R x cost /
   that through the true opening; geometric mean. The least in bold. A default is right where its total is the least or near it.
 * A picture's noise is that of few bright paths: of the default's own cost the interval is a factor of [{low}, {high}]. Nearer

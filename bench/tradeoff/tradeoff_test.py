@@ -23,6 +23,7 @@ import figures
 import glb
 import knobs
 import measure
+import page
 import plots
 from error import Reference
 from store import Failed, Store
@@ -130,7 +131,8 @@ def made_up():
                                              ("lightgrid --lines", "2048", 3, 1 if scene == "wide" else 20)):
                 rows.append({"knob": knob, "value": value, "scene": scene, "seed": seed, "chain_cpu": chain, "portals": 1,
                              "relmse": 0.1 * loss * noise, "cpu": 2.0})
-    rooms = [{"knob": "default", "value": "", "verdict": "ok" if i else "MISS", "coverage": 1, "tightness": 1, "cpu": 3}
+    rooms = [{"knob": knob, "value": value, "verdict": "ok" if i != wrong else "MISS", "kind": f"kind{i}", "seed": 1, "coverage": 1,
+              "tightness": 1, "cpu": 3} for knob, value, wrong in (("default", "", 0), ("lightgrid --lines", "512", 4))
              for i in range(10)]
     return curves.PortalCurves(rows, rooms)
 
@@ -153,6 +155,10 @@ class Curves(unittest.TestCase):
         self.assertEqual(right.value, 0.9)
         self.assertTrue(0.5 < right.low < 0.9 < right.high < 1)
         self.assertEqual(curves.wilson(10, 10).high, 1)
+
+    def test_rooms_lost_and_won_are_named(self):
+        self.assertEqual(page.changed(made_up(), ("lightgrid --lines", "512")), "-kind4 +kind0")
+        self.assertEqual(page.changed(made_up(), ("default", "")), "")
 
     def test_finding_pays_from_where_the_gain_has_paid_the_stages(self):
         rows = [{"knob": "integrator", "value": i, "scene": "wide", "spp": 16, "seed": s, "relmse": e, "cpu": 1, "mean": 1}
