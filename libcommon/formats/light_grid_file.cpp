@@ -93,6 +93,13 @@ class In {
   std::FILE* file_;
 };
 
+// Whether each voxel has all three values.
+bool all_voxels(const LightGrid& grid) {
+  size_t n = 1;
+  for (const int side : grid.dim) n *= static_cast<size_t>(side);
+  return grid.count.size() == n && grid.air.size() == n && grid.direction.size() == n;
+}
+
 }  // namespace
 
 LightGrid read_light_grid(const std::string& path) {
@@ -121,7 +128,7 @@ LightGrid read_light_grid(const std::string& path) {
         } catch (const TooShort&) {
           return false;
         }
-        return true;
+        return all_voxels(grid);
       });
   if (!whole) throw InputError(name, "", "is damaged or cut short");
   if (!refused.empty()) throw InputError(refused);

@@ -164,40 +164,38 @@ void check_header(const Imf::Header& header, const std::vector<std::string>& pre
     }
 }
 
-ExrFile read_part(Imf::MultiPartInputFile& file, int index,
-                  const std::vector<std::string>& prefixes, const std::string& name) {
-  const Imf::Header& header = file.header(index);
-  check_header(header, prefixes, name);
-  const Imath::Box2i data = header.dataWindow(), shown = header.displayWindow();
-  const Imath::Box2i both({std::max(data.min.x, shown.min.x), std::max(data.min.y, shown.min.y)},
-                          {std::min(data.max.x, shown.max.x), std::min(data.max.y, shown.max.y)});
-  if (both.isEmpty())
-    throw InputError(name, "data window", "lies outside the display window, expected an overlap");
+// Where a file has pixels of what it shows.
+struct Windows {
+  Imath::Box2i data, shown, both;
+  size_t width, height;  // of what is shown
+  size_t columns;        // of both
 
-  ExrFile result;
-  std::vector<Picture*> pictures;
-  for (const std::string& prefix : prefixes)
-    pictures.push_back(prefix.empty() ? &result.picture
-                                      : &result.layers[prefix.substr(0, prefix.size() - 1)]);
-  const auto width = static_cast<size_t>(extent(shown).x);
-  const auto height = static_cast<size_t>(extent(shown).y);
-  const auto data_width = static_cast<size_t>(extent(data).x);
-  for (Picture* p : pictures) {
-    p->width = static_cast<int>(width);
-    p->height = static_cast<int>(height);
-    p->pixels.resize(width * static_cast<size_t>(both.min.y - shown.min.y));
+  Windows(const Imf::Header& header, const std::string& name)
+      : data(header.dataWindow()),
+        shown(header.displayWindow()),
+        both({std::max(data.min.x, shown.min.x), std::max(data.min.y, shown.min.y)},
+             {std::min(data.max.x, shown.max.x), std::min(data.max.y, shown.max.y)}),
+        width(static_cast<size_t>(extent(shown).x)),
+        height(static_cast<size_t>(extent(shown).y)),
+        columns(static_cast<size_t>(both.max.x - both.min.x + 1)) {
+    if (both.isEmpty())
+      throw InputError(name, "data window", "lies outside the display window, expected an overlap");
   }
+};
 
-  Imf::InputPart part(file, index);
-  const auto columns = static_cast<size_t>(both.max.x - both.min.x + 1);
-  const auto from = static_cast<size_t>(both.min.x - data.min.x);
-  const auto to = static_cast<size_t>(both.min.x - shown.min.x);
+// Appends the rows that both windows have, widened to what is shown, to the pixels of each picture.
+// pictures: of each prefix.
+void read_rows(Imf::InputPart& part, const Windows& w, const std::vector<std::string>& prefixes,
+               const std::vector<Picture*>& pictures) {
+  const auto data_width = static_cast<size_t>(extent(w.data).x);
+  const auto from = static_cast<size_t>(w.both.min.x - w.data.min.x);
+  const auto to = static_cast<size_t>(w.both.min.x - w.shown.min.x);
   std::vector<std::vector<Rgb>> blocks(prefixes.size());
   // Widest first: files of few rows must not pay for 256 of them.
   const int rows_in_block =
       std::max(1, std::min<int>(rows_at_once, static_cast<int>((1 << 22) / data_width)));
-  for (int y = both.min.y; y <= both.max.y; y += rows_in_block) {
-    const int last = std::min(both.max.y, y + rows_in_block - 1);
+  for (int y = w.both.min.y; y <= w.both.max.y; y += rows_in_block) {
+    const int last = std::min(w.both.max.y, y + rows_in_block - 1);
     const auto rows = static_cast<size_t>(last - y + 1);
     Imf::FrameBuffer buffer;
     for (size_t k = 0; k < prefixes.size(); ++k) {
@@ -207,7 +205,7 @@ ExrFile read_part(Imf::MultiPartInputFile& file, int index,
       for (int c = 0; c < 3; ++c)
         buffer.insert(prefixes[k] + channel[c],
                       Imf::Slice::Make(Imf::FLOAT, first[c],
-                                       Imath::Box2i({data.min.x, y}, {data.max.x, last}),
+                                       Imath::Box2i({w.data.min.x, y}, {w.data.max.x, last}),
                                        sizeof(Rgb), sizeof(Rgb) * data_width));
     }
     part.setFrameBuffer(buffer);
@@ -217,14 +215,33 @@ ExrFile read_part(Imf::MultiPartInputFile& file, int index,
       for (size_t row = 0; row < rows; ++row) {
         pixels.resize(pixels.size() + to);
         const Rgb* source = blocks[k].data() + row * data_width + from;
-        pixels.insert(pixels.end(), source, source + columns);
-        pixels.resize(pixels.size() + (width - to - columns));
+        pixels.insert(pixels.end(), source, source + w.columns);
+        pixels.resize(pixels.size() + (w.width - to - w.columns));
       }
     }
   }
-  for (Picture* p : pictures) p->pixels.resize(width * height);
-  const auto covered = columns * static_cast<size_t>(both.max.y - both.min.y + 1);
-  result.pixels_without_data = static_cast<int64_t>(width * height - covered);
+}
+
+ExrFile read_part(Imf::MultiPartInputFile& file, int index,
+                  const std::vector<std::string>& prefixes, const std::string& name) {
+  const Imf::Header& header = file.header(index);
+  check_header(header, prefixes, name);
+  const Windows w(header, name);
+  ExrFile result;
+  std::vector<Picture*> pictures;
+  for (const std::string& prefix : prefixes) {
+    Picture& p =
+        prefix.empty() ? result.picture : result.layers[prefix.substr(0, prefix.size() - 1)];
+    p.width = static_cast<int>(w.width);
+    p.height = static_cast<int>(w.height);
+    p.pixels.resize(w.width * static_cast<size_t>(w.both.min.y - w.shown.min.y));
+    pictures.push_back(&p);
+  }
+  Imf::InputPart part(file, index);
+  read_rows(part, w, prefixes, pictures);
+  for (Picture* p : pictures) p->pixels.resize(w.width * w.height);
+  const auto covered = w.columns * static_cast<size_t>(w.both.max.y - w.both.min.y + 1);
+  result.pixels_without_data = static_cast<int64_t>(w.width * w.height - covered);
   for (auto a = header.begin(); a != header.end(); ++a) {
     const std::string key = a.name();
     if (key == "type" || key == "name") continue;  // of the part, not of the picture

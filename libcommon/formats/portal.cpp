@@ -162,97 +162,122 @@ PortalFile read_portals(const std::string& path) {
   return Reader(document).read();
 }
 
-std::string portal_bytes(const PortalFile& file) {
-  Json root;
-  root["asset"] = {{"version", "2.0"}, {"generator", "tdpt " TDPT_VERSION}};
-  Json& extras = root["asset"]["extras"];
-  extras["scene_hash"] = file.scene_hash;
-  if (!file.provenance.empty()) extras["provenance"] = file.provenance.lines;
-  root["scene"] = 0;
-  root["scenes"] = Json::array({{{"name", "portals"}}});
+namespace {
 
-  std::string bin;
-  const auto add_view = [&](size_t offset, int target) {
-    root["bufferViews"].push_back({{"buffer", 0},
-                                   {"byteOffset", offset},
-                                   {"byteLength", bin.size() - offset},
-                                   {"target", target}});
-    return root["bufferViews"].size() - 1;
-  };
-  for (size_t n = 0; n < file.portals.size(); ++n) {
-    const Portal& portal = file.portals[n];
+// Portals as glTF: a node, a mesh and two accessors each, in one buffer.
+class Writer {
+ public:
+  explicit Writer(const PortalFile& file) {
+    root_["asset"] = {{"version", "2.0"}, {"generator", "tdpt " TDPT_VERSION}};
+    Json& extras = root_["asset"]["extras"];
+    extras["scene_hash"] = file.scene_hash;
+    if (!file.provenance.empty()) extras["provenance"] = file.provenance.lines;
+    root_["scene"] = 0;
+    root_["scenes"] = Json::array({{{"name", "portals"}}});
+    for (size_t n = 0; n < file.portals.size(); ++n) add(n, file.portals[n]);
+    if (file.portals.empty()) return;
+    const auto both_ways = [](const Portal& p) { return p.both_ways; };
+    add_materials(std::any_of(file.portals.begin(), file.portals.end(), both_ways));
+    root_["buffers"] = Json::array({{{"byteLength", bin_.size()}}});
+  }
+
+  std::string glb() const {
+    std::string text = root_.dump(-1, ' ', false, Json::error_handler_t::replace);
+    text.resize((text.size() + 3) / 4 * 4, ' ');
+    std::string out;
+    const auto put = [&](size_t v) { append(out, static_cast<uint32_t>(v)); };
+    put(kGlbMagic), put(2), put(12 + 8 + text.size() + (bin_.empty() ? 0 : 8 + bin_.size()));
+    put(text.size()), put(kJsonChunk);
+    out += text;
+    if (!bin_.empty()) {
+      put(bin_.size()), put(kBinChunk);
+      out += bin_;
+    }
+    return out;
+  }
+
+ private:
+  template <class T>
+  static void append(std::string& bytes, const T& value) {
+    bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+  }
+
+  void add(size_t n, const Portal& portal) {
     // Floats are relative to the first vertex, which the node carries in full precision: a portal
     // far from the origin stays planar.
-    const Vec3d centre = portal.vertices.empty() ? Vec3d{} : portal.vertices[0];
+    const Vec3d origin = portal.vertices.empty() ? Vec3d{} : portal.vertices[0];
+    add_positions(portal, origin);
+    add_indices(portal);
+    const std::string name = fmt::format("portal.{}", n);
+    Json primitive = {{"attributes", {{"POSITION", 2 * n}}},
+                      {"indices", 2 * n + 1},
+                      {"material", portal.both_ways ? 1 : 0}};
+    root_["meshes"].push_back({{"name", name}, {"primitives", Json::array({primitive})}});
+    Json node = {{"name", name}, {"mesh", n}, {"translation", {origin.x, origin.y, origin.z}}};
+    for (const auto& [key, value] : portal.figures)
+      if (std::isfinite(value)) node["extras"][key] = value;
+    root_["nodes"].push_back(node);
+    root_["scenes"][0]["nodes"].push_back(n);
+  }
+
+  void add_positions(const Portal& portal, const Vec3d& origin) {
     std::array<float, 3> low, high;
     low.fill(std::numeric_limits<float>::infinity());
     high.fill(-std::numeric_limits<float>::infinity());
-    const size_t first = bin.size();
+    const size_t first = bin_.size();
     for (const Vec3d& v : portal.vertices)
-      for (int c = 0; c < 3; ++c) {
-        const auto f = static_cast<float>((v - centre)[c]);
-        low[static_cast<size_t>(c)] = std::min(low[static_cast<size_t>(c)], f);
-        high[static_cast<size_t>(c)] = std::max(high[static_cast<size_t>(c)], f);
-        bin.append(reinterpret_cast<const char*>(&f), sizeof f);
+      for (size_t c = 0; c < 3; ++c) {
+        const auto f = static_cast<float>((v - origin)[static_cast<int>(c)]);
+        low[c] = std::min(low[c], f);
+        high[c] = std::max(high[c], f);
+        append(bin_, f);
       }
-    const size_t position_view = add_view(first, 34962);
-    const size_t second = bin.size();
-    for (const auto& t : portal.triangles)
-      for (const uint32_t v : t) bin.append(reinterpret_cast<const char*>(&v), sizeof v);
-    const size_t index_view = add_view(second, 34963);
-
-    const size_t accessor = 2 * n;
-    root["accessors"].push_back({{"bufferView", position_view},
-                                 {"componentType", 5126},
-                                 {"count", portal.vertices.size()},
-                                 {"type", "VEC3"},
-                                 {"min", low},
-                                 {"max", high}});
-    root["accessors"].push_back({{"bufferView", index_view},
-                                 {"componentType", 5125},
-                                 {"count", 3 * portal.triangles.size()},
-                                 {"type", "SCALAR"}});
-    const std::string name = fmt::format("portal.{}", n);
-    Json primitive = {{"attributes", {{"POSITION", accessor}}},
-                      {"indices", accessor + 1},
-                      {"material", portal.both_ways ? 1 : 0}};
-    root["meshes"].push_back({{"name", name}, {"primitives", Json::array({primitive})}});
-    Json node = {{"name", name}, {"mesh", n}, {"translation", {centre.x, centre.y, centre.z}}};
-    for (const auto& [key, value] : portal.figures)
-      if (std::isfinite(value)) node["extras"][key] = value;
-    root["nodes"].push_back(node);
-    root["scenes"][0]["nodes"].push_back(n);
+    root_["accessors"].push_back({{"bufferView", view(first, 34962)},
+                                  {"componentType", 5126},
+                                  {"count", portal.vertices.size()},
+                                  {"type", "VEC3"},
+                                  {"min", low},
+                                  {"max", high}});
   }
-  if (!file.portals.empty()) {
-    // One to pass along the normal; another, where it is used, to pass both ways.
+
+  void add_indices(const Portal& portal) {
+    const size_t first = bin_.size();
+    for (const auto& t : portal.triangles)
+      for (const uint32_t v : t) append(bin_, v);
+    root_["accessors"].push_back({{"bufferView", view(first, 34963)},
+                                  {"componentType", 5125},
+                                  {"count", 3 * portal.triangles.size()},
+                                  {"type", "SCALAR"}});
+  }
+
+  // One to pass along the normal; another, where it is used, to pass both ways.
+  void add_materials(bool both_ways) {
     Json material = {{"name", "portal"},
                      {"alphaMode", "BLEND"},
                      {"pbrMetallicRoughness",
                       {{"baseColorFactor", {1.0, 0.5, 0.1, 0.4}}, {"metallicFactor", 0.0}}}};
-    root["materials"].push_back(material);
+    root_["materials"].push_back(material);
     material["doubleSided"] = true;
-    if (std::any_of(file.portals.begin(), file.portals.end(),
-                    [](const Portal& p) { return p.both_ways; }))
-      root["materials"].push_back(material);
-    root["buffers"] = Json::array({{{"byteLength", bin.size()}}});
+    if (both_ways) root_["materials"].push_back(material);
   }
 
-  std::string text = root.dump(-1, ' ', false, Json::error_handler_t::replace);
-  text.resize((text.size() + 3) / 4 * 4, ' ');
-  std::string glb;
-  const auto put = [&](uint32_t v) { glb.append(reinterpret_cast<const char*>(&v), sizeof v); };
-  put(kGlbMagic);
-  put(2);
-  put(static_cast<uint32_t>(12 + 8 + text.size() + (bin.empty() ? 0 : 8 + bin.size())));
-  put(static_cast<uint32_t>(text.size()));
-  put(kJsonChunk);
-  glb += text;
-  if (!bin.empty()) {
-    put(static_cast<uint32_t>(bin.size()));
-    put(kBinChunk);
-    glb += bin;
+  // Of what the buffer has from `first` on.
+  size_t view(size_t first, int target) {
+    root_["bufferViews"].push_back({{"buffer", 0},
+                                    {"byteOffset", first},
+                                    {"byteLength", bin_.size() - first},
+                                    {"target", target}});
+    return root_["bufferViews"].size() - 1;
   }
-  return glb;
+
+  Json root_;
+  std::string bin_;
+};
+
+}  // namespace
+
+std::string portal_bytes(const PortalFile& file) {
+  return Writer(file).glb();
 }
 
 }  // namespace tdpt
