@@ -213,8 +213,9 @@ throughout. The data: [portals](tradeoff-portals.csv), [rooms](tradeoff-rooms.cs
 The values that do better than the default, if only by chance, and the default's total over theirs (of the renderer's knobs: its
 cost).
 
-Most of these scenes are bare rooms, which would do with less: `--quality draft`. Others keep the defaults where they are: a
-furnished one, whose cut fewer walks tell wrong, and a deep one under a sky, whose mouth coarser voxels lose (`pipeline_test`).
+Most of these scenes are bare rooms, which would do with less: `--quality draft`. Others keep the defaults where they are, and no
+mean over scenes shows them: the furnished room without an opening, where settings beside the default find a useless portal
+(grey lines of the plots; no right number), and rooms that are lost, a deep one under a sky first.
 """,
     "integrators": """## tdpt-render
 
