@@ -15,7 +15,8 @@ def settings_of(curves, knob):
     return found
 
 
-RATIOS = "0.2, 0.5, 0.7, 1, 1.5, 2, 3, 5, 10, 20, 50, 100"
+FEW_RATIOS = "0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10"
+RATIOS = "0.2, 0.3, 0.5, 0.7, 1, 1.5, 2, 3, 5, 10, 20, 50, 100"
 
 
 def labels(block):
@@ -27,18 +28,26 @@ def labels(block):
 
 
 def stage(curves, program):
-    """For each knob two panels: what pictures through its portals cost, and the rooms that are right, against time."""
+    """For each knob two panels: what pictures through its portals cost, and the rooms that are right, against time over that
+    of the default."""
+    default = ("default", "")
+
+    def chain(setting, scene=None):
+        return curves.chain(setting, scene) / curves.chain(default, scene)
+
     figure = plots.Figure(4)
     for knob in knobs.KNOBS:
         settings = settings_of(curves, knob) if knob.program == program else []
         if not settings:
             continue
         loss = {s: curves.loss(s) for s, _ in settings}
-        each = [[(curves.chain(s, scene), curves.loss(s, [scene]).value) for s, _ in settings] for scene in curves.scenes]
+        each = [[(chain(s, scene), curves.loss(s, [scene]).value) for s, _ in settings] for scene in curves.scenes]
         every = [point for points in each for point in points]
-        across = "set xtics (0.2, 0.5, 1, 2, 5, 10, 20, 50); set xrange " + plots.span([x for x, _ in every], 1, 20)
-        costs = [(curves.chain(s), loss[s].value, loss[s].low, loss[s].high, '"%s"' % plots.short(v)) for s, v in settings]
-        rooms = [(curves.room_cpu(s), *(100 * x for x in (e.value, e.low, e.high)), '"%s"' % plots.short(v))
+        times = [x for x, _ in every]
+        wide = max(times) > 6 * min(times)
+        across = f"set xtics ({FEW_RATIOS if wide else RATIOS}); set xrange " + plots.span(times, 0.8, 1.25)
+        costs = [(chain(s), loss[s].value, loss[s].low, loss[s].high, '"%s"' % plots.short(v)) for s, v in settings]
+        rooms = [(curves.room_cpu(s) / curves.room_cpu(default), *(100 * x for x in (e.value, e.low, e.high)), '"%s"' % plots.short(v))
                  for s, v in settings for e in (curves.right(s),)]
         here = [value for _, value in settings].index(knob.default)
         for words, y, points, lines, ranges in (
@@ -46,7 +55,7 @@ def stage(curves, program):
                  (LOG["xy"], f"set ytics ({RATIOS}); set yrange " + plots.span([y for _, y in every], 0.7, 3))),
                 ("rooms", "rooms right [%]", rooms, [], (LOG["x"], "set yrange [0:119]"))):
             block = figure.block(points)
-            figure.panel(f"{knob.name}: {words}", "CPU seconds of the four stages", y,
+            figure.panel(f"{knob.name}: {words}", "time of the four stages / at the default", y,
                          [*lines, *plots.bars(block, 0, 2, not knob.words), plots.ring(figure.block([points[here][:2]])),
                           *labels(block)], (*ranges, across))
     return figure

@@ -18,7 +18,7 @@ DEFAULT, TRUE = ("default", ""), ("true", "")
 def digits(x):
     if x is None or not math.isfinite(x):
         return "-"
-    return "%.2f" % x if x < 9.95 else "%.1f" % x if x < 99.5 else "%.3g" % x
+    return "%.2f" % x if x < 9.95 else "%.1f" % x if x < 99.5 else "%.0f" % x
 
 
 def interval(e, percent=False):
@@ -45,8 +45,8 @@ def bold_least(values):
 
 def changed(curve, setting):
     """The kinds of rooms that a setting loses (-) and wins (+)."""
-    lost, won = curve.changed(setting)
-    return " ".join(sign + kind for sign, kinds in (("-", lost), ("+", won)) for kind in kinds)
+    return ", ".join(f"{sign}{kinds.count(kind)} {kind}" for sign, kinds in zip("-+", curve.changed(setting))
+                     for kind in dict.fromkeys(kinds))
 
 
 def verdict(knob, settings, curve):
@@ -213,9 +213,9 @@ throughout. The data: [portals](tradeoff-portals.csv), [rooms](tradeoff-rooms.cs
 The values that do better than the default, if only by chance, and the default's total over theirs (of the renderer's knobs: its
 cost).
 
-Most of these scenes are bare rooms, which would do with less: `--quality draft`. Others keep the defaults where they are, and no
-mean over scenes shows them: the furnished room without an opening, where settings beside the default find a useless portal
-(grey lines of the plots; no right number), and rooms that are lost, a deep one under a sky first.
+Most of these scenes are bare rooms, which would do with less: `--quality draft`. What keeps the defaults where they are stands in
+no mean: a furnished room without an opening, where settings beside the default find a useless portal (the right number is below
+100 %), and rooms that a setting loses. A room that cheaper and dearer settings lose alike stands at an edge and tells nothing.
 """,
     "integrators": """## tdpt-render
 

@@ -64,10 +64,11 @@ class Figure:
                             "plot [1:2] [1:2] " + ", ".join(plots)])
 
     def script(self, output):
-        lines = -(-len(self.panels) // self.columns)
+        columns = min(self.columns, len(self.panels))
+        lines = -(-len(self.panels) // columns)
         head = ['set terminal pngcairo size %d,%d font "sans-serif,12" background "white"' %
-                (self.columns * self.width, lines * self.height), "set output %s" % quoted(output),
-                "set multiplot layout %d,%d" % (lines, self.columns)]
+                (columns * self.width, lines * self.height), "set output %s" % quoted(output),
+                "set multiplot layout %d,%d" % (lines, columns)]
         common = ['set grid lc rgb "#dddddd" lt 1 lw 0.5', "set border lw 1", "set key off", "set pointsize 1.1", "set bars 0.6",
                   "set lmargin 9", "set rmargin 2", "set tmargin 2.2", "set bmargin 3.5", "set format x \"%g\"",
                   "set format y \"%g\""]

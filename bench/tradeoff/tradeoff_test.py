@@ -157,7 +157,7 @@ class Curves(unittest.TestCase):
         self.assertEqual(curves.wilson(10, 10).high, 1)
 
     def test_rooms_lost_and_won_are_named(self):
-        self.assertEqual(page.changed(made_up(), ("lightgrid --lines", "512")), "-kind4 +kind0")
+        self.assertEqual(page.changed(made_up(), ("lightgrid --lines", "512")), "-1 kind4, +1 kind0")
         self.assertEqual(page.changed(made_up(), ("default", "")), "")
 
     def test_finding_pays_from_where_the_gain_has_paid_the_stages(self):
