@@ -112,6 +112,8 @@ TEST(dimacs, says_what_is_wrong_and_where) {
       {p + arcs, "(accepted)"},
       {"", " no 'p max' line, expected a DIMACS maximum-flow problem"},
       {"x\n", "line 1: 'x' at the start of the line, expected one of c, p, n, a"},
+      {p + arcs + "c from " + std::string(5000, 'x') + std::string(1, '\0') + "\n",
+       " is a binary file, expected a DIMACS maximum-flow problem such as ffgraph writes"},
       {p + "p max 4 2\n", "line 4: a second 'p' line, expected one"},
       {"p min 4 2\n", "line 1: 'min' as problem, expected max"},
       {"p max 1 2\n",
