@@ -25,8 +25,6 @@ def labels(block):
             for first, side, offset in ((0, "left", "0.3,0.7"), (1, "right", "-0.3,-0.7"))]
 
 
-
-
 def stage(curves, program):
     """For each knob two panels: what pictures through its portals cost, and the rooms that are right, against time over that
     of the default."""

@@ -1,3 +1,4 @@
+// A fork, whose copy writes into a pipe; what it returned counts only if it ended as it should.
 #include "libcommon/base/another_process.h"
 
 #include <cerrno>
@@ -16,9 +17,9 @@
 namespace tdpt {
 namespace {
 
-[[noreturn]] void fail() {
+[[noreturn]] void fail(int error) {
   throw Error(Exit::internal,
-              std::string("no other process can be started: ") + std::strerror(errno));
+              std::string("no other process can be started: ") + std::strerror(error));
 }
 
 // Never returns. What the program had to write stays with it: _exit() flushes nothing.
@@ -41,8 +42,9 @@ namespace {
 bool in_another_process(const std::function<void(std::FILE*)>& work,
                         const std::function<bool(std::FILE*)>& take) {
   int ends[2];
-  if (::pipe2(ends, O_CLOEXEC) != 0) fail();
+  if (::pipe2(ends, O_CLOEXEC) != 0) fail(errno);
   const pid_t child = ::fork();
+  const int error_of_fork = errno;
   if (child == 0) {
     ::close(ends[0]);
     run(work, ends[1]);
@@ -50,7 +52,7 @@ bool in_another_process(const std::function<void(std::FILE*)>& work,
   ::close(ends[1]);
   if (child < 0) {
     ::close(ends[0]);
-    fail();
+    fail(error_of_fork);
   }
   std::FILE* const in = ::fdopen(ends[0], "rb");
   bool taken = false;
@@ -60,7 +62,10 @@ bool in_another_process(const std::function<void(std::FILE*)>& work,
   } catch (...) {
     error = std::current_exception();
   }
-  if (in) std::fclose(in);
+  if (in)
+    std::fclose(in);
+  else
+    ::close(ends[0]);
   int status = 0;
   while (::waitpid(child, &status, 0) < 0 && errno == EINTR) continue;
   if (error) std::rethrow_exception(error);

@@ -29,26 +29,28 @@ class Out {
   explicit Out(std::FILE* file) : file_(file) {}
 
   template <class T>
-  void operator()(const T& value) const {
+  void put(const T& value) const {
     static_assert(std::is_trivially_copyable_v<T>);
-    bytes(&value, sizeof value);
+    put_bytes(&value, sizeof value);
   }
   template <class T>
-  void operator()(const std::vector<T>& values) const {
-    (*this)(values.size());
-    if constexpr (std::is_trivially_copyable_v<T>)
-      bytes(values.data(), values.size() * sizeof(T));
-    else
-      for (const T& value : values) (*this)(value);
+  void put(const std::vector<T>& values) const {
+    static_assert(std::is_trivially_copyable_v<T>);
+    put(values.size());
+    put_bytes(values.data(), values.size() * sizeof(T));
   }
-  void operator()(const std::string& text) const {
-    (*this)(text.size());
-    bytes(text.data(), text.size());
+  void put(const std::string& text) const {
+    put(text.size());
+    put_bytes(text.data(), text.size());
+  }
+  void put(const std::vector<std::string>& texts) const {
+    put(texts.size());
+    for (const std::string& text : texts) put(text);
   }
 
  private:
   // What does not get through is missed at the other end.
-  void bytes(const void* data, size_t size) const { std::fwrite(data, 1, size, file_); }
+  void put_bytes(const void* data, size_t size) const { std::fwrite(data, 1, size, file_); }
 
   std::FILE* file_;
 };
@@ -62,31 +64,33 @@ class In {
   explicit In(std::FILE* file) : file_(file) {}
 
   template <class T>
-  void operator()(T& value) const {
+  void get(T& value) const {
     static_assert(std::is_trivially_copyable_v<T>);
-    bytes(&value, sizeof value);
+    get_bytes(&value, sizeof value);
   }
   template <class T>
-  void operator()(std::vector<T>& values) const {
+  void get(std::vector<T>& values) const {
+    static_assert(std::is_trivially_copyable_v<T>);
     values.resize(length());
-    if constexpr (std::is_trivially_copyable_v<T>)
-      bytes(values.data(), values.size() * sizeof(T));
-    else
-      for (T& value : values) (*this)(value);
+    get_bytes(values.data(), values.size() * sizeof(T));
   }
-  void operator()(std::string& text) const {
+  void get(std::string& text) const {
     text.resize(length());
-    bytes(text.data(), text.size());
+    get_bytes(text.data(), text.size());
+  }
+  void get(std::vector<std::string>& texts) const {
+    texts.resize(length());
+    for (std::string& text : texts) get(text);
   }
 
  private:
   size_t length() const {
     size_t n = 0;
-    (*this)(n);
+    get(n);
     if (n > kMostVoxels) throw TooShort();
     return n;
   }
-  void bytes(void* data, size_t size) const {
+  void get_bytes(void* data, size_t size) const {
     if (std::fread(data, 1, size, file_) != size) throw TooShort();
   }
 
@@ -117,14 +121,14 @@ LightGrid read_light_grid(const std::string& path) {
         } catch (const InputError& e) {
           message = e.what();
         }
-        out(message);
-        each_field(read, out);
+        out.put(message);
+        each_field(read, [&](const auto& field) { out.put(field); });
       },
       [&](std::FILE* file) {
         try {
           const In in(file);
-          in(refused);
-          each_field(grid, in);
+          in.get(refused);
+          each_field(grid, [&](auto& field) { in.get(field); });
         } catch (const TooShort&) {
           return false;
         }

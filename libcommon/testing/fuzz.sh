@@ -1,8 +1,9 @@
 #!/bin/sh
 # fuzz.sh BIN TESTDATA WORK [TARGET ...]: runs libFuzzer's targets BIN/TARGET_fuzz, all of them if none is named, each
-# for FUZZ_SECONDS (60), and then again, ROUNDS (1) times at most, until a round brings no new edge. Inputs: TESTDATA/fuzz/TARGET and the files of its format elsewhere in TESTDATA; what brings new edges
-# stays in WORK/corpus/TARGET, what breaks a target in WORK/findings, and then the exit code is 1.
-# A line for each: its edges, runs and inputs, and how many edges the last round brought.
+# for FUZZ_SECONDS (60), and then again, ROUNDS (1) times at most, until a round brings no new edge. Inputs:
+# TESTDATA/fuzz/TARGET and the files of its format elsewhere in TESTDATA; what brings new edges stays in
+# WORK/corpus/TARGET, what breaks a target in WORK/findings, and then the exit code is 1.
+# A line for each: its edges, runs and inputs, and how many edges were new in the last round.
 # MERGE=1 makes TESTDATA/fuzz/TARGET anew instead: the fewest inputs that have all edges, each of 4 KiB at most, and those
 # named found-*.
 set -u
@@ -69,7 +70,7 @@ for target in "$@"; do
     ASAN_OPTIONS=$asan "$bin/${target}_fuzz" -max_total_time="$seconds" -max_len=65536 $limits -print_final_stats=1 \
       -artifact_prefix="$work/findings/$target-" "$corpus" "$stored" $seeds >"$log" 2>&1
     status=$?
-    # shellcheck disable=SC2046 # three numbers
+    # shellcheck disable=SC2046 # four numbers
     set_round $(awk '
       / cov: / { for (i = 1; i < NF; ++i) { if ($i == "cov:") cov = $(i + 1); if ($i == "corp:") split($(i + 1), corp, "/") } }
       $2 == "INITED" { first = cov }
@@ -77,7 +78,7 @@ for target in "$@"; do
       END { print cov + 0, cov - first, runs + 0, corp[1] + 0 }' "$log")
     [ "$status" = 0 ] || break
   done
-  printf '%-12s %6d edges %10d runs %6d inputs, %d edges in the last of %s, %s s each%s\n' "$target" "$edges" "$runs" "$inputs" \
+  printf '%-12s %6d edges %10d runs %6d inputs, %d new in the last of %s, %s s each%s\n' "$target" "$edges" "$runs" "$inputs" \
     "$brought" "$round round$([ "$round" = 1 ] || echo s)" "$seconds" "$([ "$status" = 0 ] || echo "  FOUND SOMETHING")"
   [ "$status" = 0 ] || { failed=1; grep -aE 'ERROR|runtime error|broken promise|artifact|Test unit' "$log" | head -5; }
 done

@@ -52,6 +52,6 @@ learns() {
   said=$(ROUNDS=$1 sh "$here/fuzz.sh" "$work/bin" "$work/testdata" "$work/work" learns)
   [ "$said" = "$2" ] || { echo "ROUNDS=$1: $said"; failed=1; }
 }
-learns 1 "learns            1 edges        100 runs      2 inputs, 1 edges in the last of 1 round, 60 s each"
-learns 9 "learns            2 edges        300 runs      1 inputs, 0 edges in the last of 3 rounds, 60 s each"
+learns 1 "learns            1 edges        100 runs      2 inputs, 1 new in the last of 1 round, 60 s each"
+learns 9 "learns            2 edges        300 runs      1 inputs, 0 new in the last of 3 rounds, 60 s each"
 exit $failed
