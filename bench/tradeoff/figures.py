@@ -16,6 +16,7 @@ def settings_of(curves, knob):
 
 
 FEW_RATIOS = "0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10"
+TIMELESS = 1.05  # between the least and the most time of a knob's values
 RATIOS = "0.2, 0.3, 0.5, 0.7, 1, 1.5, 2, 3, 5, 10, 20, 50, 100"
 
 
@@ -27,11 +28,8 @@ def labels(block):
 
 def stage(curves, program):
     """For each knob two panels: what pictures through its portals cost, and the rooms that are right, against time over that
-    of the default."""
+    of the default; of a knob that costs no time, against its values."""
     default = ("default", "")
-
-    def chain(setting, scene=None):
-        return curves.chain(setting, scene) / curves.chain(default, scene)
 
     figure = plots.Figure(4)
     for knob in knobs.KNOBS:
@@ -39,23 +37,35 @@ def stage(curves, program):
         if not settings:
             continue
         loss = {s: curves.loss(s) for s, _ in settings}
+        places = {s: i for i, (s, _) in enumerate(settings)}
+        seconds = [curves.chain(s) for s, _ in settings]
+        timeless = max(seconds) < TIMELESS * min(seconds)
+
+        def over(time, setting):
+            return places[setting] if timeless else time(setting) / time(default)
+
+        def chain(setting, scene=None):
+            return over(lambda s: curves.chain(s, scene), setting)
+
         each = [[(chain(s, scene), curves.loss(s, [scene]).value) for s, _ in settings] for scene in curves.scenes]
         every = [point for points in each for point in points]
         times = [x for x, _ in every]
-        wide = max(times) > 6 * min(times)
-        across = f"set xtics ({FEW_RATIOS if wide else RATIOS}); set xrange " + plots.span(times, 0.8, 1.25)
+        wide = not timeless and max(times) > 6 * min(times)
+        across = (f"set xtics ({FEW_RATIOS if wide else RATIOS}); set logscale x; set xrange " + plots.span(times, 0.8, 1.25)
+                  if not timeless else "set xtics (%s); set xrange [-0.5:%g]" % (
+                      ", ".join('"%s" %d' % (plots.short(v), i) for i, (_, v) in enumerate(settings)), len(settings) - 0.5))
         costs = [(chain(s), loss[s].value, loss[s].low, loss[s].high, '"%s"' % plots.short(v)) for s, v in settings]
-        rooms = [(curves.room_cpu(s) / curves.room_cpu(default), *(100 * x for x in (e.value, e.low, e.high)), '"%s"' % plots.short(v))
+        rooms = [(over(curves.room_cpu, s), *(100 * x for x in (e.value, e.low, e.high)), '"%s"' % plots.short(v))
                  for s, v in settings for e in (curves.right(s),)]
         here = [value for _, value in settings].index(knob.default)
         for words, y, points, lines, ranges in (
                 ("pictures", "cost / through the true opening", costs, [plots.thin(figure.block(p)) for p in each],
-                 (LOG["xy"], f"set ytics ({RATIOS}); set yrange " + plots.span([y for _, y in every], 0.7, 3))),
-                ("rooms", "rooms right [%]", rooms, [], (LOG["x"], "set yrange [0:119]"))):
+                 (LOG["y"], f"set ytics ({RATIOS}); set yrange " + plots.span([y for _, y in every], 0.7, 3))),
+                ("rooms", "rooms right [%]", rooms, [], ("set yrange [0:119]",))):
             block = figure.block(points)
-            figure.panel(f"{knob.name}: {words}", "time of the four stages / at the default", y,
+            figure.panel(f"{knob.name}: {words}", knob.unit or "value" if timeless else "time of the four stages / at the default", y,
                          [*lines, *plots.bars(block, 0, 2, not knob.words), plots.ring(figure.block([points[here][:2]])),
-                          *labels(block)], (*ranges, across))
+                          *([] if timeless else labels(block))], (*ranges, across))
     return figure
 
 

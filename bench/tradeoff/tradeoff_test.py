@@ -174,6 +174,15 @@ class Curves(unittest.TestCase):
         self.assertIn("lightgrid --lines: rooms", text)
         self.assertEqual(plots.number(float("nan")), "NaN")
 
+    def test_knobs_that_cost_no_time_stand_by_their_values(self):
+        rows = [{"knob": k, "value": v, "scene": "wide", "seed": n, "chain_cpu": 4, "portals": 1, "relmse": 0.1 * n, "cpu": 2.0}
+                for k, v in (("true", ""), ("default", ""), ("portalfit --max-portals", "1")) for n in (1, 2)]
+        rooms = [{"knob": "default", "value": "", "verdict": "ok", "kind": "a", "seed": 1, "cpu": 3}]
+        script = figures.stage(curves.PortalCurves(rows, rooms), "portalfit").script("x.png")
+        self.assertIn('set xtics ("1" 0, "8" 1)', script)
+        self.assertIn("portals at most", script)
+        self.assertNotIn('set xtics ("', figures.stage(made_up(), "lightgrid").script("x.png"))
+
     def test_paths_keep_their_underscores_and_titles_show_them(self):
         figure = plots.Figure(1)
         figure.panel("a_b", "x", "y", [])
