@@ -23,8 +23,9 @@ BEGIN {
   before["math"] = " base "
   before["scene"] = " base cli math "
   before["formats"] = before["trace"] = before["gpu"] = " base cli math scene "
+  before["film"] = " base cli math scene formats "
   before["draw"] = " base cli math scene formats trace "
-  before["testing"] = " base cli math scene formats trace gpu draw "
+  before["testing"] = " base cli math scene formats trace gpu film draw "
   # What is included -> where that may stand.
   home["^tiny_gltf"] = "^libcommon/(scene|testing)/|^libcommon/formats/portal"
   home["^embree"] = "^libcommon/trace/"

@@ -36,6 +36,40 @@ int make_temporary(const std::string& path, std::string& name) {
   return ::mkostemp(name.data(), O_CLOEXEC);
 }
 
+std::string folder_of(const std::string& path) {
+  const size_t slash = path.find_last_of('/');
+  return slash == std::string::npos ? "." : slash == 0 ? "/" : path.substr(0, slash);
+}
+
+// A file without a name in the folder of `path`, which goes with its process, however that ends;
+// below 0 where the file system has none, or there is no way to name it.
+int make_nameless(const std::string& path) {
+  if (::access("/proc/self/fd", X_OK) != 0) return -1;
+  return ::open(folder_of(path).c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0600);
+}
+
+// Gives it a name in that folder that no file has.
+bool name_temporarily(int fd, const std::string& path, std::string& name) {
+  const std::string from = "/proc/self/fd/" + std::to_string(fd);
+  for (unsigned i = 0; i < 1000; ++i) {
+    name = path.substr(0, path.find_last_of('/') + 1) + ".tdpt-" + std::to_string(::getpid()) +
+           "-" + std::to_string(i);
+    if (::linkat(AT_FDCWD, from.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) == 0)
+      return true;
+    if (errno != EEXIST) break;
+  }
+  name.clear();
+  return false;
+}
+
+// After it, names that files were given there outlive a power cut. Not every file system can.
+void sync_folder(const std::string& folder) {
+  const int fd = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (fd < 0) return;
+  (void)::fsync(fd);
+  ::close(fd);
+}
+
 // What a symbolic link points to is replaced, not the link.
 std::string follow_link(const std::string& path) {
   struct stat info {};
@@ -71,7 +105,7 @@ void write_stream(const std::string& path, std::string_view bytes) {
   if (!ok) throw OutputError(path, why);
 }
 
-// A file on disk under a temporary name, removed unless it gets its own.
+// A file on disk without its name, or under a temporary one; removed unless it gets its own.
 class Staged {
  public:
   Staged(const std::string& given, std::string_view bytes) : path_(follow_link(given)) {
@@ -80,37 +114,45 @@ class Staged {
     if (exists && S_ISDIR(info.st_mode))
       throw OutputError(path_, "is a folder, expected a file name");
     if (exists) refuse_read_only(path_, info);
-    std::string temporary;
-    const int fd = make_temporary(path_, temporary);
-    if (fd < 0) throw OutputError(path_, reason("cannot be created"));
-    temporary_ = temporary;
+    fd_ = make_nameless(path_);
+    if (fd_ < 0) fd_ = make_temporary(path_, temporary_);
+    if (fd_ < 0) {
+      temporary_.clear();
+      throw OutputError(path_, reason("cannot be created"));
+    }
     const mode_t mask = ::umask(0);
     ::umask(mask);
     std::string why;
-    if (!write_all(fd, bytes) || ::fsync(fd) != 0) why = reason("cannot be written");
-    if (why.empty() && ::fchmod(fd, exists ? info.st_mode & 0777 : 0666 & ~mask) != 0)
+    if (!write_all(fd_, bytes) || ::fsync(fd_) != 0) why = reason("cannot be written");
+    if (why.empty() && ::fchmod(fd_, exists ? info.st_mode & 0777 : 0666 & ~mask) != 0)
       why = reason("cannot set permissions");
-    ::close(fd);
     if (why.empty()) return;
     remove();  // the destructor of what was not made is not called
     throw OutputError(path_, why);
   }
   Staged(Staged&& other) noexcept
-      : path_(std::move(other.path_)), temporary_(std::exchange(other.temporary_, {})) {}
+      : path_(std::move(other.path_)),
+        temporary_(std::exchange(other.temporary_, {})),
+        fd_(std::exchange(other.fd_, -1)) {}
   ~Staged() { remove(); }
 
   void name() {
-    if (::rename(temporary_.c_str(), path_.c_str()) != 0)
+    const bool named = !temporary_.empty() || name_temporarily(fd_, path_, temporary_);
+    if (!named || ::rename(temporary_.c_str(), path_.c_str()) != 0)
       throw OutputError(path_, reason("cannot be renamed into place"));
     temporary_.clear();
+    sync_folder(folder_of(path_));
   }
 
  private:
-  void remove() const {
+  void remove() {
+    if (fd_ >= 0) ::close(fd_);
     if (!temporary_.empty()) ::unlink(temporary_.c_str());
+    fd_ = -1;
   }
 
   std::string path_, temporary_;
+  int fd_ = -1;
 };
 
 // The files in order, the bytes held by the caller.

@@ -54,6 +54,7 @@ struct Options::Impl {
     Shapes shapes;
     Is is = Is::setting;
     std::function<bool(const std::string&)> is_file{};  ///< of an input's value; none: always
+    std::function<Is()> use{};                          ///< what it is, where that depends
   };
   CLI::App app;
   std::vector<Entry> entries;
@@ -88,7 +89,7 @@ struct Options::Impl {
   std::vector<NamedFile> files(Is is) const {
     std::vector<NamedFile> files;
     for (const Entry& e : entries)
-      if (e.is == is)
+      if ((e.use ? e.use() : e.is) == is)
         for (const std::string& path : e.option->results())
           if (!e.is_file || e.is_file(path)) files.push_back({e.option->get_name(), path});
     return files;
@@ -106,6 +107,11 @@ struct Options::Impl {
       outputs.push_back({beside.flag->get_name(), *beside.target});
     }
     return outputs;
+  }
+
+  bool is_given(const std::string& name) const {
+    const CLI::Option* option = app.get_option_no_throw(name);
+    return option && option->count() > 0;
   }
 
   std::vector<std::string> inputs() const {
@@ -183,6 +189,12 @@ Options::~Options() = default;
 void Options::argument(const std::string& name, std::string& target, const std::string& help,
                        bool required) {
   impl_->keep(impl_->app.add_option(name, target, help)->required(required)->type_name("FILE"),
+              Shapes::nothing, Impl::Is::input);
+}
+
+void Options::arguments(const std::string& name, std::vector<std::string>& target,
+                        const std::string& help) {
+  impl_->keep(impl_->app.add_option(name, target, help)->required()->type_name("FILE"),
               Shapes::nothing, Impl::Is::input);
 }
 
@@ -280,6 +292,17 @@ void Options::side_output(const std::string& flags, std::string& target, const s
               Impl::Is::side_output);
 }
 
+void Options::file(const std::string& flags, std::string& target, const std::string& help,
+                   const std::function<Use()>& use) {
+  impl_->keep(impl_->app.add_option(flags, target, help)->type_name("FILE"), Shapes::nothing);
+  impl_->entries.back().use = [use] {
+    const Use now = use();
+    return now == Use::read      ? Impl::Is::input
+           : now == Use::written ? Impl::Is::side_output
+                                 : Impl::Is::setting;
+  };
+}
+
 void Options::output_beside(const std::string& flags, std::string& target,
                             const std::function<std::string(const std::string&)>& path_of,
                             const std::string& help) {
@@ -308,6 +331,14 @@ void Options::instead(const std::string& flags, const std::function<std::string(
   impl_->keep(impl_->app.add_flag_callback(
                   flags, [text] { throw Instead{text}; }, help),
               Shapes::nothing);
+}
+
+std::string png_beside(const std::string& picture) {
+  if (picture == "-") throw UsageError("--preview puts a PNG beside the picture: give -o FILE");
+  const size_t dot = picture.find_last_of('.');
+  const size_t slash = picture.find_last_of('/');
+  const bool has_suffix = dot != std::string::npos && (slash == std::string::npos || dot > slash);
+  return (has_suffix ? picture.substr(0, dot) : picture) + ".png";
 }
 
 int Options::run_main(int argc, char** argv, const std::function<int()>& run) {
@@ -341,6 +372,8 @@ int Options::run_main(int argc, char** argv, const std::function<int()>& run) {
       throw UsageError(fmt::format("{}; '{} --help' lists the options", e.what(), common.tool));
     }
     impl_->set_quality(common);
+    common.arguments.assign(argv, argv + argc);
+    common.output_given = impl_->is_given("-o");
     common.command = impl_->canonical(common.tool);
     common.outputs = impl_->outputs(common.output);
     common.also_read(impl_->inputs());

@@ -42,6 +42,9 @@ struct Common {
   /// another is read.
   void also_read(const std::vector<std::string>& paths) const { check_outputs(outputs, paths); }
 
+  bool output_given = false;           ///< -o was
+  std::vector<std::string> arguments;  ///< the command line as given, the program first
+
   std::string tool;     ///< name of the program
   std::string command;  ///< canonical command: the tool and the options that shape the result
 
@@ -84,6 +87,9 @@ class Options {
   /// A positional argument: a file that is read.
   void argument(const std::string& name, std::string& target, const std::string& help,
                 bool required = true);
+  /// Positional arguments: files that are read, one at least.
+  void arguments(const std::string& name, std::vector<std::string>& target,
+                 const std::string& help);
   /// A file that is read, named by an option; of several, each by the option again.
   void input(const std::string& flags, std::string& target, const std::string& value_name,
              const std::string& help);
@@ -113,6 +119,11 @@ class Options {
   void choice(const std::string& flags, std::string& target, const std::vector<std::string>& words,
               const std::string& help, Shapes shapes = Shapes::result);
 
+  /// A file whose use depends on other options; `use` is asked when all are parsed.
+  enum class Use { read, written, neither };
+  void file(const std::string& flags, std::string& target, const std::string& help,
+            const std::function<Use()>& use);
+
   // Before run(), outputs are held against inputs and against each other [outputs.h].
   /// A file written beside the result; its path, empty when not asked for.
   void side_output(const std::string& flags, std::string& target, const std::string& help);
@@ -139,6 +150,9 @@ class Options {
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
+
+/// For output_beside(): the name of the picture with .png; throws UsageError for standard output.
+std::string png_beside(const std::string& picture);
 
 /// main() of a program: `declare` makes its table of options, which fill in the arguments, `run`
 /// does the work and returns the exit code.

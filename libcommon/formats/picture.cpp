@@ -253,7 +253,7 @@ ExrFile read_part(Imf::MultiPartInputFile& file, int index,
 
 // `read`: of a file and the first part that has R, G and B.
 template <class Read>
-ExrFile parse(std::string_view bytes, const std::string& name, const Read& read) {
+auto parse(std::string_view bytes, const std::string& name, const Read& read) {
   const char magic[4] = {0x76, 0x2f, 0x31, 0x01};
   if (bytes.size() < 4 || std::memcmp(bytes.data(), magic, 4) != 0)
     throw InputError(name, "", "is not an OpenEXR file");
@@ -338,6 +338,35 @@ Picture parse_exr_picture(std::string_view bytes, const std::string& name, int m
   return std::move(file.picture);
 }
 
+void parse_exr_words(std::string_view bytes, const std::string& name, int width, int height,
+                     const std::vector<WordChannel>& words) {
+  parse(bytes, name, [&](Imf::MultiPartInputFile& file, int index) {
+    const Imf::Header& header = file.header(index);
+    check_header(header, {}, name);
+    const Imath::Box2i& window = header.dataWindow();
+    const auto size = extent(window);
+    if (size.x != width || size.y != height || window != header.displayWindow())
+      throw InputError(name, "data window",
+                       fmt::format("is {} x {} pixels, expected {} x {} and no other display "
+                                   "window",
+                                   size.x, size.y, width, height));
+    Imf::FrameBuffer buffer;
+    for (const WordChannel& word : words) {
+      const Imf::Channel* channel = header.channels().findChannel(word.name);
+      if (!channel || channel->type != Imf::UINT || channel->xSampling != 1 ||
+          channel->ySampling != 1)
+        throw InputError(name, "channel " + word.name,
+                         channel ? "is no whole number a pixel" : "is missing");
+      buffer.insert(word.name,
+                    Imf::Slice::Make(Imf::UINT, word.first, window, word.step,
+                                     word.step * static_cast<size_t>(width)));
+    }
+    Imf::InputPart part(file, index);
+    part.setFrameBuffer(buffer);
+    part.readPixels(window.min.y, window.max.y);
+  });
+}
+
 std::string exr_bytes(const ExrFile& file) {
   const int width = file.picture.width, height = file.picture.height;
   Imf::Header header(width, height);
@@ -367,6 +396,11 @@ std::string exr_bytes(const ExrFile& file) {
                         sizeof(float), sizeof(float) * static_cast<size_t>(width)));
   }
   for (const auto& [name, picture] : file.layers) insert(name + ".", picture);
+  for (const WordChannel& word : file.words) {
+    header.channels().insert(word.name, Imf::Channel(Imf::UINT));
+    buffer.insert(word.name, Imf::Slice(Imf::UINT, reinterpret_cast<char*>(word.first), word.step,
+                                        word.step * static_cast<size_t>(width)));
+  }
 
   MemoryOutput stream;
   {

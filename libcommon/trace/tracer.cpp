@@ -8,6 +8,7 @@
 #include <xmmintrin.h>
 
 #include "libcommon/base/error.h"
+#include "libcommon/base/processor.h"
 #include "libcommon/math/rng.h"
 #include "libcommon/scene/pane.h"
 #include "libcommon/scene/texture.h"
@@ -131,7 +132,7 @@ void Tracer::Impl::add_geometry(const std::vector<uint32_t>& chosen, bool alpha)
 
 Tracer::Tracer(const Scene& scene) : scene_(scene), impl_(std::make_unique<Impl>()) {
   flush_denormals();
-  impl_->device = rtcNewDevice(nullptr);
+  impl_->device = rtcNewDevice(embree_configuration().c_str());
   if (!impl_->device) throw Error(Exit::internal, "Embree gives no device");
   impl_->scene = rtcNewScene(impl_->device);
   rtcSetSceneFlags(impl_->scene, RTC_SCENE_FLAG_ROBUST);

@@ -1,5 +1,7 @@
 #include "tools/tdpt-render/arguments.h"
 
+#include <filesystem>
+
 #include "libcommon/base/error.h"
 #include "libcommon/cli/cli.h"
 #include "tools/tdpt-render/integrators/integrator.h"
@@ -8,20 +10,48 @@
 namespace tdpt {
 namespace {
 
-// Where --preview goes: beside the picture, under its name with .png.
-std::string preview_path(const std::string& picture) {
-  if (picture == "-") throw UsageError("--preview puts a PNG beside the picture: give -o FILE");
-  const size_t dot = picture.find_last_of('.');
-  const size_t slash = picture.find_last_of('/');
-  const bool has_suffix = dot != std::string::npos && (slash == std::string::npos || dot > slash);
-  return (has_suffix ? picture.substr(0, dot) : picture) + ".png";
-}
-
 void check_picture_name(const std::string& picture) {
   for (const char* suffix : {".png", ".jpg", ".jpeg"})
     if (picture.ends_with(suffix))
       throw UsageError("-o " + picture +
                        ": the picture is OpenEXR, name it .exr; --preview adds a PNG");
+}
+
+bool same_file(const std::string& a, const std::string& b) {
+  std::error_code ignored;
+  return std::filesystem::weakly_canonical(a, ignored) ==
+         std::filesystem::weakly_canonical(b, ignored);
+}
+
+// What makes a rendering last, or be one of many.
+void declare_course_options(cli::Options& options, Arguments& a) {
+  using Use = cli::Options::Use;
+  options.side_output("--checkpoint", a.checkpoint,
+                      "Keep what there is in FILE while rendering, for --resume");
+  options.option("--checkpoint-every", a.checkpoint_every, "SECONDS",
+                 "Time between checkpoints; default 60", 0, 1e9, cli::Shapes::nothing);
+  options.file("--resume", a.resume, "Go on from a checkpoint, which is kept up to date",
+               [&a] {
+                 if (a.checkpoint.empty()) return Use::written;
+                 return same_file(a.checkpoint, a.resume) ? Use::neither : Use::read;
+               });
+  options.option("--add-samples", a.add_samples, "N",
+                 "With --resume: render N samples per pixel more than it was to have", 1,
+                 int64_t{1} << 32, cli::Shapes::nothing);
+  options.option("--shard", a.shard, "I/N",
+                 "Render the I-th of N parts of the samples, from 0, for exrmerge",
+                 cli::Shapes::nothing);
+  options.file("--plan", a.plan,
+               "Write what is decided before rendering; render only if -o is given. With "
+               "--shard: obey it",
+               [&a] { return a.shard.empty() ? Use::written : Use::read; });
+  options.option("--print-shards", a.print_shards, "N",
+                 "Print the commands of N shards and of their merge, one a line", 1, 1 << 20,
+                 cli::Shapes::nothing);
+  options.choice("--isa", a.isa, {"native", "avx2", "sse2"},
+                 "Instructions to use: the newest, or those of older processors, too, for the same "
+                 "bytes on each; default native",
+                 cli::Shapes::nothing);
 }
 
 }  // namespace
@@ -72,6 +102,7 @@ void declare_options(cli::Options& options, Arguments& a) {
   options.option("--camera", a.camera, "NAME", "Camera to render; default the first");
   options.choice("--mis", a.mis, {"balance", "power"}, "MIS heuristic; default balance");
   options.choice("--device", a.device, {"cpu", "gpu"}, "Where to render; default cpu");
+  declare_course_options(options, a);
   options.side_output("--stats", a.stats, "Write statistics as JSON, with the picture's progress");
   options.flag("--alpha", a.alpha,
                "Transparent film: leave out the sky behind all, add a channel A of what is before "
@@ -80,7 +111,7 @@ void declare_options(cli::Options& options, Arguments& a) {
                "Add each technique's contribution as layers <technique>.R .G .B");
   options.side_output("--nonzero", a.nonzero,
                       "Write a PNG of the pixels: red with a contribution, green without");
-  options.output_beside("--preview", a.preview, preview_path, "Write a PNG beside the picture");
+  options.output_beside("--preview", a.preview, cli::png_beside, "Write a PNG beside the picture");
   options.result_name(check_picture_name);
 }
 

@@ -27,6 +27,13 @@ struct Arguments {
   double target_error = 0;  ///< relMSE; 0: none
   bool retry = false;
 
+  std::string checkpoint, resume, plan;  ///< paths; empty: not given
+  double checkpoint_every = 60;          ///< seconds
+  int64_t add_samples = 0;
+  std::string shard;         ///< "I/N"; empty: not given
+  int64_t print_shards = 0;  ///< N; 0: not given
+  std::string isa = "native";
+
   std::string stats, nonzero, preview;  ///< paths; empty: not asked for
   bool layers = false, alpha = false;
 };

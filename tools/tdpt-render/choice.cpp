@@ -50,6 +50,60 @@ double samples_ahead(const RenderSettings& settings, const FilmPlane& film) {
   return static_cast<double>(spp) * film.width() * film.height();
 }
 
+void warn_of_no_portal(const Request& request, const World& world, const cli::Common& common) {
+  const Mixture& named = request.named.mixture;
+  if (world.portals.empty() && (named.has(Technique::portal) || named.guiding != Guiding{}))
+    common.warn("no portal is given, so no path is sampled through one");
+}
+
+// Whether there is more to it than the camera's own ray.
+bool is_sampled(const World& world, const RenderSettings& settings) {
+  return longest_path(world, settings.max_depth, settings.alpha) == settings.max_depth;
+}
+
+bool goes_through_portals(const Request& request, const World& world) {
+  const Mixture& named = request.named.mixture;
+  return request.automatic || named.has(Technique::portal) || named.guiding != Guiding{} ||
+         (named.looks_out() && !world.windows.empty());
+}
+
+void use_portals(const std::vector<PortalWay>& ways, World& world, std::vector<Portal>& portals,
+                 const cli::Common& common) {
+  for (const std::string& turning : turnings(portals, ways)) common.note(turning);
+  apply_ways(ways, portals);
+  world.fill_openings(PortalSet(portals, world.scene.frame));
+}
+
+// By power alone a sky outranks every lamp indoors.
+bool competes_with_sky(const World& world) {
+  return world.lights.sky() && world.lights.shares().sky < 1;
+}
+
+// Throws InputError where a plan chooses a kind of light never that there is, or one that is not.
+void check_kinds(const Lights::Shares& planned, const Lights::Shares& there,
+                 const std::string& file) {
+  const auto same = [](double a, double b) { return (a > 0) == (b > 0); };
+  if (!same(planned.surfaces, there.surfaces) || !same(planned.lamps, there.lamps) ||
+      !same(planned.parallel, there.parallel) || !same(planned.sky, there.sky))
+    throw InputError(file, "surfaces", "and the other shares are of other lights");
+}
+
+void find_candidates(const Request& request, const World& world, Choice& choice) {
+  choice.candidates = candidates_of(request, world);
+  choice.integrator = request.named;
+  if (request.automatic) choice.integrator = either_of(choice.candidates);
+}
+
+void warn_of_missing_light(const Choice& choice, const World& world, const cli::Common& common) {
+  if (const std::string missed = light_missed(choice.integrator, world.scene); !missed.empty())
+    common.warn(missed);
+  if (world.lights.empty())
+    common.warn("nothing in the scene emits light: the picture is black");
+  else if (!may_see_surfaces(world))
+    common.warn(std::string("no surface lies in the camera's view: the picture ") +
+                (world.scene.sky ? "shows the sky alone" : "is black"));
+}
+
 }  // namespace
 
 Request request_of(const Arguments& a) {
@@ -76,14 +130,9 @@ Request request_of(const Arguments& a) {
 Choice choose(const Request& request, const RenderSettings& settings, const Camera& camera,
               World& world, std::vector<Portal>& portals, const cli::Common& common) {
   Choice choice;
-  const Mixture& named = request.named.mixture;
-  const bool through_portals = named.has(Technique::portal) || named.guiding != Guiding{};
-  if (world.portals.empty() && through_portals)
-    common.warn("no portal is given, so no path is sampled through one");
-  const bool looks_out = named.looks_out() && !world.windows.empty();
-  const bool sampled =
-      longest_path(world, settings.max_depth, settings.alpha) == settings.max_depth;
-  if (sampled && (request.automatic || through_portals || looks_out)) {
+  warn_of_no_portal(request, world, common);
+  const bool sampled = is_sampled(world, settings);
+  if (sampled && goes_through_portals(request, world)) {
     // A small part of the work.
     constexpr double kShare = 0.02, kFewest = 256;
     const double ahead = samples_ahead(settings, world.film);
@@ -91,34 +140,47 @@ Choice choose(const Request& request, const RenderSettings& settings, const Came
                                           std::clamp(kShare * ahead, kFewest, kProbeSamples));
     choice.ways = probed.ways;
     tell_left_out(world, portals, probed, common);
-    for (const std::string& turning : turnings(portals, choice.ways)) common.note(turning);
-    apply_ways(choice.ways, portals);
+    use_portals(choice.ways, world, portals, common);
     for (size_t i = 0; i < portals.size(); ++i) {
       portals[i].figures.erase(kLight);
       if (probed.light[i].of > 0) portals[i].figures[kLight] = probed.light[i].share;
     }
-    world.fill_openings(PortalSet(portals, world.scene.frame));
     if (kShare * ahead > kProbeSamples) probe(world, portals);
     for (const std::string& description : descriptions(portals)) common.note(description);
     choice.probed = true;
   }
   choice.phases.done("probe");
-  // By power alone a sky outranks every lamp indoors.
-  choice.by_arrival = sampled && world.lights.sky() && world.lights.shares().sky < 1;
+  choice.by_arrival = sampled && competes_with_sky(world);
   if (choice.by_arrival)
     world.lights.choose_by(
         arriving_shares(world, {settings.max_depth, settings.beta, settings.seed}));
   choice.phases.done("arrival");
-  choice.candidates = candidates_of(request, world);
-  choice.integrator = request.named;
-  if (request.automatic) choice.integrator = either_of(choice.candidates);
-  if (const std::string missed = light_missed(choice.integrator, world.scene); !missed.empty())
-    common.warn(missed);
-  if (world.lights.empty())
-    common.warn("nothing in the scene emits light: the picture is black");
-  else if (!may_see_surfaces(world))
-    common.warn(std::string("no surface lies in the camera's view: the picture ") +
-                (world.scene.sky ? "shows the sky alone" : "is black"));
+  find_candidates(request, world, choice);
+  warn_of_missing_light(choice, world, common);
+  return choice;
+}
+
+Choice choose_as_planned(const Plan& plan, const std::string& file, const Request& request,
+                         const RenderSettings& settings, World& world,
+                         std::vector<Portal>& portals, const cli::Common& common) {
+  Choice choice;
+  warn_of_no_portal(request, world, common);
+  const bool sampled = is_sampled(world, settings);
+  if (sampled && goes_through_portals(request, world)) {
+    for (const PortalWay& way : plan.ways)
+      if (way.portal >= portals.size())
+        throw InputError(file, "portals", "speak of one that there is not");
+    choice.ways = plan.ways;
+    use_portals(choice.ways, world, portals, common);
+    for (Portal& portal : portals) portal.figures.erase(kLight);
+  }
+  choice.by_arrival = sampled && competes_with_sky(world);
+  if (choice.by_arrival) {
+    check_kinds(plan.lights, world.lights.shares(), file);
+    world.lights.choose_by(plan.lights);
+  }
+  find_candidates(request, world, choice);
+  warn_of_missing_light(choice, world, common);
   return choice;
 }
 

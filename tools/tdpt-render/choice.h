@@ -33,4 +33,10 @@ struct Choice {
 Choice choose(const Request& request, const RenderSettings& settings, const Camera& camera,
               World& world, std::vector<Portal>& portals, const cli::Common& common);
 
+/// The same by a plan from `file`: nothing is measured. Throws InputError where it is of other
+/// portals or lights.
+Choice choose_as_planned(const Plan& plan, const std::string& file, const Request& request,
+                         const RenderSettings& settings, World& world,
+                         std::vector<Portal>& portals, const cli::Common& common);
+
 }  // namespace tdpt

@@ -56,12 +56,17 @@ uint64_t samples_needed(const ErrorEstimate& estimate, uint64_t parts, uint64_t 
 /// pixel complement each other, across blocks too, so the picture is better than blocks tell.
 class PictureBlocks {
  public:
+  PictureBlocks() = default;
+  /// As they were: of `size` samples each, `before` the sums that the last one ended with.
+  PictureBlocks(uint64_t size, PictureParts blocks, std::vector<Vec3d> before)
+      : size_(size), blocks_(std::move(blocks)), before_(std::move(before)) {}
   /// The number of samples that ends the block that is being made.
   uint64_t next() const { return (blocks_.size() + 1) * size_; }
   /// The sums of the picture's first next() samples.
   void add(const std::vector<Vec3d>& sums);
   const PictureParts& blocks() const { return blocks_; }
   uint64_t size() const { return size_; }  ///< samples of a block
+  const std::vector<Vec3d>& before() const { return before_; }
 
  private:
   uint64_t size_ = 1;

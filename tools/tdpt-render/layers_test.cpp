@@ -90,7 +90,7 @@ TEST(layers, are_the_shares_that_the_tally_says) {
 
 TEST(layers, a_contribution_goes_to_its_own_layer) {
   Film::Options options;
-  options.layers = 0b101;
+  options.layers = {"a", "", "b"};
   Film film(2, 1, 1, options);
   EXPECT_TRUE(film.add_to_layer(2, 1, 0, Vec3d(2, 2, 2), 0));
   EXPECT_TRUE(film.add_to_layer(1, 1, 0, Vec3d(4, 4, 4), 0));  // is not kept

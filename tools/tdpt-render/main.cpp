@@ -5,11 +5,14 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
+#include "libcommon/base/output_file.h"
+#include "libcommon/base/processor.h"
 #include "libcommon/base/signals.h"
 #include "libcommon/cli/cli.h"
 #include "libcommon/cli/ending.h"
 #include "tools/tdpt-render/arguments.h"
 #include "tools/tdpt-render/choice.h"
+#include "tools/tdpt-render/course.h"
 #include "tools/tdpt-render/covered_lamps.h"
 #include "tools/tdpt-render/explain.h"
 #include "tools/tdpt-render/given_portals.h"
@@ -37,6 +40,7 @@ struct Loaded {
   PictureSize size;
   std::vector<Portal> portals;
   std::vector<cli::Common::Input> files;
+  std::vector<std::string> portal_hashes;  // of the files
 };
 
 Loaded load(const Arguments& a, const cli::Common& common) {
@@ -54,6 +58,7 @@ Loaded load(const Arguments& a, const cli::Common& common) {
     const PortalFile& file = given.file;
     in.portals.insert(in.portals.end(), file.portals.begin(), file.portals.end());
     in.files.push_back({path, file.hash, file.provenance});
+    in.portal_hashes.push_back(file.hash);
   }
   in.size = picture_size(in.camera, a.width, a.height);
   return in;
@@ -73,31 +78,87 @@ RenderSettings settings_of(const Arguments& a, const cli::Common& common) {
   settings.alpha = a.alpha;
   settings.layers = a.layers;
   settings.frames = !a.stats.empty();
+  settings.fixed = !a.plan.empty();
   return settings;
 }
 
-std::string picture_bytes(const RenderResult& result,
-                          std::map<std::string, std::string> attributes) {
+// What is rendered, from the command line to the film.
+struct Job {
+  const Arguments& a;
+  const cli::Common& common;
+  Loaded in;
+  Request request;
+  RenderSettings settings;
+  GivenCourse given;
+  Shape shape, film_shape;
+
+  bool is_shard() const { return !a.shard.empty(); }
+  bool only_plans() const { return !a.plan.empty() && !is_shard() && !common.output_given; }
+  // Where what there is is kept; empty: nowhere.
+  std::string checkpoint() const { return a.checkpoint.empty() ? a.resume : a.checkpoint; }
+};
+
+// Of the picture that the film becomes. A rendering that goes on has those of its beginning.
+std::map<std::string, std::string> attributes_of(const Job& job, const Choice& choice,
+                                                 const Plan& plan) {
+  std::map<std::string, std::string> attributes = job.given.attributes;
+  if (attributes.empty()) {
+    cli::Common common = job.common;
+    if (!job.given.command.empty()) common.command = job.given.command;
+    attributes = exr_attributes(choice.integrator, choice.candidates.size() > 1 ? plan.label : "",
+                                job.settings, common.provenance(job.in.files));
+  }
+  const auto provenance = attributes.find(provenance_attribute);
+  if (provenance == attributes.end()) return attributes;
+  if (job.common.no_provenance)
+    attributes.erase(provenance);
+  else if (job.a.add_samples > 0)
+    provenance->second = with_option(provenance->second, job.common.tool,
+                                     fmt::format("--add-samples {}", job.a.add_samples));
+  return attributes;
+}
+
+std::string film_of(const Job& job, const Choice& choice, Standing& standing, const Plan& plan) {
+  const std::string& before = job.given.processor;
+  const std::string now = processor_code();
+  return film_bytes(standing, plan, job.film_shape,
+                    before.empty() || before == now ? now : before + ", " + now,
+                    attributes_of(job, choice, plan));
+}
+
+std::string picture_of(const Job& job, const Choice& choice, const RenderResult& result) {
+  if (job.is_shard()) return film_of(job, choice, *result.standing, result.plan);
   ExrFile exr;
   exr.picture = result.picture;
   exr.layers = result.layers;
-  exr.attributes = std::move(attributes);
+  exr.attributes = attributes_of(job, choice, result.plan);
+  exr.attributes["spp"] = std::to_string(result.spp);
+  if (result.target) exr.attributes.merge(target_attributes(*result.target));
   return exr_bytes(exr);
 }
 
-void deliver(const Arguments& a, const cli::Common& common, const Loaded& in, const Choice& choice,
-             const RenderSettings& settings, const RenderResult& result) {
+// A checkpoint that cannot be written costs nothing but a warning: the one before is whole.
+void save(const Job& job, const Choice& choice, Standing& standing, const Plan& plan) {
+  try {
+    write_output(job.checkpoint(), film_of(job, choice, standing, plan));
+  } catch (const OutputError& e) {
+    job.common.warn(fmt::format("{}; the checkpoint before it is kept, rendering goes on",
+                                e.what()));
+  }
+}
+
+void deliver(const Job& job, const Choice& choice, const RenderResult& result) {
+  const Arguments& a = job.a;
   const Picture& picture = result.picture;
-  cli::deliver({{common.output,
-                 [&] {
-                   return picture_bytes(result, exr_attributes(choice.integrator, settings, result,
-                                                               common.provenance(in.files)));
-                 }},
-                {a.preview, [&] { return png_bytes(picture, auto_exposure(picture)); }},
-                {a.nonzero, [&] { return png_bytes(nonzero_picture(picture), 0); }},
-                {a.stats, [&] {
-                   return stats_json(choice.integrator, settings, result, in.portals) + "\n";
-                 }}});
+  cli::deliver(
+      {{job.common.output, [&] { return picture_of(job, choice, result); }},
+       {a.preview, [&] { return png_bytes(picture, auto_exposure(picture)); }},
+       {a.nonzero, [&] { return png_bytes(nonzero_picture(picture), 0); }},
+       {job.is_shard() ? "" : a.plan,
+        [&] { return plan_file_text({result.plan, job.shape, job.common.command}); }},
+       {a.stats, [&] {
+          return stats_json(choice.integrator, job.settings, result, job.in.portals) + "\n";
+        }}});
 }
 
 // Share of the light that segments through portals brought; 1 where none took part.
@@ -110,8 +171,10 @@ double share_of_portals(const World& world, const Integrator& integrator,
   return total > 0 ? tally.energy[static_cast<size_t>(Technique::portal)] / total : 1;
 }
 
-void report(const cli::Common& common, const Loaded& in, const World& world, const Choice& choice,
-            const RenderSettings& settings, const RenderResult& result) {
+void report(const Job& job, const World& world, const Choice& choice, const RenderResult& result) {
+  const cli::Common& common = job.common;
+  const Loaded& in = job.in;
+  const RenderSettings& settings = job.settings;
   common.summary(summary_json(choice.integrator, settings, result, in.portals));
   for (const Tally::Place& place : result.tally.not_finite_at)
     common.warn(
@@ -125,8 +188,9 @@ void report(const cli::Common& common, const Loaded& in, const World& world, con
   for (const std::string& sentence : disappointments(in.portals, result)) common.note(sentence);
   std::string name = choice.integrator.name;
   if (!result.chosen_label.empty()) name += " (" + result.chosen_label + ")";
-  common.note(fmt::format("{}: {} samples per pixel at {} x {} in {:.1f} s ({:.1f} CPU s)", name,
-                          result.spp, result.picture.width, result.picture.height, result.seconds,
+  const std::string of = job.is_shard() ? " of the shard" : "";
+  common.note(fmt::format("{}: {} samples per pixel{} at {} x {} in {:.1f} s ({:.1f} CPU s)", name,
+                          result.spp, of, result.picture.width, result.picture.height, result.seconds,
                           result.cpu_seconds));
   if (const std::string length = length_sentence(settings, result); !length.empty())
     common.note(length);
@@ -135,27 +199,82 @@ void report(const cli::Common& common, const Loaded& in, const World& world, con
   if (result.target) common.note(target_sentence(*result.target, result.spp));
 }
 
+// Says what was decided and where it stands, without a picture.
+int write_plan(const Job& job, const World& world, const Choice& choice) {
+  const Plan plan = decide(world, choice.candidates, job.settings, choice.ways);
+  if (stop_requested()) {
+    job.common.note("stopped by a signal; no plan is written");
+    return static_cast<int>(Exit::interrupted);
+  }
+  write_output(job.a.plan, plan_file_text({plan, job.shape, job.common.command}));
+  job.common.note(fmt::format("{} will render {} samples per pixel at {} x {}", plan.label,
+                              plan.spp, job.in.size.width, job.in.size.height));
+  return 0;
+}
+
+void warn_of_processors(const Job& job) {
+  const std::string& before = job.given.processor;
+  if (before.empty() || before == processor_code()) return;
+  job.common.warn(fmt::format("{} was rendered by code for {}, this is code for {}: the last digits "
+                              "may differ from those of one machine; --isa sse2 is alike on all",
+                              display_name(job.a.resume), before, processor_code()));
+}
+
+int print_shards(const Arguments& a, const cli::Common& common) {
+  const std::string commands = shard_commands(a, common.arguments, common.output);
+  std::fputs(commands.c_str(), stdout);
+  const std::string stem = common.output.substr(0, common.output.find_last_of('.'));
+  common.note(fmt::format("then merge them: exrmerge {}.*-of-{}.exr -o {}", stem, a.print_shards,
+                          common.output));
+  return 0;
+}
+
+// Renders, and tells of it.
+int render(const Job& job, World& world, const Choice& choice, Course course) {
+  const std::vector<Portal>& portals = job.in.portals;
+  course.save_every = job.a.checkpoint_every;
+  if (!job.checkpoint().empty())
+    course.save = [&](Standing& standing, const Plan& plan) { save(job, choice, standing, plan); };
+  const RenderResult result =
+      render(world, choice.candidates, job.settings, choice.ways, std::move(course));
+  const bool decided = job.given.plan_file.empty();
+  if (job.request.automatic && decided) job.common.note(choice_sentence(result));
+  if (const std::string verdict = verdict_sentence(result); !verdict.empty())
+    job.common.note(verdict);
+  if (!job.checkpoint().empty()) save(job, choice, *result.standing, result.plan);
+  deliver(job, choice, result);
+  report(job, world, choice, result);
+  job.common.explain_by([&] {
+    return decisions_of({world, portals, job.request, choice, job.settings, result});
+  });
+  return static_cast<int>(result.interrupted ? Exit::interrupted : Exit::done);
+}
+
 int run(const Arguments& a, const cli::Common& common) {
   if (a.device != "cpu")
     throw Error(Exit::no_device, "--device gpu: this build renders on the CPU only");
-  if (a.retry && a.target_error == 0) throw UsageError("--retry: needs --target-error");
+  if (a.print_shards > 0) return print_shards(a, common);
+  choose_processor_code(a.isa, common.arguments);
+  check_course(a);
   catch_signals();
-  Loaded in = load(a, common);
-  const Request request = request_of(a);
+  Job job{a, common, load(a, common), request_of(a), settings_of(a, common), {}, {}, {}};
+  Loaded& in = job.in;
   const OpenWorld open = open_world(in.scene, in.camera, in.size.width, in.size.height, in.portals);
   if (open.uncovered > 0) common.warn(uncovered_sentence(open.uncovered, in.scene.frame));
   World& world = *open.world;
-  const RenderSettings settings = settings_of(a, common);
-  const Choice choice = choose(request, settings, in.camera, world, in.portals, common);
-  const RenderResult result = render(world, choice.candidates, settings, choice.ways);
-  if (request.automatic) common.note(choice_sentence(result));
-  if (const std::string verdict = verdict_sentence(result); !verdict.empty()) common.note(verdict);
-  deliver(a, common, in, choice, settings, result);
-  report(common, in, world, choice, settings, result);
-  common.explain_by([&] {
-    return decisions_of({world, in.portals, request, choice, settings, result});
-  });
-  return static_cast<int>(result.interrupted ? Exit::interrupted : Exit::done);
+  const Shaping by{in.scene, in.camera.name, in.portal_hashes, in.size.width, in.size.height,
+                   common.seed};
+  job.shape = shape_of(a, by);
+  job.film_shape = film_shape_of(a, by);
+  job.given = course_of(a, by, world, job.settings);
+  warn_of_processors(job);
+  const std::optional<Plan>& plan = job.given.course.plan;
+  const Choice choice =
+      plan ? choose_as_planned(*plan, job.given.plan_file, job.request, job.settings, world,
+                               in.portals, common)
+           : choose(job.request, job.settings, in.camera, world, in.portals, common);
+  if (job.only_plans()) return write_plan(job, world, choice);
+  return render(job, world, choice, std::move(job.given.course));
 }
 
 }  // namespace

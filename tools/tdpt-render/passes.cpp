@@ -61,7 +61,8 @@ void render_samples(const World& world, const Integrator& integrator, const Samp
 
 Film film_for(const World& world, const TechniqueSet& layers, bool alpha) {
   Film::Options options;
-  options.layers = layers.bits();
+  for (size_t t = 0; t < kTechniques; ++t)
+    options.layers.push_back(layers.has(static_cast<Technique>(t)) ? kTechniqueNames[t] : "");
   options.alpha = alpha;
   return Film(world.film.width(), world.film.height(), world.lights.power(), options);
 }

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include <nlohmann/json.hpp>
 
 #include "libcommon/base/error.h"
+#include "libcommon/base/file.h"
 #include "tools/tdpt-render/path/light_pool.h"
 
 namespace tdpt {
@@ -52,7 +54,9 @@ bool operator==(const Plan& a, const Plan& b) {
          a.ways == b.ways && a.lights == b.lights;
 }
 
-std::string plan_text(const Plan& plan) {
+namespace {
+
+nlohmann::ordered_json json_of(const Plan& plan) {
   auto ways = nlohmann::ordered_json::array();
   for (const PortalWay& w : plan.ways)
     ways.push_back({{"portal", w.portal}, {"way", kWays[static_cast<size_t>(w.way)]}});
@@ -75,8 +79,13 @@ std::string plan_text(const Plan& plan) {
                                 {"surfaces", plan.lights.surfaces},
                                 {"lamps", plan.lights.lamps},
                                 {"parallel", plan.lights.parallel},
-                                {"sky", plan.lights.sky}}
-      .dump();
+                                {"sky", plan.lights.sky}};
+}
+
+}  // namespace
+
+std::string plan_text(const Plan& plan) {
+  return json_of(plan).dump();
 }
 
 Plan read_plan(const std::string& text, const std::string& file) {
@@ -113,7 +122,38 @@ Plan read_plan(const std::string& text, const std::string& file) {
   }
   plan.lights = {in.within("surfaces", 0, 1), in.within("lamps", 0, 1), in.within("parallel", 0, 1),
                  in.within("sky", 0, 1)};
+  const Lights::Shares& s = plan.lights;
+  const double sum = s.surfaces + s.lamps + s.parallel + s.sky;
+  if (sum != 0 && std::abs(sum - 1) > 1e-9)
+    in.fail("surfaces", "and the other shares add up to no 1");
   return plan;
+}
+
+std::string plan_file_text(const PlanFile& file) {
+  auto shape = nlohmann::ordered_json::object();
+  for (const auto& [name, value] : file.shape) shape[name] = value;
+  return nlohmann::ordered_json{
+             {"plan", json_of(file.plan)}, {"shape", shape}, {"command", file.command}}
+             .dump(2) +
+         "\n";
+}
+
+PlanFile read_plan_file(const std::string& path) {
+  const std::string name = display_name(path);
+  const auto from = nlohmann::ordered_json::parse(read_file(path), nullptr, false);
+  if (!from.is_object() || !from.contains("plan"))
+    throw InputError(name, "", "is no plan, expected one from --plan");
+  PlanFile file{read_plan(from["plan"].dump(), name), {}, {}};
+  const auto text = [&](const char* key, const nlohmann::ordered_json& value) {
+    if (!value.is_string()) throw InputError(name, key, "is no string");
+    return value.get<std::string>();
+  };
+  file.command = text("command", from.value("command", nlohmann::ordered_json()));
+  const auto shape = from.find("shape");
+  if (shape == from.end() || !shape->is_object()) throw InputError(name, "shape", "is no object");
+  for (const auto& [key, value] : shape->items())
+    file.shape.emplace_back(key, text("shape", value));
+  return file;
 }
 
 }  // namespace tdpt

@@ -1,10 +1,10 @@
 // All that a run decides by measuring, before it renders. Given scene, portals, settings and plan,
-// each range of samples has the same bytes, on however many threads, in however many parts. Written
-// and read as text; no option reads one yet.
+// each range of samples has the same bytes, on however many threads, in however many parts.
 #pragma once
 #include <string>
 #include <vector>
 
+#include "libcommon/film/film_file.h"
 #include "tools/tdpt-render/integrators/integrator.h"
 #include "tools/tdpt-render/portal_ways.h"
 
@@ -24,5 +24,16 @@ struct Plan {
 std::string plan_text(const Plan& plan);
 /// Reads it back. `file`: names it in messages. Throws InputError.
 Plan read_plan(const std::string& text, const std::string& file);
+
+/// A plan on disk, with what it was made for.
+struct PlanFile {
+  Plan plan;
+  Shape shape;          ///< of the picture
+  std::string command;  ///< that made it, for provenance
+};
+/// As JSON, for people to read as well.
+std::string plan_file_text(const PlanFile& file);
+/// Reads one. Throws InputError.
+PlanFile read_plan_file(const std::string& path);
 
 }  // namespace tdpt

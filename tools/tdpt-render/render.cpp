@@ -1,5 +1,6 @@
 #include "tools/tdpt-render/render.h"
 
+#include <bit>
 #include <chrono>
 
 #include <fmt/format.h>
@@ -40,6 +41,8 @@ constexpr uint64_t kMostSamples = uint64_t{1} << 32;  // of a pixel, as --spp
 // Wall-clock and CPU time of rendering; what is done aside does not count.
 class Clock {
  public:
+  /// `seconds`, `cpu`: spent before.
+  Clock(double seconds, double cpu) : aside_(-seconds), cpu_aside_(-cpu) {}
   double seconds() const { return since_start() - aside_; }
   double cpu() const { return cpu_seconds() - cpu_start_ - cpu_aside_; }
   template <class Work>
@@ -57,35 +60,50 @@ class Clock {
   }
   const Steady::time_point start_ = Steady::now();
   const double cpu_start_ = cpu_seconds();
-  double aside_ = 0, cpu_aside_ = 0;
+  double aside_, cpu_aside_;
 };
 
-TechniqueSet techniques_of(const std::vector<Candidate>& candidates) {
+Film empty_film(const World& world, const std::vector<Candidate>& candidates,
+                const RenderSettings& settings) {
   TechniqueSet all;
   for (const Candidate& c : candidates) all = all | c.integrator.mixture.techniques;
-  return all;
+  return film_for(world, settings.layers ? all : TechniqueSet(), settings.alpha);
+}
+
+Standing beginning(const World& world, const std::vector<Candidate>& candidates,
+                   const RenderSettings& settings, const Course& course) {
+  Standing standing(empty_film(world, candidates, settings), settings.limits());
+  if (course.plan) standing.goal = course.plan->spp;
+  if (course.part.count == 0) return standing;
+  standing.first = course.part.first;
+  standing.goal = course.part.count;
+  standing.whole = course.whole;
+  return standing;
 }
 
 // Plans, renders what was planned, and puts the picture together.
 class Rendering {
  public:
   Rendering(const World& world, const std::vector<Candidate>& candidates,
-            const RenderSettings& settings)
+            const RenderSettings& settings, Course course)
       : world_(world),
         candidates_(expecting_joins(world, candidates, settings.max_depth)),
         settings_(settings),
+        course_(std::move(course)),
         longest_(longest_path(world, settings.max_depth, settings.alpha)),
         rules_{std::max(longest_, 1), settings.beta, settings.seed},
-        layers_(settings.layers ? techniques_of(candidates) : TechniqueSet()),
         pixels_(static_cast<uint64_t>(world.film.width()) *
                 static_cast<uint64_t>(world.film.height())),
-        film_(film_for(world, layers_, settings.alpha)),
-        tally_(film_.unit()),
-        goal_(settings.spp) {}
+        goes_on_(course_.standing.has_value()),
+        standing_(goes_on_ ? std::move(*course_.standing)
+                           : beginning(world, candidates, settings, course_)),
+        clock_(standing_.seconds, standing_.cpu_seconds),
+        framed_(film_.samples()) {}
 
-  /// Decides who renders.
-  void plan();
-  /// Finds out how many samples the error takes that is asked for, if one is.
+  /// Decides who renders. `ways`: decided before.
+  void plan(const std::vector<PortalWay>& ways);
+  /// Finds out how many samples the error takes that is asked for, if one is, and the time, if the
+  /// settings want to know.
   void aim();
   /// What is beyond the limit of depth, if there is one.
   void look_beyond();
@@ -97,7 +115,10 @@ class Rendering {
   void look_around(Scout& scout);
   double spp_ahead(const Scout& scout) const;
   uint64_t next_pass(uint64_t most) const;
-  Picture picture_of(const std::vector<Vec3d>& sums) const;
+  void obey_plan();
+  void aim_at_error();
+  uint64_t samples_in_time();
+  void save_if_due();
   void record_frame();
   void render_goal();
   void judge();
@@ -107,17 +128,20 @@ class Rendering {
   const World& world_;
   const std::vector<Candidate> candidates_;
   const RenderSettings& settings_;
+  Course course_;
   const int longest_;  // path that can bring light; 0: none can
   const SampleRules rules_;
-  const TechniqueSet layers_;
   const uint64_t pixels_;
+  const bool goes_on_;
+  Standing standing_;
+  Film& film_ = standing_.film;
+  uint64_t& goal_ = standing_.goal;
+  std::optional<TargetOutcome>& target_ = standing_.target;
+  Pilot& pilot_ = standing_.pilot;
+  PictureBlocks& blocks_ = standing_.blocks;
   Clock clock_;
-  Film film_;
-  Tally tally_;
-  uint64_t goal_;  // samples of each pixel; 0: as many as the time allows
-  Pilot pilot_;
-  PictureBlocks blocks_;
-  double began_ = 0;  // the picture's own samples [s]
+  uint64_t framed_;    // samples when the last frame was recorded
+  double saved_ = -1;  // when that was last done [s]; below 0: never
   RenderResult result_;
 };
 
@@ -145,10 +169,11 @@ double Rendering::spp_ahead(const Scout& scout) const {
          (scout.work_of_group() * static_cast<double>(pixels_));
 }
 
-void Rendering::plan() {
-  result_.plan = {
-      candidates_[0].integrator, candidates_[0].label, settings_.spp, {}, world_.lights.shares()};
+void Rendering::plan(const std::vector<PortalWay>& ways) {
+  result_.plan = {candidates_[0].integrator, candidates_[0].label, settings_.spp, ways,
+                  world_.lights.shares()};
   if (longest_ < settings_.max_depth || world_.lights.empty()) result_.longest = longest_;
+  if (course_.plan) return obey_plan();
   if (candidates_.size() < 2) return;
   result_.chosen_label = candidates_[0].label;
   if (result_.longest) return;
@@ -165,9 +190,50 @@ void Rendering::plan() {
   result_.plan.label = result_.chosen_label = candidates_[result_.chosen].label;
 }
 
+void Rendering::obey_plan() {
+  result_.plan = *course_.plan;
+  if (candidates_.size() < 2) return;
+  result_.chosen_label = result_.plan.label;
+  for (size_t i = 0; i < candidates_.size(); ++i)
+    if (candidates_[i].label == result_.plan.label) result_.chosen = i;
+}
+
 void Rendering::aim() {
-  if (settings_.target_error == 0) return;
-  TargetOutcome& target = result_.target.emplace();
+  if (goes_on_ || course_.plan) return;
+  if (settings_.target_error > 0) aim_at_error();
+  if (!settings_.fixed || settings_.seconds == 0 || (target_ && target_->dark)) return;
+  const uint64_t most = samples_in_time();
+  goal_ = goal_ > 0 ? std::min(goal_, most) : most;
+  result_.plan.spp = goal_;
+}
+
+// As fast as the last of some that are thrown away, twice as many each time; of the form m 2^j,
+// m < 16, as samples_needed() has it.
+uint64_t Rendering::samples_in_time() {
+  constexpr uint64_t kRound = 3 + Pilot::kParts;  // no pilot's
+  constexpr double kShare = 0.02;
+  if (longest_ == 0) return 1;
+  Progress progress("measuring the time", "samples", 0, settings_.quiet);
+  Tally aside(film_.unit());
+  double each = 0;
+  for (uint64_t n = 1, done = 0; !stop_requested(); done += n, n *= 2) {
+    const double before = clock_.seconds();
+    render_samples(world_, result_.plan.integrator, rules_, kRound, {done, n}, film_, aside,
+                   progress);
+    const double took = clock_.seconds() - before;
+    each = took / static_cast<double>(n);
+    if (took > kShare * settings_.seconds) break;
+  }
+  film_.clear();
+  const double left = std::max(settings_.seconds - clock_.seconds(), 0.0);
+  auto samples = static_cast<uint64_t>(std::clamp(left / each, 1.0, 0x1p32));
+  while (static_cast<int>(std::bit_width(samples)) > std::countr_zero(samples) + 4)
+    samples &= samples - 1;
+  return samples;
+}
+
+void Rendering::aim_at_error() {
+  TargetOutcome& target = target_.emplace();
   target.error = settings_.target_error;
   target.dark = longest_ == 0 || world_.lights.empty();
   target.may_retry = !settings_.retry;
@@ -203,7 +269,7 @@ constexpr uint64_t kTelling = 8;
 // What the picture's own blocks tell of its error; what the pilot's parts do where those tell too
 // little, or there are fewer than three.
 void Rendering::judge() {
-  TargetOutcome& target = *result_.target;
+  TargetOutcome& target = *target_;
   const auto done = static_cast<double>(film_.samples());
   using Stop = TargetOutcome::Stop;
   if (result_.interrupted)
@@ -231,8 +297,8 @@ void Rendering::judge() {
 
 // Then there is a new goal. The samples that are there stay.
 bool Rendering::retry_is_due() {
-  if (!settings_.retry || !result_.target) return false;
-  TargetOutcome& target = *result_.target;
+  if (!settings_.retry || !target_) return false;
+  TargetOutcome& target = *target_;
   const ErrorEstimate told =
       blocks_.blocks().size() > 2 ? estimate_error(blocks_.blocks()) : ErrorEstimate{};
   const bool known = tells(told) || (told.lit && blocks_.size() >= kTelling);
@@ -259,25 +325,22 @@ std::string Rendering::error_so_far() const {
 }
 
 void Rendering::look_beyond() {
-  if (settings_.max_depth >= kMaxDepth || result_.longest) return;
+  // Of the parts of a picture the first tells it for all.
+  if (settings_.max_depth >= kMaxDepth || result_.longest || standing_.first > 0) return;
   // A hundredth of the picture's samples, but of few of them up to a tenth; by the clock, enough.
   const double all = static_cast<double>(goal_) * static_cast<double>(pixels_), enough = 2048;
   const double samples = all > 0 ? std::max(0.01 * all, std::min(0.1 * all, enough)) : enough;
-  result_.beyond = light_beyond(world_, result_.plan.integrator, rules_, samples, film_);
-  film_.clear();
-}
-
-Picture Rendering::picture_of(const std::vector<Vec3d>& sums) const {
-  return scaled_picture(film_.width(), film_.height(), sums,
-                        1 / static_cast<double>(std::max<uint64_t>(film_.samples(), 1)));
+  Film aside = film_for(world_, TechniqueSet());
+  result_.beyond = light_beyond(world_, result_.plan.integrator, rules_, samples, aside);
 }
 
 void Rendering::record_frame() {
   const double seconds = clock_.seconds(), cpu = clock_.cpu();
   clock_.aside([&] {
-    const Picture picture = picture_of(film_.sums());
+    const Picture picture = film_.picture();
     result_.frames.push_back(
         {film_.samples(), nonzero_of(picture), mean_of(picture), seconds, cpu});
+    framed_ = film_.samples();
   });
 }
 
@@ -286,16 +349,29 @@ uint64_t Rendering::next_pass(uint64_t most) const {
   const uint64_t done = film_.samples();
   if (goal_ > 0 && done >= goal_) return 0;
   uint64_t n = goal_ == 0 ? most : std::min(most, goal_ - done);
-  if (result_.target) n = std::min(n, blocks_.next() - done);
-  if (settings_.frames)
-    n = std::min(n, next_frame(result_.frames.empty() ? 0 : result_.frames.back().spp) - done);
+  if (target_) n = std::min(n, blocks_.next() - done);
+  if (settings_.frames) n = std::min(n, next_frame(framed_) - done);
   if (longest_ == 0) return 0;
   if (settings_.seconds == 0) return n;
   if (done == 0) return 1;  // there must be a picture
   // Samples take about as long as the ones before: stop where the limit is nearest.
-  const double per_sample = (clock_.seconds() - began_) / static_cast<double>(done);
+  const double per_sample = (clock_.seconds() - standing_.began) / static_cast<double>(done);
   const double in_time = (settings_.seconds - clock_.seconds()) / per_sample;
   return in_time < 0.5 * static_cast<double>(n) ? 0 : n;
+}
+
+// Not more than a tenth of the time goes into it, however large the picture.
+void Rendering::save_if_due() {
+  if (!course_.save) return;
+  const double now = clock_.seconds();
+  if (saved_ < 0) saved_ = standing_.began;
+  if (now < saved_ + course_.save_every) return;
+  standing_.seconds = now;
+  standing_.cpu_seconds = clock_.cpu();
+  const auto before = std::chrono::steady_clock::now();
+  clock_.aside([&] { course_.save(standing_, result_.plan); });
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - before;
+  saved_ = now + std::max(0.0, 10 * took.count() - course_.save_every);
 }
 
 void Rendering::render_goal() {
@@ -303,24 +379,25 @@ void Rendering::render_goal() {
                     settings_.quiet);
   // Small pictures take several samples a pass, so that threads have something to share.
   const uint64_t most = std::max<uint64_t>(1, (uint64_t{1} << 16) / pixels_);
-  if (longest_ == 0) film_.complete({0, std::max<uint64_t>(goal_, 1)});
+  if (longest_ == 0 && film_.samples() == 0)
+    film_.complete({standing_.first, std::max<uint64_t>(goal_, 1)});
   while (const uint64_t n = next_pass(most)) {
     // A signal that comes when all is there cuts nothing short, and there must be a picture.
     result_.interrupted = stop_requested() && film_.samples() > 0;
     if (result_.interrupted) break;
     progress.tell(error_so_far());
-    const uint64_t last = result_.frames.empty() ? 0 : result_.frames.back().spp;
-    render_samples(world_, result_.plan.integrator, rules_, 0, {film_.samples(), n}, film_, tally_,
-                   progress);
-    if (result_.target && film_.samples() == blocks_.next()) blocks_.add(film_.sums());
-    if (settings_.frames && film_.samples() == next_frame(last)) record_frame();
+    render_samples(world_, result_.plan.integrator, rules_, 0, {standing_.next(), n}, film_,
+                   standing_.tally, progress);
+    if (target_ && film_.samples() == blocks_.next()) blocks_.add(film_.sums());
+    if (settings_.frames && film_.samples() == next_frame(framed_)) record_frame();
+    save_if_due();
   }
 }
 
 void Rendering::samples() {
-  began_ = clock_.seconds();
+  if (!goes_on_) standing_.began = clock_.seconds();
   render_goal();
-  if (result_.target) judge();
+  if (target_) judge();
   if (retry_is_due()) {
     render_goal();
     judge();
@@ -333,27 +410,36 @@ RenderResult Rendering::finish() {
   result_.seconds = clock_.seconds();
   result_.cpu_seconds = clock_.cpu();
   result_.spp = film_.samples();
-  result_.tally.add(tally_);
-  result_.picture = picture_of(film_.sums());
-  result_.picture.alpha = film_.alpha();
+  result_.tally.add(standing_.tally);
+  result_.target = target_;
+  result_.picture = film_.picture();
   for (size_t i = 0; i < kTechniques; ++i)
-    if (layers_.has(static_cast<Technique>(i)))
-      result_.layers[kTechniqueNames[i]] = picture_of(film_.layer_sums(i));
+    if (film_.has_layer(i)) result_.layers[kTechniqueNames[i]] = film_.layer(i);
+  standing_.seconds = result_.seconds;
+  standing_.cpu_seconds = result_.cpu_seconds;
+  result_.standing = std::make_shared<Standing>(std::move(standing_));
   return std::move(result_);
 }
 
 }  // namespace
 
 RenderResult render(const World& world, const std::vector<Candidate>& candidates,
-                    const RenderSettings& settings, const std::vector<PortalWay>& ways) {
-  Rendering rendering(world, candidates, settings);
-  rendering.plan();
+                    const RenderSettings& settings, const std::vector<PortalWay>& ways,
+                    Course course) {
+  Rendering rendering(world, candidates, settings, std::move(course));
+  rendering.plan(ways);
   rendering.aim();
   rendering.look_beyond();
   rendering.samples();
-  RenderResult result = rendering.finish();
-  result.plan.ways = ways;
-  return result;
+  return rendering.finish();
+}
+
+Plan decide(const World& world, const std::vector<Candidate>& candidates,
+            const RenderSettings& settings, const std::vector<PortalWay>& ways) {
+  Rendering rendering(world, candidates, settings, {});
+  rendering.plan(ways);
+  rendering.aim();
+  return rendering.finish().plan;
 }
 
 RenderResult render(const World& world, const Integrator& integrator,

@@ -1,14 +1,16 @@
 // The loop over pixels and samples.
 #pragma once
+#include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 
 #include "tools/tdpt-render/beyond.h"
-#include "tools/tdpt-render/error_estimate.h"
 #include "tools/tdpt-render/passes.h"
 #include "tools/tdpt-render/plan.h"
 #include "tools/tdpt-render/scout.h"
+#include "tools/tdpt-render/standing.h"
 
 namespace tdpt {
 
@@ -25,6 +27,22 @@ struct RenderSettings {
   bool alpha = false;   ///< transparent film: the sky behind all is left out
   bool layers = false;  ///< keep each technique's contribution apart
   bool frames = false;  ///< measure the picture while it forms
+  /// A limit of time is turned into a number of samples before the first one.
+  bool fixed = false;
+  Limits limits() const { return {spp, seconds, target_error, retry}; }
+};
+
+/// What a rendering obeys, goes on from, or is a part of.
+struct Course {
+  std::optional<Plan> plan;          ///< to obey; none: it is decided
+  std::optional<Standing> standing;  ///< to go on from, by a plan
+  /// Samples of the plan's that are to be rendered; count 0: all.
+  SampleRange part{};
+  uint64_t whole = 0;  ///< samples of the whole picture then
+  /// Keeps what there is, about every `save_every` seconds between passes over the picture; not
+  /// counted as rendering.
+  std::function<void(Standing&, const Plan&)> save{};
+  double save_every = 60;
 };
 
 /// How many samples per pixel there will be, as far as the settings say; 0: as time allows.
@@ -45,30 +63,13 @@ struct FrameRecord {
 /// sixteenth more than the one before.
 uint64_t next_frame(uint64_t spp);
 
-/// How a picture that was to have a relMSE of at most `error` came out.
-struct TargetOutcome {
-  /// `fixed`: all samples are there that were fixed; `unlit`: none were, the pilot met no light.
-  enum class Stop { fixed, spp, time, signal, unlit };
-
-  double error = 0;
-  uint64_t pilot_samples = 0;  ///< of each pixel, thrown away
-  double pilot_cpu_seconds = 0;
-  uint64_t fixed = 0;  ///< samples of each pixel, by the pilot; 0: it did not come to that
-  bool retried = false;
-  bool may_retry = false;  ///< --retry was not asked for
-  Stop stop = Stop::fixed;
-  bool dark = false;             ///< nothing in the scene emits light: there is no error
-  std::optional<double> relmse;  ///< of the picture, estimated; from no light nothing is told
-  double low = 0, high = 0;      ///< its interval, about 95 %
-  bool reached() const { return dark || (relmse && *relmse <= error); }
-};
-
 struct RenderResult {
   Picture picture;                      ///< with its alpha where the settings ask for it
   uint64_t spp = 0;                     ///< samples each pixel got
   double seconds = 0, cpu_seconds = 0;  ///< the scout's counted, measuring frames not
   bool interrupted = false;  ///< a signal ended it early; the picture holds what was there
   Plan plan;                 ///< what was decided by measuring
+  std::shared_ptr<Standing> standing;  ///< where it ended
   RenderTally tally;
   std::map<std::string, Picture> layers;  ///< by technique; they add up to the picture
   std::vector<FrameRecord> frames;        ///< the last one is the picture
@@ -95,6 +96,11 @@ RenderResult render(const World& world, const Integrator& integrator,
 /// Renders with the best of the candidates, found by a scout if the budget allows one [scout.h],
 /// else with the first. `ways`: how the portals of `world` were turned before, for the plan.
 RenderResult render(const World& world, const std::vector<Candidate>& candidates,
-                    const RenderSettings& settings, const std::vector<PortalWay>& ways = {});
+                    const RenderSettings& settings, const std::vector<PortalWay>& ways = {},
+                    Course course = {});
+
+/// All that the same call would decide before its first sample.
+Plan decide(const World& world, const std::vector<Candidate>& candidates,
+            const RenderSettings& settings, const std::vector<PortalWay>& ways);
 
 }  // namespace tdpt

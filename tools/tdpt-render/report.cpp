@@ -150,21 +150,29 @@ Picture nonzero_picture(const Picture& picture) {
 }
 
 std::map<std::string, std::string> exr_attributes(const Integrator& integrator,
+                                                  const std::string& chosen,
                                                   const RenderSettings& settings,
-                                                  const RenderResult& result,
                                                   const Provenance& provenance) {
   std::map<std::string, std::string> a;
   a["integrator"] = integrator.name;
-  if (!result.chosen_label.empty()) a["chosen"] = result.chosen_label;
-  a["spp"] = std::to_string(result.spp);
+  if (!chosen.empty()) a["chosen"] = chosen;
   a["maxDepth"] = settings.max_depth < kMaxDepth ? std::to_string(settings.max_depth) : "none";
   a["seed"] = std::to_string(settings.seed);
   a["mis"] = settings.beta == 1 ? "balance" : "power";
   a["pixelFilter"] = "box, one pixel wide";
   a["colorSpace"] = "scene-linear Rec.709";
-  if (result.target) a.merge(target_attributes(*result.target));
-  if (!provenance.empty()) a["provenance"] = fmt::format("{}", fmt::join(provenance.lines, "\n"));
+  if (!provenance.empty())
+    a[provenance_attribute] = fmt::format("{}", fmt::join(provenance.lines, "\n"));
   return a;
+}
+
+std::string with_option(const std::string& provenance, const std::string& tool,
+                        const std::string& option) {
+  const size_t at = provenance.rfind("made by " + tool + " ");
+  if (at == std::string::npos) return provenance;
+  std::string text = provenance;
+  text.insert(std::min(text.find('\n', at), text.size()), " " + option);
+  return text;
 }
 
 }  // namespace tdpt

@@ -26,10 +26,14 @@ std::string verdict_sentence(const RenderResult& result);
 /// --nonzero: red where a pixel got some contribution, green where it is black.
 Picture nonzero_picture(const Picture& picture);
 
-/// String attributes of the EXR header.
+/// String attributes of the EXR header, but for the number of samples and the target's. `chosen`:
+/// label of what `auto` chose; empty: there was no choice.
 std::map<std::string, std::string> exr_attributes(const Integrator& integrator,
+                                                  const std::string& chosen,
                                                   const RenderSettings& settings,
-                                                  const RenderResult& result,
                                                   const Provenance& provenance);
+/// Lines of provenance with one more option in the last command of that tool.
+std::string with_option(const std::string& provenance, const std::string& tool,
+                        const std::string& option);
 
 }  // namespace tdpt

@@ -12,7 +12,7 @@
 #pragma once
 #include <functional>
 
-#include "tools/tdpt-render/film.h"
+#include "libcommon/film/film.h"
 #include "tools/tdpt-render/path/few.h"
 #include "tools/tdpt-render/path/light_pool.h"
 #include "tools/tdpt-render/path/path.h"

@@ -14,7 +14,8 @@ void Tally::merge(const Tally& other) {
   rays.merge(other.rays);
   for (size_t i = 0; i < kTechniques; ++i) energy[i].merge(other.energy[i]);
   for (size_t i = 0; i < kOctaves; ++i) by_length[i].merge(other.by_length[i]);
-  begin_portals(other.portals.size());
+  if (portals.size() < other.portals.size())
+    portals.resize(other.portals.size(), {0, 0, UnitSum(unit_)});
   for (size_t i = 0; i < other.portals.size(); ++i) {
     portals[i].drawn += other.portals[i].drawn;
     portals[i].lit += other.portals[i].lit;

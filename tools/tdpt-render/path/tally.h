@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "tools/tdpt-render/fixed_sum.h"
+#include "libcommon/film/fixed_sum.h"
 #include "tools/tdpt-render/path/mixture.h"
 
 namespace tdpt {

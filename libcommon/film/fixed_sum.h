@@ -72,6 +72,8 @@ class UnitSum {
     if (to_units(value, per_unit_, ~uint64_t{0}, units)) units_ += units;
   }
   void merge(const UnitSum& other) { units_ += other.units_; }
+  void merge(Units units) { units_ += units; }
+  Units units() const { return units_; }
   operator double() const { return from_units(units_, unit_); }
 
  private:

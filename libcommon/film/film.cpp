@@ -1,4 +1,4 @@
-#include "tools/tdpt-render/film.h"
+#include "libcommon/film/film.h"
 
 #include <algorithm>
 #include <bit>
@@ -32,13 +32,14 @@ Film::Film(int width, int height, double power, Options options)
       per_unit_(1 / unit_),
       square_unit_(power_of_two(power) * power_of_two(power) * kSquareUnit),
       options_(std::move(options)) {
+  if (options_.layers.size() > kMostLayers) throw std::invalid_argument("too many layers");
   clear();
 }
 
 void Film::clear() {
   picture_ = std::make_unique<FixedSum[]>(3 * pixels());
-  for (size_t i = 0; i < kMostLayers; ++i)
-    if (options_.layers >> i & 1u) layers_[i] = std::make_unique<FixedSum[]>(3 * pixels());
+  for (size_t i = 0; i < options_.layers.size(); ++i)
+    if (!options_.layers[i].empty()) layers_[i] = std::make_unique<FixedSum[]>(3 * pixels());
   if (options_.alpha) met_ = std::make_unique<std::atomic<uint64_t>[]>(pixels());
   ranges_.clear();
   if (options_.error_block == 0) return;
@@ -117,9 +118,7 @@ void Film::complete(const SampleRange& range) {
 
 void Film::merge(const Film& other) {
   if (width_ != other.width_ || height_ != other.height_ || unit_ != other.unit_ ||
-      options_.layers != other.options_.layers ||
-      options_.error_block != other.options_.error_block ||
-      options_.alpha != other.options_.alpha || options_.shaped_by != other.options_.shaped_by)
+      options_ != other.options_)
     throw std::invalid_argument("films of different pictures");
   std::vector<SampleRange> ranges = ranges_;
   try {
@@ -137,6 +136,45 @@ void Film::merge(const Film& other) {
   for (size_t i = 0; i < kMostLayers; ++i) merge_plane(layers_[i], other.layers_[i], 3 * pixels());
   for (size_t i = 0; met_ && i < pixels(); ++i) met_[i] += other.met_[i];
   merge_plane(squares_, other.squares_, pixels());
+  for (size_t i = 0; i < before_.size(); ++i) before_[i] = picture_[i].units();
+}
+
+Picture Film::mean(const Plane& plane) const {
+  return scaled_picture(width_, height_, sums(plane),
+                        1 / static_cast<double>(std::max<uint64_t>(samples(), 1)));
+}
+
+Picture Film::picture() const {
+  Picture picture = mean(picture_);
+  picture.alpha = alpha();
+  return picture;
+}
+
+Picture Film::layer(size_t layer) const {
+  return mean(layers_[layer]);
+}
+
+std::vector<Film::Numbers> Film::numbers() {
+  static_assert(sizeof(FixedSum) == sizeof(Units) && sizeof(met_[0]) == sizeof(uint64_t));
+  std::vector<Numbers> all;
+  const auto keep = [&](const std::string& name, auto* first, size_t each) {
+    if (first)
+      all.push_back({name, reinterpret_cast<unsigned char*>(first), each, sizeof *first});
+  };
+  keep("", picture_.get(), 3);
+  for (size_t i = 0; i < options_.layers.size(); ++i)
+    keep(options_.layers[i], layers_[i].get(), 3);
+  keep("squares", squares_.get(), 1);
+  keep("met", met_.get(), 1);
+  return all;
+}
+
+void Film::restore(const std::vector<SampleRange>& ranges) {
+  ranges_.clear();
+  for (const SampleRange& range : ranges) {
+    if (range.end() < range.first) throw std::invalid_argument("a range without an end");
+    add_range(range);
+  }
   for (size_t i = 0; i < before_.size(); ++i) before_[i] = picture_[i].units();
 }
 

@@ -1,7 +1,6 @@
 // Where the samples of a picture add up: a frame buffer of exact sums. They are integers, so a film
 // is the same whatever the order of threads, and films of different samples of one picture merge to
-// the bytes of the undivided one. Renderings today make one film and neither merge nor ask for
-// errors; tests hold what those do.
+// the bytes of the undivided one [film_file.h].
 //
 // The unit of the sums is the number 2^-64 of the power of all lights together, rounded up to a
 // power of two (radiance is summed: numbers alone are compared). Walks start in proportion to
@@ -16,7 +15,7 @@
 #include <vector>
 
 #include "libcommon/formats/picture.h"
-#include "tools/tdpt-render/fixed_sum.h"
+#include "libcommon/film/fixed_sum.h"
 
 namespace tdpt {
 
@@ -32,14 +31,15 @@ class Film {
   static constexpr size_t kMostLayers = 8;
 
   struct Options {
-    /// Bit i: layer i, of a part of the light, is kept apart as well, at the cost of another film;
-    /// the picture's sums are the same with and without.
-    unsigned layers = 0;
+    /// Names of the layers: each, of a part of the light, is kept apart as well, at the cost of
+    /// another film; one without a name is not kept. The picture's sums are the same with and
+    /// without. At most kMostLayers.
+    std::vector<std::string> layers;
     /// Errors are known from the squares of what aligned blocks of so many samples add up to; 0:
     /// they are not kept.
     uint64_t error_block = 0;
-    bool alpha = false;     ///< what is before the sky is known [alpha()]
-    std::string shaped_by;  ///< hash of all that shapes the picture but the samples
+    bool alpha = false;  ///< what is before the sky is known [alpha()]
+    friend bool operator==(const Options&, const Options&) = default;
   };
 
   /// `power`: of all lights together [Lights::power].
@@ -49,6 +49,7 @@ class Film {
   int width() const { return width_; }
   int height() const { return height_; }
   double unit() const { return unit_; }
+  const Options& options() const { return options_; }
 
   // Radiance [W/m2/sr] that a sample brings to a pixel. Any thread; `coin`: 64 random bits of its
   // own. False when it cannot be held: then it is left out, or the sum has wrapped round.
@@ -74,9 +75,9 @@ class Film {
   const std::vector<SampleRange>& ranges() const { return ranges_; }
   uint64_t samples() const;
 
-  /// Adds the samples of another film. Throws std::invalid_argument when it was shaped by something
-  /// else, differs in size, unit, layers or blocks, or holds samples that this one holds, and
-  /// std::overflow_error when a sum wraps round: then neither film is of use.
+  /// Adds the samples of another film. Throws std::invalid_argument when it differs in size, unit,
+  /// layers or blocks, or holds samples that this one holds, and std::overflow_error when a sum
+  /// wraps round: then neither film is of use.
   void merge(const Film& other);
   /// As it was made.
   void clear();
@@ -85,11 +86,26 @@ class Film {
   std::vector<Vec3d> sums() const { return sums(picture_); }
   std::vector<Vec3d> layer_sums(size_t layer) const { return sums(layers_[layer]); }
   bool has_layer(size_t layer) const { return layers_[layer] != nullptr; }
+  /// The mean over its samples; black where there are none.
+  Picture picture() const;
+  Picture layer(size_t layer) const;
   /// Share of each pixel's samples that meet something; empty when it is not kept.
   std::vector<float> alpha() const;
   /// Variance of each pixel's mean luminance, over blocks; 0 for less than two, infinite where a
   /// blocks were too bright to tell.
   std::vector<double> variance() const;
+
+  /// All that adds up, as it lies in memory, while no thread adds: what a file keeps and gives
+  /// back. Of each pixel `each` numbers, of 128 bits as Units or of 64, one after the other.
+  struct Numbers {
+    std::string name;  ///< "", a layer's name, "squares" or "met"
+    unsigned char* first;
+    size_t each, bytes;  ///< numbers of a pixel, and bytes of a number
+  };
+  std::vector<Numbers> numbers();
+  /// What was given back holds the samples of these ranges. Throws std::invalid_argument when they
+  /// overlap or do not end.
+  void restore(const std::vector<SampleRange>& ranges);
 
  private:
   using Plane = std::unique_ptr<FixedSum[]>;  // three for each pixel; null: not kept
@@ -97,6 +113,7 @@ class Film {
   size_t pixels() const { return static_cast<size_t>(width_) * static_cast<size_t>(height_); }
   bool add(Plane& plane, int x, int y, const Vec3d& radiance, uint64_t coin);
   Vec3d sum(const Plane& plane, size_t pixel) const;
+  Picture mean(const Plane& plane) const;
   std::vector<Vec3d> sums(const Plane& plane) const;
   void add_range(const SampleRange& range);
 

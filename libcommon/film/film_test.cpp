@@ -1,18 +1,14 @@
 // Films are sums that any order gives alike, and that parts of a picture merge to.
-#include "tools/tdpt-render/film.h"
+#include "libcommon/film/film.h"
 
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
 #include <gtest/gtest.h>
-#include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/parallel_for.h>
 
-#include "libcommon/base/error.h"
 #include "libcommon/math/rng.h"
-#include "tools/tdpt-render/render.h"
-#include "tools/tdpt-render/test_rooms.h"
 
 namespace tdpt {
 namespace {
@@ -118,7 +114,7 @@ TEST(film, knows_its_samples) {
 
 TEST(film, merges_with_films_of_the_same_picture_only) {
   Film::Options other;
-  other.shaped_by = "another scene";
+  other.layers = {"camera"};
   Film film(2, 1, 1), stranger(2, 1, 1, other), small(1, 1, 1), brighter(2, 1, 8), same(2, 1, 1);
   film.complete({0, 2});
   same.complete({1, 2});
@@ -143,69 +139,6 @@ TEST(film, counts_what_rays_meet_and_merges_it) {
   EXPECT_THROW(film.merge(opaque), std::invalid_argument);
   film.clear();
   EXPECT_EQ(film.alpha(), (std::vector<float>{0, 0}));
-}
-
-// ---- Renderings in parts ----
-
-class parts : public ::testing::Test {
- protected:
-  Film part(const SampleRange& samples, uint64_t step, uint64_t error_block = 0) {
-    Film::Options options;
-    options.layers = tdpt_org.mixture.techniques.bits();
-    options.error_block = error_block;
-    Film film(world_.film.width(), world_.film.height(), world_.lights.power(), options);
-    Tally tally(film.unit());
-    Progress progress("", "", 0, true);
-    for (uint64_t s = samples.first; s < samples.end(); s += step)
-      render_samples(world_, integrator_, {}, 0, {s, step}, film, tally, progress);
-    energy_ = tally.energy[static_cast<size_t>(Technique::portal)];
-    return film;
-  }
-  static void expect_same(const Film& a, const Film& b) {
-    EXPECT_EQ(a.sums(), b.sums());
-    EXPECT_EQ(a.ranges(), b.ranges());
-    EXPECT_EQ(a.variance(), b.variance());
-    for (size_t layer = 0; layer < kTechniques; ++layer)
-      EXPECT_EQ(a.layer_sums(layer), b.layer_sums(layer));
-  }
-
-  const Scene scene_ = read_gltf(two_rooms_path());
-  const World world_{scene_, scene_.camera(""), 24, 18, {portal_in_the_hole()}};
-  const Integrator integrator_{tdpt_org.name, tdpt_org.stream,
-                               expecting_joins(world_, tdpt_org.mixture, kMaxDepth)};
-  double energy_ = 0;
-};
-
-TEST_F(parts, have_the_bytes_of_the_undivided_picture_whatever_the_split_and_the_threads) {
-  const Film whole = part({0, 16}, 4, 4);
-  const double energy = energy_;
-  for (size_t threads : {1, 2, 3}) {
-    tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-    // Merged as a tree, out of order.
-    Film left = part({8, 8}, 4, 4);
-    double sum = energy_;
-    Film right = part({4, 4}, 4, 4);
-    sum += energy_;
-    right.merge(part({0, 4}, 4, 4));
-    sum += energy_;
-    left.merge(right);
-    expect_same(left, whole);
-    EXPECT_NEAR(sum / energy, 1, 1e-14);
-  }
-  expect_same(part({0, 16}, 1), part({0, 16}, 16));
-  // Twin: other samples are another picture.
-  EXPECT_NE(part({0, 4}, 4).sums(), part({4, 4}, 4).sums());
-}
-
-TEST_F(parts, are_what_render_makes_of_the_plan) {
-  RenderSettings settings;
-  settings.spp = 6;
-  const RenderResult whole = render(world_, tdpt_org, settings);
-  Film film = part({0, 3}, 3);
-  film.merge(part({3, 3}, 1));
-  EXPECT_EQ(scaled_picture(24, 18, film.sums(), 1.0 / 6).pixels, whole.picture.pixels);
-  EXPECT_EQ(whole.plan.spp, 6u);
-  EXPECT_EQ(whole.plan.integrator.mixture, integrator_.mixture);
 }
 
 // Variance of the means of many pictures, against what each says of itself.
@@ -237,57 +170,6 @@ TEST(film, tells_its_variance) {
     EXPECT_NEAR(ratio_of_variances(1, scale), 1, 0.2) << scale;
   EXPECT_GT(std::abs(ratio_of_variances(2) - 1), 0.2);  // twin: of single samples
   EXPECT_EQ(ratio_of_variances(1, 1e9), std::numeric_limits<double>::infinity());
-}
-
-// ---- Plans ----
-
-TEST(plan, is_read_as_it_was_written) {
-  Plan plan{kGuided[2], "tdpt-guided 0.5 0.2 0.25", 1000, {{1, PortalWay::back}}, {}};
-  EXPECT_EQ(read_plan(plan_text(plan), "a"), plan);
-  plan.integrator.mixture.joined = 2.625;
-  plan.integrator.mixture.joined_to_segments = 1.7;
-  plan.integrator.mixture.segments_joined = 16;
-  EXPECT_EQ(read_plan(plan_text(plan), "a"), plan);
-  Plan other = plan;
-  other.integrator.mixture.joined = 2;
-  EXPECT_FALSE(read_plan(plan_text(other), "a") == plan);
-  other = plan;
-  other.integrator.mixture.segments = 0.5;
-  EXPECT_FALSE(read_plan(plan_text(other), "a") == plan);
-  other = plan;
-  other.integrator.mixture.segments_joined = 8;
-  EXPECT_FALSE(read_plan(plan_text(other), "a") == plan);
-  other = plan;
-  other.integrator.mixture.light_walks = 0.5;
-  EXPECT_FALSE(read_plan(plan_text(other), "a") == plan);
-  EXPECT_EQ(read_plan(plan_text(other), "a"), other);
-}
-
-TEST(plan, that_is_none_is_refused_with_its_place) {
-  const auto message = [](std::string text, const std::string& from, const std::string& to) {
-    if (!from.empty()) text.replace(text.find(from), from.size(), to);
-    try {
-      read_plan(text, "p.json");
-    } catch (const InputError& e) {
-      return std::string(e.what());
-    }
-    return std::string("read");
-  };
-  const std::string good = plan_text({});
-  EXPECT_EQ(message("{", "", ""), "p.json: is no JSON object, expected a plan");
-  EXPECT_EQ(message(good, "\"spp\"", "\"sp\""), "p.json:spp: is missing");
-  EXPECT_EQ(message(good, "\"spp\":0", "\"spp\":-1"), "p.json:spp: is no such number");
-  EXPECT_EQ(message(good, "\"segments\":1.0", "\"segments\":2"),
-            "p.json:segments: is out of range");
-  EXPECT_EQ(message(good, "\"light_walks\":1.0", "\"light_walks\":0.01"),
-            "p.json:light_walks: is out of range");
-  EXPECT_EQ(message(good, "\"portals\":[]", "\"portals\":[{\"portal\":0,\"way\":\"up\"}]"),
-            "p.json:way: is not known");
-  EXPECT_EQ(message(good, "\"portals\":[]", "\"portals\":[3]"),
-            "p.json:portals: has an entry that is no object");
-  EXPECT_EQ(message(good, "\"integrator\":\"bdpt\"", "\"integrator\":\"b\""),
-            "p.json:integrator: is not known");
-  EXPECT_EQ(message(good, "", ""), "read");
 }
 
 }  // namespace

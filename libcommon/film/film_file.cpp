@@ -1,0 +1,364 @@
+#include "libcommon/film/film_file.h"
+
+#include <algorithm>
+#include <bit>
+#include <charconv>
+#include <cmath>
+#include <stdexcept>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "libcommon/base/error.h"
+#include "libcommon/base/file.h"
+#include "libcommon/base/hash.h"
+#include "libcommon/base/shown.h"
+
+namespace tdpt {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kAttribute = "film";
+constexpr int kFormat = 1;
+constexpr uint64_t kMostSamples = uint64_t{1} << 33;
+constexpr size_t kMostRanges = 1 << 20, kMostCounts = 1 << 16;
+constexpr std::array kColours{"R", "G", "B"};
+
+// ---- Numbers of the film as channels ----
+
+// Channels of `numbers`: "sum.R.0" holds the lowest 32 bits; of a layer "<layer>.sum.R.0".
+void append_words(const Film::Numbers& numbers, std::vector<WordChannel>& words) {
+  const size_t step = numbers.each * numbers.bytes;
+  const bool single = numbers.each == 1;
+  for (size_t c = 0; c < numbers.each; ++c)
+    for (size_t w = 0; w < numbers.bytes / 4; ++w) {
+      const std::string of =
+          single ? numbers.name
+                 : (numbers.name.empty() ? "" : numbers.name + ".") + "sum." + kColours[c];
+      words.push_back(
+          {fmt::format("{}.{}", of, w), numbers.first + c * numbers.bytes + 4 * w, step});
+    }
+}
+
+// The numbers of 64 bits that a vector of doubles is.
+void append_words(std::vector<Vec3d>& values, std::vector<WordChannel>& words) {
+  static_assert(sizeof(Vec3d) == 24 && std::endian::native == std::endian::little);
+  for (size_t c = 0; c < 3 && !values.empty(); ++c)
+    for (size_t w = 0; w < 2; ++w)
+      words.push_back({fmt::format("before.{}.{}", kColours[c], w),
+                       reinterpret_cast<unsigned char*>(values.data()) + 8 * c + 4 * w,
+                       sizeof(Vec3d)});
+}
+
+std::string block_name(size_t i) {
+  return fmt::format("block{}", i);
+}
+
+// Of all that a film file holds, told apart from what was damaged on the way.
+std::string hash_of(const std::string& facts, Film& film, const FilmBlocks& blocks) {
+  const size_t pixels = static_cast<size_t>(film.width()) * static_cast<size_t>(film.height());
+  const auto view = [](const auto* first, size_t bytes) {
+    return std::string_view(reinterpret_cast<const char*>(first), bytes);
+  };
+  std::string hashes = facts;
+  for (const Film::Numbers& n : film.numbers())
+    hashes += content_hash(view(n.first, pixels * n.each * n.bytes));
+  for (const Picture& block : blocks.blocks)
+    hashes += content_hash(view(block.pixels.data(), block.pixels.size() * sizeof(Rgb)));
+  hashes += content_hash(view(blocks.before.data(), blocks.before.size() * sizeof(Vec3d)));
+  return content_hash(hashes);
+}
+
+// The words of two lists "a, b", each once, in order.
+std::string merged_words(const std::string& a, const std::string& b) {
+  std::vector<std::string> words;
+  for (const std::string& list : {a, b})
+    for (size_t at = 0; at < list.size();) {
+      const size_t end = std::min(list.find(", ", at), list.size());
+      words.push_back(list.substr(at, end - at));
+      at = end + 2;
+    }
+  std::sort(words.begin(), words.end());
+  words.erase(std::unique(words.begin(), words.end()), words.end());
+  return fmt::format("{}", fmt::join(words, ", "));
+}
+
+// ---- Facts as JSON ----
+
+std::string hexadecimal(Units units) {
+  return fmt::format("{:x}", units);
+}
+
+Json json_of(const Film& film, const FilmFacts& facts, const FilmBlocks& blocks) {
+  Json j{{"format", kFormat},
+         {"width", film.width()},
+         {"height", film.height()},
+         {"unit", std::ilogb(film.unit())},
+         {"layers", film.options().layers},
+         {"alpha", film.options().alpha},
+         {"error_block", film.options().error_block},
+         {"blocks", blocks.blocks.size()},
+         {"before", !blocks.before.empty()},
+         {"spp", facts.spp},
+         {"processor", facts.processor},
+         {"plan", facts.plan},
+         {"state", facts.state}};
+  Json& ranges = j["ranges"] = Json::array();
+  for (const SampleRange& r : film.ranges()) ranges.push_back({r.first, r.end()});
+  Json& shape = j["shape"] = Json::object();
+  for (const auto& [name, value] : facts.shape) shape[name] = value;
+  Json& counts = j["counts"] = Json::object();
+  for (const auto& [name, values] : facts.counts) {
+    Json& list = counts[name] = Json::array();
+    for (const Units v : values) list.push_back(hexadecimal(v));
+  }
+  Json& attributes = j["attributes"] = Json::object();
+  for (const auto& [name, value] : facts.attributes) attributes[name] = value;
+  return j;
+}
+
+// Reads facts back; every value is checked.
+class Reader {
+ public:
+  Reader(const Json& from, const std::string& file) : from_(from), file_(file) {}
+
+  [[noreturn]] void fail(const std::string& key, const std::string& what) const {
+    throw InputError(file_, "film." + shown(key), what);
+  }
+  const Json& at(const char* key, Json::value_t type) const {
+    const auto found = from_.find(key);
+    if (found == from_.end()) fail(key, "is missing");
+    const bool is_whole = type == Json::value_t::number_integer && found->is_number_integer();
+    if (!is_whole && found->type() != type) fail(key, "is of another type");
+    return *found;
+  }
+  int64_t whole(const char* key, int64_t lowest, int64_t highest) const {
+    return whole(key, at(key, Json::value_t::number_integer), lowest, highest);
+  }
+  int64_t whole(const char* key, const Json& value, int64_t lowest, int64_t highest) const {
+    if (!value.is_number_integer() ||
+        (value.is_number_unsigned() &&
+         value.get<uint64_t>() > static_cast<uint64_t>(INT64_MAX)) ||
+        value.get<int64_t>() < lowest || value.get<int64_t>() > highest)
+      fail(key, "is out of range");
+    return value.get<int64_t>();
+  }
+  bool flag(const char* key) const { return at(key, Json::value_t::boolean).get<bool>(); }
+  std::string text(const char* key) const { return text(key, at(key, Json::value_t::string)); }
+  std::string text(const std::string& key, const Json& value) const {
+    if (!value.is_string()) fail(key, "is no text");
+    return value.get<std::string>();
+  }
+  Units units(const std::string& key, const Json& value) const {
+    const std::string digits = text(key, value);
+    Units all = 0;
+    for (const char c : digits) {
+      const int digit = c >= '0' && c <= '9' ? c - '0' : c >= 'a' && c <= 'f' ? c - 'a' + 10 : -1;
+      if (digit < 0 || digits.size() > 32) fail(key, "is no number of 128 bits");
+      all = all << 4 | static_cast<Units>(digit);
+    }
+    return all;
+  }
+
+ private:
+  const Json& from_;
+  const std::string& file_;
+};
+
+std::vector<SampleRange> ranges_of(const Reader& in) {
+  std::vector<SampleRange> ranges;
+  const Json& list = in.at("ranges", Json::value_t::array);
+  if (list.size() > kMostRanges) in.fail("ranges", "are too many");
+  for (const Json& pair : list) {
+    if (!pair.is_array() || pair.size() != 2) in.fail("ranges", "has an entry that is no pair");
+    const int64_t first = in.whole("ranges", pair[0], 0, kMostSamples);
+    const int64_t end = in.whole("ranges", pair[1], first, kMostSamples);
+    ranges.push_back({static_cast<uint64_t>(first), static_cast<uint64_t>(end - first)});
+  }
+  return ranges;
+}
+
+FilmFacts facts_of(const Reader& in) {
+  FilmFacts facts;
+  facts.spp = static_cast<uint64_t>(in.whole("spp", 0, kMostSamples));
+  facts.processor = in.text("processor");
+  facts.plan = in.text("plan");
+  facts.state = in.text("state");
+  for (const auto& [name, value] : in.at("shape", Json::value_t::object).items())
+    facts.shape.emplace_back(name, in.text(name, value));
+  for (const auto& [name, values] : in.at("counts", Json::value_t::object).items()) {
+    if (!values.is_array() || values.size() > kMostCounts) in.fail(name, "is no list of numbers");
+    for (const Json& value : values) facts.counts[name].push_back(in.units(name, value));
+  }
+  for (const auto& [name, value] : in.at("attributes", Json::value_t::object).items())
+    facts.attributes[name] = in.text(name, value);
+  return facts;
+}
+
+Film::Options options_of(const Reader& in) {
+  Film::Options options;
+  options.alpha = in.flag("alpha");
+  options.error_block = static_cast<uint64_t>(in.whole("error_block", 0, kMostSamples));
+  const Json& layers = in.at("layers", Json::value_t::array);
+  if (layers.size() > Film::kMostLayers) in.fail("layers", "are too many");
+  for (const Json& name : layers) options.layers.push_back(in.text("layers", name));
+  return options;
+}
+
+// The film in a file whose attribute says `json`. `exr`: its float channels, `bytes`: the file.
+FilmFile film_of(const Json& json, ExrFile& exr, std::string_view bytes, const std::string& name) {
+  const Reader in(json, name);
+  in.whole("format", kFormat, kFormat);
+  const int width = exr.picture.width, height = exr.picture.height;
+  in.whole("width", width, width);
+  in.whole("height", height, height);
+  const auto unit = static_cast<int>(in.whole("unit", -1000, 900));
+  FilmFile file{Film(width, height, std::ldexp(1.0, unit + 64), options_of(in)), facts_of(in), {}};
+  const auto blocks = static_cast<size_t>(in.whole("blocks", 0, 7));
+  for (size_t i = 0; i < blocks; ++i) {
+    const auto layer = exr.layers.find(block_name(i));
+    if (layer == exr.layers.end()) in.fail("blocks", block_name(i) + " is missing");
+    file.blocks.blocks.push_back(std::move(layer->second));
+  }
+  if (in.flag("before")) file.blocks.before.resize(exr.picture.pixels.size());
+  std::vector<WordChannel> words;
+  for (const Film::Numbers& n : file.film.numbers()) append_words(n, words);
+  append_words(file.blocks.before, words);
+  parse_exr_words(bytes, name, width, height, words);
+  try {
+    file.film.restore(ranges_of(in));
+  } catch (const std::invalid_argument&) {
+    in.fail("ranges", "overlap");
+  }
+  return file;
+}
+
+}  // namespace
+
+std::string difference(const Shape& found, const Shape& expected) {
+  const auto value_of = [](const Shape& shape, const std::string& name) {
+    for (const auto& [key, value] : shape)
+      if (key == name) return value;
+    return std::string();
+  };
+  const auto told = [](const std::string& value) {
+    return value.empty() ? std::string("none") : shown(value, 80);
+  };
+  for (const Shape* names : {&expected, &found})
+    for (const auto& [name, unused] : *names) {
+      const std::string is = value_of(found, name), should = value_of(expected, name);
+      if (is != should)
+        return fmt::format("another {} ({}, expected {})", shown(name, 40), told(is), told(should));
+    }
+  return "";
+}
+
+std::string words_of(const std::vector<SampleRange>& ranges) {
+  constexpr size_t kMost = 8;
+  std::vector<std::string> all;
+  for (const SampleRange& r : ranges)
+    all.push_back(r.count == 1 ? std::to_string(r.first)
+                               : fmt::format("{} to {}", r.first, r.end() - 1));
+  if (all.empty()) return "no samples";
+  if (all.size() > kMost) {
+    const size_t more = all.size() - kMost;
+    all.resize(kMost);
+    all.push_back(fmt::format("{} more runs", more));
+  }
+  const std::string last = all.back();
+  all.pop_back();
+  return fmt::format("samples {}{}{}", fmt::join(all, ", "), all.empty() ? "" : " and ", last);
+}
+
+std::vector<SampleRange> FilmFile::gaps() const {
+  std::vector<SampleRange> gaps;
+  uint64_t at = 0;
+  for (const SampleRange& r : film.ranges()) {
+    if (r.first > at) gaps.push_back({at, r.first - at});
+    at = r.end();
+  }
+  if (at < facts.spp) gaps.push_back({at, facts.spp - at});
+  return gaps;
+}
+
+void FilmFile::merge(const FilmFile& other, const std::string& name) {
+  const auto refuse = [&](const std::string& what) { throw InputError(name, "", what); };
+  if (const std::string other_shape = difference(other.facts.shape, facts.shape);
+      !other_shape.empty())
+    refuse("is of " + other_shape);
+  if (other.facts.plan != facts.plan) refuse("was rendered by another plan");
+  if (other.film.options() != film.options() || other.film.unit() != film.unit() ||
+      other.film.width() != film.width() || other.film.height() != film.height())
+    refuse("keeps other sums");
+  try {
+    film.merge(other.film);
+  } catch (const std::invalid_argument&) {
+    refuse("holds " + words_of(other.film.ranges()) + ", some of which are there already: " +
+           words_of(film.ranges()));
+  } catch (const std::overflow_error&) {
+    refuse("holds sums too large to be added");
+  }
+  for (const auto& [key, values] : other.facts.counts) {
+    std::vector<Units>& sums = facts.counts[key];
+    sums.resize(std::max(sums.size(), values.size()));
+    for (size_t i = 0; i < values.size(); ++i) sums[i] += values[i];
+  }
+  facts.spp = std::max(facts.spp, other.facts.spp);
+  facts.attributes = std::min(facts.attributes, other.facts.attributes);
+  facts.processor = merged_words(facts.processor, other.facts.processor);
+  facts.state.clear();
+  blocks = {};
+}
+
+std::string film_bytes(Film& film, const FilmFacts& facts, const FilmBlocks& blocks) {
+  ExrFile exr = finished_picture(film, facts);
+  exr.layers.clear();
+  const std::string text = json_of(film, facts, blocks).dump();
+  exr.attributes[kAttribute] =
+      Json{{"hash", hash_of(text, film, blocks)}, {"facts", text}}.dump();
+  for (size_t i = 0; i < blocks.blocks.size(); ++i)
+    exr.layers[block_name(i)] = blocks.blocks[i];
+  std::vector<Vec3d> before = blocks.before;
+  for (const Film::Numbers& n : film.numbers()) append_words(n, exr.words);
+  append_words(before, exr.words);
+  return exr_bytes(exr);
+}
+
+FilmFile parse_film(std::string_view bytes, const std::string& name) {
+  ExrFile exr = parse_exr(bytes, name);
+  const auto found = exr.attributes.find(kAttribute);
+  if (found == exr.attributes.end())
+    throw InputError(name, "", "is a picture without the sums of a film");
+  const auto damaged = [&]() { return InputError(name, "film", "is damaged"); };
+  const Json outer = Json::parse(found->second, nullptr, false);
+  if (!outer.is_object() || !outer.contains("facts") || !outer["facts"].is_string())
+    throw damaged();
+  const auto text = outer["facts"].get<std::string>();
+  const Json json = Json::parse(text, nullptr, false);
+  if (!json.is_object()) throw damaged();
+  FilmFile file = film_of(json, exr, bytes, name);
+  if (outer.value("hash", Json()) != Json(hash_of(text, file.film, file.blocks))) throw damaged();
+  return file;
+}
+
+FilmFile read_film(const std::string& path) {
+  return parse_film(read_file(path), display_name(path));
+}
+
+bool is_film(const ExrFile& file) {
+  return file.attributes.count(kAttribute) > 0;
+}
+
+ExrFile finished_picture(const Film& film, const FilmFacts& facts) {
+  ExrFile exr;
+  exr.picture = film.picture();
+  const std::vector<std::string>& layers = film.options().layers;
+  for (size_t i = 0; i < layers.size(); ++i)
+    if (!layers[i].empty()) exr.layers[layers[i]] = film.layer(i);
+  exr.attributes = facts.attributes;
+  exr.attributes["spp"] = std::to_string(film.samples());
+  return exr;
+}
+
+}  // namespace tdpt

@@ -1,0 +1,245 @@
+// Film files: what comes back is what was kept, what was damaged is refused, and parts of one
+// picture alone are added up.
+#include "libcommon/film/film_file.h"
+
+#include <functional>
+
+#include <gtest/gtest.h>
+
+#include "libcommon/base/error.h"
+#include "libcommon/math/rng.h"
+
+namespace tdpt {
+namespace {
+
+constexpr int kWidth = 3, kHeight = 2;
+
+Film::Options all_options() {
+  Film::Options options;
+  options.layers = {"camera", "", "light"};
+  options.alpha = true;
+  return options;
+}
+
+// Samples `range` of a picture: of each pixel something that only that sample brings.
+Film film_with(const SampleRange& range, const Film::Options& options = all_options()) {
+  Film film(kWidth, kHeight, 3.0, options);
+  for (uint64_t s = range.first; s < range.end(); ++s)
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kWidth; ++x) {
+        Rng rng(7, static_cast<uint64_t>(x + 8 * y), s);
+        const Vec3d light(rng.uniform(), 1e9 * rng.uniform(), 1e-9 * rng.uniform());
+        film.add(x, y, light, mix64(s));
+        if (!options.layers.empty()) film.add_to_layer(2, x, y, light * 0.5, mix64(s));
+        if (options.alpha && x == 1) film.meet(x, y);
+      }
+  film.complete(range);
+  return film;
+}
+
+FilmFacts facts(uint64_t spp = 8) {
+  FilmFacts f;
+  f.shape = {{"scene", "77ab"}, {"size", "3 x 2"}};
+  f.plan = R"({"integrator":"bdpt"})";
+  f.state = "{}";
+  f.processor = "avx2+fma";
+  f.spp = spp;
+  f.counts["rays"] = {3, ~Units{0} >> 1};
+  f.attributes = {{"seed", "1"}, {provenance_attribute, "made by x 1: x\nfrom a 12"}};
+  return f;
+}
+
+FilmFile part(const SampleRange& range, uint64_t spp = 8) {
+  return {film_with(range), facts(spp), {}};
+}
+
+std::string bytes_of(const SampleRange& range) {
+  Film film = film_with(range);
+  return film_bytes(film, facts());
+}
+
+std::string complaint(const std::function<void()>& work) {
+  try {
+    work();
+    return "";
+  } catch (const InputError& e) {
+    return e.what();
+  }
+}
+
+void expect_same(const Film& a, const Film& b) {
+  EXPECT_EQ(a.sums(), b.sums());
+  EXPECT_EQ(a.ranges(), b.ranges());
+  EXPECT_EQ(a.alpha(), b.alpha());
+  EXPECT_EQ(a.variance(), b.variance());
+  EXPECT_EQ(a.options(), b.options());
+  for (size_t layer = 0; layer < Film::kMostLayers; ++layer)
+    EXPECT_EQ(a.layer_sums(layer), b.layer_sums(layer));
+}
+
+TEST(film_file, comes_back_as_it_was_kept) {
+  Film::Options blocks;
+  blocks.error_block = 4;
+  for (const Film::Options& options : {all_options(), blocks, Film::Options()}) {
+    Film film = film_with({4, 4}, options);
+    const FilmFile back = parse_film(film_bytes(film, facts()), "a.exr");
+    expect_same(back.film, film);
+    EXPECT_EQ(back.facts, facts());
+    EXPECT_EQ(back.film.unit(), film.unit());
+  }
+}
+
+TEST(film_file, keeps_the_blocks_of_a_picture_of_given_error) {
+  Film film = film_with({0, 3});
+  FilmBlocks blocks;
+  for (int b = 0; b < 2; ++b) blocks.blocks.push_back(film_with({static_cast<uint64_t>(b), 1}).picture());
+  blocks.before = film_with({0, 2}).sums();
+  const FilmFile back = parse_film(film_bytes(film, facts(), blocks), "a.exr");
+  expect_same(back.film, film);
+  EXPECT_EQ(back.blocks.before, blocks.before);
+  ASSERT_EQ(back.blocks.blocks.size(), 2u);
+  for (size_t b = 0; b < 2; ++b) EXPECT_EQ(back.blocks.blocks[b].pixels, blocks.blocks[b].pixels);
+}
+
+TEST(film_file, is_a_picture_of_its_samples_that_any_reader_shows) {
+  const Film film = film_with({2, 3});
+  const ExrFile exr = parse_exr(bytes_of({2, 3}), "a.exr");
+  EXPECT_EQ(exr.picture.pixels, film.picture().pixels);
+  EXPECT_EQ(exr.attributes.at("spp"), "3");
+  EXPECT_EQ(provenance_of(exr).lines.size(), 2u);
+  EXPECT_TRUE(is_film(exr));
+  EXPECT_FALSE(is_film(finished_picture(film, facts())));
+}
+
+TEST(film_file, without_samples_is_black_and_comes_back) {
+  const FilmFile back = parse_film(bytes_of({0, 0}), "a.exr");
+  EXPECT_EQ(back.film.samples(), 0u);
+  EXPECT_EQ(back.film.picture().pixels, std::vector<Rgb>(6));
+}
+
+// Of every byte that is changed: the file is refused, or what it holds is as it was (the library
+// checks what it packs; some bytes of a header mean nothing here).
+TEST(film_file, a_byte_that_changed_is_never_added_up) {
+  const std::string good = bytes_of({0, 4});
+  const Film film = film_with({0, 4});
+  size_t refused = 0;
+  for (size_t i = 0; i < good.size(); ++i) {
+    std::string bad = good;
+    bad[i] = static_cast<char>(bad[i] ^ (1 << (i % 8)));
+    try {
+      const FilmFile back = parse_film(bad, "a.exr");
+      expect_same(back.film, film);
+      EXPECT_EQ(back.facts, facts()) << "byte " << i;
+    } catch (const InputError&) {
+      ++refused;
+    }
+  }
+  EXPECT_GT(refused, good.size() * 3 / 4);
+}
+
+TEST(film_file, cut_short_is_refused) {
+  const std::string good = bytes_of({0, 4});
+  for (size_t n = 0; n < good.size(); n += 7)
+    EXPECT_NE(complaint([&] { parse_film(good.substr(0, n), "a.exr"); }), "") << n;
+}
+
+TEST(film_file, that_says_what_cannot_be_is_refused_with_its_place) {
+  const auto message = [](const std::string& from, const std::string& to) {
+    std::string bytes = bytes_of({0, 4});
+    const size_t at = bytes.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    bytes.replace(at, from.size(), to);
+    return complaint([&] { parse_film(bytes, "a.exr"); });
+  };
+  EXPECT_EQ(message("[[0,4]]", "[[4,0]]"), "a.exr:film.ranges: is out of range");
+  EXPECT_EQ(message("[[0,4]]", "[[  4]]"), "a.exr:film.ranges: has an entry that is no pair");
+  EXPECT_EQ(message("\\\"unit\\\":-62", "\\\"unit\\\":-2e"), "a.exr:film: is damaged");
+  EXPECT_EQ(message("\\\"width\\\":3", "\\\"width\\\":4"), "a.exr:film.width: is out of range");
+  EXPECT_EQ(message("\\\"spp\\\":8", "\\\"spq\\\":8"), "a.exr:film.spp: is missing");
+  EXPECT_EQ(message("\\\"alpha\\\":true", "\\\"alpha\\\":1234"),
+            "a.exr:film.alpha: is of another type");
+  EXPECT_EQ(message("\\\"blocks\\\":0", "\\\"blocks\\\":1"),
+            "a.exr:film.blocks: block0 is missing");
+  EXPECT_EQ(message("camera.sum.R.0", "camera.sum.Q.0"),
+            "a.exr:channel camera.sum.R.0: is missing");
+  EXPECT_EQ(message("\\\"spp\\\":8", "\\\"spp\\\":9"), "a.exr:film: is damaged");
+  EXPECT_EQ(message("77ab", "77ac"), "a.exr:film: is damaged");
+  EXPECT_EQ(complaint([] {
+              parse_film(exr_bytes(finished_picture(film_with({0, 1}), facts())), "a.exr");
+            }),
+            "a.exr: is a picture without the sums of a film");
+}
+
+// ---- Merging ----
+
+TEST(merging, gives_the_same_in_any_order_and_as_a_tree) {
+  Film whole_film = film_with({0, 8});
+  FilmFacts expected = facts();
+  expected.state.clear();
+  for (Units& n : expected.counts["rays"]) n *= 4;
+  const std::string whole = film_bytes(whole_film, expected);
+  std::vector<size_t> order{0, 1, 2, 3};
+  do {
+    FilmFile all = part({2 * order[0], 2});
+    for (size_t i = 1; i < 4; ++i) all.merge(part({2 * order[i], 2}), "b.exr");
+    EXPECT_EQ(film_bytes(all.film, all.facts), whole);
+  } while (std::next_permutation(order.begin(), order.end()));
+  FilmFile left = part({0, 2}), right = part({6, 2});
+  left.merge(part({4, 2}), "b.exr");
+  right.merge(part({2, 2}), "b.exr");
+  right.merge(parse_film(film_bytes(left.film, left.facts), "c.exr"), "c.exr");
+  EXPECT_EQ(film_bytes(right.film, right.facts), whole);
+}
+
+TEST(merging, knows_what_is_missing) {
+  FilmFile all = part({2, 2});
+  all.merge(part({6, 1}), "b.exr");
+  EXPECT_EQ(all.gaps(), (std::vector<SampleRange>{{0, 2}, {4, 2}, {7, 1}}));
+  EXPECT_EQ(words_of(all.gaps()), "samples 0 to 1, 4 to 5 and 7");
+  EXPECT_EQ(part({0, 8}).gaps(), std::vector<SampleRange>());
+  EXPECT_EQ(words_of({}), "no samples");
+  EXPECT_EQ(words_of({{3, 1}}), "samples 3");
+}
+
+TEST(merging, takes_the_larger_picture_for_the_whole) {
+  FilmFile all = part({0, 8});
+  all.merge(part({8, 4}, 12), "b.exr");
+  EXPECT_EQ(all.facts.spp, 12u);
+  EXPECT_TRUE(all.gaps().empty());
+}
+
+TEST(merging, refuses_strangers_and_says_why) {
+  const auto refusal = [](const std::function<void(FilmFile&)>& change) {
+    FilmFile all = part({0, 4}), other = part({4, 4});
+    change(other);
+    const std::string why = complaint([&] { all.merge(other, "b.exr"); });
+    EXPECT_EQ(all.film.samples(), why.empty() ? 8u : 4u);
+    return why;
+  };
+  EXPECT_EQ(refusal([](FilmFile& f) { f.facts.shape[0].second = "1f3a"; }),
+            "b.exr: is of another scene (1f3a, expected 77ab)");
+  EXPECT_EQ(refusal([](FilmFile& f) { f.facts.shape.pop_back(); }),
+            "b.exr: is of another size (none, expected 3 x 2)");
+  EXPECT_EQ(refusal([](FilmFile& f) { f.facts.shape.emplace_back("portal", "9"); }),
+            "b.exr: is of another portal (9, expected none)");
+  EXPECT_EQ(refusal([](FilmFile& f) { f.facts.plan = "{}"; }),
+            "b.exr: was rendered by another plan");
+  EXPECT_EQ(refusal([](FilmFile& f) { f.film = film_with({4, 4}, {}); }),
+            "b.exr: keeps other sums");
+  EXPECT_EQ(refusal([](FilmFile& f) { f.film = film_with({3, 2}); }),
+            "b.exr: holds samples 3 to 4, some of which are there already: samples 0 to 3");
+  EXPECT_EQ(refusal([](FilmFile&) {}), "");  // twin: none of them
+}
+
+TEST(merging, names_all_kinds_of_processors) {
+  FilmFile all = part({0, 4});
+  for (uint64_t i = 0; i < 3; ++i) {
+    FilmFile other = part({4 + i, 1});
+    other.facts.processor = i == 1 ? "sse2" : "avx2+fma";
+    all.merge(other, "b.exr");
+  }
+  EXPECT_EQ(all.facts.processor, "avx2+fma, sse2");
+}
+
+}  // namespace
+}  // namespace tdpt

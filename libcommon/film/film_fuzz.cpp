@@ -1,0 +1,17 @@
+// Any bytes as a film; what is read comes back the same when it is written.
+#include "libcommon/film/film_file.h"
+#include "libcommon/testing/fuzz.h"
+
+using namespace tdpt;
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  using testing::require;
+  testing::reads([&] {
+    FilmFile file = parse_film(testing::text_of(data, size), "input");
+    const FilmFile again = parse_film(film_bytes(file.film, file.facts, file.blocks), "output");
+    require(again.facts == file.facts, "facts come back");
+    require(again.film.sums() == file.film.sums(), "sums come back");
+    require(again.film.ranges() == file.film.ranges(), "ranges come back");
+  });
+  return 0;
+}

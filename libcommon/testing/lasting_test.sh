@@ -1,0 +1,194 @@
+#!/bin/sh
+# lasting_test.sh WHAT BIN TESTDATA SPY: that a night's rendering outlives its process. WHAT:
+#   order         a checkpoint is written, flushed, named, and its folder flushed, in this order
+#   kills         50 kills at random moments: the checkpoint is always whole, and what goes on from it
+#                 ends with the bytes of the picture that nobody disturbed
+#   kills-twin    where checkpoints are copied into place, kills must be found to spoil them
+#   parts         shards, merged in any order or as a tree, stopped, resumed and on any number of threads, make the
+#                 bytes of the picture that was never in parts; so does what was added later
+#   parts-twin    a shard of another seed, of another plan or with a byte changed is refused
+#   full-disk     a disk that is full costs no checkpoint that is there, and no rendering
+set -u
+what=$1 bin=$2 testdata=$3 spy=$4
+PATH=$bin:$PATH
+work=$(mktemp -d) || exit 99
+trap 'umount "$work/small" 2>/dev/null; rm -rf "$work"' EXIT
+trap 'exit 99' HUP INT TERM
+cd "$work" || exit 99
+scene=$testdata/scenes/two-rooms.glb
+fail() { echo "$*"; exit 1; }
+render() { tdpt-render "$scene" --quiet --width 48 --height 36 --spp "$spp" "$@"; }
+is_whole() { exrmerge --quiet --gaps "$1" -o /dev/null; }
+
+order() {
+  spp=64
+  SPY_ON_WRITES=$work/log LD_PRELOAD=$spy render --checkpoint c.exr --checkpoint-every 0 -o p.exr || fail "no picture"
+  # What happens to the first checkpoint, runs of one thing told once.
+  got=$(uniq log | sed -n '1,/fsync folder/p' | tr '\n' ';')
+  [ "$got" = "write file;fsync file;rename c.exr;fsync folder;" ] || fail "the order is: $got"
+  # Last of all: the checkpoint with all samples, then the picture.
+  got=$(uniq log | tail -n 8 | tr '\n' ';')
+  one="write file;fsync file;rename"
+  [ "$got" = "$one c.exr;fsync folder;$one p.exr;fsync folder;" ] || fail "the end is: $got"
+}
+
+# Kills renderings until 50 have been killed; prints how many found no whole checkpoint afterwards.
+kills() {
+  spp=4096 killed=0 spoilt=0 seed=$$ begun=0
+  while [ $killed -lt 50 ]; do
+    tdpt-render "$scene" --quiet --width 48 --height 36 --spp $spp --checkpoint c.exr --resume c.exr \
+      --checkpoint-every 0 -o p.exr &
+    pid=$!
+    seed=$(((seed * 1103515245 + 12345) % 2147483648))
+    sleep "0.$(printf %03d $((30 + seed / 65536 % 120)))"
+    kill -KILL $pid 2>/dev/null || break # it was done
+    wait $pid 2>/dev/null
+    killed=$((killed + 1))
+    [ -e c.exr ] || continue
+    begun=1
+    is_whole c.exr 2>/dev/null || { spoilt=$((spoilt + 1)); rm c.exr; }
+  done
+  [ $killed -eq 50 ] || fail "the rendering was done after $killed kills"
+  [ $begun -eq 1 ] || fail "no checkpoint was ever there"
+}
+
+# A room with a portal, in parts: films s.I-of-N.exr by T threads; every third is stopped and resumed.
+portal() {
+  ffgraph --quiet --quality draft "$scene" | mincut --quiet | lightgrid --quiet --quality draft "$scene" - |
+    portalfit --quiet --require-portal -o portal.glb || fail "no portal"
+}
+room() {
+  tdpt-render "$scene" --quiet --portal portal.glb --width 40 --height 30 --layers --alpha "$@"
+}
+shards() {
+  i=0
+  while [ $i -lt "$1" ]; do
+    part=s.$i-of-$1.exr
+    if [ $((i % 3)) -eq 0 ]; then
+      room --plan plan.json --shard "$i/$1" --threads "$2" --checkpoint k.exr --checkpoint-every 0 -o $part &
+      pid=$!
+      sleep 0.15
+      kill -KILL $pid 2>/dev/null
+      wait $pid 2>/dev/null
+      room --plan plan.json --shard "$i/$1" --threads "$2" --checkpoint k.exr --resume k.exr -o $part || fail "$part"
+      rm k.exr
+    else
+      room --plan plan.json --shard "$i/$1" --threads "$2" -o $part || fail "$part"
+    fi
+    i=$((i + 1))
+  done
+}
+
+parts() {
+  portal
+  room --spp 32 -o whole.exr || fail "no picture"
+  room --spp 32 --plan plan.json || fail "no plan"
+  grep '"label"' plan.json
+  room --spp 32 --threads 1 --plan again.json -o w1.exr || fail "no plan and picture"
+  cmp plan.json again.json || fail "the plan depends on threads"
+  cmp whole.exr w1.exr || fail "the picture depends on threads or on its plan being written"
+  for t in 1 2 8; do
+    for n in 1 4 16; do
+      shards $n $t
+      exrmerge --quiet $(ls s.*-of-$n.exr | sort -r) -o m.exr || fail "$n shards do not merge"
+      cmp m.exr whole.exr || fail "$n shards of $t threads have other bytes"
+    done
+  done
+  # As a tree, of films of different splits, out of order.
+  exrmerge --quiet --film s.3-of-4.exr s.0-of-16.exr s.2-of-16.exr -o a.exr || fail "no film"
+  exrmerge --quiet --film s.1-of-16.exr s.1-of-4.exr -o b.exr || fail "no film"
+  exrmerge --quiet --film b.exr s.3-of-16.exr s.2-of-4.exr -o c.exr || fail "no film"
+  exrmerge --quiet c.exr a.exr -o m.exr || fail "the tree does not merge"
+  cmp m.exr whole.exr || fail "a tree has other bytes"
+  # Samples added to the merged film, and shards of a longer picture by the same plan.
+  exrmerge --quiet --film c.exr a.exr -o all.exr || fail "no film"
+  room --resume all.exr --add-samples 32 --no-provenance -o more.exr || fail "no samples are added"
+  sed 's/"spp": 32/"spp": 64/' plan.json >longer.json
+  room --plan longer.json --shard 0/1 -o long.exr || fail "no longer film"
+  exrmerge --quiet --no-provenance long.exr -o long-picture.exr || fail "no longer picture"
+  exrdiff --json more.exr long-picture.exr | grep -q '"mse":0.0,' || fail "added samples are others"
+}
+
+parts_twin() {
+  portal
+  room --spp 8 --plan plan.json
+  room --plan plan.json --shard 0/2 -o a.exr && room --plan plan.json --shard 1/2 -o b.exr || fail "no shards"
+  exrmerge --quiet a.exr b.exr -o m.exr || fail "they do not merge"
+  refused() { # WORDS COMMAND...: it fails, and says so
+    words=$1
+    shift
+    if "$@" 2>messages; then fail "not refused: $*"; fi
+    grep -q "$words" messages || { cat messages; fail "no word of: $words"; }
+  }
+  room --spp 8 --shard 1/2 --seed 2 -o other.exr
+  refused 'is of another seed (2, expected 1)' exrmerge a.exr other.exr -o x.exr
+  tdpt-render "$scene" --quiet --width 40 --height 30 --layers --alpha --spp 8 --shard 1/2 -o other.exr
+  refused 'is of another portal (none, expected' exrmerge a.exr other.exr -o x.exr
+  room --spp 8 --shard 1/2 --integrator bdpt -o other.exr
+  refused 'is of another integrator (bdpt, expected auto)' exrmerge a.exr other.exr -o x.exr
+  sed 's/"joined": [0-9.]*/"joined": 3.5/' plan.json >other.json
+  cmp -s plan.json other.json && fail "the other plan is the same"
+  room --plan other.json --shard 1/2 -o other.exr
+  refused 'was rendered by another plan' exrmerge a.exr other.exr -o x.exr
+  refused 'some of which are there already' exrmerge a.exr b.exr a.exr -o x.exr
+  refused 'samples 4 to 7 of 8 are missing' exrmerge a.exr -o x.exr
+  size=$(wc -c <b.exr)
+  { head -c $((size / 2)) b.exr; printf x; tail -c +$((size / 2 + 2)) b.exr; } >damaged.exr
+  refused 'is damaged' exrmerge a.exr damaged.exr -o x.exr
+  refused 'is of another size' room --height 20 --plan plan.json --shard 0/2 -o x.exr
+  refused 'is of another scene' tdpt-render "$testdata/scenes/window.glb" --width 40 --height 30 --portal portal.glb \
+    --plan plan.json --shard 0/2 -o x.exr
+  [ ! -e x.exr ] || fail "something was written"
+}
+
+case $what in
+order) order ;;
+parts) parts ;;
+parts-twin) parts_twin ;;
+kills)
+  kills
+  [ $spoilt -eq 0 ] || fail "$spoilt of 50 kills left a checkpoint that is not whole"
+  had=$(exrmerge --quiet --json --gaps c.exr -o p.exr | sed 's/.*"spp":\([0-9]*\).*/\1/')
+  echo "50 kills, $had samples until the last one"
+  spp=$((had + 8))
+  rm p.exr c.exr
+  # As many samples as they left and some more, in one piece and in three.
+  render -o undisturbed.exr || fail "no picture"
+  render --checkpoint c.exr --checkpoint-every 0 -o p.exr &
+  pid=$!
+  sleep 0.2
+  kill -KILL $pid
+  wait $pid 2>/dev/null
+  render --checkpoint c.exr --resume c.exr --threads 1 --checkpoint-every 0 -o p.exr &
+  pid=$!
+  sleep 0.2
+  kill -TERM $pid
+  wait $pid
+  render --checkpoint c.exr --resume c.exr -o p.exr || fail "it does not go on"
+  cmp p.exr undisturbed.exr || fail "what went on has other bytes"
+  ;;
+kills-twin)
+  LD_PRELOAD=$spy SPOIL_RENAME=1
+  export LD_PRELOAD SPOIL_RENAME
+  kills
+  [ $spoilt -gt 0 ] || fail "no kill was found to spoil a checkpoint that is copied into place"
+  ;;
+full-disk)
+  mkdir small
+  mount -t tmpfs -o size=96k tmpfs small 2>/dev/null || { echo "no file system can be mounted"; exit 77; }
+  spp=16
+  render --checkpoint small/c.exr --checkpoint-every 0 -o p.exr || fail "there is no room for one checkpoint"
+  cp small/c.exr before.exr
+  head -c 96k /dev/zero >small/filling 2>/dev/null
+  spp=32
+  tdpt-render "$scene" --quiet --resume small/c.exr --width 48 --height 36 --add-samples 4096 --checkpoint-every 0 \
+    -o q.exr 2>messages &
+  pid=$!
+  sleep 1.5
+  kill -TERM $pid
+  wait $pid
+  grep -q 'checkpoint before it is kept' messages || { cat messages; fail "no word of the full disk"; }
+  cmp small/c.exr before.exr || fail "the checkpoint before it is lost"
+  ;;
+*) fail "no such test: $what" ;;
+esac

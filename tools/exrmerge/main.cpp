@@ -1,0 +1,65 @@
+// exrmerge: one picture from films that hold parts of its samples.
+#include <fmt/format.h>
+
+#include "libcommon/base/error.h"
+#include "libcommon/cli/cli.h"
+#include "libcommon/cli/ending.h"
+#include "tools/exrmerge/merging.h"
+
+namespace tdpt {
+namespace {
+
+constexpr cli::Program kProgram{
+    "exrmerge", "Makes one picture of films that hold parts of its samples.",
+    "Picture to write (OpenEXR); default standard output"};
+
+struct Arguments {
+  std::vector<std::string> films;
+  std::string preview;
+  bool film = false, gaps = false;
+};
+
+void declare_options(cli::Options& options, Arguments& a) {
+  options.arguments("films", a.films,
+                    "Shards or checkpoints of tdpt-render (OpenEXR); - is standard input");
+  options.flag("--film", a.film, "Write a film, which can be merged and added to, gaps or not");
+  options.flag("--gaps", a.gaps, "Write a picture of what there is where samples are missing");
+  options.output_beside("--preview", a.preview, cli::png_beside, "Write a PNG beside the picture");
+}
+
+std::string picture_bytes(const Arguments& a, FilmFile& film) {
+  return a.film ? film_bytes(film.film, film.facts)
+                : exr_bytes(finished_picture(film.film, film.facts));
+}
+
+int run(const Arguments& a, const cli::Common& common) {
+  FilmFile film = merged(a.films);
+  const std::string names = a.films.size() == 1
+                                ? a.films.front()
+                                : fmt::format("{} and {} more", a.films.front(),
+                                              cli::plural(a.films.size() - 1, "film"));
+  if (!a.film && !a.gaps) check_whole(film, names);
+  if (common.no_provenance) film.facts.attributes.erase(provenance_attribute);
+  if (film.facts.processor.find(", ") != std::string::npos)
+    common.warn(fmt::format("rendered by code for {}: the last digits may differ from those of one "
+                            "machine; tdpt-render --isa sse2 is alike on all",
+                            film.facts.processor));
+  if (const auto gaps = film.gaps(); !a.film && !gaps.empty())
+    common.warn(fmt::format("{} of {} are missing", words_of(gaps), film.facts.spp));
+  const Picture picture = film.film.picture();
+  cli::deliver({{common.output, [&] { return picture_bytes(a, film); }},
+                {a.preview, [&] { return png_bytes(picture, auto_exposure(picture)); }}});
+  if (common.json) common.summary(summary_json(film, a.films.size()));
+  common.note(fmt::format("{} samples per pixel of {} at {} x {} from {}", film.film.samples(),
+                          film.facts.spp, picture.width, picture.height,
+                          cli::plural(a.films.size(), "film")));
+  common.explain_by([&] { return decisions_of(film, a.films.size(), a.film); });
+  return 0;
+}
+
+}  // namespace
+}  // namespace tdpt
+
+int main(int argc, char** argv) {
+  return tdpt::cli::run_program(argc, argv, tdpt::kProgram, tdpt::declare_options, tdpt::run);
+}

@@ -1,0 +1,77 @@
+#include "tools/exrmerge/merging.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "libcommon/base/error.h"
+#include "libcommon/base/file.h"
+
+namespace tdpt {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json json_of(const std::vector<SampleRange>& ranges) {
+  Json list = Json::array();
+  for (const SampleRange& r : ranges) list.push_back({r.first, r.end() - 1});
+  return list;
+}
+
+}  // namespace
+
+FilmFile merged(const std::vector<std::string>& paths) {
+  FilmFile all = read_film(paths.front());
+  all.facts.state.clear();
+  all.blocks = {};
+  for (size_t i = 1; i < paths.size(); ++i)
+    all.merge(read_film(paths[i]), display_name(paths[i]));
+  return all;
+}
+
+void check_whole(const FilmFile& film, const std::string& file) {
+  const std::vector<SampleRange> gaps = film.gaps();
+  if (film.film.samples() == 0) throw InputError(file, "film", "has no samples");
+  if (gaps.empty()) return;
+  throw InputError(file, "film",
+                   fmt::format("{} of {} are missing; --gaps makes a picture of the others",
+                               words_of(gaps), film.facts.spp));
+}
+
+std::string summary_json(const FilmFile& film, size_t films) {
+  const Picture picture = film.film.picture();
+  Vec3d sum;
+  size_t lit = 0;
+  for (const Rgb& p : picture.pixels) {
+    sum += Vec3d(p);
+    lit += p != Rgb{};
+  }
+  const auto pixels = static_cast<double>(picture.pixels.size());
+  const Vec3d mean = sum / pixels;
+  return Json{{"films", films},
+              {"spp", film.film.samples()},
+              {"samples", json_of(film.film.ranges())},
+              {"missing", json_of(film.gaps())},
+              {"width", picture.width},
+              {"height", picture.height},
+              {"mean", {mean.x, mean.y, mean.z}},
+              {"nonzero", static_cast<double>(lit) / pixels},
+              {"processor", film.facts.processor}}
+      .dump();
+}
+
+cli::Decisions decisions_of(const FilmFile& film, size_t films, bool keeps_sums) {
+  const bool mixed = film.facts.processor.find(", ") != std::string::npos;
+  return {{"films", "added up", "all are of one picture, by one plan, and share no sample",
+           fmt::format("{} read, the sums of two in memory", cli::plural(films, "film"))},
+          {"samples", words_of(film.film.ranges()),
+           film.gaps().empty() ? "none is missing" : words_of(film.gaps()) + " are not there",
+           ""},
+          {"sums", keeps_sums ? "kept" : "left out",
+           keeps_sums ? "--film asks for them" : "a picture needs the mean alone", ""},
+          {"code", film.facts.processor,
+           mixed ? "the films were rendered by several kinds of processors"
+                 : "all films were rendered by the same",
+           ""}};
+}
+
+}  // namespace tdpt

@@ -1,0 +1,23 @@
+// Parts of a picture become the picture.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "libcommon/cli/decision.h"
+#include "libcommon/film/film_file.h"
+
+namespace tdpt {
+
+/// Reads films one after the other and adds them up; what they say of how a rendering goes on is
+/// left out. Throws InputError.
+FilmFile merged(const std::vector<std::string>& paths);
+
+/// Throws InputError that tells what is missing; `file` names what was merged.
+void check_whole(const FilmFile& film, const std::string& file);
+
+/// One JSON object, the keys of exrmerge(1).
+std::string summary_json(const FilmFile& film, size_t films);
+
+cli::Decisions decisions_of(const FilmFile& film, size_t films, bool keeps_sums);
+
+}  // namespace tdpt

@@ -1,0 +1,61 @@
+// What --checkpoint, --resume, --plan and --shard make of a rendering: which plan it obeys, where it
+// begins, and what its film says of itself, so that no film is ever added to that of another
+// picture.
+#pragma once
+#include <string>
+
+#include "tools/tdpt-render/arguments.h"
+#include "tools/tdpt-render/render.h"
+
+namespace tdpt {
+
+/// One of `of` parts of a picture's samples.
+struct Shard {
+  uint64_t index = 0, of = 1;
+  /// Its samples, of those from `first` on: as many as others have, or one less.
+  SampleRange part(uint64_t first, uint64_t samples) const;
+};
+/// Reads "I/N". Throws UsageError.
+Shard shard_of(const std::string& text);
+
+/// Throws UsageError for options that contradict each other, and for a checkpoint that would be
+/// written over.
+void check_course(const Arguments& a);
+
+/// All that shapes the picture beside its plan and its samples.
+struct Shaping {
+  const Scene& scene;
+  std::string camera;                      ///< its name
+  std::vector<std::string> portal_hashes;  ///< in order
+  int width, height;
+  uint64_t seed;
+};
+Shape shape_of(const Arguments& a, const Shaping& by);
+/// And its film: what sums it keeps.
+Shape film_shape_of(const Arguments& a, const Shaping& by);
+
+struct GivenCourse {
+  Course course;
+  std::string plan_file;  ///< that the plan of the course is from
+  /// Attributes of the picture, as the film that is gone on from has them; empty: there is none.
+  std::map<std::string, std::string> attributes;
+  std::string command;    ///< that made the plan; empty: this one
+  std::string processor;  ///< whose code has rendered the film so far; empty: there is none
+};
+/// Reads what is to be gone on from, or obeyed, and changes `settings` to what that says of limits.
+/// Throws UsageError or InputError where they do not belong together.
+GivenCourse course_of(const Arguments& a, const Shaping& by, const World& world,
+                      RenderSettings& settings);
+
+/// The film file of a rendering. `attributes`: of the picture.
+std::string film_bytes(Standing& standing, const Plan& plan, const Shape& shape,
+                       const std::string& processor,
+                       const std::map<std::string, std::string>& attributes);
+
+/// --print-shards: the commands of the shards, one a line, for a shell: PICTURE.I-of-N.exr of the
+/// `output` PICTURE.exr each. `arguments`: the command line. Throws UsageError where that says not
+/// how many samples there are, and where shards would be in each other's way.
+std::string shard_commands(const Arguments& a, const std::vector<std::string>& arguments,
+                           const std::string& output);
+
+}  // namespace tdpt
