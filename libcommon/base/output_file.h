@@ -8,9 +8,9 @@ namespace tdpt {
 
 /// Writes `bytes` to `path` ("-": standard output): a temporary file in the same folder, flushed to
 /// disk, then renamed, then the folder flushed: whenever the process or the machine ends, the path
-/// is the older file or all of the new one. Throws OutputError; then nothing is left behind and an older file of that
-/// name is untouched. A read-only file is not replaced. A path that is no regular file (/dev/null,
-/// a pipe) is written directly.
+/// is the older file or all of the new one. Throws OutputError; then nothing is left behind and an
+/// older file of that name is untouched. A read-only file is not replaced. A path that is no
+/// regular file (/dev/null, a pipe) is written directly.
 void write_output(const std::string& path, std::string_view bytes);
 
 struct OutputFile {

@@ -8,9 +8,9 @@
 namespace tdpt {
 
 /// From now on that of `name`: "native" (the default: the newest that the processor has), "avx2" or
-/// "sse2" (the same on every 64-bit PC). For the C library to obey, the program starts anew with the
-/// same arguments: call it before anything is read or written. Throws Error(Exit::no_device) where
-/// the processor lacks it.
+/// "sse2" (the same on every 64-bit PC). For the C library to obey, the program starts anew with
+/// the same arguments: call it before anything is read or written. Throws Error(Exit::no_device)
+/// where the processor lacks it.
 void choose_processor_code(const std::string& name, std::vector<std::string> arguments);
 
 /// What runs now, of Embree and of the C library: "avx512+fma", "sse2"; "generic" where nothing is

@@ -158,12 +158,10 @@ std::vector<Film::Numbers> Film::numbers() {
   static_assert(sizeof(FixedSum) == sizeof(Units) && sizeof(met_[0]) == sizeof(uint64_t));
   std::vector<Numbers> all;
   const auto keep = [&](const std::string& name, auto* first, size_t each) {
-    if (first)
-      all.push_back({name, reinterpret_cast<unsigned char*>(first), each, sizeof *first});
+    if (first) all.push_back({name, reinterpret_cast<unsigned char*>(first), each, sizeof *first});
   };
   keep("", picture_.get(), 3);
-  for (size_t i = 0; i < options_.layers.size(); ++i)
-    keep(options_.layers[i], layers_[i].get(), 3);
+  for (size_t i = 0; i < options_.layers.size(); ++i) keep(options_.layers[i], layers_[i].get(), 3);
   keep("squares", squares_.get(), 1);
   keep("met", met_.get(), 1);
   return all;

@@ -14,8 +14,8 @@
 #include <string>
 #include <vector>
 
-#include "libcommon/formats/picture.h"
 #include "libcommon/film/fixed_sum.h"
+#include "libcommon/formats/picture.h"
 
 namespace tdpt {
 

@@ -138,8 +138,7 @@ class Reader {
   }
   int64_t whole(const char* key, const Json& value, int64_t lowest, int64_t highest) const {
     if (!value.is_number_integer() ||
-        (value.is_number_unsigned() &&
-         value.get<uint64_t>() > static_cast<uint64_t>(INT64_MAX)) ||
+        (value.is_number_unsigned() && value.get<uint64_t>() > static_cast<uint64_t>(INT64_MAX)) ||
         value.get<int64_t>() < lowest || value.get<int64_t>() > highest)
       fail(key, "is out of range");
     return value.get<int64_t>();
@@ -294,8 +293,8 @@ void FilmFile::merge(const FilmFile& other, const std::string& name) {
   try {
     film.merge(other.film);
   } catch (const std::invalid_argument&) {
-    refuse("holds " + words_of(other.film.ranges()) + ", some of which are there already: " +
-           words_of(film.ranges()));
+    refuse("holds " + words_of(other.film.ranges()) +
+           ", some of which are there already: " + words_of(film.ranges()));
   } catch (const std::overflow_error&) {
     refuse("holds sums too large to be added");
   }
@@ -315,10 +314,8 @@ std::string film_bytes(Film& film, const FilmFacts& facts, const FilmBlocks& blo
   ExrFile exr = finished_picture(film, facts);
   exr.layers.clear();
   const std::string text = json_of(film, facts, blocks).dump();
-  exr.attributes[kAttribute] =
-      Json{{"hash", hash_of(text, film, blocks)}, {"facts", text}}.dump();
-  for (size_t i = 0; i < blocks.blocks.size(); ++i)
-    exr.layers[block_name(i)] = blocks.blocks[i];
+  exr.attributes[kAttribute] = Json{{"hash", hash_of(text, film, blocks)}, {"facts", text}}.dump();
+  for (size_t i = 0; i < blocks.blocks.size(); ++i) exr.layers[block_name(i)] = blocks.blocks[i];
   std::vector<Vec3d> before = blocks.before;
   for (const Film::Numbers& n : film.numbers()) append_words(n, exr.words);
   append_words(before, exr.words);

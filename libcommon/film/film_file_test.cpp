@@ -92,7 +92,8 @@ TEST(film_file, comes_back_as_it_was_kept) {
 TEST(film_file, keeps_the_blocks_of_a_picture_of_given_error) {
   Film film = film_with({0, 3});
   FilmBlocks blocks;
-  for (int b = 0; b < 2; ++b) blocks.blocks.push_back(film_with({static_cast<uint64_t>(b), 1}).picture());
+  for (int b = 0; b < 2; ++b)
+    blocks.blocks.push_back(film_with({static_cast<uint64_t>(b), 1}).picture());
   blocks.before = film_with({0, 2}).sums();
   const FilmFile back = parse_film(film_bytes(film, facts(), blocks), "a.exr");
   expect_same(back.film, film);
@@ -224,9 +225,13 @@ TEST(merging, refuses_strangers_and_says_why) {
             "b.exr: is of another portal (9, expected none)");
   EXPECT_EQ(refusal([](FilmFile& f) { f.facts.plan = "{}"; }),
             "b.exr: was rendered by another plan");
-  EXPECT_EQ(refusal([](FilmFile& f) { f.film = film_with({4, 4}, {}); }),
+  EXPECT_EQ(refusal([](FilmFile& f) {
+              f.film = film_with({4, 4}, {});
+            }),
             "b.exr: keeps other sums");
-  EXPECT_EQ(refusal([](FilmFile& f) { f.film = film_with({3, 2}); }),
+  EXPECT_EQ(refusal([](FilmFile& f) {
+              f.film = film_with({3, 2});
+            }),
             "b.exr: holds samples 3 to 4, some of which are there already: samples 0 to 3");
   EXPECT_EQ(refusal([](FilmFile&) {}), "");  // twin: none of them
 }

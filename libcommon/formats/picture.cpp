@@ -357,9 +357,8 @@ void parse_exr_words(std::string_view bytes, const std::string& name, int width,
           channel->ySampling != 1)
         throw InputError(name, "channel " + word.name,
                          channel ? "is no whole number a pixel" : "is missing");
-      buffer.insert(word.name,
-                    Imf::Slice::Make(Imf::UINT, word.first, window, word.step,
-                                     word.step * static_cast<size_t>(width)));
+      buffer.insert(word.name, Imf::Slice::Make(Imf::UINT, word.first, window, word.step,
+                                                word.step * static_cast<size_t>(width)));
     }
     Imf::InputPart part(file, index);
     part.setFrameBuffer(buffer);

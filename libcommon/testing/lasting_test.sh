@@ -6,6 +6,7 @@
 #   kills-twin    where checkpoints are copied into place, kills must be found to spoil them
 #   parts         shards, merged in any order or as a tree, stopped, resumed and on any number of threads, make the
 #                 bytes of the picture that was never in parts; so does what was added later
+#   more-parts    the same where lights of several kinds are chosen by what arrives, to a given error, and by time
 #   parts-twin    a shard of another seed, of another plan or with a byte changed is refused
 #   full-disk     a disk that is full costs no checkpoint that is there, and no rendering
 set -u
@@ -17,7 +18,9 @@ trap 'exit 99' HUP INT TERM
 cd "$work" || exit 99
 scene=$testdata/scenes/two-rooms.glb
 fail() { echo "$*"; exit 1; }
-render() { tdpt-render "$scene" --quiet --width 48 --height 36 --spp "$spp" "$@"; }
+# In the background with run=exec: so that a signal meets the program.
+run=
+render() { $run tdpt-render "$scene" --quiet --width 48 --height 36 --spp "$spp" "$@"; }
 is_whole() { exrmerge --quiet --gaps "$1" -o /dev/null; }
 
 order() {
@@ -32,24 +35,33 @@ order() {
   [ "$got" = "$one c.exr;fsync folder;$one p.exr;fsync folder;" ] || fail "the end is: $got"
 }
 
-# Kills renderings until 50 have been killed; prints how many found no whole checkpoint afterwards.
+# kills ENOUGH: kills renderings until 50 have been killed, or ENOUGH of them, $spoilt, have left a checkpoint that is not whole. They live
+# about as long, $ms at the most, as it takes to come to the next checkpoint: half of them come that far.
 kills() {
-  spp=4096 killed=0 spoilt=0 seed=$$ begun=0
-  while [ $killed -lt 50 ]; do
-    tdpt-render "$scene" --quiet --width 48 --height 36 --spp $spp --checkpoint c.exr --resume c.exr \
-      --checkpoint-every 0 -o p.exr &
+  spp=65536 killed=0 spoilt=0 seed=$$ changed=0 ms=100 before=none
+  while [ $killed -lt 50 ] && [ $spoilt -lt "$1" ]; do
+    run="exec" render --integrator bdpt --checkpoint c.exr --resume c.exr --checkpoint-every 0 -o p.exr &
     pid=$!
     seed=$(((seed * 1103515245 + 12345) % 2147483648))
-    sleep "0.$(printf %03d $((30 + seed / 65536 % 120)))"
+    now=$((seed / 65536 % ms))
+    sleep "$((now / 1000)).$(printf %03d $((now % 1000)))"
     kill -KILL $pid 2>/dev/null || break # it was done
     wait $pid 2>/dev/null
     killed=$((killed + 1))
-    [ -e c.exr ] || continue
-    begun=1
-    is_whole c.exr 2>/dev/null || { spoilt=$((spoilt + 1)); rm c.exr; }
+    now=none
+    [ ! -e c.exr ] || now=$(cksum <c.exr)
+    if [ "$now" = "$before" ]; then
+      ms=$((ms + ms / 4))
+      continue
+    fi
+    changed=$((changed + 1)) before=$now ms=$((ms - ms / 10))
+    is_whole c.exr 2>/dev/null && continue
+    spoilt=$((spoilt + 1)) before=none
+    rm -f c.exr
   done
+  [ $spoilt -eq "$1" ] && return
   [ $killed -eq 50 ] || fail "the rendering was done after $killed kills"
-  [ $begun -eq 1 ] || fail "no checkpoint was ever there"
+  [ $changed -gt 10 ] || fail "only $changed checkpoints were written"
 }
 
 # A room with a portal, in parts: films s.I-of-N.exr by T threads; every third is stopped and resumed.
@@ -58,25 +70,33 @@ portal() {
     portalfit --quiet --require-portal -o portal.glb || fail "no portal"
 }
 room() {
-  tdpt-render "$scene" --quiet --portal portal.glb --width 40 --height 30 --layers --alpha "$@"
+  $run tdpt-render "$scene" --quiet --portal portal.glb --width 40 --height 30 --layers --alpha "$@"
 }
 shards() {
   i=0
   while [ $i -lt "$1" ]; do
     part=s.$i-of-$1.exr
     if [ $((i % 3)) -eq 0 ]; then
-      room --plan plan.json --shard "$i/$1" --threads "$2" --checkpoint k.exr --checkpoint-every 0 -o $part &
+      run="exec" room --plan plan.json --shard "$i/$1" --threads "$2" --checkpoint k.exr --checkpoint-every 0 -o "$part" &
       pid=$!
       sleep 0.15
       kill -KILL $pid 2>/dev/null
       wait $pid 2>/dev/null
-      room --plan plan.json --shard "$i/$1" --threads "$2" --checkpoint k.exr --resume k.exr -o $part || fail "$part"
+      room --plan plan.json --shard "$i/$1" --threads "$2" --checkpoint k.exr --resume k.exr -o "$part" || fail "$part"
       rm k.exr
     else
-      room --plan plan.json --shard "$i/$1" --threads "$2" -o $part || fail "$part"
+      room --plan plan.json --shard "$i/$1" --threads "$2" -o "$part" || fail "$part"
     fi
     i=$((i + 1))
   done
+}
+
+merge_backwards() { # PATTERN
+  pattern=$1
+  set --
+  # shellcheck disable=SC2086 # a pattern
+  for film in $pattern; do set -- "$film" "$@"; done
+  exrmerge --quiet "$@" -o m.exr
 }
 
 parts() {
@@ -90,7 +110,7 @@ parts() {
   for t in 1 2 8; do
     for n in 1 4 16; do
       shards $n $t
-      exrmerge --quiet $(ls s.*-of-$n.exr | sort -r) -o m.exr || fail "$n shards do not merge"
+      merge_backwards "s.*-of-$n.exr" || fail "$n shards do not merge"
       cmp m.exr whole.exr || fail "$n shards of $t threads have other bytes"
     done
   done
@@ -107,6 +127,52 @@ parts() {
   room --plan longer.json --shard 0/1 -o long.exr || fail "no longer film"
   exrmerge --quiet --no-provenance long.exr -o long-picture.exr || fail "no longer picture"
   exrdiff --json more.exr long-picture.exr | grep -q '"mse":0.0,' || fail "added samples are others"
+}
+
+# With lamps and a sky, whose shares are measured; to a given error, whose estimate needs blocks of
+# samples; with a limit of depth, of time.
+more_parts() {
+  window=$testdata/scenes/window.glb
+  lit() { $run tdpt-render "$window" --quiet --environment 0.2,0.3,0.4 --width 40 --height 30 "$@"; }
+  lit --spp 16 --max-depth 6 -o whole.exr --plan plan.json || fail "no picture"
+  grep '"sky"' plan.json
+  for i in 0 1 2; do
+    # Two decide by themselves, which is the same.
+    if [ $i -eq 1 ]; then set -- --plan plan.json; else set -- --spp 16; fi
+    lit --max-depth 6 "$@" --shard $i/3 -o s$i.exr || fail "no shard"
+  done
+  # Provenance tells the two ways apart by nothing.
+  exrmerge --quiet s1.exr s2.exr s0.exr -o m.exr || fail "no merge"
+  cmp m.exr whole.exr || fail "shards under a sky have other bytes"
+
+  spp=0
+  aim() { $run tdpt-render "$scene" --quiet --width 40 --height 30 --integrator bdpt --target-error 0.05 "$@"; }
+  aim -o whole.exr || fail "no picture"
+  run="exec" aim --checkpoint c.exr --checkpoint-every 0 -o p.exr &
+  pid=$!
+  while [ ! -e c.exr ]; do sleep 0.05; done
+  kill -TERM $pid
+  wait $pid
+  [ $? -eq 6 ] || fail "it was not stopped"
+  # Before all is decided a signal leaves nothing to go on from.
+  run="exec" aim --checkpoint d.exr -o p.exr &
+  pid=$!
+  sleep 0.2
+  kill -TERM $pid
+  wait $pid
+  [ ! -e d.exr ] || fail "a checkpoint is kept of what was not decided"
+  aim --resume c.exr -o p.exr || fail "it does not go on"
+  cmp p.exr whole.exr || fail "a picture of given error that went on has other bytes"
+
+  timed() { $run tdpt-render "$scene" --quiet --width 40 --height 30 --time 1.5 "$@"; }
+  run="exec" timed --checkpoint t.exr --checkpoint-every 0.1 -o p.exr &
+  pid=$!
+  sleep 0.8
+  kill -KILL $pid
+  wait $pid 2>/dev/null
+  timed --resume t.exr --json -o p.exr >summary || fail "it does not go on"
+  # What was spent before counts.
+  grep -q '"seconds":[12]\.' summary || { cat summary; fail "the time begins anew"; }
 }
 
 parts_twin() {
@@ -135,7 +201,8 @@ parts_twin() {
   size=$(wc -c <b.exr)
   { head -c $((size / 2)) b.exr; printf x; tail -c +$((size / 2 + 2)) b.exr; } >damaged.exr
   refused 'is damaged' exrmerge a.exr damaged.exr -o x.exr
-  refused 'is of another size' room --height 20 --plan plan.json --shard 0/2 -o x.exr
+  refused "is of another size" tdpt-render "$scene" --quiet --portal portal.glb --width 44 --layers --alpha \
+    --plan plan.json --shard 0/2 -o x.exr
   refused 'is of another scene' tdpt-render "$testdata/scenes/window.glb" --width 40 --height 30 --portal portal.glb \
     --plan plan.json --shard 0/2 -o x.exr
   [ ! -e x.exr ] || fail "something was written"
@@ -144,33 +211,35 @@ parts_twin() {
 case $what in
 order) order ;;
 parts) parts ;;
+more-parts) more_parts ;;
 parts-twin) parts_twin ;;
 kills)
-  kills
+  kills 50
   [ $spoilt -eq 0 ] || fail "$spoilt of 50 kills left a checkpoint that is not whole"
-  had=$(exrmerge --quiet --json --gaps c.exr -o p.exr | sed 's/.*"spp":\([0-9]*\).*/\1/')
-  echo "50 kills, $had samples until the last one"
-  spp=$((had + 8))
-  rm p.exr c.exr
-  # As many samples as they left and some more, in one piece and in three.
+  had=$(exrmerge --quiet --json --gaps c.exr -o killed.exr | sed 's/.*"spp":\([0-9]*\).*/\1/')
+  echo "50 kills, $changed of them after another checkpoint, $had samples until the last one"
+  spp=$had
+  render --integrator bdpt -o undisturbed.exr || fail "no picture"
+  exrdiff --json killed.exr undisturbed.exr | grep -q '"mse":0.0,' || fail "kills have changed the picture"
+  # To the end, with `auto`: killed, stopped, on other numbers of threads.
+  spp=256
+  rm c.exr
   render -o undisturbed.exr || fail "no picture"
-  render --checkpoint c.exr --checkpoint-every 0 -o p.exr &
-  pid=$!
-  sleep 0.2
-  kill -KILL $pid
-  wait $pid 2>/dev/null
-  render --checkpoint c.exr --resume c.exr --threads 1 --checkpoint-every 0 -o p.exr &
-  pid=$!
-  sleep 0.2
-  kill -TERM $pid
-  wait $pid
+  for how in KILL TERM; do
+    run="exec" render --checkpoint c.exr --resume c.exr --threads 1 --checkpoint-every 0 -o p.exr &
+    pid=$!
+    while [ ! -e c.exr ]; do sleep 0.02; done
+    sleep 0.2
+    kill -$how $pid
+    wait $pid 2>/dev/null
+  done
   render --checkpoint c.exr --resume c.exr -o p.exr || fail "it does not go on"
   cmp p.exr undisturbed.exr || fail "what went on has other bytes"
   ;;
 kills-twin)
   LD_PRELOAD=$spy SPOIL_RENAME=1
   export LD_PRELOAD SPOIL_RENAME
-  kills
+  kills 1
   [ $spoilt -gt 0 ] || fail "no kill was found to spoil a checkpoint that is copied into place"
   ;;
 full-disk)

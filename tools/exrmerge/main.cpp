@@ -9,9 +9,9 @@
 namespace tdpt {
 namespace {
 
-constexpr cli::Program kProgram{
-    "exrmerge", "Makes one picture of films that hold parts of its samples.",
-    "Picture to write (OpenEXR); default standard output"};
+constexpr cli::Program kProgram{"exrmerge",
+                                "Makes one picture of films that hold parts of its samples.",
+                                "Picture to write (OpenEXR); default standard output"};
 
 struct Arguments {
   std::vector<std::string> films;
@@ -34,16 +34,17 @@ std::string picture_bytes(const Arguments& a, FilmFile& film) {
 
 int run(const Arguments& a, const cli::Common& common) {
   FilmFile film = merged(a.films);
-  const std::string names = a.films.size() == 1
-                                ? a.films.front()
-                                : fmt::format("{} and {} more", a.films.front(),
-                                              cli::plural(a.films.size() - 1, "film"));
+  const std::string names =
+      a.films.size() == 1
+          ? a.films.front()
+          : fmt::format("{} and {} more", a.films.front(), cli::plural(a.films.size() - 1, "film"));
   if (!a.film && !a.gaps) check_whole(film, names);
   if (common.no_provenance) film.facts.attributes.erase(provenance_attribute);
   if (film.facts.processor.find(", ") != std::string::npos)
-    common.warn(fmt::format("rendered by code for {}: the last digits may differ from those of one "
-                            "machine; tdpt-render --isa sse2 is alike on all",
-                            film.facts.processor));
+    common.warn(
+        fmt::format("rendered by code for {}: the last digits may differ from those of one "
+                    "machine; tdpt-render --isa sse2 is alike on all",
+                    film.facts.processor));
   if (const auto gaps = film.gaps(); !a.film && !gaps.empty())
     common.warn(fmt::format("{} of {} are missing", words_of(gaps), film.facts.spp));
   const Picture picture = film.film.picture();

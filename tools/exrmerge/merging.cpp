@@ -23,8 +23,7 @@ FilmFile merged(const std::vector<std::string>& paths) {
   FilmFile all = read_film(paths.front());
   all.facts.state.clear();
   all.blocks = {};
-  for (size_t i = 1; i < paths.size(); ++i)
-    all.merge(read_film(paths[i]), display_name(paths[i]));
+  for (size_t i = 1; i < paths.size(); ++i) all.merge(read_film(paths[i]), display_name(paths[i]));
   return all;
 }
 
@@ -64,8 +63,7 @@ cli::Decisions decisions_of(const FilmFile& film, size_t films, bool keeps_sums)
   return {{"films", "added up", "all are of one picture, by one plan, and share no sample",
            fmt::format("{} read, the sums of two in memory", cli::plural(films, "film"))},
           {"samples", words_of(film.film.ranges()),
-           film.gaps().empty() ? "none is missing" : words_of(film.gaps()) + " are not there",
-           ""},
+           film.gaps().empty() ? "none is missing" : words_of(film.gaps()) + " are not there", ""},
           {"sums", keeps_sums ? "kept" : "left out",
            keeps_sums ? "--film asks for them" : "a picture needs the mean alone", ""},
           {"code", film.facts.processor,

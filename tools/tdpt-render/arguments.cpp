@@ -30,11 +30,10 @@ void declare_course_options(cli::Options& options, Arguments& a) {
                       "Keep what there is in FILE while rendering, for --resume");
   options.option("--checkpoint-every", a.checkpoint_every, "SECONDS",
                  "Time between checkpoints; default 60", 0, 1e9, cli::Shapes::nothing);
-  options.file("--resume", a.resume, "Go on from a checkpoint, which is kept up to date",
-               [&a] {
-                 if (a.checkpoint.empty()) return Use::written;
-                 return same_file(a.checkpoint, a.resume) ? Use::neither : Use::read;
-               });
+  options.file("--resume", a.resume, "Go on from a checkpoint, which is kept up to date", [&a] {
+    if (a.checkpoint.empty()) return Use::written;
+    return same_file(a.checkpoint, a.resume) ? Use::neither : Use::read;
+  });
   options.option("--add-samples", a.add_samples, "N",
                  "With --resume: render N samples per pixel more than it was to have", 1,
                  int64_t{1} << 32, cli::Shapes::nothing);

@@ -161,8 +161,8 @@ Choice choose(const Request& request, const RenderSettings& settings, const Came
 }
 
 Choice choose_as_planned(const Plan& plan, const std::string& file, const Request& request,
-                         const RenderSettings& settings, World& world,
-                         std::vector<Portal>& portals, const cli::Common& common) {
+                         const RenderSettings& settings, World& world, std::vector<Portal>& portals,
+                         const cli::Common& common) {
   Choice choice;
   warn_of_no_portal(request, world, common);
   const bool sampled = is_sampled(world, settings);

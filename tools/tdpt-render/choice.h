@@ -36,7 +36,7 @@ Choice choose(const Request& request, const RenderSettings& settings, const Came
 /// The same by a plan from `file`: nothing is measured. Throws InputError where it is of other
 /// portals or lights.
 Choice choose_as_planned(const Plan& plan, const std::string& file, const Request& request,
-                         const RenderSettings& settings, World& world,
-                         std::vector<Portal>& portals, const cli::Common& common);
+                         const RenderSettings& settings, World& world, std::vector<Portal>& portals,
+                         const cli::Common& common);
 
 }  // namespace tdpt

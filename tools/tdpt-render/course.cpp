@@ -68,10 +68,8 @@ void add_samples(uint64_t n, Standing& standing, RenderSettings& settings) {
 void check_film(const Standing& standing, const World& world, const std::string& file) {
   const Film& film = standing.film;
   if (film.width() != world.film.width() || film.height() != world.film.height() ||
-      film.unit() != Film(1, 1, world.lights.power()).unit() ||
-      film.options().error_block != 0 ||
-      (!standing.tally.portals.empty() &&
-       standing.tally.portals.size() != world.portals.portals()))
+      film.unit() != Film(1, 1, world.lights.power()).unit() || film.options().error_block != 0 ||
+      (!standing.tally.portals.empty() && standing.tally.portals.size() != world.portals.portals()))
     throw InputError(file, "film", "keeps other sums than this picture");
 }
 
@@ -174,8 +172,9 @@ void check_course(const Arguments& a) {
   if (!a.shard.empty()) {
     shard_of(a.shard);
     if (a.seconds > 0 || a.target_error > 0)
-      throw UsageError("--shard: needs a number of samples; --plan makes one of --time or "
-                       "--target-error");
+      throw UsageError(
+          "--shard: needs a number of samples; --plan makes one of --time or "
+          "--target-error");
     if (a.spp == 0 && a.plan.empty() && a.resume.empty())
       throw UsageError("--shard: needs --spp, or --plan with the number of samples");
   }
@@ -244,8 +243,9 @@ std::string shard_commands(const Arguments& a, const std::vector<std::string>& a
   if (a.plan.empty() && a.spp == 0)
     throw UsageError("--print-shards: needs --spp, or --plan with the number of samples");
   if (output == "-") throw UsageError("--print-shards: needs -o, the picture to merge into");
-  for (const auto& [option, path] : {std::pair("--stats", a.stats), std::pair("--nonzero", a.nonzero),
-                                     std::pair("--preview", a.preview)})
+  for (const auto& [option, path] :
+       {std::pair("--stats", a.stats), std::pair("--nonzero", a.nonzero),
+        std::pair("--preview", a.preview)})
     if (!path.empty())
       throw UsageError(std::string("--print-shards: every shard would write to ") + option);
   const std::filesystem::path path(output);

@@ -1,5 +1,5 @@
-// What --checkpoint, --resume, --plan and --shard make of a rendering: which plan it obeys, where it
-// begins, and what its film says of itself, so that no film is ever added to that of another
+// What --checkpoint, --resume, --plan and --shard make of a rendering: which plan it obeys, where
+// it begins, and what its film says of itself, so that no film is ever added to that of another
 // picture.
 #pragma once
 #include <string>

@@ -142,23 +142,25 @@ void save(const Job& job, const Choice& choice, Standing& standing, const Plan& 
   try {
     write_output(job.checkpoint(), film_of(job, choice, standing, plan));
   } catch (const OutputError& e) {
-    job.common.warn(fmt::format("{}; the checkpoint before it is kept, rendering goes on",
-                                e.what()));
+    job.common.warn(
+        fmt::format("{}; the checkpoint before it is kept, rendering goes on", e.what()));
   }
 }
 
 void deliver(const Job& job, const Choice& choice, const RenderResult& result) {
   const Arguments& a = job.a;
   const Picture& picture = result.picture;
-  cli::deliver(
-      {{job.common.output, [&] { return picture_of(job, choice, result); }},
-       {a.preview, [&] { return png_bytes(picture, auto_exposure(picture)); }},
-       {a.nonzero, [&] { return png_bytes(nonzero_picture(picture), 0); }},
-       {job.is_shard() ? "" : a.plan,
-        [&] { return plan_file_text({result.plan, job.shape, job.common.command}); }},
-       {a.stats, [&] {
-          return stats_json(choice.integrator, job.settings, result, job.in.portals) + "\n";
-        }}});
+  cli::deliver({{job.common.output, [&] { return picture_of(job, choice, result); }},
+                {a.preview, [&] { return png_bytes(picture, auto_exposure(picture)); }},
+                {a.nonzero, [&] { return png_bytes(nonzero_picture(picture), 0); }},
+                {job.is_shard() || result.hasty ? "" : a.plan,
+                 [&] {
+                   return plan_file_text({result.plan, job.shape, job.common.command});
+                 }},
+                {a.stats, [&] {
+                   return stats_json(choice.integrator, job.settings, result, job.in.portals) +
+                          "\n";
+                 }}});
 }
 
 // Share of the light that segments through portals brought; 1 where none took part.
@@ -190,12 +192,14 @@ void report(const Job& job, const World& world, const Choice& choice, const Rend
   if (!result.chosen_label.empty()) name += " (" + result.chosen_label + ")";
   const std::string of = job.is_shard() ? " of the shard" : "";
   common.note(fmt::format("{}: {} samples per pixel{} at {} x {} in {:.1f} s ({:.1f} CPU s)", name,
-                          result.spp, of, result.picture.width, result.picture.height, result.seconds,
-                          result.cpu_seconds));
+                          result.spp, of, result.picture.width, result.picture.height,
+                          result.seconds, result.cpu_seconds));
   if (const std::string length = length_sentence(settings, result); !length.empty())
     common.note(length);
   if (result.interrupted)
     common.note("stopped by a signal; the picture holds the samples named above");
+  if (result.hasty && !(job.checkpoint() + job.a.plan).empty())
+    common.note("nothing was fully decided before the signal: no plan and no checkpoint is kept");
   if (result.target) common.note(target_sentence(*result.target, result.spp));
 }
 
@@ -215,9 +219,10 @@ int write_plan(const Job& job, const World& world, const Choice& choice) {
 void warn_of_processors(const Job& job) {
   const std::string& before = job.given.processor;
   if (before.empty() || before == processor_code()) return;
-  job.common.warn(fmt::format("{} was rendered by code for {}, this is code for {}: the last digits "
-                              "may differ from those of one machine; --isa sse2 is alike on all",
-                              display_name(job.a.resume), before, processor_code()));
+  job.common.warn(
+      fmt::format("{} was rendered by code for {}, this is code for {}: the last digits "
+                  "may differ from those of one machine; --isa sse2 is alike on all",
+                  display_name(job.a.resume), before, processor_code()));
 }
 
 int print_shards(const Arguments& a, const cli::Common& common) {
@@ -241,7 +246,7 @@ int render(const Job& job, World& world, const Choice& choice, Course course) {
   if (job.request.automatic && decided) job.common.note(choice_sentence(result));
   if (const std::string verdict = verdict_sentence(result); !verdict.empty())
     job.common.note(verdict);
-  if (!job.checkpoint().empty()) save(job, choice, *result.standing, result.plan);
+  if (!job.checkpoint().empty() && !result.hasty) save(job, choice, *result.standing, result.plan);
   deliver(job, choice, result);
   report(job, world, choice, result);
   job.common.explain_by([&] {
@@ -262,8 +267,8 @@ int run(const Arguments& a, const cli::Common& common) {
   const OpenWorld open = open_world(in.scene, in.camera, in.size.width, in.size.height, in.portals);
   if (open.uncovered > 0) common.warn(uncovered_sentence(open.uncovered, in.scene.frame));
   World& world = *open.world;
-  const Shaping by{in.scene, in.camera.name, in.portal_hashes, in.size.width, in.size.height,
-                   common.seed};
+  const Shaping by{in.scene,      in.camera.name, in.portal_hashes,
+                   in.size.width, in.size.height, common.seed};
   job.shape = shape_of(a, by);
   job.film_shape = film_shape_of(a, by);
   job.given = course_of(a, by, world, job.settings);

@@ -105,6 +105,8 @@ class Rendering {
   /// Finds out how many samples the error takes that is asked for, if one is, and the time, if the
   /// settings want to know.
   void aim();
+  /// Whether a signal came before all of it was decided.
+  void note_haste() { result_.hasty = !course_.plan && stop_requested(); }
   /// What is beyond the limit of depth, if there is one.
   void look_beyond();
   /// Renders until the plan's samples are there, or the time is up.
@@ -429,6 +431,7 @@ RenderResult render(const World& world, const std::vector<Candidate>& candidates
   Rendering rendering(world, candidates, settings, std::move(course));
   rendering.plan(ways);
   rendering.aim();
+  rendering.note_haste();
   rendering.look_beyond();
   rendering.samples();
   return rendering.finish();

@@ -69,6 +69,7 @@ struct RenderResult {
   double seconds = 0, cpu_seconds = 0;  ///< the scout's counted, measuring frames not
   bool interrupted = false;  ///< a signal ended it early; the picture holds what was there
   Plan plan;                 ///< what was decided by measuring
+  bool hasty = false;        ///< a signal came before it was: another run would decide otherwise
   std::shared_ptr<Standing> standing;  ///< where it ended
   RenderTally tally;
   std::map<std::string, Picture> layers;  ///< by technique; they add up to the picture
