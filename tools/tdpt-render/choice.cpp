@@ -171,6 +171,7 @@ Choice choose_as_planned(const Plan& plan, const std::string& file, const Reques
       if (way.portal >= portals.size())
         throw InputError(file, "portals", "speak of one that there is not");
     choice.ways = plan.ways;
+    choice.probed = true;
     use_portals(choice.ways, world, portals, common);
     for (Portal& portal : portals) portal.figures.erase(kLight);
   }
@@ -179,6 +180,7 @@ Choice choose_as_planned(const Plan& plan, const std::string& file, const Reques
     check_kinds(plan.lights, world.lights.shares(), file);
     world.lights.choose_by(plan.lights);
   }
+  choice.planned = true;
   find_candidates(request, world, choice);
   warn_of_missing_light(choice, world, common);
   return choice;

@@ -24,6 +24,7 @@ struct Choice {
   std::vector<PortalWay> ways;  ///< which way portals work; empty: as drawn
   Integrator integrator;        ///< the only candidate, or `auto` with the techniques of all
   bool probed = false;          ///< portals were looked at
+  bool planned = false;         ///< a plan said all that
   bool by_arrival = false;      ///< kinds of light are chosen by what arrives
   Phases phases;                ///< probe, arrival
 };

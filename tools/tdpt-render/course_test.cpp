@@ -41,9 +41,8 @@ TEST(shard, takes_its_part_and_all_parts_are_the_whole) {
 TEST(shard, is_read_or_refused) {
   EXPECT_EQ(shard_of("3/16").index, 3u);
   EXPECT_EQ(shard_of("3/16").of, 16u);
-  for (const char* bad :
-       {"", "3", "/", "3/", "/4", "4/4", "-1/4", "1/4x", "x1/4", "1 /4", "1/99999999", "1/0",
-        "0/0", "99999999999999999999/100000000000000000000"})
+  for (const char* bad : {"", "3", "/", "3/", "/4", "4/4", "-1/4", "1/4x", "x1/4", "1 /4",
+                          "1/99999999", "1/0", "0/0", "99999999999999999999/100000000000000000000"})
     EXPECT_NE(complaint([&] { shard_of(bad); }), "") << bad;
 }
 
@@ -71,8 +70,9 @@ TEST(course, options_that_contradict_each_other_are_refused) {
   const testing::TempFolder folder;
   write_output(folder.path / "c.exr", "x");
   const std::string there = folder.path / "c.exr";
-  EXPECT_EQ(refusal([&](Arguments& a) { a.checkpoint = there; }),
-            "--checkpoint " + there + ": is there already; go on from it with --resume, or remove it");
+  EXPECT_EQ(
+      refusal([&](Arguments& a) { a.checkpoint = there; }),
+      "--checkpoint " + there + ": is there already; go on from it with --resume, or remove it");
   EXPECT_EQ(refusal([&](Arguments& a) { a.checkpoint = a.resume = there; }), "");
 }
 
@@ -80,19 +80,21 @@ TEST(course, commands_of_shards_are_for_a_shell) {
   Arguments a;
   a.plan = "p";
   a.print_shards = 2;
-  const std::vector<std::string> words{"tdpt-render", "my room.glb", "--plan", "p", "-o", "out/a.exr",
-                                       "--print-shards=2", "--camera", "the 'left' one"};
+  const std::vector<std::string> words{
+      "tdpt-render",      "my room.glb", "--plan",        "p", "-o", "out/a.exr",
+      "--print-shards=2", "--camera",    "the 'left' one"};
   EXPECT_EQ(shard_commands(a, words, "out/a.exr"),
             "tdpt-render 'my room.glb' --plan p --camera 'the '\\''left'\\'' one' --shard 0/2 -o "
             "out/a.0-of-2.exr\n"
             "tdpt-render 'my room.glb' --plan p --camera 'the '\\''left'\\'' one' --shard 1/2 -o "
             "out/a.1-of-2.exr\n");
   a.checkpoint = "c.exr";
-  EXPECT_EQ(shard_commands(a, {"tdpt-render", "a.glb", "--checkpoint", "c.exr", "-oa.exr"}, "a.exr"),
-            "tdpt-render a.glb --shard 0/2 -o a.0-of-2.exr --checkpoint a.0-of-2.checkpoint.exr "
-            "--resume a.0-of-2.checkpoint.exr\n"
-            "tdpt-render a.glb --shard 1/2 -o a.1-of-2.exr --checkpoint a.1-of-2.checkpoint.exr "
-            "--resume a.1-of-2.checkpoint.exr\n");
+  EXPECT_EQ(
+      shard_commands(a, {"tdpt-render", "a.glb", "--checkpoint", "c.exr", "-oa.exr"}, "a.exr"),
+      "tdpt-render a.glb --shard 0/2 -o a.0-of-2.exr --checkpoint a.0-of-2.checkpoint.exr "
+      "--resume a.0-of-2.checkpoint.exr\n"
+      "tdpt-render a.glb --shard 1/2 -o a.1-of-2.exr --checkpoint a.1-of-2.checkpoint.exr "
+      "--resume a.1-of-2.checkpoint.exr\n");
   EXPECT_NE(complaint([&] { shard_commands(a, {}, "-"); }), "");
   a.stats = "s";
   EXPECT_NE(complaint([&] { shard_commands(a, {}, "a.exr"); }), "");
@@ -172,7 +174,9 @@ TEST(standing, that_is_no_beginning_is_refused) {
   Film gap(1, 1, 1);
   gap.complete({0, 2});
   gap.complete({4, 2});
-  EXPECT_EQ(complaint([&] { standing_of({std::move(gap), facts, {}}, "c.exr"); }),
+  EXPECT_EQ(complaint([&] {
+              standing_of({std::move(gap), facts, {}}, "c.exr");
+            }),
             "c.exr:film: holds samples 0 to 1 and 4 to 5, which is no beginning to go on from");
   const auto state = [&](const std::string& text) {
     facts.state = text;

@@ -54,7 +54,7 @@ Decision kinds_of_light(const Rendered& r) {
       fmt::format("surfaces {:.2g}, lamps {:.2g}, parallel light {:.2g}, the sky {:.2g}",
                   s.surfaces, s.lamps, s.parallel, s.sky);
   if (r.choice.by_arrival)
-    return {"kinds of light", "chosen by what arrives",
+    return {"kinds of light", r.choice.planned ? "chosen as planned" : "chosen by what arrives",
             "by power a sky would outrank every lamp indoors: " + shares,
             cli::price_of(r.choice.phases, {"arrival"})};
   return {"kinds of light", "chosen by power", "no sky stands beside other lights: " + shares,
@@ -85,18 +85,24 @@ Decisions portals(const Rendered& r) {
   if (!r.choice.probed)
     return {{"portals", "left out", fmt::format("{} goes through none", r.choice.integrator.name),
              "nothing is measured"}};
-  Decisions all{
-      {"portals", "looked at",
-       fmt::format("a small picture tells which of the {} the light passes, and which way",
-                   r.portals.size()),
-       cli::price_of(r.choice.phases, {"probe"})}};
+  Decisions all;
+  if (r.choice.planned)
+    all.push_back(
+        {"portals", "as planned", "a plan tells which way each works", "nothing is measured"});
+  else
+    all.push_back(
+        {"portals", "looked at",
+         fmt::format("a small picture tells which of the {} the light passes, and which way",
+                     r.portals.size()),
+         cli::price_of(r.choice.phases, {"probe"})});
   for (const PortalWay& w : r.choice.ways) {
     const Portal& portal = r.portals[w.portal];
     const auto light = portal.figures.find(kLight);
     all.push_back(
         {portal.name, way_words(w.way),
          light == portal.figures.end()
-             ? "too little of a small picture's light was seen to tell"
+             ? (r.choice.planned ? "the plan says so"
+                                 : "too little of a small picture's light was seen to tell")
              : fmt::format("{:.3g} % of a small picture's light passed it", 100 * light->second),
          w.way == PortalWay::left_out
              ? "no edge is tested against it"
@@ -110,6 +116,8 @@ Decision scout(const Rendered& r) {
     return {"scout", "left out",
             r.request.automatic ? "there is one candidate only" : "the integrator is named",
             "no sample is thrown away"};
+  if (r.choice.planned)
+    return {"scout", "left out", "a plan says who renders", "no sample is thrown away"};
   if (r.result.longest) return {"scout", "left out", kNothingBeyond, "no sample is thrown away"};
   if (r.result.prospects.empty())
     return {"scout", "left out", "the samples asked for cannot spare the fewest that tell anything",
@@ -217,7 +225,9 @@ Decision pilot(const Rendered& r) {
 std::string why_so_many(const Rendered& r) {
   if (r.result.longest == 0) return "each is black, and none is traced";
   if (r.result.interrupted) return "a signal ended the rendering";
+  if (r.result.standing && r.result.standing->whole > 0) return "the shard has so many";
   if (r.settings.spp > 0 && r.result.spp >= r.settings.spp) return "so many were asked for";
+  if (r.settings.fixed && !r.result.target) return "--time allows so many, by the plan";
   using Stop = TargetOutcome::Stop;
   if (!r.result.target || r.result.target->stop == Stop::time) return "--time was up";
   return r.result.target->stop == Stop::unlit ? "the pilot, of as many, met no light"
