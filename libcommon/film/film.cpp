@@ -72,6 +72,12 @@ std::vector<Vec3d> Film::sums(const Plane& plane) const {
   return all;
 }
 
+std::vector<Vec3d> Film::sums(size_t step) const {
+  std::vector<Vec3d> some;
+  for (size_t i = 0; i < pixels(); i += step) some.push_back(sum(picture_, i));
+  return some;
+}
+
 uint64_t Film::samples() const {
   uint64_t n = 0;
   for (const SampleRange& range : ranges_) n += range.count;

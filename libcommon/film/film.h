@@ -84,6 +84,8 @@ class Film {
 
   /// Sum over its samples, pixel by pixel, row by row.
   std::vector<Vec3d> sums() const { return sums(picture_); }
+  /// Of every `step`-th pixel.
+  std::vector<Vec3d> sums(size_t step) const;
   std::vector<Vec3d> layer_sums(size_t layer) const { return sums(layers_[layer]); }
   bool has_layer(size_t layer) const { return layers_[layer] != nullptr; }
   /// The mean over its samples; black where there are none.

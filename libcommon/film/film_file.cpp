@@ -4,6 +4,7 @@
 #include <bit>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -22,7 +23,7 @@ using Json = nlohmann::ordered_json;
 constexpr const char* kAttribute = "film";
 constexpr int kFormat = 1;
 constexpr uint64_t kMostSamples = uint64_t{1} << 33;
-constexpr size_t kMostRanges = 1 << 20, kMostCounts = 1 << 16;
+constexpr size_t kMostChannels = 64, kMostRanges = 1 << 20, kMostCounts = 1 << 16;
 constexpr std::array kColours{"R", "G", "B"};
 
 // ---- Numbers of the film as channels ----
@@ -37,7 +38,7 @@ void append_words(const Film::Numbers& numbers, std::vector<WordChannel>& words)
           single ? numbers.name
                  : (numbers.name.empty() ? "" : numbers.name + ".") + "sum." + kColours[c];
       words.push_back(
-          {fmt::format("{}.{}", of, w), numbers.first + c * numbers.bytes + 4 * w, step});
+          {fmt::format("{}.{}", of, w), numbers.first + c * numbers.bytes + 4 * w, step, WordChannel::whole});
     }
 }
 
@@ -48,7 +49,13 @@ void append_words(std::vector<Vec3d>& values, std::vector<WordChannel>& words) {
     for (size_t w = 0; w < 2; ++w)
       words.push_back({fmt::format("before.{}.{}", kColours[c], w),
                        reinterpret_cast<unsigned char*>(values.data()) + 8 * c + 4 * w,
-                       sizeof(Vec3d)});
+                       sizeof(Vec3d), WordChannel::whole});
+}
+
+void append_words(const std::string& name, std::vector<float>& values,
+                  std::vector<WordChannel>& words) {
+  words.push_back({name, reinterpret_cast<unsigned char*>(values.data()), sizeof(float),
+                   WordChannel::real});
 }
 
 std::string block_name(size_t i) {
@@ -56,7 +63,8 @@ std::string block_name(size_t i) {
 }
 
 // Of all that a film file holds, told apart from what was damaged on the way.
-std::string hash_of(const std::string& facts, Film& film, const FilmBlocks& blocks) {
+std::string hash_of(const std::string& facts, Film& film, const FilmBlocks& blocks,
+                    const Channels& channels) {
   const size_t pixels = static_cast<size_t>(film.width()) * static_cast<size_t>(film.height());
   const auto view = [](const auto* first, size_t bytes) {
     return std::string_view(reinterpret_cast<const char*>(first), bytes);
@@ -67,6 +75,8 @@ std::string hash_of(const std::string& facts, Film& film, const FilmBlocks& bloc
   for (const Picture& block : blocks.blocks)
     hashes += content_hash(view(block.pixels.data(), block.pixels.size() * sizeof(Rgb)));
   hashes += content_hash(view(blocks.before.data(), blocks.before.size() * sizeof(Vec3d)));
+  for (const auto& [name, values] : channels)
+    hashes += content_hash(view(values.data(), values.size() * sizeof(float)));
   return content_hash(hashes);
 }
 
@@ -90,7 +100,10 @@ std::string hexadecimal(Units units) {
   return fmt::format("{:x}", units);
 }
 
-Json json_of(const Film& film, const FilmFacts& facts, const FilmBlocks& blocks) {
+Json json_of(const Film& film, const FilmFacts& facts, const FilmBlocks& blocks,
+             const Channels& channels) {
+  std::vector<std::string> names;
+  for (const auto& [name, values] : channels) names.push_back(name);
   Json j{{"format", kFormat},
          {"width", film.width()},
          {"height", film.height()},
@@ -100,6 +113,8 @@ Json json_of(const Film& film, const FilmFacts& facts, const FilmBlocks& blocks)
          {"error_block", film.options().error_block},
          {"blocks", blocks.blocks.size()},
          {"before", !blocks.before.empty()},
+         {"channels", names},
+         {"derived", facts.derived},
          {"spp", facts.spp},
          {"processor", facts.processor},
          {"plan", facts.plan},
@@ -143,6 +158,13 @@ class Reader {
       fail(key, "is out of range");
     return value.get<int64_t>();
   }
+  std::vector<std::string> texts(const char* key, size_t most) const {
+    std::vector<std::string> all;
+    const Json& list = at(key, Json::value_t::array);
+    if (list.size() > most) fail(key, "are too many");
+    for (const Json& value : list) all.push_back(text(key, value));
+    return all;
+  }
   bool flag(const char* key) const { return at(key, Json::value_t::boolean).get<bool>(); }
   std::string text(const char* key) const { return text(key, at(key, Json::value_t::string)); }
   std::string text(const std::string& key, const Json& value) const {
@@ -184,6 +206,7 @@ FilmFacts facts_of(const Reader& in) {
   facts.processor = in.text("processor");
   facts.plan = in.text("plan");
   facts.state = in.text("state");
+  facts.derived = in.texts("derived", kDerived.size());
   for (const auto& [name, value] : in.at("shape", Json::value_t::object).items())
     facts.shape.emplace_back(name, in.text(name, value));
   for (const auto& [name, values] : in.at("counts", Json::value_t::object).items()) {
@@ -199,9 +222,7 @@ Film::Options options_of(const Reader& in) {
   Film::Options options;
   options.alpha = in.flag("alpha");
   options.error_block = static_cast<uint64_t>(in.whole("error_block", 0, kMostSamples));
-  const Json& layers = in.at("layers", Json::value_t::array);
-  if (layers.size() > Film::kMostLayers) in.fail("layers", "are too many");
-  for (const Json& name : layers) options.layers.push_back(in.text("layers", name));
+  options.layers = in.texts("layers", Film::kMostLayers);
   return options;
 }
 
@@ -213,7 +234,7 @@ FilmFile film_of(const Json& json, ExrFile& exr, std::string_view bytes, const s
   in.whole("width", width, width);
   in.whole("height", height, height);
   const auto unit = static_cast<int>(in.whole("unit", -1000, 900));
-  FilmFile file{Film(width, height, std::ldexp(1.0, unit + 64), options_of(in)), facts_of(in), {}};
+  FilmFile file{Film(width, height, std::ldexp(1.0, unit + 64), options_of(in)), facts_of(in), {}, {}};
   const auto blocks = static_cast<size_t>(in.whole("blocks", 0, 7));
   for (size_t i = 0; i < blocks; ++i) {
     const auto layer = exr.layers.find(block_name(i));
@@ -224,6 +245,11 @@ FilmFile film_of(const Json& json, ExrFile& exr, std::string_view bytes, const s
   std::vector<WordChannel> words;
   for (const Film::Numbers& n : file.film.numbers()) append_words(n, words);
   append_words(file.blocks.before, words);
+  for (const std::string& channel : in.texts("channels", kMostChannels)) {
+    std::vector<float>& values = file.channels[channel];
+    values.resize(exr.picture.pixels.size());
+    append_words(channel, values, words);
+  }
   parse_exr_words(bytes, name, width, height, words);
   try {
     file.film.restore(ranges_of(in));
@@ -308,13 +334,19 @@ void FilmFile::merge(const FilmFile& other, const std::string& name) {
   facts.processor = merged_words(facts.processor, other.facts.processor);
   facts.state.clear();
   blocks = {};
+  if (channels.empty()) channels = other.channels;
 }
 
-std::string film_bytes(Film& film, const FilmFacts& facts, const FilmBlocks& blocks) {
-  ExrFile exr = finished_picture(film, facts);
-  exr.layers.clear();
-  const std::string text = json_of(film, facts, blocks).dump();
-  exr.attributes[kAttribute] = Json{{"hash", hash_of(text, film, blocks)}, {"facts", text}}.dump();
+std::string film_bytes(Film& film, const FilmFacts& facts, const FilmBlocks& blocks,
+                       const Channels& channels) {
+  ExrFile exr;
+  exr.picture = film.picture();
+  exr.attributes = facts.attributes;
+  exr.attributes["spp"] = std::to_string(film.samples());
+  exr.channels = channels;
+  const std::string text = json_of(film, facts, blocks, channels).dump();
+  exr.attributes[kAttribute] =
+      Json{{"hash", hash_of(text, film, blocks, channels)}, {"facts", text}}.dump();
   for (size_t i = 0; i < blocks.blocks.size(); ++i) exr.layers[block_name(i)] = blocks.blocks[i];
   std::vector<Vec3d> before = blocks.before;
   for (const Film::Numbers& n : film.numbers()) append_words(n, exr.words);
@@ -335,7 +367,7 @@ FilmFile parse_film(std::string_view bytes, const std::string& name) {
   const Json json = Json::parse(text, nullptr, false);
   if (!json.is_object()) throw damaged();
   FilmFile file = film_of(json, exr, bytes, name);
-  if (outer.value("hash", Json()) != Json(hash_of(text, file.film, file.blocks))) throw damaged();
+  if (outer.value("hash", Json()) != Json(hash_of(text, file.film, file.blocks, file.channels))) throw damaged();
   return file;
 }
 
@@ -347,8 +379,20 @@ bool is_film(const ExrFile& file) {
   return file.attributes.count(kAttribute) > 0;
 }
 
-ExrFile finished_picture(const Film& film, const FilmFacts& facts) {
+ExrFile finished_picture(const Film& film, const FilmFacts& facts, Channels channels) {
   ExrFile exr;
+  exr.channels = std::move(channels);
+  const size_t pixels = static_cast<size_t>(film.width()) * static_cast<size_t>(film.height());
+  for (const std::string& name : facts.derived) {
+    std::vector<float>& values = exr.channels[name + ".Y"];
+    values.assign(pixels, static_cast<float>(film.samples()));
+    if (name != "variance") continue;
+    // What is too bright to tell is the largest number, since no picture holds an infinite one.
+    const std::vector<double> variance = film.variance();
+    for (size_t i = 0; i < pixels; ++i)
+      values[i] = static_cast<float>(
+          std::min(variance[i], static_cast<double>(std::numeric_limits<float>::max())));
+  }
   exr.picture = film.picture();
   const std::vector<std::string>& layers = film.options().layers;
   for (size_t i = 0; i < layers.size(); ++i)

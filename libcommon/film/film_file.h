@@ -2,6 +2,7 @@
 // the exact sums beside it and all that must agree before they are added to another film's.
 // Checkpoints and shards are such files. film(5) tells the format.
 #pragma once
+#include <array>
 #include <map>
 #include <string>
 #include <string_view>
@@ -33,6 +34,8 @@ struct FilmFacts {
   std::string processor;  ///< whose code was chosen [processor.h]; of several "avx2, avx512"
   uint64_t spp = 0;       ///< samples of each pixel of the whole picture; 0: as many as time allows
   Counts counts;
+  /// Channels of the whole picture that its sums tell: of kDerived.
+  std::vector<std::string> derived;
   std::map<std::string, std::string> attributes;  ///< of the whole picture, but for `spp`
   friend bool operator==(const FilmFacts&, const FilmFacts&) = default;
 };
@@ -43,10 +46,14 @@ struct FilmBlocks {
   std::vector<Vec3d> before;  ///< sums when the last one ended; empty: none has
 };
 
+/// "variance": of the mean luminance, of a film that keeps errors; "samples": of each pixel.
+inline constexpr std::array kDerived{"variance", "samples"};
+
 struct FilmFile {
   Film film;
   FilmFacts facts;
   FilmBlocks blocks;
+  Channels channels{};  ///< of the whole picture, that no sample changes
 
   /// Ranges of [0, spp) that are not there.
   std::vector<SampleRange> gaps() const;
@@ -57,7 +64,8 @@ struct FilmFile {
 };
 
 /// The file as bytes. No thread adds to the film meanwhile.
-std::string film_bytes(Film& film, const FilmFacts& facts, const FilmBlocks& blocks = {});
+std::string film_bytes(Film& film, const FilmFacts& facts, const FilmBlocks& blocks = {},
+                       const Channels& channels = {});
 /// Throws InputError for what is no film, or not as it was written.
 FilmFile parse_film(std::string_view bytes, const std::string& name);
 FilmFile read_film(const std::string& path);
@@ -65,6 +73,6 @@ FilmFile read_film(const std::string& path);
 bool is_film(const ExrFile& file);
 
 /// The whole picture, as the rendering that is not in parts writes it.
-ExrFile finished_picture(const Film& film, const FilmFacts& facts);
+ExrFile finished_picture(const Film& film, const FilmFacts& facts, Channels channels = {});
 
 }  // namespace tdpt

@@ -283,6 +283,10 @@ auto parse(std::string_view bytes, const std::string& name, const Read& read) {
   }
 }
 
+Imf::PixelType pixel_type(const WordChannel& channel) {
+  return channel.type == WordChannel::real ? Imf::FLOAT : Imf::UINT;
+}
+
 void check_size(const Picture& p, int width, int height) {
   const size_t n = static_cast<size_t>(width) * static_cast<size_t>(height);
   if (p.width != width || p.height != height || width < 1 || height < 1 || p.pixels.size() != n ||
@@ -353,11 +357,11 @@ void parse_exr_words(std::string_view bytes, const std::string& name, int width,
     Imf::FrameBuffer buffer;
     for (const WordChannel& word : words) {
       const Imf::Channel* channel = header.channels().findChannel(word.name);
-      if (!channel || channel->type != Imf::UINT || channel->xSampling != 1 ||
+      if (!channel || channel->type != pixel_type(word) || channel->xSampling != 1 ||
           channel->ySampling != 1)
         throw InputError(name, "channel " + word.name,
-                         channel ? "is no whole number a pixel" : "is missing");
-      buffer.insert(word.name, Imf::Slice::Make(Imf::UINT, word.first, window, word.step,
+                         channel ? "is of another type" : "is missing");
+      buffer.insert(word.name, Imf::Slice::Make(pixel_type(word), word.first, window, word.step,
                                                 word.step * static_cast<size_t>(width)));
     }
     Imf::InputPart part(file, index);
@@ -395,9 +399,17 @@ std::string exr_bytes(const ExrFile& file) {
                         sizeof(float), sizeof(float) * static_cast<size_t>(width)));
   }
   for (const auto& [name, picture] : file.layers) insert(name + ".", picture);
+  for (const auto& [name, values] : file.channels) {
+    if (values.size() != static_cast<size_t>(width) * static_cast<size_t>(height))
+      throw std::invalid_argument("a channel must be as large as the picture");
+    header.channels().insert(name, Imf::Channel(Imf::FLOAT));
+    buffer.insert(name, Imf::Slice(Imf::FLOAT,
+                                   const_cast<char*>(reinterpret_cast<const char*>(values.data())),
+                                   sizeof(float), sizeof(float) * static_cast<size_t>(width)));
+  }
   for (const WordChannel& word : file.words) {
-    header.channels().insert(word.name, Imf::Channel(Imf::UINT));
-    buffer.insert(word.name, Imf::Slice(Imf::UINT, reinterpret_cast<char*>(word.first), word.step,
+    header.channels().insert(word.name, Imf::Channel(pixel_type(word)));
+    buffer.insert(word.name, Imf::Slice(pixel_type(word), reinterpret_cast<char*>(word.first), word.step,
                                         word.step * static_cast<size_t>(width)));
   }
 

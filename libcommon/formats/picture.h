@@ -19,19 +19,23 @@ struct Picture {
   std::vector<float> alpha{};
 };
 
-/// A channel of whole numbers of 32 bits (UINT) that lies in the caller's memory, which may be a
-/// part of larger numbers: that of a pixel is `step` bytes after that of the one before.
+/// A channel of numbers of 32 bits that lies in the caller's memory, which may be a part of larger
+/// numbers: that of a pixel is `step` bytes after that of the one before.
 struct WordChannel {
   std::string name;
   unsigned char* first;
   size_t step;
+  enum Type { whole, real } type = whole;  ///< UINT, FLOAT
 };
+/// Channels of their own, by full name: a number of each pixel, row by row.
+using Channels = std::map<std::string, std::vector<float>>;
 
 struct ExrFile {
   Picture picture;                                ///< channels R G B
   std::map<std::string, Picture> layers;          ///< channels <name>.R <name>.G <name>.B
   std::map<std::string, std::string> attributes;  ///< string attributes of the header
-  std::vector<WordChannel> words;                 ///< written beside them; not read
+  Channels channels;                              ///< others, written beside them; not read
+  std::vector<WordChannel> words;                 ///< likewise
   int64_t pixels_without_data = 0;  ///< on reading: pixels outside the data window; they are black
 };
 
@@ -53,7 +57,7 @@ ExrFile parse_exr(std::string_view bytes, const std::string& name);
 /// InputError.
 Picture parse_exr_picture(std::string_view bytes, const std::string& name, int most_width,
                           int most_height);
-/// Reads channels of whole numbers into the caller's memory, `width` x `height` of each. Throws
+/// Reads channels into the caller's memory, `width` x `height` of each. Throws
 /// InputError where the file is of another size, or lacks one of them.
 void parse_exr_words(std::string_view bytes, const std::string& name, int width, int height,
                      const std::vector<WordChannel>& words);

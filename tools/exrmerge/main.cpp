@@ -28,8 +28,8 @@ void declare_options(cli::Options& options, Arguments& a) {
 }
 
 std::string picture_bytes(const Arguments& a, FilmFile& film) {
-  return a.film ? film_bytes(film.film, film.facts)
-                : exr_bytes(finished_picture(film.film, film.facts));
+  return a.film ? film_bytes(film.film, film.facts, {}, film.channels)
+                : exr_bytes(finished_picture(film.film, film.facts, film.channels));
 }
 
 int run(const Arguments& a, const cli::Common& common) {

@@ -1,9 +1,14 @@
 #include "tools/tdpt-render/arguments.h"
 
+#include <algorithm>
 #include <filesystem>
+
+#include <fmt/format.h>
 
 #include "libcommon/base/error.h"
 #include "libcommon/cli/cli.h"
+#include "libcommon/film/film_file.h"
+#include "tools/tdpt-render/features.h"
 #include "tools/tdpt-render/integrators/integrator.h"
 #include "tools/tdpt-render/path/walk.h"
 
@@ -54,6 +59,28 @@ void declare_course_options(cli::Options& options, Arguments& a) {
 }
 
 }  // namespace
+
+std::vector<std::string> aovs_of(const Arguments& a) {
+  std::vector<std::string> known(kFeatures.begin(), kFeatures.end()), names;
+  known.insert(known.end(), kDerived.begin(), kDerived.end());
+  if (a.aov == "all") return known;
+  std::vector<std::string> given;
+  for (size_t at = 0; at < a.aov.size();) {
+    const size_t end = std::min(a.aov.find(',', at), a.aov.size());
+    given.push_back(a.aov.substr(at, end - at));
+    at = end + 1;
+  }
+  const auto has = [](const std::vector<std::string>& list, const std::string& name) {
+    return std::find(list.begin(), list.end(), name) != list.end();
+  };
+  for (const std::string& name : given)
+    if (!has(known, name))
+      throw UsageError(fmt::format("--aov {}: '{}' given, expected some of {}, or all", a.aov, name,
+                                   fmt::join(known, ",")));
+  for (const std::string& name : known)
+    if (has(given, name)) names.push_back(name);
+  return names;
+}
 
 void declare_options(cli::Options& options, Arguments& a) {
   using cli::Shapes;
@@ -108,6 +135,8 @@ void declare_options(cli::Options& options, Arguments& a) {
                "it");
   options.flag("--layers", a.layers,
                "Add each technique's contribution as layers <technique>.R .G .B");
+  options.option("--aov", a.aov, "LIST",
+                 "Add channels: albedo, normal, position, depth, variance, samples, or all");
   options.side_output("--nonzero", a.nonzero,
                       "Write a PNG of the pixels: red with a contribution, green without");
   options.output_beside("--preview", a.preview, cli::png_beside, "Write a PNG beside the picture");

@@ -36,7 +36,12 @@ struct Arguments {
 
   std::string stats, nonzero, preview;  ///< paths; empty: not asked for
   bool layers = false, alpha = false;
+  std::string aov;  ///< names, separated by commas
 };
+
+/// The names of --aov, each once, in the order of kFeatures and kDerived. Throws UsageError for one
+/// that there is not.
+std::vector<std::string> aovs_of(const Arguments& a);
 
 /// The options of the program, which fill in `a`.
 void declare_options(cli::Options& options, Arguments& a);

@@ -1,5 +1,6 @@
 #include "tools/tdpt-render/course.h"
 
+#include <algorithm>
 #include <charconv>
 #include <filesystem>
 
@@ -202,7 +203,11 @@ Shape shape_of(const Arguments& a, const Shaping& by) {
 Shape film_shape_of(const Arguments& a, const Shaping& by) {
   Shape shape = shape_of(a, by);
   shape.emplace_back("film", a.alpha ? "transparent" : "opaque");
-  shape.emplace_back("set of layers", a.layers ? "techniques" : "");
+  const std::vector<std::string> aovs = aovs_of(a);
+  const bool varies = std::find(aovs.begin(), aovs.end(), "variance") != aovs.end();
+  shape.emplace_back("set of layers", fmt::format("{}{}{}", a.layers ? "techniques" : "",
+                                                  a.layers && varies ? " " : "",
+                                                  varies ? "variance" : ""));
   return shape;
 }
 
@@ -226,8 +231,11 @@ GivenCourse course_of(const Arguments& a, const Shaping& by, const World& world,
 
 std::string film_bytes(Standing& standing, const Plan& plan, const Shape& shape,
                        const std::string& processor,
-                       const std::map<std::string, std::string>& attributes) {
+                       const std::vector<std::string>& derived,
+                       const std::map<std::string, std::string>& attributes,
+                       const Channels& channels) {
   FilmFacts facts;
+  facts.derived = derived;
   facts.shape = shape;
   facts.plan = plan_text(plan);
   facts.state = standing_text(standing);
@@ -235,7 +243,7 @@ std::string film_bytes(Standing& standing, const Plan& plan, const Shape& shape,
   facts.spp = standing.spp();
   facts.counts = counts_of(standing.tally);
   facts.attributes = attributes;
-  return film_bytes(standing.film, facts, blocks_of(standing));
+  return film_bytes(standing.film, facts, blocks_of(standing), channels);
 }
 
 std::string shard_commands(const Arguments& a, const std::vector<std::string>& arguments,

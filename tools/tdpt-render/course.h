@@ -47,10 +47,12 @@ struct GivenCourse {
 GivenCourse course_of(const Arguments& a, const Shaping& by, const World& world,
                       RenderSettings& settings);
 
-/// The film file of a rendering. `attributes`: of the picture.
+/// The film file of a rendering. `derived`, `attributes`, `channels`: of the whole picture.
 std::string film_bytes(Standing& standing, const Plan& plan, const Shape& shape,
                        const std::string& processor,
-                       const std::map<std::string, std::string>& attributes);
+                       const std::vector<std::string>& derived,
+                       const std::map<std::string, std::string>& attributes,
+                       const Channels& channels);
 
 /// --print-shards: the commands of the shards, one a line, for a shell: PICTURE.I-of-N.exr of the
 /// `output` PICTURE.exr each. `arguments`: the command line. Throws UsageError where that says not

@@ -1,4 +1,5 @@
 // tdpt-render: renders a scene, with portals if there are any.
+#include <algorithm>
 #include <numeric>
 
 #include <fmt/format.h>
@@ -15,6 +16,7 @@
 #include "tools/tdpt-render/course.h"
 #include "tools/tdpt-render/covered_lamps.h"
 #include "tools/tdpt-render/explain.h"
+#include "tools/tdpt-render/features.h"
 #include "tools/tdpt-render/given_portals.h"
 #include "tools/tdpt-render/picture_size.h"
 #include "tools/tdpt-render/portal_report.h"
@@ -77,6 +79,8 @@ RenderSettings settings_of(const Arguments& a, const cli::Common& common) {
   settings.quiet = common.quiet;
   settings.alpha = a.alpha;
   settings.layers = a.layers;
+  const std::vector<std::string> aovs = aovs_of(a);
+  settings.variance = std::find(aovs.begin(), aovs.end(), "variance") != aovs.end();
   settings.frames = !a.stats.empty();
   settings.fixed = !a.plan.empty();
   return settings;
@@ -118,21 +122,38 @@ std::map<std::string, std::string> attributes_of(const Job& job, const Choice& c
   return attributes;
 }
 
-std::string film_of(const Job& job, const Choice& choice, Standing& standing, const Plan& plan) {
+// Those of --aov that the film's sums tell.
+std::vector<std::string> derived_of(const Arguments& a) {
+  std::vector<std::string> derived;
+  for (const std::string& name : aovs_of(a))
+    if (std::find(kDerived.begin(), kDerived.end(), name) != kDerived.end())
+      derived.push_back(name);
+  return derived;
+}
+
+// Channels that no sample changes: of several shards the first has them.
+Channels channels_of(const Job& job, const World& world) {
+  if (job.a.aov.empty() || (job.is_shard() && shard_of(job.a.shard).index > 0)) return {};
+  return features(world, aovs_of(job.a), job.common.seed);
+}
+
+std::string film_of(const Job& job, const Choice& choice, Standing& standing, const Plan& plan,
+                    const Channels& channels) {
   const std::string& before = job.given.processor;
   const std::string now = processor_code();
   return film_bytes(standing, plan, job.film_shape,
                     before.empty() || before == now ? now : before + ", " + now,
-                    attributes_of(job, choice, plan));
+                    derived_of(job.a), attributes_of(job, choice, plan), channels);
 }
 
-std::string picture_of(const Job& job, const Choice& choice, const RenderResult& result) {
-  if (job.is_shard()) return film_of(job, choice, *result.standing, result.plan);
-  ExrFile exr;
-  exr.picture = result.picture;
-  exr.layers = result.layers;
-  exr.attributes = attributes_of(job, choice, result.plan);
-  exr.attributes["spp"] = std::to_string(result.spp);
+std::string picture_of(const Job& job, const World& world, const Choice& choice,
+                       const RenderResult& result) {
+  Channels channels = channels_of(job, world);
+  if (job.is_shard()) return film_of(job, choice, *result.standing, result.plan, channels);
+  FilmFacts facts;
+  facts.derived = derived_of(job.a);
+  facts.attributes = attributes_of(job, choice, result.plan);
+  ExrFile exr = finished_picture(result.standing->film, facts, std::move(channels));
   if (result.target) exr.attributes.merge(target_attributes(*result.target));
   return exr_bytes(exr);
 }
@@ -140,17 +161,18 @@ std::string picture_of(const Job& job, const Choice& choice, const RenderResult&
 // A checkpoint that cannot be written costs nothing but a warning: the one before is whole.
 void save(const Job& job, const Choice& choice, Standing& standing, const Plan& plan) {
   try {
-    write_output(job.checkpoint(), film_of(job, choice, standing, plan));
+    write_output(job.checkpoint(), film_of(job, choice, standing, plan, {}));
   } catch (const OutputError& e) {
     job.common.warn(
         fmt::format("{}; the checkpoint before it is kept, rendering goes on", e.what()));
   }
 }
 
-void deliver(const Job& job, const Choice& choice, const RenderResult& result) {
+void deliver(const Job& job, const World& world, const Choice& choice,
+             const RenderResult& result) {
   const Arguments& a = job.a;
   const Picture& picture = result.picture;
-  cli::deliver({{job.common.output, [&] { return picture_of(job, choice, result); }},
+  cli::deliver({{job.common.output, [&] { return picture_of(job, world, choice, result); }},
                 {a.preview, [&] { return png_bytes(picture, auto_exposure(picture)); }},
                 {a.nonzero, [&] { return png_bytes(nonzero_picture(picture), 0); }},
                 {job.is_shard() || result.hasty ? "" : a.plan,
@@ -194,13 +216,16 @@ void report(const Job& job, const World& world, const Choice& choice, const Rend
   common.note(fmt::format("{}: {} samples per pixel{} at {} x {} in {:.1f} s ({:.1f} CPU s)", name,
                           result.spp, of, result.picture.width, result.picture.height,
                           result.seconds, result.cpu_seconds));
-  if (const std::string length = length_sentence(settings, result); !length.empty())
-    common.note(length);
   if (result.interrupted)
     common.note("stopped by a signal; the picture holds the samples named above");
   if (result.hasty && !(job.checkpoint() + job.a.plan).empty())
     common.note("nothing was fully decided before the signal: no plan and no checkpoint is kept");
   if (result.target) common.note(target_sentence(*result.target, result.spp));
+  std::vector<std::string> last;
+  if (result.noise) last.push_back(words_of(*result.noise));
+  if (const std::string length = length_sentence(settings, result); !length.empty())
+    last.push_back(length);
+  if (!last.empty()) common.note(fmt::format("{}", fmt::join(last, "; ")));
 }
 
 // Says what was decided and where it stands, without a picture.
@@ -247,7 +272,7 @@ int render(const Job& job, World& world, const Choice& choice, Course course) {
   if (const std::string verdict = verdict_sentence(result); !verdict.empty())
     job.common.note(verdict);
   if (!job.checkpoint().empty() && !result.hasty) save(job, choice, *result.standing, result.plan);
-  deliver(job, choice, result);
+  deliver(job, world, choice, result);
   report(job, world, choice, result);
   job.common.explain_by([&] {
     return decisions_of({world, portals, job.request, choice, job.settings, result});

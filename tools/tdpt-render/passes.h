@@ -21,8 +21,9 @@ void render_samples(const World& world, const Integrator& integrator, const Samp
                     Progress& progress);
 
 /// A film for pictures of that world; with a layer for each technique in `layers`, transparent
-/// where `alpha` says so.
-Film film_for(const World& world, const TechniqueSet& layers, bool alpha = false);
+/// where `alpha` says so, with errors from blocks of `error_block` samples.
+Film film_for(const World& world, const TechniqueSet& layers, bool alpha = false,
+              uint64_t error_block = 0);
 
 /// What a rendering did, all its parts together.
 struct RenderTally {

@@ -67,7 +67,9 @@ Film empty_film(const World& world, const std::vector<Candidate>& candidates,
                 const RenderSettings& settings) {
   TechniqueSet all;
   for (const Candidate& c : candidates) all = all | c.integrator.mixture.techniques;
-  return film_for(world, settings.layers ? all : TechniqueSet(), settings.alpha);
+  const bool varies = longest_path(world, settings.max_depth, settings.alpha) > 0;
+  return film_for(world, settings.layers ? all : TechniqueSet(), settings.alpha,
+                  settings.variance && varies ? 1 : 0);
 }
 
 Standing beginning(const World& world, const std::vector<Candidate>& candidates,
@@ -98,6 +100,7 @@ class Rendering {
         standing_(goes_on_ ? std::move(*course_.standing)
                            : beginning(world, candidates, settings, course_)),
         clock_(standing_.seconds, standing_.cpu_seconds),
+        watch_(film_),
         framed_(film_.samples()) {}
 
   /// Decides who renders. `ways`: decided before.
@@ -120,6 +123,7 @@ class Rendering {
   void obey_plan();
   void aim_at_error();
   uint64_t samples_in_time();
+  Film aside() const { return film_for(world_, TechniqueSet()); }
   void save_if_due();
   void record_frame();
   void render_goal();
@@ -142,6 +146,7 @@ class Rendering {
   Pilot& pilot_ = standing_.pilot;
   PictureBlocks& blocks_ = standing_.blocks;
   Clock clock_;
+  NoiseWatch watch_;
   uint64_t framed_;    // samples when the last frame was recorded
   double saved_ = -1;  // when that was last done [s]; below 0: never
   RenderResult result_;
@@ -216,17 +221,17 @@ uint64_t Rendering::samples_in_time() {
   constexpr double kShare = 0.02;
   if (longest_ == 0) return 1;
   Progress progress("measuring the time", "samples", 0, settings_.quiet);
-  Tally aside(film_.unit());
+  Film film = aside();
+  Tally tally(film.unit());
   double each = 0;
   for (uint64_t n = 1, done = 0; !stop_requested(); done += n, n *= 2) {
     const double before = clock_.seconds();
-    render_samples(world_, result_.plan.integrator, rules_, kRound, {done, n}, film_, aside,
+    render_samples(world_, result_.plan.integrator, rules_, kRound, {done, n}, film, tally,
                    progress);
     const double took = clock_.seconds() - before;
     each = took / static_cast<double>(n);
     if (took > kShare * settings_.seconds) break;
   }
-  film_.clear();
   const double left = std::max(settings_.seconds - clock_.seconds(), 0.0);
   auto samples = static_cast<uint64_t>(std::clamp(left / each, 1.0, 0x1p32));
   while (static_cast<int>(std::bit_width(samples)) > std::countr_zero(samples) + 4)
@@ -250,9 +255,10 @@ void Rendering::aim_at_error() {
     return late || stop_requested();
   };
   {
+    Film film = aside();
     Progress progress("measuring the error", "samples", 0, settings_.quiet);
     const uint64_t most = settings_.spp > 0 ? settings_.spp : kMostSamples;
-    pilot_ = run_pilot(world_, result_.plan.integrator, rules_, target.error, most, give_up, film_,
+    pilot_ = run_pilot(world_, result_.plan.integrator, rules_, target.error, most, give_up, film,
                        progress);
   }
   target.pilot_samples = Pilot::kParts * pilot_.part_samples();
@@ -317,8 +323,12 @@ bool Rendering::retry_is_due() {
   return target.retried = true;
 }
 
-// "relMSE about 0.02", as the pilot foresees it.
+// "relMSE about 0.02", as the pilot foresees it, or the picture tells.
 std::string Rendering::error_so_far() const {
+  if (!target_) {
+    const std::optional<Noise> noise = watch_.noise(film_);
+    return noise && noise->tells ? fmt::format("relMSE about {:.2g}", noise->relmse) : "";
+  }
   if (pilot_.rounds.empty() || film_.samples() == 0) return "";
   const Pilot::Round& round = pilot_.about(film_.samples());
   if (!(round.estimate.relmse > 0)) return "";
@@ -332,8 +342,8 @@ void Rendering::look_beyond() {
   // A hundredth of the picture's samples, but of few of them up to a tenth; by the clock, enough.
   const double all = static_cast<double>(goal_) * static_cast<double>(pixels_), enough = 2048;
   const double samples = all > 0 ? std::max(0.01 * all, std::min(0.1 * all, enough)) : enough;
-  Film aside = film_for(world_, TechniqueSet());
-  result_.beyond = light_beyond(world_, result_.plan.integrator, rules_, samples, aside);
+  Film film = aside();
+  result_.beyond = light_beyond(world_, result_.plan.integrator, rules_, samples, film);
 }
 
 void Rendering::record_frame() {
@@ -351,7 +361,8 @@ uint64_t Rendering::next_pass(uint64_t most) const {
   const uint64_t done = film_.samples();
   if (goal_ > 0 && done >= goal_) return 0;
   uint64_t n = goal_ == 0 ? most : std::min(most, goal_ - done);
-  if (target_) n = std::min(n, blocks_.next() - done);
+  if (film_.options().error_block > 0) n = 1;  // of a block
+  n = std::min(n, (target_ ? blocks_.next() : watch_.next()) - done);
   if (settings_.frames) n = std::min(n, next_frame(framed_) - done);
   if (longest_ == 0) return 0;
   if (settings_.seconds == 0) return n;
@@ -391,6 +402,7 @@ void Rendering::render_goal() {
     render_samples(world_, result_.plan.integrator, rules_, 0, {standing_.next(), n}, film_,
                    standing_.tally, progress);
     if (target_ && film_.samples() == blocks_.next()) blocks_.add(film_.sums());
+    if (!target_ && film_.samples() == watch_.next()) watch_.look(film_);
     if (settings_.frames && film_.samples() == next_frame(framed_)) record_frame();
     save_if_due();
   }
@@ -414,6 +426,7 @@ RenderResult Rendering::finish() {
   result_.spp = film_.samples();
   result_.tally.add(standing_.tally);
   result_.target = target_;
+  if (!target_) result_.noise = watch_.noise(film_);
   result_.picture = film_.picture();
   for (size_t i = 0; i < kTechniques; ++i)
     if (film_.has_layer(i)) result_.layers[kTechniqueNames[i]] = film_.layer(i);

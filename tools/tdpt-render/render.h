@@ -7,6 +7,7 @@
 #include <string>
 
 #include "tools/tdpt-render/beyond.h"
+#include "tools/tdpt-render/noise.h"
 #include "tools/tdpt-render/passes.h"
 #include "tools/tdpt-render/plan.h"
 #include "tools/tdpt-render/scout.h"
@@ -26,6 +27,7 @@ struct RenderSettings {
   bool quiet = true;
   bool alpha = false;   ///< transparent film: the sky behind all is left out
   bool layers = false;  ///< keep each technique's contribution apart
+  bool variance = false;  ///< keep what tells the variance of each pixel
   bool frames = false;  ///< measure the picture while it forms
   /// A limit of time is turned into a number of samples before the first one.
   bool fixed = false;
@@ -76,6 +78,7 @@ struct RenderResult {
   std::vector<FrameRecord> frames;        ///< the last one is the picture
 
   std::optional<TargetOutcome> target;  ///< where the settings have one
+  std::optional<Noise> noise;           ///< where they have none, as far as it can be told
   std::optional<Beyond> beyond;         ///< what the limit of depth leaves out, where there is one
 
   std::optional<int> longest;       ///< path worth sampling, if shorter than asked [longest_path.h]

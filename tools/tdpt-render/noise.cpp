@@ -1,0 +1,45 @@
+#include "tools/tdpt-render/noise.h"
+
+#include <numeric>
+
+#include <fmt/format.h>
+
+namespace tdpt {
+namespace {
+
+// Pixels that far apart, row by row, come to every column in turn.
+size_t step_of(const Film& film) {
+  const auto width = static_cast<size_t>(film.width()), height = static_cast<size_t>(film.height());
+  size_t step = (width * height + NoiseWatch::kMostPixels - 1) / NoiseWatch::kMostPixels;
+  while (std::gcd(step, width) > 1 && step > 1) ++step;
+  return step;
+}
+
+}  // namespace
+
+std::string words_of(const Noise& noise) {
+  if (!noise.tells)
+    return fmt::format("relMSE above {:.2g}, too large to tell from so few samples",
+                       std::min(noise.low, 0.5));
+  return fmt::format("relMSE about {:.2g} [{:.2g}, {:.2g}]", noise.relmse, noise.low, noise.high);
+}
+
+NoiseWatch::NoiseWatch(const Film& film) : step_(step_of(film)), from_(film.samples()) {
+  if (from_ > 0) blocks_ = PictureBlocks(1, {}, film.sums(step_));
+}
+
+std::optional<Noise> NoiseWatch::noise(const Film& film) const {
+  if (blocks_.blocks().size() < 4) return {};
+  const ErrorEstimate told = estimate_error(blocks_.blocks());
+  if (!told.lit) return {};
+  Noise noise;
+  noise.relmse =
+      told.relmse * static_cast<double>(blocks_.size()) / static_cast<double>(film.samples());
+  noise.low = noise.relmse / interval_factor(told);
+  noise.high = noise.relmse * interval_factor(told);
+  // With four blocks, of which two tell how bright a pixel is, it is then up to a fifth too large.
+  noise.tells = told.relmse <= 0.2;
+  return noise;
+}
+
+}  // namespace tdpt
