@@ -37,8 +37,8 @@ void append_words(const Film::Numbers& numbers, std::vector<WordChannel>& words)
       const std::string of =
           single ? numbers.name
                  : (numbers.name.empty() ? "" : numbers.name + ".") + "sum." + kColours[c];
-      words.push_back(
-          {fmt::format("{}.{}", of, w), numbers.first + c * numbers.bytes + 4 * w, step, WordChannel::whole});
+      words.push_back({fmt::format("{}.{}", of, w), numbers.first + c * numbers.bytes + 4 * w, step,
+                       WordChannel::whole});
     }
 }
 
@@ -54,8 +54,8 @@ void append_words(std::vector<Vec3d>& values, std::vector<WordChannel>& words) {
 
 void append_words(const std::string& name, std::vector<float>& values,
                   std::vector<WordChannel>& words) {
-  words.push_back({name, reinterpret_cast<unsigned char*>(values.data()), sizeof(float),
-                   WordChannel::real});
+  words.push_back(
+      {name, reinterpret_cast<unsigned char*>(values.data()), sizeof(float), WordChannel::real});
 }
 
 std::string block_name(size_t i) {
@@ -234,7 +234,8 @@ FilmFile film_of(const Json& json, ExrFile& exr, std::string_view bytes, const s
   in.whole("width", width, width);
   in.whole("height", height, height);
   const auto unit = static_cast<int>(in.whole("unit", -1000, 900));
-  FilmFile file{Film(width, height, std::ldexp(1.0, unit + 64), options_of(in)), facts_of(in), {}, {}};
+  FilmFile file{
+      Film(width, height, std::ldexp(1.0, unit + 64), options_of(in)), facts_of(in), {}, {}};
   const auto blocks = static_cast<size_t>(in.whole("blocks", 0, 7));
   for (size_t i = 0; i < blocks; ++i) {
     const auto layer = exr.layers.find(block_name(i));
@@ -367,7 +368,8 @@ FilmFile parse_film(std::string_view bytes, const std::string& name) {
   const Json json = Json::parse(text, nullptr, false);
   if (!json.is_object()) throw damaged();
   FilmFile file = film_of(json, exr, bytes, name);
-  if (outer.value("hash", Json()) != Json(hash_of(text, file.film, file.blocks, file.channels))) throw damaged();
+  if (outer.value("hash", Json()) != Json(hash_of(text, file.film, file.blocks, file.channels)))
+    throw damaged();
   return file;
 }
 

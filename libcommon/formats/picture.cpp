@@ -409,8 +409,8 @@ std::string exr_bytes(const ExrFile& file) {
   }
   for (const WordChannel& word : file.words) {
     header.channels().insert(word.name, Imf::Channel(pixel_type(word)));
-    buffer.insert(word.name, Imf::Slice(pixel_type(word), reinterpret_cast<char*>(word.first), word.step,
-                                        word.step * static_cast<size_t>(width)));
+    buffer.insert(word.name, Imf::Slice(pixel_type(word), reinterpret_cast<char*>(word.first),
+                                        word.step, word.step * static_cast<size_t>(width)));
   }
 
   MemoryOutput stream;

@@ -205,9 +205,9 @@ Shape film_shape_of(const Arguments& a, const Shaping& by) {
   shape.emplace_back("film", a.alpha ? "transparent" : "opaque");
   const std::vector<std::string> aovs = aovs_of(a);
   const bool varies = std::find(aovs.begin(), aovs.end(), "variance") != aovs.end();
-  shape.emplace_back("set of layers", fmt::format("{}{}{}", a.layers ? "techniques" : "",
-                                                  a.layers && varies ? " " : "",
-                                                  varies ? "variance" : ""));
+  shape.emplace_back("set of layers",
+                     fmt::format("{}{}{}", a.layers ? "techniques" : "",
+                                 a.layers && varies ? " " : "", varies ? "variance" : ""));
   return shape;
 }
 
@@ -230,8 +230,7 @@ GivenCourse course_of(const Arguments& a, const Shaping& by, const World& world,
 }
 
 std::string film_bytes(Standing& standing, const Plan& plan, const Shape& shape,
-                       const std::string& processor,
-                       const std::vector<std::string>& derived,
+                       const std::string& processor, const std::vector<std::string>& derived,
                        const std::map<std::string, std::string>& attributes,
                        const Channels& channels) {
   FilmFacts facts;

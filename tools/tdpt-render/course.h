@@ -49,8 +49,7 @@ GivenCourse course_of(const Arguments& a, const Shaping& by, const World& world,
 
 /// The film file of a rendering. `derived`, `attributes`, `channels`: of the whole picture.
 std::string film_bytes(Standing& standing, const Plan& plan, const Shape& shape,
-                       const std::string& processor,
-                       const std::vector<std::string>& derived,
+                       const std::string& processor, const std::vector<std::string>& derived,
                        const std::map<std::string, std::string>& attributes,
                        const Channels& channels);
 

@@ -1,6 +1,6 @@
 // What compositors and denoisers want to know of a picture beside its light: what the camera sees
-// first. Means over rays of their own, which end at the first surface, mirrors and glass among them:
-// no sample of the picture has a part in them.
+// first. Means over rays of their own, which end at the first surface, mirrors and glass among
+// them: no sample of the picture has a part in them.
 #pragma once
 #include <array>
 #include <cstdint>

@@ -142,8 +142,8 @@ std::string film_of(const Job& job, const Choice& choice, Standing& standing, co
   const std::string& before = job.given.processor;
   const std::string now = processor_code();
   return film_bytes(standing, plan, job.film_shape,
-                    before.empty() || before == now ? now : before + ", " + now,
-                    derived_of(job.a), attributes_of(job, choice, plan), channels);
+                    before.empty() || before == now ? now : before + ", " + now, derived_of(job.a),
+                    attributes_of(job, choice, plan), channels);
 }
 
 std::string picture_of(const Job& job, const World& world, const Choice& choice,
@@ -168,8 +168,17 @@ void save(const Job& job, const Choice& choice, Standing& standing, const Plan& 
   }
 }
 
-void deliver(const Job& job, const World& world, const Choice& choice,
-             const RenderResult& result) {
+constexpr double kPreviewEvery = 5;  // seconds
+
+// What there is, for whoever looks on. Whether it can be written the end tells.
+void show(const Job& job, const Picture& picture) {
+  try {
+    write_output(job.a.preview, png_bytes(picture, auto_exposure(picture)));
+  } catch (const OutputError&) {
+  }
+}
+
+void deliver(const Job& job, const World& world, const Choice& choice, const RenderResult& result) {
   const Arguments& a = job.a;
   const Picture& picture = result.picture;
   cli::deliver({{job.common.output, [&] { return picture_of(job, world, choice, result); }},
@@ -262,9 +271,14 @@ int print_shards(const Arguments& a, const cli::Common& common) {
 // Renders, and tells of it.
 int render(const Job& job, World& world, const Choice& choice, Course course) {
   const std::vector<Portal>& portals = job.in.portals;
-  course.save_every = job.a.checkpoint_every;
   if (!job.checkpoint().empty())
-    course.save = [&](Standing& standing, const Plan& plan) { save(job, choice, standing, plan); };
+    course.visitors.push_back({job.a.checkpoint_every, [&](Standing& standing, const Plan& plan) {
+                                 save(job, choice, standing, plan);
+                               }});
+  if (!job.a.preview.empty())
+    course.visitors.push_back({kPreviewEvery, [&](Standing& standing, const Plan&) {
+                                 show(job, standing.film.picture());
+                               }});
   const RenderResult result =
       render(world, choice.candidates, job.settings, choice.ways, std::move(course));
   const bool decided = job.given.plan_file.empty();

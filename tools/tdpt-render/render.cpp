@@ -124,7 +124,7 @@ class Rendering {
   void aim_at_error();
   uint64_t samples_in_time();
   Film aside() const { return film_for(world_, TechniqueSet()); }
-  void save_if_due();
+  void receive_visitors();
   void record_frame();
   void render_goal();
   void judge();
@@ -147,8 +147,8 @@ class Rendering {
   PictureBlocks& blocks_ = standing_.blocks;
   Clock clock_;
   NoiseWatch watch_;
-  uint64_t framed_;    // samples when the last frame was recorded
-  double saved_ = -1;  // when that was last done [s]; below 0: never
+  uint64_t framed_;          // samples when the last frame was recorded
+  std::vector<double> due_;  // when each visitor came last, or later [s]
   RenderResult result_;
 };
 
@@ -373,18 +373,20 @@ uint64_t Rendering::next_pass(uint64_t most) const {
   return in_time < 0.5 * static_cast<double>(n) ? 0 : n;
 }
 
-// Not more than a tenth of the time goes into it, however large the picture.
-void Rendering::save_if_due() {
-  if (!course_.save) return;
-  const double now = clock_.seconds();
-  if (saved_ < 0) saved_ = standing_.began;
-  if (now < saved_ + course_.save_every) return;
-  standing_.seconds = now;
-  standing_.cpu_seconds = clock_.cpu();
-  const auto before = std::chrono::steady_clock::now();
-  clock_.aside([&] { course_.save(standing_, result_.plan); });
-  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - before;
-  saved_ = now + std::max(0.0, 10 * took.count() - course_.save_every);
+// Not more than a tenth of the time goes into one, however large the picture.
+void Rendering::receive_visitors() {
+  due_.resize(course_.visitors.size(), standing_.began);
+  for (size_t i = 0; i < due_.size(); ++i) {
+    const Course::Visitor& visitor = course_.visitors[i];
+    const double now = clock_.seconds();
+    if (now < due_[i] + visitor.every) continue;
+    standing_.seconds = now;
+    standing_.cpu_seconds = clock_.cpu();
+    const auto before = std::chrono::steady_clock::now();
+    clock_.aside([&] { visitor.visit(standing_, result_.plan); });
+    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - before;
+    due_[i] = now + std::max(0.0, 10 * took.count() - visitor.every);
+  }
 }
 
 void Rendering::render_goal() {
@@ -404,7 +406,7 @@ void Rendering::render_goal() {
     if (target_ && film_.samples() == blocks_.next()) blocks_.add(film_.sums());
     if (!target_ && film_.samples() == watch_.next()) watch_.look(film_);
     if (settings_.frames && film_.samples() == next_frame(framed_)) record_frame();
-    save_if_due();
+    receive_visitors();
   }
 }
 

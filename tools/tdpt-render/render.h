@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "tools/tdpt-render/beyond.h"
 #include "tools/tdpt-render/noise.h"
@@ -25,10 +26,10 @@ struct RenderSettings {
   double beta = 1;  ///< 1: balance heuristic, 2: power heuristic
   uint64_t seed = 1;
   bool quiet = true;
-  bool alpha = false;   ///< transparent film: the sky behind all is left out
-  bool layers = false;  ///< keep each technique's contribution apart
+  bool alpha = false;     ///< transparent film: the sky behind all is left out
+  bool layers = false;    ///< keep each technique's contribution apart
   bool variance = false;  ///< keep what tells the variance of each pixel
-  bool frames = false;  ///< measure the picture while it forms
+  bool frames = false;    ///< measure the picture while it forms
   /// A limit of time is turned into a number of samples before the first one.
   bool fixed = false;
   Limits limits() const { return {spp, seconds, target_error, retry}; }
@@ -41,10 +42,13 @@ struct Course {
   /// Samples of the plan's that are to be rendered; count 0: all.
   SampleRange part{};
   uint64_t whole = 0;  ///< samples of the whole picture then
-  /// Keeps what there is, about every `save_every` seconds between passes over the picture; not
-  /// counted as rendering.
-  std::function<void(Standing&, const Plan&)> save{};
-  double save_every = 60;
+  /// Looks at what there is, about every so many seconds between passes over the picture, but not
+  /// for more than a tenth of the time; not counted as rendering.
+  struct Visitor {
+    double every;  ///< seconds
+    std::function<void(Standing&, const Plan&)> visit;
+  };
+  std::vector<Visitor> visitors{};
 };
 
 /// How many samples per pixel there will be, as far as the settings say; 0: as time allows.
