@@ -32,7 +32,7 @@ JOBS ?= $(shell nproc 2>/dev/null || echo 2)
 TEST_STATUS ?=
 
 # All that is there to run; `make build` adds every test and benchmark.
-PROGRAMS = ffgraph mincut lightgrid portalfit tdpt-render exrdiff exrmerge
+PROGRAMS = ffgraph mincut lightgrid portalfit tdpt-render exrdiff exrmerge tdpt-info
 
 .PHONY: all build programs demo figures stages portals regret tradeoff whole-light target-error sky only-needed grid-speed scale limit bench bench-efficiency efficiency-references test install sanitize fuzz packages format clean
 all: build

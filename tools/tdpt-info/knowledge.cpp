@@ -1,0 +1,225 @@
+#include "tools/tdpt-info/knowledge.h"
+
+#include <algorithm>
+#include <cstdlib>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "libcommon/base/error.h"
+#include "libcommon/base/file.h"
+#include "libcommon/base/hash.h"
+#include "libcommon/base/shown.h"
+#include "libcommon/film/film_file.h"
+#include "libcommon/formats/cut.h"
+#include "libcommon/formats/dimacs.h"
+#include "libcommon/formats/environment.h"
+#include "libcommon/formats/light_grid.h"
+#include "libcommon/formats/portal.h"
+#include "libcommon/scene/scene.h"
+
+namespace tdpt {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+void fact(Knowledge& k, const std::string& name, const Json& value) {
+  k.facts.emplace_back(name, value.dump());
+}
+
+void tell_bottleneck(Knowledge& k, bool bottleneck, const std::string& reason) {
+  fact(k, "bottleneck", bottleneck);
+  if (!bottleneck) fact(k, "reason", reason);
+}
+
+// ---- A kind each ----
+
+void tell_scene(const Scene& scene, Knowledge& k) {
+  k.kind = "scene";
+  k.hash = scene.hash;
+  size_t emitting = 0;
+  for (const Triangle& t : scene.triangles)
+    emitting += max_component(scene.materials[t.material].emission) > 0;
+  std::vector<std::string> cameras;
+  for (const Camera& camera : scene.cameras) cameras.push_back(camera.name);
+  fact(k, "triangles", scene.triangles.size());
+  fact(k, "materials", scene.materials.size());
+  fact(k, "images", scene.images.size());
+  fact(k, "cameras", cameras);
+  fact(k, "emitting_triangles", emitting);
+  fact(k, "lamps", scene.lights.size());
+  fact(k, "longest_side_m", 2 / scene.frame.scale);
+  fact(k, "files_beside_it", scene.files.size());
+  fact(k, "warnings", scene.warnings);
+}
+
+void tell_portals(const PortalFile& file, Knowledge& k) {
+  k.kind = "portals";
+  k.scene = file.scene_hash;
+  k.provenance = file.provenance;
+  Json portals = Json::array();
+  for (const Portal& portal : file.portals)
+    portals.push_back({{"name", portal.name},
+                       {"area_m2", area_of(portal)},
+                       {"triangles", portal.triangles.size()},
+                       {"figures", portal.figures}});
+  fact(k, "portals", portals);
+}
+
+// Portals that a program made say so; others are triangles without a lamp or a camera.
+void tell_gltf(const std::string& path, const std::string& bytes, Knowledge& k) {
+  if (bytes.find("portal.0") != std::string::npos ||
+      bytes.find("made by portalfit") != std::string::npos)
+    return tell_portals(read_portals(path), k);
+  try {
+    tell_scene(read_gltf(path), k);
+  } catch (const InputError&) {
+    const PortalFile file = read_portals(path);
+    if (file.cameras > 0 || file.lamps > 0) throw;
+    tell_portals(file, k);
+  }
+}
+
+void tell_network(const DimacsFile& file, Knowledge& k) {
+  k.kind = "flow network";
+  k.scene = file.scene_hash;
+  k.provenance = file.provenance;
+  fact(k, "nodes", file.network.nodes);
+  fact(k, "arcs", file.network.arcs.size());
+  fact(k, "patches", file.patches.size());
+}
+
+void tell_cut(const CutFile& file, Knowledge& k) {
+  k.kind = "cut";
+  k.scene = file.scene_hash;
+  k.provenance = file.provenance;
+  tell_bottleneck(k, file.bottleneck, file.reason);
+  Json cuts = Json::array();
+  for (const Bottleneck& cut : file.cuts)
+    cuts.push_back({{"flow", cut.flow}, {"conductance", cut.conductance}});
+  fact(k, "cuts", cuts);
+  fact(k, "pivot_pairs", file.arcs.size());
+}
+
+void tell_grid(const LightGrid& grid, Knowledge& k) {
+  k.kind = "light grid";
+  k.scene = grid.scene_hash;
+  k.provenance = grid.provenance;
+  tell_bottleneck(k, grid.bottleneck, grid.reason);
+  fact(k, "voxels", grid.dim);
+  fact(k, "voxel_m", grid.voxel);
+  fact(k, "lines", grid.lines.size());
+  fact(k, "cuts", grid.cuts.size());
+  fact(k, "kept_share", grid.flux_share);
+}
+
+void tell_film(const FilmFile& file, Knowledge& k) {
+  k.kind = "film";
+  fact(k, "width", file.film.width());
+  fact(k, "height", file.film.height());
+  fact(k, "samples", words_of(file.film.ranges()));
+  fact(k, "missing", words_of(file.gaps()));
+  fact(k, "spp_of_the_picture", file.facts.spp);
+  fact(k, "goes_on", !file.facts.state.empty());
+  fact(k, "processor", file.facts.processor);
+  for (const auto& [name, value] : file.facts.shape) {
+    if (name == "scene") k.scene = value;
+    fact(k, name, value);
+  }
+}
+
+void tell_picture(const std::string& bytes, const std::string& name, Knowledge& k) {
+  const ExrFile exr = parse_exr(bytes, name);
+  k.provenance = provenance_of(exr);
+  if (is_film(exr)) return tell_film(parse_film(bytes, name), k);
+  k.kind = "picture";
+  fact(k, "width", exr.picture.width);
+  fact(k, "height", exr.picture.height);
+  std::vector<std::string> layers;
+  for (const auto& [layer, picture] : exr.layers) layers.push_back(layer);
+  fact(k, "layers", layers);
+  for (const auto& [key, value] : exr.attributes)
+    if (key != provenance_attribute) fact(k, key, value);
+}
+
+void tell_plan(const Json& json, Knowledge& k) {
+  k.kind = "plan";
+  const Json plan = json.value("plan", Json::object()), shape = json.value("shape", Json::object());
+  for (const char* key : {"integrator", "label", "spp"})
+    if (plan.contains(key)) fact(k, key, plan[key]);
+  for (const auto& [name, value] : shape.items()) {
+    if (name == "scene" && value.is_string()) k.scene = value.get<std::string>();
+    fact(k, name, value);
+  }
+}
+
+void tell_environment(const std::string& bytes, const std::string& name, Knowledge& k) {
+  k.kind = "environment";
+  const Sky::Map map = parse_environment(bytes, name);
+  fact(k, "width", map.width);
+  fact(k, "height", map.height);
+}
+
+bool is_json(const std::string& bytes) {
+  const size_t first = bytes.find_first_not_of(" \t\r\n");
+  return first != std::string::npos && bytes[first] == '{';
+}
+
+}  // namespace
+
+Knowledge knowledge_of(const std::string& path) {
+  const std::string bytes = read_file(path), name = display_name(path);
+  Knowledge k;
+  k.path = path;
+  k.hash = content_hash(bytes);
+  const auto begins = [&](std::string_view magic) {
+    return bytes.compare(0, magic.size(), magic) == 0;
+  };
+  if (begins("\x76\x2f\x31\x01")) {
+    tell_picture(bytes, name, k);
+  } else if (begins("glTF")) {
+    tell_gltf(path, bytes, k);
+  } else if (begins(" BDV")) {
+    tell_grid(read_light_grid(path), k);
+  } else if (begins("#?")) {
+    tell_environment(bytes, name, k);
+  } else if (begins("c tdpt cut")) {
+    tell_cut(read_cut(path), k);
+  } else if (is_json(bytes)) {
+    const Json json = Json::parse(bytes, nullptr, false);
+    if (json.is_object() && json.contains("plan") && json.contains("shape"))
+      tell_plan(json, k);
+    else
+      tell_gltf(path, bytes, k);
+  } else if (begins("c") || begins("p ")) {
+    tell_network(read_dimacs(path), k);
+  } else {
+    throw InputError(name, "", "is none of the files of these programs");
+  }
+  return k;
+}
+
+std::string text_of(const Knowledge& k) {
+  std::string text = fmt::format("{}: {}\n  hash: {}\n", display_name(k.path), k.kind, k.hash);
+  if (!k.scene.empty()) text += fmt::format("  of scene: {}\n", shown(k.scene));
+  for (const auto& [name, value] : k.facts) {
+    const Json json = Json::parse(value);
+    const std::string words = json.is_string() ? json.get<std::string>() : value;
+    text += fmt::format("  {}: {}\n", shown(name, 40), shown(words, 400));
+  }
+  for (const std::string& line : k.provenance.lines)
+    text += fmt::format("  {}\n", shown(line, 400));
+  return text;
+}
+
+std::string json_of(const Knowledge& k) {
+  Json json{{"file", k.path}, {"kind", k.kind}, {"intact", true}, {"hash", k.hash}};
+  json["scene"] = nullptr;
+  if (!k.scene.empty()) json["scene"] = k.scene;
+  Json& facts = json["facts"] = Json::object();
+  for (const auto& [name, value] : k.facts) facts[name] = Json::parse(value);
+  json["provenance"] = k.provenance.lines;
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+}  // namespace tdpt

@@ -1,0 +1,49 @@
+// tdpt-info: what a file is, how it was made, and whether it is intact.
+#include <fmt/format.h>
+
+#include "libcommon/base/error.h"
+#include "libcommon/cli/cli.h"
+#include "tools/tdpt-info/knowledge.h"
+
+namespace tdpt {
+namespace {
+
+constexpr cli::Program kProgram{
+    "tdpt-info", "Tells what a file is, how it was made, and whether it is intact.", nullptr};
+
+struct Arguments {
+  std::vector<std::string> files;
+};
+
+void declare_options(cli::Options& options, Arguments& a) {
+  options.common.output.clear();
+  options.arguments("files", a.files, "Any files of these programs");
+}
+
+// All are told of; the first that is damaged decides how it ends.
+int run(const Arguments& a, const cli::Common& common) {
+  int code = 0;
+  for (const std::string& path : a.files) {
+    try {
+      const Knowledge known = knowledge_of(path);
+      const std::string text = common.json ? json_of(known) + "\n" : text_of(known);
+      std::fputs(text.c_str(), stdout);
+    } catch (const InputError& e) {
+      if (a.files.size() == 1) throw;
+      fmt::print(stderr, "{}: {}\n", common.tool, e.what());
+      if (code == 0) code = static_cast<int>(e.code);
+    }
+  }
+  common.explain_by([&] {
+    return cli::Decisions{{"kinds", "told from content", "names can be anything",
+                           "every file is read whole, by the reader of the stages"}};
+  });
+  return code;
+}
+
+}  // namespace
+}  // namespace tdpt
+
+int main(int argc, char** argv) {
+  return tdpt::cli::run_program(argc, argv, tdpt::kProgram, tdpt::declare_options, tdpt::run);
+}

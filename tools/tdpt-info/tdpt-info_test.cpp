@@ -1,0 +1,69 @@
+#include "tools/tdpt-info/knowledge.h"
+
+#include <gtest/gtest.h>
+
+#include "libcommon/base/error.h"
+#include "libcommon/film/film_file.h"
+#include "libcommon/testing/temp_folder.h"
+
+namespace tdpt {
+namespace {
+
+class files : public ::testing::Test {
+ protected:
+  std::string told(const std::string& name, const std::string& bytes) {
+    try {
+      return text_of(knowledge_of(folder_.write(name, bytes)));
+    } catch (const InputError& e) {
+      return e.what();
+    }
+  }
+  static bool says(const std::string& text, const std::string& words) {
+    return text.find(words) != std::string::npos;
+  }
+  testing::TempFolder folder_;
+};
+
+std::string film() {
+  Film film(2, 1, 1);
+  film.complete({4, 4});
+  FilmFacts facts;
+  facts.spp = 16;
+  facts.shape = {{"scene", "77ab"}};
+  facts.attributes[provenance_attribute] = "made by tdpt-render 1: tdpt-render";
+  return film_bytes(film, facts);
+}
+
+TEST_F(files, are_known_by_their_content) {
+  EXPECT_TRUE(says(told("a.png", film()), "a.png: film\n"));
+  ExrFile exr;
+  exr.picture = {1, 1, {Rgb(1)}};
+  EXPECT_TRUE(says(told("a", exr_bytes(exr)), "a: picture\n"));
+  EXPECT_TRUE(says(told("a.cut", "p max 2 1\nn 1 s\nn 2 t\na 1 2 5\n"), "a.cut: flow network\n"));
+  EXPECT_TRUE(says(told("a", R"({"plan": {"spp": 4}, "shape": {"scene": "12"}})"), "a: plan\n"));
+}
+
+TEST_F(files, say_what_they_hold_and_how_they_were_made) {
+  const std::string text = told("a.exr", film());
+  EXPECT_TRUE(says(text, "  of scene: 77ab\n"));
+  EXPECT_TRUE(says(text, "  samples: samples 4 to 7\n"));
+  EXPECT_TRUE(says(text, "  missing: samples 0 to 3 and 8 to 15\n"));
+  EXPECT_TRUE(says(text, "  made by tdpt-render 1: tdpt-render\n"));
+}
+
+TEST_F(files, that_are_damaged_or_none_of_ours_are_refused) {
+  std::string bad = film();
+  bad.replace(bad.find("77ab"), 4, "77ac");
+  EXPECT_TRUE(says(told("a.exr", bad), "a.exr:film: is damaged"));
+  EXPECT_TRUE(says(told("a.exr", film().substr(0, 700)), "is damaged"));
+  EXPECT_TRUE(says(told("a", "hello"), "a: is none of the files of these programs"));
+  EXPECT_TRUE(says(told("a", ""), "a: is none of the files of these programs"));
+  EXPECT_TRUE(says(told("a.glb", "{}"), "a.glb:"));
+}
+
+TEST_F(files, cannot_command_a_terminal) {
+  EXPECT_FALSE(says(told("a", "{\"plan\": {\"label\": \"\\u001b[2J\"}, \"shape\": {}}"), "\033"));
+}
+
+}  // namespace
+}  // namespace tdpt
