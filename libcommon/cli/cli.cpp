@@ -319,9 +319,10 @@ int Options::run_main(int argc, char** argv, const std::function<int()>& run) {
     fmt::print(stderr, "{}: {}\n", common.tool, line);
     return static_cast<int>(code);
   };
-  // What was printed may still be in a buffer: a full disk shows here.
+  // What was printed may still be in a buffer, or have failed when it was full: a full disk shows
+  // here.
   const auto flushed = [&](int code) {
-    if (std::fflush(stdout) == 0 || code != 0) return code;
+    if ((std::fflush(stdout) == 0 && !std::ferror(stdout)) || code != 0) return code;
     return fail(Exit::output, "(standard output): cannot be written");
   };
   const auto print = [&](const std::string& text) {
