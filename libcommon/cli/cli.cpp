@@ -14,6 +14,7 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/threads.h"
+#include "libcommon/cli/help.h"
 #include "tdpt_version.h"
 
 namespace tdpt::cli {
@@ -144,12 +145,26 @@ std::string whole_number(std::string& text) {
   if (digits && errno == 0) return {};
   return fmt::format("'{}' given, expected a number from 0 to {}", text, ~uint64_t{0});
 }
+
+// std::to_string and CLI's own text would print 1e18 in full: people read these bounds.
+template <class T>
+CLI::Validator within(T lowest, T highest) {
+  return CLI::Validator(
+      [lowest, highest](std::string& text) {
+        T value{};
+        if (!CLI::detail::lexical_cast(text, value) || !(value >= lowest && value <= highest))
+          return fmt::format("'{}' given, expected a number from {} to {}", text, lowest, highest);
+        return std::string();
+      },
+      "");
+}
 }  // namespace
 
 Options::Options(const Program& program)
     : impl_(std::make_unique<Impl>(program.summary, program.tool)) {
   common.tool = program.tool;
   CLI::App& app = impl_->app;
+  app.formatter(help_in_80_columns());
   app.set_version_flag("--version", common.tool + " " TDPT_VERSION, "Print the version and exit");
   app.set_help_flag("-h,--help", "Print this help and exit");
   if (program.output_help)
@@ -162,7 +177,7 @@ Options::Options(const Program& program)
               Shapes::result);
   impl_->keep(app.add_option("--threads", common.threads, "Threads to use; default all cores")
                   ->type_name("N")
-                  ->check(CLI::Range(0, 4096)),
+                  ->check(within(0, 4096)),
               Shapes::nothing);
   impl_->keep(app.add_flag("--quiet", common.quiet, "No progress and no notes on stderr"),
               Shapes::nothing);
@@ -210,21 +225,6 @@ void Options::option(const std::string& flags, std::string& target, const std::s
                      const std::string& help, Shapes shapes) {
   impl_->keep(impl_->app.add_option(flags, target, help)->type_name(value_name), shapes);
 }
-
-namespace {
-// std::to_string and CLI's own text would print 1e18 in full: people read these bounds.
-template <class T>
-CLI::Validator within(T lowest, T highest) {
-  return CLI::Validator(
-      [lowest, highest](std::string& text) {
-        T value{};
-        if (!CLI::detail::lexical_cast(text, value) || !(value >= lowest && value <= highest))
-          return fmt::format("'{}' given, expected a number from {} to {}", text, lowest, highest);
-        return std::string();
-      },
-      "");
-}
-}  // namespace
 
 void Options::option(const std::string& flags, int64_t& target, const std::string& value_name,
                      const std::string& help, int64_t lowest, int64_t highest, Shapes shapes) {
