@@ -15,6 +15,7 @@
 #include "libcommon/base/error.h"
 #include "libcommon/base/threads.h"
 #include "libcommon/cli/help.h"
+#include "libcommon/cli/nearest.h"
 #include "tdpt_version.h"
 
 namespace tdpt::cli {
@@ -115,6 +116,28 @@ struct Options::Impl {
     if (std::count(paths.begin(), paths.end(), "-") > 1)
       throw UsageError("only one input can be the standard input");
     return paths;
+  }
+
+  // What is wrong with the command line. An option that there is not is told before what lacks.
+  std::string fault(const CLI::ParseError& error) const {
+    const int code = error.get_exit_code();
+    if (code == static_cast<int>(CLI::ExitCodes::ExtrasError) ||
+        code == static_cast<int>(CLI::ExitCodes::RequiredError))
+      for (const std::string& given : app.remaining())
+        if (given.size() > 1 && given[0] == '-') return no_such_option(given);
+    return error.what();
+  }
+
+  // `given`: "--name", "-name" or "--name=value".
+  std::string no_such_option(const std::string& given) const {
+    const std::string option = given.substr(0, given.find('='));
+    std::vector<std::string> names;
+    for (const CLI::Option* known : app.get_options())
+      for (const std::string& name : known->get_lnames()) names.push_back(name);
+    const size_t start = std::min(option.find_first_not_of('-'), option.size());
+    const std::string meant = nearest(option.substr(start), names);
+    return fmt::format("{}: no such option{}", option,
+                       meant.empty() ? "" : " (did you mean --" + meant + "?)");
   }
 
   // The tool and the options that shape the result, in the order of the table; paths of inputs are
@@ -267,7 +290,9 @@ void Options::choice(const std::string& flags, std::string& target,
   const auto known = [words](std::string& text) {
     for (const std::string& word : words)
       if (text == word) return std::string();
-    return fmt::format("'{}' given, expected one of {}", text, fmt::join(words, ", "));
+    const std::string meant = nearest(text, words);
+    return fmt::format("'{}' given, expected one of {}{}", text, fmt::join(words, ", "),
+                       meant.empty() ? "" : " (did you mean " + meant + "?)");
   };
   impl_->keep(impl_->app.add_option(flags, target, help)
                   ->type_name(fmt::format("{}", fmt::join(words, "|")))
@@ -339,7 +364,8 @@ int Options::run_main(int argc, char** argv, const std::function<int()>& run) {
     } catch (const CLI::CallForVersion&) {
       return print(fmt::format("{} {}\n", common.tool, TDPT_VERSION));
     } catch (const CLI::ParseError& e) {
-      throw UsageError(fmt::format("{}; '{} --help' lists the options", e.what(), common.tool));
+      throw UsageError(
+          fmt::format("{}; '{} --help' lists the options", impl_->fault(e), common.tool));
     }
     impl_->set_quality(common);
     common.command = impl_->canonical(common.tool);
