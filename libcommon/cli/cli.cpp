@@ -10,6 +10,7 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <unistd.h>
 #include <CLI/CLI.hpp>
 
 #include "libcommon/base/error.h"
@@ -68,6 +69,8 @@ struct Options::Impl {
   };
   std::vector<Beside> besides;
   std::function<void(const std::string&)> check_name;  ///< of the result, or none
+  Result result = Result::text;
+  std::function<bool()> is_text;  ///< of a binary result: whether it is not; none: never
 
   std::string quality;                              ///< as given; empty: not
   std::vector<std::function<void(Quality)>> knobs;  ///< set what was not given
@@ -96,15 +99,23 @@ struct Options::Impl {
     return files;
   }
 
-  // `result`: where -o goes; empty: nowhere.
-  std::vector<NamedFile> outputs(const std::string& result) const {
-    if (check_name) check_name(result);
+  void spare_terminal(const std::string& path) const {
+    if (path != "-" || result == Result::text || (is_text && is_text())) return;
+    if (::isatty(STDOUT_FILENO))
+      throw UsageError(
+          "the result is binary and standard output is a terminal: name a file with -o FILE, or "
+          "send it to a file or a pipe");
+  }
+
+  // `path`: where -o goes; empty: nowhere.
+  std::vector<NamedFile> outputs(const std::string& path) const {
+    if (check_name) check_name(path);
     std::vector<NamedFile> outputs;
-    if (!result.empty() || !files(Is::output).empty()) outputs.push_back({"-o", result});
+    if (!path.empty() || !files(Is::output).empty()) outputs.push_back({"-o", path});
     for (const NamedFile& file : files(Is::side_output)) outputs.push_back(file);
     for (const Beside& beside : besides) {
       if (beside.flag->count() == 0) continue;
-      *beside.target = beside.path_of(result);
+      *beside.target = beside.path_of(path);
       outputs.push_back({beside.flag->get_name(), *beside.target});
     }
     return outputs;
@@ -186,6 +197,7 @@ CLI::Validator within(T lowest, T highest) {
 Options::Options(const Program& program)
     : impl_(std::make_unique<Impl>(program.summary, program.tool)) {
   common.tool = program.tool;
+  impl_->result = program.result;
   CLI::App& app = impl_->app;
   app.formatter(help_in_80_columns());
   app.set_version_flag("--version", common.tool + " " TDPT_VERSION, "Print the version and exit");
@@ -317,6 +329,10 @@ void Options::result_name(const std::function<void(const std::string&)>& check) 
   impl_->check_name = check;
 }
 
+void Options::result_is_text(const std::function<bool()>& is_text) {
+  impl_->is_text = is_text;
+}
+
 void Options::flag(const std::string& flags, bool& target, const std::string& help, Shapes shapes) {
   impl_->keep(impl_->app.add_flag(flags, target, help), shapes);
 }
@@ -367,6 +383,7 @@ int Options::run_main(int argc, char** argv, const std::function<int()>& run) {
       throw UsageError(
           fmt::format("{}; '{} --help' lists the options", impl_->fault(e), common.tool));
     }
+    impl_->spare_terminal(common.output);
     impl_->set_quality(common);
     common.command = impl_->canonical(common.tool);
     common.outputs = impl_->outputs(common.output);

@@ -67,11 +67,15 @@ struct Common {
 /// (--threads, --quiet, side outputs).
 enum class Shapes { result, nothing };
 
-/// What --help says of a program before its options.
+/// What the result is made of: a terminal shows text, and is never sent bytes.
+enum class Result { text, binary };
+
+/// A program, and what --help says of it before its options.
 struct Program {
   const char* tool;         ///< its name
   const char* summary;      ///< one sentence
   const char* output_help;  ///< what -o receives; null: the program has no -o
+  Result result = Result::text;
 };
 
 class Options {
@@ -123,6 +127,8 @@ class Options {
                      const std::string& help);
   /// `check` throws UsageError for a path that the result cannot have.
   void result_name(const std::function<void(const std::string&)>& check);
+  /// Of a program whose result is binary: `is_text` says whether it is not, this time.
+  void result_is_text(const std::function<bool()>& is_text);
 
   void flag(const std::string& flags, bool& target, const std::string& help,
             Shapes shapes = Shapes::result);

@@ -17,7 +17,8 @@ namespace {
 constexpr cli::Program kProgram{
     "exrdiff", "Tells how far a picture is from its reference: MAPE, PSNR, MSE, relMSE.",
     "Difference picture to write: false colour for .png, else OpenEXR; default "
-    "none"};
+    "none",
+    cli::Result::binary};
 
 struct Arguments {
   std::string picture, reference, beside;

@@ -34,7 +34,7 @@ constexpr cli::Program kProgram{
     "lightgrid",
     "Counts the light between the two sides of a cut in the voxels of air it "
     "passes.",
-    "The light grid (.vdb); default standard output"};
+    "The light grid (.vdb); default standard output", cli::Result::binary};
 
 // Between which of them curves tell, doc/tradeoff.md.
 constexpr cli::ByQuality<int64_t> kResolution{64, 128, 256}, kLines{2048, 8192, 16384};

@@ -18,9 +18,9 @@
 namespace tdpt {
 namespace {
 
-constexpr cli::Program kProgram{
-    "portalfit", "Fits planar light portals to a light grid.",
-    "The portals (.glb, or the text of --for); default standard output"};
+constexpr cli::Program kProgram{"portalfit", "Fits planar light portals to a light grid.",
+                                "The portals (.glb, or the text of --for); default standard output",
+                                cli::Result::binary};
 
 struct Arguments {
   std::string grid = "-", method = "tube", renderer, preview, debug_glb;
@@ -40,6 +40,7 @@ void declare_options(cli::Options& options, Arguments& a) {
   options.choice(
       "--for", a.renderer, renderer_names(),
       "Write the portals as rectangles in the terms of another renderer, in place of glTF");
+  options.result_is_text([&a] { return !a.renderer.empty(); });
   options.flag("--require-portal", a.require_portal, "Exit with 3 when no portal is found",
                cli::Shapes::nothing);
   options.flag("--all", a.all, "Write portals that are useless for certain, too");

@@ -26,7 +26,7 @@ constexpr cli::Program kProgram{
     "tdpt-render",
     "Renders a glTF scene by (tri-directional) path tracing, with portals where "
     "there are any.",
-    "Picture to write (OpenEXR); default standard output"};
+    "Picture to write (OpenEXR); default standard output", cli::Result::binary};
 
 // Of each pixel, where nothing else says how many.
 constexpr cli::ByQuality<uint64_t> kSamples{4, 16, 64};
