@@ -1,4 +1,5 @@
 # How this project declares its libraries, tools and tests.
+include(libraries)
 
 # tdpt_library(room SOURCES ... LINK ...): one room of libcommon.
 function(tdpt_library name)
@@ -16,6 +17,8 @@ function(tdpt_tool name)
   target_link_libraries(${name}_lib PUBLIC ${A_LINK} PRIVATE ${A_PRIVATE_LINK})
   add_executable(${name} main.cpp)
   target_link_libraries(${name} PRIVATE ${name}_lib)
+  target_include_directories(${name} PRIVATE ${CMAKE_BINARY_DIR}/generated/${name})
+  cmake_language(EVAL CODE "cmake_language(DEFER CALL tdpt_tell_libraries ${name})")
   install(TARGETS ${name})
 endfunction()
 

@@ -200,7 +200,9 @@ Options::Options(const Program& program)
   impl_->result = program.result;
   CLI::App& app = impl_->app;
   app.formatter(help_in_80_columns());
-  app.set_version_flag("--version", common.tool + " " TDPT_VERSION, "Print the version and exit");
+  app.set_version_flag("--version",
+                       fmt::format("{} {}\n{}", program.tool, TDPT_VERSION, program.libraries),
+                       "Print the versions of the program and its libraries and exit");
   app.set_help_flag("-h,--help", "Print this help and exit");
   if (program.output_help)
     impl_->keep(
@@ -378,7 +380,7 @@ int Options::run_main(int argc, char** argv, const std::function<int()>& run) {
     } catch (const CLI::CallForHelp&) {
       return print(impl_->app.help());
     } catch (const CLI::CallForVersion&) {
-      return print(fmt::format("{} {}\n", common.tool, TDPT_VERSION));
+      return print(impl_->app.version());
     } catch (const CLI::ParseError& e) {
       throw UsageError(
           fmt::format("{}; '{} --help' lists the options", impl_->fault(e), common.tool));

@@ -76,6 +76,7 @@ struct Program {
   const char* summary;      ///< one sentence
   const char* output_help;  ///< what -o receives; null: the program has no -o
   Result result = Result::text;
+  const char* libraries = "";  ///< what it is built with, a line each [generated tdpt_libraries.h]
 };
 
 class Options {

@@ -6,6 +6,7 @@
 #include "libcommon/base/hash.h"
 #include "libcommon/cli/cli.h"
 #include "libcommon/cli/ending.h"
+#include "tdpt_libraries.h"
 #include "tools/exrdiff/difference.h"
 #include "tools/exrdiff/explain.h"
 #include "tools/exrdiff/measure.h"
@@ -18,7 +19,7 @@ constexpr cli::Program kProgram{
     "exrdiff", "Tells how far a picture is from its reference: MAPE, PSNR, MSE, relMSE.",
     "Difference picture to write: false colour for .png, else OpenEXR; default "
     "none",
-    cli::Result::binary};
+    cli::Result::binary, kLibraries};
 
 struct Arguments {
   std::string picture, reference, beside;

@@ -12,6 +12,7 @@
 #include "libcommon/draw/canvas.h"
 #include "libcommon/formats/sky_options.h"
 #include "libcommon/scene/lights.h"
+#include "tdpt_libraries.h"
 #include "tools/ffgraph/explain.h"
 #include "tools/ffgraph/preview.h"
 #include "tools/ffgraph/rounds.h"
@@ -20,9 +21,9 @@
 namespace tdpt {
 namespace {
 
-constexpr cli::Program kProgram{"ffgraph",
-                                "Writes the light transport of a glTF scene as a flow network.",
-                                "Network to write (DIMACS); default standard output"};
+constexpr cli::Program kProgram{
+    "ffgraph", "Writes the light transport of a glTF scene as a flow network.",
+    "Network to write (DIMACS); default standard output", cli::Result::text, kLibraries};
 
 // Between which of them curves tell, doc/tradeoff.md.
 constexpr cli::ByQuality<int64_t> kSamples{75000, 300000, 1200000}, kWalks{25000, 100000, 400000};

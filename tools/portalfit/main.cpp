@@ -8,6 +8,7 @@
 #include "libcommon/cli/ending.h"
 #include "libcommon/draw/canvas.h"
 #include "libcommon/formats/portal_worth.h"
+#include "tdpt_libraries.h"
 #include "tools/portalfit/choice.h"
 #include "tools/portalfit/explain.h"
 #include "tools/portalfit/merit.h"
@@ -20,7 +21,7 @@ namespace {
 
 constexpr cli::Program kProgram{"portalfit", "Fits planar light portals to a light grid.",
                                 "The portals (.glb, or the text of --for); default standard output",
-                                cli::Result::binary};
+                                cli::Result::binary, kLibraries};
 
 struct Arguments {
   std::string grid = "-", method = "tube", renderer, preview, debug_glb;

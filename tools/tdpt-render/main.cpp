@@ -8,6 +8,7 @@
 #include "libcommon/base/signals.h"
 #include "libcommon/cli/cli.h"
 #include "libcommon/cli/ending.h"
+#include "tdpt_libraries.h"
 #include "tools/tdpt-render/arguments.h"
 #include "tools/tdpt-render/choice.h"
 #include "tools/tdpt-render/covered_lamps.h"
@@ -26,7 +27,7 @@ constexpr cli::Program kProgram{
     "tdpt-render",
     "Renders a glTF scene by (tri-directional) path tracing, with portals where "
     "there are any.",
-    "Picture to write (OpenEXR); default standard output", cli::Result::binary};
+    "Picture to write (OpenEXR); default standard output", cli::Result::binary, kLibraries};
 
 // Of each pixel, where nothing else says how many.
 constexpr cli::ByQuality<uint64_t> kSamples{4, 16, 64};
