@@ -14,6 +14,7 @@
 #include <CLI/CLI.hpp>
 
 #include "libcommon/base/error.h"
+#include "libcommon/base/progress.h"
 #include "libcommon/base/threads.h"
 #include "libcommon/cli/help.h"
 #include "libcommon/cli/nearest.h"
@@ -72,6 +73,7 @@ struct Options::Impl {
   Result result = Result::text;
   std::function<bool()> is_text;  ///< of a binary result: whether it is not; none: never
 
+  std::string progress = "auto";                    ///< what shows it
   std::string quality;                              ///< as given; empty: not
   std::vector<std::function<void(Quality)>> knobs;  ///< set what was not given
 
@@ -218,6 +220,9 @@ Options::Options(const Program& program)
               Shapes::nothing);
   impl_->keep(app.add_flag("--quiet", common.quiet, "No progress and no notes on stderr"),
               Shapes::nothing);
+  choice("--progress", impl_->progress, {"auto", "json", "none"},
+         "Progress on stderr: auto, a line on a terminal (the default); json, an object a line",
+         Shapes::nothing);
   impl_->keep(app.add_flag("--explain", common.explain,
                            "Print on stderr what was decided, why, and what it costs"),
               Shapes::nothing);
@@ -392,6 +397,9 @@ int Options::run_main(int argc, char** argv, const std::function<int()>& run) {
     common.also_read(impl_->inputs());
     check_outputs(common.outputs);
     limit_threads(common.threads);
+    show_progress_as(impl_->progress == "json"   ? ProgressForm::json
+                     : impl_->progress == "none" ? ProgressForm::none
+                                                 : ProgressForm::automatic);
     return flushed(run());
   } catch (const Error& e) {
     return fail(e.code, e.what());
