@@ -16,6 +16,7 @@
 #include "libcommon/base/error.h"
 #include "libcommon/base/progress.h"
 #include "libcommon/base/threads.h"
+#include "libcommon/cli/completion.h"
 #include "libcommon/cli/help.h"
 #include "libcommon/cli/nearest.h"
 #include "tdpt_version.h"
@@ -131,6 +132,27 @@ struct Options::Impl {
     return paths;
   }
 
+  // The table as a shell is told of it, --help and --version with it.
+  std::vector<Completed> completed() const {
+    std::vector<Completed> table;
+    for (const CLI::Option* option : app.get_options()) {
+      Completed& c = table.emplace_back();
+      for (const std::string& name : option->get_lnames()) c.names.push_back("--" + name);
+      for (const std::string& name : option->get_snames()) c.names.push_back("-" + name);
+      if (c.names.empty()) c.names.push_back(option->get_name());
+      c.help = option->get_description();
+      if (option->get_items_expected_max() > 0) c.value = option->get_type_name();
+      c.words = words_of(c.value);
+      c.repeated = option->get_multi_option_policy() == CLI::MultiOptionPolicy::TakeAll;
+      for (const Entry& e : entries)
+        if (e.option == option) {
+          c.file = e.is != Is::setting;
+          if (e.is == Is::input) c.suffixes = suffixes_in(c.help);
+        }
+    }
+    return table;
+  }
+
   // What is wrong with the command line. An option that there is not is told before what lacks.
   std::string fault(const CLI::ParseError& error) const {
     const int code = error.get_exit_code();
@@ -173,6 +195,11 @@ struct Options::Impl {
 };
 
 namespace {
+// Thrown out of the parser, which has not looked at what is required by then.
+struct Instead {
+  std::function<std::string()> text;
+};
+
 // CLI11 reads -1 and numbers that are too large as 2^64 - 1.
 std::string whole_number(std::string& text) {
   const bool digits = !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
@@ -194,6 +221,18 @@ CLI::Validator within(T lowest, T highest) {
       },
       "");
 }
+
+CLI::Validator one_of(const std::vector<std::string>& words) {
+  return CLI::Validator(
+      [words](std::string& text) {
+        for (const std::string& word : words)
+          if (text == word) return std::string();
+        const std::string meant = nearest(text, words);
+        return fmt::format("'{}' given, expected one of {}{}", text, fmt::join(words, ", "),
+                           meant.empty() ? "" : " (did you mean " + meant + "?)");
+      },
+      "");
+}
 }  // namespace
 
 Options::Options(const Program& program)
@@ -206,6 +245,15 @@ Options::Options(const Program& program)
                        fmt::format("{} {}\n{}", program.tool, TDPT_VERSION, program.libraries),
                        "Print the versions of the program and its libraries and exit");
   app.set_help_flag("-h,--help", "Print this help and exit");
+  const auto complete = [this](const std::string& shell) {
+    throw Instead{[=, this] { return completion_script(shell, common.tool, impl_->completed()); }};
+  };
+  impl_->keep(app.add_option_function<std::string>(
+                     "--completion", complete,
+                     "Print a script that completes these options in a shell and exit")
+                  ->type_name("bash|zsh|fish")
+                  ->check(one_of({"bash", "zsh", "fish"})),
+              Shapes::nothing);
   if (program.output_help)
     impl_->keep(
         app.add_option("-o,--output", common.output, program.output_help)->type_name("FILE"),
@@ -306,16 +354,9 @@ void Options::option(const std::string& flags, int64_t& target, const ByQuality<
 void Options::choice(const std::string& flags, std::string& target,
                      const std::vector<std::string>& words, const std::string& help,
                      Shapes shapes) {
-  const auto known = [words](std::string& text) {
-    for (const std::string& word : words)
-      if (text == word) return std::string();
-    const std::string meant = nearest(text, words);
-    return fmt::format("'{}' given, expected one of {}{}", text, fmt::join(words, ", "),
-                       meant.empty() ? "" : " (did you mean " + meant + "?)");
-  };
   impl_->keep(impl_->app.add_option(flags, target, help)
                   ->type_name(fmt::format("{}", fmt::join(words, "|")))
-                  ->check(CLI::Validator(known, "")),
+                  ->check(one_of(words)),
               shapes);
 }
 
@@ -343,13 +384,6 @@ void Options::result_is_text(const std::function<bool()>& is_text) {
 void Options::flag(const std::string& flags, bool& target, const std::string& help, Shapes shapes) {
   impl_->keep(impl_->app.add_flag(flags, target, help), shapes);
 }
-
-namespace {
-// Thrown out of the parser, which has not looked at what is required by then.
-struct Instead {
-  std::function<std::string()> text;
-};
-}  // namespace
 
 void Options::instead(const std::string& flags, const std::function<std::string()>& text,
                       const std::string& help) {

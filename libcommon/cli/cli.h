@@ -86,6 +86,10 @@ class Options {
 
   Common common;
 
+  // What --help shows is also what shells complete [completion.h]: words in small letters of a
+  // value's name, "cpu|gpu[:WHICH]", and of files that are read the suffixes that `help` names,
+  // "(.glb, .gltf)".
+
   /// A positional argument: a file that is read.
   void argument(const std::string& name, std::string& target, const std::string& help,
                 bool required = true);

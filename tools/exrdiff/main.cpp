@@ -27,8 +27,8 @@ struct Arguments {
 
 void declare_options(cli::Options& options, Arguments& a) {
   options.common.output.clear();
-  options.argument("picture", a.picture, "Picture to judge (OpenEXR); - is standard input");
-  options.argument("reference", a.reference, "What it should be (OpenEXR); - is standard input");
+  options.argument("picture", a.picture, "Picture to judge (.exr); - is standard input");
+  options.argument("reference", a.reference, "What it should be (.exr); - is standard input");
   options.side_output("--side-by-side", a.beside,
                       "Write a PNG with the picture left of the reference, exposed alike");
 }

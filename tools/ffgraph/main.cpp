@@ -55,8 +55,9 @@ void declare_options(cli::Options& options, Arguments& a) {
                  "Patches along the diagonal of what the walks reach; default 24", 4, 256);
   options.option("--rounds", a.rounds, "N",
                  "Rounds of splitting patches that straddle an opening; default 1", 0, 3);
-  options.input("--refine", a.refine, "CUT",
-                "Split where the patches of this cut straddle its opening, instead of --rounds");
+  options.input(
+      "--refine", a.refine, "CUT",
+      "Split where the patches of this cut (.cut) straddle its opening, instead of --rounds");
   options.side_output("--preview", a.preview,
                       "Write a picture (.png, .svg, .pdf): what light and camera reach, as the "
                       "camera sees it and in plan");

@@ -33,7 +33,7 @@ struct Arguments {
 
 void declare_options(cli::Options& options, Arguments& a) {
   options.argument("network", a.network,
-                   "Network (DIMACS maximum-flow problem); default standard input", false);
+                   "Network (.max, a DIMACS maximum-flow problem); default standard input", false);
   options.quality();
   options.option("--cuts", a.cuts, "K",
                  "Most bottlenecks to look for, one behind the other; default 8", 1, 64);
