@@ -19,7 +19,7 @@
 #   make bench-efficiency   error against time of every integrator, with aims: doc/efficiency.md (an hour on two
 #                  cores; BASELINE=PROGRAM BASELINE_NAME=WORDS: gains are over that older one's)
 #   make efficiency-references   its references that are missing or out of date, in testdata/references/efficiency
-#   make install   programs and man pages under PREFIX (and DESTDIR)
+#   make install   programs, man pages and completions under PREFIX (and DESTDIR)
 #   make sanitize  builds with the sanitizers into build-sanitize and runs every test there
 #   make fuzz      libFuzzer on every reader, SECONDS=60 each, with clang (TARGETS="scene cut": these; ROUNDS=N: N times at
 #                  most, until a round brings no new edge): doc/fuzzing.md

@@ -7,7 +7,7 @@ trap 'rm -rf "$work"' EXIT
 [ -r "$page" ] || { echo "$page is missing"; exit 1; }
 
 "$program" --help >"$work/help" || { echo "$program --help fails"; exit 1; }
-awk '$1 ~ /^-/ { print $1; if ($1 ~ /,$/) print $2 }' "$work/help" | tr , '\n' |
+awk '/^  -/ { print $1; if ($1 ~ /,$/) print $2 }' "$work/help" | tr , '\n' |
   grep '^--' | sort -u >"$work/in-help"
 grep '^\.It .*Fl' "$page" | grep -oE 'Fl (-|Fl )[a-z][a-z0-9-]*' | sed -E 's/^Fl (-|Fl )/--/' |
   sort -u >"$work/in-page"

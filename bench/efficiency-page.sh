@@ -28,14 +28,14 @@ fi
 cat <<EOF
 # Efficiency of the integrators
 
-Written by \`make bench-efficiency\` ($("$bin/tdpt-render" --version), $(nproc 2>/dev/null || echo ?) cores; SECONDS_EACH=$each SEEDS=$seeds
+Written by \`make bench-efficiency\` ($("$bin/tdpt-render" --version | head -1), $(nproc 2>/dev/null || echo ?) cores; SECONDS_EACH=$each SEEDS=$seeds
 INTEGRATORS="$integrators"; \`bench/efficiency.sh\` tells the rest). Every picture is one thread's, $depth_words
 unless said otherwise, \`--time $each\`, the integrators taking turns; portals are found by ffgraph, mincut, lightgrid and
 portalfit, none is drawn by hand. [efficiency.csv](efficiency.csv) has a row for each picture.
 
 EOF
 [ -z "$baseline" ] || cat <<EOF
-* \`bdpt-before\` and \`nee-before\` are bdpt and nee of another program, $baseline_name ($("$baseline" --version)), in the same run.
+* \`bdpt-before\` and \`nee-before\` are bdpt and nee of another program, $baseline_name ($("$baseline" --version | head -1)), in the same run.
 EOF
 cat <<EOF
 * Efficiency = 1 / (relMSE x CPU seconds). **Gain** = efficiency over another's = mean of the other's relMSE x CPU seconds over

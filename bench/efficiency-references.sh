@@ -41,7 +41,7 @@ if [ "$references" = make ]; then
   for scene in $there; do
     stored_fits "$scene" && continue
     sh "$here/bench/python.sh" "$here/bench/stored_reference.py" "$stored" "$scene" "$(path_of "$scene")" \
-      "$scene.reference-1" "$scene.reference-2" "$("$bin/tdpt-render" --version)${COMMIT:+, $COMMIT}"
+      "$scene.reference-1" "$scene.reference-2" "$("$bin/tdpt-render" --version | head -1)${COMMIT:+, $COMMIT}"
     jq -rs --argjson asked "$(half_seconds "$scene")" '(map(.cpu_seconds) | add) as $got |
       "efficiency: \(input_filename | rtrimstr(".reference-2.json")): stored, \($got | round) of \(2 * $asked) CPU seconds" +
       if $got < 1.7 * $asked then ": THE MACHINE WAS BUSY" else "" end' \

@@ -10,7 +10,7 @@ size_of() { jq -r '"\(.width) x \(.height)"' "$1"; }
 cat <<EOF
 # The paper's figures from our renders
 
-Written by \`make figures\` ($("$bin/tdpt-render" --version), $(nproc 2>/dev/null || echo ?) cores), which
+Written by \`make figures\` ($("$bin/tdpt-render" --version | head -1), $(nproc 2>/dev/null || echo ?) cores), which
 finds the portals of the scenes in \`SCENES\`, renders, compares and draws. The same at another size:
 
     make figures HEIGHT=360 SPP=$spp FRAMES=$frames REF_SPP=$reference_spp SCENES=FOLDER

@@ -27,7 +27,7 @@ done
 cat <<END
 # How fast the light is counted
 
-Written by \`make grid-speed\` ($("$bin/lightgrid" --version)). Segments between pivot patches, drawn, tested for visibility,
+Written by \`make grid-speed\` ($("$bin/lightgrid" --version | head -1)). Segments between pivot patches, drawn, tested for visibility,
 judged by the votes around both their ends and marched through the grid. The back ends take turns in one run; medians of
 five rounds. \`--device\`s at hand, beside $(nproc 2>/dev/null || echo ?) cores of$(sed -n 's/^model name[[:space:]]*:/ /p;' /proc/cpuinfo | sort -u | tr -s ' '):
 

@@ -67,7 +67,7 @@ fi
   cat <<INTRO
 # What \`auto\` loses, and how right its verdict is
 
-Written by \`make regret\` ($("$bin/tdpt-render" --version)). 64 x 48 pixels, paths of any length. The true error of each integrator is the
+Written by \`make regret\` ($("$bin/tdpt-render" --version | head -1)). 64 x 48 pixels, paths of any length. The true error of each integrator is the
 relMSE of one sample, from eight pictures of $each CPU seconds in all; its efficiency is 1 over that and its CPU time for a
 sample. \`auto\` chooses $seeds times at each length, each time from other samples; its efficiency is that of its choice, less
 the time of the choice. Of these small pictures the choice takes more than of large ones, which need no more samples for it.

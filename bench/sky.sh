@@ -164,7 +164,7 @@ while read -r name light group file; do cat "$cache/$name-$light.runs"; done <"$
   cat <<INTRO
 # What the windows found are worth under a sky
 
-Written by \`make sky\` ($("$bin/tdpt-render" --version)). Pictures of $width x $height pixels (interiors $wide x $height), $spp samples per pixel,
+Written by \`make sky\` ($("$bin/tdpt-render" --version | head -1)). Pictures of $width x $height pixels (interiors $wide x $height), $spp samples per pixel,
 paths of any length, $seeds seeds; runs of one thread taking turns. Portals are those that the four stages find, given the same
 \`--environment\`; the reference has twice $reference_spp samples per pixel by \`$reference_integrator\`, and its noise is taken out of the errors.
 

@@ -97,7 +97,7 @@ for name in $names; do cat "$cache/$name.runs"; done >"$cache/runs"
   cat <<INTRO
 # Does \`--target-error\` keep its word?
 
-Written by \`make target-error\` ($("$bin/tdpt-render" --version)). Each scene is rendered by \`auto\` with \`--target-error E\` and
+Written by \`make target-error\` ($("$bin/tdpt-render" --version | head -1)). Each scene is rendered by \`auto\` with \`--target-error E\` and
 $seeds seeds, in small pictures since so many are needed; each picture's relMSE is what exrdiff says against the mean of all
 others, which are independent of it and whose noise counts against it. Asked for: 90 % of the pictures meet their target, and the
 median picture is at most 2.5 times too good.

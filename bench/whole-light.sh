@@ -96,7 +96,7 @@ done
   cat <<INTRO
 # What the whole light costs
 
-Written by \`make whole-light\` ($("$bin/tdpt-render" --version)). Without a limit walks end by Russian roulette; with
+Written by \`make whole-light\` ($("$bin/tdpt-render" --version | head -1)). Without a limit walks end by Russian roulette; with
 \`--max-depth 6\` they end after 6 edges at the latest, and the light of longer paths is missing. $spp samples per pixel
 both ways, $seeds seeds, runs of one thread taking turns; auto gets the portals that the four stages find. Each way has a reference of its own, whose noise is taken out of relMSE. Efficiency = 1 / (relMSE x CPU s).
 

@@ -1,7 +1,16 @@
 find_path(Xxhash_INCLUDE_DIR xxhash.h)
 find_library(Xxhash_LIBRARY xxhash)
+if(Xxhash_INCLUDE_DIR)
+  file(STRINGS ${Xxhash_INCLUDE_DIR}/xxhash.h _lines REGEX "define XXH_VERSION_(MAJOR|MINOR|RELEASE) +[0-9]+")
+  foreach(_line ${_lines})
+    string(REGEX MATCH "[0-9]+$" _n ${_line})
+    list(APPEND _xxhash ${_n})
+  endforeach()
+  list(JOIN _xxhash "." Xxhash_VERSION)
+endif()
 include(FindPackageHandleStandardArgs)
-find_package_handle_standard_args(Xxhash REQUIRED_VARS Xxhash_LIBRARY Xxhash_INCLUDE_DIR)
+find_package_handle_standard_args(Xxhash REQUIRED_VARS Xxhash_LIBRARY Xxhash_INCLUDE_DIR
+                                  VERSION_VAR Xxhash_VERSION)
 if(Xxhash_FOUND AND NOT TARGET Xxhash::xxhash)
   add_library(Xxhash::xxhash UNKNOWN IMPORTED)
   set_target_properties(Xxhash::xxhash PROPERTIES IMPORTED_LOCATION ${Xxhash_LIBRARY}

@@ -1,4 +1,5 @@
 # How this project declares its libraries, tools and tests.
+include(libraries)
 
 # tdpt_library(room SOURCES ... LINK ...): one room of libcommon.
 function(tdpt_library name)
@@ -16,7 +17,34 @@ function(tdpt_tool name)
   target_link_libraries(${name}_lib PUBLIC ${A_LINK} PRIVATE ${A_PRIVATE_LINK})
   add_executable(${name} main.cpp)
   target_link_libraries(${name} PRIVATE ${name}_lib)
+  target_include_directories(${name} PRIVATE ${CMAKE_BINARY_DIR}/generated/${name})
+  cmake_language(EVAL CODE "cmake_language(DEFER CALL tdpt_tell_libraries ${name})")
   install(TARGETS ${name})
+  tdpt_completions(${name})
+endfunction()
+
+# tdpt_completions(tool): what bash, zsh and fish read to complete its options, written by the tool whenever it was
+# built, and installed where each looks. zsh looks in one folder below /usr, where packages put things, and in another
+# below /usr/local: which it is, the prefix of the installation says.
+function(tdpt_completions tool)
+  set(folder ${CMAKE_BINARY_DIR}/completions)
+  set(bash ${folder}/bash/${tool})
+  set(zsh ${folder}/zsh/_${tool})
+  set(fish ${folder}/fish/${tool}.fish)
+  file(MAKE_DIRECTORY ${folder}/bash ${folder}/zsh ${folder}/fish)
+  add_custom_command(TARGET ${tool} POST_BUILD
+    COMMAND ${tool} --completion bash > ${bash}
+    COMMAND ${tool} --completion zsh > ${zsh}
+    COMMAND ${tool} --completion fish > ${fish}
+    BYPRODUCTS ${bash} ${zsh} ${fish} VERBATIM)
+  install(FILES ${bash} DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
+  install(FILES ${fish} DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d)
+  install(CODE "
+    set(folder site-functions)
+    if(CMAKE_INSTALL_PREFIX STREQUAL \"/usr\")
+      set(folder vendor-completions)
+    endif()
+    file(INSTALL \"${zsh}\" DESTINATION \"\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_DATADIR}/zsh/\${folder}\")")
 endfunction()
 
 # tdpt_test(name SOURCES ... LINK ...): a GoogleTest program; each test is a ctest test.

@@ -278,7 +278,7 @@ def main(programs, cache, doc, extent, cores):
         shutil.copy(cache / f"{name}.csv", doc / f"tradeoff-{name}.csv")
     version = subprocess.run([f"{programs}/tdpt-render", "--version"], check=True, capture_output=True, text=True).stdout
     own = portals.loss(DEFAULT)
-    lines = [WORDS["head"].format(version=version.strip(), cores=cores, extent=extent, count=len(portals.scenes),
+    lines = [WORDS["head"].format(version=version.splitlines()[0], cores=cores, extent=extent, count=len(portals.scenes),
                                   seeds=len({r["seed"] for r in read["portals"]}), low=digits(own.low / own.value),
                                   high=digits(own.high / own.value))]
     lines += [WORDS["summary"], *summary_section(portals, pictures), ""]

@@ -1,36 +1,57 @@
-// Progress of long work: one line on stderr with rate and time left, only when stderr is a
-// terminal.
+// Progress of long work, with rate and time left, on stderr: a line that is written over and over
+// where stderr is a terminal, or JSON for a program that watches.
 #pragma once
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <mutex>
 #include <string>
 
 namespace tdpt {
+
+/// automatic: the line, where stderr is a terminal and nobody asked for quiet; json: JSON, quiet or
+/// not.
+enum class ProgressForm { automatic, json, none };
+
+/// For all that is made afterwards in the process. Call once, before any parallel work; automatic
+/// if never called.
+void show_progress_as(ProgressForm form);
 
 /// Thread-safe: any thread may call advance().
 class Progress {
  public:
   /// `what` names the work ("rendering"), `unit` what is counted ("samples"), `total` how many
-  /// are expected (0: unknown). Shows nothing when `quiet` or when stderr is no terminal.
+  /// are expected (0: unknown).
   Progress(std::string what, std::string unit, uint64_t total, bool quiet);
+  /// Takes the line away; as JSON tells how the work ended.
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
+  /// Tells of it, 0.3 s after it last did.
   void advance(uint64_t n = 1);
-  /// What else the line says, at its end; while no thread advances.
+  /// What else is said, at the end; while no thread advances.
   void tell(std::string more) { more_ = std::move(more); }
 
  private:
-  void show(double seconds, uint64_t done);
+  struct Figures {
+    uint64_t done;
+    double seconds, rate;  ///< rate [1/s]
+    double left;           ///< [s]; negative: unknown
+  };
+  double seconds() const;
+  Figures figures() const;
+  std::string line(const Figures& f) const;
+  std::string json(const Figures& f) const;
+  void show();
 
   using Clock = std::chrono::steady_clock;
   std::string what_, unit_, more_;
   uint64_t total_;
-  bool visible_;
+  ProgressForm form_;  ///< automatic: the line
   std::atomic<uint64_t> done_{0};
   std::atomic<int64_t> next_ms_{300};
+  std::mutex showing_;  ///< so that no line tells of less than the one before it
   Clock::time_point start_ = Clock::now();
 };
 

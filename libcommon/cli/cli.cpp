@@ -10,10 +10,15 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <unistd.h>
 #include <CLI/CLI.hpp>
 
 #include "libcommon/base/error.h"
+#include "libcommon/base/progress.h"
 #include "libcommon/base/threads.h"
+#include "libcommon/cli/completion.h"
+#include "libcommon/cli/help.h"
+#include "libcommon/cli/nearest.h"
 #include "tdpt_version.h"
 
 namespace tdpt::cli {
@@ -67,7 +72,10 @@ struct Options::Impl {
   };
   std::vector<Beside> besides;
   std::function<void(const std::string&)> check_name;  ///< of the result, or none
+  Result result = Result::text;
+  std::function<bool()> is_text;  ///< of a binary result: whether it is not; none: never
 
+  std::string progress = "auto";                    ///< what shows it
   std::string quality;                              ///< as given; empty: not
   std::vector<std::function<void(Quality)>> knobs;  ///< set what was not given
 
@@ -95,15 +103,23 @@ struct Options::Impl {
     return files;
   }
 
-  // `result`: where -o goes; empty: nowhere.
-  std::vector<NamedFile> outputs(const std::string& result) const {
-    if (check_name) check_name(result);
+  void spare_terminal(const std::string& path) const {
+    if (path != "-" || result == Result::text || (is_text && is_text())) return;
+    if (::isatty(STDOUT_FILENO))
+      throw UsageError(
+          "the result is binary and standard output is a terminal: name a file with -o FILE, or "
+          "send it to a file or a pipe");
+  }
+
+  // `path`: where -o goes; empty: nowhere.
+  std::vector<NamedFile> outputs(const std::string& path) const {
+    if (check_name) check_name(path);
     std::vector<NamedFile> outputs;
-    if (!result.empty() || !files(Is::output).empty()) outputs.push_back({"-o", result});
+    if (!path.empty() || !files(Is::output).empty()) outputs.push_back({"-o", path});
     for (const NamedFile& file : files(Is::side_output)) outputs.push_back(file);
     for (const Beside& beside : besides) {
       if (beside.flag->count() == 0) continue;
-      *beside.target = beside.path_of(result);
+      *beside.target = beside.path_of(path);
       outputs.push_back({beside.flag->get_name(), *beside.target});
     }
     return outputs;
@@ -120,6 +136,49 @@ struct Options::Impl {
     if (std::count(paths.begin(), paths.end(), "-") > 1)
       throw UsageError("only one input can be the standard input");
     return paths;
+  }
+
+  // The table as a shell is told of it, --help and --version with it.
+  std::vector<Completed> completed() const {
+    std::vector<Completed> table;
+    for (const CLI::Option* option : app.get_options()) {
+      Completed& c = table.emplace_back();
+      for (const std::string& name : option->get_lnames()) c.names.push_back("--" + name);
+      for (const std::string& name : option->get_snames()) c.names.push_back("-" + name);
+      if (c.names.empty()) c.names.push_back(option->get_name());
+      c.help = option->get_description();
+      if (option->get_items_expected_max() > 0) c.value = option->get_type_name();
+      c.words = words_of(c.value);
+      c.repeated = option->get_multi_option_policy() == CLI::MultiOptionPolicy::TakeAll;
+      for (const Entry& e : entries)
+        if (e.option == option) {
+          c.file = e.is != Is::setting;
+          if (e.is == Is::input) c.suffixes = suffixes_in(c.help);
+        }
+    }
+    return table;
+  }
+
+  // What is wrong with the command line. An option that there is not is told before what lacks.
+  std::string fault(const CLI::ParseError& error) const {
+    const int code = error.get_exit_code();
+    if (code == static_cast<int>(CLI::ExitCodes::ExtrasError) ||
+        code == static_cast<int>(CLI::ExitCodes::RequiredError))
+      for (const std::string& given : app.remaining())
+        if (given.size() > 1 && given[0] == '-') return no_such_option(given);
+    return error.what();
+  }
+
+  // `given`: "--name", "-name" or "--name=value".
+  std::string no_such_option(const std::string& given) const {
+    const std::string option = given.substr(0, given.find('='));
+    std::vector<std::string> names;
+    for (const CLI::Option* known : app.get_options())
+      for (const std::string& name : known->get_lnames()) names.push_back(name);
+    const size_t start = std::min(option.find_first_not_of('-'), option.size());
+    const std::string meant = nearest(option.substr(start), names);
+    return fmt::format("{}: no such option{}", option,
+                       meant.empty() ? "" : " (did you mean --" + meant + "?)");
   }
 
   // The tool and the options that shape the result, in the order of the table; paths of inputs are
@@ -142,6 +201,11 @@ struct Options::Impl {
 };
 
 namespace {
+// Thrown out of the parser, which has not looked at what is required by then.
+struct Instead {
+  std::function<std::string()> text;
+};
+
 // CLI11 reads -1 and numbers that are too large as 2^64 - 1.
 std::string whole_number(std::string& text) {
   const bool digits = !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
@@ -150,14 +214,52 @@ std::string whole_number(std::string& text) {
   if (digits && errno == 0) return {};
   return fmt::format("'{}' given, expected a number from 0 to {}", text, ~uint64_t{0});
 }
+
+// std::to_string and CLI's own text would print 1e18 in full: people read these bounds.
+template <class T>
+CLI::Validator within(T lowest, T highest) {
+  return CLI::Validator(
+      [lowest, highest](std::string& text) {
+        T value{};
+        if (!CLI::detail::lexical_cast(text, value) || !(value >= lowest && value <= highest))
+          return fmt::format("'{}' given, expected a number from {} to {}", text, lowest, highest);
+        return std::string();
+      },
+      "");
+}
+
+CLI::Validator one_of(const std::vector<std::string>& words) {
+  return CLI::Validator(
+      [words](std::string& text) {
+        for (const std::string& word : words)
+          if (text == word) return std::string();
+        const std::string meant = nearest(text, words);
+        return fmt::format("'{}' given, expected one of {}{}", text, fmt::join(words, ", "),
+                           meant.empty() ? "" : " (did you mean " + meant + "?)");
+      },
+      "");
+}
 }  // namespace
 
 Options::Options(const Program& program)
     : impl_(std::make_unique<Impl>(program.summary, program.tool)) {
   common.tool = program.tool;
+  impl_->result = program.result;
   CLI::App& app = impl_->app;
-  app.set_version_flag("--version", common.tool + " " TDPT_VERSION, "Print the version and exit");
+  app.formatter(help_in_80_columns());
+  app.set_version_flag("--version",
+                       fmt::format("{} {}\n{}", program.tool, TDPT_VERSION, program.libraries),
+                       "Print the versions of the program and its libraries and exit");
   app.set_help_flag("-h,--help", "Print this help and exit");
+  const auto complete = [this](const std::string& shell) {
+    throw Instead{[=, this] { return completion_script(shell, common.tool, impl_->completed()); }};
+  };
+  impl_->keep(app.add_option_function<std::string>(
+                     "--completion", complete,
+                     "Print a script that completes these options in a shell and exit")
+                  ->type_name("bash|zsh|fish")
+                  ->check(one_of({"bash", "zsh", "fish"})),
+              Shapes::nothing);
   if (program.output_help)
     impl_->keep(
         app.add_option("-o,--output", common.output, program.output_help)->type_name("FILE"),
@@ -168,10 +270,13 @@ Options::Options(const Program& program)
               Shapes::result);
   impl_->keep(app.add_option("--threads", common.threads, "Threads to use; default all cores")
                   ->type_name("N")
-                  ->check(CLI::Range(0, 4096)),
+                  ->check(within(0, 4096)),
               Shapes::nothing);
   impl_->keep(app.add_flag("--quiet", common.quiet, "No progress and no notes on stderr"),
               Shapes::nothing);
+  choice("--progress", impl_->progress, {"auto", "json", "none"},
+         "Progress on stderr: auto, a line on a terminal (the default); json, an object a line",
+         Shapes::nothing);
   impl_->keep(app.add_flag("--explain", common.explain,
                            "Print on stderr what was decided, why, and what it costs"),
               Shapes::nothing);
@@ -223,21 +328,6 @@ void Options::option(const std::string& flags, std::string& target, const std::s
   impl_->keep(impl_->app.add_option(flags, target, help)->type_name(value_name), shapes);
 }
 
-namespace {
-// std::to_string and CLI's own text would print 1e18 in full: people read these bounds.
-template <class T>
-CLI::Validator within(T lowest, T highest) {
-  return CLI::Validator(
-      [lowest, highest](std::string& text) {
-        T value{};
-        if (!CLI::detail::lexical_cast(text, value) || !(value >= lowest && value <= highest))
-          return fmt::format("'{}' given, expected a number from {} to {}", text, lowest, highest);
-        return std::string();
-      },
-      "");
-}
-}  // namespace
-
 void Options::option(const std::string& flags, int64_t& target, const std::string& value_name,
                      const std::string& help, int64_t lowest, int64_t highest, Shapes shapes) {
   impl_->keep(impl_->app.add_option(flags, target, help)
@@ -276,14 +366,9 @@ void Options::option(const std::string& flags, int64_t& target, const ByQuality<
 void Options::choice(const std::string& flags, std::string& target,
                      const std::vector<std::string>& words, const std::string& help,
                      Shapes shapes) {
-  const auto known = [words](std::string& text) {
-    for (const std::string& word : words)
-      if (text == word) return std::string();
-    return fmt::format("'{}' given, expected one of {}", text, fmt::join(words, ", "));
-  };
   impl_->keep(impl_->app.add_option(flags, target, help)
                   ->type_name(fmt::format("{}", fmt::join(words, "|")))
-                  ->check(CLI::Validator(known, "")),
+                  ->check(one_of(words)),
               shapes);
 }
 
@@ -315,16 +400,13 @@ void Options::result_name(const std::function<void(const std::string&)>& check) 
   impl_->check_name = check;
 }
 
+void Options::result_is_text(const std::function<bool()>& is_text) {
+  impl_->is_text = is_text;
+}
+
 void Options::flag(const std::string& flags, bool& target, const std::string& help, Shapes shapes) {
   impl_->keep(impl_->app.add_flag(flags, target, help), shapes);
 }
-
-namespace {
-// Thrown out of the parser, which has not looked at what is required by then.
-struct Instead {
-  std::function<std::string()> text;
-};
-}  // namespace
 
 void Options::instead(const std::string& flags, const std::function<std::string()>& text,
                       const std::string& help) {
@@ -350,9 +432,10 @@ int Options::run_main(int argc, char** argv, const std::function<int()>& run) {
     fmt::print(stderr, "{}: {}\n", common.tool, line);
     return static_cast<int>(code);
   };
-  // What was printed may still be in a buffer: a full disk shows here.
+  // What was printed may still be in a buffer, or have failed when it was full: a full disk shows
+  // here.
   const auto flushed = [&](int code) {
-    if (std::fflush(stdout) == 0 || code != 0) return code;
+    if ((std::fflush(stdout) == 0 && !std::ferror(stdout)) || code != 0) return code;
     return fail(Exit::output, "(standard output): cannot be written");
   };
   const auto print = [&](const std::string& text) {
@@ -367,18 +450,23 @@ int Options::run_main(int argc, char** argv, const std::function<int()>& run) {
     } catch (const CLI::CallForHelp&) {
       return print(impl_->app.help());
     } catch (const CLI::CallForVersion&) {
-      return print(fmt::format("{} {}\n", common.tool, TDPT_VERSION));
+      return print(impl_->app.version());
     } catch (const CLI::ParseError& e) {
-      throw UsageError(fmt::format("{}; '{} --help' lists the options", e.what(), common.tool));
+      throw UsageError(
+          fmt::format("{}; '{} --help' lists the options", impl_->fault(e), common.tool));
     }
-    impl_->set_quality(common);
     common.arguments.assign(argv, argv + argc);
     common.output_given = impl_->is_given("-o");
+    impl_->spare_terminal(common.output);
+    impl_->set_quality(common);
     common.command = impl_->canonical(common.tool);
     common.outputs = impl_->outputs(common.output);
     common.also_read(impl_->inputs());
     check_outputs(common.outputs);
     limit_threads(common.threads);
+    show_progress_as(impl_->progress == "json"   ? ProgressForm::json
+                     : impl_->progress == "none" ? ProgressForm::none
+                                                 : ProgressForm::automatic);
     return flushed(run());
   } catch (const Error& e) {
     return fail(e.code, e.what());

@@ -70,11 +70,16 @@ struct Common {
 /// (--threads, --quiet, side outputs).
 enum class Shapes { result, nothing };
 
-/// What --help says of a program before its options.
+/// What the result is made of: a terminal shows text, and is never sent bytes.
+enum class Result { text, binary };
+
+/// A program, and what --help says of it before its options.
 struct Program {
   const char* tool;         ///< its name
   const char* summary;      ///< one sentence
   const char* output_help;  ///< what -o receives; null: the program has no -o
+  Result result = Result::text;
+  const char* libraries = "";  ///< what it is built with, a line each [generated tdpt_libraries.h]
 };
 
 class Options {
@@ -83,6 +88,10 @@ class Options {
   ~Options();
 
   Common common;
+
+  // What --help shows is also what shells complete [completion.h]: words in small letters of a
+  // value's name, "cpu|gpu[:WHICH]", and of files that are read the suffixes that `help` names,
+  // "(.glb, .gltf)".
 
   /// A positional argument: a file that is read.
   void argument(const std::string& name, std::string& target, const std::string& help,
@@ -134,6 +143,8 @@ class Options {
                      const std::string& help);
   /// `check` throws UsageError for a path that the result cannot have.
   void result_name(const std::function<void(const std::string&)>& check);
+  /// Of a program whose result is binary: `is_text` says whether it is not, this time.
+  void result_is_text(const std::function<bool()>& is_text);
 
   void flag(const std::string& flags, bool& target, const std::string& help,
             Shapes shapes = Shapes::result);

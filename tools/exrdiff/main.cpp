@@ -6,6 +6,7 @@
 #include "libcommon/base/hash.h"
 #include "libcommon/cli/cli.h"
 #include "libcommon/cli/ending.h"
+#include "tdpt_libraries.h"
 #include "tools/exrdiff/difference.h"
 #include "tools/exrdiff/explain.h"
 #include "tools/exrdiff/measure.h"
@@ -17,7 +18,8 @@ namespace {
 constexpr cli::Program kProgram{
     "exrdiff", "Tells how far a picture is from its reference: MAPE, PSNR, MSE, relMSE.",
     "Difference picture to write: false colour for .png, else OpenEXR; default "
-    "none"};
+    "none",
+    cli::Result::binary, kLibraries};
 
 struct Arguments {
   std::string picture, reference, beside;
@@ -25,8 +27,8 @@ struct Arguments {
 
 void declare_options(cli::Options& options, Arguments& a) {
   options.common.output.clear();
-  options.argument("picture", a.picture, "Picture to judge (OpenEXR); - is standard input");
-  options.argument("reference", a.reference, "What it should be (OpenEXR); - is standard input");
+  options.argument("picture", a.picture, "Picture to judge (.exr); - is standard input");
+  options.argument("reference", a.reference, "What it should be (.exr); - is standard input");
   options.side_output("--side-by-side", a.beside,
                       "Write a PNG with the picture left of the reference, exposed alike");
 }

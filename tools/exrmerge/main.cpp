@@ -4,6 +4,7 @@
 #include "libcommon/base/error.h"
 #include "libcommon/cli/cli.h"
 #include "libcommon/cli/ending.h"
+#include "tdpt_libraries.h"
 #include "tools/exrmerge/merging.h"
 
 namespace tdpt {
@@ -11,7 +12,7 @@ namespace {
 
 constexpr cli::Program kProgram{"exrmerge",
                                 "Makes one picture of films that hold parts of its samples.",
-                                "Picture to write (OpenEXR); default standard output"};
+                                "Picture to write (OpenEXR); default standard output", cli::Result::binary, kLibraries};
 
 struct Arguments {
   std::vector<std::string> films;

@@ -12,6 +12,7 @@
 #include "libcommon/draw/canvas.h"
 #include "libcommon/formats/sky_options.h"
 #include "libcommon/scene/lights.h"
+#include "tdpt_libraries.h"
 #include "tools/ffgraph/explain.h"
 #include "tools/ffgraph/preview.h"
 #include "tools/ffgraph/rounds.h"
@@ -20,9 +21,9 @@
 namespace tdpt {
 namespace {
 
-constexpr cli::Program kProgram{"ffgraph",
-                                "Writes the light transport of a glTF scene as a flow network.",
-                                "Network to write (DIMACS); default standard output"};
+constexpr cli::Program kProgram{
+    "ffgraph", "Writes the light transport of a glTF scene as a flow network.",
+    "Network to write (DIMACS); default standard output", cli::Result::text, kLibraries};
 
 // Between which of them curves tell, doc/tradeoff.md.
 constexpr cli::ByQuality<int64_t> kSamples{75000, 300000, 1200000}, kWalks{25000, 100000, 400000};
@@ -54,8 +55,9 @@ void declare_options(cli::Options& options, Arguments& a) {
                  "Patches along the diagonal of what the walks reach; default 24", 4, 256);
   options.option("--rounds", a.rounds, "N",
                  "Rounds of splitting patches that straddle an opening; default 1", 0, 3);
-  options.input("--refine", a.refine, "CUT",
-                "Split where the patches of this cut straddle its opening, instead of --rounds");
+  options.input(
+      "--refine", a.refine, "CUT",
+      "Split where the patches of this cut (.cut) straddle its opening, instead of --rounds");
   options.side_output("--preview", a.preview,
                       "Write a picture (.png, .svg, .pdf): what light and camera reach, as the "
                       "camera sees it and in plan");

@@ -10,6 +10,7 @@
 #include "libcommon/draw/canvas.h"
 #include "libcommon/formats/sky_options.h"
 #include "libcommon/gpu/device.h"
+#include "tdpt_libraries.h"
 #include "tools/lightgrid/explain.h"
 #include "tools/lightgrid/gpu_lines.h"
 #include "tools/lightgrid/lightgrid.h"
@@ -34,7 +35,7 @@ constexpr cli::Program kProgram{
     "lightgrid",
     "Counts the light between the two sides of a cut in the voxels of air it "
     "passes.",
-    "The light grid (.vdb); default standard output"};
+    "The light grid (.vdb); default standard output", cli::Result::binary, kLibraries};
 
 // Between which of them curves tell, doc/tradeoff.md.
 constexpr cli::ByQuality<int64_t> kResolution{64, 128, 256}, kLines{2048, 8192, 16384};

@@ -10,6 +10,7 @@
 #include "libcommon/cli/cli.h"
 #include "libcommon/cli/ending.h"
 #include "libcommon/draw/canvas.h"
+#include "tdpt_libraries.h"
 #include "tools/mincut/cut_of.h"
 #include "tools/mincut/explain.h"
 #include "tools/mincut/preview.h"
@@ -21,7 +22,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr cli::Program kProgram{"mincut", "Finds and verifies the minimum cut of a flow network.",
-                                "Cut to write; default standard output"};
+                                "Cut to write; default standard output", cli::Result::text,
+                                kLibraries};
 
 struct Arguments {
   std::string network = "-", scene, camera, preview, debug_glb;
@@ -31,7 +33,7 @@ struct Arguments {
 
 void declare_options(cli::Options& options, Arguments& a) {
   options.argument("network", a.network,
-                   "Network (DIMACS maximum-flow problem); default standard input", false);
+                   "Network (.max, a DIMACS maximum-flow problem); default standard input", false);
   options.quality();
   options.option("--cuts", a.cuts, "K",
                  "Most bottlenecks to look for, one behind the other; default 8", 1, 64);

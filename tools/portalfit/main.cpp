@@ -8,6 +8,7 @@
 #include "libcommon/cli/ending.h"
 #include "libcommon/draw/canvas.h"
 #include "libcommon/formats/portal_worth.h"
+#include "tdpt_libraries.h"
 #include "tools/portalfit/choice.h"
 #include "tools/portalfit/explain.h"
 #include "tools/portalfit/merit.h"
@@ -18,9 +19,9 @@
 namespace tdpt {
 namespace {
 
-constexpr cli::Program kProgram{
-    "portalfit", "Fits planar light portals to a light grid.",
-    "The portals (.glb, or the text of --for); default standard output"};
+constexpr cli::Program kProgram{"portalfit", "Fits planar light portals to a light grid.",
+                                "The portals (.glb, or the text of --for); default standard output",
+                                cli::Result::binary, kLibraries};
 
 struct Arguments {
   std::string grid = "-", method = "tube", renderer, preview, debug_glb;
@@ -40,6 +41,7 @@ void declare_options(cli::Options& options, Arguments& a) {
   options.choice(
       "--for", a.renderer, renderer_names(),
       "Write the portals as rectangles in the terms of another renderer, in place of glTF");
+  options.result_is_text([&a] { return !a.renderer.empty(); });
   options.flag("--require-portal", a.require_portal, "Exit with 3 when no portal is found",
                cli::Shapes::nothing);
   options.flag("--all", a.all, "Write portals that are useless for certain, too");

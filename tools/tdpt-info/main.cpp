@@ -3,13 +3,15 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/cli/cli.h"
+#include "tdpt_libraries.h"
 #include "tools/tdpt-info/knowledge.h"
 
 namespace tdpt {
 namespace {
 
 constexpr cli::Program kProgram{
-    "tdpt-info", "Tells what a file is, how it was made, and whether it is intact.", nullptr};
+    "tdpt-info", "Tells what a file is, how it was made, and whether it is intact.", nullptr,
+    cli::Result::text, kLibraries};
 
 struct Arguments {
   std::vector<std::string> files;

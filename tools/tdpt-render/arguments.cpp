@@ -82,6 +82,10 @@ std::vector<std::string> aovs_of(const Arguments& a) {
   return names;
 }
 
+bool only_plans(const Arguments& a) {
+  return !a.plan.empty() && a.shard.empty();
+}
+
 void declare_options(cli::Options& options, Arguments& a) {
   using cli::Shapes;
   options.argument("scene", a.scene, "Scene (.glb, .gltf); - is standard input");
@@ -141,6 +145,9 @@ void declare_options(cli::Options& options, Arguments& a) {
                       "Write a PNG of the pixels: red with a contribution, green without");
   options.output_beside("--preview", a.preview, cli::png_beside, "Write a PNG beside the picture");
   options.result_name(check_picture_name);
+  const cli::Common& common = options.common;
+  options.result_is_text(
+      [&] { return a.print_shards > 0 || (only_plans(a) && !common.output_given); });
 }
 
 }  // namespace tdpt

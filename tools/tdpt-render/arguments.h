@@ -43,6 +43,9 @@ struct Arguments {
 /// that there is not.
 std::vector<std::string> aovs_of(const Arguments& a);
 
+/// Without -o, whether no picture is rendered, but a plan written.
+bool only_plans(const Arguments& a);
+
 /// The options of the program, which fill in `a`.
 void declare_options(cli::Options& options, Arguments& a);
 

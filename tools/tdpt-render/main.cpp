@@ -11,6 +11,7 @@
 #include "libcommon/base/signals.h"
 #include "libcommon/cli/cli.h"
 #include "libcommon/cli/ending.h"
+#include "tdpt_libraries.h"
 #include "tools/tdpt-render/arguments.h"
 #include "tools/tdpt-render/choice.h"
 #include "tools/tdpt-render/course.h"
@@ -31,7 +32,7 @@ constexpr cli::Program kProgram{
     "tdpt-render",
     "Renders a glTF scene by (tri-directional) path tracing, with portals where "
     "there are any.",
-    "Picture to write (OpenEXR); default standard output"};
+    "Picture to write (OpenEXR); default standard output", cli::Result::binary, kLibraries};
 
 // Of each pixel, where nothing else says how many.
 constexpr cli::ByQuality<uint64_t> kSamples{4, 16, 64};
@@ -97,7 +98,7 @@ struct Job {
   Shape shape, film_shape;
 
   bool is_shard() const { return !a.shard.empty(); }
-  bool only_plans() const { return !a.plan.empty() && !is_shard() && !common.output_given; }
+  bool only_plans() const { return tdpt::only_plans(a) && !common.output_given; }
   // Where what there is is kept; empty: nowhere.
   std::string checkpoint() const { return a.checkpoint.empty() ? a.resume : a.checkpoint; }
 };

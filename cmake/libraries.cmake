@@ -1,0 +1,108 @@
+# What `<tool> --version` says that a tool is built with: the libraries that its targets link, through whichever room.
+
+# Versions that no package tells stand in a header.
+find_path(TDPT_STB_FOLDER stb/stb_image_write.h)
+function(tdpt_version_of_stb out)
+  set(line "")
+  if(TDPT_STB_FOLDER)
+    file(STRINGS ${TDPT_STB_FOLDER}/stb/stb_image_write.h line LIMIT_COUNT 1)
+  endif()
+  string(REGEX MATCH "[0-9.]*[0-9]" version "${line}")
+  set(${out} "${version}" PARENT_SCOPE)
+endfunction()
+function(tdpt_version_of_openmesh out)
+  get_target_property(folder OpenMeshCore INTERFACE_INCLUDE_DIRECTORIES)
+  set(line "")
+  if(EXISTS ${folder}/OpenMesh/Core/System/config.h)
+    file(STRINGS ${folder}/OpenMesh/Core/System/config.h line REGEX "^#define OM_VERSION 0x")
+  endif()
+  string(REGEX REPLACE ".*0x([0-9])0*([0-9]+)0*([0-9])$" "\\1.\\2.\\3" version "${line}")
+  set(${out} "${version}" PARENT_SCOPE)
+endfunction()
+
+# tdpt_library_name(link out): name and version of what a target links; "" for parts of the C library.
+function(tdpt_library_name link out)
+  tdpt_version_of_stb(stb_VERSION)
+  tdpt_version_of_openmesh(OpenMesh_VERSION)
+  set(names
+    Boost::headers "Boost ${Boost_VERSION}"
+    CGAL::CGAL "CGAL ${CGAL_VERSION}"
+    CLI11::CLI11 "CLI11 ${CLI11_VERSION}"
+    OpenEXR::OpenEXR "OpenEXR ${OpenEXR_VERSION}"
+    OpenMeshCore "OpenMesh ${OpenMesh_VERSION}"
+    OpenVDB::openvdb "OpenVDB ${OpenVDB_VERSION}"
+    PkgConfig::PANGOCAIRO "Pango ${PANGOCAIRO_VERSION}"
+    TBB::tbb "oneTBB ${TBB_VERSION}"
+    TinyGLTF::TinyGLTF "tinygltf ${TinyGLTF_VERSION}"
+    Vulkan::Headers "Vulkan-Headers ${Vulkan_VERSION}"
+    Xxhash::xxhash "xxHash ${Xxhash_VERSION}"
+    ZLIB::ZLIB "zlib ${ZLIB_VERSION_STRING}"
+    embree "Embree ${embree_VERSION}"
+    fmt::fmt "fmt ${fmt_VERSION}"
+    nlohmann_json::nlohmann_json "nlohmann_json ${nlohmann_json_VERSION}"
+    stb "stb_image_write ${stb_VERSION}"
+    dl "-")
+  list(FIND names "${link}" at)
+  if(at LESS 0)
+    message(FATAL_ERROR "${link} is linked: say in cmake/libraries.cmake what --version calls it")
+  endif()
+  math(EXPR at "${at} + 1")
+  list(GET names ${at} name)
+  if(name MATCHES " $")
+    message(FATAL_ERROR "The version of ${link} is not found")
+  endif()
+  string(REGEX REPLACE "^-$" "" name "${name}")
+  set(${out} "${name}" PARENT_SCOPE)
+endfunction()
+
+# tdpt_linked_by(target out): what a target links that is not ours, through what is ours.
+function(tdpt_linked_by target out)
+  set(linked "")
+  set(seen ${target})
+  set(left ${target})
+  while(left)
+    list(POP_FRONT left ours)
+    get_target_property(type ${ours} TYPE)
+    if(type STREQUAL INTERFACE_LIBRARY)
+      get_target_property(links ${ours} INTERFACE_LINK_LIBRARIES)
+    else()
+      get_target_property(links ${ours} LINK_LIBRARIES)
+    endif()
+    foreach(link IN LISTS links)
+      if(NOT link OR link IN_LIST seen)
+        continue()
+      endif()
+      list(APPEND seen ${link})
+      set(imported TRUE)
+      if(TARGET ${link})
+        get_target_property(imported ${link} IMPORTED)
+      endif()
+      if(imported)
+        list(APPEND linked ${link})
+      else()
+        list(APPEND left ${link})
+      endif()
+    endforeach()
+  endwhile()
+  set(${out} "${linked}" PARENT_SCOPE)
+endfunction()
+
+# tdpt_tell_libraries(tool): writes generated/<tool>/tdpt_libraries.h. Called when all that the tool links is declared.
+function(tdpt_tell_libraries tool)
+  tdpt_linked_by(${tool} linked)
+  set(names "")
+  foreach(link IN LISTS linked)
+    tdpt_library_name(${link} name)
+    list(APPEND names ${name})
+  endforeach()
+  list(SORT names CASE INSENSITIVE)
+  list(JOIN names "\\n\"\n    \"" text)
+  file(CONFIGURE OUTPUT ${CMAKE_BINARY_DIR}/generated/${tool}/tdpt_libraries.h CONTENT
+"#pragma once
+namespace tdpt {
+/// What this program is built with, a library and its version a line.
+inline constexpr const char* kLibraries =
+    \"@text@\\n\";
+}  // namespace tdpt
+" @ONLY)
+endfunction()

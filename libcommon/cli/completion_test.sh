@@ -1,0 +1,130 @@
+#!/bin/bash
+# completion_test.sh bash|zsh|fish|installation BUILD: what that shell is offered for every program of the build: each
+# option of --help and no other, the words of choices, files with the right names, nothing for a number; and that
+# scripts are installed where shells look. Exit 1 if not; 77, with a word, where the shell is missing.
+what=${1:?usage: completion_test.sh bash|zsh|fish|installation BUILD}
+build=$(cd "${2:?usage: completion_test.sh bash|zsh|fish|installation BUILD}" && pwd) || exit 2
+tools='ffgraph mincut lightgrid portalfit tdpt-render exrdiff exrmerge tdpt-info'
+work=$(mktemp -d) || exit 2
+trap 'rm -rf "$work"' EXIT
+failed=0
+complain() {
+  printf '%s\n' "$*"
+  failed=1
+}
+# expect WHAT WANTED GOT: lists of words, in any order.
+expect() {
+  local wanted got
+  wanted=$(tr ' ' '\n' <<<"$2" | sort -u) got=$(tr ' ' '\n' <<<"$3" | sort -u)
+  [ "$wanted" = "$got" ] || complain "$1: $(diff <(echo "$wanted") <(echo "$got") | grep '^[<>]' | tr '\n' ' ')"
+}
+
+# "--name VALUE" of every option, from the left half of --help.
+options_of() {
+  "$build/bin/$1" --help | sed -nE 's/^  (-.,)?(--[a-z-]+) ?([^ ]*).*/\2 \3/p'
+}
+
+# check_options TOOL: holds what `offered TOOL WORD ...` says to --help.
+check_options() {
+  local tool=$1 name value count=0
+  expect "$tool: options" "$(options_of "$tool" | cut -d ' ' -f 1 | tr '\n' ' ')" "$(offered "$tool" -- | tr '\n' ' ')"
+  while read -r name value; do
+    count=$((count + 1))
+    case $value in
+    *[a-z]'|'[a-z]*\[*) expect "$tool $name" "cpu gpu" "$(offered "$tool" "$name" '' | tr '\n' ' ' | sed 's/ $//')" ;;
+    *[a-z]'|'[a-z]*) expect "$tool $name" "${value//|/ }" "$(offered "$tool" "$name" '' | tr '\n' ' ' | sed 's/ $//')" ;;
+    [A-Z] | SHARE | SECONDS | DEG | NAME) expect "$tool $name" "" "$(offered "$tool" "$name" '')" ;;
+    esac
+  done < <(options_of "$tool")
+  [ "$count" -gt 9 ] || complain "$tool: --help names $count options"
+}
+
+# check_files: in a folder with files of all kinds; `offered` as above.
+check_files() {
+  mkdir "$work/files" "$work/files/folder" && cd "$work/files" || exit 2
+  touch a.glb b.gltf c.max d.cut e.vdb f.exr 'two words.glb' h.txt
+  for wanted in 'ffgraph:a.glb:b.gltf:folder:two words.glb' 'mincut:c.max:folder' 'portalfit:e.vdb:folder' \
+    'lightgrid:a.glb:b.gltf:d.cut:folder:two words.glb' 'tdpt-render:a.glb:b.gltf:folder:two words.glb' \
+    'tdpt-render --portal:a.glb:b.gltf:folder:two words.glb' 'exrdiff:f.exr:folder' 'mincut --scene a:a.glb' \
+    'ffgraph --refine:d.cut:folder' 'tdpt-render --environment:f.exr:folder' 'tdpt-render two:two words.glb' \
+    'tdpt-render -o:a.glb:b.gltf:c.max:d.cut:e.vdb:f.exr:folder:h.txt:two words.glb' 'tdpt-render h:h.txt'; do
+    command=${wanted%%:*}
+    case $command in *' '[a-z]* | *' '*' '*) ;; *) command="$command " ;; esac
+    mapfile -t words < <(tr ' ' '\n' <<<"$command")
+    got=$(offered "${words[@]}" | sed 's/[/ ]*$//' | sort -u | tr '\n' ':')
+    [ "$got" = "${wanted#*:}:" ] || complain "$command: offered $got, expected ${wanted#*:}"
+  done
+}
+
+case $what in
+bash)
+  # offered TOOL WORD ...: what bash offers for the last word. It takes "--name=value" for three words.
+  offered() {
+    COMP_WORDS=("$@")
+    COMP_CWORD=$(($# - 1))
+    "_${1//-/_}" "$1" "${*: -1}" "${*: -2:1}"
+    [ ${#COMPREPLY[@]} = 0 ] || printf '%s\n' "${COMPREPLY[@]}"
+  }
+  for tool in $tools; do
+    "$build/bin/$tool" --completion bash >"$work/script" || complain "$tool --completion bash fails"
+    cmp "$work/script" "$build/completions/bash/$tool" || failed=1
+    # shellcheck disable=SC1091
+    . "$work/script"
+    complete -p "$tool" | grep -q -- "-F _${tool//-/_} $tool" || complain "$tool: is not completed"
+    check_options "$tool"
+  done
+  expect 'a part of a name' '--max-depth' "$(offered tdpt-render room.glb --max)"
+  expect 'a part of a word' 'tdpt tdpt-org tdpt-guided' "$(offered tdpt-render --integrator td | tr '\n' ' ' | sed 's/ $//')"
+  expect 'a word after =' 'balance power' "$(offered tdpt-render --mis = | tr '\n' ' ' | sed 's/ $//')"
+  expect 'a part of a word after =' 'power' "$(offered tdpt-render --mis = p)"
+  check_files
+  expect 'a file in quotes' 'two words.glb' "$(offered tdpt-render '"two w')"
+  expect 'a file with an escaped blank' 'two words.glb' "$(offered tdpt-render 'two\ w')"
+  ;;
+zsh)
+  command -v zsh >/dev/null || { echo "skipped: zsh is missing"; exit 77; }
+  # What _arguments would read.
+  offered() {
+    zsh -f -c '_arguments() { print -rl -- "$@" }; . "$1"' zsh "$build/completions/zsh/_$1" |
+      sed -nE 's/^(\([^)]*\)|\*)(--[a-z-]+).*/\2/p'
+  }
+  for tool in $tools; do
+    script=$build/completions/zsh/_$tool
+    zsh -n "$script" || complain "$tool: is no script of zsh"
+    [ "$(head -1 "$script")" = "#compdef $tool" ] || complain "$tool: is not completed"
+    expect "$tool: options" "$(options_of "$tool" | cut -d ' ' -f 1 | tr '\n' ' ')" "$(offered "$tool" | tr '\n' ' ')"
+  done
+  grep -Fq "'*--portal=[" "$build/completions/zsh/_tdpt-render" || complain "--portal may be repeated"
+  grep -Fq ':balance|power:(balance power)' "$build/completions/zsh/_tdpt-render" || complain "--mis has two words"
+  ;;
+fish)
+  command -v fish >/dev/null || { echo "skipped: fish is missing"; exit 77; }
+  export HOME=$work
+  # What it offers, without what it says of it.
+  offered() {
+    local tool=$1 line
+    line=$(printf '%s ' "$@")
+    fish --no-config -c "source $build/completions/fish/$tool.fish; complete -C \"\$argv[1]\"" "${line% }" | cut -f 1
+  }
+  for tool in $tools; do
+    fish --no-config -n "$build/completions/fish/$tool.fish" || complain "$tool: is no script of fish"
+    check_options "$tool"
+  done
+  cd "$work" && touch a.exr b.glb
+  expect 'the file with the right name, first' b.glb "$(offered tdpt-render --portal '' | head -1)"
+  ;;
+installation)
+  for prefix in /usr:vendor-completions /usr/local:site-functions; do
+    for tool in $tools; do
+      share=$work/${prefix%:*}/share
+      DESTDIR=$work cmake -DCMAKE_INSTALL_PREFIX="${prefix%:*}" -P "$build/tools/$tool/cmake_install.cmake" >/dev/null ||
+        complain "$tool cannot be installed"
+      for file in "bash-completion/completions/$tool" "zsh/${prefix#*:}/_$tool" "fish/vendor_completions.d/$tool.fish"; do
+        [ -s "$share/$file" ] || complain "${prefix%:*}/share/$file is missing"
+      done
+    done
+  done
+  ;;
+*) echo "$what: expected bash, zsh, fish or installation" && exit 2 ;;
+esac
+exit $failed
