@@ -56,10 +56,15 @@ void Progress::advance(uint64_t n) {
 }
 
 Progress::Figures Progress::figures() const {
-  Figures f{done_, seconds(), 0, -1};
+  Figures f{done_, seconds(), 0, -1, 0};
   f.rate = static_cast<double>(f.done) / std::max(f.seconds, 1e-9);
-  if (total_ > 0 && f.done > 0)
+  if (total_ > 0 && f.done > 0) {
     f.left = static_cast<double>(total_ - std::min(f.done, total_)) / f.rate;
+    f.share = static_cast<double>(f.done) / static_cast<double>(total_);
+  } else if (total_ == 0 && lasts_ > 0) {
+    f.left = std::max(lasts_ - f.seconds, 0.0);
+    f.share = std::min(f.seconds / lasts_, 1.0);
+  }
   return f;
 }
 
@@ -67,7 +72,7 @@ std::string Progress::line(const Figures& f) const {
   std::string text = fmt::format("\r\033[K{}: {} {}, {:.3g}/s", what_, f.done, unit_, f.rate);
   if (f.left >= 0)
     text += fmt::format(", {:.0f} %, {:.0f} s left",
-                        100.0 * static_cast<double>(f.done) / static_cast<double>(total_), f.left);
+                        100 * f.share, f.left);
   return more_.empty() ? text : text + ", " + more_;
 }
 

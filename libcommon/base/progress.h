@@ -28,6 +28,9 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
+  /// Where `total` is unknown: the work is to end after so many seconds from the beginning. Before
+  /// the first advance().
+  void ends_after(double seconds) { lasts_ = seconds; }
   /// Tells of it, 0.3 s after it last did.
   void advance(uint64_t n = 1);
   /// What else is said, at the end; while no thread advances.
@@ -38,6 +41,7 @@ class Progress {
     uint64_t done;
     double seconds, rate;  ///< rate [1/s]
     double left;           ///< [s]; negative: unknown
+    double share;          ///< done, [0,1], where `left` is known
   };
   double seconds() const;
   Figures figures() const;
@@ -48,6 +52,7 @@ class Progress {
   using Clock = std::chrono::steady_clock;
   std::string what_, unit_, more_;
   uint64_t total_;
+  double lasts_ = 0;  ///< [s]; 0: unknown
   ProgressForm form_;  ///< automatic: the line
   std::atomic<uint64_t> done_{0};
   std::atomic<int64_t> next_ms_{300};

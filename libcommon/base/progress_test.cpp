@@ -64,6 +64,19 @@ TEST(progress, as_json_knows_what_it_does_not_know) {
   EXPECT_TRUE(rendering.at("left").is_null());
 }
 
+TEST(progress, by_the_clock_knows_the_time_left) {
+  const auto lines = told(ProgressForm::json, [] {
+    Progress progress("rendering", "samples", 0, false);
+    progress.ends_after(60);
+    progress.advance(5);
+  });
+  ASSERT_EQ(lines.size(), 1u);
+  const auto p = nlohmann::json::parse(lines[0]).at("progress");
+  EXPECT_TRUE(p.at("total").is_null());
+  const double seconds = p.at("seconds"), left = p.at("left");
+  EXPECT_NEAR(seconds + left, 60, 0.01);
+}
+
 TEST(progress, as_json_is_told_every_third_of_a_second) {
   const auto lines = told(ProgressForm::json, [] {
     Progress progress("tracing", "rays", 0, false);

@@ -392,6 +392,7 @@ void Rendering::receive_visitors() {
 void Rendering::render_goal() {
   Progress progress("rendering", "samples", (goal_ - std::min(goal_, film_.samples())) * pixels_,
                     settings_.quiet);
+  if (goal_ == 0) progress.ends_after(settings_.seconds - clock_.seconds());
   // Small pictures take several samples a pass, so that threads have something to share.
   const uint64_t most = std::max<uint64_t>(1, (uint64_t{1} << 16) / pixels_);
   if (longest_ == 0 && film_.samples() == 0)
