@@ -52,6 +52,7 @@ Loaded load(const Arguments& a, const cli::Common& common) {
     for (const std::string& warning : first_few(given.warnings)) common.warn(warning);
     for (const std::string& note : first_few(given.notes)) common.note(note);
     const PortalFile& file = given.file;
+    common.also_read(file.files);
     in.portals.insert(in.portals.end(), file.portals.begin(), file.portals.end());
     in.files.push_back({path, file.hash, file.provenance});
   }
@@ -88,16 +89,17 @@ std::string picture_bytes(const RenderResult& result,
 void deliver(const Arguments& a, const cli::Common& common, const Loaded& in, const Choice& choice,
              const RenderSettings& settings, const RenderResult& result) {
   const Picture& picture = result.picture;
-  cli::deliver({{common.output,
-                 [&] {
-                   return picture_bytes(result, exr_attributes(choice.integrator, settings, result,
-                                                               common.provenance(in.files)));
-                 }},
-                {a.preview, [&] { return png_bytes(picture, auto_exposure(picture)); }},
-                {a.nonzero, [&] { return png_bytes(nonzero_picture(picture), 0); }},
-                {a.stats, [&] {
-                   return stats_json(choice.integrator, settings, result, in.portals) + "\n";
-                 }}});
+  cli::deliver(
+      {{common.output,
+        [&] {
+          return picture_bytes(result, exr_attributes(choice.integrator, settings, result,
+                                                      common.provenance(in.files)));
+        }},
+       {a.preview, [&] { return png_bytes(picture, auto_exposure(picture)); }},
+       {a.nonzero, [&] { return png_bytes(nonzero_picture(picture), 0); }},
+       {a.stats,
+        [&] { return stats_json(choice.integrator, settings, result, in.portals) + "\n"; }}},
+      common);
 }
 
 // Share of the light that segments through portals brought; 1 where none took part.
