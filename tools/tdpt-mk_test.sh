@@ -73,6 +73,13 @@ touch sky.exr
 makes "another sky" "night.exr " night.exr hidden.exr loose.exr
 if grep -q portal .tdpt/hidden.exr.d; then complain "hidden.exr: has portals"; fi
 
+before=$(cksum <sky.exr)
+if make SCENE.sky=whole ENVIRONMENT=sky.exr PORTALS= -W whole.glb sky.exr >log 2>&1; then
+  complain "a picture over its own sky was made"
+fi
+grep -q 'sky.exr would replace its own sky' log || complain "a picture over its own sky: make says not why"
+[ "$(cksum <sky.exr)" = "$before" ] || complain "a picture replaced its own sky"
+
 makes "previews" "$(of whole)" PREVIEWS=1 whole.exr
 for name in max cut vdb portal.glb exr; do [ -s whole.$name.png ] || complain "whole.$name.png is missing"; done
 makes "previews again" "" PREVIEWS=1 whole.exr
