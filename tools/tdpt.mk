@@ -33,8 +33,8 @@ tdpt_free = $(if $(THREADS),--threads $(THREADS)) \
 # Of the target in whose rule they stand, $* being its stem: scene, portals, file of the sky. A portal is no scene.
 # Which scene another picture shows is looked up by its name: a variable of the target would hold for all that it needs.
 tdpt_stem = $(or $(SCENE.$*),$*)
-tdpt_scene = $(if $(filter %.portal,$(tdpt_stem)),.tdpt/a-portal-is-no-scene,\
-  $(or $(firstword $(wildcard $(tdpt_stem).glb $(tdpt_stem).gltf)),$(tdpt_stem).glb))
+tdpt_scene = $(or $(if $(filter %.portal,$(tdpt_stem)),.tdpt/a-portal-is-no-scene),\
+  $(firstword $(wildcard $(tdpt_stem).glb $(tdpt_stem).gltf)),$(tdpt_stem).glb)
 tdpt_portals = $(if $(filter undefined,$(origin PORTALS)),$(tdpt_stem).portal.glb,$(PORTALS))
 tdpt_sky_file = $(if $(or $(findstring /,$(ENVIRONMENT)),$(filter %.exr %.hdr %.pic,$(ENVIRONMENT))),$(ENVIRONMENT))
 # A portal that is there and not of portalfit was drawn by hand and stays.
