@@ -19,7 +19,10 @@
 #   make bench-efficiency   error against time of every integrator, with aims: doc/efficiency.md (an hour on two
 #                  cores; BASELINE=PROGRAM BASELINE_NAME=WORDS: gains are over that older one's)
 #   make efficiency-references   its references that are missing or out of date, in testdata/references/efficiency
-#   make install   programs, man pages and completions under PREFIX (and DESTDIR)
+#   make install   programs, man pages, completions and tdpt.mk under PREFIX (and DESTDIR), after building what is missing
+#   make uninstall takes away what that put there, with the same PREFIX and DESTDIR
+#   make package   a Debian package, build/tdpt_VERSION_ARCH.deb, of the sources as they lie here
+#   make package-test   installs that on a bare Debian 12, made in BARE=FOLDER, and tries it there; as root
 #   make sanitize  builds with the sanitizers into build-sanitize and runs every test there
 #   make fuzz      libFuzzer on every reader, SECONDS=60 each, with clang (TARGETS="scene cut": these; ROUNDS=N: N times at
 #                  most, until a round brings no new edge): doc/fuzzing.md
@@ -34,7 +37,7 @@ TEST_STATUS ?=
 # All that is there to run; `make build` adds every test and benchmark.
 PROGRAMS = ffgraph mincut lightgrid portalfit tdpt-render exrdiff exrmerge tdpt-info
 
-.PHONY: all build programs demo figures stages portals regret tradeoff whole-light target-error sky only-needed grid-speed scale limit bench bench-efficiency efficiency-references test install sanitize fuzz packages format clean
+.PHONY: all build programs demo figures stages portals regret tradeoff whole-light target-error sky only-needed grid-speed scale limit bench bench-efficiency efficiency-references test install uninstall package package-test sanitize fuzz packages format clean
 all: build
 
 build:
@@ -155,8 +158,25 @@ fuzz:
 	@cmake --build --preset fuzz --parallel $(JOBS)
 	@FUZZ_SECONDS="$(or $(SECONDS),60)" ROUNDS="$(ROUNDS)" MERGE="$(MERGE)" sh libcommon/testing/fuzz.sh build-fuzz/bin testdata build-fuzz/fuzz $(TARGETS)
 
-install: build
-	@cmake --install build --prefix "$(PREFIX)"
+# No test, and whatever is to be installed.
+install:
+	@sh cmake/install-packages.sh
+	@cmake --preset release -DBUILD_TESTING=OFF --log-level=WARNING
+	@cmake --build --preset release --parallel $(JOBS)
+	@DESTDIR="$(DESTDIR)" sh cmake/install.sh build "$(PREFIX)"
+
+package:
+	@sh cmake/install-packages.sh
+	@sh cmake/install-packages.sh cmake/packages-package.txt
+	@JOBS=$(JOBS) sh cmake/package.sh build
+
+# BARE: the folder of the bare system, which stays for the next time.
+package-test: package
+	@sh cmake/install-packages.sh cmake/packages-package-test.txt
+	@sh .ci/package.sh build/tdpt_*.deb "$(or $(BARE),build/bare)"
+
+uninstall:
+	@DESTDIR="$(DESTDIR)" sh cmake/uninstall.sh "$(PREFIX)"
 
 format:
 	@command -v clang-format >/dev/null || { echo "clang-format is missing"; exit 1; }

@@ -70,9 +70,7 @@ Progress::Figures Progress::figures() const {
 
 std::string Progress::line(const Figures& f) const {
   std::string text = fmt::format("\r\033[K{}: {} {}, {:.3g}/s", what_, f.done, unit_, f.rate);
-  if (f.left >= 0)
-    text += fmt::format(", {:.0f} %, {:.0f} s left",
-                        100 * f.share, f.left);
+  if (f.left >= 0) text += fmt::format(", {:.0f} %, {:.0f} s left", 100 * f.share, f.left);
   return more_.empty() ? text : text + ", " + more_;
 }
 

@@ -52,7 +52,7 @@ class Progress {
   using Clock = std::chrono::steady_clock;
   std::string what_, unit_, more_;
   uint64_t total_;
-  double lasts_ = 0;  ///< [s]; 0: unknown
+  double lasts_ = 0;   ///< [s]; 0: unknown
   ProgressForm form_;  ///< automatic: the line
   std::atomic<uint64_t> done_{0};
   std::atomic<int64_t> next_ms_{300};

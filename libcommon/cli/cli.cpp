@@ -17,6 +17,7 @@
 #include "libcommon/base/progress.h"
 #include "libcommon/base/threads.h"
 #include "libcommon/cli/completion.h"
+#include "libcommon/cli/dependencies.h"
 #include "libcommon/cli/help.h"
 #include "libcommon/cli/nearest.h"
 #include "tdpt_version.h"
@@ -47,6 +48,25 @@ void Common::warn(const std::string& sentence) const {
 
 void Common::summary(const std::string& json_text) const {
   if (json) fmt::print(output == "-" ? stderr : stdout, "{}\n", json_text);
+}
+
+void Common::also_read(const std::vector<std::string>& paths) const {
+  check_outputs(outputs, paths);
+  if (!dependencies.empty()) std::for_each(paths.begin(), paths.end(), check_make_name);
+  read_.insert(read_.end(), paths.begin(), paths.end());
+}
+
+std::string Common::dependency_rule() const {
+  return make_rule(target_.empty() ? output : target_, read_);
+}
+
+void Common::check_dependencies() const {
+  if (dependencies.empty() && !target_.empty())
+    throw UsageError("--dependencies-target goes with --dependencies");
+  if (dependencies.empty()) return;
+  if (output == "-" || (output.empty() && target_.empty()))
+    throw UsageError("--dependencies tells what a file was made from: give -o FILE");
+  check_make_name(target_.empty() ? output : target_);
 }
 
 struct Options::Impl {
@@ -287,6 +307,10 @@ Options::Options(const Program& program)
   impl_->keep(
       app.add_flag("--no-provenance", common.no_provenance, "Leave out where the file comes from"),
       Shapes::nothing);
+  side_output("--dependencies", common.dependencies,
+              "Write a rule for Make: what the result was made from; also -MF");
+  option("--dependencies-target", common.target_, "NAME",
+         "What that rule is for; default what -o names; also -MQ", Shapes::nothing);
 }
 
 Options::~Options() = default;
@@ -444,7 +468,9 @@ int Options::run_main(int argc, char** argv, const std::function<int()>& run) {
   };
   try {
     try {
-      impl_->app.parse(argc, argv);
+      std::vector<std::string> words = without_short_forms(argc, argv);
+      std::reverse(words.begin(), words.end());
+      impl_->app.parse(words);
     } catch (const Instead& instead) {
       return print(instead.text());
     } catch (const CLI::CallForHelp&) {
@@ -461,6 +487,7 @@ int Options::run_main(int argc, char** argv, const std::function<int()>& run) {
     impl_->set_quality(common);
     common.command = impl_->canonical(common.tool);
     common.outputs = impl_->outputs(common.output);
+    common.check_dependencies();
     common.also_read(impl_->inputs());
     check_outputs(common.outputs);
     limit_threads(common.threads);

@@ -39,8 +39,12 @@ struct Common {
 
   std::vector<NamedFile> outputs;  ///< all that the run writes, -o first
   /// Throws UsageError when one of the outputs is one of `paths`: inputs that show only when
-  /// another is read.
-  void also_read(const std::vector<std::string>& paths) const { check_outputs(outputs, paths); }
+  /// another is read. All that is told here stands in the dependency file.
+  void also_read(const std::vector<std::string>& paths) const;
+
+  std::string dependencies;  ///< --dependencies; empty: not asked for
+  /// What stands in it: a rule for Make, of the files read so far.
+  std::string dependency_rule() const;
 
   bool output_given = false;           ///< -o was
   std::vector<std::string> arguments;  ///< the command line as given, the program first
@@ -64,6 +68,12 @@ struct Common {
   void warn(const std::string& sentence) const;
   /// One JSON text (already dumped) where --json says; nothing without --json.
   void summary(const std::string& json_text) const;
+
+ private:
+  friend class Options;
+  void check_dependencies() const;
+  std::string target_;  ///< --dependencies-target; empty: what -o names
+  mutable std::vector<std::string> read_;
 };
 
 /// Whether an option shapes the bytes of the result (then it stands in the provenance) or not

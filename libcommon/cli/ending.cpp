@@ -4,18 +4,19 @@
 
 namespace tdpt::cli {
 
-void deliver(const std::vector<Deliverable>& files) {
+void deliver(const std::vector<Deliverable>& files, const Common& common) {
   Phases untold;
-  deliver(files, untold);
+  deliver(files, common, untold);
 }
 
-void deliver(const std::vector<Deliverable>& files, Phases& phases) {
+void deliver(const std::vector<Deliverable>& files, const Common& common, Phases& phases) {
   std::vector<OutputFile> made;
   for (const Deliverable& file : files) {
     if (file.path.empty()) continue;
     made.push_back({file.path, file.make()});
     phases.done(&file == &files.front() ? "write" : "pictures");
   }
+  if (!common.dependencies.empty()) made.push_back({common.dependencies, common.dependency_rule()});
   write_outputs(made);
   phases.done("write");
 }

@@ -17,11 +17,11 @@ struct Deliverable {
   std::function<std::string()> make;  ///< its bytes
 };
 
-/// Makes and writes `files`, the result first [write_outputs, base/output_file.h]: what cannot be
-/// made or written leaves none of them behind.
-void deliver(const std::vector<Deliverable>& files);
+/// Makes and writes `files`, the result first, and the dependency file of the run
+/// [write_outputs, base/output_file.h]: what cannot be made or written leaves none of them behind.
+void deliver(const std::vector<Deliverable>& files, const Common& common);
 /// The same, told as the phases "write" and, of what lies beside the result, "pictures".
-void deliver(const std::vector<Deliverable>& files, Phases& phases);
+void deliver(const std::vector<Deliverable>& files, const Common& common, Phases& phases);
 
 /// Prints `summary`, a JSON object, where --json says, with what the run cost: "phases",
 /// "cpu_seconds" and "peak_bytes".

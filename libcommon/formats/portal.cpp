@@ -39,6 +39,7 @@ class Reader {
   PortalFile read() {
     PortalFile file;
     file.hash = d_.hash;
+    file.files = d_.files;
     read_asset(file);
     file.cameras = d_.model.cameras.size();
     file.lamps = lamps();

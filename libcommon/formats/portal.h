@@ -32,7 +32,8 @@ struct PortalFile {
   std::vector<Portal> portals;  ///< empty: no bottleneck was found
   std::string scene_hash;       ///< of the scene it was made for; empty: drawn by hand
   Provenance provenance;
-  std::string hash;  ///< content hash of the file read
+  std::string hash;                  ///< content hash of the file read
+  std::vector<std::string> files{};  ///< paths of buffers read beside it
   /// Of the file read; lamps are punctual lights and materials that emit. Portals need neither.
   size_t cameras = 0, lamps = 0;
 };

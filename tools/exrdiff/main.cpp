@@ -72,7 +72,8 @@ int run(const Arguments& a, const cli::Common& common) {
   const Picture& r = reference.file.picture;
   const Comparison comparison = compare(p, picture.name, r, reference.name);
   cli::deliver({{common.output, [&] { return difference_bytes(a, common, picture, reference); }},
-                {a.beside, [&] { return png_bytes(side_by_side(p, r), 0); }}});
+                {a.beside, [&] { return png_bytes(side_by_side(p, r), 0); }}},
+               common);
   report(common, comparison);
   common.explain_by([&] {
     return decisions_of(

@@ -10,9 +10,9 @@
 namespace tdpt {
 namespace {
 
-constexpr cli::Program kProgram{"exrmerge",
-                                "Makes one picture of films that hold parts of its samples.",
-                                "Picture to write (OpenEXR); default standard output", cli::Result::binary, kLibraries};
+constexpr cli::Program kProgram{
+    "exrmerge", "Makes one picture of films that hold parts of its samples.",
+    "Picture to write (OpenEXR); default standard output", cli::Result::binary, kLibraries};
 
 struct Arguments {
   std::vector<std::string> films;
@@ -50,7 +50,8 @@ int run(const Arguments& a, const cli::Common& common) {
     common.warn(fmt::format("{} of {} are missing", words_of(gaps), film.facts.spp));
   const Picture picture = film.film.picture();
   cli::deliver({{common.output, [&] { return picture_bytes(a, film); }},
-                {a.preview, [&] { return png_bytes(picture, auto_exposure(picture)); }}});
+                {a.preview, [&] { return png_bytes(picture, auto_exposure(picture)); }}},
+               common);
   if (common.json) common.summary(summary_json(film, a.films.size()));
   common.note(fmt::format("{} samples per pixel of {} at {} x {} from {}", film.film.samples(),
                           film.facts.spp, picture.width, picture.height,

@@ -183,7 +183,8 @@ void deliver(const Arguments& a, const cli::Common& common, const Loaded& in,
     return network_preview(in.scene, in.camera, network, a.triangles()).file_named(a.preview);
   };
   const auto debug_glb = [&] { return network_debug_glb(in.scene, network, a.triangles()); };
-  cli::deliver({{common.output, text}, {a.preview, preview}, {a.debug_glb, debug_glb}}, phases);
+  cli::deliver({{common.output, text}, {a.preview, preview}, {a.debug_glb, debug_glb}}, common,
+               phases);
 }
 
 void report(const cli::Common& common, const DimacsFile& network, Json summary,

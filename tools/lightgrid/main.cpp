@@ -158,7 +158,7 @@ int run(const Arguments& a, const cli::Common& common) {
   cli::deliver({{common.output, [&] { return light_grid_bytes(grid); }},
                 {a.preview, [&] { return grid_preview(grid, a.scene).file_named(a.preview); }},
                 {a.debug_glb, [&] { return grid_debug_glb(grid); }}},
-               report.phases);
+               common, report.phases);
   cli::report(common, summary(grid, report, tracer.name), report.phases);
   if (!report.stopped) return 0;
   common.warn("stopped by a signal; the grid holds what was drawn until then");

@@ -82,7 +82,7 @@ void cut_plain(const Arguments& a, const cli::Common& common, const DimacsFile& 
   phases.done("flow");
   summary["flow"] = flow.value;
   const auto text = [&] { return plain_cut_text(problem, flow, provenance(a, common, problem)); };
-  cli::deliver({{common.output, text}}, phases);
+  cli::deliver({{common.output, text}}, common, phases);
   common.note(fmt::format("maximum flow {}", flow.value));
   common.explain_by([&] {
     return cli::Decisions{{"search", "ended after the minimum cut",
@@ -140,7 +140,7 @@ void cut_patches(const Arguments& a, const cli::Common& common, const DimacsFile
   cli::deliver({{common.output, [&] { return cut_text(cut); }},
                 {a.preview, [&] { return preview_of(a, common, cut); }},
                 {a.debug_glb, [&] { return cut_debug_glb(cut); }}},
-               phases);
+               common, phases);
   report(common, found, summary);
   common.explain_by(
       [&] { return decisions_of(found, static_cast<size_t>(a.cuts), a.limits, phases); });

@@ -150,7 +150,7 @@ void deliver(const Arguments& a, const cli::Common& common, const LightGrid& gri
                        .file_named(a.preview);
                  }},
                 {a.debug_glb, [&] { return portal_debug_glb(grid, written.file); }}},
-               phases);
+               common, phases);
 }
 
 int run(const Arguments& a, const cli::Common& common) {

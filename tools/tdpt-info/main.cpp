@@ -9,9 +9,9 @@
 namespace tdpt {
 namespace {
 
-constexpr cli::Program kProgram{
-    "tdpt-info", "Tells what a file is, how it was made, and whether it is intact.", nullptr,
-    cli::Result::text, kLibraries};
+constexpr cli::Program kProgram{"tdpt-info",
+                                "Tells what a file is, how it was made, and whether it is intact.",
+                                nullptr, cli::Result::text, kLibraries};
 
 struct Arguments {
   std::vector<std::string> files;

@@ -5,11 +5,11 @@
 #include <gtest/gtest.h>
 #include <oneapi/tbb/global_control.h>
 
+#include "libcommon/base/error.h"
 #include "tools/tdpt-render/arguments.h"
 #include "tools/tdpt-render/integrators/integrator.h"
 #include "tools/tdpt-render/render.h"
 #include "tools/tdpt-render/test_rooms.h"
-#include "libcommon/base/error.h"
 
 namespace tdpt {
 namespace {
@@ -23,8 +23,7 @@ class seen : public ::testing::Test {
   // Of the pixel (x, y).
   Vec3d three(const std::string& name, const char* parts, int x, int y) const {
     Vec3d v;
-    for (int c = 0; c < 3; ++c)
-      v[c] = at(name + "." + parts[c], x, y);
+    for (int c = 0; c < 3; ++c) v[c] = at(name + "." + parts[c], x, y);
     return v;
   }
   double at(const std::string& channel, int x, int y) const {
@@ -75,7 +74,8 @@ TEST_F(seen, surfaces_have_their_normals_and_albedos) {
   const Vec3d w = world_.film.direction(2.5, 12.5);
   Hit hit;
   ASSERT_TRUE(world_.tracer.closest({world_.film.position()}, w, hit));
-  const Vec3d base(scene_.material_of(hit.triangle).base_color), albedo = three("albedo", "RGB", 2, 12);
+  const Vec3d base(scene_.material_of(hit.triangle).base_color),
+      albedo = three("albedo", "RGB", 2, 12);
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(albedo[c], base[c], 1e-6);
 }
 

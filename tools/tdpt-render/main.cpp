@@ -59,6 +59,7 @@ Loaded load(const Arguments& a, const cli::Common& common) {
     for (const std::string& warning : first_few(given.warnings)) common.warn(warning);
     for (const std::string& note : first_few(given.notes)) common.note(note);
     const PortalFile& file = given.file;
+    common.also_read(file.files);
     in.portals.insert(in.portals.end(), file.portals.begin(), file.portals.end());
     in.files.push_back({path, file.hash, file.provenance});
     in.portal_hashes.push_back(file.hash);
@@ -189,10 +190,12 @@ void deliver(const Job& job, const World& world, const Choice& choice, const Ren
                  [&] {
                    return plan_file_text({result.plan, job.shape, job.common.command});
                  }},
-                {a.stats, [&] {
+                {a.stats,
+                 [&] {
                    return stats_json(choice.integrator, job.settings, result, job.in.portals) +
                           "\n";
-                 }}});
+                 }}},
+               job.common);
 }
 
 // Share of the light that segments through portals brought; 1 where none took part.

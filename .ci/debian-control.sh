@@ -1,0 +1,28 @@
+#!/bin/sh
+# debian-control.sh ROOT: what the Debian package is built with is what cmake/packages.txt lists, but for the compiler,
+# which every package has, ccache and fonts; its version is the project's, in CITATION.cff as well. Exit 1 if not.
+cd "${1:?usage: debian-control.sh ROOT}" || exit 2
+work=$(mktemp -d) || exit 2
+trap 'rm -rf "$work"' EXIT
+status=0
+
+sed 's/#.*//' cmake/packages.txt | tr -s ' ' '\n' | grep -vE '^(g\+\+|ccache|fonts-.*|)$' | sort >"$work/listed"
+awk '/^[^ ]/ { on = /^Build-Depends:/ } on' debian/control | sed 's/^Build-Depends://; s/([^)]*)//g' | tr -d ' ' | tr , '\n' |
+  grep -vE '^(debhelper-compat|)$' | sort >"$work/depended"
+[ -s "$work/listed" ] && [ -s "$work/depended" ] || { echo "debian-control: nothing to compare"; exit 2; }
+for package in $(comm -23 "$work/listed" "$work/depended"); do
+  echo "debian/control: $package of cmake/packages.txt is missing in Build-Depends"
+  status=1
+done
+for package in $(comm -13 "$work/listed" "$work/depended"); do
+  echo "debian/control: $package in Build-Depends is not in cmake/packages.txt"
+  status=1
+done
+
+version=$(sed -n 's/^project(tdpt VERSION \([0-9.]*\).*/\1/p' CMakeLists.txt)
+[ -n "$version" ] || { echo "CMakeLists.txt: no version"; exit 2; }
+[ "$(sed -n '1s/.*(\(.*\)).*/\1/p' debian/changelog)" = "$version" ] ||
+  { echo "debian/changelog: its first version is not $version, as in CMakeLists.txt"; status=1; }
+[ "$(sed -n 's/^version: *//p' CITATION.cff)" = "$version" ] ||
+  { echo "CITATION.cff: its version is not $version, as in CMakeLists.txt"; status=1; }
+exit $status

@@ -1,0 +1,54 @@
+#!/bin/sh
+# install_test.sh BUILD: what `make install` puts into a folder works there, and `make uninstall` takes away that and no
+# more, without CMake.
+build=$(cd "${1:?usage: install_test.sh BUILD}" && pwd)
+here=$(cd "$(dirname "$0")" && pwd)
+work=$(mktemp -d) || exit 2
+trap 'rm -rf "$work"' EXIT
+failed=0
+complain() {
+  echo "$1"
+  failed=1
+}
+all() { (cd "$1" && find . | LC_ALL=C sort); }
+
+# What uninstall.sh may use.
+mkdir "$work/bin"
+for tool in sh sort rm rmdir; do ln -s "$(command -v $tool)" "$work/bin/$tool"; done
+install() { DESTDIR=$1 sh "$here/install.sh" "$build" "$2" >"$work/log" 2>&1 || complain "install to $1$2: $(cat "$work/log")"; }
+uninstall() { DESTDIR=$1 PATH=$work/bin sh "$here/uninstall.sh" "$2" >"$work/log" 2>&1; }
+
+# Into an empty folder, whose name has a blank.
+empty=$work/an\ empty\ one
+mkdir "$empty"
+install "$empty" /opt/tdpt
+for program in ffgraph mincut lightgrid portalfit tdpt-render exrdiff; do
+  "$empty/opt/tdpt/bin/$program" --version >/dev/null || complain "$program: does not run where it is installed"
+  [ -s "$empty/opt/tdpt/share/man/man1/$program.1" ] || complain "$program: its page is not installed"
+done
+for file in share/man/man7/tdpt.7 share/tdpt/tdpt.mk share/doc/tdpt/LICENSE; do
+  [ -s "$empty/opt/tdpt/$file" ] || complain "$file is not installed"
+done
+install "$empty" /opt/tdpt
+uninstall "$empty" /opt/tdpt || complain "uninstall fails: $(cat "$work/log")"
+[ "$(all "$empty")" = . ] || complain "uninstall leaves: $(all "$empty")"
+if uninstall "$empty" /opt/tdpt; then complain "uninstall of nothing: all is well"; fi
+grep -q "there is no $empty/opt/tdpt/share/tdpt/installed" "$work/log" || complain "uninstall of nothing: says not why"
+
+# Beside the files of others, also in the folder of ours, and over an older version that had a file more.
+full=$work/full
+mkdir -p "$full/usr/local/bin" "$full/usr/local/share/man/man1"
+echo mine >"$full/usr/local/bin/mine"
+before=$(all "$full")
+install "$full" /usr/local
+echo old >"$full/usr/local/bin/oldtool"
+echo /usr/local/bin/oldtool >>"$full/usr/local/share/tdpt/installed"
+install "$full" /usr/local
+uninstall "$full" /usr/local || complain "uninstall fails: $(cat "$work/log")"
+[ "$(all "$full")" = "$before" ] || complain "uninstall changes what was there: $(all "$full")"
+install "$full" /usr/local
+echo mine >"$full/usr/local/share/tdpt/mine.mk"
+uninstall "$full" /usr/local || complain "uninstall fails: $(cat "$work/log")"
+[ -s "$full/usr/local/share/tdpt/mine.mk" ] || complain "uninstall removes a file that is not ours"
+[ "$(find "$full" -type f | wc -l)" -eq 2 ] || complain "uninstall beside a file of another leaves: $(all "$full")"
+exit $failed

@@ -1,0 +1,46 @@
+#!/bin/sh
+# package.sh OUT: builds the Debian package of the sources as they lie here, OUT/tdpt_VERSION_ARCH.deb, and has lintian
+# judge it. The same sources give the same bytes: the time in it is that of the last commit, or of debian/changelog
+# where there is no git.
+set -eu
+out=${1:?usage: package.sh OUT}
+cd "$(dirname "$0")/.."
+mkdir -p "$out"
+out=$(cd "$out" && pwd)
+work=$out/package
+version=$(sed -n 's/^project(tdpt VERSION \([0-9.]*\).*/\1/p' CMakeLists.txt)
+packaged=$(dpkg-parsechangelog -S Version)
+if [ "$version" != "$packaged" ]; then
+  echo "package.sh: CMakeLists.txt says version $version, debian/changelog $packaged" >&2
+  exit 1
+fi
+
+rm -rf "$work"
+mkdir -p "$work/tdpt-$version"
+if [ -e .git ]; then
+  SOURCE_DATE_EPOCH=$(git log -1 --format=%ct)
+else
+  SOURCE_DATE_EPOCH=$(dpkg-parsechangelog -S Timestamp)
+fi
+export SOURCE_DATE_EPOCH
+if [ -e .git ]; then
+  git ls-files -z --cached --others --exclude-standard | xargs -0 sh -c 'for f; do [ ! -e "$f" ] || printf "%s\0" "$f"; done' sh
+else
+  find . \( -path './build*' -o -path ./demo \) -prune -o ! -type d -print0
+fi | tar -c --null --no-recursion --mtime="@$SOURCE_DATE_EPOCH" -T - | tar -x -C "$work/tdpt-$version"
+# debhelper makes a home of its own, in which ccache would find nothing.
+if command -v ccache >/dev/null; then
+  CCACHE_DIR=$(ccache -k cache_dir)
+  export CCACHE_DIR
+fi
+export DEB_BUILD_OPTIONS="noautodbgsym parallel=${JOBS:-$(nproc)}"
+(cd "$work/tdpt-$version" && dpkg-buildpackage -b -us -uc) >"$work/log" 2>&1 || {
+  tail -n 40 "$work/log" | cut -c 1-300 >&2
+  echo "package.sh: dpkg-buildpackage fails; all that it said is in $work/log" >&2
+  exit 1
+}
+mv "$work/"tdpt_*.deb "$out"
+rm -rf "$work/tdpt-$version"
+deb=$(printf '%s\n' "$out"/tdpt_"$version"_*.deb)
+lintian --allow-root --tag-display-limit 0 --fail-on error "$deb"
+echo "$deb"

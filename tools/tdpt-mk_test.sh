@@ -1,0 +1,130 @@
+#!/bin/sh
+# tdpt-mk_test.sh BIN TESTDATA: what tdpt.mk makes, and what it does not make again; exit 77 without GNU Make.
+bin=$(cd "${1:?usage: tdpt-mk_test.sh BIN TESTDATA}" && pwd) testdata=$(cd "${2:?}" && pwd)
+here=$(cd "$(dirname "$0")" && pwd)
+make --version 2>/dev/null | grep -q 'GNU Make' || { echo "skipped: GNU Make is missing"; exit 77; }
+work=$(mktemp -d) || exit 2
+trap 'rm -rf "$work"' EXIT
+unset MAKEFLAGS MFLAGS MAKELEVEL
+LC_ALL=C
+export LC_ALL
+cd "$work" || exit 2
+failed=0
+complain() {
+  echo "$1"
+  [ ! -s log ] || sed 's/^/  /' log
+  failed=1
+}
+
+cat >Makefile <<END
+TDPT_BIN = $bin/
+FFGRAPH_FLAGS = --walks 5000 --samples 20000 --rounds 0
+LIGHTGRID_FLAGS = --resolution 32
+TDPT_RENDER_FLAGS = --spp 1 --width 16
+QUIET = 1
+include $here/tdpt.mk
+all: \$(TDPT_PICTURES)
+SCENE.night = loose
+SCENE.hidden = loose
+night.exr: private ENVIRONMENT = sky.exr
+hidden.exr: PORTALS =
+END
+cp "$testdata/scenes/two-rooms.glb" whole.glb
+cp "$testdata/environments/clear.exr" sky.exr
+sh "$here/../libcommon/testing/loose_scene.sh" whole.glb loose || exit 2
+
+# What make says that it makes, in a line: its commands name it after -MQ.
+targets() { sed -n 's/.* -MQ \([^ ]*\).*/\1/p' log | sort | tr '\n' ' '; }
+# makes WHY TARGETS ARGUMENTS...: make ARGUMENTS makes TARGETS (sorted), each once, and no other.
+makes() {
+  why=$1 expected=$2
+  shift 2
+  make "$@" >log 2>&1 || complain "$why: make $* fails"
+  [ "$(targets)" = "$expected" ] || complain "$why: made '$(targets)', expected '$expected'"
+}
+of() { for end in cut exr max portal.glb vdb; do printf '%s.%s ' "$1" "$end"; done; }
+
+makes "two scenes at once" "$(of loose)$(of whole)" -j4
+for name in loose.max loose.cut loose.vdb loose.portal.glb loose.exr whole.exr; do
+  [ -s $name ] || complain "$name is missing"
+done
+makes "a second time" ""
+grep -q "Nothing to be done for 'all'" log || complain "a second time: not silent"
+makes "what shapes nothing" "" THREADS=1 QUIET= TDPT_BIN="$bin/"
+SEED=x THREADS=x ENVIRONMENT=production makes "variables of the shell" ""
+
+printf ' ' >>loose.png
+makes "another texture" "$(of loose)" -j4
+printf ' ' >>loose.bin
+makes "another buffer" "$(of loose)" -n
+touch loose.exr loose.max loose.cut loose.vdb loose.portal.glb loose.exr
+makes "other flags of the renderer" "loose.exr whole.exr " TDPT_RENDER_FLAGS='--spp 2 --width 16 --camera "camera"' -n
+makes "other flags of the renderer" "whole.exr " TDPT_RENDER_FLAGS="--spp 2 --width 16 --integrator 'bdpt'" whole.exr
+makes "the same other flags" "" TDPT_RENDER_FLAGS="--spp 2 --width 16 --integrator 'bdpt'" whole.exr
+makes "the flags of before" "whole.exr " whole.exr
+makes "other flags of the grid" "whole.exr whole.portal.glb whole.vdb " LIGHTGRID_FLAGS='--resolution 40' -n whole.exr
+makes "another seed" "$(of whole)" SEED=2 -n whole.exr
+makes "another quality" "$(of whole)" QUALITY=draft -n whole.exr
+makes "another mincut" "whole.cut whole.exr whole.portal.glb whole.vdb " MINCUT=my-mincut -n whole.exr
+
+makes "pictures of one scene" "hidden.exr night.exr " night.exr hidden.exr
+makes "pictures of one scene again" "" night.exr hidden.exr
+touch sky.exr
+makes "another sky" "night.exr " night.exr hidden.exr loose.exr
+if grep -q portal .tdpt/hidden.exr.d; then complain "hidden.exr: has portals"; fi
+
+before=$(cksum <sky.exr)
+if make SCENE.sky=whole ENVIRONMENT=sky.exr PORTALS= -W whole.glb sky.exr >log 2>&1; then
+  complain "a picture over its own sky was made"
+fi
+grep -q 'sky.exr would replace its own sky' log || complain "a picture over its own sky: make says not why"
+[ "$(cksum <sky.exr)" = "$before" ] || complain "a picture replaced its own sky"
+
+makes "previews" "$(of whole)" PREVIEWS=1 whole.exr
+for name in max cut vdb portal.glb exr; do [ -s whole.$name.png ] || complain "whole.$name.png is missing"; done
+makes "previews again" "" PREVIEWS=1 whole.exr
+makes "no previews" "" whole.exr
+
+# A file of portals is no scene, and one that was drawn by hand is nobody's result.
+for name in whole.portal.max whole.portal.vdb whole.portal.exr; do
+  if make $name >log 2>&1 || ! grep -q "No rule to make target '$name'" log; then complain "$name was tried"; fi
+done
+cp whole.glb drawn.glb
+sed 's/"generator":"tdpt /"generator":"mine /' whole.portal.glb >drawn.portal.glb
+touch -d '1 hour ago' drawn.portal.glb
+before=$(cksum <drawn.portal.glb)
+makes "portals drawn by hand" "drawn.exr " drawn.exr
+[ "$(cksum <drawn.portal.glb)" = "$before" ] || complain "portals drawn by hand were replaced"
+[ ! -e drawn.max ] || complain "portals drawn by hand: a network was made all the same"
+
+# A texture that is gone is the program's to tell, and what is there stays.
+before=$(cksum <loose.exr)
+mv loose.png away.png
+if make loose.exr >log 2>&1; then complain "a texture is gone, and all is well"; fi
+grep -q 'ffgraph: .*loose.png' log || complain "a texture is gone: ffgraph does not say so"
+[ "$(cksum <loose.exr)" = "$before" ] || complain "a texture is gone: the picture changed"
+mv away.png loose.png
+
+# Stopped in the middle: the picture so far is there, under another name, and the next make makes the whole. Make tells
+# the programs of the signal; a second one would kill them.
+long='--spp 100000000 --width 32'
+timeout --foreground -s TERM 4 make TDPT_RENDER_FLAGS="$long" loose.exr hidden.exr -j2 >log 2>&1 &&
+  complain "stopped: make says that all is well"
+[ "$(cksum <loose.exr)" = "$before" ] || complain "stopped: the picture is another"
+[ -s loose.partial.exr ] || complain "stopped: what was rendered is gone"
+makes "after that" "hidden.exr loose.exr " TDPT_RENDER_FLAGS="--spp 1 --width 17" loose.exr hidden.exr
+[ ! -e loose.partial.exr ] || complain "after that: a partial picture lies there"
+
+# A program that dies, and one that leaves half a file, change no result.
+before=$(cksum <whole.max)
+cat >half <<'END'
+while [ "$1" != -o ]; do shift; done
+echo half >"$2"
+exit 1
+END
+for program in "timeout -s KILL 0.2 $bin/ffgraph --walks 1000000" "sh half"; do
+  if make FFGRAPH="$program" whole.max >log 2>&1; then complain "$program: make says that all is well"; fi
+  [ "$(cksum <whole.max)" = "$before" ] || complain "$program: the network is another"
+done
+makes "after that" "" whole.exr
+exit $failed
