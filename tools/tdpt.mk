@@ -28,7 +28,7 @@ tdpt_vdb = $(strip $(LIGHTGRID) $(tdpt_sky) $(tdpt_all) $(LIGHTGRID_FLAGS))
 tdpt_glb = $(strip $(PORTALFIT) $(tdpt_all) $(PORTALFIT_FLAGS))
 tdpt_exr = $(strip $(TDPT_RENDER) $(addprefix --portal ,$(tdpt_portals)) $(tdpt_sky) $(tdpt_all) $(TDPT_RENDER_FLAGS))
 tdpt_free = $(if $(THREADS),--threads $(THREADS)) \
-  $(if $(or $(QUIET),$(findstring s,$(firstword -$(MAKEFLAGS)))),--quiet)
+  $(if $(or $(QUIET),$(if $(TDPT_STATUS),,$(findstring s,$(firstword -$(MAKEFLAGS))))),--quiet)
 
 # Of the target in whose rule they stand, $* being its stem: scene, portals, file of the sky. A portal is no scene.
 # Which scene another picture shows is looked up by its name: a variable of the target would hold for all that it needs.
@@ -50,6 +50,8 @@ tdpt_partial = $(basename $@).partial$(suffix $@)
 tdpt_preview = $(if $(PREVIEWS),--preview $@.png)
 tdpt_to = -o $(tdpt_partial) -MF $(tdpt_known).d -MQ $@
 tdpt_quoted = '$(subst ','\'',$1)'
+# A caller who wants the exit code of what failed names a file for it.
+tdpt_told = $(if $(TDPT_STATUS), || { code=$$?; echo $$code >$(TDPT_STATUS); exit $$code; })
 tdpt_begin = @mkdir -p $(dir $(tdpt_known))
 define tdpt_end
 @mv -f $(tdpt_partial) $@
@@ -62,29 +64,29 @@ endef
 
 %.max: $$(tdpt_scene) $$(tdpt_sky_file) $$(call tdpt_again,$$(tdpt_max),$$@.png)
 	$(tdpt_begin)
-	$(tdpt_max) $(tdpt_free) $(tdpt_preview) $< $(tdpt_to)
+	$(tdpt_max) $(tdpt_free) $(tdpt_preview) $< $(tdpt_to)$(tdpt_told)
 	$(call tdpt_end,$(tdpt_max))
 
 %.cut: %.max $$(if $$(PREVIEWS),$$(tdpt_scene)) $$(call tdpt_again,$$(tdpt_cut),$$@.png)
 	$(tdpt_begin)
-	$(tdpt_cut) $(tdpt_free) $(tdpt_preview) $(if $(PREVIEWS),--scene $(tdpt_scene)) $< $(tdpt_to)
+	$(tdpt_cut) $(tdpt_free) $(tdpt_preview) $(if $(PREVIEWS),--scene $(tdpt_scene)) $< $(tdpt_to)$(tdpt_told)
 	$(call tdpt_end,$(tdpt_cut))
 
 %.vdb: $$(tdpt_scene) %.cut $$(tdpt_sky_file) $$(call tdpt_again,$$(tdpt_vdb),$$@.png)
 	$(tdpt_begin)
-	$(tdpt_vdb) $(tdpt_free) $(tdpt_preview) $< $*.cut $(tdpt_to)
+	$(tdpt_vdb) $(tdpt_free) $(tdpt_preview) $< $*.cut $(tdpt_to)$(tdpt_told)
 	$(call tdpt_end,$(tdpt_vdb))
 
 %.portal.glb: $$(if $$(tdpt_by_hand),,$$*.vdb $$(call tdpt_again,$$(tdpt_glb),$$@.png))
 	$(tdpt_begin)
-	$(tdpt_glb) $(tdpt_free) $(tdpt_preview) $< $(tdpt_to)
+	$(tdpt_glb) $(tdpt_free) $(tdpt_preview) $< $(tdpt_to)$(tdpt_told)
 	$(call tdpt_end,$(tdpt_glb))
 
 # The preview of a picture lies beside it under its name with .png: that of a texture, perhaps.
 %.exr: $$(tdpt_scene) $$(tdpt_portals) $$(tdpt_sky_file) $$(call tdpt_again,$$(tdpt_exr),$$@.png)
 	$(if $(filter $(abspath $@),$(abspath $(ENVIRONMENT))),$(error $@ would replace its own sky))
 	$(tdpt_begin)
-	$(tdpt_exr) $(tdpt_free) $(if $(PREVIEWS),--preview) $< $(tdpt_to)
+	$(tdpt_exr) $(tdpt_free) $(if $(PREVIEWS),--preview) $< $(tdpt_to)$(tdpt_told)
 	$(if $(PREVIEWS),@mv -f $(basename $(tdpt_partial)).png $@.png)
 	$(call tdpt_end,$(tdpt_exr))
 
