@@ -28,11 +28,8 @@ if [ -e .git ]; then
 else
   find . \( -path './build*' -o -path ./demo \) -prune -o ! -type d -print0
 fi | tar -c --null --no-recursion --mtime="@$SOURCE_DATE_EPOCH" -T - | tar -x -C "$work/tdpt-$version"
-# debhelper makes a home of its own, in which ccache would find nothing.
-if command -v ccache >/dev/null; then
-  CCACHE_DIR=$(ccache -k cache_dir)
-  export CCACHE_DIR
-fi
+# What ccache has was compiled in another folder, which shows in the build IDs.
+export CCACHE_DISABLE=1
 export DEB_BUILD_OPTIONS="noautodbgsym parallel=${JOBS:-$(nproc)}"
 (cd "$work/tdpt-$version" && dpkg-buildpackage -b -us -uc) >"$work/log" 2>&1 || {
   tail -n 40 "$work/log" | cut -c 1-300 >&2
