@@ -133,11 +133,11 @@ scene=$(absolute "$scene") picture=$(absolute "$picture") work=$(cd -- "$work" &
 # Make takes names apart at these.
 for path in "$scene" "$picture" "$work"; do
   case $path in
-  *[[:space:]:\;\#%\$\=\\\'\"\*\?\[]*) fail 2 "$path: a name that Make cannot write; link it under another" ;;
+  *[[:space:]:\;\#%\$=\\\'\"\*\?\[]*) fail 2 "$path: a name that Make cannot write; link it under another" ;;
   esac
 done
 name=$(basename -- "${scene%.gl*}")
-stem=${scene%.gl*} out=${picture%.exr}
+stem=${scene%.gl*}
 target=$picture
 [ "$(dirname -- "$picture")" != "$work" ] || target=$(basename -- "$picture")
 
