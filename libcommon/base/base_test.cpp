@@ -124,6 +124,19 @@ TEST(phases, the_peak_of_the_memory_grows_with_what_is_held) {
   EXPECT_GE(peak_memory(), before);
 }
 
+TEST(output_file, is_kept_elsewhere_under_a_name_of_its_own) {
+  const testing::TempFolder folder;
+  ::setenv("TMPDIR", folder.path.c_str(), 1);
+  const std::string first = keep_elsewhere("/nowhere/room.exr", "a");
+  const std::string second = keep_elsewhere("room.exr", "b");
+  ::unsetenv("TMPDIR");
+  EXPECT_NE(first, second);
+  EXPECT_EQ(first.rfind(folder.path.string() + "/room-", 0), 0u);
+  EXPECT_TRUE(first.ends_with(".exr"));
+  EXPECT_EQ(read_file(first), "a");
+  EXPECT_EQ(read_file(second), "b");
+}
+
 TEST(output_file, onto_a_folder_is_refused) {
   Folder folder;
   EXPECT_THROW(write_output(folder.path, "x"), OutputError);

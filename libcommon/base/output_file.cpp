@@ -178,6 +178,24 @@ void write_outputs(const std::vector<OutputFile>& files) {
   write_together(all);
 }
 
+std::string keep_elsewhere(const std::string& name, std::string_view bytes) {
+  const std::string file = name.substr(name.find_last_of('/') + 1);
+  const size_t dot = std::min(file.find_last_of('.'), file.size());
+  for (const char* variable : {"TMPDIR", "", "HOME"}) {
+    const char* folder = *variable ? std::getenv(variable) : "/tmp";
+    if (!folder || !*folder) continue;
+    std::string path =
+        std::string(folder) + "/" + file.substr(0, dot) + "-XXXXXX" + file.substr(dot);
+    const int fd = ::mkostemps(path.data(), static_cast<int>(file.size() - dot), O_CLOEXEC);
+    if (fd < 0) continue;
+    const bool ok = write_all(fd, bytes) && ::fsync(fd) == 0;
+    ::close(fd);
+    if (ok) return path;
+    ::unlink(path.c_str());
+  }
+  return "";
+}
+
 void check_output(const std::string& given) {
   if (given == "-") return;
   if (given.empty()) throw UsageError("an output file has an empty name");

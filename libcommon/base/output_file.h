@@ -23,6 +23,11 @@ struct OutputFile {
 /// when the rest is on disk. Throws OutputError.
 void write_outputs(const std::vector<OutputFile>& files);
 
+/// For what took long to make and cannot be written where it should be: a file of a name like
+/// `name`, with something unique before its suffix, in the folder for temporary files or else in
+/// that of the user. Its path; "" where that cannot be written either.
+std::string keep_elsewhere(const std::string& name, std::string_view bytes);
+
 /// Throws OutputError when write_output(path) is bound to fail (no such folder, no permission, name
 /// too long) and UsageError for an empty name: asked before long work, so that its result is not
 /// lost.

@@ -3,7 +3,9 @@
 
 namespace tdpt {
 
-/// From now on SIGINT, SIGTERM and SIGHUP only set a flag; a second one ends the process at once.
+/// From now on SIGINT, SIGTERM and SIGHUP only set a flag. One that comes a second later or more
+/// ends the process at once; before that it is taken for the same, as a group of processes gets it
+/// and Make hands it on again.
 /// What the caller chose to ignore (nohup) stays ignored.
 void catch_signals();
 bool stop_requested();

@@ -161,12 +161,14 @@ std::string picture_of(const Job& job, const World& world, const Choice& choice,
 }
 
 // A checkpoint that cannot be written costs nothing but a warning: the one before is whole.
-void save(const Job& job, const Choice& choice, Standing& standing, const Plan& plan) {
+bool save(const Job& job, const Choice& choice, Standing& standing, const Plan& plan) {
   try {
     write_output(job.checkpoint(), film_of(job, choice, standing, plan, {}));
+    return true;
   } catch (const OutputError& e) {
     job.common.warn(
         fmt::format("{}; the checkpoint before it is kept, rendering goes on", e.what()));
+    return false;
   }
 }
 
@@ -196,6 +198,17 @@ void deliver(const Job& job, const World& world, const Choice& choice, const Ren
                           "\n";
                  }}},
                job.common);
+}
+
+// What could not be written, and where all that was rendered is now.
+std::string kept_sentence(const Job& job, const World& world, const Choice& choice,
+                          const RenderResult& result, bool saved) {
+  if (saved)
+    return fmt::format("all samples are in {}: --resume writes the picture",
+                       display_name(job.checkpoint()));
+  const std::string name = job.common.output == "-" ? "picture.exr" : job.common.output;
+  const std::string path = keep_elsewhere(name, picture_of(job, world, choice, result));
+  return path.empty() ? "it is lost" : "it is kept in " + path;
 }
 
 // Share of the light that segments through portals brought; 1 where none took part.
