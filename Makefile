@@ -15,11 +15,13 @@
 #   make scale     time and memory of every program, a thousand to ten million triangles: doc/scale.md (a quarter of an
 #                  hour, 5 GiB of memory)
 #   make test      installs what is missing, builds, runs every test
+#   make test-slurm    the files of doc/farm/ under Slurm, on this machine, as root: a node dies, the bytes stay (four minutes)
 #   make bench     speed, and noise after a minute, of every integrator (bench/integrator-speed.sh; 20 minutes)
 #   make bench-efficiency   error against time of every integrator, with aims: doc/efficiency.md (an hour on two
 #                  cores; BASELINE=PROGRAM BASELINE_NAME=WORDS: gains are over that older one's)
 #   make efficiency-references   its references that are missing or out of date, in testdata/references/efficiency
-#   make install   programs and man pages under PREFIX (and DESTDIR)
+#   make shards    what it costs to render in shards: doc/shards.md (half an hour)
+#   make install   programs, man pages and doc/farm/ under PREFIX (and DESTDIR)
 #   make sanitize  builds with the sanitizers into build-sanitize and runs every test there
 #   make fuzz      libFuzzer on every reader, SECONDS=60 each, with clang (TARGETS="scene cut": these; ROUNDS=N: N times at
 #                  most, until a round brings no new edge): doc/fuzzing.md
@@ -34,7 +36,7 @@ TEST_STATUS ?=
 # All that is there to run; `make build` adds every test and benchmark.
 PROGRAMS = ffgraph mincut lightgrid portalfit tdpt-render exrdiff exrmerge
 
-.PHONY: all build programs demo figures stages portals regret tradeoff whole-light target-error sky only-needed grid-speed scale limit bench bench-efficiency efficiency-references test install sanitize fuzz packages format clean
+.PHONY: all build programs demo figures stages portals regret tradeoff whole-light target-error sky only-needed grid-speed scale limit bench bench-efficiency efficiency-references shards test test-slurm install sanitize fuzz packages format clean
 all: build
 
 build:
@@ -58,6 +60,12 @@ test:
 	@$(MAKE) --no-print-directory packages build
 	@ctest --preset release --parallel $(JOBS); code=$$?; \
 	if [ -n "$(TEST_STATUS)" ]; then echo $$code >"$(TEST_STATUS)"; else exit $$code; fi
+
+# The last two have planted faults, which must be found.
+test-slurm: programs
+	@sh cmake/install-packages.sh cmake/packages-slurm.txt
+	@for what in kills seed processor; do \
+	  sh libcommon/testing/slurm_test.sh build/bin testdata doc/farm $$what || exit 1; done
 
 demo:
 	@echo "make demo: ends on the picture demo/before-after.png; first installs the packages that are missing and compiles" \
@@ -142,6 +150,10 @@ efficiency-references: packages
 	@sh cmake/install-packages.sh cmake/packages-figures.txt
 	@$(MAKE) --no-print-directory build
 	@REFERENCES=make COMMIT="$$(git describe --always --dirty 2>/dev/null)" sh bench/efficiency.sh build/bin
+
+shards: programs
+	@sh bench/shards.sh build/bin build/shards >build/shards.md
+	@mv build/shards.md doc/shards.md
 
 sanitize: packages
 	@cmake --preset sanitize --log-level=WARNING
