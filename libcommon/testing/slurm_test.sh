@@ -121,22 +121,22 @@ said=$(sh recipe/submit.sh two-rooms.glb picture.exr $n "$@" --checkpoint-every 
 echo "$said"
 shards=$(echo "$said" | sed 's/.*plan), \([0-9]*\) .*/\1/')
 
-# The tasks that run on a node, "I"; whether the first of them has a checkpoint.
-tasks() { squeue -h -w "$1" -t RUNNING -j "$shards" -o %K 2>/dev/null; }
+# has_checkpoint WORD...: that a shard runs, of those that squeue tells of by these words, and has a checkpoint: $task.
 has_checkpoint() {
-  task=$(tasks "$1" | head -n 1)
+  task=$(squeue -h -t RUNNING -o %K "$@" 2>/dev/null | head -n 1)
   [ -n "$task" ] && [ -s "picture.farm/checkpoint.$task.exr" ]
 }
 samples() { exrmerge --json --gaps "$1" -o /dev/null 2>/dev/null | sed 's/.*"spp":\([0-9]*\).*/\1/'; }
 if [ "$what" = kills ]; then
-  until_so 120 "no shard on node1 has a checkpoint" has_checkpoint node1
+  until_so 120 "no shard on node1 has a checkpoint" has_checkpoint -j "$shards" -w node1
   killed=$task
   # shellcheck disable=SC2086,SC2046 # numbers of processes; all at once, as by a power cut
   kill -KILL $node1 $(steps "$work/spool.node1")
   had=$(samples "picture.farm/checkpoint.$killed.exr")
   echo "node1 is dead; its shard $killed had $had of $((256 / n)) samples"
   [ "$had" -lt $((256 / n)) ] || fail "it was done: nothing was in the middle"
-  until_so 60 "no shard on node2 has a checkpoint" has_checkpoint node2
+  # The last, whose job has the number of the array: it must not begin the others again.
+  until_so 120 "the last shard has no checkpoint" has_checkpoint -j "${shards}_$((n - 1))" -w node2
   stopped=$task
   # What Slurm does a minute before the end. It is sent again, in vain, while the shard already waits for its next turn.
   scancel --batch --signal=USR1 "${shards}_$stopped" 2>scancel.log &
@@ -151,6 +151,7 @@ if [ "$what" = kills ]; then
   for log in picture.farm/shard.?.log; do grep "^shard" "$log"; done
   grep -q "on node2, turn 2, from its checkpoint" "picture.farm/shard.$killed.log" || fail "shard $killed did not go on"
   grep -q "on node2, turn 2, from its checkpoint" "picture.farm/shard.$stopped.log" || fail "shard $stopped did not go on"
+  [ "$(cat picture.farm/shard.?.log | grep -c '^shard.* turn')" = $((n + 2)) ] || fail "others began again"
 fi
 tdpt-render two-rooms.glb --quiet --portal picture.farm/portal.glb "$@" -o undivided.exr || fail "no undivided picture"
 case $what in
