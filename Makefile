@@ -15,7 +15,7 @@
 #   make scale     time and memory of every program, a thousand to ten million triangles: doc/scale.md (a quarter of an
 #                  hour, 5 GiB of memory)
 #   make test      installs what is missing, builds, runs every test
-#   make test-slurm    the files of doc/farm/ under Slurm, on this machine, as root: a node dies, the bytes stay (four minutes)
+#   make test-slurm    the files of doc/farm/ under Slurm, on this machine, as root: a node dies, the bytes stay (three minutes)
 #   make bench     speed, and noise after a minute, of every integrator (bench/integrator-speed.sh; 20 minutes)
 #   make bench-efficiency   error against time of every integrator, with aims: doc/efficiency.md (an hour on two
 #                  cores; BASELINE=PROGRAM BASELINE_NAME=WORDS: gains are over that older one's)
