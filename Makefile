@@ -15,11 +15,13 @@
 #   make scale     time and memory of every program, a thousand to ten million triangles: doc/scale.md (a quarter of an
 #                  hour, 5 GiB of memory)
 #   make test      installs what is missing, builds, runs every test
+#   make test-slurm    the files of doc/farm/ under Slurm, on this machine, as root: a node dies, the bytes stay (three minutes)
 #   make bench     speed, and noise after a minute, of every integrator (bench/integrator-speed.sh; 20 minutes)
 #   make bench-efficiency   error against time of every integrator, with aims: doc/efficiency.md (an hour on two
 #                  cores; BASELINE=PROGRAM BASELINE_NAME=WORDS: gains are over that older one's)
 #   make efficiency-references   its references that are missing or out of date, in testdata/references/efficiency
-#   make install   programs, man pages, completions and tdpt.mk under PREFIX (and DESTDIR), after building what is missing
+#   make shards    what it costs to render in shards: doc/shards.md (half an hour)
+#   make install   programs, man pages, completions, tdpt.mk and doc/farm/ under PREFIX (and DESTDIR), after building what is missing
 #   make uninstall takes away what that put there, with the same PREFIX and DESTDIR
 #   make package   a Debian package, build/tdpt_VERSION_ARCH.deb, of the sources as they lie here
 #   make package-test   installs that on a bare Debian 12, made in BARE=FOLDER, and tries it there; as root
@@ -37,7 +39,7 @@ TEST_STATUS ?=
 # All that is there to run; `make build` adds every test and benchmark.
 PROGRAMS = ffgraph mincut lightgrid portalfit tdpt-render exrdiff exrmerge tdpt-info
 
-.PHONY: all build programs demo figures stages portals regret tradeoff whole-light target-error sky only-needed grid-speed scale limit bench bench-efficiency efficiency-references test install uninstall package package-test sanitize fuzz packages format clean
+.PHONY: all build programs demo figures stages portals regret tradeoff whole-light target-error sky only-needed grid-speed scale limit bench bench-efficiency efficiency-references shards test test-slurm install uninstall package package-test sanitize fuzz packages format clean
 all: build
 
 build:
@@ -61,6 +63,12 @@ test:
 	@$(MAKE) --no-print-directory packages build
 	@ctest --preset release --parallel $(JOBS); code=$$?; \
 	if [ -n "$(TEST_STATUS)" ]; then echo $$code >"$(TEST_STATUS)"; else exit $$code; fi
+
+# The last two have planted faults, which must be found.
+test-slurm: programs
+	@sh cmake/install-packages.sh cmake/packages-slurm.txt
+	@for what in kills seed processor; do \
+	  sh libcommon/testing/slurm_test.sh build/bin testdata doc/farm $$what || exit 1; done
 
 demo:
 	@echo "make demo: ends on the picture demo/before-after.png; first installs the packages that are missing and compiles" \
@@ -145,6 +153,10 @@ efficiency-references: packages
 	@sh cmake/install-packages.sh cmake/packages-figures.txt
 	@$(MAKE) --no-print-directory build
 	@REFERENCES=make COMMIT="$$(git describe --always --dirty 2>/dev/null)" sh bench/efficiency.sh build/bin
+
+shards: programs
+	@sh bench/shards.sh build/bin build/shards >build/shards.md
+	@mv build/shards.md doc/shards.md
 
 sanitize: packages
 	@cmake --preset sanitize --log-level=WARNING

@@ -127,6 +127,17 @@ parts() {
   room --plan longer.json --shard 0/1 -o long.exr || fail "no longer film"
   exrmerge --quiet --no-provenance long.exr -o long-picture.exr || fail "no longer picture"
   exrdiff --json more.exr long-picture.exr | grep -q '"mse":0.0,' || fail "added samples are others"
+  # The command of the beginning still holds; what was added is added once where it is killed on the way.
+  room --spp 32 -o began.exr --checkpoint grown.exr || fail "no picture"
+  cmp began.exr whole.exr || fail "a checkpoint changes the picture"
+  run="exec" room --resume grown.exr --add-samples 32 --checkpoint-every 0 --threads 1 -o more.exr &
+  pid=$!
+  while [ "$(exrmerge --quiet --gaps --json grown.exr -o now.exr 2>/dev/null | sed 's/.*"spp":\([0-9]*\).*/\1/')" = 32 ]; do sleep 0.02; done
+  kill -KILL $pid
+  wait $pid 2>/dev/null
+  room --resume grown.exr --add-samples 32 -o more.exr || fail "no samples are added after a kill"
+  room --spp 32 --resume grown.exr --no-provenance -o more.exr || fail "what has grown is refused"
+  exrdiff --json more.exr long-picture.exr | grep -q '"mse":0.0,' || fail "samples that were added twice, or not"
 }
 
 # With lamps and a sky, whose shares are measured; to a given error, whose estimate needs blocks of

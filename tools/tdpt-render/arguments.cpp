@@ -50,8 +50,7 @@ void declare_course_options(cli::Options& options, Arguments& a) {
                "--shard: obey it",
                [&a] { return a.shard.empty() ? Use::written : Use::read; });
   options.option("--print-shards", a.print_shards, "N",
-                 "Print the commands of N shards and of their merge, one a line", 1, 1 << 20,
-                 cli::Shapes::nothing);
+                 "Print the commands of N shards, one a line", 1, 1 << 20, cli::Shapes::nothing);
   options.choice("--isa", a.isa, {"native", "avx2", "sse2"},
                  "Instructions to use: the newest, or those of older processors, too, for the same "
                  "bytes on each; default native",

@@ -55,12 +55,18 @@ void take_limits(const Arguments& a, const Limits& then, RenderSettings& setting
   settings.retry = then.retry;
 }
 
-// The picture is to have more samples than it was to have; no other limit holds then.
-void add_samples(uint64_t n, Standing& standing, RenderSettings& settings) {
+// The picture is to have more samples than it was to have. Where it had not got all that were added
+// before, and as many are to be added, those are meant: the command is given again.
+void add_samples(uint64_t n, Standing& standing) {
+  if (standing.added == n && standing.film.samples() < standing.goal) return;
   standing.goal = (standing.goal > 0 ? standing.goal : standing.film.samples()) + n;
-  standing.limits = {standing.goal, 0, 0, false};
+  standing.added = n;
   standing.target.reset();
-  settings.spp = standing.goal;
+}
+
+// No limit holds but the number of samples.
+void limit_to(uint64_t spp, RenderSettings& settings) {
+  settings.spp = spp;
   settings.seconds = settings.target_error = 0;
   settings.retry = false;
 }
@@ -99,8 +105,9 @@ GivenCourse resumed(const Arguments& a, const Shaping& by, const World& world,
   if (a.add_samples > 0) {
     if (standing.first > 0 || standing.whole > 0)
       throw UsageError("--add-samples: " + name + " is a shard, which is of a fixed size");
-    add_samples(static_cast<uint64_t>(a.add_samples), standing, settings);
+    add_samples(static_cast<uint64_t>(a.add_samples), standing);
   }
+  if (standing.added > 0) limit_to(standing.goal, settings);
   given.course.standing.emplace(std::move(standing));
   return given;
 }
@@ -172,7 +179,7 @@ void check_course(const Arguments& a) {
     throw UsageError("--add-samples: needs --resume with the film of the picture");
   if (!a.shard.empty()) {
     shard_of(a.shard);
-    if (a.seconds > 0 || a.target_error > 0)
+    if (a.plan.empty() && (a.seconds > 0 || a.target_error > 0))
       throw UsageError(
           "--shard: needs a number of samples; --plan makes one of --time or "
           "--target-error");
@@ -221,7 +228,7 @@ GivenCourse course_of(const Arguments& a, const Shaping& by, const World& world,
   if (a.shard.empty()) return {};
   GivenCourse given = a.plan.empty() ? GivenCourse() : planned(a, by);
   const uint64_t spp = given.course.plan ? given.course.plan->spp : settings.spp;
-  settings.spp = spp;
+  limit_to(spp, settings);
   given.course.part = shard_of(a.shard).part(0, spp);
   given.course.whole = spp;
   if (given.course.part.count == 0)

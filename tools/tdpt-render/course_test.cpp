@@ -63,6 +63,7 @@ TEST(course, options_that_contradict_each_other_are_refused) {
   EXPECT_EQ(refusal([](Arguments& a) { a.shard = "0/2", a.plan = "p"; }), "");
   EXPECT_EQ(refusal([](Arguments& a) { a.shard = "0/2", a.spp = 4, a.seconds = 1; }),
             "--shard: needs a number of samples; --plan makes one of --time or --target-error");
+  EXPECT_EQ(refusal([](Arguments& a) { a.shard = "0/2", a.plan = "p", a.seconds = 1; }), "");
   EXPECT_EQ(refusal([](Arguments& a) { a.add_samples = 4; }),
             "--add-samples: needs --resume with the film of the picture");
   EXPECT_EQ(refusal([](Arguments& a) { a.plan = "p", a.resume = "c"; }),
@@ -137,7 +138,7 @@ TEST(shape, differs_where_the_picture_would) {
 TEST(standing, is_read_as_it_was_written) {
   Standing a(Film(2, 1, 1), {64, 3600, 0.01, true});
   a.film.complete({16, 4});
-  a.first = 16, a.goal = 32, a.whole = 64;
+  a.first = 16, a.goal = 32, a.added = 8, a.whole = 64;
   a.seconds = 12.25, a.cpu_seconds = 24.5, a.began = 0.125;
   a.tally.rays = {1, 2, 3, 4};
   a.tally.begin_portals(2);

@@ -1,5 +1,6 @@
 // tdpt-render: renders a scene, with portals if there are any.
 #include <algorithm>
+#include <filesystem>
 #include <numeric>
 
 #include <fmt/format.h>
@@ -280,6 +281,9 @@ int print_shards(const Arguments& a, const cli::Common& common) {
   const std::string commands = shard_commands(a, common.arguments, common.output);
   std::fputs(commands.c_str(), stdout);
   const std::string stem = common.output.substr(0, common.output.find_last_of('.'));
+  if (!a.plan.empty() && !std::filesystem::exists(a.plan))
+    common.note("there is no " + a.plan +
+                " yet: the same command without --print-shards and -o makes it");
   common.note(fmt::format("then merge them: exrmerge {}.*-of-{}.exr -o {}", stem, a.print_shards,
                           common.output));
   return 0;
@@ -329,6 +333,10 @@ int run(const Arguments& a, const cli::Common& common) {
   job.film_shape = film_shape_of(a, by);
   job.given = course_of(a, by, world, job.settings);
   warn_of_processors(job);
+  if (const auto& standing = job.given.course.standing)
+    common.note(fmt::format("goes on from {}, which has {} of {} samples per pixel",
+                            display_name(a.resume), standing->film.samples(),
+                            std::max(standing->goal, standing->film.samples())));
   const std::optional<Plan>& plan = job.given.course.plan;
   const Choice choice =
       plan ? choose_as_planned(*plan, job.given.plan_file, job.request, job.settings, world,

@@ -146,6 +146,7 @@ void read_state(const Reader& in, PictureParts parts, std::vector<Vec3d> before,
   standing.limits = limits_of(in.of("limits"));
   standing.first = in.whole("first");
   standing.goal = in.whole("goal");
+  standing.added = in.whole("added");
   standing.whole = in.whole("whole");
   standing.seconds = in.real("seconds");
   standing.cpu_seconds = in.real("cpu_seconds");
@@ -200,6 +201,7 @@ std::string standing_text(const Standing& standing) {
   return Json{{"limits", json_of(standing.limits)},
               {"first", standing.first},
               {"goal", standing.goal},
+              {"added", standing.added},
               {"whole", standing.whole},
               {"seconds", standing.seconds},
               {"cpu_seconds", standing.cpu_seconds},

@@ -47,6 +47,7 @@ struct Standing {
   Limits limits;
   uint64_t first = 0;  ///< sample of each pixel that the film begins with
   uint64_t goal = 0;   ///< samples of each pixel that it is to hold; 0: as many as the time allows
+  uint64_t added = 0;  ///< of those, what was added last: then `limits` hold no more
   uint64_t whole = 0;  ///< of the whole picture, of which this is a part; 0: `goal`
   double seconds = 0, cpu_seconds = 0;  ///< of rendering until now
   double began = 0;                     ///< of those, before the first sample of the picture [s]

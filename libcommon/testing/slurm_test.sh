@@ -1,0 +1,173 @@
+#!/bin/sh
+# slurm_test.sh BIN TESTDATA RECIPE [WHAT]: the files of RECIPE (doc/farm) under Slurm: a controller and two nodes on this
+# machine, with a configuration and folders of their own, gone afterwards. As root, without systemd and cgroups. WHAT:
+#   kills       a node dies in the middle of a shard, which goes on from its checkpoint on the other one; a shard whose
+#               time is up goes on, too; the picture has the bytes of the undivided one. The default
+#   seed        a shard of another seed must be refused, and there is no picture
+#   processor   a shard by code for other processors must be found in the bytes
+# Exit 77 where Slurm is missing (cmake/packages-slurm.txt).
+set -u
+bin=$(cd "${1:?usage: slurm_test.sh BIN TESTDATA RECIPE [WHAT]}" && pwd) || exit 2
+testdata=$(cd "${2:?usage: slurm_test.sh BIN TESTDATA RECIPE [WHAT]}" && pwd) || exit 2
+recipe=$(cd "${3:?usage: slurm_test.sh BIN TESTDATA RECIPE [WHAT]}" && pwd) || exit 2
+what=${4:-kills}
+PATH=$bin:$PATH:/usr/sbin:/sbin
+for program in slurmctld slurmd sbatch scontrol pgrep; do
+  command -v $program >/dev/null || { echo "skipped: $program is missing (cmake/packages-slurm.txt)"; exit 77; }
+done
+case $what in
+  kills) ;;
+  seed) fault='--seed 2' ;;
+  processor)
+    fault='--isa sse2'
+    grep -q avx2 /proc/cpuinfo || { echo "skipped: this processor has but one code"; exit 77; }
+    ;;
+  *) echo "no such test: $what"; exit 2 ;;
+esac
+began=$(date +%s)
+work=$(mktemp -d) || exit 2
+daemons=''
+
+# family PID: the process and all below it.
+family() {
+  ps -e -o pid= -o ppid= | awk -v root="$1" '
+    { parent[$1] = $2 }
+    END { for (p in parent) { for (q = p; q in parent && q != root;) q = parent[q]; if (q == root) print p } }'
+}
+# steps FOLDER: the processes of the jobs whose scripts are there, with those of Slurm that watch over them.
+steps() {
+  for script in $(pgrep -f "^/bin/sh $1/.*slurm_script"); do
+    family "$(ps -o ppid= -p "$script" | tr -d ' ')"
+  done
+}
+# shellcheck disable=SC2086,SC2046 # numbers of processes
+end() {
+  kill $daemons 2>/dev/null
+  wait
+  kill -KILL $(steps "$work/spool") 2>/dev/null
+  rm -rf "$work"
+}
+trap end EXIT
+trap 'exit 99' HUP INT TERM
+cd "$work" || exit 2
+mkdir state
+fail() {
+  echo "$*"
+  for log in picture.farm/*.log; do echo "-- $log"; tail -n 5 "$log"; done
+  echo "-- slurmctld.log"
+  tail -n 40 slurmctld.log; squeue
+  exit 1
+}
+
+port=$((20000 + $$ % 20000))
+# cred_expire: how long a job that begins again waits, 120 s if it is not given or below 5.
+cat >slurm.conf <<CONF
+ClusterName=loopback
+SlurmctldHost=localhost(127.0.0.1)
+SlurmctldPort=$port
+SlurmUser=$(id -un)
+SlurmdUser=$(id -un)
+AuthType=auth/none
+CredType=cred/none
+AuthInfo=cred_expire=5
+ProctrackType=proctrack/linuxproc
+TaskPlugin=task/none
+MpiDefault=none
+SelectType=select/cons_tres
+SelectTypeParameters=CR_Core
+SchedulerParameters=sched_interval=2,bf_interval=2,batch_sched_delay=0
+ReturnToService=2
+JobRequeue=1
+SlurmdTimeout=4
+StateSaveLocation=$work/state
+SlurmdSpoolDir=$work/spool.%n
+SlurmctldLogFile=$work/slurmctld.log
+SlurmctldPidFile=$work/slurmctld.pid
+SlurmdPidFile=$work/%n.pid
+NodeName=node1 NodeHostname=localhost NodeAddr=127.0.0.1 Port=$((port + 1)) CPUs=1
+NodeName=node2 NodeHostname=localhost NodeAddr=127.0.0.1 Port=$((port + 2)) CPUs=1
+PartitionName=farm Nodes=node1,node2 Default=YES State=UP
+CONF
+export SLURM_CONF="$work/slurm.conf"
+slurmctld -D -i 2>/dev/null &
+daemons=$!
+slurmd -D -N node1 >node1.log 2>&1 &
+node1=$!
+slurmd -D -N node2 >node2.log 2>&1 &
+daemons="$daemons $node1 $!"
+
+# until_so SECONDS WHY COMMAND...: waits until the command succeeds; fails where it does not come to that.
+until_so() {
+  seconds=$1 why=$2
+  shift 2
+  deadline=$(($(date +%s) + seconds))
+  until "$@"; do
+    [ "$(date +%s)" -lt $deadline ] || fail "after $seconds s: $why"
+    sleep 0.2
+  done
+}
+idle() { [ "$(sinfo -h -t idle -o %D 2>/dev/null)" = 2 ]; }
+until_so 30 "two nodes are not idle" idle
+
+cp "$testdata/scenes/two-rooms.glb" .
+cp -r "$recipe" recipe
+if [ "$what" != kills ]; then
+  sed "s/^shift 3\$/&; [ \$i -ne 1 ] || set -- \"\$@\" $fault/" "$recipe/shards.sbatch" >recipe/shards.sbatch
+  cmp -s "$recipe/shards.sbatch" recipe/shards.sbatch && fail "the fault is not planted"
+fi
+n=4
+set -- --width 96 --height 72 --spp 256
+said=$(sh recipe/submit.sh two-rooms.glb picture.exr $n "$@" --checkpoint-every 0.2) || fail "nothing is submitted"
+echo "$said"
+shards=$(echo "$said" | sed 's/.*plan), \([0-9]*\) .*/\1/')
+
+# has_checkpoint WORD...: that a shard runs, of those that squeue tells of by these words, and has a checkpoint: $task.
+has_checkpoint() {
+  task=$(squeue -h -t RUNNING -o %K "$@" 2>/dev/null | head -n 1)
+  [ -n "$task" ] && [ -s "picture.farm/checkpoint.$task.exr" ]
+}
+samples() { exrmerge --json --gaps "$1" -o /dev/null 2>/dev/null | sed 's/.*"spp":\([0-9]*\).*/\1/'; }
+if [ "$what" = kills ]; then
+  until_so 120 "no shard on node1 has a checkpoint" has_checkpoint -j "$shards" -w node1
+  killed=$task
+  # shellcheck disable=SC2086,SC2046 # numbers of processes; all at once, as by a power cut
+  kill -KILL $node1 $(steps "$work/spool.node1")
+  had=$(samples "picture.farm/checkpoint.$killed.exr")
+  echo "node1 is dead; its shard $killed had $had of $((256 / n)) samples"
+  [ "$had" -lt $((256 / n)) ] || fail "it was done: nothing was in the middle"
+  # The last, whose job has the number of the array: it must not begin the others again.
+  until_so 120 "the last shard has no checkpoint" has_checkpoint -j "${shards}_$((n - 1))" -w node2
+  stopped=$task
+  # What Slurm does a minute before the end. It is sent again, in vain, while the shard already waits for its next turn.
+  scancel --batch --signal=USR1 "${shards}_$stopped" 2>scancel.log &
+  scancel=$!
+  until_so 60 "shard $stopped does not stop" grep -q 'it will go on' "picture.farm/shard.$stopped.log"
+  kill $scancel 2>/dev/null
+  echo "the time of shard $stopped on node2 is up"
+fi
+gone() { [ -z "$(squeue -h -o %i)" ]; }
+until_so 300 "jobs are left" gone
+if [ "$what" = kills ]; then
+  for log in picture.farm/shard.?.log; do grep "^shard" "$log"; done
+  grep -q "on node2, turn 2, from its checkpoint" "picture.farm/shard.$killed.log" || fail "shard $killed did not go on"
+  grep -q "on node2, turn 2, from its checkpoint" "picture.farm/shard.$stopped.log" || fail "shard $stopped did not go on"
+  [ "$(cat picture.farm/shard.?.log | grep -c '^shard.* turn')" = $((n + 2)) ] || fail "others began again"
+fi
+tdpt-render two-rooms.glb --quiet --portal picture.farm/portal.glb "$@" -o undivided.exr || fail "no undivided picture"
+case $what in
+  kills)
+    cmp picture.exr undivided.exr || fail "the picture has other bytes than the undivided one"
+    found="the picture has the bytes of the undivided one"
+    ;;
+  seed)
+    grep -h 'is of another seed (1, expected 2)' picture.farm/shard.1.log || fail "the other seed is not refused"
+    [ ! -e picture.exr ] || fail "there is a picture of two seeds"
+    found="refused, no picture"
+    ;;
+  processor)
+    [ -e picture.exr ] || fail "there is no picture"
+    if cmp picture.exr undivided.exr; then fail "the bytes of other code are the same"; fi
+    found="the picture has other bytes, and they were found"
+    ;;
+esac
+echo "slurm_test $what: $n shards on two nodes: $found; $(($(date +%s) - began)) s"
