@@ -125,7 +125,7 @@ TEST(phases, the_peak_of_the_memory_grows_with_what_is_held) {
 }
 
 TEST(output_file, is_kept_elsewhere_under_a_name_of_its_own) {
-  const testing::TempFolder folder;
+  Folder folder;
   ::setenv("TMPDIR", folder.path.c_str(), 1);
   const std::string first = keep_elsewhere("/nowhere/room.exr", "a");
   const std::string second = keep_elsewhere("room.exr", "b");

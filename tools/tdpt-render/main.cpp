@@ -306,8 +306,14 @@ int render(const Job& job, World& world, const Choice& choice, Course course) {
   if (job.request.automatic && decided) job.common.note(choice_sentence(result));
   if (const std::string verdict = verdict_sentence(result); !verdict.empty())
     job.common.note(verdict);
-  if (!job.checkpoint().empty() && !result.hasty) save(job, choice, *result.standing, result.plan);
-  deliver(job, world, choice, result);
+  const bool saved = !job.checkpoint().empty() && !result.hasty &&
+                     save(job, choice, *result.standing, result.plan);
+  try {
+    deliver(job, world, choice, result);
+  } catch (const OutputError& e) {
+    throw Error(e.code,
+                fmt::format("{}; {}", e.what(), kept_sentence(job, world, choice, result, saved)));
+  }
   report(job, world, choice, result);
   job.common.explain_by([&] {
     return decisions_of({world, portals, job.request, choice, job.settings, result});
