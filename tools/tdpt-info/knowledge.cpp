@@ -1,7 +1,8 @@
 #include "tools/tdpt-info/knowledge.h"
 
 #include <algorithm>
-#include <cstdlib>
+#include <cstdio>
+#include <memory>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -9,6 +10,7 @@
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
 #include "libcommon/base/hash.h"
+#include "libcommon/base/output_file.h"
 #include "libcommon/base/shown.h"
 #include "libcommon/film/film_file.h"
 #include "libcommon/formats/cut.h"
@@ -167,7 +169,22 @@ bool is_json(const std::string& bytes) {
 
 }  // namespace
 
+namespace {
+
+// Some readers open a file themselves: what came by standard input becomes one for as long.
+Knowledge knowledge_of_input() {
+  const std::string path = keep_elsewhere("standard-input", read_file("-"));
+  if (path.empty()) throw InputError("(standard input)", "", "cannot be kept while it is read");
+  const std::unique_ptr<const char, int (*)(const char*)> removed(path.c_str(), std::remove);
+  Knowledge k = knowledge_of(path);
+  k.path = "-";
+  return k;
+}
+
+}  // namespace
+
 Knowledge knowledge_of(const std::string& path) {
+  if (path == "-") return knowledge_of_input();
   const std::string bytes = read_file(path), name = display_name(path);
   Knowledge k;
   k.path = path;
@@ -204,7 +221,8 @@ std::string text_of(const Knowledge& k) {
   if (!k.scene.empty()) text += fmt::format("  of scene: {}\n", shown(k.scene));
   for (const auto& [name, value] : k.facts) {
     const Json json = Json::parse(value);
-    const std::string words = json.is_string() ? json.get<std::string>() : value;
+    const std::string told = json.is_string() ? json.get<std::string>() : value;
+    const std::string words = told.empty() ? "none" : told;
     text += fmt::format("  {}: {}\n", shown(name, 40), shown(words, 400));
   }
   for (const std::string& line : k.provenance.lines)

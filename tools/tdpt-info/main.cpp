@@ -19,7 +19,7 @@ struct Arguments {
 
 void declare_options(cli::Options& options, Arguments& a) {
   options.common.output.clear();
-  options.arguments("files", a.files, "Any files of these programs");
+  options.arguments("files", a.files, "Any files of these programs; - is standard input");
 }
 
 // All are told of; the first that is damaged decides how it ends.
