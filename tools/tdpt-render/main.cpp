@@ -209,7 +209,7 @@ std::string kept_sentence(const Job& job, const World& world, const Choice& choi
                        display_name(job.checkpoint()));
   const std::string name = job.common.output == "-" ? "picture.exr" : job.common.output;
   const std::string path = keep_elsewhere(name, picture_of(job, world, choice, result));
-  return path.empty() ? "it is lost" : "it is kept in " + path;
+  return path.empty() ? "the picture is lost" : "the picture is kept in " + path;
 }
 
 // Share of the light that segments through portals brought; 1 where none took part.
