@@ -174,11 +174,11 @@ std::vector<Film::Numbers> Film::numbers() {
 }
 
 void Film::restore(const std::vector<SampleRange>& ranges) {
-  ranges_.clear();
-  for (const SampleRange& range : ranges) {
-    if (range.end() < range.first) throw std::invalid_argument("a range without an end");
-    add_range(range);
-  }
+  for (size_t i = 0; i < ranges.size(); ++i)
+    if (ranges[i].count == 0 || ranges[i].end() < ranges[i].first ||
+        (i > 0 && ranges[i].first <= ranges[i - 1].end()))
+      throw std::invalid_argument("ranges that are not apart and in order");
+  ranges_ = ranges;
   for (size_t i = 0; i < before_.size(); ++i) before_[i] = picture_[i].units();
 }
 
@@ -212,7 +212,13 @@ std::vector<double> Film::variance() const {
 Picture scaled_picture(int width, int height, const std::vector<Vec3d>& sums, double factor) {
   Picture picture{width, height, {}};
   picture.pixels.reserve(sums.size());
-  for (const Vec3d& sum : sums) picture.pixels.emplace_back(Vec3f(sum * factor));
+  // No picture holds an infinite number.
+  constexpr double most = std::numeric_limits<float>::max();
+  for (const Vec3d& sum : sums) {
+    const Vec3d mean = sum * factor;
+    picture.pixels.emplace_back(
+        Vec3f(Vec3d(std::min(mean.x, most), std::min(mean.y, most), std::min(mean.z, most))));
+  }
   return picture;
 }
 

@@ -105,8 +105,8 @@ class Film {
     size_t each, bytes;  ///< numbers of a pixel, and bytes of a number
   };
   std::vector<Numbers> numbers();
-  /// What was given back holds the samples of these ranges. Throws std::invalid_argument when they
-  /// overlap or do not end.
+  /// What was given back holds the samples of these ranges, as ranges() had them. Throws
+  /// std::invalid_argument where they are not in order, empty, or not apart.
   void restore(const std::vector<SampleRange>& ranges);
 
  private:

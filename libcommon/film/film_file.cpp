@@ -13,6 +13,7 @@
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
 #include "libcommon/base/hash.h"
+#include "libcommon/base/json_depth.h"
 #include "libcommon/base/shown.h"
 
 namespace tdpt {
@@ -63,13 +64,16 @@ std::string block_name(size_t i) {
 }
 
 // Of all that a film file holds, told apart from what was damaged on the way.
-std::string hash_of(const std::string& facts, Film& film, const FilmBlocks& blocks,
-                    const Channels& channels) {
+// `facts`: as JSON.
+std::string hash_of(const std::string& facts, const std::map<std::string, std::string>& attributes,
+                    Film& film, const FilmBlocks& blocks, const Channels& channels) {
   const size_t pixels = static_cast<size_t>(film.width()) * static_cast<size_t>(film.height());
   const auto view = [](const auto* first, size_t bytes) {
     return std::string_view(reinterpret_cast<const char*>(first), bytes);
   };
   std::string hashes = facts;
+  for (const auto& [name, value] : attributes)
+    hashes += fmt::format("{} {}{} {}", name.size(), name, value.size(), value);
   for (const Film::Numbers& n : film.numbers())
     hashes += content_hash(view(n.first, pixels * n.each * n.bytes));
   for (const Picture& block : blocks.blocks)
@@ -78,20 +82,6 @@ std::string hash_of(const std::string& facts, Film& film, const FilmBlocks& bloc
   for (const auto& [name, values] : channels)
     hashes += content_hash(view(values.data(), values.size() * sizeof(float)));
   return content_hash(hashes);
-}
-
-// The words of two lists "a, b", each once, in order.
-std::string merged_words(const std::string& a, const std::string& b) {
-  std::vector<std::string> words;
-  for (const std::string& list : {a, b})
-    for (size_t at = 0; at < list.size();) {
-      const size_t end = std::min(list.find(", ", at), list.size());
-      words.push_back(list.substr(at, end - at));
-      at = end + 2;
-    }
-  std::sort(words.begin(), words.end());
-  words.erase(std::unique(words.begin(), words.end()), words.end());
-  return fmt::format("{}", fmt::join(words, ", "));
 }
 
 // ---- Facts as JSON ----
@@ -128,8 +118,6 @@ Json json_of(const Film& film, const FilmFacts& facts, const FilmBlocks& blocks,
     Json& list = counts[name] = Json::array();
     for (const Units v : values) list.push_back(hexadecimal(v));
   }
-  Json& attributes = j["attributes"] = Json::object();
-  for (const auto& [name, value] : facts.attributes) attributes[name] = value;
   return j;
 }
 
@@ -213,8 +201,6 @@ FilmFacts facts_of(const Reader& in) {
     if (!values.is_array() || values.size() > kMostCounts) in.fail(name, "is no list of numbers");
     for (const Json& value : values) facts.counts[name].push_back(in.units(name, value));
   }
-  for (const auto& [name, value] : in.at("attributes", Json::value_t::object).items())
-    facts.attributes[name] = in.text(name, value);
   return facts;
 }
 
@@ -226,6 +212,18 @@ Film::Options options_of(const Reader& in) {
   return options;
 }
 
+// Before memory is taken for sums: whether the file has them.
+void check_channels(const Film::Options& options, std::string_view bytes, const std::string& name) {
+  const std::vector<std::string> there = exr_channels(bytes, name);
+  const auto want = [&](const std::string& channel) {
+    if (std::find(there.begin(), there.end(), channel) == there.end())
+      throw InputError(name, "channel " + shown(channel, 80), "is missing");
+  };
+  want("sum.R.0");
+  for (const std::string& layer : options.layers)
+    if (!layer.empty()) want(layer + ".sum.R.0");
+}
+
 // The film in a file whose attribute says `json`. `exr`: its float channels, `bytes`: the file.
 FilmFile film_of(const Json& json, ExrFile& exr, std::string_view bytes, const std::string& name) {
   const Reader in(json, name);
@@ -234,8 +232,9 @@ FilmFile film_of(const Json& json, ExrFile& exr, std::string_view bytes, const s
   in.whole("width", width, width);
   in.whole("height", height, height);
   const auto unit = static_cast<int>(in.whole("unit", -1000, 900));
-  FilmFile file{
-      Film(width, height, std::ldexp(1.0, unit + 64), options_of(in)), facts_of(in), {}, {}};
+  const Film::Options options = options_of(in);
+  check_channels(options, bytes, name);
+  FilmFile file{Film(width, height, std::ldexp(1.0, unit + 64), options), facts_of(in), {}, {}};
   const auto blocks = static_cast<size_t>(in.whole("blocks", 0, 7));
   for (size_t i = 0; i < blocks; ++i) {
     const auto layer = exr.layers.find(block_name(i));
@@ -297,6 +296,19 @@ std::string words_of(const std::vector<SampleRange>& ranges) {
   return fmt::format("samples {}{}{}", fmt::join(all, ", "), all.empty() ? "" : " and ", last);
 }
 
+std::string merged_words(const std::string& a, const std::string& b) {
+  std::vector<std::string> words;
+  for (const std::string& list : {a, b})
+    for (size_t at = 0; at < list.size();) {
+      const size_t end = std::min(list.find(", ", at), list.size());
+      words.push_back(list.substr(at, end - at));
+      at = end + 2;
+    }
+  std::sort(words.begin(), words.end());
+  words.erase(std::unique(words.begin(), words.end()), words.end());
+  return fmt::format("{}", fmt::join(words, ", "));
+}
+
 std::vector<SampleRange> FilmFile::gaps() const {
   std::vector<SampleRange> gaps;
   uint64_t at = 0;
@@ -345,9 +357,11 @@ std::string film_bytes(Film& film, const FilmFacts& facts, const FilmBlocks& blo
   exr.attributes = facts.attributes;
   exr.attributes["spp"] = std::to_string(film.samples());
   exr.channels = channels;
-  const std::string text = json_of(film, facts, blocks, channels).dump();
-  exr.attributes[kAttribute] =
-      Json{{"hash", hash_of(text, film, blocks, channels)}, {"facts", text}}.dump();
+  const std::string text =
+      json_of(film, facts, blocks, channels).dump(-1, ' ', false, Json::error_handler_t::replace);
+  exr.attributes[kAttribute] = Json{
+      {"hash", hash_of(text, facts.attributes, film, blocks, channels)},
+      {"facts", text}}.dump();
   for (size_t i = 0; i < blocks.blocks.size(); ++i) exr.layers[block_name(i)] = blocks.blocks[i];
   std::vector<Vec3d> before = blocks.before;
   for (const Film::Numbers& n : film.numbers()) append_words(n, exr.words);
@@ -360,16 +374,24 @@ FilmFile parse_film(std::string_view bytes, const std::string& name) {
   const auto found = exr.attributes.find(kAttribute);
   if (found == exr.attributes.end())
     throw InputError(name, "", "is a picture without the sums of a film");
-  const auto damaged = [&]() { return InputError(name, "film", "is damaged"); };
-  const Json outer = Json::parse(found->second, nullptr, false);
-  if (!outer.is_object() || !outer.contains("facts") || !outer["facts"].is_string())
-    throw damaged();
-  const auto text = outer["facts"].get<std::string>();
-  const Json json = Json::parse(text, nullptr, false);
-  if (!json.is_object()) throw damaged();
-  FilmFile file = film_of(json, exr, bytes, name);
-  if (outer.value("hash", Json()) != Json(hash_of(text, file.film, file.blocks, file.channels)))
-    throw damaged();
+  const auto parsed = [&](const std::string& text) {
+    Json json = nested_too_deep(text) ? Json() : Json::parse(text, nullptr, false);
+    if (!json.is_object()) throw InputError(name, "film", "is damaged");
+    return json;
+  };
+  const Json outer = parsed(found->second);
+  const auto string_of = [&](const char* key) {
+    const auto value = outer.find(key);
+    return value != outer.end() && value->is_string() ? value->get<std::string>() : "";
+  };
+  const std::string text = string_of("facts"), hash = string_of("hash");
+  const Json facts = parsed(text);
+  FilmFile file = film_of(facts, exr, bytes, name);
+  file.facts.attributes = std::move(exr.attributes);
+  file.facts.attributes.erase(kAttribute);
+  file.facts.attributes.erase("spp");
+  if (hash != hash_of(text, file.facts.attributes, file.film, file.blocks, file.channels))
+    throw InputError(name, "film", "is damaged");
   return file;
 }
 

@@ -23,6 +23,9 @@ std::string difference(const Shape& found, const Shape& expected);
 /// "samples 0 to 15 and 32 to 47", "no samples".
 std::string words_of(const std::vector<SampleRange>& ranges);
 
+/// The words of two lists "b, a", each once, by the alphabet: "a, b".
+std::string merged_words(const std::string& a, const std::string& b);
+
 /// Whole numbers that add up as samples do, by name.
 using Counts = std::map<std::string, std::vector<Units>>;
 

@@ -30,7 +30,7 @@ namespace {
 
 constexpr int largest_side = 65536;
 // Bounds on what the library allocates before it has seen any pixel; samples are 4 bytes.
-constexpr int64_t most_samples_in_a_row = int64_t(1) << 22;
+constexpr int64_t most_samples_in_a_row = int64_t(1) << 23;
 constexpr int64_t most_samples_in_a_tile = int64_t(1) << 26;
 constexpr int64_t most_samples_in_a_chunk = int64_t(1) << 27;
 constexpr int64_t most_samples = int64_t(1) << 32;
@@ -340,6 +340,15 @@ Picture parse_exr_picture(std::string_view bytes, const std::string& name, int m
                      fmt::format("holds {} pixels less than the display window, expected all",
                                  file.pixels_without_data));
   return std::move(file.picture);
+}
+
+std::vector<std::string> exr_channels(std::string_view bytes, const std::string& name) {
+  return parse(bytes, name, [&](Imf::MultiPartInputFile& file, int index) {
+    std::vector<std::string> names;
+    const Imf::ChannelList& channels = file.header(index).channels();
+    for (auto c = channels.begin(); c != channels.end(); ++c) names.emplace_back(c.name());
+    return names;
+  });
 }
 
 void parse_exr_words(std::string_view bytes, const std::string& name, int width, int height,

@@ -57,6 +57,8 @@ ExrFile parse_exr(std::string_view bytes, const std::string& name);
 /// InputError.
 Picture parse_exr_picture(std::string_view bytes, const std::string& name, int most_width,
                           int most_height);
+/// Names of all channels of the part that parse_exr() reads. Throws InputError.
+std::vector<std::string> exr_channels(std::string_view bytes, const std::string& name);
 /// Reads channels into the caller's memory, `width` x `height` of each. Throws
 /// InputError where the file is of another size, or lacks one of them.
 void parse_exr_words(std::string_view bytes, const std::string& name, int width, int height,

@@ -8,6 +8,7 @@
 #                 bytes of the picture that was never in parts; so does what was added later
 #   more-parts    the same where lights of several kinds are chosen by what arrives, to a given error, and by time
 #   parts-twin    a shard of another seed, of another plan or with a byte changed is refused
+#   traps         what a reviewer's hands found: films of parts and plans where they do not belong, unusual names and sizes
 #   full-disk     a disk that is full costs no checkpoint that is there, and no rendering
 set -u
 what=$1 bin=$2 testdata=$3 spy=$4
@@ -191,35 +192,112 @@ parts_twin() {
   room --spp 8 --plan plan.json
   room --plan plan.json --shard 0/2 -o a.exr && room --plan plan.json --shard 1/2 -o b.exr || fail "no shards"
   exrmerge --quiet a.exr b.exr -o m.exr || fail "they do not merge"
-  refused() { # WORDS COMMAND...: it fails, and says so
-    words=$1
-    shift
-    if "$@" 2>messages; then fail "not refused: $*"; fi
-    grep -q "$words" messages || { cat messages; fail "no word of: $words"; }
-  }
   room --spp 8 --shard 1/2 --seed 2 -o other.exr
-  refused 'is of another seed (2, expected 1)' exrmerge a.exr other.exr -o x.exr
+  refused 3 'is of another seed (2, expected 1)' exrmerge a.exr other.exr -o x.exr
   tdpt-render "$scene" --quiet --width 40 --height 30 --layers --alpha --spp 8 --shard 1/2 -o other.exr
-  refused 'is of another portal (none, expected' exrmerge a.exr other.exr -o x.exr
+  refused 3 'is of another portal (none, expected' exrmerge a.exr other.exr -o x.exr
   room --spp 8 --shard 1/2 --integrator bdpt -o other.exr
-  refused 'is of another integrator (bdpt, expected auto)' exrmerge a.exr other.exr -o x.exr
+  refused 3 'is of another integrator (bdpt, expected auto)' exrmerge a.exr other.exr -o x.exr
   sed 's/"joined": [0-9.]*/"joined": 3.5/' plan.json >other.json
   cmp -s plan.json other.json && fail "the other plan is the same"
   room --plan other.json --shard 1/2 -o other.exr
-  refused 'was rendered by another plan' exrmerge a.exr other.exr -o x.exr
-  refused 'some of which are there already' exrmerge a.exr b.exr a.exr -o x.exr
-  refused 'samples 4 to 7 of 8 are missing' exrmerge a.exr -o x.exr
+  refused 3 'was rendered by another plan' exrmerge a.exr other.exr -o x.exr
+  refused 3 'some of which are there already' exrmerge a.exr b.exr a.exr -o x.exr
+  refused 3 'samples 4 to 7 of 8 are missing' exrmerge a.exr -o x.exr
   size=$(wc -c <b.exr)
   { head -c $((size / 2)) b.exr; printf x; tail -c +$((size / 2 + 2)) b.exr; } >damaged.exr
-  refused 'is damaged' exrmerge a.exr damaged.exr -o x.exr
-  refused "is of another size" tdpt-render "$scene" --quiet --portal portal.glb --width 44 --layers --alpha \
+  refused 3 'is damaged' exrmerge a.exr damaged.exr -o x.exr
+  refused 3 "is of another size" tdpt-render "$scene" --quiet --portal portal.glb --width 44 --layers --alpha \
     --plan plan.json --shard 0/2 -o x.exr
-  refused 'is of another scene' tdpt-render "$testdata/scenes/window.glb" --width 40 --height 30 --portal portal.glb \
+  refused 3 'is of another scene' tdpt-render "$testdata/scenes/window.glb" --width 40 --height 30 --portal portal.glb \
     --plan plan.json --shard 0/2 -o x.exr
   [ ! -e x.exr ] || fail "something was written"
 }
 
+# refused CODE WORDS COMMAND...: it ends with that code, and says so.
+refused() {
+  code=$1 words=$2
+  shift 2
+  "$@" 2>messages
+  [ $? -eq "$code" ] || { cat messages; fail "not refused with $code: $*"; }
+  grep -q -e "$words" messages || { cat messages; fail "no word of: $words"; }
+}
+same() { cmp "$1" "$2" || fail "$3"; }
+
+traps() {
+  room="$testdata/scenes/two-rooms.glb"
+  few() { $run tdpt-render "$room" --quiet --width 40 --height 30 --integrator bdpt "$@"; }
+  few --spp 16 -o whole.exr || fail "no picture"
+
+  # With errors kept, a checkpoint goes on; merged, it is the picture, channels that no sample changes included.
+  few --spp 16 --aov all --checkpoint v.exr -o v1.exr && few --spp 16 --aov all --resume v.exr -o v2.exr || fail "variance"
+  same v1.exr v2.exr "what kept errors goes on otherwise"
+  exrmerge --quiet v.exr -o v3.exr
+  same v1.exr v3.exr "a checkpoint with channels is no picture"
+  few --target-error 0.3 --checkpoint t.exr -o t1.exr && exrmerge --quiet t.exr -o t2.exr
+  same t1.exr t2.exr "a checkpoint of a given error is no picture"
+
+  # Before all is decided nothing is kept, however often checkpoints are written.
+  run="exec" few --target-error 0.02 --checkpoint hasty.exr --checkpoint-every 0 -o p.exr &
+  pid=$!
+  sleep 0.15
+  kill -TERM $pid
+  wait $pid
+  [ ! -e hasty.exr ] || { few --target-error 0.02 --resume hasty.exr -o p.exr && few --target-error 0.02 -o q.exr && same p.exr q.exr "what was not decided goes on"; }
+
+  # No file is written over that is not gone on from.
+  few --spp 16 --shard 0/2 -o s0.exr && few --spp 16 --shard 1/2 -o s1.exr || fail "no shards"
+  echo precious >precious.exr
+  refused 2 'is there already' few --spp 16 --resume v.exr --checkpoint precious.exr -o p.exr
+  refused 2 'give --shard as it was begun' few --spp 16 --resume s1.exr -o p.exr
+  [ "$(cat precious.exr)" = precious ] || fail "a file is written over"
+
+  # The beginning of a picture is gone on with to its end.
+  exrmerge --quiet --film s0.exr -o half.exr
+  few --spp 16 --resume half.exr --no-provenance -o p.exr && few --spp 16 --no-provenance -o q.exr || fail "half"
+  same p.exr q.exr "a merged beginning goes on otherwise"
+
+  # A checkpoint by another plan than that given; a plan that is there is obeyed, and never replaced by a picture.
+  few --spp 16 --plan p16.json && few --spp 8 --plan p8.json || fail "no plans"
+  few --plan p8.json --shard 0/2 --checkpoint k.exr -o k0.exr || fail "no shard"
+  refused 3 'another plan than p16.json' few --plan p16.json --shard 0/2 --checkpoint k.exr --resume k.exr -o k0.exr
+  few --plan p8.json -o p.exr && few --spp 8 --no-provenance -o q.exr || fail "a plan is not obeyed"
+  exrdiff --json p.exr q.exr | grep -q '"mse":0.0,' || fail "a plan is obeyed otherwise"
+  refused 2 'p8.json is of 8 samples' few --spp 4 --plan p8.json -o p.exr
+  refused 3 'is of another depth' few --max-depth 3 --plan p8.json -o p.exr
+
+  # What has ended by the clock has ended.
+  few --time 0.5 --checkpoint c.exr -o c1.exr && few --time 0.5 --resume c.exr -o c2.exr || fail "time"
+  same c1.exr c2.exr "a picture that ended by the clock goes on"
+
+  # Widest pictures, names that are no UTF-8, and a film without a name yet.
+  tdpt-render "$room" --quiet --width 65536 --height 1 --spp 1 --layers --alpha --integrator pt --checkpoint wide.exr -o w1.exr &&
+    exrmerge --quiet wide.exr -o w2.exr || fail "the widest"
+  same w1.exr w2.exr "the widest picture is another"
+  odd=$(printf 'r\377.glb')
+  cp "$room" "$odd" && tdpt-render "$odd" --quiet --width 8 --spp 4 --checkpoint odd.exr -o o1.exr || fail "an odd name"
+  exrmerge --quiet odd.exr -o o2.exr
+  same o1.exr o2.exr "an odd name makes another picture"
+  : >empty.exr
+  few --spp 16 --checkpoint empty.exr --resume empty.exr -o p.exr || fail "an empty file is no beginning"
+  same p.exr whole.exr "from an empty file the picture is another"
+
+  # What is nested without end ends no program.
+  deep=$(head -c 300000 /dev/zero | tr '\0' '[')
+  printf '{"plan": {"x": %s' "$deep" >deep.json
+  refused 3 'deep.json: is no plan' few --plan deep.json --shard 0/2 -o p.exr
+  tdpt-info deep.json 2>messages && fail "it is known"
+  [ $? -lt 128 ] || fail "tdpt-info is ended"
+  refused 2 'only 16 samples' few --spp 16 --print-shards 17 -o p.exr
+  refused 2 'at the most' few --resume whole-film.exr --add-samples 4294967296 -o p.exr
+}
+
 case $what in
+traps)
+  spp=0
+  tdpt-render "$scene" --quiet --width 40 --height 30 --integrator bdpt --spp 16 --checkpoint whole-film.exr -o x.exr
+  traps
+  ;;
 order) order ;;
 parts) parts ;;
 more-parts) more_parts ;;

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "libcommon/base/error.h"
+#include "libcommon/base/shown.h"
 #include "libcommon/cli/cli.h"
 #include "libcommon/cli/ending.h"
 #include "tdpt_libraries.h"

@@ -10,6 +10,7 @@
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
 #include "libcommon/base/hash.h"
+#include "libcommon/base/json_depth.h"
 #include "libcommon/base/output_file.h"
 #include "libcommon/base/shown.h"
 #include "libcommon/film/film_file.h"
@@ -203,7 +204,7 @@ Knowledge knowledge_of(const std::string& path) {
   } else if (begins("c tdpt cut")) {
     tell_cut(read_cut(path), k);
   } else if (is_json(bytes)) {
-    const Json json = Json::parse(bytes, nullptr, false);
+    const Json json = nested_too_deep(bytes) ? Json() : Json::parse(bytes, nullptr, false);
     if (json.is_object() && json.contains("plan") && json.contains("shape"))
       tell_plan(json, k);
     else

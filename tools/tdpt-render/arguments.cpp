@@ -45,10 +45,11 @@ void declare_course_options(cli::Options& options, Arguments& a) {
   options.option("--shard", a.shard, "I/N",
                  "Render the I-th of N parts of the samples, from 0, for exrmerge",
                  cli::Shapes::nothing);
-  options.file("--plan", a.plan,
-               "Write what is decided before rendering; render only if -o is given. With "
-               "--shard: obey it",
-               [&a] { return a.shard.empty() ? Use::written : Use::read; });
+  options.file(
+      "--plan", a.plan,
+      "Write what is decided before rendering, and render only if -o is given. Obey it "
+      "where it is there, for -o or --shard",
+      [&] { return obeys_plan(a, options.common.output_given) ? Use::read : Use::written; });
   options.option("--print-shards", a.print_shards, "N",
                  "Print the commands of N shards, one a line", 1, 1 << 20, cli::Shapes::nothing);
   options.choice("--isa", a.isa, {"native", "avx2", "sse2"},
@@ -81,8 +82,14 @@ std::vector<std::string> aovs_of(const Arguments& a) {
   return names;
 }
 
-bool only_plans(const Arguments& a) {
-  return !a.plan.empty() && a.shard.empty();
+bool obeys_plan(const Arguments& a, bool output_given) {
+  std::error_code ignored;
+  return !a.plan.empty() &&
+         (!a.shard.empty() || (output_given && std::filesystem::exists(a.plan, ignored)));
+}
+
+bool only_plans(const Arguments& a, bool output_given) {
+  return !a.plan.empty() && a.shard.empty() && !output_given;
 }
 
 void declare_options(cli::Options& options, Arguments& a) {
@@ -145,8 +152,7 @@ void declare_options(cli::Options& options, Arguments& a) {
   options.output_beside("--preview", a.preview, cli::png_beside, "Write a PNG beside the picture");
   options.result_name(check_picture_name);
   const cli::Common& common = options.common;
-  options.result_is_text(
-      [&] { return a.print_shards > 0 || (only_plans(a) && !common.output_given); });
+  options.result_is_text([&] { return a.print_shards > 0 || only_plans(a, common.output_given); });
 }
 
 }  // namespace tdpt

@@ -43,8 +43,11 @@ struct Arguments {
 /// that there is not.
 std::vector<std::string> aovs_of(const Arguments& a);
 
-/// Without -o, whether no picture is rendered, but a plan written.
-bool only_plans(const Arguments& a);
+/// Whether --plan names a plan to obey, and not one to write: for a shard, and for a picture
+/// (`output_given`) where it is there.
+bool obeys_plan(const Arguments& a, bool output_given);
+/// Whether a plan is written, and no picture rendered.
+bool only_plans(const Arguments& a, bool output_given);
 
 /// The options of the program, which fill in `a`.
 void declare_options(cli::Options& options, Arguments& a);

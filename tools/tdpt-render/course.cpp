@@ -10,14 +10,21 @@
 #include "libcommon/base/file.h"
 #include "libcommon/base/processor.h"
 #include "tdpt_version.h"
+#include "tools/tdpt-render/report.h"
 
 namespace tdpt {
 namespace {
 
-std::string file_size(const std::string& path) {
+// Whether there is something in it; an empty file may be the name of one to come.
+bool is_there(const std::string& path) {
   std::error_code failed;
   const auto size = std::filesystem::file_size(path, failed);
-  return failed ? "" : std::to_string(size);
+  return !failed && size > 0;
+}
+
+bool is_same(const std::string& a, const std::string& b) {
+  return !b.empty() &&
+         std::filesystem::path(a).lexically_normal() == std::filesystem::path(b).lexically_normal();
 }
 
 // "guided 0.7 0.4 0.25 0.5", as it was asked for.
@@ -56,12 +63,18 @@ void take_limits(const Arguments& a, const Limits& then, RenderSettings& setting
 }
 
 // The picture is to have more samples than it was to have. Where it had not got all that were added
-// before, and as many are to be added, those are meant: the command is given again.
-void add_samples(uint64_t n, Standing& standing) {
-  if (standing.added == n && standing.film.samples() < standing.goal) return;
+// before, and as many are to be added, those are meant, and nothing is added: the command is given
+// again.
+bool add_samples(uint64_t n, Standing& standing) {
+  constexpr uint64_t kMostSamples = uint64_t{1} << 32;
+  if (standing.added == n && standing.film.samples() < standing.goal) return false;
+  if (std::max(standing.goal, standing.film.samples()) + n > kMostSamples)
+    throw UsageError(fmt::format("--add-samples {}: a picture has {} samples per pixel at the most",
+                                 n, kMostSamples));
   standing.goal = (standing.goal > 0 ? standing.goal : standing.film.samples()) + n;
   standing.added = n;
   standing.target.reset();
+  return true;
 }
 
 // No limit holds but the number of samples.
@@ -75,41 +88,9 @@ void limit_to(uint64_t spp, RenderSettings& settings) {
 void check_film(const Standing& standing, const World& world, const std::string& file) {
   const Film& film = standing.film;
   if (film.width() != world.film.width() || film.height() != world.film.height() ||
-      film.unit() != Film(1, 1, world.lights.power()).unit() || film.options().error_block != 0 ||
+      film.unit() != Film(1, 1, world.lights.power()).unit() ||
       (!standing.tally.portals.empty() && standing.tally.portals.size() != world.portals.portals()))
     throw InputError(file, "film", "keeps other sums than this picture");
-}
-
-GivenCourse resumed(const Arguments& a, const Shaping& by, const World& world,
-                    RenderSettings& settings) {
-  const std::string name = display_name(a.resume);
-  FilmFile film = read_film(a.resume);
-  if (const std::string other = difference(film.facts.shape, film_shape_of(a, by)); !other.empty())
-    throw InputError(name, "", "is of " + other);
-  GivenCourse given;
-  given.plan_file = name;
-  given.course.plan = read_plan(film.facts.plan, name);
-  given.processor = film.facts.processor;
-  given.attributes = film.facts.attributes;
-  if (film.facts.spp == 0) throw InputError(name, "film", "has no samples");
-  Standing standing = standing_of(std::move(film), name);
-  check_film(standing, world, name);
-  if (!a.shard.empty()) {
-    const SampleRange part = shard_of(a.shard).part(0, standing.spp());
-    if (part.first != standing.first || part.count != standing.goal)
-      throw InputError(name, "",
-                       fmt::format("is to hold {}, not those of shard {}",
-                                   words_of({{standing.first, standing.goal}}), a.shard));
-  }
-  take_limits(a, standing.limits, settings);
-  if (a.add_samples > 0) {
-    if (standing.first > 0 || standing.whole > 0)
-      throw UsageError("--add-samples: " + name + " is a shard, which is of a fixed size");
-    add_samples(static_cast<uint64_t>(a.add_samples), standing);
-  }
-  if (standing.added > 0) limit_to(standing.goal, settings);
-  given.course.standing.emplace(std::move(standing));
-  return given;
 }
 
 GivenCourse planned(const Arguments& a, const Shaping& by) {
@@ -124,6 +105,51 @@ GivenCourse planned(const Arguments& a, const Shaping& by) {
   given.plan_file = name;
   given.course.plan = file.plan;
   given.command = file.command;
+  return given;
+}
+
+GivenCourse resumed(const Arguments& a, const Shaping& by, const World& world,
+                    RenderSettings& settings) {
+  const std::string name = display_name(a.resume);
+  FilmFile film = read_film(a.resume);
+  if (const std::string other = difference(film.facts.shape, film_shape_of(a, by)); !other.empty())
+    throw InputError(name, "", "is of " + other);
+  GivenCourse given;
+  given.plan_file = name;
+  given.course.plan = read_plan(film.facts.plan, name);
+  given.processor = film.facts.processor;
+  given.attributes = film.facts.attributes;
+  // Of how it ended, which is to come.
+  for (const char* word : {"targetError", "estimatedError", "stoppedBy"})
+    given.attributes.erase(word);
+  if (film.facts.spp == 0) throw InputError(name, "film", "has no samples");
+  Standing standing = standing_of(std::move(film), name);
+  check_film(standing, world, name);
+  if (a.shard.empty() && (standing.first > 0 || standing.whole > 0))
+    throw UsageError(
+        fmt::format("--resume {}: is a shard, of {} of {}; give --shard as it was begun", name,
+                    words_of({{standing.first, standing.goal}}), standing.whole));
+  if (!a.shard.empty()) {
+    if (!a.plan.empty() && !(planned(a, by).course.plan == given.course.plan))
+      throw InputError(name, "", "was rendered by another plan than " + display_name(a.plan));
+    const SampleRange part = shard_of(a.shard).part(0, standing.spp());
+    if (part.first != standing.first || part.count != standing.goal)
+      throw InputError(name, "",
+                       fmt::format("is to hold {}, not those of shard {}",
+                                   words_of({{standing.first, standing.goal}}), a.shard));
+  }
+  take_limits(a, standing.limits, settings);
+  if (a.add_samples > 0) {
+    if (standing.first > 0 || standing.whole > 0)
+      throw UsageError("--add-samples: " + name + " is a shard, which is of a fixed size");
+    const auto provenance = given.attributes.find(provenance_attribute);
+    if (add_samples(static_cast<uint64_t>(a.add_samples), standing) &&
+        provenance != given.attributes.end())
+      provenance->second = with_option(provenance->second, "tdpt-render",
+                                       fmt::format("--add-samples {}", a.add_samples));
+  }
+  if (standing.added > 0) limit_to(standing.goal, settings);
+  given.course.standing.emplace(std::move(standing));
   return given;
 }
 
@@ -188,8 +214,7 @@ void check_course(const Arguments& a) {
   }
   if (!a.plan.empty() && a.shard.empty() && !a.resume.empty())
     throw UsageError("--plan: nothing is decided with --resume, which obeys its own plan");
-  if (!a.checkpoint.empty() && a.resume.empty() && !file_size(a.checkpoint).empty() &&
-      file_size(a.checkpoint) != "0")
+  if (!a.checkpoint.empty() && !is_same(a.checkpoint, a.resume) && is_there(a.checkpoint))
     throw UsageError("--checkpoint " + a.checkpoint +
                      ": is there already; go on from it with --resume, or remove it");
 }
@@ -218,22 +243,25 @@ Shape film_shape_of(const Arguments& a, const Shaping& by) {
   return shape;
 }
 
-GivenCourse course_of(const Arguments& a, const Shaping& by, const World& world,
+GivenCourse course_of(const Arguments& a, const Shaping& by, const World& world, bool is_plan,
                       RenderSettings& settings) {
   // What is named for both is begun where it is not there yet.
-  const bool begins = !a.checkpoint.empty() && file_size(a.resume).empty() &&
-                      std::filesystem::path(a.checkpoint).lexically_normal() ==
-                          std::filesystem::path(a.resume).lexically_normal();
+  const bool begins = is_same(a.checkpoint, a.resume) && !is_there(a.resume);
   if (!a.resume.empty() && !begins) return resumed(a, by, world, settings);
-  if (a.shard.empty()) return {};
-  GivenCourse given = a.plan.empty() ? GivenCourse() : planned(a, by);
-  const uint64_t spp = given.course.plan ? given.course.plan->spp : settings.spp;
-  limit_to(spp, settings);
+  GivenCourse given = is_plan ? planned(a, by) : GivenCourse();
+  if (is_plan) limit_to(given.course.plan->spp, settings);
+  if (a.shard.empty()) return given;
+  const uint64_t spp = settings.spp;
   given.course.part = shard_of(a.shard).part(0, spp);
   given.course.whole = spp;
   if (given.course.part.count == 0)
     throw UsageError(fmt::format("--shard {}: there are only {} samples", a.shard, spp));
   return given;
+}
+
+void check_film(const GivenCourse& given, const Film::Options& options) {
+  if (given.course.standing && given.course.standing->film.options() != options)
+    throw InputError(given.plan_file, "film", "keeps other sums than this picture");
 }
 
 std::string film_bytes(Standing& standing, const Plan& plan, const Shape& shape,
@@ -267,6 +295,12 @@ std::string shard_commands(const Arguments& a, const std::vector<std::string>& a
     return quoted((path.parent_path() / path.stem()).string() + "." + part + ".exr");
   };
   const auto n = static_cast<uint64_t>(a.print_shards);
+  if (!a.shard.empty()) throw UsageError("--print-shards: " + a.shard + " of them is asked for");
+  if (a.spp > 0 && n > static_cast<uint64_t>(a.spp))
+    throw UsageError(fmt::format("--print-shards {}: there are only {} samples", n, a.spp));
+  for (const std::string& word : arguments)
+    if (word.starts_with("-MF") || word.starts_with("--dependencies"))
+      throw UsageError("--print-shards: every shard would write to " + word);
   const std::string command = fmt::format("{}", fmt::join(words_of_shards(arguments), " "));
   std::string text;
   for (uint64_t i = 0; i < n; ++i) {

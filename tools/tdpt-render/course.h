@@ -36,7 +36,7 @@ Shape film_shape_of(const Arguments& a, const Shaping& by);
 
 struct GivenCourse {
   Course course;
-  std::string plan_file;  ///< that the plan of the course is from
+  std::string plan_file;  ///< that the plan of the course is from; empty: it is to be decided
   /// Attributes of the picture, as the film that is gone on from has them; empty: there is none.
   std::map<std::string, std::string> attributes;
   std::string command;    ///< that made the plan; empty: this one
@@ -44,8 +44,12 @@ struct GivenCourse {
 };
 /// Reads what is to be gone on from, or obeyed, and changes `settings` to what that says of limits.
 /// Throws UsageError or InputError where they do not belong together.
-GivenCourse course_of(const Arguments& a, const Shaping& by, const World& world,
+/// `is_plan`: --plan names a plan to obey.
+GivenCourse course_of(const Arguments& a, const Shaping& by, const World& world, bool is_plan,
                       RenderSettings& settings);
+
+/// Throws InputError where what is gone on from keeps other sums than those options ask for.
+void check_film(const GivenCourse& given, const Film::Options& options);
 
 /// The film file of a rendering. `derived`, `attributes`, `channels`: of the whole picture.
 std::string film_bytes(Standing& standing, const Plan& plan, const Shape& shape,

@@ -9,6 +9,7 @@
 #include "libcommon/base/file.h"
 #include "libcommon/base/output_file.h"
 #include "libcommon/base/processor.h"
+#include "libcommon/base/shown.h"
 #include "libcommon/base/signals.h"
 #include "libcommon/cli/cli.h"
 #include "libcommon/cli/ending.h"
@@ -100,14 +101,18 @@ struct Job {
   Shape shape, film_shape;
 
   bool is_shard() const { return !a.shard.empty(); }
-  bool only_plans() const { return tdpt::only_plans(a) && !common.output_given; }
+  bool only_plans() const { return tdpt::only_plans(a, common.output_given); }
+  // Of one that is written beside the picture.
+  bool writes_plan() const { return !a.plan.empty() && given.plan_file.empty(); }
   // Where what there is is kept; empty: nowhere.
   std::string checkpoint() const { return a.checkpoint.empty() ? a.resume : a.checkpoint; }
 };
 
 // Of the picture that the film becomes. A rendering that goes on has those of its beginning.
+// `target`: how it came out, once that is known.
 std::map<std::string, std::string> attributes_of(const Job& job, const Choice& choice,
-                                                 const Plan& plan) {
+                                                 const Plan& plan,
+                                                 const std::optional<TargetOutcome>& target) {
   std::map<std::string, std::string> attributes = job.given.attributes;
   if (attributes.empty()) {
     cli::Common common = job.common;
@@ -115,13 +120,8 @@ std::map<std::string, std::string> attributes_of(const Job& job, const Choice& c
     attributes = exr_attributes(choice.integrator, choice.candidates.size() > 1 ? plan.label : "",
                                 job.settings, common.provenance(job.in.files));
   }
-  const auto provenance = attributes.find(provenance_attribute);
-  if (provenance == attributes.end()) return attributes;
-  if (job.common.no_provenance)
-    attributes.erase(provenance);
-  else if (job.a.add_samples > 0)
-    provenance->second = with_option(provenance->second, job.common.tool,
-                                     fmt::format("--add-samples {}", job.a.add_samples));
+  if (job.common.no_provenance) attributes.erase(provenance_attribute);
+  if (target) attributes.merge(target_attributes(*target));
   return attributes;
 }
 
@@ -140,37 +140,47 @@ Channels channels_of(const Job& job, const World& world) {
   return features(world, aovs_of(job.a), job.common.seed);
 }
 
-std::string film_of(const Job& job, const Choice& choice, Standing& standing, const Plan& plan,
-                    const Channels& channels) {
-  const std::string& before = job.given.processor;
-  const std::string now = processor_code();
-  return film_bytes(standing, plan, job.film_shape,
-                    before.empty() || before == now ? now : before + ", " + now, derived_of(job.a),
-                    attributes_of(job, choice, plan), channels);
+// A rendering while it lasts, or where it has ended: `target` and `channels` belong to the end.
+struct Outcome {
+  const Job& job;
+  const Choice& choice;
+  Standing& standing;
+  const Plan& plan;
+  std::optional<TargetOutcome> target{};
+  Channels channels{};
+};
+
+std::string film_of(const Outcome& r) {
+  return film_bytes(r.standing, r.plan, r.job.film_shape,
+                    merged_words(r.job.given.processor, processor_code()), derived_of(r.job.a),
+                    attributes_of(r.job, r.choice, r.plan, r.target), r.channels);
 }
 
-std::string picture_of(const Job& job, const World& world, const Choice& choice,
-                       const RenderResult& result) {
-  Channels channels = channels_of(job, world);
-  if (job.is_shard()) return film_of(job, choice, *result.standing, result.plan, channels);
+std::string picture_of(const Outcome& r) {
+  if (r.job.is_shard()) return film_of(r);
   FilmFacts facts;
-  facts.derived = derived_of(job.a);
-  facts.attributes = attributes_of(job, choice, result.plan);
-  ExrFile exr = finished_picture(result.standing->film, facts, std::move(channels));
-  if (result.target) exr.attributes.merge(target_attributes(*result.target));
-  return exr_bytes(exr);
+  facts.derived = derived_of(r.job.a);
+  facts.attributes = attributes_of(r.job, r.choice, r.plan, r.target);
+  return exr_bytes(finished_picture(r.standing.film, facts, r.channels));
 }
 
 // A checkpoint that cannot be written costs nothing but a warning: the one before is whole.
-bool save(const Job& job, const Choice& choice, Standing& standing, const Plan& plan) {
+bool save(const Outcome& r) {
+  const std::string path = r.job.checkpoint();
+  std::string why;
   try {
-    write_output(job.checkpoint(), film_of(job, choice, standing, plan, {}));
+    write_output(path, film_of(r));
     return true;
   } catch (const OutputError& e) {
-    job.common.warn(
-        fmt::format("{}; the checkpoint before it is kept, rendering goes on", e.what()));
-    return false;
+    why = e.what();
+  } catch (const std::bad_alloc&) {
+    why = path + ": there is no memory for it";
   }
+  std::error_code ignored;
+  r.job.common.warn(why + (std::filesystem::exists(path, ignored)
+                               ? "; the checkpoint before it is kept"
+                               : "; there is no checkpoint yet"));
+  return false;
 }
 
 constexpr double kPreviewEvery = 5;  // seconds
@@ -183,32 +193,32 @@ void show(const Job& job, const Picture& picture) {
   }
 }
 
-void deliver(const Job& job, const World& world, const Choice& choice, const RenderResult& result) {
+void deliver(const Outcome& r, const RenderResult& result) {
+  const Job& job = r.job;
   const Arguments& a = job.a;
   const Picture& picture = result.picture;
-  cli::deliver({{job.common.output, [&] { return picture_of(job, world, choice, result); }},
+  cli::deliver({{job.common.output, [&] { return picture_of(r); }},
                 {a.preview, [&] { return png_bytes(picture, auto_exposure(picture)); }},
                 {a.nonzero, [&] { return png_bytes(nonzero_picture(picture), 0); }},
-                {job.is_shard() || result.hasty ? "" : a.plan,
+                {job.writes_plan() && !result.hasty ? a.plan : "",
                  [&] {
                    return plan_file_text({result.plan, job.shape, job.common.command});
                  }},
                 {a.stats,
                  [&] {
-                   return stats_json(choice.integrator, job.settings, result, job.in.portals) +
+                   return stats_json(r.choice.integrator, job.settings, result, job.in.portals) +
                           "\n";
                  }}},
                job.common);
 }
 
 // What could not be written, and where all that was rendered is now.
-std::string kept_sentence(const Job& job, const World& world, const Choice& choice,
-                          const RenderResult& result, bool saved) {
+std::string kept_sentence(const Outcome& r, bool saved) {
   if (saved)
     return fmt::format("all samples are in {}: --resume writes the picture",
-                       display_name(job.checkpoint()));
-  const std::string name = job.common.output == "-" ? "picture.exr" : job.common.output;
-  const std::string path = keep_elsewhere(name, picture_of(job, world, choice, result));
+                       display_name(r.job.checkpoint()));
+  const std::string& output = r.job.common.output;
+  const std::string path = keep_elsewhere(output == "-" ? "picture.exr" : output, picture_of(r));
   return path.empty() ? "the picture is lost" : "the picture is kept in " + path;
 }
 
@@ -246,7 +256,7 @@ void report(const Job& job, const World& world, const Choice& choice, const Rend
   if (result.interrupted)
     common.note("stopped by a signal; the picture holds the samples named above");
   if (result.hasty && !(job.checkpoint() + job.a.plan).empty())
-    common.note("nothing was fully decided before the signal: no plan and no checkpoint is kept");
+    common.note("not all was decided before the signal: no plan and no checkpoint is kept");
   if (result.target) common.note(target_sentence(*result.target, result.spp));
   std::vector<std::string> last;
   if (result.noise) last.push_back(words_of(*result.noise));
@@ -274,7 +284,7 @@ void warn_of_processors(const Job& job) {
   job.common.warn(
       fmt::format("{} was rendered by code for {}, this is code for {}: the last digits "
                   "may differ from those of one machine; --isa sse2 is alike on all",
-                  display_name(job.a.resume), before, processor_code()));
+                  display_name(job.a.resume), shown(before), processor_code()));
 }
 
 int print_shards(const Arguments& a, const cli::Common& common) {
@@ -289,12 +299,22 @@ int print_shards(const Arguments& a, const cli::Common& common) {
   return 0;
 }
 
+// Writes what there is at the end. Where the picture cannot be, it is kept elsewhere.
+void write(const Outcome& r, const RenderResult& result) {
+  const bool saved = !r.job.checkpoint().empty() && !result.hasty && save(r);
+  try {
+    deliver(r, result);
+  } catch (const OutputError& e) {
+    throw Error(e.code, fmt::format("{}; {}", e.what(), kept_sentence(r, saved)));
+  }
+}
+
 // Renders, and tells of it.
 int render(const Job& job, World& world, const Choice& choice, Course course) {
   const std::vector<Portal>& portals = job.in.portals;
   if (!job.checkpoint().empty())
     course.visitors.push_back({job.a.checkpoint_every, [&](Standing& standing, const Plan& plan) {
-                                 save(job, choice, standing, plan);
+                                 save({job, choice, standing, plan});
                                }});
   if (!job.a.preview.empty())
     course.visitors.push_back({kPreviewEvery, [&](Standing& standing, const Plan&) {
@@ -302,18 +322,15 @@ int render(const Job& job, World& world, const Choice& choice, Course course) {
                                }});
   const RenderResult result =
       render(world, choice.candidates, job.settings, choice.ways, std::move(course));
-  const bool decided = job.given.plan_file.empty();
-  if (job.request.automatic && decided) job.common.note(choice_sentence(result));
+  if (job.request.automatic && !choice.planned) job.common.note(choice_sentence(result));
   if (const std::string verdict = verdict_sentence(result); !verdict.empty())
     job.common.note(verdict);
-  const bool saved = !job.checkpoint().empty() && !result.hasty &&
-                     save(job, choice, *result.standing, result.plan);
-  try {
-    deliver(job, world, choice, result);
-  } catch (const OutputError& e) {
-    throw Error(e.code,
-                fmt::format("{}; {}", e.what(), kept_sentence(job, world, choice, result, saved)));
+  if (result.hasty && job.is_shard()) {
+    job.common.note("stopped by a signal before all was decided: no shard is written");
+    return static_cast<int>(Exit::interrupted);
   }
+  write({job, choice, *result.standing, result.plan, result.target, channels_of(job, world)},
+        result);
   report(job, world, choice, result);
   job.common.explain_by([&] {
     return decisions_of({world, portals, job.request, choice, job.settings, result});
@@ -337,7 +354,7 @@ int run(const Arguments& a, const cli::Common& common) {
                    in.size.width, in.size.height, common.seed};
   job.shape = shape_of(a, by);
   job.film_shape = film_shape_of(a, by);
-  job.given = course_of(a, by, world, job.settings);
+  job.given = course_of(a, by, world, obeys_plan(a, common.output_given), job.settings);
   warn_of_processors(job);
   if (const auto& standing = job.given.course.standing)
     common.note(fmt::format("goes on from {}, which has {} of {} samples per pixel",
@@ -348,6 +365,7 @@ int run(const Arguments& a, const cli::Common& common) {
       plan ? choose_as_planned(*plan, job.given.plan_file, job.request, job.settings, world,
                                in.portals, common)
            : choose(job.request, job.settings, in.camera, world, in.portals, common);
+  check_film(job.given, film_options(world, choice.candidates, job.settings));
   if (job.only_plans()) return write_plan(job, world, choice);
   return render(job, world, choice, std::move(job.given.course));
 }

@@ -20,8 +20,10 @@ void render_samples(const World& world, const Integrator& integrator, const Samp
                     uint64_t round, const SampleRange& samples, Film& film, Tally& tally,
                     Progress& progress);
 
-/// A film for pictures of that world; with a layer for each technique in `layers`, transparent
+/// What a film keeps: a layer for each technique in `layers`, transparent
 /// where `alpha` says so, with errors from blocks of `error_block` samples.
+Film::Options film_options(const TechniqueSet& layers, bool alpha, uint64_t error_block);
+/// Of a film for pictures of that world.
 Film film_for(const World& world, const TechniqueSet& layers, bool alpha = false,
               uint64_t error_block = 0);
 

@@ -8,10 +8,13 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
+#include "libcommon/base/json_depth.h"
 #include "tools/tdpt-render/path/light_pool.h"
 
 namespace tdpt {
 namespace {
+
+constexpr uint64_t kMostSamples = uint64_t{1} << 32;  // as --spp
 
 // By PortalWay::Way.
 constexpr std::array kWays{"as drawn", "front", "back", "both", "left out"};
@@ -89,7 +92,8 @@ std::string plan_text(const Plan& plan) {
 }
 
 Plan read_plan(const std::string& text, const std::string& file) {
-  const nlohmann::json from = nlohmann::json::parse(text, nullptr, false);
+  const nlohmann::json from =
+      nested_too_deep(text) ? nlohmann::json() : nlohmann::json::parse(text, nullptr, false);
   if (!from.is_object()) throw InputError(file, "", "is no JSON object, expected a plan");
   const Reader in(from, file);
   Plan plan;
@@ -110,6 +114,7 @@ Plan read_plan(const std::string& text, const std::string& file) {
   m.guiding.chance = {in.within("guide_light", 0, 0.95), in.within("guide_camera", 0, 0.95)};
   m.through_windows = in.within("through_windows", 0, 0.95);
   plan.spp = in.get<uint64_t>("spp");
+  if (plan.spp > kMostSamples) in.fail("spp", "is out of range");
   const auto ways = from.find("portals");
   if (ways == from.end() || !ways->is_array()) in.fail("portals", "is no list");
   for (const nlohmann::json& entry : *ways) {
@@ -140,7 +145,10 @@ std::string plan_file_text(const PlanFile& file) {
 
 PlanFile read_plan_file(const std::string& path) {
   const std::string name = display_name(path);
-  const auto from = nlohmann::ordered_json::parse(read_file(path), nullptr, false);
+  const std::string text_of_file = read_file(path);
+  const auto from = nested_too_deep(text_of_file)
+                        ? nlohmann::ordered_json()
+                        : nlohmann::ordered_json::parse(text_of_file, nullptr, false);
   if (!from.is_object() || !from.contains("plan"))
     throw InputError(name, "", "is no plan, expected one from --plan");
   PlanFile file{read_plan(from["plan"].dump(), name), {}, {}};

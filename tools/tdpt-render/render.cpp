@@ -34,6 +34,15 @@ uint64_t next_frame(uint64_t spp) {
   return spp + std::max<uint64_t>(1, spp < 256 ? 1 : spp / 16);
 }
 
+Film::Options film_options(const World& world, const std::vector<Candidate>& candidates,
+                           const RenderSettings& settings) {
+  TechniqueSet all;
+  for (const Candidate& c : candidates) all = all | c.integrator.mixture.techniques;
+  const bool varies = longest_path(world, settings.max_depth, settings.alpha) > 0;
+  return film_options(settings.layers ? all : TechniqueSet(), settings.alpha,
+                      settings.variance && varies ? 1 : 0);
+}
+
 namespace {
 
 constexpr uint64_t kMostSamples = uint64_t{1} << 32;  // of a pixel, as --spp
@@ -63,18 +72,11 @@ class Clock {
   double aside_, cpu_aside_;
 };
 
-Film empty_film(const World& world, const std::vector<Candidate>& candidates,
-                const RenderSettings& settings) {
-  TechniqueSet all;
-  for (const Candidate& c : candidates) all = all | c.integrator.mixture.techniques;
-  const bool varies = longest_path(world, settings.max_depth, settings.alpha) > 0;
-  return film_for(world, settings.layers ? all : TechniqueSet(), settings.alpha,
-                  settings.variance && varies ? 1 : 0);
-}
-
 Standing beginning(const World& world, const std::vector<Candidate>& candidates,
                    const RenderSettings& settings, const Course& course) {
-  Standing standing(empty_film(world, candidates, settings), settings.limits());
+  Standing standing(Film(world.film.width(), world.film.height(), world.lights.power(),
+                         film_options(world, candidates, settings)),
+                    settings.limits());
   if (course.plan) standing.goal = course.plan->spp;
   if (course.part.count == 0) return standing;
   standing.first = course.part.first;
@@ -305,7 +307,7 @@ void Rendering::judge() {
 
 // Then there is a new goal. The samples that are there stay.
 bool Rendering::retry_is_due() {
-  if (!settings_.retry || !target_) return false;
+  if (!settings_.retry || !target_ || target_->retried) return false;
   TargetOutcome& target = *target_;
   const ErrorEstimate told =
       blocks_.blocks().size() > 2 ? estimate_error(blocks_.blocks()) : ErrorEstimate{};
@@ -375,6 +377,7 @@ uint64_t Rendering::next_pass(uint64_t most) const {
 
 // Not more than a tenth of the time goes into one, however large the picture.
 void Rendering::receive_visitors() {
+  if (result_.hasty) return;
   due_.resize(course_.visitors.size(), standing_.began);
   for (size_t i = 0; i < due_.size(); ++i) {
     const Course::Visitor& visitor = course_.visitors[i];
@@ -395,8 +398,8 @@ void Rendering::render_goal() {
   if (goal_ == 0) progress.ends_after(settings_.seconds - clock_.seconds());
   // Small pictures take several samples a pass, so that threads have something to share.
   const uint64_t most = std::max<uint64_t>(1, (uint64_t{1} << 16) / pixels_);
-  if (longest_ == 0 && film_.samples() == 0)
-    film_.complete({standing_.first, std::max<uint64_t>(goal_, 1)});
+  if (const uint64_t all = std::max<uint64_t>(goal_, 1); longest_ == 0 && film_.samples() < all)
+    film_.complete({standing_.next(), all - film_.samples()});
   while (const uint64_t n = next_pass(most)) {
     // A signal that comes when all is there cuts nothing short, and there must be a picture.
     result_.interrupted = stop_requested() && film_.samples() > 0;
@@ -428,6 +431,8 @@ RenderResult Rendering::finish() {
   result_.cpu_seconds = clock_.cpu();
   result_.spp = film_.samples();
   result_.tally.add(standing_.tally);
+  // What has ended by the clock has ended.
+  if (goal_ == 0 && !result_.interrupted) goal_ = film_.samples();
   result_.target = target_;
   if (!target_) result_.noise = watch_.noise(film_);
   result_.picture = film_.picture();

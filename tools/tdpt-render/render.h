@@ -35,6 +35,10 @@ struct RenderSettings {
   Limits limits() const { return {spp, seconds, target_error, retry}; }
 };
 
+/// What the film of such a rendering keeps.
+Film::Options film_options(const World& world, const std::vector<Candidate>& candidates,
+                           const RenderSettings& settings);
+
 /// What a rendering obeys, goes on from, or is a part of.
 struct Course {
   std::optional<Plan> plan;          ///< to obey; none: it is decided

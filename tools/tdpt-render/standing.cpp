@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "libcommon/base/error.h"
+#include "libcommon/base/json_depth.h"
 
 namespace tdpt {
 namespace {
@@ -51,6 +52,11 @@ class Reader {
       fail(key, "is out of range");
     return value.get<uint64_t>();
   }
+  double finite(const char* key) const {
+    const double value = real(key);
+    if (!(value <= 1e12)) fail(key, "is out of range");
+    return value;
+  }
   double real(const char* key) const {
     const Json& value = at(key);
     if (value.is_null()) return std::numeric_limits<double>::infinity();  // as JSON has it
@@ -80,7 +86,7 @@ Json json_of(const Limits& limits) {
 }
 
 Limits limits_of(const Reader& in) {
-  return {in.whole("spp"), in.real("seconds"), in.real("target_error"), in.flag("retry")};
+  return {in.whole("spp"), in.finite("seconds"), in.finite("target_error"), in.flag("retry")};
 }
 
 Json json_of(const Pilot& pilot) {
@@ -135,9 +141,9 @@ TargetOutcome target_of(const Reader& in) {
   return target;
 }
 
-// Where the film is the whole of a picture that does not go on, as exrmerge leaves one.
-void stand_at_the_end(const FilmFacts& facts, Standing& standing) {
-  standing.goal = standing.film.samples();
+// Where the film is that of a picture, or the beginning of one, as exrmerge leaves it.
+void stand_without_state(const FilmFacts& facts, Standing& standing) {
+  standing.goal = facts.spp;
   standing.limits.spp = facts.spp;
 }
 
@@ -148,10 +154,12 @@ void read_state(const Reader& in, PictureParts parts, std::vector<Vec3d> before,
   standing.goal = in.whole("goal");
   standing.added = in.whole("added");
   standing.whole = in.whole("whole");
-  standing.seconds = in.real("seconds");
-  standing.cpu_seconds = in.real("cpu_seconds");
-  standing.began = in.real("began");
+  standing.seconds = in.finite("seconds");
+  standing.cpu_seconds = in.finite("cpu_seconds");
+  standing.began = in.finite("began");
   if (!in.at("target").is_null()) standing.target = target_of(in.of("target"));
+  if (standing.goal == 0 && standing.limits.seconds == 0)
+    in.fail("goal", "is 0, and no time ends the rendering");
   standing.pilot = pilot_of(in.of("pilot"));
   const uint64_t size = in.whole("block_samples");
   if (size == 0) in.fail("block_samples", "is out of range");
@@ -224,9 +232,10 @@ Standing standing_of(FilmFile file, const std::string& name) {
   Standing standing(std::move(file.film), {});
   add_counts(file.facts.counts, standing.tally);
   if (file.facts.state.empty()) {
-    stand_at_the_end(file.facts, standing);
+    stand_without_state(file.facts, standing);
   } else {
-    const Json json = Json::parse(file.facts.state, nullptr, false);
+    const std::string& state = file.facts.state;
+    const Json json = nested_too_deep(state) ? Json() : Json::parse(state, nullptr, false);
     if (!json.is_object()) throw InputError(name, "film.state", "is no JSON object");
     PictureParts parts;
     for (Picture& block : file.blocks.blocks) parts.push_back(std::move(block.pixels));
