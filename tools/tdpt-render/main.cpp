@@ -18,8 +18,8 @@
 #include "tools/tdpt-render/choice.h"
 #include "tools/tdpt-render/course.h"
 #include "tools/tdpt-render/covered_lamps.h"
+#include "tools/tdpt-render/delivery.h"
 #include "tools/tdpt-render/explain.h"
-#include "tools/tdpt-render/features.h"
 #include "tools/tdpt-render/given_portals.h"
 #include "tools/tdpt-render/picture_size.h"
 #include "tools/tdpt-render/portal_report.h"
@@ -38,15 +38,6 @@ constexpr cli::Program kProgram{
 
 // Of each pixel, where nothing else says how many.
 constexpr cli::ByQuality<uint64_t> kSamples{4, 16, 64};
-
-struct Loaded {
-  Scene scene;
-  Camera camera;
-  PictureSize size;
-  std::vector<Portal> portals;
-  std::vector<cli::Common::Input> files;
-  std::vector<std::string> portal_hashes;  // of the files
-};
 
 Loaded load(const Arguments& a, const cli::Common& common) {
   Loaded in;
@@ -88,138 +79,6 @@ RenderSettings settings_of(const Arguments& a, const cli::Common& common) {
   settings.frames = !a.stats.empty();
   settings.fixed = !a.plan.empty();
   return settings;
-}
-
-// What is rendered, from the command line to the film.
-struct Job {
-  const Arguments& a;
-  const cli::Common& common;
-  Loaded in;
-  Request request;
-  RenderSettings settings;
-  GivenCourse given;
-  Shape shape, film_shape;
-
-  bool is_shard() const { return !a.shard.empty(); }
-  bool only_plans() const { return tdpt::only_plans(a, common.output_given); }
-  // Of one that is written beside the picture.
-  bool writes_plan() const { return !a.plan.empty() && given.plan_file.empty(); }
-  // Where what there is is kept; empty: nowhere.
-  std::string checkpoint() const { return a.checkpoint.empty() ? a.resume : a.checkpoint; }
-};
-
-// Of the picture that the film becomes. A rendering that goes on has those of its beginning.
-// `target`: how it came out, once that is known.
-std::map<std::string, std::string> attributes_of(const Job& job, const Choice& choice,
-                                                 const Plan& plan,
-                                                 const std::optional<TargetOutcome>& target) {
-  std::map<std::string, std::string> attributes = job.given.attributes;
-  if (attributes.empty()) {
-    cli::Common common = job.common;
-    if (!job.given.command.empty()) common.command = job.given.command;
-    attributes = exr_attributes(choice.integrator, choice.candidates.size() > 1 ? plan.label : "",
-                                job.settings, common.provenance(job.in.files));
-  }
-  if (job.common.no_provenance) attributes.erase(provenance_attribute);
-  if (target) attributes.merge(target_attributes(*target));
-  return attributes;
-}
-
-// Those of --aov that the film's sums tell.
-std::vector<std::string> derived_of(const Arguments& a) {
-  std::vector<std::string> derived;
-  for (const std::string& name : aovs_of(a))
-    if (std::find(kDerived.begin(), kDerived.end(), name) != kDerived.end())
-      derived.push_back(name);
-  return derived;
-}
-
-// Channels that no sample changes: of several shards the first has them.
-Channels channels_of(const Job& job, const World& world) {
-  if (job.a.aov.empty() || (job.is_shard() && shard_of(job.a.shard).index > 0)) return {};
-  return features(world, aovs_of(job.a), job.common.seed);
-}
-
-// A rendering while it lasts, or where it has ended: `target` and `channels` belong to the end.
-struct Outcome {
-  const Job& job;
-  const Choice& choice;
-  Standing& standing;
-  const Plan& plan;
-  std::optional<TargetOutcome> target{};
-  Channels channels{};
-};
-
-std::string film_of(const Outcome& r) {
-  return film_bytes(r.standing, r.plan, r.job.film_shape,
-                    merged_words(r.job.given.processor, processor_code()), derived_of(r.job.a),
-                    attributes_of(r.job, r.choice, r.plan, r.target), r.channels);
-}
-
-std::string picture_of(const Outcome& r) {
-  if (r.job.is_shard()) return film_of(r);
-  FilmFacts facts;
-  facts.derived = derived_of(r.job.a);
-  facts.attributes = attributes_of(r.job, r.choice, r.plan, r.target);
-  return exr_bytes(finished_picture(r.standing.film, facts, r.channels));
-}
-
-// A checkpoint that cannot be written costs nothing but a warning: the one before is whole.
-bool save(const Outcome& r) {
-  const std::string path = r.job.checkpoint();
-  std::string why;
-  try {
-    write_output(path, film_of(r));
-    return true;
-  } catch (const OutputError& e) {
-    why = e.what();
-  } catch (const std::bad_alloc&) {
-    why = path + ": there is no memory for it";
-  }
-  std::error_code ignored;
-  r.job.common.warn(why + (std::filesystem::exists(path, ignored)
-                               ? "; the checkpoint before it is kept"
-                               : "; there is no checkpoint yet"));
-  return false;
-}
-
-constexpr double kPreviewEvery = 5;  // seconds
-
-// What there is, for whoever looks on. Whether it can be written the end tells.
-void show(const Job& job, const Picture& picture) {
-  try {
-    write_output(job.a.preview, png_bytes(picture, auto_exposure(picture)));
-  } catch (const OutputError&) {
-  }
-}
-
-void deliver(const Outcome& r, const RenderResult& result) {
-  const Job& job = r.job;
-  const Arguments& a = job.a;
-  const Picture& picture = result.picture;
-  cli::deliver({{job.common.output, [&] { return picture_of(r); }},
-                {a.preview, [&] { return png_bytes(picture, auto_exposure(picture)); }},
-                {a.nonzero, [&] { return png_bytes(nonzero_picture(picture), 0); }},
-                {job.writes_plan() && !result.hasty ? a.plan : "",
-                 [&] {
-                   return plan_file_text({result.plan, job.shape, job.common.command});
-                 }},
-                {a.stats,
-                 [&] {
-                   return stats_json(r.choice.integrator, job.settings, result, job.in.portals) +
-                          "\n";
-                 }}},
-               job.common);
-}
-
-// What could not be written, and where all that was rendered is now.
-std::string kept_sentence(const Outcome& r, bool saved) {
-  if (saved)
-    return fmt::format("all samples are in {}: --resume writes the picture",
-                       display_name(r.job.checkpoint()));
-  const std::string& output = r.job.common.output;
-  const std::string path = keep_elsewhere(output == "-" ? "picture.exr" : output, picture_of(r));
-  return path.empty() ? "the picture is lost" : "the picture is kept in " + path;
 }
 
 // Share of the light that segments through portals brought; 1 where none took part.
@@ -299,15 +158,7 @@ int print_shards(const Arguments& a, const cli::Common& common) {
   return 0;
 }
 
-// Writes what there is at the end. Where the picture cannot be, it is kept elsewhere.
-void write(const Outcome& r, const RenderResult& result) {
-  const bool saved = !r.job.checkpoint().empty() && !result.hasty && save(r);
-  try {
-    deliver(r, result);
-  } catch (const OutputError& e) {
-    throw Error(e.code, fmt::format("{}; {}", e.what(), kept_sentence(r, saved)));
-  }
-}
+constexpr double kPreviewEvery = 5;  // seconds
 
 // Renders, and tells of it.
 int render(const Job& job, World& world, const Choice& choice, Course course) {
@@ -329,8 +180,8 @@ int render(const Job& job, World& world, const Choice& choice, Course course) {
     job.common.note("stopped by a signal before all was decided: no shard is written");
     return static_cast<int>(Exit::interrupted);
   }
-  write({job, choice, *result.standing, result.plan, result.target, channels_of(job, world)},
-        result);
+  deliver({job, choice, *result.standing, result.plan, result.target, channels_of(job, world)},
+          result);
   report(job, world, choice, result);
   job.common.explain_by([&] {
     return decisions_of({world, portals, job.request, choice, job.settings, result});
