@@ -15,6 +15,7 @@
 #   make scale     time and memory of every program, a thousand to ten million triangles: doc/scale.md (a quarter of an
 #                  hour, 5 GiB of memory)
 #   make test      installs what is missing, builds, runs every test
+#   make test-report   reports of three scenes, opened in a headless Chromium: build/report (five minutes)
 #   make bench     speed, and noise after a minute, of every integrator (bench/integrator-speed.sh; 20 minutes)
 #   make bench-efficiency   error against time of every integrator, with aims: doc/efficiency.md (an hour on two
 #                  cores; BASELINE=PROGRAM BASELINE_NAME=WORDS: gains are over that older one's)
@@ -37,7 +38,7 @@ TEST_STATUS ?=
 # All that is there to run; `make build` adds every test and benchmark.
 PROGRAMS = ffgraph mincut lightgrid portalfit tdpt-render exrdiff exrmerge tdpt-info
 
-.PHONY: all build programs demo figures stages portals regret tradeoff whole-light target-error sky only-needed grid-speed scale limit bench bench-efficiency efficiency-references test install uninstall package package-test sanitize fuzz packages format clean
+.PHONY: all build programs demo figures stages portals regret tradeoff whole-light target-error sky only-needed grid-speed scale limit bench bench-efficiency efficiency-references test test-report install uninstall package package-test sanitize fuzz packages format clean
 all: build
 
 build:
@@ -61,6 +62,16 @@ test:
 	@$(MAKE) --no-print-directory packages build
 	@ctest --preset release --parallel $(JOBS); code=$$?; \
 	if [ -n "$(TEST_STATUS)" ]; then echo $$code >"$(TEST_STATUS)"; else exit $$code; fi
+
+# AJAR: a scene of the paper, left out where it is not there.
+AJAR ?= ../shared/scenes/veach-ajar.glb
+test-report: programs
+	@sh cmake/install-packages.sh cmake/packages-report.txt
+	@mkdir -p build/report
+	@cp testdata/scenes/two-rooms.glb testdata/scenes/furnace.glb $(wildcard $(AJAR)) build/report
+	@$(MAKE) --no-print-directory -s -C build/report -f ../../tools/tdpt.mk TDPT_BIN=../bin/ two-rooms.report.html \
+	  furnace.report.html $(patsubst %.glb,%.report.html,$(notdir $(wildcard $(AJAR))))
+	@python3 -B tools/tdpt/report_browser_test.py build/report/screenshots build/report/*.report.html
 
 demo:
 	@echo "make demo: ends on the picture demo/before-after.png; first installs the packages that are missing and compiles" \
