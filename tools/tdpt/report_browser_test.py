@@ -15,6 +15,7 @@ import tempfile
 
 CHECK = """(() => {
   const wrong = [];
+  if (!document.querySelector('main section')) wrong.push('is no report');
   const wide = document.documentElement.scrollWidth;
   if (wide > innerWidth) {
     const widest = [...document.querySelectorAll('body *')].filter(e => e.getBoundingClientRect().right > innerWidth + 1 &&
@@ -111,7 +112,9 @@ def look(browser, page, folder):
             browser.events = []
             browser.ask("Emulation.setDeviceMetricsOverride", width=width, height=900, deviceScaleFactor=1, mobile=False)
             browser.ask("Emulation.setEmulatedMedia", media="screen", features=[{"name": "prefers-color-scheme", "value": scheme}])
-            browser.ask("Page.navigate", url=address)
+            answer = browser.ask("Page.navigate", url=address)
+            if answer.get("errorText"):
+                return [f"{page}: {answer['errorText']}"]
             browser.wait("Page.loadEventFired")
             # As it opens, and with all that can be unfolded.
             for state in ("closed", "open"):
