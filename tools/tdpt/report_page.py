@@ -249,7 +249,9 @@ class Verdict:
         fit = next((s for s in m["stages"] if s["tool"] == "portalfit"), None)
         self.by_stages = fit is not None
         self.last = m["with"]["last"]
-        self.portals = get(self.last, "portals") or []
+        # What was looked at before rendering, the first step tells alone.
+        looked = {p.get("name"): p for p in get(m["with"], "first", "portals") or []}
+        self.portals = [{**p, "light": looked.get(p.get("name"), p).get("light")} for p in get(self.last, "portals") or []]
         self.fitted = {p.get("name"): p for p in get(fit, "json", "portals") or []}
         self.reason = get(fit, "json", "reason") or ""
         self.foretold = get(m["with"], "first", "scout", "portals_gain")
@@ -369,6 +371,7 @@ h3{font-size:1rem;margin:0 0 .4em}
 a{color:var(--link);text-underline-offset:.2em}
 :focus-visible{outline:2px solid var(--link);outline-offset:3px}
 .eyebrow,figcaption,caption,.note,.none,nav,body>footer{color:var(--soft);font-size:.875rem}
+.said{color:var(--ink)}
 .eyebrow{margin:0;letter-spacing:.02em}
 .verdict{font-size:clamp(1.1rem,1rem + .5vw,1.35rem);line-height:1.45;max-width:36rem;margin:0 0 .8em}
 .hero{display:grid;gap:1.5rem 3rem;align-items:start}
@@ -440,6 +443,7 @@ body>footer{margin-top:4rem;padding-bottom:3rem}
  table.stack,table.stack tbody,table.stack tr,table.stack th,table.stack td,table.stack caption{display:block}
  table.stack tr{padding:.6rem 0;border-bottom:1px solid var(--rule)}
  table.stack th,table.stack td{border:0;padding:.1rem 0}
+ table.stack .n{text-align:left;white-space:normal}
  table.stack td:empty{display:none}
  table.stack tbody th{font-weight:600}
  table.stack td[data-head]::before{content:attr(data-head) ": ";color:var(--soft)}
@@ -497,7 +501,7 @@ def stages_part(folder, m, v):
             again = "This account is of a second run, aside: the result was there before a report was asked for. " + (
                 "Both runs made the same bytes." if stage["same"] else "Its result differs from the one that was used.")
         out.append(el("figure", el("h3", el("code", stage["tool"]), " \u00b7 ", heading), body,
-                      el("figcaption", how, [el("br"), el("strong", notes[0][0].upper() + notes[0][1:])] if notes else None,
+                      el("figcaption", how, [el("br"), el("span", notes[0], class_="said")] if notes else None,
                          [el("br"), again] if again else None), class_="picture"))
     if not out:
         out = [el("p", "The stages did not run for this page: " + (
@@ -521,7 +525,7 @@ def portals_part(m, v):
         body.append(table("The portals. Light passing: share of a small picture\u2019s light, before rendering; by segments: share of the "
                           "picture\u2019s light that paths begun in the portal brought", ("Portal", "Area [m\u00b2]", "Share of the lines",
                           "Conduct\u00adance", "Tight\u00adness", "Support", "Normal off by", "Light passing", "By segments"), rows,
-                          numeric=range(1, 9)))
+                          numeric=range(1, 9), class_="stack"))
         drawbacks = [el("li", name(n), f": {f['drawback']}.") for n, f in v.fitted.items() if f.get("drawback")]
         body.append(el("ul", drawbacks) if drawbacks else None)
         lead = f"Foretold by tdpt-render: {figure(v.foretold)} times the efficiency of {v.best_plain or 'the best way'} without, "\
@@ -679,7 +683,7 @@ def page(folder):
     what = join([what, ", ", count(len(cameras), "camera") if isinstance(cameras, list) else "cameras not told", ", ", " and ".join(light) or "no lamp"])
     cost = sum(get(s, "json", "cpu_seconds") - (get(s, "json", "phases", "pictures", "cpu_seconds") or 0) for s in m["stages"]
                if number(get(s, "json", "cpu_seconds")))
-    keys = [(str(len(v.portals)), "portals found" if v.by_stages else "portals given"),
+    keys = [(str(len(v.portals)), ("portal" if len(v.portals) == 1 else "portals") + (" found" if v.by_stages else " given")),
             (figure(v.foretold, 2, "\u202f\u00d7") if number(v.foretold) else "\u2013",
              "efficiency over the best way without, as tdpt-render foretold" if number(v.foretold) else "efficiency over the best way without: not foretold"),
             (figure(v.gain, 2, "\u202f\u00d7"), f"efficiency of {m['integrator']} over bdpt without portals, measured"),
