@@ -16,6 +16,7 @@
 #                  hour, 5 GiB of memory)
 #   make test      installs what is missing, builds, runs every test
 #   make test-slurm    the files of doc/farm/ under Slurm, on this machine, as root: a node dies, the bytes stay (three minutes)
+#   make test-report   reports of three scenes, opened in a headless Chromium: build/report (five minutes)
 #   make bench     speed, and noise after a minute, of every integrator (bench/integrator-speed.sh; 20 minutes)
 #   make bench-efficiency   error against time of every integrator, with aims: doc/efficiency.md (an hour on two
 #                  cores; BASELINE=PROGRAM BASELINE_NAME=WORDS: gains are over that older one's)
@@ -39,7 +40,7 @@ TEST_STATUS ?=
 # All that is there to run; `make build` adds every test and benchmark.
 PROGRAMS = ffgraph mincut lightgrid portalfit tdpt-render exrdiff exrmerge tdpt-info
 
-.PHONY: all build programs demo figures stages portals regret tradeoff whole-light target-error sky only-needed grid-speed scale limit bench bench-efficiency efficiency-references shards test test-slurm install uninstall package package-test sanitize fuzz packages format clean
+.PHONY: all build programs demo figures stages portals regret tradeoff whole-light target-error sky only-needed grid-speed scale limit bench bench-efficiency efficiency-references shards test test-slurm test-report install uninstall package package-test sanitize fuzz packages format clean
 all: build
 
 build:
@@ -69,6 +70,15 @@ test-slurm: programs
 	@sh cmake/install-packages.sh cmake/packages-slurm.txt
 	@for what in kills seed processor; do \
 	  sh libcommon/testing/slurm_test.sh build/bin testdata doc/farm $$what || exit 1; done
+# AJAR: a scene of the paper, left out where it is not there.
+AJAR ?= ../shared/scenes/veach-ajar.glb
+test-report: programs
+	@sh cmake/install-packages.sh cmake/packages-report.txt
+	@mkdir -p build/report
+	@cp testdata/scenes/two-rooms.glb testdata/scenes/furnace.glb $(wildcard $(AJAR)) build/report
+	@$(MAKE) --no-print-directory -s -C build/report -f ../../tools/tdpt.mk TDPT_BIN=../bin/ two-rooms.report.html \
+	  furnace.report.html $(patsubst %.glb,%.report.html,$(notdir $(wildcard $(AJAR))))
+	@python3 -B tools/tdpt/report_browser_test.py build/report/screenshots build/report/*.report.html
 
 demo:
 	@echo "make demo: ends on the picture demo/before-after.png; first installs the packages that are missing and compiles" \

@@ -7,7 +7,7 @@
 # has to be deleted, and what a stopped render has written stays.
 
 # A shell may have variables of these common names that mean something else.
-$(foreach name,ENVIRONMENT ENVIRONMENT_FLAGS PORTALS PREVIEWS QUALITY QUIET SEED THREADS,\
+$(foreach name,ENVIRONMENT ENVIRONMENT_FLAGS PORTALS PREVIEWS QUALITY QUIET SEED THREADS TDPT_TELL,\
   $(if $(filter environment,$(origin $(name))),$(eval undefine $(name))))
 
 FFGRAPH ?= $(TDPT_BIN)ffgraph
@@ -15,6 +15,15 @@ MINCUT ?= $(TDPT_BIN)mincut
 LIGHTGRID ?= $(TDPT_BIN)lightgrid
 PORTALFIT ?= $(TDPT_BIN)portalfit
 TDPT_RENDER ?= $(TDPT_BIN)tdpt-render
+EXRDIFF ?= $(TDPT_BIN)exrdiff
+TDPT_INFO ?= $(TDPT_BIN)tdpt-info
+PYTHON ?= python3
+# Of a report: CPU seconds of each picture, samples of the reference over theirs, pixels across.
+REPORT_TIME ?= 10
+REPORT_REFERENCE ?= 8
+REPORT_WIDTH ?= 320
+tdpt_rules := $(dir $(lastword $(MAKEFILE_LIST)))
+tdpt_scripts := $(firstword $(wildcard $(tdpt_rules)tdpt/report_page.py $(tdpt_rules)report_page.py))
 
 # The pictures of all scenes in this folder.
 TDPT_PICTURES = $(sort $(addsuffix .exr,$(basename $(filter-out %.portal.glb %.portal.gltf %.partial.glb,$(wildcard *.glb *.gltf)))))
@@ -27,8 +36,9 @@ tdpt_cut = $(strip $(MINCUT) $(tdpt_all) $(MINCUT_FLAGS))
 tdpt_vdb = $(strip $(LIGHTGRID) $(tdpt_sky) $(tdpt_all) $(LIGHTGRID_FLAGS))
 tdpt_glb = $(strip $(PORTALFIT) $(tdpt_all) $(PORTALFIT_FLAGS))
 tdpt_exr = $(strip $(TDPT_RENDER) $(addprefix --portal ,$(tdpt_portals)) $(tdpt_sky) $(tdpt_all) $(TDPT_RENDER_FLAGS))
-tdpt_free = $(if $(THREADS),--threads $(THREADS)) \
-  $(if $(or $(QUIET),$(if $(TDPT_STATUS),,$(findstring s,$(firstword -$(MAKEFLAGS))))),--quiet)
+tdpt_html = $(strip report $(REPORT_TIME) $(REPORT_REFERENCE) $(REPORT_WIDTH) $(tdpt_exr))
+tdpt_quiet = $(if $(or $(QUIET),$(if $(TDPT_STATUS),,$(findstring s,$(firstword -$(MAKEFLAGS))))),--quiet)
+tdpt_free = $(if $(THREADS),--threads $(THREADS)) $(if $(TDPT_TELL),,$(tdpt_quiet))
 
 # Of the target in whose rule they stand, $* being its stem: scene, portals, file of the sky. A portal is no scene.
 # Which scene another picture shows is looked up by its name: a variable of the target would hold for all that it needs.
@@ -38,7 +48,11 @@ tdpt_scene = $(or $(if $(filter %.portal,$(tdpt_stem)),.tdpt/a-portal-is-no-scen
 tdpt_portals = $(if $(filter undefined,$(origin PORTALS)),$(tdpt_stem).portal.glb,$(PORTALS))
 tdpt_sky_file = $(if $(or $(findstring /,$(ENVIRONMENT)),$(filter %.exr %.hdr %.pic,$(ENVIRONMENT))),$(ENVIRONMENT))
 # A portal that is there and not of portalfit was drawn by hand and stays.
-tdpt_by_hand = $(if $(wildcard $@),$(if $(shell grep -c '"generator":"tdpt ' '$@' | grep -v '^0'),,$@))
+tdpt_drawn = $(if $(wildcard $1),$(if $(shell grep -c '"generator":"tdpt ' '$1' | grep -v '^0'),,$1))
+tdpt_by_hand = $(call tdpt_drawn,$@)
+# Of a report: whose stages found its portals; nothing where none did.
+tdpt_found = $(patsubst %.portal.glb,%,$(firstword $(foreach file,$(filter %.portal.glb,$(tdpt_portals)),\
+  $(if $(call tdpt_drawn,$(file)),,$(file)))))
 
 # tdpt-again where the target was made by another command than $1, or preview $2 is asked for and missing.
 tdpt_known = .tdpt/$(subst ../,up/,$@)
@@ -47,7 +61,17 @@ tdpt_again = $(if $(or $(call tdpt_differ,$(strip $(file <$(tdpt_known).command)
   $(if $(PREVIEWS),$(if $(wildcard $2),,missing))),tdpt-again)
 
 tdpt_partial = $(basename $@).partial$(suffix $@)
-tdpt_preview = $(if $(PREVIEWS),--preview $@.png)
+tdpt_preview = $(if $(or $(PREVIEWS),$(TDPT_TELL)),--preview $(if $(TDPT_TELL),$(tdpt_telling).png,$@.png))
+# A stage that runs for a report keeps what it tells of itself and its picture beside .command; its notes come afterwards.
+tdpt_telling = $(tdpt_known).partial.told
+tdpt_notes = grep -v ', because '
+tdpt_tell = $(if $(TDPT_TELL), --json --explain >$(tdpt_telling).json 2>$(tdpt_telling).txt || \
+  { code=$$?; $(tdpt_notes) $(tdpt_telling).txt >&2; (exit $$code); })
+define tdpt_keep
+$(if $(TDPT_TELL),@$(tdpt_notes) $(tdpt_telling).txt $(if $(tdpt_quiet),| grep warning) >&2 || :
+@$(if $(PREVIEWS),cp $(tdpt_telling).png $@.png;) for end in png txt json; do \
+  mv -f $(tdpt_telling).$$end $(tdpt_known).told.$$end; done; touch $(tdpt_known).told.json)
+endef
 tdpt_to = -o $(tdpt_partial) -MF $(tdpt_known).d -MQ $@
 tdpt_quoted = '$(subst ','\'',$1)'
 # A caller who wants the exit code of what failed names a file for it.
@@ -64,23 +88,27 @@ endef
 
 %.max: $$(tdpt_scene) $$(tdpt_sky_file) $$(call tdpt_again,$$(tdpt_max),$$@.png)
 	$(tdpt_begin)
-	$(tdpt_max) $(tdpt_free) $(tdpt_preview) $< $(tdpt_to)$(tdpt_told)
+	$(tdpt_max) $(tdpt_free) $(tdpt_preview) $< $(tdpt_to)$(tdpt_tell)$(tdpt_told)
 	$(call tdpt_end,$(tdpt_max))
+	$(tdpt_keep)
 
-%.cut: %.max $$(if $$(PREVIEWS),$$(tdpt_scene)) $$(call tdpt_again,$$(tdpt_cut),$$@.png)
+%.cut: %.max $$(if $$(or $$(PREVIEWS),$$(TDPT_TELL)),$$(tdpt_scene)) $$(call tdpt_again,$$(tdpt_cut),$$@.png)
 	$(tdpt_begin)
-	$(tdpt_cut) $(tdpt_free) $(tdpt_preview) $(if $(PREVIEWS),--scene $(tdpt_scene)) $< $(tdpt_to)$(tdpt_told)
+	$(tdpt_cut) $(tdpt_free) $(tdpt_preview) $(if $(or $(PREVIEWS),$(TDPT_TELL)),--scene $(tdpt_scene)) $< $(tdpt_to)$(tdpt_tell)$(tdpt_told)
 	$(call tdpt_end,$(tdpt_cut))
+	$(tdpt_keep)
 
 %.vdb: $$(tdpt_scene) %.cut $$(tdpt_sky_file) $$(call tdpt_again,$$(tdpt_vdb),$$@.png)
 	$(tdpt_begin)
-	$(tdpt_vdb) $(tdpt_free) $(tdpt_preview) $< $*.cut $(tdpt_to)$(tdpt_told)
+	$(tdpt_vdb) $(tdpt_free) $(tdpt_preview) $< $*.cut $(tdpt_to)$(tdpt_tell)$(tdpt_told)
 	$(call tdpt_end,$(tdpt_vdb))
+	$(tdpt_keep)
 
 %.portal.glb: $$(if $$(tdpt_by_hand),,$$*.vdb $$(call tdpt_again,$$(tdpt_glb),$$@.png))
 	$(tdpt_begin)
-	$(tdpt_glb) $(tdpt_free) $(tdpt_preview) $< $(tdpt_to)$(tdpt_told)
+	$(tdpt_glb) $(tdpt_free) $(tdpt_preview) $< $(tdpt_to)$(tdpt_tell)$(tdpt_told)
 	$(call tdpt_end,$(tdpt_glb))
+	$(tdpt_keep)
 
 # The preview of a picture lies beside it under its name with .png: that of a texture, perhaps.
 %.exr: $$(tdpt_scene) $$(tdpt_portals) $$(tdpt_sky_file) $$(call tdpt_again,$$(tdpt_exr),$$@.png)
@@ -89,6 +117,19 @@ endef
 	$(tdpt_exr) $(tdpt_free) $(if $(PREVIEWS),--preview) $< $(tdpt_to)$(tdpt_told)
 	$(if $(PREVIEWS),@mv -f $(basename $(tdpt_partial)).png $@.png)
 	$(call tdpt_end,$(tdpt_exr))
+
+# One page of what the stages and two renderings tell. The stages that run for it tell of themselves; of one that ran
+# before, without, the measurement asks again, aside, and leaves its result alone.
+%.report.html: TDPT_TELL = 1
+%.report.html: $$(tdpt_scene) $$(tdpt_portals) $$(if $$(tdpt_found),$$(addprefix $$(tdpt_found),.max .cut .vdb)) \
+  $$(tdpt_sky_file) $$(call tdpt_again,$$(tdpt_html),$$@)
+	$(tdpt_begin)
+	$(PYTHON) -B $(tdpt_scripts:page.py=measure.py) --scene $< --folder $(tdpt_known).parts --time $(REPORT_TIME) \
+	  --reference $(REPORT_REFERENCE) --width $(REPORT_WIDTH) --exrdiff $(EXRDIFF) --info $(TDPT_INFO) $(if $(tdpt_found),\
+	  --stem $(tdpt_found) --known .tdpt/$(subst ../,up/,$(tdpt_found))) $(if $(THREADS),--threads $(THREADS)) $(tdpt_quiet) \
+	  -MF $(tdpt_known).d -MQ $@ -- $(tdpt_exr)$(tdpt_told)
+	$(PYTHON) -B $(tdpt_scripts) $(tdpt_known).parts $(tdpt_partial)$(tdpt_told)
+	$(call tdpt_end,$(tdpt_html))
 
 # What was read, and empty rules for that; none of them is what a plain `make` makes.
 .tdpt/%.d: ;

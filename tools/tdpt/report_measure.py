@@ -1,0 +1,342 @@
+"""report_measure.py: measures what the page of a scene tells, into a folder, for report_page.py.
+
+Renders the scene twice, each for as many CPU seconds: by bdpt without portals, and by `auto` (or what the command says)
+with them. A rendering begins with a part of its time (a quarter where something is decided, whose care follows the length)
+and goes on from its own checkpoint in doublings, so that no sample is drawn twice; every step is held against a reference of another seed, which is rendered last and longer. What
+the stages told of themselves is read where it lies beside their results, and told again by a run aside where it does
+not. CPU seconds, because they are the same on a busy machine. Standard library alone.
+"""
+
+import argparse
+import filecmp
+import json
+import os
+import re
+import shlex
+import shutil
+import signal
+import struct
+import subprocess
+import sys
+import threading
+import zlib
+
+# What a command of tdpt-render may say and a measurement says for itself, with the number of values.
+OURS = {
+    "--spp": 1, "--time": 1, "--target-error": 1, "--retry": 0, "--checkpoint": 1, "--checkpoint-every": 1, "--resume": 1,
+    "--add-samples": 1, "--stats": 1, "--alpha": 0, "--layers": 0, "--aov": 1, "--nonzero": 1, "--preview": 0, "--json": 0,
+    "--explain": 0, "--quiet": 0, "--quality": 1, "--progress": 1, "--width": 1, "--height": 1, "--seed": 1, "--portal": 1,
+    "--integrator": 1, "--guide-light": 1, "--guide-camera": 1, "--segments": 1, "--light-walks": 1}
+STAGES = (("ffgraph", "max"), ("mincut", "cut"), ("lightgrid", "vdb"), ("portalfit", "portal.glb"))
+
+
+class Failed(Exception):
+    """A program that failed: its exit code and what it said."""
+
+    def __init__(self, code, text):
+        super().__init__(text)
+        self.code = code
+
+
+def options_of(words):
+    """The words of a command of tdpt-render after the program -> (the words that stay, {option of OURS: its values})."""
+    stay, ours = [], {}
+    words = list(words)
+    while words:
+        word = words.pop(0)
+        name, equals, value = word.partition("=")
+        if name not in OURS:
+            stay.append(word)
+        elif equals:
+            ours.setdefault(name, []).append(value)
+        else:
+            ours.setdefault(name, []).append(" ".join(words[:OURS[name]]))
+            del words[:OURS[name]]
+    return stay, ours
+
+
+def size_of(ours, width):
+    """Options of a picture of that width, of the shape that the command gives it."""
+    if "--width" in ours and "--height" in ours:
+        height = round(width * int(ours["--height"][-1]) / int(ours["--width"][-1]))
+        return ["--width", str(width), "--height", str(max(1, height))]
+    return ["--width", str(width)]
+
+
+def run(command, env=None):
+    """-> standard output, standard error, largest memory [bytes]; ends what it started when it is ended itself."""
+    read_out, write_out = os.pipe()
+    child = subprocess.Popen(command, stdout=write_out, stderr=subprocess.PIPE, env=env)
+    os.close(write_out)
+    try:
+        kept = []
+
+        def drain():
+            with os.fdopen(read_out, "rb") as stream:
+                kept.append(stream.read())
+        reader = threading.Thread(target=drain)
+        reader.start()
+        err = child.stderr.read().decode("utf-8", "replace")
+        _, status, usage = os.wait4(child.pid, 0)
+        child.returncode = os.waitstatus_to_exitcode(status)
+        reader.join()
+    finally:
+        if child.returncode is None:
+            child.terminate()
+            child.wait()
+        child.stderr.close()
+    if child.returncode != 0:
+        raise Failed(child.returncode if child.returncode > 0 else 6, err)
+    return kept[0].decode("utf-8", "replace"), err, usage.ru_maxrss * 1024
+
+
+def png_columns(data, first, count):
+    """The columns first ... first + count - 1 of an 8-bit RGB PNG without interlace, as a PNG."""
+    at, packed, width, height = 8, b"", 0, 0
+    while at < len(data):
+        length, kind = struct.unpack(">I4s", data[at:at + 8])
+        body = data[at + 8:at + 8 + length]
+        if kind == b"IHDR":
+            width, height, depth, colour, _, _, interlace = struct.unpack(">IIBBBBB", body)
+            if (depth, colour, interlace) != (8, 2, 0):
+                raise ValueError("no plain RGB")
+        elif kind == b"IDAT":
+            packed += body
+        at += length + 12
+    raw, stride = zlib.decompress(packed), 3 * width
+    rows, before = [], bytearray(stride)
+    for y in range(height):
+        how, row = raw[y * (stride + 1)], bytearray(raw[y * (stride + 1) + 1:(y + 1) * (stride + 1)])
+        for i in range(stride):
+            left, up, corner = (row[i - 3] if i > 2 else 0), before[i], (before[i - 3] if i > 2 else 0)
+            if how == 1:
+                row[i] = (row[i] + left) & 255
+            elif how == 2:
+                row[i] = (row[i] + up) & 255
+            elif how == 3:
+                row[i] = (row[i] + (left + up) // 2) & 255
+            elif how == 4:
+                p = left + up - corner
+                near = min((abs(p - left), 0, left), (abs(p - up), 1, up), (abs(p - corner), 2, corner))
+                row[i] = (row[i] + near[2]) & 255
+        rows.append(b"\0" + bytes(row[3 * first:3 * (first + count)]))
+        before = row
+
+    def chunk(kind, body):
+        return struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
+    return (data[:8] + chunk(b"IHDR", struct.pack(">IIBBBBB", count, height, 8, 2, 0, 0, 0)) +
+            chunk(b"IDAT", zlib.compress(b"".join(rows), 9)) + chunk(b"IEND", b""))
+
+
+def told(stem, known, scene, folder, say):
+    """What each stage told of itself, from beside its result or by a run aside."""
+    stages = []
+    for tool, end in STAGES:
+        result, beside = f"{stem}.{end}", f"{known}.{end}"
+        stage = {"tool": tool, "file": os.path.basename(result), "aside": False, "same": None, "json": None, "text": "",
+                 "picture": None, "missing": None, "bytes": None}
+        stages.append(stage)
+        if not os.path.exists(result):
+            stage["missing"] = "its result is not there"
+            continue
+        stage["bytes"] = os.path.getsize(result)
+        picture = os.path.join(folder, f"{tool}.png")
+        try:
+            fresh = os.path.getmtime(f"{beside}.told.json") >= os.path.getmtime(result)
+        except OSError:
+            fresh = False
+        try:
+            if fresh:
+                with open(f"{beside}.told.json", encoding="utf-8", errors="replace") as stream:
+                    stage["json"] = json.load(stream)
+                with open(f"{beside}.told.txt", encoding="utf-8", errors="replace") as stream:
+                    stage["text"] = stream.read()
+                shutil.copyfile(f"{beside}.told.png", picture)
+            else:
+                with open(f"{beside}.command", encoding="utf-8") as stream:
+                    command = stream.read().strip()
+                say(f"{tool} again, aside: it made {os.path.basename(result)} before a report was asked for")
+                inputs = {"max": [scene], "cut": [f"{stem}.max", "--scene", scene], "vdb": [scene, f"{stem}.cut"],
+                          "portal.glb": [f"{stem}.vdb"]}[end]
+                aside = os.path.join(folder, "aside", f"{os.path.basename(stem)}.{end}")
+                os.makedirs(os.path.dirname(aside), exist_ok=True)
+                out, stage["text"], _ = run(["sh", "-c", command + ' "$@"', "sh", *inputs, "--json", "--explain", "--preview",
+                                             picture, "-o", aside])
+                stage["json"] = json.loads(out)
+                stage["aside"], stage["same"] = True, filecmp.cmp(aside, result, shallow=False)
+            stage["picture"] = os.path.basename(picture)
+        except FileNotFoundError:
+            stage["missing"] = "no record of its command is kept, so it could not be asked again"
+        except (Failed, ValueError) as error:
+            stage["missing"] = "asked again, it failed: " + (str(error).strip().splitlines() or ["it said nothing"])[-1]
+    shutil.rmtree(os.path.join(folder, "aside"), ignore_errors=True)
+    return stages
+
+
+class Render:
+    """One of the renderings that are compared: it goes on from its checkpoint until its time is spent."""
+
+    def __init__(self, name, command, folder):
+        self.name, self.command, self.folder = name, command, folder
+        self.steps, self.first, self.last, self.text, self.peak = [], None, None, "", 0
+
+    def step(self, *more):
+        picture = os.path.join(self.folder, f"{self.name}.{len(self.steps)}.exr")
+        film, stats = (os.path.join(self.folder, f"{self.name}.{end}") for end in ("film.exr", "stats"))
+        _, err, peak = run([*self.command, "--checkpoint", film, "--resume", film, "--stats", stats, "--explain", "-o", picture,
+                            *more])
+        with open(stats, encoding="utf-8") as stream:
+            self.last = json.load(stream)
+        self.last.pop("frames", None)
+        if not self.steps:
+            self.first, self.text = self.last, err
+        self.peak = max(self.peak, peak)
+        self.steps.append({"picture": picture, "spp": self.last["spp"], "cpu": self.last["cpu_seconds"],
+                           "wall": self.last["seconds"]})
+
+    def until(self, seconds, part, first):
+        self.step("--time", f"{seconds / part:g}", *first)
+        while len(self.steps) < 16:
+            spp, cpu = self.steps[-1]["spp"], self.steps[-1]["cpu"]
+            more = min(spp, int((seconds - cpu) / cpu * spp + 0.5)) if cpu > 0 else spp
+            if more < 1:
+                break
+            self.step("--add-samples", str(more))
+
+
+def options():
+    parser = argparse.ArgumentParser(prog="report_measure.py")
+    parser.add_argument("--scene", required=True)
+    parser.add_argument("--folder", required=True, help="receives what is measured; emptied first")
+    parser.add_argument("--time", type=float, default=10, help="CPU seconds of each rendering")
+    parser.add_argument("--reference", type=float, default=8, help="samples of the reference, in those of the longest with portals")
+    parser.add_argument("--width", type=int, default=320)
+    parser.add_argument("--exrdiff", required=True)
+    parser.add_argument("--info", required=True)
+    parser.add_argument("--stem", default="", help="of the stages' results; empty where no stage found the portals")
+    parser.add_argument("--known", default="", help="where the stages told of themselves, likewise")
+    parser.add_argument("--threads", default="")
+    parser.add_argument("--quiet", action="store_true")
+    parser.add_argument("-MF", default="")
+    parser.add_argument("-MQ", default="")
+    parser.add_argument("command", nargs="+", help="of tdpt-render, as for the picture")
+    options = parser.parse_args()
+    if not 0.1 <= options.time <= 1e6:
+        parser.error("--time is in CPU seconds, 0.1 to 1000000")
+    if not 1 <= options.reference <= 1e4:
+        parser.error("--reference is a factor, 1 to 10000")
+    if not 16 <= options.width <= 4096:
+        parser.error("--width is in pixels, 16 to 4096")
+    return options
+
+
+def measure(a):
+    def say(words):
+        if not a.quiet:
+            print(f"report: {words}", file=sys.stderr, flush=True)
+    shutil.rmtree(a.folder, ignore_errors=True)
+    os.makedirs(a.folder)
+    stay, ours = options_of(a.command[1:])
+    threads = ["--threads", a.threads] if a.threads else []
+    seed = int(ours.get("--seed", ["1"])[-1])
+    base = [a.command[0], a.scene, *stay, *size_of(ours, a.width), *threads, "--quiet"]
+    loud = [word for word in base if word != "--quiet"]
+    portals = [word for file in ours.get("--portal", []) for word in ("--portal", file)]
+    for name in ("--guide-light", "--guide-camera", "--segments", "--light-walks"):
+        if name in ours:
+            portals += [name, ours[name][-1]]
+    chosen = ours.get("--integrator", ["auto"])[-1]
+
+    stages = told(a.stem, a.known, a.scene, a.folder, say) if a.stem else []
+
+    with_portals = Render("with", [*loud, *portals, "--integrator", chosen, "--seed", str(seed)], a.folder)
+    without = Render("without", [*loud, "--integrator", "bdpt", "--seed", str(seed)], a.folder)
+    say(f"{chosen} with the portals, {a.time:g} CPU seconds")
+    with_portals.until(a.time, 4, ["-MF", a.MF, "-MQ", a.MQ] if a.MF else [])
+    say(f"bdpt without portals, {a.time:g} CPU seconds")
+    without.until(a.time, 16, [])
+    spp = max(1, round(a.reference * with_portals.last["spp"]))
+    say(f"the reference, about {a.reference * a.time:g} CPU seconds")
+    reference = Render("reference", [*base, *portals, "--integrator", chosen, "--seed", str(seed + 1)], a.folder)
+    reference.step("--spp", str(spp))
+    truth = reference.steps[-1]["picture"]
+
+    black = None
+    for render in (with_portals, without):
+        for step in render.steps:
+            out, _, _ = run([a.exrdiff, step["picture"], truth, "--json"])
+            score = json.loads(out)
+            black = score["black"]
+            step.update({key: score[key] for key in ("relmse", "relmse_trimmed", "psnr", "mape", "mean", "reference_mean",
+                                                     "nonzero")})
+        last = render.steps[-1]["picture"]
+        pair = os.path.join(a.folder, "pair.png")
+        run([a.exrdiff, last, truth, "--side-by-side", pair, "-o", os.path.join(a.folder, f"{render.name}-error.png")])
+        with open(pair, "rb") as stream:
+            data = stream.read()
+        width = reference.last["width"]
+        whole = struct.unpack(">I", data[16:20])[0]
+        for name, first in ((render.name, 0), ("reference", whole - width)):
+            with open(os.path.join(a.folder, f"{name}.png"), "wb") as stream:
+                stream.write(png_columns(data, first, width))
+        os.remove(pair)
+
+    files = [a.scene, *(f"{a.stem}.{end}" for _, end in STAGES[:3] if a.stem), *ours.get("--portal", []),
+             without.steps[-1]["picture"], with_portals.steps[-1]["picture"], truth]
+    info = []
+    for file in dict.fromkeys(files):
+        try:
+            info.append(json.loads(run([a.info, "--json", file])[0]))
+        except (Failed, ValueError) as error:
+            info.append({"file": file, "failed": str(error).strip()})
+    version = run([a.command[0], "--version"])[0].strip().splitlines()
+
+    def shown(command):
+        return shlex.join(os.path.basename(word) if os.sep in word else word for word in command if word != "--quiet")
+    for render, name in ((without, "without.exr"), (with_portals, "with.exr"), (reference, "reference.exr")):
+        kept = os.path.join(a.folder, name)
+        os.replace(render.steps[-1]["picture"], kept)
+        for entry in info:
+            if entry["file"] == render.steps[-1]["picture"]:
+                entry["file"] = name
+        for step in render.steps[:-1]:
+            os.remove(step["picture"])
+        for end in ("film.exr", "stats"):
+            os.remove(os.path.join(a.folder, f"{render.name}.{end}"))
+    for entry in info:
+        entry["file"] = os.path.basename(entry["file"])
+
+    def plain(render):
+        steps = [{key: value for key, value in step.items() if key != "picture"} for step in render.steps]
+        return {"command": shown(render.command), "steps": steps, "first": render.first, "last": render.last,
+                "text": render.text, "peak_bytes": render.peak}
+    result = {"scene": os.path.basename(a.scene), "seconds": a.time, "factor": a.reference, "seed": seed,
+              "given": [os.path.basename(file) for file in ours.get("--portal", [])], "stages": stages,
+              "integrator": chosen, "with": plain(with_portals), "without": plain(without), "reference": plain(reference),
+              "black": black, "info": info, "version": version}
+    # Where files lie is nobody's business but the machine's.
+    text = json.dumps(result, indent=1)
+    for path in sorted({os.path.dirname(file) for file in [a.scene, a.stem, a.folder, *ours.get("--portal", [])] if file},
+                       key=len, reverse=True):
+        if len(path) > 1:
+            text = re.sub("(?<![\\w/.])" + re.escape(json.dumps(path + "/")[1:-1]), "", text)
+    with open(os.path.join(a.folder, "measured.json"), "w", encoding="utf-8") as stream:
+        stream.write(text + "\n")
+
+
+def main():
+    def stopped(number, _frame):
+        sys.exit(6 if number == signal.SIGTERM else 130)
+    signal.signal(signal.SIGTERM, stopped)
+    try:
+        measure(options())
+    except Failed as error:
+        sys.stderr.write("".join(line + "\n" for line in str(error).splitlines() if ", because " not in line))
+        return error.code
+    except KeyboardInterrupt:
+        return 6
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

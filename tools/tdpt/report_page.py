@@ -1,0 +1,723 @@
+"""report_page.py FOLDER PAGE: the page of a scene, from what report_measure.py left in FOLDER.
+
+One file that needs nothing else: pictures are data, the plot is SVG, there is no script. Whatever comes from a file is a
+str, which el() escapes; only what el() made is Markup. A figure that is missing is told as missing. Standard library alone.
+"""
+
+import base64
+import html
+import json
+import math
+import os
+import re
+import struct
+import sys
+
+
+class Markup(str):
+    """HTML that is finished."""
+
+
+# What an XML parser or a reader of text could not bear: control characters, marks that turn the direction of text.
+UNSEEN = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\ud800-\udfff\ufffe\uffff\u202a-\u202e\u2066-\u2069]")
+VOID = {"img", "meta", "br", "hr"}
+
+
+def text(value):
+    return value if isinstance(value, Markup) else Markup(html.escape(UNSEEN.sub("\ufffd", str(value)), quote=True))
+
+
+def el(tag, *children, **attributes):
+    """An element. class_ is class, a_b is a-b; None leaves an attribute or a child out; a list is its items."""
+    words = "".join(f' {name.rstrip("_").replace("_", "-")}="{html.escape(UNSEEN.sub(chr(0xfffd), str(value)), quote=True)}"'
+                    for name, value in attributes.items() if value is not None)
+    if tag in VOID:
+        return Markup(f"<{tag}{words}>")
+    return Markup(f"<{tag}{words}>{join(children)}</{tag}>")
+
+
+def join(children):
+    out = []
+    for child in children:
+        if isinstance(child, (list, tuple)):
+            out.append(join(child))
+        elif child is not None:
+            out.append(text(child))
+    return Markup("".join(out))
+
+
+# Figures and words.
+
+def number(value):
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
+
+
+def figure(value, digits=2, unit=""):
+    """Rounded to so many digits that count; a dash where there is none."""
+    if not number(value):
+        return "\u2013"
+    if value == 0:
+        return "0" + unit
+    if isinstance(value, int) and abs(value) < 10 ** 15 and digits >= 9:
+        return f"{value:,}".replace(",", "\u202f") + unit
+    size = math.floor(math.log10(abs(value)) + 1e-12)
+    if -4 <= size < 6:
+        places = max(0, digits - 1 - size)
+        shown = f"{round(value, digits - 1 - size):,.{places}f}".replace(",", "\u202f")
+    else:
+        shown = f"{value / 10 ** size:.{digits - 1}f} \u00d7 10" + str(size).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
+    return shown.replace("-", "\u2212") + unit
+
+
+def percent(value, digits=2):
+    return figure(100 * value, digits if abs(value) < 0.995 else 3, "\u202f%") if number(value) else "\u2013"
+
+
+def memory(value):
+    if not number(value):
+        return "\u2013"
+    return figure(value / 2 ** 20, 3 if value < 2 ** 30 else 4, "\u202fMiB")
+
+
+def count(n, one, many=None):
+    return f"{n} {one if n == 1 else many or one + 's'}"
+
+
+def get(value, *path):
+    for key in path:
+        if isinstance(value, dict):
+            value = value.get(key)
+        elif isinstance(value, list) and isinstance(key, int) and -len(value) <= key < len(value):
+            value = value[key]
+        else:
+            return None
+    return value
+
+
+def name(value):
+    return el("bdi", value)
+
+
+# Pieces.
+
+def picture(folder, file, alt, **more):
+    """An image as data, with its size so that nothing jumps; a sentence where it is not there."""
+    try:
+        with open(os.path.join(folder, file), "rb") as stream:
+            data = stream.read()
+        width, height = struct.unpack(">II", data[16:24])
+    except (OSError, TypeError, struct.error):
+        return el("p", "This picture could not be made.", class_="none")
+    return el("img", src="data:image/png;base64," + base64.b64encode(data).decode(), alt=alt, width=width, height=height, **more)
+
+
+def table(caption, head, rows, numeric=(), foot=None, class_=None):
+    """The first cell of a row is its heading. numeric: columns that are figures."""
+    def cells(row):
+        return [el("th" if i == 0 else "td", cell, scope="row" if i == 0 else None, class_="n" if i in numeric else None,
+                   data_head=head[i] if i else None) for i, cell in enumerate(row)]
+    return el("div", el("table", el("caption", caption),
+                        el("thead", el("tr", [el("th", h, scope="col", class_="n" if i in numeric else None)
+                                              for i, h in enumerate(head)])),
+                        el("tbody", [el("tr", cells(row)) for row in rows]),
+                        el("tfoot", el("tr", cells(foot))) if foot else None, class_=class_),
+              class_="scroll", tabindex="0", role="region", aria_label=caption)
+
+
+def section(ident, heading, *children):
+    return el("section", el("h2", heading, id=ident + "-h"), *children, id=ident, aria_labelledby=ident + "-h")
+
+
+def details(summary, *children):
+    return el("details", el("summary", summary), *children)
+
+
+# What was decided: lines "program: what: decision, because reason (price)"; the others are notes.
+
+def decisions(told):
+    rows, notes = [], []
+    for line in told.splitlines():
+        tool, colon, rest = line.partition(": ")
+        match = re.match(r"(.+?): (.+?), because (.*)$", rest)
+        if not colon:
+            continue
+        if not match:
+            notes.append(rest)
+            continue
+        what, decision, reason = match.groups()
+        price = ""
+        if reason.endswith(")"):
+            depth, at = 0, len(reason)
+            while at:
+                at -= 1
+                depth += {")": 1, "(": -1}.get(reason[at], 0)
+                if depth == 0:
+                    break
+            if at > 1 and reason[at - 1] == " " and ": " not in reason[at - 3:at]:
+                reason, price = reason[:at - 1], reason[at + 1:-1]
+        rows.append((what, decision, reason, price))
+    return rows, notes
+
+
+# The plot.
+
+def ticks(low, high):
+    return [(m * 10.0 ** e, m == 1) for e in range(math.floor(math.log10(low)) - 1, math.ceil(math.log10(high)) + 1)
+            for m in range(1, 10) if low * 0.9999 <= m * 10.0 ** e <= high * 1.0001]
+
+
+def plot(measured, width, height, class_, ident):
+    series = [("without", "bdpt, no portals"), ("with", f"{measured['integrator']}, portals")]
+    points = {key: [(s["cpu"], s["relmse"]) for s in measured[key]["steps"]
+                    if number(s.get("relmse")) and s["relmse"] > 0 and s["cpu"] > 0] for key, _ in series}
+    everything = points["with"] + points["without"]
+    if not everything:
+        return el("p", "No error could be measured: there is nothing to draw.", class_="none")
+    own, black = get(measured, "reference", "last", "noise", "relmse"), get(measured, "black", "relmse")
+    own = own if number(own) and own > 0 else None
+    black = black if number(black) and black > 0 else None
+    xs = [x for x, _ in everything]
+    ys = [y for _, y in everything] + [v for v in (own, black) if v]
+    # Decades cost room where nothing is: the axes end half a step beyond what is drawn.
+    x0, x1, y0, y1 = min(xs) / 1.25, max(xs) * 1.25, min(ys) / 1.6, max(ys) * 1.6
+    left, right, top, bottom = 58, 14, 16, 46
+
+    def px(x):
+        return round(left + (width - left - right) * math.log(x / x0) / math.log(x1 / x0), 1)
+
+    def py(y):
+        return round(height - bottom - (height - top - bottom) * math.log(y / y0) / math.log(y1 / y0), 1)
+    out = []
+    if own:
+        out.append(el("rect", x=left, y=py(own), width=width - left - right, height=round(height - bottom - py(own), 1), class_="own"))
+    for axis, low, high in (("x", x0, x1), ("y", y0, y1)):
+        all_ticks = ticks(low, high)
+        # As many labels as there is room for, the round ones first.
+        tens = [t for t, whole in all_ticks if whole]
+        labelled = tens
+        if len(tens) < 3:
+            labelled = [t for t, _ in all_ticks if str(f"{t:e}")[0] in "125"]
+        if len(labelled) < 2:
+            labelled = [t for t, _ in all_ticks]
+        for value, whole in all_ticks:
+            at = px(value) if axis == "x" else py(value)
+            ends = {"x1": at, "x2": at, "y1": top, "y2": height - bottom} if axis == "x" else {
+                "x1": left, "x2": width - right, "y1": at, "y2": at}
+            if whole or value in labelled:
+                out.append(el("line", class_="grid", **ends))
+            if value in labelled:
+                out.append(el("text", figure(value, 1), x=at if axis == "x" else left - 8,
+                              y=height - bottom + 18 if axis == "x" else at + 4, class_="tick",
+                              text_anchor="middle" if axis == "x" else "end"))
+    out.append(el("path", d=f"M{left} {top}V{height - bottom}H{width - right}", class_="axis"))
+    out.append(el("text", "CPU seconds", x=(left + width - right) / 2, y=height - 8, class_="label", text_anchor="middle"))
+    out.append(el("text", "relMSE", x=14, y=(top + height - bottom) / 2, class_="label", text_anchor="middle",
+                  transform=f"rotate(-90 14 {(top + height - bottom) / 2})"))
+    if black:
+        out.append(el("line", x1=left, x2=width - right, y1=py(black), y2=py(black), class_="black"))
+        out.append(el("text", "a black picture", x=left + 6, y=py(black) - 6, class_="remark"))
+    if own:
+        below = height - bottom - py(own) > 20
+        out.append(el("text", "the reference\u2019s own error", x=left + 6, y=py(own) + (15 if below else -6), class_="remark"))
+    for key, label in series:
+        line = sorted(points[key])
+        if not line:
+            continue
+        out.append(el("polyline", points=" ".join(f"{px(x)},{py(y)}" for x, y in line), class_="line " + key))
+        for x, y in line:
+            # A disc and a square, so that no colour is needed to tell them apart.
+            out.append(el("circle", cx=px(x), cy=py(y), r=4.5, class_="mark " + key) if key == "with" else
+                       el("rect", x=round(px(x) - 4, 1), y=round(py(y) - 4, 1), width=8, height=8, class_="mark " + key))
+    said = "; ".join(f"{label}: relMSE {figure(max(points[k])[1])} after {figure(max(points[k])[0])} CPU seconds"
+                     for k, label in series if points[k])
+    return el("svg", el("title", "Error against time, both axes logarithmic. " + said + ".", id=ident), *out,
+              viewBox=f"0 0 {width} {height}", role="img", aria_labelledby=ident, class_="plot " + class_)
+
+
+def bar(share, class_="bar"):
+    """Beside its figure, so it says nothing that is not said."""
+    return el("svg", el("rect", x=0, y=0, width=100, height=8, class_="track"),
+              el("rect", x=0, y=0, width=round(100 * max(0.0, min(1.0, share)), 2), height=8, class_="fill"), viewBox="0 0 100 8",
+              preserveAspectRatio="none", class_=class_, aria_hidden="true")
+
+
+# What was found.
+
+class Verdict:
+    def __init__(self, m):
+        self.m = m
+        fit = next((s for s in m["stages"] if s["tool"] == "portalfit"), None)
+        self.by_stages = fit is not None
+        self.last = m["with"]["last"]
+        # What was looked at before rendering, the first step tells alone.
+        looked = {p.get("name"): p for p in get(m["with"], "first", "portals") or []}
+        self.portals = [{**p, "light": looked.get(p.get("name"), p).get("light")} for p in get(self.last, "portals") or []]
+        self.fitted = {p.get("name"): p for p in get(fit, "json", "portals") or []}
+        self.reason = get(fit, "json", "reason") or ""
+        self.foretold = get(m["with"], "first", "scout", "portals_gain")
+        self.chosen = self.last.get("chosen") or m["integrator"]
+        self.used = not self.chosen.startswith(("pt", "nee", "bdpt")) or (get(self.last, "techniques", "portal") or 0) > 0
+        candidates = get(m["with"], "first", "scout", "candidates") or []
+        self.candidates = [c for c in candidates if number(c.get("relmse")) and number(c.get("work"))]
+        plain = [c for c in self.candidates if not c.get("portals")]
+        self.best_plain = min(plain, key=lambda c: c["relmse"] * c["work"])["integrator"] if plain else None
+        a, b = get(m["with"], "steps", -1), get(m["without"], "steps", -1)
+        self.after, self.before = a, b
+        self.gain = None
+        if all(number(s.get("relmse")) and s["relmse"] > 0 and s["cpu"] > 0 for s in (a, b)):
+            self.gain = b["relmse"] * b["cpu"] / (a["relmse"] * a["cpu"])
+
+    def sentence(self):
+        n = len(self.portals)
+        if not n and not self.by_stages and not self.m["given"]:
+            return "No portals were given, so none are used."
+        if not n:
+            why = f": {self.reason}." if self.reason else "."
+            said = self.m["integrator"] + " renders as without"
+            return ("No portal was found" if self.by_stages else "The files that were given hold no portal") + why + f" {said}."
+        found = count(n, "portal was", "portals were") + (" found" if self.by_stages else " given")
+        found, they = found[0].upper() + found[1:], "it" if n == 1 else "they"
+        if not number(self.foretold):
+            return (f"{found}. What {they} {'is' if n == 1 else 'are'} worth was not estimated: {self.m['integrator']} weighed no "
+                    "candidates with and without.")
+        best = f"the best way without, {self.best_plain}" if self.best_plain else "the best way without"
+        if self.foretold >= 1.1 and self.used:
+            return f"{found}, worth {figure(self.foretold)} times the efficiency of {best}, as tdpt-render estimated before rendering."
+        if self.foretold >= 0.9 and self.used:
+            return f"{found}, and {they} bring next to nothing: {figure(self.foretold)} times the efficiency of {best}, as tdpt-render estimated."
+        return (f"{found}, and {they} {'is' if n == 1 else 'are'} worth nothing here: with {'it' if n == 1 else 'them'} tdpt-render expected "
+                f"{figure(self.foretold)} times the efficiency of {best}" + (", and left " + ("it" if n == 1 else "them") + " out." if not self.used
+                                                                          else "."))
+
+    def measured(self):
+        """The same, of the two pictures."""
+        if self.gain is None:
+            return "The two pictures could not be compared."
+        name_with = self.m["integrator"] + (" with " + ("it" if len(self.portals) == 1 else "them") if self.portals and self.used else "")
+        if self.m["integrator"] == "auto" and self.chosen != "auto" and not self.used:
+            name_with = f"auto ({self.chosen})"
+        if self.gain >= 1.1:
+            words = f"Measured in equal time, {name_with} was {figure(self.gain)} times as efficient as bdpt without"
+        elif self.gain >= 0.9:
+            words = f"Measured in equal time, {name_with} and bdpt without portals did not differ by more than one pair of pictures can tell"
+        else:
+            words = f"Measured in equal time, {name_with} had {figure(self.gain)} of the efficiency of bdpt without"
+        if self.gain >= 1.1 or self.gain < 0.9:
+            words += " portals (relMSE)"
+        db = get(self.after, "psnr"), get(self.before, "psnr")
+        if all(number(v) for v in db):
+            difference = db[0] - db[1]
+            words += (f"; its PSNR is {figure(abs(difference))}\u202fdB {'higher' if difference > 0 else 'lower'}" if abs(difference) >= 0.05
+                      else "; their PSNR is the same")
+        return words + "."
+
+
+def limits(m, v):
+    """Why the figures may be wrong, each in a sentence."""
+    out, noise = [], get(m, "reference", "last", "noise") or {}
+    spp = get(m, "reference", "last", "spp")
+    ref = m["reference"]["last"]
+    head = (f"The reference has {count(spp, 'sample')} per pixel, {figure(m['factor'])} times those of the longer picture with portals, "
+            f"and another seed ({m['seed'] + 1}); it took {figure(ref.get('cpu_seconds'), 3)} CPU seconds. ")
+    if number(noise.get("relmse")):
+        interval = noise.get("interval") or []
+        between = f" ({figure(interval[0])} to {figure(interval[1])})" if len(interval) == 2 and all(map(number, interval)) else ""
+        if noise.get("tells"):
+            head += f"By its own samples its relMSE is about {figure(noise['relmse'])}{between}, which counts in every score here."
+        else:
+            head += ("Its own error could not be told from so few samples: it may be many times larger than the "
+                     f"{figure(noise['relmse'])} that its samples show, and counts in every score here.")
+    else:
+        head += "Its own error was not estimated; it counts in every score here."
+    out.append(head)
+    for key, label in (("with", m["integrator"]), ("without", "bdpt")):
+        step = m[key]["steps"][-1]
+        if number(noise.get("relmse")) and number(step.get("relmse")) and step["relmse"] < 3 * noise["relmse"]:
+            out.append(f"The score of {label}, {figure(step['relmse'])}, is not far above the reference\u2019s own error: it is better than it looks.")
+        if number(step.get("mean")) and number(step.get("reference_mean")) and step["reference_mean"] > 0:
+            off = step["mean"] / step["reference_mean"] - 1
+            if abs(off) > 0.05:
+                out.append(f"The mean of {label} is {percent(abs(off))} {'above' if off > 0 else 'below'} the reference\u2019s: one of the two has "
+                           "not met all of the light.")
+        dark = get(m, "black", "relmse")
+        if number(dark) and number(step.get("relmse")) and step["relmse"] > 0.5 * dark:
+            out.append(f"A black picture scores {figure(dark)}: by relMSE, {label} ({figure(step['relmse'])}) "
+                       + ("is no better than that" if step["relmse"] >= dark else "is little better than that") + ". PSNR is beside it for that reason.")
+        if number(step.get("relmse_trimmed")) and number(step.get("relmse")) and step["relmse"] > 3 * step["relmse_trimmed"]:
+            out.append(f"Of the error of {label}, {percent(1 - step['relmse_trimmed'] / step['relmse'])} lies in a thousandth of the pixels: "
+                       "with another seed its relMSE may be another.")
+    a, b = v.after["cpu"], v.before["cpu"]
+    if max(a, b) > 1.15 * min(a, b):
+        out.append(f"The times differ, {figure(a, 3)} and {figure(b, 3)} CPU seconds: a pass over the picture is not divided. "
+                   "Efficiency, 1 / (relMSE \u00d7 time), allows for that.")
+    out.append("One picture each, of one seed; the reference is of the same program, so what all its integrators had wrong in common would "
+               "not show.")
+    return out
+
+
+STYLE = """
+:root{color-scheme:light dark;--paper:#fbfaf7;--ink:#1e1d1a;--soft:#5d5a53;--rule:#dcd8ce;--panel:#f3f1ea;--with:#1b5e9e;--without:#a3540f;--link:#1b5e9e}
+@media (prefers-color-scheme:dark){:root{--paper:#17181a;--ink:#e9e6df;--soft:#a9a59b;--rule:#37383b;--panel:#202225;--with:#82b8f2;--without:#e8a765;--link:#8fc0f5}}
+*{box-sizing:border-box}
+html{-webkit-text-size-adjust:100%;text-size-adjust:100%}
+body{margin:0;background:var(--paper);color:var(--ink);font:1rem/1.55 system-ui,-apple-system,"Segoe UI",Roboto,"Helvetica Neue",Arial,sans-serif}
+main,body>footer{max-width:74rem;margin:0 auto;padding:0 clamp(1rem,4vw,3rem)}
+main{padding-top:clamp(1.5rem,5vw,4rem)}
+p{max-width:42rem;margin:.6em 0}
+h1,h2,h3{line-height:1.2;font-weight:600;text-wrap:balance;overflow-wrap:anywhere}
+h1{font-size:clamp(1.8rem,1.2rem + 2.4vw,3rem);letter-spacing:-.02em;margin:.15em 0 .5em}
+h2{font-size:1.4rem;letter-spacing:-.01em;margin:0 0 .7em}
+h3{font-size:1rem;margin:0 0 .4em}
+a{color:var(--link);text-underline-offset:.2em}
+:focus-visible{outline:2px solid var(--link);outline-offset:3px}
+.eyebrow,figcaption,caption,.note,.none,nav,body>footer{color:var(--soft);font-size:.875rem}
+.said{color:var(--ink)}
+.eyebrow{margin:0;letter-spacing:.02em}
+.verdict{font-size:clamp(1.1rem,1rem + .5vw,1.35rem);line-height:1.45;max-width:36rem;margin:0 0 .8em}
+.hero{display:grid;gap:1.5rem 3rem;align-items:start}
+.hero>*{min-width:0}
+@media (min-width:56rem){.hero{grid-template-columns:minmax(0,1.1fr) minmax(0,1fr)}}
+figure{margin:0}
+img{display:block;max-width:100%;height:auto;border-radius:3px}
+.picture img{width:100%}
+figcaption{margin-top:.5rem;max-width:42rem}
+figcaption strong{color:var(--ink);font-weight:600}
+dl.facts{display:grid;grid-template-columns:repeat(auto-fit,minmax(9.5rem,1fr));gap:1.25rem 2rem;margin:2.5rem 0 0;padding:1.25rem 0;border-block:1px solid var(--rule)}
+dl.facts div{display:flex;flex-direction:column-reverse;justify-content:flex-end}
+dl.facts dt{color:var(--soft);font-size:.875rem;line-height:1.35;max-width:15rem}
+dl.facts dd{margin:0;font-size:1.6rem;line-height:1.25;font-variant-numeric:tabular-nums;letter-spacing:-.01em}
+nav{margin:1.25rem 0 0}
+nav ul{list-style:none;display:flex;flex-wrap:wrap;gap:.35rem 1.4rem;padding:0;margin:0}
+section{margin:clamp(2.75rem,6vw,4.5rem) 0 0}
+.stages{display:grid;gap:2.5rem;margin:1.5rem 0 2.5rem}
+.stages img{background:#fff;border:1px solid var(--rule)}
+@media (min-width:60rem){.stages{grid-template-columns:1fr 1fr;gap:3rem 2.5rem}.stages>*{min-width:0}}
+.pair{display:grid;gap:1.5rem;margin:1.5rem 0}
+.pair>*{min-width:0}
+@media (min-width:36rem){.pair{grid-template-columns:1fr 1fr}}
+@media (min-width:60rem){.pair.three{grid-template-columns:1fr 1fr 1fr}}
+.pair img{image-rendering:auto}
+.key{display:inline-block;width:.7em;height:.7em;margin-right:.4em;background:var(--without)}
+.key.with{background:var(--with);border-radius:50%}
+.scroll{overflow-x:auto;margin:1.25rem 0;max-width:100%}
+table{border-collapse:collapse;width:100%;font-size:.9375rem;font-variant-numeric:tabular-nums}
+caption{text-align:left;padding:0 0 .5rem;caption-side:top;line-height:1.4}
+th,td{text-align:left;vertical-align:top;padding:.45rem 1.25rem .45rem 0;border-bottom:1px solid var(--rule)}
+th:last-child,td:last-child{padding-right:0}
+thead th{font-weight:600;font-size:.8125rem;color:var(--soft);vertical-align:bottom;line-height:1.3}
+tbody th{font-weight:500}
+tfoot th,tfoot td{font-weight:600;border-bottom:0}
+.n{text-align:right;white-space:nowrap}
+thead .n{white-space:normal}
+td.n+td:not(.n),td.n+td:not(.n){padding-left:.5rem}
+code,pre{font:.875em/1.5 ui-monospace,SFMono-Regular,Menlo,Consolas,monospace}
+code{overflow-wrap:anywhere}
+td code{overflow-wrap:normal}
+.hash{color:var(--soft);overflow-wrap:anywhere}
+pre{white-space:pre-wrap;overflow-wrap:anywhere;background:var(--panel);padding:.9rem 1rem;border-radius:3px;margin:.75rem 0}
+details{border-top:1px solid var(--rule);max-width:100%}
+details:last-of-type{border-bottom:1px solid var(--rule)}
+summary{cursor:pointer;padding:.7rem 0;font-weight:500}
+details[open]{padding-bottom:1rem}
+details>ul{margin:.25rem 0 1rem}
+ul{padding-left:1.2rem;max-width:42rem}
+li{margin:.35em 0}
+svg.plot{display:block;width:100%;height:auto;font:13px system-ui,-apple-system,"Segoe UI",Roboto,Arial,sans-serif}
+svg.wide{max-width:52rem}svg.narrow{display:none}
+@media (max-width:40rem){svg.wide{display:none}svg.narrow{display:block}}
+.plot text{fill:var(--ink)}.plot .tick,.plot .remark{fill:var(--soft)}
+.plot .remark{font-size:12px}
+.plot .grid{stroke:var(--rule);stroke-width:1}
+.plot .axis{fill:none;stroke:var(--soft);stroke-width:1}
+.plot .own{fill:var(--rule);opacity:.5}
+.plot .black{stroke:var(--soft);stroke-width:1.25;stroke-dasharray:2 4}
+.plot .line{fill:none;stroke-width:2}
+.plot .line.with{stroke:var(--with)}.plot .line.without{stroke:var(--without);stroke-dasharray:7 4}
+.plot .mark.with{fill:var(--with)}.plot .mark.without{fill:var(--without)}
+.bar{display:block;width:100%;min-width:6rem;height:.55rem;margin-top:.5rem}
+.bar .track{fill:var(--panel)}.bar .fill{fill:var(--soft)}
+.limits{font-size:.9375rem;color:var(--soft)}
+body>footer{margin-top:4rem;padding-bottom:3rem}
+@media (max-width:44rem){
+ table.stack thead{position:absolute;width:1px;height:1px;overflow:hidden;clip-path:inset(50%)}
+ table.stack,table.stack tbody,table.stack tr,table.stack th,table.stack td,table.stack caption{display:block}
+ table.stack tr{padding:.6rem 0;border-bottom:1px solid var(--rule)}
+ table.stack th,table.stack td{border:0;padding:.1rem 0}
+ table.stack .n{text-align:left;white-space:normal}
+ table.stack td:empty{display:none}
+ table.stack tbody th{font-weight:600}
+ table.stack td[data-head]::before{content:attr(data-head) ": ";color:var(--soft)}
+ th,td{padding-right:.9rem}
+}
+@media print{
+ :root{--paper:#fff;--ink:#000;--soft:#444;--rule:#bbb;--panel:#f2f2f2;--with:#1b5e9e;--without:#a3540f;--link:#000}
+ body{font-size:10pt}main{padding-top:0;max-width:none}nav{display:none}
+ section{margin-top:2rem}h2,h3{break-after:avoid}figure,tr,.facts,svg{break-inside:avoid}
+ .scroll{overflow:visible}table{font-size:8.5pt}th,td{padding-right:.6rem}
+ .stages{grid-template-columns:1fr 1fr;gap:1.5rem}.pair{grid-template-columns:1fr 1fr}.pair.three{grid-template-columns:1fr 1fr 1fr}
+ details::details-content{content-visibility:visible;display:block}
+}
+"""
+
+STAGE_TEXT = {
+    "ffgraph": ("Who reaches what", "The scene by its camera and in plan: amber where walks from the light came, blue where the "
+                "camera\u2019s came, violet both",
+                "Amber is the light\u2019s, blue the camera\u2019s, violet of both. Two rooms of one colour each are what a bottleneck looks like."),
+    "mincut": ("Where transport is narrowest", "The two sides of the minimum cut, and lines between the patches that face each other across it",
+               "The border between the colours is the cut; the lines are pairs of patches that exchange light across it."),
+    "lightgrid": ("Where the light passes through the air", "Counts of lines of light in the air, from above, from the front and from the right",
+                  "Each pixel is the fullest voxel behind it; the ring marks the fullest of all."),
+    "portalfit": ("The portals", "Each portal from the camera\u2019s side, with the crossings of the lines of light, and edge-on",
+                  "On the left the crossings in the plane of the portal, on the right the bundle from above.")}
+
+
+def scene_part(folder, m, v):
+    facts = next((e.get("facts") for e in m["info"] if e.get("kind") == "scene"), None) or {}
+    cameras = facts.get("cameras")
+    shown = m["with"]["last"]
+    rows = [("Triangles", figure(facts.get("triangles"), 9)),
+            ("Cameras", join([[", " if i else "", name(c)] for i, c in enumerate(cameras)]) if cameras else "\u2013"),
+            ("Triangles that emit", figure(facts.get("emitting_triangles"), 9)), ("Lamps without surface", figure(facts.get("lamps"), 9)),
+            ("Materials", figure(facts.get("materials"), 9)), ("Images", figure(facts.get("images"), 9)),
+            ("Longest side", figure(facts.get("longest_side_m"), 3, "\u202fm"))]
+    sky = get(m, "sky")
+    if sky:
+        rows.append(("Sky", sky))
+    return section("scene", "The scene", table(f"What {m['scene']} holds", ("What", "How many"), rows),
+                   el("ul", [el("li", w) for w in facts["warnings"]]) if facts.get("warnings") else None,
+                   el("p", f"All pictures here are {shown.get('width')} \u00d7 {shown.get('height')} pixels, paths of "
+                      + ("any length." if shown.get("max_depth") is None else f"at most {shown['max_depth']} edges."), class_="note"))
+
+
+def stages_part(folder, m, v):
+    out = []
+    for stage in m["stages"]:
+        heading, alt, how = STAGE_TEXT[stage["tool"]]
+        _, notes = decisions(stage["text"])
+        body = picture(folder, stage["picture"], f"{stage['tool']}: {alt}") if stage["picture"] else el(
+            "p", f"Not drawn: {stage['missing'] or 'there is no picture'}.", class_="none")
+        again = None
+        if stage["aside"]:
+            again = "This account is of a second run, aside: the result was there before a report was asked for. " + (
+                "Both runs made the same bytes." if stage["same"] else "Its result differs from the one that was used.")
+        out.append(el("figure", el("h3", el("code", stage["tool"]), " \u00b7 ", heading), body,
+                      el("figcaption", how, [el("br"), el("span", notes[0], class_="said")] if notes else None,
+                         [el("br"), again] if again else None), class_="picture"))
+    if not out:
+        out = [el("p", "The stages did not run for this page: " + (
+            "its portals were drawn by hand or come from elsewhere." if m["given"] else "pictures are made without portals."))]
+    return section("stages", "How portals were looked for", el("div", out, class_="stages") if m["stages"] else out)
+
+
+def portals_part(m, v):
+    rows = []
+    for p in v.portals:
+        f = dict(v.fitted.get(p.get("name")) or {})
+        f.update({k: value for k, value in p.items() if value is not None})
+        # What a portal drawn by hand has no figures for is left open.
+        rows.append((name(p.get("name", "")), figure(f.get("area"), 3), percent(f.get("flux_share"), 3), figure(f.get("conductance")),
+                     figure(f.get("tightness")), percent(f.get("support"), 3), figure(f.get("direction_angle"), 2, "\u00b0"),
+                     percent(f.get("light"), 3), percent(f.get("energy"), 3)))
+    refused = get(next((s for s in m["stages"] if s["tool"] == "portalfit"), None), "json", "refused") or []
+    cuts = get(next((s for s in m["stages"] if s["tool"] == "mincut"), None), "json", "refused") or []
+    body = []
+    if rows:
+        body.append(table("The portals. Light passing: share of a small picture\u2019s light, before rendering; by segments: share of the "
+                          "picture\u2019s light that paths begun in the portal brought", ("Portal", "Area [m\u00b2]", "Share of the lines",
+                          "Conduct\u00adance", "Tight\u00adness", "Support", "Normal off by", "Light passing", "By segments"), rows,
+                          numeric=range(1, 9), class_="stack"))
+        drawbacks = [el("li", name(n), f": {f['drawback']}.") for n, f in v.fitted.items() if f.get("drawback")]
+        body.append(el("ul", drawbacks) if drawbacks else None)
+        lead = f"Foretold by tdpt-render: {figure(v.foretold)} times the efficiency of {v.best_plain or 'the best way'} without, "\
+            if number(v.foretold) else "What they are worth was not foretold, "
+        body.append(el("p", lead + ("for this portal." if len(rows) == 1 else "for all portals together; what each alone is worth was not measured."),
+                       None if v.used else " The portals were left out of the rendering, so no light came by their segments."))
+    else:
+        body.append(el("p", "There is no portal to list" + (f": {v.reason}." if v.reason else ".")))
+    if refused or cuts:
+        body.append(el("h3", "What was refused"))
+        body.append(el("ul", [el("li", "A candidate for a portal: ", r.get("why") or r.get("reason") or json.dumps(r)) for r in refused if isinstance(r, dict)],
+                       [el("li", f"A cut with {percent(c.get('light_side'))} of the surface on the light\u2019s side: {c.get('why', 'no reason is told')}.")
+                        for c in cuts if isinstance(c, dict)]))
+    if v.candidates:
+        least = min(c["relmse"] * c["work"] for c in v.candidates)
+        order = sorted(v.candidates, key=lambda c: c["relmse"] * c["work"])
+        body.append(details(f"What {m['integrator']} weighed: {count(len(order), 'way')} to render",
+                            table(f"Foretold from {get(m, 'with', 'first', 'scout', 'samples')} samples: error of one sample per pixel, "
+                                  "work of a sample, and their product over the least",
+                                  ("Way", "Portals", "relMSE", "\u00b5s a sample", "Error \u00d7 work"),
+                                  [(c["integrator"], "yes" if c.get("portals") else "no", figure(c["relmse"], 3), figure(c["work"] / 1000, 3),
+                                    figure(c["relmse"] * c["work"] / least, 3)) for c in order], numeric=(2, 3, 4))))
+    return section("portals", "The portals and their worth", *body)
+
+
+def compare_part(folder, m, v):
+    a, b, black = v.after, v.before, m.get("black") or {}
+    label = m["integrator"] + (f", which took {v.chosen}" if v.chosen != m["integrator"] else "")
+
+    def shown(key, step, words):
+        return el("figure", picture(folder, key + ".png", words), el("figcaption", el("span", class_="key " + key, aria_hidden="true"),
+                  el("strong", "bdpt, without portals" if key == "without" else label + (", with portals" if v.used and v.portals else "")),
+                  f". {figure(step['cpu'], 3)} CPU seconds, {count(step['spp'], 'sample')} per pixel."), class_="picture")
+
+    def error(key, words):
+        return el("figure", picture(folder, key + "-error.png", words), el("figcaption", "Its difference from the reference: red too bright, "
+                  "blue too dark, full where as large as the reference itself."), class_="picture")
+    rows = []
+    for title, digits, key, unit in (("relMSE", 3, "relmse", ""), ("relMSE without the worst 0.1\u202f% of the pixels", 3, "relmse_trimmed", ""),
+                                     ("PSNR", 4, "psnr", "\u202fdB"), ("MAPE", 3, "mape", "\u202f%")):
+        rows.append((title, figure(b.get(key), digits, unit), figure(a.get(key), digits, unit), figure(black.get(key), digits, unit)))
+    rows.append(("Mean (reference " + figure(a.get("reference_mean"), 4) + ")", figure(b.get("mean"), 4), figure(a.get("mean"), 4), "0"))
+    rows.append(("Samples per pixel", figure(b["spp"], 9), figure(a["spp"], 9), "\u2013"))
+    rows.append(("CPU seconds", figure(b["cpu"], 3), figure(a["cpu"], 3), "\u2013"))
+    return section("pictures", "Before and after, in equal time", el("p", v.measured()),
+                   el("div", shown("without", b, "The scene by bdpt without portals"), shown("with", a, "The scene by " + label), class_="pair"),
+                   el("div", error("without", "Difference of bdpt from the reference"), error("with", f"Difference of {m['integrator']} from the reference"),
+                      class_="pair"),
+                   table("Scores against the reference; all pictures are exposed alike", ("", "bdpt, no portals", m["integrator"] +
+                         (", portals" if v.used and v.portals else ""), "all black"), rows, numeric=(1, 2, 3)),
+                   el("ul", [el("li", line) for line in limits(m, v)], class_="limits"))
+
+
+def time_part(m, v):
+    steps = [(figure(s["cpu"], 3), label, figure(s["spp"], 9), figure(s.get("relmse"), 3), figure(s.get("psnr"), 4, "\u202fdB"))
+             for key, label in (("without", "bdpt, no portals"), ("with", m["integrator"] + ", portals")) for s in m[key]["steps"]]
+    words = "Both axes are logarithmic; an unbiased renderer\u2019s error falls as 1 / time, a straight line. "
+    if v.gain and v.gain > 1.1:
+        words += f"If that holds on, bdpt would need about {figure(v.gain * v.after['cpu'])} CPU seconds for what took {figure(v.after['cpu'])}."
+    return section("error", "Error over time",
+                   el("figure", el("p", el("span", el("span", class_="key", aria_hidden="true"), "bdpt, no portals (squares, dashed)"), Markup(" &nbsp; "),
+                                   el("span", el("span", class_="key with", aria_hidden="true"), f"{m['integrator']}, portals (discs)"), class_="note"),
+                      plot(m, 760, 420, "wide", "plot-wide"), plot(m, 380, 340, "narrow", "plot-narrow"),
+                      el("figcaption", words + " The shaded ground is what the reference\u2019s own error hides, as it estimates it." )),
+                   details("The points of the plot", table("relMSE and PSNR against the same reference", ("CPU seconds", "Way", "Samples per pixel",
+                           "relMSE", "PSNR"), steps, numeric=(0, 2, 3, 4))))
+
+
+def cost_part(m, v):
+    rows, phases, total, drawn = [], [], 0.0, 0.0
+    for stage in m["stages"]:
+        told = stage["json"] or {}
+        cpu = told.get("cpu_seconds")
+        pictures = get(told, "phases", "pictures", "cpu_seconds") or 0
+        rows.append([stage["tool"], cpu - pictures if number(cpu) else None, sum(p.get("seconds", 0) for k, p in (told.get("phases") or {}).items() if
+                     k != "pictures") if told.get("phases") else None, told.get("peak_bytes")])
+        drawn += pictures
+        for key, p in (told.get("phases") or {}).items():
+            if isinstance(p, dict) and number(p.get("cpu_seconds")):
+                phases.append((stage["tool"], key, p["cpu_seconds"], p.get("seconds")))
+    last = m["with"]["last"]
+    rows.append(["tdpt-render, " + m["integrator"], last.get("cpu_seconds"), last.get("seconds"), m["with"]["peak_bytes"]])
+    total = sum(r[1] for r in rows if number(r[1]))
+    shown = [(r[0], figure(r[1], 3), percent(r[1] / total, 3) if number(r[1]) and total else "\u2013", bar(r[1] / total) if number(r[1]) and total else "",
+              figure(r[2], 3), memory(r[3])) for r in rows]
+    found = sum(r[1] for r in rows[:-1] if number(r[1]))
+    words = []
+    if m["stages"] and number(found):
+        words.append(f"Finding portals took {figure(found)} CPU seconds, once for every picture of this scene.")
+    if v.gain and v.gain > 1.1 and v.portals and v.used and m["stages"]:
+        words.append(f"One picture as good as the one with portals would take bdpt about {figure(v.gain * v.after['cpu'])} CPU seconds; with portals, "
+                     f"finding them included, it took {figure(found + v.after['cpu'])}.")
+    if drawn:
+        words.append(f"The pictures of the stages, made for this page alone, took {figure(drawn)} CPU seconds more, not counted above.")
+    words.append(f"The scout of {m['integrator']}, counted in its rendering, took "
+                 f"{figure(get(m, 'with', 'first', 'scout', 'cpu'))} CPU seconds." if number(get(m, "with", "first", "scout", "cpu")) else
+                 "What the decision of the renderer cost is not told.")
+    words.append(f"bdpt took {memory(m['without']['peak_bytes'])}, the reference {memory(m['reference']['peak_bytes'])}. The renderer\u2019s memory is that of "
+                 "its process; that of the stages is their own word.")
+    return section("cost", "Where time and memory went",
+                   table("From the scene to its picture", ("Program", "CPU seconds", "Share", "", "Seconds", "Memory at most"), shown, numeric=(1, 2, 4, 5),
+                         foot=("All", figure(total, 3), percent(1.0, 3), "", "", "")),
+                   [el("p", w) for w in words],
+                   details("Phases of the stages", table("Phases, in the order of their names where a stage tells no other",
+                           ("Stage", "Phase", "CPU seconds", "Share of all", "Seconds"),
+                           [(t, k, figure(c, 3), percent(c / total) if total else "\u2013", figure(s, 3)) for t, k, c, s in phases], numeric=(2, 3, 4)))
+                   if phases else el("p", "No stage told of its phases.", class_="none"))
+
+
+def decisions_part(m, v):
+    out = []
+    for tool, told in [(s["tool"], s["text"]) for s in m["stages"]] + [("tdpt-render", m["with"]["text"])]:
+        rows, notes = decisions(told)
+        if not rows and not notes:
+            out.append(el("p", el("code", tool), ": nothing is told.", class_="none"))
+            continue
+        out.append(details(join([el("code", tool), f": {count(len(rows), 'decision')}"]), el("ul", [el("li", n) for n in notes]) if notes else None,
+                           table(f"What {tool} decided", ("What", "Decision", "Because", "Price"), rows, class_="stack") if rows else None))
+    return section("decisions", "Decisions and their reasons",
+                   el("p", "Each program\u2019s own words (--explain). Of the renderer, those of the first quarter of the rendering with portals, "
+                      "where all is decided; its times are of that part."), out)
+
+
+def provenance_part(m, v):
+    rows = []
+    for e in m["info"]:
+        facts = e.get("facts") or {}
+        seed = get(facts, "seed")
+        rows.append((name(e.get("file", "")), e.get("kind", "\u2013"), el("code", e["hash"], class_="hash") if e.get("hash") else "\u2013",
+                     ("yes" if e["intact"] else "no") if "intact" in e else (e.get("failed") or "not told"), seed if seed is not None else "\u2013"))
+    lines = []
+    for e in m["info"]:
+        for line in e.get("provenance") or []:
+            if line not in lines:
+                lines.append(line)
+    return section("provenance", "Where it comes from",
+                   table("The files, their content and their seeds", ("File", "Kind", "Hash", "Intact", "Seed"), rows, class_="stack"),
+                   el("h3", "Commands of the three renderings"), el("pre", "\n".join(m[k]["command"] for k in ("without", "with", "reference"))),
+                   el("p", "The two went on from their own checkpoints with --add-samples, the first from a sixteenth of its time, the second from a quarter, whose length is what it was decided for; the reference with --spp "
+                      f"{get(m, 'reference', 'last', 'spp')}.", class_="note"),
+                   details("Every step, as the files tell it", el("pre", "\n".join(lines) or "No file tells of its making.")),
+                   details("Versions", el("pre", "\n".join(m["version"]) or "Not told.")))
+
+
+def page(folder):
+    with open(os.path.join(folder, "measured.json"), encoding="utf-8", errors="replace") as stream:
+        m = json.load(stream)
+    v = Verdict(m)
+    facts = next((e.get("facts") for e in m["info"] if e.get("kind") == "scene"), None) or {}
+    title = re.sub(r"\.gl(b|tf)$", "", m["scene"])
+    light = [count(facts["emitting_triangles"], "emitting triangle")] if facts.get("emitting_triangles") else []
+    light += [count(facts["lamps"], "lamp") + " without surface"] if facts.get("lamps") else []
+    cameras = facts.get("cameras")
+    what = ", ".join([count(facts["triangles"], "triangle").replace(str(facts["triangles"]), figure(facts["triangles"], 9), 1)] if number(facts.get("triangles")) else []) or "a scene"
+    what = join([what, ", ", count(len(cameras), "camera") if isinstance(cameras, list) else "cameras not told", ", ", " and ".join(light) or "no lamp"])
+    cost = sum(get(s, "json", "cpu_seconds") - (get(s, "json", "phases", "pictures", "cpu_seconds") or 0) for s in m["stages"]
+               if number(get(s, "json", "cpu_seconds")))
+    keys = [(str(len(v.portals)), ("portal" if len(v.portals) == 1 else "portals") + (" found" if v.by_stages else " given")),
+            (figure(v.foretold, 2, "\u202f\u00d7") if number(v.foretold) else "\u2013",
+             "efficiency over the best way without, as tdpt-render foretold" if number(v.foretold) else "efficiency over the best way without: not foretold"),
+            (figure(v.gain, 2, "\u202f\u00d7"), f"efficiency of {m['integrator']} over bdpt without portals, measured"),
+            (figure(cost, 2, "\u202fs") if m["stages"] else "\u2013", "CPU time of finding portals" if m["stages"] else "portals were not looked for")]
+    parts = (("scene", "Scene"), ("stages", "Stages"), ("portals", "Portals"), ("pictures", "Before and after"), ("error", "Error over time"),
+             ("cost", "Time and memory"), ("decisions", "Decisions"), ("provenance", "Provenance"))
+    body = el("main",
+              el("header", el("div", el("div", el("p", "Light portals: a report", class_="eyebrow"), el("h1", name(title)),
+                                        el("p", v.sentence(), class_="verdict"), el("p", v.measured()), el("p", what, ".", class_="note")),
+                              el("figure", picture(folder, "reference.png", f"{title} as its camera sees it, the reference"),
+                                 el("figcaption", "What the camera sees: the reference, "
+                                    f"{count(get(m, 'reference', 'last', 'spp'), 'sample')} per pixel."), class_="picture"), class_="hero"),
+                 el("dl", [el("div", el("dt", k), el("dd", f)) for f, k in keys], class_="facts"),
+                 el("nav", el("ul", [el("li", el("a", label, href="#" + ident)) for ident, label in parts]), aria_label="Sections")),
+              scene_part(folder, m, v), stages_part(folder, m, v), portals_part(m, v), compare_part(folder, m, v), time_part(m, v), cost_part(m, v),
+              decisions_part(m, v), provenance_part(m, v))
+    return ("<!DOCTYPE html>\n" + el("html", el("head", el("meta", charset="utf-8"), el("meta", name="viewport", content="width=device-width, initial-scale=1"),
+            el("meta", name="color-scheme", content="light dark"), el("title", f"{title}: light portals"), el("style", Markup(STYLE))),
+            el("body", body, el("footer", el("p", "Made by tdpt.mk(7). Figures that were not measured are a dash."))), lang="en") + "\n")
+
+
+def main():
+    if len(sys.argv) != 3:
+        print("usage: report_page.py FOLDER PAGE", file=sys.stderr)
+        return 2
+    try:
+        made = page(sys.argv[1])
+        with open(sys.argv[2], "w", encoding="utf-8", errors="replace") as stream:
+            stream.write(made)
+    except (OSError, ValueError, KeyError) as error:
+        print(f"report_page.py: {sys.argv[1]}: {error!r}, expected what report_measure.py writes", file=sys.stderr)
+        return 3
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,132 @@
+#!/bin/sh
+# report_test.sh BIN TESTDATA: room.report.html, made at the size of a stamp: what it holds, what it asks of others
+# (nothing), names that would be HTML, and what makes it again. Exit 77 without GNU Make or Python.
+bin=$(cd "${1:?usage: report_test.sh BIN TESTDATA}" && pwd) testdata=$(cd "${2:?}" && pwd)
+here=$(cd "$(dirname "$0")" && pwd)
+make --version 2>/dev/null | grep -q 'GNU Make' || { echo "skipped: GNU Make is missing"; exit 77; }
+python3 -c '' 2>/dev/null || { echo "skipped: python3 is missing"; exit 77; }
+work=$(mktemp -d) || exit 2
+trap 'rm -rf "$work"' EXIT
+unset MAKEFLAGS MFLAGS MAKELEVEL
+cd "$work" || exit 2
+failed=0
+complain() {
+  echo "$1"
+  [ ! -s log ] || sed 's/^/  /' log
+  failed=1
+}
+cat >Makefile <<END
+TDPT_BIN = $bin/
+FFGRAPH_FLAGS = --walks 5000 --samples 20000 --rounds 0
+LIGHTGRID_FLAGS = --resolution 32
+REPORT_TIME = 0.2
+REPORT_WIDTH = 16
+REPORT_REFERENCE = 2
+QUIET = 1
+include $here/../tdpt.mk
+END
+cp "$testdata/scenes/two-rooms.glb" room.glb
+cp "$testdata/scenes/furnace.glb" furnace.glb
+
+# As in tdpt-mk_test.sh: makes WHY TARGETS ARGUMENTS...
+targets() { sed -n 's/.* -MQ \([^ ]*\).*/\1/p' log | sort | tr '\n' ' '; }
+makes() {
+  why=$1 expected=$2
+  shift 2
+  make "$@" >log 2>&1 || complain "$why: make $* fails"
+  [ "$(targets)" = "$expected" ] || complain "$why: made '$(targets)', expected '$expected'"
+}
+stages='room.cut room.max room.portal.glb '
+makes "a report" "${stages}room.report.html room.vdb " room.report.html -j4
+makes "a second time" "" room.report.html
+makes "a picture after it" "room.exr " TDPT_RENDER_FLAGS='--spp 1 --width 16' -n room.exr
+makes "another time" "room.report.html " REPORT_TIME=0.3 -n room.report.html
+makes "other flags" "room.report.html " TDPT_RENDER_FLAGS='--mis power' -n room.report.html
+cp room.report.html first.html
+touch room.glb
+makes "another scene" "${stages}room.report.html room.vdb " -n room.report.html
+
+# A scene whose stages ran before: they are asked aside, and what they made stays.
+makes "stages alone" "furnace.cut furnace.max furnace.portal.glb furnace.vdb " furnace.portal.glb
+before=$(cat furnace.max furnace.cut furnace.vdb furnace.portal.glb | cksum)
+makes "a report of them" "furnace.report.html " furnace.report.html
+[ "$(cat furnace.max furnace.cut furnace.vdb furnace.portal.glb | cksum)" = "$before" ] || complain "a report changed the stages' results"
+grep -q 'Both runs made the same bytes' furnace.report.html || complain "furnace: that the stages were asked again is not said"
+grep -q 'No portal was found' furnace.report.html || complain "furnace: that it has no portal is not said"
+
+# A page of names that would be HTML, and without some of the figures.
+cp -r .tdpt/room.report.html.parts evil
+cat >plant.py <<'END'
+import json
+BAD = '<script src="http://evil.example/x.js">alert(1)</script>"\'&\u202e\x00'
+KEPT = ("portalfit", "mincut", "ffgraph", "lightgrid", "scene")
+def plant(value):
+    if isinstance(value, dict):
+        return {key: plant(v) for key, v in value.items()}
+    if isinstance(value, list):
+        return [plant(v) for v in value]
+    return value + BAD if isinstance(value, str) and value not in KEPT and not value.endswith(".png") else value
+with open("evil/measured.json") as stream:
+    m = plant(json.load(stream))
+m["with"]["last"]["portals"][0]["light"] = None
+m["stages"][0]["json"] = None
+m["with"]["steps"][-1]["relmse"] = None
+m["black"] = None
+with open("evil/measured.json", "w") as stream:
+    json.dump(m, stream)
+END
+python3 plant.py || complain "the hostile names could not be planted"
+python3 -B "$here/report_page.py" evil evil.html >log 2>&1 || complain "hostile names: no page"
+
+cat >check.py <<'END'
+import html.parser, re, sys
+SECTIONS = ["scene", "stages", "portals", "pictures", "error", "cost", "decisions", "provenance"]
+VOID = {"img", "meta", "br"}
+class Page(html.parser.HTMLParser):
+    def __init__(self):
+        super().__init__()
+        self.open, self.wrong, self.ids, self.tags = [], [], [], []
+    def handle_starttag(self, tag, attributes):
+        a = dict(attributes)
+        self.tags.append(tag)
+        if "id" in a:
+            self.ids.append(a["id"])
+        if tag == "img" and not a.get("alt"):
+            self.wrong.append("a picture without words")
+        if tag == "script" or any(name.startswith("on") for name in a):
+            self.wrong.append("a script")
+        for name in ("src", "href"):
+            if name in a and not a[name].startswith(("data:image/png;base64,", "#")):
+                self.wrong.append(f"{name} {a[name][:60]}")
+        if tag not in VOID:
+            self.open.append(tag)
+    def handle_endtag(self, tag):
+        if not self.open or self.open.pop() != tag:
+            self.wrong.append(f"</{tag}> closes another")
+wrong = 0
+for name in sys.argv[1:]:
+    with open(name, encoding="utf-8") as stream:
+        source = stream.read()
+    page = Page()
+    page.feed(source)
+    page.close()
+    page.wrong += [f"no section {s}" for s in SECTIONS if s not in page.ids]
+    page.wrong += [f"two of {i}" for i in set(page.ids) if page.ids.count(i) > 1]
+    if page.open:
+        page.wrong.append(f"{page.open} stay open")
+    if page.tags.count("h1") != 1 or page.tags.count("svg") < 2 or page.tags.count("img") < 5:
+        page.wrong.append("a heading, plot or picture is missing")
+    if re.search("url\\(|@import|<link|[\x01-\x08\u202e]", re.sub(r"base64,[^\"]*", "", source)) or "\0" in source:
+        page.wrong.append("something from outside, or a character that nobody sees")
+    for words in page.wrong:
+        print(f"{name}: {words}")
+        wrong = 1
+sys.exit(wrong)
+END
+: >log
+python3 check.py first.html furnace.report.html evil.html || complain "a page is not as it should be"
+# The twin that must fail.
+sed 's/<main>/<main><script>1<\/script>/' first.html >planted.html
+if python3 check.py planted.html >log; then complain "a script was planted, and all is well"; fi
+if grep -q "$work" first.html furnace.report.html; then complain "a page names a folder of this machine"; fi
+exit $failed
