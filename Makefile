@@ -70,6 +70,7 @@ test-slurm: programs
 	@sh cmake/install-packages.sh cmake/packages-slurm.txt
 	@for what in kills seed processor; do \
 	  sh libcommon/testing/slurm_test.sh build/bin testdata doc/farm $$what || exit 1; done
+
 # AJAR: a scene of the paper, left out where it is not there.
 AJAR ?= ../shared/scenes/veach-ajar.glb
 test-report: programs

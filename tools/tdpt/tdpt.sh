@@ -14,6 +14,8 @@ Usage: tdpt SCENE -o PICTURE.exr [OPTIONS]
   -o, --output FILE           Picture to write (OpenEXR)
   --work FOLDER               Where the files between the stages are kept;
                               default the folder of the scene
+  --report                    Make SCENE.report.html beside these files, too: what
+                              the portals are worth, on one page (needs python3)
   --dry-run                   Print the commands that would run, and run none
   -h, --help                  Print this help and exit
   --version                   Print the version and exit
@@ -44,7 +46,7 @@ absolute() {
   esac
 }
 
-scene='' picture='' work='' dry='' flags='' camera='' sky='' environment='' quality='' seed='' threads='' quiet=''
+scene='' picture='' work='' dry='' flags='' camera='' sky='' environment='' quality='' seed='' threads='' quiet='' report=''
 while [ $# -gt 0 ]; do
   word=$1 value='' joined=''
   case $word in
@@ -70,6 +72,7 @@ while [ $# -gt 0 ]; do
   -o | --output) picture=$value ;;
   --work) work=$value ;;
   --dry-run) dry=1 ;;
+  --report) report=1 ;;
   --quiet) quiet=1 ;;
   --quality) quality=$value ;;
   --seed) seed=$value ;;
@@ -147,7 +150,8 @@ set -- -C "$work" -f "$rules" --no-print-directory TDPT_BIN="$here/" \
   "SCENE.$name=$stem" "SCENE.${target%.exr}=$stem" "PORTALS=$name.portal.glb" "QUALITY=$quality" "SEED=$seed" \
   "THREADS=$threads" "QUIET=$quiet" "ENVIRONMENT=$environment" "ENVIRONMENT_FLAGS=$sky" \
   "FFGRAPH_FLAGS=$camera${FFGRAPH_FLAGS-}" "MINCUT_FLAGS=${MINCUT_FLAGS-}" "LIGHTGRID_FLAGS=${LIGHTGRID_FLAGS-}" \
-  "PORTALFIT_FLAGS=${PORTALFIT_FLAGS-}" "TDPT_RENDER_FLAGS=$camera$flags" "$target"
+  "PORTALFIT_FLAGS=${PORTALFIT_FLAGS-}" "TDPT_RENDER_FLAGS=$camera$flags" "$target" \
+  ${report:+"$name.report.html"}
 unset MAKEFLAGS MFLAGS MAKELEVEL
 if [ -n "$dry" ]; then
   make -n "$@" | grep -v '^mkdir -p \|^mv -f \|^printf \|^make: ' | sed 's/  */ /g'
