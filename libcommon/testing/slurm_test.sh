@@ -53,7 +53,9 @@ cd "$work" || exit 2
 mkdir state
 fail() {
   echo "$*"
-  for log in picture.farm/*.log; do echo "-- $log"; tail -n 5 "$log"; done
+  for log in picture.farm/*.log node?.log; do
+    [ ! -e "$log" ] || { echo "-- $log"; tail -n 5 "$log"; }
+  done
   echo "-- slurmctld.log"
   tail -n 40 slurmctld.log; squeue
   exit 1
