@@ -439,14 +439,6 @@ void Options::instead(const std::string& flags, const std::function<std::string(
               Shapes::nothing);
 }
 
-std::string png_beside(const std::string& picture) {
-  if (picture == "-") throw UsageError("--preview puts a PNG beside the picture: give -o FILE");
-  const size_t dot = picture.find_last_of('.');
-  const size_t slash = picture.find_last_of('/');
-  const bool has_suffix = dot != std::string::npos && (slash == std::string::npos || dot > slash);
-  return (has_suffix ? picture.substr(0, dot) : picture) + ".png";
-}
-
 int Options::run_main(int argc, char** argv, const std::function<int()>& run) {
   const auto fail = [this](Exit code, const std::string& text) {
     std::string line = text;

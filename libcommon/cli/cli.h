@@ -172,9 +172,6 @@ class Options {
   std::unique_ptr<Impl> impl_;
 };
 
-/// For output_beside(): the name of the picture with .png; throws UsageError for standard output.
-std::string png_beside(const std::string& picture);
-
 /// main() of a program: `declare` makes its table of options, which fill in the arguments, `run`
 /// does the work and returns the exit code.
 template <class Arguments>

@@ -64,4 +64,12 @@ void check_outputs(const std::vector<NamedFile>& outputs, const std::vector<std:
                          display_name(input));
 }
 
+std::string png_beside(const std::string& picture) {
+  if (picture == "-") throw UsageError("--preview puts a PNG beside the picture: give -o FILE");
+  const size_t dot = picture.find_last_of('.');
+  const size_t slash = picture.find_last_of('/');
+  const bool has_suffix = dot != std::string::npos && (slash == std::string::npos || dot > slash);
+  return (has_suffix ? picture.substr(0, dot) : picture) + ".png";
+}
+
 }  // namespace tdpt::cli

@@ -18,4 +18,7 @@ void check_outputs(const std::vector<NamedFile>& outputs);
 /// Throws UsageError when an output is one of the inputs, compared alike.
 void check_outputs(const std::vector<NamedFile>& outputs, const std::vector<std::string>& inputs);
 
+/// For output_beside(): the name of the picture with .png; throws UsageError for standard output.
+std::string png_beside(const std::string& picture);
+
 }  // namespace tdpt::cli

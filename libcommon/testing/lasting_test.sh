@@ -282,6 +282,16 @@ traps() {
   few --spp 16 --checkpoint empty.exr --resume empty.exr -o p.exr || fail "an empty file is no beginning"
   same p.exr whole.exr "from an empty file the picture is another"
 
+  # A preview is there, and refreshed, while its picture is not.
+  run="exec" few --spp 1000000 --preview -o seen.exr &
+  pid=$!
+  tries=0
+  until [ -s seen.png ] || [ $tries -gt 300 ]; do sleep 0.1; tries=$((tries + 1)); done
+  kill -KILL $pid
+  wait $pid 2>/dev/null
+  [ -s seen.png ] || fail "no preview while rendering"
+  [ ! -e seen.exr ] || fail "the picture is there before its end"
+
   # What is nested without end ends no program.
   deep=$(head -c 300000 /dev/zero | tr '\0' '[')
   printf '{"plan": {"x": %s' "$deep" >deep.json

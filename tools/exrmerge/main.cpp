@@ -5,6 +5,7 @@
 #include "libcommon/base/shown.h"
 #include "libcommon/cli/cli.h"
 #include "libcommon/cli/ending.h"
+#include "libcommon/cli/outputs.h"
 #include "tdpt_libraries.h"
 #include "tools/exrmerge/merging.h"
 

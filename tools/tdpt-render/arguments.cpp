@@ -7,6 +7,7 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/cli/cli.h"
+#include "libcommon/cli/outputs.h"
 #include "libcommon/film/film_file.h"
 #include "tools/tdpt-render/features.h"
 #include "tools/tdpt-render/integrators/integrator.h"
@@ -26,6 +27,25 @@ bool same_file(const std::string& a, const std::string& b) {
   std::error_code ignored;
   return std::filesystem::weakly_canonical(a, ignored) ==
          std::filesystem::weakly_canonical(b, ignored);
+}
+
+// How walks are directed at portals, and how many samples have which part.
+void declare_guide_options(cli::Options& options, Arguments& a) {
+  options.option(
+      "--guide-light", a.guide_light, "Q",
+      "Probability that a light walk aims at a portal; default 0.7 with tdpt-guided, else 0", 0,
+      0.95);
+  options.option(
+      "--guide-camera", a.guide_camera, "Q",
+      "Probability that a camera walk aims at a portal; default 0.4 with tdpt-guided, else 0", 0,
+      0.95);
+  options.option(
+      "--segments", a.segments, "SHARE",
+      "Share of the samples that draw a portal segment; default 1, with tdpt-guided 0.25", 0.01, 1);
+  options.option(
+      "--light-walks", a.light_walks, "SHARE",
+      "Share of the samples that make a light walk; default 0.25 with tdpt-guided, else 1",
+      kFewestLightWalks, 1);
 }
 
 // What makes a rendering last, or be one of many.
@@ -101,21 +121,7 @@ void declare_options(cli::Options& options, Arguments& a) {
   for (const Integrator& integrator : kIntegrators) names.push_back(integrator.name);
   options.choice("--integrator", a.integrator, names,
                  "Techniques to combine; default auto, which finds the best for this scene");
-  options.option(
-      "--guide-light", a.guide_light, "Q",
-      "Probability that a light walk aims at a portal; default 0.7 with tdpt-guided, else 0", 0,
-      0.95);
-  options.option(
-      "--guide-camera", a.guide_camera, "Q",
-      "Probability that a camera walk aims at a portal; default 0.4 with tdpt-guided, else 0", 0,
-      0.95);
-  options.option(
-      "--segments", a.segments, "SHARE",
-      "Share of the samples that draw a portal segment; default 1, with tdpt-guided 0.25", 0.01, 1);
-  options.option(
-      "--light-walks", a.light_walks, "SHARE",
-      "Share of the samples that make a light walk; default 0.25 with tdpt-guided, else 1",
-      kFewestLightWalks, 1);
+  declare_guide_options(options, a);
   options.quality();
   options.option("--spp", a.spp, "N",
                  "Samples per pixel; default 16 (draft 4, high 64), or as --time allows or "

@@ -234,6 +234,7 @@ uint64_t Rendering::samples_in_time() {
     each = took / static_cast<double>(n);
     if (took > kShare * settings_.seconds) break;
   }
+  if (!(each > 0)) return 1;  // a signal came first
   const double left = std::max(settings_.seconds - clock_.seconds(), 0.0);
   auto samples = static_cast<uint64_t>(std::clamp(left / each, 1.0, 0x1p32));
   while (static_cast<int>(std::bit_width(samples)) > std::countr_zero(samples) + 4)
