@@ -48,6 +48,17 @@ void check_extensions_of_material(Checker& c, Json& e, const std::string& at) {
   check("KHR_materials_transmission", {number("transmissionFactor", false, 0, 1)},
         {"transmissionTexture"});
   check("KHR_materials_ior", {number("ior", false, 0)});
+  check("KHR_materials_clearcoat",
+        {number("clearcoatFactor", false, 0, 1), number("clearcoatRoughnessFactor", false, 0, 1)},
+        {"clearcoatTexture", "clearcoatRoughnessTexture", "clearcoatNormalTexture"});
+  check("KHR_materials_sheen",
+        {numbers("sheenColorFactor", 3, 0), number("sheenRoughnessFactor", false, 0, 1)},
+        {"sheenColorTexture", "sheenRoughnessTexture"});
+  check("KHR_materials_iridescence", {number("iridescenceFactor")});
+  check("KHR_materials_anisotropy", {number("anisotropyStrength")});
+  check("KHR_materials_dispersion", {number("dispersion")});
+  check("KHR_materials_diffuse_transmission", {number("diffuseTransmissionFactor")});
+  check("KHR_materials_volume_scatter", {numbers("multiscatterColor", 3)});
   check("KHR_materials_volume",
         {number("thicknessFactor", false, 0), number("attenuationDistance", false, 0),
          numbers("attenuationColor", 3, 0, 1)});

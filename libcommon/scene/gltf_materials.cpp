@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "libcommon/base/hash.h"
+#include "libcommon/base/shown.h"
 #include "libcommon/scene/gltf_textures.h"
 
 namespace tdpt::gltf {
@@ -12,13 +14,12 @@ namespace {
 
 using Json = nlohmann::json;
 
-enum Kind { layered, unlit, no_texture, far_uv_set, clamped, faint, kinds };
+enum Kind { unlit, no_texture, far_uv_set, clamped, faint, kinds };
 
 struct Sentence {
   const char *one, *many, *rest;
 };
 constexpr std::array<Sentence, kinds> kSentences = {{
-    {"has a coat, sheen or the like", "have a coat, sheen or the like", ", which is left out"},
     {"is unlit", "are unlit", ": taken as black, emitting the base colour"},
     {"has a texture that cannot be decoded", "have a texture that cannot be decoded",
      ": its factor alone is used"},
@@ -32,11 +33,26 @@ constexpr std::array<Sentence, kinds> kSentences = {{
 // Less is lost in single precision before it reaches the camera; more is beyond it.
 constexpr double kFaintest = 1e-30, kBrightest = 1e30;
 
-constexpr const char* kLayers[] = {
-    "KHR_materials_clearcoat",      "KHR_materials_sheen",
-    "KHR_materials_iridescence",    "KHR_materials_anisotropy",
-    "KHR_materials_dispersion",     "KHR_materials_diffuse_transmission",
-    "KHR_materials_volume_scatter", "KHR_materials_pbrSpecularGlossiness"};
+// What is left out, where `factor` says that it is there: more than 0.
+struct LeftOut {
+  const char *extension, *factor, *words;
+};
+constexpr LeftOut kLeftOut[] = {
+    {"KHR_materials_iridescence", "iridescenceFactor", "iridescence"},
+    {"KHR_materials_anisotropy", "anisotropyStrength", "anisotropy"},
+    {"KHR_materials_dispersion", "dispersion", "dispersion"},
+    {"KHR_materials_diffuse_transmission", "diffuseTransmissionFactor", "diffuse transmission"},
+    {"KHR_materials_volume_scatter", "multiscatterColor", "scattering in its volume"},
+    {"KHR_materials_pbrSpecularGlossiness", nullptr, "the specular-glossiness model"}};
+
+constexpr const char* kRead[] = {
+    "KHR_materials_emissive_strength", "KHR_materials_specular", "KHR_materials_ior",
+    "KHR_materials_transmission",      "KHR_materials_volume",   "KHR_materials_clearcoat",
+    "KHR_materials_sheen",             "KHR_materials_unlit"};
+
+bool is_read(const std::string& extension) {
+  return std::find(std::begin(kRead), std::end(kRead), extension) != std::end(kRead);
+}
 
 // An index of refraction of 0 stands for an infinite one: all light is reflected.
 constexpr float kInfiniteIor = 1e6f;
@@ -62,6 +78,24 @@ bool is_black(const Rgb& c) {
   return max_component(c) <= 0;
 }
 
+bool more_than_0(const Json& parent, const char* name) {
+  const auto it = parent.find(name);
+  if (it == parent.end()) return false;
+  return it->is_number() ? it->get<double>() > 0 : max_component(triple(parent, name, 0)) > 0;
+}
+
+/// "material "a"", "materials "a", "b", "c" and 2 more".
+std::string listed(const std::vector<std::string>& names) {
+  constexpr size_t kMost = 3;
+  std::string out = names.size() == 1 ? "material " : "materials ";
+  for (size_t i = 0; i < std::min(names.size(), kMost); ++i) {
+    const bool last = i > 0 && i + 1 == names.size();
+    out += (i == 0 ? "" : last ? " and " : ", ") + names[i];
+  }
+  if (names.size() > kMost) out += fmt::format(" and {} more", names.size() - kMost);
+  return out;
+}
+
 class Reader {
  public:
   Reader(const Document& d, Scene& scene) : d_(d), scene_(scene), textures_(d, scene) {}
@@ -79,16 +113,19 @@ class Reader {
       use.unlit = true;
     } else {
       read_lobes(j, m);
+      read_coat(child(extensions, "KHR_materials_clearcoat"), m);
+      read_sheen(child(extensions, "KHR_materials_sheen"), m);
       read_normal_map(j, m);
       read_emission(j, index, m);
     }
-    for (const char* layer : kLayers)
-      if (extensions.contains(layer)) tell(layered);
+    note_left_out(extensions, index, m);
     keep_maps(m, use);
     return m;
   }
 
   void finish() {
+    for (const auto& [words, names] : left_out_)
+      scene_.warnings.push_back(fmt::format("{} is left out: {}", words, listed(names)));
     for (size_t k = 0; k < kinds; ++k)
       if (count_[k] > 0)
         scene_.warnings.push_back(
@@ -187,21 +224,67 @@ class Reader {
           std::clamp(colour[c] < 1 ? -std::log(colour[c]) / distance : 0.0, 0.0, 1e30));
   }
 
+  void read_coat(const Json& j, Material& m) {
+    m.coat = number(j, "clearcoatFactor", 0);
+    if (m.coat > 0)
+      coat_ = texture(j, "clearcoatTexture", false, [&](const auto& v) { m.coat *= v[0]; });
+    if (m.coat <= 0) return;
+    m.coat_roughness = number(j, "clearcoatRoughnessFactor", 0);
+    if (m.coat_roughness > 0)
+      coat_roughness_ = texture(j, "clearcoatRoughnessTexture", false,
+                                [&](const auto& v) { m.coat_roughness *= v[1]; });
+    coat_normal_ = bends(j, "clearcoatNormalTexture", m.coat_normal_scale);
+  }
+
+  void read_sheen(const Json& j, Material& m) {
+    m.sheen_color = Rgb(min(triple(j, "sheenColorFactor", 0), Vec3d(1)));
+    if (m.sheened())
+      sheen_color_ = texture(j, "sheenColorTexture", true, [&](const auto& v) {
+        m.sheen_color = m.sheen_color * Rgb(v[0], v[1], v[2]);
+      });
+    if (!m.sheened()) return;
+    m.sheen_roughness = number(j, "sheenRoughnessFactor", 0);
+    if (m.sheen_roughness > 0)
+      sheen_roughness_ = texture(j, "sheenRoughnessTexture", false,
+                                 [&](const auto& v) { m.sheen_roughness *= v[3]; });
+  }
+
   void read_normal_map(const Json& j, Material& m) {
-    if (is_black(m.base_color) && m.specular <= 0 && m.metallic <= 0 && m.transmission <= 0) return;
-    const auto info = j.find("normalTexture");
-    if (info == j.end()) return;
-    m.normal_scale = static_cast<float>(std::clamp(info->value("scale", 1.0), -1e6, 1e6));
-    if (m.normal_scale == 0) return;
+    const bool black = is_black(m.base_color) && m.specular <= 0 && m.metallic <= 0;
+    if (black && m.transmission <= 0 && !m.sheened()) return;
+    normal_ = bends(j, "normalTexture", m.normal_scale);
+  }
+
+  /// The normal map called `name`, if it bends anything.
+  std::optional<Texture> bends(const Json& parent, const char* name, float& scale) {
+    const auto info = parent.find(name);
+    if (info == parent.end()) return {};
+    scale = static_cast<float>(std::clamp(info->value("scale", 1.0), -1e6, 1e6));
+    if (scale == 0) return {};
     TextureReader::Fault fault{};
-    normal_ = textures_.read(*info, false, fault);
+    const std::optional<Texture> t = textures_.read(*info, false, fault);
     if (fault != TextureReader::Fault::none)
       tell(fault == TextureReader::Fault::undecodable ? no_texture : far_uv_set);
     // Bytes cannot say "straight up" exactly: both 127 and 128 mean it.
     const auto level = [](uint8_t v) { return v == 127 || v == 128; };
-    if (normal_ && normal_->uniform && level(normal_->encoded[0]) && level(normal_->encoded[1]) &&
-        normal_->encoded[2] > 128)
-      normal_.reset();
+    if (t && t->uniform && level(t->encoded[0]) && level(t->encoded[1]) && t->encoded[2] > 128)
+      return {};
+    return t;
+  }
+
+  void note_left_out(const Json& extensions, size_t index, const Material& m) {
+    const std::string name =
+        m.name.empty() ? place("materials", index) : "\"" + shown(m.name, 60) + "\"";
+    const auto note = [&](const std::string& words) { left_out_[words].push_back(name); };
+    for (const auto& [extension, value] : extensions.items()) {
+      const auto known = std::find_if(std::begin(kLeftOut), std::end(kLeftOut),
+                                      [&](const LeftOut& l) { return extension == l.extension; });
+      if (known != std::end(kLeftOut)) {
+        if (!known->factor || more_than_0(value, known->factor)) note(known->words);
+      } else if (extension.find("_materials_") != extension.npos && !is_read(extension)) {
+        note(shown(extension, 60));
+      }
+    }
   }
 
   /// Radiance [W/m2/sr]: emissiveFactor x emissiveStrength.
@@ -249,7 +332,12 @@ class Reader {
     keep(specular_, m.specular_map);
     keep(specular_color_, m.specular_color_map);
     keep(transmission_, m.transmission_map);
-    use.tangents = static_cast<bool>(m.normal_map);
+    keep(coat_, m.coat_map);
+    keep(coat_roughness_, m.coat_roughness_map);
+    keep(coat_normal_, m.coat_normal_map);
+    keep(sheen_color_, m.sheen_color_map);
+    keep(sheen_roughness_, m.sheen_roughness_map);
+    use.tangents = m.normal_map || m.coat_normal_map;
     use.alpha = m.alpha_mode != Material::Alpha::opaque;
     use.colours = !is_black(m.base_color) || use.alpha;
   }
@@ -258,7 +346,9 @@ class Reader {
   Scene& scene_;
   TextureReader textures_;
   std::optional<Texture> base_, roughness_, emission_, normal_, specular_, specular_color_,
-      transmission_;  // of the material at hand
+      transmission_, coat_, coat_roughness_, coat_normal_, sheen_color_,
+      sheen_roughness_;                                          // of the material at hand
+  std::map<std::string, std::vector<std::string>> left_out_;  // names of materials
   std::array<size_t, kinds> count_{};
   std::array<bool, kinds> told_{};  // of the material at hand
 };
@@ -290,9 +380,10 @@ void finish_material(const MaterialUse& use, Material& m) {
   const bool covers = m.alpha_mode == Material::Alpha::mask ? least >= m.alpha_cutoff : least >= 1;
   if (covers) m.alpha_mode = Material::Alpha::opaque;
   if (m.alpha_mode == Material::Alpha::opaque) m.alpha = 1;
-  const bool lobes = m.metallic > 0 || m.specular > 0 || m.transmission > 0;
-  const bool maps = m.base_map || m.metallic_roughness_map || m.emission_map || m.normal_map ||
-                    m.specular_map || m.specular_color_map || m.transmission_map;
+  const bool lobes = m.metallic > 0 || m.specular > 0 || m.transmission > 0 || m.coat > 0 ||
+                     m.sheened();
+  // Those of lobes come with them.
+  const bool maps = m.base_map || m.emission_map || m.normal_map;
   m.coloured = use.coloured;
   m.plain = !lobes && !maps && !use.coloured && m.alpha_mode == Material::Alpha::opaque;
 }
@@ -309,11 +400,13 @@ std::vector<std::string> needs_of(const Scene& scene) {
   say(!scene.smooth.empty(), "shading normals");
   say(any([](const Material& m) { return m.metallic > 0 || m.specular > 0; }), "specular");
   say(any([](const Material& m) { return m.transmission > 0; }), "transmission");
+  say(any([](const Material& m) { return m.coat > 0; }), "clear coat");
+  say(any([](const Material& m) { return m.sheened(); }), "sheen");
   say(any([](const Material& m) { return m.alpha_mode != Material::Alpha::opaque; }), "alpha");
   say(!scene.colours.empty(), "vertex colours");
   say(!scene.lights.empty(), "punctual lights");
   say(any([](const Material& m) { return max_component(m.absorption) > 0; }), "absorption");
-  say(any([](const Material& m) { return bool(m.normal_map); }), "normal maps");
+  say(any([](const Material& m) { return m.normal_map || m.coat_normal_map; }), "normal maps");
   say(any([](const Material& m) { return bool(m.emission_map); }), "textured emission");
   return out;
 }

@@ -28,7 +28,7 @@ inline Pane pane_of(const Material& m) {
                         m.specular_color_map || m.transmission_map;
   if (!(m.transmission > 0) || m.solid || m.coloured || m.metallic != 0 || m.roughness >= 0.01f ||
       textured || m.alpha_mode != Material::Alpha::opaque || max_component(m.emission) > 0 ||
-      !grey(m.base_color) || !grey(m.specular_color))
+      !grey(m.base_color) || !grey(m.specular_color) || m.coat > 0 || m.sheened())
     return {};
   const float r = (m.ior - 1) / (m.ior + 1);
   const float f0 = std::min(r * r * m.specular_color.x, 1.0f) * m.specular;

@@ -42,7 +42,8 @@ struct TextureMap {
   explicit operator bool() const { return image >= 0; }
 };
 
-/// glTF 2.0 metallic-roughness with specular, ior, transmission, volume and emissive strength.
+/// glTF 2.0 metallic-roughness with specular, ior, transmission, volume, clear coat, sheen and
+/// emissive strength.
 /// Factors are linear; a texture multiplies its factor. The default is diffuse grey.
 struct Material {
   std::string name;
@@ -65,6 +66,12 @@ struct Material {
   bool solid = false;      ///< encloses a volume: refracts. Otherwise it is a thin sheet.
   Rgb absorption{};        ///< inside a solid, per canonical length
   float normal_scale = 1;
+  float coat = 0;            ///< strength of the clear coat, [0,1]
+  float coat_roughness = 0;  ///< perceptual, [0,1]
+  float coat_normal_scale = 1;
+  Rgb sheen_color{};          ///< each in [0,1]
+  float sheen_roughness = 0;  ///< perceptual, [0,1]
+  bool sheened() const { return sheen_color.x > 0 || sheen_color.y > 0 || sheen_color.z > 0; }
   bool coloured = false;  ///< some vertex colour of its surfaces is not white
 
   TextureMap base_map;                ///< RGB colour, A alpha
@@ -74,6 +81,11 @@ struct Material {
   TextureMap specular_map;            ///< A
   TextureMap specular_color_map;      ///< RGB
   TextureMap transmission_map;        ///< R
+  TextureMap coat_map;                ///< R
+  TextureMap coat_roughness_map;      ///< G
+  TextureMap coat_normal_map;         ///< as normal_map, which does not bend the coat
+  TextureMap sheen_color_map;         ///< RGB
+  TextureMap sheen_roughness_map;     ///< A
 };
 
 /// A light without extent (KHR_lights_punctual), canonical frame.

@@ -123,7 +123,8 @@ Vec3d across(const Vec3d& v, const Vec3d& n) {
   return l > 1e-6 * whole && std::isfinite(l) ? flat / l : Vec3d{};
 }
 
-Vec3d bent(const Scene& scene, const Material& m, const SurfacePlace& place, const Vec3d& n) {
+Vec3d bent(const Scene& scene, const TextureMap& map, float scale, const SurfacePlace& place,
+           const Vec3d& n) {
   const Triangle& t = scene.triangles[place.triangle];
   Vec3d x{};
   double hand = 1;
@@ -133,15 +134,15 @@ Vec3d bent(const Scene& scene, const Material& m, const SurfacePlace& place, con
     hand = scene.tangents[t.vertex[0]][3] < 0 ? -1 : 1;
   }
   if (x == Vec3d{}) {
-    const Tangents d = derived_tangents(scene, m.normal_map, place.triangle);
+    const Tangents d = derived_tangents(scene, map, place.triangle);
     x = across(d.u, n);
     hand = dot(cross(n, d.u), d.v) < 0 ? -1 : 1;
   }
   if (x == Vec3d{}) return n;
-  const Texel texel = lookup(scene, m.normal_map, place);
+  const Texel texel = lookup(scene, map, place);
   const Vec3d y = cross(n, x) * hand;
-  const double sx = (2.0 * texel[0] - 1) * m.normal_scale;
-  const double sy = (2.0 * texel[1] - 1) * m.normal_scale;
+  const double sx = (2.0 * texel[0] - 1) * scale;
+  const double sy = (2.0 * texel[1] - 1) * scale;
   const Vec3d out = x * sx + y * sy + n * (2.0 * texel[2] - 1);
   const double l = length(out);
   return l > 1e-9 && std::isfinite(l) ? out / l : n;
@@ -200,7 +201,10 @@ float coverage_at(const Scene& scene, const SurfacePlace& place) {
   return alpha;
 }
 
-Vec3d shading_normal_at(const Scene& scene, const SurfacePlace& place, const Vec3d& geometric) {
+namespace {
+
+Vec3d normal_at(const Scene& scene, const TextureMap& map, float scale, const SurfacePlace& place,
+                const Vec3d& geometric) {
   Vec3d n = geometric;
   const uint8_t how = scene.smooth.empty() ? 0 : scene.smooth[place.triangle];
   if (how != 0) {
@@ -209,12 +213,23 @@ Vec3d shading_normal_at(const Scene& scene, const SurfacePlace& place, const Vec
     const double l = length(sum);
     if (l > 1e-6) n = sum / l;
   }
-  const Material& m = scene.material_of(place.triangle);
-  if (m.normal_map)
-    n = bent(scene, m, place, in_front(n, geometric));
+  if (map)
+    n = bent(scene, map, scale, place, in_front(n, geometric));
   else if (how == 0)
     return geometric;
   return in_front(n, geometric);
+}
+
+}  // namespace
+
+Vec3d shading_normal_at(const Scene& scene, const SurfacePlace& place, const Vec3d& geometric) {
+  const Material& m = scene.material_of(place.triangle);
+  return normal_at(scene, m.normal_map, m.normal_scale, place, geometric);
+}
+
+Vec3d coat_normal_at(const Scene& scene, const SurfacePlace& place, const Vec3d& geometric) {
+  const Material& m = scene.material_of(place.triangle);
+  return normal_at(scene, m.coat_normal_map, m.coat_normal_scale, place, geometric);
 }
 
 }  // namespace tdpt

@@ -30,5 +30,7 @@ float coverage_at(const Scene& scene, const SurfacePlace& place);
 /// normal map. `geometric`: unit normal of the front side. Their cosine is at least 1e-3: what
 /// points to the back is mirrored at the surface.
 Vec3d shading_normal_at(const Scene& scene, const SurfacePlace& place, const Vec3d& geometric);
+/// The same of its clear coat, which a normal map of its own bends.
+Vec3d coat_normal_at(const Scene& scene, const SurfacePlace& place, const Vec3d& geometric);
 
 }  // namespace tdpt

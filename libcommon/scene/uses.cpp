@@ -20,7 +20,8 @@ std::string of_materials(const Scene& s, bool (*which)(const Material&), const c
 
 bool textured(const Material& m) {
   return m.base_map || m.metallic_roughness_map || m.emission_map || m.normal_map ||
-         m.specular_map || m.specular_color_map || m.transmission_map;
+         m.specular_map || m.specular_color_map || m.transmission_map || m.coat_map ||
+         m.coat_roughness_map || m.coat_normal_map || m.sheen_color_map || m.sheen_roughness_map;
 }
 
 // A word of Scene::needs, how many ask for it, and what is saved where none does.
@@ -52,6 +53,18 @@ constexpr std::array kUses{
               s, [](const Material& m) { return m.transmission > 0; }, "let light through");
         },
         "no refraction, no panes"},
+    Use{"clear coat",
+        [](const Scene& s) {
+          return of_materials(
+              s, [](const Material& m) { return m.coat > 0; }, "have a clear coat");
+        },
+        "one layer only"},
+    Use{"sheen",
+        [](const Scene& s) {
+          return of_materials(
+              s, [](const Material& m) { return m.sheened(); }, "have a sheen");
+        },
+        "no fibres"},
     Use{"alpha",
         [](const Scene& s) {
           return of_materials(
@@ -80,7 +93,7 @@ constexpr std::array kUses{
     Use{"normal maps",
         [](const Scene& s) {
           return of_materials(
-              s, [](const Material& m) { return bool(m.normal_map); }, "name one");
+              s, [](const Material& m) { return m.normal_map || m.coat_normal_map; }, "name one");
         },
         "no look-up"},
     Use{"textured emission",

@@ -21,8 +21,7 @@ struct Seen {
 
 Vec3d albedo_at(const Point& p, const Vec3d& back) {
   if (p.simple) return Vec3d(p.material->base_color);
-  const Vec3d local = Onb<double>(p.shading).to_local(back);
-  return Vec3d(min(bsdf::albedo(p.bsdf, local), Rgb(1.0f)));
+  return Vec3d(min(albedo_of(p, back), Rgb(1.0f)));
 }
 
 void look(const World& world, double x, double y, Seen& seen) {

@@ -2,11 +2,14 @@
 // albedo of the interface (interface_albedo.h), n index of refraction.
 #include "tools/tdpt-render/path/bsdf.h"
 
+#include <array>
 #include <numbers>
+#include <optional>
 
 #include "libcommon/math/warp.h"
 #include "tools/tdpt-render/path/ggx.h"
 #include "tools/tdpt-render/path/interface_albedo.h"
+#include "tools/tdpt-render/path/sheen.h"
 
 namespace tdpt::bsdf {
 namespace {
@@ -31,13 +34,36 @@ Rgb narrow(const Vec3d& c) {
 Vec3d mirrored(const Vec3d& w) {
   return {w.x, w.y, -w.z};
 }
+Vec3d uniform_hemisphere(double u, double v) {
+  const double z = 1 - u, r = std::sqrt(u * (2 - u)), phi = 2 * std::numbers::pi * v;
+  return {r * std::cos(phi), r * std::sin(phi), z};
+}
+
+// Gauss-Legendre of 12 nodes: of products of curves of degree 5, exactly.
+constexpr std::array kNodes{0.5 * 0.1252334085114689, 0.5 * 0.3678314989981802,
+                            0.5 * 0.5873179542866175, 0.5 * 0.7699026741943047,
+                            0.5 * 0.9041172563704749, 0.5 * 0.9815606342467193};
+constexpr std::array kWeights{0.5 * 0.2491470458134028, 0.5 * 0.2334925365383548,
+                              0.5 * 0.2031674267230659, 0.5 * 0.1600783285433462,
+                              0.5 * 0.1069393259953184, 0.5 * 0.0471753363865118};
+
+// What the layers above let through: a coat along both directions, a sheen along them together.
+struct Covers {
+  double from = 1, to = 1, sheen = 1;
+  double coat() const { return std::min(from, to); }
+};
+
+struct Shares {
+  double diffuse, sheen;
+  double both() const { return diffuse + sheen; }
+};
 
 // The surface as `from` sees it: mirrored, if need be, so that from.z > 0.
 struct View {
   const Bsdf& b;
   bool back;
   Vec3d from;
-  bool transmits, solid, has_interface, has_diffuse;
+  bool transmits, solid, has_interface, has_diffuse, has_sheen;
   double alpha;                     // 0: smooth
   double ratio;                     // index behind the interface / before it, for Fresnel
   double n_from = 1, n_behind = 1;  // index where directions live
@@ -50,6 +76,7 @@ struct View {
         solid(transmits && !b.thin),
         has_interface(transmits || positive(b.f90)),
         has_diffuse(positive(b.diffuse) && !(solid && back)),
+        has_sheen(b.has_sheen() && !(solid && back)),
         alpha(b.alpha < kSmooth || (solid && std::abs(b.eta - 1) < kMatched) ? 0.0 : b.alpha),
         ratio(solid && back ? 1 / double(b.eta) : double(b.eta)) {
     if (solid) (back ? n_from : n_behind) = b.eta;
@@ -103,16 +130,63 @@ struct View {
   }
 
   // Diffuse lobe [1/sr] for two directions on this side.
-  Vec3d diffuse(double mu_from, double mu_to) const {
+  Vec3d diffuse(double mu_from, double mu_to, const Covers& covers) const {
     const Vec3d d = colour(b.diffuse) * std::numbers::inv_pi;
-    if (!has_interface) return d;
-    const Vec3d p = left_over(mu_from), q = left_over(mu_to), mean = left_over_average();
+    if (!has_interface && !b.coat) return d;
+    Vec3d p(1.0), q(1.0), mean(1.0);
+    if (has_interface) p = left_over(mu_from), q = left_over(mu_to);
+    if (b.coat)
+      p *= covers.from, q *= covers.to, mean = average_under_coat();
+    else
+      mean = left_over_average();
     const auto term = [](double x, double y, double m) { return m > 0 ? x * y / m : 0.0; };
     return d * Vec3d(term(p.x, q.x, mean.x), term(p.y, q.y, mean.y), term(p.z, q.z, mean.z));
   }
+  // 2 int (1 - E) c mu dmu, as if both had one normal.
+  Vec3d average_under_coat() const {
+    if (b.under_coat.x >= 0) return colour(b.under_coat);
+    Vec3d mean;
+    for (size_t i = 0; i < kNodes.size(); ++i)
+      for (const double mu : {0.5 - kNodes[i], 0.5 + kNodes[i]})
+        mean += (has_interface ? left_over(mu) : Vec3d(1.0)) *
+                (2 * mu * kWeights[i] * coat::left_over(b.coat, mu));
+    return colour(narrow(mean));
+  }
 
-  // Probability that the diffuse lobe is taken and not the interface: in proportion to what each
-  // reflects or transmits. -1: nothing does.
+  // What a coat leaves along a direction that is turned as `from` is, and what the sheen does.
+  double under_coat(const Vec3d& w) const {
+    if (!b.coat || (solid && (w.z < 0) != back)) return 1;
+    return coat::left_over(b.coat, dot(turn(w), Vec3d(b.coat.normal)));
+  }
+  double under_sheen(const Vec3d& w) const {
+    if (!b.has_sheen() || (solid && (w.z < 0) != back)) return 1;
+    return 1 - max_component(colour(b.sheen)) * sheen::albedo(std::abs(w.z), b.sheen_alpha);
+  }
+  Covers covers(const Vec3d& to) const {
+    if (!b.layers_above()) return {};
+    return {under_coat(from), under_coat(to), std::min(under_sheen(from), under_sheen(to))};
+  }
+
+  // Probabilities that sample() takes a lobe: in proportion to what each reflects or transmits.
+  // The interface has the rest. None: nothing does.
+  std::optional<Shares> shares() const {
+    if (!has_sheen) {
+      const double d = diffuse_probability();
+      if (d < 0) return {};
+      return Shares{d, 0};
+    }
+    const double e = sheen::albedo(from.z, b.sheen_alpha),
+                 rest = 1 - max_component(colour(b.sheen)) * e;
+    const double s = sum(colour(b.sheen)) * std::max(e, 0.05);
+    double under = 0;
+    if (has_diffuse) under += sum(colour(b.diffuse));
+    if (has_interface) under += sum(colour(b.f90));  // at most
+    const double d = diffuse_probability();
+    const double share = d < 0 ? 1 : s / (s + rest * std::min(under, 3.0));
+    return Shares{d < 0 ? 0 : (1 - share) * d, share};
+  }
+
+  // That the diffuse lobe is taken and not the interface, below a sheen; -1: there is neither.
   double diffuse_probability() const {
     if (!has_diffuse) return has_interface ? 0 : -1;
     if (!has_interface) return 1;
@@ -175,24 +249,41 @@ bool facet(const View& view, const Vec3d& to, Facet& out) {
 }
 
 }  // namespace
+}  // namespace tdpt::bsdf
+
+namespace tdpt {
+
+void Bsdf::prepare() {
+  if (alpha > 0) row = interface_row(double{alpha});
+  if (coat && bsdf::positive(diffuse))
+    under_coat = Rgb(bsdf::View(*this, {0, 0, 1}).average_under_coat());
+}
+
+}  // namespace tdpt
+
+namespace tdpt::bsdf {
 
 bool connectible(const Bsdf& b) {
-  return positive(b.diffuse) || View(b, {0, 0, 1}).rough();
+  return positive(b.diffuse) || b.has_sheen() || View(b, {0, 0, 1}).rough();
 }
 
 Rgb f(const Bsdf& b, const Vec3d& from, const Vec3d& to) {
   if (from.z == 0 || to.z == 0) return {};
   const View view(b, from);
   const Vec3d w = view.turn(to);
+  const Covers covers = view.covers(w);
   Vec3d result;
-  if (view.has_diffuse && w.z > 0) result += view.diffuse(view.from.z, w.z);
+  if (view.has_diffuse && w.z > 0) result += view.diffuse(view.from.z, w.z, covers);
   Facet m;
   if (view.rough() && facet(view, w, m)) {
     const Vec3d fresnel = view.fresnel(m.cos);
     result += (m.reflects ? fresnel : view.transmittance(fresnel)) *
               (ggx::d(m.h, view.alpha) * ggx::g2_over_cos(view.from.z, std::abs(w.z), view.alpha) *
-               m.f_jacobian);
+               m.f_jacobian * covers.coat());
   }
+  if (b.has_sheen()) result *= covers.sheen;
+  if (view.has_sheen && w.z > 0)
+    result += colour(b.sheen) * (sheen::f(view.from, w, b.sheen_alpha) * covers.coat());
   return narrow(result);
 }
 
@@ -200,10 +291,14 @@ double pdf_w(const Bsdf& b, const Vec3d& from, const Vec3d& to) {
   if (from.z == 0 || to.z == 0) return 0;
   const View view(b, from);
   const Vec3d w = view.turn(to);
-  const double p = view.diffuse_probability();
-  if (p < 0) return 0;
+  const auto shares = view.shares();
+  if (!shares) return 0;
   double pdf = 0;
-  if (w.z > 0) pdf += p * w.z * std::numbers::inv_pi;
+  if (w.z > 0) {
+    pdf += shares->diffuse * w.z * std::numbers::inv_pi;
+    if (view.has_sheen) pdf += shares->sheen * (0.5 * std::numbers::inv_pi);
+  }
+  const double p = shares->both();
   Facet m;
   if (view.rough() && facet(view, w, m)) {
     const double reflect = view.reflect_probability(view.fresnel(m.cos));
@@ -222,17 +317,22 @@ Rgb albedo(const Bsdf& b, const Vec3d& from) {
   if (view.rough()) left = view.left_over(view.from.z);
   Vec3d behind = colour(b.through);
   if (view.has_diffuse) behind += colour(b.diffuse);
-  return narrow(Vec3d(1.0) - left + left * behind);
+  Vec3d all = Vec3d(1.0) - left + left * behind;
+  if (view.has_sheen)
+    all = all * view.under_sheen(view.from) +
+          colour(b.sheen) * sheen::albedo(view.from.z, b.sheen_alpha);
+  return narrow(all * view.under_coat(view.from));
 }
 
 bool sample(const Bsdf& b, const Vec3d& from, double choice, double u, double v, Scattered& out) {
   if (from.z == 0) return false;
   const View view(b, from);
-  const double p = view.diffuse_probability();
-  if (p < 0) return false;
+  const auto shares = view.shares();
+  if (!shares) return false;
+  const double p = shares->both();
   out.dirac = false;
   if (choice < p) {
-    const Vec3d w = cosine_hemisphere(u, v);
+    const Vec3d w = choice < shares->diffuse ? cosine_hemisphere(u, v) : uniform_hemisphere(u, v);
     out.to = view.turn(w);
     return w.z > 0;
   }
@@ -271,14 +371,16 @@ double dirac_probability(const Bsdf& b, const Vec3d& from, const Vec3d& to) {
   if (from.z == 0) return 0;
   const View view(b, from);
   if (!view.smooth()) return 0;
-  const double p = view.diffuse_probability();
+  const auto shares = view.shares();
   const double reflect = view.reflect_probability(view.fresnel(view.from.z));
-  if (p < 0 || reflect < 0) return 0;
-  return (1 - p) * (view.turn(to).z > 0 ? reflect : 1 - reflect);
+  if (!shares || reflect < 0) return 0;
+  return (1 - shares->both()) * (view.turn(to).z > 0 ? reflect : 1 - reflect);
 }
 
 double diffuse_probability(const Bsdf& b, const Vec3d& from) {
-  return from.z == 0 ? 0 : std::max(0.0, View(b, from).diffuse_probability());
+  if (from.z == 0) return 0;
+  const auto shares = View(b, from).shares();
+  return shares ? shares->both() : 0;
 }
 
 double any_dirac_probability(const Bsdf& b, const Vec3d& from) {
@@ -291,7 +393,9 @@ Rgb dirac_reflectance(const Bsdf& b, const Vec3d& from, const Vec3d& to) {
   const View view(b, from);
   if (!view.smooth()) return {};
   const Vec3d fresnel = view.fresnel(view.from.z);
-  return narrow(view.turn(to).z > 0 ? fresnel : view.transmittance(fresnel));
+  const Vec3d w = view.turn(to);
+  const Covers covers = view.covers(w);
+  return narrow((w.z > 0 ? fresnel : view.transmittance(fresnel)) * (covers.coat() * covers.sheen));
 }
 
 }  // namespace tdpt::bsdf

@@ -1,5 +1,6 @@
-// Scattering at one point of a surface, after textures: glTF metallic-roughness with specular, ior
-// and transmission.
+// Scattering at one point of a surface, after textures: glTF metallic-roughness with specular, ior,
+// transmission, sheen, and what a clear coat leaves of it. The coat's own lobe, which may have
+// another normal, comes on top in coated.h.
 //
 // Directions are unit, point away from the surface and are given in the shading frame: z along the
 // shading normal of the front side. `from` is where a walk came from, `to` where it goes.
@@ -20,10 +21,15 @@
 // only; with both `diffuse` and `through`, whose sum is to be at most 1 and eta at least 1,
 // Schlick's curve (of the cosine before the front) takes the exact one's place, so that E stays
 // known. A thin sheet transmits by the reflected lobe, mirrored to the other side.
+// Above it all but a coat lies the sheen [sheen.h]. It leaves to the others the lesser of
+// 1 - max(colour) E_s along the two directions, as KHR_materials_sheen has it. A coat leaves the
+// lesser of c = 1 - E_c [coat.h], but to the diffuse lobe (1 - E) c at both ends over their common
+// average, so that white under any coat is white. Inside a solid there is neither.
 #pragma once
 #include <cstdint>
 
 #include "libcommon/math/vec.h"
+#include "tools/tdpt-render/path/coat.h"
 #include "tools/tdpt-render/path/interface_albedo.h"
 
 namespace tdpt {
@@ -38,16 +44,21 @@ struct Bsdf {
   bool thin = false;   ///< transmits straight on, without refraction
   InterfaceRow row{};  ///< of alpha, where many will ask [prepare()]
 
-  /// After alpha is set; what is not prepared is found each time, to the same bits.
-  void prepare() {
-    if (alpha > 0) row = interface_row(double{alpha});
-  }
+  Rgb sheen{};            ///< colour, [0,1]; 0: none
+  float sheen_alpha = 1;  ///< squared roughness
+  Coat coat;
+  Rgb under_coat{-1};  ///< average of what interface and coat leave to the diffuse lobe [prepare()]
+
+  /// After all else is set; what is not prepared is found each time, to the same bits.
+  void prepare();
 
   /// One diffuse lobe and nothing else.
   bool only_diffuse() const {
     return !(f90.x > 0 || f90.y > 0 || f90.z > 0 || through.x > 0 || through.y > 0 ||
-             through.z > 0);
+             through.z > 0 || layers_above());
   }
+  bool has_sheen() const { return sheen.x > 0 || sheen.y > 0 || sheen.z > 0; }
+  bool layers_above() const { return coat || has_sheen(); }
   bool transmits() const { return through.x > 0 || through.y > 0 || through.z > 0; }
   /// Index of refraction on the side of w.
   double index(const Vec3d& w) const {
@@ -84,7 +95,7 @@ bool sample(const Bsdf& b, const Vec3d& from, double choice, double u, double v,
 double dirac_probability(const Bsdf& b, const Vec3d& from, const Vec3d& to);
 /// That sample() tries a Dirac lobe, whichever way it leads.
 double any_dirac_probability(const Bsdf& b, const Vec3d& from);
-/// That sample() takes the diffuse lobe.
+/// That sample() takes the diffuse lobe or the sheen.
 double diffuse_probability(const Bsdf& b, const Vec3d& from);
 Rgb dirac_reflectance(const Bsdf& b, const Vec3d& from, const Vec3d& to);
 

@@ -43,7 +43,7 @@ Judgement judge(const Bsdf& b, const Vec3d& from, const SphereBins& bins, uint64
           binomial_p(transmitted, kSamples, probability(b, from, -same)), c.bins};
 }
 Judgement judge(const Bsdf& b, const Vec3d& from, const SphereBins& bins, uint64_t stream) {
-  return judge(b, from, bins, stream, bsdf::sample, bsdf::pdf_w, bsdf::dirac_probability);
+  return judge(b, from, bins, stream, whole::sample, whole::pdf_w, whole::dirac_probability);
 }
 
 struct Case {
@@ -80,7 +80,7 @@ Vec3d transmission(const Bsdf& b, const Vec3d& from) {
   smooth.alpha = 0;
   smooth.diffuse = {};
   bsdf::Scattered s;
-  return bsdf::sample(smooth, from, 1 - 1e-9, 0.5, 0.5, s) ? s.to : reflection(from);
+  return whole::sample(smooth, from, 1 - 1e-9, 0.5, 0.5, s) ? s.to : reflection(from);
 }
 
 TEST(bsdf_sampling, rough_lobes_follow_their_density) {
@@ -125,31 +125,31 @@ TEST(bsdf_sampling, smooth_lobes_are_taken_as_often_as_they_say) {
 
 TEST(bsdf_sampling, twin_a_density_5_percent_off) {
   const auto scaled = [](const Bsdf& b, const Vec3d& from, const Vec3d& to) {
-    return 1.05 * bsdf::pdf_w(b, from, to);
+    return 1.05 * whole::pdf_w(b, from, to);
   };
   for (const NamedBsdf& k : coloured(0.4f))
-    EXPECT_LT(judge(k.b, direction(0.6, 1), SphereBins(16, 16), 1, bsdf::sample, scaled,
-                    bsdf::dirac_probability)
+    EXPECT_LT(judge(k.b, direction(0.6, 1), SphereBins(16, 16), 1, whole::sample, scaled,
+                    whole::dirac_probability)
                   .p,
               1e-6)
         << k.name;
 }
 TEST(bsdf_sampling, twin_a_density_without_the_jacobian_of_reflection) {
   const auto dropped = [](const Bsdf& b, const Vec3d& from, const Vec3d& to) {
-    return bsdf::pdf_w(b, from, to) * 4 * dot(from, normalize(from + to));
+    return whole::pdf_w(b, from, to) * 4 * dot(from, normalize(from + to));
   };
-  EXPECT_LT(judge(metal(0.4f), direction(0.3, 1), SphereBins(16, 16), 1, bsdf::sample, dropped,
-                  bsdf::dirac_probability)
+  EXPECT_LT(judge(metal(0.4f), direction(0.3, 1), SphereBins(16, 16), 1, whole::sample, dropped,
+                  whole::dirac_probability)
                 .p,
             1e-6);
 }
 TEST(bsdf_sampling, twin_a_density_of_refraction_in_the_other_medium) {
   const auto other = [](const Bsdf& b, const Vec3d& from, const Vec3d& to) {
     const double n = b.index(from) / b.index(to);
-    return bsdf::pdf_w(b, from, to) * n * n;
+    return whole::pdf_w(b, from, to) * n * n;
   };
-  EXPECT_LT(judge(glass(0.4f), direction(0.6, 1), SphereBins(16, 16), 1, bsdf::sample, other,
-                  bsdf::dirac_probability)
+  EXPECT_LT(judge(glass(0.4f), direction(0.6, 1), SphereBins(16, 16), 1, whole::sample, other,
+                  whole::dirac_probability)
                 .p,
             1e-6);
 }
@@ -162,8 +162,8 @@ TEST(bsdf_sampling, twin_normals_drawn_whether_visible_or_not) {
     out = {h * (2 * dot(from, h)) - from, false};
     return dot(from, h) > 0 && out.to.z > 0;
   };
-  EXPECT_LT(judge(metal(0.4f), direction(0.5, 1), SphereBins(16, 16), 1, blind, bsdf::pdf_w,
-                  bsdf::dirac_probability)
+  EXPECT_LT(judge(metal(0.4f), direction(0.5, 1), SphereBins(16, 16), 1, blind, whole::pdf_w,
+                  whole::dirac_probability)
                 .p,
             1e-6);
 }
@@ -171,26 +171,26 @@ TEST(bsdf_sampling, twin_a_roughness_5_percent_off) {
   const auto rougher = [](Bsdf b, const Vec3d& from, double choice, double u, double v,
                           bsdf::Scattered& out) {
     b.alpha *= 1.05f;
-    return bsdf::sample(b, from, choice, u, v, out);
+    return whole::sample(b, from, choice, u, v, out);
   };
   for (const Bsdf& b : {metal(0.4f), glass(0.4f)})
-    EXPECT_LT(judge(b, direction(0.8, 1), SphereBins(16, 16), 1, rougher, bsdf::pdf_w,
-                    bsdf::dirac_probability)
+    EXPECT_LT(judge(b, direction(0.8, 1), SphereBins(16, 16), 1, rougher, whole::pdf_w,
+                    whole::dirac_probability)
                   .p,
               1e-5);
 }
 TEST(bsdf_sampling, twin_lobes_chosen_by_other_odds) {
   const auto other_odds = [](const Bsdf& b, const Vec3d& from, double choice, double u, double v,
                              bsdf::Scattered& out) {
-    return bsdf::sample(b, from, std::pow(choice, 1.25), u, v, out);
+    return whole::sample(b, from, std::pow(choice, 1.25), u, v, out);
   };
   const Vec3d from = direction(0.6, 1);
-  EXPECT_LT(judge(plastic(0.2f, Rgb(1), 0.5f), from, SphereBins(16, 16), 1, other_odds, bsdf::pdf_w,
-                  bsdf::dirac_probability)
+  EXPECT_LT(judge(plastic(0.2f, Rgb(1), 0.5f), from, SphereBins(16, 16), 1, other_odds,
+                  whole::pdf_w, whole::dirac_probability)
                 .p,
             1e-6);
-  const Judgement smooth =
-      judge(glass(0), from, SphereBins(8, 8), 1, other_odds, bsdf::pdf_w, bsdf::dirac_probability);
+  const Judgement smooth = judge(glass(0), from, SphereBins(8, 8), 1, other_odds, whole::pdf_w,
+                                 whole::dirac_probability);
   EXPECT_LT(smooth.reflected_p, 1e-4);
   EXPECT_LT(smooth.transmitted_p, 1e-4);
 }

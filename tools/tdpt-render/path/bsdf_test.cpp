@@ -52,7 +52,7 @@ int asymmetric_pairs(const Bsdf& b, F f) {
       const double u = rng.uniform();
       const double v = rng.uniform();
       bsdf::Scattered s;
-      if (!bsdf::sample(b, from, choice, u, v, s) || s.dirac) continue;
+      if (!whole::sample(b, from, choice, u, v, s) || s.dirac) continue;
       to = s.to;
     }
     if (!symmetric(f(b, from, to), f(b, to, from))) ++bad;
@@ -60,12 +60,12 @@ int asymmetric_pairs(const Bsdf& b, F f) {
   return bad;
 }
 TEST(bsdf, is_symmetric) {
-  for_all([](const NamedBsdf& k) { EXPECT_EQ(asymmetric_pairs(k.b, bsdf::f), 0); });
+  for_all([](const NamedBsdf& k) { EXPECT_EQ(asymmetric_pairs(k.b, whole::f), 0); });
 }
 TEST(bsdf, twin_the_bsdf_of_radiance_is_not_symmetric) {
   const auto radiance = [](const Bsdf& b, const Vec3d& from, const Vec3d& to) {
     const double n = b.index(from);
-    return bsdf::f(b, from, to) * static_cast<float>(n * n);
+    return whole::f(b, from, to) * static_cast<float>(n * n);
   };
   EXPECT_GT(asymmetric_pairs(glass(0.3f), radiance), 50);
   EXPECT_EQ(asymmetric_pairs(glass(0.3f, 1.5f, true), radiance), 0);
@@ -88,11 +88,11 @@ TEST(bsdf, smooth_lobes_are_symmetric) {
       const double u = rng.uniform();
       const double v = rng.uniform();
       bsdf::Scattered s;
-      if (!bsdf::sample(k.b, from, choice, u, v, s) || !s.dirac) continue;
-      const Rgb there = bsdf::dirac_reflectance(k.b, from, s.to);
-      const Rgb back = bsdf::dirac_reflectance(k.b, s.to, from);
+      if (!whole::sample(k.b, from, choice, u, v, s) || !s.dirac) continue;
+      const Rgb there = whole::dirac_reflectance(k.b, from, s.to);
+      const Rgb back = whole::dirac_reflectance(k.b, s.to, from);
       EXPECT_LT(difference(there, back), 1e-5);
-      EXPECT_GT(bsdf::dirac_probability(k.b, s.to, from), 0);
+      EXPECT_GT(whole::dirac_probability(k.b, s.to, from), 0);
       EXPECT_NEAR(length(s.to), 1, 1e-12);
       // The way back is the way there.
       const bool reflects = from.z * s.to.z > 0;
@@ -117,14 +117,14 @@ Energy energy_by_sampling(const Bsdf& b, const Vec3d& from, int n = 16384) {
     y = std::fmod(y + 0.6710436067037893, 1);
     z = std::fmod(z + 0.5497004779019703, 1);
     bsdf::Scattered s;
-    if (!bsdf::sample(b, from, x, y, z, s)) continue;
+    if (!whole::sample(b, from, x, y, z, s)) continue;
     Vec3d w;
     if (s.dirac) {
-      w = Vec3d(bsdf::dirac_reflectance(b, from, s.to)) / bsdf::dirac_probability(b, from, s.to);
+      w = Vec3d(whole::dirac_reflectance(b, from, s.to)) / whole::dirac_probability(b, from, s.to);
     } else {
       const double index = b.index(s.to);
-      w = Vec3d(bsdf::f(b, from, s.to)) *
-          (index * index * std::abs(s.to.z) / bsdf::pdf_w(b, from, s.to));
+      w = Vec3d(whole::f(b, from, s.to)) *
+          (index * index * std::abs(s.to.z) / whole::pdf_w(b, from, s.to));
     }
     EXPECT_TRUE(is_finite(w)) << from.z << " " << s.to.z;
     e.mean += w / n;
@@ -133,8 +133,8 @@ Energy energy_by_sampling(const Bsdf& b, const Vec3d& from, int n = 16384) {
   return e;
 }
 double dirac_energy(const Bsdf& b, const Vec3d& from) {
-  return bsdf::dirac_reflectance(b, from, {0, 0, from.z}).y +
-         bsdf::dirac_reflectance(b, from, {0, 0, -from.z}).y;
+  return whole::dirac_reflectance(b, from, {0, 0, from.z}).y +
+         whole::dirac_reflectance(b, from, {0, 0, -from.z}).y;
 }
 template <class F>
 double energy_by_quadrature(const Bsdf& b, const Vec3d& from, F f) {
@@ -155,7 +155,7 @@ TEST(bsdf, never_reflects_more_than_it_receives) {
     double weight = 0;
     for (double z : kCosines) {
       const Energy e = energy_by_sampling(k.b, direction(z, 1), 4096);
-      EXPECT_LE(max_component(e.mean), std::abs(z) > 0.05 ? 1.005 : 1.02) << z;
+      EXPECT_LE(max_component(e.mean), std::abs(z) > 0.05 && !k.b.has_sheen() ? 1.005 : 1.02) << z;
       weight = std::max(weight, e.largest);
     }
     EXPECT_LT(weight, 8);
@@ -166,8 +166,8 @@ TEST(bsdf, sampling_and_quadrature_agree_on_the_energy) {
     for (const NamedBsdf& k : all(alpha))
       for (double z : {0.95, 0.4, -0.3, -0.9}) {
         const Vec3d from = direction(z, 0.3);
-        EXPECT_NEAR(energy_by_sampling(k.b, from).mean.y, energy_by_quadrature(k.b, from, bsdf::f),
-                    3e-3)
+        EXPECT_NEAR(energy_by_sampling(k.b, from).mean.y, energy_by_quadrature(k.b, from, whole::f),
+                    k.b.layers_above() ? 5e-3 : 3e-3)
             << k.name << " alpha " << alpha << " cos " << z;
       }
 }
@@ -175,11 +175,11 @@ TEST(bsdf, twin_an_undarkened_diffuse_lobe_creates_energy) {
   const auto undarkened = [](const Bsdf& b, const Vec3d& from, const Vec3d& to) {
     Bsdf bare = b;
     bare.diffuse = {};
-    return bsdf::f(bare, from, to) + bsdf::f(make(b.diffuse, {}, 0, {}, 1), from, to);
+    return whole::f(bare, from, to) + whole::f(make(b.diffuse, {}, 0, {}, 1), from, to);
   };
   const Bsdf b = plastic(0.3f, Rgb(1));
   const Vec3d from = direction(0.4, 0.3);
-  EXPECT_NEAR(energy_by_quadrature(b, from, bsdf::f), 1, 2e-3);
+  EXPECT_NEAR(energy_by_quadrature(b, from, whole::f), 1, 2e-3);
   EXPECT_GT(energy_by_quadrature(b, from, undarkened), 1.02);
 }
 
@@ -194,7 +194,7 @@ double white_energy(float alpha, float f0, double z) {
     const double mu = (i + 0.5) / kRings;
     const Vec3d to = direction(std::copysign(mu, z), 2);
     diffuse += 2 * std::numbers::pi * mu / kRings *
-               (bsdf::f(coated, from, to).y - static_cast<double>(bsdf::f(bare, from, to).y));
+               (whole::f(coated, from, to).y - static_cast<double>(whole::f(bare, from, to).y));
   }
   return energy_by_sampling(bare, from).mean.y + diffuse;
 }
@@ -215,7 +215,10 @@ TEST(bsdf, white_under_any_interface_stays_white) {
 TEST(bsdf, smooth_white_surfaces_lose_nothing) {
   for (const NamedBsdf& k : white(0))
     for (double z : kCosines) {
-      if (k.name == "milky" && z < 0) continue;  // no diffuse lobe inside a solid
+      if (k.name == "milky" && z < 0) continue;         // no diffuse lobe inside a solid
+      if (k.name == "coated glass" && z < 0) continue;  // nor does its coat reflect what is inside
+      // Cloth, and rough facets under a smooth coat.
+      if (k.b.has_sheen() || k.name == "coated plastic" || k.name == "half coated metal") continue;
       EXPECT_NEAR(energy_by_sampling(k.b, direction(z, 1)).mean.y, 1, 2.5e-3) << k.name << " " << z;
     }
 }
@@ -223,12 +226,13 @@ TEST(bsdf, slightly_rough_glass_and_metal_lose_little) {
   for (const NamedBsdf& k : white(0.1f))
     for (double z : {1.0, 0.5, -0.5, -1.0}) {
       if (k.name == "milky" && z < 0) continue;
+      if (k.b.has_sheen()) continue;
       EXPECT_GT(energy_by_sampling(k.b, direction(z, 1)).mean.y, 0.95) << k.name << " " << z;
     }
 }
 
 double reflected(const Bsdf& b, double z) {
-  return bsdf::dirac_reflectance(b, direction(z, 0), direction(z, std::numbers::pi)).y;
+  return whole::dirac_reflectance(b, direction(z, 0), direction(z, std::numbers::pi)).y;
 }
 TEST(bsdf, smooth_glass_obeys_fresnel_and_snell) {
   const Bsdf b = glass(0);
@@ -240,10 +244,10 @@ TEST(bsdf, smooth_glass_obeys_fresnel_and_snell) {
   EXPECT_NEAR(reflected(b, brewster), 0.5 * s, 1e-6);  // the parallel half vanishes
   EXPECT_EQ(reflected(b, -0.74), 1);                   // total beyond cos = sqrt(5)/3 = 0.745
   EXPECT_LT(reflected(b, -0.75), 0.7);
-  EXPECT_EQ(bsdf::dirac_probability(b, direction(-0.74, 0), {0, 0, -1}), 1);
-  EXPECT_EQ(bsdf::dirac_probability(b, direction(-0.74, 0), {0, 0, 1}), 0);
+  EXPECT_EQ(whole::dirac_probability(b, direction(-0.74, 0), {0, 0, -1}), 1);
+  EXPECT_EQ(whole::dirac_probability(b, direction(-0.74, 0), {0, 0, 1}), 0);
   bsdf::Scattered out;
-  ASSERT_TRUE(bsdf::sample(b, direction(0.6, 0), 0.999, 0.5, 0.5, out));
+  ASSERT_TRUE(whole::sample(b, direction(0.6, 0), 0.999, 0.5, 0.5, out));
   EXPECT_TRUE(out.dirac);
   EXPECT_NEAR(out.to.x, -0.8 / 1.5, 1e-12);
   EXPECT_LT(out.to.z, 0);
@@ -253,7 +257,7 @@ TEST(bsdf, a_pane_and_matched_glass_let_light_straight_through) {
   for (const Bsdf& b : {glass(0, 1.5f, true), make({}, Rgb(0), 1, Rgb(1), 0.5f, 1)}) {
     const Vec3d from = direction(0.6, 0.4);
     bsdf::Scattered out;
-    ASSERT_TRUE(bsdf::sample(b, from, 0.999, 0.3, 0.4, out));
+    ASSERT_TRUE(whole::sample(b, from, 0.999, 0.3, 0.4, out));
     EXPECT_TRUE(out.dirac);
     EXPECT_LT(length(out.to + from), 1e-12);
     EXPECT_EQ(b.index(out.to), 1);
@@ -264,26 +268,26 @@ TEST(bsdf, a_mirror_follows_schlick) {
   const Bsdf b = metal(0, Rgb(0.5f));
   EXPECT_NEAR(reflected(b, 1), 0.5, 1e-7);
   EXPECT_NEAR(reflected(b, -0.5), 0.5 + 0.5 / 32, 1e-6);
-  EXPECT_EQ(bsdf::dirac_reflectance(b, {0, 0, 1}, {0, 0, -1}), Rgb());
-  EXPECT_EQ(bsdf::f(b, {0, 0, 1}, {0, 0, 1}), Rgb());
-  EXPECT_EQ(bsdf::pdf_w(b, {0, 0, 1}, {0, 0, 1}), 0);
+  EXPECT_EQ(whole::dirac_reflectance(b, {0, 0, 1}, {0, 0, -1}), Rgb());
+  EXPECT_EQ(whole::f(b, {0, 0, 1}, {0, 0, 1}), Rgb());
+  EXPECT_EQ(whole::pdf_w(b, {0, 0, 1}, {0, 0, 1}), 0);
   EXPECT_FALSE(bsdf::connectible(b));
 }
 TEST(bsdf, plain_diffuse_is_colour_over_pi_by_the_cosine) {
   const Bsdf b = make({0.8f, 0.5f, 0.2f}, {}, 0, {}, 1);
   ASSERT_TRUE(b.only_diffuse());
   const Vec3d from = direction(-0.3, 1), to = direction(-0.8, 4);
-  EXPECT_LT(difference(bsdf::f(b, from, to), b.diffuse * static_cast<float>(std::numbers::inv_pi)),
+  EXPECT_LT(difference(whole::f(b, from, to), b.diffuse * static_cast<float>(std::numbers::inv_pi)),
             1e-7);
-  EXPECT_DOUBLE_EQ(bsdf::pdf_w(b, from, to), 0.8 * std::numbers::inv_pi);
-  EXPECT_EQ(bsdf::f(b, from, -to), Rgb());
-  EXPECT_EQ(bsdf::pdf_w(b, from, -to), 0);
+  EXPECT_DOUBLE_EQ(whole::pdf_w(b, from, to), 0.8 * std::numbers::inv_pi);
+  EXPECT_EQ(whole::f(b, from, -to), Rgb());
+  EXPECT_EQ(whole::pdf_w(b, from, -to), 0);
 }
 TEST(bsdf, black_absorbs) {
   bsdf::Scattered out;
-  EXPECT_FALSE(bsdf::sample(make({}, {}, 0, {}, 1), {0, 0, 1}, 0.5, 0.5, 0.5, out));
+  EXPECT_FALSE(whole::sample(make({}, {}, 0, {}, 1), {0, 0, 1}, 0.5, 0.5, 0.5, out));
   EXPECT_FALSE(bsdf::connectible(make({}, {}, 0, {}, 1)));
-  EXPECT_FALSE(bsdf::sample(plastic(0.1f), {1, 0, 0}, 0.5, 0.5, 0.5, out));
+  EXPECT_FALSE(whole::sample(plastic(0.1f), {1, 0, 0}, 0.5, 0.5, 0.5, out));
 }
 
 // Directions in the surface or all but, the roughest and the almost smooth: every number is finite,
@@ -304,16 +308,16 @@ TEST(bsdf, extremes_stay_finite) {
             for (double u : uniforms)
               for (double v : uniforms) {
                 bsdf::Scattered s;
-                if (!bsdf::sample(k.b, from, choice, u, v, s)) continue;
+                if (!whole::sample(k.b, from, choice, u, v, s)) continue;
                 ASSERT_NE(s.to.z, 0);
                 ASSERT_NEAR(length(s.to), 1, 1e-9);
                 if (s.dirac) {
-                  ASSERT_GT(bsdf::dirac_probability(k.b, from, s.to), 0);
+                  ASSERT_GT(whole::dirac_probability(k.b, from, s.to), 0);
                   continue;
                 }
-                const double pdf = bsdf::pdf_w(k.b, from, s.to), n = k.b.index(s.to);
+                const double pdf = whole::pdf_w(k.b, from, s.to), n = k.b.index(s.to);
                 const double weight =
-                    max_component(bsdf::f(k.b, from, s.to)) * n * n * std::abs(s.to.z) / pdf;
+                    max_component(whole::f(k.b, from, s.to)) * n * n * std::abs(s.to.z) / pdf;
                 ASSERT_TRUE(pdf > 0 && std::isfinite(pdf)) << pdf << " from " << from.z;
                 ASSERT_TRUE(weight >= 0 && weight < 100) << weight << " from " << from.z;
               }
@@ -321,11 +325,11 @@ TEST(bsdf, extremes_stay_finite) {
             for (double sign_to : {1.0, -1.0})
               for (double azimuth : {0.7, 0.7 + std::numbers::pi, 2.0}) {
                 const Vec3d to = direction(sign_to * c_to, azimuth);
-                ASSERT_TRUE(is_finite(bsdf::f(k.b, from, to)));
-                ASSERT_GE(bsdf::f(k.b, from, to).y, 0);
-                ASSERT_TRUE(std::isfinite(bsdf::pdf_w(k.b, from, to)));
-                ASSERT_TRUE(is_finite(bsdf::dirac_reflectance(k.b, from, to)));
-                ASSERT_TRUE(std::isfinite(bsdf::dirac_probability(k.b, from, to)));
+                ASSERT_TRUE(is_finite(whole::f(k.b, from, to)));
+                ASSERT_GE(whole::f(k.b, from, to).y, 0);
+                ASSERT_TRUE(std::isfinite(whole::pdf_w(k.b, from, to)));
+                ASSERT_TRUE(is_finite(whole::dirac_reflectance(k.b, from, to)));
+                ASSERT_TRUE(std::isfinite(whole::dirac_probability(k.b, from, to)));
               }
         }
     }

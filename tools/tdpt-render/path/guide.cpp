@@ -1,6 +1,7 @@
 #include "tools/tdpt-render/path/guide.h"
 
 #include "tools/tdpt-render/path/roulette.h"
+#include "tools/tdpt-render/path/surface.h"
 
 namespace tdpt {
 namespace {
@@ -19,14 +20,9 @@ struct Scope {
 };
 
 Scope scope(const Point& at, const Vec3d& back) {
-  constexpr float kNarrow = 0.3f;
-  Scope s;
-  if (at.simple) return s;
-  const Vec3d local = Onb<double>(at.shading).to_local(back);
-  if (!(local.z * dot(at.normal, back) > 0)) return s;
-  s.matt -= bsdf::any_dirac_probability(at.bsdf, local);
-  if (s.matt == 1 && at.bsdf.alpha < kNarrow) s.broad = bsdf::diffuse_probability(at.bsdf, local);
-  return s;
+  if (at.simple) return {};
+  const Odds odds = odds_of(at, back);
+  return {odds.broad, 1 - odds.dirac};
 }
 
 // By the mixture: q, and `towards`, what the infinite ray crosses. [1/canonical area]

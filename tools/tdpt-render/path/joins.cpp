@@ -32,7 +32,9 @@ struct Ends::Gloss {
     put(back_x, Vec3f(end.back));
     of[cosine] = std::max(static_cast<float>(std::abs(cos)), kGrazing);
     const Rgb left = max(Rgb(1.0f) - b.f0, Rgb(0.05f));
-    put(red, end.carried * b.diffuse * left * static_cast<float>(std::numbers::inv_pi));
+    // Layers above, roughly: what is never estimated is never taken.
+    const Rgb above = b.sheen * 0.3f + Rgb(0.1f * b.coat.strength);
+    put(red, end.carried * (b.diffuse * left + above) * static_cast<float>(std::numbers::inv_pi));
     of[alpha2] = std::max(b.alpha * b.alpha, kMirror);
     put(f0_red, end.carried * b.f0);
     put(f90_red, end.carried * (b.f90 - b.f0));

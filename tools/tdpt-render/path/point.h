@@ -86,6 +86,8 @@ inline bool same_side(const Point& p, const Vec3d& wi, const Vec3d& wo) {
 // out of registers.
 Rgb layered_bsdf(const Point& p, Vec3d to_light, Vec3d to_camera);
 double layered_scatter_pdf_w(const Point& at, Vec3d back, Vec3d to, bool dirac);
+/// Share of what the surface emits along w that its clear coat lets through.
+double emission_under_coat(const Point& p, Vec3d w);
 
 /// The side of the surface at `p` that all edges of a path are on which has one along `away`; 0:
 /// both, as light goes through.
@@ -116,7 +118,10 @@ inline double scatter_pdf_A(const Point& at, const Vec3d& back, const Edge& e, c
 /// What leaves along unit w (LightSource), at infinity the position; black where no light begins.
 inline Rgb emitted(const Point& p, const Vec3d& w) {
   if (!p.source) return {};
-  return p.source->is_sky() ? p.in_sky.radiance : p.source->emitted(p.normal, p.emission, w);
+  if (p.source->is_sky()) return p.in_sky.radiance;
+  const Rgb out = p.source->emitted(p.normal, p.emission, w);
+  if (p.simple || !p.bsdf.coat) return out;
+  return out * static_cast<float>(emission_under_coat(p, w));
 }
 
 /// pdf_A of reaching `to` along `e` when light leaves `light`.

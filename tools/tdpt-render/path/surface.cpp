@@ -3,9 +3,26 @@
 #include "libcommon/math/warp.h"
 #include "libcommon/scene/pane.h"
 #include "libcommon/scene/texture.h"
+#include "tools/tdpt-render/path/coated.h"
+#include "tools/tdpt-render/path/sheen.h"
 
 namespace tdpt {
 namespace {
+
+void add_sheen(const Scene& scene, const Material& m, const SurfacePlace& place, Bsdf& b) {
+  const auto colour = lookup(scene, m.sheen_color_map, place);
+  b.sheen = m.sheen_color * Rgb(colour[0], colour[1], colour[2]);
+  const float roughness = m.sheen_roughness * lookup(scene, m.sheen_roughness_map, place)[3];
+  b.sheen_alpha = std::max(roughness, sheen::kLeastRoughness);
+  b.sheen_alpha *= b.sheen_alpha;
+}
+
+// Its normal is put in by add_lobes().
+void add_coat(const Scene& scene, const Material& m, const SurfacePlace& place, Bsdf& b) {
+  b.coat.strength = m.coat * lookup(scene, m.coat_map, place)[0];
+  const float roughness = m.coat_roughness * lookup(scene, m.coat_roughness_map, place)[1];
+  b.coat.alpha = roughness * roughness;
+}
 
 // glTF 2.0 appendix B with KHR_materials_specular, _ior and _transmission. Dielectric and metal
 // share one microfacet lobe, since Schlick's F is linear in f0 and f90.
@@ -39,6 +56,8 @@ Bsdf bsdf_of(const Scene& scene, const Material& m, const SurfacePlace& place) {
   b.alpha = roughness * roughness;
   b.eta = m.ior;
   b.thin = !m.solid;
+  if (m.sheened()) add_sheen(scene, m, place, b);
+  if (m.coat > 0) add_coat(scene, m, place, b);
   if (!b.only_diffuse()) b.prepare();
   return b;
 }
@@ -65,6 +84,11 @@ void add_lobes(const Scene& scene, const Material& m, const SurfacePlace& place,
   }
   p.bsdf = bsdf_of(scene, m, place);
   p.connectible = bsdf::connectible(p.bsdf);
+  if (!p.bsdf.coat) return;
+  p.connectible |= !coat::smooth(p.bsdf.coat);
+  if (m.normal_map || m.coat_normal_map)
+    p.bsdf.coat.normal =
+        Vec3f(normalize(Onb<double>(p.shading).to_local(coat_normal_at(scene, place, p.normal))));
 }
 
 bool emits(const Material& m) {
@@ -130,6 +154,7 @@ void place_on_light(const World& world, const Lights::Point& light, Point& p) {
 }
 
 Rgb layered_bsdf(const Point& v, Vec3d to_light, Vec3d to_camera) {
+  if (v.bsdf.coat) return coated::bsdf(v, to_light, to_camera);
   Vec3d l, c;
   if (!to_shading_frame(v, to_light, to_camera, l, c)) return {};
   return bsdf::f(v.bsdf, l, c) * static_cast<float>(square(v.bsdf.index(c)) * std::abs(l.z) /
@@ -137,16 +162,22 @@ Rgb layered_bsdf(const Point& v, Vec3d to_light, Vec3d to_camera) {
 }
 
 double layered_scatter_pdf_w(const Point& at, Vec3d back, Vec3d to, bool dirac) {
+  if (at.bsdf.coat) return coated::scatter_pdf_w(at, back, to, dirac);
   Vec3d f, t;
   if (!to_shading_frame(at, back, to, f, t)) return 0;
   return dirac ? bsdf::dirac_probability(at.bsdf, f, t) * square(at.bsdf.index(t)) * std::abs(t.z)
                : bsdf::pdf_w(at.bsdf, f, t);
 }
 
+double emission_under_coat(const Point& p, Vec3d w) {
+  return coated::of_emission(p, w);
+}
+
 namespace {
 
 [[gnu::noinline]] bool layered_turn_towards(const Point& v, From from, const Vec3d& back,
                                             const Vec3d& w, Turn& out) {
+  if (v.bsdf.coat) return coated::turn_towards(v, from, back, w, out);
   Vec3d local_back, to;
   if (!to_shading_frame(v, back, w, local_back, to)) return false;
   const double pdf_w = bsdf::pdf_w(v.bsdf, local_back, to);
@@ -158,6 +189,7 @@ namespace {
 
 [[gnu::noinline]] bool layered_turn(const Point& v, From from, const Vec3d& back,
                                     const std::array<double, 3>& u, Turn& out) {
+  if (v.bsdf.coat) return coated::turn(v, from, back, u, out);
   const auto [a, b, choice] = u;
   const Onb<double> onb(v.shading);
   const Vec3d local_back = onb.to_local(back);
@@ -198,6 +230,24 @@ bool turn_towards(const Point& v, From from, const Vec3d& back, const Vec3d& w, 
   if (!v.simple) return layered_turn_towards(v, from, back, w, out);
   out.weight = v.material->base_color;
   return same_side(v, back, w);
+}
+
+Odds odds_of(const Bsdf& b, const Vec3d& from) {
+  Odds out;
+  out.dirac = bsdf::any_dirac_probability(b, from);
+  if (out.dirac == 0 && b.alpha < kNarrow) out.broad = bsdf::diffuse_probability(b, from);
+  return out;
+}
+
+Odds odds_of(const Point& p, const Vec3d& back) {
+  if (p.bsdf.coat) return coated::odds(p, back);
+  const Vec3d local = Onb<double>(p.shading).to_local(back);
+  return local.z * dot(p.normal, back) > 0 ? odds_of(p.bsdf, local) : Odds{};
+}
+
+Rgb albedo_of(const Point& p, const Vec3d& back) {
+  if (p.bsdf.coat) return coated::albedo(p, back);
+  return bsdf::albedo(p.bsdf, Onb<double>(p.shading).to_local(back));
 }
 
 Rgb transmittance(const Point& a, const Point& b, const Vec3d& w, double d) {
