@@ -64,6 +64,7 @@ Dirac dirac(const Bsdf& b, const Frames& frames, const Seen& back, const Seen& t
     base.probability = (1 - p) * bsdf::dirac_probability(b, back.base, to.base);
     base.reflectance = bsdf::dirac_reflectance(b, back.base, to.base);
     base.cos_to = to.base.z, base.cos_back = back.base.z;
+    base.n_to = b.index(to.base), base.n_back = b.index(back.base);
   }
   if (!coat::smooth(b.coat) || !both_on_coat(back, to)) return base;
   top.probability = p;
@@ -118,7 +119,7 @@ double scatter_pdf_w(const Point& at, const Vec3d& back, const Vec3d& to, bool b
   const Seen from(at, frames, back), next(at, frames, to);
   if (!by_dirac) return rough_pdf_w(at.bsdf, from, next);
   const Dirac d = dirac(at.bsdf, frames, from, next);
-  return d.probability * square(at.bsdf.index(next.base)) * std::abs(d.cos_to);
+  return d.probability * square(d.n_to) * std::abs(d.cos_to);
 }
 
 Dirac dirac(const Point& p, const Vec3d& back, const Vec3d& to) {
@@ -156,7 +157,7 @@ bool turn(const Point& p, From from, const Vec3d& back, const std::array<double,
   const Dirac d = dirac(p.bsdf, frames, here, next);
   if (!(d.probability > 0)) return false;
   const double factor = from == From::camera
-                            ? square(p.bsdf.index(here.base) / p.bsdf.index(next.base))
+                            ? square(d.n_back / d.n_to)
                             : std::abs(d.cos_back * next.side / (here.side * d.cos_to));
   out.weight = d.reflectance * static_cast<float>(factor / d.probability);
   return true;

@@ -20,6 +20,7 @@ struct Dirac {
   double probability = 0;           ///< that it is taken
   Rgb reflectance{};                ///< or transmittance, of basic radiance
   double cos_back = 0, cos_to = 0;  ///< to the normal it is reflected about
+  double n_back = 1, n_to = 1;      ///< index of refraction on the two sides
 };
 Dirac dirac(const Point& p, const Vec3d& back, const Vec3d& to);
 

@@ -219,6 +219,12 @@ TEST(coated, is_seen_from_where_what_lies_under_it_is_not) {
   EXPECT_NEAR(coated::bsdf(p, low, up).y, coat::f({1, 0.3f}, low, up), 1e-5);
   EXPECT_GT(coated::scatter_pdf_w(p, low, up, false), 0);
   EXPECT_GT(coated::albedo(p, low).y, 0.1);
+  // What the coat mirrors there has not gone into the glass.
+  p.bsdf = coated_by(0, glass(0));
+  p.bsdf.coat.normal = Vec3f(Onb<double>(p.shading).to_local({0, 0, 1}));
+  const Vec3d mirrored(-low.x, -low.y, low.z);
+  const double chance = coated::dirac(p, mirrored, low).probability;
+  EXPECT_NEAR(coated::scatter_pdf_w(p, mirrored, low, true), chance * low.z, 1e-6);
 }
 
 TEST(coated, darkens_what_shines_under_it) {

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "libcommon/scene/pane.h"
+#include "tools/tdpt-render/path/oracle_coat.h"
 #include "tools/tdpt-render/path/oracle_panels.h"
 
 namespace tdpt::oracle {
@@ -45,10 +46,15 @@ struct Surface {
   Onb<double> onb;
 };
 
+bool coated(const Vertex& v) {
+  return !v.simple && v.bsdf.coat;
+}
+
 /// Direction density at `at` [1/sr]; of a Dirac lobe per n^2 |cos| dw.
 double pdf_w(const Vertex& from, const Vertex& at, const Vertex& to, bool dirac) {
   const Surface s(at);
   const Vec3d wi = unit(at, from), wo = unit(at, to);
+  if (coated(at)) return CoatedSurface(at).pdf_w(wi, wo, dirac);
   if (!s.valid(wi) || !s.valid(wo)) return 0;
   const Vec3d i = s.local(wi), o = s.local(wo);
   if (!dirac) return bsdf::pdf_w(s.bsdf, i, o);
@@ -61,6 +67,7 @@ Vec3d scattering(const Vertex& light_side, const Vertex& at, const Vertex& camer
                  bool dirac) {
   const Surface s(at);
   const Vec3d wl = unit(at, light_side), wc = unit(at, camera_side);
+  if (coated(at)) return CoatedSurface(at).scattering(wl, wc, dirac);
   if (!s.valid(wl) || !s.valid(wc)) return {};
   const Vec3d l = s.local(wl), c = s.local(wc);
   const double n = s.bsdf.index(c);
@@ -71,7 +78,8 @@ Vec3d scattering(const Vertex& light_side, const Vertex& at, const Vertex& camer
 Vec3d emission(const Vertex& x0, const Vertex& x1) {
   if (!x0.on_surface()) return Vec3d(x0.source->emitted({}, {}, unit(x0, x1)));
   if (!x0.material->double_sided && dot(x0.normal, unit(x0, x1)) <= 0) return {};
-  return Vec3d(x0.simple ? x0.material->emission : x0.emission);
+  const double share = coated(x0) ? CoatedSurface(x0).emission_share(unit(x0, x1)) : 1;
+  return Vec3d(x0.simple ? x0.material->emission : x0.emission) * share;
 }
 
 bool in_the_sky(const Vertex& x) {
@@ -296,7 +304,8 @@ double aim_pdf_w(const World& world, From from, const Vertex* back, const Vertex
 /// Largest component of the albedo, as `at` is seen from `back`, within 0.05 and 1.
 double albedo(const Vertex& back, const Vertex& at) {
   const Surface s(at);
-  double share = max_component(bsdf::albedo(s.bsdf, s.local(unit(at, back))));
+  double share = coated(at) ? CoatedSurface(at).albedo(unit(at, back))
+                            : max_component(bsdf::albedo(s.bsdf, s.local(unit(at, back))));
   if (const Pane pane = pane_of(*at.material)) share /= pane.presence(cosine_at(at, back));
   return std::clamp(share, 0.05, 1.0);
 }
@@ -316,6 +325,12 @@ struct Directed {
     if (!back) return;
     chance = std::min(chance, 0.4 * (1 - albedo(*back, at)));
     if (at.simple) return;
+    if (coated(at)) {
+      double dirac;
+      CoatedSurface(at).odds(unit(at, *back), dirac, broad);
+      matt -= dirac;
+      return;
+    }
     const Surface s(at);
     const Vec3d local = s.local(unit(at, *back));
     matt -= bsdf::dirac_probability(at.bsdf, local, local);

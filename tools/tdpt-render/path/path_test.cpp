@@ -43,6 +43,13 @@ TEST_P(paths, over_glossy_surfaces_too) {
   }
 }
 
+TEST_P(paths, over_coats_that_lean_too) {
+  const Worst worst = compare(coated_rooms(), *GetParam(), Fault::none, 6, 96);
+  EXPECT_LE(worst.off, 5);  // cosines of 0.001, which rounding of their places changes
+  EXPECT_GT(worst.all, GetParam() == &pt ? 30 : 3000);
+  EXPECT_GT(worst.dirac, 10);
+}
+
 TEST_P(paths, weights_of_all_strategies_sum_to_1) {
   const Scene scene = read_gltf(two_rooms_path());
   const World world(scene, scene.camera(""), 16, 12, two_crossing_portals());
@@ -252,7 +259,7 @@ TEST(path_twin, a_portal_density_off_by_5_percent_is_caught) {
 }
 
 TEST(path_twin, an_aim_off_by_5_percent_is_caught) {
-  for (const Scene& scene : {diffuse_rooms(), glossy_rooms()}) {
+  for (const Scene& scene : {diffuse_rooms(), glossy_rooms(), coated_rooms()}) {
     const Worst worst = compare(scene, tdpt_guided, Fault::aim_5_percent);
     EXPECT_GT(worst.weight, 1e-3);
     EXPECT_GT(worst.value, 0.04);

@@ -76,6 +76,23 @@ inline Scene glossy_rooms() {
   return scene;
 }
 
+// The same under clear coats that lean, some of them smooth, and with sheens; the emitter too.
+inline Scene coated_rooms() {
+  Scene scene = glossy_rooms();
+  scene.images.push_back({1, 1, {170, 100, 230, 255}});  // a normal
+  scene.uv[0].resize(scene.positions.size());
+  scene.tangents.assign(scene.positions.size(), {0.6f, 0.64f, 0.48f, 1});
+  for (size_t i = 0; i < scene.materials.size(); ++i) {
+    Material& m = scene.materials[i];
+    m.plain = false;
+    m.coat = i % 4 == 3 ? 0 : 1 - 0.1f * static_cast<float>(i % 5);
+    m.coat_roughness = i % 2 == 0 ? 0 : 0.3f + 0.05f * static_cast<float>(i % 7);
+    if (i % 3 != 0) m.coat_normal_map.image = 0;
+    if (i % 3 != 1) m.sheen_color = {0.6f, 0.4f, 0.3f}, m.sheen_roughness = 0.5f;
+  }
+  return scene;
+}
+
 inline bool has_short_edge(const Path& path) {
   double least = 1;
   for (int i = 0; i < path.k(); ++i)
