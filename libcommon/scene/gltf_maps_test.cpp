@@ -46,6 +46,56 @@ TEST(Maps, EveryOneFindsItsPlace) {
   EXPECT_EQ(s.warnings, Sentences{});
 }
 
+TEST(Maps, OfCoatAndSheenFindTheirPlaces) {
+  Json m = lambert(0.5, 0.5, 0.5);
+  const auto info = [](int index) { return Json{{"index", index}}; };
+  m["extensions"]["KHR_materials_clearcoat"] = {
+      {"clearcoatFactor", 1},
+      {"clearcoatRoughnessFactor", 1},
+      {"clearcoatTexture", info(0)},
+      {"clearcoatRoughnessTexture", info(1)},
+      {"clearcoatNormalTexture", {{"index", 2}, {"scale", 0.5}}}};
+  m["extensions"]["KHR_materials_sheen"] = {{"sheenColorFactor", {1, 1, 1}},
+                                            {"sheenRoughnessFactor", 1},
+                                            {"sheenColorTexture", info(3)},
+                                            {"sheenRoughnessTexture", info(4)}};
+  GlbBuilder b;
+  for (char k = 0; k < 5; ++k)
+    b.texture(png_of(2, 1, std::string({char(100 + k), 1, 2, 3, 4, 5, 6, 7})));
+  const Scene s = scene_with({m}, b);
+  const Material& out = s.materials[0];
+  int expected = 100;
+  for (const TextureMap* map : {&out.coat_map, &out.coat_roughness_map, &out.coat_normal_map,
+                                &out.sheen_color_map, &out.sheen_roughness_map}) {
+    ASSERT_TRUE(*map);
+    EXPECT_EQ(s.images[static_cast<size_t>(map->image)].texels[0], expected++);
+    EXPECT_EQ(map->srgb, map == &out.sheen_color_map);
+  }
+  EXPECT_EQ(out.coat_normal_scale, 0.5f);
+  EXPECT_EQ(s.needs, (Sentences{"textures", "clear coat", "sheen", "normal maps"}));
+}
+
+TEST(Maps, OfCoatAndSheenOfASingleColourBecomeFactors) {
+  Json m = lambert(0.5, 0.5, 0.5);
+  const Json one = {{"index", 0}};
+  m["extensions"]["KHR_materials_clearcoat"] = {{"clearcoatFactor", 0.5},
+                                                {"clearcoatRoughnessFactor", 0.5},
+                                                {"clearcoatTexture", one},
+                                                {"clearcoatRoughnessTexture", one}};
+  m["extensions"]["KHR_materials_sheen"] = {{"sheenColorFactor", {1, 1, 0.5}},
+                                            {"sheenRoughnessFactor", 0.5},
+                                            {"sheenColorTexture", one},
+                                            {"sheenRoughnessTexture", one}};
+  const Scene s = scene_with({m}, with(kOne));
+  const Material& out = s.materials[0];
+  EXPECT_NEAR(out.coat, 0.5, 1e-6);                   // R
+  EXPECT_NEAR(out.coat_roughness, 0.5 * 0.2, 1e-6);   // G
+  EXPECT_NEAR(out.sheen_color.y, linear(0.2), 1e-6);  // RGB
+  EXPECT_NEAR(out.sheen_color.z, 0.5 * linear(0.4), 1e-6);
+  EXPECT_NEAR(out.sheen_roughness, 0.5 * 0.6, 1e-6);  // A
+  EXPECT_TRUE(s.images.empty());
+}
+
 Json textured(const Json& info) {
   Json m = lambert(0.5, 1, 0.25);
   m["pbrMetallicRoughness"]["baseColorTexture"] = info;

@@ -45,10 +45,14 @@ constexpr LeftOut kLeftOut[] = {
     {"KHR_materials_volume_scatter", "multiscatterColor", "scattering in its volume"},
     {"KHR_materials_pbrSpecularGlossiness", nullptr, "the specular-glossiness model"}};
 
-constexpr const char* kRead[] = {
-    "KHR_materials_emissive_strength", "KHR_materials_specular", "KHR_materials_ior",
-    "KHR_materials_transmission",      "KHR_materials_volume",   "KHR_materials_clearcoat",
-    "KHR_materials_sheen",             "KHR_materials_unlit"};
+constexpr const char* kRead[] = {"KHR_materials_emissive_strength",
+                                 "KHR_materials_specular",
+                                 "KHR_materials_ior",
+                                 "KHR_materials_transmission",
+                                 "KHR_materials_volume",
+                                 "KHR_materials_clearcoat",
+                                 "KHR_materials_sheen",
+                                 "KHR_materials_unlit"};
 
 bool is_read(const std::string& extension) {
   return std::find(std::begin(kRead), std::end(kRead), extension) != std::end(kRead);
@@ -347,7 +351,7 @@ class Reader {
   TextureReader textures_;
   std::optional<Texture> base_, roughness_, emission_, normal_, specular_, specular_color_,
       transmission_, coat_, coat_roughness_, coat_normal_, sheen_color_,
-      sheen_roughness_;                                          // of the material at hand
+      sheen_roughness_;                                       // of the material at hand
   std::map<std::string, std::vector<std::string>> left_out_;  // names of materials
   std::array<size_t, kinds> count_{};
   std::array<bool, kinds> told_{};  // of the material at hand
@@ -380,8 +384,8 @@ void finish_material(const MaterialUse& use, Material& m) {
   const bool covers = m.alpha_mode == Material::Alpha::mask ? least >= m.alpha_cutoff : least >= 1;
   if (covers) m.alpha_mode = Material::Alpha::opaque;
   if (m.alpha_mode == Material::Alpha::opaque) m.alpha = 1;
-  const bool lobes = m.metallic > 0 || m.specular > 0 || m.transmission > 0 || m.coat > 0 ||
-                     m.sheened();
+  const bool lobes =
+      m.metallic > 0 || m.specular > 0 || m.transmission > 0 || m.coat > 0 || m.sheened();
   // Those of lobes come with them.
   const bool maps = m.base_map || m.emission_map || m.normal_map;
   m.coloured = use.coloured;

@@ -158,18 +158,89 @@ TEST(Materials, AnUnlitOneEmitsItsBaseColour) {
   EXPECT_TRUE(material(m, with(kTwo)).base_map);
 }
 
+TEST(Materials, HaveAClearCoatAndASheen) {
+  Json m = lambert(0.5, 0.5, 0.5);
+  m["extensions"]["KHR_materials_clearcoat"] = {{"clearcoatFactor", 0.75},
+                                                {"clearcoatRoughnessFactor", 0.25}};
+  m["extensions"]["KHR_materials_sheen"] = {{"sheenColorFactor", {0.5, 0.25, 2}},
+                                            {"sheenRoughnessFactor", 0.5}};
+  const Scene s = scene_with({m});
+  const Material& out = s.materials[0];
+  EXPECT_EQ(out.coat, 0.75f);
+  EXPECT_EQ(out.coat_roughness, 0.25f);
+  EXPECT_EQ(out.sheen_color, Rgb(0.5f, 0.25f, 1));
+  EXPECT_EQ(out.sheen_roughness, 0.5f);
+  EXPECT_FALSE(out.plain);
+  EXPECT_EQ(s.needs, (Sentences{"clear coat", "sheen"}));
+  EXPECT_EQ(s.warnings, Sentences{});
+}
+
+TEST(Materials, WithoutStrengthOrColourThereIsNeither) {
+  Json m = lambert(0.5, 0.5, 0.5);
+  m["extensions"]["KHR_materials_clearcoat"] = {{"clearcoatRoughnessFactor", 0.25},
+                                                {"clearcoatNormalTexture", {{"index", 0}}}};
+  m["extensions"]["KHR_materials_sheen"] = {{"sheenRoughnessFactor", 0.5},
+                                            {"sheenColorTexture", {{"index", 0}}}};
+  const Scene s = scene_with({m}, with(kTwo));
+  EXPECT_TRUE(s.materials[0].plain);
+  EXPECT_TRUE(s.images.empty());
+}
+
+TEST(Materials, WhatIsLeftOutIsNamedWithTheMaterial) {
+  const auto named = [](const char* name, Json extensions) {
+    Json m = lambert(0.9, 0.9, 0.9);
+    if (*name) m["name"] = name;
+    m["extensions"].update(extensions);
+    return m;
+  };
+  const Json soap = {{"KHR_materials_iridescence", {{"iridescenceFactor", 1}}}};
+  const Json brushed = {{"KHR_materials_anisotropy", {{"anisotropyStrength", 0.5}}}};
+  const Scene s = scene_with(
+      {named("bubble", soap), named("film", soap), named("", brushed),
+       named("lens", {{"KHR_materials_dispersion", {{"dispersion", 0.1}}}}),
+       named("leaf", {{"KHR_materials_diffuse_transmission", {{"diffuseTransmissionFactor", 1}}}}),
+       named("wax", {{"KHR_materials_volume_scatter", {{"multiscatterColor", {0.5, 0, 0}}}}}),
+       named("odd", {{"EXT_materials_glitter", Json::object()}})});
+  EXPECT_EQ(s.warnings, (Sentences{"EXT_materials_glitter is left out: material \"odd\"",
+                                   "anisotropy is left out: material materials[2]",
+                                   "diffuse transmission is left out: material \"leaf\"",
+                                   "dispersion is left out: material \"lens\"",
+                                   "iridescence is left out: materials \"bubble\" and \"film\"",
+                                   "scattering in its volume is left out: material \"wax\""}));
+}
+
+TEST(Materials, ALongListOfNamesIsCut) {
+  Json m = lambert(0.9, 0.9, 0.9);
+  m["extensions"]["KHR_materials_dispersion"]["dispersion"] = 1;
+  std::vector<Json> lenses;
+  for (const char* name : {"a", "b", "c", "d", "e"}) {
+    m["name"] = name;
+    lenses.push_back(m);
+  }
+  EXPECT_EQ(scene_with(lenses).warnings,
+            Sentences{"dispersion is left out: materials \"a\", \"b\", \"c\" and 2 more"});
+}
+
+TEST(Materials, WhatIsNotThereIsNotLeftOut) {
+  Json m = lambert(0.9, 0.9, 0.9);
+  for (const char* layer : {"clearcoat", "sheen", "iridescence", "anisotropy", "dispersion",
+                            "diffuse_transmission", "volume_scatter"})
+    m["extensions"][std::string("KHR_materials_") + layer] = Json::object();
+  m["extensions"]["KHR_xmp_json_ld"] = Json::object();
+  const Scene s = scene_with({m});
+  EXPECT_EQ(s.warnings, Sentences{});
+  EXPECT_TRUE(s.materials[0].plain);
+}
+
 TEST(Materials, OneSentenceForEachKindOfApproximation) {
-  Json coat = lambert(0.9, 0.9, 0.9), flat = coat, bright = lambert(1.5, 0.2, 0.2);
-  for (const char* layer : {"clearcoat", "sheen", "iridescence", "anisotropy", "dispersion"})
-    coat["extensions"][std::string("KHR_materials_") + layer] = Json::object();
+  Json flat = lambert(0.9, 0.9, 0.9), bright = lambert(1.5, 0.2, 0.2);
   flat["extensions"]["KHR_materials_unlit"] = Json::object();
-  const Scene s = scene_with({coat, coat, flat, bright});
+  const Scene s = scene_with({flat, flat, bright});
   EXPECT_EQ(
       s.warnings,
-      (Sentences{"2 materials have a coat, sheen or the like, which is left out",
-                 "1 material is unlit: taken as black, emitting the base colour",
+      (Sentences{"2 materials are unlit: taken as black, emitting the base colour",
                  "1 material reflects more than all light: the base colour is clamped to 1"}));
-  EXPECT_EQ(s.materials[3].base_color, Rgb(1, 0.2f, 0.2f));
+  EXPECT_EQ(s.materials[2].base_color, Rgb(1, 0.2f, 0.2f));
 }
 
 TEST(Materials, SurfacesWithoutOneAreGrey) {

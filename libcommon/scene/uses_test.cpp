@@ -10,7 +10,8 @@ namespace {
 Scene with_everything() {
   Scene scene;
   Material m;
-  m.metallic = m.transmission = 1;
+  m.metallic = m.transmission = m.coat = 1;
+  m.sheen_color = Rgb(1.0f);
   m.alpha_mode = Material::Alpha::mask;
   m.absorption = Rgb(1.0f);
   m.coloured = true;

@@ -123,7 +123,7 @@ Json without_specular() {
   return {{"KHR_materials_specular", {{"specularFactor", 0}}}};
 }
 
-void add_textured_block(RoomScene& s) {
+void add_textured_block(RoomScene& s, bool coated) {
   const int colour = picture(s, 8, kLinear, [](int x, int y, int c) {
     return c == 3 ? 255 : 60 + (x * 97 + y * 61 + c * 40 + x * y * 29) % 190;
   });
@@ -136,13 +136,31 @@ void add_textured_block(RoomScene& s) {
            : c == 2 ? 240
                     : 255;
   });
-  const int block = s.b.material({{"name", "tiles"},
-                                  {"pbrMetallicRoughness",
-                                   {{"baseColorTexture", {{"index", colour}}},
-                                    {"metallicRoughnessTexture", {{"index", rough}}}}},
-                                  {"normalTexture", {{"index", bumps}}},
-                                  {"doubleSided", true}});
+  Json tiles = {{"name", "tiles"},
+                {"pbrMetallicRoughness",
+                 {{"baseColorTexture", {{"index", colour}}},
+                  {"metallicRoughnessTexture", {{"index", rough}}}}},
+                {"normalTexture", {{"index", bumps}}},
+                {"doubleSided", true}};
+  if (coated)
+    tiles["extensions"]["KHR_materials_clearcoat"] = {{"clearcoatFactor", 1},
+                                                      {"clearcoatTexture", {{"index", colour}}}};
+  const int block = s.b.material(tiles);
   add(s, "tiles", block, box({0.9, 0.01, -0.75}, {1.5, 0.6, -0.25}));
+}
+
+void add_coated_balls(RoomScene& s) {
+  for (const char* e : {"clearcoat", "sheen"})
+    s.b.json["extensionsUsed"].push_back(std::string("KHR_materials_") + e);
+  const Json car = {{"doubleSided", true},
+                    {"extensions",
+                     {{"KHR_materials_clearcoat",
+                       {{"clearcoatFactor", 0.8}, {"clearcoatRoughnessFactor", 0.35}}}}}};
+  add(s, "car", material(s, "car", {0.7, 0.2, 0.2}, 0.8, 0.5, car), sphere({1.5, 0.35, 0.4}, 0.3));
+  Json cloth = {{"doubleSided", true}, {"extensions", without_specular()}};
+  cloth["extensions"]["KHR_materials_sheen"] = {{"sheenColorFactor", {0.9, 0.8, 0.7}},
+                                                {"sheenRoughnessFactor", 0.4}};
+  add(s, "cloth", material(s, "cloth", {0.4, 0.1, 0.1}, 0, 1, cloth), sphere({0.6, 0.3, 0}, 0.28));
 }
 
 void add_sheet(RoomScene& s, bool mask) {
@@ -258,7 +276,8 @@ std::string glossy_rooms(const GlossyRooms& what) {
                  {{"extensions", without_specular()}, {"doubleSided", true}}),
         sphere({1.5, 0.3, 0.45}, 0.28));
   }
-  if (what.textures) add_textured_block(s);
+  if (what.textures || what.coats) add_textured_block(s, what.coats);
+  if (what.coats) add_coated_balls(s);
   if (what.screen || what.veil) add_sheet(s, what.screen);
   if (what.pane) add_pane(s);
   add_light(s, what.light);

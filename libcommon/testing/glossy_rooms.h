@@ -16,6 +16,8 @@ struct GlossyRooms {
   bool screen = false;         ///< a screen with holes (alpha mask) before the window
   bool veil = false;           ///< a half transparent sheet (alpha blend) before the window
   bool pane = false;           ///< a thin frosted pane before the window
+  bool coats = false;  ///< the block again, under a smooth clear coat that its bumps do not bend; a
+                       ///< sphere of rough coat over rough metal; one of cloth
 
   /// A lamp of 1.6 x 1.6 m below the ceiling, plain or textured; one that hangs free, shines on
   /// both sides, is a mirror besides and half transparent; a point, a spot; a sun that shines

@@ -63,6 +63,16 @@ void materials(MalformedList& l) {
   };
   extension("ior-half", "ior", {{"ior", 0.5}},
             ".ior: is 0.5, expected 0 or a number from 1 to 1e6");
+  extension("coat-range", "clearcoat", {{"clearcoatFactor", 2}},
+            ".clearcoatFactor: is 2, expected a number from 0 to 1");
+  extension("coat-rough", "clearcoat", {{"clearcoatRoughnessFactor", "very"}},
+            ".clearcoatRoughnessFactor: is \"very\", expected a number");
+  extension("sheen-colour", "sheen", {{"sheenColorFactor", {1, 1}}},
+            ".sheenColorFactor: is [1,1], expected an array of 3 numbers");
+  extension("sheen-negative", "sheen", {{"sheenColorFactor", {1, -1, 1}}},
+            ".sheenColorFactor: is -1, expected a number of at least 0");
+  extension("iridescence-type", "iridescence", {{"iridescenceFactor", "x"}},
+            ".iridescenceFactor: is \"x\", expected a number");
   extension("specular-range", "specular", {{"specularFactor", 2}},
             ".specularFactor: is 2, expected a number from 0 to 1");
   extension("transmission-range", "transmission", {{"transmissionFactor", -1}},

@@ -71,6 +71,10 @@ TEST(glossy_agreement, textures_and_a_textured_lamp) {
   expect_agreement({.textures = true, .light = Light::textured_lamp}, kLamp, kSettings);
 }
 
+TEST(glossy_agreement, clear_coats_and_cloth) {
+  expect_agreement({.coats = true}, kLamp, kSettings);
+}
+
 TEST(glossy_agreement, screen_with_holes) {
   expect_agreement({.plastic_floor = true, .screen = true}, kLamp, kSettings);
 }
@@ -129,6 +133,19 @@ TEST(glossy_agreement_twin, faults_are_caught_on_glossy_surfaces_too) {
   for (Material& m : darker.materials)
     if (m.roughness < 0.35f) m.base_color *= 0.95f;
   caught("floor 5 % darker", world_of(darker), bdpt);
+}
+
+TEST(glossy_agreement_twin, a_scene_without_its_coats_or_its_cloth_is_caught) {
+  const Scene scene = scene_of({.coats = true});
+  const DepthRuns reference = render_runs(world_of(scene), bdpt, kSettings);
+  const auto caught = [&](const Scene& faulty) {
+    return !judge(render_runs(world_of(faulty), bdpt, kSettings), reference).holds();
+  };
+  Scene bare = scene, dull = scene;
+  for (Material& m : bare.materials) m.coat = 0;
+  for (Material& m : dull.materials) m.sheen_color = {};
+  EXPECT_TRUE(caught(bare));
+  EXPECT_TRUE(caught(dull));
 }
 
 }  // namespace
