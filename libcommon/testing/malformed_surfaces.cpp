@@ -68,9 +68,9 @@ void materials(MalformedList& l) {
   extension("coat-rough", "clearcoat", {{"clearcoatRoughnessFactor", "very"}},
             ".clearcoatRoughnessFactor: is \"very\", expected a number");
   extension("sheen-colour", "sheen", {{"sheenColorFactor", {1, 1}}},
-            ".sheenColorFactor: is [1,1], expected an array of 3 numbers");
+            ".sheenColorFactor: is an array of 2, expected an array of 3 numbers");
   extension("sheen-negative", "sheen", {{"sheenColorFactor", {1, -1, 1}}},
-            ".sheenColorFactor: is -1, expected a number of at least 0");
+            ".sheenColorFactor[1]: is -1, expected a number of at least 0");
   extension("iridescence-type", "iridescence", {{"iridescenceFactor", "x"}},
             ".iridescenceFactor: is \"x\", expected a number");
   extension("specular-range", "specular", {{"specularFactor", 2}},
