@@ -4,7 +4,6 @@
 
 #include <array>
 #include <numbers>
-#include <optional>
 
 #include "libcommon/math/warp.h"
 #include "tools/tdpt-render/path/ggx.h"
@@ -68,7 +67,7 @@ struct View {
   double ratio;                     // index behind the interface / before it, for Fresnel
   double n_from = 1, n_behind = 1;  // index where directions live
 
-  View(const Bsdf& bsdf, const Vec3d& w)
+  [[gnu::always_inline]] View(const Bsdf& bsdf, const Vec3d& w)
       : b(bsdf),
         back(w.z < 0),
         from(turn(w)),
@@ -163,27 +162,32 @@ struct View {
     return 1 - max_component(colour(b.sheen)) * sheen::albedo(std::abs(w.z), b.sheen_alpha);
   }
   Covers covers(const Vec3d& to) const {
-    if (!b.layers_above()) return {};
+    if (!b.layers_above()) [[likely]]
+      return {};
+    return covers_above(to);
+  }
+  [[gnu::noinline]] Covers covers_above(const Vec3d& to) const {
     return {under_coat(from), under_coat(to), std::min(under_sheen(from), under_sheen(to))};
   }
 
   // Probabilities that sample() takes a lobe: in proportion to what each reflects or transmits.
-  // The interface has the rest. None: nothing does.
-  std::optional<Shares> shares() const {
-    if (!has_sheen) {
-      const double d = diffuse_probability();
-      if (d < 0) return {};
-      return Shares{d, 0};
-    }
-    const double e = sheen::albedo(from.z, b.sheen_alpha),
-                 rest = 1 - max_component(colour(b.sheen)) * e;
+  // The interface has the rest. Less than 0: nothing does.
+  Shares shares() const {
+    const double d = diffuse_probability();
+    if (has_sheen) [[unlikely]]
+      return shares_below_sheen(d);
+    return {d, 0};
+  }
+  // d: diffuse_probability().
+  [[gnu::noinline]] Shares shares_below_sheen(double d) const {
+    const double e = sheen::albedo(from.z, b.sheen_alpha);
     const double s = sum(colour(b.sheen)) * std::max(e, 0.05);
     double under = 0;
     if (has_diffuse) under += sum(colour(b.diffuse));
     if (has_interface) under += sum(colour(b.f90));  // at most
-    const double d = diffuse_probability();
-    const double share = d < 0 ? 1 : s / (s + rest * std::min(under, 3.0));
-    return Shares{d < 0 ? 0 : (1 - share) * d, share};
+    under = std::min(under, 3.0) * (1 - max_component(colour(b.sheen)) * e);
+    const double share = d < 0 ? 1 : s / (s + under);
+    return {d < 0 ? 0 : (1 - share) * d, share};
   }
 
   // That the diffuse lobe is taken and not the interface, below a sheen; -1: there is neither.
@@ -291,14 +295,14 @@ double pdf_w(const Bsdf& b, const Vec3d& from, const Vec3d& to) {
   if (from.z == 0 || to.z == 0) return 0;
   const View view(b, from);
   const Vec3d w = view.turn(to);
-  const auto shares = view.shares();
-  if (!shares) return 0;
+  const Shares shares = view.shares();
+  if (shares.diffuse < 0) return 0;
   double pdf = 0;
   if (w.z > 0) {
-    pdf += shares->diffuse * w.z * std::numbers::inv_pi;
-    if (view.has_sheen) pdf += shares->sheen * (0.5 * std::numbers::inv_pi);
+    pdf += shares.diffuse * w.z * std::numbers::inv_pi;
+    if (view.has_sheen) pdf += shares.sheen * (0.5 * std::numbers::inv_pi);
   }
-  const double p = shares->both();
+  const double p = shares.both();
   Facet m;
   if (view.rough() && facet(view, w, m)) {
     const double reflect = view.reflect_probability(view.fresnel(m.cos));
@@ -318,21 +322,23 @@ Rgb albedo(const Bsdf& b, const Vec3d& from) {
   Vec3d behind = colour(b.through);
   if (view.has_diffuse) behind += colour(b.diffuse);
   Vec3d all = Vec3d(1.0) - left + left * behind;
-  if (view.has_sheen)
-    all = all * view.under_sheen(view.from) +
-          colour(b.sheen) * sheen::albedo(view.from.z, b.sheen_alpha);
-  return narrow(all * view.under_coat(view.from));
+  if (b.layers_above()) [[unlikely]] {
+    all *= view.under_sheen(view.from);
+    if (view.has_sheen) all += colour(b.sheen) * sheen::albedo(view.from.z, b.sheen_alpha);
+    all *= view.under_coat(view.from);
+  }
+  return narrow(all);
 }
 
 bool sample(const Bsdf& b, const Vec3d& from, double choice, double u, double v, Scattered& out) {
   if (from.z == 0) return false;
   const View view(b, from);
-  const auto shares = view.shares();
-  if (!shares) return false;
-  const double p = shares->both();
+  const Shares shares = view.shares();
+  if (shares.diffuse < 0) return false;
+  const double p = shares.both();
   out.dirac = false;
   if (choice < p) {
-    const Vec3d w = choice < shares->diffuse ? cosine_hemisphere(u, v) : uniform_hemisphere(u, v);
+    const Vec3d w = choice < shares.diffuse ? cosine_hemisphere(u, v) : uniform_hemisphere(u, v);
     out.to = view.turn(w);
     return w.z > 0;
   }
@@ -371,16 +377,15 @@ double dirac_probability(const Bsdf& b, const Vec3d& from, const Vec3d& to) {
   if (from.z == 0) return 0;
   const View view(b, from);
   if (!view.smooth()) return 0;
-  const auto shares = view.shares();
+  const Shares shares = view.shares();
   const double reflect = view.reflect_probability(view.fresnel(view.from.z));
-  if (!shares || reflect < 0) return 0;
-  return (1 - shares->both()) * (view.turn(to).z > 0 ? reflect : 1 - reflect);
+  if (shares.diffuse < 0 || reflect < 0) return 0;
+  return (1 - shares.both()) * (view.turn(to).z > 0 ? reflect : 1 - reflect);
 }
 
 double diffuse_probability(const Bsdf& b, const Vec3d& from) {
   if (from.z == 0) return 0;
-  const auto shares = View(b, from).shares();
-  return shares ? shares->both() : 0;
+  return std::max(0.0, View(b, from).shares().both());
 }
 
 double any_dirac_probability(const Bsdf& b, const Vec3d& from) {

@@ -44,8 +44,8 @@ struct Bsdf {
   bool thin = false;   ///< transmits straight on, without refraction
   InterfaceRow row{};  ///< of alpha, where many will ask [prepare()]
 
-  Rgb sheen{};            ///< colour, [0,1]; 0: none
-  float sheen_alpha = 1;  ///< squared roughness
+  Rgb sheen{};            ///< colour, [0,1]
+  float sheen_alpha = 0;  ///< squared roughness; 0: no sheen
   Coat coat;
   Rgb under_coat{-1};  ///< average of what interface and coat leave to the diffuse lobe [prepare()]
 
@@ -57,7 +57,7 @@ struct Bsdf {
     return !(f90.x > 0 || f90.y > 0 || f90.z > 0 || through.x > 0 || through.y > 0 ||
              through.z > 0 || layers_above());
   }
-  bool has_sheen() const { return sheen.x > 0 || sheen.y > 0 || sheen.z > 0; }
+  bool has_sheen() const { return sheen_alpha > 0; }
   bool layers_above() const { return coat || has_sheen(); }
   bool transmits() const { return through.x > 0 || through.y > 0 || through.z > 0; }
   /// Index of refraction on the side of w.

@@ -120,7 +120,8 @@ inline Rgb emitted(const Point& p, const Vec3d& w) {
   if (!p.source) return {};
   if (p.source->is_sky()) return p.in_sky.radiance;
   const Rgb out = p.source->emitted(p.normal, p.emission, w);
-  if (p.simple || !p.bsdf.coat) return out;
+  if (p.simple || !p.bsdf.coat) [[likely]]
+    return out;
   return out * static_cast<float>(emission_under_coat(p, w));
 }
 

@@ -9,16 +9,23 @@
 namespace tdpt {
 namespace {
 
-void add_sheen(const Scene& scene, const Material& m, const SurfacePlace& place, Bsdf& b) {
+template <class T>
+T square(T x) {
+  return x * x;
+}
+
+[[gnu::noinline]] void add_sheen(const Scene& scene, const Material& m, const SurfacePlace& place,
+                                 Bsdf& b) {
   const auto colour = lookup(scene, m.sheen_color_map, place);
   b.sheen = m.sheen_color * Rgb(colour[0], colour[1], colour[2]);
+  if (!(max_component(b.sheen) > 0)) return;
   const float roughness = m.sheen_roughness * lookup(scene, m.sheen_roughness_map, place)[3];
-  b.sheen_alpha = std::max(roughness, sheen::kLeastRoughness);
-  b.sheen_alpha *= b.sheen_alpha;
+  b.sheen_alpha = square(std::max(roughness, sheen::kLeastRoughness));
 }
 
 // Its normal is put in by add_lobes().
-void add_coat(const Scene& scene, const Material& m, const SurfacePlace& place, Bsdf& b) {
+[[gnu::noinline]] void add_coat(const Scene& scene, const Material& m, const SurfacePlace& place,
+                                Bsdf& b) {
   b.coat.strength = m.coat * lookup(scene, m.coat_map, place)[0];
   const float roughness = m.coat_roughness * lookup(scene, m.coat_roughness_map, place)[1];
   b.coat.alpha = roughness * roughness;
@@ -68,10 +75,6 @@ bool to_shading_frame(const Point& v, const Vec3d& a, const Vec3d& b, Vec3d& la,
   la = onb.to_local(a);
   lb = onb.to_local(b);
   return la.z * dot(v.normal, a) > 0 && lb.z * dot(v.normal, b) > 0;
-}
-
-double square(double x) {
-  return x * x;
 }
 
 void add_lobes(const Scene& scene, const Material& m, const SurfacePlace& place, Point& p) {
