@@ -11,6 +11,7 @@
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
 #include "libcommon/base/hash.h"
+#include "libcommon/base/memory_limit.h"
 #include "libcommon/base/output_file.h"
 #include "libcommon/base/phases.h"
 #include "libcommon/base/provenance.h"
@@ -24,6 +25,38 @@ struct Folder {
   Folder() { fs::create_directories(path); }
   ~Folder() { fs::remove_all(path); }
 };
+
+TEST(memory_limit, sizes_are_read_and_told) {
+  EXPECT_EQ(parse_size("1"), 1u);
+  EXPECT_EQ(parse_size("1500"), 1500u);
+  EXPECT_EQ(parse_size("200M"), 200u << 20);
+  EXPECT_EQ(parse_size("1.5G"), 3u << 29);
+  EXPECT_EQ(parse_size("8T"), uint64_t{8} << 40);
+  for (const char* wrong :
+       {"", "0", "-1", "M", "1e9", "1MB", "1 M", "0.1", "nan", "inf", "10000000T"})
+    EXPECT_FALSE(parse_size(wrong)) << wrong;
+  EXPECT_EQ(size_words(700), "700 bytes");
+  EXPECT_EQ(size_words(1536), "1.5 KiB");
+  EXPECT_EQ(size_words(1023 << 10), "0.999 MiB");
+  EXPECT_EQ(size_words(uint64_t{3} << 29), "1.5 GiB");
+  EXPECT_EQ(size_words(~uint64_t{0}), "1.68e+07 TiB");
+}
+
+TEST(memory_limit, what_takes_more_is_refused_with_both_numbers) {
+  const uint64_t machine = memory_limit();
+  EXPECT_GT(machine, uint64_t{64} << 20);
+  limit_memory(100 << 20);
+  EXPECT_NO_THROW(expect_memory("a.exr", "", "2 x 2 pixels", 100 << 20));
+  try {
+    expect_memory("a.exr", "data window", "9 x 9 pixels", (100 << 20) + 1);
+    ADD_FAILURE();
+  } catch (const InputError& e) {
+    EXPECT_STREQ(e.what(),
+                 "a.exr:data window: 9 x 9 pixels take 100 MiB of memory, expected at "
+                 "most the 100 MiB of --max-memory");
+  }
+  limit_memory(machine);
+}
 
 TEST(output_file, appears_complete_and_leaves_no_temporary) {
   Folder folder;

@@ -14,6 +14,7 @@
 #include <CLI/CLI.hpp>
 
 #include "libcommon/base/error.h"
+#include "libcommon/base/memory_limit.h"
 #include "libcommon/base/progress.h"
 #include "libcommon/base/threads.h"
 #include "libcommon/cli/completion.h"
@@ -96,6 +97,7 @@ struct Options::Impl {
   std::function<bool()> is_text;  ///< of a binary result: whether it is not; none: never
 
   std::string progress = "auto";                    ///< what shows it
+  std::string most_memory;                          ///< as given; empty: not
   std::string quality;                              ///< as given; empty: not
   std::vector<std::function<void(Quality)>> knobs;  ///< set what was not given
 
@@ -106,6 +108,11 @@ struct Options::Impl {
                        : quality == "high" ? Quality::high
                                            : Quality::normal;
     for (const auto& knob : knobs) knob(common.quality);
+  }
+
+  void limit(int threads) const {
+    limit_threads(threads);
+    if (const auto bytes = parse_size(most_memory)) limit_memory(*bytes);
   }
 
   void keep(CLI::Option* option, Shapes shapes, Is is = Is::setting,
@@ -235,6 +242,11 @@ std::string whole_number(std::string& text) {
   return fmt::format("'{}' given, expected a number from 0 to {}", text, ~uint64_t{0});
 }
 
+std::string size(std::string& text) {
+  if (parse_size(text)) return {};
+  return fmt::format("'{}' given, expected bytes, or a number with K, M, G or T", text);
+}
+
 // std::to_string and CLI's own text would print 1e18 in full: people read these bounds.
 template <class T>
 CLI::Validator within(T lowest, T highest) {
@@ -291,6 +303,12 @@ Options::Options(const Program& program)
   impl_->keep(app.add_option("--threads", common.threads, "Threads to use; default all cores")
                   ->type_name("N")
                   ->check(within(0, 4096)),
+              Shapes::nothing);
+  impl_->keep(app.add_option("--max-memory", impl_->most_memory,
+                             "Most memory that reading a file may take; default three quarters of "
+                             "the machine's")
+                  ->type_name("SIZE")
+                  ->check(CLI::Validator(size, "")),
               Shapes::nothing);
   impl_->keep(app.add_flag("--quiet", common.quiet, "No progress and no notes on stderr"),
               Shapes::nothing);
@@ -482,7 +500,7 @@ int Options::run_main(int argc, char** argv, const std::function<int()>& run) {
     common.check_dependencies();
     common.also_read(impl_->inputs());
     check_outputs(common.outputs);
-    limit_threads(common.threads);
+    impl_->limit(common.threads);
     show_progress_as(impl_->progress == "json"   ? ProgressForm::json
                      : impl_->progress == "none" ? ProgressForm::none
                                                  : ProgressForm::automatic);

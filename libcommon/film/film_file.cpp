@@ -5,6 +5,7 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
+#include <set>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -14,6 +15,7 @@
 #include "libcommon/base/file.h"
 #include "libcommon/base/hash.h"
 #include "libcommon/base/json_depth.h"
+#include "libcommon/base/memory_limit.h"
 #include "libcommon/base/shown.h"
 
 namespace tdpt {
@@ -212,16 +214,26 @@ Film::Options options_of(const Reader& in) {
   return options;
 }
 
-// Before memory is taken for sums: whether the file has them.
-void check_channels(const Film::Options& options, std::string_view bytes, const std::string& name) {
-  const std::vector<std::string> there = exr_channels(bytes, name);
-  const auto want = [&](const std::string& channel) {
-    if (std::find(there.begin(), there.end(), channel) == there.end())
-      throw InputError(name, "channel " + shown(channel, 80), "is missing");
-  };
-  want("sum.R.0");
-  for (const std::string& layer : options.layers)
-    if (!layer.empty()) want(layer + ".sum.R.0");
+// Before memory is taken for sums: whether the file has all of them, and what they take.
+void check_sums(const Film::Options& options, bool has_before, const ExrFile& exr,
+                std::string_view bytes, const std::string& name) {
+  Film pixel(1, 1, 1, options);
+  std::vector<Vec3d> before(has_before ? 1 : 0);
+  std::vector<WordChannel> words;
+  for (const Film::Numbers& n : pixel.numbers()) append_words(n, words);
+  append_words(before, words);
+  const std::vector<std::string> all = exr_channels(bytes, name);
+  const std::set<std::string> there(all.begin(), all.end());
+  for (const WordChannel& word : words)
+    if (!there.contains(word.name))
+      throw InputError(name, "channel " + shown(word.name, 80), "is missing");
+  const size_t of_block = options.error_block > 0 ? 3 * sizeof(Units) : 0;
+  const size_t of_pictures = sizeof(Rgb) * (1 + exr.layers.size());
+  const size_t of_pixel = 4 * words.size() + of_block + of_pictures;
+  expect_memory(
+      name, "film",
+      fmt::format("{} x {} pixels of {} bytes", exr.picture.width, exr.picture.height, of_pixel),
+      of_pixel * exr.picture.pixels.size());
 }
 
 // The film in a file whose attribute says `json`. `exr`: its float channels, `bytes`: the file.
@@ -233,7 +245,8 @@ FilmFile film_of(const Json& json, ExrFile& exr, std::string_view bytes, const s
   in.whole("height", height, height);
   const auto unit = static_cast<int>(in.whole("unit", -1000, 900));
   const Film::Options options = options_of(in);
-  check_channels(options, bytes, name);
+  const bool has_before = in.flag("before");
+  check_sums(options, has_before, exr, bytes, name);
   FilmFile file{Film(width, height, std::ldexp(1.0, unit + 64), options), facts_of(in), {}, {}};
   const auto blocks = static_cast<size_t>(in.whole("blocks", 0, 7));
   for (size_t i = 0; i < blocks; ++i) {
@@ -241,7 +254,7 @@ FilmFile film_of(const Json& json, ExrFile& exr, std::string_view bytes, const s
     if (layer == exr.layers.end()) in.fail("blocks", block_name(i) + " is missing");
     file.blocks.blocks.push_back(std::move(layer->second));
   }
-  if (in.flag("before")) file.blocks.before.resize(exr.picture.pixels.size());
+  if (has_before) file.blocks.before.resize(exr.picture.pixels.size());
   std::vector<WordChannel> words;
   for (const Film::Numbers& n : file.film.numbers()) append_words(n, words);
   append_words(file.blocks.before, words);

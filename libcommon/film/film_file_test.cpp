@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "libcommon/base/error.h"
+#include "libcommon/base/memory_limit.h"
 #include "libcommon/math/rng.h"
 
 namespace tdpt {
@@ -163,12 +164,25 @@ TEST(film_file, that_says_what_cannot_be_is_refused_with_its_place) {
             "a.exr:film.blocks: block0 is missing");
   EXPECT_EQ(message("camera.sum.R.0", "camera.sum.Q.0"),
             "a.exr:channel camera.sum.R.0: is missing");
+  EXPECT_EQ(message("met.1", "mot.1"), "a.exr:channel met.1: is missing");
   EXPECT_EQ(message("\\\"spp\\\":8", "\\\"spp\\\":9"), "a.exr:film: is damaged");
   EXPECT_EQ(message("77ab", "77ac"), "a.exr:film: is damaged");
   EXPECT_EQ(complaint([] {
               parse_film(exr_bytes(finished_picture(film_with({0, 1}), facts())), "a.exr");
             }),
             "a.exr: is a picture without the sums of a film");
+}
+
+TEST(film_file, that_takes_more_than_the_limit_of_memory_is_refused) {
+  Film film(40, 200, 1, all_options());
+  const std::string bytes = film_bytes(film, facts());
+  const uint64_t machine = memory_limit();
+  limit_memory(1 << 20);
+  EXPECT_EQ(complaint([&] { parse_film(bytes, "a.exr"); }),
+            "a.exr:film: 40 x 200 pixels of 164 bytes take 1.25 MiB of memory, expected at most "
+            "the 1 MiB of --max-memory");
+  limit_memory(machine);
+  EXPECT_EQ(complaint([&] { parse_film(bytes, "a.exr"); }), "");
 }
 
 // ---- Merging ----

@@ -104,10 +104,13 @@ bool is_sound(std::string_view type, std::string_view value) {
   return true;
 }
 
-}  // namespace
+struct Headers {
+  std::string fault;
+  size_t end = 0;
+};
 
-std::string fault_of_exr_attributes(std::string_view bytes) {
-  if (bytes.size() < 8) return "the file ends too early";
+Headers walk_through(std::string_view bytes) {
+  if (bytes.size() < 8) return {"the file ends too early"};
   const bool many_parts = (static_cast<unsigned char>(bytes[5]) & 0x10) != 0;
   Walk walk(bytes);
   walk.take(8);
@@ -115,7 +118,7 @@ std::string fault_of_exr_attributes(std::string_view bytes) {
   while (walk.left() > 0) {
     const std::string_view name = walk.text();
     if (name.empty()) {
-      if (!many_parts || !in_header) return "";
+      if (!many_parts || !in_header) return {"", bytes.size() - walk.left()};
       in_header = false;
       continue;
     }
@@ -124,13 +127,23 @@ std::string fault_of_exr_attributes(std::string_view bytes) {
     if (!walk.has(4)) break;
     const uint32_t size = walk.u32();
     if (!walk.has(size))
-      return fmt::format("attribute {} of {} bytes in a file with {} more", shown(name, 40), size,
-                         walk.left());
+      return {fmt::format("attribute {} of {} bytes in a file with {} more", shown(name, 40), size,
+                          walk.left())};
     if (!is_sound(type, walk.take(size)))
-      return fmt::format("attribute {} of {} bytes is no {}", shown(name, 40), size,
-                         shown(type, 40));
+      return {
+          fmt::format("attribute {} of {} bytes is no {}", shown(name, 40), size, shown(type, 40))};
   }
-  return "the file ends too early";
+  return {"the file ends too early"};
+}
+
+}  // namespace
+
+std::string fault_of_exr_attributes(std::string_view bytes) {
+  return walk_through(bytes).fault;
+}
+
+size_t end_of_exr_headers(std::string_view bytes) {
+  return walk_through(bytes).end;
 }
 
 }  // namespace tdpt

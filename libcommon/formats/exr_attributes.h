@@ -9,5 +9,7 @@ namespace tdpt {
 /// what it holds; "" when none is. The library makes room for whatever size an attribute declares
 /// before it reads it, and reads on where its values end: it must see none of these.
 std::string fault_of_exr_attributes(std::string_view bytes);
+/// Where the headers of such a file end, and the tables of offsets begin.
+size_t end_of_exr_headers(std::string_view bytes);
 
 }  // namespace tdpt

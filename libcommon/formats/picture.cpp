@@ -16,27 +16,17 @@
 #include <OpenEXR/ImfOutputFile.h>
 #include <OpenEXR/ImfPartType.h>
 #include <OpenEXR/ImfStringAttribute.h>
-#include <OpenEXR/ImfTileDescription.h>
 #include <fmt/format.h>
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
 #include "libcommon/base/shown.h"
 #include "libcommon/formats/exr_attributes.h"
+#include "libcommon/formats/picture_bounds.h"
 #include "libcommon/formats/png.h"
 
 namespace tdpt {
 namespace {
-
-constexpr int largest_side = 65536;
-// Bounds on what the library allocates before it has seen any pixel; samples are 4 bytes.
-constexpr int64_t most_samples_in_a_row = int64_t(1) << 23;
-constexpr int64_t most_samples_in_a_tile = int64_t(1) << 26;
-constexpr int64_t most_samples_in_a_chunk = int64_t(1) << 27;
-constexpr int64_t most_samples = int64_t(1) << 32;
-// Rows are read in blocks of this many, so that a file cut short fails before its picture is
-// allocated; 256 is the largest number of scan lines in one chunk (DWAB).
-constexpr int rows_at_once = 256;
 
 class MemoryInput : public Imf::IStream {
  public:
@@ -100,61 +90,9 @@ std::string channel_names(const Imf::ChannelList& channels) {
   return n ? names : "none";
 }
 
-// Width and height of a window; 0 when it is empty.
-Vec3<int64_t> extent(const Imath::Box2i& box) {
-  return {std::max<int64_t>(0, int64_t(box.max.x) - box.min.x + 1),
-          std::max<int64_t>(0, int64_t(box.max.y) - box.min.y + 1), 0};
-}
-
-// Scan lines that are compressed as one.
-int64_t rows_in_chunk(Imf::Compression compression) {
-  switch (compression) {
-    case Imf::ZIP_COMPRESSION:
-    case Imf::PXR24_COMPRESSION:
-      return 16;
-    case Imf::PIZ_COMPRESSION:
-    case Imf::B44_COMPRESSION:
-    case Imf::B44A_COMPRESSION:
-    case Imf::DWAA_COMPRESSION:
-      return 32;
-    case Imf::DWAB_COMPRESSION:
-      return rows_at_once;
-    default:
-      return 1;
-  }
-}
-
-void check_header(const Imf::Header& header, const std::vector<std::string>& prefixes,
-                  const std::string& name) {
-  for (const auto& [box, what] : {std::pair(header.displayWindow(), "display window"),
-                                  std::pair(header.dataWindow(), "data window")}) {
-    const auto size = extent(box);
-    if (size.x < 1 || size.y < 1 || size.x > largest_side || size.y > largest_side)
-      throw InputError(
-          name, what,
-          fmt::format("is {} x {} pixels, expected 1 to {} a side", size.x, size.y, largest_side));
-  }
-  int64_t channels = 0;
-  for (auto c = header.channels().begin(); c != header.channels().end(); ++c) ++channels;
-  const auto data = extent(header.dataWindow());
-  const auto shown = extent(header.displayWindow());
-  const auto layers = static_cast<int64_t>(prefixes.size());
-  const bool too_large =
-      data.x * channels > most_samples_in_a_row ||
-      data.x * channels * rows_in_chunk(header.compression()) > most_samples_in_a_chunk ||
-      shown.x * shown.y * 3 * layers > most_samples;
-  if (too_large)
-    throw InputError(name, "channels",
-                     fmt::format("{} channels of {} x {} pixels, more than fits in memory",
-                                 channels, data.x, data.y));
-  if (header.hasTileDescription()) {
-    const auto& tile = header.tileDescription();
-    if (tile.xSize < 1 || tile.ySize < 1 ||
-        int64_t(tile.xSize) * tile.ySize * channels > most_samples_in_a_tile)
-      throw InputError(
-          name, "tiles",
-          fmt::format("tiles of {} x {} pixels, more than fits in memory", tile.xSize, tile.ySize));
-  }
+// A sample of each pixel is asked for.
+void check_channels(const Imf::Header& header, const std::vector<std::string>& prefixes,
+                    const std::string& name) {
   for (const std::string& prefix : prefixes)
     for (const char* c : {"R", "G", "B"}) {
       const Imf::Channel& channel = header.channels()[prefix + c];
@@ -175,8 +113,8 @@ struct Windows {
         shown(header.displayWindow()),
         both({std::max(data.min.x, shown.min.x), std::max(data.min.y, shown.min.y)},
              {std::min(data.max.x, shown.max.x), std::min(data.max.y, shown.max.y)}),
-        width(static_cast<size_t>(extent(shown).x)),
-        height(static_cast<size_t>(extent(shown).y)),
+        width(static_cast<size_t>(exr::extent(shown).x)),
+        height(static_cast<size_t>(exr::extent(shown).y)),
         columns(static_cast<size_t>(both.max.x - both.min.x + 1)) {
     if (both.isEmpty())
       throw InputError(name, "data window", "lies outside the display window, expected an overlap");
@@ -187,13 +125,11 @@ struct Windows {
 // pictures: of each prefix.
 void read_rows(Imf::InputPart& part, const Windows& w, const std::vector<std::string>& prefixes,
                const std::vector<Picture*>& pictures) {
-  const auto data_width = static_cast<size_t>(extent(w.data).x);
+  const auto data_width = static_cast<size_t>(exr::extent(w.data).x);
   const auto from = static_cast<size_t>(w.both.min.x - w.data.min.x);
   const auto to = static_cast<size_t>(w.both.min.x - w.shown.min.x);
   std::vector<std::vector<Rgb>> blocks(prefixes.size());
-  // Widest first: files of few rows must not pay for 256 of them.
-  const int rows_in_block =
-      std::max(1, std::min<int>(rows_at_once, static_cast<int>((1 << 22) / data_width)));
+  const int rows_in_block = exr::rows_at_once(part.header(), prefixes.size());
   for (int y = w.both.min.y; y <= w.both.max.y; y += rows_in_block) {
     const int last = std::min(w.both.max.y, y + rows_in_block - 1);
     const auto rows = static_cast<size_t>(last - y + 1);
@@ -223,9 +159,12 @@ void read_rows(Imf::InputPart& part, const Windows& w, const std::vector<std::st
 }
 
 ExrFile read_part(Imf::MultiPartInputFile& file, int index,
-                  const std::vector<std::string>& prefixes, const std::string& name) {
+                  const std::vector<std::string>& prefixes, std::string_view bytes,
+                  const std::string& name) {
   const Imf::Header& header = file.header(index);
-  check_header(header, prefixes, name);
+  exr::check_size(header, prefixes.size(), bytes, name);
+  check_channels(header, prefixes, name);
+  exr::check_chunks(file, index, bytes, name);
   const Windows w(header, name);
   ExrFile result;
   std::vector<Picture*> pictures;
@@ -260,7 +199,7 @@ auto parse(std::string_view bytes, const std::string& name, const Read& read) {
   if (const std::string fault = fault_of_exr_attributes(bytes); !fault.empty())
     throw InputError(name, "", "is damaged: " + fault);
   try {
-    Imf::Header::setMaxImageSize(largest_side, largest_side);
+    Imf::Header::setMaxImageSize(exr::largest_side, exr::largest_side);
     MemoryInput stream(bytes, name);
     Imf::MultiPartInputFile file(stream, 0, false);
     for (int part = 0; part < file.parts(); ++part) {
@@ -321,19 +260,19 @@ ExrFile read_exr(const std::string& path) {
 
 ExrFile parse_exr(std::string_view bytes, const std::string& name) {
   return parse(bytes, name, [&](Imf::MultiPartInputFile& file, int part) {
-    return read_part(file, part, colour_prefixes(file.header(part).channels()), name);
+    return read_part(file, part, colour_prefixes(file.header(part).channels()), bytes, name);
   });
 }
 
 Picture parse_exr_picture(std::string_view bytes, const std::string& name, int most_width,
                           int most_height) {
   ExrFile file = parse(bytes, name, [&](Imf::MultiPartInputFile& input, int part) {
-    const auto size = extent(input.header(part).displayWindow());
+    const auto size = exr::extent(input.header(part).displayWindow());
     if (size.x > most_width || size.y > most_height)
       throw InputError(name, "header",
                        fmt::format("{} x {} pixels, expected at most {} x {}", size.x, size.y,
                                    most_width, most_height));
-    return read_part(input, part, {""}, name);
+    return read_part(input, part, {""}, bytes, name);
   });
   if (file.pixels_without_data > 0)
     throw InputError(name, "data window",
@@ -355,9 +294,9 @@ void parse_exr_words(std::string_view bytes, const std::string& name, int width,
                      const std::vector<WordChannel>& words) {
   parse(bytes, name, [&](Imf::MultiPartInputFile& file, int index) {
     const Imf::Header& header = file.header(index);
-    check_header(header, {}, name);
+    exr::check_size(header, 0, bytes, name);
     const Imath::Box2i& window = header.dataWindow();
-    const auto size = extent(window);
+    const auto size = exr::extent(window);
     if (size.x != width || size.y != height || window != header.displayWindow())
       throw InputError(name, "data window",
                        fmt::format("is {} x {} pixels, expected {} x {} and no other display "
@@ -373,6 +312,7 @@ void parse_exr_words(std::string_view bytes, const std::string& name, int width,
       buffer.insert(word.name, Imf::Slice::Make(pixel_type(word), word.first, window, word.step,
                                                 word.step * static_cast<size_t>(width)));
     }
+    exr::check_chunks(file, index, bytes, name);
     Imf::InputPart part(file, index);
     part.setFrameBuffer(buffer);
     part.readPixels(window.min.y, window.max.y);

@@ -24,6 +24,8 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
+#include "libcommon/base/memory_limit.h"
+#include "libcommon/formats/exr_attributes.h"
 #include "libcommon/formats/png.h"
 #include "libcommon/math/rng.h"
 
@@ -195,7 +197,9 @@ TEST(Picture, RefusesWhatItCannotShow) {
     for (const char* c : {"R", "G", "B"}) h.channels().insert(c, Imf::Channel(Imf::FLOAT));
     h.displayWindow() = Imath::Box2i({0, 0}, {65535, 65535});
   }));
-  EXPECT_NE(many.find("more than fits in memory"), std::string::npos) << many;
+  EXPECT_EQ(many,
+            "a.exr:display window: 65536 x 65536 pixels around 8 x 8 that have data, expected at "
+            "most 17039360 in all");
 }
 
 // What parse_exr_picture says of a file at most 16 x 8 large.
@@ -333,6 +337,84 @@ TEST(Picture, AttributesAreAsLongAsTheySay) {
 TEST(Picture, TilesOfAnySizeAreNotAllocatedOnTheHeadersWord) {
   EXPECT_EQ(complaint(read_file(TDPT_TESTDATA "/fuzz/picture/found-tile-of-4653064-rows.exr")),
             "a.exr:tiles: tiles of 8 x 4653064 pixels, more than fits in memory");
+}
+
+// A header of `layers` of R, G and B with no pixels behind it.
+std::string header_of(int width, int height, int layers, Imf::Compression compression) {
+  const TemporaryFile file;
+  Imf::Header header(width, height);
+  header.compression() = compression;
+  for (int k = 0; k < layers; ++k)
+    for (const char* c : {"R", "G", "B"})
+      header.channels().insert(k == 0 ? c : fmt::format("{}.{}", k, c), Imf::Channel(Imf::FLOAT));
+  { const Imf::OutputFile output(file.name(), header); }
+  return file.bytes();
+}
+
+TEST(Picture, MorePixelsThanTheFileCanHoldAreRefusedBeforeTheyTakeMemory) {
+  EXPECT_EQ(complaint(header_of(16384, 256, 20, Imf::ZIP_COMPRESSION)),
+            "a.exr:data window: 16384 x 256 pixels of 60 channels are 960 MiB, expected at most "
+            "5.59 MiB in a file of 1.57 KiB");
+  for (const auto compression :
+       {Imf::NO_COMPRESSION, Imf::RLE_COMPRESSION, Imf::ZIPS_COMPRESSION, Imf::PIZ_COMPRESSION,
+        Imf::PXR24_COMPRESSION, Imf::B44_COMPRESSION, Imf::DWAA_COMPRESSION}) {
+    const std::string text = complaint(header_of(2048, 4096, 60, compression));
+    EXPECT_NE(text.find("GiB, expected at most"), std::string::npos) << compression << text;
+  }
+}
+
+// Pictures that compress best are within those bounds.
+TEST(Picture, BlackPicturesOfAllCompressionsAreRead) {
+  constexpr int side = 1024;
+  const std::vector<float> black(size_t{side} * side);
+  for (int compression = 0; compression < Imf::NUM_COMPRESSION_METHODS; ++compression) {
+    const TemporaryFile file;
+    Imf::Header header(side, side);
+    header.compression() = static_cast<Imf::Compression>(compression);
+    Imf::FrameBuffer buffer;
+    for (const char* c : {"R", "G", "B"}) {
+      header.channels().insert(c, Imf::Channel(Imf::FLOAT));
+      buffer.insert(c, Imf::Slice::Make(Imf::FLOAT, black.data(), header.dataWindow()));
+    }
+    {
+      Imf::OutputFile output(file.name(), header);
+      output.setFrameBuffer(buffer);
+      output.writePixels(side);
+    }
+    EXPECT_EQ(complaint(file.bytes()), "") << compression;
+  }
+}
+
+// The library leaves the memory of an empty chunk's pixels as it found it.
+TEST(Picture, ChunksHaveBytes) {
+  ExrFile file;
+  file.picture = gradient(8, 40);
+  std::string bytes = exr_bytes(file);
+  const auto offset = [&](size_t chunk) {  // of the three of 16 rows behind the header
+    uint64_t at = 0;
+    std::memcpy(&at, bytes.data() + end_of_exr_headers(bytes) + 8 * chunk, sizeof at);
+    return at;
+  };
+  EXPECT_EQ(complaint(bytes), "");
+  const std::string good = bytes;
+  std::memset(bytes.data() + offset(1) + 4, 0, 4);
+  EXPECT_EQ(complaint(bytes), "a.exr: is damaged: chunk 1 of 3 is empty");
+  bytes = good;
+  std::memset(bytes.data() + end_of_exr_headers(bytes) + 16, 0, 8);
+  EXPECT_EQ(complaint(bytes), "a.exr: is damaged: chunk 2 of 3 is missing");
+}
+
+TEST(Picture, TakesNoMoreThanTheLimitOfMemory) {
+  ExrFile file;
+  file.picture = gradient(100, 100);
+  file.layers["a"] = gradient(100, 100);
+  const uint64_t machine = memory_limit();
+  limit_memory(400'000);
+  EXPECT_EQ(complaint(exr_bytes(file)),
+            "a.exr:display window: 100 x 100 pixels of 2 layers take 544 KiB of memory, expected "
+            "at most the 391 KiB of --max-memory");
+  limit_memory(machine);
+  EXPECT_EQ(complaint(exr_bytes(file)), "");
 }
 
 // Whatever the bytes are, the outcome is a picture or an InputError: no crash, nothing else thrown.
