@@ -23,7 +23,8 @@ using Json = nlohmann::json;
 using namespace gltf;
 
 constexpr uint32_t kGlbMagic = 0x46546c67, kJsonChunk = 0x4e4f534a, kBinChunk = 0x004e4942;
-constexpr size_t kMostTriangles = 1'000'000;  // of a whole file; a mesh may stand many times
+// Read of a whole file, flat triangles and what is read again too: a mesh may stand many times.
+constexpr size_t kMostTriangles = 1'000'000, kMostVertices = 3 * kMostTriangles;
 
 // How far the image of a place is off when each of its coordinates is rounded to single precision.
 double rounding(const Affine& map, const Vec3d& p) {
@@ -90,7 +91,6 @@ class Reader {
     for (size_t p = 0; p < mesh.primitives.size(); ++p)
       add_primitive(mesh.primitives[p], fmt::format("meshes[{}].primitives[{}]", m, p), n.to_world,
                     portal);
-    triangles_ += portal.triangles.size();
     if (portal.triangles.empty()) d_.fail(place("nodes", n.node), "has no triangle with an area");
     file.portals.push_back(std::move(portal));
   }
@@ -108,6 +108,9 @@ class Reader {
           d_.json.at("materials").at(static_cast<size_t>(p.material)).value("doubleSided", false);
     const auto accessor = static_cast<size_t>(position->second);
     const std::vector<Vec3d> places = read_positions(d_, accessor);
+    vertices_ += places.size();
+    if (vertices_ > kMostVertices)
+      d_.fail(where, fmt::format("more than {} vertices, too many for portals", kMostVertices));
     const size_t base = portal.vertices.size();
     for (size_t i = 0; i < places.size(); ++i) {
       portal.vertices.push_back(map.point(places[i]));
@@ -123,7 +126,8 @@ class Reader {
       std::iota(corner.begin(), corner.end(), 0u);
     }
     const size_t n = list ? corner.size() / 3 : corner.size() < 3 ? 0 : corner.size() - 2;
-    if (n > kMostTriangles - std::min(kMostTriangles, triangles_ + portal.triangles.size()))
+    triangles_ += n;
+    if (triangles_ > kMostTriangles)
       d_.fail(where, fmt::format("more than {} triangles, too many for portals", kMostTriangles));
     for (size_t t = 0; t < n; ++t) {
       std::array<uint32_t, 3> tri;
@@ -144,7 +148,7 @@ class Reader {
   }
 
   const Document& d_;
-  size_t triangles_ = 0;
+  size_t vertices_ = 0, triangles_ = 0;
 };
 
 }  // namespace

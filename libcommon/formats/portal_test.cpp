@@ -278,6 +278,29 @@ TEST_F(PortalFormat, RefusesWhatReachesTooFar) {
   EXPECT_EQ(place_of(message(g)), "accessors[1]");
 }
 
+// A few bytes may put a mesh in many places, and name its numbers many times.
+TEST_F(PortalFormat, RefusesWhatStandsTooOften) {
+  Json g = square();
+  const Json primitive = g["meshes"][0]["primitives"][0], node = g["nodes"][0];
+  for (int i = 1; i < 1001; ++i) g["meshes"][0]["primitives"].push_back(primitive);
+  for (int i = 1; i < 500; ++i) {
+    g["nodes"].push_back(node);
+    g["scenes"][0]["nodes"].push_back(i);
+  }
+  EXPECT_EQ(message(g),
+            "meshes[0].primitives[501]: more than 1000000 triangles, too many for portals");
+  g["meshes"][0]["primitives"][0]["mode"] = 5;  // a strip of two more, so that one has an area
+  for (int i = 1; i < 1001; ++i) g["meshes"][0]["primitives"][i]["indices"] = 2;
+  g["accessors"].push_back(
+      {{"bufferView", 1}, {"componentType", 5123}, {"count", 3}, {"type", "SCALAR"}});
+  for (int i = 500; i < 1000; ++i) {
+    g["nodes"].push_back(node);
+    g["scenes"][0]["nodes"].push_back(i);
+  }
+  EXPECT_EQ(message(g),
+            "meshes[0].primitives[251]: more than 3000000 vertices, too many for portals");
+}
+
 TEST_F(PortalFormat, RefusesWhatIsNotThere) {
   Json g = square();
   g["meshes"][0]["primitives"][0]["attributes"]["POSITION"] = 7;
