@@ -3,6 +3,7 @@
 #include "libcommon/formats/light_grid.h"
 
 #include <cstring>
+#include <set>
 #include <sstream>
 #include <type_traits>
 
@@ -16,6 +17,7 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/hash.h"
+#include "libcommon/base/memory_limit.h"
 #include "libcommon/base/shown.h"
 
 namespace tdpt {
@@ -138,6 +140,8 @@ bool is_damaged(const std::string& bytes) {
   return id[14] == '8' && id[19] == 'a' && id != identifier_of(bytes);
 }
 
+constexpr vdb::Index64 kLinesForNothing = 1 << 16;
+
 class Reader {
  public:
   explicit Reader(std::string name) : name_(std::move(name)) {}
@@ -145,6 +149,7 @@ class Reader {
   LightGrid read(const std::string& bytes) {
     LightGrid light;
     light.hash = content_hash(bytes);
+    most_lines_ = kLinesForNothing + bytes.size();
     std::istringstream in(bytes, std::ios::binary);
     in.exceptions(std::ios::failbit | std::ios::badbit);  // OpenVDB does not look for the end
     vdb::io::Stream stream(in, /*delayLoad=*/false);
@@ -156,9 +161,11 @@ class Reader {
     light.count.assign(n, 0);
     light.air.assign(n, 0);
     light.direction.assign(n, {});
+    std::set<std::string> seen;
     for (const auto& base : *grids) {
       if (!base) continue;
       const std::string& grid = base->getName();
+      if (!seen.insert(grid).second) fail("grid " + shown(grid, 40), "again, expected each once");
       if (grid == "count") dense(cast<vdb::FloatGrid>(base), light, light.count);
       if (grid == "direction") dense(cast<vdb::Vec3SGrid>(base), light, light.direction);
       if (grid == "air") dense(cast<vdb::MaskGrid>(base), light, light.air);
@@ -233,6 +240,8 @@ class Reader {
     if (voxels_ > kForNothing && (voxels_ - kForNothing) / kForEachActive > active)
       fail("tdpt_dim", fmt::format("{} voxels, but {} hold air or light, expected one in {}",
                                    voxels_, active, kForEachActive));
+    expect_memory(name_, "tdpt_dim", fmt::format("{} voxels", voxels_),
+                  voxels_ * (sizeof(float) + sizeof(uint8_t) + sizeof(Vec3f)));
   }
 
   // A file without them is a file of an unknown cut.
@@ -292,6 +301,9 @@ class Reader {
   void lines(const PointGrid::Ptr& grid, const LightGrid& light, const std::string& name,
              const Add& add) const {
     const std::string at = "grid " + name;
+    // Equal values stand in the file once, for any number of points; those of lines differ.
+    if (const vdb::Index64 n = vdb::points::pointCount(grid->tree()); n > most_lines_)
+      fail(at, fmt::format("{} lines, expected at most {} in a file of this size", n, most_lines_));
     const auto& transform = grid->transform();
     const double unit = unit_of(light);
     for (auto leaf = grid->tree().cbeginLeaf(); leaf; ++leaf) {
@@ -336,6 +348,7 @@ class Reader {
 
   std::string name_;
   size_t voxels_ = 0;
+  vdb::Index64 most_lines_ = 0;
 };
 
 }  // namespace

@@ -5,9 +5,11 @@
 
 #include <unistd.h>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "libcommon/base/error.h"
+#include "libcommon/base/memory_limit.h"
 #include "libcommon/math/rng.h"
 
 namespace tdpt {
@@ -182,6 +184,34 @@ TEST_F(LightGridFormat, OneVoxelAndTooManyOfThem) {
             "tdpt_dim: 1073741824 voxels, expected at most 134217728");
   EXPECT_EQ(error_of(foreign(of_voxels(light_grid_bytes(g), {512, 512, 512}))),
             "tdpt_dim: 134217728 voxels, but 1 hold air or light, expected one in 1024");
+}
+
+TEST_F(LightGridFormat, TakesNoMoreThanTheLimitOfMemory) {
+  const uint64_t machine = memory_limit();
+  limit_memory(1000);
+  EXPECT_EQ(error_of(light_grid_bytes(small())),
+            "tdpt_dim: 60 voxels take 1020 bytes of memory, expected at most the 1000 bytes of "
+            "--max-memory");
+  limit_memory(machine);
+}
+
+// Points whose values are equal take no room in the file.
+TEST_F(LightGridFormat, LinesTakeRoomInTheFile) {
+  LightGrid g = small();
+  g.lines.assign(150'000, g.lines[0]);
+  const std::string bytes = light_grid_bytes(g);
+  ASSERT_LT(bytes.size(), 80'000u);
+  EXPECT_EQ(error_of(bytes), fmt::format("grid lines: 150000 lines, expected at most {} in a file "
+                                         "of this size",
+                                         65536 + bytes.size()));
+}
+
+TEST_F(LightGridFormat, GridsStandOnce) {
+  std::string twice = foreign(light_grid_bytes(small()));
+  const std::string lines = "lines";
+  for (size_t at = 0; (at = twice.find(lines, at)) != twice.npos; at += lines.size())
+    twice.replace(at, lines.size(), "count");
+  EXPECT_EQ(error_of(twice), "grid count: again, expected each once");
 }
 
 TEST_F(LightGridFormat, DamageShowsBeforeOpenVdbSeesIt) {
