@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "libcommon/base/error.h"
+#include "libcommon/base/memory_limit.h"
 #include "libcommon/base/shown.h"
 
 namespace tdpt {
@@ -104,6 +105,8 @@ class Reader {
     if (width < 1 || height < 1 || width > most_width || height > most_height)
       fail("header", fmt::format("{} x {} pixels, expected at most {} x {}", width, height,
                                  most_width, most_height));
+    expect_memory(name_, "header", fmt::format("{} x {} pixels", width, height),
+                  sizeof(Rgb) * static_cast<size_t>(width) * static_cast<size_t>(height));
     p.width = static_cast<int>(width);
     p.height = static_cast<int>(height);
   }

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "libcommon/base/error.h"
+#include "libcommon/base/memory_limit.h"
 #include "libcommon/math/rng.h"
 
 namespace tdpt {
@@ -119,6 +120,15 @@ TEST(RadianceHdr, SaysWhatIsWrongAndWhere) {
             "a.hdr:row 0: a run that does not fit the row");
   EXPECT_EQ(complaint("#?RADIANCE\n\n-Y\r\x1b[2J\n"),
             "a.hdr:header: \"-Y??[2J\", expected \"-Y HEIGHT +X WIDTH\"");
+}
+
+TEST(RadianceHdr, TakesNoMoreThanTheLimitOfMemory) {
+  const uint64_t machine = memory_limit();
+  limit_memory(100);
+  EXPECT_EQ(complaint(header(3, 3)),
+            "a.hdr:header: 3 x 3 pixels take 108 bytes of memory, expected at most the 100 bytes "
+            "of --max-memory");
+  limit_memory(machine);
 }
 
 // Read, or refused; under the sanitizers nothing else happens.

@@ -7,6 +7,7 @@
 
 #include "libcommon/base/file.h"
 #include "libcommon/base/hash.h"
+#include "libcommon/base/memory_limit.h"
 #include "libcommon/base/shown.h"
 
 namespace tdpt::gltf {
@@ -115,9 +116,27 @@ bool no_image(tinygltf::Image*, const int, std::string*, std::string*, int, int,
   return true;
 }
 
+// Elements of few bytes become structures of many.
+void check_elements(const Document& d) {
+  using namespace tinygltf;
+  size_t elements = 0, bytes = 0;
+  for (const auto& [section, size] :
+       {std::pair("nodes", sizeof(Node)), std::pair("meshes", sizeof(Mesh)),
+        std::pair("accessors", sizeof(Accessor)), std::pair("bufferViews", sizeof(BufferView)),
+        std::pair("scenes", sizeof(tinygltf::Scene)), std::pair("cameras", sizeof(Camera))}) {
+    const auto found = d.json.find(section);
+    if (found == d.json.end()) continue;
+    elements += found->size();
+    bytes += found->size() * size;
+  }
+  expect_memory(d.file, "JSON", fmt::format("{} nodes, meshes, accessors and the like", elements),
+                bytes);
+}
+
 // tinygltf turns the checked JSON into its model. It gets neither buffers nor images: it would copy
 // the ones and read outside of a buffer for the others.
 void load_model(Document& d) {
+  check_elements(d);
   Json reduced = Json::object();
   for (const char* section :
        {"asset", "scene", "scenes", "nodes", "meshes", "accessors", "bufferViews", "cameras"})
@@ -156,13 +175,14 @@ void open_document(const std::string& path, Document& d) {
   check_json(d.json, d.file);
   check_version(d);
   check_extensions(d);
+  for (const Json& e : d.json.value("extensionsUsed", Json::array()))
+    d.extensions.insert(e.get<std::string>());
   load_buffers(d, chunks);
   load_model(d);
 }
 
 bool uses_extension(const Document& d, const std::string& name) {
-  const Json used = d.json.value("extensionsUsed", Json::array());
-  return std::find(used.begin(), used.end(), name) != used.end();
+  return d.extensions.contains(name);
 }
 
 std::string_view view_bytes(const Document& d, size_t index) {

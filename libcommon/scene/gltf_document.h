@@ -3,6 +3,7 @@
 #pragma once
 #include <tiny_gltf.h>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -21,6 +22,7 @@ struct Document {
   std::string bytes;                      ///< the file; buffers point into it
   std::vector<std::string> owned;         ///< decoded and external buffers
   std::vector<std::string> files;         ///< paths of external buffers
+  std::set<std::string> extensions;       ///< those that extensionsUsed names
 
   [[noreturn]] void fail(const std::string& place, const std::string& message) const {
     throw InputError(file, place, message);

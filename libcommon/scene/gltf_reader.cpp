@@ -8,6 +8,8 @@
 #include <map>
 #include <set>
 
+#include "libcommon/base/memory_limit.h"
+#include "libcommon/scene/distinct_names.h"
 #include "libcommon/scene/gltf_accessors.h"
 #include "libcommon/scene/gltf_attributes.h"
 #include "libcommon/scene/gltf_document.h"
@@ -105,6 +107,9 @@ class SceneReader {
                             "and {}",
                             vertices, triangles, kMostVertices, kMostTriangles));
     }
+    expect_memory(d_.file, "nodes",
+                  fmt::format("{} vertices and {} triangles", vertices, triangles),
+                  vertices * (sizeof(Vec3d) + sizeof(Vec3f)) + triangles * sizeof(Triangle));
     world_.reserve(vertices);
     scene_.triangles.reserve(triangles);
   }
@@ -226,22 +231,8 @@ class SceneReader {
     out.up = cross(out.right, out.forward);
     out.yfov = c.perspective.yfov;
     out.aspect = c.perspective.aspectRatio;
-    out.name = camera_name(c.name, d_.model.nodes[n.node].name);
+    out.name = camera_names_.take(c.name, d_.model.nodes[n.node].name, "camera");
     scene_.cameras.push_back(out);
-  }
-
-  /// The camera's name, else its node's; a number is added to one that is taken.
-  std::string camera_name(const std::string& camera, const std::string& node) const {
-    const auto taken = [&](const std::string& name) {
-      return std::any_of(scene_.cameras.begin(), scene_.cameras.end(),
-                         [&](const Camera& c) { return c.name == name; });
-    };
-    for (const std::string& name : {camera, node})
-      if (!name.empty() && !taken(name)) return name;
-    const std::string base = !camera.empty() ? camera : !node.empty() ? node : "camera";
-    std::string name = base;
-    for (size_t k = 1; taken(name); ++k) name = fmt::format("{}.{}", base, k);
-    return name;
   }
 
   void bring_to_canonical() {
@@ -312,6 +303,7 @@ class SceneReader {
   Scene& scene_;
   std::vector<Vec3d> world_;  // metres, parallel to scene_.positions; none any more once these are
   AttributeReader attributes_;
+  DistinctNames camera_names_;
   size_t file_materials_;          // the surfaces without a material come behind them
   std::vector<MaterialUse> uses_;  // by material
   bool unnamed_material_ = false;

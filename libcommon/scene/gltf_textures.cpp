@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "libcommon/base/memory_limit.h"
 #include "libcommon/scene/gltf_images.h"
 #include "libcommon/scene/srgb.h"
 
@@ -64,6 +65,8 @@ std::optional<Image> TextureReader::decode(size_t index) {
   if (texels_ > kMostTexelsOfAll)
     document_.fail(where, fmt::format("brings the scene to {} texels, expected at most {}", texels_,
                                       kMostTexelsOfAll));
+  expect_memory(document_.file, where, fmt::format("{} texels, with those before,", texels_),
+                4 * static_cast<uint64_t>(texels_));
   return decode_image(bytes);
 }
 
