@@ -76,8 +76,13 @@ void tell_gltf(const std::string& path, const std::string& bytes, Knowledge& k) 
     return tell_portals(read_portals(path), k);
   try {
     tell_scene(read_gltf(path), k);
-  } catch (const InputError&) {
-    const PortalFile file = read_portals(path);
+  } catch (const InputError& of_scene) {
+    PortalFile file;
+    try {
+      file = read_portals(path);
+    } catch (const InputError&) {
+      throw of_scene;
+    }
     if (file.cameras > 0 || file.lamps > 0) throw;
     tell_portals(file, k);
   }

@@ -61,6 +61,13 @@ TEST_F(files, that_are_damaged_or_none_of_ours_are_refused) {
   EXPECT_TRUE(says(told("a.glb", "{}"), "a.glb:"));
 }
 
+TEST_F(files, that_are_neither_scenes_nor_portals_are_refused_as_scenes) {
+  const std::string flat = R"({"asset": {"version": "2.0"}, "nodes": [{"mesh": 0}],
+    "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+    "accessors": [{"componentType": 5126, "count": 3, "type": "VEC3"}]})";
+  EXPECT_TRUE(says(told("a", flat), "a: has no triangle with an area")) << told("a", flat);
+}
+
 TEST_F(files, cannot_command_a_terminal) {
   EXPECT_FALSE(says(told("a", "{\"plan\": {\"label\": \"\\u001b[2J\"}, \"shape\": {}}"), "\033"));
 }
