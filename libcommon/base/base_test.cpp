@@ -42,6 +42,18 @@ TEST(memory_limit, sizes_are_read_and_told) {
   EXPECT_EQ(size_words(~uint64_t{0}), "1.68e+07 TiB");
 }
 
+TEST(memory_limit, no_file_is_read_beyond_it) {
+  const uint64_t machine = memory_limit();
+  limit_memory(1 << 20);
+  try {
+    read_file("/dev/zero");
+    ADD_FAILURE();
+  } catch (const InputError& e) {
+    EXPECT_STREQ(e.what(), "/dev/zero: is larger than the 1 MiB of --max-memory");
+  }
+  limit_memory(machine);
+}
+
 TEST(memory_limit, what_takes_more_is_refused_with_both_numbers) {
   const uint64_t machine = memory_limit();
   EXPECT_GT(machine, uint64_t{64} << 20);

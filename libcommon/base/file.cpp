@@ -8,6 +8,7 @@
 #include <sys/stat.h>
 
 #include "libcommon/base/error.h"
+#include "libcommon/base/memory_limit.h"
 
 namespace tdpt {
 
@@ -26,7 +27,12 @@ std::string read_file(const std::string& path) {
                                                          std::fclose);
   std::string bytes;
   char buffer[1 << 16];
-  for (size_t n; (n = std::fread(buffer, 1, sizeof buffer, file)) > 0;) bytes.append(buffer, n);
+  for (size_t n; (n = std::fread(buffer, 1, sizeof buffer, file)) > 0;) {
+    bytes.append(buffer, n);
+    if (bytes.size() > memory_limit())
+      throw InputError(display_name(path), "",
+                       "is larger than the " + size_words(memory_limit()) + " of --max-memory");
+  }
   if (std::ferror(file))
     throw InputError(display_name(path), "",
                      std::string("cannot be read: ") + std::strerror(errno));

@@ -5,7 +5,7 @@
 namespace tdpt {
 
 /// Contents of the file `path`, or of standard input for "-". Throws InputError when it cannot be
-/// read.
+/// read, or is larger than memory_limit().
 std::string read_file(const std::string& path);
 
 /// What to call `path` in messages: the path itself, or "(standard input)" for "-".

@@ -86,6 +86,7 @@ void check_extensions(const Document& d) {
 
 void load_buffers(Document& d, const Chunks& chunks) {
   std::string all;  // what the hash is of, when there is more than the file
+  uint64_t beside = 0;
   const Json buffers = d.json.value("buffers", Json::array());
   d.owned.reserve(buffers.size());
   for (size_t i = 0; i < buffers.size(); ++i) {
@@ -96,6 +97,8 @@ void load_buffers(Document& d, const Chunks& chunks) {
       std::string file;
       d.owned.push_back(read_uri(d, buffers[i]["uri"].get<std::string>(), where + ".uri", file));
       bytes = d.owned.back();
+      beside += bytes.size();  // the same file may stand in many of them
+      expect_memory(d.file, where, fmt::format("{} bytes of buffers", beside), 2 * beside);
       if (!file.empty()) {
         all += d.owned.back();
         d.files.push_back(file);

@@ -55,6 +55,9 @@ std::optional<Image> TextureReader::decode(size_t index) {
     owned = read_uri(document_, i["uri"].get<std::string>(), where + ".uri", file);
     if (!file.empty()) {
       external_bytes_ += owned;
+      expect_memory(document_.file, where,
+                    fmt::format("{} bytes of image files", external_bytes_.size()),
+                    2 * external_bytes_.size());
       scene_.files.push_back(file);
     }
     bytes = owned;

@@ -42,11 +42,33 @@ TEST(Memory, ElementsOfTheJsonAreCounted) {
   EXPECT_TRUE(text.ends_with(" of memory, expected at most the 97.7 KiB of --max-memory")) << text;
 }
 
+// The same may stand in many places.
+TEST(Memory, FilesBesideAreCounted) {
+  const TempFolder folder;
+  folder.write("much", std::string(10'000, 'a'));
+  const auto complaint_of = [&](const std::string& sections) {
+    limit_memory(50'000);
+    try {
+      read_gltf(folder.write("a.gltf", R"({"asset": {"version": "2.0"}, )" + sections + "}"));
+    } catch (const InputError& e) {
+      return std::string(e.what()).substr(std::string(e.what()).find(".gltf:") + 6);
+    }
+    return std::string();
+  };
+  const uint64_t machine = memory_limit();
+  const std::string buffer = R"({"byteLength": 4, "uri": "much"})";
+  EXPECT_EQ(complaint_of("\"buffers\": [" + buffer + "," + buffer + "," + buffer + "]"),
+            "buffers[2]: 30000 bytes of buffers take 58.6 KiB of memory, expected at most the 48.8 "
+            "KiB of --max-memory");
+  limit_memory(machine);
+}
+
 TEST(Memory, TexelsOfAllImagesAreCounted) {
   GlbBuilder b;
   std::vector<Json> materials;
   for (int i = 0; i < 3; ++i) {
-    b.texture(png_of(64, 64, std::string(4 * 64 * 64 - 1, '\0') + "\1"));
+    b.texture(i == 0 ? png_of(64, 64, std::string(4 * 64 * 64 - 1, '\0') + "\1") : kOne);
+    b.json["images"][i]["bufferView"] = b.json["images"][0]["bufferView"];
     materials.push_back(lambert(1, 1, 1));
     materials.back()["pbrMetallicRoughness"]["baseColorTexture"]["index"] = i;
   }
