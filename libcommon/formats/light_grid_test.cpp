@@ -187,12 +187,18 @@ TEST_F(LightGridFormat, OneVoxelAndTooManyOfThem) {
 }
 
 TEST_F(LightGridFormat, TakesNoMoreThanTheLimitOfMemory) {
+  LightGrid g = small();
+  g.dim = {64, 64, 64};
+  const size_t n = size_t{64} * 64 * 64;
+  g.count.assign(n, 1), g.air.assign(n, 1), g.direction.assign(n, {1, 0, 0});
+  const std::string bytes = light_grid_bytes(g);
   const uint64_t machine = memory_limit();
-  limit_memory(1000);
-  EXPECT_EQ(error_of(light_grid_bytes(small())),
-            "tdpt_dim: 60 voxels take 1020 bytes of memory, expected at most the 1000 bytes of "
+  limit_memory(1 << 20);
+  EXPECT_EQ(error_of(bytes),
+            "tdpt_dim: 262144 voxels take 4.25 MiB of memory, expected at most the 1 MiB of "
             "--max-memory");
   limit_memory(machine);
+  EXPECT_EQ(error_of(bytes), "no error");
 }
 
 // Points whose values are equal take no room in the file.
