@@ -281,8 +281,9 @@ class Reader {
         m.name.empty() ? place("materials", index) : "\"" + shown(m.name, 60) + "\"";
     const auto note = [&](const std::string& words) { left_out_[words].push_back(name); };
     for (const auto& [extension, value] : extensions.items()) {
-      const auto known = std::find_if(std::begin(kLeftOut), std::end(kLeftOut),
-                                      [&](const LeftOut& l) { return extension == l.extension; });
+      const auto known =
+          std::find_if(std::begin(kLeftOut), std::end(kLeftOut),
+                       [&e = extension](const LeftOut& l) { return e == l.extension; });
       if (known != std::end(kLeftOut)) {
         if (!known->factor || more_than_0(value, known->factor)) note(known->words);
       } else if (extension.find("_materials_") != extension.npos && !is_read(extension)) {
