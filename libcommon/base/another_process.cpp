@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 #include "libcommon/base/error.h"
+#include "libcommon/base/memory_limit.h"
 
 namespace tdpt {
 namespace {
@@ -22,11 +23,26 @@ namespace {
               std::string("no other process can be started: ") + std::strerror(error));
 }
 
+// From now on operator new fails where more is held than now by the limit, and some for the
+// libraries. Where the system does not tell what is held, nothing is limited.
+void limit_what_is_held() {
+  constexpr rlim_t for_libraries = rlim_t{16} << 20;
+  std::FILE* const file = std::fopen("/proc/self/statm", "r");
+  if (!file) return;
+  unsigned long pages = 0;
+  const bool told = std::fscanf(file, "%*u %*u %*u %*u %*u %lu", &pages) == 1;
+  std::fclose(file);
+  const rlim_t held = pages * static_cast<rlim_t>(::sysconf(_SC_PAGESIZE));
+  const rlimit most{held + for_libraries + memory_limit(), RLIM_INFINITY};
+  if (told) ::setrlimit(RLIMIT_DATA, &most);
+}
+
 // Never returns. What the program had to write stays with it: _exit() flushes nothing.
 [[noreturn]] void run(const std::function<void(std::FILE*)>& work, int end) {
   if (const int nowhere = ::open("/dev/null", O_WRONLY); nowhere >= 0) ::dup2(nowhere, 2);
   const rlimit no_core{0, 0};
   ::setrlimit(RLIMIT_CORE, &no_core);
+  limit_what_is_held();
   for (const int signal : {SIGABRT, SIGPIPE}) std::signal(signal, SIG_DFL);
   bool done = false;
   try {

@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "libcommon/base/error.h"
+#include "libcommon/base/memory_limit.h"
 
 namespace tdpt {
 namespace {
@@ -44,6 +45,18 @@ TEST(another_process, that_ends_before_its_work_gave_nothing) {
   EXPECT_FALSE(gives([](std::FILE*) { ::_exit(3); }));
   EXPECT_FALSE(gives([](std::FILE*) { throw std::runtime_error("no"); }));
   EXPECT_FALSE(gives([](std::FILE* out) { std::fputc('x', out); }));
+}
+
+TEST(another_process, takes_no_more_than_the_limit_of_memory) {
+  const auto takes = [](size_t bytes) {
+    return gives([=](std::FILE*) { const std::string much(bytes, 'x'); });
+  };
+  const uint64_t machine = memory_limit();
+  limit_memory(64 << 20);
+  EXPECT_TRUE(takes(32 << 20));
+  EXPECT_FALSE(takes(size_t{256} << 20));
+  limit_memory(machine);
+  EXPECT_TRUE(takes(size_t{256} << 20));
 }
 
 TEST(another_process, is_waited_for_when_what_reads_it_throws) {
