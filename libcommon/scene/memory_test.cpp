@@ -43,24 +43,44 @@ TEST(Memory, ElementsOfTheJsonAreCounted) {
 }
 
 // The same may stand in many places.
-TEST(Memory, FilesBesideAreCounted) {
-  const TempFolder folder;
-  folder.write("much", std::string(10'000, 'a'));
-  const auto complaint_of = [&](const std::string& sections) {
+class FilesBeside : public ::testing::Test {
+ protected:
+  FilesBeside() {
+    folder_.write("much", std::string(10'000, 'a'));
     limit_memory(50'000);
+  }
+  ~FilesBeside() override { limit_memory(machine_); }
+  // Of a .gltf with these sections.
+  std::string complaint(const std::string& sections) const {
     try {
-      read_gltf(folder.write("a.gltf", R"({"asset": {"version": "2.0"}, )" + sections + "}"));
+      read_gltf(folder_.write("a.gltf", R"({"asset": {"version": "2.0"}, )" + sections + "}"));
     } catch (const InputError& e) {
-      return std::string(e.what()).substr(std::string(e.what()).find(".gltf:") + 6);
+      const std::string text = e.what();
+      return text.substr(text.find(".gltf:") + 6);
     }
-    return std::string();
-  };
-  const uint64_t machine = memory_limit();
-  const std::string buffer = R"({"byteLength": 4, "uri": "much"})";
-  EXPECT_EQ(complaint_of("\"buffers\": [" + buffer + "," + buffer + "," + buffer + "]"),
+    return "";
+  }
+  const TempFolder folder_;
+  const uint64_t machine_ = memory_limit();
+};
+
+TEST_F(FilesBeside, AreCountedAsBuffers) {
+  const std::string one = R"({"byteLength": 4, "uri": "much"})";
+  EXPECT_EQ(complaint(R"("buffers": [)" + one + "," + one + "," + one + "]"),
             "buffers[2]: 30000 bytes of buffers take 58.6 KiB of memory, expected at most the 48.8 "
             "KiB of --max-memory");
-  limit_memory(machine);
+}
+
+TEST_F(FilesBeside, AreCountedAsImages) {
+  EXPECT_EQ(complaint(R"("images": [{"uri": "much"}, {"uri": "much"}, {"uri": "much"}],
+    "textures": [{"source": 0}, {"source": 1}, {"source": 2}], "nodes": [{"mesh": 0}],
+    "accessors": [{"componentType": 5126, "count": 3, "type": "VEC3"}],
+    "materials": [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0},
+                                            "metallicRoughnessTexture": {"index": 1}},
+                   "normalTexture": {"index": 2}}],
+    "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "material": 0}]}])"),
+            "images[2]: 30000 bytes of image files take 58.6 KiB of memory, expected at most the "
+            "48.8 KiB of --max-memory");
 }
 
 TEST(Memory, TexelsOfAllImagesAreCounted) {
