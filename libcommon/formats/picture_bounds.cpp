@@ -165,10 +165,9 @@ Vec3<int64_t> extent(const Imath::Box2i& box) {
 int rows_at_once(const Imf::Header& header, size_t layers) {
   constexpr int64_t most = 256, pixels = int64_t(1) << 22;
   const int64_t width = extent(header.dataWindow()).x;
-  const int64_t few =
-      std::min(most, pixels / (width * static_cast<int64_t>(std::max<size_t>(1, layers))));
-  const int64_t least = std::min<int64_t>(rows_decoded_at_once(header), most);
-  return static_cast<int>(std::max({int64_t(1), few, least}));
+  const int64_t few = pixels / (width * static_cast<int64_t>(std::max<size_t>(1, layers)));
+  const int64_t chunk = std::min(most, rows_decoded_at_once(header));
+  return static_cast<int>(std::max(chunk, std::min(most, few) / chunk * chunk));
 }
 
 void check_size(const Imf::Header& header, size_t layers, std::string_view bytes,

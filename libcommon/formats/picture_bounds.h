@@ -17,8 +17,8 @@ inline constexpr int largest_side = 65536;
 
 /// Width and height of a window; 0 when it is empty.
 Vec3<int64_t> extent(const Imath::Box2i& box);
-/// Rows that are read at once: all of a chunk or tile, more where rows are short, so that a file
-/// cut short fails before its picture is allocated. `layers`: of three floats a pixel.
+/// Rows that are read at once: those of a chunk or tile, of several where rows are short, so that a
+/// file cut short fails before its picture is allocated. `layers`: of three floats a pixel.
 int rows_at_once(const Imf::Header& header, size_t layers);
 
 /// Throws InputError where the part of this header has more pixels than `bytes`, the whole file,
