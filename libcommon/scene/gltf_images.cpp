@@ -60,6 +60,15 @@ bool chunks_lie_within(std::string_view png) {
   return true;
 }
 
+// Each scan of a JPEG passes over all blocks, and a hundred bytes are one; encoders write ten or
+// so.
+bool has_few_scans(std::string_view jpeg) {
+  constexpr int kMostScans = 500;
+  int scans = 0;
+  for (size_t at = 0; (at = jpeg.find("\xff\xda", at)) != jpeg.npos; at += 2) ++scans;
+  return scans <= kMostScans;
+}
+
 }  // namespace
 
 std::optional<int64_t> texels_declared(std::string_view bytes) {
@@ -68,6 +77,7 @@ std::optional<int64_t> texels_declared(std::string_view bytes) {
   const bool known = png || bytes.starts_with(kJpeg);
   if (!known || bytes.size() > (size_t{1} << 30)) return {};
   if (png && !chunks_lie_within(bytes)) return {};
+  if (!png && !has_few_scans(bytes)) return {};
   int width = 0, height = 0, channels = 0;
   if (!stbi_info_from_memory(data_of(bytes), static_cast<int>(bytes.size()), &width, &height,
                              &channels))

@@ -59,6 +59,16 @@ TEST(Images, OfMoreTexelsThanTheirBytesCanHoldAreNone) {
   EXPECT_EQ(texels_declared(jpeg(8192, 8192, false, "")), std::nullopt);
 }
 
+TEST(Images, OfThousandsOfScansAreNone) {
+  const auto with_scans = [](int count) {
+    std::string scans;
+    for (int i = 0; i < count; ++i) scans += std::string("\xff\xda\0\x08\1\1\0\0\x3f\0\0", 11);
+    return jpeg(8, 8, false, scans);
+  };
+  EXPECT_EQ(texels_declared(with_scans(500)), 64);
+  EXPECT_EQ(texels_declared(with_scans(501)), std::nullopt);
+}
+
 /// A grey PNG of one texel, whose data says to be of so many bytes.
 std::string png(uint32_t declared) {
   const std::string data("\x78\x01\x01\x02\x00\xfd\xff\x00\x80\x00\x82\x00\x81", 13);

@@ -43,6 +43,23 @@ def png(width, height, bits, colour, rows, palette=b""):
             + (chunk(b"PLTE", palette) if palette else b"") + chunk(b"IDAT", rows) + chunk(b"IEND", b""))
 
 
+def jpeg_of_scans(side, count):
+    """Grey, progressive: each scan passes over all blocks by runs of 32 767."""
+    def segment(kind, data):
+        return b"\xff" + bytes([kind]) + struct.pack(">H", len(data) + 2) + data
+
+    def table(kind, symbol):
+        return segment(0xc4, bytes([kind, 1]) + bytes(15) + bytes([symbol]))
+
+    blocks = (side // 8) ** 2
+    bits = ("0" + 14 * "1") * -(-blocks // 32767)
+    bits += "1" * (-len(bits) % 8)
+    runs = bytes(int(bits[k:k + 8], 2) for k in range(0, len(bits), 8)).replace(b"\xff", b"\xff\0")
+    return (b"\xff\xd8" + segment(0xdb, b"\0" + b"\1" * 64) + segment(0xc2, struct.pack(">B2HB", 8, side, side, 1) + b"\1\x11\0")
+            + table(0, 0) + table(0x10, 0xe0) + segment(0xda, b"\1\1\0\0\0\0") + bytes(-(-blocks // 8))
+            + (segment(0xda, b"\1\1\0\1\x3f\0") + runs) * count + b"\xff\xd9")
+
+
 def textured(images):
     content, binary = scene(1)
     content["images"], content["textures"], content["materials"] = [], [], []
@@ -82,6 +99,7 @@ def scenes():
     yield "nested", b'{"asset":{"version":"2.0"},"extras":' + b"[" * 1000000 + b"]" * 1000000 + b"}"
     bits = zlib.compress(bytes(1025) * 8192, 9)
     yield "texels-of-a-bit", textured([png(8192, 8192, 1, 3, bits, b"\xff\0\0\0\xff\0")] * 4)
+    yield "scans", textured([jpeg_of_scans(4096, 40000)])
     yield "texels", textured([png(65535, 65535, 8, 6, zlib.compress(bytes(1 << 18)))])
 
 
