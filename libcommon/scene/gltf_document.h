@@ -17,12 +17,13 @@ struct Document {
   std::string folder;                     ///< external files lie in it; empty: none may be read
   nlohmann::json json;                    ///< checked by check_json()
   tinygltf::Model model;                  ///< without buffers and images
-  std::vector<std::string_view> buffers;  ///< of at least the byteLength they declare
+  std::vector<std::string_view> buffers;  ///< of the byteLength they declare; else empty: not used
   std::string hash;                       ///< of the file and the external buffers
   std::string bytes;                      ///< the file; buffers point into it
   std::vector<std::string> owned;         ///< decoded and external buffers
   std::vector<std::string> files;         ///< paths of external buffers
   std::set<std::string> extensions;       ///< those that extensionsUsed names
+  std::vector<std::string> warnings;      ///< sentences: what is wrong and changes no picture
 
   [[noreturn]] void fail(const std::string& place, const std::string& message) const {
     throw InputError(file, place, message);
@@ -40,17 +41,30 @@ struct Chunks {
   std::string_view json, bin;
   bool has_bin = false;
 };
-Chunks split_chunks(std::string_view bytes, const std::string& file);
+/// `warnings` get a sentence for what is wrong with the container and can be read nonetheless.
+Chunks split_chunks(std::string_view bytes, const std::string& file,
+                    std::vector<std::string>& warnings);
+
+/// What check_json() found.
+struct Checked {
+  std::vector<std::string> warnings;
+  std::vector<bool> buffers;  ///< those that the scene needs
+};
 
 /// Types, ranges and references of every field this room reads; integers written as 3.0 become 3.
-/// Throws InputError with the place of the first field that is wrong.
-void check_json(nlohmann::json& json, const std::string& file);
+/// Throws InputError with the place of the first field that is wrong and may change the picture;
+/// what nothing in the scene uses is replaced where it is wrong.
+Checked check_json(nlohmann::json& json, const std::string& file);
 
 /// The bytes a URI stands for: a base64 data URI or a file in the scene's folder or below. Throws
 /// InputError when it points elsewhere, is not there or cannot be decoded. `file_read`: path of the
 /// file; empty for a data URI.
 std::string read_uri(const Document& document, const std::string& uri, const std::string& place,
                      std::string& file_read);
+
+/// Whether an extension that a file requires means nothing to a picture: metadata, what can be
+/// chosen or touched, physics, sound, hints for speed.
+bool changes_no_picture(const std::string& extension);
 
 /// Whether extensionsUsed names it.
 bool uses_extension(const Document& document, const std::string& name);

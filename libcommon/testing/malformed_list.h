@@ -66,4 +66,7 @@ class MalformedList {
 /// Vertex attributes, materials, textures and lights that are wrong.
 void add_malformed_surfaces(MalformedList& list);
 
+/// Instances, skins, morph targets and animations that are wrong.
+void add_malformed_motion(MalformedList& list);
+
 }  // namespace tdpt::testing
