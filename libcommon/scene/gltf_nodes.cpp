@@ -145,9 +145,10 @@ std::vector<PlacedNode> place_nodes(const Document& d, std::vector<std::string>&
     if (reached[i] && !placed[i])
       d.fail(place("nodes", i), "is its own ancestor, expected a tree of nodes");
   if (children > 0)
-    warnings.push_back(counted(children, "node", "is a root of the scene and a child",
-                               "are roots of the scene and children") +
-                       ": placed once, below their parents");
+    warnings.push_back(
+        counted(children, "node", "is a root of the scene and a child",
+                "are roots of the scene and children") +
+        (children == 1 ? ": placed once, below its parent" : ": placed once, below their parents"));
   return out;
 }
 
