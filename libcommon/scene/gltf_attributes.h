@@ -25,7 +25,7 @@ struct AttributeSet {
 
 /// How a mesh stands in the scene, besides its place.
 struct Shape {
-  std::vector<double> weights;  ///< of its morph targets
+  const std::vector<double>& weights;  ///< of its morph targets
   bool skinned = false;
 };
 

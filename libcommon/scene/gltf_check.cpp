@@ -55,6 +55,16 @@ void check_meshes(Checker& c, Json& root) {
   });
 }
 
+/// What is not drawn keeps no accessors, which may be wrong.
+void empty_unused_meshes(Checker& c, Json& root) {
+  for (size_t i = 0; i < c.size_of("meshes"); ++i) {
+    Json& mesh = root["meshes"][i];
+    if (!c.uses.has("meshes", i)) mesh = harmless("meshes");
+    for (Json& p : mesh["primitives"])
+      if (p.value("mode", 4) < 4) p = {{"attributes", Json::object()}, {"mode", p["mode"]}};
+  }
+}
+
 void check_cameras(Checker& c, Json& root) {
   c.each(root, "", "cameras", [&](Json& camera, const std::string& at) {
     c.check(camera, at,
@@ -123,6 +133,7 @@ Checked check_json(Json& root, const std::string& file) {
   check_lights(c, root);
   check_skins(c, root);
   check_meshes(c, root);
+  empty_unused_meshes(c, root);
   check_cameras(c, root);
   mark_parts_of_meshes(c.uses, root);
   check_materials(c, root);

@@ -11,8 +11,10 @@ namespace tdpt::gltf {
 namespace {
 
 // Instances multiply what a file holds; beyond this no ray tracer here would build its hierarchy.
+// A small file cannot ask for that much.
 constexpr size_t kMostVertices = size_t{1} << 27, kMostTriangles = size_t{1} << 28;
-// Targets and joints multiply it in time alone.
+constexpr size_t kSome = size_t{1} << 22, kPerByte = 256;
+// Targets and joints of vertices take time alone.
 constexpr size_t kMostBends = size_t{1} << 31;
 
 /// The mesh that a node shows, -1 for none.
@@ -36,7 +38,7 @@ std::vector<bool> used_materials(const Document& d, const std::vector<PlacedNode
 
 MeshReader::MeshReader(const Document& d, Scene& scene, std::vector<MaterialUse>& uses,
                        const std::vector<PlacedNode>& nodes)
-    : d_(d), scene_(scene), uses_(uses), nodes_(nodes), attributes_(d, scene) {}
+    : d_(d), scene_(scene), uses_(uses), nodes_(nodes), attributes_(d, scene), maps_(d, nodes) {}
 
 void MeshReader::run() {
   make_room();
@@ -48,6 +50,9 @@ void MeshReader::run() {
 void MeshReader::make_room() {
   size_t bytes = d_.bytes.size();
   for (std::string_view b : d_.buffers) bytes += b.size();
+  const auto most = [&](size_t limit) { return std::min(limit, kSome + kPerByte * bytes); };
+  const size_t most_vertices = most(kMostVertices), most_triangles = most(kMostTriangles),
+               most_bends = most(kMostBends);
   // A count beyond the bytes there are is wrong; it is refused with its place when it is read.
   const auto count = [&](int accessor) {
     return std::min(d_.model.accessors[static_cast<size_t>(accessor)].count, bytes);
@@ -67,22 +72,24 @@ void MeshReader::make_room() {
       const size_t points = std::min(count(position->second), kMostVertices + 1);
       if (p.mode >= TINYGLTF_MODE_TRIANGLES) {
         const AttributeSet set = choose_attributes(p, uses_[material_of(p)], shape);
-        bends += times * points * (set.targets.size() + set.joints.size());
+        bends +=
+            std::min(times * points, kMostVertices + 1) * (set.targets.size() + set.joints.size()) +
+            p.targets.size();
         if (seen.insert(set).second) vertices += times * points;
       }
       const size_t corners =
           std::min(count(p.indices >= 0 ? p.indices : position->second), 3 * kMostTriangles + 3);
       triangles += times * (p.mode == TINYGLTF_MODE_TRIANGLES ? corners / 3 : corners);
-      if (vertices > kMostVertices || triangles > kMostTriangles)
+      if (vertices > most_vertices || triangles > most_triangles)
         d_.fail(place("nodes", n.node),
                 fmt::format("brings the scene to {} vertices and {} triangles, expected at most {} "
                             "and {}",
-                            vertices, triangles, kMostVertices, kMostTriangles));
-      if (bends > kMostBends)
+                            vertices, triangles, most_vertices, most_triangles));
+      if (bends > most_bends)
         d_.fail(place("nodes", n.node),
                 fmt::format("brings the scene to {} vertices times morph targets and joints, "
                             "expected at most {}",
-                            bends, kMostBends));
+                            bends, most_bends));
     }
   }
   world_.reserve(vertices);
@@ -153,7 +160,7 @@ Placing MeshReader::placing_of(const PlacedNode& n, const AttributeSet& set,
 
 const Skin& MeshReader::skin_of(size_t node) {
   const auto skin = static_cast<size_t>(d_.model.nodes[node].skin);
-  return skins_.try_emplace(skin, d_, skin, nodes_).first->second;
+  return skins_.try_emplace(skin, d_, skin, maps_).first->second;
 }
 
 void MeshReader::add_vertices(const PlacedNode& n, const AttributeSet& set,

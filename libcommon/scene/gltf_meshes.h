@@ -55,6 +55,7 @@ class MeshReader {
   std::vector<MaterialUse>& uses_;
   const std::vector<PlacedNode>& nodes_;
   AttributeReader attributes_;
+  NodeMaps maps_;
   std::map<size_t, Skin> skins_;
   std::vector<Vec3d> world_;
   double grain_ = 0;

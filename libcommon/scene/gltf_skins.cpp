@@ -12,51 +12,7 @@ constexpr Numbers kMatrices = {"inverse bind matrices", 16, true, false, false, 
 constexpr Numbers kJoints = {"joints", 4, false, false, false, true};
 constexpr Numbers kWeights = {"weights", 4, true, true, false, false};
 
-/// Maps of the nodes that joints may be: those in the scene, and those out of it by the nodes above
-/// them.
-class Worlds {
- public:
-  Worlds(const Document& d, const std::vector<PlacedNode>& nodes)
-      : d_(d), known_(d.model.nodes.size()), world_(known_.size()) {
-    for (const PlacedNode& n : nodes) set(n.node, n.to_world);
-  }
-
-  Affine of(size_t node) {
-    if (known_[node]) return world_[node];
-    if (parent_.empty()) find_parents();
-    std::vector<size_t> chain;  // from the node upwards
-    size_t top = node;
-    for (; top != kNone && !known_[top]; top = parent_[top]) {
-      if (chain.size() == known_.size())
-        d_.fail(place("nodes", node), "is its own ancestor, expected a tree of nodes");
-      chain.push_back(top);
-    }
-    Affine a = top == kNone ? Affine{} : world_[top];
-    for (size_t i = chain.size(); i-- > 0;) {
-      a = a * local_map(d_, chain[i]);
-      set(chain[i], a);
-    }
-    return a;
-  }
-
- private:
-  static constexpr size_t kNone = ~size_t{0};
-
-  void set(size_t node, const Affine& to_world) {
-    known_[node] = true;
-    world_[node] = to_world;
-  }
-  void find_parents() {
-    parent_.assign(known_.size(), kNone);
-    for (size_t i = 0; i < parent_.size(); ++i)
-      for (const int child : d_.model.nodes[i].children) parent_[static_cast<size_t>(child)] = i;
-  }
-
-  const Document& d_;
-  std::vector<bool> known_;
-  std::vector<Affine> world_;
-  std::vector<size_t> parent_;
-};
+constexpr size_t kNone = ~size_t{0};
 
 void add_scaled(Affine& sum, const Affine& a, double weight) {
   sum.x += a.x * weight;
@@ -77,16 +33,48 @@ std::vector<JointSet> joint_sets_of(const tinygltf::Primitive& p) {
   }
 }
 
-Skin::Skin(const Document& d, size_t skin, const std::vector<PlacedNode>& nodes)
-    : d_(d), skin_(skin) {
+NodeMaps::NodeMaps(const Document& d, const std::vector<PlacedNode>& nodes)
+    : d_(d), known_(d.model.nodes.size()), to_world_(known_.size()) {
+  for (const PlacedNode& n : nodes) set(n.node, n.to_world);
+}
+
+void NodeMaps::set(size_t node, const Affine& to_world) {
+  known_[node] = true;
+  to_world_[node] = to_world;
+}
+
+void NodeMaps::find_parents() {
+  parent_.assign(known_.size(), kNone);
+  for (size_t i = 0; i < parent_.size(); ++i)
+    for (const int child : d_.model.nodes[i].children) parent_[static_cast<size_t>(child)] = i;
+}
+
+Affine NodeMaps::to_world(size_t node) {
+  if (known_[node]) return to_world_[node];
+  if (parent_.empty()) find_parents();
+  std::vector<size_t> chain;  // from the node upwards
+  size_t top = node;
+  for (; top != kNone && !known_[top]; top = parent_[top]) {
+    if (chain.size() == known_.size())
+      d_.fail(place("nodes", node), "is its own ancestor, expected a tree of nodes");
+    chain.push_back(top);
+  }
+  Affine a = top == kNone ? Affine{} : to_world_[top];
+  for (size_t i = chain.size(); i-- > 0;) {
+    a = a * local_map(d_, chain[i]);
+    set(chain[i], a);
+  }
+  return a;
+}
+
+Skin::Skin(const Document& d, size_t skin, NodeMaps& nodes) : d_(d), skin_(skin) {
   const nlohmann::json& j = d.json["skins"][skin];
   const size_t count = j["joints"].size();
   std::vector<double> m;
   if (j.contains("inverseBindMatrices"))
     m = read_numbers(d, j["inverseBindMatrices"].get<size_t>(), kMatrices, 0, count);
-  Worlds worlds(d, nodes);
   for (size_t k = 0; k < count; ++k) {
-    joints_.push_back(worlds.of(j["joints"][k].get<size_t>()));
+    joints_.push_back(nodes.to_world(j["joints"][k].get<size_t>()));
     if (m.empty()) continue;
     const auto column = [&](size_t c) {
       return Vec3d(m[16 * k + 4 * c], m[16 * k + 4 * c + 1], m[16 * k + 4 * c + 2]);

@@ -21,10 +21,29 @@ struct JointSet {
 /// JOINTS_0 with WEIGHTS_0 and the sets that follow.
 std::vector<JointSet> joint_sets_of(const tinygltf::Primitive& primitive);
 
+/// Maps of the nodes that joints may be: those in the scene, and those out of it by the nodes above
+/// them.
+class NodeMaps {
+ public:
+  /// `nodes`: those of the scene, placed.
+  NodeMaps(const Document& document, const std::vector<PlacedNode>& nodes);
+  /// Throws InputError for a node that is its own ancestor.
+  Affine to_world(size_t node);
+
+ private:
+  void find_parents();
+  void set(size_t node, const Affine& to_world);
+
+  const Document& d_;
+  std::vector<bool> known_;
+  std::vector<Affine> to_world_;
+  std::vector<size_t> parent_;  // once it is asked for
+};
+
 class Skin {
  public:
-  /// `nodes`: those of the scene, placed. Throws InputError for a skin that is wrong.
-  Skin(const Document& document, size_t skin, const std::vector<PlacedNode>& nodes);
+  /// Throws InputError for a skin that is wrong.
+  Skin(const Document& document, size_t skin, NodeMaps& nodes);
 
   /// The map of each vertex. What weighs nothing is not looked at; a vertex without any weight
   /// follows its first joint. Throws InputError for joints that are not there.
