@@ -290,7 +290,7 @@ class Reader {
           std::find_if(std::begin(kLeftOut), std::end(kLeftOut),
                        [&e = extension](const LeftOut& l) { return e == l.extension; });
       if (known != std::end(kLeftOut)) {
-        if (!known->factor || more_than_0(value, known->factor)) note(known->words);
+        if (more_than_0(value, known->factor)) note(known->words);
       } else if (extension.find("_materials_") != extension.npos && !is_read(extension)) {
         note(shown(extension, 60));
       }
