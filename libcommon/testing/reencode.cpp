@@ -347,4 +347,17 @@ EncodedScene encode(const std::vector<QuadPart>& parts, Encoding e) {
   return {"scene.glb", {{"scene.glb", b.glb()}}};
 }
 
+std::map<std::string, std::string> encoded_rooms() {
+  std::map<std::string, std::string> out;
+  const auto add = [&](const char* name, Encoding e) {
+    const EncodedScene scene = encode(simple_room(), e);
+    out[name] = scene.files.at(scene.file);
+  };
+  add("plain.glb", Encoding::indices_u16);
+  add("instanced.glb", Encoding::instanced);
+  add("skinned.glb", Encoding::skinned);
+  add("morphed.glb", Encoding::morphed);
+  return out;
+}
+
 }  // namespace tdpt::testing

@@ -61,4 +61,7 @@ struct EncodedScene {
 };
 EncodedScene encode(const std::vector<QuadPart>& parts, Encoding encoding);
 
+/// The files of testdata/encodings: simple_room() in one piece, by name.
+std::map<std::string, std::string> encoded_rooms();
+
 }  // namespace tdpt::testing
