@@ -37,7 +37,7 @@ void mark_parts_of_node(Uses& uses, const Json& n, bool visible) {
   if (extensions.contains(kLights)) uses.mark("lights", extensions[kLights]["light"].get<size_t>());
   if (!n.contains("mesh")) return;
   uses.mark("meshes", n["mesh"].get<size_t>());
-  if (n.contains("skin")) uses.mark("skins", n["skin"].get<size_t>());
+  if (n.contains("mesh") && n.contains("skin")) uses.mark("skins", n["skin"].get<size_t>());
   mark_accessors_of_instances(uses, extensions);
 }
 
@@ -81,8 +81,8 @@ void visit_nodes(Checker& c, Json& root, const std::vector<size_t>& first) {
     if (!is_new && (seen[step.node] || !visible)) continue;
     if (visible) seen[step.node] = true;
     mark_parts_of_node(c.uses, n, visible);
-    for (const Json& child : n.value("children", Json::array()))
-      next.push_back({child.get<size_t>(), visible});
+    if (!n.contains("children")) continue;
+    for (const Json& child : n["children"]) next.push_back({child.get<size_t>(), visible});
   }
 }
 
@@ -120,7 +120,10 @@ void check_node_extensions(Checker& c, Json& n, const std::string& at) {
 
 void check_nodes(Checker& c, Json& root) {
   visit_nodes(c, root, first_nodes(c, root));
-  c.each(root, "", "nodes", [&](Json& n, const std::string& at) { check_node(c, n, at); });
+  size_t i = 0;
+  c.each(root, "", "nodes", [&](Json& n, const std::string& at) {
+    if (!c.uses.has("nodes", i++)) check_node(c, n, at);  // the others are checked
+  });
 }
 
 void check_skins(Checker& c, Json& root) {
