@@ -24,8 +24,10 @@ class Animator {
     for (const Json& a : d_.json.value("animations", Json::array()))
       for (const Json& c : a["channels"]) {
         const Json& target = c["target"];
-        if (target["path"] == "pointer") ++pointers_;
-        if (!target.contains("node")) continue;
+        if (target["path"] == "pointer") {
+          ++pointers_;
+          continue;
+        }
         move(target["node"].get<size_t>(), target["path"].get<std::string>(),
              a["samplers"][c["sampler"].get<size_t>()]);
       }

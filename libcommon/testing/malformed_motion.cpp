@@ -84,28 +84,30 @@ void add_skin(GlbBuilder& b) {
       b.floats({1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, 4);
 }
 
+/// The square with a skin, spoilt.
+void skinned(MalformedList& l, const std::string& file,
+             const std::function<void(GlbBuilder&)>& spoil, const std::string& expected) {
+  l.spoil(
+      "skin-" + file,
+      [&](GlbBuilder& b) {
+        add_skin(b);
+        spoil(b);
+      },
+      expected);
+}
+
 void skins(MalformedList& l) {
-  const auto skinned = [&](const std::string& file, const std::function<void(GlbBuilder&)>& spoil,
-                           const std::string& expected) {
-    l.spoil(
-        "skin-" + file,
-        [&](GlbBuilder& b) {
-          add_skin(b);
-          spoil(b);
-        },
-        expected);
-  };
   skinned(
-      "missing", [](GlbBuilder& b) { b.json["nodes"][0]["skin"] = 1; },
+      l, "missing", [](GlbBuilder& b) { b.json["nodes"][0]["skin"] = 1; },
       "nodes[0].skin: is 1, expected an index into the 1 skins");
   skinned(
-      "no-joints", [](GlbBuilder& b) { b.json["skins"][0]["joints"] = Json::array(); },
+      l, "no-joints", [](GlbBuilder& b) { b.json["skins"][0]["joints"] = Json::array(); },
       "skins[0].joints: is missing or empty, expected at least one joint");
   skinned(
-      "joint-missing", [](GlbBuilder& b) { b.json["skins"][0]["joints"] = {5}; },
+      l, "joint-missing", [](GlbBuilder& b) { b.json["skins"][0]["joints"] = {5}; },
       "skins[0].joints[0]: is 5, expected an index into the 3 nodes");
   skinned(
-      "joint-in-a-cycle",
+      l, "joint-in-a-cycle",
       [](GlbBuilder& b) {
         b.json["nodes"].push_back({{"children", {4}}});
         b.json["nodes"].push_back({{"children", {3}}});
@@ -113,7 +115,7 @@ void skins(MalformedList& l) {
       },
       "nodes[3]: is its own ancestor, expected a tree of nodes");
   skinned(
-      "matrices-few",
+      l, "matrices-few",
       [](GlbBuilder& b) {
         b.json["skins"][0]["joints"] = {2, 1};
         b.json["skins"][0]["inverseBindMatrices"] =
@@ -121,29 +123,32 @@ void skins(MalformedList& l) {
       },
       "accessors[4]: count is 1, expected at least 2 inverse bind matrices");
   skinned(
-      "matrices-vec4",
+      l, "matrices-vec4",
       [](GlbBuilder& b) {
         b.json["skins"][0]["inverseBindMatrices"] = b.floats({1, 0, 0, 0}, 4);
       },
       "accessors[4].type: inverse bind matrices are not MAT4");
+}
+
+void joints(MalformedList& l) {
   skinned(
-      "joint-beyond", [](GlbBuilder& b) { b.bin[60 + 5] = '\1', b.bin[76 + 16 + 4] = '\1'; },
+      l, "joint-beyond", [](GlbBuilder& b) { b.bin[60 + 5] = '\1', b.bin[76 + 16 + 4] = '\1'; },
       "accessors[2]: joint 1 of vertex 1 is out of range, skins[0] has 1 joints");
   skinned(
-      "joints-float", [](GlbBuilder& b) { primitive(b)["attributes"]["JOINTS_0"] = 3; },
+      l, "joints-float", [](GlbBuilder& b) { primitive(b)["attributes"]["JOINTS_0"] = 3; },
       "accessors[3].componentType: joints are of type 5126, expected 5121 or 5123");
   skinned(
-      "joints-count", [](GlbBuilder& b) { b.json["accessors"][2]["count"] = 3; },
+      l, "joints-count", [](GlbBuilder& b) { b.json["accessors"][2]["count"] = 3; },
       "meshes[0].primitives[0].attributes.JOINTS_0: has 3 elements, expected 4 as POSITION has");
   skinned(
-      "weights-count", [](GlbBuilder& b) { b.json["accessors"][3]["count"] = 3; },
+      l, "weights-count", [](GlbBuilder& b) { b.json["accessors"][3]["count"] = 3; },
       "meshes[0].primitives[0].attributes.WEIGHTS_0: has 3 elements, expected 4 as POSITION has");
   skinned(
-      "weights-integers", [](GlbBuilder& b) { primitive(b)["attributes"]["WEIGHTS_0"] = 2; },
+      l, "weights-integers", [](GlbBuilder& b) { primitive(b)["attributes"]["WEIGHTS_0"] = 2; },
       "accessors[2].componentType: weights are of type 5121, expected 5126 (float), or 5121 or "
       "5123, normalized");
   skinned(
-      "weights-nan",
+      l, "weights-nan",
       [](GlbBuilder& b) {
         primitive(b)["attributes"]["WEIGHTS_0"] =
             b.floats({1, 0, 0, 0, 1, 0, 0, kNan, 1, 0, 0, 0, 1, 0, 0, 0}, 4);
@@ -223,6 +228,7 @@ void animations(MalformedList& l) {
 void add_malformed_motion(MalformedList& l) {
   instances(l);
   skins(l);
+  joints(l);
   morphs(l);
   animations(l);
   l.replace("glossiness-range", "/materials/0/extensions",
