@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <algorithm>
 
+#include "libcommon/base/memory_limit.h"
 #include "libcommon/scene/gltf_accessors.h"
 #include "libcommon/scene/gltf_instances.h"
 #include "libcommon/scene/gltf_morphs.h"
@@ -92,6 +93,8 @@ void MeshReader::make_room() {
                             bends, most_bends));
     }
   }
+  expect_memory(d_.file, "nodes", fmt::format("{} vertices and {} triangles", vertices, triangles),
+                vertices * (sizeof(Vec3d) + sizeof(Vec3f)) + triangles * sizeof(Triangle));
   world_.reserve(vertices);
   scene_.triangles.reserve(triangles);
 }

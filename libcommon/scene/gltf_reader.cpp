@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "libcommon/scene/distinct_names.h"
 #include "libcommon/scene/gltf_animations.h"
 #include "libcommon/scene/gltf_attributes.h"
 #include "libcommon/scene/gltf_cameras.h"
@@ -54,7 +55,7 @@ class SceneReader {
 
  private:
   void add_camera(const PlacedNode& n) {
-    if (const auto camera = read_camera(d_, n, scene_.cameras))
+    if (const auto camera = read_camera(d_, n, camera_names_))
       scene_.cameras.push_back(*camera);
     else if (d_.model.nodes[n.node].camera >= 0)
       ++orthographic_;
@@ -115,6 +116,7 @@ class SceneReader {
 
   const Document& d_;
   Scene& scene_;
+  DistinctNames camera_names_;
   size_t dropped_ = 0, orthographic_ = 0;
 };
 
