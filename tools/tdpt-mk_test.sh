@@ -73,6 +73,19 @@ touch sky.exr
 makes "another sky" "night.exr " night.exr hidden.exr loose.exr
 if grep -q portal .tdpt/hidden.exr.d; then complain "hidden.exr: has portals"; fi
 
+# Portals belong to a camera: pictures through others have their own.
+cameras="SCENE.far=whole CAMERA.far=camera SCENE.above=whole"
+above='CAMERA.above=--look-from 1,5,3 --look-at 1,1,0 --cull'
+# shellcheck disable=SC2086 # words
+makes "pictures through two cameras" "$(of above)$(of far)" $cameras "$above" far.exr above.exr
+# shellcheck disable=SC2086
+makes "pictures through two cameras again" "" $cameras "$above" far.exr above.exr
+# shellcheck disable=SC2086
+makes "one of them elsewhere" "$(of above)" $cameras "$above --fov 30" -n far.exr above.exr
+makes "another camera for all" "$(of whole)" CAMERA_FLAGS=--frame -n whole.exr
+"$bin/tdpt-info" above.portal.glb | grep -q 'camera: 1 5 3 .* fronts --look-from' || complain "above.portal.glb: of another camera"
+"$bin/tdpt-info" far.portal.glb | grep -q 'camera: 0.15.* all camera' || complain "far.portal.glb: of another camera"
+
 before=$(cksum <sky.exr)
 if make SCENE.sky=whole ENVIRONMENT=sky.exr PORTALS= -W whole.glb sky.exr >log 2>&1; then
   complain "a picture over its own sky was made"

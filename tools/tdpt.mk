@@ -7,7 +7,7 @@
 # has to be deleted, and what a stopped render has written stays.
 
 # A shell may have variables of these common names that mean something else.
-$(foreach name,ENVIRONMENT ENVIRONMENT_FLAGS PORTALS PREVIEWS QUALITY QUIET SEED THREADS TDPT_TELL,\
+$(foreach name,CAMERA_FLAGS ENVIRONMENT ENVIRONMENT_FLAGS PORTALS PREVIEWS QUALITY QUIET SEED THREADS TDPT_TELL,\
   $(if $(filter environment,$(origin $(name))),$(eval undefine $(name))))
 
 FFGRAPH ?= $(TDPT_BIN)ffgraph
@@ -31,21 +31,23 @@ TDPT_PICTURES = $(sort $(addsuffix .exr,$(basename $(filter-out %.portal.glb %.p
 # What of the commands shapes the results, and what does not.
 tdpt_all = $(if $(SEED),--seed $(SEED)) $(if $(QUALITY),--quality $(QUALITY))
 tdpt_sky = $(if $(ENVIRONMENT),--environment $(ENVIRONMENT)) $(ENVIRONMENT_FLAGS)
-tdpt_max = $(strip $(FFGRAPH) $(tdpt_sky) $(tdpt_all) $(FFGRAPH_FLAGS))
+tdpt_camera = $(if $(CAMERA.$*),$(if $(filter --%,$(CAMERA.$*)),$(CAMERA.$*),--camera $(call tdpt_quoted,$(CAMERA.$*)))) $(CAMERA_FLAGS)
+tdpt_max = $(strip $(FFGRAPH) $(tdpt_camera) $(tdpt_sky) $(tdpt_all) $(FFGRAPH_FLAGS))
 tdpt_cut = $(strip $(MINCUT) $(tdpt_all) $(MINCUT_FLAGS))
 tdpt_vdb = $(strip $(LIGHTGRID) $(tdpt_sky) $(tdpt_all) $(LIGHTGRID_FLAGS))
 tdpt_glb = $(strip $(PORTALFIT) $(tdpt_all) $(PORTALFIT_FLAGS))
-tdpt_exr = $(strip $(TDPT_RENDER) $(addprefix --portal ,$(tdpt_portals)) $(tdpt_sky) $(tdpt_all) $(TDPT_RENDER_FLAGS))
+tdpt_exr = $(strip $(TDPT_RENDER) $(addprefix --portal ,$(tdpt_portals)) $(tdpt_camera) $(tdpt_sky) $(tdpt_all) $(TDPT_RENDER_FLAGS))
 tdpt_html = $(strip report $(REPORT_TIME) $(REPORT_REFERENCE) $(REPORT_WIDTH) $(tdpt_exr))
 tdpt_quiet = $(if $(or $(QUIET),$(if $(TDPT_STATUS),,$(findstring s,$(firstword -$(MAKEFLAGS))))),--quiet)
 tdpt_free = $(if $(THREADS),--threads $(THREADS)) $(if $(TDPT_TELL),,$(tdpt_quiet))
 
 # Of the target in whose rule they stand, $* being its stem: scene, portals, file of the sky. A portal is no scene.
-# Which scene another picture shows is looked up by its name: a variable of the target would hold for all that it needs.
+# Which scene another picture shows, and through which camera, is looked up by its name: a variable of the target would
+# hold for all that it needs. Portals belong to a camera: a picture that names one has its own.
 tdpt_stem = $(or $(SCENE.$*),$*)
 tdpt_scene = $(or $(if $(filter %.portal,$(tdpt_stem)),.tdpt/a-portal-is-no-scene),\
   $(firstword $(wildcard $(tdpt_stem).glb $(tdpt_stem).gltf)),$(tdpt_stem).glb)
-tdpt_portals = $(if $(filter undefined,$(origin PORTALS)),$(tdpt_stem).portal.glb,$(PORTALS))
+tdpt_portals = $(if $(filter undefined,$(origin PORTALS)),$(if $(CAMERA.$*),$*,$(tdpt_stem)).portal.glb,$(PORTALS))
 tdpt_sky_file = $(if $(or $(findstring /,$(ENVIRONMENT)),$(filter %.exr %.hdr %.pic,$(ENVIRONMENT))),$(ENVIRONMENT))
 # A portal that is there and not of portalfit was drawn by hand and stays.
 tdpt_drawn = $(if $(wildcard $1),$(if $(shell grep -c '"generator":"tdpt ' '$1' | grep -v '^0'),,$1))

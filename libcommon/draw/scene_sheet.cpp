@@ -64,7 +64,7 @@ SceneSheet::SceneSheet(const Scene& scene, const Camera& camera, const std::stri
     : scene_(scene),
       camera_(camera),
       cut_(where.cut),
-      tracer_(scene),
+      tracer_(scene, camera.culls),
       canvas_(kSheetWidth, where.height, kPaper),
       camera_view_(canvas_, tracer_, Projection::of_camera(camera, where.camera)),
       plan_(canvas_, tracer_, from_above(scene, where.cut, where.plan)),

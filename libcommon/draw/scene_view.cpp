@@ -61,7 +61,8 @@ void SceneView::paint(const Colouring& colour, const Ink& nothing) {
         Vec3d from, w;
         projection_.ray({left_ + column + dx, top_ + row + dy}, from, w);
         Hit hit;
-        if (!tracer_.closest({from}, w, hit)) {
+        if (projection_.pinhole ? !tracer_.first_seen(from, w, hit)
+                                : !tracer_.closest({from}, w, hit)) {
           sum += nothing;
           continue;
         }

@@ -55,6 +55,8 @@ class CutReader {
     } else if (word == "scene") {
       out_.scene_hash = std::string(in_.word());
       if (out_.scene_hash.empty()) in_.fail("nothing as hash of the scene, expected one");
+    } else if (word == "camera") {
+      out_.camera = read_camera(in_);
     } else if (word == "grid") {
       if (has_grid_) in_.fail("a second grid, expected one");
       has_grid_ = true;
@@ -135,6 +137,7 @@ std::string cut_text(const CutFile& file) {
   const auto to = std::back_inserter(out);
   for (const std::string& line : file.provenance.lines) fmt::format_to(to, "c {}\n", line);
   fmt::format_to(to, "c scene {}\n", file.scene_hash);
+  if (!file.camera.empty()) fmt::format_to(to, "c camera {}\n", file.camera);
   write_grid(out, "c grid", file.grid);
   fmt::format_to(to, "c bottleneck {}\n", file.bottleneck ? "yes" : "no " + file.reason);
   for (const Bottleneck& cut : file.cuts)

@@ -51,6 +51,7 @@ inline constexpr uint32_t kMostCuts = 64;  ///< of one file
 
 struct CutFile {
   std::string scene_hash;
+  std::string camera;  ///< viewpoint.h; empty: unknown
   PatchGrid grid;
   std::vector<Patch> patches;
   /// Of each patch: 0 holds the light, cuts.size() the camera. Cut c parts regions 0..c from those

@@ -9,7 +9,7 @@ namespace {
 
 void expect_same(const CutFile& a, const CutFile& b) {
   using testing::require;
-  require(a.scene_hash == b.scene_hash && a.bottleneck == b.bottleneck && a.region == b.region &&
+  require(a.scene_hash == b.scene_hash && a.camera == b.camera && a.bottleneck == b.bottleneck && a.region == b.region &&
               a.cuts.size() == b.cuts.size() && a.arcs.size() == b.arcs.size() &&
               a.patches.size() == b.patches.size(),
           "a cut comes back");

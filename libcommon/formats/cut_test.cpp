@@ -7,6 +7,7 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/output_file.h"
+#include "libcommon/formats/viewpoint.h"
 #include "libcommon/math/rng.h"
 
 namespace tdpt {
@@ -35,6 +36,7 @@ std::string complaint(const std::string& text) {
 CutFile example() {
   CutFile f;
   f.scene_hash = "0123456789abcdef";
+  f.camera = "1.5 -2 0 0 0 -1 0 1 0 0.9 1.5 fronts the eye";
   f.grid = {{-1.25, 0.1, 3e-7}, 0.1443};
   f.patches = {{3, 0, {1, -2, 7}, 120, {0.1, 0.2, 0.3}, {0, 1, 0}, {0, 2}},
                {9, 1, {4, 5, 6}, 3, {1, 2, 3}, {0.6, 0, -0.8}, {5}}};
@@ -59,6 +61,7 @@ TEST(cut, reads_back_what_was_written) {
   EXPECT_EQ(b.patches[0].cell, a.patches[0].cell);
   EXPECT_EQ(b.grid.base_cell, a.grid.base_cell);
   EXPECT_EQ(b.region, a.region);
+  EXPECT_EQ(b.camera, a.camera);
   EXPECT_EQ(b.arcs[0].capacity, 2.5);
   ASSERT_EQ(b.cuts.size(), 1u);
   EXPECT_EQ(b.cuts[0].flow, 2.75);
@@ -108,6 +111,8 @@ TEST(cut, says_what_is_wrong_and_where) {
   const std::string nodes =
       "n 3 0 0 0 0 0 9 0 0 0 0 1 0\nf 3 0\nn 4 1 0 0 0 0 9 0 0 0 0 1 0\nf 4 2\n";
   EXPECT_EQ(complaint(head + nodes + "a 3 4 1\n"), "(accepted)");
+  EXPECT_EQ(complaint(head + "c camera 1 2 3\n" + nodes),
+            std::string("line 6: '1 2 3' as camera, ") + kViewpointExpected);
   const std::vector<std::pair<std::string, std::string>> cases = {
       {"p max 3 4\n", " is no cut file, expected it to start with 'c tdpt cut 2'"},
       {"", " is no cut file, expected it to start with 'c tdpt cut 2'"},

@@ -54,6 +54,8 @@ class DimacsReader {
     } else if (word == "scene") {
       out_.scene_hash = std::string(in_.word());
       if (out_.scene_hash.empty()) in_.fail("nothing as hash of the scene, expected one");
+    } else if (word == "camera") {
+      out_.camera = read_camera(in_);
     } else if (word == "scale") {
       out_.scale = in_.real("scale");
       if (!(out_.scale > 0)) in_.fail("a scale of 0 or less, expected one above 0");
@@ -186,7 +188,9 @@ std::string dimacs_text(const DimacsFile& file) {
   if (file.has_patches) {
     out += "c tdpt max 1\n";
     for (const std::string& line : file.provenance.lines) fmt::format_to(to, "c {}\n", line);
-    fmt::format_to(to, "c scene {}\nc scale {}\n", file.scene_hash, file.scale);
+    fmt::format_to(to, "c scene {}\n", file.scene_hash);
+    if (!file.camera.empty()) fmt::format_to(to, "c camera {}\n", file.camera);
+    fmt::format_to(to, "c scale {}\n", file.scale);
     write_grid(out, "c grid", file.grid);
     for (const Patch& p : file.patches) {
       if (p.is_sky()) {

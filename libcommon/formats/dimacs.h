@@ -23,6 +23,7 @@ struct DimacsFile {
   double scale = 1;          ///< capacity of one etendue sample
   bool has_patches = false;  ///< false: a plain DIMACS file; then all below but `hash` is empty
   std::string scene_hash;
+  std::string camera;  ///< viewpoint.h; empty: unknown
   PatchGrid grid;
   std::vector<Patch> patches;
   std::vector<PatchWalks> walks;  ///< of each patch; empty: unknown

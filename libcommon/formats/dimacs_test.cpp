@@ -7,6 +7,7 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/output_file.h"
+#include "libcommon/formats/viewpoint.h"
 #include "libcommon/math/rng.h"
 
 namespace tdpt {
@@ -48,6 +49,7 @@ DimacsFile example() {
   f.has_patches = true;
   f.scale = 1000;
   f.scene_hash = "0123456789abcdef";
+  f.camera = "1.5 -2 0 0 0 -1 0 1 0 0.9 1.5 fronts the eye";
   f.grid = {{-1.25, 0.1, 3e-7}, 0.1443};
   f.patches = {{3, 0, {1, -2, 7}, 120, {0.1, 0.2, 0.3}, {0, 1, 0}, {0, 2}},
                {4, 1, {4, 5, 6}, 3, {1, 2, 3}, {0.6, 0, -0.8}, {5}}};
@@ -63,6 +65,7 @@ TEST(dimacs, reads_back_what_was_written) {
   EXPECT_EQ(dimacs_text(b), dimacs_text(a));
   ASSERT_EQ(b.patches.size(), 2u);
   EXPECT_EQ(b.scale, 1000);
+  EXPECT_EQ(b.camera, a.camera);
   ASSERT_EQ(b.walks.size(), 2u);
   EXPECT_EQ(b.walks[1].begun, 90);
   EXPECT_EQ(b.walks[0].light, 210);
@@ -108,6 +111,8 @@ const std::string kOurs = "c tdpt max 1\nc scene aa\nc grid 0 0 0 1\n";
 
 TEST(dimacs, says_what_is_wrong_and_where) {
   const std::string p = kProblem, arcs = kArcs;
+  EXPECT_EQ(complaint(kOurs + "c camera\n" + p + arcs),
+            std::string("line 4: nothing as camera, ") + kViewpointExpected);
   const std::vector<std::pair<std::string, std::string>> cases = {
       {p + arcs, "(accepted)"},
       {"", " no 'p max' line, expected a DIMACS maximum-flow problem"},

@@ -20,6 +20,7 @@
 #include "libcommon/base/hash.h"
 #include "libcommon/base/memory_limit.h"
 #include "libcommon/base/shown.h"
+#include "libcommon/formats/viewpoint.h"
 
 namespace tdpt {
 namespace {
@@ -219,6 +220,11 @@ class Reader {
       fail("tdpt_voxel", "is no positive length");
     voxels_ = total;
     light.scene_hash = value<std::string>(meta, "tdpt_scene_hash");
+    if (meta["tdpt_camera"]) {
+      light.camera = value<std::string>(meta, "tdpt_camera");
+      if (!parse_viewpoint(light.camera))
+        fail("tdpt_camera", std::string("is no camera, ") + kViewpointExpected);
+    }
     light.reason = value<std::string>(meta, "tdpt_reason");
     light.bottleneck = value<bool>(meta, "tdpt_bottleneck");
     light.flux_share = value<double>(meta, "tdpt_flux_share");
@@ -381,6 +387,7 @@ std::string light_grid_bytes(const LightGrid& light) {
   meta.insertMeta("tdpt_voxel", vdb::DoubleMetadata(light.voxel));
   meta.insertMeta("tdpt_dim", vdb::Vec3IMetadata({light.dim[0], light.dim[1], light.dim[2]}));
   meta.insertMeta("tdpt_scene_hash", vdb::StringMetadata(light.scene_hash));
+  if (!light.camera.empty()) meta.insertMeta("tdpt_camera", vdb::StringMetadata(light.camera));
   meta.insertMeta("tdpt_bottleneck", vdb::BoolMetadata(light.bottleneck));
   meta.insertMeta("tdpt_reason", vdb::StringMetadata(light.reason));
   meta.insertMeta("tdpt_flux_share", vdb::DoubleMetadata(light.flux_share));

@@ -50,6 +50,7 @@ struct LightGrid {
   double flux_share = 1;         ///< share of drawn segments that were kept, see lightgrid(1)
   std::vector<CutFigures> cuts;  ///< of each cut, from the light to the camera; empty: unknown
   std::string scene_hash;
+  std::string camera;  ///< viewpoint.h; empty: unknown
   Provenance provenance;
   std::string hash;  ///< content hash of the file read
 

@@ -18,9 +18,10 @@ namespace {
 template <class Grid, class Each>
 void each_field(Grid& grid, const Each& each) {
   auto& [origin, voxel, dim, count, air, direction, lines, probes, bottleneck, reason, flux_share,
-         cuts, scene_hash, provenance, hash] = grid;
+         cuts, scene_hash, camera, provenance, hash] = grid;
   each(origin), each(voxel), each(dim), each(count), each(air), each(direction), each(lines);
   each(probes), each(bottleneck), each(reason), each(flux_share), each(cuts), each(scene_hash);
+  each(camera);
   each(provenance.lines), each(hash);
 }
 

@@ -11,6 +11,7 @@
 #include "libcommon/base/another_process.h"
 #include "libcommon/base/error.h"
 #include "libcommon/base/memory_limit.h"
+#include "libcommon/formats/viewpoint.h"
 #include "libcommon/math/rng.h"
 
 namespace tdpt {
@@ -53,6 +54,7 @@ LightGrid small() {
   g.probes = {{{{-0.9, 2.1, 100.1}, {0.1, 2.9, 100.7}, 1}, true},
               {{{0, 2.5, 100.2}, {-0.25, 2.25, 100.25}, 0}, false}};
   g.scene_hash = "abc";
+  g.camera = "1.5 -2 0 0 0 -1 0 1 0 0.9 1.5 fronts the eye";
   g.flux_share = 0.75;
   g.cuts = {{0.01, 0.5}, {0.25, 1}};
   g.provenance.lines = {"made by lightgrid 1: lightgrid", "from a b"};
@@ -88,6 +90,7 @@ TEST_F(LightGridFormat, ComesBackAsItWasWritten) {
   EXPECT_LT(length(back.probes[joining].line.camera - g.probes[0].line.camera), 1e-6);
   EXPECT_FALSE(back.probes[1 - joining].joins);
   EXPECT_EQ(back.scene_hash, "abc");
+  EXPECT_EQ(back.camera, g.camera);
   EXPECT_EQ(back.flux_share, 0.75);
   ASSERT_EQ(back.cuts.size(), 2u);
   EXPECT_EQ(back.cuts[0].conductance, 0.01);
@@ -147,6 +150,9 @@ TEST_F(LightGridFormat, RefusesWhatIsNoLightGrid) {
   g = small();
   g.cuts[0].kept = NAN;
   EXPECT_EQ(error_of(light_grid_bytes(g)), "tdpt_kept_0: is nan, expected a share of 0 to 1");
+  g.camera = "1 2 3";
+  EXPECT_EQ(error_of(light_grid_bytes(g)),
+            std::string("tdpt_camera: is no camera, ") + kViewpointExpected);
   g = small();
   g.lines[0].camera.y = 1e30;
   EXPECT_EQ(error_of(light_grid_bytes(g)), "grid lines: reaches out of its box");

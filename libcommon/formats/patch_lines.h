@@ -10,6 +10,7 @@
 
 #include "libcommon/formats/cut.h"
 #include "libcommon/formats/text_lines.h"
+#include "libcommon/formats/viewpoint.h"
 #include "libcommon/scene/sky_bins.h"
 
 namespace tdpt::patch_lines {
@@ -22,6 +23,13 @@ inline Vec3d read_vec3(TextLines& in, const char* what) {
   const double y = in.real(what);
   const double z = in.real(what);
   return {x, y, z};
+}
+
+/// `camera ...` [viewpoint.h], behind its keyword.
+inline std::string read_camera(TextLines& in) {
+  const std::string_view text = in.rest();
+  if (!parse_viewpoint(text)) in.fail(TextLines::found(text) + " as camera, " + kViewpointExpected);
+  return std::string(text);
 }
 
 /// `grid X Y Z CELL`, behind its keyword.

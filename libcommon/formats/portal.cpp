@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "libcommon/formats/viewpoint.h"
 #include "libcommon/scene/gltf_accessors.h"
 #include "libcommon/scene/gltf_document.h"
 #include "libcommon/scene/gltf_nodes.h"
@@ -57,6 +58,9 @@ class Reader {
     if (extras == asset.end() || !extras->is_object()) return;
     if (const auto hash = extras->find("scene_hash"); hash != extras->end() && hash->is_string())
       file.scene_hash = hash->get<std::string>();
+    // Another program may call something else so.
+    if (const auto camera = extras->find("camera"); camera != extras->end() && camera->is_string())
+      if (const auto text = camera->get<std::string>(); parse_viewpoint(text)) file.camera = text;
     if (const auto lines = extras->find("provenance"); lines != extras->end() && lines->is_array())
       for (const Json& line : *lines)
         if (line.is_string()) file.provenance.lines.push_back(line.get<std::string>());
@@ -177,6 +181,7 @@ class Writer {
     root_["asset"] = {{"version", "2.0"}, {"generator", "tdpt " TDPT_VERSION}};
     Json& extras = root_["asset"]["extras"];
     extras["scene_hash"] = file.scene_hash;
+    if (!file.camera.empty()) extras["camera"] = file.camera;
     if (!file.provenance.empty()) extras["provenance"] = file.provenance.lines;
     root_["scene"] = 0;
     root_["scenes"] = Json::array({{{"name", "portals"}}});

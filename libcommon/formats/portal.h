@@ -36,6 +36,7 @@ struct PortalFile {
   std::vector<std::string> files{};  ///< paths of buffers read beside it
   /// Of the file read; lamps are punctual lights and materials that emit. Portals need neither.
   size_t cameras = 0, lamps = 0;
+  std::string camera = {};  ///< that it was made for [viewpoint.h]; empty: unknown
 };
 
 /// Reads every mesh of the file, one portal a mesh node, node transforms applied (a mirroring

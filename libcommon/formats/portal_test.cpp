@@ -98,6 +98,7 @@ void expect_near(const Vec3d& a, const Vec3d& b, double tolerance = 1e-12) {
 TEST_F(PortalFormat, ComesBackAsItWasWritten) {
   PortalFile file;
   file.scene_hash = "0123";
+  file.camera = "1.5 -2 0 0 0 -1 0 1 0 0.9 1.5 fronts the eye";
   file.provenance.lines = {"made by portalfit 1: portalfit", "from room.vdb 77"};
   Portal a;
   a.vertices = {{1e6, 0, 0}, {1e6 + 1, 0, 0}, {1e6 + 1, 1, 0.25}, {1e6, 1, 0.25}};
@@ -116,6 +117,7 @@ TEST_F(PortalFormat, ComesBackAsItWasWritten) {
   EXPECT_EQ(back.portals[1].triangles, b.triangles);
   for (size_t i = 0; i < 4; ++i) expect_near(back.portals[0].vertices[i], a.vertices[i]);
   EXPECT_EQ(back.scene_hash, "0123");
+  EXPECT_EQ(back.camera, file.camera);
   EXPECT_EQ(back.provenance.lines, file.provenance.lines);
   EXPECT_EQ(portal_bytes(back), bytes);
 }
@@ -178,6 +180,10 @@ TEST_F(PortalFormat, ReadsWhatAModellingProgramWrites) {
   ASSERT_EQ(file.portals.size(), 1u);
   EXPECT_EQ(file.portals[0].name, "door");
   EXPECT_TRUE(file.scene_hash.empty());
+  EXPECT_TRUE(file.camera.empty());
+  Json g = square();
+  g["asset"]["extras"]["camera"] = "a Leica";  // what another program calls so
+  EXPECT_TRUE(read_portals(write("p.gltf", g.dump())).camera.empty());
   expect_near(area_vector(file.portals[0]), {0, 0, 1});
 }
 

@@ -115,6 +115,9 @@ struct Camera {
   Vec3d position, right, up, forward;
   double yfov = 0.8;  ///< full vertical angle [rad]
   double aspect = 0;  ///< width / height; 0: the scene does not say
+  /// Its own rays pass the backs of surfaces that are not double-sided, and those are seen by no
+  /// other way either: a cutaway. Light meets them all the same.
+  bool culls = false;
 };
 
 struct Scene {
@@ -157,6 +160,10 @@ struct Scene {
   }
   const Material& material_of(uint32_t triangle) const {
     return materials[triangles[triangle].material];
+  }
+  /// Whether it has a back that is not drawn where cameras cull.
+  bool single_sided(uint32_t triangle) const {
+    return triangle < dome && !material_of(triangle).double_sided;
   }
   /// Camera called `name`; the first one for "". Throws InputError naming those there are, or
   /// when it stands more than 1e6 times the scene's size away.

@@ -65,6 +65,24 @@ struct Context : RTCIntersectContext {
   const uint32_t* coin;  ///< of a float ray
 };
 
+// What of a camera's ray.
+struct CameraContext : Context {
+  CameraContext(const Tracer& tracer_, const std::array<std::vector<uint32_t>, 2>& triangles_,
+                const Vec3d& w_)
+      : tracer(tracer_), triangles(triangles_), w(w_) {
+    filter = [](const RTCFilterFunctionNArguments* a) {
+      const auto& self = *static_cast<const CameraContext*>(a->context);
+      const auto& chosen = self.triangles[RTCHitN_geomID(a->hit, a->N, 0)];
+      const uint32_t primitive = RTCHitN_primID(a->hit, a->N, 0);
+      const uint32_t triangle = chosen.empty() ? primitive : chosen[primitive];
+      if (!self.tracer.draws(triangle, self.w)) a->valid[0] = 0;
+    };
+  }
+  const Tracer& tracer;
+  const std::array<std::vector<uint32_t>, 2>& triangles;
+  const Vec3d& w;  ///< away from the camera
+};
+
 // Where they are, if Embree may read the 16 bytes at the last one, of which 12 are its own.
 void give_vertices(RTCGeometry geometry, const std::vector<Vec3f>& positions) {
   const size_t n = positions.size();
@@ -130,12 +148,15 @@ void Tracer::Impl::add_geometry(const std::vector<uint32_t>& chosen, bool alpha)
   rtcReleaseGeometry(geometry);
 }
 
-Tracer::Tracer(const Scene& scene) : scene_(scene), impl_(std::make_unique<Impl>()) {
+Tracer::Tracer(const Scene& scene, bool culls)
+    : scene_(scene), culls_(culls), impl_(std::make_unique<Impl>()) {
   flush_denormals();
   impl_->device = rtcNewDevice(embree_configuration().c_str());
   if (!impl_->device) throw Error(Exit::internal, "Embree gives no device");
   impl_->scene = rtcNewScene(impl_->device);
-  rtcSetSceneFlags(impl_->scene, RTC_SCENE_FLAG_ROBUST);
+  rtcSetSceneFlags(impl_->scene,
+                   culls ? RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION
+                         : RTC_SCENE_FLAG_ROBUST);
   rtcSetSceneBuildQuality(impl_->scene, RTC_BUILD_QUALITY_HIGH);
   impl_->traced = &scene;
   const auto n = static_cast<uint32_t>(scene.triangles.size());
@@ -201,15 +222,16 @@ bool Tracer::segment_blocked(const Vec3f& a, const Vec3f& b, uint32_t coin) cons
   return ray.tfar < 0;
 }
 
-[[gnu::always_inline]] inline bool Tracer::first_surface(const Vec3f& o, const Vec3d& from,
-                                                         const Vec3d& w, Hit& hit) const {
+template <class Context>
+[[gnu::always_inline]] inline bool Tracer::first_surface(Context& context, const Vec3f& o,
+                                                         const Vec3d& from, const Vec3d& w,
+                                                         Hit& hit) const {
   flush_denormals();
   const Vec3f d(w);
   RTCRayHit query;
   query.ray = {o.x, o.y, o.z, 0, d.x, d.y, d.z, 0, std::numeric_limits<float>::infinity(),
                ~0u, 0,   0};
   query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  Context context;
   rtcIntersect1(impl_->scene, &context, &query);
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
   hit.triangle = impl_->triangle(query.hit.geomID, query.hit.primID);
@@ -224,21 +246,46 @@ bool Tracer::segment_blocked(const Vec3f& a, const Vec3f& b, uint32_t coin) cons
 }
 
 bool Tracer::closest_from(const Vec3f& from, const Vec3d& w, Hit& hit) const {
-  return first_surface(from, Vec3d(from), w, hit);
+  Context context;
+  return first_surface(context, from, Vec3d(from), w, hit);
 }
 
 bool Tracer::closest(const Origin& from, const Vec3d& w, Hit& hit) const {
-  return first_surface(step_off(from, w), from.position, w, hit);
+  Context context;
+  return first_surface(context, step_off(from, w), from.position, w, hit);
+}
+
+bool Tracer::draws(uint32_t triangle, const Vec3d& w) const {
+  return !culls_ || dot(impl_->shapes[triangle].normal, w) <= 0 || !scene_.single_sided(triangle);
+}
+
+bool Tracer::first_seen(const Vec3d& camera, const Vec3d& w, Hit& hit) const {
+  if (!culls_) return closest({camera}, w, hit);
+  CameraContext context(*this, impl_->triangles, w);
+  return first_surface(context, step_off({camera}, w), camera, w, hit);
+}
+
+bool Tracer::sees(const Vec3d& camera, const Origin& place) const {
+  if (!culls_) return visible(place, {camera});
+  const Vec3d w = place.position - camera;
+  CameraContext context(*this, impl_->triangles, w);
+  return unblocked(context, place, {camera});
 }
 
 bool Tracer::visible(const Origin& a, const Origin& b) const {
+  Context context;
+  return unblocked(context, a, b);
+}
+
+template <class Context>
+[[gnu::always_inline]] inline bool Tracer::unblocked(Context& context, const Origin& a,
+                                                     const Origin& b) const {
   flush_denormals();
   const Vec3d w = b.position - a.position;
   const Vec3f from = step_off(a, w);
   const Vec3f to = step_off(b, -w);
   const Vec3f d = to - from;
   RTCRay ray{from.x, from.y, from.z, 0, d.x, d.y, d.z, 0, 1.0f, ~0u, 0, 0};
-  Context context;
   rtcOccluded1(impl_->scene, &context, &ray);
   return ray.tfar >= 0;
 }

@@ -13,6 +13,9 @@
 // share of each of their points, `coverage`, and stop that share of the rays: those that a hash of
 // the exact point picks. So a blend of 0.3 is met by three rays of ten, and no ray needs random
 // numbers of its own. A pane covers as much as it reflects; its transmittance is the rest.
+//
+// Culling: rays from a camera and to it may pass the backs of single-sided surfaces; which side is
+// met depends on the ray alone, so that is a coverage of 0 or 1.
 #pragma once
 #include <memory>
 
@@ -33,8 +36,8 @@ struct Hit {
 
 class Tracer {
  public:
-  /// Builds the hierarchy; keeps a reference to `scene`.
-  explicit Tracer(const Scene& scene);
+  /// Builds the hierarchy; keeps a reference to `scene`. `culls`: of cameras [Camera::culls].
+  explicit Tracer(const Scene& scene, bool culls = false);
   ~Tracer();
 
   /// A place rays start from. `normal` (unit, either side) says how to step off the surface; zero
@@ -54,6 +57,12 @@ class Tracer {
 
   /// Whether nothing lies between two places, both ends stepped off their own surfaces.
   bool visible(const Origin& a, const Origin& b) const;
+
+  /// The same for a camera at that place.
+  bool first_seen(const Vec3d& camera, const Vec3d& w, Hit& hit) const;
+  bool sees(const Vec3d& camera, const Origin& place) const;
+  /// Whether a camera that looks along `w`, of any length, sees a triangle's side that is there.
+  bool draws(uint32_t triangle, const Vec3d& w) const;
 
   /// For kernels that count in floats and step off themselves: first surface beyond `from` along
   /// `w`, of any length. `coin`, a number of the ray's own, decides with the triangle's whether a
@@ -76,9 +85,14 @@ class Tracer {
 
  private:
   Vec3f step_off(const Origin& from, const Vec3d& w) const;
-  bool first_surface(const Vec3f& o, const Vec3d& from, const Vec3d& w, Hit& hit) const;
+  template <class Context>
+  bool first_surface(Context& context, const Vec3f& o, const Vec3d& from, const Vec3d& w,
+                     Hit& hit) const;
+  template <class Context>
+  bool unblocked(Context& context, const Origin& a, const Origin& b) const;
 
   const Scene& scene_;
+  const bool culls_;
   double offset_scale_ = 1;
   struct Impl;
   std::unique_ptr<Impl> impl_;

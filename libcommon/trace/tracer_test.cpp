@@ -116,6 +116,48 @@ TEST(tracer, a_wall_hides_and_an_empty_scene_has_no_hits) {
   EXPECT_TRUE(Tracer(nothing).visible(inside, outside));
 }
 
+// ---- Culling ----
+
+// From outside the furnace, whose walls face inwards: what is met by stepping through every back.
+TEST(tracer, a_camera_that_culls_meets_the_first_front) {
+  Box box;
+  const Tracer culling(box.scene, true);
+  const Vec3d eye{2.5, 0.7, 1.8};
+  Rng rng(4, 0, 0);
+  int met = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const Vec3d w = normalize(random_direction(rng) * 0.5 - eye);
+    Hit hit, seen;
+    bool any = box.tracer.closest({eye}, w, hit);
+    const bool back_first = any && dot(hit.normal, w) > 0;
+    if (back_first) any = box.tracer.closest({hit.position, hit.normal}, w, hit);
+    ASSERT_EQ(culling.first_seen(eye, w, seen), any);
+    if (!any) continue;
+    met += back_first;
+    EXPECT_EQ(seen.triangle, hit.triangle);
+    EXPECT_LT(dot(seen.normal, w), 0);
+    EXPECT_TRUE(culling.sees(eye, {seen.position, seen.normal}));
+    EXPECT_FALSE(culling.visible({eye}, {seen.position, seen.normal})) << "light";
+    EXPECT_FALSE(box.tracer.sees(eye, {seen.position, seen.normal})) << "twin that does not cull";
+  }
+  EXPECT_GT(met, 15000);
+}
+
+TEST(tracer, a_camera_that_culls_draws_fronts_and_what_is_double_sided) {
+  Box box;
+  box.scene.materials[0].double_sided = true;
+  const Tracer culling(box.scene, true);
+  const Vec3d eye{2.5, 0.7, 1.8}, w = normalize(-eye);
+  Hit hit, seen;
+  ASSERT_TRUE(culling.closest({eye}, w, hit) && culling.first_seen(eye, w, seen));
+  EXPECT_EQ(hit.triangle, seen.triangle);
+  EXPECT_TRUE(culling.draws(hit.triangle, w));
+  box.scene.materials[0].double_sided = false;
+  EXPECT_FALSE(culling.draws(hit.triangle, w));
+  EXPECT_TRUE(culling.draws(hit.triangle, -w));
+  EXPECT_TRUE(box.tracer.draws(hit.triangle, w));
+}
+
 // A square of 1 x 1 at z = 0 that is not always there, and a floor at z = -1.
 Scene veil(const Material& material) {
   Scene scene;

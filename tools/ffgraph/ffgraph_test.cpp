@@ -204,6 +204,24 @@ std::unique_ptr<Graph> graph_of(Scene scene, int rounds, uint64_t seed = 1) {
   return g;
 }
 
+// From outside a room whose walls face inwards.
+TEST(graph, of_a_camera_that_culls_begins_behind_the_wall) {
+  const auto first_met = [](bool culls) {
+    Scene scene = read_gltf(TDPT_TESTDATA "/scenes/two-rooms.glb");
+    for (Material& m : scene.materials) m.double_sided = false;
+    Camera& camera = scene.cameras[0];
+    camera = {
+        "outside", scene.frame.to_canonical({-1, 1, 0}), {0, 0, 1}, {0, 1, 0}, {1, 0, 0}, 0.5, 1,
+        culls};
+    const Walks walks = camera_walks(scene, camera, Tracer(scene, culls), {1, 2000, 1});
+    size_t backs = 0;
+    for (const WalkHit& h : walks) backs += is_hit(h) && h.face % 2 == 1;
+    return std::pair(hits_in(walks), backs);
+  };
+  EXPECT_EQ(first_met(true), std::pair(size_t{2000}, size_t{0}));
+  EXPECT_EQ(first_met(false), std::pair(size_t{2000}, size_t{2000}));
+}
+
 // New rays between patches of the two sides, and how many of them pass through an axis-parallel box
 // [metres]: the hole with its jambs.
 struct Crossing {

@@ -10,7 +10,9 @@
 #include "libcommon/cli/cli.h"
 #include "libcommon/cli/ending.h"
 #include "libcommon/draw/canvas.h"
+#include "libcommon/formats/camera_options.h"
 #include "libcommon/formats/sky_options.h"
+#include "libcommon/formats/viewpoint.h"
 #include "libcommon/scene/lights.h"
 #include "tdpt_libraries.h"
 #include "tools/ffgraph/explain.h"
@@ -29,8 +31,9 @@ constexpr cli::Program kProgram{
 constexpr cli::ByQuality<int64_t> kSamples{75000, 300000, 1200000}, kWalks{25000, 100000, 400000};
 
 struct Arguments {
-  std::string scene, camera, nodes = "patches", capacity, refine, preview, debug_glb;
+  std::string scene, nodes = "patches", capacity, refine, preview, debug_glb;
   SkyArguments sky;
+  CameraArguments camera;
   int64_t samples = 0, walks = 0, bounces = 12, rounds = 1, cells = 24;
 
   bool triangles() const { return nodes == "triangles"; }
@@ -39,7 +42,7 @@ struct Arguments {
 void declare_options(cli::Options& options, Arguments& a) {
   options.argument("scene", a.scene, "Scene (.glb, .gltf); - is standard input");
   declare_sky_options(options, a.sky);
-  options.option("--camera", a.camera, "NAME", "Camera to use; default the first one");
+  declare_camera_options(options, a.camera);
   options.choice("--nodes", a.nodes, {"patches", "triangles"},
                  "What the nodes are; default patches");
   options.choice("--capacity", a.capacity, {"etendue", "formfactor"},
@@ -101,7 +104,7 @@ Loaded load(const Arguments& a, const cli::Common& common) {
     throw InputError(
         display_name(a.scene), "",
         "nothing emits light, expected an emissive surface, a lamp or an --environment");
-  in.camera = in.scene.camera(a.camera);
+  in.camera = chosen_camera(in.scene, a.camera, common);
   if (a.refine.empty()) return in;
   const CutFile& cut = in.refine.emplace(read_cut(a.refine));
   check_made_from(in.scene, cut.scene_hash, a.refine);
@@ -173,6 +176,7 @@ DimacsFile compute(const Arguments& a, const cli::Common& common, const Loaded& 
   DimacsFile network = a.triangles() ? graph_of_triangles(a, common, in, phases, summary)
                                      : graph_of_patches(a, common, in, phases, summary);
   network.provenance = common.provenance(in.files);
+  network.camera = viewpoint_text(in.scene.frame, in.camera);
   return network;
 }
 

@@ -138,7 +138,7 @@ class Rounds {
         settings_(settings),
         report_(report),
         component_(components(scene, report)),
-        tracer_(scene) {
+        tracer_(scene, camera.culls) {
     report.phases.done("bvh");
     walks_ = both_walks(scene, camera, tracer_, settings.walks);
     report.phases.done("walks");

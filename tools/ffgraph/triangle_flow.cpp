@@ -59,7 +59,7 @@ Patch patch_of(const Scene& scene, uint32_t node, uint32_t face) {
 
 DimacsFile triangle_flow(const Scene& scene, const Camera& camera, const TriangleSettings& settings,
                          TriangleReport& report) {
-  const Tracer tracer(scene);
+  const Tracer tracer(scene, camera.culls);
   report.phases.done("bvh");
   const WalkSettings first_hit{settings.seed, settings.rays, 1};
   const std::vector<Seen> lit =

@@ -21,11 +21,12 @@ Vec3d cosine_direction(Rng& rng, const Vec3d& normal) {
 }
 
 // Follows one walk from its first ray; writes at most `bounces` hits and a mark.
-void follow(const Tracer& tracer, bool sky, Rng& rng, Tracer::Origin from, Vec3d w, WalkHit* hits,
-            uint32_t bounces) {
+void follow(const Tracer& tracer, Stream stream, bool sky, Rng& rng, Tracer::Origin from, Vec3d w,
+            WalkHit* hits, uint32_t bounces) {
   for (uint32_t k = 0; k < bounces; ++k) {
     Hit hit;
-    if (!tracer.closest(from, w, hit)) {
+    if (k == 0 && stream == kCamera ? !tracer.first_seen(from.position, w, hit)
+                                    : !tracer.closest(from, w, hit)) {
       hits[k].face = sky ? kWalkToSky + sky_bin(w) : kWalkLeft;
       return;
     }
@@ -47,7 +48,7 @@ Walks run_walks(const Scene& scene, const Tracer& tracer, const WalkSettings& s,
     Rng rng(s.seed, stream, i);
     Tracer::Origin from;
     const Vec3d w = begin(i, rng, from);
-    follow(tracer, sky, rng, from, w, &hits[i * slots], s.bounces);
+    follow(tracer, stream, sky, rng, from, w, &hits[i * slots], s.bounces);
   });
   std::erase_if(hits, [](const WalkHit& h) { return h.face == kNoFace; });
   return hits;

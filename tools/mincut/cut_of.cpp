@@ -13,6 +13,7 @@ FoundCuts cut_of(const DimacsFile& problem, size_t most, const CutLimits& limits
   FoundCuts found;
   CutFile& cut = found.file;
   cut.scene_hash = problem.scene_hash;
+  cut.camera = problem.camera;
   cut.grid = problem.grid;
   cut.patches = problem.patches;
   PatchNetwork patches{problem.network, std::vector<double>(problem.network.nodes, 0),

@@ -10,6 +10,7 @@
 #include "libcommon/cli/cli.h"
 #include "libcommon/cli/ending.h"
 #include "libcommon/draw/canvas.h"
+#include "libcommon/formats/viewpoint.h"
 #include "tdpt_libraries.h"
 #include "tools/mincut/cut_of.h"
 #include "tools/mincut/explain.h"
@@ -43,10 +44,17 @@ void declare_options(cli::Options& options, Arguments& a) {
                       "Write a picture (.png, .svg, .pdf): the cut's sides and pivot pairs in the "
                       "scene and in plan");
   options.input("--scene", a.scene, "FILE", "Scene of the network (.glb, .gltf), for --preview");
-  options.option("--camera", a.camera, "NAME", "Camera for --preview; default the first one",
+  options.option("--camera", a.camera, "NAME", "Camera for --preview; default that of the network",
                  cli::Shapes::nothing);
   options.side_output("--debug-glb", a.debug_glb,
                       "Write the same as glTF: patches as coloured squares, pairs as lines");
+}
+
+// The one that the network was made for, where it says so.
+Camera camera_of(const Arguments& a, const Scene& scene, const CutFile& cut) {
+  const auto made_for = parse_viewpoint(cut.camera);
+  if (a.camera.empty() && made_for) return tdpt::camera_of(scene.frame, *made_for);
+  return scene.camera(a.camera);
 }
 
 // The scene for --preview; without it none is read.
@@ -54,7 +62,7 @@ std::string preview_of(const Arguments& a, const cli::Common& common, const CutF
   Scene scene = read_gltf(a.scene);
   common.also_read(scene.files);
   open_glass(scene);
-  return cut_preview(scene, scene.camera(a.camera), cut, a.network).file_named(a.preview);
+  return cut_preview(scene, camera_of(a, scene, cut), cut, a.network).file_named(a.preview);
 }
 
 void check(const Arguments& a) {

@@ -89,6 +89,7 @@ Written choose(const Arguments& a, const cli::Common& common, const LightGrid& g
       out.lines.push_back(found.lines[i]);
     }
   out.file.scene_hash = grid.scene_hash;
+  out.file.camera = grid.camera;
   out.file.provenance = common.provenance({{a.grid, grid.hash, grid.provenance}});
   return out;
 }

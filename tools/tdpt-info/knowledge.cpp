@@ -30,6 +30,11 @@ void fact(Knowledge& k, const std::string& name, const Json& value) {
   k.facts.emplace_back(name, value.dump());
 }
 
+// Which camera it was made for.
+void tell_camera(Knowledge& k, const std::string& camera) {
+  if (!camera.empty()) fact(k, "camera", camera);
+}
+
 void tell_bottleneck(Knowledge& k, bool bottleneck, const std::string& reason) {
   fact(k, "bottleneck", bottleneck);
   if (!bottleneck) fact(k, "reason", reason);
@@ -60,6 +65,7 @@ void tell_portals(const PortalFile& file, Knowledge& k) {
   k.kind = "portals";
   k.scene = file.scene_hash;
   k.provenance = file.provenance;
+  tell_camera(k, file.camera);
   Json portals = Json::array();
   for (const Portal& portal : file.portals)
     portals.push_back({{"name", portal.name},
@@ -92,6 +98,7 @@ void tell_network(const DimacsFile& file, Knowledge& k) {
   k.kind = "flow network";
   k.scene = file.scene_hash;
   k.provenance = file.provenance;
+  tell_camera(k, file.camera);
   fact(k, "nodes", file.network.nodes);
   fact(k, "arcs", file.network.arcs.size());
   fact(k, "patches", file.patches.size());
@@ -101,6 +108,7 @@ void tell_cut(const CutFile& file, Knowledge& k) {
   k.kind = "cut";
   k.scene = file.scene_hash;
   k.provenance = file.provenance;
+  tell_camera(k, file.camera);
   tell_bottleneck(k, file.bottleneck, file.reason);
   Json cuts = Json::array();
   for (const Bottleneck& cut : file.cuts)
@@ -113,6 +121,7 @@ void tell_grid(const LightGrid& grid, Knowledge& k) {
   k.kind = "light grid";
   k.scene = grid.scene_hash;
   k.provenance = grid.provenance;
+  tell_camera(k, grid.camera);
   tell_bottleneck(k, grid.bottleneck, grid.reason);
   fact(k, "voxels", grid.dim);
   fact(k, "voxel_m", grid.voxel);

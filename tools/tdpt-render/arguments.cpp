@@ -141,7 +141,7 @@ void declare_options(cli::Options& options, Arguments& a) {
   options.option("--height", a.height, "H", "Height in pixels; default from the camera's aspect", 1,
                  65536);
   declare_sky_options(options, a.sky);
-  options.option("--camera", a.camera, "NAME", "Camera to render; default the first");
+  declare_camera_options(options, a.camera);
   options.choice("--mis", a.mis, {"balance", "power"}, "MIS heuristic; default balance");
   options.choice("--device", a.device, {"cpu", "gpu"}, "Where to render; default cpu");
   declare_course_options(options, a);

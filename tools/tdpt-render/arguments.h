@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "libcommon/formats/camera_options.h"
 #include "libcommon/formats/sky_options.h"
 
 namespace tdpt {
@@ -13,9 +14,10 @@ class Options;
 }
 
 struct Arguments {
-  std::string scene, camera, device = "cpu";
+  std::string scene, device = "cpu";
   std::vector<std::string> portals;
   SkyArguments sky;
+  CameraArguments camera;
   int64_t width = 0, height = 0;  ///< pixels; 0: not given
 
   std::string integrator = "auto", mis = "balance";

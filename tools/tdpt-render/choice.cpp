@@ -98,7 +98,9 @@ void warn_of_missing_light(const Choice& choice, const World& world, const cli::
   if (const std::string missed = light_missed(choice.integrator, world.scene); !missed.empty())
     common.warn(missed);
   if (world.lights.empty())
-    common.warn("nothing in the scene emits light: the picture is black");
+    common.warn(
+        "nothing in the scene emits light, expected an emissive surface, a lamp or an "
+        "--environment: the picture is black");
   else if (!may_see_surfaces(world))
     common.warn(std::string("no surface lies in the camera's view: the picture ") +
                 (world.scene.sky ? "shows the sky alone" : "is black"));

@@ -9,6 +9,7 @@
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
 #include "libcommon/base/processor.h"
+#include "libcommon/formats/viewpoint.h"
 #include "tdpt_version.h"
 #include "tools/tdpt-render/report.h"
 
@@ -217,6 +218,12 @@ void check_course(const Arguments& a) {
   if (!a.checkpoint.empty() && !is_same(a.checkpoint, a.resume) && is_there(a.checkpoint))
     throw UsageError("--checkpoint " + a.checkpoint +
                      ": is there already; go on from it with --resume, or remove it");
+}
+
+std::string camera_words(const Arguments& a, const Camera& camera) {
+  const bool of_the_scene = a.camera.look_from.empty() && !a.camera.frame;
+  std::string words = of_the_scene ? camera.name : viewpoint_text({}, camera);
+  return of_the_scene && camera.culls ? words + " --cull" : words;
 }
 
 Shape shape_of(const Arguments& a, const Shaping& by) {

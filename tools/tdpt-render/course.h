@@ -22,10 +22,13 @@ Shard shard_of(const std::string& text);
 /// written over.
 void check_course(const Arguments& a);
 
+/// Of one in the scene its name says all, of another where it stands.
+std::string camera_words(const Arguments& a, const Camera& camera);
+
 /// All that shapes the picture beside its plan and its samples.
 struct Shaping {
   const Scene& scene;
-  std::string camera;                      ///< its name
+  std::string camera;                      ///< camera_words()
   std::vector<std::string> portal_hashes;  ///< in order
   int width, height;
   uint64_t seed;

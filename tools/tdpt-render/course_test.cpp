@@ -102,6 +102,19 @@ TEST(course, commands_of_shards_are_for_a_shell) {
   EXPECT_NE(complaint([&] { shard_commands(Arguments(), {}, "a.exr"); }), "");
 }
 
+// A plan, a checkpoint or a shard of another one is refused.
+TEST(shape, has_the_camera_with_what_it_culls) {
+  Scene scene = read_gltf(two_rooms_path());
+  Camera camera = scene.camera("");
+  Arguments a;
+  EXPECT_EQ(camera_words(a, camera), "camera");
+  camera.culls = true;
+  EXPECT_EQ(camera_words(a, camera), "camera --cull");
+  camera = {"--look-from", {1, 2, 3}, {1, 0, 0}, {0, 1, 0}, {0, 0, -1}, 0.5, 0, true};
+  a.camera.look_from = "1,2,3";
+  EXPECT_EQ(camera_words(a, camera), "1 2 3 0 0 -1 0 1 0 0.5 0 fronts --look-from");
+}
+
 TEST(shape, differs_where_the_picture_would) {
   const Scene scene = read_gltf(two_rooms_path());
   const Shaping by{scene, "camera", {"12"}, 64, 48, 1};

@@ -11,6 +11,7 @@
 #include "libcommon/base/output_file.h"
 #include "libcommon/base/processor.h"
 #include "libcommon/cli/ending.h"
+#include "libcommon/formats/viewpoint.h"
 #include "tools/tdpt-render/features.h"
 #include "tools/tdpt-render/report.h"
 #include "tools/tdpt-render/target_report.h"
@@ -29,6 +30,7 @@ std::map<std::string, std::string> attributes_of(const Job& job, const Choice& c
     if (!job.given.command.empty()) common.command = job.given.command;
     attributes = exr_attributes(choice.integrator, choice.candidates.size() > 1 ? plan.label : "",
                                 job.settings, common.provenance(job.in.files));
+    attributes["camera"] = viewpoint_text(job.in.scene.frame, job.in.camera);
   }
   if (job.common.no_provenance) attributes.erase(provenance_attribute);
   if (target) attributes.merge(target_attributes(*target));

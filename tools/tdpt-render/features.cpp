@@ -27,7 +27,7 @@ Vec3d albedo_at(const Point& p, const Vec3d& back) {
 void look(const World& world, double x, double y, Seen& seen) {
   const Vec3d w = world.film.direction(x, y);
   Hit hit;
-  if (!world.tracer.closest({world.film.position()}, w, hit)) return;
+  if (!world.tracer.first_seen(world.film.position(), w, hit)) return;
   Point p;
   place_on_surface(world, hit, p);
   const Vec3d normal = p.simple ? p.normal : p.shading;

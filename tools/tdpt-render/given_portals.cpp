@@ -10,6 +10,7 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
+#include "libcommon/formats/viewpoint.h"
 #include "tools/tdpt-render/portal_fit.h"
 #include "tools/tdpt-render/portal_mesh.h"
 
@@ -89,8 +90,8 @@ size_t shared_triangles(const PortalFile& file, const Scene& scene) {
 
 class Judge {
  public:
-  Judge(const std::string& path, const Scene& scene)
-      : name_(display_name(path)), scene_(scene), box_(box_of(scene)) {
+  Judge(const std::string& path, const Scene& scene, const Camera& camera)
+      : name_(display_name(path)), scene_(scene), camera_(camera), box_(box_of(scene)) {
     out_.file = read_portals(path);
   }
 
@@ -111,6 +112,7 @@ class Judge {
                                         ? " was made for the scene under another environment"
                                         : " was made for another state of the scene, or for "
                                           "another one"));
+    compare_cameras();
     tidy_all();
     std::erase_if(out_.file.portals, [&](const Portal& portal) { return is_elsewhere(portal); });
     return std::move(out_);
@@ -122,6 +124,19 @@ class Judge {
   }
   void warn(const Portal& portal, const std::string& words) {
     out_.warnings.push_back(portal.name + ": " + words);
+  }
+
+  // Which openings are narrow depends on where the camera stands.
+  void compare_cameras() {
+    const auto made_for = parse_viewpoint(out_.file.camera);
+    if (!made_for) return;
+    const Viewpoint used = viewpoint_of(scene_.frame, camera_);
+    const std::string words = words_of_difference(*made_for, used, 2 / scene_.frame.scale);
+    if (words.empty()) return;
+    out_.warnings.push_back(
+        fmt::format("{}: its portals were found for camera \"{}\"; \"{}\" is {}: portals belong to "
+                    "a camera",
+                    name_, made_for->name, used.name, words));
   }
 
   void refuse_triangles_of_the_scene() const {
@@ -213,6 +228,7 @@ class Judge {
 
   std::string name_;
   const Scene& scene_;
+  const Camera& camera_;
   Box box_;
   std::unique_ptr<Tracer> tracer_;  // for a portal that is elsewhere
   GivenPortals out_;
@@ -220,8 +236,8 @@ class Judge {
 
 }  // namespace
 
-GivenPortals read_given_portals(const std::string& path, const Scene& scene) {
-  return Judge(path, scene).judged();
+GivenPortals read_given_portals(const std::string& path, const Scene& scene, const Camera& camera) {
+  return Judge(path, scene, camera).judged();
 }
 
 }  // namespace tdpt

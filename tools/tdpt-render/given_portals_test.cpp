@@ -10,6 +10,7 @@
 #include <numbers>
 
 #include "libcommon/base/error.h"
+#include "libcommon/formats/viewpoint.h"
 #include "tools/tdpt-render/portal_fit.h"
 #include "tools/tdpt-render/test_rooms.h"
 
@@ -27,17 +28,19 @@ class given_portals : public ::testing::Test {
   }
   ~given_portals() override { std::filesystem::remove_all(folder_); }
 
-  GivenPortals given(const std::vector<Portal>& portals, const std::string& hash = "") const {
+  GivenPortals given(const std::vector<Portal>& portals, const std::string& hash = "",
+                     const std::string& made_for = "") const {
     PortalFile file;
+    file.camera = made_for;
     file.portals = portals;
     file.scene_hash = hash;
     const std::string path = (folder_ / "drawn.glb").string();
     std::ofstream(path, std::ios::binary) << portal_bytes(file);
-    return read_given_portals(path, scene_);
+    return read_given_portals(path, scene_, scene_.camera(""));
   }
   std::string refused(const std::string& path) const {
     try {
-      read_given_portals(path, scene_);
+      read_given_portals(path, scene_, scene_.camera(""));
     } catch (const InputError& e) {
       const std::string text = e.what();
       return text.substr(text.find(": ") + 2);
@@ -191,6 +194,28 @@ TEST_F(given_portals, of_another_state_of_the_scene_they_are_used_with_a_word) {
   EXPECT_NE(one.notes[0].find("drawn.glb was made for another state of the scene"),
             std::string::npos);
   EXPECT_EQ(given({portal_in_the_hole()}, scene_.hash).notes, Strings{});
+}
+
+TEST_F(given_portals, for_another_camera_they_are_used_with_a_warning) {
+  const Camera own = scene_.camera("");
+  const auto warned = [&](const Camera& made_for) {
+    return given({portal_in_the_hole()}, scene_.hash, viewpoint_text(scene_.frame, made_for))
+        .warnings;
+  };
+  EXPECT_EQ(warned(own), Strings{});
+  Camera other = own;
+  other.name = "another name for the same";
+  EXPECT_EQ(warned(other), Strings{});
+  other.name = "door";
+  other.position = other.position + other.right * (1.5 * scene_.frame.scale);
+  const Strings told = warned(other);
+  ASSERT_EQ(told.size(), 1u);
+  EXPECT_EQ(told[0].substr(told[0].find("its portals")),
+            "its portals were found for camera \"door\"; \"camera\" is 1.5 m away: portals belong "
+            "to a camera");
+  other = own;
+  other.culls = true;
+  EXPECT_EQ(warned(other).size(), 1u);
 }
 
 TEST_F(given_portals, a_file_without_portals_is_a_note) {

@@ -25,6 +25,7 @@
 #include "tools/tdpt-render/portal_report.h"
 #include "tools/tdpt-render/render.h"
 #include "tools/tdpt-render/report.h"
+#include "tools/tdpt-render/seen_backs.h"
 #include "tools/tdpt-render/target_report.h"
 
 namespace tdpt {
@@ -44,11 +45,11 @@ Loaded load(const Arguments& a, const cli::Common& common) {
   in.scene = read_gltf(a.scene);
   common.also_read(in.scene.files);
   for (const std::string& warning : in.scene.warnings) common.warn(warning);
-  in.camera = in.scene.camera(a.camera);
+  in.camera = chosen_camera(in.scene, a.camera, common);
   in.files.push_back({a.scene, in.scene.hash, {}});
   add_sky(in.scene, a.sky, common, in.files);
   for (const std::string& path : a.portals) {
-    const GivenPortals given = read_given_portals(path, in.scene);
+    const GivenPortals given = read_given_portals(path, in.scene, in.camera);
     for (const std::string& warning : first_few(given.warnings)) common.warn(warning);
     for (const std::string& note : first_few(given.notes)) common.note(note);
     const PortalFile& file = given.file;
@@ -201,8 +202,11 @@ int run(const Arguments& a, const cli::Common& common) {
   const OpenWorld open = open_world(in.scene, in.camera, in.size.width, in.size.height, in.portals);
   if (open.uncovered > 0) common.warn(uncovered_sentence(open.uncovered, in.scene.frame));
   World& world = *open.world;
-  const Shaping by{in.scene,      in.camera.name, in.portal_hashes,
-                   in.size.width, in.size.height, common.seed};
+  if (const std::string sentence = backs_sentence(seen_backs(world)); !sentence.empty())
+    common.warn(sentence);
+  const Shaping by{in.scene,         camera_words(a, in.camera),
+                   in.portal_hashes, in.size.width,
+                   in.size.height,   common.seed};
   job.shape = shape_of(a, by);
   job.film_shape = film_shape_of(a, by);
   job.given = course_of(a, by, world, obeys_plan(a, common.output_given), job.settings);

@@ -44,6 +44,7 @@ inline std::vector<std::vector<double>> render_by_depth(const World& world, cons
   Film film(width, height, 1);
   int px = 0, py = 0;
   const PathObserver observer = [&](const Contribution& found) {
+    if (variant.loses && variant.loses(world, found)) return;
     const auto& [path, strategy, value, times] = found;
     const int k = path.k();
     int x = px, y = py;

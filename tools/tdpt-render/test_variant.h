@@ -52,6 +52,8 @@ struct Variant {
   double counted_samples = 1;
   /// Which pixels have a pool in common.
   uint64_t (*pixel)(uint64_t pool, uint64_t i, uint64_t pools, uint64_t pixels) = pixel_of_pool;
+  /// Contributions that get lost on the way to the film; null: none.
+  bool (*loses)(const World&, const Contribution&) = nullptr;
   /// What a sample with pools does beside its phases.
   void (*besides)(PathSampler&) = [](PathSampler&) {};
 };

@@ -21,9 +21,9 @@ Usage: tdpt SCENE -o PICTURE.exr [OPTIONS]
   --version                   Print the version and exit
 
 All other options are those of tdpt-render, and rendering is all that most of
-them change. --camera, --quality, --seed, --threads, --quiet and those of the
-sky go to the stages before it, too. A stage runs where its result is missing
-or out of date. The environment variables FFGRAPH_FLAGS, MINCUT_FLAGS,
+them change. Those of the camera and of the sky, --quality, --seed, --threads
+and --quiet go to the stages before it, too. A stage runs where its result is
+missing or out of date. The environment variables FFGRAPH_FLAGS, MINCUT_FLAGS,
 LIGHTGRID_FLAGS and PORTALFIT_FLAGS have more options for the stages.
 END
 }
@@ -54,7 +54,7 @@ while [ $# -gt 0 ]; do
   esac
   # Of the options that this front understands, which have a value.
   case $word in
-  -o | --output | --work | --camera | --environment | --environment-rotation | --environment-scale | --sun-angle | --quality | \
+  -o | --output | --work | --camera | --look-from | --look-at | --up | --fov | --environment | --environment-rotation | --environment-scale | --sun-angle | --quality | \
     --seed | --threads)
     if [ -z "$joined" ]; then
       [ $# -gt 1 ] || fail 2 "$word: a value is missing; '$tool --help' lists the options"
@@ -77,7 +77,8 @@ while [ $# -gt 0 ]; do
   --quality) quality=$value ;;
   --seed) seed=$value ;;
   --threads) threads=$value ;;
-  --camera) camera="--camera $(quoted "$value")" ;;
+  --camera | --look-from | --look-at | --up | --fov) camera="$camera$word $(quoted "$value")" ;;
+  --frame | --cull) camera="$camera$word " ;;
   --environment)
     case $value in
     *.exr | *.hdr | *.pic | */*) environment=$(absolute "$value") ;;
@@ -149,8 +150,8 @@ trap 'rm -f "$status"' EXIT
 set -- -C "$work" -f "$rules" --no-print-directory TDPT_BIN="$here/" \
   "SCENE.$name=$stem" "SCENE.${target%.exr}=$stem" "PORTALS=$name.portal.glb" "QUALITY=$quality" "SEED=$seed" \
   "THREADS=$threads" "QUIET=$quiet" "ENVIRONMENT=$environment" "ENVIRONMENT_FLAGS=$sky" \
-  "FFGRAPH_FLAGS=$camera${FFGRAPH_FLAGS-}" "MINCUT_FLAGS=${MINCUT_FLAGS-}" "LIGHTGRID_FLAGS=${LIGHTGRID_FLAGS-}" \
-  "PORTALFIT_FLAGS=${PORTALFIT_FLAGS-}" "TDPT_RENDER_FLAGS=$camera$flags" "$target" \
+  "CAMERA_FLAGS=$camera" "FFGRAPH_FLAGS=${FFGRAPH_FLAGS-}" "MINCUT_FLAGS=${MINCUT_FLAGS-}" "LIGHTGRID_FLAGS=${LIGHTGRID_FLAGS-}" \
+  "PORTALFIT_FLAGS=${PORTALFIT_FLAGS-}" "TDPT_RENDER_FLAGS=$flags" "$target" \
   ${report:+"$name.report.html"}
 unset MAKEFLAGS MFLAGS MAKELEVEL
 if [ -n "$dry" ]; then

@@ -158,6 +158,13 @@ bool PathSampler::visible(const Point& a, const Point& b) {
   return world_.tracer.visible(origin(a, b), origin(b, a));
 }
 
+bool PathSampler::seen(const Point& p) {
+  const Vec3d& camera = world_.film.position();
+  if (!world_.tracer.draws(p.triangle, p.position - camera)) return false;
+  ++tally_.rays.shadow;
+  return world_.tracer.sees(camera, p.origin());
+}
+
 Rgb PathSampler::geometry(const Point& a, const Point& b, const Edge& e) const {
   const auto g = static_cast<float>(tdpt::geometry(a, b, e));
   return world_.absorbing ? transmittance(a, b, e.w, std::sqrt(e.d2)) * g : Rgb(g);
@@ -227,7 +234,7 @@ void PathSampler::light() {
     if (!project(y[i], to_camera, factor, raster_x, raster_y)) continue;
     const Rgb value = y.state(i).throughput * bsdf_at(y[i], back(y, i), to_camera) * factor *
                       static_cast<float>(1 / times);
-    if (black(value) || !visible(y[i], camera_walk_[0])) continue;
+    if (black(value) || !seen(y[i])) continue;
     const Path path(world_, guide_, y, i + 1, camera_walk_, 1, tally_.rays);
     to_film({path, {Technique::light, i + 1}, value, times}, raster_x, raster_y);
   }

@@ -112,6 +112,8 @@ class PathSampler {
   uint64_t layer_coin();
 
   bool visible(const Point& a, const Point& b);
+  /// Whether the camera sees p, on the side that looks at it.
+  bool seen(const Point& p);
 
   /// G times what absorbing solids let through. No visibility.
   Rgb geometry(const Point& a, const Point& b, const Edge& e) const;

@@ -148,7 +148,7 @@ void PathSampler::see(PortalSegment& segment) {
   std::array<double, 2> raster;
   if (!project(segment.x_c, to_camera, factor, raster[0], raster[1])) return;
   const Rgb value = bsdf_at(segment.x_c, -segment.w, to_camera) * factor * segment.through;
-  if (black(value) || !visible(segment.x_c, camera_walk_[0])) return;
+  if (black(value) || !seen(segment.x_c)) return;
   through(segment, 1, value, settings_.mixture.segments, raster);
 }
 

@@ -61,7 +61,9 @@ bool Walker::extend(const Tracer::Origin& origin, const Vec3d& w, const Rgb& thr
   const auto n = static_cast<size_t>(walk_.size);
   Hit hit;
   ++rays_.closest;
-  const bool leaves = !world_.tracer.closest(origin, w, hit);
+  const bool by_film = n == 1 && from_ == From::camera;
+  const bool leaves = by_film ? !world_.tracer.first_seen(origin.position, w, hit)
+                              : !world_.tracer.closest(origin, w, hit);
   if (leaves && (from_ == From::light || !world_.lights.sky() || hit.triangle != ~0u)) return false;
   walk_.make_place();
   Vertex& v = walk_.v[n - 1];
@@ -99,7 +101,6 @@ bool Walker::extend(const Tracer::Origin& origin, const Vec3d& w, const Rgb& thr
   const Edge before = std::exchange(last_, e);
   if (!guide_.active()) return true;
 
-  const bool by_film = n == 1 && from_ == From::camera;
   if (here.dirac || by_film) return true;
   const double directed = guide_.pdf_A(from_, v, -before.w, e, next, plain, state.crossing);
   state.pdf_own_A = went_on * directed;

@@ -12,7 +12,7 @@ namespace tdpt {
 struct World {
   World(const Scene& scene_, const Camera& camera, int width, int height,
         const std::vector<Portal>& portals_)
-      : scene(scene_), tracer(scene_), lights(scene_), film(camera, width, height) {
+      : scene(scene_), tracer(scene_, camera.culls), lights(scene_), film(camera, width, height) {
     layered = !scene_.smooth.empty();
     for (const Material& m : scene_.materials) {
       layered = layered || !m.plain;

@@ -1,0 +1,174 @@
+#include "libcommon/formats/camera_options.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "libcommon/base/error.h"
+#include "libcommon/base/file.h"
+
+namespace tdpt {
+namespace {
+
+constexpr double kRadians = std::numbers::pi / 180;
+constexpr double kUsualFov = 45;      // [deg]
+constexpr double kFarthest = 1e6;     // canonical, as of the cameras of a scene
+constexpr double kLeastAngle = 1e-4;  // between up and the view [rad]
+constexpr double kMargin = 1.05;      // of --frame, around the scene
+const Vec3d kBefore{0.5, 0.4, 1};     // where --frame stands, from the middle: +Z is the front
+
+Vec3d three_numbers(const char* option, const std::string& text) {
+  Vec3d v;
+  const char *at = text.data(), *const end = at + text.size();
+  for (int c = 0; c < 3; ++c) {
+    const auto [next, error] = std::from_chars(at, end, v[c]);
+    const bool last = c == 2;
+    if (error != std::errc() || !std::isfinite(v[c]) || (last ? next != end : next == end) ||
+        (!last && *next != ','))
+      throw UsageError(fmt::format("{} {}: expected X,Y,Z, three numbers", option, text));
+    at = next + 1;
+  }
+  return v;
+}
+
+void check(const CameraArguments& a) {
+  const bool placed = !a.look_from.empty() || !a.look_at.empty();
+  if (a.look_from.empty() != a.look_at.empty())
+    throw UsageError("--look-from and --look-at go together");
+  if (placed && a.frame) throw UsageError("--frame: --look-from says where the camera stands");
+  if (!a.name.empty() && (placed || a.frame))
+    throw UsageError(fmt::format("--camera {}: {} says where the camera stands", a.name,
+                                 placed ? "--look-from" : "--frame"));
+  if (!a.up.empty() && !placed) throw UsageError("--up goes with --look-from");
+  if (a.fov != 0 && !placed && !a.frame) throw UsageError("--fov goes with --look-from or --frame");
+}
+
+// `up`: not along `forward`.
+void turn(Camera& camera, const Vec3d& forward, const Vec3d& up) {
+  camera.forward = forward;
+  camera.right = normalize(cross(forward, up));
+  camera.up = cross(camera.right, forward);
+}
+
+// Where nothing is said of it. What looks straight down has -Z, the far side, at its top.
+Vec3d usual_up(const Vec3d& forward) {
+  const Vec3d up{0, 1, 0};
+  if (length(cross(forward, up)) > kLeastAngle) return up;
+  return {0, 0, forward.y < 0 ? -1.0 : 1.0};
+}
+
+Vec3d given_up(const CameraArguments& a, const Vec3d& forward) {
+  const Vec3d up = three_numbers("--up", a.up);
+  if (!(length(up) > 0) || !(length(cross(forward, normalize(up))) > kLeastAngle))
+    throw UsageError(fmt::format("--up {}: is no direction across the view", a.up));
+  return normalize(up);
+}
+
+Camera placed_camera(const Scene& scene, const CameraArguments& a) {
+  const Vec3d from = three_numbers("--look-from", a.look_from);
+  const Vec3d at = three_numbers("--look-at", a.look_at);
+  Camera camera;
+  camera.name = "--look-from";
+  camera.position = scene.frame.to_canonical(from);
+  const Vec3d way = scene.frame.to_canonical(at) - camera.position;
+  if (!(length(camera.position) <= kFarthest))
+    throw UsageError(
+        fmt::format("--look-from {}: {:.3g} times the scene's size away, expected at "
+                    "most {:.0g}",
+                    a.look_from, length(camera.position), kFarthest));
+  if (!(length(way) > 0) || !std::isfinite(length(way)))
+    throw UsageError(fmt::format("--look-at {}: is no place other than --look-from", a.look_at));
+  const Vec3d forward = normalize(way);
+  turn(camera, forward, a.up.empty() ? usual_up(forward) : given_up(a, forward));
+  return camera;
+}
+
+}  // namespace
+
+void declare_camera_options(cli::Options& options, CameraArguments& a) {
+  options.option("--camera", a.name, "NAME", "Camera of the scene to use; default the first one");
+  options.option("--look-from", a.look_from, "X,Y,Z",
+                 "Place of a camera of one's own, metres in the axes of the file");
+  options.option("--look-at", a.look_at, "X,Y,Z", "Place that it looks at");
+  options.option("--up", a.up, "X,Y,Z", "Direction that is up in its picture; default 0,1,0");
+  options.option("--fov", a.fov, "DEG",
+                 fmt::format("Full vertical angle of its view; default {}", kUsualFov), 0.01, 179);
+  options.flag("--frame", a.frame,
+               "Camera that has all of the scene in view, as viewers open a file; with --cull");
+  options.flag("--cull", a.cull,
+               "A cutaway: the camera sees through the backs of single-sided surfaces");
+}
+
+namespace {
+
+struct Box {
+  Vec3d low{INFINITY}, high{-INFINITY};
+  Vec3d middle() const { return (low + high) * 0.5; }
+};
+
+template <class Visit>
+void for_each_corner(const Scene& scene, const Visit& visit) {
+  for (const Triangle& t : scene.triangles)
+    for (const uint32_t v : t.vertex) visit(Vec3d(scene.positions[v]));
+}
+
+Box box_of(const Scene& scene) {
+  Box box;
+  for_each_corner(scene, [&](const Vec3d& p) {
+    box.low = min(box.low, p);
+    box.high = max(box.high, p);
+  });
+  return box;
+}
+
+// The options that place it there, for one who would rather stand elsewhere.
+std::string frame_sentence(const Scene& scene, const Camera& camera) {
+  const auto place = [&](const Vec3d& canonical) {
+    const Vec3d p = scene.frame.to_metres(canonical);
+    return fmt::format("{:.6g},{:.6g},{:.6g}", p.x, p.y, p.z);
+  };
+  return fmt::format("--frame is about --look-from {} --look-at {} --fov {:.3g} --cull",
+                     place(camera.position), place(box_of(scene).middle()), camera.yfov / kRadians);
+}
+
+}  // namespace
+
+Camera framing_camera(const Scene& scene, double yfov) {
+  const Vec3d middle = box_of(scene).middle();
+  Camera camera;
+  camera.name = "--frame";
+  camera.yfov = yfov;
+  turn(camera, -normalize(kBefore), {0, 1, 0});
+  // Seen from there at distance d, a corner at p from the middle is in view where |right.p| and
+  // |up.p| are less than tan(yfov / 2) (d + forward.p).
+  double distance = 0;
+  for_each_corner(scene, [&](const Vec3d& corner) {
+    const Vec3d p = corner - middle;
+    const double aside = std::max(std::abs(dot(camera.right, p)), std::abs(dot(camera.up, p)));
+    distance = std::max(distance, kMargin * aside / std::tan(0.5 * yfov) - dot(camera.forward, p));
+  });
+  camera.position = middle - camera.forward * distance;
+  return camera;
+}
+
+Camera chosen_camera(const Scene& scene, const CameraArguments& a, const cli::Common& common) {
+  check(a);
+  const double yfov = (a.fov > 0 ? a.fov : kUsualFov) * kRadians;
+  const bool placed = !a.look_from.empty();
+  if (!placed && !a.frame && scene.cameras.empty())
+    throw InputError(display_name(scene.path), "cameras",
+                     "the scene has no perspective camera, expected one, or --look-from and "
+                     "--look-at, or --frame");
+  Camera camera = placed    ? placed_camera(scene, a)
+                  : a.frame ? framing_camera(scene, yfov)
+                            : scene.camera(a.name);
+  if (placed) camera.yfov = yfov;
+  camera.culls = a.cull || a.frame;
+  if (a.frame) common.note(frame_sentence(scene, camera));
+  return camera;
+}
+
+}  // namespace tdpt

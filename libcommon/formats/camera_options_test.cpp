@@ -1,0 +1,165 @@
+#include "libcommon/formats/camera_options.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "libcommon/base/error.h"
+#include "libcommon/scene/film_plane.h"
+
+namespace tdpt {
+namespace {
+
+constexpr double kRadians = std::numbers::pi / 180;
+
+// A box of 4 x 2 x 1 m around (10, 0, 0) without a camera, and one far larger than its triangles.
+Scene box(const Vec3d& half = {2, 1, 0.5}) {
+  Scene scene;
+  scene.path = "box.glb";
+  scene.frame = {{10, 0, 0}, 0.25};
+  for (int i = 0; i < 8; ++i) {
+    const Vec3d corner{i & 1 ? half.x : -half.x, i & 2 ? half.y : -half.y,
+                       i & 4 ? half.z : -half.z};
+    scene.positions.push_back(Vec3f(corner * scene.frame.scale));
+  }
+  for (uint32_t i = 0; i < 6; ++i) scene.triangles.push_back({{i, i + 1, i + 2}, 0});
+  scene.materials.emplace_back();
+  scene.positions.push_back({900, 900, 900});  // of no triangle
+  return scene;
+}
+
+Camera chosen(const CameraArguments& a, const Scene& scene = box()) {
+  cli::Common common;
+  common.quiet = true;
+  return chosen_camera(scene, a, common);
+}
+CameraArguments placed(const std::string& from, const std::string& at, const std::string& up = "",
+                       double fov = 0) {
+  CameraArguments a;
+  a.look_from = from, a.look_at = at, a.up = up, a.fov = fov;
+  return a;
+}
+std::string complaint(const CameraArguments& a) {
+  try {
+    chosen(a);
+    return "";
+  } catch (const Error& e) {
+    return fmt::format("{} {}", static_cast<int>(e.code), e.what());
+  }
+}
+void expect_near(const Vec3d& a, const Vec3d& b) {
+  EXPECT_NEAR(length(a - b), 0, 1e-12) << a.x << ' ' << a.y << ' ' << a.z;
+}
+
+TEST(CameraOptions, ACameraStandsAndLooksWhereItIsTold) {
+  const Camera c = chosen(placed("14,-.5,0", "14,-0.5,-3e0"));
+  expect_near(c.position, {1, -0.125, 0});
+  expect_near(c.forward, {0, 0, -1});
+  expect_near(c.right, {1, 0, 0});
+  expect_near(c.up, {0, 1, 0});
+  EXPECT_NEAR(c.yfov, 45 * kRadians, 1e-12);
+  EXPECT_FALSE(c.culls);
+  const Camera turned = chosen(placed("14,0,0", "14,0,-3", "2,2,5", 90));
+  EXPECT_NEAR(turned.yfov, std::numbers::pi / 2, 1e-12);
+  expect_near(turned.up, Vec3d{std::sqrt(0.5), std::sqrt(0.5), 0});
+  expect_near(turned.right, Vec3d{std::sqrt(0.5), -std::sqrt(0.5), 0});
+}
+
+TEST(CameraOptions, WhatLooksStraightDownHasTheFarSideAtItsTop) {
+  expect_near(chosen(placed("10,5,0", "10,0,0")).up, {0, 0, -1});
+  expect_near(chosen(placed("10,5,0", "10,0,0")).right, {1, 0, 0});
+  expect_near(chosen(placed("10,-5,0", "10,0,0")).up, {0, 0, 1});
+  expect_near(chosen(placed("10,5,0", "10,0,0", "1,0,0")).up, {1, 0, 0});
+}
+
+// How much of the film the scene takes, in half widths; more than 1: it is cut off.
+double share_of_film(const Scene& scene, const Camera& camera) {
+  double most = 0;
+  for (const Triangle& t : scene.triangles)
+    for (const uint32_t v : t.vertex) {
+      const Vec3d d = Vec3d(scene.positions[v]) - camera.position;
+      const double depth = dot(d, camera.forward) * std::tan(0.5 * camera.yfov);
+      if (!(depth > 0)) return 2;
+      most = std::max(
+          {most, std::abs(dot(d, camera.right)) / depth, std::abs(dot(d, camera.up)) / depth});
+    }
+  return most;
+}
+
+TEST(CameraOptions, FrameHasAllInViewAndLittleMore) {
+  for (const Vec3d& half : {Vec3d{2, 1, 0.5}, Vec3d{0.1, 2, 0.1}, Vec3d{0.5, 0.01, 2}})
+    for (const double fov : {0.0, 20.0, 120.0}) {
+      const Scene scene = box(half);
+      CameraArguments a;
+      a.frame = true;
+      a.fov = fov;
+      Camera camera = chosen(a, scene);
+      EXPECT_TRUE(camera.culls) << "as viewers";
+      EXPECT_GT(camera.position.x, 0) << "to the right";
+      EXPECT_GT(camera.position.y, 0) << "above";
+      EXPECT_GT(camera.position.z, 0) << "before";
+      EXPECT_LT(share_of_film(scene, camera), 1);
+      EXPECT_GT(share_of_film(scene, camera), 0.85);
+      camera.position = camera.position + camera.forward * (0.2 * length(camera.position));
+      EXPECT_GT(share_of_film(scene, camera), 1) << "twin that stands nearer";
+    }
+}
+
+TEST(CameraOptions, OneOfTheSceneIsTakenByItsName) {
+  Scene scene = box();
+  scene.cameras.resize(2);
+  scene.cameras[0].name = "hall", scene.cameras[1].name = "yard";
+  CameraArguments a;
+  EXPECT_EQ(chosen(a, scene).name, "hall");
+  a.name = "yard";
+  a.cull = true;
+  EXPECT_EQ(chosen(a, scene).name, "yard");
+  EXPECT_TRUE(chosen(a, scene).culls);
+}
+
+TEST(CameraOptions, ASceneWithoutOneNamesTheOptions) {
+  EXPECT_EQ(complaint({}),
+            "3 box.glb:cameras: the scene has no perspective camera, expected one, or --look-from "
+            "and --look-at, or --frame");
+}
+
+TEST(CameraOptions, WhatContradictsItselfIsRefused) {
+  const auto refused = [](const CameraArguments& a, const std::string& message) {
+    EXPECT_EQ(complaint(a), "2 " + message);
+  };
+  refused(placed("1,2,3", ""), "--look-from and --look-at go together");
+  refused(placed("", "1,2,3"), "--look-from and --look-at go together");
+  refused(placed("", "", "0,1,0"), "--up goes with --look-from");
+  refused(placed("", "", "", 30), "--fov goes with --look-from or --frame");
+  CameraArguments both = placed("1,2,3", "4,5,6");
+  both.name = "hall";
+  refused(both, "--camera hall: --look-from says where the camera stands");
+  both.name = "", both.frame = true;
+  refused(both, "--frame: --look-from says where the camera stands");
+  CameraArguments framed;
+  framed.name = "hall", framed.frame = true;
+  refused(framed, "--camera hall: --frame says where the camera stands");
+}
+
+TEST(CameraOptions, WhatIsNoPlaceIsRefused) {
+  for (const char* text : {"1,2", "1,2,3,4", "1,,2", "a,b,c", "1,2,3 ", " 1,2,3", "1,2,nan",
+                           "inf,0,0", "1;2;3", "1,2,", "1e999,0,0"}) {
+    EXPECT_EQ(complaint(placed(text, "0,0,0")),
+              fmt::format("2 --look-from {}: expected X,Y,Z, three numbers", text));
+    EXPECT_EQ(complaint(placed("0,0,0", text)),
+              fmt::format("2 --look-at {}: expected X,Y,Z, three numbers", text));
+  }
+  EXPECT_EQ(complaint(placed("0,0,0", "0,0,0")),
+            "2 --look-at 0,0,0: is no place other than --look-from");
+  EXPECT_EQ(complaint(placed("0,0,0", "0,0,1", "0,0,5")),
+            "2 --up 0,0,5: is no direction across the view");
+  EXPECT_EQ(complaint(placed("0,0,0", "0,0,1", "0,0,0")),
+            "2 --up 0,0,0: is no direction across the view");
+  EXPECT_EQ(complaint(placed("4e8,0,0", "0,0,1")),
+            "2 --look-from 4e8,0,0: 1e+08 times the scene's size away, expected at most 1e+06");
+}
+
+}  // namespace
+}  // namespace tdpt

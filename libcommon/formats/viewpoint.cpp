@@ -1,0 +1,111 @@
+#include "libcommon/formats/viewpoint.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "libcommon/base/error.h"
+#include "libcommon/formats/text_lines.h"
+
+namespace tdpt {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kUnit = 1e-6;  // how far rounding may bring unit vectors and right angles
+
+// Portals fit what a camera sees as well from a hair beside it.
+constexpr double kSamePlace = 1e-3;           // of the scene's size
+constexpr double kSameAngle = 0.5 * kDegree;  // of directions, and of the view
+
+// Of one line.
+std::string plain(std::string name) {
+  std::replace_if(
+      name.begin(), name.end(), [](unsigned char c) { return c < ' ' || c == 0x7f; }, ' ');
+  const size_t first = name.find_first_not_of(' ');
+  return first == std::string::npos ? ""
+                                    : name.substr(first, name.find_last_not_of(' ') + 1 - first);
+}
+
+bool is_camera(const Viewpoint& v) {
+  const auto unit = [](const Vec3d& w) { return std::abs(dot(w, w) - 1) < kUnit; };
+  return unit(v.forward) && unit(v.up) && std::abs(dot(v.forward, v.up)) < kUnit && v.yfov > 0 &&
+         v.yfov < std::numbers::pi && v.aspect >= 0;
+}
+
+// Of unit vectors [rad]; exact for small ones.
+double angle(const Vec3d& a, const Vec3d& b) {
+  return 2 * std::atan2(length(a - b), length(a + b));
+}
+
+}  // namespace
+
+Viewpoint viewpoint_of(const Frame& frame, const Camera& camera) {
+  return {frame.to_metres(camera.position),
+          camera.forward,
+          camera.up,
+          camera.yfov,
+          camera.aspect,
+          camera.culls,
+          plain(camera.name)};
+}
+
+Camera camera_of(const Frame& frame, const Viewpoint& v) {
+  return {v.name,
+          frame.to_canonical(v.position),
+          cross(v.forward, v.up),
+          v.up,
+          v.forward,
+          v.yfov,
+          v.aspect,
+          v.culls};
+}
+
+std::string viewpoint_text(const Viewpoint& v) {
+  // Nine digits: no more than the rounding of a frame leaves.
+  std::string text;
+  for (const Vec3d& a : {v.position, v.forward, v.up})
+    for (int c = 0; c < 3; ++c) text += fmt::format("{:.9g} ", a[c] + 0.0);  // -0 is 0
+  text += fmt::format("{:.9g} {:.9g} {}", v.yfov, v.aspect, v.culls ? "fronts" : "all");
+  return v.name.empty() ? text : text + " " + v.name;
+}
+
+std::optional<Viewpoint> parse_viewpoint(std::string_view line) {
+  TextLines in(line, "");
+  if (!in.next()) return {};
+  Viewpoint v;
+  try {
+    for (Vec3d* to : {&v.position, &v.forward, &v.up})
+      for (int c = 0; c < 3; ++c) (*to)[c] = in.real("");
+    v.yfov = in.real("");
+    v.aspect = in.real("");
+  } catch (const InputError&) {
+    return {};
+  }
+  const std::string_view sides = in.word();
+  v.culls = sides == "fronts";
+  v.name = plain(std::string(in.rest()));
+  if (!(v.culls || sides == "all") || !is_camera(v)) return {};
+  return v;
+}
+
+std::string words_of_difference(const Viewpoint& made_for, const Viewpoint& used, double size) {
+  std::vector<std::string> words;
+  const double away = length(used.position - made_for.position);
+  if (away > kSamePlace * size) words.push_back(fmt::format("{:.2g} m away", away));
+  const double turned =
+      std::max(angle(used.forward, made_for.forward), angle(used.up, made_for.up));
+  if (turned > kSameAngle)
+    words.push_back(fmt::format("turned by {:.0f} degrees", turned / kDegree));
+  if (std::abs(used.yfov - made_for.yfov) > kSameAngle)
+    words.push_back(fmt::format("of {:.3g} in the place of {:.3g} degrees", used.yfov / kDegree,
+                                made_for.yfov / kDegree));
+  if (used.culls != made_for.culls)
+    words.push_back(used.culls ? "passing backs (--cull)" : "not passing backs (--cull)");
+  return fmt::format("{}", fmt::join(words, " and "));
+}
+
+}  // namespace tdpt

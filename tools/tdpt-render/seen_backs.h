@@ -1,0 +1,20 @@
+// How much of the picture shows backs of single-sided surfaces, which glTF viewers do not draw.
+#pragma once
+#include <string>
+
+#include "tools/tdpt-render/path/world.h"
+
+namespace tdpt {
+
+struct SeenBacks {
+  double share = 0;      ///< of the picture
+  std::string material;  ///< whose backs are most of it
+};
+
+/// By 64 x 64 rays at fixed places of the film.
+SeenBacks seen_backs(const World& world);
+
+/// A sentence of warning, or nothing where it is too little to matter.
+std::string backs_sentence(const SeenBacks& seen);
+
+}  // namespace tdpt
