@@ -65,7 +65,7 @@ struct Context : RTCIntersectContext {
   const uint32_t* coin;  ///< of a float ray
 };
 
-// What of a camera's ray.
+// Of a camera's ray, which backs do not stop.
 struct CameraContext : Context {
   CameraContext(const Tracer& tracer_, const std::array<std::vector<uint32_t>, 2>& triangles_,
                 const Vec3d& w_)
@@ -255,18 +255,12 @@ bool Tracer::closest(const Origin& from, const Vec3d& w, Hit& hit) const {
   return first_surface(context, step_off(from, w), from.position, w, hit);
 }
 
-bool Tracer::draws(uint32_t triangle, const Vec3d& w) const {
-  return !culls_ || dot(impl_->shapes[triangle].normal, w) <= 0 || !scene_.single_sided(triangle);
-}
-
-bool Tracer::first_seen(const Vec3d& camera, const Vec3d& w, Hit& hit) const {
-  if (!culls_) return closest({camera}, w, hit);
+bool Tracer::first_drawn(const Vec3d& camera, const Vec3d& w, Hit& hit) const {
   CameraContext context(*this, impl_->triangles, w);
   return first_surface(context, step_off({camera}, w), camera, w, hit);
 }
 
-bool Tracer::sees(const Vec3d& camera, const Origin& place) const {
-  if (!culls_) return visible(place, {camera});
+bool Tracer::no_front_between(const Vec3d& camera, const Origin& place) const {
   const Vec3d w = place.position - camera;
   CameraContext context(*this, impl_->triangles, w);
   return unblocked(context, place, {camera});

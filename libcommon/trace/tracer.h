@@ -59,10 +59,17 @@ class Tracer {
   bool visible(const Origin& a, const Origin& b) const;
 
   /// The same for a camera at that place.
-  bool first_seen(const Vec3d& camera, const Vec3d& w, Hit& hit) const;
-  bool sees(const Vec3d& camera, const Origin& place) const;
-  /// Whether a camera that looks along `w`, of any length, sees a triangle's side that is there.
-  bool draws(uint32_t triangle, const Vec3d& w) const;
+  bool first_seen(const Vec3d& camera, const Vec3d& w, Hit& hit) const {
+    return culls_ ? first_drawn(camera, w, hit) : closest({camera}, w, hit);
+  }
+  bool sees(const Vec3d& camera, const Origin& place) const {
+    return culls_ ? no_front_between(camera, place) : visible(place, {camera});
+  }
+  /// Whether a camera that looks along `w`, of any length, sees the side of a triangle that it
+  /// looks at.
+  bool draws(uint32_t triangle, const Vec3d& w) const {
+    return !culls_ || dot(shape(triangle).normal, w) <= 0 || !scene_.single_sided(triangle);
+  }
 
   /// For kernels that count in floats and step off themselves: first surface beyond `from` along
   /// `w`, of any length. `coin`, a number of the ray's own, decides with the triangle's whether a
@@ -85,6 +92,8 @@ class Tracer {
 
  private:
   Vec3f step_off(const Origin& from, const Vec3d& w) const;
+  bool first_drawn(const Vec3d& camera, const Vec3d& w, Hit& hit) const;
+  bool no_front_between(const Vec3d& camera, const Origin& place) const;
   template <class Context>
   bool first_surface(Context& context, const Vec3f& o, const Vec3d& from, const Vec3d& w,
                      Hit& hit) const;

@@ -205,6 +205,34 @@ TEST(tracer, a_blend_is_there_as_often_as_its_alpha_says) {
   expect_share(veil(m), 0.72, false);  // twin
 }
 
+// How many rays of a camera that culls meet a blend of 0.3, and as many are hidden by it.
+TEST(tracer, culling_goes_with_coverage) {
+  Material m;
+  m.plain = false;
+  m.alpha_mode = Material::Alpha::blend;
+  m.alpha = 0.3f;
+  const auto met = [](const Material& material, double from) {
+    const Scene scene = veil(material);
+    const Tracer tracer(scene, true);
+    int n = 0, hidden = 0;
+    for (int i = 0; i < 10000; ++i) {
+      Rng rng(6, 0, static_cast<uint64_t>(i));
+      const double x = 0.9 * (rng.uniform() - 0.5);
+      const double y = 0.9 * (rng.uniform() - 0.5);
+      const Vec3d eye{x, y, from};
+      Hit hit;
+      n += tracer.first_seen(eye, {0, 0, from < 0 ? 1.0 : -1.0}, hit) && hit.triangle < 2;
+      hidden += !tracer.sees(eye, {{x, y, -from}});
+    }
+    EXPECT_NEAR(n, hidden, 300);
+    return n / 10000.0;
+  };
+  EXPECT_NEAR(met(m, 0.5), 0.3, 0.03);
+  EXPECT_EQ(met(m, -0.5), 0);
+  m.double_sided = true;
+  EXPECT_NEAR(met(m, -0.5), 0.3, 0.03);
+}
+
 TEST(tracer, a_mask_is_there_or_not) {
   Material m;
   m.plain = false;

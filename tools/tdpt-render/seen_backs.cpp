@@ -9,7 +9,7 @@
 namespace tdpt {
 namespace {
 
-constexpr int kRays = 64;             // along each side of the film
+constexpr int kRays = 32;             // along each side of the film
 constexpr double kLeastShare = 0.01;  // that is worth a word
 
 }  // namespace

@@ -11,7 +11,7 @@ struct SeenBacks {
   std::string material;  ///< whose backs are most of it
 };
 
-/// By 64 x 64 rays at fixed places of the film.
+/// By 32 x 32 rays at fixed places of the film.
 SeenBacks seen_backs(const World& world);
 
 /// A sentence of warning, or nothing where it is too little to matter.
