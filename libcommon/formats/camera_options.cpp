@@ -97,7 +97,7 @@ void declare_camera_options(cli::Options& options, CameraArguments& a) {
   options.option("--fov", a.fov, "DEG",
                  fmt::format("Full vertical angle of its view; default {}", kUsualFov), 0.01, 179);
   options.flag("--frame", a.frame,
-               "Camera that has all of the scene in view, as viewers open a file; with --cull");
+               "Camera that has all of the scene in view and culls, as viewers open a file");
   options.flag("--cull", a.cull,
                "A cutaway: the camera sees through the backs of single-sided surfaces");
 }

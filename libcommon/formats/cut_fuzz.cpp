@@ -9,9 +9,9 @@ namespace {
 
 void expect_same(const CutFile& a, const CutFile& b) {
   using testing::require;
-  require(a.scene_hash == b.scene_hash && a.camera == b.camera && a.bottleneck == b.bottleneck && a.region == b.region &&
-              a.cuts.size() == b.cuts.size() && a.arcs.size() == b.arcs.size() &&
-              a.patches.size() == b.patches.size(),
+  require(a.scene_hash == b.scene_hash && a.camera == b.camera && a.bottleneck == b.bottleneck &&
+              a.region == b.region && a.cuts.size() == b.cuts.size() &&
+              a.arcs.size() == b.arcs.size() && a.patches.size() == b.patches.size(),
           "a cut comes back");
   for (size_t i = 0; i < a.arcs.size(); ++i)
     require(a.arcs[i].from == b.arcs[i].from && a.arcs[i].to == b.arcs[i].to &&
