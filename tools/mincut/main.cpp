@@ -50,11 +50,16 @@ void declare_options(cli::Options& options, Arguments& a) {
                       "Write the same as glTF: patches as coloured squares, pairs as lines");
 }
 
+constexpr double kFarthest = 1e6;  // sizes of the scene: no program stands a camera beyond
+
 // The one that the network was made for, where it says so.
 Camera camera_of(const Arguments& a, const Scene& scene, const CutFile& cut) {
   const auto made_for = parse_viewpoint(cut.camera);
-  if (a.camera.empty() && made_for) return tdpt::camera_of(scene.frame, *made_for);
-  return scene.camera(a.camera);
+  if (!a.camera.empty() || !made_for) return scene.camera(a.camera);
+  const Camera camera = tdpt::camera_of(scene.frame, *made_for);
+  if (!(length(camera.position) <= kFarthest))
+    throw InputError(display_name(a.network), "", "its camera stands far away from " + scene.path);
+  return camera;
 }
 
 // The scene for --preview; without it none is read.

@@ -220,9 +220,9 @@ void check_course(const Arguments& a) {
                      ": is there already; go on from it with --resume, or remove it");
 }
 
-std::string camera_words(const Arguments& a, const Camera& camera) {
+std::string camera_words(const Arguments& a, const Frame& frame, const Camera& camera) {
   const bool of_the_scene = a.camera.look_from.empty() && !a.camera.frame;
-  std::string words = of_the_scene ? camera.name : viewpoint_text({}, camera);
+  std::string words = of_the_scene ? camera.name : viewpoint_text(frame, camera);
   return of_the_scene && camera.culls ? words + " --cull" : words;
 }
 

@@ -23,7 +23,7 @@ Shard shard_of(const std::string& text);
 void check_course(const Arguments& a);
 
 /// Of one in the scene its name says all, of another where it stands.
-std::string camera_words(const Arguments& a, const Camera& camera);
+std::string camera_words(const Arguments& a, const Frame& frame, const Camera& camera);
 
 /// All that shapes the picture beside its plan and its samples.
 struct Shaping {

@@ -107,12 +107,13 @@ TEST(shape, has_the_camera_with_what_it_culls) {
   Scene scene = read_gltf(two_rooms_path());
   Camera camera = scene.camera("");
   Arguments a;
-  EXPECT_EQ(camera_words(a, camera), "camera");
+  EXPECT_EQ(camera_words(a, {{1, 2, 3}, 0.5}, camera), "camera");
   camera.culls = true;
-  EXPECT_EQ(camera_words(a, camera), "camera --cull");
+  EXPECT_EQ(camera_words(a, {{1, 2, 3}, 0.5}, camera), "camera --cull");
   camera = {"--look-from", {1, 2, 3}, {1, 0, 0}, {0, 1, 0}, {0, 0, -1}, 0.5, 0, true};
   a.camera.look_from = "1,2,3";
-  EXPECT_EQ(camera_words(a, camera), "1 2 3 0 0 -1 0 1 0 0.5 0 fronts --look-from");
+  EXPECT_EQ(camera_words(a, {{1, 2, 3}, 0.5}, camera),
+            "3 6 9 0 0 -1 0 1 0 0.5 0 fronts --look-from");
 }
 
 TEST(shape, differs_where_the_picture_would) {

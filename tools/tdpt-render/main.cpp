@@ -204,7 +204,7 @@ int run(const Arguments& a, const cli::Common& common) {
   World& world = *open.world;
   if (const std::string sentence = backs_sentence(seen_backs(world)); !sentence.empty())
     common.warn(sentence);
-  const Shaping by{in.scene,         camera_words(a, in.camera),
+  const Shaping by{in.scene,         camera_words(a, in.scene.frame, in.camera),
                    in.portal_hashes, in.size.width,
                    in.size.height,   common.seed};
   job.shape = shape_of(a, by);
