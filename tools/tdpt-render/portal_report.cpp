@@ -6,6 +6,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "libcommon/base/counted.h"
+
 namespace tdpt {
 namespace {
 
@@ -103,10 +105,10 @@ std::vector<std::string> disappointments(const std::vector<Portal>& portals,
   std::vector<std::string> sentences;
   for (size_t i = 0; i < portals.size(); ++i)
     if (const Deeds d = deeds_of(i, result); d.useless())
-      sentences.push_back(fmt::format(
-          "{} is useless: {:.2g} % of its {} samples joined a lamp with the camera, they "
-          "brought {:.2g} % of the light",
-          portals[i].name, 100 * d.lit, d.samples, 100 * d.energy));
+      sentences.push_back(
+          fmt::format("{} is useless: {:.2g} % of its {} joined a lamp with the camera, they "
+                      "brought {:.2g} % of the light",
+                      portals[i].name, 100 * d.lit, counted(d.samples, "sample"), 100 * d.energy));
   return first_few(std::move(sentences));
 }
 
