@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "libcommon/base/counted.h"
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
 #include "libcommon/base/hash.h"
@@ -68,6 +69,14 @@ TEST(memory_limit, what_takes_more_is_refused_with_both_numbers) {
                  "most the 100 MiB of --max-memory");
   }
   limit_memory(machine);
+}
+
+TEST(counted, says_one_mesh_and_three_meshes) {
+  EXPECT_EQ(counted(0, "sample"), "0 samples");
+  EXPECT_EQ(counted(1u, "sample"), "1 sample");
+  EXPECT_EQ(counted(uint64_t{1}, "mesh"), "1 mesh");
+  for (const char* noun : {"mesh", "batch", "glass", "box"})
+    EXPECT_EQ(counted(size_t{3}, noun), std::string("3 ") + noun + "es");
 }
 
 TEST(output_file, appears_complete_and_leaves_no_temporary) {

@@ -14,6 +14,8 @@ using Json = nlohmann::ordered_json;
 constexpr uint32_t kGlbMagic = 0x46546c67, kJsonChunk = 0x4e4f534a, kBinChunk = 0x004e4942;
 constexpr int kFloat = 5126, kByte = 5121, kArrayBuffer = 34962;
 
+constexpr double kStripWidth = 1.0 / 500;  // of the size of all
+
 // Vertex colours are linear in glTF.
 uint8_t linear(uint8_t srgb) {
   const double c = srgb / 255.0;
@@ -136,6 +138,34 @@ class Writer {
   size_t count_ = 0;
 };
 
+// Diagonal of the box that holds all.
+double size_of(const std::vector<DebugMesh>& meshes) {
+  Vec3d low(INFINITY), high(-INFINITY);
+  for (const DebugMesh& mesh : meshes)
+    for (const Vec3d& p : mesh.positions) low = min(low, p), high = max(high, p);
+  return low.x <= high.x ? length(high - low) : 0;
+}
+
+// Two crossed strips for each line: seen from all around, one of them is there.
+DebugMesh strips_of(const DebugMesh& lines, double width) {
+  DebugMesh strips{.name = lines.name};
+  for (size_t i = 0; i + 1 < lines.positions.size(); i += 2) {
+    const Vec3d &a = lines.positions[i], &b = lines.positions[i + 1];
+    if (!(length(b - a) > 0)) continue;
+    const Onb<double> frame(normalize(b - a));
+    for (const Vec3d& across : {frame.x * (0.5 * width), frame.y * (0.5 * width)}) {
+      for (const auto& [p, end] : {std::pair(a - across, i),
+                                   {b - across, i + 1},
+                                   {b + across, i + 1},
+                                   {a - across, i},
+                                   {b + across, i + 1},
+                                   {a + across, i}})
+        strips.point(p, lines.colours[end]);
+    }
+  }
+  return strips;
+}
+
 }  // namespace
 
 void DebugMesh::point(const Vec3d& at, const Colour& c) {
@@ -168,10 +198,13 @@ void DebugMesh::cube(const Vec3d& centre, double side, const Colour& c) {
     }
 }
 
-std::string debug_glb_bytes(const std::vector<DebugMesh>& meshes, const Provenance& provenance) {
+std::string debug_glb_bytes(const std::vector<DebugMesh>& meshes, const Provenance& provenance,
+                            DebugLines lines) {
   Writer writer(provenance);
+  const double width = lines == DebugLines::strips ? kStripWidth * size_of(meshes) : 0;
   for (const DebugMesh& mesh : meshes)
-    if (!mesh.positions.empty()) writer.add(mesh);
+    if (!mesh.positions.empty())
+      writer.add(width > 0 && mesh.kind == DebugMesh::Kind::lines ? strips_of(mesh, width) : mesh);
   return writer.glb();
 }
 

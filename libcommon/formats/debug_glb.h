@@ -30,8 +30,12 @@ struct DebugMesh {
   void cube(const Vec3d& centre, double side, const Colour& c);
 };
 
-/// Empty meshes are left out. Materials are unlit and seen from both sides; triangles are
+enum class DebugLines { edges, strips };
+
+/// Empty meshes are left out; lines are edges, which renderers do not show, or thin strips of
+/// triangles. Materials are unlit and seen from both sides; triangles are
 /// translucent where some alpha is below 255.
-std::string debug_glb_bytes(const std::vector<DebugMesh>& meshes, const Provenance& provenance);
+std::string debug_glb_bytes(const std::vector<DebugMesh>& meshes, const Provenance& provenance,
+                            DebugLines lines = DebugLines::edges);
 
 }  // namespace tdpt

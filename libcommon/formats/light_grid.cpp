@@ -2,6 +2,7 @@
 // light where it is; the box of the dense arrays stands in the file's metadata.
 #include "libcommon/formats/light_grid.h"
 
+#include <algorithm>
 #include <cstring>
 #include <new>
 #include <set>
@@ -54,6 +55,22 @@ vdb::math::Transform::Ptr transform_of(const LightGrid& grid) {
   return t;
 }
 
+// From +Y as up to +Z, as rows times matrix: (x, y, z) -> (x, -z, y).
+const vdb::Mat4d kUpright(1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1);
+const vdb::Mat4d kLying = kUpright.transpose();
+
+// The same light for viewers whose up is +Z: places by the transform, vectors by their values.
+template <class GridPtr>
+void place_upright(const GridPtr& grid) {
+  const auto transform = grid->transform().copy();
+  transform->postMult(kUpright);
+  grid->setTransform(transform);
+}
+
+Vec3f upright(const Vec3f& v) {
+  return {v.x, -v.z, v.y};
+}
+
 // Dense x-fastest array -> sparse grid without the background's voxels.
 template <class Grid, class Value>
 typename Grid::Ptr sparse(const LightGrid& light, const char* name,
@@ -100,7 +117,8 @@ void append(PointGrid& grid, const vdb::tools::PointIndexGrid& index, const char
 
 // `joins`: null, or for each line.
 PointGrid::Ptr points_of(const LightGrid& light, const char* name,
-                         const std::vector<LightLine>& lines, const std::vector<int32_t>* joins) {
+                         const std::vector<LightLine>& lines, const std::vector<int32_t>* joins,
+                         bool z_up) {
   const auto transform = transform_of(light);
   const Positions positions{lines, unit_of(light)};
   const auto index =
@@ -111,7 +129,8 @@ PointGrid::Ptr points_of(const LightGrid& light, const char* name,
   std::vector<vdb::Vec3f> along;
   std::vector<int32_t> cut;
   for (const LightLine& l : lines) {
-    const Vec3f d(l.camera - l.light);
+    Vec3f d(l.camera - l.light);
+    if (z_up) d = upright(d);
     along.emplace_back(d.x, d.y, d.z);
     cut.push_back(static_cast<int32_t>(l.cut));
   }
@@ -187,6 +206,11 @@ class Reader {
     throw InputError(name_, place, what);
   }
 
+  // A vector of the file as the scene has it.
+  Vec3f of_scene(const vdb::Vec3f& v) const {
+    return z_up_ ? Vec3f(v.x(), v.z(), -v.y()) : Vec3f(v.x(), v.y(), v.z());
+  }
+
   template <class T>
   T value(const vdb::MetaMap& meta, const char* key) const {
     const auto typed = meta.getMetadata<vdb::TypedMetadata<T>>(key);
@@ -219,6 +243,7 @@ class Reader {
     if (!(light.voxel > 0) || !std::isfinite(light.voxel) || !is_finite(light.origin))
       fail("tdpt_voxel", "is no positive length");
     voxels_ = total;
+    z_up_ = meta["tdpt_z_up"] && value<bool>(meta, "tdpt_z_up");
     light.scene_hash = value<std::string>(meta, "tdpt_scene_hash");
     if (meta["tdpt_camera"]) {
       light.camera = value<std::string>(meta, "tdpt_camera");
@@ -290,8 +315,7 @@ class Reader {
       if (!box.isInside(part)) fail(place, "reaches out of its box");
       Value v{};
       if constexpr (std::is_same_v<Value, Vec3f>) {
-        const auto& d = *it;
-        v = {d.x(), d.y(), d.z()};
+        v = of_scene(*it);
         if (!is_finite(v)) fail(place, "holds a value that is not finite");
       } else if constexpr (std::is_same_v<Value, float>) {
         v = *it;
@@ -311,7 +335,8 @@ class Reader {
     // Equal values stand in the file once, for any number of points; those of lines differ.
     if (const vdb::Index64 n = vdb::points::pointCount(grid->tree()); n > most_lines_)
       fail(at, fmt::format("{} lines, expected at most {} in a file of this size", n, most_lines_));
-    const auto& transform = grid->transform();
+    const auto transform = grid->transform().copy();
+    if (z_up_) transform->postMult(kLying);
     const double unit = unit_of(light);
     for (auto leaf = grid->tree().cbeginLeaf(); leaf; ++leaf) {
       const auto& attributes = leaf->attributeSet();
@@ -328,10 +353,9 @@ class Reader {
         if (*it >= place.size() || *it >= along.size() || *it >= cut.size() || *it >= joins.size())
           fail(at, "names a point that does not exist");
         const vdb::Vec3d p =
-            transform.indexToWorld(vdb::Vec3d(place.get(*it)) + it.getCoord().asVec3d()) / unit;
-        const vdb::Vec3f d = along.get(*it);
+            transform->indexToWorld(vdb::Vec3d(place.get(*it)) + it.getCoord().asVec3d()) / unit;
         LightLine line{{p.x(), p.y(), p.z()}, {}, 0};
-        line.camera = line.light + Vec3d{d.x(), d.y(), d.z()};
+        line.camera = line.light + Vec3d(of_scene(along.get(*it)));
         check_ends(at, light, line);
         if (cut.get(*it) < 0 || cut.get(*it) >= static_cast<int32_t>(kMostCuts))
           fail(at, fmt::format("holds a line of cut {}, expected one of 0 to {}", cut.get(*it),
@@ -356,6 +380,7 @@ class Reader {
   std::string name_;
   size_t voxels_ = 0;
   vdb::Index64 most_lines_ = 0;
+  bool z_up_ = false;
 };
 
 }  // namespace
@@ -379,9 +404,10 @@ LightGrid parse_light_grid(const std::string& bytes, const std::string& name) {
   }
 }
 
-std::string light_grid_bytes(const LightGrid& light) {
+std::string light_grid_bytes(const LightGrid& light, bool z_up) {
   initialise();
   vdb::MetaMap meta;
+  if (z_up) meta.insertMeta("tdpt_z_up", vdb::BoolMetadata(true));
   meta.insertMeta("tdpt_origin",
                   vdb::Vec3DMetadata({light.origin.x, light.origin.y, light.origin.z}));
   meta.insertMeta("tdpt_voxel", vdb::DoubleMetadata(light.voxel));
@@ -409,8 +435,10 @@ std::string light_grid_bytes(const LightGrid& light) {
   count->setGridClass(vdb::GRID_FOG_VOLUME);
   grids.push_back(count);
   grids.push_back(sparse<vdb::MaskGrid>(light, "air", light.air));
-  grids.push_back(sparse<vdb::Vec3SGrid>(light, "direction", light.direction));
-  if (!light.lines.empty()) grids.push_back(points_of(light, "lines", light.lines, nullptr));
+  std::vector<Vec3f> direction = light.direction;
+  if (z_up) std::transform(direction.begin(), direction.end(), direction.begin(), upright);
+  grids.push_back(sparse<vdb::Vec3SGrid>(light, "direction", direction));
+  if (!light.lines.empty()) grids.push_back(points_of(light, "lines", light.lines, nullptr, z_up));
   if (!light.probes.empty()) {
     std::vector<LightLine> lines;
     std::vector<int32_t> joins;
@@ -418,8 +446,10 @@ std::string light_grid_bytes(const LightGrid& light) {
       lines.push_back(probe.line);
       joins.push_back(probe.joins);
     }
-    grids.push_back(points_of(light, "probes", lines, &joins));
+    grids.push_back(points_of(light, "probes", lines, &joins, z_up));
   }
+  if (z_up)
+    for (const auto& each : grids) place_upright(each);
   std::ostringstream out(std::ios::binary);
   vdb::io::Stream(out).write(grids, meta);
   std::string bytes = out.str();

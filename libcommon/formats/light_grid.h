@@ -108,8 +108,9 @@ LightGrid read_light_grid(const std::string& path);
 /// The same of the bytes of `name`, in this process and on this thread alone. OpenVDB, given bytes
 /// that are not its own, may end the process or spoil its memory. Throws InputError.
 LightGrid parse_light_grid(const std::string& bytes, const std::string& name);
-/// The file as .vdb bytes. Lines come back in another order and with positions rounded to floats
-/// relative to their voxel.
-std::string light_grid_bytes(const LightGrid& grid);
+/// The file as .vdb bytes, with the scene's +Y as up or, for viewers whose up is +Z, turned
+/// upright; it is read as the same grid. Lines come back in another order and with positions
+/// rounded to floats relative to their voxel.
+std::string light_grid_bytes(const LightGrid& grid, bool z_up = false);
 
 }  // namespace tdpt

@@ -103,6 +103,26 @@ TEST_F(LightGridFormat, ComesBackAsItWasWritten) {
   EXPECT_TRUE(light_grid_bytes(g) == bytes) << "two writings differ";
 }
 
+// The same bits but for the order of lines; viewers are told another place.
+TEST_F(LightGridFormat, StandsUprightOnDemandAndIsReadAsTheSame) {
+  const LightGrid g = small();
+  const std::string lying = light_grid_bytes(g), upright = light_grid_bytes(g, true);
+  EXPECT_TRUE(lying.find("tdpt_z_up") == std::string::npos);
+  ASSERT_TRUE(upright.find("tdpt_z_up") != std::string::npos);
+  const LightGrid a = read_light_grid(write(lying)), b = read_light_grid(write(upright));
+  EXPECT_EQ(a.origin, b.origin);
+  EXPECT_EQ(a.count, b.count);
+  EXPECT_EQ(a.direction, b.direction);
+  expect_same_lines(b, a, 1e-15);
+  ASSERT_EQ(a.probes.size(), b.probes.size());
+  for (size_t i = 0; i < a.probes.size(); ++i)
+    EXPECT_EQ(a.probes[i].line.camera, b.probes[i].line.camera);
+  // A reader that takes the one for the other finds lines out of their box.
+  std::string taken = upright;
+  taken.replace(taken.find("tdpt_z_up"), 9, "tdpt_x_up").replace(21 + 14, 1, "4");
+  EXPECT_EQ(error_of(taken), "grid lines: reaches out of its box");
+}
+
 TEST_F(LightGridFormat, NoBottleneckIsAFileToo) {
   LightGrid g;
   g.bottleneck = false;

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "libcommon/base/counted.h"
 #include "libcommon/base/error.h"
 #include "libcommon/base/memory_limit.h"
 #include "libcommon/base/shown.h"
@@ -43,8 +44,8 @@ class Reader {
       for (const Rgbe& texel : row) p.pixels.push_back(colour_of(texel) * scale_);
     }
     if (at_ < bytes_.size())
-      fail("", fmt::format("{} bytes after the last of {} x {} pixels", bytes_.size() - at_,
-                           p.width, p.height));
+      fail("", fmt::format("{} after the last of {} x {} pixels",
+                           counted(bytes_.size() - at_, "byte"), p.width, p.height));
     return p;
   }
 

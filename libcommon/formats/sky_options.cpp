@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <functional>
 #include <numbers>
 #include <optional>
 
@@ -12,6 +13,7 @@
 #include "libcommon/base/file.h"
 #include "libcommon/base/hash.h"
 #include "libcommon/formats/environment.h"
+#include "libcommon/scene/lights.h"
 
 namespace tdpt {
 namespace {
@@ -19,6 +21,7 @@ namespace {
 constexpr double kBrightest = 1e30, kFaintest = 1e-30;  // [W/m2/sr]
 constexpr double kSmallestSun = 0.01;                   // [deg]
 constexpr double kRadians = std::numbers::pi / 180;
+constexpr double kOutshines = 100;  // in power, beyond which lamps and surfaces hardly go together
 
 std::optional<float> number(std::string_view text) {
   float value = 0;
@@ -111,6 +114,45 @@ void scale(Sky::Map& map, double factor) {
   }
 }
 
+bool has_emission(const Scene& scene) {
+  return std::any_of(scene.materials.begin(), scene.materials.end(),
+                     [](const Material& m) { return max_component(m.emission) > 0; });
+}
+
+LampUnits::Kind units_of(const Scene& scene, const std::string& name) {
+  const std::vector<std::string>& names = names_of_lamp_units();
+  const auto at = std::find(names.begin(), names.end(), name);
+  return at == names.end() ? scene.lamp_units.kind
+                           : static_cast<LampUnits::Kind>(at - names.begin());
+}
+
+// Whether lamps in these units stand to each other, or to what else shines, as they do not in those
+// that are most likely: then light comes from elsewhere.
+bool shifts_light(const Scene& scene, LampUnits::Kind units, bool with_map) {
+  std::vector<double> changes;
+  for (const PunctualLight& lamp : scene.lights) {
+    const bool sun = lamp.kind == PunctualLight::Kind::directional;
+    changes.push_back(to_radiometric(units, sun) / to_radiometric(scene.lamp_units.kind, sun));
+  }
+  if (with_map || has_emission(scene)) changes.push_back(1);
+  return std::adjacent_find(changes.begin(), changes.end(), std::not_equal_to<>()) != changes.end();
+}
+
+// Brings the lamps to W/sr and W/m2. Returns what the identity of the scene has of it.
+std::string take_lamps(Scene& scene, const SkyArguments& a, const cli::Common& common) {
+  if (scene.lights.empty()) {
+    if (a.light_units != "auto")
+      common.note("the scene has no lamp: --light-units changes nothing");
+    return "";
+  }
+  if (a.light_units == "auto" && !scene.lamp_units.reason.empty())
+    common.note(scene.lamp_units.reason);
+  const LampUnits::Kind units = units_of(scene, a.light_units);
+  const bool shifted = shifts_light(scene, units, !a.environment.empty());
+  take_lamps_as(scene, units);
+  return shifted ? content_hash("lamps " + a.light_units) : "";
+}
+
 }  // namespace
 
 void declare_sky_options(cli::Options& options, SkyArguments& a) {
@@ -125,11 +167,16 @@ void declare_sky_options(cli::Options& options, SkyArguments& a) {
                  1e-9, 1e9);
   options.option("--sun-angle", a.sun_angle, "DEG",
                  "Angle that directional lamps are seen under; default 0, parallel light", 0, 90);
+  std::vector<std::string> units = names_of_lamp_units();
+  units.insert(units.begin(), "auto");
+  options.choice("--light-units", a.light_units, units,
+                 "Units of the scene's lamps; default auto, by who wrote the file");
 }
 
 void add_sky(Scene& scene, const SkyArguments& a, const cli::Common& common,
              std::vector<cli::Common::Input>& files) {
   check(a);
+  scene.sky_hash = take_lamps(scene, a, common);
   Sky::Map map = read_map(a, files);
   std::vector<Sky::Sun> suns;
   if (a.sun_angle > 0) suns = take_suns(scene, 0.5 * a.sun_angle * kRadians);
@@ -138,9 +185,20 @@ void add_sky(Scene& scene, const SkyArguments& a, const cli::Common& common,
   if (map.texels.empty() && suns.empty()) return;
   if (scene.lights.empty()) std::erase(scene.needs, "punctual lights");
   scene.needs.push_back("a sky");
-  scene.sky_hash = hash_of(map, a.rotation, suns.empty() ? 0 : a.sun_angle);
+  const std::string sky_hash = hash_of(map, a.rotation, suns.empty() ? 0 : a.sun_angle);
+  scene.sky_hash = scene.sky_hash.empty() ? sky_hash : content_hash(scene.sky_hash + sky_hash);
   scale(map, a.scale);
   scene.sky = std::make_shared<Sky>(std::move(map), a.rotation * kRadians, std::move(suns));
+}
+
+void warn_of_lamps(const Scene& scene, const cli::Common& common) {
+  if (scene.lights.empty() || !has_emission(scene)) return;
+  const Lights::Shares power = Lights(scene).powers();
+  if (!(power.surfaces > 0 && power.lamps > kOutshines * power.surfaces)) return;
+  common.warn(
+      fmt::format("lamps have {:.3g} times the power of the surfaces that emit: if that is not "
+                  "meant, their units differ, and --light-units photometric divides lamps by 683",
+                  power.lamps / power.surfaces));
 }
 
 }  // namespace tdpt

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <cmath>
+#include <functional>
 #include <numbers>
 
 #include "libcommon/base/error.h"
@@ -73,6 +74,86 @@ TEST(SkyOptions, WithoutThemNothingChanges) {
   EXPECT_EQ(a.scene.lights.size(), 3u);
   EXPECT_EQ(a.scene.identity(), "1234");
   EXPECT_TRUE(a.files.empty());
+}
+
+// What is said on stderr meanwhile.
+std::string said(const std::function<void(const cli::Common&)>& act) {
+  cli::Common common;
+  ::testing::internal::CaptureStderr();
+  act(common);
+  return ::testing::internal::GetCapturedStderr();
+}
+Scene lamps_of_blender() {
+  Scene scene = lamps();
+  scene.lamp_units = {LampUnits::Kind::photometric, "lamps are candela."};
+  return scene;
+}
+struct Taken {
+  Scene scene;
+  std::string note;
+  Taken(Scene s, const std::string& units, const std::string& environment = "")
+      : scene(std::move(s)) {
+    note = said([&](const cli::Common& common) {
+      std::vector<cli::Common::Input> files;
+      add_sky(scene, {environment, 0, 1, 0, units}, common, files);
+    });
+  }
+};
+
+TEST(SkyOptions, UnitsAreThoseOfTheFileUnlessGiven) {
+  const Taken as_is(lamps(), "auto"), blender(lamps_of_blender(), "auto");
+  EXPECT_EQ(as_is.scene.lights[0].intensity, Rgb(5, 4, 3));
+  EXPECT_EQ(as_is.note, "");
+  for (const PunctualLight& lamp : blender.scene.lights)
+    EXPECT_FLOAT_EQ(lamp.intensity.x, 5 / 683.f);
+  EXPECT_NE(blender.note.find("lamps are candela."), std::string::npos);
+  EXPECT_EQ(blender.scene.identity(), "1234");
+  const Taken given(lamps_of_blender(), "radiometric");
+  EXPECT_EQ(given.scene.lights[0].intensity, Rgb(5, 4, 3));
+  EXPECT_EQ(given.note, "");
+  const Taken watts(lamps(), "watts");
+  EXPECT_EQ(watts.scene.lights[0].intensity, Rgb(5, 4, 3));  // a sun
+  EXPECT_FLOAT_EQ(watts.scene.lights[1].intensity.x,
+                  static_cast<float>(5 / (4 * std::numbers::pi)));
+  Scene dark = lamps();
+  dark.lights.clear();
+  EXPECT_NE(Taken(dark, "watts").note.find("the scene has no lamp: --light-units changes nothing"),
+            std::string::npos);
+}
+
+// One factor for all that shines moves no light elsewhere.
+TEST(SkyOptions, UnitsThatShiftTheLightMakeAnotherScene) {
+  EXPECT_EQ(Taken(lamps_of_blender(), "photometric").scene.identity(), "1234");
+  EXPECT_EQ(Taken(lamps_of_blender(), "radiometric").scene.identity(), "1234");
+  const std::string watts = Taken(lamps_of_blender(), "watts").scene.identity();
+  EXPECT_NE(watts, "1234");
+  EXPECT_TRUE(lamps().is_scene_of(watts));
+  Scene with_surface = lamps_of_blender();
+  with_surface.materials.emplace_back().emission = Rgb(1);
+  EXPECT_EQ(Taken(with_surface, "auto").scene.identity(), "1234");
+  EXPECT_EQ(Taken(with_surface, "photometric").scene.identity(), "1234");
+  EXPECT_NE(Taken(with_surface, "radiometric").scene.identity(), "1234");
+  const std::string sky = Taken(lamps_of_blender(), "auto", "1,1,1").scene.identity();
+  EXPECT_EQ(Taken(lamps(), "auto", "1,1,1").scene.identity(), sky);
+  EXPECT_NE(Taken(lamps_of_blender(), "radiometric", "1,1,1").scene.identity(), sky);
+}
+
+TEST(SkyOptions, LampsThatOutshineSurfacesAreTold) {
+  Scene scene = lamps();
+  scene.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  scene.triangles = {{{0, 1, 2}, 0}};
+  scene.materials.emplace_back();
+  const auto warning = [&](float lamp) {
+    scene.lights[1].intensity = Rgb(lamp);
+    return said([&](const cli::Common& common) { warn_of_lamps(scene, common); });
+  };
+  EXPECT_EQ(warning(1e6f), "");
+  scene.materials[0].emission = Rgb(1);  // pi/2 W beside 4 pi of the lamp; suns do not count
+  EXPECT_EQ(warning(12), "");
+  EXPECT_NE(warning(13).find("lamps have 104 times the power of the surfaces that emit: if that is "
+                             "not meant, their units differ, and --light-units photometric divides "
+                             "lamps by 683"),
+            std::string::npos);
 }
 
 TEST(SkyOptions, OneColour) {
@@ -185,10 +266,14 @@ TEST(SkyOptions, FilesOfAnotherSceneOrSkyAreTold) {
   EXPECT_EQ(said("1234"), "");
   EXPECT_EQ(said("1235"), "a.cut: was made from another scene than room.glb");
   EXPECT_EQ(said("1235+88"), "a.cut: was made from another scene than room.glb");
-  EXPECT_EQ(said("1234+88"), "a.cut: was made from room.glb, but under another environment");
+  EXPECT_EQ(said("1234+88"),
+            "a.cut: was made from room.glb, but under another environment or "
+            "other --light-units");
   scene.sky_hash = "88";
   EXPECT_EQ(said("1234+88"), "");
-  EXPECT_EQ(said("1234"), "a.cut: was made from room.glb, but under another environment");
+  EXPECT_EQ(said("1234"),
+            "a.cut: was made from room.glb, but under another environment or "
+            "other --light-units");
   EXPECT_TRUE(scene.is_scene_of("1234+99"));
   EXPECT_FALSE(scene.is_scene_of("12345"));
 }

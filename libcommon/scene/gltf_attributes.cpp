@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "libcommon/base/counted.h"
+
 namespace tdpt::gltf {
 namespace {
 
@@ -83,8 +85,8 @@ void check_counts(const Document& d, const AttributeSet& set, const std::string&
   const auto check = [&](int accessor, const std::string& of, const std::string& name) {
     if (accessor >= 0 && count(accessor) != count(set.position))
       d.fail(where + "." + of + "." + name,
-             fmt::format("has {} elements, expected {} as POSITION has", count(accessor),
-                         count(set.position)));
+             fmt::format("has {}, expected {} as POSITION has",
+                         tdpt::counted(count(accessor), "element"), count(set.position)));
   };
   check(set.normal, "attributes", kNormal.name);
   check(set.tangent, "attributes", kTangent.name);

@@ -154,10 +154,10 @@ void check_lights(Checker& c, Json& root) {
     const double inner = s.value("innerConeAngle", 0.0);
     const double outer = s.value("outerConeAngle", std::numbers::pi / 4);
     // Files round pi/2 to single precision.
-    if (!(inner >= 0 && inner < outer && outer <= std::numbers::pi / 2 + 1e-6))
+    if (!(inner >= 0 && inner <= outer && outer > 0 && outer <= std::numbers::pi / 2 + 1e-6))
       c.fail_because(at + ".spot",
                      fmt::format("has an inner cone of {} and an outer one of {}, expected "
-                                 "0 <= inner < outer <= pi/2",
+                                 "0 <= inner <= outer, 0 < outer <= pi/2",
                                  inner, outer));
   });
 }

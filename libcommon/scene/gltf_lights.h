@@ -13,6 +13,9 @@ namespace tdpt::gltf {
 /// transform leaves a spot or directional light no direction.
 std::optional<PunctualLight> read_light(const Document& document, const PlacedNode& node);
 
+/// What the numbers of the file's lamps stand for.
+LampUnits lamp_units_of(const Document& document);
+
 /// Brings a light to the canonical frame. Throws InputError when its intensity is too large or too
 /// small for single precision there.
 void to_canonical(const Document& document, const Frame& frame, PunctualLight& light);

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "libcommon/base/error.h"
+#include "libcommon/scene/lights.h"
 #include "libcommon/scene/scene.h"
 #include "libcommon/testing/glb_builder.h"
 #include "libcommon/testing/temp_folder.h"
@@ -14,9 +15,10 @@ using Json = nlohmann::ordered_json;
 using Kind = PunctualLight::Kind;
 
 /// A triangle 2 `size` m long, and a node for each light, placed by `placement`.
-Scene scene_with(const std::vector<Json>& lights, Json placement = Json::object(),
-                 double size = 1) {
+Scene scene_with(const std::vector<Json>& lights, Json placement = Json::object(), double size = 1,
+                 const Json& generator = "") {
   GlbBuilder b;
+  b.json["asset"]["generator"] = generator;
   const int p = b.floats({0, 0, 0, 2, 0, 0, 0, 1, 0}, 3);
   b.material({{"pbrMetallicRoughness", {{"metallicFactor", 0}}},
               {"extensions", {{"KHR_materials_specular", {{"specularFactor", 0}}}}}});
@@ -84,6 +86,32 @@ TEST(PunctualLights, SpotsHaveCones) {
   EXPECT_NEAR(s.lights[1].cos_inner, std::sqrt(0.75), 1e-12);
   EXPECT_NEAR(s.lights[1].cos_outer, 0.5, 1e-12);
   EXPECT_GE(s.lights[2].cos_outer, 0);  // pi / 2 rounded up
+}
+
+// As Blender writes a spot without blend.
+TEST(PunctualLights, ASpotMayHaveASharpEdge) {
+  const Scene s =
+      scene_with({{{"type", "spot"}, {"spot", {{"innerConeAngle", 0.5}, {"outerConeAngle", 0.5}}}}},
+                 {{"translation", {0, 0, 2}}});
+  ASSERT_EQ(s.lights.size(), 1u);
+  const LightSource source = LightSource::punctual(s.lights[0], 1);
+  const auto at = [&](double angle) {
+    return source.emitted({}, {}, {std::sin(angle), 0, -std::cos(angle)}).x;
+  };
+  EXPECT_EQ(at(0), 1);
+  EXPECT_EQ(at(0.4999), 1);
+  EXPECT_EQ(at(0.5001), 0);
+}
+
+TEST(PunctualLights, TheirUnitsGoByWhoWroteTheFile) {
+  const std::vector<Json> lamps{{{"type", "point"}, {"intensity", 5435.141306588225}}};
+  EXPECT_EQ(scene_with(lamps).lamp_units.kind, LampUnits::Kind::radiometric);
+  const auto by = [&](const Json& generator) {
+    return scene_with(lamps, Json::object(), 1, generator).lamp_units.kind;
+  };
+  EXPECT_EQ(by("Khronos glTF Blender I/O v3.4.50"), LampUnits::Kind::photometric);
+  EXPECT_EQ(by("Khronos glTF Blender I/O v2.93.1"), LampUnits::Kind::watts);
+  EXPECT_EQ(by(7), LampUnits::Kind::radiometric);
 }
 
 TEST(PunctualLights, DarkOnesAreSkipped) {

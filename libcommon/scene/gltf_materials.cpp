@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 
+#include "libcommon/base/counted.h"
 #include "libcommon/base/hash.h"
 #include "libcommon/base/shown.h"
 #include "libcommon/scene/gltf_specular_glossiness.h"
@@ -369,7 +370,7 @@ class Reader {
 
 std::string counted(size_t n, const std::string& noun, const std::string& one,
                     const std::string& many) {
-  return fmt::format("{} {}{} {}", n, noun, n == 1 ? "" : "s", n == 1 ? one : many);
+  return tdpt::counted(n, noun) + ' ' + (n == 1 ? one : many);
 }
 
 std::vector<MaterialUse> read_materials(const Document& d, const std::vector<bool>& used,

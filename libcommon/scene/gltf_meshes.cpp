@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <algorithm>
 
+#include "libcommon/base/counted.h"
 #include "libcommon/base/memory_limit.h"
 #include "libcommon/scene/gltf_accessors.h"
 #include "libcommon/scene/gltf_instances.h"
@@ -149,6 +150,7 @@ void MeshReader::add_mesh(const PlacedNode& n, const Shape& shape, const Affine&
     const size_t vertices = d_.model.accessors[static_cast<size_t>(position->second)].count;
     const std::vector<uint32_t> corner = corners(p, vertices, where);
     add_triangles(corner, first, placing.mirrors, material_of(p));
+    if (p.material >= 0) bubbles_.look_at(scene_.materials[material_of(p)], corner, world_, first);
     note_grain(placing.to_world, static_cast<size_t>(position->second), corner, first);
     note_primitive({mesh, k}, p, set, shape);
   }
@@ -188,12 +190,13 @@ std::vector<uint32_t> MeshReader::corners(const tinygltf::Primitive& p, size_t v
   }
   if (p.mode == TINYGLTF_MODE_TRIANGLES) {
     if (list.size() % 3 != 0)
-      d_.fail(where,
-              fmt::format("has {} corners of triangles, expected a multiple of 3", list.size()));
+      d_.fail(where, fmt::format("has {} of triangles, expected a multiple of 3",
+                                 tdpt::counted(list.size(), "corner")));
     return list;
   }
   if (list.size() < 3)
-    d_.fail(where, fmt::format("has {} corners, a strip or fan has at least 3", list.size()));
+    d_.fail(where, fmt::format("has {}, a strip or fan has at least 3",
+                               tdpt::counted(list.size(), "corner")));
   std::vector<uint32_t> out;
   out.reserve(3 * (list.size() - 2));
   for (size_t i = 0; i + 2 < list.size(); ++i) {
@@ -241,6 +244,8 @@ void MeshReader::warn() const {
   const auto tell = [&](size_t n, const char* noun, const char* one, const char* many) {
     if (n > 0) scene_.warnings.push_back(counted(n, noun, one, many));
   };
+  if (const std::string bubbles = bubbles_.warning(); !bubbles.empty())
+    scene_.warnings.push_back(bubbles);
   tell(no_surfaces_, "set", "of points or lines is left out", "of points or lines are left out");
   tell(without_uv_.size(), "primitive",
        "lacks the texture coordinates that its material asks for: taken as 0",

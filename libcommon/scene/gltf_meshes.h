@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "libcommon/scene/gltf_attributes.h"
+#include "libcommon/scene/gltf_bubbles.h"
 #include "libcommon/scene/gltf_document.h"
 #include "libcommon/scene/gltf_materials.h"
 #include "libcommon/scene/gltf_nodes.h"
@@ -60,6 +61,7 @@ class MeshReader {
   std::vector<Vec3d> world_;
   double grain_ = 0;
   bool unnamed_material_ = false;
+  Bubbles bubbles_;
   size_t no_surfaces_ = 0;
   std::set<Key> without_uv_, coloured_, without_joints_;
   std::set<size_t> skinned_instances_;  // nodes

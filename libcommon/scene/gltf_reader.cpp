@@ -40,6 +40,7 @@ class SceneReader {
       if (!n.visible) continue;
       if (const auto light = read_light(d_, n)) scene_.lights.push_back(*light);
     }
+    if (!scene_.lights.empty()) scene_.lamp_units = lamp_units_of(d_);
     if (scene_.triangles.empty()) d_.fail("", "has no triangles in its scene");
     if (meshes.unnamed_material()) scene_.materials.emplace_back().name = "default";
     for (size_t i = 0; i < scene_.materials.size(); ++i)

@@ -96,6 +96,7 @@ Lights::Lights(const Scene& scene) : scene_(scene), pdf_A_(scene.triangles.size(
     if (has_sky_) add(directions_.total() * disc);
   }
   if (powers_.empty()) return;
+  for (size_t i = 0; i < powers_.size(); ++i) emitted_.of(source_of(i)) += powers_[i];
   // Defensive: one that is billions of times fainter than the others would never be chosen, and a
   // room that it lights alone be black. All that are lifted are chosen one time in a hundred.
   const double least = kLeastShare * power_ / static_cast<double>(powers_.size());

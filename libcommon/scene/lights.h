@@ -100,6 +100,8 @@ class Lights {
     }
     friend bool operator==(const Shares&, const Shares&) = default;
   };
+  /// Of emitted power, by kind; canonical area, luminance, as power().
+  const Shares& powers() const { return emitted_; }
   /// In proportion to power, but for the faint, unless choose_by() said otherwise.
   const Shares& shares() const { return shares_; }
   /// Those of a kind that there are have more than 0.
@@ -189,7 +191,7 @@ class Lights {
   CumulativeTable table_;
   std::vector<float> pdf_A_;    // per scene triangle
   std::vector<double> powers_;  // of the entries; the faintest are taken for more [lights.cpp]
-  Shares shares_;
+  Shares shares_, emitted_;
   double power_ = 0;
   double radius_ = 0;  // of a ball around the origin that holds all triangles
 };

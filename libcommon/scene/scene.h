@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "libcommon/math/vec.h"
+#include "libcommon/scene/lamp_units.h"
 #include "libcommon/scene/sky.h"
 
 namespace tdpt {
@@ -121,9 +122,11 @@ struct Camera {
 };
 
 struct Scene {
-  std::string path;                ///< as given, for messages
-  std::string hash;                ///< content hash of the file and of all buffers it reads
-  std::string sky_hash;            ///< of the sky, but for its power; empty: none
+  std::string path;  ///< as given, for messages
+  std::string hash;  ///< content hash of the file and of all buffers it reads
+  /// Of what else decides where its light comes from: the sky, but for its power, and units of its
+  /// lamps that are not what they most likely are; empty: nothing.
+  std::string sky_hash;
   std::vector<std::string> files;  ///< paths of buffers and images read beside it
   Frame frame;
   std::vector<Vec3f> positions;  ///< canonical
@@ -133,6 +136,7 @@ struct Scene {
   /// added them.
   uint32_t dome = UINT32_MAX;
   std::vector<PunctualLight> lights;
+  LampUnits lamp_units;            ///< of `lights` as read, before take_lamps_as()
   std::shared_ptr<const Sky> sky;  ///< none: all around is black
   std::vector<Image> images;
   std::vector<Camera> cameras;
@@ -150,7 +154,7 @@ struct Scene {
   std::vector<std::string> warnings;  ///< sentences: what was approximated or left out
   std::vector<std::string> needs;     ///< words: what its materials and lights ask of a renderer
 
-  /// What files carry that were made from it: `hash`, with a sky "hash+sky_hash".
+  /// What files carry that were made from it: `hash`, or "hash+sky_hash".
   std::string identity() const { return sky_hash.empty() ? hash : hash + '+' + sky_hash; }
   /// Whether `identity` is that of this scene, whatever the sky.
   bool is_scene_of(const std::string& identity) const;

@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "libcommon/base/counted.h"
+
 namespace tdpt {
 namespace {
 
@@ -80,7 +82,7 @@ constexpr std::array kUses{
         "none is interpolated"},
     Use{"punctual lights",
         [](const Scene& s) {
-          return fmt::format("the scene has {} lamps without surface", s.lights.size());
+          return fmt::format("the scene has {} without surface", counted(s.lights.size(), "lamp"));
         },
         "none is drawn"},
     Use{"absorption",

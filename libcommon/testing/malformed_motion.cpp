@@ -168,7 +168,7 @@ void morphs(MalformedList& l) {
       [](GlbBuilder& b) {
         add_target(b, b.floats({0, 0, 1}, 3));
       },
-      "meshes[0].primitives[0].targets.POSITION: has 1 elements, expected 4 as POSITION has");
+      "meshes[0].primitives[0].targets.POSITION: has 1 element, expected 4 as POSITION has");
   l.spoil(
       "target-vec2",
       [](GlbBuilder& b) {

@@ -140,14 +140,14 @@ void lights(MalformedList& l) {
   light("light-intensity", {{"type", "point"}, {"intensity", -1}},
         place + ".lights[0].intensity: is -1, expected a number of at least 0");
   light("light-cone",
-        {{"type", "spot"}, {"spot", {{"innerConeAngle", 0.5}, {"outerConeAngle", 0.5}}}},
+        {{"type", "spot"}, {"spot", {{"innerConeAngle", 0.6}, {"outerConeAngle", 0.5}}}},
         place +
-            ".lights[0].spot: has an inner cone of 0.5 and an outer one of 0.5, expected 0 <= "
-            "inner < outer <= pi/2");
+            ".lights[0].spot: has an inner cone of 0.6 and an outer one of 0.5, expected 0 <= "
+            "inner <= outer, 0 < outer <= pi/2");
   light("light-wide", {{"type", "spot"}, {"spot", {{"outerConeAngle", 1.6}}}},
         place +
             ".lights[0].spot: has an inner cone of 0 and an outer one of 1.6, expected 0 <= "
-            "inner < outer <= pi/2");
+            "inner <= outer, 0 < outer <= pi/2");
   light("light-flat", {{"type", "spot"}}, "nodes[2]: holds a light, but its transform is flat");
   l.replace("light-missing", "/nodes/0/extensions", {{"KHR_lights_punctual", {{"light", 0}}}},
             "nodes[0].extensions.KHR_lights_punctual.light: is 0, expected an index into the 0 "

@@ -1,6 +1,7 @@
 // exrdiff: how far a picture is from its reference.
 #include <fmt/format.h>
 
+#include "libcommon/base/counted.h"
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
 #include "libcommon/base/hash.h"
@@ -42,8 +43,8 @@ Input load(const std::string& path, const cli::Common& common) {
   const std::string bytes = read_file(path);
   Input input{parse_exr(bytes, display_name(path)), display_name(path), content_hash(bytes)};
   if (input.file.pixels_without_data > 0)
-    common.warn(fmt::format("{}: {} pixels have no data and count as black", input.name,
-                            input.file.pixels_without_data));
+    common.warn(fmt::format("{}: {} without data, taken as black", input.name,
+                            counted(input.file.pixels_without_data, "pixel")));
   return input;
 }
 

@@ -1,6 +1,7 @@
 // exrmerge: one picture from films that hold parts of its samples.
 #include <fmt/format.h>
 
+#include "libcommon/base/counted.h"
 #include "libcommon/base/error.h"
 #include "libcommon/base/shown.h"
 #include "libcommon/cli/cli.h"
@@ -55,9 +56,9 @@ int run(const Arguments& a, const cli::Common& common) {
                 {a.preview, [&] { return png_bytes(picture, auto_exposure(picture)); }}},
                common);
   if (common.json) common.summary(summary_json(film, a.films.size()));
-  common.note(fmt::format("{} samples per pixel of {} at {} x {} from {}", film.film.samples(),
-                          film.facts.spp, picture.width, picture.height,
-                          cli::plural(a.films.size(), "film")));
+  common.note(fmt::format("{} per pixel of {} at {} x {} from {}",
+                          counted(film.film.samples(), "sample"), film.facts.spp, picture.width,
+                          picture.height, cli::plural(a.films.size(), "film")));
   common.explain_by([&] { return decisions_of(film, a.films.size(), a.film); });
   return 0;
 }

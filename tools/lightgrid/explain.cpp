@@ -4,6 +4,8 @@
 
 #include "libcommon/scene/uses.h"
 
+#include "libcommon/base/counted.h"
+
 namespace tdpt {
 namespace {
 
@@ -31,11 +33,11 @@ Decision of_batches(const std::string& cut, const LightGridReport::OfCut& c,
   if (c.drawn == 0) return {cut, "nothing drawn", "no pair of it has any surface", "no segment"};
   const std::string change = fmt::format("the counts changed by {:.1f} %, {:.0f} % is settled",
                                          100 * c.change, 100 * options.tolerance);
-  return {cut + ", segments", fmt::format("stopped after {} batches", c.batches),
+  return {cut + ", segments", "stopped after " + counted(c.batches, "batch"),
           c.settled                    ? change
           : c.drawn >= options.samples ? fmt::format("{} are the most: ", options.samples) + change
                                        : "a signal came: " + change,
-          fmt::format("{} segments", c.drawn)};
+          counted(c.drawn, "segment")};
 }
 
 Decision of_leaks(const std::string& cut, const LightGridReport::OfCut& c) {
@@ -51,7 +53,7 @@ Decision of_lines(const std::string& cut, const LightGridReport::OfCut& c,
   return {cut + ", lines", fmt::format("{} kept", c.lines),
           fmt::format("--lines allows {}, and {} of {} drawn through the light join the two sides",
                       options.lines, c.joined, c.tried),
-          fmt::format("{} lines tried", c.tried)};
+          counted(c.tried, "line") + " tried"};
 }
 
 }  // namespace

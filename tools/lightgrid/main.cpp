@@ -2,12 +2,14 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "libcommon/base/counted.h"
 #include "libcommon/base/error.h"
 #include "libcommon/base/progress.h"
 #include "libcommon/base/signals.h"
 #include "libcommon/cli/cli.h"
 #include "libcommon/cli/ending.h"
 #include "libcommon/draw/canvas.h"
+#include "libcommon/formats/debug_lines.h"
 #include "libcommon/formats/sky_options.h"
 #include "libcommon/gpu/device.h"
 #include "tdpt_libraries.h"
@@ -41,9 +43,10 @@ constexpr cli::Program kProgram{
 constexpr cli::ByQuality<int64_t> kResolution{64, 128, 256}, kLines{2048, 8192, 16384};
 
 struct Arguments {
-  std::string scene, cut, device = "cpu", preview, debug_glb;
+  std::string scene, cut, device = "cpu", preview, debug_glb, debug_lines = "edges";
   SkyArguments sky;
   int64_t resolution = 0, lines = 0;
+  bool z_up = false;
 };
 
 void declare_options(cli::Options& options, Arguments& a) {
@@ -55,6 +58,7 @@ void declare_options(cli::Options& options, Arguments& a) {
                  "Voxels along the longest side of the grid", 8, 512);
   options.option("--lines", a.lines, kLines, "N", "Most lines of light kept in the file", 100,
                  1 << 22);
+  options.flag("--z-up", a.z_up, "Turn the grid for viewers whose up is +Z, as Blender");
   options.option("--device", a.device, "cpu|gpu[:WHICH]",
                  "What traces the lines; default cpu. WHICH: number or part of the name of a "
                  "Vulkan device; else the best");
@@ -64,6 +68,7 @@ void declare_options(cli::Options& options, Arguments& a) {
       "Write a picture (.png, .svg, .pdf): the counts along the three axes of the grid");
   options.side_output("--debug-glb", a.debug_glb,
                       "Write the fullest voxels and some lines of light as glTF");
+  declare_debug_lines(options, a.debug_lines);
 }
 
 struct NamedTracer {
@@ -130,9 +135,9 @@ void tell(const cli::Common& common, const LightGrid& grid, const LightGridRepor
       report.visible, report.drawn, report.kept,
       report.settled ? "have settled" : "had not settled when the budget was spent",
       100 * report.change));
-  common.note(
-      fmt::format("{} lines kept; of {} lines drawn through the light {} join the two sides.",
-                  grid.lines.size(), report.tried, report.joined));
+  common.note(fmt::format("{} kept; of {} drawn through the light {} join the two sides.",
+                          counted(grid.lines.size(), "line"), counted(report.tried, "line"),
+                          report.joined));
 }
 
 nlohmann::json summary(const LightGrid& grid, const LightGridReport& report,
@@ -156,9 +161,9 @@ int run(const Arguments& a, const cli::Common& common) {
   const LightGrid grid = compute(a, common, in, how, tracer.make, report);
   tell(common, grid, report);
   common.explain_by([&] { return decisions_of(in.scene, grid, how, report, tracer.name); });
-  cli::deliver({{common.output, [&] { return light_grid_bytes(grid); }},
+  cli::deliver({{common.output, [&] { return light_grid_bytes(grid, a.z_up); }},
                 {a.preview, [&] { return grid_preview(grid, a.scene).file_named(a.preview); }},
-                {a.debug_glb, [&] { return grid_debug_glb(grid); }}},
+                {a.debug_glb, [&] { return grid_debug_glb(grid, debug_lines(a.debug_lines)); }}},
                common, report.phases);
   cli::report(common, summary(grid, report, tracer.name), report.phases);
   if (!report.stopped) return 0;

@@ -200,7 +200,7 @@ Canvas grid_preview(const LightGrid& grid, const std::string& name) {
   return canvas;
 }
 
-std::string grid_debug_glb(const LightGrid& grid) {
+std::string grid_debug_glb(const LightGrid& grid, DebugLines as) {
   std::vector<size_t> order;
   const float most = grid.count.empty() ? 0 : grid.count[fullest(grid)];
   for (size_t i = 0; i < grid.count.size(); ++i)
@@ -222,7 +222,7 @@ std::string grid_debug_glb(const LightGrid& grid) {
   }
   for (const LightLine& l : thinned(grid.lines, kMostLines))
     lines.line(l.light, l.camera, bytes_of(kLight), bytes_of(kCamera));
-  return debug_glb_bytes({cubes, points, lines}, grid.provenance);
+  return debug_glb_bytes({cubes, points, lines}, grid.provenance, as);
 }
 
 }  // namespace tdpt

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "libcommon/draw/canvas.h"
+#include "libcommon/formats/debug_glb.h"
 #include "libcommon/formats/light_grid.h"
 
 namespace tdpt {
@@ -20,6 +21,6 @@ FlatGrid flattened(const LightGrid& grid, int axis);
 /// The three flattened grids as the views of a technical drawing. `name`: of the scene.
 draw::Canvas grid_preview(const LightGrid& grid, const std::string& name);
 /// glTF: the fullest voxels as cubes, others as points, and some lines of light.
-std::string grid_debug_glb(const LightGrid& grid);
+std::string grid_debug_glb(const LightGrid& grid, DebugLines lines);
 
 }  // namespace tdpt

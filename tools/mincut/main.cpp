@@ -10,6 +10,7 @@
 #include "libcommon/cli/cli.h"
 #include "libcommon/cli/ending.h"
 #include "libcommon/draw/canvas.h"
+#include "libcommon/formats/debug_lines.h"
 #include "libcommon/formats/viewpoint.h"
 #include "tdpt_libraries.h"
 #include "tools/mincut/cut_of.h"
@@ -27,7 +28,7 @@ constexpr cli::Program kProgram{"mincut", "Finds and verifies the minimum cut of
                                 kLibraries};
 
 struct Arguments {
-  std::string network = "-", scene, camera, preview, debug_glb;
+  std::string network = "-", scene, camera, preview, debug_glb, debug_lines = "edges";
   int64_t cuts = 8;
   CutLimits limits;
 };
@@ -48,6 +49,7 @@ void declare_options(cli::Options& options, Arguments& a) {
                  cli::Shapes::nothing);
   options.side_output("--debug-glb", a.debug_glb,
                       "Write the same as glTF: patches as coloured squares, pairs as lines");
+  declare_debug_lines(options, a.debug_lines);
 }
 
 constexpr double kFarthest = 1e6;  // sizes of the scene: no program stands a camera beyond
@@ -152,7 +154,7 @@ void cut_patches(const Arguments& a, const cli::Common& common, const DimacsFile
   phases.done("flow");
   cli::deliver({{common.output, [&] { return cut_text(cut); }},
                 {a.preview, [&] { return preview_of(a, common, cut); }},
-                {a.debug_glb, [&] { return cut_debug_glb(cut); }}},
+                {a.debug_glb, [&] { return cut_debug_glb(cut, debug_lines(a.debug_lines)); }}},
                common, phases);
   report(common, found, summary);
   common.explain_by(

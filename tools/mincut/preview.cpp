@@ -145,7 +145,7 @@ draw::Canvas cut_preview(const Scene& scene, const Camera& camera, const CutFile
   return sheet.finish();
 }
 
-std::string cut_debug_glb(const CutFile& cut) {
+std::string cut_debug_glb(const CutFile& cut, DebugLines lines) {
   const int n = regions(cut);
   std::vector<DebugMesh> meshes(static_cast<size_t>(n));
   for (int k = 0; k < n; ++k) meshes[static_cast<size_t>(k)].name = name_of_region(k, n);
@@ -169,7 +169,7 @@ std::string cut_debug_glb(const CutFile& cut) {
     pairs.line(ends.from, ends.to, draw::bytes_of(c), draw::bytes_of(c));
   }
   meshes.push_back(std::move(pairs));
-  return debug_glb_bytes(meshes, cut.provenance);
+  return debug_glb_bytes(meshes, cut.provenance, lines);
 }
 
 }  // namespace tdpt

@@ -5,6 +5,7 @@
 
 #include "libcommon/draw/scene_sheet.h"
 #include "libcommon/formats/cut.h"
+#include "libcommon/formats/debug_glb.h"
 #include "libcommon/scene/scene.h"
 
 namespace tdpt {
@@ -22,6 +23,6 @@ void paint_cut(draw::SceneSheet& sheet, const Scene& scene, const CutFile& cut);
 draw::Canvas cut_preview(const Scene& scene, const Camera& camera, const CutFile& cut,
                          const std::string& cut_name);
 /// glTF: a square for every patch in the colour of its region, pivot pairs as lines.
-std::string cut_debug_glb(const CutFile& cut);
+std::string cut_debug_glb(const CutFile& cut, DebugLines lines);
 
 }  // namespace tdpt

@@ -7,6 +7,7 @@
 #include "libcommon/cli/cli.h"
 #include "libcommon/cli/ending.h"
 #include "libcommon/draw/canvas.h"
+#include "libcommon/formats/debug_lines.h"
 #include "libcommon/formats/portal_worth.h"
 #include "tdpt_libraries.h"
 #include "tools/portalfit/choice.h"
@@ -24,7 +25,7 @@ constexpr cli::Program kProgram{"portalfit", "Fits planar light portals to a lig
                                 cli::Result::binary, kLibraries};
 
 struct Arguments {
-  std::string grid = "-", method = "tube", renderer, preview, debug_glb;
+  std::string grid = "-", method = "tube", renderer, preview, debug_glb, debug_lines = "edges";
   double threshold = PortalFitOptions{}.threshold;
   int64_t max_portals = 8;
   bool require_portal = false, all = false;
@@ -50,6 +51,7 @@ void declare_options(cli::Options& options, Arguments& a) {
                       "front and from above");
   options.side_output("--debug-glb", a.debug_glb,
                       "Write portals, their normals and some lines of light as glTF");
+  declare_debug_lines(options, a.debug_lines);
 }
 
 constexpr const char* kNoOpening = "no planar opening fits the light";
@@ -150,7 +152,8 @@ void deliver(const Arguments& a, const cli::Common& common, const LightGrid& gri
                    return portal_preview(grid, written.file.portals, written.lines, a.grid, why)
                        .file_named(a.preview);
                  }},
-                {a.debug_glb, [&] { return portal_debug_glb(grid, written.file); }}},
+                {a.debug_glb,
+                 [&] { return portal_debug_glb(grid, written.file, debug_lines(a.debug_lines)); }}},
                common, phases);
 }
 

@@ -310,7 +310,7 @@ draw::Canvas portal_preview(const LightGrid& grid, const std::vector<Portal>& po
   return canvas;
 }
 
-std::string portal_debug_glb(const LightGrid& grid, const PortalFile& file) {
+std::string portal_debug_glb(const LightGrid& grid, const PortalFile& file, DebugLines as) {
   std::vector<DebugMesh> meshes;
   DebugMesh outlines{.name = "outlines", .kind = DebugMesh::Kind::lines},
       normals{.name = "normals", .kind = DebugMesh::Kind::lines},
@@ -335,7 +335,7 @@ std::string portal_debug_glb(const LightGrid& grid, const PortalFile& file) {
   for (const LightLine& l : thinned(grid.lines, kMostGlbLines))
     lines.line(l.light, l.camera, bytes_of(kLight), bytes_of(kCamera));
   meshes.insert(meshes.end(), {outlines, normals, lines});
-  return debug_glb_bytes(meshes, file.provenance);
+  return debug_glb_bytes(meshes, file.provenance, as);
 }
 
 }  // namespace tdpt

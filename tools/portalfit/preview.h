@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "libcommon/draw/canvas.h"
+#include "libcommon/formats/debug_glb.h"
 #include "libcommon/formats/light_grid.h"
 #include "libcommon/formats/portal.h"
 
@@ -39,6 +40,6 @@ draw::Canvas portal_preview(const LightGrid& grid, const std::vector<Portal>& po
                             const std::vector<std::vector<uint32_t>>& lines,
                             const std::string& name, const std::string& why_none);
 /// glTF: portals translucent, their outlines and normals, and some lines of light.
-std::string portal_debug_glb(const LightGrid& grid, const PortalFile& file);
+std::string portal_debug_glb(const LightGrid& grid, const PortalFile& file, DebugLines lines);
 
 }  // namespace tdpt

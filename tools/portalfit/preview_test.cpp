@@ -174,8 +174,8 @@ TEST(portal_debug_glb, has_the_corners_of_the_portal) {
   PortalFile file;
   file.portals = {door()};
   const auto corners_missing = [&](const Portal& portal) {
-    const Scene scene =
-        read_gltf(folder.write("portal.glb", portal_debug_glb(lines_through_the_door(), file)));
+    const Scene scene = read_gltf(folder.write(
+        "portal.glb", portal_debug_glb(lines_through_the_door(), file, DebugLines::edges)));
     EXPECT_EQ(scene.triangles.size(), 2u);
     int missing = 0;
     for (const Vec3d& v : portal.vertices) {

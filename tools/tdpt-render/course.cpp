@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "libcommon/base/counted.h"
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
 #include "libcommon/base/processor.h"
@@ -39,8 +40,10 @@ std::string integrator_words(const Arguments& a) {
 }
 
 std::string sky_words(const Arguments& a, const Scene& scene) {
-  if (scene.sky_hash.empty()) return "";
-  return fmt::format("{} x {}, sun {}", scene.sky_hash, a.sky.scale, a.sky.sun_angle);
+  const std::string units = a.sky.light_units == "auto" ? "" : "lamps " + a.sky.light_units;
+  if (scene.sky_hash.empty()) return units;
+  return fmt::format("{} x {}, sun {}{}", scene.sky_hash, a.sky.scale, a.sky.sun_angle,
+                     units.empty() ? "" : ", " + units);
 }
 
 // What was asked for this time, if anything, must be what was asked for then.
@@ -101,7 +104,8 @@ GivenCourse planned(const Arguments& a, const Shaping& by) {
     throw InputError(name, "", "is of " + other);
   if (file.plan.spp == 0) throw InputError(name, "spp", "is 0, expected a number of samples");
   if (a.spp > 0 && static_cast<uint64_t>(a.spp) != file.plan.spp)
-    throw UsageError(fmt::format("--spp {}: {} is of {} samples", a.spp, name, file.plan.spp));
+    throw UsageError(
+        fmt::format("--spp {}: {} is of {}", a.spp, name, counted(file.plan.spp, "sample")));
   GivenCourse given;
   given.plan_file = name;
   given.course.plan = file.plan;
@@ -262,7 +266,8 @@ GivenCourse course_of(const Arguments& a, const Shaping& by, const World& world,
   given.course.part = shard_of(a.shard).part(0, spp);
   given.course.whole = spp;
   if (given.course.part.count == 0)
-    throw UsageError(fmt::format("--shard {}: there are only {} samples", a.shard, spp));
+    throw UsageError(fmt::format("--shard {}: there {} only {}", a.shard, spp == 1 ? "is" : "are",
+                                 counted(spp, "sample")));
   return given;
 }
 

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "libcommon/base/counted.h"
 #include "libcommon/scene/uses.h"
 #include "tools/tdpt-render/portal_report.h"
 
@@ -106,7 +107,7 @@ Decisions portals(const Rendered& r) {
              : fmt::format("{:.3g} % of a small picture's light passed it", 100 * light->second),
          w.way == PortalWay::left_out
              ? "no edge is tested against it"
-             : fmt::format("each edge is tested against {} triangles", portal.triangles.size())});
+             : "each edge is tested against " + counted(portal.triangles.size(), "triangle")});
   }
   return all;
 }
@@ -123,7 +124,7 @@ Decision scout(const Rendered& r) {
     return {"scout", "left out", "the samples asked for cannot spare the fewest that tell anything",
             "the first candidate renders"};
   return {
-      "scout", fmt::format("{} samples drawn", r.result.scouted),
+      "scout", counted(r.result.scouted, "sample") + " drawn",
       fmt::format("auto weighs {} candidates by what they would find", r.choice.candidates.size()),
       fmt::format("{}, {:.2g} % of the rendering", cli::price_of(r.result.scout_cpu_seconds),
                   100 * r.result.scout_cpu_seconds / std::max(r.result.cpu_seconds, 1e-9))};

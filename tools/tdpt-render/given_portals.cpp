@@ -109,7 +109,8 @@ class Judge {
           fmt::format("has {} triangles, expected a portal of at most {}", n, kMostTriangles));
     if (!hash.empty() && hash != scene_.identity())
       out_.notes.push_back(name_ + (scene_.is_scene_of(hash)
-                                        ? " was made for the scene under another environment"
+                                        ? " was made for the scene under another environment "
+                                          "or other --light-units"
                                         : " was made for another state of the scene, or for "
                                           "another one"));
     compare_cameras();

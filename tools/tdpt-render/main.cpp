@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "libcommon/base/counted.h"
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
 #include "libcommon/base/output_file.h"
@@ -48,6 +49,7 @@ Loaded load(const Arguments& a, const cli::Common& common) {
   in.camera = chosen_camera(in.scene, a.camera, common);
   in.files.push_back({a.scene, in.scene.hash, {}});
   add_sky(in.scene, a.sky, common, in.files);
+  warn_of_lamps(in.scene, common);
   for (const std::string& path : a.portals) {
     const GivenPortals given = read_given_portals(path, in.scene, in.camera);
     for (const std::string& warning : first_few(given.warnings)) common.warn(warning);
@@ -110,9 +112,9 @@ void report(const Job& job, const World& world, const Choice& choice, const Rend
   std::string name = choice.integrator.name;
   if (!result.chosen_label.empty()) name += " (" + result.chosen_label + ")";
   const std::string of = job.is_shard() ? " of the shard" : "";
-  common.note(fmt::format("{}: {} samples per pixel{} at {} x {} in {:.1f} s ({:.1f} CPU s)", name,
-                          result.spp, of, result.picture.width, result.picture.height,
-                          result.seconds, result.cpu_seconds));
+  common.note(fmt::format("{}: {} per pixel{} at {} x {} in {:.1f} s ({:.1f} CPU s)", name,
+                          counted(result.spp, "sample"), of, result.picture.width,
+                          result.picture.height, result.seconds, result.cpu_seconds));
   if (result.interrupted)
     common.note("stopped by a signal; the picture holds the samples named above");
   if (result.hasty && !(job.checkpoint() + job.a.plan).empty())
@@ -133,8 +135,8 @@ int write_plan(const Job& job, const World& world, const Choice& choice) {
     return static_cast<int>(Exit::interrupted);
   }
   write_output(job.a.plan, plan_file_text({plan, job.shape, job.common.command}));
-  job.common.note(fmt::format("{} will render {} samples per pixel at {} x {}", plan.label,
-                              plan.spp, job.in.size.width, job.in.size.height));
+  job.common.note(fmt::format("{} will render {} per pixel at {} x {}", plan.label,
+                              counted(plan.spp, "sample"), job.in.size.width, job.in.size.height));
   return 0;
 }
 

@@ -6,6 +6,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "libcommon/base/counted.h"
+
 namespace tdpt {
 namespace {
 
@@ -66,16 +68,31 @@ std::string left_out(const Portal& portal, const PortalLight& light) {
       portal.name, 100 * light.share, light.samples, light.of);
 }
 
-std::string idleness(const std::vector<Portal>& portals, double share) {
+namespace {
+
+// None where no portal has the figure.
+const Portal* with_most(const std::vector<Portal>& portals, const char* figure) {
   const Portal* most = nullptr;
   for (const Portal& p : portals)
-    if (p.figures.contains(kLight) && (!most || p.figures.at(kLight) > most->figures.at(kLight)))
+    if (const auto at = p.figures.find(figure);
+        at != p.figures.end() && (!most || at->second > most->figures.at(figure)))
       most = &p;
-  if (!most) return "the portals brought less than 1 % of the light: do they lie on its way?";
-  return fmt::format(
-      "segments through portals brought {:.2g} % of the light; in a small picture before, {:.2g} % "
-      "passed {}",
-      100 * share, 100 * most->figures.at(kLight), most->name);
+  return most;
+}
+
+}  // namespace
+
+std::string idleness(const std::vector<Portal>& portals, double share) {
+  const std::string brought =
+      fmt::format("segments through portals brought {:.2g} % of the light", 100 * share);
+  if (const Portal* p = with_most(portals, kLight))
+    return brought + fmt::format("; in a small picture before, {:.2g} % passed {}",
+                                 100 * p->figures.at(kLight), p->name);
+  if (const Portal* p = with_most(portals, "flux_share"))
+    return brought +
+           fmt::format("; of that which crosses the cut {:.2g} % passes {}, says its file",
+                       100 * p->figures.at("flux_share"), p->name);
+  return "the portals brought less than 1 % of the light: do they lie on its way?";
 }
 
 std::vector<std::string> turnings(const std::vector<Portal>& portals,
@@ -103,10 +120,10 @@ std::vector<std::string> disappointments(const std::vector<Portal>& portals,
   std::vector<std::string> sentences;
   for (size_t i = 0; i < portals.size(); ++i)
     if (const Deeds d = deeds_of(i, result); d.useless())
-      sentences.push_back(fmt::format(
-          "{} is useless: {:.2g} % of its {} samples joined a lamp with the camera, they "
-          "brought {:.2g} % of the light",
-          portals[i].name, 100 * d.lit, d.samples, 100 * d.energy));
+      sentences.push_back(
+          fmt::format("{} is useless: {:.2g} % of its {} joined a lamp with the camera, they "
+                      "brought {:.2g} % of the light",
+                      portals[i].name, 100 * d.lit, counted(d.samples, "sample"), 100 * d.energy));
   return first_few(std::move(sentences));
 }
 

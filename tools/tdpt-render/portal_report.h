@@ -27,7 +27,7 @@ std::vector<std::string> descriptions(const std::vector<Portal>& portals);
 std::string left_out(const Portal& portal, const PortalLight& light);
 
 /// Why the segments through portals may have brought only a `share` of the light: what was measured
-/// of it before, or a question where nothing was.
+/// of it before, here or by portalfit, or a question where nothing was.
 std::string idleness(const std::vector<Portal>& portals, double share);
 
 /// A sentence for each of the portals, as they are drawn, that will work another way; for many the

@@ -119,9 +119,15 @@ TEST(portals_report, idle_portals_are_told_with_what_was_measured_of_them) {
   std::vector<Portal> portals(2, portal_in_the_hole());
   EXPECT_EQ(idleness(portals, 0.003),
             "the portals brought less than 1 % of the light: do they lie on its way?");
+  portals[1].name = "hall";
+  portals[0].figures["flux_share"] = 0.14;
+  portals[1].figures["flux_share"] = 0.81;
+  EXPECT_EQ(
+      idleness(portals, 0.003),
+      "segments through portals brought 0.3 % of the light; of that which crosses the cut 81 % "
+      "passes hall, says its file");
   portals[0].figures[kLight] = 0.02;
   portals[1].figures[kLight] = 0.45;
-  portals[1].name = "hall";
   EXPECT_EQ(idleness(portals, 0.003),
             "segments through portals brought 0.3 % of the light; in a small picture before, 45 % "
             "passed hall");

@@ -6,6 +6,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "libcommon/base/counted.h"
+
 #include "tools/tdpt-render/portal_report.h"
 #include "tools/tdpt-render/target_report.h"
 
@@ -130,9 +132,9 @@ std::string choice_sentence(const RenderResult& result) {
                                        : "; the samples are too few to tell more");
   if (result.prospects.size() < 2) return chose;
   if (!(result.prospects[result.chosen].cost() > 0))
-    return chose + fmt::format(": no error showed in {} samples", result.scouted);
-  return chose + fmt::format(": error x work is {}, told from {} samples", costs_of_others(result),
-                             result.scouted);
+    return chose + fmt::format(": no error showed in {}", counted(result.scouted, "sample"));
+  return chose + fmt::format(": error x work is {}, told from {}", costs_of_others(result),
+                             counted(result.scouted, "sample"));
 }
 
 std::string verdict_sentence(const RenderResult& result) {

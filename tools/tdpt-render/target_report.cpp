@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "libcommon/base/counted.h"
+
 namespace tdpt {
 namespace {
 
@@ -27,7 +29,7 @@ std::string target_sentence(const TargetOutcome& target, uint64_t spp) {
   const std::string aim = fmt::format("target relMSE {:.3g} ", target.error);
   if (target.dark) return aim + "reached: no light can come to the camera, the picture is black";
   const std::string got =
-      fmt::format(": it is {} after {} samples per pixel{}", estimate_of(target), spp,
+      fmt::format(": it is {} after {} per pixel{}", estimate_of(target), counted(spp, "sample"),
                   target.retried ? ", those of --retry among them" : "");
   if (target.reached()) return aim + "reached" + got;
   const std::string enough =

@@ -21,10 +21,11 @@ Usage: tdpt SCENE -o PICTURE.exr [OPTIONS]
   --version                   Print the version and exit
 
 All other options are those of tdpt-render, and rendering is all that most of
-them change. Those of the camera and of the sky, --quality, --seed, --threads
-and --quiet go to the stages before it, too. A stage runs where its result is
-missing or out of date. The environment variables FFGRAPH_FLAGS, MINCUT_FLAGS,
-LIGHTGRID_FLAGS and PORTALFIT_FLAGS have more options for the stages.
+them change. Those of the camera and of the sky, --light-units, --quality,
+--seed, --threads and --quiet go to the stages before it, too. A stage runs
+where its result is missing or out of date. The environment variables
+FFGRAPH_FLAGS, MINCUT_FLAGS, LIGHTGRID_FLAGS and PORTALFIT_FLAGS have more
+options for the stages.
 END
 }
 
@@ -54,8 +55,8 @@ while [ $# -gt 0 ]; do
   esac
   # Of the options that this front understands, which have a value.
   case $word in
-  -o | --output | --work | --camera | --look-from | --look-at | --up | --fov | --environment | --environment-rotation | --environment-scale | --sun-angle | --quality | \
-    --seed | --threads)
+  -o | --output | --work | --camera | --look-from | --look-at | --up | --fov | --environment | --environment-rotation | \
+    --environment-scale | --sun-angle | --light-units | --quality | --seed | --threads)
     if [ -z "$joined" ]; then
       [ $# -gt 1 ] || fail 2 "$word: a value is missing; '$tool --help' lists the options"
       shift
@@ -85,7 +86,7 @@ while [ $# -gt 0 ]; do
     *) environment=$value ;;
     esac
     ;;
-  --environment-rotation | --environment-scale | --sun-angle) sky="$sky$word $(quoted "$value")" ;;
+  --environment-rotation | --environment-scale | --sun-angle | --light-units) sky="$sky$word $(quoted "$value")" ;;
   --portal) fail 2 "--portal: the portals are found here; tdpt-render takes others" ;;
   --shard | --print-shards | --plan | -MF | -MQ | --dependencies | --dependencies-target)
     fail 2 "$word: is for tdpt-render itself"

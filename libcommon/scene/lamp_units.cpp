@@ -1,0 +1,128 @@
+#include "libcommon/scene/lamp_units.h"
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "libcommon/scene/scene.h"
+
+namespace tdpt {
+namespace {
+
+using Kind = LampUnits::Kind;
+constexpr double kSphere = 4 * std::numbers::pi;  // [sr]
+constexpr std::string_view kBlender = "Khronos glTF Blender I/O v";
+using Version = std::array<int, 3>;
+// From here on Blender's exporter has a lighting mode, Standard unless set otherwise.
+constexpr Version kWithModes{3, 4, 40};
+
+std::optional<Version> blender_version(std::string_view generator) {
+  if (!generator.starts_with(kBlender)) return {};
+  Version version{};
+  const char *at = generator.data() + kBlender.size(), *end = generator.data() + generator.size();
+  for (size_t i = 0; i < version.size(); ++i) {
+    if (i > 0 && (at == end || *at++ != '.')) return {};
+    const auto [next, error] = std::from_chars(at, end, version[i]);
+    if (error != std::errc()) return {};
+    at = next;
+  }
+  return version;
+}
+
+// What a lamp of this number was set to, had it been written in these units: W, or W/m2 of a sun.
+double setting(const LampNumber& lamp, Kind units) {
+  const double radiometric = lamp.value * to_radiometric(units, lamp.directional);
+  return lamp.directional ? radiometric : radiometric * kSphere;
+}
+
+// Whether a person may have typed it: a decimal of at most four digits, in single precision. One of
+// a thousand other numbers is one by chance.
+bool is_typed(double value) {
+  if (!(value >= 1e-6 && value <= 1e12)) return false;
+  const double typed = std::stod(fmt::format("{:.4g}", value));
+  return std::abs(value - typed) <= 0x1.01p-24 * typed;
+}
+
+// Most of the lamps were set to such numbers; `first` before the others where they are as many.
+std::optional<Kind> by_digits(const std::vector<LampNumber>& lamps, Kind first) {
+  std::optional<Kind> best;
+  size_t most = lamps.size() / 2;
+  for (const Kind units : {first, Kind::radiometric, Kind::watts}) {
+    const auto n =
+        static_cast<size_t>(std::count_if(lamps.begin(), lamps.end(), [&](const LampNumber& l) {
+          return is_typed(setting(l, units));
+        }));
+    if (n <= most) continue;
+    most = n;
+    best = units;
+  }
+  return best;
+}
+
+const char* words_of(Kind units) {
+  switch (units) {
+    case Kind::photometric:
+      return "candela and lux, divided by 683 lm/W";
+    case Kind::watts:
+      return "points and spots of so many watts, divided by 4 pi";
+    case Kind::radiometric:
+      break;
+  }
+  return "W/sr and W/m2";
+}
+
+}  // namespace
+
+const std::vector<std::string>& names_of_lamp_units() {
+  static const std::vector<std::string> names{"radiometric", "photometric", "watts"};
+  return names;
+}
+
+LampUnits lamp_units_of(std::string_view generator, const std::vector<LampNumber>& lamps) {
+  if (lamps.empty()) return {};
+  const auto version = blender_version(generator);
+  if (!version) {
+    const bool alike = by_digits(lamps, Kind::photometric) == Kind::photometric;
+    return {Kind::radiometric,
+            alike ? "lamps are taken as W/sr and W/m2, but have the digits of Blender's candela: "
+                    "--light-units photometric would divide them by 683 lm/W"
+                  : ""};
+  }
+  if (*version < kWithModes)
+    return {Kind::watts, fmt::format("lamps are taken as {}: so Blender's exporter before 3.4.40 "
+                                     "writes them",
+                                     words_of(Kind::watts))};
+  const auto digits = by_digits(lamps, Kind::photometric);
+  const Kind kind = digits.value_or(Kind::photometric);
+  return {kind,
+          fmt::format("lamps are taken as {}: so Blender's exporter writes them {}", words_of(kind),
+                      !digits                     ? "unless told otherwise"
+                      : kind == Kind::photometric ? "by default"
+                      : kind == Kind::watts       ? "in its raw mode, by their digits"
+                                                  : "in its unitless mode, by their digits")};
+}
+
+double to_radiometric(LampUnits::Kind units, bool directional) {
+  switch (units) {
+    case Kind::photometric:
+      return 1 / LampUnits::kLumensPerWatt;
+    case Kind::watts:
+      return directional ? 1 : 1 / kSphere;
+    case Kind::radiometric:
+      break;
+  }
+  return 1;
+}
+
+void take_lamps_as(Scene& scene, LampUnits::Kind units) {
+  if (units == Kind::radiometric) return;
+  for (PunctualLight& lamp : scene.lights)
+    lamp.intensity = Rgb(Vec3d(lamp.intensity) *
+                         to_radiometric(units, lamp.kind == PunctualLight::Kind::directional));
+}
+
+}  // namespace tdpt
