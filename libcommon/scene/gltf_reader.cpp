@@ -12,6 +12,7 @@
 #include "libcommon/scene/distinct_names.h"
 #include "libcommon/scene/gltf_accessors.h"
 #include "libcommon/scene/gltf_attributes.h"
+#include "libcommon/scene/gltf_compression.h"
 #include "libcommon/scene/gltf_document.h"
 #include "libcommon/scene/gltf_lights.h"
 #include "libcommon/scene/gltf_materials.h"
@@ -81,8 +82,7 @@ class SceneReader {
   /// Makes room for all; refuses a scene whose instances would fill the memory, before any vertex
   /// is read.
   void make_room(const std::vector<PlacedNode>& nodes) {
-    size_t bytes = d_.bytes.size();
-    for (std::string_view b : d_.buffers) bytes += b.size();
+    const size_t bytes = most_bytes(d_);
     // A count beyond the bytes there are is wrong; it is refused with its place when it is read.
     const auto count = [&](int accessor) {
       return std::min(d_.model.accessors[static_cast<size_t>(accessor)].count, bytes);
@@ -317,6 +317,7 @@ class SceneReader {
 Scene read_gltf(const std::string& path) {
   Document document;
   open_document(path, document);
+  decode_draco_primitives(document);
   Scene scene;
   scene.path = path;
   scene.hash = document.hash;

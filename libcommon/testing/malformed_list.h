@@ -66,4 +66,7 @@ class MalformedList {
 /// Vertex attributes, materials, textures and lights that are wrong.
 void add_malformed_surfaces(MalformedList& list);
 
+/// Meshes by Draco, bufferViews by meshoptimizer.
+void add_malformed_compressed(MalformedList& list);
+
 }  // namespace tdpt::testing

@@ -1,7 +1,9 @@
 // One scene, however glTF says it, renders to the same picture: to the same bits where places and
-// the order of triangles are the same, else within noise.
+// the order of triangles are the same, else within noise; compressed with loss, to the bits of what
+// the format's reference decoder makes of it.
 #include <gtest/gtest.h>
 
+#include "libcommon/testing/compress.h"
 #include "libcommon/testing/reencode.h"
 #include "libcommon/testing/temp_folder.h"
 #include "tools/tdpt-render/render.h"
@@ -70,6 +72,28 @@ TEST(reencoding, same_picture_within_noise_where_order_or_rounding_differ) {
     else
       EXPECT_TRUE(testing::holds(paired, std::string(e.name) + ", paired", runs.of_depth[0],
                                  plain.of_depth[0], plain.across));
+  }
+}
+
+std::string plain_room() {
+  return testing::encode(testing::simple_room(), Encoding::indices_u16).files.at("scene.glb");
+}
+
+Picture picture_of_bytes(const std::string& glb) {
+  const testing::TempFolder folder;
+  const Scene scene = read_gltf(folder.write("scene.glb", glb));
+  EXPECT_EQ(scene.warnings, std::vector<std::string>{});
+  return picture_of(scene);
+}
+
+TEST(reencoding, compressed_scenes_are_those_of_the_reference_decoders) {
+  const Picture plain = picture_of_bytes(plain_room());
+  for (const testing::NamedCompression& c : testing::kCompressions) {
+    const std::string glb = testing::compress(plain_room(), c.compression);
+    const Picture picture = picture_of_bytes(glb);
+    EXPECT_TRUE(picture.pixels == picture_of_bytes(testing::decompress(glb)).pixels) << c.name;
+    // Where something is lost it shows, or equality with the decoder's would say nothing.
+    EXPECT_EQ(picture.pixels == plain.pixels, c.exact) << c.name;
   }
 }
 
