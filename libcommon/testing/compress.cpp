@@ -261,7 +261,7 @@ class MeshoptEncoder {
 void decompress_meshopt(Scene& s, Json& view, const Json& e) {
   const std::string in = s.slice(e);
   const auto count = e["count"].get<size_t>(), stride = e["byteStride"].get<size_t>();
-  const auto mode = e["mode"].get<std::string>(), filter = e["filter"].get<std::string>();
+  const auto mode = e["mode"].get<std::string>(), filter = e.value("filter", "NONE");
   std::string out(count * stride, '\0');
   const auto* from = reinterpret_cast<const unsigned char*>(in.data());
   const int fault = mode == "ATTRIBUTES"

@@ -3,6 +3,7 @@
 // the format's reference decoder makes of it.
 #include <gtest/gtest.h>
 
+#include "libcommon/base/file.h"
 #include "libcommon/testing/compress.h"
 #include "libcommon/testing/reencode.h"
 #include "libcommon/testing/temp_folder.h"
@@ -94,6 +95,30 @@ TEST(reencoding, compressed_scenes_are_those_of_the_reference_decoders) {
     EXPECT_TRUE(picture.pixels == picture_of_bytes(testing::decompress(glb)).pixels) << c.name;
     // Where something is lost it shows, or equality with the decoder's would say nothing.
     EXPECT_EQ(picture.pixels == plain.pixels, c.exact) << c.name;
+  }
+}
+
+TEST(reencoding, files_of_other_programs_are_those_of_the_reference_decoders) {
+  const DepthRuns plain = runs_of(read(testing::simple_room(), Encoding::indices_u16));
+  // The last number: how far it may be off, in the mean.
+  const std::vector<std::pair<const char*, double>> files{{"draco-gltf-pipeline", 3e-3},
+                                                          {"draco-gltf-transform", 1e-3},
+                                                          {"meshopt-gltf-transform", 1e-3},
+                                                          {"meshopt-gltfpack", 1e-3},
+                                                          {"webp-lossless", 0},
+                                                          {"webp-lossy", 0.1}};
+  for (const auto& [name, most] : files) {
+    const std::string path = std::string(TDPT_TESTDATA "/compressed/") + name + ".glb";
+    const Scene scene = read_gltf(path);
+    EXPECT_EQ(scene.warnings, std::vector<std::string>{}) << name;
+    const testing::TempFolder folder;
+    const Scene decoded =
+        read_gltf(folder.write("scene.glb", testing::decompress(read_file(path))));
+    EXPECT_TRUE(picture_of(scene).pixels == picture_of(decoded).pixels) << name;
+    const testing::Agreement paired =
+        testing::compare_paired(runs_of(scene).of_depth[0], plain.of_depth[0]);
+    std::printf("%-22s %s\n", name, paired.text().c_str());
+    EXPECT_LE(std::abs(paired.relative), most) << name;
   }
 }
 
