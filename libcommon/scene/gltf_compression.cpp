@@ -18,6 +18,7 @@ using Primitive = tinygltf::Primitive;
 // No format bounds what a byte of Draco can stand for. A flat grid of a million vertices, the most
 // regular mesh that has an area, is 700 times as large as its compressed bytes.
 constexpr size_t kAlways = size_t{1} << 26, kMostOfAByte = 1024;
+constexpr size_t kMost = size_t{1} << 33;  // a scene of the most vertices and triangles is as large
 
 bool is_required(const Document& d) {
   const Json required = d.json.value("extensionsRequired", Json::array());
@@ -29,7 +30,7 @@ class Decoder {
   explicit Decoder(Document& d) : d_(d), required_(is_required(d)) {
     size_t bytes = 0;
     for (const std::string_view b : d.buffers) bytes += b.size();
-    most_ = kAlways + kMostOfAByte * bytes;
+    most_ = std::min(kAlways + kMostOfAByte * bytes, kMost);
   }
 
   void run() {
@@ -102,8 +103,8 @@ class Decoder {
       d_.fail(
           job.where,
           fmt::format("declares {} vertices and {} corners of triangles, which brings the scene "
-                      "to more than {} bytes, expected at most {} for each that is compressed",
-                      r.vertices, r.corners, most_, kMostOfAByte));
+                      "to more than the {} bytes expected at most",
+                      r.vertices, r.corners, most_));
   }
 
   void put_in_place(const Job& job, DracoMesh& mesh) {
