@@ -18,9 +18,9 @@ using Attribute = DracoRequest::Attribute;
 enum class Fault : uint32_t { none, undecodable, vertices, corners, attribute, components };
 
 // What decoding needs besides its result, by trial: at most 8 times the result for large meshes.
-constexpr size_t kRoom = size_t{128} << 20, kRoomOfAByte = 16;
+constexpr size_t kRoom = size_t{32} << 20, kRoomOfAByte = 16;
 // By trial 1e8 bytes of the result come in a second.
-constexpr unsigned kSeconds = 5;
+constexpr unsigned kSeconds = 2;
 constexpr size_t kBytesInASecond = size_t{1} << 22;
 
 size_t bytes_of(int component_type) {
