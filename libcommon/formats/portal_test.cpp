@@ -10,13 +10,14 @@
 #include <nlohmann/json.hpp>
 
 #include "libcommon/base/error.h"
+#include "libcommon/testing/squares.h"
 
 namespace tdpt {
 namespace {
 
 using Json = nlohmann::json;
 
-class PortalFormat : public testing::Test {
+class PortalFormat : public ::testing::Test {
  protected:
   PortalFormat()
       : folder_(std::filesystem::temp_directory_path() /
@@ -179,6 +180,14 @@ TEST_F(PortalFormat, ReadsWhatAModellingProgramWrites) {
   EXPECT_EQ(file.portals[0].name, "door");
   EXPECT_TRUE(file.scene_hash.empty());
   expect_near(area_vector(file.portals[0]), {0, 0, 1});
+}
+
+TEST_F(PortalFormat, ReadsWhatIsCompressed) {
+  for (const testing::GlbBuilder& b : {testing::square_by_draco(), testing::square_by_meshopt()}) {
+    const PortalFile file = read_portals(write("p.glb", b.glb()));
+    ASSERT_EQ(file.portals.size(), 1u);
+    expect_near(area_vector(file.portals[0]), {0, 0, 1});
+  }
 }
 
 TEST_F(PortalFormat, AppliesNodeTransforms) {

@@ -9,6 +9,7 @@
 #include "libcommon/base/hash.h"
 #include "libcommon/base/memory_limit.h"
 #include "libcommon/base/shown.h"
+#include "libcommon/scene/gltf_compression.h"
 #include "libcommon/scene/gltf_meshopt.h"
 
 namespace tdpt::gltf {
@@ -201,6 +202,7 @@ void open_document(const std::string& path, Document& d) {
     d.extensions.insert(e.get<std::string>());
   load_buffers(d, chunks);
   load_model(d);
+  decode_draco_primitives(d);
 }
 
 bool uses_extension(const Document& d, const std::string& name) {

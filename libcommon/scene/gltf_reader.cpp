@@ -12,7 +12,6 @@
 #include "libcommon/scene/distinct_names.h"
 #include "libcommon/scene/gltf_accessors.h"
 #include "libcommon/scene/gltf_attributes.h"
-#include "libcommon/scene/gltf_compression.h"
 #include "libcommon/scene/gltf_document.h"
 #include "libcommon/scene/gltf_lights.h"
 #include "libcommon/scene/gltf_materials.h"
@@ -317,7 +316,6 @@ class SceneReader {
 Scene read_gltf(const std::string& path) {
   Document document;
   open_document(path, document);
-  decode_draco_primitives(document);
   Scene scene;
   scene.path = path;
   scene.hash = document.hash;
