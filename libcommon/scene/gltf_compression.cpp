@@ -153,7 +153,9 @@ bool is_draco(const nlohmann::json& primitive) {
 }
 
 void decode_draco_primitives(Document& d) {
-  for (const Json& mesh : d.json.value("meshes", Json::array()))
+  const auto meshes = d.json.find("meshes");
+  if (meshes == d.json.end()) return;
+  for (const Json& mesh : *meshes)
     for (const Json& p : mesh["primitives"])
       if (is_draco(p)) return Decoder(d).run();
 }
