@@ -235,7 +235,7 @@ void expect_reads_of(const GlbBuilder& b, uint64_t seed, int least) {
   const std::string whole = b.glb(), text = whole.substr(20, get_json_size(whole));
   expect_sound(read_gltf(folder.write("whole.glb", whole)));
   int loaded = 0, refused = 0;
-  for (uint64_t i = 0; i < 1000; ++i) {
+  for (uint64_t i = 0; i < 500; ++i) {
     Rng rng(seed, 0, i);
     std::string bin = b.bin;
     for (uint32_t k = 1 + rng.below(3); k > 0; --k) {
@@ -257,8 +257,8 @@ void expect_reads_of(const GlbBuilder& b, uint64_t seed, int least) {
 }
 
 TEST(Mutations, AnyBytesInWhatIsCompressed) {
-  expect_reads_of(square_by_draco(), 23, 50);
-  expect_reads_of(square_by_meshopt(), 24, 50);
+  expect_reads_of(square_by_draco(), 23, 30);
+  expect_reads_of(square_by_meshopt(), 24, 30);
 }
 
 TEST(Mutations, AnyBytesInAWebP) {
