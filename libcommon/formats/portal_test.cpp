@@ -351,7 +351,7 @@ TEST_F(PortalFormat, RefusesWhatIsNotThere) {
   g["meshes"][0]["primitives"][0]["mode"] = 9;
   EXPECT_EQ(place_of(message(g)), "meshes[0].primitives[0].mode");
   g = square();
-  g["extensionsRequired"] = {"KHR_draco_mesh_compression"};
+  g["extensionsRequired"] = {"ACME_unknown"};
   EXPECT_EQ(place_of(message(g)), "extensionsRequired");
 }
 
