@@ -6,6 +6,7 @@
 #include <set>
 #include <tuple>
 
+#include "libcommon/base/memory_limit.h"
 #include "libcommon/scene/gltf_draco.h"
 #include "libcommon/scene/gltf_nodes.h"
 
@@ -105,6 +106,10 @@ class Decoder {
           fmt::format("declares {} vertices and {} corners of triangles, which brings the scene "
                       "to more than the {} bytes expected at most",
                       r.vertices, r.corners, most_));
+    expect_memory(d_.file, job.where,
+                  fmt::format("{} vertices and {} corners of triangles, with those before,",
+                              r.vertices, r.corners),
+                  all_);
   }
 
   void put_in_place(const Job& job, DracoMesh& mesh) {

@@ -3,6 +3,7 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/hash.h"
+#include "libcommon/base/memory_limit.h"
 #include "libcommon/scene/gltf_images.h"
 #include "libcommon/scene/scene.h"
 #include "libcommon/testing/squares.h"
@@ -111,6 +112,31 @@ TEST(Compression, TheFallbackOfMeshoptimizerIsNotRead) {
   GlbBuilder b = square_by_meshopt();
   b.json["buffers"][0]["uri"] = "nowhere.bin";
   EXPECT_EQ(refusal(b), "");
+}
+
+TEST(Compression, WhatIsDecodedIsHeldAgainstTheMemoryLimit) {
+  GlbBuilder draco = square_by_draco(), meshopt = square_by_meshopt();
+  draco.json["accessors"][0]["count"] = 4000;
+  meshopt.bin = "\xa0" + std::string(512, '\0');  // 2560 vertices of zeros
+  Json& view = meshopt.json["bufferViews"][0];
+  view["byteLength"] = 30720;
+  Json& e = view["extensions"]["EXT_meshopt_compression"];
+  e["byteLength"] = meshopt.bin.size(), e["count"] = 2560;
+  const uint64_t machine = memory_limit();
+  limit_memory(30000);
+  const std::string of_draco = refusal(draco), of_meshopt = refusal(meshopt);
+  limit_memory(machine);
+  const std::string most = " of memory, expected at most the 29.3 KiB of --max-memory";
+  EXPECT_TRUE(of_draco.ends_with(
+      "KHR_draco_mesh_compression: 4000 vertices and 6 corners of triangles, with those before, "
+      "take 46.9 KiB" +
+      most))
+      << of_draco;
+  EXPECT_TRUE(
+      of_meshopt.ends_with("EXT_meshopt_compression: 2560 elements of 12 bytes, with those "
+                           "before, take 30 KiB" +
+                           most))
+      << of_meshopt;
 }
 
 TEST(Compression, AWebPIsNotBelievedMoreThanItsBytes) {

@@ -7,6 +7,8 @@
 #include <meshoptimizer.h>
 #include <algorithm>
 
+#include "libcommon/base/memory_limit.h"
+
 namespace tdpt::gltf {
 namespace {
 
@@ -74,6 +76,8 @@ std::string unpack_meshopt_view(const Document& d, size_t view) {
   if (all > kMostOfAByte * buffers)  // bufferViews may share their compressed bytes
     d.fail(where, fmt::format("brings the scene to {} bytes, expected at most {} from {}", all,
                               kMostOfAByte * buffers, buffers));
+  expect_memory(d.file, where,
+                fmt::format("{} elements of {} bytes, with those before,", count, stride), all);
   const size_t size = d.model.bufferViews[view].byteLength;
   if (size > count * stride)
     d.fail(where, fmt::format("declares {} elements of {} bytes, expected {} bytes as the "
