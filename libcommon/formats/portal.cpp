@@ -44,8 +44,9 @@ class Reader {
     read_asset(file);
     file.cameras = d_.model.cameras.size();
     file.lamps = lamps();
-    for (const PlacedNode& n : place_nodes(d_))
-      if (d_.model.nodes[n.node].mesh >= 0) read_portal(n, file);
+    std::vector<std::string> warnings;  // which concern pictures
+    for (const PlacedNode& n : place_nodes(d_, warnings))
+      if (n.visible && d_.model.nodes[n.node].mesh >= 0) read_portal(n, file);
     return file;
   }
 

@@ -1,6 +1,7 @@
 #include "libcommon/scene/gltf_accessors.h"
 
 #include <fmt/format.h>
+#include <cmath>
 #include <cstring>
 
 namespace tdpt::gltf {
@@ -32,6 +33,10 @@ T load(const char* at) {
   T value;
   std::memcpy(&value, at, sizeof value);  // accessors of foreign files need not be aligned
   return value;
+}
+
+bool is_unsigned(int component_type) {
+  return component_type == kU8 || component_type == kU16;
 }
 
 uint32_t load_index(const char* at, int type) {
@@ -99,15 +104,16 @@ void apply_sparse(const Document& d, const std::string& accessor, const tinygltf
 }
 
 /// Calls `set(element, its first component, distance of components)` for every element that the
-/// accessor's bufferView or its sparse values hold. Without a bufferView the others are zero.
+/// accessor's bufferView, from `first` on, `most` at most, or its sparse values hold. Without a
+/// bufferView the others are zero.
 template <class Set>
 void for_elements(const Document& d, const std::string& where, const tinygltf::Accessor& a,
-                  size_t components, const Set& set) {
+                  size_t components, const Set& set, size_t first = 0, size_t most = SIZE_MAX) {
   const size_t size = components * bytes_of(a.componentType);
   if (a.bufferView >= 0) {
     const Elements e =
         elements(d, where, static_cast<size_t>(a.bufferView), a.byteOffset, a.count, size, true);
-    for (size_t i = 0; i < e.count; ++i) set(i, e.data + i * e.stride);
+    for (size_t i = first; i < e.count && i - first < most; ++i) set(i, e.data + i * e.stride);
   } else if (a.count > d.bytes.size()) {
     // All zero but for sparse values: any count is cheap to write, so it is bounded by the file.
     d.fail(where, fmt::format("{} elements without a bufferView, expected at most {}, the bytes "
@@ -155,13 +161,16 @@ std::vector<float> read_attribute(const Document& d, size_t accessor, const Attr
                        attribute.may_be_vec3 ? "VEC3 or " : "", attribute.components));
   const bool quantized = attribute.quantizable && a.componentType != kU32 &&
                          uses_extension(d, "KHR_mesh_quantization");
-  const bool is_unsigned = a.componentType == kU8 || a.componentType == kU16;
-  if (a.componentType != kFloat && !quantized &&
-      !(attribute.may_be_unsigned && is_unsigned && a.normalized))
+  const bool is_share = attribute.may_be_unsigned && a.normalized && a.componentType != kU32 &&
+                        (attribute.is_delta || is_unsigned(a.componentType));
+  if (a.componentType != kFloat && !quantized && !is_share)
     d.fail(where + ".componentType",
            fmt::format("{} are of type {}{}, expected 5126 (float){}", attribute.noun,
                        a.componentType, a.normalized ? ", normalized" : "",
-                       attribute.may_be_unsigned ? ", or 5121 or 5123, normalized" : ""));
+                       attribute.is_delta && attribute.may_be_unsigned
+                           ? ", or 5120 to 5123, normalized"
+                       : attribute.may_be_unsigned ? ", or 5121 or 5123, normalized"
+                                                   : ""));
   const size_t n = attribute.components, stored = rgb ? 3 : n, step = bytes_of(a.componentType);
   std::vector<float> out;
   const auto set = [&](size_t k, const char* at) {
@@ -172,8 +181,69 @@ std::vector<float> read_attribute(const Document& d, size_t accessor, const Attr
   };
   for_elements(d, where, a, stored, set);
   out.resize(n * a.count);
-  if (rgb)
+  if (rgb && !attribute.is_delta)
     for (size_t k = 0; k < a.count; ++k) out[4 * k + 3] = 1;
+  return out;
+}
+
+namespace {
+
+void check_numbers(const Document& d, const std::string& where, const tinygltf::Accessor& a,
+                   const Numbers& n) {
+  const int expected = n.components == 1   ? TINYGLTF_TYPE_SCALAR
+                       : n.components == 3 ? TINYGLTF_TYPE_VEC3
+                       : n.components == 4 ? TINYGLTF_TYPE_VEC4
+                                           : TINYGLTF_TYPE_MAT4;
+  if (a.type != expected)
+    d.fail(where + ".type", n.components == 1 ? fmt::format("{} are not SCALAR", n.noun)
+                            : n.components == 16
+                                ? fmt::format("{} are not MAT4", n.noun)
+                                : fmt::format("{} are not VEC{}", n.noun, n.components));
+  const bool small = a.componentType != kFloat && a.componentType != kU32;
+  const bool fits = a.componentType == kFloat ? n.floats
+                    : !small                  ? false
+                    : a.normalized ? (is_unsigned(a.componentType) ? n.shares : n.signed_shares)
+                                   : n.integers && is_unsigned(a.componentType);
+  if (fits) return;
+  std::string kinds;
+  const auto add = [&](bool allowed, const char* kind) {
+    if (allowed) kinds += (kinds.empty() ? "" : ", or ") + std::string(kind);
+  };
+  add(n.floats, "5126 (float)");
+  add(n.shares, "5121 or 5123, normalized");
+  add(n.signed_shares, "5120 or 5122, normalized");
+  add(n.integers, "5121 or 5123");
+  d.fail(where + ".componentType",
+         fmt::format("{} are of type {}{}, expected {}", n.noun, a.componentType,
+                     a.normalized ? ", normalized" : "", kinds));
+}
+
+}  // namespace
+
+std::vector<double> read_numbers(const Document& d, size_t accessor, const Numbers& n, size_t first,
+                                 size_t count) {
+  const tinygltf::Accessor& a = d.model.accessors[accessor];
+  const std::string where = place("accessors", accessor);
+  check_numbers(d, where, a, n);
+  if (count == SIZE_MAX) count = a.count;
+  if (first > a.count || count > a.count - first)
+    d.fail(where,
+           fmt::format("count is {}, expected at least {} {}", a.count, first + count, n.noun));
+  const size_t step = bytes_of(a.componentType);
+  std::vector<double> out;
+  const auto set = [&](size_t k, const char* at) {
+    if (k < first || k - first >= count) return;
+    if (out.empty()) out.resize(n.components * count);  // only now is the count known to be right
+    for (size_t c = 0; c < n.components; ++c)
+      out[n.components * (k - first) + c] =
+          load_component(at + c * step, a.componentType, a.normalized);
+  };
+  for_elements(d, where, a, n.components, set, first, count);
+  out.resize(n.components * count);
+  for (size_t i = 0; i < out.size(); ++i)
+    if (!std::isfinite(out[i]))
+      d.fail(where,
+             fmt::format("element {} of {} is not finite", first + i / n.components, n.noun));
   return out;
 }
 

@@ -50,7 +50,8 @@ float within(float c) {
 
 }  // namespace
 
-AttributeSet choose_attributes(const tinygltf::Primitive& p, const MaterialUse& use) {
+AttributeSet choose_attributes(const tinygltf::Primitive& p, const MaterialUse& use,
+                               const Shape& shape) {
   const auto find = [&](const Attribute& attribute) {
     const auto it = p.attributes.find(attribute.name);
     return it == p.attributes.end() ? -1 : it->second;
@@ -63,6 +64,15 @@ AttributeSet choose_attributes(const tinygltf::Primitive& p, const MaterialUse& 
   for (size_t k = 0; k < 2; ++k)
     if (use.uv[k]) set.uv[k] = find(kTexCoord[k]);
   if (use.colours) set.colour = find(kColour);
+  if (shape.skinned) set.joints = joint_sets_of(p);
+  set.targets = morph_targets_of(p, shape.weights);
+  for (MorphTarget& t : set.targets) {  // what the primitive lacks has nothing to be added to
+    if (set.normal < 0) t.normal = -1;
+    if (set.tangent < 0) t.tangent = -1;
+    if (set.colour < 0) t.colour = -1;
+    for (size_t k = 0; k < 2; ++k)
+      if (set.uv[k] < 0) t.uv[k] = -1;
+  }
   return set;
 }
 
@@ -70,36 +80,82 @@ void check_counts(const Document& d, const AttributeSet& set, const std::string&
   const auto count = [&](int accessor) {
     return d.model.accessors[static_cast<size_t>(accessor)].count;
   };
-  const auto check = [&](int accessor, const Attribute& attribute) {
+  const auto check = [&](int accessor, const std::string& of, const std::string& name) {
     if (accessor >= 0 && count(accessor) != count(set.position))
-      d.fail(where + ".attributes." + attribute.name,
+      d.fail(where + "." + of + "." + name,
              fmt::format("has {} elements, expected {} as POSITION has", count(accessor),
                          count(set.position)));
   };
-  check(set.normal, kNormal);
-  check(set.tangent, kTangent);
-  for (size_t k = 0; k < 2; ++k) check(set.uv[k], kTexCoord[k]);
-  check(set.colour, kColour);
+  check(set.normal, "attributes", kNormal.name);
+  check(set.tangent, "attributes", kTangent.name);
+  for (size_t k = 0; k < 2; ++k) check(set.uv[k], "attributes", kTexCoord[k].name);
+  check(set.colour, "attributes", kColour.name);
+  for (size_t k = 0; k < set.joints.size(); ++k) {
+    check(set.joints[k].joints, "attributes", fmt::format("JOINTS_{}", k));
+    check(set.joints[k].weights, "attributes", fmt::format("WEIGHTS_{}", k));
+  }
+  for (const MorphTarget& t : set.targets) {
+    check(t.position, "targets", "POSITION");
+    check(t.normal, "targets", kNormal.name);
+    check(t.tangent, "targets", kTangent.name);
+    for (size_t k = 0; k < 2; ++k) check(t.uv[k], "targets", kTexCoord[k].name);
+    check(t.colour, "targets", kColour.name);
+  }
 }
 
-std::vector<float> AttributeReader::values(int accessor, const Attribute& attribute) const {
-  return read_attribute(d_, static_cast<size_t>(accessor), attribute);
+std::vector<float> AttributeReader::normals(const AttributeSet& set) const {
+  std::vector<float> v = read_attribute(d_, static_cast<size_t>(set.normal), kNormal);
+  add_deltas(
+      d_, set.targets, [](const MorphTarget& t) { return t.normal; }, kNormal, 3, v);
+  return v;
 }
 
-void AttributeReader::add(const AttributeSet& set, const Affine& to_world, size_t first) {
+std::vector<float> AttributeReader::tangents(const AttributeSet& set) const {
+  std::vector<float> v = read_attribute(d_, static_cast<size_t>(set.tangent), kTangent);
+  add_deltas(
+      d_, set.targets, [](const MorphTarget& t) { return t.tangent; }, kTangentDelta, 4, v);
+  return v;
+}
+
+std::vector<float> AttributeReader::texcoords(const AttributeSet& set, size_t k) const {
+  std::vector<float> v = read_attribute(d_, static_cast<size_t>(set.uv[k]), kTexCoord[k]);
+  add_deltas(
+      d_, set.targets, [&](const MorphTarget& t) { return t.uv[k]; }, kTexCoordDelta, 2, v);
+  return v;
+}
+
+std::vector<float> AttributeReader::colours(const AttributeSet& set) const {
+  std::vector<float> v = read_attribute(d_, static_cast<size_t>(set.colour), kColour);
+  const auto colour = [](const MorphTarget& t) { return t.colour; };
+  add_deltas(d_, set.targets, colour, kColourDelta, 4, v);
+  if (std::any_of(set.targets.begin(), set.targets.end(),
+                  [&](const MorphTarget& t) { return colour(t) >= 0; }))
+    for (float& c : v) c = c > 0 ? std::min(c, 1.0f) : 0.0f;  // as the format has it
+  return v;
+}
+
+void AttributeReader::add_normals(const AttributeSet& set, const Placing& placing) {
+  const std::vector<float> v = normals(set);
+  const Affine of_all = normal_map_of(placing.to_world);
+  for (size_t i = 0; i < v.size(); i += 3) {
+    const Vec3d n{v[i], v[i + 1], v[i + 2]};
+    const bool alone = !placing.of_vertices.empty();
+    const Vec3d to = alone ? normal_map_of(placing.of_vertices[i / 3]).vector(n) : of_all.vector(n);
+    scene_.normals.push_back(Vec3f(unit_or_zero(to)));
+  }
+}
+
+void AttributeReader::add(const AttributeSet& set, const Placing& placing, size_t first) {
   if (set.normal >= 0) {
-    const std::vector<float> v = values(set.normal, kNormal);
-    const Affine map = normal_map_of(to_world);
     pad(scene_.normals, first, Vec3f{});
-    for (size_t i = 0; i < v.size(); i += 3)
-      scene_.normals.push_back(Vec3f(unit_or_zero(map.vector({v[i], v[i + 1], v[i + 2]}))));
+    add_normals(set, placing);
   }
   if (set.tangent >= 0) {
-    const std::vector<float> v = values(set.tangent, kTangent);
-    const float mirrored = to_world.mirrors() ? -1 : 1;
+    const std::vector<float> v = tangents(set);
+    const float mirrored = placing.mirrors ? -1 : 1;
     pad(scene_.tangents, first, {0, 0, 0, 1});
     for (size_t i = 0; i < v.size(); i += 4) {
-      const Vec3d t = unit_or_zero(to_world.vector({v[i], v[i + 1], v[i + 2]}));
+      const Vec3d t = unit_or_zero(placing.of(i / 4).vector({v[i], v[i + 1], v[i + 2]}));
       const float hand = v[i + 3] < 0 ? -mirrored : mirrored;
       scene_.tangents.push_back(
           {static_cast<float>(t.x), static_cast<float>(t.y), static_cast<float>(t.z), hand});
@@ -107,12 +163,12 @@ void AttributeReader::add(const AttributeSet& set, const Affine& to_world, size_
   }
   for (size_t k = 0; k < 2; ++k)
     if (set.uv[k] >= 0) {
-      const std::vector<float> v = values(set.uv[k], kTexCoord[k]);
+      const std::vector<float> v = texcoords(set, k);
       pad(scene_.uv[k], first, {0, 0});
       for (size_t i = 0; i < v.size(); i += 2) scene_.uv[k].push_back({v[i], v[i + 1]});
     }
   if (set.colour >= 0) {
-    const std::vector<float> v = values(set.colour, kColour);
+    const std::vector<float> v = colours(set);
     pad(scene_.colours, first, kWhite);
     for (size_t i = 0; i < v.size(); i += 4)
       scene_.colours.push_back(
@@ -122,7 +178,7 @@ void AttributeReader::add(const AttributeSet& set, const Affine& to_world, size_
 
 void AttributeReader::note_colours(const AttributeSet& set, MaterialUse& use) const {
   if (set.colour < 0) return;
-  const std::vector<float> v = values(set.colour, kColour);
+  const std::vector<float> v = colours(set);
   for (size_t i = 0; i < v.size(); ++i) {
     if (i % 4 == 3 && !use.alpha) continue;
     use.coloured |= v[i] != 1;

@@ -6,7 +6,9 @@
 #include "libcommon/scene/gltf_accessors.h"
 #include "libcommon/scene/gltf_document.h"
 #include "libcommon/scene/gltf_materials.h"
+#include "libcommon/scene/gltf_morphs.h"
 #include "libcommon/scene/gltf_nodes.h"
+#include "libcommon/scene/gltf_skins.h"
 #include "libcommon/scene/scene.h"
 
 namespace tdpt::gltf {
@@ -16,11 +18,30 @@ namespace tdpt::gltf {
 struct AttributeSet {
   int position = -1, normal = -1, tangent = -1, colour = -1;
   std::array<int, 2> uv{-1, -1};
+  std::vector<MorphTarget> targets;
+  std::vector<JointSet> joints;  ///< of a mesh with a skin
   auto operator<=>(const AttributeSet&) const = default;
 };
 
+/// How a mesh stands in the scene, besides its place.
+struct Shape {
+  const std::vector<double>& weights;  ///< of its morph targets
+  bool skinned = false;
+};
+
 /// What of a primitive that has a POSITION is read for a material.
-AttributeSet choose_attributes(const tinygltf::Primitive& primitive, const MaterialUse& use);
+AttributeSet choose_attributes(const tinygltf::Primitive& primitive, const MaterialUse& use,
+                               const Shape& shape);
+
+/// Where vertices go: all by one map, or those of a skin each by its own.
+struct Placing {
+  Affine to_world;  ///< of a skin: what its first joint does
+  bool mirrors = false;
+  std::vector<Affine> of_vertices{};  ///< empty: one for all
+  const Affine& of(size_t vertex) const {
+    return of_vertices.empty() ? to_world : of_vertices[vertex];
+  }
+};
 
 /// Throws InputError when an attribute has another count than POSITION. `place`: the primitive's.
 void check_counts(const Document& document, const AttributeSet& set, const std::string& place);
@@ -29,9 +50,8 @@ class AttributeReader {
  public:
   AttributeReader(const Document& document, Scene& scene) : d_(document), scene_(scene) {}
 
-  /// Appends all but the positions of a set, placed by `to_world`, for the vertices from `first`
-  /// on.
-  void add(const AttributeSet& set, const Affine& to_world, size_t first);
+  /// Appends all but the positions of a set, for the vertices from `first` on.
+  void add(const AttributeSet& set, const Placing& placing, size_t first);
 
   /// Tells a material what colours its primitive's vertices have.
   void note_colours(const AttributeSet& set, MaterialUse& use) const;
@@ -40,7 +60,11 @@ class AttributeReader {
   void finish(size_t vertices);
 
  private:
-  std::vector<float> values(int accessor, const Attribute& attribute) const;
+  std::vector<float> normals(const AttributeSet& set) const;
+  std::vector<float> tangents(const AttributeSet& set) const;
+  std::vector<float> texcoords(const AttributeSet& set, size_t k) const;
+  std::vector<float> colours(const AttributeSet& set) const;
+  void add_normals(const AttributeSet& set, const Placing& placing);
 
   const Document& d_;
   Scene& scene_;

@@ -39,6 +39,7 @@ void check_accessors(Checker& c, Json& root) {
 void check_meshes(Checker& c, Json& root) {
   c.each(root, "", "meshes", [&](Json& m, const std::string& at) {
     c.check(m, at, {objects("primitives", true)});
+    check_weights(c, m, at);
     c.each(m, at, "primitives", [&](Json& p, const std::string& here) {
       c.check(p, here,
               {object("attributes", true), index("indices", "accessors"),
@@ -46,6 +47,7 @@ void check_meshes(Checker& c, Json& root) {
       check_draco(c, p, here);
       for (const auto& [name, value] : p["attributes"].items())
         c.check(p["attributes"], here + ".attributes", {index(name.c_str(), "accessors")});
+      check_targets(c, p, here);
       if (p.contains("indices")) {
         const auto a = p["indices"].get<size_t>();
         if (!root["accessors"][a].contains("bufferView") && !is_draco(p))
@@ -55,21 +57,20 @@ void check_meshes(Checker& c, Json& root) {
   });
 }
 
-void check_nodes(Checker& c, Json& root) {
-  c.each(root, "", "nodes", [&](Json& n, const std::string& at) {
-    c.check(n, at,
-            {text("name"), indices("children", "nodes"), index("mesh", "meshes"),
-             index("camera", "cameras"), numbers("matrix", 16), numbers("translation", 3),
-             numbers("rotation", 4), numbers("scale", 3), object("extensions")});
-  });
-  c.each(root, "", "scenes",
-         [&](Json& s, const std::string& at) { c.check(s, at, {indices("nodes", "nodes")}); });
+/// What is not drawn keeps no accessors, which may be wrong.
+void empty_unused_meshes(Checker& c, Json& root) {
+  for (size_t i = 0; i < c.size_of("meshes"); ++i) {
+    Json& mesh = root["meshes"][i];
+    if (!c.uses.has("meshes", i)) mesh = harmless("meshes");
+    for (Json& p : mesh["primitives"])
+      if (p.value("mode", 4) < 4) p = {{"attributes", Json::object()}, {"mode", p["mode"]}};
+  }
 }
 
 void check_cameras(Checker& c, Json& root) {
   c.each(root, "", "cameras", [&](Json& camera, const std::string& at) {
     c.check(camera, at,
-            {text("name"), text("type", true), object("perspective"), object("orthographic")});
+            {name_of("name"), text("type", true), object("perspective"), object("orthographic")});
     const auto type = camera["type"].get<std::string>();
     if (type == "orthographic") {
       // Skipped with a warning; this keeps tinygltf from asking for its fields.
@@ -90,15 +91,14 @@ void check_cameras(Checker& c, Json& root) {
   });
 }
 
-}  // namespace
-
-void check_json(Json& root, const std::string& file) {
-  Checker c(root, file);
-  c.check(root, "",
-          {object("asset", true), objects("buffers"), objects("bufferViews"), objects("accessors"),
-           objects("meshes"), objects("nodes"), objects("scenes"), objects("cameras"),
-           objects("materials"), objects("textures"), objects("images"), objects("samplers"),
-           object("extensions"), index("scene", "scenes")});
+/// The file's own parts, which are there whatever the scene uses of them.
+void check_frame(Checker& c, Json& root) {
+  c.check(
+      root, "",
+      {object("asset", true), objects("buffers"), objects("bufferViews"), objects("accessors"),
+       objects("meshes"), objects("nodes"), objects("scenes"), objects("cameras"),
+       objects("materials"), objects("textures"), objects("images"), objects("samplers"),
+       objects("skins"), objects("animations"), object("extensions"), index("scene", "scenes")});
   c.check(root["asset"], "asset", {text("version", true)});
   for (const char* list : {"extensionsUsed", "extensionsRequired"})
     if (root.contains(list)) {
@@ -106,10 +106,14 @@ void check_json(Json& root, const std::string& file) {
       for (size_t i = 0; i < root[list].size(); ++i)
         if (!root[list][i].is_string()) c.fail(place(list, i), root[list][i], "a string");
     }
-  c.each(root, "", "buffers", [&](Json& b, const std::string& at) {
-    c.check(b, at, {integer("byteLength", true, 1), text("uri"), object("extensions")});
-    check_meshopt_buffer(c, b, at);
-  });
+  for (const char* section :
+       {"scenes", "nodes", "meshes", "skins", "cameras", "materials", "textures", "images",
+        "samplers", "accessors", "bufferViews", "buffers"})
+    c.uses.count(section, c.size_of(section));
+}
+
+void check_buffers(Checker& c, Json& root) {
+  mark_views(c.uses, root);
   c.each(root, "", "bufferViews", [&](Json& v, const std::string& at) {
     c.check(
         v, at,
@@ -117,13 +121,33 @@ void check_json(Json& root, const std::string& file) {
          integer("byteStride", false, 4, 252), object("extensions")});
     check_meshopt_view(c, v, at);
   });
-  check_accessors(c, root);
-  check_meshes(c, root);
+  mark_buffers(c.uses, root);
+  c.each(root, "", "buffers", [&](Json& b, const std::string& at) {
+    c.check(b, at, {integer("byteLength", true, 1), text("uri"), object("extensions")});
+    check_meshopt_buffer(c, b, at);
+  });
+}
+
+}  // namespace
+
+Checked check_json(Json& root, const std::string& file) {
+  Checker c(root, file);
+  check_frame(c, root);
+  count_lights(c, root);
   check_nodes(c, root);
-  check_cameras(c, root);
-  check_materials(c, root);
-  check_textures(c, root);
   check_lights(c, root);
+  check_skins(c, root);
+  check_meshes(c, root);
+  empty_unused_meshes(c, root);
+  check_cameras(c, root);
+  mark_parts_of_meshes(c.uses, root);
+  check_materials(c, root);
+  mark_parts_of_materials(c.uses, root);
+  check_textures(c, root);
+  check_animations(c, root);
+  check_accessors(c, root);
+  check_buffers(c, root);
+  return {c.warnings(), c.uses.of("buffers")};
 }
 
 }  // namespace tdpt::gltf

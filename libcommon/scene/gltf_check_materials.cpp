@@ -8,6 +8,8 @@
 namespace tdpt::gltf {
 namespace {
 
+constexpr const char* kLights = "KHR_lights_punctual";
+
 void check_texture(Checker& c, Json& parent, const std::string& at, const char* name) {
   c.check(parent, at, {object(name)});
   if (!parent.contains(name)) return;
@@ -46,6 +48,10 @@ void check_extensions_of_material(Checker& c, Json& e, const std::string& at) {
   check("KHR_materials_specular",
         {number("specularFactor", false, 0, 1), numbers("specularColorFactor", 3, 0)},
         {"specularTexture", "specularColorTexture"});
+  check("KHR_materials_pbrSpecularGlossiness",
+        {numbers("diffuseFactor", 4, 0), numbers("specularFactor", 3, 0),
+         number("glossinessFactor", false, 0, 1)},
+        {"diffuseTexture", "specularGlossinessTexture"});
   check("KHR_materials_transmission", {number("transmissionFactor", false, 0, 1)},
         {"transmissionTexture"});
   check("KHR_materials_ior", {number("ior", false, 0)});
@@ -82,7 +88,7 @@ void check_extensions_of_material(Checker& c, Json& e, const std::string& at) {
 void check_materials(Checker& c, Json& root) {
   c.each(root, "", "materials", [&](Json& m, const std::string& at) {
     c.check(m, at,
-            {text("name"), numbers("emissiveFactor", 3, 0), text("alphaMode"),
+            {name_of("name"), numbers("emissiveFactor", 3, 0), text("alphaMode"),
              number("alphaCutoff", false, 0), boolean("doubleSided"),
              object("pbrMetallicRoughness"), object("extensions")});
     if (m.contains("alphaMode")) {
@@ -116,6 +122,7 @@ void check_textures(Checker& c, Json& root) {
         c.check(t["extensions"][name], at + ".extensions." + name, {index("source", "images")});
     }
   });
+  mark_parts_of_textures(c.uses, root);
   c.each(root, "", "images", [&](Json& i, const std::string& at) {
     c.check(i, at, {text("uri"), index("bufferView", "bufferViews")});
   });
@@ -127,47 +134,38 @@ void check_textures(Checker& c, Json& root) {
   });
 }
 
-/// KHR_lights_punctual: the lights of the file, and the nodes that hold one.
+void count_lights(Checker& c, Json& root) {
+  c.uses.count("lights", 0);
+  if (!root.contains("extensions")) return;
+  c.check(root["extensions"], "extensions", {object(kLights)});
+  if (!root["extensions"].contains(kLights)) return;
+  Json& owner = root["extensions"][kLights];
+  c.check(owner, std::string("extensions.") + kLights, {objects("lights", true)});
+  c.uses.count("lights", owner["lights"].size());
+}
+
 void check_lights(Checker& c, Json& root) {
-  constexpr const char* kName = "KHR_lights_punctual";
-  const auto lights_of = [&](Json& owner, const std::string& at) -> Json* {
-    if (!owner.contains("extensions")) return nullptr;
-    c.check(owner["extensions"], at + "extensions", {object(kName)});
-    return owner["extensions"].contains(kName) ? &owner["extensions"][kName] : nullptr;
-  };
-  size_t lights = 0;
-  const std::string where = std::string("extensions.") + kName;
-  if (Json* owner = lights_of(root, "")) {
-    c.check(*owner, where, {objects("lights", true)});
-    lights = (*owner)["lights"].size();
-    c.each(*owner, where, "lights", [&](Json& l, const std::string& at) {
-      c.check(l, at,
-              {text("name"), text("type", true), numbers("color", 3, 0),
-               number("intensity", false, 0), object("spot")});
-      const auto type = l["type"].get<std::string>();
-      if (type != "point" && type != "spot" && type != "directional")
-        c.fail(at + ".type", l["type"], "point, spot or directional");
-      if (!l.contains("spot")) return;
-      Json& s = l["spot"];
-      c.check(s, at + ".spot", {number("innerConeAngle"), number("outerConeAngle")});
-      const double inner = s.value("innerConeAngle", 0.0);
-      const double outer = s.value("outerConeAngle", std::numbers::pi / 4);
-      // Files round pi/2 to single precision.
-      if (!(inner >= 0 && inner < outer && outer <= std::numbers::pi / 2 + 1e-6))
-        c.fail_because(at + ".spot",
-                       fmt::format("has an inner cone of {} and an outer one of {}, expected "
-                                   "0 <= inner < outer <= pi/2",
-                                   inner, outer));
-    });
-  }
-  c.each(root, "", "nodes", [&](Json& n, const std::string& at) {
-    if (Json* owner = lights_of(n, at + ".")) {
-      const std::string here = at + ".extensions." + kName;
-      c.check(*owner, here, {integer("light", true)});
-      const Json& light = (*owner)["light"];
-      if (light.get<uint64_t>() >= lights)
-        c.fail(here + ".light", light, fmt::format("an index into the {} lights", lights));
-    }
+  if (!root.contains("extensions") || !root["extensions"].contains(kLights)) return;
+  Json& owner = root["extensions"][kLights];
+  const std::string where = std::string("extensions.") + kLights;
+  c.each(owner, where, "lights", [&](Json& l, const std::string& at) {
+    c.check(l, at,
+            {name_of("name"), text("type", true), numbers("color", 3, 0),
+             number("intensity", false, 0), object("spot")});
+    const auto type = l["type"].get<std::string>();
+    if (type != "point" && type != "spot" && type != "directional")
+      c.fail(at + ".type", l["type"], "point, spot or directional");
+    if (!l.contains("spot")) return;
+    Json& s = l["spot"];
+    c.check(s, at + ".spot", {number("innerConeAngle"), number("outerConeAngle")});
+    const double inner = s.value("innerConeAngle", 0.0);
+    const double outer = s.value("outerConeAngle", std::numbers::pi / 4);
+    // Files round pi/2 to single precision.
+    if (!(inner >= 0 && inner < outer && outer <= std::numbers::pi / 2 + 1e-6))
+      c.fail_because(at + ".spot",
+                     fmt::format("has an inner cone of {} and an outer one of {}, expected "
+                                 "0 <= inner < outer <= pi/2",
+                                 inner, outer));
   });
 }
 

@@ -6,12 +6,13 @@
 #include <string>
 
 #include "libcommon/scene/gltf_document.h"
+#include "libcommon/scene/gltf_uses.h"
 
 namespace tdpt::gltf {
 
 using Json = nlohmann::json;
 
-enum class Kind { integer, index, indices, number, numbers, text, boolean, object, objects };
+enum class Kind { integer, index, indices, number, numbers, text, name, boolean, object, objects };
 
 struct Field {
   const char* name;
@@ -44,6 +45,10 @@ constexpr Field numbers(const char* name, size_t count, double low = -kAny, doub
 constexpr Field text(const char* name, bool required = false) {
   return {name, Kind::text, required};
 }
+/// A string that pictures do not depend on.
+constexpr Field name_of(const char* name) {
+  return {name, Kind::name};
+}
 constexpr Field boolean(const char* name) {
   return {name, Kind::boolean};
 }
@@ -65,6 +70,8 @@ class Checker {
  public:
   Checker(Json& root, const std::string& file) : root_(root), file_(file) {}
 
+  Uses uses;  ///< filled in while the checks go on, from the scene's nodes to its buffers
+
   void check(Json& value, const std::string& where, std::initializer_list<Field> fields) {
     if (!value.is_object()) fail(where, value, "an object");
     for (const Field& f : fields) {
@@ -82,13 +89,38 @@ class Checker {
     return it == root_.end() ? 0 : it->size();
   }
 
-  /// Calls `visit(element, place)` for each object of a section.
+  /// Calls `visit(element, place)` for each object of a section. One that nothing in the scene uses
+  /// may be wrong: something harmless takes its place, and a warning tells.
   template <class Visit>
   void each(Json& parent, const std::string& where, const char* name, const Visit& visit) {
     const auto it = parent.find(name);
     if (it == parent.end()) return;
     const std::string at = where.empty() ? name : where + "." + name;
-    for (size_t i = 0; i < it->size(); ++i) visit((*it)[i], place(at.c_str(), i));
+    for (size_t i = 0; i < it->size(); ++i) {
+      try {
+        visit((*it)[i], place(at.c_str(), i));
+      } catch (const InputError& e) {
+        if (uses.has(name, i)) throw;
+        (*it)[i] = harmless(name);
+        unused_faults_.push_back(e.what());
+      }
+    }
+  }
+
+  void note(const std::string& warning) { notes_.push_back(warning); }
+
+  /// What was wrong and cannot change the picture.
+  std::vector<std::string> warnings() const {
+    std::vector<std::string> out = notes_;
+    if (misnamed_ > 0)
+      out.push_back(fmt::format("{} {} not made of text, and left out", misnamed_,
+                                misnamed_ == 1 ? "name is" : "names are"));
+    if (unused_faults_.empty()) return out;
+    const size_t more = unused_faults_.size() - 1;
+    out.push_back(unused_faults_.front().substr(file_.size() + 1) +
+                  "; nothing in the scene uses it" +
+                  (more > 0 ? fmt::format(", and {} more of the kind", more) : ""));
+    return out;
   }
 
   [[noreturn]] void fail_missing(const std::string& where, const std::string& why) const {
@@ -122,6 +154,9 @@ class Checker {
         return;
       case Kind::text:
         if (!v.is_string()) fail(at, v, "a string");
+        return;
+      case Kind::name:
+        if (!v.is_string()) v = "", ++misnamed_;
         return;
       case Kind::boolean:
         if (!v.is_boolean()) fail(at, v, "true or false");
@@ -167,6 +202,8 @@ class Checker {
 
   Json& root_;
   const std::string& file_;
+  std::vector<std::string> notes_, unused_faults_;
+  size_t misnamed_ = 0;
 };
 
 /// What extensions say that a primitive, a buffer or a bufferView is compressed by.
@@ -174,9 +211,23 @@ void check_draco(Checker& checker, Json& primitive, const std::string& place);
 void check_meshopt_buffer(Checker& checker, Json& buffer, const std::string& place);
 void check_meshopt_view(Checker& checker, Json& view, const std::string& place);
 
-/// Materials with their textures, and KHR_lights_punctual.
+/// Materials with their textures, and KHR_lights_punctual: how many, and each.
 void check_materials(Checker& checker, Json& root);
 void check_textures(Checker& checker, Json& root);
+void count_lights(Checker& checker, Json& root);
 void check_lights(Checker& checker, Json& root);
+
+/// Skins, and what extensions say of nodes besides their lights.
+void check_skins(Checker& checker, Json& root);
+void check_node_extensions(Checker& checker, Json& node, const std::string& place);
+/// Weights of morph targets: a node's or a mesh's.
+void check_weights(Checker& checker, Json& owner, const std::string& place);
+/// Leaves the first channel alone that moves a property of a node in the scene.
+void check_animations(Checker& checker, Json& root);
+/// Morph targets of a primitive.
+void check_targets(Checker& checker, Json& primitive, const std::string& place);
+
+/// Finds the nodes of the scene and checks them; what they hold is used, unless they are hidden.
+void check_nodes(Checker& checker, Json& root);
 
 }  // namespace tdpt::gltf

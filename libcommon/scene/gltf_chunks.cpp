@@ -15,9 +15,21 @@ uint32_t u32_at(std::string_view bytes, size_t at) {
 constexpr uint32_t kJson = 0x4E4F534A, kBin = 0x004E4942;
 constexpr size_t kHeader = 12, kChunkHeader = 8;
 
+/// Where the chunk behind one that ends at `end` begins: there, unless the end was to be filled up
+/// to a multiple of 4 and was not counted so.
+size_t next_chunk(std::string_view bytes, size_t end) {
+  const size_t aligned = (end + 3) / 4 * 4;
+  const auto is_bin = [&](size_t at) {
+    return bytes.size() >= kChunkHeader && at <= bytes.size() - kChunkHeader &&
+           u32_at(bytes, at + 4) == kBin;
+  };
+  return !is_bin(end) && is_bin(aligned) ? aligned : end;
+}
+
 }  // namespace
 
-Chunks split_chunks(std::string_view bytes, const std::string& file) {
+Chunks split_chunks(std::string_view bytes, const std::string& file,
+                    std::vector<std::string>& warnings) {
   const auto fail = [&](const std::string& where, const std::string& message) {
     throw InputError(file, where, message);
   };
@@ -36,31 +48,39 @@ Chunks split_chunks(std::string_view bytes, const std::string& file) {
     fail("header",
          fmt::format("the file is cut short: {} bytes, expected {}", bytes.size(), length));
   if (length < bytes.size())
-    fail("header", fmt::format("declares {} bytes, but the file has {}", length, bytes.size()));
+    warnings.push_back(fmt::format("the file has {} bytes, but declares {}: the rest is left out",
+                                   bytes.size(), length));
+  bytes = bytes.substr(0, length);
 
   Chunks chunks;
   size_t at = kHeader;
-  for (size_t k = 0; at < bytes.size(); ++k) {
+  // Whatever comes behind the binary chunk means nothing.
+  for (size_t k = 0; k < 2 && at < bytes.size(); ++k) {
     const std::string where = place("chunk", k);
     const size_t left = bytes.size() - at;
-    if (left < kChunkHeader)
+    if (left < kChunkHeader) {
+      if (k > 0 && left < 4) break;  // padding
       fail(where,
            fmt::format("is cut short: {} bytes, expected a header of {}", left, kChunkHeader));
+    }
     const uint32_t size = u32_at(bytes, at), type = u32_at(bytes, at + 4);
     if (size > left - kChunkHeader)
       fail(where, fmt::format("declares {} bytes, but {} are left in the file", size,
                               left - kChunkHeader));
-    if (size % 4 != 0) fail(where, fmt::format("has {} bytes, expected a multiple of 4", size));
+    if (size % 4 != 0)
+      warnings.push_back(
+          fmt::format("{} of the file has {} bytes, expected a multiple of 4", where, size));
     const std::string_view content = bytes.substr(at + kChunkHeader, size);
     if (k == 0) {
       if (type != kJson) fail(where, "is not JSON, expected the JSON chunk first");
       chunks.json = content;
-    } else if (k == 1 && type == kBin) {
+    } else if (type == kBin) {
       chunks.bin = content;
       chunks.has_bin = true;
     }
-    at += kChunkHeader + size;
+    at = next_chunk(bytes, at + kChunkHeader + size);
   }
+  while (!chunks.json.empty() && chunks.json.back() == '\0') chunks.json.remove_suffix(1);
   if (chunks.json.empty()) fail("chunk[0]", "is missing or empty, expected the JSON chunk");
   return chunks;
 }

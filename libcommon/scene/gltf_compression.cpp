@@ -36,8 +36,9 @@ class Decoder {
 
   void run() {
     std::set<size_t> meshes;
-    for (const PlacedNode& n : place_nodes(d_))
-      if (const int mesh = d_.model.nodes[n.node].mesh; mesh >= 0)
+    std::vector<std::string> known;  // told where nodes are placed again
+    for (const PlacedNode& n : place_nodes(d_, known))
+      if (const int mesh = d_.model.nodes[n.node].mesh; n.visible && mesh >= 0)
         meshes.insert(static_cast<size_t>(mesh));
     for (const size_t mesh : meshes)
       for (size_t k = 0; k < d_.model.meshes[mesh].primitives.size(); ++k) collect(mesh, k);

@@ -38,7 +38,10 @@ constexpr std::array kSupported = {"KHR_materials_emissive_strength",
                                    "EXT_texture_avif",
                                    "KHR_texture_basisu",
                                    "MSFT_texture_dds",
-                                   "KHR_texture_transform"};
+                                   "KHR_texture_transform",
+                                   "KHR_materials_pbrSpecularGlossiness",
+                                   "KHR_node_visibility",
+                                   "EXT_mesh_gpu_instancing"};
 
 // Deeper nesting has no use in glTF, and readers that recurse would run out of stack.
 constexpr int kDeepest = 64;
@@ -82,22 +85,28 @@ void check_version(const Document& d) {
     d.fail("asset.version", fmt::format("is \"{}\", expected \"2.0\"", shown(version, 20)));
 }
 
-void check_extensions(const Document& d) {
+void check_extensions(Document& d) {
   if (!d.json.contains("extensionsRequired")) return;
   for (const Json& e : d.json["extensionsRequired"]) {
     const std::string name = e.get<std::string>();
-    if (std::find(kSupported.begin(), kSupported.end(), name) == kSupported.end())
+    if (changes_no_picture(name))
+      d.warnings.push_back(name + " is required, but changes no picture: passed over");
+    else if (std::find(kSupported.begin(), kSupported.end(), name) == kSupported.end())
       d.fail("extensionsRequired",
              fmt::format("\"{}\" is not supported, expected a scene exported without it",
                          shown(name, 60)));
   }
 }
 
-void load_buffers(Document& d, const Chunks& chunks) {
+void load_buffers(Document& d, const Chunks& chunks, const std::vector<bool>& used) {
   std::string all;  // what the hash is of, when there is more than the file
   uint64_t beside = 0;
   const Json buffers = d.json.value("buffers", Json::array());
   for (size_t i = 0; i < buffers.size(); ++i) {
+    if (!used[i]) {
+      d.buffers.emplace_back();
+      continue;
+    }
     const std::string where = place("buffers", i);
     const auto length = buffers[i]["byteLength"].get<uint64_t>();
     std::string_view bytes;
@@ -186,6 +195,11 @@ std::string place(const char* section, size_t index) {
   return fmt::format("{}[{}]", section, index);
 }
 
+std::string counted(size_t n, const std::string& noun, const std::string& one,
+                    const std::string& many) {
+  return fmt::format("{} {}{} {}", n, noun, n == 1 ? "" : "s", n == 1 ? one : many);
+}
+
 void open_document(const std::string& path, Document& d) {
   d.file = display_name(path);
   d.bytes = read_file(path);
@@ -193,14 +207,15 @@ void open_document(const std::string& path, Document& d) {
     d.folder = std::filesystem::path(path).parent_path().string();
     if (d.folder.empty()) d.folder = ".";
   }
-  const Chunks chunks = split_chunks(d.bytes, d.file);
+  const Chunks chunks = split_chunks(d.bytes, d.file, d.warnings);
   d.json = parse(chunks.json, d.file);
-  check_json(d.json, d.file);
+  const Checked checked = check_json(d.json, d.file);
+  d.warnings.insert(d.warnings.end(), checked.warnings.begin(), checked.warnings.end());
   check_version(d);
   check_extensions(d);
   for (const Json& e : d.json.value("extensionsUsed", Json::array()))
     d.extensions.insert(e.get<std::string>());
-  load_buffers(d, chunks);
+  load_buffers(d, chunks, checked.buffers);
   load_model(d);
   decode_draco_primitives(d);
 }

@@ -19,7 +19,7 @@ struct Document {
   std::string folder;                     ///< external files lie in it; empty: none may be read
   nlohmann::json json;                    ///< checked by check_json()
   tinygltf::Model model;                  ///< without buffers and images
-  std::vector<std::string_view> buffers;  ///< of at least the byteLength they declare
+  std::vector<std::string_view> buffers;  ///< of the byteLength they declare; else empty: not used
   std::string hash;                       ///< of the file and the external buffers
   std::string bytes;                      ///< the file; buffers point into it
   std::deque<std::string> owned;          ///< decoded and external buffers
@@ -27,6 +27,7 @@ struct Document {
   std::set<std::string> extensions;       ///< those that extensionsUsed names
   mutable std::map<size_t, std::string> unpacked;  ///< compressed bufferViews that were asked for
   mutable size_t bytes_unpacked = 0;               ///< of all of them
+  std::vector<std::string> warnings;  ///< sentences: what is wrong and changes no picture
 
   [[noreturn]] void fail(const std::string& place, const std::string& message) const {
     throw InputError(file, place, message);
@@ -36,6 +37,10 @@ struct Document {
 /// "accessors[3]", the place of an element in messages.
 std::string place(const char* section, size_t index);
 
+/// "1 material is", "3 materials are".
+std::string counted(size_t n, const std::string& noun, const std::string& one,
+                    const std::string& many);
+
 /// Reads and checks `path` ("-": standard input) into `document`. Throws InputError.
 void open_document(const std::string& path, Document& document);
 
@@ -44,11 +49,20 @@ struct Chunks {
   std::string_view json, bin;
   bool has_bin = false;
 };
-Chunks split_chunks(std::string_view bytes, const std::string& file);
+/// `warnings` get a sentence for what is wrong with the container and can be read nonetheless.
+Chunks split_chunks(std::string_view bytes, const std::string& file,
+                    std::vector<std::string>& warnings);
+
+/// What check_json() found.
+struct Checked {
+  std::vector<std::string> warnings;
+  std::vector<bool> buffers;  ///< those that the scene needs
+};
 
 /// Types, ranges and references of every field this room reads; integers written as 3.0 become 3.
-/// Throws InputError with the place of the first field that is wrong.
-void check_json(nlohmann::json& json, const std::string& file);
+/// Throws InputError with the place of the first field that is wrong and may change the picture;
+/// what nothing in the scene uses is replaced where it is wrong.
+Checked check_json(nlohmann::json& json, const std::string& file);
 
 /// A URI that may be followed, but leads to nothing; `what_is`: "a file that is not there", for a
 /// sentence about it.
@@ -62,6 +76,10 @@ struct NothingThere : InputError {
 /// `file_read`: path of the file; empty for a data URI.
 std::string read_uri(const Document& document, const std::string& uri, const std::string& place,
                      std::string& file_read);
+
+/// Whether an extension that a file requires means nothing to a picture: metadata, what can be
+/// chosen or touched, physics, sound, hints for speed.
+bool changes_no_picture(const std::string& extension);
 
 /// Whether extensionsUsed names it.
 bool uses_extension(const Document& document, const std::string& name);

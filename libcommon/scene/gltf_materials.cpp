@@ -7,6 +7,7 @@
 
 #include "libcommon/base/hash.h"
 #include "libcommon/base/shown.h"
+#include "libcommon/scene/gltf_specular_glossiness.h"
 #include "libcommon/scene/gltf_textures.h"
 
 namespace tdpt::gltf {
@@ -43,8 +44,7 @@ constexpr LeftOut kLeftOut[] = {
     {"KHR_materials_anisotropy", "anisotropyStrength", "anisotropy"},
     {"KHR_materials_dispersion", "dispersion", "dispersion"},
     {"KHR_materials_diffuse_transmission", "diffuseTransmissionFactor", "diffuse transmission"},
-    {"KHR_materials_volume_scatter", "multiscatterColor", "scattering in its volume"},
-    {"KHR_materials_pbrSpecularGlossiness", nullptr, "the specular-glossiness model"}};
+    {"KHR_materials_volume_scatter", "multiscatterColor", "scattering in its volume"}};
 
 constexpr const char* kRead[] = {"KHR_materials_emissive_strength",
                                  "KHR_materials_specular",
@@ -106,7 +106,9 @@ class Reader {
   Reader(const Document& d, Scene& scene) : d_(d), scene_(scene), textures_(d, scene) {}
 
   Material read(size_t index, MaterialUse& use) {
-    const Json& j = d_.json["materials"][index];
+    const Json j = without_specular_glossiness(d_.json["materials"][index]);
+    glossy_ = child(d_.json["materials"][index], "extensions")
+                  .contains("KHR_materials_pbrSpecularGlossiness");
     told_.fill(false);
     Material m;
     m.name = j.value("name", "");
@@ -119,6 +121,7 @@ class Reader {
       use.unlit = true;
     } else {
       read_lobes(j, m);
+      if (glossy_) finish_specular_glossiness(specular_color_.has_value(), glossiness_, m);
       read_coat(child(extensions, "KHR_materials_clearcoat"), m);
       read_sheen(child(extensions, "KHR_materials_sheen"), m);
       read_normal_map(j, m);
@@ -215,9 +218,11 @@ class Reader {
     if (m.specular > 0 && dielectric)
       specular_ = texture(specular, "specularTexture", false,
                           [&](const std::array<float, 4>& v) { m.specular *= v[3]; });
-    if (m.specular > 0 && dielectric && !is_black(m.specular_color))
+    glossiness_ = 1;
+    if (m.specular > 0 && dielectric && (glossy_ || !is_black(m.specular_color)))
       specular_color_ = texture(specular, "specularColorTexture", true, [&](const auto& v) {
         m.specular_color = m.specular_color * Rgb(v[0], v[1], v[2]);
+        glossiness_ = v[3];
       });
     if (const Json& t = child(extensions, "KHR_materials_transmission"); dielectric) {
       m.transmission = number(t, "transmissionFactor", 0);
@@ -305,7 +310,7 @@ class Reader {
           std::find_if(std::begin(kLeftOut), std::end(kLeftOut),
                        [&e = extension](const LeftOut& l) { return e == l.extension; });
       if (known != std::end(kLeftOut)) {
-        if (!known->factor || more_than_0(value, known->factor)) note(known->words);
+        if (more_than_0(value, known->factor)) note(known->words);
       } else if (extension.find("_materials_") != extension.npos && !is_read(extension)) {
         note(shown(extension, 60));
       }
@@ -376,16 +381,13 @@ class Reader {
   std::string called_;                                        // of the material at hand
   std::vector<std::string> undecodable_;                      // textures, and what they are
   std::map<std::string, std::vector<std::string>> left_out_;  // names of materials
+  bool glossy_ = false;   // it is of the specular-glossiness model
+  float glossiness_ = 1;  // alpha of a specular colour's texture of one colour
   std::array<size_t, kinds> count_{};
   std::array<bool, kinds> told_{};  // of the material at hand
 };
 
 }  // namespace
-
-std::string counted(size_t n, const std::string& noun, const std::string& one,
-                    const std::string& many) {
-  return fmt::format("{} {}{} {}", n, noun, n == 1 ? "" : "s", n == 1 ? one : many);
-}
 
 std::vector<MaterialUse> read_materials(const Document& d, const std::vector<bool>& used,
                                         Scene& scene) {

@@ -18,6 +18,11 @@ namespace {
 
 const std::string kTestdata = TDPT_TESTDATA;
 
+Scene load(const GlbBuilder& b) {
+  const TempFolder folder;
+  return read_gltf(folder.write("scene.glb", b.glb()));
+}
+
 size_t get_json_size(const std::string& glb) {
   return static_cast<unsigned char>(glb[12]) + 256u * static_cast<unsigned char>(glb[13]);
 }
@@ -164,19 +169,71 @@ GlbBuilder rich() {
   return b;
 }
 
+/// A scene whose meshes are bent, moved and multiplied in every way, glossy by the older model.
+GlbBuilder moving() {
+  GlbBuilder b;
+  const int p = b.floats({0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0.25f}, 3);
+  const int n = b.floats({0, 0, 1, 0.6f, 0, 0.8f, 0, 0.6f, 0.8f, 0, 0, 1}, 3);
+  const int joints =
+      b.accessor(b.view(std::string("\0\1\0\0\1\0\0\0\0\1\1\0\0\0\0\1", 16)), 5121, "VEC4", 4);
+  const int weights = b.floats({1, 0, 0, 0, 0.5f, 0.5f, 0, 0, 0, 1, 0, 0, 0.25f, 0, 0, 0.75f}, 4);
+  const std::vector<float> identities = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1,
+                                         1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 1, 2, 3, 1};
+  const int matrices = b.accessor(
+      b.view(std::string(reinterpret_cast<const char*>(identities.data()), 128)), 5126, "MAT4", 2);
+  b.material({{"extensions",
+               {{"KHR_materials_pbrSpecularGlossiness",
+                 {{"diffuseFactor", {0.5, 0.5, 0.5, 1}},
+                  {"specularFactor", {0.5, 0.25, 1}},
+                  {"glossinessFactor", 0.5}}}}}});
+  nlohmann::ordered_json bent = {
+      {"attributes",
+       {{"POSITION", p}, {"NORMAL", n}, {"JOINTS_0", joints}, {"WEIGHTS_0", weights}}},
+      {"mode", 5},
+      {"material", 0},
+      {"targets", {{{"POSITION", n}, {"NORMAL", p}}, {{"POSITION", p}}}}};
+  const int mesh = b.mesh(bent);
+  b.json["meshes"][0]["weights"] = {0.5, 0.25};
+  b.node({{"mesh", mesh}, {"skin", 0}, {"weights", {0.25, 1}}});
+  b.json["nodes"].push_back({{"translation", {0, 0, 1}}});
+  b.node({{"rotation", {0, 0, 0.6, 0.8}}, {"children", {1}}});
+  b.json["skins"] = {{{"joints", {1, 2}}, {"inverseBindMatrices", matrices}}};
+  b.node({{"mesh", mesh},
+          {"extensions",
+           {{"EXT_mesh_gpu_instancing",
+             {{"attributes",
+               {{"TRANSLATION", b.floats({1, 2, 3, 4, 5, 6}, 3)},
+                {"ROTATION", b.floats({0, 0, 0, 1, 1, 0, 0, 0}, 4)},
+                {"SCALE", b.floats({1, 1, 1, 2, -1, 3}, 3)}}}}},
+            {"KHR_node_visibility", {{"visible", true}}}}}});
+  const int times = b.floats({0, 1}, 1);
+  const auto channel = [](int sampler, int node, const char* path) {
+    return nlohmann::ordered_json{{"sampler", sampler},
+                                  {"target", {{"node", node}, {"path", path}}}};
+  };
+  b.json["animations"] = {{{"channels",
+                            {channel(0, 2, "rotation"), channel(1, 3, "translation"),
+                             channel(2, 0, "weights"), channel(1, 3, "scale")}},
+                           {"samplers",
+                            {{{"input", times}, {"output", b.floats({0, 0, 1, 0, 0, 0, 0, 1}, 4)}},
+                             {{"input", times}, {"output", b.floats({1, 1, 2, 3, 4, 5}, 3)}},
+                             {{"input", times},
+                              {"output", b.floats({0, 0, 0.5f, 1, 0, 0, 0, 0, 0.25f, 1, 0, 0}, 1)},
+                              {"interpolation", "CUBICSPLINE"}}}}}};
+  return b;
+}
+
 /// Whatever was read can be looked up, and says nothing that is no number.
 void expect_sound(const Scene& scene) {
   EXPECT_EQ(fault_of(scene), "");
 }
 
-TEST(Mutations, ExtremeNumbersInEveryFieldOfARichScene) {
+/// Every number of the scene's JSON, by some extremes; what is read is sound.
+void spoil_every_number(const GlbBuilder& b, int least) {
   const TempFolder folder;
-  const GlbBuilder b = rich();
   const std::string whole = b.glb(), text = whole.substr(20, get_json_size(whole));
   const Scene unspoilt = read_gltf(folder.write("rich.glb", whole));
   expect_sound(unspoilt);
-  EXPECT_EQ(unspoilt.needs.size(), 10u);  // all that there are
-  EXPECT_EQ(unspoilt.warnings, std::vector<std::string>{});
   const auto numbers = numbers_in(text);
   const std::vector<std::string> extremes = {
       "-1",      "0",      "1",          "3",
@@ -198,15 +255,30 @@ TEST(Mutations, ExtremeNumbersInEveryFieldOfARichScene) {
         ++refused;
         EXPECT_EQ(std::string(e.what()).find_first_of("\r\n"), std::string::npos) << mutant;
       }
-      if (HasFailure()) FAIL() << extreme << " at " << at << " of " << text;
+      if (::testing::Test::HasFailure()) FAIL() << extreme << " at " << at << " of " << text;
     }
-  EXPECT_GT(loaded, 200);
-  EXPECT_GT(refused, 200);
+  EXPECT_GT(loaded, least);
+  EXPECT_GT(refused, least);
 }
 
-TEST(Mutations, AnyBytesInTheBuffersOfARichScene) {
+TEST(Mutations, ExtremeNumbersInEveryFieldOfARichScene) {
+  const Scene unspoilt = load(rich());
+  EXPECT_EQ(unspoilt.needs.size(), 10u);  // all that there are
+  EXPECT_EQ(unspoilt.warnings, std::vector<std::string>{});
+  spoil_every_number(rich(), 200);
+}
+
+TEST(Mutations, ExtremeNumbersInEveryFieldOfAMovingScene) {
+  const Scene unspoilt = load(moving());
+  EXPECT_EQ(unspoilt.triangles.size(), 6u);
+  EXPECT_EQ(unspoilt.warnings,
+            std::vector<std::string>{"the scene is taken at time 0 of its animations"});
+  spoil_every_number(moving(), 100);
+}
+
+/// `from`: the first byte that may change.
+void spoil_the_buffer(const GlbBuilder& b, size_t from, int least) {
   const TempFolder folder;
-  const GlbBuilder b = rich();
   const std::string whole = b.glb(), text = whole.substr(20, get_json_size(whole));
   int loaded = 0;
   for (uint64_t i = 0; i < 1000; ++i) {
@@ -214,7 +286,7 @@ TEST(Mutations, AnyBytesInTheBuffersOfARichScene) {
     std::string bin = b.bin;
     // Whole floats of all ones are no numbers; the positions, first, may not be such.
     for (uint32_t k = 1 + rng.below(4); k > 0; --k) {
-      const size_t at = 48 + rng.below(static_cast<uint32_t>(bin.size() - 52));
+      const size_t at = from + rng.below(static_cast<uint32_t>(bin.size() - from - 4));
       const char byte = rng.below(3) == 0 ? '\xff' : static_cast<char>(rng.below(256));
       bin.replace(at, 4, 4, byte);
     }
@@ -224,9 +296,17 @@ TEST(Mutations, AnyBytesInTheBuffersOfARichScene) {
       expect_sound(scene);
     } catch (const Error&) {
     }
-    if (HasFailure()) FAIL() << i;
+    if (::testing::Test::HasFailure()) FAIL() << i;
   }
-  EXPECT_GT(loaded, 500);
+  EXPECT_GT(loaded, least);
+}
+
+TEST(Mutations, AnyBytesInTheBuffersOfARichScene) {
+  spoil_the_buffer(rich(), 48, 500);
+}
+
+TEST(Mutations, AnyBytesInTheBuffersOfAMovingScene) {
+  spoil_the_buffer(moving(), 48, 100);
 }
 
 /// Changed bytes in what a library decodes: read or refused, and what is read is sound.

@@ -16,69 +16,61 @@ Affine from_matrix(const Document& d, size_t index, const std::vector<double>& m
   return {{m[0], m[1], m[2]}, {m[4], m[5], m[6]}, {m[8], m[9], m[10]}, {m[12], m[13], m[14]}};
 }
 
-Affine local_map(const Document& d, size_t index) {
-  const tinygltf::Node& n = d.model.nodes[index];
-  if (!n.matrix.empty()) return from_matrix(d, index, n.matrix);
-  Affine a;
-  if (!n.rotation.empty()) {
-    double x = n.rotation[0], y = n.rotation[1], z = n.rotation[2], w = n.rotation[3];
-    const double l = std::hypot(std::hypot(x, y), std::hypot(z, w));
-    if (!(l > 0))
-      d.fail(place("nodes", index) + ".rotation", "is zero, expected a unit quaternion");
-    x /= l, y /= l, z /= l, w /= l;
-    a.x = {1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w)};
-    a.y = {2 * (x * y - z * w), 1 - 2 * (x * x + z * z), 2 * (y * z + x * w)};
-    a.z = {2 * (x * z + y * w), 2 * (y * z - x * w), 1 - 2 * (x * x + y * y)};
+/// The nodes that the scene names, each once; those that nobody has as a child, where there is no
+/// scene.
+std::vector<size_t> named_roots(const Document& d) {
+  const size_t nodes = d.model.nodes.size();
+  std::vector<bool> seen(nodes);
+  std::vector<size_t> out;
+  if (d.model.scenes.empty()) {
+    for (const tinygltf::Node& n : d.model.nodes)
+      for (const int child : n.children) seen[static_cast<size_t>(child)] = true;
+    for (size_t i = 0; i < nodes; ++i)
+      if (!seen[i]) out.push_back(i);
+    return out;
   }
-  if (!n.scale.empty()) a.x *= n.scale[0], a.y *= n.scale[1], a.z *= n.scale[2];
-  if (!n.translation.empty()) a.t = {n.translation[0], n.translation[1], n.translation[2]};
-  return a;
+  for (const int n : d.model.scenes[static_cast<size_t>(std::max(0, d.model.defaultScene))].nodes) {
+    const auto node = static_cast<size_t>(n);
+    if (!seen[node]) out.push_back(node);
+    seen[node] = true;
+  }
+  return out;
 }
 
-/// Parent of each node, kNone for roots. A node has one parent at most and is not its own ancestor.
-std::vector<size_t> parents(const Document& d) {
-  const auto& nodes = d.model.nodes;
-  std::vector<size_t> parent(nodes.size(), kNone);
-  for (size_t i = 0; i < nodes.size(); ++i)
-    for (int child : nodes[i].children) {
+/// The roots and all below them.
+std::vector<bool> reached_from(const Document& d, std::vector<size_t> next) {
+  std::vector<bool> reached(d.model.nodes.size());
+  while (!next.empty()) {
+    const size_t n = next.back();
+    next.pop_back();
+    if (reached[n]) continue;
+    reached[n] = true;
+    for (const int child : d.model.nodes[n].children) next.push_back(static_cast<size_t>(child));
+  }
+  return reached;
+}
+
+/// Parents of the nodes in the scene, kNone for roots.
+std::vector<size_t> parents_of(const Document& d, const std::vector<bool>& reached) {
+  std::vector<size_t> parent(reached.size(), kNone);
+  for (size_t i = 0; i < reached.size(); ++i) {
+    if (!reached[i]) continue;
+    for (const int child : d.model.nodes[i].children) {
       size_t& p = parent[static_cast<size_t>(child)];
       if (p != kNone)
         d.fail(place("nodes", static_cast<size_t>(child)),
                fmt::format("is reached twice, from nodes[{}] and nodes[{}]", p, i));
       p = i;
     }
-  // Walking up from every node ends at a root, unless there is a cycle.
-  std::vector<uint8_t> state(nodes.size(), 0);  // 1: on this walk, 2: known to end
-  for (size_t i = 0; i < nodes.size(); ++i) {
-    size_t k = i;
-    for (; k != kNone && state[k] == 0; k = parent[k]) state[k] = 1;
-    if (k != kNone && state[k] == 1)
-      d.fail(place("nodes", k), "is its own ancestor, expected a tree of nodes");
-    for (k = i; k != kNone && state[k] == 1; k = parent[k]) state[k] = 2;
   }
   return parent;
 }
 
-std::vector<size_t> roots(const Document& d, const std::vector<size_t>& parent) {
-  std::vector<size_t> out;
-  if (d.model.scenes.empty()) {
-    for (size_t i = 0; i < parent.size(); ++i)
-      if (parent[i] == kNone) out.push_back(i);
-    return out;
-  }
-  const auto scene = static_cast<size_t>(std::max(0, d.model.defaultScene));
-  std::vector<bool> seen(parent.size());
-  for (int n : d.model.scenes[scene].nodes) {
-    const auto node = static_cast<size_t>(n);
-    const std::string where = place("nodes", node);
-    if (seen[node]) d.fail(where, fmt::format("is reached twice, as a root of scenes[{}]", scene));
-    if (parent[node] != kNone)
-      d.fail(where, fmt::format("is reached twice, as a root of scenes[{}] and from nodes[{}]",
-                                scene, parent[node]));
-    seen[node] = true;
-    out.push_back(node);
-  }
-  return out;
+bool is_hidden(const Document& d, size_t node) {
+  const auto& n = d.json["nodes"][node];
+  if (!n.contains("extensions")) return false;
+  const auto it = n["extensions"].find("KHR_node_visibility");
+  return it != n["extensions"].end() && !it->value("visible", true);
 }
 
 }  // namespace
@@ -92,24 +84,69 @@ bool Affine::mirrors() const {
   return dot(cross(scaled(x), scaled(y)), scaled(z)) < 0;
 }
 
-std::vector<PlacedNode> place_nodes(const Document& d) {
-  const std::vector<size_t> parent = parents(d);
+std::optional<Affine> affine_of(const Vec3d& translation, const std::array<double, 4>& rotation,
+                                const Vec3d& scale) {
+  auto [x, y, z, w] = rotation;
+  const double l = std::hypot(std::hypot(x, y), std::hypot(z, w));
+  if (!(l > 0)) return {};
+  x /= l, y /= l, z /= l, w /= l;
+  Affine a;
+  a.x = Vec3d(1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w)) * scale.x;
+  a.y = Vec3d(2 * (x * y - z * w), 1 - 2 * (x * x + z * z), 2 * (y * z + x * w)) * scale.y;
+  a.z = Vec3d(2 * (x * z + y * w), 2 * (y * z - x * w), 1 - 2 * (x * x + y * y)) * scale.z;
+  a.t = translation;
+  return a;
+}
+
+Affine local_map(const Document& d, size_t index) {
+  const tinygltf::Node& n = d.model.nodes[index];
+  if (!n.matrix.empty()) return from_matrix(d, index, n.matrix);
+  const auto vec = [](const std::vector<double>& v, const Vec3d& otherwise) {
+    return v.empty() ? otherwise : Vec3d(v[0], v[1], v[2]);
+  };
+  const std::vector<double>& r = n.rotation;
+  std::array<double, 4> rotation{0, 0, 0, 1};
+  if (!r.empty()) rotation = {r[0], r[1], r[2], r[3]};
+  const auto map = affine_of(vec(n.translation, {}), rotation, vec(n.scale, Vec3d(1)));
+  if (!map) d.fail(place("nodes", index) + ".rotation", "is zero, expected a unit quaternion");
+  return *map;
+}
+
+std::vector<PlacedNode> place_nodes(const Document& d, std::vector<std::string>& warnings) {
+  const std::vector<size_t> named = named_roots(d);
+  const std::vector<bool> reached = reached_from(d, named);
+  const std::vector<size_t> parent = parents_of(d, reached);
   std::vector<PlacedNode> out;
   std::vector<PlacedNode> stack;  // to_world of the parent; a stack of our own: depth is unbounded
-  const auto push = [&](size_t node, const Affine& to_world) { stack.push_back({node, to_world}); };
-  const std::vector<size_t> first = roots(d, parent);
-  for (size_t i = first.size(); i-- > 0;) push(first[i], {});
+  size_t children = 0;
+  for (size_t i = named.size(); i-- > 0;)
+    if (parent[named[i]] == kNone)
+      stack.push_back({named[i], {}, true});
+    else
+      ++children;
+  std::vector<bool> placed(reached.size());
   while (!stack.empty()) {
     PlacedNode n = stack.back();
     stack.pop_back();
     n.to_world = n.to_world * local_map(d, n.node);
+    n.visible = n.visible && !is_hidden(d, n.node);
     const Affine& a = n.to_world;
     if (!is_finite(a.x) || !is_finite(a.y) || !is_finite(a.z) || !is_finite(a.t))
       d.fail(place("nodes", n.node), "its transform and those above it exceed double precision");
+    placed[n.node] = true;
     out.push_back(n);
-    const auto& children = d.model.nodes[n.node].children;
-    for (size_t i = children.size(); i-- > 0;) push(static_cast<size_t>(children[i]), a);
+    const auto& below = d.model.nodes[n.node].children;
+    for (size_t i = below.size(); i-- > 0;)
+      stack.push_back({static_cast<size_t>(below[i]), a, n.visible});
   }
+  for (size_t i = 0; i < reached.size(); ++i)
+    if (reached[i] && !placed[i])
+      d.fail(place("nodes", i), "is its own ancestor, expected a tree of nodes");
+  if (children > 0)
+    warnings.push_back(
+        counted(children, "node", "is a root of the scene and a child",
+                "are roots of the scene and children") +
+        (children == 1 ? ": placed once, below its parent" : ": placed once, below their parents"));
   return out;
 }
 

@@ -2,6 +2,8 @@
 // precision. Internal to this room.
 #pragma once
 #include <array>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "libcommon/math/vec.h"
@@ -21,13 +23,23 @@ struct Affine {
   bool mirrors() const;
 };
 
+/// Translation * rotation (a quaternion x, y, z, w of any length) * scale; nothing for a rotation
+/// of zeros.
+std::optional<Affine> affine_of(const Vec3d& translation, const std::array<double, 4>& rotation,
+                                const Vec3d& scale);
+
+/// The map of a node into its parent. Throws InputError where it is none.
+Affine local_map(const Document& document, size_t node);
+
 struct PlacedNode {
   size_t node;
   Affine to_world;
+  bool visible;  ///< by KHR_node_visibility, which hides all below but the cameras
 };
 
 /// Nodes of the default scene (else of the first scene, else below every root), parents first, in
 /// file order. Throws InputError for cycles, nodes with two parents and maps that are not affine.
-std::vector<PlacedNode> place_nodes(const Document& document);
+/// `warnings` get a sentence about roots that are children, too.
+std::vector<PlacedNode> place_nodes(const Document& document, std::vector<std::string>& warnings);
 
 }  // namespace tdpt::gltf

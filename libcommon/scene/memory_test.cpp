@@ -66,7 +66,14 @@ class FilesBeside : public ::testing::Test {
 
 TEST_F(FilesBeside, AreCountedAsBuffers) {
   const std::string one = R"({"byteLength": 4, "uri": "much"})";
-  EXPECT_EQ(complaint(R"("buffers": [)" + one + "," + one + "," + one + "]"),
+  const std::string used = R"("nodes": [{"mesh": 0}], "meshes": [{"primitives": [{"attributes":
+    {"POSITION": 0, "NORMAL": 1, "TANGENT": 2}}]}], "accessors": [
+    {"bufferView": 0, "componentType": 5126, "count": 1, "type": "VEC3"},
+    {"bufferView": 1, "componentType": 5126, "count": 1, "type": "VEC3"},
+    {"bufferView": 2, "componentType": 5126, "count": 1, "type": "VEC4"}], "bufferViews": [
+    {"buffer": 0, "byteLength": 4}, {"buffer": 1, "byteLength": 4},
+    {"buffer": 2, "byteLength": 4}], )";
+  EXPECT_EQ(complaint(used + R"("buffers": [)" + one + "," + one + "," + one + "]"),
             "buffers[2]: 30000 bytes of buffers take 58.6 KiB of memory, expected at most the 48.8 "
             "KiB of --max-memory");
 }

@@ -80,12 +80,15 @@ struct Material {
   TextureMap normal_map;              ///< tangent space, RGB -> [-1,1]
   TextureMap specular_map;            ///< A
   TextureMap specular_color_map;      ///< RGB
-  TextureMap transmission_map;        ///< R
-  TextureMap coat_map;                ///< R
-  TextureMap coat_roughness_map;      ///< G
-  TextureMap coat_normal_map;         ///< as normal_map, which does not bend the coat
-  TextureMap sheen_color_map;         ///< RGB
-  TextureMap sheen_roughness_map;     ///< A
+  /// The specular colour's map holds glossiness in A: roughness is 1 - (1 - roughness) A, and the
+  /// base colour has 1 less the largest part of the specular colour [specular-glossiness].
+  bool glossy_map = false;
+  TextureMap transmission_map;     ///< R
+  TextureMap coat_map;             ///< R
+  TextureMap coat_roughness_map;   ///< G
+  TextureMap coat_normal_map;      ///< as normal_map, which does not bend the coat
+  TextureMap sheen_color_map;      ///< RGB
+  TextureMap sheen_roughness_map;  ///< A
 };
 
 /// A light without extent (KHR_lights_punctual), canonical frame.

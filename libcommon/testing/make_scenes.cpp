@@ -1,9 +1,11 @@
-// make_scenes TESTDATA: writes the scenes of TESTDATA/scenes and TESTDATA/malformed.
+// make_scenes TESTDATA: writes the scenes of TESTDATA/scenes, TESTDATA/encodings and
+// TESTDATA/malformed.
 #include <cstdio>
 #include <exception>
 
 #include "libcommon/base/output_file.h"
 #include "libcommon/testing/malformed.h"
+#include "libcommon/testing/reencode.h"
 #include "libcommon/testing/rooms.h"
 
 int main(int argc, char** argv) {
@@ -14,6 +16,8 @@ int main(int argc, char** argv) {
   try {
     for (const auto& scene : tdpt::testing::make_scenes())
       tdpt::write_output(std::string(argv[1]) + "/scenes/" + scene.file, scene.bytes);
+    for (const auto& [name, bytes] : tdpt::testing::encoded_rooms())
+      tdpt::write_output(std::string(argv[1]) + "/encodings/" + name, bytes);
     for (const auto& scene : tdpt::testing::malformed_scenes())
       tdpt::write_output(std::string(argv[1]) + "/malformed/" + scene.file, scene.bytes);
   } catch (const std::exception& e) {

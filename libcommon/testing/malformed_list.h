@@ -69,4 +69,7 @@ void add_malformed_surfaces(MalformedList& list);
 /// Meshes by Draco, bufferViews by meshoptimizer.
 void add_malformed_compressed(MalformedList& list);
 
+/// Instances, skins, morph targets and animations that are wrong.
+void add_malformed_motion(MalformedList& list);
+
 }  // namespace tdpt::testing

@@ -10,7 +10,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int kI8 = 5120, kI16 = 5122, kU16 = 5123, kFloat = 5126;
+constexpr int kI8 = 5120, kU8 = 5121, kI16 = 5122, kU16 = 5123, kFloat = 5126;
+constexpr const char* kInstances = "EXT_mesh_gpu_instancing";
 constexpr int kGrey = 0, kRed = 1, kTiles = 2, kLamp = 3;
 
 void add_materials(GlbBuilder& b) {
@@ -134,6 +135,23 @@ Json quantized(GlbBuilder& b, const QuadPart& p) {
   return {{"POSITION", position}, {"NORMAL", normal}, {"TEXCOORD_0", coordinates}};
 }
 
+// world = R(180 degrees about +Y) S(2) local, which rounds nothing.
+QuadPart turned(QuadPart p) {
+  for (Vec3f& v : p.positions) v = Vec3f(-v.x, v.y, -v.z) * 0.5f;
+  for (Vec3f& n : p.normals) n = {-n.x, n.y, -n.z};
+  return p;
+}
+
+/// All vertices follow the first joint alone.
+Json skinned(GlbBuilder& b, Json attributes, size_t vertices) {
+  std::vector<float> weights;
+  for (size_t i = 0; i < vertices; ++i) weights.insert(weights.end(), {1, 0, 0, 0});
+  attributes["JOINTS_0"] =
+      b.accessor(b.view(std::string(4 * vertices, '\0')), kU8, "VEC4", vertices);
+  attributes["WEIGHTS_0"] = b.floats(weights, 4);
+  return attributes;
+}
+
 Json attributes_of(GlbBuilder& b, const QuadPart& p, Encoding e) {
   if (e == Encoding::interleaved) return interleaved(b, p);
   if (e == Encoding::quantized) return quantized(b, p);
@@ -146,6 +164,10 @@ Json attributes_of(GlbBuilder& b, const QuadPart& p, Encoding e) {
 Json primitives_of(GlbBuilder& b, const QuadPart& p, Encoding e) {
   const size_t quads = p.positions.size() / 4;
   Json primitive = {{"attributes", attributes_of(b, p, e)}, {"material", p.material}};
+  if (e == Encoding::skinned)
+    primitive["attributes"] = skinned(b, primitive["attributes"], p.positions.size());
+  if (e == Encoding::morphed)  // of half the positions: the other half
+    primitive["targets"] = Json::array({{{"POSITION", primitive["attributes"]["POSITION"]}}});
   const std::vector<uint32_t> all = triangles(quads, e == Encoding::mirrored);
   Json out = Json::array();
   if (e == Encoding::fans || e == Encoding::many_primitives) {
@@ -192,6 +214,11 @@ QuadPart unshared(const QuadPart& p) {
   return out;
 }
 
+QuadPart halved(QuadPart p) {
+  for (Vec3f& v : p.positions) v = v * 0.5f;
+  return p;
+}
+
 QuadPart mirrored(QuadPart p) {
   for (Vec3f& v : p.positions) v.x = -v.x;
   for (Vec3f& n : p.normals) n.x = -n.x;
@@ -213,6 +240,11 @@ void place(GlbBuilder& b, int mesh, Encoding e) {
   Json node = {{"mesh", mesh}};
   if (e == Encoding::mirrored) node["scale"] = {-1, 1, 1};
   if (e == Encoding::quantized) node["translation"] = {0, 1, 0};
+  if (e == Encoding::instanced)
+    node["extensions"][kInstances]["attributes"] = {{"SCALE", b.floats({2, 2, 2}, 3)},
+                                                    {"ROTATION", b.floats({0, 1, 0, 0}, 4)}};
+  if (e == Encoding::skinned) node.update({{"skin", 0}, {"translation", {7, 8, 9}}});
+  if (e == Encoding::morphed) node["weights"] = {1};
   if (e != Encoding::nested && e != Encoding::matrices) {
     b.node(node);
     return;
@@ -251,6 +283,9 @@ const std::vector<NamedEncoding> kEncodings{
     {Encoding::nested, "nested", Same::but_rounding},
     {Encoding::matrices, "matrices", Same::but_rounding},
     {Encoding::quantized, "quantized", Same::but_rounding},
+    {Encoding::instanced, "instanced", Same::bits},
+    {Encoding::skinned, "skinned", Same::bits},
+    {Encoding::morphed, "morphed", Same::bits},
 };
 
 void QuadPart::add(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
@@ -285,14 +320,21 @@ EncodedScene encode(const std::vector<QuadPart>& parts, Encoding e) {
   GlbBuilder b;
   add_materials(b);
   for (const QuadPart& part : parts) {
-    const QuadPart p = e == Encoding::no_indices                          ? unshared(part)
-                       : e == Encoding::mirrored                          ? mirrored(part)
-                       : e == Encoding::nested || e == Encoding::matrices ? below_nodes(part)
-                                                                          : part;
+    const QuadPart p = e == Encoding::no_indices                            ? unshared(part)
+                       : e == Encoding::mirrored                            ? mirrored(part)
+                       : e == Encoding::instanced || e == Encoding::skinned ? turned(part)
+                       : e == Encoding::morphed                             ? halved(part)
+                       : e == Encoding::nested || e == Encoding::matrices   ? below_nodes(part)
+                                                                            : part;
     b.json["meshes"].push_back({{"name", p.name}, {"primitives", primitives_of(b, p, e)}});
     place(b, static_cast<int>(b.json["meshes"].size()) - 1, e);
   }
   b.camera("camera", {-0.8, 1.3, 0.9}, {0.6, 0.7, -0.6}, 1.1, 4.0 / 3);
+  if (e == Encoding::instanced) b.json["extensionsRequired"] = {kInstances};
+  if (e == Encoding::skinned) {
+    b.node({{"rotation", {0, 1, 0, 0}}, {"scale", {2, 2, 2}}});
+    b.json["skins"] = Json::array({{{"joints", {b.json["nodes"].size() - 1}}}});
+  }
   if (e == Encoding::quantized) {
     b.json["extensionsUsed"].push_back("KHR_mesh_quantization");
     b.json["extensionsRequired"] = {"KHR_mesh_quantization"};
@@ -303,6 +345,19 @@ EncodedScene encode(const std::vector<QuadPart>& parts, Encoding e) {
     return {"scene.gltf", {{"scene.gltf", b.json.dump(1)}, {"scene.bin", b.bin}}};
   }
   return {"scene.glb", {{"scene.glb", b.glb()}}};
+}
+
+std::map<std::string, std::string> encoded_rooms() {
+  std::map<std::string, std::string> out;
+  const auto add = [&](const char* name, Encoding e) {
+    const EncodedScene scene = encode(simple_room(), e);
+    out[name] = scene.files.at(scene.file);
+  };
+  add("plain.glb", Encoding::indices_u16);
+  add("instanced.glb", Encoding::instanced);
+  add("skinned.glb", Encoding::skinned);
+  add("morphed.glb", Encoding::morphed);
+  return out;
 }
 
 }  // namespace tdpt::testing

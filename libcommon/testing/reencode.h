@@ -40,6 +40,9 @@ enum class Encoding {
   nested,     ///< below three nodes of translation, rotation and scale
   matrices,   ///< the same as matrices
   quantized,  ///< KHR_mesh_quantization
+  instanced,  ///< each mesh by EXT_mesh_gpu_instancing: half as large, turned round
+  skinned,    ///< the same by a joint
+  morphed,    ///< half of each position by a morph target
 };
 /// What is the same as with indices_u16: every bit of places and order; all but the rounding of
 /// places; all but the order of triangles and their vertices.
@@ -57,5 +60,8 @@ struct EncodedScene {
   std::map<std::string, std::string> files;
 };
 EncodedScene encode(const std::vector<QuadPart>& parts, Encoding encoding);
+
+/// The files of testdata/encodings: simple_room() in one piece, by name.
+std::map<std::string, std::string> encoded_rooms();
 
 }  // namespace tdpt::testing

@@ -10,6 +10,7 @@
 #include "libcommon/math/rng.h"
 #include "libcommon/math/warp.h"
 #include "libcommon/scene/scene.h"
+#include "libcommon/testing/reencode.h"
 #include "libcommon/testing/temp_folder.h"
 #include "libcommon/trace/tracer.h"
 
@@ -25,6 +26,17 @@ TEST(Rooms, FilesAreThoseThatTheProgramWrites) {
     names.insert(s.file);
   }
   for (const auto& entry : std::filesystem::directory_iterator(kScenes))
+    EXPECT_TRUE(names.contains(entry.path().filename())) << entry.path();
+}
+
+TEST(Encodings, FilesAreThoseThatTheProgramWrites) {
+  const std::string folder = std::string(TDPT_TESTDATA) + "/encodings/";
+  std::set<std::string> names = {"README.md"};
+  for (const auto& [name, bytes] : encoded_rooms()) {
+    EXPECT_EQ(read_file(folder + name), bytes) << name;
+    names.insert(name);
+  }
+  for (const auto& entry : std::filesystem::directory_iterator(folder))
     EXPECT_TRUE(names.contains(entry.path().filename())) << entry.path();
 }
 

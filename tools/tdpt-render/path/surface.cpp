@@ -1,5 +1,7 @@
 #include "tools/tdpt-render/path/surface.h"
 
+#include <algorithm>
+
 #include "libcommon/math/warp.h"
 #include "libcommon/scene/pane.h"
 #include "libcommon/scene/texture.h"
@@ -48,6 +50,7 @@ Bsdf bsdf_of(const Scene& scene, const Material& m, const SurfacePlace& place) {
   if (m.specular_color_map) {
     const auto t = lookup(scene, m.specular_color_map, place);
     specular_color = specular_color * Rgb(t[0], t[1], t[2]);
+    if (m.glossy_map) roughness = 1 - (1 - roughness) * t[3];
   }
   if (m.transmission_map) transmission *= lookup(scene, m.transmission_map, place)[0];
 
@@ -59,6 +62,7 @@ Bsdf bsdf_of(const Scene& scene, const Material& m, const SurfacePlace& place) {
   b.f0 = color * metallic + f0 * dielectric;
   b.f90 = Rgb(metallic + (interface ? specular * dielectric : 0.0f));
   b.diffuse = color * (dielectric * (1 - transmission));
+  if (m.glossy_map) b.diffuse = b.diffuse * std::max(1 - max_component(specular_color), 0.0f);
   if (!pane_of(m)) b.through = color * (dielectric * transmission);  // past a pane rays go by
   b.alpha = roughness * roughness;
   b.eta = m.ior;

@@ -1,0 +1,258 @@
+// What is wrong and cannot change the picture: the scene is that of the right file, and a warning
+// tells. The same fault where it can is an error.
+#include <gtest/gtest.h>
+#include <functional>
+
+#include "libcommon/base/error.h"
+#include "libcommon/scene/test_materials.h"
+
+namespace tdpt::testing {
+namespace {
+
+/// A square with a camera: accessors 0 and 1, mesh 0, material 0, nodes 0 and 1, view 0 and 1.
+GlbBuilder square() {
+  GlbBuilder b;
+  const int p = b.floats({0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0}, 3);
+  const int i = b.indices_u16({0, 1, 2, 0, 2, 3});
+  b.material(lambert(0.5, 0.5, 0.5));
+  b.node({{"mesh", b.mesh({{"attributes", {{"POSITION", p}}}, {"indices", i}, {"material", 0}})}});
+  b.camera("camera", {0.5, 0.5, 2}, {0.5, 0.5, 0}, 1, 1);
+  return b;
+}
+
+Scene read(const std::string& bytes) {
+  const TempFolder folder;
+  return read_gltf(folder.write("scene.glb", bytes));
+}
+
+/// That `bytes` are the square, and what is told of them.
+Sentences told_of_square(const std::string& bytes) {
+  const Scene scene = read(bytes), right = read(square().glb());
+  EXPECT_EQ(scene.positions, right.positions);
+  EXPECT_EQ(scene.triangles.size(), right.triangles.size());
+  EXPECT_EQ(scene.cameras.size(), right.cameras.size());
+  EXPECT_EQ(right.warnings, Sentences{});
+  return scene.warnings;
+}
+/// With the buffer that glb() would write.
+GlbBuilder with_buffer(GlbBuilder b) {
+  b.json["buffers"] = Json::array({{{"byteLength", b.bin.size()}}});
+  return b;
+}
+std::string glb_as_it_is(const GlbBuilder& b) {
+  return glb_of(b.json.dump(), b.bin);
+}
+Sentences told(const std::function<void(GlbBuilder&)>& spoil) {
+  GlbBuilder b = square();
+  spoil(b);
+  if (!b.json.contains("buffers")) b = with_buffer(b);
+  return told_of_square(glb_as_it_is(b));
+}
+
+void set_u32(std::string& bytes, size_t at, size_t value) {
+  for (size_t i = 0; i < 4; ++i) bytes[at + i] = static_cast<char>((value >> (8 * i)) & 255);
+}
+
+std::string refusal(const GlbBuilder& b) {
+  try {
+    read(b.json.contains("buffers") ? glb_as_it_is(b) : b.glb());
+  } catch (const InputError& e) {
+    return e.what();
+  }
+  return "";
+}
+
+TEST(Leniency, BytesBehindTheFilesOwn) {
+  const std::string whole = square().glb();
+  EXPECT_EQ(told_of_square(whole + "more"),
+            Sentences{"the file has " + std::to_string(whole.size() + 4) + " bytes, but declares " +
+                      std::to_string(whole.size()) + ": the rest is left out"});
+}
+
+TEST(Leniency, ChunksBehindTheBinaryOne) {
+  std::string bytes = square().glb() + std::string("\xff\xff\0\0", 4);  // no chunk at all
+  set_u32(bytes, 8, bytes.size());
+  EXPECT_EQ(told_of_square(bytes), Sentences{});
+}
+
+TEST(Leniency, ChunksThatAreNotFilledUp) {
+  const GlbBuilder b = with_buffer(square());
+  std::string json = b.json.dump();
+  while (json.size() % 4 != 1) json += ' ';
+  const auto glb = [&](const std::string& padding) {
+    std::string out("glTF\2\0\0\0\0\0\0\0", 12);
+    const auto chunk = [&](const std::string& content, uint32_t type) {
+      const size_t at = out.size();
+      out += std::string(8, '\0') + content;
+      set_u32(out, at, content.size());
+      set_u32(out, at + 4, type);
+    };
+    chunk(json, 0x4E4F534A);
+    out += padding;  // filled up, but not counted
+    chunk(b.bin, 0x004E4942);
+    set_u32(out, 8, out.size());
+    return out;
+  };
+  const Sentences expected{"chunk[0] of the file has " + std::to_string(json.size()) +
+                           " bytes, expected a multiple of 4"};
+  EXPECT_EQ(told_of_square(glb("")), expected);
+  EXPECT_EQ(told_of_square(glb("   ")), expected);
+}
+
+TEST(Leniency, JsonFilledUpByZeros) {
+  const GlbBuilder b = with_buffer(square());
+  std::string json = b.json.dump();
+  EXPECT_EQ(told_of_square(glb_of(json + std::string(4 + (4 - json.size() % 4) % 4, '\0'), b.bin)),
+            Sentences{});
+}
+
+TEST(Leniency, RootsThatAreChildren) {
+  GlbBuilder b = square();  // the camera's node is a root and holds the square's
+  b.json["nodes"][1]["children"] = {0};
+  const Scene scene = load(b);
+  b.json["scenes"][0]["nodes"] = {1};
+  const Scene below = load(b);
+  EXPECT_EQ(scene.positions, below.positions);
+  EXPECT_EQ(scene.triangles.size(), 2u);
+  EXPECT_EQ(scene.warnings,
+            Sentences{"1 node is a root of the scene and a child: placed once, below its parent"});
+  EXPECT_EQ(told([](GlbBuilder& c) { c.json["scenes"][0]["nodes"] = {0, 0, 1}; }), Sentences{});
+}
+
+TEST(Leniency, NodesOutsideOfTheSceneMayFormCycles) {
+  EXPECT_EQ(told([](GlbBuilder& b) {
+              b.json["nodes"].push_back({{"children", {3}}});
+              b.json["nodes"].push_back({{"children", {2}}});
+            }),
+            Sentences{});
+}
+
+TEST(Leniency, NamesThatAreNoText) {
+  EXPECT_EQ(told([](GlbBuilder& b) {
+              b.json["nodes"][0]["name"] = 7;
+              b.json["materials"][0]["name"] = nullptr;
+            }),
+            Sentences{"2 names are not made of text, and left out"});
+}
+
+TEST(Leniency, WhatNothingInTheSceneUses) {
+  using Spoil = std::function<void(GlbBuilder&)>;
+  const std::vector<std::pair<Spoil, std::string>> cases = {
+      {[](GlbBuilder& b) {
+         b.json["accessors"].push_back({{"componentType", 5126}, {"count", 0}, {"type", "VEC3"}});
+       },
+       "accessors[2].count: is 0, expected an integer from 1 to 9007199254740992"},
+      {[](GlbBuilder& b) {
+         b.json["bufferViews"].push_back({{"buffer", 4}, {"byteLength", 4}});
+       },
+       "bufferViews[2].buffer: is 4, expected an index into the 1 buffers"},
+      {[](GlbBuilder& b) {
+         b = with_buffer(b);
+         b.json["buffers"].push_back(Json{{"byteLength", 0}});
+       },
+       "buffers[1].byteLength: is 0, expected an integer from 1 to 9007199254740992"},
+      {[](GlbBuilder& b) {
+         b.material({{"alphaMode", "GLASS"}});
+       },
+       "materials[1].alphaMode: is \"GLASS\", expected OPAQUE, MASK or BLEND"},
+      {[](GlbBuilder& b) {
+         b.json["textures"] = {{{"source", 3}}};
+       },
+       "textures[0].source: is 3, expected an index into the 0 images"},
+      {[](GlbBuilder& b) {
+         b.json["images"] = {{{"uri", 3}}};
+       },
+       "images[0].uri: is 3, expected a string"},
+      {[](GlbBuilder& b) {
+         b.json["samplers"] = {{{"wrapS", 3}}};
+       },
+       "samplers[0].wrapS: is 3, expected 10497 (repeat), 33648 (mirrored repeat) or 33071 (clamp "
+       "to edge)"},
+      {[](GlbBuilder& b) {
+         b.json["cameras"].push_back({{"type", "fisheye"}});
+       },
+       "cameras[1].type: is \"fisheye\", expected perspective or orthographic"},
+      {[](GlbBuilder& b) {
+         b.json["meshes"].push_back({{"name", "empty"}});
+       },
+       "meshes[1].primitives: is missing"},
+      {[](GlbBuilder& b) {
+         b.json["skins"] = {{{"joints", Json::array()}}};
+       },
+       "skins[0].joints: is missing or empty, expected at least one joint"},
+      {[](GlbBuilder& b) {
+         b.json["nodes"].push_back({{"mesh", 9}});
+       },
+       "nodes[2].mesh: is 9, expected an index into the 1 meshes"},
+      {[](GlbBuilder& b) {
+         b.json["scenes"].push_back({{"nodes", {9}}});
+       },
+       "scenes[1].nodes[0]: is 9, expected an index into the 2 nodes"},
+      {[](GlbBuilder& b) {
+         b.json["extensions"]["KHR_lights_punctual"]["lights"] = {{{"type", "neon"}}};
+       },
+       "extensions.KHR_lights_punctual.lights[0].type: is \"neon\", expected point, spot or "
+       "directional"}};
+  for (const auto& [spoil, fault] : cases)
+    EXPECT_EQ(told(spoil), Sentences{fault + "; nothing in the scene uses it"}) << fault;
+}
+
+TEST(Leniency, TheFirstOfManyIsNamed) {
+  EXPECT_EQ(told([](GlbBuilder& b) {
+              for (int k = 0; k < 3; ++k) b.material({{"alphaMode", "GLASS"}});
+            }),
+            Sentences{"materials[1].alphaMode: is \"GLASS\", expected OPAQUE, MASK or BLEND; "
+                      "nothing in the scene uses it, and 2 more of the kind"});
+}
+
+TEST(Leniency, BuffersThatNothingUsesNeedNotBeThere) {
+  EXPECT_EQ(told([](GlbBuilder& b) {
+              b = with_buffer(b);
+              b.json["buffers"].push_back({{"byteLength", 8}, {"uri", "keys of animations.bin"}});
+              b.json["bufferViews"].push_back({{"buffer", 1}, {"byteLength", 8}});
+            }),
+            Sentences{});
+}
+
+TEST(Leniency, MeshesThatAreHiddenCountAsNotUsed) {
+  EXPECT_EQ(
+      told([](GlbBuilder& b) {
+        b.material({{"alphaMode", "GLASS"}});
+        b.mesh({{"attributes", {{"POSITION", 0}}}, {"material", 1}});
+        b.node({{"mesh", 1}, {"extensions", {{"KHR_node_visibility", {{"visible", false}}}}}});
+      }),
+      Sentences{"materials[1].alphaMode: is \"GLASS\", expected OPAQUE, MASK or BLEND; "
+                "nothing in the scene uses it"});
+}
+
+// The twin of those above.
+TEST(Leniency, TheSameFaultsAreErrorsOnceTheyAreUsed) {
+  GlbBuilder b = square();
+  b.material({{"alphaMode", "GLASS"}});
+  b.json["meshes"][0]["primitives"][0]["material"] = 1;
+  EXPECT_NE(refusal(b).find("materials[1].alphaMode"), std::string::npos);
+  GlbBuilder c = square();
+  c.json["accessors"].push_back({{"componentType", 5126}, {"count", 0}, {"type", "VEC3"}});
+  c.json["meshes"][0]["primitives"][0]["attributes"]["NORMAL"] = 2;
+  EXPECT_NE(refusal(c).find("accessors[2].count"), std::string::npos);
+  GlbBuilder d = square();
+  d.json["nodes"].push_back({{"mesh", 9}});
+  d.json["nodes"][0]["children"] = {2};
+  EXPECT_NE(refusal(d).find("nodes[2].mesh"), std::string::npos);
+  GlbBuilder e = with_buffer(square());
+  e.json["buffers"].push_back({{"byteLength", 48}, {"uri", "gone.bin"}});
+  e.json["bufferViews"][0]["buffer"] = 1;
+  EXPECT_NE(refusal(e).find("buffers[1].uri"), std::string::npos);
+}
+
+TEST(Leniency, ExtensionsThatChangeNoPictureMayBeRequired) {
+  for (const char* name : {"KHR_materials_variants", "KHR_xmp_json_ld", "KHR_animation_pointer"})
+    EXPECT_EQ(told([&](GlbBuilder& b) { b.json["extensionsRequired"] = {name}; }),
+              Sentences{std::string(name) + " is required, but changes no picture: passed over"});
+  GlbBuilder b = square();
+  b.json["extensionsRequired"] = {"KHR_lights_environment"};
+  EXPECT_NE(refusal(b).find("\"KHR_lights_environment\" is not supported"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace tdpt::testing
