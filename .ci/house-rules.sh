@@ -28,6 +28,9 @@ BEGIN {
   before["testing"] = " base cli math scene formats trace gpu film draw "
   # What is included -> where that may stand.
   home["^tiny_gltf"] = "^libcommon/(scene|testing)/|^libcommon/formats/portal"
+  home["^draco/"] = "^libcommon/(scene/gltf_draco[.]cpp$|testing/compress)"
+  home["^meshoptimizer[.]h"] = "^libcommon/(scene/gltf_meshopt[.]cpp$|testing/compress)"
+  home["^webp/"] = "^libcommon/(scene/gltf_webp[.]cpp$|testing/compress)"
   home["^embree"] = "^libcommon/trace/"
   home["^vulkan/"] = "^libcommon/gpu/"
   home["^openvdb/"] = "^libcommon/formats/light_grid"

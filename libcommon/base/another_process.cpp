@@ -1,6 +1,7 @@
 // A fork, whose copy writes into a pipe; what it returned counts only if it ended as it should.
 #include "libcommon/base/another_process.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstring>
@@ -23,9 +24,9 @@ namespace {
               std::string("no other process can be started: ") + std::strerror(error));
 }
 
-// From now on operator new fails where more is held than now by the limit, and some for the
+// From now on operator new fails where more is held than now by so many bytes, and some for the
 // libraries. Where the system does not tell what is held, nothing is limited.
-void limit_what_is_held() {
+void limit_what_is_held(uint64_t bytes) {
   constexpr rlim_t for_libraries = rlim_t{16} << 20;
   std::FILE* const file = std::fopen("/proc/self/statm", "r");
   if (!file) return;
@@ -33,7 +34,7 @@ void limit_what_is_held() {
   const bool told = std::fscanf(file, "%*u %*u %*u %*u %*u %lu", &pages) == 1;
   std::fclose(file);
   const rlim_t held = pages * static_cast<rlim_t>(::sysconf(_SC_PAGESIZE));
-  const rlimit most{held + for_libraries + memory_limit(), RLIM_INFINITY};
+  const rlimit most{held + for_libraries + bytes, RLIM_INFINITY};
   if (told) ::setrlimit(RLIMIT_DATA, &most);
 }
 
@@ -42,7 +43,7 @@ void limit_what_is_held() {
   if (const int nowhere = ::open("/dev/null", O_WRONLY); nowhere >= 0) ::dup2(nowhere, 2);
   const rlimit no_core{0, 0};
   ::setrlimit(RLIMIT_CORE, &no_core);
-  limit_what_is_held();
+  limit_what_is_held(memory_limit());
   for (const int signal : {SIGABRT, SIGPIPE}) std::signal(signal, SIG_DFL);
   bool done = false;
   try {
@@ -86,6 +87,12 @@ bool in_another_process(const std::function<void(std::FILE*)>& work,
   while (::waitpid(child, &status, 0) < 0 && errno == EINTR) continue;
   if (error) std::rethrow_exception(error);
   return taken && WIFEXITED(status) && WEXITSTATUS(status) == 0;
+}
+
+void limit_this_process(uint64_t bytes, unsigned seconds) {
+  limit_what_is_held(std::min(bytes, memory_limit()));
+  const rlimit time{seconds, RLIM_INFINITY};
+  ::setrlimit(RLIMIT_CPU, &time);
 }
 
 }  // namespace tdpt

@@ -1,5 +1,6 @@
 // Work that a library might end the program in, done by another process.
 #pragma once
+#include <cstdint>
 #include <cstdio>
 #include <functional>
 
@@ -12,5 +13,9 @@ namespace tdpt {
 /// gives no process.
 bool in_another_process(const std::function<void(std::FILE* out)>& work,
                         const std::function<bool(std::FILE* in)>& take);
+
+/// Limits this process, such a copy, from now on: to about `bytes` of memory more than it has,
+/// where std::bad_alloc is thrown, and to `seconds` of computing, where it ends.
+void limit_this_process(uint64_t bytes, unsigned seconds);
 
 }  // namespace tdpt

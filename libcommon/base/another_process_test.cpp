@@ -68,6 +68,20 @@ TEST(another_process, is_waited_for_when_what_reads_it_throws) {
   EXPECT_FALSE(in_another_process(endless, [](std::FILE*) { return true; }));
 }
 
+TEST(another_process, may_be_limited_in_memory_and_time) {
+  const auto fill = [](size_t bytes) {
+    volatile char* const room = new char[bytes];
+    for (size_t i = 0; i < bytes; i += 4096) room[i] = 1;
+  };
+  const auto compute = [] {
+    for (volatile bool on = true; on;) continue;
+  };
+  const auto limited = [&](std::FILE*) { limit_this_process(size_t{64} << 20, 1); };
+  EXPECT_TRUE(gives([&](std::FILE* out) { limited(out), fill(size_t{32} << 20); }));
+  EXPECT_FALSE(gives([&](std::FILE* out) { limited(out), fill(size_t{256} << 20); }));
+  EXPECT_FALSE(gives([&](std::FILE* out) { limited(out), compute(); }));
+}
+
 TEST(another_process, that_cannot_be_had_is_told) {
   rlimit files;
   ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &files), 0);

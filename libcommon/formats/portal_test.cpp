@@ -10,13 +10,14 @@
 #include <nlohmann/json.hpp>
 
 #include "libcommon/base/error.h"
+#include "libcommon/testing/squares.h"
 
 namespace tdpt {
 namespace {
 
 using Json = nlohmann::json;
 
-class PortalFormat : public testing::Test {
+class PortalFormat : public ::testing::Test {
  protected:
   PortalFormat()
       : folder_(std::filesystem::temp_directory_path() /
@@ -187,6 +188,14 @@ TEST_F(PortalFormat, ReadsWhatAModellingProgramWrites) {
   expect_near(area_vector(file.portals[0]), {0, 0, 1});
 }
 
+TEST_F(PortalFormat, ReadsWhatIsCompressed) {
+  for (const testing::GlbBuilder& b : {testing::square_by_draco(), testing::square_by_meshopt()}) {
+    const PortalFile file = read_portals(write("p.glb", b.glb()));
+    ASSERT_EQ(file.portals.size(), 1u);
+    expect_near(area_vector(file.portals[0]), {0, 0, 1});
+  }
+}
+
 TEST_F(PortalFormat, AppliesNodeTransforms) {
   Json g = square();
   // A quarter turn about x, then twice the size, then moved; inside a parent that moves again.
@@ -348,7 +357,7 @@ TEST_F(PortalFormat, RefusesWhatIsNotThere) {
   g["meshes"][0]["primitives"][0]["mode"] = 9;
   EXPECT_EQ(place_of(message(g)), "meshes[0].primitives[0].mode");
   g = square();
-  g["extensionsRequired"] = {"KHR_draco_mesh_compression"};
+  g["extensionsRequired"] = {"ACME_unknown"};
   EXPECT_EQ(place_of(message(g)), "extensionsRequired");
 }
 

@@ -4,7 +4,6 @@
 #include <algorithm>
 
 #include "libcommon/scene/gltf_accessors.h"
-#include "libcommon/scene/gltf_materials.h"
 
 namespace tdpt::gltf {
 namespace {

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "libcommon/scene/gltf_checker.h"
+#include "libcommon/scene/gltf_compression.h"
 
 namespace tdpt::gltf {
 namespace {
@@ -42,13 +43,14 @@ void check_meshes(Checker& c, Json& root) {
     c.each(m, at, "primitives", [&](Json& p, const std::string& here) {
       c.check(p, here,
               {object("attributes", true), index("indices", "accessors"),
-               index("material", "materials"), integer("mode", false, 0, 6)});
+               index("material", "materials"), integer("mode", false, 0, 6), object("extensions")});
+      check_draco(c, p, here);
       for (const auto& [name, value] : p["attributes"].items())
         c.check(p["attributes"], here + ".attributes", {index(name.c_str(), "accessors")});
       check_targets(c, p, here);
       if (p.contains("indices")) {
         const auto a = p["indices"].get<size_t>();
-        if (!root["accessors"][a].contains("bufferView"))
+        if (!root["accessors"][a].contains("bufferView") && !is_draco(p))
           c.fail_missing(place("accessors", a) + ".bufferView", "indices need one");
       }
     });
@@ -113,13 +115,16 @@ void check_frame(Checker& c, Json& root) {
 void check_buffers(Checker& c, Json& root) {
   mark_views(c.uses, root);
   c.each(root, "", "bufferViews", [&](Json& v, const std::string& at) {
-    c.check(v, at,
-            {index("buffer", "buffers", true), integer("byteOffset"),
-             integer("byteLength", true, 1), integer("byteStride", false, 4, 252)});
+    c.check(
+        v, at,
+        {index("buffer", "buffers", true), integer("byteOffset"), integer("byteLength", true, 1),
+         integer("byteStride", false, 4, 252), object("extensions")});
+    check_meshopt_view(c, v, at);
   });
   mark_buffers(c.uses, root);
   c.each(root, "", "buffers", [&](Json& b, const std::string& at) {
-    c.check(b, at, {integer("byteLength", true, 1), text("uri")});
+    c.check(b, at, {integer("byteLength", true, 1), text("uri"), object("extensions")});
+    check_meshopt_buffer(c, b, at);
   });
 }
 

@@ -3,6 +3,7 @@
 #include <numbers>
 
 #include "libcommon/scene/gltf_checker.h"
+#include "libcommon/scene/gltf_textures.h"
 
 namespace tdpt::gltf {
 namespace {
@@ -113,7 +114,13 @@ void check_materials(Checker& c, Json& root) {
 
 void check_textures(Checker& c, Json& root) {
   c.each(root, "", "textures", [&](Json& t, const std::string& at) {
-    c.check(t, at, {index("source", "images"), index("sampler", "samplers")});
+    c.check(t, at, {index("source", "images"), index("sampler", "samplers"), object("extensions")});
+    if (!t.contains("extensions")) return;
+    for (const char* name : kTextureFormats) {
+      c.check(t["extensions"], at + ".extensions", {object(name)});
+      if (t["extensions"].contains(name))
+        c.check(t["extensions"][name], at + ".extensions." + name, {index("source", "images")});
+    }
   });
   mark_parts_of_textures(c.uses, root);
   c.each(root, "", "images", [&](Json& i, const std::string& at) {

@@ -206,6 +206,11 @@ class Checker {
   size_t misnamed_ = 0;
 };
 
+/// What extensions say that a primitive, a buffer or a bufferView is compressed by.
+void check_draco(Checker& checker, Json& primitive, const std::string& place);
+void check_meshopt_buffer(Checker& checker, Json& buffer, const std::string& place);
+void check_meshopt_view(Checker& checker, Json& view, const std::string& place);
+
 /// Materials with their textures, and KHR_lights_punctual: how many, and each.
 void check_materials(Checker& checker, Json& root);
 void check_textures(Checker& checker, Json& root);

@@ -5,10 +5,13 @@
 #include <array>
 #include <filesystem>
 
+#include "libcommon/base/counted.h"
 #include "libcommon/base/file.h"
 #include "libcommon/base/hash.h"
 #include "libcommon/base/memory_limit.h"
 #include "libcommon/base/shown.h"
+#include "libcommon/scene/gltf_compression.h"
+#include "libcommon/scene/gltf_meshopt.h"
 
 namespace tdpt::gltf {
 namespace {
@@ -29,6 +32,13 @@ constexpr std::array kSupported = {"KHR_materials_emissive_strength",
                                    "KHR_materials_unlit",
                                    "KHR_lights_punctual",
                                    "KHR_mesh_quantization",
+                                   "KHR_draco_mesh_compression",
+                                   "EXT_meshopt_compression",
+                                   "KHR_meshopt_compression",
+                                   "EXT_texture_webp",
+                                   "EXT_texture_avif",
+                                   "KHR_texture_basisu",
+                                   "MSFT_texture_dds",
                                    "KHR_texture_transform",
                                    "KHR_materials_pbrSpecularGlossiness",
                                    "KHR_node_visibility",
@@ -93,7 +103,6 @@ void load_buffers(Document& d, const Chunks& chunks, const std::vector<bool>& us
   std::string all;  // what the hash is of, when there is more than the file
   uint64_t beside = 0;
   const Json buffers = d.json.value("buffers", Json::array());
-  d.owned.reserve(buffers.size());
   for (size_t i = 0; i < buffers.size(); ++i) {
     if (!used[i]) {
       d.buffers.emplace_back();
@@ -102,6 +111,10 @@ void load_buffers(Document& d, const Chunks& chunks, const std::vector<bool>& us
     const std::string where = place("buffers", i);
     const auto length = buffers[i]["byteLength"].get<uint64_t>();
     std::string_view bytes;
+    if (is_meshopt_fallback(buffers[i])) {  // for readers that cannot decode
+      d.buffers.emplace_back();
+      continue;
+    }
     if (buffers[i].contains("uri")) {
       std::string file;
       d.owned.push_back(read_uri(d, buffers[i]["uri"].get<std::string>(), where + ".uri", file));
@@ -146,13 +159,17 @@ void check_elements(const Document& d) {
 }
 
 // tinygltf turns the checked JSON into its model. It gets neither buffers nor images: it would copy
-// the ones and read outside of a buffer for the others.
+// the ones and read outside of a buffer for the others. Nor does it get indices: it refuses those
+// that Draco holds.
 void load_model(Document& d) {
   check_elements(d);
   Json reduced = Json::object();
   for (const char* section :
        {"asset", "scene", "scenes", "nodes", "meshes", "accessors", "bufferViews", "cameras"})
     if (d.json.contains(section)) reduced[section] = d.json[section];
+  if (reduced.contains("meshes"))
+    for (Json& mesh : reduced["meshes"])
+      for (Json& p : mesh["primitives"]) p.erase("indices"), p.erase("extensions");
   const std::string text = reduced.dump();
   if (text.size() > std::numeric_limits<unsigned>::max()) d.fail("JSON", "is larger than 4 GiB");
   tinygltf::TinyGLTF loader;
@@ -167,12 +184,21 @@ void load_model(Document& d) {
   }
   if (!loaded)
     d.fail("JSON", "is no valid glTF: " + shown(error.substr(0, error.find_first_of("\r\n")), 200));
+  for (size_t m = 0; m < d.model.meshes.size(); ++m)
+    for (size_t k = 0; k < d.model.meshes[m].primitives.size(); ++k)
+      d.model.meshes[m].primitives[k].indices =
+          d.json["meshes"][m]["primitives"][k].value("indices", -1);
 }
 
 }  // namespace
 
 std::string place(const char* section, size_t index) {
   return fmt::format("{}[{}]", section, index);
+}
+
+std::string counted(size_t n, const std::string& noun, const std::string& one,
+                    const std::string& many) {
+  return tdpt::counted(n, noun) + ' ' + (n == 1 ? one : many);
 }
 
 void open_document(const std::string& path, Document& d) {
@@ -192,20 +218,37 @@ void open_document(const std::string& path, Document& d) {
     d.extensions.insert(e.get<std::string>());
   load_buffers(d, chunks, checked.buffers);
   load_model(d);
+  decode_draco_primitives(d);
 }
 
 bool uses_extension(const Document& d, const std::string& name) {
   return d.extensions.contains(name);
 }
 
+std::string_view buffer_bytes(const Document& d, const std::string& where, size_t index,
+                              size_t offset, size_t size) {
+  const std::string_view buffer = d.buffers[index];
+  if (offset > buffer.size() || size > buffer.size() - offset)
+    d.fail(where, fmt::format("{} bytes from byte {} reach beyond buffers[{}] of {} bytes", size,
+                              offset, index, buffer.size()));
+  return buffer.substr(offset, size);
+}
+
 std::string_view view_bytes(const Document& d, size_t index) {
+  if (is_meshopt_view(d, index)) {
+    auto it = d.unpacked.find(index);
+    if (it == d.unpacked.end()) it = d.unpacked.emplace(index, unpack_meshopt_view(d, index)).first;
+    return it->second;
+  }
   const tinygltf::BufferView& v = d.model.bufferViews[index];
-  const std::string_view buffer = d.buffers[static_cast<size_t>(v.buffer)];
-  if (v.byteOffset > buffer.size() || v.byteLength > buffer.size() - v.byteOffset)
-    d.fail(place("bufferViews", index),
-           fmt::format("{} bytes from byte {} reach beyond buffers[{}] of {} bytes", v.byteLength,
-                       v.byteOffset, v.buffer, buffer.size()));
-  return buffer.substr(v.byteOffset, v.byteLength);
+  return buffer_bytes(d, place("bufferViews", index), static_cast<size_t>(v.buffer), v.byteOffset,
+                      v.byteLength);
+}
+
+size_t most_bytes(const Document& d) {
+  size_t bytes = d.bytes.size() + most_bytes_of_meshopt(d);
+  for (const std::string_view b : d.buffers) bytes += b.size();
+  return bytes;
 }
 
 }  // namespace tdpt::gltf

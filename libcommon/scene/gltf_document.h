@@ -2,6 +2,8 @@
 // right types, references inside their arrays, buffers in memory. Internal to this room.
 #pragma once
 #include <tiny_gltf.h>
+#include <deque>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string>
@@ -20,10 +22,12 @@ struct Document {
   std::vector<std::string_view> buffers;  ///< of the byteLength they declare; else empty: not used
   std::string hash;                       ///< of the file and the external buffers
   std::string bytes;                      ///< the file; buffers point into it
-  std::vector<std::string> owned;         ///< decoded and external buffers
+  std::deque<std::string> owned;          ///< decoded and external buffers
   std::vector<std::string> files;         ///< paths of external buffers
   std::set<std::string> extensions;       ///< those that extensionsUsed names
-  std::vector<std::string> warnings;      ///< sentences: what is wrong and changes no picture
+  mutable std::map<size_t, std::string> unpacked;  ///< compressed bufferViews that were asked for
+  mutable size_t bytes_unpacked = 0;               ///< of all of them
+  std::vector<std::string> warnings;  ///< sentences: what is wrong and changes no picture
 
   [[noreturn]] void fail(const std::string& place, const std::string& message) const {
     throw InputError(file, place, message);
@@ -32,6 +36,10 @@ struct Document {
 
 /// "accessors[3]", the place of an element in messages.
 std::string place(const char* section, size_t index);
+
+/// "1 material is", "3 materials are".
+std::string counted(size_t n, const std::string& noun, const std::string& one,
+                    const std::string& many);
 
 /// Reads and checks `path` ("-": standard input) into `document`. Throws InputError.
 void open_document(const std::string& path, Document& document);
@@ -56,9 +64,16 @@ struct Checked {
 /// what nothing in the scene uses is replaced where it is wrong.
 Checked check_json(nlohmann::json& json, const std::string& file);
 
+/// A URI that may be followed, but leads to nothing; `what_is`: "a file that is not there", for a
+/// sentence about it.
+struct NothingThere : InputError {
+  NothingThere(const InputError& error, std::string what_) : InputError(error), what_is(what_) {}
+  std::string what_is;
+};
+
 /// The bytes a URI stands for: a base64 data URI or a file in the scene's folder or below. Throws
-/// InputError when it points elsewhere, is not there or cannot be decoded. `file_read`: path of the
-/// file; empty for a data URI.
+/// InputError when it points elsewhere, NothingThere when it is not there or cannot be decoded.
+/// `file_read`: path of the file; empty for a data URI.
 std::string read_uri(const Document& document, const std::string& uri, const std::string& place,
                      std::string& file_read);
 
@@ -69,7 +84,16 @@ bool changes_no_picture(const std::string& extension);
 /// Whether extensionsUsed names it.
 bool uses_extension(const Document& document, const std::string& name);
 
-/// The bytes of a bufferView; throws InputError when it reaches beyond its buffer.
+/// The bytes of a bufferView, decoded where EXT_meshopt_compression says that it is compressed.
+/// Throws InputError when it reaches beyond its buffer or cannot be decoded.
 std::string_view view_bytes(const Document& document, size_t view);
+
+/// `size` bytes of a buffer; throws InputError, naming `place`, where it has fewer.
+std::string_view buffer_bytes(const Document& document, const std::string& place, size_t buffer,
+                              size_t offset, size_t size);
+
+/// More bytes than accessors can read: those of the file, its buffers and what they hold
+/// compressed.
+size_t most_bytes(const Document& document);
 
 }  // namespace tdpt::gltf

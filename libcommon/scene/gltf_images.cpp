@@ -17,6 +17,8 @@
 #define STBI_FREE(pointer) std::free(pointer)
 #include <stb/stb_image.h>
 
+#include "libcommon/scene/gltf_webp.h"
+
 namespace tdpt::gltf {
 namespace {
 
@@ -72,6 +74,7 @@ bool has_few_scans(std::string_view jpeg) {
 }  // namespace
 
 std::optional<int64_t> texels_declared(std::string_view bytes) {
+  if (is_webp(bytes)) return webp_texels_declared(bytes);
   const bool png =
       bytes.starts_with(kPng) && bytes.size() > 12 && bytes.substr(12).starts_with("IHDR");
   const bool known = png || bytes.starts_with(kJpeg);
@@ -87,6 +90,7 @@ std::optional<int64_t> texels_declared(std::string_view bytes) {
 }
 
 std::optional<Image> decode_image(std::string_view bytes) {
+  if (is_webp(bytes)) return decode_webp(bytes);
   Image out;
   int channels = 0;
   const std::unique_ptr<stbi_uc, void (*)(void*)> rgba(
@@ -97,6 +101,39 @@ std::optional<Image> decode_image(std::string_view bytes) {
   out.texels.assign(rgba.get(), rgba.get() + size_t{4} * static_cast<size_t>(out.width) *
                                                  static_cast<size_t>(out.height));
   return out;
+}
+
+std::string fault_of_image(std::string_view bytes) {
+  struct Format {
+    size_t at;
+    std::string_view begins;
+    const char* name;
+    bool read;
+  };
+  static constexpr Format kFormats[] = {
+      {0, kPng, "a PNG", true},
+      {0, kJpeg, "a JPEG", true},
+      {8, "WEBP", "a WebP", true},
+      {0, "\xabKTX 20", "KTX2", false},
+      {0, "\xabKTX 11", "KTX", false},
+      {0, "DDS ", "DDS", false},
+      {4, "ftypavif", "AVIF", false},
+      {4, "ftyphei", "HEIC", false},
+      {4, "ftypmif1", "HEIF or AVIF", false},
+      {0, "GIF8", "GIF", false},
+      {0, "BM", "BMP", false},
+      {0, "II*", "TIFF", false},
+      {0, "\x76\x2f\x31\x01", "OpenEXR", false},
+      {0, "#?RADIANCE", "Radiance HDR", false},
+      {0, "sB", "Basis Universal", false},
+      {0, "<", "SVG or other text", false},
+  };
+  if (bytes.empty()) return "empty";
+  if (is_animated_webp(bytes)) return "an animated WebP, which is not read";
+  for (const Format& f : kFormats)
+    if (bytes.size() > f.at && bytes.substr(f.at).starts_with(f.begins))
+      return std::string(f.name) + (f.read ? " that cannot be decoded" : ", which is not read");
+  return "of a format that is not known";
 }
 
 }  // namespace tdpt::gltf

@@ -194,8 +194,12 @@ TEST(Maps, ThoseThatChangeNothingAreNotRead) {
   EXPECT_EQ(s.warnings, Sentences{});
   EXPECT_TRUE(s.materials[0].plain);
   m["pbrMetallicRoughness"]["baseColorFactor"] = {0.1, 0, 0, 1};
-  EXPECT_EQ(scene_with({m}, with("no image")).warnings,
-            Sentences{"1 material has a texture that cannot be decoded: its factor alone is used"});
+  EXPECT_EQ(
+      scene_with({m}, with("no image")).warnings,
+      (Sentences{"materials[0]: baseColorTexture is of a format that is not known: its factor "
+                 "alone is used",
+                 "materials[0]: normalTexture is of a format that is not known: it is left "
+                 "out"}));
 }
 
 TEST(Maps, AFlatNormalMapIsNone) {
@@ -271,19 +275,85 @@ TEST(Images, FromDataUrisAndFilesOfTheFolder) {
 TEST(Images, ThatCannotBeDecodedLeaveTheFactor) {
   std::string huge = kTwo;  // claims 2^16 x 2^16 texels
   huge.replace(16, 8, std::string("\0\1\0\0\0\1\0\0", 8));
-  for (const std::string& image :
-       {std::string("RIFF1234WEBP"), std::string("P6 2 1 255\n\1\2\3\4\5\6"), kTwo.substr(0, 40),
-        huge, std::string("\xff\xd8\xff", 3), std::string("\x89PNG\r\n\x1a\n")}) {
+  const std::string no_png = "a PNG that cannot be decoded";
+  const std::vector<std::pair<std::string, std::string>> all{
+      {"RIFF1234WEBP", "a WebP that cannot be decoded"},
+      {std::string("RIFF\x1a\0\0\0WEBPVP8X\x0a\0\0\0\x02\0\0\0\1\0\0\1\0\0", 30),
+       "an animated WebP, which is not read"},
+      {"\xabKTX 20\xbb\r\n\x1a\n", "KTX2, which is not read"},
+      {"DDS |", "DDS, which is not read"},
+      {std::string("\0\0\0\x20"
+                   "ftypavif",
+                   12),
+       "AVIF, which is not read"},
+      {"GIF89a", "GIF, which is not read"},
+      {"P6 2 1 255\n\1\2\3\4\5\6", "of a format that is not known"},
+      {kTwo.substr(0, 40), no_png},
+      {huge, no_png},
+      {"\xff\xd8\xff", "a JPEG that cannot be decoded"},
+      {"\x89PNG\r\n\x1a\n", no_png}};
+  for (const auto& [image, what_is] : all) {
     const Scene s = scene_with({textured({{"index", 0}})}, with(image));
     EXPECT_EQ(s.materials[0].base_color, Rgb(0.5f, 1, 0.25f));
     EXPECT_TRUE(s.materials[0].plain);
-    EXPECT_EQ(
-        s.warnings,
-        Sentences{"1 material has a texture that cannot be decoded: its factor alone is used"});
+    EXPECT_EQ(s.warnings, Sentences{"materials[0]: baseColorTexture is " + what_is +
+                                    ": its factor alone is used"});
   }
   GlbBuilder none = with(kTwo);
   none.json["textures"][0].erase("source");
-  EXPECT_EQ(scene_with({textured({{"index", 0}})}, none).warnings.size(), 1u);
+  EXPECT_EQ(scene_with({textured({{"index", 0}})}, none).warnings,
+            Sentences{"materials[0]: baseColorTexture is without an image: its factor alone is "
+                      "used"});
+}
+
+TEST(Images, OfManyMaterialsAreNamedUpToFive) {
+  std::vector<Json> all(7, textured({{"index", 0}}));
+  for (size_t i = 0; i < all.size(); ++i) all[i]["name"] = "wall\n" + std::to_string(i);
+  const Scene s = scene_with(all, with("GIF89a"));
+  ASSERT_EQ(s.warnings.size(), 6u);
+  EXPECT_EQ(s.warnings[4],
+            "material \"wall?4\": baseColorTexture is GIF, which is not read: its "
+            "factor alone is used");
+  EXPECT_EQ(s.warnings[5], "2 more textures cannot be decoded: their factors alone are used");
+}
+
+TEST(Images, ThatAreNotThereOrNoBase64LeaveTheFactor) {
+  const std::vector<std::pair<std::string, std::string>> all{
+      {"no%20where.png", "a file that is missing, \"no where.png\""},
+      {"data:image/png;base64,A*==", "a data URI that cannot be decoded"}};
+  for (const auto& [uri, what_is] : all) {
+    GlbBuilder b = with(kTwo);
+    b.json["images"][0] = {{"uri", uri}};
+    const Scene s = scene_with({textured({{"index", 0}})}, b);
+    EXPECT_EQ(s.materials[0].base_color, Rgb(0.5f, 1, 0.25f));
+    EXPECT_EQ(s.warnings, Sentences{"materials[0]: baseColorTexture is " + what_is +
+                                    ": its factor alone is used"});
+  }
+}
+
+TEST(Images, OfAnExtensionComeFirstAndTheOthersWhereTheyAreNotRead) {
+  const std::string ktx = "\xabKTX 20\xbb\r\n\x1a\n";
+  const auto colour = [&](const char* extension, const std::string& other, bool fallback) {
+    GlbBuilder b = with(kTwoOpaque);
+    b.texture(other);
+    Json& t = b.json["textures"][0];
+    if (!fallback) t.erase("source");
+    t["extensions"][extension]["source"] = 1;
+    b.json["extensionsUsed"] = b.json["extensionsRequired"] = Json::array({extension});
+    return scene_with({textured({{"index", 0}})}, b);
+  };
+  for (const char* name : {"KHR_texture_basisu", "EXT_texture_avif", "MSFT_texture_dds"}) {
+    EXPECT_EQ(colour(name, ktx, true).warnings, Sentences{});
+    EXPECT_EQ(colour(name, ktx, true).images.size(), 1u);
+    EXPECT_EQ(colour(name, ktx, false).warnings,
+              Sentences{"materials[0]: baseColorTexture is KTX2, which is not read: its factor "
+                        "alone is used"});
+  }
+  EXPECT_EQ(colour("EXT_texture_webp", kTwo, true).images[0].texels,
+            scene_with({textured({{"index", 0}})}, with(kTwo)).images[0].texels);
+  EXPECT_EQ(colour("EXT_texture_webp", ktx, true).images[0].texels,
+            scene_with({textured({{"index", 0}})}, with(kTwoOpaque)).images[0].texels);
+  EXPECT_EQ(colour("EXT_texture_webp", "RIFF1234WEBP", true).warnings, Sentences{});
 }
 
 TEST(Images, OnAThirdSetOfCoordinatesLeaveTheFactor) {

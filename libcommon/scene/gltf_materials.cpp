@@ -16,21 +16,22 @@ namespace {
 
 using Json = nlohmann::json;
 
-enum Kind { unlit, no_texture, far_uv_set, clamped, faint, kinds };
+enum Kind { unlit, far_uv_set, clamped, faint, kinds };
 
 struct Sentence {
   const char *one, *many, *rest;
 };
 constexpr std::array<Sentence, kinds> kSentences = {{
     {"is unlit", "are unlit", ": taken as black, emitting the base colour"},
-    {"has a texture that cannot be decoded", "have a texture that cannot be decoded",
-     ": its factor alone is used"},
     {"has a texture on TEXCOORD_2 or beyond", "have a texture on TEXCOORD_2 or beyond",
      ": its factor alone is used"},
     {"reflects more than all light", "reflect more than all light",
      ": the base colour is clamped to 1"},
     {"emits a radiance below 1e-30", "emit a radiance below 1e-30", ", which counts as none"},
 }};
+
+// Textures that are named one by one; of more there is a count.
+constexpr size_t kNamed = 5;
 
 // Less is lost in single precision before it reaches the camera; more is beyond it.
 constexpr double kFaintest = 1e-30, kBrightest = 1e30;
@@ -112,6 +113,7 @@ class Reader {
     told_.fill(false);
     Material m;
     m.name = j.value("name", "");
+    called_ = m.name.empty() ? place("materials", index) : "material \"" + shown(m.name, 40) + "\"";
     m.double_sided = j.value("doubleSided", false);
     read_base(j, m);
     const Json& extensions = child(j, "extensions");
@@ -139,6 +141,7 @@ class Reader {
         scene_.warnings.push_back(
             counted(count_[k], "material", kSentences[k].one, kSentences[k].many) +
             kSentences[k].rest);
+    tell_undecodable();
     if (!textures_.external_bytes().empty())
       scene_.hash = content_hash(scene_.hash + textures_.external_bytes());
   }
@@ -149,6 +152,25 @@ class Reader {
     told_[kind] = true;
   }
 
+  void note(const char* name, const TextureReader::Fault& fault) {
+    if (fault.far_uv_set) tell(far_uv_set);
+    if (!fault.image.empty())
+      undecodable_.push_back(fmt::format("{}: {} is {}: {}", called_, name, fault.image,
+                                         std::string_view(name).ends_with("ormalTexture")
+                                             ? "it is left out"
+                                             : "its factor alone is used"));
+  }
+
+  void tell_undecodable() {
+    const size_t named = std::min(undecodable_.size(), kNamed), more = undecodable_.size() - named;
+    scene_.warnings.insert(scene_.warnings.end(), undecodable_.begin(),
+                           undecodable_.begin() + static_cast<ptrdiff_t>(named));
+    if (more > 0)
+      scene_.warnings.push_back(
+          counted(more, "more texture", "cannot be decoded", "cannot be decoded") +
+          ": their factors alone are used");
+  }
+
   /// The texture called `name`, if there is one; one of a single colour goes into the factors.
   template <class Fold>
   std::optional<Texture> texture(const Json& parent, const char* name, bool srgb,
@@ -157,8 +179,7 @@ class Reader {
     if (info == parent.end()) return {};
     TextureReader::Fault fault{};
     const std::optional<Texture> t = textures_.read(*info, srgb, fault);
-    if (fault != TextureReader::Fault::none)
-      tell(fault == TextureReader::Fault::undecodable ? no_texture : far_uv_set);
+    note(name, fault);
     if (!t || !t->uniform) return t;
     fold(t->value);
     return {};
@@ -273,8 +294,7 @@ class Reader {
     if (scale == 0) return {};
     TextureReader::Fault fault{};
     const std::optional<Texture> t = textures_.read(*info, false, fault);
-    if (fault != TextureReader::Fault::none)
-      tell(fault == TextureReader::Fault::undecodable ? no_texture : far_uv_set);
+    note(name, fault);
     // Bytes cannot say "straight up" exactly: both 127 and 128 mean it.
     const auto level = [](uint8_t v) { return v == 127 || v == 128; };
     if (t && t->uniform && level(t->encoded[0]) && level(t->encoded[1]) && t->encoded[2] > 128)
@@ -359,6 +379,8 @@ class Reader {
   std::optional<Texture> base_, roughness_, emission_, normal_, specular_, specular_color_,
       transmission_, coat_, coat_roughness_, coat_normal_, sheen_color_,
       sheen_roughness_;                                       // of the material at hand
+  std::string called_;                                        // of the material at hand
+  std::vector<std::string> undecodable_;                      // textures, and what they are
   std::map<std::string, std::vector<std::string>> left_out_;  // names of materials
   bool glossy_ = false;   // it is of the specular-glossiness model
   float glossiness_ = 1;  // alpha of a specular colour's texture of one colour
@@ -367,11 +389,6 @@ class Reader {
 };
 
 }  // namespace
-
-std::string counted(size_t n, const std::string& noun, const std::string& one,
-                    const std::string& many) {
-  return tdpt::counted(n, noun) + ' ' + (n == 1 ? one : many);
-}
 
 std::vector<MaterialUse> read_materials(const Document& d, const std::vector<bool>& used,
                                         Scene& scene) {

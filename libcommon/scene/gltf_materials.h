@@ -36,8 +36,4 @@ void finish_material(const MaterialUse& use, Material& material);
 /// Words for Scene::needs, always in the same order.
 std::vector<std::string> needs_of(const Scene& scene);
 
-/// "1 material is", "3 materials are".
-std::string counted(size_t n, const std::string& noun, const std::string& one,
-                    const std::string& many);
-
 }  // namespace tdpt::gltf

@@ -50,8 +50,7 @@ void MeshReader::run() {
 }
 
 void MeshReader::make_room() {
-  size_t bytes = d_.bytes.size();
-  for (std::string_view b : d_.buffers) bytes += b.size();
+  const size_t bytes = most_bytes(d_);
   const auto most = [&](size_t limit) { return std::min(limit, kSome + kPerByte * bytes); };
   const size_t most_vertices = most(kMostVertices), most_triangles = most(kMostTriangles),
                most_bends = most(kMostBends);

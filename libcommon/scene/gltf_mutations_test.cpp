@@ -6,9 +6,11 @@
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
 #include "libcommon/math/rng.h"
+#include "libcommon/scene/gltf_images.h"
 #include "libcommon/scene/scene.h"
 #include "libcommon/testing/glb_builder.h"
 #include "libcommon/testing/sound_scene.h"
+#include "libcommon/testing/squares.h"
 #include "libcommon/testing/temp_folder.h"
 
 namespace tdpt::testing {
@@ -305,6 +307,62 @@ TEST(Mutations, AnyBytesInTheBuffersOfARichScene) {
 
 TEST(Mutations, AnyBytesInTheBuffersOfAMovingScene) {
   spoil_the_buffer(moving(), 48, 100);
+}
+
+/// Changed bytes in what a library decodes: read or refused, and what is read is sound.
+void expect_reads_of(const GlbBuilder& b, uint64_t seed, int least) {
+  const TempFolder folder;
+  const std::string whole = b.glb(), text = whole.substr(20, get_json_size(whole));
+  expect_sound(read_gltf(folder.write("whole.glb", whole)));
+  int loaded = 0, refused = 0;
+  for (uint64_t i = 0; i < 500; ++i) {
+    Rng rng(seed, 0, i);
+    std::string bin = b.bin;
+    for (uint32_t k = 1 + rng.below(3); k > 0; --k) {
+      const size_t at = rng.below(static_cast<uint32_t>(bin.size()));
+      const uint32_t what = rng.below(3), bit = rng.below(8), byte = rng.below(256);
+      bin[at] = static_cast<char>(what == 0 ? 255 : what == 1 ? byte : bin[at] ^ (1u << bit));
+    }
+    try {
+      expect_sound(read_gltf(folder.write("mutant.glb", glb_of(text, bin))));
+      ++loaded;
+    } catch (const Error& e) {
+      ++refused;
+      EXPECT_EQ(std::string(e.what()).find_first_of("\r\n"), std::string::npos) << i;
+    }
+    if (::testing::Test::HasFailure()) FAIL() << i;
+  }
+  EXPECT_GT(loaded, least);
+  EXPECT_GT(refused, least);
+}
+
+TEST(Mutations, AnyBytesInWhatIsCompressed) {
+  expect_reads_of(square_by_draco(), 23, 30);
+  expect_reads_of(square_by_meshopt(), 24, 30);
+}
+
+TEST(Mutations, AnyBytesInAWebP) {
+  const std::string whole = texels_by_webp();
+  ASSERT_TRUE(gltf::decode_image(whole));
+  int decoded = 0;
+  for (uint64_t i = 0; i < 2000; ++i) {
+    Rng rng(25, 0, i);
+    std::string bytes = whole;
+    for (uint32_t k = 1 + rng.below(3); k > 0; --k) {
+      const size_t at = rng.below(static_cast<uint32_t>(bytes.size()));
+      bytes[at] = static_cast<char>(rng.below(256));
+    }
+    if (rng.below(4) == 0) bytes.resize(rng.below(static_cast<uint32_t>(bytes.size())));
+    const auto texels = gltf::texels_declared(bytes);
+    if (!texels) continue;
+    ASSERT_LE(*texels, 1 << 24);
+    if (*texels > 1 << 16) continue;  // takes long
+    const auto image = gltf::decode_image(bytes);
+    if (!image) continue;
+    ++decoded;
+    ASSERT_EQ(image->texels.size(), static_cast<size_t>(4 * *texels));
+  }
+  EXPECT_GT(decoded, 20);
 }
 
 TEST(Mutations, EveryTruncationIsRefused) {

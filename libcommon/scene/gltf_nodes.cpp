@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "libcommon/scene/gltf_materials.h"
-
 namespace tdpt::gltf {
 namespace {
 

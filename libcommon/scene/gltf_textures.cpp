@@ -41,43 +41,69 @@ TextureMap::Wrap wrap_of(const Json& sampler, const char* name) {
                            : TextureMap::Wrap::clamp;
 }
 
+/// Images of a texture, the best one first: those of formats that are not read stand last.
+std::vector<size_t> sources_of(const Json& texture) {
+  std::vector<size_t> out;
+  const auto add = [&](const Json& owner) {
+    if (owner.contains("source")) out.push_back(owner["source"].get<size_t>());
+  };
+  const Json extensions = texture.value("extensions", Json::object());
+  for (const char* format : kTextureFormats) {
+    if (extensions.contains(format)) add(extensions[format]);
+    if (format == kTextureFormats[0]) add(texture);
+  }
+  return out;
+}
+
 }  // namespace
 
-std::optional<Image> TextureReader::decode(size_t index) {
+std::string_view TextureReader::bytes_of(size_t index, std::string& owned) {
   const Json& i = document_.json["images"][index];
+  if (i.contains("bufferView")) return view_bytes(document_, i["bufferView"].get<size_t>());
+  if (!i.contains("uri")) return {};
+  const std::string where = place("images", index);
+  std::string file;
+  owned = read_uri(document_, i["uri"].get<std::string>(), where + ".uri", file);
+  if (!file.empty()) {
+    external_bytes_ += owned;
+    expect_memory(document_.file, where,
+                  fmt::format("{} bytes of image files", external_bytes_.size()),
+                  2 * external_bytes_.size());
+    scene_.files.push_back(file);
+  }
+  return owned;
+}
+
+void TextureReader::decode(size_t index, Decoded& out) {
   const std::string where = place("images", index);
   std::string owned;
   std::string_view bytes;
-  if (i.contains("bufferView")) {
-    bytes = view_bytes(document_, i["bufferView"].get<size_t>());
-  } else if (i.contains("uri")) {
-    std::string file;
-    owned = read_uri(document_, i["uri"].get<std::string>(), where + ".uri", file);
-    if (!file.empty()) {
-      external_bytes_ += owned;
-      expect_memory(document_.file, where,
-                    fmt::format("{} bytes of image files", external_bytes_.size()),
-                    2 * external_bytes_.size());
-      scene_.files.push_back(file);
-    }
-    bytes = owned;
+  try {
+    bytes = bytes_of(index, owned);
+  } catch (const NothingThere& nothing) {
+    out.fault = nothing.what_is;
+    return;
   }
   const std::optional<int64_t> texels = texels_declared(bytes);
-  if (!texels || *texels > kMostTexels) return {};
-  texels_ += *texels;
+  if (texels && *texels > kMostTexels) {
+    out.fault = fmt::format("an image of {} texels, at most {} are read", *texels, kMostTexels);
+    return;
+  }
+  texels_ += texels.value_or(0);
   if (texels_ > kMostTexelsOfAll)
     document_.fail(where, fmt::format("brings the scene to {} texels, expected at most {}", texels_,
                                       kMostTexelsOfAll));
   expect_memory(document_.file, where, fmt::format("{} texels, with those before,", texels_),
                 4 * static_cast<uint64_t>(texels_));
-  return decode_image(bytes);
+  if (texels) out.image = decode_image(bytes);
+  if (!out.image) out.fault = fault_of_image(bytes);
 }
 
 TextureReader::Decoded& TextureReader::decoded(size_t index) {
   const auto [it, is_new] = known_.try_emplace(index);
   Decoded& d = it->second;
   if (!is_new) return d;
-  d.image = decode(index);
+  decode(index, d);
   if (!d.image) return d;
   const std::vector<uint8_t>& t = d.image->texels;
   std::copy_n(t.begin(), 4, d.first.begin());
@@ -96,12 +122,21 @@ std::optional<Texture> TextureReader::read(const Json& info, bool srgb, Fault& f
     set_transform(t, out.map);
   }
   const Json& texture = document_.json["textures"][info["index"].get<size_t>()];
-  fault = uv_set > 1 ? Fault::far_uv_set : Fault::undecodable;
-  if (uv_set > 1 || !texture.contains("source")) return {};
-  out.image = texture["source"].get<size_t>();
-  const Decoded& image = decoded(out.image);
-  if (!image.image && image.kept < 0) return {};
-  fault = Fault::none;
+  fault = {uv_set > 1, ""};
+  if (fault.far_uv_set) return {};
+  const Decoded* found = nullptr;
+  for (const size_t source : sources_of(texture)) {
+    const Decoded& tried = decoded(source);
+    if (fault.image.empty()) fault.image = tried.fault;
+    if (!tried.fault.empty()) continue;
+    found = &tried;
+    out.image = source;
+    break;
+  }
+  if (!found && fault.image.empty()) fault.image = "without an image";
+  if (!found) return {};
+  fault.image.clear();
+  const Decoded& image = *found;
 
   const Json& sampler = texture.contains("sampler")
                             ? document_.json["samplers"][texture["sampler"].get<size_t>()]

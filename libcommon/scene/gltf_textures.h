@@ -20,16 +20,23 @@ struct Texture {
   float least_alpha = 1;             ///< of all texels
 };
 
+/// Extensions of a texture that name another image for it, the ones that are read first.
+constexpr const char* kTextureFormats[] = {"EXT_texture_webp", "KHR_texture_basisu",
+                                           "EXT_texture_avif", "MSFT_texture_dds"};
+
 class TextureReader {
  public:
   TextureReader(const Document& document, Scene& scene) : document_(document), scene_(scene) {}
 
-  enum class Fault { none, undecodable, far_uv_set };
+  /// Why there is no texture.
+  struct Fault {
+    bool far_uv_set = false;  ///< it asks for a third set of texture coordinates
+    std::string image;        ///< what its image is: "KTX2, which is not read"; else empty
+  };
 
-  /// The texture that `info` names, its image decoded. Nothing when its image is missing or no PNG
-  /// or JPEG that can be decoded, or when it asks for a third set of texture coordinates; `fault`
-  /// says which. Throws InputError when its image lies outside the scene's folder or its buffer, or
-  /// when all images together have too many texels.
+  /// The texture that `info` names, the first of its images decoded that can be. Nothing where
+  /// there is none, and `fault` says why. Throws InputError when an image lies outside the scene's
+  /// folder or its buffer, or when all images together have too many texels.
   std::optional<Texture> read(const nlohmann::json& info, bool srgb, Fault& fault);
 
   /// The texture's map; its image is one of scene.images from now on.
@@ -41,13 +48,15 @@ class TextureReader {
  private:
   struct Decoded {
     std::optional<Image> image;
+    std::string fault;  ///< why there is none
     bool uniform = false;
     uint8_t least_alpha = 255;
     std::array<uint8_t, 4> first{};
     int32_t kept = -1;  ///< into scene.images
   };
   Decoded& decoded(size_t image);
-  std::optional<Image> decode(size_t image);
+  void decode(size_t image, Decoded& out);
+  std::string_view bytes_of(size_t image, std::string& owned);
 
   const Document& document_;
   Scene& scene_;

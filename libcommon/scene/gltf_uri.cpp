@@ -72,12 +72,16 @@ bool is_below(const fs::path& file, const fs::path& folder) {
 std::string read_uri(const Document& document, const std::string& uri, const std::string& where,
                      std::string& file_read) {
   file_read.clear();
+  const auto nothing = [&](const std::string& message, const std::string& what_is) {
+    throw NothingThere(InputError(document.file, where, message), what_is);
+  };
   if (uri.starts_with("data:")) {
     const size_t comma = uri.find(',');
     std::string out;
     if (comma == uri.npos || !uri.substr(0, comma).ends_with(";base64") ||
         !decode_base64(std::string_view(uri).substr(comma + 1), out))
-      document.fail(where, "data URI cannot be decoded, expected \"data:...;base64,\" and base64");
+      nothing("data URI cannot be decoded, expected \"data:...;base64,\" and base64",
+              "a data URI that cannot be decoded");
     return out;
   }
   const std::string name = percent_decode(uri);
@@ -96,7 +100,8 @@ std::string read_uri(const Document& document, const std::string& uri, const std
   std::error_code error;
   const fs::path folder = fs::canonical(document.folder, error);
   const fs::path file = fs::canonical(folder / name, error);
-  if (error) document.fail(where, quoted + " cannot be opened: " + error.message());
+  if (error)
+    nothing(quoted + " cannot be opened: " + error.message(), "a file that is missing, " + quoted);
   if (!is_below(file, folder))
     document.fail(where, quoted + " leads out of the scene's folder, which is all that is read");
   if (!fs::is_regular_file(file, error)) document.fail(where, quoted + " is no regular file");
@@ -104,8 +109,9 @@ std::string read_uri(const Document& document, const std::string& uri, const std
   try {
     return read_file(file.string());
   } catch (const InputError&) {
-    document.fail(where, quoted + " cannot be read");
+    nothing(quoted + " cannot be read", "a file that cannot be read, " + quoted);
   }
+  return {};
 }
 
 }  // namespace tdpt::gltf

@@ -30,7 +30,7 @@ export LSAN_OPTIONS="${LSAN_OPTIONS:-suppressions=$testing/lsan.supp:print_suppr
 # Folders of the format's files in TESTDATA.
 seeds_of() {
   case $1 in
-  scene | portal) echo "$testdata/scenes $testdata/malformed" ;;
+  scene | portal) echo "$testdata/scenes $testdata/malformed $testdata/compressed" ;;
   environment) echo "$testdata/environments" ;;
   esac
 }

@@ -174,7 +174,11 @@ int GlbBuilder::camera(const std::string& name, std::array<double, 3> from,
 
 std::string GlbBuilder::glb() const {
   Json j = json;
-  if (!bin.empty()) j["buffers"] = Json::array({{{"byteLength", bin.size()}}});
+  if (!bin.empty()) {  // the first; whatever the JSON has comes behind it
+    j["buffers"] = Json::array({{{"byteLength", bin.size()}}});
+    if (json.contains("buffers"))
+      j["buffers"].insert(j["buffers"].end(), json["buffers"].begin(), json["buffers"].end());
+  }
   return glb_of(j.dump(), bin);
 }
 

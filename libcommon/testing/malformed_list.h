@@ -66,6 +66,9 @@ class MalformedList {
 /// Vertex attributes, materials, textures and lights that are wrong.
 void add_malformed_surfaces(MalformedList& list);
 
+/// Meshes by Draco, bufferViews by meshoptimizer.
+void add_malformed_compressed(MalformedList& list);
+
 /// Instances, skins, morph targets and animations that are wrong.
 void add_malformed_motion(MalformedList& list);
 

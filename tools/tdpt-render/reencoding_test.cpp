@@ -1,7 +1,10 @@
 // One scene, however glTF says it, renders to the same picture: to the same bits where places and
-// the order of triangles are the same, else within noise.
+// the order of triangles are the same, else within noise; compressed with loss, to the bits of what
+// the format's reference decoder makes of it.
 #include <gtest/gtest.h>
 
+#include "libcommon/base/file.h"
+#include "libcommon/testing/compress.h"
 #include "libcommon/testing/reencode.h"
 #include "libcommon/testing/temp_folder.h"
 #include "tools/tdpt-render/render.h"
@@ -70,6 +73,52 @@ TEST(reencoding, same_picture_within_noise_where_order_or_rounding_differ) {
     else
       EXPECT_TRUE(testing::holds(paired, std::string(e.name) + ", paired", runs.of_depth[0],
                                  plain.of_depth[0], plain.across));
+  }
+}
+
+std::string plain_room() {
+  return testing::encode(testing::simple_room(), Encoding::indices_u16).files.at("scene.glb");
+}
+
+Picture picture_of_bytes(const std::string& glb) {
+  const testing::TempFolder folder;
+  const Scene scene = read_gltf(folder.write("scene.glb", glb));
+  EXPECT_EQ(scene.warnings, std::vector<std::string>{});
+  return picture_of(scene);
+}
+
+TEST(reencoding, compressed_scenes_are_those_of_the_reference_decoders) {
+  const Picture plain = picture_of_bytes(plain_room());
+  for (const testing::NamedCompression& c : testing::kCompressions) {
+    const std::string glb = testing::compress(plain_room(), c.compression);
+    const Picture picture = picture_of_bytes(glb);
+    EXPECT_TRUE(picture.pixels == picture_of_bytes(testing::decompress(glb)).pixels) << c.name;
+    // Where something is lost it shows, or equality with the decoder's would say nothing.
+    EXPECT_EQ(picture.pixels == plain.pixels, c.exact) << c.name;
+  }
+}
+
+TEST(reencoding, files_of_other_programs_are_those_of_the_reference_decoders) {
+  const DepthRuns plain = runs_of(read(testing::simple_room(), Encoding::indices_u16));
+  // The last number: how far it may be off, in the mean.
+  const std::vector<std::pair<const char*, double>> files{{"draco-gltf-pipeline", 3e-3},
+                                                          {"draco-gltf-transform", 1e-3},
+                                                          {"meshopt-gltf-transform", 1e-3},
+                                                          {"meshopt-gltfpack", 1e-3},
+                                                          {"webp-lossless", 0},
+                                                          {"webp-lossy", 0.1}};
+  for (const auto& [name, most] : files) {
+    const std::string path = std::string(TDPT_TESTDATA "/compressed/") + name + ".glb";
+    const Scene scene = read_gltf(path);
+    EXPECT_EQ(scene.warnings, std::vector<std::string>{}) << name;
+    const testing::TempFolder folder;
+    const Scene decoded =
+        read_gltf(folder.write("scene.glb", testing::decompress(read_file(path))));
+    EXPECT_TRUE(picture_of(scene).pixels == picture_of(decoded).pixels) << name;
+    const testing::Agreement paired =
+        testing::compare_paired(runs_of(scene).of_depth[0], plain.of_depth[0]);
+    std::printf("%-22s %s\n", name, paired.text().c_str());
+    EXPECT_LE(std::abs(paired.relative), most) << name;
   }
 }
 
