@@ -61,6 +61,8 @@ touch loose.exr loose.max loose.cut loose.vdb loose.portal.glb loose.exr
 makes "other flags of the renderer" "loose.exr whole.exr " TDPT_RENDER_FLAGS='--spp 2 --width 16 --camera "camera"' -n
 makes "other flags of the renderer" "whole.exr " TDPT_RENDER_FLAGS="--spp 2 --width 16 --integrator 'bdpt'" whole.exr
 makes "the same other flags" "" TDPT_RENDER_FLAGS="--spp 2 --width 16 --integrator 'bdpt'" whole.exr
+makes "a preview asked of the renderer" "whole.exr " TDPT_RENDER_FLAGS="--spp 2 --width 16 --preview" whole.exr
+[ -s whole.png ] && [ ! -e whole.partial.png ] || complain "a preview asked of the renderer lies elsewhere"
 makes "the flags of before" "whole.exr " whole.exr
 makes "other flags of the grid" "whole.exr whole.portal.glb whole.vdb " LIGHTGRID_FLAGS='--resolution 40' -n whole.exr
 makes "another seed" "$(of whole)" SEED=2 -n whole.exr
@@ -110,13 +112,21 @@ makes "portals drawn by hand" "drawn.exr " drawn.exr
 [ "$(cksum <drawn.portal.glb)" = "$before" ] || complain "portals drawn by hand were replaced"
 [ ! -e drawn.max ] || complain "portals drawn by hand: a network was made all the same"
 
-# A texture that is gone is the program's to tell, and what is there stays.
+# A buffer that is gone is the program's to tell, and what is there stays. A texture that is gone is told, and done without.
 before=$(cksum <loose.exr)
+mv loose.bin away.bin
+if make loose.exr >log 2>&1; then complain "a buffer is gone, and all is well"; fi
+grep -q 'ffgraph: .*loose.bin' log || complain "a buffer is gone: ffgraph does not say so"
+[ "$(cksum <loose.exr)" = "$before" ] || complain "a buffer is gone: the picture changed"
+mv away.bin loose.bin
 mv loose.png away.png
-if make loose.exr >log 2>&1; then complain "a texture is gone, and all is well"; fi
-grep -q 'ffgraph: .*loose.png' log || complain "a texture is gone: ffgraph does not say so"
-[ "$(cksum <loose.exr)" = "$before" ] || complain "a texture is gone: the picture changed"
+make loose.exr >log 2>&1 || complain "a texture is gone, and nothing is done"
+grep -q 'tdpt-render: warning: .*loose.png' log || complain "a texture is gone: tdpt-render does not say so"
+[ "$(cksum <loose.exr)" != "$before" ] || complain "a texture is gone: the picture is as before"
 mv away.png loose.png
+touch loose.gltf
+make loose.exr >log 2>&1 || complain "the texture is back, and nothing is done"
+before=$(cksum <loose.exr)
 
 # Stopped in the middle: the picture so far is there, under another name, and the next make makes the whole. Make tells
 # the programs of the signal; a second one would kill them.

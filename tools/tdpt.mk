@@ -117,7 +117,7 @@ endef
 	$(if $(filter $(abspath $@),$(abspath $(ENVIRONMENT))),$(error $@ would replace its own sky))
 	$(tdpt_begin)
 	$(tdpt_exr) $(tdpt_free) $(if $(PREVIEWS),--preview) $< $(tdpt_to)$(tdpt_told)
-	$(if $(PREVIEWS),@mv -f $(basename $(tdpt_partial)).png $@.png)
+	$(if $(PREVIEWS),@mv -f $(basename $(tdpt_partial)).png $@.png,$(if $(filter --preview,$(TDPT_RENDER_FLAGS)),@mv -f $(basename $(tdpt_partial)).png $(basename $@).png))
 	$(call tdpt_end,$(tdpt_exr))
 
 # One page of what the stages and two renderings tell. The stages that run for it tell of themselves; of one that ran

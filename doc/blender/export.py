@@ -1,5 +1,6 @@
 # export.py: a Blender scene as glTF for tdpt, without losing its light.
 #   blender -b SCENE.blend --python-exit-code 1 -P doc/blender/export.py -- OUT.glb [--thin-glass]
+# What the picture shows at the frame that SCENE was saved at: no object or collection that is not rendered, no motion.
 # Blender's exporter leaves area lamps, worlds and the thickness of glass out. Here area lamps become emitting planes, closed
 # glass gets a thickness (--thin-glass: none), and what else is lost is told, with the options that say it to the programs.
 
@@ -16,7 +17,10 @@ def options():
     p = argparse.ArgumentParser(prog="export.py")
     p.add_argument("out")
     p.add_argument("--thin-glass", action="store_true", help="leave closed glass hollow")
-    return p.parse_args(sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else [])
+    a = p.parse_args(sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else [])
+    if not a.out.endswith((".glb", ".gltf")):
+        p.error(f"{a.out}: neither .glb nor .gltf")
+    return a
 
 
 def say(text):
@@ -68,7 +72,8 @@ def plane_for(lamp_object):
     mesh.materials.append(emitting(lamp_object.name, lamp.color[:], radiance))
     plane = bpy.data.objects.new(lamp_object.name + " plane", mesh)
     plane.matrix_world = lamp_object.matrix_world
-    bpy.context.scene.collection.objects.link(plane)
+    for collection in lamp_object.users_collection:
+        collection.objects.link(plane)
     say(f"area lamp {lamp_object.name}: {lamp.energy:g} W as a plane of radiance {radiance:.4g} W/m2/sr")
 
 
@@ -107,8 +112,39 @@ def is_glass(material):
     return bool(socket) and socket.default_value > 0
 
 
+def drop_excluded(layer):
+    """Collections that the view layer leaves out are no part of the picture; their instances are."""
+    for child in layer.children:
+        if child.exclude:
+            layer.collection.children.unlink(child.collection)
+        else:
+            drop_excluded(child)
+
+
+def placed():
+    """All objects, those of instanced collections too."""
+    found = set(bpy.context.scene.objects)
+    for thing in list(found):
+        if thing.instance_collection:
+            found.update(thing.instance_collection.all_objects)
+    return sorted(found, key=lambda o: o.name)
+
+
+def tell_of_shaders():
+    """Principled and Emission alone come over."""
+    for material in {s.material for o in placed() for s in o.material_slots if s.material and s.material.use_nodes}:
+        output = material.node_tree.get_output_node("ALL")
+        surface = output and output.inputs["Surface"]
+        kind = surface and surface.is_linked and surface.links[0].from_node
+        if kind and kind.bl_idname not in ("ShaderNodeBsdfPrincipled", "ShaderNodeEmission", "ShaderNodeBackground"):
+            say(
+                f"material {material.name}: of its {kind.name} the exporter makes white metal, or a part; "
+                "use a Principled BSDF"
+            )
+
+
 def fill_glass():
-    for thing in bpy.context.scene.objects:
+    for thing in placed():
         if thing.type != "MESH" or not is_solid(thing.data):
             continue
         for slot in thing.material_slots:
@@ -133,12 +169,16 @@ def tell_of_world(world):
     if picture.bl_idname != "ShaderNodeTexEnvironment" or not picture.image:
         say("world: is no picture; bake it to one (doc/scenes.md)")
         return
+    file = bpy.path.abspath(picture.image.filepath)
+    if picture.image.packed_file or not file.lower().endswith((".exr", ".hdr")):
+        say(f"world: save its picture {picture.image.name} as .exr or .hdr first, which the programs read")
+        return
     turn = 0
     if picture.inputs["Vector"].is_linked and picture.inputs["Vector"].links[0].from_node.bl_idname == "ShaderNodeMapping":
         turn = picture.inputs["Vector"].links[0].from_node.inputs["Rotation"].default_value[2]
     degrees = (-90 - math.degrees(turn) + 180) % 360 - 180
     say(
-        f"world: give the programs --environment {bpy.path.abspath(picture.image.filepath)} "
+        f"world: give the programs --environment {file} "
         f"--environment-rotation {degrees:g}" + (f" --environment-scale {strength:g}" if strength != 1 else "")
     )
 
@@ -152,6 +192,15 @@ def tell_of_textures():
                 say(f"material {material.name}: {socket.name} is procedural and lost; bake it to an image")
 
 
+def tell_of_cameras():
+    cameras = [o.name for o in bpy.context.scene.objects if o.type == "CAMERA"]
+    active = bpy.context.scene.camera
+    if not cameras:
+        say("the scene has no camera: give the programs --frame, or --look-from and --look-at")
+    elif len(cameras) > 1 and active:
+        say(f'of {len(cameras)} cameras {active.name} is the active one: give the programs --camera "{active.data.name}"')
+
+
 def export(path):
     bpy.ops.export_scene.gltf(
         filepath=os.path.abspath(path),
@@ -159,20 +208,24 @@ def export(path):
         export_cameras=True,
         export_lights=True,
         export_apply=True,
+        use_renderable=True,
+        export_animations=False,
+        export_current_frame=True,
     )
 
 
 def main():
     a = options()
     bpy.ops.preferences.addon_enable(module="io_scene_gltf2")
-    for thing in [o for o in bpy.context.scene.objects if o.type == "LIGHT" and o.data.type == "AREA"]:
+    drop_excluded(bpy.context.view_layer.layer_collection)
+    for thing in [o for o in placed() if o.type == "LIGHT" and o.data.type == "AREA" and not o.hide_render]:
         plane_for(thing)
     if not a.thin_glass:
         fill_glass()
     tell_of_world(bpy.context.scene.world)
     tell_of_textures()
-    if not any(o.type == "CAMERA" for o in bpy.context.scene.objects):
-        say("the scene has no camera, and tdpt wants one")
+    tell_of_shaders()
+    tell_of_cameras()
     export(a.out)
 
 

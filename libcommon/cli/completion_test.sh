@@ -73,7 +73,7 @@ bash)
     complete -p "$tool" | grep -q -- "-F _${tool//-/_} $tool" || complain "$tool: is not completed"
     check_options "$tool"
   done
-  expect 'a part of a name' '--max-depth' "$(offered tdpt-render room.glb --max)"
+  expect 'a part of a name' '--max-depth' "$(offered tdpt-render room.glb --max-d)"
   expect 'a part of a word' 'tdpt tdpt-org tdpt-guided' "$(offered tdpt-render --integrator td | tr '\n' ' ' | sed 's/ $//')"
   expect 'a word after =' 'balance power' "$(offered tdpt-render --mis = | tr '\n' ' ' | sed 's/ $//')"
   expect 'a part of a word after =' 'power' "$(offered tdpt-render --mis = p)"

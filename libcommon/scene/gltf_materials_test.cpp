@@ -209,6 +209,13 @@ TEST(Materials, WhatIsLeftOutIsNamedWithTheMaterial) {
                                    "scattering in its volume is left out: material \"wax\""}));
 }
 
+TEST(Materials, WhatIsLeftOutMayBeRequired) {
+  GlbBuilder b;
+  b.json["extensionsRequired"] = {"KHR_materials_iridescence", "KHR_materials_diffuse_transmission",
+                                  "KHR_materials_volume_scatter"};
+  EXPECT_EQ(scene_with({lambert(0.5, 0.5, 0.5)}, b).warnings, Sentences{});
+}
+
 TEST(Materials, ALongListOfNamesIsCut) {
   Json m = lambert(0.9, 0.9, 0.9);
   m["extensions"]["KHR_materials_dispersion"]["dispersion"] = 1;

@@ -39,6 +39,7 @@ class Tracer {
   /// Builds the hierarchy; keeps a reference to `scene`. `culls`: of cameras [Camera::culls].
   explicit Tracer(const Scene& scene, bool culls = false);
   ~Tracer();
+  bool culls() const { return culls_; }
 
   /// A place rays start from. `normal` (unit, either side) says how to step off the surface; zero
   /// for places in the air (camera, lamp, portal).

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "libcommon/base/counted.h"
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
 #include "libcommon/cli/cli.h"
@@ -110,8 +111,9 @@ nlohmann::json tell(const cli::Common& common, const FitResult& found,
     }
     const std::string support =
         f.contains("support") ? fmt::format("support {:.2f}, ", f.at("support")) : "";
-    common.note(fmt::format("{}: {} ({}{:.0f} degrees between normal and mean direction).", name,
-                            worth_sentence(f, f.at("area")), support, f.at("direction_angle")));
+    common.note(fmt::format("{}: {} ({}{} between normal and mean direction).", name,
+                            worth_sentence(f, f.at("area")), support,
+                            counted(std::lround(f.at("direction_angle")), "degree")));
     nlohmann::json entry = f;
     entry["name"] = name;
     entry["drawback"] = drawback_of(f);

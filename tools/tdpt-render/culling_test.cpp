@@ -178,13 +178,20 @@ TEST(culling, backs_that_the_camera_sees_are_told) {
   const auto sentence = [&] {
     return backs_sentence(seen_backs(World(scene, scene.camera(""), kWidth, kHeight, {})));
   };
+  const auto none = [&] {
+    return no_backs_sentence(World(scene, scene.camera(""), kWidth, kHeight, {}));
+  };
   EXPECT_EQ(sentence(), "");
+  EXPECT_EQ(none(), "");
   scene.cameras[0].culls = false;
+  EXPECT_EQ(none(), "");
   EXPECT_EQ(sentence(),
             "the camera sees the backs of single-sided surfaces in 100 % of the picture, most of "
             "all of material \"plaster\": glTF viewers do not draw them (--cull)");
   scene.materials.back().double_sided = true;
   EXPECT_EQ(sentence(), "");
+  scene.cameras[0].culls = true;
+  EXPECT_EQ(none(), "--cull: no back of a single-sided surface is in the camera's way");
   const Scene inside = read_gltf(furnace_path());
   EXPECT_EQ(backs_sentence(seen_backs(World(inside, inside.camera(""), kWidth, kHeight, {}))), "");
 }

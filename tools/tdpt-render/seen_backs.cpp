@@ -12,6 +12,15 @@ namespace {
 constexpr int kRays = 32;             // along each side of the film
 constexpr double kLeastShare = 0.01;  // that is worth a word
 
+Vec3d direction_of(const FilmPlane& film, int ray) {
+  return film.direction((ray % kRays + 0.5) / kRays * film.width(),
+                        (ray / kRays + 0.5) / kRays * film.height());
+}
+
+bool is_culled_back(const Scene& scene, const Hit& hit, const Vec3d& w) {
+  return dot(hit.normal, w) > 0 && scene.single_sided(hit.triangle);
+}
+
 }  // namespace
 
 SeenBacks seen_backs(const World& world) {
@@ -19,11 +28,9 @@ SeenBacks seen_backs(const World& world) {
   std::vector<int> met(world.scene.materials.size());
   int backs = 0;
   for (int i = 0; i < kRays * kRays; ++i) {
-    const Vec3d w = film.direction((i % kRays + 0.5) / kRays * film.width(),
-                                   (i / kRays + 0.5) / kRays * film.height());
+    const Vec3d w = direction_of(film, i);
     Hit hit;
-    if (!world.tracer.first_seen(film.position(), w, hit) || !(dot(hit.normal, w) > 0) ||
-        !world.scene.single_sided(hit.triangle))
+    if (!world.tracer.first_seen(film.position(), w, hit) || !is_culled_back(world.scene, hit, w))
       continue;
     ++backs;
     ++met[world.scene.triangles[hit.triangle].material];
@@ -33,6 +40,15 @@ SeenBacks seen_backs(const World& world) {
   if (backs > 0)
     seen.material = world.scene.materials[static_cast<size_t>(most - met.begin())].name;
   return seen;
+}
+
+std::string no_backs_sentence(const World& world) {
+  if (!world.tracer.culls()) return "";
+  for (int i = 0; i < kRays * kRays; ++i)
+    if (Hit hit; world.tracer.closest({world.film.position()}, direction_of(world.film, i), hit) &&
+                 is_culled_back(world.scene, hit, direction_of(world.film, i)))
+      return "";
+  return "--cull: no back of a single-sided surface is in the camera's way";
 }
 
 std::string backs_sentence(const SeenBacks& seen) {

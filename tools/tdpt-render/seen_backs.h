@@ -14,6 +14,9 @@ struct SeenBacks {
 /// By 32 x 32 rays at fixed places of the film.
 SeenBacks seen_backs(const World& world);
 
+/// A sentence about a camera that is to see through backs where none is in its way, or nothing.
+std::string no_backs_sentence(const World& world);
+
 /// A sentence of warning, or nothing where it is too little to matter.
 std::string backs_sentence(const SeenBacks& seen);
 
