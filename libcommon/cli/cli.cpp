@@ -260,6 +260,15 @@ CLI::Validator within(T lowest, T highest) {
       "");
 }
 
+// A variable of the shell that is not set is not an option that is not given.
+CLI::Validator some_text() {
+  return CLI::Validator(
+      [](std::string& text) {
+        return text.empty() ? std::string("'' given, expected a value") : std::string();
+      },
+      "");
+}
+
 CLI::Validator one_of(const std::vector<std::string>& words) {
   return CLI::Validator(
       [words](std::string& text) {
@@ -367,7 +376,8 @@ void Options::input_or_setting(const std::string& flags, std::string& target,
 
 void Options::option(const std::string& flags, std::string& target, const std::string& value_name,
                      const std::string& help, Shapes shapes) {
-  impl_->keep(impl_->app.add_option(flags, target, help)->type_name(value_name), shapes);
+  impl_->keep(impl_->app.add_option(flags, target, help)->type_name(value_name)->check(some_text()),
+              shapes);
 }
 
 void Options::option(const std::string& flags, int64_t& target, const std::string& value_name,

@@ -126,9 +126,15 @@ Box box_of(const Scene& scene) {
 
 // The options that place it there, for one who would rather stand elsewhere.
 std::string frame_sentence(const Scene& scene, const Camera& camera) {
+  // Six digits of the scene's size, however far it lies from the origin.
+  const auto digits = [&](double metres) {
+    const double sizes = std::abs(metres) * scene.frame.scale;
+    const int before = sizes > 1 ? static_cast<int>(std::ceil(std::log10(sizes))) : 0;
+    return fmt::format("{:.{}g}", metres, std::min(6 + before, 17));
+  };
   const auto place = [&](const Vec3d& canonical) {
     const Vec3d p = scene.frame.to_metres(canonical);
-    return fmt::format("{:.6g},{:.6g},{:.6g}", p.x, p.y, p.z);
+    return digits(p.x) + ',' + digits(p.y) + ',' + digits(p.z);
   };
   return fmt::format("--frame is about --look-from {} --look-at {} --fov {:.3g} --cull",
                      place(camera.position), place(box_of(scene).middle()), camera.yfov / kRadians);

@@ -35,6 +35,12 @@ Camera chosen(const CameraArguments& a, const Scene& scene = box()) {
   common.quiet = true;
   return chosen_camera(scene, a, common);
 }
+// What is noted on stderr.
+std::string said(const CameraArguments& a, const Scene& scene) {
+  testing::internal::CaptureStderr();
+  chosen_camera(scene, a, cli::Common());
+  return testing::internal::GetCapturedStderr();
+}
 CameraArguments placed(const std::string& from, const std::string& at, const std::string& up = "",
                        double fov = 0) {
   CameraArguments a;
@@ -86,6 +92,15 @@ double share_of_film(const Scene& scene, const Camera& camera) {
           {most, std::abs(dot(d, camera.right)) / depth, std::abs(dot(d, camera.up)) / depth});
     }
   return most;
+}
+
+TEST(CameraOptions, FrameTellsSixDigitsOfTheScenesSizeFarFromTheOriginToo) {
+  Scene scene = box({2, 1, 0.5});
+  CameraArguments a;
+  a.frame = true;
+  EXPECT_NE(said(a, scene).find("--look-at 10,0,0 "), std::string::npos) << said(a, scene);
+  scene.frame.centre = {4512345.125, 0, 0};
+  EXPECT_NE(said(a, scene).find("--look-at 4512345.125,0,0 "), std::string::npos) << said(a, scene);
 }
 
 TEST(CameraOptions, FrameHasAllInViewAndLittleMore) {

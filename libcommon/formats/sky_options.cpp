@@ -150,6 +150,7 @@ std::string take_lamps(Scene& scene, const SkyArguments& a, const cli::Common& c
   const LampUnits::Kind units = units_of(scene, a.light_units);
   const bool shifted = shifts_light(scene, units, !a.environment.empty());
   take_lamps_as(scene, units);
+  scene.lamp_units.kind = units;
   return shifted ? content_hash("lamps " + a.light_units) : "";
 }
 
@@ -195,10 +196,13 @@ void warn_of_lamps(const Scene& scene, const cli::Common& common) {
   if (scene.lights.empty() || !has_emission(scene)) return;
   const Lights::Shares power = Lights(scene).powers();
   if (!(power.surfaces > 0 && power.lamps > kOutshines * power.surfaces)) return;
-  common.warn(
-      fmt::format("lamps have {:.3g} times the power of the surfaces that emit: if that is not "
-                  "meant, their units differ, and --light-units photometric divides lamps by 683",
-                  power.lamps / power.surfaces));
+  const bool as_they_are = scene.lamp_units.kind == LampUnits::Kind::radiometric;
+  common.warn(fmt::format(
+      "lamps have {:.3g} times the power of the surfaces that emit: if that is not "
+      "meant, {}",
+      power.lamps / power.surfaces,
+      as_they_are ? "their units differ, and --light-units photometric divides lamps by 683"
+                  : "--light-units says in what their numbers are"));
 }
 
 }  // namespace tdpt

@@ -154,6 +154,9 @@ TEST(SkyOptions, LampsThatOutshineSurfacesAreTold) {
                              "not meant, their units differ, and --light-units photometric divides "
                              "lamps by 683"),
             std::string::npos);
+  scene.lamp_units.kind = LampUnits::Kind::photometric;  // what they were taken for
+  EXPECT_NE(warning(13).find("if that is not meant, --light-units says in what their numbers are"),
+            std::string::npos);
 }
 
 TEST(SkyOptions, OneColour) {

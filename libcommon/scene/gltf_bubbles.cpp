@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "libcommon/base/counted.h"
+#include "libcommon/base/shown.h"
 
 namespace tdpt::gltf {
 namespace {
@@ -37,13 +38,13 @@ void Bubbles::look_at(const Material& m, const std::vector<uint32_t>& corners,
                       const std::vector<Vec3d>& world, uint32_t first) {
   const bool thin_glass = m.transmission > 0 && !m.solid && m.ior != 1;
   if (!thin_glass || corners.empty() || !encloses(corners, world, first)) return;
-  if (count_++ == 0) name_ = m.name;
+  if (count_++ == 0) name_ = m.name.empty() ? "" : " (material \"" + shown(m.name, 60) + "\")";
 }
 
 std::string Bubbles::warning() const {
   if (count_ == 0) return "";
   return fmt::format(
-      "{} {} light (material \"{}\") without a thickness (KHR_materials_volume): soap bubbles, as "
+      "{} {} light{} without a thickness (KHR_materials_volume): soap bubbles, as "
       "the format has it, not solid glass",
       tdpt::counted(count_, "closed mesh"), count_ == 1 ? "transmits" : "transmit", name_);
 }

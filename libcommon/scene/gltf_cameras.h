@@ -10,9 +10,9 @@
 namespace tdpt::gltf {
 
 /// The camera that a node holds, in metres as yet, with a name of its own among `names`. Nothing
-/// when it holds none or one that is not perspective. Throws InputError when the node's transform
-/// leaves it no direction.
+/// when it holds none or one that is not perspective, or when the node's transform leaves it no
+/// direction: then `flat` counts it.
 std::optional<Camera> read_camera(const Document& document, const PlacedNode& node,
-                                  DistinctNames& names);
+                                  DistinctNames& names, size_t& flat);
 
 }  // namespace tdpt::gltf

@@ -8,6 +8,7 @@
 #include <cstdio>
 
 #include "libcommon/base/another_process.h"
+#include "libcommon/base/memory_limit.h"
 
 namespace tdpt::gltf {
 namespace {
@@ -183,7 +184,11 @@ std::vector<DracoMesh> decode_draco(const std::vector<DracoRequest>& requests, s
         return true;
       });
   if (!whole && meshes.size() == requests.size()) meshes.pop_back();  // its end was none
-  if (meshes.size() < requests.size()) fault = text_of(found, number, requests[meshes.size()]);
+  if (meshes.size() == requests.size()) return meshes;
+  const bool limited = kRoom + kRoomOfAByte * most > memory_limit();
+  fault = limited && found == Fault::none
+              ? "cannot be decoded in the " + size_words(memory_limit()) + " of --max-memory"
+              : text_of(found, number, requests[meshes.size()]);
   return meshes;
 }
 

@@ -127,6 +127,17 @@ TEST(Leniency, NodesOutsideOfTheSceneMayFormCycles) {
             Sentences{});
 }
 
+TEST(Leniency, CamerasAndLampsWithoutDirection) {
+  GlbBuilder b = square();
+  b.camera("flat", {0.5, 0.5, 2}, {0.5, 0.5, 0}, 1, 1);
+  b.json["nodes"][2]["scale"] = {0, 0, 0};
+  b.json["extensionsUsed"] = {"KHR_lights_punctual"};
+  b.json["extensions"]["KHR_lights_punctual"]["lights"] = Json::array({{{"type", "spot"}}});
+  b.node({{"scale", {1, 1, 0}}, {"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}});
+  EXPECT_EQ(told_of_square(b.glb()), (Sentences{"1 camera is left out, as its transform is flat",
+                                                "1 lamp is left out, as its transform is flat"}));
+}
+
 TEST(Leniency, NamesThatAreNoText) {
   EXPECT_EQ(told([](GlbBuilder& b) {
               b.json["nodes"][0]["name"] = 7;

@@ -12,16 +12,15 @@ using Json = nlohmann::json;
 constexpr const char* kName = "KHR_lights_punctual";
 constexpr double kLeast = 1e-30, kMost = 1e30;
 
-/// Unit vector along `v`, which may be very long or short.
-Vec3d direction_of(const Document& d, size_t node, const Vec3d& v) {
+/// Unit vector along `v`, which may be very long or short; 0 where it has no direction.
+Vec3d direction_of(const Vec3d& v) {
   const double largest = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
-  if (!(largest > 0)) d.fail(place("nodes", node), "holds a light, but its transform is flat");
-  return normalize(v / largest);
+  return largest > 0 ? normalize(v / largest) : Vec3d();
 }
 
 }  // namespace
 
-std::optional<PunctualLight> read_light(const Document& d, const PlacedNode& n) {
+std::optional<PunctualLight> read_light(const Document& d, const PlacedNode& n, size_t& flat) {
   const Json& node = d.json["nodes"][n.node];
   if (!node.contains("extensions") || !node["extensions"].contains(kName)) return {};
   const auto index = node["extensions"][kName]["light"].get<size_t>();
@@ -42,7 +41,11 @@ std::optional<PunctualLight> read_light(const Document& d, const PlacedNode& n) 
   out.intensity = Rgb(intensity);
   out.position = n.to_world.t;
   if (type == "point") return out;
-  out.direction = direction_of(d, n.node, -n.to_world.z);
+  out.direction = direction_of(-n.to_world.z);
+  if (out.direction == Vec3d()) {
+    ++flat;
+    return {};
+  }
   if (type == "directional") {
     out.kind = PunctualLight::Kind::directional;
     return out;

@@ -9,9 +9,10 @@
 namespace tdpt::gltf {
 
 /// The light that a node holds, in metres as yet: position [m], intensity of points and spots
-/// [W/sr]. Nothing when it holds none or one without intensity. Throws InputError when the node's
-/// transform leaves a spot or directional light no direction.
-std::optional<PunctualLight> read_light(const Document& document, const PlacedNode& node);
+/// [W/sr]. Nothing when it holds none or one without intensity, or when the node's transform leaves
+/// a spot or directional light no direction: then `flat` counts it.
+std::optional<PunctualLight> read_light(const Document& document, const PlacedNode& node,
+                                        size_t& flat);
 
 /// What the numbers of the file's lamps stand for.
 LampUnits lamp_units_of(const Document& document);

@@ -24,6 +24,16 @@ int mesh_of(const Document& d, const PlacedNode& n) {
   return n.visible ? d.model.nodes[n.node].mesh : -1;
 }
 
+// Of each vertex of a skinned primitive, while it is bent: its map, its joints and weights.
+constexpr size_t kBendingBytes = sizeof(Affine) + 10 * sizeof(double);
+
+/// What Scene keeps of a vertex beside its place.
+size_t bytes_of(const AttributeSet& set) {
+  return (set.normal >= 0 ? sizeof(Vec3f) : 0) + (set.tangent >= 0 ? 4 * sizeof(float) : 0) +
+         (set.uv[0] >= 0 ? 2 * sizeof(float) : 0) + (set.uv[1] >= 0 ? 2 * sizeof(float) : 0) +
+         (set.colour >= 0 ? 4 * sizeof(float) : 0);
+}
+
 }  // namespace
 
 std::vector<bool> used_materials(const Document& d, const std::vector<PlacedNode>& nodes) {
@@ -58,7 +68,7 @@ void MeshReader::make_room() {
   const auto count = [&](int accessor) {
     return std::min(d_.model.accessors[static_cast<size_t>(accessor)].count, bytes);
   };
-  size_t vertices = 0, triangles = 0, bends = 0;
+  size_t vertices = 0, triangles = 0, bends = 0, of_attributes = 0, bent = 0;
   for (const PlacedNode& n : nodes_) {
     const int mesh = mesh_of(d_, n);
     if (mesh < 0) continue;
@@ -76,7 +86,11 @@ void MeshReader::make_room() {
         bends +=
             std::min(times * points, kMostVertices + 1) * (set.targets.size() + set.joints.size()) +
             p.targets.size();
-        if (seen.insert(set).second) vertices += times * points;
+        if (seen.insert(set).second) {
+          vertices += times * points;
+          of_attributes += times * points * bytes_of(set);
+          if (!set.joints.empty()) bent = std::max(bent, points);
+        }
       }
       const size_t corners =
           std::min(count(p.indices >= 0 ? p.indices : position->second), 3 * kMostTriangles + 3);
@@ -94,7 +108,8 @@ void MeshReader::make_room() {
     }
   }
   expect_memory(d_.file, "nodes", fmt::format("{} vertices and {} triangles", vertices, triangles),
-                vertices * (sizeof(Vec3d) + sizeof(Vec3f)) + triangles * sizeof(Triangle));
+                vertices * (sizeof(Vec3d) + sizeof(Vec3f)) + of_attributes + bent * kBendingBytes +
+                    triangles * sizeof(Triangle));
   world_.reserve(vertices);
   scene_.triangles.reserve(triangles);
 }
@@ -159,7 +174,9 @@ Placing MeshReader::placing_of(const PlacedNode& n, const AttributeSet& set,
                                const Affine& to_world) {
   if (set.joints.empty()) return {to_world, to_world.mirrors(), {}};
   const Skin& skin = skin_of(n.node);
-  return {skin.first(), skin.mirrors(), skin.blend(set.joints)};
+  std::vector<Affine> of_vertices = skin.blend(set.joints);
+  const bool mirrors = most_mirror(of_vertices);
+  return {skin.first(), mirrors, std::move(of_vertices)};
 }
 
 const Skin& MeshReader::skin_of(size_t node) {

@@ -179,6 +179,10 @@ TEST(Skins, MirroringJointsKeepTheFrontTheFront) {
   add_frame(c);
   expect_near(load(b), load(c));
   EXPECT_EQ(load(b).triangles[0].vertex, load(c).triangles[0].vertex);
+  // Joints that no vertex follows have no say.
+  b.node(Json::object());
+  b.json["skins"][0]["joints"] = {1, b.json["nodes"].size() - 1, b.json["nodes"].size() - 1};
+  EXPECT_EQ(load(b).triangles[0].vertex, load(c).triangles[0].vertex);
 }
 
 // ---- morph targets

@@ -38,7 +38,7 @@ class SceneReader {
     for (const PlacedNode& n : nodes) {
       add_camera(n);
       if (!n.visible) continue;
-      if (const auto light = read_light(d_, n)) scene_.lights.push_back(*light);
+      if (const auto light = read_light(d_, n, flat_lights_)) scene_.lights.push_back(*light);
     }
     if (!scene_.lights.empty()) scene_.lamp_units = lamp_units_of(d_);
     if (scene_.triangles.empty()) d_.fail("", "has no triangles in its scene");
@@ -56,9 +56,10 @@ class SceneReader {
 
  private:
   void add_camera(const PlacedNode& n) {
-    if (const auto camera = read_camera(d_, n, camera_names_))
+    if (const auto camera = read_camera(d_, n, camera_names_, flat_cameras_))
       scene_.cameras.push_back(*camera);
-    else if (d_.model.nodes[n.node].camera >= 0)
+    else if (const int c = d_.model.nodes[n.node].camera;
+             c >= 0 && d_.model.cameras[static_cast<size_t>(c)].type != "perspective")
       ++orthographic_;
   }
 
@@ -113,12 +114,16 @@ class SceneReader {
     tell(dropped_, "triangle", "without area is left out", "without area are left out");
     meshes.warn();
     tell(orthographic_, "orthographic camera", "is left out", "are left out");
+    tell(flat_cameras_, "camera", "is left out, as its transform is flat",
+         "are left out, as their transforms are flat");
+    tell(flat_lights_, "lamp", "is left out, as its transform is flat",
+         "are left out, as their transforms are flat");
   }
 
   const Document& d_;
   Scene& scene_;
   DistinctNames camera_names_;
-  size_t dropped_ = 0, orthographic_ = 0;
+  size_t dropped_ = 0, orthographic_ = 0, flat_cameras_ = 0, flat_lights_ = 0;
 };
 
 }  // namespace

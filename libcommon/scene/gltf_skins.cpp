@@ -119,10 +119,9 @@ std::vector<Affine> Skin::blend(const std::vector<JointSet>& sets) const {
   return out;
 }
 
-bool Skin::mirrors() const {
-  return 2 * std::count_if(joints_.begin(), joints_.end(),
-                           [](const Affine& a) { return a.mirrors(); }) >
-         std::ssize(joints_);
+bool most_mirror(const std::vector<Affine>& maps) {
+  return 2 * std::count_if(maps.begin(), maps.end(), [](const Affine& a) { return a.mirrors(); }) >
+         std::ssize(maps);
 }
 
 }  // namespace tdpt::gltf

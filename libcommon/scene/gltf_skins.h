@@ -49,8 +49,6 @@ class Skin {
   /// follows its first joint. Throws InputError for joints that are not there.
   std::vector<Affine> blend(const std::vector<JointSet>& sets) const;
 
-  /// Whether most joints turn left hands into right ones.
-  bool mirrors() const;
   /// What its first joint does.
   const Affine& first() const { return joints_.front(); }
 
@@ -59,5 +57,8 @@ class Skin {
   size_t skin_;
   std::vector<Affine> joints_;
 };
+
+/// Whether most of them turn left hands into right ones.
+bool most_mirror(const std::vector<Affine>& maps);
 
 }  // namespace tdpt::gltf

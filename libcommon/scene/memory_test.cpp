@@ -34,6 +34,16 @@ TEST(Memory, InstancesAreCounted) {
             "the 977 KiB of --max-memory");
 }
 
+TEST(Memory, SoAreTheirNormals) {
+  GlbBuilder b;
+  const int p = b.floats(std::vector<float>(9000), 3);
+  b.mesh({{"attributes", {{"POSITION", p}, {"NORMAL", p}}}});
+  for (int i = 0; i < 10; ++i) b.node({{"mesh", 0}});
+  EXPECT_EQ(complaint({lambert(0.5, 0.5, 0.5)}, b, 1'000'000),
+            "nodes: 30003 vertices and 10001 triangles take 1.53 MiB of memory, expected at most "
+            "the 977 KiB of --max-memory");
+}
+
 TEST(Memory, ElementsOfTheJsonAreCounted) {
   GlbBuilder b;
   for (int i = 0; i < 999; ++i) b.node(Json::object());

@@ -244,8 +244,6 @@ void nodes(MalformedList& l) {
         b.json["nodes"][0]["scale"] = {1e300, 1, 1};
       },
       "nodes[0]: its transform takes a vertex beyond double precision");
-  l.replace("camera-flat", "/nodes/1/scale", {1, 1, 0},
-            "nodes[1]: holds a camera, but its transform is flat");
   l.replace("camera-yfov-negative", "/cameras/0/perspective/yfov", -1,
             "cameras[0].perspective.yfov: is -1, expected an angle between 0 and pi");
   l.replace("camera-yfov-nan", "/cameras/0/perspective/yfov", "NaN",

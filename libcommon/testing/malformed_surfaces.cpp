@@ -148,7 +148,6 @@ void lights(MalformedList& l) {
         place +
             ".lights[0].spot: has an inner cone of 0 and an outer one of 1.6, expected 0 <= "
             "inner <= outer, 0 < outer <= pi/2");
-  light("light-flat", {{"type", "spot"}}, "nodes[2]: holds a light, but its transform is flat");
   l.replace("light-missing", "/nodes/0/extensions", {{"KHR_lights_punctual", {{"light", 0}}}},
             "nodes[0].extensions.KHR_lights_punctual.light: is 0, expected an index into the 0 "
             "lights");

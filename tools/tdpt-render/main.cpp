@@ -204,8 +204,10 @@ int run(const Arguments& a, const cli::Common& common) {
   const OpenWorld open = open_world(in.scene, in.camera, in.size.width, in.size.height, in.portals);
   if (open.uncovered > 0) common.warn(uncovered_sentence(open.uncovered, in.scene.frame));
   World& world = *open.world;
-  for (const std::string& sentence : {backs_sentence(seen_backs(world)), no_backs_sentence(world)})
-    if (!sentence.empty()) common.warn(sentence);
+  if (const std::string sentence = backs_sentence(seen_backs(world)); !sentence.empty())
+    common.warn(sentence);
+  if (const std::string sentence = no_backs_sentence(world); !sentence.empty())
+    common.note(sentence);
   const Shaping by{in.scene,         camera_words(a, in.scene.frame, in.camera),
                    in.portal_hashes, in.size.width,
                    in.size.height,   common.seed};

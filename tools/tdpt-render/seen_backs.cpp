@@ -37,8 +37,11 @@ SeenBacks seen_backs(const World& world) {
   }
   SeenBacks seen{static_cast<double>(backs) / (kRays * kRays), {}};
   const auto most = std::max_element(met.begin(), met.end());
-  if (backs > 0)
-    seen.material = world.scene.materials[static_cast<size_t>(most - met.begin())].name;
+  if (backs > 0) {
+    const std::string& name = world.scene.materials[static_cast<size_t>(most - met.begin())].name;
+    seen.material = name.empty() ? fmt::format("materials[{}]", most - met.begin())
+                                 : "material \"" + shown(name, 60) + "\"";
+  }
   return seen;
 }
 
@@ -48,15 +51,15 @@ std::string no_backs_sentence(const World& world) {
     if (Hit hit; world.tracer.closest({world.film.position()}, direction_of(world.film, i), hit) &&
                  is_culled_back(world.scene, hit, direction_of(world.film, i)))
       return "";
-  return "--cull: no back of a single-sided surface is in the camera's way";
+  return "no back of a single-sided surface is in the camera's way: --cull changes nothing";
 }
 
 std::string backs_sentence(const SeenBacks& seen) {
   if (seen.share < kLeastShare) return "";
   return fmt::format(
       "the camera sees the backs of single-sided surfaces in {:.0f} % of the picture, most of all "
-      "of material \"{}\": glTF viewers do not draw them (--cull)",
-      100 * seen.share, shown(seen.material, 60));
+      "of {}: glTF viewers do not draw them (--cull)",
+      100 * seen.share, seen.material);
 }
 
 }  // namespace tdpt

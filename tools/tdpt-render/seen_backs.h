@@ -8,7 +8,7 @@ namespace tdpt {
 
 struct SeenBacks {
   double share = 0;      ///< of the picture
-  std::string material;  ///< whose backs are most of it
+  std::string material;  ///< whose backs are most of it: material "wall", materials[2]
 };
 
 /// By 32 x 32 rays at fixed places of the film.
