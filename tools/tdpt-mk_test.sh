@@ -50,7 +50,7 @@ for name in loose.max loose.cut loose.vdb loose.portal.glb loose.exr whole.exr; 
 done
 makes "a second time" ""
 grep -q "Nothing to be done for 'all'" log || complain "a second time: not silent"
-makes "what shapes nothing" "" THREADS=1 QUIET= TDPT_BIN="$bin/"
+makes "what shapes nothing" "" THREADS=1 MAX_MEMORY=8G QUIET= TDPT_BIN="$bin/"
 SEED=x THREADS=x ENVIRONMENT=production makes "variables of the shell" ""
 
 printf ' ' >>loose.png

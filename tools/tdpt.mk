@@ -7,7 +7,7 @@
 # has to be deleted, and what a stopped render has written stays.
 
 # A shell may have variables of these common names that mean something else.
-$(foreach name,CAMERA_FLAGS ENVIRONMENT ENVIRONMENT_FLAGS PORTALS PREVIEWS QUALITY QUIET SEED THREADS TDPT_TELL,\
+$(foreach name,CAMERA_FLAGS ENVIRONMENT ENVIRONMENT_FLAGS MAX_MEMORY PORTALS PREVIEWS QUALITY QUIET SEED THREADS TDPT_TELL,\
   $(if $(filter environment,$(origin $(name))),$(eval undefine $(name))))
 
 FFGRAPH ?= $(TDPT_BIN)ffgraph
@@ -39,7 +39,8 @@ tdpt_glb = $(strip $(PORTALFIT) $(tdpt_all) $(PORTALFIT_FLAGS))
 tdpt_exr = $(strip $(TDPT_RENDER) $(addprefix --portal ,$(tdpt_portals)) $(tdpt_camera) $(tdpt_sky) $(tdpt_all) $(TDPT_RENDER_FLAGS))
 tdpt_html = $(strip report $(REPORT_TIME) $(REPORT_REFERENCE) $(REPORT_WIDTH) $(tdpt_exr))
 tdpt_quiet = $(if $(or $(QUIET),$(if $(TDPT_STATUS),,$(findstring s,$(firstword -$(MAKEFLAGS))))),--quiet)
-tdpt_free = $(if $(THREADS),--threads $(THREADS)) $(if $(TDPT_TELL),,$(tdpt_quiet))
+tdpt_most = $(if $(MAX_MEMORY),--max-memory $(MAX_MEMORY))
+tdpt_free = $(if $(THREADS),--threads $(THREADS)) $(tdpt_most) $(if $(TDPT_TELL),,$(tdpt_quiet))
 
 # Of the target in whose rule they stand, $* being its stem: scene, portals, file of the sky. A portal is no scene.
 # Which scene another picture shows, and through which camera, is looked up by its name: a variable of the target would
@@ -129,7 +130,7 @@ endef
 	$(PYTHON) -B $(tdpt_scripts:page.py=measure.py) --scene $< --folder $(tdpt_known).parts --time $(REPORT_TIME) \
 	  --reference $(REPORT_REFERENCE) --width $(REPORT_WIDTH) --exrdiff $(EXRDIFF) --info $(TDPT_INFO) $(if $(tdpt_found),\
 	  --stem $(tdpt_found) --known .tdpt/$(subst ../,up/,$(tdpt_found))) $(if $(THREADS),--threads $(THREADS)) $(tdpt_quiet) \
-	  -MF $(tdpt_known).d -MQ $@ -- $(tdpt_exr)$(tdpt_told)
+	  -MF $(tdpt_known).d -MQ $@ -- $(tdpt_exr) $(tdpt_most)$(tdpt_told)
 	$(PYTHON) -B $(tdpt_scripts) $(tdpt_known).parts $(tdpt_partial)$(tdpt_told)
 	$(call tdpt_end,$(tdpt_html))
 

@@ -1,11 +1,8 @@
 #include "libcommon/cli/cli.h"
 
 #include <algorithm>
-#include <cerrno>
 #include <cstdio>
-#include <cstdlib>
 #include <iostream>
-#include <limits>
 #include <new>
 #include <vector>
 
@@ -21,6 +18,7 @@
 #include "libcommon/cli/dependencies.h"
 #include "libcommon/cli/help.h"
 #include "libcommon/cli/nearest.h"
+#include "libcommon/cli/validators.h"
 #include "tdpt_version.h"
 
 namespace tdpt::cli {
@@ -232,54 +230,6 @@ namespace {
 struct Instead {
   std::function<std::string()> text;
 };
-
-// CLI11 reads -1 and numbers that are too large as 2^64 - 1.
-std::string whole_number(std::string& text) {
-  const bool digits = !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
-  errno = 0;
-  if (digits) std::strtoull(text.c_str(), nullptr, 10);
-  if (digits && errno == 0) return {};
-  return fmt::format("'{}' given, expected a number from 0 to {}", text, ~uint64_t{0});
-}
-
-std::string size(std::string& text) {
-  if (parse_size(text)) return {};
-  return fmt::format("'{}' given, expected bytes, or a number with K, M, G or T", text);
-}
-
-// std::to_string and CLI's own text would print 1e18 in full: people read these bounds.
-template <class T>
-CLI::Validator within(T lowest, T highest) {
-  return CLI::Validator(
-      [lowest, highest](std::string& text) {
-        T value{};
-        if (!CLI::detail::lexical_cast(text, value) || !(value >= lowest && value <= highest))
-          return fmt::format("'{}' given, expected a number from {} to {}", text, lowest, highest);
-        return std::string();
-      },
-      "");
-}
-
-// A variable of the shell that is not set is not an option that is not given.
-CLI::Validator some_text() {
-  return CLI::Validator(
-      [](std::string& text) {
-        return text.empty() ? std::string("'' given, expected a value") : std::string();
-      },
-      "");
-}
-
-CLI::Validator one_of(const std::vector<std::string>& words) {
-  return CLI::Validator(
-      [words](std::string& text) {
-        for (const std::string& word : words)
-          if (text == word) return std::string();
-        const std::string meant = nearest(text, words);
-        return fmt::format("'{}' given, expected one of {}{}", text, fmt::join(words, ", "),
-                           meant.empty() ? "" : " (did you mean " + meant + "?)");
-      },
-      "");
-}
 }  // namespace
 
 Options::Options(const Program& program)
@@ -307,7 +257,7 @@ Options::Options(const Program& program)
         Shapes::nothing, Impl::Is::output);
   impl_->keep(app.add_option("--seed", common.seed, "Seed of the random numbers; default 1")
                   ->type_name("N")
-                  ->check(CLI::Validator(whole_number, "")),
+                  ->check(whole_number()),
               Shapes::result);
   impl_->keep(app.add_option("--threads", common.threads, "Threads to use; default all cores")
                   ->type_name("N")
@@ -317,7 +267,7 @@ Options::Options(const Program& program)
                              "Most memory that reading a file may take; default three quarters of "
                              "the machine's")
                   ->type_name("SIZE")
-                  ->check(CLI::Validator(size, "")),
+                  ->check(size()),
               Shapes::nothing);
   impl_->keep(app.add_flag("--quiet", common.quiet, "No progress and no notes on stderr"),
               Shapes::nothing);

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 #include <algorithm>
-#include <array>
 #include <filesystem>
 
 #include "libcommon/base/counted.h"
@@ -17,34 +16,6 @@ namespace tdpt::gltf {
 namespace {
 
 using Json = nlohmann::json;
-
-// What a scene may require of us: read, or approximated with a warning.
-constexpr std::array kSupported = {"KHR_materials_emissive_strength",
-                                   "KHR_materials_specular",
-                                   "KHR_materials_ior",
-                                   "KHR_materials_transmission",
-                                   "KHR_materials_volume",
-                                   "KHR_materials_clearcoat",
-                                   "KHR_materials_sheen",
-                                   "KHR_materials_iridescence",
-                                   "KHR_materials_anisotropy",
-                                   "KHR_materials_dispersion",
-                                   "KHR_materials_diffuse_transmission",
-                                   "KHR_materials_volume_scatter",
-                                   "KHR_materials_unlit",
-                                   "KHR_lights_punctual",
-                                   "KHR_mesh_quantization",
-                                   "KHR_draco_mesh_compression",
-                                   "EXT_meshopt_compression",
-                                   "KHR_meshopt_compression",
-                                   "EXT_texture_webp",
-                                   "EXT_texture_avif",
-                                   "KHR_texture_basisu",
-                                   "MSFT_texture_dds",
-                                   "KHR_texture_transform",
-                                   "KHR_materials_pbrSpecularGlossiness",
-                                   "KHR_node_visibility",
-                                   "EXT_mesh_gpu_instancing"};
 
 // Deeper nesting has no use in glTF, and readers that recurse would run out of stack.
 constexpr int kDeepest = 64;
@@ -94,7 +65,7 @@ void check_extensions(Document& d) {
     const std::string name = e.get<std::string>();
     if (changes_no_picture(name))
       d.warnings.push_back(name + " is required, but changes no picture: passed over");
-    else if (std::find(kSupported.begin(), kSupported.end(), name) == kSupported.end())
+    else if (!is_supported(name))
       d.fail("extensionsRequired",
              fmt::format("\"{}\" is not supported, expected a scene exported without it",
                          shown(name, 60)));

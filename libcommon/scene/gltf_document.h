@@ -77,6 +77,9 @@ struct NothingThere : InputError {
 std::string read_uri(const Document& document, const std::string& uri, const std::string& place,
                      std::string& file_read);
 
+/// Whether we read this extension, or approximate what it asks for with a warning.
+bool is_supported(const std::string& extension);
+
 /// Whether an extension that a file requires means nothing to a picture: metadata, what can be
 /// chosen or touched, physics, sound, hints for speed.
 bool changes_no_picture(const std::string& extension);

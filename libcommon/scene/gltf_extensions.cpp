@@ -1,4 +1,5 @@
-// Extensions that a renderer of still pictures may pass over, even where a file requires them.
+// Extensions by name: those that are read, and those that a renderer of still pictures may pass
+// over, even where a file requires them.
 #include <algorithm>
 #include <array>
 
@@ -7,7 +8,34 @@
 namespace tdpt::gltf {
 namespace {
 
-constexpr std::array kNames = {
+constexpr std::array kSupported = {"KHR_materials_emissive_strength",
+                                   "KHR_materials_specular",
+                                   "KHR_materials_ior",
+                                   "KHR_materials_transmission",
+                                   "KHR_materials_volume",
+                                   "KHR_materials_clearcoat",
+                                   "KHR_materials_sheen",
+                                   "KHR_materials_iridescence",
+                                   "KHR_materials_anisotropy",
+                                   "KHR_materials_dispersion",
+                                   "KHR_materials_diffuse_transmission",
+                                   "KHR_materials_volume_scatter",
+                                   "KHR_materials_unlit",
+                                   "KHR_lights_punctual",
+                                   "KHR_mesh_quantization",
+                                   "KHR_draco_mesh_compression",
+                                   "EXT_meshopt_compression",
+                                   "KHR_meshopt_compression",
+                                   "EXT_texture_webp",
+                                   "EXT_texture_avif",
+                                   "KHR_texture_basisu",
+                                   "MSFT_texture_dds",
+                                   "KHR_texture_transform",
+                                   "KHR_materials_pbrSpecularGlossiness",
+                                   "KHR_node_visibility",
+                                   "EXT_mesh_gpu_instancing"};
+
+constexpr std::array kOfNoPicture = {
     // Other materials to choose from, other levels of detail: what the nodes name is drawn.
     "KHR_materials_variants", "MSFT_lod",
     // Motion of what is no node: only nodes move, and are told so.
@@ -27,8 +55,12 @@ constexpr std::array kNames = {
 
 }  // namespace
 
+bool is_supported(const std::string& extension) {
+  return std::find(kSupported.begin(), kSupported.end(), extension) != kSupported.end();
+}
+
 bool changes_no_picture(const std::string& extension) {
-  return std::find(kNames.begin(), kNames.end(), extension) != kNames.end();
+  return std::find(kOfNoPicture.begin(), kOfNoPicture.end(), extension) != kOfNoPicture.end();
 }
 
 }  // namespace tdpt::gltf

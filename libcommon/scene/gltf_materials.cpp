@@ -47,19 +47,6 @@ constexpr LeftOut kLeftOut[] = {
     {"KHR_materials_diffuse_transmission", "diffuseTransmissionFactor", "diffuse transmission"},
     {"KHR_materials_volume_scatter", "multiscatterColor", "scattering in its volume"}};
 
-constexpr const char* kRead[] = {"KHR_materials_emissive_strength",
-                                 "KHR_materials_specular",
-                                 "KHR_materials_ior",
-                                 "KHR_materials_transmission",
-                                 "KHR_materials_volume",
-                                 "KHR_materials_clearcoat",
-                                 "KHR_materials_sheen",
-                                 "KHR_materials_unlit"};
-
-bool is_read(const std::string& extension) {
-  return std::find(std::begin(kRead), std::end(kRead), extension) != std::end(kRead);
-}
-
 // An index of refraction of 0 stands for an infinite one: all light is reflected.
 constexpr float kInfiniteIor = 1e6f;
 
@@ -312,7 +299,7 @@ class Reader {
                        [&e = extension](const LeftOut& l) { return e == l.extension; });
       if (known != std::end(kLeftOut)) {
         if (more_than_0(value, known->factor)) note(known->words);
-      } else if (extension.find("_materials_") != extension.npos && !is_read(extension)) {
+      } else if (extension.find("_materials_") != extension.npos && !is_supported(extension)) {
         note(shown(extension, 60));
       }
     }

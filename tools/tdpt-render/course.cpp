@@ -40,10 +40,14 @@ std::string integrator_words(const Arguments& a) {
 }
 
 std::string sky_words(const Arguments& a, const Scene& scene) {
-  const std::string units = a.sky.light_units == "auto" ? "" : "lamps " + a.sky.light_units;
-  if (scene.sky_hash.empty()) return units;
-  return fmt::format("{} x {}, sun {}{}", scene.sky_hash, a.sky.scale, a.sky.sun_angle,
-                     units.empty() ? "" : ", " + units);
+  if (a.sky.environment.empty()) return "";
+  return fmt::format("{} x {}, sun {}", scene.sky_hash, a.sky.scale, a.sky.sun_angle);
+}
+
+// Those that were taken, whether they were asked for or the likely ones.
+std::string units_of_lamps(const Scene& scene) {
+  if (scene.lights.empty()) return "";
+  return names_of_lamp_units().at(static_cast<size_t>(scene.lamp_units.kind));
 }
 
 // What was asked for this time, if anything, must be what was asked for then.
@@ -234,6 +238,7 @@ Shape shape_of(const Arguments& a, const Shaping& by) {
   return {{"program version", TDPT_VERSION},
           {"scene", by.scene.hash},
           {"environment", sky_words(a, by.scene)},
+          {"unit of lamps", units_of_lamps(by.scene)},
           {"portal", fmt::format("{}", fmt::join(by.portal_hashes, " "))},
           {"camera", by.camera},
           {"size", fmt::format("{} x {}", by.width, by.height)},
