@@ -112,7 +112,8 @@ function(tdpt_shaders target)
     string(APPEND name "${A_SUFFIX}")
     set(source ${CMAKE_SOURCE_DIR}/${file})
     set(out ${folder}/${name})
-    set(compile ${Vulkan_GLSLC_EXECUTABLE} --target-env=vulkan1.2 -O -Werror -I ${CMAKE_SOURCE_DIR})
+    set(compile ${CMAKE_COMMAND} -E env INEXACT=$<BOOL:${A_INEXACT}> sh ${CMAKE_SOURCE_DIR}/cmake/compile-shader.sh ${out}
+        -I ${CMAKE_SOURCE_DIR})
     if(A_DEFINE)
       list(APPEND compile -D${A_DEFINE})
     endif()
@@ -128,10 +129,9 @@ inline constexpr std::span<const uint32_t> @name@_spv{@name@_words};
 }  // namespace tdpt::shader
 " @ONLY)
     add_custom_command(OUTPUT ${out}.inc ${out}.spv
-      COMMAND ${compile} -MD -MF ${out}.d -MT ${out}.inc -o ${out}.spv ${source}
-      COMMAND ${SPIRV_VAL} --target-env vulkan1.2 ${out}.spv
-      COMMAND ${compile} -mfmt=c -o ${out}.inc ${source}
-      DEPENDS ${source} DEPFILE ${out}.d COMMENT "Compiling the kernel ${name}" VERBATIM)
+      COMMAND ${compile} ${source}
+      DEPENDS ${source} ${CMAKE_SOURCE_DIR}/cmake/compile-shader.sh DEPFILE ${out}.d
+      COMMENT "Compiling the kernel ${name}" VERBATIM)
     target_sources(${target} PRIVATE ${out}.inc)
     if(BUILD_TESTING)
       add_test(NAME shaders.${name}-is-exact COMMAND sh ${CMAKE_SOURCE_DIR}/cmake/spirv-exact.sh ${out}.spv)

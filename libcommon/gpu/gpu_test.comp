@@ -18,6 +18,6 @@ void main() {
   uvec3 texel = uvec3(i % size.x, i / size.x % size.y, i / size.x / size.y % size.z);
   imageAtomicAdd(counts, ivec3(texel), step);
   atomicAdd(words[0], step);
-  EXACT float scaled = scale * float(words[1 + i]) + 0.5;
+  float scaled = scale * float(words[1 + i]) + 0.5;
   words[1 + i] = uint(scaled);
 }

@@ -17,9 +17,9 @@ SHARED float alpha_texel(Coverage v, int x, int y) MEMBER_CONST {
 /// [0,2].
 SHARED float within_image(float u, bool mirror, bool clamp_to_edge) MEMBER_CONST {
   if (clamp_to_edge) return min(max(u, 0.0f), 1.0f);
-  EXACT float half_u = 0.5f * u;
-  EXACT float images = mirror ? 2.0f * floor(half_u) : floor(u);
-  EXACT float r = u - images;
+  float half_u = 0.5f * u;
+  float images = mirror ? 2.0f * floor(half_u) : floor(u);
+  float r = u - images;
   return r;
 }
 
@@ -40,8 +40,8 @@ SHARED float alpha_texture(Coverage v, float u, float w) MEMBER_CONST {
   int height = int(v.height);
   // The middle of texel i lies at i + 1/2.
   float shift = nearest ? 0.0f : 0.5f;
-  EXACT float x = within_image(u, mirror_u, clamp_u) * float(width) - shift;
-  EXACT float y = within_image(w, mirror_v, clamp_v) * float(height) - shift;
+  float x = within_image(u, mirror_u, clamp_u) * float(width) - shift;
+  float y = within_image(w, mirror_v, clamp_v) * float(height) - shift;
   int column = int(floor(x));
   int row = int(floor(y));
   int column0 = wrapped_texel(column, width, mirror_u, clamp_u);
@@ -53,20 +53,20 @@ SHARED float alpha_texture(Coverage v, float u, float w) MEMBER_CONST {
   float alpha10 = alpha_texel(v, column1, row0);
   float alpha01 = alpha_texel(v, column0, row1);
   float alpha11 = alpha_texel(v, column1, row1);
-  EXACT float fx = x - floor(x);
-  EXACT float fy = y - floor(y);
-  EXACT float low = alpha00 + (alpha10 - alpha00) * fx;
-  EXACT float high = alpha01 + (alpha11 - alpha01) * fx;
-  EXACT float alpha = low + (high - low) * fy;
+  float fx = x - floor(x);
+  float fy = y - floor(y);
+  float low = alpha00 + (alpha10 - alpha00) * fx;
+  float high = alpha01 + (alpha11 - alpha01) * fx;
+  float alpha = low + (high - low) * fy;
   return alpha;
 }
 
 SHARED float coverage_at(Coverage v, float b1, float b2) MEMBER_CONST {
   // Exact where the corners agree: a mask at its cutoff is there.
-  EXACT float alpha = v.alpha0 + (v.alpha1 - v.alpha0) * b1 + (v.alpha2 - v.alpha0) * b2;
+  float alpha = v.alpha0 + (v.alpha1 - v.alpha0) * b1 + (v.alpha2 - v.alpha0) * b2;
   if (coverage_has_textures && v.width > 0u) {
-    EXACT float u = v.u0 + (v.u1 - v.u0) * b1 + (v.u2 - v.u0) * b2;
-    EXACT float w = v.v0 + (v.v1 - v.v0) * b1 + (v.v2 - v.v0) * b2;
+    float u = v.u0 + (v.u1 - v.u0) * b1 + (v.u2 - v.u0) * b2;
+    float w = v.v0 + (v.v1 - v.v0) * b1 + (v.v2 - v.v0) * b2;
     alpha = alpha * alpha_texture(v, u, w);
   }
   alpha = min(max(alpha, 0.0f), 1.0f);

@@ -35,12 +35,12 @@ GENERIC void walk_along(REAL a, REAL b, int dim, OUT(int) at, OUT(int) step, OUT
   left = abs(end - at);
   // Where there is a step to take, |d| is at least a unit in the last place of the voxel's number;
   // elsewhere any number does.
-  EXACT REAL d = b - a;
-  EXACT REAL inverse = reciprocal(max(abs(d), REAL(1e-18f)));
-  EXACT REAL wall = REAL(step > 0 ? at + 1 : at);
-  EXACT REAL distance = max(step > 0 ? wall - a : a - wall, REAL(0));
+  REAL d = b - a;
+  REAL inverse = reciprocal(max(abs(d), REAL(1e-18f)));
+  REAL wall = REAL(step > 0 ? at + 1 : at);
+  REAL distance = max(step > 0 ? wall - a : a - wall, REAL(0));
   delta = inverse;
-  EXACT REAL first = distance * inverse;
+  REAL first = distance * inverse;
   next = first;
 }
 
@@ -73,17 +73,17 @@ GENERIC bool next_voxel(INOUT(OF_REAL(VoxelWalk)) w) {
   if (wall.x <= wall.y && wall.x <= wall.z) {
     w.at.x += w.step.x;
     w.left.x -= 1;
-    EXACT REAL n = w.next.x + w.delta.x;
+    REAL n = w.next.x + w.delta.x;
     w.next.x = n;
   } else if (wall.y <= wall.z) {
     w.at.y += w.step.y;
     w.left.y -= 1;
-    EXACT REAL n = w.next.y + w.delta.y;
+    REAL n = w.next.y + w.delta.y;
     w.next.y = n;
   } else {
     w.at.z += w.step.z;
     w.left.z -= 1;
-    EXACT REAL n = w.next.z + w.delta.z;
+    REAL n = w.next.z + w.delta.z;
     w.next.z = n;
   }
   return true;

@@ -4,7 +4,7 @@
 // so that no macro is left to who includes it.
 //
 // Vulkan rounds sums and products of floats correctly, and every device we know to the nearest, as
-// long as none is contracted into a fused one: keep every float in an EXACT variable. It does not
+// long as none is contracted into a fused one: cmake/compile-shader.sh sees to that. It does not
 // round quotients, roots and sines correctly: use those of real.h. It leaves the order of its own
 // dot(), cross(), normalize() and mix() open: use those of vector.h. Never draw two random numbers
 // in one expression: C++ leaves their order open.
@@ -19,7 +19,6 @@
 #define SHARED inline       // before every function
 #define MEMBER_CONST const  // after every function that C++ has as a member, see traversal.h
 #define CACHE_LINE alignas(64)
-#define EXACT              // before every float that is computed
 #define OUT(type) type&    // a parameter that is written
 #define INOUT(type) type&  // a parameter that is read and written
 #define GENERIC_STRUCT  \
@@ -40,7 +39,6 @@
 #define SHARED
 #define MEMBER_CONST
 #define CACHE_LINE
-#define EXACT precise
 #define OUT(type) out type
 #define INOUT(type) inout type
 #define GENERIC_STRUCT struct

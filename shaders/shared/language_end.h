@@ -4,7 +4,6 @@
 #undef SHARED
 #undef MEMBER_CONST
 #undef CACHE_LINE
-#undef EXACT
 #undef OUT
 #undef INOUT
 #undef GENERIC_STRUCT

@@ -27,9 +27,9 @@ SHARED vec3 normal_of_face(uint face) {
 
 // From the dome of a sky, far outside the scene, by a part of the way to it: nothing lies there.
 SHARED vec3 stepped_off(vec3 place, vec3 along) {
-  EXACT float far = max(max(abs(place.x), abs(place.y)), abs(place.z));
-  EXACT float step = far > 2.0f ? far * 0.0078125f : LINE_STEP;
-  EXACT vec3 p = place + along * step;
+  float far = max(max(abs(place.x), abs(place.y)), abs(place.z));
+  float step = far > 2.0f ? far * 0.0078125f : LINE_STEP;
+  vec3 p = place + along * step;
   return p;
 }
 
@@ -51,7 +51,7 @@ SHARED vec3 place_on_patch(uint patch_index, INOUT(Rng) random, OUT(uint) face) 
   float b2;
   uniform_triangle(u, v, b1, b2);
   vec3 a = pieces[slot].a;
-  EXACT vec3 place = a + (pieces[slot].b - a) * b1 + (pieces[slot].c - a) * b2;
+  vec3 place = a + (pieces[slot].b - a) * b1 + (pieces[slot].c - a) * b2;
   return place;
 }
 
@@ -77,7 +77,7 @@ SHARED uint coin_of_line(uint number) {
 
 /// Whether the faces at both ends look along the line and nothing stands in between.
 SHARED bool line_is_free(LineEnds line, uint number) {
-  EXACT vec3 w = line.camera - line.light;
+  vec3 w = line.camera - line.light;
   vec3 n = normal_of_face(line.light_face);
   vec3 m = normal_of_face(line.camera_face);
   if (dot(w, n) <= 0.0f || dot(w, m) >= 0.0f) return false;
@@ -115,12 +115,12 @@ SHARED bool region_at(uint face, vec3 place, OUT(uint) region) {
     region = patch_cells[begin].level_region & 0xffffffu;
     return true;
   }
-  EXACT vec3 from_corner = place - light.cell_corner;
+  vec3 from_corner = place - light.cell_corner;
   for (int level = 15; level >= 0; --level) {
     if ((light.levels & (1u << uint(level))) == 0u) continue;
     // 4^level in the exponent.
-    EXACT float scale = light.cells_per_unit * uintBitsToFloat(uint(127 + 2 * level) << 23);
-    EXACT vec3 q = from_corner * scale;
+    float scale = light.cells_per_unit * uintBitsToFloat(uint(127 + 2 * level) << 23);
+    vec3 q = from_corner * scale;
     ivec3 cell = ivec3(cell_coordinate(q.x), cell_coordinate(q.y), cell_coordinate(q.z));
     uint low = begin;
     uint high = end;
@@ -160,7 +160,7 @@ SHARED bool sees_its_side(vec3 end, uint face, uint side, uint stream, uint numb
     SurfaceHit hit;
     if (!first_hit(origin, w, coin, hit)) continue;
     uint back = dot(face_normals[hit.triangle].normal, w) > 0.0f ? 1u : 0u;
-    EXACT vec3 place = origin + w * hit.t;
+    vec3 place = origin + w * hit.t;
     uint region;
     if (!region_at(2u * hit.triangle + back, place, region)) continue;
     if (side_of_region(region) == side) {
@@ -193,7 +193,7 @@ SHARED bool end_along(vec3 place, vec3 w, uint coin, OUT(vec3) end, OUT(uint) fa
   if (!first_hit(origin, w, coin, hit)) return false;
   uint back = dot(face_normals[hit.triangle].normal, w) > 0.0f ? 1u : 0u;
   face = 2u * hit.triangle + back;
-  EXACT vec3 met = origin + w * hit.t;
+  vec3 met = origin + w * hit.t;
   end = met;
   uint region;
   if (!region_at(face, end, region)) return false;
@@ -209,7 +209,7 @@ SHARED uint line_through(LineTry through, uint number, OUT(LineEnds) line) {
   line.camera = through.place;
   line.light_face = 0u;
   line.camera_face = 0u;
-  EXACT float square = dot(through.direction, through.direction);
+  float square = dot(through.direction, through.direction);
   if (square == 0.0f) return FATE_NONE;
   uint coin = coin_of_line(number);
   vec3 ahead;
@@ -231,24 +231,24 @@ SHARED uint line_through(LineTry through, uint number, OUT(LineEnds) line) {
 }
 
 SHARED vec3 in_voxels(vec3 place) {
-  EXACT vec3 p = (place - light.grid_corner) * light.voxels_per_unit;
+  vec3 p = (place - light.grid_corner) * light.voxels_per_unit;
   return p;
 }
 
 SHARED ivec3 direction_in_units(vec3 w) {
-  EXACT float square = dot(w, w);
+  float square = dot(w, w);
   if (square < 1e-30f) return ivec3(0, 0, 0);
-  EXACT float scale = inverse_root(square) * LIGHT_DIRECTION_UNITS;
-  EXACT vec3 v = w * scale + vec3(0.5f, 0.5f, 0.5f);
+  float scale = inverse_root(square) * LIGHT_DIRECTION_UNITS;
+  vec3 v = w * scale + vec3(0.5f, 0.5f, 0.5f);
   return ivec3(int(floor(v.x)), int(floor(v.y)), int(floor(v.z)));
 }
 
 /// Where along the line from `a`, in voxels, by `way` it comes into the grid and leaves it along an
 /// axis.
 SHARED void within_axis(float a, float way, int dim, INOUT(float) enter, INOUT(float) leave) {
-  EXACT float per_way = reciprocal(either_sign(way) * max(abs(way), 1e-18f));
-  EXACT float t0 = -a * per_way;
-  EXACT float t1 = (float(dim) - a) * per_way;
+  float per_way = reciprocal(either_sign(way) * max(abs(way), 1e-18f));
+  float t0 = -a * per_way;
+  float t1 = (float(dim) - a) * per_way;
   enter = max(enter, min(t0, t1));
   leave = min(leave, max(t0, t1));
 }
@@ -256,15 +256,15 @@ SHARED void within_axis(float a, float way, int dim, INOUT(float) enter, INOUT(f
 /// Draws the ends of a line to the sky, in voxels, to the border of the grid; false where it passes
 /// by.
 SHARED bool within_grid(INOUT(vec3) a, INOUT(vec3) b) {
-  EXACT vec3 way = b - a;
+  vec3 way = b - a;
   float enter = 0.0f;
   float leave = 1.0f;
   within_axis(a.x, way.x, light.dim.x, enter, leave);
   within_axis(a.y, way.y, light.dim.y, enter, leave);
   within_axis(a.z, way.z, light.dim.z, enter, leave);
   if (!(enter < leave)) return false;
-  EXACT vec3 first = a + way * enter;
-  EXACT vec3 last = leave < 1.0f ? a + way * leave : b;
+  vec3 first = a + way * enter;
+  vec3 last = leave < 1.0f ? a + way * leave : b;
   a = first;
   b = last;
   return true;
@@ -272,7 +272,7 @@ SHARED bool within_grid(INOUT(vec3) a, INOUT(vec3) b) {
 
 /// Counts the line in every voxel of the slab that it passes.
 SHARED void march(LineEnds line) {
-  EXACT vec3 w = line.camera - line.light;
+  vec3 w = line.camera - line.light;
   ivec3 direction = direction_in_units(w);
   vec3 from = in_voxels(line.light);
   vec3 to = in_voxels(line.camera);

@@ -13,7 +13,7 @@ SHARED_BEGIN
 SHARED float reciprocal(float x) {
   float a = abs(x);
   // Newton's iteration from a guess that is 12 % off: each squares the error.
-  EXACT float y = uintBitsToFloat(0x7EF311C7u - floatBitsToUint(a));
+  float y = uintBitsToFloat(0x7EF311C7u - floatBitsToUint(a));
   y = y * (2.0f - a * y);
   y = y * (2.0f - a * y);
   y = y * (2.0f - a * y);
@@ -23,8 +23,8 @@ SHARED float reciprocal(float x) {
 
 /// 1/sqrt(x), to 3 units in the last place. 1e-37 <= x <= 1e37.
 SHARED float inverse_root(float x) {
-  EXACT float h = 0.5f * x;
-  EXACT float y = uintBitsToFloat(0x5F3759DFu - (floatBitsToUint(x) >> 1));
+  float h = 0.5f * x;
+  float y = uintBitsToFloat(0x5F3759DFu - (floatBitsToUint(x) >> 1));
   y = y * (1.5f - h * y * y);
   y = y * (1.5f - h * y * y);
   y = y * (1.5f - h * y * y);
@@ -34,7 +34,7 @@ SHARED float inverse_root(float x) {
 
 /// sqrt(x) to 3 units in the last place; 0 below 1e-37.
 SHARED float root(float x) {
-  EXACT float r = x < 1e-37f ? 0.0f : x * inverse_root(x);
+  float r = x < 1e-37f ? 0.0f : x * inverse_root(x);
   return r;
 }
 
@@ -46,14 +46,14 @@ SHARED float either_sign(float x) {
 /// Cosine and sine of `turns` full turns, in [0,1); to 2e-7.
 SHARED void cos_sin_turns(float turns, OUT(float) cosine, OUT(float) sine) {
   // Reduced to an eighth of a turn on either side of a quarter; Taylor series from there.
-  EXACT float quarters = 4.0f * turns;
-  EXACT float nearest = floor(quarters + 0.5f);
-  EXACT float x = (quarters - nearest) * 1.57079633f;
-  EXACT float x2 = x * x;
-  EXACT float s =
+  float quarters = 4.0f * turns;
+  float nearest = floor(quarters + 0.5f);
+  float x = (quarters - nearest) * 1.57079633f;
+  float x2 = x * x;
+  float s =
       x * (1.0f + x2 * (-1.66666667e-1f +
                         x2 * (8.33333333e-3f + x2 * (-1.98412698e-4f + x2 * 2.75573192e-6f))));
-  EXACT float c =
+  float c =
       1.0f + x2 * (-0.5f + x2 * (4.16666667e-2f + x2 * (-1.38888889e-3f + x2 * 2.48015873e-5f)));
   int quadrant = int(nearest);  // 0 to 4
   bool odd = (quadrant & 1) != 0;

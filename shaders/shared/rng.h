@@ -49,7 +49,7 @@ SHARED uint random_word(INOUT(Rng) rng) {
 
 /// In [0,1): multiples of 2^-24.
 SHARED float unit_float(uint word) {
-  EXACT float u = float(word >> 8) * 5.9604644775390625e-8f;
+  float u = float(word >> 8) * 5.9604644775390625e-8f;
   return u;
 }
 

@@ -25,8 +25,8 @@
 /// Where the ray is in the box, as depths. Missed when near > far; behind its origin when far < 0.
 SHARED void box_depths(vec3 low, vec3 high, vec3 origin, vec3 per_slope, OUT(float) near,
                        OUT(float) far) MEMBER_CONST {
-  EXACT vec3 a = (low - origin) * per_slope;
-  EXACT vec3 b = (high - origin) * per_slope;
+  vec3 a = (low - origin) * per_slope;
+  vec3 b = (high - origin) * per_slope;
   near = max(max(min(a.x, b.x), min(a.y, b.y)), min(a.z, b.z));
   far = min(min(max(a.x, b.x), max(a.y, b.y)), max(a.z, b.z));
 }
@@ -97,7 +97,7 @@ SHARED bool first_hit(vec3 origin, vec3 direction, uint coin, OUT(SurfaceHit) hi
     if (!descended) break;
   }
   if (hit.triangle == 0xFFFFFFFFu) return false;
-  EXACT float t = (ray.start + best) * ray.per_depth;
+  float t = (ray.start + best) * ray.per_depth;
   hit.t = t;
   return true;
 }
@@ -106,11 +106,11 @@ SHARED bool first_hit(vec3 origin, vec3 direction, uint coin, OUT(SurfaceHit) hi
 /// Depths are rounded: ends that lie on surfaces are to be stepped off them, as the origins of rays
 /// are, by some 2^-21 (tracer.h).
 SHARED bool segment_blocked(vec3 a, vec3 b, uint coin) MEMBER_CONST {
-  EXACT vec3 direction = b - a;
+  vec3 direction = b - a;
   AxisRay ray;
   if (!ray_of(a, direction, bvh_nodes[0].extent, ray)) return false;
   vec3 per_slope = vec3(reciprocal(ray.slope.x), reciprocal(ray.slope.y), reciprocal(ray.slope.z));
-  EXACT float limit = ray.size - ray.start;
+  float limit = ray.size - ray.start;
   uint stack[kBvhStack];
   uint top = 0u;
   uint node = 0u;
@@ -126,8 +126,8 @@ SHARED bool segment_blocked(vec3 a, vec3 b, uint coin) MEMBER_CONST {
       bool hit1 = near1 <= min(far1, limit) && far1 >= 0.0f;
       // Any surface will do: where the segment is in the box for longer, it is likelier to meet
       // one.
-      EXACT float way0 = min(far0, limit) - max(near0, 0.0f);
-      EXACT float way1 = min(far1, limit) - max(near1, 0.0f);
+      float way0 = min(far0, limit) - max(near0, 0.0f);
+      float way1 = min(far1, limit) - max(near1, 0.0f);
       bool second = hit1 && (!hit0 || way1 > way0);
       stack[top] = second ? child0 : child1;
       top += hit0 && hit1 ? 1u : 0u;

@@ -34,7 +34,7 @@ struct AxisRay {
 };
 
 SHARED float slope_along(float d, float per_depth) {
-  EXACT float s = d * per_depth;
+  float s = d * per_depth;
   return abs(s) >= 1e-18f ? s : (s < 0.0f ? -1e-18f : 1e-18f);
 }
 
@@ -54,9 +54,9 @@ SHARED bool ray_of(vec3 origin, vec3 direction, float extent, OUT(AxisRay) ray) 
   ray.slope = vec3(axis == 0u ? sign : slope_along(direction.x, per_depth),
                    axis == 1u ? sign : slope_along(direction.y, per_depth),
                    axis == 2u ? sign : slope_along(direction.z, per_depth));
-  EXACT float way = -extent - sign * place;
+  float way = -extent - sign * place;
   float start = way > 0.0f ? way : 0.0f;
-  EXACT vec3 moved = origin + ray.slope * start;
+  vec3 moved = origin + ray.slope * start;
   ray.origin = start > 0.0f ? moved : origin;
   ray.axis = axis;
   ray.sign = sign;
@@ -73,35 +73,35 @@ SHARED vec3 axis_last(vec3 a, uint axis) {
 
 /// A corner as the ray sees it: its point in the plane and its depth.
 SHARED vec3 seen_along(AxisRay ray, vec3 slope, vec3 corner) {
-  EXACT vec3 from_origin = corner - ray.origin;
+  vec3 from_origin = corner - ray.origin;
   vec3 a = axis_last(from_origin, ray.axis);
-  EXACT float depth = ray.sign * a.z;
-  EXACT float x = a.x - slope.x * depth;
-  EXACT float y = a.y - slope.y * depth;
+  float depth = ray.sign * a.z;
+  float x = a.x - slope.x * depth;
+  float y = a.y - slope.y * depth;
   const float least = 3.6379788e-12f;  // 2^-38
   return vec3(abs(x) < least ? 0.0f : x, abs(y) < least ? 0.0f : y, depth);
 }
 
 /// a b - p, which is a float when p is the rounded product (Dekker, Veltkamp).
 SHARED float product_error(float a, float b, float p) {
-  EXACT float ca = 4097.0f * a;
-  EXACT float cb = 4097.0f * b;
-  EXACT float ah = ca - (ca - a);
-  EXACT float bh = cb - (cb - b);
-  EXACT float al = a - ah;
-  EXACT float bl = b - bh;
-  EXACT float e = ((ah * bh - p) + ah * bl + al * bh) + al * bl;
+  float ca = 4097.0f * a;
+  float cb = 4097.0f * b;
+  float ah = ca - (ca - a);
+  float bh = cb - (cb - b);
+  float al = a - ah;
+  float bl = b - bh;
+  float e = ((ah * bh - p) + ah * bl + al * bh) + al * bl;
   return e;
 }
 
 /// a.x b.y - a.y b.x, with the exact sign.
 SHARED float edge_function(vec3 a, vec3 b) {
-  EXACT float p = a.x * b.y;
-  EXACT float q = a.y * b.x;
-  EXACT float r = p - q;
+  float p = a.x * b.y;
+  float q = a.y * b.x;
+  float r = p - q;
   if (p == q) {
-    EXACT float ep = product_error(a.x, b.y, p);
-    EXACT float eq = product_error(a.y, b.x, q);
+    float ep = product_error(a.x, b.y, p);
+    float eq = product_error(a.y, b.x, q);
     r = ep - eq;
   }
   return r;
@@ -110,11 +110,11 @@ SHARED float edge_function(vec3 a, vec3 b) {
 /// `r`, which is edge_function(a, b), to two units in the last place of itself. Without this, what
 /// long thin triangles lose to the rounding of the products would move places along them.
 SHARED float refined_edge_function(vec3 a, vec3 b, float r) {
-  EXACT float p = a.x * b.y;
-  EXACT float q = a.y * b.x;
-  EXACT float ep = product_error(a.x, b.y, p);
-  EXACT float eq = product_error(a.y, b.x, q);
-  EXACT float more = (p - q) + (ep - eq);
+  float p = a.x * b.y;
+  float q = a.y * b.x;
+  float ep = product_error(a.x, b.y, p);
+  float eq = product_error(a.y, b.x, q);
+  float more = (p - q) + (ep - eq);
   return more == 0.0f ? r : more;
 }
 
@@ -130,20 +130,20 @@ SHARED bool line_meets(AxisRay ray, vec3 p0, vec3 p1, vec3 p2, OUT(float) depth,
   b1 = 0.0f;
   b2 = 0.0f;
   back = 0u;
-  EXACT float u = edge_function(b, c);
-  EXACT float v = edge_function(c, a);
-  EXACT float w = edge_function(a, b);
+  float u = edge_function(b, c);
+  float v = edge_function(c, a);
+  float w = edge_function(a, b);
   if ((u < 0.0f || v < 0.0f || w < 0.0f) && (u > 0.0f || v > 0.0f || w > 0.0f)) return false;
   if (u == 0.0f && v == 0.0f && w == 0.0f) return false;
   u = refined_edge_function(b, c, u);
   v = refined_edge_function(c, a, v);
   w = refined_edge_function(a, b, w);
-  EXACT float det = u + v + w;
+  float det = u + v + w;
   float per_det = reciprocal(det);
-  EXACT float s0 = u * per_det;
-  EXACT float s1 = v * per_det;
-  EXACT float s2 = w * per_det;
-  EXACT float mean = s0 * a.z + s1 * b.z + s2 * c.z;
+  float s0 = u * per_det;
+  float s1 = v * per_det;
+  float s2 = w * per_det;
+  float mean = s0 * a.z + s1 * b.z + s2 * c.z;
   // A weighted mean does not leave the corners: rounding must not, either.
   depth = max(min(min(a.z, b.z), c.z), min(max(max(a.z, b.z), c.z), mean));
   b1 = s1 < 1e-30f ? 0.0f : s1;

@@ -9,14 +9,14 @@
 SHARED_BEGIN
 
 GENERIC REAL dot(VEC3 a, VEC3 b) {
-  EXACT REAL r = a.x * b.x + a.y * b.y + a.z * b.z;
+  REAL r = a.x * b.x + a.y * b.y + a.z * b.z;
   return r;
 }
 
 GENERIC VEC3 cross(VEC3 a, VEC3 b) {
-  EXACT REAL x = a.y * b.z - a.z * b.y;
-  EXACT REAL y = a.z * b.x - a.x * b.z;
-  EXACT REAL z = a.x * b.y - a.y * b.x;
+  REAL x = a.y * b.z - a.z * b.y;
+  REAL y = a.z * b.x - a.x * b.z;
+  REAL z = a.x * b.y - a.y * b.x;
   return VEC3(x, y, z);
 }
 
@@ -30,12 +30,12 @@ GENERIC_STRUCT Onb {
 /// With z along the unit `normal` (Duff et al. 2017).
 GENERIC OF_REAL(Onb) onb_about(VEC3 normal) {
   REAL sign = either_sign(normal.z);
-  EXACT REAL a = -reciprocal(sign + normal.z);
-  EXACT REAL b = normal.x * normal.y * a;
-  EXACT REAL xx = REAL(1) + sign * normal.x * normal.x * a;
-  EXACT REAL xy = sign * b;
-  EXACT REAL xz = -sign * normal.x;
-  EXACT REAL yy = sign + normal.y * normal.y * a;
+  REAL a = -reciprocal(sign + normal.z);
+  REAL b = normal.x * normal.y * a;
+  REAL xx = REAL(1) + sign * normal.x * normal.x * a;
+  REAL xy = sign * b;
+  REAL xz = -sign * normal.x;
+  REAL yy = sign + normal.y * normal.y * a;
   OF_REAL(Onb) onb;
   onb.x = VEC3(xx, xy, xz);
   onb.y = VEC3(b, yy, -normal.y);
@@ -44,7 +44,7 @@ GENERIC OF_REAL(Onb) onb_about(VEC3 normal) {
 }
 
 GENERIC VEC3 to_world(OF_REAL(Onb) onb, VEC3 v) {
-  EXACT VEC3 w = onb.x * v.x + onb.y * v.y + onb.z * v.z;
+  VEC3 w = onb.x * v.x + onb.y * v.y + onb.z * v.z;
   return w;
 }
 

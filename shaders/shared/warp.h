@@ -13,10 +13,10 @@ GENERIC VEC3 cosine_hemisphere(REAL u, REAL v) {
   REAL cosine = REAL(0);
   REAL sine = REAL(0);
   cos_sin_turns(u, cosine, sine);
-  EXACT REAL r = root(v);
-  EXACT REAL x = r * cosine;
-  EXACT REAL y = r * sine;
-  EXACT REAL z = root(REAL(1) - v);
+  REAL r = root(v);
+  REAL x = r * cosine;
+  REAL y = r * sine;
+  REAL z = root(REAL(1) - v);
   return VEC3(x, y, z);
 }
 
@@ -27,9 +27,9 @@ GENERIC VEC3 cosine_hemisphere(VEC3 normal, REAL u, REAL v) {
 
 /// Barycentrics (b1, b2) of vertices 1 and 2, uniform by area: pdf_A = 1/area [1/m2].
 GENERIC void uniform_triangle(REAL u, REAL v, OUT(REAL) b1, OUT(REAL) b2) {
-  EXACT REAL r = root(u);
-  EXACT REAL first = r * (REAL(1) - v);
-  EXACT REAL second = r * v;
+  REAL r = root(u);
+  REAL first = r * (REAL(1) - v);
+  REAL second = r * v;
   b1 = first;
   b2 = second;
 }

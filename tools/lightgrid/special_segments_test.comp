@@ -21,7 +21,7 @@ bool surface_stops(uint triangle, float b1, float b2, uint coin) { return true; 
 #include "shaders/shared/traversal.h"
 
 vec3 in_voxels(vec3 place) {
-  precise vec3 p = (place - light.grid_corner) * light.voxels_per_unit;
+  vec3 p = (place - light.grid_corner) * light.voxels_per_unit;
   return p;
 }
 
@@ -32,7 +32,7 @@ void main() {
   vec3 b = segments[i].camera;
   blocked[i] = segment_blocked(a, b, i) ? 1u : 0u;
   SurfaceHit hit;
-  precise vec3 w = b - a;
+  vec3 w = b - a;
   bool found = first_hit(a, w, i, hit);
   if (!found) hit.triangle = 0xffffffffu;
   hits[i] = hit;

@@ -1,0 +1,28 @@
+#!/bin/sh
+# compile-shader.sh OUT OPTION... FILE.comp: a kernel as OUT.spv, as the numbers of a C array, OUT.inc, and what it was
+# made from, OUT.d. Its sums and products of floats give the same bits on every device: each gets NoContraction before
+# anything is optimised, as GLSL's `precise` would ask for variable by variable, so that none is fused with another.
+# INEXACT=1 leaves that out. Options are glslc's.
+set -e
+out=${1:?usage: compile-shader.sh OUT OPTION... FILE.comp}
+shift
+trap 'rm -f "$out.text" "$out.plain"' EXIT
+glslc --target-env=vulkan1.2 -O0 -Werror -MD -MF "$out.d" -MT "$out.inc" -o "$out.plain" "$@"
+if [ "${INEXACT:-0}" = 0 ]; then
+  spirv-dis --raw-id --no-color "$out.plain" -o "$out.text"
+  # Twice: what is decorated is told before it is there.
+  awk '
+    NR == FNR { if ($3 ~ /^Op(FAdd|FSub|FMul|VectorTimesScalar)$/) exact[n++] = $1; next }
+    !told && $3 ~ /^OpType/ {
+      for (i = 0; i < n; ++i) print "OpDecorate " exact[i] " NoContraction"
+      told = 1
+    }
+    $0 !~ / NoContraction$/' "$out.text" "$out.text" | spirv-as --target-env vulkan1.2 -o "$out.plain" -
+fi
+spirv-opt --target-env=vulkan1.2 -O "$out.plain" -o "$out.spv"
+spirv-val --target-env vulkan1.2 "$out.spv"
+{
+  echo '{'
+  od -An -v -t x4 "$out.spv" | sed 's/\([0-9a-f]\{8\}\)/0x\1,/g'
+  echo '}'
+} >"$out.inc"
