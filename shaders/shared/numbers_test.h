@@ -1,7 +1,9 @@
-// Test only: random numbers and warps as words, to hold a device's against those of C++.
+// Test only: random numbers, warps and elementary functions as words, to hold a device's against
+// those of C++.
 #ifndef TDPT_SHADERS_SHARED_NUMBERS_TEST_H
 #define TDPT_SHADERS_SHARED_NUMBERS_TEST_H
 
+#include "shaders/shared/scaled.h"
 #include "shaders/shared/sequence.h"
 #include "shaders/shared/warp.h"
 
@@ -9,10 +11,10 @@
 
 SHARED_BEGIN
 
-const uint kNumbersOfOne = 64u;
+const uint kNumbersOfOne = 72u;
 
 struct Numbers {
-  uint words[64];
+  uint words[72];
 };
 
 /// What invocation i draws.
@@ -57,6 +59,14 @@ SHARED Numbers draw_numbers(uint i) {
   drawn.words[n + 10u] = floatBitsToUint(across.z);
   drawn.words[n + 11u] = floatBitsToUint(dot(up, w));
   n += 12u;
+  drawn.words[n] = floatBitsToUint(exponential(180.0f * u - 90.0f));
+  drawn.words[n + 1u] = floatBitsToUint(logarithm(max(u, 1e-37f)));
+  drawn.words[n + 2u] = floatBitsToUint(power(u, 10.0f * v));
+  drawn.words[n + 3u] = floatBitsToUint(turns_of(2.0f * u - 1.0f, 2.0f * v - 1.0f));
+  Scaled p = sum(product(scaled(u), v), quotient(scaled(v), scaled(u + 1e-9f)));
+  drawn.words[n + 4u] = floatBitsToUint(narrowed(p));
+  drawn.words[n + 5u] = uint(p.exponent);
+  n += 6u;
   while (n < kNumbersOfOne) {
     drawn.words[n] = below(drawn.words[n - 16u], n);
     n += 1u;

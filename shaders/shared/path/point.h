@@ -1,0 +1,145 @@
+// A point where a path begins, turns or ends, for kernels and their twins: what
+// tools/tdpt-render/path/point.h is to the renderer that counts in doubles, with indices in place
+// of pointers. Everything is canonical; radiance is over the power of two that the upload chose.
+//
+// Densities are per canonical area (pdf_A) unless their name says otherwise.
+#ifndef TDPT_SHADERS_SHARED_PATH_POINT_H
+#define TDPT_SHADERS_SHARED_PATH_POINT_H
+
+#include "shaders/shared/elementary.h"
+#include "shaders/shared/vector.h"
+
+#include "shaders/shared/language.h"
+
+SHARED_BEGIN
+
+const uint kNoTriangle = 0xFFFFFFFFu;
+
+// From which end a walk comes.
+const uint FROM_LIGHT = 0u;
+const uint FROM_CAMERA = 1u;
+
+// Where light begins at a point.
+const uint SOURCE_NONE = 0u;
+const uint SOURCE_FRONT = 1u;  ///< a surface that emits on its front
+const uint SOURCE_BOTH = 2u;   ///< on both sides
+const uint SOURCE_SKY = 3u;
+const uint SOURCE_LAMPS = 4u;  ///< from here on: lamp source - SOURCE_LAMPS of the table of lamps
+
+/// tdpt::Coat.
+struct Coat {
+  float strength;  ///< [0,1]; 0: none
+  float alpha;     ///< GGX; below 1e-4: smooth
+  vec3 normal;     ///< unit, in the shading frame of what lies under it
+};
+
+/// tdpt::Bsdf [tools/tdpt-render/path/bsdf.h].
+struct Bsdf {
+  vec3 diffuse;
+  vec3 f0;
+  vec3 f90;
+  vec3 through;
+  float alpha;
+  float eta;
+  bool thin;
+  vec3 sheen;
+  float sheen_alpha;
+  Coat coat;
+  vec3 under_coat;  ///< average of what interface and coat leave to the diffuse lobe, if coated
+};
+
+/// What is told of a direction of the sky.
+struct InSky {
+  vec3 radiance;
+  float plain_w;  ///< density of the sky's directions by luminance [1/sr]
+  float start_w;  ///< of those in which walks begin [1/sr]
+};
+
+struct Point {
+  vec3 position;     ///< at infinity unit, the way that light travels
+  vec3 normal;       ///< unit geometric normal of the front side; 0 off surfaces
+  vec3 shading;      ///< unit, front side; of points that are not simple
+  uint triangle;     ///< kNoTriangle off surfaces
+  uint material;     ///< of a surface
+  uint source;       ///< SOURCE_*
+  bool simple;       ///< diffuse about the geometric normal by `color`; else `shading` and `bsdf`
+  bool connectible;  ///< some lobe is not Dirac
+  vec3 color;
+  vec3 emission;  ///< of a surface where light begins
+  InSky in_sky;   ///< of a place in the sky
+  Bsdf bsdf;
+};
+
+SHARED bool on_surface(Point p) {
+  return p.triangle != kNoTriangle;
+}
+
+/// The way from one point to another.
+struct Edge {
+  vec3 w;    ///< unit
+  float d2;  ///< squared distance; 1 when one end is infinitely far
+};
+SHARED Edge reversed(Edge e) {
+  Edge r;
+  r.w = -e.w;
+  r.d2 = e.d2;
+  return r;
+}
+
+/// |cos| to the surface; 1 where there is none.
+SHARED float cosine_to(Point p, vec3 w) {
+  return on_surface(p) ? abs(dot(p.normal, w)) : 1.0f;
+}
+/// Density of arriving at `to` per area along `e` when it was left with density pdf_w:
+/// pdf_A = pdf_w |cos_to| / d^2.
+SHARED float to_area(float pdf_w, Edge e, Point to) {
+  return pdf_w * cosine_to(to, e.w) * reciprocal(e.d2);
+}
+/// G without visibility [1/m2]: |cos_a cos_b| / d^2.
+SHARED float geometry(Point a, Point b, Edge e) {
+  return cosine_to(a, e.w) * cosine_to(b, e.w) * reciprocal(e.d2);
+}
+SHARED bool same_side(Point p, vec3 wi, vec3 wo) {
+  return dot(p.normal, wi) * dot(p.normal, wo) > 0.0f;
+}
+
+/// Where walks may be directed from a point: W of what they can aim at, 0 where that is nothing.
+struct Aims {
+  vec3 facing;        ///< side of the surface that the path's edges are on; 0: both
+  float from_light;   ///< of a walk from the light, scattered here
+  float from_camera;  ///< and of one from the camera
+  float emitted;      ///< of a walk that begins here
+};
+
+/// What next events know of a point.
+struct Outlook {
+  vec3 facing;  ///< side of the surface that light comes to; 0: both
+  float seen;   ///< of the sky through the windows
+  float sent;   ///< by the panels
+};
+
+/// The next direction of a walk.
+struct Turn {
+  vec3 w;       ///< unit
+  vec3 weight;  ///< f cos / pdf_w
+  bool dirac;
+};
+
+SHARED vec3 normalized(vec3 v) {
+  return v * inverse_root(max(dot(v, v), 1e-37f));
+}
+SHARED float largest(vec3 c) {
+  return max(max(c.x, c.y), c.z);
+}
+SHARED float luminance(vec3 c) {
+  return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z;
+}
+SHARED bool is_zero(vec3 v) {
+  return v.x == 0.0f && v.y == 0.0f && v.z == 0.0f;
+}
+
+SHARED_END
+
+#include "shaders/shared/language_end.h"
+
+#endif
