@@ -17,7 +17,8 @@
 #define SHARED_BEGIN namespace tdpt::shader {
 #define SHARED_END }
 #define SHARED inline       // before every function
-#define MEMBER_CONST const  // after every function that C++ has as a member, see traversal.h
+#define MEMBER_CONST const  // after every function that C++ has as a member, see traversal.h,
+#define MEMBER              // but for those that write
 #define CACHE_LINE alignas(64)
 #define OUT(type) type&    // a parameter that is written
 #define INOUT(type) type&  // a parameter that is read and written
@@ -38,6 +39,7 @@
 #define SHARED_END
 #define SHARED
 #define MEMBER_CONST
+#define MEMBER
 #define CACHE_LINE
 #define OUT(type) out type
 #define INOUT(type) inout type

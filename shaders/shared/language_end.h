@@ -3,6 +3,7 @@
 #undef SHARED_END
 #undef SHARED
 #undef MEMBER_CONST
+#undef MEMBER
 #undef CACHE_LINE
 #undef OUT
 #undef INOUT

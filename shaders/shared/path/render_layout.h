@@ -1,0 +1,163 @@
+// What the renderer's kernels read and write beside the scene: parameters, vertices of walks, and
+// what is known of them. Canonical frame.
+#ifndef TDPT_SHADERS_SHARED_PATH_RENDER_LAYOUT_H
+#define TDPT_SHADERS_SHARED_PATH_RENDER_LAYOUT_H
+
+#include "shaders/shared/types.h"
+
+#include "shaders/shared/language.h"
+
+SHARED_BEGIN
+
+// Techniques, in the order of tdpt::Technique, and their bits.
+const uint TECHNIQUE_CAMERA = 0u;
+const uint TECHNIQUE_DIRECT = 1u;
+const uint TECHNIQUE_LIGHT = 2u;
+const uint TECHNIQUE_BI = 3u;
+const uint TECHNIQUE_PORTAL = 4u;
+
+/// What all samples of a submission share. A group is a pool of samples (light_pool.h of the
+/// renderer) of one number; groups are counted pool by pool, then sample by sample.
+struct RenderParameters {
+  vec3 camera_position;
+  float half_width;  ///< of the film, at distance 1
+  vec3 camera_right;
+  float half_height;
+  vec3 camera_up;
+  float film_area;
+  vec3 camera_forward;
+  float beta;  ///< 1: balance heuristic, 2: power heuristic
+
+  word64 seed;
+  word64 stream;
+  word64 first_sample;  ///< of the first group
+
+  uint width;
+  uint height;
+  uint first_pool;  ///< of the first group
+  uint groups;      ///< of this submission
+  uint pools;
+  uint per_pool;    ///< samples of a pool, or one less
+  uint walks_full;  ///< light walks of a pool of so many
+  uint walks_less;  ///< and of one less
+
+  uint techniques;  ///< bits
+  uint max_depth;   ///< longest path [edges]
+  float first_direct;
+  float later_direct;
+  float light_walks;
+  float joined;
+  float joined_to_segments;
+  float segments_joined;
+  float segments;
+  float through_windows;
+  float guide_light;
+  float guide_camera;
+
+  uint most_vertices;  ///< slots there are
+  uint culls;          ///< 1: camera rays pass backs
+  uint transparent;    ///< 1: the sky behind all is left out
+  uint layers;         ///< 1: each technique is kept apart, too
+};
+
+/// A vertex of a walk: where it is, and what came there.
+struct PathVertex {
+  vec3 position;  ///< at infinity unit, the way that light travels
+  uint triangle;
+  vec3 back;  ///< unit, towards the vertex before; 0: the walk begins here
+  float b1;
+  vec3 throughput;  ///< of all before, without what is emitted or scattered here
+  float b2;
+  vec3 facing;     ///< side of the surface that the path's edges are on; 0: both
+  float per_prev;  ///< |cos| / d^2 at the vertex before: brings densities along the edge to areas
+                   ///< there
+  float aims_light;
+  float aims_camera;
+  float aims_emitted;
+  float seen;
+  float sent;
+  float from_light;   ///< of the edge from the vertex before, what its Crossing has beside D
+  float from_camera;  //
+  uint source;
+  uint walk;     ///< number of it within the submission
+  uint ordinal;  ///< of those after y_0 that can be joined, how many came before
+  uint pad0;
+  uint pad1;
+};
+
+/// What the weights of paths need of it [weight.h].
+struct PathDensity {
+  float own_A;    ///< density of the vertex in this walk
+  float other_A;  ///< in one from the other end that goes on; known two vertices later
+  float pair_A;   ///< p_AA of the edge from the vertex before: G D [eq. 4]
+  float nee_A;    ///< of the place on a light that its edge has, as a next event at the other end
+  float own_survival;    ///< albedo, by which this walk goes on,
+  float other_survival;  ///< and by which one from the other end does, known one vertex later
+  uint prev;             ///< slot of the vertex before
+  uint flags;            ///< its number in the walk, and VERTEX_*
+};
+
+/// The end of a light's walk as joins see it, in the order of pools and walks: what it sends,
+/// roughly, for estimates that choose few of many [joins.h].
+struct JoinEnd {
+  vec3 position;
+  uint slot;
+  vec3 facing;   ///< normal on the side that light leaves to; 0: it has no estimate
+  float alpha2;  ///< of a glossy one squared GGX alpha; 0: it is diffuse
+  vec3 carried;  ///< throughput times the diffuse BSDF
+  float cosine;  ///< of `back` to `normal`
+  vec3 f0;       ///< throughput times what is reflected at normal incidence,
+  uint number;   ///< in its walk
+  vec3 more;     ///< and more at grazing
+  float pad0;
+  vec3 back;
+  float pad1;
+  vec3 normal;
+  float pad2;
+};
+
+/// A portal segment that a sample has drawn.
+struct PortalSegment {
+  PathVertex x_l;
+  PathVertex x_c;
+  vec3 w;         ///< unit, from x_l to x_c
+  float density;  ///< D; 0: there is none
+  vec3 through;   ///< one throughput for both ends, G / p_AA over the share of samples
+  float pair_A;
+  float from_light;
+  float from_camera;
+  uint sides;  ///< that light comes from
+  uint portal;
+  vec3 light;   ///< sum over the sides
+  float nee_A;  ///< of x_l, where light begins there, at x_c
+};
+/// A prefix of a light walk that x_l is joined with.
+struct SegmentSide {
+  vec3 value;
+  uint slot;      ///< of its last vertex; kNoVertex: light begins at x_l
+  float density;  ///< Crossing of the edge that joins them
+  float from_light;
+  float from_camera;
+  float pad;
+};
+const uint kSegmentSides = 3u;
+
+const uint VERTEX_NUMBER = 0xFFFFu;
+const uint VERTEX_THERE = 0x10000u;
+const uint VERTEX_DIRAC = 0x20000u;  ///< the walk went on by a Dirac lobe
+const uint VERTEX_CONNECTIBLE = 0x40000u;
+const uint VERTEX_MET = 0x80000u;  ///< a ray can meet it
+const uint VERTEX_INFINITE = 0x100000u;
+const uint kNoVertex = 0xFFFFFFFFu;
+
+#ifdef __cplusplus
+static_assert(sizeof(PathVertex) == 112 && sizeof(PathDensity) == 32 && sizeof(JoinEnd) == 112);
+static_assert(sizeof(PortalSegment) == 304 && sizeof(SegmentSide) == 32);
+static_assert(sizeof(RenderParameters) == 64 + 24 + 32 + 48 + 16);
+#endif
+
+SHARED_END
+
+#include "shaders/shared/language_end.h"
+
+#endif

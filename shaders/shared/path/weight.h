@@ -1,0 +1,199 @@
+// The MIS weight of a finished path: the share of the strategy that made it in the densities of all
+// strategies that could have. Sections 3.1 and 3.3, eqs. 6 to 8; tools/tdpt-render/path/path.cpp
+// says which strategies there are.
+//
+// Method: a path is a chain of light vertices, up to two vertices of a portal segment, and a chain
+// of camera vertices. The weight is found from the joint outwards: R(s) is the density of the path
+// with s vertices from the light, and no segment, over that of the strategy used, so that
+//   R(i) = R(i+1) P<(x_i) / P>(x_i)   at a vertex of the light's chain,
+//   R(i+1) = R(i) P>(x_i) / P<(x_i)   at one of the camera's,
+// and a segment x_a -> x_{a+1} has R(a+2) p_AA / (P>(x_a) P>(x_{a+1})) or the same by P<. All that
+// is divided by is a density of the strategy used, and more than 0. Numbers have an exponent of
+// their own [scaled.h]: what fades along a long path may come back.
+//
+// Read where `render`, path_densities[] and scene_has_portals are.
+
+#include "shaders/shared/language.h"
+
+SHARED bool has_technique(uint technique) MEMBER_CONST {
+  return ((render.techniques >> technique) & 1u) != 0u;
+}
+
+// By how much the density of a strategy counts for paths of k edges [Mixture::sample_weight]; 0:
+// the mixture has no such strategy.
+SHARED float weight_of_split(uint s, uint k) MEMBER_CONST {
+  if (s == 0u) return has_technique(TECHNIQUE_CAMERA) ? 1.0f : 0.0f;
+  if (s == k) return has_technique(TECHNIQUE_LIGHT) ? render.light_walks : 0.0f;
+  return s > 1u && has_technique(TECHNIQUE_BI) ? render.joined : 0.0f;
+}
+SHARED float weight_of_direct(uint k) MEMBER_CONST {
+  if (!has_technique(TECHNIQUE_DIRECT)) return 0.0f;
+  return k == 2u ? render.first_direct : render.later_direct;
+}
+SHARED float weight_of_portal(uint a, uint k) MEMBER_CONST {
+  if (!has_technique(TECHNIQUE_PORTAL)) return 0.0f;
+  float n = render.segments * (a > 0u ? render.joined_to_segments : 1.0f);
+  return a + 2u == k ? n : n * render.segments_joined;
+}
+
+/// Adds a strategy of so many times the density of the used one, that of one sample each, which
+/// counts n times.
+SHARED void add_strategy(INOUT(Scaled) total, Scaled relative, float n) MEMBER_CONST {
+  if (n == 0.0f) return;
+  Scaled p = product(relative, n);
+  if (render.beta == 2.0f) p = product(p, p);
+  total = sum(total, p);
+}
+
+/// One chain of a path, from the joint outwards.
+struct Half {
+  uint slot;       ///< of the vertex next to the joint; kNoVertex: there is none
+  float first_A;   ///< its density in a walk from the other end
+  float second_A;  ///< and that of the vertex behind it
+};
+
+/// Whether the vertex behind the first of a half turns by a Dirac lobe.
+SHARED bool turns_sharply_behind(Half half) MEMBER_CONST {
+  if (half.slot == kNoVertex) return false;
+  uint prev = path_densities[half.slot].prev;
+  return prev != kNoVertex && (path_densities[prev].flags & VERTEX_DIRAC) != 0u;
+}
+
+/// Adds the strategies that have their joint within a half of a path of k edges: of the light's,
+/// x_{s-1} to x_0, or of the camera's, x_s to x_{k-1}. `R`: R(s). `nee_A`: of x_0 as a next event
+/// at x_1, where the light's half is x_0 alone; else the records tell.
+SHARED void add_half(INOUT(Scaled) total, Half half, bool of_light, uint s, uint k, Scaled at_joint,
+                     float nee_A) MEMBER_CONST {
+  Scaled R = at_joint;
+  Scaled R_before = R;               // one vertex nearer to the joint
+  Scaled own_before = scaled(1.0f);  // of that vertex
+  bool dirac_before = false;         // of it,
+  bool dirac_before2 = false;        // and of the one before
+  float pair_before = 0.0f;
+  float survival_before = 1.0f;
+  float next_event_A = nee_A;
+  uint slot = half.slot;
+  uint count = of_light ? s : k - s;
+  for (uint n = 0u; n < count; ++n) {
+    uint i = of_light ? s - 1u - n : s + n;
+    PathDensity d = path_densities[slot];
+    Scaled own = scaled(d.own_A);
+    bool dirac = n > 0u && (d.flags & VERTEX_DIRAC) != 0u;
+    bool dirac_behind = n + 1u < count && (path_densities[d.prev].flags & VERTEX_DIRAC) != 0u;
+    if (scene_has_portals && pair_before > 0.0f && !dirac && !dirac_behind && !dirac_before &&
+        !dirac_before2)
+      add_strategy(total, quotient(product(R_before, pair_before), product(own, own_before)),
+                   weight_of_portal(of_light ? i : i - 1u, k));
+    if (i == 0u) {
+      float direct_A = of_light ? next_event_A : d.nee_A;
+      if (direct_A > 0.0f && !(of_light ? dirac_before : dirac_behind))
+        add_strategy(total, product(quotient(R, own), direct_A), weight_of_direct(k));
+    }
+    // Whether the other walk went on at the vertex before, of which it is this number.
+    uint number = of_light ? k - i - 1u : i - 1u;
+    float survived = i == 0u && !of_light || number <= 1u ? 1.0f : survival_before;
+    float other = n == 0u ? half.first_A : n == 1u ? half.second_A : survived * d.other_A;
+    R_before = R;
+    R = quotient(product(R, other), own);
+    if (!dirac && !dirac_behind) add_strategy(total, R, weight_of_split(of_light ? i : i + 1u, k));
+    own_before = own;
+    dirac_before2 = dirac_before;
+    dirac_before = dirac;
+    pair_before = d.pair_A;
+    survival_before = d.other_survival;
+    next_event_A = d.nee_A;
+    slot = d.prev;
+  }
+}
+
+SHARED float share_of(float n, Scaled total) MEMBER_CONST {
+  Scaled mine = scaled(n);
+  if (render.beta == 2.0f) mine = product(mine, mine);
+  return narrowed(quotient(mine, total));
+}
+
+/// Of a path of k edges that was joined between x_{s-1} and x_s (0: all of it is the camera's walk,
+/// which met a light; k: the camera sees the last vertex of the light's). `pair_A`: p_AA of the
+/// edge that joins them, of no meaning for s of 0 and k.
+SHARED float weight_of_joined(Half light, Half camera, uint s, uint k, float pair_A) MEMBER_CONST {
+  if (k < 2u) return 1.0f;
+  Scaled one = scaled(1.0f);
+  float n = weight_of_split(s, k);
+  Scaled total = scaled(0.0f);
+  add_strategy(total, one, n);
+  if (scene_has_portals && s > 0u && s < k && pair_A > 0.0f && !turns_sharply_behind(light) &&
+      !turns_sharply_behind(camera)) {
+    Scaled made =
+        product(scaled(path_densities[light.slot].own_A), path_densities[camera.slot].own_A);
+    add_strategy(total, quotient(scaled(pair_A), made), weight_of_portal(s - 1u, k));
+  }
+  if (s > 0u) add_half(total, light, true, s, k, one, 0.0f);
+  if (s < k) add_half(total, camera, false, s, k, one, 0.0f);
+  return share_of(n, total);
+}
+
+/// Of a next event x_0 of density nee_A at the vertex x_1 of a camera's walk. `light_A`,
+/// `camera_A`: densities of x_0 in walks; `pair_A`: p_AA of x_0 -> x_1.
+SHARED float weight_of_next_event(Half camera, uint k, float nee_A, float light_A, float camera_A,
+                                  float pair_A) MEMBER_CONST {
+  float n = weight_of_direct(k);
+  Scaled nee = scaled(nee_A);
+  Scaled total = scaled(0.0f);
+  add_strategy(total, scaled(1.0f), n);
+  add_strategy(total, quotient(scaled(camera_A), nee), weight_of_split(0u, k));
+  if (scene_has_portals && pair_A > 0.0f && !turns_sharply_behind(camera)) {
+    Scaled made = product(nee, path_densities[camera.slot].own_A);
+    add_strategy(total, quotient(scaled(pair_A), made), weight_of_portal(0u, k));
+  }
+  Scaled R = quotient(scaled(light_A), nee);
+  if (k == 1u) return share_of(n, total);
+  add_half(total, camera, false, 1u, k, R, 0.0f);
+  return share_of(n, total);
+}
+
+/// What is known of a portal segment x_a -> x_{a+1} within a path.
+struct SegmentDensities {
+  float pair_A;    ///< p_AA, more than 0
+  float light_A0;  ///< of x_a and of x_{a+1} in a walk from the light
+  float light_A1;
+  float camera_A0;  ///< and in one from the camera
+  float camera_A1;
+  float pair_before;  ///< p_AA of the edges x_{a-1} -> x_a, x_{a+1} -> x_{a+2}; 0: there is none
+  float pair_after;
+  float nee_A;  ///< for a of 0 or 1: of x_0 as a next event at x_1
+};
+
+SHARED float weight_of_segment(Half light, Half camera, uint a, uint k,
+                               SegmentDensities x) MEMBER_CONST {
+  float n = weight_of_portal(a, k);
+  Scaled p = scaled(x.pair_A);
+  Scaled total = scaled(0.0f);
+  add_strategy(total, scaled(1.0f), n);
+  Scaled by_camera = quotient(product(scaled(x.camera_A0), x.camera_A1), p);
+  Scaled by_both = quotient(product(scaled(x.light_A0), x.camera_A1), p);
+  Scaled by_light = quotient(product(scaled(x.light_A0), x.light_A1), p);
+  add_strategy(total, by_camera, weight_of_split(a, k));
+  add_strategy(total, by_both, weight_of_split(a + 1u, k));
+  add_strategy(total, by_light, weight_of_split(a + 2u, k));
+  if (a == 0u) {
+    add_strategy(total, quotient(product(scaled(x.nee_A), x.camera_A1), p), weight_of_direct(k));
+  } else {
+    if (x.pair_before > 0.0f && !turns_sharply_behind(light)) {
+      Scaled made = product(p, path_densities[light.slot].own_A);
+      add_strategy(total, quotient(product(scaled(x.pair_before), x.camera_A1), made),
+                   weight_of_portal(a - 1u, k));
+    }
+    add_half(total, light, true, a, k, by_camera, x.nee_A);
+  }
+  if (a + 2u < k) {
+    if (x.pair_after > 0.0f && !turns_sharply_behind(camera)) {
+      Scaled made = product(p, path_densities[camera.slot].own_A);
+      add_strategy(total, quotient(product(scaled(x.pair_after), x.light_A0), made),
+                   weight_of_portal(a + 1u, k));
+    }
+    add_half(total, camera, false, a + 2u, k, by_light, 0.0f);
+  }
+  return share_of(n, total);
+}
+
+#include "shaders/shared/language_end.h"
