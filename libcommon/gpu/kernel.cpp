@@ -8,16 +8,22 @@ namespace {
 constexpr auto kCompute = vk::ShaderStageFlagBits::eCompute;
 
 vk::raii::Pipeline make_pipeline(const vk::raii::Device& d, std::span<const uint32_t> program,
-                                 const vk::raii::PipelineLayout& layout) {
+                                 const vk::raii::PipelineLayout& layout,
+                                 const std::vector<uint32_t>& constants) {
   const vk::raii::ShaderModule module(d, {{}, program.size_bytes(), program.data()});
-  const vk::PipelineShaderStageCreateInfo stage({}, kCompute, *module, "main");
+  std::vector<vk::SpecializationMapEntry> entries;
+  for (uint32_t i = 0; i < constants.size(); ++i) entries.emplace_back(i, 4 * i, 4);
+  const vk::SpecializationInfo special(static_cast<uint32_t>(entries.size()), entries.data(),
+                                       4 * constants.size(), constants.data());
+  const vk::PipelineShaderStageCreateInfo stage({}, kCompute, *module, "main", &special);
   return {d, nullptr, vk::ComputePipelineCreateInfo({}, stage, *layout)};
 }
 
 }  // namespace
 
 Kernel::Kernel(const Device& device, std::span<const uint32_t> program,
-               const std::vector<Memory>& memory, uint32_t push_bytes)
+               const std::vector<Memory>& memory, uint32_t push_bytes,
+               const std::vector<uint32_t>& constants)
     : impl_(std::make_shared<Impl>(Impl{device, memory, push_bytes})) {
   const Device::Impl& d = *device.impl();
   std::vector<vk::DescriptorSetLayoutBinding> slots;
@@ -37,7 +43,7 @@ Kernel::Kernel(const Device& device, std::span<const uint32_t> program,
     k.set_layout = {d.device, vk::DescriptorSetLayoutCreateInfo({}, slots)};
     const vk::PushConstantRange push(kCompute, 0, push_bytes);
     k.layout = {d.device, {{}, 1, &*k.set_layout, push_bytes > 0, &push}};
-    k.pipeline = make_pipeline(d.device, program, k.layout);
+    k.pipeline = make_pipeline(d.device, program, k.layout, constants);
     k.pool = {d.device, {vk::DescriptorPoolCreateFlagBits::eFreeDescriptorSet, 1, sizes}};
     k.set = std::move(vk::raii::DescriptorSets(d.device, {*k.pool, *k.set_layout})[0]);
     for (uint32_t i = 0; i < memory.size(); ++i) {

@@ -9,9 +9,10 @@ class Kernel {
  public:
   /// `program`: SPIR-V, as tdpt_shaders() of cmake/tdpt.cmake leaves it in shaders/NAME.h.
   /// `memory`: what stands at layout(set = 0, binding = 0, 1, 2, ...); it lives as long as this.
-  /// `push_bytes`: size of the push constants, a multiple of 4.
+  /// `push_bytes`: size of the push constants, a multiple of 4. `constants`: of specialisation, those
+  /// with constant_id 0, 1, 2, ...; bools are 0 or 1.
   Kernel(const Device& device, std::span<const uint32_t> program, const std::vector<Memory>& memory,
-         uint32_t push_bytes = 0);
+         uint32_t push_bytes = 0, const std::vector<uint32_t>& constants = {});
 
   struct Impl;
   const Impl& impl() const { return *impl_; }

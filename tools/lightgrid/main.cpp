@@ -11,7 +11,7 @@
 #include "libcommon/draw/canvas.h"
 #include "libcommon/formats/debug_lines.h"
 #include "libcommon/formats/sky_options.h"
-#include "libcommon/gpu/device.h"
+#include "libcommon/gpu/device_options.h"
 #include "tdpt_libraries.h"
 #include "tools/lightgrid/explain.h"
 #include "tools/lightgrid/gpu_lines.h"
@@ -21,17 +21,6 @@
 
 namespace tdpt {
 namespace {
-
-std::string list_of_devices() {
-  std::string text;
-  const std::vector<gpu::DeviceInfo> devices = gpu::list_devices();
-  for (size_t i = 0; i < devices.size(); ++i) {
-    const gpu::DeviceInfo& d = devices[i];
-    text += fmt::format("{}  {}  ({}{})\n", i, d.name, d.kind,
-                        d.unfit.empty() ? "" : "; cannot be used: " + d.unfit);
-  }
-  return text;
-}
 
 constexpr cli::Program kProgram{
     "lightgrid",
@@ -43,7 +32,7 @@ constexpr cli::Program kProgram{
 constexpr cli::ByQuality<int64_t> kResolution{64, 128, 256}, kLines{2048, 8192, 16384};
 
 struct Arguments {
-  std::string scene, cut, device = "cpu", preview, debug_glb, debug_lines = "edges";
+  std::string scene, cut, device, preview, debug_glb, debug_lines = "edges";
   SkyArguments sky;
   int64_t resolution = 0, lines = 0;
   bool z_up = false;
@@ -59,10 +48,7 @@ void declare_options(cli::Options& options, Arguments& a) {
   options.option("--lines", a.lines, kLines, "N", "Most lines of light kept in the file", 100,
                  1 << 22);
   options.flag("--z-up", a.z_up, "Turn the grid for viewers whose up is +Z, as Blender");
-  options.option("--device", a.device, "cpu|gpu[:WHICH]",
-                 "What traces the lines; default cpu. WHICH: number or part of the name of a "
-                 "Vulkan device; else the best");
-  options.instead("--list-devices", list_of_devices, "List the Vulkan devices and exit");
+  declare_device_options(options, a.device, "What traces the lines");
   options.side_output(
       "--preview", a.preview,
       "Write a picture (.png, .svg, .pdf): the counts along the three axes of the grid");
@@ -76,16 +62,13 @@ struct NamedTracer {
   MakeLineTracer make;
 };
 
-// `device`: as --device names it. A GPU is opened at once: that there is none is told before work
-// begins.
+// `device`: as --device names it.
 NamedTracer tracer_on(const std::string& device) {
-  if (device == "cpu") return {device, make_embree_lines};
-  if (device != "gpu" && device.rfind("gpu:", 0) != 0)
-    throw UsageError("--device: '" + device + "' given, expected cpu, gpu or gpu:WHICH");
-  const gpu::Device opened = gpu::Device::open(device == "gpu" ? "" : device.substr(4));
-  return {opened.info().name,
+  const std::optional<gpu::Device> opened = device_asked(device);
+  if (!opened) return {device, make_embree_lines};
+  return {opened->info().name,
           [opened](const Scene& scene, const LineTables& tables, const LightGrid& grid,
-                   uint64_t seed) { return make_gpu_lines(opened, scene, tables, grid, seed); }};
+                   uint64_t seed) { return make_gpu_lines(*opened, scene, tables, grid, seed); }};
 }
 
 struct Loaded {

@@ -9,6 +9,7 @@
 #include "libcommon/cli/cli.h"
 #include "libcommon/cli/outputs.h"
 #include "libcommon/film/film_file.h"
+#include "libcommon/gpu/device_options.h"
 #include "tools/tdpt-render/features.h"
 #include "tools/tdpt-render/integrators/integrator.h"
 #include "tools/tdpt-render/path/walk.h"
@@ -143,7 +144,7 @@ void declare_options(cli::Options& options, Arguments& a) {
   declare_sky_options(options, a.sky);
   declare_camera_options(options, a.camera);
   options.choice("--mis", a.mis, {"balance", "power"}, "MIS heuristic; default balance");
-  options.choice("--device", a.device, {"cpu", "gpu"}, "Where to render; default cpu");
+  declare_device_options(options, a.device, "Where to render");
   declare_course_options(options, a);
   options.side_output("--stats", a.stats, "Write statistics as JSON, with the picture's progress");
   options.flag("--alpha", a.alpha,

@@ -14,7 +14,7 @@ class Options;
 }
 
 struct Arguments {
-  std::string scene, device = "cpu";
+  std::string scene, device;
   std::vector<std::string> portals;
   SkyArguments sky;
   CameraArguments camera;

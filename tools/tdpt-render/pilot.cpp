@@ -58,7 +58,7 @@ Pilot run_pilot(uint64_t pixels, double target, uint64_t most, const DrawPart& d
   }
 }
 
-Pilot run_pilot(const World& world, const Integrator& integrator, const SampleRules& rules,
+Pilot run_pilot(SampleRenderer& renderer, const Integrator& integrator, const SampleRules& rules,
                 double target, uint64_t most, const std::function<bool()>& give_up, Film& film,
                 Progress& progress) {
   Tally tally(film.unit());
@@ -67,7 +67,7 @@ Pilot run_pilot(const World& world, const Integrator& integrator, const SampleRu
                             const SampleRange& samples) -> std::optional<std::vector<Vec3d>> {
     if (give_up()) return {};
     film.clear();
-    render_samples(world, integrator, rules, kRound + part, samples, film, tally, progress);
+    renderer.render(integrator, rules, kRound + part, samples, film, tally, progress);
     return film.sums();
   };
   const Pilot pilot = run_pilot(pixels, target, most, draw);

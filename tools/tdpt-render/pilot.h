@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "tools/tdpt-render/error_estimate.h"
-#include "tools/tdpt-render/passes.h"
+#include "tools/tdpt-render/sample_renderer.h"
 
 namespace tdpt {
 
@@ -36,7 +36,7 @@ using DrawPart =
 Pilot run_pilot(uint64_t pixels, double target, uint64_t most, const DrawPart& draw);
 
 /// Gives up soon after `give_up` says so. The film is as large as the picture; it is left empty.
-Pilot run_pilot(const World& world, const Integrator& integrator, const SampleRules& rules,
+Pilot run_pilot(SampleRenderer& renderer, const Integrator& integrator, const SampleRules& rules,
                 double target, uint64_t most, const std::function<bool()>& give_up, Film& film,
                 Progress& progress);
 

@@ -93,6 +93,8 @@ class Rendering {
       : world_(world),
         candidates_(expecting_joins(world, candidates, settings.max_depth)),
         settings_(settings),
+        cpu_(world),
+        renderer_(settings.device ? *settings.device : cpu_),
         course_(std::move(course)),
         longest_(longest_path(world, settings.max_depth, settings.alpha)),
         rules_{std::max(longest_, 1), settings.beta, settings.seed},
@@ -136,6 +138,8 @@ class Rendering {
   const World& world_;
   const std::vector<Candidate> candidates_;
   const RenderSettings& settings_;
+  CpuRenderer cpu_;
+  SampleRenderer& renderer_;
   Course course_;
   const int longest_;  // path that can bring light; 0: none can
   const SampleRules rules_;
@@ -228,8 +232,7 @@ uint64_t Rendering::samples_in_time() {
   double each = 0;
   for (uint64_t n = 1, done = 0; !stop_requested(); done += n, n *= 2) {
     const double before = clock_.seconds();
-    render_samples(world_, result_.plan.integrator, rules_, kRound, {done, n}, film, tally,
-                   progress);
+    renderer_.render(result_.plan.integrator, rules_, kRound, {done, n}, film, tally, progress);
     const double took = clock_.seconds() - before;
     each = took / static_cast<double>(n);
     if (took > kShare * settings_.seconds) break;
@@ -261,8 +264,8 @@ void Rendering::aim_at_error() {
     Film film = aside();
     Progress progress("measuring the error", "samples", 0, settings_.quiet);
     const uint64_t most = settings_.spp > 0 ? settings_.spp : kMostSamples;
-    pilot_ = run_pilot(world_, result_.plan.integrator, rules_, target.error, most, give_up, film,
-                       progress);
+    pilot_ = run_pilot(renderer_, result_.plan.integrator, rules_, target.error, most, give_up,
+                       film, progress);
   }
   target.pilot_samples = Pilot::kParts * pilot_.part_samples();
   target.pilot_cpu_seconds = clock_.cpu() - cpu;
@@ -406,8 +409,8 @@ void Rendering::render_goal() {
     result_.interrupted = stop_requested() && film_.samples() > 0;
     if (result_.interrupted) break;
     progress.tell(error_so_far());
-    render_samples(world_, result_.plan.integrator, rules_, 0, {standing_.next(), n}, film_,
-                   standing_.tally, progress);
+    renderer_.render(result_.plan.integrator, rules_, 0, {standing_.next(), n}, film_,
+                     standing_.tally, progress);
     if (target_ && film_.samples() == blocks_.next()) blocks_.add(film_.sums());
     if (!target_ && film_.samples() == watch_.next()) watch_.look(film_);
     if (settings_.frames && film_.samples() == next_frame(framed_)) record_frame();

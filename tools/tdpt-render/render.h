@@ -9,8 +9,8 @@
 
 #include "tools/tdpt-render/beyond.h"
 #include "tools/tdpt-render/noise.h"
-#include "tools/tdpt-render/passes.h"
 #include "tools/tdpt-render/plan.h"
+#include "tools/tdpt-render/sample_renderer.h"
 #include "tools/tdpt-render/scout.h"
 #include "tools/tdpt-render/standing.h"
 
@@ -32,6 +32,7 @@ struct RenderSettings {
   bool frames = false;    ///< measure the picture while it forms
   /// A limit of time is turned into a number of samples before the first one.
   bool fixed = false;
+  std::shared_ptr<SampleRenderer> device;  ///< renders, and what it takes to plan; none: the CPU
   Limits limits() const { return {spp, seconds, target_error, retry}; }
 };
 
