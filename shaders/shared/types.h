@@ -7,6 +7,7 @@
 #ifdef __cplusplus
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -79,6 +80,10 @@ inline void umulExtended(uint a, uint b, uint& high, uint& low) {
   const uint64_t product = uint64_t{a} * b;
   high = static_cast<uint>(product >> 32);
   low = static_cast<uint>(product);
+}
+/// What `word` was.
+inline uint atomicAdd(uint& word, uint more) {
+  return std::atomic_ref(word).fetch_add(more, std::memory_order_relaxed);
 }
 /// The first bit last.
 constexpr uint bitfieldReverse(uint x) {

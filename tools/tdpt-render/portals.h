@@ -147,6 +147,7 @@ class PortalSet {
 
  private:
   friend struct PortalSetFaults;  // of tests: spoils what is drawn or weighed
+  friend struct PortalTables;     // the same for devices
 
   struct Facet {
     Vec3d p0, normal, centre;

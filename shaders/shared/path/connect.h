@@ -8,18 +8,6 @@
 
 const uint kCandidates = 8u;  // of one vertex that it is joined with
 
-/// Adds what a technique found to a pixel.
-SHARED void add_found(uint technique, uint pixel, uint x, word64 number, vec3 value,
-                      float weight) MEMBER {
-  vec3 found = value * weight;
-  if (is_zero(found)) return;
-  word64 coin =
-      mix64(sum64(mix64(word64_of(pixel, x)), sum64(number, word64_of(technique + 1u, 0u))));
-  bool held = add_to_film(0u, pixel, found, coin);
-  if (render.layers != 0u && held) add_to_film(1u + technique, pixel, found, coin);
-  tell_found(technique, held, luminance(found));
-}
-
 /// What a half of a path knows at its joint: densities of what is on the other side in its walk,
 /// and of what is behind it in a walk from there.
 struct AtJoint {
@@ -105,7 +93,7 @@ SHARED void look_for_light(uint slot, PathVertex at, PathDensity d, Point x1,
   if (is_zero(value) || !sees(x1, x0)) return;
   value = absorbed(value, x1, x0, e);
   uint k = j + 1u;
-  Crossing crossing = crossing_of(FROM_LIGHT, x0, x1, nothing_drawn());
+  Crossing crossing = crossing_of(FROM_LIGHT, x0, x1, drawn_otherwise());
   AtJoint camera_side =
       at_joint(FROM_CAMERA, x1, at, d, e, cosine_to(x0, e.w) * reciprocal(e.d2), crossing, 1u);
   Aims aims;
@@ -142,7 +130,7 @@ SHARED void join_with(JoinEnd end, uint slot, PathVertex at, PathDensity d, Poin
   uint s = number_of(of_light) + 1u;
   uint t = number_of(d) + 1u;
   uint k = s + t - 1u;
-  Crossing crossing = crossing_of(FROM_LIGHT, y, z, nothing_drawn());
+  Crossing crossing = crossing_of(FROM_LIGHT, y, z, drawn_otherwise());
   float per_z = cosine_to(z, e.w) * reciprocal(e.d2);
   float per_y = cosine_to(y, e.w) * reciprocal(e.d2);
   AtJoint of_y = at_joint(FROM_LIGHT, y, light, of_light, e, per_z, crossing, t);
@@ -157,7 +145,7 @@ SHARED void join_with(JoinEnd end, uint slot, PathVertex at, PathDensity d, Poin
   camera_half.second_A = of_z.behind_A;
   float pair_A = crossing.density * geometry(y, z, e);
   float weight = weight_of_joined(light_half, camera_half, s, k, pair_A);
-  add_found(TECHNIQUE_BI, name.pixel, (t << 16) + end.slot, name.number, value, weight);
+  add_found(TECHNIQUE_BI, name.pixel, k, name.number, value, weight);
 }
 
 /// Candidate i of those that join_ends[] has of a pool, spread evenly from u in [0,1).
@@ -192,6 +180,7 @@ SHARED void join_few(uint slot, PathVertex at, PathDensity d, Point z, uint grou
   float total = 0.0f;
   uint not_zero = 0u;
   for (uint i = 0u; i < m; ++i) {
+    count_ray(RAYS_JOIN);
     JoinEnd end = join_ends[candidate_of(first, n, i, u)];
     float estimate = end.number + t > render.max_depth ? 0.0f : estimate_join(end, here);
     total += estimate;
@@ -222,7 +211,7 @@ SHARED void connect_camera_vertex(uint slot) MEMBER {
   SampleName name = sample_of_group(group, at.walk % render.per_pool);
   Point z = point_of(at, d);
   bool looks_out = number_of(d) == 1u && (d.flags & VERTEX_INFINITE) != 0u;
-  if (render.transparent != 0u && number_of(d) == 1u && !looks_out) meet_film(name.pixel);
+  if (render.transparent != 0u && number_of(d) == 1u && !looks_out) meet_pixel(name.pixel);
   if (has_technique(TECHNIQUE_CAMERA) && z.source != SOURCE_NONE &&
       !(render.transparent != 0u && looks_out))
     meet_light(slot, at, d, z, name);
@@ -256,14 +245,10 @@ SHARED void splat(uint slot) MEMBER {
   Half light = no_half();
   light.slot = slot;
   light.first_A = importance_w * cosine_to(y, e.w) * reciprocal(e.d2);
-  Crossing none;
-  none.density = 0.0f;
-  none.from_light = 0.0f;
-  none.from_camera = 0.0f;
-  light.second_A = at_joint(FROM_LIGHT, y, at, d, e, 0.0f, none, 1u).behind_A;
+  light.second_A = at_joint(FROM_LIGHT, y, at, d, e, 0.0f, no_crossing(), 1u).behind_A;
   float weight = weight_of_joined(light, no_half(), k, k, 0.0f);
   uint pixel = uint(raster_y) * render.width + uint(raster_x);
-  add_found(TECHNIQUE_LIGHT, pixel, slot, sample_of_group(group, 0u).number, value, weight);
+  add_found(TECHNIQUE_LIGHT, pixel, k, sample_of_group(group, 0u).number, value, weight);
 }
 
 #include "shaders/shared/language_end.h"

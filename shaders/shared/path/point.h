@@ -99,6 +99,11 @@ SHARED float to_area(float pdf_w, Edge e, Point to) {
 SHARED float geometry(Point a, Point b, Edge e) {
   return cosine_to(a, e.w) * cosine_to(b, e.w) * reciprocal(e.d2);
 }
+/// The place on the line of light through `p` along unit w where it has not yet reached any of the
+/// scene, which lies within 2 of the origin.
+SHARED vec3 before_the_scene(vec3 p, vec3 w) {
+  return p - w * (dot(p, w) + 4.0f);
+}
 SHARED bool same_side(Point p, vec3 wi, vec3 wo) {
   return dot(p.normal, wi) * dot(p.normal, wo) > 0.0f;
 }

@@ -58,6 +58,31 @@ struct RenderParameters {
   uint culls;          ///< 1: camera rays pass backs
   uint transparent;    ///< 1: the sky behind all is left out
   uint layers;         ///< 1: each technique is kept apart, too
+  // In the film's words, behind the sums of the picture and its layers.
+  uint met_first;
+  uint tally_first;
+  uint portals_first;
+  uint pad0;
+};
+
+// Beside the film, of each bucket: counts of rays, then sums of four words: energy by technique, by
+// length. Behind all buckets how many contributions were left out.
+const uint RAYS_CLOSEST = 0u;
+const uint RAYS_SHADOW = 1u;
+const uint RAYS_PORTAL = 2u;
+const uint RAYS_JOIN = 3u;
+const uint TALLY_ENERGIES = 4u;
+const uint kTallySums = 16u;
+const uint kTallyWords = 68u;
+const uint kTallyBuckets = 64u;
+// Of each portal: segments drawn, those that brought light, and how much.
+const uint kPortalWords = 6u;
+
+/// Push constants: invocation i < count has the slots first + i and next + i.
+struct StepParameters {
+  uint count;
+  uint first;
+  uint next;
 };
 
 /// A vertex of a walk: where it is, and what came there.
@@ -130,6 +155,10 @@ struct PortalSegment {
   uint portal;
   vec3 light;   ///< sum over the sides
   float nee_A;  ///< of x_l, where light begins there, at x_c
+  uint lit;     ///< how often it has brought light
+  uint pad0;
+  uint pad1;
+  uint pad2;
 };
 /// A prefix of a light walk that x_l is joined with.
 struct SegmentSide {
@@ -153,7 +182,7 @@ const uint kNoVertex = 0xFFFFFFFFu;
 #ifdef __cplusplus
 static_assert(sizeof(PathVertex) == 112 && sizeof(PathDensity) == 32 && sizeof(JoinEnd) == 112);
 static_assert(sizeof(PortalSegment) == 304 && sizeof(SegmentSide) == 32);
-static_assert(sizeof(RenderParameters) == 64 + 24 + 32 + 48 + 16);
+static_assert(sizeof(RenderParameters) == 64 + 24 + 32 + 48 + 32);
 #endif
 
 SHARED_END

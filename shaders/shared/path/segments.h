@@ -9,7 +9,8 @@
 
 /// One end of a segment: where a ray from the portal along unit w ends. False: nowhere of use.
 SHARED bool end_segment(vec3 from, vec3 w, OUT(Point) p, INOUT(PathVertex) v,
-                        INOUT(float) presence) MEMBER_CONST {
+                        INOUT(float) presence) MEMBER {
+  count_ray(RAYS_CLOSEST);
   SurfaceHit hit;
   p = empty_point();
   v.back = -w;
@@ -84,7 +85,7 @@ SHARED void join_segment_with_light(uint segment, uint group, Point x_l, vec3 w,
     Point y = point_of(light, path_densities[end.slot]);
     if (!sees(y, x_l)) continue;
     Edge e = edge_between(y, x_l);
-    Crossing crossing = crossing_of(FROM_LIGHT, y, x_l, nothing_drawn());
+    Crossing crossing = crossing_of(FROM_LIGHT, y, x_l, drawn_otherwise());
     SegmentSide side;
     side.value = brought_to(x_l, w, y, light, e) * reciprocal(times * chance);
     side.slot = end.slot;
@@ -117,22 +118,24 @@ SHARED void draw_segment(uint segment) MEMBER {
   float drawn = uniform_of(numbers);
   if (!(drawn < render.segments)) return;
   SegmentDraw draw = sample_segment(u0, u1, u2, u3, u4, u5, u6);
-  tell_drawn(draw.portal);
+  count_drawn(draw.portal);
 
+  vec3 start = segment_start(draw);
   PortalSegment s;
+  s.lit = 0u;
   s.x_l = empty_vertex(segment);
   s.x_c = empty_vertex(segment);
   float presence = 1.0f;
   Point x_l;
   Point x_c;
-  if (!end_segment(draw.position, draw.direction, x_c, s.x_c, presence) || !x_c.connectible) return;
-  if (!end_segment(draw.position, -draw.direction, x_l, s.x_l, presence)) return;
+  if (!end_segment(start, draw.direction, x_c, s.x_c, presence) || !x_c.connectible) return;
+  if (!end_segment(start, -draw.direction, x_l, s.x_l, presence)) return;
   if (!x_l.connectible && is_zero(emitted(x_l, draw.direction))) return;
   Edge e = edge_between(x_l, x_c);
   vec3 begin = at_infinity(x_l) ? before_the_scene(x_c.position, x_l.position) : x_l.position;
   if (!(e.d2 > 1e-30f) || !segment_spans(draw.drawn, begin, x_c.position)) return;
-  s.x_l.facing = facing_of(x_l, e.w);
-  s.x_c.facing = facing_of(x_c, -e.w);
+  s.x_l.facing = guide_facing(x_l, e.w);
+  s.x_c.facing = guide_facing(x_c, -e.w);
   if (guide_active) {
     keep_aims(s.x_l, at_infinity(x_l) ? aim_at_light(x_l) : aim_at_surface(x_l, e.w));
     keep_aims(s.x_c, aim_at_surface(x_c, -e.w));
@@ -212,8 +215,8 @@ struct CameraSide {
 };
 
 /// Adds all paths of a segment and a camera's side, `value` of them but for the light at x_l.
-SHARED void add_through(uint segment, CameraSide side, vec3 value, uint pixel, word64 number,
-                        uint twin_of) MEMBER {
+SHARED void add_through(uint segment, CameraSide side, vec3 value, uint pixel,
+                        word64 number) MEMBER {
   PortalSegment s = segments[segment];
   Point x_l = point_of(s.x_l, empty_density());
   Point x_c = point_of(s.x_c, empty_density());
@@ -286,8 +289,8 @@ SHARED void add_through(uint segment, CameraSide side, vec3 value, uint pixel, w
     }
     float weight = weight_of_segment(light, camera, a, k, x);
     vec3 brought = before.value * value;
-    add_found(TECHNIQUE_PORTAL, pixel, (twin_of << 2) + i, number, brought, weight);
-    tell_lit(segment, s.portal, luminance(brought) * weight);
+    float found = add_found(TECHNIQUE_PORTAL, pixel, k, number, brought, weight);
+    if (found > 0.0f) count_lit(s.portal, atomicAdd(segments[segment].lit, 1u) == 0u, found);
   }
 }
 
@@ -310,15 +313,13 @@ SHARED void see_segment(uint segment) MEMBER {
   side.to_camera = e.w;
   side.onward_A = importance_w * cosine_to(x_c, e.w) * reciprocal(e.d2);
   side.per_area = 0.0f;
-  side.after.density = 0.0f;
-  side.after.from_light = 0.0f;
-  side.after.from_camera = 0.0f;
+  side.after = no_crossing();
   side.pair_after = 0.0f;
   side.t = 1u;
   uint group = segment / render.per_pool;
   SampleName name = sample_of_group(group, segment % render.per_pool);
   uint pixel = uint(raster_y) * render.width + uint(raster_x);
-  add_through(segment, side, absorbed(value, x_c, camera, e), pixel, name.number, 1u);
+  add_through(segment, side, absorbed(value, x_c, camera, e), pixel, name.number);
 }
 
 /// z_{t-1} of the camera's walk joined with x_c; `times`: samples that this stands for.
@@ -332,7 +333,7 @@ SHARED void join_with_segment(uint segment, uint slot, PathVertex at, PathDensit
                (geometry(x_c, z, e) * reciprocal(times));
   if (is_zero(value)) return;
   CameraSide side;
-  side.after = crossing_of(FROM_LIGHT, x_c, z, nothing_drawn());
+  side.after = crossing_of(FROM_LIGHT, x_c, z, drawn_otherwise());
   side.t = number_of(d) + 1u;
   // As many vertices from the light at least.
   AtJoint of_z = at_joint(FROM_CAMERA, z, at, d, reversed(e),
@@ -344,7 +345,7 @@ SHARED void join_with_segment(uint segment, uint slot, PathVertex at, PathDensit
   side.onward_A = of_z.onward_A;
   side.per_area = cosine_to(z, e.w) * reciprocal(e.d2);
   side.pair_after = side.after.density * geometry(x_c, z, e);
-  add_through(segment, side, absorbed(value, x_c, z, e), name.pixel, name.number, side.t);
+  add_through(segment, side, absorbed(value, x_c, z, e), name.pixel, name.number);
 }
 
 SHARED float estimate_segment(uint segment, JoinEnd here, uint t) MEMBER_CONST {

@@ -2,129 +2,10 @@
 // lights, each vertex with its throughput, its density from this end, and that which a walk from
 // the other end would have given it. Section 3.1.2; tools/tdpt-render/path/walk.cpp.
 //
-// Read where `render`, path_vertices[], path_densities[], walk_counts[] and pool_offsets[] are, and
-// behind the texts on surfaces, lights, portals and rays.
+// Read behind samples.h, rays.h and guide.h, where path_vertices[], path_densities[], walk_counts[]
+// and walk_last[] are.
 
 #include "shaders/shared/language.h"
-
-// Streams of random numbers of a sample, and dimensions of a walk: of its start, then of each
-// bounce, used or not, so that one means the same in every sample.
-const uint PURPOSE_FILM = 0u;
-const uint PURPOSE_CAMERA_WALK = 1u;
-const uint PURPOSE_LIGHT_WALK = 2u;
-const uint PURPOSE_NEXT_EVENT = 3u;
-const uint PURPOSE_SEGMENT = 4u;
-const uint PURPOSE_CHOICES = 5u;
-const uint kPerBounce = 8u;
-const uint kAimDimension = 4u;
-
-struct SampleName {
-  uint pixel;
-  word64 number;
-};
-
-/// Pixel i of a pool. Each is of a stretch of its own, as long as there are pools.
-SHARED uint pixel_of_pool(uint pool, uint i) MEMBER_CONST {
-  uint stretch = i * render.pools;
-  if (stretch + render.pools > render.width * render.height) return stretch + pool;
-  return stretch + (pool + pool_offsets[i]) % render.pools;
-}
-SHARED uint pool_of_group(uint group) MEMBER_CONST {
-  return (render.first_pool + group) % render.pools;
-}
-SHARED uint samples_of_pool(uint pool) MEMBER_CONST {
-  return (render.width * render.height - pool + render.pools - 1u) / render.pools;
-}
-SHARED uint walks_of_pool(uint pool) MEMBER_CONST {
-  return samples_of_pool(pool) == render.per_pool ? render.walks_full : render.walks_less;
-}
-SHARED SampleName sample_of_group(uint group, uint i) MEMBER_CONST {
-  SampleName s;
-  s.pixel = pixel_of_pool(pool_of_group(group), i);
-  s.number = sum64(render.first_sample, word64_of(0u, (render.first_pool + group) / render.pools));
-  return s;
-}
-
-SHARED Sequence numbers_of(SampleName s, uint purpose) MEMBER_CONST {
-  word64 pixel = word64_of(s.pixel / render.width, s.pixel % render.width);
-  return sequence_of(render.seed, sum64(render.stream, word64_of(0u, purpose)), pixel, s.number);
-}
-SHARED float uniform_of(INOUT(Sequence) numbers) MEMBER_CONST {
-  return unit_float(random_word(numbers));
-}
-
-/// What a surface that is not opaque is decided by, for one ray.
-SHARED uint ray_coin(vec3 origin, vec3 w) MEMBER_CONST {
-  word64 a = word64_of(floatBitsToUint(origin.x), floatBitsToUint(origin.y));
-  word64 b = word64_of(floatBitsToUint(origin.z), floatBitsToUint(w.x));
-  word64 c = word64_of(floatBitsToUint(w.y), floatBitsToUint(w.z));
-  return high_word(mix64(sum64(mix64(sum64(mix64(a), b)), c)));
-}
-
-/// Where rays start from: off the surface by some units in the last place, on the side that they
-/// leave on; from a place in the air along the ray.
-SHARED vec3 step_off(vec3 position, vec3 normal, vec3 w) MEMBER_CONST {
-  const float kStep = 4.76837158e-7f;
-  if (is_zero(normal)) return position + w * kStep;
-  return position + normal * (dot(normal, w) < 0.0f ? -kStep : kStep);
-}
-/// The place on the line of light through p along unit w where it has not yet reached the scene.
-SHARED vec3 before_the_scene(vec3 p, vec3 w) MEMBER_CONST {
-  return p - w * (dot(p, w) + 4.0f);
-}
-
-SHARED bool at_infinity(Point p) MEMBER_CONST {
-  return p.source != SOURCE_NONE && source_at_infinity(p.source);
-}
-/// Whether a ray can meet it: all but lights without surface.
-SHARED bool is_met(Point p) MEMBER_CONST {
-  return p.source == SOURCE_NONE || source_met(p.source);
-}
-
-SHARED Edge edge_between(Point a, Point b) MEMBER_CONST {
-  Edge e;
-  e.d2 = 1.0f;
-  if (at_infinity(a)) {
-    e.w = a.position;
-  } else if (at_infinity(b)) {
-    e.w = -b.position;
-  } else {
-    vec3 d = b.position - a.position;
-    e.d2 = max(dot(d, d), 1e-36f);
-    e.w = d * inverse_root(e.d2);
-  }
-  return e;
-}
-
-/// Whether nothing lies between two points.
-SHARED bool sees(Point a, Point b) MEMBER_CONST {
-  vec3 place_a = at_infinity(a) ? before_the_scene(b.position, a.position) : a.position;
-  vec3 place_b = at_infinity(b) ? before_the_scene(a.position, b.position) : b.position;
-  vec3 d = place_b - place_a;
-  vec3 w = normalized(d);
-  vec3 from = step_off(place_a, a.normal, w);
-  vec3 to = step_off(place_b, b.normal, -w);
-  return !segment_blocked(from, to, ray_coin(from, to));
-}
-
-SHARED Point empty_point() MEMBER_CONST {
-  Point p;
-  p.position = vec3(0.0f, 0.0f, 0.0f);
-  p.normal = vec3(0.0f, 0.0f, 0.0f);
-  p.shading = vec3(0.0f, 0.0f, 0.0f);
-  p.triangle = kNoTriangle;
-  p.material = 0u;
-  p.source = SOURCE_NONE;
-  p.simple = true;
-  p.connectible = true;
-  p.color = vec3(0.0f, 0.0f, 0.0f);
-  p.emission = vec3(0.0f, 0.0f, 0.0f);
-  p.in_sky.radiance = vec3(0.0f, 0.0f, 0.0f);
-  p.in_sky.plain_w = 0.0f;
-  p.in_sky.start_w = 0.0f;
-  p.bsdf = empty_bsdf();
-  return p;
-}
 
 SHARED Point point_in_sky(vec3 towards) MEMBER_CONST {
   Point p = empty_point();
@@ -221,12 +102,9 @@ SHARED uint flags_of(Point p, uint number) MEMBER_CONST {
   return flags;
 }
 
-SHARED Crossing crossing_of(uint from, Point at, Point to, Drawn drawn) MEMBER_CONST {
-  Crossing none;
-  none.density = 0.0f;
-  none.from_light = 0.0f;
-  none.from_camera = 0.0f;
-  if (!scene_has_portals) return none;
+SHARED Crossing crossing_of(uint from, Point at, Point to, Drawn drawn) MEMBER {
+  if (!scene_has_portals) return no_crossing();
+  count_ray(RAYS_PORTAL);
   if (from == FROM_LIGHT) return edge_crossing(at, to, drawn);
   return edge_crossing(to, at, drawn);
 }
@@ -244,6 +122,7 @@ struct Leaving {
 /// slot `next`. `at`: record of v.
 SHARED void extend(uint from, Point v, PathVertex at, PathDensity known, uint here, vec3 origin,
                    Leaving leaving, uint next) MEMBER {
+  count_ray(RAYS_CLOSEST);
   SurfaceHit hit;
   bool met = leaving.by_film ? first_drawn(origin, leaving.w, hit)
                              : first_hit(origin, leaving.w, ray_coin(origin, leaving.w), hit);
@@ -300,7 +179,7 @@ SHARED void extend(uint from, Point v, PathVertex at, PathDensity known, uint he
   record.b1 = met ? hit.b1 : 0.0f;
   record.throughput = throughput;
   record.b2 = met ? hit.b2 : 0.0f;
-  record.facing = facing_of(to, -e.w);
+  record.facing = guide_facing(to, -e.w);
   record.per_prev = cosine_to(v, e.w) * reciprocal(e.d2);
   Aims aims;
   aims.facing = record.facing;
@@ -345,7 +224,10 @@ SHARED void extend(uint from, Point v, PathVertex at, PathDensity known, uint he
   density.prev = here;
   density.flags = flags_of(to, number);
   path_densities[next] = density;
-  if (from == FROM_LIGHT) walk_counts[at.walk] = record.ordinal + (to.connectible ? 1u : 0u);
+  if (from == FROM_LIGHT)
+    walk_counts[at.walk] = record.ordinal + (to.connectible ? 1u : 0u);
+  else
+    walk_last[at.walk] = next;
 }
 
 SHARED PathVertex empty_vertex(uint walk) MEMBER_CONST {
@@ -382,16 +264,10 @@ SHARED PathDensity empty_density() MEMBER_CONST {
   d.flags = 0u;
   return d;
 }
-SHARED Drawn nothing_drawn() MEMBER_CONST {
-  Drawn drawn;
-  drawn.polygon = -1;
-  drawn.second = -1;
-  return drawn;
-}
-
 /// Vertex z_1 of camera walk number `walk` into slot `next`.
 SHARED void begin_camera_walk(uint walk, uint next) MEMBER {
   path_densities[next].flags = 0u;
+  walk_last[walk] = kNoVertex;
   uint group = walk / render.per_pool;
   uint i = walk % render.per_pool;
   if (i >= samples_of_pool(pool_of_group(group))) return;
@@ -406,7 +282,7 @@ SHARED void begin_camera_walk(uint walk, uint next) MEMBER {
   leaving.throughput = vec3(1.0f, 1.0f, 1.0f);
   leaving.dirac = false;
   leaving.by_film = true;
-  leaving.drawn = nothing_drawn();
+  leaving.drawn = drawn_otherwise();
   vec3 origin = step_off(camera.position, camera.normal, leaving.w);
   extend(FROM_CAMERA, camera, empty_vertex(walk), empty_density(), kNoVertex, origin, leaving,
          next);
@@ -451,10 +327,11 @@ SHARED void begin_light_walk(uint walk, uint first, uint next) MEMBER {
   float d = uniform_of(numbers);
   vec3 origin;
   Leaving leaving;
-  leaving.drawn = nothing_drawn();
   leave_light(place, a, b, origin, leaving.w);
+  int triangle = -1;
   if (scene_has_portals && guide_active)
-    guide_leave(y0, at.aims_emitted, a, b, c, d, origin, leaving.w, leaving.drawn);
+    guide_leave(y0, aims_of(at), a, b, c, d, origin, leaving.w, triangle);
+  leaving.drawn = drawn_through(triangle);
   vec3 Le = emitted(y0, leaving.w);
   leaving.throughput = at.throughput * Le * cos_per_pdf_w(place.source);
   if (!(largest(leaving.throughput) > 0.0f)) return;
@@ -491,15 +368,18 @@ SHARED void go_on(uint from, uint here, uint next) MEMBER {
   Turn t;
   bool scatters = turn(v, from, at.back, a, b, lobe, t);
   Leaving leaving;
-  leaving.drawn = nothing_drawn();
+  leaving.drawn = drawn_otherwise();
   if (scene_has_portals && guide_active && !t.dirac) {
     float c = uniform_of(numbers);
     float d = uniform_of(numbers);
     float e = uniform_of(numbers);
     float f = uniform_of(numbers);
     vec3 towards;
-    if (guide_draw(v, aims_of(at), at.back, from, c, d, e, f, towards, leaving.drawn))
+    int triangle = -1;
+    if (guide_draw(v, aims_of(at), at.back, from, c, d, e, f, towards, triangle)) {
+      leaving.drawn = drawn_through(triangle);
       scatters = turn_towards(v, from, at.back, towards, t);
+    }
   }
   if (!scatters) return;
   leaving.w = t.w;

@@ -1,0 +1,63 @@
+// What samples leave behind: the film's sums, and what is counted beside them [path/tally.h of the
+// renderer], by atomics alone, so that order cannot matter.
+//
+// Read behind film_sum.h, where `render` and tally_bucket() are: each of some buckets counts for
+// some of the invocations.
+
+#include "shaders/shared/language.h"
+
+SHARED void count_ray(uint kind) MEMBER_CONST {
+  atomicAdd(film_words[render.tally_first + tally_bucket() * kTallyWords + kind], 1u);
+}
+
+/// Luminance, for what is reported: rounded down.
+SHARED void add_energy(uint first, float value) MEMBER_CONST {
+  uvec4 units;
+  if (film_units(value, word64_of(0xFFFFFFFFu, 0xFFFFFFFFu), units)) film_add_units(first, units);
+}
+
+/// Which of the sums by length has paths of k edges: those of more than 2^(i-1) and up to 2^i.
+SHARED uint octave_of(uint k) MEMBER_CONST {
+  uint octave = 0u;
+  for (uint rest = k - 1u; rest != 0u; rest >>= 1) octave += 1u;
+  return octave;
+}
+
+/// Adds what a technique found on a path of k edges to a pixel; `number`: of the sample. Returns
+/// its luminance. What cannot be held is counted and left out.
+SHARED float add_found(uint technique, uint pixel, uint k, word64 number, vec3 value,
+                       float weight) MEMBER_CONST {
+  vec3 found = value * weight;
+  if (is_zero(found)) return 0.0f;
+  word64 a = word64_of(floatBitsToUint(found.x), floatBitsToUint(found.y));
+  word64 b = word64_of(pixel, floatBitsToUint(found.z) + technique);
+  word64 coin = mix64(sum64(mix64(sum64(mix64(a), b)), number));
+  if (!film_add(12u * pixel, found, coin)) {
+    atomicAdd(film_words[render.tally_first + kTallyBuckets * kTallyWords], 1u);
+    return 0.0f;
+  }
+  if (render.layers != 0u)
+    film_add(12u * (render.width * render.height * (1u + technique) + pixel), found, mix64(coin));
+  float brought = luminance(found);
+  uint energies = render.tally_first + tally_bucket() * kTallyWords + TALLY_ENERGIES;
+  add_energy(energies + 4u * technique, brought);
+  add_energy(energies + 4u * (5u + octave_of(k)), brought);
+  return brought;
+}
+
+/// The camera ray of a sample of the pixel meets something.
+SHARED void meet_pixel(uint pixel) MEMBER_CONST {
+  atomicAdd(film_words[render.met_first + pixel], 1u);
+}
+
+SHARED void count_drawn(uint portal) MEMBER_CONST {
+  atomicAdd(film_words[render.portals_first + portal * kPortalWords], 1u);
+}
+/// A segment has brought light.
+SHARED void count_lit(uint portal, bool first_time, float brought) MEMBER_CONST {
+  uint first = render.portals_first + portal * kPortalWords;
+  if (first_time) atomicAdd(film_words[first + 1u], 1u);
+  add_energy(first + 2u, brought);
+}
+
+#include "shaders/shared/language_end.h"

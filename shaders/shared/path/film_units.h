@@ -1,0 +1,64 @@
+// A float as units of the film: libcommon/film/fixed_sum.h for kernels, where a unit is the number
+// 2^-64 of the film's power of two. 128 bits are four words, the lowest first, as FixedSum has them
+// in memory.
+#ifndef TDPT_SHADERS_SHARED_PATH_FILM_UNITS_H
+#define TDPT_SHADERS_SHARED_PATH_FILM_UNITS_H
+
+#include "shaders/shared/language.h"
+
+SHARED_BEGIN
+
+/// Bits of a turned left by 1 to 31 places.
+SHARED word64 turned_left(word64 a, uint places) {
+  uint high = high_word(a) << places | low_word(a) >> (32u - places);
+  uint low = low_word(a) << places | high_word(a) >> (32u - places);
+  return word64_of(high, low);
+}
+
+/// Whether a random word falls below digits 2^-places, places in [1, 85], digits less than 2^24 and
+/// 2^places. Digits further back than the word has are left out.
+SHARED bool falls_below(word64 coin, uint digits, uint places) {
+  if (places <= 32u) return high_word(coin) < digits << (32u - places);
+  if (places > 64u) {
+    return high_word(coin) == 0u && low_word(coin) < digits >> (places - 64u);
+  }
+  uint high = places < 64u ? digits >> (places - 32u) : 0u;
+  uint low = digits << (64u - places);
+  return high_word(coin) < high || (high_word(coin) == high && low_word(coin) < low);
+}
+
+/// A value over the film's power of two in units, rounded up or down so that its mean stays. False
+/// for what is negative, not finite, or 2^110 units and more. `coin`: uniform in 0..2^64-1.
+SHARED bool film_units(float value, word64 coin, OUT(uvec4) units) {
+  units = uvec4(0u, 0u, 0u, 0u);
+  uint bits = floatBitsToUint(value);
+  uint exponent = (bits >> 23) & 255u;
+  if (exponent == 0u) return bits <= 0x80000000u;  // what a device may take for 0 is 0
+  // 2^46 has the exponent 173.
+  if (bits >> 31 != 0u || exponent >= 173u) return false;
+  uint digits = (bits & 0x007FFFFFu) | 0x00800000u;
+  // value = digits 2^(exponent - 150), in units digits 2^(exponent - 86).
+  if (exponent < 86u) {
+    uint places = 86u - exponent;
+    uint whole = places < 24u ? digits >> places : 0u;
+    uint rest = places < 24u ? digits - (whole << places) : digits;
+    units[0] = whole + (falls_below(coin, rest, places) ? 1u : 0u);
+    return true;
+  }
+  uint places = exponent - 86u;
+  uint word = places >> 5u;
+  uint shift = places & 31u;
+  uint low = digits << shift;
+  uint high = shift > 8u ? digits >> (32u - shift) : 0u;
+  units[0] = word == 0u ? low : 0u;
+  units[1] = word == 1u ? low : word == 0u ? high : 0u;
+  units[2] = word == 2u ? low : word == 1u ? high : 0u;
+  units[3] = word == 2u ? high : 0u;
+  return true;
+}
+
+SHARED_END
+
+#include "shaders/shared/language_end.h"
+
+#endif

@@ -1,0 +1,327 @@
+// Draws segments, and directions of walks, through the portals, and tells the density with which
+// any edge of a path would have been drawn so: tools/tdpt-render/portals.h in floats. The method
+// and all symbols are told there, margins in portal_layout.h.
+//
+// Where floats differ. Crossings are found from the nearer end of an edge, and distances to a plane
+// are heights over cosines, so that nothing grows with the edge's smallness. Whether an edge has
+// ends on either side of a plane is asked of their heights everywhere, so that what was drawn and
+// spans a facet crosses it; which of a facet's triangles it crosses, `Drawn` says where that is
+// known.
+//
+// Read within a scope that has
+//   portal_facets[], portal_polygons[], portal_corners[], portal_pairs[]
+//   GuideParameters guiding
+//   scene_has_portals, portals_have_pairs
+
+#include "shaders/shared/language.h"
+
+/// Of p over the facet's plane; < 0 on the light's side.
+SHARED float portal_height(uint f, vec3 p) MEMBER_CONST {
+  return dot(portal_facets[f].normal, p - portal_facets[f].centre);
+}
+
+/// Whether a point of its plane lies in the polygon and `inside` (barycentric) off its borders.
+SHARED bool polygon_holds(uint i, vec3 at, float inside) MEMBER_CONST {
+  vec3 d = at - portal_polygons[i].p0;
+  float b1 = dot(portal_polygons[i].grad1, d);
+  float b2 = dot(portal_polygons[i].grad2, d);
+  return b1 >= inside && b2 >= inside && b1 + b2 <= 1.0f - inside;
+}
+
+/// How many triangles of the facet are crossed at `at`.
+SHARED int portal_crossed(uint f, vec3 at, Drawn drawn) MEMBER_CONST {
+  int first = int(portal_facets[f].first);
+  int end = int(portal_facets[f].end);
+  bool polygon_here = drawn.polygon >= first && drawn.polygon < end;
+  bool second_here = drawn.second >= first && drawn.second < end;
+  int here = polygon_here ? drawn.polygon : second_here ? drawn.second : -1;
+  vec3 off = at - portal_facets[f].centre;
+  if (here < 0 && dot(off, off) > portal_facets[f].reach2) return 0;
+  int n = 0;
+  for (int i = first; i < end; ++i) {
+    float inside = here < 0 ? 0.0f : portal_polygons[i].border;
+    n += i == here || polygon_holds(uint(i), at, inside) ? 1 : 0;
+  }
+  return n;
+}
+
+/// Where the line through `from` and `to` passes a facet. `beyond`: one of them may be on the wrong
+/// side of it; `d`: to - from; `per_length`: 1 / |d|.
+SHARED PortalPassage portal_passage(uint f, vec3 from, vec3 to, vec3 d, float per_length,
+                                    bool beyond, Drawn drawn) MEMBER_CONST {
+  PortalPassage p;
+  p.before = portal_height(f, from);
+  p.after = portal_height(f, to);
+  p.cosine = 0.0f;
+  p.triangles = 0;
+  bool begins = p.before < -kPortalMargin;
+  bool ends = p.after > kPortalMargin;
+  if (!(begins && ends) && !(beyond && (begins || ends))) return p;
+  float slope = dot(portal_facets[f].normal, d);
+  p.cosine = slope * per_length;
+  bool nearer = abs(p.before) < abs(p.after);
+  float height = nearer ? p.before : p.after;
+  if (!(abs(height) < kPortalReach * p.cosine)) return p;
+  vec3 at = (nearer ? from : to) - d * (height * reciprocal(slope));
+  p.triangles = portal_crossed(f, at, drawn);
+  return p;
+}
+
+/// The part of D that pairs have.
+SHARED float portal_pair_density(vec3 from, vec3 to, vec3 d, float per_length,
+                                 Drawn drawn) MEMBER_CONST {
+  float all = 0.0f;
+  for (uint f = 0u; f < guiding.facets; ++f) {
+    uint first = portal_facets[f].first_pair;
+    uint end = portal_facets[f].end_pair;
+    if (first == end) continue;
+    PortalPassage of_f = portal_passage(f, from, to, d, per_length, false, drawn);
+    if (of_f.triangles == 0) continue;
+    float per_f = reciprocal(of_f.cosine);
+    for (uint i = first; i < end; ++i) {
+      PortalPassage of_g =
+          portal_passage(portal_pairs[i].second, from, to, d, per_length, false, drawn);
+      int ways = of_f.triangles * of_g.triangles;  // choices of triangles that give this line
+      if (ways == 0) continue;
+      float per_g = reciprocal(of_g.cosine);
+      float apart = of_g.before * per_g - of_f.before * per_f;
+      all += float(ways) * portal_pairs[i].pdf * (apart * apart) * (per_f * per_g);
+    }
+  }
+  return all;
+}
+
+/// 1 / |d|; 0: no line to speak of.
+SHARED float portal_per_length(vec3 d) MEMBER_CONST {
+  float d2 = dot(d, d);
+  return d2 > 1e-36f ? inverse_root(d2) : 0.0f;
+}
+
+/// D of [eq. 4] of the segment `from` (light's side) -> `to` (camera's side); 0 when it crosses no
+/// triangle along its normal.
+SHARED float portal_density(vec3 from, vec3 to, Drawn drawn) MEMBER_CONST {
+  if (!scene_has_portals) return 0.0f;
+  float sum = 0.0f;
+  vec3 d = to - from;
+  float per_length = portal_per_length(d);
+  if (per_length == 0.0f) return 0.0f;
+  for (uint f = 0u; f < guiding.facets; ++f) {
+    PortalPassage p = portal_passage(f, from, to, d, per_length, false, drawn);
+    sum += float(p.triangles) * portal_facets[f].density;
+  }
+  if (portals_have_pairs && sum > 0.0f) sum += portal_pair_density(from, to, d, per_length, drawn);
+  return sum;
+}
+
+/// w_F(v), more than 0 off the plane.
+SHARED float portal_weight(uint f, vec3 v) MEMBER_CONST {
+  if (guiding.facets == 1u) return 1.0f;
+  vec3 d = portal_facets[f].centre - v;
+  float d2 = dot(d, d);
+  // Seen at a grazing angle a facet keeps a tenth of the weight.
+  float height = abs(dot(portal_facets[f].normal, d));
+  if (height * height < 0.01f * d2) height = 0.1f * root(d2);
+  float area = portal_facets[f].area;
+  float per_reach = inverse_root(d2 + area * 0.318309886f);
+  return area * height * (per_reach * per_reach * per_reach);
+}
+
+SHARED Crossing portal_crossing(vec3 from, vec3 to, Drawn drawn) MEMBER_CONST {
+  Crossing c = no_crossing();
+  if (!scene_has_portals) return c;
+  vec3 d = to - from;
+  float per_length = portal_per_length(d);
+  if (per_length == 0.0f) return c;
+  for (uint f = 0u; f < guiding.facets; ++f) {
+    PortalPassage p = portal_passage(f, from, to, d, per_length, true, drawn);
+    if (p.triangles == 0) continue;
+    bool begins = p.before < -kPortalMargin;
+    bool ends = p.after > kPortalMargin;
+    float n = float(p.triangles);
+    if (begins && ends) c.density += n * portal_facets[f].density;
+    // d^2 / (cos A), where d is the height over the cosine.
+    float per_cosine = reciprocal(p.cosine);
+    float per_area = n * portal_facets[f].per_area * (per_cosine * per_cosine * per_cosine);
+    if (begins) c.from_light += portal_weight(f, from) * (p.before * p.before) * per_area;
+    if (ends) c.from_camera += portal_weight(f, to) * (p.after * p.after) * per_area;
+  }
+  if (portals_have_pairs && c.density > 0.0f)
+    c.density += portal_pair_density(from, to, d, per_length, drawn);
+  return c;
+}
+
+/// Whether x_l, x_c lie on either side of all that the segment was drawn through: one that was
+/// drawn through a pair and is stopped between them is of no use.
+SHARED bool segment_spans(Drawn drawn, vec3 x_l, vec3 x_c) MEMBER_CONST {
+  for (int i = 0; i < 2; ++i) {
+    int polygon = i == 0 ? drawn.polygon : drawn.second;
+    if (polygon < 0) continue;
+    uint f = portal_polygons[polygon].facet;
+    if (!(portal_height(f, x_l) < -kPortalMargin && portal_height(f, x_c) > kPortalMargin))
+      return false;
+  }
+  return true;
+}
+
+/// The polygon of first .. end-1 that u falls on, by its share of the area of all or of its facet.
+SHARED uint polygon_picked(uint first, uint end, bool of_all, float u) MEMBER_CONST {
+  uint low = first;
+  uint high = end - 1u;
+  while (low < high) {
+    uint middle = (low + high) >> 1u;
+    float up_to =
+        of_all ? portal_polygons[middle].end_of_all : portal_polygons[middle].end_of_facet;
+    if (u < up_to)
+      high = middle;
+    else
+      low = middle + 1u;
+  }
+  return low;
+}
+
+SHARED vec3 point_in_polygon(uint i, float u, float v) MEMBER_CONST {
+  float b1 = 0.0f;
+  float b2 = 0.0f;
+  uniform_triangle(u, v, b1, b2);
+  return portal_polygons[i].p0 + (portal_polygons[i].e1 * b1 + portal_polygons[i].e2 * b2);
+}
+
+SHARED vec3 point_on_facet(uint f, float pick, float u, float v, OUT(int) polygon) MEMBER_CONST {
+  uint i = polygon_picked(portal_facets[f].first, portal_facets[f].end, false, pick);
+  polygon = int(i);
+  return point_in_polygon(i, u, v);
+}
+
+/// Whether walks from `from` can aim at the facet from v.
+SHARED bool portal_aimable(uint f, vec3 v, vec3 facing, uint from) MEMBER_CONST {
+  float height = portal_height(f, v);
+  if (!((from == FROM_LIGHT ? -height : height) > kPortalMargin)) return false;
+  if (is_zero(facing)) return true;
+  // Where the middle is, a corner is: but for rounding.
+  if (dot(facing, portal_facets[f].centre - v) > kPortalMargin) return true;
+  for (uint i = portal_facets[f].first_corner; i < portal_facets[f].end_corner; ++i)
+    if (dot(facing, portal_corners[i].at - v) > 0.0f) return true;
+  return false;
+}
+
+/// W at `v`: of the facets that have v on the side that walks from `from` begin on, and a corner on
+/// the side of v that `facing` looks to (0: either). 0: nothing to aim at.
+SHARED float portal_aims(vec3 v, vec3 facing, uint from) MEMBER_CONST {
+  float sum = 0.0f;
+  if (!scene_has_portals) return sum;
+  for (uint f = 0u; f < guiding.facets; ++f)
+    if (portal_aimable(f, v, facing, from)) sum += portal_weight(f, v);
+  return sum;
+}
+
+/// Unit direction from `v` towards a facet; W must be that of portal_aims() for the same arguments,
+/// and more than 0. `u`, `v_`: place on the facet; `pick`: its choice. Returns the triangle aimed
+/// at.
+SHARED int portal_aim(vec3 v, vec3 facing, uint from, float W, float u, float v_, float pick,
+                      OUT(vec3) w) MEMBER_CONST {
+  float rest = pick * W;
+  uint chosen = 0u;
+  float weight = 1.0f;
+  for (uint f = 0u; f < guiding.facets; ++f) {
+    if (!portal_aimable(f, v, facing, from)) continue;
+    chosen = f;
+    weight = portal_weight(f, v);
+    rest -= weight;
+    if (rest < 0.0f) break;
+  }
+  // What chose the facet within W chooses the triangle within the facet.
+  float within = min(max(1.0f + rest * reciprocal(weight), 0.0f), 1.0f);
+  int polygon = 0;
+  vec3 at = point_on_facet(chosen, within, u, v_, polygon);
+  w = normalized(at - v);
+  return polygon;
+}
+
+/// A_F cos_F of parallel light along unit d; 0 edge on and from the front.
+SHARED float portal_across(uint f, vec3 d) MEMBER_CONST {
+  float cosine = dot(portal_facets[f].normal, d);
+  return cosine > kPortalEdgeOn ? portal_facets[f].area * cosine : 0.0f;
+}
+
+/// W of parallel light, which travels along unit `d`.
+SHARED float portal_aims_along(vec3 d) MEMBER_CONST {
+  float sum = 0.0f;
+  if (!scene_has_portals) return sum;
+  for (uint f = 0u; f < guiding.facets; ++f) sum += portal_across(f, d);
+  return sum;
+}
+
+/// The point that a line of it goes through; returns the triangle it lies on.
+SHARED int portal_aim_along(vec3 d, float W, float u, float v, float pick,
+                            OUT(vec3) at) MEMBER_CONST {
+  float rest = pick * W;
+  uint chosen = 0u;
+  float weight = 1.0f;
+  for (uint f = 0u; f < guiding.facets; ++f) {
+    float across = portal_across(f, d);
+    if (!(across > 0.0f)) continue;
+    chosen = f;
+    weight = across;
+    rest -= weight;
+    if (rest < 0.0f) break;
+  }
+  float within = min(max(1.0f + rest * reciprocal(weight), 0.0f), 1.0f);
+  int polygon = 0;
+  at = point_on_facet(chosen, within, u, v, polygon);
+  return polygon;
+}
+
+/// How many triangles the line along d that arrives at `to` crosses.
+SHARED int crossed_along(vec3 d, vec3 to, Drawn drawn) MEMBER_CONST {
+  int n = 0;
+  for (uint f = 0u; f < guiding.facets; ++f) {
+    float cosine = dot(portal_facets[f].normal, d);
+    if (!(cosine > kPortalEdgeOn)) continue;
+    float t = portal_height(f, to) * reciprocal(cosine);
+    n += portal_crossed(f, to - d * t, drawn);
+  }
+  return n;
+}
+
+/// A segment: place on a triangle and direction, two numbers each, and three for their choice.
+/// There must be portals.
+SHARED SegmentDraw sample_segment(float u0, float u1, float u2, float u3, float u4, float u5,
+                                  float u6) MEMBER_CONST {
+  SegmentDraw s;
+  if (portals_have_pairs && u5 < guiding.pair_share) {
+    float u = u5 * guiding.per_pair_share;
+    uint low = 0u;
+    uint high = guiding.pairs - 1u;
+    while (low < high) {
+      uint middle = (low + high) >> 1u;
+      if (u < portal_pairs[middle].end)
+        high = middle;
+      else
+        low = middle + 1u;
+    }
+    int first = 0;
+    int second = 0;
+    s.position = point_on_facet(portal_pairs[low].first, u4, u0, u1, first);
+    vec3 to = point_on_facet(portal_pairs[low].second, u6, u2, u3, second);
+    s.direction = normalized(to - s.position);
+    s.drawn = drawn_through(first, second);
+    s.portal = portal_polygons[first].portal;
+    return s;
+  }
+  uint i = polygon_picked(0u, guiding.polygons, true, u4);
+  s.position = point_in_polygon(i, u0, u1);
+  s.direction =
+      normalized(cosine_hemisphere(portal_facets[portal_polygons[i].facet].normal, u2, u3));
+  s.drawn = drawn_through(int(i));
+  s.portal = portal_polygons[i].portal;
+  return s;
+}
+
+/// Where both rays of a segment begin: behind the portal by half the margin, so that what lies in
+/// its plane, a pane as like as not, is met by one of them alone.
+SHARED vec3 segment_start(SegmentDraw s) MEMBER_CONST {
+  uint f = portal_polygons[s.drawn.polygon].facet;
+  return s.position - portal_facets[f].normal * (0.5f * kPortalMargin);
+}
+
+#include "shaders/shared/language_end.h"

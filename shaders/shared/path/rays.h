@@ -1,0 +1,111 @@
+// Rays between points of paths: where they start, and what they meet.
+//
+// Read behind the texts on surfaces and lights and behind traversal.h, where `render` and
+// count_ray() are.
+
+#include "shaders/shared/language.h"
+
+SHARED Point empty_point() MEMBER_CONST {
+  Point p;
+  p.position = vec3(0.0f, 0.0f, 0.0f);
+  p.normal = vec3(0.0f, 0.0f, 0.0f);
+  p.shading = vec3(0.0f, 0.0f, 0.0f);
+  p.triangle = kNoTriangle;
+  p.material = 0u;
+  p.source = SOURCE_NONE;
+  p.simple = true;
+  p.connectible = true;
+  p.color = vec3(0.0f, 0.0f, 0.0f);
+  p.emission = vec3(0.0f, 0.0f, 0.0f);
+  p.in_sky.radiance = vec3(0.0f, 0.0f, 0.0f);
+  p.in_sky.plain_w = 0.0f;
+  p.in_sky.start_w = 0.0f;
+  p.bsdf = empty_bsdf();
+  return p;
+}
+
+/// What a surface that is not opaque is decided by, for one ray.
+SHARED uint ray_coin(vec3 origin, vec3 w) MEMBER_CONST {
+  word64 a = word64_of(floatBitsToUint(origin.x), floatBitsToUint(origin.y));
+  word64 b = word64_of(floatBitsToUint(origin.z), floatBitsToUint(w.x));
+  word64 c = word64_of(floatBitsToUint(w.y), floatBitsToUint(w.z));
+  return high_word(mix64(sum64(mix64(sum64(mix64(a), b)), c)));
+}
+
+/// Where rays start from: off the surface by some units in the last place, on the side that they
+/// leave on; from a place in the air along the ray.
+SHARED vec3 step_off(vec3 position, vec3 normal, vec3 w) MEMBER_CONST {
+  const float kStep = 4.76837158e-7f;
+  if (is_zero(normal)) return position + w * kStep;
+  return position + normal * (dot(normal, w) < 0.0f ? -kStep : kStep);
+}
+
+SHARED bool at_infinity(Point p) MEMBER_CONST {
+  return p.source != SOURCE_NONE && source_at_infinity(p.source);
+}
+/// Whether a ray can meet it: all but lights without surface.
+SHARED bool is_met(Point p) MEMBER_CONST {
+  return p.source == SOURCE_NONE || source_met(p.source);
+}
+
+SHARED Edge edge_between(Point a, Point b) MEMBER_CONST {
+  Edge e;
+  e.d2 = 1.0f;
+  if (at_infinity(a)) {
+    e.w = a.position;
+  } else if (at_infinity(b)) {
+    e.w = -b.position;
+  } else {
+    vec3 d = b.position - a.position;
+    e.d2 = max(dot(d, d), 1e-36f);
+    e.w = d * inverse_root(e.d2);
+  }
+  return e;
+}
+
+/// Whether nothing lies between two points.
+SHARED bool sees(Point a, Point b) MEMBER {
+  vec3 place_a = at_infinity(a) ? before_the_scene(b.position, a.position) : a.position;
+  vec3 place_b = at_infinity(b) ? before_the_scene(a.position, b.position) : b.position;
+  vec3 d = place_b - place_a;
+  vec3 w = normalized(d);
+  vec3 from = step_off(place_a, a.normal, w);
+  vec3 to = step_off(place_b, b.normal, -w);
+  count_ray(RAYS_SHADOW);
+  return !segment_blocked(from, to, ray_coin(from, to));
+}
+
+/// Whether a camera that looks along w sees the side of a triangle that it looks at.
+SHARED bool camera_draws(uint triangle, vec3 w) MEMBER_CONST {
+  return render.culls == 0u || !single_sided(triangle) || dot(surface_normal(triangle), w) <= 0.0f;
+}
+/// First surface that the camera draws along w. What it does not draw is passed.
+SHARED bool first_drawn(vec3 camera, vec3 w, OUT(SurfaceHit) hit) MEMBER_CONST {
+  uint coin = ray_coin(camera, w);
+  vec3 from = camera;
+  const uint kMost = 256u;  // backs in a row
+  for (uint i = 0u; i < kMost; ++i) {
+    if (!first_hit(from, w, coin, hit)) return false;
+    if (camera_draws(hit.triangle, w)) return true;
+    from = from + w * (hit.t + 4.76837158e-7f);
+  }
+  return false;
+}
+/// Whether the camera sees a point of a surface.
+SHARED bool seen_by_camera(Point p) MEMBER {
+  vec3 camera = render.camera_position;
+  vec3 w = normalized(p.position - camera);
+  if (!camera_draws(p.triangle, w)) return false;
+  Point air = empty_point();
+  air.position = camera;
+  if (render.culls == 0u) return sees(p, air);
+  count_ray(RAYS_SHADOW);
+  vec3 from = step_off(camera, air.normal, w);
+  vec3 to = step_off(p.position, p.normal, -w);
+  vec3 d = to - from;
+  SurfaceHit hit;
+  if (!first_drawn(from, w, hit)) return true;
+  return hit.t * hit.t >= dot(d, d);
+}
+
+#include "shaders/shared/language_end.h"

@@ -1,0 +1,27 @@
+// Portals as the tables that kernels and their twin read [shaders/shared/path/portal_layout.h].
+#pragma once
+#include <vector>
+
+#include "shaders/shared/path/portal_layout.h"
+#include "tools/tdpt-render/portals.h"
+
+namespace tdpt {
+
+/// All empty, and `guiding` 0, where there are no portals.
+struct PortalTables {
+  PortalTables() = default;
+  explicit PortalTables(const PortalSet& set);
+
+  std::vector<shader::PortalFacet> facets;
+  std::vector<shader::PortalPolygon> polygons;
+  std::vector<shader::PortalCorner> corners;
+  std::vector<shader::PortalPair> pairs;
+  shader::GuideParameters guiding{};
+
+ private:
+  void add_facets(const PortalSet& set);
+  void add_polygons(const PortalSet& set);
+  void add_pairs(const PortalSet& set);
+};
+
+}  // namespace tdpt
