@@ -101,6 +101,19 @@ void Film::add_range(const SampleRange& range) {
   }
 }
 
+void Film::add_sums(const std::function<Units(size_t plane, size_t i)>& sum,
+                    const std::function<uint64_t(size_t pixel)>& met) {
+  const auto add = [&](Plane& to, size_t plane) {
+    if (!to) return;
+    for (size_t i = 0; i < 3 * pixels(); ++i)
+      if (const Units units = sum(plane, i); units != 0 && !to[i].add(units))
+        throw std::overflow_error("a sum has wrapped round");
+  };
+  add(picture_, 0);
+  for (size_t i = 0; i < kMostLayers; ++i) add(layers_[i], 1 + i);
+  for (size_t i = 0; met_ && i < pixels(); ++i) met_[i] += met(i);
+}
+
 void Film::complete(const SampleRange& range) {
   const uint64_t block = options_.error_block;
   if (block > 0 && (range.count != block || range.first % block != 0))

@@ -10,6 +10,7 @@
 #pragma once
 #include <array>
 #include <atomic>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -68,6 +69,11 @@ class Film {
         1, std::memory_order_relaxed);
   }
 
+  /// Adds what was summed elsewhere in this film's unit: sum i, three for each pixel, of the
+  /// picture (plane 0) or of layer plane - 1, and the samples of each pixel that meet something,
+  /// where that is kept. Throws std::overflow_error when a sum wraps round.
+  void add_sums(const std::function<Units(size_t plane, size_t i)>& sum,
+                const std::function<uint64_t(size_t pixel)>& met);
   /// All that the samples of a range brought is in. Where errors are kept it is a block, aligned,
   /// the only one that was added to since the last.
   void complete(const SampleRange& range);

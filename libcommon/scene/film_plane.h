@@ -24,6 +24,11 @@ class FilmPlane {
   int height() const { return height_; }
   const Vec3d& position() const { return camera_.position; }
   const Vec3d& forward() const { return camera_.forward; }
+  const Vec3d& right() const { return camera_.right; }
+  const Vec3d& up() const { return camera_.up; }
+  /// At distance 1.
+  double half_width() const { return half_width_; }
+  double half_height() const { return half_height_; }
 
   /// Unit direction through raster place (x, y).
   Vec3d direction(double x, double y) const {

@@ -55,7 +55,7 @@ SHARED JoinEnd join_end(Point p, vec3 back, vec3 throughput, uint slot, uint num
 
 /// What an end scatters along unit w: its diffuse lobe, and the interface's.
 SHARED vec3 roughly_scattered(JoinEnd e, vec3 w) {
-  if (e.alpha2 == 0.0f) return e.carried;
+  if (!(e.alpha2 > 0.0f)) return e.carried;
   vec3 h = e.back + w;
   float scale = inverse_root(dot(h, h) + 1e-12f);
   float cos_h = dot(e.normal, h) * scale;
@@ -74,10 +74,11 @@ SHARED vec3 roughly_scattered(JoinEnd e, vec3 w) {
 
 /// Luminance of what goes from `l` to `c`, no more than 1e30; 0 where none does.
 SHARED float estimate_join(JoinEnd l, JoinEnd c) {
-  vec3 d = c.position - l.position;
+  bool far = l.alpha2 < 0.0f;
+  vec3 d = far ? l.position : c.position - l.position;
   float d2 = max(dot(d, d), 1e-30f);
   vec3 w = d * inverse_root(d2);
-  float sent = is_zero(l.facing) ? 1.0f : dot(l.facing, w);
+  float sent = far || is_zero(l.facing) ? 1.0f : dot(l.facing, w);
   float met = is_zero(c.facing) ? 1.0f : -dot(c.facing, w);
   if (!(sent > 0.0f && met > 0.0f)) return 0.0f;
   vec3 brought = roughly_scattered(l, w) * roughly_scattered(c, -w);

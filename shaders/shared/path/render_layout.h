@@ -128,7 +128,7 @@ struct JoinEnd {
   vec3 position;
   uint slot;
   vec3 facing;   ///< normal on the side that light leaves to; 0: it has no estimate
-  float alpha2;  ///< of a glossy one squared GGX alpha; 0: it is diffuse
+  float alpha2;  ///< of a glossy one squared GGX alpha; 0: it is diffuse; -1: infinitely far
   vec3 carried;  ///< throughput times the diffuse BSDF
   float cosine;  ///< of `back` to `normal`
   vec3 f0;       ///< throughput times what is reflected at normal incidence,

@@ -18,8 +18,7 @@ Vec3f held(const Vec3d& v) {
 // the triangle, as in PortalSet, the larger: barycentric.
 float border_of(const PortalSet::Polygon& q) {
   constexpr double kOff = 2e-6, kBorder = 1e-4, kMost = 0.3;
-  const double steepest =
-      std::max({length(q.grad1), length(q.grad2), length(q.grad1 + q.grad2)});
+  const double steepest = std::max({length(q.grad1), length(q.grad2), length(q.grad1 + q.grad2)});
   return static_cast<float>(std::clamp(kOff * steepest, kBorder, kMost));
 }
 

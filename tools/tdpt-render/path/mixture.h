@@ -38,6 +38,11 @@ class TechniqueSet {
   }
   /// Bit t for technique t.
   constexpr uint8_t bits() const { return bits_; }
+  static constexpr TechniqueSet of_bits(uint8_t bits) {
+    TechniqueSet set;
+    set.bits_ = bits;
+    return set;
+  }
   friend constexpr bool operator==(const TechniqueSet&, const TechniqueSet&) = default;
 
  private:

@@ -1,0 +1,32 @@
+// Renders samples in submissions of a device: all light walks of some pools, a vertex of each at a
+// time, then their segments, then all that the camera's walks do with them.
+#pragma once
+#include <memory>
+
+#include "tools/tdpt-render/device/machine.h"
+#include "tools/tdpt-render/sample_renderer.h"
+
+namespace tdpt {
+
+class WavefrontRenderer : public SampleRenderer {
+ public:
+  /// The world must outlive it, with the portals that it has now.
+  WavefrontRenderer(const World& world, std::unique_ptr<Machine> machine);
+  void render(const Integrator& integrator, const SampleRules& rules, uint64_t round,
+              const SampleRange& samples, Film& film, Tally& tally, Progress& progress) override;
+
+ private:
+  bool submit(shader::RenderParameters parameters);
+
+  const World& world_;
+  std::unique_ptr<Machine> machine_;
+  uint32_t groups_;  // of a submission, as many as have had room
+};
+
+/// Where things lie in the words of a film of so many pixels; `words`: of all.
+struct FilmPlaces {
+  uint32_t met = 0, tally = 0, portals = 0, words = 0;
+  FilmPlaces(uint64_t pixels, bool layers, size_t portals);
+};
+
+}  // namespace tdpt
