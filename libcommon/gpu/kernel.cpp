@@ -19,6 +19,16 @@ vk::raii::Pipeline make_pipeline(const vk::raii::Device& d, std::span<const uint
   return {d, nullptr, vk::ComputePipelineCreateInfo({}, stage, *layout)};
 }
 
+// Which bindings a program names: those that OpDecorate gives to its variables.
+std::vector<bool> bindings_of(std::span<const uint32_t> program, size_t count) {
+  constexpr uint32_t kHeader = 5, kOpDecorate = 71, kBinding = 33;
+  std::vector<bool> named(count);
+  for (size_t i = kHeader; i < program.size() && program[i] >> 16 != 0; i += program[i] >> 16)
+    if ((program[i] & 0xFFFF) == kOpDecorate && program[i + 2] == kBinding)
+      if (const uint32_t binding = program[i + 3]; binding < count) named[binding] = true;
+  return named;
+}
+
 }  // namespace
 
 Kernel::Kernel(const Device& device, std::span<const uint32_t> program,
@@ -29,13 +39,16 @@ Kernel::Kernel(const Device& device, std::span<const uint32_t> program,
   std::vector<vk::DescriptorSetLayoutBinding> slots;
   std::vector<vk::DescriptorPoolSize> sizes;
   uint32_t images = 0;
-  for (const Memory& m : memory) {
-    slots.emplace_back(static_cast<uint32_t>(slots.size()), m.impl().type, 1, kCompute);
-    sizes.emplace_back(m.impl().type, 1);
-    images += m.impl().type == vk::DescriptorType::eStorageImage;
+  const std::vector<bool> named = bindings_of(program, memory.size());
+  for (uint32_t i = 0; i < memory.size(); ++i) {
+    if (!named[i]) continue;
+    const vk::DescriptorType type = memory[i].impl().type;
+    slots.emplace_back(i, type, 1, kCompute);
+    sizes.emplace_back(type, 1);
+    images += type == vk::DescriptorType::eStorageImage;
   }
   d.require_within(d.limits.maxPerStageDescriptorStorageBuffers, "buffers in a kernel",
-                   memory.size() - images);
+                   slots.size() - images);
   d.require_within(d.limits.maxPerStageDescriptorStorageImages, "images in a kernel", images);
   d.require_within(d.limits.maxPushConstantsSize, "bytes of push constants", push_bytes);
   calling_vulkan("no kernel on " + d.info.name, [&] {
@@ -46,7 +59,8 @@ Kernel::Kernel(const Device& device, std::span<const uint32_t> program,
     k.pipeline = make_pipeline(d.device, program, k.layout, constants);
     k.pool = {d.device, {vk::DescriptorPoolCreateFlagBits::eFreeDescriptorSet, 1, sizes}};
     k.set = std::move(vk::raii::DescriptorSets(d.device, {*k.pool, *k.set_layout})[0]);
-    for (uint32_t i = 0; i < memory.size(); ++i) {
+    for (const vk::DescriptorSetLayoutBinding& slot : slots) {
+      const uint32_t i = slot.binding;
       const Memory::Impl& m = memory[i].impl();
       const vk::DescriptorBufferInfo buffer(*m.buffer, 0, VK_WHOLE_SIZE);
       const vk::DescriptorImageInfo image({}, *m.view, vk::ImageLayout::eGeneral);
@@ -100,6 +114,11 @@ void Commands::clear(const Image3D& image) {
                                vk::PipelineStageFlagBits::eTransfer, {}, {}, {}, to_general);
   impl_.vulkan.clearColorImage(*image.impl().image, vk::ImageLayout::eGeneral,
                                vk::ClearColorValue(), kWholeImage);
+  impl_.barrier();
+}
+
+void Commands::clear(const Buffer& buffer) {
+  impl_.vulkan.fillBuffer(*buffer.impl().buffer, 0, VK_WHOLE_SIZE, 0);
   impl_.barrier();
 }
 

@@ -171,6 +171,27 @@ struct SegmentSide {
 };
 const uint kSegmentSides = 3u;
 
+// Of the weight of a path [weight.h].
+
+/// One chain of a path, from the joint outwards.
+struct Half {
+  uint slot;       ///< of the vertex next to the joint; kNoVertex: there is none
+  float first_A;   ///< its density in a walk from the other end
+  float second_A;  ///< and that of the vertex behind it
+};
+
+/// What is known of a portal segment x_a -> x_{a+1} within a path.
+struct SegmentDensities {
+  float pair_A;    ///< p_AA, more than 0
+  float light_A0;  ///< of x_a and of x_{a+1} in a walk from the light
+  float light_A1;
+  float camera_A0;  ///< and in one from the camera
+  float camera_A1;
+  float pair_before;  ///< p_AA of the edges x_{a-1} -> x_a, x_{a+1} -> x_{a+2}; 0: there is none
+  float pair_after;
+  float nee_A;  ///< for a of 0 or 1: of x_0 as a next event at x_1
+};
+
 const uint VERTEX_NUMBER = 0xFFFFu;
 const uint VERTEX_THERE = 0x10000u;
 const uint VERTEX_DIRAC = 0x20000u;  ///< the walk went on by a Dirac lobe

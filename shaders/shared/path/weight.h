@@ -45,13 +45,6 @@ SHARED void add_strategy(INOUT(Scaled) total, Scaled relative, float n) MEMBER_C
   total = sum(total, p);
 }
 
-/// One chain of a path, from the joint outwards.
-struct Half {
-  uint slot;       ///< of the vertex next to the joint; kNoVertex: there is none
-  float first_A;   ///< its density in a walk from the other end
-  float second_A;  ///< and that of the vertex behind it
-};
-
 /// Whether the vertex behind the first of a half turns by a Dirac lobe.
 SHARED bool turns_sharply_behind(Half half) MEMBER_CONST {
   if (half.slot == kNoVertex) return false;
@@ -91,7 +84,7 @@ SHARED void add_half(INOUT(Scaled) total, Half half, bool of_light, uint s, uint
     }
     // Whether the other walk went on at the vertex before, of which it is this number.
     uint number = of_light ? k - i - 1u : i - 1u;
-    float survived = i == 0u && !of_light || number <= 1u ? 1.0f : survival_before;
+    float survived = (i == 0u && !of_light) || number <= 1u ? 1.0f : survival_before;
     float other = n == 0u ? half.first_A : n == 1u ? half.second_A : survived * d.other_A;
     R_before = R;
     R = quotient(product(R, other), own);
@@ -150,18 +143,6 @@ SHARED float weight_of_next_event(Half camera, uint k, float nee_A, float light_
   add_half(total, camera, false, 1u, k, R, 0.0f);
   return share_of(n, total);
 }
-
-/// What is known of a portal segment x_a -> x_{a+1} within a path.
-struct SegmentDensities {
-  float pair_A;    ///< p_AA, more than 0
-  float light_A0;  ///< of x_a and of x_{a+1} in a walk from the light
-  float light_A1;
-  float camera_A0;  ///< and in one from the camera
-  float camera_A1;
-  float pair_before;  ///< p_AA of the edges x_{a-1} -> x_a, x_{a+1} -> x_{a+2}; 0: there is none
-  float pair_after;
-  float nee_A;  ///< for a of 0 or 1: of x_0 as a next event at x_1
-};
 
 SHARED float weight_of_segment(Half light, Half camera, uint a, uint k,
                                SegmentDensities x) MEMBER_CONST {
