@@ -11,6 +11,9 @@ const bool coverage_has_textures = false;
 #else
 const bool coverage_has_textures = true;
 #endif
+// Its glass is open: panes are surfaces that are not opaque like others.
+const bool scene_has_panes = false;
+float presence_at(uint triangle, vec3 w) { return 1.0; }
 
 // What all kernels of the light grid bind, by the names that shaders/shared/ knows.
 layout(local_size_x = LIGHT_GROUP) in;
@@ -27,7 +30,7 @@ layout(std430, binding = LIGHT_CELLS) readonly buffer Cells { PatchCell patch_ce
 layout(std430, binding = LIGHT_NORMALS) readonly buffer Normals { FaceNormal face_normals[]; };
 layout(std430, binding = LIGHT_COVERAGE_OF) readonly buffer CoverageOf { uint coverage_of[]; };
 layout(std430, binding = LIGHT_COVERAGES) readonly buffer Coverages { Coverage coverages[]; };
-layout(std430, binding = LIGHT_TEXELS) readonly buffer Texels { float texels[]; };
+layout(std430, binding = LIGHT_TEXELS) readonly buffer Texels { uint texel_words[]; };
 layout(std430, binding = LIGHT_TRIES) readonly buffer Tries { LineTry tries[]; };
 layout(std430, binding = LIGHT_LINES) buffer Lines { LineEnds lines[]; };
 layout(std430, binding = LIGHT_FATES) buffer Fates { uint fates[]; };

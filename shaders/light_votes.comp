@@ -6,6 +6,7 @@
 #include "shaders/shared/grid_walk.h"
 #include "shaders/shared/light_layout.h"
 #include "shaders/shared/rng.h"
+#include "shaders/shared/texels.h"
 #include "shaders/shared/triangle.h"
 #include "shaders/shared/warp.h"
 

@@ -1,4 +1,4 @@
-// What a byte of an image stands for. Internal to this room.
+// What a byte of an image stands for.
 #pragma once
 #include <array>
 #include <cmath>

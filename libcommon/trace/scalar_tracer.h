@@ -13,7 +13,7 @@ struct ScalarTracer {
   explicit ScalarTracer(const Bvh& bvh)
       : bvh_nodes(bvh.nodes.data()), bvh_triangles(bvh.triangles.data()) {}
 
-  bool surface_stops(uint, float, float, uint) const { return true; }
+  bool surface_stops(uint, float, float, uint, const vec3&) const { return true; }
 
 #include "shaders/shared/traversal.h"
 };

@@ -40,7 +40,7 @@ struct StrictTracer : ScalarTracer {
 /// Surfaces that are not always there are there for every second coin.
 struct ScreenTracer : ScalarTracer {
   using ScalarTracer::ScalarTracer;
-  bool surface_stops(uint triangle, float, float, uint coin) const {
+  bool surface_stops(uint triangle, float, float, uint coin, const vec3&) const {
     return ((triangle + coin) & 1) != 0;
   }
 

@@ -71,31 +71,6 @@ struct FaceNormal {
   uint pad;
 };
 
-/// Coverage (alpha) of a triangle that is not opaque, see coverage_at() of texture.h.
-struct Coverage {
-  float u0;  ///< texture coordinates of the corners, transformed
-  float v0;
-  float u1;
-  float v1;
-  float u2;
-  float v2;
-  float alpha0;  ///< factor of the material times the corner's
-  float alpha1;
-  float alpha2;
-  float cutoff;  ///< there from this alpha on, or not; below 0: as often as alpha says
-  uint first;    ///< texel (0,0)
-  uint width;    ///< 0: no texture
-  uint height;
-  uint how;  ///< COVERAGE_*
-  uint pad0;
-  uint pad1;
-};
-#define COVERAGE_NEAREST 1u
-#define COVERAGE_MIRROR_U 2u
-#define COVERAGE_CLAMP_U 4u
-#define COVERAGE_MIRROR_V 8u
-#define COVERAGE_CLAMP_V 16u
-
 /// A place in the air and a unit direction, to draw a line through.
 struct LineTry {
   vec3 place;
@@ -151,7 +126,7 @@ SHARED_END
 #ifdef __cplusplus
 namespace tdpt::shader {
 static_assert(sizeof(PivotArc) == 16 && sizeof(PatchPieces) == 8 && sizeof(Piece) == 48);
-static_assert(sizeof(PatchCell) == 16 && sizeof(FaceNormal) == 16 && sizeof(Coverage) == 64);
+static_assert(sizeof(PatchCell) == 16 && sizeof(FaceNormal) == 16);
 static_assert(sizeof(LineTry) == 32 && sizeof(LineEnds) == 32 && sizeof(LightParameters) == 96);
 }  // namespace tdpt::shader
 #endif

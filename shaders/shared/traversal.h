@@ -5,9 +5,10 @@
 // namespace and no other includes here: bvh.h and triangle.h come before, and the C++ struct lies
 // in tdpt::shader. What must be there:
 //   bvh_nodes[], bvh_triangles[]
-//   bool surface_stops(uint triangle, float b1, float b2, uint coin)
+//   bool surface_stops(uint triangle, float b1, float b2, uint coin, vec3 w)
 //       whether a surface that is there with some probability is there for this ray at this place.
-//       `coin` is the ray's own number. Asked of triangles whose `stops` is 0 only.
+//       `coin` is the ray's own number, `w` its direction, of any length. Asked of triangles whose
+//       `stops` is 0 only.
 //
 // Why no box is missed. Rays begin within 3 extents of the middle (ray_of) or miss the scene, so
 // differences to corners are below 4 on a side axis and 2 on the main one, in extents. With
@@ -78,7 +79,7 @@ SHARED bool first_hit(vec3 origin, vec3 direction, uint coin, OUT(SurfaceHit) hi
           depth = max(depth, node_near);
           uint triangle = bvh_triangles[i].triangle;
           if ((depth < best || (depth == best && triangle < hit.triangle)) &&
-              (bvh_triangles[i].stops != 0u || surface_stops(triangle, b1, b2, coin))) {
+              (bvh_triangles[i].stops != 0u || surface_stops(triangle, b1, b2, coin, direction))) {
             best = depth;
             hit.triangle = triangle;
             hit.b1 = b1;
@@ -143,7 +144,7 @@ SHARED bool segment_blocked(vec3 a, vec3 b, uint coin) MEMBER_CONST {
                        b1, b2, back) &&
             depth > 1e-30f && depth < limit &&
             (bvh_triangles[i].stops != 0u ||
-             surface_stops(bvh_triangles[i].triangle, b1, b2, coin)))
+             surface_stops(bvh_triangles[i].triangle, b1, b2, coin, direction)))
           return true;
       }
     }

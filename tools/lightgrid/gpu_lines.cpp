@@ -16,6 +16,7 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/gpu/kernel.h"
+#include "libcommon/scene/coverage_tables.h"
 #include "libcommon/trace/bvh.h"
 #include "shaders/light_march.h"
 #include "shaders/light_segments.h"
@@ -27,7 +28,6 @@
 #include "shaders/light_votes.h"
 #include "shaders/light_votes_opaque.h"
 #include "shaders/light_votes_untextured.h"
-#include "tools/lightgrid/coverage.h"
 
 namespace tdpt {
 namespace {

@@ -1,8 +1,10 @@
 #include "tools/lightgrid/scalar_lines.h"
 
+#include "libcommon/scene/coverage_tables.h"
 #include "libcommon/trace/bvh.h"
+#include "shaders/shared/rng.h"
+#include "shaders/shared/texels.h"
 #include "shaders/shared/triangle.h"
-#include "tools/lightgrid/coverage.h"
 #include "tools/lightgrid/cpu_lines.h"
 
 namespace tdpt {
@@ -14,8 +16,11 @@ struct ScalarRays {
   const BvhTriangle* bvh_triangles;
   const uint* coverage_of;
   const Coverage* coverages;
-  const float* texels;
+  const uint* texel_words;
   bool scene_has_coverage, coverage_has_textures;
+  static constexpr bool scene_has_panes = false;
+
+  static float presence_at(uint, const vec3&) { return 1; }
 
 #include "shaders/shared/coverage.h"
 
@@ -39,9 +44,9 @@ struct ScalarRays : shader::ScalarRays {
     bvh_triangles = bvh->triangles.data();
     coverage_of = coverage_tables->coverage_of.data();
     coverages = coverage_tables->coverages.data();
-    texels = coverage_tables->texels.data();
+    texel_words = coverage_tables->texels.data();
     scene_has_coverage = !coverage_tables->coverages.empty();
-    coverage_has_textures = !coverage_tables->texels.empty();
+    coverage_has_textures = coverage_tables->textured();
   }
 };
 

@@ -16,7 +16,7 @@ layout(std430, binding = 4) buffer Hits { SurfaceHit hits[]; };
 layout(r32ui, binding = 5) uniform uimage3D voxel_count;
 layout(push_constant) uniform Parameters { LightParameters light; };
 
-bool surface_stops(uint triangle, float b1, float b2, uint coin) { return true; }
+bool surface_stops(uint triangle, float b1, float b2, uint coin, vec3 w) { return true; }
 
 #include "shaders/shared/traversal.h"
 

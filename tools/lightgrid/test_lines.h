@@ -9,12 +9,12 @@
 
 #include <gtest/gtest.h>
 
+#include "libcommon/scene/test_coverage.h"
 #include "shaders/shared/rng.h"
 #include "tools/lightgrid/gpu_lines.h"
 #include "tools/lightgrid/lightgrid.h"
 #include "tools/lightgrid/line_tracer.h"
 #include "tools/lightgrid/scalar_lines.h"
-#include "tools/lightgrid/test_coverage.h"
 #include "tools/lightgrid/test_cut.h"
 
 namespace tdpt::testing {

@@ -130,6 +130,12 @@ struct Turn {
   bool dirac;
 };
 
+/// Of a walk that scatters at a point.
+struct Odds {
+  float dirac;  ///< that a Dirac lobe is tried
+  float broad;  ///< that a lobe is taken which is not narrow; 1 where some lobe is Dirac
+};
+
 SHARED vec3 normalized(vec3 v) {
   return v * inverse_root(max(dot(v, v), 1e-37f));
 }

@@ -128,6 +128,10 @@ double f(const Vec3d& v, const Vec3d& w, double a) {
          scale;
 }
 
+double unscaled_albedo(double mu, double a) {
+  return Table::at(table().unscaled, mu, a);
+}
+
 double albedo(double mu, double a) {
   return Table::at(table().albedo, mu, a);
 }

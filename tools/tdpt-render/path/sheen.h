@@ -17,6 +17,8 @@ constexpr float kLeastRoughness = 0.07f;
 /// For a white sheen [1/sr]; 0 where a cosine is less than 1e-6. a in [kLeastRoughness^2, 1].
 double f(const Vec3d& v, const Vec3d& w, double a);
 
+/// Directional albedo of D V; above 1 where f is scaled.
+double unscaled_albedo(double mu, double a);
 /// Directional albedo of f: int f cos dw, at cosine `mu` to z; at most 1. From a table made on
 /// first need, linear between nodes.
 double albedo(double mu, double a);

@@ -1,15 +1,15 @@
 // Alpha in floats against coverage_at() of libcommon/scene/texture.h.
-#include "tools/lightgrid/coverage.h"
+#include "libcommon/scene/coverage_tables.h"
 
 #include <cmath>
 
 #include <gtest/gtest.h>
 
 #include "libcommon/math/rng.h"
+#include "libcommon/scene/test_coverage.h"
 #include "libcommon/scene/texture.h"
-#include "shaders/shared/bvh.h"
 #include "shaders/shared/rng.h"
-#include "tools/lightgrid/test_coverage.h"
+#include "shaders/shared/texels.h"
 
 namespace tdpt {
 namespace {
@@ -23,8 +23,9 @@ using namespace shader;
 struct Kernel {
   const uint* coverage_of;
   const Coverage* coverages;
-  const float* texels;
-  bool scene_has_coverage, coverage_has_textures;
+  const uint* texel_words;
+  bool scene_has_coverage, coverage_has_textures, scene_has_panes;
+  static float presence_at(uint, const vec3&) { return 1; }
 #include "shaders/shared/coverage.h"
 };
 }  // namespace kernel
@@ -34,8 +35,8 @@ struct Kernel {
 double share_of_other_coverage(const Material& material, float shift) {
   Scene scene = with_sheet(material, small_image());
   const CoverageTables tables = make_coverages(scene);
-  const kernel::Kernel kernel{tables.coverage_of.data(), tables.coverages.data(),
-                              tables.texels.data(), true, true};
+  const kernel::Kernel kernel{
+      tables.coverage_of.data(), tables.coverages.data(), tables.texels.data(), true, true, false};
   scene.materials.back().base_map.transform[2] += shift;
   int different = 0;
   for (uint64_t i = 0; i < 100000; ++i) {
@@ -43,7 +44,7 @@ double share_of_other_coverage(const Material& material, float shift) {
     const float u = rng.uniform_float();
     const float v = rng.uniform_float() * (1 - u);
     const auto triangle = static_cast<uint32_t>(scene.triangles.size() - 1 - i % 2);
-    const float mine = kernel.coverage_at(tables.coverages[tables.coverage_of[triangle]], u, v);
+    const float mine = kernel.coverage_at(triangle, u, v);
     different += std::abs(mine - coverage_at(scene, {triangle, u, v})) > 1e-3f;
   }
   return different / 1e5;
@@ -64,17 +65,16 @@ double share_uncovered(const Material& material, const Image& image, bool with_u
   for (auto& colour : scene.colours) colour[3] = 1;
   if (!with_uv) scene.uv[1].clear();
   const CoverageTables tables = make_coverages(scene);
-  const kernel::Kernel kernel{tables.coverage_of.data(), tables.coverages.data(),
-                              tables.texels.data(), true, true};
+  const kernel::Kernel kernel{
+      tables.coverage_of.data(), tables.coverages.data(), tables.texels.data(), true, true, false};
   int uncovered = 0;
   for (uint64_t i = 0; i < 10000; ++i) {
     Rng rng(8, 0, i);
     const float u = rng.uniform_float();
     const float v = rng.uniform_float() * (1 - u);
     const auto triangle = static_cast<uint32_t>(scene.triangles.size() - 1 - i % 2);
-    uncovered += kernel.coverage_at(tables.coverages[tables.coverage_of[triangle]], u, v) < 1;
-    EXPECT_EQ(kernel.coverage_at(tables.coverages[tables.coverage_of[triangle]], u, v),
-              coverage_at(scene, {triangle, u, v}));
+    uncovered += kernel.coverage_at(triangle, u, v) < 1;
+    EXPECT_EQ(kernel.coverage_at(triangle, u, v), coverage_at(scene, {triangle, u, v}));
   }
   return uncovered / 1e4;
 }

@@ -1,0 +1,195 @@
+// What textures, vertex colours and vertex normals say at one place of a face: the text of
+// libcommon/scene/texture.cpp in floats.
+//
+// Texture coordinates are taken from the first corner's, of which whole images are left out, so
+// that those far from 0 lose as little as can be.
+//
+// Read within a scope that has texture_maps[], texel_words[], surface_curves[],
+// corner_attributes[], face_corners[], scene_has_textures, scene_has_normals and scene_has_colours;
+// texels.h and surface_layout.h come before.
+
+#include "shaders/shared/language.h"
+
+struct Texel {
+  vec3 rgb;
+  float alpha;
+};
+
+/// A place on a face, and what is told of its corners where anything is.
+struct SurfacePlace {
+  uint triangle;
+  float b1;
+  float b2;
+};
+
+SHARED float interpolated(float a, float b, float c, SurfacePlace at) MEMBER_CONST {
+  return a + (b - a) * at.b1 + (c - a) * at.b2;
+}
+SHARED vec3 interpolated(vec3 a, vec3 b, vec3 c, SurfacePlace at) MEMBER_CONST {
+  return a + (b - a) * at.b1 + (c - a) * at.b2;
+}
+
+SHARED float linear_byte(uint word, uint shift, bool srgb) MEMBER_CONST {
+  uint byte = (word >> shift) & 255u;
+  return srgb ? surface_curves[kLinearOfSrgb + byte] : share_of_byte(byte);
+}
+SHARED Texel texel_of(uint word, bool srgb) MEMBER_CONST {
+  Texel t;
+  t.rgb =
+      vec3(linear_byte(word, 0u, srgb), linear_byte(word, 8u, srgb), linear_byte(word, 16u, srgb));
+  t.alpha = share_of_byte(word >> 24);
+  return t;
+}
+
+/// Whole images before the first corner's coordinate.
+SHARED float images_before(float u, bool clamp_to_edge) MEMBER_CONST {
+  return clamp_to_edge ? 0.0f : whole_images(texture_coordinate(u));
+}
+
+SHARED TexelSpan span_of(SurfaceMap map, SurfacePlace at) MEMBER_CONST {
+  FaceCorners corners = face_corners[at.triangle];
+  CornerAttributes a = corner_attributes[corners.a];
+  CornerAttributes b = corner_attributes[corners.b];
+  CornerAttributes c = corner_attributes[corners.c];
+  bool second = map.uv_set != 0u;
+  float u0 = second ? a.u1 : a.u0;
+  float v0 = second ? a.v1 : a.v0;
+  float du = ((second ? b.u1 : b.u0) - u0) * at.b1 + ((second ? c.u1 : c.u0) - u0) * at.b2;
+  float dv = ((second ? b.v1 : b.v0) - v0) * at.b1 + ((second ? c.v1 : c.v0) - v0) * at.b2;
+  float first_u = map.u_of_u * u0 + map.u_of_v * v0 + map.u_shift;
+  float first_v = map.v_of_u * u0 + map.v_of_v * v0 + map.v_shift;
+  float u = (first_u - images_before(first_u, (map.grid.how & TEXELS_CLAMP_U) != 0u)) +
+            (map.u_of_u * du + map.u_of_v * dv);
+  float v = (first_v - images_before(first_v, (map.grid.how & TEXELS_CLAMP_V) != 0u)) +
+            (map.v_of_u * du + map.v_of_v * dv);
+  return texel_span(map.grid, texture_coordinate(u), texture_coordinate(v));
+}
+
+/// Linear, each in [0,1]; 1 where there is no map.
+SHARED Texel lookup(uint map, SurfacePlace at) MEMBER_CONST {
+  Texel t;
+  t.rgb = vec3(1.0f);
+  t.alpha = 1.0f;
+  if (!scene_has_textures || map == kNoMap) return t;
+  bool srgb = (texture_maps[map].grid.how & TEXELS_SRGB) != 0u;
+  TexelSpan span = span_of(texture_maps[map], at);
+  Texel t00 = texel_of(texel_words[span.texel00], srgb);
+  Texel t10 = texel_of(texel_words[span.texel10], srgb);
+  Texel t01 = texel_of(texel_words[span.texel01], srgb);
+  Texel t11 = texel_of(texel_words[span.texel11], srgb);
+  vec3 low = t00.rgb + (t10.rgb - t00.rgb) * span.x;
+  vec3 high = t01.rgb + (t11.rgb - t01.rgb) * span.x;
+  t.rgb = low + (high - low) * span.y;
+  t.alpha = bilinear(span, t00.alpha, t10.alpha, t01.alpha, t11.alpha);
+  return t;
+}
+
+/// Base colour without its alpha: factor x texture x vertex colour, each in [0,1].
+SHARED vec3 base_color_at(SurfaceMaterial m, SurfacePlace at) MEMBER_CONST {
+  if ((m.flags & MATERIAL_PLAIN) != 0u) return m.base_color;
+  vec3 c = m.base_color * lookup(m.base_map, at).rgb;
+  if (scene_has_colours) {
+    FaceCorners corners = face_corners[at.triangle];
+    c = c * interpolated(corner_attributes[corners.a].color, corner_attributes[corners.b].color,
+                         corner_attributes[corners.c].color, at);
+  }
+  return vec3(min(max(c.x, 0.0f), 1.0f), min(max(c.y, 0.0f), 1.0f), min(max(c.z, 0.0f), 1.0f));
+}
+
+/// `v` over its largest component, so that its square is a number; 0 stays 0.
+SHARED vec3 brought_near_1(vec3 v) MEMBER_CONST {
+  float most = max(max(abs(v.x), abs(v.y)), abs(v.z));
+  return most > 1e-30f && most < 1e30f ? v * reciprocal(most) : vec3(0.0f);
+}
+
+/// `v` without its part along the unit `n`, unit; 0 where nothing is left.
+SHARED vec3 across(vec3 v, vec3 n) MEMBER_CONST {
+  vec3 near_1 = brought_near_1(v);
+  vec3 flat_part = near_1 - n * dot(near_1, n);
+  float l2 = dot(flat_part, flat_part);
+  return l2 > 1e-12f * dot(near_1, near_1) ? flat_part * inverse_root(l2) : vec3(0.0f);
+}
+
+/// Directions of +X (right) and +Y (up) of a normal map, from the corners' places and texture
+/// coordinates: u runs along dP/du, v against dP/dv. 0: there is no frame.
+SHARED void derived_tangents(SurfaceMap map, Face face, FaceCorners corners, OUT(vec3) x,
+                             OUT(vec3) y) MEMBER_CONST {
+  CornerAttributes a = corner_attributes[corners.a];
+  CornerAttributes b = corner_attributes[corners.b];
+  CornerAttributes c = corner_attributes[corners.c];
+  bool second = map.uv_set != 0u;
+  float du1 = second ? b.u1 - a.u1 : b.u0 - a.u0;
+  float dv1 = second ? b.v1 - a.v1 : b.v0 - a.v0;
+  float du2 = second ? c.u1 - a.u1 : c.u0 - a.u0;
+  float dv2 = second ? c.v1 - a.v1 : c.v0 - a.v0;
+  float m0 = map.u_of_u * du1 + map.u_of_v * dv1;
+  float m1 = map.v_of_u * du1 + map.v_of_v * dv1;
+  float m2 = map.u_of_u * du2 + map.u_of_v * dv2;
+  float m3 = map.v_of_u * du2 + map.v_of_v * dv2;
+  x = vec3(0.0f);
+  y = vec3(0.0f);
+  float most = max(max(abs(m0), abs(m1)), max(abs(m2), abs(m3)));
+  if (!(most > 1e-30f && most < 1e30f)) return;
+  float scale = reciprocal(most);
+  m0 = m0 * scale;
+  m1 = m1 * scale;
+  m2 = m2 * scale;
+  m3 = m3 * scale;
+  float determinant = m0 * m3 - m1 * m2;
+  if (determinant == 0.0f) return;
+  float sign = either_sign(determinant);
+  x = (face.e1 * m3 - face.e2 * m1) * sign;
+  y = (face.e1 * m2 - face.e2 * m0) * sign;
+}
+
+/// `n` bent by the normal map.
+SHARED vec3 bent_normal(uint map, float scale, Face face, SurfacePlace at, vec3 n) MEMBER_CONST {
+  FaceCorners corners = face_corners[at.triangle];
+  CornerAttributes a = corner_attributes[corners.a];
+  vec3 x = across(interpolated(a.tangent, corner_attributes[corners.b].tangent,
+                               corner_attributes[corners.c].tangent, at),
+                  n);
+  float hand = either_sign(a.handedness);
+  if (is_zero(x)) {
+    vec3 u;
+    vec3 v;
+    derived_tangents(texture_maps[map], face, corners, u, v);
+    x = across(u, n);
+    hand = either_sign(dot(cross(n, brought_near_1(u)), brought_near_1(v)));
+  }
+  if (is_zero(x)) return n;
+  vec3 texel = lookup(map, at).rgb;
+  vec3 y = cross(n, x) * hand;
+  vec3 bent = x * ((2.0f * texel.x - 1.0f) * scale) + y * ((2.0f * texel.y - 1.0f) * scale) +
+              n * (2.0f * texel.z - 1.0f);
+  float l2 = dot(bent, bent);
+  return l2 > 1e-18f && l2 < 1e37f ? bent * inverse_root(l2) : n;
+}
+
+/// The unit `n`, mirrored at the surface if it points behind it, never quite along it.
+SHARED vec3 in_front(vec3 n, vec3 geometric) MEMBER_CONST {
+  float cosine = dot(n, geometric);
+  if (cosine >= 1e-3f) return n;
+  vec3 flat_part = n - geometric * cosine;
+  return normalized(flat_part + geometric * max(-cosine, 1e-3f));
+}
+
+/// Unit shading normal of the front side: of the corners, bent by a map.
+SHARED vec3 shading_normal_at(Face face, uint map, float scale, SurfacePlace at) MEMBER_CONST {
+  vec3 n = face.normal;
+  bool is_smooth = scene_has_normals && face.smoothed != 0u;
+  if (is_smooth) {
+    FaceCorners corners = face_corners[at.triangle];
+    vec3 mean =
+        interpolated(corner_attributes[corners.a].normal, corner_attributes[corners.b].normal,
+                     corner_attributes[corners.c].normal, at);
+    float l2 = dot(mean, mean);
+    if (l2 > 1e-12f) n = mean * (face.smoothed == 2u ? -inverse_root(l2) : inverse_root(l2));
+  }
+  bool is_bent = scene_has_textures && map != kNoMap;
+  if (!is_smooth && !is_bent) return face.normal;
+  if (is_bent) n = bent_normal(map, scale, face, at, in_front(n, face.normal));
+  return in_front(n, face.normal);
+}
+
+#include "shaders/shared/language_end.h"

@@ -1,0 +1,115 @@
+// From a place on a face to a point of a path: the text of place_on_surface() of
+// tools/tdpt-render/path/surface.cpp in floats.
+//
+// Read behind maps.h and bsdf.h, within a scope that has faces[] and materials[], too.
+
+#include "shaders/shared/language.h"
+
+SHARED void add_sheen(SurfaceMaterial m, SurfacePlace at, INOUT(Bsdf) b) MEMBER_CONST {
+  b.sheen = m.sheen_color * lookup(m.sheen_color_map, at).rgb;
+  if (!is_positive(b.sheen)) return;
+  float roughness = max(m.sheen_roughness * lookup(m.sheen_roughness_map, at).alpha, 0.07f);
+  b.sheen_alpha = roughness * roughness;
+}
+
+SHARED void add_coat(SurfaceMaterial m, SurfacePlace at, INOUT(Bsdf) b) MEMBER_CONST {
+  b.coat.strength = m.coat * lookup(m.coat_map, at).rgb.x;
+  float roughness = m.coat_roughness * lookup(m.coat_roughness_map, at).rgb.y;
+  b.coat.alpha = roughness * roughness;
+}
+
+/// `color` and nothing else.
+SHARED Bsdf diffuse_bsdf(vec3 color) MEMBER_CONST {
+  Bsdf b;
+  b.diffuse = color;
+  b.f0 = vec3(0.0f);
+  b.f90 = vec3(0.0f);
+  b.through = vec3(0.0f);
+  b.alpha = 1.0f;
+  b.eta = 1.0f;
+  b.thin = false;
+  b.sheen = vec3(0.0f);
+  b.sheen_alpha = 0.0f;
+  b.coat.strength = 0.0f;
+  b.coat.alpha = 0.0f;
+  b.coat.normal = vec3(0.0f, 0.0f, 1.0f);
+  b.under_coat = vec3(1.0f);
+  return b;
+}
+
+SHARED Bsdf bsdf_of(SurfaceMaterial m, SurfacePlace at) MEMBER_CONST {
+  vec3 color = base_color_at(m, at);
+  Texel t = lookup(m.metallic_roughness_map, at);
+  float roughness = m.roughness * t.rgb.y;
+  float metallic = m.metallic * t.rgb.z;
+  float specular = m.specular * lookup(m.specular_map, at).alpha;
+  t = lookup(m.specular_color_map, at);
+  vec3 specular_color = m.specular_color * t.rgb;
+  bool glossy = scene_has_textures && (m.flags & MATERIAL_GLOSSY_MAP) != 0u;
+  if (glossy) roughness = 1.0f - (1.0f - roughness) * t.alpha;
+  float transmission = m.transmission * lookup(m.transmission_map, at).rgb.x;
+
+  float dielectric = 1.0f - metallic;
+  float r = (m.ior - 1.0f) * reciprocal(m.ior + 1.0f);
+  vec3 f0 = specular_color * (r * r);
+  f0 = vec3(min(f0.x, 1.0f), min(f0.y, 1.0f), min(f0.z, 1.0f)) * specular;
+  Bsdf b = diffuse_bsdf(color * (dielectric * (1.0f - transmission)));
+  b.f0 = color * metallic + f0 * dielectric;
+  b.f90 = vec3(metallic + (m.ior != 1.0f ? specular * dielectric : 0.0f));
+  if (glossy) b.diffuse = b.diffuse * max(1.0f - largest(specular_color), 0.0f);
+  bool pane = scene_has_panes && m.pane_share > 0.0f;
+  if (!pane) b.through = color * (dielectric * transmission);  // past a pane rays go by
+  b.alpha = roughness * roughness;
+  b.eta = m.ior;
+  b.thin = (m.flags & MATERIAL_SOLID) == 0u;
+  if (scene_has_sheen && is_positive(m.sheen_color)) add_sheen(m, at, b);
+  if (scene_has_coats && m.coat > 0.0f) add_coat(m, at, b);
+  return b;
+}
+
+SHARED void add_layers(Face face, SurfaceMaterial m, SurfacePlace at, INOUT(Point) p) MEMBER_CONST {
+  p.simple = false;
+  p.shading = shading_normal_at(face, m.normal_map, m.normal_scale, at);
+  if ((m.flags & MATERIAL_PLAIN) != 0u) return;
+  p.bsdf = bsdf_of(m, at);
+  p.connectible = bsdf_connectible(p.bsdf);
+  if (!has_coat(p.bsdf)) return;
+  p.connectible = p.connectible || !coat_smooth(p.bsdf.coat);
+  if (scene_has_textures && (m.normal_map != kNoMap || m.coat_normal_map != kNoMap))
+    p.bsdf.coat.normal = normalized(to_local(
+        onb_about(p.shading), shading_normal_at(face, m.coat_normal_map, m.coat_normal_scale, at)));
+  if (is_positive(p.bsdf.diffuse)) p.bsdf.under_coat = average_under_coat(p.bsdf);
+}
+
+/// Puts `p` on a face, at barycentrics b1, b2 of its second and third corner.
+SHARED void place_on_surface(uint triangle, float b1, float b2, OUT(Point) p) MEMBER_CONST {
+  SurfacePlace at;
+  at.triangle = triangle;
+  at.b1 = b1;
+  at.b2 = b2;
+  Face face = faces[triangle];
+  SurfaceMaterial m = materials[face.material];
+  p.position = face.p0 + face.e1 * b1 + face.e2 * b2;
+  p.normal = face.normal;
+  p.shading = face.normal;
+  p.triangle = triangle;
+  p.material = face.material;
+  p.source = SOURCE_NONE;
+  p.simple = true;
+  p.connectible = true;
+  p.color = m.base_color;
+  p.emission = vec3(0.0f);
+  p.in_sky.radiance = vec3(0.0f);
+  p.in_sky.plain_w = 0.0f;
+  p.in_sky.start_w = 0.0f;
+  p.bsdf = diffuse_bsdf(m.base_color);
+  bool is_plain = (m.flags & MATERIAL_PLAIN) != 0u;
+  bool is_flat = !scene_has_normals || face.smoothed == 0u;
+  if (scene_has_layers && !(is_plain && is_flat)) add_layers(face, m, at, p);
+  if ((m.flags & MATERIAL_EMITS) == 0u) return;
+  p.emission = m.emission * lookup(m.emission_map, at).rgb;
+  if (!is_zero(p.emission))
+    p.source = (m.flags & MATERIAL_DOUBLE_SIDED) != 0u ? SOURCE_BOTH : SOURCE_FRONT;
+}
+
+#include "shaders/shared/language_end.h"

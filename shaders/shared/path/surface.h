@@ -1,0 +1,31 @@
+// Surfaces, for kernels and their twins: what a place is made of, and how it scatters. The whole
+// text; who reads it needs the functions of place.h and scatter.h, surface_stops() and
+// coverage_at() of coverage.h.
+//
+// Read within a scope that has
+//   faces[], face_corners[], corner_attributes[], materials[], texture_maps[], texel_words[],
+//   surface_curves[], coverage_of[], coverages[]       [surface_layout.h, coverage_layout.h]
+//   bool scene_has_layers         some point is more than diffuse about the geometric normal
+//        scene_has_normals        some face has another shading normal than its own, but by maps
+//        scene_has_textures, scene_has_colours, scene_has_coats, scene_has_sheen,
+//        scene_has_transmission, scene_has_absorption, scene_has_panes
+//        scene_has_coverage, coverage_has_textures
+// a GLSL file behind its buffers, or the body of a C++ struct; surface_heads.h comes before.
+
+#include "shaders/shared/path/interface_albedo.h"
+
+#include "shaders/shared/path/sheen.h"
+
+#include "shaders/shared/path/coat.h"
+
+#include "shaders/shared/path/bsdf.h"
+
+#include "shaders/shared/path/coated.h"
+
+#include "shaders/shared/path/maps.h"
+
+#include "shaders/shared/path/place.h"
+
+#include "shaders/shared/path/scatter.h"
+
+#include "shaders/shared/coverage.h"
