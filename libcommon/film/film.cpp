@@ -15,15 +15,15 @@ namespace {
 // power to 2^24 times it. What is larger is held as the most: then the variance is not known.
 constexpr double kSquareUnit = 0x1p-60, kMostSquared = 0x1p109;
 
-double power_of_two(double power) {
-  return std::exp2(std::ceil(std::log2(power > 0 ? power : 1.0)));
-}
-
 double luminance_of(const Vec3d& c) {
   return 0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z;
 }
 
 }  // namespace
+
+double Film::power_of_two(double power) {
+  return std::exp2(std::ceil(std::log2(power > 0 ? power : 1.0)));
+}
 
 Film::Film(int width, int height, double power, Options options)
     : width_(width),

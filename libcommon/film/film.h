@@ -47,6 +47,8 @@ class Film {
   Film(int width, int height, double power, Options options);
   Film(int width, int height, double power) : Film(width, height, power, Options()) {}
 
+  /// 2^64 times the unit.
+  static double power_of_two(double power);
   int width() const { return width_; }
   int height() const { return height_; }
   double unit() const { return unit_; }

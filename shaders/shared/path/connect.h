@@ -2,7 +2,7 @@
 // joined with vertices of light walks; and the light's vertices that the camera sees. Sections 3.1
 // to 3.3, tools/tdpt-render/path/path_sampler.cpp. Each adds its weighted share to the film.
 //
-// Read behind walk.h and weight.h, where join_ends[] and pool_first[] are.
+// Read behind walk.h and weight.h, where join_ends[] and end_first[] are.
 
 #include "shaders/shared/language.h"
 
@@ -148,6 +148,19 @@ SHARED void join_with(JoinEnd end, uint slot, PathVertex at, PathDensity d, Poin
   add_found(TECHNIQUE_BI, name.pixel, k, name.number, value, weight);
 }
 
+// join_ends[] has those of y_0 of all walks, then those of segments on the camera's side, by their
+// numbers, then those of all other vertices of light walks, pool by pool.
+SHARED uint segment_ends() MEMBER_CONST {
+  return render.groups * render.walks_full;
+}
+SHARED uint scattered_ends() MEMBER_CONST {
+  return render.groups * (render.walks_full + render.per_pool);
+}
+/// The first of a pool, among the last.
+SHARED uint first_end(uint group) MEMBER_CONST {
+  return end_first[group * render.walks_full];
+}
+
 /// Candidate i of those that join_ends[] has of a pool, spread evenly from u in [0,1).
 SHARED uint candidate_of(uint first, uint n, uint i, float u) MEMBER_CONST {
   if (n <= kCandidates) return first + i;
@@ -164,8 +177,8 @@ SHARED float chance_of(float estimate, float per_total, float alike, float count
 /// Joins z_{t-1} with a few of its pool's light vertices.
 SHARED void join_few(uint slot, PathVertex at, PathDensity d, Point z, uint group,
                      SampleName name) MEMBER {
-  uint first = pool_first[group];
-  uint n = pool_first[group + 1u] - first;
+  uint first = first_end(group);
+  uint n = first_end(group + 1u) - first;
   if (n == 0u) return;
   uint t = number_of(d) + 1u;
   uint count = t <= 3u ? 2u : 1u;
@@ -181,7 +194,7 @@ SHARED void join_few(uint slot, PathVertex at, PathDensity d, Point z, uint grou
   uint not_zero = 0u;
   for (uint i = 0u; i < m; ++i) {
     count_ray(RAYS_JOIN);
-    JoinEnd end = join_ends[candidate_of(first, n, i, u)];
+    JoinEnd end = join_ends[scattered_ends() + candidate_of(first, n, i, u)];
     float estimate = end.number + t > render.max_depth ? 0.0f : estimate_join(end, here);
     total += estimate;
     not_zero += estimate > 0.0f ? 1u : 0u;
@@ -192,7 +205,7 @@ SHARED void join_few(uint slot, PathVertex at, PathDensity d, Point z, uint grou
   float alike = 0.5f * reciprocal(float(not_zero));
   float before = u_few;
   for (uint i = 0u; i < m; ++i) {
-    JoinEnd end = join_ends[candidate_of(first, n, i, u)];
+    JoinEnd end = join_ends[scattered_ends() + candidate_of(first, n, i, u)];
     float estimate = end.number + t > render.max_depth ? 0.0f : estimate_join(end, here);
     float chance =
         all ? (estimate > 0.0f ? 1.0f : 0.0f) : chance_of(estimate, per_total, alike, float(count));

@@ -1,32 +1,32 @@
 // What invocation i of each step does, for kernels and their twin.
 //
-// Read behind all other texts of this folder, where alive[], end_first[] and start_ends[] are, and
-// `step`, the parameters.
+// Read behind all other texts of this folder, where alive[] and `work`, the parameters of the step, are.
 
 #include "shaders/shared/language.h"
 
 SHARED void step_begin_light_walk(uint i) MEMBER {
-  begin_light_walk(i, step.first + i, step.next + i);
+  if (i == 0u) walk_counts[work.count] = 0u;  // their sum will be there
+  begin_light_walk(i, work.first + i, work.next + i);
 }
 SHARED void step_begin_camera_walk(uint i) MEMBER {
-  begin_camera_walk(i, step.next + i);
+  begin_camera_walk(i, work.next + i);
 }
 SHARED void step_go_on(uint from, uint i) MEMBER {
-  go_on(from, alive[i], step.next + i);
+  go_on(from, alive[i], work.next + i);
 }
 
 /// Of a light's vertex that can be joined.
 SHARED void step_list_end(uint i) MEMBER {
-  uint slot = step.first + i;
+  uint slot = work.first + i;
   PathDensity d = path_densities[slot];
   if ((d.flags & VERTEX_THERE) == 0u || (d.flags & VERTEX_CONNECTIBLE) == 0u) return;
   PathVertex v = path_vertices[slot];
   JoinEnd end = join_end(point_of(v, d), v.back, v.throughput, slot, number_of(d));
-  join_ends[end_first[v.walk] + v.ordinal] = end;
+  join_ends[scattered_ends() + end_first[v.walk] + v.ordinal] = end;
 }
-/// Of y_0 of light walk step.first + i.
+/// Of y_0 of light walk work.first + i.
 SHARED void step_list_start(uint i) MEMBER {
-  uint walk = step.first + i;
+  uint walk = work.first + i;
   PathVertex v = path_vertices[walk];
   PathDensity d = path_densities[walk];
   if ((d.flags & VERTEX_THERE) == 0u) return;
@@ -37,7 +37,7 @@ SHARED void step_list_start(uint i) MEMBER {
   end.carried = v.throughput * emitted(y0, straight);
   end.facing = v.facing;
   if (at_infinity(y0)) end.alpha2 = -1.0f;
-  start_ends[walk] = end;
+  join_ends[walk] = end;
 }
 
 #include "shaders/shared/language_end.h"

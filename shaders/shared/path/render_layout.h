@@ -63,6 +63,8 @@ struct RenderParameters {
   uint tally_first;
   uint portals_first;
   uint pad0;
+  uint pad1;
+  uint pad2;
 };
 
 // Beside the film, of each bucket: counts of rays, then sums of four words: energy by technique, by
@@ -203,7 +205,7 @@ const uint kNoVertex = 0xFFFFFFFFu;
 #ifdef __cplusplus
 static_assert(sizeof(PathVertex) == 112 && sizeof(PathDensity) == 32 && sizeof(JoinEnd) == 112);
 static_assert(sizeof(PortalSegment) == 304 && sizeof(SegmentSide) == 32);
-static_assert(sizeof(RenderParameters) == 64 + 24 + 32 + 48 + 32);
+static_assert(sizeof(RenderParameters) == 208);
 #endif
 
 SHARED_END

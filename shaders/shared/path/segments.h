@@ -2,8 +2,8 @@
 // and 3.2, tools/tdpt-render/path/segment_sampler.cpp. x_l and x_c are the ends on the light's and
 // on the camera's side.
 //
-// Read behind connect.h, where segments[], segment_sides[], segment_ends[], start_ends[] and
-// walk_last[] are. A sample's segment has its number within the submission.
+// Read behind connect.h, where segments[], segment_sides[] and walk_last[] are. A sample's segment
+// has its number within the submission.
 
 #include "shaders/shared/language.h"
 
@@ -45,15 +45,15 @@ SHARED vec3 brought_to(Point x_l, vec3 w, Point y, PathVertex light, Edge e) MEM
 }
 
 SHARED JoinEnd light_candidate(uint group, uint c) MEMBER_CONST {
-  uint first = pool_first[group];
-  uint n = pool_first[group + 1u] - first;
-  return c < n ? join_ends[first + c] : start_ends[group * render.walks_full + c - n];
+  uint first = first_end(group);
+  uint n = first_end(group + 1u) - first;
+  return join_ends[c < n ? scattered_ends() + first + c : group * render.walks_full + c - n];
 }
 
 /// The vertices of light walks that x_l, sending along w, is joined with: few of the pool's.
 SHARED void join_segment_with_light(uint segment, uint group, Point x_l, vec3 w, float u,
                                     float u_few, INOUT(PortalSegment) s) MEMBER {
-  uint n = pool_first[group + 1u] - pool_first[group] + walks_of_pool(pool_of_group(group));
+  uint n = first_end(group + 1u) - first_end(group) + walks_of_pool(pool_of_group(group));
   uint m = min(n, kCandidates);
   float walks = float(walks_of_pool(pool_of_group(group)));
   float times = n <= kCandidates ? walks : walks * 8.0f * reciprocal(float(n));
@@ -188,7 +188,7 @@ SHARED void draw_segment(uint segment) MEMBER {
   s.through = absorbed(vec3(through, through, through), x_l, x_c, e);
   segments[segment] = s;
   JoinEnd end = join_end(x_c, -e.w, s.through, segment, 0u);
-  segment_ends[segment] = end;
+  join_ends[segment_ends() + segment] = end;
 }
 
 /// Light of prefixes that leave room for t vertices from the camera.
@@ -350,7 +350,7 @@ SHARED void join_with_segment(uint segment, uint slot, PathVertex at, PathDensit
 
 SHARED float estimate_segment(uint segment, JoinEnd here, uint t) MEMBER_CONST {
   if (!(segments[segment].density > 0.0f)) return 0.0f;
-  return estimate_join(segment_ends[segment], here) * luminance(light_of(segment, t));
+  return estimate_join(join_ends[segment_ends() + segment], here) * luminance(light_of(segment, t));
 }
 
 /// Joins a camera's walk with a few of its pool's segments: of all pairs of one with a vertex those

@@ -34,15 +34,17 @@ class Machine {
  public:
   virtual ~Machine() = default;
   virtual Room room() const = 0;
-  /// For all steps that follow.
-  virtual void set(const shader::RenderParameters& parameters) = 0;
+  /// For all steps that follow. `pool_offsets`: how far along its stretch the pixel of each sample
+  /// of pool 0 lies; `film_words`: size of the film, with what is counted beside it.
+  virtual void set(const shader::RenderParameters& parameters,
+                   const std::vector<uint32_t>& pool_offsets, uint32_t film_words) = 0;
   /// Runs them one after the other.
   virtual void run(Step step, const shader::StepParameters& parameters) = 0;
   /// Of the slots from `first` on those whose walk may go on, in order, for the next step that goes
   /// on. Returns how many there are.
   virtual uint32_t gather(bool of_light, uint32_t first, uint32_t count) = 0;
   /// Finds a place for each end that light walks have for joins, walk by walk.
-  virtual void place_ends(uint32_t walks, uint32_t groups) = 0;
+  virtual void place_ends(uint32_t walks) = 0;
   /// All words of the film and of what is counted beside it; 0 from then on.
   virtual std::vector<uint32_t> take_film() = 0;
 };

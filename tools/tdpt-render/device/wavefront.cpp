@@ -68,6 +68,12 @@ void set_pools(const Mixture& m, RenderParameters& p) {
   p.walks_less = static_cast<uint32_t>(light_walks_of(m, most - 1));
 }
 
+// As far as pixel_of_pool() takes sample i along its stretch.
+uint32_t pool_offset(uint64_t i, uint64_t pools) {
+  const uint64_t stretch = i * pools;
+  return static_cast<uint32_t>(pixel_of_pool(0, i, pools, stretch + pools) - stretch);
+}
+
 Units units_at(const std::vector<uint32_t>& words, size_t first) {
   Units units = 0;
   for (size_t i = 4; i-- > 0;) units = units << 32 | words[first + i];
@@ -76,7 +82,7 @@ Units units_at(const std::vector<uint32_t>& words, size_t first) {
 
 void add_to_film(const std::vector<uint32_t>& words, const FilmPlaces& places, Film& film) {
   const auto pixels = static_cast<size_t>(film.width()) * static_cast<size_t>(film.height());
-  film.add_units(
+  film.add_sums(
       [&](size_t plane, size_t i) { return units_at(words, 4 * (3 * pixels * plane + i)); },
       [&](size_t pixel) { return words[places.met + pixel]; });
 }
@@ -111,7 +117,7 @@ struct Groups {
 }  // namespace
 
 WavefrontRenderer::WavefrontRenderer(const World& world, std::unique_ptr<Machine> machine)
-    : world_(world), machine_(std::move(machine)), groups_(machine_->room().groups) {}
+    : world_(world), machine_(std::move(machine)), samples_(machine_->room().samples) {}
 
 void WavefrontRenderer::render(const Integrator& integrator, const SampleRules& rules,
                                uint64_t round, const SampleRange& samples, Film& film, Tally& tally,
@@ -132,13 +138,15 @@ void WavefrontRenderer::render(const Integrator& integrator, const SampleRules& 
   p.tally_first = places.tally;
   p.portals_first = places.portals;
   p.most_vertices = machine_->room().vertices;
+  std::vector<uint32_t> offsets;
+  for (uint32_t i = 0; i < p.per_pool; ++i) offsets.push_back(pool_offset(i, p.pools));
   for (uint64_t sample = samples.first, pool = 0; sample < samples.end();) {
     const uint64_t left = (samples.end() - sample) * p.pools - pool;
     p.first_sample = sample;
     p.first_pool = static_cast<uint32_t>(pool);
-    p.groups = static_cast<uint32_t>(std::min<uint64_t>(left, groups_));
-    if (!submit(p)) {
-      groups_ = std::max(p.groups / 2, 1u);
+    p.groups = static_cast<uint32_t>(std::min<uint64_t>(left, samples_ / p.per_pool));
+    if (!submit(p, offsets)) {
+      samples_ = std::max(samples_ / 2, kMostOfPool);
       continue;
     }
     progress.advance(uint64_t{p.groups} * p.per_pool);
@@ -153,8 +161,9 @@ void WavefrontRenderer::render(const Integrator& integrator, const SampleRules& 
 }
 
 // False when there was no room for all vertices: then nothing has come of it.
-bool WavefrontRenderer::submit(RenderParameters p) {
-  machine_->set(p);
+bool WavefrontRenderer::submit(const RenderParameters& p, const std::vector<uint32_t>& pool_offsets,
+                               uint32_t film_words) {
+  machine_->set(p, pool_offsets);
   const TechniqueSet techniques = TechniqueSet::of_bits(static_cast<uint8_t>(p.techniques));
   const uint32_t walks = techniques.walks_from_light() ? p.groups * p.walks_full : 0;
   const uint32_t samples = p.groups * p.per_pool;
@@ -180,7 +189,7 @@ bool WavefrontRenderer::submit(RenderParameters p) {
     if (!go_on(true, walks, walks)) return false;
     lights_end = used;
     if (samples > p.most_vertices - used) return false;
-    machine_->place_ends(walks, p.groups);
+    machine_->place_ends(walks);
     machine_->run(Step::list_ends, {lights_end - walks, walks, 0});
   }
   const bool crosses = techniques.has(Technique::portal) && !world_.portals.empty();

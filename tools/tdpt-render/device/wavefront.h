@@ -16,11 +16,12 @@ class WavefrontRenderer : public SampleRenderer {
               const SampleRange& samples, Film& film, Tally& tally, Progress& progress) override;
 
  private:
-  bool submit(shader::RenderParameters parameters);
+  bool submit(const shader::RenderParameters& parameters,
+              const std::vector<uint32_t>& pool_offsets);
 
   const World& world_;
   std::unique_ptr<Machine> machine_;
-  uint32_t groups_;  // of a submission, as many as have had room
+  uint32_t samples_;  // of a submission, as many as have had room
 };
 
 /// Where things lie in the words of a film of so many pixels; `words`: of all.

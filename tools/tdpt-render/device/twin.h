@@ -1,0 +1,14 @@
+// The twin of a device: the kernels' text as C++, on the CPU. Slow and plain, it says what a device
+// must render, byte for byte.
+#pragma once
+#include <memory>
+
+#include "tools/tdpt-render/device/machine.h"
+#include "tools/tdpt-render/device/render_tables.h"
+
+namespace tdpt {
+
+/// Keeps a reference to the tables.
+std::unique_ptr<Machine> make_twin(const RenderTables& tables, const Room& room);
+
+}  // namespace tdpt
