@@ -27,17 +27,20 @@ enum class Step : uint8_t {
 /// How much room there is.
 struct Room {
   uint32_t vertices = 0;  ///< slots
-  uint32_t groups = 0;    ///< pools of samples in a submission
+  uint32_t samples = 0;   ///< of a submission; kMostOfPool at least
 };
+
+/// Samples of a pool.
+constexpr uint32_t kMostOfPool = 256;
 
 class Machine {
  public:
   virtual ~Machine() = default;
   virtual Room room() const = 0;
   /// For all steps that follow. `pool_offsets`: how far along its stretch the pixel of each sample
-  /// of pool 0 lies; `film_words`: size of the film, with what is counted beside it.
+  /// of pool 0 lies.
   virtual void set(const shader::RenderParameters& parameters,
-                   const std::vector<uint32_t>& pool_offsets, uint32_t film_words) = 0;
+                   const std::vector<uint32_t>& pool_offsets) = 0;
   /// Runs them one after the other.
   virtual void run(Step step, const shader::StepParameters& parameters) = 0;
   /// Of the slots from `first` on those whose walk may go on, in order, for the next step that goes

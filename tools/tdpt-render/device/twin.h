@@ -8,7 +8,8 @@
 
 namespace tdpt {
 
-/// Keeps a reference to the tables.
-std::unique_ptr<Machine> make_twin(const RenderTables& tables, const Room& room);
+/// Keeps a reference to the tables. `film_words`: of the film and of what is counted beside it.
+std::unique_ptr<Machine> make_twin(const RenderTables& tables, const Room& room,
+                                   uint32_t film_words);
 
 }  // namespace tdpt

@@ -1,0 +1,252 @@
+#include "tools/tdpt-render/device/gpu_machine.h"
+
+#include <map>
+
+#include "libcommon/gpu/kernel.h"
+#include "libcommon/math/sequence.h"
+#include "shaders/path_scan.h"
+#include "shaders/path_step_begin_camera.h"
+#include "shaders/path_step_begin_light.h"
+#include "shaders/path_step_connect.h"
+#include "shaders/path_step_draw_segments.h"
+#include "shaders/path_step_flag_camera.h"
+#include "shaders/path_step_flag_light.h"
+#include "shaders/path_step_gather.h"
+#include "shaders/path_step_go_on_camera.h"
+#include "shaders/path_step_go_on_light.h"
+#include "shaders/path_step_join_segments.h"
+#include "shaders/path_step_list_ends.h"
+#include "shaders/path_step_list_starts.h"
+#include "shaders/path_step_see_segments.h"
+#include "shaders/path_step_splat.h"
+#include "shaders/shared/path/scan_layout.h"
+
+namespace tdpt {
+namespace {
+
+using gpu::Buffer;
+using gpu::Device;
+using gpu::Kernel;
+using gpu::Memory;
+
+constexpr size_t kOfSteps = static_cast<size_t>(Step::kSteps);
+
+// In the order of Step.
+constexpr std::array<std::span<const uint32_t>, kOfSteps> kPrograms{
+    shader::path_step_begin_light_spv,   shader::path_step_begin_camera_spv,
+    shader::path_step_go_on_light_spv,   shader::path_step_go_on_camera_spv,
+    shader::path_step_list_ends_spv,     shader::path_step_list_starts_spv,
+    shader::path_step_draw_segments_spv, shader::path_step_connect_spv,
+    shader::path_step_splat_spv,         shader::path_step_see_segments_spv,
+    shader::path_step_join_segments_spv};
+
+struct Settings {
+  shader::RenderParameters render;
+  shader::GuideParameters guiding;
+  shader::LightSettings lights;
+};
+
+uint32_t groups_of(uint32_t count) {
+  return (count + 63) / 64;
+}
+
+class GpuMachine : public Machine {
+ public:
+  GpuMachine(const Device& device, const RenderTables& t, const Room& room, uint32_t film_words,
+             StepTimes* times)
+      : device_(device),
+        room_(room),
+        times_(times),
+        settings_host_{{}, t.portals.guiding, t.lights.settings},
+        features_(features_of(t)),
+        film_words_(film_words),
+        settings_(device, sizeof(Settings) + 4 * kMostOfPool),
+        walk_counts_(device, 4 * (uint64_t{room.samples} + 1)),
+        alive_(device, 4 * uint64_t{room.vertices}),
+        end_first_(device, 4 * (uint64_t{room.samples} + 1)),
+        film_(device, 4 * uint64_t{film_words}),
+        flags_(device, 4 * (uint64_t{room.vertices} + 1)),
+        ranks_(device, 4 * (uint64_t{room.vertices} + 1)),
+        totals_(device, 4 * (uint64_t{shader::scan_blocks(room.vertices + 1)} + 1)),
+        memory_(bind(t)),
+        flag_light_(kernel(shader::path_step_flag_light_spv, {})),
+        flag_camera_(kernel(shader::path_step_flag_camera_spv, {})),
+        gather_(kernel(shader::path_step_gather_spv, {})),
+        scan_flags_(device, shader::path_scan_spv, {flags_, ranks_, totals_},
+                    sizeof(shader::ScanParameters)),
+        scan_walks_(device, shader::path_scan_spv, {walk_counts_, end_first_, totals_},
+                    sizeof(shader::ScanParameters)) {
+    device_.run([&](gpu::Commands& c) { c.clear(film_); });
+  }
+
+  Room room() const override { return room_; }
+
+  void set(const shader::RenderParameters& p, const std::vector<uint32_t>& pool_offsets) override {
+    settings_host_.render = p;
+    std::vector<std::byte> bytes(sizeof(Settings) + 4 * pool_offsets.size());
+    std::memcpy(bytes.data(), &settings_host_, sizeof(Settings));
+    std::memcpy(bytes.data() + sizeof(Settings), pool_offsets.data(), 4 * pool_offsets.size());
+    settings_.write(bytes);
+    guided_ = p.guide_light > 0 || p.guide_camera > 0;
+  }
+
+  void run(Step step, const shader::StepParameters& p) override {
+    if (p.count == 0) return;
+    const size_t i = static_cast<size_t>(step);
+    const double seconds = device_.run(
+        [&](gpu::Commands& c) { c.dispatch(kernel_of(i), gpu::push(p), groups_of(p.count)); });
+    if (times_) times_->of[i] += seconds;
+  }
+
+  uint32_t gather(bool of_light, uint32_t first, uint32_t count) override {
+    const shader::StepParameters p{count, first, 0};
+    const double seconds = device_.run([&](gpu::Commands& c) {
+      c.dispatch(of_light ? flag_light_ : flag_camera_, gpu::push(p), groups_of(count));
+      scan(c, scan_flags_, count);
+      c.dispatch(gather_, gpu::push(p), groups_of(count));
+    });
+    if (times_) times_->gather += seconds;
+    return total(count);
+  }
+
+  void place_ends(uint32_t walks) override {
+    const double seconds = device_.run([&](gpu::Commands& c) { scan(c, scan_walks_, walks + 1); });
+    if (times_) times_->gather += seconds;
+  }
+
+  std::vector<uint32_t> take_film() override {
+    std::vector<uint32_t> words = film_.download<uint32_t>(film_words_);
+    device_.run([&](gpu::Commands& c) { c.clear(film_); });
+    return words;
+  }
+
+ private:
+  static std::vector<uint32_t> features_of(const RenderTables& t) {
+    const SurfaceFeatures& f = t.surfaces.features;
+    return {f.layers,
+            f.normals,
+            f.textures,
+            f.colours,
+            f.coats,
+            f.sheen,
+            f.transmission,
+            f.absorption,
+            f.panes,
+            f.coverage,
+            f.coverage_textures,
+            t.lights.has_sky,
+            t.lights.has_sky_map,
+            t.lights.has_lamps,
+            t.lights.has_panels,
+            t.lights.has_windows,
+            t.lights.prefers,
+            !t.portals.facets.empty(),
+            !t.portals.pairs.empty()};
+  }
+
+  // In the order of shaders/path_bindings.glsl.
+  std::vector<Memory> bind(const RenderTables& t) const {
+    const auto buffer = [&](const auto& values) { return Buffer(device_, values); };
+    const SurfaceTables& s = t.surfaces;
+    const LightTables& l = t.lights;
+    const std::vector<shader::uvec4> sobol(shader::sobol_points.begin(),
+                                           shader::sobol_points.end());
+    const auto room = [&](uint64_t n, uint64_t size) { return Buffer(device_, n * size); };
+    return {buffer(t.bvh.nodes),
+            buffer(t.bvh.triangles),
+            buffer(s.faces),
+            buffer(s.face_corners),
+            buffer(s.corner_attributes),
+            buffer(s.materials),
+            buffer(s.maps),
+            buffer(s.texel_words),
+            buffer(t.curves),
+            buffer(s.coverage.coverage_of),
+            buffer(s.coverage.coverages),
+            buffer(l.words),
+            buffer(l.emitters),
+            buffer(l.lamps),
+            buffer(l.suns),
+            buffer(l.texels),
+            buffer(l.panels),
+            buffer(l.windows),
+            buffer(l.frames),
+            settings_,
+            buffer(t.portals.facets),
+            buffer(t.portals.polygons),
+            buffer(t.portals.corners),
+            buffer(t.portals.pairs),
+            buffer(sobol),
+            room(room_.vertices, sizeof(shader::PathVertex)),
+            room(room_.vertices, sizeof(shader::PathDensity)),
+            walk_counts_,
+            room(room_.samples, 4),
+            alive_,
+            end_first_,
+            room(room_.vertices + 2 * uint64_t{room_.samples}, sizeof(shader::JoinEnd)),
+            room(room_.samples, sizeof(shader::PortalSegment)),
+            room(room_.samples, shader::kSegmentSides * sizeof(shader::SegmentSide)),
+            film_,
+            flags_,
+            ranks_};
+  }
+
+  Kernel kernel(std::span<const uint32_t> program, const std::vector<uint32_t>& constants) const {
+    return {device_, program, memory_, sizeof(shader::StepParameters), constants};
+  }
+  // Made when they are first run.
+  const Kernel& kernel_of(size_t step) {
+    const auto found = kernels_.find({step, guided_});
+    if (found != kernels_.end()) return found->second;
+    std::vector<uint32_t> constants = features_;
+    constants.push_back(guided_);
+    return kernels_.emplace(std::pair(step, guided_), kernel(kPrograms[step], constants))
+        .first->second;
+  }
+
+  void scan(gpu::Commands& c, const Kernel& kernel, uint32_t count) const {
+    const uint32_t blocks = shader::scan_blocks(count);
+    const auto phase = [&](uint32_t which, uint32_t groups) {
+      c.dispatch(kernel, gpu::push(shader::ScanParameters{count, which}), groups);
+    };
+    phase(shader::SCAN_BLOCKS, blocks);
+    phase(shader::SCAN_OF_TOTALS, 1);
+    phase(shader::SCAN_SPREAD, blocks);
+  }
+  uint32_t total(uint32_t count) const {
+    return totals_.download<uint32_t>(shader::scan_blocks(count) + 1).back();
+  }
+
+  Device device_;
+  const Room room_;
+  StepTimes* const times_;  // or none
+  Settings settings_host_;
+  const std::vector<uint32_t> features_;
+  bool guided_ = false;
+  const uint32_t film_words_;
+  Buffer settings_, walk_counts_, alive_, end_first_, film_, flags_, ranks_, totals_;
+  const std::vector<Memory> memory_;
+  const Kernel flag_light_, flag_camera_, gather_, scan_flags_, scan_walks_;
+  std::map<std::pair<size_t, bool>, Kernel> kernels_;
+};
+
+}  // namespace
+
+Room room_on(const gpu::Device& device) {
+  // A slot is that large, all that lies in step with it included.
+  constexpr uint64_t kLargest = sizeof(shader::PathVertex) + sizeof(shader::JoinEnd);
+  const gpu::Limits& limits = device.limits();
+  const uint64_t slots =
+      std::min({limits.buffer / kLargest, limits.memory / 4 / (2 * kLargest), uint64_t{1} << 24});
+  Room room;
+  room.vertices = static_cast<uint32_t>(slots);
+  room.samples = static_cast<uint32_t>(std::max<uint64_t>(slots / 16, kMostOfPool));
+  return room;
+}
+
+std::unique_ptr<Machine> make_gpu_machine(const gpu::Device& device, const RenderTables& tables,
+                                          const Room& room, uint32_t film_words, StepTimes* times) {
+  return std::make_unique<GpuMachine>(device, tables, room, film_words, times);
+}
+
+}  // namespace tdpt

@@ -1,0 +1,27 @@
+// Steps of the renderer as compute kernels of a Vulkan device.
+#pragma once
+#include <memory>
+
+#include "libcommon/gpu/device.h"
+#include "tools/tdpt-render/device/machine.h"
+#include "tools/tdpt-render/device/render_tables.h"
+
+namespace tdpt {
+
+/// Seconds of each step's submissions.
+struct StepTimes {
+  std::array<double, static_cast<size_t>(Step::kSteps)> of{};
+  double gather = 0;
+};
+
+/// As much as suits the device.
+Room room_on(const gpu::Device& device);
+
+/// `film_words`: of the film and of what is counted beside it. Adds to `times`, if there is one.
+/// Throws Error (no_device), with both numbers, where the scene or the film is too large for the
+/// device.
+std::unique_ptr<Machine> make_gpu_machine(const gpu::Device& device, const RenderTables& tables,
+                                          const Room& room, uint32_t film_words,
+                                          StepTimes* times = nullptr);
+
+}  // namespace tdpt
