@@ -293,15 +293,13 @@ struct Lobes {
 
 /// The lobes that are not Dirac, or, by `dirac`, the one that is: reflection on the same side,
 /// transmission on the other. 0 where a direction lies in the surface.
-SHARED Lobes bsdf_lobes(Bsdf b, vec3 from, vec3 to, bool dirac) MEMBER_CONST {
+SHARED Lobes bsdf_lobes(Bsdf b, View view, Shares shares, vec3 to, bool dirac) MEMBER_CONST {
   Lobes lobes;
   lobes.f = vec3(0.0f);
   lobes.pdf_w = 0.0f;
-  if (!(abs(from.z) > kInSurface) || !(abs(to.z) > kInSurface)) return lobes;
-  View view = view_of(b, from);
+  if (!(view.from.z > kInSurface) || !(abs(to.z) > kInSurface)) return lobes;
   vec3 w = turned(view, to);
   bool reflects = w.z > 0.0f;
-  Shares shares = shares_of(b, view);
   Covers covers = covers_along(b, view, w);
   float under = min(covers.from, covers.to);
   if (!dirac && reflects) {
@@ -334,9 +332,8 @@ SHARED Lobes bsdf_lobes(Bsdf b, vec3 from, vec3 to, bool dirac) MEMBER_CONST {
   return lobes;
 }
 
-/// Directional albedo: the share that leaves of what comes from `from`.
-SHARED vec3 bsdf_albedo(Bsdf b, vec3 from) MEMBER_CONST {
-  View view = view_of(b, from);
+/// Directional albedo: the share that leaves of what comes from view.from.
+SHARED vec3 bsdf_albedo(Bsdf b, View view) MEMBER_CONST {
   if (view.solid && view.back && is_rough(view)) return vec3(1.0f);  // all, beyond some angle
   vec3 left = vec3(1.0f);
   if (is_smooth(view)) left = reflectance_at(b, view, view.from.z).rest;
@@ -352,13 +349,11 @@ SHARED vec3 bsdf_albedo(Bsdf b, vec3 from) MEMBER_CONST {
 }
 
 /// Takes a lobe and a direction from it; three numbers in [0,1). False when the walk is absorbed.
-SHARED bool bsdf_turn(Bsdf b, vec3 from, float choice, float u, float v, OUT(vec3) to,
-                      OUT(bool) dirac) MEMBER_CONST {
+SHARED bool bsdf_turn(Bsdf b, View view, Shares shares, float choice, float u, float v,
+                      OUT(vec3) to, OUT(bool) dirac) MEMBER_CONST {
   to = vec3(0.0f);
   dirac = false;
-  if (!(abs(from.z) > kInSurface)) return false;
-  View view = view_of(b, from);
-  Shares shares = shares_of(b, view);
+  if (!(view.from.z > kInSurface)) return false;
   if (shares.diffuse < 0.0f) return false;
   float p = shares.diffuse + shares.sheen;
   if (choice < p || !view.interfaced) {
@@ -408,9 +403,7 @@ SHARED bool bsdf_connectible(Bsdf b) MEMBER_CONST {
   return is_positive(b.diffuse) || has_sheen(b) || is_rough(view_of(b, vec3(0.0f, 0.0f, 1.0f)));
 }
 
-SHARED Odds bsdf_odds(Bsdf b, vec3 from) MEMBER_CONST {
-  View view = view_of(b, from);
-  Shares shares = shares_of(b, view);
+SHARED Odds bsdf_odds(Bsdf b, View view, Shares shares) MEMBER_CONST {
   float broad = max(shares.diffuse + shares.sheen, 0.0f);
   bool dirac = is_smooth(view) && shares.diffuse >= 0.0f;
   Odds odds;

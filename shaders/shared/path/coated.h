@@ -41,13 +41,29 @@ SHARED bool both_on_coat(Seen a, Seen b) MEMBER_CONST {
   return a.on_coat && b.on_coat && (a.side < 0.0f) == (b.side < 0.0f);
 }
 
-/// That the coat is taken, in proportion to what it reflects and what else leaves.
-SHARED float coat_probability(Bsdf b, Seen from) MEMBER_CONST {
+/// Where a walk scatters: what it sees, having come along `seen`, and what it may take.
+struct Standing {
+  Seen seen;
+  View view;
+  Shares shares;
+  float coat;  ///< that the coat is taken
+};
+
+/// In proportion to what the coat reflects and what else leaves.
+SHARED float coat_probability(Bsdf b, Seen from, View view) MEMBER_CONST {
   if (!from.on_coat) return 0.0f;
   if (!from.on_base) return 1.0f;
   // Facets reflect more than their mean at some angles.
   float e = 1.0f - coat_left_over(b.coat, from.coat.z) + 0.02f * b.coat.strength;
-  return 3.0f * e * reciprocal(max(3.0f * e + sum_of(bsdf_albedo(b, from.base)), 1e-30f));
+  return 3.0f * e * reciprocal(max(3.0f * e + sum_of(bsdf_albedo(b, view)), 1e-30f));
+}
+SHARED Standing standing_at(Point p, vec3 back) MEMBER_CONST {
+  Standing here;
+  here.seen = seen_from(p, back);
+  here.view = view_of(p.bsdf, here.seen.base);
+  here.shares = shares_of(p.bsdf, here.view);
+  here.coat = coat_probability(p.bsdf, here.seen, here.view);
+  return here;
 }
 
 /// What leads from `back` to `to`: of the surface and of its coat, where their normals differ each
@@ -65,14 +81,15 @@ SHARED bool coat_is_nearer(Point p, Seen back, Seen to) MEMBER_CONST {
   return abs(dot(h, p.bsdf.coat.normal)) > abs(h.z);
 }
 
-SHARED Layers layers_between(Point p, Seen back, Seen to, bool dirac) MEMBER_CONST {
+SHARED Layers layers_between(Point p, Standing here, Seen to, bool dirac) MEMBER_CONST {
+  Seen back = here.seen;
   Layers layers;
   layers.base = vec3(0.0f);
   layers.coat = 0.0f;
   layers.pdf_w = 0.0f;
-  float taken = coat_probability(p.bsdf, back);
+  float taken = here.coat;
   if (both_on_base(back, to)) {
-    Lobes lobes = bsdf_lobes(p.bsdf, back.base, to.base, dirac);
+    Lobes lobes = bsdf_lobes(p.bsdf, here.view, here.shares, to.base, dirac);
     layers.base = lobes.f;
     layers.pdf_w = (1.0f - taken) * lobes.pdf_w;
   }
@@ -92,40 +109,40 @@ SHARED Layers layers_between(Point p, Seen back, Seen to, bool dirac) MEMBER_CON
 }
 
 /// As bsdf_turn(), with `to` in the shading frame; `by_coat`: which of the two was taken.
-SHARED bool coated_turn(Point p, Seen here, float u, float v, float choice, OUT(vec3) to,
+SHARED bool coated_turn(Point p, Standing here, float u, float v, float choice, OUT(vec3) to,
                         OUT(bool) dirac, OUT(bool) by_coat) MEMBER_CONST {
-  float taken = coat_probability(p.bsdf, here);
+  float taken = here.coat;
   by_coat = choice < taken;
   if (!by_coat) {
     to = vec3(0.0f);
     dirac = false;
-    if (!here.on_base) return false;
+    if (!here.seen.on_base) return false;
     float rest = choice;
     if (taken > 0.0f)
       rest = min((choice - taken) * reciprocal(max(1.0f - taken, 1e-30f)), 0.99999994f);
-    return bsdf_turn(p.bsdf, here.base, rest, u, v, to, dirac);
+    return bsdf_turn(p.bsdf, here.view, here.shares, rest, u, v, to, dirac);
   }
   dirac = coat_smooth(p.bsdf.coat);
-  if (!coat_turn(p.bsdf.coat, here.coat, u, v, to)) return false;
-  if (here.side < 0.0f) to.z = -to.z;
+  if (!coat_turn(p.bsdf.coat, here.seen.coat, u, v, to)) return false;
+  if (here.seen.side < 0.0f) to.z = -to.z;
   if (!same_normals(p)) to = to_world(onb_about(p.bsdf.coat.normal), to);
   return true;
 }
 
-SHARED vec3 coated_albedo(Point p, Seen here) MEMBER_CONST {
+SHARED vec3 coated_albedo(Point p, Standing here) MEMBER_CONST {
   vec3 albedo = vec3(0.0f);
-  if (here.on_base || !has_coat(p.bsdf)) albedo = bsdf_albedo(p.bsdf, here.base);
-  if (here.on_coat) albedo += vec3(1.0f - coat_left_over(p.bsdf.coat, here.coat.z));
+  if (here.seen.on_base || !has_coat(p.bsdf)) albedo = bsdf_albedo(p.bsdf, here.view);
+  if (here.seen.on_coat) albedo += vec3(1.0f - coat_left_over(p.bsdf.coat, here.seen.coat.z));
   return albedo;
 }
 
-SHARED Odds coated_odds(Point p, Seen here) MEMBER_CONST {
+SHARED Odds coated_odds(Point p, Standing here) MEMBER_CONST {
   Odds odds;
   odds.dirac = 0.0f;
   odds.broad = 1.0f;
-  if (here.on_base) odds = bsdf_odds(p.bsdf, here.base);
+  if (here.seen.on_base) odds = bsdf_odds(p.bsdf, here.view, here.shares);
   if (!has_coat(p.bsdf)) return odds;
-  float taken = coat_probability(p.bsdf, here);
+  float taken = here.coat;
   odds.dirac = (1.0f - taken) * odds.dirac + (coat_smooth(p.bsdf.coat) ? taken : 0.0f);
   odds.broad = (1.0f - taken) * odds.broad + (p.bsdf.coat.alpha >= kNarrowAlpha ? taken : 0.0f);
   if (odds.dirac > 0.0f) odds.broad = 1.0f;

@@ -21,9 +21,9 @@ SHARED vec3 of_radiance(Point p, Layers layers, Seen l, Seen c) MEMBER_CONST {
 /// Radiance BSDF without Dirac lobes [1/sr]; unit directions away from the surface.
 SHARED vec3 bsdf_at(Point p, vec3 to_light, vec3 to_camera) MEMBER_CONST {
   if (!is_layered(p)) return same_side(p, to_light, to_camera) ? p.color * kInversePi : vec3(0.0f);
-  Seen l = seen_from(p, to_light);
+  Standing l = standing_at(p, to_light);
   Seen c = seen_from(p, to_camera);
-  return of_radiance(p, layers_between(p, l, c, false), l, c);
+  return of_radiance(p, layers_between(p, l, c, false), l.seen, c);
 }
 
 /// n_to^2 |cos_to| of a Dirac lobe, about the normal that it is reflected by.
@@ -42,15 +42,16 @@ SHARED float scatter_pdf_w(Point at, vec3 back, vec3 to, bool dirac) MEMBER_CONS
     return !dirac && dot(at.normal, back) * cosine > 0.0f ? abs(cosine) * kInversePi : 0.0f;
   }
   Seen next = seen_from(at, to);
-  Layers layers = layers_between(at, seen_from(at, back), next, dirac);
+  Layers layers = layers_between(at, standing_at(at, back), next, dirac);
   return dirac ? layers.pdf_w * dirac_measure(at, layers, next) : layers.pdf_w;
 }
 
 /// f cos / pdf_w of the way from `back` to `to`, or reflectance by probability; false: none leads
 /// there.
-SHARED bool weigh(Point p, uint from, Seen back, Seen to, bool dirac,
+SHARED bool weigh(Point p, uint from, Standing here, Seen to, bool dirac,
                   OUT(vec3) weight) MEMBER_CONST {
-  Layers layers = layers_between(p, back, to, dirac);
+  Layers layers = layers_between(p, here, to, dirac);
+  Seen back = here.seen;
   weight = vec3(0.0f);
   if (!(layers.pdf_w > 1e-30f)) return false;
   bool from_camera = from == FROM_CAMERA;
@@ -64,10 +65,9 @@ SHARED bool weigh(Point p, uint from, Seen back, Seen to, bool dirac,
       factor = abs((coat ? back.coat.z : back.base.z) * to.side) *
                reciprocal(max(abs(back.side * (coat ? to.coat.z : to.base.z)), 1e-30f));
     weight = (layers.base + vec3(layers.coat)) * (factor * over_pdf);
-  } else if (from_camera) {
-    weight = of_radiance(p, layers, to, back) * (abs(to.side) * over_pdf);
   } else {
-    weight = of_radiance(p, layers, back, to) * (abs(to.side) * over_pdf);
+    vec3 f = from_camera ? of_radiance(p, layers, to, back) : of_radiance(p, layers, back, to);
+    weight = f * (abs(to.side) * over_pdf);
   }
   return true;
 }
@@ -78,7 +78,7 @@ SHARED bool turn_towards(Point p, uint from, vec3 back, vec3 w, OUT(Turn) t) MEM
   t.dirac = false;
   t.weight = p.color;
   if (!is_layered(p)) return same_side(p, back, w);
-  return weigh(p, from, seen_from(p, back), seen_from(p, w), false, t.weight);
+  return weigh(p, from, standing_at(p, back), seen_from(p, w), false, t.weight);
 }
 
 /// The next direction of a walk that came along unit `back`. u, v: direction; `choice`: of a lobe.
@@ -96,12 +96,12 @@ SHARED bool turn(Point p, uint from, vec3 back, float u, float v, float choice,
   t.w = back;
   vec3 to;
   bool by_coat;
-  Seen here = seen_from(p, back);
+  Standing here = standing_at(p, back);
   if (!coated_turn(p, here, u, v, choice, to, t.dirac, by_coat)) return false;
   t.w = normalized(to_world(onb_about(p.shading), to));
   Seen next = seen_from(p, t.w);
   // Bent normals may send it to a side where the lobe that it comes from is not seen.
-  if (!(by_coat ? both_on_coat(here, next) : next.on_base)) return false;
+  if (!(by_coat ? both_on_coat(here.seen, next) : next.on_base)) return false;
   return weigh(p, from, here, next, t.dirac, t.weight);
 }
 
@@ -110,7 +110,7 @@ SHARED Odds odds_at(Point p, vec3 back) MEMBER_CONST {
   odds.dirac = 0.0f;
   odds.broad = 1.0f;
   if (!is_layered(p)) return odds;
-  return coated_odds(p, seen_from(p, back));
+  return coated_odds(p, standing_at(p, back));
 }
 
 /// Probability that a ray along `w`, of any length, finds a pane; 1 of all else.
@@ -129,7 +129,7 @@ SHARED float albedo_at(Point p, vec3 back) MEMBER_CONST {
   if (!on_surface(p)) return 1.0f;
   float albedo = largest(p.color);
   if (is_layered(p)) {
-    albedo = largest(coated_albedo(p, seen_from(p, back)));
+    albedo = largest(coated_albedo(p, standing_at(p, back)));
     if (scene_has_panes) albedo = albedo * reciprocal(max(presence_at(p.triangle, back), 1e-6f));
   }
   return min(max(albedo, 0.05f), 1.0f);
