@@ -52,7 +52,16 @@ struct View {
   float rise;    ///< ratio - 1
   float n_from;  ///< index where directions live
   float n_behind;
+  vec3 left;  ///< 1 - E, what the interface leaves to the diffuse lobe along `from`
 };
+
+/// 1 - E of an interface.
+SHARED vec3 interface_left_over(Bsdf b, InterfaceAlbedo e) MEMBER_CONST {
+  return not_below_0(vec3(1.0f) - (b.f0 * e.a + b.f90 * e.b));
+}
+SHARED vec3 left_over(Bsdf b, View view, float mu) MEMBER_CONST {
+  return view.interfaced ? interface_left_over(b, interface_albedo(mu, view.alpha)) : vec3(1.0f);
+}
 
 SHARED vec3 turned(View view, vec3 w) MEMBER_CONST {
   return view.back ? vec3(w.x, w.y, -w.z) : w;
@@ -74,6 +83,7 @@ SHARED View view_of(Bsdf b, vec3 from) MEMBER_CONST {
   view.rise = inside ? -rise * view.ratio : rise;
   view.n_from = inside ? b.eta : 1.0f;
   view.n_behind = view.solid && !view.back ? b.eta : 1.0f;
+  view.left = left_over(b, view, view.from.z);
   return view;
 }
 SHARED bool is_rough(View view) MEMBER_CONST {
@@ -89,15 +99,14 @@ struct Reflectance {
   vec3 rest;
 };
 
-/// At cosine c to the (microfacet's) normal.
-SHARED Reflectance reflectance_at(Bsdf b, View view, float cosine) MEMBER_CONST {
+/// At a cosine to the (microfacet's) normal; q: refracted_q().
+SHARED Reflectance reflectance_at(Bsdf b, View view, float cosine, float q) MEMBER_CONST {
   float c = min(cosine, 1.0f);
   Reflectance r;
   FresnelCurve curve;
   if (!view.passes) {
     curve = schlick_curve(c);
   } else {
-    float q = refracted_q(c, view.ratio, view.rise);
     r.back = vec3(1.0f);
     r.rest = vec3(0.0f);
     if (q < 0.0f) return r;
@@ -112,12 +121,8 @@ SHARED Reflectance reflectance_at(Bsdf b, View view, float cosine) MEMBER_CONST 
   return r;
 }
 
-/// 1 - E, what the interface leaves to the diffuse lobe.
-SHARED vec3 interface_left_over(Bsdf b, InterfaceAlbedo e) MEMBER_CONST {
-  return not_below_0(vec3(1.0f) - (b.f0 * e.a + b.f90 * e.b));
-}
-SHARED vec3 left_over(Bsdf b, View view, float mu) MEMBER_CONST {
-  return interface_left_over(b, interface_albedo(mu, view.alpha));
+SHARED Reflectance reflectance_at(Bsdf b, View view, float cosine) MEMBER_CONST {
+  return reflectance_at(b, view, cosine, refracted_q(cosine, view.ratio, view.rise));
 }
 
 /// What the layers above let through: a coat along both directions, a sheen along them together.
@@ -155,21 +160,18 @@ SHARED vec3 average_under_coat(Bsdf b) MEMBER_CONST {
     float weight = surface_curves[kGauss + 2u * i + 1u];
     for (int side = 0; side < 2; ++side) {
       float mu = side == 0 ? 0.5f - x : 0.5f + x;
-      vec3 left = view.interfaced ? left_over(b, view, mu) : vec3(1.0f);
-      mean += left * (2.0f * mu * weight * coat_left_over(b.coat, mu));
+      mean += left_over(b, view, mu) * (2.0f * mu * weight * coat_left_over(b.coat, mu));
     }
   }
   return mean;
 }
 
-/// Diffuse lobe [1/sr] for two directions on this side.
-SHARED vec3 diffuse_lobe(Bsdf b, View view, float mu_from, float mu_to,
-                         Covers covers) MEMBER_CONST {
+/// Diffuse lobe [1/sr] to another direction on this side.
+SHARED vec3 diffuse_lobe(Bsdf b, View view, float mu_to, Covers covers) MEMBER_CONST {
   vec3 d = b.diffuse * kInversePi;
   if (!view.interfaced && !has_coat(b)) return d;
-  vec3 p = vec3(1.0f);
+  vec3 p = view.left * left_over(b, view, mu_to);
   vec3 mean = vec3(1.0f);
-  if (view.interfaced) p = left_over(b, view, mu_from) * left_over(b, view, mu_to);
   if (has_coat(b)) {
     p = p * (covers.from * covers.to);
     mean = b.under_coat;
@@ -184,15 +186,14 @@ SHARED vec3 diffuse_lobe(Bsdf b, View view, float mu_from, float mu_to,
 SHARED float diffuse_or_interface(Bsdf b, View view) MEMBER_CONST {
   if (!view.diffuse) return view.interfaced ? 0.0f : -1.0f;
   if (!view.interfaced) return 1.0f;
-  vec3 left = left_over(b, view, view.from.z);
-  float d = sum_of(b.diffuse * left);
+  float d = sum_of(b.diffuse * view.left);
   float i = 0.0f;
   if (is_smooth(view)) {
     Reflectance r = reflectance_at(b, view, view.from.z);
     i = sum_of(r.back) + sum_of(r.rest * b.through);
   } else {
     // Microfacets reflect more than their mean at some angles: never starve them.
-    i = sum_of(vec3(1.0f) - left + left * b.through) + 1e-3f * sum_of(b.f90);
+    i = sum_of(vec3(1.0f) - view.left + view.left * b.through) + 1e-3f * sum_of(b.f90);
   }
   return d + i > 1e-30f ? d * reciprocal(d + i) : -1.0f;
 }
@@ -241,91 +242,102 @@ SHARED Split split_of(Bsdf b, View view, Reflectance at) MEMBER_CONST {
 struct Facet {
   vec3 h;
   float cosine;      ///< from.h > 0
+  float q;           ///< refracted_q(); of what is refracted by the cosine behind, which keeps f
+                     ///< symmetric where it nearly grazes
   float dh_dto;      ///< solid angle of h per solid angle of `to`
   float f_jacobian;  ///< f = Fresnel part * D * G2/(cos cos) * this
-  bool reflects;
+  bool joins;
 };
-SHARED bool facet_between(View view, vec3 to, OUT(Facet) facet) MEMBER_CONST {
-  facet.reflects = to.z > 0.0f;
-  facet.h = vec3(0.0f);
+SHARED Facet facet_between(View view, vec3 to) MEMBER_CONST {
+  Facet facet;
+  facet.h = vec3(0.0f, 0.0f, 1.0f);
   facet.cosine = 0.0f;
+  facet.q = 0.0f;
   facet.dh_dto = 0.0f;
   facet.f_jacobian = 0.0f;
-  if (!(view.from.z > kRoughGrazing) || !(abs(to.z) > kRoughGrazing)) return false;
-  if (!facet.reflects && !view.passes) return false;
-  bool mirrored = facet.reflects || !view.solid;
-  vec3 h = view.from + (facet.reflects || view.solid ? to : vec3(to.x, to.y, -to.z));
+  facet.joins = false;
+  bool reflects = to.z > 0.0f;
+  if (!(view.from.z > kRoughGrazing) || !(abs(to.z) > kRoughGrazing)) return facet;
+  if (!reflects && !view.passes) return facet;
+  bool mirrored = reflects || !view.solid;
+  vec3 h = view.from + (reflects || view.solid ? to : vec3(to.x, to.y, -to.z));
   // Near 1 the indices' rises are all that counts.
   if (!mirrored) h = h + (view.from * (view.n_from - 1.0f) + to * (view.n_behind - 1.0f));
   float l2 = dot(h, h);
-  if (!(l2 > 1e-20f)) return false;
+  if (!(l2 > 1e-20f)) return facet;
   float over_l = inverse_root(l2);
   facet.h = h * (!mirrored && h.z < 0.0f ? -over_l : over_l);
   facet.cosine = dot(view.from, facet.h);
   float cos_to = mirrored ? facet.cosine : -dot(to, facet.h);
-  if (!(facet.cosine > 0.0f && cos_to > 0.0f)) return false;
+  facet.joins = facet.cosine > 0.0f && cos_to > 0.0f;
+  if (!facet.joins) return facet;
   if (mirrored) {
+    facet.q = refracted_q(facet.cosine, view.ratio, view.rise);
     facet.dh_dto = 0.25f * reciprocal(facet.cosine);
     facet.f_jacobian = 0.25f * reciprocal(view.n_from * view.n_from);  // of basic radiance
   } else {
     float scale = cos_to * (over_l * over_l);  // (n_from from.h + n_to to.h)^2 = l^2
+    facet.q = view.ratio * cos_to;
     facet.dh_dto = view.n_behind * view.n_behind * scale;
     facet.f_jacobian = facet.cosine * scale;
   }
-  return true;
+  return facet;
 }
 
-/// Lobes that are not Dirac [1/sr]; 0 where a direction lies in the surface.
-SHARED vec3 bsdf_f(Bsdf b, vec3 from, vec3 to) MEMBER_CONST {
-  vec3 result = vec3(0.0f);
-  if (from.z == 0.0f || to.z == 0.0f) return result;
-  View view = view_of(b, from);
+/// What leads from one direction to another.
+struct Lobes {
+  vec3 f;       ///< symmetric [1/sr]; of a Dirac lobe: reflectance or transmittance
+  float pdf_w;  ///< of bsdf_turn(), the choice of the lobe included [1/sr]; of a Dirac lobe: how
+                ///< probable it is
+};
+
+/// The lobes that are not Dirac, or, by `dirac`, the one that is: reflection on the same side,
+/// transmission on the other. 0 where a direction lies in the surface.
+SHARED Lobes bsdf_lobes(Bsdf b, View view, Shares shares, vec3 to, bool dirac) MEMBER_CONST {
+  Lobes lobes;
+  lobes.f = vec3(0.0f);
+  lobes.pdf_w = 0.0f;
+  if (!(view.from.z > kInSurface) || !(abs(to.z) > kInSurface)) return lobes;
   vec3 w = turned(view, to);
+  bool reflects = w.z > 0.0f;
   Covers covers = covers_along(b, view, w);
   float under = min(covers.from, covers.to);
-  if (view.diffuse && w.z > 0.0f) result = diffuse_lobe(b, view, view.from.z, w.z, covers);
-  Facet m;
-  if (is_rough(view) && facet_between(view, w, m)) {
-    Reflectance r = reflectance_at(b, view, m.cosine);
-    vec3 share = m.reflects ? r.back : r.rest * b.through;
-    result += share * (ggx_d(m.h, view.alpha) * ggx_g2_over_cos(view.from.z, abs(w.z), view.alpha) *
-                       m.f_jacobian * under);
+  if (!dirac && reflects) {
+    if (view.diffuse) lobes.f = diffuse_lobe(b, view, w.z, covers);
+    lobes.pdf_w = max(shares.diffuse, 0.0f) * w.z * kInversePi;
+    if (view.sheen) lobes.pdf_w += shares.sheen * (0.5f * kInversePi);
+  }
+  Facet m = facet_between(view, w);
+  if (view.interfaced && dirac == is_smooth(view) && (dirac || m.joins)) {
+    float c = dirac ? view.from.z : m.cosine;
+    float q = dirac ? refracted_q(c, view.ratio, view.rise) : m.q;
+    Reflectance r = reflectance_at(b, view, c, q);
+    Split split = split_of(b, view, r);
+    float share = shares.diffuse < 0.0f ? 0.0f : 1.0f - (shares.diffuse + shares.sheen);
+    share = share * (reflects ? split.reflect : split.transmit);
+    float per_f = under;
+    if (!dirac) {
+      float d = ggx_d(m.h, view.alpha);
+      share = share * d * ggx_g1_over_cos(view.from.z, view.alpha) * m.cosine * m.dh_dto;
+      per_f = per_f * d * ggx_g2_over_cos(view.from.z, abs(w.z), view.alpha) * m.f_jacobian;
+    }
+    lobes.f += (reflects ? r.back : r.rest * b.through) * per_f;
+    lobes.pdf_w += share;
   }
   if (has_sheen(b)) {
-    result = result * covers.sheen;
-    if (view.sheen && w.z > 0.0f)
-      result += b.sheen * (sheen_f(view.from, w, b.sheen_alpha) * under);
+    lobes.f = lobes.f * covers.sheen;
+    if (view.sheen && !dirac && reflects)
+      lobes.f += b.sheen * (sheen_f(view.from, w, b.sheen_alpha) * under);
   }
-  return result;
+  return lobes;
 }
 
-/// Density with which bsdf_turn() takes `to` by a lobe that is not Dirac, including the choice of
-/// the lobe.
-SHARED float bsdf_pdf_w(Bsdf b, vec3 from, vec3 to) MEMBER_CONST {
-  if (from.z == 0.0f || to.z == 0.0f) return 0.0f;
-  View view = view_of(b, from);
-  vec3 w = turned(view, to);
-  Shares shares = shares_of(b, view);
-  if (shares.diffuse < 0.0f) return 0.0f;
-  float pdf_w = 0.0f;
-  if (w.z > 0.0f) pdf_w = shares.diffuse * w.z * kInversePi + shares.sheen * (0.5f * kInversePi);
-  Facet m;
-  if (is_rough(view) && facet_between(view, w, m)) {
-    Split split = split_of(b, view, reflectance_at(b, view, m.cosine));
-    pdf_w += (1.0f - (shares.diffuse + shares.sheen)) *
-             (m.reflects ? split.reflect : split.transmit) * ggx_d(m.h, view.alpha) *
-             ggx_g1_over_cos(view.from.z, view.alpha) * m.cosine * m.dh_dto;
-  }
-  return pdf_w;
-}
-
-/// Directional albedo: the share that leaves of what comes from `from`.
-SHARED vec3 bsdf_albedo(Bsdf b, vec3 from) MEMBER_CONST {
-  View view = view_of(b, from);
+/// Directional albedo: the share that leaves of what comes from view.from.
+SHARED vec3 bsdf_albedo(Bsdf b, View view) MEMBER_CONST {
   if (view.solid && view.back && is_rough(view)) return vec3(1.0f);  // all, beyond some angle
   vec3 left = vec3(1.0f);
   if (is_smooth(view)) left = reflectance_at(b, view, view.from.z).rest;
-  if (is_rough(view)) left = left_over(b, view, view.from.z);
+  if (is_rough(view)) left = view.left;
   vec3 behind = b.through;
   if (view.diffuse) behind += b.diffuse;
   vec3 all = vec3(1.0f) - left + left * behind;
@@ -337,13 +349,11 @@ SHARED vec3 bsdf_albedo(Bsdf b, vec3 from) MEMBER_CONST {
 }
 
 /// Takes a lobe and a direction from it; three numbers in [0,1). False when the walk is absorbed.
-SHARED bool bsdf_turn(Bsdf b, vec3 from, float choice, float u, float v, OUT(vec3) to,
-                      OUT(bool) dirac) MEMBER_CONST {
+SHARED bool bsdf_turn(Bsdf b, View view, Shares shares, float choice, float u, float v,
+                      OUT(vec3) to, OUT(bool) dirac) MEMBER_CONST {
   to = vec3(0.0f);
   dirac = false;
-  if (from.z == 0.0f) return false;
-  View view = view_of(b, from);
-  Shares shares = shares_of(b, view);
+  if (!(view.from.z > kInSurface)) return false;
   if (shares.diffuse < 0.0f) return false;
   float p = shares.diffuse + shares.sheen;
   if (choice < p || !view.interfaced) {
@@ -388,43 +398,17 @@ SHARED bool bsdf_turn(Bsdf b, vec3 from, float choice, float u, float v, OUT(vec
   return true;
 }
 
-/// Of the Dirac lobe that leads from `from` to `to` (reflection on the same side, transmission on
-/// the other): the probability that bsdf_turn() takes it.
-SHARED float bsdf_dirac_probability(Bsdf b, vec3 from, vec3 to) MEMBER_CONST {
-  if (from.z == 0.0f) return 0.0f;
-  View view = view_of(b, from);
-  if (!is_smooth(view)) return 0.0f;
-  Shares shares = shares_of(b, view);
-  Split split = split_of(b, view, reflectance_at(b, view, view.from.z));
-  if (shares.diffuse < 0.0f) return 0.0f;
-  return (1.0f - (shares.diffuse + shares.sheen)) *
-         (turned(view, to).z > 0.0f ? split.reflect : split.transmit);
-}
-/// Its symmetric reflectance or transmittance of basic radiance.
-SHARED vec3 bsdf_dirac_reflectance(Bsdf b, vec3 from, vec3 to) MEMBER_CONST {
-  if (from.z == 0.0f) return vec3(0.0f);
-  View view = view_of(b, from);
-  if (!is_smooth(view)) return vec3(0.0f);
-  Reflectance r = reflectance_at(b, view, view.from.z);
-  vec3 w = turned(view, to);
-  Covers covers = covers_along(b, view, w);
-  return (w.z > 0.0f ? r.back : r.rest * b.through) * (min(covers.from, covers.to) * covers.sheen);
-}
-
 /// Whether some lobe is not Dirac, so that connections can be made here.
 SHARED bool bsdf_connectible(Bsdf b) MEMBER_CONST {
   return is_positive(b.diffuse) || has_sheen(b) || is_rough(view_of(b, vec3(0.0f, 0.0f, 1.0f)));
 }
 
-SHARED Odds bsdf_odds(Bsdf b, vec3 from) MEMBER_CONST {
+SHARED Odds bsdf_odds(Bsdf b, View view, Shares shares) MEMBER_CONST {
+  float broad = max(shares.diffuse + shares.sheen, 0.0f);
+  bool dirac = is_smooth(view) && shares.diffuse >= 0.0f;
   Odds odds;
-  odds.dirac = bsdf_dirac_probability(b, from, from);
-  if (transmits(b)) odds.dirac += bsdf_dirac_probability(b, from, -from);
-  odds.broad = 1.0f;
-  if (odds.dirac == 0.0f && b.alpha < kNarrowAlpha) {
-    Shares shares = shares_of(b, view_of(b, from));
-    odds.broad = from.z == 0.0f ? 0.0f : max(shares.diffuse + shares.sheen, 0.0f);
-  }
+  odds.dirac = dirac ? 1.0f - broad : 0.0f;
+  odds.broad = odds.dirac == 0.0f && b.alpha < kNarrowAlpha ? broad : 1.0f;
   return odds;
 }
 

@@ -50,7 +50,7 @@ SHARED float coat_pdf_w(Coat c, vec3 from, vec3 to) MEMBER_CONST {
 /// Reflects `from`, by a Dirac lobe if smooth. False when facets send it into the surface.
 SHARED bool coat_turn(Coat c, vec3 from, float u, float v, OUT(vec3) to) MEMBER_CONST {
   to = vec3(-from.x, -from.y, from.z);
-  if (coat_smooth(c)) return from.z > 0.0f;
+  if (coat_smooth(c)) return from.z > kInSurface;
   if (!(from.z > kRoughGrazing)) return false;
   vec3 h = ggx_visible_normal(from, c.alpha, u, v);
   float cosine = dot(from, h);

@@ -1,5 +1,6 @@
-// A surface under a clear coat as one, each about its own normal: the text of
-// tools/tdpt-render/path/coated.cpp in floats.
+// A surface with or without a clear coat as one, each about its own normal: the text of
+// tools/tdpt-render/path/coated.cpp in floats. Where there is no coat, it is taken with probability
+// 0.
 //
 // Read behind bsdf.h, within the same scope.
 
@@ -20,14 +21,17 @@ struct Seen {
 SHARED Seen seen_from(Point p, vec3 w) MEMBER_CONST {
   Seen seen;
   seen.side = dot(p.normal, w);
+  bool below = seen.side < 0.0f;
   seen.base = to_local(onb_about(p.shading), w);
+  seen.on_base = below ? seen.base.z < 0.0f : seen.side > 0.0f && seen.base.z > 0.0f;
   seen.coat = seen.base;
+  seen.on_coat = false;
+  if (!has_coat(p.bsdf)) return seen;
   if (!same_normals(p)) seen.coat = to_local(onb_about(p.bsdf.coat.normal), seen.base);
-  bool inside = seen.side < 0.0f && !p.bsdf.thin && transmits(p.bsdf);
-  seen.on_base = seen.side < 0.0f ? seen.base.z < 0.0f : seen.side > 0.0f && seen.base.z > 0.0f;
-  seen.on_coat = seen.side < 0.0f ? seen.coat.z < 0.0f : seen.side > 0.0f && seen.coat.z > 0.0f;
+  seen.on_coat = below ? seen.coat.z < 0.0f : seen.side > 0.0f && seen.coat.z > 0.0f;
+  bool inside = below && !p.bsdf.thin && transmits(p.bsdf);
   seen.on_coat = seen.on_coat && !inside;
-  if (seen.side < 0.0f) seen.coat.z = -seen.coat.z;
+  if (below) seen.coat.z = -seen.coat.z;
   return seen;
 }
 SHARED bool both_on_base(Seen a, Seen b) MEMBER_CONST {
@@ -37,114 +41,108 @@ SHARED bool both_on_coat(Seen a, Seen b) MEMBER_CONST {
   return a.on_coat && b.on_coat && (a.side < 0.0f) == (b.side < 0.0f);
 }
 
-/// That the coat is taken, in proportion to what it reflects and what else leaves.
-SHARED float coat_probability(Bsdf b, Seen from) MEMBER_CONST {
+/// Where a walk scatters: what it sees, having come along `seen`, and what it may take.
+struct Standing {
+  Seen seen;
+  View view;
+  Shares shares;
+  float coat;  ///< that the coat is taken
+};
+
+/// In proportion to what the coat reflects and what else leaves.
+SHARED float coat_probability(Bsdf b, Seen from, View view) MEMBER_CONST {
   if (!from.on_coat) return 0.0f;
   if (!from.on_base) return 1.0f;
   // Facets reflect more than their mean at some angles.
   float e = 1.0f - coat_left_over(b.coat, from.coat.z) + 0.02f * b.coat.strength;
-  return 3.0f * e * reciprocal(max(3.0f * e + sum_of(bsdf_albedo(b, from.base)), 1e-30f));
+  return 3.0f * e * reciprocal(max(3.0f * e + sum_of(bsdf_albedo(b, view)), 1e-30f));
+}
+SHARED Standing standing_at(Point p, vec3 back) MEMBER_CONST {
+  Standing here;
+  here.seen = seen_from(p, back);
+  here.view = view_of(p.bsdf, here.seen.base);
+  here.shares = shares_of(p.bsdf, here.view);
+  here.coat = coat_probability(p.bsdf, here.seen, here.view);
+  return here;
 }
 
-/// A Dirac lobe that leads from `back` to `to`.
-struct DiracLobe {
-  float probability;  ///< that it is taken
-  vec3 reflectance;   ///< or transmittance, of basic radiance
-  float cos_back;     ///< to the normal it is reflected about
-  float cos_to;
-  float n_back;  ///< index of refraction on the two sides
-  float n_to;
+/// What leads from `back` to `to`: of the surface and of its coat, where their normals differ each
+/// with its own cosines.
+struct Layers {
+  vec3 base;    ///< f, or reflectance of basic radiance
+  float coat;   ///< the same of the coat, colourless
+  float pdf_w;  ///< or probability
 };
 
-/// Where both are smooth, both lead there if their normals are the same; else the one whose normal
-/// is nearer to the half vector.
-SHARED DiracLobe coated_dirac(Point p, Seen back, Seen to) MEMBER_CONST {
-  float taken = coat_probability(p.bsdf, back);
-  DiracLobe base;
-  base.probability = 0.0f;
-  base.reflectance = vec3(0.0f);
-  base.cos_back = 0.0f;
-  base.cos_to = 0.0f;
-  base.n_back = 1.0f;
-  base.n_to = 1.0f;
-  DiracLobe top = base;
-  if (both_on_base(back, to)) {
-    base.probability = (1.0f - taken) * bsdf_dirac_probability(p.bsdf, back.base, to.base);
-    base.reflectance = bsdf_dirac_reflectance(p.bsdf, back.base, to.base);
-    base.cos_back = back.base.z;
-    base.cos_to = to.base.z;
-    base.n_back = index_at(p.bsdf, back.base);
-    base.n_to = index_at(p.bsdf, to.base);
-  }
-  if (!coat_smooth(p.bsdf.coat) || !both_on_coat(back, to)) return base;
-  top.probability = taken;
-  top.reflectance = vec3(coat_reflectance(p.bsdf.coat, back.coat.z));
-  top.cos_back = back.coat.z;
-  top.cos_to = to.coat.z;
-  if (!(base.probability > 0.0f)) return top;
-  if (same_normals(p)) {
-    base.probability += top.probability;
-    base.reflectance += top.reflectance;
-    return base;
-  }
+/// Which Dirac lobe leads there where both are smooth: both do if their normals are the same, else
+/// the one whose normal is nearer to the half vector.
+SHARED bool coat_is_nearer(Point p, Seen back, Seen to) MEMBER_CONST {
   vec3 h = back.base + to.base;
-  if (abs(dot(h, p.bsdf.coat.normal)) > abs(h.z)) return top;
-  return base;
+  return abs(dot(h, p.bsdf.coat.normal)) > abs(h.z);
 }
 
-/// Radiance BSDF, l towards the light, c towards the camera.
-SHARED vec3 coated_f(Point p, Seen l, Seen c) MEMBER_CONST {
-  vec3 f = vec3(0.0f);
-  float over_side = reciprocal(max(abs(l.side), 1e-12f));
-  if (both_on_base(l, c)) {
-    float n = index_at(p.bsdf, c.base);
-    f = bsdf_f(p.bsdf, l.base, c.base) * (n * n * abs(l.base.z) * over_side);
+SHARED Layers layers_between(Point p, Standing here, Seen to, bool dirac) MEMBER_CONST {
+  Seen back = here.seen;
+  Layers layers;
+  layers.base = vec3(0.0f);
+  layers.coat = 0.0f;
+  layers.pdf_w = 0.0f;
+  float taken = here.coat;
+  if (both_on_base(back, to)) {
+    Lobes lobes = bsdf_lobes(p.bsdf, here.view, here.shares, to.base, dirac);
+    layers.base = lobes.f;
+    layers.pdf_w = (1.0f - taken) * lobes.pdf_w;
   }
-  if (both_on_coat(l, c)) f += vec3(coat_f(p.bsdf.coat, l.coat, c.coat) * l.coat.z * over_side);
-  return f;
-}
-
-SHARED float coated_pdf_w(Point p, Seen back, Seen to) MEMBER_CONST {
-  float taken = coat_probability(p.bsdf, back);
-  float pdf_w = 0.0f;
-  if (both_on_coat(back, to)) pdf_w = taken * coat_pdf_w(p.bsdf.coat, back.coat, to.coat);
-  if (both_on_base(back, to)) pdf_w += (1.0f - taken) * bsdf_pdf_w(p.bsdf, back.base, to.base);
-  return pdf_w;
+  if (!both_on_coat(back, to)) return layers;
+  if (!dirac) {
+    layers.coat = coat_f(p.bsdf.coat, back.coat, to.coat);
+    layers.pdf_w += taken * coat_pdf_w(p.bsdf.coat, back.coat, to.coat);
+  } else if (coat_smooth(p.bsdf.coat)) {
+    bool base_leads = layers.pdf_w > 0.0f;
+    if (base_leads && !same_normals(p) && !coat_is_nearer(p, back, to)) return layers;
+    bool alone = !base_leads || !same_normals(p);
+    layers.coat = coat_reflectance(p.bsdf.coat, back.coat.z);
+    layers.base = alone ? vec3(0.0f) : layers.base;
+    layers.pdf_w = alone ? taken : layers.pdf_w + taken;
+  }
+  return layers;
 }
 
 /// As bsdf_turn(), with `to` in the shading frame; `by_coat`: which of the two was taken.
-SHARED bool coated_turn(Point p, Seen here, float u, float v, float choice, OUT(vec3) to,
+SHARED bool coated_turn(Point p, Standing here, float u, float v, float choice, OUT(vec3) to,
                         OUT(bool) dirac, OUT(bool) by_coat) MEMBER_CONST {
-  float taken = coat_probability(p.bsdf, here);
+  float taken = here.coat;
   by_coat = choice < taken;
   if (!by_coat) {
     to = vec3(0.0f);
     dirac = false;
-    float rest = (choice - taken) * reciprocal(max(1.0f - taken, 1e-30f));
-    return here.on_base && bsdf_turn(p.bsdf, here.base, min(rest, 0.99999994f), u, v, to, dirac);
+    if (!here.seen.on_base) return false;
+    float rest = choice;
+    if (taken > 0.0f)
+      rest = min((choice - taken) * reciprocal(max(1.0f - taken, 1e-30f)), 0.99999994f);
+    return bsdf_turn(p.bsdf, here.view, here.shares, rest, u, v, to, dirac);
   }
   dirac = coat_smooth(p.bsdf.coat);
-  if (!coat_turn(p.bsdf.coat, here.coat, u, v, to)) return false;
-  if (here.side < 0.0f) to.z = -to.z;
+  if (!coat_turn(p.bsdf.coat, here.seen.coat, u, v, to)) return false;
+  if (here.seen.side < 0.0f) to.z = -to.z;
   if (!same_normals(p)) to = to_world(onb_about(p.bsdf.coat.normal), to);
   return true;
 }
 
-SHARED vec3 coated_albedo(Point p, vec3 back) MEMBER_CONST {
-  Seen here = seen_from(p, back);
+SHARED vec3 coated_albedo(Point p, Standing here) MEMBER_CONST {
   vec3 albedo = vec3(0.0f);
-  if (here.on_base) albedo = bsdf_albedo(p.bsdf, here.base);
-  if (here.on_coat) albedo += vec3(1.0f - coat_left_over(p.bsdf.coat, here.coat.z));
+  if (here.seen.on_base || !has_coat(p.bsdf)) albedo = bsdf_albedo(p.bsdf, here.view);
+  if (here.seen.on_coat) albedo += vec3(1.0f - coat_left_over(p.bsdf.coat, here.seen.coat.z));
   return albedo;
 }
 
-SHARED Odds coated_odds(Point p, vec3 back) MEMBER_CONST {
-  Seen here = seen_from(p, back);
-  float taken = coat_probability(p.bsdf, here);
+SHARED Odds coated_odds(Point p, Standing here) MEMBER_CONST {
   Odds odds;
   odds.dirac = 0.0f;
   odds.broad = 1.0f;
-  if (here.on_base) odds = bsdf_odds(p.bsdf, here.base);
+  if (here.seen.on_base) odds = bsdf_odds(p.bsdf, here.view, here.shares);
+  if (!has_coat(p.bsdf)) return odds;
+  float taken = here.coat;
   odds.dirac = (1.0f - taken) * odds.dirac + (coat_smooth(p.bsdf.coat) ? taken : 0.0f);
   odds.broad = (1.0f - taken) * odds.broad + (p.bsdf.coat.alpha >= kNarrowAlpha ? taken : 0.0f);
   if (odds.dirac > 0.0f) odds.broad = 1.0f;

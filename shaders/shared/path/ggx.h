@@ -13,6 +13,7 @@ const float kInversePi = 0.318309886f;
 const float kSmoothAlpha =
     1.00000005e-4f;                   ///< alpha below it counts as 0: 1e-4f still, as in doubles
 const float kMatchedIndices = 1e-4f;  ///< so does alpha where indices differ by less
+const float kInSurface = 1e-20f;      ///< directions with a smaller cosine lie in the surface
 const float kRoughGrazing = 1e-9f;    ///< a rough interface is not seen at smaller cosines
 const float kUprightFacet = 1e-6f;    ///< facets steeper than that: rounding loses their density
 const float kNarrowAlpha = 0.3f;  ///< lobes of less are narrow: aims at portals are not for them

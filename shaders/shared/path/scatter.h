@@ -5,29 +5,32 @@
 
 #include "shaders/shared/language.h"
 
-/// A direction as the surface under its coat sees it: local, and whether it lies on one side of
-/// both normals.
-SHARED bool in_shading_frame(Point p, vec3 w, OUT(vec3) local) MEMBER_CONST {
-  local = to_local(onb_about(p.shading), w);
-  float side = dot(p.normal, w);
-  return side < 0.0f ? local.z < 0.0f : side > 0.0f && local.z > 0.0f;
-}
-
 SHARED bool is_layered(Point p) MEMBER_CONST {
   return scene_has_layers && !p.simple;
+}
+
+/// Of f and light along l, seen from c: n_c^2 |l.ns| / |l.ng| for the base, |l.ns| / |l.ng| for the
+/// coat.
+SHARED vec3 of_radiance(Point p, Layers layers, Seen l, Seen c) MEMBER_CONST {
+  float n = index_at(p.bsdf, c.base);
+  float per_side = reciprocal(max(abs(l.side), 1e-12f));
+  return layers.base * (n * n * abs(l.base.z) * per_side) +
+         vec3(layers.coat * abs(l.coat.z) * per_side);
 }
 
 /// Radiance BSDF without Dirac lobes [1/sr]; unit directions away from the surface.
 SHARED vec3 bsdf_at(Point p, vec3 to_light, vec3 to_camera) MEMBER_CONST {
   if (!is_layered(p)) return same_side(p, to_light, to_camera) ? p.color * kInversePi : vec3(0.0f);
-  if (has_coat(p.bsdf)) return coated_f(p, seen_from(p, to_light), seen_from(p, to_camera));
-  vec3 l;
-  vec3 c;
-  bool l_is_on = in_shading_frame(p, to_light, l);
-  if (!in_shading_frame(p, to_camera, c) || !l_is_on) return vec3(0.0f);
-  float n = index_at(p.bsdf, c);
-  float side = max(abs(dot(p.normal, to_light)), 1e-12f);
-  return bsdf_f(p.bsdf, l, c) * (n * n * abs(l.z) * reciprocal(side));
+  Standing l = standing_at(p, to_light);
+  Seen c = seen_from(p, to_camera);
+  return of_radiance(p, layers_between(p, l, c, false), l.seen, c);
+}
+
+/// n_to^2 |cos_to| of a Dirac lobe, about the normal that it is reflected by.
+SHARED float dirac_measure(Point p, Layers layers, Seen to) MEMBER_CONST {
+  if (has_coat(p.bsdf) && is_zero(layers.base)) return abs(to.coat.z);
+  float n = index_at(p.bsdf, to.base);
+  return n * n * abs(to.base.z);
 }
 
 /// Density of scattering along `to` when the walk came along unit `back`, away from the surface
@@ -38,20 +41,35 @@ SHARED float scatter_pdf_w(Point at, vec3 back, vec3 to, bool dirac) MEMBER_CONS
     float cosine = dot(at.normal, to);
     return !dirac && dot(at.normal, back) * cosine > 0.0f ? abs(cosine) * kInversePi : 0.0f;
   }
-  if (has_coat(at.bsdf)) {
-    Seen from = seen_from(at, back);
-    Seen next = seen_from(at, to);
-    if (!dirac) return coated_pdf_w(at, from, next);
-    DiracLobe lobe = coated_dirac(at, from, next);
-    return lobe.probability * lobe.n_to * lobe.n_to * abs(lobe.cos_to);
+  Seen next = seen_from(at, to);
+  Layers layers = layers_between(at, standing_at(at, back), next, dirac);
+  return dirac ? layers.pdf_w * dirac_measure(at, layers, next) : layers.pdf_w;
+}
+
+/// f cos / pdf_w of the way from `back` to `to`, or reflectance by probability; false: none leads
+/// there.
+SHARED bool weigh(Point p, uint from, Standing here, Seen to, bool dirac,
+                  OUT(vec3) weight) MEMBER_CONST {
+  Layers layers = layers_between(p, here, to, dirac);
+  Seen back = here.seen;
+  weight = vec3(0.0f);
+  if (!(layers.pdf_w > 1e-30f)) return false;
+  bool from_camera = from == FROM_CAMERA;
+  float over_pdf = reciprocal(layers.pdf_w);
+  if (dirac) {
+    // f = reflectance n_c^2 |l.ns| / |l.ng| per n^2 |cos| dw.
+    bool coat = has_coat(p.bsdf) && is_zero(layers.base);
+    float n = index_at(p.bsdf, back.base) * reciprocal(index_at(p.bsdf, to.base));
+    float factor = coat ? 1.0f : n * n;
+    if (!from_camera)
+      factor = abs((coat ? back.coat.z : back.base.z) * to.side) *
+               reciprocal(max(abs(back.side * (coat ? to.coat.z : to.base.z)), 1e-30f));
+    weight = (layers.base + vec3(layers.coat)) * (factor * over_pdf);
+  } else {
+    vec3 f = from_camera ? of_radiance(p, layers, to, back) : of_radiance(p, layers, back, to);
+    weight = f * (abs(to.side) * over_pdf);
   }
-  vec3 f;
-  vec3 t;
-  bool f_is_on = in_shading_frame(at, back, f);
-  if (!in_shading_frame(at, to, t) || !f_is_on) return 0.0f;
-  if (!dirac) return bsdf_pdf_w(at.bsdf, f, t);
-  float n = index_at(at.bsdf, t);
-  return bsdf_dirac_probability(at.bsdf, f, t) * (n * n * abs(t.z));
+  return true;
 }
 
 /// The next direction given: `t` is by a lobe that is not Dirac.
@@ -60,40 +78,7 @@ SHARED bool turn_towards(Point p, uint from, vec3 back, vec3 w, OUT(Turn) t) MEM
   t.dirac = false;
   t.weight = p.color;
   if (!is_layered(p)) return same_side(p, back, w);
-  float pdf_w = scatter_pdf_w(p, back, w, false);
-  if (!(pdf_w > 1e-36f)) return false;
-  bool from_camera = from == FROM_CAMERA;
-  vec3 f = bsdf_at(p, from_camera ? w : back, from_camera ? back : w);
-  t.weight = f * (abs(dot(p.normal, w)) * reciprocal(pdf_w));
-  return true;
-}
-
-/// By the Dirac lobe of a point that was taken, to t.w.
-SHARED bool turn_by_dirac(Point p, uint from, vec3 back, INOUT(Turn) t) MEMBER_CONST {
-  DiracLobe lobe;
-  if (has_coat(p.bsdf)) {
-    lobe = coated_dirac(p, seen_from(p, back), seen_from(p, t.w));
-  } else {
-    vec3 b;
-    vec3 to;
-    bool b_is_on = in_shading_frame(p, back, b);
-    if (!in_shading_frame(p, t.w, to) || !b_is_on) return false;
-    lobe.probability = bsdf_dirac_probability(p.bsdf, b, to);
-    lobe.reflectance = bsdf_dirac_reflectance(p.bsdf, b, to);
-    lobe.cos_back = b.z;
-    lobe.cos_to = to.z;
-    lobe.n_back = index_at(p.bsdf, b);
-    lobe.n_to = index_at(p.bsdf, to);
-  }
-  if (!(lobe.probability > 1e-30f)) return false;
-  // f = reflectance * n_c^2 |l.ns| / |l.ng| per n^2 |cos| dw; l towards the light, c the camera.
-  float n = lobe.n_back * reciprocal(lobe.n_to);
-  float factor = n * n;
-  if (from != FROM_CAMERA)
-    factor = abs(lobe.cos_back * dot(p.normal, t.w)) *
-             reciprocal(max(abs(dot(p.normal, back) * lobe.cos_to), 1e-30f));
-  t.weight = lobe.reflectance * (factor * reciprocal(lobe.probability));
-  return true;
+  return weigh(p, from, standing_at(p, back), seen_from(p, w), false, t.weight);
 }
 
 /// The next direction of a walk that came along unit `back`. u, v: direction; `choice`: of a lobe.
@@ -110,24 +95,14 @@ SHARED bool turn(Point p, uint from, vec3 back, float u, float v, float choice,
   }
   t.w = back;
   vec3 to;
-  bool by_coat = false;
-  if (has_coat(p.bsdf)) {
-    if (!coated_turn(p, seen_from(p, back), u, v, choice, to, t.dirac, by_coat)) return false;
-  } else {
-    vec3 local_back;
-    if (!in_shading_frame(p, back, local_back)) return false;
-    if (!bsdf_turn(p.bsdf, local_back, choice, u, v, to, t.dirac)) return false;
-  }
+  bool by_coat;
+  Standing here = standing_at(p, back);
+  if (!coated_turn(p, here, u, v, choice, to, t.dirac, by_coat)) return false;
   t.w = normalized(to_world(onb_about(p.shading), to));
+  Seen next = seen_from(p, t.w);
   // Bent normals may send it to a side where the lobe that it comes from is not seen.
-  if (by_coat) {
-    if (!both_on_coat(seen_from(p, back), seen_from(p, t.w))) return false;
-  } else {
-    float side = dot(p.normal, t.w);
-    if (!(side < 0.0f ? to.z < 0.0f : side > 0.0f && to.z > 0.0f)) return false;
-  }
-  if (t.dirac) return turn_by_dirac(p, from, back, t);
-  return turn_towards(p, from, back, t.w, t);
+  if (!(by_coat ? both_on_coat(here.seen, next) : next.on_base)) return false;
+  return weigh(p, from, here, next, t.dirac, t.weight);
 }
 
 SHARED Odds odds_at(Point p, vec3 back) MEMBER_CONST {
@@ -135,10 +110,7 @@ SHARED Odds odds_at(Point p, vec3 back) MEMBER_CONST {
   odds.dirac = 0.0f;
   odds.broad = 1.0f;
   if (!is_layered(p)) return odds;
-  if (has_coat(p.bsdf)) return coated_odds(p, back);
-  vec3 local_back;
-  if (!in_shading_frame(p, back, local_back)) return odds;
-  return bsdf_odds(p.bsdf, local_back);
+  return coated_odds(p, standing_at(p, back));
 }
 
 /// Probability that a ray along `w`, of any length, finds a pane; 1 of all else.
@@ -157,8 +129,7 @@ SHARED float albedo_at(Point p, vec3 back) MEMBER_CONST {
   if (!on_surface(p)) return 1.0f;
   float albedo = largest(p.color);
   if (is_layered(p)) {
-    albedo = largest(has_coat(p.bsdf) ? coated_albedo(p, back)
-                                      : bsdf_albedo(p.bsdf, to_local(onb_about(p.shading), back)));
+    albedo = largest(coated_albedo(p, standing_at(p, back)));
     if (scene_has_panes) albedo = albedo * reciprocal(max(presence_at(p.triangle, back), 1e-6f));
   }
   return min(max(albedo, 0.05f), 1.0f);

@@ -36,7 +36,7 @@ SHARED float sheen_masks(SheenMasking m, float cosine) MEMBER_CONST {
 /// The table at `first`, linear between nodes in mu^(1/3) and roughness.
 SHARED float sheen_table(uint first, float mu, float alpha) MEMBER_CONST {
   float x = power(min(max(mu, 0.0f), 1.0f), 0.333333333f) * float(kSheenCosines - 1u);
-  float r = (root(alpha) - 0.07f) * (float(kSheenRoughnesses - 1u) * 1.07526882f);
+  float r = (root(alpha) - 0.07f) * 24.7311828f;
   r = min(max(r, 0.0f), float(kSheenRoughnesses - 1u));
   uint column = min(uint(x), kSheenCosines - 2u);
   uint row = min(uint(r), kSheenRoughnesses - 2u);

@@ -3,6 +3,7 @@
 #extension GL_GOOGLE_include_directive : require
 
 #include "shaders/shared/path/surface_heads.h"
+#include "shaders/shared/path/surface_words.h"
 
 layout(local_size_x = 64) in;
 layout(std430, binding = 0) readonly buffer Faces { Face faces[]; };
@@ -30,6 +31,7 @@ const bool scene_has_coverage = true;
 const bool coverage_has_textures = true;
 
 #include "shaders/shared/path/surface.h"
+
 #include "shaders/shared/path/surface_test.h"
 
 void main() {

@@ -1,14 +1,8 @@
 // Test only: all that surfaces say and do at random places, as words, to hold a device's against
-// those of C++. Read behind surface.h, within its scope.
+// those of C++. Read behind surface.h, within its scope;
+// surface_words.h comes before.
 
 #include "shaders/shared/language.h"
-
-const uint kWordsOfPlace = 64u;
-
-struct PlaceWords {
-  uint words[64];
-  uint count;
-};
 
 SHARED void put(INOUT(PlaceWords) out_words, float x) MEMBER_CONST {
   out_words.words[out_words.count] = floatBitsToUint(x);
