@@ -80,6 +80,10 @@ inline void umulExtended(uint a, uint b, uint& high, uint& low) {
   high = static_cast<uint>(product >> 32);
   low = static_cast<uint>(product);
 }
+/// Number of the lowest bit that is set; x not 0.
+constexpr int findLSB(uint x) {
+  return std::countr_zero(x);
+}
 /// The first bit last.
 constexpr uint bitfieldReverse(uint x) {
   x = (x >> 1 & 0x55555555u) | (x & 0x55555555u) << 1;
