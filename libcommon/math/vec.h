@@ -13,6 +13,7 @@ using Rgb = Vec3f;
 
 using shader::cross;
 using shader::dot;
+using shader::luminance;
 
 template <class T>
 T length(const Vec3<T>& a) {
@@ -38,10 +39,6 @@ constexpr T max_component(const Vec3<T>& a) {
 template <class T>
 bool is_finite(const Vec3<T>& a) {
   return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z);
-}
-/// Relative luminance of linear Rec.709.
-inline float luminance(const Rgb& c) {
-  return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z;
 }
 
 /// shader::Onb as an object: the orthonormal frame with z along a given unit normal.

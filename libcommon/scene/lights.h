@@ -36,6 +36,8 @@ class LightSource {
   }
   bool is_sky() const { return sky_ != nullptr; }
   bool is_surface() const { return is_surface_; }
+  /// What stands in the scene for a lamp.
+  const PunctualLight& lamp() const { return light_; }
   /// Of a spot and of parallel light: unit, the way it travels.
   const Vec3d& direction() const { return light_.direction; }
   /// The side that it shines to, from a place with unit normal `front`; 0: all.
@@ -172,9 +174,21 @@ class Lights {
   void scale_sky_density(double factor) { sky_.pdf_1_ *= factor; }
   /// Directions of the sky, by luminance alone.
   const SkyDirections& directions() const { return directions_; }
+  /// Those that prefer() made, from which kPreferred of the walks begin that do in the sky; empty:
+  /// all begin by luminance.
+  const SkyDirections& preferred() const { return preferred_; }
+  static constexpr double kPreferred = 0.9;
+
+  // For those who choose lights by tables of their own.
+  /// Emitting triangles, then lamps, then the sky are the entries that are chosen from.
+  const std::vector<uint32_t>& emitters() const { return triangles_; }
+  const std::vector<LightSource>& lamps() const { return punctual_; }
+  /// Probability of an entry.
+  double pdf_1(uint32_t entry) const { return table_.pdf_1(entry); }
+  /// Of a ball around the origin that holds all triangles; 0 where nothing asks for it.
+  double radius() const { return radius_; }
 
  private:
-  static constexpr double kPreferred = 0.9;
   double start_w(const Sky::Place& place, double plain_w) const;
   const LightSource& source_of(size_t entry) const;
   void fill(const std::vector<double>& weights);

@@ -43,6 +43,9 @@ class Sky {
   bool one_colour() const { return map_.width == 1 && map_.height == 1; }
   const Map& map() const { return map_; }
   const std::vector<Sun>& suns() const { return suns_; }
+  /// Cosine and sine of the map's rotation.
+  double turn_cos() const { return cos_; }
+  double turn_sin() const { return sin_; }
 
   /// Column and row of a direction in the map's texels, [0, width) x [0, height), and the other
   /// way round. Texel i has its centre at i + 0.5.
@@ -106,6 +109,11 @@ class SkyDirections {
   /// Density of sample() [1/sr]: luminance x weight / total(). `place`: in this sky.
   double pdf_w(const Sky::Place& place) const;
   double pdf_w(const Vec3d& towards) const { return empty() ? 0 : pdf_w(sky_->place(towards)); }
+  /// Weight of the block that holds a cell's place, and of a sun.
+  double weight_at(const Sky::Cell& cell) const {
+    return weight(static_cast<size_t>(block_at(cell)));
+  }
+  double weight_of_sun(size_t i) const { return weight(static_cast<size_t>(blocks()) + i); }
 
  private:
   using Corners = std::array<double, 4>;  // luminance, ordered as Sky::corners

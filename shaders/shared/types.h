@@ -85,6 +85,10 @@ inline void umulExtended(uint a, uint b, uint& high, uint& low) {
 inline uint atomicAdd(uint& word, uint more) {
   return std::atomic_ref(word).fetch_add(more, std::memory_order_relaxed);
 }
+/// Number of the lowest bit that is set; x not 0.
+constexpr int findLSB(uint x) {
+  return std::countr_zero(x);
+}
 /// The first bit last.
 constexpr uint bitfieldReverse(uint x) {
   x = (x >> 1 & 0x55555555u) | (x & 0x55555555u) << 1;

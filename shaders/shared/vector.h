@@ -20,6 +20,11 @@ GENERIC VEC3 cross(VEC3 a, VEC3 b) {
   return VEC3(x, y, z);
 }
 
+/// Relative luminance of linear Rec.709.
+SHARED float luminance(vec3 c) {
+  return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z;
+}
+
 /// An orthonormal basis.
 GENERIC_STRUCT Onb {
   VEC3 x;

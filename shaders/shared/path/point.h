@@ -142,9 +142,6 @@ SHARED vec3 normalized(vec3 v) {
 SHARED float largest(vec3 c) {
   return max(max(c.x, c.y), c.z);
 }
-SHARED float luminance(vec3 c) {
-  return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z;
-}
 SHARED bool is_zero(vec3 v) {
   return v.x == 0.0f && v.y == 0.0f && v.z == 0.0f;
 }

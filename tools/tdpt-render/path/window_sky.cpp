@@ -195,8 +195,7 @@ Vec3d RectifiedSky::sample(const Rect& r, double u, double v) const {
 double RectifiedSky::density(const Vec3d& w) const {
   const auto cell = [&](double x) { return std::min(static_cast<int>(in_cells(x, w.z)), n_ - 1); };
   const int i = cell(w.x), j = cell(w.y);
-  const double content = at(i + 1, j + 1) - at(i, j + 1) - at(i + 1, j) + at(i, j);
-  return content * (0.25 * n_ * n_) * per_solid_angle(w);
+  return content(i, j) * (0.25 * n_ * n_) * per_solid_angle(w);
 }
 
 namespace {

@@ -53,6 +53,11 @@ class RectifiedSky {
   /// Luminance x solid angle within a rectangle, and in all.
   double sum(const Rect& r) const;
   double total() const { return sums_.back(); }
+  /// Along either axis, and what one of them holds: luminance x solid angle.
+  int cells() const { return n_; }
+  double content(int i, int j) const {
+    return at(i + 1, j + 1) - at(i, j + 1) - at(i + 1, j) + at(i, j);
+  }
   /// Unit, towards the sky, within the rectangle in proportion to the table; u, v in [0,1). Its sum
   /// must be more than 0.
   Vec3d sample(const Rect& r, double u, double v) const;
@@ -94,6 +99,7 @@ class WindowSky {
     double x0, x1, y0, y1, z;  ///< its rectangle, along the sky's axes
   };
   const std::vector<Window>& windows() const { return windows_; }
+  const WindowViews& views() const { return views_; }
   /// Whether window i is seen from `x`.
   bool shows(size_t i, const Vec3d& x) const { return views_.at(x) >> i & 1u; }
   /// What all windows show of the sky from `x` (canonical), where the surface faces `facing` (0:

@@ -48,6 +48,14 @@ class WindowViews {
     return i[0] < size_[0] && i[1] < size_[1] && i[2] < size_[2] ? masks_[index(i)] : beyond_;
   }
 
+  /// Of the cells: a corner, how many there are per unit and along the axes, their masks (x runs
+  /// fastest), and the mask outside of them.
+  const Vec3d& low() const { return low_; }
+  double per_width() const { return per_width_; }
+  const std::array<size_t, 3>& size() const { return size_; }
+  const std::vector<uint32_t>& masks() const { return masks_; }
+  uint32_t beyond() const { return beyond_; }
+
  private:
   struct Line;
   size_t index(const std::array<size_t, 3>& i) const {

@@ -1,0 +1,178 @@
+// All lights of a scene as one: libcommon/scene/lights.h in floats. Light walks begin at them; the
+// rays of other walks meet them.
+//
+// Read behind sky.h, within a scope that has what that needs, light_emitters[], light_lamps[],
+// scene_has_sky and scene_has_lamps.
+
+#include "shaders/shared/language.h"
+
+SHARED bool is_surface(uint source) MEMBER_CONST {
+  return source == SOURCE_FRONT || source == SOURCE_BOTH;
+}
+/// Whether a ray can meet it; if not, only those who sample lights find it.
+SHARED bool source_met(uint source) MEMBER_CONST {
+  return source < SOURCE_LAMPS;
+}
+SHARED bool source_at_infinity(uint source) MEMBER_CONST {
+  if (scene_has_sky && source == SOURCE_SKY) return true;
+  return scene_has_lamps && source >= SOURCE_LAMPS &&
+         light_lamps[source - SOURCE_LAMPS].parallel != 0u;
+}
+/// The side that it shines to, from a place with unit normal `front`; 0: all.
+SHARED vec3 source_facing(uint source, vec3 front) MEMBER_CONST {
+  return source == SOURCE_FRONT ? front : vec3(0.0f, 0.0f, 0.0f);
+}
+
+/// 1 - cos of the angle between a lamp's axis and unit w.
+SHARED float versine_from_axis(Lamp lamp, vec3 w) MEMBER_CONST {
+  vec3 d = w - lamp.direction;
+  return 0.5f * dot(d, d);
+}
+
+/// What leaves along unit w: radiance of a surface and the sky, which are told it, intensity of a
+/// lamp, irradiance of parallel light. Black where no light begins.
+SHARED vec3 source_radiance(uint source, vec3 front, vec3 emission, InSky in_sky,
+                            vec3 w) MEMBER_CONST {
+  if (scene_has_sky && source == SOURCE_SKY) return in_sky.radiance;
+  if (source == SOURCE_BOTH || (source == SOURCE_FRONT && dot(front, w) > 0.0f)) return emission;
+  if (!scene_has_lamps || source < SOURCE_LAMPS) return vec3(0.0f, 0.0f, 0.0f);
+  Lamp lamp = light_lamps[source - SOURCE_LAMPS];
+  float inside = (lamp.edge - versine_from_axis(lamp, w)) * lamp.per_edge;
+  float share = min(max(inside, 0.0f), 1.0f);
+  return lamp.intensity * (share * share);
+}
+
+/// Density of the direction in which a walk leaves [1/sr]; at infinity of the line along w
+/// [1/canonical area].
+SHARED float emission_pdf_w(uint source, vec3 front, vec3 w) MEMBER_CONST {
+  if (source == SOURCE_NONE) return 0.0f;
+  float cosine = dot(front, w);
+  if (source == SOURCE_FRONT) return max(cosine, 0.0f) * 0.318309886f;
+  if (source == SOURCE_BOTH) return abs(cosine) * 0.159154943f;
+  if (scene_has_sky && source == SOURCE_SKY) return reciprocal(light_settings.sky_extent);
+  if (!scene_has_lamps) return 0.0f;
+  Lamp lamp = light_lamps[source - SOURCE_LAMPS];
+  return versine_from_axis(lamp, w) > lamp.edge ? 0.0f : lamp.pdf_w;
+}
+/// |cos| / pdf_w, the same for every direction that light leaves in.
+SHARED float cos_per_pdf_w(uint source) MEMBER_CONST {
+  if (source == SOURCE_FRONT) return 3.14159265f;
+  if (source == SOURCE_BOTH) return 6.28318531f;
+  if (scene_has_sky && source == SOURCE_SKY) return light_settings.sky_extent;
+  if (!scene_has_lamps || source < SOURCE_LAMPS) return 0.0f;
+  return light_lamps[source - SOURCE_LAMPS].extent;
+}
+
+SHARED LightPlace no_light_place() MEMBER_CONST {
+  LightPlace place;
+  place.source = SOURCE_NONE;
+  place.triangle = kNoTriangle;
+  place.b1 = 0.0f;
+  place.b2 = 0.0f;
+  place.position = vec3(0.0f, 0.0f, 0.0f);
+  place.normal = vec3(0.0f, 0.0f, 0.0f);
+  place.in_sky.radiance = vec3(0.0f, 0.0f, 0.0f);
+  place.in_sky.plain_w = 0.0f;
+  place.in_sky.start_w = 0.0f;
+  place.pdf = 0.0f;
+  return place;
+}
+
+SHARED uint drawn_light(uint word) MEMBER_CONST {
+  return drawn_entry(light_settings.first_begin, light_settings.first_guide, light_settings.entries,
+                     word);
+}
+/// A place on an emitter or at a lamp.
+SHARED LightPlace place_on_light(uint entry, float u, float v, float side) MEMBER_CONST {
+  LightPlace place = no_light_place();
+  if (entry < light_settings.emitters) {
+    Emitter emitter = light_emitters[entry];
+    uniform_triangle(u, v, place.b1, place.b2);
+    place.source = emitter.source;
+    place.triangle = emitter.triangle;
+    place.position = emitter.p0 + emitter.e1 * place.b1 + emitter.e2 * place.b2;
+    bool back = emitter.source == SOURCE_BOTH && side < 0.5f;
+    place.normal = back ? -emitter.normal : emitter.normal;
+    place.pdf = emitter.pdf_A;
+  } else if (scene_has_lamps) {
+    uint i = entry - light_settings.emitters;
+    Lamp lamp = light_lamps[i];
+    place.source = SOURCE_LAMPS + i;
+    place.position = lamp.parallel != 0u ? lamp.direction : lamp.position;
+    place.pdf = lamp.pdf_1;
+  }
+  return place;
+}
+
+SHARED bool is_sky_entry(uint entry) MEMBER_CONST {
+  return scene_has_sky && entry == light_settings.emitters + light_settings.lamps;
+}
+/// Of a word that chose the sky and a number in [0,1): 32 bits to choose in it, all equally likely.
+SHARED uint word_in_sky(uint word, float more) MEMBER_CONST {
+  uint entry = light_settings.emitters + light_settings.lamps;
+  word64 place = word64_of(0u, word - light_words[light_settings.first_begin + entry]);
+  // The share of the sky's words as 32 bits and as many behind the point; of what lies between one
+  // word and the next, `more`.
+  word64 spread = word64_of(light_settings.spread_high, light_settings.spread_low);
+  word64 between = word64_of(0u, uint(more * 16777216.0f) << 8);
+  word64 low = product64(between, word64_of(0u, light_settings.spread_low));
+  word64 high = product64(between, word64_of(0u, light_settings.spread_high));
+  word64 all = sum64(product64(place, spread), sum64(high, word64_of(0u, high_word(low))));
+  return high_word(all);
+}
+
+/// Density of sample_light, at any point of `triangle` where that is a surface; `position` as in
+/// LightPlace.
+SHARED float light_pdf(uint source, uint triangle, vec3, InSky in_sky) MEMBER_CONST {
+  if (is_surface(source))
+    return uintBitsToFloat(light_words[light_settings.first_pdf_A + triangle]);
+  if (scene_has_sky && source == SOURCE_SKY) return light_settings.sky_pdf_1 * in_sky.start_w;
+  if (!scene_has_lamps || source < SOURCE_LAMPS) return 0.0f;
+  return light_lamps[source - SOURCE_LAMPS].pdf_1;
+}
+
+/// A place to begin a walk at. Four numbers in [0,1): which light, where on it (u, v), and which of
+/// its sides.
+SHARED LightPlace sample_light(float pick, float u, float v, float side) MEMBER_CONST {
+  LightPlace place = no_light_place();
+  if (light_settings.entries == 0u) return place;
+  uint word = pick_word(pick, side);
+  uint entry = drawn_light(word);
+  if (!is_sky_entry(entry)) return place_on_light(entry, u, v, side);
+  if (scene_has_sky) {
+    SkyPlace drawn = drawn_in_sky(light_settings.start, word_in_sky(word, side), u, v);
+    place.source = SOURCE_SKY;
+    place.position = -drawn.towards;
+    place.in_sky = look_in_sky(drawn);
+    place.pdf = light_pdf(SOURCE_SKY, kNoTriangle, place.position, place.in_sky);
+  }
+  return place;
+}
+
+/// A ray of light from a place: cos-distributed on a surface, uniform within a lamp's cone, on a
+/// disc outside the scene from infinity.
+SHARED void leave_light(LightPlace place, float u, float v, OUT(vec3) origin,
+                        OUT(vec3) direction) MEMBER_CONST {
+  origin = place.position;
+  direction = place.position;
+  if (is_surface(place.source)) {
+    direction = normalized(cosine_hemisphere(place.normal, u, v));
+    return;
+  }
+  float cosine;
+  float sine;
+  cos_sin_turns(u, cosine, sine);
+  if (source_at_infinity(place.source)) {
+    float r = light_settings.radius * root(v);
+    vec3 local = vec3(r * cosine, r * sine, -2.0f * light_settings.radius);
+    origin = to_world(onb_about(place.position), local);
+  } else if (scene_has_lamps && place.source >= SOURCE_LAMPS) {
+    Lamp lamp = light_lamps[place.source - SOURCE_LAMPS];
+    float h = v * lamp.cone;
+    float r = root(h * (2.0f - h));
+    vec3 local = vec3(r * cosine, r * sine, 1.0f - h);
+    direction = normalized(to_world(onb_about(lamp.direction), local));
+  }
+}
+
+#include "shaders/shared/language_end.h"

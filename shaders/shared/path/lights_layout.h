@@ -1,0 +1,199 @@
+// What kernels know of the lights: tables that tools/tdpt-render/device/light_tables.h fills, and
+// places on lights. Canonical frame; radiance is over the power of two that the upload chose.
+#ifndef TDPT_SHADERS_SHARED_PATH_LIGHTS_LAYOUT_H
+#define TDPT_SHADERS_SHARED_PATH_LIGHTS_LAYOUT_H
+
+#include "shaders/shared/path/point.h"
+#include "shaders/shared/rng.h"
+#include "shaders/shared/warp.h"
+
+#include "shaders/shared/language.h"
+
+SHARED_BEGIN
+
+/// A place light leaves from: tdpt::Lights::Point.
+struct LightPlace {
+  uint source;    ///< SOURCE_*; SOURCE_NONE: there is no such place
+  uint triangle;  ///< kNoTriangle off surfaces
+  float b1;
+  float b2;
+  vec3 position;  ///< at infinity unit, the way its light travels
+  vec3 normal;    ///< unit, on the side to leave by; 0 off surfaces
+  InSky in_sky;
+  float pdf;  ///< per canonical area; of the sky per solid angle; otherwise the light's probability
+};
+
+/// A triangle that emits.
+struct Emitter {
+  vec3 p0;
+  uint triangle;
+  vec3 e1;
+  float pdf_A;
+  vec3 e2;
+  uint source;  ///< SOURCE_FRONT or SOURCE_BOTH
+  vec3 normal;
+  uint pad;
+};
+
+/// A light without extent. Versine: 1 - cos, which of narrow cones a float can hold.
+struct Lamp {
+  vec3 position;
+  uint parallel;  ///< 1: infinitely far
+  vec3 direction;
+  float pdf_1;
+  vec3 intensity;  ///< of parallel light irradiance
+  float extent;    ///< of the directions light leaves in [sr], parallel: of the disc across them
+  float cone;      ///< versine of the half angle that light leaves within; 2: all around
+  float edge;      ///< versine beyond which it is dark; above 2: nowhere
+  float per_edge;  ///< light grows by this per versine from the edge inwards, then squared
+  float pdf_w;     ///< 1/extent
+};
+
+struct SkySun {
+  vec3 towards;
+  float versine;  ///< of its half angle
+  vec3 radiance;
+  float drawn;    ///< versine of what is drawn of it: little less, so that it is found in it again
+  float plain_w;  ///< density of its directions, among those by luminance
+  float start_w;  ///< and among those that walks begin in
+  uint pad0;
+  uint pad1;
+};
+
+/// A way to draw from the sky: entries of light_words[] [sky.h], blocks of fine cells row by row,
+/// then the suns. Of a map without texels the first entry is all of the sky.
+struct SkyTable {
+  uint begin;
+  uint guide;
+  uint entries;
+  uint blocks;   ///< those that are no suns
+  uint columns;  ///< of blocks
+  uint block;    ///< a block is so many fine cells, both ways
+  uint split_x;  ///< and a cell so many fine cells
+  uint split_y;
+};
+
+struct SkyTexel {
+  float r;
+  float g;
+  float b;
+};
+
+/// A direction of the sky and where in its map: between the centres of columns `column` and the
+/// next, of rows `row` - 1 and `row` (tdpt::Sky::Cell).
+struct SkyPlace {
+  vec3 towards;
+  uint column;
+  uint row;
+  float across;
+  float down;
+};
+
+/// An emitting rectangle: tdpt::Panels::Panel.
+struct Panel {
+  vec3 corner;
+  float length_x;
+  vec3 x;
+  float length_y;
+  vec3 y;
+  float least_height;
+  vec3 normal;
+  float weight;    ///< of what it sends, per area
+  uint source;     ///< SOURCE_FRONT or SOURCE_BOTH
+  uint triangle0;  ///< above the diagonal (x, then y)
+  uint triangle1;  ///< below it
+  uint corners;  ///< two bits each: which of the panel's are b1's, b2's of triangle0, of triangle1
+};
+
+/// A panel from a point [panels.h].
+struct PanelView {
+  float height;  ///< over its plane, at least a share of its size
+  float s;       ///< where its corner is from the foot of the point's perpendicular, along x
+  float t;       ///< and along y
+  float w00;     ///< weights of the corners (0,0), (1,0), (0,1), (1,1)
+  float w10;
+  float w01;
+  float w11;
+  float total;  ///< integral of the weight; 0: nothing else is told
+};
+
+/// A portal's rectangle before the sky: tdpt::WindowSky::Window, along its frame's axes.
+struct SkyWindow {
+  float x0;
+  float x1;
+  float y0;
+  float y1;
+  float z;
+  uint frame;
+  uint pad0;
+  uint pad1;
+};
+
+/// The sky as windows of one direction show it: tdpt::RectifiedSky. Sums of whole numbers, modulo
+/// 2^32: their differences are exact.
+struct WindowFrame {
+  vec3 x;
+  uint cells;  ///< along either axis
+  vec3 y;
+  uint sums;  ///< in light_words[]: [i (cells + 1) + j], of cells below column i and row j
+  vec3 z;
+  float unit;  ///< luminance x solid angle of one
+};
+
+/// A window's rectangle as a point sees it, in cells.
+struct CellRect {
+  float a0;
+  float a1;
+  float b0;
+  float b1;
+};
+
+/// All there is one of. What begins "first_" is a place in light_words[].
+struct LightSettings {
+  SkyTable plain;  ///< by luminance
+  SkyTable start;  ///< where light walks begin: the same unless scene_prefers
+  uint first_begin;
+  uint first_guide;
+  uint entries;   ///< emitters, lamps, the sky
+  uint emitters;  ///< how many
+  uint lamps;
+  uint suns;
+  uint panels;
+  uint windows;
+  uint first_pdf_A;  ///< floats, by triangle of the scene
+  uint first_row;    ///< of the sky's map, SkyRow
+  uint first_cell;   ///< shares of a block's cells, four words a block, a byte each
+  uint first_view;   ///< masks of windows
+  vec3 sky_colour;   ///< where there is no map
+  float colour_w;    ///< its density of directions by luminance
+  uint spread_low;   ///< 2^64 over the words that choose the sky
+  uint spread_high;
+  float sky_pdf_1;
+  float sky_extent;  ///< of the disc across the scene
+  float sky_cos;     ///< of the map's turn
+  float sky_sin;
+  uint sky_width;
+  uint sky_height;
+  vec3 view_low;
+  float view_scale;  ///< cells per unit
+  uint view_x;       ///< cells
+  uint view_y;
+  uint view_z;
+  uint view_beyond;    ///< mask outside of them
+  float radius;        ///< of a ball around the origin that holds all triangles
+  float surfaces;      ///< probability of emitters
+  float per_surfaces;  ///< 1 over the words that choose them
+  uint pad;
+};
+
+#ifdef __cplusplus
+static_assert(sizeof(Emitter) == 64 && sizeof(Lamp) == 64 && sizeof(SkySun) == 48);
+static_assert(sizeof(SkyTexel) == 12 && sizeof(Panel) == 80 && sizeof(SkyWindow) == 32);
+static_assert(sizeof(WindowFrame) == 48 && sizeof(LightSettings) == 208);
+#endif
+
+SHARED_END
+
+#include "shaders/shared/language_end.h"
+
+#endif

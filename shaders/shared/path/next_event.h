@@ -1,0 +1,65 @@
+// Where a next event looks: which light, and where on it, for a given shaded point
+// [tools/tdpt-render/path/next_event.h].
+//
+// Read behind panels.h and window_sky.h.
+
+#include "shaders/shared/language.h"
+
+/// What is seen from `p`, whose side `facing` light comes to (0: both).
+SHARED void look_out(Point p, vec3 facing, OUT(Outlook) o) MEMBER_CONST {
+  o.facing = facing;
+  o.seen = 0.0f;
+  o.sent = 0.0f;
+  if (!p.connectible) return;
+  if (scene_has_windows) o.seen = seen_through_windows(p.position, facing);
+  if (scene_has_panels) o.sent = sent_by_panels(p, facing);
+}
+
+/// Density of sample_next_event, where `p` has looked out: of the place of `position` on `triangle`
+/// of a surface, or in the sky, per measure as LightPlace has it.
+SHARED float next_event_pdf(Point p, Outlook outlook, float through_windows, uint source,
+                            uint triangle, vec3 position, InSky in_sky) MEMBER_CONST {
+  if (scene_has_panels && is_surface(source))
+    return light_settings.surfaces * pdf_A_by_panels(p, outlook, triangle, position);
+  if (!scene_has_sky || source != SOURCE_SKY) return light_pdf(source, triangle, position, in_sky);
+  float pdf_w = in_sky.plain_w;
+  if (scene_has_windows && outlook.seen > 0.0f && through_windows > 0.0f)
+    pdf_w = (1.0f - through_windows) * pdf_w +
+            through_windows * windows_pdf_w(p.position, outlook.facing, outlook.seen, -position);
+  return light_settings.sky_pdf_1 * pdf_w;
+}
+
+/// A place on a light for `p`, which has looked out; none where no panel sends anything.
+/// `through_windows`: how often a direction of the sky is drawn through those that there are. What
+/// is below the horizon is not looked at: its density is 0. Four numbers in [0,1), as sample_light.
+SHARED LightPlace sample_next_event(Point p, INOUT(Outlook) outlook, float through_windows,
+                                    float pick, float u, float v, float side) MEMBER_CONST {
+  LightPlace place = no_light_place();
+  if (light_settings.entries == 0u) return place;
+  uint word = pick_word(pick, side);
+  uint entry = drawn_light(word);
+  if (scene_has_panels && entry < light_settings.emitters) {
+    place = place_on_panels(p, outlook, float(word) * light_settings.per_surfaces, u, v);
+    place.pdf = place.pdf * light_settings.surfaces;
+    return place;
+  }
+  if (!is_sky_entry(entry)) return place_on_light(entry, u, v, side);
+  if (scene_has_sky) {
+    place.source = SOURCE_SKY;
+    bool through = scene_has_windows && outlook.seen > 0.0f && side < through_windows;
+    SkyPlace drawn;
+    if (through)
+      drawn = any_place(towards_window(p.position, outlook.facing, outlook.seen,
+                                       side * reciprocal(through_windows), u, v));
+    else
+      drawn = drawn_in_sky(light_settings.plain, word_in_sky(word, side), u, v);
+    place.position = -drawn.towards;
+    if (!is_zero(outlook.facing) && !(dot(outlook.facing, drawn.towards) > 0.0f)) return place;
+    place.in_sky = look_in_sky(drawn);
+    place.pdf = next_event_pdf(p, outlook, through_windows, SOURCE_SKY, kNoTriangle, place.position,
+                               place.in_sky);
+  }
+  return place;
+}
+
+#include "shaders/shared/language_end.h"

@@ -1,0 +1,323 @@
+// All that shines from infinitely far away: libcommon/scene/sky.h in floats. What is seen along a
+// direction, and directions drawn in proportion to it.
+//
+// Read within a scope that has light_words[], sky_texels[], sky_suns[], light_settings,
+// scene_has_sky_map and scene_prefers: a GLSL file behind its buffers, or the body of a C++ struct.
+//
+// Tables are of whole numbers: entry i of n has the words from begin[i] to begin[i + 1] of all of
+// 32 bits, so that the probability that a density tells is that with which words find it, however
+// small. guide[s] is the entry of the first word of the s-th of n equal parts. Blocks of a map are
+// such entries; a cell has its byte of 255 of the block.
+//
+// Places are found by the angle from the pole, and how far down a cell they are by its versine:
+// near a pole cosines of many rows are the same float.
+
+#include "shaders/shared/language.h"
+
+/// 32 bits: of `pick` in [0,1) the 24 it has, and the lowest of another's.
+SHARED uint pick_word(float pick, float other) MEMBER_CONST {
+  return uint(pick * 16777216.0f) << 8 | (uint(other * 16777216.0f) & 255u);
+}
+
+/// The entry that `word` finds.
+SHARED uint drawn_entry(uint begin, uint guide, uint entries, uint word) MEMBER_CONST {
+  // Behind the last word there may be entries without any.
+  uint w = min(word, 0xFFFFFFFEu);
+  uint slot = below(w, entries);
+  uint low = light_words[guide + slot];
+  uint high = light_words[guide + slot + 1u];
+  while (low < high) {
+    uint middle = (low + high + 1u) >> 1;
+    bool above = light_words[begin + middle] <= w;
+    low = above ? middle : low;
+    high = above ? high : middle - 1u;
+  }
+  return low;
+}
+/// Its probability.
+SHARED float share_of_entry(uint begin, uint entry) MEMBER_CONST {
+  uint words = light_words[begin + entry + 1u] - light_words[begin + entry];
+  return float(words) * 2.3283064365386963e-10f;
+}
+
+/// Where a density that is linear on [0,1] has grown by `share`.
+SHARED float drawn_linear(float w0, float w1, float share) MEMBER_CONST {
+  float most = max(w0, w1);
+  if (!(most > 1e-30f)) return share;
+  float per_most = reciprocal(most);
+  float a = w0 * per_most;
+  float b = w1 * per_most;
+  float grown = a + root(a * a + share * (b * b - a * a));
+  return grown > 0.0f ? min(1.0f, share * (a + b) * reciprocal(grown)) : share;
+}
+SHARED float bilinear(float upper_left, float upper_right, float lower_left, float lower_right,
+                      float across, float down) MEMBER_CONST {
+  float upper = upper_left * (1.0f - across) + upper_right * across;
+  float lower = lower_left * (1.0f - across) + lower_right * across;
+  return upper * (1.0f - down) + lower * down;
+}
+
+/// 1 - cos and 1 + cos of a row's upper edge, their difference to its lower one.
+struct SkyRow {
+  float north;
+  float south;
+  float height;
+  float per_height;
+};
+SHARED SkyRow sky_row(uint row) MEMBER_CONST {
+  uint at = light_settings.first_row + 4u * row;
+  SkyRow r;
+  r.north = uintBitsToFloat(light_words[at]);
+  r.south = uintBitsToFloat(light_words[at + 1u]);
+  r.height = uintBitsToFloat(light_words[at + 2u]);
+  r.per_height = uintBitsToFloat(light_words[at + 3u]);
+  return r;
+}
+/// 1 / solid angle of a cell of the row [1/sr].
+SHARED float per_solid_angle_of_cell(SkyRow row) MEMBER_CONST {
+  return row.per_height * (float(light_settings.sky_width) * 0.159154943f);
+}
+
+/// Of unit `towards`.
+SHARED SkyPlace place_in_sky(vec3 towards) MEMBER_CONST {
+  SkyPlace place;
+  place.towards = towards;
+  float x = light_settings.sky_cos * towards.x - light_settings.sky_sin * towards.z;
+  float z = light_settings.sky_sin * towards.x + light_settings.sky_cos * towards.z;
+  float width = float(light_settings.sky_width);
+  float a = (turns_of(x, -z) + 0.5f) * width - 0.5f;
+  a = a < 0.0f ? a + width : a;
+  place.column = min(uint(a), light_settings.sky_width - 1u);
+  place.across = min(a - float(place.column), 1.0f);
+  float s2 = x * x + z * z;
+  float polar = turns_of(root(s2), towards.y) * (2.0f * float(light_settings.sky_height)) + 0.5f;
+  place.row = min(uint(max(polar, 0.0f)), light_settings.sky_height);
+  SkyRow row = sky_row(place.row);
+  float versine = s2 * reciprocal(1.0f + abs(towards.y));  // from the nearer pole
+  float below_edge = towards.y >= 0.0f ? versine - row.north : row.south - versine;
+  place.down = min(max(below_edge * row.per_height, 0.0f), 1.0f);
+  return place;
+}
+
+/// The direction of a place.
+SHARED vec3 towards_place(SkyPlace place) MEMBER_CONST {
+  SkyRow row = sky_row(place.row);
+  float down = place.down * row.height;
+  float north = row.north + down;
+  float south = max(row.south - down, 0.0f);
+  float y = north < 1.0f ? 1.0f - north : south - 1.0f;
+  float r = root(north * south);
+  float turns =
+      (float(place.column) + (place.across + 0.5f)) * reciprocal(float(light_settings.sky_width));
+  turns = turns >= 1.0f ? turns - 1.0f : turns;
+  float cosine;
+  float sine;
+  cos_sin_turns(turns, cosine, sine);
+  float x = -r * sine;
+  float z = r * cosine;
+  return vec3(light_settings.sky_cos * x + light_settings.sky_sin * z, y,
+              light_settings.sky_cos * z - light_settings.sky_sin * x);
+}
+
+SHARED vec3 sky_texel(uint i) MEMBER_CONST {
+  return vec3(sky_texels[i].r, sky_texels[i].g, sky_texels[i].b);
+}
+/// Between which texels a cell lies.
+struct SkyCorners {
+  uint upper_left;
+  uint upper_right;
+  uint lower_left;
+  uint lower_right;
+};
+SHARED SkyCorners sky_corners(uint column, uint row) MEMBER_CONST {
+  uint width = light_settings.sky_width;
+  uint right = column + 1u == width ? 0u : column + 1u;
+  uint upper = (row == 0u ? 0u : row - 1u) * width;
+  uint lower = min(row, light_settings.sky_height - 1u) * width;
+  SkyCorners c;
+  c.upper_left = upper + column;
+  c.upper_right = upper + right;
+  c.lower_left = lower + column;
+  c.lower_right = lower + right;
+  return c;
+}
+
+SHARED bool in_sun(SkySun sun, vec3 towards) MEMBER_CONST {
+  vec3 d = towards - sun.towards;
+  return 0.5f * dot(d, d) <= sun.versine;
+}
+SHARED vec3 towards_sun(SkySun sun, float u, float v) MEMBER_CONST {
+  float h = v * sun.drawn;
+  float r = root(h * (2.0f - h));
+  float cosine;
+  float sine;
+  cos_sin_turns(u, cosine, sine);
+  return normalized(to_world(onb_about(sun.towards), vec3(r * cosine, r * sine, 1.0f - h)));
+}
+
+/// Byte k of a word.
+SHARED uint byte_of(uint word, uint k) MEMBER_CONST {
+  return word >> (8u * k) & 255u;
+}
+SHARED uint sum_of_bytes(uint word) MEMBER_CONST {
+  uint pairs = (word & 0x00FF00FFu) + (word >> 8 & 0x00FF00FFu);
+  return (pairs & 0xFFFFu) + (pairs >> 16);
+}
+/// Which of four weights `share` in [0,1) of their sum falls on; it becomes its place within that.
+SHARED uint one_of_four(uint w0, uint w1, uint w2, uint w3, INOUT(float) share) MEMBER_CONST {
+  float left = share * float(w0 + w1 + w2 + w3);
+  float f0 = float(w0);
+  float f1 = float(w0 + w1);
+  float f2 = float(w0 + w1 + w2);
+  uint i = (left >= f0 ? 1u : 0u) + (left >= f1 ? 1u : 0u) + (left >= f2 ? 1u : 0u);
+  float begin = i == 0u ? 0.0f : i == 1u ? f0 : i == 2u ? f1 : f2;
+  uint width = i == 0u ? w0 : i == 1u ? w1 : i == 2u ? w2 : w3;
+  share = min((left - begin) * reciprocal(float(max(width, 1u))), 0.99999994f);
+  return i;
+}
+
+/// Part of a cell that lies at `place` of it.
+SHARED uint part_of_cell(float place, uint parts) MEMBER_CONST {
+  return min(uint(place * float(parts)), parts - 1u);
+}
+
+/// A place in a block of fine cells.
+SHARED SkyPlace place_in_block(SkyTable table, uint entry, float u_, float v_) MEMBER_CONST {
+  float u = u_;
+  float v = v_;
+  uint row = entry / table.columns * table.block;
+  uint column = entry % table.columns * table.block;
+  if (table.block > 1u) {
+    uint first = light_settings.first_cell + 4u * entry;
+    uint down = one_of_four(sum_of_bytes(light_words[first]), sum_of_bytes(light_words[first + 1u]),
+                            sum_of_bytes(light_words[first + 2u]),
+                            sum_of_bytes(light_words[first + 3u]), v);
+    uint cells = light_words[first + down];
+    row += down;
+    column += one_of_four(byte_of(cells, 0u), byte_of(cells, 1u), byte_of(cells, 2u),
+                          byte_of(cells, 3u), u);
+  }
+  SkyPlace place;
+  place.column = column / table.split_x;
+  place.row = row / table.split_y;
+  float per_x = reciprocal(float(table.split_x));
+  float per_y = reciprocal(float(table.split_y));
+  float left = float(column % table.split_x);
+  float top = float(row % table.split_y);
+  float across = u;
+  float down = v;
+  if (scene_has_sky_map) {
+    SkyCorners c = sky_corners(place.column, place.row);
+    float c00 = luminance(sky_texel(c.upper_left));
+    float c10 = luminance(sky_texel(c.upper_right));
+    float c01 = luminance(sky_texel(c.lower_left));
+    float c11 = luminance(sky_texel(c.lower_right));
+    float x0 = left * per_x;
+    float y0 = top * per_y;
+    float x1 = x0 + per_x;
+    float y1 = y0 + per_y;
+    float w00 = bilinear(c00, c10, c01, c11, x0, y0);
+    float w10 = bilinear(c00, c10, c01, c11, x1, y0);
+    float w01 = bilinear(c00, c10, c01, c11, x0, y1);
+    float w11 = bilinear(c00, c10, c01, c11, x1, y1);
+    down = drawn_linear(w00 + w10, w01 + w11, v);
+    across = drawn_linear(w00 * (1.0f - down) + w01 * down, w10 * (1.0f - down) + w11 * down, u);
+  }
+  // A little off its sides: it is found in the part again.
+  const float margin = 1e-6f;
+  place.across = (left + min(max(across, margin), 1.0f - margin)) * per_x;
+  place.down = (top + min(max(down, margin), 1.0f - margin)) * per_y;
+  place.towards = towards_place(place);
+  return place;
+}
+
+SHARED vec3 uniform_direction(float u, float v) MEMBER_CONST {
+  float h = 2.0f * v;
+  float r = root(h * (2.0f - h));
+  float cosine;
+  float sine;
+  cos_sin_turns(u, cosine, sine);
+  return vec3(r * cosine, 1.0f - h, r * sine);
+}
+
+/// What is known of a direction's place where nothing but parts of a map depends on it.
+SHARED SkyPlace any_place(vec3 towards) MEMBER_CONST {
+  if (scene_has_sky_map || scene_prefers) return place_in_sky(towards);
+  SkyPlace place;
+  place.towards = towards;
+  place.column = 0u;
+  place.row = 0u;
+  place.across = 0.0f;
+  place.down = 0.0f;
+  return place;
+}
+
+SHARED SkyPlace drawn_in_sky(SkyTable table, uint word, float u, float v) MEMBER_CONST {
+  uint entry = drawn_entry(table.begin, table.guide, table.entries, word);
+  if (entry >= table.blocks) return any_place(towards_sun(sky_suns[entry - table.blocks], u, v));
+  if (!scene_has_sky_map && table.columns == 1u) return any_place(uniform_direction(u, v));
+  return place_in_block(table, entry, u, v);
+}
+
+/// Probability of a cell.
+SHARED float share_of_cell(SkyTable table, uint column, uint row) MEMBER_CONST {
+  if (table.block == 1u) return share_of_entry(table.begin, row * table.columns + column);
+  uint entry = (row >> 2) * table.columns + (column >> 2);
+  uint cells = light_words[light_settings.first_cell + 4u * entry + (row & 3u)];
+  return share_of_entry(table.begin, entry) * (float(byte_of(cells, column & 3u)) * 3.92156863e-3f);
+}
+
+SHARED InSky look_in_sky(SkyPlace place) MEMBER_CONST {
+  InSky in_sky;
+  in_sky.radiance = light_settings.sky_colour;
+  in_sky.plain_w = light_settings.colour_w;
+  float per_mean = 0.0f;
+  float y = 1.0f;
+  SkyTable start = light_settings.start;
+  bool prefers = scene_prefers && start.blocks > 0u;
+  bool parts = prefers && start.split_x * start.split_y > 1u;
+  // The part of the cell, and its middle.
+  uint x_part = parts ? part_of_cell(place.across, start.split_x) : 0u;
+  uint y_part = parts ? part_of_cell(place.down, start.split_y) : 0u;
+  if (scene_has_sky_map || prefers) per_mean = per_solid_angle_of_cell(sky_row(place.row));
+  if (scene_has_sky_map) {
+    SkyCorners c = sky_corners(place.column, place.row);
+    vec3 c00 = sky_texel(c.upper_left);
+    vec3 c10 = sky_texel(c.upper_right);
+    vec3 c01 = sky_texel(c.lower_left);
+    vec3 c11 = sky_texel(c.lower_right);
+    vec3 upper = c00 * (1.0f - place.across) + c10 * place.across;
+    vec3 lower = c01 * (1.0f - place.across) + c11 * place.across;
+    in_sky.radiance = upper * (1.0f - place.down) + lower * place.down;
+    y = luminance(in_sky.radiance);
+    float per_area = per_mean;
+    float mean = 0.25f * luminance(c00 + c10 + c01 + c11);
+    per_mean = mean > 1e-30f ? per_area * reciprocal(mean) : 0.0f;
+    in_sky.plain_w = share_of_cell(light_settings.plain, place.column, place.row) * (y * per_mean);
+    if (parts) {
+      mean = bilinear(luminance(c00), luminance(c10), luminance(c01), luminance(c11),
+                      (float(x_part) + 0.5f) * reciprocal(float(start.split_x)),
+                      (float(y_part) + 0.5f) * reciprocal(float(start.split_y)));
+      per_mean = mean > 1e-30f ? per_area * reciprocal(mean) : 0.0f;
+    }
+  }
+  in_sky.start_w = in_sky.plain_w;
+  if (prefers)
+    in_sky.start_w = share_of_cell(start, place.column * start.split_x + x_part,
+                                   place.row * start.split_y + y_part) *
+                     (y * per_mean * float(start.split_x * start.split_y));
+  for (uint i = 0u; i < light_settings.suns; ++i) {
+    if (!in_sun(sky_suns[i], place.towards)) continue;
+    in_sky.radiance = in_sky.radiance + sky_suns[i].radiance;
+    in_sky.plain_w += sky_suns[i].plain_w;
+    in_sky.start_w += sky_suns[i].start_w;
+  }
+  return in_sky;
+}
+
+/// What is told of unit `towards`; there must be a sky.
+SHARED InSky look_at_sky(vec3 towards) MEMBER_CONST {
+  return look_in_sky(any_place(towards));
+}
+
+#include "shaders/shared/language_end.h"

@@ -1,0 +1,141 @@
+#include "tools/tdpt-render/device/light_tables.h"
+
+#include <algorithm>
+#include <bit>
+
+#include "tools/tdpt-render/device/sky_tables.h"
+#include "tools/tdpt-render/device/whole_shares.h"
+
+namespace tdpt {
+namespace {
+
+using Kind = PunctualLight::Kind;
+
+void add_emitters(const World& world, const WordTable& table, LightTables& tables) {
+  std::vector<float> pdf_A(world.scene.triangles.size());
+  const std::vector<uint32_t>& emitters = world.lights.emitters();
+  for (uint32_t i = 0; i < emitters.size(); ++i) {
+    const TriangleShape shape = shape_of(world.scene, emitters[i]);
+    shader::Emitter e{};
+    e.p0 = Vec3f(shape.p0);
+    e.e1 = Vec3f(shape.e1);
+    e.e2 = Vec3f(shape.e2);
+    e.normal = Vec3f(shape.normal);
+    e.triangle = emitters[i];
+    e.source = world.scene.material_of(e.triangle).double_sided ? shader::SOURCE_BOTH
+                                                                : shader::SOURCE_FRONT;
+    const auto words = static_cast<double>(table.words_of(tables.words, i));
+    e.pdf_A = pdf_A[e.triangle] = static_cast<float>(words * 0x1p-32 / shape.area);
+    tables.emitters.push_back(e);
+  }
+  tables.settings.emitters = static_cast<uint32_t>(emitters.size());
+  tables.settings.first_pdf_A = static_cast<uint32_t>(tables.words.size());
+  for (const float pdf : pdf_A) tables.words.push_back(std::bit_cast<uint32_t>(pdf));
+}
+
+shader::Lamp lamp_of(const LightSource& source, double radiance_unit) {
+  const PunctualLight& light = source.lamp();
+  const bool spot = light.kind == Kind::spot;
+  shader::Lamp lamp{};
+  lamp.position = Vec3f(light.position);
+  lamp.direction = Vec3f(light.direction);
+  lamp.parallel = light.kind == Kind::directional;
+  lamp.intensity = Rgb(Vec3d(light.intensity) / radiance_unit);
+  lamp.extent = static_cast<float>(source.cos_per_pdf_w());
+  lamp.pdf_w = static_cast<float>(1 / source.cos_per_pdf_w());
+  lamp.cone = static_cast<float>(spot ? 1 - light.cos_outer : 2);
+  // Rounding must not leave a lamp's way back outside.
+  lamp.edge = spot ? lamp.cone : 4;
+  lamp.per_edge =
+      spot ? static_cast<float>(1 / std::max(1e-15, light.cos_inner - light.cos_outer)) : 1;
+  return lamp;
+}
+
+void add_lamps(const World& world, const WordTable& table, double radiance_unit,
+               LightTables& tables) {
+  const std::vector<LightSource>& lamps = world.lights.lamps();
+  for (uint32_t i = 0; i < lamps.size(); ++i) {
+    tables.lamps.push_back(lamp_of(lamps[i], radiance_unit));
+    const auto words =
+        static_cast<double>(table.words_of(tables.words, tables.settings.emitters + i));
+    tables.lamps.back().pdf_1 = static_cast<float>(words * 0x1p-32);
+  }
+  tables.settings.lamps = static_cast<uint32_t>(lamps.size());
+  tables.has_lamps = !lamps.empty();
+}
+
+void add_panels(const World& world, LightTables& tables) {
+  for (const Panels::Panel& panel : world.next_events.panels().all()) {
+    shader::Panel p{};
+    p.corner = Vec3f(panel.corner);
+    p.x = Vec3f(panel.x);
+    p.y = Vec3f(panel.y);
+    p.normal = Vec3f(panel.normal);
+    p.length_x = static_cast<float>(panel.length_x);
+    p.length_y = static_cast<float>(panel.length_y);
+    p.least_height = static_cast<float>(panel.least_height);
+    p.weight = static_cast<float>(panel.luminance);
+    p.source = panel.both_sides ? shader::SOURCE_BOTH : shader::SOURCE_FRONT;
+    p.triangle0 = panel.triangle[0];
+    p.triangle1 = panel.triangle[1];
+    for (size_t half = 0; half < 2; ++half)
+      for (size_t b = 0; b < 2; ++b)
+        p.corners |= uint32_t{panel.corners[half][b + 1]} << (4 * half + 2 * b);
+    tables.panels.push_back(p);
+  }
+  tables.settings.panels = static_cast<uint32_t>(tables.panels.size());
+  tables.has_panels = !tables.panels.empty();
+}
+
+// 2^64 over the words of the sky.
+void spread_words(uint64_t words, shader::LightSettings& settings) {
+  const uint64_t spread = ~uint64_t{0} / words + (std::has_single_bit(words) && words > 1);
+  settings.spread_low = static_cast<uint32_t>(spread);
+  settings.spread_high = static_cast<uint32_t>(spread >> 32);
+}
+
+void fill_up(LightTables& tables) {
+  const auto fill = [](auto& all) {
+    if (all.empty()) all.emplace_back();
+  };
+  fill(tables.words), fill(tables.emitters), fill(tables.lamps), fill(tables.suns);
+  fill(tables.texels), fill(tables.panels), fill(tables.windows), fill(tables.frames);
+}
+
+}  // namespace
+
+LightTables make_light_tables(const World& world, double radiance_unit) {
+  LightTables tables;
+  shader::LightSettings& settings = tables.settings;
+  const Lights& lights = world.lights;
+  std::vector<double> weights;
+  for (uint32_t i = 0; i < lights.emitters().size() + lights.lamps().size(); ++i)
+    weights.push_back(lights.pdf_1(i));
+  tables.has_sky = lights.sky() != nullptr;
+  if (tables.has_sky) weights.push_back(lights.sky()->pdf_1());
+  WordTable table;
+  if (!weights.empty()) table = add_word_table(weights, tables.words);
+  settings.first_begin = table.begin;
+  settings.first_guide = table.guide;
+  settings.entries = table.entries;
+  settings.radius = static_cast<float>(lights.radius());
+  add_emitters(world, table, tables);
+  add_lamps(world, table, radiance_unit, tables);
+  uint64_t of_surfaces = 0;
+  for (uint32_t i = 0; i < settings.emitters; ++i) of_surfaces += table.words_of(tables.words, i);
+  settings.surfaces = static_cast<float>(static_cast<double>(of_surfaces) * 0x1p-32);
+  settings.per_surfaces = of_surfaces > 0 ? 1 / static_cast<float>(of_surfaces) : 0;
+  if (tables.has_sky) {
+    const uint64_t words = table.words_of(tables.words, table.entries - 1);
+    settings.sky_pdf_1 = static_cast<float>(static_cast<double>(words) * 0x1p-32);
+    settings.sky_extent = static_cast<float>(lights.sky()->cos_per_pdf_w());
+    spread_words(words, settings);
+    add_sky(world, radiance_unit, tables);
+    add_windows(world, radiance_unit, tables);
+  }
+  add_panels(world, tables);
+  fill_up(tables);
+  return tables;
+}
+
+}  // namespace tdpt

@@ -1,0 +1,42 @@
+// Test only: what lights_test.h reads and writes.
+#ifndef TDPT_DEVICE_LIGHTS_TEST_LAYOUT_H
+#define TDPT_DEVICE_LIGHTS_TEST_LAYOUT_H
+
+#include "shaders/shared/path/lights_layout.h"
+
+#include "shaders/shared/language.h"
+
+SHARED_BEGIN
+
+const uint kLightWords = 64u;
+const uint kShadedPlaces = 16u;
+
+struct LightWords {
+  uint count;
+  uint words[64];
+};
+
+struct Shaded {
+  vec3 position;
+  uint simple;
+  vec3 normal;
+  float through_windows;
+  vec3 shading;
+  uint pad0;
+  vec3 facing;
+  uint pad1;
+};
+
+/// What a scene has, as bits.
+const uint HAS_SKY = 1u;
+const uint HAS_SKY_MAP = 2u;
+const uint HAS_LAMPS = 4u;
+const uint HAS_PANELS = 8u;
+const uint HAS_WINDOWS = 16u;
+const uint PREFERS = 32u;
+
+SHARED_END
+
+#include "shaders/shared/language_end.h"
+
+#endif

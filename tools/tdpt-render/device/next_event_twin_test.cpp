@@ -1,0 +1,297 @@
+// Next events in floats: at panels and through windows they have the density that is told and that
+// the renderer has, wherever they are made.
+#include "libcommon/testing/chi_square.h"
+#include "tools/tdpt-render/device/test_lights.h"
+
+namespace tdpt {
+namespace {
+
+using std::numbers::pi;
+
+constexpr double kRight = 1e-4, kWrong = 1e-9;
+constexpr uint64_t kSamples = 60000;
+constexpr float kThrough = 0.5f;
+
+struct Place {
+  Vec3d place, normal;  // [m]
+  bool both_ways = false;
+};
+
+// The same point for the twin and for the renderer, which has looked out.
+struct Seen {
+  shader::Point p{};
+  shader::Outlook outlook{};
+  Vertex v;
+
+  Seen(const LitWorld& lit, const Place& place) {
+    const Vec3d normal = normalize(place.normal);
+    p.position = Vec3f(lit.scene.frame.to_canonical(place.place));
+    p.normal = p.shading = Vec3f(normal);
+    p.triangle = 0;
+    p.simple = !place.both_ways;
+    p.connectible = true;
+    lit.twin.look_out(p, place.both_ways ? Vec3f() : p.normal, outlook);
+    v.position = Vec3d(p.position);
+    v.normal = v.shading = Vec3d(p.normal);
+    v.material = &lit.scene.materials[0];
+    v.simple = p.simple;
+    if (place.both_ways) v.bsdf.through = Rgb(0.5f);
+    lit.world.next_events.look_out(v.normal, v);
+    lit.world.next_events.look_at_panels(v);
+  }
+};
+
+float pdf_of(const LitWorld& lit, const Seen& s, const shader::LightPlace& at) {
+  return lit.twin.next_event_pdf(s.p, s.outlook, kThrough, at.source, at.triangle, at.position,
+                                 at.in_sky);
+}
+shader::LightPlace sampled(const LitWorld& lit, Seen& s, uint64_t seed, uint64_t i) {
+  const FourNumbers n(seed, i);
+  return lit.twin.sample_next_event(s.p, s.outlook, kThrough, n.pick, n.u, n.v, n.side);
+}
+
+std::unique_ptr<LitWorld> panels() {
+  return std::make_unique<LitWorld>("panels", with_panels(diffuse_rooms()), std::vector<Portal>{});
+}
+const std::vector<Place> kBeforePanels{
+    {{1.0, 0.0, 0.0}, {0, 1, 0}},              // the floor
+    {{1.9, 0.3, 0.8}, {-1, 0.3, -0.2}},        // sees some of each
+    {{0.2, 0.4, -0.3}, {0.1, 1, 0.2}},         // before one that its horizon cuts
+    {{0.051, 0.6, -0.1}, {1, 0, 0}, true},     // a millimetre before it
+    {{1.3, 1.3, 0.25}, {0.3, -1, 0.1}, true},  // light goes through, between all
+    {{3.5, 0.5, 0.1}, {0, 1, 0}},              // in the lamp's room
+};
+constexpr size_t kLattice = 6;
+
+double at_panels(const Place& shaded, const Place& claimed) {
+  const auto lit = panels();
+  Seen s(*lit, shaded);
+  const Seen other(*lit, claimed);
+  const std::vector<Panels::Panel>& all = lit->world.next_events.panels().all();
+  std::vector<double> probability;
+  double sum = 0;
+  for (const Panels::Panel& panel : all) {
+    const auto density = [&](double x, double y) {
+      const Vec3f at(panel.corner + panel.x * (x * panel.length_x) +
+                     panel.y * (y * panel.length_y));
+      return double{lit->twin.next_event_pdf(other.p, other.outlook, 0, shader::SOURCE_FRONT,
+                                             panel.triangle[x < y], at, {})};
+    };
+    const auto at = [](size_t k) { return static_cast<double>(k) / kLattice; };
+    for (size_t k = 0; k < kLattice * kLattice; ++k) {
+      const size_t i = k / kLattice, j = k % kLattice;
+      probability.push_back(panel.length_x * panel.length_y *
+                            integrate(density, at(i), at(i + 1), at(j), at(j + 1)));
+      sum += probability.back();
+    }
+  }
+  EXPECT_NEAR(sum, 1, 1e-3);
+  const auto part = [](double x) {
+    return std::min(static_cast<size_t>(std::max(x, 0.0) * kLattice), kLattice - 1);
+  };
+  const auto draw = [&](uint64_t i) {
+    const shader::LightPlace p = sampled(*lit, s, 91, i);
+    for (size_t k = 0; k < all.size(); ++k) {
+      const Panels::Panel& panel = all[k];
+      if (p.triangle != panel.triangle[0] && p.triangle != panel.triangle[1]) continue;
+      const TriangleShape shape = shape_of(lit->scene, p.triangle);
+      EXPECT_LT(length(shape.p0 + shape.e1 * p.b1 + shape.e2 * p.b2 - Vec3d(p.position)), 1e-6);
+      EXPECT_EQ(p.pdf, pdf_of(*lit, s, p));
+      const Vec3d r = Vec3d(p.position) - panel.corner;
+      return (k * kLattice + part(dot(panel.x, r) / panel.length_x)) * kLattice +
+             part(dot(panel.y, r) / panel.length_y);
+    }
+    return probability.size();
+  };
+  return chi_square_of_samples(kSamples, probability, draw).p;
+}
+TEST(next_event_twin, panels_have_their_density) {
+  for (const Place& place : kBeforePanels) EXPECT_GT(at_panels(place, place), kRight);
+}
+TEST(next_event_twin, twin_a_density_of_another_horizon) {
+  Place tilted = kBeforePanels[1];
+  tilted.normal.y += 0.2;
+  EXPECT_LT(at_panels(kBeforePanels[1], tilted), kWrong);
+}
+
+// Where the renderer finds its places, both have the same density; what is sent is the same.
+TEST(next_event_twin, panels_are_the_renderers) {
+  const auto lit = panels();
+  for (const Place& place : kBeforePanels) {
+    Seen s(*lit, place);
+    // A height of a millimetre is good to 1e-4 in floats.
+    EXPECT_NEAR(s.outlook.sent / s.v.outlook.sent, 1, 3e-4);
+    for (uint64_t i = 0; i < 2000; ++i) {
+      const FourNumbers n(92, i);
+      const Lights::Point q = lit->world.next_events.sample(s.v, 0, n.pick, n.u, n.v, n.side);
+      const float pdf = lit->twin.next_event_pdf(s.p, s.outlook, 0, shader::SOURCE_FRONT,
+                                                 q.triangle, Vec3f(q.position), {});
+      EXPECT_NEAR(pdf / q.pdf, 1, 1e-3);
+      const shader::LightPlace p =
+          lit->twin.sample_next_event(s.p, s.outlook, 0, n.pick, n.u, n.v, n.side);
+      if (p.triangle == q.triangle) EXPECT_LT(length(Vec3d(p.position) - q.position), 3e-4);
+    }
+  }
+}
+
+TEST(next_event_twin, panels_that_send_nothing_are_not_chosen) {
+  const auto lit = panels();
+  for (const Place& dark : {Place{{0.01, 0.5, 0}, {-1, 0, 0}}, Place{{1.0, 2.5, 0.9}, {0, 1, 0}}}) {
+    Seen s(*lit, dark);
+    EXPECT_EQ(s.outlook.sent, 0);
+    EXPECT_EQ(sampled(*lit, s, 93, 0).source, shader::SOURCE_NONE);
+    for (const Panels::Panel& panel : lit->world.next_events.panels().all())
+      EXPECT_EQ(lit->twin.next_event_pdf(s.p, s.outlook, 0, shader::SOURCE_FRONT, panel.triangle[0],
+                                         Vec3f(panel.corner), {}),
+                0);
+  }
+}
+
+// In its plane, on it, at its corner, a millionth of a metre before it.
+TEST(next_event_twin, panels_are_finite_at_the_extremes) {
+  const auto lit = panels();
+  for (const Vec3d& place :
+       {Vec3d(0.05, 0.5, 0), Vec3d(0.050001, 0.5, 0), Vec3d(0.050001, 0.1, -0.5),
+        Vec3d(0.05, 0.05, -0.7), Vec3d(0.0499999, 0.4, 0.1), Vec3d(0.5, 1.949999, -0.4)})
+    for (const Vec3d& normal : {Vec3d(1, 0, 0), Vec3d(0, -1, 0), Vec3d(1, 1, 1)}) {
+      Seen s(*lit, {place, normal});
+      EXPECT_TRUE(std::isfinite(s.outlook.sent));
+      for (uint64_t i = 0; i < 200; ++i) {
+        const shader::LightPlace p = sampled(*lit, s, 94, i);
+        EXPECT_TRUE(std::isfinite(p.pdf) && p.pdf >= 0 && is_finite(p.position)) << p.pdf;
+        EXPECT_EQ(p.pdf, pdf_of(*lit, s, p));
+      }
+    }
+}
+
+// Through windows. Bins of latitude and longitude.
+constexpr int kColumns = 32, kRows = 16;
+constexpr size_t kBins = size_t{kColumns} * kRows;
+size_t bin_of(const Vec3d& w) {
+  const double u = std::atan2(w.x, -w.z) / (2 * pi) + 0.5;
+  const double v = std::acos(std::clamp(w.y, -1.0, 1.0)) / pi;
+  return static_cast<size_t>(std::min(static_cast<int>(v * kRows), kRows - 1) * kColumns +
+                             std::min(static_cast<int>(u * kColumns), kColumns - 1));
+}
+const std::vector<Place> kBehindWindows{{{3, 0, 0}, {0, 1, 0}},
+                                        {{3.9, 1.2, -0.5}, {1, 0.2, 0}},
+                                        {{0.3, 1, 0.1}, {1, 0, 0}},
+                                        {{3, 0.3, -0.4}, {0, 0, 1}},
+                                        {{3, 1.2, 0.6}, {0.3, 0, -1}, true}};
+
+std::unique_ptr<LitWorld> behind_windows(bool one_colour) {
+  const auto suns = std::vector{sun_of({0.3, 1, 0.4}, 12 * kDegree, 4)};
+  return std::make_unique<LitWorld>(
+      "windows", open_room(one_colour ? one_colour_sky({1, 2, 3}) : uneven_sky(suns)),
+      three_windows());
+}
+
+// `through`: how often the density has it that one looks through windows. Samples that are below
+// the horizon are not looked at: they count where they were drawn.
+double at_windows(const LitWorld& lit, const Place& place, float through, int fine) {
+  Seen s(lit, place);
+  EXPECT_GT(s.outlook.seen, 0);
+  std::vector<double> probability(kBins);
+  const int rows = kRows * fine, columns = kColumns * fine;
+  for (int i = 0; i < rows; ++i) {
+    const double theta = (i + 0.5) * pi / rows;
+    const double sr = 2 * pi / columns * (std::cos(i * pi / rows) - std::cos((i + 1) * pi / rows));
+    for (int j = 0; j < columns; ++j) {
+      const double phi = ((j + 0.5) / columns - 0.5) * 2 * pi;
+      const Vec3f w(Vec3d(std::sin(theta) * std::sin(phi), std::cos(theta),
+                          -std::sin(theta) * std::cos(phi)));
+      probability[static_cast<size_t>(i / fine * kColumns + j / fine)] +=
+          sr * lit.twin.next_event_pdf(s.p, s.outlook, through, shader::SOURCE_SKY, ~0u, -w,
+                                       lit.twin.look_at_sky(w));
+    }
+  }
+  return chi_square_of_samples(kSamples, probability,
+                               [&](uint64_t i) {
+                                 const shader::LightPlace p = sampled(lit, s, 95, i);
+                                 if (p.source != shader::SOURCE_SKY) return kBins;
+                                 if (p.pdf > 0) EXPECT_EQ(p.pdf, pdf_of(lit, s, p));
+                                 return bin_of(-Vec3d(p.position));
+                               })
+      .p;
+}
+TEST(next_event_twin, windows_have_their_density) {
+  for (const bool one_colour : {true, false}) {
+    const auto lit = behind_windows(one_colour);
+    for (const Place& place : kBehindWindows)
+      EXPECT_GT(at_windows(*lit, place, kThrough, 72), kRight) << place.place.x;
+  }
+}
+TEST(next_event_twin, twin_windows_that_are_looked_through_more_often_than_is_said) {
+  const auto lit = behind_windows(false);
+  for (const Place& place : kBehindWindows)
+    EXPECT_LT(at_windows(*lit, place, 0.8f * kThrough, 24), kWrong) << place.place.x;
+}
+
+// What is seen and its densities are the renderer's; all samples that do not lie on a window's edge
+// are found in it again.
+TEST(next_event_twin, windows_are_the_renderers) {
+  for (const auto& lit : lit_worlds()) {
+    if (!lit->tables.has_windows) continue;
+    for (const Place& place : kBehindWindows) {
+      Seen s(*lit, place);
+      if (s.v.outlook.seen == 0) {
+        EXPECT_EQ(s.outlook.seen, 0);
+        continue;
+      }
+      EXPECT_NEAR(s.outlook.seen * kUnit / s.v.outlook.seen, 1, 2e-3) << lit->name;
+      int off = 0;
+      for (uint64_t i = 0; i < 4000; ++i) {
+        const FourNumbers n(96, i);
+        const Vec3f w = lit->twin.towards_window(s.p.position, s.outlook.facing, s.outlook.seen,
+                                                 n.pick, n.u, n.v);
+        const double mine =
+            lit->twin.windows_pdf_w(s.p.position, s.outlook.facing, s.outlook.seen, w);
+        const double theirs = lit->world.windows.pdf_w(s.v.position, s.v.outlook.facing,
+                                                       s.v.outlook.seen, normalize(Vec3d(w)));
+        ASSERT_GT(mine, 0) << lit->name << ' ' << place.place.x << ' ' << i;
+        off += !(std::abs(mine / theirs - 1) < 5e-3);
+      }
+      EXPECT_LE(off, 4) << lit->name << ' ' << place.place.x;
+    }
+  }
+}
+
+// A place a hair before a window, far from it, beside its edge.
+TEST(next_event_twin, windows_are_finite_at_the_extremes) {
+  for (const bool one_colour : {true, false}) {
+    const auto lit = behind_windows(one_colour);
+    for (const Vec3d& place :
+         {Vec3d(4.0999, 1, 0), Vec3d(4.09999, 0.10001, -0.89), Vec3d(4.1, 1, 0), Vec3d(0, 0, -1),
+          Vec3d(2.04, 1, 0), Vec3d(2.05, 0.875, -0.125)})
+      for (const Vec3d& normal : {Vec3d(1, 0, 0), Vec3d(-1, 0, 0), Vec3d(0, 1, 0)}) {
+        Seen s(*lit, {place, normal});
+        EXPECT_TRUE(std::isfinite(s.outlook.seen) && s.outlook.seen >= 0);
+        for (uint64_t i = 0; i < 200; ++i) {
+          const shader::LightPlace p = sampled(*lit, s, 97, i);
+          EXPECT_TRUE(std::isfinite(p.pdf) && p.pdf >= 0 && is_finite(p.position));
+          EXPECT_EQ(is_finite(p.in_sky.radiance), true);
+        }
+      }
+  }
+}
+
+// Most of the table is the sun's: what a window without it shows keeps its digits.
+TEST(next_event_twin, beside_a_sun_the_rest_of_the_sky_is_seen_as_exactly) {
+  const auto with = [](float irradiance) {
+    return std::make_unique<LitWorld>(
+        "sun",
+        open_room(std::make_shared<Sky>(uneven_map(), 0.3,
+                                        std::vector{sun_of({1, 0.35, 0.1}, kDegree, irradiance)}),
+                  false),
+        three_windows());
+  };
+  const auto faint = with(1e-6f), strong = with(1e4f);
+  // From near the ceiling only the foot of the sky is in the window.
+  const Place place{{2.3, 1.95, 0}, {0.2, -1, 0}};
+  Seen a(*faint, place), b(*strong, place);
+  ASSERT_GT(a.outlook.seen, 0);
+  EXPECT_NEAR(b.outlook.seen / a.outlook.seen, 1, 0.05);
+}
+
+}  // namespace
+}  // namespace tdpt

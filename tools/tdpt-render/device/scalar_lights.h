@@ -1,0 +1,49 @@
+// Lights as kernels have them, on the CPU: the same text as C++.
+#pragma once
+#include "tools/tdpt-render/device/light_tables.h"
+
+namespace tdpt::shader {
+
+/// Refers to tables.
+struct ScalarLights {
+  const uint* light_words;
+  const Emitter* light_emitters;
+  const Lamp* light_lamps;
+  const SkySun* sky_suns;
+  const SkyTexel* sky_texels;
+  const Panel* light_panels;
+  const SkyWindow* sky_windows;
+  const WindowFrame* window_frames;
+  const LightSettings& light_settings;
+  bool scene_has_sky, scene_has_sky_map, scene_has_lamps, scene_has_panels, scene_has_windows,
+      scene_prefers;
+
+  explicit ScalarLights(const LightTables& t)
+      : light_words(t.words.data()),
+        light_emitters(t.emitters.data()),
+        light_lamps(t.lamps.data()),
+        sky_suns(t.suns.data()),
+        sky_texels(t.texels.data()),
+        light_panels(t.panels.data()),
+        sky_windows(t.windows.data()),
+        window_frames(t.frames.data()),
+        light_settings(t.settings),
+        scene_has_sky(t.has_sky),
+        scene_has_sky_map(t.has_sky_map),
+        scene_has_lamps(t.has_lamps),
+        scene_has_panels(t.has_panels),
+        scene_has_windows(t.has_windows),
+        scene_prefers(t.prefers) {}
+
+#include "shaders/shared/path/sky.h"
+
+#include "shaders/shared/path/lights.h"
+
+#include "shaders/shared/path/panels.h"
+
+#include "shaders/shared/path/window_sky.h"
+
+#include "shaders/shared/path/next_event.h"
+};
+
+}  // namespace tdpt::shader
