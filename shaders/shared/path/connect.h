@@ -119,7 +119,7 @@ SHARED void join_with(JoinEnd end, uint slot, PathVertex at, PathDensity d, Poin
                       SampleName name, float times) MEMBER {
   PathVertex light = path_vertices[end.slot];
   PathDensity of_light = path_densities[end.slot];
-  Point y = point_of(light, of_light);
+  Point y = point_of(light);
   if (!sees(y, z)) return;
   Edge e = edge_between(y, z);
   Edge r = reversed(e);
@@ -222,7 +222,7 @@ SHARED void connect_camera_vertex(uint slot) MEMBER {
   PathVertex at = path_vertices[slot];
   uint group = at.walk / render.per_pool;
   SampleName name = sample_of_group(group, at.walk % render.per_pool);
-  Point z = point_of(at, d);
+  Point z = point_of(at);
   bool looks_out = number_of(d) == 1u && (d.flags & VERTEX_INFINITE) != 0u;
   if (render.transparent != 0u && number_of(d) == 1u && !looks_out) meet_pixel(name.pixel);
   if (has_technique(TECHNIQUE_CAMERA) && z.source != SOURCE_NONE &&
@@ -241,7 +241,7 @@ SHARED void splat(uint slot) MEMBER {
   PathVertex at = path_vertices[slot];
   Point camera = empty_point();
   camera.position = render.camera_position;
-  Point y = point_of(at, d);
+  Point y = point_of(at);
   Edge e = edge_between(y, camera);
   float raster_x;
   float raster_y;

@@ -21,7 +21,7 @@ SHARED void step_list_end(uint i) MEMBER {
   PathDensity d = path_densities[slot];
   if ((d.flags & VERTEX_THERE) == 0u || (d.flags & VERTEX_CONNECTIBLE) == 0u) return;
   PathVertex v = path_vertices[slot];
-  JoinEnd end = join_end(point_of(v, d), v.back, v.throughput, slot, number_of(d));
+  JoinEnd end = join_end(point_of(v), v.back, v.throughput, slot, number_of(d));
   join_ends[scattered_ends() + end_first[v.walk] + v.ordinal] = end;
 }
 /// Of y_0 of light walk work.first + i.
@@ -30,7 +30,7 @@ SHARED void step_list_start(uint i) MEMBER {
   PathVertex v = path_vertices[walk];
   PathDensity d = path_densities[walk];
   if ((d.flags & VERTEX_THERE) == 0u) return;
-  Point y0 = point_of(v, d);
+  Point y0 = point_of(v);
   JoinEnd end = join_end(y0, v.back, v.throughput, walk, 0u);
   // About what leaves it; which way is for those that are taken.
   vec3 straight = at_infinity(y0) ? y0.position : y0.normal;

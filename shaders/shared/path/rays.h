@@ -20,7 +20,7 @@ SHARED Point empty_point() MEMBER_CONST {
   p.in_sky.radiance = vec3(0.0f, 0.0f, 0.0f);
   p.in_sky.plain_w = 0.0f;
   p.in_sky.start_w = 0.0f;
-  p.bsdf = empty_bsdf();
+  p.bsdf = diffuse_bsdf(p.color);
   return p;
 }
 
@@ -75,9 +75,12 @@ SHARED bool sees(Point a, Point b) MEMBER {
   return !segment_blocked(from, to, ray_coin(from, to));
 }
 
+SHARED bool single_sided(uint triangle) MEMBER_CONST {
+  return (materials[faces[triangle].material].flags & MATERIAL_DOUBLE_SIDED) == 0u;
+}
 /// Whether a camera that looks along w sees the side of a triangle that it looks at.
 SHARED bool camera_draws(uint triangle, vec3 w) MEMBER_CONST {
-  return render.culls == 0u || !single_sided(triangle) || dot(surface_normal(triangle), w) <= 0.0f;
+  return render.culls == 0u || !single_sided(triangle) || dot(faces[triangle].normal, w) <= 0.0f;
 }
 /// First surface that the camera draws along w. What it does not draw is passed.
 SHARED bool first_drawn(vec3 camera, vec3 w, OUT(SurfaceHit) hit) MEMBER_CONST {

@@ -47,7 +47,7 @@ SHARED Sequence numbers_of(SampleName s, uint purpose) MEMBER_CONST {
   return sequence_of(render.seed, sum64(render.stream, word64_of(0u, purpose)), pixel, s.number);
 }
 SHARED float uniform_of(INOUT(Sequence) numbers) MEMBER_CONST {
-  return unit_float(random_word(numbers));
+  return unit_float(high_word(random_bits(numbers)));
 }
 
 #include "shaders/shared/language_end.h"

@@ -82,7 +82,7 @@ SHARED void join_segment_with_light(uint segment, uint group, Point x_l, vec3 w,
     before = after;
     if (!taken || s.sides >= kSegmentSides) continue;
     PathVertex light = path_vertices[end.slot];
-    Point y = point_of(light, path_densities[end.slot]);
+    Point y = point_of(light);
     if (!sees(y, x_l)) continue;
     Edge e = edge_between(y, x_l);
     Crossing crossing = crossing_of(FROM_LIGHT, y, x_l, drawn_otherwise());
@@ -205,7 +205,7 @@ SHARED vec3 light_of(uint segment, uint t) MEMBER_CONST {
 
 /// What a path through a segment has on the camera's side.
 struct CameraSide {
-  Half half;       ///< without first_A; no slot where the camera sees x_c
+  Half beyond;       ///< without first_A; no slot where the camera sees x_c
   vec3 to_camera;  ///< unit, from x_c
   float onward_A;  ///< density of x_c in the camera's walk
   float per_area;  ///< |cos| / d^2 at the vertex beyond
@@ -218,8 +218,8 @@ struct CameraSide {
 SHARED void add_through(uint segment, CameraSide side, vec3 value, uint pixel,
                         word64 number) MEMBER {
   PortalSegment s = segments[segment];
-  Point x_l = point_of(s.x_l, empty_density());
-  Point x_c = point_of(s.x_c, empty_density());
+  Point x_l = point_of(s.x_l);
+  Point x_c = point_of(s.x_c);
   Edge e = edge_between(x_l, x_c);
   Aims aims_l = aims_of(s.x_l);
   Aims aims_c = aims_of(s.x_c);
@@ -255,7 +255,7 @@ SHARED void add_through(uint segment, CameraSide side, vec3 value, uint pixel,
     } else {
       PathVertex v = path_vertices[before.slot];
       PathDensity d = path_densities[before.slot];
-      Point y = point_of(v, d);
+      Point y = point_of(v);
       Edge arriving = edge_between(y, x_l);
       Crossing crossing;
       crossing.density = before.density;
@@ -281,7 +281,7 @@ SHARED void add_through(uint segment, CameraSide side, vec3 value, uint pixel,
         x.nee_A = next_event_pdf(x_l, outlook_of(s.x_l), render.through_windows, y.source,
                                  y.triangle, y.position, y.in_sky);
     }
-    Half camera = side.half;
+    Half camera = side.beyond;
     if (camera.slot != kNoVertex) {
       float goes_on = a == 0u ? 1.0f : albedo_at(x_c, -e.w);
       camera.first_A =
@@ -298,7 +298,7 @@ SHARED void add_through(uint segment, CameraSide side, vec3 value, uint pixel,
 SHARED void see_segment(uint segment) MEMBER {
   if (!(segments[segment].density > 0.0f)) return;
   PortalSegment s = segments[segment];
-  Point x_c = point_of(s.x_c, empty_density());
+  Point x_c = point_of(s.x_c);
   Point camera = empty_point();
   camera.position = render.camera_position;
   Edge e = edge_between(x_c, camera);
@@ -309,7 +309,7 @@ SHARED void see_segment(uint segment) MEMBER {
   vec3 value = bsdf_at(x_c, -s.w, e.w) * s.through * (geometry(x_c, camera, e) * importance_w);
   if (is_zero(value) || !seen_by_camera(x_c)) return;
   CameraSide side;
-  side.half = no_half();
+  side.beyond = no_half();
   side.to_camera = e.w;
   side.onward_A = importance_w * cosine_to(x_c, e.w) * reciprocal(e.d2);
   side.per_area = 0.0f;
@@ -326,7 +326,7 @@ SHARED void see_segment(uint segment) MEMBER {
 SHARED void join_with_segment(uint segment, uint slot, PathVertex at, PathDensity d, Point z,
                               SampleName name, float times) MEMBER {
   PortalSegment s = segments[segment];
-  Point x_c = point_of(s.x_c, empty_density());
+  Point x_c = point_of(s.x_c);
   if (!sees(x_c, z)) return;
   Edge e = edge_between(x_c, z);
   vec3 value = s.through * bsdf_at(x_c, -s.w, e.w) * bsdf_at(z, -e.w, at.back) * at.throughput *
@@ -338,9 +338,9 @@ SHARED void join_with_segment(uint segment, uint slot, PathVertex at, PathDensit
   // As many vertices from the light at least.
   AtJoint of_z = at_joint(FROM_CAMERA, z, at, d, reversed(e),
                           cosine_to(x_c, e.w) * reciprocal(e.d2), side.after, 2u);
-  side.half.slot = slot;
-  side.half.first_A = 0.0f;
-  side.half.second_A = of_z.behind_A;
+  side.beyond.slot = slot;
+  side.beyond.first_A = 0.0f;
+  side.beyond.second_A = of_z.behind_A;
   side.to_camera = e.w;
   side.onward_A = of_z.onward_A;
   side.per_area = cosine_to(z, e.w) * reciprocal(e.d2);
@@ -375,7 +375,7 @@ SHARED void join_few_segments(uint walk) MEMBER {
       uint t = number_of(d) + 1u;
       if ((d.flags & VERTEX_CONNECTIBLE) == 0u || t + 1u > render.max_depth) continue;
       PathVertex at = path_vertices[slot];
-      Point z = point_of(at, d);
+      Point z = point_of(at);
       JoinEnd here = join_end(z, at.back, at.throughput, slot, t);
       for (uint segment = first; segment < end; ++segment) {
         float estimate = estimate_segment(segment, here, t);

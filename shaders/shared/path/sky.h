@@ -50,7 +50,7 @@ SHARED float drawn_linear(float w0, float w1, float share) MEMBER_CONST {
   float grown = a + root(a * a + share * (b * b - a * a));
   return grown > 0.0f ? min(1.0f, share * (a + b) * reciprocal(grown)) : share;
 }
-SHARED float bilinear(float upper_left, float upper_right, float lower_left, float lower_right,
+SHARED float between_corners(float upper_left, float upper_right, float lower_left, float lower_right,
                       float across, float down) MEMBER_CONST {
   float upper = upper_left * (1.0f - across) + upper_right * across;
   float lower = lower_left * (1.0f - across) + lower_right * across;
@@ -216,10 +216,10 @@ SHARED SkyPlace place_in_block(SkyTable table, uint entry, float u_, float v_) M
     float y0 = top * per_y;
     float x1 = x0 + per_x;
     float y1 = y0 + per_y;
-    float w00 = bilinear(c00, c10, c01, c11, x0, y0);
-    float w10 = bilinear(c00, c10, c01, c11, x1, y0);
-    float w01 = bilinear(c00, c10, c01, c11, x0, y1);
-    float w11 = bilinear(c00, c10, c01, c11, x1, y1);
+    float w00 = between_corners(c00, c10, c01, c11, x0, y0);
+    float w10 = between_corners(c00, c10, c01, c11, x1, y0);
+    float w01 = between_corners(c00, c10, c01, c11, x0, y1);
+    float w11 = between_corners(c00, c10, c01, c11, x1, y1);
     down = drawn_linear(w00 + w10, w01 + w11, v);
     across = drawn_linear(w00 * (1.0f - down) + w01 * down, w10 * (1.0f - down) + w11 * down, u);
   }
@@ -295,7 +295,7 @@ SHARED InSky look_in_sky(SkyPlace place) MEMBER_CONST {
     per_mean = mean > 1e-30f ? per_area * reciprocal(mean) : 0.0f;
     in_sky.plain_w = share_of_cell(light_settings.plain, place.column, place.row) * (y * per_mean);
     if (parts) {
-      mean = bilinear(luminance(c00), luminance(c10), luminance(c01), luminance(c11),
+      mean = between_corners(luminance(c00), luminance(c10), luminance(c01), luminance(c11),
                       (float(x_part) + 0.5f) * reciprocal(float(start.split_x)),
                       (float(y_part) + 0.5f) * reciprocal(float(start.split_y)));
       per_mean = mean > 1e-30f ? per_area * reciprocal(mean) : 0.0f;

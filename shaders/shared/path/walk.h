@@ -23,7 +23,7 @@ SHARED Point point_on_light(uint source, uint triangle, float b1, float b2, vec3
   Point p = empty_point();
   if (triangle != kNoTriangle) {
     place_on_surface(triangle, b1, b2, p);
-    if (scene_has_coverage) p.emission = p.emission * surface_coverage(triangle, b1, b2);
+    if (scene_has_coverage) p.emission = p.emission * coverage_at(triangle, b1, b2);
     p.connectible = true;
   } else {
     p.position = position;
@@ -34,7 +34,7 @@ SHARED Point point_on_light(uint source, uint triangle, float b1, float b2, vec3
 }
 
 /// The point of a vertex, from its record.
-SHARED Point point_of(PathVertex v, PathDensity d) MEMBER_CONST {
+SHARED Point point_of(PathVertex v) MEMBER_CONST {
   bool begins = is_zero(v.back);
   if (v.triangle != kNoTriangle && !begins) {
     Point p;
@@ -53,10 +53,10 @@ SHARED Point point_of(PathVertex v, PathDensity d) MEMBER_CONST {
 /// What leaves a point along unit w; black where no light begins.
 SHARED vec3 emitted(Point p, vec3 w) MEMBER_CONST {
   if (p.source == SOURCE_NONE) return vec3(0.0f, 0.0f, 0.0f);
-  vec3 out_ = source_radiance(p.source, p.normal, p.emission, p.in_sky, w);
+  vec3 light = source_radiance(p.source, p.normal, p.emission, p.in_sky, w);
   if (scene_has_coats && !p.simple && p.bsdf.coat.strength > 0.0f)
-    out_ = out_ * emission_under_coat(p, w);
-  return out_;
+    light = light * emission_under_coat(p, w);
+  return light;
 }
 
 SHARED Aims aims_of(PathVertex v) MEMBER_CONST {
@@ -364,7 +364,7 @@ SHARED void go_on(uint from, uint here, uint next) MEMBER {
   float roulette = uniform_of(numbers);
   float chance = number <= 1u ? 1.0f : known.own_survival;
   if (!(roulette < chance)) return;
-  Point v = point_of(at, known);
+  Point v = point_of(at);
   Turn t;
   bool scatters = turn(v, from, at.back, a, b, lobe, t);
   Leaving leaving;

@@ -46,16 +46,16 @@ SHARED void add_strategy(INOUT(Scaled) total, Scaled relative, float n) MEMBER_C
 }
 
 /// Whether the vertex behind the first of a half turns by a Dirac lobe.
-SHARED bool turns_sharply_behind(Half half) MEMBER_CONST {
-  if (half.slot == kNoVertex) return false;
-  uint prev = path_densities[half.slot].prev;
+SHARED bool turns_sharply_behind(Half part) MEMBER_CONST {
+  if (part.slot == kNoVertex) return false;
+  uint prev = path_densities[part.slot].prev;
   return prev != kNoVertex && (path_densities[prev].flags & VERTEX_DIRAC) != 0u;
 }
 
 /// Adds the strategies that have their joint within a half of a path of k edges: of the light's,
 /// x_{s-1} to x_0, or of the camera's, x_s to x_{k-1}. `R`: R(s). `nee_A`: of x_0 as a next event
 /// at x_1, where the light's half is x_0 alone; else the records tell.
-SHARED void add_half(INOUT(Scaled) total, Half half, bool of_light, uint s, uint k, Scaled at_joint,
+SHARED void add_half(INOUT(Scaled) total, Half part, bool of_light, uint s, uint k, Scaled at_joint,
                      float nee_A) MEMBER_CONST {
   Scaled R = at_joint;
   Scaled R_before = R;               // one vertex nearer to the joint
@@ -65,7 +65,7 @@ SHARED void add_half(INOUT(Scaled) total, Half half, bool of_light, uint s, uint
   float pair_before = 0.0f;
   float survival_before = 1.0f;
   float next_event_A = nee_A;
-  uint slot = half.slot;
+  uint slot = part.slot;
   uint count = of_light ? s : k - s;
   for (uint n = 0u; n < count; ++n) {
     uint i = of_light ? s - 1u - n : s + n;
@@ -85,7 +85,7 @@ SHARED void add_half(INOUT(Scaled) total, Half half, bool of_light, uint s, uint
     // Whether the other walk went on at the vertex before, of which it is this number.
     uint number = of_light ? k - i - 1u : i - 1u;
     float survived = (i == 0u && !of_light) || number <= 1u ? 1.0f : survival_before;
-    float other = n == 0u ? half.first_A : n == 1u ? half.second_A : survived * d.other_A;
+    float other = n == 0u ? part.first_A : n == 1u ? part.second_A : survived * d.other_A;
     R_before = R;
     R = quotient(product(R, other), own);
     if (!dirac && !dirac_behind) add_strategy(total, R, weight_of_split(of_light ? i : i + 1u, k));

@@ -132,7 +132,7 @@ void WavefrontRenderer::render(const Integrator& integrator, const SampleRules& 
   p.max_depth = static_cast<uint32_t>(rules.max_depth);
   p.culls = world_.tracer.culls();
   p.transparent = film.has_alpha();
-  p.layers = !film.options().layers.empty();
+  for (size_t i = 0; i < kTechniques; ++i) p.layers |= film.has_layer(i);
   const FilmPlaces places(uint64_t{p.width} * p.height, p.layers != 0, world_.portals.portals());
   p.met_first = places.met;
   p.tally_first = places.tally;
@@ -161,8 +161,8 @@ void WavefrontRenderer::render(const Integrator& integrator, const SampleRules& 
 }
 
 // False when there was no room for all vertices: then nothing has come of it.
-bool WavefrontRenderer::submit(const RenderParameters& p, const std::vector<uint32_t>& pool_offsets,
-                               uint32_t film_words) {
+bool WavefrontRenderer::submit(const RenderParameters& p,
+                               const std::vector<uint32_t>& pool_offsets) {
   machine_->set(p, pool_offsets);
   const TechniqueSet techniques = TechniqueSet::of_bits(static_cast<uint8_t>(p.techniques));
   const uint32_t walks = techniques.walks_from_light() ? p.groups * p.walks_full : 0;
