@@ -76,26 +76,20 @@ class Builder {
     return r;
   }
   void add_maps(const Material& m, shader::SurfaceMaterial& r) {
-    if (m.plain) {
-      for (uint32_t* none :
-           {&r.base_map, &r.metallic_roughness_map, &r.emission_map, &r.normal_map, &r.specular_map,
-            &r.specular_color_map, &r.transmission_map, &r.coat_map, &r.coat_roughness_map,
-            &r.coat_normal_map, &r.sheen_color_map, &r.sheen_roughness_map})
-        *none = shader::kNoMap;
-      return;
-    }
-    r.base_map = map(m.base_map);
-    r.metallic_roughness_map = map(m.metallic_roughness_map);
-    r.emission_map = map(m.emission_map);
-    r.normal_map = map(m.normal_map);
-    r.specular_map = map(m.specular_map);
-    r.specular_color_map = map(m.specular_color_map);
-    r.transmission_map = map(m.transmission_map);
-    r.coat_map = map(m.coat_map);
-    r.coat_roughness_map = map(m.coat_roughness_map);
-    r.coat_normal_map = map(m.coat_normal_map);
-    r.sheen_color_map = map(m.sheen_color_map);
-    r.sheen_roughness_map = map(m.sheen_roughness_map);
+    std::fill(std::begin(r.maps), std::end(r.maps), shader::kNoMap);
+    if (m.plain) return;
+    r.maps[MAP_BASE] = map(m.base_map);
+    r.maps[MAP_METALLIC_ROUGHNESS] = map(m.metallic_roughness_map);
+    r.maps[MAP_SPECULAR] = map(m.specular_map);
+    r.maps[MAP_SPECULAR_COLOR] = map(m.specular_color_map);
+    r.maps[MAP_TRANSMISSION] = map(m.transmission_map);
+    r.maps[MAP_EMISSION] = map(m.emission_map);
+    r.maps[MAP_COAT] = map(m.coat_map);
+    r.maps[MAP_COAT_ROUGHNESS] = map(m.coat_roughness_map);
+    r.maps[MAP_SHEEN_COLOR] = map(m.sheen_color_map);
+    r.maps[MAP_SHEEN_ROUGHNESS] = map(m.sheen_roughness_map);
+    r.maps[MAP_NORMAL] = map(m.normal_map);
+    r.maps[MAP_COAT_NORMAL] = map(m.coat_normal_map);
   }
 
   void note_features(const Material& m) {

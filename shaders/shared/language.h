@@ -7,7 +7,8 @@
 // long as none is contracted into a fused one: cmake/compile-shader.sh sees to that. It does not
 // round quotients, roots and sines correctly: use those of real.h. It leaves the order of its own
 // dot(), cross(), normalize() and mix() open: use those of vector.h. Never draw two random numbers
-// in one expression: C++ leaves their order open.
+// in one expression: C++ leaves their order open. Write a constant as one number: GLSL's compiler
+// works out 23.0f * 1.07f in more digits than a float has.
 //
 // What the CPU counts in doubles and a device in floats is a GENERIC text over REAL and VEC3.
 #include "shaders/shared/types.h"

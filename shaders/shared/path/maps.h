@@ -4,7 +4,7 @@
 // Texture coordinates are taken from the first corner's, of which whole images are left out, so
 // that those far from 0 lose as little as can be.
 //
-// Read within a scope that has texture_maps[], texel_words[], surface_curves[],
+// Read within a scope that has materials[], texture_maps[], texel_words[], surface_curves[],
 // corner_attributes[], face_corners[], scene_has_textures, scene_has_normals and scene_has_colours;
 // texels.h and surface_layout.h come before.
 
@@ -65,12 +65,9 @@ SHARED TexelSpan span_of(SurfaceMap map, SurfacePlace at) MEMBER_CONST {
   return texel_span(map.grid, texture_coordinate(u), texture_coordinate(v));
 }
 
-/// Linear, each in [0,1]; 1 where there is no map.
+/// Linear, each in [0,1].
 SHARED Texel lookup(uint map, SurfacePlace at) MEMBER_CONST {
   Texel t;
-  t.rgb = vec3(1.0f);
-  t.alpha = 1.0f;
-  if (!scene_has_textures || map == kNoMap) return t;
   bool srgb = (texture_maps[map].grid.how & TEXELS_SRGB) != 0u;
   TexelSpan span = span_of(texture_maps[map], at);
   Texel t00 = texel_of(texel_words[span.texel00], srgb);
@@ -84,16 +81,46 @@ SHARED Texel lookup(uint map, SurfacePlace at) MEMBER_CONST {
   return t;
 }
 
-/// Base colour without its alpha: factor x texture x vertex colour, each in [0,1].
-SHARED vec3 base_color_at(SurfaceMaterial m, SurfacePlace at) MEMBER_CONST {
-  if ((m.flags & MATERIAL_PLAIN) != 0u) return m.base_color;
-  vec3 c = m.base_color * lookup(m.base_map, at).rgb;
+/// A factor of `m` times what its map says.
+SHARED void multiply(INOUT(SurfaceMaterial) m, uint which, Texel t) MEMBER_CONST {
+  if (which == MAP_BASE) m.base_color = m.base_color * t.rgb;
+  if (which == MAP_METALLIC_ROUGHNESS) {
+    m.roughness = m.roughness * t.rgb.y;
+    m.metallic = m.metallic * t.rgb.z;
+  }
+  if (which == MAP_SPECULAR) m.specular = m.specular * t.alpha;
+  if (which == MAP_SPECULAR_COLOR) {
+    m.specular_color = m.specular_color * t.rgb;
+    if ((m.flags & MATERIAL_GLOSSY_MAP) != 0u) m.roughness = 1.0f - (1.0f - m.roughness) * t.alpha;
+  }
+  if (which == MAP_TRANSMISSION) m.transmission = m.transmission * t.rgb.x;
+  if (which == MAP_EMISSION) m.emission = m.emission * t.rgb;
+  if (which == MAP_COAT) m.coat = m.coat * t.rgb.x;
+  if (which == MAP_COAT_ROUGHNESS) m.coat_roughness = m.coat_roughness * t.rgb.y;
+  if (which == MAP_SHEEN_COLOR) m.sheen_color = m.sheen_color * t.rgb;
+  if (which == MAP_SHEEN_ROUGHNESS) m.sheen_roughness = m.sheen_roughness * t.alpha;
+}
+
+/// The material of a place: all that textures and vertex colours say is in its factors, the base
+/// colour's each in [0,1].
+SHARED SurfaceMaterial material_at(uint material, SurfacePlace at) MEMBER_CONST {
+  SurfaceMaterial m = materials[material];
+  if ((m.flags & MATERIAL_PLAIN) != 0u) return m;
+  if (scene_has_textures) {
+    for (uint k = 0u; k < MAPS_OF_FACTORS; ++k) {
+      uint map = materials[material].maps[k];
+      if (map != kNoMap) multiply(m, k, lookup(map, at));
+    }
+  }
+  vec3 c = m.base_color;
   if (scene_has_colours) {
     FaceCorners corners = face_corners[at.triangle];
     c = c * interpolated(corner_attributes[corners.a].color, corner_attributes[corners.b].color,
                          corner_attributes[corners.c].color, at);
   }
-  return vec3(min(max(c.x, 0.0f), 1.0f), min(max(c.y, 0.0f), 1.0f), min(max(c.z, 0.0f), 1.0f));
+  m.base_color =
+      vec3(min(max(c.x, 0.0f), 1.0f), min(max(c.y, 0.0f), 1.0f), min(max(c.z, 0.0f), 1.0f));
+  return m;
 }
 
 /// `v` over its largest component, so that its square is a number; 0 stays 0.

@@ -5,19 +5,6 @@
 
 #include "shaders/shared/language.h"
 
-SHARED void add_sheen(SurfaceMaterial m, SurfacePlace at, INOUT(Bsdf) b) MEMBER_CONST {
-  b.sheen = m.sheen_color * lookup(m.sheen_color_map, at).rgb;
-  if (!is_positive(b.sheen)) return;
-  float roughness = max(m.sheen_roughness * lookup(m.sheen_roughness_map, at).alpha, 0.07f);
-  b.sheen_alpha = roughness * roughness;
-}
-
-SHARED void add_coat(SurfaceMaterial m, SurfacePlace at, INOUT(Bsdf) b) MEMBER_CONST {
-  b.coat.strength = m.coat * lookup(m.coat_map, at).rgb.x;
-  float roughness = m.coat_roughness * lookup(m.coat_roughness_map, at).rgb.y;
-  b.coat.alpha = roughness * roughness;
-}
-
 /// `color` and nothing else.
 SHARED Bsdf diffuse_bsdf(vec3 color) MEMBER_CONST {
   Bsdf b;
@@ -37,47 +24,49 @@ SHARED Bsdf diffuse_bsdf(vec3 color) MEMBER_CONST {
   return b;
 }
 
-SHARED Bsdf bsdf_of(SurfaceMaterial m, SurfacePlace at) MEMBER_CONST {
-  vec3 color = base_color_at(m, at);
-  Texel t = lookup(m.metallic_roughness_map, at);
-  float roughness = m.roughness * t.rgb.y;
-  float metallic = m.metallic * t.rgb.z;
-  float specular = m.specular * lookup(m.specular_map, at).alpha;
-  t = lookup(m.specular_color_map, at);
-  vec3 specular_color = m.specular_color * t.rgb;
-  bool glossy = scene_has_textures && (m.flags & MATERIAL_GLOSSY_MAP) != 0u;
-  if (glossy) roughness = 1.0f - (1.0f - roughness) * t.alpha;
-  float transmission = m.transmission * lookup(m.transmission_map, at).rgb.x;
-
-  float dielectric = 1.0f - metallic;
+/// Of material_at().
+SHARED Bsdf bsdf_of(SurfaceMaterial m) MEMBER_CONST {
+  float dielectric = 1.0f - m.metallic;
   float r = (m.ior - 1.0f) * reciprocal(m.ior + 1.0f);
-  vec3 f0 = specular_color * (r * r);
-  f0 = vec3(min(f0.x, 1.0f), min(f0.y, 1.0f), min(f0.z, 1.0f)) * specular;
-  Bsdf b = diffuse_bsdf(color * (dielectric * (1.0f - transmission)));
-  b.f0 = color * metallic + f0 * dielectric;
-  b.f90 = vec3(metallic + (m.ior != 1.0f ? specular * dielectric : 0.0f));
-  if (glossy) b.diffuse = b.diffuse * max(1.0f - largest(specular_color), 0.0f);
+  vec3 f0 = m.specular_color * (r * r);
+  f0 = vec3(min(f0.x, 1.0f), min(f0.y, 1.0f), min(f0.z, 1.0f)) * m.specular;
+  Bsdf b = diffuse_bsdf(m.base_color * (dielectric * (1.0f - m.transmission)));
+  b.f0 = m.base_color * m.metallic + f0 * dielectric;
+  b.f90 = vec3(m.metallic + (m.ior != 1.0f ? m.specular * dielectric : 0.0f));
+  if (scene_has_textures && (m.flags & MATERIAL_GLOSSY_MAP) != 0u)
+    b.diffuse = b.diffuse * max(1.0f - largest(m.specular_color), 0.0f);
   bool pane = scene_has_panes && m.pane_share > 0.0f;
-  if (!pane) b.through = color * (dielectric * transmission);  // past a pane rays go by
-  b.alpha = roughness * roughness;
+  if (!pane) b.through = m.base_color * (dielectric * m.transmission);  // past a pane rays go by
+  b.alpha = m.roughness * m.roughness;
   b.eta = m.ior;
   b.thin = (m.flags & MATERIAL_SOLID) == 0u;
-  if (scene_has_sheen && is_positive(m.sheen_color)) add_sheen(m, at, b);
-  if (scene_has_coats && m.coat > 0.0f) add_coat(m, at, b);
+  if (scene_has_sheen && is_positive(m.sheen_color)) {
+    float roughness = max(m.sheen_roughness, 0.07f);
+    b.sheen = m.sheen_color;
+    b.sheen_alpha = roughness * roughness;
+  }
+  b.coat.strength = m.coat;
+  b.coat.alpha = m.coat_roughness * m.coat_roughness;
   return b;
 }
 
 SHARED void add_layers(Face face, SurfaceMaterial m, SurfacePlace at, INOUT(Point) p) MEMBER_CONST {
   p.simple = false;
-  p.shading = shading_normal_at(face, m.normal_map, m.normal_scale, at);
+  bool bent_coat = scene_has_coats && m.coat > 0.0f && scene_has_textures &&
+                   (m.maps[MAP_NORMAL] != kNoMap || m.maps[MAP_COAT_NORMAL] != kNoMap);
+  vec3 coat_normal = face.normal;
+  for (uint k = 0u; k < (bent_coat ? 2u : 1u); ++k) {
+    vec3 n = shading_normal_at(face, materials[face.material].maps[MAP_NORMAL + k],
+                               k == 0u ? m.normal_scale : m.coat_normal_scale, at);
+    p.shading = k == 0u ? n : p.shading;
+    coat_normal = n;
+  }
   if ((m.flags & MATERIAL_PLAIN) != 0u) return;
-  p.bsdf = bsdf_of(m, at);
+  p.bsdf = bsdf_of(m);
   p.connectible = bsdf_connectible(p.bsdf);
   if (!has_coat(p.bsdf)) return;
   p.connectible = p.connectible || !coat_smooth(p.bsdf.coat);
-  if (scene_has_textures && (m.normal_map != kNoMap || m.coat_normal_map != kNoMap))
-    p.bsdf.coat.normal = normalized(to_local(
-        onb_about(p.shading), shading_normal_at(face, m.coat_normal_map, m.coat_normal_scale, at)));
+  if (bent_coat) p.bsdf.coat.normal = normalized(to_local(onb_about(p.shading), coat_normal));
   if (is_positive(p.bsdf.diffuse)) p.bsdf.under_coat = average_under_coat(p.bsdf);
 }
 
@@ -88,7 +77,7 @@ SHARED void place_on_surface(uint triangle, float b1, float b2, OUT(Point) p) ME
   at.b1 = b1;
   at.b2 = b2;
   Face face = faces[triangle];
-  SurfaceMaterial m = materials[face.material];
+  SurfaceMaterial m = material_at(face.material, at);
   p.position = face.p0 + face.e1 * b1 + face.e2 * b2;
   p.normal = face.normal;
   p.shading = face.normal;
@@ -107,7 +96,7 @@ SHARED void place_on_surface(uint triangle, float b1, float b2, OUT(Point) p) ME
   bool is_flat = !scene_has_normals || face.smoothed == 0u;
   if (scene_has_layers && !(is_plain && is_flat)) add_layers(face, m, at, p);
   if ((m.flags & MATERIAL_EMITS) == 0u) return;
-  p.emission = m.emission * lookup(m.emission_map, at).rgb;
+  p.emission = m.emission;
   if (!is_zero(p.emission))
     p.source = (m.flags & MATERIAL_DOUBLE_SIDED) != 0u ? SOURCE_BOTH : SOURCE_FRONT;
 }

@@ -33,22 +33,25 @@ struct SurfaceMaterial {
   float pane_share;  ///< of what is not reflected, gets through; 0: no pane
   float pane_f0;
   float pane_f90;
-  uint base_map;
-  uint metallic_roughness_map;
-  uint emission_map;
-  uint normal_map;
-  uint specular_map;
-  uint specular_color_map;
-  uint transmission_map;
-  uint coat_map;
-  uint coat_roughness_map;
-  uint coat_normal_map;
-  uint sheen_color_map;
-  uint sheen_roughness_map;
+  uint maps[12];  ///< MAP_*
   uint pad0;
   uint pad1;
   uint pad2;
 };
+// In the order in which they count.
+#define MAP_BASE 0u
+#define MAP_METALLIC_ROUGHNESS 1u
+#define MAP_SPECULAR 2u
+#define MAP_SPECULAR_COLOR 3u
+#define MAP_TRANSMISSION 4u
+#define MAP_EMISSION 5u
+#define MAP_COAT 6u
+#define MAP_COAT_ROUGHNESS 7u
+#define MAP_SHEEN_COLOR 8u
+#define MAP_SHEEN_ROUGHNESS 9u
+#define MAPS_OF_FACTORS 10u  // those before multiply factors
+#define MAP_NORMAL 10u
+#define MAP_COAT_NORMAL 11u
 #define MATERIAL_PLAIN 1u
 #define MATERIAL_EMITS 2u
 #define MATERIAL_DOUBLE_SIDED 4u

@@ -58,12 +58,18 @@ SHARED PlaceWords words_of_place(uint i, uint triangles) MEMBER_CONST {
   if (turns) {
     put(words, t.w);
     put(words, t.weight);
-    put(words, scatter_pdf_w(p, back, t.w, t.dirac));
-    put(words, scatter_pdf_w(p, t.w, back, t.dirac));
-    put(words, bsdf_at(p, back, t.w));
   }
-  put(words, bsdf_at(p, back, to));
-  put(words, scatter_pdf_w(p, back, to, false));
+  // There and back along the turn, and to anywhere: one of each function, as kernels are compiled
+  // with all that they call in place.
+  vec3 here = back;
+  vec3 there = turns ? t.w : to;
+  for (uint k = 0u; k < 3u; ++k) {
+    put(words, bsdf_at(p, here, there));
+    put(words, scatter_pdf_w(p, here, there, turns && t.dirac && k < 2u));
+    vec3 next = k == 0u ? here : to;
+    here = k == 0u ? there : back;
+    there = next;
+  }
   if (turn_towards(p, i & 1u, back, to, t)) put(words, t.weight);
   put(words, albedo_at(p, back));
   Odds odds = odds_at(p, back);
