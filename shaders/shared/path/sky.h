@@ -254,9 +254,11 @@ SHARED SkyPlace any_place(vec3 towards) MEMBER_CONST {
 
 SHARED SkyPlace drawn_in_sky(SkyTable table, uint word, float u, float v) MEMBER_CONST {
   uint entry = drawn_entry(table.begin, table.guide, table.entries, word);
-  if (entry >= table.blocks) return any_place(towards_sun(sky_suns[entry - table.blocks], u, v));
-  if (!scene_has_sky_map && table.columns == 1u) return any_place(uniform_direction(u, v));
-  return place_in_block(table, entry, u, v);
+  bool sun = entry >= table.blocks;
+  if (!sun && (scene_has_sky_map || table.columns > 1u)) return place_in_block(table, entry, u, v);
+  vec3 towards = uniform_direction(u, v);
+  if (sun) towards = towards_sun(sky_suns[entry - table.blocks], u, v);
+  return any_place(towards);
 }
 
 /// Probability of a cell.

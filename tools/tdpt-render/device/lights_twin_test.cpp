@@ -3,9 +3,10 @@
 #include <cstddef>
 
 #include "libcommon/gpu/kernel.h"
+#include "libcommon/math/warp.h"
 #include "libcommon/testing/chi_square.h"
 #include "shaders/lights_test.h"
-#include "tools/tdpt-render/device/lights_test_layout.h"
+#include "shaders/shared/path/lights_test_layout.h"
 #include "tools/tdpt-render/device/test_lights.h"
 
 namespace tdpt {
@@ -16,7 +17,7 @@ struct TestedLights : ScalarLights {
   TestedLights(const LightTables& tables, const std::vector<Shaded>& places)
       : ScalarLights(tables), shaded_places(places.data()) {}
 
-#include "tools/tdpt-render/device/lights_test.h"
+#include "shaders/shared/path/lights_test.h"
 };
 
 }  // namespace shader
@@ -162,7 +163,7 @@ TEST(lights, shine_as_the_renderer_has_them) {
       EXPECT_EQ(difference(lit->twin.source_facing(p.source, p.normal), source.facing(q.normal)),
                 0);
       const Vec3f other =
-          m.pick < 0.5f ? w : Vec3f(cosine_hemisphere(Vec3d(0, 1, 0), m.side, m.pick));
+          m.pick < 0.5f ? w : Vec3f(cosine_hemisphere(Vec3f(0, 1, 0), m.side, m.pick));
       EXPECT_NEAR(lit->twin.emission_pdf_w(p.source, p.normal, other),
                   source.pdf_w(q.normal, Vec3d(other)),
                   2e-7 * (1 + source.pdf_w(q.normal, Vec3d(other))));

@@ -119,6 +119,7 @@ TEST(next_event_twin, panels_are_the_renderers) {
   const auto lit = panels();
   for (const Place& place : kBeforePanels) {
     Seen s(*lit, place);
+    int others = 0;
     // A height of a millimetre is good to 1e-4 in floats.
     EXPECT_NEAR(s.outlook.sent / s.v.outlook.sent, 1, 3e-4);
     for (uint64_t i = 0; i < 2000; ++i) {
@@ -129,8 +130,9 @@ TEST(next_event_twin, panels_are_the_renderers) {
       EXPECT_NEAR(pdf / q.pdf, 1, 1e-3);
       const shader::LightPlace p =
           lit->twin.sample_next_event(s.p, s.outlook, 0, n.pick, n.u, n.v, n.side);
-      if (p.triangle == q.triangle) EXPECT_LT(length(Vec3d(p.position) - q.position), 3e-4);
+      others += p.triangle != q.triangle || length(Vec3d(p.position) - q.position) > 3e-4;
     }
+    EXPECT_LE(others, 4);
   }
 }
 
@@ -209,7 +211,7 @@ double at_windows(const LitWorld& lit, const Place& place, float through, int fi
                                [&](uint64_t i) {
                                  const shader::LightPlace p = sampled(lit, s, 95, i);
                                  if (p.source != shader::SOURCE_SKY) return kBins;
-                                 if (p.pdf > 0) EXPECT_EQ(p.pdf, pdf_of(lit, s, p));
+                                 EXPECT_TRUE(p.pdf == 0 || p.pdf == pdf_of(lit, s, p));
                                  return bin_of(-Vec3d(p.position));
                                })
       .p;

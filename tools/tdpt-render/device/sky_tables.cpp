@@ -35,7 +35,10 @@ double versine(double angle) {
 class SkyEntries {
  public:
   SkyEntries(const Sky& sky, const std::vector<shader::SkyTexel>& texels, bool split)
-      : sky_(sky), texels_(texels), width_(sky.map().width), height_(sky.map().height) {
+      : sky_(sky),
+        texels_(texels),
+        width_(std::max(sky.map().width, 1)),
+        height_(std::max(sky.map().height, 1)) {
     if (split) {
       split_x_ = (kColumns + width_ - 1) / width_;
       split_y_ = (kRows + height_) / (height_ + 1);

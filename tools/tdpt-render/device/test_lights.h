@@ -79,6 +79,9 @@ inline std::vector<std::unique_ptr<LitWorld>> lit_worlds() {
   add("colour and windows", open_room(one_colour_sky({1, 2, 3})), three_windows());
   add("uneven", open_room(uneven_sky(sun(12 * kDegree))), {});
   add("uneven and windows", open_room(uneven_sky(sun(12 * kDegree))), three_windows());
+  const auto rough = std::make_shared<Sky>(fine_map(), 0.3);
+  add("blocks", open_room(rough), {});
+  add("blocks and windows", open_room(rough), three_windows());
   add("fine", open_room(fine_sky()), {});
   add("fine and windows", open_room(fine_sky()), three_windows());
   add("sun alone", open_room(std::make_shared<Sky>(Sky::Map{}, 0, sun(kDegree)), false),
