@@ -128,7 +128,7 @@ void add_rows(int height, LightTables& tables) {
   }
 }
 
-// Bytes of the cells of each block.
+// Of the cells of each block, row by row.
 void add_cells(const SkyEntries& entries, LightTables& tables) {
   tables.settings.first_cell = static_cast<uint32_t>(tables.words.size());
   for (int j = 0; j < entries.rows(); ++j)
@@ -136,15 +136,10 @@ void add_cells(const SkyEntries& entries, LightTables& tables) {
       const std::vector<double> lights = entries.lights(i, j);
       const bool dark = std::all_of(lights.begin(), lights.end(), [](double y) { return y <= 0; });
       const std::vector<uint64_t> places =
-          dark ? std::vector<uint64_t>(lights.size() + 1) : whole_shares(lights, 255);
-      for (size_t row = 0; row < kBlock; ++row) {
-        uint32_t word = 0;
-        for (size_t k = 0; k < kBlock; ++k) {
-          const size_t cell = row * kBlock + k;
-          word |= static_cast<uint32_t>(places[cell + 1] - places[cell]) << (8 * k);
-        }
-        tables.words.push_back(word);
-      }
+          dark ? std::vector<uint64_t>(lights.size() + 1) : whole_shares(lights, 65535);
+      for (size_t cell = 0; cell < lights.size(); cell += 2)
+        tables.words.push_back(static_cast<uint32_t>((places[cell + 1] - places[cell]) |
+                                                     (places[cell + 2] - places[cell + 1]) << 16));
     }
 }
 

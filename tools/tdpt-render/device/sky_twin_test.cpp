@@ -79,11 +79,12 @@ TEST(sky_twin, twin_a_sky_one_percent_brighter) {
   for (const auto& lit : under_skies(true)) EXPECT_GT(off(*lit, 1.01), 5000) << lit->name;
 }
 
-// Densities are those of the renderer up to the 255 parts of a block's light.
+// Densities are those of the renderer, but for what of a block's light is less than one part of
+// 65535, and where parts with weights of their own meet.
 TEST(sky_twin, has_the_renderers_densities) {
   for (const auto& lit : under_skies()) {
     const Lights& lights = lit->world.lights;
-    double xx = 0, xy = 0, yy = 0, worst = 0;
+    int plain_off = 0, start_off = 0;
     for (uint64_t i = 0; i < 20000; ++i) {
       const FourNumbers n(82, i);
       const shader::SkyPlace place = lit->twin.drawn_in_sky(
@@ -91,13 +92,11 @@ TEST(sky_twin, has_the_renderers_densities) {
       const shader::InSky mine = lit->twin.look_in_sky(place);
       const Lights::InSky theirs = lights.look(normalize(Vec3d(place.towards)));
       const double start = theirs.start_w < 0 ? theirs.plain_w : theirs.start_w;
-      worst = std::max(worst, std::abs(mine.plain_w / theirs.plain_w - 1));
-      const double a = std::log(mine.start_w), b = std::log(start);
-      xx += a * a, xy += a * b, yy += b * b;
+      plain_off += std::abs(mine.plain_w / theirs.plain_w - 1) > 0.01;
+      start_off += std::abs(mine.start_w / start - 1) > 0.01;
     }
-    EXPECT_GT(xy / std::sqrt(xx * yy), 0.9999) << lit->name;
-    RecordProperty("worst_" + lit->name, std::to_string(worst));
-    EXPECT_LT(worst, lit->tables.settings.plain.block > 1 ? 0.2 : 1e-3) << lit->name;
+    EXPECT_LE(plain_off, 20) << lit->name;
+    EXPECT_LE(start_off, 20) << lit->name;
   }
 }
 
