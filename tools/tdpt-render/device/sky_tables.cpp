@@ -17,7 +17,7 @@ constexpr float kBlack = 1e-30f;  // in units of radiance: kernels take less for
 constexpr double kLeastHalfAngle = 5e-5, kSunMargin = 4e-7;
 // As SkyDirections [sky.cpp]: a coarse map is split into parts if they are to have weights, the
 // cells of a fine one are taken together in blocks.
-constexpr int kColumns = 128, kRows = 64, kFewCells = 10000, kBlock = 4;
+constexpr int kColumns = 128, kRows = 64, kFewCells = 40000, kBlock = 4;
 
 Rgb in_units(const Rgb& radiance, double unit) {
   Rgb c(Vec3d(radiance) / unit);
