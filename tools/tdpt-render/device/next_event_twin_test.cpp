@@ -258,6 +258,58 @@ TEST(next_event_twin, windows_are_the_renderers) {
   }
 }
 
+struct Moments {
+  double mean = 0, variance = 0;
+};
+constexpr int kEstimates = 200000;
+template <class Estimate>
+Moments moments(const Estimate& estimate) {
+  double sum = 0, squares = 0;
+  for (uint64_t i = 0; i < kEstimates; ++i) {
+    const double f = estimate(FourNumbers(98, i));
+    sum += f, squares += f * f;
+  }
+  const double mean = sum / kEstimates;
+  return {mean, squares / kEstimates - mean * mean};
+}
+// What arrives of the sky at an upright surface, unoccluded, by either.
+Moments by_twin(const LitWorld& lit, Seen& s) {
+  return moments([&](const FourNumbers& n) {
+    const shader::LightPlace p =
+        lit.twin.sample_next_event(s.p, s.outlook, kThrough, n.pick, n.u, n.v, n.side);
+    if (p.source != shader::SOURCE_SKY || !(p.pdf > 0)) return 0.0;
+    const double cosine = std::max(-dot(Vec3d(p.position), s.v.normal), 0.0);
+    return cosine * luminance(p.in_sky.radiance) * kUnit / p.pdf;
+  });
+}
+Moments by_renderer(const LitWorld& lit, Seen& s) {
+  return moments([&](const FourNumbers& n) {
+    const Lights::Point q = lit.world.next_events.sample(s.v, kThrough, n.pick, n.u, n.v, n.side);
+    if (!q.source || !q.source->is_sky()) return 0.0;
+    Point light;
+    light.source = q.source;
+    light.position = q.position;
+    light.in_sky = q.in_sky;
+    const double pdf = lit.world.next_events.pdf(s.v, light).of(kThrough);
+    const double cosine = std::max(-dot(q.position, s.v.normal), 0.0);
+    return pdf > 0 ? cosine * luminance(q.in_sky.radiance) / pdf : 0.0;
+  });
+}
+// How many standard deviations the means differ, `fault`: factor of one.
+double off_by(const Moments& a, const Moments& b, double fault) {
+  return std::abs(a.mean * fault - b.mean) / std::sqrt((a.variance + b.variance) / kEstimates);
+}
+TEST(next_event_twin, estimates_are_the_renderers_and_no_noisier) {
+  for (const auto& lit : lit_worlds()) {
+    if (!lit->tables.has_sky) continue;
+    Seen s(*lit, {{3, 0, 0}, {0, 1, 0}});
+    const Moments mine = by_twin(*lit, s), theirs = by_renderer(*lit, s);
+    EXPECT_LT(off_by(mine, theirs, 1), 4.5) << lit->name;
+    EXPECT_GT(off_by(mine, theirs, 1.05), 4.5) << lit->name;  // twin
+    EXPECT_LT(mine.variance, 1.05 * theirs.variance) << lit->name;
+  }
+}
+
 // A place a hair before a window, far from it, beside its edge.
 TEST(next_event_twin, windows_are_finite_at_the_extremes) {
   for (const bool one_colour : {true, false}) {
