@@ -162,7 +162,7 @@ struct LightSettings {
   uint windows;
   uint first_pdf_A;  ///< floats, by triangle of the scene
   uint first_row;    ///< of the sky's map, SkyRow
-  uint first_cell;   ///< shares of a block's cells, four words a block, a byte each
+  uint first_cell;   ///< shares of a block's cells, eight words a block, two bytes each
   uint first_view;   ///< masks of windows
   vec3 sky_colour;   ///< where there is no map
   float colour_w;    ///< its density of directions by luminance

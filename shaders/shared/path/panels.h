@@ -142,15 +142,22 @@ SHARED float panel_pdf_A_at(Panel panel, PanelView view, vec3 position, float se
   return panel_pdf_A(panel, view, x, y, sent);
 }
 
+/// The panel that has `triangle`; as many as there are: none has.
+SHARED uint panel_of(uint triangle) MEMBER_CONST {
+  uint found = light_settings.panels;
+  for (uint i = 0u; i < light_settings.panels; ++i)
+    found =
+        light_panels[i].triangle0 == triangle || light_panels[i].triangle1 == triangle ? i : found;
+  return found;
+}
+
 /// p_A of a place on a panel, which is 0 on what is none.
 SHARED float pdf_A_by_panels(Point p, Outlook outlook, uint triangle, vec3 position) MEMBER_CONST {
-  for (uint i = 0u; i < light_settings.panels; ++i) {
-    if (light_panels[i].triangle0 != triangle && light_panels[i].triangle1 != triangle) continue;
-    vec3 up = panel_horizon(p, outlook.facing);
-    PanelView view = look_at_panel(light_panels[i], p.position, up, is_zero(outlook.facing));
-    return panel_pdf_A_at(light_panels[i], view, position, outlook.sent);
-  }
-  return 0.0f;
+  uint i = panel_of(triangle);
+  if (i == light_settings.panels) return 0.0f;
+  vec3 up = panel_horizon(p, outlook.facing);
+  PanelView view = look_at_panel(light_panels[i], p.position, up, is_zero(outlook.facing));
+  return panel_pdf_A_at(light_panels[i], view, position, outlook.sent);
 }
 
 /// Of a panel's corner k, counted around, at x and y in [0,1] of its sides, on the half of the

@@ -7,7 +7,7 @@
 // Tables are of whole numbers: entry i of n has the words from begin[i] to begin[i + 1] of all of
 // 32 bits, so that the probability that a density tells is that with which words find it, however
 // small. guide[s] is the entry of the first word of the s-th of n equal parts. Blocks of a map are
-// such entries; a cell has its byte of 255 of the block.
+// such entries; a cell has its part of 65535 of the block.
 //
 // Places are found by the angle from the pole, and how far down a cell they are by its versine:
 // near a pole cosines of many rows are the same float.
@@ -155,13 +155,23 @@ SHARED vec3 towards_sun(SkySun sun, float u, float v) MEMBER_CONST {
   return normalized(to_world(onb_about(sun.towards), vec3(r * cosine, r * sine, 1.0f - h)));
 }
 
-/// Byte k of a word.
-SHARED uint byte_of(uint word, uint k) MEMBER_CONST {
-  return word >> (8u * k) & 255u;
+/// Shares of the four cells of a block's row, out of 65535 of all the block.
+struct CellShares {
+  uint first;
+  uint second;
+};
+SHARED CellShares shares_of_row(uint entry, uint row) MEMBER_CONST {
+  uint at = light_settings.first_cell + 8u * entry + 2u * row;
+  CellShares shares;
+  shares.first = light_words[at];
+  shares.second = light_words[at + 1u];
+  return shares;
 }
-SHARED uint sum_of_bytes(uint word) MEMBER_CONST {
-  uint pairs = (word & 0x00FF00FFu) + (word >> 8 & 0x00FF00FFu);
-  return (pairs & 0xFFFFu) + (pairs >> 16);
+SHARED uint low_half(uint word) MEMBER_CONST {
+  return word & 0xFFFFu;
+}
+SHARED uint sum_of_shares(CellShares s) MEMBER_CONST {
+  return low_half(s.first) + (s.first >> 16) + low_half(s.second) + (s.second >> 16);
 }
 /// Which of four weights `share` in [0,1) of their sum falls on; it becomes its place within that.
 SHARED uint one_of_four(uint w0, uint w1, uint w2, uint w3, INOUT(float) share) MEMBER_CONST {
@@ -188,14 +198,13 @@ SHARED SkyPlace place_in_block(SkyTable table, uint entry, float u_, float v_) M
   uint row = entry / table.columns * table.block;
   uint column = entry % table.columns * table.block;
   if (table.block > 1u) {
-    uint first = light_settings.first_cell + 4u * entry;
-    uint down = one_of_four(sum_of_bytes(light_words[first]), sum_of_bytes(light_words[first + 1u]),
-                            sum_of_bytes(light_words[first + 2u]),
-                            sum_of_bytes(light_words[first + 3u]), v);
-    uint cells = light_words[first + down];
+    uint down = one_of_four(
+        sum_of_shares(shares_of_row(entry, 0u)), sum_of_shares(shares_of_row(entry, 1u)),
+        sum_of_shares(shares_of_row(entry, 2u)), sum_of_shares(shares_of_row(entry, 3u)), v);
+    CellShares cells = shares_of_row(entry, down);
     row += down;
-    column += one_of_four(byte_of(cells, 0u), byte_of(cells, 1u), byte_of(cells, 2u),
-                          byte_of(cells, 3u), u);
+    column += one_of_four(low_half(cells.first), cells.first >> 16, low_half(cells.second),
+                          cells.second >> 16, u);
   }
   SkyPlace place;
   place.column = column / table.split_x;
@@ -254,17 +263,21 @@ SHARED SkyPlace any_place(vec3 towards) MEMBER_CONST {
 
 SHARED SkyPlace drawn_in_sky(SkyTable table, uint word, float u, float v) MEMBER_CONST {
   uint entry = drawn_entry(table.begin, table.guide, table.entries, word);
-  if (entry >= table.blocks) return any_place(towards_sun(sky_suns[entry - table.blocks], u, v));
-  if (!scene_has_sky_map && table.columns == 1u) return any_place(uniform_direction(u, v));
-  return place_in_block(table, entry, u, v);
+  bool sun = entry >= table.blocks;
+  if (!sun && (scene_has_sky_map || table.columns > 1u)) return place_in_block(table, entry, u, v);
+  vec3 towards = uniform_direction(u, v);
+  if (sun) towards = towards_sun(sky_suns[entry - table.blocks], u, v);
+  return any_place(towards);
 }
 
 /// Probability of a cell.
 SHARED float share_of_cell(SkyTable table, uint column, uint row) MEMBER_CONST {
   if (table.block == 1u) return share_of_entry(table.begin, row * table.columns + column);
   uint entry = (row >> 2) * table.columns + (column >> 2);
-  uint cells = light_words[light_settings.first_cell + 4u * entry + (row & 3u)];
-  return share_of_entry(table.begin, entry) * (float(byte_of(cells, column & 3u)) * 3.92156863e-3f);
+  CellShares cells = shares_of_row(entry, row & 3u);
+  uint pair = (column & 2u) == 0u ? cells.first : cells.second;
+  uint share = (column & 1u) == 0u ? low_half(pair) : pair >> 16;
+  return share_of_entry(table.begin, entry) * (float(share) * 1.52590219e-5f);
 }
 
 SHARED InSky look_in_sky(SkyPlace place) MEMBER_CONST {

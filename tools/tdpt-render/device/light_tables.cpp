@@ -24,8 +24,9 @@ void add_emitters(const World& world, const WordTable& table, LightTables& table
     e.triangle = emitters[i];
     e.source = world.scene.material_of(e.triangle).double_sided ? shader::SOURCE_BOTH
                                                                 : shader::SOURCE_FRONT;
+    constexpr double kMost = 1e30;  // what products in floats can bear
     const auto words = static_cast<double>(table.words_of(tables.words, i));
-    e.pdf_A = pdf_A[e.triangle] = static_cast<float>(words * 0x1p-32 / shape.area);
+    e.pdf_A = pdf_A[e.triangle] = static_cast<float>(std::min(words * 0x1p-32 / shape.area, kMost));
     tables.emitters.push_back(e);
   }
   tables.settings.emitters = static_cast<uint32_t>(emitters.size());

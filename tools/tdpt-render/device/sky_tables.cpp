@@ -17,7 +17,7 @@ constexpr float kBlack = 1e-30f;  // in units of radiance: kernels take less for
 constexpr double kLeastHalfAngle = 5e-5, kSunMargin = 4e-7;
 // As SkyDirections [sky.cpp]: a coarse map is split into parts if they are to have weights, the
 // cells of a fine one are taken together in blocks.
-constexpr int kColumns = 128, kRows = 64, kFewCells = 10000, kBlock = 4;
+constexpr int kColumns = 128, kRows = 64, kFewCells = 40000, kBlock = 4;
 
 Rgb in_units(const Rgb& radiance, double unit) {
   Rgb c(Vec3d(radiance) / unit);
@@ -35,7 +35,10 @@ double versine(double angle) {
 class SkyEntries {
  public:
   SkyEntries(const Sky& sky, const std::vector<shader::SkyTexel>& texels, bool split)
-      : sky_(sky), texels_(texels), width_(sky.map().width), height_(sky.map().height) {
+      : sky_(sky),
+        texels_(texels),
+        width_(std::max(sky.map().width, 1)),
+        height_(std::max(sky.map().height, 1)) {
     if (split) {
       split_x_ = (kColumns + width_ - 1) / width_;
       split_y_ = (kRows + height_) / (height_ + 1);
@@ -125,7 +128,7 @@ void add_rows(int height, LightTables& tables) {
   }
 }
 
-// Bytes of the cells of each block.
+// Of the cells of each block, row by row.
 void add_cells(const SkyEntries& entries, LightTables& tables) {
   tables.settings.first_cell = static_cast<uint32_t>(tables.words.size());
   for (int j = 0; j < entries.rows(); ++j)
@@ -133,15 +136,10 @@ void add_cells(const SkyEntries& entries, LightTables& tables) {
       const std::vector<double> lights = entries.lights(i, j);
       const bool dark = std::all_of(lights.begin(), lights.end(), [](double y) { return y <= 0; });
       const std::vector<uint64_t> places =
-          dark ? std::vector<uint64_t>(lights.size() + 1) : whole_shares(lights, 255);
-      for (size_t row = 0; row < kBlock; ++row) {
-        uint32_t word = 0;
-        for (size_t k = 0; k < kBlock; ++k) {
-          const size_t cell = row * kBlock + k;
-          word |= static_cast<uint32_t>(places[cell + 1] - places[cell]) << (8 * k);
-        }
-        tables.words.push_back(word);
-      }
+          dark ? std::vector<uint64_t>(lights.size() + 1) : whole_shares(lights, 65535);
+      for (size_t cell = 0; cell < lights.size(); cell += 2)
+        tables.words.push_back(static_cast<uint32_t>((places[cell + 1] - places[cell]) |
+                                                     (places[cell + 2] - places[cell + 1]) << 16));
     }
 }
 

@@ -40,10 +40,14 @@ double sum(const std::vector<double>& all) {
   return s;
 }
 
-/// Worlds that have a sky.
-std::vector<std::unique_ptr<LitWorld>> under_skies() {
+/// Worlds that have a sky; or of those the ones whose sky a lattice can integrate.
+std::vector<std::unique_ptr<LitWorld>> under_skies(bool smooth = false) {
   std::vector<std::unique_ptr<LitWorld>> all = lit_worlds();
-  std::erase_if(all, [](const auto& lit) { return !lit->tables.has_sky; });
+  std::erase_if(all, [&](const auto& lit) {
+    if (!lit->tables.has_sky) return true;
+    return smooth && !lit->scene.sky->suns().empty() &&
+           lit->scene.sky->suns()[0].half_angle < 5 * kDegree;
+  });
   return all;
 }
 Vec3f any_direction(uint64_t i) {
@@ -72,29 +76,28 @@ TEST(sky_twin, is_seen_as_the_renderer_sees_it) {
   for (const auto& lit : under_skies()) EXPECT_LE(off(*lit), 2) << lit->name;
 }
 TEST(sky_twin, twin_a_sky_one_percent_brighter) {
-  for (const auto& lit : under_skies())
-    if (lit->name != "sun alone") EXPECT_GT(off(*lit, 1.01), 5000) << lit->name;
+  for (const auto& lit : under_skies(true)) EXPECT_GT(off(*lit, 1.01), 5000) << lit->name;
 }
 
-// Densities are those of the renderer up to the 255 parts of a block's light.
+// Densities are those of the renderer, but for what of a block's light is less than one part of
+// 65535, and where parts with weights of their own meet.
 TEST(sky_twin, has_the_renderers_densities) {
   for (const auto& lit : under_skies()) {
     const Lights& lights = lit->world.lights;
-    double xx = 0, xy = 0, yy = 0, worst = 0;
+    int plain_off = 0, start_off = 0;
     for (uint64_t i = 0; i < 20000; ++i) {
       const FourNumbers n(82, i);
       const shader::SkyPlace place = lit->twin.drawn_in_sky(
           lit->tables.settings.plain, lit->twin.pick_word(n.pick, n.side), n.u, n.v);
       const shader::InSky mine = lit->twin.look_in_sky(place);
       const Lights::InSky theirs = lights.look(normalize(Vec3d(place.towards)));
-      const double start = theirs.start_w < 0 ? theirs.plain_w : theirs.start_w;
-      worst = std::max(worst, std::abs(mine.plain_w / theirs.plain_w - 1));
-      const double a = std::log(mine.start_w), b = std::log(start);
-      xx += a * a, xy += a * b, yy += b * b;
+      const Vec3d away = -normalize(Vec3d(place.towards));
+      const double start = lights.pdf(*lights.sky(), ~0u, away, theirs) / lights.sky()->pdf_1();
+      plain_off += std::abs(mine.plain_w / theirs.plain_w - 1) > 0.01;
+      start_off += std::abs(mine.start_w / start - 1) > 0.01;
     }
-    EXPECT_GT(xy / std::sqrt(xx * yy), 0.9999) << lit->name;
-    RecordProperty("worst_" + lit->name, std::to_string(worst));
-    EXPECT_LT(worst, lit->tables.settings.plain.block > 1 ? 0.2 : 1e-3) << lit->name;
+    EXPECT_LE(plain_off, 20) << lit->name;
+    EXPECT_LE(start_off, 20) << lit->name;
   }
 }
 
@@ -114,13 +117,10 @@ double plain(const LitWorld& lit, double fault) {
       .p;
 }
 TEST(sky_twin, directions_have_their_density) {
-  for (const auto& lit : under_skies())
-    if (lit->name != "sun alone" && lit->name.find("fine") && lit->name != "panels and windows")
-      EXPECT_GT(plain(*lit, 1), kRight) << lit->name;
+  for (const auto& lit : under_skies(true)) EXPECT_GT(plain(*lit, 1), kRight) << lit->name;
 }
 TEST(sky_twin, twin_directions_near_the_top_a_tenth_off) {
-  for (const auto& lit : under_skies())
-    if (lit->name != "sun alone") EXPECT_LT(plain(*lit, 0.9), kWrong) << lit->name;
+  for (const auto& lit : under_skies(true)) EXPECT_LT(plain(*lit, 0.9), kWrong) << lit->name;
 }
 
 // Of the lights, those of the sky.
@@ -141,14 +141,10 @@ double starts(const LitWorld& lit, double fault) {
       .p;
 }
 TEST(sky_twin, walks_begin_with_their_density) {
-  for (const auto& lit : under_skies())
-    if (lit->name != "sun alone" && lit->name.find("fine") && lit->name != "panels and windows")
-      EXPECT_GT(starts(*lit, 1), kRight) << lit->name;
+  for (const auto& lit : under_skies(true)) EXPECT_GT(starts(*lit, 1), kRight) << lit->name;
 }
-TEST(sky_twin, twin_walks_that_begin_a_twentieth_less_often_in_the_sky) {
-  for (const auto& lit : under_skies())
-    if (lit->name.find("uneven") == 0 || lit->name.find("colour") == 0)
-      EXPECT_LT(starts(*lit, 0.95), kWrong) << lit->name;
+TEST(sky_twin, twin_walks_that_begin_a_tenth_less_often_in_the_sky) {
+  for (const auto& lit : under_skies(true)) EXPECT_LT(starts(*lit, 0.9), kWrong) << lit->name;
 }
 
 // Whatever is small: in a table of cells it has the probability that it is told to have, and
@@ -207,7 +203,7 @@ TEST(sky_twin, places_are_found_again) {
     ASSERT_LT(std::abs(rows), 2e-3) << p.row << ' ' << p.down;
     // Near a pole a column is narrower than directions are exact.
     const double r = std::sqrt(1 - double{p.towards.y} * p.towards.y);
-    if (r > 1e-4) ASSERT_LT(columns, 2e-4 + 3e-7 / r * 4096) << p.row;
+    ASSERT_LT(columns, 2e-4 + 3e-7 / std::max(r, 1e-9) * 4096) << p.row;
     const Sky::Cell cell{static_cast<int>(p.column), static_cast<int>(p.row), n.u, n.v};
     EXPECT_LT(length(Vec3d(p.towards) - lit.scene.sky->towards(cell)), 1e-6);
   }

@@ -31,16 +31,16 @@ struct LitWorld {
   LitWorld(const LitWorld&) = delete;
 };
 
-/// 192 x 96, rough, with one texel far brighter than all others and a black band.
+/// 320 x 160, rough, with one texel far brighter than all others and a black band.
 inline Sky::Map fine_map() {
-  Sky::Map map{192, 96, {}};
+  Sky::Map map{320, 160, {}};
   for (int y = 0; y < map.height; ++y)
     for (int x = 0; x < map.width; ++x) {
       const float f =
           0.1f + static_cast<float>(mix64(static_cast<uint64_t>(y * map.width + x)) % 64) / 64;
-      map.texels.push_back(y > 60 && y < 70 ? Rgb{} : Rgb(f, 0.8f * f, 1.2f * f));
+      map.texels.push_back(y > 100 && y < 115 ? Rgb{} : Rgb(f, 0.8f * f, 1.2f * f));
     }
-  map.texels[20 * 192 + 150] = Rgb(3000, 2000, 1000);
+  map.texels[34 * 320 + 250] = Rgb(3000, 2000, 1000);
   return map;
 }
 inline std::shared_ptr<const Sky> fine_sky() {
@@ -65,9 +65,12 @@ inline std::vector<Portal> three_windows() {
           {"triangle", {{2.5, 0.3, 0.2}, {3.5, 1.9, 0.3}, {2.6, 1.8, 0.3}}, {{0, 1, 2}}, {}, true}};
 }
 
-inline std::vector<std::unique_ptr<LitWorld>> lit_worlds() {
+/// All of them, or those `named`.
+inline std::vector<std::unique_ptr<LitWorld>> lit_worlds(
+    const std::vector<std::string>& named = {}) {
   std::vector<std::unique_ptr<LitWorld>> all;
   const auto add = [&](const char* name, Scene scene, const std::vector<Portal>& portals) {
+    if (!named.empty() && std::find(named.begin(), named.end(), name) == named.end()) return;
     all.push_back(std::make_unique<LitWorld>(name, std::move(scene), portals));
   };
   const auto sun = [](double half_angle) {
@@ -79,6 +82,9 @@ inline std::vector<std::unique_ptr<LitWorld>> lit_worlds() {
   add("colour and windows", open_room(one_colour_sky({1, 2, 3})), three_windows());
   add("uneven", open_room(uneven_sky(sun(12 * kDegree))), {});
   add("uneven and windows", open_room(uneven_sky(sun(12 * kDegree))), three_windows());
+  const auto rough = std::make_shared<Sky>(fine_map(), 0.3);
+  add("blocks", open_room(rough), {});
+  add("blocks and windows", open_room(rough), three_windows());
   add("fine", open_room(fine_sky()), {});
   add("fine and windows", open_room(fine_sky()), three_windows());
   add("sun alone", open_room(std::make_shared<Sky>(Sky::Map{}, 0, sun(kDegree)), false),

@@ -13,7 +13,7 @@ TEST(whole_shares, are_in_proportion_and_never_none) {
   EXPECT_EQ(begin.back(), 255u);
   EXPECT_NEAR(static_cast<double>(begin[1]), 64, 1);
   EXPECT_EQ(begin[2], begin[1]);
-  EXPECT_EQ(begin[3], begin[2] + 1);
+  EXPECT_NEAR(static_cast<double>(begin[3] - begin[2]), 1.5, 0.5);
   EXPECT_EQ(begin[5], begin[4]);
   EXPECT_EQ(whole_shares({7}, 255), (std::vector<uint64_t>{0, 255}));
   for (const uint64_t n : {16u, 255u}) {

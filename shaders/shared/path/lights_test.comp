@@ -1,7 +1,7 @@
 // Test only: the words of lights_test.h, one run of them an invocation.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "tools/tdpt-render/device/lights_test_layout.h"
+#include "shaders/shared/path/lights_test_layout.h"
 layout(local_size_x = 64) in;
 layout(std430, binding = 0) readonly buffer Settings { LightSettings light_settings; };
 layout(std430, binding = 1) readonly buffer Tables { uint light_words[]; };
@@ -31,7 +31,7 @@ bool scene_prefers = (has & PREFERS) != 0u;
 
 #include "shaders/shared/path/next_event.h"
 
-#include "tools/tdpt-render/device/lights_test.h"
+#include "shaders/shared/path/lights_test.h"
 
 void main() {
   LightWords drawn = light_words_of(gl_GlobalInvocationID.x);

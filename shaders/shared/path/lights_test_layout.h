@@ -1,6 +1,6 @@
 // Test only: what lights_test.h reads and writes.
-#ifndef TDPT_DEVICE_LIGHTS_TEST_LAYOUT_H
-#define TDPT_DEVICE_LIGHTS_TEST_LAYOUT_H
+#ifndef TDPT_SHADERS_SHARED_PATH_LIGHTS_TEST_LAYOUT_H
+#define TDPT_SHADERS_SHARED_PATH_LIGHTS_TEST_LAYOUT_H
 
 #include "shaders/shared/path/lights_layout.h"
 
