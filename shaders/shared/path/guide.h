@@ -144,22 +144,29 @@ SHARED bool guide_leave(Point y0, Aims aims, float u0, float u1, float u2, float
   return true;
 }
 
-/// Of a walk at `at` that came from unit `back` (0: it begins there) and leaves along an edge with
-/// this crossing: the guided density [1/canonical area] from the plain one. `per_area`: |cos| / d^2
-/// at the edge's other end.
-SHARED float guided_pdf_A(uint from, Point at, Aims aims, vec3 back, float plain_A, float per_area,
+/// q where a walk scatters, at an albedo.
+SHARED float guide_chance_at(uint from, float albedo) MEMBER_CONST {
+  return min(guide_first_chance(from), 0.4f * (1.0f - albedo));
+}
+
+/// Of a walk that leaves along an edge with this crossing: the guided density [1/canonical area]
+/// from the plain one. W: of what it may aim at; q: that it aims, scope: Odds of where it scatters;
+/// per_area: |cos| / d^2 at the edge's other end.
+SHARED float guided_pdf_A(uint from, float W, float q, Odds scope, float plain_A, float per_area,
                           Crossing crossing) MEMBER_CONST {
-  if (!scene_has_portals || !guide_active) return plain_A;
-  float W = guide_aim_of(aims, back, from);
   if (!(plain_A > 0.0f && guide_first_chance(from) > 0.0f && W > 0.0f)) return plain_A;
-  float q = guide_chance(from, at, back);
-  Odds odds = guide_odds(at, back);
-  float by_surface = (1.0f - q * odds.broad) * plain_A;
+  float by_surface = (1.0f - q * scope.broad) * plain_A;
   // What the infinite ray crosses.
   float towards = from == FROM_LIGHT ? crossing.from_light : crossing.from_camera;
   if (towards == 0.0f) return by_surface;
-  float share = q * reciprocal(W) * (odds.broad * (1.0f - odds.dirac));
+  float share = q * reciprocal(W) * (scope.broad * (1.0f - scope.dirac));
   return by_surface + share * towards * per_area;
+}
+/// The same at a point that the walk came to from unit `back`, or begins at (0).
+SHARED float guided_pdf_A(uint from, Point at, Aims aims, vec3 back, float plain_A, float per_area,
+                          Crossing crossing) MEMBER_CONST {
+  return guided_pdf_A(from, guide_aim_of(aims, back, from), guide_chance(from, at, back),
+                      guide_odds(at, back), plain_A, per_area, crossing);
 }
 
 #include "shaders/shared/language_end.h"

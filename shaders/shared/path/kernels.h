@@ -1,6 +1,7 @@
 // What invocation i of each step does, for kernels and their twin.
 //
-// Read behind all other texts of this folder, where alive[] and `work`, the parameters of the step, are.
+// Read behind all other texts of this folder, where alive[] and `work`, the parameters of the step,
+// are.
 
 #include "shaders/shared/language.h"
 

@@ -62,9 +62,9 @@ struct RenderParameters {
   uint met_first;
   uint tally_first;
   uint portals_first;
+  uint segments_first;  ///< slot of x_l of the first segment; x_c follows
   uint pad0;
   uint pad1;
-  uint pad2;
 };
 
 // Beside the film, of each bucket: counts of rays, then sums of four words: energy by technique, by
@@ -92,25 +92,109 @@ struct PathVertex {
   vec3 position;  ///< at infinity unit, the way that light travels
   uint triangle;
   vec3 back;  ///< unit, towards the vertex before; 0: the walk begins here
-  float b1;
+  uint source;
   vec3 throughput;  ///< of all before, without what is emitted or scattered here
-  float b2;
-  vec3 facing;     ///< side of the surface that the path's edges are on; 0: both
-  float per_prev;  ///< |cos| / d^2 at the vertex before: brings densities along the edge to areas
-                   ///< there
+  float per_prev;   ///< |cos| / d^2 at the vertex before: of densities along the edge those there
+  vec3 facing;      ///< side of the surface that the path's edges are on; 0: both
+  uint walk;        ///< number of it within the submission
   float aims_light;
   float aims_camera;
   float aims_emitted;
   float seen;
   float sent;
-  float from_light;   ///< of the edge from the vertex before, what its Crossing has beside D
-  float from_camera;  //
-  uint source;
-  uint walk;     ///< number of it within the submission
+  float from_light;  ///< of the edge from the vertex before, what its Crossing has beside D,
+  float from_camera;
   uint ordinal;  ///< of those after y_0 that can be joined, how many came before
-  uint pad0;
-  uint pad1;
+  // What it is made of [keep_point()].
+  vec3 normal;
+  uint material;
+  vec3 color;
+  uint made_of;   ///< POINT_*
+  vec3 emission;  ///< in the sky its radiance
+  float plain_w;
 };
+const uint POINT_SIMPLE = 1u;
+const uint POINT_CONNECTIBLE = 2u;
+const uint POINT_THIN = 4u;
+
+/// And of vertices that are not simple.
+struct PathBsdf {
+  vec3 shading;
+  float alpha;
+  vec3 diffuse;
+  float eta;
+  vec3 f0;
+  float sheen_alpha;
+  vec3 f90;
+  float coat_strength;
+  vec3 through;
+  float coat_alpha;
+  vec3 sheen;
+  float pad0;
+  vec3 coat_normal;
+  float pad1;
+  vec3 under_coat;
+  float pad2;
+};
+
+/// How a walk leaves its last vertex, and what its ray meets.
+struct WalkRay {
+  vec3 origin;
+  uint here;  ///< slot of that vertex; kNoVertex: it is the camera
+  vec3 w;
+  uint flags;       ///< RAY_*
+  vec3 throughput;  ///< of a walk that is not directed
+  int polygon;      ///< of the portals, aimed at
+  uint triangle;    ///< met; kNoTriangle: none
+  float b1;
+  float b2;
+  uint walk;
+};
+const uint RAY_THERE = 1u;
+const uint RAY_DIRAC = 2u;
+const uint RAY_BY_FILM = 4u;
+
+/// What an end of a path makes of light that goes on along another way than its own, w.
+struct Scattering {
+  vec3 f;          ///< radiance BSDF
+  float onward_w;  ///< density of w in its walk,
+  float behind_w;  ///< and of the way back in one that comes along -w
+  float albedo;    ///< as it is seen along w
+  float dirac;     ///< Odds of its walk,
+  float broad;
+  float dirac_behind;  ///< and of the other
+  float broad_behind;
+  float pad0;
+  float pad1;
+};
+
+/// Two ends that may be joined: one of the light's side and one of the camera's.
+struct Joining {
+  uint kind;    ///< JOINING_*
+  uint light;   ///< slot; of a segment its number
+  uint camera;  ///< slot
+  float times;  ///< samples that it stands for
+  vec3 w;       ///< unit, from the light's end to the camera's
+  float d2;
+  // Of a next event: the place on a light.
+  vec3 position;
+  uint source;
+  vec3 normal;
+  uint triangle;
+  vec3 radiance;  ///< what leaves it along w
+  float nee_A;
+  float light_A;
+  float plain_w;
+  float start_w;
+  uint pixel;  ///< of what the camera sees
+};
+const uint JOINING_NONE = 0u;
+const uint JOINING_NEXT_EVENT = 1u;
+const uint JOINING_BI = 2u;
+const uint JOINING_SPLAT = 3u;
+const uint JOINING_SIDE = 4u;     ///< of a segment: y with x_l
+const uint JOINING_SEEN = 5u;     ///< x_c with the camera
+const uint JOINING_SEGMENT = 6u;  ///< x_c with z
 
 /// What the weights of paths need of it [weight.h].
 struct PathDensity {
@@ -143,33 +227,36 @@ struct JoinEnd {
   float pad2;
 };
 
-/// A portal segment that a sample has drawn.
+/// A portal segment that a sample has drawn. Its ends are vertices in slots of their own.
 struct PortalSegment {
-  PathVertex x_l;
-  PathVertex x_c;
   vec3 w;         ///< unit, from x_l to x_c
   float density;  ///< D; 0: there is none
   vec3 through;   ///< one throughput for both ends, G / p_AA over the share of samples
   float pair_A;
+  vec3 light;  ///< sum over the sides
+  float d2;
   float from_light;
   float from_camera;
-  uint sides;  ///< that light comes from
-  uint portal;
-  vec3 light;   ///< sum over the sides
   float nee_A;  ///< of x_l, where light begins there, at x_c
-  uint lit;     ///< how often it has brought light
+  uint portal;
+  uint there;  ///< bits: sides that light comes from
+  uint lit;    ///< how often it has brought light
   uint pad0;
   uint pad1;
-  uint pad2;
 };
-/// A prefix of a light walk that x_l is joined with.
+/// Light that comes to x_l, and all that a path's weight needs of that side: densities as in
+/// SegmentDensities and Half.
 struct SegmentSide {
   vec3 value;
-  uint slot;      ///< of its last vertex; kNoVertex: light begins at x_l
-  float density;  ///< Crossing of the edge that joins them
-  float from_light;
-  float from_camera;
-  float pad;
+  uint slot;  ///< of the last vertex of a light walk's prefix; kNoVertex: light begins at x_l
+  float light_A0;
+  float light_A1;
+  float first_A;
+  float second_A;
+  float pair_before;
+  float nee_A;
+  float pad0;
+  float pad1;
 };
 const uint kSegmentSides = 3u;
 
@@ -203,8 +290,9 @@ const uint VERTEX_INFINITE = 0x100000u;
 const uint kNoVertex = 0xFFFFFFFFu;
 
 #ifdef __cplusplus
-static_assert(sizeof(PathVertex) == 112 && sizeof(PathDensity) == 32 && sizeof(JoinEnd) == 112);
-static_assert(sizeof(PortalSegment) == 304 && sizeof(SegmentSide) == 32);
+static_assert(sizeof(PathVertex) == 144 && sizeof(PathBsdf) == 128 && sizeof(PathDensity) == 32);
+static_assert(sizeof(JoinEnd) == 112 && sizeof(WalkRay) == 64 && sizeof(Scattering) == 48);
+static_assert(sizeof(Joining) == 96 && sizeof(PortalSegment) == 80 && sizeof(SegmentSide) == 48);
 static_assert(sizeof(RenderParameters) == 208);
 #endif
 

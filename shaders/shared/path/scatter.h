@@ -33,6 +33,65 @@ SHARED float dirac_measure(Point p, Layers layers, Seen to) MEMBER_CONST {
   return n * n * abs(to.base.z);
 }
 
+/// Probability that a ray along `w`, of any length, finds a pane; 1 of all else.
+SHARED float presence_at(uint triangle, vec3 w) MEMBER_CONST {
+  if (!scene_has_panes) return 1.0f;
+  SurfaceMaterial m = materials[faces[triangle].material];
+  if (!(m.pane_share > 0.0f)) return 1.0f;
+  vec3 unit = normalized(brought_near_1(w));
+  FresnelCurve f = schlick_curve(min(abs(dot(faces[triangle].normal, unit)), 1.0f));
+  return 1.0f - m.pane_share * ((1.0f - m.pane_f90) + (m.pane_f90 - m.pane_f0) * f.rest);
+}
+
+/// All that the end of a walk, which came to `p` from unit `back`, makes of the way on along unit
+/// w. `dirac`: by a Dirac lobe; then f is of no meaning.
+SHARED Scattering scattering_at(Point p, uint from, vec3 back, vec3 w, bool dirac) MEMBER_CONST {
+  Scattering s;
+  s.pad0 = 0.0f;
+  s.pad1 = 0.0f;
+  s.dirac = 0.0f;
+  s.broad = 1.0f;
+  s.dirac_behind = 0.0f;
+  s.broad_behind = 1.0f;
+  if (!is_layered(p)) {
+    bool passes = !dirac && same_side(p, back, w);
+    s.f = passes ? p.color * kInversePi : vec3(0.0f);
+    s.onward_w = passes ? abs(dot(p.normal, w)) * kInversePi : 0.0f;
+    s.behind_w = passes ? abs(dot(p.normal, back)) * kInversePi : 0.0f;
+    s.albedo = on_surface(p) ? min(max(largest(p.color), 0.05f), 1.0f) : 1.0f;
+    return s;
+  }
+  // Each way in turn: one text of a surface is enough for a kernel.
+  for (uint i = 0u; i < 2u; ++i) {
+    Standing here = standing_at(p, i == 0u ? back : w);
+    Seen to = seen_from(p, i == 0u ? w : back);
+    Layers layers = layers_between(p, here, to, dirac);
+    Odds odds = coated_odds(p, here);
+    float pdf_w = dirac ? layers.pdf_w * dirac_measure(p, layers, to) : layers.pdf_w;
+    if (i == 0u) {
+      s.onward_w = pdf_w;
+      s.dirac = odds.dirac;
+      s.broad = odds.broad;
+      bool back_is_light = from == FROM_LIGHT;
+      Seen l = here.seen;
+      Seen c = to;
+      if (!back_is_light) {
+        l = to;
+        c = here.seen;
+      }
+      s.f = dirac ? vec3(0.0f) : of_radiance(p, layers, l, c);
+    } else {
+      s.behind_w = pdf_w;
+      s.dirac_behind = odds.dirac;
+      s.broad_behind = odds.broad;
+      s.albedo = largest(coated_albedo(p, here));
+    }
+  }
+  if (scene_has_panes) s.albedo = s.albedo * reciprocal(max(presence_at(p.triangle, w), 1e-6f));
+  s.albedo = min(max(s.albedo, 0.05f), 1.0f);
+  return s;
+}
+
 /// Density of scattering along `to` when the walk came along unit `back`, away from the surface
 /// [1/sr]. `dirac`: by a Dirac lobe: its probability times n_to^2 |cos_to|, the density per
 /// n^2 |cos| dw, which reflection and refraction preserve.
@@ -111,16 +170,6 @@ SHARED Odds odds_at(Point p, vec3 back) MEMBER_CONST {
   odds.broad = 1.0f;
   if (!is_layered(p)) return odds;
   return coated_odds(p, standing_at(p, back));
-}
-
-/// Probability that a ray along `w`, of any length, finds a pane; 1 of all else.
-SHARED float presence_at(uint triangle, vec3 w) MEMBER_CONST {
-  if (!scene_has_panes) return 1.0f;
-  SurfaceMaterial m = materials[faces[triangle].material];
-  if (!(m.pane_share > 0.0f)) return 1.0f;
-  vec3 unit = normalized(brought_near_1(w));
-  FresnelCurve f = schlick_curve(min(abs(dot(faces[triangle].normal, unit)), 1.0f));
-  return 1.0f - m.pane_share * ((1.0f - m.pane_f90) + (m.pane_f90 - m.pane_f0) * f.rest);
 }
 
 /// Albedo of a surface as it is seen along unit `back`: the largest component, but 0.05 at least, 1

@@ -6,6 +6,7 @@
 #include "shaders/shared/path/fresnel.h"
 #include "shaders/shared/path/ggx.h"
 #include "shaders/shared/path/point.h"
+#include "shaders/shared/path/render_layout.h"
 #include "shaders/shared/path/surface_layout.h"
 #include "shaders/shared/rng.h"
 #include "shaders/shared/texels.h"

@@ -16,38 +16,71 @@ SHARED Point point_in_sky(vec3 towards) MEMBER_CONST {
   return p;
 }
 
-/// A place on a light. An emitter that is not opaque shines by its coverage: no ray decides here
-/// whether it is there.
-SHARED Point point_on_light(uint source, uint triangle, float b1, float b2, vec3 position,
-                            InSky in_sky) MEMBER_CONST {
-  Point p = empty_point();
-  if (triangle != kNoTriangle) {
-    place_on_surface(triangle, b1, b2, p);
-    if (scene_has_coverage) p.emission = p.emission * coverage_at(triangle, b1, b2);
-    p.connectible = true;
-  } else {
-    p.position = position;
-    p.in_sky = in_sky;
-  }
-  p.source = source;
-  return p;
+/// Keeps what a vertex is made of, but for its place and source.
+SHARED void keep_point(uint slot, Point p, INOUT(PathVertex) v) MEMBER {
+  v.position = p.position;
+  v.triangle = p.triangle;
+  v.source = p.source;
+  v.normal = p.normal;
+  v.material = p.material;
+  v.color = p.color;
+  bool in_sky = p.source == SOURCE_SKY;
+  v.emission = in_sky ? p.in_sky.radiance : p.emission;
+  v.plain_w = p.in_sky.plain_w;
+  v.made_of = (p.simple ? POINT_SIMPLE : 0u) | (p.connectible ? POINT_CONNECTIBLE : 0u) |
+              (p.bsdf.thin ? POINT_THIN : 0u);
+  if (!scene_has_layers || p.simple) return;
+  PathBsdf b;
+  b.shading = p.shading;
+  b.alpha = p.bsdf.alpha;
+  b.diffuse = p.bsdf.diffuse;
+  b.eta = p.bsdf.eta;
+  b.f0 = p.bsdf.f0;
+  b.sheen_alpha = p.bsdf.sheen_alpha;
+  b.f90 = p.bsdf.f90;
+  b.coat_strength = p.bsdf.coat.strength;
+  b.through = p.bsdf.through;
+  b.coat_alpha = p.bsdf.coat.alpha;
+  b.sheen = p.bsdf.sheen;
+  b.pad0 = 0.0f;
+  b.coat_normal = p.bsdf.coat.normal;
+  b.pad1 = 0.0f;
+  b.under_coat = p.bsdf.under_coat;
+  b.pad2 = 0.0f;
+  path_bsdfs[slot] = b;
 }
-
-/// The point of a vertex, from its record.
-SHARED Point point_of(PathVertex v) MEMBER_CONST {
-  bool begins = is_zero(v.back);
-  if (v.triangle != kNoTriangle && !begins) {
-    Point p;
-    place_on_surface(v.triangle, v.b1, v.b2, p);
-    return p;
-  }
-  if (v.source == SOURCE_SKY && !begins) return point_in_sky(-v.position);
-  InSky in_sky;
-  in_sky.radiance = vec3(0.0f, 0.0f, 0.0f);
-  in_sky.plain_w = 0.0f;
-  in_sky.start_w = 0.0f;
-  if (scene_has_sky && v.source == SOURCE_SKY) in_sky = look_at_sky(-v.position);
-  return point_on_light(v.source, v.triangle, v.b1, v.b2, v.position, in_sky);
+/// The point of a vertex. The density of starts in the sky is not kept.
+SHARED Point kept_point(uint slot, PathVertex v) MEMBER_CONST {
+  Point p = empty_point();
+  p.position = v.position;
+  p.triangle = v.triangle;
+  p.source = v.source;
+  p.normal = v.normal;
+  p.shading = v.normal;
+  p.material = v.material;
+  p.color = v.color;
+  p.emission = v.emission;
+  p.in_sky.radiance = v.emission;
+  p.in_sky.plain_w = v.plain_w;
+  p.simple = (v.made_of & POINT_SIMPLE) != 0u;
+  p.connectible = (v.made_of & POINT_CONNECTIBLE) != 0u;
+  if (!scene_has_layers || p.simple) return p;
+  PathBsdf b = path_bsdfs[slot];
+  p.shading = b.shading;
+  p.bsdf.diffuse = b.diffuse;
+  p.bsdf.f0 = b.f0;
+  p.bsdf.f90 = b.f90;
+  p.bsdf.through = b.through;
+  p.bsdf.alpha = b.alpha;
+  p.bsdf.eta = b.eta;
+  p.bsdf.thin = (v.made_of & POINT_THIN) != 0u;
+  p.bsdf.sheen = b.sheen;
+  p.bsdf.sheen_alpha = b.sheen_alpha;
+  p.bsdf.coat.strength = b.coat_strength;
+  p.bsdf.coat.alpha = b.coat_alpha;
+  p.bsdf.coat.normal = b.coat_normal;
+  p.bsdf.under_coat = b.under_coat;
+  return p;
 }
 
 /// What leaves a point along unit w; black where no light begins.
@@ -59,14 +92,6 @@ SHARED vec3 emitted(Point p, vec3 w) MEMBER_CONST {
   return light;
 }
 
-SHARED Aims aims_of(PathVertex v) MEMBER_CONST {
-  Aims aims;
-  aims.facing = v.facing;
-  aims.from_light = v.aims_light;
-  aims.from_camera = v.aims_camera;
-  aims.emitted = v.aims_emitted;
-  return aims;
-}
 SHARED Outlook outlook_of(PathVertex v) MEMBER_CONST {
   Outlook o;
   o.facing = v.facing;
@@ -74,21 +99,49 @@ SHARED Outlook outlook_of(PathVertex v) MEMBER_CONST {
   o.sent = v.sent;
   return o;
 }
+SHARED void keep_aims(INOUT(PathVertex) v, Aims aims) MEMBER_CONST {
+  v.aims_light = aims.from_light;
+  v.aims_camera = aims.from_camera;
+  v.aims_emitted = aims.emitted;
+}
 
-/// Density of the walk from `from` at `at`, which came from unit `back` (0: it begins there) and
-/// leaves with density pdf_w along an edge; per_area: |cos| / d^2 at the edge's other end.
-SHARED float walk_pdf_A(uint from, Point at, Aims aims, vec3 back, float pdf_w, float per_area,
-                        Crossing crossing) MEMBER_CONST {
+/// Density per area of the walk from `from` at a vertex, from that per solid angle. `albedo`, `scope`:
+/// as the vertex is seen from where the walk came.
+SHARED float scattered_pdf_A(uint from, PathVertex at, float albedo, Odds scope, float pdf_w,
+                             float per_area, Crossing crossing) MEMBER_CONST {
   float plain_A = pdf_w * per_area;
   if (!scene_has_portals || !guide_active) return plain_A;
-  return guided_pdf_A(from, at, aims, back, plain_A, per_area, crossing);
+  float W = from == FROM_LIGHT ? at.aims_light : at.aims_camera;
+  return guided_pdf_A(from, W, guide_chance_at(from, albedo), scope, plain_A, per_area, crossing);
 }
-/// The same of a walk that scatters or begins at `at`, by no Dirac lobe.
-SHARED float onward_pdf_A(uint from, Point at, Aims aims, vec3 back, Edge e, float per_area,
-                          Crossing crossing) MEMBER_CONST {
-  float pdf_w = is_zero(back) ? emission_pdf_w(at.source, at.normal, e.w)
-                              : scatter_pdf_w(at, back, e.w, false);
-  return walk_pdf_A(from, at, aims, back, pdf_w, per_area, crossing);
+/// And where light leaves a place on a light.
+SHARED float emitted_pdf_A(uint source, vec3 normal, float aims_emitted, vec3 w, float per_area,
+                           Crossing crossing) MEMBER_CONST {
+  float plain_A = emission_pdf_w(source, normal, w) * per_area;
+  if (!scene_has_portals || !guide_active) return plain_A;
+  Odds all;
+  all.dirac = 0.0f;
+  all.broad = 1.0f;
+  return guided_pdf_A(FROM_LIGHT, aims_emitted, render.guide_light, all, plain_A, per_area,
+                      crossing);
+}
+SHARED Odds odds_onward(Scattering s) MEMBER_CONST {
+  Odds odds;
+  odds.dirac = s.dirac;
+  odds.broad = s.broad;
+  return odds;
+}
+SHARED Odds odds_behind(Scattering s) MEMBER_CONST {
+  Odds odds;
+  odds.dirac = s.dirac_behind;
+  odds.broad = s.broad_behind;
+  return odds;
+}
+SHARED Crossing crossing_before(PathVertex v) MEMBER_CONST {
+  Crossing c = no_crossing();
+  c.from_light = v.from_light;
+  c.from_camera = v.from_camera;
+  return c;
 }
 
 SHARED uint number_of(PathDensity d) MEMBER_CONST {
@@ -105,129 +158,13 @@ SHARED uint flags_of(Point p, uint number) MEMBER_CONST {
 SHARED Crossing crossing_of(uint from, Point at, Point to, Drawn drawn) MEMBER {
   if (!scene_has_portals) return no_crossing();
   count_ray(RAYS_PORTAL);
-  if (from == FROM_LIGHT) return edge_crossing(at, to, drawn);
-  return edge_crossing(to, at, drawn);
-}
-
-/// How a walk leaves its last vertex.
-struct Leaving {
-  vec3 w;
-  vec3 throughput;  ///< of a walk that is not directed
-  bool dirac;
-  bool by_film;  ///< it leaves the camera
-  Drawn drawn;   ///< of the portals, aimed at
-};
-
-/// Extends a walk whose last vertex is `v`, in slot `here` (of the camera itself: kNoVertex), into
-/// slot `next`. `at`: record of v.
-SHARED void extend(uint from, Point v, PathVertex at, PathDensity known, uint here, vec3 origin,
-                   Leaving leaving, uint next) MEMBER {
-  count_ray(RAYS_CLOSEST);
-  SurfaceHit hit;
-  bool met = leaving.by_film ? first_drawn(origin, leaving.w, hit)
-                             : first_hit(origin, leaving.w, ray_coin(origin, leaving.w), hit);
-  if (!met && (from == FROM_LIGHT || !scene_has_sky)) return;
-  Point to;
-  if (met)
-    place_on_surface(hit.triangle, hit.b1, hit.b2, to);
-  else
-    to = point_in_sky(leaving.w);
-  Edge e = edge_between(v, to);
-  if (met && !at_infinity(v) && !(e.d2 > 1e-30f)) return;
-  float per_area = cosine_to(to, e.w) * reciprocal(e.d2);
-  bool begins = is_zero(at.back);
-  float pdf_w = leaving.by_film ? camera_pdf_w(leaving.w)
-                : begins        ? emission_pdf_w(v.source, v.normal, e.w)
-                                : scatter_pdf_w(v, at.back, e.w, leaving.dirac);
-  float plain_A = pdf_w * per_area;
-  if (!(plain_A > 0.0f)) return;
-
-  uint number = here == kNoVertex ? 1u : number_of(known) + 1u;
-  Drawn drawn = leaving.drawn;
-  Crossing crossing = crossing_of(from, v, to, drawn);
-  float presence = met && scene_has_panes ? presence_at(hit.triangle, leaving.w) : 1.0f;
-  vec3 throughput = leaving.throughput;
-  if (presence < 1.0f) throughput = throughput * reciprocal(presence);
-  if (scene_has_absorption && met) throughput = throughput * transmittance(v, to, e.w, root(e.d2));
-  float own = plain_A;
-  bool plain = leaving.dirac || leaving.by_film;
-  if (!plain) {
-    own = walk_pdf_A(from, v, aims_of(at), at.back, pdf_w, per_area, crossing);
-    throughput = throughput * (plain_A * reciprocal(own));
+  Point light = at;
+  Point camera = to;
+  if (from == FROM_CAMERA) {
+    light = to;
+    camera = at;
   }
-
-  // What the vertex here, and the one before it, learn.
-  if (number > 1u) {
-    path_densities[here].other_survival = albedo_at(v, e.w);
-    if (leaving.dirac) path_densities[here].flags = known.flags | VERTEX_DIRAC;
-    if (known.prev != kNoVertex && (path_densities[known.prev].flags & VERTEX_MET) != 0u) {
-      float reverse_w = scatter_pdf_w(v, e.w, at.back, leaving.dirac);
-      Crossing last = crossing;
-      last.from_light = at.from_light;
-      last.from_camera = at.from_camera;
-      uint other_end = from == FROM_LIGHT ? FROM_CAMERA : FROM_LIGHT;
-      path_densities[known.prev].other_A =
-          plain ? reverse_w * at.per_prev
-                : walk_pdf_A(other_end, v, aims_of(at), e.w, reverse_w, at.per_prev, last);
-    }
-  }
-
-  PathVertex record;
-  record.position = to.position;
-  record.triangle = to.triangle;
-  record.back = -e.w;
-  record.b1 = met ? hit.b1 : 0.0f;
-  record.throughput = throughput;
-  record.b2 = met ? hit.b2 : 0.0f;
-  record.facing = guide_facing(to, -e.w);
-  record.per_prev = cosine_to(v, e.w) * reciprocal(e.d2);
-  Aims aims;
-  aims.facing = record.facing;
-  aims.from_light = 0.0f;
-  aims.from_camera = 0.0f;
-  aims.emitted = 0.0f;
-  if (scene_has_portals && guide_active) aims = met ? aim_at_surface(to, -e.w) : aim_at_light(to);
-  record.aims_light = aims.from_light;
-  record.aims_camera = aims.from_camera;
-  record.aims_emitted = aims.emitted;
-  Outlook outlook;
-  outlook.facing = record.facing;
-  outlook.seen = 0.0f;
-  outlook.sent = 0.0f;
-  if (has_technique(TECHNIQUE_DIRECT) && met && (from == FROM_CAMERA || number == 1u))
-    look_out(to, record.facing, outlook);
-  record.seen = outlook.seen;
-  record.sent = outlook.sent;
-  record.from_light = crossing.from_light;
-  record.from_camera = crossing.from_camera;
-  record.source = to.source;
-  record.walk = at.walk;
-  record.ordinal = at.ordinal + (number > 1u && v.connectible ? 1u : 0u);
-  path_vertices[next] = record;
-
-  PathDensity density;
-  float went_on = number <= 2u ? 1.0f : known.own_survival;
-  density.own_A = went_on * own;
-  density.other_A = 0.0f;
-  density.pair_A = scene_has_portals ? crossing.density * geometry(v, to, e) : 0.0f;
-  density.nee_A = 0.0f;
-  if (has_technique(TECHNIQUE_DIRECT)) {
-    if (from == FROM_LIGHT && number == 1u)
-      density.nee_A = next_event_pdf(to, outlook, render.through_windows, v.source, v.triangle,
-                                     v.position, v.in_sky);
-    if (from == FROM_CAMERA && number > 1u && to.source != SOURCE_NONE)
-      density.nee_A = next_event_pdf(v, outlook_of(at), render.through_windows, to.source,
-                                     to.triangle, to.position, to.in_sky);
-  }
-  density.own_survival = albedo_at(to, -e.w);
-  density.other_survival = 1.0f;
-  density.prev = here;
-  density.flags = flags_of(to, number);
-  path_densities[next] = density;
-  if (from == FROM_LIGHT)
-    walk_counts[at.walk] = record.ordinal + (to.connectible ? 1u : 0u);
-  else
-    walk_last[at.walk] = next;
+  return edge_crossing(light, camera, drawn);
 }
 
 SHARED PathVertex empty_vertex(uint walk) MEMBER_CONST {
@@ -235,11 +172,11 @@ SHARED PathVertex empty_vertex(uint walk) MEMBER_CONST {
   v.position = vec3(0.0f, 0.0f, 0.0f);
   v.triangle = kNoTriangle;
   v.back = vec3(0.0f, 0.0f, 0.0f);
-  v.b1 = 0.0f;
+  v.source = SOURCE_NONE;
   v.throughput = vec3(1.0f, 1.0f, 1.0f);
-  v.b2 = 0.0f;
-  v.facing = vec3(0.0f, 0.0f, 0.0f);
   v.per_prev = 0.0f;
+  v.facing = vec3(0.0f, 0.0f, 0.0f);
+  v.walk = walk;
   v.aims_light = 0.0f;
   v.aims_camera = 0.0f;
   v.aims_emitted = 0.0f;
@@ -247,9 +184,13 @@ SHARED PathVertex empty_vertex(uint walk) MEMBER_CONST {
   v.sent = 0.0f;
   v.from_light = 0.0f;
   v.from_camera = 0.0f;
-  v.source = SOURCE_NONE;
-  v.walk = walk;
   v.ordinal = 0u;
+  v.normal = vec3(0.0f, 0.0f, 0.0f);
+  v.material = 0u;
+  v.color = vec3(0.0f, 0.0f, 0.0f);
+  v.made_of = POINT_SIMPLE | POINT_CONNECTIBLE;
+  v.emission = vec3(0.0f, 0.0f, 0.0f);
+  v.plain_w = 0.0f;
   return v;
 }
 SHARED PathDensity empty_density() MEMBER_CONST {
@@ -264,35 +205,44 @@ SHARED PathDensity empty_density() MEMBER_CONST {
   d.flags = 0u;
   return d;
 }
-/// Vertex z_1 of camera walk number `walk` into slot `next`.
-SHARED void begin_camera_walk(uint walk, uint next) MEMBER {
-  path_densities[next].flags = 0u;
-  walk_last[walk] = kNoVertex;
-  uint group = walk / render.per_pool;
-  uint i = walk % render.per_pool;
-  if (i >= samples_of_pool(pool_of_group(group))) return;
-  SampleName name = sample_of_group(group, i);
-  Sequence numbers = numbers_of(name, PURPOSE_FILM);
-  float x = float(name.pixel % render.width) + uniform_of(numbers);
-  float y = float(name.pixel / render.width) + uniform_of(numbers);
-  Point camera = empty_point();
-  camera.position = render.camera_position;
-  Leaving leaving;
-  leaving.w = camera_direction(x, y);
-  leaving.throughput = vec3(1.0f, 1.0f, 1.0f);
-  leaving.dirac = false;
-  leaving.by_film = true;
-  leaving.drawn = drawn_otherwise();
-  vec3 origin = step_off(camera.position, camera.normal, leaving.w);
-  extend(FROM_CAMERA, camera, empty_vertex(walk), empty_density(), kNoVertex, origin, leaving,
-         next);
+SHARED WalkRay no_ray(uint walk) MEMBER_CONST {
+  WalkRay ray;
+  ray.origin = vec3(0.0f, 0.0f, 0.0f);
+  ray.here = kNoVertex;
+  ray.w = vec3(0.0f, 0.0f, 1.0f);
+  ray.flags = 0u;
+  ray.throughput = vec3(1.0f, 1.0f, 1.0f);
+  ray.polygon = -1;
+  ray.triangle = kNoTriangle;
+  ray.b1 = 0.0f;
+  ray.b2 = 0.0f;
+  ray.walk = walk;
+  return ray;
 }
 
-/// Vertices y_0 and y_1 of light walk number `walk`.
-SHARED void begin_light_walk(uint walk, uint first, uint next) MEMBER {
-  path_densities[first].flags = 0u;
-  path_densities[next].flags = 0u;
+/// The ray of camera walk number `walk` through the film.
+SHARED void begin_camera_walk(uint walk) MEMBER {
+  walk_last[walk] = kNoVertex;
+  WalkRay ray = no_ray(walk);
+  uint group = walk / render.per_pool;
+  uint i = walk % render.per_pool;
+  if (i < samples_of_pool(pool_of_group(group))) {
+    SampleName name = sample_of_group(group, i);
+    Sequence numbers = numbers_of(name, PURPOSE_FILM);
+    float x = float(name.pixel % render.width) + uniform_of(numbers);
+    float y = float(name.pixel / render.width) + uniform_of(numbers);
+    ray.w = camera_direction(x, y);
+    ray.origin = step_off(render.camera_position, vec3(0.0f, 0.0f, 0.0f), ray.w);
+    ray.flags = RAY_THERE | RAY_BY_FILM;
+  }
+  walk_rays[walk] = ray;
+}
+
+/// Vertex y_0 of light walk number `walk` into slot `slot`, and the ray that leaves it.
+SHARED void begin_light_walk(uint walk, uint slot) MEMBER {
+  path_densities[slot].flags = 0u;
   walk_counts[walk] = 0u;
+  walk_rays[walk] = no_ray(walk);
   uint group = walk / render.walks_full;
   uint i = walk % render.walks_full;
   if (i >= walks_of_pool(pool_of_group(group))) return;
@@ -302,42 +252,35 @@ SHARED void begin_light_walk(uint walk, uint first, uint next) MEMBER {
   float pick = uniform_of(numbers);
   float side = uniform_of(numbers);
   LightPlace place = sample_light(pick, u, v, side);
-  Point y0 = point_on_light(place.source, place.triangle, place.b1, place.b2, place.position,
-                            place.in_sky);
+  Point y0 = point_on_light(place);
   PathVertex at = empty_vertex(walk);
-  at.position = y0.position;
-  at.triangle = place.triangle;
-  at.b1 = place.b1;
-  at.b2 = place.b2;
-  at.source = place.source;
+  keep_point(slot, y0, at);
   float per_pdf = reciprocal(place.pdf);
   at.throughput = vec3(per_pdf, per_pdf, per_pdf);
   at.facing = source_facing(place.source, y0.normal);
-  if (scene_has_portals && guide_active) at.aims_emitted = aim_at_light(y0).emitted;
-  path_vertices[first] = at;
+  Aims aims = aim_at_light(y0);
+  keep_aims(at, aims);
+  path_vertices[slot] = at;
   PathDensity density = empty_density();
   density.own_A = place.pdf;
   density.flags = flags_of(y0, 0u);
-  path_densities[first] = density;
+  path_densities[slot] = density;
   if (render.max_depth < 2u) return;
 
   float a = uniform_of(numbers);
   float b = uniform_of(numbers);
   float c = uniform_of(numbers);
   float d = uniform_of(numbers);
+  WalkRay ray = no_ray(walk);
   vec3 origin;
-  Leaving leaving;
-  leave_light(place, a, b, origin, leaving.w);
-  int triangle = -1;
-  if (scene_has_portals && guide_active)
-    guide_leave(y0, aims_of(at), a, b, c, d, origin, leaving.w, triangle);
-  leaving.drawn = drawn_through(triangle);
-  vec3 Le = emitted(y0, leaving.w);
-  leaving.throughput = at.throughput * Le * cos_per_pdf_w(place.source);
-  if (!(largest(leaving.throughput) > 0.0f)) return;
-  leaving.dirac = false;
-  leaving.by_film = false;
-  extend(FROM_LIGHT, y0, at, density, first, step_off(origin, y0.normal, leaving.w), leaving, next);
+  leave_light(place, a, b, origin, ray.w);
+  guide_leave(y0, aims, a, b, c, d, origin, ray.w, ray.polygon);
+  ray.throughput = at.throughput * emitted(y0, ray.w) * cos_per_pdf_w(place.source);
+  if (!(largest(ray.throughput) > 0.0f)) return;
+  ray.here = slot;
+  ray.origin = step_off(origin, y0.normal, ray.w);
+  ray.flags = RAY_THERE;
+  walk_rays[walk] = ray;
 }
 
 /// Whether a walk may go on at this vertex, if the roulette lets it.
@@ -347,47 +290,210 @@ SHARED bool may_go_on(uint from, PathDensity d) MEMBER_CONST {
          number_of(d) < edges;
 }
 
-/// The vertex after the one in slot `here`, number 1 or above, into slot `next`.
-SHARED void go_on(uint from, uint here, uint next) MEMBER {
-  path_densities[next].flags = 0u;
+/// The next direction of a walk, scattered or directed. Numbers: direction, lobe, then as
+/// guide_draw().
+SHARED bool directed_turn(uint from, Point p, PathVertex at, float albedo, float u, float v,
+                          float lobe, float a, float b, float c, float d, OUT(Turn) t,
+                          OUT(int) polygon) MEMBER_CONST {
+  polygon = -1;
+  t.dirac = false;
+  t.weight = p.color;
+  t.w = at.back;
+  float W = from == FROM_LIGHT ? at.aims_light : at.aims_camera;
+  float q = guide_active && W > 0.0f ? guide_chance_at(from, albedo) : 0.0f;
+  if (!is_layered(p)) {
+    if (scene_has_portals && guide_active && d < q) {
+      polygon = portal_aim(p.position, at.facing, from, W, a, b, c, t.w);
+      return same_side(p, at.back, t.w);
+    }
+    vec3 n = dot(p.normal, at.back) > 0.0f ? p.normal : -p.normal;
+    t.w = cosine_hemisphere(n, u, v);
+    return true;
+  }
+  Standing here = standing_at(p, at.back);
+  vec3 to;
+  bool by_coat;
+  bool turned = coated_turn(p, here, u, v, lobe, to, t.dirac, by_coat);
+  bool aims = false;
+  if (scene_has_portals && guide_active && d < q && !t.dirac)
+    aims = d < q * coated_odds(p, here).broad;
+  if (aims)
+    polygon = portal_aim(p.position, at.facing, from, W, a, b, c, t.w);
+  else if (turned)
+    t.w = normalized(to_world(onb_about(p.shading), to));
+  else
+    return false;
+  Seen next = seen_from(p, t.w);
+  // Bent normals may send it to a side where the lobe that it comes from is not seen.
+  if (!aims && !(by_coat ? both_on_coat(here.seen, next) : next.on_base)) return false;
+  return weigh(p, from, here, next, t.dirac, t.weight);
+}
+
+/// The ray that leaves the vertex in slot `here`, number 1 or above, if the walk goes on.
+SHARED void go_on(uint from, uint here, uint i) MEMBER {
   PathVertex at = path_vertices[here];
   PathDensity known = path_densities[here];
+  walk_rays[i] = no_ray(at.walk);
   uint per_group = from == FROM_LIGHT ? render.walks_full : render.per_pool;
   SampleName name = sample_of_group(at.walk / per_group, at.walk % per_group);
   Sequence numbers =
       numbers_of(name, from == FROM_LIGHT ? PURPOSE_LIGHT_WALK : PURPOSE_CAMERA_WALK);
   uint number = number_of(known);
   seek(numbers, kPerBounce * number);
-  float a = uniform_of(numbers);
-  float b = uniform_of(numbers);
+  float u = uniform_of(numbers);
+  float v = uniform_of(numbers);
   float lobe = uniform_of(numbers);
   float roulette = uniform_of(numbers);
   float chance = number <= 1u ? 1.0f : known.own_survival;
   if (!(roulette < chance)) return;
-  Point v = point_of(at);
-  Turn t;
-  bool scatters = turn(v, from, at.back, a, b, lobe, t);
-  Leaving leaving;
-  leaving.drawn = drawn_otherwise();
-  if (scene_has_portals && guide_active && !t.dirac) {
-    float c = uniform_of(numbers);
-    float d = uniform_of(numbers);
-    float e = uniform_of(numbers);
-    float f = uniform_of(numbers);
-    vec3 towards;
-    int triangle = -1;
-    if (guide_draw(v, aims_of(at), at.back, from, c, d, e, f, towards, triangle)) {
-      leaving.drawn = drawn_through(triangle);
-      scatters = turn_towards(v, from, at.back, towards, t);
-    }
+  float a = 0.0f;
+  float b = 0.0f;
+  float c = 0.0f;
+  float d = 0.0f;
+  if (scene_has_portals && guide_active) {
+    a = uniform_of(numbers);
+    b = uniform_of(numbers);
+    c = uniform_of(numbers);
+    d = uniform_of(numbers);
   }
-  if (!scatters) return;
-  leaving.w = t.w;
-  leaving.throughput = at.throughput * t.weight * reciprocal(chance);
-  if (!(largest(leaving.throughput) > 0.0f)) return;
-  leaving.dirac = t.dirac;
-  leaving.by_film = false;
-  extend(from, v, at, known, here, step_off(v.position, v.normal, t.w), leaving, next);
+  Point p = kept_point(here, at);
+  Turn t;
+  WalkRay ray = no_ray(at.walk);
+  if (!directed_turn(from, p, at, known.own_survival, u, v, lobe, a, b, c, d, t, ray.polygon))
+    return;
+  ray.w = t.w;
+  ray.throughput = at.throughput * t.weight * reciprocal(chance);
+  if (!(largest(ray.throughput) > 0.0f)) return;
+  ray.here = here;
+  ray.origin = step_off(p.position, p.normal, t.w);
+  ray.flags = RAY_THERE | (t.dirac ? RAY_DIRAC : 0u);
+  walk_rays[i] = ray;
+}
+
+/// What the ray of a walk meets.
+SHARED void trace_ray(uint i) MEMBER {
+  WalkRay ray = walk_rays[i];
+  if ((ray.flags & RAY_THERE) == 0u) return;
+  count_ray(RAYS_CLOSEST);
+  SurfaceHit hit;
+  bool met = (ray.flags & RAY_BY_FILM) != 0u
+                 ? first_drawn(ray.origin, ray.w, hit)
+                 : first_hit(ray.origin, ray.w, ray_coin(ray.origin, ray.w), hit);
+  walk_rays[i].triangle = met ? hit.triangle : kNoTriangle;
+  walk_rays[i].b1 = hit.b1;
+  walk_rays[i].b2 = hit.b2;
+}
+
+/// The vertex that the ray of a walk has come to, into slot `next`.
+SHARED void arrive(uint from, uint i, uint next) MEMBER {
+  path_densities[next].flags = 0u;
+  WalkRay ray = walk_rays[i];
+  bool met = ray.triangle != kNoTriangle;
+  if ((ray.flags & RAY_THERE) == 0u) return;
+  if (!met && (from == FROM_LIGHT || !scene_has_sky)) return;
+  bool by_film = (ray.flags & RAY_BY_FILM) != 0u;
+  bool dirac = (ray.flags & RAY_DIRAC) != 0u;
+  uint here = ray.here;
+  Point v = empty_point();
+  v.position = render.camera_position;
+  PathVertex at = empty_vertex(ray.walk);
+  PathDensity known = empty_density();
+  if (!by_film) {
+    at = path_vertices[here];
+    known = path_densities[here];
+    v = kept_point(here, at);
+  }
+  Point to;
+  if (met)
+    place_on_surface(ray.triangle, ray.b1, ray.b2, to);
+  else
+    to = point_in_sky(ray.w);
+  Edge e = edge_between(v, to);
+  if (met && !at_infinity(v) && !(e.d2 > 1e-30f)) return;
+  float per_area = cosine_to(to, e.w) * reciprocal(e.d2);
+  bool begins = is_zero(at.back);
+  uint number = by_film ? 1u : number_of(known) + 1u;
+  Drawn drawn = drawn_through(ray.polygon);
+  Crossing crossing = crossing_of(from, v, to, drawn);
+  float plain_A;
+  float own;
+  if (by_film) {
+    plain_A = camera_pdf_w(ray.w) * per_area;
+    own = plain_A;
+  } else if (begins) {
+    plain_A = emission_pdf_w(v.source, v.normal, e.w) * per_area;
+    own = emitted_pdf_A(v.source, v.normal, at.aims_emitted, e.w, per_area, crossing);
+  } else {
+    Scattering s = scattering_at(v, from, at.back, e.w, dirac);
+    plain_A = s.onward_w * per_area;
+    own = plain_A;
+    float other = s.behind_w * at.per_prev;
+    if (!dirac) {
+      own = scattered_pdf_A(from, at, known.own_survival, odds_onward(s), s.onward_w, per_area,
+                            crossing);
+      uint other_end = from == FROM_LIGHT ? FROM_CAMERA : FROM_LIGHT;
+      other = scattered_pdf_A(other_end, at, s.albedo, odds_behind(s), s.behind_w, at.per_prev,
+                              crossing_before(at));
+    }
+    if (!(plain_A > 0.0f)) return;
+    // What the vertex here, and the one before it, learn.
+    path_densities[here].other_survival = s.albedo;
+    if (dirac) path_densities[here].flags = known.flags | VERTEX_DIRAC;
+    if (known.prev != kNoVertex && (path_densities[known.prev].flags & VERTEX_MET) != 0u)
+      path_densities[known.prev].other_A = other;
+  }
+  if (!(plain_A > 0.0f)) return;
+  vec3 throughput = ray.throughput * (plain_A * reciprocal(own));
+  float presence = met && scene_has_panes ? presence_at(ray.triangle, ray.w) : 1.0f;
+  if (presence < 1.0f) throughput = throughput * reciprocal(presence);
+  if (scene_has_absorption && met) throughput = throughput * transmittance(v, to, e.w, root(e.d2));
+
+  PathVertex record = empty_vertex(ray.walk);
+  keep_point(next, to, record);
+  record.back = -e.w;
+  record.throughput = throughput;
+  record.facing = guide_facing(to, -e.w);
+  record.per_prev = cosine_to(v, e.w) * reciprocal(e.d2);
+  if (scene_has_portals && guide_active) {
+    if (met)
+      keep_aims(record, aim_at_surface(to, -e.w));
+    else
+      keep_aims(record, aim_at_light(to));
+  }
+  Outlook outlook = outlook_of(record);
+  if (has_technique(TECHNIQUE_DIRECT) && met && (from == FROM_CAMERA || number == 1u))
+    look_out(to, record.facing, outlook);
+  record.seen = outlook.seen;
+  record.sent = outlook.sent;
+  record.from_light = crossing.from_light;
+  record.from_camera = crossing.from_camera;
+  record.ordinal = at.ordinal + (number > 1u && v.connectible ? 1u : 0u);
+  path_vertices[next] = record;
+
+  PathDensity density = empty_density();
+  density.own_A = (number <= 2u ? 1.0f : known.own_survival) * own;
+  density.pair_A = scene_has_portals ? crossing.density * geometry(v, to, e) : 0.0f;
+  bool from_y0 = from == FROM_LIGHT && number == 1u;
+  bool to_x0 = from == FROM_CAMERA && number > 1u && to.source != SOURCE_NONE;
+  if (has_technique(TECHNIQUE_DIRECT) && (from_y0 || to_x0)) {
+    Point lit = to;
+    Point light = v;
+    if (to_x0) {
+      lit = v;
+      light = to;
+      outlook = outlook_of(at);
+    }
+    density.nee_A = next_event_pdf(lit, outlook, render.through_windows, light.source,
+                                   light.triangle, light.position, light.in_sky);
+  }
+  density.own_survival = albedo_at(to, -e.w);
+  density.prev = here;
+  density.flags = flags_of(to, number);
+  path_densities[next] = density;
+  if (from == FROM_LIGHT)
+    walk_counts[ray.walk] = record.ordinal + (to.connectible ? 1u : 0u);
+  else
+    walk_last[ray.walk] = next;
 }
 
 #include "shaders/shared/language_end.h"

@@ -1,0 +1,421 @@
+// Pairs of ends that may make a path: chosen, told what each end makes of the other, and joined, in
+// steps of their own [machine.h]. Sections 3.1 to 3.3, tools/tdpt-render/path/path_sampler.cpp and
+// segment_sampler.cpp. Each path adds its weighted share to the film.
+//
+// The light's end is a vertex of a light walk, a place on a light, or x_c of a portal segment; the
+// camera's a vertex of a camera walk, the camera itself, or, while a segment finds its light, x_l.
+//
+// Read behind walk.h, weight.h and film.h, where joinings[], scatterings[], join_ends[],
+// end_first[], segments[] and segment_sides[] are.
+
+#include "shaders/shared/language.h"
+
+const uint kCandidates = 8u;  // of one vertex that it is joined with
+
+// Slots of a segment's ends.
+SHARED uint slot_of_x_l(uint segment) MEMBER_CONST {
+  return render.segments_first + 2u * segment;
+}
+SHARED uint slot_of_x_c(uint segment) MEMBER_CONST {
+  return render.segments_first + 2u * segment + 1u;
+}
+
+// join_ends[] has those of y_0 of all walks, then those of segments on the camera's side, by their
+// numbers, then those of all other vertices of light walks, pool by pool.
+SHARED uint segment_ends() MEMBER_CONST {
+  return render.groups * render.walks_full;
+}
+SHARED uint scattered_ends() MEMBER_CONST {
+  return render.groups * (render.walks_full + render.per_pool);
+}
+/// The first of a pool, among the last.
+SHARED uint first_end(uint group) MEMBER_CONST {
+  return end_first[group * render.walks_full];
+}
+/// Place of a pool's end c: those that were scattered, then y_0.
+SHARED uint place_of_end(uint group, uint c) MEMBER_CONST {
+  uint first = first_end(group);
+  uint n = first_end(group + 1u) - first;
+  return c < n ? scattered_ends() + first + c : group * render.walks_full + c - n;
+}
+
+SHARED Joining no_joining() MEMBER_CONST {
+  Joining j;
+  j.kind = JOINING_NONE;
+  j.light = kNoVertex;
+  j.camera = kNoVertex;
+  j.times = 1.0f;
+  j.w = vec3(0.0f, 0.0f, 1.0f);
+  j.d2 = 1.0f;
+  j.position = vec3(0.0f, 0.0f, 0.0f);
+  j.source = SOURCE_NONE;
+  j.normal = vec3(0.0f, 0.0f, 0.0f);
+  j.triangle = kNoTriangle;
+  j.radiance = vec3(0.0f, 0.0f, 0.0f);
+  j.nee_A = 0.0f;
+  j.light_A = 0.0f;
+  j.plain_w = 0.0f;
+  j.start_w = 0.0f;
+  j.pixel = 0u;
+  return j;
+}
+
+// Choosing.
+
+/// A place on a light for the camera's vertex in slot `slot`.
+SHARED void choose_next_event(uint slot, uint place) MEMBER {
+  joinings[place] = no_joining();
+  PathDensity d = path_densities[slot];
+  if ((d.flags & VERTEX_THERE) == 0u || (d.flags & VERTEX_CONNECTIBLE) == 0u) return;
+  uint number = number_of(d);
+  if (number >= render.max_depth) return;
+  PathVertex at = path_vertices[slot];
+  Point x1 = kept_point(slot, at);
+  SampleName name = sample_of_group(at.walk / render.per_pool, at.walk % render.per_pool);
+  Sequence numbers = numbers_of(name, PURPOSE_NEXT_EVENT);
+  seek(numbers, 4u * number);
+  float u = uniform_of(numbers);
+  float v = uniform_of(numbers);
+  float pick = uniform_of(numbers);
+  float side = uniform_of(numbers);
+  Outlook outlook = outlook_of(at);
+  LightPlace chosen =
+      sample_next_event(x1, outlook, render.through_windows, pick, u, v, side);
+  if (chosen.source == SOURCE_NONE || !(chosen.pdf > 0.0f)) return;
+  Point x0 = point_on_light(chosen);
+  Edge e = edge_between(x0, x1);
+  if (!(e.d2 > 1e-30f)) return;
+  Joining j = no_joining();
+  j.radiance = emitted(x0, e.w);
+  if (is_zero(j.radiance)) return;
+  j.kind = JOINING_NEXT_EVENT;
+  j.camera = slot;
+  j.w = e.w;
+  j.d2 = e.d2;
+  j.position = x0.position;
+  j.source = x0.source;
+  j.normal = x0.normal;
+  j.triangle = x0.triangle;
+  j.nee_A = chosen.pdf;
+  j.light_A = light_pdf(x0.source, x0.triangle, x0.position, chosen.in_sky);
+  j.pixel = name.pixel;
+  joinings[place] = j;
+}
+
+/// Candidate i of n, of those that are looked at, spread evenly from u in [0,1).
+SHARED uint candidate_of(uint n, uint i, float u) MEMBER_CONST {
+  if (n <= kCandidates) return i;
+  return min(uint((float(i) + u) * (float(n) * 0.125f)), n - 1u);
+}
+
+/// Writes a joining of two ends.
+SHARED void put_joining(uint place, uint kind, uint light, vec3 from, bool far, uint camera, vec3 to,
+                        float times, uint pixel) MEMBER {
+  Joining j = no_joining();
+  j.kind = kind;
+  j.light = light;
+  j.camera = camera;
+  j.times = times;
+  vec3 d = to - from;
+  j.d2 = far ? 1.0f : max(dot(d, d), 1e-36f);
+  j.w = far ? from : d * inverse_root(j.d2);
+  j.pixel = pixel;
+  joinings[place] = j;
+}
+
+/// Of n ends of light walks of a pool, from end `first` on, at most `count` that would bring most to
+/// `here` are put in places from `place` on; the others there are empty. Paths have `edges` more than
+/// the number of the end in its walk. Two numbers in [0,1).
+SHARED void choose_ends(uint place, uint count, uint kind, uint group, uint n, JoinEnd here,
+                        uint camera, uint edges, uint pixel, float u, float u_few) MEMBER {
+  for (uint i = 0u; i < count; ++i) joinings[place + i].kind = JOINING_NONE;
+  uint m = min(n, kCandidates);
+  float walks = float(walks_of_pool(pool_of_group(group)));
+  float times = n <= kCandidates ? walks : walks * 8.0f * reciprocal(float(n));
+  float total = 0.0f;
+  uint not_zero = 0u;
+  float per_total = 0.0f;
+  float alike = 0.0f;
+  float before = u_few;
+  uint put = 0u;
+  // Twice: what all would bring, and then those that are taken.
+  for (uint k = 0u; k < 2u * m; ++k) {
+    bool counts = k < m;
+    uint i = counts ? k : k - m;
+    if (k == m) {
+      per_total = reciprocal(max(total, 1e-37f));
+      alike = 0.5f * reciprocal(float(max(not_zero, 1u)));
+    }
+    JoinEnd end = join_ends[place_of_end(group, candidate_of(n, i, u))];
+    float estimate = end.number + edges > render.max_depth ? 0.0f : estimate_join(end, here);
+    if (counts) {
+      count_ray(RAYS_JOIN);
+      total += estimate;
+      not_zero += estimate > 0.0f ? 1u : 0u;
+      continue;
+    }
+    if (estimate == 0.0f) continue;
+    float chance = 1.0f;
+    if (not_zero > count)
+      chance = min(1.0f, float(count) * (0.5f * estimate * per_total + alike));
+    float after = before + chance;
+    if (floor(after) > floor(before) && put < count) {
+      put_joining(place + put, kind, end.slot, end.position, end.alpha2 < 0.0f, camera,
+                  here.position, times * chance, pixel);
+      put += 1u;
+    }
+    before = after;
+  }
+}
+
+/// Light vertices for the camera's vertex in slot `slot`: two places.
+SHARED void choose_joins(uint slot, uint place) MEMBER {
+  joinings[place].kind = JOINING_NONE;
+  joinings[place + 1u].kind = JOINING_NONE;
+  PathDensity d = path_densities[slot];
+  if ((d.flags & VERTEX_THERE) == 0u || (d.flags & VERTEX_CONNECTIBLE) == 0u) return;
+  uint t = number_of(d) + 1u;
+  if (t > render.max_depth) return;
+  PathVertex at = path_vertices[slot];
+  uint group = at.walk / render.per_pool;
+  SampleName name = sample_of_group(group, at.walk % render.per_pool);
+  Sequence numbers = numbers_of(name, PURPOSE_CHOICES);
+  seek(numbers, 2u * t);
+  float u = uniform_of(numbers);
+  float u_few = uniform_of(numbers);
+  JoinEnd here = join_end(kept_point(slot, at), at.back, at.throughput, slot, t);
+  choose_ends(place, t <= 3u ? 2u : 1u, JOINING_BI, group, first_end(group + 1u) - first_end(group),
+              here, slot, t, name.pixel, u, u_few);
+}
+
+/// The camera for the light's vertex in slot `slot`, or for x_c of a segment.
+SHARED void choose_camera(uint place, uint kind, uint light, uint slot, float times) MEMBER {
+  joinings[place] = no_joining();
+  PathDensity d = path_densities[slot];
+  if ((d.flags & VERTEX_THERE) == 0u || (d.flags & VERTEX_CONNECTIBLE) == 0u) return;
+  vec3 from = path_vertices[slot].position;
+  vec3 w = normalized(from - render.camera_position);
+  float raster_x;
+  float raster_y;
+  if (!camera_raster(w, raster_x, raster_y)) return;
+  uint pixel = uint(raster_y) * render.width + uint(raster_x);
+  put_joining(place, kind, light, from, false, kNoVertex, render.camera_position, times, pixel);
+}
+SHARED void choose_splat(uint slot, uint place) MEMBER {
+  uint pool = pool_of_group(path_vertices[slot].walk / render.walks_full);
+  float times = float(walks_of_pool(pool)) * reciprocal(float(samples_of_pool(pool)));
+  choose_camera(place, JOINING_SPLAT, slot, slot, times);
+}
+
+// What ends make of each other.
+
+/// End `i` & 1 (0: the light's) of joining i / 2.
+SHARED void scatter_end(uint i, uint first) MEMBER {
+  Joining j = joinings[first + (i >> 1u)];
+  if (j.kind == JOINING_NONE) return;
+  bool of_light = (i & 1u) == 0u;
+  bool of_segment = j.kind == JOINING_SEEN || j.kind == JOINING_SEGMENT;
+  uint slot = of_light ? j.light : j.camera;
+  if (of_light && of_segment) slot = slot_of_x_c(j.light);
+  if (slot == kNoVertex) return;
+  PathVertex at = path_vertices[slot];
+  if (is_zero(at.back)) return;
+  scatterings[i] = scattering_at(kept_point(slot, at), of_light ? FROM_LIGHT : FROM_CAMERA, at.back,
+                                 of_light ? j.w : -j.w, false);
+}
+
+// Joining.
+
+SHARED Half no_half() MEMBER_CONST {
+  Half h;
+  h.slot = kNoVertex;
+  h.first_A = 0.0f;
+  h.second_A = 0.0f;
+  return h;
+}
+
+/// What a vertex knows at a joint: the density of what is on the other side in its walk, without the
+/// chance that it goes on, and that of what is behind it in a walk from there, likewise.
+struct AtJoint {
+  float onward_A;
+  float behind_A;
+};
+SHARED AtJoint at_joint(uint from, PathVertex v, PathDensity d, Scattering s, vec3 w, float per_area,
+                        Crossing crossing) MEMBER_CONST {
+  AtJoint j;
+  j.behind_A = 0.0f;
+  if (is_zero(v.back)) {
+    j.onward_A = emitted_pdf_A(v.source, v.normal, v.aims_emitted, w, per_area, crossing);
+    return j;
+  }
+  j.onward_A =
+      scattered_pdf_A(from, v, d.own_survival, odds_onward(s), s.onward_w, per_area, crossing);
+  uint other_end = from == FROM_LIGHT ? FROM_CAMERA : FROM_LIGHT;
+  j.behind_A = scattered_pdf_A(other_end, v, s.albedo, odds_behind(s), s.behind_w, v.per_prev,
+                               crossing_before(v));
+  return j;
+}
+SHARED float survival_at(PathDensity d) MEMBER_CONST {
+  return number_of(d) <= 1u ? 1.0f : d.own_survival;
+}
+/// Whether a walk from the other end can come to what is behind a vertex.
+SHARED bool is_met_behind(PathDensity d) MEMBER_CONST {
+  return d.prev != kNoVertex && (path_densities[d.prev].flags & VERTEX_MET) != 0u;
+}
+
+/// Both ends of a joining, and all that a path needs of it.
+struct Joint {
+  Point y;
+  Point z;
+  PathVertex light;
+  PathVertex camera;
+  PathDensity of_light;
+  PathDensity of_camera;
+  Scattering at_y;
+  Scattering at_z;
+  vec3 value;  ///< without visibility
+};
+
+SHARED Joint joint_of(Joining j, uint i) MEMBER_CONST {
+  Joint joint;
+  bool of_segment = j.kind == JOINING_SEEN || j.kind == JOINING_SEGMENT;
+  bool to_camera = j.camera == kNoVertex;
+  joint.light = empty_vertex(0u);
+  joint.of_light = empty_density();
+  joint.y = empty_point();
+  vec3 sent;
+  if (j.kind == JOINING_NEXT_EVENT) {
+    joint.y.position = j.position;
+    joint.y.normal = j.normal;
+    joint.y.source = j.source;
+    joint.y.triangle = j.triangle;
+    joint.light.source = j.source;
+    joint.light.normal = j.normal;
+    float per_pdf = reciprocal(j.nee_A);
+    sent = j.radiance * per_pdf;
+  } else {
+    uint slot = of_segment ? slot_of_x_c(j.light) : j.light;
+    joint.light = path_vertices[slot];
+    joint.of_light = path_densities[slot];
+    joint.y = kept_point(slot, joint.light);
+    joint.at_y = scatterings[2u * i];
+    vec3 throughput = of_segment ? segments[j.light].through : joint.light.throughput;
+    sent = throughput *
+           (is_zero(joint.light.back) ? emitted(joint.y, j.w) : joint.at_y.f);
+  }
+  joint.camera = empty_vertex(0u);
+  joint.of_camera = empty_density();
+  joint.z = empty_point();
+  joint.z.position = render.camera_position;
+  vec3 seen;
+  if (to_camera) {
+    float importance_w = camera_pdf_w(-j.w);
+    seen = vec3(importance_w, importance_w, importance_w);
+  } else {
+    joint.camera = path_vertices[j.camera];
+    joint.of_camera = path_densities[j.camera];
+    joint.z = kept_point(j.camera, joint.camera);
+    joint.at_z = scatterings[2u * i + 1u];
+    seen = joint.camera.throughput * joint.at_z.f;
+  }
+  Edge e;
+  e.w = j.w;
+  e.d2 = j.d2;
+  joint.value = sent * seen * (geometry(joint.y, joint.z, e) * reciprocal(j.times));
+  if (scene_has_absorption && !is_zero(joint.value))
+    joint.value = joint.value * transmittance(joint.y, joint.z, j.w, root(j.d2));
+  return joint;
+}
+
+SHARED bool is_free(Joining j, Joint joint) MEMBER {
+  if (j.camera == kNoVertex && camera_culls) return seen_by_camera(joint.y);
+  return sees(joint.y, joint.z);
+}
+
+/// Adds the path of a next event, or of two walks that are joined, or of a light's that the camera
+/// sees; i: number of its scatterings.
+SHARED void join(uint i, uint first) MEMBER {
+  Joining j = joinings[first + i];
+  if (j.kind == JOINING_NONE) return;
+  Joint joint = joint_of(j, i);
+  if (is_zero(joint.value) || !is_free(j, joint)) return;
+  bool to_camera = j.kind == JOINING_SPLAT;
+  bool next_event = j.kind == JOINING_NEXT_EVENT;
+  float per_d2 = reciprocal(j.d2);
+  float per_y = cosine_to(joint.y, j.w) * per_d2;
+  float per_z = cosine_to(joint.z, j.w) * per_d2;
+  Crossing crossing = no_crossing();
+  if (!to_camera) crossing = crossing_of(FROM_LIGHT, joint.y, joint.z, drawn_otherwise());
+  if (next_event && scene_has_portals && guide_active)
+    joint.light.aims_emitted = aim_at_light(joint.y).emitted;
+  AtJoint of_y =
+      at_joint(FROM_LIGHT, joint.light, joint.of_light, joint.at_y, j.w, per_z, crossing);
+  AtJoint of_z;
+  of_z.onward_A = camera_pdf_w(-j.w) * per_y;
+  of_z.behind_A = 0.0f;
+  if (!to_camera)
+    of_z = at_joint(FROM_CAMERA, joint.camera, joint.of_camera, joint.at_z, -j.w, per_y, crossing);
+  uint s = next_event ? 1u : number_of(joint.of_light) + 1u;
+  uint t = to_camera ? 1u : number_of(joint.of_camera) + 1u;
+  uint k = s + t - 1u;
+  // Walks always go on at their first two vertices.
+  float y_goes_on = next_event ? 1.0f : survival_at(joint.of_light);
+  float z_goes_on = to_camera ? 1.0f : survival_at(joint.of_camera);
+  Half light = no_half();
+  if (!next_event) {
+    light.slot = j.light;
+    light.first_A = is_met(joint.y) ? z_goes_on * of_z.onward_A : 0.0f;
+    if (is_met_behind(joint.of_light))
+      light.second_A = (t <= 1u ? 1.0f : joint.at_y.albedo) * of_y.behind_A;
+  }
+  Half camera = no_half();
+  if (!to_camera) {
+    camera.slot = j.camera;
+    camera.first_A = y_goes_on * of_y.onward_A;
+    if (joint.of_camera.prev != kNoVertex)
+      camera.second_A = (s <= 1u ? 1.0f : joint.at_z.albedo) * of_z.behind_A;
+  }
+  float pair_A = crossing.density * cosine_to(joint.y, j.w) * per_z;
+  float weight;
+  uint technique = to_camera ? TECHNIQUE_LIGHT : TECHNIQUE_BI;
+  if (next_event) {
+    technique = TECHNIQUE_DIRECT;
+    float camera_A = is_met(joint.y) ? z_goes_on * of_z.onward_A : 0.0f;
+    weight = weight_of_next_event(camera, k, j.nee_A, j.light_A, camera_A, pair_A);
+  } else {
+    weight = weight_of_joined(light, camera, s, k, pair_A);
+  }
+  uint walk = to_camera ? joint.light.walk / render.walks_full : joint.camera.walk / render.per_pool;
+  add_found(technique, j.pixel, k, sample_of_group(walk, 0u).number, joint.value, weight);
+}
+
+/// The camera's walk has come upon a light: x_0 in slot `slot`.
+SHARED void meet_light(uint slot) MEMBER {
+  PathDensity d = path_densities[slot];
+  if ((d.flags & VERTEX_THERE) == 0u) return;
+  PathVertex at = path_vertices[slot];
+  uint k = number_of(d);
+  SampleName name = sample_of_group(at.walk / render.per_pool, at.walk % render.per_pool);
+  bool looks_out = k == 1u && (d.flags & VERTEX_INFINITE) != 0u;
+  if (render.transparent != 0u && k == 1u) {
+    if (looks_out) return;
+    meet_pixel(name.pixel);
+  }
+  if (!has_technique(TECHNIQUE_CAMERA) || at.source == SOURCE_NONE) return;
+  Point x0 = kept_point(slot, at);
+  vec3 Le = emitted(x0, at.back);
+  if (is_zero(Le)) return;
+  float weight = 1.0f;
+  if (k > 1u) {
+    if (scene_has_sky && at.source == SOURCE_SKY) x0.in_sky = look_at_sky(-at.position);
+    Half camera = no_half();
+    camera.slot = slot;
+    camera.first_A = light_pdf(x0.source, x0.triangle, x0.position, x0.in_sky);
+    camera.second_A = emitted_pdf_A(x0.source, x0.normal, at.aims_emitted, at.back, at.per_prev,
+                                    crossing_before(at));
+    weight = weight_of_joined(no_half(), camera, 0u, k, 0.0f);
+  }
+  add_found(TECHNIQUE_CAMERA, name.pixel, k, name.number, at.throughput * Le, weight);
+}
+
+#include "shaders/shared/language_end.h"
