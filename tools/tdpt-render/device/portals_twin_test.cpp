@@ -132,10 +132,12 @@ TEST(portals_twin, edges_have_the_crossings_that_they_have_in_doubles) {
 }
 TEST(portals_twin, twin_densities_off_by_a_thousandth_are_seen) {
   const auto off = [](float Crossing::*which) {
-    return differences(portals_to_try()[1].set, [&](Crossing c) {
-             c.*which *= 1.001f;
-             return c;
-           }).worst;
+    return differences(portals_to_try()[1].set,
+                       [&](Crossing c) {
+                         c.*which *= 1.001f;
+                         return c;
+                       })
+        .worst;
   };
   EXPECT_GT(off(&Crossing::density), 2);
   EXPECT_GT(off(&Crossing::from_light), 2);
@@ -176,7 +178,8 @@ Misses misses(const PortalSet& set) {
     const vec3 to = jittered(v + w * length, rng);
     // Where rounding turns no edge that grazes the plane.
     if (!(-dot(w, tables.facets[tables.polygons[static_cast<size_t>(triangle)].facet].normal) *
-              length > 1e-5f))
+              length >
+          1e-5f))
       continue;
     ++m.aimed;
     m.aims += !(twin.portal_crossing(to, v, shader::drawn_through(triangle)).from_camera > 0);
@@ -310,8 +313,7 @@ TEST(portals_twin, segments_follow_their_density) {
   for (const auto& [name, set] : all_portals()) EXPECT_LT(worst_of_triangles(set, 1), 4.5) << name;
 }
 TEST(portals_twin, twin_a_density_of_segments_5_percent_off) {
-  for (const auto& [name, set] : all_portals())
-    EXPECT_GT(worst_of_triangles(set, 1.05), 8) << name;
+  for (const auto& [name, set] : all_portals()) EXPECT_GT(worst_of_triangles(set, 1.05), 8) << name;
 }
 
 // Place in its square and cos^2 of segments through a square: uniform.
@@ -323,9 +325,7 @@ double uniform_p(double fault) {
   std::vector<double> share(4 * 4 * 4, 1.0 / 64);
   share[9] *= fault;
   share[10] *= 2 - fault;
-  const auto bin = [](double x) {
-    return std::clamp(static_cast<int>(x * 4), 0, 3);
-  };
+  const auto bin = [](double x) { return std::clamp(static_cast<int>(x * 4), 0, 3); };
   return chi_square_of_samples(200000, share,
                                [&](uint64_t) {
                                  const SegmentDraw s = draw(twin, rng);
@@ -375,8 +375,8 @@ class Sphere {
 };
 
 // Directions aimed at from v against a(w), by chi-square over bins of the sphere.
-double aims_p(const PortalSet& set, const Vec3d& at, const vec3& facing, uint32_t from, double fault,
-              uint64_t stream) {
+double aims_p(const PortalSet& set, const Vec3d& at, const vec3& facing, uint32_t from,
+              double fault, uint64_t stream) {
   const PortalTables tables(set);
   const PortalTwin twin(tables);
   const vec3 v(at);
@@ -404,9 +404,10 @@ struct Aim {
   Vec3d v;
   uint32_t from;
 };
-const std::vector<Aim> kAims{{0, {-0.3, 0.2, 0.9}, FROM_LIGHT},  {0, {0.3, 0.2, -0.5}, FROM_CAMERA},
-                             {1, {0.1, 0.5, -0.3}, FROM_LIGHT},  {1, {0.1, -0.3, 0.8}, FROM_CAMERA},
-                             {3, {0.1, 0.05, -0.8}, FROM_LIGHT}, {3, {0.1, 0.05, 0.1}, FROM_CAMERA}};
+const std::vector<Aim> kAims{
+    {0, {-0.3, 0.2, 0.9}, FROM_LIGHT},  {0, {0.3, 0.2, -0.5}, FROM_CAMERA},
+    {1, {0.1, 0.5, -0.3}, FROM_LIGHT},  {1, {0.1, -0.3, 0.8}, FROM_CAMERA},
+    {3, {0.1, 0.05, -0.8}, FROM_LIGHT}, {3, {0.1, 0.05, 0.1}, FROM_CAMERA}};
 TEST(portals_twin, walks_are_aimed_as_their_density_says) {
   const std::vector<NamedPortals> all = portals_to_try();
   for (size_t i = 0; i < kAims.size(); ++i)
@@ -481,8 +482,7 @@ TEST(portals_twin, walks_are_aimed_as_the_same_numbers_aim_them_in_doubles) {
         ++n;
         Vec3d w;
         vec3 my_w;
-        const int triangle =
-            set.aim(Vec3d(v), Vec3d(facing), way(from), W, {u, u2, pick}, w);
+        const int triangle = set.aim(Vec3d(v), Vec3d(facing), way(from), W, {u, u2, pick}, w);
         others += triangle != twin.portal_aim(v, facing, from, mine, u, u2, pick, my_w) ||
                   length(w - Vec3d(my_w)) > 2e-5;
       } else {
@@ -512,8 +512,8 @@ TEST(portals_twin, extremes_are_finite) {
     Rng rng(39, 0, 0);
     for (int i = 0; i < 200000; ++i) {
       const SegmentDraw s = draw(twin, rng);
-      const vec3 normal = tables.facets[tables.polygons[static_cast<size_t>(s.drawn.polygon)].facet]
-                              .normal;
+      const vec3 normal =
+          tables.facets[tables.polygons[static_cast<size_t>(s.drawn.polygon)].facet].normal;
       const vec3 along = vec3(normalize(cross(Vec3d(normal), Vec3d(direction(rng)))));
       const auto some = [&] {
         return static_cast<float>(std::exp2(-30 * rng.uniform()) * (rng.uniform() < 0.5 ? -1 : 1));
@@ -526,8 +526,8 @@ TEST(portals_twin, extremes_are_finite) {
         EXPECT_TRUE(x >= 0 && x < 1e30f) << name << " " << x;
       if (!(W > 0)) continue;
       vec3 w;
-      twin.portal_aim(a, vec3(0.0f), FROM_LIGHT, W, 0.0f, 0.9999999f, i % 3 == 0 ? 0.0f : 0.9999999f,
-                      w);
+      twin.portal_aim(a, vec3(0.0f), FROM_LIGHT, W, 0.0f, 0.9999999f,
+                      i % 3 == 0 ? 0.0f : 0.9999999f, w);
       EXPECT_NEAR(length(Vec3d(w)), 1, 1e-6);
     }
   }
