@@ -36,12 +36,11 @@ SHARED int portal_crossed(uint f, vec3 at, Drawn drawn) MEMBER_CONST {
   bool second_here = drawn.second >= first && drawn.second < end;
   int here = polygon_here ? drawn.polygon : second_here ? drawn.second : -1;
   vec3 off = at - portal_facets[f].centre;
-  if (here < 0 && dot(off, off) > portal_facets[f].reach2) return 0;
+  bool away = here < 0 && dot(off, off) > portal_facets[f].reach2;
+  end = away ? first : end;
+  float inside = here < 0 ? 0.0f : portal_facets[f].border;
   int n = 0;
-  for (int i = first; i < end; ++i) {
-    float inside = here < 0 ? 0.0f : portal_polygons[i].border;
-    n += i == here || polygon_holds(uint(i), at, inside) ? 1 : 0;
-  }
+  for (int i = first; i < end; ++i) n += i == here || polygon_holds(uint(i), at, inside) ? 1 : 0;
   return n;
 }
 
@@ -52,18 +51,18 @@ SHARED PortalPassage portal_passage(uint f, vec3 from, vec3 to, vec3 d, float pe
   PortalPassage p;
   p.before = portal_height(f, from);
   p.after = portal_height(f, to);
-  p.cosine = 0.0f;
+  float slope = dot(portal_facets[f].normal, d);
+  p.cosine = slope * per_length;
   p.triangles = 0;
   bool begins = p.before < -kPortalMargin;
   bool ends = p.after > kPortalMargin;
-  if (!(begins && ends) && !(beyond && (begins || ends))) return p;
-  float slope = dot(portal_facets[f].normal, d);
-  p.cosine = slope * per_length;
   bool nearer = abs(p.before) < abs(p.after);
   float height = nearer ? p.before : p.after;
-  if (!(abs(height) < kPortalReach * p.cosine)) return p;
-  vec3 at = (nearer ? from : to) - d * (height * reciprocal(slope));
-  p.triangles = portal_crossed(f, at, drawn);
+  bool passes = (begins && ends) || (beyond && (begins || ends));
+  if (passes && abs(height) < kPortalReach * p.cosine) {
+    vec3 at = (nearer ? from : to) - d * (height * reciprocal(slope));
+    p.triangles = portal_crossed(f, at, drawn);
+  }
   return p;
 }
 
