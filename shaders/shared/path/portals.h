@@ -66,27 +66,38 @@ SHARED PortalPassage portal_passage(uint f, vec3 from, vec3 to, vec3 d, float pe
   return p;
 }
 
-/// The part of D that pairs have.
-SHARED float portal_pair_density(vec3 from, vec3 to, vec3 d, float per_length,
-                                 Drawn drawn) MEMBER_CONST {
+/// The part of D of the pairs that light passes facet k first of.
+SHARED float portal_density_of_pairs(uint k, vec3 from, vec3 to, vec3 d, float per_length,
+                                     Drawn drawn) MEMBER_CONST {
   float all = 0.0f;
-  for (uint f = 0u; f < guiding.facets; ++f) {
-    uint first = portal_facets[f].first_pair;
-    uint end = portal_facets[f].end_pair;
-    if (first == end) continue;
-    PortalPassage of_f = portal_passage(f, from, to, d, per_length, false, drawn);
-    if (of_f.triangles == 0) continue;
-    float per_f = reciprocal(of_f.cosine);
-    for (uint i = first; i < end; ++i) {
-      PortalPassage of_g =
-          portal_passage(portal_pairs[i].second, from, to, d, per_length, false, drawn);
-      int ways = of_f.triangles * of_g.triangles;  // choices of triangles that give this line
-      if (ways == 0) continue;
+  PortalPassage of_f = portal_passage(k, from, to, d, per_length, false, drawn);
+  float per_f = of_f.triangles > 0 ? reciprocal(of_f.cosine) : 0.0f;
+  uint end = of_f.triangles > 0 ? portal_facets[k].end_pair : 0u;
+  for (uint i = portal_facets[k].first_pair; i < end; ++i) {
+    PortalPassage of_g =
+        portal_passage(portal_pairs[i].second, from, to, d, per_length, false, drawn);
+    int ways = of_f.triangles * of_g.triangles;  // choices of triangles that give this line
+    if (ways > 0) {
       float per_g = reciprocal(of_g.cosine);
       float apart = of_g.before * per_g - of_f.before * per_f;
       all += float(ways) * portal_pairs[i].pdf * (apart * apart) * (per_f * per_g);
     }
   }
+  return all;
+}
+/// The part of D that pairs have. `crossed`: those of the first 32 facets that are, a bit each: a
+/// group of lanes goes round as often as the one of them that crosses most.
+SHARED float portal_pair_density(uint crossed, vec3 from, vec3 to, vec3 d, float per_length,
+                                 Drawn drawn) MEMBER_CONST {
+  float all = 0.0f;
+  uint rest = crossed;
+  while (rest != 0u) {
+    uint k = uint(findLSB(rest));
+    rest = rest & (rest - 1u);
+    all += portal_density_of_pairs(k, from, to, d, per_length, drawn);
+  }
+  for (uint k = 32u; k < guiding.facets; ++k)
+    all += portal_density_of_pairs(k, from, to, d, per_length, drawn);
   return all;
 }
 
@@ -101,14 +112,16 @@ SHARED float portal_per_length(vec3 d) MEMBER_CONST {
 SHARED float portal_density(vec3 from, vec3 to, Drawn drawn) MEMBER_CONST {
   if (!scene_has_portals) return 0.0f;
   float sum = 0.0f;
+  uint crossed = 0u;
   vec3 d = to - from;
   float per_length = portal_per_length(d);
   if (per_length == 0.0f) return 0.0f;
   for (uint f = 0u; f < guiding.facets; ++f) {
     PortalPassage p = portal_passage(f, from, to, d, per_length, false, drawn);
     sum += float(p.triangles) * portal_facets[f].density;
+    crossed |= p.triangles > 0 && f < 32u ? 1u << (f & 31u) : 0u;
   }
-  if (portals_have_pairs && sum > 0.0f) sum += portal_pair_density(from, to, d, per_length, drawn);
+  if (portals_have_pairs) sum += portal_pair_density(crossed, from, to, d, per_length, drawn);
   return sum;
 }
 
@@ -128,6 +141,7 @@ SHARED float portal_weight(uint f, vec3 v) MEMBER_CONST {
 SHARED Crossing portal_crossing(vec3 from, vec3 to, Drawn drawn) MEMBER_CONST {
   Crossing c = no_crossing();
   if (!scene_has_portals) return c;
+  uint crossed = 0u;
   vec3 d = to - from;
   float per_length = portal_per_length(d);
   if (per_length == 0.0f) return c;
@@ -138,14 +152,14 @@ SHARED Crossing portal_crossing(vec3 from, vec3 to, Drawn drawn) MEMBER_CONST {
     bool ends = p.after > kPortalMargin;
     float n = float(p.triangles);
     if (begins && ends) c.density += n * portal_facets[f].density;
+    crossed |= begins && ends && f < 32u ? 1u << (f & 31u) : 0u;
     // d^2 / (cos A), where d is the height over the cosine.
     float per_cosine = reciprocal(p.cosine);
     float per_area = n * portal_facets[f].per_area * (per_cosine * per_cosine * per_cosine);
     if (begins) c.from_light += portal_weight(f, from) * (p.before * p.before) * per_area;
     if (ends) c.from_camera += portal_weight(f, to) * (p.after * p.after) * per_area;
   }
-  if (portals_have_pairs && c.density > 0.0f)
-    c.density += portal_pair_density(from, to, d, per_length, drawn);
+  if (portals_have_pairs) c.density += portal_pair_density(crossed, from, to, d, per_length, drawn);
   return c;
 }
 

@@ -15,14 +15,15 @@ struct Sums {
   std::vector<uint32_t> before;
   uint32_t all;
 };
-Sums device_sums(gpu::Device& device, const std::vector<uint32_t>& counts) {
+// `in_place`: the sums take the place of the counts.
+Sums device_sums(gpu::Device& device, const std::vector<uint32_t>& counts, bool in_place = false) {
   const auto n = static_cast<uint32_t>(counts.size());
   const uint32_t blocks = shader::scan_blocks(n);
   std::vector<uint32_t> padded = counts;
   padded.push_back(~0u);  // what lies behind is not read
   const gpu::Buffer input(device, padded), sums(device, padded),
       totals(device, 4ull * (blocks + 1));
-  const gpu::Kernel kernel(device, shader::path_scan_spv, {input, sums, totals},
+  const gpu::Kernel kernel(device, shader::path_scan_spv, {in_place ? sums : input, sums, totals},
                            sizeof(shader::ScanParameters));
   const auto phase = [&](gpu::Commands& c, uint32_t which, uint32_t groups) {
     if (groups > 0) c.dispatch(kernel, gpu::push(shader::ScanParameters{n, which}), groups);
@@ -58,6 +59,11 @@ TEST(scan, is_that_of_the_standard_library_for_any_size) {
       const std::vector<uint32_t> all = counts(n, most);
       expect_sums(all, device_sums(device, all));
     }
+}
+TEST(scan, sums_may_take_the_place_of_counts) {
+  gpu::Device device = gpu::Device::open();
+  const std::vector<uint32_t> all = counts(100003, 3);
+  expect_sums(all, device_sums(device, all, true));
 }
 TEST(scan, sums_wrap_round_as_words_do) {
   gpu::Device device = gpu::Device::open();
