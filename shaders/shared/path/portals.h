@@ -205,26 +205,38 @@ SHARED vec3 point_on_facet(uint f, float pick, float u, float v, OUT(int) polygo
   return point_in_polygon(i, u, v);
 }
 
-/// Whether walks from `from` can aim at the facet from v.
-SHARED bool portal_aimable(uint f, vec3 v, vec3 facing, uint from) MEMBER_CONST {
-  float height = portal_height(f, v);
-  if (!((from == FROM_LIGHT ? -height : height) > kPortalMargin)) return false;
-  if (is_zero(facing)) return true;
+/// Whether a corner of the facet is on the side of v that `facing` looks to (0: either).
+SHARED bool portal_above(uint f, vec3 v, vec3 facing) MEMBER_CONST {
   // Where the middle is, a corner is: but for rounding.
-  if (dot(facing, portal_facets[f].centre - v) > kPortalMargin) return true;
-  for (uint i = portal_facets[f].first_corner; i < portal_facets[f].end_corner; ++i)
-    if (dot(facing, portal_corners[i].at - v) > 0.0f) return true;
-  return false;
+  bool above = is_zero(facing) || dot(facing, portal_facets[f].centre - v) > kPortalMargin;
+  uint end = portal_facets[f].end_corner;
+  for (uint i = portal_facets[f].first_corner; i < end && !above; ++i)
+    above = dot(facing, portal_corners[i].at - v) > 0.0f;
+  return above;
 }
 
-/// W at `v`: of the facets that have v on the side that walks from `from` begin on, and a corner on
-/// the side of v that `facing` looks to (0: either). 0: nothing to aim at.
+/// W at `v` of walks from either end: of the facets that have v on the side that such walks begin
+/// on, and a corner on the side of v that `facing` looks to (0: either). 0: nothing to aim at.
+SHARED void portal_aims(vec3 v, vec3 facing, OUT(float) from_light,
+                        OUT(float) from_camera) MEMBER_CONST {
+  float of_light = 0.0f;
+  float of_camera = 0.0f;
+  uint facets = scene_has_portals ? guiding.facets : 0u;
+  for (uint f = 0u; f < facets; ++f) {
+    float height = portal_height(f, v);
+    float weight = portal_above(f, v, facing) ? portal_weight(f, v) : 0.0f;
+    of_light += height < -kPortalMargin ? weight : 0.0f;
+    of_camera += height > kPortalMargin ? weight : 0.0f;
+  }
+  from_light = of_light;
+  from_camera = of_camera;
+}
+/// The same of walks from one end.
 SHARED float portal_aims(vec3 v, vec3 facing, uint from) MEMBER_CONST {
-  float sum = 0.0f;
-  if (!scene_has_portals) return sum;
-  for (uint f = 0u; f < guiding.facets; ++f)
-    if (portal_aimable(f, v, facing, from)) sum += portal_weight(f, v);
-  return sum;
+  float from_light = 0.0f;
+  float from_camera = 0.0f;
+  portal_aims(v, facing, from_light, from_camera);
+  return from == FROM_LIGHT ? from_light : from_camera;
 }
 
 /// Unit direction from `v` towards a facet; W must be that of portal_aims() for the same arguments,
@@ -236,7 +248,9 @@ SHARED int portal_aim(vec3 v, vec3 facing, uint from, float W, float u, float v_
   uint chosen = 0u;
   float weight = 1.0f;
   for (uint f = 0u; f < guiding.facets; ++f) {
-    if (!portal_aimable(f, v, facing, from)) continue;
+    float height = portal_height(f, v);
+    if (!((from == FROM_LIGHT ? -height : height) > kPortalMargin)) continue;
+    if (!portal_above(f, v, facing)) continue;
     chosen = f;
     weight = portal_weight(f, v);
     rest -= weight;
