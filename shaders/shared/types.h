@@ -81,10 +81,6 @@ inline void umulExtended(uint a, uint b, uint& high, uint& low) {
   high = static_cast<uint>(product >> 32);
   low = static_cast<uint>(product);
 }
-/// Number of the lowest bit that is set; -1: none is.
-constexpr int findLSB(uint x) {
-  return x == 0 ? -1 : std::countr_zero(x);
-}
 /// What `word` was.
 inline uint atomicAdd(uint& word, uint more) {
   return std::atomic_ref(word).fetch_add(more, std::memory_order_relaxed);

@@ -217,7 +217,8 @@ struct Trial {
                                       ? twin.edge_crossing(at.mine, to.mine, my_drawn)
                                       : twin.edge_crossing(to.mine, at.mine, my_drawn);
     const double p = guide.pdf_A(way, at.theirs, Vec3d(back), e, to.theirs, 0.25, c);
-    const double mine = twin.guided_pdf_A(from, at.mine, aims, back, my_e, to.mine, 0.25f, my_c);
+    const float per_area = shader::to_area(1.0f, my_e, to.mine);
+    const double mine = twin.guided_pdf_A(from, at.mine, aims, back, 0.25f, per_area, my_c);
     const double apart = std::max(std::abs(mine / p - 1),
                                   std::abs(my_c.density - c.density) / std::max(c.density, 1e-3));
     off.others += apart > 1e-3;
