@@ -1,5 +1,5 @@
 // Exclusive prefix sums of counts: sums[i] = counts[0] + ... + counts[i-1], modulo 2^32, and the sum of all behind the
-// totals of the blocks. Places that kernels write their results to follow from it without atomics, in one order always.
+// totals of the blocks. Sums may take the place of counts. Places that kernels write their results to follow from it without atomics, in one order always.
 //
 // Method: sums within blocks, then over the blocks' totals, then both together (Blelloch 1990); three phases.
 #version 460
@@ -41,8 +41,9 @@ void scan_a_block() {
   uint all;
   uint sum = sum_before(own, all);
   for (uint i = first; i < end; ++i) {
+    uint count = counts[i];
     sums[i] = sum;
-    sum += counts[i];
+    sum += count;
   }
   if (gl_LocalInvocationIndex == 0u) totals[gl_WorkGroupID.x] = all;
 }

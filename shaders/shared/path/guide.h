@@ -62,10 +62,7 @@ SHARED Aims aim_at_surface(Point p, vec3 away) MEMBER_CONST {
   aims.from_camera = 0.0f;
   aims.emitted = 0.0f;
   if (!scene_has_portals || !guide_active) return aims;
-  if (p.connectible) {
-    aims.from_light = portal_aims(p.position, aims.facing, FROM_LIGHT);
-    aims.from_camera = portal_aims(p.position, aims.facing, FROM_CAMERA);
-  }
+  if (p.connectible) portal_aims(p.position, aims.facing, aims.from_light, aims.from_camera);
   if (p.source != SOURCE_NONE)
     aims.emitted = guide_aims(p, source_facing(p.source, p.normal), FROM_LIGHT);
   return aims;

@@ -34,11 +34,11 @@ struct PortalPolygon {
   vec3 e1;
   float end_of_facet;  ///< the same within its facet
   vec3 e2;
-  float border;  ///< barycentric: what lies as far within is clear of rounding
-  vec3 grad1;    ///< barycentric b1 = dot(grad1, p - p0), b2 = dot(grad2, p - p0)
-  uint portal;   ///< which of the portals it is part of
-  vec3 grad2;
+  uint portal;  ///< which of the portals it is part of
+  vec3 grad1;   ///< barycentric b1 = dot(grad1, p - p0), b2 = dot(grad2, p - p0)
   uint facet;
+  vec3 grad2;
+  uint pad;
 };
 
 /// The triangles of a portal that lie in one plane.
@@ -48,13 +48,17 @@ struct PortalFacet {
   vec3 centre;    ///< lies in the plane
   float reach2;   ///< squared distance from the centre that no corner has, whatever is rounded
   float density;  ///< (1-c) p(q) / (A_q pi) of each of its triangles
-  float per_area;
-  uint first;  ///< of its polygons
+  float border;   ///< barycentric: what lies as far within each is clear of rounding
+  uint first;     ///< of its polygons
   uint end;
   uint first_corner;
   uint end_corner;
   uint first_pair;  ///< of the pairs that light passes it first of
   uint end_pair;
+  float per_area;
+  uint pad0;
+  uint pad1;
+  uint pad2;
 };
 
 struct PortalCorner {
@@ -135,7 +139,7 @@ struct PortalPassage {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(PortalPolygon) == 80 && sizeof(PortalFacet) == 64);
+static_assert(sizeof(PortalPolygon) == 80 && sizeof(PortalFacet) == 80);
 static_assert(sizeof(PortalCorner) == 16 && sizeof(PortalPair) == 16);
 static_assert(sizeof(GuideParameters) == 32);
 #endif

@@ -36,12 +36,11 @@ SHARED int portal_crossed(uint f, vec3 at, Drawn drawn) MEMBER_CONST {
   bool second_here = drawn.second >= first && drawn.second < end;
   int here = polygon_here ? drawn.polygon : second_here ? drawn.second : -1;
   vec3 off = at - portal_facets[f].centre;
-  if (here < 0 && dot(off, off) > portal_facets[f].reach2) return 0;
+  bool away = here < 0 && dot(off, off) > portal_facets[f].reach2;
+  end = away ? first : end;
+  float inside = here < 0 ? 0.0f : portal_facets[f].border;
   int n = 0;
-  for (int i = first; i < end; ++i) {
-    float inside = here < 0 ? 0.0f : portal_polygons[i].border;
-    n += i == here || polygon_holds(uint(i), at, inside) ? 1 : 0;
-  }
+  for (int i = first; i < end; ++i) n += i == here || polygon_holds(uint(i), at, inside) ? 1 : 0;
   return n;
 }
 
@@ -52,42 +51,53 @@ SHARED PortalPassage portal_passage(uint f, vec3 from, vec3 to, vec3 d, float pe
   PortalPassage p;
   p.before = portal_height(f, from);
   p.after = portal_height(f, to);
-  p.cosine = 0.0f;
+  float slope = dot(portal_facets[f].normal, d);
+  p.cosine = slope * per_length;
   p.triangles = 0;
   bool begins = p.before < -kPortalMargin;
   bool ends = p.after > kPortalMargin;
-  if (!(begins && ends) && !(beyond && (begins || ends))) return p;
-  float slope = dot(portal_facets[f].normal, d);
-  p.cosine = slope * per_length;
   bool nearer = abs(p.before) < abs(p.after);
   float height = nearer ? p.before : p.after;
-  if (!(abs(height) < kPortalReach * p.cosine)) return p;
-  vec3 at = (nearer ? from : to) - d * (height * reciprocal(slope));
-  p.triangles = portal_crossed(f, at, drawn);
+  bool passes = (begins && ends) || (beyond && (begins || ends));
+  if (passes && abs(height) < kPortalReach * p.cosine) {
+    vec3 at = (nearer ? from : to) - d * (height * reciprocal(slope));
+    p.triangles = portal_crossed(f, at, drawn);
+  }
   return p;
 }
 
-/// The part of D that pairs have.
-SHARED float portal_pair_density(vec3 from, vec3 to, vec3 d, float per_length,
-                                 Drawn drawn) MEMBER_CONST {
+/// The part of D of the pairs that light passes facet k first of.
+SHARED float portal_density_of_pairs(uint k, vec3 from, vec3 to, vec3 d, float per_length,
+                                     Drawn drawn) MEMBER_CONST {
   float all = 0.0f;
-  for (uint f = 0u; f < guiding.facets; ++f) {
-    uint first = portal_facets[f].first_pair;
-    uint end = portal_facets[f].end_pair;
-    if (first == end) continue;
-    PortalPassage of_f = portal_passage(f, from, to, d, per_length, false, drawn);
-    if (of_f.triangles == 0) continue;
-    float per_f = reciprocal(of_f.cosine);
-    for (uint i = first; i < end; ++i) {
-      PortalPassage of_g =
-          portal_passage(portal_pairs[i].second, from, to, d, per_length, false, drawn);
-      int ways = of_f.triangles * of_g.triangles;  // choices of triangles that give this line
-      if (ways == 0) continue;
+  PortalPassage of_f = portal_passage(k, from, to, d, per_length, false, drawn);
+  float per_f = of_f.triangles > 0 ? reciprocal(of_f.cosine) : 0.0f;
+  uint end = of_f.triangles > 0 ? portal_facets[k].end_pair : 0u;
+  for (uint i = portal_facets[k].first_pair; i < end; ++i) {
+    PortalPassage of_g =
+        portal_passage(portal_pairs[i].second, from, to, d, per_length, false, drawn);
+    int ways = of_f.triangles * of_g.triangles;  // choices of triangles that give this line
+    if (ways > 0) {
       float per_g = reciprocal(of_g.cosine);
       float apart = of_g.before * per_g - of_f.before * per_f;
       all += float(ways) * portal_pairs[i].pdf * (apart * apart) * (per_f * per_g);
     }
   }
+  return all;
+}
+/// The part of D that pairs have. `crossed`: those of the first 32 facets that are, a bit each: a
+/// group of lanes goes round as often as the one of them that crosses most.
+SHARED float portal_pair_density(uint crossed, vec3 from, vec3 to, vec3 d, float per_length,
+                                 Drawn drawn) MEMBER_CONST {
+  float all = 0.0f;
+  uint rest = crossed;
+  while (rest != 0u) {
+    uint k = uint(findLSB(rest));
+    rest = rest & (rest - 1u);
+    all += portal_density_of_pairs(k, from, to, d, per_length, drawn);
+  }
+  for (uint k = 32u; k < guiding.facets; ++k)
+    all += portal_density_of_pairs(k, from, to, d, per_length, drawn);
   return all;
 }
 
@@ -102,14 +112,16 @@ SHARED float portal_per_length(vec3 d) MEMBER_CONST {
 SHARED float portal_density(vec3 from, vec3 to, Drawn drawn) MEMBER_CONST {
   if (!scene_has_portals) return 0.0f;
   float sum = 0.0f;
+  uint crossed = 0u;
   vec3 d = to - from;
   float per_length = portal_per_length(d);
   if (per_length == 0.0f) return 0.0f;
   for (uint f = 0u; f < guiding.facets; ++f) {
     PortalPassage p = portal_passage(f, from, to, d, per_length, false, drawn);
     sum += float(p.triangles) * portal_facets[f].density;
+    crossed |= p.triangles > 0 && f < 32u ? 1u << (f & 31u) : 0u;
   }
-  if (portals_have_pairs && sum > 0.0f) sum += portal_pair_density(from, to, d, per_length, drawn);
+  if (portals_have_pairs) sum += portal_pair_density(crossed, from, to, d, per_length, drawn);
   return sum;
 }
 
@@ -129,6 +141,7 @@ SHARED float portal_weight(uint f, vec3 v) MEMBER_CONST {
 SHARED Crossing portal_crossing(vec3 from, vec3 to, Drawn drawn) MEMBER_CONST {
   Crossing c = no_crossing();
   if (!scene_has_portals) return c;
+  uint crossed = 0u;
   vec3 d = to - from;
   float per_length = portal_per_length(d);
   if (per_length == 0.0f) return c;
@@ -139,14 +152,14 @@ SHARED Crossing portal_crossing(vec3 from, vec3 to, Drawn drawn) MEMBER_CONST {
     bool ends = p.after > kPortalMargin;
     float n = float(p.triangles);
     if (begins && ends) c.density += n * portal_facets[f].density;
+    crossed |= begins && ends && f < 32u ? 1u << (f & 31u) : 0u;
     // d^2 / (cos A), where d is the height over the cosine.
     float per_cosine = reciprocal(p.cosine);
     float per_area = n * portal_facets[f].per_area * (per_cosine * per_cosine * per_cosine);
     if (begins) c.from_light += portal_weight(f, from) * (p.before * p.before) * per_area;
     if (ends) c.from_camera += portal_weight(f, to) * (p.after * p.after) * per_area;
   }
-  if (portals_have_pairs && c.density > 0.0f)
-    c.density += portal_pair_density(from, to, d, per_length, drawn);
+  if (portals_have_pairs) c.density += portal_pair_density(crossed, from, to, d, per_length, drawn);
   return c;
 }
 
@@ -192,26 +205,38 @@ SHARED vec3 point_on_facet(uint f, float pick, float u, float v, OUT(int) polygo
   return point_in_polygon(i, u, v);
 }
 
-/// Whether walks from `from` can aim at the facet from v.
-SHARED bool portal_aimable(uint f, vec3 v, vec3 facing, uint from) MEMBER_CONST {
-  float height = portal_height(f, v);
-  if (!((from == FROM_LIGHT ? -height : height) > kPortalMargin)) return false;
-  if (is_zero(facing)) return true;
+/// Whether a corner of the facet is on the side of v that `facing` looks to (0: either).
+SHARED bool portal_above(uint f, vec3 v, vec3 facing) MEMBER_CONST {
   // Where the middle is, a corner is: but for rounding.
-  if (dot(facing, portal_facets[f].centre - v) > kPortalMargin) return true;
-  for (uint i = portal_facets[f].first_corner; i < portal_facets[f].end_corner; ++i)
-    if (dot(facing, portal_corners[i].at - v) > 0.0f) return true;
-  return false;
+  bool above = is_zero(facing) || dot(facing, portal_facets[f].centre - v) > kPortalMargin;
+  uint end = portal_facets[f].end_corner;
+  for (uint i = portal_facets[f].first_corner; i < end && !above; ++i)
+    above = dot(facing, portal_corners[i].at - v) > 0.0f;
+  return above;
 }
 
-/// W at `v`: of the facets that have v on the side that walks from `from` begin on, and a corner on
-/// the side of v that `facing` looks to (0: either). 0: nothing to aim at.
+/// W at `v` of walks from either end: of the facets that have v on the side that such walks begin
+/// on, and a corner on the side of v that `facing` looks to (0: either). 0: nothing to aim at.
+SHARED void portal_aims(vec3 v, vec3 facing, OUT(float) from_light,
+                        OUT(float) from_camera) MEMBER_CONST {
+  float of_light = 0.0f;
+  float of_camera = 0.0f;
+  uint facets = scene_has_portals ? guiding.facets : 0u;
+  for (uint f = 0u; f < facets; ++f) {
+    float height = portal_height(f, v);
+    float weight = portal_above(f, v, facing) ? portal_weight(f, v) : 0.0f;
+    of_light += height < -kPortalMargin ? weight : 0.0f;
+    of_camera += height > kPortalMargin ? weight : 0.0f;
+  }
+  from_light = of_light;
+  from_camera = of_camera;
+}
+/// The same of walks from one end.
 SHARED float portal_aims(vec3 v, vec3 facing, uint from) MEMBER_CONST {
-  float sum = 0.0f;
-  if (!scene_has_portals) return sum;
-  for (uint f = 0u; f < guiding.facets; ++f)
-    if (portal_aimable(f, v, facing, from)) sum += portal_weight(f, v);
-  return sum;
+  float from_light = 0.0f;
+  float from_camera = 0.0f;
+  portal_aims(v, facing, from_light, from_camera);
+  return from == FROM_LIGHT ? from_light : from_camera;
 }
 
 /// Unit direction from `v` towards a facet; W must be that of portal_aims() for the same arguments,
@@ -223,7 +248,9 @@ SHARED int portal_aim(vec3 v, vec3 facing, uint from, float W, float u, float v_
   uint chosen = 0u;
   float weight = 1.0f;
   for (uint f = 0u; f < guiding.facets; ++f) {
-    if (!portal_aimable(f, v, facing, from)) continue;
+    float height = portal_height(f, v);
+    if (!((from == FROM_LIGHT ? -height : height) > kPortalMargin)) continue;
+    if (!portal_above(f, v, facing)) continue;
     chosen = f;
     weight = portal_weight(f, v);
     rest -= weight;

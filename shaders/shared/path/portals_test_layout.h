@@ -10,12 +10,6 @@
 
 SHARED_BEGIN
 
-/// How likely a lobe is tried [guide.h].
-struct Odds {
-  float dirac;
-  float broad;
-};
-
 /// Of guide.h.
 struct TrialParameters {
   float guide_light;

@@ -89,7 +89,7 @@ void PortalTables::add_polygons(const PortalSet& set) {
       out.e1 = Vec3f(q.e1);
       out.end_of_facet = of_facet.next();
       out.e2 = Vec3f(q.e2);
-      out.border = border_of(q);
+      facets[q.facet].border = std::max(facets[q.facet].border, border_of(q));
       out.grad1 = held(q.grad1);
       out.portal = q.portal;
       out.grad2 = held(q.grad2);

@@ -3,7 +3,7 @@
 
 #include "libcommon/gpu/kernel.h"
 #include "shaders/portals_test.h"
-#include "shaders/portals_testunguided.h"
+#include "shaders/portals_test_unguided.h"
 #include "tools/tdpt-render/device/test_portal_twin.h"
 
 namespace tdpt {
@@ -24,7 +24,7 @@ std::vector<uint32_t> device_words(const PortalTables& tables, const shader::Por
       guiding(device, std::vector{tables.guiding}),
       words(device, 4ull * kInvocations * shader::kTrialWords);
   const gpu::Kernel kernel(
-      device, twin.guide_active ? shader::portals_test_spv : shader::portals_testunguided_spv,
+      device, twin.guide_active ? shader::portals_test_spv : shader::portals_test_unguided_spv,
       {facets, polygons, corners, pairs, guiding, words}, sizeof(shader::TrialParameters));
   device.run([&](gpu::Commands& c) { c.dispatch(kernel, gpu::push(twin.render), kGroups); });
   return words.download<uint32_t>(size_t{kInvocations} * shader::kTrialWords);

@@ -62,15 +62,20 @@ inline std::vector<NamedPortals> portals_to_try() {
     slit.triangles.push_back({2 * i, 2 * i + 1, 2 * i + 3});
     slit.triangles.push_back({2 * i, 2 * i + 3, 2 * i + 2});
   }
-  // Two layers of five by two, light passing one before the other: a hundred pairs.
-  std::vector<Portal> layers;
-  for (int i = 0; i < 20; ++i)
-    layers.push_back(plate({0.32 * (i / 2 % 5) - 0.64, 0.4 * (i / 10) - 0.2, 0.5 * (i % 2) - 0.2},
-                           {0.12, 0.01, 0}, {0, 0.15, 0.02}));
+  // Two layers of five by `rows`, light passing one before the other: each with each is a pair.
+  const auto layers = [](int rows) {
+    std::vector<Portal> portals;
+    for (int i = 0; i < 10 * rows; ++i)
+      portals.push_back(
+          plate({0.32 * (i / 2 % 5) - 0.64, 0.4 * (i / 10) - 0.2 * (rows - 1), 0.5 * (i % 2) - 0.2},
+                {0.12, 0.01, 0}, {0, 0.15, 0.02}));
+    return portals;
+  };
   return {{"one", PortalSet(one, canonical)},
           {"aside and both ways", PortalSet(aside, canonical)},
           {"slit", PortalSet({slit}, canonical)},
-          {"layers", PortalSet(layers, canonical)}};
+          {"layers", PortalSet(layers(2), canonical)},
+          {"more than a word has bits", PortalSet(layers(4), canonical)}};
 }
 
 }  // namespace tdpt

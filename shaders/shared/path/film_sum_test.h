@@ -1,0 +1,27 @@
+// Test only: what invocation i adds to the film. Read behind film_sum.h.
+
+#include "shaders/shared/language.h"
+
+/// Digits at random, and exponents from far below a unit to more than can be held.
+SHARED float film_trial_value(INOUT(Rng) rng) MEMBER_CONST {
+  uint word = random_word(rng);
+  uint exponent = 20u + below(random_word(rng), 155u);
+  if ((word & 0x3Fu) == 0u) return 0.0f;
+  return uintBitsToFloat(exponent << 23 | word >> 9);
+}
+
+SHARED vec3 film_trial_radiance(INOUT(Rng) rng) MEMBER_CONST {
+  float x = film_trial_value(rng);
+  float y = film_trial_value(rng);
+  float z = film_trial_value(rng);
+  return vec3(x, y, z);
+}
+
+/// To one of five pixels. False where it cannot be held.
+SHARED bool film_trial(uint i) MEMBER_CONST {
+  Rng rng = rng_of(word64_of(0u, 5u), word64_of(0u, 0u), word64_of(0u, i), word64_of(0u, 0u));
+  vec3 radiance = film_trial_radiance(rng);
+  return film_add(12u * (i % 5u), radiance, random_bits(rng));
+}
+
+#include "shaders/shared/language_end.h"
