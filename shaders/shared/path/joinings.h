@@ -79,8 +79,7 @@ SHARED void choose_next_event(uint slot, uint place) MEMBER {
   float pick = uniform_of(numbers);
   float side = uniform_of(numbers);
   Outlook outlook = outlook_of(at);
-  LightPlace chosen =
-      sample_next_event(x1, outlook, render.through_windows, pick, u, v, side);
+  LightPlace chosen = sample_next_event(x1, outlook, render.through_windows, pick, u, v, side);
   if (chosen.source == SOURCE_NONE || !(chosen.pdf > 0.0f)) return;
   Point x0 = point_on_light(chosen);
   Edge e = edge_between(x0, x1);
@@ -109,8 +108,8 @@ SHARED uint candidate_of(uint n, uint i, float u) MEMBER_CONST {
 }
 
 /// Writes a joining of two ends.
-SHARED void put_joining(uint place, uint kind, uint light, vec3 from, bool far, uint camera, vec3 to,
-                        float times, uint pixel) MEMBER {
+SHARED void put_joining(uint place, uint kind, uint light, vec3 from, bool far, uint camera,
+                        vec3 to, float times, uint pixel) MEMBER {
   Joining j = no_joining();
   j.kind = kind;
   j.light = light;
@@ -123,9 +122,9 @@ SHARED void put_joining(uint place, uint kind, uint light, vec3 from, bool far, 
   joinings[place] = j;
 }
 
-/// Of n ends of light walks of a pool, from end `first` on, at most `count` that would bring most to
-/// `here` are put in places from `place` on; the others there are empty. Paths have `edges` more than
-/// the number of the end in its walk. Two numbers in [0,1).
+/// Of n ends of light walks of a pool, from end `first` on, at most `count` that would bring most
+/// to `here` are put in places from `place` on; the others there are empty. Paths have `edges` more
+/// than the number of the end in its walk. Two numbers in [0,1).
 SHARED void choose_ends(uint place, uint count, uint kind, uint group, uint n, JoinEnd here,
                         uint camera, uint edges, uint pixel, float u, float u_few) MEMBER {
   for (uint i = 0u; i < count; ++i) joinings[place + i].kind = JOINING_NONE;
@@ -156,8 +155,7 @@ SHARED void choose_ends(uint place, uint count, uint kind, uint group, uint n, J
     }
     if (estimate == 0.0f) continue;
     float chance = 1.0f;
-    if (not_zero > count)
-      chance = min(1.0f, float(count) * (0.5f * estimate * per_total + alike));
+    if (not_zero > count) chance = min(1.0f, float(count) * (0.5f * estimate * per_total + alike));
     float after = before + chance;
     if (floor(after) > floor(before) && put < count) {
       put_joining(place + put, kind, end.slot, end.position, end.alpha2 < 0.0f, camera,
@@ -210,8 +208,8 @@ SHARED void choose_splat(uint slot, uint place) MEMBER {
 // What ends make of each other.
 
 /// End `i` & 1 (0: the light's) of joining i / 2.
-SHARED void scatter_end(uint i, uint first) MEMBER {
-  Joining j = joinings[first + (i >> 1u)];
+SHARED void scatter_end(uint i) MEMBER {
+  Joining j = joinings[i >> 1u];
   if (j.kind == JOINING_NONE) return;
   bool of_light = (i & 1u) == 0u;
   bool of_segment = j.kind == JOINING_SEEN || j.kind == JOINING_SEGMENT;
@@ -234,14 +232,14 @@ SHARED Half no_half() MEMBER_CONST {
   return h;
 }
 
-/// What a vertex knows at a joint: the density of what is on the other side in its walk, without the
-/// chance that it goes on, and that of what is behind it in a walk from there, likewise.
+/// What a vertex knows at a joint: the density of what is on the other side in its walk, without
+/// the chance that it goes on, and that of what is behind it in a walk from there, likewise.
 struct AtJoint {
   float onward_A;
   float behind_A;
 };
-SHARED AtJoint at_joint(uint from, PathVertex v, PathDensity d, Scattering s, vec3 w, float per_area,
-                        Crossing crossing) MEMBER_CONST {
+SHARED AtJoint at_joint(uint from, PathVertex v, PathDensity d, Scattering s, vec3 w,
+                        float per_area, Crossing crossing) MEMBER_CONST {
   AtJoint j;
   j.behind_A = 0.0f;
   if (is_zero(v.back)) {
@@ -300,8 +298,7 @@ SHARED Joint joint_of(Joining j, uint i) MEMBER_CONST {
     joint.y = kept_point(slot, joint.light);
     joint.at_y = scatterings[2u * i];
     vec3 throughput = of_segment ? segments[j.light].through : joint.light.throughput;
-    sent = throughput *
-           (is_zero(joint.light.back) ? emitted(joint.y, j.w) : joint.at_y.f);
+    sent = throughput * (is_zero(joint.light.back) ? emitted(joint.y, j.w) : joint.at_y.f);
   }
   joint.camera = empty_vertex(0u);
   joint.of_camera = empty_density();
@@ -334,8 +331,8 @@ SHARED bool is_free(Joining j, Joint joint) MEMBER {
 
 /// Adds the path of a next event, or of two walks that are joined, or of a light's that the camera
 /// sees; i: number of its scatterings.
-SHARED void join(uint i, uint first) MEMBER {
-  Joining j = joinings[first + i];
+SHARED void join(uint i) MEMBER {
+  Joining j = joinings[i];
   if (j.kind == JOINING_NONE) return;
   Joint joint = joint_of(j, i);
   if (is_zero(joint.value) || !is_free(j, joint)) return;
@@ -385,7 +382,8 @@ SHARED void join(uint i, uint first) MEMBER {
   } else {
     weight = weight_of_joined(light, camera, s, k, pair_A);
   }
-  uint walk = to_camera ? joint.light.walk / render.walks_full : joint.camera.walk / render.per_pool;
+  uint walk =
+      to_camera ? joint.light.walk / render.walks_full : joint.camera.walk / render.per_pool;
   add_found(technique, j.pixel, k, sample_of_group(walk, 0u).number, joint.value, weight);
 }
 

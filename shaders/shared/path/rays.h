@@ -1,7 +1,7 @@
 // Rays between points of paths: where they start, and what they meet.
 //
-// Read behind the texts on surfaces and lights and behind traversal.h, where `render` and
-// count_ray() are.
+// Read behind the texts on surfaces and lights and behind traversal.h, where `render`,
+// camera_culls and count_ray() are.
 
 #include "shaders/shared/language.h"
 
@@ -80,7 +80,7 @@ SHARED bool single_sided(uint triangle) MEMBER_CONST {
 }
 /// Whether a camera that looks along w sees the side of a triangle that it looks at.
 SHARED bool camera_draws(uint triangle, vec3 w) MEMBER_CONST {
-  return render.culls == 0u || !single_sided(triangle) || dot(faces[triangle].normal, w) <= 0.0f;
+  return !camera_culls || !single_sided(triangle) || dot(faces[triangle].normal, w) <= 0.0f;
 }
 /// First surface that the camera draws along w. What it does not draw is passed.
 SHARED bool first_drawn(vec3 camera, vec3 w, OUT(SurfaceHit) hit) MEMBER_CONST {
@@ -94,16 +94,13 @@ SHARED bool first_drawn(vec3 camera, vec3 w, OUT(SurfaceHit) hit) MEMBER_CONST {
   }
   return false;
 }
-/// Whether the camera sees a point of a surface.
+/// Whether a camera that culls sees a point of a surface.
 SHARED bool seen_by_camera(Point p) MEMBER {
   vec3 camera = render.camera_position;
   vec3 w = normalized(p.position - camera);
   if (!camera_draws(p.triangle, w)) return false;
-  Point air = empty_point();
-  air.position = camera;
-  if (render.culls == 0u) return sees(p, air);
   count_ray(RAYS_SHADOW);
-  vec3 from = step_off(camera, air.normal, w);
+  vec3 from = step_off(camera, vec3(0.0f, 0.0f, 0.0f), w);
   vec3 to = step_off(p.position, p.normal, -w);
   vec3 d = to - from;
   SurfaceHit hit;

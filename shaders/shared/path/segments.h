@@ -1,6 +1,6 @@
 // Portal segments: drawn, joined with the light's side, then with the camera's. Sections 3.1.1 and
-// 3.2, tools/tdpt-render/path/segment_sampler.cpp. x_l and x_c are the ends on the light's and on the
-// camera's side. A sample's segment has its number within the submission.
+// 3.2, tools/tdpt-render/path/segment_sampler.cpp. x_l and x_c are the ends on the light's and on
+// the camera's side. A sample's segment has its number within the submission.
 //
 // Read behind joinings.h.
 
@@ -86,7 +86,8 @@ SHARED void put_segment_together(uint segment) MEMBER {
   Edge e = edge_between(x_l, x_c);
   vec3 Le = emitted(x_l, e.w);
   if (!x_l.connectible && is_zero(Le)) return;
-  Drawn drawn = drawn_through(walk_rays[2u * segment].polygon, walk_rays[2u * segment + 1u].polygon);
+  Drawn drawn =
+      drawn_through(walk_rays[2u * segment].polygon, walk_rays[2u * segment + 1u].polygon);
   vec3 begin = at_infinity(x_l) ? before_the_scene(x_c.position, x_l.position) : x_l.position;
   if (!(e.d2 > 1e-30f) || !segment_spans(drawn, begin, x_c.position)) return;
   Crossing crossing = crossing_of(FROM_LIGHT, x_l, x_c, drawn);
@@ -155,8 +156,8 @@ SHARED void choose_sides(uint segment, uint place) MEMBER {
 }
 
 /// Joins x_l with what was chosen: side 1 or 2 of the segment. i: number of the scatterings.
-SHARED void join_side(uint i, uint first) MEMBER {
-  Joining j = joinings[first + i];
+SHARED void join_side(uint i) MEMBER {
+  Joining j = joinings[i];
   if (j.kind == JOINING_NONE) return;
   Joint joint = joint_of(j, i);
   if (is_zero(joint.value) || !is_free(j, joint)) return;
@@ -227,8 +228,8 @@ SHARED void choose_seen(uint segment, uint place) MEMBER {
 
 const uint kPairs = 3u;  // joins of a sample's camera vertices with segments
 
-/// Of all pairs of a vertex of a camera's walk with a segment of its pool those few that would bring
-/// most: three places.
+/// Of all pairs of a vertex of a camera's walk with a segment of its pool those few that would
+/// bring most: three places.
 SHARED void choose_segments(uint walk, uint place) MEMBER {
   for (uint i = 0u; i < kPairs; ++i) joinings[place + i].kind = JOINING_NONE;
   uint last = walk_last[walk];
@@ -287,8 +288,8 @@ SHARED void choose_segments(uint walk, uint place) MEMBER {
 }
 
 /// Adds all paths of a segment with the camera's side that was chosen, or with the camera itself.
-SHARED void join_segment(uint i, uint first) MEMBER {
-  Joining j = joinings[first + i];
+SHARED void join_segment(uint i) MEMBER {
+  Joining j = joinings[i];
   if (j.kind == JOINING_NONE) return;
   Joint joint = joint_of(j, i);
   if (is_zero(joint.value) || !is_free(j, joint)) return;
@@ -299,8 +300,7 @@ SHARED void join_segment(uint i, uint first) MEMBER {
   float per_z = cosine_to(joint.z, j.w) * per_d2;
   Crossing after = no_crossing();
   if (!to_camera) after = crossing_of(FROM_LIGHT, joint.y, joint.z, drawn_otherwise());
-  AtJoint of_c =
-      at_joint(FROM_LIGHT, joint.light, joint.of_light, joint.at_y, j.w, per_z, after);
+  AtJoint of_c = at_joint(FROM_LIGHT, joint.light, joint.of_light, joint.at_y, j.w, per_z, after);
   AtJoint of_z;
   of_z.onward_A = camera_pdf_w(-j.w) * per_c;
   of_z.behind_A = 0.0f;
@@ -333,11 +333,9 @@ SHARED void join_segment(uint i, uint first) MEMBER {
     light.slot = side.slot;
     light.first_A = side.first_A;
     light.second_A = side.second_A;
-    if (!to_camera)
-      camera.first_A = (a == 0u ? 1.0f : joint.of_light.own_survival) * of_c.onward_A;
+    if (!to_camera) camera.first_A = (a == 0u ? 1.0f : joint.of_light.own_survival) * of_c.onward_A;
     float weight = weight_of_segment(light, camera, a, k, x);
-    float found =
-        add_found(TECHNIQUE_PORTAL, j.pixel, k, number, side.value * joint.value, weight);
+    float found = add_found(TECHNIQUE_PORTAL, j.pixel, k, number, side.value * joint.value, weight);
     if (found > 0.0f) count_lit(s.portal, atomicAdd(segments[j.light].lit, 1u) == 0u, found);
   }
 }

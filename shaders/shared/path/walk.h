@@ -105,8 +105,8 @@ SHARED void keep_aims(INOUT(PathVertex) v, Aims aims) MEMBER_CONST {
   v.aims_emitted = aims.emitted;
 }
 
-/// Density per area of the walk from `from` at a vertex, from that per solid angle. `albedo`, `scope`:
-/// as the vertex is seen from where the walk came.
+/// Density per area of the walk from `from` at a vertex, from that per solid angle. `albedo`,
+/// `scope`: as the vertex is seen from where the walk came.
 SHARED float scattered_pdf_A(uint from, PathVertex at, float albedo, Odds scope, float pdf_w,
                              float per_area, Crossing crossing) MEMBER_CONST {
   float plain_A = pdf_w * per_area;
@@ -218,6 +218,22 @@ SHARED WalkRay no_ray(uint walk) MEMBER_CONST {
   ray.b2 = 0.0f;
   ray.walk = walk;
   return ray;
+}
+
+/// An emitter that is not opaque shines by its coverage: no ray decides here whether it is there.
+SHARED Point point_on_light(LightPlace place) MEMBER_CONST {
+  Point p = empty_point();
+  if (place.triangle != kNoTriangle) {
+    place_on_surface(place.triangle, place.b1, place.b2, p);
+    if (scene_has_coverage)
+      p.emission = p.emission * coverage_at(place.triangle, place.b1, place.b2);
+    p.connectible = true;
+  } else {
+    p.position = place.position;
+    p.in_sky = place.in_sky;
+  }
+  p.source = place.source;
+  return p;
 }
 
 /// The ray of camera walk number `walk` through the film.

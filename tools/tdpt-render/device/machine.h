@@ -8,26 +8,43 @@
 
 namespace tdpt {
 
-/// Kernels; invocation i works on the slots that StepParameters names.
+/// Kernels; what invocation i does, `first` and `next` being those of StepParameters. Each has one
+/// heavy thing to do, once: devices take the text of a function anew wherever it is called.
 enum class Step : uint8_t {
-  begin_light_walks,
-  begin_camera_walks,
-  go_on_light,  ///< of those that gather() found, into slots from `next` on
+  begin_light_walks,   ///< walk i: y_0 into slot first + i, and ray i
+  begin_camera_walks,  ///< walk i: ray i
+  go_on_light,         ///< of those that gather() found: ray i
   go_on_camera,
-  list_ends,    ///< of the light's vertices in slots from `first` on, for joins
-  list_starts,  ///< of light walk `first` + i
-  draw_segments,
-  connect,  ///< the camera's vertices in slots from `first` on
-  splat,    ///< the light's vertices
-  see_segments,
-  join_segments,  ///< of camera walk `first` + i
+  trace,         ///< ray i
+  arrive_light,  ///< where ray i has come to, into slot next + i
+  arrive_camera,
+  list_ends,       ///< of the light's vertex in slot first + i, for joins
+  list_starts,     ///< of light walk i
+  meet_lights,     ///< the camera's vertex in slot first + i
+  begin_segments,  ///< of sample i: rays 2i and 2i + 1
+  end_segments,    ///< where ray i has come to
+  put_segments,    ///< segment i
+  gather_sides,    ///< of segment first + i, its joinings from 2i on
+  // Choose pairs of ends: joinings i, or from 2i or 3i on.
+  choose_next_events,  ///< for the camera's vertex in slot first + i
+  choose_joins,        ///< likewise, two
+  choose_splats,       ///< of the light's vertex in slot first + i
+  choose_sides,        ///< for segment first + i, two
+  choose_seen,         ///< of segment first + i
+  choose_segments,     ///< for camera walk first + i, three
+  scatter_ends,        ///< end i & 1 of joining i / 2
+  // Make paths of joining i.
+  join,
+  join_sides,
+  join_segments,
   kSteps
 };
 
 /// How much room there is.
 struct Room {
-  uint32_t vertices = 0;  ///< slots
-  uint32_t samples = 0;   ///< of a submission; kMostOfPool at least
+  uint32_t vertices = 0;                             ///< slots
+  uint32_t samples = 0;                              ///< of a submission; kMostOfPool at least
+  uint32_t joinings() const { return 4 * samples; }  ///< at a time
 };
 
 /// Samples of a pool.

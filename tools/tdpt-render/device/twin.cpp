@@ -47,17 +47,21 @@ struct TwinKernels {
       scene_has_coverage, coverage_has_textures;
   bool scene_has_sky, scene_has_sky_map, scene_has_lamps, scene_has_panels, scene_has_windows,
       scene_prefers;
-  bool scene_has_portals, portals_have_pairs, guide_active;
+  bool scene_has_portals, portals_have_pairs, guide_active, camera_culls;
   // The submission.
   RenderParameters render;
   const uint* pool_offsets;
   PathVertex* path_vertices;
+  PathBsdf* path_bsdfs;
   PathDensity* path_densities;
   uint* walk_counts;
   uint* walk_last;
   const uint* alive;
   const uint* end_first;
   JoinEnd* join_ends;
+  WalkRay* walk_rays;
+  Joining* joinings;
+  Scattering* scatterings;
   PortalSegment* segments;
   SegmentSide* segment_sides;
   uint* film_words;
@@ -102,38 +106,65 @@ struct TwinKernels {
 
 #include "shaders/shared/path/walk.h"
 
-#include "shaders/shared/path/connect.h"
+#include "shaders/shared/path/joinings.h"
 
 #include "shaders/shared/path/segments.h"
 
-#include "shaders/shared/path/kernels.h"
+#include "shaders/shared/path/ends.h"
 
 #undef light_settings
 
   void run(Step what, uint i) {
+    const uint slot = work.first + i;
     switch (what) {
       case Step::begin_light_walks:
-        return step_begin_light_walk(i);
+        return begin_light_walk(i, slot);
       case Step::begin_camera_walks:
-        return step_begin_camera_walk(i);
+        return begin_camera_walk(i);
       case Step::go_on_light:
-        return step_go_on(FROM_LIGHT, i);
+        return go_on(FROM_LIGHT, alive[i], i);
       case Step::go_on_camera:
-        return step_go_on(FROM_CAMERA, i);
+        return go_on(FROM_CAMERA, alive[i], i);
+      case Step::trace:
+        return trace_ray(i);
+      case Step::arrive_light:
+        return arrive(FROM_LIGHT, i, work.next + i);
+      case Step::arrive_camera:
+        return arrive(FROM_CAMERA, i, work.next + i);
       case Step::list_ends:
-        return step_list_end(i);
+        return list_end(slot);
       case Step::list_starts:
-        return step_list_start(i);
-      case Step::draw_segments:
-        return draw_segment(i);
-      case Step::connect:
-        return connect_camera_vertex(work.first + i);
-      case Step::splat:
-        return splat(work.first + i);
-      case Step::see_segments:
-        return see_segment(i);
+        return list_start(i);
+      case Step::meet_lights:
+        return meet_light(slot);
+      case Step::begin_segments:
+        return begin_segment(i);
+      case Step::end_segments:
+        return end_segment(i);
+      case Step::put_segments:
+        return put_segment_together(i);
+      case Step::gather_sides:
+        return gather_sides(slot, 2 * i);
+      case Step::choose_next_events:
+        return choose_next_event(slot, i);
+      case Step::choose_joins:
+        return choose_joins(slot, 2 * i);
+      case Step::choose_splats:
+        return choose_splat(slot, i);
+      case Step::choose_sides:
+        return choose_sides(slot, 2 * i);
+      case Step::choose_seen:
+        return choose_seen(slot, i);
+      case Step::choose_segments:
+        return choose_segments(slot, 3 * i);
+      case Step::scatter_ends:
+        return scatter_end(i);
+      case Step::join:
+        return join(i);
+      case Step::join_sides:
+        return join_side(i);
       case Step::join_segments:
-        return join_few_segments(i);
+        return join_segment(i);
       case Step::kSteps:
         return;
     }
@@ -201,6 +232,7 @@ class Twin : public Machine {
       : room_(room),
         kernels_(shader::kernels_of(tables)),
         vertices_(room.vertices),
+        bsdfs_(room.vertices),
         densities_(room.vertices),
         alive_(room.vertices),
         walk_counts_(room.samples + 1),
@@ -209,9 +241,16 @@ class Twin : public Machine {
         film_(film_words),
         ends_(size_t{room.vertices} + 2 * size_t{room.samples}),
         segments_(room.samples),
-        sides_(size_t{room.samples} * shader::kSegmentSides) {
+        sides_(size_t{room.samples} * shader::kSegmentSides),
+        rays_(2 * size_t{room.samples}),
+        joinings_(room.joinings()),
+        scatterings_(2 * size_t{room.joinings()}) {
     kernels_.path_vertices = vertices_.data();
+    kernels_.path_bsdfs = bsdfs_.data();
     kernels_.path_densities = densities_.data();
+    kernels_.walk_rays = rays_.data();
+    kernels_.joinings = joinings_.data();
+    kernels_.scatterings = scatterings_.data();
     kernels_.alive = alive_.data();
     kernels_.walk_counts = walk_counts_.data();
     kernels_.walk_last = walk_last_.data();
@@ -228,6 +267,7 @@ class Twin : public Machine {
     pool_offsets_ = pool_offsets;
     kernels_.pool_offsets = pool_offsets_.data();
     kernels_.render = p;
+    kernels_.camera_culls = p.culls != 0;
     kernels_.guide_active = p.guide_light > 0 || p.guide_camera > 0;
   }
 
@@ -270,11 +310,15 @@ class Twin : public Machine {
   const Room room_;
   shader::TwinKernels kernels_;
   std::vector<shader::PathVertex> vertices_;
+  std::vector<shader::PathBsdf> bsdfs_;
   std::vector<shader::PathDensity> densities_;
   std::vector<uint32_t> alive_, walk_counts_, walk_last_, end_first_, film_;
   std::vector<shader::JoinEnd> ends_;
   std::vector<shader::PortalSegment> segments_;
   std::vector<shader::SegmentSide> sides_;
+  std::vector<shader::WalkRay> rays_;
+  std::vector<shader::Joining> joinings_;
+  std::vector<shader::Scattering> scatterings_;
   std::vector<uint32_t> pool_offsets_;
 };
 

@@ -160,53 +160,115 @@ void WavefrontRenderer::render(const Integrator& integrator, const SampleRules& 
   film.complete(samples);
 }
 
-// False when there was no room for all vertices: then nothing has come of it.
-bool WavefrontRenderer::submit(const RenderParameters& p,
-                               const std::vector<uint32_t>& pool_offsets) {
-  machine_->set(p, pool_offsets);
-  const TechniqueSet techniques = TechniqueSet::of_bits(static_cast<uint8_t>(p.techniques));
-  const uint32_t walks = techniques.walks_from_light() ? p.groups * p.walks_full : 0;
-  const uint32_t samples = p.groups * p.per_pool;
-  uint32_t used = 0;
-  // A vertex more of each walk that goes on, until none does.
-  const auto go_on = [&](bool of_light, uint32_t first, uint32_t count) {
-    while (count > 0) {
-      const uint32_t alive = machine_->gather(of_light, first, count);
-      if (alive > p.most_vertices - used) return false;
-      if (alive == 0) break;
-      machine_->run(of_light ? Step::go_on_light : Step::go_on_camera, {alive, 0, used});
-      first = used;
-      count = alive;
-      used += alive;
-    }
+namespace {
+
+// The steps of one submission.
+class Submission {
+ public:
+  Submission(Machine& machine, const RenderParameters& p, bool crosses)
+      : machine_(machine),
+        p_(p),
+        techniques_(TechniqueSet::of_bits(static_cast<uint8_t>(p.techniques))),
+        crosses_(crosses),
+        walks_(techniques_.walks_from_light() ? p.groups * p.walks_full : 0),
+        samples_(p.groups * p.per_pool),
+        room_(crosses ? p.segments_first : p.most_vertices) {}
+
+  /// False when there was no room for all vertices: then nothing has come of it.
+  bool run() {
+    if (!light_walks() || !camera_walks()) return false;
+    // From here on the film is added to.
+    run(Step::meet_lights, camera_end_ - camera_, camera_);
+    if (techniques_.has(Technique::direct))
+      pairs(Step::choose_next_events, Step::join, 1, camera_, camera_end_);
+    if (techniques_.has(Technique::bi))
+      pairs(Step::choose_joins, Step::join, 2, camera_, camera_end_);
+    if (techniques_.has(Technique::light))
+      pairs(Step::choose_splats, Step::join, 1, walks_, lights_end_);
+    if (crosses_) segments();
     return true;
-  };
-  if (2 * walks + samples > p.most_vertices) return false;
-  uint32_t lights_end = 0;
-  if (walks > 0) {
-    machine_->run(Step::begin_light_walks, {walks, 0, walks});
-    used = 2 * walks;
-    if (!go_on(true, walks, walks)) return false;
-    lights_end = used;
-    if (samples > p.most_vertices - used) return false;
-    machine_->place_ends(walks);
-    machine_->run(Step::list_ends, {lights_end - walks, walks, 0});
   }
+
+ private:
+  void run(Step step, uint32_t count, uint32_t first = 0, uint32_t next = 0) {
+    if (count > 0) machine_.run(step, {count, first, next});
+  }
+
+  // Where the rays of as many walks have come to, and a vertex more of each that goes on, until
+  // none does.
+  bool extend(bool of_light, uint32_t count) {
+    const Step arrive = of_light ? Step::arrive_light : Step::arrive_camera;
+    for (;;) {
+      if (count > room_ - used_) return false;
+      const uint32_t first = used_;
+      run(Step::trace, count);
+      run(arrive, count, 0, first);
+      used_ += count;
+      count = machine_.gather(of_light, first, count);
+      if (count == 0) return true;
+      run(of_light ? Step::go_on_light : Step::go_on_camera, count);
+    }
+  }
+
+  bool light_walks() {
+    if (walks_ == 0) return true;
+    if (walks_ > room_) return false;
+    run(Step::begin_light_walks, walks_);
+    used_ = walks_;
+    if (!extend(true, walks_)) return false;
+    lights_end_ = used_;
+    machine_.place_ends(walks_);
+    run(Step::list_ends, lights_end_ - walks_, walks_);
+    return true;
+  }
+
+  bool camera_walks() {
+    camera_ = used_;
+    run(Step::begin_camera_walks, samples_);
+    if (!extend(false, samples_)) return false;
+    camera_end_ = used_;
+    return true;
+  }
+
+  // Of first .. end: pairs that are chosen for each, and the paths that they make.
+  void pairs(Step choose, Step join, uint32_t each, uint32_t first, uint32_t end) {
+    const uint32_t most = machine_.room().joinings() / each;
+    for (uint32_t at = first; at < end; at += most) {
+      const uint32_t n = std::min(most, end - at);
+      run(choose, n, at);
+      run(Step::scatter_ends, 2 * each * n);
+      run(join, each * n);
+      if (choose == Step::choose_sides) run(Step::gather_sides, n, at);
+    }
+  }
+
+  void segments() {
+    run(Step::list_starts, walks_);
+    run(Step::begin_segments, samples_);
+    run(Step::trace, 2 * samples_);
+    run(Step::end_segments, 2 * samples_);
+    run(Step::put_segments, samples_);
+    pairs(Step::choose_sides, Step::join_sides, 2, 0, samples_);
+    pairs(Step::choose_seen, Step::join_segments, 1, 0, samples_);
+    pairs(Step::choose_segments, Step::join_segments, 3, 0, samples_);
+  }
+
+  Machine& machine_;
+  const RenderParameters& p_;
+  const TechniqueSet techniques_;
+  const bool crosses_;
+  const uint32_t walks_, samples_, room_;
+  uint32_t used_ = 0, lights_end_ = 0, camera_ = 0, camera_end_ = 0;  // slots
+};
+
+}  // namespace
+
+bool WavefrontRenderer::submit(RenderParameters p, const std::vector<uint32_t>& pool_offsets) {
+  const TechniqueSet techniques = TechniqueSet::of_bits(static_cast<uint8_t>(p.techniques));
   const bool crosses = techniques.has(Technique::portal) && !world_.portals.empty();
-  const uint32_t camera = used;
-  machine_->run(Step::begin_camera_walks, {samples, 0, camera});
-  used += samples;
-  if (!go_on(false, camera, samples)) return false;
-  // From here on the film is added to.
-  if (crosses) {
-    machine_->run(Step::list_starts, {walks, 0, 0});
-    machine_->run(Step::draw_segments, {samples, 0, 0});
-    machine_->run(Step::see_segments, {samples, 0, 0});
-    machine_->run(Step::join_segments, {samples, 0, 0});
-  }
-  machine_->run(Step::connect, {used - camera, camera, 0});
-  if (techniques.has(Technique::light)) machine_->run(Step::splat, {lights_end - walks, walks, 0});
-  return true;
+  p.segments_first = p.most_vertices - 2 * p.groups * p.per_pool;
+  machine_->set(p, pool_offsets);
+  return Submission(*machine_, p, crosses).run();
 }
 
 }  // namespace tdpt

@@ -16,8 +16,8 @@ class WavefrontRenderer : public SampleRenderer {
               const SampleRange& samples, Film& film, Tally& tally, Progress& progress) override;
 
  private:
-  bool submit(const shader::RenderParameters& parameters,
-              const std::vector<uint32_t>& pool_offsets);
+  /// False when there was no room.
+  bool submit(shader::RenderParameters parameters, const std::vector<uint32_t>& pool_offsets);
 
   const World& world_;
   std::unique_ptr<Machine> machine_;
