@@ -131,8 +131,8 @@ SHARED float panel_pdf_A(Panel panel, PanelView view, float x, float y, float se
   float U = compressed_share(view.s, panel.length_x, H, x);
   float V = compressed_share(view.t, panel.length_y, H, y);
   float per_f = H * reciprocal((H + abs(view.s + x)) * (H + abs(view.t + y)));
-  return panel.weight * between_corners(view.w00, view.w10, view.w01, view.w11, U, V) * per_f * per_f *
-         reciprocal(sent);
+  return panel.weight * between_corners(view.w00, view.w10, view.w01, view.w11, U, V) * per_f *
+         per_f * reciprocal(sent);
 }
 /// The same of a place that is told by its position.
 SHARED float panel_pdf_A_at(Panel panel, PanelView view, vec3 position, float sent) MEMBER_CONST {

@@ -50,8 +50,8 @@ SHARED float drawn_linear(float w0, float w1, float share) MEMBER_CONST {
   float grown = a + root(a * a + share * (b * b - a * a));
   return grown > 0.0f ? min(1.0f, share * (a + b) * reciprocal(grown)) : share;
 }
-SHARED float between_corners(float upper_left, float upper_right, float lower_left, float lower_right,
-                      float across, float down) MEMBER_CONST {
+SHARED float between_corners(float upper_left, float upper_right, float lower_left,
+                             float lower_right, float across, float down) MEMBER_CONST {
   float upper = upper_left * (1.0f - across) + upper_right * across;
   float lower = lower_left * (1.0f - across) + lower_right * across;
   return upper * (1.0f - down) + lower * down;
@@ -309,8 +309,8 @@ SHARED InSky look_in_sky(SkyPlace place) MEMBER_CONST {
     in_sky.plain_w = share_of_cell(light_settings.plain, place.column, place.row) * (y * per_mean);
     if (parts) {
       mean = between_corners(luminance(c00), luminance(c10), luminance(c01), luminance(c11),
-                      (float(x_part) + 0.5f) * reciprocal(float(start.split_x)),
-                      (float(y_part) + 0.5f) * reciprocal(float(start.split_y)));
+                             (float(x_part) + 0.5f) * reciprocal(float(start.split_x)),
+                             (float(y_part) + 0.5f) * reciprocal(float(start.split_y)));
       per_mean = mean > 1e-30f ? per_area * reciprocal(mean) : 0.0f;
     }
   }
