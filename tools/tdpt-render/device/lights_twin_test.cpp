@@ -212,6 +212,51 @@ TEST(lights, are_chosen_by_the_shares_that_are_asked_for) {
   EXPECT_LT(chi_square(counts, {7200, 12000, 16800, 24000}).p, 1e-9);  // twin
 }
 
+// Hundreds of emitters, the strongest a million times the faintest.
+TEST(lights, of_many_strengths_are_chosen_with_their_density) {
+  Scene scene = without_lamps(read_gltf(two_rooms_path()));
+  for (int i = 0; i < 300; ++i)
+    add_panel(scene, {0.1 + 0.006 * i, 1.9, 0}, {0.005, 0, 0}, {0, 0, 0.1},
+              Rgb(static_cast<float>(std::pow(10.0, -0.02 * (i % 300)))));
+  const LitWorld lit("many", scene, {});
+  ASSERT_EQ(lit.tables.settings.emitters, 600u);
+  std::vector<uint64_t> counts(scene.triangles.size());
+  constexpr uint64_t kSamples = 200000;
+  for (uint64_t i = 0; i < kSamples; ++i) {
+    const FourNumbers n(78, i);
+    const shader::LightPlace p = lit.twin.sample_light(n.pick, n.u, n.v, n.side);
+    ASSERT_LT(p.triangle, counts.size());
+    EXPECT_EQ(p.pdf, lit.twin.light_pdf(p.source, p.triangle, p.position, p.in_sky));
+    ++counts[p.triangle];
+  }
+  std::vector<double> expected, wrong;
+  for (uint32_t t = 0; t < counts.size(); ++t) {
+    const double all = lit.twin.light_pdf(shader::SOURCE_FRONT, t, {}, {}) * kSamples;
+    expected.push_back(all * shape_of(scene, t).area);
+    wrong.push_back(expected.back() * (t % 2 == 0 ? 1.1 : 0.9));
+  }
+  EXPECT_GT(chi_square(counts, expected).p, 1e-4);
+  EXPECT_LT(chi_square(counts, wrong).p, 1e-9);  // twin
+}
+
+// What is left of a number that has chosen the sky fills 32 bits without gaps: entries of a few
+// words, too, have their share.
+TEST(lights, words_in_the_sky_are_even_to_the_last_bit) {
+  const LitWorld lit("colour", open_room(one_colour_sky({1, 2, 3})), {});
+  ASSERT_LT(lit.tables.settings.sky_pdf_1, 0.99f);
+  std::vector<uint64_t> high(256), middle(256), low(256);
+  double n = 0;
+  for (uint64_t i = 0; i < 100000; ++i) {
+    const FourNumbers f(79, i);
+    const uint32_t word = lit.twin.pick_word(f.pick, f.side);
+    if (!lit.twin.is_sky_entry(lit.twin.drawn_light(word))) continue;
+    const uint32_t w = lit.twin.word_in_sky(word, f.side);
+    ++high[w >> 24], ++middle[w >> 8 & 255], ++low[w & 255], ++n;
+  }
+  for (const auto& counts : {high, middle, low})
+    EXPECT_GT(chi_square(counts, std::vector<double>(256, n / 256)).p, 1e-4);
+}
+
 // Nothing shines: there is no place.
 TEST(lights, there_may_be_none) {
   const LitWorld lit("dark", without_lamps(read_gltf(two_rooms_path())), {});
