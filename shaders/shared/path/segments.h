@@ -159,9 +159,11 @@ SHARED void choose_sides(uint segment, uint place) MEMBER {
 SHARED void join_side(uint i) MEMBER {
   Joining j = joinings[i];
   if (j.kind == JOINING_NONE) return;
+  uint segment = j.pixel;
+  uint place = segment * kSegmentSides + 1u + (i & 1u);
+  segment_sides[place].value = vec3(0.0f, 0.0f, 0.0f);
   Joint joint = joint_of(j, i);
   if (is_zero(joint.value) || !is_free(j, joint)) return;
-  uint segment = j.pixel;
   Crossing crossing = crossing_of(FROM_LIGHT, joint.y, joint.z, drawn_otherwise());
   float per_d2 = reciprocal(j.d2);
   float per_y = cosine_to(joint.y, j.w) * per_d2;
@@ -188,7 +190,7 @@ SHARED void join_side(uint i) MEMBER {
     side.nee_A = next_event_pdf(joint.z, outlook_of(joint.camera), render.through_windows,
                                 joint.y.source, joint.y.triangle, joint.y.position, joint.y.in_sky);
   }
-  segment_sides[segment * kSegmentSides + 1u + (i & 1u)] = side;
+  segment_sides[place] = side;
 }
 
 /// What sides there are.
