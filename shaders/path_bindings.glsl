@@ -23,6 +23,7 @@ layout(constant_id = 16) const bool scene_prefers = true;
 layout(constant_id = 17) const bool scene_has_portals = true;
 layout(constant_id = 18) const bool portals_have_pairs = true;
 layout(constant_id = 19) const bool guide_active = true;
+layout(constant_id = 20) const bool camera_culls = true;
 
 layout(std430, binding = 0) readonly buffer BvhNodes { BvhNode bvh_nodes[]; };
 layout(std430, binding = 1) readonly buffer BvhTriangles { BvhTriangle bvh_triangles[]; };
@@ -66,6 +67,10 @@ layout(std430, binding = 33) buffer Sides { SegmentSide segment_sides[]; };
 layout(std430, binding = 34) buffer FilmWords { uint film_words[]; };
 layout(std430, binding = 35) buffer Flags { uint flags[]; };
 layout(std430, binding = 36) readonly buffer Ranks { uint ranks[]; };
+layout(std430, binding = 37) buffer Bsdfs { PathBsdf path_bsdfs[]; };
+layout(std430, binding = 38) buffer Rays { WalkRay walk_rays[]; };
+layout(std430, binding = 39) buffer Joinings { Joining joinings[]; };
+layout(std430, binding = 40) buffer Scatterings { Scattering scatterings[]; };
 
 layout(push_constant) uniform Work { StepParameters work; };
 

@@ -48,42 +48,69 @@
 
 #include "shaders/shared/path/walk.h"
 
-#include "shaders/shared/path/connect.h"
+#include "shaders/shared/path/joinings.h"
 
 #include "shaders/shared/path/segments.h"
 
-#include "shaders/shared/path/kernels.h"
+#include "shaders/shared/path/ends.h"
 
 void main() {
   uint i = gl_GlobalInvocationID.x;
   if (i >= work.count) return;
-#if defined BEGIN_LIGHT
-  step_begin_light_walk(i);
-#elif defined BEGIN_CAMERA
-  step_begin_camera_walk(i);
+  uint slot = work.first + i;
+#if defined BEGIN_LIGHT_WALKS
+  begin_light_walk(i, slot);
+#elif defined BEGIN_CAMERA_WALKS
+  begin_camera_walk(i);
 #elif defined GO_ON_LIGHT
-  step_go_on(FROM_LIGHT, i);
+  go_on(FROM_LIGHT, alive[i], i);
 #elif defined GO_ON_CAMERA
-  step_go_on(FROM_CAMERA, i);
+  go_on(FROM_CAMERA, alive[i], i);
+#elif defined TRACE
+  trace_ray(i);
+#elif defined ARRIVE_LIGHT
+  arrive(FROM_LIGHT, i, work.next + i);
+#elif defined ARRIVE_CAMERA
+  arrive(FROM_CAMERA, i, work.next + i);
 #elif defined LIST_ENDS
-  step_list_end(i);
+  list_end(slot);
 #elif defined LIST_STARTS
-  step_list_start(i);
-#elif defined DRAW_SEGMENTS
-  draw_segment(i);
-#elif defined CONNECT
-  connect_camera_vertex(work.first + i);
-#elif defined SPLAT
-  splat(work.first + i);
-#elif defined SEE_SEGMENTS
-  see_segment(i);
+  list_start(i);
+#elif defined MEET_LIGHTS
+  meet_light(slot);
+#elif defined BEGIN_SEGMENTS
+  begin_segment(i);
+#elif defined END_SEGMENTS
+  end_segment(i);
+#elif defined PUT_SEGMENTS
+  put_segment_together(i);
+#elif defined GATHER_SIDES
+  gather_sides(slot, 2u * i);
+#elif defined CHOOSE_NEXT_EVENTS
+  choose_next_event(slot, i);
+#elif defined CHOOSE_JOINS
+  choose_joins(slot, 2u * i);
+#elif defined CHOOSE_SPLATS
+  choose_splat(slot, i);
+#elif defined CHOOSE_SIDES
+  choose_sides(slot, 2u * i);
+#elif defined CHOOSE_SEEN
+  choose_seen(slot, i);
+#elif defined CHOOSE_SEGMENTS
+  choose_segments(slot, 3u * i);
+#elif defined SCATTER_ENDS
+  scatter_end(i);
+#elif defined JOIN
+  join(i);
+#elif defined JOIN_SIDES
+  join_side(i);
 #elif defined JOIN_SEGMENTS
-  join_few_segments(i);
+  join_segment(i);
 #elif defined FLAG_LIGHT
-  flags[i] = may_go_on(FROM_LIGHT, path_densities[work.first + i]) ? 1u : 0u;
+  flags[i] = may_go_on(FROM_LIGHT, path_densities[slot]) ? 1u : 0u;
 #elif defined FLAG_CAMERA
-  flags[i] = may_go_on(FROM_CAMERA, path_densities[work.first + i]) ? 1u : 0u;
+  flags[i] = may_go_on(FROM_CAMERA, path_densities[slot]) ? 1u : 0u;
 #elif defined GATHER
-  if (flags[i] != 0u) alive[ranks[i]] = work.first + i;
+  if (flags[i] != 0u) alive[ranks[i]] = slot;
 #endif
 }

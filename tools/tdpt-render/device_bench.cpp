@@ -7,6 +7,7 @@
 
 #include "libcommon/base/output_file.h"
 #include "libcommon/base/threads.h"
+#include "tools/tdpt-render/device/gpu_machine.h"
 #include "tools/tdpt-render/device/twin.h"
 #include "tools/tdpt-render/device/wavefront.h"
 #include "tools/tdpt-render/integrators/integrator.h"
@@ -47,8 +48,13 @@ void run(const Options& o) {
         settings.spp = static_cast<uint64_t>(o.spp);
         settings.max_depth = o.depth;
         settings.seed = static_cast<uint64_t>(1 + round);
+        StepTimes times;
         if (machine == "twin")
           settings.device = std::make_shared<WavefrontRenderer>(world, make_twin(tables, {1u << 19, 1u << 14}, places.words));
+        if (machine == "gpu") {
+          const gpu::Device device = gpu::Device::open(o.gpu);
+          settings.device = std::make_shared<WavefrontRenderer>(world, make_gpu_machine(device, tables, room_on(device), places.words, &times));
+        }
         const double cpu = cpu_seconds();
         const RenderResult result = render(world, integrator_named(name), settings);
         const double spent = cpu_seconds() - cpu;
@@ -61,6 +67,10 @@ void run(const Options& o) {
         std::printf("   ");
         for (size_t t = 0; t < kTechniques; ++t) std::printf(" %s %.5g", kTechniqueNames[t], result.tally.energy[t] / static_cast<double>(pixels * settings.spp));
         std::printf("\n");
+        if (machine == "gpu") {
+          for (size_t s = 0; s < times.of.size(); ++s) std::printf(" %.3f", times.of[s]);
+          std::printf(" gather %.3f s\n", times.gather);
+        }
         std::fflush(stdout);
         if (!o.stem.empty()) write_output(o.stem + "-" + name + "-" + machine + ".exr", exr_bytes({result.picture, {}, {}, {}, {}, 0}));
       }

@@ -256,6 +256,7 @@ SHARED void begin_camera_walk(uint walk) MEMBER {
 
 /// Vertex y_0 of light walk number `walk` into slot `slot`, and the ray that leaves it.
 SHARED void begin_light_walk(uint walk, uint slot) MEMBER {
+  if (walk == 0u) walk_counts[work.count] = 0u;  // their sum will be there
   path_densities[slot].flags = 0u;
   walk_counts[walk] = 0u;
   walk_rays[walk] = no_ray(walk);

@@ -1,24 +1,38 @@
 #include "tools/tdpt-render/device/gpu_machine.h"
 
+#include <cstring>
 #include <map>
 
 #include "libcommon/gpu/kernel.h"
 #include "libcommon/math/sequence.h"
 #include "shaders/path_scan.h"
-#include "shaders/path_step_begin_camera.h"
-#include "shaders/path_step_begin_light.h"
-#include "shaders/path_step_connect.h"
-#include "shaders/path_step_draw_segments.h"
+#include "shaders/path_step_arrive_camera.h"
+#include "shaders/path_step_arrive_light.h"
+#include "shaders/path_step_begin_camera_walks.h"
+#include "shaders/path_step_begin_light_walks.h"
+#include "shaders/path_step_begin_segments.h"
+#include "shaders/path_step_choose_joins.h"
+#include "shaders/path_step_choose_next_events.h"
+#include "shaders/path_step_choose_seen.h"
+#include "shaders/path_step_choose_segments.h"
+#include "shaders/path_step_choose_sides.h"
+#include "shaders/path_step_choose_splats.h"
+#include "shaders/path_step_end_segments.h"
 #include "shaders/path_step_flag_camera.h"
 #include "shaders/path_step_flag_light.h"
 #include "shaders/path_step_gather.h"
+#include "shaders/path_step_gather_sides.h"
 #include "shaders/path_step_go_on_camera.h"
 #include "shaders/path_step_go_on_light.h"
+#include "shaders/path_step_join.h"
 #include "shaders/path_step_join_segments.h"
+#include "shaders/path_step_join_sides.h"
 #include "shaders/path_step_list_ends.h"
 #include "shaders/path_step_list_starts.h"
-#include "shaders/path_step_see_segments.h"
-#include "shaders/path_step_splat.h"
+#include "shaders/path_step_meet_lights.h"
+#include "shaders/path_step_put_segments.h"
+#include "shaders/path_step_scatter_ends.h"
+#include "shaders/path_step_trace.h"
 #include "shaders/shared/path/scan_layout.h"
 
 namespace tdpt {
@@ -33,11 +47,29 @@ constexpr size_t kOfSteps = static_cast<size_t>(Step::kSteps);
 
 // In the order of Step.
 constexpr std::array<std::span<const uint32_t>, kOfSteps> kPrograms{
-    shader::path_step_begin_light_spv,   shader::path_step_begin_camera_spv,
-    shader::path_step_go_on_light_spv,   shader::path_step_go_on_camera_spv,
-    shader::path_step_list_ends_spv,     shader::path_step_list_starts_spv,
-    shader::path_step_draw_segments_spv, shader::path_step_connect_spv,
-    shader::path_step_splat_spv,         shader::path_step_see_segments_spv,
+    shader::path_step_begin_light_walks_spv,
+    shader::path_step_begin_camera_walks_spv,
+    shader::path_step_go_on_light_spv,
+    shader::path_step_go_on_camera_spv,
+    shader::path_step_trace_spv,
+    shader::path_step_arrive_light_spv,
+    shader::path_step_arrive_camera_spv,
+    shader::path_step_list_ends_spv,
+    shader::path_step_list_starts_spv,
+    shader::path_step_meet_lights_spv,
+    shader::path_step_begin_segments_spv,
+    shader::path_step_end_segments_spv,
+    shader::path_step_put_segments_spv,
+    shader::path_step_gather_sides_spv,
+    shader::path_step_choose_next_events_spv,
+    shader::path_step_choose_joins_spv,
+    shader::path_step_choose_splats_spv,
+    shader::path_step_choose_sides_spv,
+    shader::path_step_choose_seen_spv,
+    shader::path_step_choose_segments_spv,
+    shader::path_step_scatter_ends_spv,
+    shader::path_step_join_spv,
+    shader::path_step_join_sides_spv,
     shader::path_step_join_segments_spv};
 
 struct Settings {
@@ -87,7 +119,7 @@ class GpuMachine : public Machine {
     std::memcpy(bytes.data(), &settings_host_, sizeof(Settings));
     std::memcpy(bytes.data() + sizeof(Settings), pool_offsets.data(), 4 * pool_offsets.size());
     settings_.write(bytes);
-    guided_ = p.guide_light > 0 || p.guide_camera > 0;
+    kind_ = {p.guide_light > 0 || p.guide_camera > 0, p.culls != 0};
   }
 
   void run(Step step, const shader::StepParameters& p) override {
@@ -188,7 +220,11 @@ class GpuMachine : public Machine {
             room(room_.samples, shader::kSegmentSides * sizeof(shader::SegmentSide)),
             film_,
             flags_,
-            ranks_};
+            ranks_,
+            room(t.surfaces.features.layers ? room_.vertices : 1, sizeof(shader::PathBsdf)),
+            room(2 * uint64_t{room_.samples}, sizeof(shader::WalkRay)),
+            room(room_.joinings(), sizeof(shader::Joining)),
+            room(2 * uint64_t{room_.joinings()}, sizeof(shader::Scattering))};
   }
 
   Kernel kernel(std::span<const uint32_t> program, const std::vector<uint32_t>& constants) const {
@@ -196,12 +232,12 @@ class GpuMachine : public Machine {
   }
   // Made when they are first run.
   const Kernel& kernel_of(size_t step) {
-    const auto found = kernels_.find({step, guided_});
+    const auto key = std::pair(step, kind_);
+    const auto found = kernels_.find(key);
     if (found != kernels_.end()) return found->second;
     std::vector<uint32_t> constants = features_;
-    constants.push_back(guided_);
-    return kernels_.emplace(std::pair(step, guided_), kernel(kPrograms[step], constants))
-        .first->second;
+    constants.insert(constants.end(), kind_.begin(), kind_.end());
+    return kernels_.emplace(key, kernel(kPrograms[step], constants)).first->second;
   }
 
   void scan(gpu::Commands& c, const Kernel& kernel, uint32_t count) const {
@@ -222,19 +258,19 @@ class GpuMachine : public Machine {
   StepTimes* const times_;  // or none
   Settings settings_host_;
   const std::vector<uint32_t> features_;
-  bool guided_ = false;
+  std::array<bool, 2> kind_{};  // walks are directed, the camera culls
   const uint32_t film_words_;
   Buffer settings_, walk_counts_, alive_, end_first_, film_, flags_, ranks_, totals_;
   const std::vector<Memory> memory_;
   const Kernel flag_light_, flag_camera_, gather_, scan_flags_, scan_walks_;
-  std::map<std::pair<size_t, bool>, Kernel> kernels_;
+  std::map<std::pair<size_t, std::array<bool, 2>>, Kernel> kernels_;
 };
 
 }  // namespace
 
 Room room_on(const gpu::Device& device) {
   // A slot is that large, all that lies in step with it included.
-  constexpr uint64_t kLargest = sizeof(shader::PathVertex) + sizeof(shader::JoinEnd);
+  constexpr uint64_t kLargest = sizeof(shader::PathVertex) + 2 * sizeof(shader::JoinEnd);
   const gpu::Limits& limits = device.limits();
   const uint64_t slots =
       std::min({limits.buffer / kLargest, limits.memory / 4 / (2 * kLargest), uint64_t{1} << 24});
