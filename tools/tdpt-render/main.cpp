@@ -14,12 +14,14 @@
 #include "libcommon/base/signals.h"
 #include "libcommon/cli/cli.h"
 #include "libcommon/cli/ending.h"
+#include "libcommon/gpu/device_options.h"
 #include "tdpt_libraries.h"
 #include "tools/tdpt-render/arguments.h"
 #include "tools/tdpt-render/choice.h"
 #include "tools/tdpt-render/course.h"
 #include "tools/tdpt-render/covered_lamps.h"
 #include "tools/tdpt-render/delivery.h"
+#include "tools/tdpt-render/device/gpu_renderer.h"
 #include "tools/tdpt-render/explain.h"
 #include "tools/tdpt-render/given_portals.h"
 #include "tools/tdpt-render/picture_size.h"
@@ -193,8 +195,7 @@ int render(const Job& job, World& world, const Choice& choice, Course course) {
 }
 
 int run(const Arguments& a, const cli::Common& common) {
-  if (a.device != "cpu")
-    throw Error(Exit::no_device, "--device gpu: this build renders on the CPU only");
+  const std::optional<gpu::Device> device = device_asked(a.device);
   if (a.print_shards > 0) return print_shards(a, common);
   choose_processor_code(a.isa, common.arguments);
   check_course(a);
@@ -224,6 +225,10 @@ int run(const Arguments& a, const cli::Common& common) {
       plan ? choose_as_planned(*plan, job.given.plan_file, job.request, job.settings, world,
                                in.portals, common)
            : choose(job.request, job.settings, in.camera, world, in.portals, common);
+  if (device) {
+    job.settings.device = make_gpu_renderer(*device, world, job.settings.layers);
+    common.note("samples are rendered by " + device->info().name + ".");
+  }
   check_film(job.given, film_options(world, choice.candidates, job.settings));
   if (job.only_plans()) return write_plan(job, world, choice);
   return render(job, world, choice, std::move(job.given.course));
