@@ -318,9 +318,8 @@ SHARED Joint joint_of(Joining j, uint i) MEMBER_CONST {
   Edge e;
   e.w = j.w;
   e.d2 = j.d2;
-  joint.value = sent * seen * (geometry(joint.y, joint.z, e) * reciprocal(j.times));
-  if (scene_has_absorption && !is_zero(joint.value))
-    joint.value = joint.value * transmittance(joint.y, joint.z, j.w, root(j.d2));
+  joint.value = absorbed(sent * seen * (geometry(joint.y, joint.z, e) * reciprocal(j.times)),
+                         joint.y, joint.z, e);
   return joint;
 }
 

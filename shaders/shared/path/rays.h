@@ -63,6 +63,12 @@ SHARED Edge edge_between(Point a, Point b) MEMBER_CONST {
   return e;
 }
 
+/// `value` and what absorbing solids let through of it from a to b; the sun is in no solid.
+SHARED vec3 absorbed(vec3 value, Point a, Point b, Edge e) MEMBER_CONST {
+  if (!scene_has_absorption || is_zero(value) || at_infinity(a) || at_infinity(b)) return value;
+  return value * transmittance(a, b, e.w, root(e.d2));
+}
+
 /// Whether nothing lies between two points.
 SHARED bool sees(Point a, Point b) MEMBER {
   vec3 place_a = at_infinity(a) ? before_the_scene(b.position, a.position) : a.position;

@@ -109,8 +109,8 @@ SHARED void put_segment_together(uint segment) MEMBER {
   s.pair_A = crossing.density * geometry(x_l, x_c, e);
   s.nee_A = 0.0f;
   s.light = vec3(0.0f, 0.0f, 0.0f);
-  s.through = l.throughput * c.throughput * reciprocal(render.segments * crossing.density);
-  if (scene_has_absorption) s.through = s.through * transmittance(x_l, x_c, e.w, root(e.d2));
+  s.through = absorbed(l.throughput * c.throughput * reciprocal(render.segments * crossing.density),
+                       x_l, x_c, e);
   join_ends[segment_ends() + segment] = join_end(x_c, -e.w, s.through, segment, 0u);
   if (!is_zero(Le)) {
     if (scene_has_sky && x_l.source == SOURCE_SKY) x_l.in_sky = look_at_sky(-x_l.position);

@@ -463,7 +463,7 @@ SHARED void arrive(uint from, uint i, uint next) MEMBER {
   vec3 throughput = ray.throughput * (plain_A * reciprocal(own));
   float presence = met && scene_has_panes ? presence_at(ray.triangle, ray.w) : 1.0f;
   if (presence < 1.0f) throughput = throughput * reciprocal(presence);
-  if (scene_has_absorption && met) throughput = throughput * transmittance(v, to, e.w, root(e.d2));
+  throughput = absorbed(throughput, v, to, e);
 
   PathVertex record = empty_vertex(ray.walk);
   keep_point(next, to, record);
