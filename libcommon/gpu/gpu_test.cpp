@@ -8,7 +8,9 @@
 #include "libcommon/testing/temp_folder.h"
 #include "shaders/gpu_test.h"
 #include "shaders/gpu_test_inexact.h"
+#include "shaders/gpu_test_many.h"
 #include "shaders/gpu_test_signed.h"
+#include "shaders/gpu_test_special.h"
 
 namespace tdpt::gpu {
 namespace {
@@ -118,6 +120,23 @@ TEST_F(Gpu, AKernelCountsInAnImageAndABuffer) {
   EXPECT_EQ(buffer.download<uint32_t>(n + 1), expected);
 }
 
+TEST_F(Gpu, KernelsAreMadeForTheirConstants) {
+  const Buffer buffer(*device, std::vector<uint32_t>{0, 0});
+  for (const std::vector<uint32_t>& constants : {std::vector<uint32_t>{}, {1, 70}, {0, 70}, {1}}) {
+    const Kernel kernel(*device, shader::gpu_test_special_spv, {buffer}, 0, constants);
+    device->run([&](Commands& c) { c.dispatch(kernel, {}, 1); });
+    const uint32_t number = constants.size() > 1 ? constants[1] : 7;
+    const bool adds = !constants.empty() && constants[0] != 0;
+    EXPECT_EQ(buffer.download<uint32_t>(1)[0], adds ? number + 1 : number);
+  }
+}
+
+TEST_F(Gpu, BuffersAreCleared) {
+  const Buffer buffer(*device, squares(1000));
+  device->run([&](Commands& c) { c.clear(buffer); });
+  EXPECT_EQ(buffer.download<uint32_t>(1000), std::vector<uint32_t>(1000));
+}
+
 TEST_F(Gpu, PiecesOfAnImageAreOneLayerOrMore) {
   const uint32_t n = 300 * 4 * 3;  // layers of 4800 bytes
   const Buffer words(*device, 4 * (n + 1));
@@ -210,12 +229,13 @@ TEST_F(Gpu, WhatIsAboveALimitIsRefusedWithBothNumbers) {
   };
   refused(most.maxPushConstantsSize, "bytes of push constants", most.maxPushConstantsSize + 4,
           [&] { kernel({buffer}, most.maxPushConstantsSize + 4); });
-  const uint32_t buffers = most.maxPerStageDescriptorStorageBuffers;
-  refused(buffers, "buffers in a kernel", buffers + 1,
-          [&] { kernel(std::vector<Memory>(buffers + 1, buffer), 0); });
-  const uint32_t images = most.maxPerStageDescriptorStorageImages;
-  refused(images, "images in a kernel", images + 1,
-          [&] { kernel(std::vector<Memory>(images + 1, image), 0); });
+  constexpr uint32_t kMany = 33;  // that a program names
+  ASSERT_LT(most.maxPerStageDescriptorStorageBuffers, kMany) << "let it name more";
+  const std::vector<Memory> many(kMany, buffer);
+  refused(most.maxPerStageDescriptorStorageBuffers, "buffers in a kernel", kMany,
+          [&] { Kernel(*device, shader::gpu_test_many_spv, many); });
+  // What is not named is not bound.
+  kernel(many, 0);
   const Kernel k = kernel({buffer}, 0);
   const uint32_t groups = most.maxComputeWorkGroupCount[0];
   refused(groups, "work groups in a dispatch", uint64_t{groups} + 1,
