@@ -95,7 +95,7 @@ Loaded load(const Arguments& a, const cli::Common& common) {
   in.scene = read_gltf(a.scene);
   common.also_read(in.scene.files);
   open_glass(in.scene);
-  for (const std::string& warning : in.scene.warnings) common.warn(warning);
+  for (const std::string& warning : in.scene.warnings) common.warn_of(a.scene, warning);
   if (in.scene.triangles.empty())
     throw InputError(display_name(a.scene), "", "no triangles, expected surfaces");
   in.files.push_back({a.scene, in.scene.hash, {}});
