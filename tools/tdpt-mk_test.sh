@@ -85,8 +85,8 @@ makes "pictures through two cameras again" "" $cameras "$above" far.exr above.ex
 # shellcheck disable=SC2086
 makes "one of them elsewhere" "$(of above)" $cameras "$above --fov 30" -n far.exr above.exr
 makes "another camera for all" "$(of whole)" CAMERA_FLAGS=--frame -n whole.exr
-"$bin/tdpt-info" above.portal.glb | grep -q 'camera: 1 5 3 .* fronts --look-from' || complain "above.portal.glb: of another camera"
-"$bin/tdpt-info" far.portal.glb | grep -q 'camera: 0.15.* all camera' || complain "far.portal.glb: of another camera"
+"$bin/tdpt-info" above.portal.glb | grep -q 'camera: --look-from: eye 1 5 3 m, .*(--cull)' || complain "above.portal.glb: of another camera"
+"$bin/tdpt-info" far.portal.glb | grep -q 'camera: camera: eye 0.15.*' || complain "far.portal.glb: of another camera"
 
 before=$(cksum <sky.exr)
 if make SCENE.sky=whole ENVIRONMENT=sky.exr PORTALS= -W whole.glb sky.exr >log 2>&1; then

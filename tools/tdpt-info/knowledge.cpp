@@ -19,6 +19,7 @@
 #include "libcommon/formats/environment.h"
 #include "libcommon/formats/light_grid.h"
 #include "libcommon/formats/portal.h"
+#include "libcommon/formats/viewpoint.h"
 #include "libcommon/scene/scene.h"
 
 namespace tdpt {
@@ -237,7 +238,8 @@ std::string text_of(const Knowledge& k) {
   for (const auto& [name, value] : k.facts) {
     const Json json = Json::parse(value);
     const std::string told = json.is_string() ? json.get<std::string>() : value;
-    const std::string words = told.empty() ? "none" : told;
+    const auto camera = name == "camera" ? parse_viewpoint(told) : std::nullopt;
+    const std::string words = camera ? words_of(*camera) : told.empty() ? "none" : told;
     text += fmt::format("  {}: {}\n", shown(name, 40), shown(words, 400));
   }
   for (const std::string& line : k.provenance.lines)
