@@ -40,6 +40,7 @@ class SceneReader {
       if (!n.visible) continue;
       if (const auto light = read_light(d_, n, flat_lights_)) scene_.lights.push_back(*light);
     }
+    scene_.by_blender = is_blender(generator_of(d_));
     if (!scene_.lights.empty()) scene_.lamp_units = lamp_units_of(d_);
     if (scene_.triangles.empty()) d_.fail("", "has no triangles in its scene");
     if (meshes.unnamed_material()) scene_.materials.emplace_back().name = "default";

@@ -136,6 +136,7 @@ struct Scene {
   /// added them.
   uint32_t dome = UINT32_MAX;
   std::vector<PunctualLight> lights;
+  bool by_blender = false;         ///< Blender's exporter wrote it
   LampUnits lamp_units;            ///< of `lights` as read, before take_lamps_as()
   std::shared_ptr<const Sky> sky;  ///< none: all around is black
   std::vector<Image> images;

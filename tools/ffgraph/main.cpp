@@ -104,7 +104,8 @@ Loaded load(const Arguments& a, const cli::Common& common) {
   if (Lights(in.scene).empty())
     throw InputError(
         display_name(a.scene), "",
-        "nothing emits light, expected an emissive surface, a lamp or an --environment");
+        "nothing emits light, expected an emissive surface, a lamp or an --environment" +
+            where_light_was_lost(in.scene));
   in.camera = chosen_camera(in.scene, a.camera, common);
   if (a.refine.empty()) return in;
   const CutFile& cut = in.refine.emplace(read_cut(a.refine));
