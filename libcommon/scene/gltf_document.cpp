@@ -174,6 +174,11 @@ std::string counted(size_t n, const std::string& noun, const std::string& one,
   return tdpt::counted(n, noun) + ' ' + (n == 1 ? one : many);
 }
 
+std::string unused_sentence(const std::string& file, const std::string& first, size_t faults) {
+  return first.substr(file.size() + 1) + "; nothing in the scene uses it" +
+         (faults > 1 ? fmt::format(", and {} more of the kind", faults - 1) : "");
+}
+
 void open_document(const std::string& path, Document& d) {
   d.file = display_name(path);
   d.bytes = read_file(path);
@@ -184,6 +189,7 @@ void open_document(const std::string& path, Document& d) {
   const Chunks chunks = split_chunks(d.bytes, d.file, d.warnings);
   d.json = parse(chunks.json, d.file);
   const Checked checked = check_json(d.json, d.file);
+  d.camera_faults = checked.cameras;
   d.warnings.insert(d.warnings.end(), checked.warnings.begin(), checked.warnings.end());
   check_version(d);
   check_extensions(d);

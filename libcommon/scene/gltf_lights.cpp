@@ -39,9 +39,9 @@ std::optional<PunctualLight> read_light(const Document& d, const PlacedNode& n, 
     d.fail(fmt::format("extensions.{}.{}", kName, place("lights", index)),
            fmt::format("has an intensity of {}, expected at most 1e30", max_component(intensity)));
   out.intensity = Rgb(intensity);
-  out.position = n.to_world.t;
+  out.position = n.to_world().t;
   if (type == "point") return out;
-  out.direction = direction_of(-n.to_world.z);
+  out.direction = direction_of(-n.to_world().z);
   if (out.direction == Vec3d()) {
     ++flat;
     return {};

@@ -59,7 +59,10 @@ void tell_scene(const Scene& scene, Knowledge& k) {
   fact(k, "lamps", scene.lights.size());
   fact(k, "longest_side_m", 2 / scene.frame.scale);
   fact(k, "files_beside_it", scene.files.size());
-  fact(k, "warnings", scene.warnings);
+  std::vector<std::string> warnings = scene.warnings;
+  if (const std::string faults = scene.faults_of_cameras_but(""); !faults.empty())
+    warnings.push_back(faults);
+  fact(k, "warnings", warnings);
 }
 
 void tell_portals(const PortalFile& file, Knowledge& k) {
