@@ -109,15 +109,22 @@ CameraFaults check_cameras(Checker& c, Json& root) {
   return faults;
 }
 
+void check_version(Checker& c, Json& root) {
+  c.check(root, "", {object("asset", true)});
+  c.check(root["asset"], "asset", {text("version", true)});
+  const auto version = root["asset"]["version"].get<std::string>();
+  if (version != "2" && !version.starts_with("2."))
+    c.fail("asset.version", root["asset"]["version"], "\"2.0\"");
+}
+
 /// The file's own parts, which are there whatever the scene uses of them.
 void check_frame(Checker& c, Json& root) {
-  c.check(
-      root, "",
-      {object("asset", true), objects("buffers"), objects("bufferViews"), objects("accessors"),
-       objects("meshes"), objects("nodes"), objects("scenes"), objects("cameras"),
-       objects("materials"), objects("textures"), objects("images"), objects("samplers"),
-       objects("skins"), objects("animations"), object("extensions"), index("scene", "scenes")});
-  c.check(root["asset"], "asset", {text("version", true)});
+  check_version(c, root);  // of another all else may differ
+  c.check(root, "",
+          {objects("buffers"), objects("bufferViews"), objects("accessors"), objects("meshes"),
+           objects("nodes"), objects("scenes"), objects("cameras"), objects("materials"),
+           objects("textures"), objects("images"), objects("samplers"), objects("skins"),
+           objects("animations"), object("extensions"), index("scene", "scenes")});
   for (const char* list : {"extensionsUsed", "extensionsRequired"})
     if (root.contains(list)) {
       if (!root[list].is_array()) c.fail(list, root[list], "an array");

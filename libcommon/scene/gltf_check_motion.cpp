@@ -190,7 +190,7 @@ void check_targets(Checker& c, Json& p, const std::string& at) {
 
 void check_animations(Checker& c, Json& root) {
   std::set<std::pair<size_t, std::string>> moved;
-  size_t idle = 0, aimless = 0, empty = 0;
+  size_t idle = 0, aimless = 0, empty = 0, unnamed = 0;
   // Whether the channel moves something that is seen; checked as far as that takes.
   const auto counts = [&](Json& animation, const std::string& owner, Json& channel,
                           const std::string& at) {
@@ -215,7 +215,9 @@ void check_animations(Checker& c, Json& root) {
       c.fail(at + ".sampler", channel["sampler"],
              fmt::format("an index into the {} samplers", samplers.size()));
     Json& sampler = animation["samplers"][channel["sampler"].get<size_t>()];
-    c.check(sampler, at + ".sampler", {index("output", "accessors", true), text("interpolation")});
+    c.check(sampler, at + ".sampler", {index("output", "accessors", true)});
+    if (sampler.contains("interpolation") && !sampler["interpolation"].is_string())
+      sampler.erase("interpolation"), ++unnamed;
     const auto output = sampler["output"].get<size_t>();
     if (root["accessors"][output].value("count", Json(1)) == 0) return ++empty, false;
     c.uses.mark("accessors", output);
@@ -237,6 +239,9 @@ void check_animations(Checker& c, Json& root) {
   tell(idle, "animation", "without channels");
   tell(aimless, "animation channel", "without a target");
   tell(empty, "animation channel", "without a key");
+  if (unnamed > 0)
+    c.note(counted(unnamed, "interpolation", "is not made of text: taken as LINEAR",
+                   "are not made of text: taken as LINEAR"));
 }
 
 }  // namespace tdpt::gltf

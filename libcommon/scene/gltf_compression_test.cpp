@@ -128,6 +128,18 @@ TEST(Compression, DracoMayHoldLessThanAccessorsSay) {
   EXPECT_EQ(s.positions.size(), 4u);
 }
 
+// Public samples are so, and every viewer takes them as Draco has them.
+TEST(Compression, DracoMayHoldSomewhatMoreThanAccessorsSay) {
+  for (const auto& [accessor, count] : {std::pair(0, 3), std::pair(1, 2)}) {
+    GlbBuilder b = square_by_draco();
+    b.json["accessors"][static_cast<size_t>(accessor)]["count"] = count;
+    const Scene s = read(b);
+    EXPECT_NEAR(area_of(s), 1, 1e-6);
+    EXPECT_EQ(s.warnings, std::vector<std::string>{"1 mesh of Draco holds more than its accessors "
+                                                   "say: all is read"});
+  }
+}
+
 TEST(Compression, DracoHoldsTrianglesWhateverTheModeOfAPrimitive) {
   GlbBuilder b = square_by_draco();
   primitive(b)["mode"] = 5;
@@ -138,6 +150,12 @@ TEST(Compression, DracoHoldsTrianglesWhateverTheModeOfAPrimitive) {
 TEST(Compression, TheFallbackOfMeshoptimizerIsNotRead) {
   GlbBuilder b = square_by_meshopt();
   b.json["buffers"][0]["uri"] = "nowhere.bin";
+  EXPECT_EQ(refusal(b), "");
+}
+
+TEST(Compression, TheFallbackOfMeshoptimizerNeedNotSayThatItIsOne) {
+  GlbBuilder b = square_by_meshopt();
+  b.json["buffers"][0].erase("extensions");
   EXPECT_EQ(refusal(b), "");
 }
 

@@ -53,12 +53,6 @@ Json parse(std::string_view text, const std::string& file) {
   }
 }
 
-void check_version(const Document& d) {
-  const std::string version = d.json["asset"].value("version", "");
-  if (version.substr(0, 2) != "2." && version != "2")
-    d.fail("asset.version", fmt::format("is \"{}\", expected \"2.0\"", shown(version, 20)));
-}
-
 void check_extensions(Document& d) {
   if (!d.json.contains("extensionsRequired")) return;
   for (const Json& e : d.json["extensionsRequired"]) {
@@ -191,7 +185,6 @@ void open_document(const std::string& path, Document& d) {
   const Checked checked = check_json(d.json, d.file);
   d.camera_faults = checked.cameras;
   d.warnings.insert(d.warnings.end(), checked.warnings.begin(), checked.warnings.end());
-  check_version(d);
   check_extensions(d);
   for (const Json& e : d.json.value("extensionsUsed", Json::array()))
     d.extensions.insert(e.get<std::string>());

@@ -72,7 +72,9 @@ TEST(ExternalFiles, LieInTheScenesFolderOrBelow) {
   const TempFolder folder;
   folder.write("scene/parts/room one.bin", external_buffer());
   EXPECT_EQ(refusal(folder.write("scene/a.gltf", external_scene("parts/room%20one.bin"))), "");
-  EXPECT_EQ(refusal(folder.write("scene/b.gltf", external_scene("./parts/room one.bin"))), "");
+  for (const char* uri :
+       {"./parts/room one.bin", "parts/../parts/room one.bin", "../scene/parts/room one.bin"})
+    EXPECT_EQ(refusal(folder.write("scene/b.gltf", external_scene(uri))), "") << uri;
 }
 
 TEST(ExternalFiles, AreNotReachedThroughLinksThatLeaveTheFolder) {

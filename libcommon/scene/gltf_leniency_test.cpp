@@ -208,6 +208,31 @@ TEST(Leniency, WhatNothingInTheSceneUses) {
     EXPECT_EQ(told(spoil), Sentences{fault + "; nothing in the scene uses it"}) << fault;
 }
 
+TEST(Leniency, CornersThatMakeNoTriangle) {
+  const Sentences expected{"1 primitive has corners left that make no triangle"};
+  EXPECT_EQ(told([](GlbBuilder& b) {
+              b.json["accessors"][1]["count"] = 8;
+              b.json["bufferViews"][1]["byteLength"] = 16;
+              b.bin.resize(48);
+              b.indices_u16({0, 1, 2, 0, 2, 3, 0, 1});
+              b.json["accessors"].erase(2), b.json["bufferViews"].erase(2);
+            }),
+            expected);
+  EXPECT_EQ(told([](GlbBuilder& b) {
+              Json strip = b.json["meshes"][0]["primitives"][0];
+              strip["indices"] = b.indices_u16({0, 1}), strip["mode"] = 5;
+              b.json["meshes"][0]["primitives"].push_back(strip);
+            }),
+            expected);
+}
+
+TEST(Leniency, PrimitivesWithoutPositions) {
+  EXPECT_EQ(told([](GlbBuilder& b) {
+              b.json["meshes"][0]["primitives"].push_back({{"attributes", Json::object()}});
+            }),
+            Sentences{"1 primitive has no positions, and is left out"});
+}
+
 TEST(Leniency, TheFirstOfManyIsNamed) {
   EXPECT_EQ(told([](GlbBuilder& b) {
               for (int k = 0; k < 3; ++k) b.material({{"alphaMode", "GLASS"}});
@@ -448,7 +473,8 @@ TEST(Leniency, TheSameFaultsAreErrorsOnceTheyAreUsed) {
 }
 
 TEST(Leniency, ExtensionsThatChangeNoPictureMayBeRequired) {
-  for (const char* name : {"KHR_materials_variants", "KHR_xmp_json_ld", "KHR_animation_pointer"})
+  for (const char* name :
+       {"KHR_materials_variants", "KHR_xmp_json_ld", "KHR_animation_pointer", "CESIUM_RTC"})
     EXPECT_EQ(told([&](GlbBuilder& b) { b.json["extensionsRequired"] = {name}; }),
               Sentences{std::string(name) + " is required, but changes no picture: passed over"});
   GlbBuilder b = square();

@@ -161,7 +161,10 @@ void MeshReader::add_mesh(const PlacedNode& n, const Shape& shape,
       continue;
     }
     const auto position = p.attributes.find("POSITION");
-    if (position == p.attributes.end()) d_.fail(where, "has no attribute POSITION");
+    if (position == p.attributes.end()) {
+      without_positions_.insert({mesh, k});
+      continue;
+    }
     const AttributeSet set = choose_attributes(p, uses_[material_of(p)], shape);
     check_counts(d_, set, where);
     auto it = known.find(set);
@@ -175,7 +178,7 @@ void MeshReader::add_mesh(const PlacedNode& n, const Shape& shape,
     }
     const auto& [first, placing] = it->second;
     const size_t vertices = d_.model.accessors[static_cast<size_t>(position->second)].count;
-    const std::vector<uint32_t> corner = corners(p, vertices, where);
+    const std::vector<uint32_t> corner = corners(p, vertices, {mesh, k});
     add_triangles(corner, first, placing.mirrors, material_of(p));
     if (p.material >= 0) bubbles_.look_at(scene_.materials[material_of(p)], corner, world_, first);
     note_grain(placing.to_world, static_cast<size_t>(position->second), corner, first);
@@ -212,7 +215,7 @@ void MeshReader::add_vertices(const PlacedNode& n, const AttributeSet& set,
 }
 
 std::vector<uint32_t> MeshReader::corners(const tinygltf::Primitive& p, size_t vertices,
-                                          const std::string& where) const {
+                                          const Key& key) {
   std::vector<uint32_t> list;
   if (p.indices >= 0) {
     list = read_indices(d_, static_cast<size_t>(p.indices), vertices);
@@ -220,15 +223,13 @@ std::vector<uint32_t> MeshReader::corners(const tinygltf::Primitive& p, size_t v
     list.resize(vertices);
     for (uint32_t i = 0; i < vertices; ++i) list[i] = i;
   }
-  if (p.mode == TINYGLTF_MODE_TRIANGLES) {
-    if (list.size() % 3 != 0)
-      d_.fail(where, fmt::format("has {} of triangles, expected a multiple of 3",
-                                 tdpt::counted(list.size(), "corner")));
+  // What is too little for a triangle is none, as in every graphics interface.
+  const bool strips = p.mode != TINYGLTF_MODE_TRIANGLES;
+  if (strips ? list.size() < 3 : list.size() % 3 != 0) incomplete_.insert(key);
+  if (!strips || list.size() < 3) {
+    list.resize(list.size() - list.size() % 3);
     return list;
   }
-  if (list.size() < 3)
-    d_.fail(where, fmt::format("has {}, a strip or fan has at least 3",
-                               tdpt::counted(list.size(), "corner")));
   std::vector<uint32_t> out;
   out.reserve(3 * (list.size() - 2));
   for (size_t i = 0; i + 2 < list.size(); ++i) {
@@ -279,6 +280,10 @@ void MeshReader::warn() const {
   if (const std::string bubbles = bubbles_.warning(); !bubbles.empty())
     scene_.warnings.push_back(bubbles);
   tell(no_surfaces_, "set", "of points or lines is left out", "of points or lines are left out");
+  tell(without_positions_.size(), "primitive", "has no positions, and is left out",
+       "have no positions, and are left out");
+  tell(incomplete_.size(), "primitive", "has corners left that make no triangle",
+       "have corners left that make no triangle");
   tell(without_uv_.size(), "primitive",
        "lacks the texture coordinates that its material asks for: taken as 0",
        "lack the texture coordinates that their materials ask for: taken as 0");

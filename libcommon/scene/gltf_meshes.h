@@ -44,7 +44,7 @@ class MeshReader {
   const Skin& skin_of(size_t node);
   void add_vertices(const PlacedNode& node, const AttributeSet& set, const Placing& placing);
   std::vector<uint32_t> corners(const tinygltf::Primitive& primitive, size_t vertices,
-                                const std::string& where) const;
+                                const Key& key);
   void add_triangles(const std::vector<uint32_t>& corner, uint32_t first, bool mirrored,
                      size_t material);
   void note_grain(const Affine& to_world, size_t accessor, const std::vector<uint32_t>& corner,
@@ -67,7 +67,7 @@ class MeshReader {
   bool unnamed_material_ = false;
   Bubbles bubbles_;
   size_t no_surfaces_ = 0;
-  std::set<Key> without_uv_, coloured_, without_joints_;
+  std::set<Key> without_positions_, incomplete_, without_uv_, coloured_, without_joints_;
   std::set<size_t> skinned_instances_;  // nodes
 };
 

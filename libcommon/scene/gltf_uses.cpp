@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "libcommon/scene/gltf_meshopt.h"
+
 namespace tdpt::gltf {
 namespace {
 
@@ -95,8 +97,13 @@ void mark_views(Uses& uses, const Json& root) {
 }
 
 void mark_buffers(Uses& uses, const Json& root) {
-  each_used(uses, root, "bufferViews",
-            [&](const Json& v) { mark_all(uses, v, "buffer", "buffers"); });
+  each_used(uses, root, "bufferViews", [&](const Json& v) {
+    const Json extensions = v.value("extensions", Json::object());
+    for (const char* name : kMeshopt)  // then the view's own buffer is for those who cannot decode
+      if (extensions.contains(name))
+        return uses.mark("buffers", extensions[name]["buffer"].get<size_t>()), void();
+    uses.mark("buffers", v["buffer"].get<size_t>());
+  });
 }
 
 }  // namespace tdpt::gltf
