@@ -13,9 +13,8 @@ import sys
 import tempfile
 import urllib.parse
 
-import numpy as np
-
 import exr_file
+import numpy as np
 
 USAGE = "usage: public_files.py BIN FOLDER"
 SECONDS, BYTES = 30, 4 << 30  # that a program may take of time and of address space
@@ -96,7 +95,7 @@ def attempt(folder, program, path):
             return "hang", ""
         words = run.stderr.decode("utf-8", "replace")
         drawn = program == "tdpt-render" and run.returncode == 0
-        return kind(run.returncode, words, exr_file.read(out) if drawn else None), words
+        return kind(run.returncode, words, exr_file.read(out)[0] if drawn else None), words
 
 
 def message(words, path):

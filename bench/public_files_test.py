@@ -4,8 +4,8 @@ import os
 import tempfile
 import unittest
 
+import exr_file
 import numpy as np
-
 import public_files
 
 
@@ -78,6 +78,12 @@ class Files(unittest.TestCase):
         self.assertEqual(status, 0)
         self.assertIn("| tdpt-render | 0 | 0 | 1 | 0 | 0 | 0 |", out)
         self.assertIn("    1 refused: FILE:nodes[N]: is flat", out)
+
+    def test_a_picture_is_looked_at(self):
+        for value, status in ((0.5, 0), (np.nan, 1)):
+            exr_file.write(self.folder + "/picture.exr", np.full((2, 3, 3), value, np.float32))
+            found, _ = self.told(f'for out; do :; done\ncp "{self.folder}/picture.exr" "$out"\n')
+            self.assertEqual(found, status)
 
     def test_twin_a_crash_is_a_fault(self):
         status, out = self.told("kill -SEGV $$\n")
