@@ -356,8 +356,8 @@ TEST(Animations, MayNameTheirInterpolationByNoText) {
     b.json["animations"][0]["samplers"][0]["interpolation"] = 0;
   });
   EXPECT_EQ(s.positions, moved({{"translation", {1, 2, 3}}}).positions);
-  EXPECT_EQ(s.warnings, (Sentences{"1 interpolation is not made of text: taken as LINEAR",
-                                   kAtTime0.front()}));
+  EXPECT_EQ(s.warnings,
+            (Sentences{"1 interpolation is not made of text: taken as LINEAR", kAtTime0.front()}));
 }
 
 TEST(Animations, TheFirstThatMovesAPropertyCounts) {
