@@ -85,6 +85,10 @@ define tdpt_end
 @printf '%s\n' $(call tdpt_quoted,$1) >$(tdpt_known).command
 endef
 
+# What programs say of a scene that several of them read, the first of a run says alone.
+$(shell rm -f .tdpt/told)
+export TDPT_TOLD := $(CURDIR)/.tdpt/told
+
 .PHONY: tdpt-again
 .PRECIOUS: %.max %.cut %.vdb %.portal.glb
 .SECONDEXPANSION:

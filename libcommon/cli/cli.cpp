@@ -18,6 +18,7 @@
 #include "libcommon/cli/dependencies.h"
 #include "libcommon/cli/help.h"
 #include "libcommon/cli/nearest.h"
+#include "libcommon/cli/told.h"
 #include "libcommon/cli/validators.h"
 #include "tdpt_version.h"
 
@@ -43,6 +44,14 @@ void Common::explain_by(const std::function<Decisions()>& decisions) const {
 
 void Common::warn(const std::string& sentence) const {
   fmt::print(stderr, "{}: warning: {}\n", tool, sentence);
+}
+
+void Common::note_of(const std::string& file, const std::string& sentence) const {
+  if (!quiet && is_news(file, sentence)) note(sentence);
+}
+
+void Common::warn_of(const std::string& file, const std::string& sentence) const {
+  if (is_news(file, sentence)) warn(sentence);
 }
 
 void Common::summary(const std::string& json_text) const {

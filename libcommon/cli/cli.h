@@ -66,6 +66,10 @@ struct Common {
   void explain_by(const std::function<Decisions()>& decisions) const;
   /// "tool: warning: ..." on stderr, always.
   void warn(const std::string& sentence) const;
+  /// The same of an input that other programs of a chain read, too: what one of them has told of
+  /// it, the others leave out [told.h].
+  void note_of(const std::string& file, const std::string& sentence) const;
+  void warn_of(const std::string& file, const std::string& sentence) const;
   /// One JSON text (already dumped) where --json says; nothing without --json.
   void summary(const std::string& json_text) const;
 

@@ -173,7 +173,9 @@ Camera chosen_camera(const Scene& scene, const CameraArguments& a, const cli::Co
                             : scene.camera(a.name);
   if (placed) camera.yfov = yfov;
   camera.culls = a.cull || a.frame;
-  if (a.frame) common.note(frame_sentence(scene, camera));
+  if (const std::string faults = scene.faults_of_cameras_but(camera.name); !faults.empty())
+    common.warn_of(scene.path, faults);
+  if (a.frame) common.note_of(scene.path, frame_sentence(scene, camera));
   return camera;
 }
 

@@ -134,6 +134,27 @@ TEST(CameraOptions, OneOfTheSceneIsTakenByItsName) {
   EXPECT_TRUE(chosen(a, scene).culls);
 }
 
+TEST(CameraOptions, OneThatIsWrongIsAWarningWhereAnotherIsTaken) {
+  Scene scene = box();
+  scene.cameras.resize(2);
+  scene.cameras[0].name = "hall", scene.cameras[1].name = "yard";
+  scene.cameras[0].fault =
+      std::make_shared<const InputError>("box.glb", "cameras[0].perspective.yfov", "is 4");
+  const std::string warning =
+      ": warning: cameras[0].perspective.yfov: is 4; the camera \"hall\" cannot be taken\n";
+  CameraArguments yard, frame;
+  yard.name = "yard", frame.frame = true;
+  EXPECT_EQ(said(yard, scene), warning);
+  EXPECT_NE(said(frame, scene).find(warning), std::string::npos);
+  EXPECT_NE(said(placed("14,0,0", "10,0,0"), scene).find(warning), std::string::npos);
+  try {
+    chosen({}, scene);
+    FAIL();
+  } catch (const InputError& e) {
+    EXPECT_STREQ(e.what(), "box.glb:cameras[0].perspective.yfov: is 4");
+  }
+}
+
 TEST(CameraOptions, ASceneWithoutOneNamesTheOptions) {
   EXPECT_EQ(complaint({}),
             "3 box.glb:cameras: the scene has no perspective camera, expected one, or --look-from "

@@ -142,11 +142,11 @@ bool shifts_light(const Scene& scene, LampUnits::Kind units, bool with_map) {
 std::string take_lamps(Scene& scene, const SkyArguments& a, const cli::Common& common) {
   if (scene.lights.empty()) {
     if (a.light_units != "auto")
-      common.note("the scene has no lamp: --light-units changes nothing");
+      common.note_of(scene.path, "the scene has no lamp: --light-units changes nothing");
     return "";
   }
   if (a.light_units == "auto" && !scene.lamp_units.reason.empty())
-    common.note(scene.lamp_units.reason);
+    common.note_of(scene.path, scene.lamp_units.reason);
   const LampUnits::Kind units = units_of(scene, a.light_units);
   const bool shifted = shifts_light(scene, units, !a.environment.empty());
   take_lamps_as(scene, units);
@@ -182,7 +182,7 @@ void add_sky(Scene& scene, const SkyArguments& a, const cli::Common& common,
   std::vector<Sky::Sun> suns;
   if (a.sun_angle > 0) suns = take_suns(scene, 0.5 * a.sun_angle * kRadians);
   if (a.sun_angle > 0 && suns.empty())
-    common.note("the scene has no directional lamp: --sun-angle changes nothing");
+    common.note_of(scene.path, "the scene has no directional lamp: --sun-angle changes nothing");
   if (map.texels.empty() && suns.empty()) return;
   if (scene.lights.empty()) std::erase(scene.needs, "punctual lights");
   scene.needs.push_back("a sky");
@@ -197,12 +197,14 @@ void warn_of_lamps(const Scene& scene, const cli::Common& common) {
   const Lights::Shares power = Lights(scene).powers();
   if (!(power.surfaces > 0 && power.lamps > kOutshines * power.surfaces)) return;
   const bool as_they_are = scene.lamp_units.kind == LampUnits::Kind::radiometric;
-  common.warn(fmt::format(
-      "lamps have {:.3g} times the power of the surfaces that emit: if that is not "
-      "meant, {}",
-      power.lamps / power.surfaces,
-      as_they_are ? "their units differ, and --light-units photometric divides lamps by 683"
-                  : "--light-units says in what their numbers are"));
+  common.warn_of(
+      scene.path,
+      fmt::format("lamps have {:.3g} times the power of the surfaces that emit: if that is not "
+                  "meant, {}",
+                  power.lamps / power.surfaces,
+                  as_they_are
+                      ? "their units differ, and --light-units photometric divides lamps by 683"
+                      : "--light-units says in what their numbers are"));
 }
 
 }  // namespace tdpt

@@ -73,6 +73,17 @@ std::string viewpoint_text(const Viewpoint& v) {
   return v.name.empty() ? text : text + " " + v.name;
 }
 
+std::string words_of(const Viewpoint& v) {
+  const auto triple = [](const Vec3d& a) {
+    return fmt::format("{:.6g} {:.6g} {:.6g}", a.x + 0.0, a.y + 0.0, a.z + 0.0);  // -0 is 0
+  };
+  std::string words = v.name.empty() ? "" : v.name + ": ";
+  words += fmt::format("eye {} m, direction {}, up {}, field of view {:.6g} degrees",
+                       triple(v.position), triple(v.forward), triple(v.up), v.yfov / kDegree);
+  if (v.aspect > 0) words += fmt::format(", aspect {:.6g}", v.aspect);
+  return words + (v.culls ? ", backs are passed (--cull)" : "");
+}
+
 std::optional<Viewpoint> parse_viewpoint(std::string_view line) {
   TextLines in(line, "");
   if (!in.next()) return {};

@@ -25,6 +25,8 @@ std::string viewpoint_text(const Viewpoint& viewpoint);
 inline std::string viewpoint_text(const Frame& frame, const Camera& camera) {
   return viewpoint_text(viewpoint_of(frame, camera));
 }
+/// The same for people: place, direction and up in three numbers each, the angle in degrees.
+std::string words_of(const Viewpoint& viewpoint);
 /// Nothing where the line is none: too few numbers, none that a camera has, or neither `all` nor
 /// `fronts` behind them.
 std::optional<Viewpoint> parse_viewpoint(std::string_view line);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 namespace tdpt {
 namespace {
@@ -57,6 +58,17 @@ TEST(Viewpoint, DifferencesAreToldWhereTheyMatter) {
   EXPECT_EQ(told([](Viewpoint& v) { v.yfov = 0.5; }), "of 28.6 in the place of 51.6 degrees");
   EXPECT_EQ(told([](Viewpoint& v) { v.position.y = 0, v.culls = false; }),
             "2 m away and not passing backs (--cull)");
+}
+
+TEST(Viewpoint, InWords) {
+  Viewpoint v = eye();
+  v.position = {1.5, -0.0, 1e-7}, v.forward = {0, 0, -1}, v.up = {0, 1, 0};
+  v.yfov = std::numbers::pi / 4, v.aspect = 1.5, v.culls = true, v.name = "hall";
+  EXPECT_EQ(words_of(v),
+            "hall: eye 1.5 0 1e-07 m, direction 0 0 -1, up 0 1 0, field of view 45 degrees, aspect "
+            "1.5, backs are passed (--cull)");
+  v.aspect = 0, v.culls = false, v.name = "";
+  EXPECT_EQ(words_of(v), "eye 1.5 0 1e-07 m, direction 0 0 -1, up 0 1 0, field of view 45 degrees");
 }
 
 }  // namespace

@@ -23,8 +23,15 @@ std::optional<Camera> read_camera(const Document& d, const PlacedNode& n, Distin
   if (node.camera < 0) return {};
   const tinygltf::Camera& c = d.model.cameras[static_cast<size_t>(node.camera)];
   if (c.type != "perspective") return {};
-  const Affine& a = n.to_world;
   Camera out;
+  out.fault = n.fault;
+  if (const auto it = d.camera_faults.find(node.camera); it != d.camera_faults.end())
+    out.fault = it->second;
+  if (out.fault) {
+    out.name = names.take(c.name, node.name, "camera");
+    return out;
+  }
+  const Affine& a = n.to_world();
   out.position = a.t;
   out.forward = direction_of(-a.z);
   out.right = direction_of(cross(out.forward, direction_of(a.y)));

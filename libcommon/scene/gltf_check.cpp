@@ -36,70 +36,95 @@ void check_accessors(Checker& c, Json& root) {
   });
 }
 
+void check_primitive(Checker& c, Json& root, Json& p, const std::string& at) {
+  c.check(p, at,
+          {object("attributes", true), index("indices", "accessors"),
+           index("material", "materials"), object("extensions")});
+  check_draco(c, p, at);
+  check_attributes(c, p["attributes"], at + ".attributes");
+  check_targets(c, p, at);
+  if (!p.contains("indices")) return;
+  const auto a = p["indices"].get<size_t>();
+  if (!root["accessors"][a].contains("bufferView") && !is_draco(p))
+    c.fail_missing(place("accessors", a) + ".bufferView", "indices need one");
+}
+
 void check_meshes(Checker& c, Json& root) {
   c.each(root, "", "meshes", [&](Json& m, const std::string& at) {
     c.check(m, at, {objects("primitives", true)});
     check_weights(c, m, at);
     c.each(m, at, "primitives", [&](Json& p, const std::string& here) {
-      c.check(p, here,
-              {object("attributes", true), index("indices", "accessors"),
-               index("material", "materials"), integer("mode", false, 0, 6), object("extensions")});
-      check_draco(c, p, here);
-      for (const auto& [name, value] : p["attributes"].items())
-        c.check(p["attributes"], here + ".attributes", {index(name.c_str(), "accessors")});
-      check_targets(c, p, here);
-      if (p.contains("indices")) {
-        const auto a = p["indices"].get<size_t>();
-        if (!root["accessors"][a].contains("bufferView") && !is_draco(p))
-          c.fail_missing(place("accessors", a) + ".bufferView", "indices need one");
-      }
+      c.check(p, here, {integer("mode", false, 0, 6)});
+      if (p.value("mode", 4) >= 4) return check_primitive(c, root, p, here);
+      c.tolerate([&] { check_primitive(c, root, p, here); });
+      p = {{"attributes", Json::object()}, {"mode", p["mode"]}};  // points and lines are not drawn
     });
   });
 }
 
 /// What is not drawn keeps no accessors, which may be wrong.
 void empty_unused_meshes(Checker& c, Json& root) {
-  for (size_t i = 0; i < c.size_of("meshes"); ++i) {
-    Json& mesh = root["meshes"][i];
-    if (!c.uses.has("meshes", i)) mesh = harmless("meshes");
-    for (Json& p : mesh["primitives"])
-      if (p.value("mode", 4) < 4) p = {{"attributes", Json::object()}, {"mode", p["mode"]}};
-  }
+  for (size_t i = 0; i < c.size_of("meshes"); ++i)
+    if (!c.uses.has("meshes", i)) root["meshes"][i] = harmless("meshes");
 }
 
-void check_cameras(Checker& c, Json& root) {
+void check_camera(Checker& c, Json& camera, const std::string& at) {
+  c.check(camera, at,
+          {name_of("name"), text("type", true), object("perspective"), object("orthographic")});
+  const auto type = camera["type"].get<std::string>();
+  if (type == "orthographic") {
+    // Skipped with a warning; this keeps tinygltf from asking for its fields.
+    camera["orthographic"] = {{"xmag", 1}, {"ymag", 1}, {"zfar", 1}, {"znear", 0}};
+    return;
+  }
+  if (type != "perspective") c.fail(at + ".type", camera["type"], "perspective or orthographic");
+  c.check(camera, at, {object("perspective", true)});
+  Json& p = camera["perspective"];
+  c.check(p, at + ".perspective", {number("yfov", true), number("aspectRatio")});
+  const double yfov = p["yfov"].get<double>();
+  if (!(yfov > 0 && yfov < std::numbers::pi))
+    c.fail(at + ".perspective.yfov", p["yfov"], "an angle between 0 and pi");
+  if (p.contains("aspectRatio") && !(p["aspectRatio"].get<double>() > 0))
+    c.fail(at + ".perspective.aspectRatio", p["aspectRatio"], "more than 0");
+  p["znear"] = 1;  // required of files, of no use here
+  p.erase("zfar");
+}
+
+/// What is wrong with those that nodes of the scene hold. They keep their names.
+CameraFaults check_cameras(Checker& c, Json& root) {
+  CameraFaults faults;
+  int i = -1;
   c.each(root, "", "cameras", [&](Json& camera, const std::string& at) {
-    c.check(camera, at,
-            {name_of("name"), text("type", true), object("perspective"), object("orthographic")});
-    const auto type = camera["type"].get<std::string>();
-    if (type == "orthographic") {
-      // Skipped with a warning; this keeps tinygltf from asking for its fields.
-      camera["orthographic"] = {{"xmag", 1}, {"ymag", 1}, {"zfar", 1}, {"znear", 0}};
-      return;
+    ++i;
+    try {
+      check_camera(c, camera, at);
+    } catch (const InputError& e) {
+      if (!c.uses.has("cameras", static_cast<size_t>(i))) throw;
+      faults[i] = std::make_shared<const InputError>(e);
+      const Json name = camera.value("name", Json(""));
+      camera = harmless("cameras");
+      if (name.is_string()) camera["name"] = name;
     }
-    if (type != "perspective") c.fail(at + ".type", camera["type"], "perspective or orthographic");
-    c.check(camera, at, {object("perspective", true)});
-    Json& p = camera["perspective"];
-    c.check(p, at + ".perspective", {number("yfov", true), number("aspectRatio")});
-    const double yfov = p["yfov"].get<double>();
-    if (!(yfov > 0 && yfov < std::numbers::pi))
-      c.fail(at + ".perspective.yfov", p["yfov"], "an angle between 0 and pi");
-    if (p.contains("aspectRatio") && !(p["aspectRatio"].get<double>() > 0))
-      c.fail(at + ".perspective.aspectRatio", p["aspectRatio"], "more than 0");
-    p["znear"] = 1;  // required of files, of no use here
-    p.erase("zfar");
   });
+  return faults;
+}
+
+void check_version(Checker& c, Json& root) {
+  c.check(root, "", {object("asset", true)});
+  c.check(root["asset"], "asset", {text("version", true)});
+  const auto version = root["asset"]["version"].get<std::string>();
+  if (version != "2" && !version.starts_with("2."))
+    c.fail("asset.version", root["asset"]["version"], "\"2.0\"");
 }
 
 /// The file's own parts, which are there whatever the scene uses of them.
 void check_frame(Checker& c, Json& root) {
-  c.check(
-      root, "",
-      {object("asset", true), objects("buffers"), objects("bufferViews"), objects("accessors"),
-       objects("meshes"), objects("nodes"), objects("scenes"), objects("cameras"),
-       objects("materials"), objects("textures"), objects("images"), objects("samplers"),
-       objects("skins"), objects("animations"), object("extensions"), index("scene", "scenes")});
-  c.check(root["asset"], "asset", {text("version", true)});
+  check_version(c, root);  // of another all else may differ
+  c.check(root, "",
+          {objects("buffers"), objects("bufferViews"), objects("accessors"), objects("meshes"),
+           objects("nodes"), objects("scenes"), objects("cameras"), objects("materials"),
+           objects("textures"), objects("images"), objects("samplers"), objects("skins"),
+           objects("animations"), object("extensions"), index("scene", "scenes")});
   for (const char* list : {"extensionsUsed", "extensionsRequired"})
     if (root.contains(list)) {
       if (!root[list].is_array()) c.fail(list, root[list], "an array");
@@ -137,17 +162,17 @@ Checked check_json(Json& root, const std::string& file) {
   check_nodes(c, root);
   check_lights(c, root);
   check_skins(c, root);
+  check_nodes_outside(c, root);
   check_meshes(c, root);
   empty_unused_meshes(c, root);
-  check_cameras(c, root);
+  const CameraFaults cameras = check_cameras(c, root);
   mark_parts_of_meshes(c.uses, root);
   check_materials(c, root);
-  mark_parts_of_materials(c.uses, root);
   check_textures(c, root);
   check_animations(c, root);
   check_accessors(c, root);
   check_buffers(c, root);
-  return {c.warnings(), c.uses.of("buffers")};
+  return {c.warnings(), c.uses.of("buffers"), cameras};
 }
 
 }  // namespace tdpt::gltf

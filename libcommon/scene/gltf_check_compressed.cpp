@@ -34,6 +34,8 @@ void check_draco(Checker& c, Json& p, const std::string& at) {
   Json& e = p["extensions"][kDraco];
   const std::string here = at + ".extensions." + kDraco;
   c.check(e, here, {index("bufferView", "bufferViews", true), object("attributes", true)});
+  std::erase_if(e["attributes"].get_ref<Json::object_t&>(),
+                [](const auto& a) { return !is_read_attribute(a.first); });
   for (const auto& [name, value] : e["attributes"].items()) {
     c.check(e["attributes"], here + ".attributes", {integer(name.c_str(), true, 0, 4294967295.0)});
     if (!p["attributes"].contains(name))

@@ -10,7 +10,11 @@ namespace {
 
 constexpr const char* kLights = "KHR_lights_punctual";
 
-void check_texture(Checker& c, Json& parent, const std::string& at, const char* name) {
+using Textures = std::vector<size_t>;
+
+/// `seen` gets the one it refers to.
+void check_texture(Checker& c, Json& parent, const std::string& at, const char* name,
+                   Textures& seen) {
   c.check(parent, at, {object(name)});
   if (!parent.contains(name)) return;
   Json& t = parent[name];
@@ -18,6 +22,7 @@ void check_texture(Checker& c, Json& parent, const std::string& at, const char* 
   c.check(t, here,
           {index("index", "textures", true), integer("texCoord"), number("scale"),
            object("extensions")});
+  seen.push_back(t["index"].get<size_t>());
   if (!t.contains("extensions")) return;
   c.check(t["extensions"], here + ".extensions", {object("KHR_texture_transform")});
   if (t["extensions"].contains("KHR_texture_transform"))
@@ -34,7 +39,7 @@ void check_one_of(Checker& c, Json& parent, const std::string& at, const char* n
   c.fail(at + "." + name, parent[name], expected);
 }
 
-void check_extensions_of_material(Checker& c, Json& e, const std::string& at) {
+void check_extensions_of_material(Checker& c, Json& e, const std::string& at, Textures& seen) {
   for (const auto& [name, value] : e.items())
     if (!value.is_object()) c.fail(at + "." + name.substr(0, 60), value, "an object");
   const auto check = [&](const char* name, std::initializer_list<Field> fields,
@@ -42,7 +47,7 @@ void check_extensions_of_material(Checker& c, Json& e, const std::string& at) {
     if (!e.contains(name)) return;
     const std::string here = at + "." + name;
     c.check(e[name], here, fields);
-    for (const char* texture : textures) check_texture(c, e[name], here, texture);
+    for (const char* texture : textures) check_texture(c, e[name], here, texture, seen);
   };
   check("KHR_materials_emissive_strength", {number("emissiveStrength", false, 0)});
   check("KHR_materials_specular",
@@ -61,11 +66,14 @@ void check_extensions_of_material(Checker& c, Json& e, const std::string& at) {
   check("KHR_materials_sheen",
         {numbers("sheenColorFactor", 3, 0), number("sheenRoughnessFactor", false, 0, 1)},
         {"sheenColorTexture", "sheenRoughnessTexture"});
-  check("KHR_materials_iridescence", {number("iridescenceFactor")});
-  check("KHR_materials_anisotropy", {number("anisotropyStrength")});
-  check("KHR_materials_dispersion", {number("dispersion")});
-  check("KHR_materials_diffuse_transmission", {number("diffuseTransmissionFactor")});
-  check("KHR_materials_volume_scatter", {numbers("multiscatterColor", 3)});
+  const auto check_left_out = [&](const char* name, const Field& field) {
+    if (!c.tolerate([&] { check(name, {field}); })) e.erase(name);
+  };
+  check_left_out("KHR_materials_iridescence", number("iridescenceFactor"));
+  check_left_out("KHR_materials_anisotropy", number("anisotropyStrength"));
+  check_left_out("KHR_materials_dispersion", number("dispersion"));
+  check_left_out("KHR_materials_diffuse_transmission", number("diffuseTransmissionFactor"));
+  check_left_out("KHR_materials_volume_scatter", numbers("multiscatterColor", 3));
   check("KHR_materials_volume",
         {number("thicknessFactor", false, 0), number("attenuationDistance", false, 0),
          numbers("attenuationColor", 3, 0, 1)});
@@ -83,32 +91,61 @@ void check_extensions_of_material(Checker& c, Json& e, const std::string& at) {
   }
 }
 
+void check_alpha(Checker& c, Json& m, const std::string& at) {
+  c.check(m, at, {text("alphaMode")});
+  const auto mode = m.value("alphaMode", "OPAQUE");
+  if (mode != "OPAQUE" && mode != "MASK" && mode != "BLEND")
+    c.fail(at + ".alphaMode", m["alphaMode"], "OPAQUE, MASK or BLEND");
+  const auto check_cutoff = [&] { c.check(m, at, {number("alphaCutoff", false, 0)}); };
+  if (mode == "MASK") return check_cutoff();
+  if (!c.tolerate(check_cutoff)) m.erase("alphaCutoff");
+}
+
+Textures check_material(Checker& c, Json& m, const std::string& at) {
+  Textures seen;
+  c.check(m, at,
+          {name_of("name"), numbers("emissiveFactor", 3, 0), boolean("doubleSided"),
+           object("pbrMetallicRoughness"), object("extensions")});
+  check_alpha(c, m, at);
+  check_texture(c, m, at, "emissiveTexture", seen);
+  check_texture(c, m, at, "normalTexture", seen);
+  if (m.contains("pbrMetallicRoughness")) {
+    Json& pbr = m["pbrMetallicRoughness"];
+    const std::string here = at + ".pbrMetallicRoughness";
+    c.check(pbr, here,
+            {numbers("baseColorFactor", 4, 0), number("metallicFactor", false, 0, 1),
+             number("roughnessFactor", false, 0, 1)});
+    check_texture(c, pbr, here, "baseColorTexture", seen);
+    check_texture(c, pbr, here, "metallicRoughnessTexture", seen);
+  }
+  if (m.contains("extensions"))
+    check_extensions_of_material(c, m["extensions"], at + ".extensions", seen);
+  return seen;
+}
+
+void check_spot(Checker& c, Json& light, const std::string& at) {
+  c.check(light, at, {object("spot")});
+  if (!light.contains("spot")) return;
+  Json& s = light["spot"];
+  c.check(s, at + ".spot", {number("innerConeAngle"), number("outerConeAngle")});
+  const double inner = s.value("innerConeAngle", 0.0);
+  const double outer = s.value("outerConeAngle", std::numbers::pi / 4);
+  // Files round pi/2 to single precision.
+  if (!(inner >= 0 && inner <= outer && outer > 0 && outer <= std::numbers::pi / 2 + 1e-6))
+    c.fail_because(at + ".spot",
+                   fmt::format("has an inner cone of {} and an outer one of {}, expected "
+                               "0 <= inner <= outer, 0 < outer <= pi/2",
+                               inner, outer));
+}
+
 }  // namespace
 
 void check_materials(Checker& c, Json& root) {
+  size_t i = 0;
   c.each(root, "", "materials", [&](Json& m, const std::string& at) {
-    c.check(m, at,
-            {name_of("name"), numbers("emissiveFactor", 3, 0), text("alphaMode"),
-             number("alphaCutoff", false, 0), boolean("doubleSided"),
-             object("pbrMetallicRoughness"), object("extensions")});
-    if (m.contains("alphaMode")) {
-      const auto mode = m["alphaMode"].get<std::string>();
-      if (mode != "OPAQUE" && mode != "MASK" && mode != "BLEND")
-        c.fail(at + ".alphaMode", m["alphaMode"], "OPAQUE, MASK or BLEND");
-    }
-    check_texture(c, m, at, "emissiveTexture");
-    check_texture(c, m, at, "normalTexture");
-    if (m.contains("pbrMetallicRoughness")) {
-      Json& pbr = m["pbrMetallicRoughness"];
-      const std::string here = at + ".pbrMetallicRoughness";
-      c.check(pbr, here,
-              {numbers("baseColorFactor", 4, 0), number("metallicFactor", false, 0, 1),
-               number("roughnessFactor", false, 0, 1)});
-      check_texture(c, pbr, here, "baseColorTexture");
-      check_texture(c, pbr, here, "metallicRoughnessTexture");
-    }
-    if (m.contains("extensions"))
-      check_extensions_of_material(c, m["extensions"], at + ".extensions");
+    const bool used = c.uses.has("materials", i++);
+    for (const size_t texture : check_material(c, m, at))
+      if (used) c.uses.mark("textures", texture);
   });
 }
 
@@ -140,8 +177,8 @@ void count_lights(Checker& c, Json& root) {
   c.check(root["extensions"], "extensions", {object(kLights)});
   if (!root["extensions"].contains(kLights)) return;
   Json& owner = root["extensions"][kLights];
-  c.check(owner, std::string("extensions.") + kLights, {objects("lights", true)});
-  c.uses.count("lights", owner["lights"].size());
+  c.check(owner, std::string("extensions.") + kLights, {objects("lights")});
+  c.uses.count("lights", owner.value("lights", Json::array()).size());
 }
 
 void check_lights(Checker& c, Json& root) {
@@ -151,21 +188,12 @@ void check_lights(Checker& c, Json& root) {
   c.each(owner, where, "lights", [&](Json& l, const std::string& at) {
     c.check(l, at,
             {name_of("name"), text("type", true), numbers("color", 3, 0),
-             number("intensity", false, 0), object("spot")});
+             number("intensity", false, 0)});
     const auto type = l["type"].get<std::string>();
     if (type != "point" && type != "spot" && type != "directional")
       c.fail(at + ".type", l["type"], "point, spot or directional");
-    if (!l.contains("spot")) return;
-    Json& s = l["spot"];
-    c.check(s, at + ".spot", {number("innerConeAngle"), number("outerConeAngle")});
-    const double inner = s.value("innerConeAngle", 0.0);
-    const double outer = s.value("outerConeAngle", std::numbers::pi / 4);
-    // Files round pi/2 to single precision.
-    if (!(inner >= 0 && inner <= outer && outer > 0 && outer <= std::numbers::pi / 2 + 1e-6))
-      c.fail_because(at + ".spot",
-                     fmt::format("has an inner cone of {} and an outer one of {}, expected "
-                                 "0 <= inner <= outer, 0 < outer <= pi/2",
-                                 inner, outer));
+    if (type == "spot") return check_spot(c, l, at);
+    if (!c.tolerate([&] { check_spot(c, l, at); })) l.erase("spot");
   });
 }
 

@@ -12,14 +12,37 @@ constexpr const char* kLights = "KHR_lights_punctual";
 constexpr const char* kInstances = "EXT_mesh_gpu_instancing";
 constexpr const char* kVisibility = "KHR_node_visibility";
 
-void check_node(Checker& c, Json& n, const std::string& at) {
+bool hides(const Json& n) {
+  if (!n.contains("extensions") || !n["extensions"].contains(kVisibility)) return false;
+  return !n["extensions"][kVisibility].value("visible", true);
+}
+
+void check_visibility(Checker& c, Json& n, const std::string& at) {
+  if (!n.contains("extensions")) return;
+  Json& e = n["extensions"];
+  const std::string here = at + ".extensions";
+  c.check(e, here, {object(kVisibility)});
+  if (e.contains(kVisibility))
+    c.check(e[kVisibility], here + "." + kVisibility, {boolean("visible")});
+}
+
+/// What it holds but for its camera, of which the picture knows nothing where it is not shown.
+void check_node(Checker& c, Json& n, const std::string& at, bool shown) {
   c.check(n, at,
-          {name_of("name"), indices("children", "nodes"), index("mesh", "meshes"),
-           index("camera", "cameras"), index("skin", "skins"), numbers("matrix", 16),
-           numbers("translation", 3), numbers("rotation", 4), numbers("scale", 3),
-           object("extensions")});
-  check_weights(c, n, at);
-  check_node_extensions(c, n, at);
+          {name_of("name"), indices("children", "nodes"), index("camera", "cameras"),
+           numbers("matrix", 16), numbers("translation", 3), numbers("rotation", 4),
+           numbers("scale", 3), object("extensions")});
+  check_visibility(c, n, at);
+  const auto check_content = [&] {
+    c.check(n, at, {index("mesh", "meshes"), index("skin", "skins")});
+    check_weights(c, n, at);
+    check_node_extensions(c, n, at);
+  };
+  if (shown && !hides(n)) return check_content();
+  if (c.tolerate(check_content)) return;
+  for (const char* name : {"mesh", "skin", "weights"}) n.erase(name);
+  if (!n.contains("extensions")) return;
+  for (const char* name : {kLights, kInstances}) n["extensions"].erase(name);
 }
 
 void mark_accessors_of_instances(Uses& uses, const Json& extensions) {
@@ -39,11 +62,6 @@ void mark_parts_of_node(Uses& uses, const Json& n, bool visible) {
   uses.mark("meshes", n["mesh"].get<size_t>());
   if (n.contains("mesh") && n.contains("skin")) uses.mark("skins", n["skin"].get<size_t>());
   mark_accessors_of_instances(uses, extensions);
-}
-
-bool hides(const Json& n) {
-  if (!n.contains("extensions") || !n["extensions"].contains(kVisibility)) return false;
-  return !n["extensions"][kVisibility].value("visible", true);
 }
 
 /// The roots of the scene, or all nodes where there is none.
@@ -76,7 +94,7 @@ void visit_nodes(Checker& c, Json& root, const std::vector<size_t>& first) {
     next.pop_back();
     Json& n = root["nodes"][step.node];
     const bool is_new = c.uses.mark("nodes", step.node);
-    if (is_new) check_node(c, n, place("nodes", step.node));
+    if (is_new) check_node(c, n, place("nodes", step.node), step.visible);
     const bool visible = step.visible && !hides(n);
     if (!is_new && (seen[step.node] || !visible)) continue;
     if (visible) seen[step.node] = true;
@@ -84,6 +102,14 @@ void visit_nodes(Checker& c, Json& root, const std::vector<size_t>& first) {
     if (!n.contains("children")) continue;
     for (const Json& child : n["children"]) next.push_back({child.get<size_t>(), visible});
   }
+}
+
+bool joints_are_in_scene(Checker& c, const Json& root) {
+  for (size_t i = 0; i < c.size_of("skins"); ++i)
+    if (c.uses.has("skins", i))
+      for (const Json& joint : root["skins"][i]["joints"])
+        if (!c.uses.has("nodes", joint.get<size_t>())) return false;
+  return true;
 }
 
 }  // namespace
@@ -99,9 +125,7 @@ void check_node_extensions(Checker& c, Json& n, const std::string& at) {
   if (!n.contains("extensions")) return;
   Json& e = n["extensions"];
   const std::string here = at + ".extensions";
-  c.check(e, here, {object(kInstances), object(kVisibility), object(kLights)});
-  if (e.contains(kVisibility))
-    c.check(e[kVisibility], here + "." + kVisibility, {boolean("visible")});
+  c.check(e, here, {object(kInstances), object(kLights)});
   if (e.contains(kLights)) {
     const std::string light = here + "." + kLights;
     c.check(e[kLights], light, {integer("light", true)});
@@ -120,14 +144,20 @@ void check_node_extensions(Checker& c, Json& n, const std::string& at) {
 
 void check_nodes(Checker& c, Json& root) {
   visit_nodes(c, root, first_nodes(c, root));
+}
+
+void check_nodes_outside(Checker& c, Json& root) {
+  const std::vector<bool> checked = c.uses.of("nodes");
+  if (!joints_are_in_scene(c, root))
+    // Others may stand above the joints; whatever they are, they count.
+    for (size_t i = 0; i < c.size_of("nodes"); ++i) c.uses.mark("nodes", i);
   size_t i = 0;
   c.each(root, "", "nodes", [&](Json& n, const std::string& at) {
-    if (!c.uses.has("nodes", i++)) check_node(c, n, at);  // the others are checked
+    if (!checked[i++]) check_node(c, n, at, false);
   });
 }
 
 void check_skins(Checker& c, Json& root) {
-  bool all_below = true;  // the joints lie in the scene
   c.each(root, "", "skins", [&](Json& s, const std::string& at) {
     c.check(s, at, {indices("joints", "nodes"), index("inverseBindMatrices", "accessors")});
     if (!s.contains("joints") || s["joints"].empty())
@@ -138,29 +168,39 @@ void check_skins(Checker& c, Json& root) {
     const Json& s = root["skins"][i];
     if (s.contains("inverseBindMatrices"))
       c.uses.mark("accessors", s["inverseBindMatrices"].get<size_t>());
-    for (const Json& joint : s["joints"]) all_below &= c.uses.has("nodes", joint.get<size_t>());
   }
-  if (all_below) return;
-  // Others may stand above the joints; whatever they are, they count.
-  for (size_t i = 0; i < c.size_of("nodes"); ++i) c.uses.mark("nodes", i);
+}
+
+void check_attributes(Checker& c, Json& attributes, const std::string& at) {
+  for (const auto& [name, value] : attributes.items()) {
+    const auto check = [&, &n = name] { c.check(attributes, at, {index(n.c_str(), "accessors")}); };
+    if (is_read_attribute(name))
+      check();
+    else
+      c.tolerate(check);
+  }
+  std::erase_if(attributes.get_ref<Json::object_t&>(),
+                [](const auto& a) { return !is_read_attribute(a.first); });
 }
 
 void check_targets(Checker& c, Json& p, const std::string& at) {
   c.check(p, at, {objects("targets")});
-  c.each(p, at, "targets", [&](Json& t, const std::string& here) {
-    for (const auto& [name, value] : t.items())
-      c.check(t, here, {index(name.c_str(), "accessors")});
-  });
+  c.each(p, at, "targets", [&](Json& t, const std::string& here) { check_attributes(c, t, here); });
 }
 
 void check_animations(Checker& c, Json& root) {
   std::set<std::pair<size_t, std::string>> moved;
-  size_t empty = 0;
+  size_t idle = 0, aimless = 0, empty = 0, unnamed = 0;
   // Whether the channel moves something that is seen; checked as far as that takes.
-  const auto counts = [&](Json& animation, Json& channel, const std::string& at) {
-    c.check(channel, at, {object("target", true)});
+  const auto counts = [&](Json& animation, const std::string& owner, Json& channel,
+                          const std::string& at) {
+    c.check(channel, at, {object("target")});
+    if (!channel.contains("target")) return ++aimless, false;
     Json& target = channel["target"];
-    c.check(target, at + ".target", {text("path", true), index("node", "nodes")});
+    const std::string where = at + ".target";
+    c.check(target, where, {text("path"), index("node", "nodes")});
+    if (!target.contains("path") && !target.contains("node")) return ++aimless, false;
+    c.check(target, where, {text("path", true)});
     const auto path = target["path"].get<std::string>();
     if (path == "pointer") return true;
     const bool known =
@@ -169,12 +209,15 @@ void check_animations(Checker& c, Json& root) {
     const auto node = target["node"].get<size_t>();
     if (!c.uses.has("nodes", node) || moved.contains({node, path})) return false;
     c.check(channel, at, {integer("sampler", true)});
+    c.check(animation, owner, {objects("samplers", true)});
     const Json& samplers = animation["samplers"];
     if (channel["sampler"].get<uint64_t>() >= samplers.size())
       c.fail(at + ".sampler", channel["sampler"],
              fmt::format("an index into the {} samplers", samplers.size()));
     Json& sampler = animation["samplers"][channel["sampler"].get<size_t>()];
-    c.check(sampler, at + ".sampler", {index("output", "accessors", true), text("interpolation")});
+    c.check(sampler, at + ".sampler", {index("output", "accessors", true)});
+    if (sampler.contains("interpolation") && !sampler["interpolation"].is_string())
+      sampler.erase("interpolation"), ++unnamed;
     const auto output = sampler["output"].get<size_t>();
     if (root["accessors"][output].value("count", Json(1)) == 0) return ++empty, false;
     c.uses.mark("accessors", output);
@@ -182,18 +225,23 @@ void check_animations(Checker& c, Json& root) {
     return true;
   };
   c.each(root, "", "animations", [&](Json& a, const std::string& at) {
-    c.check(a, at, {objects("channels", true), objects("samplers", true)});
+    c.check(a, at, {objects("channels")});
+    if (!a.contains("channels")) ++idle;
     Json kept = Json::array();
     c.each(a, at, "channels", [&](Json& channel, const std::string& here) {
-      if (counts(a, channel, here)) kept.push_back(channel);
+      if (counts(a, at, channel, here)) kept.push_back(channel);
     });
     a["channels"] = kept;
   });
-  if (empty > 0)
-    c.note(fmt::format(
-        "{} without a key {} nothing",
-        empty == 1 ? "1 animation channel" : fmt::format("{} animation channels", empty),
-        empty == 1 ? "moves" : "move"));
+  const auto tell = [&](size_t n, const char* noun, const std::string& lack) {
+    if (n > 0) c.note(counted(n, noun, lack + " moves nothing", lack + " move nothing"));
+  };
+  tell(idle, "animation", "without channels");
+  tell(aimless, "animation channel", "without a target");
+  tell(empty, "animation channel", "without a key");
+  if (unnamed > 0)
+    c.note(counted(unnamed, "interpolation", "is not made of text: taken as LINEAR",
+                   "are not made of text: taken as LINEAR"));
 }
 
 }  // namespace tdpt::gltf

@@ -102,8 +102,21 @@ class Checker {
       } catch (const InputError& e) {
         if (uses.has(name, i)) throw;
         (*it)[i] = harmless(name);
-        unused_faults_.push_back(e.what());
+        note_unused(e);
       }
+    }
+  }
+
+  /// Runs a check of what cannot change the picture. False where it fails: a warning tells, and
+  /// what was checked is to be left out.
+  template <class Check>
+  bool tolerate(const Check& run) {
+    try {
+      run();
+      return true;
+    } catch (const InputError& e) {
+      note_unused(e);
+      return false;
     }
   }
 
@@ -115,11 +128,7 @@ class Checker {
     if (misnamed_ > 0)
       out.push_back(fmt::format("{} {} not made of text, and left out", misnamed_,
                                 misnamed_ == 1 ? "name is" : "names are"));
-    if (unused_faults_.empty()) return out;
-    const size_t more = unused_faults_.size() - 1;
-    out.push_back(unused_faults_.front().substr(file_.size() + 1) +
-                  "; nothing in the scene uses it" +
-                  (more > 0 ? fmt::format(", and {} more of the kind", more) : ""));
+    if (unused_faults_ > 0) out.push_back(unused_sentence(file_, first_unused_, unused_faults_));
     return out;
   }
 
@@ -135,6 +144,10 @@ class Checker {
   }
 
  private:
+  void note_unused(const InputError& fault) {
+    if (++unused_faults_ == 1) first_unused_ = fault.what();
+  }
+
   void check_field(Json& v, const std::string& at, const Field& f) {
     switch (f.kind) {
       case Kind::integer:
@@ -202,8 +215,9 @@ class Checker {
 
   Json& root_;
   const std::string& file_;
-  std::vector<std::string> notes_, unused_faults_;
-  size_t misnamed_ = 0;
+  std::vector<std::string> notes_;
+  std::string first_unused_;
+  size_t unused_faults_ = 0, misnamed_ = 0;
 };
 
 /// What extensions say that a primitive, a buffer or a bufferView is compressed by.
@@ -224,10 +238,14 @@ void check_node_extensions(Checker& checker, Json& node, const std::string& plac
 void check_weights(Checker& checker, Json& owner, const std::string& place);
 /// Leaves the first channel alone that moves a property of a node in the scene.
 void check_animations(Checker& checker, Json& root);
+/// Accessors of the attributes that are read; the others are left out.
+void check_attributes(Checker& checker, Json& attributes, const std::string& place);
 /// Morph targets of a primitive.
 void check_targets(Checker& checker, Json& primitive, const std::string& place);
 
 /// Finds the nodes of the scene and checks them; what they hold is used, unless they are hidden.
 void check_nodes(Checker& checker, Json& root);
+/// The other nodes, which count where joints stand among them. After check_skins().
+void check_nodes_outside(Checker& checker, Json& root);
 
 }  // namespace tdpt::gltf

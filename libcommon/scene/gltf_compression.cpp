@@ -49,6 +49,10 @@ class Decoder {
     std::vector<DracoMesh> decoded = decode_draco(requests, fault);
     if (!fault.empty()) d_.fail(jobs_[decoded.size()].where, fault);
     for (size_t i = 0; i < decoded.size(); ++i) put_in_place(jobs_[i], decoded[i]);
+    if (more_ > 0)
+      d_.warnings.push_back(counted(more_, "mesh",
+                                    "of Draco holds more than its accessors say: all is read",
+                                    "of Draco hold more than their accessors say: all is read"));
   }
 
  private:
@@ -101,7 +105,7 @@ class Decoder {
                               tinygltf::GetNumComponentsInType(static_cast<uint32_t>(a.type))});
     }
     // The counts first: a product of theirs does not overflow then.
-    if (r.vertices > most_ || r.corners > most_ || (all_ += most_bytes(r)) > most_)
+    if (r.vertices > most_ || r.corners > most_ || (all_ += declared_bytes(r)) > most_)
       d_.fail(
           job.where,
           fmt::format("declares {} vertices and {} corners of triangles, which brings the scene "
@@ -114,6 +118,7 @@ class Decoder {
   }
 
   void put_in_place(const Job& job, DracoMesh& mesh) {
+    more_ += exceeds(mesh, job.request);
     Primitive p = *job.users.front();
     p.mode = TINYGLTF_MODE_TRIANGLES;
     put_in_place(p.indices, mesh.corners, mesh.indices).componentType =
@@ -147,6 +152,7 @@ class Decoder {
   Document& d_;
   bool required_;
   size_t most_ = 0, all_ = 0;  // bytes of all meshes
+  size_t more_ = 0;            // meshes that hold more than accessors say
   std::vector<Job> jobs_;
   // By what the extension says, attributes, indices, mode.
   std::map<std::tuple<std::string, std::map<std::string, int>, int, int>, size_t> known_;

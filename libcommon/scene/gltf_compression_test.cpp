@@ -91,6 +91,33 @@ TEST(Compression, AccessorsThatSeveralPrimitivesShareHaveTheDataOfEach) {
   EXPECT_NEAR(area_of(read(b)), 1 + 0.75 + 1, 1e-6);
 }
 
+TEST(Compression, ThePoseIsThatOfTheAnimationInBothKindsOfFile) {
+  const auto mended = [](GlbBuilder b, bool moved) {
+    b.json["nodes"][0]["rotation"] = {0, 0, 0, 0};
+    if (!moved) return b;
+    const int output = b.floats({0, 0, 0, 1}, 4);
+    const Json target = {{"node", 0}, {"path", "rotation"}};
+    const Json sampler = {{"input", output}, {"output", output}};
+    const Json channel = {{"sampler", 0}, {"target", target}};
+    b.json["animations"] =
+        Json::array({{{"channels", Json::array({channel})}, {"samplers", Json::array({sampler})}}});
+    return b;
+  };
+  for (const GlbBuilder& b : {square_by_draco(), square_by_meshopt()}) {
+    EXPECT_NEAR(area_of(read(mended(b, true))), 1, 1e-6);
+    EXPECT_NE(refusal(mended(b, false)).find("nodes[0].rotation: is zero"), std::string::npos);
+  }
+}
+
+TEST(Compression, AttributesThatAreNotReadAreNotAskedOfDraco) {
+  GlbBuilder b = square_by_draco();
+  primitive(b)["attributes"]["_X"] = 9;
+  extension(primitive(b))["attributes"]["_X"] = 9;
+  EXPECT_NEAR(area_of(read(b)), 1, 1e-6);
+  primitive(b)["attributes"]["_X"] = 0;  // Draco holds no attribute 9
+  EXPECT_NEAR(area_of(read(b)), 1, 1e-6);
+}
+
 // Encoders leave out vertices of no triangle and triangles without area, and not all count again.
 TEST(Compression, DracoMayHoldLessThanAccessorsSay) {
   GlbBuilder b = square_by_draco();
@@ -99,6 +126,18 @@ TEST(Compression, DracoMayHoldLessThanAccessorsSay) {
   const Scene s = read(b);
   EXPECT_EQ(s.triangles.size(), 2u);
   EXPECT_EQ(s.positions.size(), 4u);
+}
+
+// Public samples are so, and every viewer takes them as Draco has them.
+TEST(Compression, DracoMayHoldSomewhatMoreThanAccessorsSay) {
+  for (const auto& [accessor, count] : {std::pair(0, 3), std::pair(1, 2)}) {
+    GlbBuilder b = square_by_draco();
+    b.json["accessors"][static_cast<size_t>(accessor)]["count"] = count;
+    const Scene s = read(b);
+    EXPECT_NEAR(area_of(s), 1, 1e-6);
+    EXPECT_EQ(s.warnings, std::vector<std::string>{"1 mesh of Draco holds more than its accessors "
+                                                   "say: all is read"});
+  }
 }
 
 TEST(Compression, DracoHoldsTrianglesWhateverTheModeOfAPrimitive) {
@@ -111,6 +150,12 @@ TEST(Compression, DracoHoldsTrianglesWhateverTheModeOfAPrimitive) {
 TEST(Compression, TheFallbackOfMeshoptimizerIsNotRead) {
   GlbBuilder b = square_by_meshopt();
   b.json["buffers"][0]["uri"] = "nowhere.bin";
+  EXPECT_EQ(refusal(b), "");
+}
+
+TEST(Compression, TheFallbackOfMeshoptimizerNeedNotSayThatItIsOne) {
+  GlbBuilder b = square_by_meshopt();
+  b.json["buffers"][0].erase("extensions");
   EXPECT_EQ(refusal(b), "");
 }
 

@@ -53,12 +53,6 @@ Json parse(std::string_view text, const std::string& file) {
   }
 }
 
-void check_version(const Document& d) {
-  const std::string version = d.json["asset"].value("version", "");
-  if (version.substr(0, 2) != "2." && version != "2")
-    d.fail("asset.version", fmt::format("is \"{}\", expected \"2.0\"", shown(version, 20)));
-}
-
 void check_extensions(Document& d) {
   if (!d.json.contains("extensionsRequired")) return;
   for (const Json& e : d.json["extensionsRequired"]) {
@@ -174,6 +168,11 @@ std::string counted(size_t n, const std::string& noun, const std::string& one,
   return tdpt::counted(n, noun) + ' ' + (n == 1 ? one : many);
 }
 
+std::string unused_sentence(const std::string& file, const std::string& first, size_t faults) {
+  return first.substr(file.size() + 1) + "; nothing in the scene uses it" +
+         (faults > 1 ? fmt::format(", and {} more of the kind", faults - 1) : "");
+}
+
 void open_document(const std::string& path, Document& d) {
   d.file = display_name(path);
   d.bytes = read_file(path);
@@ -184,8 +183,8 @@ void open_document(const std::string& path, Document& d) {
   const Chunks chunks = split_chunks(d.bytes, d.file, d.warnings);
   d.json = parse(chunks.json, d.file);
   const Checked checked = check_json(d.json, d.file);
+  d.camera_faults = checked.cameras;
   d.warnings.insert(d.warnings.end(), checked.warnings.begin(), checked.warnings.end());
-  check_version(d);
   check_extensions(d);
   for (const Json& e : d.json.value("extensionsUsed", Json::array()))
     d.extensions.insert(e.get<std::string>());

@@ -4,6 +4,7 @@
 #include <tiny_gltf.h>
 #include <deque>
 #include <map>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string>
@@ -13,6 +14,10 @@
 #include "libcommon/base/error.h"
 
 namespace tdpt::gltf {
+
+/// What is wrong with cameras that nodes of the scene hold, by their index: who takes one throws
+/// it.
+using CameraFaults = std::map<int, std::shared_ptr<const InputError>>;
 
 struct Document {
   std::string file;                       ///< what messages call it
@@ -28,6 +33,7 @@ struct Document {
   mutable std::map<size_t, std::string> unpacked;  ///< compressed bufferViews that were asked for
   mutable size_t bytes_unpacked = 0;               ///< of all of them
   std::vector<std::string> warnings;  ///< sentences: what is wrong and changes no picture
+  CameraFaults camera_faults;
 
   [[noreturn]] void fail(const std::string& place, const std::string& message) const {
     throw InputError(file, place, message);
@@ -40,6 +46,9 @@ std::string place(const char* section, size_t index);
 /// "1 material is", "3 materials are".
 std::string counted(size_t n, const std::string& noun, const std::string& one,
                     const std::string& many);
+
+/// The warning about `faults` errors, of which `first` is one, in what nothing needs.
+std::string unused_sentence(const std::string& file, const std::string& first, size_t faults);
 
 /// Reads and checks `path` ("-": standard input) into `document`. Throws InputError.
 void open_document(const std::string& path, Document& document);
@@ -57,11 +66,12 @@ Chunks split_chunks(std::string_view bytes, const std::string& file,
 struct Checked {
   std::vector<std::string> warnings;
   std::vector<bool> buffers;  ///< those that the scene needs
+  CameraFaults cameras;
 };
 
 /// Types, ranges and references of every field this room reads; integers written as 3.0 become 3.
 /// Throws InputError with the place of the first field that is wrong and may change the picture;
-/// what nothing in the scene uses is replaced where it is wrong.
+/// what nothing in the scene uses is replaced where it is wrong, and so are cameras.
 Checked check_json(nlohmann::json& json, const std::string& file);
 
 /// A URI that may be followed, but leads to nothing; `what_is`: "a file that is not there", for a

@@ -5,6 +5,7 @@
 
 #include <draco/compression/decode.h>
 #include <fmt/format.h>
+#include <algorithm>
 #include <cstdio>
 
 #include "libcommon/base/another_process.h"
@@ -23,6 +24,15 @@ constexpr size_t kRoom = size_t{32} << 20, kRoomOfAByte = 16;
 // By trial 1e8 bytes of the result come in a second.
 constexpr unsigned kSeconds = 2;
 constexpr size_t kBytesInASecond = size_t{1} << 22;
+
+// Encoders part vertices where attributes meet, and some exporters do not count again; others count
+// triangles for corners. Viewers take what Draco holds.
+size_t most_corners(const DracoRequest& request) {
+  return 3 * request.corners;
+}
+size_t most_vertices(const DracoRequest& request) {
+  return std::max(request.vertices, std::min(2 * request.vertices, most_corners(request)));
+}
 
 size_t bytes_of(int component_type) {
   return component_type == 5120 || component_type == 5121   ? 1
@@ -70,8 +80,8 @@ Fault decode(const DracoRequest& request, DracoMesh& out, uint32_t& number) {
   const draco::Mesh& mesh = *decoded.value();
   out.vertices = mesh.num_points();
   out.corners = size_t{3} * mesh.num_faces();
-  if (out.vertices > request.vertices) return number = mesh.num_points(), Fault::vertices;
-  if (out.corners > request.corners) return number = 3 * mesh.num_faces(), Fault::corners;
+  if (out.vertices > most_vertices(request)) return number = mesh.num_points(), Fault::vertices;
+  if (out.corners > most_corners(request)) return number = 3 * mesh.num_faces(), Fault::corners;
   for (uint32_t f = 0; f < mesh.num_faces(); ++f)
     for (const draco::PointIndex& corner : mesh.face(draco::FaceIndex(f))) {
       const uint32_t index = corner.value();
@@ -120,7 +130,7 @@ bool get(std::FILE* file, const DracoRequest& request, Fault& fault, uint32_t& n
   fault = static_cast<Fault>(word);
   if (fault != Fault::none) return false;
   if (!get(file, vertices) || !get(file, corners)) return false;
-  if (vertices > request.vertices || corners > request.corners) return false;
+  if (vertices > most_vertices(request) || corners > most_corners(request)) return false;
   mesh.vertices = vertices, mesh.corners = corners;
   bool whole = get(file, size_t{4} * corners, mesh.indices);
   for (const Attribute& a : request.attributes)
@@ -133,11 +143,12 @@ bool get(std::FILE* file, const DracoRequest& request, Fault& fault, uint32_t& n
 std::string text_of(Fault fault, uint32_t number, const DracoRequest& request) {
   switch (fault) {
     case Fault::vertices:
-      return fmt::format("holds {} vertices, expected at most {} as POSITION has", number,
-                         request.vertices);
+      return fmt::format("holds {} vertices, expected at most {}, as POSITION has {}", number,
+                         most_vertices(request), request.vertices);
     case Fault::corners:
-      return fmt::format("holds {} corners of triangles, expected at most {} as the indices are",
-                         number, request.corners);
+      return fmt::format(
+          "holds {} corners of triangles, expected at most {}, as the indices are {}", number,
+          most_corners(request), request.corners);
     case Fault::attribute:
       return fmt::format("holds no attribute {}", number);
     case Fault::components:
@@ -149,24 +160,28 @@ std::string text_of(Fault fault, uint32_t number, const DracoRequest& request) {
 
 }  // namespace
 
-size_t most_bytes(const DracoRequest& request) {
+size_t declared_bytes(const DracoRequest& request) {
   size_t of_vertex = 0;
   for (const Attribute& a : request.attributes)
     of_vertex += bytes_of(a.component_type) * static_cast<size_t>(a.components);
   return request.vertices * of_vertex + 4 * request.corners;
 }
 
+bool exceeds(const DracoMesh& mesh, const DracoRequest& request) {
+  return mesh.vertices > request.vertices || mesh.corners > request.corners;
+}
+
 std::vector<DracoMesh> decode_draco(const std::vector<DracoRequest>& requests, std::string& fault) {
   std::vector<DracoMesh> meshes;
-  size_t most = 0;
-  for (const DracoRequest& r : requests) most += most_bytes(r);
+  size_t declared = 0;
+  for (const DracoRequest& r : requests) declared += declared_bytes(r);
   fault.clear();
   Fault found = Fault::none;
   uint32_t number = 0;
   const bool whole = in_another_process(
       [&](std::FILE* file) {
-        limit_this_process(kRoom + kRoomOfAByte * most,
-                           kSeconds + static_cast<unsigned>(most / kBytesInASecond));
+        limit_this_process(kRoom + kRoomOfAByte * declared,
+                           kSeconds + static_cast<unsigned>(declared / kBytesInASecond));
         for (const DracoRequest& r : requests) {
           DracoMesh mesh;
           uint32_t of_fault = 0;
@@ -185,7 +200,7 @@ std::vector<DracoMesh> decode_draco(const std::vector<DracoRequest>& requests, s
       });
   if (!whole && meshes.size() == requests.size()) meshes.pop_back();  // its end was none
   if (meshes.size() == requests.size()) return meshes;
-  const bool limited = kRoom + kRoomOfAByte * most > memory_limit();
+  const bool limited = kRoom + kRoomOfAByte * declared > memory_limit();
   fault = limited && found == Fault::none
               ? "cannot be decoded in the " + size_words(memory_limit()) + " of --max-memory"
               : text_of(found, number, requests[meshes.size()]);

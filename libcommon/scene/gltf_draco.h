@@ -16,7 +16,7 @@ struct DracoRequest {
   };
   std::string_view bytes;
   std::vector<Attribute> attributes;
-  size_t vertices = 0, corners = 0;  ///< at most
+  size_t vertices = 0, corners = 0;  ///< as accessors declare
 };
 
 struct DracoMesh {
@@ -25,8 +25,11 @@ struct DracoMesh {
   std::vector<std::string> attributes;  ///< without gaps
 };
 
-/// Bytes of the mesh if it has all the vertices and corners that it may have.
-size_t most_bytes(const DracoRequest& request);
+/// Bytes of the mesh if it has all the vertices and corners that accessors declare.
+size_t declared_bytes(const DracoRequest& request);
+
+/// Whether it has more than that.
+bool exceeds(const DracoMesh& mesh, const DracoRequest& request);
 
 /// All meshes, or those before the first that cannot be decoded; `fault` says what is wrong with
 /// it. The indices are as they come, not necessarily of vertices that there are.

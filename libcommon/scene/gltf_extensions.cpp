@@ -51,7 +51,9 @@ constexpr std::array kOfNoPicture = {
     "OMI_physics_body", "OMI_physics_joint", "OMI_physics_shape",
     // How surfaces were made, and in which order a rasteriser draws them.
     "ADOBE_render_order", "CESIUM_primitive_outline", "EXT_mesh_manifold", "FB_ngon_encoding",
-    "GODOT_single_root"};
+    "GODOT_single_root",
+    // Where all of the scene lies, cameras and lamps included.
+    "CESIUM_RTC"};
 
 }  // namespace
 

@@ -66,7 +66,7 @@ std::vector<Affine> place_instances(const Document& d, const PlacedNode& n) {
     if (!map)
       d.fail(place("accessors", static_cast<size_t>(a.accessor[1])),
              fmt::format("rotation {} is zero, expected a unit quaternion", i));
-    out.push_back(n.to_world * *map);
+    out.push_back(n.to_world() * *map);
   }
   return out;
 }

@@ -39,9 +39,9 @@ std::optional<PunctualLight> read_light(const Document& d, const PlacedNode& n, 
     d.fail(fmt::format("extensions.{}.{}", kName, place("lights", index)),
            fmt::format("has an intensity of {}, expected at most 1e30", max_component(intensity)));
   out.intensity = Rgb(intensity);
-  out.position = n.to_world.t;
+  out.position = n.to_world().t;
   if (type == "point") return out;
-  out.direction = direction_of(-n.to_world.z);
+  out.direction = direction_of(-n.to_world().z);
   if (out.direction == Vec3d()) {
     ++flat;
     return {};
@@ -57,16 +57,18 @@ std::optional<PunctualLight> read_light(const Document& d, const PlacedNode& n, 
   return out;
 }
 
-LampUnits lamp_units_of(const Document& d) {
+std::string generator_of(const Document& d) {
   const Json& asset = d.json["asset"];
-  std::string generator;
-  if (asset.contains("generator") && asset["generator"].is_string())
-    generator = asset["generator"].get<std::string>();
+  if (!asset.contains("generator") || !asset["generator"].is_string()) return "";
+  return asset["generator"].get<std::string>();
+}
+
+LampUnits lamp_units_of(const Document& d) {
   std::vector<LampNumber> numbers;
   for (const Json& l : d.json["extensions"][kName]["lights"])
     if (const double value = l.value("intensity", 1.0); value > 0)
       numbers.push_back({value, l["type"] == "directional"});
-  return tdpt::lamp_units_of(generator, numbers);
+  return tdpt::lamp_units_of(generator_of(d), numbers);
 }
 
 void to_canonical(const Document& d, const Frame& frame, PunctualLight& light) {

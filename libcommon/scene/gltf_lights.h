@@ -14,6 +14,9 @@ namespace tdpt::gltf {
 std::optional<PunctualLight> read_light(const Document& document, const PlacedNode& node,
                                         size_t& flat);
 
+/// asset.generator; empty: not told.
+std::string generator_of(const Document& document);
+
 /// What the numbers of the file's lamps stand for.
 LampUnits lamp_units_of(const Document& document);
 

@@ -121,8 +121,7 @@ class Reader {
   }
 
   void finish() {
-    for (const auto& [words, names] : left_out_)
-      scene_.warnings.push_back(fmt::format("{} is left out: {}", words, listed(names)));
+    tell_left_out();
     for (size_t k = 0; k < kinds; ++k)
       if (count_[k] > 0)
         scene_.warnings.push_back(
@@ -292,17 +291,31 @@ class Reader {
   void note_left_out(const Json& extensions, size_t index, const Material& m) {
     const std::string name =
         m.name.empty() ? place("materials", index) : "\"" + shown(m.name, 60) + "\"";
-    const auto note = [&](const std::string& words) { left_out_[words].push_back(name); };
     for (const auto& [extension, value] : extensions.items()) {
       const auto known =
           std::find_if(std::begin(kLeftOut), std::end(kLeftOut),
                        [&e = extension](const LeftOut& l) { return e == l.extension; });
       if (known != std::end(kLeftOut)) {
-        if (more_than_0(value, known->factor)) note(known->words);
+        if (more_than_0(value, known->factor)) left_out_[known->words].push_back(name);
       } else if (extension.find("_materials_") != extension.npos && !is_supported(extension)) {
-        note(shown(extension, 60));
+        unknown_[shown(extension, 60)].push_back(name);
       }
     }
+  }
+
+  /// A file may make up as many extensions as it likes.
+  void tell_left_out() {
+    constexpr size_t kMost = 8;
+    const auto tell = [&](const std::string& words, const std::vector<std::string>& names) {
+      scene_.warnings.push_back(fmt::format("{} is left out: {}", words, listed(names)));
+    };
+    size_t told = 0;
+    for (const auto& [words, names] : unknown_)
+      if (told++ < kMost) tell(words, names);
+    if (told > kMost)
+      scene_.warnings.push_back(counted(told - kMost, "more extension", "of materials is left out",
+                                        "of materials are left out"));
+    for (const auto& [words, names] : left_out_) tell(words, names);
   }
 
   /// Radiance [W/m2/sr]: emissiveFactor x emissiveStrength.
@@ -365,10 +378,10 @@ class Reader {
   TextureReader textures_;
   std::optional<Texture> base_, roughness_, emission_, normal_, specular_, specular_color_,
       transmission_, coat_, coat_roughness_, coat_normal_, sheen_color_,
-      sheen_roughness_;                                       // of the material at hand
-  std::string called_;                                        // of the material at hand
-  std::vector<std::string> undecodable_;                      // textures, and what they are
-  std::map<std::string, std::vector<std::string>> left_out_;  // names of materials
+      sheen_roughness_;                   // of the material at hand
+  std::string called_;                    // of the material at hand
+  std::vector<std::string> undecodable_;  // textures, and what they are
+  std::map<std::string, std::vector<std::string>> left_out_, unknown_;  // names of materials
   bool glossy_ = false;   // it is of the specular-glossiness model
   float glossiness_ = 1;  // alpha of a specular colour's texture of one colour
   std::array<size_t, kinds> count_{};

@@ -209,6 +209,17 @@ TEST(Materials, WhatIsLeftOutIsNamedWithTheMaterial) {
                                    "scattering in its volume is left out: material \"wax\""}));
 }
 
+TEST(Materials, ExtensionsThatNobodyKnowsDoNotDrownTheRest) {
+  Json m = lambert(0.9, 0.9, 0.9);
+  m["extensions"]["KHR_materials_iridescence"]["iridescenceFactor"] = 1;
+  for (int k = 0; k < 9; ++k) m["extensions"]["A_materials_" + std::to_string(k)] = Json::object();
+  const Scene s = scene_with({m});
+  ASSERT_EQ(s.warnings.size(), 10u);
+  EXPECT_EQ(s.warnings[7], "A_materials_7 is left out: material materials[0]");
+  EXPECT_EQ(s.warnings[8], "1 more extension of materials is left out");
+  EXPECT_EQ(s.warnings[9], "iridescence is left out: material materials[0]");
+}
+
 TEST(Materials, WhatIsLeftOutMayBeRequired) {
   GlbBuilder b;
   b.json["extensionsRequired"] = {"KHR_materials_iridescence", "KHR_materials_diffuse_transmission",

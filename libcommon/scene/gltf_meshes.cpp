@@ -19,6 +19,10 @@ constexpr size_t kSome = size_t{1} << 22, kPerByte = 256;
 // Targets and joints of vertices take time alone.
 constexpr size_t kMostBends = size_t{1} << 31;
 
+bool is_surface(const tinygltf::Primitive& p) {
+  return p.mode >= TINYGLTF_MODE_TRIANGLES;
+}
+
 /// The mesh that a node shows, -1 for none.
 int mesh_of(const Document& d, const PlacedNode& n) {
   return n.visible ? d.model.nodes[n.node].mesh : -1;
@@ -42,8 +46,7 @@ std::vector<bool> used_materials(const Document& d, const std::vector<PlacedNode
     const int mesh = mesh_of(d, n);
     if (mesh < 0) continue;
     for (const tinygltf::Primitive& p : d.model.meshes[static_cast<size_t>(mesh)].primitives)
-      if (p.mode >= TINYGLTF_MODE_TRIANGLES && p.material >= 0)
-        used[static_cast<size_t>(p.material)] = true;
+      if (is_surface(p) && p.material >= 0) used[static_cast<size_t>(p.material)] = true;
   }
   return used;
 }
@@ -81,7 +84,7 @@ void MeshReader::make_room() {
       const auto position = p.attributes.find("POSITION");
       if (position == p.attributes.end()) continue;
       const size_t points = std::min(count(position->second), kMostVertices + 1);
-      if (p.mode >= TINYGLTF_MODE_TRIANGLES) {
+      if (is_surface(p)) {
         const AttributeSet set = choose_attributes(p, uses_[material_of(p)], shape);
         bends +=
             std::min(times * points, kMostVertices + 1) * (set.targets.size() + set.joints.size()) +
@@ -118,6 +121,10 @@ Shape MeshReader::shape_of(size_t node) const {
   return {morph_weights(d_, node), d_.model.nodes[node].skin >= 0};
 }
 
+const std::vector<tinygltf::Primitive>& MeshReader::primitives_of(const PlacedNode& n) const {
+  return d_.model.meshes[static_cast<size_t>(d_.model.nodes[n.node].mesh)].primitives;
+}
+
 size_t MeshReader::material_of(const tinygltf::Primitive& p) const {
   return p.material < 0 ? uses_.size() - 1 : static_cast<size_t>(p.material);
 }
@@ -126,29 +133,38 @@ void MeshReader::add_node(const PlacedNode& n) {
   const Shape shape = shape_of(n.node);
   if (shape.skinned) {  // nothing is said of where instances of it would be
     if (instances_declared(d_, n.node) > 1) skinned_instances_.insert(n.node);
-    add_mesh(n, shape, n.to_world);
+    add_mesh(n, shape, {});
+    return;
+  }
+  const auto& primitives = primitives_of(n);
+  if (std::none_of(primitives.begin(), primitives.end(), is_surface)) {  // wherever it is
+    no_surfaces_ += primitives.size();
     return;
   }
   for (const Affine& to_world : place_instances(d_, n)) add_mesh(n, shape, to_world);
 }
 
-void MeshReader::add_mesh(const PlacedNode& n, const Shape& shape, const Affine& to_world) {
+void MeshReader::add_mesh(const PlacedNode& n, const Shape& shape,
+                          const std::optional<Affine>& to_world) {
   const auto mesh = static_cast<size_t>(d_.model.nodes[n.node].mesh);
   struct Shared {
     uint32_t first;
     Placing placing;
   };
   std::map<AttributeSet, Shared> known;  // primitives often share all their vertices
-  const auto& primitives = d_.model.meshes[mesh].primitives;
+  const auto& primitives = primitives_of(n);
   for (size_t k = 0; k < primitives.size(); ++k) {
     const tinygltf::Primitive& p = primitives[k];
     const std::string where = place("meshes", mesh) + "." + place("primitives", k);
-    if (p.mode < TINYGLTF_MODE_TRIANGLES) {
+    if (!is_surface(p)) {
       ++no_surfaces_;
       continue;
     }
     const auto position = p.attributes.find("POSITION");
-    if (position == p.attributes.end()) d_.fail(where, "has no attribute POSITION");
+    if (position == p.attributes.end()) {
+      without_positions_.insert({mesh, k});
+      continue;
+    }
     const AttributeSet set = choose_attributes(p, uses_[material_of(p)], shape);
     check_counts(d_, set, where);
     auto it = known.find(set);
@@ -162,7 +178,7 @@ void MeshReader::add_mesh(const PlacedNode& n, const Shape& shape, const Affine&
     }
     const auto& [first, placing] = it->second;
     const size_t vertices = d_.model.accessors[static_cast<size_t>(position->second)].count;
-    const std::vector<uint32_t> corner = corners(p, vertices, where);
+    const std::vector<uint32_t> corner = corners(p, vertices, {mesh, k});
     add_triangles(corner, first, placing.mirrors, material_of(p));
     if (p.material >= 0) bubbles_.look_at(scene_.materials[material_of(p)], corner, world_, first);
     note_grain(placing.to_world, static_cast<size_t>(position->second), corner, first);
@@ -171,8 +187,11 @@ void MeshReader::add_mesh(const PlacedNode& n, const Shape& shape, const Affine&
 }
 
 Placing MeshReader::placing_of(const PlacedNode& n, const AttributeSet& set,
-                               const Affine& to_world) {
-  if (set.joints.empty()) return {to_world, to_world.mirrors(), {}};
+                               const std::optional<Affine>& to_world) {
+  if (set.joints.empty()) {
+    const Affine& map = to_world ? *to_world : n.to_world();
+    return {map, map.mirrors(), {}};
+  }
   const Skin& skin = skin_of(n.node);
   std::vector<Affine> of_vertices = skin.blend(set.joints);
   const bool mirrors = most_mirror(of_vertices);
@@ -196,7 +215,7 @@ void MeshReader::add_vertices(const PlacedNode& n, const AttributeSet& set,
 }
 
 std::vector<uint32_t> MeshReader::corners(const tinygltf::Primitive& p, size_t vertices,
-                                          const std::string& where) const {
+                                          const Key& key) {
   std::vector<uint32_t> list;
   if (p.indices >= 0) {
     list = read_indices(d_, static_cast<size_t>(p.indices), vertices);
@@ -204,15 +223,13 @@ std::vector<uint32_t> MeshReader::corners(const tinygltf::Primitive& p, size_t v
     list.resize(vertices);
     for (uint32_t i = 0; i < vertices; ++i) list[i] = i;
   }
-  if (p.mode == TINYGLTF_MODE_TRIANGLES) {
-    if (list.size() % 3 != 0)
-      d_.fail(where, fmt::format("has {} of triangles, expected a multiple of 3",
-                                 tdpt::counted(list.size(), "corner")));
+  // What is too little for a triangle is none, as in every graphics interface.
+  const bool strips = p.mode != TINYGLTF_MODE_TRIANGLES;
+  if (strips ? list.size() < 3 : list.size() % 3 != 0) incomplete_.insert(key);
+  if (!strips || list.size() < 3) {
+    list.resize(list.size() - list.size() % 3);
     return list;
   }
-  if (list.size() < 3)
-    d_.fail(where, fmt::format("has {}, a strip or fan has at least 3",
-                               tdpt::counted(list.size(), "corner")));
   std::vector<uint32_t> out;
   out.reserve(3 * (list.size() - 2));
   for (size_t i = 0; i + 2 < list.size(); ++i) {
@@ -263,6 +280,10 @@ void MeshReader::warn() const {
   if (const std::string bubbles = bubbles_.warning(); !bubbles.empty())
     scene_.warnings.push_back(bubbles);
   tell(no_surfaces_, "set", "of points or lines is left out", "of points or lines are left out");
+  tell(without_positions_.size(), "primitive", "has no positions, and is left out",
+       "have no positions, and are left out");
+  tell(incomplete_.size(), "primitive", "has corners left that make no triangle",
+       "have corners left that make no triangle");
   tell(without_uv_.size(), "primitive",
        "lacks the texture coordinates that its material asks for: taken as 0",
        "lack the texture coordinates that their materials ask for: taken as 0");

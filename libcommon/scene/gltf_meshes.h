@@ -1,6 +1,7 @@
 // Meshes of placed nodes, as triangles of the world. Internal to this room.
 #pragma once
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -36,12 +37,14 @@ class MeshReader {
 
   void make_room();
   void add_node(const PlacedNode& node);
-  void add_mesh(const PlacedNode& node, const Shape& shape, const Affine& to_world);
-  Placing placing_of(const PlacedNode& node, const AttributeSet& set, const Affine& to_world);
+  // `to_world` of an instance; nothing: the node's own.
+  void add_mesh(const PlacedNode& node, const Shape& shape, const std::optional<Affine>& to_world);
+  Placing placing_of(const PlacedNode& node, const AttributeSet& set,
+                     const std::optional<Affine>& to_world);
   const Skin& skin_of(size_t node);
   void add_vertices(const PlacedNode& node, const AttributeSet& set, const Placing& placing);
   std::vector<uint32_t> corners(const tinygltf::Primitive& primitive, size_t vertices,
-                                const std::string& where) const;
+                                const Key& key);
   void add_triangles(const std::vector<uint32_t>& corner, uint32_t first, bool mirrored,
                      size_t material);
   void note_grain(const Affine& to_world, size_t accessor, const std::vector<uint32_t>& corner,
@@ -49,6 +52,7 @@ class MeshReader {
   void note_primitive(const Key& key, const tinygltf::Primitive& primitive, const AttributeSet& set,
                       const Shape& shape);
   Shape shape_of(size_t node) const;
+  const std::vector<tinygltf::Primitive>& primitives_of(const PlacedNode& node) const;
   size_t material_of(const tinygltf::Primitive& primitive) const;
 
   const Document& d_;
@@ -63,7 +67,7 @@ class MeshReader {
   bool unnamed_material_ = false;
   Bubbles bubbles_;
   size_t no_surfaces_ = 0;
-  std::set<Key> without_uv_, coloured_, without_joints_;
+  std::set<Key> without_positions_, incomplete_, without_uv_, coloured_, without_joints_;
   std::set<size_t> skinned_instances_;  // nodes
 };
 

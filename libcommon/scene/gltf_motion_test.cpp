@@ -350,6 +350,16 @@ TEST(Animations, AreTakenAtTime0) {
   EXPECT_EQ(s.warnings, kAtTime0);
 }
 
+TEST(Animations, MayNameTheirInterpolationByNoText) {
+  const Scene s = moved({}, [](GlbBuilder& b) {
+    animate(b, "translation", b.floats({1, 2, 3, 7, 7, 7}, 3));
+    b.json["animations"][0]["samplers"][0]["interpolation"] = 0;
+  });
+  EXPECT_EQ(s.positions, moved({{"translation", {1, 2, 3}}}).positions);
+  EXPECT_EQ(s.warnings,
+            (Sentences{"1 interpolation is not made of text: taken as LINEAR", kAtTime0.front()}));
+}
+
 TEST(Animations, TheFirstThatMovesAPropertyCounts) {
   const Scene s = moved({}, [](GlbBuilder& b) {
     animate(b, "translation", b.floats({1, 2, 3, 7, 7, 7}, 3));

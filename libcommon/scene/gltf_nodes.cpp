@@ -73,6 +73,19 @@ bool is_hidden(const Document& d, size_t node) {
   return it != n["extensions"].end() && !it->value("visible", true);
 }
 
+/// From the parent's map to the node's own.
+void move_by_its_own(const Document& d, PlacedNode& n) {
+  if (n.fault) return;
+  try {
+    n.map = n.map * local_map(d, n.node);
+    const Affine& a = n.map;
+    if (!is_finite(a.x) || !is_finite(a.y) || !is_finite(a.z) || !is_finite(a.t))
+      d.fail(place("nodes", n.node), "its transform and those above it exceed double precision");
+  } catch (const InputError& e) {
+    n.fault = std::make_shared<const InputError>(e);
+  }
+}
+
 }  // namespace
 
 bool Affine::mirrors() const {
@@ -117,7 +130,7 @@ std::vector<PlacedNode> place_nodes(const Document& d, std::vector<std::string>&
   const std::vector<bool> reached = reached_from(d, named);
   const std::vector<size_t> parent = parents_of(d, reached);
   std::vector<PlacedNode> out;
-  std::vector<PlacedNode> stack;  // to_world of the parent; a stack of our own: depth is unbounded
+  std::vector<PlacedNode> stack;  // with the parent's map; a stack of our own: depth is unbounded
   size_t children = 0;
   for (size_t i = named.size(); i-- > 0;)
     if (parent[named[i]] == kNone)
@@ -126,18 +139,15 @@ std::vector<PlacedNode> place_nodes(const Document& d, std::vector<std::string>&
       ++children;
   std::vector<bool> placed(reached.size());
   while (!stack.empty()) {
-    PlacedNode n = stack.back();
+    PlacedNode n = std::move(stack.back());
     stack.pop_back();
-    n.to_world = n.to_world * local_map(d, n.node);
+    move_by_its_own(d, n);
     n.visible = n.visible && !is_hidden(d, n.node);
-    const Affine& a = n.to_world;
-    if (!is_finite(a.x) || !is_finite(a.y) || !is_finite(a.z) || !is_finite(a.t))
-      d.fail(place("nodes", n.node), "its transform and those above it exceed double precision");
     placed[n.node] = true;
-    out.push_back(n);
     const auto& below = d.model.nodes[n.node].children;
     for (size_t i = below.size(); i-- > 0;)
-      stack.push_back({static_cast<size_t>(below[i]), a, n.visible});
+      stack.push_back({static_cast<size_t>(below[i]), n.map, n.visible, n.fault});
+    out.push_back(std::move(n));
   }
   for (size_t i = 0; i < reached.size(); ++i)
     if (reached[i] && !placed[i])

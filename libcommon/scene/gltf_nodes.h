@@ -2,6 +2,7 @@
 // precision. Internal to this room.
 #pragma once
 #include <array>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -33,12 +34,20 @@ Affine local_map(const Document& document, size_t node);
 
 struct PlacedNode {
   size_t node;
-  Affine to_world;
+  Affine map;    ///< to_world() if nothing is wrong
   bool visible;  ///< by KHR_node_visibility, which hides all below but the cameras
+  /// Why there is no such map: of this node, or of one above; null: there is. An error only for
+  /// those who need the map.
+  std::shared_ptr<const InputError> fault{};
+  /// Throws the fault.
+  const Affine& to_world() const {
+    if (fault) throw InputError(*fault);
+    return map;
+  }
 };
 
 /// Nodes of the default scene (else of the first scene, else below every root), parents first, in
-/// file order. Throws InputError for cycles, nodes with two parents and maps that are not affine.
+/// file order. Throws InputError for cycles and nodes with two parents.
 /// `warnings` get a sentence about roots that are children, too.
 std::vector<PlacedNode> place_nodes(const Document& document, std::vector<std::string>& warnings);
 

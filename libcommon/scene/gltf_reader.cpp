@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 
 #include "libcommon/scene/distinct_names.h"
 #include "libcommon/scene/gltf_animations.h"
@@ -31,6 +32,7 @@ class SceneReader {
 
   void run() {
     const std::vector<PlacedNode> nodes = place_nodes(d_, scene_.warnings);
+    warn_of_faults(nodes);
     std::vector<MaterialUse> uses = read_materials(d_, used_materials(d_, nodes), scene_);
     uses.emplace_back();  // of surfaces without one
     MeshReader meshes(d_, scene_, uses, nodes);
@@ -40,6 +42,7 @@ class SceneReader {
       if (!n.visible) continue;
       if (const auto light = read_light(d_, n, flat_lights_)) scene_.lights.push_back(*light);
     }
+    scene_.by_blender = is_blender(generator_of(d_));
     if (!scene_.lights.empty()) scene_.lamp_units = lamp_units_of(d_);
     if (scene_.triangles.empty()) d_.fail("", "has no triangles in its scene");
     if (meshes.unnamed_material()) scene_.materials.emplace_back().name = "default";
@@ -55,12 +58,29 @@ class SceneReader {
   }
 
  private:
+  /// Of nodes without a place; what is to be seen there makes them errors, later.
+  void warn_of_faults(const std::vector<PlacedNode>& nodes) {
+    std::set<const InputError*> of_cameras, others;
+    for (const PlacedNode& n : nodes)
+      if (n.fault && has_perspective_camera(n)) of_cameras.insert(n.fault.get());
+    std::string first;
+    for (const PlacedNode& n : nodes) {
+      if (!n.fault || of_cameras.contains(n.fault.get())) continue;
+      if (others.insert(n.fault.get()).second && first.empty()) first = n.fault->what();
+    }
+    if (!first.empty()) scene_.warnings.push_back(unused_sentence(d_.file, first, others.size()));
+  }
+
   void add_camera(const PlacedNode& n) {
     if (const auto camera = read_camera(d_, n, camera_names_, flat_cameras_))
       scene_.cameras.push_back(*camera);
-    else if (const int c = d_.model.nodes[n.node].camera;
-             c >= 0 && d_.model.cameras[static_cast<size_t>(c)].type != "perspective")
+    else if (d_.model.nodes[n.node].camera >= 0 && !has_perspective_camera(n))
       ++orthographic_;
+  }
+
+  bool has_perspective_camera(const PlacedNode& n) const {
+    const int c = d_.model.nodes[n.node].camera;
+    return c >= 0 && d_.model.cameras[static_cast<size_t>(c)].type == "perspective";
   }
 
   void bring_to_canonical(std::vector<Vec3d>& world, double grain) {

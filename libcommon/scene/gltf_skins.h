@@ -27,7 +27,7 @@ class NodeMaps {
  public:
   /// `nodes`: those of the scene, placed.
   NodeMaps(const Document& document, const std::vector<PlacedNode>& nodes);
-  /// Throws InputError for a node that is its own ancestor.
+  /// Throws InputError for a node that is its own ancestor, and for one without a map.
   Affine to_world(size_t node);
 
  private:

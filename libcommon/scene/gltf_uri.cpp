@@ -90,15 +90,15 @@ std::string read_uri(const Document& document, const std::string& uri, const std
   bool outside = name.empty() || name.front() == '/' ||
                  name.find_first_of(std::string_view("\\\0", 2)) != name.npos ||
                  (colon != name.npos && colon < slash);
-  for (const fs::path& part : fs::path(name)) outside |= part == "..";
+  std::error_code error;
+  const fs::path folder = fs::canonical(document.folder, error);
+  outside = outside || !is_below((folder / name).lexically_normal(), folder);
   if (outside)
     document.fail(where,
                   quoted + " is not a file in the scene's folder, which is all that is read");
   if (document.folder.empty())
     document.fail(where,
                   quoted + " is another file, expected a scene in one piece on standard input");
-  std::error_code error;
-  const fs::path folder = fs::canonical(document.folder, error);
   const fs::path file = fs::canonical(folder / name, error);
   if (error)
     nothing(quoted + " cannot be opened: " + error.message(), "a file that is missing, " + quoted);

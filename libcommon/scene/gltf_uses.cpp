@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "libcommon/scene/gltf_meshopt.h"
+
 namespace tdpt::gltf {
 namespace {
 
@@ -32,14 +34,8 @@ void mark_all(Uses& uses, const Json& value, const char* name, const char* secti
   }
 }
 
-/// Accessors of the attributes that are read.
 void mark_attributes(Uses& uses, const Json& attributes) {
-  constexpr std::array kRead = {"POSITION",   "NORMAL",     "TANGENT",
-                                "TEXCOORD_0", "TEXCOORD_1", "COLOR_0"};
-  for (const auto& [name, accessor] : attributes.items())
-    if (name.starts_with("JOINTS_") || name.starts_with("WEIGHTS_") ||
-        std::find(kRead.begin(), kRead.end(), name) != kRead.end())
-      uses.mark("accessors", accessor.get<size_t>());
+  for (const Json& accessor : attributes) uses.mark("accessors", accessor.get<size_t>());
 }
 
 }  // namespace
@@ -53,6 +49,13 @@ bool Uses::mark(const std::string& section, size_t index) {
 bool Uses::has(const std::string& section, size_t index) const {
   const auto it = used_.find(section);
   return it == used_.end() || (index < it->second.size() && it->second[index]);
+}
+
+bool is_read_attribute(const std::string& name) {
+  constexpr std::array kRead = {"POSITION",   "NORMAL",     "TANGENT",
+                                "TEXCOORD_0", "TEXCOORD_1", "COLOR_0"};
+  return name.starts_with("JOINTS_") || name.starts_with("WEIGHTS_") ||
+         std::find(kRead.begin(), kRead.end(), name) != kRead.end();
 }
 
 Json harmless(const std::string& section) {
@@ -70,7 +73,7 @@ Json harmless(const std::string& section) {
 void mark_parts_of_meshes(Uses& uses, const Json& root) {
   each_used(uses, root, "meshes", [&](const Json& mesh) {
     for (const Json& p : mesh["primitives"]) {
-      if (p.value("mode", 4) < 4) continue;  // points and lines
+      if (p.value("mode", 4) < 4) continue;  // points and lines, which are not drawn
       if (p.contains("material")) uses.mark("materials", p["material"].get<size_t>());
       if (p.contains("indices")) uses.mark("accessors", p["indices"].get<size_t>());
       mark_attributes(uses, p["attributes"]);
@@ -78,11 +81,6 @@ void mark_parts_of_meshes(Uses& uses, const Json& root) {
       mark_all(uses, p, "bufferView", "bufferViews");
     }
   });
-}
-
-void mark_parts_of_materials(Uses& uses, const Json& root) {
-  each_used(uses, root, "materials",
-            [&](const Json& m) { mark_all(uses, m, "index", "textures"); });
 }
 
 void mark_parts_of_textures(Uses& uses, const Json& root) {
@@ -99,8 +97,13 @@ void mark_views(Uses& uses, const Json& root) {
 }
 
 void mark_buffers(Uses& uses, const Json& root) {
-  each_used(uses, root, "bufferViews",
-            [&](const Json& v) { mark_all(uses, v, "buffer", "buffers"); });
+  each_used(uses, root, "bufferViews", [&](const Json& v) {
+    const Json extensions = v.value("extensions", Json::object());
+    for (const char* name : kMeshopt)  // then the view's own buffer is for those who cannot decode
+      if (extensions.contains(name))
+        return uses.mark("buffers", extensions[name]["buffer"].get<size_t>()), void();
+    uses.mark("buffers", v["buffer"].get<size_t>());
+  });
 }
 
 }  // namespace tdpt::gltf

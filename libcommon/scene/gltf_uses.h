@@ -23,12 +23,14 @@ class Uses {
   std::map<std::string, std::vector<bool>> used_;
 };
 
+/// Whether an attribute of a primitive or morph target is one of those that are read.
+bool is_read_attribute(const std::string& name);
+
 /// What stands in for an element of a section that is wrong and not used.
 nlohmann::json harmless(const std::string& section);
 
 /// Marks the elements that those of other sections refer to, which must have been checked.
 void mark_parts_of_meshes(Uses& uses, const nlohmann::json& root);
-void mark_parts_of_materials(Uses& uses, const nlohmann::json& root);
 void mark_parts_of_textures(Uses& uses, const nlohmann::json& root);
 void mark_views(Uses& uses, const nlohmann::json& root);
 void mark_buffers(Uses& uses, const nlohmann::json& root);

@@ -21,7 +21,7 @@ using Version = std::array<int, 3>;
 constexpr Version kWithModes{3, 4, 40};
 
 std::optional<Version> blender_version(std::string_view generator) {
-  if (!generator.starts_with(kBlender)) return {};
+  if (!is_blender(generator)) return {};
   Version version{};
   const char *at = generator.data() + kBlender.size(), *end = generator.data() + generator.size();
   for (size_t i = 0; i < version.size(); ++i) {
@@ -80,6 +80,10 @@ const char* words_of(Kind units) {
 const std::vector<std::string>& names_of_lamp_units() {
   static const std::vector<std::string> names{"radiometric", "photometric", "watts"};
   return names;
+}
+
+bool is_blender(std::string_view generator) {
+  return generator.starts_with(kBlender);
 }
 
 LampUnits lamp_units_of(std::string_view generator, const std::vector<LampNumber>& lamps) {

@@ -36,6 +36,9 @@ struct LampNumber {
 /// digits of the numbers: people set lamps to 60 W, not to 59.87.
 LampUnits lamp_units_of(std::string_view generator, const std::vector<LampNumber>& lamps);
 
+/// Whether asset.generator is Blender's exporter.
+bool is_blender(std::string_view generator);
+
 /// What a number of these units is multiplied by to be W/sr or W/m2.
 double to_radiometric(LampUnits::Kind units, bool directional);
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <string>
 #include <vector>
 
 #include "libcommon/math/cumulative_table.h"
@@ -209,5 +210,9 @@ class Lights {
   double power_ = 0;
   double radius_ = 0;  // of a ball around the origin that holds all triangles
 };
+
+/// Where the light of a scene without any may have been lost, as the end of a message; empty where
+/// nothing is known of that.
+std::string where_light_was_lost(const Scene& scene);
 
 }  // namespace tdpt

@@ -13,6 +13,7 @@ namespace {
 constexpr double kFarthest = 1e6;
 
 const Camera& checked(const std::string& file, const Camera& camera) {
+  if (camera.fault) throw InputError(*camera.fault);
   const double away = length(camera.position);
   if (!(away <= kFarthest))
     throw InputError(file, "cameras",
@@ -49,6 +50,17 @@ const Camera& Scene::camera(const std::string& name) const {
   }
   throw InputError(file, "cameras",
                    fmt::format("there is no camera \"{}\", expected one of {}", name, names));
+}
+
+std::string Scene::faults_of_cameras_but(const std::string& taken) const {
+  std::string sentence;
+  size_t faults = 0;
+  for (const Camera& c : cameras)
+    if (c.fault && c.name != taken && ++faults == 1)
+      sentence =
+          fmt::format("{}; the camera \"{}\" cannot be taken",
+                      std::string(c.fault->what()).substr(display_name(path).size() + 1), c.name);
+  return faults > 1 ? fmt::format("{}, nor can {} more", sentence, faults - 1) : sentence;
 }
 
 TriangleShape shape_of(const Scene& scene, uint32_t triangle) {

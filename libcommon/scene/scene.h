@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "libcommon/base/error.h"
 #include "libcommon/math/vec.h"
 #include "libcommon/scene/lamp_units.h"
 #include "libcommon/scene/sky.h"
@@ -119,6 +120,9 @@ struct Camera {
   /// Its own rays pass the backs of surfaces that are not double-sided, and those are seen by no
   /// other way either: a cutaway. Light meets them all the same.
   bool culls = false;
+  /// What of the file's is wrong with it, an error only for those who take this camera; null:
+  /// nothing.
+  std::shared_ptr<const InputError> fault{};
 };
 
 struct Scene {
@@ -136,6 +140,7 @@ struct Scene {
   /// added them.
   uint32_t dome = UINT32_MAX;
   std::vector<PunctualLight> lights;
+  bool by_blender = false;         ///< Blender's exporter wrote it
   LampUnits lamp_units;            ///< of `lights` as read, before take_lamps_as()
   std::shared_ptr<const Sky> sky;  ///< none: all around is black
   std::vector<Image> images;
@@ -170,8 +175,11 @@ struct Scene {
     return triangle < dome && !material_of(triangle).double_sided;
   }
   /// Camera called `name`; the first one for "". Throws InputError naming those there are, or
-  /// when it stands more than 1e6 times the scene's size away.
+  /// when it is wrong or stands more than 1e6 times the scene's size away.
   const Camera& camera(const std::string& name) const;
+  /// A sentence about cameras that are wrong, but for the one called `taken`; empty: there are
+  /// none.
+  std::string faults_of_cameras_but(const std::string& taken) const;
 };
 
 /// Geometric quantities of one triangle, canonical frame, computed in double precision.

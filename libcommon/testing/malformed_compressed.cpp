@@ -44,10 +44,10 @@ void draco(MalformedList& l) {
         kDraco + ": holds no attribute 7");
   wrong("components", set("/accessors/0/type", "VEC2"),
         kDraco + ": its attribute 0 has other components than its accessor");
-  wrong("vertices", set("/accessors/0/count", 3),
-        kDraco + ": holds 4 vertices, expected at most 3 as POSITION has");
-  wrong("corners", set("/accessors/1/count", 3),
-        kDraco + ": holds 6 corners of triangles, expected at most 3 as the indices are");
+  wrong("vertices", set("/accessors/0/count", 1),
+        kDraco + ": holds 4 vertices, expected at most 2, as POSITION has 1");
+  wrong("corners", set("/accessors/1/count", 1),
+        kDraco + ": holds 6 corners of triangles, expected at most 3, as the indices are 1");
   wrong("claims-memory", set("/accessors/0/count", 9007199254740992),
         kDraco +
             ": declares 9007199254740992 vertices and 6 corners of triangles, which brings the "

@@ -205,8 +205,6 @@ void animations(MalformedList& l) {
   };
   const std::string channel = "animations[0].channels[0]";
   animated(
-      "no-channels", [](Json& a) { a.erase("channels"); }, "animations[0].channels: is missing");
-  animated(
       "sampler", [](Json& a) { a["channels"][0]["sampler"] = 1; },
       channel + ".sampler: is 1, expected an index into the 1 samplers");
   animated(

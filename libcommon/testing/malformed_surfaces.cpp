@@ -71,8 +71,6 @@ void materials(MalformedList& l) {
             ".sheenColorFactor: is an array of 2, expected an array of 3 numbers");
   extension("sheen-negative", "sheen", {{"sheenColorFactor", {1, -1, 1}}},
             ".sheenColorFactor[1]: is -1, expected a number of at least 0");
-  extension("iridescence-type", "iridescence", {{"iridescenceFactor", "x"}},
-            ".iridescenceFactor: is \"x\", expected a number");
   extension("specular-range", "specular", {{"specularFactor", 2}},
             ".specularFactor: is 2, expected a number from 0 to 1");
   extension("transmission-range", "transmission", {{"transmissionFactor", -1}},

@@ -95,7 +95,7 @@ Loaded load(const Arguments& a, const cli::Common& common) {
   in.scene = read_gltf(a.scene);
   common.also_read(in.scene.files);
   open_glass(in.scene);
-  for (const std::string& warning : in.scene.warnings) common.warn(warning);
+  for (const std::string& warning : in.scene.warnings) common.warn_of(a.scene, warning);
   if (in.scene.triangles.empty())
     throw InputError(display_name(a.scene), "", "no triangles, expected surfaces");
   in.files.push_back({a.scene, in.scene.hash, {}});
@@ -104,7 +104,8 @@ Loaded load(const Arguments& a, const cli::Common& common) {
   if (Lights(in.scene).empty())
     throw InputError(
         display_name(a.scene), "",
-        "nothing emits light, expected an emissive surface, a lamp or an --environment");
+        "nothing emits light, expected an emissive surface, a lamp or an --environment" +
+            where_light_was_lost(in.scene));
   in.camera = chosen_camera(in.scene, a.camera, common);
   if (a.refine.empty()) return in;
   const CutFile& cut = in.refine.emplace(read_cut(a.refine));

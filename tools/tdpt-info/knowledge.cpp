@@ -19,6 +19,7 @@
 #include "libcommon/formats/environment.h"
 #include "libcommon/formats/light_grid.h"
 #include "libcommon/formats/portal.h"
+#include "libcommon/formats/viewpoint.h"
 #include "libcommon/scene/scene.h"
 
 namespace tdpt {
@@ -58,7 +59,10 @@ void tell_scene(const Scene& scene, Knowledge& k) {
   fact(k, "lamps", scene.lights.size());
   fact(k, "longest_side_m", 2 / scene.frame.scale);
   fact(k, "files_beside_it", scene.files.size());
-  fact(k, "warnings", scene.warnings);
+  std::vector<std::string> warnings = scene.warnings;
+  if (const std::string faults = scene.faults_of_cameras_but(""); !faults.empty())
+    warnings.push_back(faults);
+  fact(k, "warnings", warnings);
 }
 
 void tell_portals(const PortalFile& file, Knowledge& k) {
@@ -237,7 +241,8 @@ std::string text_of(const Knowledge& k) {
   for (const auto& [name, value] : k.facts) {
     const Json json = Json::parse(value);
     const std::string told = json.is_string() ? json.get<std::string>() : value;
-    const std::string words = told.empty() ? "none" : told;
+    const auto camera = name == "camera" ? parse_viewpoint(told) : std::nullopt;
+    const std::string words = camera ? words_of(*camera) : told.empty() ? "none" : told;
     text += fmt::format("  {}: {}\n", shown(name, 40), shown(words, 400));
   }
   for (const std::string& line : k.provenance.lines)

@@ -47,7 +47,7 @@ Loaded load(const Arguments& a, const cli::Common& common) {
   Loaded in;
   in.scene = read_gltf(a.scene);
   common.also_read(in.scene.files);
-  for (const std::string& warning : in.scene.warnings) common.warn(warning);
+  for (const std::string& warning : in.scene.warnings) common.warn_of(a.scene, warning);
   in.camera = chosen_camera(in.scene, a.camera, common);
   in.files.push_back({a.scene, in.scene.hash, {}});
   add_sky(in.scene, a.sky, common, in.files);

@@ -1,0 +1,138 @@
+"""Tries tdpt-render, ffgraph and tdpt-info on every glTF file below a folder, as it comes, and tells what became of
+them: doc/scenes.md, "Public files". Files with the same bytes are tried once; those that are pointers of Git LFS, or
+whose buffers are, are not tried."""
+import collections
+import concurrent.futures
+import hashlib
+import json
+import os
+import re
+import resource
+import subprocess
+import sys
+import tempfile
+import urllib.parse
+
+import exr_file
+import numpy as np
+
+USAGE = "usage: public_files.py BIN FOLDER"
+SECONDS, BYTES = 30, 4 << 30  # that a program may take of time and of address space
+POINTER = b"version https://git-lfs"
+SKY = ["--frame", "--environment", "1,1,1", "--threads", "1", "--progress", "none"]
+PROGRAMS = {
+    "tdpt-render": [*SKY, "--width", "64", "--height", "48", "--spp", "4", "-o"],
+    "ffgraph": [*SKY, "--samples", "20000", "--walks", "5000", "--rounds", "0", "-o"],
+    "tdpt-info": [],
+}
+WRONG = ("crash", "hang", "not finite")  # and must not be
+
+
+def content(path):
+    with open(path, "rb") as file:
+        return file.read()
+
+
+def beside(path, data):
+    """Paths of the files that a .gltf names."""
+    try:
+        scene = json.loads(data)
+        parts = [p for section in ("buffers", "images") for p in scene.get(section, [])]
+        names = [p["uri"] for p in parts if "uri" in p and not p["uri"].startswith("data:")]
+        return [os.path.join(os.path.dirname(path), urllib.parse.unquote(name)) for name in names]
+    except (AttributeError, TypeError, ValueError):
+        return []
+
+
+def scenes(folder):
+    """The files to try, and how many are left out as copies and as pointers."""
+    found, seen, copies, pointers = [], set(), 0, 0
+    for place, folders, names in os.walk(folder):
+        folders.sort()
+        for name in sorted(names):
+            if not name.lower().endswith((".glb", ".gltf")):
+                continue
+            path = os.path.join(place, name)
+            all_of_it = [content(path)]
+            all_of_it += [content(p) for p in beside(path, all_of_it[0]) if os.path.isfile(p)]
+            key = hashlib.sha256(b"\0".join(all_of_it)).digest()
+            if any(data.startswith(POINTER) for data in all_of_it):
+                pointers += 1
+            elif key in seen:
+                copies += 1
+            else:
+                seen.add(key)
+                found.append(path)
+    return found, copies, pointers
+
+
+def limit():
+    resource.setrlimit(resource.RLIMIT_AS, (BYTES, BYTES))
+
+
+def kind(status, words, picture=None):
+    """What became of a run. `status`: None where its time was over."""
+    if status is None:
+        return "hang"
+    if status == 3:
+        return "refused"
+    if status != 0:
+        return "crash"
+    if picture is not None and not np.isfinite(picture).all():
+        return "not finite"
+    return "read with warnings" if "warning: " in words else "read"
+
+
+def attempt(folder, program, path):
+    """(what became of it, its words)."""
+    options = PROGRAMS[os.path.basename(program)]
+    with tempfile.TemporaryDirectory() as scratch:
+        out = os.path.join(scratch, "out")
+        command = [os.path.join(folder, program), path, *options, *([out] if options else [])]
+        try:
+            run = subprocess.run(command, capture_output=True, timeout=SECONDS, preexec_fn=limit, check=False)
+        except subprocess.TimeoutExpired:
+            return "hang", ""
+        words = run.stderr.decode("utf-8", "replace")
+        drawn = program == "tdpt-render" and run.returncode == 0
+        return kind(run.returncode, words, exr_file.read(out)[0] if drawn else None), words
+
+
+def message(words, path):
+    """The last line without program, path and numbers, so that those alike fall together."""
+    line = (words.strip().split("\n") or [""])[-1].replace(path, "FILE")
+    line = re.sub(r"^[\w-]+: ", "", line)
+    return re.sub(r"-?\d+(\.\d+)?(e[-+]?\d+)?", "N", re.sub(r'"[^"]*"', '"..."', line))
+
+
+def tell(results):
+    """Prints tables of {(program, path): (kind, words)}; whether nothing went wrong."""
+    counts = collections.Counter((program, of) for (program, _), (of, _) in results.items())
+    kinds = ["read", "read with warnings", "refused", *WRONG]
+    print("| program | " + " | ".join(kinds) + " |\n" + "|---" * (len(kinds) + 1) + "|")
+    for program in PROGRAMS:
+        print(f"| {program} | " + " | ".join(str(counts[program, k]) for k in kinds) + " |")
+    groups = collections.defaultdict(list)
+    for (program, path), (of, words) in results.items():
+        if of in WRONG or (of == "refused" and program == "tdpt-render"):
+            groups[of, message(words, path)].append(path)
+    print()
+    for (of, text), paths in sorted(groups.items(), key=lambda g: -len(g[1])):
+        print(f"{len(paths):5} {of}: {text}: {paths[0]}")
+    return not any(of in WRONG for of, _ in results.values())
+
+
+def main(arguments):
+    if len(arguments) != 2:
+        print(USAGE, file=sys.stderr)
+        return 2
+    folder, (found, copies, pointers) = arguments[0], scenes(arguments[1])
+    print(f"{len(found)} files; {copies} copies and {pointers} pointers of Git LFS left out\n")
+    jobs = [(program, path) for path in found for program in PROGRAMS]
+    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+        results = dict(zip(jobs, pool.map(lambda job: attempt(folder, *job), jobs)))
+    return 0 if tell(results) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
