@@ -25,8 +25,8 @@ layout(constant_id = 18) const bool portals_have_pairs = true;
 layout(constant_id = 19) const bool guide_active = true;
 layout(constant_id = 20) const bool camera_culls = true;
 
-layout(std430, binding = 0) readonly buffer BvhNodes { BvhNode bvh_nodes[]; };
-layout(std430, binding = 1) readonly buffer BvhTriangles { BvhTriangle bvh_triangles[]; };
+layout(binding = 0) uniform usamplerBuffer bvh_nodes;
+layout(binding = 1) uniform usamplerBuffer bvh_triangles;
 layout(std430, binding = 2) readonly buffer Faces { Face faces[]; };
 layout(std430, binding = 3) readonly buffer Corners { FaceCorners face_corners[]; };
 layout(std430, binding = 4) readonly buffer Attributes { CornerAttributes corner_attributes[]; };

@@ -14,6 +14,8 @@
 
 #include "shaders/path_bindings.glsl"
 
+#include "shaders/bvh_records.glsl"
+
 #include "shaders/shared/sequence.h"
 
 #include "shaders/shared/path/surface.h"

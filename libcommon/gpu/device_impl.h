@@ -51,6 +51,8 @@ struct Memory::Impl {
   vk::raii::Buffer buffer = nullptr;  // or an image
   vk::raii::Image image = nullptr;
   vk::raii::ImageView view = nullptr;
+  vk::raii::BufferView texels = nullptr;
+  std::shared_ptr<Impl> of;  // whose texels they are
 };
 
 struct Kernel::Impl {

@@ -38,7 +38,7 @@ Kernel::Kernel(const Device& device, std::span<const uint32_t> program,
   const Device::Impl& d = *device.impl();
   std::vector<vk::DescriptorSetLayoutBinding> slots;
   std::vector<vk::DescriptorPoolSize> sizes;
-  uint32_t images = 0;
+  uint32_t images = 0, texels = 0;
   const std::vector<bool> named = bindings_of(program, memory.size());
   for (uint32_t i = 0; i < memory.size(); ++i) {
     if (!named[i]) continue;
@@ -46,9 +46,11 @@ Kernel::Kernel(const Device& device, std::span<const uint32_t> program,
     slots.emplace_back(i, type, 1, kCompute);
     sizes.emplace_back(type, 1);
     images += type == vk::DescriptorType::eStorageImage;
+    texels += type == vk::DescriptorType::eUniformTexelBuffer;
   }
   d.require_within(d.limits.maxPerStageDescriptorStorageBuffers, "buffers in a kernel",
-                   slots.size() - images);
+                   slots.size() - images - texels);
+  d.require_within(d.limits.maxPerStageDescriptorSampledImages, "texel buffers in a kernel", texels);
   d.require_within(d.limits.maxPerStageDescriptorStorageImages, "images in a kernel", images);
   d.require_within(d.limits.maxPushConstantsSize, "bytes of push constants", push_bytes);
   calling_vulkan("no kernel on " + d.info.name, [&] {
@@ -64,9 +66,9 @@ Kernel::Kernel(const Device& device, std::span<const uint32_t> program,
       const Memory::Impl& m = memory[i].impl();
       const vk::DescriptorBufferInfo buffer(*m.buffer, 0, VK_WHOLE_SIZE);
       const vk::DescriptorImageInfo image({}, *m.view, vk::ImageLayout::eGeneral);
-      // The type says which of the two is read.
+      // The type says which of them is read.
       d.device.updateDescriptorSets(
-          vk::WriteDescriptorSet(*k.set, i, 0, 1, m.type, &image, &buffer), {});
+          vk::WriteDescriptorSet(*k.set, i, 0, 1, m.type, &image, &buffer, &*m.texels), {});
     }
   });
 }

@@ -76,7 +76,8 @@ Buffer::Buffer(const Device& device, uint64_t bytes) {
   d.require_within(d.info.limits.buffer, "bytes in a buffer", bytes);
   calling_vulkan(fmt::format("no buffer of {} bytes on {}", bytes, d.info.name), [&] {
     using Usage = vk::BufferUsageFlagBits;
-    const vk::BufferUsageFlags usage = kCopied | Usage::eStorageBuffer | Usage::eIndirectBuffer;
+    const vk::BufferUsageFlags usage = kCopied | Usage::eStorageBuffer | Usage::eIndirectBuffer |
+                                       Usage::eUniformTexelBuffer;
     impl_ = std::make_shared<Impl>(Impl{device, vk::DescriptorType::eStorageBuffer, bytes, {}});
     impl_->buffer = {d.device, {{}, std::max<uint64_t>(bytes, 4), usage}};
     impl_->memory = allocate(d, impl_->buffer, kDevice);
@@ -95,6 +96,18 @@ void Buffer::read(std::span<std::byte> to) const {
   require_inside(to.size(), impl_->bytes);
   copy(impl_->device, {}, to, 1, [&](auto& commands, vk::Buffer staging, uint64_t at, uint64_t n) {
     commands.copyBuffer(*impl_->buffer, staging, vk::BufferCopy(at, 0, n));
+  });
+}
+
+Texels::Texels(const Buffer& buffer) {
+  const Memory::Impl& m = buffer.impl();
+  const Device::Impl& d = *m.device.impl();
+  d.require_within(d.limits.maxTexelBufferElements, "texels in a buffer", m.bytes / 16);
+  calling_vulkan("no texels of a buffer on " + d.info.name, [&] {
+    const auto format = vk::Format::eR32G32B32A32Uint;
+    impl_ = std::make_shared<Impl>(Impl{m.device, vk::DescriptorType::eUniformTexelBuffer, m.bytes, {}});
+    impl_->texels = {d.device, {{}, *m.buffer, format, 0, VK_WHOLE_SIZE}};
+    impl_->of = buffer.shared_impl();
   });
 }
 

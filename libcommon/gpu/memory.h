@@ -14,6 +14,7 @@ class Memory {
  public:
   struct Impl;
   const Impl& impl() const { return *impl_; }
+  const std::shared_ptr<Impl>& shared_impl() const { return impl_; }
 
  protected:
   std::shared_ptr<Impl> impl_;
@@ -44,6 +45,14 @@ class Buffer : public Memory {
     read(std::as_writable_bytes(std::span(values)));
     return values;
   }
+};
+
+/// What a buffer holds, for kernels that only read it: `uniform usamplerBuffer`, four words a texel.
+/// Some devices read them faster than the buffer itself.
+class Texels : public Memory {
+ public:
+  /// Throws when there are more than the device allows.
+  explicit Texels(const Buffer& buffer);
 };
 
 enum class Texel { r32ui, r32i };

@@ -9,6 +9,9 @@ namespace tdpt::shader {
 struct ScalarTracer {
   const BvhNode* bvh_nodes;
   const BvhTriangle* bvh_triangles;
+  const BvhNode& bvh_node(uint i) const { return bvh_nodes[i]; }
+  const BvhTriangle& bvh_triangle(uint i) const { return bvh_triangles[i]; }
+  float bvh_extent() const { return bvh_nodes[0].extent; }
 
   explicit ScalarTracer(const Bvh& bvh)
       : bvh_nodes(bvh.nodes.data()), bvh_triangles(bvh.triangles.data()) {}

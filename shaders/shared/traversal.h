@@ -32,6 +32,9 @@ SHARED void box_depths(vec3 low, vec3 high, vec3 origin, vec3 per_slope, OUT(flo
   far = min(min(max(a.x, b.x), max(a.y, b.y)), max(a.z, b.z));
 }
 
+// Waits below all that a traversal has put aside: a leaf that is not there.
+const uint kBvhDone = 0x8FFFFFFFu;
+
 /// The first surface at t > 0 along `direction`, which may have any length. Of several at the same
 /// place the triangle with the smallest index.
 SHARED bool first_hit(vec3 origin, vec3 direction, uint coin, OUT(SurfaceHit) hit) MEMBER_CONST {
@@ -41,65 +44,71 @@ SHARED bool first_hit(vec3 origin, vec3 direction, uint coin, OUT(SurfaceHit) hi
   hit.b2 = 0.0f;
   hit.back = 0u;
   AxisRay ray;
-  if (!ray_of(origin, direction, bvh_nodes[0].extent, ray)) return false;
+  if (!ray_of(origin, direction, bvh_extent(), ray)) return false;
   vec3 per_slope = vec3(reciprocal(ray.slope.x), reciprocal(ray.slope.y), reciprocal(ray.slope.z));
   float best = 3e38f;
-  uint stack[kBvhStack];
-  float stack_near[kBvhStack];
-  uint top = 0u;
+  uint stack[kBvhStack + 1u];
+  float stack_near[kBvhStack + 1u];
+  stack[0] = kBvhDone;
+  stack_near[0] = -1.0f;
+  uint top = 1u;
   uint node = 0u;
   float node_near = 0.0f;
+  // First down to a leaf, then through it: of rays that go side by side each waits for the others
+  // once a leaf.
   while (true) {
-    bool descended = false;
-    if ((node & kBvhLeaf) == 0u) {
-      uint child0 = bvh_nodes[node].child0;
-      uint child1 = bvh_nodes[node].child1;
+    while ((node & kBvhLeaf) == 0u) {
+      BvhNode here = bvh_node(node);
       float near0, far0, near1, far1;
-      box_depths(bvh_nodes[node].low0, bvh_nodes[node].high0, ray.origin, per_slope, near0, far0);
-      box_depths(bvh_nodes[node].low1, bvh_nodes[node].high1, ray.origin, per_slope, near1, far1);
+      box_depths(here.low0, here.high0, ray.origin, per_slope, near0, far0);
+      box_depths(here.low1, here.high1, ray.origin, per_slope, near1, far1);
       bool hit0 = near0 <= min(far0, best) && far0 >= 0.0f;
       bool hit1 = near1 <= min(far1, best) && far1 >= 0.0f;
       // Without branches: the child that waits is written at any rate.
       bool second = hit1 && (!hit0 || near1 < near0);
-      stack[top] = second ? child0 : child1;
+      stack[top] = second ? here.child0 : here.child1;
       stack_near[top] = second ? near0 : near1;
       top += hit0 && hit1 ? 1u : 0u;
-      node = second ? child1 : child0;
+      node = second ? here.child1 : here.child0;
       node_near = second ? near1 : near0;
-      descended = hit0 || hit1;
-    } else {
-      uint first = node & kBvhFirstMask;
-      uint end = first + ((node >> kBvhCountShift) & kBvhCountMask);
-      for (uint i = first; i < end; ++i) {
-        float depth, b1, b2;
-        uint back;
-        if (line_meets(ray, bvh_triangles[i].p0, bvh_triangles[i].p1, bvh_triangles[i].p2, depth,
-                       b1, b2, back) &&
-            depth > 1e-30f) {
-          depth = max(depth, node_near);
-          uint triangle = bvh_triangles[i].triangle;
-          if ((depth < best || (depth == best && triangle < hit.triangle)) &&
-              (bvh_triangles[i].stops != 0u || surface_stops(triangle, b1, b2, coin, direction))) {
-            best = depth;
-            hit.triangle = triangle;
-            hit.b1 = b1;
-            hit.b2 = b2;
-            hit.back = back;
-          }
+      bool pops = !(hit0 || hit1);
+      while (pops) {
+        --top;
+        node = stack[top];
+        node_near = stack_near[top];
+        pops = node_near > best;
+      }
+    }
+    if (node == kBvhDone) break;
+    uint first = node & kBvhFirstMask;
+    uint end = first + ((node >> kBvhCountShift) & kBvhCountMask);
+    for (uint i = first; i < end; ++i) {
+      BvhTriangle t = bvh_triangle(i);
+      float depth, b1, b2;
+      uint back;
+      if (line_meets(ray, t.p0, t.p1, t.p2, depth, b1,
+                     b2, back) &&
+          depth > 1e-30f) {
+        depth = max(depth, node_near);
+        uint triangle = t.triangle;
+        if ((depth < best || (depth == best && triangle < hit.triangle)) &&
+            (t.stops != 0u || surface_stops(triangle, b1, b2, coin, direction))) {
+          best = depth;
+          hit.triangle = triangle;
+          hit.b1 = b1;
+          hit.b2 = b2;
+          hit.back = back;
         }
       }
     }
-    while (!descended && top > 0u) {
+    do {
       --top;
       node = stack[top];
       node_near = stack_near[top];
-      descended = node_near <= best;
-    }
-    if (!descended) break;
+    } while (node_near > best);
   }
   if (hit.triangle == 0xFFFFFFFFu) return false;
-  float t = (ray.start + best) * ray.per_depth;
-  hit.t = t;
+  hit.t = (ray.start + best) * ray.per_depth;
   return true;
 }
 
@@ -109,20 +118,20 @@ SHARED bool first_hit(vec3 origin, vec3 direction, uint coin, OUT(SurfaceHit) hi
 SHARED bool segment_blocked(vec3 a, vec3 b, uint coin) MEMBER_CONST {
   vec3 direction = b - a;
   AxisRay ray;
-  if (!ray_of(a, direction, bvh_nodes[0].extent, ray)) return false;
+  if (!ray_of(a, direction, bvh_extent(), ray)) return false;
   vec3 per_slope = vec3(reciprocal(ray.slope.x), reciprocal(ray.slope.y), reciprocal(ray.slope.z));
   float limit = ray.size - ray.start;
-  uint stack[kBvhStack];
-  uint top = 0u;
+  uint stack[kBvhStack + 1u];
+  stack[0] = kBvhDone;
+  uint top = 1u;
   uint node = 0u;
-  while (true) {
-    bool descended = false;
-    if ((node & kBvhLeaf) == 0u) {
-      uint child0 = bvh_nodes[node].child0;
-      uint child1 = bvh_nodes[node].child1;
+  bool blocked = false;
+  while (!blocked) {
+    while ((node & kBvhLeaf) == 0u) {
+      BvhNode here = bvh_node(node);
       float near0, far0, near1, far1;
-      box_depths(bvh_nodes[node].low0, bvh_nodes[node].high0, ray.origin, per_slope, near0, far0);
-      box_depths(bvh_nodes[node].low1, bvh_nodes[node].high1, ray.origin, per_slope, near1, far1);
+      box_depths(here.low0, here.high0, ray.origin, per_slope, near0, far0);
+      box_depths(here.low1, here.high1, ray.origin, per_slope, near1, far1);
       bool hit0 = near0 <= min(far0, limit) && far0 >= 0.0f;
       bool hit1 = near1 <= min(far1, limit) && far1 >= 0.0f;
       // Any surface will do: where the segment is in the box for longer, it is likelier to meet
@@ -130,31 +139,31 @@ SHARED bool segment_blocked(vec3 a, vec3 b, uint coin) MEMBER_CONST {
       float way0 = min(far0, limit) - max(near0, 0.0f);
       float way1 = min(far1, limit) - max(near1, 0.0f);
       bool second = hit1 && (!hit0 || way1 > way0);
-      stack[top] = second ? child0 : child1;
+      stack[top] = second ? here.child0 : here.child1;
       top += hit0 && hit1 ? 1u : 0u;
-      node = second ? child1 : child0;
-      descended = hit0 || hit1;
-    } else {
-      uint first = node & kBvhFirstMask;
-      uint end = first + ((node >> kBvhCountShift) & kBvhCountMask);
-      for (uint i = first; i < end; ++i) {
-        float depth, b1, b2;
-        uint back;
-        if (line_meets(ray, bvh_triangles[i].p0, bvh_triangles[i].p1, bvh_triangles[i].p2, depth,
-                       b1, b2, back) &&
-            depth > 1e-30f && depth < limit &&
-            (bvh_triangles[i].stops != 0u ||
-             surface_stops(bvh_triangles[i].triangle, b1, b2, coin, direction)))
-          return true;
+      node = second ? here.child1 : here.child0;
+      if (!(hit0 || hit1)) {
+        --top;
+        node = stack[top];
       }
     }
-    if (!descended) {
-      if (top == 0u) return false;
-      --top;
-      node = stack[top];
+    if (node == kBvhDone) break;
+    uint first = node & kBvhFirstMask;
+    uint end = first + ((node >> kBvhCountShift) & kBvhCountMask);
+    for (uint i = first; i < end && !blocked; ++i) {
+      BvhTriangle t = bvh_triangle(i);
+      float depth, b1, b2;
+      uint back;
+      if (line_meets(ray, t.p0, t.p1, t.p2, depth, b1,
+                     b2, back) &&
+          depth > 1e-30f && depth < limit)
+        blocked = t.stops != 0u ||
+                  surface_stops(t.triangle, b1, b2, coin, direction);
     }
+    --top;
+    node = stack[top];
   }
-  return false;
+  return blocked;
 }
 
 #include "shaders/shared/language_end.h"

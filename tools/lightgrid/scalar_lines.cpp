@@ -14,6 +14,9 @@ namespace {
 struct ScalarRays {
   const BvhNode* bvh_nodes;
   const BvhTriangle* bvh_triangles;
+  const BvhNode& bvh_node(uint i) const { return bvh_nodes[i]; }
+  const BvhTriangle& bvh_triangle(uint i) const { return bvh_triangles[i]; }
+  float bvh_extent() const { return bvh_nodes[0].extent; }
   const uint* coverage_of;
   const Coverage* coverages;
   const uint* texel_words;

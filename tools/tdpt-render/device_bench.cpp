@@ -41,6 +41,15 @@ void run(const Options& o) {
   const RenderTables tables(world);
   const uint64_t pixels = static_cast<uint64_t>(size.width) * static_cast<uint64_t>(size.height);
   const FilmPlaces places(pixels, false, world.portals.portals());
+  StepTimes times;
+  std::shared_ptr<SampleRenderer> gpu, twin;
+  for (const std::string& machine : o.machines) {
+    if (machine == "twin") twin = std::make_shared<WavefrontRenderer>(world, make_twin(tables, {1u << 19, 1u << 14}, places.words));
+    if (machine == "gpu") {
+      const gpu::Device device = gpu::Device::open(o.gpu);
+      gpu = std::make_shared<WavefrontRenderer>(world, make_gpu_machine(device, tables, room_on(device), places.words, &times));
+    }
+  }
   for (int round = 0; round < o.rounds; ++round)
     for (const std::string& name : o.integrators)
       for (const std::string& machine : o.machines) {
@@ -48,13 +57,9 @@ void run(const Options& o) {
         settings.spp = static_cast<uint64_t>(o.spp);
         settings.max_depth = o.depth;
         settings.seed = static_cast<uint64_t>(1 + round);
-        StepTimes times;
-        if (machine == "twin")
-          settings.device = std::make_shared<WavefrontRenderer>(world, make_twin(tables, {1u << 19, 1u << 14}, places.words));
-        if (machine == "gpu") {
-          const gpu::Device device = gpu::Device::open(o.gpu);
-          settings.device = std::make_shared<WavefrontRenderer>(world, make_gpu_machine(device, tables, room_on(device), places.words, &times));
-        }
+        times = {};
+        if (machine == "twin") settings.device = twin;
+        if (machine == "gpu") settings.device = gpu;
         const double cpu = cpu_seconds();
         const RenderResult result = render(world, integrator_named(name), settings);
         const double spent = cpu_seconds() - cpu;

@@ -88,17 +88,19 @@ SHARED bool single_sided(uint triangle) MEMBER_CONST {
 SHARED bool camera_draws(uint triangle, vec3 w) MEMBER_CONST {
   return !camera_culls || !single_sided(triangle) || dot(faces[triangle].normal, w) <= 0.0f;
 }
-/// First surface that the camera draws along w. What it does not draw is passed.
-SHARED bool first_drawn(vec3 camera, vec3 w, OUT(SurfaceHit) hit) MEMBER_CONST {
-  uint coin = ray_coin(camera, w);
-  vec3 from = camera;
-  const uint kMost = 256u;  // backs in a row
-  for (uint i = 0u; i < kMost; ++i) {
-    if (!first_hit(from, w, coin, hit)) return false;
-    if (camera_draws(hit.triangle, w)) return true;
+/// First surface along w; of the camera's rays, where it culls, the first that it draws.
+SHARED bool first_met(vec3 origin, vec3 w, bool by_film, OUT(SurfaceHit) hit) MEMBER_CONST {
+  uint coin = ray_coin(origin, w);
+  vec3 from = origin;
+  uint most = camera_culls && by_film ? 256u : 1u;  // backs in a row
+  bool met = false;
+  for (uint i = 0u; i < most; ++i) {
+    met = first_hit(from, w, coin, hit);
+    if (!met || !by_film || camera_draws(hit.triangle, w)) break;
+    met = false;
     from = from + w * (hit.t + 4.76837158e-7f);
   }
-  return false;
+  return met;
 }
 /// Whether a camera that culls sees a point of a surface.
 SHARED bool seen_by_camera(Point p) MEMBER {
@@ -110,7 +112,7 @@ SHARED bool seen_by_camera(Point p) MEMBER {
   vec3 to = step_off(p.position, p.normal, -w);
   vec3 d = to - from;
   SurfaceHit hit;
-  if (!first_drawn(from, w, hit)) return true;
+  if (!first_met(from, w, true, hit)) return true;
   return hit.t * hit.t >= dot(d, d);
 }
 

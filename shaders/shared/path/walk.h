@@ -393,9 +393,7 @@ SHARED void trace_ray(uint i) MEMBER {
   if ((ray.flags & RAY_THERE) == 0u) return;
   count_ray(RAYS_CLOSEST);
   SurfaceHit hit;
-  bool met = (ray.flags & RAY_BY_FILM) != 0u
-                 ? first_drawn(ray.origin, ray.w, hit)
-                 : first_hit(ray.origin, ray.w, ray_coin(ray.origin, ray.w), hit);
+  bool met = first_met(ray.origin, ray.w, (ray.flags & RAY_BY_FILM) != 0u, hit);
   walk_rays[i].triangle = met ? hit.triangle : kNoTriangle;
   walk_rays[i].b1 = hit.b1;
   walk_rays[i].b2 = hit.b2;

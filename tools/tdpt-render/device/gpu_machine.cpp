@@ -184,8 +184,8 @@ class GpuMachine : public Machine {
     const std::vector<shader::uvec4> sobol(shader::sobol_points.begin(),
                                            shader::sobol_points.end());
     const auto room = [&](uint64_t n, uint64_t size) { return Buffer(device_, n * size); };
-    return {buffer(t.bvh.nodes),
-            buffer(t.bvh.triangles),
+    return {gpu::Texels(buffer(t.bvh.nodes)),
+            gpu::Texels(buffer(t.bvh.triangles)),
             buffer(s.faces),
             buffer(s.face_corners),
             buffer(s.corner_attributes),

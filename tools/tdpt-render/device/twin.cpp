@@ -18,6 +18,9 @@ struct TwinKernels {
   // The scene.
   const BvhNode* bvh_nodes;
   const BvhTriangle* bvh_triangles;
+  const BvhNode& bvh_node(uint i) const { return bvh_nodes[i]; }
+  const BvhTriangle& bvh_triangle(uint i) const { return bvh_triangles[i]; }
+  float bvh_extent() const { return bvh_nodes[0].extent; }
   const Face* faces;
   const FaceCorners* face_corners;
   const CornerAttributes* corner_attributes;
