@@ -1,19 +1,28 @@
 #!/bin/sh
-# shader-tables.sh TABLES HEADER... : GLSL that reads records as texels, each with one fetch for four words. Some devices
+# shader-tables.sh OUT TABLES HEADER... : GLSL that reads records as texels, each with one fetch for four words. Some devices
 # read those several times as fast as buffers, all at least as fast.
 #
-# TABLES has lines "BINDING TYPE NAME", # and what follows it is left out; TYPE is uint, float, or a struct of one of
-# the headers whose members are vec3, uint, int or float and lie as in std430. Written is, for each,
+# TABLES has lines "BINDING TYPE NAME", # and what follows it is left out; TYPE is uint, float, uvec4, or a struct of one of
+# the headers whose members are vec3, uint, int, float or such structs and lie as in std430. Written is, for each,
 #   layout(binding = BINDING) uniform usamplerBuffer NAME_texels;
 #   TYPE load_NAME(uint i)
 # Texels have four words (tdpt::gpu::Texels::quads), those of records that are no multiple of four words one (words).
 set -e
-tables=${1:?usage: shader-tables.sh TABLES HEADER...}
-shift
+out=${1:?usage: shader-tables.sh OUT TABLES HEADER...}
+tables=${2:?}
+shift 2
 cat "$@" | awk -v tables="$tables" '
   function fail(text) { print tables ": " text >"/dev/stderr"; failed = 1; exit 1 }
   function as(type, words) {
-    return type == "uint" ? words : type == "int" ? "int(" words ")" : "uintBitsToFloat(" words ")"
+    return type ~ /^u/ ? words : type == "int" ? "int(" words ")" : "uintBitsToFloat(" words ")"
+  }
+  function add(name, member_type, member_name,   k) {
+    if (member_type == "vec3") size[name] = int((size[name] + 3) / 4) * 4
+    k = members[name]++
+    type[name, k] = member_type
+    member[name, k] = member_name
+    at[name, k] = size[name]
+    size[name] += member_type == "vec3" ? 3 : 1
   }
   { sub(/\/\/.*/, "") }
   /^struct / { name = $(NF - 1); members[name] = 0; size[name] = 0; next }
@@ -23,14 +32,12 @@ cat "$@" | awk -v tables="$tables" '
     gsub(/[;,]/, " ", line)
     n = split(line, word, " ")
     for (i = 2; i <= n; ++i) {
-      long = word[1] == "vec3" ? 3 : 1
-      if (long == 3) size[name] = int((size[name] + 3) / 4) * 4
-      if (line !~ /^ *(vec3|uint|int|float) [a-z0-9_ ]+$/) other[name] = line
-      k = members[name]++
-      type[name, k] = word[1]
-      member[name, k] = word[i]
-      at[name, k] = size[name]
-      size[name] += long
+      if (word[1] in members) {
+        for (j = 0; j < members[word[1]]; ++j) add(name, type[word[1], j], word[i] "." member[word[1], j])
+      } else {
+        if (line !~ /^ *(vec3|uint|int|float) [A-Za-z0-9_ ]+$/) other[name] = line
+        add(name, word[1], word[i])
+      }
     }
   }
   END {
@@ -42,8 +49,8 @@ cat "$@" | awk -v tables="$tables" '
       texels = word[3] "_texels"
       print "layout(binding = " word[1] ") uniform usamplerBuffer " texels ";"
       print t " load_" word[3] "(uint i) {"
-      if (t == "uint" || t == "float") {
-        print "  return " as(t, "texelFetch(" texels ", int(i)).x") ";\n}"
+      if (t == "uint" || t == "float" || t == "uvec4") {
+        print "  return " as(t, "texelFetch(" texels ", int(i))" (t == "uvec4" ? "" : ".x")) ";\n}"
         continue
       }
       if (!(t in members)) fail("no header has a struct " t)
@@ -64,4 +71,5 @@ cat "$@" | awk -v tables="$tables" '
       }
       print "  return r;\n}"
     }
-  }'
+  }' >"$out.part"
+mv "$out.part" "$out"

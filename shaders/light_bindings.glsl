@@ -18,19 +18,14 @@ float presence_at(uint triangle, vec3 w) { return 1.0; }
 // What all kernels of the light grid bind, by the names that shaders/shared/ knows.
 layout(local_size_x = LIGHT_GROUP) in;
 
-layout(std430, binding = LIGHT_BVH_NODES) readonly buffer BvhNodes { BvhNode bvh_nodes[]; };
-layout(std430, binding = LIGHT_BVH_TRIANGLES) readonly buffer BvhTriangles {
-  BvhTriangle bvh_triangles[];
-};
+#include "shaders/light_tables.glsl"
+
 layout(std430, binding = LIGHT_ARCS) readonly buffer Arcs { PivotArc pivot_arcs[]; };
 layout(std430, binding = LIGHT_PATCHES) readonly buffer Patches { PatchPieces patches[]; };
 layout(std430, binding = LIGHT_PIECES) readonly buffer Pieces { Piece pieces[]; };
 layout(std430, binding = LIGHT_FACES) readonly buffer Faces { uint first_cell[]; };
 layout(std430, binding = LIGHT_CELLS) readonly buffer Cells { PatchCell patch_cells[]; };
 layout(std430, binding = LIGHT_NORMALS) readonly buffer Normals { FaceNormal face_normals[]; };
-layout(std430, binding = LIGHT_COVERAGE_OF) readonly buffer CoverageOf { uint coverage_of[]; };
-layout(std430, binding = LIGHT_COVERAGES) readonly buffer Coverages { Coverage coverages[]; };
-layout(std430, binding = LIGHT_TEXELS) readonly buffer Texels { uint texel_words[]; };
 layout(std430, binding = LIGHT_TRIES) readonly buffer Tries { LineTry tries[]; };
 layout(std430, binding = LIGHT_LINES) buffer Lines { LineEnds lines[]; };
 layout(std430, binding = LIGHT_FATES) buffer Fates { uint fates[]; };

@@ -14,8 +14,6 @@
 
 #include "shaders/path_bindings.glsl"
 
-#include "shaders/bvh_records.glsl"
-
 #include "shaders/shared/sequence.h"
 
 #include "shaders/shared/path/surface.h"
@@ -65,9 +63,9 @@ void main() {
 #elif defined BEGIN_CAMERA_WALKS
   begin_camera_walk(i);
 #elif defined GO_ON_LIGHT
-  go_on(FROM_LIGHT, alive[i], i);
+  go_on(FROM_LIGHT, load_alive(i), i);
 #elif defined GO_ON_CAMERA
-  go_on(FROM_CAMERA, alive[i], i);
+  go_on(FROM_CAMERA, load_alive(i), i);
 #elif defined TRACE
   trace_ray(i);
 #elif defined ARRIVE_LIGHT
@@ -109,9 +107,9 @@ void main() {
 #elif defined JOIN_SEGMENTS
   join_segment(i);
 #elif defined FLAG_LIGHT
-  flags[i] = may_go_on(FROM_LIGHT, path_densities[slot]) ? 1u : 0u;
+  flags[i] = may_go_on(FROM_LIGHT, load_path_density(slot)) ? 1u : 0u;
 #elif defined FLAG_CAMERA
-  flags[i] = may_go_on(FROM_CAMERA, path_densities[slot]) ? 1u : 0u;
+  flags[i] = may_go_on(FROM_CAMERA, load_path_density(slot)) ? 1u : 0u;
 #elif defined GATHER
   if (flags[i] != 0u) alive[ranks[i]] = slot;
 #endif

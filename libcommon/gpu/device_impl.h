@@ -43,6 +43,11 @@ struct Device::Impl {
 };
 
 struct Memory::Impl {
+  Impl(const Device& device_, vk::DescriptorType type_, uint64_t bytes_)
+      : device(device_), type(type_), bytes(bytes_) {}
+  /// Its own buffer, or the one that it is a view of.
+  vk::Buffer whole() const { return of ? *of->buffer : *buffer; }
+
   Device device;
   vk::DescriptorType type;
   uint64_t bytes;
@@ -52,7 +57,7 @@ struct Memory::Impl {
   vk::raii::Image image = nullptr;
   vk::raii::ImageView view = nullptr;
   vk::raii::BufferView texels = nullptr;
-  std::shared_ptr<Impl> of;  // whose texels they are
+  std::shared_ptr<Impl> of;  // of a view
 };
 
 struct Kernel::Impl {

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <map>
 
 #include "libcommon/gpu/device_impl.h"
 
@@ -38,20 +39,25 @@ Kernel::Kernel(const Device& device, std::span<const uint32_t> program,
   const Device::Impl& d = *device.impl();
   std::vector<vk::DescriptorSetLayoutBinding> slots;
   std::vector<vk::DescriptorPoolSize> sizes;
-  uint32_t images = 0, texels = 0;
+  std::map<vk::DescriptorType, uint64_t> named_of;
   const std::vector<bool> named = bindings_of(program, memory.size());
   for (uint32_t i = 0; i < memory.size(); ++i) {
     if (!named[i]) continue;
     const vk::DescriptorType type = memory[i].impl().type;
     slots.emplace_back(i, type, 1, kCompute);
     sizes.emplace_back(type, 1);
-    images += type == vk::DescriptorType::eStorageImage;
-    texels += type == vk::DescriptorType::eUniformTexelBuffer;
+    ++named_of[type];
   }
-  d.require_within(d.limits.maxPerStageDescriptorStorageBuffers, "buffers in a kernel",
-                   slots.size() - images - texels);
-  d.require_within(d.limits.maxPerStageDescriptorSampledImages, "texel buffers in a kernel", texels);
-  d.require_within(d.limits.maxPerStageDescriptorStorageImages, "images in a kernel", images);
+  using Type = vk::DescriptorType;
+  const vk::PhysicalDeviceLimits& limits = d.limits;
+  d.require_within(limits.maxPerStageDescriptorStorageBuffers, "buffers in a kernel",
+                   named_of[Type::eStorageBuffer]);
+  d.require_within(limits.maxPerStageDescriptorStorageImages, "images in a kernel",
+                   named_of[Type::eStorageImage]);
+  d.require_within(limits.maxPerStageDescriptorSampledImages, "buffers as texels in a kernel",
+                   named_of[Type::eUniformTexelBuffer]);
+  d.require_within(limits.maxPerStageDescriptorUniformBuffers, "uniform buffers in a kernel",
+                   named_of[Type::eUniformBuffer]);
   d.require_within(d.limits.maxPushConstantsSize, "bytes of push constants", push_bytes);
   calling_vulkan("no kernel on " + d.info.name, [&] {
     Impl& k = *impl_;
@@ -64,7 +70,7 @@ Kernel::Kernel(const Device& device, std::span<const uint32_t> program,
     for (const vk::DescriptorSetLayoutBinding& slot : slots) {
       const uint32_t i = slot.binding;
       const Memory::Impl& m = memory[i].impl();
-      const vk::DescriptorBufferInfo buffer(*m.buffer, 0, VK_WHOLE_SIZE);
+      const vk::DescriptorBufferInfo buffer(m.whole(), 0, VK_WHOLE_SIZE);
       const vk::DescriptorImageInfo image({}, *m.view, vk::ImageLayout::eGeneral);
       // The type says which of them is read.
       d.device.updateDescriptorSets(

@@ -69,6 +69,13 @@ void require_inside(uint64_t asked, uint64_t bytes) {
     throw Error(Exit::internal, fmt::format("{} bytes of a buffer of {}", asked, bytes));
 }
 
+std::shared_ptr<Memory::Impl> view_of(const std::shared_ptr<Memory::Impl>& whole,
+                                      vk::DescriptorType type) {
+  auto view = std::make_shared<Memory::Impl>(whole->device, type, whole->bytes);
+  view->of = whole;
+  return view;
+}
+
 }  // namespace
 
 Buffer::Buffer(const Device& device, uint64_t bytes) {
@@ -77,9 +84,9 @@ Buffer::Buffer(const Device& device, uint64_t bytes) {
   calling_vulkan(fmt::format("no buffer of {} bytes on {}", bytes, d.info.name), [&] {
     using Usage = vk::BufferUsageFlagBits;
     const vk::BufferUsageFlags usage = kCopied | Usage::eStorageBuffer | Usage::eIndirectBuffer |
-                                       Usage::eUniformTexelBuffer;
-    impl_ = std::make_shared<Impl>(Impl{device, vk::DescriptorType::eStorageBuffer, bytes, {}});
-    impl_->buffer = {d.device, {{}, std::max<uint64_t>(bytes, 4), usage}};
+                                       Usage::eUniformTexelBuffer | Usage::eUniformBuffer;
+    impl_ = std::make_shared<Impl>(device, vk::DescriptorType::eStorageBuffer, bytes);
+    impl_->buffer = {d.device, {{}, std::max<uint64_t>(bytes, 16), usage}};
     impl_->memory = allocate(d, impl_->buffer, kDevice);
   });
 }
@@ -99,16 +106,24 @@ void Buffer::read(std::span<std::byte> to) const {
   });
 }
 
-Texels::Texels(const Buffer& buffer) {
+Texels::Texels(const Buffer& buffer, Size size) {
   const Memory::Impl& m = buffer.impl();
   const Device::Impl& d = *m.device.impl();
-  d.require_within(d.limits.maxTexelBufferElements, "texels in a buffer", m.bytes / 16);
+  d.require_within(d.limits.maxTexelBufferElements, "texels in a buffer",
+                   m.bytes / static_cast<uint64_t>(size));
   calling_vulkan("no texels of a buffer on " + d.info.name, [&] {
-    const auto format = vk::Format::eR32G32B32A32Uint;
-    impl_ = std::make_shared<Impl>(Impl{m.device, vk::DescriptorType::eUniformTexelBuffer, m.bytes, {}});
+    const auto format =
+        size == words ? vk::Format::eR32Uint : vk::Format::eR32G32B32A32Uint;
+    impl_ = view_of(buffer.impl_, vk::DescriptorType::eUniformTexelBuffer);
     impl_->texels = {d.device, {{}, *m.buffer, format, 0, VK_WHOLE_SIZE}};
-    impl_->of = buffer.shared_impl();
   });
+}
+
+Uniforms::Uniforms(const Buffer& buffer) {
+  const Memory::Impl& m = buffer.impl();
+  const Device::Impl& d = *m.device.impl();
+  d.require_within(d.limits.maxUniformBufferRange, "bytes of uniforms", m.bytes);
+  impl_ = view_of(buffer.impl_, vk::DescriptorType::eUniformBuffer);
 }
 
 Image3D::Image3D(const Device& device, const std::array<uint32_t, 3>& size, Texel texel) {
@@ -123,7 +138,8 @@ Image3D::Image3D(const Device& device, const std::array<uint32_t, 3>& size, Texe
     using Usage = vk::ImageUsageFlagBits;
     const auto format = texel == Texel::r32ui ? vk::Format::eR32Uint : vk::Format::eR32Sint;
     const vk::Extent3D extent(size[0], size[1], size[2]);
-    impl_ = std::make_shared<Impl>(Impl{device, vk::DescriptorType::eStorageImage, bytes, extent});
+    impl_ = std::make_shared<Impl>(device, vk::DescriptorType::eStorageImage, bytes);
+    impl_->size = extent;
     vk::ImageCreateInfo how({}, vk::ImageType::e3D, format, extent, 1, 1);
     how.usage = Usage::eStorage | Usage::eTransferSrc | Usage::eTransferDst;
     impl_->image = {d.device, how};

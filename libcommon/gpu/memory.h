@@ -14,9 +14,10 @@ class Memory {
  public:
   struct Impl;
   const Impl& impl() const { return *impl_; }
-  const std::shared_ptr<Impl>& shared_impl() const { return impl_; }
 
  protected:
+  friend class Texels;
+  friend class Uniforms;
   std::shared_ptr<Impl> impl_;
 };
 
@@ -47,12 +48,19 @@ class Buffer : public Memory {
   }
 };
 
-/// What a buffer holds, for kernels that only read it: `uniform usamplerBuffer`, four words a texel.
-/// Some devices read them faster than the buffer itself.
+/// A buffer for kernels that only read it: `uniform usamplerBuffer`. Some devices read that faster
+/// than the buffer itself.
 class Texels : public Memory {
  public:
-  /// Throws when there are more than the device allows.
-  explicit Texels(const Buffer& buffer);
+  enum Size { words = 4, quads = 16 };  ///< bytes of a texel: one word of it (x), or four
+  /// Throws when there are more texels than the device allows.
+  Texels(const Buffer& buffer, Size size);
+};
+
+/// A small buffer that all invocations read alike: `layout(std140) uniform`.
+class Uniforms : public Memory {
+ public:
+  explicit Uniforms(const Buffer& buffer);
 };
 
 enum class Texel { r32ui, r32i };

@@ -1,6 +1,7 @@
 // shaders/shared/traversal.h as C++, one ray at a time: the twin of a kernel's ray queries.
 #pragma once
 #include "libcommon/trace/bvh.h"
+#include "shaders/shared/loads.h"
 #include "shaders/shared/triangle.h"
 
 namespace tdpt::shader {
@@ -9,9 +10,8 @@ namespace tdpt::shader {
 struct ScalarTracer {
   const BvhNode* bvh_nodes;
   const BvhTriangle* bvh_triangles;
-  const BvhNode& bvh_node(uint i) const { return bvh_nodes[i]; }
-  const BvhTriangle& bvh_triangle(uint i) const { return bvh_triangles[i]; }
-  float bvh_extent() const { return bvh_nodes[0].extent; }
+  LOADS(BvhNode, bvh_node, bvh_nodes)
+  LOADS(BvhTriangle, bvh_triangle, bvh_triangles)
 
   explicit ScalarTracer(const Bvh& bvh)
       : bvh_nodes(bvh.nodes.data()), bvh_triangles(bvh.triangles.data()) {}

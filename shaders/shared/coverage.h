@@ -11,7 +11,7 @@
 #include "shaders/shared/language.h"
 
 SHARED float alpha_texel(uint i) MEMBER_CONST {
-  return share_of_byte(texel_words[i] >> 24);
+  return share_of_byte(load_texel_word(i) >> 24);
 }
 
 SHARED float coverage_of_place(Coverage v, float b1, float b2) MEMBER_CONST {
@@ -32,8 +32,8 @@ SHARED float coverage_of_place(Coverage v, float b1, float b2) MEMBER_CONST {
 /// Probability that a triangle is there: 1 where it is opaque.
 SHARED float coverage_at(uint triangle, float b1, float b2) MEMBER_CONST {
   if (!scene_has_coverage) return 1.0f;
-  uint i = coverage_of[triangle];
-  return i == kNoCoverage ? 1.0f : coverage_of_place(coverages[i], b1, b2);
+  uint i = load_coverage_index(triangle);
+  return i == kNoCoverage ? 1.0f : coverage_of_place(load_coverage(i), b1, b2);
 }
 
 /// Whether `triangle`, which does not stop every ray, is there for one along `w`, of any length.

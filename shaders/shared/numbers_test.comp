@@ -4,6 +4,7 @@
 layout(local_size_x = 64) in;
 layout(std430, binding = 0) readonly buffer Points { uvec4 sobol_points[]; };
 layout(std430, binding = 1) writeonly buffer Words { uint words[]; };
+uvec4 load_sobol_point(uint i) { return sobol_points[i]; }
 #include "shaders/shared/numbers_test.h"
 
 void main() {

@@ -69,10 +69,10 @@ SHARED void begin_block(INOUT(Sequence) s) {
   uint order = high_word(s.block_key);
   // The same flips are taken off every index: what is above a sample's highest bit stays 0.
   uint index = scramble_reversed(s.reversed, order) ^ scramble_reversed(0u, order);
-  s.point = sobol_points[index >> 24];
+  s.point = load_sobol_point(index >> 24);
   index <<= 8;
   for (uint k = 1u; index != 0u; ++k) {
-    s.point = s.point ^ sobol_points[256u * k + (index >> 24)];
+    s.point = s.point ^ load_sobol_point(256u * k + (index >> 24));
     index <<= 8;
   }
 }

@@ -4,7 +4,7 @@
 // body in C++, whose members they are (libcommon/trace/scalar_tracer.h). Hence no include guard, no
 // namespace and no other includes here: bvh.h and triangle.h come before, and the C++ struct lies
 // in tdpt::shader. What must be there:
-//   bvh_nodes[], bvh_triangles[]
+//   load_bvh_node(i), load_bvh_triangle(i)
 //   bool surface_stops(uint triangle, float b1, float b2, uint coin, vec3 w)
 //       whether a surface that is there with some probability is there for this ray at this place.
 //       `coin` is the ray's own number, `w` its direction, of any length. Asked of triangles whose
@@ -44,7 +44,7 @@ SHARED bool first_hit(vec3 origin, vec3 direction, uint coin, OUT(SurfaceHit) hi
   hit.b2 = 0.0f;
   hit.back = 0u;
   AxisRay ray;
-  if (!ray_of(origin, direction, bvh_extent(), ray)) return false;
+  if (!ray_of(origin, direction, load_bvh_node(0u).extent, ray)) return false;
   vec3 per_slope = vec3(reciprocal(ray.slope.x), reciprocal(ray.slope.y), reciprocal(ray.slope.z));
   float best = 3e38f;
   uint stack[kBvhStack + 1u];
@@ -58,7 +58,7 @@ SHARED bool first_hit(vec3 origin, vec3 direction, uint coin, OUT(SurfaceHit) hi
   // once a leaf.
   while (true) {
     while ((node & kBvhLeaf) == 0u) {
-      BvhNode here = bvh_node(node);
+      BvhNode here = load_bvh_node(node);
       float near0, far0, near1, far1;
       box_depths(here.low0, here.high0, ray.origin, per_slope, near0, far0);
       box_depths(here.low1, here.high1, ray.origin, per_slope, near1, far1);
@@ -83,7 +83,7 @@ SHARED bool first_hit(vec3 origin, vec3 direction, uint coin, OUT(SurfaceHit) hi
     uint first = node & kBvhFirstMask;
     uint end = first + ((node >> kBvhCountShift) & kBvhCountMask);
     for (uint i = first; i < end; ++i) {
-      BvhTriangle t = bvh_triangle(i);
+      BvhTriangle t = load_bvh_triangle(i);
       float depth, b1, b2;
       uint back;
       if (line_meets(ray, t.p0, t.p1, t.p2, depth, b1,
@@ -118,7 +118,7 @@ SHARED bool first_hit(vec3 origin, vec3 direction, uint coin, OUT(SurfaceHit) hi
 SHARED bool segment_blocked(vec3 a, vec3 b, uint coin) MEMBER_CONST {
   vec3 direction = b - a;
   AxisRay ray;
-  if (!ray_of(a, direction, bvh_extent(), ray)) return false;
+  if (!ray_of(a, direction, load_bvh_node(0u).extent, ray)) return false;
   vec3 per_slope = vec3(reciprocal(ray.slope.x), reciprocal(ray.slope.y), reciprocal(ray.slope.z));
   float limit = ray.size - ray.start;
   uint stack[kBvhStack + 1u];
@@ -128,7 +128,7 @@ SHARED bool segment_blocked(vec3 a, vec3 b, uint coin) MEMBER_CONST {
   bool blocked = false;
   while (!blocked) {
     while ((node & kBvhLeaf) == 0u) {
-      BvhNode here = bvh_node(node);
+      BvhNode here = load_bvh_node(node);
       float near0, far0, near1, far1;
       box_depths(here.low0, here.high0, ray.origin, per_slope, near0, far0);
       box_depths(here.low1, here.high1, ray.origin, per_slope, near1, far1);
@@ -151,7 +151,7 @@ SHARED bool segment_blocked(vec3 a, vec3 b, uint coin) MEMBER_CONST {
     uint first = node & kBvhFirstMask;
     uint end = first + ((node >> kBvhCountShift) & kBvhCountMask);
     for (uint i = first; i < end && !blocked; ++i) {
-      BvhTriangle t = bvh_triangle(i);
+      BvhTriangle t = load_bvh_triangle(i);
       float depth, b1, b2;
       uint back;
       if (line_meets(ray, t.p0, t.p1, t.p2, depth, b1,

@@ -143,10 +143,16 @@ class GpuLines : public LineTracer {
     return images;
   }
 
-  // The scene's tables and the rest, in the order of shaders/light_bindings.glsl.
+  // The scene's tables and the rest, in the order of shaders/light_bindings.glsl; what shaders/light.tables
+  // names as texels.
   template <class... Tables>
   std::vector<gpu::Memory> bind(const Tables&... tables) const {
-    std::vector<gpu::Memory> bound{gpu::Buffer(device_, tables)...};
+    const std::vector<gpu::Buffer> of_scene{gpu::Buffer(device_, tables)...};
+    std::vector<gpu::Memory> bound(of_scene.begin(), of_scene.end());
+    for (size_t i : {LIGHT_BVH_NODES, LIGHT_BVH_TRIANGLES, LIGHT_COVERAGES})
+      bound[i] = gpu::Texels(of_scene[i], gpu::Texels::quads);
+    for (size_t i : {LIGHT_COVERAGE_OF, LIGHT_TEXELS})
+      bound[i] = gpu::Texels(of_scene[i], gpu::Texels::words);
     bound.insert(bound.end(), {tries_, lines_, fates_, lists_});
     bound.insert(bound.end(), images_.begin(), images_.end());
     return bound;

@@ -2,6 +2,7 @@
 
 #include "libcommon/scene/coverage_tables.h"
 #include "libcommon/trace/bvh.h"
+#include "shaders/shared/loads.h"
 #include "shaders/shared/rng.h"
 #include "shaders/shared/texels.h"
 #include "shaders/shared/triangle.h"
@@ -14,12 +15,12 @@ namespace {
 struct ScalarRays {
   const BvhNode* bvh_nodes;
   const BvhTriangle* bvh_triangles;
-  const BvhNode& bvh_node(uint i) const { return bvh_nodes[i]; }
-  const BvhTriangle& bvh_triangle(uint i) const { return bvh_triangles[i]; }
-  float bvh_extent() const { return bvh_nodes[0].extent; }
+  LOADS(BvhNode, bvh_node, bvh_nodes)
+  LOADS(BvhTriangle, bvh_triangle, bvh_triangles)
   const uint* coverage_of;
   const Coverage* coverages;
   const uint* texel_words;
+  LOADS_OF_COVERAGE
   bool scene_has_coverage, coverage_has_textures;
   static constexpr bool scene_has_panes = false;
 

@@ -156,8 +156,8 @@ SHARED vec3 average_under_coat(Bsdf b) MEMBER_CONST {
   View view = view_of(b, vec3(0.0f, 0.0f, 1.0f));
   vec3 mean = vec3(0.0f);
   for (uint i = 0u; i < kGaussNodes; ++i) {
-    float x = surface_curves[kGauss + 2u * i];
-    float weight = surface_curves[kGauss + 2u * i + 1u];
+    float x = load_surface_curve(kGauss + 2u * i);
+    float weight = load_surface_curve(kGauss + 2u * i + 1u);
     for (int side = 0; side < 2; ++side) {
       float mu = side == 0 ? 0.5f - x : 0.5f + x;
       mean += left_over(b, view, mu) * (2.0f * mu * weight * coat_left_over(b.coat, mu));

@@ -6,16 +6,16 @@
 
 /// Of a light's vertex that can be joined.
 SHARED void list_end(uint slot) MEMBER {
-  PathDensity d = path_densities[slot];
+  PathDensity d = load_path_density(slot);
   if ((d.flags & VERTEX_THERE) == 0u || (d.flags & VERTEX_CONNECTIBLE) == 0u) return;
-  PathVertex v = path_vertices[slot];
+  PathVertex v = load_path_vertex(slot);
   JoinEnd end = join_end(kept_point(slot, v), v.back, v.throughput, slot, number_of(d));
-  join_ends[scattered_ends() + end_first[v.walk] + v.ordinal] = end;
+  join_ends[scattered_ends() + load_end_first(v.walk) + v.ordinal] = end;
 }
 /// Of y_0 of a light walk.
 SHARED void list_start(uint walk) MEMBER {
-  PathVertex v = path_vertices[walk];
-  PathDensity d = path_densities[walk];
+  PathVertex v = load_path_vertex(walk);
+  PathDensity d = load_path_density(walk);
   if ((d.flags & VERTEX_THERE) == 0u) return;
   Point y0 = kept_point(walk, v);
   JoinEnd end = join_end(y0, v.back, v.throughput, walk, 0u);

@@ -30,7 +30,7 @@ SHARED uint scattered_ends() MEMBER_CONST {
 }
 /// The first of a pool, among the last.
 SHARED uint first_end(uint group) MEMBER_CONST {
-  return end_first[group * render.walks_full];
+  return load_end_first(group * render.walks_full);
 }
 /// Place of a pool's end c: those that were scattered, then y_0.
 SHARED uint place_of_end(uint group, uint c) MEMBER_CONST {
@@ -65,11 +65,11 @@ SHARED Joining no_joining() MEMBER_CONST {
 /// A place on a light for the camera's vertex in slot `slot`.
 SHARED void choose_next_event(uint slot, uint place) MEMBER {
   joinings[place] = no_joining();
-  PathDensity d = path_densities[slot];
+  PathDensity d = load_path_density(slot);
   if ((d.flags & VERTEX_THERE) == 0u || (d.flags & VERTEX_CONNECTIBLE) == 0u) return;
   uint number = number_of(d);
   if (number >= render.max_depth) return;
-  PathVertex at = path_vertices[slot];
+  PathVertex at = load_path_vertex(slot);
   Point x1 = kept_point(slot, at);
   SampleName name = sample_of_group(at.walk / render.per_pool, at.walk % render.per_pool);
   Sequence numbers = numbers_of(name, PURPOSE_NEXT_EVENT);
@@ -145,7 +145,7 @@ SHARED void choose_ends(uint place, uint count, uint kind, uint group, uint n, J
       per_total = reciprocal(max(total, 1e-37f));
       alike = 0.5f * reciprocal(float(max(not_zero, 1u)));
     }
-    JoinEnd end = join_ends[place_of_end(group, candidate_of(n, i, u))];
+    JoinEnd end = load_join_end(place_of_end(group, candidate_of(n, i, u)));
     float estimate = end.number + edges > render.max_depth ? 0.0f : estimate_join(end, here);
     if (counts) {
       count_ray(RAYS_JOIN);
@@ -170,11 +170,11 @@ SHARED void choose_ends(uint place, uint count, uint kind, uint group, uint n, J
 SHARED void choose_joins(uint slot, uint place) MEMBER {
   joinings[place].kind = JOINING_NONE;
   joinings[place + 1u].kind = JOINING_NONE;
-  PathDensity d = path_densities[slot];
+  PathDensity d = load_path_density(slot);
   if ((d.flags & VERTEX_THERE) == 0u || (d.flags & VERTEX_CONNECTIBLE) == 0u) return;
   uint t = number_of(d) + 1u;
   if (t > render.max_depth) return;
-  PathVertex at = path_vertices[slot];
+  PathVertex at = load_path_vertex(slot);
   uint group = at.walk / render.per_pool;
   SampleName name = sample_of_group(group, at.walk % render.per_pool);
   Sequence numbers = numbers_of(name, PURPOSE_CHOICES);
@@ -189,9 +189,9 @@ SHARED void choose_joins(uint slot, uint place) MEMBER {
 /// The camera for the light's vertex in slot `slot`, or for x_c of a segment.
 SHARED void choose_camera(uint place, uint kind, uint light, uint slot, float times) MEMBER {
   joinings[place] = no_joining();
-  PathDensity d = path_densities[slot];
+  PathDensity d = load_path_density(slot);
   if ((d.flags & VERTEX_THERE) == 0u || (d.flags & VERTEX_CONNECTIBLE) == 0u) return;
-  vec3 from = path_vertices[slot].position;
+  vec3 from = load_path_vertex(slot).position;
   vec3 w = normalized(from - render.camera_position);
   float raster_x;
   float raster_y;
@@ -200,7 +200,7 @@ SHARED void choose_camera(uint place, uint kind, uint light, uint slot, float ti
   put_joining(place, kind, light, from, false, kNoVertex, render.camera_position, times, pixel);
 }
 SHARED void choose_splat(uint slot, uint place) MEMBER {
-  uint pool = pool_of_group(path_vertices[slot].walk / render.walks_full);
+  uint pool = pool_of_group(load_path_vertex(slot).walk / render.walks_full);
   float times = float(walks_of_pool(pool)) * reciprocal(float(samples_of_pool(pool)));
   choose_camera(place, JOINING_SPLAT, slot, slot, times);
 }
@@ -209,14 +209,14 @@ SHARED void choose_splat(uint slot, uint place) MEMBER {
 
 /// End `i` & 1 (0: the light's) of joining i / 2.
 SHARED void scatter_end(uint i) MEMBER {
-  Joining j = joinings[i >> 1u];
+  Joining j = load_joining(i >> 1u);
   if (j.kind == JOINING_NONE) return;
   bool of_light = (i & 1u) == 0u;
   bool of_segment = j.kind == JOINING_SEEN || j.kind == JOINING_SEGMENT;
   uint slot = of_light ? j.light : j.camera;
   if (of_light && of_segment) slot = slot_of_x_c(j.light);
   if (slot == kNoVertex) return;
-  PathVertex at = path_vertices[slot];
+  PathVertex at = load_path_vertex(slot);
   if (is_zero(at.back)) return;
   scatterings[i] = scattering_at(kept_point(slot, at), of_light ? FROM_LIGHT : FROM_CAMERA, at.back,
                                  of_light ? j.w : -j.w, false);
@@ -258,7 +258,7 @@ SHARED float survival_at(PathDensity d) MEMBER_CONST {
 }
 /// Whether a walk from the other end can come to what is behind a vertex.
 SHARED bool is_met_behind(PathDensity d) MEMBER_CONST {
-  return d.prev != kNoVertex && (path_densities[d.prev].flags & VERTEX_MET) != 0u;
+  return d.prev != kNoVertex && (load_path_density(d.prev).flags & VERTEX_MET) != 0u;
 }
 
 /// Both ends of a joining, and all that a path needs of it.
@@ -293,11 +293,11 @@ SHARED Joint joint_of(Joining j, uint i) MEMBER_CONST {
     sent = j.radiance * per_pdf;
   } else {
     uint slot = of_segment ? slot_of_x_c(j.light) : j.light;
-    joint.light = path_vertices[slot];
-    joint.of_light = path_densities[slot];
+    joint.light = load_path_vertex(slot);
+    joint.of_light = load_path_density(slot);
     joint.y = kept_point(slot, joint.light);
-    joint.at_y = scatterings[2u * i];
-    vec3 throughput = of_segment ? segments[j.light].through : joint.light.throughput;
+    joint.at_y = load_scattering(2u * i);
+    vec3 throughput = of_segment ? load_segment(j.light).through : joint.light.throughput;
     sent = throughput * (is_zero(joint.light.back) ? emitted(joint.y, j.w) : joint.at_y.f);
   }
   joint.camera = empty_vertex(0u);
@@ -309,10 +309,10 @@ SHARED Joint joint_of(Joining j, uint i) MEMBER_CONST {
     float importance_w = camera_pdf_w(-j.w);
     seen = vec3(importance_w, importance_w, importance_w);
   } else {
-    joint.camera = path_vertices[j.camera];
-    joint.of_camera = path_densities[j.camera];
+    joint.camera = load_path_vertex(j.camera);
+    joint.of_camera = load_path_density(j.camera);
     joint.z = kept_point(j.camera, joint.camera);
-    joint.at_z = scatterings[2u * i + 1u];
+    joint.at_z = load_scattering(2u * i + 1u);
     seen = joint.camera.throughput * joint.at_z.f;
   }
   Edge e;
@@ -331,7 +331,7 @@ SHARED bool is_free(Joining j, Joint joint) MEMBER {
 /// Adds the path of a next event, or of two walks that are joined, or of a light's that the camera
 /// sees; i: number of its scatterings.
 SHARED void join(uint i) MEMBER {
-  Joining j = joinings[i];
+  Joining j = load_joining(i);
   if (j.kind == JOINING_NONE) return;
   Joint joint = joint_of(j, i);
   if (is_zero(joint.value) || !is_free(j, joint)) return;
@@ -388,9 +388,9 @@ SHARED void join(uint i) MEMBER {
 
 /// The camera's walk has come upon a light: x_0 in slot `slot`.
 SHARED void meet_light(uint slot) MEMBER {
-  PathDensity d = path_densities[slot];
+  PathDensity d = load_path_density(slot);
   if ((d.flags & VERTEX_THERE) == 0u) return;
-  PathVertex at = path_vertices[slot];
+  PathVertex at = load_path_vertex(slot);
   uint k = number_of(d);
   SampleName name = sample_of_group(at.walk / render.per_pool, at.walk % render.per_pool);
   bool looks_out = k == 1u && (d.flags & VERTEX_INFINITE) != 0u;

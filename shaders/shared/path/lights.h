@@ -16,7 +16,7 @@ SHARED bool source_met(uint source) MEMBER_CONST {
 SHARED bool source_at_infinity(uint source) MEMBER_CONST {
   if (scene_has_sky && source == SOURCE_SKY) return true;
   return scene_has_lamps && source >= SOURCE_LAMPS &&
-         light_lamps[source - SOURCE_LAMPS].parallel != 0u;
+         load_light_lamp(source - SOURCE_LAMPS).parallel != 0u;
 }
 /// The side that it shines to, from a place with unit normal `front`; 0: all.
 SHARED vec3 source_facing(uint source, vec3 front) MEMBER_CONST {
@@ -36,7 +36,7 @@ SHARED vec3 source_radiance(uint source, vec3 front, vec3 emission, InSky in_sky
   if (scene_has_sky && source == SOURCE_SKY) return in_sky.radiance;
   if (source == SOURCE_BOTH || (source == SOURCE_FRONT && dot(front, w) > 0.0f)) return emission;
   if (!scene_has_lamps || source < SOURCE_LAMPS) return vec3(0.0f, 0.0f, 0.0f);
-  Lamp lamp = light_lamps[source - SOURCE_LAMPS];
+  Lamp lamp = load_light_lamp(source - SOURCE_LAMPS);
   float inside = (lamp.edge - versine_from_axis(lamp, w)) * lamp.per_edge;
   float share = min(max(inside, 0.0f), 1.0f);
   return lamp.intensity * (share * share);
@@ -51,7 +51,7 @@ SHARED float emission_pdf_w(uint source, vec3 front, vec3 w) MEMBER_CONST {
   if (source == SOURCE_BOTH) return abs(cosine) * 0.159154943f;
   if (scene_has_sky && source == SOURCE_SKY) return reciprocal(light_settings.sky_extent);
   if (!scene_has_lamps) return 0.0f;
-  Lamp lamp = light_lamps[source - SOURCE_LAMPS];
+  Lamp lamp = load_light_lamp(source - SOURCE_LAMPS);
   return versine_from_axis(lamp, w) > lamp.edge ? 0.0f : lamp.pdf_w;
 }
 /// |cos| / pdf_w, the same for every direction that light leaves in.
@@ -60,7 +60,7 @@ SHARED float cos_per_pdf_w(uint source) MEMBER_CONST {
   if (source == SOURCE_BOTH) return 6.28318531f;
   if (scene_has_sky && source == SOURCE_SKY) return light_settings.sky_extent;
   if (!scene_has_lamps || source < SOURCE_LAMPS) return 0.0f;
-  return light_lamps[source - SOURCE_LAMPS].extent;
+  return load_light_lamp(source - SOURCE_LAMPS).extent;
 }
 
 SHARED LightPlace no_light_place() MEMBER_CONST {
@@ -86,7 +86,7 @@ SHARED uint drawn_light(uint word) MEMBER_CONST {
 SHARED LightPlace place_on_light(uint entry, float u, float v, float side) MEMBER_CONST {
   LightPlace place = no_light_place();
   if (entry < light_settings.emitters) {
-    Emitter emitter = light_emitters[entry];
+    Emitter emitter = load_light_emitter(entry);
     uniform_triangle(u, v, place.b1, place.b2);
     place.source = emitter.source;
     place.triangle = emitter.triangle;
@@ -96,7 +96,7 @@ SHARED LightPlace place_on_light(uint entry, float u, float v, float side) MEMBE
     place.pdf = emitter.pdf_A;
   } else if (scene_has_lamps) {
     uint i = entry - light_settings.emitters;
-    Lamp lamp = light_lamps[i];
+    Lamp lamp = load_light_lamp(i);
     place.source = SOURCE_LAMPS + i;
     place.position = lamp.parallel != 0u ? lamp.direction : lamp.position;
     place.pdf = lamp.pdf_1;
@@ -110,7 +110,7 @@ SHARED bool is_sky_entry(uint entry) MEMBER_CONST {
 /// Of a word that chose the sky and a number in [0,1): 32 bits to choose in it, all equally likely.
 SHARED uint word_in_sky(uint word, float more) MEMBER_CONST {
   uint entry = light_settings.emitters + light_settings.lamps;
-  word64 place = word64_of(0u, word - light_words[light_settings.first_begin + entry]);
+  word64 place = word64_of(0u, word - load_light_word(light_settings.first_begin + entry));
   // The share of the sky's words as 32 bits and as many behind the point; of what lies between one
   // word and the next, `more`.
   word64 spread = word64_of(light_settings.spread_high, light_settings.spread_low);
@@ -125,10 +125,10 @@ SHARED uint word_in_sky(uint word, float more) MEMBER_CONST {
 /// LightPlace.
 SHARED float light_pdf(uint source, uint triangle, vec3, InSky in_sky) MEMBER_CONST {
   if (is_surface(source))
-    return uintBitsToFloat(light_words[light_settings.first_pdf_A + triangle]);
+    return uintBitsToFloat(load_light_word(light_settings.first_pdf_A + triangle));
   if (scene_has_sky && source == SOURCE_SKY) return light_settings.sky_pdf_1 * in_sky.start_w;
   if (!scene_has_lamps || source < SOURCE_LAMPS) return 0.0f;
-  return light_lamps[source - SOURCE_LAMPS].pdf_1;
+  return load_light_lamp(source - SOURCE_LAMPS).pdf_1;
 }
 
 /// A place to begin a walk at. Four numbers in [0,1): which light, where on it (u, v), and which of
@@ -167,7 +167,7 @@ SHARED void leave_light(LightPlace place, float u, float v, OUT(vec3) origin,
     vec3 local = vec3(r * cosine, r * sine, -2.0f * light_settings.radius);
     origin = to_world(onb_about(place.position), local);
   } else if (scene_has_lamps && place.source >= SOURCE_LAMPS) {
-    Lamp lamp = light_lamps[place.source - SOURCE_LAMPS];
+    Lamp lamp = load_light_lamp(place.source - SOURCE_LAMPS);
     float h = v * lamp.cone;
     float r = root(h * (2.0f - h));
     vec3 local = vec3(r * cosine, r * sine, 1.0f - h);

@@ -31,7 +31,7 @@ SHARED vec3 interpolated(vec3 a, vec3 b, vec3 c, SurfacePlace at) MEMBER_CONST {
 
 SHARED float linear_byte(uint word, uint shift, bool srgb) MEMBER_CONST {
   uint byte = (word >> shift) & 255u;
-  return srgb ? surface_curves[kLinearOfSrgb + byte] : share_of_byte(byte);
+  return srgb ? load_surface_curve(kLinearOfSrgb + byte) : share_of_byte(byte);
 }
 SHARED Texel texel_of(uint word, bool srgb) MEMBER_CONST {
   Texel t;
@@ -47,10 +47,10 @@ SHARED float images_before(float u, bool clamp_to_edge) MEMBER_CONST {
 }
 
 SHARED TexelSpan span_of(SurfaceMap map, SurfacePlace at) MEMBER_CONST {
-  FaceCorners corners = face_corners[at.triangle];
-  CornerAttributes a = corner_attributes[corners.a];
-  CornerAttributes b = corner_attributes[corners.b];
-  CornerAttributes c = corner_attributes[corners.c];
+  FaceCorners corners = load_face_corners(at.triangle);
+  CornerAttributes a = load_corner_attributes(corners.a);
+  CornerAttributes b = load_corner_attributes(corners.b);
+  CornerAttributes c = load_corner_attributes(corners.c);
   bool second = map.uv_set != 0u;
   float u0 = second ? a.u1 : a.u0;
   float v0 = second ? a.v1 : a.v0;
@@ -68,12 +68,12 @@ SHARED TexelSpan span_of(SurfaceMap map, SurfacePlace at) MEMBER_CONST {
 /// Linear, each in [0,1].
 SHARED Texel lookup(uint map, SurfacePlace at) MEMBER_CONST {
   Texel t;
-  bool srgb = (texture_maps[map].grid.how & TEXELS_SRGB) != 0u;
-  TexelSpan span = span_of(texture_maps[map], at);
-  Texel t00 = texel_of(texel_words[span.texel00], srgb);
-  Texel t10 = texel_of(texel_words[span.texel10], srgb);
-  Texel t01 = texel_of(texel_words[span.texel01], srgb);
-  Texel t11 = texel_of(texel_words[span.texel11], srgb);
+  bool srgb = (load_texture_map(map).grid.how & TEXELS_SRGB) != 0u;
+  TexelSpan span = span_of(load_texture_map(map), at);
+  Texel t00 = texel_of(load_texel_word(span.texel00), srgb);
+  Texel t10 = texel_of(load_texel_word(span.texel10), srgb);
+  Texel t01 = texel_of(load_texel_word(span.texel01), srgb);
+  Texel t11 = texel_of(load_texel_word(span.texel11), srgb);
   vec3 low = t00.rgb + (t10.rgb - t00.rgb) * span.x;
   vec3 high = t01.rgb + (t11.rgb - t01.rgb) * span.x;
   t.rgb = low + (high - low) * span.y;
@@ -104,19 +104,19 @@ SHARED void multiply(INOUT(SurfaceMaterial) m, uint which, Texel t) MEMBER_CONST
 /// The material of a place: all that textures and vertex colours say is in its factors, the base
 /// colour's each in [0,1].
 SHARED SurfaceMaterial material_at(uint material, SurfacePlace at) MEMBER_CONST {
-  SurfaceMaterial m = materials[material];
+  SurfaceMaterial m = load_material(material);
   if ((m.flags & MATERIAL_PLAIN) != 0u) return m;
   if (scene_has_textures) {
     for (uint k = 0u; k < MAPS_OF_FACTORS; ++k) {
-      uint map = materials[material].maps[k];
+      uint map = load_material_map(MAPS_OF_MATERIAL * material + k);
       if (map != kNoMap) multiply(m, k, lookup(map, at));
     }
   }
   vec3 c = m.base_color;
   if (scene_has_colours) {
-    FaceCorners corners = face_corners[at.triangle];
-    c = c * interpolated(corner_attributes[corners.a].color, corner_attributes[corners.b].color,
-                         corner_attributes[corners.c].color, at);
+    FaceCorners corners = load_face_corners(at.triangle);
+    c = c * interpolated(load_corner_attributes(corners.a).color, load_corner_attributes(corners.b).color,
+                         load_corner_attributes(corners.c).color, at);
   }
   m.base_color =
       vec3(min(max(c.x, 0.0f), 1.0f), min(max(c.y, 0.0f), 1.0f), min(max(c.z, 0.0f), 1.0f));
@@ -141,9 +141,9 @@ SHARED vec3 across(vec3 v, vec3 n) MEMBER_CONST {
 /// coordinates: u runs along dP/du, v against dP/dv. 0: there is no frame.
 SHARED void derived_tangents(SurfaceMap map, Face face, FaceCorners corners, OUT(vec3) x,
                              OUT(vec3) y) MEMBER_CONST {
-  CornerAttributes a = corner_attributes[corners.a];
-  CornerAttributes b = corner_attributes[corners.b];
-  CornerAttributes c = corner_attributes[corners.c];
+  CornerAttributes a = load_corner_attributes(corners.a);
+  CornerAttributes b = load_corner_attributes(corners.b);
+  CornerAttributes c = load_corner_attributes(corners.c);
   bool second = map.uv_set != 0u;
   float du1 = second ? b.u1 - a.u1 : b.u0 - a.u0;
   float dv1 = second ? b.v1 - a.v1 : b.v0 - a.v0;
@@ -171,16 +171,16 @@ SHARED void derived_tangents(SurfaceMap map, Face face, FaceCorners corners, OUT
 
 /// `n` bent by the normal map.
 SHARED vec3 bent_normal(uint map, float scale, Face face, SurfacePlace at, vec3 n) MEMBER_CONST {
-  FaceCorners corners = face_corners[at.triangle];
-  CornerAttributes a = corner_attributes[corners.a];
-  vec3 x = across(interpolated(a.tangent, corner_attributes[corners.b].tangent,
-                               corner_attributes[corners.c].tangent, at),
+  FaceCorners corners = load_face_corners(at.triangle);
+  CornerAttributes a = load_corner_attributes(corners.a);
+  vec3 x = across(interpolated(a.tangent, load_corner_attributes(corners.b).tangent,
+                               load_corner_attributes(corners.c).tangent, at),
                   n);
   float hand = either_sign(a.handedness);
   if (is_zero(x)) {
     vec3 u;
     vec3 v;
-    derived_tangents(texture_maps[map], face, corners, u, v);
+    derived_tangents(load_texture_map(map), face, corners, u, v);
     x = across(u, n);
     hand = either_sign(dot(cross(n, brought_near_1(u)), brought_near_1(v)));
   }
@@ -206,10 +206,10 @@ SHARED vec3 shading_normal_at(Face face, uint map, float scale, SurfacePlace at)
   vec3 n = face.normal;
   bool is_smooth = scene_has_normals && face.smoothed != 0u;
   if (is_smooth) {
-    FaceCorners corners = face_corners[at.triangle];
+    FaceCorners corners = load_face_corners(at.triangle);
     vec3 mean =
-        interpolated(corner_attributes[corners.a].normal, corner_attributes[corners.b].normal,
-                     corner_attributes[corners.c].normal, at);
+        interpolated(load_corner_attributes(corners.a).normal, load_corner_attributes(corners.b).normal,
+                     load_corner_attributes(corners.c).normal, at);
     float l2 = dot(mean, mean);
     if (l2 > 1e-12f) n = mean * (face.smoothed == 2u ? -inverse_root(l2) : inverse_root(l2));
   }

@@ -119,8 +119,8 @@ SHARED float sent_by_panels(Point p, vec3 facing) MEMBER_CONST {
   vec3 up = panel_horizon(p, facing);
   float sum = 0.0f;
   for (uint i = 0u; i < light_settings.panels; ++i)
-    sum += light_panels[i].weight *
-           look_at_panel(light_panels[i], p.position, up, is_zero(facing)).total;
+    sum += load_light_panel(i).weight *
+           look_at_panel(load_light_panel(i), p.position, up, is_zero(facing)).total;
   return sum;
 }
 
@@ -147,7 +147,7 @@ SHARED uint panel_of(uint triangle) MEMBER_CONST {
   uint found = light_settings.panels;
   for (uint i = 0u; i < light_settings.panels; ++i)
     found =
-        light_panels[i].triangle0 == triangle || light_panels[i].triangle1 == triangle ? i : found;
+        load_light_panel(i).triangle0 == triangle || load_light_panel(i).triangle1 == triangle ? i : found;
   return found;
 }
 
@@ -156,8 +156,8 @@ SHARED float pdf_A_by_panels(Point p, Outlook outlook, uint triangle, vec3 posit
   uint i = panel_of(triangle);
   if (i == light_settings.panels) return 0.0f;
   vec3 up = panel_horizon(p, outlook.facing);
-  PanelView view = look_at_panel(light_panels[i], p.position, up, is_zero(outlook.facing));
-  return panel_pdf_A_at(light_panels[i], view, position, outlook.sent);
+  PanelView view = look_at_panel(load_light_panel(i), p.position, up, is_zero(outlook.facing));
+  return panel_pdf_A_at(load_light_panel(i), view, position, outlook.sent);
 }
 
 /// Of a panel's corner k, counted around, at x and y in [0,1] of its sides, on the half of the
@@ -177,15 +177,15 @@ SHARED LightPlace place_on_panels(Point p, Outlook outlook, float pick, float u,
   uint chosen = 0u;
   PanelView seen = no_view();
   for (uint i = 0u; i < light_settings.panels && left >= 0.0f; ++i) {
-    PanelView view = look_at_panel(light_panels[i], p.position, up, both_ways);
-    float share = light_panels[i].weight * view.total;
+    PanelView view = look_at_panel(load_light_panel(i), p.position, up, both_ways);
+    float share = load_light_panel(i).weight * view.total;
     if (!(share > 0.0f)) continue;
     chosen = i;
     seen = view;
     left = left < share ? -1.0f : left - share;
   }
   if (!(seen.total > 0.0f)) return place;
-  Panel panel = light_panels[chosen];
+  Panel panel = load_light_panel(chosen);
   float V = drawn_linear(seen.w00 + seen.w10, seen.w01 + seen.w11, v);
   float U =
       drawn_linear(seen.w00 * (1.0f - V) + seen.w01 * V, seen.w10 * (1.0f - V) + seen.w11 * V, u);

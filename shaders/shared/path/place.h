@@ -53,10 +53,10 @@ SHARED Bsdf bsdf_of(SurfaceMaterial m) MEMBER_CONST {
 SHARED void add_layers(Face face, SurfaceMaterial m, SurfacePlace at, INOUT(Point) p) MEMBER_CONST {
   p.simple = false;
   bool bent_coat = scene_has_coats && m.coat > 0.0f && scene_has_textures &&
-                   (m.maps[MAP_NORMAL] != kNoMap || m.maps[MAP_COAT_NORMAL] != kNoMap);
+                   m.maps_of_normals != 0u;
   vec3 coat_normal = face.normal;
   for (uint k = 0u; k < (bent_coat ? 2u : 1u); ++k) {
-    vec3 n = shading_normal_at(face, materials[face.material].maps[MAP_NORMAL + k],
+    vec3 n = shading_normal_at(face, load_material_map(MAPS_OF_MATERIAL * face.material + MAP_NORMAL + k),
                                k == 0u ? m.normal_scale : m.coat_normal_scale, at);
     p.shading = k == 0u ? n : p.shading;
     coat_normal = n;
@@ -76,7 +76,7 @@ SHARED void place_on_surface(uint triangle, float b1, float b2, OUT(Point) p) ME
   at.triangle = triangle;
   at.b1 = b1;
   at.b2 = b2;
-  Face face = faces[triangle];
+  Face face = load_face(triangle);
   SurfaceMaterial m = material_at(face.material, at);
   p.position = face.p0 + face.e1 * b1 + face.e2 * b2;
   p.normal = face.normal;

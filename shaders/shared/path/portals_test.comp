@@ -1,6 +1,7 @@
 // Test only: the words of portals_test.h, one trial an invocation.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#include "shaders/shared/loads.h"
 #include "shaders/shared/path/portals_test_layout.h"
 layout(local_size_x = 64) in;
 layout(std430, binding = 0) readonly buffer Facets { PortalFacet portal_facets[]; };
@@ -17,6 +18,7 @@ const bool guide_active = false;
 #else
 const bool guide_active = true;
 #endif
+LOADS_OF_PORTALS
 #include "shaders/shared/path/portals.h"
 
 #include "shaders/shared/path/portals_test.h"

@@ -82,11 +82,11 @@ SHARED bool sees(Point a, Point b) MEMBER {
 }
 
 SHARED bool single_sided(uint triangle) MEMBER_CONST {
-  return (materials[faces[triangle].material].flags & MATERIAL_DOUBLE_SIDED) == 0u;
+  return (load_material(load_face(triangle).material).flags & MATERIAL_DOUBLE_SIDED) == 0u;
 }
 /// Whether a camera that looks along w sees the side of a triangle that it looks at.
 SHARED bool camera_draws(uint triangle, vec3 w) MEMBER_CONST {
-  return !camera_culls || !single_sided(triangle) || dot(faces[triangle].normal, w) <= 0.0f;
+  return !camera_culls || !single_sided(triangle) || dot(load_face(triangle).normal, w) <= 0.0f;
 }
 /// First surface along w; of the camera's rays, where it culls, the first that it draws.
 SHARED bool first_met(vec3 origin, vec3 w, bool by_film, OUT(SurfaceHit) hit) MEMBER_CONST {

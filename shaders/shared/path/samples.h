@@ -24,7 +24,7 @@ struct SampleName {
 SHARED uint pixel_of_pool(uint pool, uint i) MEMBER_CONST {
   uint stretch = i * render.pools;
   if (stretch + render.pools > render.width * render.height) return stretch + pool;
-  return stretch + (pool + pool_offsets[i]) % render.pools;
+  return stretch + (pool + load_pool_offset(i)) % render.pools;
 }
 SHARED uint pool_of_group(uint group) MEMBER_CONST {
   return (render.first_pool + group) % render.pools;

@@ -36,10 +36,10 @@ SHARED float dirac_measure(Point p, Layers layers, Seen to) MEMBER_CONST {
 /// Probability that a ray along `w`, of any length, finds a pane; 1 of all else.
 SHARED float presence_at(uint triangle, vec3 w) MEMBER_CONST {
   if (!scene_has_panes) return 1.0f;
-  SurfaceMaterial m = materials[faces[triangle].material];
+  SurfaceMaterial m = load_material(load_face(triangle).material);
   if (!(m.pane_share > 0.0f)) return 1.0f;
   vec3 unit = normalized(brought_near_1(w));
-  FresnelCurve f = schlick_curve(min(abs(dot(faces[triangle].normal, unit)), 1.0f));
+  FresnelCurve f = schlick_curve(min(abs(dot(load_face(triangle).normal, unit)), 1.0f));
   return 1.0f - m.pane_share * ((1.0f - m.pane_f90) + (m.pane_f90 - m.pane_f0) * f.rest);
 }
 
@@ -193,7 +193,7 @@ SHARED float emission_under_coat(Point p, vec3 w) MEMBER_CONST {
 /// Whether the way along `away` begins within an absorbing solid.
 SHARED bool begins_within(Point p, vec3 away) MEMBER_CONST {
   return on_surface(p) && dot(p.normal, away) < 0.0f &&
-         (materials[p.material].flags & MATERIAL_ABSORBS) != 0u;
+         (load_material(p.material).flags & MATERIAL_ABSORBS) != 0u;
 }
 /// Share of light that gets along the inside of an absorbing solid from a to b, d long; d is 0
 /// where one end is infinitely far: the sun is in no solid.
@@ -201,7 +201,7 @@ SHARED vec3 transmittance(Point a, Point b, vec3 w, float d) MEMBER_CONST {
   if (!scene_has_absorption || a.source == SOURCE_SKY || b.source == SOURCE_SKY) return vec3(1.0f);
   bool in_a = begins_within(a, w);
   if (!in_a && !begins_within(b, -w)) return vec3(1.0f);
-  vec3 absorption = materials[in_a ? a.material : b.material].absorption;
+  vec3 absorption = load_material(in_a ? a.material : b.material).absorption;
   return vec3(exponential(-absorption.x * d), exponential(-absorption.y * d),
               exponential(-absorption.z * d));
 }

@@ -44,7 +44,7 @@ SHARED void begin_segment(uint segment) MEMBER {
 SHARED void end_segment(uint i) MEMBER {
   uint slot = render.segments_first + i;
   path_densities[slot].flags = 0u;
-  WalkRay ray = walk_rays[i];
+  WalkRay ray = load_walk_ray(i);
   bool met = ray.triangle != kNoTriangle;
   if ((ray.flags & RAY_THERE) == 0u || (!met && !scene_has_sky)) return;
   Point p;
@@ -76,18 +76,18 @@ SHARED void end_segment(uint i) MEMBER {
 /// Both ends, and light that begins at x_l.
 SHARED void put_segment_together(uint segment) MEMBER {
   uint slot = slot_of_x_l(segment);
-  uint flags_l = path_densities[slot].flags;
-  uint flags_c = path_densities[slot + 1u].flags;
+  uint flags_l = load_path_density(slot).flags;
+  uint flags_c = load_path_density(slot + 1u).flags;
   if ((flags_l & flags_c & VERTEX_THERE) == 0u || (flags_c & VERTEX_CONNECTIBLE) == 0u) return;
-  PathVertex l = path_vertices[slot];
-  PathVertex c = path_vertices[slot + 1u];
+  PathVertex l = load_path_vertex(slot);
+  PathVertex c = load_path_vertex(slot + 1u);
   Point x_l = kept_point(slot, l);
   Point x_c = kept_point(slot + 1u, c);
   Edge e = edge_between(x_l, x_c);
   vec3 Le = emitted(x_l, e.w);
   if (!x_l.connectible && is_zero(Le)) return;
   Drawn drawn =
-      drawn_through(walk_rays[2u * segment].polygon, walk_rays[2u * segment + 1u].polygon);
+      drawn_through(load_walk_ray(2u * segment).polygon, load_walk_ray(2u * segment + 1u).polygon);
   vec3 begin = at_infinity(x_l) ? before_the_scene(x_c.position, x_l.position) : x_l.position;
   if (!(e.d2 > 1e-30f) || !segment_spans(drawn, begin, x_c.position)) return;
   Crossing crossing = crossing_of(FROM_LIGHT, x_l, x_c, drawn);
@@ -100,7 +100,7 @@ SHARED void put_segment_together(uint segment) MEMBER {
   path_vertices[slot + 1u].from_light = crossing.from_light;
   path_vertices[slot + 1u].from_camera = crossing.from_camera;
   path_vertices[slot].throughput = vec3(1.0f, 1.0f, 1.0f);
-  PortalSegment s = segments[segment];
+  PortalSegment s = load_segment(segment);
   s.w = e.w;
   s.d2 = e.d2;
   s.density = crossing.density;
@@ -140,9 +140,9 @@ SHARED void put_segment_together(uint segment) MEMBER {
 SHARED void choose_sides(uint segment, uint place) MEMBER {
   joinings[place].kind = JOINING_NONE;
   joinings[place + 1u].kind = JOINING_NONE;
-  if (!(segments[segment].density > 0.0f)) return;
+  if (!(load_segment(segment).density > 0.0f)) return;
   uint slot = slot_of_x_l(segment);
-  PathVertex l = path_vertices[slot];
+  PathVertex l = load_path_vertex(slot);
   Point x_l = kept_point(slot, l);
   if (at_infinity(x_l)) return;
   uint group = segment / render.per_pool;
@@ -157,7 +157,7 @@ SHARED void choose_sides(uint segment, uint place) MEMBER {
 
 /// Joins x_l with what was chosen: side 1 or 2 of the segment. i: number of the scatterings.
 SHARED void join_side(uint i) MEMBER {
-  Joining j = joinings[i];
+  Joining j = load_joining(i);
   if (j.kind == JOINING_NONE) return;
   uint segment = j.pixel;
   uint place = segment * kSegmentSides + 1u + (i & 1u);
@@ -195,28 +195,28 @@ SHARED void join_side(uint i) MEMBER {
 
 /// What sides there are.
 SHARED void gather_sides(uint segment, uint place) MEMBER {
-  PortalSegment s = segments[segment];
+  PortalSegment s = load_segment(segment);
   if (!(s.density > 0.0f)) return;
   for (uint k = 0u; k < 2u; ++k) {
-    if (joinings[place + k].kind != JOINING_SIDE) continue;
+    if (load_joining(place + k).kind != JOINING_SIDE) continue;
     uint i = segment * kSegmentSides + 1u + k;
-    s.light = s.light + segment_sides[i].value;
-    s.there = s.there | (is_zero(segment_sides[i].value) ? 0u : 2u << k);
+    s.light = s.light + load_segment_side(i).value;
+    s.there = s.there | (is_zero(load_segment_side(i).value) ? 0u : 2u << k);
   }
   if (s.there == 0u) s.density = 0.0f;
   segments[segment] = s;
 }
 
 SHARED uint prefix_of(SegmentSide side) MEMBER_CONST {
-  return side.slot == kNoVertex ? 0u : number_of(path_densities[side.slot]) + 1u;
+  return side.slot == kNoVertex ? 0u : number_of(load_path_density(side.slot)) + 1u;
 }
 
 /// Light of prefixes that leave room for t vertices from the camera.
 SHARED vec3 light_of(uint segment, uint t) MEMBER_CONST {
   vec3 light = vec3(0.0f, 0.0f, 0.0f);
   for (uint i = 0u; i < kSegmentSides; ++i) {
-    if ((segments[segment].there >> i & 1u) == 0u) continue;
-    SegmentSide side = segment_sides[segment * kSegmentSides + i];
+    if ((load_segment(segment).there >> i & 1u) == 0u) continue;
+    SegmentSide side = load_segment_side(segment * kSegmentSides + i);
     if (prefix_of(side) + t + 1u <= render.max_depth) light = light + side.value;
   }
   return light;
@@ -224,7 +224,7 @@ SHARED vec3 light_of(uint segment, uint t) MEMBER_CONST {
 
 SHARED void choose_seen(uint segment, uint place) MEMBER {
   joinings[place].kind = JOINING_NONE;
-  if (segments[segment].density > 0.0f)
+  if (load_segment(segment).density > 0.0f)
     choose_camera(place, JOINING_SEEN, segment, slot_of_x_c(segment), 1.0f);
 }
 
@@ -234,7 +234,7 @@ const uint kPairs = 3u;  // joins of a sample's camera vertices with segments
 /// bring most: three places.
 SHARED void choose_segments(uint walk, uint place) MEMBER {
   for (uint i = 0u; i < kPairs; ++i) joinings[place + i].kind = JOINING_NONE;
-  uint last = walk_last[walk];
+  uint last = load_walk_last(walk);
   if (last == kNoVertex) return;
   uint group = walk / render.per_pool;
   uint first = group * render.per_pool;
@@ -251,14 +251,14 @@ SHARED void choose_segments(uint walk, uint place) MEMBER {
   // Twice: what all would bring, and then those that are taken.
   uint slot = last;
   for (uint pass = 0u; pass < 2u && slot != kNoVertex;) {
-    PathDensity d = path_densities[slot];
+    PathDensity d = load_path_density(slot);
     uint t = number_of(d) + 1u;
     if ((d.flags & VERTEX_CONNECTIBLE) != 0u && t + 1u <= render.max_depth) {
-      PathVertex at = path_vertices[slot];
+      PathVertex at = load_path_vertex(slot);
       JoinEnd here = join_end(kept_point(slot, at), at.back, at.throughput, slot, t);
       for (uint segment = first; segment < end; ++segment) {
-        if (!(segments[segment].density > 0.0f)) continue;
-        JoinEnd far = join_ends[segment_ends() + segment];
+        if (!(load_segment(segment).density > 0.0f)) continue;
+        JoinEnd far = load_join_end(segment_ends() + segment);
         float estimate = estimate_join(far, here) * luminance(light_of(segment, t));
         if (pass == 0u) {
           count_ray(RAYS_JOIN);
@@ -291,12 +291,12 @@ SHARED void choose_segments(uint walk, uint place) MEMBER {
 
 /// Adds all paths of a segment with the camera's side that was chosen, or with the camera itself.
 SHARED void join_segment(uint i) MEMBER {
-  Joining j = joinings[i];
+  Joining j = load_joining(i);
   if (j.kind == JOINING_NONE) return;
   Joint joint = joint_of(j, i);
   if (is_zero(joint.value) || !is_free(j, joint)) return;
   bool to_camera = j.kind == JOINING_SEEN;
-  PortalSegment s = segments[j.light];
+  PortalSegment s = load_segment(j.light);
   float per_d2 = reciprocal(j.d2);
   float per_c = cosine_to(joint.y, j.w) * per_d2;
   float per_z = cosine_to(joint.z, j.w) * per_d2;
@@ -323,7 +323,7 @@ SHARED void join_segment(uint i) MEMBER {
   word64 number = sample_of_group(group, 0u).number;
   for (uint side_number = 0u; side_number < kSegmentSides; ++side_number) {
     if ((s.there >> side_number & 1u) == 0u) continue;
-    SegmentSide side = segment_sides[j.light * kSegmentSides + side_number];
+    SegmentSide side = load_segment_side(j.light * kSegmentSides + side_number);
     uint a = prefix_of(side);
     uint k = a + t + 1u;
     if (k > render.max_depth) continue;

@@ -44,8 +44,8 @@ SHARED float sheen_table(uint first, float mu, float alpha) MEMBER_CONST {
   r = r - float(row);
   uint i = first + row * kSheenCosines + column;
   uint j = i + kSheenCosines;
-  float p = surface_curves[i] + (surface_curves[i + 1u] - surface_curves[i]) * x;
-  float q = surface_curves[j] + (surface_curves[j + 1u] - surface_curves[j]) * x;
+  float p = load_surface_curve(i) + (load_surface_curve(i + 1u) - load_surface_curve(i)) * x;
+  float q = load_surface_curve(j) + (load_surface_curve(j + 1u) - load_surface_curve(j)) * x;
   return p + (q - p) * r;
 }
 

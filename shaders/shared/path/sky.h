@@ -24,11 +24,11 @@ SHARED uint drawn_entry(uint begin, uint guide, uint entries, uint word) MEMBER_
   // Behind the last word there may be entries without any.
   uint w = min(word, 0xFFFFFFFEu);
   uint slot = below(w, entries);
-  uint low = light_words[guide + slot];
-  uint high = light_words[guide + slot + 1u];
+  uint low = load_light_word(guide + slot);
+  uint high = load_light_word(guide + slot + 1u);
   while (low < high) {
     uint middle = (low + high + 1u) >> 1;
-    bool above = light_words[begin + middle] <= w;
+    bool above = load_light_word(begin + middle) <= w;
     low = above ? middle : low;
     high = above ? high : middle - 1u;
   }
@@ -36,7 +36,7 @@ SHARED uint drawn_entry(uint begin, uint guide, uint entries, uint word) MEMBER_
 }
 /// Its probability.
 SHARED float share_of_entry(uint begin, uint entry) MEMBER_CONST {
-  uint words = light_words[begin + entry + 1u] - light_words[begin + entry];
+  uint words = load_light_word(begin + entry + 1u) - load_light_word(begin + entry);
   return float(words) * 2.3283064365386963e-10f;
 }
 
@@ -67,10 +67,10 @@ struct SkyRow {
 SHARED SkyRow sky_row(uint row) MEMBER_CONST {
   uint at = light_settings.first_row + 4u * row;
   SkyRow r;
-  r.north = uintBitsToFloat(light_words[at]);
-  r.south = uintBitsToFloat(light_words[at + 1u]);
-  r.height = uintBitsToFloat(light_words[at + 2u]);
-  r.per_height = uintBitsToFloat(light_words[at + 3u]);
+  r.north = uintBitsToFloat(load_light_word(at));
+  r.south = uintBitsToFloat(load_light_word(at + 1u));
+  r.height = uintBitsToFloat(load_light_word(at + 2u));
+  r.per_height = uintBitsToFloat(load_light_word(at + 3u));
   return r;
 }
 /// 1 / solid angle of a cell of the row [1/sr].
@@ -120,7 +120,7 @@ SHARED vec3 towards_place(SkyPlace place) MEMBER_CONST {
 }
 
 SHARED vec3 sky_texel(uint i) MEMBER_CONST {
-  return vec3(sky_texels[i].r, sky_texels[i].g, sky_texels[i].b);
+  return vec3(load_sky_texel(i).r, load_sky_texel(i).g, load_sky_texel(i).b);
 }
 /// Between which texels a cell lies.
 struct SkyCorners {
@@ -163,8 +163,8 @@ struct CellShares {
 SHARED CellShares shares_of_row(uint entry, uint row) MEMBER_CONST {
   uint at = light_settings.first_cell + 8u * entry + 2u * row;
   CellShares shares;
-  shares.first = light_words[at];
-  shares.second = light_words[at + 1u];
+  shares.first = load_light_word(at);
+  shares.second = load_light_word(at + 1u);
   return shares;
 }
 SHARED uint low_half(uint word) MEMBER_CONST {
@@ -266,7 +266,7 @@ SHARED SkyPlace drawn_in_sky(SkyTable table, uint word, float u, float v) MEMBER
   bool sun = entry >= table.blocks;
   if (!sun && (scene_has_sky_map || table.columns > 1u)) return place_in_block(table, entry, u, v);
   vec3 towards = uniform_direction(u, v);
-  if (sun) towards = towards_sun(sky_suns[entry - table.blocks], u, v);
+  if (sun) towards = towards_sun(load_sky_sun(entry - table.blocks), u, v);
   return any_place(towards);
 }
 
@@ -320,10 +320,10 @@ SHARED InSky look_in_sky(SkyPlace place) MEMBER_CONST {
                                    place.row * start.split_y + y_part) *
                      (y * per_mean * float(start.split_x * start.split_y));
   for (uint i = 0u; i < light_settings.suns; ++i) {
-    if (!in_sun(sky_suns[i], place.towards)) continue;
-    in_sky.radiance = in_sky.radiance + sky_suns[i].radiance;
-    in_sky.plain_w += sky_suns[i].plain_w;
-    in_sky.start_w += sky_suns[i].start_w;
+    if (!in_sun(load_sky_sun(i), place.towards)) continue;
+    in_sky.radiance = in_sky.radiance + load_sky_sun(i).radiance;
+    in_sky.plain_w += load_sky_sun(i).plain_w;
+    in_sky.start_w += load_sky_sun(i).start_w;
   }
   return in_sky;
 }

@@ -12,7 +12,7 @@ SHARED_BEGIN
 
 const uint kNoMap = 0xFFFFFFFFu;
 
-/// tdpt::Material. Of maps: index into texture_maps[], or kNoMap.
+/// tdpt::Material, but for its maps.
 struct SurfaceMaterial {
   vec3 base_color;
   uint flags;  ///< MATERIAL_*
@@ -33,12 +33,13 @@ struct SurfaceMaterial {
   float pane_share;  ///< of what is not reflected, gets through; 0: no pane
   float pane_f0;
   float pane_f90;
-  uint maps[12];  ///< MAP_*
+  uint maps_of_normals;  ///< 1: it has some
   uint pad0;
   uint pad1;
-  uint pad2;
 };
-// In the order in which they count.
+// material_maps[MAPS_OF_MATERIAL material + MAP_*]: index into texture_maps[], or kNoMap; in the order in which they
+// count.
+#define MAPS_OF_MATERIAL 12u
 #define MAP_BASE 0u
 #define MAP_METALLIC_ROUGHNESS 1u
 #define MAP_SPECULAR 2u
@@ -119,7 +120,7 @@ const uint kGaussNodes = 6u;
 const uint kSurfaceCurves = kGauss + 2u * kGaussNodes;
 
 #ifdef __cplusplus
-static_assert(sizeof(SurfaceMaterial) == 176 && sizeof(SurfaceMap) == 48 && sizeof(Face) == 64);
+static_assert(sizeof(SurfaceMaterial) == 128 && sizeof(SurfaceMap) == 48 && sizeof(Face) == 64);
 static_assert(sizeof(FaceCorners) == 16 && sizeof(CornerAttributes) == 64);
 #endif
 

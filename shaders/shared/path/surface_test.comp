@@ -2,6 +2,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
+#include "shaders/shared/loads.h"
 #include "shaders/shared/path/surface_heads.h"
 #include "shaders/shared/path/surface_words.h"
 
@@ -15,7 +16,8 @@ layout(std430, binding = 5) readonly buffer Texels { uint texel_words[]; };
 layout(std430, binding = 6) readonly buffer Curves { float surface_curves[]; };
 layout(std430, binding = 7) readonly buffer CoverageOf { uint coverage_of[]; };
 layout(std430, binding = 8) readonly buffer Coverages { Coverage coverages[]; };
-layout(std430, binding = 9) writeonly buffer Words { uint words[]; };
+layout(std430, binding = 9) readonly buffer MapsOfMaterials { uint material_maps[]; };
+layout(std430, binding = 10) writeonly buffer Words { uint words[]; };
 layout(push_constant) uniform Parameters { uint triangles; };
 
 const bool scene_has_layers = true;
@@ -30,6 +32,7 @@ const bool scene_has_panes = true;
 const bool scene_has_coverage = true;
 const bool coverage_has_textures = true;
 
+LOADS_OF_SURFACES
 #include "shaders/shared/path/surface.h"
 
 #include "shaders/shared/path/surface_test.h"

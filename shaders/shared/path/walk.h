@@ -65,7 +65,7 @@ SHARED Point kept_point(uint slot, PathVertex v) MEMBER_CONST {
   p.simple = (v.made_of & POINT_SIMPLE) != 0u;
   p.connectible = (v.made_of & POINT_CONNECTIBLE) != 0u;
   if (!scene_has_layers || p.simple) return p;
-  PathBsdf b = path_bsdfs[slot];
+  PathBsdf b = load_path_bsdf(slot);
   p.shading = b.shading;
   p.bsdf.diffuse = b.diffuse;
   p.bsdf.f0 = b.f0;
@@ -348,8 +348,8 @@ SHARED bool directed_turn(uint from, Point p, PathVertex at, float albedo, float
 
 /// The ray that leaves the vertex in slot `here`, number 1 or above, if the walk goes on.
 SHARED void go_on(uint from, uint here, uint i) MEMBER {
-  PathVertex at = path_vertices[here];
-  PathDensity known = path_densities[here];
+  PathVertex at = load_path_vertex(here);
+  PathDensity known = load_path_density(here);
   walk_rays[i] = no_ray(at.walk);
   uint per_group = from == FROM_LIGHT ? render.walks_full : render.per_pool;
   SampleName name = sample_of_group(at.walk / per_group, at.walk % per_group);
@@ -389,7 +389,7 @@ SHARED void go_on(uint from, uint here, uint i) MEMBER {
 
 /// What the ray of a walk meets.
 SHARED void trace_ray(uint i) MEMBER {
-  WalkRay ray = walk_rays[i];
+  WalkRay ray = load_walk_ray(i);
   if ((ray.flags & RAY_THERE) == 0u) return;
   count_ray(RAYS_CLOSEST);
   SurfaceHit hit;
@@ -402,7 +402,7 @@ SHARED void trace_ray(uint i) MEMBER {
 /// The vertex that the ray of a walk has come to, into slot `next`.
 SHARED void arrive(uint from, uint i, uint next) MEMBER {
   path_densities[next].flags = 0u;
-  WalkRay ray = walk_rays[i];
+  WalkRay ray = load_walk_ray(i);
   bool met = ray.triangle != kNoTriangle;
   if ((ray.flags & RAY_THERE) == 0u) return;
   if (!met && (from == FROM_LIGHT || !scene_has_sky)) return;
@@ -414,8 +414,8 @@ SHARED void arrive(uint from, uint i, uint next) MEMBER {
   PathVertex at = empty_vertex(ray.walk);
   PathDensity known = empty_density();
   if (!by_film) {
-    at = path_vertices[here];
-    known = path_densities[here];
+    at = load_path_vertex(here);
+    known = load_path_density(here);
     v = kept_point(here, at);
   }
   Point to;
@@ -454,7 +454,7 @@ SHARED void arrive(uint from, uint i, uint next) MEMBER {
     // What the vertex here, and the one before it, learn.
     path_densities[here].other_survival = s.albedo;
     if (dirac) path_densities[here].flags = known.flags | VERTEX_DIRAC;
-    if (known.prev != kNoVertex && (path_densities[known.prev].flags & VERTEX_MET) != 0u)
+    if (known.prev != kNoVertex && (load_path_density(known.prev).flags & VERTEX_MET) != 0u)
       path_densities[known.prev].other_A = other;
   }
   if (!(plain_A > 0.0f)) return;

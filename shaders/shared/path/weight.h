@@ -48,8 +48,8 @@ SHARED void add_strategy(INOUT(Scaled) total, Scaled relative, float n) MEMBER_C
 /// Whether the vertex behind the first of a half turns by a Dirac lobe.
 SHARED bool turns_sharply_behind(Half part) MEMBER_CONST {
   if (part.slot == kNoVertex) return false;
-  uint prev = path_densities[part.slot].prev;
-  return prev != kNoVertex && (path_densities[prev].flags & VERTEX_DIRAC) != 0u;
+  uint prev = load_path_density(part.slot).prev;
+  return prev != kNoVertex && (load_path_density(prev).flags & VERTEX_DIRAC) != 0u;
 }
 
 /// Adds the strategies that have their joint within a half of a path of k edges: of the light's,
@@ -69,10 +69,10 @@ SHARED void add_half(INOUT(Scaled) total, Half part, bool of_light, uint s, uint
   uint count = of_light ? s : k - s;
   for (uint n = 0u; n < count; ++n) {
     uint i = of_light ? s - 1u - n : s + n;
-    PathDensity d = path_densities[slot];
+    PathDensity d = load_path_density(slot);
     Scaled own = scaled(d.own_A);
     bool dirac = n > 0u && (d.flags & VERTEX_DIRAC) != 0u;
-    bool dirac_behind = n + 1u < count && (path_densities[d.prev].flags & VERTEX_DIRAC) != 0u;
+    bool dirac_behind = n + 1u < count && (load_path_density(d.prev).flags & VERTEX_DIRAC) != 0u;
     if (scene_has_portals && pair_before > 0.0f && !dirac && !dirac_behind && !dirac_before &&
         !dirac_before2)
       add_strategy(total, quotient(product(R_before, pair_before), product(own, own_before)),
@@ -117,7 +117,7 @@ SHARED float weight_of_joined(Half light, Half camera, uint s, uint k, float pai
   if (scene_has_portals && s > 0u && s < k && pair_A > 0.0f && !turns_sharply_behind(light) &&
       !turns_sharply_behind(camera)) {
     Scaled made =
-        product(scaled(path_densities[light.slot].own_A), path_densities[camera.slot].own_A);
+        product(scaled(load_path_density(light.slot).own_A), load_path_density(camera.slot).own_A);
     add_strategy(total, quotient(scaled(pair_A), made), weight_of_portal(s - 1u, k));
   }
   if (s > 0u) add_half(total, light, true, s, k, one, 0.0f);
@@ -135,7 +135,7 @@ SHARED float weight_of_next_event(Half camera, uint k, float nee_A, float light_
   add_strategy(total, scaled(1.0f), n);
   add_strategy(total, quotient(scaled(camera_A), nee), weight_of_split(0u, k));
   if (scene_has_portals && pair_A > 0.0f && !turns_sharply_behind(camera)) {
-    Scaled made = product(nee, path_densities[camera.slot].own_A);
+    Scaled made = product(nee, load_path_density(camera.slot).own_A);
     add_strategy(total, quotient(scaled(pair_A), made), weight_of_portal(0u, k));
   }
   Scaled R = quotient(scaled(light_A), nee);
@@ -160,7 +160,7 @@ SHARED float weight_of_segment(Half light, Half camera, uint a, uint k,
     add_strategy(total, quotient(product(scaled(x.nee_A), x.camera_A1), p), weight_of_direct(k));
   } else {
     if (x.pair_before > 0.0f && !turns_sharply_behind(light)) {
-      Scaled made = product(p, path_densities[light.slot].own_A);
+      Scaled made = product(p, load_path_density(light.slot).own_A);
       add_strategy(total, quotient(product(scaled(x.pair_before), x.camera_A1), made),
                    weight_of_portal(a - 1u, k));
     }
@@ -168,7 +168,7 @@ SHARED float weight_of_segment(Half light, Half camera, uint a, uint k,
   }
   if (a + 2u < k) {
     if (x.pair_after > 0.0f && !turns_sharply_behind(camera)) {
-      Scaled made = product(p, path_densities[camera.slot].own_A);
+      Scaled made = product(p, load_path_density(camera.slot).own_A);
       add_strategy(total, quotient(product(scaled(x.pair_after), x.light_A0), made),
                    weight_of_portal(a + 1u, k));
     }

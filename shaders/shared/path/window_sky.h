@@ -18,7 +18,7 @@ SHARED uint windows_in_view(vec3 position) MEMBER_CONST {
                 cell.z < float(light_settings.view_z);
   if (!inside) return light_settings.view_beyond;
   uint row = uint(cell.z) * light_settings.view_y + uint(cell.y);
-  return light_words[light_settings.first_view + row * light_settings.view_x + uint(cell.x)];
+  return load_light_word(light_settings.first_view + row * light_settings.view_x + uint(cell.x));
 }
 
 SHARED vec3 to_frame(WindowFrame frame, vec3 v) MEMBER_CONST {
@@ -61,8 +61,8 @@ SHARED uint cell_at(WindowFrame frame, float a) MEMBER_CONST {
 SHARED uint whole_content(WindowFrame frame, uint i, uint k, uint j, uint l) MEMBER_CONST {
   uint low = frame.sums + i * (frame.cells + 1u);
   uint high = frame.sums + k * (frame.cells + 1u);
-  return (light_words[high + l] - light_words[high + j]) -
-         (light_words[low + l] - light_words[low + j]);
+  return (load_light_word(high + l) - load_light_word(high + j)) -
+         (load_light_word(low + l) - load_light_word(low + j));
 }
 /// Of columns [i, k), between b0 and b1.
 SHARED float content_of_columns(WindowFrame frame, uint i, uint k, float b0,
@@ -87,8 +87,8 @@ SHARED float content_of_rect(WindowFrame frame, CellRect r) MEMBER_CONST {
 
 /// S_F of window i, and where; `r` is of no meaning where it is 0.
 SHARED float seen_through(uint i, vec3 position, vec3 facing, OUT(CellRect) r) MEMBER_CONST {
-  SkyWindow window = sky_windows[i];
-  WindowFrame frame = window_frames[window.frame];
+  SkyWindow window = load_sky_window(i);
+  WindowFrame frame = load_window_frame(window.frame);
   vec3 at = to_frame(frame, position);
   r.a0 = 0.0f;
   r.a1 = 0.0f;
@@ -179,7 +179,7 @@ SHARED vec3 towards_window(vec3 position, vec3 facing, float seen, float pick, f
     of_chosen = r;
     left = left < through ? -1.0f : left - through;
   }
-  WindowFrame frame = window_frames[sky_windows[chosen].frame];
+  WindowFrame frame = load_window_frame(load_sky_window(chosen).frame);
   float a = drawn_column(frame, of_chosen, u);
   float b = drawn_row(frame, cell_at(frame, a), of_chosen, v);
   float per_cells = 2.0f * reciprocal(float(frame.cells));
@@ -205,8 +205,8 @@ SHARED float density_in_frame(WindowFrame frame, vec3 local) MEMBER_CONST {
 SHARED float windows_pdf_w(vec3 position, vec3 facing, float seen, vec3 towards) MEMBER_CONST {
   float sum = 0.0f;
   for (uint rest = windows_in_view(position); rest != 0u; rest &= rest - 1u) {
-    SkyWindow window = sky_windows[uint(findLSB(rest))];
-    WindowFrame frame = window_frames[window.frame];
+    SkyWindow window = load_sky_window(uint(findLSB(rest)));
+    WindowFrame frame = load_window_frame(window.frame);
     vec3 local = to_frame(frame, towards);
     if (!(local.z > 1e-12f)) continue;
     vec3 at = to_frame(frame, position);

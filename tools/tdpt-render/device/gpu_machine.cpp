@@ -3,6 +3,7 @@
 #include <cstring>
 #include <map>
 
+#include "libcommon/base/threads.h"
 #include "libcommon/gpu/kernel.h"
 #include "libcommon/math/sequence.h"
 #include "shaders/path_scan.h"
@@ -78,6 +79,16 @@ struct Settings {
   shader::LightSettings lights;
 };
 
+// A table as texels.
+struct Table {
+  const Device& device;
+  gpu::Texels::Size size;
+  template <class T>
+  Memory operator()(const std::vector<T>& values) const {
+    return gpu::Texels(Buffer(device, values), size);
+  }
+};
+
 uint32_t groups_of(uint32_t count) {
   return (count + 63) / 64;
 }
@@ -92,7 +103,8 @@ class GpuMachine : public Machine {
         settings_host_{{}, t.portals.guiding, t.lights.settings},
         features_(features_of(t)),
         film_words_(film_words),
-        settings_(device, sizeof(Settings) + 4 * kMostOfPool),
+        settings_(device, sizeof(Settings)),
+        pool_offsets_(device, 4 * kMostOfPool),
         walk_counts_(device, 4 * (uint64_t{room.samples} + 1)),
         alive_(device, 4 * uint64_t{room.vertices}),
         end_first_(device, 4 * (uint64_t{room.samples} + 1)),
@@ -115,24 +127,23 @@ class GpuMachine : public Machine {
 
   void set(const shader::RenderParameters& p, const std::vector<uint32_t>& pool_offsets) override {
     settings_host_.render = p;
-    std::vector<std::byte> bytes(sizeof(Settings) + 4 * pool_offsets.size());
-    std::memcpy(bytes.data(), &settings_host_, sizeof(Settings));
-    std::memcpy(bytes.data() + sizeof(Settings), pool_offsets.data(), 4 * pool_offsets.size());
-    settings_.write(bytes);
+    settings_.write(std::as_bytes(std::span(&settings_host_, 1)));
+    pool_offsets_.write(std::as_bytes(std::span(pool_offsets)));
     kind_ = {p.guide_light > 0 || p.guide_camera > 0, p.culls != 0};
   }
 
   void run(Step step, const shader::StepParameters& p) override {
     if (p.count == 0) return;
     const size_t i = static_cast<size_t>(step);
-    const double seconds = device_.run(
-        [&](gpu::Commands& c) { c.dispatch(kernel_of(i), gpu::push(p), groups_of(p.count)); });
+    const Kernel& kernel = kernel_of(i);
+    const double seconds = timed(
+        [&](gpu::Commands& c) { c.dispatch(kernel, gpu::push(p), groups_of(p.count)); });
     if (times_) times_->of[i] += seconds;
   }
 
   uint32_t gather(bool of_light, uint32_t first, uint32_t count) override {
     const shader::StepParameters p{count, first, 0};
-    const double seconds = device_.run([&](gpu::Commands& c) {
+    const double seconds = timed([&](gpu::Commands& c) {
       c.dispatch(of_light ? flag_light_ : flag_camera_, gpu::push(p), groups_of(count));
       scan(c, scan_flags_, count);
       c.dispatch(gather_, gpu::push(p), groups_of(count));
@@ -142,7 +153,7 @@ class GpuMachine : public Machine {
   }
 
   void place_ends(uint32_t walks) override {
-    const double seconds = device_.run([&](gpu::Commands& c) { scan(c, scan_walks_, walks + 1); });
+    const double seconds = timed([&](gpu::Commands& c) { scan(c, scan_walks_, walks + 1); });
     if (times_) times_->gather += seconds;
   }
 
@@ -153,6 +164,13 @@ class GpuMachine : public Machine {
   }
 
  private:
+  double timed(const std::function<void(gpu::Commands&)>& record) {
+    const bool of_cores = device_.info().kind == "cpu";
+    const double before = of_cores ? cpu_seconds() : 0;
+    const double seconds = device_.run(record);
+    return of_cores ? cpu_seconds() - before : seconds;
+  }
+
   static std::vector<uint32_t> features_of(const RenderTables& t) {
     const SurfaceFeatures& f = t.surfaces.features;
     return {f.layers,
@@ -176,55 +194,40 @@ class GpuMachine : public Machine {
             !t.portals.pairs.empty()};
   }
 
-  // In the order of shaders/path_bindings.glsl.
+  // In the order of shaders/path.tables and shaders/path_bindings.glsl.
   std::vector<Memory> bind(const RenderTables& t) const {
-    const auto buffer = [&](const auto& values) { return Buffer(device_, values); };
     const SurfaceTables& s = t.surfaces;
     const LightTables& l = t.lights;
+    const Table words{device_, gpu::Texels::words}, quads{device_, gpu::Texels::quads};
     const std::vector<shader::uvec4> sobol(shader::sobol_points.begin(),
                                            shader::sobol_points.end());
+    std::vector<Memory> memory{quads(t.bvh.nodes), quads(t.bvh.triangles), quads(s.faces),
+            quads(s.face_corners), quads(s.corner_attributes), quads(s.materials),
+            words(s.material_maps), quads(s.maps), words(s.texel_words), words(t.curves),
+            words(s.coverage.coverage_of), quads(s.coverage.coverages), words(l.words),
+            quads(l.emitters), quads(l.lamps), quads(l.suns), words(l.texels), quads(l.panels),
+            quads(l.windows), quads(l.frames), quads(t.portals.facets), quads(t.portals.polygons),
+            quads(t.portals.corners), quads(t.portals.pairs), quads(sobol)};
     const auto room = [&](uint64_t n, uint64_t size) { return Buffer(device_, n * size); };
-    return {gpu::Texels(buffer(t.bvh.nodes)),
-            gpu::Texels(buffer(t.bvh.triangles)),
-            buffer(s.faces),
-            buffer(s.face_corners),
-            buffer(s.corner_attributes),
-            buffer(s.materials),
-            buffer(s.maps),
-            buffer(s.texel_words),
-            buffer(t.curves),
-            buffer(s.coverage.coverage_of),
-            buffer(s.coverage.coverages),
-            buffer(l.words),
-            buffer(l.emitters),
-            buffer(l.lamps),
-            buffer(l.suns),
-            buffer(l.texels),
-            buffer(l.panels),
-            buffer(l.windows),
-            buffer(l.frames),
-            settings_,
-            buffer(t.portals.facets),
-            buffer(t.portals.polygons),
-            buffer(t.portals.corners),
-            buffer(t.portals.pairs),
-            buffer(sobol),
-            room(room_.vertices, sizeof(shader::PathVertex)),
-            room(room_.vertices, sizeof(shader::PathDensity)),
-            walk_counts_,
-            room(room_.samples, 4),
-            alive_,
-            end_first_,
-            room(room_.vertices + 2 * uint64_t{room_.samples}, sizeof(shader::JoinEnd)),
-            room(room_.samples, sizeof(shader::PortalSegment)),
-            room(room_.samples, shader::kSegmentSides * sizeof(shader::SegmentSide)),
-            film_,
-            flags_,
-            ranks_,
-            room(t.surfaces.features.layers ? room_.vertices : 1, sizeof(shader::PathBsdf)),
-            room(2 * uint64_t{room_.samples}, sizeof(shader::WalkRay)),
-            room(room_.joinings(), sizeof(shader::Joining)),
-            room(2 * uint64_t{room_.joinings()}, sizeof(shader::Scattering))};
+    const Buffer walk_last = room(room_.samples, 4),
+       vertices = room(room_.vertices, sizeof(shader::PathVertex)),
+       bsdfs = room(s.features.layers ? room_.vertices : 1, sizeof(shader::PathBsdf)),
+       densities = room(room_.vertices, sizeof(shader::PathDensity)),
+       rays = room(2 * uint64_t{room_.samples}, sizeof(shader::WalkRay)),
+       ends = room(room_.vertices + 2 * uint64_t{room_.samples}, sizeof(shader::JoinEnd)),
+       joinings = room(room_.joinings(), sizeof(shader::Joining)),
+       scatterings = room(2 * uint64_t{room_.joinings()}, sizeof(shader::Scattering)),
+       segments = room(room_.samples, sizeof(shader::PortalSegment)),
+       sides = room(room_.samples, shader::kSegmentSides * sizeof(shader::SegmentSide));
+    for (const Buffer& of_words : {pool_offsets_, alive_, end_first_, walk_last})
+      memory.push_back(gpu::Texels(of_words, gpu::Texels::words));
+    for (const Buffer& records : {vertices, bsdfs, densities, rays, ends, joinings, scatterings, segments, sides})
+      memory.push_back(gpu::Texels(records, gpu::Texels::quads));
+    memory.push_back(gpu::Uniforms(settings_));
+    for (const Buffer& written : {vertices, bsdfs, densities, walk_counts_, walk_last, alive_, rays, ends, joinings,
+                                  scatterings, segments, sides, film_, flags_, ranks_})
+      memory.push_back(written);
+    return memory;
   }
 
   Kernel kernel(std::span<const uint32_t> program, const std::vector<uint32_t>& constants) const {
@@ -260,7 +263,7 @@ class GpuMachine : public Machine {
   const std::vector<uint32_t> features_;
   std::array<bool, 2> kind_{};  // walks are directed, the camera culls
   const uint32_t film_words_;
-  Buffer settings_, walk_counts_, alive_, end_first_, film_, flags_, ranks_, totals_;
+  Buffer settings_, pool_offsets_, walk_counts_, alive_, end_first_, film_, flags_, ranks_, totals_;
   const std::vector<Memory> memory_;
   const Kernel flag_light_, flag_camera_, gather_, scan_flags_, scan_walks_;
   std::map<std::pair<size_t, std::array<bool, 2>>, Kernel> kernels_;

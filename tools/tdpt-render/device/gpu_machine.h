@@ -8,7 +8,7 @@
 
 namespace tdpt {
 
-/// Seconds of each step's submissions.
+/// Seconds of each step's submissions: of a device that is a CPU, of all its cores.
 struct StepTimes {
   std::array<double, static_cast<size_t>(Step::kSteps)> of{};
   double gather = 0;

@@ -1,5 +1,6 @@
 // Lights as kernels have them, on the CPU: the same text as C++.
 #pragma once
+#include "shaders/shared/loads.h"
 #include "tools/tdpt-render/device/light_tables.h"
 
 namespace tdpt::shader {
@@ -15,6 +16,7 @@ struct ScalarLights {
   const SkyWindow* sky_windows;
   const WindowFrame* window_frames;
   const LightSettings& light_settings;
+  LOADS_OF_LIGHTS
   bool scene_has_sky, scene_has_sky_map, scene_has_lamps, scene_has_panels, scene_has_windows,
       scene_prefers;
 

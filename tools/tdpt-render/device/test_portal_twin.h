@@ -1,6 +1,7 @@
 // For tests: the twin of a kernel that has portals, and portals to try it with.
 #pragma once
 #include "libcommon/math/rng.h"
+#include "shaders/shared/loads.h"
 #include "shaders/shared/path/portals_test_layout.h"
 #include "tools/tdpt-render/device/portal_tables.h"
 
@@ -12,6 +13,7 @@ struct PortalTwin {
   const PortalPolygon* portal_polygons;
   const PortalCorner* portal_corners;
   const PortalPair* portal_pairs;
+  LOADS_OF_PORTALS
   GuideParameters guiding;
   TrialParameters render{0.7f, 0.4f};
   bool scene_has_portals, portals_have_pairs, guide_active = true;

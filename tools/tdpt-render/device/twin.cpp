@@ -3,6 +3,7 @@
 #include <oneapi/tbb/parallel_for.h>
 
 #include "libcommon/math/sequence.h"
+#include "shaders/shared/loads.h"
 #include "shaders/shared/path/film_units.h"
 #include "shaders/shared/path/joins.h"
 #include "shaders/shared/path/surface_heads.h"
@@ -18,13 +19,11 @@ struct TwinKernels {
   // The scene.
   const BvhNode* bvh_nodes;
   const BvhTriangle* bvh_triangles;
-  const BvhNode& bvh_node(uint i) const { return bvh_nodes[i]; }
-  const BvhTriangle& bvh_triangle(uint i) const { return bvh_triangles[i]; }
-  float bvh_extent() const { return bvh_nodes[0].extent; }
-  const Face* faces;
+    const Face* faces;
   const FaceCorners* face_corners;
   const CornerAttributes* corner_attributes;
   const SurfaceMaterial* materials;
+  const uint* material_maps;
   const SurfaceMap* texture_maps;
   const uint* texel_words;
   const float* surface_curves;
@@ -70,6 +69,25 @@ struct TwinKernels {
   uint* film_words;
   StepParameters work;
   uint bucket;
+
+  LOADS(BvhNode, bvh_node, bvh_nodes)
+  LOADS(BvhTriangle, bvh_triangle, bvh_triangles)
+  LOADS_OF_SURFACES
+  LOADS_OF_LIGHTS
+  LOADS_OF_PORTALS
+  LOADS(uint, pool_offset, pool_offsets)
+  LOADS(uint, alive, alive)
+  LOADS(uint, end_first, end_first)
+  LOADS(uint, walk_last, walk_last)
+  LOADS(PathVertex, path_vertex, path_vertices)
+  LOADS(PathBsdf, path_bsdf, path_bsdfs)
+  LOADS(PathDensity, path_density, path_densities)
+  LOADS(WalkRay, walk_ray, walk_rays)
+  LOADS(JoinEnd, join_end, join_ends)
+  LOADS(Joining, joining, joinings)
+  LOADS(Scattering, scattering, scatterings)
+  LOADS(PortalSegment, segment, segments)
+  LOADS(SegmentSide, segment_side, segment_sides)
 
   uint tally_bucket() const { return bucket; }
   const LightSettings& lights() const { return *settings_of_lights; }
@@ -182,6 +200,7 @@ TwinKernels kernels_of(const RenderTables& t) {
   k.face_corners = t.surfaces.face_corners.data();
   k.corner_attributes = t.surfaces.corner_attributes.data();
   k.materials = t.surfaces.materials.data();
+  k.material_maps = t.surfaces.material_maps.data();
   k.texture_maps = t.surfaces.maps.data();
   k.texel_words = t.surfaces.texel_words.data();
   k.surface_curves = t.curves.data();
