@@ -24,30 +24,36 @@ layout(constant_id = 17) const bool scene_has_portals = true;
 layout(constant_id = 18) const bool portals_have_pairs = true;
 layout(constant_id = 19) const bool guide_active = true;
 layout(constant_id = 20) const bool camera_culls = true;
+layout(constant_id = 21) const uint mixture_techniques = 31u;  // bits
+layout(constant_id = 22) const bool power_heuristic = true;
+layout(constant_id = 23) const bool film_has_layers = true;
+layout(constant_id = 24) const bool film_is_transparent = true;
 
 #include "shaders/path_tables.glsl"
 
-layout(std140, binding = 38) uniform Settings {
+layout(std140, binding = 42) uniform Settings {
   RenderParameters render;
   GuideParameters guiding;
   LightSettings light_settings;
 };
 // What kernels write.
-layout(std430, binding = 39) buffer Vertices { PathVertex path_vertices[]; };
-layout(std430, binding = 40) buffer Bsdfs { PathBsdf path_bsdfs[]; };
-layout(std430, binding = 41) buffer Densities { PathDensity path_densities[]; };
-layout(std430, binding = 42) buffer Counts { uint walk_counts[]; };
-layout(std430, binding = 43) buffer Lasts { uint walk_last[]; };
-layout(std430, binding = 44) buffer Alive { uint alive[]; };
-layout(std430, binding = 45) buffer Rays { WalkRay walk_rays[]; };
-layout(std430, binding = 46) buffer Ends { JoinEnd join_ends[]; };
-layout(std430, binding = 47) buffer Joinings { Joining joinings[]; };
-layout(std430, binding = 48) buffer Scatterings { Scattering scatterings[]; };
-layout(std430, binding = 49) buffer Segments { PortalSegment segments[]; };
-layout(std430, binding = 50) buffer Sides { SegmentSide segment_sides[]; };
-layout(std430, binding = 51) buffer FilmWords { uint film_words[]; };
-layout(std430, binding = 52) buffer Flags { uint flags[]; };
-layout(std430, binding = 53) readonly buffer Ranks { uint ranks[]; };
+layout(std430, binding = 43) buffer Vertices { PathVertex path_vertices[]; };
+layout(std430, binding = 44) buffer Bsdfs { PathBsdf path_bsdfs[]; };
+layout(std430, binding = 45) buffer Densities { PathDensity path_densities[]; };
+layout(std430, binding = 46) buffer Counts { uint walk_counts[]; };
+layout(std430, binding = 47) buffer Lasts { uint walk_last[]; };
+layout(std430, binding = 48) buffer Alive { uint alive[]; };
+layout(std430, binding = 49) buffer Rays { WalkRay walk_rays[]; };
+layout(std430, binding = 50) buffer Ends { JoinEnd join_ends[]; };
+layout(std430, binding = 51) buffer Joinings { Joining joinings[]; };
+layout(std430, binding = 52) buffer Scatterings { Scattering scatterings[]; };
+layout(std430, binding = 53) buffer Segments { PortalSegment segments[]; };
+layout(std430, binding = 54) buffer Sides { SegmentSide segment_sides[]; };
+layout(std430, binding = 55) buffer FilmWords { uint film_words[]; };
+layout(std430, binding = 56) buffer Flags { uint flags[]; };
+layout(std430, binding = 57) buffer LitSegments { uint lit_segments[]; };
+layout(std430, binding = 58) buffer LitFirst { uint lit_first[]; };
+layout(std430, binding = 59) buffer Estimates { float estimates[]; };
 
 layout(push_constant) uniform Work { StepParameters work; };
 

@@ -86,6 +86,12 @@ void main() {
   put_segment_together(i);
 #elif defined GATHER_SIDES
   gather_sides(slot, 2u * i);
+#elif defined FLAG_LIT
+  flag_lit(slot, i);
+#elif defined LIST_LIT
+  list_lit(i);
+#elif defined ESTIMATE_SEGMENTS
+  estimate_segments(slot, i);
 #elif defined CHOOSE_NEXT_EVENTS
   choose_next_event(slot, i);
 #elif defined CHOOSE_JOINS
@@ -97,20 +103,22 @@ void main() {
 #elif defined CHOOSE_SEEN
   choose_seen(slot, i);
 #elif defined CHOOSE_SEGMENTS
-  choose_segments(slot, 3u * i);
+  choose_segments(slot, 3u * i, work.next);
 #elif defined SCATTER_ENDS
-  scatter_end(i);
+  scatter_end(load_alive(i), work.first == 0u);
+#elif defined SEE
+  see(load_alive(i));
 #elif defined JOIN
-  join(i);
+  join(load_alive(i));
 #elif defined JOIN_SIDES
-  join_side(i);
+  join_side(load_alive(i));
 #elif defined JOIN_SEGMENTS
-  join_segment(i);
+  join_segment(load_alive(i));
 #elif defined FLAG_LIGHT
-  flags[i] = may_go_on(FROM_LIGHT, load_path_density(slot)) ? 1u : 0u;
+  flags[i] = goes_on(FROM_LIGHT, slot) ? 1u : 0u;
 #elif defined FLAG_CAMERA
-  flags[i] = may_go_on(FROM_CAMERA, load_path_density(slot)) ? 1u : 0u;
+  flags[i] = goes_on(FROM_CAMERA, slot) ? 1u : 0u;
 #elif defined GATHER
-  if (flags[i] != 0u) alive[ranks[i]] = slot;
+  if (flags[i] != 0u) alive[load_rank(i)] = slot;
 #endif
 }

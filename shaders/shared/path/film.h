@@ -10,6 +10,10 @@ SHARED void count_ray(uint kind) MEMBER_CONST {
   atomicAdd(film_words[render.tally_first + tally_bucket() * kTallyWords + kind], 1u);
 }
 
+SHARED void count_rays(uint kind, uint n) MEMBER_CONST {
+  atomicAdd(film_words[render.tally_first + tally_bucket() * kTallyWords + kind], n);
+}
+
 /// Luminance, for what is reported: rounded down.
 SHARED void add_energy(uint first, float value) MEMBER_CONST {
   uvec4 units;
@@ -36,7 +40,7 @@ SHARED float add_found(uint technique, uint pixel, uint k, word64 number, vec3 v
     atomicAdd(film_words[render.tally_first + kTallyBuckets * kTallyWords], 1u);
     return 0.0f;
   }
-  if (render.layers != 0u)
+  if (film_has_layers)
     film_add(12u * (render.width * render.height * (1u + technique) + pixel), found, mix64(coin));
   float brought = luminance(found);
   uint energies = render.tally_first + tally_bucket() * kTallyWords + TALLY_ENERGIES;

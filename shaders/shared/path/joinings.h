@@ -1,5 +1,6 @@
-// Pairs of ends that may make a path: chosen, told what each end makes of the other, and joined, in
-// steps of their own [machine.h]. Sections 3.1 to 3.3, tools/tdpt-render/path/path_sampler.cpp and
+// Pairs of ends that may make a path: chosen, told what each end makes of the other, seen to be free
+// of what may lie between them, and joined, in steps of their own [machine.h], each for those that
+// are left. Sections 3.1 to 3.3, tools/tdpt-render/path/path_sampler.cpp and
 // segment_sampler.cpp. Each path adds its weighted share to the film.
 //
 // The light's end is a vertex of a light walk, a place on a light, or x_c of a portal segment; the
@@ -64,7 +65,7 @@ SHARED Joining no_joining() MEMBER_CONST {
 
 /// A place on a light for the camera's vertex in slot `slot`.
 SHARED void choose_next_event(uint slot, uint place) MEMBER {
-  joinings[place] = no_joining();
+  flags[place] = 0u;
   PathDensity d = load_path_density(slot);
   if ((d.flags & VERTEX_THERE) == 0u || (d.flags & VERTEX_CONNECTIBLE) == 0u) return;
   uint number = number_of(d);
@@ -99,6 +100,7 @@ SHARED void choose_next_event(uint slot, uint place) MEMBER {
   j.light_A = light_pdf(x0.source, x0.triangle, x0.position, chosen.in_sky);
   j.pixel = name.pixel;
   joinings[place] = j;
+  flags[place] = 1u;
 }
 
 /// Candidate i of n, of those that are looked at, spread evenly from u in [0,1).
@@ -120,56 +122,70 @@ SHARED void put_joining(uint place, uint kind, uint light, vec3 from, bool far, 
   j.w = far ? from : d * inverse_root(j.d2);
   j.pixel = pixel;
   joinings[place] = j;
+  flags[place] = 1u;
 }
 
-/// Of n ends of light walks of a pool, from end `first` on, at most `count` that would bring most
-/// to `here` are put in places from `place` on; the others there are empty. Paths have `edges` more
-/// than the number of the end in its walk. Two numbers in [0,1).
+/// Few of many, one by one [tools/tdpt-render/path/few.h]: half of the chances are alike.
+struct Few {
+  float per_total;
+  float alike;
+  float count;  ///< to be taken; as many as there are, or more: all are
+  float before;
+};
+SHARED Few few_of(float total, uint not_zero, uint count, float u) MEMBER_CONST {
+  Few few;
+  few.per_total = reciprocal(max(total, 1e-37f));
+  few.alike = 0.5f * reciprocal(float(max(not_zero, 1u)));
+  few.count = not_zero > count ? float(count) : 0.0f;
+  few.before = u;
+  return few;
+}
+/// Whether the next one is taken, and its chance.
+SHARED bool takes(INOUT(Few) few, float estimate, OUT(float) chance) MEMBER_CONST {
+  chance = 1.0f;
+  if (few.count > 0.0f)
+    chance = min(1.0f, few.count * (0.5f * estimate * few.per_total + few.alike));
+  float after = few.before + (estimate > 0.0f ? chance : 0.0f);
+  bool taken = floor(after) > floor(few.before);
+  few.before = after;
+  return taken;
+}
+
+/// Of n ends of light walks of a pool at most `count` that would bring most to `here` are put in
+/// places from `place` on; the others there are empty. Paths have `edges` more than the number of
+/// the end in its walk. Two numbers in [0,1).
 SHARED void choose_ends(uint place, uint count, uint kind, uint group, uint n, JoinEnd here,
                         uint camera, uint edges, uint pixel, float u, float u_few) MEMBER {
-  for (uint i = 0u; i < count; ++i) joinings[place + i].kind = JOINING_NONE;
   uint m = min(n, kCandidates);
   float walks = float(walks_of_pool(pool_of_group(group)));
   float times = n <= kCandidates ? walks : walks * 8.0f * reciprocal(float(n));
+  float estimates[kCandidates];
   float total = 0.0f;
   uint not_zero = 0u;
-  float per_total = 0.0f;
-  float alike = 0.0f;
-  float before = u_few;
-  uint put = 0u;
-  // Twice: what all would bring, and then those that are taken.
-  for (uint k = 0u; k < 2u * m; ++k) {
-    bool counts = k < m;
-    uint i = counts ? k : k - m;
-    if (k == m) {
-      per_total = reciprocal(max(total, 1e-37f));
-      alike = 0.5f * reciprocal(float(max(not_zero, 1u)));
-    }
-    JoinEnd end = load_join_end(place_of_end(group, candidate_of(n, i, u)));
+  count_rays(RAYS_JOIN, m);
+  for (uint k = 0u; k < m; ++k) {
+    JoinEnd end = load_join_end(place_of_end(group, candidate_of(n, k, u)));
     float estimate = end.number + edges > render.max_depth ? 0.0f : estimate_join(end, here);
-    if (counts) {
-      count_ray(RAYS_JOIN);
-      total += estimate;
-      not_zero += estimate > 0.0f ? 1u : 0u;
-      continue;
-    }
-    if (estimate == 0.0f) continue;
-    float chance = 1.0f;
-    if (not_zero > count) chance = min(1.0f, float(count) * (0.5f * estimate * per_total + alike));
-    float after = before + chance;
-    if (floor(after) > floor(before) && put < count) {
-      put_joining(place + put, kind, end.slot, end.position, end.alpha2 < 0.0f, camera,
-                  here.position, times * chance, pixel);
-      put += 1u;
-    }
-    before = after;
+    estimates[k] = estimate;
+    total += estimate;
+    not_zero += estimate > 0.0f ? 1u : 0u;
+  }
+  Few few = few_of(total, not_zero, count, u_few);
+  uint put = 0u;
+  for (uint k = 0u; k < m && put < count; ++k) {
+    float chance;
+    if (!takes(few, estimates[k], chance)) continue;
+    JoinEnd end = load_join_end(place_of_end(group, candidate_of(n, k, u)));
+    put_joining(place + put, kind, end.slot, end.position, end.alpha2 < 0.0f, camera,
+                here.position, times * chance, pixel);
+    put += 1u;
   }
 }
 
 /// Light vertices for the camera's vertex in slot `slot`: two places.
 SHARED void choose_joins(uint slot, uint place) MEMBER {
-  joinings[place].kind = JOINING_NONE;
-  joinings[place + 1u].kind = JOINING_NONE;
+  flags[place] = 0u;
+  flags[place + 1u] = 0u;
   PathDensity d = load_path_density(slot);
   if ((d.flags & VERTEX_THERE) == 0u || (d.flags & VERTEX_CONNECTIBLE) == 0u) return;
   uint t = number_of(d) + 1u;
@@ -188,7 +204,6 @@ SHARED void choose_joins(uint slot, uint place) MEMBER {
 
 /// The camera for the light's vertex in slot `slot`, or for x_c of a segment.
 SHARED void choose_camera(uint place, uint kind, uint light, uint slot, float times) MEMBER {
-  joinings[place] = no_joining();
   PathDensity d = load_path_density(slot);
   if ((d.flags & VERTEX_THERE) == 0u || (d.flags & VERTEX_CONNECTIBLE) == 0u) return;
   vec3 from = load_path_vertex(slot).position;
@@ -200,6 +215,7 @@ SHARED void choose_camera(uint place, uint kind, uint light, uint slot, float ti
   put_joining(place, kind, light, from, false, kNoVertex, render.camera_position, times, pixel);
 }
 SHARED void choose_splat(uint slot, uint place) MEMBER {
+  flags[place] = 0u;
   uint pool = pool_of_group(load_path_vertex(slot).walk / render.walks_full);
   float times = float(walks_of_pool(pool)) * reciprocal(float(samples_of_pool(pool)));
   choose_camera(place, JOINING_SPLAT, slot, slot, times);
@@ -207,19 +223,17 @@ SHARED void choose_splat(uint slot, uint place) MEMBER {
 
 // What ends make of each other.
 
-/// End `i` & 1 (0: the light's) of joining i / 2.
-SHARED void scatter_end(uint i) MEMBER {
-  Joining j = load_joining(i >> 1u);
-  if (j.kind == JOINING_NONE) return;
-  bool of_light = (i & 1u) == 0u;
+/// The light's end of joining i, or the camera's.
+SHARED void scatter_end(uint i, bool of_light) MEMBER {
+  Joining j = load_joining(i);
   bool of_segment = j.kind == JOINING_SEEN || j.kind == JOINING_SEGMENT;
   uint slot = of_light ? j.light : j.camera;
   if (of_light && of_segment) slot = slot_of_x_c(j.light);
-  if (slot == kNoVertex) return;
   PathVertex at = load_path_vertex(slot);
   if (is_zero(at.back)) return;
-  scatterings[i] = scattering_at(kept_point(slot, at), of_light ? FROM_LIGHT : FROM_CAMERA, at.back,
-                                 of_light ? j.w : -j.w, false);
+  scatterings[2u * i + (of_light ? 0u : 1u)] =
+      scattering_at(kept_point(slot, at), of_light ? FROM_LIGHT : FROM_CAMERA, at.back,
+                    of_light ? j.w : -j.w, false);
 }
 
 // Joining.
@@ -271,17 +285,17 @@ struct Joint {
   PathDensity of_camera;
   Scattering at_y;
   Scattering at_z;
-  vec3 value;  ///< without visibility
 };
+
+SHARED bool of_segment(Joining j) MEMBER_CONST {
+  return j.kind == JOINING_SEEN || j.kind == JOINING_SEGMENT;
+}
 
 SHARED Joint joint_of(Joining j, uint i) MEMBER_CONST {
   Joint joint;
-  bool of_segment = j.kind == JOINING_SEEN || j.kind == JOINING_SEGMENT;
-  bool to_camera = j.camera == kNoVertex;
   joint.light = empty_vertex(0u);
   joint.of_light = empty_density();
   joint.y = empty_point();
-  vec3 sent;
   if (j.kind == JOINING_NEXT_EVENT) {
     joint.y.position = j.position;
     joint.y.normal = j.normal;
@@ -289,52 +303,69 @@ SHARED Joint joint_of(Joining j, uint i) MEMBER_CONST {
     joint.y.triangle = j.triangle;
     joint.light.source = j.source;
     joint.light.normal = j.normal;
-    float per_pdf = reciprocal(j.nee_A);
-    sent = j.radiance * per_pdf;
   } else {
-    uint slot = of_segment ? slot_of_x_c(j.light) : j.light;
+    uint slot = of_segment(j) ? slot_of_x_c(j.light) : j.light;
     joint.light = load_path_vertex(slot);
     joint.of_light = load_path_density(slot);
     joint.y = kept_point(slot, joint.light);
     joint.at_y = load_scattering(2u * i);
-    vec3 throughput = of_segment ? load_segment(j.light).through : joint.light.throughput;
-    sent = throughput * (is_zero(joint.light.back) ? emitted(joint.y, j.w) : joint.at_y.f);
   }
   joint.camera = empty_vertex(0u);
   joint.of_camera = empty_density();
   joint.z = empty_point();
   joint.z.position = render.camera_position;
-  vec3 seen;
-  if (to_camera) {
-    float importance_w = camera_pdf_w(-j.w);
-    seen = vec3(importance_w, importance_w, importance_w);
-  } else {
+  if (j.camera != kNoVertex) {
     joint.camera = load_path_vertex(j.camera);
     joint.of_camera = load_path_density(j.camera);
     joint.z = kept_point(j.camera, joint.camera);
     joint.at_z = load_scattering(2u * i + 1u);
+  }
+  return joint;
+}
+
+/// What a joining brings if nothing lies between its ends.
+SHARED vec3 value_of(Joining j, Joint joint) MEMBER_CONST {
+  vec3 sent;
+  if (j.kind == JOINING_NEXT_EVENT) {
+    float per_pdf = reciprocal(j.nee_A);
+    sent = j.radiance * per_pdf;
+  } else {
+    vec3 throughput = of_segment(j) ? load_segment(j.light).through : joint.light.throughput;
+    sent = throughput * (is_zero(joint.light.back) ? emitted(joint.y, j.w) : joint.at_y.f);
+  }
+  vec3 seen;
+  if (j.camera == kNoVertex) {
+    float importance_w = camera_pdf_w(-j.w);
+    seen = vec3(importance_w, importance_w, importance_w);
+  } else {
     seen = joint.camera.throughput * joint.at_z.f;
   }
   Edge e;
   e.w = j.w;
   e.d2 = j.d2;
-  joint.value = absorbed(sent * seen * (geometry(joint.y, joint.z, e) * reciprocal(j.times)),
-                         joint.y, joint.z, e);
-  return joint;
+  return absorbed(sent * seen * (geometry(joint.y, joint.z, e) * reciprocal(j.times)), joint.y,
+                  joint.z, e);
 }
 
-SHARED bool is_free(Joining j, Joint joint) MEMBER {
-  if (j.camera == kNoVertex && camera_culls) return seen_by_camera(joint.y);
-  return sees(joint.y, joint.z);
+/// Whether joining i brings anything; then what takes the place of the radiance in it.
+SHARED void see(uint i) MEMBER {
+  Joining j = load_joining(i);
+  Joint joint = joint_of(j, i);
+  vec3 value = value_of(j, joint);
+  bool there = !is_zero(value);
+  if (there && j.camera == kNoVertex && camera_culls)
+    there = seen_by_camera(joint.y);
+  else if (there)
+    there = sees(joint.y, joint.z);
+  flags[i] = there ? 1u : 0u;
+  joinings[i].radiance = value;
 }
 
 /// Adds the path of a next event, or of two walks that are joined, or of a light's that the camera
 /// sees; i: number of its scatterings.
 SHARED void join(uint i) MEMBER {
   Joining j = load_joining(i);
-  if (j.kind == JOINING_NONE) return;
   Joint joint = joint_of(j, i);
-  if (is_zero(joint.value) || !is_free(j, joint)) return;
   bool to_camera = j.kind == JOINING_SPLAT;
   bool next_event = j.kind == JOINING_NEXT_EVENT;
   float per_d2 = reciprocal(j.d2);
@@ -383,7 +414,7 @@ SHARED void join(uint i) MEMBER {
   }
   uint walk =
       to_camera ? joint.light.walk / render.walks_full : joint.camera.walk / render.per_pool;
-  add_found(technique, j.pixel, k, sample_of_group(walk, 0u).number, joint.value, weight);
+  add_found(technique, j.pixel, k, sample_of_group(walk, 0u).number, j.radiance, weight);
 }
 
 /// The camera's walk has come upon a light: x_0 in slot `slot`.
@@ -394,7 +425,7 @@ SHARED void meet_light(uint slot) MEMBER {
   uint k = number_of(d);
   SampleName name = sample_of_group(at.walk / render.per_pool, at.walk % render.per_pool);
   bool looks_out = k == 1u && (d.flags & VERTEX_INFINITE) != 0u;
-  if (render.transparent != 0u && k == 1u) {
+  if (film_is_transparent && k == 1u) {
     if (looks_out) return;
     meet_pixel(name.pixel);
   }

@@ -138,8 +138,8 @@ SHARED void put_segment_together(uint segment) MEMBER {
 
 /// Light vertices for x_l: two places.
 SHARED void choose_sides(uint segment, uint place) MEMBER {
-  joinings[place].kind = JOINING_NONE;
-  joinings[place + 1u].kind = JOINING_NONE;
+  flags[place] = 0u;
+  flags[place + 1u] = 0u;
   if (!(load_segment(segment).density > 0.0f)) return;
   uint slot = slot_of_x_l(segment);
   PathVertex l = load_path_vertex(slot);
@@ -158,12 +158,9 @@ SHARED void choose_sides(uint segment, uint place) MEMBER {
 /// Joins x_l with what was chosen: side 1 or 2 of the segment. i: number of the scatterings.
 SHARED void join_side(uint i) MEMBER {
   Joining j = load_joining(i);
-  if (j.kind == JOINING_NONE) return;
   uint segment = j.pixel;
   uint place = segment * kSegmentSides + 1u + (i & 1u);
-  segment_sides[place].value = vec3(0.0f, 0.0f, 0.0f);
   Joint joint = joint_of(j, i);
-  if (is_zero(joint.value) || !is_free(j, joint)) return;
   Crossing crossing = crossing_of(FROM_LIGHT, joint.y, joint.z, drawn_otherwise());
   float per_d2 = reciprocal(j.d2);
   float per_y = cosine_to(joint.y, j.w) * per_d2;
@@ -174,7 +171,7 @@ SHARED void join_side(uint i) MEMBER {
       at_joint(FROM_CAMERA, joint.camera, joint.of_camera, joint.at_z, -j.w, per_y, crossing);
   uint a = number_of(joint.of_light) + 1u;
   SegmentSide side;
-  side.value = joint.value;
+  side.value = j.radiance;
   side.slot = j.light;
   side.light_A0 = survival_at(joint.of_light) * of_y.onward_A;
   side.light_A1 = (a <= 1u ? 1.0f : joint.at_z.albedo) * of_l.behind_A;
@@ -193,108 +190,136 @@ SHARED void join_side(uint i) MEMBER {
   segment_sides[place] = side;
 }
 
-/// What sides there are.
-SHARED void gather_sides(uint segment, uint place) MEMBER {
-  PortalSegment s = load_segment(segment);
-  if (!(s.density > 0.0f)) return;
-  for (uint k = 0u; k < 2u; ++k) {
-    if (load_joining(place + k).kind != JOINING_SIDE) continue;
-    uint i = segment * kSegmentSides + 1u + k;
-    s.light = s.light + load_segment_side(i).value;
-    s.there = s.there | (is_zero(load_segment_side(i).value) ? 0u : 2u << k);
-  }
-  if (s.there == 0u) s.density = 0.0f;
-  segments[segment] = s;
-}
-
 SHARED uint prefix_of(SegmentSide side) MEMBER_CONST {
   return side.slot == kNoVertex ? 0u : number_of(load_path_density(side.slot)) + 1u;
 }
+const uint kMostPrefix = 1023u;  // that is told from longer ones in estimates
 
-/// Light of prefixes that leave room for t vertices from the camera.
-SHARED vec3 light_of(uint segment, uint t) MEMBER_CONST {
-  vec3 light = vec3(0.0f, 0.0f, 0.0f);
+/// What sides there are, and how their light is estimated.
+SHARED void gather_sides(uint segment, uint place) MEMBER {
+  PortalSegment s = load_segment(segment);
+  if (!(s.density > 0.0f)) return;
+  s.there |= flags[place] << 1u | flags[place + 1u] << 2u;
+  if (s.there == 0u) s.density = 0.0f;
+  segments[segment] = s;
+  uint prefixes = 0u;
+  float light[kSegmentSides];
   for (uint i = 0u; i < kSegmentSides; ++i) {
-    if ((load_segment(segment).there >> i & 1u) == 0u) continue;
     SegmentSide side = load_segment_side(segment * kSegmentSides + i);
-    if (prefix_of(side) + t + 1u <= render.max_depth) light = light + side.value;
+    bool there = (s.there >> i & 1u) != 0u;
+    light[i] = there ? luminance(side.value) : 0.0f;
+    if (there) prefixes |= min(prefix_of(side), kMostPrefix) << (10u * i);
   }
+  uint end = segment_ends() + segment;
+  join_ends[end].number = prefixes;
+  join_ends[end].pad0 = light[0];
+  join_ends[end].pad1 = light[1];
+  join_ends[end].pad2 = light[2];
+}
+
+/// Luminance of prefixes that leave room for t vertices from the camera.
+SHARED float light_of(JoinEnd far, uint t) MEMBER_CONST {
+  uint most = render.max_depth - min(render.max_depth, t + 1u);
+  float light = (far.number & kMostPrefix) <= most ? far.pad0 : 0.0f;
+  light += (far.number >> 10u & kMostPrefix) <= most ? far.pad1 : 0.0f;
+  light += far.number >> 20u <= most ? far.pad2 : 0.0f;
   return light;
 }
 
+/// Whether a segment is to be seen and to be joined, and that with the camera: one place.
 SHARED void choose_seen(uint segment, uint place) MEMBER {
-  joinings[place].kind = JOINING_NONE;
+  flags[place] = 0u;
   if (load_segment(segment).density > 0.0f)
     choose_camera(place, JOINING_SEEN, segment, slot_of_x_c(segment), 1.0f);
+}
+SHARED void flag_lit(uint segment, uint place) MEMBER {
+  flags[place] = load_segment(segment).density > 0.0f ? 1u : 0u;
+}
+/// Lists the segments that are flagged; of each pool the first.
+SHARED void list_lit(uint segment) MEMBER {
+  uint rank = load_rank(segment);
+  if (flags[segment] != 0u) lit_segments[rank] = segment;
+  if (segment % render.per_pool == 0u) lit_first[segment / render.per_pool] = rank;
+  if (segment + 1u == work.count) lit_first[render.groups] = rank + flags[segment];
 }
 
 const uint kPairs = 3u;  // joins of a sample's camera vertices with segments
 
+// Of each of the camera's vertices: the sum of its estimates, how many are not zero, and all of
+// them, one for each lit segment of its pool.
+SHARED uint row_of_estimates(uint i) MEMBER_CONST {
+  return i * (render.per_pool + 2u);
+}
+
+/// What the segments of its pool would bring to the camera's vertex in slot `slot`, into row i.
+SHARED void estimate_segments(uint slot, uint i) MEMBER {
+  uint row = row_of_estimates(i);
+  estimates[row] = 0.0f;
+  estimates[row + 1u] = 0.0f;
+  PathDensity d = load_path_density(slot);
+  uint t = number_of(d) + 1u;
+  if ((d.flags & VERTEX_THERE) == 0u || (d.flags & VERTEX_CONNECTIBLE) == 0u) return;
+  if (t + 1u > render.max_depth) return;
+  PathVertex at = load_path_vertex(slot);
+  uint group = at.walk / render.per_pool;
+  uint first = load_lit_first(group);
+  uint n = load_lit_first(group + 1u) - first;
+  JoinEnd here = join_end(kept_point(slot, at), at.back, at.throughput, slot, t);
+  float total = 0.0f;
+  uint not_zero = 0u;
+  for (uint k = 0u; k < n; ++k) {
+    JoinEnd far = load_join_end(segment_ends() + load_lit_segment(first + k));
+    float estimate = estimate_join(far, here) * light_of(far, t);
+    estimates[row + 2u + k] = estimate;
+    total += estimate;
+    not_zero += estimate > 0.0f ? 1u : 0u;
+  }
+  count_rays(RAYS_JOIN, n);
+  estimates[row] = total;
+  estimates[row + 1u] = float(not_zero);
+}
+
 /// Of all pairs of a vertex of a camera's walk with a segment of its pool those few that would
-/// bring most: three places.
-SHARED void choose_segments(uint walk, uint place) MEMBER {
-  for (uint i = 0u; i < kPairs; ++i) joinings[place + i].kind = JOINING_NONE;
+/// bring most: three places. `first_slot`: of the first row of estimates.
+SHARED void choose_segments(uint walk, uint place, uint first_slot) MEMBER {
+  for (uint i = 0u; i < kPairs; ++i) flags[place + i] = 0u;
   uint last = load_walk_last(walk);
-  if (last == kNoVertex) return;
+  float total = 0.0f;
+  uint not_zero = 0u;
+  for (uint slot = last; slot != kNoVertex; slot = load_path_density(slot).prev) {
+    uint row = row_of_estimates(slot - first_slot);
+    total += load_estimate(row);
+    not_zero += uint(load_estimate(row + 1u));
+  }
+  if (not_zero == 0u) return;
   uint group = walk / render.per_pool;
-  uint first = group * render.per_pool;
-  uint end = first + samples_of_pool(pool_of_group(group));
+  uint first = load_lit_first(group);
+  uint n = load_lit_first(group + 1u) - first;
+  float segments_there = float(samples_of_pool(pool_of_group(group)));
   SampleName name = sample_of_group(group, walk % render.per_pool);
   Sequence numbers = numbers_of(name, PURPOSE_SEGMENT);
   seek(numbers, 12u);
-  float before = uniform_of(numbers);
-  float total = 0.0f;
-  uint not_zero = 0u;
-  float per_total = 0.0f;
-  float alike = 0.0f;
+  Few few = few_of(total, not_zero, kPairs, uniform_of(numbers));
   uint put = 0u;
-  // Twice: what all would bring, and then those that are taken.
-  uint slot = last;
-  for (uint pass = 0u; pass < 2u && slot != kNoVertex;) {
-    PathDensity d = load_path_density(slot);
-    uint t = number_of(d) + 1u;
-    if ((d.flags & VERTEX_CONNECTIBLE) != 0u && t + 1u <= render.max_depth) {
-      PathVertex at = load_path_vertex(slot);
-      JoinEnd here = join_end(kept_point(slot, at), at.back, at.throughput, slot, t);
-      for (uint segment = first; segment < end; ++segment) {
-        if (!(load_segment(segment).density > 0.0f)) continue;
-        JoinEnd far = load_join_end(segment_ends() + segment);
-        float estimate = estimate_join(far, here) * luminance(light_of(segment, t));
-        if (pass == 0u) {
-          count_ray(RAYS_JOIN);
-          total += estimate;
-          not_zero += estimate > 0.0f ? 1u : 0u;
-          continue;
-        }
-        if (estimate == 0.0f) continue;
-        float chance = 1.0f;
-        if (not_zero > kPairs)
-          chance = min(1.0f, float(kPairs) * (0.5f * estimate * per_total + alike));
-        float after = before + chance;
-        if (floor(after) > floor(before) && put < kPairs) {
-          put_joining(place + put, JOINING_SEGMENT, segment, far.position, false, slot,
-                      here.position, float(end - first) * chance, name.pixel);
-          put += 1u;
-        }
-        before = after;
-      }
+  for (uint slot = last; slot != kNoVertex; slot = load_path_density(slot).prev) {
+    uint row = row_of_estimates(slot - first_slot);
+    uint of_row = load_estimate(row + 1u) > 0.0f ? n : 0u;
+    for (uint k = 0u; k < of_row && put < kPairs; ++k) {
+      float chance;
+      if (!takes(few, load_estimate(row + 2u + k), chance)) continue;
+      uint segment = load_lit_segment(first + k);
+      put_joining(place + put, JOINING_SEGMENT, segment,
+                  load_join_end(segment_ends() + segment).position, false, slot,
+                  load_path_vertex(slot).position, segments_there * chance, name.pixel);
+      put += 1u;
     }
-    slot = d.prev;
-    if (slot != kNoVertex || pass == 1u) continue;
-    if (not_zero == 0u) return;
-    per_total = reciprocal(max(total, 1e-37f));
-    alike = 0.5f * reciprocal(float(not_zero));
-    pass = 1u;
-    slot = last;
   }
 }
 
 /// Adds all paths of a segment with the camera's side that was chosen, or with the camera itself.
 SHARED void join_segment(uint i) MEMBER {
   Joining j = load_joining(i);
-  if (j.kind == JOINING_NONE) return;
   Joint joint = joint_of(j, i);
-  if (is_zero(joint.value) || !is_free(j, joint)) return;
   bool to_camera = j.kind == JOINING_SEEN;
   PortalSegment s = load_segment(j.light);
   float per_d2 = reciprocal(j.d2);
@@ -337,7 +362,7 @@ SHARED void join_segment(uint i) MEMBER {
     light.second_A = side.second_A;
     if (!to_camera) camera.first_A = (a == 0u ? 1.0f : joint.of_light.own_survival) * of_c.onward_A;
     float weight = weight_of_segment(light, camera, a, k, x);
-    float found = add_found(TECHNIQUE_PORTAL, j.pixel, k, number, side.value * joint.value, weight);
+    float found = add_found(TECHNIQUE_PORTAL, j.pixel, k, number, side.value * j.radiance, weight);
     if (found > 0.0f) count_lit(s.portal, atomicAdd(segments[j.light].lit, 1u) == 0u, found);
   }
 }

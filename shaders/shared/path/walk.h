@@ -300,11 +300,24 @@ SHARED void begin_light_walk(uint walk, uint slot) MEMBER {
   walk_rays[walk] = ray;
 }
 
-/// Whether a walk may go on at this vertex, if the roulette lets it.
-SHARED bool may_go_on(uint from, PathDensity d) MEMBER_CONST {
+SHARED Sequence numbers_of_walk(uint from, uint walk) MEMBER_CONST {
+  uint per_group = from == FROM_LIGHT ? render.walks_full : render.per_pool;
+  SampleName name = sample_of_group(walk / per_group, walk % per_group);
+  return numbers_of(name, from == FROM_LIGHT ? PURPOSE_LIGHT_WALK : PURPOSE_CAMERA_WALK);
+}
+/// Probability that a walk goes on at a vertex.
+SHARED float chance_to_go_on(PathDensity d) MEMBER_CONST {
+  return number_of(d) <= 1u ? 1.0f : d.own_survival;
+}
+/// Whether a walk goes on at the vertex in a slot.
+SHARED bool goes_on(uint from, uint slot) MEMBER_CONST {
+  PathDensity d = load_path_density(slot);
   uint edges = from == FROM_LIGHT ? render.max_depth - 1u : render.max_depth;
-  return (d.flags & VERTEX_THERE) != 0u && (d.flags & VERTEX_INFINITE) == 0u &&
-         number_of(d) < edges;
+  if ((d.flags & VERTEX_THERE) == 0u || (d.flags & VERTEX_INFINITE) != 0u) return false;
+  if (number_of(d) >= edges) return false;
+  Sequence numbers = numbers_of_walk(from, load_path_vertex(slot).walk);
+  seek(numbers, kPerBounce * number_of(d) + 3u);
+  return uniform_of(numbers) < chance_to_go_on(d);
 }
 
 /// The next direction of a walk, scattered or directed. Numbers: direction, lobe, then as
@@ -346,28 +359,22 @@ SHARED bool directed_turn(uint from, Point p, PathVertex at, float albedo, float
   return weigh(p, from, here, next, t.dirac, t.weight);
 }
 
-/// The ray that leaves the vertex in slot `here`, number 1 or above, if the walk goes on.
+/// The ray that leaves the vertex in slot `here`, number 1 or above, where its walk goes on.
 SHARED void go_on(uint from, uint here, uint i) MEMBER {
   PathVertex at = load_path_vertex(here);
   PathDensity known = load_path_density(here);
   walk_rays[i] = no_ray(at.walk);
-  uint per_group = from == FROM_LIGHT ? render.walks_full : render.per_pool;
-  SampleName name = sample_of_group(at.walk / per_group, at.walk % per_group);
-  Sequence numbers =
-      numbers_of(name, from == FROM_LIGHT ? PURPOSE_LIGHT_WALK : PURPOSE_CAMERA_WALK);
-  uint number = number_of(known);
-  seek(numbers, kPerBounce * number);
+  Sequence numbers = numbers_of_walk(from, at.walk);
+  seek(numbers, kPerBounce * number_of(known));
   float u = uniform_of(numbers);
   float v = uniform_of(numbers);
   float lobe = uniform_of(numbers);
-  float roulette = uniform_of(numbers);
-  float chance = number <= 1u ? 1.0f : known.own_survival;
-  if (!(roulette < chance)) return;
   float a = 0.0f;
   float b = 0.0f;
   float c = 0.0f;
   float d = 0.0f;
   if (scene_has_portals && guide_active) {
+    seek(numbers, kPerBounce * number_of(known) + kAimDimension);
     a = uniform_of(numbers);
     b = uniform_of(numbers);
     c = uniform_of(numbers);
@@ -379,7 +386,7 @@ SHARED void go_on(uint from, uint here, uint i) MEMBER {
   if (!directed_turn(from, p, at, known.own_survival, u, v, lobe, a, b, c, d, t, ray.polygon))
     return;
   ray.w = t.w;
-  ray.throughput = at.throughput * t.weight * reciprocal(chance);
+  ray.throughput = at.throughput * t.weight * reciprocal(chance_to_go_on(known));
   if (!(largest(ray.throughput) > 0.0f)) return;
   ray.here = here;
   ray.origin = step_off(p.position, p.normal, t.w);

@@ -11,12 +11,12 @@
 // is divided by is a density of the strategy used, and more than 0. Numbers have an exponent of
 // their own [scaled.h]: what fades along a long path may come back.
 //
-// Read where `render`, path_densities[] and scene_has_portals are.
+// Read where `render`, mixture_techniques (bits), power_heuristic, load_path_density() and scene_has_portals are.
 
 #include "shaders/shared/language.h"
 
 SHARED bool has_technique(uint technique) MEMBER_CONST {
-  return ((render.techniques >> technique) & 1u) != 0u;
+  return ((mixture_techniques >> technique) & 1u) != 0u;
 }
 
 // By how much the density of a strategy counts for paths of k edges [Mixture::sample_weight]; 0:
@@ -41,7 +41,7 @@ SHARED float weight_of_portal(uint a, uint k) MEMBER_CONST {
 SHARED void add_strategy(INOUT(Scaled) total, Scaled relative, float n) MEMBER_CONST {
   if (n == 0.0f) return;
   Scaled p = product(relative, n);
-  if (render.beta == 2.0f) p = product(p, p);
+  if (power_heuristic) p = product(p, p);
   total = sum(total, p);
 }
 
@@ -101,7 +101,7 @@ SHARED void add_half(INOUT(Scaled) total, Half part, bool of_light, uint s, uint
 
 SHARED float share_of(float n, Scaled total) MEMBER_CONST {
   Scaled mine = scaled(n);
-  if (render.beta == 2.0f) mine = product(mine, mine);
+  if (power_heuristic) mine = product(mine, mine);
   return narrowed(quotient(mine, total));
 }
 

@@ -19,8 +19,10 @@
 #include "shaders/path_step_choose_sides.h"
 #include "shaders/path_step_choose_splats.h"
 #include "shaders/path_step_end_segments.h"
+#include "shaders/path_step_estimate_segments.h"
 #include "shaders/path_step_flag_camera.h"
 #include "shaders/path_step_flag_light.h"
+#include "shaders/path_step_flag_lit.h"
 #include "shaders/path_step_gather.h"
 #include "shaders/path_step_gather_sides.h"
 #include "shaders/path_step_go_on_camera.h"
@@ -29,10 +31,12 @@
 #include "shaders/path_step_join_segments.h"
 #include "shaders/path_step_join_sides.h"
 #include "shaders/path_step_list_ends.h"
+#include "shaders/path_step_list_lit.h"
 #include "shaders/path_step_list_starts.h"
 #include "shaders/path_step_meet_lights.h"
 #include "shaders/path_step_put_segments.h"
 #include "shaders/path_step_scatter_ends.h"
+#include "shaders/path_step_see.h"
 #include "shaders/path_step_trace.h"
 #include "shaders/shared/path/scan_layout.h"
 
@@ -68,7 +72,11 @@ constexpr std::array<std::span<const uint32_t>, kOfSteps> kPrograms{
     shader::path_step_choose_sides_spv,
     shader::path_step_choose_seen_spv,
     shader::path_step_choose_segments_spv,
+    shader::path_step_flag_lit_spv,
+    shader::path_step_list_lit_spv,
+    shader::path_step_estimate_segments_spv,
     shader::path_step_scatter_ends_spv,
+    shader::path_step_see_spv,
     shader::path_step_join_spv,
     shader::path_step_join_sides_spv,
     shader::path_step_join_segments_spv};
@@ -106,12 +114,12 @@ class GpuMachine : public Machine {
         settings_(device, sizeof(Settings)),
         pool_offsets_(device, 4 * kMostOfPool),
         walk_counts_(device, 4 * (uint64_t{room.samples} + 1)),
-        alive_(device, 4 * uint64_t{room.vertices}),
+        alive_(device, 4 * uint64_t{room.flags()}),
         end_first_(device, 4 * (uint64_t{room.samples} + 1)),
         film_(device, 4 * uint64_t{film_words}),
-        flags_(device, 4 * (uint64_t{room.vertices} + 1)),
-        ranks_(device, 4 * (uint64_t{room.vertices} + 1)),
-        totals_(device, 4 * (uint64_t{shader::scan_blocks(room.vertices + 1)} + 1)),
+        flags_(device, 4 * (uint64_t{room.flags()} + 1)),
+        ranks_(device, 4 * (uint64_t{room.flags()} + 1)),
+        totals_(device, 4 * (uint64_t{shader::scan_blocks(room.flags() + 1)} + 1)),
         memory_(bind(t)),
         flag_light_(kernel(shader::path_step_flag_light_spv, {})),
         flag_camera_(kernel(shader::path_step_flag_camera_spv, {})),
@@ -129,7 +137,8 @@ class GpuMachine : public Machine {
     settings_host_.render = p;
     settings_.write(std::as_bytes(std::span(&settings_host_, 1)));
     pool_offsets_.write(std::as_bytes(std::span(pool_offsets)));
-    kind_ = {p.guide_light > 0 || p.guide_camera > 0, p.culls != 0};
+    kind_ = {p.guide_light > 0 || p.guide_camera > 0, p.culls != 0, p.techniques, p.beta == 2,
+             p.layers != 0, p.transparent != 0};
   }
 
   void run(Step step, const shader::StepParameters& p) override {
@@ -147,6 +156,16 @@ class GpuMachine : public Machine {
       c.dispatch(of_light ? flag_light_ : flag_camera_, gpu::push(p), groups_of(count));
       scan(c, scan_flags_, count);
       c.dispatch(gather_, gpu::push(p), groups_of(count));
+    });
+    if (times_) times_->gather += seconds;
+    return total(count);
+  }
+
+  uint32_t pick(uint32_t count) override {
+    if (count == 0) return 0;
+    const double seconds = timed([&](gpu::Commands& c) {
+      scan(c, scan_flags_, count);
+      c.dispatch(gather_, gpu::push(shader::StepParameters{count, 0, 0}), groups_of(count));
     });
     if (times_) times_->gather += seconds;
     return total(count);
@@ -218,14 +237,18 @@ class GpuMachine : public Machine {
        joinings = room(room_.joinings(), sizeof(shader::Joining)),
        scatterings = room(2 * uint64_t{room_.joinings()}, sizeof(shader::Scattering)),
        segments = room(room_.samples, sizeof(shader::PortalSegment)),
-       sides = room(room_.samples, shader::kSegmentSides * sizeof(shader::SegmentSide));
+       sides = room(room_.samples, shader::kSegmentSides * sizeof(shader::SegmentSide)),
+       lit_segments = room(room_.samples, 4), lit_first = room(room_.samples + 1, 4),
+       estimates = room(room_.estimates(), 4);
     for (const Buffer& of_words : {pool_offsets_, alive_, end_first_, walk_last})
       memory.push_back(gpu::Texels(of_words, gpu::Texels::words));
     for (const Buffer& records : {vertices, bsdfs, densities, rays, ends, joinings, scatterings, segments, sides})
       memory.push_back(gpu::Texels(records, gpu::Texels::quads));
+    for (const Buffer& of_words : {ranks_, lit_segments, lit_first, estimates})
+      memory.push_back(gpu::Texels(of_words, gpu::Texels::words));
     memory.push_back(gpu::Uniforms(settings_));
     for (const Buffer& written : {vertices, bsdfs, densities, walk_counts_, walk_last, alive_, rays, ends, joinings,
-                                  scatterings, segments, sides, film_, flags_, ranks_})
+                                  scatterings, segments, sides, film_, flags_, lit_segments, lit_first, estimates})
       memory.push_back(written);
     return memory;
   }
@@ -261,12 +284,13 @@ class GpuMachine : public Machine {
   StepTimes* const times_;  // or none
   Settings settings_host_;
   const std::vector<uint32_t> features_;
-  std::array<bool, 2> kind_{};  // walks are directed, the camera culls
+  // Walks are directed, the camera culls, techniques, power heuristic, layers, transparent.
+  std::array<uint32_t, 6> kind_{};
   const uint32_t film_words_;
   Buffer settings_, pool_offsets_, walk_counts_, alive_, end_first_, film_, flags_, ranks_, totals_;
   const std::vector<Memory> memory_;
   const Kernel flag_light_, flag_camera_, gather_, scan_flags_, scan_walks_;
-  std::map<std::pair<size_t, std::array<bool, 2>>, Kernel> kernels_;
+  std::map<std::pair<size_t, std::array<uint32_t, 6>>, Kernel> kernels_;
 };
 
 }  // namespace

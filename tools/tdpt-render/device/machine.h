@@ -1,6 +1,7 @@
 // What renders a submission step by step: a device, or its twin on the CPU. The schedule of steps
 // [wavefront.h] is the same for both.
 #pragma once
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -31,10 +32,15 @@ enum class Step : uint8_t {
   choose_splats,       ///< of the light's vertex in slot first + i
   choose_sides,        ///< for segment first + i, two
   choose_seen,         ///< of segment first + i
-  choose_segments,     ///< for camera walk first + i, three
-  scatter_ends,        ///< end i & 1 of joining i / 2
-  // Make paths of joining i.
-  join,
+  choose_segments,     ///< for camera walk first + i, three; rows of estimates from slot `next` on
+  // Before the last: of segments, and of what they would bring.
+  flag_lit,           ///< segment first + i
+  list_lit,           ///< i of all segments, which pick() has ranked
+  estimate_segments,  ///< to the camera's vertex in slot first + i, row i
+  // Of joining i of those that pick() found:
+  scatter_ends,  ///< the light's end (first: 0), or the camera's
+  see,           ///< whether it brings anything
+  join,          ///< makes paths of it
   join_sides,
   join_segments,
   kSteps
@@ -45,6 +51,9 @@ struct Room {
   uint32_t vertices = 0;                             ///< slots
   uint32_t samples = 0;                              ///< of a submission; kMostOfPool at least
   uint32_t joinings() const { return 4 * samples; }  ///< at a time
+  uint64_t estimates() const { return 16 * uint64_t{vertices}; }
+  /// As many flags as any step asks for.
+  uint32_t flags() const { return std::max(vertices, joinings()); }
 };
 
 /// Samples of a pool.
@@ -60,9 +69,12 @@ class Machine {
                    const std::vector<uint32_t>& pool_offsets) = 0;
   /// Runs them one after the other.
   virtual void run(Step step, const shader::StepParameters& parameters) = 0;
-  /// Of the slots from `first` on those whose walk may go on, in order, for the next step that goes
+  /// Of the slots from `first` on those whose walk goes on, in order, for the next step that goes
   /// on. Returns how many there are.
   virtual uint32_t gather(bool of_light, uint32_t first, uint32_t count) = 0;
+  /// Of 0 .. count-1 those that a step has flagged, in order, and of each how many come before it.
+  /// Returns how many there are.
+  virtual uint32_t pick(uint32_t count) = 0;
   /// Finds a place for each end that light walks have for joins, walk by walk.
   virtual void place_ends(uint32_t walks) = 0;
   /// All words of the film and of what is counted beside it; 0 from then on.

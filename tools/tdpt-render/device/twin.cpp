@@ -49,7 +49,9 @@ struct TwinKernels {
       scene_has_coverage, coverage_has_textures;
   bool scene_has_sky, scene_has_sky_map, scene_has_lamps, scene_has_panels, scene_has_windows,
       scene_prefers;
-  bool scene_has_portals, portals_have_pairs, guide_active, camera_culls;
+  bool scene_has_portals, portals_have_pairs, guide_active, camera_culls,
+      power_heuristic, film_has_layers, film_is_transparent;
+  uint mixture_techniques;
   // The submission.
   RenderParameters render;
   const uint* pool_offsets;
@@ -66,6 +68,11 @@ struct TwinKernels {
   Scattering* scatterings;
   PortalSegment* segments;
   SegmentSide* segment_sides;
+  uint* flags;
+  const uint* ranks;
+  uint* lit_segments;
+  uint* lit_first;
+  float* estimates;
   uint* film_words;
   StepParameters work;
   uint bucket;
@@ -88,6 +95,10 @@ struct TwinKernels {
   LOADS(Scattering, scattering, scatterings)
   LOADS(PortalSegment, segment, segments)
   LOADS(SegmentSide, segment_side, segment_sides)
+  LOADS(uint, rank, ranks)
+  LOADS(uint, lit_segment, lit_segments)
+  LOADS(uint, lit_first, lit_first)
+  LOADS(float, estimate, estimates)
 
   uint tally_bucket() const { return bucket; }
   const LightSettings& lights() const { return *settings_of_lights; }
@@ -177,15 +188,23 @@ struct TwinKernels {
       case Step::choose_seen:
         return choose_seen(slot, i);
       case Step::choose_segments:
-        return choose_segments(slot, 3 * i);
+        return choose_segments(slot, 3 * i, work.next);
+      case Step::flag_lit:
+        return flag_lit(slot, i);
+      case Step::list_lit:
+        return list_lit(i);
+      case Step::estimate_segments:
+        return estimate_segments(slot, i);
       case Step::scatter_ends:
-        return scatter_end(i);
+        return scatter_end(alive[i], work.first == 0);
+      case Step::see:
+        return see(alive[i]);
       case Step::join:
-        return join(i);
+        return join(alive[i]);
       case Step::join_sides:
-        return join_side(i);
+        return join_side(alive[i]);
       case Step::join_segments:
-        return join_segment(i);
+        return join_segment(alive[i]);
       case Step::kSteps:
         return;
     }
@@ -256,7 +275,12 @@ class Twin : public Machine {
         vertices_(room.vertices),
         bsdfs_(room.vertices),
         densities_(room.vertices),
-        alive_(room.vertices),
+        alive_(room.flags()),
+        flags_(room.flags()),
+        ranks_(room.flags()),
+        lit_segments_(room.samples),
+        lit_first_(room.samples + 1),
+        estimates_(room.estimates()),
         walk_counts_(room.samples + 1),
         walk_last_(room.samples),
         end_first_(room.samples + 1),
@@ -277,6 +301,11 @@ class Twin : public Machine {
     kernels_.walk_counts = walk_counts_.data();
     kernels_.walk_last = walk_last_.data();
     kernels_.end_first = end_first_.data();
+    kernels_.flags = flags_.data();
+    kernels_.ranks = ranks_.data();
+    kernels_.lit_segments = lit_segments_.data();
+    kernels_.lit_first = lit_first_.data();
+    kernels_.estimates = estimates_.data();
     kernels_.film_words = film_.data();
     kernels_.join_ends = ends_.data();
     kernels_.segments = segments_.data();
@@ -290,6 +319,10 @@ class Twin : public Machine {
     kernels_.pool_offsets = pool_offsets_.data();
     kernels_.render = p;
     kernels_.camera_culls = p.culls != 0;
+    kernels_.mixture_techniques = p.techniques;
+    kernels_.power_heuristic = p.beta == 2;
+    kernels_.film_has_layers = p.layers != 0;
+    kernels_.film_is_transparent = p.transparent != 0;
     kernels_.guide_active = p.guide_light > 0 || p.guide_camera > 0;
   }
 
@@ -306,10 +339,19 @@ class Twin : public Machine {
   }
 
   uint32_t gather(bool of_light, uint32_t first, uint32_t count) override {
+    const uint32_t from = of_light ? shader::FROM_LIGHT : shader::FROM_CAMERA;
+    for (uint32_t i = 0; i < count; ++i) flags_[i] = kernels_.goes_on(from, first + i);
+    const uint32_t n = pick(count);
+    for (uint32_t i = 0; i < n; ++i) alive_[i] += first;
+    return n;
+  }
+
+  uint32_t pick(uint32_t count) override {
     uint32_t n = 0;
-    for (uint32_t slot = first; slot < first + count; ++slot)
-      if (kernels_.may_go_on(of_light ? shader::FROM_LIGHT : shader::FROM_CAMERA, densities_[slot]))
-        alive_[n++] = slot;
+    for (uint32_t i = 0; i < count; ++i) {
+      ranks_[i] = n;
+      if (flags_[i] != 0) alive_[n++] = i;
+    }
     return n;
   }
 
@@ -334,7 +376,9 @@ class Twin : public Machine {
   std::vector<shader::PathVertex> vertices_;
   std::vector<shader::PathBsdf> bsdfs_;
   std::vector<shader::PathDensity> densities_;
-  std::vector<uint32_t> alive_, walk_counts_, walk_last_, end_first_, film_;
+  std::vector<uint32_t> alive_, flags_, ranks_, lit_segments_, lit_first_;
+  std::vector<float> estimates_;
+  std::vector<uint32_t> walk_counts_, walk_last_, end_first_, film_;
   std::vector<shader::JoinEnd> ends_;
   std::vector<shader::PortalSegment> segments_;
   std::vector<shader::SegmentSide> sides_;

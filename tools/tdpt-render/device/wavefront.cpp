@@ -174,17 +174,19 @@ class Submission {
         samples_(p.groups * p.per_pool),
         room_(crosses ? p.segments_first : p.most_vertices) {}
 
-  /// False when there was no room for all vertices: then nothing has come of it.
+  /// False when there was no room for all of it: then nothing has come of it.
   bool run() {
     if (!light_walks() || !camera_walks()) return false;
+    const uint64_t row = p_.per_pool + 2;
+    if (crosses_ && (camera_end_ - camera_) * row > machine_.room().estimates()) return false;
     // From here on the film is added to.
     run(Step::meet_lights, camera_end_ - camera_, camera_);
     if (techniques_.has(Technique::direct))
-      pairs(Step::choose_next_events, Step::join, 1, camera_, camera_end_);
+      pairs({Step::choose_next_events, Step::join, 1, Ends::camera}, camera_, camera_end_);
     if (techniques_.has(Technique::bi))
-      pairs(Step::choose_joins, Step::join, 2, camera_, camera_end_);
+      pairs({Step::choose_joins, Step::join, 2, Ends::both}, camera_, camera_end_);
     if (techniques_.has(Technique::light))
-      pairs(Step::choose_splats, Step::join, 1, walks_, lights_end_);
+      pairs({Step::choose_splats, Step::join, 1, Ends::light}, walks_, lights_end_);
     if (crosses_) segments();
     return true;
   }
@@ -230,15 +232,26 @@ class Submission {
     return true;
   }
 
+  // Which ends of pairs scatter.
+  enum class Ends : uint8_t { light, camera, both };
+  struct Pairing {
+    Step choose, join;
+    uint32_t each;  // places
+    Ends ends;
+  };
+
   // Of first .. end: pairs that are chosen for each, and the paths that they make.
-  void pairs(Step choose, Step join, uint32_t each, uint32_t first, uint32_t end) {
-    const uint32_t most = machine_.room().joinings() / each;
+  void pairs(const Pairing& p, uint32_t first, uint32_t end) {
+    const uint32_t most = machine_.room().joinings() / p.each;
     for (uint32_t at = first; at < end; at += most) {
       const uint32_t n = std::min(most, end - at);
-      run(choose, n, at);
-      run(Step::scatter_ends, 2 * each * n);
-      run(join, each * n);
-      if (choose == Step::choose_sides) run(Step::gather_sides, n, at);
+      run(p.choose, n, at, camera_);
+      const uint32_t chosen = machine_.pick(p.each * n);
+      if (p.ends != Ends::camera) run(Step::scatter_ends, chosen, 0);
+      if (p.ends != Ends::light) run(Step::scatter_ends, chosen, 1);
+      run(Step::see, chosen);
+      run(p.join, chosen > 0 ? machine_.pick(p.each * n) : 0);
+      if (p.choose == Step::choose_sides) run(Step::gather_sides, n, at);
     }
   }
 
@@ -248,9 +261,13 @@ class Submission {
     run(Step::trace, 2 * samples_);
     run(Step::end_segments, 2 * samples_);
     run(Step::put_segments, samples_);
-    pairs(Step::choose_sides, Step::join_sides, 2, 0, samples_);
-    pairs(Step::choose_seen, Step::join_segments, 1, 0, samples_);
-    pairs(Step::choose_segments, Step::join_segments, 3, 0, samples_);
+    pairs({Step::choose_sides, Step::join_sides, 2, Ends::both}, 0, samples_);
+    pairs({Step::choose_seen, Step::join_segments, 1, Ends::light}, 0, samples_);
+    run(Step::flag_lit, samples_);
+    if (machine_.pick(samples_) == 0) return;
+    run(Step::list_lit, samples_);
+    run(Step::estimate_segments, camera_end_ - camera_, camera_);
+    pairs({Step::choose_segments, Step::join_segments, 3, Ends::both}, 0, samples_);
   }
 
   Machine& machine_;
