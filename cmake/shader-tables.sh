@@ -1,12 +1,13 @@
 #!/bin/sh
-# shader-tables.sh OUT TABLES HEADER... : GLSL that reads records as texels, each with one fetch for four words. Some devices
-# read those several times as fast as buffers, all at least as fast.
+# shader-tables.sh OUT TABLES HEADER... : GLSL that reads records as texels, one fetch for four words. Some devices read
+# those several times as fast as storage buffers, and all tables of a file need no more than a binding or two.
 #
-# TABLES has lines "BINDING TYPE NAME", # and what follows it is left out; TYPE is uint, float, uvec4, or a struct of one of
-# the headers whose members are vec3, uint, int, float or such structs and lie as in std430. Written is, for each,
-#   layout(binding = BINDING) uniform usamplerBuffer NAME_texels;
-#   TYPE load_NAME(uint i)
-# Texels have four words (tdpt::gpu::Texels::quads), those of records that are no multiple of four words one (words).
+# TABLES has lines, in which # and what follows it is left out,
+#   texels BINDING NAME   the tables that follow lie in one buffer, `usamplerBuffer NAME_texels` with four words a texel
+#   NAME TYPE             TYPE is uint, float, uvec4, or a struct of one of the headers whose members are vec3, uint, int,
+#                         float or such structs and lie as in std430, in whole texels
+# OUT gets, for the table of number n (from 0, through the file), TYPE load_NAME(uint i); it is read behind
+#   uint first_texel(uint n), where table n begins in its buffer.
 set -e
 out=${1:?usage: shader-tables.sh OUT TABLES HEADER...}
 tables=${2:?}
@@ -16,6 +17,7 @@ cat "$@" | awk -v tables="$tables" '
   function as(type, words) {
     return type ~ /^u/ ? words : type == "int" ? "int(" words ")" : "uintBitsToFloat(" words ")"
   }
+  function fetch(place) { return "texelFetch(" texels ", int(" place "))" }
   function add(name, member_type, member_name,   k) {
     if (member_type == "vec3") size[name] = int((size[name] + 3) / 4) * 4
     k = members[name]++
@@ -31,13 +33,12 @@ cat "$@" | awk -v tables="$tables" '
     line = $0
     gsub(/[;,]/, " ", line)
     n = split(line, word, " ")
+    if (!(word[1] in members) && line !~ /^ *(vec3|uint|int|float) [A-Za-z0-9_ ]+$/) other[name] = line
     for (i = 2; i <= n; ++i) {
-      if (word[1] in members) {
+      if (word[1] in members)
         for (j = 0; j < members[word[1]]; ++j) add(name, type[word[1], j], word[i] "." member[word[1], j])
-      } else {
-        if (line !~ /^ *(vec3|uint|int|float) [A-Za-z0-9_ ]+$/) other[name] = line
+      else
         add(name, word[1], word[i])
-      }
     }
   }
   END {
@@ -45,28 +46,32 @@ cat "$@" | awk -v tables="$tables" '
     while ((getline line <tables) > 0) {
       sub(/#.*/, "", line)
       if (split(line, word, " ") == 0) continue
+      if (word[1] == "texels") {
+        texels = word[3] "_texels"
+        print "layout(binding = " word[2] ") uniform usamplerBuffer " texels ";"
+        continue
+      }
       t = word[2]
-      texels = word[3] "_texels"
-      print "layout(binding = " word[1] ") uniform usamplerBuffer " texels ";"
-      print t " load_" word[3] "(uint i) {"
-      if (t == "uint" || t == "float" || t == "uvec4") {
-        print "  return " as(t, "texelFetch(" texels ", int(i))" (t == "uvec4" ? "" : ".x")) ";\n}"
+      first = "first_texel(" number++ "u)"
+      print t " load_" word[1] "(uint i) {"
+      if (t == "uvec4") {
+        print "  return " fetch(first " + i") ";\n}"
+        continue
+      }
+      if (t == "uint" || t == "float") {
+        print "  uvec4 w = " fetch(first " + (i >> 2)") ";\n  return " as(t, "w[i & 3u]") ";\n}"
         continue
       }
       if (!(t in members)) fail("no header has a struct " t)
       if (t in other) fail("in " t ": \"" other[t] "\" is nothing that a table holds")
-      quads = size[t] % 4 == 0
-      n = quads ? size[t] / 4 : size[t]
-      for (k = 0; k < n; ++k)
-        print "  " (quads ? "uvec4 w" : "uint w") k " = texelFetch(" texels ", int(i * " n "u + " k "u))" (quads ? "" : ".x") ";"
+      if (size[t] % 4 != 0) fail(t " has " size[t] " words, which is no whole number of texels")
+      n = size[t] / 4
+      print "  uint at = " first " + i * " n "u;"
+      for (k = 0; k < n; ++k) print "  uvec4 w" k " = " fetch("at + " k "u") ";"
       print "  " t " r;"
       for (k = 0; k < members[t]; ++k) {
         w = at[t, k]
-        if (quads)
-          words = "w" int(w / 4) "." (type[t, k] == "vec3" ? "xyz" : substr("xyzw", w % 4 + 1, 1))
-        else
-          words = "w" w
-        if (!quads && type[t, k] == "vec3") fail("in " t ": a vec3 in a record of no whole number of texels")
+        words = "w" int(w / 4) "." (type[t, k] == "vec3" ? "xyz" : substr("xyzw", w % 4 + 1, 1))
         print "  r." member[t, k] " = " as(type[t, k], words) ";"
       }
       print "  return r;\n}"

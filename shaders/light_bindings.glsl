@@ -18,6 +18,8 @@ float presence_at(uint triangle, vec3 w) { return 1.0; }
 // What all kernels of the light grid bind, by the names that shaders/shared/ knows.
 layout(local_size_x = LIGHT_GROUP) in;
 
+layout(std140, binding = 1) uniform Firsts { uvec4 first_texels[2]; };
+uint first_texel(uint table) { return first_texels[table >> 2u][table & 3u]; }
 #include "shaders/light_tables.glsl"
 
 layout(std430, binding = LIGHT_ARCS) readonly buffer Arcs { PivotArc pivot_arcs[]; };

@@ -29,31 +29,52 @@ layout(constant_id = 22) const bool power_heuristic = true;
 layout(constant_id = 23) const bool film_has_layers = true;
 layout(constant_id = 24) const bool film_is_transparent = true;
 
+layout(std140, binding = 2) uniform Settings {
+  RenderParameters render_settings;
+  GuideParameters guide_settings;
+  LightSettings settings_of_lights;
+  uvec4 first_texels[kPathTables];  // four tables each
+};
+RenderParameters render;
+GuideParameters guiding;
+LightSettings light_settings;
+
+// Before anything else. Mesa's software device compiles a kernel anew for each dispatch when a loop or a branch goes by
+// numbers of a uniform buffer alone: those that do get a 0 that it does not know of.
+void read_settings() {
+  uint zero = gl_WorkGroupID.y;
+  render = render_settings;
+  render.max_depth += zero;
+  guiding = guide_settings;
+  guiding.facets += zero;
+  light_settings = settings_of_lights;
+  light_settings.entries += zero;
+  light_settings.panels += zero;
+  light_settings.suns += zero;
+}
+uint first_texel(uint table) {
+  return first_texels[table >> 2u][table & 3u];
+}
 #include "shaders/path_tables.glsl"
 
-layout(std140, binding = 42) uniform Settings {
-  RenderParameters render;
-  GuideParameters guiding;
-  LightSettings light_settings;
-};
 // What kernels write.
-layout(std430, binding = 43) buffer Vertices { PathVertex path_vertices[]; };
-layout(std430, binding = 44) buffer Bsdfs { PathBsdf path_bsdfs[]; };
-layout(std430, binding = 45) buffer Densities { PathDensity path_densities[]; };
-layout(std430, binding = 46) buffer Counts { uint walk_counts[]; };
-layout(std430, binding = 47) buffer Lasts { uint walk_last[]; };
-layout(std430, binding = 48) buffer Alive { uint alive[]; };
-layout(std430, binding = 49) buffer Rays { WalkRay walk_rays[]; };
-layout(std430, binding = 50) buffer Ends { JoinEnd join_ends[]; };
-layout(std430, binding = 51) buffer Joinings { Joining joinings[]; };
-layout(std430, binding = 52) buffer Scatterings { Scattering scatterings[]; };
-layout(std430, binding = 53) buffer Segments { PortalSegment segments[]; };
-layout(std430, binding = 54) buffer Sides { SegmentSide segment_sides[]; };
-layout(std430, binding = 55) buffer FilmWords { uint film_words[]; };
-layout(std430, binding = 56) buffer Flags { uint flags[]; };
-layout(std430, binding = 57) buffer LitSegments { uint lit_segments[]; };
-layout(std430, binding = 58) buffer LitFirst { uint lit_first[]; };
-layout(std430, binding = 59) buffer Estimates { float estimates[]; };
+layout(std430, binding = 3) buffer Vertices { PathVertex path_vertices[]; };
+layout(std430, binding = 4) buffer Bsdfs { PathBsdf path_bsdfs[]; };
+layout(std430, binding = 5) buffer Densities { PathDensity path_densities[]; };
+layout(std430, binding = 6) buffer Counts { uint walk_counts[]; };
+layout(std430, binding = 7) buffer Lasts { uint walk_last[]; };
+layout(std430, binding = 8) buffer Alive { uint alive[]; };
+layout(std430, binding = 9) buffer Rays { WalkRay walk_rays[]; };
+layout(std430, binding = 10) buffer Ends { JoinEnd join_ends[]; };
+layout(std430, binding = 11) buffer Joinings { Joining joinings[]; };
+layout(std430, binding = 12) buffer Scatterings { Scattering scatterings[]; };
+layout(std430, binding = 13) buffer Segments { PortalSegment segments[]; };
+layout(std430, binding = 14) buffer Sides { SegmentSide segment_sides[]; };
+layout(std430, binding = 15) buffer FilmWords { uint film_words[]; };
+layout(std430, binding = 16) buffer Flags { uint flags[]; };
+layout(std430, binding = 17) buffer LitSegments { uint lit_segments[]; };
+layout(std430, binding = 18) buffer LitFirst { uint lit_first[]; };
+layout(std430, binding = 19) buffer Estimates { float estimates[]; };
 
 layout(push_constant) uniform Work { StepParameters work; };
 

@@ -55,6 +55,7 @@
 #include "shaders/shared/path/ends.h"
 
 void main() {
+  read_settings();
   uint i = gl_GlobalInvocationID.x;
   if (i >= work.count) return;
   uint slot = work.first + i;

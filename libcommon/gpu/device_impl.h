@@ -51,7 +51,8 @@ struct Memory::Impl {
   Device device;
   vk::DescriptorType type;
   uint64_t bytes;
-  vk::Extent3D size;  // of an image
+  uint64_t offset = 0;  // of a part
+  vk::Extent3D size;    // of an image
   vk::raii::DeviceMemory memory = nullptr;
   vk::raii::Buffer buffer = nullptr;  // or an image
   vk::raii::Image image = nullptr;

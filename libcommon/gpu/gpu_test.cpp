@@ -89,7 +89,7 @@ TEST_F(Gpu, BytesOutsideOfABufferAreRefused) {
   Buffer buffer(*device, 6);
   EXPECT_EQ(buffer.download<uint8_t>(6).size(), 6u);
   EXPECT_EQ(error_of([&] { buffer.download<uint32_t>(2); }, Exit::internal),
-            "8 bytes of a buffer of 6");
+            "8 bytes from byte 0 of a buffer of 6");
   error_of([&] { buffer.write(std::vector<std::byte>(7)); }, Exit::internal);
   error_of([&] { Buffer(*device, 0).download<uint8_t>(1); }, Exit::internal);
 }

@@ -70,7 +70,7 @@ Kernel::Kernel(const Device& device, std::span<const uint32_t> program,
     for (const vk::DescriptorSetLayoutBinding& slot : slots) {
       const uint32_t i = slot.binding;
       const Memory::Impl& m = memory[i].impl();
-      const vk::DescriptorBufferInfo buffer(m.whole(), 0, VK_WHOLE_SIZE);
+      const vk::DescriptorBufferInfo buffer(m.whole(), m.offset, m.of ? m.bytes : VK_WHOLE_SIZE);
       const vk::DescriptorImageInfo image({}, *m.view, vk::ImageLayout::eGeneral);
       // The type says which of them is read.
       d.device.updateDescriptorSets(

@@ -64,9 +64,10 @@ void copy(Device device, std::span<const std::byte> from, std::span<std::byte> t
   });
 }
 
-void require_inside(uint64_t asked, uint64_t bytes) {
-  if (asked > bytes)
-    throw Error(Exit::internal, fmt::format("{} bytes of a buffer of {}", asked, bytes));
+void require_inside(uint64_t at, uint64_t asked, uint64_t bytes) {
+  if (asked > bytes || at > bytes - asked)
+    throw Error(Exit::internal,
+                fmt::format("{} bytes from byte {} of a buffer of {}", asked, at, bytes));
 }
 
 std::shared_ptr<Memory::Impl> view_of(const std::shared_ptr<Memory::Impl>& whole,
@@ -79,42 +80,64 @@ std::shared_ptr<Memory::Impl> view_of(const std::shared_ptr<Memory::Impl>& whole
 }  // namespace
 
 Buffer::Buffer(const Device& device, uint64_t bytes) {
+  device.impl()->require_within(device.limits().buffer, "bytes in a buffer", bytes);
+  allocate(device, bytes);
+}
+
+Buffer Buffer::of_parts(const Device& device, uint64_t bytes) {
+  device.impl()->require_within(device.limits().memory, "bytes of memory", bytes);
+  Buffer buffer;
+  buffer.allocate(device, bytes);
+  return buffer;
+}
+
+void Buffer::allocate(const Device& device, uint64_t bytes) {
   const Device::Impl& d = *device.impl();
-  d.require_within(d.info.limits.buffer, "bytes in a buffer", bytes);
   calling_vulkan(fmt::format("no buffer of {} bytes on {}", bytes, d.info.name), [&] {
     using Usage = vk::BufferUsageFlagBits;
     const vk::BufferUsageFlags usage = kCopied | Usage::eStorageBuffer | Usage::eIndirectBuffer |
                                        Usage::eUniformTexelBuffer | Usage::eUniformBuffer;
     impl_ = std::make_shared<Impl>(device, vk::DescriptorType::eStorageBuffer, bytes);
     impl_->buffer = {d.device, {{}, std::max<uint64_t>(bytes, 16), usage}};
-    impl_->memory = allocate(d, impl_->buffer, kDevice);
+    impl_->memory = gpu::allocate(d, impl_->buffer, kDevice);
   });
 }
 
-void Buffer::write(std::span<const std::byte> from) {
-  require_inside(from.size(), impl_->bytes);
+void Buffer::write(std::span<const std::byte> from, uint64_t at) {
+  require_inside(at, from.size(), impl_->bytes);
   copy(impl_->device, from, {}, 1,
-       [&](auto& commands, vk::Buffer staging, uint64_t at, uint64_t n) {
-         commands.copyBuffer(staging, *impl_->buffer, vk::BufferCopy(0, at, n));
+       [&](auto& commands, vk::Buffer staging, uint64_t piece, uint64_t n) {
+         commands.copyBuffer(staging, *impl_->buffer, vk::BufferCopy(0, at + piece, n));
        });
 }
 
-void Buffer::read(std::span<std::byte> to) const {
-  require_inside(to.size(), impl_->bytes);
-  copy(impl_->device, {}, to, 1, [&](auto& commands, vk::Buffer staging, uint64_t at, uint64_t n) {
-    commands.copyBuffer(*impl_->buffer, staging, vk::BufferCopy(at, 0, n));
-  });
+void Buffer::read(std::span<std::byte> to, uint64_t at) const {
+  require_inside(at, to.size(), impl_->bytes);
+  copy(impl_->device, {}, to, 1,
+       [&](auto& commands, vk::Buffer staging, uint64_t piece, uint64_t n) {
+         commands.copyBuffer(*impl_->buffer, staging, vk::BufferCopy(at + piece, 0, n));
+       });
 }
 
-Texels::Texels(const Buffer& buffer, Size size) {
+Part::Part(const Buffer& buffer, uint64_t offset, uint64_t bytes) {
+  const Memory::Impl& m = buffer.impl();
+  require_inside(offset, bytes, m.bytes);
+  if (offset % kPartAlignment != 0)
+    throw Error(Exit::internal, fmt::format("a part of a buffer begins at byte {}", offset));
+  const Device::Impl& d = *m.device.impl();
+  d.require_within(d.info.limits.buffer, "bytes in a buffer", bytes);
+  impl_ = view_of(buffer.impl_, vk::DescriptorType::eStorageBuffer);
+  impl_->offset = offset;
+  impl_->bytes = bytes;
+}
+
+Texels::Texels(const Buffer& buffer) {
   const Memory::Impl& m = buffer.impl();
   const Device::Impl& d = *m.device.impl();
-  d.require_within(d.limits.maxTexelBufferElements, "texels in a buffer",
-                   m.bytes / static_cast<uint64_t>(size));
+  d.require_within(d.limits.maxTexelBufferElements, "texels in a buffer", m.bytes / 16);
   calling_vulkan("no texels of a buffer on " + d.info.name, [&] {
-    const auto format =
-        size == words ? vk::Format::eR32Uint : vk::Format::eR32G32B32A32Uint;
     impl_ = view_of(buffer.impl_, vk::DescriptorType::eUniformTexelBuffer);
+    const auto format = vk::Format::eR32G32B32A32Uint;
     impl_->texels = {d.device, {{}, *m.buffer, format, 0, VK_WHOLE_SIZE}};
   });
 }

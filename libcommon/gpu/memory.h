@@ -16,6 +16,7 @@ class Memory {
   const Impl& impl() const { return *impl_; }
 
  protected:
+  friend class Part;
   friend class Texels;
   friend class Uniforms;
   std::shared_ptr<Impl> impl_;
@@ -26,6 +27,8 @@ class Buffer : public Memory {
  public:
   /// Throws when `bytes` is above the limits.
   Buffer(const Device& device, uint64_t bytes);
+  /// One that kernels have as Texels or in Parts: no limit of storage buffers counts.
+  static Buffer of_parts(const Device& device, uint64_t bytes);
   /// One that holds `values`.
   template <class T>
   Buffer(const Device& device, const std::vector<T>& values)
@@ -34,27 +37,38 @@ class Buffer : public Memory {
     write(std::as_bytes(std::span(values)));
   }
 
-  /// Its first bytes.
-  void write(std::span<const std::byte> from);
-  void read(std::span<std::byte> to) const;
+  /// Its bytes from `at` on.
+  void write(std::span<const std::byte> from, uint64_t at = 0);
+  void read(std::span<std::byte> to, uint64_t at = 0) const;
 
-  /// Its first `count` values.
+  /// Its first `count` values from byte `at` on.
   template <class T>
-  std::vector<T> download(size_t count) const {
+  std::vector<T> download(size_t count, uint64_t at = 0) const {
     static_assert(std::is_trivially_copyable_v<T>);
     std::vector<T> values(count);
-    read(std::as_writable_bytes(std::span(values)));
+    read(std::as_writable_bytes(std::span(values)), at);
     return values;
   }
+
+ private:
+  Buffer() = default;
+  void allocate(const Device& device, uint64_t bytes);
 };
 
-/// A buffer for kernels that only read it: `uniform usamplerBuffer`. Some devices read that faster
-/// than the buffer itself.
+/// Part of a buffer, as a storage buffer of its own. `offset`: a multiple of kPartAlignment.
+class Part : public Memory {
+ public:
+  static constexpr uint64_t kPartAlignment = 256;
+  /// Throws when it is larger than the device allows storage buffers to be.
+  Part(const Buffer& buffer, uint64_t offset, uint64_t bytes);
+};
+
+/// A buffer for kernels that only read it: `uniform usamplerBuffer`, texels of four words. Some
+/// devices read them faster than storage buffers.
 class Texels : public Memory {
  public:
-  enum Size { words = 4, quads = 16 };  ///< bytes of a texel: one word of it (x), or four
   /// Throws when there are more texels than the device allows.
-  Texels(const Buffer& buffer, Size size);
+  explicit Texels(const Buffer& buffer);
 };
 
 /// A small buffer that all invocations read alike: `layout(std140) uniform`.

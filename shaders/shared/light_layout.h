@@ -5,29 +5,22 @@
 
 #include "shaders/shared/language.h"
 
-// Storage buffers; every kernel binds them all, in this order, and then the images.
-#define LIGHT_BVH_NODES 0
-#define LIGHT_BVH_TRIANGLES 1
+// The scene as texels (0), where its tables begin (1), then storage buffers, in this order, then the images.
 #define LIGHT_ARCS 2
 #define LIGHT_PATCHES 3
 #define LIGHT_PIECES 4
 #define LIGHT_FACES 5
 #define LIGHT_CELLS 6
 #define LIGHT_NORMALS 7
-#define LIGHT_COVERAGE_OF 8
-#define LIGHT_COVERAGES 9
-#define LIGHT_TEXELS 10
-#define LIGHT_TRIES 11
-#define LIGHT_LINES 12
-#define LIGHT_FATES 13
-#define LIGHT_LISTS 14
-#define LIGHT_BUFFERS 15
+#define LIGHT_TRIES 8
+#define LIGHT_LINES 9
+#define LIGHT_FATES 10
+#define LIGHT_LISTS 11
 // 3D images of 32-bit integers.
-#define LIGHT_COUNT 15
-#define LIGHT_DIRECTION_X 16
-#define LIGHT_DIRECTION_Y 17
-#define LIGHT_DIRECTION_Z 18
-#define LIGHT_BINDINGS 19
+#define LIGHT_COUNT 12
+#define LIGHT_DIRECTION_X 13
+#define LIGHT_DIRECTION_Y 14
+#define LIGHT_DIRECTION_Z 15
 
 #define LIGHT_GROUP 64  // invocations of a work group
 // Units of the summed directions, and how many unit vectors may be summed: 31 bits hold them.

@@ -16,6 +16,7 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/gpu/kernel.h"
+#include "libcommon/gpu/tables.h"
 #include "libcommon/scene/coverage_tables.h"
 #include "libcommon/trace/bvh.h"
 #include "shaders/light_march.h"
@@ -121,9 +122,7 @@ class GpuLines : public LineTracer {
         fates_(device, bounds.lines * sizeof(uint32_t)),
         lists_(device, sizeof(Lists) + 2 * bounds.lines * sizeof(uint32_t)),
         images_(make_images(grid)),
-        bound_(bind(bvh.nodes, bvh.triangles, tables.arcs, tables.patches, tables.pieces,
-                    tables.first_cell, tables.cells, tables.normals, coverage.coverage_of,
-                    coverage.coverages, coverage.texels)),
+        bound_(bind(bvh, coverage, tables)),
         segments_(kernel(kSegments.of(coverage))),
         through_(kernel(kThrough.of(coverage))),
         votes_(kernel(kVotes.of(coverage))),
@@ -143,17 +142,20 @@ class GpuLines : public LineTracer {
     return images;
   }
 
-  // The scene's tables and the rest, in the order of shaders/light_bindings.glsl; what shaders/light.tables
-  // names as texels.
-  template <class... Tables>
-  std::vector<gpu::Memory> bind(const Tables&... tables) const {
-    const std::vector<gpu::Buffer> of_scene{gpu::Buffer(device_, tables)...};
-    std::vector<gpu::Memory> bound(of_scene.begin(), of_scene.end());
-    for (size_t i : {LIGHT_BVH_NODES, LIGHT_BVH_TRIANGLES, LIGHT_COVERAGES})
-      bound[i] = gpu::Texels(of_scene[i], gpu::Texels::quads);
-    for (size_t i : {LIGHT_COVERAGE_OF, LIGHT_TEXELS})
-      bound[i] = gpu::Texels(of_scene[i], gpu::Texels::words);
-    bound.insert(bound.end(), {tries_, lines_, fates_, lists_});
+  // In the order of shaders/light_bindings.glsl; the scene's tables in that of shaders/light.tables.
+  std::vector<gpu::Memory> bind(const Bvh& bvh, const CoverageTables& coverage,
+                                const LineTables& t) const {
+    gpu::Tables scene;
+    const auto add = [&](const auto&... values) { (scene.add(values), ...); };
+    add(bvh.nodes, bvh.triangles, coverage.coverage_of, coverage.coverages, coverage.texels);
+    scene.upload(device_);
+    std::vector<uint32_t> firsts = scene.first_texels();
+    firsts.resize(8);
+    const auto of = [&](const auto& values) { return gpu::Buffer(device_, values); };
+    std::vector<gpu::Memory> bound{scene.texels(), gpu::Uniforms(of(firsts)),
+                                   of(t.arcs),     of(t.patches), of(t.pieces),
+                                   of(t.first_cell), of(t.cells), of(t.normals),
+                                   tries_, lines_, fates_, lists_};
     bound.insert(bound.end(), images_.begin(), images_.end());
     return bound;
   }

@@ -77,6 +77,7 @@ struct SkyTexel {
   float r;
   float g;
   float b;
+  float pad;
 };
 
 /// A direction of the sky and where in its map: between the centres of columns `column` and the
@@ -188,7 +189,7 @@ struct LightSettings {
 
 #ifdef __cplusplus
 static_assert(sizeof(Emitter) == 64 && sizeof(Lamp) == 64 && sizeof(SkySun) == 48);
-static_assert(sizeof(SkyTexel) == 12 && sizeof(Panel) == 80 && sizeof(SkyWindow) == 32);
+static_assert(sizeof(SkyTexel) == 16 && sizeof(Panel) == 80 && sizeof(SkyWindow) == 32);
 static_assert(sizeof(WindowFrame) == 48 && sizeof(LightSettings) == 208);
 #endif
 

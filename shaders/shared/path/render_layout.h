@@ -80,6 +80,9 @@ const uint kTallyBuckets = 64u;
 // Of each portal: segments drawn, those that brought light, and how much.
 const uint kPortalWords = 6u;
 
+/// Four tables of shaders/path.tables each.
+const uint kPathTables = 11u;
+
 /// Push constants: invocation i < count has the slots first + i and next + i.
 struct StepParameters {
   uint count;

@@ -5,6 +5,7 @@
 
 #include "libcommon/base/threads.h"
 #include "libcommon/gpu/kernel.h"
+#include "libcommon/gpu/tables.h"
 #include "libcommon/math/sequence.h"
 #include "shaders/path_scan.h"
 #include "shaders/path_step_arrive_camera.h"
@@ -85,20 +86,61 @@ struct Settings {
   shader::RenderParameters render;
   shader::GuideParameters guiding;
   shader::LightSettings lights;
-};
-
-// A table as texels.
-struct Table {
-  const Device& device;
-  gpu::Texels::Size size;
-  template <class T>
-  Memory operator()(const std::vector<T>& values) const {
-    return gpu::Texels(Buffer(device, values), size);
-  }
+  uint32_t first_texels[4 * shader::kPathTables];
 };
 
 uint32_t groups_of(uint32_t count) {
   return (count + 63) / 64;
+}
+
+static_assert(sizeof(Settings) % 16 == 0);
+
+// Tables of path.tables that kernels read of a submission, and in its order.
+enum PathTable : size_t {
+  kPoolOffsets, kAlive, kRanks, kEndFirst, kWalkLast, kVertices, kDensities, kRays, kJoinings, kScatterings, kEnds,
+  kSegments, kSides, kLitSegments, kLitFirst, kEstimates, kBsdfs, kPathTables
+};
+
+gpu::Tables path_tables(const Room& room, bool layers) {
+  const uint64_t vertices = room.vertices, samples = room.samples, joinings = room.joinings();
+  gpu::Tables t;
+  t.add_room(4 * kMostOfPool);
+  t.add_room(4 * uint64_t{room.flags()});
+  t.add_room(4 * uint64_t{room.flags()});
+  t.add_room(4 * (samples + 1));
+  t.add_room(4 * samples);
+  t.add_room(vertices * sizeof(shader::PathVertex));
+  t.add_room(vertices * sizeof(shader::PathDensity));
+  t.add_room(2 * samples * sizeof(shader::WalkRay));
+  t.add_room(joinings * sizeof(shader::Joining));
+  t.add_room(2 * joinings * sizeof(shader::Scattering));
+  t.add_room((vertices + 2 * samples) * sizeof(shader::JoinEnd));
+  t.add_room(samples * sizeof(shader::PortalSegment));
+  t.add_room(samples * shader::kSegmentSides * sizeof(shader::SegmentSide));
+  t.add_room(4 * samples);
+  t.add_room(4 * (samples + 1));
+  t.add_room(4 * room.estimates());
+  t.add_room(layers ? vertices * sizeof(shader::PathBsdf) : 0);
+  return t;
+}
+
+// Those of a scene, in the order of path.tables.
+gpu::Tables scene_tables(const RenderTables& t, const std::vector<shader::uvec4>& sobol) {
+  const SurfaceTables& s = t.surfaces;
+  const LightTables& l = t.lights;
+  gpu::Tables tables;
+  const auto add = [&](const auto&... values) { (tables.add(values), ...); };
+  add(t.bvh.nodes, t.bvh.triangles, sobol, s.faces, s.materials, s.material_maps, s.maps,
+      s.texel_words, s.face_corners, s.corner_attributes, t.curves, s.coverage.coverage_of,
+      s.coverage.coverages);
+  add(l.words, l.emitters, l.lamps, l.suns, l.texels, l.panels, l.windows, l.frames);
+  add(t.portals.facets, t.portals.polygons, t.portals.corners, t.portals.pairs);
+  return tables;
+}
+
+gpu::Tables uploaded(gpu::Tables tables, const Device& device) {
+  tables.upload(device);
+  return tables;
 }
 
 class GpuMachine : public Machine {
@@ -108,26 +150,29 @@ class GpuMachine : public Machine {
       : device_(device),
         room_(room),
         times_(times),
-        settings_host_{{}, t.portals.guiding, t.lights.settings},
+        settings_host_{{}, t.portals.guiding, t.lights.settings, {}},
         features_(features_of(t)),
         film_words_(film_words),
+        sobol_(shader::sobol_points.begin(), shader::sobol_points.end()),
+        scene_(uploaded(scene_tables(t, sobol_), device)),
+        path_(uploaded(path_tables(room, t.surfaces.features.layers), device)),
         settings_(device, sizeof(Settings)),
-        pool_offsets_(device, 4 * kMostOfPool),
         walk_counts_(device, 4 * (uint64_t{room.samples} + 1)),
-        alive_(device, 4 * uint64_t{room.flags()}),
-        end_first_(device, 4 * (uint64_t{room.samples} + 1)),
         film_(device, 4 * uint64_t{film_words}),
         flags_(device, 4 * (uint64_t{room.flags()} + 1)),
-        ranks_(device, 4 * (uint64_t{room.flags()} + 1)),
         totals_(device, 4 * (uint64_t{shader::scan_blocks(room.flags() + 1)} + 1)),
-        memory_(bind(t)),
+        memory_(bind()),
         flag_light_(kernel(shader::path_step_flag_light_spv, {})),
         flag_camera_(kernel(shader::path_step_flag_camera_spv, {})),
         gather_(kernel(shader::path_step_gather_spv, {})),
-        scan_flags_(device, shader::path_scan_spv, {flags_, ranks_, totals_},
+        scan_flags_(device, shader::path_scan_spv, {flags_, path_.part(kRanks), totals_},
                     sizeof(shader::ScanParameters)),
-        scan_walks_(device, shader::path_scan_spv, {walk_counts_, end_first_, totals_},
+        scan_walks_(device, shader::path_scan_spv, {walk_counts_, path_.part(kEndFirst), totals_},
                     sizeof(shader::ScanParameters)) {
+    std::vector<uint32_t> firsts = path_.first_texels();
+    const std::vector<uint32_t> of_scene = scene_.first_texels();
+    firsts.insert(firsts.end(), of_scene.begin(), of_scene.end());
+    std::copy(firsts.begin(), firsts.end(), settings_host_.first_texels);
     device_.run([&](gpu::Commands& c) { c.clear(film_); });
   }
 
@@ -136,7 +181,7 @@ class GpuMachine : public Machine {
   void set(const shader::RenderParameters& p, const std::vector<uint32_t>& pool_offsets) override {
     settings_host_.render = p;
     settings_.write(std::as_bytes(std::span(&settings_host_, 1)));
-    pool_offsets_.write(std::as_bytes(std::span(pool_offsets)));
+    path_.write(kPoolOffsets, std::as_bytes(std::span(pool_offsets)));
     kind_ = {p.guide_light > 0 || p.guide_camera > 0, p.culls != 0, p.techniques, p.beta == 2,
              p.layers != 0, p.transparent != 0};
   }
@@ -213,44 +258,14 @@ class GpuMachine : public Machine {
             !t.portals.pairs.empty()};
   }
 
-  // In the order of shaders/path.tables and shaders/path_bindings.glsl.
-  std::vector<Memory> bind(const RenderTables& t) const {
-    const SurfaceTables& s = t.surfaces;
-    const LightTables& l = t.lights;
-    const Table words{device_, gpu::Texels::words}, quads{device_, gpu::Texels::quads};
-    const std::vector<shader::uvec4> sobol(shader::sobol_points.begin(),
-                                           shader::sobol_points.end());
-    std::vector<Memory> memory{quads(t.bvh.nodes), quads(t.bvh.triangles), quads(s.faces),
-            quads(s.face_corners), quads(s.corner_attributes), quads(s.materials),
-            words(s.material_maps), quads(s.maps), words(s.texel_words), words(t.curves),
-            words(s.coverage.coverage_of), quads(s.coverage.coverages), words(l.words),
-            quads(l.emitters), quads(l.lamps), quads(l.suns), words(l.texels), quads(l.panels),
-            quads(l.windows), quads(l.frames), quads(t.portals.facets), quads(t.portals.polygons),
-            quads(t.portals.corners), quads(t.portals.pairs), quads(sobol)};
-    const auto room = [&](uint64_t n, uint64_t size) { return Buffer(device_, n * size); };
-    const Buffer walk_last = room(room_.samples, 4),
-       vertices = room(room_.vertices, sizeof(shader::PathVertex)),
-       bsdfs = room(s.features.layers ? room_.vertices : 1, sizeof(shader::PathBsdf)),
-       densities = room(room_.vertices, sizeof(shader::PathDensity)),
-       rays = room(2 * uint64_t{room_.samples}, sizeof(shader::WalkRay)),
-       ends = room(room_.vertices + 2 * uint64_t{room_.samples}, sizeof(shader::JoinEnd)),
-       joinings = room(room_.joinings(), sizeof(shader::Joining)),
-       scatterings = room(2 * uint64_t{room_.joinings()}, sizeof(shader::Scattering)),
-       segments = room(room_.samples, sizeof(shader::PortalSegment)),
-       sides = room(room_.samples, shader::kSegmentSides * sizeof(shader::SegmentSide)),
-       lit_segments = room(room_.samples, 4), lit_first = room(room_.samples + 1, 4),
-       estimates = room(room_.estimates(), 4);
-    for (const Buffer& of_words : {pool_offsets_, alive_, end_first_, walk_last})
-      memory.push_back(gpu::Texels(of_words, gpu::Texels::words));
-    for (const Buffer& records : {vertices, bsdfs, densities, rays, ends, joinings, scatterings, segments, sides})
-      memory.push_back(gpu::Texels(records, gpu::Texels::quads));
-    for (const Buffer& of_words : {ranks_, lit_segments, lit_first, estimates})
-      memory.push_back(gpu::Texels(of_words, gpu::Texels::words));
-    memory.push_back(gpu::Uniforms(settings_));
-    for (const Buffer& written : {vertices, bsdfs, densities, walk_counts_, walk_last, alive_, rays, ends, joinings,
-                                  scatterings, segments, sides, film_, flags_, lit_segments, lit_first, estimates})
-      memory.push_back(written);
-    return memory;
+  // In the order of shaders/path_bindings.glsl.
+  std::vector<Memory> bind() const {
+    const auto written = [&](PathTable table) { return path_.part(table); };
+    return {path_.texels(), scene_.texels(), gpu::Uniforms(settings_), written(kVertices),
+            written(kBsdfs), written(kDensities), walk_counts_, written(kWalkLast),
+            written(kAlive), written(kRays), written(kEnds), written(kJoinings),
+            written(kScatterings), written(kSegments), written(kSides), film_, flags_,
+            written(kLitSegments), written(kLitFirst), written(kEstimates)};
   }
 
   Kernel kernel(std::span<const uint32_t> program, const std::vector<uint32_t>& constants) const {
@@ -287,7 +302,9 @@ class GpuMachine : public Machine {
   // Walks are directed, the camera culls, techniques, power heuristic, layers, transparent.
   std::array<uint32_t, 6> kind_{};
   const uint32_t film_words_;
-  Buffer settings_, pool_offsets_, walk_counts_, alive_, end_first_, film_, flags_, ranks_, totals_;
+  const std::vector<shader::uvec4> sobol_;
+  gpu::Tables scene_, path_;
+  Buffer settings_, walk_counts_, film_, flags_, totals_;
   const std::vector<Memory> memory_;
   const Kernel flag_light_, flag_camera_, gather_, scan_flags_, scan_walks_;
   std::map<std::pair<size_t, std::array<uint32_t, 6>>, Kernel> kernels_;

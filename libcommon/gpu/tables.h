@@ -1,0 +1,46 @@
+// Tables of records one behind the other in one buffer, as kernels read them by texels
+// [cmake/shader-tables.sh]; of those that kernels write each is a storage buffer, too.
+#pragma once
+#include "libcommon/gpu/memory.h"
+
+namespace tdpt::gpu {
+
+class Tables {
+ public:
+  /// Adds one that holds `values`; they stay until upload().
+  template <class T>
+  void add(const std::vector<T>& values) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    add(std::as_bytes(std::span(values)), values.size() * sizeof(T));
+  }
+  /// Adds room for a table of so many bytes, undefined.
+  void add_room(uint64_t bytes) { add({}, bytes); }
+
+  /// Of all of them.
+  uint64_t bytes() const { return end_; }
+  /// The texel that each begins at.
+  std::vector<uint32_t> first_texels() const;
+
+  /// Makes the buffer, and fills it. Throws when it, or a table of it, is above the limits.
+  void upload(const Device& device);
+  Texels texels() const { return Texels(buffer_.front()); }
+  /// Table i.
+  Part part(size_t i) const { return {buffer_.front(), tables_[i].begin, tables_[i].bytes}; }
+  /// Its first bytes.
+  void write(size_t i, std::span<const std::byte> from) {
+    buffer_.front().write(from, tables_[i].begin);
+  }
+
+ private:
+  struct Table {
+    std::span<const std::byte> values;
+    uint64_t begin, bytes;
+  };
+  void add(std::span<const std::byte> values, uint64_t bytes);
+
+  std::vector<Table> tables_;
+  uint64_t end_ = 0;
+  std::vector<Buffer> buffer_;  // or none yet
+};
+
+}  // namespace tdpt::gpu
