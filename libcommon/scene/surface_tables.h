@@ -20,7 +20,7 @@ struct SurfaceFeatures {
 struct SurfaceTables {
   std::vector<shader::Face> faces;                 ///< of each triangle
   std::vector<shader::SurfaceMaterial> materials;  ///< as Scene::materials
-  std::vector<uint32_t> material_maps;  ///< MAPS_OF_MATERIAL of each
+  std::vector<uint32_t> material_maps;             ///< MAPS_OF_MATERIAL of each
   std::vector<shader::SurfaceMap> maps;
   std::vector<shader::FaceCorners> face_corners;            ///< of each triangle, or empty
   std::vector<shader::CornerAttributes> corner_attributes;  ///< of each vertex, or empty

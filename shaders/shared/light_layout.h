@@ -5,7 +5,8 @@
 
 #include "shaders/shared/language.h"
 
-// The scene as texels (0), where its tables begin (1), then storage buffers, in this order, then the images.
+// The scene as texels (0), where its tables begin (1), then storage buffers, in this order, then
+// the images.
 #define LIGHT_ARCS 2
 #define LIGHT_PATCHES 3
 #define LIGHT_PIECES 4

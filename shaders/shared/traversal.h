@@ -86,9 +86,7 @@ SHARED bool first_hit(vec3 origin, vec3 direction, uint coin, OUT(SurfaceHit) hi
       BvhTriangle t = load_bvh_triangle(i);
       float depth, b1, b2;
       uint back;
-      if (line_meets(ray, t.p0, t.p1, t.p2, depth, b1,
-                     b2, back) &&
-          depth > 1e-30f) {
+      if (line_meets(ray, t.p0, t.p1, t.p2, depth, b1, b2, back) && depth > 1e-30f) {
         depth = max(depth, node_near);
         uint triangle = t.triangle;
         if ((depth < best || (depth == best && triangle < hit.triangle)) &&
@@ -154,11 +152,8 @@ SHARED bool segment_blocked(vec3 a, vec3 b, uint coin) MEMBER_CONST {
       BvhTriangle t = load_bvh_triangle(i);
       float depth, b1, b2;
       uint back;
-      if (line_meets(ray, t.p0, t.p1, t.p2, depth, b1,
-                     b2, back) &&
-          depth > 1e-30f && depth < limit)
-        blocked = t.stops != 0u ||
-                  surface_stops(t.triangle, b1, b2, coin, direction);
+      if (line_meets(ray, t.p0, t.p1, t.p2, depth, b1, b2, back) && depth > 1e-30f && depth < limit)
+        blocked = t.stops != 0u || surface_stops(t.triangle, b1, b2, coin, direction);
     }
     --top;
     node = stack[top];

@@ -142,7 +142,8 @@ class GpuLines : public LineTracer {
     return images;
   }
 
-  // In the order of shaders/light_bindings.glsl; the scene's tables in that of shaders/light.tables.
+  // In the order of shaders/light_bindings.glsl; the scene's tables in that of
+  // shaders/light.tables.
   std::vector<gpu::Memory> bind(const Bvh& bvh, const CoverageTables& coverage,
                                 const LineTables& t) const {
     gpu::Tables scene;
@@ -153,9 +154,11 @@ class GpuLines : public LineTracer {
     firsts.resize(8);
     const auto of = [&](const auto& values) { return gpu::Buffer(device_, values); };
     std::vector<gpu::Memory> bound{scene.texels(), gpu::Uniforms(of(firsts)),
-                                   of(t.arcs),     of(t.patches), of(t.pieces),
-                                   of(t.first_cell), of(t.cells), of(t.normals),
-                                   tries_, lines_, fates_, lists_};
+                                   of(t.arcs),     of(t.patches),
+                                   of(t.pieces),   of(t.first_cell),
+                                   of(t.cells),    of(t.normals),
+                                   tries_,         lines_,
+                                   fates_,         lists_};
     bound.insert(bound.end(), images_.begin(), images_.end());
     return bound;
   }

@@ -1,6 +1,7 @@
-// device_bench SCENE PORTAL... : one picture by the CPU, by the twin of a device, and by a device, taking turns: seconds
-// per sample, and how far the means are apart.
-//   --integrators A,B --width W --spp N --depth K --rounds N --machines cpu,twin,gpu --gpu WHICH -o STEM
+// device_bench SCENE PORTAL... : one picture by the CPU, by the twin of a device, and by a device,
+// taking turns: seconds per sample, and how far the means are apart.
+//   --integrators A,B --width W --spp N --depth K --rounds N --machines cpu,twin,gpu --gpu WHICH -o
+//   STEM
 #include <cstdio>
 #include <ctime>
 #include <sstream>
@@ -18,7 +19,8 @@ namespace tdpt {
 namespace {
 
 struct Options {
-  std::vector<std::string> files, integrators{"nee", "bdpt", "tdpt-org", "tdpt-guided"}, machines{"cpu", "twin"};
+  std::vector<std::string> files, integrators{"nee", "bdpt", "tdpt-org", "tdpt-guided"},
+      machines{"cpu", "twin"};
   int width = 64, spp = 16, depth = 6, rounds = 1;
   std::string gpu, stem;
 };
@@ -44,10 +46,13 @@ void run(const Options& o) {
   StepTimes times;
   std::shared_ptr<SampleRenderer> gpu, twin;
   for (const std::string& machine : o.machines) {
-    if (machine == "twin") twin = std::make_shared<WavefrontRenderer>(world, make_twin(tables, {1u << 19, 1u << 14}, places.words));
+    if (machine == "twin")
+      twin = std::make_shared<WavefrontRenderer>(
+          world, make_twin(tables, {1u << 19, 1u << 14}, places.words));
     if (machine == "gpu") {
       const gpu::Device device = gpu::Device::open(o.gpu);
-      gpu = std::make_shared<WavefrontRenderer>(world, make_gpu_machine(device, tables, room_on(device), places.words, &times));
+      gpu = std::make_shared<WavefrontRenderer>(
+          world, make_gpu_machine(device, tables, room_on(device), places.words, &times));
     }
   }
   for (int round = 0; round < o.rounds; ++round)
@@ -64,20 +69,29 @@ void run(const Options& o) {
         const RenderResult result = render(world, integrator_named(name), settings);
         const double spent = cpu_seconds() - cpu;
         const Vec3d mean = result.mean();
-        std::printf("%-12s %-5s mean %.6g %.6g %.6g  %.0f ns/sample  rays %llu %llu %llu %llu left out %llu\n", name.c_str(), machine.c_str(), mean.x, mean.y, mean.z,
-                    1e9 * spent / static_cast<double>(pixels * settings.spp),
-                    static_cast<unsigned long long>(result.tally.rays.closest), static_cast<unsigned long long>(result.tally.rays.shadow),
-                    static_cast<unsigned long long>(result.tally.rays.portal), static_cast<unsigned long long>(result.tally.rays.join),
-                    static_cast<unsigned long long>(result.tally.not_finite));
+        std::printf(
+            "%-12s %-5s mean %.6g %.6g %.6g  %.0f ns/sample  rays %llu %llu %llu %llu left out "
+            "%llu\n",
+            name.c_str(), machine.c_str(), mean.x, mean.y, mean.z,
+            1e9 * spent / static_cast<double>(pixels * settings.spp),
+            static_cast<unsigned long long>(result.tally.rays.closest),
+            static_cast<unsigned long long>(result.tally.rays.shadow),
+            static_cast<unsigned long long>(result.tally.rays.portal),
+            static_cast<unsigned long long>(result.tally.rays.join),
+            static_cast<unsigned long long>(result.tally.not_finite));
         std::printf("   ");
-        for (size_t t = 0; t < kTechniques; ++t) std::printf(" %s %.5g", kTechniqueNames[t], result.tally.energy[t] / static_cast<double>(pixels * settings.spp));
+        for (size_t t = 0; t < kTechniques; ++t)
+          std::printf(" %s %.5g", kTechniqueNames[t],
+                      result.tally.energy[t] / static_cast<double>(pixels * settings.spp));
         std::printf("\n");
         if (machine == "gpu") {
           for (size_t s = 0; s < times.of.size(); ++s) std::printf(" %.3f", times.of[s]);
           std::printf(" gather %.3f s\n", times.gather);
         }
         std::fflush(stdout);
-        if (!o.stem.empty()) write_output(o.stem + "-" + name + "-" + machine + ".exr", exr_bytes({result.picture, {}, {}, {}, {}, 0}));
+        if (!o.stem.empty())
+          write_output(o.stem + "-" + name + "-" + machine + ".exr",
+                       exr_bytes({result.picture, {}, {}, {}, {}, 0}));
       }
 }
 

@@ -22,7 +22,8 @@ SHARED uint interface_node(float x, uint nodes, OUT(float) rest) MEMBER_CONST {
 SHARED InterfaceAlbedo interface_between(uint i, uint j, float rest) MEMBER_CONST {
   InterfaceAlbedo e;
   e.a = load_surface_curve(i) + (load_surface_curve(j) - load_surface_curve(i)) * rest;
-  e.b = load_surface_curve(i + 1u) + (load_surface_curve(j + 1u) - load_surface_curve(i + 1u)) * rest;
+  e.b =
+      load_surface_curve(i + 1u) + (load_surface_curve(j + 1u) - load_surface_curve(i + 1u)) * rest;
   return e;
 }
 

@@ -1,6 +1,6 @@
-// Pairs of ends that may make a path: chosen, told what each end makes of the other, seen to be free
-// of what may lie between them, and joined, in steps of their own [machine.h], each for those that
-// are left. Sections 3.1 to 3.3, tools/tdpt-render/path/path_sampler.cpp and
+// Pairs of ends that may make a path: chosen, told what each end makes of the other, seen to be
+// free of what may lie between them, and joined, in steps of their own [machine.h], each for those
+// that are left. Sections 3.1 to 3.3, tools/tdpt-render/path/path_sampler.cpp and
 // segment_sampler.cpp. Each path adds its weighted share to the film.
 //
 // The light's end is a vertex of a light walk, a place on a light, or x_c of a portal segment; the
@@ -176,8 +176,8 @@ SHARED void choose_ends(uint place, uint count, uint kind, uint group, uint n, J
     float chance;
     if (!takes(few, estimates[k], chance)) continue;
     JoinEnd end = load_join_end(place_of_end(group, candidate_of(n, k, u)));
-    put_joining(place + put, kind, end.slot, end.position, end.alpha2 < 0.0f, camera,
-                here.position, times * chance, pixel);
+    put_joining(place + put, kind, end.slot, end.position, end.alpha2 < 0.0f, camera, here.position,
+                times * chance, pixel);
     put += 1u;
   }
 }

@@ -115,7 +115,8 @@ SHARED SurfaceMaterial material_at(uint material, SurfacePlace at) MEMBER_CONST 
   vec3 c = m.base_color;
   if (scene_has_colours) {
     FaceCorners corners = load_face_corners(at.triangle);
-    c = c * interpolated(load_corner_attributes(corners.a).color, load_corner_attributes(corners.b).color,
+    c = c * interpolated(load_corner_attributes(corners.a).color,
+                         load_corner_attributes(corners.b).color,
                          load_corner_attributes(corners.c).color, at);
   }
   m.base_color =
@@ -207,9 +208,9 @@ SHARED vec3 shading_normal_at(Face face, uint map, float scale, SurfacePlace at)
   bool is_smooth = scene_has_normals && face.smoothed != 0u;
   if (is_smooth) {
     FaceCorners corners = load_face_corners(at.triangle);
-    vec3 mean =
-        interpolated(load_corner_attributes(corners.a).normal, load_corner_attributes(corners.b).normal,
-                     load_corner_attributes(corners.c).normal, at);
+    vec3 mean = interpolated(load_corner_attributes(corners.a).normal,
+                             load_corner_attributes(corners.b).normal,
+                             load_corner_attributes(corners.c).normal, at);
     float l2 = dot(mean, mean);
     if (l2 > 1e-12f) n = mean * (face.smoothed == 2u ? -inverse_root(l2) : inverse_root(l2));
   }

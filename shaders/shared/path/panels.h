@@ -146,8 +146,9 @@ SHARED float panel_pdf_A_at(Panel panel, PanelView view, vec3 position, float se
 SHARED uint panel_of(uint triangle) MEMBER_CONST {
   uint found = light_settings.panels;
   for (uint i = 0u; i < light_settings.panels; ++i)
-    found =
-        load_light_panel(i).triangle0 == triangle || load_light_panel(i).triangle1 == triangle ? i : found;
+    found = load_light_panel(i).triangle0 == triangle || load_light_panel(i).triangle1 == triangle
+                ? i
+                : found;
   return found;
 }
 

@@ -52,11 +52,12 @@ SHARED Bsdf bsdf_of(SurfaceMaterial m) MEMBER_CONST {
 
 SHARED void add_layers(Face face, SurfaceMaterial m, SurfacePlace at, INOUT(Point) p) MEMBER_CONST {
   p.simple = false;
-  bool bent_coat = scene_has_coats && m.coat > 0.0f && scene_has_textures &&
-                   m.maps_of_normals != 0u;
+  bool bent_coat =
+      scene_has_coats && m.coat > 0.0f && scene_has_textures && m.maps_of_normals != 0u;
   vec3 coat_normal = face.normal;
   for (uint k = 0u; k < (bent_coat ? 2u : 1u); ++k) {
-    vec3 n = shading_normal_at(face, load_material_map(MAPS_OF_MATERIAL * face.material + MAP_NORMAL + k),
+    vec3 n = shading_normal_at(face,
+                               load_material_map(MAPS_OF_MATERIAL * face.material + MAP_NORMAL + k),
                                k == 0u ? m.normal_scale : m.coat_normal_scale, at);
     p.shading = k == 0u ? n : p.shading;
     coat_normal = n;

@@ -37,8 +37,8 @@ struct SurfaceMaterial {
   uint pad0;
   uint pad1;
 };
-// material_maps[MAPS_OF_MATERIAL material + MAP_*]: index into texture_maps[], or kNoMap; in the order in which they
-// count.
+// material_maps[MAPS_OF_MATERIAL material + MAP_*]: index into texture_maps[], or kNoMap; in the
+// order in which they count.
 #define MAPS_OF_MATERIAL 12u
 #define MAP_BASE 0u
 #define MAP_METALLIC_ROUGHNESS 1u

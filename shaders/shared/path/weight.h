@@ -11,7 +11,8 @@
 // is divided by is a density of the strategy used, and more than 0. Numbers have an exponent of
 // their own [scaled.h]: what fades along a long path may come back.
 //
-// Read where `render`, mixture_techniques (bits), power_heuristic, load_path_density() and scene_has_portals are.
+// Read where `render`, mixture_techniques (bits), power_heuristic, load_path_density() and
+// scene_has_portals are.
 
 #include "shaders/shared/language.h"
 

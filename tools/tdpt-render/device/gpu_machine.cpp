@@ -97,8 +97,24 @@ static_assert(sizeof(Settings) % 16 == 0);
 
 // Tables of path.tables that kernels read of a submission, and in its order.
 enum PathTable : size_t {
-  kPoolOffsets, kAlive, kRanks, kEndFirst, kWalkLast, kVertices, kDensities, kRays, kJoinings, kScatterings, kEnds,
-  kSegments, kSides, kLitSegments, kLitFirst, kEstimates, kBsdfs, kPathTables
+  kPoolOffsets,
+  kAlive,
+  kRanks,
+  kEndFirst,
+  kWalkLast,
+  kVertices,
+  kDensities,
+  kRays,
+  kJoinings,
+  kScatterings,
+  kEnds,
+  kSegments,
+  kSides,
+  kLitSegments,
+  kLitFirst,
+  kEstimates,
+  kBsdfs,
+  kPathTables
 };
 
 gpu::Tables path_tables(const Room& room, bool layers) {
@@ -182,16 +198,20 @@ class GpuMachine : public Machine {
     settings_host_.render = p;
     settings_.write(std::as_bytes(std::span(&settings_host_, 1)));
     path_.write(kPoolOffsets, std::as_bytes(std::span(pool_offsets)));
-    kind_ = {p.guide_light > 0 || p.guide_camera > 0, p.culls != 0, p.techniques, p.beta == 2,
-             p.layers != 0, p.transparent != 0};
+    kind_ = {p.guide_light > 0 || p.guide_camera > 0,
+             p.culls != 0,
+             p.techniques,
+             p.beta == 2,
+             p.layers != 0,
+             p.transparent != 0};
   }
 
   void run(Step step, const shader::StepParameters& p) override {
     if (p.count == 0) return;
     const size_t i = static_cast<size_t>(step);
     const Kernel& kernel = kernel_of(i);
-    const double seconds = timed(
-        [&](gpu::Commands& c) { c.dispatch(kernel, gpu::push(p), groups_of(p.count)); });
+    const double seconds =
+        timed([&](gpu::Commands& c) { c.dispatch(kernel, gpu::push(p), groups_of(p.count)); });
     if (times_) times_->of[i] += seconds;
   }
 
@@ -261,11 +281,26 @@ class GpuMachine : public Machine {
   // In the order of shaders/path_bindings.glsl.
   std::vector<Memory> bind() const {
     const auto written = [&](PathTable table) { return path_.part(table); };
-    return {path_.texels(), scene_.texels(), gpu::Uniforms(settings_), written(kVertices),
-            written(kBsdfs), written(kDensities), walk_counts_, written(kWalkLast),
-            written(kAlive), written(kRays), written(kEnds), written(kJoinings),
-            written(kScatterings), written(kSegments), written(kSides), film_, flags_,
-            written(kLitSegments), written(kLitFirst), written(kEstimates)};
+    return {path_.texels(),
+            scene_.texels(),
+            gpu::Uniforms(settings_),
+            written(kVertices),
+            written(kBsdfs),
+            written(kDensities),
+            walk_counts_,
+            written(kWalkLast),
+            written(kAlive),
+            written(kRays),
+            written(kEnds),
+            written(kJoinings),
+            written(kScatterings),
+            written(kSegments),
+            written(kSides),
+            film_,
+            flags_,
+            written(kLitSegments),
+            written(kLitFirst),
+            written(kEstimates)};
   }
 
   Kernel kernel(std::span<const uint32_t> program, const std::vector<uint32_t>& constants) const {

@@ -223,9 +223,12 @@ Flush flush() {
     for (int k = 0; k < 30; ++k) {
       const vec3 a = in_plane(), e1 = in_plane() - a, e2 = in_plane() - a;
       const float b1 = number(rng), b2 = number(rng) * (1 - b1);
-      f.wall = std::max(f.wall, std::abs(double{twin.portal_height(twin.load_portal_facet(0), a + e1 * b1 + e2 * b2)}));
+      f.wall = std::max(
+          f.wall,
+          std::abs(double{twin.portal_height(twin.load_portal_facet(0), a + e1 * b1 + e2 * b2)}));
       const SegmentDraw s = draw(twin, rng);
-      f.start = std::min(f.start, -double{twin.portal_height(twin.load_portal_facet(0), twin.segment_start(s))});
+      f.start = std::min(
+          f.start, -double{twin.portal_height(twin.load_portal_facet(0), twin.segment_start(s))});
     }
   }
   f.wall /= shader::kPortalMargin;

@@ -19,7 +19,7 @@ struct TwinKernels {
   // The scene.
   const BvhNode* bvh_nodes;
   const BvhTriangle* bvh_triangles;
-    const Face* faces;
+  const Face* faces;
   const FaceCorners* face_corners;
   const CornerAttributes* corner_attributes;
   const SurfaceMaterial* materials;
@@ -49,8 +49,8 @@ struct TwinKernels {
       scene_has_coverage, coverage_has_textures;
   bool scene_has_sky, scene_has_sky_map, scene_has_lamps, scene_has_panels, scene_has_windows,
       scene_prefers;
-  bool scene_has_portals, portals_have_pairs, guide_active, camera_culls,
-      power_heuristic, film_has_layers, film_is_transparent;
+  bool scene_has_portals, portals_have_pairs, guide_active, camera_culls, power_heuristic,
+      film_has_layers, film_is_transparent;
   uint mixture_techniques;
   // The submission.
   RenderParameters render;
