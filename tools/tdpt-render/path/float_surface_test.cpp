@@ -236,7 +236,7 @@ class OnDevice {
              gpu::Buffer(device_, t.corner_attributes), materials_, gpu::Buffer(device_, t.maps),
              gpu::Buffer(device_, t.texel_words), gpu::Buffer(device_, curves),
              gpu::Buffer(device_, t.coverage.coverage_of),
-             gpu::Buffer(device_, t.coverage.coverages), words_},
+             gpu::Buffer(device_, t.coverage.coverages), gpu::Buffer(device_, t.material_maps), words_},
             4};
   }
 
