@@ -89,6 +89,9 @@ Limits limits_of(const vk::raii::PhysicalDevice& device) {
   l.buffer = std::min<uint64_t>(limits.maxStorageBufferRange, allocation);
   l.image = std::min(uint64_t{1} << 31, allocation);  // no device allows less than 2^31
   l.image_side = limits.maxImageDimension3D;
+  l.buffers =
+      std::min(limits.maxPerStageDescriptorStorageBuffers, limits.maxDescriptorSetStorageBuffers);
+  l.groups = limits.maxComputeWorkGroupCount[0];
   return l;
 }
 

@@ -10,8 +10,8 @@ class Kernel {
   /// `program`: SPIR-V, as tdpt_shaders() of cmake/tdpt.cmake leaves it in shaders/NAME.h.
   /// `memory`: what stands at layout(set = 0, binding = 0, 1, 2, ...); it lives as long as this.
   /// What the program does not name is not bound, and counts for no limit.
-  /// `push_bytes`: size of the push constants, a multiple of 4. `constants`: of specialisation, those
-  /// with constant_id 0, 1, 2, ...; bools are 0 or 1.
+  /// `push_bytes`: size of the push constants, a multiple of 4. `constants`: of specialisation,
+  /// those with constant_id 0, 1, 2, ...; bools are 0 or 1.
   Kernel(const Device& device, std::span<const uint32_t> program, const std::vector<Memory>& memory,
          uint32_t push_bytes = 0, const std::vector<uint32_t>& constants = {});
 
@@ -21,6 +21,9 @@ class Kernel {
  private:
   std::shared_ptr<Impl> impl_;
 };
+
+/// How much memory a program names, of all that is bound for several.
+size_t bindings_in(std::span<const uint32_t> program);
 
 /// Push constants: one struct, laid out as in the shader.
 template <class T>

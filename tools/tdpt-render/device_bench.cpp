@@ -53,7 +53,7 @@ void run(const Options& o) {
           settings.device = std::make_shared<WavefrontRenderer>(world, make_twin(tables, {1u << 19, 1u << 14}, places.words));
         if (machine == "gpu") {
           const gpu::Device device = gpu::Device::open(o.gpu);
-          settings.device = std::make_shared<WavefrontRenderer>(world, make_gpu_machine(device, tables, room_on(device), places.words, &times));
+          settings.device = std::make_shared<WavefrontRenderer>(world, make_gpu_machine(device, tables, room_on(device, tables, places.words), places.words, &times));
         }
         const double cpu = cpu_seconds();
         const RenderResult result = render(world, integrator_named(name), settings);

@@ -205,6 +205,8 @@ int run(const Arguments& a, const cli::Common& common) {
   const OpenWorld open = open_world(in.scene, in.camera, in.size.width, in.size.height, in.portals);
   if (open.uncovered > 0) common.warn(uncovered_sentence(open.uncovered, in.scene.frame));
   World& world = *open.world;
+  std::optional<GpuUpload> upload;
+  if (device) upload.emplace(*device, world, job.settings.layers);
   if (const std::string sentence = backs_sentence(seen_backs(world)); !sentence.empty())
     common.warn(sentence);
   if (const std::string sentence = no_backs_sentence(world); !sentence.empty())
@@ -226,7 +228,8 @@ int run(const Arguments& a, const cli::Common& common) {
                                in.portals, common)
            : choose(job.request, job.settings, in.camera, world, in.portals, common);
   if (device) {
-    job.settings.device = make_gpu_renderer(*device, world, job.settings.layers);
+    job.settings.device = upload->renderer();
+    upload.reset();
     common.note("samples are rendered by " + device->info().name + ".");
   }
   check_film(job.given, film_options(world, choice.candidates, job.settings));

@@ -112,6 +112,8 @@ class Rendering {
   /// Finds out how many samples the error takes that is asked for, if one is, and the time, if the
   /// settings want to know.
   void aim();
+  /// Makes ready what takes its time to be made for them: it does not count.
+  void make_ready();
   /// Whether a signal came before all of it was decided.
   void note_haste() { result_.hasty = !course_.plan && stop_requested(); }
   /// What is beyond the limit of depth, if there is one.
@@ -123,7 +125,7 @@ class Rendering {
  private:
   void look_around(Scout& scout);
   double spp_ahead(const Scout& scout) const;
-  uint64_t next_pass(uint64_t most) const;
+  uint64_t next_pass() const;
   void obey_plan();
   void aim_at_error();
   uint64_t samples_in_time();
@@ -209,6 +211,11 @@ void Rendering::obey_plan() {
   result_.chosen_label = result_.plan.label;
   for (size_t i = 0; i < candidates_.size(); ++i)
     if (candidates_[i].label == result_.plan.label) result_.chosen = i;
+}
+
+void Rendering::make_ready() {
+  if (longest_ == 0 || stop_requested()) return;
+  clock_.aside([&] { renderer_.prepare(result_.plan.integrator, rules_, film_, settings_.quiet); });
 }
 
 void Rendering::aim() {
@@ -362,10 +369,11 @@ void Rendering::record_frame() {
   });
 }
 
-// How many samples come next, `most` at the most; 0: the picture is done, or the time is up.
-uint64_t Rendering::next_pass(uint64_t most) const {
+// How many samples come next; 0: the picture is done, or the time is up.
+uint64_t Rendering::next_pass() const {
   const uint64_t done = film_.samples();
   if (goal_ > 0 && done >= goal_) return 0;
+  const uint64_t most = std::max<uint64_t>(renderer_.samples_of_pass() / pixels_, 1);
   uint64_t n = goal_ == 0 ? most : std::min(most, goal_ - done);
   if (film_.options().error_block > 0) n = 1;  // of a block
   n = std::min(n, (target_ ? blocks_.next() : watch_.next()) - done);
@@ -376,7 +384,7 @@ uint64_t Rendering::next_pass(uint64_t most) const {
   // Samples take about as long as the ones before: stop where the limit is nearest.
   const double per_sample = (clock_.seconds() - standing_.began) / static_cast<double>(done);
   const double in_time = (settings_.seconds - clock_.seconds()) / per_sample;
-  return in_time < 0.5 * static_cast<double>(n) ? 0 : n;
+  return in_time < 0.5 ? 0 : std::min(n, static_cast<uint64_t>(std::max(in_time, 1.0)));
 }
 
 // Not more than a tenth of the time goes into one, however large the picture.
@@ -400,11 +408,9 @@ void Rendering::render_goal() {
   Progress progress("rendering", "samples", (goal_ - std::min(goal_, film_.samples())) * pixels_,
                     settings_.quiet);
   if (goal_ == 0) progress.ends_after(settings_.seconds - clock_.seconds());
-  // Small pictures take several samples a pass, so that threads have something to share.
-  const uint64_t most = std::max<uint64_t>(1, (uint64_t{1} << 16) / pixels_);
   if (const uint64_t all = std::max<uint64_t>(goal_, 1); longest_ == 0 && film_.samples() < all)
     film_.complete({standing_.next(), all - film_.samples()});
-  while (const uint64_t n = next_pass(most)) {
+  while (const uint64_t n = next_pass()) {
     // A signal that comes when all is there cuts nothing short, and there must be a picture.
     result_.interrupted = stop_requested() && film_.samples() > 0;
     if (result_.interrupted) break;
@@ -455,6 +461,7 @@ RenderResult render(const World& world, const std::vector<Candidate>& candidates
                     Course course) {
   Rendering rendering(world, candidates, settings, std::move(course));
   rendering.plan(ways);
+  rendering.make_ready();
   rendering.aim();
   rendering.note_haste();
   rendering.look_beyond();
@@ -466,6 +473,7 @@ Plan decide(const World& world, const std::vector<Candidate>& candidates,
             const RenderSettings& settings, const std::vector<PortalWay>& ways) {
   Rendering rendering(world, candidates, settings, {});
   rendering.plan(ways);
+  rendering.make_ready();
   rendering.aim();
   return rendering.finish().plan;
 }

@@ -7,10 +7,14 @@ namespace tdpt {
 class SampleRenderer {
  public:
   virtual ~SampleRenderer() = default;
+  /// Makes ready what takes its time, once: no time of a rendering has it in it.
+  virtual void prepare(const Integrator&, const SampleRules&, const Film&, bool /*quiet*/) {}
   /// As render_samples(): a pure function of the renderer and its arguments, however samples are
   /// split into calls. The integrator expects its joins [expecting_joins()].
   virtual void render(const Integrator& integrator, const SampleRules& rules, uint64_t round,
                       const SampleRange& samples, Film& film, Tally& tally, Progress& progress) = 0;
+  /// Samples, of all pixels together, that suit a call where nothing wants fewer.
+  virtual uint64_t samples_of_pass() const = 0;
 };
 
 /// In doubles, in parallel.
@@ -21,6 +25,8 @@ class CpuRenderer : public SampleRenderer {
               const SampleRange& samples, Film& film, Tally& tally, Progress& progress) override {
     render_samples(world_, integrator, rules, round, samples, film, tally, progress);
   }
+  /// Small pictures take several samples a pass, so that threads have something to share.
+  uint64_t samples_of_pass() const override { return uint64_t{1} << 16; }
 
  private:
   const World& world_;

@@ -1,0 +1,30 @@
+// Whether a world and its film find room in a device's memory, and how much is left to samples.
+#pragma once
+#include "libcommon/gpu/device.h"
+#include "tools/tdpt-render/device/machine.h"
+#include "tools/tdpt-render/device/render_tables.h"
+
+namespace tdpt {
+
+/// A buffer that is there however many samples are rendered at a time.
+struct FixedBuffer {
+  std::string name;  ///< "the triangles"
+  uint64_t bytes;
+};
+
+/// Those of the tables, and the film.
+std::vector<FixedBuffer> fixed_buffers(const RenderTables& tables, uint32_t film_words);
+
+/// What else a rendering asks of a device.
+struct DeviceNeeds {
+  std::vector<FixedBuffer> fixed;
+  bool layered = false;  ///< vertices keep what they are made of [SurfaceFeatures::layers]
+  size_t bindings = 0;   ///< buffers that a kernel binds
+};
+
+/// As many slots, and samples, as suit the device `name`: what is fixed and they take three
+/// quarters of its memory at the most, they alone one. Throws Error (no_device), with the number
+/// that is needed and the one that is allowed, where that is too little for the fewest samples.
+Room room_on(const std::string& name, const gpu::Limits& limits, const DeviceNeeds& needs);
+
+}  // namespace tdpt
