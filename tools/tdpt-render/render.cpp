@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "libcommon/base/error.h"
 #include "libcommon/base/signals.h"
 #include "libcommon/base/threads.h"
 #include "tools/tdpt-render/longest_path.h"
@@ -131,6 +132,7 @@ class Rendering {
   uint64_t samples_in_time();
   Film aside() const { return film_for(world_, TechniqueSet()); }
   void receive_visitors();
+  void render_pass(uint64_t samples, Progress& progress);
   void record_frame();
   void render_goal();
   void judge();
@@ -404,6 +406,19 @@ void Rendering::receive_visitors() {
   }
 }
 
+void Rendering::render_pass(uint64_t samples, Progress& progress) {
+  try {
+    renderer_.render(result_.plan.integrator, rules_, 0, {standing_.next(), samples}, film_,
+                     standing_.tally, progress);
+  } catch (const Error&) {
+    standing_.seconds = clock_.seconds();
+    standing_.cpu_seconds = clock_.cpu();
+    if (course_.rescue && film_.samples() > 0 && !result_.hasty)
+      course_.rescue(standing_, result_.plan);
+    throw;
+  }
+}
+
 void Rendering::render_goal() {
   Progress progress("rendering", "samples", (goal_ - std::min(goal_, film_.samples())) * pixels_,
                     settings_.quiet);
@@ -415,8 +430,7 @@ void Rendering::render_goal() {
     result_.interrupted = stop_requested() && film_.samples() > 0;
     if (result_.interrupted) break;
     progress.tell(error_so_far());
-    renderer_.render(result_.plan.integrator, rules_, 0, {standing_.next(), n}, film_,
-                     standing_.tally, progress);
+    render_pass(n, progress);
     if (target_ && film_.samples() == blocks_.next()) blocks_.add(film_.sums());
     if (!target_ && film_.samples() == watch_.next()) watch_.look(film_);
     if (settings_.frames && film_.samples() == next_frame(framed_)) record_frame();

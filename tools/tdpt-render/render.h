@@ -54,6 +54,8 @@ struct Course {
     std::function<void(Standing&, const Plan&)> visit;
   };
   std::vector<Visitor> visitors{};
+  /// Where the renderer fails with an Error, keeps what there is.
+  std::function<void(Standing&, const Plan&)> rescue{};
 };
 
 /// How many samples per pixel there will be, as far as the settings say; 0: as time allows.

@@ -169,12 +169,13 @@ void WavefrontRenderer::render(const Integrator& integrator, const SampleRules& 
   const auto start = std::chrono::steady_clock::now();
   const uint64_t most = std::max<uint64_t>(kMostCounted / pixels, 1);
   for (uint64_t at = samples.first; at < samples.end(); at += most) {
-    submit_all(p, {at, std::min(most, samples.end() - at)}, progress);
+    const SampleRange some{at, std::min(most, samples.end() - at)};
+    submit_all(p, some, progress);
     const std::vector<uint32_t> words = machine_->take_film();
     add_to_film(words, places, film);
     add_to_tally(words, places, world_.portals.portals(), drawn, tally);
+    film.complete(some);
   }
-  film.complete(samples);
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
   const auto all = static_cast<double>(pixels * samples.count);
   of_pass_ = static_cast<uint64_t>(kPass * all / std::max(took.count(), 1e-3));
