@@ -254,6 +254,7 @@ int run(const Arguments& a, const cli::Common& common) {
   if (device) {
     job.settings.device = upload->renderer();
     upload.reset();
+    job.settings.device_name = device->info().name;
     common.note("samples are rendered by " + device->info().name + ".");
   }
   check_film(job.given, film_options(world, choice.candidates, job.settings));

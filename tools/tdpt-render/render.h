@@ -33,6 +33,7 @@ struct RenderSettings {
   /// A limit of time is turned into a number of samples before the first one.
   bool fixed = false;
   std::shared_ptr<SampleRenderer> device;  ///< renders, and what it takes to plan; none: the CPU
+  std::string device_name = "cpu";
   Limits limits() const { return {spp, seconds, target_error, retry}; }
 };
 

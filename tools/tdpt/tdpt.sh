@@ -21,9 +21,9 @@ Usage: tdpt SCENE -o PICTURE.exr [OPTIONS]
   --version                   Print the version and exit
 
 All other options are those of tdpt-render, and rendering is all that most of
-them change. Those of the camera and of the sky, --light-units, --quality,
---seed, --threads, --max-memory and --quiet go to the stages before it, too. A
-stage runs where its result is missing or out of date. The environment variables
+them change. Those of the camera and of the sky, --device, --light-units,
+--quality, --seed, --threads, --max-memory and --quiet go to the stages before
+it, too: --device gpu has the GPU do all that it can. A stage runs where its result is missing or out of date. The environment variables
 FFGRAPH_FLAGS, MINCUT_FLAGS, LIGHTGRID_FLAGS and PORTALFIT_FLAGS have more
 options for the stages.
 END
@@ -47,7 +47,7 @@ absolute() {
   esac
 }
 
-scene='' picture='' work='' dry='' flags='' camera='' sky='' environment='' quality='' seed='' threads='' memory='' quiet='' report=''
+scene='' picture='' work='' dry='' flags='' camera='' sky='' environment='' quality='' device='' seed='' threads='' memory='' quiet='' report=''
 while [ $# -gt 0 ]; do
   word=$1 value='' joined=''
   case $word in
@@ -56,7 +56,8 @@ while [ $# -gt 0 ]; do
   # Of the options that this front understands, which have a value.
   case $word in
   -o | --output | --work | --camera | --look-from | --look-at | --up | --fov | --environment | --environment-rotation | \
-    --environment-scale | --sun-angle | --light-units | --quality | --seed | --threads | --max-memory)
+    --environment-scale | --sun-angle | --light-units | --device | --quality | --seed | --threads | \
+    --max-memory)
     if [ -z "$joined" ]; then
       [ $# -gt 1 ] || fail 2 "$word: a value is missing; '$tool --help' lists the options"
       shift
@@ -75,6 +76,8 @@ while [ $# -gt 0 ]; do
   --dry-run) dry=1 ;;
   --report) report=1 ;;
   --quiet) quiet=1 ;;
+  --list-devices) exec "$here/tdpt-render" --list-devices ;;
+  --device) device=$value ;;
   --quality) quality=$value ;;
   --seed) seed=$value ;;
   --threads) threads=$value ;;
@@ -150,7 +153,7 @@ target=$picture
 status=$(mktemp) || fail 1 "no temporary file"
 trap 'rm -f "$status"' EXIT
 set -- -C "$work" -f "$rules" --no-print-directory TDPT_BIN="$here/" \
-  "SCENE.$name=$stem" "SCENE.${target%.exr}=$stem" "PORTALS=$name.portal.glb" "QUALITY=$quality" "SEED=$seed" \
+  "SCENE.$name=$stem" "SCENE.${target%.exr}=$stem" "PORTALS=$name.portal.glb" "DEVICE=$device" "QUALITY=$quality" "SEED=$seed" \
   "THREADS=$threads" "MAX_MEMORY=$memory" "QUIET=$quiet" "ENVIRONMENT=$environment" "ENVIRONMENT_FLAGS=$sky" \
   "CAMERA_FLAGS=$camera" "FFGRAPH_FLAGS=${FFGRAPH_FLAGS-}" "MINCUT_FLAGS=${MINCUT_FLAGS-}" "LIGHTGRID_FLAGS=${LIGHTGRID_FLAGS-}" \
   "PORTALFIT_FLAGS=${PORTALFIT_FLAGS-}" "TDPT_RENDER_FLAGS=$flags" "$target" \
