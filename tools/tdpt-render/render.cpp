@@ -195,7 +195,7 @@ void Rendering::plan(const std::vector<PortalWay>& ways) {
   result_.chosen_label = candidates_[0].label;
   if (result_.longest) return;
   const double cpu = clock_.cpu();
-  Scout scout(world_, candidates_, rules_);
+  Scout scout(world_, candidates_, rules_, settings_.device ? kDeviceWork : kCpuWork);
   look_around(scout);
   result_.scout_cpu_seconds = clock_.cpu() - cpu;
   if (scout.groups() > 0) {

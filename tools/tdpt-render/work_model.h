@@ -58,11 +58,26 @@ inline constexpr WorkCosts kWorkWithoutPortals{
     .window = 20,
 };
 
+// Likewise, measured on DEVICE.
+inline constexpr WorkCosts kDeviceWorkWithPortals{
+    .closest = 1,
+};
+inline constexpr WorkCosts kDeviceWorkWithoutPortals{
+    .closest = 1,
+};
+
+/// For samples that have a use for portals, and for those that have none.
+struct WorkTables {
+  WorkCosts with_portals, without_portals;
+};
+inline constexpr WorkTables kCpuWork{kWorkWithPortals, kWorkWithoutPortals};
+/// Of --device gpu, whichever: what a sample costs is then the same in every run.
+inline constexpr WorkTables kDeviceWork{kDeviceWorkWithPortals, kDeviceWorkWithoutPortals};
+
 class WorkModel {
  public:
-  /// Of samples of `mixture`, with the table for those that have a use for the world's portals or
-  /// for those that have none.
-  WorkModel(const World& world, const Mixture& mixture);
+  /// Of samples of `mixture`.
+  WorkModel(const World& world, const Mixture& mixture, const WorkTables& tables = kCpuWork);
   WorkModel(const World& world, const Mixture& mixture, const WorkCosts& costs);
 
   /// Of one sample [ns]; `rays` of `samples` of them.
