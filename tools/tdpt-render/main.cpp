@@ -255,7 +255,7 @@ int run(const Arguments& a, const cli::Common& common) {
     job.settings.device = upload->renderer();
     upload.reset();
     job.settings.device_name = device->info().name;
-    common.note("samples are rendered by " + device->info().name + ".");
+    common.note("samples are rendered by " + words_of(device->info()) + ".");
   }
   check_film(job.given, film_options(world, choice.candidates, job.settings));
   if (job.only_plans()) return write_plan(job, world, choice);

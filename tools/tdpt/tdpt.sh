@@ -138,6 +138,11 @@ esac
 [ -d "${work:=$(dirname -- "$scene")}" ] || mkdir -p -- "$work" || fail 4 "$work: cannot be made"
 command -v make >/dev/null || fail 1 "GNU Make is missing, whose package is called make"
 
+# A device that is not there is told before the stages that need none.
+if [ -n "$device" ] && [ -z "$dry" ]; then
+  "$here/tdpt-render" --device "$device" --spp 1 --print-shards 1 --quiet "$scene" -o "$picture" >/dev/null || exit
+fi
+
 scene=$(absolute "$scene") picture=$(absolute "$picture") work=$(cd -- "$work" && pwd)
 # Make takes names apart at these.
 for path in "$scene" "$picture" "$work"; do
