@@ -423,6 +423,8 @@ void Rendering::render_goal() {
   Progress progress("rendering", "samples", (goal_ - std::min(goal_, film_.samples())) * pixels_,
                     settings_.quiet);
   if (goal_ == 0) progress.ends_after(settings_.seconds - clock_.seconds());
+  if (settings_.device && goal_ > film_.samples())
+    watch_ = NoiseWatch(film_, goal_ - film_.samples());
   if (const uint64_t all = std::max<uint64_t>(goal_, 1); longest_ == 0 && film_.samples() < all)
     film_.complete({standing_.next(), all - film_.samples()});
   while (const uint64_t n = next_pass()) {
