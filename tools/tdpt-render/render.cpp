@@ -113,8 +113,6 @@ class Rendering {
   /// Finds out how many samples the error takes that is asked for, if one is, and the time, if the
   /// settings want to know.
   void aim();
-  /// Makes ready what takes its time to be made for them: it does not count.
-  void make_ready();
   /// Whether a signal came before all of it was decided.
   void note_haste() { result_.hasty = !course_.plan && stop_requested(); }
   /// What is beyond the limit of depth, if there is one.
@@ -128,6 +126,7 @@ class Rendering {
   double spp_ahead(const Scout& scout) const;
   uint64_t next_pass() const;
   void obey_plan();
+  void make_ready();
   void aim_at_error();
   uint64_t samples_in_time();
   Film aside() const { return film_for(world_, TechniqueSet()); }
@@ -157,6 +156,7 @@ class Rendering {
   PictureBlocks& blocks_ = standing_.blocks;
   Clock clock_;
   NoiseWatch watch_;
+  bool ready_ = false;
   uint64_t framed_;          // samples when the last frame was recorded
   std::vector<double> due_;  // when each visitor came last, or later [s]
   RenderResult result_;
@@ -215,8 +215,10 @@ void Rendering::obey_plan() {
     if (candidates_[i].label == result_.plan.label) result_.chosen = i;
 }
 
+// Before the first samples, of whatever kind; what the renderer takes for it does not count.
 void Rendering::make_ready() {
-  if (longest_ == 0 || stop_requested()) return;
+  if (ready_) return;
+  ready_ = true;
   clock_.aside([&] { renderer_.prepare(result_.plan.integrator, rules_, film_, settings_.quiet); });
 }
 
@@ -235,6 +237,7 @@ uint64_t Rendering::samples_in_time() {
   constexpr uint64_t kRound = 3 + Pilot::kParts;  // no pilot's
   constexpr double kShare = 0.02;
   if (longest_ == 0) return 1;
+  make_ready();
   Progress progress("measuring the time", "samples", 0, settings_.quiet);
   Film film = aside();
   Tally tally(film.unit());
@@ -264,6 +267,7 @@ void Rendering::aim_at_error() {
     target.fixed = goal_;
     return;
   }
+  make_ready();
   const double cpu = clock_.cpu();
   const auto give_up = [&] {
     const bool late = settings_.seconds > 0 && clock_.seconds() > 0.5 * settings_.seconds;
@@ -420,6 +424,7 @@ void Rendering::render_pass(uint64_t samples, Progress& progress) {
 }
 
 void Rendering::render_goal() {
+  if (next_pass() > 0) make_ready();
   Progress progress("rendering", "samples", (goal_ - std::min(goal_, film_.samples())) * pixels_,
                     settings_.quiet);
   if (goal_ == 0) progress.ends_after(settings_.seconds - clock_.seconds());
@@ -477,7 +482,6 @@ RenderResult render(const World& world, const std::vector<Candidate>& candidates
                     Course course) {
   Rendering rendering(world, candidates, settings, std::move(course));
   rendering.plan(ways);
-  rendering.make_ready();
   rendering.aim();
   rendering.note_haste();
   rendering.look_beyond();
@@ -489,7 +493,6 @@ Plan decide(const World& world, const std::vector<Candidate>& candidates,
             const RenderSettings& settings, const std::vector<PortalWay>& ways) {
   Rendering rendering(world, candidates, settings, {});
   rendering.plan(ways);
-  rendering.make_ready();
   rendering.aim();
   return rendering.finish().plan;
 }

@@ -254,7 +254,16 @@ TEST(render, gives_a_device_as_many_samples_at_a_time_as_nothing_wants_one_by_on
   EXPECT_NEAR(r.noise->relmse / by_cpu.noise->relmse, 1, 1e-4);
   EXPECT_EQ(r.picture.pixels, by_cpu.picture.pixels);
   EXPECT_EQ(r.tally.rays.closest, by_cpu.tally.rays.closest);
+  // What is there already needs no device to be ready.
   device->calls.clear(), device->prepared = 0;
+  Course course;
+  course.plan = r.plan;
+  course.standing.emplace(std::move(*r.standing));
+  EXPECT_EQ(render(world, {{bdpt, bdpt.name}}, settings, {}, std::move(course)).picture.pixels,
+            by_cpu.picture.pixels);
+  EXPECT_EQ(device->prepared, 0);
+  decide(world, {{bdpt, bdpt.name}}, settings, {});
+  EXPECT_EQ(device->prepared, 0);
   settings.frames = true;
   EXPECT_EQ(render(world, bdpt, settings).picture.pixels, by_cpu.picture.pixels);
   EXPECT_EQ(device->calls, std::vector<uint64_t>(40, 1));
