@@ -5,15 +5,17 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/tdpt-render/report.h"
+#include "tools/tdpt-render/test_renderer.h"
 #include "tools/tdpt-render/test_rooms.h"
 #include "tools/tdpt-render/test_variant.h"
 
 namespace tdpt {
 namespace {
 
-RenderResult render_rooms(const RenderSettings& settings, const Integrator& integrator = tdpt_org) {
+RenderResult render_rooms(RenderSettings settings, const Integrator& integrator = tdpt_org) {
   const Scene scene = read_gltf(two_rooms_path());
   const World world(scene, scene.camera(""), 24, 18, {portal_in_the_hole()});
+  settings.device = renderer_under_test(world);
   return render(world, integrator, settings);
 }
 
@@ -106,6 +108,7 @@ struct Spoilt {
     RenderSettings settings;
     settings.spp = spp;
     settings.max_depth = max_depth;
+    settings.device = renderer_under_test(world);
     result = render(world, integrator, settings);
   }
 

@@ -1,5 +1,7 @@
 #include "tools/tdpt-render/device/wavefront.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -14,7 +16,8 @@ using shader::StepParameters;
 FilmPlaces::FilmPlaces(uint64_t pixels, bool layers, size_t portals_) {
   const uint64_t planes = layers ? 1 + kTechniques : 1;
   const uint64_t met_first = 12 * planes * pixels, tally_first = met_first + pixels;
-  const uint64_t portals_first = tally_first + shader::kTallyBuckets * shader::kTallyWords + 1;
+  const uint64_t portals_first = tally_first + shader::kTallyBuckets * shader::kTallyWords +
+                                 shader::kLeftOutWords;
   const uint64_t all = portals_first + shader::kPortalWords * portals_;
   if (all > UINT32_MAX)
     throw Error(Exit::no_device, "the picture has too many pixels for a device");
@@ -87,6 +90,20 @@ void add_to_film(const std::vector<uint32_t>& words, const FilmPlaces& places, F
       [&](size_t pixel) { return words[places.met + pixel]; });
 }
 
+// What was left out of samples from `first` on.
+void add_left_out(const std::vector<uint32_t>& words, const FilmPlaces& places, uint64_t first,
+                  uint64_t width, uint64_t pixels, Tally& tally) {
+  const size_t begin = places.tally + shader::kTallyBuckets * shader::kTallyWords;
+  Tally left_out;
+  left_out.not_finite = words[begin];
+  for (size_t i = 1; i <= shader::kLeftOutPlaces && words[begin + i] != 0; ++i) {
+    const uint64_t place = UINT32_MAX - words[begin + i], pixel = place % pixels;
+    left_out.not_finite_at.push_back({first + place / pixels, static_cast<int>(pixel / width),
+                                      static_cast<int>(pixel % width)});
+  }
+  tally.merge(left_out);
+}
+
 void add_to_tally(const std::vector<uint32_t>& words, const FilmPlaces& places, size_t portals,
                   bool drawn, Tally& tally) {
   for (size_t bucket = 0; bucket < shader::kTallyBuckets; ++bucket) {
@@ -98,7 +115,6 @@ void add_to_tally(const std::vector<uint32_t>& words, const FilmPlaces& places, 
     for (size_t i = 0; i < kTechniques; ++i) tally.energy[i].merge(sum(i));
     for (size_t i = 0; i < Tally::kOctaves; ++i) tally.by_length[i].merge(sum(kTechniques + i));
   }
-  tally.not_finite += words[places.tally + shader::kTallyBuckets * shader::kTallyWords];
   if (!drawn) return;
   tally.begin_portals(portals);
   for (size_t i = 0; i < portals; ++i) {
@@ -109,10 +125,12 @@ void add_to_tally(const std::vector<uint32_t>& words, const FilmPlaces& places, 
   }
 }
 
-// Groups from (sample, pool) on.
-struct Groups {
-  uint64_t sample, pool, left;
-};
+Error no_room(const RenderParameters& p) {
+  return Error(Exit::no_device,
+               fmt::format("the device has room for {} vertices of paths, and {} samples that share "
+                           "light walks take more: --depth makes paths shorter",
+                           p.most_vertices, p.per_pool));
+}
 
 }  // namespace
 
@@ -138,15 +156,19 @@ void WavefrontRenderer::render(const Integrator& integrator, const SampleRules& 
   p.tally_first = places.tally;
   p.portals_first = places.portals;
   p.most_vertices = machine_->room().vertices;
+  p.ray_counts_as = 1;
+  p.first_number = static_cast<uint32_t>(samples.first);
   std::vector<uint32_t> offsets;
   for (uint32_t i = 0; i < p.per_pool; ++i) offsets.push_back(pool_offset(i, p.pools));
   for (uint64_t sample = samples.first, pool = 0; sample < samples.end();) {
     const uint64_t left = (samples.end() - sample) * p.pools - pool;
     p.first_sample = sample;
     p.first_pool = static_cast<uint32_t>(pool);
-    p.groups = static_cast<uint32_t>(std::min<uint64_t>(left, samples_ / p.per_pool));
+    const uint64_t most = std::max<uint32_t>(samples_ / p.per_pool, 1);
+    p.groups = static_cast<uint32_t>(std::min(left, most));
     if (!submit(p, offsets)) {
-      samples_ = std::max(samples_ / 2, kMostOfPool);
+      if (p.groups == 1) throw no_room(p);
+      samples_ = p.groups / 2 * p.per_pool;
       continue;
     }
     progress.advance(uint64_t{p.groups} * p.per_pool);
@@ -157,6 +179,7 @@ void WavefrontRenderer::render(const Integrator& integrator, const SampleRules& 
   add_to_film(words, places, film);
   const bool drawn = integrator.mixture.has(Technique::portal) && !world_.portals.empty();
   add_to_tally(words, places, world_.portals.portals(), drawn, tally);
+  add_left_out(words, places, samples.first, p.width, uint64_t{p.width} * p.height, tally);
   film.complete(samples);
 }
 
@@ -268,7 +291,11 @@ bool WavefrontRenderer::submit(RenderParameters p, const std::vector<uint32_t>& 
   const bool crosses = techniques.has(Technique::portal) && !world_.portals.empty();
   p.segments_first = p.most_vertices - 2 * p.groups * p.per_pool;
   machine_->set(p, pool_offsets);
-  return Submission(*machine_, p, crosses).run();
+  if (Submission(*machine_, p, crosses).run()) return true;
+  p.ray_counts_as = UINT32_MAX;
+  machine_->set(p, pool_offsets);
+  Submission(*machine_, p, crosses).run();
+  return false;
 }
 
 }  // namespace tdpt
