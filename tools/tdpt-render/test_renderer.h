@@ -8,6 +8,12 @@
 
 namespace tdpt {
 
+#ifdef TDPT_BY_TWIN
+inline constexpr bool kByTwin = true;
+#else
+inline constexpr bool kByTwin = false;
+#endif
+
 /// As RenderSettings::device.
 inline std::shared_ptr<SampleRenderer> renderer_under_test([[maybe_unused]] const World& world) {
 #ifdef TDPT_BY_TWIN

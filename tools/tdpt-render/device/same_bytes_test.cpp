@@ -34,7 +34,7 @@ class device_bytes : public ::testing::Test {
 // Both machines of a stage, for worlds of up to kWidth x kHeight pixels.
 class Pair {
  public:
-  Pair(const gpu::Device& device, const Stage& stage, const TwinRenderer::Spoil& spoil = {})
+  Pair(const gpu::Device& device, const Stage& stage, const std::function<void(RenderTables&)>& spoil = {})
       : stage_(stage), largest_(stage.world(kWidth, kHeight)), tables_(*largest_), spoilt_(tables_) {
     const uint32_t words = film_words(*largest_, true);
     gpu_ = make_gpu_machine(device, tables_, kEnough, words);
@@ -146,7 +146,7 @@ TEST_F(device_bytes, of_the_papers_scenes) {
 TEST_F(device_bytes, twin_one_wrong_bit_in_a_table_is_seen) {
   const Stage stage = two_rooms_stage();
   const auto up = [](float& x) { x = std::nextafter(x, 2 * x); };
-  const std::vector<TwinRenderer::Spoil> spoils{
+  const std::vector<std::function<void(RenderTables&)>> spoils{
       [&](RenderTables& t) { up(t.surfaces.materials[0].base_color.x); },
       [&](RenderTables& t) { up(t.surfaces.faces[7].e1.y); },
       [&](RenderTables& t) { up(t.portals.facets[0].density); },

@@ -63,21 +63,29 @@ inline Outcome rendered_by(SampleRenderer& renderer, const World& world,
   return outcome_of(film, tally);
 }
 
-/// A machine of someone else, with less room, and with parameters that are not those it was told.
+/// What is planted in a machine, to be caught.
+struct Faults {
+  std::function<void(RenderTables&)> tables;
+  std::function<void(shader::RenderParameters&)> parameters;
+  Step skipped = Step::kSteps;
+};
+
+/// A machine of someone else, with less room.
 class Borrowed : public Machine {
  public:
-  using Alter = std::function<void(shader::RenderParameters&)>;
-  Borrowed(Machine& machine, const Room& room, Alter alter = {})
-      : machine_(machine), room_(room), alter_(std::move(alter)) {}
+  Borrowed(Machine& machine, const Room& room, const Faults& faults = {})
+      : machine_(machine), room_(room), faults_(faults) {}
 
   Room room() const override { return room_; }
   void set(const shader::RenderParameters& parameters,
            const std::vector<uint32_t>& pool_offsets) override {
     shader::RenderParameters p = parameters;
-    if (alter_) alter_(p);
+    if (faults_.parameters) faults_.parameters(p);
     machine_.set(p, pool_offsets);
   }
-  void run(Step step, const shader::StepParameters& p) override { machine_.run(step, p); }
+  void run(Step step, const shader::StepParameters& p) override {
+    if (step != faults_.skipped) machine_.run(step, p);
+  }
   uint32_t gather(bool of_light, uint32_t first, uint32_t count) override {
     return machine_.gather(of_light, first, count);
   }
@@ -87,7 +95,7 @@ class Borrowed : public Machine {
  private:
   Machine& machine_;
   const Room room_;
-  const Alter alter_;
+  const Faults faults_;
 };
 
 /// Words of films of the world's size.
@@ -99,17 +107,15 @@ inline uint32_t film_words(const World& world, bool layers) {
 
 constexpr Room kEnough{1u << 17, 1u << 12};
 
-/// The twin, by tables that `spoil` has had its hand in.
+/// By the twin of devices.
 class TwinRenderer : public SampleRenderer {
  public:
-  using Spoil = std::function<void(RenderTables&)>;
-  explicit TwinRenderer(const World& world, const Room& room = kEnough, const Spoil& spoil = {},
-                        const Borrowed::Alter& alter = {})
+  explicit TwinRenderer(const World& world, const Room& room = kEnough, const Faults& faults = {})
       : tables_(world) {
-    if (spoil) spoil(tables_);
+    if (faults.tables) faults.tables(tables_);
     machine_ = make_twin(tables_, room, film_words(world, true));
     renderer_ = std::make_unique<WavefrontRenderer>(
-        world, std::make_unique<Borrowed>(*machine_, room, alter));
+        world, std::make_unique<Borrowed>(*machine_, room, faults));
   }
   void render(const Integrator& integrator, const SampleRules& rules, uint64_t round,
               const SampleRange& samples, Film& film, Tally& tally, Progress& progress) override {

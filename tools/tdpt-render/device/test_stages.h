@@ -51,17 +51,24 @@ inline Stage door_stage() {
   return {"door", scene, {rectangle({2.05, 0.02, -0.4}, {0, 0, 0.8}, {0, 1.8, 0})}};
 }
 
-inline testing::GlossyRooms all_glossy(testing::GlossyRooms::Light light) {
-  testing::GlossyRooms rooms{true, true, true, true, true, true, true, true, true, true};
-  rooms.light = light;
-  return rooms;
-}
-/// Rooms with every material that there is, textures and sheets.
+/// Rooms with every material that there is, textures and sheets; none where another is.
 inline Scene scene_of_materials(testing::GlossyRooms::Light light) {
-  Scene scene = read_bytes(testing::glossy_rooms(all_glossy(light)));
+  Scene scene = read_bytes(testing::glossy_rooms({.plastic_floor = true,
+                                                  .metal_walls = true,
+                                                  .mirror = true,
+                                                  .glass = true,
+                                                  .smooth = true,
+                                                  .textures = true,
+                                                  .screen = true,
+                                                  .coats = true,
+                                                  .light = light}));
   for (Material& m : scene.materials)
     if (m.solid) m.absorption = {0.5f, 1, 2};
-  scene = with_sheet(scene, clear_pane(), {1.7, 0.3, -0.6}, {0, 0, 1.2}, {0, 1.4, 0});
+  Material frosted = clear_pane();
+  frosted.roughness = 0.3f;
+  double x = 1.6;
+  for (const Material& sheet : {clear_pane(), frosted, veil(0.5f)})
+    scene = with_sheet(scene, sheet, {x += 0.05, 0.3, -0.6}, {0, 0, 1.2}, {0, 1.4, 0});
   scene.colours.resize(scene.positions.size(), {1, 1, 1, 1});
   for (size_t i = 0; i < scene.positions.size(); i += 2) scene.colours[i] = {0.9f, 0.7f, 1, 1};
   for (Material& m : scene.materials) m.coloured = true, m.plain = false;
@@ -93,6 +100,18 @@ inline Stage lamps_stage() {
 }
 
 inline const Sky::Sun kLowSun = sun_of({1, 0.45, 0.2}, 0.25 * kDegree, 5);
+
+/// More than diffuse surfaces, all there for every ray.
+inline Stage solids_stage() {
+  return {"solids",
+          read_bytes(testing::glossy_rooms({.plastic_floor = true,
+                                            .metal_walls = true,
+                                            .glass = true,
+                                            .smooth = true,
+                                            .textures = true,
+                                            .coats = true})),
+          {kWideWindow}};
+}
 
 /// A room under sky and sun: windows with portals of several facets, and one without.
 inline Stage sky_stage() {
