@@ -91,12 +91,13 @@ SHARED bool camera_draws(uint triangle, vec3 w) MEMBER_CONST {
 /// First surface that the camera draws along w. What it does not draw is passed.
 SHARED bool first_drawn(vec3 camera, vec3 w, OUT(SurfaceHit) hit) MEMBER_CONST {
   uint coin = ray_coin(camera, w);
-  vec3 from = camera;
+  float passed = 0.0f;
   const uint kMost = 256u;  // backs in a row
   for (uint i = 0u; i < kMost; ++i) {
-    if (!first_hit(from, w, coin, hit)) return false;
+    if (!first_hit(camera + w * passed, w, coin, hit)) return false;
+    hit.t += passed;
     if (camera_draws(hit.triangle, w)) return true;
-    from = from + w * (hit.t + 4.76837158e-7f);
+    passed = hit.t + 4.76837158e-7f;
   }
   return false;
 }
@@ -110,7 +111,7 @@ SHARED bool seen_by_camera(Point p) MEMBER {
   vec3 to = step_off(p.position, p.normal, -w);
   vec3 d = to - from;
   SurfaceHit hit;
-  if (!first_drawn(from, w, hit)) return true;
+  if (!first_drawn(from, w, hit) || hit.triangle == p.triangle) return true;
   return hit.t * hit.t >= dot(d, d);
 }
 

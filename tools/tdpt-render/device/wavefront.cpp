@@ -17,7 +17,8 @@ using shader::StepParameters;
 FilmPlaces::FilmPlaces(uint64_t pixels, bool layers, size_t portals_) {
   const uint64_t planes = layers ? 1 + kTechniques : 1;
   const uint64_t met_first = 12 * planes * pixels, tally_first = met_first + pixels;
-  const uint64_t portals_first = tally_first + shader::kTallyBuckets * shader::kTallyWords + 1;
+  const uint64_t portals_first =
+      tally_first + shader::kTallyBuckets * shader::kTallyWords + shader::kLeftOutWords;
   const uint64_t all = portals_first + shader::kPortalWords * portals_;
   if (all > UINT32_MAX)
     throw Error(Exit::no_device,
@@ -91,6 +92,20 @@ void add_to_film(const std::vector<uint32_t>& words, const FilmPlaces& places, F
       [&](size_t pixel) { return words[places.met + pixel]; });
 }
 
+// What was left out of samples from `first` on.
+void add_left_out(const std::vector<uint32_t>& words, const FilmPlaces& places, uint64_t first,
+                  uint64_t width, uint64_t pixels, Tally& tally) {
+  const size_t begin = places.tally + shader::kTallyBuckets * shader::kTallyWords;
+  Tally left_out;
+  left_out.not_finite = words[begin];
+  for (size_t i = 1; i <= shader::kLeftOutPlaces && words[begin + i] != 0; ++i) {
+    const uint64_t place = UINT32_MAX - words[begin + i], pixel = place % pixels;
+    left_out.not_finite_at.push_back(
+        {first + place / pixels, static_cast<int>(pixel / width), static_cast<int>(pixel % width)});
+  }
+  tally.merge(left_out);
+}
+
 void add_to_tally(const std::vector<uint32_t>& words, const FilmPlaces& places, size_t portals,
                   bool drawn, Tally& tally) {
   for (size_t bucket = 0; bucket < shader::kTallyBuckets; ++bucket) {
@@ -102,7 +117,6 @@ void add_to_tally(const std::vector<uint32_t>& words, const FilmPlaces& places, 
     for (size_t i = 0; i < kTechniques; ++i) tally.energy[i].merge(sum(i));
     for (size_t i = 0; i < Tally::kOctaves; ++i) tally.by_length[i].merge(sum(kTechniques + i));
   }
-  tally.not_finite += words[places.tally + shader::kTallyBuckets * shader::kTallyWords];
   if (!drawn) return;
   tally.begin_portals(portals);
   for (size_t i = 0; i < portals; ++i) {
@@ -128,6 +142,14 @@ constexpr double kShort = 0.1, kLong = 1;
 constexpr double kPass = 0.5;
 // Samples whose rays and segments 32 bits count, in every bucket.
 constexpr uint64_t kMostCounted = uint64_t{1} << 26;
+
+Error no_room(const RenderParameters& p) {
+  return Error(
+      Exit::no_device,
+      fmt::format("the device has room for {} vertices of paths, and {} samples that share "
+                  "light walks take more: --max-depth makes paths shorter",
+                  p.most_vertices, p.per_pool));
+}
 
 }  // namespace
 
@@ -156,6 +178,7 @@ RenderParameters WavefrontRenderer::parameters_of(const Integrator& integrator,
   p.tally_first = places.tally;
   p.portals_first = places.portals;
   p.most_vertices = machine_->room().vertices;
+  p.ray_counts_as = 1;
   return p;
 }
 
@@ -174,6 +197,7 @@ void WavefrontRenderer::render(const Integrator& integrator, const SampleRules& 
     const std::vector<uint32_t> words = machine_->take_film();
     add_to_film(words, places, film);
     add_to_tally(words, places, world_.portals.portals(), drawn, tally);
+    add_left_out(words, places, some.first, p.width, pixels, tally);
     film.complete(some);
   }
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
@@ -184,18 +208,21 @@ void WavefrontRenderer::render(const Integrator& integrator, const SampleRules& 
 void WavefrontRenderer::submit_all(RenderParameters p, const SampleRange& samples,
                                    Progress& progress) {
   const std::vector<uint32_t> offsets = pool_offsets(p);
+  p.first_number = static_cast<uint32_t>(samples.first);
   for (uint64_t sample = samples.first, pool = 0; sample < samples.end();) {
     const uint64_t left = (samples.end() - sample) * p.pools - pool;
     p.first_sample = sample;
     p.first_pool = static_cast<uint32_t>(pool);
-    p.groups = static_cast<uint32_t>(std::min<uint64_t>(left, samples_ / p.per_pool));
+    const uint64_t most = std::max<uint32_t>(samples_ / p.per_pool, 1);
+    p.groups = static_cast<uint32_t>(std::min(left, most));
     const auto start = std::chrono::steady_clock::now();
     if (!submit(p, offsets)) {
-      samples_ = most_samples_ = std::max(samples_ / 2, kMostOfPool);
+      if (p.groups == 1) throw no_room(p);
+      samples_ = most_samples_ = p.groups / 2 * p.per_pool;
       continue;
     }
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
-    if (took.count() > kLong) samples_ = std::max(samples_ / 2, kMostOfPool);
+    if (took.count() > kLong) samples_ = std::max(samples_ / 2, p.per_pool);
     if (took.count() < kShort) samples_ = std::min(2 * samples_, most_samples_);
     progress.advance(uint64_t{p.groups} * p.per_pool);
     sample += (pool + p.groups) / p.pools;
@@ -350,7 +377,11 @@ bool WavefrontRenderer::crosses(const RenderParameters& p) const {
 bool WavefrontRenderer::submit(RenderParameters p, const std::vector<uint32_t>& pool_offsets) {
   p.segments_first = p.most_vertices - 2 * p.groups * p.per_pool;
   machine_->set(p, pool_offsets);
-  return Submission(*machine_, p, crosses(p)).run();
+  if (Submission(*machine_, p, crosses(p)).run()) return true;
+  p.ray_counts_as = UINT32_MAX;
+  machine_->set(p, pool_offsets);
+  Submission(*machine_, p, crosses(p)).run();
+  return false;
 }
 
 }  // namespace tdpt
