@@ -14,8 +14,9 @@ class SampleRenderer {
   /// the film and the tally have the samples that the film says, and no part of others.
   virtual void render(const Integrator& integrator, const SampleRules& rules, uint64_t round,
                       const SampleRange& samples, Film& film, Tally& tally, Progress& progress) = 0;
-  /// Samples, of all pixels together, that suit a call where nothing wants fewer.
-  virtual uint64_t samples_of_pass() const = 0;
+  /// Samples, of all pixels together, that suit a call where nothing wants fewer: small pictures
+  /// take several of each, so that threads have something to share.
+  virtual uint64_t samples_of_pass() const { return uint64_t{1} << 16; }
 };
 
 /// In doubles, in parallel.
@@ -26,8 +27,6 @@ class CpuRenderer : public SampleRenderer {
               const SampleRange& samples, Film& film, Tally& tally, Progress& progress) override {
     render_samples(world_, integrator, rules, round, samples, film, tally, progress);
   }
-  /// Small pictures take several samples a pass, so that threads have something to share.
-  uint64_t samples_of_pass() const override { return uint64_t{1} << 16; }
 
  private:
   const World& world_;
