@@ -94,7 +94,7 @@ TEST(tiling, a_pool_that_has_no_room_is_refused_with_both_numbers) {
     EXPECT_EQ(e.code, Exit::no_device);
     EXPECT_STREQ(e.what(),
                  "the device has room for 100 vertices of paths, and 16 samples that share light "
-                 "walks take more: --depth makes paths shorter");
+                 "walks take more: --max-depth makes paths shorter");
   }
 }
 
