@@ -83,7 +83,7 @@ Room room_on(const std::string& name, const gpu::Limits& limits, const DeviceNee
                              "device's they may take {}",
                              fixed + kFewestSlots * slot, most));
   Room room;
-  const uint64_t in_memory = std::min(most - fixed, limits.memory / 4) / slot;
+  const uint64_t in_memory = std::min(most - fixed, limits.memory / 8) / slot;
   room.vertices = static_cast<uint32_t>(
       std::min({std::max(in_memory, kFewestSlots), limits.buffer / sizeof(shader::PathVertex),
                 kWorkGroup * limits.groups, kMostSlots}));
