@@ -17,6 +17,8 @@ Usage: tdpt SCENE -o PICTURE.exr [OPTIONS]
   --report                    Make SCENE.report.html beside these files, too: what
                               the portals are worth, on one page (needs python3)
   --dry-run                   Print the commands that would run, and run none
+  --list-devices              List the Vulkan devices for --device gpu:WHICH and
+                              exit
   -h, --help                  Print this help and exit
   --version                   Print the version and exit
 

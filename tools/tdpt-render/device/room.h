@@ -23,9 +23,9 @@ struct DeviceNeeds {
 };
 
 /// As many slots, and samples, as suit the device `name`: what is fixed and they take three
-/// quarters of its memory at the most, they alone an eighth: laptops share it with all else. Throws
-/// Error (no_device), with the number that is needed and the one that is allowed, where that is too
-/// little for the fewest samples.
+/// quarters of its memory at the most, they alone an eighth, since laptops share it with all else,
+/// or what the fewest samples take. Throws Error (no_device), with the number that is needed and
+/// the one that is allowed, where that is too much.
 Room room_on(const std::string& name, const gpu::Limits& limits, const DeviceNeeds& needs);
 
 }  // namespace tdpt
