@@ -92,6 +92,28 @@ TEST(device_agreement, all_materials) {
 TEST(device_agreement, lamps_without_surface) {
   expect_agreement(lamps_stage(), {});
 }
+// Coloured glass of which nothing but the front is there, lit from within by the sky and by a lamp
+// infinitely far: light from there has come through no glass.
+Stage open_glass_stage() {
+  Scene scene = read_bytes(testing::glossy_rooms({}));
+  scene = without_lamps(open_end(scene, 2.09));
+  Material glass = clear_pane();
+  glass.solid = true;
+  glass.roughness = 0.5f;
+  glass.absorption = {0.5f, 2, 8};
+  scene = with_sheet(scene, glass, {1.5, 0.2, -0.8}, {0, 0, 1.6}, {0, 1.6, 0});
+  PunctualLight sun;
+  sun.kind = PunctualLight::Kind::directional;
+  sun.direction = normalize(Vec3d{-1, -0.2, 0.1});
+  sun.intensity = Rgb(2);
+  scene.lights.push_back(sun);
+  return {"open_glass", under(scene, one_colour_sky(Rgb(1))), {kWideWindow}};
+}
+
+TEST(device_agreement, what_is_infinitely_far_is_in_no_absorbing_solid) {
+  expect_agreement(open_glass_stage(), {});
+}
+
 TEST(device_agreement, sky_sun_and_windows) {
   expect_agreement(sky_stage(), {});
 }
