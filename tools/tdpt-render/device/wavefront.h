@@ -12,6 +12,7 @@ class WavefrontRenderer : public SampleRenderer {
  public:
   /// The world must outlive it, with the portals that it has now.
   WavefrontRenderer(const World& world, std::unique_ptr<Machine> machine);
+  /// Throws Error (no_device), with both numbers, where not even one pool's paths have room.
   void render(const Integrator& integrator, const SampleRules& rules, uint64_t round,
               const SampleRange& samples, Film& film, Tally& tally, Progress& progress) override;
 
