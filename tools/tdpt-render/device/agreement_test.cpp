@@ -177,9 +177,8 @@ TEST_F(device_agreement_twin, control_nothing_is_wrong) {
   for (const Integrator* integrator : {&nee, &bdpt, &tdpt_ref, &tdpt_guided})
     EXPECT_TRUE(of("control", *integrator, {}).holds());
   // Weights may expect what they like, as long as all strategies' do.
-  EXPECT_TRUE(of("joins expected twice", bdpt, {.parameters = [](auto& p) {
-                p.joined *= 2;
-              }}).holds());
+  EXPECT_TRUE(
+      of("joins expected twice", bdpt, {.parameters = [](auto& p) { p.joined *= 2; }}).holds());
 }
 
 TEST_F(device_agreement_twin, a_density_off_by_2_percent_is_caught) {
@@ -192,9 +191,8 @@ TEST_F(device_agreement_twin, a_density_off_by_2_percent_is_caught) {
       word = std::bit_cast<uint32_t>(1.02f * std::bit_cast<float>(word));
     }
   });
-  EXPECT_FALSE(of("of the film", bdpt, {.parameters = [](auto& p) {
-                 p.film_area *= 1.02f;
-               }}).holds());
+  EXPECT_FALSE(
+      of("of the film", bdpt, {.parameters = [](auto& p) { p.film_area *= 1.02f; }}).holds());
 }
 
 TEST_F(device_agreement_twin, a_density_of_portals_off_by_5_percent_is_caught) {
@@ -234,9 +232,8 @@ TEST_F(device_agreement_twin, a_sky_or_a_sun_that_is_wrong_is_caught) {
   stage.portals.clear();
   stand_before(stage);
   runs_.spp = 48;
-  expect_caught("density of the sky by a tenth", nee, [](RenderTables& t) {
-    t.lights.settings.sky_pdf_1 *= 1.1f;
-  });
+  expect_caught("density of the sky by a tenth", nee,
+                [](RenderTables& t) { t.lights.settings.sky_pdf_1 *= 1.1f; });
   expect_caught("half of the sun", nee, [](RenderTables& t) {
     for (shader::SkySun& sun : t.lights.suns) sun.radiance = sun.radiance * 0.5f;
   });
@@ -253,9 +250,10 @@ TEST_F(device_agreement_twin, a_technique_that_is_weighed_but_not_run_is_caught)
 // Twin of the above: a colour off by half a per cent is another pixel nearly everywhere.
 TEST_F(device_agreement_twin, pixels_off_by_half_a_percent_are_seen) {
   stand_before(solids_stage());
-  const auto twin = std::make_shared<TwinRenderer>(
-      *world_, kEnough, Faults{.tables = [](RenderTables& t) {
-        for (shader::SurfaceMaterial& m : t.surfaces.materials) m.base_color = m.base_color * 1.005f;
+  const auto twin =
+      std::make_shared<TwinRenderer>(*world_, kEnough, Faults{.tables = [](RenderTables& t) {
+        for (shader::SurfaceMaterial& m : t.surfaces.materials)
+          m.base_color = m.base_color * 1.005f;
       }});
   EXPECT_GT(share_that_differs(*world_, nee, twin), 0.5);
 }

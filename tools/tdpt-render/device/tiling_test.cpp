@@ -64,8 +64,7 @@ TEST(tiling, in_any_calls_is_the_same) {
     Progress progress("rendering", "samples", 0, true);
     for (const SampleRange range : {SampleRange{2, 1}, {0, 2}, {3, 3}})
       twin.render(expecting, {5}, 0, range, film, tally, progress);
-    EXPECT_EQ(rendered_by(twin, *world, *integrator, {{0, 6}, {5}, true}),
-              outcome_of(film, tally))
+    EXPECT_EQ(rendered_by(twin, *world, *integrator, {{0, 6}, {5}, true}), outcome_of(film, tally))
         << integrator->name;
   }
 }
@@ -88,7 +87,8 @@ TEST(tiling, what_is_left_out_has_the_places_that_the_cpu_names) {
   Stage stage{"furnace", read_gltf(furnace_path()), {}};
   Material lamp = stage.scene.materials[0];
   stage.scene.materials = {lamp, lamp};
-  for (size_t i = 0; i < stage.scene.triangles.size(); ++i) stage.scene.triangles[i].material = i % 2;
+  for (size_t i = 0; i < stage.scene.triangles.size(); ++i)
+    stage.scene.triangles[i].material = i % 2;
   const auto world = stage.world(33, 17);
   stage.scene.materials[1].emission = Rgb(1e30f);
   CpuRenderer cpu(*world);

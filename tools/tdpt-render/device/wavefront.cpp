@@ -16,8 +16,8 @@ using shader::StepParameters;
 FilmPlaces::FilmPlaces(uint64_t pixels, bool layers, size_t portals_) {
   const uint64_t planes = layers ? 1 + kTechniques : 1;
   const uint64_t met_first = 12 * planes * pixels, tally_first = met_first + pixels;
-  const uint64_t portals_first = tally_first + shader::kTallyBuckets * shader::kTallyWords +
-                                 shader::kLeftOutWords;
+  const uint64_t portals_first =
+      tally_first + shader::kTallyBuckets * shader::kTallyWords + shader::kLeftOutWords;
   const uint64_t all = portals_first + shader::kPortalWords * portals_;
   if (all > UINT32_MAX)
     throw Error(Exit::no_device, "the picture has too many pixels for a device");
@@ -98,8 +98,8 @@ void add_left_out(const std::vector<uint32_t>& words, const FilmPlaces& places, 
   left_out.not_finite = words[begin];
   for (size_t i = 1; i <= shader::kLeftOutPlaces && words[begin + i] != 0; ++i) {
     const uint64_t place = UINT32_MAX - words[begin + i], pixel = place % pixels;
-    left_out.not_finite_at.push_back({first + place / pixels, static_cast<int>(pixel / width),
-                                      static_cast<int>(pixel % width)});
+    left_out.not_finite_at.push_back(
+        {first + place / pixels, static_cast<int>(pixel / width), static_cast<int>(pixel % width)});
   }
   tally.merge(left_out);
 }
@@ -126,10 +126,11 @@ void add_to_tally(const std::vector<uint32_t>& words, const FilmPlaces& places, 
 }
 
 Error no_room(const RenderParameters& p) {
-  return Error(Exit::no_device,
-               fmt::format("the device has room for {} vertices of paths, and {} samples that share "
-                           "light walks take more: --depth makes paths shorter",
-                           p.most_vertices, p.per_pool));
+  return Error(
+      Exit::no_device,
+      fmt::format("the device has room for {} vertices of paths, and {} samples that share "
+                  "light walks take more: --depth makes paths shorter",
+                  p.most_vertices, p.per_pool));
 }
 
 }  // namespace
