@@ -230,8 +230,8 @@ TEST(traversal, tiny_triangles_are_met_to_the_blur_of_a_float) {
 
 // --- Watertight --------------------------------------------------------------------------------
 
-/// Rays from inside a closed mesh that leave it, or from outside that get in: `rays` of them, at its
-/// corners and the middles of its edges from the origin and from elsewhere, and in random
+/// Rays from inside a closed mesh that leave it, or from outside that get in: `rays` of them, at
+/// its corners and the middles of its edges from the origin and from elsewhere, and in random
 /// directions.
 template <class Tracer>
 int leaks(const Scene& scene, const Tracer& tracer, int rays) {

@@ -1,5 +1,5 @@
-// For tests: who renders. Those that are compiled with TDPT_BY_TWIN ask of the renderer that devices
-// have what they ask of the CPU's.
+// For tests: who renders. Those that are compiled with TDPT_BY_TWIN ask of the renderer that
+// devices have what they ask of the CPU's.
 #pragma once
 #include "tools/tdpt-render/render.h"
 #ifdef TDPT_BY_TWIN

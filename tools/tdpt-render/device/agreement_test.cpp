@@ -92,6 +92,28 @@ TEST(device_agreement, all_materials) {
 TEST(device_agreement, lamps_without_surface) {
   expect_agreement(lamps_stage(), {});
 }
+// Coloured glass of which nothing but the front is there, lit from within by the sky and by a lamp
+// infinitely far: light from there has come through no glass.
+Stage open_glass_stage() {
+  Scene scene = read_bytes(testing::glossy_rooms({}));
+  scene = without_lamps(open_end(scene, 2.09));
+  Material glass = clear_pane();
+  glass.solid = true;
+  glass.roughness = 0.5f;
+  glass.absorption = {0.5f, 2, 8};
+  scene = with_sheet(scene, glass, {1.5, 0.2, -0.8}, {0, 0, 1.6}, {0, 1.6, 0});
+  PunctualLight sun;
+  sun.kind = PunctualLight::Kind::directional;
+  sun.direction = normalize(Vec3d{-1, -0.2, 0.1});
+  sun.intensity = Rgb(2);
+  scene.lights.push_back(sun);
+  return {"open_glass", under(scene, one_colour_sky(Rgb(1))), {kWideWindow}};
+}
+
+TEST(device_agreement, what_is_infinitely_far_is_in_no_absorbing_solid) {
+  expect_agreement(open_glass_stage(), {});
+}
+
 TEST(device_agreement, sky_sun_and_windows) {
   expect_agreement(sky_stage(), {});
 }
@@ -155,9 +177,8 @@ TEST_F(device_agreement_twin, control_nothing_is_wrong) {
   for (const Integrator* integrator : {&nee, &bdpt, &tdpt_ref, &tdpt_guided})
     EXPECT_TRUE(of("control", *integrator, {}).holds());
   // Weights may expect what they like, as long as all strategies' do.
-  EXPECT_TRUE(of("joins expected twice", bdpt, {.parameters = [](auto& p) {
-                p.joined *= 2;
-              }}).holds());
+  EXPECT_TRUE(
+      of("joins expected twice", bdpt, {.parameters = [](auto& p) { p.joined *= 2; }}).holds());
 }
 
 TEST_F(device_agreement_twin, a_density_off_by_2_percent_is_caught) {
@@ -170,9 +191,8 @@ TEST_F(device_agreement_twin, a_density_off_by_2_percent_is_caught) {
       word = std::bit_cast<uint32_t>(1.02f * std::bit_cast<float>(word));
     }
   });
-  EXPECT_FALSE(of("of the film", bdpt, {.parameters = [](auto& p) {
-                 p.film_area *= 1.02f;
-               }}).holds());
+  EXPECT_FALSE(
+      of("of the film", bdpt, {.parameters = [](auto& p) { p.film_area *= 1.02f; }}).holds());
 }
 
 TEST_F(device_agreement_twin, a_density_of_portals_off_by_5_percent_is_caught) {
@@ -212,9 +232,8 @@ TEST_F(device_agreement_twin, a_sky_or_a_sun_that_is_wrong_is_caught) {
   stage.portals.clear();
   stand_before(stage);
   runs_.spp = 48;
-  expect_caught("density of the sky by a tenth", nee, [](RenderTables& t) {
-    t.lights.settings.sky_pdf_1 *= 1.1f;
-  });
+  expect_caught("density of the sky by a tenth", nee,
+                [](RenderTables& t) { t.lights.settings.sky_pdf_1 *= 1.1f; });
   expect_caught("half of the sun", nee, [](RenderTables& t) {
     for (shader::SkySun& sun : t.lights.suns) sun.radiance = sun.radiance * 0.5f;
   });
@@ -231,9 +250,10 @@ TEST_F(device_agreement_twin, a_technique_that_is_weighed_but_not_run_is_caught)
 // Twin of the above: a colour off by half a per cent is another pixel nearly everywhere.
 TEST_F(device_agreement_twin, pixels_off_by_half_a_percent_are_seen) {
   stand_before(solids_stage());
-  const auto twin = std::make_shared<TwinRenderer>(
-      *world_, kEnough, Faults{.tables = [](RenderTables& t) {
-        for (shader::SurfaceMaterial& m : t.surfaces.materials) m.base_color = m.base_color * 1.005f;
+  const auto twin =
+      std::make_shared<TwinRenderer>(*world_, kEnough, Faults{.tables = [](RenderTables& t) {
+        for (shader::SurfaceMaterial& m : t.surfaces.materials)
+          m.base_color = m.base_color * 1.005f;
       }});
   EXPECT_GT(share_that_differs(*world_, nee, twin), 0.5);
 }

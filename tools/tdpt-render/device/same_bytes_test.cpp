@@ -34,8 +34,12 @@ class device_bytes : public ::testing::Test {
 // Both machines of a stage, for worlds of up to kWidth x kHeight pixels.
 class Pair {
  public:
-  Pair(const gpu::Device& device, const Stage& stage, const std::function<void(RenderTables&)>& spoil = {})
-      : stage_(stage), largest_(stage.world(kWidth, kHeight)), tables_(*largest_), spoilt_(tables_) {
+  Pair(const gpu::Device& device, const Stage& stage,
+       const std::function<void(RenderTables&)>& spoil = {})
+      : stage_(stage),
+        largest_(stage.world(kWidth, kHeight)),
+        tables_(*largest_),
+        spoilt_(tables_) {
     const uint32_t words = film_words(*largest_, true);
     gpu_ = make_gpu_machine(device, tables_, kEnough, words);
     if (spoil) spoil(spoilt_);

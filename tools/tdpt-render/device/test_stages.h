@@ -75,8 +75,8 @@ inline Scene scene_of_materials(testing::GlossyRooms::Light light) {
   return scene;
 }
 inline Stage materials_stage() {
-  return {"materials", scene_of_materials(testing::GlossyRooms::Light::textured_lamp),
-          {kWideWindow}};
+  return {
+      "materials", scene_of_materials(testing::GlossyRooms::Light::textured_lamp), {kWideWindow}};
 }
 
 inline void add_lamps_without_surface(Scene& scene) {
@@ -139,8 +139,10 @@ inline Stage culling_stage() {
   camera.right = normalize(cross(camera.forward, Vec3d{0, 1, 0}));
   camera.up = cross(camera.right, camera.forward);
   camera.culls = true;
-  return {"culling", under(scene, one_colour_sky(Rgb(0.5f))),
-          {rectangle({2.05, 0.2, -0.8}, {0, 0, 1.6}, {0, 1.6, 0})}, true};
+  return {"culling",
+          under(scene, one_colour_sky(Rgb(0.5f))),
+          {rectangle({2.05, 0.2, -0.8}, {0, 0, 1.6}, {0, 1.6, 0})},
+          true};
 }
 
 /// All materials, all kinds of light, portals of several facets.

@@ -64,8 +64,7 @@ TEST(tiling, in_any_calls_is_the_same) {
     Progress progress("rendering", "samples", 0, true);
     for (const SampleRange range : {SampleRange{2, 1}, {0, 2}, {3, 3}})
       twin.render(expecting, {5}, 0, range, film, tally, progress);
-    EXPECT_EQ(rendered_by(twin, *world, *integrator, {{0, 6}, {5}, true}),
-              outcome_of(film, tally))
+    EXPECT_EQ(rendered_by(twin, *world, *integrator, {{0, 6}, {5}, true}), outcome_of(film, tally))
         << integrator->name;
   }
 }
@@ -81,6 +80,29 @@ TEST(tiling, twin_other_samples_are_seen) {
   EXPECT_NE(one, rendered_by(twin, *world, bdpt, {{0, 2}, {8, 1, 2}}));
   EXPECT_NE(one, rendered_by(twin, *world, bdpt, {{0, 2}, {7}}));
   EXPECT_NE(one, rendered_by(twin, *world, bdpt, {{0, 2}, {8, 2}}));
+}
+
+// A lamp that is brighter than films hold, by what the CPU says of the same samples.
+TEST(tiling, what_is_left_out_has_the_places_that_the_cpu_names) {
+  Stage stage{"furnace", read_gltf(furnace_path()), {}};
+  Material lamp = stage.scene.materials[0];
+  stage.scene.materials = {lamp, lamp};
+  for (size_t i = 0; i < stage.scene.triangles.size(); ++i)
+    stage.scene.triangles[i].material = i % 2;
+  const auto world = stage.world(33, 17);
+  stage.scene.materials[1].emission = Rgb(1e30f);
+  CpuRenderer cpu(*world);
+  for (const SampleRange& range : {SampleRange{0, 3}, {(uint64_t{1} << 32) - 1, 2}}) {
+    const Samples samples{range, {1}};
+    const Outcome known = rendered_by(cpu, *world, pt, samples);
+    ASSERT_EQ(known.not_finite_at.size(), Tally::kMostPlaces);
+    for (const Room& room : kRooms) {
+      TwinRenderer twin(*world, room);
+      const Outcome found = rendered_by(twin, *world, pt, samples);
+      EXPECT_EQ(found.not_finite_at, known.not_finite_at);
+      EXPECT_EQ(found.counts[4], known.counts[4]);  // how many there are
+    }
+  }
 }
 
 TEST(tiling, a_pool_that_has_no_room_is_refused_with_both_numbers) {

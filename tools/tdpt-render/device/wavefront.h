@@ -14,6 +14,7 @@ class WavefrontRenderer : public SampleRenderer {
   WavefrontRenderer(const World& world, std::unique_ptr<Machine> machine);
   void prepare(const Integrator& integrator, const SampleRules& rules, const Film& film,
                bool quiet) override;
+  /// Throws Error (no_device), with both numbers, where not even one pool's paths have room.
   void render(const Integrator& integrator, const SampleRules& rules, uint64_t round,
               const SampleRange& samples, Film& film, Tally& tally, Progress& progress) override;
 
