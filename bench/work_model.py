@@ -1,6 +1,7 @@
 #!/usr/bin/python3
-"""work_model.py [--hold TERM=COST]... [FILE...]: fits the tables of tools/tdpt-render/work_model.h to what
-work_model_bench measured (files or standard input, headers in between allowed) and prints them as they stand there.
+"""work_model.py [--device] [--hold TERM=COST]... [FILE...]: fits the tables of tools/tdpt-render/work_model.h to what
+work_model_bench measured (files or standard input, headers in between allowed) and prints them as they stand there, with
+--device those of a device.
 
 Least squares of relative errors: sum over lines of ((terms . costs) / nanoseconds - 1)^2, one fit to the
 lines with portals and one to those without; lines of pt do not count. A term that is 0 in all lines stays 0,
@@ -13,6 +14,7 @@ import numpy as np
 
 KEYS = ("scene", "depth", "integrator", "portals", "nanoseconds")  # before the terms
 TABLES = {1: "kWorkWithPortals", 0: "kWorkWithoutPortals"}
+DEVICE_TABLES = {1: "kDeviceWorkWithPortals", 0: "kDeviceWorkWithoutPortals"}
 
 
 def read(lines):
@@ -94,6 +96,7 @@ def held_costs(arguments, names):
 
 def main(arguments):
     parser = argparse.ArgumentParser(prog="work_model.py", description=__doc__)
+    parser.add_argument("--device", action="store_true")
     parser.add_argument("--hold", action="append", default=[], metavar="TERM=COST")
     parser.add_argument("files", nargs="*", default=["/dev/stdin"])
     options = parser.parse_args(arguments)
@@ -108,7 +111,7 @@ def main(arguments):
     for key, of in rows.items():
         terms = np.array([row for _, row in of])
         costs[key] = np.round(fit(terms, np.array([float(keys["nanoseconds"]) for keys, _ in of]), held))
-        print(table(TABLES[key], names, costs[key]))
+        print(table((DEVICE_TABLES if options.device else TABLES)[key], names, costs[key]))
     errors = np.abs(ratio_errors(rows, costs))
     if errors.size:
         print(

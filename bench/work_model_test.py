@@ -102,14 +102,20 @@ class Fit(unittest.TestCase):
 
 class Text(unittest.TestCase):
     def test_is_the_one_in_the_source(self):
-        for portals, name in work_model.TABLES.items():
+        for name in (*work_model.TABLES.values(), *work_model.DEVICE_TABLES.values()):
             text, costs = source_table(name)
             self.assertEqual(work_model.table(name, NAMES, costs + 0.3), text)
             self.assertNotEqual(work_model.table(name, NAMES, costs + 1), text)
 
     def test_of_both_tables_is_printed_by_the_program(self):
+        self.is_printed(work_model.TABLES, [])
+
+    def test_of_those_of_a_device_is_printed_where_asked_for(self):
+        self.is_printed(work_model.DEVICE_TABLES, ["--device"])
+
+    def is_printed(self, tables, options):
         rng, lines, wanted = np.random.default_rng(4), [], []
-        for portals, name in work_model.TABLES.items():
+        for portals, name in tables.items():
             text, costs = source_table(name)
             wanted.append(text)
             lines += measured(costs, bool(portals), 0, rng)
@@ -118,7 +124,7 @@ class Text(unittest.TestCase):
             file.flush()
             out, err = io.StringIO(), io.StringIO()
             with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
-                work_model.main([file.name])
+                work_model.main([*options, file.name])
         self.assertEqual(out.getvalue(), "\n".join(wanted) + "\n")
         self.assertIn("0.0 % at most", err.getvalue())
 

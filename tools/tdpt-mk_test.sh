@@ -51,7 +51,7 @@ done
 makes "a second time" ""
 grep -q "Nothing to be done for 'all'" log || complain "a second time: not silent"
 makes "what shapes nothing" "" THREADS=1 MAX_MEMORY=8G QUIET= TDPT_BIN="$bin/"
-SEED=x THREADS=x ENVIRONMENT=production makes "variables of the shell" ""
+SEED=x THREADS=x DEVICE=x ENVIRONMENT=production makes "variables of the shell" ""
 
 printf ' ' >>loose.png
 makes "another texture" "$(of loose)" -j4
@@ -67,6 +67,7 @@ makes "the flags of before" "whole.exr " whole.exr
 makes "other flags of the grid" "whole.exr whole.portal.glb whole.vdb " LIGHTGRID_FLAGS='--resolution 40' -n whole.exr
 makes "another seed" "$(of whole)" SEED=2 -n whole.exr
 makes "another quality" "$(of whole)" QUALITY=draft -n whole.exr
+makes "another device" "whole.exr whole.portal.glb whole.vdb " DEVICE=gpu -n whole.exr
 makes "another mincut" "whole.cut whole.exr whole.portal.glb whole.vdb " MINCUT=my-mincut -n whole.exr
 
 makes "pictures of one scene" "hidden.exr night.exr " night.exr hidden.exr

@@ -7,7 +7,7 @@
 # has to be deleted, and what a stopped render has written stays.
 
 # A shell may have variables of these common names that mean something else.
-$(foreach name,CAMERA_FLAGS ENVIRONMENT ENVIRONMENT_FLAGS MAX_MEMORY PORTALS PREVIEWS QUALITY QUIET SEED THREADS TDPT_TELL,\
+$(foreach name,CAMERA_FLAGS DEVICE ENVIRONMENT ENVIRONMENT_FLAGS MAX_MEMORY PORTALS PREVIEWS QUALITY QUIET SEED THREADS TDPT_TELL,\
   $(if $(filter environment,$(origin $(name))),$(eval undefine $(name))))
 
 FFGRAPH ?= $(TDPT_BIN)ffgraph
@@ -32,11 +32,12 @@ TDPT_PICTURES = $(sort $(addsuffix .exr,$(basename $(filter-out %.portal.glb %.p
 tdpt_all = $(if $(SEED),--seed $(SEED)) $(if $(QUALITY),--quality $(QUALITY))
 tdpt_sky = $(if $(ENVIRONMENT),--environment $(ENVIRONMENT)) $(ENVIRONMENT_FLAGS)
 tdpt_camera = $(if $(CAMERA.$*),$(if $(filter --%,$(CAMERA.$*)),$(CAMERA.$*),--camera $(call tdpt_quoted,$(CAMERA.$*)))) $(CAMERA_FLAGS)
+tdpt_device = $(if $(DEVICE),--device $(call tdpt_quoted,$(DEVICE)))
 tdpt_max = $(strip $(FFGRAPH) $(tdpt_camera) $(tdpt_sky) $(tdpt_all) $(FFGRAPH_FLAGS))
 tdpt_cut = $(strip $(MINCUT) $(tdpt_all) $(MINCUT_FLAGS))
-tdpt_vdb = $(strip $(LIGHTGRID) $(tdpt_sky) $(tdpt_all) $(LIGHTGRID_FLAGS))
+tdpt_vdb = $(strip $(LIGHTGRID) $(tdpt_sky) $(tdpt_device) $(tdpt_all) $(LIGHTGRID_FLAGS))
 tdpt_glb = $(strip $(PORTALFIT) $(tdpt_all) $(PORTALFIT_FLAGS))
-tdpt_exr = $(strip $(TDPT_RENDER) $(addprefix --portal ,$(tdpt_portals)) $(tdpt_camera) $(tdpt_sky) $(tdpt_all) $(TDPT_RENDER_FLAGS))
+tdpt_exr = $(strip $(TDPT_RENDER) $(addprefix --portal ,$(tdpt_portals)) $(tdpt_camera) $(tdpt_sky) $(tdpt_device) $(tdpt_all) $(TDPT_RENDER_FLAGS))
 tdpt_html = $(strip report $(REPORT_TIME) $(REPORT_REFERENCE) $(REPORT_WIDTH) $(tdpt_exr))
 tdpt_quiet = $(if $(or $(QUIET),$(if $(TDPT_STATUS),,$(findstring s,$(firstword -$(MAKEFLAGS))))),--quiet)
 tdpt_most = $(if $(MAX_MEMORY),--max-memory $(MAX_MEMORY))

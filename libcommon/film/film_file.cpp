@@ -322,6 +322,18 @@ std::string merged_words(const std::string& a, const std::string& b) {
   return fmt::format("{}", fmt::join(words, ", "));
 }
 
+std::string mixed_code_sentence(const std::string& processors) {
+  if (merged_words(processors, kGpuCode) == processors)
+    return fmt::format(
+        "rendered by code for {}: CPU and GPU agree in the mean, but not in the last "
+        "digits of each sample",
+        processors);
+  return fmt::format(
+      "rendered by code for {}: the last digits may differ from those of one machine; "
+      "tdpt-render --isa sse2 is alike on all",
+      processors);
+}
+
 std::vector<SampleRange> FilmFile::gaps() const {
   std::vector<SampleRange> gaps;
   uint64_t at = 0;

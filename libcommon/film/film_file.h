@@ -29,13 +29,19 @@ std::string merged_words(const std::string& a, const std::string& b);
 /// Whole numbers that add up as samples do, by name.
 using Counts = std::map<std::string, std::vector<Units>>;
 
+/// In the place of a processor: a Vulkan device, whichever.
+inline constexpr const char* kGpuCode = "gpu";
+/// Why films rendered by these [FilmFacts::processor] differ from those of one machine.
+std::string mixed_code_sentence(const std::string& processors);
+
 /// What a film file says beside its sums.
 struct FilmFacts {
   Shape shape;
-  std::string plan;       ///< what was decided by measuring, as JSON: the same in all of its parts
-  std::string state;      ///< how far the rendering is, as JSON; "": it does not go on
-  std::string processor;  ///< whose code was chosen [processor.h]; of several "avx2, avx512"
-  uint64_t spp = 0;       ///< samples of each pixel of the whole picture; 0: as many as time allows
+  std::string plan;   ///< what was decided by measuring, as JSON: the same in all of its parts
+  std::string state;  ///< how far the rendering is, as JSON; "": it does not go on
+  /// Whose code was chosen [processor.h], or kGpuCode; of several "avx2, avx512".
+  std::string processor;
+  uint64_t spp = 0;  ///< samples of each pixel of the whole picture; 0: as many as time allows
   Counts counts;
   /// Channels of the whole picture that its sums tell: of kDerived.
   std::vector<std::string> derived;

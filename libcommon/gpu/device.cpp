@@ -8,6 +8,10 @@
 namespace tdpt::gpu {
 namespace {
 
+constexpr const char* kNoDriver =
+    "there is no Vulkan driver: that of the device's maker, or Debian's package "
+    "mesa-vulkan-drivers";
+
 [[noreturn]] void no_device(const std::string& reason) {
   throw Error(Exit::no_device, reason);
 }
@@ -47,7 +51,7 @@ const vk::raii::Context& loader() try {
   static const vk::raii::Context* const opened = new vk::raii::Context;  // once, and it stays
   return *opened;
 } catch (const std::exception&) {
-  no_device("there is no Vulkan loader (libvulkan)");
+  no_device("there is no Vulkan loader (libvulkan), Debian's package libvulkan1");
 }
 
 vk::raii::Instance make_instance() {
@@ -62,7 +66,7 @@ vk::raii::Instance make_instance() {
   try {
     return {loader(), {{}, &app, layers, extensions, validating() ? &features : nullptr}};
   } catch (const vk::IncompatibleDriverError&) {
-    no_device("there is no Vulkan driver");
+    no_device(kNoDriver);
   } catch (const vk::LayerNotPresentError&) {
     no_device("TDPT_VULKAN_VALIDATION=1, but the Khronos validation layer is not installed");
   }
@@ -89,6 +93,10 @@ Limits limits_of(const vk::raii::PhysicalDevice& device) {
   l.buffer = std::min<uint64_t>(limits.maxStorageBufferRange, allocation);
   l.image = std::min(uint64_t{1} << 31, allocation);  // no device allows less than 2^31
   l.image_side = limits.maxImageDimension3D;
+  l.texels = std::min(uint64_t{16} * limits.maxTexelBufferElements, allocation);
+  l.buffers =
+      std::min(limits.maxPerStageDescriptorStorageBuffers, limits.maxDescriptorSetStorageBuffers);
+  l.groups = limits.maxComputeWorkGroupCount[0];
   return l;
 }
 

@@ -22,6 +22,9 @@ struct Limits {
   uint64_t buffer = 0;      ///< bytes of one buffer
   uint64_t image = 0;       ///< bytes of one 3D image
   uint32_t image_side = 0;  ///< texels along each side of a 3D image
+  uint64_t texels = 0;      ///< bytes of a buffer that kernels read as texels of four words
+  uint32_t buffers = 0;     ///< that a kernel may bind
+  uint32_t groups = 0;      ///< work groups of a dispatch
 };
 
 struct DeviceInfo {

@@ -29,6 +29,11 @@ void declare_device_options(cli::Options& options, std::string& device, const st
   options.instead("--list-devices", list_of_devices, "List the Vulkan devices and exit");
 }
 
+std::string words_of(const gpu::DeviceInfo& device) {
+  if (device.kind != "cpu") return device.name;
+  return device.name + ", which is no GPU but this processor, and slower than --device cpu";
+}
+
 std::optional<gpu::Device> device_asked(const std::string& device) {
   if (device == "cpu") return {};
   if (device != "gpu" && device.rfind("gpu:", 0) != 0)

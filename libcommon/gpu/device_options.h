@@ -15,4 +15,7 @@ void declare_device_options(cli::Options& options, std::string& device, const st
 /// UsageError for what is neither.
 std::optional<gpu::Device> device_asked(const std::string& device);
 
+/// "NAME", and that it is no GPU where that is so: drivers of the CPU step in where no other is.
+std::string words_of(const gpu::DeviceInfo& device);
+
 }  // namespace tdpt

@@ -324,14 +324,19 @@ TEST(PickDevice, TakesTheBestOrTheOneThatIsMeant) {
 TEST(NoDevice, WithoutADriverThereIsNoDevice) {
   const WithVariable old_loader("VK_ICD_FILENAMES", "/nonexistent"),
       new_loader("VK_DRIVER_FILES", "/nonexistent");
-  EXPECT_EQ(error_of([] { list_devices(); }), "there is no Vulkan driver");
-  EXPECT_EQ(error_of([] { Device::open(); }), "there is no Vulkan driver");
+  const std::string expected =
+      "there is no Vulkan driver: that of the device's maker, or Debian's package "
+      "mesa-vulkan-drivers";
+  EXPECT_EQ(error_of([] { list_devices(); }), expected);
+  EXPECT_EQ(error_of([] { Device::open(); }), expected);
 }
 
 TEST(NoDevice, WithoutALoaderThereIsNoDevice) {
   if (getenv("TDPT_TEST_WITHOUT_LOADER")) {  // this is the process that finds none
-    EXPECT_EQ(error_of([] { list_devices(); }), "there is no Vulkan loader (libvulkan)");
-    EXPECT_EQ(error_of([] { Device::open(); }), "there is no Vulkan loader (libvulkan)");
+    const std::string expected =
+        "there is no Vulkan loader (libvulkan), Debian's package libvulkan1";
+    EXPECT_EQ(error_of([] { list_devices(); }), expected);
+    EXPECT_EQ(error_of([] { Device::open(); }), expected);
     return;
   }
   const testing::TempFolder folder;

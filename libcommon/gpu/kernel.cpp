@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <map>
+#include <set>
 
 #include "libcommon/gpu/device_impl.h"
 
@@ -21,16 +22,20 @@ vk::raii::Pipeline make_pipeline(const vk::raii::Device& d, std::span<const uint
 }
 
 // Which bindings a program names: those that OpDecorate gives to its variables.
-std::vector<bool> bindings_of(std::span<const uint32_t> program, size_t count) {
+std::set<uint32_t> bindings_of(std::span<const uint32_t> program) {
   constexpr uint32_t kHeader = 5, kOpDecorate = 71, kBinding = 33;
-  std::vector<bool> named(count);
+  std::set<uint32_t> named;
   for (size_t i = kHeader; i < program.size() && program[i] >> 16 != 0; i += program[i] >> 16)
     if ((program[i] & 0xFFFF) == kOpDecorate && program[i + 2] == kBinding)
-      if (const uint32_t binding = program[i + 3]; binding < count) named[binding] = true;
+      named.insert(program[i + 3]);
   return named;
 }
 
 }  // namespace
+
+size_t bindings_in(std::span<const uint32_t> program) {
+  return bindings_of(program).size();
+}
 
 Kernel::Kernel(const Device& device, std::span<const uint32_t> program,
                const std::vector<Memory>& memory, uint32_t push_bytes,
@@ -40,9 +45,9 @@ Kernel::Kernel(const Device& device, std::span<const uint32_t> program,
   std::vector<vk::DescriptorSetLayoutBinding> slots;
   std::vector<vk::DescriptorPoolSize> sizes;
   std::map<vk::DescriptorType, uint64_t> named_of;
-  const std::vector<bool> named = bindings_of(program, memory.size());
+  const std::set<uint32_t> named = bindings_of(program);
   for (uint32_t i = 0; i < memory.size(); ++i) {
-    if (!named[i]) continue;
+    if (!named.contains(i)) continue;
     const vk::DescriptorType type = memory[i].impl().type;
     slots.emplace_back(i, type, 1, kCompute);
     sizes.emplace_back(type, 1);

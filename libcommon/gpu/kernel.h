@@ -22,6 +22,9 @@ class Kernel {
   std::shared_ptr<Impl> impl_;
 };
 
+/// How much memory a program names, of all that is bound for several.
+size_t bindings_in(std::span<const uint32_t> program);
+
 /// Push constants: one struct, laid out as in the shader.
 template <class T>
 std::span<const std::byte> push(const T& values) {

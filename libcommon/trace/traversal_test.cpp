@@ -230,8 +230,9 @@ TEST(traversal, tiny_triangles_are_met_to_the_blur_of_a_float) {
 
 // --- Watertight --------------------------------------------------------------------------------
 
-/// Rays from inside a closed mesh that leave it: `rays` of them, at its corners and the middles of
-/// its edges from the origin and from elsewhere, and in random directions.
+/// Rays from inside a closed mesh that leave it, or from outside that get in: `rays` of them, at
+/// its corners and the middles of its edges from the origin and from elsewhere, and in random
+/// directions.
 template <class Tracer>
 int leaks(const Scene& scene, const Tracer& tracer, int rays) {
   int leaked = 0;
@@ -246,8 +247,12 @@ int leaks(const Scene& scene, const Tracer& tracer, int rays) {
     SurfaceHit hit;
     leaked += !tracer.first_hit(o, d, 0, hit);
     // Twice as far as the mesh reaches in any direction.
-    leaked += !tracer.segment_blocked(
-        o, o + d * (3 / std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)})), 0);
+    const float per_size = 1 / std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)});
+    leaked += !tracer.segment_blocked(o, o + d * (3 * per_size), 0);
+    const Vec3f outside = o + d * (per_size * (i % 3 == 0 ? 3.0f : i % 3 == 1 ? 60.0f : 3000.0f));
+    leaked += !tracer.segment_blocked(outside, o, 0);
+    leaked += !tracer.first_hit(outside, o - outside, 0, hit);
+    leaked += hit.t > 1;
   }
   return leaked;
 }

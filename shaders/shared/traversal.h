@@ -11,11 +11,11 @@
 //       `stops` is 0 only.
 //
 // Why no box is missed. Rays begin within 3 extents of the middle (ray_of) or miss the scene, so
-// differences to corners are below 4 on a side axis and 2 on the main one, in extents. With
-// e = 2^-24: the point of a corner (triangle.h) is off by less than e (4 + 2 + 2 + 6) = 14 e, the
-// ray's place where it meets a slab, with a reciprocal good to 4 e, by e 4 (1 + 4 + 1) = 24 e. The
-// builder makes boxes larger by 2^-18 = 64 e extents on all sides. Nowhere is 0 * infinity: slopes
-// are at least 1e-18.
+// differences to corners are below 4 on a side axis and little above 2 on the main one, in extents.
+// With e = 2^-24: the point of a corner (triangle.h) is off by less than e (4 + 2 + 2 + 6) = 14 e,
+// the ray's place where it meets a slab, with a reciprocal good to 4 e, by e 4 (1 + 4 + 1) = 24 e.
+// The builder makes boxes larger by 2^-18 = 64 e extents on all sides. Nowhere is 0 * infinity:
+// slopes are at least 1e-18.
 //
 // The answer does not depend on the order of the nodes: a hit counts as no nearer than the box of
 // its leaf, boxes lie in the boxes of their parents and rounding is monotonic, so that no box that

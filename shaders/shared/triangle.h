@@ -39,8 +39,9 @@ SHARED float slope_along(float d, float per_depth) {
 }
 
 /// False for a direction that is zero (below 1e-36). An origin that has a way to go until a
-/// coordinate of `extent` on the main axis is moved there: rounding then depends on the size of the
-/// scene and not on how far outside of it the ray begins. `direction` at most 1e36.
+/// coordinate of `extent` on the main axis is moved there, but for 2^-16 of the extent and 2^-20 of
+/// the way, so that what lies at `extent` still lies ahead: rounding then depends on the size of
+/// the scene and not on how far outside of it the ray begins. `direction` at most 1e36.
 SHARED bool ray_of(vec3 origin, vec3 direction, float extent, OUT(AxisRay) ray) {
   float x = abs(direction.x);
   float y = abs(direction.y);
@@ -54,8 +55,8 @@ SHARED bool ray_of(vec3 origin, vec3 direction, float extent, OUT(AxisRay) ray) 
   ray.slope = vec3(axis == 0u ? sign : slope_along(direction.x, per_depth),
                    axis == 1u ? sign : slope_along(direction.y, per_depth),
                    axis == 2u ? sign : slope_along(direction.z, per_depth));
-  float way = -extent - sign * place;
-  float start = way > 0.0f ? way : 0.0f;
+  float way = -1.00001526f * extent - sign * place;
+  float start = way > 0.0f ? way * 0.999999046f : 0.0f;
   vec3 moved = origin + ray.slope * start;
   ray.origin = start > 0.0f ? moved : origin;
   ray.axis = axis;

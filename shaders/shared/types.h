@@ -85,6 +85,14 @@ inline void umulExtended(uint a, uint b, uint& high, uint& low) {
 inline uint atomicAdd(uint& word, uint more) {
   return std::atomic_ref(word).fetch_add(more, std::memory_order_relaxed);
 }
+inline uint atomicMax(uint& word, uint at_least) {
+  const std::atomic_ref shared(word);
+  uint before = shared.load(std::memory_order_relaxed);
+  while (before < at_least &&
+         !shared.compare_exchange_weak(before, at_least, std::memory_order_relaxed)) {
+  }
+  return before;
+}
 /// Number of the lowest bit that is set; x not 0.
 constexpr int findLSB(uint x) {
   return std::countr_zero(x);

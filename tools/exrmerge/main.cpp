@@ -45,10 +45,7 @@ int run(const Arguments& a, const cli::Common& common) {
   if (!a.film && !a.gaps) check_whole(film, names);
   if (common.no_provenance) film.facts.attributes.erase(provenance_attribute);
   if (film.facts.processor.find(", ") != std::string::npos)
-    common.warn(
-        fmt::format("rendered by code for {}: the last digits may differ from those of one "
-                    "machine; tdpt-render --isa sse2 is alike on all",
-                    film.facts.processor));
+    common.warn(mixed_code_sentence(film.facts.processor));
   if (const auto gaps = film.gaps(); !a.film && !gaps.empty())
     common.warn(fmt::format("{} of {} are missing", words_of(gaps), film.facts.spp));
   const Picture picture = film.film.picture();

@@ -58,15 +58,16 @@ void declare_options(cli::Options& options, Arguments& a) {
 }
 
 struct NamedTracer {
-  std::string name;  ///< of the device
+  std::string name;   ///< of the device
+  std::string words;  ///< with what is to be said of it
   MakeLineTracer make;
 };
 
 // `device`: as --device names it.
 NamedTracer tracer_on(const std::string& device) {
   const std::optional<gpu::Device> opened = device_asked(device);
-  if (!opened) return {device, make_embree_lines};
-  return {opened->info().name,
+  if (!opened) return {device, device, make_embree_lines};
+  return {opened->info().name, words_of(opened->info()),
           [opened](const Scene& scene, const LineTables& tables, const LightGrid& grid,
                    uint64_t seed) { return make_gpu_lines(*opened, scene, tables, grid, seed); }};
 }
@@ -136,7 +137,7 @@ int run(const Arguments& a, const cli::Common& common) {
   const NamedTracer tracer = tracer_on(a.device);
   if (!a.preview.empty()) draw::check_fonts();
   catch_signals();
-  if (a.device != "cpu") common.note("lines are traced by " + tracer.name + ".");
+  if (a.device != "cpu") common.note("lines are traced by " + tracer.words + ".");
   LightGridReport report;
   const Loaded in = load(a, common);
   report.phases.done("load");

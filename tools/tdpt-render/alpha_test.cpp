@@ -3,6 +3,7 @@
 #include <oneapi/tbb/global_control.h>
 
 #include "tools/tdpt-render/render.h"
+#include "tools/tdpt-render/test_renderer.h"
 
 namespace tdpt {
 namespace {
@@ -51,6 +52,7 @@ Picture rendered(const Scene& scene, const Integrator& integrator, bool alpha, u
   settings.spp = 16;
   settings.seed = seed;
   settings.alpha = alpha;
+  settings.device = renderer_under_test(world);
   return render(world, integrator, settings).picture;
 }
 

@@ -9,7 +9,7 @@
 #include "libcommon/base/counted.h"
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
-#include "libcommon/base/processor.h"
+#include "libcommon/base/shown.h"
 #include "libcommon/formats/viewpoint.h"
 #include "tdpt_version.h"
 #include "tools/tdpt-render/report.h"
@@ -274,6 +274,16 @@ GivenCourse course_of(const Arguments& a, const Shaping& by, const World& world,
     throw UsageError(fmt::format("--shard {}: there {} only {}", a.shard, spp == 1 ? "is" : "are",
                                  counted(spp, "sample")));
   return given;
+}
+
+std::string other_code_sentence(const std::string& file, const std::string& before,
+                                const std::string& now) {
+  const bool both = merged_words(before, now).find(kGpuCode) != std::string::npos;
+  return fmt::format(
+      "{} was rendered by code for {}, this is code for {}: {}", file, shown(before), now,
+      both ? "CPU and GPU agree in the mean, but not in the last digits of each sample"
+           : "the last digits may differ from those of one machine; --isa sse2 is "
+             "alike on all");
 }
 
 void check_film(const GivenCourse& given, const Film::Options& options) {

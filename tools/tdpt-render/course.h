@@ -51,6 +51,11 @@ struct GivenCourse {
 GivenCourse course_of(const Arguments& a, const Shaping& by, const World& world, bool is_plan,
                       RenderSettings& settings);
 
+/// Why a film that was rendered by the code `before` becomes another one where that of `now` goes
+/// on.
+std::string other_code_sentence(const std::string& file, const std::string& before,
+                                const std::string& now);
+
 /// Throws InputError where what is gone on from keeps other sums than those options ask for.
 void check_film(const GivenCourse& given, const Film::Options& options);
 

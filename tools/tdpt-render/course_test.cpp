@@ -77,6 +77,18 @@ TEST(course, options_that_contradict_each_other_are_refused) {
   EXPECT_EQ(refusal([&](Arguments& a) { a.checkpoint = a.resume = there; }), "");
 }
 
+TEST(course, tells_what_other_code_does_to_a_film) {
+  EXPECT_EQ(other_code_sentence("a.exr", "sse2", "avx2+fma"),
+            "a.exr was rendered by code for sse2, this is code for avx2+fma: the last digits may "
+            "differ from those of one machine; --isa sse2 is alike on all");
+  for (const auto& [before, now] :
+       {std::pair("sse2", "gpu"), std::pair("gpu", "sse2"), std::pair("gpu, sse2", "sse2")})
+    EXPECT_EQ(other_code_sentence("a.exr", before, now),
+              std::string("a.exr was rendered by code for ") + before + ", this is code for " +
+                  now +
+                  ": CPU and GPU agree in the mean, but not in the last digits of each sample");
+}
+
 TEST(course, commands_of_shards_are_for_a_shell) {
   Arguments a;
   a.plan = "p";

@@ -6,6 +6,7 @@
 #include "tools/tdpt-render/render.h"
 #include "tools/tdpt-render/seen_backs.h"
 #include "tools/tdpt-render/test_agreement.h"
+#include "tools/tdpt-render/test_renderer.h"
 #include "tools/tdpt-render/test_rooms.h"
 #include "tools/tdpt-render/test_sheets.h"
 
@@ -39,6 +40,7 @@ Picture rendered(const Scene& scene, const Integrator& integrator, int max_depth
   settings.spp = 16;
   settings.max_depth = max_depth;
   settings.alpha = scene.sky != nullptr;
+  settings.device = renderer_under_test(world);
   return render(world, integrator, settings).picture;
 }
 

@@ -9,7 +9,6 @@
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
 #include "libcommon/base/output_file.h"
-#include "libcommon/base/processor.h"
 #include "libcommon/cli/ending.h"
 #include "libcommon/formats/viewpoint.h"
 #include "tools/tdpt-render/features.h"
@@ -48,7 +47,7 @@ std::vector<std::string> derived_of(const Arguments& a) {
 
 std::string film_of(const Outcome& r) {
   return film_bytes(r.standing, r.plan, r.job.film_shape,
-                    merged_words(r.job.given.processor, processor_code()), derived_of(r.job.a),
+                    merged_words(r.job.given.processor, r.job.code), derived_of(r.job.a),
                     attributes_of(r.job, r.choice, r.plan, r.target), r.channels);
 }
 

@@ -9,6 +9,7 @@
 #include "tools/tdpt-render/arguments.h"
 #include "tools/tdpt-render/integrators/integrator.h"
 #include "tools/tdpt-render/render.h"
+#include "tools/tdpt-render/test_renderer.h"
 #include "tools/tdpt-render/test_rooms.h"
 
 namespace tdpt {
@@ -124,6 +125,7 @@ double told_over_seen_variance(double share) {
   double told = 0, seen = 0;
   for (uint64_t seed = 1; seed <= kPictures; ++seed) {
     settings.seed = seed;
+    settings.device = renderer_under_test(world);
     const RenderResult r = render(world, bdpt, settings);
     const std::vector<double> variance = r.standing->film.variance();
     for (size_t i = 0; i < 108; ++i) {

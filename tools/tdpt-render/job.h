@@ -30,6 +30,7 @@ struct Job {
   RenderSettings settings;
   GivenCourse given;
   Shape shape, film_shape;
+  std::string code;  ///< that renders [FilmFacts::processor]
 
   bool is_shard() const { return !a.shard.empty(); }
   bool only_plans() const { return tdpt::only_plans(a, common.output_given); }

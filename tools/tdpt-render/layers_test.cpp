@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "tools/tdpt-render/render.h"
+#include "tools/tdpt-render/test_renderer.h"
 #include "tools/tdpt-render/test_rooms.h"
 #include "tools/tdpt-render/test_variant.h"
 
@@ -14,6 +15,7 @@ RenderResult render_rooms(const Integrator& integrator, bool layers) {
   RenderSettings settings;
   settings.spp = 16;
   settings.layers = layers;
+  settings.device = renderer_under_test(world);
   return render(world, integrator, settings);
 }
 

@@ -6,6 +6,7 @@
 #include "libcommon/scene/sky.h"
 #include "tools/tdpt-render/candidates.h"
 #include "tools/tdpt-render/render.h"
+#include "tools/tdpt-render/test_renderer.h"
 #include "tools/tdpt-render/test_rooms.h"
 
 namespace tdpt {
@@ -42,6 +43,7 @@ RenderResult rendered(const World& world, bool alpha = false) {
   RenderSettings settings;
   settings.spp = kSpp;
   settings.alpha = alpha;
+  settings.device = renderer_under_test(world);
   return render(world, auto_candidates(world), settings);
 }
 

@@ -10,7 +10,6 @@
 #include "libcommon/base/file.h"
 #include "libcommon/base/output_file.h"
 #include "libcommon/base/processor.h"
-#include "libcommon/base/shown.h"
 #include "libcommon/base/signals.h"
 #include "libcommon/cli/cli.h"
 #include "libcommon/cli/ending.h"
@@ -144,11 +143,8 @@ int write_plan(const Job& job, const World& world, const Choice& choice) {
 
 void warn_of_processors(const Job& job) {
   const std::string& before = job.given.processor;
-  if (before.empty() || before == processor_code()) return;
-  job.common.warn(
-      fmt::format("{} was rendered by code for {}, this is code for {}: the last digits "
-                  "may differ from those of one machine; --isa sse2 is alike on all",
-                  display_name(job.a.resume), shown(before), processor_code()));
+  if (!before.empty() && before != job.code)
+    job.common.warn(other_code_sentence(display_name(job.a.resume), before, job.code));
 }
 
 int print_shards(const Arguments& a, const cli::Common& common) {
@@ -165,9 +161,8 @@ int print_shards(const Arguments& a, const cli::Common& common) {
 
 constexpr double kPreviewEvery = 5;  // seconds
 
-// Renders, and tells of it.
-int render(const Job& job, World& world, const Choice& choice, Course course) {
-  const std::vector<Portal>& portals = job.in.portals;
+// What looks at the rendering while it forms.
+void add_visitors(const Job& job, const Choice& choice, Course& course) {
   if (!job.checkpoint().empty())
     course.visitors.push_back({job.a.checkpoint_every, [&](Standing& standing, const Plan& plan) {
                                  save({job, choice, standing, plan});
@@ -176,8 +171,29 @@ int render(const Job& job, World& world, const Choice& choice, Course course) {
     course.visitors.push_back({kPreviewEvery, [&](Standing& standing, const Plan&) {
                                  show(job, standing.film.picture());
                                }});
-  const RenderResult result =
-      render(world, choice.candidates, job.settings, choice.ways, std::move(course));
+}
+
+// A device that is lost on the way leaves what a checkpoint can hold.
+RenderResult rendered(const Job& job, const World& world, const Choice& choice, Course course) {
+  add_visitors(job, choice, course);
+  bool kept = false;
+  if (!job.checkpoint().empty())
+    course.rescue = [&](Standing& standing, const Plan& plan) {
+      kept = save({job, choice, standing, plan});
+    };
+  try {
+    return render(world, choice.candidates, job.settings, choice.ways, std::move(course));
+  } catch (const Error& e) {
+    if (!kept) throw;
+    throw Error(e.code, fmt::format("{}; what was rendered is in {}: --resume goes on from it",
+                                    e.what(), display_name(job.checkpoint())));
+  }
+}
+
+// Renders, and tells of it.
+int render(const Job& job, World& world, const Choice& choice, Course course) {
+  const std::vector<Portal>& portals = job.in.portals;
+  const RenderResult result = rendered(job, world, choice, std::move(course));
   if (job.request.automatic && !choice.planned) job.common.note(choice_sentence(result));
   if (const std::string verdict = verdict_sentence(result); !verdict.empty())
     job.common.note(verdict);
@@ -200,11 +216,21 @@ int run(const Arguments& a, const cli::Common& common) {
   choose_processor_code(a.isa, common.arguments);
   check_course(a);
   catch_signals();
-  Job job{a, common, load(a, common), request_of(a), settings_of(a, common), {}, {}, {}};
+  Job job{a,
+          common,
+          load(a, common),
+          request_of(a),
+          settings_of(a, common),
+          {},
+          {},
+          {},
+          device ? kGpuCode : processor_code()};
   Loaded& in = job.in;
   const OpenWorld open = open_world(in.scene, in.camera, in.size.width, in.size.height, in.portals);
   if (open.uncovered > 0) common.warn(uncovered_sentence(open.uncovered, in.scene.frame));
   World& world = *open.world;
+  std::optional<GpuUpload> upload;
+  if (device) upload.emplace(*device, world, job.settings.layers);
   if (const std::string sentence = backs_sentence(seen_backs(world)); !sentence.empty())
     common.warn(sentence);
   if (const std::string sentence = no_backs_sentence(world); !sentence.empty())
@@ -226,8 +252,10 @@ int run(const Arguments& a, const cli::Common& common) {
                                in.portals, common)
            : choose(job.request, job.settings, in.camera, world, in.portals, common);
   if (device) {
-    job.settings.device = make_gpu_renderer(*device, world, job.settings.layers);
-    common.note("samples are rendered by " + device->info().name + ".");
+    job.settings.device = upload->renderer();
+    upload.reset();
+    job.settings.device_name = device->info().name;
+    common.note("samples are rendered by " + words_of(device->info()) + ".");
   }
   check_film(job.given, film_options(world, choice.candidates, job.settings));
   if (job.only_plans()) return write_plan(job, world, choice);

@@ -1,5 +1,6 @@
 #include "tools/tdpt-render/noise.h"
 
+#include <bit>
 #include <numeric>
 
 #include <fmt/format.h>
@@ -24,8 +25,11 @@ std::string words_of(const Noise& noise) {
   return fmt::format("relMSE about {:.2g} [{:.2g}, {:.2g}]", noise.relmse, noise.low, noise.high);
 }
 
-NoiseWatch::NoiseWatch(const Film& film) : step_(step_of(film)), from_(film.samples()) {
-  if (from_ > 0) blocks_ = PictureBlocks(1, {}, film.sums(step_));
+NoiseWatch::NoiseWatch(const Film& film, uint64_t samples)
+    : step_(step_of(film)), from_(film.samples()) {
+  const uint64_t block = std::bit_floor(std::max<uint64_t>(samples / 4, 1));
+  if (from_ > 0 || block > 1)
+    blocks_ = PictureBlocks(block, {}, from_ > 0 ? film.sums(step_) : std::vector<Vec3d>());
 }
 
 std::optional<Noise> NoiseWatch::noise(const Film& film) const {

@@ -23,8 +23,10 @@ class NoiseWatch {
  public:
   static constexpr size_t kMostPixels = 1 << 14;
 
-  /// Watches what is added to the film from now on.
-  explicit NoiseWatch(const Film& film);
+  /// Watches what is added to the film from now on. `samples`: that are to come, for a renderer
+  /// that would rather not be stopped: it is then looked at when a fourth to an eighth of them are
+  /// there, and no sooner. 0: at once.
+  explicit NoiseWatch(const Film& film, uint64_t samples = 0);
   /// Number of samples of the film that is to be looked at.
   uint64_t next() const { return from_ + blocks_.next(); }
   void look(const Film& film) { blocks_.add(film.sums(step_)); }

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tools/tdpt-render/render.h"
+#include "tools/tdpt-render/test_renderer.h"
 #include "tools/tdpt-render/test_rooms.h"
 #include "tools/tdpt-render/test_sheets.h"
 #include "tools/tdpt-render/test_variant.h"
@@ -23,6 +24,7 @@ RenderResult rendered(const Scene& scene, const Integrator& integrator, int max_
   RenderSettings settings;
   settings.spp = spp;
   settings.max_depth = max_depth;
+  settings.device = renderer_under_test(world);
   return render(world, integrator, settings);
 }
 

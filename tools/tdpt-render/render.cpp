@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "libcommon/base/error.h"
 #include "libcommon/base/signals.h"
 #include "libcommon/base/threads.h"
 #include "tools/tdpt-render/longest_path.h"
@@ -123,12 +124,14 @@ class Rendering {
  private:
   void look_around(Scout& scout);
   double spp_ahead(const Scout& scout) const;
-  uint64_t next_pass(uint64_t most) const;
+  uint64_t next_pass() const;
   void obey_plan();
+  void make_ready();
   void aim_at_error();
   uint64_t samples_in_time();
   Film aside() const { return film_for(world_, TechniqueSet()); }
   void receive_visitors();
+  void render_pass(uint64_t samples, Progress& progress);
   void record_frame();
   void render_goal();
   void judge();
@@ -153,6 +156,7 @@ class Rendering {
   PictureBlocks& blocks_ = standing_.blocks;
   Clock clock_;
   NoiseWatch watch_;
+  bool ready_ = false;
   uint64_t framed_;          // samples when the last frame was recorded
   std::vector<double> due_;  // when each visitor came last, or later [s]
   RenderResult result_;
@@ -191,7 +195,7 @@ void Rendering::plan(const std::vector<PortalWay>& ways) {
   result_.chosen_label = candidates_[0].label;
   if (result_.longest) return;
   const double cpu = clock_.cpu();
-  Scout scout(world_, candidates_, rules_);
+  Scout scout(world_, candidates_, rules_, settings_.device ? kDeviceWork : kCpuWork);
   look_around(scout);
   result_.scout_cpu_seconds = clock_.cpu() - cpu;
   if (scout.groups() > 0) {
@@ -211,6 +215,13 @@ void Rendering::obey_plan() {
     if (candidates_[i].label == result_.plan.label) result_.chosen = i;
 }
 
+// Before the first samples, of whatever kind; what the renderer takes for it does not count.
+void Rendering::make_ready() {
+  if (ready_) return;
+  ready_ = true;
+  clock_.aside([&] { renderer_.prepare(result_.plan.integrator, rules_, film_, settings_.quiet); });
+}
+
 void Rendering::aim() {
   if (goes_on_ || course_.plan) return;
   if (settings_.target_error > 0) aim_at_error();
@@ -226,6 +237,7 @@ uint64_t Rendering::samples_in_time() {
   constexpr uint64_t kRound = 3 + Pilot::kParts;  // no pilot's
   constexpr double kShare = 0.02;
   if (longest_ == 0) return 1;
+  make_ready();
   Progress progress("measuring the time", "samples", 0, settings_.quiet);
   Film film = aside();
   Tally tally(film.unit());
@@ -255,6 +267,7 @@ void Rendering::aim_at_error() {
     target.fixed = goal_;
     return;
   }
+  make_ready();
   const double cpu = clock_.cpu();
   const auto give_up = [&] {
     const bool late = settings_.seconds > 0 && clock_.seconds() > 0.5 * settings_.seconds;
@@ -362,10 +375,11 @@ void Rendering::record_frame() {
   });
 }
 
-// How many samples come next, `most` at the most; 0: the picture is done, or the time is up.
-uint64_t Rendering::next_pass(uint64_t most) const {
+// How many samples come next; 0: the picture is done, or the time is up.
+uint64_t Rendering::next_pass() const {
   const uint64_t done = film_.samples();
   if (goal_ > 0 && done >= goal_) return 0;
+  const uint64_t most = std::max<uint64_t>(renderer_.samples_of_pass() / pixels_, 1);
   uint64_t n = goal_ == 0 ? most : std::min(most, goal_ - done);
   if (film_.options().error_block > 0) n = 1;  // of a block
   n = std::min(n, (target_ ? blocks_.next() : watch_.next()) - done);
@@ -376,7 +390,7 @@ uint64_t Rendering::next_pass(uint64_t most) const {
   // Samples take about as long as the ones before: stop where the limit is nearest.
   const double per_sample = (clock_.seconds() - standing_.began) / static_cast<double>(done);
   const double in_time = (settings_.seconds - clock_.seconds()) / per_sample;
-  return in_time < 0.5 * static_cast<double>(n) ? 0 : n;
+  return in_time < 0.5 ? 0 : std::min(n, static_cast<uint64_t>(std::max(in_time, 1.0)));
 }
 
 // Not more than a tenth of the time goes into one, however large the picture.
@@ -396,21 +410,34 @@ void Rendering::receive_visitors() {
   }
 }
 
+void Rendering::render_pass(uint64_t samples, Progress& progress) {
+  try {
+    renderer_.render(result_.plan.integrator, rules_, 0, {standing_.next(), samples}, film_,
+                     standing_.tally, progress);
+  } catch (const Error&) {
+    standing_.seconds = clock_.seconds();
+    standing_.cpu_seconds = clock_.cpu();
+    if (course_.rescue && film_.samples() > 0 && !result_.hasty)
+      course_.rescue(standing_, result_.plan);
+    throw;
+  }
+}
+
 void Rendering::render_goal() {
+  if (next_pass() > 0) make_ready();
   Progress progress("rendering", "samples", (goal_ - std::min(goal_, film_.samples())) * pixels_,
                     settings_.quiet);
   if (goal_ == 0) progress.ends_after(settings_.seconds - clock_.seconds());
-  // Small pictures take several samples a pass, so that threads have something to share.
-  const uint64_t most = std::max<uint64_t>(1, (uint64_t{1} << 16) / pixels_);
+  if (settings_.device && goal_ > film_.samples())
+    watch_ = NoiseWatch(film_, goal_ - film_.samples());
   if (const uint64_t all = std::max<uint64_t>(goal_, 1); longest_ == 0 && film_.samples() < all)
     film_.complete({standing_.next(), all - film_.samples()});
-  while (const uint64_t n = next_pass(most)) {
+  while (const uint64_t n = next_pass()) {
     // A signal that comes when all is there cuts nothing short, and there must be a picture.
     result_.interrupted = stop_requested() && film_.samples() > 0;
     if (result_.interrupted) break;
     progress.tell(error_so_far());
-    renderer_.render(result_.plan.integrator, rules_, 0, {standing_.next(), n}, film_,
-                     standing_.tally, progress);
+    render_pass(n, progress);
     if (target_ && film_.samples() == blocks_.next()) blocks_.add(film_.sums());
     if (!target_ && film_.samples() == watch_.next()) watch_.look(film_);
     if (settings_.frames && film_.samples() == next_frame(framed_)) record_frame();

@@ -33,6 +33,7 @@ struct RenderSettings {
   /// A limit of time is turned into a number of samples before the first one.
   bool fixed = false;
   std::shared_ptr<SampleRenderer> device;  ///< renders, and what it takes to plan; none: the CPU
+  std::string device_name = "cpu";
   Limits limits() const { return {spp, seconds, target_error, retry}; }
 };
 
@@ -54,6 +55,8 @@ struct Course {
     std::function<void(Standing&, const Plan&)> visit;
   };
   std::vector<Visitor> visitors{};
+  /// Where the renderer fails with an Error, keeps what there is.
+  std::function<void(Standing&, const Plan&)> rescue{};
 };
 
 /// How many samples per pixel there will be, as far as the settings say; 0: as time allows.

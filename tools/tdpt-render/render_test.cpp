@@ -1,5 +1,7 @@
 #include "tools/tdpt-render/render.h"
 
+#include <thread>
+
 #include <gtest/gtest.h>
 #include <oneapi/tbb/global_control.h>
 
@@ -216,6 +218,68 @@ TEST(render, a_lamp_in_the_plane_of_the_ceiling_shines_for_every_integrator) {
   for (const Integrator* integrator : {&bdpt, &tdpt_org, &tdpt_ref})
     EXPECT_NEAR(render(world, *integrator, settings).mean().x / expected, 1, 0.03)
         << integrator->name;
+}
+
+// As a device: it takes a while to be ready, and wants many samples at a time.
+class Eager : public CpuRenderer {
+ public:
+  using CpuRenderer::CpuRenderer;
+  void prepare(const Integrator&, const SampleRules&, const Film&, bool) override {
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    ++prepared;
+  }
+  void render(const Integrator& integrator, const SampleRules& rules, uint64_t round,
+              const SampleRange& samples, Film& film, Tally& tally, Progress& progress) override {
+    EXPECT_EQ(prepared, 1);
+    calls.push_back(samples.count);
+    CpuRenderer::render(integrator, rules, round, samples, film, tally, progress);
+  }
+  uint64_t samples_of_pass() const override { return uint64_t{1} << 40; }
+
+  int prepared = 0;
+  std::vector<uint64_t> calls;
+};
+
+TEST(render, gives_a_device_as_many_samples_at_a_time_as_nothing_wants_one_by_one) {
+  const Scene scene = read_gltf(two_rooms_path());
+  const World world(scene, scene.camera(""), 16, 12, {});
+  RenderSettings settings;
+  settings.spp = 40;
+  const RenderResult by_cpu = render(world, bdpt, settings);
+  const auto device = std::make_shared<Eager>(world);
+  settings.device = device;
+  const RenderResult r = render(world, bdpt, settings);
+  EXPECT_EQ(device->calls, std::vector<uint64_t>(5, 8));
+  ASSERT_TRUE(r.noise && by_cpu.noise);
+  EXPECT_NEAR(r.noise->relmse / by_cpu.noise->relmse, 1, 1e-4);
+  EXPECT_EQ(r.picture.pixels, by_cpu.picture.pixels);
+  EXPECT_EQ(r.tally.rays.closest, by_cpu.tally.rays.closest);
+  // What is there already needs no device to be ready.
+  device->calls.clear(), device->prepared = 0;
+  Course course;
+  course.plan = r.plan;
+  course.standing.emplace(std::move(*r.standing));
+  EXPECT_EQ(render(world, {{bdpt, bdpt.name}}, settings, {}, std::move(course)).picture.pixels,
+            by_cpu.picture.pixels);
+  EXPECT_EQ(device->prepared, 0);
+  decide(world, {{bdpt, bdpt.name}}, settings, {});
+  EXPECT_EQ(device->prepared, 0);
+  settings.frames = true;
+  EXPECT_EQ(render(world, bdpt, settings).picture.pixels, by_cpu.picture.pixels);
+  EXPECT_EQ(device->calls, std::vector<uint64_t>(40, 1));
+}
+
+TEST(render, counts_no_time_that_a_device_takes_to_be_ready_and_overruns_little) {
+  const Scene scene = read_gltf(two_rooms_path());
+  const World world(scene, scene.camera(""), 16, 12, {});
+  RenderSettings settings;
+  settings.seconds = 0.2;
+  const auto device = std::make_shared<Eager>(world);
+  settings.device = device;
+  const RenderResult r = render(world, bdpt, settings);
+  EXPECT_GT(r.spp, 10u);
+  EXPECT_GT(r.seconds, 0.1);
+  EXPECT_LT(r.seconds, 0.29);
 }
 
 }  // namespace

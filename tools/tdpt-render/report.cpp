@@ -49,6 +49,7 @@ nlohmann::ordered_json summary(const Integrator& integrator, const RenderSetting
   if (settings.max_depth < kMaxDepth) j["max_depth"] = settings.max_depth;
   j["seconds"] = result.seconds;
   j["cpu_seconds"] = result.cpu_seconds;
+  j["device"] = settings.device_name;
   j["mean"] = numbers(result.mean());
   j["nonzero"] = result.nonzero();
   if (result.target) j["target"] = target_json(*result.target);

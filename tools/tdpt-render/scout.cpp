@@ -280,8 +280,9 @@ class ScoutSample {
   WalkDensities plain_, directed_;
 };
 
-Scout::Scout(const World& world, const std::vector<Candidate>& candidates, const SampleRules& rules)
-    : world_(world), candidates_(candidates), rules_(rules), home_(candidates.size()) {
+Scout::Scout(const World& world, const std::vector<Candidate>& candidates, const SampleRules& rules,
+             const WorkTables& work)
+    : world_(world), candidates_(candidates), rules_(rules), work_(work), home_(candidates.size()) {
   // The first of those with most techniques, of each manner.
   for (const Manner m : {Manner::plain, Manner::looking_out, Manner::directed}) {
     size_t most = candidates.size();

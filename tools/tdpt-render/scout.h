@@ -52,6 +52,7 @@
 
 #include "tools/tdpt-render/candidates.h"
 #include "tools/tdpt-render/passes.h"
+#include "tools/tdpt-render/work_model.h"
 
 namespace tdpt {
 
@@ -102,7 +103,9 @@ struct ScoutSums {
 class Scout {
  public:
   /// At least one candidate, with the joins that are to be expected of it [expecting_joins()].
-  Scout(const World& world, const std::vector<Candidate>& candidates, const SampleRules& rules);
+  /// `work`: of who is to render; the scout itself runs on the CPU.
+  Scout(const World& world, const std::vector<Candidate>& candidates, const SampleRules& rules,
+        const WorkTables& work = kCpuWork);
 
   /// Draws more groups of samples in each run. They are left in `film`, as large as the picture.
   void draw(uint64_t groups, Film& film);
@@ -118,7 +121,7 @@ class Scout {
  private:
   friend class ScoutSample;
   void draw_run(size_t run, uint64_t first, uint64_t end, Film& film, ScoutSums& sums);
-  double work_of(size_t candidate) const;
+  double work_of(size_t candidate, const WorkTables& tables) const;
   /// relMSE by candidate, from each quarter of the groups.
   std::array<std::vector<double>, ScoutSums::kQuarters> errors() const;
   ScoutRecord& record(uint64_t group, size_t run, size_t sample) {
@@ -128,6 +131,7 @@ class Scout {
   const World& world_;
   const std::vector<Candidate>& candidates_;
   const SampleRules rules_;
+  const WorkTables work_;
   std::vector<size_t> runs_;  ///< candidates that are rendered
   std::vector<size_t> home_;  ///< of each candidate: which of the runs
   /// And that which tells what paths of one light walk have in common: with portals, one that

@@ -30,11 +30,11 @@ int64_t in_part(int64_t part, int64_t size) {
 }  // namespace
 
 // Where the run makes more segments or light walks than the candidate, those count in proportion.
-double Scout::work_of(size_t candidate) const {
+double Scout::work_of(size_t candidate, const WorkTables& tables) const {
   const Mixture& m = candidates_[candidate].integrator.mixture;
   const size_t run = home_[candidate];
   const Mixture& rendered = candidates_[runs_[run]].integrator.mixture;
-  const WorkModel model(world_, m);
+  const WorkModel model(world_, m, tables);
   const auto work_of_rays = [&](const RayCounts& rays) {
     return model.per_sample(rays, kScoutGroup * groups()) - model.per_sample({}, 1);
   };
@@ -171,7 +171,7 @@ std::vector<Prospect> Scout::prospects() const {
   for (size_t i = 0; i < candidates_.size(); ++i) {
     const Candidate& c = candidates_[i];
     const bool safe = c.label == bdpt.name || c.label == nee.name;
-    Prospect p{c.label, c.with_portals(), safe, 0, 0, work_of(i)};
+    Prospect p{c.label, c.with_portals(), safe, 0, 0, work_of(i, work_)};
     double logarithm = 0;
     for (const std::vector<double>& quarter : errors) {
       p.relmse += quarter[i] / ScoutSums::kQuarters;
@@ -185,7 +185,7 @@ std::vector<Prospect> Scout::prospects() const {
 
 double Scout::work_of_group() const {
   double work = 0;
-  for (const size_t r : runs_) work += work_of(r);
+  for (const size_t r : runs_) work += work_of(r, kCpuWork);
   return work * kScoutGroup * (runs_.size() > 1 ? kLookingDirected : kLooking);
 }
 

@@ -2,7 +2,7 @@
 #pragma once
 #include <gtest/gtest.h>
 
-#include "tools/tdpt-render/render.h"
+#include "tools/tdpt-render/test_renderer.h"
 
 namespace tdpt {
 
@@ -26,11 +26,13 @@ inline MeanAndError mean_and_error(const std::vector<double>& runs) {
 inline MeanAndError rendered(const World& world, const Integrator& integrator, uint64_t spp,
                              uint64_t runs = 16, int max_depth = kMaxDepth) {
   std::vector<double> means;
+  const auto renderer = renderer_under_test(world);
   for (uint64_t seed = 1; seed <= runs; ++seed) {
     RenderSettings settings;
     settings.spp = spp;
     settings.seed = seed;
     settings.max_depth = max_depth;
+    settings.device = renderer;
     const RenderResult r = render(world, integrator, settings);
     EXPECT_EQ(r.tally.not_finite, 0u);
     means.push_back(luminance(Rgb(r.mean())));

@@ -5,9 +5,10 @@
 
 namespace tdpt {
 
-WorkModel::WorkModel(const World& world, const Mixture& mixture)
-    : WorkModel(world, mixture,
-                Guide(world, mixture).sees_portals() ? kWorkWithPortals : kWorkWithoutPortals) {}
+WorkModel::WorkModel(const World& world, const Mixture& mixture, const WorkTables& tables)
+    : WorkModel(
+          world, mixture,
+          Guide(world, mixture).sees_portals() ? tables.with_portals : tables.without_portals) {}
 
 WorkModel::WorkModel(const World& world, const Mixture& mixture, const WorkCosts& costs)
     : sample_(costs.sample), shadow_(costs.shadow), join_(costs.join) {

@@ -39,6 +39,15 @@ TEST_F(WorkModelTest, of_what_has_no_use_for_portals_has_a_table_of_its_own) {
   EXPECT_EQ(of(two_, bdpt), of({}, bdpt));
 }
 
+TEST_F(WorkModelTest, of_a_device_has_tables_of_its_own) {
+  const World world(scene_, scene_.camera(""), 8, 6, one_);
+  const auto of_device = [&](const Integrator& integrator) {
+    return WorkModel(world, integrator.mixture, kDeviceWork).per_sample({0, kSamples, 0}, kSamples);
+  };
+  EXPECT_EQ(of_device(bdpt), kDeviceWorkWithoutPortals.shadow);
+  EXPECT_EQ(of_device(tdpt_guided), kDeviceWorkWithPortals.shadow);
+}
+
 // work_model_bench asks the model for each of its terms this way.
 TEST_F(WorkModelTest, is_linear_in_its_table) {
   const World world(scene_, scene_.camera(""), 8, 6, two_);

@@ -26,7 +26,8 @@ OURS = {
     "--spp": 1, "--time": 1, "--target-error": 1, "--retry": 0, "--checkpoint": 1, "--checkpoint-every": 1, "--resume": 1,
     "--add-samples": 1, "--stats": 1, "--alpha": 0, "--layers": 0, "--aov": 1, "--nonzero": 1, "--preview": 0, "--json": 0,
     "--explain": 0, "--quiet": 0, "--quality": 1, "--progress": 1, "--width": 1, "--height": 1, "--seed": 1, "--portal": 1,
-    "--integrator": 1, "--guide-light": 1, "--guide-camera": 1, "--segments": 1, "--light-walks": 1}
+    "--integrator": 1, "--guide-light": 1, "--guide-camera": 1, "--segments": 1, "--light-walks": 1,
+    "--device": 1}
 STAGES = (("ffgraph", "max"), ("mincut", "cut"), ("lightgrid", "vdb"), ("portalfit", "portal.glb"))
 
 

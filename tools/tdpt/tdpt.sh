@@ -17,13 +17,15 @@ Usage: tdpt SCENE -o PICTURE.exr [OPTIONS]
   --report                    Make SCENE.report.html beside these files, too: what
                               the portals are worth, on one page (needs python3)
   --dry-run                   Print the commands that would run, and run none
+  --list-devices              List the Vulkan devices for --device gpu:WHICH and
+                              exit
   -h, --help                  Print this help and exit
   --version                   Print the version and exit
 
 All other options are those of tdpt-render, and rendering is all that most of
-them change. Those of the camera and of the sky, --light-units, --quality,
---seed, --threads, --max-memory and --quiet go to the stages before it, too. A
-stage runs where its result is missing or out of date. The environment variables
+them change. Those of the camera and of the sky, --device, --light-units,
+--quality, --seed, --threads, --max-memory and --quiet go to the stages before
+it, too: --device gpu has the GPU do all that it can. A stage runs where its result is missing or out of date. The environment variables
 FFGRAPH_FLAGS, MINCUT_FLAGS, LIGHTGRID_FLAGS and PORTALFIT_FLAGS have more
 options for the stages.
 END
@@ -47,7 +49,7 @@ absolute() {
   esac
 }
 
-scene='' picture='' work='' dry='' flags='' camera='' sky='' environment='' quality='' seed='' threads='' memory='' quiet='' report=''
+scene='' picture='' work='' dry='' flags='' camera='' sky='' environment='' quality='' device='' seed='' threads='' memory='' quiet='' report=''
 while [ $# -gt 0 ]; do
   word=$1 value='' joined=''
   case $word in
@@ -56,7 +58,8 @@ while [ $# -gt 0 ]; do
   # Of the options that this front understands, which have a value.
   case $word in
   -o | --output | --work | --camera | --look-from | --look-at | --up | --fov | --environment | --environment-rotation | \
-    --environment-scale | --sun-angle | --light-units | --quality | --seed | --threads | --max-memory)
+    --environment-scale | --sun-angle | --light-units | --device | --quality | --seed | --threads | \
+    --max-memory)
     if [ -z "$joined" ]; then
       [ $# -gt 1 ] || fail 2 "$word: a value is missing; '$tool --help' lists the options"
       shift
@@ -75,6 +78,8 @@ while [ $# -gt 0 ]; do
   --dry-run) dry=1 ;;
   --report) report=1 ;;
   --quiet) quiet=1 ;;
+  --list-devices) exec "$here/tdpt-render" --list-devices ;;
+  --device) device=$value ;;
   --quality) quality=$value ;;
   --seed) seed=$value ;;
   --threads) threads=$value ;;
@@ -135,6 +140,11 @@ esac
 [ -d "${work:=$(dirname -- "$scene")}" ] || mkdir -p -- "$work" || fail 4 "$work: cannot be made"
 command -v make >/dev/null || fail 1 "GNU Make is missing, whose package is called make"
 
+# A device that is not there is told before the stages that need none.
+if [ -n "$device" ] && [ -z "$dry" ]; then
+  "$here/tdpt-render" --device "$device" --spp 1 --print-shards 1 --quiet "$scene" -o "$picture" >/dev/null || exit
+fi
+
 scene=$(absolute "$scene") picture=$(absolute "$picture") work=$(cd -- "$work" && pwd)
 # Make takes names apart at these.
 for path in "$scene" "$picture" "$work"; do
@@ -150,7 +160,7 @@ target=$picture
 status=$(mktemp) || fail 1 "no temporary file"
 trap 'rm -f "$status"' EXIT
 set -- -C "$work" -f "$rules" --no-print-directory TDPT_BIN="$here/" \
-  "SCENE.$name=$stem" "SCENE.${target%.exr}=$stem" "PORTALS=$name.portal.glb" "QUALITY=$quality" "SEED=$seed" \
+  "SCENE.$name=$stem" "SCENE.${target%.exr}=$stem" "PORTALS=$name.portal.glb" "DEVICE=$device" "QUALITY=$quality" "SEED=$seed" \
   "THREADS=$threads" "MAX_MEMORY=$memory" "QUIET=$quiet" "ENVIRONMENT=$environment" "ENVIRONMENT_FLAGS=$sky" \
   "CAMERA_FLAGS=$camera" "FFGRAPH_FLAGS=${FFGRAPH_FLAGS-}" "MINCUT_FLAGS=${MINCUT_FLAGS-}" "LIGHTGRID_FLAGS=${LIGHTGRID_FLAGS-}" \
   "PORTALFIT_FLAGS=${PORTALFIT_FLAGS-}" "TDPT_RENDER_FLAGS=$flags" "$target" \

@@ -7,7 +7,8 @@
 #include "shaders/shared/language.h"
 
 SHARED void count_ray(uint kind) MEMBER_CONST {
-  atomicAdd(film_words[render.tally_first + tally_bucket() * kTallyWords + kind], 1u);
+  atomicAdd(film_words[render.tally_first + tally_bucket() * kTallyWords + kind],
+            render.ray_counts_as);
 }
 
 SHARED void count_rays(uint kind, uint n) MEMBER_CONST {
@@ -27,6 +28,19 @@ SHARED uint octave_of(uint k) MEMBER_CONST {
   return octave;
 }
 
+/// Counts a contribution that is left out, and keeps its place if it is one of the first few: each
+/// of their words hands on what is not the first.
+SHARED void leave_out(uint pixel, word64 number) MEMBER_CONST {
+  uint first = render.tally_first + kTallyBuckets * kTallyWords;
+  atomicAdd(film_words[first], 1u);
+  uint pixels = render.width * render.height;
+  uint later = low_word(number) - render.first_number;
+  if (later >= 0xFFFFFFFFu / pixels) return;  // its place has no number
+  uint place = 0xFFFFFFFFu - (later * pixels + pixel);
+  for (uint i = 1u; i <= kLeftOutPlaces; ++i)
+    place = min(place, atomicMax(film_words[first + i], place));
+}
+
 /// Adds what a technique found on a path of k edges to a pixel; `number`: of the sample. Returns
 /// its luminance. What cannot be held is counted and left out.
 SHARED float add_found(uint technique, uint pixel, uint k, word64 number, vec3 value,
@@ -37,7 +51,7 @@ SHARED float add_found(uint technique, uint pixel, uint k, word64 number, vec3 v
   word64 b = word64_of(pixel, floatBitsToUint(found.z) + technique);
   word64 coin = mix64(sum64(mix64(sum64(mix64(a), b)), number));
   if (!film_add(12u * pixel, found, coin)) {
-    atomicAdd(film_words[render.tally_first + kTallyBuckets * kTallyWords], 1u);
+    leave_out(pixel, number);
     return 0.0f;
   }
   if (film_has_layers)

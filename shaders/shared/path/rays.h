@@ -91,14 +91,15 @@ SHARED bool camera_draws(uint triangle, vec3 w) MEMBER_CONST {
 /// First surface along w; of the camera's rays, where it culls, the first that it draws.
 SHARED bool first_met(vec3 origin, vec3 w, bool by_film, OUT(SurfaceHit) hit) MEMBER_CONST {
   uint coin = ray_coin(origin, w);
-  vec3 from = origin;
+  float passed = 0.0f;
   uint most = camera_culls && by_film ? 256u : 1u;  // backs in a row
   bool met = false;
   for (uint i = 0u; i < most; ++i) {
-    met = first_hit(from, w, coin, hit);
+    met = first_hit(origin + w * passed, w, coin, hit);
+    hit.t += passed;
     if (!met || !by_film || camera_draws(hit.triangle, w)) break;
     met = false;
-    from = from + w * (hit.t + 4.76837158e-7f);
+    passed = hit.t + 4.76837158e-7f;
   }
   return met;
 }
@@ -112,7 +113,7 @@ SHARED bool seen_by_camera(Point p) MEMBER {
   vec3 to = step_off(p.position, p.normal, -w);
   vec3 d = to - from;
   SurfaceHit hit;
-  if (!first_met(from, w, true, hit)) return true;
+  if (!first_met(from, w, true, hit) || hit.triangle == p.triangle) return true;
   return hit.t * hit.t >= dot(d, d);
 }
 

@@ -63,12 +63,13 @@ struct RenderParameters {
   uint tally_first;
   uint portals_first;
   uint segments_first;  ///< slot of x_l of the first segment; x_c follows
-  uint pad0;
-  uint pad1;
+  uint ray_counts_as;   ///< 1, or 2^32 - 1 to take back what was counted
+  uint first_number;    ///< low word of the first sample's that this film has
 };
 
 // Beside the film, of each bucket: counts of rays, then sums of four words: energy by technique, by
-// length. Behind all buckets how many contributions were left out.
+// length. Behind all buckets how many contributions were left out, and where the first few were:
+// 2^32 - 1 less the number of the sample among those of this film; 0: none.
 const uint RAYS_CLOSEST = 0u;
 const uint RAYS_SHADOW = 1u;
 const uint RAYS_PORTAL = 2u;
@@ -77,6 +78,8 @@ const uint TALLY_ENERGIES = 4u;
 const uint kTallySums = 16u;
 const uint kTallyWords = 68u;
 const uint kTallyBuckets = 64u;
+const uint kLeftOutPlaces = 4u;
+const uint kLeftOutWords = 1u + kLeftOutPlaces;
 // Of each portal: segments drawn, those that brought light, and how much.
 const uint kPortalWords = 6u;
 

@@ -206,6 +206,16 @@ class GpuMachine : public Machine {
              p.transparent != 0};
   }
 
+  // Drivers may leave some of the work to the first dispatch: one of nothing is enough.
+  void prepare(const std::vector<Step>& steps, Progress& progress) override {
+    for (const Step step : steps) {
+      const Kernel& kernel = kernel_of(static_cast<size_t>(step));
+      device_.run(
+          [&](gpu::Commands& c) { c.dispatch(kernel, gpu::push(shader::StepParameters{}), 1); });
+      progress.advance();
+    }
+  }
+
   void run(Step step, const shader::StepParameters& p) override {
     if (p.count == 0) return;
     const size_t i = static_cast<size_t>(step);
@@ -347,16 +357,13 @@ class GpuMachine : public Machine {
 
 }  // namespace
 
-Room room_on(const gpu::Device& device) {
-  // A slot is that large, all that lies in step with it included.
-  constexpr uint64_t kLargest = sizeof(shader::PathVertex) + 2 * sizeof(shader::JoinEnd);
-  const gpu::Limits& limits = device.limits();
-  const uint64_t slots =
-      std::min({limits.buffer / kLargest, limits.memory / 4 / (2 * kLargest), uint64_t{1} << 24});
-  Room room;
-  room.vertices = static_cast<uint32_t>(slots);
-  room.samples = static_cast<uint32_t>(std::max<uint64_t>(slots / 16, kMostOfPool));
-  return room;
+Room room_on(const gpu::Device& device, const RenderTables& tables, uint32_t film_words) {
+  size_t bindings = 0;
+  for (const std::span<const uint32_t> program : kPrograms)
+    bindings = std::max(bindings, gpu::bindings_in(program));
+  return room_on(device.info().name, device.limits(),
+                 {shares_of(tables), sizeof(uint32_t) * uint64_t{film_words},
+                  tables.surfaces.features.layers, bindings});
 }
 
 std::unique_ptr<Machine> make_gpu_machine(const gpu::Device& device, const RenderTables& tables,

@@ -3,8 +3,7 @@
 #include <memory>
 
 #include "libcommon/gpu/device.h"
-#include "tools/tdpt-render/device/machine.h"
-#include "tools/tdpt-render/device/render_tables.h"
+#include "tools/tdpt-render/device/room.h"
 
 namespace tdpt {
 
@@ -14,12 +13,12 @@ struct StepTimes {
   double gather = 0;
 };
 
-/// As much as suits the device.
-Room room_on(const gpu::Device& device);
+/// As much as suits the device beside the scene and the film. Throws Error (no_device), with both
+/// numbers, where they are too large for it.
+Room room_on(const gpu::Device& device, const RenderTables& tables, uint32_t film_words);
 
 /// `film_words`: of the film and of what is counted beside it. Adds to `times`, if there is one.
-/// Throws Error (no_device), with both numbers, where the scene or the film is too large for the
-/// device.
+/// Throws Error (no_device) where others have taken the memory.
 std::unique_ptr<Machine> make_gpu_machine(const gpu::Device& device, const RenderTables& tables,
                                           const Room& room, uint32_t film_words,
                                           StepTimes* times = nullptr);

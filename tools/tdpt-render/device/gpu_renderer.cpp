@@ -4,15 +4,27 @@
 #include "tools/tdpt-render/device/wavefront.h"
 
 namespace tdpt {
+namespace {
 
-std::shared_ptr<SampleRenderer> make_gpu_renderer(const gpu::Device& device, const World& world,
-                                                  bool layers) {
-  const RenderTables tables(world);
+uint32_t film_words(const World& world, bool layers) {
   const auto pixels =
       static_cast<uint64_t>(world.film.width()) * static_cast<uint64_t>(world.film.height());
-  const FilmPlaces places(pixels, layers, world.portals.portals());
+  return FilmPlaces(pixels, layers, world.portals.portals()).words;
+}
+
+}  // namespace
+
+GpuUpload::GpuUpload(const gpu::Device& device, const World& world, bool layers)
+    : device_(device),
+      world_(world),
+      layers_(layers),
+      tables_(world),
+      room_(room_on(device, tables_, film_words(world, layers))) {}
+
+std::shared_ptr<SampleRenderer> GpuUpload::renderer() {
+  tables_.follow(world_);
   return std::make_shared<WavefrontRenderer>(
-      world, make_gpu_machine(device, tables, room_on(device), places.words));
+      world_, make_gpu_machine(device_, tables_, room_, film_words(world_, layers_)));
 }
 
 }  // namespace tdpt

@@ -3,14 +3,27 @@
 #include <memory>
 
 #include "libcommon/gpu/device.h"
+#include "tools/tdpt-render/device/room.h"
 #include "tools/tdpt-render/sample_renderer.h"
 
 namespace tdpt {
 
-/// Brings the world to the device as it is now; it must outlive the renderer. `layers`: films may
-/// have them. Throws Error (no_device), with both numbers, where the scene or the film is too
-/// large.
-std::shared_ptr<SampleRenderer> make_gpu_renderer(const gpu::Device& device, const World& world,
-                                                  bool layers);
+/// A world on its way to a device: that there is room for it is known before work begins, its
+/// portals and shares of lights are those of the end.
+class GpuUpload {
+ public:
+  /// `layers`: films may have them. The world must outlive it. Throws Error (no_device), with both
+  /// numbers, where the scene or the film is too large.
+  GpuUpload(const gpu::Device& device, const World& world, bool layers);
+  /// Brings the world there, as it is now; it must outlive the renderer, too. Once.
+  std::shared_ptr<SampleRenderer> renderer();
+
+ private:
+  gpu::Device device_;
+  const World& world_;
+  const bool layers_;
+  RenderTables tables_;
+  const Room room_;
+};
 
 }  // namespace tdpt

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "libcommon/base/progress.h"
 #include "shaders/shared/path/render_layout.h"
 
 namespace tdpt {
@@ -48,12 +49,12 @@ enum class Step : uint8_t {
 
 /// How much room there is.
 struct Room {
-  uint32_t vertices = 0;                             ///< slots
-  uint32_t samples = 0;                              ///< of a submission; kMostOfPool at least
-  uint32_t joinings() const { return 4 * samples; }  ///< at a time
-  uint64_t estimates() const { return 16 * uint64_t{vertices}; }
+  uint32_t vertices = 0;  ///< slots
+  uint32_t samples = 0;   ///< of a submission; kMostOfPool at least
+  constexpr uint32_t joinings() const { return 4 * samples; }  ///< at a time
+  constexpr uint64_t estimates() const { return 16 * uint64_t{vertices}; }
   /// As many flags as any step asks for.
-  uint32_t flags() const { return std::max(vertices, joinings()); }
+  constexpr uint32_t flags() const { return std::max(vertices, joinings()); }
 };
 
 /// Samples of a pool.
@@ -67,6 +68,9 @@ class Machine {
   /// of pool 0 lies.
   virtual void set(const shader::RenderParameters& parameters,
                    const std::vector<uint32_t>& pool_offsets) = 0;
+  /// Makes ready what these steps take, for what was set: the first run of each would do it, and be
+  /// long. Tells of each.
+  virtual void prepare(const std::vector<Step>&, Progress&) {}
   /// Runs them one after the other.
   virtual void run(Step step, const shader::StepParameters& parameters) = 0;
   /// Of the slots from `first` on those whose walk goes on, in order, for the next step that goes

@@ -13,4 +13,9 @@ RenderTables::RenderTables(const World& world)
       portals(world.portals),
       bvh(build_bvh(world.scene)) {}
 
+void RenderTables::follow(const World& world) {
+  lights = make_light_tables(world, radiance_unit);
+  portals = PortalTables(world.portals);
+}
+
 }  // namespace tdpt

@@ -10,6 +10,9 @@ namespace tdpt {
 struct RenderTables {
   /// As the world is now: portals and shares of lights that change later need tables of their own.
   explicit RenderTables(const World& world);
+  /// Takes the portals and the shares of lights that the world has now; the rest of it is as it
+  /// was.
+  void follow(const World& world);
 
   double radiance_unit;  ///< radiance in the tables is over it, a power of two
   SurfaceTables surfaces;

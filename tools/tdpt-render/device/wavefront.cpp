@@ -1,7 +1,10 @@
 #include "tools/tdpt-render/device/wavefront.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+
+#include <fmt/format.h>
 
 #include "libcommon/base/error.h"
 #include "tools/tdpt-render/path/light_pool.h"
@@ -14,10 +17,12 @@ using shader::StepParameters;
 FilmPlaces::FilmPlaces(uint64_t pixels, bool layers, size_t portals_) {
   const uint64_t planes = layers ? 1 + kTechniques : 1;
   const uint64_t met_first = 12 * planes * pixels, tally_first = met_first + pixels;
-  const uint64_t portals_first = tally_first + shader::kTallyBuckets * shader::kTallyWords + 1;
+  const uint64_t portals_first =
+      tally_first + shader::kTallyBuckets * shader::kTallyWords + shader::kLeftOutWords;
   const uint64_t all = portals_first + shader::kPortalWords * portals_;
   if (all > UINT32_MAX)
-    throw Error(Exit::no_device, "the picture has too many pixels for a device");
+    throw Error(Exit::no_device,
+                fmt::format("the film takes {} words, kernels count {}", all, UINT32_MAX));
   met = static_cast<uint32_t>(met_first);
   tally = static_cast<uint32_t>(tally_first);
   portals = static_cast<uint32_t>(portals_first);
@@ -87,6 +92,20 @@ void add_to_film(const std::vector<uint32_t>& words, const FilmPlaces& places, F
       [&](size_t pixel) { return words[places.met + pixel]; });
 }
 
+// What was left out of samples from `first` on.
+void add_left_out(const std::vector<uint32_t>& words, const FilmPlaces& places, uint64_t first,
+                  uint64_t width, uint64_t pixels, Tally& tally) {
+  const size_t begin = places.tally + shader::kTallyBuckets * shader::kTallyWords;
+  Tally left_out;
+  left_out.not_finite = words[begin];
+  for (size_t i = 1; i <= shader::kLeftOutPlaces && words[begin + i] != 0; ++i) {
+    const uint64_t place = UINT32_MAX - words[begin + i], pixel = place % pixels;
+    left_out.not_finite_at.push_back(
+        {first + place / pixels, static_cast<int>(pixel / width), static_cast<int>(pixel % width)});
+  }
+  tally.merge(left_out);
+}
+
 void add_to_tally(const std::vector<uint32_t>& words, const FilmPlaces& places, size_t portals,
                   bool drawn, Tally& tally) {
   for (size_t bucket = 0; bucket < shader::kTallyBuckets; ++bucket) {
@@ -98,7 +117,6 @@ void add_to_tally(const std::vector<uint32_t>& words, const FilmPlaces& places, 
     for (size_t i = 0; i < kTechniques; ++i) tally.energy[i].merge(sum(i));
     for (size_t i = 0; i < Tally::kOctaves; ++i) tally.by_length[i].merge(sum(kTechniques + i));
   }
-  tally.not_finite += words[places.tally + shader::kTallyBuckets * shader::kTallyWords];
   if (!drawn) return;
   tally.begin_portals(portals);
   for (size_t i = 0; i < portals; ++i) {
@@ -109,19 +127,41 @@ void add_to_tally(const std::vector<uint32_t>& words, const FilmPlaces& places, 
   }
 }
 
-// Groups from (sample, pool) on.
-struct Groups {
-  uint64_t sample, pool, left;
-};
+std::vector<uint32_t> pool_offsets(const RenderParameters& p) {
+  std::vector<uint32_t> offsets;
+  for (uint32_t i = 0; i < p.per_pool; ++i) offsets.push_back(pool_offset(i, p.pools));
+  return offsets;
+}
+
+// Samples of the first submission; then they grow while they take less than so many seconds, and
+// are halved above: drivers reset devices that are busy for long, and who waits wants to see
+// progress.
+constexpr uint32_t kFirstSubmission = 1 << 14;
+constexpr double kShort = 0.1, kLong = 1;
+// Of a pass [s], so that signals and checkpoints do not wait for long.
+constexpr double kPass = 0.5;
+// Samples whose rays and segments 32 bits count, in every bucket.
+constexpr uint64_t kMostCounted = uint64_t{1} << 26;
+
+Error no_room(const RenderParameters& p) {
+  return Error(
+      Exit::no_device,
+      fmt::format("the device has room for {} vertices of paths, and {} samples that share "
+                  "light walks take more: --max-depth makes paths shorter",
+                  p.most_vertices, p.per_pool));
+}
 
 }  // namespace
 
 WavefrontRenderer::WavefrontRenderer(const World& world, std::unique_ptr<Machine> machine)
-    : world_(world), machine_(std::move(machine)), samples_(machine_->room().samples) {}
+    : world_(world),
+      machine_(std::move(machine)),
+      samples_(std::min(machine_->room().samples, kFirstSubmission)),
+      most_samples_(machine_->room().samples) {}
 
-void WavefrontRenderer::render(const Integrator& integrator, const SampleRules& rules,
-                               uint64_t round, const SampleRange& samples, Film& film, Tally& tally,
-                               Progress& progress) {
+RenderParameters WavefrontRenderer::parameters_of(const Integrator& integrator,
+                                                  const SampleRules& rules, uint64_t round,
+                                                  const Film& film) const {
   RenderParameters p{};
   set_camera(world_.film, p);
   set_mixture(integrator.mixture, p);
@@ -138,26 +178,56 @@ void WavefrontRenderer::render(const Integrator& integrator, const SampleRules& 
   p.tally_first = places.tally;
   p.portals_first = places.portals;
   p.most_vertices = machine_->room().vertices;
-  std::vector<uint32_t> offsets;
-  for (uint32_t i = 0; i < p.per_pool; ++i) offsets.push_back(pool_offset(i, p.pools));
+  p.ray_counts_as = 1;
+  return p;
+}
+
+void WavefrontRenderer::render(const Integrator& integrator, const SampleRules& rules,
+                               uint64_t round, const SampleRange& samples, Film& film, Tally& tally,
+                               Progress& progress) {
+  const RenderParameters p = parameters_of(integrator, rules, round, film);
+  const uint64_t pixels = uint64_t{p.width} * p.height;
+  const FilmPlaces places(pixels, p.layers != 0, world_.portals.portals());
+  const bool drawn = integrator.mixture.has(Technique::portal) && !world_.portals.empty();
+  const auto start = std::chrono::steady_clock::now();
+  const uint64_t most = std::max<uint64_t>(kMostCounted / pixels, 1);
+  for (uint64_t at = samples.first; at < samples.end(); at += most) {
+    const SampleRange some{at, std::min(most, samples.end() - at)};
+    submit_all(p, some, progress);
+    const std::vector<uint32_t> words = machine_->take_film();
+    add_to_film(words, places, film);
+    add_to_tally(words, places, world_.portals.portals(), drawn, tally);
+    add_left_out(words, places, some.first, p.width, pixels, tally);
+    film.complete(some);
+  }
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+  const auto all = static_cast<double>(pixels * samples.count);
+  of_pass_ = static_cast<uint64_t>(kPass * all / std::max(took.count(), 1e-3));
+}
+
+void WavefrontRenderer::submit_all(RenderParameters p, const SampleRange& samples,
+                                   Progress& progress) {
+  const std::vector<uint32_t> offsets = pool_offsets(p);
+  p.first_number = static_cast<uint32_t>(samples.first);
   for (uint64_t sample = samples.first, pool = 0; sample < samples.end();) {
     const uint64_t left = (samples.end() - sample) * p.pools - pool;
     p.first_sample = sample;
     p.first_pool = static_cast<uint32_t>(pool);
-    p.groups = static_cast<uint32_t>(std::min<uint64_t>(left, samples_ / p.per_pool));
+    const uint64_t most = std::max<uint32_t>(samples_ / p.per_pool, 1);
+    p.groups = static_cast<uint32_t>(std::min(left, most));
+    const auto start = std::chrono::steady_clock::now();
     if (!submit(p, offsets)) {
-      samples_ = std::max(samples_ / 2, kMostOfPool);
+      if (p.groups == 1) throw no_room(p);
+      samples_ = most_samples_ = p.groups / 2 * p.per_pool;
       continue;
     }
+    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+    if (took.count() > kLong) samples_ = std::max(samples_ / 2, p.per_pool);
+    if (took.count() < kShort) samples_ = std::min(2 * samples_, most_samples_);
     progress.advance(uint64_t{p.groups} * p.per_pool);
     sample += (pool + p.groups) / p.pools;
     pool = (pool + p.groups) % p.pools;
   }
-  const std::vector<uint32_t> words = machine_->take_film();
-  add_to_film(words, places, film);
-  const bool drawn = integrator.mixture.has(Technique::portal) && !world_.portals.empty();
-  add_to_tally(words, places, world_.portals.portals(), drawn, tally);
-  film.complete(samples);
 }
 
 namespace {
@@ -278,14 +348,58 @@ class Submission {
   uint32_t used_ = 0, lights_end_ = 0, camera_ = 0, camera_end_ = 0;  // slots
 };
 
+// Lists the steps of a submission, if some of its walks go on and all end.
+class StepList : public Machine {
+ public:
+  explicit StepList(const Room& room) : room_(room) {}
+  const std::vector<Step>& steps() const { return steps_; }
+
+  Room room() const override { return room_; }
+  void set(const RenderParameters&, const std::vector<uint32_t>&) override {}
+  void run(Step step, const StepParameters&) override {
+    if (std::find(steps_.begin(), steps_.end(), step) == steps_.end()) steps_.push_back(step);
+  }
+  uint32_t gather(bool, uint32_t, uint32_t) override {
+    goes_on_ = !goes_on_;
+    return goes_on_ ? 1 : 0;
+  }
+  uint32_t pick(uint32_t) override { return 1; }
+  void place_ends(uint32_t) override {}
+  std::vector<uint32_t> take_film() override { return {}; }
+
+ private:
+  const Room room_;
+  std::vector<Step> steps_;
+  bool goes_on_ = false;
+};
+
 }  // namespace
 
-bool WavefrontRenderer::submit(RenderParameters p, const std::vector<uint32_t>& pool_offsets) {
+void WavefrontRenderer::prepare(const Integrator& integrator, const SampleRules& rules,
+                                const Film& film, bool quiet) {
+  RenderParameters p = parameters_of(integrator, rules, 0, film);
+  p.groups = 1;
+  p.segments_first = p.most_vertices - 2 * p.per_pool;
+  machine_->set(p, pool_offsets(p));
+  StepList list(machine_->room());
+  Submission(list, p, crosses(p)).run();
+  Progress progress("making kernels", "kernels", list.steps().size(), quiet);
+  machine_->prepare(list.steps(), progress);
+}
+
+bool WavefrontRenderer::crosses(const RenderParameters& p) const {
   const TechniqueSet techniques = TechniqueSet::of_bits(static_cast<uint8_t>(p.techniques));
-  const bool crosses = techniques.has(Technique::portal) && !world_.portals.empty();
+  return techniques.has(Technique::portal) && !world_.portals.empty();
+}
+
+bool WavefrontRenderer::submit(RenderParameters p, const std::vector<uint32_t>& pool_offsets) {
   p.segments_first = p.most_vertices - 2 * p.groups * p.per_pool;
   machine_->set(p, pool_offsets);
-  return Submission(*machine_, p, crosses).run();
+  if (Submission(*machine_, p, crosses(p)).run()) return true;
+  p.ray_counts_as = UINT32_MAX;
+  machine_->set(p, pool_offsets);
+  Submission(*machine_, p, crosses(p)).run();
+  return false;
 }
 
 }  // namespace tdpt

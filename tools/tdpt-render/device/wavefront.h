@@ -12,16 +12,31 @@ class WavefrontRenderer : public SampleRenderer {
  public:
   /// The world must outlive it, with the portals that it has now.
   WavefrontRenderer(const World& world, std::unique_ptr<Machine> machine);
+  void prepare(const Integrator& integrator, const SampleRules& rules, const Film& film,
+               bool quiet) override;
+  /// Throws Error (no_device), with both numbers, where not even one pool's paths have room.
   void render(const Integrator& integrator, const SampleRules& rules, uint64_t round,
               const SampleRange& samples, Film& film, Tally& tally, Progress& progress) override;
 
+  /// What a second brings: each call brings the film back from the device.
+  uint64_t samples_of_pass() const override { return of_pass_; }
+
  private:
+  /// All but which samples.
+  shader::RenderParameters parameters_of(const Integrator& integrator, const SampleRules& rules,
+                                         uint64_t round, const Film& film) const;
+  bool crosses(const shader::RenderParameters& parameters) const;
+  /// Until the machine's film holds them all.
+  void submit_all(shader::RenderParameters parameters, const SampleRange& samples,
+                  Progress& progress);
   /// False when there was no room.
   bool submit(shader::RenderParameters parameters, const std::vector<uint32_t>& pool_offsets);
 
   const World& world_;
   std::unique_ptr<Machine> machine_;
-  uint32_t samples_;  // of a submission, as many as have had room
+  uint32_t samples_;       // of a submission: as many as have had room, and are soon done
+  uint32_t most_samples_;  // that have had room
+  uint64_t of_pass_ = 0;
 };
 
 /// Where things lie in the words of a film of so many pixels; `words`: of all.

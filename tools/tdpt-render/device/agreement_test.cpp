@@ -1,0 +1,262 @@
+// The renderer of devices, by its twin on the CPU, makes the picture of the renderer that counts in
+// doubles: block by block with random numbers of its own, and all but pixel by pixel with the same
+// ones; and what is wrong by some per cent in its tables does not.
+#include <gtest/gtest.h>
+
+#include <bit>
+
+#include "libcommon/testing/z_failure.h"
+#include "tools/tdpt-render/device/test_device.h"
+#include "tools/tdpt-render/device/test_stages.h"
+#include "tools/tdpt-render/test_variant.h"
+
+namespace tdpt {
+namespace {
+
+constexpr int kWidth = 32, kHeight = 24, kBlock = 4;
+
+struct Runs {
+  uint64_t first_seed = 1, runs = 16, spp = 8;
+  int max_depth = 8;
+  double beta = 1;
+};
+
+RenderResult render_once(const World& world, const Integrator& integrator, const Runs& runs,
+                         uint64_t seed, const std::shared_ptr<SampleRenderer>& device) {
+  RenderSettings settings;
+  settings.spp = runs.spp;
+  settings.max_depth = runs.max_depth;
+  settings.beta = runs.beta;
+  settings.seed = seed;
+  settings.device = device;
+  return render(world, integrator, settings);
+}
+
+testing::BlockRuns blocks(const World& world, const Integrator& integrator, const Runs& runs,
+                          const std::shared_ptr<SampleRenderer>& device) {
+  testing::BlockRuns all;
+  for (uint64_t seed = runs.first_seed; seed < runs.first_seed + runs.runs; ++seed) {
+    const RenderResult r = render_once(world, integrator, runs, seed, device);
+    EXPECT_EQ(r.tally.not_finite, 0u);
+    std::vector<double> run(size_t{kWidth / kBlock} * (kHeight / kBlock));
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kWidth; ++x)
+        run[static_cast<size_t>(y / kBlock * (kWidth / kBlock) + x / kBlock)] +=
+            luminance(r.picture.pixels[static_cast<size_t>(y * kWidth + x)]) / (kBlock * kBlock);
+    all.add(run);
+  }
+  return all;
+}
+
+// With random numbers of its own the twin agrees with the CPU; with the same ones its mean does to
+// some hundredths of a per cent.
+void expect_agreement(const Stage& stage, const Runs& runs) {
+  const auto world = stage.world(kWidth, kHeight);
+  const auto twin = std::make_shared<TwinRenderer>(*world);
+  Runs others = runs;
+  others.first_seed += 1000;
+  double brightest = 0;
+  for (const Integrator* integrator : integrators()) {
+    const testing::BlockRuns by_cpu = blocks(*world, *integrator, runs, nullptr),
+                             by_twin = blocks(*world, *integrator, others, twin),
+                             paired = blocks(*world, *integrator, runs, twin);
+    brightest = std::max(brightest, by_cpu.mean());
+    const std::string what = stage.name + ", " + integrator->name + " of the device";
+    const testing::Agreement free = testing::compare(by_twin, by_cpu);
+    EXPECT_TRUE(testing::holds(free, what, by_twin, by_cpu, kWidth / kBlock));
+    const testing::Agreement same = testing::compare_paired(paired, by_cpu);
+    EXPECT_TRUE(testing::holds(same, what + ", paired", paired, by_cpu, kWidth / kBlock));
+    std::printf("%-10s %-11s depth %2d: p %.1e %.1e %.1e, paired %+.5f %% p %.1e\n",
+                stage.name.c_str(), integrator->name, runs.max_depth, free.p_drift, free.p_rms,
+                free.p_largest, 100 * same.relative, same.p_drift);
+  }
+}
+
+TEST(device_agreement, rooms_with_crossing_portals) {
+  expect_agreement(two_rooms_stage(), {});
+}
+TEST(device_agreement, for_every_limit_of_depth) {
+  for (const int depth : {2, 3, 4}) expect_agreement(everything_stage(), {.max_depth = depth});
+  expect_agreement({"ceiling", read_gltf(furnace_path()), {portal_in_the_furnace()}},
+                   {.max_depth = 1});
+}
+TEST(device_agreement, without_a_limit_of_depth) {
+  expect_agreement(culling_stage(), {.max_depth = kMaxDepth});
+}
+TEST(device_agreement, by_the_power_heuristic) {
+  expect_agreement(door_stage(), {.beta = 2});
+}
+TEST(device_agreement, all_materials) {
+  expect_agreement(materials_stage(), {});
+}
+TEST(device_agreement, lamps_without_surface) {
+  expect_agreement(lamps_stage(), {});
+}
+// Coloured glass of which nothing but the front is there, lit from within by the sky and by a lamp
+// infinitely far: light from there has come through no glass.
+Stage open_glass_stage() {
+  Scene scene = read_bytes(testing::glossy_rooms({}));
+  scene = without_lamps(open_end(scene, 2.09));
+  Material glass = clear_pane();
+  glass.solid = true;
+  glass.roughness = 0.5f;
+  glass.absorption = {0.5f, 2, 8};
+  scene = with_sheet(scene, glass, {1.5, 0.2, -0.8}, {0, 0, 1.6}, {0, 1.6, 0});
+  PunctualLight sun;
+  sun.kind = PunctualLight::Kind::directional;
+  sun.direction = normalize(Vec3d{-1, -0.2, 0.1});
+  sun.intensity = Rgb(2);
+  scene.lights.push_back(sun);
+  return {"open_glass", under(scene, one_colour_sky(Rgb(1))), {kWideWindow}};
+}
+
+TEST(device_agreement, what_is_infinitely_far_is_in_no_absorbing_solid) {
+  expect_agreement(open_glass_stage(), {});
+}
+
+TEST(device_agreement, sky_sun_and_windows) {
+  expect_agreement(sky_stage(), {});
+}
+
+// Pixels that differ by more than a thousandth, of the pixel or of the mean, by the same samples of
+// the same paths. Integrators that choose which pairs of many to join choose others on a device.
+double share_that_differs(const World& world, const Integrator& integrator,
+                          const std::shared_ptr<SampleRenderer>& device) {
+  const Runs runs{.spp = 4};
+  const RenderResult a = render_once(world, integrator, runs, 3, nullptr),
+                     b = render_once(world, integrator, runs, 3, device);
+  const auto mean = static_cast<float>(luminance(Rgb(a.mean())));
+  size_t differ = 0;
+  for (size_t i = 0; i < a.picture.pixels.size(); ++i) {
+    const Rgb &p = a.picture.pixels[i], &q = b.picture.pixels[i];
+    differ += max_component(max(p - q, q - p)) > 1e-3f * std::max(max_component(p), mean);
+  }
+  return static_cast<double>(differ) / static_cast<double>(a.picture.pixels.size());
+}
+
+TEST(device_closeness, all_but_few_pixels_are_those_of_the_cpu) {
+  for (const Stage& stage : {two_rooms_stage(), door_stage(), lamps_stage(), solids_stage()}) {
+    const auto world = stage.world(kWidth, kHeight);
+    const auto twin = std::make_shared<TwinRenderer>(*world);
+    for (const Integrator* integrator : {&pt, &nee}) {
+      const double share = share_that_differs(*world, *integrator, twin);
+      std::printf("%-10s %-11s %.4f of the pixels differ\n", stage.name.c_str(), integrator->name,
+                  share);
+      EXPECT_LT(share, 0.02) << stage.name << " " << integrator->name;
+    }
+  }
+}
+
+// Faults, each in what a device is told.
+class device_agreement_twin : public ::testing::Test {
+ protected:
+  testing::Agreement of(const char* what, const Integrator& integrator, const Faults& faults) {
+    const auto twin = std::make_shared<TwinRenderer>(*world_, kEnough, faults);
+    const testing::BlockRuns found = blocks(*world_, integrator, runs_, twin),
+                             known = blocks(*world_, integrator, runs_, nullptr);
+    const testing::Agreement same = testing::compare_paired(found, known);
+    std::printf("%-36s %-11s %+.4f %% p %.1e\n", what, integrator.name, 100 * same.relative,
+                same.p_drift);
+    return same;
+  }
+  void expect_caught(const char* what, const Integrator& integrator,
+                     const std::function<void(RenderTables&)>& spoil) {
+    EXPECT_FALSE(of(what, integrator, {.tables = spoil}).holds()) << what;
+  }
+  void stand_before(const Stage& stage) {
+    stage_ = stage;
+    world_ = stage_.world(kWidth, kHeight);
+  }
+
+  Runs runs_{};
+  Stage stage_ = two_rooms_stage();
+  std::unique_ptr<World> world_ = stage_.world(kWidth, kHeight);
+};
+
+TEST_F(device_agreement_twin, control_nothing_is_wrong) {
+  for (const Integrator* integrator : {&nee, &bdpt, &tdpt_ref, &tdpt_guided})
+    EXPECT_TRUE(of("control", *integrator, {}).holds());
+  // Weights may expect what they like, as long as all strategies' do.
+  EXPECT_TRUE(
+      of("joins expected twice", bdpt, {.parameters = [](auto& p) { p.joined *= 2; }}).holds());
+}
+
+TEST_F(device_agreement_twin, a_density_off_by_2_percent_is_caught) {
+  expect_caught("of next events", nee, [](RenderTables& t) {
+    for (shader::Emitter& emitter : t.lights.emitters) emitter.pdf_A *= 1.02f;
+  });
+  expect_caught("of places on lamps, in weights", bdpt, [](RenderTables& t) {
+    for (size_t i = 0; i < t.surfaces.faces.size(); ++i) {
+      uint32_t& word = t.lights.words[t.lights.settings.first_pdf_A + i];
+      word = std::bit_cast<uint32_t>(1.02f * std::bit_cast<float>(word));
+    }
+  });
+  EXPECT_FALSE(
+      of("of the film", bdpt, {.parameters = [](auto& p) { p.film_area *= 1.02f; }}).holds());
+}
+
+TEST_F(device_agreement_twin, a_density_of_portals_off_by_5_percent_is_caught) {
+  stand_before({"window",
+                read_gltf(TDPT_TESTDATA "/scenes/window.glb"),
+                {rectangle({2.05, 0.2, -0.8}, {0, 0, 1.6}, {0, 1.6, 0})}});
+  for (const Integrator* integrator : {&tdpt_org, &tdpt_ref, &tdpt_guided})
+    expect_caught("of portal segments", *integrator, [](RenderTables& t) {
+      for (shader::PortalFacet& facet : t.portals.facets) facet.density *= 1.05f;
+    });
+}
+
+TEST_F(device_agreement_twin, a_cosine_off_by_2_percent_is_caught) {
+  expect_caught("of lamps", nee, [](RenderTables& t) {
+    for (shader::Emitter& emitter : t.lights.emitters) emitter.normal = emitter.normal * 0.98f;
+    for (shader::Face& face : t.surfaces.faces)
+      if (t.surfaces.materials[face.material].flags & MATERIAL_EMITS)
+        face.normal = face.normal * 0.98f;
+  });
+}
+
+TEST_F(device_agreement_twin, a_lobe_of_3_percent_more_is_caught) {
+  const auto colours = [](RenderTables& t) {
+    for (shader::SurfaceMaterial& m : t.surfaces.materials) m.base_color = m.base_color * 1.03f;
+  };
+  expect_caught("colours", nee, colours);
+  stand_before(solids_stage());
+  expect_caught("colours", nee, colours);
+  expect_caught("colours of metals", nee, [](RenderTables& t) {
+    for (shader::SurfaceMaterial& m : t.surfaces.materials)
+      if (m.metallic > 0) m.base_color = m.base_color * 1.03f;
+  });
+}
+
+TEST_F(device_agreement_twin, a_sky_or_a_sun_that_is_wrong_is_caught) {
+  Stage stage = sky_stage();
+  stage.portals.clear();
+  stand_before(stage);
+  runs_.spp = 48;
+  expect_caught("density of the sky by a tenth", nee,
+                [](RenderTables& t) { t.lights.settings.sky_pdf_1 *= 1.1f; });
+  expect_caught("half of the sun", nee, [](RenderTables& t) {
+    for (shader::SkySun& sun : t.lights.suns) sun.radiance = sun.radiance * 0.5f;
+  });
+}
+
+TEST_F(device_agreement_twin, a_technique_that_is_weighed_but_not_run_is_caught) {
+  EXPECT_FALSE(of("segments are not joined", tdpt_ref, {.skipped = Step::join_segments}).holds());
+  EXPECT_FALSE(of("sides are not joined", tdpt_ref, {.skipped = Step::join_sides}).holds());
+  EXPECT_FALSE(of("nothing is joined", nee, {.skipped = Step::join}).holds());
+  stand_before(door_stage());
+  EXPECT_FALSE(of("lights are not met", pt, {.skipped = Step::meet_lights}).holds());
+}
+
+// Twin of the above: a colour off by half a per cent is another pixel nearly everywhere.
+TEST_F(device_agreement_twin, pixels_off_by_half_a_percent_are_seen) {
+  stand_before(solids_stage());
+  const auto twin =
+      std::make_shared<TwinRenderer>(*world_, kEnough, Faults{.tables = [](RenderTables& t) {
+        for (shader::SurfaceMaterial& m : t.surfaces.materials)
+          m.base_color = m.base_color * 1.005f;
+      }});
+  EXPECT_GT(share_that_differs(*world_, nee, twin), 0.5);
+}
+
+}  // namespace
+}  // namespace tdpt

@@ -1,0 +1,126 @@
+// A device that is lost on the way: nothing that was rendered before is, and the rest gives the
+// bytes of a rendering that was never interrupted.
+#include <gtest/gtest.h>
+
+#include "libcommon/base/error.h"
+#include "tools/tdpt-render/course.h"
+#include "tools/tdpt-render/device/twin.h"
+#include "tools/tdpt-render/device/wavefront.h"
+#include "tools/tdpt-render/test_rooms.h"
+
+namespace tdpt {
+namespace {
+
+// Is lost when it has run so many steps.
+class LostMachine : public Machine {
+ public:
+  LostMachine(std::unique_ptr<Machine> sound, int& steps)
+      : sound_(std::move(sound)), left_(steps) {}
+  Room room() const override { return sound_->room(); }
+  void set(const shader::RenderParameters& p, const std::vector<uint32_t>& offsets) override {
+    sound_->set(p, offsets);
+  }
+  void run(Step step, const shader::StepParameters& p) override {
+    if (left_-- == 0) throw Error(Exit::no_device, "cannot run on a device: ErrorDeviceLost");
+    sound_->run(step, p);
+  }
+  uint32_t gather(bool of_light, uint32_t first, uint32_t count) override {
+    return sound_->gather(of_light, first, count);
+  }
+  uint32_t pick(uint32_t count) override { return sound_->pick(count); }
+  void place_ends(uint32_t walks) override { sound_->place_ends(walks); }
+  std::vector<uint32_t> take_film() override { return sound_->take_film(); }
+
+ private:
+  std::unique_ptr<Machine> sound_;
+  int& left_;
+};
+
+class lost_device : public ::testing::Test {
+ protected:
+  // Fails at the step of that number; -1: never.
+  RenderSettings settings_with(int steps) {
+    left_ = steps;
+    RenderSettings settings;
+    settings.spp = 9;
+    settings.max_depth = 6;
+    settings.layers = settings.alpha = true;
+    settings.frames = true;  // one sample at a time
+    const FilmPlaces places(24 * 18, true, world_.portals.portals());
+    settings.device = std::make_shared<WavefrontRenderer>(
+        world_, std::make_unique<LostMachine>(
+                    make_twin(tables_, {1u << 16, 1u << 10}, places.words), left_));
+    return settings;
+  }
+  RenderResult rendered(const RenderSettings& settings, Course course = {}) const {
+    return render(world_, {{tdpt_org, tdpt_org.name}}, settings, {}, std::move(course));
+  }
+  std::string bytes_of(Standing& standing, const Plan& plan) const {
+    standing.seconds = standing.cpu_seconds = standing.began = 0;
+    return film_bytes(standing, plan, {}, kGpuCode, {}, {}, {});
+  }
+
+  const Scene scene_ = read_gltf(two_rooms_path());
+  const World world_{scene_, scene_.camera(""), 24, 18, {portal_in_the_hole()}};
+  const RenderTables tables_{world_};
+  int left_ = 0;
+};
+
+TEST_F(lost_device, keeps_all_whole_passes_and_another_goes_on_to_the_same_bytes) {
+  const RenderResult whole = rendered(settings_with(-1));
+  const std::string expected = bytes_of(*whole.standing, whole.plan);
+  const int all = -1 - left_;
+  for (const int steps : {all / 4, all / 2, all / 2 + 1, all - 1}) {
+    std::string kept;
+    Course course;
+    course.rescue = [&](Standing& standing, const Plan& plan) { kept = bytes_of(standing, plan); };
+    EXPECT_THROW(rendered(settings_with(steps), std::move(course)), Error);
+    FilmFile film = parse_film(kept, "kept");
+    const uint64_t samples = film.film.samples();
+    EXPECT_GT(samples, 0u);
+    EXPECT_LT(samples, 9u);
+    Course rest;
+    rest.plan = read_plan(film.facts.plan, "kept");
+    rest.standing = standing_of(std::move(film), "kept");
+    const RenderResult result = rendered(settings_with(-1), std::move(rest));
+    EXPECT_EQ(result.picture.pixels, whole.picture.pixels);
+    EXPECT_EQ(bytes_of(*result.standing, result.plan), expected) << samples;
+  }
+}
+
+// Twin: a renderer that adds half a pass before it fails spoils the film.
+class Careless : public SampleRenderer {
+ public:
+  explicit Careless(std::shared_ptr<SampleRenderer> sound, int passes)
+      : sound_(std::move(sound)), left_(passes) {}
+  void render(const Integrator& integrator, const SampleRules& rules, uint64_t round,
+              const SampleRange& samples, Film& film, Tally& tally, Progress& progress) override {
+    if (left_-- > 0)
+      return sound_->render(integrator, rules, round, samples, film, tally, progress);
+    film.add(3, 3, Vec3d(1, 1, 1), 0);
+    throw Error(Exit::no_device, "lost");
+  }
+  uint64_t samples_of_pass() const override { return 1; }
+
+ private:
+  std::shared_ptr<SampleRenderer> sound_;
+  int left_;
+};
+
+TEST_F(lost_device, twin_part_of_a_pass_in_the_film_is_caught) {
+  const RenderResult whole = rendered(settings_with(-1));
+  RenderSettings settings = settings_with(-1);
+  settings.device = std::make_shared<Careless>(settings.device, 4);
+  std::string kept;
+  Course course;
+  course.rescue = [&](Standing& standing, const Plan& plan) { kept = bytes_of(standing, plan); };
+  EXPECT_THROW(rendered(settings, std::move(course)), Error);
+  FilmFile film = parse_film(kept, "kept");
+  Course rest;
+  rest.plan = read_plan(film.facts.plan, "kept");
+  rest.standing = standing_of(std::move(film), "kept");
+  EXPECT_NE(rendered(settings_with(-1), std::move(rest)).picture.pixels, whole.picture.pixels);
+}
+
+}  // namespace
+}  // namespace tdpt

@@ -1,0 +1,103 @@
+#include "tools/tdpt-render/device/room.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include <fmt/format.h>
+
+#include "libcommon/base/error.h"
+#include "tools/tdpt-render/path/roulette.h"
+
+namespace tdpt {
+namespace {
+
+// Of a pool, when no walk ends before the limit of depth; the ends of its segments.
+constexpr uint64_t kFewestSlots = 2 * kMostOfPool * (uint64_t{kMaxDepth} + 1) + 2 * kMostOfPool;
+constexpr uint64_t kMostSlots = uint64_t{1} << 24;
+constexpr uint64_t kSlotsOfSample = 16;  // more than most samples take
+constexpr uint64_t kWorkGroup = 64;      // invocations, one for a slot
+
+// What GpuMachine binds of each slot, and of each sample.
+uint64_t slot_bytes(bool layered) {
+  return sizeof(shader::PathVertex) + sizeof(shader::PathDensity) + sizeof(shader::JoinEnd) +
+         3 * sizeof(uint32_t) + Room{1, 0}.estimates() * sizeof(float) + (layered ? sizeof(shader::PathBsdf) : 0);
+}
+constexpr uint64_t sample_bytes() {
+  constexpr uint64_t kJoinings = Room{0, 1}.joinings();
+  return 3 * sizeof(uint32_t) + 2 * sizeof(shader::JoinEnd) + sizeof(shader::PortalSegment) +
+         shader::kSegmentSides * sizeof(shader::SegmentSide) + 2 * sizeof(shader::WalkRay) +
+         kJoinings * (sizeof(shader::Joining) + 2 * sizeof(shader::Scattering));
+}
+
+[[noreturn]] void refuse(const std::string& device, const std::string& why) {
+  throw Error(Exit::no_device, device + ": " + why);
+}
+
+template <class T>
+uint64_t bytes_of(const std::vector<T>& values) {
+  return values.size() * sizeof(T);
+}
+
+}  // namespace
+
+std::vector<SceneShare> shares_of(const RenderTables& t) {
+  const SurfaceTables& s = t.surfaces;
+  const LightTables& l = t.lights;
+  return {{"the hierarchy of the triangles", bytes_of(t.bvh.nodes)},
+          {"the triangles", bytes_of(t.bvh.triangles)},
+          {"the faces of the triangles", bytes_of(s.faces)},
+          {"the corners of the triangles", bytes_of(s.face_corners)},
+          {"the attributes of vertices", bytes_of(s.corner_attributes)},
+          {"the materials", bytes_of(s.materials)},
+          {"the textures", bytes_of(s.texel_words)},
+          {"the coverage of the triangles", bytes_of(s.coverage.coverage_of)},
+          {"the emissive surfaces", bytes_of(l.emitters)},
+          {"the odds of the lights", bytes_of(l.words)},
+          {"the lamps", bytes_of(l.lamps)},
+          {"the sky", bytes_of(l.texels)},
+          {"the panels", bytes_of(l.panels)},
+          {"the windows", bytes_of(l.windows) + bytes_of(l.frames)},
+          {"the portals", bytes_of(t.portals.polygons)},
+          {"the corners of the portals", bytes_of(t.portals.corners)},
+          {"the pairs of portals", bytes_of(t.portals.pairs)}};
+}
+
+Room room_on(const std::string& name, const gpu::Limits& limits, const DeviceNeeds& needs) {
+  if (needs.bindings > limits.buffers)
+    refuse(name, fmt::format("a kernel binds {} buffers, the device allows {}", needs.bindings,
+                             limits.buffers));
+  uint64_t scene = 0;
+  SceneShare largest{"", 0};
+  for (const SceneShare& share : needs.scene) {
+    scene += share.bytes;
+    if (share.bytes > largest.bytes) largest = share;
+  }
+  if (scene > limits.texels)
+    refuse(name, fmt::format("the scene takes {} bytes, {} of them {}, the device reads no more "
+                             "than {} from a buffer",
+                             scene, largest.bytes, largest.name, limits.texels));
+  if (needs.film > limits.buffer)
+    refuse(name, fmt::format("the film takes {} bytes, the device's largest buffer has {}",
+                             needs.film, limits.buffer));
+  const uint64_t fixed = scene + needs.film;
+  // With its samples, each of which has so many.
+  const uint64_t slot = slot_bytes(needs.layered) + sample_bytes() / kSlotsOfSample + 1;
+  const uint64_t most = limits.memory / 4 * 3;
+  if (fixed + kFewestSlots * slot > most)
+    refuse(name, fmt::format("scene, film and samples take {} bytes of memory at least, of the "
+                             "device's they may take {}",
+                             fixed + kFewestSlots * slot, most));
+  Room room;
+  const uint64_t in_memory = std::min(most - fixed, limits.memory / 8) / slot;
+  room.vertices = static_cast<uint32_t>(
+      std::min({std::max(in_memory, kFewestSlots), limits.buffer / sizeof(shader::PathVertex),
+                limits.texels / slot,
+                kWorkGroup * limits.groups, kMostSlots}));
+  if (room.vertices < kFewestSlots)
+    refuse(name, fmt::format("samples take {} vertices at least, the device holds {}", kFewestSlots,
+                             room.vertices));
+  room.samples = static_cast<uint32_t>(room.vertices / kSlotsOfSample);
+  return room;
+}
+
+}  // namespace tdpt

@@ -1,0 +1,166 @@
+// A device makes the bytes of its twin on the CPU, whatever is in the scene, and Vulkan's
+// validation has nothing to say.
+#include <gtest/gtest.h>
+
+#include <chrono>
+
+#include "tools/tdpt-render/device/gpu_machine.h"
+#include "tools/tdpt-render/device/test_device.h"
+#include "tools/tdpt-render/device/test_stages.h"
+#include "tools/tdpt-render/test_variant.h"
+
+namespace tdpt {
+namespace {
+
+constexpr int kWidth = 33, kHeight = 17;
+
+class device_bytes : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    const char* on = getenv("TDPT_VULKAN_VALIDATION");
+    ASSERT_TRUE(on && std::string(on) == "1") << "run it with ctest, or set what ctest sets";
+    device_ = std::make_unique<gpu::Device>(gpu::Device::open());
+  }
+  void TearDown() override {
+    device_.reset();  // what is left over is told now
+    EXPECT_EQ(gpu::take_validation_messages(), std::vector<std::string>());
+  }
+  const gpu::Device& device() const { return *device_; }
+
+ private:
+  std::unique_ptr<gpu::Device> device_;
+};
+
+// Both machines of a stage, for worlds of up to kWidth x kHeight pixels.
+class Pair {
+ public:
+  Pair(const gpu::Device& device, const Stage& stage,
+       const std::function<void(RenderTables&)>& spoil = {})
+      : stage_(stage),
+        largest_(stage.world(kWidth, kHeight)),
+        tables_(*largest_),
+        spoilt_(tables_) {
+    const uint32_t words = film_words(*largest_, true);
+    gpu_ = make_gpu_machine(device, tables_, kEnough, words);
+    if (spoil) spoil(spoilt_);
+    twin_ = make_twin(spoilt_, kEnough, words);
+  }
+
+  struct Outcomes {
+    Outcome gpu, twin;
+  };
+  Outcomes rendered(int width, int height, const Integrator& integrator, const Samples& samples,
+                    const Room& room = kEnough) const {
+    const auto world = stage_.world(width, height);
+    const auto by = [&](Machine& machine) {
+      WavefrontRenderer renderer(*world, std::make_unique<Borrowed>(machine, room));
+      return rendered_by(renderer, *world, integrator, samples);
+    };
+    return {by(*gpu_), by(*twin_)};
+  }
+
+  void expect_same(int width, int height, const Integrator& integrator, const Samples& samples,
+                   const Room& room = kEnough) const {
+    const Outcomes both = rendered(width, height, integrator, samples, room);
+    EXPECT_EQ(both.gpu, both.twin) << stage_.name << " " << integrator.name << " " << width << " x "
+                                   << height << ", depth " << samples.rules.max_depth;
+  }
+
+ private:
+  const Stage& stage_;
+  const std::unique_ptr<World> largest_;
+  const RenderTables tables_;
+  RenderTables spoilt_;
+  std::unique_ptr<Machine> gpu_, twin_;
+};
+
+void expect_all_same(const gpu::Device& device, const Stage& stage) {
+  const auto begin = std::chrono::steady_clock::now();
+  const Pair pair(device, stage);
+  uint64_t seed = 0;
+  for (const Integrator* integrator : integrators())
+    for (const int depth : {1, 2, 3, 8, 16}) {
+      ++seed;
+      Samples samples{{seed, 2}, {depth, seed % 3 == 0 ? 2.0 : 1.0, seed}, stage.alpha};
+      samples.layers = seed % 2 != 0;
+      pair.expect_same(kWidth, kHeight, *integrator, samples);
+    }
+  for (const Integrator* integrator : {&bdpt, &kGuided[2]}) {
+    pair.expect_same(1, 1, *integrator, {{0, 5}, {5}});
+    pair.expect_same(7, 5, *integrator, {{0, 3}, {5}, stage.alpha});
+    pair.expect_same(kWidth, kHeight, *integrator, {{0, 2}, {5}}, {1u << 13, kMostOfPool});
+  }
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
+  std::printf("%-12s %.1f s\n", stage.name.c_str(), took.count());
+}
+
+TEST_F(device_bytes, of_plain_rooms) {
+  expect_all_same(device(), two_rooms_stage());
+}
+
+TEST_F(device_bytes, of_many_lamps_behind_a_door) {
+  expect_all_same(device(), door_stage());
+}
+
+TEST_F(device_bytes, of_all_materials) {
+  expect_all_same(device(), materials_stage());
+}
+
+TEST_F(device_bytes, of_lamps_without_surface) {
+  expect_all_same(device(), lamps_stage());
+}
+
+TEST_F(device_bytes, of_sky_sun_and_windows) {
+  expect_all_same(device(), sky_stage());
+}
+
+TEST_F(device_bytes, of_a_camera_that_culls_and_a_transparent_film) {
+  expect_all_same(device(), culling_stage());
+}
+
+TEST_F(device_bytes, of_everything) {
+  expect_all_same(device(), everything_stage());
+}
+
+TEST_F(device_bytes, of_generated_rooms) {
+  using Kind = testing::RoomKind;
+  for (const Kind kind : {Kind::glazing_bars, Kind::l_room, Kind::lampshade}) {
+    const Stage stage = known_stage(kind, 3);
+    const Pair pair(device(), stage);
+    for (const Integrator* integrator : {&tdpt_org, &tdpt_guided})
+      pair.expect_same(kWidth, kHeight, *integrator, {{0, 2}, {8}});
+  }
+}
+
+TEST_F(device_bytes, of_the_papers_scenes) {
+  size_t there = 0;
+  for (const char* name : {"cornell-box", "veach-ajar", "bathroom2"}) {
+    const std::string path = TDPT_SHARED "/scenes/" + std::string(name) + ".glb";
+    if (!std::filesystem::exists(path)) continue;
+    ++there;
+    const Stage stage{name, read_gltf(path), {}};
+    const Pair pair(device(), stage);
+    for (const Integrator* integrator : {&nee, &bdpt})
+      pair.expect_same(kWidth, kHeight, *integrator, {{0, 1}, {6}});
+  }
+  if (there == 0) GTEST_SKIP() << "the paper's scenes are not here";
+}
+
+// Twin: one wrong bit of a table is another picture.
+TEST_F(device_bytes, twin_one_wrong_bit_in_a_table_is_seen) {
+  const Stage stage = two_rooms_stage();
+  const auto up = [](float& x) { x = std::nextafter(x, 2 * x); };
+  const std::vector<std::function<void(RenderTables&)>> spoils{
+      [&](RenderTables& t) { up(t.surfaces.materials[0].base_color.x); },
+      [&](RenderTables& t) { up(t.surfaces.faces[7].e1.y); },
+      [&](RenderTables& t) { up(t.portals.facets[0].density); },
+      [&](RenderTables& t) { up(t.lights.emitters[0].pdf_A); }};
+  for (size_t i = 0; i < spoils.size(); ++i) {
+    const Pair pair(device(), stage, spoils[i]);
+    const Pair::Outcomes both = pair.rendered(kWidth, kHeight, tdpt_org, {{0, 4}, {8}});
+    EXPECT_NE(both.gpu, both.twin) << i;
+  }
+}
+
+}  // namespace
+}  // namespace tdpt

@@ -1,0 +1,124 @@
+// A picture is the same bytes however it is divided into submissions, and into calls.
+#include <gtest/gtest.h>
+
+#include "libcommon/base/error.h"
+#include "tools/tdpt-render/device/test_device.h"
+#include "tools/tdpt-render/device/test_stages.h"
+#include "tools/tdpt-render/test_variant.h"
+
+namespace tdpt {
+namespace {
+
+// One pool at a time has room, and less than that where paths are long.
+const std::vector<Room> kRooms{{1u << 13, kMostOfPool}, {1u << 14, 777}, {1u << 15, 1u << 14}};
+
+void expect_same_in_all_rooms(const Stage& stage, int width, int height, const Samples& samples) {
+  const auto world = stage.world(width, height);
+  TwinRenderer large(*world);
+  for (const Integrator* integrator : integrators()) {
+    const Outcome whole = rendered_by(large, *world, *integrator, samples);
+    for (const Room& room : kRooms) {
+      TwinRenderer small(*world, room);
+      EXPECT_EQ(whole, rendered_by(small, *world, *integrator, samples))
+          << stage.name << " " << integrator->name << " " << room.vertices;
+    }
+  }
+}
+
+TEST(tiling, in_any_room_is_the_same) {
+  expect_same_in_all_rooms(two_rooms_stage(), 33, 17, {{0, 3}, {8}, false, true});
+  expect_same_in_all_rooms(everything_stage(), 33, 17, {{0, 2}, {6}, true, true});
+  expect_same_in_all_rooms(sky_stage(), 40, 30, {{5, 2}, {3}, true});
+  expect_same_in_all_rooms(culling_stage(), 40, 30, {{0, 2}, {8}, true});
+}
+
+// Halved in the middle of it: many samples have room for their walks at first, and rays that were
+// counted are taken back.
+TEST(tiling, walks_that_have_no_room_leave_nothing_behind) {
+  const Stage stage{"furnace", read_gltf(furnace_path()), {portal_in_the_furnace()}};
+  const auto world = stage.world(24, 18);
+  const Samples samples{{0, 4}, {64, 2, 3}, true};
+  for (const Integrator* integrator : integrators()) {
+    TwinRenderer large(*world, {1u << 19, 1u << 14}), small(*world, {1u << 13, 1u << 11});
+    EXPECT_EQ(rendered_by(large, *world, *integrator, samples),
+              rendered_by(small, *world, *integrator, samples))
+        << integrator->name;
+  }
+}
+
+TEST(tiling, of_the_smallest_pictures) {
+  for (const auto& [width, height] : {std::pair{1, 1}, {7, 5}, {1, 300}, {16, 1}})
+    expect_same_in_all_rooms(two_rooms_stage(), width, height, {{0, 5}, {4}});
+}
+
+// Samples in several calls: what shards and checkpoints rest on.
+TEST(tiling, in_any_calls_is_the_same) {
+  const Stage stage = sky_stage();
+  const auto world = stage.world(33, 17);
+  TwinRenderer twin(*world);
+  for (const Integrator* integrator : {&nee, &bdpt, &tdpt_guided}) {
+    Integrator expecting = *integrator;
+    expecting.mixture = expecting_joins(*world, integrator->mixture, 5);
+    Film film = film_for(*world, TechniqueSet(), true);
+    Tally tally(film.unit());
+    Progress progress("rendering", "samples", 0, true);
+    for (const SampleRange range : {SampleRange{2, 1}, {0, 2}, {3, 3}})
+      twin.render(expecting, {5}, 0, range, film, tally, progress);
+    EXPECT_EQ(rendered_by(twin, *world, *integrator, {{0, 6}, {5}, true}), outcome_of(film, tally))
+        << integrator->name;
+  }
+}
+
+// Twin: other samples are another picture.
+TEST(tiling, twin_other_samples_are_seen) {
+  const Stage stage = two_rooms_stage();
+  const auto world = stage.world(7, 5);
+  TwinRenderer twin(*world);
+  const Outcome one = rendered_by(twin, *world, bdpt, {{0, 2}, {8}});
+  EXPECT_EQ(one, rendered_by(twin, *world, bdpt, {{0, 2}, {8}}));
+  EXPECT_NE(one, rendered_by(twin, *world, bdpt, {{1, 2}, {8}}));
+  EXPECT_NE(one, rendered_by(twin, *world, bdpt, {{0, 2}, {8, 1, 2}}));
+  EXPECT_NE(one, rendered_by(twin, *world, bdpt, {{0, 2}, {7}}));
+  EXPECT_NE(one, rendered_by(twin, *world, bdpt, {{0, 2}, {8, 2}}));
+}
+
+// A lamp that is brighter than films hold, by what the CPU says of the same samples.
+TEST(tiling, what_is_left_out_has_the_places_that_the_cpu_names) {
+  Stage stage{"furnace", read_gltf(furnace_path()), {}};
+  Material lamp = stage.scene.materials[0];
+  stage.scene.materials = {lamp, lamp};
+  for (size_t i = 0; i < stage.scene.triangles.size(); ++i)
+    stage.scene.triangles[i].material = i % 2;
+  const auto world = stage.world(33, 17);
+  stage.scene.materials[1].emission = Rgb(1e30f);
+  CpuRenderer cpu(*world);
+  for (const SampleRange& range : {SampleRange{0, 3}, {(uint64_t{1} << 32) - 1, 2}}) {
+    const Samples samples{range, {1}};
+    const Outcome known = rendered_by(cpu, *world, pt, samples);
+    ASSERT_EQ(known.not_finite_at.size(), Tally::kMostPlaces);
+    for (const Room& room : kRooms) {
+      TwinRenderer twin(*world, room);
+      const Outcome found = rendered_by(twin, *world, pt, samples);
+      EXPECT_EQ(found.not_finite_at, known.not_finite_at);
+      EXPECT_EQ(found.counts[4], known.counts[4]);  // how many there are
+    }
+  }
+}
+
+TEST(tiling, a_pool_that_has_no_room_is_refused_with_both_numbers) {
+  const Stage stage{"furnace", read_gltf(furnace_path()), {}};
+  const auto world = stage.world(16, 16);
+  TwinRenderer twin(*world, {100, kMostOfPool});
+  try {
+    rendered_by(twin, *world, bdpt, {{0, 1}, {64}});
+    FAIL() << "nothing was thrown";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code, Exit::no_device);
+    EXPECT_STREQ(e.what(),
+                 "the device has room for 100 vertices of paths, and 16 samples that share light "
+                 "walks take more: --max-depth makes paths shorter");
+  }
+}
+
+}  // namespace
+}  // namespace tdpt
