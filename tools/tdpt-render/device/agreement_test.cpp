@@ -114,6 +114,12 @@ TEST(device_agreement, what_is_infinitely_far_is_in_no_absorbing_solid) {
   expect_agreement(open_glass_stage(), {});
 }
 
+TEST(device_agreement, generated_rooms) {
+  using Kind = testing::RoomKind;
+  for (const Kind kind : {Kind::arch, Kind::furnished_door})
+    expect_agreement(known_stage(kind, 5), {.runs = 8, .max_depth = 6});
+}
+
 TEST(device_agreement, sky_sun_and_windows) {
   expect_agreement(sky_stage(), {});
 }

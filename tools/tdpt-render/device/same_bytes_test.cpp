@@ -4,7 +4,9 @@
 
 #include <chrono>
 
+#include "tools/tdpt-render/candidates.h"
 #include "tools/tdpt-render/device/gpu_machine.h"
+#include "tools/tdpt-render/device/gpu_renderer.h"
 #include "tools/tdpt-render/device/test_device.h"
 #include "tools/tdpt-render/device/test_stages.h"
 #include "tools/tdpt-render/test_variant.h"
@@ -129,6 +131,29 @@ TEST_F(device_bytes, of_generated_rooms) {
     const Pair pair(device(), stage);
     for (const Integrator* integrator : {&tdpt_org, &tdpt_guided})
       pair.expect_same(kWidth, kHeight, *integrator, {{0, 2}, {8}});
+  }
+}
+
+// With all that the program has around it: the device's own room, passes, errors, auto.
+TEST_F(device_bytes, by_the_renderer_that_the_program_has) {
+  const Stage stage = sky_stage();
+  const auto world = stage.world(kWidth, kHeight);
+  RenderSettings settings;
+  settings.spp = 5;
+  settings.max_depth = 6;
+  settings.alpha = settings.layers = settings.variance = true;
+  RenderSettings by_twin = settings;
+  settings.device = make_gpu_renderer(device(), *world, true);
+  by_twin.device = std::make_shared<TwinRenderer>(*world);
+  std::vector<std::vector<Candidate>> all{auto_candidates(*world)};
+  for (const Integrator* integrator : integrators()) all.push_back({{*integrator, ""}});
+  for (const std::vector<Candidate>& candidates : all) {
+    const RenderResult a = render(*world, candidates, settings),
+                       b = render(*world, candidates, by_twin);
+    EXPECT_EQ(a.chosen, b.chosen);
+    EXPECT_EQ(outcome_of(a.standing->film, a.standing->tally),
+              outcome_of(b.standing->film, b.standing->tally))
+        << candidates[0].integrator.name;
   }
 }
 

@@ -65,8 +65,8 @@ inline Outcome rendered_by(SampleRenderer& renderer, const World& world,
 
 /// What is planted in a machine, to be caught.
 struct Faults {
-  std::function<void(RenderTables&)> tables;
-  std::function<void(shader::RenderParameters&)> parameters;
+  std::function<void(RenderTables&)> tables{};
+  std::function<void(shader::RenderParameters&)> parameters{};
   Step skipped = Step::kSteps;
 };
 
