@@ -52,7 +52,8 @@ void run(const Options& o) {
     if (machine == "gpu") {
       const gpu::Device device = gpu::Device::open(o.gpu);
       gpu = std::make_shared<WavefrontRenderer>(
-          world, make_gpu_machine(device, tables, room_on(device, tables, places.words), places.words, &times));
+          world, make_gpu_machine(device, tables, room_on(device, tables, places.words),
+                                  places.words, &times));
     }
   }
   for (int round = 0; round < o.rounds; ++round)

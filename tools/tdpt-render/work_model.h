@@ -58,11 +58,12 @@ inline constexpr WorkCosts kWorkWithoutPortals{
     .window = 20,
 };
 
-// Likewise of samples on a device: CPU nanoseconds of Mesa's software device on one core, five scenes
-// with portals, six without. Ratios to bdpt's come out within 9 % on average, 0.7 to 1.3 times at
-// most. A first hit, where there are portals, was held at what it is without. What facets, triangles
-// of portals and looking out cost was not measured: they are to a first hit as on the CPU. Devices
-// that are of another kind have not been measured: `work_model_bench --device gpu` does.
+// Likewise of samples on a device: CPU nanoseconds of Mesa's software device on one core, five
+// scenes with portals, six without. Ratios to bdpt's come out within 9 % on average, 0.7 to 1.3
+// times at most. A first hit, where there are portals, was held at what it is without. What facets,
+// triangles of portals and looking out cost was not measured: they are to a first hit as on the
+// CPU. Devices that are of another kind have not been measured: `work_model_bench --device gpu`
+// does.
 inline constexpr WorkCosts kDeviceWorkWithPortals{
     .closest = 1319,
     .closest_deeper = 206,

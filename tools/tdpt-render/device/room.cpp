@@ -20,7 +20,8 @@ constexpr uint64_t kWorkGroup = 64;      // invocations, one for a slot
 // What GpuMachine binds of each slot, and of each sample.
 uint64_t slot_bytes(bool layered) {
   return sizeof(shader::PathVertex) + sizeof(shader::PathDensity) + sizeof(shader::JoinEnd) +
-         3 * sizeof(uint32_t) + Room{1, 0}.estimates() * sizeof(float) + (layered ? sizeof(shader::PathBsdf) : 0);
+         3 * sizeof(uint32_t) + Room{1, 0}.estimates() * sizeof(float) +
+         (layered ? sizeof(shader::PathBsdf) : 0);
 }
 constexpr uint64_t sample_bytes() {
   constexpr uint64_t kJoinings = Room{0, 1}.joinings();
@@ -91,8 +92,7 @@ Room room_on(const std::string& name, const gpu::Limits& limits, const DeviceNee
   const uint64_t in_memory = std::min(most - fixed, limits.memory / 8) / slot;
   room.vertices = static_cast<uint32_t>(
       std::min({std::max(in_memory, kFewestSlots), limits.buffer / sizeof(shader::PathVertex),
-                limits.texels / slot,
-                kWorkGroup * limits.groups, kMostSlots}));
+                limits.texels / slot, kWorkGroup * limits.groups, kMostSlots}));
   if (room.vertices < kFewestSlots)
     refuse(name, fmt::format("samples take {} vertices at least, the device holds {}", kFewestSlots,
                              room.vertices));

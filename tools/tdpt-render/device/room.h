@@ -19,8 +19,8 @@ std::vector<SceneShare> shares_of(const RenderTables& tables);
 struct DeviceNeeds {
   std::vector<SceneShare> scene;  ///< one buffer for all of them
   uint64_t film = 0;              ///< bytes
-  bool layered = false;  ///< vertices keep what they are made of [SurfaceFeatures::layers]
-  size_t bindings = 0;   ///< buffers that a kernel binds
+  bool layered = false;           ///< vertices keep what they are made of [SurfaceFeatures::layers]
+  size_t bindings = 0;            ///< buffers that a kernel binds
 };
 
 /// As many slots, and samples, as suit the device `name`: scene, film and they take three

@@ -143,7 +143,7 @@ TEST_F(device_bytes, by_the_renderer_that_the_program_has) {
   settings.max_depth = 6;
   settings.alpha = settings.layers = settings.variance = true;
   RenderSettings by_twin = settings;
-  settings.device = make_gpu_renderer(device(), *world, true);
+  settings.device = GpuUpload(device(), *world, true).renderer();
   by_twin.device = std::make_shared<TwinRenderer>(*world);
   std::vector<std::vector<Candidate>> all{auto_candidates(*world)};
   for (const Integrator* integrator : integrators()) all.push_back({{*integrator, ""}});

@@ -230,14 +230,15 @@ class OnDevice {
 
  private:
   gpu::Kernel bound(const SurfaceTables& t, const std::vector<float>& curves) const {
-    return {device_,
-            shader::surface_test_spv,
-            {gpu::Buffer(device_, t.faces), gpu::Buffer(device_, t.face_corners),
-             gpu::Buffer(device_, t.corner_attributes), materials_, gpu::Buffer(device_, t.maps),
-             gpu::Buffer(device_, t.texel_words), gpu::Buffer(device_, curves),
-             gpu::Buffer(device_, t.coverage.coverage_of),
-             gpu::Buffer(device_, t.coverage.coverages), gpu::Buffer(device_, t.material_maps), words_},
-            4};
+    return {
+        device_,
+        shader::surface_test_spv,
+        {gpu::Buffer(device_, t.faces), gpu::Buffer(device_, t.face_corners),
+         gpu::Buffer(device_, t.corner_attributes), materials_, gpu::Buffer(device_, t.maps),
+         gpu::Buffer(device_, t.texel_words), gpu::Buffer(device_, curves),
+         gpu::Buffer(device_, t.coverage.coverage_of), gpu::Buffer(device_, t.coverage.coverages),
+         gpu::Buffer(device_, t.material_maps), words_},
+        4};
   }
 
   gpu::Device device_ = gpu::Device::open();
