@@ -8,6 +8,7 @@
 #include "libcommon/math/rng.h"
 #include "libcommon/scene/test_coverage.h"
 #include "libcommon/scene/texture.h"
+#include "shaders/shared/loads.h"
 #include "shaders/shared/rng.h"
 #include "shaders/shared/texels.h"
 
@@ -24,6 +25,7 @@ struct Kernel {
   const uint* coverage_of;
   const Coverage* coverages;
   const uint* texel_words;
+  LOADS_OF_COVERAGE
   bool scene_has_coverage, coverage_has_textures, scene_has_panes;
   static float presence_at(uint, const vec3&) { return 1; }
 #include "shaders/shared/coverage.h"

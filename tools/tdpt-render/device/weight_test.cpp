@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "libcommon/math/rng.h"
+#include "shaders/shared/loads.h"
 #include "shaders/shared/path/render_layout.h"
 #include "shaders/shared/scaled.h"
 #include "tools/tdpt-render/path/mixture.h"
@@ -12,7 +13,9 @@ namespace {
 struct Weights {
   RenderParameters render{};
   const PathDensity* path_densities = nullptr;
-  bool scene_has_portals = true;
+  bool scene_has_portals = true, power_heuristic = false;
+  uint mixture_techniques = 0;
+  LOADS(PathDensity, path_density, path_densities)
 #include "shaders/shared/path/weight.h"
 };
 
@@ -93,6 +96,8 @@ Path random_path(tdpt::Rng& rng, uint k, bool portals, double decades) {
 double sum_of_weights(const RenderParameters& render, const Path& p) {
   Weights weights;
   weights.render = render;
+  weights.mixture_techniques = render.techniques;
+  weights.power_heuristic = render.beta == 2;
   double sum = 0;
   bool any_zero = false;
   for (uint i = 0; i < p.k; ++i) any_zero |= p.camera_A[i] == 0;
@@ -193,6 +198,8 @@ TEST(weights_of_kernels, twin_a_strategy_that_counts_otherwise_is_seen) {
     for (bool& dirac : p.dirac) dirac = false;
     Weights weights;
     weights.render = render;
+  weights.mixture_techniques = render.techniques;
+  weights.power_heuristic = render.beta == 2;
     std::vector<PathDensity> records = p.light_records(3);
     p.add_camera_records(3, records);
     weights.path_densities = records.data();
