@@ -29,31 +29,27 @@ layout(constant_id = 22) const bool power_heuristic = true;
 layout(constant_id = 23) const bool film_has_layers = true;
 layout(constant_id = 24) const bool film_is_transparent = true;
 
-layout(std140, binding = 2) uniform Settings {
-  RenderParameters render_settings;
-  GuideParameters guide_settings;
-  LightSettings settings_of_lights;
+struct AllSettings {
+  RenderParameters render;
+  GuideParameters guiding;
+  LightSettings lights;
   uvec4 first_texels[kPathTables];  // four tables each
 };
+layout(std140, binding = 2) uniform Settings { AllSettings all_settings[1]; };
 RenderParameters render;
 GuideParameters guiding;
 LightSettings light_settings;
 
-// Before anything else. Mesa's software device compiles a kernel anew for each dispatch when a loop or a branch goes by
-// numbers of a uniform buffer alone: those that do get a 0 that it does not know of.
+// Before anything else. Mesa's software device compiles a kernel anew for each dispatch when a loop
+// or a branch goes by numbers of a uniform buffer alone, unless it does not know where they lie.
 void read_settings() {
   uint zero = gl_WorkGroupID.y;
-  render = render_settings;
-  render.max_depth += zero;
-  guiding = guide_settings;
-  guiding.facets += zero;
-  light_settings = settings_of_lights;
-  light_settings.entries += zero;
-  light_settings.panels += zero;
-  light_settings.suns += zero;
+  render = all_settings[zero].render;
+  guiding = all_settings[zero].guiding;
+  light_settings = all_settings[zero].lights;
 }
 uint first_texel(uint table) {
-  return first_texels[table >> 2u][table & 3u];
+  return all_settings[0].first_texels[table >> 2u][table & 3u];
 }
 #include "shaders/path_tables.glsl"
 
