@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <map>
-#include <set>
 
 #include "libcommon/gpu/device_impl.h"
 
@@ -21,20 +20,30 @@ vk::raii::Pipeline make_pipeline(const vk::raii::Device& d, std::span<const uint
   return {d, nullptr, vk::ComputePipelineCreateInfo({}, stage, *layout)};
 }
 
-// Which bindings a program names: those that OpDecorate gives to its variables.
-std::set<uint32_t> bindings_of(std::span<const uint32_t> program) {
-  constexpr uint32_t kHeader = 5, kOpDecorate = 71, kBinding = 33;
-  std::set<uint32_t> named;
+// The numbers that OpDecorate gives to a program's variables or constants.
+std::set<uint32_t> decorated(std::span<const uint32_t> program, uint32_t decoration) {
+  constexpr uint32_t kHeader = 5, kOpDecorate = 71;
+  std::set<uint32_t> numbers;
   for (size_t i = kHeader; i < program.size() && program[i] >> 16 != 0; i += program[i] >> 16)
-    if ((program[i] & 0xFFFF) == kOpDecorate && program[i + 2] == kBinding)
-      named.insert(program[i + 3]);
-  return named;
+    if ((program[i] & 0xFFFF) == kOpDecorate && program[i + 2] == decoration)
+      numbers.insert(program[i + 3]);
+  return numbers;
+}
+
+std::set<uint32_t> bindings_of(std::span<const uint32_t> program) {
+  constexpr uint32_t kBinding = 33;
+  return decorated(program, kBinding);
 }
 
 }  // namespace
 
 size_t bindings_in(std::span<const uint32_t> program) {
   return bindings_of(program).size();
+}
+
+std::set<uint32_t> constants_of(std::span<const uint32_t> program) {
+  constexpr uint32_t kSpecId = 1;
+  return decorated(program, kSpecId);
 }
 
 Kernel::Kernel(const Device& device, std::span<const uint32_t> program,

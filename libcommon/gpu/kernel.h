@@ -1,5 +1,7 @@
 // Kernels, and how they are run.
 #pragma once
+#include <set>
+
 #include "libcommon/gpu/memory.h"
 
 namespace tdpt::gpu {
@@ -24,6 +26,9 @@ class Kernel {
 
 /// How much memory a program names, of all that is bound for several.
 size_t bindings_in(std::span<const uint32_t> program);
+
+/// The constant_ids that a program reads: others make no other kernel of it.
+std::set<uint32_t> constants_of(std::span<const uint32_t> program);
 
 /// Push constants: one struct, laid out as in the shader.
 template <class T>

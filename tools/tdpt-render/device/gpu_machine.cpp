@@ -316,13 +316,18 @@ class GpuMachine : public Machine {
   Kernel kernel(std::span<const uint32_t> program, const std::vector<uint32_t>& constants) const {
     return {device_, program, memory_, sizeof(shader::StepParameters), constants};
   }
-  // Made when they are first run.
+  // Made when they are first run. Those of kinds that differ in nothing that the program reads are
+  // one.
   const Kernel& kernel_of(size_t step) {
-    const auto key = std::pair(step, kind_);
+    const std::set<uint32_t> read = gpu::constants_of(kPrograms[step]);
+    std::array<uint32_t, 6> kind = kind_;
+    for (uint32_t i = 0; i < kind.size(); ++i)
+      if (!read.contains(static_cast<uint32_t>(features_.size()) + i)) kind[i] = 0;
+    const auto key = std::pair(step, kind);
     const auto found = kernels_.find(key);
     if (found != kernels_.end()) return found->second;
     std::vector<uint32_t> constants = features_;
-    constants.insert(constants.end(), kind_.begin(), kind_.end());
+    constants.insert(constants.end(), kind.begin(), kind.end());
     return kernels_.emplace(key, kernel(kPrograms[step], constants)).first->second;
   }
 
