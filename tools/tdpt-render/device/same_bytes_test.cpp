@@ -36,16 +36,11 @@ class device_bytes : public ::testing::Test {
 // Both machines of a stage, for worlds of up to kWidth x kHeight pixels.
 class Pair {
  public:
-  Pair(const gpu::Device& device, const Stage& stage,
-       const std::function<void(RenderTables&)>& spoil = {})
-      : stage_(stage),
-        largest_(stage.world(kWidth, kHeight)),
-        tables_(*largest_),
-        spoilt_(tables_) {
+  Pair(const gpu::Device& device, const Stage& stage)
+      : stage_(stage), largest_(stage.world(kWidth, kHeight)), tables_(*largest_) {
     const uint32_t words = film_words(*largest_, true);
     gpu_ = make_gpu_machine(device, tables_, kEnough, words);
-    if (spoil) spoil(spoilt_);
-    twin_ = make_twin(spoilt_, kEnough, words);
+    twin_ = make_twin(tables_, kEnough, words);
   }
 
   struct Outcomes {
@@ -72,7 +67,6 @@ class Pair {
   const Stage& stage_;
   const std::unique_ptr<World> largest_;
   const RenderTables tables_;
-  RenderTables spoilt_;
   std::unique_ptr<Machine> gpu_, twin_;
 };
 
