@@ -86,7 +86,7 @@ struct Settings {
   shader::RenderParameters render;
   shader::GuideParameters guiding;
   shader::LightSettings lights;
-  uint32_t first_texels[4 * shader::kPathTables];
+  uint32_t first_texels[4 * shader::kFirstTexels];
 };
 
 uint32_t groups_of(uint32_t count) {
