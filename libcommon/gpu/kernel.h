@@ -22,8 +22,8 @@ class Kernel {
   std::shared_ptr<Impl> impl_;
 };
 
-/// How much memory a program names, of all that is bound for several.
-size_t bindings_in(std::span<const uint32_t> program);
+/// How many storage buffers a program names, of all that is bound for several.
+size_t storage_buffers_in(std::span<const uint32_t> program);
 
 /// Push constants: one struct, laid out as in the shader.
 template <class T>

@@ -7,7 +7,7 @@ namespace tdpt::gpu {
 
 class Tables {
  public:
-  /// Adds one that holds `values`; they stay until upload().
+  /// Adds one that holds `values`, which stay where they are until upload().
   template <class T>
   void add(const std::vector<T>& values) {
     static_assert(std::is_trivially_copyable_v<T>);
@@ -21,10 +21,10 @@ class Tables {
   /// The texel that each begins at.
   std::vector<uint32_t> first_texels() const;
 
-  /// Makes the buffer, and fills it. Throws when it, or a table of it, is above the limits.
+  /// Makes the buffer, and fills it. Throws when it is above the limits.
   void upload(const Device& device);
   Texels texels() const { return Texels(buffer_.front()); }
-  /// Table i.
+  /// Table i, with a texel at least.
   Part part(size_t i) const { return {buffer_.front(), tables_[i].begin, tables_[i].bytes}; }
   /// Its first bytes.
   void write(size_t i, std::span<const std::byte> from) {

@@ -64,8 +64,8 @@ std::vector<SceneShare> shares_of(const RenderTables& t) {
 }
 
 Room room_on(const std::string& name, const gpu::Limits& limits, const DeviceNeeds& needs) {
-  if (needs.bindings > limits.buffers)
-    refuse(name, fmt::format("a kernel binds {} buffers, the device allows {}", needs.bindings,
+  if (needs.buffers > limits.buffers)
+    refuse(name, fmt::format("a kernel binds {} buffers, the device allows {}", needs.buffers,
                              limits.buffers));
   uint64_t scene = 0;
   SceneShare largest{"", 0};
