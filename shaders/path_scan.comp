@@ -1,6 +1,6 @@
 // Exclusive prefix sums of counts: sums[i] = counts[0] + ... + counts[i-1], modulo 2^32, and the
-// sum of all behind the totals of the blocks. Sums may take the place of counts. Places that kernels
-// write their results to follow from it without atomics, in one order always.
+// sum of all behind the totals of the blocks. Sums may take the place of counts. Places that
+// kernels write their results to follow from it without atomics, in one order always.
 //
 // Method: sums within blocks, then over the blocks' totals, then both together (Blelloch 1990);
 // three phases.

@@ -91,7 +91,8 @@ struct Settings {
 // As std140 has them: what is nested begins and ends at multiples of 16 bytes, an array has
 // elements of as many.
 static_assert(offsetof(Settings, guiding) % 16 == 0 && offsetof(Settings, lights) % 16 == 0 &&
-              offsetof(Settings, first_texels) % 16 == 0 && sizeof(shader::SkyTable) % 16 == 0);
+              offsetof(Settings, first_texels) % 16 == 0 && sizeof(shader::SkyTable) % 16 == 0 &&
+              sizeof(Settings) % 16 == 0);
 
 uint32_t groups_of(uint32_t count) {
   return (count + 63) / 64;
