@@ -5,13 +5,15 @@
 # TABLES has lines, in which # and what follows it is left out,
 #   texels BINDING NAME   the tables that follow lie in one buffer, `usamplerBuffer NAME_texels` with four words a texel
 #   NAME TYPE             TYPE is uint, float, uvec4, or a struct of one of the headers whose members are vec3, uint, int,
-#                         float or such structs and lie as in std430, in whole texels
+#                         float or such structs, which lie as in std430 and in C++, in whole texels
 # OUT gets, for the table of number n (from 0, through the file), TYPE load_NAME(uint i); it is read behind
 #   uint first_texel(uint n), where table n begins in its buffer.
 set -e
+fail() { echo "$1" >&2; exit 1; }
 out=${1:?usage: shader-tables.sh OUT TABLES HEADER...}
 tables=${2:?}
 shift 2
+for file in "$tables" "$@"; do [ -r "$file" ] || fail "$file: cannot be read"; done
 cat "$@" | awk -v tables="$tables" '
   function fail(text) { print tables ": " text >"/dev/stderr"; failed = 1; exit 1 }
   function as(type, words) {
@@ -19,7 +21,10 @@ cat "$@" | awk -v tables="$tables" '
   }
   function fetch(place) { return "texelFetch(" texels ", int(" place "))" }
   function add(name, member_type, member_name,   k) {
-    if (member_type == "vec3") size[name] = int((size[name] + 3) / 4) * 4
+    if (member_type == "vec3") {
+      size[name] = int((size[name] + 3) / 4) * 4
+      has_vec3[name] = 1
+    }
     k = members[name]++
     type[name, k] = member_type
     member[name, k] = member_name
@@ -35,6 +40,8 @@ cat "$@" | awk -v tables="$tables" '
     n = split(line, word, " ")
     if (!(word[1] in members) && line !~ /^ *(vec3|uint|int|float) [A-Za-z0-9_ ]+$/) other[name] = line
     for (i = 2; i <= n; ++i) {
+      # What has a vec3 begins a texel, and ends one.
+      if (has_vec3[word[1]] && (size[name] % 4 != 0 || size[word[1]] % 4 != 0)) other[name] = line
       if (word[1] in members)
         for (j = 0; j < members[word[1]]; ++j) add(name, type[word[1], j], word[i] "." member[word[1], j])
       else
@@ -52,6 +59,7 @@ cat "$@" | awk -v tables="$tables" '
         continue
       }
       t = word[2]
+      if (texels == "") fail(word[1] " stands before any texels")
       first = "first_texel(" number++ "u)"
       print t " load_" word[1] "(uint i) {"
       if (t == "uvec4") {

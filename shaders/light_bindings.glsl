@@ -1,6 +1,6 @@
-// Whether some surface is not opaque, and whether a texture says where it is. Scenes without any have
-// kernels without that part of coverage.h: software devices run through both sides of a branch that a
-// lane may take, and any device needs registers for both.
+// Whether some surface is not opaque, and whether a texture says where it is. Scenes without any
+// have kernels without that part of coverage.h: software devices run through both sides of a branch
+// that a lane may take, and any device needs registers for both.
 #ifdef OPAQUE
 const bool scene_has_coverage = false;
 #else

@@ -1,6 +1,6 @@
-// What the renderer's kernels bind, by the names that shaders/shared/path/ knows; what a kernel does
-// not read is not bound. Whether a scene has what only some have is told when a kernel is made for
-// it (tools/tdpt-render/device/gpu_machine.cpp).
+// What the renderer's kernels bind, by the names that shaders/shared/path/ knows; what a kernel
+// does not read is not bound. Whether a scene has what only some have is told when a kernel is made
+// for it (tools/tdpt-render/device/gpu_machine.cpp).
 layout(local_size_x = 64) in;
 
 layout(constant_id = 0) const bool scene_has_layers = true;
@@ -33,7 +33,7 @@ struct AllSettings {
   RenderParameters render;
   GuideParameters guiding;
   LightSettings lights;
-  uvec4 first_texels[kPathTables];  // four tables each
+  uvec4 first_texels[kFirstTexels];
 };
 layout(std140, binding = 2) uniform Settings { AllSettings all_settings[1]; };
 RenderParameters render;

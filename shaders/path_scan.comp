@@ -1,7 +1,9 @@
-// Exclusive prefix sums of counts: sums[i] = counts[0] + ... + counts[i-1], modulo 2^32, and the sum of all behind the
-// totals of the blocks. Sums may take the place of counts. Places that kernels write their results to follow from it without atomics, in one order always.
+// Exclusive prefix sums of counts: sums[i] = counts[0] + ... + counts[i-1], modulo 2^32, and the
+// sum of all behind the totals of the blocks. Sums may take the place of counts. Places that
+// kernels write their results to follow from it without atomics, in one order always.
 //
-// Method: sums within blocks, then over the blocks' totals, then both together (Blelloch 1990); three phases.
+// Method: sums within blocks, then over the blocks' totals, then both together (Blelloch 1990);
+// three phases.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -11,7 +13,8 @@ layout(local_size_x = SCAN_GROUP) in;
 
 layout(std430, binding = SCAN_COUNTS) readonly buffer Counts { uint counts[]; };
 layout(std430, binding = SCAN_SUMS) buffer Sums { uint sums[]; };
-layout(std430, binding = SCAN_TOTALS) buffer Totals { uint totals[]; };  // of each block, then of all
+// Of each block, then of all.
+layout(std430, binding = SCAN_TOTALS) buffer Totals { uint totals[]; };
 layout(push_constant) uniform Parameters { ScanParameters scan; };
 
 shared uint up_to[SCAN_GROUP];

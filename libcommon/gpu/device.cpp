@@ -93,7 +93,10 @@ Limits limits_of(const vk::raii::PhysicalDevice& device) {
   l.buffer = std::min<uint64_t>(limits.maxStorageBufferRange, allocation);
   l.image = std::min(uint64_t{1} << 31, allocation);  // no device allows less than 2^31
   l.image_side = limits.maxImageDimension3D;
-  l.texels = std::min(uint64_t{16} * limits.maxTexelBufferElements, allocation);
+  // Kernels count texels in ints, and words of them in uints.
+  constexpr uint64_t kTexel = 16, kMostTexels = uint64_t{1} << 30;
+  l.texels =
+      std::min(kTexel * std::min<uint64_t>(limits.maxTexelBufferElements, kMostTexels), allocation);
   l.buffers =
       std::min(limits.maxPerStageDescriptorStorageBuffers, limits.maxDescriptorSetStorageBuffers);
   l.groups = limits.maxComputeWorkGroupCount[0];

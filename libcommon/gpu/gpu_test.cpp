@@ -5,12 +5,14 @@
 #include <cstdlib>
 
 #include "libcommon/gpu/device_impl.h"
+#include "libcommon/gpu/tables.h"
 #include "libcommon/testing/temp_folder.h"
 #include "shaders/gpu_test.h"
 #include "shaders/gpu_test_inexact.h"
 #include "shaders/gpu_test_many.h"
 #include "shaders/gpu_test_signed.h"
 #include "shaders/gpu_test_special.h"
+#include "shaders/gpu_test_tables.h"
 
 namespace tdpt::gpu {
 namespace {
@@ -129,6 +131,86 @@ TEST_F(Gpu, KernelsAreMadeForTheirConstants) {
     const bool adds = !constants.empty() && constants[0] != 0;
     EXPECT_EQ(buffer.download<uint32_t>(1)[0], adds ? number + 1 : number);
   }
+}
+
+/// Settings of gpu_test_tables.comp.
+Uniforms table_settings(const Device& device, uint32_t factor,
+                        const std::vector<uint32_t>& first_texels) {
+  std::vector<uint32_t> words{factor, 0, 0, 0};
+  words.insert(words.end(), first_texels.begin(), first_texels.end());
+  words.resize(8);
+  return Uniforms(Buffer(device, words));
+}
+
+TEST_F(Gpu, TablesLieOneBehindTheOther) {
+  Tables tables;
+  const std::vector<uint32_t> some = squares(5), more = squares(65), none;
+  tables.add(some);
+  tables.add(more);
+  tables.add(none);
+  tables.add_room(100);
+  EXPECT_EQ(tables.bytes(), 5 * Part::kPartAlignment);
+  EXPECT_EQ(tables.first_texels(), (std::vector<uint32_t>{0, 16, 48, 64}));
+  tables.upload(*device);
+  const std::array<uint64_t, 4> bytes{20, 260, 16, 100};  // of none there is a texel
+  for (size_t i = 0; i < bytes.size(); ++i) {
+    EXPECT_EQ(tables.part(i).impl().offset, 16 * tables.first_texels()[i]);
+    EXPECT_EQ(tables.part(i).impl().bytes, bytes[i]);
+  }
+}
+
+TEST_F(Gpu, KernelsReadTablesAsTexelsAndWriteTheirParts) {
+  Tables tables;
+  const std::vector<uint32_t> some{1, 2, 3, 4, 5}, more = squares(300);
+  tables.add(some);
+  tables.add_room(16);
+  tables.add(more);
+  tables.upload(*device);
+  const Buffer words(*device, std::vector<uint32_t>{100, 200, 300, 400});
+  const Uniforms settings = table_settings(*device, 3, tables.first_texels());
+  const auto kernel_to = [&](const Memory& to) {
+    return Kernel(*device, shader::gpu_test_tables_spv, {tables.texels(), settings, to}, 4);
+  };
+  const Kernel to_room = kernel_to(tables.part(1)), to_words = kernel_to(words);
+  const uint32_t first = 0, room = 1, last = 2;
+  tables.write(1, std::as_bytes(std::span<const uint32_t>({10, 0, 0, 7})));
+  device->run([&](Commands& c) {
+    c.dispatch(to_room, push(first), 1);  // 13, 6, 9, 19
+    c.dispatch(to_words, push(room), 1);
+    c.dispatch(to_words, push(last), 1);
+  });
+  EXPECT_EQ(words.download<uint32_t>(4),
+            (std::vector<uint32_t>{100 + 39, 200 + 18 + 3, 300 + 27 + 12, 400 + 57 + 27}));
+  EXPECT_EQ(storage_buffers_in(shader::gpu_test_tables_spv), 1u);
+  EXPECT_EQ(storage_buffers_in(shader::gpu_test_many_spv), 33u);
+}
+
+TEST_F(Gpu, ViewsOfBuffersAreHeldToTheirLimits) {
+  const Limits l = device->limits();
+  const auto refused = [&](uint64_t limit, const std::string& what, uint64_t asked,
+                           const std::function<void()>& ask) {
+    EXPECT_EQ(error_of(ask), fmt::format("{} allows {} {}; {} are asked for", device->info().name,
+                                         limit, what, asked));
+  };
+  EXPECT_LE(l.texels, uint64_t{16} * vulkan().limits.maxTexelBufferElements);
+  EXPECT_LE(l.texels / 4, uint64_t{1} << 32);
+  const uint64_t beyond = (l.texels / 256 + 1) * 256;
+  Tables tables;
+  tables.add_room(l.texels + 1);
+  refused(l.texels, "bytes in a buffer of texels", beyond, [&] { tables.upload(*device); });
+  const uint32_t uniforms = vulkan().limits.maxUniformBufferRange;
+  refused(uniforms, "bytes of uniforms", uint64_t{uniforms} + 4,
+          [&] { Uniforms(Buffer(*device, uint64_t{uniforms} + 4)); });
+  const Buffer buffer(*device, 1000);
+  const auto no_part = [&](uint64_t offset, uint64_t bytes) {
+    return error_of([&] { Part(buffer, offset, bytes); }, Exit::internal);
+  };
+  EXPECT_EQ(no_part(128, 16), "a part of a buffer has 16 bytes from byte 128");
+  EXPECT_EQ(no_part(256, 0), "a part of a buffer has 0 bytes from byte 256");
+  EXPECT_EQ(no_part(768, 233), "233 bytes from byte 768 of a buffer of 1000");
+  ASSERT_LT(l.buffer, l.texels) << "no part is too large here";
+  const Buffer large = Buffer::of_parts(*device, l.buffer + 1);
+  refused(l.buffer, "bytes in a buffer", l.buffer + 1, [&] { Part(large, 0, l.buffer + 1); });
 }
 
 TEST_F(Gpu, BuffersAreCleared) {

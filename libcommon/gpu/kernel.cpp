@@ -20,13 +20,21 @@ vk::raii::Pipeline make_pipeline(const vk::raii::Device& d, std::span<const uint
   return {d, nullptr, vk::ComputePipelineCreateInfo({}, stage, *layout)};
 }
 
+// Calls see(words) for each instruction of SPIR-V: the first of its words tells which it is.
+template <class See>
+void for_instructions(std::span<const uint32_t> program, const See& see) {
+  constexpr size_t kHeader = 5;
+  for (size_t i = kHeader; i < program.size() && program[i] >> 16 != 0; i += program[i] >> 16)
+    see(program.subspan(i, program[i] >> 16));
+}
+
 // The numbers that OpDecorate gives to a program's variables or constants.
 std::set<uint32_t> decorated(std::span<const uint32_t> program, uint32_t decoration) {
-  constexpr uint32_t kHeader = 5, kOpDecorate = 71;
+  constexpr uint32_t kOpDecorate = 71;
   std::set<uint32_t> numbers;
-  for (size_t i = kHeader; i < program.size() && program[i] >> 16 != 0; i += program[i] >> 16)
-    if ((program[i] & 0xFFFF) == kOpDecorate && program[i + 2] == decoration)
-      numbers.insert(program[i + 3]);
+  for_instructions(program, [&](std::span<const uint32_t> words) {
+    if ((words[0] & 0xFFFF) == kOpDecorate && words[2] == decoration) numbers.insert(words[3]);
+  });
   return numbers;
 }
 
@@ -37,8 +45,13 @@ std::set<uint32_t> bindings_of(std::span<const uint32_t> program) {
 
 }  // namespace
 
-size_t bindings_in(std::span<const uint32_t> program) {
-  return bindings_of(program).size();
+size_t storage_buffers_in(std::span<const uint32_t> program) {
+  constexpr uint32_t kOpVariable = 59, kStorageBuffer = 12;
+  size_t n = 0;
+  for_instructions(program, [&](std::span<const uint32_t> words) {
+    n += (words[0] & 0xFFFF) == kOpVariable && words[3] == kStorageBuffer;
+  });
+  return n;
 }
 
 std::set<uint32_t> constants_of(std::span<const uint32_t> program) {

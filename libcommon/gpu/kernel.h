@@ -24,8 +24,8 @@ class Kernel {
   std::shared_ptr<Impl> impl_;
 };
 
-/// How much memory a program names, of all that is bound for several.
-size_t bindings_in(std::span<const uint32_t> program);
+/// How many storage buffers a program names, of all that is bound for several.
+size_t storage_buffers_in(std::span<const uint32_t> program);
 
 /// The constant_ids that a program reads: others make no other kernel of it.
 std::set<uint32_t> constants_of(std::span<const uint32_t> program);

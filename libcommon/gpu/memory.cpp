@@ -85,7 +85,7 @@ Buffer::Buffer(const Device& device, uint64_t bytes) {
 }
 
 Buffer Buffer::of_parts(const Device& device, uint64_t bytes) {
-  device.impl()->require_within(device.limits().memory, "bytes of memory", bytes);
+  device.impl()->require_within(device.limits().texels, "bytes in a buffer of texels", bytes);
   Buffer buffer;
   buffer.allocate(device, bytes);
   return buffer;
@@ -122,8 +122,9 @@ void Buffer::read(std::span<std::byte> to, uint64_t at) const {
 Part::Part(const Buffer& buffer, uint64_t offset, uint64_t bytes) {
   const Memory::Impl& m = buffer.impl();
   require_inside(offset, bytes, m.bytes);
-  if (offset % kPartAlignment != 0)
-    throw Error(Exit::internal, fmt::format("a part of a buffer begins at byte {}", offset));
+  if (offset % kPartAlignment != 0 || bytes == 0)
+    throw Error(Exit::internal,
+                fmt::format("a part of a buffer has {} bytes from byte {}", bytes, offset));
   const Device::Impl& d = *m.device.impl();
   d.require_within(d.info.limits.buffer, "bytes in a buffer", bytes);
   impl_ = view_of(buffer.impl_, vk::DescriptorType::eStorageBuffer);
@@ -134,7 +135,7 @@ Part::Part(const Buffer& buffer, uint64_t offset, uint64_t bytes) {
 Texels::Texels(const Buffer& buffer) {
   const Memory::Impl& m = buffer.impl();
   const Device::Impl& d = *m.device.impl();
-  d.require_within(d.limits.maxTexelBufferElements, "texels in a buffer", m.bytes / 16);
+  d.require_within(d.info.limits.texels, "bytes in a buffer of texels", m.bytes);
   calling_vulkan("no texels of a buffer on " + d.info.name, [&] {
     impl_ = view_of(buffer.impl_, vk::DescriptorType::eUniformTexelBuffer);
     const auto format = vk::Format::eR32G32B32A32Uint;

@@ -27,7 +27,8 @@ class Buffer : public Memory {
  public:
   /// Throws when `bytes` is above the limits.
   Buffer(const Device& device, uint64_t bytes);
-  /// One that kernels have as Texels or in Parts: no limit of storage buffers counts.
+  /// One that kernels have as Texels, and in Parts: the limit of texels counts, not that of storage
+  /// buffers.
   static Buffer of_parts(const Device& device, uint64_t bytes);
   /// One that holds `values`.
   template <class T>
@@ -55,10 +56,11 @@ class Buffer : public Memory {
   void allocate(const Device& device, uint64_t bytes);
 };
 
-/// Part of a buffer, as a storage buffer of its own. `offset`: a multiple of kPartAlignment.
+/// Part of a buffer, as a storage buffer of its own: a byte or more. `offset`: a multiple of
+/// kPartAlignment.
 class Part : public Memory {
  public:
-  static constexpr uint64_t kPartAlignment = 256;
+  static constexpr uint64_t kPartAlignment = 256;  // no device asks for more
   /// Throws when it is larger than the device allows storage buffers to be.
   Part(const Buffer& buffer, uint64_t offset, uint64_t bytes);
 };
@@ -74,6 +76,7 @@ class Texels : public Memory {
 /// A small buffer that all invocations read alike: `layout(std140) uniform`.
 class Uniforms : public Memory {
  public:
+  /// Throws when it is larger than the device allows.
   explicit Uniforms(const Buffer& buffer);
 };
 

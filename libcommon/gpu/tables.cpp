@@ -23,9 +23,9 @@ std::vector<uint32_t> Tables::first_texels() const {
 }
 
 void Tables::upload(const Device& device) {
-  buffer_.assign(1, Buffer::of_parts(device, end_));
+  buffer_ = Buffer::of_parts(device, end_);
   for (Table& t : tables_) {
-    buffer_.front().write(t.values, t.begin);
+    buffer_->write(t.values, t.begin);
     t.values = {};
   }
 }

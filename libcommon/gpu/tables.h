@@ -1,13 +1,15 @@
 // Tables of records one behind the other in one buffer, as kernels read them by texels
 // [cmake/shader-tables.sh]; of those that kernels write each is a storage buffer, too.
 #pragma once
+#include <optional>
+
 #include "libcommon/gpu/memory.h"
 
 namespace tdpt::gpu {
 
 class Tables {
  public:
-  /// Adds one that holds `values`; they stay until upload().
+  /// Adds one that holds `values`, which stay where they are until upload().
   template <class T>
   void add(const std::vector<T>& values) {
     static_assert(std::is_trivially_copyable_v<T>);
@@ -21,15 +23,13 @@ class Tables {
   /// The texel that each begins at.
   std::vector<uint32_t> first_texels() const;
 
-  /// Makes the buffer, and fills it. Throws when it, or a table of it, is above the limits.
+  /// Makes the buffer, and fills it. Throws when it is above the limits.
   void upload(const Device& device);
-  Texels texels() const { return Texels(buffer_.front()); }
-  /// Table i.
-  Part part(size_t i) const { return {buffer_.front(), tables_[i].begin, tables_[i].bytes}; }
+  Texels texels() const { return Texels(*buffer_); }
+  /// Table i, with a texel at least.
+  Part part(size_t i) const { return {*buffer_, tables_[i].begin, tables_[i].bytes}; }
   /// Its first bytes.
-  void write(size_t i, std::span<const std::byte> from) {
-    buffer_.front().write(from, tables_[i].begin);
-  }
+  void write(size_t i, std::span<const std::byte> from) { buffer_->write(from, tables_[i].begin); }
 
  private:
   struct Table {
@@ -40,7 +40,7 @@ class Tables {
 
   std::vector<Table> tables_;
   uint64_t end_ = 0;
-  std::vector<Buffer> buffer_;  // or none yet
+  std::optional<Buffer> buffer_;  // none yet
 };
 
 }  // namespace tdpt::gpu

@@ -14,7 +14,7 @@
 //   the hash is of the kind of S. Laine and T. Karras, with the constants of N. Vegdahl.
 //
 // Included where the points are, behind a buffer in GLSL. What must be there:
-//   uvec4 sobol_points[]
+//   uvec4 load_sobol_point(uint i)
 //       [256 * k + value]: what byte k of an index whose bits are reversed adds to the point; byte
 //       0 is the highest (libcommon/math/sequence.h).
 #ifndef TDPT_SHADERS_SHARED_SEQUENCE_H

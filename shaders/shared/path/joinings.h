@@ -6,8 +6,8 @@
 // The light's end is a vertex of a light walk, a place on a light, or x_c of a portal segment; the
 // camera's a vertex of a camera walk, the camera itself, or, while a segment finds its light, x_l.
 //
-// Read behind walk.h, weight.h and film.h, where joinings[], scatterings[], join_ends[],
-// end_first[], segments[] and segment_sides[] are.
+// Read behind walk.h, weight.h and film.h, where flags[], joinings[] and scatterings[] are, and
+// load_x() of those two, of end_first, join_end and segment.
 
 #include "shaders/shared/language.h"
 
@@ -40,9 +40,9 @@ SHARED uint place_of_end(uint group, uint c) MEMBER_CONST {
   return c < n ? scattered_ends() + first + c : group * render.walks_full + c - n;
 }
 
-SHARED Joining no_joining() MEMBER_CONST {
+SHARED Joining empty_joining(uint kind) MEMBER_CONST {
   Joining j;
-  j.kind = JOINING_NONE;
+  j.kind = kind;
   j.light = kNoVertex;
   j.camera = kNoVertex;
   j.times = 1.0f;
@@ -55,9 +55,9 @@ SHARED Joining no_joining() MEMBER_CONST {
   j.radiance = vec3(0.0f, 0.0f, 0.0f);
   j.nee_A = 0.0f;
   j.light_A = 0.0f;
-  j.plain_w = 0.0f;
-  j.start_w = 0.0f;
   j.pixel = 0u;
+  j.pad0 = 0u;
+  j.pad1 = 0u;
   return j;
 }
 
@@ -85,10 +85,9 @@ SHARED void choose_next_event(uint slot, uint place) MEMBER {
   Point x0 = point_on_light(chosen);
   Edge e = edge_between(x0, x1);
   if (!(e.d2 > 1e-30f)) return;
-  Joining j = no_joining();
+  Joining j = empty_joining(JOINING_NEXT_EVENT);
   j.radiance = emitted(x0, e.w);
   if (is_zero(j.radiance)) return;
-  j.kind = JOINING_NEXT_EVENT;
   j.camera = slot;
   j.w = e.w;
   j.d2 = e.d2;
@@ -112,8 +111,7 @@ SHARED uint candidate_of(uint n, uint i, float u) MEMBER_CONST {
 /// Writes a joining of two ends.
 SHARED void put_joining(uint place, uint kind, uint light, vec3 from, bool far, uint camera,
                         vec3 to, float times, uint pixel) MEMBER {
-  Joining j = no_joining();
-  j.kind = kind;
+  Joining j = empty_joining(kind);
   j.light = light;
   j.camera = camera;
   j.times = times;
@@ -223,12 +221,16 @@ SHARED void choose_splat(uint slot, uint place) MEMBER {
 
 // What ends make of each other.
 
+/// Whether the light's end is x_c.
+SHARED bool of_segment(Joining j) MEMBER_CONST {
+  return j.kind == JOINING_SEEN || j.kind == JOINING_SEGMENT;
+}
+
 /// The light's end of joining i, or the camera's.
 SHARED void scatter_end(uint i, bool of_light) MEMBER {
   Joining j = load_joining(i);
-  bool of_segment = j.kind == JOINING_SEEN || j.kind == JOINING_SEGMENT;
   uint slot = of_light ? j.light : j.camera;
-  if (of_light && of_segment) slot = slot_of_x_c(j.light);
+  if (of_light && of_segment(j)) slot = slot_of_x_c(j.light);
   PathVertex at = load_path_vertex(slot);
   if (is_zero(at.back)) return;
   scatterings[2u * i + (of_light ? 0u : 1u)] =
@@ -286,10 +288,6 @@ struct Joint {
   Scattering at_y;
   Scattering at_z;
 };
-
-SHARED bool of_segment(Joining j) MEMBER_CONST {
-  return j.kind == JOINING_SEEN || j.kind == JOINING_SEGMENT;
-}
 
 SHARED Joint joint_of(Joining j, uint i) MEMBER_CONST {
   Joint joint;

@@ -32,9 +32,9 @@ SHARED JoinEnd join_end(Point p, vec3 back, vec3 throughput, uint slot, uint num
   e.cosine = 1.0f;
   e.f0 = vec3(0.0f, 0.0f, 0.0f);
   e.more = vec3(0.0f, 0.0f, 0.0f);
-  e.pad0 = 0.0f;
-  e.pad1 = 0.0f;
-  e.pad2 = 0.0f;
+  e.light0 = 0.0f;
+  e.light1 = 0.0f;
+  e.light2 = 0.0f;
   if (p.simple || begins) {
     e.carried = throughput * (begins ? vec3(1.0f, 1.0f, 1.0f) : p.color) * kInvPi;
     return e;

@@ -1,8 +1,8 @@
 // All lights of a scene as one: libcommon/scene/lights.h in floats. Light walks begin at them; the
 // rays of other walks meet them.
 //
-// Read behind sky.h, within a scope that has what that needs, light_emitters[], light_lamps[],
-// scene_has_sky and scene_has_lamps.
+// Read behind sky.h, within a scope that has what that needs, load_light_emitter(),
+// load_light_lamp(), scene_has_sky and scene_has_lamps.
 
 #include "shaders/shared/language.h"
 

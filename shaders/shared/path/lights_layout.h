@@ -160,7 +160,7 @@ struct LightSettings {
   uint lamps;
   uint suns;
   uint panels;
-  uint windows;
+  uint pad0;
   uint first_pdf_A;  ///< floats, by triangle of the scene
   uint first_row;    ///< of the sky's map, SkyRow
   uint first_cell;   ///< shares of a block's cells, eight words a block, two bytes each
@@ -184,7 +184,7 @@ struct LightSettings {
   float radius;        ///< of a ball around the origin that holds all triangles
   float surfaces;      ///< probability of emitters
   float per_surfaces;  ///< 1 over the words that choose them
-  uint pad;
+  uint pad1;
 };
 
 #ifdef __cplusplus

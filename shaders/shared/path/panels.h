@@ -1,7 +1,7 @@
 // Next events at the few big flat emitters that rooms have: tools/tdpt-render/path/panels.h in
 // floats, where the method is told.
 //
-// Read behind lights.h, within a scope that has what that needs, light_panels[] and
+// Read behind lights.h, within a scope that has what that needs, load_light_panel() and
 // scene_has_panels.
 //
 // Where a point lies close to a panel's plane, all of the panel may be between a = 1 - 1e-5 and 1:

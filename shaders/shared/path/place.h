@@ -1,7 +1,7 @@
 // From a place on a face to a point of a path: the text of place_on_surface() of
 // tools/tdpt-render/path/surface.cpp in floats.
 //
-// Read behind maps.h and bsdf.h, within a scope that has faces[] and materials[], too.
+// Read behind maps.h and bsdf.h, within the same scope.
 
 #include "shaders/shared/language.h"
 

@@ -9,7 +9,7 @@
 // known.
 //
 // Read within a scope that has
-//   portal_facets[], portal_polygons[], portal_corners[], portal_pairs[]
+//   load_portal_facet(i) and all others of LOADS_OF_PORTALS [loads.h]
 //   GuideParameters guiding
 //   scene_has_portals, portals_have_pairs
 

@@ -55,9 +55,10 @@ struct RenderParameters {
   float guide_camera;
 
   uint most_vertices;  ///< slots there are
-  uint culls;          ///< 1: camera rays pass backs
-  uint transparent;    ///< 1: the sky behind all is left out
-  uint layers;         ///< 1: each technique is kept apart, too
+  // Kernels are made for these, for beta and for techniques, and read none of them.
+  uint culls;        ///< 1: camera rays pass backs
+  uint transparent;  ///< 1: the sky behind all is left out
+  uint layers;       ///< 1: each technique is kept apart, too
   // In the film's words, behind the sums of the picture and its layers.
   uint met_first;
   uint tally_first;
@@ -83,8 +84,8 @@ const uint kLeftOutWords = 1u + kLeftOutPlaces;
 // Of each portal: segments drawn, those that brought light, and how much.
 const uint kPortalWords = 6u;
 
-/// Four tables of shaders/path.tables each.
-const uint kPathTables = 11u;
+/// So many uvec4 tell where the tables of shaders/path.tables begin, four each.
+const uint kFirstTexels = 11u;
 
 /// Push constants: invocation i < count has the slots first + i and next + i.
 struct StepParameters {
@@ -190,17 +191,16 @@ struct Joining {
   vec3 radiance;  ///< what leaves it along w
   float nee_A;
   float light_A;
-  float plain_w;
-  float start_w;
-  uint pixel;  ///< of what the camera sees
+  uint pixel;  ///< of what the camera sees; of a side its segment
+  uint pad0;
+  uint pad1;
 };
-const uint JOINING_NONE = 0u;
-const uint JOINING_NEXT_EVENT = 1u;
-const uint JOINING_BI = 2u;
-const uint JOINING_SPLAT = 3u;
-const uint JOINING_SIDE = 4u;     ///< of a segment: y with x_l
-const uint JOINING_SEEN = 5u;     ///< x_c with the camera
-const uint JOINING_SEGMENT = 6u;  ///< x_c with z
+const uint JOINING_NEXT_EVENT = 0u;
+const uint JOINING_BI = 1u;
+const uint JOINING_SPLAT = 2u;
+const uint JOINING_SIDE = 3u;     ///< of a segment: y with x_l
+const uint JOINING_SEEN = 4u;     ///< x_c with the camera
+const uint JOINING_SEGMENT = 5u;  ///< x_c with z
 
 /// What the weights of paths need of it [weight.h].
 struct PathDensity {
@@ -224,31 +224,23 @@ struct JoinEnd {
   vec3 carried;  ///< throughput times the diffuse BSDF
   float cosine;  ///< of `back` to `normal`
   vec3 f0;       ///< throughput times what is reflected at normal incidence,
-  uint number;   ///< in its walk
+  uint number;   ///< in its walk; of x_c the prefixes of its segment's sides, ten bits each
   vec3 more;     ///< and more at grazing
-  float pad0;
+  float light0;  ///< of x_c: luminance of its segment's sides
   vec3 back;
-  float pad1;
+  float light1;
   vec3 normal;
-  float pad2;
+  float light2;
 };
 
 /// A portal segment that a sample has drawn. Its ends are vertices in slots of their own.
 struct PortalSegment {
-  vec3 w;         ///< unit, from x_l to x_c
-  float density;  ///< D; 0: there is none
   vec3 through;   ///< one throughput for both ends, G / p_AA over the share of samples
+  float density;  ///< D; 0: there is none
   float pair_A;
-  vec3 light;  ///< sum over the sides
-  float d2;
-  float from_light;
-  float from_camera;
-  float nee_A;  ///< of x_l, where light begins there, at x_c
   uint portal;
   uint there;  ///< bits: sides that light comes from
   uint lit;    ///< how often it has brought light
-  uint pad0;
-  uint pad1;
 };
 /// Light that comes to x_l, and all that a path's weight needs of that side: densities as in
 /// SegmentDensities and Half.
@@ -298,7 +290,7 @@ const uint kNoVertex = 0xFFFFFFFFu;
 #ifdef __cplusplus
 static_assert(sizeof(PathVertex) == 144 && sizeof(PathBsdf) == 128 && sizeof(PathDensity) == 32);
 static_assert(sizeof(JoinEnd) == 112 && sizeof(WalkRay) == 64 && sizeof(Scattering) == 48);
-static_assert(sizeof(Joining) == 96 && sizeof(PortalSegment) == 80 && sizeof(SegmentSide) == 48);
+static_assert(sizeof(Joining) == 96 && sizeof(PortalSegment) == 32 && sizeof(SegmentSide) == 48);
 static_assert(sizeof(RenderParameters) == 208);
 #endif
 

@@ -1,6 +1,6 @@
 // Which samples there are, which pools they are of, and their random numbers.
 //
-// Read where `render`, pool_offsets[] and sobol_points[] are.
+// Read behind sequence.h, where `render` and load_pool_offset() are.
 
 #include "shaders/shared/language.h"
 

@@ -1,7 +1,7 @@
 // What a point does with light: simple or in layers, with a coat or without. The text of
 // tools/tdpt-render/path/{point.h,surface.cpp,roulette.cpp} in floats.
 //
-// Read behind coated.h, within a scope that has faces[] and materials[], too.
+// Read behind coated.h, within the same scope.
 
 #include "shaders/shared/language.h"
 

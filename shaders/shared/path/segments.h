@@ -2,7 +2,9 @@
 // 3.2, tools/tdpt-render/path/segment_sampler.cpp. x_l and x_c are the ends on the light's and on
 // the camera's side. A sample's segment has its number within the submission.
 //
-// Read behind joinings.h.
+// Read behind joinings.h, where walk_last, rank, estimate, segment_side, lit_segment and lit_first
+// are loaded, and what is written: segments[], segment_sides[], join_ends[], lit_segments[],
+// lit_first[] and estimates[].
 
 #include "shaders/shared/language.h"
 
@@ -40,6 +42,21 @@ SHARED void begin_segment(uint segment) MEMBER {
   walk_rays[2u * segment + 1u] = ray;
 }
 
+SHARED SegmentSide empty_side(vec3 value, uint slot) MEMBER_CONST {
+  SegmentSide side;
+  side.value = value;
+  side.slot = slot;
+  side.light_A0 = 0.0f;
+  side.light_A1 = 0.0f;
+  side.first_A = 0.0f;
+  side.second_A = 0.0f;
+  side.pair_before = 0.0f;
+  side.nee_A = 0.0f;
+  side.pad0 = 0.0f;
+  side.pad1 = 0.0f;
+  return side;
+}
+
 /// End `i` & 1 of segment i / 2, into its slot.
 SHARED void end_segment(uint i) MEMBER {
   uint slot = render.segments_first + i;
@@ -73,6 +90,20 @@ SHARED void end_segment(uint i) MEMBER {
   path_densities[slot] = d;
 }
 
+/// Light that begins at x_l and goes along w to x_c, `per_area` of what it would have per solid
+/// angle there; l, c: the vertices of both.
+SHARED SegmentSide side_of_source(vec3 Le, Point x_l, PathVertex l, Point x_c, PathVertex c, vec3 w,
+                                  float per_area, Crossing crossing) MEMBER_CONST {
+  if (scene_has_sky && x_l.source == SOURCE_SKY) x_l.in_sky = look_at_sky(-x_l.position);
+  SegmentSide side = empty_side(Le, kNoVertex);
+  side.light_A0 = light_pdf(x_l.source, x_l.triangle, x_l.position, x_l.in_sky);
+  side.light_A1 = emitted_pdf_A(x_l.source, x_l.normal, l.aims_emitted, w, per_area, crossing);
+  if (has_technique(TECHNIQUE_DIRECT))
+    side.nee_A = next_event_pdf(x_c, outlook_of(c), render.through_windows, x_l.source,
+                                x_l.triangle, x_l.position, x_l.in_sky);
+  return side;
+}
+
 /// Both ends, and light that begins at x_l.
 SHARED void put_segment_together(uint segment) MEMBER {
   uint slot = slot_of_x_l(segment);
@@ -101,37 +132,15 @@ SHARED void put_segment_together(uint segment) MEMBER {
   path_vertices[slot + 1u].from_camera = crossing.from_camera;
   path_vertices[slot].throughput = vec3(1.0f, 1.0f, 1.0f);
   PortalSegment s = load_segment(segment);
-  s.w = e.w;
-  s.d2 = e.d2;
   s.density = crossing.density;
-  s.from_light = crossing.from_light;
-  s.from_camera = crossing.from_camera;
   s.pair_A = crossing.density * geometry(x_l, x_c, e);
-  s.nee_A = 0.0f;
-  s.light = vec3(0.0f, 0.0f, 0.0f);
   s.through = absorbed(l.throughput * c.throughput * reciprocal(render.segments * crossing.density),
                        x_l, x_c, e);
   join_ends[segment_ends() + segment] = join_end(x_c, -e.w, s.through, segment, 0u);
   if (!is_zero(Le)) {
-    if (scene_has_sky && x_l.source == SOURCE_SKY) x_l.in_sky = look_at_sky(-x_l.position);
-    SegmentSide side;
-    side.value = Le;
-    side.slot = kNoVertex;
-    side.light_A0 = light_pdf(x_l.source, x_l.triangle, x_l.position, x_l.in_sky);
-    side.light_A1 = emitted_pdf_A(x_l.source, x_l.normal, l.aims_emitted, e.w,
-                                  cosine_to(x_c, e.w) * per_d2, crossing);
-    side.first_A = 0.0f;
-    side.second_A = 0.0f;
-    side.pair_before = 0.0f;
-    side.nee_A = 0.0f;
-    side.pad0 = 0.0f;
-    side.pad1 = 0.0f;
-    if (has_technique(TECHNIQUE_DIRECT))
-      side.nee_A = next_event_pdf(x_c, outlook_of(c), render.through_windows, x_l.source,
-                                  x_l.triangle, x_l.position, x_l.in_sky);
-    segment_sides[segment * kSegmentSides] = side;
+    segment_sides[segment * kSegmentSides] =
+        side_of_source(Le, x_l, l, x_c, c, e.w, cosine_to(x_c, e.w) * per_d2, crossing);
     s.there = 1u;
-    s.light = Le;
   }
   segments[segment] = s;
 }
@@ -170,17 +179,12 @@ SHARED void join_side(uint i) MEMBER {
   AtJoint of_l =
       at_joint(FROM_CAMERA, joint.camera, joint.of_camera, joint.at_z, -j.w, per_y, crossing);
   uint a = number_of(joint.of_light) + 1u;
-  SegmentSide side;
-  side.value = j.radiance;
-  side.slot = j.light;
+  SegmentSide side = empty_side(j.radiance, j.light);
   side.light_A0 = survival_at(joint.of_light) * of_y.onward_A;
   side.light_A1 = (a <= 1u ? 1.0f : joint.at_z.albedo) * of_l.behind_A;
   side.first_A = is_met(joint.y) ? joint.of_camera.own_survival * of_l.onward_A : 0.0f;
   side.second_A = is_met_behind(joint.of_light) ? joint.at_y.albedo * of_y.behind_A : 0.0f;
   side.pair_before = crossing.density * cosine_to(joint.y, j.w) * per_l;
-  side.nee_A = 0.0f;
-  side.pad0 = 0.0f;
-  side.pad1 = 0.0f;
   if (a == 1u && has_technique(TECHNIQUE_DIRECT)) {
     if (scene_has_sky && joint.y.source == SOURCE_SKY)
       joint.y.in_sky = look_at_sky(-joint.y.position);
@@ -212,17 +216,17 @@ SHARED void gather_sides(uint segment, uint place) MEMBER {
   }
   uint end = segment_ends() + segment;
   join_ends[end].number = prefixes;
-  join_ends[end].pad0 = light[0];
-  join_ends[end].pad1 = light[1];
-  join_ends[end].pad2 = light[2];
+  join_ends[end].light0 = light[0];
+  join_ends[end].light1 = light[1];
+  join_ends[end].light2 = light[2];
 }
 
 /// Luminance of prefixes that leave room for t vertices from the camera.
 SHARED float light_of(JoinEnd far, uint t) MEMBER_CONST {
   uint most = render.max_depth - min(render.max_depth, t + 1u);
-  float light = (far.number & kMostPrefix) <= most ? far.pad0 : 0.0f;
-  light += (far.number >> 10u & kMostPrefix) <= most ? far.pad1 : 0.0f;
-  light += far.number >> 20u <= most ? far.pad2 : 0.0f;
+  float light = (far.number & kMostPrefix) <= most ? far.light0 : 0.0f;
+  light += (far.number >> 10u & kMostPrefix) <= most ? far.light1 : 0.0f;
+  light += far.number >> 20u <= most ? far.light2 : 0.0f;
   return light;
 }
 

@@ -1,6 +1,6 @@
 // Sheen of cloth in floats [tools/tdpt-render/path/sheen.h]: D V min(N(v), N(w)).
 //
-// Read within a scope that has surface_curves[]; elementary.h, ggx.h and surface_layout.h come
+// Read within a scope that has load_surface_curve(); elementary.h, ggx.h and surface_layout.h come
 // before.
 
 #include "shaders/shared/language.h"

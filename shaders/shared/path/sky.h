@@ -1,8 +1,9 @@
 // All that shines from infinitely far away: libcommon/scene/sky.h in floats. What is seen along a
 // direction, and directions drawn in proportion to it.
 //
-// Read within a scope that has light_words[], sky_texels[], sky_suns[], light_settings,
-// scene_has_sky_map and scene_prefers: a GLSL file behind its buffers, or the body of a C++ struct.
+// Read within a scope that has load_x(i) of light_word, sky_texel and sky_sun [loads.h],
+// light_settings, scene_has_sky_map and scene_prefers: a GLSL file behind its buffers, or the body
+// of a C++ struct.
 //
 // Tables are of whole numbers: entry i of n has the words from begin[i] to begin[i + 1] of all of
 // 32 bits, so that the probability that a density tells is that with which words find it, however

@@ -2,8 +2,8 @@
 // lights, each vertex with its throughput, its density from this end, and that which a walk from
 // the other end would have given it. Section 3.1.2; tools/tdpt-render/path/walk.cpp.
 //
-// Read behind samples.h, rays.h and guide.h, where path_vertices[], path_densities[], walk_counts[]
-// and walk_last[] are.
+// Read behind samples.h, rays.h and guide.h, where path_vertices[], path_bsdfs[], path_densities[],
+// walk_rays[], walk_counts[], walk_last[] and `work` are, and load_x() of the first four.
 
 #include "shaders/shared/language.h"
 
@@ -406,6 +406,82 @@ SHARED void trace_ray(uint i) MEMBER {
   walk_rays[i].b2 = hit.b2;
 }
 
+/// Density per area of the vertex that a ray has come to along w from v: `at`, `known`. plain_A: of
+/// the ray as it would be if no walk were directed; nothing comes of one that has none. Where it
+/// was scattered, v and the vertex before it learn what a walk from the other end would do there.
+SHARED float arrival_pdf_A(uint from, WalkRay ray, Point v, PathVertex at, PathDensity known,
+                           vec3 w, float per_area, Crossing crossing, OUT(float) plain_A) MEMBER {
+  if ((ray.flags & RAY_BY_FILM) != 0u) {
+    plain_A = camera_pdf_w(ray.w) * per_area;
+    return plain_A;
+  }
+  if (is_zero(at.back)) {
+    plain_A = emission_pdf_w(v.source, v.normal, w) * per_area;
+    return emitted_pdf_A(v.source, v.normal, at.aims_emitted, w, per_area, crossing);
+  }
+  bool dirac = (ray.flags & RAY_DIRAC) != 0u;
+  Scattering s = scattering_at(v, from, at.back, w, dirac);
+  plain_A = s.onward_w * per_area;
+  float own_A = plain_A;
+  float other_A = s.behind_w * at.per_prev;
+  if (!dirac) {
+    own_A = scattered_pdf_A(from, at, known.own_survival, odds_onward(s), s.onward_w, per_area,
+                            crossing);
+    uint other_end = from == FROM_LIGHT ? FROM_CAMERA : FROM_LIGHT;
+    other_A = scattered_pdf_A(other_end, at, s.albedo, odds_behind(s), s.behind_w, at.per_prev,
+                              crossing_before(at));
+  }
+  if (!(plain_A > 0.0f)) return own_A;
+  path_densities[ray.here].other_survival = s.albedo;
+  if (dirac) path_densities[ray.here].flags = known.flags | VERTEX_DIRAC;
+  if (known.prev != kNoVertex && (load_path_density(known.prev).flags & VERTEX_MET) != 0u)
+    path_densities[known.prev].other_A = other_A;
+  return own_A;
+}
+
+/// The vertex that a ray has come to from v along the edge e, with all but its throughput and
+/// number. looks_out: next events are asked for there.
+SHARED PathVertex arrived_vertex(uint slot, WalkRay ray, Point v, Point to, Edge e,
+                                 Crossing crossing, bool looks_out) MEMBER {
+  PathVertex r = empty_vertex(ray.walk);
+  keep_point(slot, to, r);
+  r.back = -e.w;
+  r.facing = guide_facing(to, -e.w);
+  r.per_prev = cosine_to(v, e.w) * reciprocal(e.d2);
+  if (scene_has_portals && guide_active) {
+    if (ray.triangle != kNoTriangle)
+      keep_aims(r, aim_at_surface(to, -e.w));
+    else
+      keep_aims(r, aim_at_light(to));
+  }
+  Outlook outlook = outlook_of(r);
+  if (looks_out) look_out(to, r.facing, outlook);
+  r.seen = outlook.seen;
+  r.sent = outlook.sent;
+  r.from_light = crossing.from_light;
+  r.from_camera = crossing.from_camera;
+  return r;
+}
+
+/// Density of the place on a light that an edge begins or ends at, as a next event at its other
+/// end; 0 where neither is. The edge goes from v to vertex `number` of its walk.
+SHARED float edge_nee_A(uint from, uint number, Point v, PathVertex at_v, Point to,
+                        PathVertex at_to) MEMBER_CONST {
+  bool from_y0 = from == FROM_LIGHT && number == 1u;
+  bool to_x0 = from == FROM_CAMERA && number > 1u && to.source != SOURCE_NONE;
+  if (!has_technique(TECHNIQUE_DIRECT) || !(from_y0 || to_x0)) return 0.0f;
+  Point lit = to;
+  Point light = v;
+  Outlook outlook = outlook_of(at_to);
+  if (to_x0) {
+    lit = v;
+    light = to;
+    outlook = outlook_of(at_v);
+  }
+  return next_event_pdf(lit, outlook, render.through_windows, light.source, light.triangle,
+                        light.position, light.in_sky);
+}
+
 /// The vertex that the ray of a walk has come to, into slot `next`.
 SHARED void arrive(uint from, uint i, uint next) MEMBER {
   path_densities[next].flags = 0u;
@@ -413,18 +489,17 @@ SHARED void arrive(uint from, uint i, uint next) MEMBER {
   bool met = ray.triangle != kNoTriangle;
   if ((ray.flags & RAY_THERE) == 0u) return;
   if (!met && (from == FROM_LIGHT || !scene_has_sky)) return;
-  bool by_film = (ray.flags & RAY_BY_FILM) != 0u;
-  bool dirac = (ray.flags & RAY_DIRAC) != 0u;
-  uint here = ray.here;
   Point v = empty_point();
   v.position = render.camera_position;
   PathVertex at = empty_vertex(ray.walk);
   PathDensity known = empty_density();
+  bool by_film = (ray.flags & RAY_BY_FILM) != 0u;
   if (!by_film) {
-    at = load_path_vertex(here);
-    known = load_path_density(here);
-    v = kept_point(here, at);
+    at = load_path_vertex(ray.here);
+    known = load_path_density(ray.here);
+    v = kept_point(ray.here, at);
   }
+  uint number = by_film ? 1u : number_of(known) + 1u;
   Point to;
   if (met)
     place_on_surface(ray.triangle, ray.b1, ray.b2, to);
@@ -433,83 +508,27 @@ SHARED void arrive(uint from, uint i, uint next) MEMBER {
   Edge e = edge_between(v, to);
   if (met && !at_infinity(v) && !(e.d2 > 1e-30f)) return;
   float per_area = cosine_to(to, e.w) * reciprocal(e.d2);
-  bool begins = is_zero(at.back);
-  uint number = by_film ? 1u : number_of(known) + 1u;
   Drawn drawn = drawn_through(ray.polygon);
   Crossing crossing = crossing_of(from, v, to, drawn);
   float plain_A;
-  float own;
-  if (by_film) {
-    plain_A = camera_pdf_w(ray.w) * per_area;
-    own = plain_A;
-  } else if (begins) {
-    plain_A = emission_pdf_w(v.source, v.normal, e.w) * per_area;
-    own = emitted_pdf_A(v.source, v.normal, at.aims_emitted, e.w, per_area, crossing);
-  } else {
-    Scattering s = scattering_at(v, from, at.back, e.w, dirac);
-    plain_A = s.onward_w * per_area;
-    own = plain_A;
-    float other = s.behind_w * at.per_prev;
-    if (!dirac) {
-      own = scattered_pdf_A(from, at, known.own_survival, odds_onward(s), s.onward_w, per_area,
-                            crossing);
-      uint other_end = from == FROM_LIGHT ? FROM_CAMERA : FROM_LIGHT;
-      other = scattered_pdf_A(other_end, at, s.albedo, odds_behind(s), s.behind_w, at.per_prev,
-                              crossing_before(at));
-    }
-    if (!(plain_A > 0.0f)) return;
-    // What the vertex here, and the one before it, learn.
-    path_densities[here].other_survival = s.albedo;
-    if (dirac) path_densities[here].flags = known.flags | VERTEX_DIRAC;
-    if (known.prev != kNoVertex && (load_path_density(known.prev).flags & VERTEX_MET) != 0u)
-      path_densities[known.prev].other_A = other;
-  }
+  float own_A = arrival_pdf_A(from, ray, v, at, known, e.w, per_area, crossing, plain_A);
   if (!(plain_A > 0.0f)) return;
-  vec3 throughput = ray.throughput * (plain_A * reciprocal(own));
+
+  vec3 throughput = ray.throughput * (plain_A * reciprocal(own_A));
   float presence = met && scene_has_panes ? presence_at(ray.triangle, ray.w) : 1.0f;
   if (presence < 1.0f) throughput = throughput * reciprocal(presence);
-  throughput = absorbed(throughput, v, to, e);
-
-  PathVertex record = empty_vertex(ray.walk);
-  keep_point(next, to, record);
-  record.back = -e.w;
-  record.throughput = throughput;
-  record.facing = guide_facing(to, -e.w);
-  record.per_prev = cosine_to(v, e.w) * reciprocal(e.d2);
-  if (scene_has_portals && guide_active) {
-    if (met)
-      keep_aims(record, aim_at_surface(to, -e.w));
-    else
-      keep_aims(record, aim_at_light(to));
-  }
-  Outlook outlook = outlook_of(record);
-  if (has_technique(TECHNIQUE_DIRECT) && met && (from == FROM_CAMERA || number == 1u))
-    look_out(to, record.facing, outlook);
-  record.seen = outlook.seen;
-  record.sent = outlook.sent;
-  record.from_light = crossing.from_light;
-  record.from_camera = crossing.from_camera;
+  bool looks_out = has_technique(TECHNIQUE_DIRECT) && met && (from == FROM_CAMERA || number == 1u);
+  PathVertex record = arrived_vertex(next, ray, v, to, e, crossing, looks_out);
+  record.throughput = absorbed(throughput, v, to, e);
   record.ordinal = at.ordinal + (number > 1u && v.connectible ? 1u : 0u);
   path_vertices[next] = record;
 
   PathDensity density = empty_density();
-  density.own_A = (number <= 2u ? 1.0f : known.own_survival) * own;
+  density.own_A = (number <= 2u ? 1.0f : known.own_survival) * own_A;
   density.pair_A = scene_has_portals ? crossing.density * geometry(v, to, e) : 0.0f;
-  bool from_y0 = from == FROM_LIGHT && number == 1u;
-  bool to_x0 = from == FROM_CAMERA && number > 1u && to.source != SOURCE_NONE;
-  if (has_technique(TECHNIQUE_DIRECT) && (from_y0 || to_x0)) {
-    Point lit = to;
-    Point light = v;
-    if (to_x0) {
-      lit = v;
-      light = to;
-      outlook = outlook_of(at);
-    }
-    density.nee_A = next_event_pdf(lit, outlook, render.through_windows, light.source,
-                                   light.triangle, light.position, light.in_sky);
-  }
+  density.nee_A = edge_nee_A(from, number, v, at, to, record);
   density.own_survival = albedo_at(to, -e.w);
-  density.prev = here;
+  density.prev = ray.here;
   density.flags = flags_of(to, number);
   path_densities[next] = density;
   if (from == FROM_LIGHT)

@@ -1,8 +1,8 @@
 // The sky as it is seen through the portals: tools/tdpt-render/path/window_sky.h in floats, where
 // the method is told.
 //
-// Read behind lights.h, within a scope that has what that needs, sky_windows[], window_frames[] and
-// scene_has_windows.
+// Read behind lights.h, within a scope that has what that needs, load_sky_window(),
+// load_window_frame() and scene_has_windows.
 //
 // Contents of cells are whole numbers. Sums over a rectangle are put together from its four
 // corners, its four sides and its middle, none of which is a difference of floats: beside a sun in

@@ -1,8 +1,8 @@
 #include "tools/tdpt-render/device/gpu_machine.h"
 
-#include <cstring>
 #include <map>
 
+#include "libcommon/base/error.h"
 #include "libcommon/base/threads.h"
 #include "libcommon/gpu/kernel.h"
 #include "libcommon/gpu/tables.h"
@@ -86,14 +86,17 @@ struct Settings {
   shader::RenderParameters render;
   shader::GuideParameters guiding;
   shader::LightSettings lights;
-  uint32_t first_texels[4 * shader::kPathTables];
+  uint32_t first_texels[4 * shader::kFirstTexels];
 };
+// As std140 has them: what is nested begins and ends at multiples of 16 bytes, an array has
+// elements of as many.
+static_assert(offsetof(Settings, guiding) % 16 == 0 && offsetof(Settings, lights) % 16 == 0 &&
+              offsetof(Settings, first_texels) % 16 == 0 && sizeof(shader::SkyTable) % 16 == 0 &&
+              sizeof(Settings) % 16 == 0);
 
 uint32_t groups_of(uint32_t count) {
   return (count + 63) / 64;
 }
-
-static_assert(sizeof(Settings) % 16 == 0);
 
 // Tables of path.tables that kernels read of a submission, and in its order.
 enum PathTable : size_t {
@@ -113,11 +116,10 @@ enum PathTable : size_t {
   kLitSegments,
   kLitFirst,
   kEstimates,
-  kBsdfs,
-  kPathTables
+  kBsdfs
 };
 
-gpu::Tables path_tables(const Room& room, bool layers) {
+gpu::Tables room_for_paths(const Room& room, bool layers, const Device& device) {
   const uint64_t vertices = room.vertices, samples = room.samples, joinings = room.joinings();
   gpu::Tables t;
   t.add_room(4 * kMostOfPool);
@@ -137,11 +139,13 @@ gpu::Tables path_tables(const Room& room, bool layers) {
   t.add_room(4 * (samples + 1));
   t.add_room(4 * room.estimates());
   t.add_room(layers ? vertices * sizeof(shader::PathBsdf) : 0);
+  t.upload(device);
   return t;
 }
 
 // Those of a scene, in the order of path.tables.
-gpu::Tables scene_tables(const RenderTables& t, const std::vector<shader::uvec4>& sobol) {
+gpu::Tables uploaded_scene(const RenderTables& t, const Device& device) {
+  const std::vector<shader::uvec4> sobol(shader::sobol_points.begin(), shader::sobol_points.end());
   const SurfaceTables& s = t.surfaces;
   const LightTables& l = t.lights;
   gpu::Tables tables;
@@ -151,10 +155,6 @@ gpu::Tables scene_tables(const RenderTables& t, const std::vector<shader::uvec4>
       s.coverage.coverages);
   add(l.words, l.emitters, l.lamps, l.suns, l.texels, l.panels, l.windows, l.frames);
   add(t.portals.facets, t.portals.polygons, t.portals.corners, t.portals.pairs);
-  return tables;
-}
-
-gpu::Tables uploaded(gpu::Tables tables, const Device& device) {
   tables.upload(device);
   return tables;
 }
@@ -169,9 +169,8 @@ class GpuMachine : public Machine {
         settings_host_{{}, t.portals.guiding, t.lights.settings, {}},
         features_(features_of(t)),
         film_words_(film_words),
-        sobol_(shader::sobol_points.begin(), shader::sobol_points.end()),
-        scene_(uploaded(scene_tables(t, sobol_), device)),
-        path_(uploaded(path_tables(room, t.surfaces.features.layers), device)),
+        scene_(uploaded_scene(t, device)),
+        path_(room_for_paths(room, t.surfaces.features.layers, device)),
         settings_(device, sizeof(Settings)),
         walk_counts_(device, 4 * (uint64_t{room.samples} + 1)),
         film_(device, 4 * uint64_t{film_words}),
@@ -188,6 +187,8 @@ class GpuMachine : public Machine {
     std::vector<uint32_t> firsts = path_.first_texels();
     const std::vector<uint32_t> of_scene = scene_.first_texels();
     firsts.insert(firsts.end(), of_scene.begin(), of_scene.end());
+    if (firsts.size() > std::size(settings_host_.first_texels))
+      throw Error(Exit::internal, "there are more tables than kFirstTexels tells of");
     std::copy(firsts.begin(), firsts.end(), settings_host_.first_texels);
     device_.run([&](gpu::Commands& c) { c.clear(film_); });
   }
@@ -341,7 +342,7 @@ class GpuMachine : public Machine {
     phase(shader::SCAN_SPREAD, blocks);
   }
   uint32_t total(uint32_t count) const {
-    return totals_.download<uint32_t>(shader::scan_blocks(count) + 1).back();
+    return totals_.download<uint32_t>(1, 4 * uint64_t{shader::scan_blocks(count)}).front();
   }
 
   Device device_;
@@ -352,7 +353,6 @@ class GpuMachine : public Machine {
   // Walks are directed, the camera culls, techniques, power heuristic, layers, transparent.
   std::array<uint32_t, 6> kind_{};
   const uint32_t film_words_;
-  const std::vector<shader::uvec4> sobol_;
   gpu::Tables scene_, path_;
   Buffer settings_, walk_counts_, film_, flags_, totals_;
   const std::vector<Memory> memory_;
@@ -363,12 +363,12 @@ class GpuMachine : public Machine {
 }  // namespace
 
 Room room_on(const gpu::Device& device, const RenderTables& tables, uint32_t film_words) {
-  size_t bindings = 0;
+  size_t buffers = 0;
   for (const std::span<const uint32_t> program : kPrograms)
-    bindings = std::max(bindings, gpu::bindings_in(program));
+    buffers = std::max(buffers, gpu::storage_buffers_in(program));
   return room_on(device.info().name, device.limits(),
                  {shares_of(tables), sizeof(uint32_t) * uint64_t{film_words},
-                  tables.surfaces.features.layers, bindings});
+                  tables.surfaces.features.layers, buffers});
 }
 
 std::unique_ptr<Machine> make_gpu_machine(const gpu::Device& device, const RenderTables& tables,

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "libcommon/base/error.h"
+#include "libcommon/math/sequence.h"
 #include "tools/tdpt-render/path/roulette.h"
 
 namespace tdpt {
@@ -49,23 +50,25 @@ std::vector<SceneShare> shares_of(const RenderTables& t) {
           {"the faces of the triangles", bytes_of(s.faces)},
           {"the corners of the triangles", bytes_of(s.face_corners)},
           {"the attributes of vertices", bytes_of(s.corner_attributes)},
-          {"the materials", bytes_of(s.materials)},
-          {"the textures", bytes_of(s.texel_words)},
-          {"the coverage of the triangles", bytes_of(s.coverage.coverage_of)},
+          {"the materials", bytes_of(s.materials) + bytes_of(s.material_maps)},
+          {"the textures", bytes_of(s.texel_words) + bytes_of(s.maps)},
+          {"the coverage of the triangles",
+           bytes_of(s.coverage.coverage_of) + bytes_of(s.coverage.coverages)},
           {"the emissive surfaces", bytes_of(l.emitters)},
           {"the odds of the lights", bytes_of(l.words)},
           {"the lamps", bytes_of(l.lamps)},
-          {"the sky", bytes_of(l.texels)},
+          {"the sky", bytes_of(l.texels) + bytes_of(l.suns)},
           {"the panels", bytes_of(l.panels)},
           {"the windows", bytes_of(l.windows) + bytes_of(l.frames)},
-          {"the portals", bytes_of(t.portals.polygons)},
+          {"the portals", bytes_of(t.portals.polygons) + bytes_of(t.portals.facets)},
           {"the corners of the portals", bytes_of(t.portals.corners)},
-          {"the pairs of portals", bytes_of(t.portals.pairs)}};
+          {"the pairs of portals", bytes_of(t.portals.pairs)},
+          {"what all scenes need", bytes_of(t.curves) + sizeof(shader::sobol_points)}};
 }
 
 Room room_on(const std::string& name, const gpu::Limits& limits, const DeviceNeeds& needs) {
-  if (needs.bindings > limits.buffers)
-    refuse(name, fmt::format("a kernel binds {} buffers, the device allows {}", needs.bindings,
+  if (needs.buffers > limits.buffers)
+    refuse(name, fmt::format("a kernel binds {} buffers, the device allows {}", needs.buffers,
                              limits.buffers));
   uint64_t scene = 0;
   SceneShare largest{"", 0};

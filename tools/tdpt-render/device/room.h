@@ -20,7 +20,7 @@ struct DeviceNeeds {
   std::vector<SceneShare> scene;  ///< one buffer for all of them
   uint64_t film = 0;              ///< bytes
   bool layered = false;           ///< vertices keep what they are made of [SurfaceFeatures::layers]
-  size_t bindings = 0;            ///< buffers that a kernel binds
+  size_t buffers = 0;             ///< storage buffers that a kernel binds
 };
 
 /// As many slots, and samples, as suit the device `name`: scene, film and they take three

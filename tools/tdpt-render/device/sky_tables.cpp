@@ -308,7 +308,6 @@ void add_windows(const World& world, double radiance_unit, LightTables& tables) 
     window.frame = frame;
     tables.windows.push_back(window);
   }
-  tables.settings.windows = static_cast<uint32_t>(tables.windows.size());
   tables.has_windows = !tables.windows.empty();
   if (tables.has_windows) add_views(world.windows.views(), tables.windows.size(), tables);
 }

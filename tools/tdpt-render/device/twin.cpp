@@ -101,7 +101,6 @@ struct TwinKernels {
   LOADS(float, estimate, estimates)
 
   uint tally_bucket() const { return bucket; }
-  const LightSettings& lights() const { return *settings_of_lights; }
 
 #define light_settings (*settings_of_lights)
 

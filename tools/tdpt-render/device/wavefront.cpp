@@ -106,6 +106,9 @@ void add_left_out(const std::vector<uint32_t>& words, const FilmPlaces& places, 
   tally.merge(left_out);
 }
 
+static_assert(shader::kTallyWords == shader::TALLY_ENERGIES + 4 * shader::kTallySums &&
+              kTechniques + Tally::kOctaves <= shader::kTallySums);
+
 void add_to_tally(const std::vector<uint32_t>& words, const FilmPlaces& places, size_t portals,
                   bool drawn, Tally& tally) {
   for (size_t bucket = 0; bucket < shader::kTallyBuckets; ++bucket) {

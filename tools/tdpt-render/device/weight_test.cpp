@@ -198,8 +198,8 @@ TEST(weights_of_kernels, twin_a_strategy_that_counts_otherwise_is_seen) {
     for (bool& dirac : p.dirac) dirac = false;
     Weights weights;
     weights.render = render;
-  weights.mixture_techniques = render.techniques;
-  weights.power_heuristic = render.beta == 2;
+    weights.mixture_techniques = render.techniques;
+    weights.power_heuristic = render.beta == 2;
     std::vector<PathDensity> records = p.light_records(3);
     p.add_camera_records(3, records);
     weights.path_densities = records.data();
