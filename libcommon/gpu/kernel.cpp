@@ -128,8 +128,7 @@ std::vector<Statistic> statistics_of(const Device& device, std::span<const uint3
   const Device::Impl& d = *device.impl();
   return calling_vulkan("nothing is told of a kernel on " + d.info.name, [&] {
     const std::vector<vk::DescriptorSetLayoutBinding> slots = layout_of(program);
-    const vk::raii::DescriptorSetLayout set(d.device,
-                                            vk::DescriptorSetLayoutCreateInfo({}, slots));
+    const vk::raii::DescriptorSetLayout set(d.device, vk::DescriptorSetLayoutCreateInfo({}, slots));
     const vk::PushConstantRange push(kCompute, 0, push_bytes);
     const vk::raii::PipelineLayout layout(d.device, {{}, 1, &*set, push_bytes > 0, &push});
     const vk::raii::Pipeline pipeline = make_pipeline(d, program, layout, constants);
