@@ -11,6 +11,8 @@
 #   make sky       what the windows found are worth under skies: doc/sky.md (a quarter of an hour)
 #   make only-needed   what a scene does not ask for costs how much: doc/only-needed.md (half an hour)
 #   make grid-speed   segments per second of lightgrid on each device: doc/light-grid-speed.md (two minutes)
+#   make gpu-speed    samples per second of tdpt-render on a device, share and size of each kernel: doc/gpu-speed.md (ten
+#                  minutes; DEVICE=gpu:WHICH)
 #   make limit     how far rendering is from casting its rays and nothing else, with a profile: doc/limit.md (4 minutes)
 #   make scale     time and memory of every program, a thousand to ten million triangles: doc/scale.md (a quarter of an
 #                  hour, 5 GiB of memory)
@@ -40,7 +42,7 @@ TEST_STATUS ?=
 # All that is there to run; `make build` adds every test and benchmark.
 PROGRAMS = ffgraph mincut lightgrid portalfit tdpt-render exrdiff exrmerge tdpt-info
 
-.PHONY: all build programs demo figures stages portals regret tradeoff whole-light target-error sky only-needed grid-speed scale limit bench bench-efficiency efficiency-references shards test test-slurm test-report install uninstall package package-test sanitize fuzz packages format clean
+.PHONY: all build programs demo figures stages portals regret tradeoff whole-light target-error sky only-needed grid-speed gpu-speed scale limit bench bench-efficiency efficiency-references shards test test-slurm test-report install uninstall package package-test sanitize fuzz packages format clean
 all: build
 
 build:
@@ -135,6 +137,11 @@ grid-speed: packages
 	@$(MAKE) --no-print-directory build
 	@sh bench/light-grid-speed.sh build/bin $(DEVICE) >build/light-grid-speed.md
 	@mv build/light-grid-speed.md doc/light-grid-speed.md
+
+gpu-speed: packages
+	@$(MAKE) --no-print-directory build
+	@sh bench/gpu-speed.sh build/bin build/gpu-speed $(DEVICE) >build/gpu-speed.md
+	@mv build/gpu-speed.md doc/gpu-speed.md
 
 limit: packages
 	@sh cmake/install-packages.sh cmake/packages-figures.txt

@@ -33,7 +33,8 @@ five rounds. \`--device\`s at hand, beside $(nproc 2>/dev/null || echo ?) cores 
 
 $("$bin/lightgrid" --list-devices | sed 's/^/    /')
 
-Embree and the twin run on all cores through TBB, and so does a software device on its own threads.
+Embree and the twin run on all cores through TBB, and so does a software device on its own threads. Segments per second, and the
+last column, go by the clock; those per CPU second hold on a machine that has other work, too.
 
 END
 "$bin/lightgrid_bench" "$device" 128 "$@" 2>"$work/128"

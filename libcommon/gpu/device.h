@@ -47,7 +47,8 @@ class Commands;
 class Device {
  public:
   /// `which` as in pick_device.
-  static Device open(const std::string& which = "");
+  /// `told`: for statistics_of() (kernel.h); throws where the driver has none.
+  static Device open(const std::string& which = "", bool told = false);
 
   const DeviceInfo& info() const;
   const Limits& limits() const { return info().limits; }

@@ -30,6 +30,7 @@ struct Device::Impl {
   DeviceInfo info;
   vk::PhysicalDeviceLimits limits;
   uint64_t piece = 16u << 20;  ///< bytes that are copied to or from the host at a time
+  bool told = false;           ///< its driver tells of kernels
   vk::raii::Instance instance = nullptr;
   vk::raii::DebugUtilsMessengerEXT messenger = nullptr;
   vk::raii::PhysicalDevice physical = nullptr;

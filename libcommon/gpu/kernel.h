@@ -30,6 +30,17 @@ size_t storage_buffers_in(std::span<const uint32_t> program);
 /// The constant_ids that a program reads: others make no other kernel of it.
 std::set<uint32_t> constants_of(std::span<const uint32_t> program);
 
+/// What a driver's compiler tells of a program: "VGPRs", "Scratch size", as the driver calls it.
+struct Statistic {
+  std::string name;
+  double value;
+};
+/// Of a device that was opened for it, be it one without memory. `program`, `push_bytes` and
+/// `constants` as of Kernel; what it binds are storage buffers, texels and uniforms.
+std::vector<Statistic> statistics_of(const Device& device, std::span<const uint32_t> program,
+                                     uint32_t push_bytes,
+                                     const std::vector<uint32_t>& constants = {});
+
 /// Push constants: one struct, laid out as in the shader.
 template <class T>
 std::span<const std::byte> push(const T& values) {

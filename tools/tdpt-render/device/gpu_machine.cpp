@@ -1,5 +1,6 @@
 #include "tools/tdpt-render/device/gpu_machine.h"
 
+#include <chrono>
 #include <map>
 
 #include "libcommon/base/error.h"
@@ -162,10 +163,10 @@ gpu::Tables uploaded_scene(const RenderTables& t, const Device& device) {
 class GpuMachine : public Machine {
  public:
   GpuMachine(const Device& device, const RenderTables& t, const Room& room, uint32_t film_words,
-             StepTimes* times)
+             DeviceWork* work)
       : device_(device),
         room_(room),
-        times_(times),
+        work_(work),
         settings_host_{{}, t.portals.guiding, t.lights.settings, {}},
         features_(features_of(t)),
         film_words_(film_words),
@@ -209,12 +210,15 @@ class GpuMachine : public Machine {
 
   // Drivers may leave some of the work to the first dispatch: one of nothing is enough.
   void prepare(const std::vector<Step>& steps, Progress& progress) override {
+    const auto start = std::chrono::steady_clock::now();
     for (const Step step : steps) {
       const Kernel& kernel = kernel_of(static_cast<size_t>(step));
       device_.run(
           [&](gpu::Commands& c) { c.dispatch(kernel, gpu::push(shader::StepParameters{}), 1); });
       progress.advance();
     }
+    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+    if (work_) work_->making += took.count();
   }
 
   void run(Step step, const shader::StepParameters& p) override {
@@ -223,7 +227,7 @@ class GpuMachine : public Machine {
     const Kernel& kernel = kernel_of(i);
     const double seconds =
         timed([&](gpu::Commands& c) { c.dispatch(kernel, gpu::push(p), groups_of(p.count)); });
-    if (times_) times_->of[i] += seconds;
+    if (work_) add(work_->steps[i], seconds, p.count);
   }
 
   uint32_t gather(bool of_light, uint32_t first, uint32_t count) override {
@@ -233,7 +237,7 @@ class GpuMachine : public Machine {
       scan(c, scan_flags_, count);
       c.dispatch(gather_, gpu::push(p), groups_of(count));
     });
-    if (times_) times_->gather += seconds;
+    if (work_) add(work_->gather, seconds, count);
     return total(count);
   }
 
@@ -243,13 +247,13 @@ class GpuMachine : public Machine {
       scan(c, scan_flags_, count);
       c.dispatch(gather_, gpu::push(shader::StepParameters{count, 0, 0}), groups_of(count));
     });
-    if (times_) times_->gather += seconds;
+    if (work_) add(work_->gather, seconds, count);
     return total(count);
   }
 
   void place_ends(uint32_t walks) override {
     const double seconds = timed([&](gpu::Commands& c) { scan(c, scan_walks_, walks + 1); });
-    if (times_) times_->gather += seconds;
+    if (work_) add(work_->gather, seconds, walks);
   }
 
   std::vector<uint32_t> take_film() override {
@@ -259,6 +263,11 @@ class GpuMachine : public Machine {
   }
 
  private:
+  static void add(StepWork& to, double seconds, uint32_t invocations) {
+    to.seconds += seconds;
+    ++to.runs;
+    to.invocations += invocations;
+  }
   double timed(const std::function<void(gpu::Commands&)>& record) {
     const bool of_cores = device_.info().kind == "cpu";
     const double before = of_cores ? cpu_seconds() : 0;
@@ -347,7 +356,7 @@ class GpuMachine : public Machine {
 
   Device device_;
   const Room room_;
-  StepTimes* const times_;  // or none
+  DeviceWork* const work_;  // or none
   Settings settings_host_;
   const std::vector<uint32_t> features_;
   // Walks are directed, the camera culls, techniques, power heuristic, layers, transparent.
@@ -362,6 +371,21 @@ class GpuMachine : public Machine {
 
 }  // namespace
 
+std::array<std::vector<gpu::Statistic>, kOfSteps> step_statistics(const gpu::Device& device,
+                                                                  bool least) {
+  // In the order of features_of() and kind_.
+  std::vector<uint32_t> constants;
+  if (least) {
+    constants.assign(19, 0);
+    constants[17] = 1;  // portals
+    constants.insert(constants.end(), {1, 0, 31, 0, 0, 0});
+  }
+  std::array<std::vector<gpu::Statistic>, kOfSteps> all;
+  for (size_t i = 0; i < kOfSteps; ++i)
+    all[i] = statistics_of(device, kPrograms[i], sizeof(shader::StepParameters), constants);
+  return all;
+}
+
 Room room_on(const gpu::Device& device, const RenderTables& tables, uint32_t film_words) {
   size_t buffers = 0;
   for (const std::span<const uint32_t> program : kPrograms)
@@ -372,8 +396,8 @@ Room room_on(const gpu::Device& device, const RenderTables& tables, uint32_t fil
 }
 
 std::unique_ptr<Machine> make_gpu_machine(const gpu::Device& device, const RenderTables& tables,
-                                          const Room& room, uint32_t film_words, StepTimes* times) {
-  return std::make_unique<GpuMachine>(device, tables, room, film_words, times);
+                                          const Room& room, uint32_t film_words, DeviceWork* work) {
+  return std::make_unique<GpuMachine>(device, tables, room, film_words, work);
 }
 
 }  // namespace tdpt

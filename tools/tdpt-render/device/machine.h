@@ -2,6 +2,7 @@
 // [wavefront.h] is the same for both.
 #pragma once
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -46,6 +47,35 @@ enum class Step : uint8_t {
   join_segments,
   kSteps
 };
+inline constexpr std::array<const char*, static_cast<size_t>(Step::kSteps)> kStepNames{
+    "begin light walks",
+    "begin camera walks",
+    "go on, light",
+    "go on, camera",
+    "trace",
+    "arrive, light",
+    "arrive, camera",
+    "list ends",
+    "list starts",
+    "meet lights",
+    "begin segments",
+    "end segments",
+    "put segments",
+    "gather sides",
+    "choose next events",
+    "choose joins",
+    "choose splats",
+    "choose sides",
+    "choose seen",
+    "choose segments",
+    "flag lit",
+    "list lit",
+    "estimate segments",
+    "scatter ends",
+    "see",
+    "join",
+    "join sides",
+    "join segments"};
 
 /// How much room there is.
 struct Room {
