@@ -157,14 +157,14 @@ SHARED void choose_ends(uint place, uint count, uint kind, uint group, uint n, J
   uint m = min(n, kCandidates);
   float walks = float(walks_of_pool(pool_of_group(group)));
   float times = n <= kCandidates ? walks : walks * 8.0f * reciprocal(float(n));
-  float estimates[kCandidates];
+  float rough[kCandidates];
   float total = 0.0f;
   uint not_zero = 0u;
   count_rays(RAYS_JOIN, m);
   for (uint k = 0u; k < m; ++k) {
     JoinEnd end = load_join_end(place_of_end(group, candidate_of(n, k, u)));
     float estimate = end.number + edges > render.max_depth ? 0.0f : estimate_join(end, here);
-    estimates[k] = estimate;
+    rough[k] = estimate;
     total += estimate;
     not_zero += estimate > 0.0f ? 1u : 0u;
   }
@@ -172,7 +172,7 @@ SHARED void choose_ends(uint place, uint count, uint kind, uint group, uint n, J
   uint put = 0u;
   for (uint k = 0u; k < m && put < count; ++k) {
     float chance;
-    if (!takes(few, estimates[k], chance)) continue;
+    if (!takes(few, rough[k], chance)) continue;
     JoinEnd end = load_join_end(place_of_end(group, candidate_of(n, k, u)));
     put_joining(place + put, kind, end.slot, end.position, end.alpha2 < 0.0f, camera, here.position,
                 times * chance, pixel);

@@ -148,11 +148,11 @@ SHARED uint number_of(PathDensity d) MEMBER_CONST {
   return d.flags & VERTEX_NUMBER;
 }
 SHARED uint flags_of(Point p, uint number) MEMBER_CONST {
-  uint flags = number | VERTEX_THERE;
-  if (p.connectible) flags |= VERTEX_CONNECTIBLE;
-  if (is_met(p)) flags |= VERTEX_MET;
-  if (at_infinity(p)) flags |= VERTEX_INFINITE;
-  return flags;
+  uint told = number | VERTEX_THERE;
+  if (p.connectible) told |= VERTEX_CONNECTIBLE;
+  if (is_met(p)) told |= VERTEX_MET;
+  if (at_infinity(p)) told |= VERTEX_INFINITE;
+  return told;
 }
 
 SHARED Crossing crossing_of(uint from, Point at, Point to, Drawn drawn) MEMBER {

@@ -108,7 +108,7 @@ void add_texels(const Sky& sky, double unit, LightTables& tables) {
   tables.texels.clear();
   for (const Rgb& texel : sky.map().texels) {
     const Rgb c = in_units(texel, unit);
-    tables.texels.push_back({c.x, c.y, c.z});
+    tables.texels.push_back({c.x, c.y, c.z, 0});
   }
 }
 
