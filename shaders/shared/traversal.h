@@ -35,6 +35,30 @@ SHARED void box_depths(vec3 low, vec3 high, vec3 origin, vec3 per_slope, OUT(flo
 // Waits below all that a traversal has put aside: a leaf that is not there.
 const uint kBvhDone = 0x8FFFFFFFu;
 
+/// The triangles of a leaf whose box the ray enters at depth `near`; `best`: of `hit`.
+SHARED void meet_leaf(uint leaf, float near, AxisRay ray, vec3 direction, uint coin,
+                      INOUT(float) best, INOUT(SurfaceHit) hit) MEMBER_CONST {
+  uint first = leaf & kBvhFirstMask;
+  uint end = first + ((leaf >> kBvhCountShift) & kBvhCountMask);
+  for (uint i = first; i < end; ++i) {
+    BvhTriangle t = load_bvh_triangle(i);
+    float depth, b1, b2;
+    uint back;
+    if (line_meets(ray, t.p0, t.p1, t.p2, depth, b1, b2, back) && depth > 1e-30f) {
+      depth = max(depth, near);
+      uint triangle = t.triangle;
+      if ((depth < best || (depth == best && triangle < hit.triangle)) &&
+          (t.stops != 0u || surface_stops(triangle, b1, b2, coin, direction))) {
+        best = depth;
+        hit.triangle = triangle;
+        hit.b1 = b1;
+        hit.b2 = b2;
+        hit.back = back;
+      }
+    }
+  }
+}
+
 /// The first surface at t > 0 along `direction`, which may have any length. Of several at the same
 /// place the triangle with the smallest index.
 SHARED bool first_hit(vec3 origin, vec3 direction, uint coin, OUT(SurfaceHit) hit) MEMBER_CONST {
@@ -80,25 +104,7 @@ SHARED bool first_hit(vec3 origin, vec3 direction, uint coin, OUT(SurfaceHit) hi
       }
     }
     if (node == kBvhDone) break;
-    uint first = node & kBvhFirstMask;
-    uint end = first + ((node >> kBvhCountShift) & kBvhCountMask);
-    for (uint i = first; i < end; ++i) {
-      BvhTriangle t = load_bvh_triangle(i);
-      float depth, b1, b2;
-      uint back;
-      if (line_meets(ray, t.p0, t.p1, t.p2, depth, b1, b2, back) && depth > 1e-30f) {
-        depth = max(depth, node_near);
-        uint triangle = t.triangle;
-        if ((depth < best || (depth == best && triangle < hit.triangle)) &&
-            (t.stops != 0u || surface_stops(triangle, b1, b2, coin, direction))) {
-          best = depth;
-          hit.triangle = triangle;
-          hit.b1 = b1;
-          hit.b2 = b2;
-          hit.back = back;
-        }
-      }
-    }
+    meet_leaf(node, node_near, ray, direction, coin, best, hit);
     do {
       --top;
       node = stack[top];

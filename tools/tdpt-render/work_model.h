@@ -58,30 +58,30 @@ inline constexpr WorkCosts kWorkWithoutPortals{
     .window = 20,
 };
 
-// Likewise of samples on a device: CPU nanoseconds of Mesa's software device on one core, five
-// scenes with portals, six without. Ratios to bdpt's come out within 9 % on average, 0.7 to 1.3
-// times at most. A first hit, where there are portals, was held at what it is without. What facets,
-// triangles of portals and looking out cost was not measured: they are to a first hit as on the
-// CPU. Devices that are of another kind have not been measured: `work_model_bench --device gpu`
-// does.
+// Likewise of samples on a device: CPU nanoseconds of Mesa's software device on one core, three
+// scenes with portals, five without. Ratios to bdpt's come out within 8 % on average, 46 % at most.
+// What facets, triangles of portals and looking out cost was not measured: they are to a first hit
+// as on the CPU. Devices that are of another kind have not been measured: `work_model_bench
+// --device gpu` does.
 inline constexpr WorkCosts kDeviceWorkWithPortals{
-    .closest = 1319,
-    .closest_deeper = 206,
-    .shadow = 3302,
-    .portal_triangle = 14,
-    .directed = 2523,
-    .facets = 403,
-    .facet = 75,
-    .looking_out = 478,
-    .window = 137,
+    .closest = 474,
+    .closest_deeper = 129,
+    .shadow = 750,
+    .join = 48,
+    .portal_triangle = 5,
+    .directed = 317,
+    .facets = 145,
+    .facet = 27,
+    .looking_out = 172,
+    .window = 49,
 };
 inline constexpr WorkCosts kDeviceWorkWithoutPortals{
-    .closest = 1319,
-    .closest_deeper = 206,
-    .shadow = 1916,
-    .join = 132,
-    .looking_out = 478,
-    .window = 137,
+    .closest = 474,
+    .closest_deeper = 117,
+    .shadow = 845,
+    .join = 19,
+    .looking_out = 172,
+    .window = 49,
 };
 
 /// For samples that have a use for portals, and for those that have none.
