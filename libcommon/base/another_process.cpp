@@ -13,6 +13,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "libcommon/base/child_process.h"
 #include "libcommon/base/error.h"
 #include "libcommon/base/memory_limit.h"
 
@@ -39,7 +40,8 @@ void limit_what_is_held(uint64_t bytes) {
 }
 
 // Never returns. What the program had to write stays with it: _exit() flushes nothing.
-[[noreturn]] void run(const std::function<void(std::FILE*)>& work, int end) {
+[[noreturn]] void run(const std::function<void(std::FILE*)>& work, int end, pid_t parent) {
+  die_with_parent(parent);
   if (const int nowhere = ::open("/dev/null", O_WRONLY); nowhere >= 0) ::dup2(nowhere, 2);
   const rlimit no_core{0, 0};
   ::setrlimit(RLIMIT_CORE, &no_core);
@@ -60,11 +62,12 @@ bool in_another_process(const std::function<void(std::FILE*)>& work,
                         const std::function<bool(std::FILE*)>& take) {
   int ends[2];
   if (::pipe2(ends, O_CLOEXEC) != 0) fail(errno);
+  const pid_t self = ::getpid();
   const pid_t child = ::fork();
   const int error_of_fork = errno;
   if (child == 0) {
     ::close(ends[0]);
-    run(work, ends[1]);
+    run(work, ends[1], self);
   }
   ::close(ends[1]);
   if (child < 0) {

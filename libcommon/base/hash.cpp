@@ -1,13 +1,55 @@
 #include "libcommon/base/hash.h"
 
+#include <cerrno>
+#include <cstring>
+#include <memory>
+#include <vector>
+
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <unistd.h>
 #include <xxhash.h>
 
+#include "libcommon/base/error.h"
+
 namespace tdpt {
+namespace {
+
+std::string words_of(const XXH128_hash_t& h) {
+  return fmt::format("{:016x}{:016x}", h.high64, h.low64);
+}
+
+struct OpenFile {
+  int fd;
+  ~OpenFile() {
+    if (fd >= 0) ::close(fd);
+  }
+};
+
+}  // namespace
 
 std::string content_hash(std::string_view bytes) {
-  const XXH128_hash_t h = XXH3_128bits(bytes.data(), bytes.size());
-  return fmt::format("{:016x}{:016x}", h.high64, h.low64);
+  return words_of(XXH3_128bits(bytes.data(), bytes.size()));
+}
+
+std::string content_hash_of_file(const std::string& path) {
+  const auto fail = [&](const char* what) {
+    throw InputError(path, "", std::string(what) + std::strerror(errno));
+  };
+  const OpenFile file{::open(path.c_str(), O_RDONLY | O_CLOEXEC)};
+  if (file.fd < 0) fail("cannot be opened: ");
+  const std::unique_ptr<XXH3_state_t, XXH_errorcode (*)(XXH3_state_t*)> state(XXH3_createState(),
+                                                                              XXH3_freeState);
+  XXH3_128bits_reset(state.get());
+  std::vector<char> part(size_t{1} << 20);
+  for (;;) {
+    const ssize_t n = ::read(file.fd, part.data(), part.size());
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) fail("cannot be read: ");
+    if (n == 0) break;
+    XXH3_128bits_update(state.get(), part.data(), static_cast<size_t>(n));
+  }
+  return words_of(XXH3_128bits_digest(state.get()));
 }
 
 }  // namespace tdpt

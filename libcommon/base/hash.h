@@ -9,4 +9,8 @@ namespace tdpt {
 /// no protection against malice.
 std::string content_hash(std::string_view bytes);
 
+/// The same of the file `path`, which is not held in memory. Throws InputError when it cannot be
+/// read.
+std::string content_hash_of_file(const std::string& path);
+
 }  // namespace tdpt

@@ -41,18 +41,6 @@ int depth_of(std::string_view text) {
   return deepest;
 }
 
-Json parse(std::string_view text, const std::string& file) {
-  if (depth_of(text) > kDeepest)
-    throw InputError(file, "JSON", fmt::format("is nested more than {} levels deep", kDeepest));
-  try {
-    return Json::parse(text.begin(), text.end());
-  } catch (const Json::parse_error& e) {
-    throw InputError(file, fmt::format("JSON byte {}", e.byte), "is not valid JSON");
-  } catch (const Json::exception&) {
-    throw InputError(file, "JSON", "holds a number beyond the range of double precision");
-  }
-}
-
 void check_extensions(Document& d) {
   if (!d.json.contains("extensionsRequired")) return;
   for (const Json& e : d.json["extensionsRequired"]) {
@@ -159,6 +147,18 @@ void load_model(Document& d) {
 
 }  // namespace
 
+Json parse_json(std::string_view text, const std::string& file) {
+  if (depth_of(text) > kDeepest)
+    throw InputError(file, "JSON", fmt::format("is nested more than {} levels deep", kDeepest));
+  try {
+    return Json::parse(text.begin(), text.end());
+  } catch (const Json::parse_error& e) {
+    throw InputError(file, fmt::format("JSON byte {}", e.byte), "is not valid JSON");
+  } catch (const Json::exception&) {
+    throw InputError(file, "JSON", "holds a number beyond the range of double precision");
+  }
+}
+
 std::string place(const char* section, size_t index) {
   return fmt::format("{}[{}]", section, index);
 }
@@ -181,7 +181,7 @@ void open_document(const std::string& path, Document& d) {
     if (d.folder.empty()) d.folder = ".";
   }
   const Chunks chunks = split_chunks(d.bytes, d.file, d.warnings);
-  d.json = parse(chunks.json, d.file);
+  d.json = parse_json(chunks.json, d.file);
   const Checked checked = check_json(d.json, d.file);
   d.camera_faults = checked.cameras;
   d.warnings.insert(d.warnings.end(), checked.warnings.begin(), checked.warnings.end());

@@ -48,6 +48,13 @@ int hex_of(char c) {
   return -1;
 }
 
+bool is_below(const fs::path& file, const fs::path& folder) {
+  const auto [rest, unused] = std::mismatch(folder.begin(), folder.end(), file.begin(), file.end());
+  return rest == folder.end();
+}
+
+}  // namespace
+
 std::string percent_decode(std::string_view text) {
   std::string out;
   for (size_t i = 0; i < text.size(); ++i) {
@@ -61,13 +68,6 @@ std::string percent_decode(std::string_view text) {
   }
   return out;
 }
-
-bool is_below(const fs::path& file, const fs::path& folder) {
-  const auto [rest, unused] = std::mismatch(folder.begin(), folder.end(), file.begin(), file.end());
-  return rest == folder.end();
-}
-
-}  // namespace
 
 std::string read_uri(const Document& document, const std::string& uri, const std::string& where,
                      std::string& file_read) {

@@ -1,0 +1,120 @@
+#include "libcommon/base/child_process.h"
+
+#include <chrono>
+#include <csignal>
+#include <fstream>
+#include <thread>
+
+#include <poll.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <gtest/gtest.h>
+
+#include "libcommon/base/error.h"
+
+namespace tdpt {
+namespace {
+
+int wait_for(ChildProcess& child, std::string& text) {
+  while (child.read(text)) std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  while (!child.exit_code()) std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  return *child.exit_code();
+}
+
+// A number that a script writes into a file, once it is there.
+pid_t number_in(const std::string& path) {
+  for (int i = 0; i < 1000; ++i) {
+    pid_t pid = 0;
+    if (std::ifstream(path) >> pid) return pid;
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  return 0;
+}
+
+bool ends_soon(pid_t pid) {
+  for (int i = 0; i < 400; ++i) {
+    if (::kill(pid, 0) != 0) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  return false;
+}
+
+std::string temporary(const char* name) {
+  return testing::TempDir() + "child_process_test." + std::to_string(::getpid()) + "." + name;
+}
+
+TEST(child_process, words_reach_the_program_as_they_are) {
+  std::string text;
+  ChildProcess child({"/bin/sh", "-c", "printf '%s|' \"$@\" >&2; exit 7", "sh", "a$(id)", "", "b `c`&;'\"\n"},
+                     {});
+  EXPECT_EQ(wait_for(child, text), 7);
+  EXPECT_EQ(text, "a$(id)||b `c`&;'\"\n|");
+}
+
+TEST(child_process, a_program_that_is_not_there_says_so) {
+  std::string text;
+  ChildProcess child({"/nowhere/program"}, {});
+  EXPECT_EQ(wait_for(child, text), 1);
+  EXPECT_EQ(text, "/nowhere/program: cannot be started: No such file or directory\n");
+}
+
+TEST(child_process, a_signal_that_ends_it_is_told_as_shells_do) {
+  std::string text;
+  ChildProcess child({"/bin/sh", "-c", "kill -9 $$"}, {});
+  EXPECT_EQ(wait_for(child, text), 137);
+}
+
+TEST(child_process, is_killed_with_its_object) {
+  const std::string file = temporary("object");
+  pid_t pid = 0;
+  {
+    ChildProcess child({"/bin/sh", "-c", "echo $$ >\"$1\"; exec sleep 60", "sh", file}, {});
+    pid = number_in(file);
+    ASSERT_GT(pid, 0);
+  }
+  EXPECT_NE(::kill(pid, 0), 0);
+  ::unlink(file.c_str());
+}
+
+// A copy of this process starts a child and is killed. `tied`: by ChildProcess; else by fork() alone.
+bool child_ends_with_its_parent(bool tied) {
+  const std::string file = temporary(tied ? "tied" : "free");
+  ::unlink(file.c_str());
+  const pid_t copy = ::fork();
+  if (copy == 0) {
+    const std::vector<std::string> words{"/bin/sh", "-c", "echo $$ >\"$1\"; exec sleep 60", "sh", file};
+    if (tied) {
+      ChildProcess child(words, {});
+      ::pause();
+    } else if (::fork() == 0) {
+      ::execl("/bin/sh", "sh", "-c", words[2].c_str(), "sh", file.c_str(), nullptr);
+    }
+    ::pause();
+  }
+  const pid_t pid = number_in(file);
+  EXPECT_GT(pid, 0);
+  ::kill(copy, SIGKILL);
+  ::waitpid(copy, nullptr, 0);
+  const bool ended = ends_soon(pid);
+  if (!ended) ::kill(pid, SIGKILL);
+  ::unlink(file.c_str());
+  return ended;
+}
+
+TEST(child_process, ends_when_this_process_is_killed) {
+  EXPECT_TRUE(child_ends_with_its_parent(true));
+}
+
+TEST(child_process, twin_a_child_that_is_not_tied_stays) {
+  EXPECT_FALSE(child_ends_with_its_parent(false));
+}
+
+TEST(child_process, only_the_main_thread_may_start_one) {
+  std::thread([] {
+    EXPECT_THROW(ChildProcess({"/bin/true"}, {}), Error);
+  }).join();
+}
+
+}  // namespace
+}  // namespace tdpt
