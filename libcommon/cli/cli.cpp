@@ -215,6 +215,16 @@ struct Options::Impl {
                        meant.empty() ? "" : " (did you mean --" + meant + "?)");
   }
 
+  std::vector<Given> given() const {
+    std::vector<Given> all;
+    for (const Entry& e : entries) {
+      if (e.option->count() == 0 || e.option->get_lnames().empty()) continue;
+      Given& one = all.emplace_back(Given{"--" + e.option->get_lnames().front(), {}});
+      if (e.option->get_items_expected_max() > 0) one.values = e.option->results();
+    }
+    return all;
+  }
+
   // The tool and the options that shape the result, in the order of the table; paths of inputs are
   // named by their `from` lines and do not stand here.
   std::string canonical(const std::string& tool) const {
@@ -462,6 +472,7 @@ int Options::run_main(int argc, char** argv, const std::function<int()>& run) {
     }
     common.arguments.assign(argv, argv + argc);
     common.output_given = impl_->is_given("-o");
+    common.given = impl_->given();
     impl_->spare_terminal(common.output);
     impl_->set_quality(common);
     common.command = impl_->canonical(common.tool);

@@ -26,6 +26,12 @@ struct ByQuality {
   }
 };
 
+/// An option that the command line has.
+struct Given {
+  std::string name;                 ///< the long one, "--spp"
+  std::vector<std::string> values;  ///< empty of a flag
+};
+
 /// The options that every tool has.
 struct Common {
   std::string output = "-";  ///< -o; "-": standard output
@@ -47,6 +53,7 @@ struct Common {
   std::string dependency_rule() const;
 
   bool output_given = false;           ///< -o was
+  std::vector<Given> given;            ///< all options that were, in the order of the table
   std::vector<std::string> arguments;  ///< the command line as given, the program first
 
   std::string tool;     ///< name of the program

@@ -4,41 +4,15 @@
 #include <string>
 #include <vector>
 
-#include "libcommon/formats/camera_options.h"
-#include "libcommon/formats/sky_options.h"
+#include "libcommon/formats/render_options.h"
 
 namespace tdpt {
 
-namespace cli {
-class Options;
-}
-
-struct Arguments {
-  std::string scene, device;
-  std::vector<std::string> portals;
-  SkyArguments sky;
-  CameraArguments camera;
-  int64_t width = 0, height = 0;  ///< pixels; 0: not given
-
-  std::string integrator = "auto", mis = "balance";
-  double guide_light = -1, guide_camera = -1, segments = -1,
-         light_walks = -1;  ///< below 0: not given
-  int64_t spp = 0;
-  int64_t max_depth = 0;    ///< edges; 0: no limit
-  double seconds = 0;       ///< 0: no limit
-  double target_error = 0;  ///< relMSE; 0: none
-  bool retry = false;
-
-  std::string checkpoint, resume, plan;  ///< paths; empty: not given
-  double checkpoint_every = 60;          ///< seconds
-  int64_t add_samples = 0;
+struct Arguments : RenderArguments {
+  std::string plan;          ///< a path; empty: not given
   std::string shard;         ///< "I/N"; empty: not given
   int64_t print_shards = 0;  ///< N; 0: not given
-  std::string isa = "native";
-
-  std::string stats, nonzero, preview;  ///< paths; empty: not asked for
-  bool layers = false, alpha = false;
-  std::string aov;  ///< names, separated by commas
+  bool check = false;
 };
 
 /// The names of --aov, each once, in the order of kFeatures and kDerived. Throws UsageError for one

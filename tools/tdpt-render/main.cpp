@@ -225,6 +225,7 @@ int run(const Arguments& a, const cli::Common& common) {
           {},
           {},
           device ? kGpuCode : processor_code()};
+  if (a.check) return 0;
   Loaded& in = job.in;
   const OpenWorld open = open_world(in.scene, in.camera, in.size.width, in.size.height, in.portals);
   if (open.uncovered > 0) common.warn(uncovered_sentence(open.uncovered, in.scene.frame));

@@ -1,0 +1,120 @@
+#include "libcommon/formats/render_options.h"
+
+#include <filesystem>
+
+#include "libcommon/base/error.h"
+#include "libcommon/cli/cli.h"
+#include "libcommon/cli/outputs.h"
+
+namespace tdpt {
+namespace {
+
+void check_picture_name(const std::string& picture) {
+  for (const char* suffix : {".png", ".jpg", ".jpeg"})
+    if (picture.ends_with(suffix))
+      throw UsageError("-o " + picture +
+                       ": the picture is OpenEXR, name it .exr; --preview adds a PNG");
+}
+
+bool same_file(const std::string& a, const std::string& b) {
+  std::error_code ignored;
+  return std::filesystem::weakly_canonical(a, ignored) ==
+         std::filesystem::weakly_canonical(b, ignored);
+}
+
+// How walks are directed at portals, and how many samples have which part.
+void declare_guide_options(cli::Options& options, RenderArguments& a) {
+  options.option(
+      "--guide-light", a.guide_light, "Q",
+      "Probability that a light walk aims at a portal; default 0.7 with tdpt-guided, else 0", 0,
+      0.95);
+  options.option(
+      "--guide-camera", a.guide_camera, "Q",
+      "Probability that a camera walk aims at a portal; default 0.4 with tdpt-guided, else 0", 0,
+      0.95);
+  options.option(
+      "--segments", a.segments, "SHARE",
+      "Share of the samples that draw a portal segment; default 1, with tdpt-guided 0.25", 0.01, 1);
+  options.option(
+      "--light-walks", a.light_walks, "SHARE",
+      "Share of the samples that make a light walk; default 0.25 with tdpt-guided, else 1",
+      kSmallestWalkShare, 1);
+}
+
+// What makes a rendering last.
+void declare_checkpoint_options(cli::Options& options, RenderArguments& a) {
+  using Use = cli::Options::Use;
+  options.side_output("--checkpoint", a.checkpoint,
+                      "Keep what there is in FILE while rendering, for --resume");
+  options.option("--checkpoint-every", a.checkpoint_every, "SECONDS",
+                 "Time between checkpoints; default 60", 0, 1e9, cli::Shapes::nothing);
+  options.file("--resume", a.resume, "Go on from a checkpoint, which is kept up to date", [&a] {
+    if (a.checkpoint.empty()) return Use::written;
+    return same_file(a.checkpoint, a.resume) ? Use::neither : Use::read;
+  });
+  options.option("--add-samples", a.add_samples, "N",
+                 "With --resume: render N samples per pixel more than it was to have", 1,
+                 int64_t{1} << 32, cli::Shapes::nothing);
+  options.choice("--isa", a.isa, {"native", "avx2", "sse2"},
+                 "Instructions to use: the newest, or those of older processors, too, for the same "
+                 "bytes on each; default native",
+                 cli::Shapes::nothing);
+}
+
+// How much is rendered.
+void declare_amount_options(cli::Options& options, RenderArguments& a) {
+  options.quality();
+  options.option("--spp", a.spp, "N",
+                 "Samples per pixel; default 16 (draft 4, high 64), or as --time allows or "
+                 "--target-error takes",
+                 1, int64_t{1} << 32);
+  options.option("--time", a.seconds, "SECONDS", "Stop rendering after this wall-clock time", 1e-3,
+                 1e9, cli::Shapes::nothing);
+  options.option("--target-error", a.target_error, "E",
+                 "Render until the relMSE is E, within --spp and --time; the number of samples is "
+                 "fixed beforehand",
+                 1e-9, 1e9);
+  options.flag("--retry", a.retry, "Where the target seems to be missed, render on once");
+  options.option("--max-depth", a.max_depth, "K", "Edges of the longest path; default no limit", 1,
+                 kMostEdges);
+  options.option("--width", a.width, "W", "Width in pixels; default 640, or from --height", 1,
+                 65536);
+  options.option("--height", a.height, "H", "Height in pixels; default from the camera's aspect", 1,
+                 65536);
+}
+
+// What a picture holds beside its colours, and what is written beside it.
+void declare_picture_options(cli::Options& options, RenderArguments& a) {
+  options.side_output("--stats", a.stats, "Write statistics as JSON, with the picture's progress");
+  options.flag("--alpha", a.alpha,
+               "Transparent film: leave out the sky behind all, add a channel A of what is before "
+               "it");
+  options.flag("--layers", a.layers,
+               "Add each technique's contribution as layers <technique>.R .G .B");
+  options.option("--aov", a.aov, "LIST",
+                 "Add channels: albedo, normal, position, depth, variance, samples, or all");
+  options.side_output("--nonzero", a.nonzero,
+                      "Write a PNG of the pixels: red with a contribution, green without");
+  options.output_beside("--preview", a.preview, cli::png_beside, "Write a PNG beside the picture");
+  options.result_name(check_picture_name);
+}
+
+}  // namespace
+
+void declare_render_options(cli::Options& options, RenderArguments& a) {
+  options.inputs("--portal", a.portals, "FILE",
+                 "Portals (.glb, .gltf) from portalfit or a modelling program; may be repeated");
+  std::vector<std::string> names{"auto"};
+  names.insert(names.end(), kIntegratorNames.begin(), kIntegratorNames.end());
+  options.choice("--integrator", a.integrator, names,
+                 "Techniques to combine; default auto, which finds the best for this scene");
+  declare_guide_options(options, a);
+  declare_amount_options(options, a);
+  declare_sky_options(options, a.sky);
+  declare_camera_options(options, a.camera);
+  options.choice("--mis", a.mis, {"balance", "power"}, "MIS heuristic; default balance");
+  declare_checkpoint_options(options, a);
+  declare_picture_options(options, a);
+}
+
+}  // namespace tdpt

@@ -1,0 +1,49 @@
+// The options of a rendering: of tdpt-render, which obeys them, and of tdpt, which hands them on.
+// tdpt-render(1) tells what they mean.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "libcommon/formats/camera_options.h"
+#include "libcommon/formats/sky_options.h"
+
+namespace tdpt {
+
+/// Values of --integrator beside "auto", in the order of tdpt-render's table.
+inline constexpr std::array kIntegratorNames{"pt",       "nee",  "bdpt",
+                                             "tdpt-org", "tdpt", "tdpt-guided"};
+inline constexpr int kMostEdges = 1024;                   ///< of a path
+inline constexpr double kSmallestWalkShare = 1.0 / 16.0;  ///< of samples with a light walk
+
+struct RenderArguments {
+  std::string scene, device = "cpu";
+  std::vector<std::string> portals;
+  SkyArguments sky;
+  CameraArguments camera;
+  int64_t width = 0, height = 0;  ///< pixels; 0: not given
+
+  std::string integrator = "auto", mis = "balance";
+  double guide_light = -1, guide_camera = -1, segments = -1,
+         light_walks = -1;  ///< below 0: not given
+  int64_t spp = 0;
+  int64_t max_depth = 0;    ///< edges; 0: no limit
+  double seconds = 0;       ///< 0: no limit
+  double target_error = 0;  ///< relMSE; 0: none
+  bool retry = false;
+
+  std::string checkpoint, resume;  ///< paths; empty: not given
+  double checkpoint_every = 60;    ///< seconds
+  int64_t add_samples = 0;
+  std::string isa = "native";
+
+  std::string stats, nonzero, preview;  ///< paths; empty: not asked for
+  bool layers = false, alpha = false;
+  std::string aov;  ///< names, separated by commas
+};
+
+/// All of them but the scene, --device, and what shares a picture out among machines.
+void declare_render_options(cli::Options& options, RenderArguments& a);
+
+}  // namespace tdpt
