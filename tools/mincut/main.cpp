@@ -6,6 +6,7 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
+#include "libcommon/base/number_words.h"
 #include "libcommon/base/phases.h"
 #include "libcommon/cli/cli.h"
 #include "libcommon/cli/ending.h"
@@ -138,8 +139,8 @@ void report(const cli::Common& common, const FoundCuts& found, Json& summary) {
   for (const SeriesCut::Refused& r : found.refused) {
     summary["refused"].push_back(json_of(r.facts));
     summary["refused"].back()["why"] = r.why;
-    common.note(fmt::format("refused: a cut with {:.2g} % of the surface on the light's side: {}",
-                            100 * r.facts.area[0], r.why));
+    common.note(fmt::format("refused: a cut with {} of the surface on the light's side: {}",
+                            percent_words(r.facts.area[0]), r.why));
   }
   if (cut.bottleneck) return;
   summary["reason"] = cut.reason;

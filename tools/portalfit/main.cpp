@@ -5,6 +5,7 @@
 #include "libcommon/base/counted.h"
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
+#include "libcommon/base/number_words.h"
 #include "libcommon/cli/cli.h"
 #include "libcommon/cli/ending.h"
 #include "libcommon/draw/canvas.h"
@@ -105,8 +106,8 @@ nlohmann::json tell(const cli::Common& common, const FitResult& found,
     const auto& f = found.portals[i].figures;
     const std::string name = fmt::format("portal.{}", written.size());
     if (!useless[i].empty()) {
-      common.note(
-          fmt::format("left out, {:.4g} m2: {}; --all writes it.", f.at("area"), useless[i]));
+      common.note(fmt::format("left out, {} m2: {}; --all writes it.",
+                              number_words(f.at("area"), 4), useless[i]));
       continue;
     }
     const std::string support =
