@@ -18,6 +18,7 @@
 #include "libcommon/base/output_file.h"
 #include "libcommon/base/phases.h"
 #include "libcommon/base/provenance.h"
+#include "libcommon/base/shell_quoted.h"
 
 namespace tdpt {
 namespace {
@@ -93,6 +94,15 @@ TEST(memory_limit, what_takes_more_is_refused_with_both_numbers) {
                  "most the 100 MiB of --max-memory");
   }
   limit_memory(machine);
+}
+
+TEST(shell_quoted, words_come_out_of_a_shell_as_they_went_in) {
+  EXPECT_EQ(shell_quoted("out/a-1.0-of-2.exr"), "out/a-1.0-of-2.exr");
+  EXPECT_EQ(shell_quoted(""), "''");
+  EXPECT_EQ(shell_quoted("my room.glb"), "'my room.glb'");
+  EXPECT_EQ(shell_quoted("it's $HOME"), "'it'\\''s $HOME'");
+  for (const char* meta : {"a*", "~", "a;b", "a\nb", "#a", "a\\b", "a&"})
+    EXPECT_EQ(shell_quoted(meta), std::string("'") + meta + "'");
 }
 
 TEST(counted, says_one_mesh_and_three_meshes) {

@@ -9,6 +9,7 @@
 #include "libcommon/base/counted.h"
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
+#include "libcommon/base/shell_quoted.h"
 #include "libcommon/base/shown.h"
 #include "libcommon/formats/viewpoint.h"
 #include "tdpt_version.h"
@@ -162,16 +163,6 @@ GivenCourse resumed(const Arguments& a, const Shaping& by, const World& world,
   return given;
 }
 
-// In single quotes where a shell would take it apart.
-std::string quoted(const std::string& text) {
-  const char* const plain =
-      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=:,./@%";
-  if (!text.empty() && text.find_first_not_of(plain) == std::string::npos) return text;
-  std::string out = "'";
-  for (const char c : text) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return out + "'";
-}
-
 // The words of the command line that all shards share.
 std::vector<std::string> words_of_shards(const std::vector<std::string>& arguments) {
   std::vector<std::string> words;
@@ -181,9 +172,15 @@ std::vector<std::string> words_of_shards(const std::vector<std::string>& argumen
     const bool own = option == "-o" || option == "--output" || option == "--print-shards" ||
                      option == "--checkpoint" || option == "--resume";
     if (own && option == word) ++i;
-    if (!own && (!word.starts_with("-o") || word == "-o")) words.push_back(quoted(word));
+    if (!own && (!word.starts_with("-o") || word == "-o")) words.push_back(shell_quoted(word));
   }
   return words;
+}
+
+// "out/a" of "out/a.exr".
+std::string stem_of(const std::string& output) {
+  const std::filesystem::path path(output);
+  return (path.parent_path() / path.stem()).string();
 }
 
 }  // namespace
@@ -317,9 +314,8 @@ std::string shard_commands(const Arguments& a, const std::vector<std::string>& a
         std::pair("--preview", a.preview)})
     if (!path.empty())
       throw UsageError(std::string("--print-shards: every shard would write to ") + option);
-  const std::filesystem::path path(output);
   const auto name = [&](const std::string& part) {
-    return quoted((path.parent_path() / path.stem()).string() + "." + part + ".exr");
+    return shell_quoted(stem_of(output) + "." + part + ".exr");
   };
   const auto n = static_cast<uint64_t>(a.print_shards);
   if (!a.shard.empty()) throw UsageError("--print-shards: " + a.shard + " of them is asked for");
@@ -338,6 +334,12 @@ std::string shard_commands(const Arguments& a, const std::vector<std::string>& a
     text += '\n';
   }
   return text;
+}
+
+std::string merge_command(const Arguments& a, const std::string& output) {
+  // The stars stay outside of the quotes.
+  return fmt::format("exrmerge {}.*-of-{}.exr -o {}", shell_quoted(stem_of(output)), a.print_shards,
+                     shell_quoted(output));
 }
 
 }  // namespace tdpt

@@ -150,12 +150,10 @@ void warn_of_processors(const Job& job) {
 int print_shards(const Arguments& a, const cli::Common& common) {
   const std::string commands = shard_commands(a, common.arguments, common.output);
   std::fputs(commands.c_str(), stdout);
-  const std::string stem = common.output.substr(0, common.output.find_last_of('.'));
   if (!a.plan.empty() && !std::filesystem::exists(a.plan))
     common.note("there is no " + a.plan +
                 " yet: the same command without --print-shards and -o makes it");
-  common.note(fmt::format("then merge them: exrmerge {}.*-of-{}.exr -o {}", stem, a.print_shards,
-                          common.output));
+  common.note("then merge them: " + merge_command(a, common.output));
   return 0;
 }
 
