@@ -30,6 +30,23 @@ bool same_file(const std::string& a, const std::string& b) {
          std::filesystem::weakly_canonical(b, ignored);
 }
 
+// Devices and pipes have whatever names they have.
+void check_name_of_png(const std::string& option, const std::string& path) {
+  std::error_code ignored;
+  if (!path.empty() && !path.ends_with(".png") && !std::filesystem::is_other(path, ignored))
+    throw UsageError(option + " " + path + ": the picture is a PNG, name it .png");
+}
+
+void check_no_portal_twice(const std::vector<std::string>& portals) {
+  std::error_code ignored;
+  for (size_t i = 0; i < portals.size(); ++i)
+    for (size_t j = 0; j < i; ++j)
+      if (same_file(portals[i], portals[j]) ||
+          std::filesystem::equivalent(portals[i], portals[j], ignored))
+        throw UsageError("--portal " + portals[i] + ": is given twice" +
+                         (portals[i] == portals[j] ? "" : ", before as " + portals[j]));
+}
+
 // How walks are directed at portals, and how many samples have which part.
 void declare_guide_options(cli::Options& options, Arguments& a) {
   options.option(
@@ -111,6 +128,13 @@ bool obeys_plan(const Arguments& a, bool output_given) {
 
 bool only_plans(const Arguments& a, bool output_given) {
   return !a.plan.empty() && a.shard.empty() && !output_given;
+}
+
+void check_arguments(const Arguments& a) {
+  check_name_of_png("--nonzero", a.nonzero);
+  check_no_portal_twice(a.portals);
+  if (a.checkpoint_every >= 0 && a.checkpoint.empty() && a.resume.empty())
+    throw UsageError("--checkpoint-every: needs --checkpoint or --resume");
 }
 
 void declare_options(cli::Options& options, Arguments& a) {

@@ -30,7 +30,7 @@ struct Arguments {
   bool retry = false;
 
   std::string checkpoint, resume, plan;  ///< paths; empty: not given
-  double checkpoint_every = 60;          ///< seconds
+  double checkpoint_every = -1;          ///< seconds; below 0: not given
   int64_t add_samples = 0;
   std::string shard;         ///< "I/N"; empty: not given
   int64_t print_shards = 0;  ///< N; 0: not given
@@ -50,6 +50,9 @@ std::vector<std::string> aovs_of(const Arguments& a);
 bool obeys_plan(const Arguments& a, bool output_given);
 /// Whether a plan is written, and no picture rendered.
 bool only_plans(const Arguments& a, bool output_given);
+
+/// Throws UsageError for what is wrong with options whatever the files hold.
+void check_arguments(const Arguments& a);
 
 /// The options of the program, which fill in `a`.
 void declare_options(cli::Options& options, Arguments& a);

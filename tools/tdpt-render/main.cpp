@@ -157,12 +157,13 @@ int print_shards(const Arguments& a, const cli::Common& common) {
   return 0;
 }
 
-constexpr double kPreviewEvery = 5;  // seconds
+constexpr double kPreviewEvery = 5, kCheckpointEvery = 60;  // seconds
 
 // What looks at the rendering while it forms.
 void add_visitors(const Job& job, const Choice& choice, Course& course) {
+  const double every = job.a.checkpoint_every < 0 ? kCheckpointEvery : job.a.checkpoint_every;
   if (!job.checkpoint().empty())
-    course.visitors.push_back({job.a.checkpoint_every, [&](Standing& standing, const Plan& plan) {
+    course.visitors.push_back({every, [&](Standing& standing, const Plan& plan) {
                                  save({job, choice, standing, plan});
                                }});
   if (!job.a.preview.empty())
@@ -209,6 +210,7 @@ int render(const Job& job, World& world, const Choice& choice, Course course) {
 }
 
 int run(const Arguments& a, const cli::Common& common) {
+  check_arguments(a);
   const std::optional<gpu::Device> device = device_asked(a.device);
   if (a.print_shards > 0) return print_shards(a, common);
   choose_processor_code(a.isa, common.arguments);
