@@ -8,12 +8,12 @@
 #include "libcommon/base/file.h"
 #include "libcommon/base/number_words.h"
 #include "libcommon/base/phases.h"
+#include "libcommon/cli/built_with.h"
 #include "libcommon/cli/cli.h"
 #include "libcommon/cli/ending.h"
 #include "libcommon/draw/canvas.h"
 #include "libcommon/formats/debug_lines.h"
 #include "libcommon/formats/viewpoint.h"
-#include "tdpt_libraries.h"
 #include "tools/mincut/cut_of.h"
 #include "tools/mincut/explain.h"
 #include "tools/mincut/preview.h"
@@ -24,9 +24,12 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr cli::Program kProgram{"mincut", "Finds and verifies the minimum cut of a flow network.",
-                                "Cut to write; default standard output", cli::Result::text,
-                                kLibraries};
+constexpr cli::Program kProgram{"mincut",
+                                "Finds and verifies the minimum cut of a flow network.",
+                                "Cut to write; default standard output",
+                                cli::Result::text,
+                                cli::kLibraries,
+                                cli::kCommit};
 
 struct Arguments {
   std::string network = "-", scene, camera, preview, debug_glb, debug_lines = "edges";

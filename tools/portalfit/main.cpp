@@ -6,12 +6,12 @@
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
 #include "libcommon/base/number_words.h"
+#include "libcommon/cli/built_with.h"
 #include "libcommon/cli/cli.h"
 #include "libcommon/cli/ending.h"
 #include "libcommon/draw/canvas.h"
 #include "libcommon/formats/debug_lines.h"
 #include "libcommon/formats/portal_worth.h"
-#include "tdpt_libraries.h"
 #include "tools/portalfit/choice.h"
 #include "tools/portalfit/explain.h"
 #include "tools/portalfit/merit.h"
@@ -22,9 +22,12 @@
 namespace tdpt {
 namespace {
 
-constexpr cli::Program kProgram{"portalfit", "Fits planar light portals to a light grid.",
+constexpr cli::Program kProgram{"portalfit",
+                                "Fits planar light portals to a light grid.",
                                 "The portals (.glb, or the text of --for); default standard output",
-                                cli::Result::binary, kLibraries};
+                                cli::Result::binary,
+                                cli::kLibraries,
+                                cli::kCommit};
 
 struct Arguments {
   std::string grid = "-", method = "tube", renderer, preview, debug_glb, debug_lines = "edges";

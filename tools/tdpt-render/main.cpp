@@ -11,10 +11,10 @@
 #include "libcommon/base/output_file.h"
 #include "libcommon/base/processor.h"
 #include "libcommon/base/signals.h"
+#include "libcommon/cli/built_with.h"
 #include "libcommon/cli/cli.h"
 #include "libcommon/cli/ending.h"
 #include "libcommon/gpu/device_options.h"
-#include "tdpt_libraries.h"
 #include "tools/tdpt-render/arguments.h"
 #include "tools/tdpt-render/choice.h"
 #include "tools/tdpt-render/course.h"
@@ -37,7 +37,10 @@ constexpr cli::Program kProgram{
     "tdpt-render",
     "Renders a glTF scene by (tri-directional) path tracing, with portals where "
     "there are any.",
-    "Picture to write (OpenEXR); default standard output", cli::Result::binary, kLibraries};
+    "Picture to write (OpenEXR); default standard output",
+    cli::Result::binary,
+    cli::kLibraries,
+    cli::kCommit};
 
 // Of each pixel, where nothing else says how many.
 constexpr cli::ByQuality<uint64_t> kSamples{4, 16, 64};
