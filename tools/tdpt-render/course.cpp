@@ -108,12 +108,15 @@ GivenCourse planned(const Arguments& a, const Shaping& by) {
   if (const std::string other = difference(file.shape, shape_of(a, by)); !other.empty())
     throw InputError(name, "", "is of " + other);
   if (file.plan.spp == 0) throw InputError(name, "spp", "is 0, expected a number of samples");
-  if (a.spp > 0 && static_cast<uint64_t>(a.spp) != file.plan.spp)
+  const auto spp = static_cast<uint64_t>(a.spp);
+  // A picture may have fewer of its samples; shards are parts of them all.
+  if (a.spp > 0 && (a.shard.empty() ? spp > file.plan.spp : spp != file.plan.spp))
     throw UsageError(
         fmt::format("--spp {}: {} is of {}", a.spp, name, counted(file.plan.spp, "sample")));
   GivenCourse given;
   given.plan_file = name;
   given.course.plan = file.plan;
+  if (a.spp > 0) given.course.plan->spp = spp;
   given.command = file.command;
   return given;
 }

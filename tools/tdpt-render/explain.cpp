@@ -114,6 +114,12 @@ Decisions portals(const Rendered& r) {
   return all;
 }
 
+std::string share_of_rendering(const Rendered& r) {
+  if (r.result.spp == 0) return "";  // there is a plan alone
+  const double share = r.result.scout_cpu_seconds / std::max(r.result.cpu_seconds, 1e-9);
+  return ", " + percent_words(share) + " of the rendering";
+}
+
 Decision scout(const Rendered& r) {
   if (r.choice.candidates.size() < 2)
     return {"scout", "left out",
@@ -128,9 +134,7 @@ Decision scout(const Rendered& r) {
   return {
       "scout", counted(r.result.scouted, "sample") + " drawn",
       fmt::format("auto weighs {} candidates by what they would find", r.choice.candidates.size()),
-      fmt::format(
-          "{}, {} of the rendering", cli::price_of(r.result.scout_cpu_seconds),
-          percent_words(r.result.scout_cpu_seconds / std::max(r.result.cpu_seconds, 1e-9)))};
+      cli::price_of(r.result.scout_cpu_seconds) + share_of_rendering(r)};
 }
 
 // Why the candidate rendered or did not.
@@ -240,6 +244,29 @@ std::string why_so_many(const Rendered& r) {
                                               : "the pilot fixed so many";
 }
 
+Decision samples_planned(const Rendered& r) {
+  const RenderSettings& s = r.settings;
+  const uint64_t spp = r.result.plan.spp;
+  const char* const why = r.result.longest == 0         ? "each is black, and none is traced"
+                          : s.spp > 0 && spp == s.spp   ? "so many were asked for"
+                          : !r.result.target            ? "--time allows so many"
+                          : r.result.target->fixed == 0 ? "the pilot, of as many, met no light"
+                                                        : "the pilot fixed so many";
+  return {"samples", fmt::format("{} a pixel to come", spp), why,
+          cli::price_of(r.result.cpu_seconds) + " so far"};
+}
+
+Decisions decisions_of_integrator(const Rendered& r) {
+  Decisions all = uses_of(r.world.scene, all_needs());
+  all.push_back(panels(r));
+  append(all, portals(r));
+  all.push_back(windows(r));
+  all.push_back(kinds_of_light(r));
+  all.push_back(scout(r));
+  append(all, candidates(r));
+  return all;
+}
+
 Decision samples(const Rendered& r) {
   const RayCounts& rays = r.result.tally.rays;
   return {"samples", fmt::format("{} a pixel", r.result.spp), why_so_many(r),
@@ -250,18 +277,19 @@ Decision samples(const Rendered& r) {
 }  // namespace
 
 Decisions decisions_of(const Rendered& r) {
-  Decisions all = uses_of(r.world.scene, all_needs());
-  all.push_back(panels(r));
-  append(all, portals(r));
-  all.push_back(windows(r));
-  all.push_back(kinds_of_light(r));
-  all.push_back(scout(r));
-  append(all, candidates(r));
+  Decisions all = decisions_of_integrator(r);
   append(all, techniques(r));
   append(all, outputs(r));
   all.push_back(depth(r));
   if (r.result.target) all.push_back(pilot(r));
   all.push_back(samples(r));
+  return all;
+}
+
+Decisions decisions_of_plan(const Rendered& r) {
+  Decisions all = decisions_of_integrator(r);
+  if (r.result.target) all.push_back(pilot(r));
+  all.push_back(samples_planned(r));
   return all;
 }
 

@@ -8,7 +8,6 @@
 #include "libcommon/base/counted.h"
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
-#include "libcommon/base/output_file.h"
 #include "libcommon/base/processor.h"
 #include "libcommon/base/signals.h"
 #include "libcommon/cli/built_with.h"
@@ -133,14 +132,26 @@ void report(const Job& job, const World& world, const Choice& choice, const Rend
 
 // Says what was decided and where it stands, without a picture.
 int write_plan(const Job& job, const World& world, const Choice& choice) {
-  const Plan plan = decide(world, choice.candidates, job.settings, choice.ways);
+  const std::vector<Portal>& portals = job.in.portals;
+  const RenderResult decided = decide(world, choice.candidates, job.settings, choice.ways);
+  const Plan& plan = decided.plan;
   if (stop_requested()) {
     job.common.note("stopped by a signal; no plan is written");
     return static_cast<int>(Exit::interrupted);
   }
-  write_output(job.a.plan, plan_file_text({plan, job.shape, job.common.command}));
+  const std::string told = plan_json(job.settings, decided, portals);
+  cli::deliver({{job.a.plan,
+                 [&] {
+                   return plan_file_text({plan, job.shape, job.common.command});
+                 }},
+                {job.a.stats, [&] { return told + '\n'; }}},
+               job.common);
+  if (job.common.json) fmt::print("{}\n", told);  // no picture goes to standard output
   job.common.note(fmt::format("{} will render {} per pixel at {} x {}", plan.label,
                               counted(plan.spp, "sample"), job.in.size.width, job.in.size.height));
+  job.common.explain_by([&] {
+    return decisions_of_plan({world, portals, job.request, choice, job.settings, decided});
+  });
   return 0;
 }
 

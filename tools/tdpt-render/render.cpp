@@ -491,12 +491,12 @@ RenderResult render(const World& world, const std::vector<Candidate>& candidates
   return rendering.finish();
 }
 
-Plan decide(const World& world, const std::vector<Candidate>& candidates,
-            const RenderSettings& settings, const std::vector<PortalWay>& ways) {
+RenderResult decide(const World& world, const std::vector<Candidate>& candidates,
+                    const RenderSettings& settings, const std::vector<PortalWay>& ways) {
   Rendering rendering(world, candidates, settings, {});
   rendering.plan(ways);
   rendering.aim();
-  return rendering.finish().plan;
+  return rendering.finish();
 }
 
 RenderResult render(const World& world, const Integrator& integrator,

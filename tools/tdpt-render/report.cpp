@@ -35,14 +35,19 @@ nlohmann::ordered_json scout_json(const RenderResult& result) {
   return j;
 }
 
-nlohmann::ordered_json summary(const Integrator& integrator, const RenderSettings& settings,
-                               const RenderResult& result, const std::vector<Portal>& portals) {
+nlohmann::ordered_json choice_json(const Integrator& integrator, const RenderResult& result) {
   nlohmann::ordered_json j;
   j["integrator"] = integrator.name;
   if (!result.chosen_label.empty()) {
     j["chosen"] = result.chosen_label;
     if (result.scouted > 0) j["scout"] = scout_json(result);
   }
+  return j;
+}
+
+nlohmann::ordered_json summary(const Integrator& integrator, const RenderSettings& settings,
+                               const RenderResult& result, const std::vector<Portal>& portals) {
+  nlohmann::ordered_json j = choice_json(integrator, result);
   j["spp"] = result.spp;
   j["width"] = result.picture.width;
   j["height"] = result.picture.height;
@@ -108,6 +113,20 @@ std::string stats_json(const Integrator& integrator, const RenderSettings& setti
                         {"seconds", f.seconds},
                         {"cpu_seconds", f.cpu_seconds}});
   }
+  return j.dump();
+}
+
+std::string plan_json(const RenderSettings& settings, const RenderResult& decided,
+                      const std::vector<Portal>& portals) {
+  nlohmann::ordered_json j = choice_json(decided.plan.integrator, decided);
+  j["spp"] = decided.plan.spp;
+  j["seconds"] = decided.seconds;
+  j["cpu_seconds"] = decided.cpu_seconds;
+  j["device"] = settings.device_name;
+  if (portals.empty()) return j.dump();
+  j["portals"] = portals_json(portals, decided);
+  for (auto& portal : j["portals"])
+    for (const char* of_samples : {"samples", "lit", "energy"}) portal.erase(of_samples);
   return j.dump();
 }
 
