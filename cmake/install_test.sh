@@ -29,6 +29,18 @@ done
 for file in share/man/man7/tdpt.7 share/tdpt/tdpt.mk share/doc/tdpt/LICENSE; do
   [ -s "$empty/opt/tdpt/$file" ] || complain "$file is not installed"
 done
+# dead FOLDER: the links of its README that lead to no file; sources' own, as a twin, lead to some.
+dead() {
+  sed 's/`[^`]*`//g' "$1/README.md" | grep -oE '\]\([^) ]*|(href|src)="[^"]*' | sed 's/^[^("]*[("]//' | grep -v '^[a-z]*:' | while IFS= read -r link; do
+    [ -e "$1/${link%%#*}" ] || echo "$link"
+  done
+}
+docs=$empty/opt/tdpt/share/doc/tdpt
+[ -z "$(dead "$docs")" ] || complain "links of the installed README lead nowhere: $(dead "$docs" | tr '\n' ' ')"
+grep -q '](LICENSE)' "$docs/README.md" || complain "the installed README has lost the link to its licence"
+[ -z "$(dead "$here/..")" ] || complain "links of README.md lead nowhere: $(dead "$here/.." | tr '\n' ' ')"
+mkdir "$work/twin" && cp "$here/../README.md" "$work/twin"
+[ -n "$(dead "$work/twin")" ] || complain "README.md without its sources: all links are well"
 install "$empty" /opt/tdpt
 uninstall "$empty" /opt/tdpt || complain "uninstall fails: $(cat "$work/log")"
 [ "$(all "$empty")" = . ] || complain "uninstall leaves: $(all "$empty")"

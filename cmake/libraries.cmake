@@ -1,4 +1,7 @@
-# What `<tool> --version` says that a tool is built with: the libraries that its targets link, through whichever room.
+# What `<tool> --version` says that a tool is built from and with: the commit, and the libraries that its targets link,
+# through whichever room.
+include(commit)
+tdpt_commit(${CMAKE_SOURCE_DIR} TDPT_COMMIT)
 
 # Versions that no package tells stand in a header.
 find_path(TDPT_STB_FOLDER stb/stb_image_write.h)
@@ -90,8 +93,9 @@ function(tdpt_linked_by target out)
   set(${out} "${linked}" PARENT_SCOPE)
 endfunction()
 
-# tdpt_tell_libraries(tool): writes generated/<tool>/tdpt_libraries.h. Called when all that the tool links is declared.
-function(tdpt_tell_libraries tool)
+# tdpt_tell_origin(tool): writes generated/<tool>/built_with.cpp, which defines libcommon/cli/built_with.h. Called when all
+# that the tool links is declared.
+function(tdpt_tell_origin tool)
   tdpt_linked_by(${tool} linked)
   set(names "")
   foreach(link IN LISTS linked)
@@ -100,12 +104,12 @@ function(tdpt_tell_libraries tool)
   endforeach()
   list(SORT names CASE INSENSITIVE)
   list(JOIN names "\\n\"\n    \"" text)
-  file(CONFIGURE OUTPUT ${CMAKE_BINARY_DIR}/generated/${tool}/tdpt_libraries.h CONTENT
-"#pragma once
-namespace tdpt {
-/// What this program is built with, a library and its version a line.
-inline constexpr const char* kLibraries =
+  file(CONFIGURE OUTPUT ${CMAKE_BINARY_DIR}/generated/${tool}/built_with.cpp CONTENT
+"#include \"libcommon/cli/built_with.h\"
+namespace tdpt::cli {
+const char kLibraries[] =
     \"@text@\\n\";
-}  // namespace tdpt
+const char kCommit[] = \"@TDPT_COMMIT@\";
+}  // namespace tdpt::cli
 " @ONLY)
 endfunction()

@@ -1,3 +1,4 @@
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -13,9 +14,11 @@
 #include "libcommon/base/file.h"
 #include "libcommon/base/hash.h"
 #include "libcommon/base/memory_limit.h"
+#include "libcommon/base/number_words.h"
 #include "libcommon/base/output_file.h"
 #include "libcommon/base/phases.h"
 #include "libcommon/base/provenance.h"
+#include "libcommon/base/shell_quoted.h"
 
 namespace tdpt {
 namespace {
@@ -36,11 +39,33 @@ TEST(memory_limit, sizes_are_read_and_told) {
   for (const char* wrong :
        {"", "0", "-1", "M", "1e9", "1MB", "1 M", "0.1", "nan", "inf", "10000000T"})
     EXPECT_FALSE(parse_size(wrong)) << wrong;
+  EXPECT_EQ(size_words(1), "1 byte");
   EXPECT_EQ(size_words(700), "700 bytes");
   EXPECT_EQ(size_words(1536), "1.5 KiB");
   EXPECT_EQ(size_words(1023 << 10), "0.999 MiB");
+  EXPECT_EQ(size_words(1023590), "1000 KiB");  // not 1e+03 KiB
   EXPECT_EQ(size_words(uint64_t{3} << 29), "1.5 GiB");
   EXPECT_EQ(size_words(~uint64_t{0}), "1.68e+07 TiB");
+}
+
+TEST(number_words, have_no_exponent_at_everyday_magnitudes) {
+  EXPECT_EQ(number_words(3141.59), "3140");
+  EXPECT_EQ(number_words(9.996e6), "1e+07");
+  EXPECT_EQ(number_words(9.994e6), "9990000");
+  EXPECT_EQ(number_words(0.00031), "0.00031");
+  EXPECT_EQ(number_words(0.0001), "0.0001");
+  EXPECT_EQ(number_words(0.000031), "3.1e-05");
+  EXPECT_EQ(number_words(-1234567, 2), "-1200000");
+  EXPECT_EQ(number_words(1, 2), "1");
+  EXPECT_EQ(number_words(0), "0");
+  EXPECT_EQ(number_words(HUGE_VAL), "inf");
+}
+
+TEST(number_words, of_shares_are_per_cent) {
+  EXPECT_EQ(percent_words(1), "100 %");
+  EXPECT_EQ(percent_words(0.153), "15 %");
+  EXPECT_EQ(percent_words(0.153, 3), "15.3 %");
+  EXPECT_EQ(percent_words(0.00012), "0.012 %");
 }
 
 TEST(memory_limit, no_file_is_read_beyond_it) {
@@ -69,6 +94,15 @@ TEST(memory_limit, what_takes_more_is_refused_with_both_numbers) {
                  "most the 100 MiB of --max-memory");
   }
   limit_memory(machine);
+}
+
+TEST(shell_quoted, words_come_out_of_a_shell_as_they_went_in) {
+  EXPECT_EQ(shell_quoted("out/a-1.0-of-2.exr"), "out/a-1.0-of-2.exr");
+  EXPECT_EQ(shell_quoted(""), "''");
+  EXPECT_EQ(shell_quoted("my room.glb"), "'my room.glb'");
+  EXPECT_EQ(shell_quoted("it's $HOME"), "'it'\\''s $HOME'");
+  for (const char* meta : {"a*", "~", "a;b", "a\nb", "#a", "a\\b", "a&"})
+    EXPECT_EQ(shell_quoted(meta), std::string("'") + meta + "'");
 }
 
 TEST(counted, says_one_mesh_and_three_meshes) {

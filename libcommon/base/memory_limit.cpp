@@ -9,7 +9,9 @@
 
 #include <fmt/format.h>
 
+#include "libcommon/base/counted.h"
 #include "libcommon/base/error.h"
+#include "libcommon/base/number_words.h"
 
 namespace tdpt {
 namespace {
@@ -38,11 +40,11 @@ void limit_memory(uint64_t bytes) {
 }
 
 std::string size_words(uint64_t bytes) {
-  if (bytes < 1024) return fmt::format("{} bytes", bytes);
+  if (bytes < 1024) return counted(bytes, "byte");
   double size = static_cast<double>(bytes) / 1024;
   size_t prefix = 0;
   for (; size >= 1000 && prefix + 1 < kPrefixes.size(); ++prefix) size /= 1024;
-  return fmt::format("{:.3g} {}iB", size, kPrefixes[prefix]);
+  return fmt::format("{} {}iB", number_words(size), kPrefixes[prefix]);
 }
 
 std::optional<uint64_t> parse_size(std::string_view text) {

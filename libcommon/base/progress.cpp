@@ -6,6 +6,8 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "libcommon/base/number_words.h"
+
 namespace tdpt {
 namespace {
 
@@ -69,7 +71,8 @@ Progress::Figures Progress::figures() const {
 }
 
 std::string Progress::line(const Figures& f) const {
-  std::string text = fmt::format("\r\033[K{}: {} {}, {:.3g}/s", what_, f.done, unit_, f.rate);
+  std::string text =
+      fmt::format("\r\033[K{}: {} {}, {}/s", what_, f.done, unit_, number_words(f.rate));
   if (f.left >= 0) text += fmt::format(", {:.0f} %, {:.0f} s left", 100 * f.share, f.left);
   return more_.empty() ? text : text + ", " + more_;
 }

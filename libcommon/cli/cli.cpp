@@ -257,9 +257,12 @@ Options::Options(const Program& program)
   impl_->result = program.result;
   CLI::App& app = impl_->app;
   app.formatter(help_in_80_columns());
-  app.set_version_flag("--version",
-                       fmt::format("{} {}\n{}", program.tool, TDPT_VERSION, program.libraries),
-                       "Print the versions of the program and its libraries and exit");
+  const std::string commit =
+      *program.commit ? fmt::format(" (commit {})", program.commit) : std::string();
+  app.set_version_flag(
+      "--version",
+      fmt::format("{} {}{}\n{}", program.tool, TDPT_VERSION, commit, program.libraries),
+      "Print the versions of the program and its libraries and exit");
   app.set_help_flag("-h,--help", "Print this help and exit");
   const auto complete = [this](const std::string& shell) {
     throw Instead{[=, this] { return completion_script(shell, common.tool, impl_->completed()); }};

@@ -100,7 +100,9 @@ struct Program {
   const char* summary;      ///< one sentence
   const char* output_help;  ///< what -o receives; null: the program has no -o
   Result result = Result::text;
-  const char* libraries = "";  ///< what it is built with, a line each [generated tdpt_libraries.h]
+  // [built_with.h]
+  const char* libraries = "";  ///< what it is built with, a line each
+  const char* commit = "";     ///< that it is built from
 };
 
 class Options {

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "libcommon/base/number_words.h"
 #include "libcommon/base/phases.h"
 
 namespace tdpt::cli {
@@ -19,7 +20,7 @@ std::string plural(size_t n, const char* noun) {
 
 std::string price_of(double cpu_seconds) {
   if (cpu_seconds >= 10) return fmt::format("{:.0f} CPU s", cpu_seconds);
-  return fmt::format("{:.2g} CPU s", cpu_seconds < 1e-4 ? 0.0 : cpu_seconds);
+  return fmt::format("{} CPU s", number_words(cpu_seconds < 1e-4 ? 0.0 : cpu_seconds, 2));
 }
 
 std::string price_of(const Phases& phases, const std::vector<std::string>& names) {

@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "libcommon/base/number_words.h"
+
 namespace tdpt::draw {
 namespace {
 
@@ -138,9 +140,9 @@ Canvas SceneSheet::finish() {
   caption(
       canvas_, camera_view_.projection().panel,
       camera_.name.empty() ? "The camera's view" : fmt::format("The view of '{}'", camera_.name));
-  caption(
-      canvas_, p.panel,
-      fmt::format("Plan below y = {:.3g} m", cut_ / scene_.frame.scale + scene_.frame.centre.y));
+  caption(canvas_, p.panel,
+          fmt::format("Plan below y = {} m",
+                      number_words(cut_ / scene_.frame.scale + scene_.frame.centre.y)));
   scale_bar(canvas_, {p.panel.right() - 2, p.panel.bottom() + 26},
             p.pixels_per_unit() * scene_.frame.scale);
   return std::move(canvas_);

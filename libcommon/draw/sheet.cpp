@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "libcommon/base/number_words.h"
+
 namespace tdpt::draw {
 
 void heading(Canvas& canvas, const std::string& title, const std::string& sentence) {
@@ -28,7 +30,7 @@ void scale_bar(Canvas& canvas, Point right, double pixels_per_metre) {
   const double left = right.x - metres * pixels_per_metre;
   canvas.line({left, right.y}, right, 2, kInk);
   for (const double x : {left, right.x}) canvas.line({x, right.y - 4}, {x, right.y + 4}, 2, kInk);
-  canvas.text({0.5 * (left + right.x), right.y - 9}, fmt::format("{:.6g} m", metres),
+  canvas.text({0.5 * (left + right.x), right.y - 9}, number_words(metres, 6) + " m",
               {kSmallSize, kInk, Align::middle});
 }
 
@@ -66,7 +68,7 @@ void reach_square(Canvas& canvas, const Box& square, const std::string& light,
 }
 
 std::string number(double value) {
-  if (!(std::abs(value) >= 1000)) return fmt::format("{:.3g}", value);
+  if (!(std::abs(value) >= 1000)) return number_words(value);
   const std::string digits = fmt::format("{:.0f}", std::abs(value));
   std::string grouped = value < 0 ? "-" : "";
   for (size_t i = 0; i < digits.size(); ++i) {

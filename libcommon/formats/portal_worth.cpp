@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "libcommon/base/number_words.h"
+
 namespace tdpt {
 namespace {
 
@@ -19,24 +21,24 @@ std::string drawback_of(const std::map<std::string, double>& figures) {
   const auto share = figure(figures, "flux_share"), tightness = figure(figures, "tightness"),
              conductance = figure(figures, "conductance");
   if (share && *share < kNextToNothing)
-    return fmt::format("it carries {:.2g} % of the light", 100 * *share);
+    return fmt::format("it carries {} of the light", percent_words(*share));
   if (tightness && *tightness < kNextToNothing)
-    return fmt::format("{:.2g} % of the lines through it pass from one side to the other",
-                       100 * *tightness);
+    return fmt::format("{} of the lines through it pass from one side to the other",
+                       percent_words(*tightness));
   if (conductance && *conductance > kWide)
-    return fmt::format("a wide way, {:.2g} % of the smaller side's light finds it alone",
-                       100 * *conductance);
+    return fmt::format("a wide way, {} of the smaller side's light finds it alone",
+                       percent_words(*conductance));
   return "";
 }
 
 std::string worth_sentence(const std::map<std::string, double>& figures, double area) {
-  std::string text = fmt::format("{:.4g} m2", figure(figures, "area").value_or(area));
+  std::string text = fmt::format("{} m2", number_words(figure(figures, "area").value_or(area), 4));
   if (const auto share = figure(figures, "flux_share"))
     text += fmt::format(", {:.1f} % of the light", 100 * *share);
   if (const auto tightness = figure(figures, "tightness"))
     text += fmt::format(", tightness {:.2f}", *tightness);
   if (const auto conductance = figure(figures, "conductance"))
-    text += fmt::format(", conductance {:.2g}", *conductance);
+    text += fmt::format(", conductance {}", number_words(*conductance, 2));
   const std::string drawback = drawback_of(figures);
   return drawback.empty() ? text : text + ": " + drawback;
 }

@@ -13,11 +13,14 @@ TEST(Drawback, IsWhatTheFiguresSayAgainstAPortal) {
             "0.1 % of the lines through it pass from one side to the other");
   EXPECT_EQ(drawback_of({{"flux_share", 1}, {"tightness", 1}, {"conductance", 0.2}}),
             "a wide way, 20 % of the smaller side's light finds it alone");
+  EXPECT_EQ(drawback_of({{"conductance", 1}}),
+            "a wide way, 100 % of the smaller side's light finds it alone");
 }
 
 // Figures alone: nothing of what a picture would gain.
 TEST(WorthSentence, SaysWhatIsKnown) {
   EXPECT_EQ(worth_sentence({}, 0.25), "0.25 m2");
+  EXPECT_EQ(worth_sentence({}, 23456), "23460 m2");
   EXPECT_EQ(
       worth_sentence(
           {{"area", 0.0625}, {"flux_share", 0.98}, {"tightness", 0.71}, {"conductance", 0.0021}},

@@ -22,6 +22,23 @@ bool same_file(const std::string& a, const std::string& b) {
          std::filesystem::weakly_canonical(b, ignored);
 }
 
+// Devices and pipes have whatever names they have.
+void check_name_of_png(const std::string& option, const std::string& path) {
+  std::error_code ignored;
+  if (!path.empty() && !path.ends_with(".png") && !std::filesystem::is_other(path, ignored))
+    throw UsageError(option + " " + path + ": the picture is a PNG, name it .png");
+}
+
+void check_no_portal_twice(const std::vector<std::string>& portals) {
+  std::error_code ignored;
+  for (size_t i = 0; i < portals.size(); ++i)
+    for (size_t j = 0; j < i; ++j)
+      if (same_file(portals[i], portals[j]) ||
+          std::filesystem::equivalent(portals[i], portals[j], ignored))
+        throw UsageError("--portal " + portals[i] + ": is given twice" +
+                         (portals[i] == portals[j] ? "" : ", before as " + portals[j]));
+}
+
 // How walks are directed at portals, and how many samples have which part.
 void declare_guide_options(cli::Options& options, RenderArguments& a) {
   options.option(
@@ -100,6 +117,11 @@ void declare_picture_options(cli::Options& options, RenderArguments& a) {
 }
 
 }  // namespace
+
+void check_render_arguments(const RenderArguments& a) {
+  check_name_of_png("--nonzero", a.nonzero);
+  check_no_portal_twice(a.portals);
+}
 
 void declare_render_options(cli::Options& options, RenderArguments& a) {
   options.inputs("--portal", a.portals, "FILE",

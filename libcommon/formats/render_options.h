@@ -34,7 +34,7 @@ struct RenderArguments {
   bool retry = false;
 
   std::string checkpoint, resume;  ///< paths; empty: not given
-  double checkpoint_every = 60;    ///< seconds
+  double checkpoint_every = -1;    ///< seconds; below 0: not given
   int64_t add_samples = 0;
   std::string isa = "native";
 
@@ -45,5 +45,8 @@ struct RenderArguments {
 
 /// All of them but the scene, --device, and what shares a picture out among machines.
 void declare_render_options(cli::Options& options, RenderArguments& a);
+
+/// Throws UsageError for what one option alone does not show to be wrong.
+void check_render_arguments(const RenderArguments& a);
 
 }  // namespace tdpt

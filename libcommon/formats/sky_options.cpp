@@ -12,6 +12,7 @@
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
 #include "libcommon/base/hash.h"
+#include "libcommon/base/number_words.h"
 #include "libcommon/formats/environment.h"
 #include "libcommon/scene/lights.h"
 
@@ -199,9 +200,9 @@ void warn_of_lamps(const Scene& scene, const cli::Common& common) {
   const bool as_they_are = scene.lamp_units.kind == LampUnits::Kind::radiometric;
   common.warn_of(
       scene.path,
-      fmt::format("lamps have {:.3g} times the power of the surfaces that emit: if that is not "
+      fmt::format("lamps have {} times the power of the surfaces that emit: if that is not "
                   "meant, {}",
-                  power.lamps / power.surfaces,
+                  number_words(power.lamps / power.surfaces),
                   as_they_are
                       ? "their units differ, and --light-units photometric divides lamps by 683"
                       : "--light-units says in what their numbers are"));

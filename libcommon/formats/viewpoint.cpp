@@ -9,6 +9,7 @@
 #include <fmt/ranges.h>
 
 #include "libcommon/base/error.h"
+#include "libcommon/base/number_words.h"
 #include "libcommon/formats/text_lines.h"
 
 namespace tdpt {
@@ -75,12 +76,14 @@ std::string viewpoint_text(const Viewpoint& v) {
 
 std::string words_of(const Viewpoint& v) {
   const auto triple = [](const Vec3d& a) {
-    return fmt::format("{:.6g} {:.6g} {:.6g}", a.x + 0.0, a.y + 0.0, a.z + 0.0);  // -0 is 0
+    return fmt::format("{} {} {}", number_words(a.x + 0.0, 6), number_words(a.y + 0.0, 6),
+                       number_words(a.z + 0.0, 6));  // -0 is 0
   };
   std::string words = v.name.empty() ? "" : v.name + ": ";
-  words += fmt::format("eye {} m, direction {}, up {}, field of view {:.6g} degrees",
-                       triple(v.position), triple(v.forward), triple(v.up), v.yfov / kDegree);
-  if (v.aspect > 0) words += fmt::format(", aspect {:.6g}", v.aspect);
+  words +=
+      fmt::format("eye {} m, direction {}, up {}, field of view {} degrees", triple(v.position),
+                  triple(v.forward), triple(v.up), number_words(v.yfov / kDegree, 6));
+  if (v.aspect > 0) words += fmt::format(", aspect {}", number_words(v.aspect, 6));
   return words + (v.culls ? ", backs are passed (--cull)" : "");
 }
 
@@ -106,14 +109,15 @@ std::optional<Viewpoint> parse_viewpoint(std::string_view line) {
 std::string words_of_difference(const Viewpoint& made_for, const Viewpoint& used, double size) {
   std::vector<std::string> words;
   const double away = length(used.position - made_for.position);
-  if (away > kSamePlace * size) words.push_back(fmt::format("{:.2g} m away", away));
+  if (away > kSamePlace * size) words.push_back(fmt::format("{} m away", number_words(away, 2)));
   const double turned =
       std::max(angle(used.forward, made_for.forward), angle(used.up, made_for.up));
   if (turned > kSameAngle)
     words.push_back(fmt::format("turned by {:.0f} degrees", turned / kDegree));
   if (std::abs(used.yfov - made_for.yfov) > kSameAngle)
-    words.push_back(fmt::format("of {:.3g} in the place of {:.3g} degrees", used.yfov / kDegree,
-                                made_for.yfov / kDegree));
+    words.push_back(fmt::format("of {} in the place of {} degrees",
+                                number_words(used.yfov / kDegree),
+                                number_words(made_for.yfov / kDegree)));
   if (used.culls != made_for.culls)
     words.push_back(used.culls ? "passing backs (--cull)" : "not passing backs (--cull)");
   return fmt::format("{}", fmt::join(words, " and "));

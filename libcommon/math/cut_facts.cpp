@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "libcommon/base/number_words.h"
+
 namespace tdpt {
 namespace {
 
@@ -28,7 +30,7 @@ constexpr double kOpenToSky = 0.2;      // of what crosses: from the sky itself
 constexpr double kLeastAcross = 0.005;  // of the light on the camera's side
 
 std::string percent(double share) {
-  return fmt::format("{:.2g} %", 100 * share);
+  return percent_words(share);
 }
 
 }  // namespace
@@ -132,10 +134,10 @@ std::string why_refused(const CutFacts& f, const CutLimits& limits) {
                        percent(f.sky_beyond));
   if (f.back.value_or(0) > kMostBack)
     return fmt::format(
-        "as much light comes back across the cut as crosses it ({:.2g} times): the lamps shine "
+        "as much light comes back across the cut as crosses it ({} times): the lamps shine "
         "past "
         "its light's side",
-        *f.back);
+        number_words(*f.back, 2));
   if (f.camera_back.value_or(0) > kMostBack)
     return "the camera sees past the cut: its walks cross it as often away from the light as "
            "towards "
@@ -147,26 +149,26 @@ std::string why_refused(const CutFacts& f, const CutLimits& limits) {
         percent(*f.across));
   if (f.conductance > limits.largest_conductance && f.sky_across >= kOpenToSky)
     return fmt::format(
-        "the room stands open to the sky: {:.2g} of its light crosses the opening, more than "
-        "{:.2g}, so that the sky is found without a portal",
-        f.conductance, limits.largest_conductance);
+        "the room stands open to the sky: {} of its light crosses the opening, more than "
+        "{}, so that the sky is found without a portal",
+        number_words(f.conductance, 2), number_words(limits.largest_conductance, 2));
   if (f.conductance > limits.largest_conductance)
     return fmt::format(
-        "{:.2g} of the smaller side's light crosses the cut, more than {:.2g}: the opening is wide",
-        f.conductance, limits.largest_conductance);
+        "{} of the smaller side's light crosses the cut, more than {}: the opening is wide",
+        number_words(f.conductance, 2), number_words(limits.largest_conductance, 2));
   return "";
 }
 
 std::string words_for(const CutFacts& f) {
   return fmt::format(
-      "{} of the surface lies on the light's side{}; {:.2g} of the smaller side's light crosses "
+      "{} of the surface lies on the light's side{}; {} of the smaller side's light crosses "
       "the "
       "cut",
       percent(f.area[0]),
       f.straight
           ? fmt::format(", {} of what crosses comes straight from a lamp", percent(*f.straight))
           : "",
-      f.conductance);
+      number_words(f.conductance, 2));
 }
 
 double promise_of(const CutFacts& f) {

@@ -1,6 +1,7 @@
 // The container: .glb header and chunks (glTF 2.0, section 4.4).
 #include <fmt/format.h>
 
+#include "libcommon/base/counted.h"
 #include "libcommon/scene/gltf_document.h"
 
 namespace tdpt::gltf {
@@ -60,16 +61,16 @@ Chunks split_chunks(std::string_view bytes, const std::string& file,
     const size_t left = bytes.size() - at;
     if (left < kChunkHeader) {
       if (k > 0 && left < 4) break;  // padding
-      fail(where,
-           fmt::format("is cut short: {} bytes, expected a header of {}", left, kChunkHeader));
+      fail(where, fmt::format("is cut short: {}, expected a header of {}",
+                              tdpt::counted(left, "byte"), kChunkHeader));
     }
     const uint32_t size = u32_at(bytes, at), type = u32_at(bytes, at + 4);
     if (size > left - kChunkHeader)
-      fail(where, fmt::format("declares {} bytes, but {} are left in the file", size,
-                              left - kChunkHeader));
+      fail(where, fmt::format("declares {}, but {} are left in the file",
+                              tdpt::counted(size, "byte"), left - kChunkHeader));
     if (size % 4 != 0)
-      warnings.push_back(
-          fmt::format("{} of the file has {} bytes, expected a multiple of 4", where, size));
+      warnings.push_back(fmt::format("{} of the file has {}, expected a multiple of 4", where,
+                                     tdpt::counted(size, "byte")));
     const std::string_view content = bytes.substr(at + kChunkHeader, size);
     if (k == 0) {
       if (type != kJson) fail(where, "is not JSON, expected the JSON chunk first");

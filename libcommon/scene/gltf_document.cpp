@@ -75,7 +75,7 @@ void load_buffers(Document& d, const Chunks& chunks, const std::vector<bool>& us
       d.owned.push_back(read_uri(d, buffers[i]["uri"].get<std::string>(), where + ".uri", file));
       bytes = d.owned.back();
       beside += bytes.size();  // the same file may stand in many of them
-      expect_memory(d.file, where, fmt::format("{} bytes of buffers", beside), 2 * beside);
+      expect_memory(d.file, where, tdpt::counted(beside, "byte") + " of buffers", 2 * beside);
       if (!file.empty()) {
         all += d.owned.back();
         d.files.push_back(file);
@@ -85,7 +85,8 @@ void load_buffers(Document& d, const Chunks& chunks, const std::vector<bool>& us
       bytes = chunks.bin;
     }
     if (bytes.size() < length)
-      d.fail(where, fmt::format("is cut short: {} bytes, expected {}", bytes.size(), length));
+      d.fail(where, fmt::format("is cut short: {}, expected {}",
+                                tdpt::counted(bytes.size(), "byte"), length));
     d.buffers.push_back(bytes.substr(0, length));
   }
   d.hash = all.empty() ? content_hash(d.bytes) : content_hash(d.bytes + all);
@@ -201,8 +202,9 @@ std::string_view buffer_bytes(const Document& d, const std::string& where, size_
                               size_t offset, size_t size) {
   const std::string_view buffer = d.buffers[index];
   if (offset > buffer.size() || size > buffer.size() - offset)
-    d.fail(where, fmt::format("{} bytes from byte {} reach beyond buffers[{}] of {} bytes", size,
-                              offset, index, buffer.size()));
+    d.fail(where, fmt::format("{} from byte {} reach{} beyond buffers[{}] of {}",
+                              tdpt::counted(size, "byte"), offset, size == 1 ? "es" : "", index,
+                              tdpt::counted(buffer.size(), "byte")));
   return buffer.substr(offset, size);
 }
 

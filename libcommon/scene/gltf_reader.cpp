@@ -7,6 +7,7 @@
 #include <limits>
 #include <set>
 
+#include "libcommon/base/number_words.h"
 #include "libcommon/scene/distinct_names.h"
 #include "libcommon/scene/gltf_animations.h"
 #include "libcommon/scene/gltf_attributes.h"
@@ -93,9 +94,9 @@ class SceneReader {
       d_.fail("", fmt::format("is {} m long, expected {} to {}", longest, kShortest, kLongest));
     if (grain > kCoarsest * longest)
       scene_.warnings.push_back(
-          fmt::format("the scene lies so far from the origin that its vertices are known to {:.1g} "
-                      "m only, {:.1g} of its size",
-                      grain, grain / longest));
+          fmt::format("the scene lies so far from the origin that its vertices are known to {} "
+                      "m only, {} of its size",
+                      number_words(grain, 1), number_words(grain / longest, 1)));
     int exponent = 0;
     const double mantissa = std::frexp(longest, &exponent);  // in [0.5, 1)
     scene_.frame.scale = std::ldexp(1.0, (mantissa == 0.5 ? 2 : 1) - exponent);

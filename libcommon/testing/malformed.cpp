@@ -120,8 +120,8 @@ void buffers(MalformedList& l) {
   l.uri("uri-folder", ".", "buffers[0].uri: \".\" is no regular file");
   l.uri("uri-data", "data:application/octet-stream;base64,A*==",
         "buffers[0].uri: data URI cannot be decoded, expected \"data:...;base64,\" and base64");
-  l.uri("buffer-short", "data:application/octet-stream;base64,AAAA",
-        "buffers[0]: is cut short: 3 bytes, expected 60");
+  l.uri("buffer-short", "data:application/octet-stream;base64,AA==",
+        "buffers[0]: is cut short: 1 byte, expected 60");
   Json nowhere = Json::parse(square().gltf());
   nowhere["buffers"][0].erase("uri");
   l.raw("buffer-nowhere", nowhere.dump(1), "buffers[0]: has neither a uri nor a binary chunk");

@@ -125,6 +125,15 @@ TEST(Report, TextNamesEveryMeasure) {
     EXPECT_NE(text.find(name), std::string::npos) << name;
 }
 
+TEST(Report, TextHasNoExponentsWhereNumbersAreEveryday) {
+  Comparison c = by_hand();
+  c.mean = 1234567;
+  c.reference_mean = 123456;
+  EXPECT_NE(report_text(c).find("mean                 1234600  (reference 123460)\n"),
+            std::string::npos)
+      << report_text(c);
+}
+
 TEST(Difference, HasItsSign) {
   const Picture d = difference(picture, reference);
   EXPECT_EQ(d.pixels, (std::vector<Rgb>{{0, 1, 0}, {-3, 0, 1}}));

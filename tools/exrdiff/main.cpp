@@ -5,9 +5,9 @@
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
 #include "libcommon/base/hash.h"
+#include "libcommon/cli/built_with.h"
 #include "libcommon/cli/cli.h"
 #include "libcommon/cli/ending.h"
-#include "tdpt_libraries.h"
 #include "tools/exrdiff/difference.h"
 #include "tools/exrdiff/explain.h"
 #include "tools/exrdiff/measure.h"
@@ -17,10 +17,13 @@ namespace tdpt {
 namespace {
 
 constexpr cli::Program kProgram{
-    "exrdiff", "Tells how far a picture is from its reference: MAPE, PSNR, MSE, relMSE.",
+    "exrdiff",
+    "Tells how far a picture is from its reference: MAPE, PSNR, MSE, relMSE.",
     "Difference picture to write: false colour for .png, else OpenEXR; default "
     "none",
-    cli::Result::binary, kLibraries};
+    cli::Result::binary,
+    cli::kLibraries,
+    cli::kCommit};
 
 struct Arguments {
   std::string picture, reference, beside;

@@ -5,20 +5,24 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "libcommon/base/number_words.h"
+
 namespace tdpt {
 
 std::string report_text(const Comparison& c) {
   std::string text = fmt::format("{:<16}{:>12}{:>16}\n", "", "picture", "all black");
-  const auto row = [&text](const char* name, double picture, double black) {
-    text += fmt::format("{:<16}{:>12.5g}{:>16.5g}\n", name, picture, black);
+  const auto figure = [](double value) { return number_words(value, 5); };
+  const auto row = [&](const char* name, double picture, double black) {
+    text += fmt::format("{:<16}{:>12}{:>16}\n", name, figure(picture), figure(black));
   };
   row("relMSE", c.picture.relmse, c.black.relmse);
   row("  99.9 % best", c.picture.relmse_trimmed, c.black.relmse_trimmed);
   row("MAPE [%]", c.picture.mape, c.black.mape);
   row("PSNR [dB]", c.picture.psnr, c.black.psnr);
   row("MSE", c.picture.mse, c.black.mse);
-  text += fmt::format("{:<16}{:>12.5g}  (reference {:.5g})\n", "mean", c.mean, c.reference_mean);
-  text += fmt::format("{:<16}{:>12.5g}\n", "non-zero share", c.nonzero);
+  text += fmt::format("{:<16}{:>12}  (reference {})\n", "mean", figure(c.mean),
+                      figure(c.reference_mean));
+  text += fmt::format("{:<16}{:>12}\n", "non-zero share", figure(c.nonzero));
   return text;
 }
 

@@ -4,18 +4,21 @@
 #include "libcommon/base/counted.h"
 #include "libcommon/base/error.h"
 #include "libcommon/base/shown.h"
+#include "libcommon/cli/built_with.h"
 #include "libcommon/cli/cli.h"
 #include "libcommon/cli/ending.h"
 #include "libcommon/cli/outputs.h"
-#include "tdpt_libraries.h"
 #include "tools/exrmerge/merging.h"
 
 namespace tdpt {
 namespace {
 
-constexpr cli::Program kProgram{
-    "exrmerge", "Makes one picture of films that hold parts of its samples.",
-    "Picture to write (OpenEXR); default standard output", cli::Result::binary, kLibraries};
+constexpr cli::Program kProgram{"exrmerge",
+                                "Makes one picture of films that hold parts of its samples.",
+                                "Picture to write (OpenEXR); default standard output",
+                                cli::Result::binary,
+                                cli::kLibraries,
+                                cli::kCommit};
 
 struct Arguments {
   std::vector<std::string> films;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "libcommon/base/number_words.h"
 #include "libcommon/scene/uses.h"
 
 namespace tdpt {
@@ -18,8 +19,9 @@ Decisions of_scene(const Scene& scene) {
 
 // `after`: conductance of the narrowest opening.
 std::string gain(const RoundReport& round, double after) {
-  return fmt::format("the narrowest of {} let {:.2g} of the smaller side's light pass, now {:.2g}",
-                     plural(round.openings, "opening"), round.conductance, after);
+  return fmt::format("the narrowest of {} let {} of the smaller side's light pass, now {}",
+                     plural(round.openings, "opening"), number_words(round.conductance, 2),
+                     number_words(after, 2));
 }
 
 // A round pays where it narrows the opening by more: leaks of a twentieth move no border.

@@ -7,6 +7,7 @@
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
 #include "libcommon/base/phases.h"
+#include "libcommon/cli/built_with.h"
 #include "libcommon/cli/cli.h"
 #include "libcommon/cli/ending.h"
 #include "libcommon/draw/canvas.h"
@@ -14,7 +15,6 @@
 #include "libcommon/formats/sky_options.h"
 #include "libcommon/formats/viewpoint.h"
 #include "libcommon/scene/lights.h"
-#include "tdpt_libraries.h"
 #include "tools/ffgraph/explain.h"
 #include "tools/ffgraph/preview.h"
 #include "tools/ffgraph/rounds.h"
@@ -23,9 +23,12 @@
 namespace tdpt {
 namespace {
 
-constexpr cli::Program kProgram{
-    "ffgraph", "Writes the light transport of a glTF scene as a flow network.",
-    "Network to write (DIMACS); default standard output", cli::Result::text, kLibraries};
+constexpr cli::Program kProgram{"ffgraph",
+                                "Writes the light transport of a glTF scene as a flow network.",
+                                "Network to write (DIMACS); default standard output",
+                                cli::Result::text,
+                                cli::kLibraries,
+                                cli::kCommit};
 
 // Between which of them curves tell, doc/tradeoff.md.
 constexpr cli::ByQuality<int64_t> kSamples{75000, 300000, 1200000}, kWalks{25000, 100000, 400000};

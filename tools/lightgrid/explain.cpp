@@ -5,6 +5,7 @@
 #include "libcommon/scene/uses.h"
 
 #include "libcommon/base/counted.h"
+#include "libcommon/base/number_words.h"
 
 namespace tdpt {
 namespace {
@@ -17,11 +18,13 @@ Decision of_box(const Scene& scene, const LightGrid& grid, const LightGridOption
   const Vec3d whole = box_of(scene).size() / scene.frame.scale;
   const Vec3d side = Vec3d(grid.dim[0], grid.dim[1], grid.dim[2]) * grid.voxel;
   return {"grid",
-          fmt::format("{} x {} x {} voxels of {:.3g} m", grid.dim[0], grid.dim[1], grid.dim[2],
-                      grid.voxel),
-          fmt::format("the patches of the cut reach over {:.3g} x {:.3g} x {:.3g} m of {:.3g} x "
-                      "{:.3g} x {:.3g} m, and --resolution is {}",
-                      side.x, side.y, side.z, whole.x, whole.y, whole.z, options.resolution),
+          fmt::format("{} x {} x {} voxels of {} m", grid.dim[0], grid.dim[1], grid.dim[2],
+                      number_words(grid.voxel)),
+          fmt::format("the patches of the cut reach over {} x {} x {} m of {} x "
+                      "{} x {} m, and --resolution is {}",
+                      number_words(side.x), number_words(side.y), number_words(side.z),
+                      number_words(whole.x), number_words(whole.y), number_words(whole.z),
+                      options.resolution),
           fmt::format("{:.1f} MiB; air marked in {}",
                       static_cast<double>(grid.count.size()) *
                           (sizeof(float) + 1 + sizeof(Vec3f) + sizeof(Vec3d)) / (1 << 20),

@@ -6,13 +6,13 @@
 #include "libcommon/base/error.h"
 #include "libcommon/base/progress.h"
 #include "libcommon/base/signals.h"
+#include "libcommon/cli/built_with.h"
 #include "libcommon/cli/cli.h"
 #include "libcommon/cli/ending.h"
 #include "libcommon/draw/canvas.h"
 #include "libcommon/formats/debug_lines.h"
 #include "libcommon/formats/sky_options.h"
 #include "libcommon/gpu/device_options.h"
-#include "tdpt_libraries.h"
 #include "tools/lightgrid/explain.h"
 #include "tools/lightgrid/gpu_lines.h"
 #include "tools/lightgrid/lightgrid.h"
@@ -26,7 +26,10 @@ constexpr cli::Program kProgram{
     "lightgrid",
     "Counts the light between the two sides of a cut in the voxels of air it "
     "passes.",
-    "The light grid (.vdb); default standard output", cli::Result::binary, kLibraries};
+    "The light grid (.vdb); default standard output",
+    cli::Result::binary,
+    cli::kLibraries,
+    cli::kCommit};
 
 // Between which of them curves tell, doc/tradeoff.md.
 constexpr cli::ByQuality<int64_t> kResolution{64, 128, 256}, kLines{2048, 8192, 16384};

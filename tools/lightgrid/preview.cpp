@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "libcommon/base/number_words.h"
 #include "libcommon/draw/sheet.h"
 #include "libcommon/formats/debug_glb.h"
 #include "libcommon/math/thinned.h"
@@ -167,9 +168,9 @@ Canvas grid_preview(const LightGrid& grid, const std::string& name) {
   Canvas canvas(kSheetWidth, static_cast<int>(height), kPaper);
   heading(canvas, "lightgrid   " + base_name(name),
           grid.bottleneck
-              ? fmt::format("{} x {} x {} voxels of {:.3g} m; each pixel shows the fullest voxel "
+              ? fmt::format("{} x {} x {} voxels of {} m; each pixel shows the fullest voxel "
                             "behind it; geometry grey",
-                            grid.dim[0], grid.dim[1], grid.dim[2], grid.voxel)
+                            grid.dim[0], grid.dim[1], grid.dim[2], number_words(grid.voxel))
               : "no light grid: " + grid.reason);
   for (const View& view : views) {
     draw_counts(canvas, grid, view, most);
@@ -189,7 +190,8 @@ Canvas grid_preview(const LightGrid& grid, const std::string& name) {
                 fmt::format("Ring: the fullest, {} segments", number(static_cast<double>(most))),
                 {kTextSize, kInk});
     canvas.text({side, kHeading + 118},
-                fmt::format("at ({:.3g}, {:.3g}, {:.3g}) m", place.x, place.y, place.z),
+                fmt::format("at ({}, {}, {}) m", number_words(place.x), number_words(place.y),
+                            number_words(place.z)),
                 {kTextSize, kInk});
     canvas.text(
         {side, kHeading + 140},

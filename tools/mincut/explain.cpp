@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "libcommon/base/number_words.h"
+
 namespace tdpt {
 namespace {
 
@@ -11,9 +13,9 @@ using cli::plural;
 
 // The two figures that every cut is held against.
 std::string figures(const CutFacts& f, const CutLimits& limits) {
-  return fmt::format("conductance {:.2g}, at most {:.2g}; smaller side {:.2g} %, at least {:.2g} %",
-                     f.conductance, limits.largest_conductance, 100 * f.smaller_side(),
-                     100 * limits.least_area);
+  return fmt::format("conductance {}, at most {}; smaller side {}, at least {}",
+                     number_words(f.conductance, 2), number_words(limits.largest_conductance, 2),
+                     percent_words(f.smaller_side()), percent_words(limits.least_area));
 }
 
 Decision of_search(const FoundCuts& found, const std::string& price) {
@@ -40,8 +42,8 @@ Decisions decisions_of(const FoundCuts& found, size_t most, const CutLimits& lim
     all.push_back({fmt::format("cut {}", c + 1), "kept",
                    "light has to pass it: " + figures(found.facts[c], limits), ""});
   for (const SeriesCut::Refused& r : found.refused)
-    all.push_back({fmt::format("a cut with {:.2g} % of the surface on the light's side",
-                               100 * r.facts.area[0]),
+    all.push_back({fmt::format("a cut with {} of the surface on the light's side",
+                               percent_words(r.facts.area[0])),
                    "refused", r.why + ": " + figures(r.facts, limits), ""});
   if (found.closets > 0)
     all.push_back({"closets", fmt::format("{} passed by", found.closets),

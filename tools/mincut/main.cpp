@@ -6,13 +6,14 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
+#include "libcommon/base/number_words.h"
 #include "libcommon/base/phases.h"
+#include "libcommon/cli/built_with.h"
 #include "libcommon/cli/cli.h"
 #include "libcommon/cli/ending.h"
 #include "libcommon/draw/canvas.h"
 #include "libcommon/formats/debug_lines.h"
 #include "libcommon/formats/viewpoint.h"
-#include "tdpt_libraries.h"
 #include "tools/mincut/cut_of.h"
 #include "tools/mincut/explain.h"
 #include "tools/mincut/preview.h"
@@ -23,9 +24,12 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr cli::Program kProgram{"mincut", "Finds and verifies the minimum cut of a flow network.",
-                                "Cut to write; default standard output", cli::Result::text,
-                                kLibraries};
+constexpr cli::Program kProgram{"mincut",
+                                "Finds and verifies the minimum cut of a flow network.",
+                                "Cut to write; default standard output",
+                                cli::Result::text,
+                                cli::kLibraries,
+                                cli::kCommit};
 
 struct Arguments {
   std::string network = "-", scene, camera, preview, debug_glb, debug_lines = "edges";
@@ -138,8 +142,8 @@ void report(const cli::Common& common, const FoundCuts& found, Json& summary) {
   for (const SeriesCut::Refused& r : found.refused) {
     summary["refused"].push_back(json_of(r.facts));
     summary["refused"].back()["why"] = r.why;
-    common.note(fmt::format("refused: a cut with {:.2g} % of the surface on the light's side: {}",
-                            100 * r.facts.area[0], r.why));
+    common.note(fmt::format("refused: a cut with {} of the surface on the light's side: {}",
+                            percent_words(r.facts.area[0]), r.why));
   }
   if (cut.bottleneck) return;
   summary["reason"] = cut.reason;

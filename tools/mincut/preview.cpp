@@ -7,6 +7,7 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
+#include "libcommon/base/number_words.h"
 #include "libcommon/draw/patch_lookup.h"
 #include "libcommon/draw/scene_sheet.h"
 #include "libcommon/formats/debug_glb.h"
@@ -37,8 +38,7 @@ std::string name_of_region(int k, int n) {
 std::string words_for(const CutFile& cut, size_t drawn) {
   if (!cut.bottleneck) return "no bottleneck: " + cut.reason;
   std::vector<std::string> shares;
-  for (const Bottleneck& b : cut.cuts)
-    shares.push_back(fmt::format("{:.2g} %", 100 * b.conductance));
+  for (const Bottleneck& b : cut.cuts) shares.push_back(percent_words(b.conductance));
   return fmt::format("{}{} pivot pairs, {} of them drawn; {} of the smaller side's light {}",
                      cut.cuts.size() > 1 ? fmt::format("{} bottlenecks; ", cut.cuts.size()) : "",
                      draw::number(static_cast<double>(cut.arcs.size())), drawn,

@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "libcommon/base/number_words.h"
+
 namespace tdpt {
 namespace {
 
@@ -21,12 +23,13 @@ std::vector<std::string> why_useless(const std::vector<Portal>& portals) {
   for (const Portal& p : portals) {
     const double share = together[figure(p, "cut", 0)], conductance = figure(p, "conductance", 0);
     if (share < kLeastTogether)
-      why.push_back(fmt::format("the portals of its cut carry {:.2g} % of the light", 100 * share));
+      why.push_back(
+          fmt::format("the portals of its cut carry {} of the light", percent_words(share)));
     else if (conductance > kOpenSpace)
       why.push_back(
-          fmt::format("a way as wide as a room, {:.2g} % of the smaller side's light "
+          fmt::format("a way as wide as a room, {} of the smaller side's light "
                       "finds it alone",
-                      100 * conductance));
+                      percent_words(conductance)));
     else
       why.emplace_back();
   }

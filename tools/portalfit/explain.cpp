@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "libcommon/base/number_words.h"
+
 namespace tdpt {
 namespace {
 
@@ -9,7 +11,7 @@ using cli::Decision;
 using cli::Decisions;
 
 std::string percent(double share) {
-  return fmt::format("{:.3g} %", 100 * share);
+  return percent_words(share, 3);
 }
 
 // What let it be a portal.
@@ -48,7 +50,7 @@ Decisions decisions_of(const LightGrid& grid, const PortalFitOptions& options,
   size_t written = 0;
   for (size_t i = 0; i < found.portals.size(); ++i) {
     const Portal& portal = found.portals[i];
-    const std::string area = fmt::format("{:.3g} m2", portal.figures.at("area"));
+    const std::string area = number_words(portal.figures.at("area")) + " m2";
     if (useless[i].empty())
       all.push_back(
           {fmt::format("portal.{}", written++), "written", merits(portal, options), area});

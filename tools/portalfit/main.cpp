@@ -5,12 +5,13 @@
 #include "libcommon/base/counted.h"
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
+#include "libcommon/base/number_words.h"
+#include "libcommon/cli/built_with.h"
 #include "libcommon/cli/cli.h"
 #include "libcommon/cli/ending.h"
 #include "libcommon/draw/canvas.h"
 #include "libcommon/formats/debug_lines.h"
 #include "libcommon/formats/portal_worth.h"
-#include "tdpt_libraries.h"
 #include "tools/portalfit/choice.h"
 #include "tools/portalfit/explain.h"
 #include "tools/portalfit/merit.h"
@@ -21,9 +22,12 @@
 namespace tdpt {
 namespace {
 
-constexpr cli::Program kProgram{"portalfit", "Fits planar light portals to a light grid.",
+constexpr cli::Program kProgram{"portalfit",
+                                "Fits planar light portals to a light grid.",
                                 "The portals (.glb, or the text of --for); default standard output",
-                                cli::Result::binary, kLibraries};
+                                cli::Result::binary,
+                                cli::kLibraries,
+                                cli::kCommit};
 
 struct Arguments {
   std::string grid = "-", method = "tube", renderer, preview, debug_glb, debug_lines = "edges";
@@ -105,8 +109,8 @@ nlohmann::json tell(const cli::Common& common, const FitResult& found,
     const auto& f = found.portals[i].figures;
     const std::string name = fmt::format("portal.{}", written.size());
     if (!useless[i].empty()) {
-      common.note(
-          fmt::format("left out, {:.4g} m2: {}; --all writes it.", f.at("area"), useless[i]));
+      common.note(fmt::format("left out, {} m2: {}; --all writes it.",
+                              number_words(f.at("area"), 4), useless[i]));
       continue;
     }
     const std::string support =

@@ -16,6 +16,7 @@
 
 #include <fmt/format.h>
 
+#include "libcommon/base/number_words.h"
 #include "tools/portalfit/aperture.h"
 #include "tools/portalfit/candidate.h"
 #include "tools/portalfit/joining.h"
@@ -95,7 +96,7 @@ Portal portal_of(const LightGrid& grid, const Aperture& a, size_t of,
 }
 
 std::string at_least(double share) {
-  return fmt::format("at least {:.2g} %", 100 * share);
+  return fmt::format("at least {}", percent_words(share));
 }
 
 double share_of(const Aperture& a, size_t lines) {
@@ -145,9 +146,9 @@ std::vector<Aperture> parts_of(const LightGrid& grid, const std::vector<uint32_t
                100 * *support),
            at_least(options.support)});
     else if (passing < kLeastPassing)
-      refused.push_back({fmt::format("a candidate of {:.2g} m2 lies in the open: only {:.0f} % of "
+      refused.push_back({fmt::format("a candidate of {} m2 lies in the open: only {:.0f} % of "
                                      "the lines through it pass from one side to the other",
-                                     area(aperture->polygon), 100 * passing),
+                                     number_words(area(aperture->polygon), 2), 100 * passing),
                          at_least(kLeastPassing)});
     else if (static_cast<double>(aperture->lines.size()) >= fewest)
       parts.push_back(*aperture);
@@ -175,9 +176,9 @@ void leave_out_sparse(std::vector<Aperture>& found, Refusals& refused) {
       left.push_back(a);
     else
       refused.push_back(
-          {fmt::format("a candidate of {:.2g} m2 lies in the open: others pass as many lines in a "
+          {fmt::format("a candidate of {} m2 lies in the open: others pass as many lines in a "
                        "fifth of its area",
-                       area(a.polygon)),
+                       number_words(area(a.polygon), 2)),
            ""});
   }
   found = std::move(left);

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "libcommon/base/number_words.h"
 #include "libcommon/draw/sheet.h"
 #include "libcommon/formats/debug_glb.h"
 #include "libcommon/math/thinned.h"
@@ -197,7 +198,7 @@ Row whole_grid(const LightGrid& grid) {
 std::string words_for(const Portal& portal, size_t i) {
   const auto& f = portal.figures;
   std::string words = fmt::format("portal.{}", i);
-  if (f.contains("area")) words += fmt::format(": {:.3g} m2", f.at("area"));
+  if (f.contains("area")) words += fmt::format(": {} m2", number_words(f.at("area")));
   if (f.contains("flux_share"))
     words += fmt::format(", {:.1f} % of the lines", 100 * f.at("flux_share"));
   if (f.contains("support")) words += fmt::format(", support {:.2f}", f.at("support"));

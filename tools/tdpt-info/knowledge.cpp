@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <iterator>
+#include <limits>
 #include <memory>
+#include <set>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -41,6 +44,26 @@ void tell_bottleneck(Knowledge& k, bool bottleneck, const std::string& reason) {
   if (!bottleneck) fact(k, "reason", reason);
 }
 
+// Of channels by full name: "albedo" of albedo.R; the letters of the picture itself have none.
+std::vector<std::string> layers_of(const std::vector<std::string>& channels) {
+  std::set<std::string> layers;
+  for (const std::string& channel : channels)
+    if (const size_t dot = channel.rfind('.'); dot != std::string::npos)
+      layers.insert(channel.substr(0, dot));
+  return {layers.begin(), layers.end()};
+}
+
+// Of the box around what is to be seen, in metres: six digits, what single precision leaves.
+double longest_side(const Scene& scene) {
+  Vec3d low(std::numeric_limits<double>::infinity()), high = -low;
+  for (const Triangle& t : scene.triangles)
+    for (const uint32_t v : t.vertex) {
+      low = min(low, Vec3d(scene.positions[v]));
+      high = max(high, Vec3d(scene.positions[v]));
+    }
+  return std::stod(fmt::format("{:.6g}", max_component(high - low) / scene.frame.scale));
+}
+
 // ---- A kind each ----
 
 void tell_scene(const Scene& scene, Knowledge& k) {
@@ -57,7 +80,7 @@ void tell_scene(const Scene& scene, Knowledge& k) {
   fact(k, "cameras", cameras);
   fact(k, "emitting_triangles", emitting);
   fact(k, "lamps", scene.lights.size());
-  fact(k, "longest_side_m", 2 / scene.frame.scale);
+  fact(k, "longest_side_m", longest_side(scene));
   fact(k, "files_beside_it", scene.files.size());
   std::vector<std::string> warnings = scene.warnings;
   if (const std::string faults = scene.faults_of_cameras_but(""); !faults.empty())
@@ -141,6 +164,12 @@ void tell_film(const FilmFile& file, Knowledge& k) {
   fact(k, "samples", words_of(file.film.ranges()));
   fact(k, "missing", words_of(file.gaps()));
   fact(k, "spp_of_the_picture", file.facts.spp);
+  std::vector<std::string> channels;
+  for (const std::string& layer : file.film.options().layers)
+    if (!layer.empty()) channels.push_back(layer + ".R");
+  for (const auto& [name, values] : file.channels) channels.push_back(name);
+  for (const std::string& name : file.facts.derived) channels.push_back(name + ".Y");
+  fact(k, "layers", layers_of(channels));
   fact(k, "goes_on", !file.facts.state.empty());
   fact(k, "processor", file.facts.processor);
   for (const auto& [name, value] : file.facts.shape) {
@@ -156,9 +185,12 @@ void tell_picture(const std::string& bytes, const std::string& name, Knowledge& 
   k.kind = "picture";
   fact(k, "width", exr.picture.width);
   fact(k, "height", exr.picture.height);
-  std::vector<std::string> layers;
-  for (const auto& [layer, picture] : exr.layers) layers.push_back(layer);
-  fact(k, "layers", layers);
+  const std::vector<std::string> channels = exr_channels(bytes, name);
+  std::vector<std::string> own;
+  std::copy_if(channels.begin(), channels.end(), std::back_inserter(own),
+               [](const std::string& c) { return c.find('.') == std::string::npos; });
+  fact(k, "channels", own);
+  fact(k, "layers", layers_of(channels));
   for (const auto& [key, value] : exr.attributes)
     if (key != provenance_attribute) fact(k, key, value);
 }

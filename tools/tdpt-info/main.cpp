@@ -2,16 +2,17 @@
 #include <fmt/format.h>
 
 #include "libcommon/base/error.h"
+#include "libcommon/cli/built_with.h"
 #include "libcommon/cli/cli.h"
-#include "tdpt_libraries.h"
 #include "tools/tdpt-info/knowledge.h"
 
 namespace tdpt {
 namespace {
 
-constexpr cli::Program kProgram{"tdpt-info",
-                                "Tells what a file is, how it was made, and whether it is intact.",
-                                nullptr, cli::Result::text, kLibraries};
+constexpr cli::Program kProgram{
+    "tdpt-info",     "Tells what a file is, how it was made, and whether it is intact.",
+    nullptr,         cli::Result::text,
+    cli::kLibraries, cli::kCommit};
 
 struct Arguments {
   std::vector<std::string> files;

@@ -51,6 +51,30 @@ TEST_F(files, say_what_they_hold_and_how_they_were_made) {
   EXPECT_TRUE(says(text, "  made by tdpt-render 1: tdpt-render\n"));
 }
 
+TEST_F(files, of_pictures_tell_every_layer) {
+  ExrFile exr;
+  exr.picture = {1, 1, {Rgb(1)}, {1}};
+  exr.layers["bi"] = {1, 1, {Rgb(1)}};
+  exr.channels = {{"depth.Z", {2}}, {"normal.X", {0}}, {"normal.Y", {0}}, {"variance.Y", {0}}};
+  const std::string text = told("a.exr", exr_bytes(exr));
+  EXPECT_TRUE(says(text, "  channels: [\"A\",\"B\",\"G\",\"R\"]\n")) << text;
+  EXPECT_TRUE(says(text, "  layers: [\"bi\",\"depth\",\"normal\",\"variance\"]\n")) << text;
+}
+
+TEST_F(files, of_films_tell_every_layer) {
+  Film::Options options;
+  options.layers = {"bi", ""};
+  options.error_block = 1;
+  Film film(1, 1, 1, options);
+  film.complete({0, 1});
+  FilmFacts facts;
+  facts.spp = 1;
+  facts.derived = {"variance"};
+  const std::string text =
+      told("a.exr", film_bytes(film, facts, {}, {{"depth.Z", std::vector<float>{2}}}));
+  EXPECT_TRUE(says(text, "  layers: [\"bi\",\"depth\",\"variance\"]\n")) << text;
+}
+
 TEST_F(files, that_are_damaged_or_none_of_ours_are_refused) {
   std::string bad = film();
   bad.replace(bad.find("77ab"), 4, "77ac");

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <oneapi/tbb/parallel_for.h>
 
+#include "libcommon/base/number_words.h"
 #include "tools/tdpt-render/spread_pixels.h"
 
 namespace tdpt {
@@ -87,8 +88,8 @@ std::string sentence(const Beyond& beyond) {
   if (beyond.share > 0.995) return depth + "all of the light, or nearly";
   if (most < 0.001) return depth + "less than 0.1 % of the light";
   if (beyond.error > 0.25 * beyond.share)
-    return depth + fmt::format("at most about {:.2g} % of the light", 100 * most);
-  return depth + fmt::format("about {:.2g} % of the light", 100 * beyond.share);
+    return depth + fmt::format("at most about {} of the light", percent_words(most));
+  return depth + fmt::format("about {} of the light", percent_words(beyond.share));
 }
 
 }  // namespace tdpt

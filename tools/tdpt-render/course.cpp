@@ -9,6 +9,7 @@
 #include "libcommon/base/counted.h"
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
+#include "libcommon/base/shell_quoted.h"
 #include "libcommon/base/shown.h"
 #include "libcommon/formats/viewpoint.h"
 #include "tdpt_version.h"
@@ -107,12 +108,15 @@ GivenCourse planned(const Arguments& a, const Shaping& by) {
   if (const std::string other = difference(file.shape, shape_of(a, by)); !other.empty())
     throw InputError(name, "", "is of " + other);
   if (file.plan.spp == 0) throw InputError(name, "spp", "is 0, expected a number of samples");
-  if (a.spp > 0 && static_cast<uint64_t>(a.spp) != file.plan.spp)
+  const auto spp = static_cast<uint64_t>(a.spp);
+  // A picture may have fewer of its samples; shards are parts of them all.
+  if (a.spp > 0 && (a.shard.empty() ? spp > file.plan.spp : spp != file.plan.spp))
     throw UsageError(
         fmt::format("--spp {}: {} is of {}", a.spp, name, counted(file.plan.spp, "sample")));
   GivenCourse given;
   given.plan_file = name;
   given.course.plan = file.plan;
+  if (a.spp > 0) given.course.plan->spp = spp;
   given.command = file.command;
   return given;
 }
@@ -162,16 +166,6 @@ GivenCourse resumed(const Arguments& a, const Shaping& by, const World& world,
   return given;
 }
 
-// In single quotes where a shell would take it apart.
-std::string quoted(const std::string& text) {
-  const char* const plain =
-      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=:,./@%";
-  if (!text.empty() && text.find_first_not_of(plain) == std::string::npos) return text;
-  std::string out = "'";
-  for (const char c : text) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return out + "'";
-}
-
 // The words of the command line that all shards share.
 std::vector<std::string> words_of_shards(const std::vector<std::string>& arguments) {
   std::vector<std::string> words;
@@ -181,9 +175,15 @@ std::vector<std::string> words_of_shards(const std::vector<std::string>& argumen
     const bool own = option == "-o" || option == "--output" || option == "--print-shards" ||
                      option == "--checkpoint" || option == "--resume";
     if (own && option == word) ++i;
-    if (!own && (!word.starts_with("-o") || word == "-o")) words.push_back(quoted(word));
+    if (!own && (!word.starts_with("-o") || word == "-o")) words.push_back(shell_quoted(word));
   }
   return words;
+}
+
+// "out/a" of "out/a.exr".
+std::string stem_of(const std::string& output) {
+  const std::filesystem::path path(output);
+  return (path.parent_path() / path.stem()).string();
 }
 
 }  // namespace
@@ -208,6 +208,8 @@ Shard shard_of(const std::string& text) {
 }
 
 void check_course(const Arguments& a) {
+  if (a.checkpoint_every >= 0 && a.checkpoint.empty() && a.resume.empty())
+    throw UsageError("--checkpoint-every: needs --checkpoint or --resume");
   if (a.retry && a.target_error == 0 && a.resume.empty())
     throw UsageError("--retry: needs --target-error");
   if (a.add_samples > 0 && a.resume.empty())
@@ -317,9 +319,8 @@ std::string shard_commands(const Arguments& a, const std::vector<std::string>& a
         std::pair("--preview", a.preview)})
     if (!path.empty())
       throw UsageError(std::string("--print-shards: every shard would write to ") + option);
-  const std::filesystem::path path(output);
   const auto name = [&](const std::string& part) {
-    return quoted((path.parent_path() / path.stem()).string() + "." + part + ".exr");
+    return shell_quoted(stem_of(output) + "." + part + ".exr");
   };
   const auto n = static_cast<uint64_t>(a.print_shards);
   if (!a.shard.empty()) throw UsageError("--print-shards: " + a.shard + " of them is asked for");
@@ -338,6 +339,12 @@ std::string shard_commands(const Arguments& a, const std::vector<std::string>& a
     text += '\n';
   }
   return text;
+}
+
+std::string merge_command(const Arguments& a, const std::string& output) {
+  // The stars stay outside of the quotes.
+  return fmt::format("exrmerge {}.*-of-{}.exr -o {}", shell_quoted(stem_of(output)), a.print_shards,
+                     shell_quoted(output));
 }
 
 }  // namespace tdpt

@@ -70,5 +70,7 @@ std::string film_bytes(Standing& standing, const Plan& plan, const Shape& shape,
 /// how many samples there are, and where shards would be in each other's way.
 std::string shard_commands(const Arguments& a, const std::vector<std::string>& arguments,
                            const std::string& output);
+/// That merges what they render.
+std::string merge_command(const Arguments& a, const std::string& output);
 
 }  // namespace tdpt

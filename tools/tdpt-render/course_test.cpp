@@ -108,6 +108,8 @@ TEST(course, commands_of_shards_are_for_a_shell) {
       "--resume a.0-of-2.checkpoint.exr\n"
       "tdpt-render a.glb --shard 1/2 -o a.1-of-2.exr --checkpoint a.1-of-2.checkpoint.exr "
       "--resume a.1-of-2.checkpoint.exr\n");
+  EXPECT_EQ(merge_command(a, "out/a.exr"), "exrmerge out/a.*-of-2.exr -o out/a.exr");
+  EXPECT_EQ(merge_command(a, "my d.o/a"), "exrmerge 'my d.o/a'.*-of-2.exr -o 'my d.o/a'");
   EXPECT_NE(complaint([&] { shard_commands(a, {}, "-"); }), "");
   a.stats = "s";
   EXPECT_NE(complaint([&] { shard_commands(a, {}, "a.exr"); }), "");

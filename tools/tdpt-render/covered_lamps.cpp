@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <oneapi/tbb/parallel_for.h>
 
+#include "libcommon/base/number_words.h"
 #include "libcommon/math/rng.h"
 #include "libcommon/math/warp.h"
 
@@ -153,9 +154,9 @@ OpenWorld open_world(Scene& scene, const Camera& camera, int width, int height,
 }
 
 std::string uncovered_sentence(size_t triangles, const Frame& frame) {
-  return fmt::format("{} of lamps {} in another surface: moved {:.1g} m before it",
+  return fmt::format("{} of lamps {} in another surface: moved {} m before it",
                      triangles == 1 ? "1 triangle" : fmt::format("{} triangles", triangles),
-                     triangles == 1 ? "lies" : "lie", kHair / frame.scale);
+                     triangles == 1 ? "lies" : "lie", number_words(kHair / frame.scale, 1));
 }
 
 }  // namespace tdpt

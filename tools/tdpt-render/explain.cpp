@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "libcommon/base/counted.h"
+#include "libcommon/base/number_words.h"
 #include "libcommon/scene/uses.h"
 #include "tools/tdpt-render/portal_report.h"
 
@@ -51,9 +52,9 @@ Decision kinds_of_light(const Rendered& r) {
   if (r.result.longest)
     return {"kinds of light", "none chosen", kNothingBeyond, "nothing is measured"};
   const Lights::Shares s = r.world.lights.shares();
-  const std::string shares =
-      fmt::format("surfaces {:.2g}, lamps {:.2g}, parallel light {:.2g}, the sky {:.2g}",
-                  s.surfaces, s.lamps, s.parallel, s.sky);
+  const std::string shares = fmt::format("surfaces {}, lamps {}, parallel light {}, the sky {}",
+                                         number_words(s.surfaces, 2), number_words(s.lamps, 2),
+                                         number_words(s.parallel, 2), number_words(s.sky, 2));
   if (r.choice.by_arrival)
     return {"kinds of light", r.choice.planned ? "chosen as planned" : "chosen by what arrives",
             "by power a sky would outrank every lamp indoors: " + shares,
@@ -104,12 +105,19 @@ Decisions portals(const Rendered& r) {
          light == portal.figures.end()
              ? (r.choice.planned ? "the plan says so"
                                  : "too little of a small picture's light was seen to tell")
-             : fmt::format("{:.3g} % of a small picture's light passed it", 100 * light->second),
+             : fmt::format("{} of a small picture's light passed it",
+                           percent_words(light->second, 3)),
          w.way == PortalWay::left_out
              ? "no edge is tested against it"
              : "each edge is tested against " + counted(portal.triangles.size(), "triangle")});
   }
   return all;
+}
+
+std::string share_of_rendering(const Rendered& r) {
+  if (r.result.spp == 0) return "";  // there is a plan alone
+  const double share = r.result.scout_cpu_seconds / std::max(r.result.cpu_seconds, 1e-9);
+  return ", " + percent_words(share) + " of the rendering";
 }
 
 Decision scout(const Rendered& r) {
@@ -126,8 +134,7 @@ Decision scout(const Rendered& r) {
   return {
       "scout", counted(r.result.scouted, "sample") + " drawn",
       fmt::format("auto weighs {} candidates by what they would find", r.choice.candidates.size()),
-      fmt::format("{}, {:.2g} % of the rendering", cli::price_of(r.result.scout_cpu_seconds),
-                  100 * r.result.scout_cpu_seconds / std::max(r.result.cpu_seconds, 1e-9))};
+      cli::price_of(r.result.scout_cpu_seconds) + share_of_rendering(r)};
 }
 
 // Why the candidate rendered or did not.
@@ -139,7 +146,7 @@ std::string why(const Rendered& r, size_t i) {
   for (const Prospect& q : all) least = std::min(least, q.cost());
   const bool is_least = !(p.cost() > least);
   const std::string times =
-      least > 0 ? fmt::format("{:.3g} times the least", p.cost() / least) : "0";
+      least > 0 ? fmt::format("{} times the least", number_words(p.cost() / least)) : "0";
   if (i == r.result.chosen)
     return is_least ? "its error x work is the least"
                     : "its error x work is " + times +
@@ -158,7 +165,8 @@ Decisions candidates(const Rendered& r) {
   for (size_t i = 0; i < r.result.prospects.size(); ++i) {
     const Prospect& p = r.result.prospects[i];
     all.push_back({p.integrator, i == r.result.chosen ? "chosen" : "refused", why(r, i),
-                   fmt::format("relMSE {:.3g} x {:.3g} us a sample", p.steady, 1e-3 * p.work)});
+                   fmt::format("relMSE {} x {} us a sample", number_words(p.steady),
+                               number_words(1e-3 * p.work))});
   }
   if (r.world.portals.empty())
     all.push_back({"integrators with portals", "not weighed", "no portal can be used", "no work"});
@@ -206,9 +214,9 @@ Decision depth(const Rendered& r) {
             "Russian roulette ends walks"};
   return {"length of paths", fmt::format("{} edges at most", r.settings.max_depth),
           "--max-depth says so",
-          r.result.beyond
-              ? fmt::format("leaves out about {:.2g} % of the light", 100 * r.result.beyond->share)
-              : "what that leaves out is not known"};
+          r.result.beyond ? fmt::format("leaves out about {} of the light",
+                                        percent_words(r.result.beyond->share))
+                          : "what that leaves out is not known"};
 }
 
 Decision pilot(const Rendered& r) {
@@ -217,8 +225,8 @@ Decision pilot(const Rendered& r) {
     return {"pilot", "left out", target.dark ? kNothingBeyond : "a limit came before it",
             "no sample is thrown away"};
   return {"pilot", fmt::format("{} samples a pixel drawn", target.pilot_samples),
-          target.fixed > 0 ? fmt::format("they tell that {} take the relMSE to {:.3g}",
-                                         target.fixed, target.error)
+          target.fixed > 0 ? fmt::format("they tell that {} take the relMSE to {}", target.fixed,
+                                         number_words(target.error))
                            : "no light was met, or a limit came first",
           cli::price_of(target.pilot_cpu_seconds)};
 }
@@ -236,6 +244,29 @@ std::string why_so_many(const Rendered& r) {
                                               : "the pilot fixed so many";
 }
 
+Decision samples_planned(const Rendered& r) {
+  const RenderSettings& s = r.settings;
+  const uint64_t spp = r.result.plan.spp;
+  const char* const why = r.result.longest == 0         ? "each is black, and none is traced"
+                          : s.spp > 0 && spp == s.spp   ? "so many were asked for"
+                          : !r.result.target            ? "--time allows so many"
+                          : r.result.target->fixed == 0 ? "the pilot, of as many, met no light"
+                                                        : "the pilot fixed so many";
+  return {"samples", fmt::format("{} a pixel to come", spp), why,
+          cli::price_of(r.result.cpu_seconds) + " so far"};
+}
+
+Decisions decisions_of_integrator(const Rendered& r) {
+  Decisions all = uses_of(r.world.scene, all_needs());
+  all.push_back(panels(r));
+  append(all, portals(r));
+  all.push_back(windows(r));
+  all.push_back(kinds_of_light(r));
+  all.push_back(scout(r));
+  append(all, candidates(r));
+  return all;
+}
+
 Decision samples(const Rendered& r) {
   const RayCounts& rays = r.result.tally.rays;
   return {"samples", fmt::format("{} a pixel", r.result.spp), why_so_many(r),
@@ -246,18 +277,19 @@ Decision samples(const Rendered& r) {
 }  // namespace
 
 Decisions decisions_of(const Rendered& r) {
-  Decisions all = uses_of(r.world.scene, all_needs());
-  all.push_back(panels(r));
-  append(all, portals(r));
-  all.push_back(windows(r));
-  all.push_back(kinds_of_light(r));
-  all.push_back(scout(r));
-  append(all, candidates(r));
+  Decisions all = decisions_of_integrator(r);
   append(all, techniques(r));
   append(all, outputs(r));
   all.push_back(depth(r));
   if (r.result.target) all.push_back(pilot(r));
   all.push_back(samples(r));
+  return all;
+}
+
+Decisions decisions_of_plan(const Rendered& r) {
+  Decisions all = decisions_of_integrator(r);
+  if (r.result.target) all.push_back(pilot(r));
+  all.push_back(samples_planned(r));
   return all;
 }
 

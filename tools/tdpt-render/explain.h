@@ -17,5 +17,7 @@ struct Rendered {
 };
 
 cli::Decisions decisions_of(const Rendered& r);
+/// Of what decide() tells: those that come before the first sample.
+cli::Decisions decisions_of_plan(const Rendered& r);
 
 }  // namespace tdpt

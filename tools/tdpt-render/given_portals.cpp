@@ -10,6 +10,7 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
+#include "libcommon/base/number_words.h"
 #include "libcommon/formats/viewpoint.h"
 #include "tools/tdpt-render/portal_fit.h"
 #include "tools/tdpt-render/portal_mesh.h"
@@ -183,8 +184,8 @@ class Judge {
       return warn(portal,
                   "is folded, its triangles face all ways, expected a planar polygon: left out");
     if (mesh.shape == PortalMesh::flattened)
-      warn(portal, fmt::format("is not planar, corners lie {:.2g} m off its plane: laid into it",
-                               mesh.off));
+      warn(portal, fmt::format("is not planar, corners lie {} m off its plane: laid into it",
+                               number_words(mesh.off, 2)));
     if (mesh.shape == PortalMesh::lid)
       warn(portal, "is not planar, but its rim is: the polygon in its rim is used");
     if (mesh.shape == PortalMesh::bent)
@@ -204,7 +205,8 @@ class Judge {
     if (!box.touches(box_, kMargin * box_.extent()))
       why = "lies outside the scene";
     else if (box.extent() > kFarLarger * box_.extent())
-      why = fmt::format("is {:.2g} times as large as the scene", box.extent() / box_.extent());
+      why = fmt::format("is {} times as large as the scene",
+                        number_words(box.extent() / box_.extent(), 2));
     else
       return false;
     if (!tracer_) tracer_ = std::make_unique<Tracer>(scene_);

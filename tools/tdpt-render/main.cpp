@@ -8,13 +8,12 @@
 #include "libcommon/base/counted.h"
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
-#include "libcommon/base/output_file.h"
 #include "libcommon/base/processor.h"
 #include "libcommon/base/signals.h"
+#include "libcommon/cli/built_with.h"
 #include "libcommon/cli/cli.h"
 #include "libcommon/cli/ending.h"
 #include "libcommon/gpu/device_options.h"
-#include "tdpt_libraries.h"
 #include "tools/tdpt-render/arguments.h"
 #include "tools/tdpt-render/choice.h"
 #include "tools/tdpt-render/course.h"
@@ -37,7 +36,10 @@ constexpr cli::Program kProgram{
     "tdpt-render",
     "Renders a glTF scene by (tri-directional) path tracing, with portals where "
     "there are any.",
-    "Picture to write (OpenEXR); default standard output", cli::Result::binary, kLibraries};
+    "Picture to write (OpenEXR); default standard output",
+    cli::Result::binary,
+    cli::kLibraries,
+    cli::kCommit};
 
 // Of each pixel, where nothing else says how many.
 constexpr cli::ByQuality<uint64_t> kSamples{4, 16, 64};
@@ -130,14 +132,26 @@ void report(const Job& job, const World& world, const Choice& choice, const Rend
 
 // Says what was decided and where it stands, without a picture.
 int write_plan(const Job& job, const World& world, const Choice& choice) {
-  const Plan plan = decide(world, choice.candidates, job.settings, choice.ways);
+  const std::vector<Portal>& portals = job.in.portals;
+  const RenderResult decided = decide(world, choice.candidates, job.settings, choice.ways);
+  const Plan& plan = decided.plan;
   if (stop_requested()) {
     job.common.note("stopped by a signal; no plan is written");
     return static_cast<int>(Exit::interrupted);
   }
-  write_output(job.a.plan, plan_file_text({plan, job.shape, job.common.command}));
+  const std::string told = plan_json(job.settings, decided, portals);
+  cli::deliver({{job.a.plan,
+                 [&] {
+                   return plan_file_text({plan, job.shape, job.common.command});
+                 }},
+                {job.a.stats, [&] { return told + '\n'; }}},
+               job.common);
+  if (job.common.json) fmt::print("{}\n", told);  // no picture goes to standard output
   job.common.note(fmt::format("{} will render {} per pixel at {} x {}", plan.label,
                               counted(plan.spp, "sample"), job.in.size.width, job.in.size.height));
+  job.common.explain_by([&] {
+    return decisions_of_plan({world, portals, job.request, choice, job.settings, decided});
+  });
   return 0;
 }
 
@@ -150,21 +164,20 @@ void warn_of_processors(const Job& job) {
 int print_shards(const Arguments& a, const cli::Common& common) {
   const std::string commands = shard_commands(a, common.arguments, common.output);
   std::fputs(commands.c_str(), stdout);
-  const std::string stem = common.output.substr(0, common.output.find_last_of('.'));
   if (!a.plan.empty() && !std::filesystem::exists(a.plan))
     common.note("there is no " + a.plan +
                 " yet: the same command without --print-shards and -o makes it");
-  common.note(fmt::format("then merge them: exrmerge {}.*-of-{}.exr -o {}", stem, a.print_shards,
-                          common.output));
+  common.note("then merge them: " + merge_command(a, common.output));
   return 0;
 }
 
-constexpr double kPreviewEvery = 5;  // seconds
+constexpr double kPreviewEvery = 5, kCheckpointEvery = 60;  // seconds
 
 // What looks at the rendering while it forms.
 void add_visitors(const Job& job, const Choice& choice, Course& course) {
+  const double every = job.a.checkpoint_every < 0 ? kCheckpointEvery : job.a.checkpoint_every;
   if (!job.checkpoint().empty())
-    course.visitors.push_back({job.a.checkpoint_every, [&](Standing& standing, const Plan& plan) {
+    course.visitors.push_back({every, [&](Standing& standing, const Plan& plan) {
                                  save({job, choice, standing, plan});
                                }});
   if (!job.a.preview.empty())
@@ -211,6 +224,7 @@ int render(const Job& job, World& world, const Choice& choice, Course course) {
 }
 
 int run(const Arguments& a, const cli::Common& common) {
+  check_render_arguments(a);
   const std::optional<gpu::Device> device = device_asked(a.device);
   if (a.print_shards > 0) return print_shards(a, common);
   choose_processor_code(a.isa, common.arguments);

@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "libcommon/base/number_words.h"
+
 namespace tdpt {
 namespace {
 
@@ -20,9 +22,10 @@ size_t step_of(const Film& film) {
 
 std::string words_of(const Noise& noise) {
   if (!noise.tells)
-    return fmt::format("relMSE above {:.2g}, too large to tell from so few samples",
-                       std::min(noise.low, 0.5));
-  return fmt::format("relMSE about {:.2g} [{:.2g}, {:.2g}]", noise.relmse, noise.low, noise.high);
+    return fmt::format("relMSE above {}, too large to tell from so few samples",
+                       number_words(std::min(noise.low, 0.5), 2));
+  return fmt::format("relMSE about {} [{}, {}]", number_words(noise.relmse, 2),
+                     number_words(noise.low, 2), number_words(noise.high, 2));
 }
 
 NoiseWatch::NoiseWatch(const Film& film, uint64_t samples)

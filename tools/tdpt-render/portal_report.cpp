@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "libcommon/base/counted.h"
+#include "libcommon/base/number_words.h"
 
 namespace tdpt {
 namespace {
@@ -50,12 +51,12 @@ std::vector<std::string> descriptions(const std::vector<Portal>& portals) {
   std::vector<std::string> sentences;
   for (const Portal& p : portals) {
     if (p.triangles.empty()) continue;
-    std::string text = fmt::format("{}: {:.4g} m2", p.name, area_of(p));
+    std::string text = fmt::format("{}: {} m2", p.name, number_words(area_of(p), 4));
     if (const auto c = p.figures.find("conductance"); c != p.figures.end())
-      text += fmt::format(", conductance {:.2g}", c->second);
+      text += fmt::format(", conductance {}", number_words(c->second, 2));
     if (const auto light = p.figures.find(kLight); light != p.figures.end())
-      text += fmt::format(", {:.3g} % of the light passed it on the way to what the camera sees",
-                          100 * light->second);
+      text += fmt::format(", {} of the light passed it on the way to what the camera sees",
+                          percent_words(light->second, 3));
     sentences.push_back(text);
   }
   return first_few(std::move(sentences));
@@ -63,9 +64,9 @@ std::vector<std::string> descriptions(const std::vector<Portal>& portals) {
 
 std::string left_out(const Portal& portal, const PortalLight& light) {
   return fmt::format(
-      "{}: {:.2g} % of a small picture's light passed it on the way to the camera ({} of {} "
+      "{}: {} of a small picture's light passed it on the way to the camera ({} of {} "
       "samples): left out",
-      portal.name, 100 * light.share, light.samples, light.of);
+      portal.name, percent_words(light.share), light.samples, light.of);
 }
 
 namespace {
@@ -84,14 +85,13 @@ const Portal* with_most(const std::vector<Portal>& portals, const char* figure) 
 
 std::string idleness(const std::vector<Portal>& portals, double share) {
   const std::string brought =
-      fmt::format("segments through portals brought {:.2g} % of the light", 100 * share);
+      fmt::format("segments through portals brought {} of the light", percent_words(share));
   if (const Portal* p = with_most(portals, kLight))
-    return brought + fmt::format("; in a small picture before, {:.2g} % passed {}",
-                                 100 * p->figures.at(kLight), p->name);
+    return brought + fmt::format("; in a small picture before, {} passed {}",
+                                 percent_words(p->figures.at(kLight)), p->name);
   if (const Portal* p = with_most(portals, "flux_share"))
-    return brought +
-           fmt::format("; of that which crosses the cut {:.2g} % passes {}, says its file",
-                       100 * p->figures.at("flux_share"), p->name);
+    return brought + fmt::format("; of that which crosses the cut {} passes {}, says its file",
+                                 percent_words(p->figures.at("flux_share")), p->name);
   return "the portals brought less than 1 % of the light: do they lie on its way?";
 }
 
@@ -121,9 +121,10 @@ std::vector<std::string> disappointments(const std::vector<Portal>& portals,
   for (size_t i = 0; i < portals.size(); ++i)
     if (const Deeds d = deeds_of(i, result); d.useless())
       sentences.push_back(
-          fmt::format("{} is useless: {:.2g} % of its {} joined a lamp with the camera, they "
-                      "brought {:.2g} % of the light",
-                      portals[i].name, 100 * d.lit, counted(d.samples, "sample"), 100 * d.energy));
+          fmt::format("{} is useless: {} of its {} joined a lamp with the camera, they "
+                      "brought {} of the light",
+                      portals[i].name, percent_words(d.lit), counted(d.samples, "sample"),
+                      percent_words(d.energy)));
   return first_few(std::move(sentences));
 }
 

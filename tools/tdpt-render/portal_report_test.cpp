@@ -131,6 +131,8 @@ TEST(portals_report, idle_portals_are_told_with_what_was_measured_of_them) {
   EXPECT_EQ(idleness(portals, 0.003),
             "segments through portals brought 0.3 % of the light; in a small picture before, 45 % "
             "passed hall");
+  portals[1].figures[kLight] = 0.999;
+  EXPECT_NE(idleness(portals, 0.003).find(", 100 % passed hall"), std::string::npos);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "libcommon/base/error.h"
+#include "libcommon/base/number_words.h"
 #include "libcommon/base/signals.h"
 #include "libcommon/base/threads.h"
 #include "tools/tdpt-render/longest_path.h"
@@ -346,13 +347,14 @@ bool Rendering::retry_is_due() {
 std::string Rendering::error_so_far() const {
   if (!target_) {
     const std::optional<Noise> noise = watch_.noise(film_);
-    return noise && noise->tells ? fmt::format("relMSE about {:.2g}", noise->relmse) : "";
+    return noise && noise->tells ? fmt::format("relMSE about {}", number_words(noise->relmse, 2))
+                                 : "";
   }
   if (pilot_.rounds.empty() || film_.samples() == 0) return "";
   const Pilot::Round& round = pilot_.about(film_.samples());
   if (!(round.estimate.relmse > 0)) return "";
   const double of = static_cast<double>(round.samples) / static_cast<double>(film_.samples());
-  return fmt::format("relMSE about {:.2g}", round.estimate.relmse * of);
+  return fmt::format("relMSE about {}", number_words(round.estimate.relmse * of, 2));
 }
 
 void Rendering::look_beyond() {
@@ -489,12 +491,12 @@ RenderResult render(const World& world, const std::vector<Candidate>& candidates
   return rendering.finish();
 }
 
-Plan decide(const World& world, const std::vector<Candidate>& candidates,
-            const RenderSettings& settings, const std::vector<PortalWay>& ways) {
+RenderResult decide(const World& world, const std::vector<Candidate>& candidates,
+                    const RenderSettings& settings, const std::vector<PortalWay>& ways) {
   Rendering rendering(world, candidates, settings, {});
   rendering.plan(ways);
   rendering.aim();
-  return rendering.finish().plan;
+  return rendering.finish();
 }
 
 RenderResult render(const World& world, const Integrator& integrator,

@@ -115,8 +115,8 @@ RenderResult render(const World& world, const std::vector<Candidate>& candidates
                     const RenderSettings& settings, const std::vector<PortalWay>& ways = {},
                     Course course = {});
 
-/// All that the same call would decide before its first sample.
-Plan decide(const World& world, const std::vector<Candidate>& candidates,
-            const RenderSettings& settings, const std::vector<PortalWay>& ways);
+/// All that the same call would decide before its first sample, and by what: a result without one.
+RenderResult decide(const World& world, const std::vector<Candidate>& candidates,
+                    const RenderSettings& settings, const std::vector<PortalWay>& ways);
 
 }  // namespace tdpt

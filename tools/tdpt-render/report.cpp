@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "libcommon/base/counted.h"
+#include "libcommon/base/number_words.h"
 
 #include "tools/tdpt-render/portal_report.h"
 #include "tools/tdpt-render/target_report.h"
@@ -34,14 +35,19 @@ nlohmann::ordered_json scout_json(const RenderResult& result) {
   return j;
 }
 
-nlohmann::ordered_json summary(const Integrator& integrator, const RenderSettings& settings,
-                               const RenderResult& result, const std::vector<Portal>& portals) {
+nlohmann::ordered_json choice_json(const Integrator& integrator, const RenderResult& result) {
   nlohmann::ordered_json j;
   j["integrator"] = integrator.name;
   if (!result.chosen_label.empty()) {
     j["chosen"] = result.chosen_label;
     if (result.scouted > 0) j["scout"] = scout_json(result);
   }
+  return j;
+}
+
+nlohmann::ordered_json summary(const Integrator& integrator, const RenderSettings& settings,
+                               const RenderResult& result, const std::vector<Portal>& portals) {
+  nlohmann::ordered_json j = choice_json(integrator, result);
   j["spp"] = result.spp;
   j["width"] = result.picture.width;
   j["height"] = result.picture.height;
@@ -82,7 +88,7 @@ std::string costs_of_others(const RenderResult& result) {
     const Prospect& p = result.prospects[i];
     if (i == result.chosen) continue;
     others.push_back(std::isfinite(p.cost())
-                         ? fmt::format("{:.3g} x by {}", p.cost() / least, p.integrator)
+                         ? fmt::format("{} x by {}", number_words(p.cost() / least), p.integrator)
                          : p.integrator + " misses light");
   }
   return fmt::format("{}", fmt::join(others, ", "));
@@ -110,13 +116,27 @@ std::string stats_json(const Integrator& integrator, const RenderSettings& setti
   return j.dump();
 }
 
+std::string plan_json(const RenderSettings& settings, const RenderResult& decided,
+                      const std::vector<Portal>& portals) {
+  nlohmann::ordered_json j = choice_json(decided.plan.integrator, decided);
+  j["spp"] = decided.plan.spp;
+  j["seconds"] = decided.seconds;
+  j["cpu_seconds"] = decided.cpu_seconds;
+  j["device"] = settings.device_name;
+  if (portals.empty()) return j.dump();
+  j["portals"] = portals_json(portals, decided);
+  for (auto& portal : j["portals"])
+    for (const char* of_samples : {"samples", "lit", "energy"}) portal.erase(of_samples);
+  return j.dump();
+}
+
 std::string length_sentence(const RenderSettings& settings, const RenderResult& result) {
   if (result.beyond) return sentence(*result.beyond);
   const double total = total_energy(result), last = result.tally.by_length.back();
   if (settings.max_depth < kMaxDepth || !(last > 1e-4 * total)) return "";
   return fmt::format(
-      "paths of {} to {} edges hold {:.2g} % of the light; what longer ones hold is left out",
-      kMaxDepth / 2 + 1, kMaxDepth, 100 * last / total);
+      "paths of {} to {} edges hold {} of the light; what longer ones hold is left out",
+      kMaxDepth / 2 + 1, kMaxDepth, percent_words(last / total));
 }
 
 std::optional<double> portals_gain(const RenderResult& result) {
@@ -143,8 +163,8 @@ std::string verdict_sentence(const RenderResult& result) {
   if (!gain) return "";
   const std::string with = result.prospects[*best_with(true, result.prospects)].integrator;
   const std::string without = result.prospects[*best_with(false, result.prospects)].integrator;
-  return fmt::format("portals: {:.2g} x the efficiency of {}, the best without them, by {}{}",
-                     *gain, without, with,
+  return fmt::format("portals: {} x the efficiency of {}, the best without them, by {}{}",
+                     number_words(*gain, 2), without, with,
                      result.prospects[result.chosen].with_portals ? "" : ": they are left out");
 }
 

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "libcommon/base/counted.h"
+#include "libcommon/base/number_words.h"
 
 namespace tdpt {
 namespace {
@@ -20,13 +21,14 @@ const char* stop_of(const TargetOutcome& target) {
 // "about 0.0093 [0.0088, 0.0098]".
 std::string estimate_of(const TargetOutcome& target) {
   if (!target.relmse) return "not known";
-  return fmt::format("about {:.2g} [{:.2g}, {:.2g}]", *target.relmse, target.low, target.high);
+  return fmt::format("about {} [{}, {}]", number_words(*target.relmse, 2),
+                     number_words(target.low, 2), number_words(target.high, 2));
 }
 
 }  // namespace
 
 std::string target_sentence(const TargetOutcome& target, uint64_t spp) {
-  const std::string aim = fmt::format("target relMSE {:.3g} ", target.error);
+  const std::string aim = fmt::format("target relMSE {} ", number_words(target.error));
   if (target.dark) return aim + "reached: no light can come to the camera, the picture is black";
   const std::string got =
       fmt::format(": it is {} after {} per pixel{}", estimate_of(target), counted(spp, "sample"),

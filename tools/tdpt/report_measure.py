@@ -1,10 +1,11 @@
 """report_measure.py: measures what the page of a scene tells, into a folder, for report_page.py.
 
 Renders the scene twice, each for as many CPU seconds: by bdpt without portals, and by `auto` (or what the command says)
-with them. A rendering begins with a part of its time (a quarter where something is decided, whose care follows the length)
-and goes on from its own checkpoint in doublings, so that no sample is drawn twice; every step is held against a reference of another seed, which is rendered last and longer. What
-the stages told of themselves is read where it lies beside their results, and told again by a run aside where it does
-not. CPU seconds, because they are the same on a busy machine. Standard library alone.
+with them, as a plan says that is made for all of the time. A rendering begins with a sixteenth of its time and goes on
+from its own checkpoint in doublings, so that no sample is drawn twice; every step is held against a reference of another
+seed, which is rendered last and longer. What the stages told of themselves is read where it lies beside their results,
+and told again by a run aside where it does not. CPU seconds, because they are the same on a busy machine. Standard
+library alone.
 """
 
 import argparse
@@ -174,29 +175,52 @@ def told(stem, known, scene, folder, say):
     return stages
 
 
+def threads_of(words):
+    """As many as a program uses that is given these."""
+    given = [word.partition("=")[2] or after for word, after in zip(words, [*words[1:], ""]) if word.partition("=")[0] == "--threads"]
+    return int(given[-1] if given else 0) or len(os.sched_getaffinity(0))
+
+
+def with_more(told, later):
+    """Decisions that were told, and those later ones that are of something else."""
+    def what(line):
+        return ": ".join(line.split(": ")[:2])
+    known = {what(line) for line in told.splitlines()}
+    return told + "".join(line + "\n" for line in later.splitlines() if ", because " in line and what(line) not in known)
+
+
 class Render:
     """One of the renderings that are compared: it goes on from its checkpoint until its time is spent."""
 
     def __init__(self, name, command, folder):
         self.name, self.command, self.folder = name, command, folder
-        self.steps, self.first, self.last, self.text, self.peak = [], None, None, "", 0
+        self.plan = os.path.join(folder, f"{name}.plan")
+        self.steps, self.first, self.last, self.text, self.later, self.peak, self.decided = [], None, None, "", "", 0, 0.0
+
+    def decide(self, seconds):
+        """What renders, for all of the time; what that took counts as its own."""
+        out, self.text, self.peak = run([*self.command, "--plan", self.plan, "--time", f"{seconds:g}", "--json", "--explain"])
+        self.first = json.loads(out)
+        self.decided = (self.first.get("scout") or {}).get("cpu", 0.0)
 
     def step(self, *more):
         picture = os.path.join(self.folder, f"{self.name}.{len(self.steps)}.exr")
         film, stats = (os.path.join(self.folder, f"{self.name}.{end}") for end in ("film.exr", "stats"))
-        _, err, peak = run([*self.command, "--checkpoint", film, "--resume", film, "--stats", stats, "--explain", "-o", picture,
-                            *more])
+        obeys = ["--plan", self.plan] if self.first and not self.steps else ["--resume", film]
+        _, self.later, peak = run([*self.command, "--checkpoint", film, *obeys, "--stats", stats, "--explain", "-o", picture, *more])
         with open(stats, encoding="utf-8") as stream:
             self.last = json.load(stream)
         self.last.pop("frames", None)
-        if not self.steps:
-            self.first, self.text = self.last, err
         self.peak = max(self.peak, peak)
-        self.steps.append({"picture": picture, "spp": self.last["spp"], "cpu": self.last["cpu_seconds"],
+        self.steps.append({"picture": picture, "spp": self.last["spp"], "cpu": self.decided + self.last["cpu_seconds"],
                            "wall": self.last["seconds"]})
 
-    def until(self, seconds, part, first):
-        self.step("--time", f"{seconds / part:g}", *first)
+    def until(self, seconds, threads):
+        """About that many CPU seconds; 16 steps at the most."""
+        if self.first:
+            self.step("--spp", str(max(1, self.first["spp"] // 16)))
+        else:
+            self.step("--time", f"{seconds / threads / 16:g}")
         while len(self.steps) < 16:
             spp, cpu = self.steps[-1]["spp"], self.steps[-1]["cpu"]
             more = min(spp, int((seconds - cpu) / cpu * spp + 0.5)) if cpu > 0 else spp
@@ -253,13 +277,15 @@ def measure(a):
     with_portals = Render("with", [*loud, *portals, "--integrator", chosen, "--seed", str(seed)], a.folder)
     without = Render("without", [*loud, "--integrator", "bdpt", "--seed", str(seed)], a.folder)
     say(f"{chosen} with the portals, {a.time:g} CPU seconds")
-    with_portals.until(a.time, 4, ["-MF", a.MF, "-MQ", a.MQ] if a.MF else [])
+    at_once = threads_of(loud)
+    with_portals.decide(a.time / at_once)
+    with_portals.until(a.time, at_once)
     say(f"bdpt without portals, {a.time:g} CPU seconds")
-    without.until(a.time, 16, [])
+    without.until(a.time, at_once)
     spp = max(1, round(a.reference * with_portals.last["spp"]))
     say(f"the reference, about {a.reference * a.time:g} CPU seconds")
     reference = Render("reference", [*base, *portals, "--integrator", chosen, "--seed", str(seed + 1)], a.folder)
-    reference.step("--spp", str(spp))
+    reference.step("--spp", str(spp), *(["-MF", a.MF, "-MQ", a.MQ] if a.MF else []))
     truth = reference.steps[-1]["picture"]
 
     black = None
@@ -302,7 +328,7 @@ def measure(a):
                 entry["file"] = name
         for step in render.steps[:-1]:
             os.remove(step["picture"])
-        for end in ("film.exr", "stats"):
+        for end in ("film.exr", "stats", *(["plan"] if render.first else [])):
             os.remove(os.path.join(a.folder, f"{render.name}.{end}"))
     for entry in info:
         entry["file"] = os.path.basename(entry["file"])
@@ -310,7 +336,7 @@ def measure(a):
     def plain(render):
         steps = [{key: value for key, value in step.items() if key != "picture"} for step in render.steps]
         return {"command": shown(render.command), "steps": steps, "first": render.first, "last": render.last,
-                "text": render.text, "peak_bytes": render.peak}
+                "text": with_more(render.text, render.later), "peak_bytes": render.peak}
     result = {"scene": os.path.basename(a.scene), "seconds": a.time, "factor": a.reference, "seed": seed,
               "given": [os.path.basename(file) for file in ours.get("--portal", [])], "stages": stages,
               "integrator": chosen, "with": plain(with_portals), "without": plain(without), "reference": plain(reference),

@@ -249,15 +249,16 @@ class Verdict:
         fit = next((s for s in m["stages"] if s["tool"] == "portalfit"), None)
         self.by_stages = fit is not None
         self.last = m["with"]["last"]
-        # What was looked at before rendering, the first step tells alone.
+        # What was looked at before rendering, the plan tells alone.
         looked = {p.get("name"): p for p in get(m["with"], "first", "portals") or []}
         self.portals = [{**p, "light": looked.get(p.get("name"), p).get("light")} for p in get(self.last, "portals") or []]
         self.fitted = {p.get("name"): p for p in get(fit, "json", "portals") or []}
         self.reason = get(fit, "json", "reason") or ""
         self.foretold = get(m["with"], "first", "scout", "portals_gain")
         self.chosen = self.last.get("chosen") or m["integrator"]
-        self.used = not self.chosen.startswith(("pt", "nee", "bdpt")) or (get(self.last, "techniques", "portal") or 0) > 0
         candidates = get(m["with"], "first", "scout", "candidates") or []
+        self.used = next((bool(c.get("portals")) for c in candidates if c.get("integrator") == self.chosen),
+                         not self.chosen.startswith(("pt", "nee", "bdpt")) or (get(self.last, "techniques", "portal") or 0) > 0)
         self.candidates = [c for c in candidates if number(c.get("relmse")) and number(c.get("work"))]
         plain = [c for c in self.candidates if not c.get("portals")]
         self.best_plain = min(plain, key=lambda c: c["relmse"] * c["work"])["integrator"] if plain else None
@@ -281,13 +282,16 @@ class Verdict:
             return (f"{found}. What {they} {'is' if n == 1 else 'are'} worth was not estimated: {self.m['integrator']} weighed no "
                     "candidates with and without.")
         best = f"the best way without, {self.best_plain}" if self.best_plain else "the best way without"
-        if self.foretold >= 1.1 and self.used:
+        if not self.used:
+            them = "it" if n == 1 else "them"
+            return (f"{found}, but tdpt-render left {them} out: with {them}, it expected {figure(self.foretold)} times the efficiency of {best}" +
+                    ("." if self.chosen == self.best_plain else f"; it rendered by {self.chosen}."))
+        if self.foretold >= 1.1:
             return f"{found}, worth {figure(self.foretold)} times the efficiency of {best}, as tdpt-render estimated before rendering."
-        if self.foretold >= 0.9 and self.used:
+        if self.foretold >= 0.9:
             return f"{found}, and {they} bring next to nothing: {figure(self.foretold)} times the efficiency of {best}, as tdpt-render estimated."
         return (f"{found}, and {they} {'is' if n == 1 else 'are'} worth nothing here: with {'it' if n == 1 else 'them'} tdpt-render expected "
-                f"{figure(self.foretold)} times the efficiency of {best}" + (", and left " + ("it" if n == 1 else "them") + " out." if not self.used
-                                                                          else "."))
+                f"{figure(self.foretold)} times the efficiency of {best}.")
 
     def measured(self):
         """The same, of the two pictures."""
@@ -607,7 +611,7 @@ def cost_part(m, v):
             if isinstance(p, dict) and number(p.get("cpu_seconds")):
                 phases.append((stage["tool"], key, p["cpu_seconds"], p.get("seconds")))
     last = m["with"]["last"]
-    rows.append(["tdpt-render, " + m["integrator"], last.get("cpu_seconds"), last.get("seconds"), m["with"]["peak_bytes"]])
+    rows.append(["tdpt-render, " + m["integrator"], v.after.get("cpu"), last.get("seconds"), m["with"]["peak_bytes"]])
     total = sum(r[1] for r in rows if number(r[1]))
     shown = [(r[0], figure(r[1], 3), percent(r[1] / total, 3) if number(r[1]) and total else "\u2013", bar(r[1] / total) if number(r[1]) and total else "",
               figure(r[2], 3), memory(r[3])) for r in rows]
@@ -645,8 +649,8 @@ def decisions_part(m, v):
         out.append(details(join([el("code", tool), f": {count(len(rows), 'decision')}"]), el("ul", [el("li", n) for n in notes]) if notes else None,
                            table(f"What {tool} decided", ("What", "Decision", "Because", "Price"), rows, class_="stack") if rows else None))
     return section("decisions", "Decisions and their reasons",
-                   el("p", "Each program\u2019s own words (--explain). Of the renderer, those of the first quarter of the rendering with portals, "
-                      "where all is decided; its times are of that part."), out)
+                   el("p", "Each program\u2019s own words (--explain). Of the rendering with portals, those of its plan, which was made "
+                      "for all of its time, then what it did to the end."), out)
 
 
 def provenance_part(m, v):
@@ -664,7 +668,7 @@ def provenance_part(m, v):
     return section("provenance", "Where it comes from",
                    table("The files, their content and their seeds", ("File", "Kind", "Hash", "Intact", "Seed"), rows, class_="stack"),
                    el("h3", "Commands of the three renderings"), el("pre", "\n".join(m[k]["command"] for k in ("without", "with", "reference"))),
-                   el("p", "The two went on from their own checkpoints with --add-samples, the first from a sixteenth of its time, the second from a quarter, whose length is what it was decided for; the reference with --spp "
+                   el("p", "The first two went on from their own checkpoints with --add-samples, from a sixteenth of their time on; the one with portals obeys a plan that was made for all of it (--plan), whose scout counts as its time; the reference with --spp "
                       f"{get(m, 'reference', 'last', 'spp')}.", class_="note"),
                    details("Every step, as the files tell it", el("pre", "\n".join(lines) or "No file tells of its making.")),
                    details("Versions", el("pre", "\n".join(m["version"]) or "Not told.")))
@@ -685,7 +689,8 @@ def page(folder):
                if number(get(s, "json", "cpu_seconds")))
     keys = [(str(len(v.portals)), ("portal" if len(v.portals) == 1 else "portals") + (" found" if v.by_stages else " given")),
             (figure(v.foretold, 2, "\u202f\u00d7") if number(v.foretold) else "\u2013",
-             "efficiency over the best way without, as tdpt-render foretold" if number(v.foretold) else "efficiency over the best way without: not foretold"),
+             ("efficiency over the best way without, as tdpt-render foretold" + ("" if v.used else "; not rendered so"))
+             if number(v.foretold) else "efficiency over the best way without: not foretold"),
             (figure(v.gain, 2, "\u202f\u00d7"), f"efficiency of {m['integrator']} over bdpt without portals, measured"),
             (figure(cost, 2, "\u202fs") if m["stages"] else "\u2013", "CPU time of finding portals" if m["stages"] else "portals were not looked for")]
     parts = (("scene", "Scene"), ("stages", "Stages"), ("portals", "Portals"), ("pictures", "Before and after"), ("error", "Error over time"),

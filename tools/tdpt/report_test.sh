@@ -46,6 +46,31 @@ cp room.report.html first.html
 touch room.glb
 makes "another scene" "${stages}room.report.html room.vdb " -n room.report.html
 
+# What the page tells of the portals is what was rendered: all was decided once, for all of the time.
+cat >verdict.py <<'END'
+import json, sys
+sys.path.insert(0, sys.argv[1])
+import report_page
+with open(sys.argv[2]) as stream:
+    m = json.load(stream)
+first, last, steps = (m["with"][key] for key in ("first", "last", "steps"))
+assert first["chosen"] == last["chosen"], (first["chosen"], last["chosen"])
+assert "scout" in first and "scout" not in last, "it was decided again"
+assert len(steps) > 2 and steps[0]["spp"] == max(1, first["spp"] // 16), (first["spp"], steps)
+assert steps[0]["cpu"] > first["scout"]["cpu"], "the scout is not counted"
+assert ": technique portal: " in m["with"]["text"] and m["with"]["text"].count(": scout: ") == 1, m["with"]["text"]
+# The same with another choice: portals that are left out are worth nothing in any headline, whatever was foretold.
+candidates = [{"integrator": "tdpt-guided 0.7", "portals": True, "relmse": 1.0, "work": 1.0},
+              {"integrator": "nee", "portals": False, "relmse": 1.0, "work": 1.3}]
+for gain, chosen, told, not_told in ((1.3, "nee", "left it out", "worth"), (0.79, "nee", "left it out", "worth"),
+                                     (1.3, "tdpt-guided 0.7", "worth 1.3 times", "left it out")):
+    first["scout"].update(portals_gain=gain, candidates=candidates)
+    last["chosen"] = chosen
+    words = report_page.Verdict(m).sentence()
+    assert told in words and not_told not in words and report_page.figure(gain) + " times" in words, words
+END
+python3 -B verdict.py "$here" .tdpt/room.report.html.parts/measured.json >log 2>&1 || complain "the headline is not what was rendered"
+
 # A scene whose stages ran before: they are asked aside, and what they made stays.
 makes "stages alone" "furnace.cut furnace.max furnace.portal.glb furnace.vdb " furnace.portal.glb
 before=$(cat furnace.max furnace.cut furnace.vdb furnace.portal.glb | cksum)

@@ -1,0 +1,20 @@
+# tdpt_installed_readme(out FILE ...): README.md as it is installed, without the sources around it: links to the files that
+# are installed beside it stay, other relative ones and pictures become words. Pages are read by man(1); doc/ with its
+# pictures would be several megabytes.
+function(tdpt_installed_readme out)
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/README.md)
+  file(READ ${CMAKE_SOURCE_DIR}/README.md text)
+  foreach(file IN LISTS ARGN)
+    string(REPLACE "](${file})" "](beside:${file})" text "${text}")
+  endforeach()
+  set(relative "\\(([^):]*)\\)")
+  string(REGEX REPLACE "!\\[([^]]*)\\]${relative}" "(\\2: \\1)" text "${text}")
+  string(REGEX REPLACE "\\[([^]]*)\\]${relative}" "\\1" text "${text}")
+  string(REGEX REPLACE "<img [^>]*src=\"([^\":]*)\"[^>]*alt=\"([^\"]*)\"[^>]*>" "(\\1: \\2)" text "${text}")
+  string(REGEX REPLACE "<a href=\"[^\":]*\">([^<]*)</a>" "\\1" text "${text}")
+  string(REPLACE "](beside:" "](" text "${text}")
+  string(REGEX REPLACE "^(#[^\n]*\n)" "\\1\n*This copy is installed. The Makefile and the files of doc/ that it names are in the sources.*\n" text "${text}")
+  set(path ${CMAKE_BINARY_DIR}/generated/README.md)
+  file(WRITE ${path} "${text}")
+  set(${out} ${path} PARENT_SCOPE)
+endfunction()

@@ -1,0 +1,22 @@
+#include "libcommon/base/number_words.h"
+
+#include <cmath>
+#include <cstdlib>
+
+#include <fmt/format.h>
+
+namespace tdpt {
+
+std::string number_words(double value, int digits) {
+  const std::string short_form = fmt::format("{:.{}g}", value, digits);
+  const double rounded = std::strtod(short_form.c_str(), nullptr);
+  const double size = std::abs(rounded);
+  // The shortest digits of what is rounded are those of the rounding, and zeros.
+  return size >= 1e-4 && size < 1e7 ? fmt::format("{}", rounded) : short_form;
+}
+
+std::string percent_words(double share, int digits) {
+  return number_words(100 * share, digits) + " %";
+}
+
+}  // namespace tdpt

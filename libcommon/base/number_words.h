@@ -1,0 +1,12 @@
+// Numbers as people read them. Files, JSON and provenance have numbers of their own.
+#pragma once
+#include <string>
+
+namespace tdpt {
+
+/// `digits` significant digits, without an exponent from 1e-4 to 1e7: "0.00031", "140", "5300000".
+std::string number_words(double value, int digits = 3);
+/// "15 %" of 0.153, "100 %" of 1.
+std::string percent_words(double share, int digits = 2);
+
+}  // namespace tdpt
