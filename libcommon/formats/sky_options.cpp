@@ -194,6 +194,14 @@ TakenSky add_sky(Scene& scene, const SkyArguments& a, const cli::Common& common,
   return sky;
 }
 
+void note_lost_light(const Scene& scene, const cli::Common& common) {
+  if (!scene.by_blender || scene.sky || !scene.lights.empty() || has_emission(scene)) return;
+  common.note_of(scene.path,
+                 "Blender's exporter leaves out the world (sky) and area lamps: "
+                 "doc/blender/export.py brings them, or --environment a sky; see LIGHTS in "
+                 "gltf-scene(5)");
+}
+
 void warn_of_lamps(const Scene& scene, const cli::Common& common) {
   if (scene.lights.empty() || !has_emission(scene)) return;
   const Lights::Shares power = Lights(scene).powers();

@@ -43,4 +43,7 @@ TakenSky add_sky(Scene& scene, const SkyArguments& a, const cli::Common& common,
 /// two are in different units.
 void warn_of_lamps(const Scene& scene, const cli::Common& common);
 
+/// A note for a scene without light that Blender's exporter wrote: what that leaves out.
+void note_lost_light(const Scene& scene, const cli::Common& common);
+
 }  // namespace tdpt

@@ -302,6 +302,27 @@ TEST(SkyOptions, NoneIsNoEnvironment) {
             "3 ./none: cannot be opened: No such file or directory");
 }
 
+TEST(SkyOptions, WhatBlenderLeavesOutIsToldWhereThereIsNoLight) {
+  Scene scene;
+  const auto note = [&] {
+    return said([&](const cli::Common& common) { note_lost_light(scene, common); });
+  };
+  EXPECT_EQ(note(), "") << "nobody knows who wrote it";
+  scene.by_blender = true;
+  EXPECT_NE(note().find("Blender's exporter leaves out the world (sky) and area lamps: "
+                        "doc/blender/export.py brings them, or --environment a sky; see LIGHTS in "
+                        "gltf-scene(5)"),
+            std::string::npos);
+  scene.materials.emplace_back().emission = Rgb(1);
+  EXPECT_EQ(note(), "");
+  scene.materials.clear();
+  scene.lights.resize(1);
+  EXPECT_EQ(note(), "");
+  scene.lights.clear();
+  scene.sky = std::make_shared<Sky>(Sky::Map{1, 1, {Rgb(1)}}, 0);
+  EXPECT_EQ(note(), "");
+}
+
 TEST(SkyOptions, DirectionalLampsBecomeSunsOfTheSameIrradiance) {
   for (const double angle : {0.01, 0.53, 60.0}) {
     const Added a(environment("", {}, {}, angle));

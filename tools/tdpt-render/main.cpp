@@ -51,6 +51,7 @@ Loaded load(const Arguments& a, const cli::Common& common) {
   in.files.push_back({a.scene, in.scene.hash, {}});
   in.sky = add_sky(in.scene, a.sky, common, in.files);
   warn_of_lamps(in.scene, common);
+  note_lost_light(in.scene, common);
   for (const std::string& path : a.portals) {
     const GivenPortals given = read_given_portals(path, in.scene, in.camera);
     for (const std::string& warning : first_few(given.warnings)) common.warn(warning);
