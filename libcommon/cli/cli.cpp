@@ -60,6 +60,8 @@ void Common::summary(const std::string& json_text) const {
 
 void Common::also_read(const std::vector<std::string>& paths) const {
   check_outputs(outputs, paths);
+  // What is made under another name gets that of the target in the end.
+  if (!target_.empty()) check_outputs({{"--dependencies-target", target_}}, paths);
   if (!dependencies.empty()) std::for_each(paths.begin(), paths.end(), check_make_name);
   read_.insert(read_.end(), paths.begin(), paths.end());
 }
@@ -362,6 +364,15 @@ void Options::option(const std::string& flags, int64_t& target, const std::strin
 
 void Options::option(const std::string& flags, double& target, const std::string& value_name,
                      const std::string& help, double lowest, double highest, Shapes shapes) {
+  impl_->keep(impl_->app.add_option(flags, target, help)
+                  ->type_name(value_name)
+                  ->check(within(lowest, highest)),
+              shapes);
+}
+
+void Options::option(const std::string& flags, std::optional<double>& target,
+                     const std::string& value_name, const std::string& help, double lowest,
+                     double highest, Shapes shapes) {
   impl_->keep(impl_->app.add_option(flags, target, help)
                   ->type_name(value_name)
                   ->check(within(lowest, highest)),

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -140,6 +141,10 @@ class Options {
               Shapes shapes = Shapes::result);
   void option(const std::string& flags, double& target, const std::string& value_name,
               const std::string& help, double lowest, double highest,
+              Shapes shapes = Shapes::result);
+  /// The same of one that may be left out.
+  void option(const std::string& flags, std::optional<double>& target,
+              const std::string& value_name, const std::string& help, double lowest, double highest,
               Shapes shapes = Shapes::result);
   /// --quality draft|normal|high. The knobs that follow it are declared after it.
   void quality();

@@ -89,7 +89,8 @@ Camera placed_camera(const Scene& scene, const CameraArguments& a) {
 }  // namespace
 
 void declare_camera_options(cli::Options& options, CameraArguments& a) {
-  options.option("--camera", a.name, "NAME", "Camera of the scene to use; default the first one");
+  options.option("--camera", a.name, "NAME",
+                 "Camera of the scene to use; default the one it names, else the first");
   options.option("--look-from", a.look_from, "X,Y,Z",
                  "Place of a camera of one's own, metres in the axes of the file");
   options.option("--look-at", a.look_at, "X,Y,Z", "Place that it looks at");

@@ -155,6 +155,30 @@ TEST(CameraOptions, OneThatIsWrongIsAWarningWhereAnotherIsTaken) {
   }
 }
 
+TEST(CameraOptions, TheSceneMayNameTheOneThatIsTaken) {
+  Scene scene = box();
+  scene.cameras.resize(2);
+  scene.cameras[0].name = "hall", scene.cameras[1].name = "yard";
+  scene.defaults.place = "scenes[1].extras";
+  scene.defaults.camera = "yard";
+  CameraArguments hall;
+  hall.name = "hall";
+  EXPECT_EQ(chosen({}, scene).name, "yard");
+  EXPECT_EQ(chosen(hall, scene).name, "hall");
+  EXPECT_EQ(chosen(placed("14,0,0", "10,0,0"), scene).name, "--look-from");
+  scene.defaults.camera = "cellar";
+  const std::string fault =
+      "scenes[1].extras.tdpt_camera: there is no camera \"cellar\", expected one of \"hall\", "
+      "\"yard\"";
+  EXPECT_EQ(said(hall, scene), ": warning: " + fault + "\n");
+  try {
+    chosen({}, scene);
+    FAIL();
+  } catch (const InputError& e) {
+    EXPECT_EQ(e.what(), "box.glb:" + fault);
+  }
+}
+
 TEST(CameraOptions, ASceneWithoutOneNamesTheOptions) {
   EXPECT_EQ(complaint({}),
             "3 box.glb:cameras: the scene has no perspective camera, expected one, or --look-from "

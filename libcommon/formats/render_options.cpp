@@ -94,9 +94,11 @@ void declare_amount_options(cli::Options& options, RenderArguments& a) {
   options.flag("--retry", a.retry, "Where the target seems to be missed, render on once");
   options.option("--max-depth", a.max_depth, "K", "Edges of the longest path; default no limit", 1,
                  kMostEdges);
-  options.option("--width", a.width, "W", "Width in pixels; default 640, or from --height", 1,
+  options.option("--width", a.width, "W",
+                 "Width in pixels; default from --height, else as the scene says, else 640", 1,
                  65536);
-  options.option("--height", a.height, "H", "Height in pixels; default from the camera's aspect", 1,
+  options.option("--height", a.height, "H",
+                 "Height in pixels; default as the scene says, else from the camera's aspect", 1,
                  65536);
 }
 

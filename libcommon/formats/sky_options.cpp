@@ -1,11 +1,9 @@
 #include "libcommon/formats/sky_options.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <functional>
 #include <numbers>
-#include <optional>
 
 #include <fmt/format.h>
 
@@ -15,60 +13,35 @@
 #include "libcommon/base/number_words.h"
 #include "libcommon/formats/environment.h"
 #include "libcommon/scene/lights.h"
+#include "libcommon/scene/sky_colour.h"
 
 namespace tdpt {
 namespace {
 
-constexpr double kBrightest = 1e30, kFaintest = 1e-30;  // [W/m2/sr]
-constexpr double kSmallestSun = 0.01;                   // [deg]
+constexpr const char* kNone = "none";  // in the place of an environment
+constexpr double kSmallestSun = 0.01;  // [deg]
 constexpr double kRadians = std::numbers::pi / 180;
 constexpr double kOutshines = 100;  // in power, beyond which lamps and surfaces hardly go together
 
-std::optional<float> number(std::string_view text) {
-  float value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) return {};
-  return value;
-}
-
-// Three numbers are meant, however badly put: what has commas and is no path, or is a number.
-bool means_colour(const std::string& value) {
-  if (value.find('/') != std::string::npos) return false;
-  for (const char* suffix : {".exr", ".hdr", ".pic"})
-    if (value.ends_with(suffix)) return false;
-  return value.find(',') != std::string::npos || number(value);
-}
-
 bool is_file(const std::string& value) {
-  if (value.empty()) throw UsageError("--environment: nothing given, expected a file or R,G,B");
-  return !means_colour(value);
+  if (value.empty())
+    throw UsageError("--environment: nothing given, expected a file, R,G,B or none");
+  return value != kNone && !means_colour(value);
 }
 
+// The colour that is given, or that the scene names, where it has been looked at already.
 Rgb colour_of(const std::string& text) {
-  const auto fail = [&](const std::string& expected) {
-    throw UsageError(fmt::format("--environment {}: expected {}", text, expected));
-  };
-  Rgb colour{};
-  size_t start = 0;
-  for (int c = 0; c < 3; ++c) {
-    const size_t end = c < 2 ? text.find(',', start) : text.size();
-    const auto value = end == std::string::npos
-                           ? std::nullopt
-                           : number(std::string_view(text).substr(start, end - start));
-    if (!value || !(*value >= 0 && *value <= kBrightest))
-      fail("a file, or R,G,B: three numbers from 0 to 1e30");
-    colour[c] = *value;
-    start = end + 1;
-  }
-  if (max_component(colour) < kFaintest) fail("a colour that is not black");
-  return colour;
+  std::string expected;
+  const auto colour = parse_colour(text, expected);
+  if (!colour) throw UsageError(fmt::format("--environment {}: expected {}", text, expected));
+  return *colour;
 }
 
-void check(const SkyArguments& a) {
-  if (a.environment.empty() && (a.rotation != 0 || a.scale != 1))
-    throw UsageError(
-        std::string(a.rotation != 0 ? "--environment-rotation" : "--environment-scale") +
-        " goes with --environment");
+void check(const SkyArguments& a, const TakenSky& sky) {
+  if (sky.environment.empty() && (a.rotation || a.scale))
+    throw UsageError(std::string(a.rotation ? "--environment-rotation" : "--environment-scale") +
+                     " goes with --environment" +
+                     (a.environment == kNone ? ", not with none" : ""));
   if (a.sun_angle != 0 && a.sun_angle < kSmallestSun)
     throw UsageError(
         fmt::format("--sun-angle {}: expected 0, or {} to 90", a.sun_angle, kSmallestSun));
@@ -96,22 +69,30 @@ std::string hash_of(const Sky::Map& map, double rotation, double sun_angle) {
                                   even ? 0.0 : std::remainder(rotation, 360), sun_angle));
 }
 
-Sky::Map read_map(const SkyArguments& a, std::vector<cli::Common::Input>& files) {
-  if (a.environment.empty()) return {};
-  if (means_colour(a.environment)) return {1, 1, {colour_of(a.environment)}};
-  const std::string bytes = read_file(a.environment);
-  files.push_back({a.environment, content_hash(bytes), {}});
-  return parse_environment(bytes, display_name(a.environment));
+// One of the scene's is no file of the command line, whose outputs it must not be either.
+Sky::Map read_map(const Scene& scene, const TakenSky& sky, const cli::Common& common,
+                  std::vector<cli::Common::Input>& files) {
+  if (sky.environment.empty()) return {};
+  if (means_colour(sky.environment)) return {1, 1, {colour_of(sky.environment)}};
+  if (sky.of_scene && scene.defaults.environment_fault)
+    throw InputError(*scene.defaults.environment_fault);
+  if (sky.of_scene) common.also_read({sky.environment});
+  const std::string bytes = read_file(sky.environment);
+  files.push_back({sky.environment, content_hash(bytes), {}});
+  return parse_environment(bytes, display_name(sky.environment));
 }
 
-void scale(Sky::Map& map, double factor) {
+void scale(const Scene& scene, bool said_by_scene, double factor, Sky::Map& map) {
   for (Rgb& texel : map.texels) {
     texel = Rgb(Vec3d(texel) * factor);
     for (int c = 0; c < 3; ++c)
-      if (texel[c] < kFaintest) texel[c] = 0;
-    if (!(max_component(texel) <= static_cast<float>(kBrightest)))
-      throw UsageError(fmt::format("--environment-scale {}: brings the environment beyond {:.0e}",
-                                   factor, kBrightest));
+      if (texel[c] < kFaintestSky) texel[c] = 0;
+    if (max_component(texel) <= static_cast<float>(kBrightestSky)) continue;
+    const std::string beyond = fmt::format("brings the environment beyond {:.0e}", kBrightestSky);
+    if (said_by_scene)
+      throw InputError(display_name(scene.path), scene.defaults.place_of("tdpt_environment_scale"),
+                       fmt::format("is {}, which {}", factor, beyond));
+    throw UsageError(fmt::format("--environment-scale {}: {}", factor, beyond));
   }
 }
 
@@ -140,7 +121,8 @@ bool shifts_light(const Scene& scene, LampUnits::Kind units, bool with_map) {
 }
 
 // Brings the lamps to W/sr and W/m2. Returns what the identity of the scene has of it.
-std::string take_lamps(Scene& scene, const SkyArguments& a, const cli::Common& common) {
+std::string take_lamps(Scene& scene, const SkyArguments& a, bool with_map,
+                       const cli::Common& common) {
   if (scene.lights.empty()) {
     if (a.light_units != "auto")
       common.note_of(scene.path, "the scene has no lamp: --light-units changes nothing");
@@ -149,7 +131,7 @@ std::string take_lamps(Scene& scene, const SkyArguments& a, const cli::Common& c
   if (a.light_units == "auto" && !scene.lamp_units.reason.empty())
     common.note_of(scene.path, scene.lamp_units.reason);
   const LampUnits::Kind units = units_of(scene, a.light_units);
-  const bool shifted = shifts_light(scene, units, !a.environment.empty());
+  const bool shifted = shifts_light(scene, units, with_map);
   take_lamps_as(scene, units);
   scene.lamp_units.kind = units;
   return shifted ? content_hash("lamps " + a.light_units) : "";
@@ -158,15 +140,17 @@ std::string take_lamps(Scene& scene, const SkyArguments& a, const cli::Common& c
 }  // namespace
 
 void declare_sky_options(cli::Options& options, SkyArguments& a) {
-  options.input_or_setting("--environment", a.environment, "FILE|R,G,B",
-                           "What shines from all around: latitude-longitude map (.exr, .hdr) or "
-                           "one colour, W/m2/sr",
-                           is_file);
+  options.input_or_setting(
+      "--environment", a.environment, "FILE|R,G,B",
+      "What shines from all around: latitude-longitude map (.exr, .hdr) or "
+      "one colour, W/m2/sr; default what the scene names, which 'none' leaves out",
+      is_file);
   options.option("--environment-rotation", a.rotation, "DEG",
-                 "Turn the environment about the vertical, counter-clockwise from above; default 0",
+                 "Turn the environment about the vertical, counter-clockwise from above; default "
+                 "as the scene says, else 0",
                  -360, 360);
-  options.option("--environment-scale", a.scale, "S", "Multiply the environment by S; default 1",
-                 1e-9, 1e9);
+  options.option("--environment-scale", a.scale, "S",
+                 "Multiply the environment by S; default as the scene says, else 1", 1e-9, 1e9);
   options.option("--sun-angle", a.sun_angle, "DEG",
                  "Angle that directional lamps are seen under; default 0, parallel light", 0, 90);
   std::vector<std::string> units = names_of_lamp_units();
@@ -175,22 +159,48 @@ void declare_sky_options(cli::Options& options, SkyArguments& a) {
                  "Units of the scene's lamps; default auto, by who wrote the file");
 }
 
-void add_sky(Scene& scene, const SkyArguments& a, const cli::Common& common,
-             std::vector<cli::Common::Input>& files) {
-  check(a);
-  scene.sky_hash = take_lamps(scene, a, common);
-  Sky::Map map = read_map(a, files);
+TakenSky sky_of(const Scene& scene, const SkyArguments& a) {
+  const SceneDefaults& d = scene.defaults;
+  TakenSky sky{"", a.rotation.value_or(0), a.scale.value_or(1), a.environment.empty()};
+  if (!sky.of_scene) {
+    if (a.environment != kNone) sky.environment = a.environment;
+    return sky;
+  }
+  if (!d.has_environment()) return sky;
+  const bool is_colour = means_colour(d.environment);
+  sky.environment = is_colour || d.environment_file.empty() ? d.environment : d.environment_file;
+  if (!is_colour && means_colour(sky.environment)) sky.environment = "./" + sky.environment;
+  sky.rotation = a.rotation.value_or(d.rotation.value_or(0));
+  sky.scale = a.scale.value_or(d.scale.value_or(1));
+  return sky;
+}
+
+TakenSky add_sky(Scene& scene, const SkyArguments& a, const cli::Common& common,
+                 std::vector<cli::Common::Input>& files) {
+  const TakenSky sky = sky_of(scene, a);
+  check(a, sky);
+  scene.sky_hash = take_lamps(scene, a, !sky.environment.empty(), common);
+  Sky::Map map = read_map(scene, sky, common, files);
   std::vector<Sky::Sun> suns;
   if (a.sun_angle > 0) suns = take_suns(scene, 0.5 * a.sun_angle * kRadians);
   if (a.sun_angle > 0 && suns.empty())
     common.note_of(scene.path, "the scene has no directional lamp: --sun-angle changes nothing");
-  if (map.texels.empty() && suns.empty()) return;
+  if (map.texels.empty() && suns.empty()) return sky;
   if (scene.lights.empty()) std::erase(scene.needs, "punctual lights");
   scene.needs.push_back("a sky");
-  const std::string sky_hash = hash_of(map, a.rotation, suns.empty() ? 0 : a.sun_angle);
+  const std::string sky_hash = hash_of(map, sky.rotation, suns.empty() ? 0 : a.sun_angle);
   scene.sky_hash = scene.sky_hash.empty() ? sky_hash : content_hash(scene.sky_hash + sky_hash);
-  scale(map, a.scale);
-  scene.sky = std::make_shared<Sky>(std::move(map), a.rotation * kRadians, std::move(suns));
+  scale(scene, sky.of_scene && !a.scale, sky.scale, map);
+  scene.sky = std::make_shared<Sky>(std::move(map), sky.rotation * kRadians, std::move(suns));
+  return sky;
+}
+
+void note_lost_light(const Scene& scene, const cli::Common& common) {
+  if (!scene.by_blender || scene.sky || !scene.lights.empty() || has_emission(scene)) return;
+  common.note_of(scene.path,
+                 "Blender's exporter leaves out the world (sky) and area lamps: "
+                 "doc/blender/export.py brings them, or --environment a sky; see LIGHTS in "
+                 "gltf-scene(5)");
 }
 
 void warn_of_lamps(const Scene& scene, const cli::Common& common) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 #include <numbers>
+#include <optional>
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
@@ -50,8 +51,8 @@ std::string complaint(const SkyArguments& a) {
     return fmt::format("{} {}", static_cast<int>(e.code), e.what());
   }
 }
-SkyArguments environment(const std::string& value, double rotation = 0, double scale = 1,
-                         double sun_angle = 0) {
+SkyArguments environment(const std::string& value, std::optional<double> rotation = {},
+                         std::optional<double> scale = {}, double sun_angle = 0) {
   return {value, rotation, scale, sun_angle};
 }
 
@@ -95,7 +96,7 @@ struct Taken {
       : scene(std::move(s)) {
     note = said([&](const cli::Common& common) {
       std::vector<cli::Common::Input> files;
-      add_sky(scene, {environment, 0, 1, 0, units}, common, files);
+      add_sky(scene, {environment, {}, {}, 0, units}, common, files);
     });
   }
 };
@@ -197,16 +198,134 @@ TEST(SkyOptions, AColourThatIsNoneIsUsage) {
 
 TEST(SkyOptions, OptionsWithoutWhatTheyBelongTo) {
   EXPECT_EQ(complaint(environment("", 10)), "2 --environment-rotation goes with --environment");
-  EXPECT_EQ(complaint(environment("", 0, 2)), "2 --environment-scale goes with --environment");
-  EXPECT_EQ(complaint(environment("", 0, 1, 0.005)),
+  EXPECT_EQ(complaint(environment("", {}, 2)), "2 --environment-scale goes with --environment");
+  EXPECT_EQ(complaint(environment("", {}, {}, 0.005)),
             "2 --sun-angle 0.005: expected 0, or 0.01 to 90");
   EXPECT_EQ(complaint(environment("1e25,1,1", 0, 1e7)),
             "2 --environment-scale 10000000: brings the environment beyond 1e+30");
 }
 
+// A scene that brings its own environment, a file if `file`.
+Scene with_own(const std::string& environment, std::optional<double> rotation = {},
+               std::optional<double> scale = {}, const std::string& file = "") {
+  Scene scene = lamps();
+  scene.defaults.place = "scenes[0].extras";
+  scene.defaults.environment = environment;
+  scene.defaults.environment_file = file;
+  scene.defaults.rotation = rotation;
+  scene.defaults.scale = scale;
+  return scene;
+}
+
+TEST(SkyOptions, TheScenesOwnEnvironmentIsTheDefault) {
+  const Scene scene = with_own("1,2,3", 40, 5);
+  const auto taken = [&](const SkyArguments& a) {
+    const TakenSky sky = sky_of(scene, a);
+    return fmt::format("{} {} {}", sky.environment, sky.rotation, sky.scale);
+  };
+  EXPECT_EQ(taken({}), "1,2,3 40 5");
+  EXPECT_EQ(taken(environment("", 0)), "1,2,3 0 5") << "replaces the scene's";
+  EXPECT_EQ(taken(environment("", {}, 1)), "1,2,3 40 1");
+  EXPECT_EQ(taken(environment("4,4,4")), "4,4,4 0 1") << "the others belong to the scene's";
+  EXPECT_EQ(taken(environment("4,4,4", 7, 2)), "4,4,4 7 2");
+  EXPECT_EQ(taken(environment("none")), " 0 1");
+  const TakenSky plain = sky_of(with_own("1,2,3"), {});
+  EXPECT_EQ(plain.rotation, 0);
+  EXPECT_EQ(plain.scale, 1);
+  EXPECT_TRUE(sky_of(with_own("none"), {}).environment.empty());
+  EXPECT_EQ(sky_of(with_own("1%2C2.x", {}, {}, "1,2.x"), {}).environment, "./1,2.x")
+      << "a file stays one";
+}
+
+struct Own {
+  Scene scene;
+  std::vector<cli::Common::Input> files;
+  cli::Common common;
+  std::string complaint;
+  explicit Own(Scene s, const SkyArguments& a = {}) : scene(std::move(s)) {
+    common.dependencies = "a.d";
+    common.output = "a.exr";
+    try {
+      add_sky(scene, a, common, files);
+    } catch (const Error& e) {
+      complaint = fmt::format("{} {}", static_cast<int>(e.code), e.what());
+    }
+  }
+};
+
+TEST(SkyOptions, TheScenesOwnFileIsAnInputLikeOneOfTheCommandLine) {
+  const File file;
+  const Own own(with_own("sky.exr", 90, 0.5, file.path));
+  const Added given(environment(file.path, 90, 0.5));
+  ASSERT_EQ(own.complaint, "");
+  ASSERT_EQ(own.files.size(), 1u);
+  EXPECT_EQ(own.files[0].path, file.path);
+  EXPECT_EQ(own.files[0].hash, given.files.at(0).hash);
+  EXPECT_EQ(own.scene.identity(), given.scene.identity());
+  EXPECT_EQ(own.scene.sky->map().texels, given.scene.sky->map().texels);
+  EXPECT_EQ(own.scene.sky->turn_cos(), given.scene.sky->turn_cos());
+  EXPECT_NE(own.common.dependency_rule().find(file.path), std::string::npos);
+  cli::Common over;
+  over.outputs = {{"-o", file.path}};
+  Scene scene = with_own("sky.exr", {}, {}, file.path);
+  std::vector<cli::Common::Input> files;
+  EXPECT_THROW(add_sky(scene, {}, over, files), UsageError);
+}
+
+TEST(SkyOptions, AFileThatCannotBeReadIsAnErrorWhereItIsTaken) {
+  Scene scene = with_own("sky.exr");
+  scene.defaults.environment_fault = std::make_shared<const InputError>(
+      "room.glb", "scenes[0].extras.tdpt_environment", "\"sky.exr\" cannot be opened");
+  EXPECT_EQ(Own(scene).complaint,
+            "3 room.glb:scenes[0].extras.tdpt_environment: \"sky.exr\" cannot be opened");
+  for (const char* other : {"none", "1,1,1"})
+    EXPECT_EQ(Own(scene, environment(other)).complaint, "");
+}
+
+TEST(SkyOptions, WhatTheScenesOwnCannotBe) {
+  EXPECT_EQ(Own(with_own("1e25,1,1", {}, 1e7)).complaint,
+            "3 room.glb:scenes[0].extras.tdpt_environment_scale: is 10000000, which brings the "
+            "environment beyond 1e+30");
+  EXPECT_EQ(Own(with_own("1e25,1,1"), environment("", {}, 1e7)).complaint,
+            "2 --environment-scale 10000000: brings the environment beyond 1e+30");
+  EXPECT_EQ(Own(with_own("1,1,1"), environment("none", 3)).complaint,
+            "2 --environment-rotation goes with --environment, not with none");
+  EXPECT_EQ(Own(with_own("none"), environment("", {}, 3)).complaint,
+            "2 --environment-scale goes with --environment");
+}
+
+TEST(SkyOptions, NoneIsNoEnvironment) {
+  const Added a(environment("none"));
+  EXPECT_FALSE(a.scene.sky);
+  EXPECT_EQ(a.scene.identity(), "1234");
+  EXPECT_EQ(complaint(environment("./none")),
+            "3 ./none: cannot be opened: No such file or directory");
+}
+
+TEST(SkyOptions, WhatBlenderLeavesOutIsToldWhereThereIsNoLight) {
+  Scene scene;
+  const auto note = [&] {
+    return said([&](const cli::Common& common) { note_lost_light(scene, common); });
+  };
+  EXPECT_EQ(note(), "") << "nobody knows who wrote it";
+  scene.by_blender = true;
+  EXPECT_NE(note().find("Blender's exporter leaves out the world (sky) and area lamps: "
+                        "doc/blender/export.py brings them, or --environment a sky; see LIGHTS in "
+                        "gltf-scene(5)"),
+            std::string::npos);
+  scene.materials.emplace_back().emission = Rgb(1);
+  EXPECT_EQ(note(), "");
+  scene.materials.clear();
+  scene.lights.resize(1);
+  EXPECT_EQ(note(), "");
+  scene.lights.clear();
+  scene.sky = std::make_shared<Sky>(Sky::Map{1, 1, {Rgb(1)}}, 0);
+  EXPECT_EQ(note(), "");
+}
+
 TEST(SkyOptions, DirectionalLampsBecomeSunsOfTheSameIrradiance) {
   for (const double angle : {0.01, 0.53, 60.0}) {
-    const Added a(environment("", 0, 1, angle));
+    const Added a(environment("", {}, {}, angle));
     ASSERT_EQ(a.scene.lights.size(), 1u);
     EXPECT_EQ(a.scene.lights[0].kind, PunctualLight::Kind::point);
     ASSERT_EQ(a.scene.sky->suns().size(), 2u);
@@ -233,9 +352,9 @@ TEST(SkyOptions, WhatTheSceneNeedsOfARenderer) {
   Scene sunny = lamps();
   sunny.lights.resize(1);
   EXPECT_EQ(needs(lamps(), {}), (Words{"textures", "punctual lights"}));
-  EXPECT_EQ(needs(lamps(), environment("", 0, 1, 1)),
+  EXPECT_EQ(needs(lamps(), environment("", {}, {}, 1)),
             (Words{"textures", "punctual lights", "a sky"}));
-  EXPECT_EQ(needs(sunny, environment("", 0, 1, 1)), (Words{"textures", "a sky"}));
+  EXPECT_EQ(needs(sunny, environment("", {}, {}, 1)), (Words{"textures", "a sky"}));
   EXPECT_EQ(needs(sunny, environment("1,1,1")), (Words{"textures", "punctual lights", "a sky"}));
 }
 

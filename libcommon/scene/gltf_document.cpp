@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 #include <algorithm>
-#include <filesystem>
 
 #include "libcommon/base/counted.h"
 #include "libcommon/base/file.h"
@@ -11,6 +10,7 @@
 #include "libcommon/base/shown.h"
 #include "libcommon/scene/gltf_compression.h"
 #include "libcommon/scene/gltf_meshopt.h"
+#include "libcommon/scene/gltf_uri.h"
 
 namespace tdpt::gltf {
 namespace {
@@ -177,10 +177,7 @@ std::string unused_sentence(const std::string& file, const std::string& first, s
 void open_document(const std::string& path, Document& d) {
   d.file = display_name(path);
   d.bytes = read_file(path);
-  if (path != "-") {
-    d.folder = std::filesystem::path(path).parent_path().string();
-    if (d.folder.empty()) d.folder = ".";
-  }
+  d.folder = folder_of(path);
   const Chunks chunks = split_chunks(d.bytes, d.file, d.warnings);
   d.json = parse_json(chunks.json, d.file);
   const Checked checked = check_json(d.json, d.file);

@@ -72,9 +72,6 @@ struct Checked {
 /// JSON of a glTF file. Throws InputError for what is none, or nested beyond any use.
 nlohmann::json parse_json(std::string_view text, const std::string& file);
 
-/// "a%20b" -> "a b".
-std::string percent_decode(std::string_view uri);
-
 /// Types, ranges and references of every field this room reads; integers written as 3.0 become 3.
 /// Throws InputError with the place of the first field that is wrong and may change the picture;
 /// what nothing in the scene uses is replaced where it is wrong, and so are cameras.

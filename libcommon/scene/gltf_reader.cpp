@@ -12,6 +12,7 @@
 #include "libcommon/scene/gltf_animations.h"
 #include "libcommon/scene/gltf_attributes.h"
 #include "libcommon/scene/gltf_cameras.h"
+#include "libcommon/scene/gltf_defaults.h"
 #include "libcommon/scene/gltf_document.h"
 #include "libcommon/scene/gltf_lights.h"
 #include "libcommon/scene/gltf_materials.h"
@@ -157,6 +158,9 @@ Scene read_gltf(const std::string& path) {
   scene.hash = document.hash;
   scene.files = document.files;
   scene.warnings = document.warnings;
+  scene.defaults = defaults_of(document.json, path);
+  scene.warnings.insert(scene.warnings.end(), scene.defaults.warnings.begin(),
+                        scene.defaults.warnings.end());
   go_to_time_0(document, scene.warnings);
   SceneReader(document, scene).run();
   return scene;

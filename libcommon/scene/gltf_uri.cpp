@@ -1,12 +1,12 @@
 // URIs of buffers and images. A scene may come from anywhere, so it reaches nothing but itself and
 // what lies in its own folder or below.
+#include "libcommon/scene/gltf_uri.h"
+
 #include <fmt/format.h>
-#include <array>
 #include <filesystem>
 
 #include "libcommon/base/file.h"
 #include "libcommon/base/shown.h"
-#include "libcommon/scene/gltf_document.h"
 
 namespace tdpt::gltf {
 namespace {
@@ -53,6 +53,11 @@ bool is_below(const fs::path& file, const fs::path& folder) {
   return rest == folder.end();
 }
 
+[[noreturn]] void nothing(const Namer& namer, const std::string& where, const std::string& message,
+                          const std::string& what_is) {
+  throw NothingThere(InputError(namer.file, where, message), what_is);
+}
+
 }  // namespace
 
 std::string percent_decode(std::string_view text) {
@@ -69,49 +74,59 @@ std::string percent_decode(std::string_view text) {
   return out;
 }
 
-std::string read_uri(const Document& document, const std::string& uri, const std::string& where,
-                     std::string& file_read) {
-  file_read.clear();
-  const auto nothing = [&](const std::string& message, const std::string& what_is) {
-    throw NothingThere(InputError(document.file, where, message), what_is);
+LocalFile local_file(const Namer& namer, const std::string& name, const std::string& where) {
+  const auto fail = [&](const std::string& message) {
+    throw InputError(namer.file, where, message);
   };
-  if (uri.starts_with("data:")) {
-    const size_t comma = uri.find(',');
-    std::string out;
-    if (comma == uri.npos || !uri.substr(0, comma).ends_with(";base64") ||
-        !decode_base64(std::string_view(uri).substr(comma + 1), out))
-      nothing("data URI cannot be decoded, expected \"data:...;base64,\" and base64",
-              "a data URI that cannot be decoded");
-    return out;
-  }
-  const std::string name = percent_decode(uri);
   const std::string quoted = "\"" + shown(name) + "\"";
   const size_t colon = name.find(':'), slash = name.find_first_of("/?#");
   bool outside = name.empty() || name.front() == '/' ||
                  name.find_first_of(std::string_view("\\\0", 2)) != name.npos ||
                  (colon != name.npos && colon < slash);
   std::error_code error;
-  const fs::path folder = fs::canonical(document.folder, error);
+  const fs::path folder = fs::canonical(namer.folder, error);
   outside = outside || !is_below((folder / name).lexically_normal(), folder);
-  if (outside)
-    document.fail(where,
-                  quoted + " is not a file in the scene's folder, which is all that is read");
-  if (document.folder.empty())
-    document.fail(where,
-                  quoted + " is another file, expected a scene in one piece on standard input");
+  if (outside) fail(quoted + " is not a file in the scene's folder, which is all that is read");
+  if (namer.folder.empty())
+    fail(quoted + " is another file, expected a scene in one piece on standard input");
   const fs::path file = fs::canonical(folder / name, error);
   if (error)
-    nothing(quoted + " cannot be opened: " + error.message(), "a file that is missing, " + quoted);
+    nothing(namer, where, quoted + " cannot be opened: " + error.message(),
+            "a file that is missing, " + quoted);
   if (!is_below(file, folder))
-    document.fail(where, quoted + " leads out of the scene's folder, which is all that is read");
-  if (!fs::is_regular_file(file, error)) document.fail(where, quoted + " is no regular file");
-  file_read = (fs::path(document.folder) / name).lexically_normal().string();
-  try {
-    return read_file(file.string());
-  } catch (const InputError&) {
-    nothing(quoted + " cannot be read", "a file that cannot be read, " + quoted);
+    fail(quoted + " leads out of the scene's folder, which is all that is read");
+  if (!fs::is_regular_file(file, error)) fail(quoted + " is no regular file");
+  return {(fs::path(namer.folder) / name).lexically_normal().string(), file.string()};
+}
+
+std::string folder_of(const std::string& path) {
+  if (path == "-") return "";
+  const std::string folder = fs::path(path).parent_path().string();
+  return folder.empty() ? "." : folder;
+}
+
+std::string read_uri(const Document& document, const std::string& uri, const std::string& where,
+                     std::string& file_read) {
+  file_read.clear();
+  const Namer namer{document.file, document.folder};
+  if (uri.starts_with("data:")) {
+    const size_t comma = uri.find(',');
+    std::string out;
+    if (comma == uri.npos || !uri.substr(0, comma).ends_with(";base64") ||
+        !decode_base64(std::string_view(uri).substr(comma + 1), out))
+      nothing(namer, where, "data URI cannot be decoded, expected \"data:...;base64,\" and base64",
+              "a data URI that cannot be decoded");
+    return out;
   }
-  return {};
+  const std::string name = percent_decode(uri);
+  const LocalFile file = local_file(namer, name, where);
+  file_read = file.path;
+  try {
+    return read_file(file.real);
+  } catch (const InputError&) {
+    const std::string quoted = "\"" + shown(name) + "\"";
+    nothing(namer, where, quoted + " cannot be read", "a file that cannot be read, " + quoted);
+  }
 }
 
 }  // namespace tdpt::gltf

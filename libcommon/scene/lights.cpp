@@ -208,9 +208,4 @@ Lights::Ray Lights::leave(const Point& point, double u, double v) const {
   return {light.position, normalize(onb.to_world({r * std::cos(phi), r * std::sin(phi), z}))};
 }
 
-std::string where_light_was_lost(const Scene& scene) {
-  if (!scene.by_blender) return "";
-  return "; Blender exports no area lamps and no world, see LIGHTS in gltf-scene(5)";
-}
-
 }  // namespace tdpt

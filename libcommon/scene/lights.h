@@ -211,8 +211,4 @@ class Lights {
   double radius_ = 0;  // of a ball around the origin that holds all triangles
 };
 
-/// Where the light of a scene without any may have been lost, as the end of a message; empty where
-/// nothing is known of that.
-std::string where_light_was_lost(const Scene& scene);
-
 }  // namespace tdpt

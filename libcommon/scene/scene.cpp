@@ -1,9 +1,11 @@
 #include "libcommon/scene/scene.h"
 
 #include <fmt/format.h>
+#include <algorithm>
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
+#include "libcommon/base/shown.h"
 
 namespace tdpt {
 
@@ -21,6 +23,19 @@ const Camera& checked(const std::string& file, const Camera& camera) {
                                  "expected at most {:.0g}",
                                  camera.name, away, kFarthest));
   return camera;
+}
+
+const Camera* find(const std::vector<Camera>& cameras, const std::string& name) {
+  const auto found =
+      std::find_if(cameras.begin(), cameras.end(), [&](const Camera& c) { return c.name == name; });
+  return found == cameras.end() ? nullptr : &*found;
+}
+
+std::string no_camera(const std::vector<Camera>& cameras, const std::string& name) {
+  std::string names;
+  for (const Camera& c : cameras) names += (names.empty() ? "\"" : ", \"") + c.name + "\"";
+  return fmt::format("there is no camera \"{}\", expected {}", shown(name),
+                     names.empty() ? "a perspective camera" : "one of " + names);
 }
 
 }  // namespace
@@ -42,14 +57,13 @@ const Camera& Scene::camera(const std::string& name) const {
   const std::string file = display_name(path);
   if (cameras.empty())
     throw InputError(file, "cameras", "the scene has no camera, expected a perspective camera");
-  if (name.empty()) return checked(file, cameras.front());
-  std::string names;
-  for (const Camera& c : cameras) {
-    if (c.name == name) return checked(file, c);
-    names += (names.empty() ? "\"" : ", \"") + c.name + "\"";
-  }
-  throw InputError(file, "cameras",
-                   fmt::format("there is no camera \"{}\", expected one of {}", name, names));
+  const std::string& wanted = name.empty() ? defaults.camera : name;
+  if (wanted.empty()) return checked(file, cameras.front());
+  const Camera* const found = find(cameras, wanted);
+  if (!found)
+    throw InputError(file, name.empty() ? defaults.place_of("tdpt_camera") : "cameras",
+                     no_camera(cameras, wanted));
+  return checked(file, *found);
 }
 
 std::string Scene::faults_of_cameras_but(const std::string& taken) const {
@@ -60,6 +74,8 @@ std::string Scene::faults_of_cameras_but(const std::string& taken) const {
       sentence =
           fmt::format("{}; the camera \"{}\" cannot be taken",
                       std::string(c.fault->what()).substr(display_name(path).size() + 1), c.name);
+  if (faults == 0 && !defaults.camera.empty() && !find(cameras, defaults.camera))
+    return defaults.place_of("tdpt_camera") + ": " + no_camera(cameras, defaults.camera);
   return faults > 1 ? fmt::format("{}, nor can {} more", sentence, faults - 1) : sentence;
 }
 

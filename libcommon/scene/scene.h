@@ -9,6 +9,7 @@
 #include "libcommon/base/error.h"
 #include "libcommon/math/vec.h"
 #include "libcommon/scene/lamp_units.h"
+#include "libcommon/scene/scene_defaults.h"
 #include "libcommon/scene/sky.h"
 
 namespace tdpt {
@@ -145,6 +146,7 @@ struct Scene {
   std::shared_ptr<const Sky> sky;  ///< none: all around is black
   std::vector<Image> images;
   std::vector<Camera> cameras;
+  SceneDefaults defaults;
 
   // Parallel to positions; empty where no material or mesh of the scene needs them. Vertices of
   // meshes that lack an attribute have zeros there, white as colour.
@@ -174,11 +176,12 @@ struct Scene {
   bool single_sided(uint32_t triangle) const {
     return triangle < dome && !material_of(triangle).double_sided;
   }
-  /// Camera called `name`; the first one for "". Throws InputError naming those there are, or
-  /// when it is wrong or stands more than 1e6 times the scene's size away.
+  /// Camera called `name`; for "" the one that `defaults` name, else the first. Throws InputError
+  /// naming those there are, or when it is wrong or stands more than 1e6 times the scene's size
+  /// away.
   const Camera& camera(const std::string& name) const;
-  /// A sentence about cameras that are wrong, but for the one called `taken`; empty: there are
-  /// none.
+  /// A sentence about cameras that are wrong, but for the one called `taken`, or about one that
+  /// `defaults` name and that there is not; empty: there are none.
   std::string faults_of_cameras_but(const std::string& taken) const;
 };
 

@@ -6,10 +6,15 @@
 
 namespace tdpt {
 
-/// Names of the files that a glTF scene says it reads beside itself, buffers, images and the
-/// environment of its extras, each once, relative to its folder and whether they are there or not.
-/// Only its JSON is looked at: a scene that is wrong has none, and its readers say why. Throws
-/// InputError where the file itself cannot be read.
-std::vector<std::string> files_beside(const std::string& scene);
+struct SceneFiles {
+  /// Names of those that it reads beside itself, buffers, images and the environment of its extras,
+  /// each once, as paths from its folder; whether they are there or not, and may be read.
+  std::vector<std::string> beside;
+  bool has_environment = false;  ///< its extras say what shines from all around
+};
+
+/// By a look at the JSON of a glTF scene alone: one that is wrong has none, and its readers say why.
+/// Throws InputError where the file itself cannot be read.
+SceneFiles files_of_scene(const std::string& path);
 
 }  // namespace tdpt

@@ -292,6 +292,32 @@ void surfaces(MalformedList& l) {
       "materials[0]: emits a radiance of 1e+40, expected at most 1e30");
 }
 
+// What the extras of the scene say for those who render it.
+void defaults(MalformedList& l) {
+  const std::string at = "scenes[0].extras.tdpt_";
+  const std::string sky = "expected a file, or R,G,B: three numbers from 0 to 1e30";
+  const auto spoil = [&](const std::string& name, const std::string& key, const Json& value,
+                         const std::string& expected) {
+    l.spoil(
+        "extras-" + name,
+        [&](GlbBuilder& b) { b.json["scenes"][0]["extras"]["tdpt_" + key] = value; },
+        at + key + ": " + expected);
+  };
+  spoil("environment-type", "environment", true, "is true, " + sky);
+  spoil("environment-colour", "environment", {1, 2}, "is an array of 2, " + sky);
+  spoil("environment-text", "environment", "1,2", "is \"1,2\", " + sky);
+  spoil("environment-black", "environment", "0,0,0",
+        "is \"0,0,0\", expected a colour that is not black");
+  spoil("rotation-range", "environment_rotation", 400,
+        "is 400, expected a number from -360 to 360");
+  spoil("scale-type", "environment_scale", "2", "is \"2\", expected a number");
+  spoil("width-zero", "width", 0, "is 0, expected an integer from 1 to 65536");
+  spoil("height-fraction", "height", 0.5, "is 0.5, expected an integer from 1 to 65536");
+  spoil("camera-type", "camera", 1, "is 1, expected a string");
+  l.replace("camera-of-extras-missing", "/scenes/0/extras", {{"tdpt_camera", "cellar"}},
+            at + "camera: there is no camera \"cellar\", expected one of \"camera\"");
+}
+
 }  // namespace
 
 std::vector<MalformedScene> malformed_scenes() {
@@ -302,6 +328,7 @@ std::vector<MalformedScene> malformed_scenes() {
   accessors(l);
   nodes(l);
   surfaces(l);
+  defaults(l);
   add_malformed_surfaces(l);
   add_malformed_compressed(l);
   add_malformed_motion(l);

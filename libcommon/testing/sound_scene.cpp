@@ -59,9 +59,18 @@ std::string fault_of(const PunctualLight& l) {
   return l.cos_inner >= l.cos_outer ? "" : "a lamp's inner cone lies in its outer";
 }
 
+std::string fault_of(const SceneDefaults& d) {
+  const auto is_size = [](int pixels) { return pixels >= 0 && pixels <= 65536; };
+  if (!is_size(d.width) || !is_size(d.height)) return "a picture's size is in range";
+  if (!(std::abs(d.rotation.value_or(0)) <= 360)) return "a rotation is in range";
+  if (!(d.scale.value_or(1) >= 1e-9 && d.scale.value_or(1) <= 1e9)) return "a scale is in range";
+  return d.environment_file.empty() || d.has_environment() ? "" : "what is named is a file";
+}
+
 }  // namespace
 
 std::string fault_of(const Scene& s) {
+  if (const std::string fault = fault_of(s.defaults); !fault.empty()) return fault;
   if (!has_attributes_of_all_vertices(s)) return "each vertex has its attributes";
   if (!has_triangles_of_its_vertices(s)) return "corners and materials exist";
   for (uint32_t t = 0; t < s.triangles.size(); ++t) {

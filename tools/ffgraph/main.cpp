@@ -104,11 +104,11 @@ Loaded load(const Arguments& a, const cli::Common& common) {
   in.files.push_back({a.scene, in.scene.hash, {}});
   add_sky(in.scene, a.sky, common, in.files);
   warn_of_lamps(in.scene, common);
+  note_lost_light(in.scene, common);
   if (Lights(in.scene).empty())
     throw InputError(
         display_name(a.scene), "",
-        "nothing emits light, expected an emissive surface, a lamp or an --environment" +
-            where_light_was_lost(in.scene));
+        "nothing emits light, expected an emissive surface, a lamp or an --environment");
   in.camera = chosen_camera(in.scene, a.camera, common);
   if (a.refine.empty()) return in;
   const CutFile& cut = in.refine.emplace(read_cut(a.refine));

@@ -100,8 +100,7 @@ void warn_of_missing_light(const Choice& choice, const World& world, const cli::
   if (world.lights.empty())
     common.warn(
         "nothing in the scene emits light, expected an emissive surface, a lamp or an "
-        "--environment: the picture is black" +
-        where_light_was_lost(world.scene));
+        "--environment: the picture is black");
   else if (!may_see_surfaces(world))
     common.warn(std::string("no surface lies in the camera's view: the picture ") +
                 (world.scene.sky ? "shows the sky alone" : "is black"));

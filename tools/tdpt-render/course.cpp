@@ -40,9 +40,9 @@ std::string integrator_words(const Arguments& a) {
   return words;
 }
 
-std::string sky_words(const Arguments& a, const Scene& scene) {
-  if (a.sky.environment.empty()) return "";
-  return fmt::format("{} x {}, sun {}", scene.sky_hash, a.sky.scale, a.sky.sun_angle);
+std::string sky_words(const Arguments& a, const Shaping& by) {
+  if (by.sky.environment.empty()) return "";
+  return fmt::format("{} x {}, sun {}", by.scene.sky_hash, by.sky.scale, a.sky.sun_angle);
 }
 
 // Those that were taken, whether they were asked for or the likely ones.
@@ -239,7 +239,7 @@ std::string camera_words(const Arguments& a, const Frame& frame, const Camera& c
 Shape shape_of(const Arguments& a, const Shaping& by) {
   return {{"program version", TDPT_VERSION},
           {"scene", by.scene.hash},
-          {"environment", sky_words(a, by.scene)},
+          {"environment", sky_words(a, by)},
           {"unit of lamps", units_of_lamps(by.scene)},
           {"portal", fmt::format("{}", fmt::join(by.portal_hashes, " "))},
           {"camera", by.camera},

@@ -28,6 +28,7 @@ std::string camera_words(const Arguments& a, const Frame& frame, const Camera& c
 /// All that shapes the picture beside its plan and its samples.
 struct Shaping {
   const Scene& scene;
+  TakenSky sky;
   std::string camera;                      ///< camera_words()
   std::vector<std::string> portal_hashes;  ///< in order
   int width, height;

@@ -132,7 +132,7 @@ TEST(shape, has_the_camera_with_what_it_culls) {
 
 TEST(shape, differs_where_the_picture_would) {
   const Scene scene = read_gltf(two_rooms_path());
-  const Shaping by{scene, "camera", {"12"}, 64, 48, 1};
+  const Shaping by{scene, {}, "camera", {"12"}, 64, 48, 1};
   const Shape shape = film_shape_of({}, by);
   const auto told = [&](const std::function<void(Arguments&, Shaping&)>& change) {
     Arguments a;
@@ -147,6 +147,10 @@ TEST(shape, differs_where_the_picture_would) {
             "another portal (none, expected 12)");
   EXPECT_EQ(told([](Arguments&, Shaping& s) { s.width = 32; }),
             "another size (32 x 48, expected 64 x 48)");
+  EXPECT_NE(told([](Arguments&, Shaping& s) {
+              s.sky = {"1,1,1", 0, 2};
+            }).find("environment"),
+            std::string::npos);
   EXPECT_EQ(told([](Arguments&, Shaping& s) { s.camera = "b"; }),
             "another camera (b, expected camera)");
   EXPECT_EQ(told([](Arguments& a, Shaping&) { a.max_depth = 6; }),

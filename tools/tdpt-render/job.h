@@ -14,6 +14,7 @@ namespace tdpt {
 /// What the command line names, read.
 struct Loaded {
   Scene scene;
+  TakenSky sky;
   Camera camera;
   PictureSize size;
   std::vector<Portal> portals;

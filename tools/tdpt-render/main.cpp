@@ -51,8 +51,9 @@ Loaded load(const Arguments& a, const cli::Common& common) {
   for (const std::string& warning : in.scene.warnings) common.warn_of(a.scene, warning);
   in.camera = chosen_camera(in.scene, a.camera, common);
   in.files.push_back({a.scene, in.scene.hash, {}});
-  add_sky(in.scene, a.sky, common, in.files);
+  in.sky = add_sky(in.scene, a.sky, common, in.files);
   warn_of_lamps(in.scene, common);
+  note_lost_light(in.scene, common);
   for (const std::string& path : a.portals) {
     const GivenPortals given = read_given_portals(path, in.scene, in.camera);
     for (const std::string& warning : first_few(given.warnings)) common.warn(warning);
@@ -63,7 +64,7 @@ Loaded load(const Arguments& a, const cli::Common& common) {
     in.files.push_back({path, file.hash, file.provenance});
     in.portal_hashes.push_back(file.hash);
   }
-  in.size = picture_size(in.camera, a.width, a.height);
+  in.size = picture_size(in.scene, in.camera, a.width, a.height);
   return in;
 }
 
@@ -250,9 +251,9 @@ int run(const Arguments& a, const cli::Common& common) {
     common.warn(sentence);
   if (const std::string sentence = no_backs_sentence(world); !sentence.empty())
     common.note(sentence);
-  const Shaping by{in.scene,         camera_words(a, in.scene.frame, in.camera),
-                   in.portal_hashes, in.size.width,
-                   in.size.height,   common.seed};
+  const Shaping by{in.scene,         in.sky,        camera_words(a, in.scene.frame, in.camera),
+                   in.portal_hashes, in.size.width, in.size.height,
+                   common.seed};
   job.shape = shape_of(a, by);
   job.film_shape = film_shape_of(a, by);
   job.given = course_of(a, by, world, obeys_plan(a, common.output_given), job.settings);

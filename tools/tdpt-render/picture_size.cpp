@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "libcommon/base/error.h"
+#include "libcommon/base/file.h"
 
 namespace tdpt {
 
@@ -20,6 +21,17 @@ PictureSize picture_size(const Camera& camera, int64_t width, int64_t height) {
     throw UsageError(fmt::format("a picture of {} x {} pixels is too large, at most {} pixels",
                                  width, height, kMost));
   return {static_cast<int>(width), static_cast<int>(height)};
+}
+
+PictureSize picture_size(const Scene& scene, const Camera& camera, int64_t width, int64_t height) {
+  const SceneDefaults& own = scene.defaults;
+  if (width > 0 || height > 0) return picture_size(camera, width, height);
+  try {
+    return picture_size(camera, own.width, own.height);
+  } catch (const UsageError& e) {
+    throw InputError(display_name(scene.path),
+                     own.place_of(own.width > 0 ? "tdpt_width" : "tdpt_height"), e.what());
+  }
 }
 
 }  // namespace tdpt

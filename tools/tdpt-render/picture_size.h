@@ -14,4 +14,8 @@ struct PictureSize {
 /// where it has none), 640 wide. Throws UsageError for one that is too large.
 PictureSize picture_size(const Camera& camera, int64_t width, int64_t height);
 
+/// Where neither is given, what the scene says of them, and as above what that leaves open. Throws
+/// InputError where that is too large.
+PictureSize picture_size(const Scene& scene, const Camera& camera, int64_t width, int64_t height);
+
 }  // namespace tdpt
