@@ -40,7 +40,7 @@ JOBS ?= $(shell nproc 2>/dev/null || echo 2)
 TEST_STATUS ?=
 
 # All that is there to run; `make build` adds every test and benchmark.
-PROGRAMS = ffgraph mincut lightgrid portalfit tdpt-render exrdiff exrmerge tdpt-info
+PROGRAMS = ffgraph mincut lightgrid portalfit tdpt-render exrdiff exrmerge tdpt-info tdpt
 
 .PHONY: all build programs demo figures stages portals regret tradeoff whole-light target-error sky only-needed grid-speed gpu-speed scale limit bench bench-efficiency efficiency-references shards test test-slurm test-report install uninstall package package-test sanitize fuzz packages format clean
 all: build

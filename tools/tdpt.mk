@@ -39,7 +39,7 @@ tdpt_vdb = $(strip $(LIGHTGRID) $(tdpt_sky) $(tdpt_device) $(tdpt_all) $(LIGHTGR
 tdpt_glb = $(strip $(PORTALFIT) $(tdpt_all) $(PORTALFIT_FLAGS))
 tdpt_exr = $(strip $(TDPT_RENDER) $(addprefix --portal ,$(tdpt_portals)) $(tdpt_camera) $(tdpt_sky) $(tdpt_device) $(tdpt_all) $(TDPT_RENDER_FLAGS))
 tdpt_html = $(strip report $(REPORT_TIME) $(REPORT_REFERENCE) $(REPORT_WIDTH) $(tdpt_exr))
-tdpt_quiet = $(if $(or $(QUIET),$(if $(TDPT_STATUS),,$(findstring s,$(firstword -$(MAKEFLAGS))))),--quiet)
+tdpt_quiet = $(if $(or $(QUIET),$(findstring s,$(firstword -$(MAKEFLAGS)))),--quiet)
 tdpt_most = $(if $(MAX_MEMORY),--max-memory $(MAX_MEMORY))
 tdpt_free = $(if $(THREADS),--threads $(THREADS)) $(tdpt_most) $(if $(TDPT_TELL),,$(tdpt_quiet))
 
@@ -78,8 +78,6 @@ $(if $(TDPT_TELL),@$(tdpt_notes) $(tdpt_telling).txt $(if $(tdpt_quiet),| grep w
 endef
 tdpt_to = -o $(tdpt_partial) -MF $(tdpt_known).d -MQ $@
 tdpt_quoted = '$(subst ','\'',$1)'
-# A caller who wants the exit code of what failed names a file for it.
-tdpt_told = $(if $(TDPT_STATUS), || { code=$$?; echo $$code >$(TDPT_STATUS); exit $$code; })
 tdpt_begin = @mkdir -p $(dir $(tdpt_known))
 define tdpt_end
 @mv -f $(tdpt_partial) $@
@@ -96,25 +94,25 @@ export TDPT_TOLD := $(CURDIR)/.tdpt/told
 
 %.max: $$(tdpt_scene) $$(tdpt_sky_file) $$(call tdpt_again,$$(tdpt_max),$$@.png)
 	$(tdpt_begin)
-	$(tdpt_max) $(tdpt_free) $(tdpt_preview) $< $(tdpt_to)$(tdpt_tell)$(tdpt_told)
+	$(tdpt_max) $(tdpt_free) $(tdpt_preview) $< $(tdpt_to)$(tdpt_tell)
 	$(call tdpt_end,$(tdpt_max))
 	$(tdpt_keep)
 
 %.cut: %.max $$(if $$(or $$(PREVIEWS),$$(TDPT_TELL)),$$(tdpt_scene)) $$(call tdpt_again,$$(tdpt_cut),$$@.png)
 	$(tdpt_begin)
-	$(tdpt_cut) $(tdpt_free) $(tdpt_preview) $(if $(or $(PREVIEWS),$(TDPT_TELL)),--scene $(tdpt_scene)) $< $(tdpt_to)$(tdpt_tell)$(tdpt_told)
+	$(tdpt_cut) $(tdpt_free) $(tdpt_preview) $(if $(or $(PREVIEWS),$(TDPT_TELL)),--scene $(tdpt_scene)) $< $(tdpt_to)$(tdpt_tell)
 	$(call tdpt_end,$(tdpt_cut))
 	$(tdpt_keep)
 
 %.vdb: $$(tdpt_scene) %.cut $$(tdpt_sky_file) $$(call tdpt_again,$$(tdpt_vdb),$$@.png)
 	$(tdpt_begin)
-	$(tdpt_vdb) $(tdpt_free) $(tdpt_preview) $< $*.cut $(tdpt_to)$(tdpt_tell)$(tdpt_told)
+	$(tdpt_vdb) $(tdpt_free) $(tdpt_preview) $< $*.cut $(tdpt_to)$(tdpt_tell)
 	$(call tdpt_end,$(tdpt_vdb))
 	$(tdpt_keep)
 
 %.portal.glb: $$(if $$(tdpt_by_hand),,$$*.vdb $$(call tdpt_again,$$(tdpt_glb),$$@.png))
 	$(tdpt_begin)
-	$(tdpt_glb) $(tdpt_free) $(tdpt_preview) $< $(tdpt_to)$(tdpt_tell)$(tdpt_told)
+	$(tdpt_glb) $(tdpt_free) $(tdpt_preview) $< $(tdpt_to)$(tdpt_tell)
 	$(call tdpt_end,$(tdpt_glb))
 	$(tdpt_keep)
 
@@ -122,7 +120,7 @@ export TDPT_TOLD := $(CURDIR)/.tdpt/told
 %.exr: $$(tdpt_scene) $$(tdpt_portals) $$(tdpt_sky_file) $$(call tdpt_again,$$(tdpt_exr),$$@.png)
 	$(if $(filter $(abspath $@),$(abspath $(ENVIRONMENT))),$(error $@ would replace its own sky))
 	$(tdpt_begin)
-	$(tdpt_exr) $(tdpt_free) $(if $(PREVIEWS),--preview) $< $(tdpt_to)$(tdpt_told)
+	$(tdpt_exr) $(tdpt_free) $(if $(PREVIEWS),--preview) $< $(tdpt_to)
 	$(if $(PREVIEWS),@mv -f $(basename $(tdpt_partial)).png $@.png,$(if $(filter --preview,$(TDPT_RENDER_FLAGS)),@mv -f $(basename $(tdpt_partial)).png $(basename $@).png))
 	$(call tdpt_end,$(tdpt_exr))
 
@@ -135,8 +133,8 @@ export TDPT_TOLD := $(CURDIR)/.tdpt/told
 	$(PYTHON) -B $(tdpt_scripts:page.py=measure.py) --scene $< --folder $(tdpt_known).parts --time $(REPORT_TIME) \
 	  --reference $(REPORT_REFERENCE) --width $(REPORT_WIDTH) --exrdiff $(EXRDIFF) --info $(TDPT_INFO) $(if $(tdpt_found),\
 	  --stem $(tdpt_found) --known .tdpt/$(subst ../,up/,$(tdpt_found))) $(if $(THREADS),--threads $(THREADS)) $(tdpt_quiet) \
-	  -MF $(tdpt_known).d -MQ $@ -- $(tdpt_exr) $(tdpt_most)$(tdpt_told)
-	$(PYTHON) -B $(tdpt_scripts) $(tdpt_known).parts $(tdpt_partial)$(tdpt_told)
+	  -MF $(tdpt_known).d -MQ $@ -- $(tdpt_exr) $(tdpt_most)
+	$(PYTHON) -B $(tdpt_scripts) $(tdpt_known).parts $(tdpt_partial)
 	$(call tdpt_end,$(tdpt_html))
 
 # What was read, and empty rules for that; none of them is what a plain `make` makes.

@@ -33,9 +33,9 @@ namespace {
   }
   ::dup2(errors, 2);
   if (how.niceness != 0 && ::nice(how.niceness) < 0) errno = 0;  // it is quicker then
-  ::execv(argv[0], argv);
+  ::execvp(argv[0], argv);
   const char* const why = std::strerror(errno);
-  for (const char* part : {argv[0], ": cannot be started: ", why, "\n"})
+  for (const char* part : {static_cast<const char*>(argv[0]), ": cannot be started: ", why, "\n"})
     if (::write(2, part, std::strlen(part)) < 0) break;
   ::_exit(static_cast<int>(Exit::internal));
 }
@@ -108,7 +108,8 @@ void die_with_parent(pid_t parent) {
 std::string program_folder() {
   std::error_code failed;
   const auto self = std::filesystem::read_symlink("/proc/self/exe", failed);
-  if (failed) throw Error(Exit::internal, "the folder of the programs cannot be told without /proc");
+  if (failed)
+    throw Error(Exit::internal, "the folder of the programs cannot be told without /proc");
   return self.parent_path().string();
 }
 

@@ -19,8 +19,9 @@ class ChildProcess {
     int niceness = 0;            ///< added to that of this process [nice(2)]
   };
 
-  /// `words`: path of the program, and its arguments. Throws Error(Exit::internal) where the system
-  /// gives no process, and where another thread than the main one calls.
+  /// `words`: path of the program, or its name where PATH leads to it, and its arguments. Throws
+  /// Error(Exit::internal) where the system gives no process, and where another thread than the
+  /// main one calls.
   ChildProcess(const std::vector<std::string>& words, const How& how);
   /// Kills it where it still runs.
   ~ChildProcess();

@@ -46,8 +46,8 @@ std::string temporary(const char* name) {
 
 TEST(child_process, words_reach_the_program_as_they_are) {
   std::string text;
-  ChildProcess child({"/bin/sh", "-c", "printf '%s|' \"$@\" >&2; exit 7", "sh", "a$(id)", "", "b `c`&;'\"\n"},
-                     {});
+  ChildProcess child(
+      {"/bin/sh", "-c", "printf '%s|' \"$@\" >&2; exit 7", "sh", "a$(id)", "", "b `c`&;'\"\n"}, {});
   EXPECT_EQ(wait_for(child, text), 7);
   EXPECT_EQ(text, "a$(id)||b `c`&;'\"\n|");
 }
@@ -77,13 +77,15 @@ TEST(child_process, is_killed_with_its_object) {
   ::unlink(file.c_str());
 }
 
-// A copy of this process starts a child and is killed. `tied`: by ChildProcess; else by fork() alone.
+// A copy of this process starts a child and is killed. `tied`: by ChildProcess; else by fork()
+// alone.
 bool child_ends_with_its_parent(bool tied) {
   const std::string file = temporary(tied ? "tied" : "free");
   ::unlink(file.c_str());
   const pid_t copy = ::fork();
   if (copy == 0) {
-    const std::vector<std::string> words{"/bin/sh", "-c", "echo $$ >\"$1\"; exec sleep 60", "sh", file};
+    const std::vector<std::string> words{"/bin/sh", "-c", "echo $$ >\"$1\"; exec sleep 60", "sh",
+                                         file};
     if (tied) {
       ChildProcess child(words, {});
       ::pause();
@@ -111,9 +113,7 @@ TEST(child_process, twin_a_child_that_is_not_tied_stays) {
 }
 
 TEST(child_process, only_the_main_thread_may_start_one) {
-  std::thread([] {
-    EXPECT_THROW(ChildProcess({"/bin/true"}, {}), Error);
-  }).join();
+  std::thread([] { EXPECT_THROW(ChildProcess({"/bin/true"}, {}), Error); }).join();
 }
 
 }  // namespace

@@ -2,9 +2,18 @@
 
 #include <algorithm>
 
+#include "libcommon/base/shown.h"
 #include "tdpt_version.h"
 
 namespace tdpt {
+namespace {
+
+// A name or a value may hold anything; a line of text formats does not.
+std::string in_one_line(const std::string& text) {
+  return shown(text, text.size());
+}
+
+}  // namespace
 
 void Provenance::inherit(const Provenance& input) {
   for (const std::string& line : input.lines)
@@ -13,13 +22,13 @@ void Provenance::inherit(const Provenance& input) {
 }
 
 void Provenance::made_by(const std::string& tool, const std::string& command) {
-  lines.push_back("made by " + tool + " " + TDPT_VERSION + ": " + command);
+  lines.push_back("made by " + tool + " " + TDPT_VERSION + ": " + in_one_line(command));
 }
 
 void Provenance::from(const std::string& path, const std::string& hash) {
   const std::string name =
       path == "-" ? "(standard input)" : path.substr(path.find_last_of('/') + 1);
-  lines.push_back("from " + name + " " + hash);
+  lines.push_back("from " + in_one_line(name) + " " + hash);
 }
 
 }  // namespace tdpt

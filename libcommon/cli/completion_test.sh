@@ -4,7 +4,7 @@
 # scripts are installed where shells look. Exit 1 if not; 77, with a word, where the shell is missing.
 what=${1:?usage: completion_test.sh bash|zsh|fish|installation BUILD}
 build=$(cd "${2:?usage: completion_test.sh bash|zsh|fish|installation BUILD}" && pwd) || exit 2
-tools='ffgraph mincut lightgrid portalfit tdpt-render exrdiff exrmerge tdpt-info'
+tools='ffgraph mincut lightgrid portalfit tdpt-render exrdiff exrmerge tdpt-info tdpt'
 work=$(mktemp -d) || exit 2
 trap 'rm -rf "$work"' EXIT
 failed=0

@@ -13,8 +13,8 @@ struct SceneFiles {
   bool has_environment = false;  ///< its extras say what shines from all around
 };
 
-/// By a look at the JSON of a glTF scene alone: one that is wrong has none, and its readers say why.
-/// Throws InputError where the file itself cannot be read.
+/// By a look at the JSON of a glTF scene alone: one that is wrong has none, and its readers say
+/// why. Throws InputError where the file itself cannot be read.
 SceneFiles files_of_scene(const std::string& path);
 
 }  // namespace tdpt

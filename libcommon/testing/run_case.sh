@@ -13,6 +13,7 @@ work=$(mktemp -d) || exit 99
 trap 'rm -rf "$work"' EXIT
 trap 'exit 99' HUP INT TERM
 mkdir "$work/run"
+export XDG_CACHE_HOME="$work/cache"
 script=$work/script stdout=$work/stdout stderr=$work/stderr wrong=$work/wrong
 : >"$script"
 : >"$wrong"

@@ -81,8 +81,7 @@ void declare_options(cli::Options& options, Arguments& a) {
   declare_render_options(options, a);
   declare_device_options(options, a.device, "Where to render");
   declare_shard_options(options, a);
-  options.flag("--check", a.check,
-               "Check the options, the scene and what else is read, and exit",
+  options.flag("--check", a.check, "Check the options, the scene and what else is read, and exit",
                cli::Shapes::nothing);
   const cli::Common& common = options.common;
   options.result_is_text([&] { return a.print_shards > 0 || only_plans(a, common.output_given); });

@@ -1,0 +1,97 @@
+#include "tools/tdpt/conversation.h"
+
+#include <cstdio>
+
+#include <fmt/format.h>
+#include <unistd.h>
+#include <nlohmann/json.hpp>
+
+namespace tdpt {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr auto kEvery = std::chrono::milliseconds(300);
+
+// Of an object that a program tells [base/progress.h].
+std::string words_of(const Json& progress) {
+  const auto number = [&](const char* key) {
+    return progress.contains(key) && progress[key].is_number() ? progress[key].get<double>() : -1;
+  };
+  const double total = number("total"), done = number("done"), left = number("left");
+  std::string words;
+  if (total > 0 && done >= 0) words = fmt::format("{:.0f} %", 100 * std::min(done / total, 1.0));
+  if (left >= 0) words += fmt::format("{}{:.0f} s left", words.empty() ? "" : ", ", left);
+  const Json note = progress.value("note", Json());
+  if (note.is_string()) words += (words.empty() ? "" : ", ") + note.get<std::string>();
+  return words;
+}
+
+}  // namespace
+
+Conversation::Conversation(ProgressForm form, bool quiet) : form_(form) {
+  if (form == ProgressForm::automatic && (quiet || !::isatty(STDERR_FILENO)))
+    form_ = ProgressForm::none;
+}
+
+Conversation::~Conversation() {
+  clear();
+}
+
+void Conversation::clear() {
+  if (visible_) std::fputs("\r\033[K", stderr);
+  visible_ = false;
+}
+
+void Conversation::show(const std::string& how_far) {
+  shown_ = Clock::now();
+  if (form_ != ProgressForm::automatic) return;
+  fmt::print(stderr, "\r\033[K[{}/{}] {}{}{}", number_, steps_, title_, how_far.empty() ? "" : ": ",
+             how_far);
+  std::fflush(stderr);
+  visible_ = true;
+}
+
+void Conversation::step(size_t number, size_t steps, const std::string& title,
+                        const std::string& program) {
+  number_ = number, steps_ = steps, title_ = title, program_ = program;
+  began_ = Clock::now();
+  told_.clear();
+  show("");
+  if (form_ != ProgressForm::json) return;
+  const Json json{{"step", number}, {"steps", steps}, {"title", title}, {"program", program}};
+  fmt::print(stderr, "{}\n", Json{{"progress", json}}.dump());
+}
+
+bool Conversation::heard(const std::string& line) {
+  const bool may_tell = line.starts_with("{\"progress\"");
+  Json json = may_tell ? Json::parse(line, nullptr, false) : Json();
+  if (!json.is_object() || !json.contains("progress") || !json["progress"].is_object()) {
+    say(line);
+    return false;
+  }
+  Json& progress = json["progress"];
+  told_ = words_of(progress);
+  if (form_ == ProgressForm::json) {
+    progress["step"] = number_, progress["steps"] = steps_;
+    progress["title"] = title_, progress["program"] = program_;
+    say(json.dump(-1, ' ', false, Json::error_handler_t::replace));
+  } else {
+    show(told_);
+  }
+  return true;
+}
+
+void Conversation::tick() {
+  const auto now = Clock::now();
+  if (form_ != ProgressForm::automatic || now - shown_ < kEvery) return;
+  const double seconds = std::chrono::duration<double>(now - began_).count();
+  show(told_.empty() ? fmt::format("{:.0f} s", seconds) : told_);
+}
+
+void Conversation::say(const std::string& line) {
+  clear();
+  fmt::print(stderr, "{}\n", line);
+}
+
+}  // namespace tdpt

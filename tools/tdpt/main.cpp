@@ -1,0 +1,90 @@
+// tdpt: from a scene to its picture through its portals, by the other programs.
+#include <fmt/format.h>
+
+#include "libcommon/base/error.h"
+#include "libcommon/base/memory_limit.h"
+#include "libcommon/base/signals.h"
+#include "libcommon/cli/built_with.h"
+#include "libcommon/cli/cli.h"
+#include "tools/tdpt/making.h"
+
+#include <unistd.h>
+
+namespace tdpt {
+namespace {
+
+constexpr cli::Program kProgram{
+    "tdpt",
+    "Finds the portals of a glTF scene and renders it through them. Beside the options that "
+    "come first it has those of tdpt-render; what the stages before it need of them they get.",
+    "Picture to write (.exr)",
+    cli::Result::text,
+    cli::kLibraries,
+    cli::kCommit};
+
+std::string report_beside(const std::string& picture) {
+  const size_t dot = picture.find_last_of('.');
+  return picture.substr(0, dot) + ".report.html";
+}
+
+// The renderer knows them; a program that only starts others need not.
+std::string list_of_devices() {
+  const std::string renderer = program_folder() + "/tdpt-render";
+  ::execl(renderer.c_str(), renderer.c_str(), "--list-devices", nullptr);
+  throw Error(Exit::internal, renderer + ": cannot be started");
+}
+
+void declare_options(cli::Options& options, Arguments& a) {
+  using cli::Shapes;
+  options.argument("scene", a.scene, "Scene (.glb, .gltf)", false);
+  options.flag("--force", a.force, "Replace a picture that another command, or nobody known, made",
+               Shapes::nothing);
+  options.output_beside("--report", a.report, report_beside,
+                        "Write PICTURE.report.html, too: what portals are worth (needs python3)");
+  options.option("--work", a.work, "FOLDER",
+                 "Where the stages' files are kept; default tdpt in the user's cache folder",
+                 Shapes::nothing);
+  options.option("--work-size", a.work_size, "SIZE",
+                 "Largest size of that folder: what was used longest ago goes; default 10G",
+                 Shapes::nothing);
+  options.flag("--clean", a.clean, "Empty that folder, but for what runs of tdpt are using",
+               Shapes::nothing);
+  options.flag("--dry-run", a.dry_run, "Print the commands that would run, and run none",
+               Shapes::nothing);
+  declare_render_options(options, a);
+  options.option("--device", a.device, "cpu|gpu[:WHICH]",
+                 "Where to count light and to render; default cpu. WHICH: number or part of the "
+                 "name of a Vulkan device; else the best");
+  options.instead("--list-devices", list_of_devices, "List the Vulkan devices and exit");
+}
+
+ProgressForm form_of(const cli::Common& common) {
+  for (const cli::Given& given : common.given)
+    if (given.name == "--progress" && !given.values.empty())
+      return given.values.back() == "json"   ? ProgressForm::json
+             : given.values.back() == "none" ? ProgressForm::none
+                                             : ProgressForm::automatic;
+  return ProgressForm::automatic;
+}
+
+int clean(const Arguments& a) {
+  WorkFolder(a.work.empty() ? WorkFolder::usual_path() : a.work).shrink_to(0);
+  return 0;
+}
+
+int run(const Arguments& a, const cli::Common& common) {
+  if (!parse_size(a.work_size))
+    throw UsageError("--work-size: '" + a.work_size + "' given, expected a size, as 500M or 10G");
+  if (a.clean) return clean(a);
+  check_render_arguments(a);
+  catch_signals();
+  Making making(a, common, form_of(common));
+  return a.dry_run ? making.print() : making.run();
+}
+
+}  // namespace
+}  // namespace tdpt
+
+int main(int argc, char** argv) {
+  return tdpt::cli::run_program(argc, argv, tdpt::kProgram, tdpt::declare_options, tdpt::run);
+}

@@ -1,0 +1,390 @@
+#include "tools/tdpt/making.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <thread>
+#include <utility>
+
+#include <fmt/format.h>
+#include <poll.h>
+
+#include "libcommon/base/error.h"
+#include "libcommon/base/file.h"
+#include "libcommon/base/hash.h"
+#include "libcommon/base/memory_limit.h"
+#include "libcommon/base/output_file.h"
+#include "libcommon/base/signals.h"
+
+namespace tdpt {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kStopped = static_cast<int>(Exit::interrupted);
+constexpr const char* kDecision = ", because ";  // in a sentence of --explain
+constexpr const char* kPartial = "partial-";     // of a result that is not whole yet
+
+std::string name_of(const std::string& program) {
+  return fs::path(program).filename().string();
+}
+
+// What a run that was killed left of an entry, but for what `stays` names.
+void clear(const std::string& folder, const std::vector<std::string>& stays) {
+  std::error_code ignored;
+  for (const auto& file : fs::directory_iterator(folder, ignored))
+    if (std::find(stays.begin(), stays.end(), file.path().filename().string()) == stays.end())
+      fs::remove_all(file.path(), ignored);
+}
+
+bool is_there(const std::string& path) {
+  std::error_code failed;
+  return fs::exists(path, failed);
+}
+
+std::string variable(const char* name, const char* usual) {
+  const char* value = std::getenv(name);
+  return value && *value ? value : usual;
+}
+
+// What shapes a report beside the picture.
+std::string report_settings() {
+  return variable("REPORT_TIME", "10") + " " + variable("REPORT_REFERENCE", "8") + " " +
+         variable("REPORT_WIDTH", "320");
+}
+
+// The fault is the file's: nothing more can be done about it here.
+void rename_whole(const std::string& from, const std::string& to) {
+  std::error_code failed;
+  fs::rename(from, to, failed);
+  if (failed) throw OutputError(to, "cannot be made: " + failed.message());
+}
+
+}  // namespace
+
+Making::Making(const Arguments& a, const cli::Common& common, ProgressForm form)
+    : a_(a),
+      common_(common),
+      request_(request_of(a, common)),
+      work_(a.work.empty() ? WorkFolder::usual_path() : fs::absolute(a.work).string()),
+      programs_(program_folder()),
+      conversation_(form, common.quiet) {}
+
+bool Making::has_changed() const {
+  try {
+    return !(state_of(a_, work_) == state_);
+  } catch (const InputError&) {
+    return true;  // it is being replaced
+  }
+}
+
+// Waits until a scene that is being written is whole, as far as can be seen.
+void Making::settle() {
+  for (int i = 0; i < 20 && !stop_requested(); ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(500));
+    if (!has_changed()) return;
+    try {
+      state_ = state_of(a_, work_);
+    } catch (const InputError&) {
+    }
+  }
+}
+
+bool Making::report_is_fresh() const {
+  if (a_.report.empty()) return true;
+  const auto made = made_of(request_.picture, work_);
+  if (!made || !is_there(a_.report)) return false;
+  const auto then = made->beside.find("--report");
+  return then != made->beside.end() &&
+         then->second == content_hash_of_file(a_.report) + " " + report_settings();
+}
+
+bool Making::all_is_fresh() const {
+  return is_fresh(a_, request_, pipeline_, work_) && report_is_fresh();
+}
+
+void Making::hold_picture() {
+  bool told = false;
+  picture_ = work_.hold(pipeline_.picture_entry, WorkFolder::For::writing, [&] {
+    if (stop_requested()) throw Error(Exit::interrupted, "stopped by a signal");
+    if (!std::exchange(told, true))
+      common_.note(request_.picture + ": another run of tdpt is making it; waiting for that");
+  });
+}
+
+int Making::run() {
+  for (int changes = 0;; ++changes) {
+    state_ = state_of(a_, work_);
+    pipeline_ = pipeline_of(a_, request_, state_, work_, programs_);
+    if (!all_is_fresh() && picture_.path().empty()) {
+      hold_picture();
+      state_ = state_of(a_, work_);  // another run may have made it in the meantime
+      pipeline_ = pipeline_of(a_, request_, state_, work_, programs_);
+    }
+    common_.also_read(state_.files);
+    if (all_is_fresh()) {
+      common_.note(request_.picture + " is up to date");
+      tell_end(0);
+      return 0;
+    }
+    const Ending ending = attempt();
+    look_.reset();
+    portals_ = {};
+    if (!ending.changed) {
+      tell_end(ending.code);
+      return ending.code;
+    }
+    if (changes > 0)
+      throw InputError(request_.scene, "",
+                       "has changed again while tdpt was at work; start it again when it is whole");
+    common_.note(request_.scene + " has changed while tdpt was at work, which begins again");
+    settle();
+  }
+}
+
+// What the command line asks for beside the picture, and the bound of the work folder.
+void Making::tell_end(int code) const {
+  if (code == 0 && !common_.dependencies.empty())
+    write_output(common_.dependencies, common_.dependency_rule());
+  if (const auto most = parse_size(a_.work_size)) work_.shrink_to(*most);
+}
+
+Making::Ending Making::attempt() {
+  const std::string folder = picture_.path();
+  ::setenv("TDPT_TOLD", (folder + "/told").c_str(), 0);
+  const bool made = is_fresh(a_, request_, pipeline_, work_);
+  if (!made) {
+    if (!a_.force) check_owner(request_, pipeline_, work_);
+    const auto before = unfinished(pipeline_, work_);
+    const bool goes_on = before && before->key == pipeline_.key;
+    clear(folder,
+          goes_on ? std::vector<std::string>{"made", "film.exr"} : std::vector<std::string>{});
+  }
+  step_ = 0;
+  steps_ = !made + !a_.report.empty();
+  if (!pipeline_.stages.empty() && !is_there(pipeline_.stages.back().output))
+    steps_ += pipeline_.stages.size();
+  Ending ending = check();
+  if (ending.good()) ending = find_portals();
+  if (ending.good() && !made) ending = render();
+  if (ending.good() && !report_is_fresh()) ending = make_report();
+  if (ending.good()) {
+    clear(folder, {});
+    std::string files = made ? "" : request_.picture;
+    for (const std::string& path : {a_.preview, a_.stats, a_.nonzero, a_.report})
+      if (!path.empty() && is_there(path)) files += (files.empty() ? "" : ", ") + path;
+    common_.note("wrote " + files);
+  }
+  return ending;
+}
+
+// All that can be told before the first stage: options of the renderer, what it reads, its device.
+Making::Ending Making::check() {
+  conversation_.step(1, steps_, "reading the scene", "tdpt-render");
+  return run_program(pipeline_.check, {}, Reads::scene);
+}
+
+Making::Ending Making::find_portals() {
+  if (!state_.drawn.empty())
+    common_.note("renders with " + state_.drawn + ", which no program of these has made");
+  if (pipeline_.stages.empty()) return {};
+  const std::string& found = pipeline_.stages.back().output;
+  bool told = false;
+  const auto waits = [&] {
+    if (stop_requested()) throw Error(Exit::interrupted, "stopped by a signal");
+    if (!std::exchange(told, true))
+      common_.note("another run of tdpt is looking for the same portals; waiting for it");
+  };
+  for (;;) {
+    portals_ = work_.hold(pipeline_.portals_entry, WorkFolder::For::reading, waits);
+    if (is_there(found)) break;
+    portals_ = {};
+    portals_ = work_.hold(pipeline_.portals_entry, WorkFolder::For::writing, waits);
+    if (!is_there(found))
+      if (const Ending ending = run_stages(); !ending.good()) return ending;
+    portals_ = {};  // held by all who read it from here on
+  }
+  return {};
+}
+
+Making::Ending Making::run_stages() {
+  std::vector<std::string> whole;
+  for (const Step& step : pipeline_.stages) {
+    whole.push_back(name_of(step.output));
+    for (const char* end : {".command", ".told.json", ".told.txt", ".told.png"})
+      whole.push_back(name_of(step.output) + end);
+  }
+  clear(portals_.path(), whole);
+  if (!a_.preview.empty())
+    look_ = std::make_unique<FirstLook>(a_, request_, programs_, picture_.path(), a_.preview);
+  for (const Step& step : pipeline_.stages) {
+    begin_step(step.title, step.options);
+    if (is_there(step.output)) continue;
+    const std::string partial = portals_.path() + "/" + kPartial + name_of(step.output);
+    Words words = step.command(partial);
+    words.insert(words.end(), {"--progress", "json"});
+    const bool reads_scene =
+        std::find(step.inputs.begin(), step.inputs.end(), request_.scene) != step.inputs.end();
+    ChildProcess::How how;
+    std::string told;
+    if (!a_.report.empty()) {
+      how.stdout_file = step.output + ".told.json";
+      words.insert(words.end(), {"--json", "--explain", "--preview", step.output + ".told.png"});
+      if (!reads_scene && step.output.ends_with(".cut"))
+        words.insert(words.end(), {"--scene", request_.scene});
+    }
+    const Ending ending = run_program(words, how, reads_scene ? Reads::scene : Reads::files,
+                                      a_.report.empty() ? nullptr : &told);
+    if (!ending.good()) return ending;
+    if (!a_.report.empty()) write_output(step.output + ".told.txt", told);
+    write_output(step.output + ".command", shell_text(step.options) + "\n");
+    rename_whole(partial, step.output);
+  }
+  look_.reset();
+  return {};
+}
+
+void Making::keep_record(bool whole) const {
+  std::error_code failed;
+  if (!fs::is_regular_file(request_.picture, failed)) return;
+  work_.know(content_hash_of_file(request_.picture),
+             text_of({request_.identity, pipeline_.key, whole, files_written_beside(a_)}));
+}
+
+Making::Ending Making::render() {
+  begin_step(pipeline_.render.title, pipeline_.render.options);
+  write_output(picture_.path() + "/made", text_of({request_.identity, pipeline_.key, false, {}}));
+  std::error_code failed;
+  const bool was_there = fs::is_regular_file(request_.picture, failed);
+  const std::string before = was_there ? content_hash_of_file(request_.picture) : "";
+  Words words = pipeline_.render.command(request_.picture);
+  words.insert(words.end(), {"--progress", "json"});
+  ChildProcess::How how;
+  how.shares_stdout = true;
+  const Ending ending = run_program(words, how, Reads::scene);
+  if (ending.changed) return ending;
+  if (ending.code == 0) keep_record(true);
+  if (ending.code == kStopped && is_there(request_.picture) &&
+      content_hash_of_file(request_.picture) != before) {
+    keep_record(false);
+    common_.note(request_.picture + " has what was rendered until then; the same command goes on");
+  }
+  if (ending.code == 0 && has_changed())
+    common_.note(request_.scene + " has changed since it was read: the picture is of what it was");
+  return ending;
+}
+
+Making::Ending Making::make_report() {
+  const std::string scripts = programs_ + "/../share/tdpt/", parts = picture_.path() + "/report";
+  const std::string page = picture_.path() + "/report.html";
+  begin_step("measuring for the report", {"report_measure.py"});
+  Words measure{"python3",
+                "-B",
+                scripts + "report_measure.py",
+                "--scene",
+                request_.scene,
+                "--folder",
+                parts,
+                "--time",
+                variable("REPORT_TIME", "10"),
+                "--reference",
+                variable("REPORT_REFERENCE", "8"),
+                "--width",
+                variable("REPORT_WIDTH", "320"),
+                "--exrdiff",
+                programs_ + "/exrdiff",
+                "--info",
+                programs_ + "/tdpt-info"};
+  if (!pipeline_.stages.empty())
+    for (const char* option : {"--stem", "--known"})
+      measure.insert(measure.end(), {option, portals_.path() + "/scene"});
+  if (common_.threads > 0)
+    measure.insert(measure.end(), {"--threads", std::to_string(common_.threads)});
+  if (common_.quiet) measure.emplace_back("--quiet");
+  measure.emplace_back("--");
+  const Step& render = pipeline_.render;
+  measure.insert(measure.end(), render.options.begin(), render.options.end());
+  measure.insert(measure.end(), render.inputs.begin() + 1, render.inputs.end());
+  Ending ending = run_program(measure, {}, Reads::files);
+  if (ending.good())
+    ending =
+        run_program({"python3", "-B", scripts + "report_page.py", parts, page}, {}, Reads::files);
+  if (!ending.good()) return ending;
+  const std::string bytes = read_file(page);
+  write_output(a_.report, bytes);
+  if (auto made = made_of(request_.picture, work_)) {
+    made->beside["--report"] = content_hash(bytes) + " " + report_settings();
+    work_.know(content_hash_of_file(request_.picture), text_of(*made));
+  }
+  return {};
+}
+
+void Making::begin_step(const std::string& title, const Words& words) {
+  ++step_;
+  conversation_.step(step_, std::max(step_, steps_), title, name_of(words[0]));
+}
+
+Making::Ending Making::ending_of(const std::string& program, int code) const {
+  if (stop_requested()) return {kStopped};
+  if (code < 128) return {code};
+  throw Error(Exit::internal,
+              fmt::format("{}: was ended by signal {}{}", program, code - 128,
+                          code == 128 + SIGKILL ? ", perhaps for want of memory" : ""));
+}
+
+Making::Ending Making::run_program(const Words& words, const ChildProcess::How& how, Reads reads,
+                                   std::string* told) {
+  if (stop_requested()) return {kStopped};
+  ChildProcess child(words, how);
+  std::string text;
+  bool told_to_stop = false, looked = reads == Reads::files;
+  // What a program tells of its progress it tells when it has read the scene.
+  const auto hear = [&] {
+    for (size_t end; (end = text.find('\n')) != std::string::npos; text.erase(0, end + 1)) {
+      const std::string line = text.substr(0, end);
+      if (told && !line.starts_with('{')) *told += line + "\n";
+      if (told && line.find(kDecision) != std::string::npos) continue;
+      if (!conversation_.heard(line) || looked) continue;
+      looked = true;
+      if (has_changed()) return false;
+    }
+    return true;
+  };
+  while (child.read(text) || !child.exit_code()) {
+    if (!hear()) return {0, true};
+    if (stop_requested() && !std::exchange(told_to_stop, true)) child.send(SIGTERM);
+    if (look_) look_->tick();
+    conversation_.tick();
+    pollfd wait{child.descriptor(), POLLIN, 0};
+    ::poll(&wait, 1, child.descriptor() < 0 ? 10 : 100);
+  }
+  text += text.empty() || text.ends_with('\n') ? "" : "\n";
+  if (!hear() || (!looked && has_changed())) return {0, true};
+  return ending_of(name_of(words[0]), child.exit_code().value_or(0));
+}
+
+int Making::print() {
+  state_ = state_of(a_, work_);
+  pipeline_ = pipeline_of(a_, request_, state_, work_, programs_);
+  common_.also_read(state_.files);
+  if (is_fresh(a_, request_, pipeline_, work_)) {
+    common_.note(request_.picture + " is up to date");
+    return 0;
+  }
+  if (!a_.force) check_owner(request_, pipeline_, work_);
+  Words folders{"mkdir", "-p"};
+  std::string commands;
+  for (const Step& step : pipeline_.stages)
+    if (!is_there(step.output)) commands += shell_text(step.command(step.output)) + "\n";
+  if (!commands.empty()) folders.push_back(work_.path_of(pipeline_.portals_entry));
+  if (pipeline_.keeps_film) folders.push_back(work_.path_of(pipeline_.picture_entry));
+  if (folders.size() > 2) commands = shell_text(folders) + "\n" + commands;
+  commands += shell_text(pipeline_.render.command(request_.picture)) + "\n";
+  std::fputs(commands.c_str(), stdout);
+  return 0;
+}
+
+}  // namespace tdpt

@@ -1,0 +1,65 @@
+// Makes what a request asks for: portals where there are none yet, the picture, its report; nothing
+// that is there and fresh.
+#pragma once
+#include <functional>
+#include <string>
+
+#include "tools/tdpt/conversation.h"
+#include "tools/tdpt/first_look.h"
+#include "tools/tdpt/made.h"
+
+namespace tdpt {
+
+class Making {
+ public:
+  Making(const Arguments& a, const cli::Common& common, ProgressForm form);
+
+  /// The exit code. Throws Error for what is wrong before a program runs.
+  int run();
+  /// Prints the commands that run() would run, for a shell.
+  int print();
+
+ private:
+  /// How a program ended, or that the scene is no longer what was read of it before: then nothing
+  /// it made counts.
+  struct Ending {
+    int code = 0;
+    bool changed = false;
+    bool good() const { return code == 0 && !changed; }
+  };
+  /// Whether a program that runs reads the scene.
+  enum class Reads { scene, files };
+
+  bool all_is_fresh() const;
+  bool report_is_fresh() const;
+  void hold_picture();
+  Ending attempt();
+  Ending check();
+  Ending find_portals();
+  Ending run_stages();
+  Ending render();
+  Ending make_report();
+  /// `told` receives what the program says; decisions are said there only.
+  Ending run_program(const Words& words, const ChildProcess::How& how, Reads reads,
+                     std::string* told = nullptr);
+  Ending ending_of(const std::string& program, int code) const;
+  void begin_step(const std::string& title, const Words& words);
+  void keep_record(bool whole) const;
+  bool has_changed() const;
+  void settle();
+  void tell_end(int code) const;
+
+  const Arguments& a_;
+  const cli::Common& common_;
+  Request request_;
+  WorkFolder work_;
+  std::string programs_;
+  Conversation conversation_;
+  SceneState state_;
+  Pipeline pipeline_;
+  HeldEntry picture_, portals_;
+  std::unique_ptr<FirstLook> look_;
+  size_t step_ = 0, steps_ = 0;
+};
+
+}  // namespace tdpt

@@ -1,0 +1,148 @@
+#include "tools/tdpt/request.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <span>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include "libcommon/base/error.h"
+
+namespace tdpt {
+namespace {
+
+using Names = std::span<const std::string_view>;
+
+constexpr std::string_view kCamera[]{"--camera", "--look-from", "--look-at", "--up",
+                                     "--fov",    "--frame",     "--cull"};
+constexpr std::string_view kSky[]{"--environment", "--environment-rotation", "--environment-scale",
+                                  "--sun-angle", "--light-units"};
+constexpr std::string_view kDevice[]{"--device"};
+constexpr std::string_view kAll[]{"--seed", "--quality", "--no-provenance"};
+constexpr std::string_view kUnshaped[]{"--threads", "--max-memory", "--quiet", "--explain"};
+constexpr std::string_view kBeside[]{"--checkpoint", "--checkpoint-every", "--resume", "--stats",
+                                     "--nonzero",    "--preview",          "--json"};
+// Of this program alone.
+constexpr std::string_view kOwn[]{"--output",
+                                  "--work",
+                                  "--work-size",
+                                  "--force",
+                                  "--report",
+                                  "--dry-run",
+                                  "--clean",
+                                  "--progress",
+                                  "--portal",
+                                  "--dependencies",
+                                  "--dependencies-target"};
+
+bool is_one_of(Names names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+// A value that begins with a dash is no option of its own.
+void append(Words& words, const cli::Given& given) {
+  if (given.values.empty()) words.push_back(given.name);
+  for (const std::string& value : given.values) {
+    if (value.starts_with('-')) {
+      words.push_back(given.name + "=" + value);
+    } else {
+      words.push_back(given.name);
+      words.push_back(value);
+    }
+  }
+}
+
+std::string full_path(const std::string& path) {
+  std::error_code ignored;
+  return std::filesystem::weakly_canonical(std::filesystem::absolute(path, ignored), ignored)
+      .string();
+}
+
+Words words_in(const char* variable) {
+  Words words;
+  const char* text = std::getenv(variable);
+  for (std::string_view left = text ? text : ""; !left.empty();) {
+    const size_t end = std::min(left.find_first_of(" \t\n"), left.size());
+    if (end > 0) words.emplace_back(left.substr(0, end));
+    left.remove_prefix(std::min(end + 1, left.size()));
+  }
+  return words;
+}
+
+// One that shapes the picture, as who asks for it says it.
+std::string identity_of(const cli::Given& given) {
+  std::string text = given.name;
+  for (const std::string& value : given.values) {
+    std::error_code ignored;
+    const bool is_file = std::filesystem::is_regular_file(value, ignored);
+    text += " " + (is_file ? full_path(value) : value);
+  }
+  return text;
+}
+
+}  // namespace
+
+Request request_of(const Arguments& a, const cli::Common& common) {
+  if (a.scene.empty()) throw UsageError("no scene is given; 'tdpt --help' tells how");
+  if (!a.scene.ends_with(".glb") && !a.scene.ends_with(".gltf"))
+    throw UsageError(a.scene + ": is no .glb or .gltf");
+  if (!common.output_given || common.output == "-")
+    throw UsageError("-o is missing: the picture to write; 'tdpt --help' tells how");
+  if (!common.output.ends_with(".exr"))
+    throw UsageError("-o " + common.output + ": the picture is OpenEXR, name it .exr");
+  if (a.add_samples > 0 && a.resume.empty())
+    throw UsageError("--add-samples: needs --resume with the film of the picture");
+  Request r;
+  r.scene = a.scene.starts_with('-') ? "./" + a.scene : a.scene;
+  r.picture = common.output;
+  r.identity.push_back(full_path(a.scene));
+  for (const cli::Given& given : common.given) {
+    if (is_one_of(kUnshaped, given.name)) {
+      append(r.unshaped, given);
+    } else if (is_one_of(kBeside, given.name)) {
+      append(r.beside, given);
+    } else if (given.name == "--portal" || !is_one_of(kOwn, given.name)) {
+      r.identity.push_back(identity_of(given));
+      if (given.name == "--portal") continue;  // the renderer's, behind the scene
+      append(is_one_of(kCamera, given.name)   ? r.camera
+             : is_one_of(kSky, given.name)    ? r.sky
+             : is_one_of(kDevice, given.name) ? r.device
+             : is_one_of(kAll, given.name)    ? r.all
+                                              : r.render,
+             given);
+    }
+  }
+  size_t stage = 0;
+  for (const char* variable :
+       {"FFGRAPH_FLAGS", "MINCUT_FLAGS", "LIGHTGRID_FLAGS", "PORTALFIT_FLAGS"}) {
+    r.stage_flags[stage] = words_in(variable);
+    if (!r.stage_flags[stage].empty())
+      r.identity.push_back(fmt::format("{}={}", variable, fmt::join(r.stage_flags[stage], " ")));
+    ++stage;
+  }
+  return r;
+}
+
+bool uses_portals(const Arguments& a, bool scene_has_sky) {
+  if (a.integrator == "pt") return false;
+  if (a.integrator != "nee" && a.integrator != "bdpt") return true;
+  return scene_has_sky || !a.sky.environment.empty() || a.sky.sun_angle > 0;  // through windows
+}
+
+std::string difference(const Words& then, const Words& now) {
+  if (then.empty() || now.empty() || then[0] != now[0])
+    return "from " + (then.empty() ? "another scene" : then[0]);
+  const auto missing = [](const Words& from, const Words& in) {
+    Words words;
+    for (const std::string& word : from)
+      if (std::find(in.begin(), in.end(), word) == in.end()) words.push_back(word);
+    return fmt::format("{}", fmt::join(words, " "));
+  };
+  const std::string with = missing(then, now), without = missing(now, then);
+  if (with.empty()) return "without " + without;
+  return "with " + with + (without.empty() ? "" : ", not " + without);
+}
+
+}  // namespace tdpt

@@ -1,0 +1,97 @@
+#include "tools/tdpt/scene_state.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <optional>
+
+#include <nlohmann/json.hpp>
+
+#include "libcommon/base/error.h"
+#include "libcommon/base/file.h"
+#include "libcommon/base/hash.h"
+#include "libcommon/scene/scene_files.h"
+
+namespace tdpt {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Hash of a file; none where there is nothing to read.
+std::optional<std::string> hash_of(const std::string& path) {
+  std::error_code failed;
+  if (!fs::is_regular_file(path, failed)) return {};
+  try {
+    return content_hash_of_file(path);
+  } catch (const InputError&) {
+    return {};
+  }
+}
+
+// Which files it reads is told by its content, and kept: a large .gltf takes long to parse.
+SceneFiles files_of(const std::string& scene, const std::string& hash, const WorkFolder& work) {
+  using Json = nlohmann::json;
+  SceneFiles files;
+  const Json known = Json::parse(work.known(hash).value_or(""), nullptr, false);
+  try {
+    known.at("beside").get_to(files.beside);
+    known.at("environment").get_to(files.has_environment);
+    return files;
+  } catch (const Json::exception&) {
+    files = files_of_scene(scene);
+  }
+  try {
+    work.know(hash,
+              Json{{"beside", files.beside}, {"environment", files.has_environment}}.dump() + "\n");
+  } catch (const Json::exception&) {  // a name that is not UTF-8
+  }
+  return files;
+}
+
+// Whether it lies in the folder or below, links followed: no other is read.
+bool is_below(const fs::path& file, const fs::path& folder) {
+  std::error_code failed;
+  const fs::path of = fs::canonical(folder, failed), path = fs::canonical(file, failed);
+  return !failed && std::mismatch(of.begin(), of.end(), path.begin(), path.end()).first == of.end();
+}
+
+// Portals that an artist drew lie beside the scene, and no program made them.
+std::string drawn_portals(const std::string& scene) {
+  const std::string path = scene.substr(0, scene.find_last_of('.')) + ".portal.glb";
+  std::error_code failed;
+  if (path == scene || !fs::is_regular_file(path, failed)) return "";
+  const bool found = read_file(path).find("\"generator\":\"tdpt ") != std::string::npos;
+  return found ? "" : path;
+}
+
+}  // namespace
+
+SceneState state_of(const Arguments& a, const WorkFolder& work) {
+  SceneState state;
+  const std::string own = content_hash_of_file(a.scene);
+  std::string all = own;
+  state.files.push_back(a.scene);
+  fs::path folder = fs::path(a.scene).parent_path();
+  if (folder.empty()) folder = ".";
+  const SceneFiles files = files_of(a.scene, own, work);
+  state.has_sky = files.has_environment;
+  for (const std::string& name : files.beside) {
+    const std::string path = (folder / name).string();
+    const auto hash = is_below(path, folder) ? hash_of(path) : std::nullopt;
+    if (hash) state.files.push_back(path);
+    all += "\n" + hash.value_or("missing");
+  }
+  state.hash = content_hash(all);
+  const auto add = [&](const std::string& path, std::string& to) {
+    if (const auto hash = hash_of(path)) {
+      to = *hash;
+      state.files.push_back(path);
+    }
+  };
+  add(a.sky.environment, state.sky);
+  if (a.portals.empty()) state.drawn = drawn_portals(a.scene);
+  for (const std::string& path : a.portals) add(path, state.portals.emplace_back());
+  if (!state.drawn.empty()) add(state.drawn, state.portals.emplace_back());
+  return state;
+}
+
+}  // namespace tdpt

@@ -1,0 +1,407 @@
+"""tdpt_test.py BIN TESTDATA [TEST ...]: tdpt among other people: files that change under it, names that shells would run, other
+runs beside it, signals and kills. Each test is a fault that a front end made of a shell and Make had."""
+
+import json
+import os
+import random
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+import uuid
+
+BIN, TESTDATA = (os.path.abspath(path) for path in sys.argv[1:3])
+TDPT = os.path.join(BIN, "tdpt")
+QUICK = ["--spp", "2", "--width", "16"]
+# A rendering of some seconds, with a checkpoint every tenth of one.
+LONG = ["--spp", "400", "--width", "64", "--integrator", "tdpt-guided", "--checkpoint-every", "0.1", "--threads", "1"]
+
+
+class Tdpt(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.mkdtemp(prefix="tdpt_test.")
+        self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
+        self.cache = os.path.join(self.folder, "cache")
+        self.here = os.path.join(self.folder, "here")
+        os.mkdir(self.here)
+        self.mark = uuid.uuid4().hex
+        self.env = dict(os.environ, XDG_CACHE_HOME=self.cache, TDPT_TEST_MARK=self.mark, LC_ALL="C",
+                        FFGRAPH_FLAGS="--walks 2000 --samples 10000 --rounds 0", LIGHTGRID_FLAGS="--resolution 16 --lines 200")
+        self.scene("two-rooms", "room.glb")
+
+    def path(self, name):
+        return os.path.join(self.here, name)
+
+    def scene(self, name, to):
+        shutil.copyfile(os.path.join(TESTDATA, "scenes", name + ".glb"), self.path(to))
+
+    def start(self, *words, env=None, **more):
+        return subprocess.Popen([TDPT, *words], cwd=self.here, env=dict(self.env, **(env or {})), stdin=subprocess.DEVNULL,
+                                stdout=subprocess.PIPE, stderr=subprocess.PIPE, **more)
+
+    def run_tdpt(self, *words, expect=0, env=None):
+        child = self.start(*words, env=env)
+        out, err = (text.decode("utf-8", "surrogateescape") for text in child.communicate())
+        self.assertEqual(child.returncode, expect, f"tdpt {words}\n{err}")
+        return out, err
+
+    def bytes_of(self, name):
+        with open(self.path(name), "rb") as stream:
+            return stream.read()
+
+    def provenance(self, name):
+        return subprocess.run([os.path.join(BIN, "tdpt-info"), self.path(name)], check=True, capture_output=True,
+                              text=True).stdout
+
+    def processes(self):
+        """Those that a run has started, itself included."""
+        found = []
+        for pid in filter(str.isdigit, os.listdir("/proc")):
+            try:
+                with open(f"/proc/{pid}/environ", "rb") as stream:
+                    if self.mark.encode() in stream.read():
+                        with open(f"/proc/{pid}/stat", encoding="utf-8") as state:
+                            if state.read().rsplit(")", 1)[1].split()[0] != "Z":
+                                found.append(int(pid))
+            except OSError:
+                pass
+        return found
+
+    def wait_until(self, is_so, what, seconds=60):
+        end = time.monotonic() + seconds
+        while not is_so():
+            self.assertLess(time.monotonic(), end, f"not within {seconds} s: {what}")
+            time.sleep(0.005)
+
+    def runs(self, program):
+        def is_so():
+            for pid in self.processes():
+                try:
+                    with open(f"/proc/{pid}/cmdline", "rb") as stream:
+                        words = stream.read().split(b"\0")
+                    if words[0].endswith(b"/" + program.encode()) and b"--check" not in words:
+                        return True
+                except OSError:
+                    pass
+            return False
+        return is_so
+
+    def film(self):
+        for entry in os.listdir(os.path.join(self.cache, "tdpt")) if os.path.isdir(os.path.join(self.cache, "tdpt")) else []:
+            path = os.path.join(self.cache, "tdpt", entry, "film.exr")
+            if os.path.exists(path):
+                return path
+        return None
+
+    # Pictures and who made them.
+
+    def test_a_picture_made_by_hand_is_nobody_s(self):
+        subprocess.run([os.path.join(BIN, "tdpt-render"), "room.glb", "--spp", "1", "--width", "8", "--quiet", "-o", "p.exr"],
+                       cwd=self.here, check=True)
+        self.scene("furnace", "other.glb")
+        before = self.bytes_of("p.exr")
+        for more in ([], ["--dry-run"]):
+            out, err = self.run_tdpt("other.glb", "-o", "p.exr", *QUICK, *more, expect=2)
+            self.assertIn("tdpt did not make it; --force replaces it", err)
+            self.assertEqual(out, "")
+        self.assertEqual(self.bytes_of("p.exr"), before)
+        self.run_tdpt("other.glb", "-o", "p.exr", *QUICK, "--force")
+        self.assertNotEqual(self.bytes_of("p.exr"), before)
+        _, err = self.run_tdpt("other.glb", "-o", "p.exr", *QUICK)
+        self.assertIn("is up to date", err)
+        # The hand again, over a picture of tdpt's.
+        with open(self.path("p.exr"), "wb") as stream:
+            stream.write(before)
+        self.run_tdpt("other.glb", "-o", "p.exr", *QUICK, expect=2)
+
+    def test_another_command_s_picture_is_not_replaced(self):
+        self.run_tdpt("room.glb", "-o", "p.exr", *QUICK)
+        before = self.bytes_of("p.exr")
+        self.scene("furnace", "other.glb")
+        for words, says in ((["other.glb", *QUICK], r"from .*/room\.glb"), (["room.glb", *QUICK, "--seed", "2"], "without --seed 2"),
+                            (["room.glb", "--spp", "3", "--width", "16"], "with --spp 2, not --spp 3")):
+            _, err = self.run_tdpt(*words, "-o", "p.exr", expect=2)
+            self.assertRegex(err, f"^tdpt: p.exr: another command made it, {says}; --force replaces it\n$")
+        self.assertEqual(self.bytes_of("p.exr"), before)
+        # What shapes nothing makes no other command; a picture that was moved is known.
+        os.rename(self.path("p.exr"), self.path("q.exr"))
+        _, err = self.run_tdpt("room.glb", "-o", "q.exr", *QUICK, "--threads", "1")
+        self.assertIn("q.exr is up to date", err)
+
+    def test_an_older_scene_is_another_scene(self):
+        self.run_tdpt("room.glb", "-o", "p.exr", *QUICK)
+        first = self.bytes_of("p.exr")
+        self.scene("window", "room.glb")
+        self.run_tdpt("room.glb", "-o", "p.exr", *QUICK)
+        self.assertNotEqual(self.bytes_of("p.exr"), first)
+        # A backup is restored, with its time.
+        self.scene("two-rooms", "room.glb")
+        os.utime(self.path("room.glb"), (1e9, 1e9))
+        self.run_tdpt("room.glb", "-o", "p.exr", *QUICK)
+        self.assertEqual(self.bytes_of("p.exr"), first)
+        # A clock that went on, and a file that only looks new, make nothing.
+        os.utime(self.path("room.glb"))
+        _, err = self.run_tdpt("room.glb", "-o", "p.exr", *QUICK)
+        self.assertIn("is up to date", err)
+
+    def test_textures_and_skies_count(self):
+        subprocess.run(["sh", os.path.join(TESTDATA, "..", "libcommon", "testing", "loose_scene.sh"), self.path("room.glb"),
+                        self.path("loose")], check=True, cwd=self.here)
+        shutil.copyfile(os.path.join(TESTDATA, "environments", "clear.exr"), self.path("sky.exr"))
+        words = ["loose.gltf", "-o", "p.exr", *QUICK, "--environment", "sky.exr"]
+        self.run_tdpt(*words)
+        for name in ("loose.png", "loose.bin", "sky.exr"):
+            _, err = self.run_tdpt(*words)
+            self.assertIn("is up to date", err)
+            before = self.bytes_of(name)
+            with open(self.path(name), "ab") as stream:
+                stream.write(b" ")
+            out, _ = self.run_tdpt(*words, "--dry-run")
+            self.assertIn("/tdpt-render", out, f"{name} has changed")
+            with open(self.path(name), "wb") as stream:
+                stream.write(before)
+        os.rename(self.path("loose.png"), self.path("away.png"))
+        out, _ = self.run_tdpt(*words, "--dry-run")
+        self.assertIn("/tdpt-render", out, "a texture is gone")
+
+    def test_a_scene_that_is_saved_under_way(self):
+        slow = {"FFGRAPH_FLAGS": "--walks 400000 --samples 2000000 --rounds 0"}
+        for program in ("ffgraph", "lightgrid"):
+            with self.subTest(program):
+                self.scene("two-rooms", "room.glb")
+                shutil.rmtree(self.cache, ignore_errors=True)
+                child = self.start("room.glb", "-o", program + ".exr", *QUICK, env=slow)
+                self.wait_until(self.runs(program), f"{program} runs")
+                if program == "lightgrid":
+                    os.kill(next(iter(self.pids_of("lightgrid"))), signal.SIGSTOP)
+                self.scene("window", "new.glb")
+                os.replace(self.path("new.glb"), self.path("room.glb"))
+                for pid in self.pids_of("lightgrid"):
+                    os.kill(pid, signal.SIGCONT)
+                err = child.communicate()[1].decode()
+                self.assertEqual(child.returncode, 0, err)
+                self.assertEqual(err.count("room.glb has changed while tdpt was at work, which begins again"), 1, err)
+                _, err = self.run_tdpt("room.glb", "-o", program + ".exr", *QUICK, env=slow)
+                self.assertIn("is up to date", err)
+                self.run_tdpt("room.glb", "-o", "alone.exr", *QUICK, "--work", "fresh", env=slow)
+                self.assertEqual(self.bytes_of(program + ".exr"), self.bytes_of("alone.exr"))
+                os.remove(self.path("alone.exr"))
+
+    def pids_of(self, program):
+        return [pid for pid in self.processes()
+                if os.path.basename(os.readlink(f"/proc/{pid}/exe")) == program]
+
+    # Runs side by side.
+
+    def test_side_by_side(self):
+        cameras = {"a.exr": ["--look-from", "-1,1,0", "--look-at", "1,1,0"], "b.exr": ["--frame"], "c.exr": []}
+        children = {name: self.start("room.glb", "-o", name, *QUICK, *words) for name, words in cameras.items()}
+        children["c2"] = self.start("room.glb", "-o", "c.exr", *QUICK)
+        children["d.exr"] = self.start("room.glb", "-o", "d.exr", *QUICK)
+        for name, child in children.items():
+            err = child.communicate()[1].decode()
+            self.assertEqual(child.returncode, 0, f"{name}: {err}")
+        for name, words in cameras.items():
+            self.run_tdpt("room.glb", "-o", "alone-" + name, *QUICK, *words, "--work", "alone")
+            self.assertEqual(self.bytes_of(name), self.bytes_of("alone-" + name), name)
+        self.assertEqual(self.bytes_of("c.exr"), self.bytes_of("d.exr"))
+        # To and fro costs no stage.
+        for name, words in cameras.items():
+            out, _ = self.run_tdpt("room.glb", "-o", "e.exr", *QUICK, *words, "--dry-run")
+            self.assertNotIn("ffgraph", out)
+
+    def test_two_commands_for_one_picture(self):
+        first = self.start("room.glb", "-o", "p.exr", *QUICK)
+        self.wait_until(self.runs("ffgraph"), "the first is at work")
+        second = self.start("room.glb", "-o", "p.exr", *QUICK, "--seed", "2")
+        err = second.communicate()[1].decode()
+        self.assertEqual(first.wait(), 0)
+        first.communicate()
+        self.assertEqual(second.returncode, 2, err)
+        self.assertIn("another run of tdpt is making it", err)
+
+    # Names.
+
+    def test_names_are_never_run(self):
+        planted = "touch ${HOME}ran"
+        names = ["a$(id>ran).glb", "a`id>ran`b.glb", "a&id>ran&b.glb", "kitchen(1).glb", "My flat.glb", "it's.glb", "a;b #c%d.glb",
+                 "-a.glb", "line\nbreak.glb", "\udcff.glb"]
+        for name in names:
+            with self.subTest(name):
+                self.scene("two-rooms", name)
+                picture = name[:-4] + ".exr"
+                scene = name if not name.startswith("-") else "./" + name
+                self.run_tdpt(scene, "-o", "./" + picture, *QUICK)
+                out, _ = self.run_tdpt(scene, "-o", "./2" + picture, *QUICK, "--dry-run")
+                subprocess.run(["sh", "-e"], input=out.encode("utf-8", "surrogateescape"), cwd=self.here, check=True,
+                               capture_output=True)
+                self.assertEqual(self.bytes_of(picture), self.bytes_of("2" + picture))
+        for words in (["--seed", "1;id>ran"], ["--quality", "draft;id>ran"], ["--environment", "1,1,1;id>ran"],
+                      ["--device", f"gpu;{planted}"]):
+            self.run_tdpt("room.glb", "-o", "x.exr", *words, expect=2)
+        _, err = self.run_tdpt("room.glb", "-o", "x.exr", "--environment", "$(id>ran)", expect=3)
+        self.assertIn("$(id>ran): cannot be opened", err)
+        self.assertEqual([name for name in os.listdir(self.here) if name.endswith("ran")], [])
+        folder = os.path.join(self.here, "My Scenes")
+        os.mkdir(folder)
+        shutil.copyfile(self.path("room.glb"), os.path.join(folder, "My flat.glb"))
+        self.run_tdpt("My Scenes/My flat.glb", "-o", "My Scenes/My flat.exr", *QUICK, "--preview", "--work", "My Scenes/work here")
+
+    def test_dry_run_prints_what_can_be_run(self):
+        words = ["room.glb", *QUICK, "--quality", "draft", "--look-from", "-1,1,0", "--look-at=2,1,0", "--fov", "40"]
+        out, _ = self.run_tdpt(*words, "-o", "by-hand.exr", "--work", "dry", "--dry-run")
+        self.assertEqual(os.listdir(self.here), ["room.glb"])
+        subprocess.run(["sh", "-e"], input=out, text=True, cwd=self.here, check=True, capture_output=True)
+        self.run_tdpt(*words, "-o", "by-tdpt.exr")
+        self.assertEqual(self.bytes_of("by-hand.exr"), self.bytes_of("by-tdpt.exr"))
+
+    # Signals.
+
+    def stop(self, number, to="child", before=None):
+        child = self.start("room.glb", "-o", "p.exr", *LONG, start_new_session=True)
+        self.wait_until(before or (lambda: self.film()), "there is a film")
+        (os.killpg if to == "group" else os.kill)(child.pid, number)
+        err = child.communicate()[1].decode()
+        return child.returncode, err
+
+    def test_a_signal_leaves_the_picture_and_the_next_run_goes_on(self):
+        self.run_tdpt("room.glb", "-o", "whole.exr", *LONG)
+        for number, to in ((signal.SIGTERM, "child"), (signal.SIGINT, "group"), (signal.SIGHUP, "child")):
+            with self.subTest(f"{number} to {to}"):
+                code, err = self.stop(number, to)
+                self.assertEqual(code, 6, err)
+                self.assertIn("p.exr has what was rendered until then; the same command goes on", err)
+                self.assertEqual(self.processes(), [])
+                self.assertNotEqual(self.bytes_of("p.exr"), self.bytes_of("whole.exr"))
+                _, err = self.run_tdpt("room.glb", "-o", "p.exr", *LONG)
+                self.assertIn("goes on from", err)
+                self.assertEqual(self.bytes_of("p.exr"), self.bytes_of("whole.exr"))
+                self.assertEqual(sorted(os.listdir(self.here)), ["p.exr", "room.glb", "whole.exr"])
+                os.remove(self.path("p.exr"))
+
+    def test_a_signal_before_the_picture(self):
+        code, _ = self.stop(signal.SIGTERM, before=self.runs("ffgraph"))
+        self.assertEqual(code, 6)
+        self.assertEqual(self.processes(), [])
+        self.assertEqual(os.listdir(self.here), ["room.glb"])
+        self.run_tdpt("room.glb", "-o", "p.exr", *LONG)
+
+    def test_a_signal_that_is_ignored_stays_ignored(self):
+        def ignore():
+            signal.signal(signal.SIGHUP, signal.SIG_IGN)
+        child = self.start("room.glb", "-o", "p.exr", *QUICK, preexec_fn=ignore, start_new_session=True)
+        self.wait_until(self.runs("ffgraph"), "it is at work")
+        os.killpg(child.pid, signal.SIGHUP)
+        self.assertEqual(child.wait(), 0)
+        child.communicate()
+
+    def test_outlives_its_parent(self):
+        words = [TDPT, "room.glb", "-o", "p.exr", *QUICK]
+        shell = subprocess.Popen(["sh", "-c", '"$@" 2>err & sleep 60', "sh", *words], cwd=self.here, env=self.env)
+        self.wait_until(self.runs("ffgraph"), "it is at work")
+        shell.kill()
+        shell.wait()
+        self.wait_until(lambda: os.path.exists(self.path("p.exr")) and not self.pids_of("tdpt"), "the picture")
+        for pid in self.processes():  # the shell's sleep
+            os.kill(pid, signal.SIGKILL)
+
+    def test_fifty_kills_leave_nothing_behind(self):
+        words = ["room.glb", "-o", "p.exr", "--preview", "--spp", "60", "--width", "48", "--checkpoint-every", "0"]
+        began = time.monotonic()
+        self.run_tdpt("room.glb", "-o", "whole.exr", *words[3:])
+        lasts = time.monotonic() - began
+        draw = random.Random(7)
+        remaining = finished = 0
+        for i in range(50):
+            if i % 10 == 0:  # through the stages, too
+                shutil.rmtree(os.path.join(self.cache, "tdpt"), ignore_errors=True)
+                for name in ("p.exr", "p.png"):
+                    if os.path.exists(self.path(name)):
+                        os.remove(self.path(name))
+            child = self.start(*words)
+            time.sleep(draw.random() * lasts)
+            number = draw.choice([signal.SIGKILL, signal.SIGTERM, signal.SIGINT])
+            child.send_signal(number)
+            err = child.communicate()[1].decode()
+            self.assertIn(child.returncode, (0, 6, -number), err)
+            finished += child.returncode == 0
+            end = time.monotonic() + 2
+            while self.processes() and time.monotonic() < end:
+                time.sleep(0.005)
+            remaining += len(self.processes())
+            self.assertLessEqual(set(os.listdir(self.here)), {"p.exr", "p.png", "room.glb", "whole.exr", "whole.png"})
+        self.assertEqual(remaining, 0)
+        self.assertLess(finished, 45, "the kills came too late to mean anything")
+        self.run_tdpt(*words)
+        self.assertEqual(self.bytes_of("p.exr"), self.bytes_of("whole.exr"))
+        self.assertEqual(self.bytes_of("p.png"), self.bytes_of("whole.png"))
+        left = [name for _, _, files in os.walk(self.cache) for name in files
+                if name.startswith(("partial", ".tdpt-", "film", "made", "look"))]
+        self.assertEqual(left, [])
+
+    # What it says.
+
+    def test_progress_is_one_line_or_json(self):
+        _, err = self.run_tdpt("room.glb", "-o", "p.exr", *QUICK, "--progress", "json", "--quiet")
+        steps = [json.loads(line)["progress"] for line in err.splitlines()]
+        self.assertEqual([s["program"] for s in steps if "what" not in s],
+                         ["tdpt-render", "ffgraph", "mincut", "lightgrid", "portalfit", "tdpt-render"])
+        self.assertTrue(all(1 <= s["step"] <= s["steps"] == 5 for s in steps), steps)
+        script = subprocess.run(["script", "-qec", f"{TDPT} room.glb -o t.exr --spp 60 --width 64", "/dev/null"], cwd=self.here,
+                                env=self.env, capture_output=True, stdin=subprocess.DEVNULL, check=False)
+        if script.returncode != 0 and b"script:" in script.stdout + script.stderr:
+            self.skipTest("no pseudo-terminal")
+        self.assertRegex(script.stdout.decode(), r"\[1/1\] rendering")
+
+    def test_a_picture_to_look_at_comes_first(self):
+        slow = {"FFGRAPH_FLAGS": "--walks 400000 --samples 4000000 --rounds 0"}
+        child = self.start("room.glb", "-o", "p.exr", *QUICK, "--preview", env=slow)
+        self.wait_until(lambda: os.path.exists(self.path("p.png")), "a preview")
+        self.assertTrue(self.runs("ffgraph")(), "the preview waits for the stages")
+        self.assertFalse(os.path.exists(self.path("p.exr")))
+        first = self.bytes_of("p.png")
+        self.assertEqual(child.wait(), 0)
+        child.communicate()
+        self.assertNotEqual(self.bytes_of("p.png"), first)
+
+    def test_portals_only_where_they_are_of_use(self):
+        for integrator, stages in (("pt", 0), ("bdpt", 0), ("nee", 0), ("tdpt", 4), ("auto", 4)):
+            out, _ = self.run_tdpt("room.glb", "-o", "p.exr", "--integrator", integrator, "--dry-run")
+            self.assertEqual(len(re.findall("/(ffgraph|mincut|lightgrid|portalfit) ", out)), stages, integrator)
+        out, _ = self.run_tdpt("room.glb", "-o", "p.exr", "--integrator", "nee", "--environment", "1,1,1", "--dry-run")
+        self.assertIn("/ffgraph ", out)
+
+    # The folder of work.
+
+    def test_the_cache_is_bounded_and_emptied(self):
+        def entries():
+            return [name for name in os.listdir(os.path.join(self.cache, "tdpt")) if name.startswith("portals-")]
+        for seed in ("1", "2", "3"):
+            self.run_tdpt("room.glb", "-o", seed + ".exr", *QUICK, "--seed", seed)
+        self.assertEqual(len(entries()), 3)
+        last = max(entries(), key=lambda name: os.path.getmtime(os.path.join(self.cache, "tdpt", name)))
+        size = sum(os.path.getsize(os.path.join(self.cache, "tdpt", last, name))
+                   for name in os.listdir(os.path.join(self.cache, "tdpt", last)))
+        self.run_tdpt("room.glb", "-o", "3.exr", *QUICK, "--seed", "3", "--work-size", str(size + 1))
+        self.assertEqual(entries(), [last])
+        self.run_tdpt("--clean")
+        self.assertEqual(entries(), [])
+        # What was made is still known.
+        _, err = self.run_tdpt("room.glb", "-o", "3.exr", *QUICK, "--seed", "3")
+        self.assertIn("is up to date", err)
+
+    def test_what_another_run_uses_is_not_removed(self):
+        child = self.start("room.glb", "-o", "p.exr", *LONG)
+        self.wait_until(lambda: self.film(), "it renders")
+        self.run_tdpt("--clean")
+        self.assertTrue(self.film())
+        self.assertEqual(child.wait(), 0)
+        child.communicate()
+
+
+if __name__ == "__main__":
+    unittest.main(argv=[sys.argv[0], *("Tdpt." + name for name in sys.argv[3:])], verbosity=1)
