@@ -25,7 +25,7 @@ cp "$testdata/scenes/two-rooms.glb" "$root/srv/tdpt/room.glb"
 inside() { chroot "$root" env DEBIAN_FRONTEND=noninteractive LC_ALL=C sh -euc "$1"; }
 
 inside 'apt-get -q update && apt-get -q -y install /srv/tdpt/tdpt.deb'
-for program in ffgraph mincut lightgrid portalfit tdpt-render exrdiff; do
+for program in ffgraph mincut lightgrid portalfit tdpt-render exrdiff exrmerge tdpt-info tdpt; do
   inside "$program --version"
 done
 inside 'cd /srv/tdpt

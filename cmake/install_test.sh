@@ -22,10 +22,12 @@ uninstall() { DESTDIR=$1 PATH=$work/bin sh "$here/uninstall.sh" "$2" >"$work/log
 empty=$work/an\ empty\ one
 mkdir "$empty"
 install "$empty" /opt/tdpt
-for program in ffgraph mincut lightgrid portalfit tdpt-render exrdiff; do
+for program in ffgraph mincut lightgrid portalfit tdpt-render exrdiff exrmerge tdpt-info tdpt; do
   "$empty/opt/tdpt/bin/$program" --version >/dev/null || complain "$program: does not run where it is installed"
   [ -s "$empty/opt/tdpt/share/man/man1/$program.1" ] || complain "$program: its page is not installed"
 done
+"$empty/opt/tdpt/bin/tdpt" "$here/../testdata/scenes/two-rooms.glb" -o "$work/a.exr" --integrator bdpt --spp 1 --width 8 --quiet \
+  --work "$work/cache" || complain "tdpt does not find the programs where it is installed"
 for file in share/man/man7/tdpt.7 share/tdpt/tdpt.mk share/doc/tdpt/LICENSE; do
   [ -s "$empty/opt/tdpt/$file" ] || complain "$file is not installed"
 done

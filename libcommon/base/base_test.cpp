@@ -252,5 +252,24 @@ TEST(provenance, keeps_the_file_name_only) {
   EXPECT_EQ(p.lines[1], "from room.max 0123");
 }
 
+TEST(hash, of_a_file_is_that_of_its_bytes) {
+  const Folder folder;
+  for (const size_t size : {size_t{0}, size_t{1}, (size_t{1} << 20) + 1}) {
+    const std::string bytes(size, 'x'), path = folder.path / "bytes";
+    std::ofstream(path, std::ios::binary) << bytes;
+    EXPECT_EQ(content_hash_of_file(path), content_hash(bytes)) << size;
+  }
+  EXPECT_THROW(content_hash_of_file(folder.path / "missing"), InputError);
+  EXPECT_THROW(content_hash_of_file(folder.path), InputError);
+}
+
+TEST(provenance, names_and_values_keep_to_their_line) {
+  Provenance p;
+  p.made_by("tool", "tool --camera a\nb");
+  p.from("folder/line\nbreak.glb", "00");
+  EXPECT_TRUE(p.lines[0].ends_with(": tool --camera a?b"));
+  EXPECT_EQ(p.lines[1], "from line?break.glb 00");
+}
+
 }  // namespace
 }  // namespace tdpt
