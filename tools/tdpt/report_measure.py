@@ -9,6 +9,7 @@ library alone.
 """
 
 import argparse
+import ctypes
 import filecmp
 import json
 import os
@@ -65,10 +66,17 @@ def size_of(ours, width):
     return ["--width", str(width)]
 
 
+def die_with_parent():
+    """Before a program starts: that it is killed when this one is, by SIGKILL too. On Linux alone."""
+    if sys.platform == "linux":
+        PR_SET_PDEATHSIG = 1
+        ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
+
+
 def run(command, env=None):
     """-> standard output, standard error, largest memory [bytes]; ends what it started when it is ended itself."""
     read_out, write_out = os.pipe()
-    child = subprocess.Popen(command, stdout=write_out, stderr=subprocess.PIPE, env=env)
+    child = subprocess.Popen(command, stdout=write_out, stderr=subprocess.PIPE, env=env, preexec_fn=die_with_parent)
     os.close(write_out)
     try:
         kept = []

@@ -79,16 +79,16 @@ class Tdpt(unittest.TestCase):
 
     def runs(self, program):
         def is_so():
-            for pid in self.processes():
-                try:
-                    with open(f"/proc/{pid}/cmdline", "rb") as stream:
-                        words = stream.read().split(b"\0")
-                    if words[0].endswith(b"/" + program.encode()) and b"--check" not in words:
-                        return True
-                except OSError:
-                    pass
-            return False
+            return any(b"--check" not in self.command_of(pid).split(b"\0") for pid in self.pids_of(program))
         return is_so
+
+    @staticmethod
+    def command_of(pid):
+        try:
+            with open(f"/proc/{pid}/cmdline", "rb") as stream:
+                return stream.read()
+        except OSError:  # it has ended
+            return b"--check"
 
     def film(self):
         for entry in os.listdir(os.path.join(self.cache, "tdpt")) if os.path.isdir(os.path.join(self.cache, "tdpt")) else []:
@@ -192,8 +192,14 @@ class Tdpt(unittest.TestCase):
                 os.remove(self.path("alone.exr"))
 
     def pids_of(self, program):
-        return [pid for pid in self.processes()
-                if os.path.basename(os.readlink(f"/proc/{pid}/exe")) == program]
+        found = []
+        for pid in self.processes():
+            try:
+                if os.path.basename(os.readlink(f"/proc/{pid}/exe")) == program:
+                    found.append(pid)
+            except OSError:  # it has ended
+                pass
+        return found
 
     # Runs side by side.
 
@@ -342,6 +348,18 @@ class Tdpt(unittest.TestCase):
         left = [name for _, _, files in os.walk(self.cache) for name in files
                 if name.startswith(("partial", ".tdpt-", "film", "made", "look"))]
         self.assertEqual(left, [])
+
+    def test_a_report_that_is_killed_leaves_no_process(self):
+        def measures():
+            return any(b"/report/" in self.command_of(pid) for pid in self.pids_of("tdpt-render"))
+        for number, code in ((signal.SIGKILL, -9), (signal.SIGTERM, 6)):
+            child = self.start("room.glb", "-o", "p.exr", *QUICK, "--report", env={"REPORT_TIME": "30", "REPORT_WIDTH": "64"})
+            self.wait_until(measures, "the report is measured")
+            child.send_signal(number)
+            err = child.communicate()[1].decode()
+            self.assertEqual(child.returncode, code, err)
+            self.wait_until(lambda: not self.processes(), "all have ended", 5)
+            self.assertEqual(sorted(os.listdir(self.here)), ["p.exr", "room.glb"])
 
     # What it says.
 
