@@ -351,14 +351,14 @@ class Tdpt(unittest.TestCase):
 
     def test_a_report_that_is_killed_leaves_no_process(self):
         def measures():
-            return any(b"/report/" in self.command_of(pid) for pid in self.pids_of("tdpt-render"))
+            return any(b"/report/with.0.exr" in self.command_of(pid) for pid in self.pids_of("tdpt-render"))
         for number, code in ((signal.SIGKILL, -9), (signal.SIGTERM, 6)):
-            child = self.start("room.glb", "-o", "p.exr", *QUICK, "--report", env={"REPORT_TIME": "30", "REPORT_WIDTH": "64"})
+            child = self.start("room.glb", "-o", "p.exr", *QUICK, "--report", env={"REPORT_TIME": "150", "REPORT_WIDTH": "64"})
             self.wait_until(measures, "the report is measured")
             child.send_signal(number)
             err = child.communicate()[1].decode()
             self.assertEqual(child.returncode, code, err)
-            self.wait_until(lambda: not self.processes(), "all have ended", 5)
+            self.wait_until(lambda: not self.processes(), "all have ended", 2)
             self.assertEqual(sorted(os.listdir(self.here)), ["p.exr", "room.glb"])
 
     # What it says.
