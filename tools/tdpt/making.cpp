@@ -45,6 +45,16 @@ bool is_there(const std::string& path) {
   return fs::exists(path, failed);
 }
 
+// A result of a stage, with the hash that it got when it was whole: a file that was damaged since
+// is none.
+bool is_whole(const std::string& result) {
+  try {
+    return is_there(result) && read_file(result + ".hash") == content_hash_of_file(result) + "\n";
+  } catch (const InputError&) {
+    return false;
+  }
+}
+
 std::string variable(const char* name, const char* usual) {
   const char* value = std::getenv(name);
   return value && *value ? value : usual;
@@ -165,14 +175,15 @@ Making::Ending Making::attempt() {
   }
   step_ = 0;
   steps_ = !made + !a_.report.empty();
-  if (!pipeline_.stages.empty() && !is_there(pipeline_.stages.back().output))
+  if (!pipeline_.stages.empty() && !is_whole(pipeline_.stages.back().output))
     steps_ += pipeline_.stages.size();
   Ending ending = check();
   if (ending.good()) ending = find_portals();
   if (ending.good() && !made) ending = render();
   if (ending.good() && !report_is_fresh()) ending = make_report();
   if (ending.good()) {
-    clear(folder, {});
+    std::error_code ignored;
+    fs::remove_all(folder, ignored);
     std::string files = made ? "" : request_.picture;
     for (const std::string& path : {a_.preview, a_.stats, a_.nonzero, a_.report})
       if (!path.empty() && is_there(path)) files += (files.empty() ? "" : ", ") + path;
@@ -200,10 +211,10 @@ Making::Ending Making::find_portals() {
   };
   for (;;) {
     portals_ = work_.hold(pipeline_.portals_entry, WorkFolder::For::reading, waits);
-    if (is_there(found)) break;
+    if (is_whole(found)) break;
     portals_ = {};
     portals_ = work_.hold(pipeline_.portals_entry, WorkFolder::For::writing, waits);
-    if (!is_there(found))
+    if (!is_whole(found))
       if (const Ending ending = run_stages(); !ending.good()) return ending;
     portals_ = {};  // held by all who read it from here on
   }
@@ -214,7 +225,7 @@ Making::Ending Making::run_stages() {
   std::vector<std::string> whole;
   for (const Step& step : pipeline_.stages) {
     whole.push_back(name_of(step.output));
-    for (const char* end : {".command", ".told.json", ".told.txt", ".told.png"})
+    for (const char* end : {".hash", ".command", ".told.json", ".told.txt", ".told.png"})
       whole.push_back(name_of(step.output) + end);
   }
   clear(portals_.path(), whole);
@@ -222,7 +233,7 @@ Making::Ending Making::run_stages() {
     look_ = std::make_unique<FirstLook>(a_, request_, programs_, picture_.path(), a_.preview);
   for (const Step& step : pipeline_.stages) {
     begin_step(step.title, step.options);
-    if (is_there(step.output)) continue;
+    if (is_whole(step.output)) continue;
     const std::string partial = portals_.path() + "/" + kPartial + name_of(step.output);
     Words words = step.command(partial);
     words.insert(words.end(), {"--progress", "json"});
@@ -241,6 +252,7 @@ Making::Ending Making::run_stages() {
     if (!ending.good()) return ending;
     if (!a_.report.empty()) write_output(step.output + ".told.txt", told);
     write_output(step.output + ".command", shell_text(step.options) + "\n");
+    write_output(step.output + ".hash", content_hash_of_file(partial) + "\n");
     rename_whole(partial, step.output);
   }
   look_.reset();
@@ -264,7 +276,14 @@ Making::Ending Making::render() {
   words.insert(words.end(), {"--progress", "json"});
   ChildProcess::How how;
   how.shares_stdout = true;
-  const Ending ending = run_program(words, how, Reads::scene);
+  const std::string film = picture_.path() + "/film.exr";
+  const bool goes_on = is_there(film);
+  Ending ending = run_program(words, how, Reads::scene);
+  if (ending.code == static_cast<int>(Exit::bad_input) && !ending.changed && goes_on) {
+    common_.note("what the run before left cannot be used; begins with the first sample");
+    fs::remove(film, failed);
+    ending = run_program(words, how, Reads::scene);
+  }
   if (ending.changed) return ending;
   if (ending.code == 0) keep_record(true);
   if (ending.code == kStopped && is_there(request_.picture) &&
@@ -353,7 +372,8 @@ Making::Ending Making::run_program(const Words& words, const ChildProcess::How& 
     }
     return true;
   };
-  while (child.read(text) || !child.exit_code()) {
+  while (!child.exit_code()) {
+    child.read(text);
     if (!hear()) return {0, true};
     if (stop_requested() && !std::exchange(told_to_stop, true)) child.send(SIGTERM);
     if (look_) look_->tick();
@@ -361,6 +381,7 @@ Making::Ending Making::run_program(const Words& words, const ChildProcess::How& 
     pollfd wait{child.descriptor(), POLLIN, 0};
     ::poll(&wait, 1, child.descriptor() < 0 ? 10 : 100);
   }
+  child.read(text);
   text += text.empty() || text.ends_with('\n') ? "" : "\n";
   if (!hear() || (!looked && has_changed())) return {0, true};
   return ending_of(name_of(words[0]), child.exit_code().value_or(0));
@@ -378,7 +399,7 @@ int Making::print() {
   Words folders{"mkdir", "-p"};
   std::string commands;
   for (const Step& step : pipeline_.stages)
-    if (!is_there(step.output)) commands += shell_text(step.command(step.output)) + "\n";
+    if (!is_whole(step.output)) commands += shell_text(step.command(step.output)) + "\n";
   if (!commands.empty()) folders.push_back(work_.path_of(pipeline_.portals_entry));
   if (pipeline_.keeps_film) folders.push_back(work_.path_of(pipeline_.picture_entry));
   if (folders.size() > 2) commands = shell_text(folders) + "\n" + commands;

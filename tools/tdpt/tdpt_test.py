@@ -412,6 +412,31 @@ class Tdpt(unittest.TestCase):
         _, err = self.run_tdpt("room.glb", "-o", "3.exr", *QUICK, "--seed", "3")
         self.assertIn("is up to date", err)
 
+    def test_a_damaged_cache_costs_time_alone(self):
+        self.run_tdpt("room.glb", "-o", "p.exr", *QUICK)
+        before = self.bytes_of("p.exr")
+        for i, name in enumerate(("scene.max", "scene.cut", "scene.vdb", "scene.portal.glb", "scene.vdb.hash", "known")):
+            for folder, _, files in os.walk(self.cache):
+                for file in files:
+                    if file == name or name == "known" and file.startswith("known-"):
+                        with open(os.path.join(folder, file), "r+b") as stream:
+                            stream.truncate(10)
+            if name != "known":  # the last of them is missing, too: all are looked at
+                for folder, _, files in os.walk(self.cache):
+                    if "scene.portal.glb" in files:
+                        os.remove(os.path.join(folder, "scene.portal.glb"))
+            self.run_tdpt("room.glb", "-o", f"{i}.exr", *QUICK)
+            self.assertEqual(self.bytes_of(f"{i}.exr"), before, name)
+
+    def test_a_checkpoint_that_is_damaged_is_left(self):
+        self.run_tdpt("room.glb", "-o", "whole.exr", *LONG)
+        self.stop(signal.SIGTERM)
+        with open(self.film(), "r+b") as stream:
+            stream.truncate(1000)
+        _, err = self.run_tdpt("room.glb", "-o", "p.exr", *LONG)
+        self.assertIn("what the run before left cannot be used; begins with the first sample", err)
+        self.assertEqual(self.bytes_of("p.exr"), self.bytes_of("whole.exr"))
+
     def test_what_another_run_uses_is_not_removed(self):
         child = self.start("room.glb", "-o", "p.exr", *LONG)
         self.wait_until(lambda: self.film(), "it renders")
