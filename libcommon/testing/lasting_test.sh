@@ -263,7 +263,7 @@ traps() {
   refused 3 'another plan than p16.json' few --plan p16.json --shard 0/2 --checkpoint k.exr --resume k.exr -o k0.exr
   few --plan p8.json -o p.exr && few --spp 8 --no-provenance -o q.exr || fail "a plan is not obeyed"
   exrdiff --json p.exr q.exr | grep -q '"mse":0.0,' || fail "a plan is obeyed otherwise"
-  refused 2 'p8.json is of 8 samples' few --spp 4 --plan p8.json -o p.exr
+  refused 2 'p8.json is of 8 samples' few --spp 16 --plan p8.json -o p.exr
   refused 3 'is of another depth' few --max-depth 3 --plan p8.json -o p.exr
 
   # What has ended by the clock has ended.

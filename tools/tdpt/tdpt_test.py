@@ -18,7 +18,7 @@ BIN, TESTDATA = (os.path.abspath(path) for path in sys.argv[1:3])
 TDPT = os.path.join(BIN, "tdpt")
 QUICK = ["--spp", "2", "--width", "16"]
 # A rendering of some seconds, with a checkpoint every tenth of one.
-LONG = ["--spp", "400", "--width", "64", "--integrator", "tdpt-guided", "--checkpoint-every", "0.1", "--threads", "1"]
+LONG = ["--spp", "100", "--width", "64", "--integrator", "tdpt-guided", "--checkpoint-every", "0.1", "--threads", "1"]
 
 
 class Tdpt(unittest.TestCase):
@@ -169,7 +169,7 @@ class Tdpt(unittest.TestCase):
         self.assertIn("/tdpt-render", out, "a texture is gone")
 
     def test_a_scene_that_is_saved_under_way(self):
-        slow = {"FFGRAPH_FLAGS": "--walks 400000 --samples 2000000 --rounds 0"}
+        slow = {"FFGRAPH_FLAGS": "--walks 100000 --samples 800000 --rounds 0"}
         for program in ("ffgraph", "lightgrid"):
             with self.subTest(program):
                 self.scene("two-rooms", "room.glb")
@@ -376,7 +376,7 @@ class Tdpt(unittest.TestCase):
         self.assertRegex(script.stdout.decode(), r"\[1/1\] rendering")
 
     def test_a_picture_to_look_at_comes_first(self):
-        slow = {"FFGRAPH_FLAGS": "--walks 400000 --samples 4000000 --rounds 0"}
+        slow = {"FFGRAPH_FLAGS": "--walks 100000 --samples 2000000 --rounds 0"}
         child = self.start("room.glb", "-o", "p.exr", *QUICK, "--preview", env=slow)
         self.wait_until(lambda: os.path.exists(self.path("p.png")), "a preview")
         self.assertTrue(self.runs("ffgraph")(), "the preview waits for the stages")
@@ -446,5 +446,16 @@ class Tdpt(unittest.TestCase):
         child.communicate()
 
 
+class Timed(unittest.TextTestResult):
+    def startTest(self, test):
+        self.began = time.monotonic()
+        super().startTest(test)
+
+    def stopTest(self, test):
+        print(f"{time.monotonic() - self.began:6.1f} s  {test._testMethodName}", flush=True)
+        super().stopTest(test)
+
+
 if __name__ == "__main__":
-    unittest.main(argv=[sys.argv[0], *("Tdpt." + name for name in sys.argv[3:])], verbosity=1)
+    unittest.main(argv=[sys.argv[0], *("Tdpt." + name for name in sys.argv[3:])],
+                  testRunner=unittest.TextTestRunner(resultclass=Timed))
