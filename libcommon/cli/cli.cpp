@@ -13,6 +13,7 @@
 #include "libcommon/base/error.h"
 #include "libcommon/base/memory_limit.h"
 #include "libcommon/base/progress.h"
+#include "libcommon/base/say.h"
 #include "libcommon/base/threads.h"
 #include "libcommon/cli/completion.h"
 #include "libcommon/cli/dependencies.h"
@@ -34,16 +35,16 @@ Provenance Common::provenance(const std::vector<Input>& inputs) const {
 }
 
 void Common::note(const std::string& sentence) const {
-  if (!quiet) fmt::print(stderr, "{}: {}\n", tool, sentence);
+  if (!quiet) say(fmt::format("{}: {}", tool, sentence));
 }
 
 void Common::explain_by(const std::function<Decisions()>& decisions) const {
   if (!explain) return;
-  for (const Decision& d : decisions()) fmt::print(stderr, "{}: {}\n", tool, sentence(d));
+  for (const Decision& d : decisions()) say(fmt::format("{}: {}", tool, sentence(d)));
 }
 
 void Common::warn(const std::string& sentence) const {
-  fmt::print(stderr, "{}: warning: {}\n", tool, sentence);
+  say(fmt::format("{}: warning: {}", tool, sentence));
 }
 
 void Common::note_of(const std::string& file, const std::string& sentence) const {
@@ -456,7 +457,7 @@ int Options::run_main(int argc, char** argv, const std::function<int()>& run) {
     for (char& c : line)
       if (c == '\n' || c == '\r') c = ' ';
     std::cout.flush();
-    fmt::print(stderr, "{}: {}\n", common.tool, line);
+    say(fmt::format("{}: {}", common.tool, line));
     return static_cast<int>(code);
   };
   // What was printed may still be in a buffer, or have failed when it was full: a full disk shows
@@ -469,6 +470,7 @@ int Options::run_main(int argc, char** argv, const std::function<int()>& run) {
     std::fputs(text.c_str(), stdout);
     return flushed(0);
   };
+  open_standard_streams();
   try {
     try {
       std::vector<std::string> words = without_short_forms(argc, argv);

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "libcommon/base/error.h"
+#include "libcommon/base/say.h"
 #include "libcommon/cli/built_with.h"
 #include "libcommon/cli/cli.h"
 #include "tools/tdpt-info/knowledge.h"
@@ -33,7 +34,7 @@ int run(const Arguments& a, const cli::Common& common) {
       std::fputs(text.c_str(), stdout);
     } catch (const InputError& e) {
       if (a.files.size() == 1) throw;
-      fmt::print(stderr, "{}: {}\n", common.tool, e.what());
+      say(fmt::format("{}: {}", common.tool, e.what()));
       if (code == 0) code = static_cast<int>(e.code);
     }
   }

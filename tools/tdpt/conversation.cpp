@@ -4,7 +4,9 @@
 
 #include <fmt/format.h>
 #include <unistd.h>
+
 #include <nlohmann/json.hpp>
+#include "libcommon/base/say.h"
 
 namespace tdpt {
 namespace {
@@ -46,8 +48,9 @@ void Conversation::clear() {
 void Conversation::show(const std::string& how_far) {
   shown_ = Clock::now();
   if (form_ != ProgressForm::automatic) return;
-  fmt::print(stderr, "\r\033[K[{}/{}] {}{}{}", number_, steps_, title_, how_far.empty() ? "" : ": ",
-             how_far);
+  const std::string line = fmt::format("\r\033[K[{}/{}] {}{}{}", number_, steps_, title_,
+                                       how_far.empty() ? "" : ": ", how_far);
+  std::fputs(line.c_str(), stderr);
   std::fflush(stderr);
   visible_ = true;
 }
@@ -60,7 +63,7 @@ void Conversation::step(size_t number, size_t steps, const std::string& title,
   show("");
   if (form_ != ProgressForm::json) return;
   const Json json{{"step", number}, {"steps", steps}, {"title", title}, {"program", program}};
-  fmt::print(stderr, "{}\n", Json{{"progress", json}}.dump());
+  tdpt::say(Json{{"progress", json}}.dump());
 }
 
 bool Conversation::heard(const std::string& line) {
@@ -91,7 +94,7 @@ void Conversation::tick() {
 
 void Conversation::say(const std::string& line) {
   clear();
-  fmt::print(stderr, "{}\n", line);
+  tdpt::say(line);
 }
 
 }  // namespace tdpt

@@ -1,6 +1,8 @@
 #include "tools/tdpt/made.h"
 
+#include <algorithm>
 #include <filesystem>
+#include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -8,89 +10,123 @@
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
 #include "libcommon/base/hash.h"
+#include "libcommon/base/output_file.h"
 #include "libcommon/base/shown.h"
 
 namespace tdpt {
 namespace {
 
-namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-bool is_there(const std::string& path) {
-  std::error_code failed;
-  return fs::is_regular_file(path, failed);
+constexpr size_t kMostMakers = 32;  // of the same bytes
+
+// Words may hold what is no UTF-8, and are compared as they are kept.
+Json as_kept(const Words& words) {
+  const Json json(words);
+  return Json::parse(json.dump(-1, ' ', true, Json::error_handler_t::replace));
+}
+
+Json json_of(const Made& made) {
+  return {{"identity", as_kept(made.identity)},
+          {"key", made.key},
+          {"whole", made.whole},
+          {"beside", made.beside}};
+}
+
+std::vector<std::pair<std::string, std::string>> files_beside(const RenderArguments& a) {
+  return {{"--preview", a.preview}, {"--stats", a.stats}, {"--nonzero", a.nonzero}};
+}
+
+bool all_are_there(const RenderArguments& a, const Made& made) {
+  const auto now = files_written_beside(a);
+  for (const auto& [option, path] : files_beside(a)) {
+    if (path.empty()) continue;
+    const auto is = now.find(option), was = made.beside.find(option);
+    if (is == now.end() || was == made.beside.end() || is->second != was->second) return false;
+  }
+  return true;
 }
 
 }  // namespace
 
-std::optional<Made> made_of(const std::string& picture, const WorkFolder& work) {
-  if (!is_there(picture)) return {};
-  const auto known = work.known(content_hash_of_file(picture));
-  return known ? parse_made(*known) : std::nullopt;
+std::vector<Made> made_of(const std::string& hash, const WorkFolder& work) {
+  std::vector<Made> all;
+  const auto text = hash.empty() ? std::nullopt : work.known(hash);
+  const Json json = Json::parse(text.value_or(""), nullptr, false);
+  if (!json.is_array()) return all;
+  for (const Json& one : json) try {
+      all.push_back({one.at("identity").get<Words>(), one.at("key").get<std::string>(),
+                     one.at("whole").get<bool>(),
+                     one.at("beside").get<std::map<std::string, std::string>>()});
+    } catch (const Json::exception&) {  // of another version, or damaged
+    }
+  return all;
 }
 
-std::string text_of(const Made& made) {
-  const Json json{{"identity", made.identity},
-                  {"key", made.key},
-                  {"whole", made.whole},
-                  {"beside", made.beside}};
-  return json.dump(-1, ' ', true, Json::error_handler_t::replace) + "\n";
+void keep(const Made& made, const std::string& hash, const WorkFolder& work) {
+  Made kept = made;
+  Json all = Json::array();
+  const Json identity = as_kept(made.identity);
+  for (const Made& before : made_of(hash, work)) {
+    if (Json(before.identity) != identity)
+      all.push_back(json_of(before));
+    else if (before.key == made.key)
+      kept.beside.insert(before.beside.begin(), before.beside.end());
+  }
+  if (all.size() >= kMostMakers) all.erase(all.begin());
+  all.push_back(json_of(kept));
+  work.make();
+  if (!work.know(hash, all.dump() + "\n"))
+    throw OutputError(work.path_of("known-" + hash), "cannot be written");
 }
 
-std::optional<Made> parse_made(const std::string& text) {
-  const Json json = Json::parse(text, nullptr, false);
+void keep(const Unfinished& unfinished, const std::string& entry) {
+  write_output(entry + "/unfinished", unfinished.key + "\n");
+}
+
+std::optional<Unfinished> unfinished_in(const std::string& entry) {
   try {
-    if (!json.is_object()) return {};
-    return Made{json.at("identity").get<Words>(), json.at("key").get<std::string>(),
-                json.at("whole").get<bool>(),
-                json.at("beside").get<std::map<std::string, std::string>>()};
-  } catch (const Json::exception&) {
+    const std::string text = read_file(entry + "/unfinished");
+    return Unfinished{text.substr(0, text.find('\n'))};
+  } catch (const InputError&) {
     return {};
   }
 }
 
+std::string hash_of_picture(const std::string& path) {
+  std::error_code failed;
+  return std::filesystem::is_regular_file(path, failed) ? content_hash_of_file(path) : "";
+}
+
 std::map<std::string, std::string> files_written_beside(const RenderArguments& a) {
   std::map<std::string, std::string> hashes;
-  for (const auto& [option, path] :
-       {std::pair("--preview", a.preview), {"--stats", a.stats}, {"--nonzero", a.nonzero}})
-    if (is_there(path)) hashes[option] = content_hash_of_file(path);
+  for (const auto& [option, path] : files_beside(a))
+    if (std::string hash = hash_of_picture(path); !hash.empty()) hashes[option] = std::move(hash);
   return hashes;
 }
 
 bool is_fresh(const Arguments& a, const Request& request, const Pipeline& p,
               const WorkFolder& work) {
-  if (!p.repeatable || !is_there(request.picture)) return false;
-  const auto made = made_of(request.picture, work);
-  if (!made || made->key != p.key || !made->whole) return false;
-  const auto beside = files_written_beside(a);
-  for (const auto& [option, path] :
-       {std::pair("--preview", a.preview), {"--stats", a.stats}, {"--nonzero", a.nonzero}}) {
-    if (path.empty()) continue;
-    const auto now = beside.find(option), then = made->beside.find(option);
-    if (now == beside.end() || then == made->beside.end() || now->second != then->second)
-      return false;
-  }
-  return true;
+  if (!p.repeatable) return false;
+  const std::vector<Made> all = made_of(hash_of_picture(request.picture), work);
+  return std::any_of(all.begin(), all.end(), [&](const Made& made) {
+    return made.whole && made.key == p.key && all_are_there(a, made);
+  });
 }
 
-std::optional<Made> unfinished(const Pipeline& p, const WorkFolder& work) {
-  const std::string path = work.path_of(p.picture_entry) + "/made";
-  return is_there(path) ? parse_made(read_file(path)) : std::nullopt;
-}
-
-void check_owner(const Request& request, const Pipeline& p, const WorkFolder& work) {
-  if (!is_there(request.picture)) return;
-  std::optional<Made> made = made_of(request.picture, work);
-  if (!made) made = unfinished(p, work);
-  if (!made)
+void check_owner(const Request& request, const WorkFolder& work) {
+  const std::string hash = hash_of_picture(request.picture);
+  if (hash.empty()) return;
+  const std::vector<Made> all = made_of(hash, work);
+  if (all.empty())
     throw UsageError(request.picture +
                      ": is there already, and tdpt did not make it; --force replaces it");
-  // As they are kept.
-  const auto now = parse_made(text_of({request.identity, "", true, {}}));
-  if (now && made->identity == now->identity) return;
+  const Json now = as_kept(request.identity);
+  for (const Made& made : all)
+    if (Json(made.identity) == now) return;
   throw UsageError(fmt::format("{}: another command made it, {}; --force replaces it",
                                request.picture,
-                               shown(difference(made->identity, request.identity), 200)));
+                               shown(difference(all.back().identity, request.identity), 200)));
 }
 
 }  // namespace tdpt

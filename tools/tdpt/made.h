@@ -3,6 +3,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "tools/tdpt/pipeline.h"
 
@@ -16,14 +17,21 @@ struct Made {
   std::map<std::string, std::string> beside;
 };
 
-/// Of the picture at that path; nothing where its bytes are not known. Throws InputError where it
-/// cannot be read.
-std::optional<Made> made_of(const std::string& picture, const WorkFolder& work);
+/// By each request that has made a picture of these bytes; none where they are not known.
+std::vector<Made> made_of(const std::string& hash, const WorkFolder& work);
+/// Keeps one more, or in the place of what the same request has made before. Throws OutputError
+/// where it cannot be kept.
+void keep(const Made& made, const std::string& hash, const WorkFolder& work);
 
-std::string text_of(const Made& made);
-/// Nothing for what is none.
-std::optional<Made> parse_made(const std::string& text);
+/// What a picture's entry holds beside a checkpoint: what that is of.
+struct Unfinished {
+  std::string key;  ///< Pipeline::key
+};
+void keep(const Unfinished& unfinished, const std::string& entry);
+std::optional<Unfinished> unfinished_in(const std::string& entry);
 
+/// Of the file at that path; "" where there is none.
+std::string hash_of_picture(const std::string& path);
 /// Hashes of the files that --preview, --stats and --nonzero name, where they are there.
 std::map<std::string, std::string> files_written_beside(const RenderArguments& a);
 
@@ -31,10 +39,7 @@ std::map<std::string, std::string> files_written_beside(const RenderArguments& a
 bool is_fresh(const Arguments& a, const Request& request, const Pipeline& p,
               const WorkFolder& work);
 
-/// What a run that was stopped left in the picture's entry: of whom that picture is, then.
-std::optional<Made> unfinished(const Pipeline& p, const WorkFolder& work);
-
 /// Throws UsageError where the picture is there and another command made it, or nobody known.
-void check_owner(const Request& request, const Pipeline& p, const WorkFolder& work);
+void check_owner(const Request& request, const WorkFolder& work);
 
 }  // namespace tdpt

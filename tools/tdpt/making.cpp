@@ -18,6 +18,7 @@
 #include "libcommon/base/memory_limit.h"
 #include "libcommon/base/output_file.h"
 #include "libcommon/base/signals.h"
+#include "libcommon/cli/outputs.h"
 
 namespace tdpt {
 namespace {
@@ -25,8 +26,9 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kStopped = static_cast<int>(Exit::interrupted);
-constexpr const char* kDecision = ", because ";  // in a sentence of --explain
-constexpr const char* kPartial = "partial-";     // of a result that is not whole yet
+constexpr const char* kDecision = ", because ";          // in a sentence of --explain
+constexpr const char* kPicture = "partial-picture.exr";  // as the renderer writes it
+constexpr const char* kPartial = "partial-";             // of a result that is not whole yet
 
 std::string name_of(const std::string& program) {
   return fs::path(program).filename().string();
@@ -60,6 +62,13 @@ std::string variable(const char* name, const char* usual) {
   return value && *value ? value : usual;
 }
 
+// From here, in a folder that may be gone, too.
+std::string full_path(const std::string& path) {
+  std::error_code failed;
+  const fs::path full = fs::absolute(path, failed);
+  return failed ? path : full.string();
+}
+
 // What shapes a report beside the picture.
 std::string report_settings() {
   return variable("REPORT_TIME", "10") + " " + variable("REPORT_REFERENCE", "8") + " " +
@@ -79,11 +88,12 @@ Making::Making(const Arguments& a, const cli::Common& common, ProgressForm form)
     : a_(a),
       common_(common),
       request_(request_of(a, common)),
-      work_(a.work.empty() ? WorkFolder::usual_path() : fs::absolute(a.work).string()),
+      work_(full_path(a.work.empty() ? WorkFolder::usual_path() : a.work)),
       programs_(program_folder()),
       conversation_(form, common.quiet) {}
 
 bool Making::has_changed() const {
+  if (stop_requested()) return false;  // it ends anyway
   try {
     return !(state_of(a_, work_) == state_);
   } catch (const InputError&) {
@@ -105,11 +115,12 @@ void Making::settle() {
 
 bool Making::report_is_fresh() const {
   if (a_.report.empty()) return true;
-  const auto made = made_of(request_.picture, work_);
-  if (!made || !is_there(a_.report)) return false;
-  const auto then = made->beside.find("--report");
-  return then != made->beside.end() &&
-         then->second == content_hash_of_file(a_.report) + " " + report_settings();
+  const std::string now = hash_of_picture(a_.report) + " " + report_settings();
+  for (const Made& made : made_of(hash_of_picture(request_.picture), work_))
+    if (const auto then = made.beside.find("--report");
+        made.key == pipeline_.key && then != made.beside.end() && then->second == now)
+      return true;
+  return false;
 }
 
 bool Making::all_is_fresh() const {
@@ -137,6 +148,8 @@ int Making::run() {
     common_.also_read(state_.files);
     if (all_is_fresh()) {
       common_.note(request_.picture + " is up to date");
+      std::error_code ignored;
+      if (!picture_.path().empty()) fs::remove_all(picture_.path(), ignored);
       tell_end(0);
       return 0;
     }
@@ -167,11 +180,12 @@ Making::Ending Making::attempt() {
   ::setenv("TDPT_TOLD", (folder + "/told").c_str(), 0);
   const bool made = is_fresh(a_, request_, pipeline_, work_);
   if (!made) {
-    if (!a_.force) check_owner(request_, pipeline_, work_);
-    const auto before = unfinished(pipeline_, work_);
+    if (!a_.force) check_owner(request_, work_);
+    before_ = hash_of_picture(request_.picture);
+    const auto before = unfinished_in(folder);
     const bool goes_on = before && before->key == pipeline_.key;
-    clear(folder,
-          goes_on ? std::vector<std::string>{"made", "film.exr"} : std::vector<std::string>{});
+    clear(folder, goes_on ? std::vector<std::string>{"lock", "unfinished", "film.exr"}
+                          : std::vector<std::string>{"lock"});
   }
   step_ = 0;
   steps_ = !made + !a_.report.empty();
@@ -195,6 +209,8 @@ Making::Ending Making::attempt() {
 // All that can be told before the first stage: options of the renderer, what it reads, its device.
 Making::Ending Making::check() {
   conversation_.step(1, steps_, "reading the scene", "tdpt-render");
+  if (!a_.report.empty() && !run_program({"python3", "-c", ""}, {}, Reads::files).good())
+    throw UsageError("--report: needs python3");
   return run_program(pipeline_.check, {}, Reads::scene);
 }
 
@@ -222,7 +238,7 @@ Making::Ending Making::find_portals() {
 }
 
 Making::Ending Making::run_stages() {
-  std::vector<std::string> whole;
+  std::vector<std::string> whole{"lock"};
   for (const Step& step : pipeline_.stages) {
     whole.push_back(name_of(step.output));
     for (const char* end : {".hash", ".command", ".told.json", ".told.txt", ".told.png"})
@@ -259,40 +275,62 @@ Making::Ending Making::run_stages() {
   return {};
 }
 
-void Making::keep_record(bool whole) const {
+// The preview of what is rendered, in its place as soon as there is another.
+void Making::publish_preview() {
   std::error_code failed;
-  if (!fs::is_regular_file(request_.picture, failed)) return;
-  work_.know(content_hash_of_file(request_.picture),
-             text_of({request_.identity, pipeline_.key, whole, files_written_beside(a_)}));
+  const std::string png = cli::png_beside(picture_.path() + "/" + kPicture);
+  const auto time = fs::last_write_time(png, failed);
+  if (a_.preview.empty() || failed || time == preview_time_) return;
+  preview_time_ = time;
+  write_output(a_.preview, read_file(png));
+}
+
+// Whose picture it is is known before it stands under its name, so that whoever finds it there, and
+// however this process ends, can tell.
+void Making::place(bool whole) {
+  const std::string made = picture_.path() + "/" + kPicture;
+  publish_preview();
+  if (!a_.force && hash_of_picture(request_.picture) != before_)
+    throw OutputError(request_.picture,
+                      "was written by another program while tdpt was at work; its "
+                      "own picture is kept as " +
+                          made);
+  const std::string bytes = read_file(made), hash = content_hash(bytes);
+  try {
+    keep({request_.identity, pipeline_.key, whole, files_written_beside(a_)}, hash, work_);
+  } catch (const OutputError& e) {
+    common_.warn(std::string(e.what()) + "; tdpt will not know that it made the picture");
+  }
+  write_output(request_.picture, bytes);
+  before_ = hash;
 }
 
 Making::Ending Making::render() {
   begin_step(pipeline_.render.title, pipeline_.render.options);
-  write_output(picture_.path() + "/made", text_of({request_.identity, pipeline_.key, false, {}}));
-  std::error_code failed;
-  const bool was_there = fs::is_regular_file(request_.picture, failed);
-  const std::string before = was_there ? content_hash_of_file(request_.picture) : "";
-  Words words = pipeline_.render.command(request_.picture);
+  const std::string made = picture_.path() + "/" + kPicture, film = picture_.path() + "/film.exr";
+  keep(Unfinished{pipeline_.key}, picture_.path());
+  Words words = pipeline_.render.command(made);
   words.insert(words.end(), {"--progress", "json"});
   ChildProcess::How how;
   how.shares_stdout = true;
-  const std::string film = picture_.path() + "/film.exr";
   const bool goes_on = is_there(film);
   Ending ending = run_program(words, how, Reads::scene);
   if (ending.code == static_cast<int>(Exit::bad_input) && !ending.changed && goes_on) {
     common_.note("what the run before left cannot be used; begins with the first sample");
+    std::error_code failed;
     fs::remove(film, failed);
     ending = run_program(words, how, Reads::scene);
   }
   if (ending.changed) return ending;
-  if (ending.code == 0) keep_record(true);
-  if (ending.code == kStopped && is_there(request_.picture) &&
-      content_hash_of_file(request_.picture) != before) {
-    keep_record(false);
+  if (ending.code == 0) {
+    place(true);
+    if (has_changed())
+      common_.note(request_.scene +
+                   " has changed since it was read: the picture is of what it was");
+  } else if (ending.code == kStopped && is_there(made)) {
+    place(false);
     common_.note(request_.picture + " has what was rendered until then; the same command goes on");
   }
-  if (ending.code == 0 && has_changed())
-    common_.note(request_.scene + " has changed since it was read: the picture is of what it was");
   return ending;
 }
 
@@ -334,10 +372,11 @@ Making::Ending Making::make_report() {
   if (!ending.good()) return ending;
   const std::string bytes = read_file(page);
   write_output(a_.report, bytes);
-  if (auto made = made_of(request_.picture, work_)) {
-    made->beside["--report"] = content_hash(bytes) + " " + report_settings();
-    work_.know(content_hash_of_file(request_.picture), text_of(*made));
-  }
+  keep({request_.identity,
+        pipeline_.key,
+        true,
+        {{"--report", content_hash(bytes) + " " + report_settings()}}},
+       hash_of_picture(request_.picture), work_);
   return {};
 }
 
@@ -376,7 +415,13 @@ Making::Ending Making::run_program(const Words& words, const ChildProcess::How& 
     child.read(text);
     if (!hear()) return {0, true};
     if (stop_requested() && !std::exchange(told_to_stop, true)) child.send(SIGTERM);
-    if (look_) look_->tick();
+    try {
+      if (look_)
+        look_->tick();
+      else
+        publish_preview();
+    } catch (const Error&) {  // whether it can be written the end tells
+    }
     conversation_.tick();
     pollfd wait{child.descriptor(), POLLIN, 0};
     ::poll(&wait, 1, child.descriptor() < 0 ? 10 : 100);
@@ -395,14 +440,18 @@ int Making::print() {
     common_.note(request_.picture + " is up to date");
     return 0;
   }
-  if (!a_.force) check_owner(request_, pipeline_, work_);
+  if (!a_.force) check_owner(request_, work_);
   Words folders{"mkdir", "-p"};
   std::string commands;
   for (const Step& step : pipeline_.stages)
     if (!is_whole(step.output)) commands += shell_text(step.command(step.output)) + "\n";
   if (!commands.empty()) folders.push_back(work_.path_of(pipeline_.portals_entry));
-  if (pipeline_.keeps_film) folders.push_back(work_.path_of(pipeline_.picture_entry));
+  const std::string entry = work_.path_of(pipeline_.picture_entry);
+  if (pipeline_.keeps_film) folders.push_back(entry);
   if (folders.size() > 2) commands = shell_text(folders) + "\n" + commands;
+  const auto before = unfinished_in(entry);
+  if (is_there(entry + "/film.exr") && !(before && before->key == pipeline_.key))
+    commands += shell_text({"rm", "-f", entry + "/film.exr"}) + "\n";  // of another picture
   commands += shell_text(pipeline_.render.command(request_.picture)) + "\n";
   std::fputs(commands.c_str(), stdout);
   return 0;

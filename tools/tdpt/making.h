@@ -1,6 +1,7 @@
 // Makes what a request asks for: portals where there are none yet, the picture, its report; nothing
 // that is there and fresh.
 #pragma once
+#include <filesystem>
 #include <functional>
 #include <string>
 
@@ -44,7 +45,8 @@ class Making {
                      std::string* told = nullptr);
   Ending ending_of(const std::string& program, int code) const;
   void begin_step(const std::string& title, const Words& words);
-  void keep_record(bool whole) const;
+  void place(bool whole);
+  void publish_preview();
   bool has_changed() const;
   void settle();
   void tell_end(int code) const;
@@ -59,6 +61,8 @@ class Making {
   Pipeline pipeline_;
   HeldEntry picture_, portals_;
   std::unique_ptr<FirstLook> look_;
+  std::string before_;  ///< hash of the picture that may be replaced; "": there is none
+  std::filesystem::file_time_type preview_time_{};  ///< of the preview that was published last
   size_t step_ = 0, steps_ = 0;
 };
 

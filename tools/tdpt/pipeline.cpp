@@ -67,7 +67,12 @@ std::string key_of_portals(const Request& r, const SceneState& state, const std:
   key.add(state.hash);
   for (const Words& words : {r.camera, by_content(r.sky, state.sky), r.device, r.all})
     key.add(words);
-  for (const Words& words : r.stage_flags) key.add(words);
+  for (const Words& words : r.stage_flags) {
+    key.add(words);
+    std::error_code ignored;
+    for (const std::string& word : words)
+      if (fs::is_regular_file(word, ignored)) key.add(content_hash_of_file(word));
+  }
   return key.hash();
 }
 

@@ -76,7 +76,8 @@ std::string identity_of(const cli::Given& given) {
   std::string text = given.name;
   for (const std::string& value : given.values) {
     std::error_code ignored;
-    const bool is_file = std::filesystem::is_regular_file(value, ignored);
+    const bool is_file = (given.name == "--environment" || given.name == "--portal") &&
+                         std::filesystem::is_regular_file(value, ignored);
     text += " " + (is_file ? full_path(value) : value);
   }
   return text;
@@ -92,6 +93,12 @@ Request request_of(const Arguments& a, const cli::Common& common) {
     throw UsageError("-o is missing: the picture to write; 'tdpt --help' tells how");
   if (!common.output.ends_with(".exr"))
     throw UsageError("-o " + common.output + ": the picture is OpenEXR, name it .exr");
+  std::error_code ignored;
+  if (std::filesystem::exists(common.output, ignored) &&
+      !std::filesystem::is_regular_file(common.output, ignored))
+    throw OutputError(common.output, "is no regular file, expected one or none");
+  if (!a.resume.empty() && a.resume != a.checkpoint && !std::filesystem::exists(a.resume, ignored))
+    throw InputError(a.resume, "", "is not there to go on from");
   if (a.add_samples > 0 && a.resume.empty())
     throw UsageError("--add-samples: needs --resume with the film of the picture");
   Request r;

@@ -29,7 +29,7 @@ class Tdpt(unittest.TestCase):
         self.here = os.path.join(self.folder, "here")
         os.mkdir(self.here)
         self.mark = uuid.uuid4().hex
-        self.env = dict(os.environ, XDG_CACHE_HOME=self.cache, TDPT_TEST_MARK=self.mark, LC_ALL="C",
+        self.env = dict(os.environ, TMPDIR=self.folder, XDG_CACHE_HOME=self.cache, TDPT_TEST_MARK=self.mark, LC_ALL="C",
                         FFGRAPH_FLAGS="--walks 2000 --samples 10000 --rounds 0", LIGHTGRID_FLAGS="--resolution 16 --lines 200")
         self.scene("two-rooms", "room.glb")
 
@@ -117,6 +117,42 @@ class Tdpt(unittest.TestCase):
         with open(self.path("p.exr"), "wb") as stream:
             stream.write(before)
         self.run_tdpt("other.glb", "-o", "p.exr", *QUICK, expect=2)
+
+    def test_a_picture_made_by_hand_after_a_run_that_was_stopped(self):
+        for number in (signal.SIGTERM, signal.SIGKILL):
+            self.stop(number)
+            with open(self.path("p.exr"), "wb") as stream:
+                stream.write(b"by hand")
+            self.run_tdpt("room.glb", "-o", "p.exr", *LONG, expect=2)
+            self.assertEqual(self.bytes_of("p.exr"), b"by hand")
+            os.remove(self.path("p.exr"))
+
+    def test_a_picture_that_appears_under_way(self):
+        child = self.start("room.glb", "-o", "p.exr", *LONG)
+        self.wait_until(self.film, "it renders")
+        with open(self.path("p.exr"), "wb") as stream:
+            stream.write(b"by hand")
+        err = child.communicate()[1].decode()
+        self.assertEqual(child.returncode, 4, err)
+        self.assertEqual(self.bytes_of("p.exr"), b"by hand")
+        kept = re.search("its own picture is kept as (.*)", err).group(1)
+        self.run_tdpt("room.glb", "-o", "alone.exr", *LONG)
+        with open(kept, "rb") as stream:
+            self.assertEqual(stream.read(), self.bytes_of("alone.exr"))
+
+    def test_equal_pictures_of_two_commands(self):
+        os.mkdir(self.path("a"))
+        os.mkdir(self.path("b"))
+        for name in "ab":
+            self.scene("two-rooms", f"{name}/room.glb")
+            self.run_tdpt(f"{name}/room.glb", "-o", f"{name}/p.exr", *QUICK, "--preview")
+        self.assertEqual(self.bytes_of("a/p.exr"), self.bytes_of("b/p.exr"))
+        self.run_tdpt("a/room.glb", "-o", "a/q.exr", *QUICK)
+        _, err = self.run_tdpt("a/room.glb", "-o", "a/p.exr", *QUICK, "--preview")
+        self.assertIn("is up to date", err)
+        self.scene("window", "a/room.glb")
+        open(self.path("2"), "w").close()  # the value of an option is no file
+        self.run_tdpt("a/room.glb", "-o", "a/p.exr", *QUICK, "--preview")
 
     def test_another_command_s_picture_is_not_replaced(self):
         self.run_tdpt("room.glb", "-o", "p.exr", *QUICK)
@@ -346,7 +382,7 @@ class Tdpt(unittest.TestCase):
         self.assertEqual(self.bytes_of("p.exr"), self.bytes_of("whole.exr"))
         self.assertEqual(self.bytes_of("p.png"), self.bytes_of("whole.png"))
         left = [name for _, _, files in os.walk(self.cache) for name in files
-                if name.startswith(("partial", ".tdpt-", "film", "made", "look"))]
+                if name.startswith(("partial", ".tdpt-", "film", "unfinished", "look"))]
         self.assertEqual(left, [])
 
     def test_a_report_that_is_killed_leaves_no_process(self):
@@ -436,6 +472,34 @@ class Tdpt(unittest.TestCase):
         _, err = self.run_tdpt("room.glb", "-o", "p.exr", *LONG)
         self.assertIn("what the run before left cannot be used; begins with the first sample", err)
         self.assertEqual(self.bytes_of("p.exr"), self.bytes_of("whole.exr"))
+
+    def test_folders_of_others_stay(self):
+        for name in ("w/picture-finals", "w/portals-of-the-church"):
+            os.makedirs(self.path(name))
+        self.run_tdpt("--clean", "--work", "w")
+        _, err = self.run_tdpt("room.glb", "-o", "p.exr", *QUICK, "--work", "w", "--work-size", "1", expect=2)
+        self.assertIn("has other things in it, expected a folder of its own", err)
+        self.run_tdpt("room.glb", "-o", "p.exr", *QUICK)
+        work = os.path.join(self.cache, "tdpt")
+        os.mkdir(os.path.join(work, "portals-of-the-church"))
+        self.run_tdpt("--clean")
+        self.assertIn("portals-of-the-church", os.listdir(work))
+        self.assertEqual(sorted(os.listdir(self.path("w"))), ["picture-finals", "portals-of-the-church"])
+
+    def test_nobody_reads_what_it_says(self):
+        for more in ("2>/dev/full", "<&- >&- 2>&-"):
+            subprocess.run(["sh", "-c", f'"$@" {more}', "sh", TDPT, "room.glb", "-o", "p.exr", "--force", *QUICK], cwd=self.here,
+                           env=self.env, check=True)
+            os.remove(self.path("p.exr"))
+
+    def test_a_cache_that_goes_while_it_renders(self):
+        child = self.start("room.glb", "-o", "p.exr", *LONG)
+        self.wait_until(self.film, "it renders")
+        shutil.rmtree(self.cache, ignore_errors=True)
+        err = child.communicate()[1].decode()
+        self.assertEqual(child.returncode, 4, err)
+        self.assertIn("the picture is kept in", err)
+        self.run_tdpt("room.glb", "-o", "p.exr", *LONG)
 
     def test_what_another_run_uses_is_not_removed(self):
         child = self.start("room.glb", "-o", "p.exr", *LONG)

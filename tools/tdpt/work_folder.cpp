@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <string_view>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -33,13 +34,18 @@ constexpr size_t kMostKnown = 10000;  // of known-KEY files, some hundred bytes 
   throw OutputError(path, std::string("cannot be made: ") + std::strerror(error));
 }
 
-// Takes the lock, or says that another has it. A file system without locks lets everybody pass.
-bool lock(int fd, int how) {
+enum class Locked { yes, by_another, never };  // never: the file system has no locks
+
+Locked lock(int fd, int how) {
   while (::flock(fd, how | LOCK_NB) != 0) {
     if (errno == EINTR) continue;
-    return errno != EWOULDBLOCK;
+    return errno == EWOULDBLOCK ? Locked::by_another : Locked::never;
   }
-  return true;
+  return Locked::yes;
+}
+
+std::string lock_in(const std::string& entry) {
+  return entry + "/lock";
 }
 
 // Whether the path still leads to what is open: it may have been removed, and made anew.
@@ -50,8 +56,16 @@ bool is_still_there(int fd, const std::string& path) {
          open.st_ino == there.st_ino && open.st_dev == there.st_dev;
 }
 
+// Whether it is `prefix` and a hash.
+bool is_keyed(const std::string& name, const char* prefix) {
+  const std::string_view key =
+      std::string_view(name).substr(std::min(std::strlen(prefix), name.size()));
+  return name.starts_with(prefix) && key.size() == 32 &&
+         key.find_first_not_of("0123456789abcdef") == key.npos;
+}
+
 bool is_entry(const std::string& name) {
-  return name.starts_with("portals-") || name.starts_with("picture-");
+  return is_keyed(name, "portals-") || is_keyed(name, "picture-");
 }
 
 uint64_t size_of(const fs::path& folder) {
@@ -85,10 +99,11 @@ std::vector<Used> all_in(const std::string& folder, bool (*is)(const std::string
 }
 
 void remove_unless_held(const fs::path& path) {
-  const int fd = ::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  const std::string file = lock_in(path.string());
+  const int fd = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
   if (fd < 0) return;
   std::error_code ignored;
-  if (lock(fd, LOCK_EX) && is_still_there(fd, path.string())) fs::remove_all(path, ignored);
+  if (lock(fd, LOCK_EX) == Locked::yes && is_still_there(fd, file)) fs::remove_all(path, ignored);
   ::close(fd);
 }
 
@@ -119,8 +134,21 @@ void WorkFolder::make() const {
   std::error_code failed;
   fs::create_directories(path_, failed);
   if (failed) fail(path_, failed.value());
-  const std::string tag = path_ + "/CACHEDIR.TAG";
-  if (!fs::exists(tag, failed)) write_output(tag, kTag);
+  if (is_ours()) return;
+  for (const auto& file : fs::directory_iterator(path_, failed))
+    if (file.path().filename() != "CACHEDIR.TAG" &&
+        !file.path().filename().string().starts_with(".tdpt-"))  // of a run that begins, too
+      throw UsageError("--work " + path_ +
+                       ": has other things in it, expected a folder of its own");
+  write_output(path_ + "/CACHEDIR.TAG", kTag);
+}
+
+bool WorkFolder::is_ours() const {
+  try {
+    return read_file(path_ + "/CACHEDIR.TAG") == kTag;
+  } catch (const InputError&) {
+    return false;
+  }
 }
 
 HeldEntry WorkFolder::hold(const std::string& name, For what,
@@ -128,18 +156,20 @@ HeldEntry WorkFolder::hold(const std::string& name, For what,
   make();
   const std::string path = path_of(name);
   const int how = what == For::writing ? LOCK_EX : LOCK_SH;
-  for (;;) {
+  // It may be removed and made anew in between; what is always so is something else of that name.
+  for (int tries = 0;; ++tries) {
     if (::mkdir(path.c_str(), 0777) != 0 && errno != EEXIST) fail(path, errno);
-    const int fd = ::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    if (fd < 0 && errno == ENOENT) continue;
+    const std::string file = lock_in(path);
+    const int fd = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+    if (fd < 0 && errno == ENOENT && tries < 1000) continue;
     if (fd < 0) fail(path, errno);
     HeldEntry entry(path, fd);
-    while (!lock(fd, how)) {
+    while (lock(fd, how) == Locked::by_another) {
       waits();
       std::this_thread::sleep_for(std::chrono::milliseconds(50));
     }
-    if (!is_still_there(fd, path)) continue;
-    ::futimens(fd, nullptr);  // used now
+    if (!is_still_there(fd, file)) continue;
+    ::utimensat(AT_FDCWD, path.c_str(), nullptr, 0);  // used now
     return entry;
   }
 }
@@ -155,12 +185,18 @@ std::optional<std::string> WorkFolder::known(const std::string& hash) const {
   }
 }
 
-void WorkFolder::know(const std::string& hash, const std::string& text) const {
-  std::error_code failed;
-  if (fs::is_directory(path_, failed)) write_output(path_ + "/known-" + hash, text);
+bool WorkFolder::know(const std::string& hash, const std::string& text) const {
+  if (!is_ours()) return false;
+  try {
+    write_output(path_ + "/known-" + hash, text);
+    return true;
+  } catch (const OutputError&) {
+    return false;
+  }
 }
 
 void WorkFolder::shrink_to(uint64_t most) const {
+  if (!is_ours()) return;
   const std::vector<Used> entries = all_in(path_, is_entry);
   uint64_t bytes = 0;
   for (const Used& one : entries) bytes += one.bytes;
@@ -171,7 +207,7 @@ void WorkFolder::shrink_to(uint64_t most) const {
     if (!fs::exists(one.path, failed)) bytes -= one.bytes;
   }
   const std::vector<Used> known =
-      all_in(path_, [](const std::string& name) { return name.starts_with("known-"); });
+      all_in(path_, [](const std::string& name) { return is_keyed(name, "known-"); });
   std::error_code ignored;
   const auto hour_ago = fs::file_time_type::clock::now() - std::chrono::hours(1);
   for (const Used& left :

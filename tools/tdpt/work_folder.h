@@ -1,13 +1,16 @@
 // The folder that tdpt keeps its work in: a cache, shared by runs side by side and by all scenes.
 //
-//   CACHEDIR.TAG       tells backup programs what this is (bford.info/cachedir)
+//   CACHEDIR.TAG       tells backup programs what this is (bford.info/cachedir); without it nothing
+//   is
+//                      removed from a folder, which may be anybody's
 //   portals-KEY/       what the four stages made; KEY: hash of all that shapes it
 //   picture-KEY/       what an unfinished picture left; KEY: hash of the picture's path
 //   known-KEY          of a picture, who made it; of a scene, which files it reads; KEY: hash of
 //   its
 //                      bytes
 //
-// A run holds the entries that it works with (flock), so that no other writes or removes them.
+// A run holds the entries that it works with, by a lock on the file `lock` in each, so that no
+// other writes or removes them.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -49,17 +52,22 @@ class WorkFolder {
   /// called now and then, and may throw. For writing it is held alone.
   HeldEntry hold(const std::string& name, For what, const std::function<void()>& waits) const;
 
+  /// Makes the folder where it is not there. Throws OutputError where that fails, and UsageError
+  /// for a folder that has other things in it.
+  void make() const;
+
   /// What is known of the bytes with that hash; nothing where nothing is.
   std::optional<std::string> known(const std::string& hash) const;
-  /// Where there is no folder yet, nothing is kept.
-  void know(const std::string& hash, const std::string& text) const;
+  /// Whether it is kept: not where there is no folder yet, or no room in it.
+  bool know(const std::string& hash, const std::string& text) const;
 
-  /// Removes what was used longest ago, and nobody holds, until all is no larger than `bytes`.
+  /// Whether it is one, and not some folder of that name.
+  bool is_ours() const;
+  /// Removes what was used longest ago, and nobody holds, until all is no larger than `bytes`. Does
+  /// nothing to a folder that is not ours.
   void shrink_to(uint64_t bytes) const;
 
  private:
-  void make() const;
-
   std::string path_;
 };
 
