@@ -22,7 +22,8 @@ TEST(scene_files, are_those_that_its_json_names) {
   EXPECT_EQ(all.beside, (Names{"a b.bin", "maps/wood.png", "my%20sky.exr", "my sky.exr"}));
   EXPECT_TRUE(all.has_environment);
   // One that is wrong names none.
-  for (const char* wrong : {"", "{", "no scene", R"({"buffers":7})", R"({"buffers":[7,{"uri":3}]})"}) {
+  for (const char* wrong :
+       {"", "{", "no scene", R"({"buffers":7})", R"({"buffers":[7,{"uri":3}]})"}) {
     EXPECT_EQ(files(wrong).beside, Names{}) << wrong;
     EXPECT_FALSE(files(wrong).has_environment);
   }
