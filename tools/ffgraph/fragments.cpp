@@ -95,6 +95,7 @@ struct Fragments::Walker {
   Part& out;
   uint32_t face;
   bool grow;  // whether to keep what is missing below split cells
+  const PatchMap::Extent& extent;
 
   void visit(const Polygon& poly, int level) {
     const double size = cell_size(level);
@@ -107,6 +108,11 @@ struct Fragments::Walker {
     }
     PatchKey key{a, level, patches.piece(face)};
     if (a == b) return cell(poly, key);
+    if (level == 0)  // a large triangle may have countless cells beside the few that matter
+      for (size_t k = 0; k < 3; ++k) {
+        a[k] = std::max(a[k], extent.low[k]);
+        b[k] = std::min(b[k], extent.high[k]);
+      }
     for (key.cell[0] = a[0]; key.cell[0] <= b[0]; ++key.cell[0])
       for (key.cell[1] = a[1]; key.cell[1] <= b[1]; ++key.cell[1])
         for (key.cell[2] = a[2]; key.cell[2] <= b[2]; ++key.cell[2]) {
@@ -145,11 +151,13 @@ Fragments::Fragments(const PatchMap& patches, PatchMap* grow) : patches_(patches
   constexpr uint32_t kFaces = 4096;  // of a part
   const auto faces = static_cast<uint32_t>(2 * patches.scene().triangles.size());
   std::vector<Part> parts(faces / kFaces + 1);
+  const PatchMap::Extent extent = patches.extent();
   tbb::parallel_for(size_t{0}, parts.size(), [&](size_t p) {
     const auto first = static_cast<uint32_t>(p) * kFaces;
     for (uint32_t face = first; face < std::min(first + kFaces, faces); ++face)
       if (patches.touched(patches.piece(face)))
-        Walker{patches, parts[p], face, grow != nullptr}.visit(in_grid(patches, face / 2), 0);
+        Walker{patches, parts[p], face, grow != nullptr, extent}.visit(in_grid(patches, face / 2),
+                                                                       0);
   });
   for (Part& part : parts)
     for (const Part::Missing& m : part.missing) part.fragments[m.fragment].patch = grow->add(m.key);

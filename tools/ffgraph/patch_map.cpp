@@ -47,6 +47,19 @@ PatchMap::PatchMap(const Scene& scene, const PatchGrid& grid, std::vector<uint32
       fine_high_((fine.high - grid.origin) / grid.base_cell),
       component_(std::make_shared<const std::vector<uint32_t>>(std::move(component))) {}
 
+PatchMap::Extent PatchMap::extent() const {
+  Extent extent;
+  entry_.each([&](const PatchKey& key, uint32_t) {
+    if (key.piece == kSkyPiece) return;
+    for (size_t k = 0; k < 3; ++k) {
+      const int32_t base = key.cell[k] >> (2 * key.level);
+      extent.low[k] = std::min(extent.low[k], base);
+      extent.high[k] = std::max(extent.high[k], base);
+    }
+  });
+  return extent;
+}
+
 bool PatchMap::always_split(const PatchKey& key) const {
   if (key.level >= fine_level_) return false;
   const double size = std::ldexp(1.0, -2 * key.level);

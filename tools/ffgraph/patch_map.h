@@ -130,6 +130,12 @@ class PatchMap {
   bool below_split(const PatchKey& key) const {
     return key.level > 0 && !always_split(key.parent());
   }
+  /// Base cells, from `low` to `high`, beyond which no patch lies and none was split.
+  struct Extent {
+    std::array<int32_t, 3> low{INT32_MAX, INT32_MAX, INT32_MAX},
+        high{INT32_MIN, INT32_MIN, INT32_MIN};
+  };
+  Extent extent() const;
   /// Whether any patch lies on this piece.
   bool touched(uint32_t piece) const {
     return piece < piece_touched_.size() && piece_touched_[piece];
