@@ -127,13 +127,18 @@ bool Making::all_is_fresh() const {
   return is_fresh(a_, request_, pipeline_, work_) && report_is_fresh();
 }
 
-void Making::hold_picture() {
-  bool told = false;
-  picture_ = work_.hold(pipeline_.picture_entry, WorkFolder::For::writing, [&] {
+// What is done while another run holds an entry: `sentence` says it once, and a signal ends it.
+std::function<void()> Making::waits(const std::string& sentence) const {
+  return [this, sentence, told = false]() mutable {
     if (stop_requested()) throw Error(Exit::interrupted, "stopped by a signal");
-    if (!std::exchange(told, true))
-      common_.note(request_.picture + ": another run of tdpt is making it; waiting for that");
-  });
+    if (!std::exchange(told, true)) common_.note(sentence);
+  };
+}
+
+void Making::hold_picture() {
+  picture_ =
+      work_.hold(pipeline_.picture_entry, WorkFolder::For::writing,
+                 waits(request_.picture + ": another run of tdpt is making it; waiting for that"));
 }
 
 int Making::run() {
@@ -219,17 +224,12 @@ Making::Ending Making::find_portals() {
     common_.note("renders with " + state_.drawn + ", which no program of these has made");
   if (pipeline_.stages.empty()) return {};
   const std::string& found = pipeline_.stages.back().output;
-  bool told = false;
-  const auto waits = [&] {
-    if (stop_requested()) throw Error(Exit::interrupted, "stopped by a signal");
-    if (!std::exchange(told, true))
-      common_.note("another run of tdpt is looking for the same portals; waiting for it");
-  };
+  const auto wait = waits("another run of tdpt is looking for the same portals; waiting for it");
   for (;;) {
-    portals_ = work_.hold(pipeline_.portals_entry, WorkFolder::For::reading, waits);
+    portals_ = work_.hold(pipeline_.portals_entry, WorkFolder::For::reading, wait);
     if (is_whole(found)) break;
     portals_ = {};
-    portals_ = work_.hold(pipeline_.portals_entry, WorkFolder::For::writing, waits);
+    portals_ = work_.hold(pipeline_.portals_entry, WorkFolder::For::writing, wait);
     if (!is_whole(found))
       if (const Ending ending = run_stages(); !ending.good()) return ending;
     portals_ = {};  // held by all who read it from here on

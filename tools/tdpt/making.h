@@ -33,6 +33,7 @@ class Making {
 
   bool all_is_fresh() const;
   bool report_is_fresh() const;
+  std::function<void()> waits(const std::string& sentence) const;
   void hold_picture();
   Ending attempt();
   Ending check();
