@@ -186,7 +186,7 @@ fuzz:
 	@sh cmake/install-packages.sh cmake/packages-fuzz.txt
 	@cmake --preset fuzz --log-level=WARNING
 	@cmake --build --preset fuzz --parallel $(JOBS)
-	@FUZZ_SECONDS="$(or $(SECONDS),60)" ROUNDS="$(ROUNDS)" MERGE="$(MERGE)" sh libcommon/testing/fuzz.sh build-fuzz/bin testdata build-fuzz/fuzz $(TARGETS)
+	@FUZZ_SECONDS="$(or $(SECONDS),60)" ROUNDS="$(ROUNDS)" MERGE="$(MERGE)" sh libcommon/testing/files/fuzz.sh build-fuzz/bin testdata build-fuzz/fuzz $(TARGETS)
 
 # No test, and whatever is to be installed.
 install:

@@ -4,6 +4,7 @@
 #   shaders/ is below them all: kernels and what they share with C++ include shaders/ alone, and every
 #   shared header gives the macros of language.h back.
 #   A room of libcommon includes itself and rooms before it; testing is for tests and bench.
+#   So do the rooms of tdpt-render; its testing/ and bench/ are included by tests alone.
 #   Each heavy library has one home.
 cd "${1:?usage: house-rules.sh ROOT}" || exit 2
 found=$(mktemp) && all=$(mktemp) || exit 2
@@ -16,6 +17,8 @@ grep -rnE '^[[:space:]]*#[[:space:]]*include[[:space:]]*["<]' --include='*.h' --
 [ -s "$all" ] || { echo "house-rules: no sources under $1"; exit 2; }
 
 awk -F: '
+# path/bsdf, say, of tools/tdpt-render/path/bsdf/coat.h, of which `part` are the parts
+function room_of(part) { return part[3] == "path" ? part[3] "/" part[4] : part[3] }
 function bad(why) { print $1 ":" $2 ": " $3 " is included, but " why }
 BEGIN {
   before["base"] = " "
@@ -26,11 +29,19 @@ BEGIN {
   before["film"] = " base cli math scene formats "
   before["draw"] = " base cli math scene formats trace "
   before["testing"] = " base cli math scene formats trace gpu film draw "
+  inside["portals"] = " "
+  inside["path/bsdf"] = " portals "
+  inside["path/light"] = " portals path/bsdf "
+  inside["path/sample"] = " portals path/bsdf path/light "
+  inside["integrators"] = " portals path/bsdf path/light path/sample "
+  inside["plan"] = inside["device"] = inside["integrators"] "integrators "
+  inside["run"] = inside["plan"] "plan device "
+  inside["main.cpp"] = inside["run"] "run "
   # What is included -> where that may stand.
   home["^tiny_gltf"] = "^libcommon/(scene|testing)/|^libcommon/formats/portal"
-  home["^draco/"] = "^libcommon/(scene/gltf_draco[.]cpp$|testing/compress)"
-  home["^meshoptimizer[.]h"] = "^libcommon/(scene/gltf_meshopt[.]cpp$|testing/compress)"
-  home["^webp/"] = "^libcommon/(scene/gltf_webp[.]cpp$|testing/compress)"
+  home["^draco/"] = "^libcommon/(scene/gltf/draco[.]cpp$|testing/files/compress)"
+  home["^meshoptimizer[.]h"] = "^libcommon/(scene/gltf/meshopt[.]cpp$|testing/files/compress)"
+  home["^webp/"] = "^libcommon/(scene/gltf/webp[.]cpp$|testing/files/compress)"
   home["^embree"] = "^libcommon/trace/"
   home["^vulkan/"] = "^libcommon/gpu/"
   home["^openvdb/"] = "^libcommon/formats/light_grid"
@@ -43,10 +54,16 @@ BEGIN {
 {
   split($1, from, "/")
   split($3, to, "/")
-  test = $1 ~ /_(test|bench|fuzz)\.cpp$/ || $1 ~ /^(bench|libcommon\/testing)\// || $1 ~ /\/test_[^\/]*\.h$/
+  test = $1 ~ /_(test|bench|fuzz)\.cpp$/ || $1 ~ /^bench\/|\/(testing|bench)\// || $1 ~ /\/test_[^\/]*\.h$/
   if (to[1] == "tools") {
     if (from[1] != "tools") bad("nothing outside a tool includes a tool")
     else if (from[2] != to[2]) bad("a tool never includes another")
+    else if (to[2] == "tdpt-render" && !test) {
+      here = room_of(from)
+      there = room_of(to)
+      if (here != there && index(inside[here], " " there " ") == 0)
+        bad("tdpt-render/" here " may only include rooms before it")
+    }
   }
   if (($1 ~ /^shaders\// && !test || $1 ~ /\.(comp|glsl)$/) && (to[1] == "libcommon" || to[1] == "tools"))
     bad("shaders/ is below libcommon and the tools")

@@ -8,9 +8,9 @@
 #include <fstream>
 #include <thread>
 
-#include "libcommon/testing/known_rooms.h"
-#include "libcommon/testing/portal_distance.h"
-#include "libcommon/testing/portal_stages.h"
+#include "libcommon/testing/rooms/known_rooms.h"
+#include "libcommon/testing/rooms/portal_distance.h"
+#include "libcommon/testing/rooms/portal_stages.h"
 
 namespace tdpt::testing {
 namespace {

@@ -42,7 +42,7 @@ cat <<INTRO
 # How right the portals are
 
 Written by \`make portals\` ($("$bin/portalfit" --version | head -1), $(nproc 2>/dev/null || echo ?) cores). Rooms are generated from
-seeds (\`libcommon/testing/known_rooms.h\`): sizes, lamps, furniture, walls of 1 to 30 cm, four ways of splitting the
+seeds (\`libcommon/testing/rooms/known_rooms.h\`): sizes, lamps, furniture, walls of 1 to 30 cm, four ways of splitting the
 triangles, and in every second room another place, direction or unit. Their openings are known. The first seed of
 each kind is $seed$whence.
 

@@ -17,9 +17,9 @@
 #include <fmt/format.h>
 
 #include "bench/room_bench.h"
-#include "libcommon/testing/known_rooms.h"
-#include "libcommon/testing/portal_score.h"
-#include "libcommon/testing/portal_stages.h"
+#include "libcommon/testing/rooms/known_rooms.h"
+#include "libcommon/testing/rooms/portal_score.h"
+#include "libcommon/testing/rooms/portal_stages.h"
 
 namespace tdpt::testing {
 namespace {

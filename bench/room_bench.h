@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "libcommon/testing/known_rooms.h"
-#include "libcommon/testing/temp_folder.h"
+#include "libcommon/testing/files/temp_folder.h"
+#include "libcommon/testing/rooms/known_rooms.h"
 
 namespace tdpt::testing {
 

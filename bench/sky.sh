@@ -170,7 +170,7 @@ paths of any length, $seeds seeds; runs of one thread taking turns. Portals are 
 
 * Skies. overcast: 1,1,1 from everywhere. clear: \`testdata/environments/clear.exr\`. sun: \`clear-sun.exr\`, all the sun in one
   texel; the interiors have their own maps instead, a low sun (living-room) and a sun beside a sky (classroom).
-* Rooms: the first of a kind of \`libcommon/testing/known_rooms.h\` that have no lamp and stand upright. behind, behind-2: a door
+* Rooms: the first of a kind of \`libcommon/testing/rooms/known_rooms.h\` that have no lamp and stand upright. behind, behind-2: a door
   behind the room with the windows.
 * Gain: efficiency, 1 / (relMSE x CPU s), over that of the better of \`bdpt\` and \`nee\` without portals; in brackets the 95 % interval
   over seeds, by bootstrap. The better one is picked by the same pictures, which favours it.

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""work_model.py [--device] [--hold TERM=COST]... [FILE...]: fits the tables of tools/tdpt-render/work_model.h to what
+"""work_model.py [--device] [--hold TERM=COST]... [FILE...]: fits the tables of tools/tdpt-render/plan/work_model.h to what
 work_model_bench measured (files or standard input, headers in between allowed) and prints them as they stand there, with
 --device those of a device.
 

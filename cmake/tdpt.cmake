@@ -46,9 +46,22 @@ function(tdpt_completions tool)
     file(INSTALL \"${zsh}\" DESTINATION \"\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_DATADIR}/zsh/\${folder}\")")
 endfunction()
 
-# tdpt_test(name SOURCES ... LINK ...): a GoogleTest program; each test is a ctest test.
+# tdpt_sources(out ROOM ...): the sources in these folders that are neither tests nor benchmarks.
+function(tdpt_sources out)
+  list(TRANSFORM ARGN APPEND /*.cpp OUTPUT_VARIABLE patterns)
+  file(GLOB sources RELATIVE ${CMAKE_CURRENT_SOURCE_DIR} CONFIGURE_DEPENDS ${patterns})
+  list(FILTER sources EXCLUDE REGEX "_(test|bench|fuzz)[.]cpp$")
+  set(${out} ${sources} PARENT_SCOPE)
+endfunction()
+
+# tdpt_test(name FOLDER f LINK ...): all *_test.cpp of a folder (or SOURCES ...) as one GoogleTest program; each test is
+# a ctest test.
 function(tdpt_test name)
-  cmake_parse_arguments(A "" "TIMEOUT" "SOURCES;LINK" ${ARGN})
+  cmake_parse_arguments(A "" "TIMEOUT;FOLDER" "SOURCES;LINK" ${ARGN})
+  if(A_FOLDER)
+    file(GLOB tests RELATIVE ${CMAKE_CURRENT_SOURCE_DIR} CONFIGURE_DEPENDS ${A_FOLDER}/*_test.cpp)
+    list(APPEND A_SOURCES ${tests})
+  endif()
   if(NOT BUILD_TESTING)
     return()
   endif()

@@ -31,7 +31,7 @@ hidden.exr: PORTALS =
 END
 cp "$testdata/scenes/two-rooms.glb" whole.glb
 cp "$testdata/environments/clear.exr" sky.exr
-sh "$here/../libcommon/testing/loose_scene.sh" whole.glb loose || exit 2
+sh "$here/../libcommon/testing/files/loose_scene.sh" whole.glb loose || exit 2
 
 # What make says that it makes, in a line: its commands name it after -MQ.
 targets() { sed -n 's/.* -MQ \([^ ]*\).*/\1/p' log | sort | tr '\n' ' '; }

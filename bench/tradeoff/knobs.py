@@ -98,7 +98,7 @@ OPEN = (Scene("window", (((2.05, 0.2, -0.8), (0, 0, 1.6), (0, 1.6, 0)),)), Scene
         Scene("cornell-box", paper=True, aperture=False))
 WHOLE = ("two-rooms-whole", "veach-ajar-whole", "kitchen-whole", "bathroom2-whole")
 
-# Rooms whose openings are known (libcommon/testing/known_rooms.h) that score portals, one by one.
+# Rooms whose openings are known (libcommon/testing/rooms/known_rooms.h) that score portals, one by one.
 KINDS = ("slit", "hole", "ajar-full", "doors-in-row", "two-openings", "furnished-door", "shared-edge", "ajar", "keyhole",
          "sky-window", "deep-facade", "deep-room")
 

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 #include <cstdlib>
 
-#include "libcommon/testing/temp_folder.h"
+#include "libcommon/testing/files/temp_folder.h"
 
 namespace tdpt::cli {
 namespace {

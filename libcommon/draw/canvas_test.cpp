@@ -9,8 +9,8 @@
 
 #include "libcommon/base/file.h"
 #include "libcommon/draw/sheet.h"
-#include "libcommon/testing/read_png.h"
-#include "libcommon/testing/temp_folder.h"
+#include "libcommon/testing/files/read_png.h"
+#include "libcommon/testing/files/temp_folder.h"
 
 namespace tdpt::draw {
 namespace {

@@ -1,6 +1,6 @@
 // Any bytes as a film; what is read comes back the same when it is written.
 #include "libcommon/film/film_file.h"
-#include "libcommon/testing/fuzz.h"
+#include "libcommon/testing/files/fuzz.h"
 
 using namespace tdpt;
 

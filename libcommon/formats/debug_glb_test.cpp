@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "libcommon/scene/scene.h"
-#include "libcommon/testing/temp_folder.h"
+#include "libcommon/testing/files/temp_folder.h"
 
 namespace tdpt {
 namespace {

@@ -1,7 +1,7 @@
 // Any bytes as a flow network; what is read comes back the same when it is written.
 #include "libcommon/formats/dimacs.h"
 
-#include "libcommon/testing/fuzz.h"
+#include "libcommon/testing/files/fuzz.h"
 
 using namespace tdpt;
 

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "libcommon/testing/fuzz.h"
+#include "libcommon/testing/files/fuzz.h"
 
 using namespace tdpt;
 

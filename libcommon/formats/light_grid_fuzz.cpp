@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <new>
 
-#include "libcommon/testing/fuzz.h"
+#include "libcommon/testing/files/fuzz.h"
 
 using namespace tdpt;
 

@@ -1,7 +1,7 @@
 // Any bytes as an OpenEXR picture; what is read has all its pixels.
 #include "libcommon/formats/picture.h"
 
-#include "libcommon/testing/fuzz.h"
+#include "libcommon/testing/files/fuzz.h"
 
 using namespace tdpt;
 

@@ -12,9 +12,9 @@
 #include <nlohmann/json.hpp>
 
 #include "libcommon/formats/viewpoint.h"
-#include "libcommon/scene/gltf_accessors.h"
-#include "libcommon/scene/gltf_document.h"
-#include "libcommon/scene/gltf_nodes.h"
+#include "libcommon/scene/gltf/accessors.h"
+#include "libcommon/scene/gltf/document.h"
+#include "libcommon/scene/gltf/nodes.h"
 #include "tdpt_version.h"
 
 namespace tdpt {

@@ -1,7 +1,7 @@
 // Any bytes as a portal file; what is read comes back when it is written.
 #include "libcommon/formats/portal.h"
 
-#include "libcommon/testing/fuzz.h"
+#include "libcommon/testing/files/fuzz.h"
 
 using namespace tdpt;
 

@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "libcommon/base/error.h"
-#include "libcommon/testing/squares.h"
+#include "libcommon/testing/rooms/squares.h"
 
 namespace tdpt {
 namespace {

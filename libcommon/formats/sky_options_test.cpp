@@ -11,7 +11,7 @@
 #include "libcommon/base/file.h"
 #include "libcommon/base/hash.h"
 #include "libcommon/formats/picture.h"
-#include "libcommon/testing/temp_folder.h"
+#include "libcommon/testing/files/temp_folder.h"
 
 namespace tdpt {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "libcommon/gpu/device_impl.h"
 #include "libcommon/gpu/tables.h"
-#include "libcommon/testing/temp_folder.h"
+#include "libcommon/testing/files/temp_folder.h"
 #include "shaders/gpu_test.h"
 #include "shaders/gpu_test_inexact.h"
 #include "shaders/gpu_test_many.h"

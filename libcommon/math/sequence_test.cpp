@@ -5,7 +5,7 @@
 #include <cmath>
 #include <set>
 
-#include "libcommon/testing/chi_square.h"
+#include "libcommon/testing/statistics/chi_square.h"
 
 namespace tdpt {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "libcommon/math/rng.h"
 #include "libcommon/math/warp.h"
-#include "libcommon/testing/chi_square.h"
+#include "libcommon/testing/statistics/chi_square.h"
 
 namespace tdpt {
 namespace {

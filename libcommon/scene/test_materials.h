@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "libcommon/scene/scene.h"
-#include "libcommon/testing/glb_builder.h"
-#include "libcommon/testing/temp_folder.h"
+#include "libcommon/testing/files/glb_builder.h"
+#include "libcommon/testing/files/temp_folder.h"
 
 namespace tdpt::testing {
 

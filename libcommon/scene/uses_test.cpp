@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "libcommon/scene/gltf_materials.h"
+#include "libcommon/scene/gltf/materials.h"
 
 namespace tdpt {
 namespace {

@@ -2,7 +2,7 @@
 #pragma once
 #include <cstdlib>
 
-#include "libcommon/testing/temp_folder.h"
+#include "libcommon/testing/files/temp_folder.h"
 
 namespace tdpt::testing {
 

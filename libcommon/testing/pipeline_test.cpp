@@ -8,11 +8,11 @@
 
 #include <gtest/gtest.h>
 
-#include "libcommon/testing/known_rooms.h"
-#include "libcommon/testing/portal_score.h"
-#include "libcommon/testing/portal_stages.h"
-#include "libcommon/testing/room_scene.h"
-#include "libcommon/testing/temp_folder.h"
+#include "libcommon/testing/files/temp_folder.h"
+#include "libcommon/testing/rooms/known_rooms.h"
+#include "libcommon/testing/rooms/portal_score.h"
+#include "libcommon/testing/rooms/portal_stages.h"
+#include "libcommon/testing/rooms/room_scene.h"
 
 namespace tdpt::testing {
 namespace {

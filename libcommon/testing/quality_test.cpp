@@ -12,7 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "libcommon/formats/light_grid.h"
-#include "libcommon/testing/temp_folder.h"
+#include "libcommon/testing/files/temp_folder.h"
 
 namespace tdpt::testing {
 namespace {

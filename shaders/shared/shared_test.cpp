@@ -6,7 +6,7 @@
 
 #include "libcommon/math/rng.h"
 #include "libcommon/math/vec.h"
-#include "libcommon/testing/chi_square.h"
+#include "libcommon/testing/statistics/chi_square.h"
 #include "shaders/shared/grid_walk.h"
 #include "shaders/shared/rng.h"
 #include "shaders/shared/warp.h"

@@ -4,7 +4,7 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/output_file.h"
-#include "libcommon/testing/temp_folder.h"
+#include "libcommon/testing/files/temp_folder.h"
 
 namespace tdpt {
 namespace {

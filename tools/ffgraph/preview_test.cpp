@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "libcommon/testing/read_png.h"
-#include "libcommon/testing/temp_folder.h"
+#include "libcommon/testing/files/read_png.h"
+#include "libcommon/testing/files/temp_folder.h"
 
 namespace tdpt {
 namespace {

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "libcommon/math/rng.h"
-#include "libcommon/testing/chi_square.h"
+#include "libcommon/testing/statistics/chi_square.h"
 #include "tools/lightgrid/lightgrid.h"
 
 namespace tdpt {

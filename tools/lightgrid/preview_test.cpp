@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "libcommon/scene/scene.h"
-#include "libcommon/testing/read_png.h"
-#include "libcommon/testing/temp_folder.h"
+#include "libcommon/testing/files/read_png.h"
+#include "libcommon/testing/files/temp_folder.h"
 #include "tools/lightgrid/lightgrid.h"
 #include "tools/lightgrid/test_cut.h"
 

@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "libcommon/base/error.h"
-#include "libcommon/testing/read_png.h"
-#include "libcommon/testing/temp_folder.h"
+#include "libcommon/testing/files/read_png.h"
+#include "libcommon/testing/files/temp_folder.h"
 
 namespace tdpt {
 namespace {

@@ -9,7 +9,7 @@
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
 #include "libcommon/base/hash.h"
-#include "libcommon/scene/scene_files.h"
+#include "libcommon/scene/gltf/scene_files.h"
 
 namespace tdpt {
 namespace {

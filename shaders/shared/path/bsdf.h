@@ -1,6 +1,6 @@
 // Scattering at one point of a surface, in the shading frame: the text of
-// tools/tdpt-render/path/bsdf.cpp in floats. Its header says what the lobes are; f here is the same
-// symmetric one of basic radiance.
+// tools/tdpt-render/path/bsdf/bsdf.cpp in floats. Its header says what the lobes are; f here is the
+// same symmetric one of basic radiance.
 //
 // Letters: h half vector or microfacet normal, mu cosine to z, E directional albedo of the
 // interface, n index of refraction.

@@ -1,5 +1,5 @@
-// Clear coat in floats [tools/tdpt-render/path/coat.h], in the coat's frame: z along its normal, on
-// the side of `from`.
+// Clear coat in floats [tools/tdpt-render/path/bsdf/coat.h], in the coat's frame: z along its
+// normal, on the side of `from`.
 //
 // Read behind interface_albedo.h, within the same scope; ggx.h comes before.
 

@@ -1,6 +1,6 @@
 // A surface with or without a clear coat as one, each about its own normal: the text of
-// tools/tdpt-render/path/coated.cpp in floats. Where there is no coat, it is taken with probability
-// 0.
+// tools/tdpt-render/path/bsdf/coated.cpp in floats. Where there is no coat, it is taken with
+// probability 0.
 //
 // Read behind bsdf.h, within the same scope.
 

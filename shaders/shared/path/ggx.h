@@ -1,5 +1,5 @@
-// GGX microfacets in floats [tools/tdpt-render/path/ggx.h]. Shading frame, directions unit, w.z >
-// 0. What would cancel near the normal or the horizon is written so that it does not.
+// GGX microfacets in floats [tools/tdpt-render/path/bsdf/ggx.h]. Shading frame, directions unit,
+// w.z > 0. What would cancel near the normal or the horizon is written so that it does not.
 #ifndef TDPT_SHADERS_SHARED_PATH_GGX_H
 #define TDPT_SHADERS_SHARED_PATH_GGX_H
 

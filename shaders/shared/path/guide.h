@@ -1,5 +1,5 @@
-// Path guiding by the portals: tools/tdpt-render/path/guide.h in floats, where the method and all
-// symbols are told.
+// Path guiding by the portals: tools/tdpt-render/path/sample/guide.h in floats, where the method
+// and all symbols are told.
 //
 // Read behind portals.h and within a scope that has
 //   render.guide_light, render.guide_camera

@@ -1,5 +1,6 @@
 // Directional albedo of the specular lobe with Schlick's F, E = f0 a + f90 b: the tables of
-// tools/tdpt-render/path/interface_albedo.cpp, linear between nodes in mu^(1/4) and alpha^(1/4).
+// tools/tdpt-render/path/bsdf/interface_albedo.cpp, linear between nodes in mu^(1/4) and
+// alpha^(1/4).
 //
 // Read within a scope that has load_surface_curve(); fresnel.h and surface_layout.h come before.
 

@@ -1,6 +1,6 @@
 // Pairs of ends that may make a path: chosen, told what each end makes of the other, seen to be
 // free of what may lie between them, and joined, in steps of their own [machine.h], each for those
-// that are left. Sections 3.1 to 3.3, tools/tdpt-render/path/path_sampler.cpp and
+// that are left. Sections 3.1 to 3.3, tools/tdpt-render/path/sample/path_sampler.cpp and
 // segment_sampler.cpp. Each path adds its weighted share to the film.
 //
 // The light's end is a vertex of a light walk, a place on a light, or x_c of a portal segment; the
@@ -123,7 +123,7 @@ SHARED void put_joining(uint place, uint kind, uint light, vec3 from, bool far, 
   flags[place] = 1u;
 }
 
-/// Few of many, one by one [tools/tdpt-render/path/few.h]: half of the chances are alike.
+/// Few of many, one by one [tools/tdpt-render/path/sample/few.h]: half of the chances are alike.
 struct Few {
   float per_total;
   float alike;

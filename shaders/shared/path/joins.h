@@ -1,5 +1,5 @@
 // What two ends of walks would bring to each other, roughly: estimates, in place of BSDFs, that
-// choose which of them get a ray. tools/tdpt-render/path/joins.cpp.
+// choose which of them get a ray. tools/tdpt-render/path/sample/joins.cpp.
 //
 // Off by the error of floats alone between diffuse ends; of glossy ones the shadowing of
 // microfacets and the curve of Fresnel are approximate. Half of the chances are alike whatever is

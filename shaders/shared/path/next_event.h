@@ -1,5 +1,5 @@
 // Where a next event looks: which light, and where on it, for a given shaded point
-// [tools/tdpt-render/path/next_event.h].
+// [tools/tdpt-render/path/light/next_event.h].
 //
 // Read behind panels.h and window_sky.h.
 

@@ -1,5 +1,5 @@
-// Next events at the few big flat emitters that rooms have: tools/tdpt-render/path/panels.h in
-// floats, where the method is told.
+// Next events at the few big flat emitters that rooms have: tools/tdpt-render/path/light/panels.h
+// in floats, where the method is told.
 //
 // Read behind lights.h, within a scope that has what that needs, load_light_panel() and
 // scene_has_panels.

@@ -1,5 +1,5 @@
 // From a place on a face to a point of a path: the text of place_on_surface() of
-// tools/tdpt-render/path/surface.cpp in floats.
+// tools/tdpt-render/path/sample/surface.cpp in floats.
 //
 // Read behind maps.h and bsdf.h, within the same scope.
 

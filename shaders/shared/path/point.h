@@ -1,6 +1,7 @@
 // A point where a path begins, turns or ends, for kernels and their twins: what
-// tools/tdpt-render/path/point.h is to the renderer that counts in doubles, with indices in place
-// of pointers. Everything is canonical; radiance is over the power of two that the upload chose.
+// tools/tdpt-render/path/bsdf/point.h is to the renderer that counts in doubles, with indices in
+// place of pointers. Everything is canonical; radiance is over the power of two that the upload
+// chose.
 //
 // Densities are per canonical area (pdf_A) unless their name says otherwise.
 #ifndef TDPT_SHADERS_SHARED_PATH_POINT_H
@@ -33,7 +34,7 @@ struct Coat {
   vec3 normal;     ///< unit, in the shading frame of what lies under it
 };
 
-/// tdpt::Bsdf [tools/tdpt-render/path/bsdf.h].
+/// tdpt::Bsdf [tools/tdpt-render/path/bsdf/bsdf.h].
 struct Bsdf {
   vec3 diffuse;
   vec3 f0;

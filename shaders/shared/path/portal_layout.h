@@ -1,4 +1,4 @@
-// Portals as kernels see them: what tdpt::PortalSet [tools/tdpt-render/portals.h] is to the
+// Portals as kernels see them: what tdpt::PortalSet [tools/tdpt-render/portals/portals.h] is to the
 // renderer that counts in doubles, in flat tables. Everything is canonical.
 #ifndef TDPT_SHADERS_SHARED_PATH_PORTAL_LAYOUT_H
 #define TDPT_SHADERS_SHARED_PATH_PORTAL_LAYOUT_H

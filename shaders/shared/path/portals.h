@@ -1,6 +1,6 @@
 // Draws segments, and directions of walks, through the portals, and tells the density with which
-// any edge of a path would have been drawn so: tools/tdpt-render/portals.h in floats. The method
-// and all symbols are told there, margins in portal_layout.h.
+// any edge of a path would have been drawn so: tools/tdpt-render/portals/portals.h in floats. The
+// method and all symbols are told there, margins in portal_layout.h.
 //
 // Where floats differ. Crossings are found from the nearer end of an edge, and distances to a plane
 // are heights over cosines, so that nothing grows with the edge's smallness. Whether an edge has

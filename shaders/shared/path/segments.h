@@ -1,6 +1,6 @@
 // Portal segments: drawn, joined with the light's side, then with the camera's. Sections 3.1.1 and
-// 3.2, tools/tdpt-render/path/segment_sampler.cpp. x_l and x_c are the ends on the light's and on
-// the camera's side. A sample's segment has its number within the submission.
+// 3.2, tools/tdpt-render/path/sample/segment_sampler.cpp. x_l and x_c are the ends on the light's
+// and on the camera's side. A sample's segment has its number within the submission.
 //
 // Read behind joinings.h, where walk_last, rank, estimate, segment_side, lit_segment and lit_first
 // are loaded, and what is written: segments[], segment_sides[], join_ends[], lit_segments[],

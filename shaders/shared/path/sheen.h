@@ -1,4 +1,4 @@
-// Sheen of cloth in floats [tools/tdpt-render/path/sheen.h]: D V min(N(v), N(w)).
+// Sheen of cloth in floats [tools/tdpt-render/path/bsdf/sheen.h]: D V min(N(v), N(w)).
 //
 // Read within a scope that has load_surface_curve(); elementary.h, ggx.h and surface_layout.h come
 // before.

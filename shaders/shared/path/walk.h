@@ -1,6 +1,6 @@
 // The sub-paths of bidirectional path tracing, a vertex at a time: walks from the camera and from
 // lights, each vertex with its throughput, its density from this end, and that which a walk from
-// the other end would have given it. Section 3.1.2; tools/tdpt-render/path/walk.cpp.
+// the other end would have given it. Section 3.1.2; tools/tdpt-render/path/sample/walk.cpp.
 //
 // Read behind samples.h, rays.h and guide.h, where path_vertices[], path_bsdfs[], path_densities[],
 // walk_rays[], walk_counts[], walk_last[] and `work` are, and load_x() of the first four.

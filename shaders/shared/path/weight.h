@@ -1,6 +1,6 @@
 // The MIS weight of a finished path: the share of the strategy that made it in the densities of all
-// strategies that could have. Sections 3.1 and 3.3, eqs. 6 to 8; tools/tdpt-render/path/path.cpp
-// says which strategies there are.
+// strategies that could have. Sections 3.1 and 3.3, eqs. 6 to 8;
+// tools/tdpt-render/path/sample/path.cpp says which strategies there are.
 //
 // Method: a path is a chain of light vertices, up to two vertices of a portal segment, and a chain
 // of camera vertices. The weight is found from the joint outwards: R(s) is the density of the path

@@ -1,5 +1,5 @@
-// The sky as it is seen through the portals: tools/tdpt-render/path/window_sky.h in floats, where
-// the method is told.
+// The sky as it is seen through the portals: tools/tdpt-render/path/light/window_sky.h in floats,
+// where the method is told.
 //
 // Read behind lights.h, within a scope that has what that needs, load_sky_window(),
 // load_window_frame() and scene_has_windows.

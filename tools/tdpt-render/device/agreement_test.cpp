@@ -5,10 +5,10 @@
 
 #include <bit>
 
-#include "libcommon/testing/z_failure.h"
-#include "tools/tdpt-render/device/test_device.h"
-#include "tools/tdpt-render/device/test_stages.h"
-#include "tools/tdpt-render/test_variant.h"
+#include "libcommon/testing/statistics/z_failure.h"
+#include "tools/tdpt-render/testing/device.h"
+#include "tools/tdpt-render/testing/stages.h"
+#include "tools/tdpt-render/testing/variant.h"
 
 namespace tdpt {
 namespace {

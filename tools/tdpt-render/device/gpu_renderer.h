@@ -4,7 +4,7 @@
 
 #include "libcommon/gpu/device.h"
 #include "tools/tdpt-render/device/room.h"
-#include "tools/tdpt-render/sample_renderer.h"
+#include "tools/tdpt-render/integrators/sample_renderer.h"
 
 namespace tdpt {
 

@@ -3,11 +3,11 @@
 
 #include <cmath>
 
-#include "tools/tdpt-render/device/test_portal_twin.h"
 #include "tools/tdpt-render/integrators/integrator.h"
-#include "tools/tdpt-render/path/guide.h"
-#include "tools/tdpt-render/path/roulette.h"
-#include "tools/tdpt-render/path/surface.h"
+#include "tools/tdpt-render/path/sample/guide.h"
+#include "tools/tdpt-render/path/sample/roulette.h"
+#include "tools/tdpt-render/path/sample/surface.h"
+#include "tools/tdpt-render/testing/portal_twin.h"
 
 namespace tdpt {
 namespace {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "shaders/shared/path/lights_layout.h"
-#include "tools/tdpt-render/path/world.h"
+#include "tools/tdpt-render/path/sample/world.h"
 
 namespace tdpt {
 

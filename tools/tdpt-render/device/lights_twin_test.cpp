@@ -4,10 +4,10 @@
 
 #include "libcommon/gpu/kernel.h"
 #include "libcommon/math/warp.h"
-#include "libcommon/testing/chi_square.h"
+#include "libcommon/testing/statistics/chi_square.h"
 #include "shaders/lights_test.h"
 #include "shaders/shared/path/lights_test_layout.h"
-#include "tools/tdpt-render/device/test_lights.h"
+#include "tools/tdpt-render/testing/lights.h"
 
 namespace tdpt {
 namespace shader {

@@ -3,10 +3,10 @@
 #include <gtest/gtest.h>
 
 #include "libcommon/base/error.h"
-#include "tools/tdpt-render/course.h"
-#include "tools/tdpt-render/device/twin.h"
 #include "tools/tdpt-render/device/wavefront.h"
-#include "tools/tdpt-render/test_rooms.h"
+#include "tools/tdpt-render/run/course.h"
+#include "tools/tdpt-render/testing/rooms.h"
+#include "tools/tdpt-render/testing/twin.h"
 
 namespace tdpt {
 namespace {

@@ -1,7 +1,7 @@
 // Next events in floats: at panels and through windows they have the density that is told and that
 // the renderer has, wherever they are made.
-#include "libcommon/testing/chi_square.h"
-#include "tools/tdpt-render/device/test_lights.h"
+#include "libcommon/testing/statistics/chi_square.h"
+#include "tools/tdpt-render/testing/lights.h"
 
 namespace tdpt {
 namespace {

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "shaders/shared/path/portal_layout.h"
-#include "tools/tdpt-render/portals.h"
+#include "tools/tdpt-render/portals/portals.h"
 
 namespace tdpt {
 

@@ -4,7 +4,7 @@
 #include "libcommon/gpu/kernel.h"
 #include "shaders/portals_test.h"
 #include "shaders/portals_test_unguided.h"
-#include "tools/tdpt-render/device/test_portal_twin.h"
+#include "tools/tdpt-render/testing/portal_twin.h"
 
 namespace tdpt {
 namespace {

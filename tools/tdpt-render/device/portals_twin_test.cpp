@@ -7,9 +7,9 @@
 
 #include "libcommon/math/warp.h"
 #include "libcommon/scene/scene.h"
-#include "libcommon/testing/chi_square.h"
-#include "tools/tdpt-render/device/test_portal_twin.h"
-#include "tools/tdpt-render/test_rooms.h"
+#include "libcommon/testing/statistics/chi_square.h"
+#include "tools/tdpt-render/testing/portal_twin.h"
+#include "tools/tdpt-render/testing/rooms.h"
 
 namespace tdpt {
 namespace {

@@ -1,7 +1,7 @@
 #include "tools/tdpt-render/device/render_tables.h"
 
 #include "libcommon/film/film.h"
-#include "tools/tdpt-render/path/surface_curves.h"
+#include "tools/tdpt-render/path/bsdf/surface_curves.h"
 
 namespace tdpt {
 

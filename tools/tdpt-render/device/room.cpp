@@ -7,7 +7,7 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/math/sequence.h"
-#include "tools/tdpt-render/path/roulette.h"
+#include "tools/tdpt-render/path/sample/roulette.h"
 
 namespace tdpt {
 namespace {

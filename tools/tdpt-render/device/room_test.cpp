@@ -4,7 +4,7 @@
 
 #include "libcommon/base/error.h"
 #include "tools/tdpt-render/device/wavefront.h"
-#include "tools/tdpt-render/test_rooms.h"
+#include "tools/tdpt-render/testing/rooms.h"
 
 namespace tdpt {
 namespace {

@@ -4,12 +4,12 @@
 
 #include <chrono>
 
-#include "tools/tdpt-render/candidates.h"
 #include "tools/tdpt-render/device/gpu_machine.h"
 #include "tools/tdpt-render/device/gpu_renderer.h"
-#include "tools/tdpt-render/device/test_device.h"
-#include "tools/tdpt-render/device/test_stages.h"
-#include "tools/tdpt-render/test_variant.h"
+#include "tools/tdpt-render/plan/candidates.h"
+#include "tools/tdpt-render/testing/device.h"
+#include "tools/tdpt-render/testing/stages.h"
+#include "tools/tdpt-render/testing/variant.h"
 
 namespace tdpt {
 namespace {

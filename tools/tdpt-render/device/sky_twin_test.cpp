@@ -1,7 +1,7 @@
 // The sky in floats: what is seen is what the renderer sees, and directions are drawn with the
 // density that is told, each with a fault that must be found.
-#include "libcommon/testing/chi_square.h"
-#include "tools/tdpt-render/device/test_lights.h"
+#include "libcommon/testing/statistics/chi_square.h"
+#include "tools/tdpt-render/testing/lights.h"
 
 namespace tdpt {
 namespace {

@@ -2,9 +2,9 @@
 #include <gtest/gtest.h>
 
 #include "libcommon/base/error.h"
-#include "tools/tdpt-render/device/test_device.h"
-#include "tools/tdpt-render/device/test_stages.h"
-#include "tools/tdpt-render/test_variant.h"
+#include "tools/tdpt-render/testing/device.h"
+#include "tools/tdpt-render/testing/stages.h"
+#include "tools/tdpt-render/testing/variant.h"
 
 namespace tdpt {
 namespace {

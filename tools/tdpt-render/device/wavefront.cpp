@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "libcommon/base/error.h"
-#include "tools/tdpt-render/path/light_pool.h"
+#include "tools/tdpt-render/path/sample/light_pool.h"
 
 namespace tdpt {
 

@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "tools/tdpt-render/device/machine.h"
-#include "tools/tdpt-render/sample_renderer.h"
+#include "tools/tdpt-render/integrators/sample_renderer.h"
 
 namespace tdpt {
 

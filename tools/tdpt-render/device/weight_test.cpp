@@ -5,7 +5,7 @@
 #include "shaders/shared/loads.h"
 #include "shaders/shared/path/render_layout.h"
 #include "shaders/shared/scaled.h"
-#include "tools/tdpt-render/path/mixture.h"
+#include "tools/tdpt-render/path/sample/mixture.h"
 
 namespace tdpt::shader {
 namespace {

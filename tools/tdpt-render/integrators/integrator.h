@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "libcommon/scene/scene.h"
-#include "tools/tdpt-render/path/mixture.h"
+#include "tools/tdpt-render/path/sample/mixture.h"
 
 namespace tdpt {
 

@@ -1,0 +1,12 @@
+#!/bin/sh
+# linked.sh BUILD PROGRAM ...: no program is made from a source that only tests are for: one of a folder testing/, or a
+# test. Reads the graph of Ninja; prints such sources; exit 1 if any.
+build=${1:?usage: linked.sh BUILD PROGRAM ...}
+shift
+status=0
+for program; do
+  inputs=$(ninja -C "$build" -t inputs "bin/$program") || exit 2
+  [ -n "$inputs" ] || { echo "$program is made from nothing"; exit 2; }
+  if echo "$inputs" | grep -E '/testing/|_(test|bench|fuzz)\.' | sed "s|^|$program is made from |"; then status=1; fi
+done
+exit $status

@@ -1,0 +1,273 @@
+#include "libcommon/scene/gltf/accessors.h"
+
+#include <fmt/format.h>
+#include <cmath>
+#include <cstring>
+
+namespace tdpt::gltf {
+namespace {
+
+constexpr int kI8 = 5120, kU8 = 5121, kI16 = 5122, kU16 = 5123, kU32 = 5125, kFloat = 5126;
+
+size_t bytes_of(int component_type) {
+  switch (component_type) {
+    case kI8:
+    case kU8:
+      return 1;
+    case kI16:
+    case kU16:
+      return 2;
+    default:
+      return 4;
+  }
+}
+
+/// `count` elements, `stride` bytes apart, all inside a buffer.
+struct Elements {
+  const char* data;
+  size_t stride, count;
+};
+
+template <class T>
+T load(const char* at) {
+  T value;
+  std::memcpy(&value, at, sizeof value);  // accessors of foreign files need not be aligned
+  return value;
+}
+
+bool is_unsigned(int component_type) {
+  return component_type == kU8 || component_type == kU16;
+}
+
+uint32_t load_index(const char* at, int type) {
+  if (type == kU8) return load<uint8_t>(at);
+  if (type == kU16) return load<uint16_t>(at);
+  return load<uint32_t>(at);
+}
+
+double load_component(const char* at, int type, bool normalized) {
+  switch (type) {
+    case kI8:
+      return normalized ? std::max(load<int8_t>(at) / 127.0, -1.0) : load<int8_t>(at);
+    case kU8:
+      return normalized ? load<uint8_t>(at) / 255.0 : load<uint8_t>(at);
+    case kI16:
+      return normalized ? std::max(load<int16_t>(at) / 32767.0, -1.0) : load<int16_t>(at);
+    case kU16:
+      return normalized ? load<uint16_t>(at) / 65535.0 : load<uint16_t>(at);
+    default:
+      return load<float>(at);
+  }
+}
+
+/// Where `count` elements of `size` bytes lie; never multiplies, so nothing can overflow.
+Elements elements(const Document& d, const std::string& where, size_t view, size_t offset,
+                  size_t count, size_t size, bool may_stride) {
+  const std::string_view bytes = view_bytes(d, view);
+  const size_t declared = d.model.bufferViews[view].byteStride;
+  const size_t stride = declared > 0 && may_stride ? declared : size;
+  if (stride < size)
+    d.fail(where,
+           fmt::format("elements of {} bytes do not fit the byteStride {} of bufferViews[{}]", size,
+                       stride, view));
+  const size_t left = offset <= bytes.size() ? bytes.size() - offset : 0;
+  if (left < size || count - 1 > (left - size) / stride)
+    d.fail(where, fmt::format("{} elements, {} bytes apart, from byte {} reach beyond "
+                              "bufferViews[{}] of {} bytes",
+                              count, stride, offset, view, bytes.size()));
+  return {bytes.data() + offset, stride, count};
+}
+
+/// The replaced elements of a sparse accessor: calls `set(element, bytes of its value)`.
+template <class Set>
+void apply_sparse(const Document& d, const std::string& accessor, const tinygltf::Accessor& a,
+                  size_t size, const Set& set) {
+  if (!a.sparse.isSparse) return;
+  const std::string where = accessor + ".sparse";
+  const int type = a.sparse.indices.componentType;
+  if (type != kU8 && type != kU16 && type != kU32)
+    d.fail(where + ".indices.componentType",
+           fmt::format("is {}, expected 5121, 5123 or 5125", type));
+  const auto count = static_cast<size_t>(a.sparse.count);
+  const auto at = [&](int offset) { return static_cast<size_t>(offset); };
+  const Elements index = elements(d, where + ".indices", at(a.sparse.indices.bufferView),
+                                  at(a.sparse.indices.byteOffset), count, bytes_of(type), false);
+  const Elements value = elements(d, where + ".values", at(a.sparse.values.bufferView),
+                                  at(a.sparse.values.byteOffset), count, size, false);
+  for (size_t i = 0; i < count; ++i) {
+    const uint32_t k = load_index(index.data + i * index.stride, type);
+    if (k >= a.count)
+      d.fail(where + ".indices",
+             fmt::format("index {} is out of range, the accessor has {} elements", k, a.count));
+    set(k, value.data + i * value.stride);
+  }
+}
+
+/// Calls `set(element, its first component, distance of components)` for every element that the
+/// accessor's bufferView, from `first` on, `most` at most, or its sparse values hold. Without a
+/// bufferView the others are zero.
+template <class Set>
+void for_elements(const Document& d, const std::string& where, const tinygltf::Accessor& a,
+                  size_t components, const Set& set, size_t first = 0, size_t most = SIZE_MAX) {
+  const size_t size = components * bytes_of(a.componentType);
+  if (a.bufferView >= 0) {
+    const Elements e =
+        elements(d, where, static_cast<size_t>(a.bufferView), a.byteOffset, a.count, size, true);
+    for (size_t i = first; i < e.count && i - first < most; ++i) set(i, e.data + i * e.stride);
+  } else if (a.count > d.bytes.size()) {
+    // All zero but for sparse values: any count is cheap to write, so it is bounded by the file.
+    d.fail(where, fmt::format("{} elements without a bufferView, expected at most {}, the bytes "
+                              "of the file",
+                              a.count, d.bytes.size()));
+  }
+  apply_sparse(d, where, a, size, [&](uint32_t k, const char* at) { set(k, at); });
+}
+
+}  // namespace
+
+std::vector<Vec3d> read_positions(const Document& d, size_t accessor) {
+  const tinygltf::Accessor& a = d.model.accessors[accessor];
+  const std::string where = place("accessors", accessor);
+  if (a.type != TINYGLTF_TYPE_VEC3) d.fail(where + ".type", "positions are not VEC3");
+  const bool quantized = uses_extension(d, "KHR_mesh_quantization");
+  if (a.componentType != kFloat && !(quantized && a.componentType != kU32))
+    d.fail(where + ".componentType",
+           fmt::format("positions are of type {}, expected 5126 (float)", a.componentType));
+  const size_t step = bytes_of(a.componentType);
+  std::vector<Vec3d> out;
+  const auto set = [&](size_t k, const char* at) {
+    if (out.empty()) out.resize(a.count);  // only now is the count known to be right
+    for (int c = 0; c < 3; ++c)
+      out[k][c] = load_component(at + static_cast<size_t>(c) * step, a.componentType, a.normalized);
+  };
+  for_elements(d, where, a, 3, set);
+  out.resize(a.count);
+  for (size_t i = 0; i < out.size(); ++i)
+    if (!is_finite(out[i]))
+      d.fail(where, fmt::format("position {} is not finite, expected three finite numbers", i));
+  return out;
+}
+
+std::vector<float> read_attribute(const Document& d, size_t accessor, const Attribute& attribute) {
+  const tinygltf::Accessor& a = d.model.accessors[accessor];
+  const std::string where = place("accessors", accessor);
+  const bool rgb = attribute.may_be_vec3 && a.type == TINYGLTF_TYPE_VEC3;
+  const int expected = attribute.components == 2   ? TINYGLTF_TYPE_VEC2
+                       : attribute.components == 3 ? TINYGLTF_TYPE_VEC3
+                                                   : TINYGLTF_TYPE_VEC4;
+  if (a.type != expected && !rgb)
+    d.fail(where + ".type",
+           fmt::format("{} are not {}VEC{}", attribute.noun,
+                       attribute.may_be_vec3 ? "VEC3 or " : "", attribute.components));
+  const bool quantized = attribute.quantizable && a.componentType != kU32 &&
+                         uses_extension(d, "KHR_mesh_quantization");
+  const bool is_share = attribute.may_be_unsigned && a.normalized && a.componentType != kU32 &&
+                        (attribute.is_delta || is_unsigned(a.componentType));
+  if (a.componentType != kFloat && !quantized && !is_share)
+    d.fail(where + ".componentType",
+           fmt::format("{} are of type {}{}, expected 5126 (float){}", attribute.noun,
+                       a.componentType, a.normalized ? ", normalized" : "",
+                       attribute.is_delta && attribute.may_be_unsigned
+                           ? ", or 5120 to 5123, normalized"
+                       : attribute.may_be_unsigned ? ", or 5121 or 5123, normalized"
+                                                   : ""));
+  const size_t n = attribute.components, stored = rgb ? 3 : n, step = bytes_of(a.componentType);
+  std::vector<float> out;
+  const auto set = [&](size_t k, const char* at) {
+    if (out.empty()) out.resize(n * a.count);
+    for (size_t c = 0; c < stored; ++c)
+      out[n * k + c] =
+          static_cast<float>(load_component(at + c * step, a.componentType, a.normalized));
+  };
+  for_elements(d, where, a, stored, set);
+  out.resize(n * a.count);
+  if (rgb && !attribute.is_delta)
+    for (size_t k = 0; k < a.count; ++k) out[4 * k + 3] = 1;
+  return out;
+}
+
+namespace {
+
+void check_numbers(const Document& d, const std::string& where, const tinygltf::Accessor& a,
+                   const Numbers& n) {
+  const int expected = n.components == 1   ? TINYGLTF_TYPE_SCALAR
+                       : n.components == 3 ? TINYGLTF_TYPE_VEC3
+                       : n.components == 4 ? TINYGLTF_TYPE_VEC4
+                                           : TINYGLTF_TYPE_MAT4;
+  if (a.type != expected)
+    d.fail(where + ".type", n.components == 1 ? fmt::format("{} are not SCALAR", n.noun)
+                            : n.components == 16
+                                ? fmt::format("{} are not MAT4", n.noun)
+                                : fmt::format("{} are not VEC{}", n.noun, n.components));
+  const bool small = a.componentType != kFloat && a.componentType != kU32;
+  const bool fits = a.componentType == kFloat ? n.floats
+                    : !small                  ? false
+                    : a.normalized ? (is_unsigned(a.componentType) ? n.shares : n.signed_shares)
+                                   : n.integers && is_unsigned(a.componentType);
+  if (fits) return;
+  std::string kinds;
+  const auto add = [&](bool allowed, const char* kind) {
+    if (allowed) kinds += (kinds.empty() ? "" : ", or ") + std::string(kind);
+  };
+  add(n.floats, "5126 (float)");
+  add(n.shares, "5121 or 5123, normalized");
+  add(n.signed_shares, "5120 or 5122, normalized");
+  add(n.integers, "5121 or 5123");
+  d.fail(where + ".componentType",
+         fmt::format("{} are of type {}{}, expected {}", n.noun, a.componentType,
+                     a.normalized ? ", normalized" : "", kinds));
+}
+
+}  // namespace
+
+std::vector<double> read_numbers(const Document& d, size_t accessor, const Numbers& n, size_t first,
+                                 size_t count) {
+  const tinygltf::Accessor& a = d.model.accessors[accessor];
+  const std::string where = place("accessors", accessor);
+  check_numbers(d, where, a, n);
+  if (count == SIZE_MAX) count = a.count;
+  if (first > a.count || count > a.count - first)
+    d.fail(where,
+           fmt::format("count is {}, expected at least {} {}", a.count, first + count, n.noun));
+  const size_t step = bytes_of(a.componentType);
+  std::vector<double> out;
+  const auto set = [&](size_t k, const char* at) {
+    if (k < first || k - first >= count) return;
+    if (out.empty()) out.resize(n.components * count);  // only now is the count known to be right
+    for (size_t c = 0; c < n.components; ++c)
+      out[n.components * (k - first) + c] =
+          load_component(at + c * step, a.componentType, a.normalized);
+  };
+  for_elements(d, where, a, n.components, set, first, count);
+  out.resize(n.components * count);
+  for (size_t i = 0; i < out.size(); ++i)
+    if (!std::isfinite(out[i]))
+      d.fail(where,
+             fmt::format("element {} of {} is not finite", first + i / n.components, n.noun));
+  return out;
+}
+
+std::vector<uint32_t> read_indices(const Document& d, size_t accessor, size_t vertices) {
+  const tinygltf::Accessor& a = d.model.accessors[accessor];
+  const std::string where = place("accessors", accessor);
+  if (a.type != TINYGLTF_TYPE_SCALAR) d.fail(where + ".type", "indices are not SCALAR");
+  if (a.componentType != kU8 && a.componentType != kU16 && a.componentType != kU32)
+    d.fail(where + ".componentType",
+           fmt::format("indices are of type {}, expected 5121, 5123 or 5125", a.componentType));
+  const size_t size = bytes_of(a.componentType);
+  const Elements e =
+      elements(d, where, static_cast<size_t>(a.bufferView), a.byteOffset, a.count, size, true);
+  std::vector<uint32_t> out;
+  out.reserve(e.count);
+  for (size_t i = 0; i < e.count; ++i)
+    out.push_back(load_index(e.data + i * e.stride, a.componentType));
+  apply_sparse(d, where, a, size,
+               [&](uint32_t k, const char* at) { out[k] = load_index(at, a.componentType); });
+  for (size_t i = 0; i < out.size(); ++i)
+    if (out[i] >= vertices)
+      d.fail(where, fmt::format("index {} at {} is out of range, the primitive has {} vertices",
+                                out[i], i, vertices));
+  return out;
+}
+
+}  // namespace tdpt::gltf

@@ -1,0 +1,226 @@
+#include "libcommon/scene/gltf/attributes.h"
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <cmath>
+
+#include "libcommon/base/counted.h"
+
+namespace tdpt::gltf {
+namespace {
+
+// Normals this close to the geometric one make a flat triangle [rad].
+constexpr double kFlat = 1e-3;
+
+double largest(const Vec3d& v) {
+  return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+}
+
+/// `v` as a unit vector, 0 where it has no direction.
+Vec3d unit_or_zero(const Vec3d& v) {
+  const double most = largest(v);
+  if (!(most > 0) || !std::isfinite(most) || !is_finite(v)) return {};
+  return normalize(v / most);
+}
+
+/// Inverse transpose of the linear part, which is how normals go along, up to a positive factor.
+/// Its columns may differ by any power of ten, so they are scaled first. All 0 for a flat map.
+Affine normal_map_of(const Affine& a) {
+  const Vec3d size{largest(a.x), largest(a.y), largest(a.z)};
+  const double least = std::min({size.x, size.y, size.z});
+  if (!(least > 0)) return {{}, {}, {}, {}};
+  const Vec3d x = a.x / size.x, y = a.y / size.y, z = a.z / size.z;
+  const double sign = a.mirrors() ? -1 : 1;
+  return {cross(y, z) * (sign * (least / size.x)),
+          cross(z, x) * (sign * (least / size.y)),
+          cross(x, y) * (sign * (least / size.z)),
+          {}};
+}
+
+/// Appends to an array that may not have been in use before.
+template <class T>
+void pad(std::vector<T>& array, size_t size, const T& value) {
+  array.resize(size, value);
+}
+
+constexpr std::array<float, 4> kWhite{1, 1, 1, 1};
+
+/// A vertex colour's component, finite and not negative.
+float within(float c) {
+  return c > 0 ? std::min(c, 1e6f) : 0.0f;
+}
+
+}  // namespace
+
+AttributeSet choose_attributes(const tinygltf::Primitive& p, const MaterialUse& use,
+                               const Shape& shape) {
+  const auto find = [&](const Attribute& attribute) {
+    const auto it = p.attributes.find(attribute.name);
+    return it == p.attributes.end() ? -1 : it->second;
+  };
+  AttributeSet set;
+  set.position = p.attributes.at("POSITION");
+  set.normal = find(kNormal);
+  if (use.tangents && set.normal >= 0)
+    set.tangent = find(kTangent);  // else the file's mean nothing
+  for (size_t k = 0; k < 2; ++k)
+    if (use.uv[k]) set.uv[k] = find(kTexCoord[k]);
+  if (use.colours) set.colour = find(kColour);
+  if (shape.skinned) set.joints = joint_sets_of(p);
+  set.targets = morph_targets_of(p, shape.weights);
+  for (MorphTarget& t : set.targets) {  // what the primitive lacks has nothing to be added to
+    if (set.normal < 0) t.normal = -1;
+    if (set.tangent < 0) t.tangent = -1;
+    if (set.colour < 0) t.colour = -1;
+    for (size_t k = 0; k < 2; ++k)
+      if (set.uv[k] < 0) t.uv[k] = -1;
+  }
+  return set;
+}
+
+void check_counts(const Document& d, const AttributeSet& set, const std::string& where) {
+  const auto count = [&](int accessor) {
+    return d.model.accessors[static_cast<size_t>(accessor)].count;
+  };
+  const auto check = [&](int accessor, const std::string& of, const std::string& name) {
+    if (accessor >= 0 && count(accessor) != count(set.position))
+      d.fail(where + "." + of + "." + name,
+             fmt::format("has {}, expected {} as POSITION has",
+                         tdpt::counted(count(accessor), "element"), count(set.position)));
+  };
+  check(set.normal, "attributes", kNormal.name);
+  check(set.tangent, "attributes", kTangent.name);
+  for (size_t k = 0; k < 2; ++k) check(set.uv[k], "attributes", kTexCoord[k].name);
+  check(set.colour, "attributes", kColour.name);
+  for (size_t k = 0; k < set.joints.size(); ++k) {
+    check(set.joints[k].joints, "attributes", fmt::format("JOINTS_{}", k));
+    check(set.joints[k].weights, "attributes", fmt::format("WEIGHTS_{}", k));
+  }
+  for (const MorphTarget& t : set.targets) {
+    check(t.position, "targets", "POSITION");
+    check(t.normal, "targets", kNormal.name);
+    check(t.tangent, "targets", kTangent.name);
+    for (size_t k = 0; k < 2; ++k) check(t.uv[k], "targets", kTexCoord[k].name);
+    check(t.colour, "targets", kColour.name);
+  }
+}
+
+std::vector<float> AttributeReader::normals(const AttributeSet& set) const {
+  std::vector<float> v = read_attribute(d_, static_cast<size_t>(set.normal), kNormal);
+  add_deltas(
+      d_, set.targets, [](const MorphTarget& t) { return t.normal; }, kNormal, 3, v);
+  return v;
+}
+
+std::vector<float> AttributeReader::tangents(const AttributeSet& set) const {
+  std::vector<float> v = read_attribute(d_, static_cast<size_t>(set.tangent), kTangent);
+  add_deltas(
+      d_, set.targets, [](const MorphTarget& t) { return t.tangent; }, kTangentDelta, 4, v);
+  return v;
+}
+
+std::vector<float> AttributeReader::texcoords(const AttributeSet& set, size_t k) const {
+  std::vector<float> v = read_attribute(d_, static_cast<size_t>(set.uv[k]), kTexCoord[k]);
+  add_deltas(
+      d_, set.targets, [&](const MorphTarget& t) { return t.uv[k]; }, kTexCoordDelta, 2, v);
+  return v;
+}
+
+std::vector<float> AttributeReader::colours(const AttributeSet& set) const {
+  std::vector<float> v = read_attribute(d_, static_cast<size_t>(set.colour), kColour);
+  const auto colour = [](const MorphTarget& t) { return t.colour; };
+  add_deltas(d_, set.targets, colour, kColourDelta, 4, v);
+  if (std::any_of(set.targets.begin(), set.targets.end(),
+                  [&](const MorphTarget& t) { return colour(t) >= 0; }))
+    for (float& c : v) c = c > 0 ? std::min(c, 1.0f) : 0.0f;  // as the format has it
+  return v;
+}
+
+void AttributeReader::add_normals(const AttributeSet& set, const Placing& placing) {
+  const std::vector<float> v = normals(set);
+  const Affine of_all = normal_map_of(placing.to_world);
+  for (size_t i = 0; i < v.size(); i += 3) {
+    const Vec3d n{v[i], v[i + 1], v[i + 2]};
+    const bool alone = !placing.of_vertices.empty();
+    const Vec3d to = alone ? normal_map_of(placing.of_vertices[i / 3]).vector(n) : of_all.vector(n);
+    scene_.normals.push_back(Vec3f(unit_or_zero(to)));
+  }
+}
+
+void AttributeReader::add(const AttributeSet& set, const Placing& placing, size_t first) {
+  if (set.normal >= 0) {
+    pad(scene_.normals, first, Vec3f{});
+    add_normals(set, placing);
+  }
+  if (set.tangent >= 0) {
+    const std::vector<float> v = tangents(set);
+    const float mirrored = placing.mirrors ? -1 : 1;
+    pad(scene_.tangents, first, {0, 0, 0, 1});
+    for (size_t i = 0; i < v.size(); i += 4) {
+      const Vec3d t = unit_or_zero(placing.of(i / 4).vector({v[i], v[i + 1], v[i + 2]}));
+      const float hand = v[i + 3] < 0 ? -mirrored : mirrored;
+      scene_.tangents.push_back(
+          {static_cast<float>(t.x), static_cast<float>(t.y), static_cast<float>(t.z), hand});
+    }
+  }
+  for (size_t k = 0; k < 2; ++k)
+    if (set.uv[k] >= 0) {
+      const std::vector<float> v = texcoords(set, k);
+      pad(scene_.uv[k], first, {0, 0});
+      for (size_t i = 0; i < v.size(); i += 2) scene_.uv[k].push_back({v[i], v[i + 1]});
+    }
+  if (set.colour >= 0) {
+    const std::vector<float> v = colours(set);
+    pad(scene_.colours, first, kWhite);
+    for (size_t i = 0; i < v.size(); i += 4)
+      scene_.colours.push_back(
+          {within(v[i]), within(v[i + 1]), within(v[i + 2]), std::min(within(v[i + 3]), 1.0f)});
+  }
+}
+
+void AttributeReader::note_colours(const AttributeSet& set, MaterialUse& use) const {
+  if (set.colour < 0) return;
+  const std::vector<float> v = colours(set);
+  for (size_t i = 0; i < v.size(); ++i) {
+    if (i % 4 == 3 && !use.alpha) continue;
+    use.coloured |= v[i] != 1;
+    if (i % 4 == 3) use.least_vertex_alpha = std::min(use.least_vertex_alpha, within(v[i]));
+  }
+}
+
+void AttributeReader::finish(size_t vertices) {
+  if (!scene_.normals.empty()) pad(scene_.normals, vertices, Vec3f{});
+  if (!scene_.tangents.empty()) pad(scene_.tangents, vertices, {0, 0, 0, 1});
+  for (auto& uv : scene_.uv)
+    if (!uv.empty()) pad(uv, vertices, {0, 0});
+  if (!scene_.colours.empty()) pad(scene_.colours, vertices, kWhite);
+}
+
+void mark_smooth_triangles(Scene& scene) {
+  if (scene.normals.empty()) return;
+  std::vector<uint8_t> smooth(scene.triangles.size());
+  bool any = false;
+  for (uint32_t t = 0; t < scene.triangles.size(); ++t) {
+    const Vec3d g = shape_of(scene, t).normal;
+    double sum = 0, widest = 0;
+    bool known = true;
+    for (uint32_t v : scene.triangles[t].vertex) {
+      const Vec3d n(scene.normals[v]);
+      known &= n != Vec3d{};
+      sum += dot(n, g);
+    }
+    if (!known) continue;
+    const double side = sum < 0 ? -1 : 1;  // normals that point to the back are turned round
+    for (uint32_t v : scene.triangles[t].vertex)
+      widest = std::max(widest, length(Vec3d(scene.normals[v]) * side - g));
+    if (widest <= kFlat) continue;
+    smooth[t] = side < 0 ? 2 : 1;
+    any = true;
+  }
+  if (any)
+    scene.smooth = std::move(smooth);
+  else
+    scene.normals = {};
+}
+
+}  // namespace tdpt::gltf

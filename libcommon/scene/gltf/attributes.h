@@ -1,0 +1,76 @@
+// Vertex attributes of placed meshes, gathered into the scene's arrays. Internal to this room.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "libcommon/scene/gltf/accessors.h"
+#include "libcommon/scene/gltf/document.h"
+#include "libcommon/scene/gltf/materials.h"
+#include "libcommon/scene/gltf/morphs.h"
+#include "libcommon/scene/gltf/nodes.h"
+#include "libcommon/scene/gltf/skins.h"
+#include "libcommon/scene/scene.h"
+
+namespace tdpt::gltf {
+
+/// Accessors of a primitive's attributes, -1 for those that are not there or not needed. Primitives
+/// of a mesh share their vertices where all of these agree.
+struct AttributeSet {
+  int position = -1, normal = -1, tangent = -1, colour = -1;
+  std::array<int, 2> uv{-1, -1};
+  std::vector<MorphTarget> targets;
+  std::vector<JointSet> joints;  ///< of a mesh with a skin
+  auto operator<=>(const AttributeSet&) const = default;
+};
+
+/// How a mesh stands in the scene, besides its place.
+struct Shape {
+  const std::vector<double>& weights;  ///< of its morph targets
+  bool skinned = false;
+};
+
+/// What of a primitive that has a POSITION is read for a material.
+AttributeSet choose_attributes(const tinygltf::Primitive& primitive, const MaterialUse& use,
+                               const Shape& shape);
+
+/// Where vertices go: all by one map, or those of a skin each by its own.
+struct Placing {
+  Affine to_world;  ///< of a skin: what its first joint does
+  bool mirrors = false;
+  std::vector<Affine> of_vertices{};  ///< empty: one for all
+  const Affine& of(size_t vertex) const {
+    return of_vertices.empty() ? to_world : of_vertices[vertex];
+  }
+};
+
+/// Throws InputError when an attribute has another count than POSITION. `place`: the primitive's.
+void check_counts(const Document& document, const AttributeSet& set, const std::string& place);
+
+class AttributeReader {
+ public:
+  AttributeReader(const Document& document, Scene& scene) : d_(document), scene_(scene) {}
+
+  /// Appends all but the positions of a set, for the vertices from `first` on.
+  void add(const AttributeSet& set, const Placing& placing, size_t first);
+
+  /// Tells a material what colours its primitive's vertices have.
+  void note_colours(const AttributeSet& set, MaterialUse& use) const;
+
+  /// Fills up the arrays that are in use to all `vertices`.
+  void finish(size_t vertices);
+
+ private:
+  std::vector<float> normals(const AttributeSet& set) const;
+  std::vector<float> tangents(const AttributeSet& set) const;
+  std::vector<float> texcoords(const AttributeSet& set, size_t k) const;
+  std::vector<float> colours(const AttributeSet& set) const;
+  void add_normals(const AttributeSet& set, const Placing& placing);
+
+  const Document& d_;
+  Scene& scene_;
+};
+
+/// Fills scene.smooth, and drops the normals if no triangle is smooth. After drop_flat_triangles.
+void mark_smooth_triangles(Scene& scene);
+
+}  // namespace tdpt::gltf

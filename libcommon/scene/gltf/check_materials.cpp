@@ -1,0 +1,200 @@
+// Materials, textures and lights: see gltf/checker.h.
+#include <fmt/format.h>
+#include <numbers>
+
+#include "libcommon/scene/gltf/checker.h"
+#include "libcommon/scene/gltf/textures.h"
+
+namespace tdpt::gltf {
+namespace {
+
+constexpr const char* kLights = "KHR_lights_punctual";
+
+using Textures = std::vector<size_t>;
+
+/// `seen` gets the one it refers to.
+void check_texture(Checker& c, Json& parent, const std::string& at, const char* name,
+                   Textures& seen) {
+  c.check(parent, at, {object(name)});
+  if (!parent.contains(name)) return;
+  Json& t = parent[name];
+  const std::string here = at + "." + name;
+  c.check(t, here,
+          {index("index", "textures", true), integer("texCoord"), number("scale"),
+           object("extensions")});
+  seen.push_back(t["index"].get<size_t>());
+  if (!t.contains("extensions")) return;
+  c.check(t["extensions"], here + ".extensions", {object("KHR_texture_transform")});
+  if (t["extensions"].contains("KHR_texture_transform"))
+    c.check(t["extensions"]["KHR_texture_transform"], here + ".extensions.KHR_texture_transform",
+            {numbers("offset", 2), number("rotation"), numbers("scale", 2), integer("texCoord")});
+}
+
+void check_one_of(Checker& c, Json& parent, const std::string& at, const char* name,
+                  std::initializer_list<int> values, const std::string& expected) {
+  c.check(parent, at, {integer(name)});
+  if (!parent.contains(name)) return;
+  for (int v : values)
+    if (parent[name] == v) return;
+  c.fail(at + "." + name, parent[name], expected);
+}
+
+void check_extensions_of_material(Checker& c, Json& e, const std::string& at, Textures& seen) {
+  for (const auto& [name, value] : e.items())
+    if (!value.is_object()) c.fail(at + "." + name.substr(0, 60), value, "an object");
+  const auto check = [&](const char* name, std::initializer_list<Field> fields,
+                         std::initializer_list<const char*> textures = {}) {
+    if (!e.contains(name)) return;
+    const std::string here = at + "." + name;
+    c.check(e[name], here, fields);
+    for (const char* texture : textures) check_texture(c, e[name], here, texture, seen);
+  };
+  check("KHR_materials_emissive_strength", {number("emissiveStrength", false, 0)});
+  check("KHR_materials_specular",
+        {number("specularFactor", false, 0, 1), numbers("specularColorFactor", 3, 0)},
+        {"specularTexture", "specularColorTexture"});
+  check("KHR_materials_pbrSpecularGlossiness",
+        {numbers("diffuseFactor", 4, 0), numbers("specularFactor", 3, 0),
+         number("glossinessFactor", false, 0, 1)},
+        {"diffuseTexture", "specularGlossinessTexture"});
+  check("KHR_materials_transmission", {number("transmissionFactor", false, 0, 1)},
+        {"transmissionTexture"});
+  check("KHR_materials_ior", {number("ior", false, 0)});
+  check("KHR_materials_clearcoat",
+        {number("clearcoatFactor", false, 0, 1), number("clearcoatRoughnessFactor", false, 0, 1)},
+        {"clearcoatTexture", "clearcoatRoughnessTexture", "clearcoatNormalTexture"});
+  check("KHR_materials_sheen",
+        {numbers("sheenColorFactor", 3, 0), number("sheenRoughnessFactor", false, 0, 1)},
+        {"sheenColorTexture", "sheenRoughnessTexture"});
+  const auto check_left_out = [&](const char* name, const Field& field) {
+    if (!c.tolerate([&] { check(name, {field}); })) e.erase(name);
+  };
+  check_left_out("KHR_materials_iridescence", number("iridescenceFactor"));
+  check_left_out("KHR_materials_anisotropy", number("anisotropyStrength"));
+  check_left_out("KHR_materials_dispersion", number("dispersion"));
+  check_left_out("KHR_materials_diffuse_transmission", number("diffuseTransmissionFactor"));
+  check_left_out("KHR_materials_volume_scatter", numbers("multiscatterColor", 3));
+  check("KHR_materials_volume",
+        {number("thicknessFactor", false, 0), number("attenuationDistance", false, 0),
+         numbers("attenuationColor", 3, 0, 1)});
+  if (e.contains("KHR_materials_ior") && e["KHR_materials_ior"].contains("ior")) {
+    const Json& ior = e["KHR_materials_ior"]["ior"];
+    const double n = ior.get<double>();
+    if (n != 0 && !(n >= 1 && n <= 1e6))
+      c.fail(at + ".KHR_materials_ior.ior", ior, "0 or a number from 1 to 1e6");
+  }
+  if (e.contains("KHR_materials_volume") &&
+      e["KHR_materials_volume"].contains("attenuationDistance")) {
+    const Json& distance = e["KHR_materials_volume"]["attenuationDistance"];
+    if (!(distance.get<double>() > 0))
+      c.fail(at + ".KHR_materials_volume.attenuationDistance", distance, "more than 0");
+  }
+}
+
+void check_alpha(Checker& c, Json& m, const std::string& at) {
+  c.check(m, at, {text("alphaMode")});
+  const auto mode = m.value("alphaMode", "OPAQUE");
+  if (mode != "OPAQUE" && mode != "MASK" && mode != "BLEND")
+    c.fail(at + ".alphaMode", m["alphaMode"], "OPAQUE, MASK or BLEND");
+  const auto check_cutoff = [&] { c.check(m, at, {number("alphaCutoff", false, 0)}); };
+  if (mode == "MASK") return check_cutoff();
+  if (!c.tolerate(check_cutoff)) m.erase("alphaCutoff");
+}
+
+Textures check_material(Checker& c, Json& m, const std::string& at) {
+  Textures seen;
+  c.check(m, at,
+          {name_of("name"), numbers("emissiveFactor", 3, 0), boolean("doubleSided"),
+           object("pbrMetallicRoughness"), object("extensions")});
+  check_alpha(c, m, at);
+  check_texture(c, m, at, "emissiveTexture", seen);
+  check_texture(c, m, at, "normalTexture", seen);
+  if (m.contains("pbrMetallicRoughness")) {
+    Json& pbr = m["pbrMetallicRoughness"];
+    const std::string here = at + ".pbrMetallicRoughness";
+    c.check(pbr, here,
+            {numbers("baseColorFactor", 4, 0), number("metallicFactor", false, 0, 1),
+             number("roughnessFactor", false, 0, 1)});
+    check_texture(c, pbr, here, "baseColorTexture", seen);
+    check_texture(c, pbr, here, "metallicRoughnessTexture", seen);
+  }
+  if (m.contains("extensions"))
+    check_extensions_of_material(c, m["extensions"], at + ".extensions", seen);
+  return seen;
+}
+
+void check_spot(Checker& c, Json& light, const std::string& at) {
+  c.check(light, at, {object("spot")});
+  if (!light.contains("spot")) return;
+  Json& s = light["spot"];
+  c.check(s, at + ".spot", {number("innerConeAngle"), number("outerConeAngle")});
+  const double inner = s.value("innerConeAngle", 0.0);
+  const double outer = s.value("outerConeAngle", std::numbers::pi / 4);
+  // Files round pi/2 to single precision.
+  if (!(inner >= 0 && inner <= outer && outer > 0 && outer <= std::numbers::pi / 2 + 1e-6))
+    c.fail_because(at + ".spot",
+                   fmt::format("has an inner cone of {} and an outer one of {}, expected "
+                               "0 <= inner <= outer, 0 < outer <= pi/2",
+                               inner, outer));
+}
+
+}  // namespace
+
+void check_materials(Checker& c, Json& root) {
+  size_t i = 0;
+  c.each(root, "", "materials", [&](Json& m, const std::string& at) {
+    const bool used = c.uses.has("materials", i++);
+    for (const size_t texture : check_material(c, m, at))
+      if (used) c.uses.mark("textures", texture);
+  });
+}
+
+void check_textures(Checker& c, Json& root) {
+  c.each(root, "", "textures", [&](Json& t, const std::string& at) {
+    c.check(t, at, {index("source", "images"), index("sampler", "samplers"), object("extensions")});
+    if (!t.contains("extensions")) return;
+    for (const char* name : kTextureFormats) {
+      c.check(t["extensions"], at + ".extensions", {object(name)});
+      if (t["extensions"].contains(name))
+        c.check(t["extensions"][name], at + ".extensions." + name, {index("source", "images")});
+    }
+  });
+  mark_parts_of_textures(c.uses, root);
+  c.each(root, "", "images", [&](Json& i, const std::string& at) {
+    c.check(i, at, {text("uri"), index("bufferView", "bufferViews")});
+  });
+  c.each(root, "", "samplers", [&](Json& s, const std::string& at) {
+    check_one_of(c, s, at, "magFilter", {9728, 9729}, "9728 (nearest) or 9729 (linear)");
+    for (const char* wrap : {"wrapS", "wrapT"})
+      check_one_of(c, s, at, wrap, {10497, 33648, 33071},
+                   "10497 (repeat), 33648 (mirrored repeat) or 33071 (clamp to edge)");
+  });
+}
+
+void count_lights(Checker& c, Json& root) {
+  c.uses.count("lights", 0);
+  if (!root.contains("extensions")) return;
+  c.check(root["extensions"], "extensions", {object(kLights)});
+  if (!root["extensions"].contains(kLights)) return;
+  Json& owner = root["extensions"][kLights];
+  c.check(owner, std::string("extensions.") + kLights, {objects("lights")});
+  c.uses.count("lights", owner.value("lights", Json::array()).size());
+}
+
+void check_lights(Checker& c, Json& root) {
+  if (!root.contains("extensions") || !root["extensions"].contains(kLights)) return;
+  Json& owner = root["extensions"][kLights];
+  const std::string where = std::string("extensions.") + kLights;
+  c.each(owner, where, "lights", [&](Json& l, const std::string& at) {
+    c.check(l, at,
+            {name_of("name"), text("type", true), numbers("color", 3, 0),
+             number("intensity", false, 0)});
+    const auto type = l["type"].get<std::string>();
+    if (type != "point" && type != "spot" && type != "directional")
+      c.fail(at + ".type", l["type"], "point, spot or directional");
+    if (type == "spot") return check_spot(c, l, at);
+    if (!c.tolerate([&] { check_spot(c, l, at); })) l.erase("spot");
+  });
+}
+
+}  // namespace tdpt::gltf

@@ -1,0 +1,247 @@
+// Nodes, and what places, bends and moves their meshes: see gltf/checker.h.
+#include <fmt/format.h>
+#include <algorithm>
+#include <set>
+
+#include "libcommon/scene/gltf/checker.h"
+
+namespace tdpt::gltf {
+namespace {
+
+constexpr const char* kLights = "KHR_lights_punctual";
+constexpr const char* kInstances = "EXT_mesh_gpu_instancing";
+constexpr const char* kVisibility = "KHR_node_visibility";
+
+bool hides(const Json& n) {
+  if (!n.contains("extensions") || !n["extensions"].contains(kVisibility)) return false;
+  return !n["extensions"][kVisibility].value("visible", true);
+}
+
+void check_visibility(Checker& c, Json& n, const std::string& at) {
+  if (!n.contains("extensions")) return;
+  Json& e = n["extensions"];
+  const std::string here = at + ".extensions";
+  c.check(e, here, {object(kVisibility)});
+  if (e.contains(kVisibility))
+    c.check(e[kVisibility], here + "." + kVisibility, {boolean("visible")});
+}
+
+/// What it holds but for its camera, of which the picture knows nothing where it is not shown.
+void check_node(Checker& c, Json& n, const std::string& at, bool shown) {
+  c.check(n, at,
+          {name_of("name"), indices("children", "nodes"), index("camera", "cameras"),
+           numbers("matrix", 16), numbers("translation", 3), numbers("rotation", 4),
+           numbers("scale", 3), object("extensions")});
+  check_visibility(c, n, at);
+  const auto check_content = [&] {
+    c.check(n, at, {index("mesh", "meshes"), index("skin", "skins")});
+    check_weights(c, n, at);
+    check_node_extensions(c, n, at);
+  };
+  if (shown && !hides(n)) return check_content();
+  if (c.tolerate(check_content)) return;
+  for (const char* name : {"mesh", "skin", "weights"}) n.erase(name);
+  if (!n.contains("extensions")) return;
+  for (const char* name : {kLights, kInstances}) n["extensions"].erase(name);
+}
+
+void mark_accessors_of_instances(Uses& uses, const Json& extensions) {
+  if (!extensions.contains(kInstances)) return;
+  for (const char* name : {"TRANSLATION", "ROTATION", "SCALE"})
+    if (const Json& a = extensions[kInstances]["attributes"]; a.contains(name))
+      uses.mark("accessors", a[name].get<size_t>());
+}
+
+/// What a node in the scene holds; a hidden one holds its camera alone.
+void mark_parts_of_node(Uses& uses, const Json& n, bool visible) {
+  if (n.contains("camera")) uses.mark("cameras", n["camera"].get<size_t>());
+  if (!visible) return;
+  const Json extensions = n.value("extensions", Json::object());
+  if (extensions.contains(kLights)) uses.mark("lights", extensions[kLights]["light"].get<size_t>());
+  if (!n.contains("mesh")) return;
+  uses.mark("meshes", n["mesh"].get<size_t>());
+  if (n.contains("mesh") && n.contains("skin")) uses.mark("skins", n["skin"].get<size_t>());
+  mark_accessors_of_instances(uses, extensions);
+}
+
+/// The roots of the scene, or all nodes where there is none.
+std::vector<size_t> first_nodes(Checker& c, Json& root) {
+  std::vector<size_t> out;
+  if (c.size_of("scenes") == 0) {
+    for (size_t i = 0; i < c.size_of("nodes"); ++i) out.push_back(i);
+    return out;
+  }
+  const size_t scene = root.value("scene", size_t{0});
+  c.uses.mark("scenes", scene);
+  c.each(root, "", "scenes",
+         [&](Json& s, const std::string& at) { c.check(s, at, {indices("nodes", "nodes")}); });
+  for (const Json& n : root["scenes"][scene].value("nodes", Json::array()))
+    out.push_back(n.get<size_t>());
+  return out;
+}
+
+/// Visits the nodes below, each once, or twice where it is seen only the second time.
+void visit_nodes(Checker& c, Json& root, const std::vector<size_t>& first) {
+  struct Step {
+    size_t node;
+    bool visible;
+  };
+  std::vector<Step> next;
+  for (const size_t n : first) next.push_back({n, true});
+  std::vector<bool> seen(c.size_of("nodes"));
+  while (!next.empty()) {
+    const Step step = next.back();
+    next.pop_back();
+    Json& n = root["nodes"][step.node];
+    const bool is_new = c.uses.mark("nodes", step.node);
+    if (is_new) check_node(c, n, place("nodes", step.node), step.visible);
+    const bool visible = step.visible && !hides(n);
+    if (!is_new && (seen[step.node] || !visible)) continue;
+    if (visible) seen[step.node] = true;
+    mark_parts_of_node(c.uses, n, visible);
+    if (!n.contains("children")) continue;
+    for (const Json& child : n["children"]) next.push_back({child.get<size_t>(), visible});
+  }
+}
+
+bool joints_are_in_scene(Checker& c, const Json& root) {
+  for (size_t i = 0; i < c.size_of("skins"); ++i)
+    if (c.uses.has("skins", i))
+      for (const Json& joint : root["skins"][i]["joints"])
+        if (!c.uses.has("nodes", joint.get<size_t>())) return false;
+  return true;
+}
+
+}  // namespace
+
+void check_weights(Checker& c, Json& owner, const std::string& at) {
+  if (!owner.contains("weights")) return;
+  Json& weights = owner["weights"];
+  if (!weights.is_array()) c.fail(at + ".weights", weights, "an array of numbers");
+  c.check(owner, at, {numbers("weights", weights.size())});
+}
+
+void check_node_extensions(Checker& c, Json& n, const std::string& at) {
+  if (!n.contains("extensions")) return;
+  Json& e = n["extensions"];
+  const std::string here = at + ".extensions";
+  c.check(e, here, {object(kInstances), object(kLights)});
+  if (e.contains(kLights)) {
+    const std::string light = here + "." + kLights;
+    c.check(e[kLights], light, {integer("light", true)});
+    const size_t lights = c.uses.of("lights").size();
+    if (e[kLights]["light"].get<uint64_t>() >= lights)
+      c.fail(light + ".light", e[kLights]["light"],
+             fmt::format("an index into the {} lights", lights));
+  }
+  if (!e.contains(kInstances)) return;
+  const std::string instances = here + "." + kInstances;
+  c.check(e[kInstances], instances, {object("attributes", true)});
+  c.check(e[kInstances]["attributes"], instances + ".attributes",
+          {index("TRANSLATION", "accessors"), index("ROTATION", "accessors"),
+           index("SCALE", "accessors")});
+}
+
+void check_nodes(Checker& c, Json& root) {
+  visit_nodes(c, root, first_nodes(c, root));
+}
+
+void check_nodes_outside(Checker& c, Json& root) {
+  const std::vector<bool> checked = c.uses.of("nodes");
+  if (!joints_are_in_scene(c, root))
+    // Others may stand above the joints; whatever they are, they count.
+    for (size_t i = 0; i < c.size_of("nodes"); ++i) c.uses.mark("nodes", i);
+  size_t i = 0;
+  c.each(root, "", "nodes", [&](Json& n, const std::string& at) {
+    if (!checked[i++]) check_node(c, n, at, false);
+  });
+}
+
+void check_skins(Checker& c, Json& root) {
+  c.each(root, "", "skins", [&](Json& s, const std::string& at) {
+    c.check(s, at, {indices("joints", "nodes"), index("inverseBindMatrices", "accessors")});
+    if (!s.contains("joints") || s["joints"].empty())
+      c.fail_because(at + ".joints", "is missing or empty, expected at least one joint");
+  });
+  for (size_t i = 0; i < c.size_of("skins"); ++i) {
+    if (!c.uses.has("skins", i)) continue;
+    const Json& s = root["skins"][i];
+    if (s.contains("inverseBindMatrices"))
+      c.uses.mark("accessors", s["inverseBindMatrices"].get<size_t>());
+  }
+}
+
+void check_attributes(Checker& c, Json& attributes, const std::string& at) {
+  for (const auto& [name, value] : attributes.items()) {
+    const auto check = [&, &n = name] { c.check(attributes, at, {index(n.c_str(), "accessors")}); };
+    if (is_read_attribute(name))
+      check();
+    else
+      c.tolerate(check);
+  }
+  std::erase_if(attributes.get_ref<Json::object_t&>(),
+                [](const auto& a) { return !is_read_attribute(a.first); });
+}
+
+void check_targets(Checker& c, Json& p, const std::string& at) {
+  c.check(p, at, {objects("targets")});
+  c.each(p, at, "targets", [&](Json& t, const std::string& here) { check_attributes(c, t, here); });
+}
+
+void check_animations(Checker& c, Json& root) {
+  std::set<std::pair<size_t, std::string>> moved;
+  size_t idle = 0, aimless = 0, empty = 0, unnamed = 0;
+  // Whether the channel moves something that is seen; checked as far as that takes.
+  const auto counts = [&](Json& animation, const std::string& owner, Json& channel,
+                          const std::string& at) {
+    c.check(channel, at, {object("target")});
+    if (!channel.contains("target")) return ++aimless, false;
+    Json& target = channel["target"];
+    const std::string where = at + ".target";
+    c.check(target, where, {text("path"), index("node", "nodes")});
+    if (!target.contains("path") && !target.contains("node")) return ++aimless, false;
+    c.check(target, where, {text("path", true)});
+    const auto path = target["path"].get<std::string>();
+    if (path == "pointer") return true;
+    const bool known =
+        path == "translation" || path == "rotation" || path == "scale" || path == "weights";
+    if (!known || !target.contains("node")) return false;
+    const auto node = target["node"].get<size_t>();
+    if (!c.uses.has("nodes", node) || moved.contains({node, path})) return false;
+    c.check(channel, at, {integer("sampler", true)});
+    c.check(animation, owner, {objects("samplers", true)});
+    const Json& samplers = animation["samplers"];
+    if (channel["sampler"].get<uint64_t>() >= samplers.size())
+      c.fail(at + ".sampler", channel["sampler"],
+             fmt::format("an index into the {} samplers", samplers.size()));
+    Json& sampler = animation["samplers"][channel["sampler"].get<size_t>()];
+    c.check(sampler, at + ".sampler", {index("output", "accessors", true)});
+    if (sampler.contains("interpolation") && !sampler["interpolation"].is_string())
+      sampler.erase("interpolation"), ++unnamed;
+    const auto output = sampler["output"].get<size_t>();
+    if (root["accessors"][output].value("count", Json(1)) == 0) return ++empty, false;
+    c.uses.mark("accessors", output);
+    moved.insert({node, path});
+    return true;
+  };
+  c.each(root, "", "animations", [&](Json& a, const std::string& at) {
+    c.check(a, at, {objects("channels")});
+    if (!a.contains("channels")) ++idle;
+    Json kept = Json::array();
+    c.each(a, at, "channels", [&](Json& channel, const std::string& here) {
+      if (counts(a, at, channel, here)) kept.push_back(channel);
+    });
+    a["channels"] = kept;
+  });
+  const auto tell = [&](size_t n, const char* noun, const std::string& lack) {
+    if (n > 0) c.note(counted(n, noun, lack + " moves nothing", lack + " move nothing"));
+  };
+  tell(idle, "animation", "without channels");
+  tell(aimless, "animation channel", "without a target");
+  tell(empty, "animation channel", "without a key");
+  if (unnamed > 0)
+    c.note(counted(unnamed, "interpolation", "is not made of text: taken as LINEAR",
+                   "are not made of text: taken as LINEAR"));
+}
+
+}  // namespace tdpt::gltf

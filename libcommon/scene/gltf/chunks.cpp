@@ -1,0 +1,89 @@
+// The container: .glb header and chunks (glTF 2.0, section 4.4).
+#include <fmt/format.h>
+
+#include "libcommon/base/counted.h"
+#include "libcommon/scene/gltf/document.h"
+
+namespace tdpt::gltf {
+namespace {
+
+uint32_t u32_at(std::string_view bytes, size_t at) {
+  uint32_t value = 0;
+  for (size_t i = 4; i-- > 0;) value = value << 8 | static_cast<unsigned char>(bytes[at + i]);
+  return value;
+}
+
+constexpr uint32_t kJson = 0x4E4F534A, kBin = 0x004E4942;
+constexpr size_t kHeader = 12, kChunkHeader = 8;
+
+/// Where the chunk behind one that ends at `end` begins: there, unless the end was to be filled up
+/// to a multiple of 4 and was not counted so.
+size_t next_chunk(std::string_view bytes, size_t end) {
+  const size_t aligned = (end + 3) / 4 * 4;
+  const auto is_bin = [&](size_t at) {
+    return bytes.size() >= kChunkHeader && at <= bytes.size() - kChunkHeader &&
+           u32_at(bytes, at + 4) == kBin;
+  };
+  return !is_bin(end) && is_bin(aligned) ? aligned : end;
+}
+
+}  // namespace
+
+Chunks split_chunks(std::string_view bytes, const std::string& file,
+                    std::vector<std::string>& warnings) {
+  const auto fail = [&](const std::string& where, const std::string& message) {
+    throw InputError(file, where, message);
+  };
+  if (bytes.empty()) fail("", "is empty, expected a glTF 2.0 scene");
+  if (!bytes.starts_with("glTF")) {
+    const size_t first = bytes.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
+    if (first == bytes.npos || bytes[first] != '{')
+      fail("", "is no glTF scene, expected \"glTF\" (.glb) or \"{\" (.gltf) at its start");
+    return {bytes, {}, false};
+  }
+  if (bytes.size() < kHeader)
+    fail("header", fmt::format("is cut short after {} bytes, expected {}", bytes.size(), kHeader));
+  const uint32_t version = u32_at(bytes, 4), length = u32_at(bytes, 8);
+  if (version != 2) fail("header", fmt::format("version is {}, expected 2", version));
+  if (length > bytes.size())
+    fail("header",
+         fmt::format("the file is cut short: {} bytes, expected {}", bytes.size(), length));
+  if (length < bytes.size())
+    warnings.push_back(fmt::format("the file has {} bytes, but declares {}: the rest is left out",
+                                   bytes.size(), length));
+  bytes = bytes.substr(0, length);
+
+  Chunks chunks;
+  size_t at = kHeader;
+  // Whatever comes behind the binary chunk means nothing.
+  for (size_t k = 0; k < 2 && at < bytes.size(); ++k) {
+    const std::string where = place("chunk", k);
+    const size_t left = bytes.size() - at;
+    if (left < kChunkHeader) {
+      if (k > 0 && left < 4) break;  // padding
+      fail(where, fmt::format("is cut short: {}, expected a header of {}",
+                              tdpt::counted(left, "byte"), kChunkHeader));
+    }
+    const uint32_t size = u32_at(bytes, at), type = u32_at(bytes, at + 4);
+    if (size > left - kChunkHeader)
+      fail(where, fmt::format("declares {}, but {} are left in the file",
+                              tdpt::counted(size, "byte"), left - kChunkHeader));
+    if (size % 4 != 0)
+      warnings.push_back(fmt::format("{} of the file has {}, expected a multiple of 4", where,
+                                     tdpt::counted(size, "byte")));
+    const std::string_view content = bytes.substr(at + kChunkHeader, size);
+    if (k == 0) {
+      if (type != kJson) fail(where, "is not JSON, expected the JSON chunk first");
+      chunks.json = content;
+    } else if (type == kBin) {
+      chunks.bin = content;
+      chunks.has_bin = true;
+    }
+    at = next_chunk(bytes, at + kChunkHeader + size);
+  }
+  while (!chunks.json.empty() && chunks.json.back() == '\0') chunks.json.remove_suffix(1);
+  if (chunks.json.empty()) fail("chunk[0]", "is missing or empty, expected the JSON chunk");
+  return chunks;
+}
+
+}  // namespace tdpt::gltf

@@ -1,0 +1,225 @@
+#include "libcommon/scene/gltf/document.h"
+
+#include <fmt/format.h>
+#include <algorithm>
+
+#include "libcommon/base/counted.h"
+#include "libcommon/base/file.h"
+#include "libcommon/base/hash.h"
+#include "libcommon/base/memory_limit.h"
+#include "libcommon/base/shown.h"
+#include "libcommon/scene/gltf/compression.h"
+#include "libcommon/scene/gltf/meshopt.h"
+#include "libcommon/scene/gltf/uri.h"
+
+namespace tdpt::gltf {
+namespace {
+
+using Json = nlohmann::json;
+
+// Deeper nesting has no use in glTF, and readers that recurse would run out of stack.
+constexpr int kDeepest = 64;
+
+/// Brackets that are open at once. Counted before parsing: nlohmann's parser callback, which could
+/// tell, takes quadratic time in the length of arrays.
+int depth_of(std::string_view text) {
+  int depth = 0, deepest = 0;
+  bool in_text = false;
+  for (size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (in_text && c == '\\')
+      ++i;
+    else if (c == '"')
+      in_text = !in_text;
+    else if (in_text)
+      continue;
+    else if (c == '[' || c == '{')
+      deepest = std::max(deepest, ++depth);
+    else if (c == ']' || c == '}')
+      --depth;
+  }
+  return deepest;
+}
+
+void check_extensions(Document& d) {
+  if (!d.json.contains("extensionsRequired")) return;
+  for (const Json& e : d.json["extensionsRequired"]) {
+    const std::string name = e.get<std::string>();
+    if (changes_no_picture(name))
+      d.warnings.push_back(name + " is required, but changes no picture: passed over");
+    else if (!is_supported(name))
+      d.fail("extensionsRequired",
+             fmt::format("\"{}\" is not supported, expected a scene exported without it",
+                         shown(name, 60)));
+  }
+}
+
+void load_buffers(Document& d, const Chunks& chunks, const std::vector<bool>& used) {
+  std::string all;  // what the hash is of, when there is more than the file
+  uint64_t beside = 0;
+  const Json buffers = d.json.value("buffers", Json::array());
+  for (size_t i = 0; i < buffers.size(); ++i) {
+    if (!used[i]) {
+      d.buffers.emplace_back();
+      continue;
+    }
+    const std::string where = place("buffers", i);
+    const auto length = buffers[i]["byteLength"].get<uint64_t>();
+    std::string_view bytes;
+    if (is_meshopt_fallback(buffers[i])) {  // for readers that cannot decode
+      d.buffers.emplace_back();
+      continue;
+    }
+    if (buffers[i].contains("uri")) {
+      std::string file;
+      d.owned.push_back(read_uri(d, buffers[i]["uri"].get<std::string>(), where + ".uri", file));
+      bytes = d.owned.back();
+      beside += bytes.size();  // the same file may stand in many of them
+      expect_memory(d.file, where, tdpt::counted(beside, "byte") + " of buffers", 2 * beside);
+      if (!file.empty()) {
+        all += d.owned.back();
+        d.files.push_back(file);
+      }
+    } else {
+      if (i != 0 || !chunks.has_bin) d.fail(where, "has neither a uri nor a binary chunk");
+      bytes = chunks.bin;
+    }
+    if (bytes.size() < length)
+      d.fail(where, fmt::format("is cut short: {}, expected {}",
+                                tdpt::counted(bytes.size(), "byte"), length));
+    d.buffers.push_back(bytes.substr(0, length));
+  }
+  d.hash = all.empty() ? content_hash(d.bytes) : content_hash(d.bytes + all);
+}
+
+bool no_image(tinygltf::Image*, const int, std::string*, std::string*, int, int,
+              const unsigned char*, int, void*) {
+  return true;
+}
+
+// Elements of few bytes become structures of many.
+void check_elements(const Document& d) {
+  using namespace tinygltf;
+  size_t elements = 0, bytes = 0;
+  for (const auto& [section, size] :
+       {std::pair("nodes", sizeof(Node)), std::pair("meshes", sizeof(Mesh)),
+        std::pair("accessors", sizeof(Accessor)), std::pair("bufferViews", sizeof(BufferView)),
+        std::pair("scenes", sizeof(tinygltf::Scene)), std::pair("cameras", sizeof(Camera))}) {
+    const auto found = d.json.find(section);
+    if (found == d.json.end()) continue;
+    elements += found->size();
+    bytes += found->size() * size;
+  }
+  expect_memory(d.file, "JSON", fmt::format("{} nodes, meshes, accessors and the like", elements),
+                bytes);
+}
+
+// tinygltf turns the checked JSON into its model. It gets neither buffers nor images: it would copy
+// the ones and read outside of a buffer for the others. Nor does it get indices: it refuses those
+// that Draco holds.
+void load_model(Document& d) {
+  check_elements(d);
+  Json reduced = Json::object();
+  for (const char* section :
+       {"asset", "scene", "scenes", "nodes", "meshes", "accessors", "bufferViews", "cameras"})
+    if (d.json.contains(section)) reduced[section] = d.json[section];
+  if (reduced.contains("meshes"))
+    for (Json& mesh : reduced["meshes"])
+      for (Json& p : mesh["primitives"]) p.erase("indices"), p.erase("extensions");
+  const std::string text = reduced.dump();
+  if (text.size() > std::numeric_limits<unsigned>::max()) d.fail("JSON", "is larger than 4 GiB");
+  tinygltf::TinyGLTF loader;
+  loader.SetImageLoader(no_image, nullptr);
+  std::string error, warning;
+  bool loaded = false;
+  try {
+    loaded = loader.LoadASCIIFromString(&d.model, &error, &warning, text.data(),
+                                        static_cast<unsigned>(text.size()), "");
+  } catch (const Json::exception& e) {
+    error = e.what();
+  }
+  if (!loaded)
+    d.fail("JSON", "is no valid glTF: " + shown(error.substr(0, error.find_first_of("\r\n")), 200));
+  for (size_t m = 0; m < d.model.meshes.size(); ++m)
+    for (size_t k = 0; k < d.model.meshes[m].primitives.size(); ++k)
+      d.model.meshes[m].primitives[k].indices =
+          d.json["meshes"][m]["primitives"][k].value("indices", -1);
+}
+
+}  // namespace
+
+Json parse_json(std::string_view text, const std::string& file) {
+  if (depth_of(text) > kDeepest)
+    throw InputError(file, "JSON", fmt::format("is nested more than {} levels deep", kDeepest));
+  try {
+    return Json::parse(text.begin(), text.end());
+  } catch (const Json::parse_error& e) {
+    throw InputError(file, fmt::format("JSON byte {}", e.byte), "is not valid JSON");
+  } catch (const Json::exception&) {
+    throw InputError(file, "JSON", "holds a number beyond the range of double precision");
+  }
+}
+
+std::string place(const char* section, size_t index) {
+  return fmt::format("{}[{}]", section, index);
+}
+
+std::string counted(size_t n, const std::string& noun, const std::string& one,
+                    const std::string& many) {
+  return tdpt::counted(n, noun) + ' ' + (n == 1 ? one : many);
+}
+
+std::string unused_sentence(const std::string& file, const std::string& first, size_t faults) {
+  return first.substr(file.size() + 1) + "; nothing in the scene uses it" +
+         (faults > 1 ? fmt::format(", and {} more of the kind", faults - 1) : "");
+}
+
+void open_document(const std::string& path, Document& d) {
+  d.file = display_name(path);
+  d.bytes = read_file(path);
+  d.folder = folder_of(path);
+  const Chunks chunks = split_chunks(d.bytes, d.file, d.warnings);
+  d.json = parse_json(chunks.json, d.file);
+  const Checked checked = check_json(d.json, d.file);
+  d.camera_faults = checked.cameras;
+  d.warnings.insert(d.warnings.end(), checked.warnings.begin(), checked.warnings.end());
+  check_extensions(d);
+  for (const Json& e : d.json.value("extensionsUsed", Json::array()))
+    d.extensions.insert(e.get<std::string>());
+  load_buffers(d, chunks, checked.buffers);
+  load_model(d);
+  decode_draco_primitives(d);
+}
+
+bool uses_extension(const Document& d, const std::string& name) {
+  return d.extensions.contains(name);
+}
+
+std::string_view buffer_bytes(const Document& d, const std::string& where, size_t index,
+                              size_t offset, size_t size) {
+  const std::string_view buffer = d.buffers[index];
+  if (offset > buffer.size() || size > buffer.size() - offset)
+    d.fail(where, fmt::format("{} from byte {} reach{} beyond buffers[{}] of {}",
+                              tdpt::counted(size, "byte"), offset, size == 1 ? "es" : "", index,
+                              tdpt::counted(buffer.size(), "byte")));
+  return buffer.substr(offset, size);
+}
+
+std::string_view view_bytes(const Document& d, size_t index) {
+  if (is_meshopt_view(d, index)) {
+    auto it = d.unpacked.find(index);
+    if (it == d.unpacked.end()) it = d.unpacked.emplace(index, unpack_meshopt_view(d, index)).first;
+    return it->second;
+  }
+  const tinygltf::BufferView& v = d.model.bufferViews[index];
+  return buffer_bytes(d, place("bufferViews", index), static_cast<size_t>(v.buffer), v.byteOffset,
+                      v.byteLength);
+}
+
+size_t most_bytes(const Document& d) {
+  size_t bytes = d.bytes.size() + most_bytes_of_meshopt(d);
+  for (const std::string_view b : d.buffers) bytes += b.size();
+  return bytes;
+}
+
+}  // namespace tdpt::gltf

@@ -1,0 +1,68 @@
+// Extensions by name: those that are read, and those that a renderer of still pictures may pass
+// over, even where a file requires them.
+#include <algorithm>
+#include <array>
+
+#include "libcommon/scene/gltf/document.h"
+
+namespace tdpt::gltf {
+namespace {
+
+constexpr std::array kSupported = {"KHR_materials_emissive_strength",
+                                   "KHR_materials_specular",
+                                   "KHR_materials_ior",
+                                   "KHR_materials_transmission",
+                                   "KHR_materials_volume",
+                                   "KHR_materials_clearcoat",
+                                   "KHR_materials_sheen",
+                                   "KHR_materials_iridescence",
+                                   "KHR_materials_anisotropy",
+                                   "KHR_materials_dispersion",
+                                   "KHR_materials_diffuse_transmission",
+                                   "KHR_materials_volume_scatter",
+                                   "KHR_materials_unlit",
+                                   "KHR_lights_punctual",
+                                   "KHR_mesh_quantization",
+                                   "KHR_draco_mesh_compression",
+                                   "EXT_meshopt_compression",
+                                   "KHR_meshopt_compression",
+                                   "EXT_texture_webp",
+                                   "EXT_texture_avif",
+                                   "KHR_texture_basisu",
+                                   "MSFT_texture_dds",
+                                   "KHR_texture_transform",
+                                   "KHR_materials_pbrSpecularGlossiness",
+                                   "KHR_node_visibility",
+                                   "EXT_mesh_gpu_instancing"};
+
+constexpr std::array kOfNoPicture = {
+    // Other materials to choose from, other levels of detail: what the nodes name is drawn.
+    "KHR_materials_variants", "MSFT_lod",
+    // Motion of what is no node: only nodes move, and are told so.
+    "KHR_animation_pointer",
+    // What can be touched.
+    "KHR_interactivity", "KHR_node_hoverability", "KHR_node_selectability", "AGI_articulations",
+    // Metadata.
+    "KHR_xmp", "KHR_xmp_json_ld", "AGI_stk_metadata", "EXT_feature_metadata",
+    "EXT_instance_features", "EXT_mesh_features", "EXT_structural_metadata", "FB_geometry_metadata",
+    "VRM", "VRMC_node_constraint", "VRMC_springBone", "VRMC_vrm",
+    // Bodies and sound.
+    "KHR_audio_emitter", "KHR_physics_rigid_bodies", "MSFT_audio_emitter", "OMI_collider",
+    "OMI_physics_body", "OMI_physics_joint", "OMI_physics_shape",
+    // How surfaces were made, and in which order a rasteriser draws them.
+    "ADOBE_render_order", "CESIUM_primitive_outline", "EXT_mesh_manifold", "FB_ngon_encoding",
+    "GODOT_single_root",
+    // Where all of the scene lies, cameras and lamps included.
+    "CESIUM_RTC"};
+
+}  // namespace
+
+bool is_supported(const std::string& extension) {
+  return std::find(kSupported.begin(), kSupported.end(), extension) != kSupported.end();
+}
+
+bool changes_no_picture(const std::string& extension) {
+  return std::find(kOfNoPicture.begin(), kOfNoPicture.end(), extension) != kOfNoPicture.end();
+}
+
+}  // namespace tdpt::gltf

@@ -1,0 +1,87 @@
+#include "libcommon/scene/gltf/lights.h"
+
+#include <fmt/format.h>
+#include <cmath>
+#include <numbers>
+
+namespace tdpt::gltf {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr const char* kName = "KHR_lights_punctual";
+constexpr double kLeast = 1e-30, kMost = 1e30;
+
+/// Unit vector along `v`, which may be very long or short; 0 where it has no direction.
+Vec3d direction_of(const Vec3d& v) {
+  const double largest = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+  return largest > 0 ? normalize(v / largest) : Vec3d();
+}
+
+}  // namespace
+
+std::optional<PunctualLight> read_light(const Document& d, const PlacedNode& n, size_t& flat) {
+  const Json& node = d.json["nodes"][n.node];
+  if (!node.contains("extensions") || !node["extensions"].contains(kName)) return {};
+  const auto index = node["extensions"][kName]["light"].get<size_t>();
+  const Json& l = d.json["extensions"][kName]["lights"][index];
+  const std::string type = l["type"].get<std::string>();
+
+  PunctualLight out;
+  out.name = l.value("name", "");
+  if (out.name.empty()) out.name = node.value("name", "");
+  Vec3d colour(1);
+  if (l.contains("color"))
+    for (int c = 0; c < 3; ++c) colour[c] = l["color"][static_cast<size_t>(c)].get<double>();
+  const Vec3d intensity = colour * l.value("intensity", 1.0);
+  if (max_component(intensity) <= 0) return {};
+  if (!(max_component(intensity) <= kMost))
+    d.fail(fmt::format("extensions.{}.{}", kName, place("lights", index)),
+           fmt::format("has an intensity of {}, expected at most 1e30", max_component(intensity)));
+  out.intensity = Rgb(intensity);
+  out.position = n.to_world().t;
+  if (type == "point") return out;
+  out.direction = direction_of(-n.to_world().z);
+  if (out.direction == Vec3d()) {
+    ++flat;
+    return {};
+  }
+  if (type == "directional") {
+    out.kind = PunctualLight::Kind::directional;
+    return out;
+  }
+  out.kind = PunctualLight::Kind::spot;
+  const Json spot = l.value("spot", Json::object());
+  out.cos_inner = std::cos(spot.value("innerConeAngle", 0.0));
+  out.cos_outer = std::max(std::cos(spot.value("outerConeAngle", std::numbers::pi / 4)), 0.0);
+  return out;
+}
+
+std::string generator_of(const Document& d) {
+  const Json& asset = d.json["asset"];
+  if (!asset.contains("generator") || !asset["generator"].is_string()) return "";
+  return asset["generator"].get<std::string>();
+}
+
+LampUnits lamp_units_of(const Document& d) {
+  std::vector<LampNumber> numbers;
+  for (const Json& l : d.json["extensions"][kName]["lights"])
+    if (const double value = l.value("intensity", 1.0); value > 0)
+      numbers.push_back({value, l["type"] == "directional"});
+  return tdpt::lamp_units_of(generator_of(d), numbers);
+}
+
+void to_canonical(const Document& d, const Frame& frame, PunctualLight& light) {
+  light.position = frame.to_canonical(light.position);
+  if (light.kind == PunctualLight::Kind::directional) return;
+  const Vec3d canonical = Vec3d(light.intensity) * frame.scale * frame.scale;
+  const double most = max_component(canonical);
+  if (!(most >= kLeast && most <= kMost))
+    d.fail(fmt::format("extensions.{}", kName),
+           fmt::format("an intensity of {} W/sr is {} for a scene {} m long",
+                       max_component(light.intensity), most > 1 ? "too much" : "too little",
+                       2 / frame.scale));
+  light.intensity = Rgb(canonical);
+}
+
+}  // namespace tdpt::gltf

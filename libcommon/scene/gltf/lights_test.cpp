@@ -1,0 +1,158 @@
+// KHR_lights_punctual: place, direction, intensity and cones in the canonical frame.
+#include <gtest/gtest.h>
+#include <cmath>
+
+#include "libcommon/base/error.h"
+#include "libcommon/scene/lights.h"
+#include "libcommon/scene/scene.h"
+#include "libcommon/testing/files/glb_builder.h"
+#include "libcommon/testing/files/temp_folder.h"
+
+namespace tdpt::testing {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Kind = PunctualLight::Kind;
+
+/// A triangle 2 `size` m long, and a node for each light, placed by `placement`.
+Scene scene_with(const std::vector<Json>& lights, Json placement = Json::object(), double size = 1,
+                 const Json& generator = "") {
+  GlbBuilder b;
+  b.json["asset"]["generator"] = generator;
+  const int p = b.floats({0, 0, 0, 2, 0, 0, 0, 1, 0}, 3);
+  b.material({{"pbrMetallicRoughness", {{"metallicFactor", 0}}},
+              {"extensions", {{"KHR_materials_specular", {{"specularFactor", 0}}}}}});
+  b.node({{"mesh", b.mesh({{"attributes", {{"POSITION", p}}}, {"material", 0}})},
+          {"scale", {size, size, size}}});
+  b.json["extensions"]["KHR_lights_punctual"]["lights"] = lights;
+  for (size_t i = 0; i < lights.size(); ++i) {
+    Json node = placement;
+    node["extensions"]["KHR_lights_punctual"]["light"] = i;
+    b.node(node);
+  }
+  const TempFolder folder;
+  return read_gltf(folder.write("scene.glb", b.glb()));
+}
+
+void expect_near(const Vec3d& a, const Vec3d& b) {
+  EXPECT_LT(length(a - b), 1e-6) << a.x << " " << a.y << " " << a.z;
+}
+
+TEST(PunctualLights, PointsHaveAPlaceAndAnIntensity) {
+  const Scene s =
+      scene_with({{{"type", "point"}, {"name", "bulb"}, {"color", {1, 0.5, 0}}, {"intensity", 40}}},
+                 {{"translation", {1, 2, 3}}, {"scale", {5, 5, 0}}});
+  ASSERT_EQ(s.lights.size(), 1u);
+  const PunctualLight& l = s.lights[0];
+  EXPECT_EQ(l.kind, Kind::point);
+  EXPECT_EQ(l.name, "bulb");
+  expect_near(s.frame.to_metres(l.position), {1, 2, 3});
+  EXPECT_EQ(l.intensity, Rgb(40, 20, 0));  // two metres long: the scale is 1
+  EXPECT_EQ(s.needs, std::vector<std::string>{"punctual lights"});
+  EXPECT_EQ(s.warnings, std::vector<std::string>{});
+}
+
+TEST(PunctualLights, IrradianceIsTheSameInBothFrames) {
+  for (double size : {0.125, 1.0, 64.0}) {
+    const Scene s =
+        scene_with({{{"type", "point"}, {"intensity", 40}}}, {{"translation", {0, 0, 5}}}, size);
+    const double metres = 5;
+    const double canonical = length(s.lights[0].position - s.frame.to_canonical({0, 0, 0}));
+    EXPECT_NEAR(s.lights[0].intensity.x / (canonical * canonical), 40 / (metres * metres), 1e-6);
+  }
+}
+
+TEST(PunctualLights, DirectionalOnesShineAlongMinusZOfTheirNode) {
+  const double h = std::sqrt(0.5);
+  const Scene s = scene_with({{{"type", "directional"}, {"intensity", 3}}},
+                             {{"rotation", {0, h, 0, h}}, {"scale", {1, 1, 7}}}, 64);
+  EXPECT_EQ(s.lights[0].kind, Kind::directional);
+  expect_near(s.lights[0].direction, {-1, 0, 0});
+  EXPECT_EQ(s.lights[0].intensity, Rgb(3));  // W/m2 in any frame
+}
+
+TEST(PunctualLights, SpotsHaveCones) {
+  const double pi = std::acos(-1.0);
+  const Scene s = scene_with(
+      {{{"type", "spot"}},
+       {{"type", "spot"}, {"spot", {{"innerConeAngle", pi / 6}, {"outerConeAngle", pi / 3}}}},
+       {{"type", "spot"}, {"spot", {{"outerConeAngle", 1.5707964}}}}},
+      {{"translation", {0, 0, 2}}});
+  EXPECT_EQ(s.lights[0].kind, Kind::spot);
+  EXPECT_EQ(s.lights[0].intensity, Rgb(1));
+  expect_near(s.lights[0].direction, {0, 0, -1});
+  EXPECT_EQ(s.lights[0].cos_inner, 1);
+  EXPECT_NEAR(s.lights[0].cos_outer, std::sqrt(0.5), 1e-12);
+  EXPECT_NEAR(s.lights[1].cos_inner, std::sqrt(0.75), 1e-12);
+  EXPECT_NEAR(s.lights[1].cos_outer, 0.5, 1e-12);
+  EXPECT_GE(s.lights[2].cos_outer, 0);  // pi / 2 rounded up
+}
+
+// As Blender writes a spot without blend.
+TEST(PunctualLights, ASpotMayHaveASharpEdge) {
+  const Scene s =
+      scene_with({{{"type", "spot"}, {"spot", {{"innerConeAngle", 0.5}, {"outerConeAngle", 0.5}}}}},
+                 {{"translation", {0, 0, 2}}});
+  ASSERT_EQ(s.lights.size(), 1u);
+  const LightSource source = LightSource::punctual(s.lights[0], 1);
+  const auto at = [&](double angle) {
+    return source.emitted({}, {}, {std::sin(angle), 0, -std::cos(angle)}).x;
+  };
+  EXPECT_EQ(at(0), 1);
+  EXPECT_EQ(at(0.4999), 1);
+  EXPECT_EQ(at(0.5001), 0);
+}
+
+TEST(PunctualLights, TheirUnitsGoByWhoWroteTheFile) {
+  const std::vector<Json> lamps{{{"type", "point"}, {"intensity", 5435.141306588225}}};
+  EXPECT_EQ(scene_with(lamps).lamp_units.kind, LampUnits::Kind::radiometric);
+  const auto by = [&](const Json& generator) {
+    return scene_with(lamps, Json::object(), 1, generator).lamp_units.kind;
+  };
+  EXPECT_EQ(by("Khronos glTF Blender I/O v3.4.50"), LampUnits::Kind::photometric);
+  EXPECT_EQ(by("Khronos glTF Blender I/O v2.93.1"), LampUnits::Kind::watts);
+  EXPECT_EQ(by(7), LampUnits::Kind::radiometric);
+}
+
+TEST(PunctualLights, DarkOnesAreSkipped) {
+  EXPECT_TRUE(
+      scene_with({{{"type", "point"}, {"intensity", 0}}, {{"type", "spot"}, {"color", {0, 0, 0}}}})
+          .lights.empty());
+}
+
+TEST(PunctualLights, ANameMayBeTheNodes) {
+  EXPECT_EQ(scene_with({{{"type", "point"}}}, {{"name", "lamp"}}).lights[0].name, "lamp");
+}
+
+TEST(PunctualLights, BeyondSinglePrecisionAreRefused) {
+  const auto refusal = [](double intensity, double size) -> std::string {
+    try {
+      scene_with({{{"type", "point"}, {"intensity", intensity}}}, Json::object(), size);
+    } catch (const InputError& e) {
+      const std::string what = e.what();
+      return what.substr(what.find("scene.glb:") + 10);
+    }
+    return "";
+  };
+  const std::string place = "extensions.KHR_lights_punctual";
+  EXPECT_EQ(refusal(1e31, 1),
+            place + ".lights[0]: has an intensity of 1e+31, expected at most 1e30");
+  EXPECT_EQ(
+      refusal(1, 0x1p-60),
+      place + ": an intensity of 1 W/sr is too much for a scene 1.734723475976807e-18 m long");
+  EXPECT_EQ(
+      refusal(1, 0x1p60),
+      place + ": an intensity of 1 W/sr is too little for a scene 2.305843009213694e+18 m long");
+  EXPECT_EQ(refusal(1, 0x1p40), "");
+}
+
+TEST(PunctualLights, WhoWroteThemIsKnownWhereThereIsNone) {
+  const auto by_blender = [](const Json& generator) {
+    return scene_with({}, Json::object(), 1, generator).by_blender;
+  };
+  EXPECT_FALSE(by_blender("FBX2glTF"));
+  EXPECT_TRUE(by_blender("Khronos glTF Blender I/O v3.4.50"));
+}
+
+}  // namespace
+}  // namespace tdpt::testing

@@ -1,0 +1,444 @@
+#include "libcommon/scene/gltf/materials.h"
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "libcommon/base/counted.h"
+#include "libcommon/base/hash.h"
+#include "libcommon/base/shown.h"
+#include "libcommon/scene/gltf/specular_glossiness.h"
+#include "libcommon/scene/gltf/textures.h"
+
+namespace tdpt::gltf {
+namespace {
+
+using Json = nlohmann::json;
+
+enum Kind { unlit, far_uv_set, clamped, faint, kinds };
+
+struct Sentence {
+  const char *one, *many, *rest;
+};
+constexpr std::array<Sentence, kinds> kSentences = {{
+    {"is unlit", "are unlit", ": taken as black, emitting the base colour"},
+    {"has a texture on TEXCOORD_2 or beyond", "have a texture on TEXCOORD_2 or beyond",
+     ": its factor alone is used"},
+    {"reflects more than all light", "reflect more than all light",
+     ": the base colour is clamped to 1"},
+    {"emits a radiance below 1e-30", "emit a radiance below 1e-30", ", which counts as none"},
+}};
+
+// Textures that are named one by one; of more there is a count.
+constexpr size_t kNamed = 5;
+
+// Less is lost in single precision before it reaches the camera; more is beyond it.
+constexpr double kFaintest = 1e-30, kBrightest = 1e30;
+
+// What is left out, where `factor` says that it is there: more than 0.
+struct LeftOut {
+  const char *extension, *factor, *words;
+};
+constexpr LeftOut kLeftOut[] = {
+    {"KHR_materials_iridescence", "iridescenceFactor", "iridescence"},
+    {"KHR_materials_anisotropy", "anisotropyStrength", "anisotropy"},
+    {"KHR_materials_dispersion", "dispersion", "dispersion"},
+    {"KHR_materials_diffuse_transmission", "diffuseTransmissionFactor", "diffuse transmission"},
+    {"KHR_materials_volume_scatter", "multiscatterColor", "scattering in its volume"}};
+
+// An index of refraction of 0 stands for an infinite one: all light is reflected.
+constexpr float kInfiniteIor = 1e6f;
+
+const Json& child(const Json& parent, const char* name) {
+  static const Json kNothing = Json::object();
+  const auto it = parent.find(name);
+  return it == parent.end() ? kNothing : *it;
+}
+
+float number(const Json& parent, const char* name, float otherwise) {
+  const auto it = parent.find(name);
+  return it == parent.end() ? otherwise : static_cast<float>(std::min(it->get<double>(), 1e30));
+}
+
+Vec3d triple(const Json& parent, const char* name, double otherwise) {
+  const auto it = parent.find(name);
+  if (it == parent.end()) return Vec3d(otherwise);
+  return {(*it)[0].get<double>(), (*it)[1].get<double>(), (*it)[2].get<double>()};
+}
+
+bool is_black(const Rgb& c) {
+  return max_component(c) <= 0;
+}
+
+bool more_than_0(const Json& parent, const char* name) {
+  const auto it = parent.find(name);
+  if (it == parent.end()) return false;
+  return it->is_number() ? it->get<double>() > 0 : max_component(triple(parent, name, 0)) > 0;
+}
+
+/// "material "a"", "materials "a", "b", "c" and 2 more".
+std::string listed(const std::vector<std::string>& names) {
+  constexpr size_t kMost = 3;
+  std::string out = names.size() == 1 ? "material " : "materials ";
+  for (size_t i = 0; i < std::min(names.size(), kMost); ++i) {
+    const bool last = i > 0 && i + 1 == names.size();
+    out += (i == 0 ? "" : last ? " and " : ", ") + names[i];
+  }
+  if (names.size() > kMost) out += fmt::format(" and {} more", names.size() - kMost);
+  return out;
+}
+
+class Reader {
+ public:
+  Reader(const Document& d, Scene& scene) : d_(d), scene_(scene), textures_(d, scene) {}
+
+  Material read(size_t index, MaterialUse& use) {
+    const Json j = without_specular_glossiness(d_.json["materials"][index]);
+    glossy_ = child(d_.json["materials"][index], "extensions")
+                  .contains("KHR_materials_pbrSpecularGlossiness");
+    told_.fill(false);
+    Material m;
+    m.name = j.value("name", "");
+    called_ = m.name.empty() ? place("materials", index) : "material \"" + shown(m.name, 40) + "\"";
+    m.double_sided = j.value("doubleSided", false);
+    read_base(j, m);
+    const Json& extensions = child(j, "extensions");
+    if (extensions.contains("KHR_materials_unlit")) {
+      make_unlit(m);
+      use.unlit = true;
+    } else {
+      read_lobes(j, m);
+      if (glossy_) finish_specular_glossiness(specular_color_.has_value(), glossiness_, m);
+      read_coat(child(extensions, "KHR_materials_clearcoat"), m);
+      read_sheen(child(extensions, "KHR_materials_sheen"), m);
+      read_normal_map(j, m);
+      read_emission(j, index, m);
+    }
+    note_left_out(extensions, index, m);
+    keep_maps(m, use);
+    return m;
+  }
+
+  void finish() {
+    tell_left_out();
+    for (size_t k = 0; k < kinds; ++k)
+      if (count_[k] > 0)
+        scene_.warnings.push_back(
+            counted(count_[k], "material", kSentences[k].one, kSentences[k].many) +
+            kSentences[k].rest);
+    tell_undecodable();
+    if (!textures_.external_bytes().empty())
+      scene_.hash = content_hash(scene_.hash + textures_.external_bytes());
+  }
+
+ private:
+  void tell(Kind kind) {
+    if (!told_[kind]) ++count_[kind];
+    told_[kind] = true;
+  }
+
+  void note(const char* name, const TextureReader::Fault& fault) {
+    if (fault.far_uv_set) tell(far_uv_set);
+    if (!fault.image.empty())
+      undecodable_.push_back(fmt::format("{}: {} is {}: {}", called_, name, fault.image,
+                                         std::string_view(name).ends_with("ormalTexture")
+                                             ? "it is left out"
+                                             : "its factor alone is used"));
+  }
+
+  void tell_undecodable() {
+    const size_t named = std::min(undecodable_.size(), kNamed), more = undecodable_.size() - named;
+    scene_.warnings.insert(scene_.warnings.end(), undecodable_.begin(),
+                           undecodable_.begin() + static_cast<ptrdiff_t>(named));
+    if (more > 0)
+      scene_.warnings.push_back(
+          counted(more, "more texture", "cannot be decoded", "cannot be decoded") +
+          ": their factors alone are used");
+  }
+
+  /// The texture called `name`, if there is one; one of a single colour goes into the factors.
+  template <class Fold>
+  std::optional<Texture> texture(const Json& parent, const char* name, bool srgb,
+                                 const Fold& fold) {
+    const auto info = parent.find(name);
+    if (info == parent.end()) return {};
+    TextureReader::Fault fault{};
+    const std::optional<Texture> t = textures_.read(*info, srgb, fault);
+    note(name, fault);
+    if (!t || !t->uniform) return t;
+    fold(t->value);
+    return {};
+  }
+
+  void read_base(const Json& j, Material& m) {
+    const Json& pbr = child(j, "pbrMetallicRoughness");
+    const Vec3d colour = triple(pbr, "baseColorFactor", 1);
+    if (max_component(colour) > 1) tell(clamped);
+    m.base_color = Rgb(min(colour, Vec3d(1)));
+    const std::string mode = j.value("alphaMode", "OPAQUE");
+    if (mode == "MASK") m.alpha_mode = Material::Alpha::mask;
+    if (mode == "BLEND") m.alpha_mode = Material::Alpha::blend;
+    const bool opaque = mode == "OPAQUE";
+    m.alpha_cutoff = number(j, "alphaCutoff", 0.5f);
+    if (!opaque && pbr.contains("baseColorFactor"))
+      m.alpha = static_cast<float>(std::min(pbr["baseColorFactor"][3].get<double>(), 1.0));
+    if (is_black(m.base_color) && opaque) return;
+    base_ = texture(pbr, "baseColorTexture", true, [&](const std::array<float, 4>& v) {
+      m.base_color = m.base_color * Rgb(v[0], v[1], v[2]);
+      if (!opaque) m.alpha *= v[3];
+    });
+  }
+
+  void read_lobes(const Json& j, Material& m) {
+    const Json& pbr = child(j, "pbrMetallicRoughness");
+    const Json& extensions = child(j, "extensions");
+    m.metallic = number(pbr, "metallicFactor", 1);
+    m.roughness = number(pbr, "roughnessFactor", 1);
+    // A metal has neither a dielectric reflection nor transmission.
+    const bool dielectric = m.metallic < 1 || pbr.contains("metallicRoughnessTexture");
+    m.ior = number(child(extensions, "KHR_materials_ior"), "ior", 1.5f);
+    if (m.ior == 0) m.ior = kInfiniteIor;
+    const Json& specular = child(extensions, "KHR_materials_specular");
+    m.specular = m.ior == 1 ? 0 : number(specular, "specularFactor", 1);
+    m.specular_color = Rgb(min(triple(specular, "specularColorFactor", 1), Vec3d(1e6)));
+    if (m.specular > 0 && dielectric)
+      specular_ = texture(specular, "specularTexture", false,
+                          [&](const std::array<float, 4>& v) { m.specular *= v[3]; });
+    glossiness_ = 1;
+    if (m.specular > 0 && dielectric && (glossy_ || !is_black(m.specular_color)))
+      specular_color_ = texture(specular, "specularColorTexture", true, [&](const auto& v) {
+        m.specular_color = m.specular_color * Rgb(v[0], v[1], v[2]);
+        glossiness_ = v[3];
+      });
+    if (const Json& t = child(extensions, "KHR_materials_transmission"); dielectric) {
+      m.transmission = number(t, "transmissionFactor", 0);
+      if (m.transmission > 0)
+        transmission_ = texture(t, "transmissionTexture", false,
+                                [&](const std::array<float, 4>& v) { m.transmission *= v[0]; });
+    }
+    const bool glossy = m.metallic > 0 || m.specular > 0 || m.transmission > 0;
+    if (m.metallic > 0 || (glossy && m.roughness > 0))
+      roughness_ = texture(pbr, "metallicRoughnessTexture", false, [&](const auto& v) {
+        m.roughness *= v[1];
+        m.metallic *= v[2];
+      });
+    if (m.metallic >= 1 && !roughness_) {
+      m.transmission = 0;
+      specular_.reset(), specular_color_.reset(), transmission_.reset();
+    }
+    if (m.transmission > 0) read_volume(child(extensions, "KHR_materials_volume"), m);
+  }
+
+  /// Absorption per metre: after attenuationDistance, attenuationColor is left of white light.
+  void read_volume(const Json& volume, Material& m) {
+    m.solid = number(volume, "thicknessFactor", 0) > 0;
+    if (!m.solid || !volume.contains("attenuationDistance")) return;
+    const double distance = volume["attenuationDistance"].get<double>();
+    const Vec3d colour = triple(volume, "attenuationColor", 1);
+    for (int c = 0; c < 3; ++c)
+      m.absorption[c] = static_cast<float>(
+          std::clamp(colour[c] < 1 ? -std::log(colour[c]) / distance : 0.0, 0.0, 1e30));
+  }
+
+  void read_coat(const Json& j, Material& m) {
+    m.coat = number(j, "clearcoatFactor", 0);
+    if (m.coat > 0)
+      coat_ = texture(j, "clearcoatTexture", false, [&](const auto& v) { m.coat *= v[0]; });
+    if (m.coat <= 0) return;
+    m.coat_roughness = number(j, "clearcoatRoughnessFactor", 0);
+    if (m.coat_roughness > 0)
+      coat_roughness_ = texture(j, "clearcoatRoughnessTexture", false,
+                                [&](const auto& v) { m.coat_roughness *= v[1]; });
+    coat_normal_ = bends(j, "clearcoatNormalTexture", m.coat_normal_scale);
+  }
+
+  void read_sheen(const Json& j, Material& m) {
+    m.sheen_color = Rgb(min(triple(j, "sheenColorFactor", 0), Vec3d(1)));
+    if (m.sheened())
+      sheen_color_ = texture(j, "sheenColorTexture", true, [&](const auto& v) {
+        m.sheen_color = m.sheen_color * Rgb(v[0], v[1], v[2]);
+      });
+    if (!m.sheened()) return;
+    m.sheen_roughness = number(j, "sheenRoughnessFactor", 0);
+    if (m.sheen_roughness > 0)
+      sheen_roughness_ = texture(j, "sheenRoughnessTexture", false,
+                                 [&](const auto& v) { m.sheen_roughness *= v[3]; });
+  }
+
+  void read_normal_map(const Json& j, Material& m) {
+    const bool black = is_black(m.base_color) && m.specular <= 0 && m.metallic <= 0;
+    if (black && m.transmission <= 0 && !m.sheened()) return;
+    normal_ = bends(j, "normalTexture", m.normal_scale);
+  }
+
+  /// The normal map called `name`, if it bends anything.
+  std::optional<Texture> bends(const Json& parent, const char* name, float& scale) {
+    const auto info = parent.find(name);
+    if (info == parent.end()) return {};
+    scale = static_cast<float>(std::clamp(info->value("scale", 1.0), -1e6, 1e6));
+    if (scale == 0) return {};
+    TextureReader::Fault fault{};
+    const std::optional<Texture> t = textures_.read(*info, false, fault);
+    note(name, fault);
+    // Bytes cannot say "straight up" exactly: both 127 and 128 mean it.
+    const auto level = [](uint8_t v) { return v == 127 || v == 128; };
+    if (t && t->uniform && level(t->encoded[0]) && level(t->encoded[1]) && t->encoded[2] > 128)
+      return {};
+    return t;
+  }
+
+  void note_left_out(const Json& extensions, size_t index, const Material& m) {
+    const std::string name =
+        m.name.empty() ? place("materials", index) : "\"" + shown(m.name, 60) + "\"";
+    for (const auto& [extension, value] : extensions.items()) {
+      const auto known =
+          std::find_if(std::begin(kLeftOut), std::end(kLeftOut),
+                       [&e = extension](const LeftOut& l) { return e == l.extension; });
+      if (known != std::end(kLeftOut)) {
+        if (more_than_0(value, known->factor)) left_out_[known->words].push_back(name);
+      } else if (extension.find("_materials_") != extension.npos && !is_supported(extension)) {
+        unknown_[shown(extension, 60)].push_back(name);
+      }
+    }
+  }
+
+  /// A file may make up as many extensions as it likes.
+  void tell_left_out() {
+    constexpr size_t kMost = 8;
+    const auto tell = [&](const std::string& words, const std::vector<std::string>& names) {
+      scene_.warnings.push_back(fmt::format("{} is left out: {}", words, listed(names)));
+    };
+    size_t told = 0;
+    for (const auto& [words, names] : unknown_)
+      if (told++ < kMost) tell(words, names);
+    if (told > kMost)
+      scene_.warnings.push_back(counted(told - kMost, "more extension", "of materials is left out",
+                                        "of materials are left out"));
+    for (const auto& [words, names] : left_out_) tell(words, names);
+  }
+
+  /// Radiance [W/m2/sr]: emissiveFactor x emissiveStrength.
+  void read_emission(const Json& j, size_t index, Material& m) {
+    const Json& extension = child(child(j, "extensions"), "KHR_materials_emissive_strength");
+    Vec3d radiance = triple(j, "emissiveFactor", 0) * extension.value("emissiveStrength", 1.0);
+    if (max_component(radiance) > 0)
+      emission_ = texture(j, "emissiveTexture", true, [&](const std::array<float, 4>& v) {
+        radiance = radiance * Vec3d(v[0], v[1], v[2]);
+      });
+    if (!(max_component(radiance) <= kBrightest))
+      d_.fail(
+          place("materials", index),
+          fmt::format("emits a radiance of {}, expected at most 1e30", max_component(radiance)));
+    if (max_component(radiance) > 0 && max_component(radiance) < kFaintest) {
+      tell(faint);
+      emission_.reset();
+      return;
+    }
+    m.emission = Rgb(radiance);
+  }
+
+  void make_unlit(Material& m) {
+    tell(unlit);
+    m.emission = m.base_color;
+    m.base_color = Rgb(0.0f);
+    if (base_ && !is_black(m.emission)) emission_ = base_;
+    if (m.alpha_mode == Material::Alpha::opaque) base_.reset();
+  }
+
+  void keep_maps(Material& m, MaterialUse& use) {
+    use.least_alpha = m.alpha * (base_ ? base_->least_alpha : 1);
+    // A texture that is opaque all over does not cut holes; then black needs it no more.
+    if (base_ && is_black(m.base_color) && base_->least_alpha >= 1) base_.reset();
+    const auto keep = [&](std::optional<Texture>& from, TextureMap& to) {
+      if (!from) return;
+      to = textures_.keep(*from);
+      use.uv[to.uv_set] = true;
+      from.reset();
+    };
+    keep(base_, m.base_map);
+    keep(roughness_, m.metallic_roughness_map);
+    keep(emission_, m.emission_map);
+    keep(normal_, m.normal_map);
+    keep(specular_, m.specular_map);
+    keep(specular_color_, m.specular_color_map);
+    keep(transmission_, m.transmission_map);
+    keep(coat_, m.coat_map);
+    keep(coat_roughness_, m.coat_roughness_map);
+    keep(coat_normal_, m.coat_normal_map);
+    keep(sheen_color_, m.sheen_color_map);
+    keep(sheen_roughness_, m.sheen_roughness_map);
+    use.tangents = m.normal_map || m.coat_normal_map;
+    use.alpha = m.alpha_mode != Material::Alpha::opaque;
+    use.colours = !is_black(m.base_color) || use.alpha;
+  }
+
+  const Document& d_;
+  Scene& scene_;
+  TextureReader textures_;
+  std::optional<Texture> base_, roughness_, emission_, normal_, specular_, specular_color_,
+      transmission_, coat_, coat_roughness_, coat_normal_, sheen_color_,
+      sheen_roughness_;                   // of the material at hand
+  std::string called_;                    // of the material at hand
+  std::vector<std::string> undecodable_;  // textures, and what they are
+  std::map<std::string, std::vector<std::string>> left_out_, unknown_;  // names of materials
+  bool glossy_ = false;   // it is of the specular-glossiness model
+  float glossiness_ = 1;  // alpha of a specular colour's texture of one colour
+  std::array<size_t, kinds> count_{};
+  std::array<bool, kinds> told_{};  // of the material at hand
+};
+
+}  // namespace
+
+std::vector<MaterialUse> read_materials(const Document& d, const std::vector<bool>& used,
+                                        Scene& scene) {
+  Reader reader(d, scene);
+  std::vector<MaterialUse> uses(used.size());
+  for (size_t i = 0; i < used.size(); ++i) {
+    Material& m = scene.materials.emplace_back();
+    if (used[i])
+      m = reader.read(i, uses[i]);
+    else
+      m.name = d.json["materials"][i].value("name", "");
+  }
+  reader.finish();
+  return uses;
+}
+
+void finish_material(const MaterialUse& use, Material& m) {
+  const float least = use.least_alpha * use.least_vertex_alpha;
+  const bool covers = m.alpha_mode == Material::Alpha::mask ? least >= m.alpha_cutoff : least >= 1;
+  if (covers) m.alpha_mode = Material::Alpha::opaque;
+  if (m.alpha_mode == Material::Alpha::opaque) m.alpha = 1;
+  const bool lobes =
+      m.metallic > 0 || m.specular > 0 || m.transmission > 0 || m.coat > 0 || m.sheened();
+  // Those of lobes come with them.
+  const bool maps = m.base_map || m.emission_map || m.normal_map;
+  m.coloured = use.coloured;
+  m.plain = !lobes && !maps && !use.coloured && m.alpha_mode == Material::Alpha::opaque;
+}
+
+std::vector<std::string> needs_of(const Scene& scene) {
+  const auto any = [&](const auto& wants) {
+    return std::any_of(scene.materials.begin(), scene.materials.end(), wants);
+  };
+  std::vector<std::string> out;
+  const auto say = [&](bool needed, const char* word) {
+    if (needed) out.push_back(word);
+  };
+  say(!scene.images.empty(), "textures");
+  say(!scene.smooth.empty(), "shading normals");
+  say(any([](const Material& m) { return m.metallic > 0 || m.specular > 0; }), "specular");
+  say(any([](const Material& m) { return m.transmission > 0; }), "transmission");
+  say(any([](const Material& m) { return m.coat > 0; }), "clear coat");
+  say(any([](const Material& m) { return m.sheened(); }), "sheen");
+  say(any([](const Material& m) { return m.alpha_mode != Material::Alpha::opaque; }), "alpha");
+  say(!scene.colours.empty(), "vertex colours");
+  say(!scene.lights.empty(), "punctual lights");
+  say(any([](const Material& m) { return max_component(m.absorption) > 0; }), "absorption");
+  say(any([](const Material& m) { return m.normal_map || m.coat_normal_map; }), "normal maps");
+  say(any([](const Material& m) { return bool(m.emission_map); }), "textured emission");
+  return out;
+}
+
+}  // namespace tdpt::gltf

@@ -1,0 +1,298 @@
+#include "libcommon/scene/gltf/meshes.h"
+
+#include <fmt/format.h>
+#include <algorithm>
+
+#include "libcommon/base/counted.h"
+#include "libcommon/base/memory_limit.h"
+#include "libcommon/scene/gltf/accessors.h"
+#include "libcommon/scene/gltf/instances.h"
+#include "libcommon/scene/gltf/morphs.h"
+
+namespace tdpt::gltf {
+namespace {
+
+// Instances multiply what a file holds; beyond this no ray tracer here would build its hierarchy.
+// A small file cannot ask for that much.
+constexpr size_t kMostVertices = size_t{1} << 27, kMostTriangles = size_t{1} << 28;
+constexpr size_t kSome = size_t{1} << 22, kPerByte = 256;
+// Targets and joints of vertices take time alone.
+constexpr size_t kMostBends = size_t{1} << 31;
+
+bool is_surface(const tinygltf::Primitive& p) {
+  return p.mode >= TINYGLTF_MODE_TRIANGLES;
+}
+
+/// The mesh that a node shows, -1 for none.
+int mesh_of(const Document& d, const PlacedNode& n) {
+  return n.visible ? d.model.nodes[n.node].mesh : -1;
+}
+
+// Of each vertex of a skinned primitive, while it is bent: its map, its joints and weights.
+constexpr size_t kBendingBytes = sizeof(Affine) + 10 * sizeof(double);
+
+/// What Scene keeps of a vertex beside its place.
+size_t bytes_of(const AttributeSet& set) {
+  return (set.normal >= 0 ? sizeof(Vec3f) : 0) + (set.tangent >= 0 ? 4 * sizeof(float) : 0) +
+         (set.uv[0] >= 0 ? 2 * sizeof(float) : 0) + (set.uv[1] >= 0 ? 2 * sizeof(float) : 0) +
+         (set.colour >= 0 ? 4 * sizeof(float) : 0);
+}
+
+}  // namespace
+
+std::vector<bool> used_materials(const Document& d, const std::vector<PlacedNode>& nodes) {
+  std::vector<bool> used(d.json.contains("materials") ? d.json["materials"].size() : 0);
+  for (const PlacedNode& n : nodes) {
+    const int mesh = mesh_of(d, n);
+    if (mesh < 0) continue;
+    for (const tinygltf::Primitive& p : d.model.meshes[static_cast<size_t>(mesh)].primitives)
+      if (is_surface(p) && p.material >= 0) used[static_cast<size_t>(p.material)] = true;
+  }
+  return used;
+}
+
+MeshReader::MeshReader(const Document& d, Scene& scene, std::vector<MaterialUse>& uses,
+                       const std::vector<PlacedNode>& nodes)
+    : d_(d), scene_(scene), uses_(uses), nodes_(nodes), attributes_(d, scene), maps_(d, nodes) {}
+
+void MeshReader::run() {
+  make_room();
+  for (const PlacedNode& n : nodes_)
+    if (mesh_of(d_, n) >= 0) add_node(n);
+  attributes_.finish(world_.size());
+}
+
+void MeshReader::make_room() {
+  const size_t bytes = most_bytes(d_);
+  const auto most = [&](size_t limit) { return std::min(limit, kSome + kPerByte * bytes); };
+  const size_t most_vertices = most(kMostVertices), most_triangles = most(kMostTriangles),
+               most_bends = most(kMostBends);
+  // A count beyond the bytes there are is wrong; it is refused with its place when it is read.
+  const auto count = [&](int accessor) {
+    return std::min(d_.model.accessors[static_cast<size_t>(accessor)].count, bytes);
+  };
+  size_t vertices = 0, triangles = 0, bends = 0, of_attributes = 0, bent = 0;
+  for (const PlacedNode& n : nodes_) {
+    const int mesh = mesh_of(d_, n);
+    if (mesh < 0) continue;
+    const Shape shape = shape_of(n.node);
+    // So that no product overflows.
+    const size_t times =
+        shape.skinned ? 1 : std::min(instances_declared(d_, n.node), kMostTriangles + 1);
+    std::set<AttributeSet> seen;
+    for (const tinygltf::Primitive& p : d_.model.meshes[static_cast<size_t>(mesh)].primitives) {
+      const auto position = p.attributes.find("POSITION");
+      if (position == p.attributes.end()) continue;
+      const size_t points = std::min(count(position->second), kMostVertices + 1);
+      if (is_surface(p)) {
+        const AttributeSet set = choose_attributes(p, uses_[material_of(p)], shape);
+        bends +=
+            std::min(times * points, kMostVertices + 1) * (set.targets.size() + set.joints.size()) +
+            p.targets.size();
+        if (seen.insert(set).second) {
+          vertices += times * points;
+          of_attributes += times * points * bytes_of(set);
+          if (!set.joints.empty()) bent = std::max(bent, points);
+        }
+      }
+      const size_t corners =
+          std::min(count(p.indices >= 0 ? p.indices : position->second), 3 * kMostTriangles + 3);
+      triangles += times * (p.mode == TINYGLTF_MODE_TRIANGLES ? corners / 3 : corners);
+      if (vertices > most_vertices || triangles > most_triangles)
+        d_.fail(place("nodes", n.node),
+                fmt::format("brings the scene to {} vertices and {} triangles, expected at most {} "
+                            "and {}",
+                            vertices, triangles, most_vertices, most_triangles));
+      if (bends > most_bends)
+        d_.fail(place("nodes", n.node),
+                fmt::format("brings the scene to {} vertices times morph targets and joints, "
+                            "expected at most {}",
+                            bends, most_bends));
+    }
+  }
+  expect_memory(d_.file, "nodes", fmt::format("{} vertices and {} triangles", vertices, triangles),
+                vertices * (sizeof(Vec3d) + sizeof(Vec3f)) + of_attributes + bent * kBendingBytes +
+                    triangles * sizeof(Triangle));
+  world_.reserve(vertices);
+  scene_.triangles.reserve(triangles);
+}
+
+Shape MeshReader::shape_of(size_t node) const {
+  return {morph_weights(d_, node), d_.model.nodes[node].skin >= 0};
+}
+
+const std::vector<tinygltf::Primitive>& MeshReader::primitives_of(const PlacedNode& n) const {
+  return d_.model.meshes[static_cast<size_t>(d_.model.nodes[n.node].mesh)].primitives;
+}
+
+size_t MeshReader::material_of(const tinygltf::Primitive& p) const {
+  return p.material < 0 ? uses_.size() - 1 : static_cast<size_t>(p.material);
+}
+
+void MeshReader::add_node(const PlacedNode& n) {
+  const Shape shape = shape_of(n.node);
+  if (shape.skinned) {  // nothing is said of where instances of it would be
+    if (instances_declared(d_, n.node) > 1) skinned_instances_.insert(n.node);
+    add_mesh(n, shape, {});
+    return;
+  }
+  const auto& primitives = primitives_of(n);
+  if (std::none_of(primitives.begin(), primitives.end(), is_surface)) {  // wherever it is
+    no_surfaces_ += primitives.size();
+    return;
+  }
+  for (const Affine& to_world : place_instances(d_, n)) add_mesh(n, shape, to_world);
+}
+
+void MeshReader::add_mesh(const PlacedNode& n, const Shape& shape,
+                          const std::optional<Affine>& to_world) {
+  const auto mesh = static_cast<size_t>(d_.model.nodes[n.node].mesh);
+  struct Shared {
+    uint32_t first;
+    Placing placing;
+  };
+  std::map<AttributeSet, Shared> known;  // primitives often share all their vertices
+  const auto& primitives = primitives_of(n);
+  for (size_t k = 0; k < primitives.size(); ++k) {
+    const tinygltf::Primitive& p = primitives[k];
+    const std::string where = place("meshes", mesh) + "." + place("primitives", k);
+    if (!is_surface(p)) {
+      ++no_surfaces_;
+      continue;
+    }
+    const auto position = p.attributes.find("POSITION");
+    if (position == p.attributes.end()) {
+      without_positions_.insert({mesh, k});
+      continue;
+    }
+    const AttributeSet set = choose_attributes(p, uses_[material_of(p)], shape);
+    check_counts(d_, set, where);
+    auto it = known.find(set);
+    if (it == known.end()) {
+      const auto first = static_cast<uint32_t>(world_.size());
+      Placing placing = placing_of(n, set, to_world);
+      add_vertices(n, set, placing);
+      attributes_.add(set, placing, first);
+      placing.of_vertices = {};
+      it = known.emplace(set, Shared{first, std::move(placing)}).first;
+    }
+    const auto& [first, placing] = it->second;
+    const size_t vertices = d_.model.accessors[static_cast<size_t>(position->second)].count;
+    const std::vector<uint32_t> corner = corners(p, vertices, {mesh, k});
+    add_triangles(corner, first, placing.mirrors, material_of(p));
+    if (p.material >= 0) bubbles_.look_at(scene_.materials[material_of(p)], corner, world_, first);
+    note_grain(placing.to_world, static_cast<size_t>(position->second), corner, first);
+    note_primitive({mesh, k}, p, set, shape);
+  }
+}
+
+Placing MeshReader::placing_of(const PlacedNode& n, const AttributeSet& set,
+                               const std::optional<Affine>& to_world) {
+  if (set.joints.empty()) {
+    const Affine& map = to_world ? *to_world : n.to_world();
+    return {map, map.mirrors(), {}};
+  }
+  const Skin& skin = skin_of(n.node);
+  std::vector<Affine> of_vertices = skin.blend(set.joints);
+  const bool mirrors = most_mirror(of_vertices);
+  return {skin.first(), mirrors, std::move(of_vertices)};
+}
+
+const Skin& MeshReader::skin_of(size_t node) {
+  const auto skin = static_cast<size_t>(d_.model.nodes[node].skin);
+  return skins_.try_emplace(skin, d_, skin, maps_).first->second;
+}
+
+void MeshReader::add_vertices(const PlacedNode& n, const AttributeSet& set,
+                              const Placing& placing) {
+  std::vector<Vec3d> positions = read_positions(d_, static_cast<size_t>(set.position));
+  add_position_deltas(d_, set.targets, positions);
+  for (size_t i = 0; i < positions.size(); ++i) {
+    world_.push_back(placing.of(i).point(positions[i]));
+    if (!is_finite(world_.back()))
+      d_.fail(place("nodes", n.node), "its transform takes a vertex beyond double precision");
+  }
+}
+
+std::vector<uint32_t> MeshReader::corners(const tinygltf::Primitive& p, size_t vertices,
+                                          const Key& key) {
+  std::vector<uint32_t> list;
+  if (p.indices >= 0) {
+    list = read_indices(d_, static_cast<size_t>(p.indices), vertices);
+  } else {
+    list.resize(vertices);
+    for (uint32_t i = 0; i < vertices; ++i) list[i] = i;
+  }
+  // What is too little for a triangle is none, as in every graphics interface.
+  const bool strips = p.mode != TINYGLTF_MODE_TRIANGLES;
+  if (strips ? list.size() < 3 : list.size() % 3 != 0) incomplete_.insert(key);
+  if (!strips || list.size() < 3) {
+    list.resize(list.size() - list.size() % 3);
+    return list;
+  }
+  std::vector<uint32_t> out;
+  out.reserve(3 * (list.size() - 2));
+  for (size_t i = 0; i + 2 < list.size(); ++i) {
+    // glTF 2.0, 3.7.2.1: every second triangle of a strip runs the other way round.
+    if (p.mode == TINYGLTF_MODE_TRIANGLE_STRIP)
+      out.insert(out.end(), {list[i], list[i + 1 + i % 2], list[i + 2 - i % 2]});
+    else
+      out.insert(out.end(), {list[i + 1], list[i + 2], list[0]});
+  }
+  return out;
+}
+
+void MeshReader::add_triangles(const std::vector<uint32_t>& corner, uint32_t first, bool mirrored,
+                               size_t material) {
+  const auto m = static_cast<uint32_t>(material);
+  for (size_t i = 0; i + 2 < corner.size(); i += 3) {
+    Triangle t{{first + corner[i], first + corner[i + 1], first + corner[i + 2]}, m};
+    if (mirrored) std::swap(t.vertex[1], t.vertex[2]);  // the front stays the front
+    scene_.triangles.push_back(t);
+  }
+}
+
+/// What rounding has made of these vertices: of floats in the file, and of doubles in the world.
+void MeshReader::note_grain(const Affine& to_world, size_t accessor,
+                            const std::vector<uint32_t>& corner, uint32_t first) {
+  const bool floats = d_.model.accessors[accessor].componentType == TINYGLTF_COMPONENT_TYPE_FLOAT;
+  const Vec3d& moved = to_world.t;
+  double reach = 0;  // of the vertices before the node moves them
+  for (const uint32_t c : corner) reach = std::max(reach, length(world_[first + c] - moved));
+  grain_ = std::max(grain_, (floats ? 0x1p-24 : 0) * reach + 0x1p-53 * (length(moved) + reach));
+}
+
+void MeshReader::note_primitive(const Key& key, const tinygltf::Primitive& p,
+                                const AttributeSet& set, const Shape& shape) {
+  MaterialUse& use = uses_[material_of(p)];
+  unnamed_material_ |= p.material < 0;
+  attributes_.note_colours(set, use);
+  for (size_t u = 0; u < 2; ++u)
+    if (use.uv[u] && set.uv[u] < 0) without_uv_.insert(key);
+  if (use.unlit && p.attributes.contains("COLOR_0")) coloured_.insert(key);
+  if (shape.skinned && set.joints.empty()) without_joints_.insert(key);
+}
+
+void MeshReader::warn() const {
+  const auto tell = [&](size_t n, const char* noun, const char* one, const char* many) {
+    if (n > 0) scene_.warnings.push_back(counted(n, noun, one, many));
+  };
+  if (const std::string bubbles = bubbles_.warning(); !bubbles.empty())
+    scene_.warnings.push_back(bubbles);
+  tell(no_surfaces_, "set", "of points or lines is left out", "of points or lines are left out");
+  tell(without_positions_.size(), "primitive", "has no positions, and is left out",
+       "have no positions, and are left out");
+  tell(incomplete_.size(), "primitive", "has corners left that make no triangle",
+       "have corners left that make no triangle");
+  tell(without_uv_.size(), "primitive",
+       "lacks the texture coordinates that its material asks for: taken as 0",
+       "lack the texture coordinates that their materials ask for: taken as 0");
+  tell(coloured_.size(), "unlit primitive", "has vertex colours, which are left out",
+       "have vertex colours, which are left out");
+  tell(without_joints_.size(), "primitive", "of a skinned mesh has no joints: placed by its node",
+       "of skinned meshes have no joints: placed by their nodes");
+  tell(skinned_instances_.size(), "skinned mesh", "is placed once, not as its instances ask for",
+       "are placed once, not as their instances ask for");
+}
+
+}  // namespace tdpt::gltf

@@ -1,0 +1,77 @@
+// Meshes of placed nodes, as triangles of the world. Internal to this room.
+#pragma once
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "libcommon/scene/gltf/attributes.h"
+#include "libcommon/scene/gltf/bubbles.h"
+#include "libcommon/scene/gltf/document.h"
+#include "libcommon/scene/gltf/materials.h"
+#include "libcommon/scene/gltf/nodes.h"
+#include "libcommon/scene/gltf/skins.h"
+#include "libcommon/scene/scene.h"
+
+namespace tdpt::gltf {
+
+class MeshReader {
+ public:
+  /// `uses`: of the file's materials, and of the surfaces without one behind them.
+  MeshReader(const Document& document, Scene& scene, std::vector<MaterialUse>& uses,
+             const std::vector<PlacedNode>& nodes);
+
+  /// Adds the meshes of all nodes that are seen: triangles and attributes of the scene, vertices of
+  /// `world()`. A scene whose instances would fill the memory is refused before any vertex is read.
+  void run();
+
+  std::vector<Vec3d>& world() { return world_; }  ///< [m]
+  double grain() const { return grain_; }         ///< largest rounding of a vertex [m]
+  bool unnamed_material() const { return unnamed_material_; }
+  void warn() const;
+
+ private:
+  using Key = std::pair<size_t, size_t>;  // mesh, primitive
+
+  void make_room();
+  void add_node(const PlacedNode& node);
+  // `to_world` of an instance; nothing: the node's own.
+  void add_mesh(const PlacedNode& node, const Shape& shape, const std::optional<Affine>& to_world);
+  Placing placing_of(const PlacedNode& node, const AttributeSet& set,
+                     const std::optional<Affine>& to_world);
+  const Skin& skin_of(size_t node);
+  void add_vertices(const PlacedNode& node, const AttributeSet& set, const Placing& placing);
+  std::vector<uint32_t> corners(const tinygltf::Primitive& primitive, size_t vertices,
+                                const Key& key);
+  void add_triangles(const std::vector<uint32_t>& corner, uint32_t first, bool mirrored,
+                     size_t material);
+  void note_grain(const Affine& to_world, size_t accessor, const std::vector<uint32_t>& corner,
+                  uint32_t first);
+  void note_primitive(const Key& key, const tinygltf::Primitive& primitive, const AttributeSet& set,
+                      const Shape& shape);
+  Shape shape_of(size_t node) const;
+  const std::vector<tinygltf::Primitive>& primitives_of(const PlacedNode& node) const;
+  size_t material_of(const tinygltf::Primitive& primitive) const;
+
+  const Document& d_;
+  Scene& scene_;
+  std::vector<MaterialUse>& uses_;
+  const std::vector<PlacedNode>& nodes_;
+  AttributeReader attributes_;
+  NodeMaps maps_;
+  std::map<size_t, Skin> skins_;
+  std::vector<Vec3d> world_;
+  double grain_ = 0;
+  bool unnamed_material_ = false;
+  Bubbles bubbles_;
+  size_t no_surfaces_ = 0;
+  std::set<Key> without_positions_, incomplete_, without_uv_, coloured_, without_joints_;
+  std::set<size_t> skinned_instances_;  // nodes
+};
+
+/// Materials of the surfaces of all meshes that are seen.
+std::vector<bool> used_materials(const Document& document, const std::vector<PlacedNode>& nodes);
+
+}  // namespace tdpt::gltf

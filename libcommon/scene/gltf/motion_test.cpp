@@ -1,0 +1,400 @@
+// Skins, morph targets and animations against the same scene written out.
+#include <gtest/gtest.h>
+#include <cmath>
+#include <functional>
+
+#include "libcommon/base/error.h"
+#include "libcommon/scene/gltf/nodes.h"
+#include "libcommon/scene/test_strips.h"
+
+namespace tdpt::testing {
+namespace {
+
+// ---- skins
+// ---------------------------------------------------------------------------------------
+
+const std::vector<float> kWeights = {1,     0,     0, 0, 0, 1,     0, 0,
+                                     0.25f, 0.75f, 0, 0, 0, 0.25f, 0, 0.75f};
+const std::vector<uint8_t> kJoints = {0, 1, 1, 1, 0, 1, 7, 7, 0, 1, 0, 0, 0, 0, 0, 1};
+
+/// What the joints of skinned() do to a vertex, worked out by matrices of the textbook.
+gltf::Affine joint(int k) {
+  // Joint 0 moves by (0, 0, 2); joint 1 turns a quarter about z, x to y, at (1, 0, 0), and stands
+  // below joint 0; the inverse bind matrix of joint 1 moves by (-1, 0, 0).
+  const gltf::Affine move{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, 2}};
+  if (k == 0) return move;
+  const gltf::Affine turn{{0, 1, 0}, {-1, 0, 0}, {0, 0, 1}, {1, 0, 0}};
+  const gltf::Affine unbind{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {-1, 0, 0}};
+  return move * turn * unbind;
+}
+
+/// The strip of `s`, bent by two joints. `weights`: an accessor of b, or -1.
+Scene skinned(const Strip& s, GlbBuilder b = {}, int weights = -1) {
+  Json p = add_strip(b, s);
+  const std::string joints(kJoints.begin(), kJoints.end());
+  p["attributes"]["JOINTS_0"] = b.accessor(b.view(joints), 5121, "VEC4", 4);
+  p["attributes"]["WEIGHTS_0"] = weights < 0 ? b.floats(kWeights, 4) : weights;
+  // The mesh's own node means nothing; a joint's place in the hierarchy does.
+  b.node({{"mesh", b.mesh(p)}, {"skin", 0}, {"translation", {5, 5, 5}}, {"scale", {-3, 1, 1}}});
+  const double half = std::sqrt(0.5);
+  b.json["nodes"].push_back({{"rotation", {0, 0, half, half}}, {"translation", {1, 0, 0}}});
+  b.node({{"translation", {0, 0, 2}}, {"children", {b.json["nodes"].size() - 1}}});
+  const auto first = b.json["nodes"].size() - 1;
+  std::vector<float> m(32);
+  for (size_t i = 0; i < 2; ++i)
+    for (size_t c = 0; c < 4; ++c) m[16 * i + 5 * c] = 1;
+  m[28] = -1;
+  const int view =
+      b.view(std::string(reinterpret_cast<const char*>(m.data()), m.size() * sizeof(float)));
+  b.json["skins"] = Json::array({{{"joints", {first, first - 1}},
+                                  {"inverseBindMatrices", b.accessor(view, 5126, "MAT4", 2)}}});
+  add_frame(b);
+  return load(b);
+}
+
+/// The same by hand: each vertex through the blend of its joints' matrices.
+Strip bent(Strip s, const std::vector<float>& weights) {
+  for (size_t v = 0; v < 4; ++v) {
+    gltf::Affine blend{{}, {}, {}, {}};
+    double total = 0;
+    for (size_t k = 0; k < 4; ++k) total += weights[4 * v + k];
+    for (size_t k = 0; k < 4; ++k) {
+      const double w = weights[4 * v + k] / total;
+      if (w == 0) continue;
+      const gltf::Affine a = joint(kJoints[4 * v + k]);
+      blend.x += a.x * w, blend.y += a.y * w, blend.z += a.z * w, blend.t += a.t * w;
+    }
+    const auto vec = [&](const std::vector<float>& from, size_t n) {
+      return Vec3d(from[n * v], from[n * v + 1], from[n * v + 2]);
+    };
+    const auto put = [&](std::vector<float>& to, size_t n, const Vec3d& value) {
+      for (size_t c = 0; c < 3; ++c) to[n * v + c] = static_cast<float>(value[static_cast<int>(c)]);
+    };
+    // Cofactors, which are the inverse transpose up to the determinant.
+    const gltf::Affine cofactors{
+        cross(blend.y, blend.z), cross(blend.z, blend.x), cross(blend.x, blend.y), {}};
+    put(s.positions, 3, blend.point(vec(s.positions, 3)));
+    put(s.normals, 3, normalize(cofactors.vector(vec(s.normals, 3))));
+    put(s.tangents, 4, normalize(blend.vector(vec(s.tangents, 4))));
+  }
+  return s;
+}
+
+Scene still(const Strip& s) {
+  GlbBuilder b;
+  b.node({{"mesh", b.mesh(add_strip(b, s))}});
+  add_frame(b);
+  return load(b);
+}
+
+TEST(Skins, AreTheSameSceneAsTheMeshBaked) {
+  const Scene s = skinned({});
+  EXPECT_EQ(s.warnings, Sentences{});
+  expect_near(s, still(bent({}, kWeights)));
+}
+
+TEST(Skins, TwinAWeightThatIsOffByAPercentIsCaught) {
+  std::vector<float> off = kWeights;
+  off[8] = 0.26f, off[9] = 0.74f;
+  const Scene a = skinned({}), b = still(bent({}, off));
+  EXPECT_GT(length(Vec3d(a.positions[2]) - Vec3d(b.positions[2])), 1e-4);
+}
+
+TEST(Skins, WeightsMayBeSharesAndNeedNotAddUpToOne) {
+  GlbBuilder b;
+  std::string bytes;
+  for (const float w : kWeights) bytes += static_cast<char>(std::lround(w * 200));
+  const int weights = b.accessor(b.view(bytes), 5121, "VEC4", 4);
+  b.json["accessors"].back()["normalized"] = true;
+  expect_near(skinned({}, b, weights), still(bent({}, kWeights)));
+}
+
+TEST(Skins, AVertexWithoutWeightFollowsItsFirstJoint) {
+  GlbBuilder b;
+  std::vector<float> none = kWeights, first = kWeights;
+  none[5] = 0, first[4] = 1, first[5] = 0;  // of vertex 1, whose first joint is 0
+  const int weights = b.floats(none, 4);
+  expect_near(skinned({}, b, weights), still(bent({}, first)));
+}
+
+TEST(Skins, SetsOfJointsFollowEachOther) {
+  GlbBuilder b;
+  Json p = add_strip(b, {});
+  const std::vector<float> zero(16), one = {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0};
+  for (int k : {0, 1}) {
+    const std::string number = std::to_string(k);
+    const std::string joints(16, static_cast<char>(k));
+    p["attributes"]["JOINTS_" + number] = b.accessor(b.view(joints), 5121, "VEC4", 4);
+    p["attributes"]["WEIGHTS_" + number] = b.floats(one, 4);
+  }
+  b.node({{"mesh", b.mesh(p)}, {"skin", 0}});
+  b.node({{"translation", {0, 0, 2}}});
+  b.node({{"translation", {4, 0, 0}}});
+  b.json["skins"] = Json::array({{{"joints", {1, 2}}}});
+  add_frame(b);
+  Strip moved;
+  for (size_t v = 0; v < 4; ++v) moved.positions[3 * v] += 2, moved.positions[3 * v + 2] += 1;
+  expect_near(load(b), still(moved));
+}
+
+TEST(Skins, JointsMayStandOutsideOfTheScene) {
+  GlbBuilder b;
+  Json p = add_strip(b, {});
+  p["attributes"]["JOINTS_0"] = b.accessor(b.view(std::string(16, '\0')), 5121, "VEC4", 4);
+  p["attributes"]["WEIGHTS_0"] = b.floats(kWeights, 4);
+  b.node({{"mesh", b.mesh(p)}, {"skin", 0}});
+  b.json["nodes"].push_back({{"translation", {1, 0, 0}}});
+  b.json["nodes"].push_back({{"translation", {0, 2, 0}}, {"children", {1}}});
+  b.json["skins"] = Json::array({{{"joints", {1, 1}}}});
+  add_frame(b);
+  Strip moved;
+  for (size_t v = 0; v < 4; ++v) moved.positions[3 * v] += 1, moved.positions[3 * v + 1] += 2;
+  expect_near(load(b), still(moved));
+}
+
+TEST(Skins, WhatHasNoJointsIsPlacedByItsNode) {
+  GlbBuilder b;
+  b.node({{"mesh", b.mesh(add_strip(b, {}))}, {"skin", 0}, {"translation", {1, 0, 0}}});
+  b.json["skins"] = Json::array({{{"joints", {0}}}});
+  add_frame(b);
+  Strip moved;
+  for (size_t v = 0; v < 4; ++v) moved.positions[3 * v] += 1;
+  const Scene s = load(b);
+  expect_near(s, still(moved));
+  EXPECT_EQ(s.warnings,
+            Sentences{"1 primitive of a skinned mesh has no joints: placed by its node"});
+}
+
+TEST(Skins, MirroringJointsKeepTheFrontTheFront) {
+  GlbBuilder b;
+  Json p = add_strip(b, {});
+  p["attributes"]["JOINTS_0"] = b.accessor(b.view(std::string(16, '\0')), 5121, "VEC4", 4);
+  p["attributes"]["WEIGHTS_0"] = b.floats(kWeights, 4);
+  b.node({{"mesh", b.mesh(p)}, {"skin", 0}});
+  b.node({{"scale", {-1, 1, 1}}});
+  b.json["skins"] = Json::array({{{"joints", {1, 1}}}});
+  add_frame(b);
+  GlbBuilder c;
+  c.node({{"mesh", c.mesh(add_strip(c, {}))}, {"scale", {-1, 1, 1}}});
+  add_frame(c);
+  expect_near(load(b), load(c));
+  EXPECT_EQ(load(b).triangles[0].vertex, load(c).triangles[0].vertex);
+  // Joints that no vertex follows have no say.
+  b.node(Json::object());
+  b.json["skins"][0]["joints"] = {1, b.json["nodes"].size() - 1, b.json["nodes"].size() - 1};
+  EXPECT_EQ(load(b).triangles[0].vertex, load(c).triangles[0].vertex);
+}
+
+// ---- morph targets
+// -------------------------------------------------------------------------------
+
+/// The strip with two targets that change every attribute; `set` gives the weights.
+GlbBuilder morphing(const std::function<void(GlbBuilder&, Json& node, Json& mesh)>& set) {
+  GlbBuilder b;
+  Json p = add_strip(b, {});
+  const std::vector<float> up = {0, 0, 1, 0, 0, 2, 0, 0, 3, 0, 0, 4};
+  const std::vector<float> lean = {0.5f, 0, 0, 0, 0.5f, 0, 0, 0, 0.5f, 0.25f, 0, 0};
+  const std::vector<float> shift = {0.5f, 0, 0.5f, 0, 0.5f, 0, 0.5f, 0};
+  const std::vector<float> tint = {0, 0.5f, 0, 0.5f, 0, 0, 0, 0.5f, 0, 0, 0, 0.5f};
+  p["targets"] = Json::array({{{"POSITION", b.floats(up, 3)},
+                               {"NORMAL", b.floats(lean, 3)},
+                               {"TANGENT", b.floats(lean, 3)},
+                               {"TEXCOORD_0", b.floats(shift, 2)},
+                               {"COLOR_0", b.floats(tint, 3)}},
+                              {{"POSITION", b.floats(lean, 3)}}});
+  const auto mesh = static_cast<size_t>(b.mesh(p));
+  Json node = {{"mesh", mesh}};
+  set(b, node, b.json["meshes"][mesh]);
+  b.node(node);
+  add_frame(b);
+  return b;
+}
+
+/// The same with both weights at 1 written out: of the first target, and of the second.
+Strip morphed(float first, float second) {
+  Strip s;
+  const float lean[12] = {0.5f, 0, 0, 0, 0.5f, 0, 0, 0, 0.5f, 0.25f, 0, 0};
+  const float tint[12] = {0, 0.5f, 0, 0.5f, 0, 0, 0, 0.5f, 0, 0, 0, 0.5f};
+  for (size_t v = 0; v < 4; ++v) {
+    s.positions[3 * v + 2] += first * static_cast<float>(v + 1);
+    s.uv[2 * v] += first * 0.5f;
+    for (size_t c = 0; c < 3; ++c) {
+      s.positions[3 * v + c] += second * lean[3 * v + c];
+      s.normals[3 * v + c] += first * lean[3 * v + c];
+      s.tangents[4 * v + c] += first * lean[3 * v + c];
+      float& colour = s.colours[4 * v + c];
+      colour = std::clamp(colour + first * tint[3 * v + c], 0.0f, 1.0f);
+    }
+  }
+  return s;
+}
+
+TEST(Morphs, AreTheSameSceneAsTheMeshBaked) {
+  const Scene both = load(morphing([](GlbBuilder&, Json&, Json& mesh) {
+    mesh["weights"] = {0.5, 2};
+  }));
+  EXPECT_EQ(both.warnings, Sentences{});
+  expect_near(both, still(morphed(0.5f, 2)));
+  const Scene by_node = load(morphing([](GlbBuilder&, Json& node, Json& mesh) {
+    mesh["weights"] = {0.5, 2};
+    node["weights"] = {-1, 0.25};
+  }));
+  expect_near(by_node, still(morphed(-1, 0.25f)));
+}
+
+TEST(Morphs, WithoutWeightsChangeNothing) {
+  expect_same(load(morphing([](GlbBuilder&, Json&, Json&) {})), still({}));
+  expect_same(load(morphing([](GlbBuilder&, Json&, Json& mesh) {
+                mesh["weights"] = {0, 0};
+              })),
+              still({}));
+}
+
+TEST(Morphs, TwinAWeightThatIsOffByAPercentIsCaught) {
+  const Scene a = load(morphing([](GlbBuilder&, Json&, Json& mesh) { mesh["weights"] = {1, 0}; }));
+  EXPECT_GT(std::abs(a.positions[3].z - still(morphed(0.99f, 0)).positions[3].z), 1e-4);
+}
+
+TEST(Morphs, DeltasMayBeSignedShares) {
+  GlbBuilder b;
+  Json p = add_strip(b, {});
+  const int uv = b.accessor(b.view(std::string("\x81\0\0\0\x7f\0\0\0\0\x7f\0\0\0\0\0\0", 16), 4),
+                            5120, "VEC2", 4);
+  b.json["accessors"].back()["normalized"] = true;
+  p["targets"] = Json::array({{{"TEXCOORD_0", uv}}});
+  const auto mesh = static_cast<size_t>(b.mesh(p));
+  b.json["meshes"][mesh]["weights"] = {1};
+  b.node({{"mesh", mesh}});
+  add_frame(b);
+  Strip moved;
+  moved.uv[0] -= 1, moved.uv[2] += 1, moved.uv[5] += 1;
+  expect_near(load(b), still(moved));
+}
+
+TEST(Morphs, ComeBeforeTheSkin) {
+  GlbBuilder b;
+  const std::vector<float> up = {0, 0, 1, 0, 0, 2, 0, 0, 3, 0, 0, 4};
+  Json p = add_strip(b, {});
+  p["targets"] = Json::array({{{"POSITION", b.floats(up, 3)}}});
+  p["attributes"]["JOINTS_0"] = b.accessor(b.view(std::string(16, '\0')), 5121, "VEC4", 4);
+  p["attributes"]["WEIGHTS_0"] = b.floats(kWeights, 4);
+  b.node({{"mesh", b.mesh(p)}, {"skin", 0}, {"weights", {1}}});
+  b.node({{"scale", {1, 1, 2}}});
+  b.json["skins"] = Json::array({{{"joints", {1, 1}}}});
+  add_frame(b);
+  const Scene s = load(b);
+  const double scale = s.frame.scale;  // the middle of the frame is the origin
+  EXPECT_NEAR(s.positions[3].z, (0 + 4) * 2 * scale, 1e-6);
+  EXPECT_NEAR(s.positions[2].z, (0.5 + 3) * 2 * scale, 1e-6);
+}
+
+TEST(Morphs, ThatWouldTakeForeverAreRefused) {
+  GlbBuilder b;
+  const int p = b.floats(std::vector<float>(90000), 3);
+  Json mesh = {{"attributes", {{"POSITION", p}}}};
+  mesh["targets"] = Json::array();
+  std::vector<double> weights;
+  for (int k = 0; k < 80000; ++k) {
+    mesh["targets"].push_back({{"POSITION", p}});
+    weights.push_back(1);
+  }
+  b.node({{"mesh", b.mesh(mesh)}, {"weights", weights}});
+  try {
+    load(b);
+    FAIL();
+  } catch (const InputError& e) {
+    EXPECT_NE(std::string(e.what()).find(":nodes[0]: brings the scene to 2400080000 vertices times "
+                                         "morph targets and joints, expected at most "),
+              std::string::npos)
+        << e.what();
+  }
+}
+
+// ---- animations
+// ----------------------------------------------------------------------------------
+
+const Sentences kAtTime0{"the scene is taken at time 0 of its animations"};
+
+/// A channel of b that moves node 0; `output`: its accessor.
+void animate(GlbBuilder& b, const std::string& path, int output,
+             const std::string& interpolation = "LINEAR") {
+  const int input = b.floats({0.5f, 1}, 1);
+  b.json["animations"].push_back(
+      {{"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", path}}}}}},
+       {"samplers", {{{"input", input}, {"output", output}, {"interpolation", interpolation}}}}});
+}
+
+Scene moved(const Json& transform, const std::function<void(GlbBuilder&)>& change = {}) {
+  GlbBuilder b;
+  Json node = transform;
+  node["mesh"] = b.mesh(add_strip(b, {}));
+  b.node(node);
+  if (change) change(b);
+  add_frame(b);
+  return load(b);
+}
+
+TEST(Animations, AreTakenAtTime0) {
+  const Json place = {{"translation", {1, 2, 3}}, {"rotation", {0, 0, 1, 0}}, {"scale", {1, 2, 1}}};
+  const Json elsewhere = {{"translation", {4, 4, 4}}, {"scale", {3, 3, 3}}};
+  const Scene s = moved(elsewhere, [](GlbBuilder& b) {
+    animate(b, "translation", b.floats({1, 2, 3, 7, 7, 7}, 3), "STEP");
+    // A key of a spline is a tangent, a value and a tangent.
+    animate(b, "scale", b.floats({9, 9, 9, 1, 2, 1, 9, 9, 9, 9, 9, 9, 5, 5, 5, 9, 9, 9}, 3),
+            "CUBICSPLINE");
+    const int bytes = b.accessor(b.view(std::string("\0\0\x7f\0\x7f\0\0\0", 8)), 5120, "VEC4", 2);
+    b.json["accessors"].back()["normalized"] = true;
+    animate(b, "rotation", bytes);
+  });
+  expect_same(s, moved(place));
+  EXPECT_EQ(s.warnings, kAtTime0);
+}
+
+TEST(Animations, MayNameTheirInterpolationByNoText) {
+  const Scene s = moved({}, [](GlbBuilder& b) {
+    animate(b, "translation", b.floats({1, 2, 3, 7, 7, 7}, 3));
+    b.json["animations"][0]["samplers"][0]["interpolation"] = 0;
+  });
+  EXPECT_EQ(s.positions, moved({{"translation", {1, 2, 3}}}).positions);
+  EXPECT_EQ(s.warnings,
+            (Sentences{"1 interpolation is not made of text: taken as LINEAR", kAtTime0.front()}));
+}
+
+TEST(Animations, TheFirstThatMovesAPropertyCounts) {
+  const Scene s = moved({}, [](GlbBuilder& b) {
+    animate(b, "translation", b.floats({1, 2, 3, 7, 7, 7}, 3));
+    animate(b, "translation", b.floats({4, 4, 4, 7, 7, 7}, 3));
+  });
+  expect_same(s, moved({{"translation", {1, 2, 3}}}));
+}
+
+TEST(Animations, MoveWeights) {
+  const Scene s = load(morphing([](GlbBuilder& b, Json&, Json& mesh) {
+    mesh["weights"] = {1, 1};
+    animate(b, "weights", b.floats({9, 9, 0.5f, 0.25f, 9, 9, 9, 9, 1, 1, 9, 9}, 1), "CUBICSPLINE");
+  }));
+  expect_near(s, still(morphed(0.5f, 0.25f)));
+}
+
+TEST(Animations, ThatMoveNothingAreToldOf) {
+  const Scene s =
+      moved({{"matrix", {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 1, 2, 3, 1}}}, [](GlbBuilder& b) {
+        animate(b, "translation", b.floats({4, 4, 4, 7, 7, 7}, 3));
+        const int empty = b.accessor(-1, 5126, "VEC3", 0);
+        b.json["accessors"].back().erase("bufferView");
+        animate(b, "scale", empty);
+        animate(b, "pointer", b.floats({4, 4, 4, 7, 7, 7}, 3));
+        // Such a channel is not checked any further.
+        b.json["animations"].back()["channels"][0].erase("sampler");
+      });
+  expect_same(s, moved({{"translation", {1, 2, 3}}}));
+  EXPECT_EQ(s.warnings,
+            (Sentences{"1 animation channel without a key moves nothing",
+                       "accessors[7].count: is 0, expected an integer from 1 to 9007199254740992; "
+                       "nothing in the scene uses it",
+                       "1 animation channel moves no node, and is left out",
+                       "1 animation channel moves a node that has a matrix, and is left out"}));
+}
+
+}  // namespace
+}  // namespace tdpt::testing

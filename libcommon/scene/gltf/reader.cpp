@@ -1,0 +1,169 @@
+// From a checked glTF file to a Scene: triangles of all placed meshes, cameras, lights, materials,
+// and the canonical frame. Everything is double precision until canonical positions are rounded to
+// float.
+#include <fmt/format.h>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include "libcommon/base/number_words.h"
+#include "libcommon/scene/distinct_names.h"
+#include "libcommon/scene/gltf/animations.h"
+#include "libcommon/scene/gltf/attributes.h"
+#include "libcommon/scene/gltf/cameras.h"
+#include "libcommon/scene/gltf/defaults.h"
+#include "libcommon/scene/gltf/document.h"
+#include "libcommon/scene/gltf/lights.h"
+#include "libcommon/scene/gltf/materials.h"
+#include "libcommon/scene/gltf/meshes.h"
+#include "libcommon/scene/gltf/nodes.h"
+#include "libcommon/scene/scene.h"
+
+namespace tdpt {
+namespace {
+
+using namespace gltf;
+
+constexpr double kShortest = 1e-30, kLongest = 1e30;  // of the scene [m]
+constexpr double kCoarsest = 1e-4;  // rounding of vertices that nobody sees, in sizes of the scene
+
+class SceneReader {
+ public:
+  SceneReader(const Document& document, Scene& scene) : d_(document), scene_(scene) {}
+
+  void run() {
+    const std::vector<PlacedNode> nodes = place_nodes(d_, scene_.warnings);
+    warn_of_faults(nodes);
+    std::vector<MaterialUse> uses = read_materials(d_, used_materials(d_, nodes), scene_);
+    uses.emplace_back();  // of surfaces without one
+    MeshReader meshes(d_, scene_, uses, nodes);
+    meshes.run();
+    for (const PlacedNode& n : nodes) {
+      add_camera(n);
+      if (!n.visible) continue;
+      if (const auto light = read_light(d_, n, flat_lights_)) scene_.lights.push_back(*light);
+    }
+    scene_.by_blender = is_blender(generator_of(d_));
+    if (!scene_.lights.empty()) scene_.lamp_units = lamp_units_of(d_);
+    if (scene_.triangles.empty()) d_.fail("", "has no triangles in its scene");
+    if (meshes.unnamed_material()) scene_.materials.emplace_back().name = "default";
+    for (size_t i = 0; i < scene_.materials.size(); ++i)
+      finish_material(uses[i], scene_.materials[i]);
+    if (std::none_of(uses.begin(), uses.end(), [](const auto& u) { return u.coloured; }))
+      scene_.colours = {};
+    bring_to_canonical(meshes.world(), meshes.grain());
+    drop_flat_triangles();
+    mark_smooth_triangles(scene_);
+    scene_.needs = needs_of(scene_);
+    warn(meshes);
+  }
+
+ private:
+  /// Of nodes without a place; what is to be seen there makes them errors, later.
+  void warn_of_faults(const std::vector<PlacedNode>& nodes) {
+    std::set<const InputError*> of_cameras, others;
+    for (const PlacedNode& n : nodes)
+      if (n.fault && has_perspective_camera(n)) of_cameras.insert(n.fault.get());
+    std::string first;
+    for (const PlacedNode& n : nodes) {
+      if (!n.fault || of_cameras.contains(n.fault.get())) continue;
+      if (others.insert(n.fault.get()).second && first.empty()) first = n.fault->what();
+    }
+    if (!first.empty()) scene_.warnings.push_back(unused_sentence(d_.file, first, others.size()));
+  }
+
+  void add_camera(const PlacedNode& n) {
+    if (const auto camera = read_camera(d_, n, camera_names_, flat_cameras_))
+      scene_.cameras.push_back(*camera);
+    else if (d_.model.nodes[n.node].camera >= 0 && !has_perspective_camera(n))
+      ++orthographic_;
+  }
+
+  bool has_perspective_camera(const PlacedNode& n) const {
+    const int c = d_.model.nodes[n.node].camera;
+    return c >= 0 && d_.model.cameras[static_cast<size_t>(c)].type == "perspective";
+  }
+
+  void bring_to_canonical(std::vector<Vec3d>& world, double grain) {
+    Vec3d low(std::numeric_limits<double>::infinity()), high = -low;
+    for (const Triangle& t : scene_.triangles)
+      for (uint32_t v : t.vertex) low = min(low, world[v]), high = max(high, world[v]);
+    const double longest = max_component(high - low);
+    if (longest == 0) d_.fail("", "has no triangle with an area");
+    if (!(longest >= kShortest && longest <= kLongest))
+      d_.fail("", fmt::format("is {} m long, expected {} to {}", longest, kShortest, kLongest));
+    if (grain > kCoarsest * longest)
+      scene_.warnings.push_back(
+          fmt::format("the scene lies so far from the origin that its vertices are known to {} "
+                      "m only, {} of its size",
+                      number_words(grain, 1), number_words(grain / longest, 1)));
+    int exponent = 0;
+    const double mantissa = std::frexp(longest, &exponent);  // in [0.5, 1)
+    scene_.frame.scale = std::ldexp(1.0, (mantissa == 0.5 ? 2 : 1) - exponent);
+    scene_.frame.centre = low * 0.5 + high * 0.5;
+    scene_.positions.reserve(world.size() + 1);  // so that a Tracer needs no copy
+    for (const Vec3d& p : world) scene_.positions.push_back(rounded(scene_.frame.to_canonical(p)));
+    world = {};
+    for (Camera& c : scene_.cameras) c.position = scene_.frame.to_canonical(c.position);
+    for (PunctualLight& l : scene_.lights) to_canonical(d_, scene_.frame, l);
+    for (Material& m : scene_.materials)  // per metre -> per canonical length
+      m.absorption = Rgb(min(Vec3d(m.absorption) / scene_.frame.scale, Vec3d(1e30)));
+  }
+
+  /// Vertices of no triangle may lie anywhere, also where float does not reach.
+  static Vec3f rounded(const Vec3d& p) {
+    const Vec3d limit(4.0);
+    return Vec3f(max(min(p, limit), -limit));
+  }
+
+  void drop_flat_triangles() {
+    dropped_ = std::erase_if(scene_.triangles, [&](const Triangle& t) {
+      const Vec3d p(scene_.positions[t.vertex[0]]);
+      const Vec3d n =
+          cross(Vec3d(scene_.positions[t.vertex[1]]) - p, Vec3d(scene_.positions[t.vertex[2]]) - p);
+      return !(length(n) > 0);
+    });
+    if (scene_.triangles.empty()) d_.fail("", "has no triangle with an area");
+  }
+
+  void warn(const MeshReader& meshes) {
+    const auto tell = [&](size_t n, const char* noun, const char* one, const char* many) {
+      if (n > 0) scene_.warnings.push_back(counted(n, noun, one, many));
+    };
+    if (meshes.unnamed_material())
+      scene_.warnings.push_back("surfaces without a material are taken as diffuse grey of 0.8");
+    tell(dropped_, "triangle", "without area is left out", "without area are left out");
+    meshes.warn();
+    tell(orthographic_, "orthographic camera", "is left out", "are left out");
+    tell(flat_cameras_, "camera", "is left out, as its transform is flat",
+         "are left out, as their transforms are flat");
+    tell(flat_lights_, "lamp", "is left out, as its transform is flat",
+         "are left out, as their transforms are flat");
+  }
+
+  const Document& d_;
+  Scene& scene_;
+  DistinctNames camera_names_;
+  size_t dropped_ = 0, orthographic_ = 0, flat_cameras_ = 0, flat_lights_ = 0;
+};
+
+}  // namespace
+
+Scene read_gltf(const std::string& path) {
+  Document document;
+  open_document(path, document);
+  Scene scene;
+  scene.path = path;
+  scene.hash = document.hash;
+  scene.files = document.files;
+  scene.warnings = document.warnings;
+  scene.defaults = defaults_of(document.json, path);
+  scene.warnings.insert(scene.warnings.end(), scene.defaults.warnings.begin(),
+                        scene.defaults.warnings.end());
+  go_to_time_0(document, scene.warnings);
+  SceneReader(document, scene).run();
+  return scene;
+}
+
+}  // namespace tdpt

@@ -1,0 +1,11 @@
+// Furniture for generated rooms: tables, chairs, shelves and boxes, lower than cameras and lamps.
+#pragma once
+#include "libcommon/testing/rooms/room_site.h"
+
+namespace tdpt::testing {
+
+/// Up to eight pieces on the floor, away from the walls across x and from the openings
+/// so far; none where there is no room.
+void furnish(Site& site, const Space& space);
+
+}  // namespace tdpt::testing

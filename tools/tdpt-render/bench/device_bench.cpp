@@ -1,0 +1,315 @@
+// How many samples a device renders beside the CPU, what it spends its time on, and what that
+// moves. Prints tables in Markdown, and progress on stderr; bench/gpu-speed.sh makes
+// doc/gpu-speed.md of them.
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <sstream>
+
+#include <fmt/format.h>
+
+#include "libcommon/base/error.h"
+#include "libcommon/base/threads.h"
+#include "tools/tdpt-render/bench/device_traffic.h"
+#include "tools/tdpt-render/device/gpu_machine.h"
+#include "tools/tdpt-render/device/wavefront.h"
+#include "tools/tdpt-render/plan/candidates.h"
+#include "tools/tdpt-render/run/picture_size.h"
+#include "tools/tdpt-render/run/render.h"
+
+namespace tdpt {
+namespace {
+
+constexpr const char* kUsage =
+    "usage: device_bench [OPTION]... SCENE [PORTAL.glb]...\n"
+    "       device_bench --registers [--device gpu[:WHICH]]\n"
+    "\n"
+    "Samples per CPU second of the CPU, and per second of a device (where it is a CPU, of all its\n"
+    "cores), which take turns in one run.\n"
+    "  --device gpu[:WHICH]   as tdpt-render has it (gpu)\n"
+    "  --integrators A,B      names; auto: what it chooses (nee,bdpt,tdpt-guided,auto)\n"
+    "  --width W              of the picture (160)\n"
+    "  --spp N                samples per pixel of a round (8)\n"
+    "  --max-depth N          longest path (6)\n"
+    "  --rounds N             after one in which kernels are made (5)\n"
+    "  --registers            what the driver's compiler tells of each kernel\n";
+
+struct Options {
+  std::vector<std::string> files, integrators{"nee", "bdpt", "tdpt-guided", "auto"};
+  std::string device;
+  int width = 160, spp = 8, max_depth = 6, rounds = 5;
+  bool registers = false;
+};
+
+std::vector<std::string> listed(const std::string& list) {
+  std::vector<std::string> words;
+  std::istringstream in(list);
+  for (std::string word; std::getline(in, word, ',');) words.push_back(word);
+  return words;
+}
+
+std::string device_of(const std::string& word) {
+  if (word != "gpu" && word.rfind("gpu:", 0) != 0) throw UsageError(kUsage);
+  return word.size() > 4 ? word.substr(4) : "";
+}
+
+int number_of(const std::string& word) {
+  const bool digits = !word.empty() && word.find_first_not_of("0123456789") == std::string::npos;
+  const int n = digits && word.size() < 7 ? std::stoi(word) : 0;
+  if (n < 1) throw UsageError(kUsage);
+  return n;
+}
+
+Options options_of(const std::vector<std::string>& words) {
+  Options o;
+  for (size_t i = 0; i < words.size(); ++i) {
+    const std::string& word = words[i];
+    if (word == "--registers") {
+      o.registers = true;
+      continue;
+    }
+    if (word.empty() || word[0] != '-') {
+      o.files.push_back(word);
+      continue;
+    }
+    if (i + 1 == words.size()) throw UsageError(kUsage);
+    const std::string& value = words[++i];
+    if (word == "--device")
+      o.device = device_of(value);
+    else if (word == "--integrators")
+      o.integrators = listed(value);
+    else if (word == "--width")
+      o.width = number_of(value);
+    else if (word == "--spp")
+      o.spp = number_of(value);
+    else if (word == "--max-depth")
+      o.max_depth = number_of(value);
+    else if (word == "--rounds")
+      o.rounds = number_of(value);
+    else
+      throw UsageError(kUsage);
+  }
+  if (o.files.empty() == !o.registers) throw UsageError(kUsage);
+  return o;
+}
+
+struct Spread {
+  double least, median, most;
+};
+Spread spread_of(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  return {values.front(), values[values.size() / 2], values.back()};
+}
+
+// A scene on both.
+struct Stage {
+  Stage(const Options& o, const gpu::Device& device)
+      : scene(read_gltf(o.files[0])),
+        size(picture_size(scene.camera(""), o.width, 0)),
+        world(scene, scene.camera(""), size.width, size.height, portals_of(o)),
+        tables(world),
+        of_cores(device.info().kind == "cpu") {
+    const FilmPlaces places(pixels(), false, world.portals.portals());
+    renderer = std::make_shared<WavefrontRenderer>(
+        world, make_gpu_machine(device, tables, room_on(device, tables, places.words), places.words,
+                                &work));
+  }
+  static std::vector<Portal> portals_of(const Options& o) {
+    std::vector<Portal> portals;
+    for (size_t i = 1; i < o.files.size(); ++i)
+      for (const Portal& p : read_portals(o.files[i]).portals) portals.push_back(p);
+    return portals;
+  }
+  uint64_t pixels() const {
+    return static_cast<uint64_t>(size.width) * static_cast<uint64_t>(size.height);
+  }
+
+  const Scene scene;
+  const PictureSize size;
+  World world;
+  RenderTables tables;
+  const bool of_cores;  // it is a CPU
+  DeviceWork work;
+  std::shared_ptr<SampleRenderer> renderer;
+};
+
+// What rounds of one integrator come to.
+struct Measured {
+  std::string label;
+  std::vector<double> cpu, device, ratio;  // samples per second [one_round()]
+  double making = 0;                       // seconds
+  DeviceWork work;                         // of all rounds
+  RayCounts rays;
+  double samples = 0;  // of the device
+};
+
+RenderSettings settings_of(const Options& o, int round) {
+  RenderSettings s;
+  s.spp = static_cast<uint64_t>(o.spp);
+  s.max_depth = o.max_depth;
+  s.seed = static_cast<uint64_t>(1 + round);
+  return s;
+}
+
+// Which one that is: of a name, or of what the device would take.
+Candidate candidate_of(const std::string& name, const Options& o, Stage& stage) {
+  if (name != "auto") return {integrator_named(name), name};
+  const std::vector<Candidate> all = auto_candidates(stage.world);
+  RenderSettings settings = settings_of(o, 0);
+  settings.device = stage.renderer;
+  const RenderResult result = render(stage.world, all, settings);
+  const Candidate& chosen = all[result.chosen];
+  return {chosen.integrator, "auto: " + chosen.label};
+}
+
+// A round of one of them: samples per CPU second, or per second of a device that is none.
+double one_round(const Candidate& c, const RenderSettings& settings, const Stage& stage,
+                 RenderResult& result) {
+  const bool of_cores = !settings.device || stage.of_cores;
+  const auto now = [&] {
+    using namespace std::chrono;
+    if (of_cores) return cpu_seconds();
+    return duration<double>(steady_clock::now().time_since_epoch()).count();
+  };
+  const double before = now();
+  result = render(stage.world, c.integrator, settings);
+  return static_cast<double>(stage.pixels() * settings.spp) / (now() - before);
+}
+
+Measured measure(const std::string& name, const Options& o, Stage& stage) {
+  Measured m;
+  stage.work = {};
+  const Candidate c = candidate_of(name, o, stage);
+  m.label = c.label;
+  for (int round = 0; round <= o.rounds; ++round) {
+    RenderSettings settings = settings_of(o, round);
+    RenderResult result;
+    const double cpu = one_round(c, settings, stage, result);
+    settings.device = stage.renderer;
+    const double device = one_round(c, settings, stage, result);
+    fmt::print(stderr, "{} round {}: {:.0f} and {:.0f} samples per second, {:.3f}\n", m.label,
+               round, cpu, device, device / cpu);
+    if (round == 0) {
+      m.making = stage.work.making;
+      stage.work = {};
+      continue;
+    }
+    m.cpu.push_back(cpu);
+    m.device.push_back(device);
+    m.ratio.push_back(device / cpu);
+    m.rays.merge(result.tally.rays);
+    m.samples += static_cast<double>(stage.pixels() * settings.spp);
+  }
+  m.work = stage.work;
+  return m;
+}
+
+void print_speeds(const std::string& scene, const std::vector<Measured>& all) {
+  std::puts(
+      "| scene | integrator | CPU: samples per CPU second | device: per second of its own | device "
+      "over CPU | making "
+      "kernels [s] |\n|---|---|---|---|---|---|");
+  for (const Measured& m : all) {
+    const Spread r = spread_of(m.ratio);
+    fmt::print("| {} | {} | {:.0f} | {:.0f} | {:.2f} ({:.2f} to {:.2f}) | {:.0f} |\n", scene,
+               m.label, spread_of(m.cpu).median, spread_of(m.device).median, r.median, r.least,
+               r.most, m.making);
+  }
+}
+
+void print_traffic(const std::string& scene, const Measured& m, bool layered, bool first) {
+  if (first)
+    std::puts(
+        "\n| scene | integrator | closest-hit rays | shadow rays | estimates of joins | bytes read "
+        "| bytes written | submissions | samples of one |\n|---|---|---|---|---|---|---|---|---|");
+  const StepWork& begun = m.work.steps[static_cast<size_t>(Step::begin_camera_walks)];
+  const Traffic t = traffic_of(m.work, m.rays.join, layered);
+  fmt::print("| {} | {} | {:.2f} | {:.2f} | {:.1f} | {:.0f} | {:.0f} | {} | {:.0f} |\n", scene,
+             m.label, static_cast<double>(m.rays.closest) / m.samples,
+             static_cast<double>(m.rays.shadow) / m.samples,
+             static_cast<double>(m.rays.join) / m.samples, t.read / m.samples,
+             t.written / m.samples, begun.runs, m.samples / static_cast<double>(begun.runs));
+}
+
+// Shares of the device's time, the largest first.
+void print_shares(const std::string& scene, const Measured& m) {
+  std::vector<std::pair<double, std::string>> shares{{m.work.gather.seconds, "flags and lists"}};
+  for (size_t i = 0; i < kStepNames.size(); ++i)
+    shares.emplace_back(m.work.steps[i].seconds, kStepNames[i]);
+  std::sort(shares.rbegin(), shares.rend());
+  double whole = 0;
+  for (const auto& [seconds, name] : shares) whole += seconds;
+  fmt::print("* {}, {}:", scene, m.label);
+  const char* between = " ";
+  for (const auto& [seconds, name] : shares) {
+    if (seconds < 0.01 * whole) break;
+    fmt::print("{}{} {:.0f} %", between, name, 100 * seconds / whole);
+    between = ", ";
+  }
+  std::puts("");
+}
+
+// Of all that drivers tell, what decides how many invocations run side by side, and what they keep
+// in memory: as Mesa's drivers and NVIDIA's call it.
+bool tells_of_room(const std::string& name) {
+  constexpr const char* kNames[] = {"SGPRs",          "VGPRs",        "Spilled SGPRs",
+                                    "Spilled VGPRs",  "Scratch size", "Subgroups per SIMD",
+                                    "Code size",      "Spill count",  "Fill count",
+                                    "Register Count", "Stack Size",   "Local Memory Size",
+                                    "Binary Size"};
+  return std::find(std::begin(kNames), std::end(kNames), name) != std::end(kNames);
+}
+
+void print_registers(const gpu::Device& device) {
+  const auto most = step_statistics(device, false), least = step_statistics(device, true);
+  std::string names = "| kernel |", rule = "|---|";
+  for (const gpu::Statistic& s : most[0])
+    if (tells_of_room(s.name)) names += " " + s.name + " |", rule += "---|";
+  fmt::print("{}\n{}\n", names, rule);
+  for (size_t step = 0; step < most.size(); ++step) {
+    fmt::print("| {} |", kStepNames[step]);
+    for (size_t i = 0; i < most[step].size(); ++i)
+      if (tells_of_room(most[step][i].name))
+        fmt::print(" {:.0f} ({:.0f}) |", most[step][i].value, least[step][i].value);
+    std::puts("");
+  }
+  fmt::print(stderr, "device: {}\n", device.info().name);
+}
+
+int run(const std::vector<std::string>& words) {
+  if (words == std::vector<std::string>{"--help"}) {
+    fmt::print("{}", kUsage);
+    return 0;
+  }
+  const Options o = options_of(words);
+  const gpu::Device device = gpu::Device::open(o.device, o.registers);
+  if (o.registers) {
+    print_registers(device);
+    return 0;
+  }
+  Stage stage(o, device);
+  const std::string scene = o.files[0].substr(o.files[0].find_last_of('/') + 1);
+  std::vector<Measured> all;
+  for (const std::string& name : o.integrators) all.push_back(measure(name, o, stage));
+  print_speeds(scene, all);
+  for (const Measured& m : all)
+    print_traffic(scene, m, stage.tables.surfaces.features.layers, &m == &all[0]);
+  std::puts("");
+  for (const Measured& m : all) print_shares(scene, m);
+  return 0;
+}
+
+}  // namespace
+}  // namespace tdpt
+
+int main(int argc, char** argv) {
+  try {
+    return tdpt::run({argv + 1, argv + argc});
+  } catch (const tdpt::Error& e) {
+    fmt::print(stderr, "device_bench: {}\n", e.what());
+    return static_cast<int>(e.code);
+  } catch (const std::exception& e) {
+    fmt::print(stderr, "device_bench: {}\n", e.what());
+    return 1;
+  }
+}

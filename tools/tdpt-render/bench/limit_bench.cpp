@@ -1,0 +1,141 @@
+// limit_bench SCENE PORTAL... : how far rendering is from casting its rays and nothing else. A
+// frame is rendered, and the rays that it gave to Embree are given to it again, raw: the same
+// queries (in robust mode, with the renderer's flags) in the order in which they came, on as many
+// threads as made them, each with its own. A line for each integrator, number of threads and seed;
+// taking turns. bench/limit.py makes doc/limit.md of these lines.
+//   --integrators A,B --threads 1,2 --seeds N --width W --spp N   default: as below
+//
+// Only opaque scenes: what decides whether a ray is stopped is a part of the renderer.
+#include <cstdio>
+#include <cstdlib>
+#include <ctime>
+#include <sstream>
+#include <stdexcept>
+
+#include "libcommon/base/threads.h"
+#include "libcommon/scene/pane.h"
+#include "libcommon/trace/ray_record.h"
+#include "tools/tdpt-render/integrators/integrator.h"
+#include "tools/tdpt-render/run/picture_size.h"
+#include "tools/tdpt-render/run/render.h"
+
+namespace tdpt {
+namespace {
+
+struct Options {
+  std::vector<std::string> files, integrators{"nee", "bdpt", "tdpt-org", "tdpt-guided"};
+  std::vector<int> threads{1, 2};
+  int seeds = 5, width = 240, spp = 8;
+};
+
+struct Seconds {
+  double cpu = 0, wall = 0;
+};
+
+double now() {
+  timespec t{};
+  ::clock_gettime(CLOCK_MONOTONIC, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+template <class Work>
+Seconds time_of(const Work& work) {
+  const double cpu = cpu_seconds(), wall = now();
+  work();
+  return {cpu_seconds() - cpu, now() - wall};
+}
+
+void measure(const Options& o, const World& world, const Integrator& integrator, int threads,
+             int seed) {
+  RenderSettings settings;
+  settings.spp = static_cast<uint64_t>(o.spp);
+  settings.seed = static_cast<uint64_t>(seed);
+  limit_threads(threads);
+  ray_record::begin();
+  const RayCounts rays = render(world, integrator, settings).tally.rays;
+  ray_record::end();
+  uint64_t others = 0;
+  const Seconds frame = time_of([&] { render(world, integrator, settings); });
+  const Seconds raw = time_of([&] { others = ray_record::cast_again(); });
+  const auto samples = static_cast<double>(settings.spp) * world.film.width() * world.film.height();
+  std::printf("%s\t%s\t%d\t%d\t%.0f\t%llu\t%llu\t%llu\t%llu\t%.6f\t%.6f\t%.6f\t%.6f\n",
+              o.files[0].c_str(), integrator.name, threads, seed, samples,
+              static_cast<unsigned long long>(rays.closest),
+              static_cast<unsigned long long>(rays.shadow),
+              static_cast<unsigned long long>(ray_record::rays()),
+              static_cast<unsigned long long>(others), frame.cpu, raw.cpu, frame.wall, raw.wall);
+  std::fflush(stdout);
+}
+
+void run(const Options& o) {
+  const Scene scene = read_gltf(o.files[0]);
+  for (const Material& m : scene.materials)
+    if (pane_of(m) || m.alpha_mode != Material::Alpha::opaque)
+      throw std::runtime_error(o.files[0] + ": not opaque");
+  std::vector<Portal> portals;
+  for (size_t i = 1; i < o.files.size(); ++i)
+    for (const Portal& p : read_portals(o.files[i]).portals) portals.push_back(p);
+  const Camera camera = scene.camera("");
+  const PictureSize size = picture_size(camera, o.width, 0);
+  const World world(scene, camera, size.width, size.height, portals);
+  std::printf(
+      "scene\tintegrator\tthreads\tseed\tsamples\tclosest\tshadow\trays\tother\tframe_cpu\traw_cpu"
+      "\tframe_wall\traw_wall\n");
+  for (int seed = 1; seed <= o.seeds; ++seed)
+    for (const std::string& name : o.integrators)
+      for (const int threads : o.threads) measure(o, world, integrator_named(name), threads, seed);
+}
+
+std::vector<std::string> split(const std::string& list) {
+  std::vector<std::string> parts;
+  std::istringstream in(list);
+  for (std::string part; std::getline(in, part, ',');) parts.push_back(part);
+  return parts;
+}
+
+bool read(int argc, char** argv, Options& o) {
+  for (int i = 1; i < argc; ++i) {
+    const std::string option = argv[i];
+    if (option.rfind("--", 0) != 0) {
+      o.files.push_back(option);
+      continue;
+    }
+    if (++i == argc) return false;
+    const std::string value = argv[i];
+    if (option == "--integrators") {
+      o.integrators = split(value);
+    } else if (option == "--threads") {
+      o.threads.clear();
+      for (const std::string& n : split(value)) o.threads.push_back(std::atoi(n.c_str()));
+    } else if (option == "--seeds") {
+      o.seeds = std::atoi(value.c_str());
+    } else if (option == "--width") {
+      o.width = std::atoi(value.c_str());
+    } else if (option == "--spp") {
+      o.spp = std::atoi(value.c_str());
+    } else {
+      return false;
+    }
+  }
+  return !o.files.empty() && o.seeds > 0 && o.width > 0 && o.spp > 0;
+}
+
+}  // namespace
+}  // namespace tdpt
+
+int main(int argc, char** argv) {
+  tdpt::Options options;
+  if (!tdpt::read(argc, argv, options)) {
+    std::fprintf(
+        stderr,
+        "usage: limit_bench SCENE PORTAL... [--integrators A,B] [--threads 1,2] [--seeds N]"
+        " [--width W] [--spp N]\n");
+    return 2;
+  }
+  try {
+    tdpt::run(options);
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "limit_bench: %s\n", e.what());
+    return 1;
+  }
+}

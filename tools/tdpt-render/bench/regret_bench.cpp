@@ -1,0 +1,193 @@
+// regret_bench SCENE PORTAL... : what `auto` loses by not knowing which integrator is best: the
+// true error x work of each, from converged second moments, and what is chosen from few samples at
+// what price. bench/regret.py makes tables of its lines.
+//   --width W --height H --seconds T   default 96 72 2, CPU seconds for the truth of each
+//   integrator;
+//                                      0: none is told
+//   --seeds N                          pictures of each length, default 8
+//   --name NAME                        of the scene, in what is printed
+//
+//   truth  SCENE INTEGRATOR  relMSE of a sample, its standard error, CPU ns of a sample
+//   told   SCENE SPP SEED INTEGRATOR  steady relMSE and work as told from the samples of a scout
+//   choice SCENE SPP SEED INTEGRATOR  that was chosen, CPU s of the scout, its groups; pixels
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+
+#include "libcommon/base/threads.h"
+#include "tools/tdpt-render/run/render.h"
+
+namespace tdpt {
+namespace {
+
+constexpr size_t kPictures = 8;  // of each integrator, for the variance of its pixels
+constexpr uint64_t kLengths[] = {4, 8, 16, 32, 64, 256};
+
+struct Settings {
+  int width = 96, height = 72, seeds = 8;
+  double seconds = 2;
+  std::string name;  // of the scene in what is printed; empty: its file
+};
+
+// Pictures of one integrator, of as many samples each.
+struct Pictures {
+  uint64_t spp = 0;
+  double cpu_seconds = 0;
+  std::vector<std::vector<double>> luminance;
+};
+
+void render_one(const World& world, const Integrator& integrator, uint64_t spp, uint64_t seed,
+                Pictures& pictures) {
+  RenderSettings how;
+  how.spp = spp;
+  how.seed = seed;
+  how.quiet = true;
+  const RenderResult r = render(world, integrator, how);
+  pictures.spp = spp;
+  pictures.cpu_seconds += r.cpu_seconds;
+  std::vector<double>& l = pictures.luminance.emplace_back();
+  for (const Rgb& p : r.picture.pixels) l.push_back(luminance(p));
+}
+
+// Mean of each pixel, of all integrators by their errors.
+std::vector<double> reference_of(const std::vector<Pictures>& all) {
+  std::vector<double> mean(all[0].luminance[0].size(), 0);
+  double total = 0;
+  for (const Pictures& p : all) {
+    double variance = 0;
+    std::vector<double> own(mean.size(), 0);
+    for (size_t k = 0; k < own.size(); ++k) {
+      double squares = 0;
+      for (const auto& l : p.luminance) own[k] += l[k], squares += l[k] * l[k];
+      own[k] /= static_cast<double>(p.luminance.size());
+      variance += squares / static_cast<double>(p.luminance.size()) - own[k] * own[k];
+    }
+    const double weight = 1 / std::max(variance, 1e-300);
+    total += weight;
+    for (size_t k = 0; k < own.size(); ++k) mean[k] += weight * own[k];
+  }
+  for (double& m : mean) m /= total;
+  return mean;
+}
+
+void print_truth(const char* scene, const std::string& label, const Pictures& p,
+                 const std::vector<double>& reference) {
+  double mean = 0;
+  for (const double r : reference) mean += r;
+  mean /= static_cast<double>(reference.size());
+  // Of each picture by itself: their scatter tells the error.
+  std::vector<double> each;
+  for (const auto& l : p.luminance) {
+    double sum = 0;
+    for (size_t k = 0; k < l.size(); ++k)
+      sum += (l[k] - reference[k]) * (l[k] - reference[k]) /
+             (reference[k] * reference[k] + 0.01 * mean * mean);
+    each.push_back(sum / static_cast<double>(l.size()) * static_cast<double>(p.spp));
+  }
+  double m = 0, v = 0;
+  for (const double e : each) m += e / static_cast<double>(each.size());
+  for (const double e : each) v += (e - m) * (e - m) / static_cast<double>(each.size() - 1);
+  const double samples = static_cast<double>(p.spp * p.luminance.size() * reference.size());
+  std::printf("truth\t%s\t%s\t%.5g\t%.3g\t%.5g\n", scene, label.c_str(), m,
+              std::sqrt(v / static_cast<double>(each.size())), p.cpu_seconds * 1e9 / samples);
+}
+
+// Of the candidates and of all other integrators that can render the scene.
+void print_truths(const char* name, const World& world, const std::vector<Candidate>& candidates,
+                  const Settings& s) {
+  std::vector<Candidate> all = candidates;
+  for (const Integrator& i : kIntegrators) {
+    const bool there = std::any_of(all.begin(), all.end(),
+                                   [&](const Candidate& c) { return c.label == label_of(i); });
+    const bool portal_one = i.mixture.has(Technique::portal);
+    if (!there && light_missed(i, world.scene).empty() && !(portal_one && world.portals.empty()))
+      all.push_back({i, label_of(i)});
+  }
+  std::vector<uint64_t> spp;
+  for (const Candidate& c : all) {
+    Pictures first;
+    render_one(world, c.integrator, 4, 1000, first);
+    const double per_sample = first.cpu_seconds / 4;
+    spp.push_back(static_cast<uint64_t>(std::max(4.0, s.seconds / kPictures / per_sample)));
+  }
+  std::vector<Pictures> pictures(all.size());
+  for (size_t n = 0; n < kPictures; ++n)
+    for (size_t i = 0; i < all.size(); ++i)
+      render_one(world, all[i].integrator, spp[i], 2000 + n, pictures[i]);
+  const std::vector<double> reference = reference_of(pictures);
+  for (size_t i = 0; i < all.size(); ++i) print_truth(name, all[i].label, pictures[i], reference);
+}
+
+void measure(const char* scene_path, const std::vector<Portal>& portals, const Settings& s) {
+  const char* const name = s.name.empty() ? scene_path : s.name.c_str();
+  const Scene scene = read_gltf(scene_path);
+  const World world(scene, scene.camera(""), s.width, s.height, portals);
+  const std::vector<Candidate> candidates =
+      expecting_joins(world, auto_candidates(world), kMaxDepth);
+  if (s.seconds > 0) print_truths(name, world, candidates, s);
+  const auto pixels = static_cast<uint64_t>(s.width) * static_cast<uint64_t>(s.height);
+  Film film(s.width, s.height, world.lights.power());
+  for (const uint64_t length : kLengths)
+    for (int seed = 1; seed <= s.seeds; ++seed) {
+      const double cpu = cpu_seconds();
+      SampleRules rules;
+      rules.seed = static_cast<uint64_t>(seed);
+      Scout scout(world, candidates, rules);
+      scout.draw(kFewestGroups, film);
+      const uint64_t enough = groups_for(static_cast<double>(length), pixels, scout);
+      if (enough > scout.groups()) scout.draw(enough - scout.groups(), film);
+      const std::vector<Prospect> told = scout.prospects();
+      const double spent = cpu_seconds() - cpu;
+      film.clear();
+      for (const Prospect& p : told)
+        std::printf("told\t%s\t%llu\t%d\t%s\t%.5g\t%.5g\n", name,
+                    static_cast<unsigned long long>(length), seed, p.integrator.c_str(), p.steady,
+                    p.work);
+      std::printf(
+          "choice\t%s\t%llu\t%d\t%s\t%.5g\t%llu\t%d\n", name,
+          static_cast<unsigned long long>(length), seed,
+          told[best_of(told, scout.groups(), static_cast<double>(length))].integrator.c_str(),
+          spent, static_cast<unsigned long long>(scout.groups()), s.width * s.height);
+    }
+  std::fflush(stdout);
+}
+
+}  // namespace
+}  // namespace tdpt
+
+int main(int argc, char** argv) {
+  using namespace tdpt;
+  Settings settings;
+  std::vector<std::string> files;
+  for (int i = 1; i < argc; ++i) {
+    const bool more = i + 1 < argc;
+    if (!std::strcmp(argv[i], "--width") && more)
+      settings.width = std::atoi(argv[++i]);
+    else if (!std::strcmp(argv[i], "--height") && more)
+      settings.height = std::atoi(argv[++i]);
+    else if (!std::strcmp(argv[i], "--name") && more)
+      settings.name = argv[++i];
+    else if (!std::strcmp(argv[i], "--seeds") && more)
+      settings.seeds = std::atoi(argv[++i]);
+    else if (!std::strcmp(argv[i], "--seconds") && more)
+      settings.seconds = std::atof(argv[++i]);
+    else
+      files.emplace_back(argv[i]);
+  }
+  if (files.empty() || settings.width < 1 || settings.height < 1 || !(settings.seconds >= 0)) {
+    std::fprintf(stderr,
+                 "usage: regret_bench SCENE PORTAL... [--width W] [--height H] "
+                 "[--seconds T] [--seeds N]\n");
+    return 2;
+  }
+  try {
+    std::vector<Portal> portals;
+    for (size_t i = 1; i < files.size(); ++i)
+      for (const Portal& p : read_portals(files[i]).portals) portals.push_back(p);
+    measure(files[0].c_str(), portals, settings);
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "regret_bench: %s\n", e.what());
+    return 1;
+  }
+}

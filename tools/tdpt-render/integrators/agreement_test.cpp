@@ -1,0 +1,311 @@
+// All integrators render the same picture, block by block and for every path length 1..8; and what
+// is wrong by a technique or by 5 % of a density does not.
+#include <gtest/gtest.h>
+
+#include "libcommon/testing/failures_elsewhere.h"
+#include "tools/tdpt-render/run/render.h"
+#include "tools/tdpt-render/testing/agreement.h"
+#include "tools/tdpt-render/testing/rooms.h"
+
+namespace tdpt {
+namespace {
+
+using Integrators = std::vector<const Integrator*>;
+
+constexpr int kWidth = 32, kHeight = 24;
+
+// Variance of pt is that of the lamp found by chance: only where that is often.
+const Integrators kAll{&pt, &nee, &tdpt_org, &tdpt_ref, &tdpt_guided};
+const Integrators kButPt{&nee, &tdpt_org, &tdpt_ref, &tdpt_guided};
+
+TEST(agreement, furnace) {
+  const Scene scene = read_gltf(furnace_path());
+  expect_agreement(World(scene, scene.camera(""), kWidth, kHeight, {portal_in_the_furnace()}), kAll,
+                   {.runs = 16, .spp = 8});
+}
+
+// The furnace, of which the ceiling alone glows, and a portal across the room below it: no
+// technique is left without a good part of the picture, and none is noisy.
+class GlowingCeiling {
+ public:
+  GlowingCeiling() : scene_(read_gltf(furnace_path())) {
+    Material dark = scene_.materials[0];
+    dark.emission = {};
+    scene_.materials.push_back(dark);
+    for (Triangle& t : scene_.triangles)
+      if (scene_.frame
+              .to_metres(Vec3d(scene_.positions[t.vertex[0]] + scene_.positions[t.vertex[1]] +
+                               scene_.positions[t.vertex[2]]) /
+                         3)
+              .y < 1.99)
+        t.material = 1;
+  }
+  World world() const { return World(scene_, scene_.camera(""), kWidth, kHeight, {kPortal}); }
+
+  static constexpr AgreementSettings kSettings{.runs = 16, .spp = 24};
+
+ private:
+  const Portal kPortal = rectangle({-0.8, 0.9, -0.8}, {1.6, 0, 0}, {0, 0, 1.6});
+  Scene scene_;
+};
+
+TEST(agreement, glowing_ceiling) {
+  const GlowingCeiling box;
+  expect_agreement(box.world(), kAll, GlowingCeiling::kSettings);
+}
+
+// Portal segments in a quarter of the samples stand for all, as those auto tries may.
+TEST(agreement, glowing_ceiling_with_segments_in_some_samples) {
+  const GlowingCeiling box;
+  expect_agreement(box.world(), {&kGuided[2], &kGuided[1]}, GlowingCeiling::kSettings);
+}
+
+TEST(agreement, glowing_ceiling_by_the_power_heuristic) {
+  const GlowingCeiling box;
+  expect_agreement(box.world(), {&bdpt, &tdpt_ref, &tdpt_guided}, GlowingCeiling::kSettings, 2);
+}
+
+TEST(agreement, wide_window) {
+  const Scene scene = read_gltf(TDPT_TESTDATA "/scenes/window.glb");
+  expect_agreement(World(scene, scene.camera(""), kWidth, kHeight,
+                         {rectangle({2.05, 0.2, -0.8}, {0, 0, 1.6}, {0, 1.6, 0})}),
+                   kAll, {.runs = 16, .spp = 16});
+}
+
+TEST(agreement, two_rooms_with_a_portal_in_the_hole) {
+  const Scene scene = read_gltf(two_rooms_path());
+  expect_agreement(World(scene, scene.camera(""), kWidth, kHeight, {portal_in_the_hole()}), kButPt,
+                   {.runs = 16, .spp = 32});
+}
+
+TEST(agreement, portals_that_cross_each_other) {
+  const Scene scene = read_gltf(two_rooms_path());
+  expect_agreement(World(scene, scene.camera(""), kWidth, kHeight, two_crossing_portals()),
+                   {&tdpt_org, &tdpt_ref, &tdpt_guided}, {.runs = 16, .spp = 32});
+}
+
+TEST(agreement, three_rooms_with_a_portal_in_each_hole) {
+  const Scene scene = read_gltf(TDPT_TESTDATA "/scenes/three-rooms.glb");
+  const auto hole = [](double x) { return rectangle({x, 0.75, -0.25}, {0, 0, 0.5}, {0, 0.5, 0}); };
+  expect_agreement(World(scene, scene.camera(""), kWidth, kHeight, {hole(2.05), hole(4.15)}),
+                   kButPt, {.runs = 16, .spp = 32});
+}
+
+TEST(agreement, lamp_behind_a_door_ajar) {
+  const Scene scene = read_gltf(TDPT_TESTDATA "/scenes/door-ajar.glb");
+  expect_agreement(World(scene, scene.camera(""), kWidth, kHeight,
+                         {rectangle({2.05, 0.02, -0.4}, {0, 0, 0.8}, {0, 1.8, 0})}),
+                   {&tdpt_org, &tdpt_ref, &tdpt_guided}, {.runs = 16, .spp = 32});
+}
+
+// Lamps of other power, colour and albedo than the ceiling's, some shining on both sides.
+TEST(agreement, several_lamps) {
+  Scene scene = read_gltf(TDPT_TESTDATA "/scenes/window.glb");
+  Material strong = scene.materials[0], faint = scene.materials[0];
+  strong.emission = {4, 2, 1};
+  strong.double_sided = false;
+  faint.emission = {0.02f, 0.05f, 0.1f};
+  faint.double_sided = true;
+  scene.materials.push_back(strong);
+  scene.materials.push_back(faint);
+  const auto materials = static_cast<uint32_t>(scene.materials.size());
+  for (size_t i = 3; i < scene.triangles.size(); i += 5)
+    scene.triangles[i].material = i % 2 ? materials - 1 : materials - 2;
+  expect_agreement(World(scene, scene.camera(""), kWidth, kHeight,
+                         {rectangle({2.05, 0.2, -0.8}, {0, 0, 1.6}, {0, 1.6, 0})}),
+                   kAll, {.runs = 16, .spp = 16});
+}
+
+// Walks of pt and nee do not know how far the others may go: the picture of a smaller depth is the
+// same one without its longer paths. What holds for each length in a run of depth 8 then holds for
+// every depth 1..8 that is asked for.
+TEST(agreement, a_smaller_depth_leaves_out_the_longer_paths_and_nothing_else) {
+  const Scene scene = read_gltf(two_rooms_path());
+  const World world(scene, scene.camera(""), 16, 12, two_crossing_portals());
+  for (const Integrator* integrator : {&pt, &nee}) {
+    Tally tally;
+    const auto by_depth =
+        render_by_depth(world, *integrator, {.max_depth = 8, .spp = 16}, 5, tally);
+    std::vector<double> sum(16 * 12);
+    for (int depth = 1; depth <= 8; ++depth) {
+      RenderSettings settings;
+      settings.spp = 16;
+      settings.max_depth = depth;
+      settings.seed = 5;
+      const Picture picture = render(world, *integrator, settings).picture;
+      double worst = 0, brightest = 0;
+      for (size_t i = 0; i < sum.size(); ++i) {
+        sum[i] += by_depth[static_cast<size_t>(depth)][i];
+        worst = std::max(worst, std::abs(luminance(picture.pixels[i]) - sum[i]));
+        brightest = std::max(brightest, sum[i]);
+      }
+      EXPECT_LE(worst, 2e-6 * brightest) << integrator->name << " depth " << depth;
+    }
+  }
+}
+
+// Others choose what they join among other vertices: each length has the same light in the mean.
+TEST(agreement, a_smaller_depth_has_the_same_light_of_its_lengths) {
+  const GlowingCeiling box;
+  const World world = box.world();
+  const auto with_depth = [&](const Integrator& integrator, int depth) {
+    AgreementSettings settings = GlowingCeiling::kSettings;
+    settings.max_depth = depth;
+    DepthRuns runs = render_runs(world, Variant::pooled(world, integrator, depth), settings);
+    runs.of_depth.resize(5);
+    runs.of_depth.erase(runs.of_depth.begin());  // all together are less light
+    return runs;
+  };
+  for (const Integrator* integrator : {&bdpt, &tdpt_org, &tdpt_ref, &tdpt_guided}) {
+    const DepthRuns less = with_depth(*integrator, 4), more = with_depth(*integrator, 8);
+    EXPECT_TRUE(holds(judge(less, more), integrator->name, less, more));
+  }
+  // Twin: that the longest are those of a depth more.
+  DepthRuns less = with_depth(bdpt, 4), more = with_depth(bdpt, 8);
+  less.of_depth.erase(less.of_depth.begin());
+  more.of_depth.pop_back();
+  EXPECT_FALSE(judge(less, more).holds());
+}
+
+// What holds for the observer's weights of exponent 2 holds for the rendered picture, whose samples
+// share their light walks.
+TEST(agreement, rendered_pictures_are_weighed_with_the_exponent_asked_for) {
+  const Scene scene = read_gltf(two_rooms_path());
+  const World world(scene, scene.camera(""), 40, 12, two_crossing_portals());
+  const auto off = [&](const Variant& variant, double beta) {
+    Tally tally;
+    const auto by_depth =
+        render_by_depth(world, variant, {.max_depth = kMaxDepth, .spp = 16}, 5, tally);
+    RenderSettings settings;
+    settings.spp = 16;
+    settings.seed = 5;
+    settings.beta = beta;
+    const Picture picture =
+        render(world, *find_integrator(variant.integrator.name), settings).picture;
+    double worst = 0, brightest = 0;
+    for (size_t i = 0; i < picture.pixels.size(); ++i) {
+      double sum = 0;
+      for (const std::vector<double>& depth : by_depth) sum += depth[i];
+      worst = std::max(worst, std::abs(luminance(picture.pixels[i]) - sum));
+      brightest = std::max(brightest, sum);
+    }
+    return worst / brightest;
+  };
+  for (const Integrator* integrator : integrators()) {
+    Variant power = Variant::pooled(world, *integrator, kMaxDepth);
+    power.beta.fill(2);
+    EXPECT_LE(off(power, 2), 2e-6) << integrator->name;
+    if (integrator != &pt) {
+      EXPECT_GT(off(power, 1), 1e-4) << integrator->name;  // twin
+    }
+  }
+}
+
+// Twins: room, portal and samples are those of glowing_ceiling.
+
+class agreement_twin : public ::testing::Test {
+ protected:
+  void expect_caught(const char* what, const Variant& faulty) {
+    expect_caught(what, faulty, world_);
+  }
+  void expect_caught(const char* what, const Variant& faulty, const World& world) {
+    const DepthRuns runs = render_runs(world, faulty, GlowingCeiling::kSettings);
+    const Verdict verdict = judge(runs, reference_);
+    std::printf("%-26s depths caught %d, least p %.1e; all depths %s\n", what,
+                verdict.disagreements, verdict.worst_p,
+                testing::compare(runs.of_depth[0], reference_.of_depth[0]).text().c_str());
+    EXPECT_FALSE(verdict.holds()) << what;
+  }
+
+  const GlowingCeiling box_;
+  const World world_ = box_.world();
+  const DepthRuns reference_ = render_runs(world_, bdpt, GlowingCeiling::kSettings);
+};
+
+/// tdpt_org's techniques, each as often as said for each of twenty samples.
+template <int Camera, int Direct, int Light, int Bi, int Portal>
+void run(PathSampler& sample) {
+  thread_local int count = 0;
+  const int now = count++ % 20;
+  const auto times = [&](int per_20) { return per_20 / 20 + (now < per_20 % 20 ? 1 : 0); };
+  sample.walk_from_camera();
+  sample.walk_from_light();
+  for (int i = 0; i < times(Camera); ++i) sample.camera();
+  for (int i = 0; i < times(Direct); ++i) sample.direct();
+  for (int i = 0; i < times(Light); ++i) sample.light();
+  for (int i = 0; i < times(Bi); ++i) sample.bi();
+  for (int i = 0; i < times(Portal); ++i) sample.portal();
+}
+
+Variant as_org(void (*run)(PathSampler&)) {
+  return {tdpt_org.mixture.techniques, run};
+}
+Variant as_ref(void (*run)(PathSampler&)) {
+  return {tdpt_ref.mixture.techniques, run};
+}
+
+TEST_F(agreement_twin, control_nothing_is_wrong) {
+  const DepthRuns runs =
+      render_runs(world_, as_org(run<20, 20, 20, 20, 20>), GlowingCeiling::kSettings);
+  EXPECT_TRUE(holds(judge(runs, reference_), "control", runs, reference_));
+}
+
+TEST_F(agreement_twin, each_depth_that_disagrees_leaves_its_maps) {
+  const DepthRuns runs =
+      render_runs(world_, {bdpt, run_twice<Technique::light>}, GlowingCeiling::kSettings);
+  const Verdict verdict = judge(runs, reference_);
+  ASSERT_GT(verdict.disagreements, 1);
+  const testing::FailuresElsewhere elsewhere;
+  EXPECT_FALSE(holds(verdict, "light twice", runs, reference_));
+  int maps = 0;
+  for (const auto& file : std::filesystem::directory_iterator(testing::failures_folder()))
+    maps += file.path().string().ends_with(".z.png");
+  EXPECT_EQ(maps, verdict.disagreements);
+}
+
+TEST_F(agreement_twin, a_technique_that_is_weighed_but_not_run) {
+  expect_caught("camera missing", as_org(run<0, 20, 20, 20, 20>));
+  expect_caught("direct missing", as_org(run<20, 0, 20, 20, 20>));
+  expect_caught("light missing", as_org(run<20, 20, 0, 20, 20>));
+  expect_caught("bi missing", as_org(run<20, 20, 20, 0, 20>));
+  expect_caught("portal missing", as_org(run<20, 20, 20, 20, 0>));
+}
+
+TEST_F(agreement_twin, a_technique_that_is_run_twice) {
+  expect_caught("camera twice", as_org(run<40, 20, 20, 20, 20>));
+  expect_caught("direct twice", as_org(run<20, 40, 20, 20, 20>));
+  expect_caught("light twice", as_org(run<20, 20, 40, 20, 20>));
+  expect_caught("bi twice", as_org(run<20, 20, 20, 40, 20>));
+  expect_caught("portal twice", as_org(run<20, 20, 20, 20, 40>));
+}
+
+TEST_F(agreement_twin, segments_in_more_samples_than_they_are_weighed_for) {
+  expect_caught("segments twice, in a quarter", {kGuided[2], run_twice<Technique::portal>});
+}
+
+TEST_F(agreement_twin, weights_whose_exponents_differ) {
+  Variant light(tdpt_ref), camera(tdpt_guided);
+  light.beta[static_cast<size_t>(Technique::light)] = 2;
+  camera.beta[static_cast<size_t>(Technique::camera)] = 2;
+  expect_caught("light with exponent 2", light);
+  expect_caught("camera with exponent 2", camera);
+}
+
+TEST_F(agreement_twin, a_technique_off_by_5_percent) {
+  expect_caught("camera 5 % too dark", as_ref(run<19, 20, 20, 0, 20>));
+  expect_caught("direct 5 % too dark", as_ref(run<20, 19, 20, 0, 20>));
+  expect_caught("light 5 % too dark", as_ref(run<20, 20, 19, 0, 20>));
+  expect_caught("bi 5 % too dark", as_org(run<20, 20, 20, 19, 20>));
+  expect_caught("portal 5 % too dark", as_ref(run<20, 20, 20, 0, 19>));
+}
+
+TEST_F(agreement_twin, a_portal_density_off_by_5_percent) {
+  for (double factor : {0.95, 1.05}) {
+    World world = box_.world();
+    world.portals = world.portals.with_scaled_density(factor);
+    expect_caught(factor < 1 ? "portal density x 0.95" : "portal density x 1.05", tdpt_ref, world);
+  }
+}
+
+}  // namespace
+}  // namespace tdpt

@@ -1,0 +1,205 @@
+// Cameras that see through the backs of single-sided surfaces: all integrators agree on the
+// picture, which is that from beyond the wall, and light takes no notice.
+#include <gtest/gtest.h>
+
+#include "tools/tdpt-render/run/features.h"
+#include "tools/tdpt-render/run/render.h"
+#include "tools/tdpt-render/run/seen_backs.h"
+#include "tools/tdpt-render/testing/agreement.h"
+#include "tools/tdpt-render/testing/renderer.h"
+#include "tools/tdpt-render/testing/rooms.h"
+#include "tools/tdpt-render/testing/sheets.h"
+
+namespace tdpt {
+namespace {
+
+constexpr int kWidth = 32, kHeight = 24;
+
+// Rooms whose walls face inwards, and a camera that culls.
+Scene rooms(const std::string& file, const Vec3d& from, const Vec3d& to) {
+  Scene scene = read_gltf(TDPT_TESTDATA "/scenes/" + file);
+  for (Material& m : scene.materials) m.double_sided = false;
+  Camera& camera = scene.cameras[0];
+  camera.position = scene.frame.to_canonical(from);
+  camera.forward = normalize(to - from);
+  camera.right = normalize(cross(camera.forward, Vec3d{0, 1, 0}));
+  camera.up = cross(camera.right, camera.forward);
+  camera.culls = true;
+  return scene;
+}
+
+// Outside the end wall of the camera's room, which it looks through.
+Scene cutaway() {
+  return rooms("window.glb", {-1.5, 1.3, 0.4}, {2, 1, -0.1});
+}
+const Portal kWindow = rectangle({2.05, 0.2, -0.8}, {0, 0, 1.6}, {0, 1.6, 0});
+
+Picture rendered(const Scene& scene, const Integrator& integrator, int max_depth = 8) {
+  const World world(scene, scene.camera(""), kWidth, kHeight, {kWindow});
+  RenderSettings settings;
+  settings.spp = 16;
+  settings.max_depth = max_depth;
+  settings.alpha = scene.sky != nullptr;
+  settings.device = renderer_under_test(world);
+  return render(world, integrator, settings).picture;
+}
+
+double mean(const Picture& picture) {
+  double sum = 0;
+  for (const Rgb& c : picture.pixels) sum += luminance(c);
+  return sum / static_cast<double>(picture.pixels.size());
+}
+
+constexpr AgreementSettings kSettings{.runs = 16, .spp = 24};
+
+TEST(culling, all_integrators_agree) {
+  const Scene scene = cutaway();
+  const World world(scene, scene.camera(""), kWidth, kHeight, {kWindow});
+  expect_agreement(world, {&pt, &nee, &tdpt_org, &tdpt_ref, &tdpt_guided}, kSettings);
+}
+
+// The walls' backs are lit, too, and towards the camera: light walks come to them.
+TEST(culling, all_integrators_agree_under_a_sky) {
+  Scene scene = cutaway();
+  scene.sky = std::make_shared<Sky>(Sky::Map{1, 1, {Rgb(0.5f)}}, 0);
+  const World world(scene, scene.camera(""), kWidth, kHeight, {kWindow});
+  expect_agreement(world, {&pt, &nee, &tdpt_org, &tdpt_ref, &tdpt_guided}, kSettings);
+}
+
+// Connections to the camera that take walls for walls.
+TEST(culling, twin_whose_connections_to_the_camera_forget_it) {
+  const Scene scene = cutaway();
+  const World world(scene, scene.camera(""), kWidth, kHeight, {kWindow});
+  const DepthRuns reference = render_runs(world, bdpt, kSettings);
+  Variant forgetful(bdpt);
+  forgetful.loses = [](const World& of, const Contribution& found) {
+    const Vertex& last = found.path.vertex(found.path.k() - 1);
+    return found.strategy.technique == Technique::light &&
+           !of.tracer.visible(last.origin(), {of.film.position()});
+  };
+  EXPECT_FALSE(judge(render_runs(world, forgetful, kSettings), reference).holds());
+}
+
+// A hair before the wall and a hair behind it, with the same random numbers.
+TEST(culling, shows_what_a_camera_beyond_the_wall_sees) {
+  const Vec3d to{2, 1, -0.1}, wall{0, 1.3, 0.4}, hair = normalize(to - wall) * 1e-4;
+  const Scene before = rooms("window.glb", wall - hair, to),
+              behind = rooms("window.glb", wall + hair, to);
+  Scene uncut = before;  // twin
+  uncut.cameras[0].culls = false;
+  for (const Integrator* integrator : integrators()) {
+    const double inside = mean(rendered(behind, *integrator));
+    EXPECT_GT(inside, 0.05);
+    EXPECT_NEAR(mean(rendered(before, *integrator)) / inside, 1, 0.01) << integrator->name;
+    EXPECT_LT(mean(rendered(uncut, *integrator)), 0.01 * inside) << integrator->name;
+  }
+}
+
+// Nothing but what is said: on the camera's side of a wall that faces away a lamp, beyond it the
+// square that it would light.
+Scene lamp_before_a_wall(bool double_sided) {
+  Scene scene;
+  Material wall;
+  wall.double_sided = double_sided;
+  scene = with_sheet(scene, Material(), {-2, -2, -1}, {4, 0, 0}, {0, 4, 0});
+  scene = with_sheet(scene, wall, {-2, -2, 0}, {0, 4, 0}, {4, 0, 0});
+  PunctualLight lamp;
+  lamp.position = {0, 0, 0.5};
+  lamp.intensity = Rgb(1);
+  scene.lights.push_back(lamp);
+  Camera camera;
+  camera.position = {0, 0, 1};
+  camera.right = {1, 0, 0};
+  camera.up = {0, 1, 0};
+  camera.forward = {0, 0, -1};
+  camera.culls = true;
+  scene.cameras.push_back(camera);
+  scene.needs = {"punctual lights"};
+  return scene;
+}
+
+TEST(culling, light_does_not_pass_what_the_camera_sees_through) {
+  for (const Integrator* integrator : {&nee, &bdpt, &tdpt_ref}) {
+    const Picture picture = rendered(lamp_before_a_wall(false), *integrator, 2);
+    EXPECT_EQ(mean(picture), 0) << integrator->name;
+    // Twin: a wall that is there, lit.
+    EXPECT_GT(mean(rendered(lamp_before_a_wall(true), *integrator, 2)), 0.1) << integrator->name;
+  }
+}
+
+// Radiance by hand of the square beyond the wall, albedo 0.8, under a lamp of 1 W/sr half a metre
+// before it.
+double radiance_beyond(const Vec3d& w) {
+  const Vec3d p = Vec3d{0, 0, 1} + w * (-2 / w.z), to_lamp = Vec3d{0, 0, -0.5} - p;
+  const double d2 = dot(to_lamp, to_lamp);
+  return 0.8 * std::numbers::inv_pi * to_lamp.z / (d2 * std::sqrt(d2));
+}
+
+TEST(culling, a_path_by_hand_passes_the_back) {
+  Scene scene = lamp_before_a_wall(false);
+  scene.lights[0].position = {0, 0, -0.5};
+  const World world(scene, scene.camera(""), kWidth, kHeight, {});
+  constexpr int kFine = 8;  // places of a pixel, per axis
+  double expected = 0;
+  for (int i = 0; i < kFine * kWidth; ++i)
+    for (int j = 0; j < kFine * kHeight; ++j)
+      expected += radiance_beyond(world.film.direction((i + 0.5) / kFine, (j + 0.5) / kFine)) /
+                  (kFine * kWidth * kFine * kHeight);
+  for (const Integrator* integrator : {&nee, &bdpt, &tdpt_ref}) {
+    EXPECT_NEAR(mean(rendered(scene, *integrator, 2)) / expected, 1, 0.01) << integrator->name;
+  }
+}
+
+// A lone wall that faces away, before the sky.
+Scene wall_before_the_sky() {
+  Scene scene = lamp_before_a_wall(false);
+  scene.triangles.erase(scene.triangles.begin(), scene.triangles.begin() + 2);
+  scene.lights.clear();
+  scene.needs = {};
+  scene.sky = std::make_shared<Sky>(Sky::Map{1, 1, {Rgb(3, 2, 1)}}, 0);
+  return scene;
+}
+
+TEST(culling, is_that_of_alpha_the_sky_and_the_features) {
+  Scene scene = wall_before_the_sky();
+  for (const bool culls : {true, false}) {
+    scene.cameras[0].culls = culls;
+    const Picture picture = rendered(scene, bdpt);
+    const World world(scene, scene.camera(""), kWidth, kHeight, {});
+    const Channels seen = features(world, {"depth"}, 1);
+    for (size_t i = 0; i < picture.pixels.size(); ++i) {
+      EXPECT_EQ(picture.alpha[i], culls ? 0 : 1);
+      EXPECT_EQ(seen.at("depth.Z")[i] >= 1e10f, culls);
+    }
+  }
+}
+
+TEST(culling, backs_that_the_camera_sees_are_told) {
+  Scene scene = wall_before_the_sky();
+  scene.materials.back().name = "plaster";
+  const auto sentence = [&] {
+    return backs_sentence(seen_backs(World(scene, scene.camera(""), kWidth, kHeight, {})));
+  };
+  const auto none = [&] {
+    return no_backs_sentence(World(scene, scene.camera(""), kWidth, kHeight, {}));
+  };
+  EXPECT_EQ(sentence(), "");
+  EXPECT_EQ(none(), "");
+  scene.cameras[0].culls = false;
+  EXPECT_EQ(none(), "");
+  EXPECT_EQ(sentence(),
+            "the camera sees the backs of single-sided surfaces in 100 % of the picture, most of "
+            "all of material \"plaster\": glTF viewers do not draw them (--cull)");
+  scene.materials.back().name = "";
+  EXPECT_NE(sentence().find("most of all of materials["), std::string::npos);
+  scene.materials.back().double_sided = true;
+  EXPECT_EQ(sentence(), "");
+  scene.cameras[0].culls = true;
+  EXPECT_EQ(none(),
+            "no back of a single-sided surface is in the camera's way: --cull changes nothing");
+  const Scene inside = read_gltf(furnace_path());
+  EXPECT_EQ(backs_sentence(seen_backs(World(inside, inside.camera(""), kWidth, kHeight, {}))), "");
+}
+
+}  // namespace
+}  // namespace tdpt

@@ -1,0 +1,311 @@
+// Extremes of openings and lamps, each held against a closed form [test_extremes.h].
+#include "tools/tdpt-render/run/covered_lamps.h"
+#include "tools/tdpt-render/testing/extremes.h"
+
+namespace tdpt {
+namespace {
+
+using std::numbers::pi;
+
+/// One pixel that looks at one place.
+constexpr double kNarrow = 1e-4;
+
+void expect_mean(const char* what, const World& world, const std::vector<const Integrator*>& all,
+                 double expected, uint64_t spp, double precision) {
+  for (const Integrator* integrator : all) {
+    const MeanAndError r = rendered(world, *integrator, spp, 16, 2);
+    std::printf("%-22s %-11s %.4f +- %.4f\n", what, integrator->name, r.mean / expected,
+                r.error / expected);
+    EXPECT_LT(r.z(expected), 6) << what << " " << integrator->name;
+    EXPECT_LT(r.error, precision * expected) << what << " " << integrator->name;
+  }
+}
+
+// The dark chamber, its grey wall 2 m before that with the hole: room of 3 m.
+struct Chamber {
+  double h, w;  ///< halves of the hole's height and width [m]
+  Scene scene;
+  World world;
+
+  Chamber(double h_, double w_)
+      : h(h_), w(w_), scene(made(h_, w_)), world(scene, scene.camera(""), 4, 4, {portal(h_, w_)}) {}
+  /// Mean over the picture, 1 m wide on the grey wall.
+  double expected() const {
+    constexpr int n = 64;
+    double sum = 0;
+    for (int i = 0; i < n; ++i)
+      for (int j = 0; j < n; ++j)
+        sum += form_factor(2, h, w, (i + 0.5) / n - 0.5, (j + 0.5) / n - 0.5);
+    return 0.5 * sum / (n * n);
+  }
+
+  static Portal portal(double h, double w) {
+    return rectangle({0, 1 - h, -w}, {0, 0, 2 * w}, {0, 2 * h, 0});
+  }
+  static Scene made(double h, double w) {
+    SceneParts parts;
+    const Vec3d low{-2, 0, -1}, high{0, 2, 1}, far{1, 2, 1};
+    const int grey = parts.material(0.5);
+    parts.add(sheet(low, {0, 2, 0}, {0, 0, 2}) + wall_with_hole(1 - h, 1 + h, -w, w), grey);
+    Mesh behind = open_box({0, 0, -1}, far) + ceiling({0, 0, -1}, far);
+    behind.erase(behind.begin(), behind.begin() + 2);  // where the wall is
+    parts.add(behind, parts.lamp(1));
+    parts.camera({-1, 1, 0}, {-2, 1, 0}, 2 * std::atan(0.5));
+    return parts.read();
+  }
+};
+
+TEST(opening, of_any_size_lights_a_patch_as_its_form_factor_says) {
+  struct Row {
+    const char* name;
+    double h, w;
+    bool small;  ///< only segments and directed walks find it
+  };
+  for (const Row& row : std::vector<Row>{{"1e-4 of the room", 1.5e-4, 1.5e-4, true},
+                                         {"1e-3 of the room", 1.5e-3, 1.5e-3, true},
+                                         {"slit, 1000 to 1", 0.9, 0.9e-3, true},
+                                         {"slit across, 1000 to 1", 0.9e-3, 0.9, true},
+                                         {"1e-1 of the room", 0.15, 0.15, false},
+                                         {"all of the wall", 1, 1, false}}) {
+    const Chamber chamber(row.h, row.w);
+    std::vector<const Integrator*> all{&tdpt_org, &tdpt_ref, &tdpt_guided};
+    if (!row.small) all.insert(all.end(), {&nee, &bdpt});
+    expect_mean(row.name, chamber.world, all, chamber.expected(), 64, 0.05);
+  }
+}
+
+TEST(opening_twin, a_portal_a_tenth_narrower_than_it_is_weighed_is_caught) {
+  Chamber chamber(1.5e-3, 1.5e-3);
+  chamber.world.portals = chamber.world.portals.with_scaled_density(1.1);
+  EXPECT_GT(rendered(chamber.world, tdpt_ref, 64, 16, 2).z(chamber.expected()), 6);
+}
+
+/// A floor lit by one lamp, h above it.
+Scene floor_below(double side, double radiance) {
+  SceneParts parts;
+  parts.add(sheet({-1, 0, -1}, {0, 0, 2}, {2, 0, 0}), parts.material(0.5));
+  parts.add(sheet({-side / 2, 1, -side / 2}, {side, 0, 0}, {0, 0, side}), parts.lamp(radiance));
+  parts.camera({0.5, 0.5, 0}, {0, 0, 0}, kNarrow);
+  return parts.read();
+}
+
+TEST(lamp, of_any_size_and_radiance_lights_a_patch_as_its_form_factor_says) {
+  struct Row {
+    const char* name;
+    double side, radiance;
+  };
+  for (const Row& row : std::vector<Row>{{"1e-8 m2", 1e-4, 1},
+                                         {"1e-8 m2 of 1e30", 1e-4, 1e30},
+                                         {"as the floor", 2, 1},
+                                         {"of 1e-30", 0.5, 1e-30},
+                                         {"of 1e30", 0.5, 1e30}}) {
+    const Scene scene = floor_below(row.side, row.radiance);
+    const World world(scene, scene.camera(""), 4, 4, {});
+    expect_mean(row.name, world, {&nee, &bdpt},
+                0.5 * row.radiance * form_factor(1, row.side / 2, row.side / 2), 64, 0.05);
+  }
+}
+
+TEST(lamp_twin, a_radiance_off_by_a_tenth_is_caught) {
+  const Scene scene = floor_below(1e-4, 1.1e20);
+  const World world(scene, scene.camera(""), 4, 4, {});
+  const double expected = 0.5 * 1e20 * form_factor(1, 0.5e-4, 0.5e-4);
+  for (const Integrator* integrator : {&nee, &bdpt})
+    EXPECT_GT(rendered(world, *integrator, 64, 16, 2).z(expected), 6) << integrator->name;
+}
+
+// Closed white rooms whose ceilings are of 1e10, 1 and 1e-10: each shows its own.
+TEST(twenty_decades, in_one_scene_keep_the_mean_of_each_part) {
+  SceneParts parts;
+  const int white = parts.material(1);
+  const std::vector<double> radiances{1e10, 1, 1e-10};
+  for (size_t i = 0; i < radiances.size(); ++i) {
+    const Vec3d low{3.0 * static_cast<double>(i), 0, 0}, high = low + Vec3d(2);
+    parts.add(open_box(low, high), white);
+    parts.add(ceiling(low, high), parts.lamp(radiances[i]));
+    parts.camera(low + Vec3d(0.1, 1, 1), low + Vec3d(1, 0.5, 1));
+  }
+  const Scene scene = parts.read();
+  for (size_t i = 0; i < radiances.size(); ++i) {
+    const World world(scene, scene.cameras[i], 8, 6, {});
+    for (const Integrator* integrator : {&pt, &nee, &bdpt}) {
+      const MeanAndError r = rendered(world, *integrator, 16, 16);
+      std::printf("%.0e %-6s %.4f +- %.4f\n", radiances[i], integrator->name, r.mean / radiances[i],
+                  r.error / radiances[i]);
+      EXPECT_LT(r.z(radiances[i]), 6) << integrator->name << radiances[i];
+      EXPECT_LT(r.error, 0.1 * radiances[i]) << integrator->name << radiances[i];
+    }
+  }
+}
+
+/// Floors with a lamp without surface 1 m above each, and a wall between them.
+Scene floors_with_points(const std::vector<double>& intensities) {
+  SceneParts parts;
+  const int grey = parts.material(0.5), black = parts.material(0);
+  for (size_t i = 0; i < intensities.size(); ++i) {
+    const double x = 3.0 * static_cast<double>(i);
+    parts.add(sheet({x - 1, 0, -1}, {0, 0, 2}, {2, 0, 0}), grey);
+    parts.add(open_box({x - 1, -0.1, -1}, {x + 1, 3, 1}), black);
+    parts.camera({x + 0.5, 0.5, 0}, {x, 0, 0}, kNarrow);
+  }
+  Scene scene = parts.read();
+  for (size_t i = 0; i < intensities.size(); ++i) {
+    PunctualLight light;
+    light.position = scene.frame.to_canonical({3.0 * static_cast<double>(i), 1, 0});
+    const auto canonical = intensities[i] * scene.frame.scale * scene.frame.scale;
+    light.intensity = Rgb(static_cast<float>(canonical));
+    scene.lights.push_back(light);
+  }
+  return scene;
+}
+
+// Chosen by power alone the faint one would never be.
+TEST(twenty_decades, of_lamps_without_surface_keep_the_mean_of_each_part) {
+  const std::vector<double> intensities{1e10, 1, 1e-10};
+  const Scene scene = floors_with_points(intensities);
+  for (size_t i = 0; i < intensities.size(); ++i) {
+    const World world(scene, scene.cameras[i], 4, 4, {});
+    expect_mean("point lamp", world, {&nee}, 0.5 / pi * intensities[i], 1024, 0.1);
+  }
+}
+
+TEST(lamps, of_100000_without_surface_all_count) {
+  Scene scene = floors_with_points({1});
+  const PunctualLight first = scene.lights[0];
+  scene.lights.clear();
+  double expected = 0;
+  for (int i = 0; i < 320; ++i)
+    for (int j = 0; j < 320; ++j) {
+      const double x = (i + 0.5) / 160 - 1, z = (j + 0.5) / 160 - 1, d2 = x * x + 1 + z * z;
+      scene.lights.push_back(first);
+      scene.lights.back().position += Vec3d(x, 0, z) * scene.frame.scale;
+      expected += 0.5 / pi / (d2 * std::sqrt(d2));
+    }
+  const World world(scene, scene.camera(""), 4, 4, {});
+  expect_mean("102400 lamps", world, {&nee, &bdpt}, expected, 64, 0.05);
+}
+
+TEST(lamps, none_is_a_black_picture) {
+  SceneParts parts;
+  parts.add(open_box({-1, 0, -1}, {1, 2, 1}), parts.material(0.5));
+  parts.camera({-0.9, 1, 0}, {0, 1, 0});
+  const Scene scene = parts.read();
+  const World world(scene, scene.camera(""), 4, 4,
+                    {rectangle({0, 0.5, 0}, {0, 0, 0.5}, {0, 0.5, 0})});
+  for (const Integrator& integrator : kIntegrators)
+    EXPECT_EQ(rendered(world, integrator, 4, 2).mean, 0) << integrator.name;
+}
+
+TEST(albedo, of_0_leaves_the_lamp_alone) {
+  SceneParts parts;
+  parts.add(open_box({-1, 0, -1}, {1, 2, 1}), parts.material(0));
+  parts.add(ceiling({-1, 0, -1}, {1, 2, 1}), parts.lamp(1));
+  parts.camera({0, 1, 0}, {0.001, 2, 0}, kNarrow);
+  parts.camera({0, 1, 0}, {0.001, 0, 0}, kNarrow);
+  const Scene scene = parts.read();
+  for (const auto& [camera, expected] : {std::pair{0, 1.0}, {1, 0.0}}) {
+    const World world(scene, scene.cameras[static_cast<size_t>(camera)], 4, 4, {});
+    for (const Integrator& integrator : kIntegrators)
+      EXPECT_EQ(rendered(world, integrator, 4, 2).mean, expected) << integrator.name;
+  }
+}
+
+// Lamps in the plane of another surface, which is there first or last, and lamps there twice.
+struct Cover {
+  const char* name;
+  bool before, after;  ///< a larger sheet in its plane, earlier and later in the file
+  int lamps;
+  bool both_sides = false, reversed = false;  ///< of the lamp; reversed: its front is above
+};
+
+Scene covered(const Cover& row) {
+  SceneParts parts;
+  const int grey = parts.material(0.5);
+  const Mesh larger = sheet({-1, 1, -1}, {2, 0, 0}, {0, 0, 2});
+  parts.add(sheet({-1, 0, -1}, {0, 0, 2}, {2, 0, 0}), grey);
+  if (row.before) parts.add(larger, grey);
+  Vec3d u{0.5, 0, 0}, v{0, 0, 0.5};
+  if (row.reversed) std::swap(u, v);
+  for (int i = 0; i < row.lamps; ++i)
+    parts.add(sheet({-0.25, 1, -0.25}, u, v), parts.lamp(1, row.both_sides));
+  if (row.after) parts.add(larger, grey);
+  parts.camera({0.5, 0.5, 0}, {0, 0, 0}, kNarrow);                       // the floor
+  parts.camera({0.3, 0.2, 0.1}, {0, 1, 0.05}, 0.2);                      // the lamp
+  if (row.both_sides) parts.camera({0.3, 1.8, 0.1}, {0, 1, 0.05}, 0.2);  // from above
+  return parts.read();
+}
+
+const std::vector<Cover> kCovers{{"before", true, false, 1},
+                                 {"after", false, true, 1},
+                                 {"between", true, true, 1},
+                                 {"lamp twice", false, false, 2},
+                                 {"lamp thrice", false, false, 3},
+                                 {"twice in a ceiling", true, false, 2},
+                                 {"of two sides", true, true, 1, true},
+                                 {"of two, reversed", true, true, 1, true, true},
+                                 {"of two, thrice", true, true, 3, true, true}};
+
+TEST(covered_lamps, shine_before_what_covers_them_in_every_integrator) {
+  for (const Cover& row : kCovers) {
+    Scene scene = covered(row);
+    const OpenWorld floor = open_world(scene, Camera(scene.cameras[0]), 4, 4, {});
+    EXPECT_GT(floor.uncovered, 0u) << row.name;
+    expect_mean(row.name, *floor.world, {&nee, &bdpt}, 0.5 * form_factor(1, 0.25, 0.25), 64, 0.05);
+    for (size_t side = 1; side < scene.cameras.size(); ++side) {
+      const OpenWorld lamp = open_world(scene, Camera(scene.cameras[side]), 4, 4, {});
+      EXPECT_EQ(lamp.uncovered, 0u) << row.name;
+      EXPECT_NEAR(rendered(*lamp.world, pt, 16, 2).mean, 1, 1e-4) << row.name << side;
+    }
+  }
+}
+
+// A lamp in a floor, of so many triangles that each gets few rays.
+TEST(covered_lamps, of_many_triangles_are_found_to_the_last) {
+  constexpr int n = 90;
+  SceneParts parts;
+  parts.add(sheet({-1, 0, -1}, {0, 0, 2}, {2, 0, 0}), parts.material(0.5));
+  Mesh lamp;
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j)
+      for (const auto& triangle :
+           sheet({0.8 * i / n - 0.4, 0, 0.8 * j / n - 0.4}, {0, 0, 0.8 / n}, {0.8 / n, 0, 0}))
+        lamp.push_back(triangle);
+  parts.add(lamp, parts.lamp(1));
+  parts.camera({0.5, 0.5, 0}, {0, 0, 0}, kNarrow);
+  Scene scene = parts.read();
+  EXPECT_EQ(open_world(scene, scene.camera(""), 4, 4, {}).uncovered, size_t{2 * n * n});
+}
+
+TEST(covered_lamps, others_are_left_alone) {
+  for (const char* name : {"two-rooms", "furnace", "window", "three-rooms"}) {
+    Scene scene = read_gltf(TDPT_TESTDATA "/scenes/" + std::string(name) + ".glb");
+    const OpenWorld open = open_world(scene, Camera(scene.camera("")), 4, 4, {});
+    EXPECT_EQ(open.uncovered, 0u) << name;
+  }
+  Scene tiny = floor_below(1e-6, 1);  // its two triangles are as near as rounding
+  EXPECT_EQ(open_world(tiny, Camera(tiny.camera("")), 4, 4, {}).uncovered, 0u);
+}
+
+// As it would be: the camera meets less of the lamp than next events, or two are counted.
+TEST(covered_lamps_twin, left_where_they_are_they_are_caught) {
+  for (const Cover& row : kCovers) {
+    const Scene scene = covered(row);
+    const World floor(scene, scene.cameras[0], 4, 4, {}), lamp(scene, scene.cameras[1], 4, 4, {});
+    const double on_floor = rendered(floor, nee, 64, 16, 2).z(0.5 * form_factor(1, 0.25, 0.25));
+    const double seen = std::abs(rendered(lamp, pt, 16, 2).mean - 1);
+    const bool met = kByTwin && !row.before && row.lamps == 1;  // first of those that coincide
+    EXPECT_TRUE(met || on_floor > 6 || seen > 1e-3) << row.name << " " << on_floor << " " << seen;
+  }
+}
+
+TEST(covered_lamps, are_told) {
+  Frame frame;
+  frame.scale = 0.5;
+  EXPECT_EQ(uncovered_sentence(1, frame),
+            "1 triangle of lamps lies in another surface: moved 2e-06 m before it");
+  EXPECT_EQ(uncovered_sentence(12, frame),
+            "12 triangles of lamps lie in another surface: moved 2e-06 m before it");
+}
+
+}  // namespace
+}  // namespace tdpt

@@ -1,0 +1,210 @@
+// A portal may be anywhere: a bad one costs time and never changes the picture.
+//
+// Each picture is held against the same integrator's without portals. Both have the same walks, so
+// that what a portal's segments add and what the weights of all else lose remains, run by run.
+#include <gtest/gtest.h>
+
+#include <map>
+#include <numbers>
+
+#include "tools/tdpt-render/testing/agreement.h"
+#include "tools/tdpt-render/testing/rooms.h"
+
+namespace tdpt {
+namespace {
+
+const std::vector<const Integrator*> kBoth{&tdpt_ref, &tdpt_org};
+constexpr AgreementSettings kSettings{.max_depth = 6, .runs = 16, .spp = 32};
+
+/// In the window's plane, light going to -x; y and z extents.
+Portal across(double x, double y0, double y1, double z0, double z1) {
+  return rectangle({x, y0, z0}, {0, 0, z1 - z0}, {0, y1 - y0, 0});
+}
+Portal in_the_window() {
+  return across(2.05, 0.2, 1.8, -0.8, 0.8);
+}
+
+/// Turned about the horizontal axis through the window's middle.
+Portal turned(double degrees) {
+  const double a = degrees * std::numbers::pi / 180, h = 0.7;
+  const Vec3d up = Vec3d(std::sin(a), std::cos(a), 0) * h, side{0, 0, h};
+  return rectangle(Vec3d(2.05, 1, 0) - up - side, side * 2, up * 2);
+}
+
+Portal reversed(Portal p) {
+  for (auto& t : p.triangles) std::swap(t[1], t[2]);
+  return p;
+}
+
+std::vector<Portal> for_both_ways(std::vector<Portal> portals) {
+  for (Portal& p : portals) p.both_ways = true;
+  return portals;
+}
+
+/// A disc of n triangles, light going to -x.
+Portal fan(int n) {
+  Portal p{"fan", {{2.05, 1, 0}}, {}, {}};
+  for (int i = 0; i < n; ++i) {
+    const double a = 2 * std::numbers::pi * i / n;
+    p.vertices.push_back({2.05, 1 + 0.75 * std::sin(a), 0.75 * std::cos(a)});
+    const auto v = [&](int k) { return static_cast<uint32_t>(1 + k % n); };
+    p.triangles.push_back({0, v(i), v(i + 1)});
+  }
+  return p;
+}
+
+class misplaced_portals : public ::testing::Test {
+ protected:
+  World world_with(const std::vector<Portal>& portals) const {
+    return World(scene_, scene_.camera(""), 32, 24, portals);
+  }
+  Verdict verdict(const char* what, const World& world, const Integrator& integrator) const {
+    return verdict(what, render_runs(world, integrator, kSettings), integrator);
+  }
+  Verdict verdict(const char* what, const DepthRuns& runs, const Integrator& integrator) const {
+    EXPECT_EQ(runs.not_finite, 0u);
+    const Verdict out = judge(runs, reference(integrator), testing::compare_paired);
+    std::printf("%-22s %-8s share %.3f, least p %.1e; all depths %s\n", what, integrator.name,
+                runs.share[static_cast<size_t>(Technique::portal)], out.worst_p,
+                testing::compare_paired(runs.of_depth[0], reference(integrator).of_depth[0])
+                    .text()
+                    .c_str());
+    return out;
+  }
+  void expect_harmless(const char* what, const std::vector<Portal>& portals,
+                       const std::vector<const Integrator*>& all = {&tdpt_ref}) const {
+    const World world = world_with(portals);
+    for (const Integrator* integrator : all) {
+      const DepthRuns runs = render_runs(world, *integrator, kSettings);
+      EXPECT_TRUE(holds(verdict(what, runs, *integrator),
+                        std::string(what) + ", " + integrator->name, runs, reference(*integrator)));
+    }
+  }
+
+  const Scene scene_ = read_gltf(TDPT_TESTDATA "/scenes/window.glb");
+
+ private:
+  const DepthRuns& reference(const Integrator& integrator) const {
+    DepthRuns& runs = references_[&integrator];
+    if (runs.of_depth.empty()) runs = render_runs(world_with({}), integrator, kSettings);
+    return runs;
+  }
+  mutable std::map<const Integrator*, DepthRuns> references_;
+};
+
+TEST_F(misplaced_portals, off_the_window) {
+  expect_harmless("half beside it", {across(2.05, 0.2, 1.8, -1.6, 0)}, kBoth);
+  expect_harmless("in the wall", {across(2.05, 1.85, 1.95, -0.5, 0.5)});
+  expect_harmless("in the camera's room", {rectangle({0.5, 0.4, -0.9}, {0.9, 0, 0.4}, {0, 1, 0})});
+}
+
+TEST_F(misplaced_portals, tilted) {
+  expect_harmless("by 60 degrees", {turned(60)}, kBoth);
+  expect_harmless("by 90 degrees", {turned(90)});
+  expect_harmless("by 150 degrees", {turned(150)});
+}
+
+TEST_F(misplaced_portals, far_too_large) {
+  expect_harmless("the room's section", {across(1.2, 0, 2, -1, 1)});
+  expect_harmless("reaching outside", {across(1.5, -6, 7, -7, 6)}, kBoth);
+  expect_harmless("through the camera", {across(0.15, -1, 3, -2, 2)});
+}
+
+TEST_F(misplaced_portals, far_too_small) {
+  expect_harmless("a millimetre", {across(2.05, 1, 1.001, 0, 0.001)});
+  expect_harmless("a sliver", {across(2.05, 0.2, 1.8, 0, 0.0005)});
+}
+
+TEST_F(misplaced_portals, facing_the_wrong_way) {
+  expect_harmless("reversed", {reversed(in_the_window())});
+  expect_harmless("both ways", {in_the_window(), reversed(in_the_window())}, kBoth);
+}
+
+TEST_F(misplaced_portals, partly_in_a_surface) {
+  expect_harmless("in the wall's face", {across(2.1, 0, 2, -1, 1)}, kBoth);
+  expect_harmless("through the floor", {rectangle({1, -1, -1}, {0.9, 0, 2}, {0.3, 2, 0})});
+  expect_harmless("through the lamp", {rectangle({3.1, 1.5, -0.6}, {0, 0, 1.2}, {0.2, 1, 0})});
+}
+
+TEST_F(misplaced_portals, many) {
+  expect_harmless("three times the same", {in_the_window(), in_the_window(), in_the_window()});
+  expect_harmless("a fan of 48", {fan(48)});
+  expect_harmless("crossing each other", {in_the_window(), turned(45), turned(-45)}, kBoth);
+  expect_harmless("one behind another",
+                  {across(1.9, 0, 2, -1, 1), across(1.4, 0, 2, -1, 1), across(0.9, 0, 2, -1, 1)});
+}
+
+// Walks that are directed differ from those that are not: held against bdpt's, unpaired.
+TEST_F(misplaced_portals, directed_walks_are_harmless_too) {
+  const DepthRuns expected = render_runs(world_with({}), bdpt, kSettings);
+  const auto judged = [&](const char* what, const DepthRuns& runs) {
+    EXPECT_EQ(runs.not_finite, 0u);
+    const Verdict out = judge(runs, expected);
+    std::printf("%-22s least p %.1e; all depths %s\n", what, out.worst_p,
+                testing::compare(runs.of_depth[0], expected.of_depth[0]).text().c_str());
+    return out;
+  };
+  const std::vector<std::pair<const char*, std::vector<Portal>>> sets{
+      {"half beside it", {across(2.05, 0.2, 1.8, -1.6, 0)}},
+      {"for both ways", for_both_ways({in_the_window(), across(0.8, 0.02, 1.98, -0.98, 0.98)})},
+      {"by 60 degrees", {turned(60)}},
+      {"through the camera", {across(0.15, -1, 3, -2, 2)}},
+      {"both ways", {in_the_window(), reversed(in_the_window())}},
+      {"in the wall's face", {across(2.1, 0, 2, -1, 1)}},
+      {"through the lamp", {rectangle({3.1, 1.5, -0.6}, {0, 0, 1.2}, {0.2, 1, 0})}},
+      {"a millimetre", {across(2.05, 1, 1.001, 0, 0.001)}},
+      {"a fan of 48, and copies", {fan(48), in_the_window(), in_the_window()}},
+      {"crossing each other", {in_the_window(), turned(45), turned(-45)}},
+      {"one behind another",
+       {across(1.9, 0, 2, -1, 1), across(1.4, 0, 2, -1, 1), across(0.9, 0, 2, -1, 1)}}};
+  for (const auto& [what, portals] : sets) {
+    const DepthRuns runs = render_runs(world_with(portals), tdpt_guided, kSettings);
+    EXPECT_TRUE(holds(judged(what, runs), what, runs, expected));
+  }
+  const Variant faulty{tdpt_guided, run_twice<Technique::portal>};
+  const DepthRuns twice = render_runs(world_with({in_the_window()}), faulty, kSettings);
+  EXPECT_FALSE(judged("twin, segments twice", twice).holds());
+}
+
+TEST_F(misplaced_portals, twin_a_density_off_by_5_percent_is_caught) {
+  for (const Portal& portal : {in_the_window(), across(1.2, 0, 2, -1, 1)}) {
+    World world = world_with({portal});
+    world.portals = world.portals.with_scaled_density(1.05);
+    EXPECT_FALSE(verdict("twin, 5 %", world, tdpt_ref).holds());
+  }
+}
+
+}  // namespace
+
+struct PortalSetFaults {
+  /// Factor of the density of segments to +x (1) or to -x (-1).
+  static void scale_one_way(PortalSet& set, double along_x, double factor) {
+    for (PortalSet::Polygon& q : set.polygons_)
+      if (q.normal.x * along_x > 0) q.density *= factor;
+  }
+};
+
+namespace {
+
+// Light crosses the middle of the camera's room both ways.
+TEST_F(misplaced_portals, one_that_works_both_ways_is_harmless) {
+  const std::vector<Portal> room = for_both_ways({across(0.8, 0.02, 1.98, -0.98, 0.98)});
+  expect_harmless("window, both ways", for_both_ways({in_the_window()}), kBoth);
+  expect_harmless("room, both ways", room, kBoth);
+  expect_harmless("two, both ways", for_both_ways({in_the_window(), room[0]}), kBoth);
+  // Most light goes to -x: along the normal of the one, against that of the other.
+  for (const Portal& portal : {in_the_window(), reversed(in_the_window())}) {
+    World world = world_with(for_both_ways({portal}));
+    PortalSetFaults::scale_one_way(world.portals, -1, 1.05);
+    EXPECT_FALSE(verdict("twin, one way 5 %", world, tdpt_ref).holds());
+  }
+}
+
+TEST_F(misplaced_portals, twin_copies_that_the_density_does_not_know_of_are_caught) {
+  World world = world_with({in_the_window(), in_the_window()});
+  world.portals = world.portals.with_scaled_density(0.5);
+  EXPECT_FALSE(verdict("twin, copies", world, tdpt_ref).holds());
+}
+
+}  // namespace
+}  // namespace tdpt

@@ -1,0 +1,91 @@
+#include "tools/tdpt-render/integrators/passes.h"
+
+#include <algorithm>
+
+#include <oneapi/tbb/parallel_for.h>
+
+namespace tdpt {
+
+void render_samples(const World& world, const Integrator& integrator, const SampleRules& rules,
+                    uint64_t round, const SampleRange& samples, Film& film, Tally& tally,
+                    Progress& progress) {
+  const SampleSettings settings{integrator.mixture, rules.max_depth, rules.beta, rules.seed,
+                                integrator.stream + (kStreams + 1) * round};
+  const auto width = static_cast<uint64_t>(world.film.width());
+  const uint64_t pixels = width * static_cast<uint64_t>(world.film.height());
+  // Light walks are pooled over pixels far apart, so that what those have in common is not seen.
+  const uint64_t per_pool = samples_of_pool(integrator.mixture);
+  const uint64_t pools = (pixels + per_pool - 1) / per_pool;
+  const uint64_t in_task = (width + per_pool - 1) / per_pool;
+  std::vector<Tally> tallies((pools + in_task - 1) / in_task, Tally(film.unit()));
+  tbb::parallel_for(size_t{0}, tallies.size(), [&](size_t task) {
+    PathSampler sampler(world, settings, film, tallies[task]);
+    std::vector<Walk> light_walks(light_walks_of(integrator.mixture, per_pool));
+    const Walk none;
+    LightPool pool;
+    // The first `count` pixels of a pool.
+    const auto each = [&](uint64_t first, uint64_t count, uint64_t sample, const auto& visit) {
+      for (uint64_t i = 0; i < count; ++i) {
+        const uint64_t p = pixel_of_pool(first, i, pools, pixels);
+        sampler.begin(static_cast<int>(p % width), static_cast<int>(p / width), sample);
+        visit(i);
+      }
+    };
+    const uint64_t begin = task * in_task, end = std::min(pools, begin + in_task);
+    uint64_t done = 0;
+    for (uint64_t first = begin; first < end; ++first) {
+      const uint64_t in_pool = (pixels - first + pools - 1) / pools;
+      const uint64_t walks = light_walks_of(integrator.mixture, in_pool);
+      for (uint64_t i = 0; i < samples.count; ++i) {
+        const uint64_t sample = samples.first + i;
+        pool.clear(in_pool);
+        each(first, walks, sample, [&](uint64_t w) {
+          sampler.light_phase(light_walks[w]);
+          pool.add(light_walks[w]);
+        });
+        if (sampler.has_segment_phase())
+          each(first, in_pool, sample,
+               [&](uint64_t w) { sampler.segment_phase(w < walks ? light_walks[w] : none, pool); });
+        each(first, in_pool, sample, [&](uint64_t w) {
+          sampler.camera_phase(w < walks ? light_walks[w] : none, pool);
+          sampler.end();
+          ++done;
+        });
+      }
+    }
+    progress.advance(done);
+  });
+  for (const Tally& part : tallies) tally.merge(part);
+  film.complete(samples);
+}
+
+Film::Options film_options(const TechniqueSet& layers, bool alpha, uint64_t error_block) {
+  Film::Options options;
+  for (size_t t = 0; t < kTechniques; ++t)
+    options.layers.push_back(layers.has(static_cast<Technique>(t)) ? kTechniqueNames[t] : "");
+  options.alpha = alpha;
+  options.error_block = error_block;
+  return options;
+}
+
+Film film_for(const World& world, const TechniqueSet& layers, bool alpha, uint64_t error_block) {
+  return Film(world.film.width(), world.film.height(), world.lights.power(),
+              film_options(layers, alpha, error_block));
+}
+
+void RenderTally::add(const Tally& tally) {
+  rays.merge(tally.rays);
+  for (size_t i = 0; i < kTechniques; ++i) energy[i] += tally.energy[i];
+  for (size_t i = 0; i < Tally::kOctaves; ++i) by_length[i] += tally.by_length[i];
+  if (portals.size() < tally.portals.size()) portals.resize(tally.portals.size());
+  for (size_t i = 0; i < tally.portals.size(); ++i) {
+    portals[i].drawn += tally.portals[i].drawn;
+    portals[i].lit += tally.portals[i].lit;
+    portals[i].energy += tally.portals[i].energy;
+  }
+  not_finite += tally.not_finite;
+  not_finite_at.insert(not_finite_at.end(), tally.not_finite_at.begin(), tally.not_finite_at.end());
+  if (not_finite_at.size() > Tally::kMostPlaces) not_finite_at.resize(Tally::kMostPlaces);
+}
+
+}  // namespace tdpt

@@ -1,0 +1,46 @@
+// Renders a range of samples of every pixel: a pure function of world, integrator, rules and range.
+#pragma once
+#include "libcommon/base/progress.h"
+#include "tools/tdpt-render/integrators/integrator.h"
+#include "tools/tdpt-render/path/sample/path_sampler.h"
+
+namespace tdpt {
+
+/// What all samples of a rendering share, whichever integrator makes them.
+struct SampleRules {
+  int max_depth = kMaxDepth;
+  double beta = 1;  ///< 1: balance heuristic, 2: power heuristic
+  uint64_t seed = 1;
+};
+
+/// Renders those samples of every pixel into `film` and counts them in `tally`, in parallel.
+/// `round` 0 is the picture itself; others have random numbers of their own. The film and the tally
+/// are the same however samples are split into calls and among threads.
+void render_samples(const World& world, const Integrator& integrator, const SampleRules& rules,
+                    uint64_t round, const SampleRange& samples, Film& film, Tally& tally,
+                    Progress& progress);
+
+/// What a film keeps: a layer for each technique in `layers`, transparent
+/// where `alpha` says so, with errors from blocks of `error_block` samples.
+Film::Options film_options(const TechniqueSet& layers, bool alpha, uint64_t error_block);
+/// Of a film for pictures of that world.
+Film film_for(const World& world, const TechniqueSet& layers, bool alpha = false,
+              uint64_t error_block = 0);
+
+/// What a rendering did, all its parts together.
+struct RenderTally {
+  RayCounts rays;
+  std::array<double, kTechniques> energy{};         ///< sum of luminance per technique
+  std::array<double, Tally::kOctaves> by_length{};  ///< and by length, as in Tally
+  struct OfPortal {
+    uint64_t drawn = 0, lit = 0;
+    double energy = 0;
+  };
+  std::vector<OfPortal> portals;  ///< as in Tally
+  uint64_t not_finite = 0;
+  std::vector<Tally::Place> not_finite_at;
+
+  void add(const Tally& tally);
+};
+
+}  // namespace tdpt

@@ -1,0 +1,84 @@
+// Samples that pool their light walks lie in pixels far apart.
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "tools/tdpt-render/run/render.h"
+#include "tools/tdpt-render/testing/agreement.h"
+#include "tools/tdpt-render/testing/rooms.h"
+
+namespace tdpt {
+namespace {
+
+constexpr int kWidth = 128, kHeight = 96;
+constexpr uint64_t kPictures = 24;
+
+using Luminance = std::vector<double>;  // of a picture, row by row
+
+// Largest mean product of what two pixels of a column, up to 16 rows apart, differ from their means
+// by, in standard deviations; outliers are held to 3 of them.
+double correlation_down_columns(const std::vector<Luminance>& pictures) {
+  const size_t pixels = pictures[0].size();
+  std::vector<Luminance> off = pictures;
+  const auto n = static_cast<double>(pictures.size());
+  for (size_t k = 0; k < pixels; ++k) {
+    double mean = 0, squares = 0;
+    for (const Luminance& p : pictures) mean += p[k] / n;
+    for (const Luminance& p : pictures) squares += (p[k] - mean) * (p[k] - mean) / n;
+    for (size_t i = 0; i < pictures.size(); ++i)
+      off[i][k] =
+          squares > 0 ? std::clamp((pictures[i][k] - mean) / std::sqrt(squares), -3.0, 3.0) : 0;
+  }
+  double most = 0;
+  for (size_t rows = 1; rows <= 16; ++rows) {
+    const size_t apart = rows * kWidth;
+    double sum = 0;
+    for (const Luminance& z : off)
+      for (size_t k = apart; k < pixels; ++k) sum += z[k] * z[k - apart];
+    most = std::max(most, sum / (n * static_cast<double>(pixels - apart)));
+  }
+  return most;
+}
+
+class Pools : public ::testing::Test {
+ protected:
+  const Scene scene_ = read_gltf(two_rooms_path());
+  const World world_{scene_, scene_.camera(""), kWidth, kHeight, {portal_in_the_hole()}};
+};
+
+TEST_F(Pools, leave_no_trace_down_the_columns_of_a_picture) {
+  std::vector<Luminance> pictures;
+  for (uint64_t seed = 1; seed <= kPictures; ++seed) {
+    RenderSettings settings;
+    settings.spp = 1;
+    settings.seed = seed;
+    Luminance picture;
+    for (const Rgb& p : render(world_, tdpt_guided, settings).picture.pixels)
+      picture.push_back(luminance(p));
+    pictures.push_back(picture);
+  }
+  EXPECT_LT(correlation_down_columns(pictures), 0.03);
+}
+
+// Twin: pixels of a pool as many apart as there are pools, 192, are those of two columns.
+TEST_F(Pools, twin_pixels_evenly_apart_are_caught) {
+  Variant variant = Variant::pooled(world_, tdpt_guided, 6);
+  variant.pixel = [](uint64_t pool, uint64_t i, uint64_t pools, uint64_t) {
+    return pool + i * pools;
+  };
+  AgreementSettings settings;
+  settings.spp = 1;
+  settings.max_depth = 6;
+  std::vector<Luminance> pictures(kPictures);
+  tbb::parallel_for(uint64_t{0}, kPictures, [&](uint64_t i) {
+    Tally tally;
+    pictures[i].resize(size_t{kWidth} * kHeight);
+    for (const Luminance& of_length : render_by_depth(world_, variant, settings, i + 1, tally))
+      for (size_t k = 0; k < of_length.size(); ++k) pictures[i][k] += of_length[k];
+  });
+  EXPECT_GT(correlation_down_columns(pictures), 0.06);
+}
+
+}  // namespace
+}  // namespace tdpt

@@ -1,0 +1,213 @@
+// All integrators render the same picture of rooms that a sky lights through windows, block by
+// block and for every path length, wherever portals are: in the windows, beside them, in the room.
+//
+// The reference is bdpt without portals, which know most of what there is to know of a sky.
+#include <gtest/gtest.h>
+
+#include "libcommon/testing/files/temp_folder.h"
+#include "libcommon/testing/rooms/glossy_rooms.h"
+#include "tools/tdpt-render/plan/candidates.h"
+#include "tools/tdpt-render/testing/agreement.h"
+#include "tools/tdpt-render/testing/rooms.h"
+#include "tools/tdpt-render/testing/sheets.h"
+#include "tools/tdpt-render/testing/sky.h"
+
+namespace tdpt {
+namespace {
+
+using testing::GlossyRooms;
+using Integrators = std::vector<const Integrator*>;
+
+constexpr AgreementSettings kSettings{.max_depth = 6, .runs = 32, .spp = 24};
+const Integrators kWithPt{&pt, &nee, &bdpt, &tdpt_org, &tdpt_ref, &tdpt_guided};
+const Integrators kAll{&nee, &bdpt, &tdpt_org, &tdpt_ref, &tdpt_guided};
+const Integrators kFew{&nee, &tdpt_ref, &tdpt_guided};
+
+/// One room, x 0..2 m; the window at its end, y 0.5..1.5, z -0.5..0.5, x 2..2.1, is open.
+Scene room(const GlossyRooms& what) {
+  const testing::TempFolder folder;
+  const Scene two = read_gltf(folder.write("rooms.glb", testing::glossy_rooms(what)));
+  return without_lamps(open_end(two, 2.09));
+}
+
+/// Light going to -x; y and z extents.
+Portal across(double y0, double y1, double z0, double z1, double x = 2.05) {
+  return rectangle({x, y0, z0}, {0, 0, z1 - z0}, {0, y1 - y0, 0});
+}
+const Portal kWindow = across(0.5, 1.5, -0.5, 0.5);
+
+std::vector<Portal> both_ways(std::vector<Portal> portals) {
+  for (Portal& p : portals) p.both_ways = true;
+  return portals;
+}
+
+class Room {
+ public:
+  explicit Room(Scene scene, std::shared_ptr<const Sky> sky,
+                const AgreementSettings& settings = kSettings,
+                const std::vector<Portal>& of_reference = {})
+      : scene_(under(std::move(scene), std::move(sky))), settings_(settings) {
+    AgreementSettings calm = settings;  // all are held against it
+    calm.spp *= 4;
+    const World world(scene_, scene_.camera(""), 32, 24, of_reference);
+    reference_ = render_runs(world, bdpt, calm);
+    EXPECT_EQ(reference_.not_finite, 0u);
+    EXPECT_GT(reference_.of_depth[0].mean(), 0);
+  }
+
+  Verdict verdict(const std::string& what, const World& world, const Variant& variant) const {
+    const DepthRuns runs = render_runs(world, variant, settings_);
+    EXPECT_EQ(runs.not_finite, 0u);
+    const Verdict v = judge(runs, reference_);
+    std::printf("%-22s %-11s segments %.2f, least p %.1e; all depths %s\n", what.c_str(),
+                variant.integrator.name, runs.share[static_cast<size_t>(Technique::portal)],
+                v.worst_p,
+                testing::compare(runs.of_depth[0], reference_.of_depth[0]).text().c_str());
+    if (getenv("DEPTHS"))
+      for (size_t k = 1; k < runs.of_depth.size(); ++k)
+        std::printf("   k %zu mean %.6f ref %.6f: %s\n", k, runs.of_depth[k].mean(),
+                    reference_.of_depth[k].mean(), v.of_depth[k].text().c_str());
+    return v;
+  }
+  void expect_agreement(const std::string& what, const std::vector<Portal>& portals,
+                        const Integrators& all) const {
+    const World world(scene_, scene_.camera(""), 32, 24, portals);
+    for (const Integrator* integrator : all)
+      EXPECT_TRUE(verdict(what, world, *integrator).holds()) << what << ", " << integrator->name;
+  }
+  const Scene& scene() const { return scene_; }
+
+ private:
+  Scene scene_;
+  AgreementSettings settings_;
+  DepthRuns reference_;
+};
+
+const Sky::Sun kSun = sun_of({1, 0.45, 0.2}, 0.25 * kDegree, 5);
+
+TEST(sky_agreement, one_colour) {
+  const Room r(room({}), one_colour_sky({1, 1.2f, 1.5f}));
+  r.expect_agreement("no portal", {}, kWithPt);
+  r.expect_agreement("in the window", {kWindow}, kAll);
+}
+
+TEST(sky_agreement, uneven_map_whatever_the_portals) {
+  const Room r(room({}), uneven_sky());
+  r.expect_agreement("no portal", {}, kWithPt);
+  r.expect_agreement("in the window", {kWindow}, kAll);
+  r.expect_agreement("half of it", {across(0.5, 1.5, -0.5, 0)}, kFew);
+  r.expect_agreement("two halves", {across(0.5, 1.5, -0.5, 0), across(0.5, 1.5, 0, 0.5)}, kFew);
+  r.expect_agreement("larger than it", {across(0, 2, -0.9, 0.9)}, kFew);
+  r.expect_agreement("in the room", {rectangle({0.7, 0.3, -0.8}, {0.9, 0, 0.4}, {0, 1, 0})}, kFew);
+  r.expect_agreement("outside", {across(-1, 3, -2, 2, 2.6)}, kFew);
+  r.expect_agreement("tilted", {rectangle({1.8, 0.5, -0.5}, {0.2, 0, 1}, {0.25, 1, 0})}, kFew);
+  r.expect_agreement("both ways", both_ways({kWindow}), kFew);
+  r.expect_agreement("one behind another", {kWindow, across(0.2, 1.8, -0.9, 0.9, 1.2)}, kAll);
+}
+
+TEST(sky_agreement, sun_and_sky) {
+  const Room r(room({}), uneven_sky({kSun}));
+  r.expect_agreement("no portal", {}, kAll);
+  r.expect_agreement("in the window", {kWindow}, kAll);
+  r.expect_agreement("half of it", {across(0.5, 1.5, 0, 0.5)}, kFew);
+  r.expect_agreement("in the room", {rectangle({0.7, 0.3, -0.8}, {0.9, 0, 0.4}, {0, 1, 0})}, kFew);
+  r.expect_agreement("both ways", both_ways({kWindow}), kFew);
+}
+
+// The second is a triangle, half of the back wall, of which the portal's rectangle is twice as
+// much.
+TEST(sky_agreement, two_windows) {
+  const Scene scene =
+      without(room({}), [](const Vec3d& p) { return p.z < -0.99 && p.y > p.x - 0.01; });
+  const Portal triangle{"triangle", {{0, 0, -0.99}, {2, 2, -0.99}, {0, 2, -0.99}}, {{0, 1, 2}}, {}};
+  const Room r(scene, uneven_sky({kSun}));
+  r.expect_agreement("no portal", {}, kFew);
+  r.expect_agreement("in both", {kWindow, triangle}, kAll);
+  r.expect_agreement("in the sun's", {kWindow}, kFew);
+  // A sun beside all portals is found seldom.
+  const Room sunless(scene, std::make_shared<Sky>(graded_map(), 0.3));
+  sunless.expect_agreement("in one", {triangle}, kAll);
+}
+
+// Sky and lamps beside each other.
+TEST(sky_agreement, lamps_and_sky) {
+  Scene scene = room({});
+  Material glow = scene.materials[0];
+  glow.emission = Rgb(3);
+  scene = with_sheet(scene, glow, {0.5, 1.98, -0.5}, {0.5, 0, 0}, {0, 0, 0.5});
+  PunctualLight lamp;
+  lamp.position = scene.frame.to_canonical({3, 1.5, 0.3});
+  lamp.intensity = Rgb(0.5f);
+  scene.lights.push_back(lamp);
+  lamp.kind = PunctualLight::Kind::directional;
+  lamp.direction = normalize(Vec3d(-1, -0.4, 0.3));
+  lamp.intensity = Rgb(1);
+  scene.lights.push_back(lamp);
+  const Room r(scene, uneven_sky());
+  r.expect_agreement("lamps and sky", {kWindow}, kAll);
+}
+
+TEST(sky_agreement, a_pane_in_the_window_and_a_veil_before_it) {
+  Scene scene = with_sheet(room({}), clear_pane(), {2.05, 0.5, -0.5}, {0, 0, 1}, {0, 1, 0});
+  scene = with_sheet(scene, veil(0.4f), {2.09, 0.5, -0.5}, {0, 0, 0.6}, {0, 1, 0});
+  const Room r(scene, uneven_sky({kSun}));
+  r.expect_agreement("no portal", {}, kFew);
+  r.expect_agreement("on the pane", {kWindow}, kAll);
+  r.expect_agreement("behind it", {across(0.5, 1.5, -0.5, 0.5, 2.02)}, kFew);
+}
+
+TEST(sky_agreement, glossy_surfaces) {
+  const Room r(room({.plastic_floor = true, .metal_walls = true, .smooth = true}), uneven_sky());
+  r.expect_agreement("no portal", {}, kFew);
+  r.expect_agreement("in the window", {kWindow}, kAll);
+}
+
+// What mirrors and glass throw of the bright patch, nee meets by chance alone.
+TEST(sky_agreement, mirror_and_glass) {
+  for (const GlossyRooms& what :
+       {GlossyRooms{.plastic_floor = true, .mirror = true}, GlossyRooms{.glass = true}}) {
+    const Room r(room(what), std::make_shared<Sky>(graded_map(), 0.3));
+    r.expect_agreement("no portal", {}, kFew);
+    r.expect_agreement("in the window", {kWindow}, kAll);
+  }
+}
+
+TEST(sky_agreement, all_that_auto_tries) {
+  const Room r(room({}), uneven_sky({kSun}));
+  const World world(r.scene(), r.scene().camera(""), 32, 24, {kWindow});
+  for (const Candidate& c : auto_candidates(world, kGuided)) {
+    if (c.integrator.name == pt.name) continue;  // meets the sun by chance
+    EXPECT_TRUE(r.verdict(c.label, world, c.integrator).holds()) << c.label;
+  }
+}
+
+// Walks that nothing but roulette ends, shared by samples, as pictures are rendered.
+TEST(sky_agreement, whole_light) {
+  const AgreementSettings settings{.max_depth = kMaxDepth, .runs = 32, .spp = 24};
+  const Room r(room({}), uneven_sky({kSun}), settings);
+  const World world(r.scene(), r.scene().camera(""), 32, 24, {kWindow});
+  for (const Integrator* integrator : kAll)
+    EXPECT_TRUE(r.verdict("whole", world, Variant::pooled(world, *integrator, kMaxDepth)).holds())
+        << integrator->name;
+}
+
+// Twins: densities that claim 5 % more than they have.
+TEST(sky_agreement_twin, a_sky_or_a_portal_off_by_5_percent_is_caught) {
+  const AgreementSettings settings{.max_depth = 3, .runs = 16, .spp = 24};
+  const std::vector<Portal> hole{across(0.75, 1.25, -0.25, 0.25)};
+  const Room r(open_end(read_gltf(TDPT_TESTDATA "/scenes/half-metre-hole.glb"), 2.09),
+               one_colour_sky(Rgb(1)), settings, hole);
+  World world(r.scene(), r.scene().camera(""), 32, 24, hole);
+  for (const Integrator* integrator : kAll)
+    EXPECT_TRUE(r.verdict("control", world, *integrator).holds()) << integrator->name;
+  world.lights.scale_sky_density(1.05);
+  for (const Integrator* integrator : kAll)
+    EXPECT_FALSE(r.verdict("sky 5 %", world, *integrator).holds()) << integrator->name;
+  world.lights.scale_sky_density(1 / 1.05);
+  world.portals = world.portals.with_scaled_density(1.05);
+  for (const Integrator* integrator : {&tdpt_org, &tdpt_ref})
+    EXPECT_FALSE(r.verdict("portal 5 %", world, *integrator).holds()) << integrator->name;
+}
+
+}  // namespace
+}  // namespace tdpt

@@ -1,0 +1,123 @@
+// All integrators render the same picture where nothing but roulette ends their walks and samples
+// share their light walks, as pictures are rendered [passes.h]: for every length up to 8 and for
+// all that is longer.
+#include <gtest/gtest.h>
+
+#include "libcommon/testing/files/temp_folder.h"
+#include "libcommon/testing/rooms/glossy_rooms.h"
+#include "tools/tdpt-render/testing/agreement.h"
+#include "tools/tdpt-render/testing/rooms.h"
+
+namespace tdpt {
+namespace {
+
+constexpr AgreementSettings kSettings{.max_depth = kMaxDepth, .runs = 16, .spp = 16};
+
+// Bright, so that a good part of the light is of long paths.
+Scene bright_rooms() {
+  Scene scene = read_gltf(two_rooms_path());
+  for (Material& m : scene.materials) m.base_color = Rgb(0.8f);
+  return scene;
+}
+
+Scene glossy_rooms() {
+  const testing::TempFolder folder;
+  return read_gltf(folder.write(
+      "rooms.glb",
+      testing::glossy_rooms({.plastic_floor = true, .metal_walls = true, .smooth = true})));
+}
+
+Integrator with_light_walks(Integrator integrator, double share) {
+  integrator.mixture.light_walks = share;
+  return integrator;
+}
+
+void expect_whole_agreement(const World& world, const std::vector<const Integrator*>& others) {
+  std::vector<Variant> variants;
+  for (const Integrator* integrator : others)
+    variants.push_back(Variant::pooled(world, *integrator, kMaxDepth));
+  // The reference joins the vertices of a sample with each other alone.
+  AgreementSettings calm = kSettings;  // all are held against it
+  calm.spp *= 4;
+  const DepthRuns reference = render_runs(world, bdpt, calm);
+  EXPECT_GT(reference.of_depth.back().mean(), 0.01 * reference.of_depth[0].mean());
+  expect_agreement(world, variants, reference, kSettings);
+}
+
+TEST(whole_agreement, two_rooms) {
+  const Scene scene = bright_rooms();
+  expect_whole_agreement(World(scene, scene.camera(""), 32, 24, {portal_in_the_hole()}),
+                         {&nee, &bdpt, &tdpt_org, &tdpt_ref, &tdpt_guided, &kGuided[2]});
+}
+
+TEST(whole_agreement, of_light_walks_in_any_share_of_the_samples) {
+  const Scene scene = glossy_rooms();
+  const Integrator quarter = with_light_walks(bdpt, 0.25), most = with_light_walks(bdpt, 0.7),
+                   fewest = with_light_walks(tdpt_org, kFewestLightWalks),
+                   all = with_light_walks(tdpt_guided, 1);
+  expect_whole_agreement(
+      World(scene, scene.camera(""), 32, 24, {rectangle({2.05, 0.5, -0.5}, {0, 0, 1}, {0, 1, 0})}),
+      {&quarter, &most, &fewest, &all});
+}
+
+TEST(whole_agreement, glossy_rooms) {
+  const Scene scene = glossy_rooms();
+  expect_whole_agreement(
+      World(scene, scene.camera(""), 32, 24, {rectangle({2.05, 0.5, -0.5}, {0, 0, 1}, {0, 1, 0})}),
+      {&nee, &bdpt, &tdpt_org, &tdpt_ref, &tdpt_guided});
+}
+
+class whole_agreement_twin : public ::testing::Test {
+ protected:
+  static Variant expecting(const Integrator& integrator, const World& world, double more) {
+    Variant v = Variant::pooled(world, integrator, kMaxDepth);
+    v.integrator.mixture.joined *= more;
+    v.integrator.mixture.joined_to_segments *= more;
+    return v;
+  }
+  Verdict verdict(const char* what, const Variant& variant) const {
+    const Verdict v = judge(render_runs(world_, variant, kSettings), reference_);
+    std::printf("%-26s lengths caught %d, least p %.1e\n", what, v.disagreements, v.worst_p);
+    return v;
+  }
+
+  const Scene scene_ = glossy_rooms();
+  const World world_{
+      scene_, scene_.camera(""), 32, 24, {rectangle({2.05, 0.5, -0.5}, {0, 0, 1}, {0, 1, 0})}};
+  const DepthRuns reference_ = render_runs(world_, bdpt, kSettings);
+};
+
+// Weights may expect what they like, as long as all strategies' do.
+TEST_F(whole_agreement_twin, control_weights_that_expect_twice_as_many_joins) {
+  EXPECT_TRUE(verdict("bdpt, joins expected twice", expecting(bdpt, world_, 2)).holds());
+  EXPECT_TRUE(verdict("tdpt-org, the same", expecting(tdpt_org, world_, 2)).holds());
+}
+
+TEST_F(whole_agreement_twin, joins_that_are_made_twice_as_well_are_caught) {
+  Variant twice = expecting(bdpt, world_, 2);
+  twice.besides = [](PathSampler& sampler) { sampler.run(Technique::bi); };
+  EXPECT_FALSE(verdict("bi twice, expected twice", twice).holds());
+  Variant segments = expecting(tdpt_org, world_, 2);
+  segments.besides = [](PathSampler& sampler) { sampler.run(Technique::portal); };
+  EXPECT_FALSE(verdict("portal twice", segments).holds());
+}
+
+TEST_F(whole_agreement_twin, splats_of_few_light_walks_that_count_for_others_are_caught) {
+  Variant twice = Variant::pooled(world_, with_light_walks(bdpt, 0.25), kMaxDepth);
+  twice.besides = [](PathSampler& sampler) { sampler.run(Technique::light); };
+  EXPECT_FALSE(verdict("light twice, in a quarter", twice).holds());
+  Variant uncounted = Variant::pooled(world_, with_light_walks(bdpt, 0.5), kMaxDepth);
+  uncounted.counted_samples = 0.5;
+  EXPECT_FALSE(verdict("light walks counted as all", uncounted).holds());
+}
+
+TEST_F(whole_agreement_twin, a_technique_that_is_weighed_but_not_run_is_caught) {
+  Variant without = Variant::pooled(world_, nee, kMaxDepth);
+  without.integrator.mixture = expecting_joins(world_, bdpt.mixture, kMaxDepth);
+  without.pools = false;
+  without.run = run_only<Technique::camera, Technique::direct, Technique::light>;
+  EXPECT_FALSE(verdict("bi missing", without).holds());
+}
+
+}  // namespace
+}  // namespace tdpt

@@ -1,0 +1,199 @@
+// Scattered directions follow the density they claim, and smooth lobes are taken as often: by
+// chi-square over bins of the sphere and by the binomial distribution.
+#include <gtest/gtest.h>
+
+#include "libcommon/math/rng.h"
+#include "libcommon/testing/statistics/chi_square.h"
+#include "tools/tdpt-render/path/bsdf/ggx.h"
+#include "tools/tdpt-render/testing/bsdfs.h"
+
+namespace tdpt {
+namespace {
+
+using namespace test;
+
+constexpr uint64_t kSamples = 40000;
+constexpr double kLevel = 1e-3;  // a right program fails a whole TEST with this probability
+
+struct Judgement {
+  double p = 1, reflected_p = 1, transmitted_p = 1;
+  size_t bins = 0;
+};
+
+// sample(b, from, choice, u, v, out), pdf_w(b, from, to), probability(b, from, to) as in bsdf::.
+template <class Sample, class Pdf, class Probability>
+Judgement judge(const Bsdf& b, const Vec3d& from, const SphereBins& bins, uint64_t stream,
+                Sample sample, Pdf pdf_w, Probability probability) {
+  uint64_t reflected = 0, transmitted = 0;
+  const ChiSquare c = chi_square_of_samples(
+      kSamples, bins.integrate([&](const Vec3d& to) { return pdf_w(b, from, to); }),
+      [&](uint64_t i) {
+        Rng rng(21, stream, i);
+        const double choice = rng.uniform();
+        const double u = rng.uniform();
+        const double v = rng.uniform();
+        bsdf::Scattered s;
+        if (!sample(b, from, choice, u, v, s)) return bins.size();
+        if (!s.dirac) return bins.bin(s.to);
+        ++(from.z * s.to.z > 0 ? reflected : transmitted);
+        return bins.size();
+      });
+  const Vec3d same(0, 0, from.z);
+  return {c.p, binomial_p(reflected, kSamples, probability(b, from, same)),
+          binomial_p(transmitted, kSamples, probability(b, from, -same)), c.bins};
+}
+Judgement judge(const Bsdf& b, const Vec3d& from, const SphereBins& bins, uint64_t stream) {
+  return judge(b, from, bins, stream, whole::sample, whole::pdf_w, whole::dirac_probability);
+}
+
+struct Case {
+  std::string name;
+  Bsdf b;
+  Vec3d from;
+  SphereBins bins;
+};
+
+void all_hold(const std::vector<Case>& cases) {
+  const double least = sidak(kLevel, 3 * cases.size());
+  double smallest = 1;
+  size_t bins = 0;
+  for (size_t i = 0; i < cases.size(); ++i) {
+    const Case& c = cases[i];
+    const Judgement j = judge(c.b, c.from, c.bins, i);
+    const double p = std::min({j.p, j.reflected_p, j.transmitted_p});
+    EXPECT_GT(p, least) << c.name << " alpha " << c.b.alpha << " cos " << c.from.z << ": " << j.p
+                        << " " << j.reflected_p << " " << j.transmitted_p;
+    smallest = std::min(smallest, p);
+    bins += j.bins;
+  }
+  testing::Test::RecordProperty("cases", std::to_string(cases.size()));
+  testing::Test::RecordProperty("bins", std::to_string(bins));
+  testing::Test::RecordProperty("smallest_p", std::to_string(smallest));
+}
+
+Vec3d reflection(const Vec3d& from) {
+  return {-from.x, -from.y, from.z};
+}
+// Where the middle of the transmitted lobe lies, or the reflected one if there is none.
+Vec3d transmission(const Bsdf& b, const Vec3d& from) {
+  Bsdf smooth = b;
+  smooth.alpha = 0;
+  smooth.diffuse = {};
+  bsdf::Scattered s;
+  return whole::sample(smooth, from, 1 - 1e-9, 0.5, 0.5, s) ? s.to : reflection(from);
+}
+
+TEST(bsdf_sampling, rough_lobes_follow_their_density) {
+  std::vector<Case> cases;
+  const SphereBins bins(16, 16);
+  for (float alpha : {0.2f, 0.5f, 1.0f})
+    for (const NamedBsdf& k : coloured(alpha))
+      for (double z : {0.95, 0.3, 0.02, -0.2, -0.8})
+        cases.push_back({k.name, k.b, direction(z, 3.7 * z), bins});
+  for (const NamedBsdf& k : white(0.35f))
+    for (double z : {0.7, -0.7}) cases.push_back({k.name, k.b, direction(z, 3.7 * z), bins});
+  all_hold(cases);
+}
+
+TEST(bsdf_sampling, narrow_lobes_follow_their_density) {
+  std::vector<Case> cases;
+  for (const NamedBsdf& k : coloured(0.05f))
+    for (double z : {0.9, 0.2, -0.85}) {
+      const Vec3d from = direction(z, 1 + z);
+      cases.push_back({k.name, k.b, from, SphereBins(reflection(from), 0.1, 16, 12)});
+      if (k.b.transmits())
+        cases.push_back({k.name, k.b, from, SphereBins(transmission(k.b, from), 0.1, 16, 12)});
+    }
+  for (float alpha : {1e-2f, 1e-3f, 1.1e-4f})
+    for (const Bsdf& b : {plastic(alpha), metal(alpha)})
+      for (double z : {1.0, 0.5, -0.1}) {
+        const Vec3d from = direction(z, 1 + z);
+        cases.push_back({"narrow", b, from, SphereBins(reflection(from), 2.0 * alpha, 24, 12)});
+      }
+  all_hold(cases);
+}
+
+TEST(bsdf_sampling, smooth_lobes_are_taken_as_often_as_they_say) {
+  std::vector<Case> cases;
+  for (const NamedBsdf& k : coloured(0))
+    for (double z : {0.95, 0.3, 0.02, -0.2, -0.8})
+      cases.push_back({k.name, k.b, direction(z, 3.7 * z), SphereBins(8, 8)});
+  all_hold(cases);
+}
+
+// Faults that must be found.
+
+TEST(bsdf_sampling, twin_a_density_5_percent_off) {
+  const auto scaled = [](const Bsdf& b, const Vec3d& from, const Vec3d& to) {
+    return 1.05 * whole::pdf_w(b, from, to);
+  };
+  for (const NamedBsdf& k : coloured(0.4f))
+    EXPECT_LT(judge(k.b, direction(0.6, 1), SphereBins(16, 16), 1, whole::sample, scaled,
+                    whole::dirac_probability)
+                  .p,
+              1e-6)
+        << k.name;
+}
+TEST(bsdf_sampling, twin_a_density_without_the_jacobian_of_reflection) {
+  const auto dropped = [](const Bsdf& b, const Vec3d& from, const Vec3d& to) {
+    return whole::pdf_w(b, from, to) * 4 * dot(from, normalize(from + to));
+  };
+  EXPECT_LT(judge(metal(0.4f), direction(0.3, 1), SphereBins(16, 16), 1, whole::sample, dropped,
+                  whole::dirac_probability)
+                .p,
+            1e-6);
+}
+TEST(bsdf_sampling, twin_a_density_of_refraction_in_the_other_medium) {
+  const auto other = [](const Bsdf& b, const Vec3d& from, const Vec3d& to) {
+    const double n = b.index(from) / b.index(to);
+    return whole::pdf_w(b, from, to) * n * n;
+  };
+  EXPECT_LT(judge(glass(0.4f), direction(0.6, 1), SphereBins(16, 16), 1, whole::sample, other,
+                  whole::dirac_probability)
+                .p,
+            1e-6);
+}
+TEST(bsdf_sampling, twin_normals_drawn_whether_visible_or_not) {
+  const auto blind = [](const Bsdf& b, const Vec3d& from, double, double u, double v,
+                        bsdf::Scattered& out) {
+    const double tangent = b.alpha * std::sqrt(v / (1 - v));
+    const double c = 1 / std::sqrt(1 + tangent * tangent);
+    const Vec3d h = direction(c, 2 * std::numbers::pi * u);
+    out = {h * (2 * dot(from, h)) - from, false};
+    return dot(from, h) > 0 && out.to.z > 0;
+  };
+  EXPECT_LT(judge(metal(0.4f), direction(0.5, 1), SphereBins(16, 16), 1, blind, whole::pdf_w,
+                  whole::dirac_probability)
+                .p,
+            1e-6);
+}
+TEST(bsdf_sampling, twin_a_roughness_5_percent_off) {
+  const auto rougher = [](Bsdf b, const Vec3d& from, double choice, double u, double v,
+                          bsdf::Scattered& out) {
+    b.alpha *= 1.05f;
+    return whole::sample(b, from, choice, u, v, out);
+  };
+  for (const Bsdf& b : {metal(0.4f), glass(0.4f)})
+    EXPECT_LT(judge(b, direction(0.8, 1), SphereBins(16, 16), 1, rougher, whole::pdf_w,
+                    whole::dirac_probability)
+                  .p,
+              1e-5);
+}
+TEST(bsdf_sampling, twin_lobes_chosen_by_other_odds) {
+  const auto other_odds = [](const Bsdf& b, const Vec3d& from, double choice, double u, double v,
+                             bsdf::Scattered& out) {
+    return whole::sample(b, from, std::pow(choice, 1.25), u, v, out);
+  };
+  const Vec3d from = direction(0.6, 1);
+  EXPECT_LT(judge(plastic(0.2f, Rgb(1), 0.5f), from, SphereBins(16, 16), 1, other_odds,
+                  whole::pdf_w, whole::dirac_probability)
+                .p,
+            1e-6);
+  const Judgement smooth = judge(glass(0), from, SphereBins(8, 8), 1, other_odds, whole::pdf_w,
+                                 whole::dirac_probability);
+  EXPECT_LT(smooth.reflected_p, 1e-4);
+  EXPECT_LT(smooth.transmitted_p, 1e-4);
+}
+
+}  // namespace
+}  // namespace tdpt

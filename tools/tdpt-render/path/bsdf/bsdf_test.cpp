@@ -1,0 +1,340 @@
+// Surfaces: symmetric, never more light than came, and Fresnel's and Snell's laws.
+//
+// With basic radiance, energy E(from) = int f(from, to) n_to^2 |cos_to| dw_to + Dirac lobes is what
+// a beam from `from` keeps: etendue n^2 |cos| dw is what a loss-free surface conserves.
+#include "tools/tdpt-render/path/bsdf/bsdf.h"
+
+#include <gtest/gtest.h>
+
+#include "libcommon/math/rng.h"
+#include "libcommon/testing/statistics/chi_square.h"
+#include "tools/tdpt-render/path/bsdf/interface_albedo.h"
+#include "tools/tdpt-render/testing/bsdfs.h"
+
+namespace tdpt {
+namespace {
+
+using namespace test;
+
+constexpr float kAlphas[] = {0, 2e-4f, 2e-3f, 0.02f, 0.1f, 0.3f, 0.6f, 1};
+
+std::vector<NamedBsdf> all(float alpha) {
+  std::vector<NamedBsdf> kinds = white(alpha);
+  for (const NamedBsdf& k : coloured(alpha)) kinds.push_back(k);
+  return kinds;
+}
+template <class Use>
+void for_all(Use use) {
+  for (float alpha : kAlphas)
+    for (const NamedBsdf& k : all(alpha)) {
+      SCOPED_TRACE(k.name + " alpha " + std::to_string(alpha));
+      use(k);
+    }
+}
+
+double difference(const Rgb& a, const Rgb& b) {
+  return max_component(max(a - b, b - a));
+}
+bool symmetric(const Rgb& ab, const Rgb& ba) {
+  return difference(ab, ba) <= 2e-4 * std::max(1e-6f, max_component(max(ab, ba)));
+}
+
+// Pairs drawn evenly, and pairs that sample() joins; asymmetric(b, from, to) = f.
+template <class F>
+int asymmetric_pairs(const Bsdf& b, F f) {
+  int bad = 0;
+  for (uint64_t i = 0; i < 400; ++i) {
+    Rng rng(11, 0, i);
+    const Vec3d from = uniform_direction(rng);
+    Vec3d to = uniform_direction(rng);
+    if (i % 2) {
+      const double choice = rng.uniform();
+      const double u = rng.uniform();
+      const double v = rng.uniform();
+      bsdf::Scattered s;
+      if (!whole::sample(b, from, choice, u, v, s) || s.dirac) continue;
+      to = s.to;
+    }
+    if (!symmetric(f(b, from, to), f(b, to, from))) ++bad;
+  }
+  return bad;
+}
+TEST(bsdf, is_symmetric) {
+  for_all([](const NamedBsdf& k) { EXPECT_EQ(asymmetric_pairs(k.b, whole::f), 0); });
+}
+TEST(bsdf, twin_the_bsdf_of_radiance_is_not_symmetric) {
+  const auto radiance = [](const Bsdf& b, const Vec3d& from, const Vec3d& to) {
+    const double n = b.index(from);
+    return whole::f(b, from, to) * static_cast<float>(n * n);
+  };
+  EXPECT_GT(asymmetric_pairs(glass(0.3f), radiance), 50);
+  EXPECT_EQ(asymmetric_pairs(glass(0.3f, 1.5f, true), radiance), 0);
+}
+TEST(bsdf, twin_diffuse_darkened_on_one_leg_is_not_symmetric) {
+  const auto one_leg = [](const Bsdf& b, const Vec3d& from, const Vec3d& to) {
+    const InterfaceAlbedo e = interface_albedo(std::abs(from.z), b.alpha);
+    return from.z * to.z > 0 ? b.diffuse * static_cast<float>(1 - 0.04 * e.a - e.b) : Rgb();
+  };
+  EXPECT_GT(asymmetric_pairs(plastic(0.3f), one_leg), 50);
+}
+
+TEST(bsdf, smooth_lobes_are_symmetric) {
+  for (const NamedBsdf& k : all(0))
+    for (uint64_t i = 0; i < 300; ++i) {
+      SCOPED_TRACE(k.name);
+      Rng rng(12, 0, i);
+      const Vec3d from = uniform_direction(rng);
+      const double choice = rng.uniform();
+      const double u = rng.uniform();
+      const double v = rng.uniform();
+      bsdf::Scattered s;
+      if (!whole::sample(k.b, from, choice, u, v, s) || !s.dirac) continue;
+      const Rgb there = whole::dirac_reflectance(k.b, from, s.to);
+      const Rgb back = whole::dirac_reflectance(k.b, s.to, from);
+      EXPECT_LT(difference(there, back), 1e-5);
+      EXPECT_GT(whole::dirac_probability(k.b, s.to, from), 0);
+      EXPECT_NEAR(length(s.to), 1, 1e-12);
+      // The way back is the way there.
+      const bool reflects = from.z * s.to.z > 0;
+      const double ratio = reflects ? 1 : k.b.index(s.to) / k.b.index(from);
+      const double sign = reflects ? 1 : -1;
+      EXPECT_NEAR(s.to.x * ratio, -from.x, 1e-12);
+      EXPECT_NEAR(s.to.y * ratio, -from.y, 1e-12);
+      EXPECT_GT(sign * s.to.z * from.z, 0);
+    }
+}
+
+// What a beam from `from` keeps, by `n` low-discrepancy samples (the R3 sequence).
+struct Energy {
+  Vec3d mean;
+  double largest = 0;  // weight
+};
+Energy energy_by_sampling(const Bsdf& b, const Vec3d& from, int n = 16384) {
+  Energy e;
+  double x = 0.5, y = 0.5, z = 0.5;
+  for (int i = 0; i < n; ++i) {
+    x = std::fmod(x + 0.8191725133961645, 1);
+    y = std::fmod(y + 0.6710436067037893, 1);
+    z = std::fmod(z + 0.5497004779019703, 1);
+    bsdf::Scattered s;
+    if (!whole::sample(b, from, x, y, z, s)) continue;
+    Vec3d w;
+    if (s.dirac) {
+      w = Vec3d(whole::dirac_reflectance(b, from, s.to)) / whole::dirac_probability(b, from, s.to);
+    } else {
+      const double index = b.index(s.to);
+      w = Vec3d(whole::f(b, from, s.to)) *
+          (index * index * std::abs(s.to.z) / whole::pdf_w(b, from, s.to));
+    }
+    EXPECT_TRUE(is_finite(w)) << from.z << " " << s.to.z;
+    e.mean += w / n;
+    e.largest = std::max(e.largest, max_component(w));
+  }
+  return e;
+}
+double dirac_energy(const Bsdf& b, const Vec3d& from) {
+  return whole::dirac_reflectance(b, from, {0, 0, from.z}).y +
+         whole::dirac_reflectance(b, from, {0, 0, -from.z}).y;
+}
+template <class F>
+double energy_by_quadrature(const Bsdf& b, const Vec3d& from, F f) {
+  const SphereBins bins(16, 16);
+  double sum = dirac_energy(b, from);
+  for (double x : bins.integrate([&](const Vec3d& to) {
+         const double n = b.index(to);
+         return f(b, from, to).y * n * n * std::abs(to.z);
+       }))
+    sum += x;
+  return sum;
+}
+
+constexpr double kCosines[] = {1, 0.8, 0.3, 0.07, 0.01, -0.01, -0.07, -0.3, -0.8, -1};
+
+TEST(bsdf, never_reflects_more_than_it_receives) {
+  for_all([](const NamedBsdf& k) {
+    double weight = 0;
+    for (double z : kCosines) {
+      const Energy e = energy_by_sampling(k.b, direction(z, 1), 4096);
+      EXPECT_LE(max_component(e.mean), std::abs(z) > 0.05 && !k.b.has_sheen() ? 1.005 : 1.02) << z;
+      weight = std::max(weight, e.largest);
+    }
+    EXPECT_LT(weight, 8);
+  });
+}
+TEST(bsdf, sampling_and_quadrature_agree_on_the_energy) {
+  for (float alpha : {0.15f, 0.4f, 1.0f})
+    for (const NamedBsdf& k : all(alpha))
+      for (double z : {0.95, 0.4, -0.3, -0.9}) {
+        const Vec3d from = direction(z, 0.3);
+        EXPECT_NEAR(energy_by_sampling(k.b, from).mean.y, energy_by_quadrature(k.b, from, whole::f),
+                    k.b.layers_above() ? 5e-3 : 3e-3)
+            << k.name << " alpha " << alpha << " cos " << z;
+      }
+}
+TEST(bsdf, twin_an_undarkened_diffuse_lobe_creates_energy) {
+  const auto undarkened = [](const Bsdf& b, const Vec3d& from, const Vec3d& to) {
+    Bsdf bare = b;
+    bare.diffuse = {};
+    return whole::f(bare, from, to) + whole::f(make(b.diffuse, {}, 0, {}, 1), from, to);
+  };
+  const Bsdf b = plastic(0.3f, Rgb(1));
+  const Vec3d from = direction(0.4, 0.3);
+  EXPECT_NEAR(energy_by_quadrature(b, from, whole::f), 1, 2e-3);
+  EXPECT_GT(energy_by_quadrature(b, from, undarkened), 1.02);
+}
+
+// What the interface reflects, by sampling it alone, and what its presence leaves of a white
+// diffuse lobe, by quadrature beside the specular peak.
+double white_energy(float alpha, float f0, double z) {
+  const Bsdf coated = plastic(alpha, Rgb(1), f0), bare = plastic(alpha, {}, f0);
+  const Vec3d from = direction(z, 2);
+  double diffuse = 0;
+  constexpr int kRings = 400;
+  for (int i = 0; i < kRings; ++i) {
+    const double mu = (i + 0.5) / kRings;
+    const Vec3d to = direction(std::copysign(mu, z), 2);
+    diffuse += 2 * std::numbers::pi * mu / kRings *
+               (whole::f(coated, from, to).y - static_cast<double>(whole::f(bare, from, to).y));
+  }
+  return energy_by_sampling(bare, from).mean.y + diffuse;
+}
+TEST(bsdf, white_under_any_interface_stays_white) {
+  double least = 2, most = 0;
+  for (float alpha : kAlphas)
+    for (float f0 : {0.0f, 0.04f, 0.2f, 0.5f, 0.9f})
+      for (double z : {1.0, 0.8, 0.4, 0.15, 0.06, -0.5, 0.01, 0.001}) {
+        const double energy = white_energy(alpha, f0, z);
+        EXPECT_NEAR(energy, 1, std::abs(z) > 0.05 ? 2e-3 : 5e-3)
+            << "alpha " << alpha << " f0 " << f0 << " cos " << z;
+        least = std::min(least, energy);
+        most = std::max(most, energy);
+      }
+  RecordProperty("least", std::to_string(least));
+  RecordProperty("most", std::to_string(most));
+}
+TEST(bsdf, smooth_white_surfaces_lose_nothing) {
+  for (const NamedBsdf& k : white(0))
+    for (double z : kCosines) {
+      if (k.name == "milky" && z < 0) continue;         // no diffuse lobe inside a solid
+      if (k.name == "coated glass" && z < 0) continue;  // nor does its coat reflect what is inside
+      // Cloth, and rough facets under a smooth coat.
+      if (k.b.has_sheen() || k.name == "coated plastic" || k.name == "half coated metal") continue;
+      EXPECT_NEAR(energy_by_sampling(k.b, direction(z, 1)).mean.y, 1, 2.5e-3) << k.name << " " << z;
+    }
+}
+TEST(bsdf, slightly_rough_glass_and_metal_lose_little) {
+  for (const NamedBsdf& k : white(0.1f))
+    for (double z : {1.0, 0.5, -0.5, -1.0}) {
+      if (k.name == "milky" && z < 0) continue;
+      if (k.b.has_sheen()) continue;
+      EXPECT_GT(energy_by_sampling(k.b, direction(z, 1)).mean.y, 0.95) << k.name << " " << z;
+    }
+}
+
+double reflected(const Bsdf& b, double z) {
+  return whole::dirac_reflectance(b, direction(z, 0), direction(z, std::numbers::pi)).y;
+}
+TEST(bsdf, smooth_glass_obeys_fresnel_and_snell) {
+  const Bsdf b = glass(0);
+  EXPECT_NEAR(reflected(b, 1), 0.04, 1e-7);
+  EXPECT_NEAR(reflected(b, -1), 0.04, 1e-7);
+  EXPECT_NEAR(reflected(b, 0.5), 0.089186, 1e-5);  // 60 degrees, from the sine and tangent laws
+  const double brewster = std::cos(std::atan(1.5)), transmitted = std::sin(std::atan(1.5));
+  const double s = std::pow(std::sin(std::acos(brewster) - std::acos(transmitted)), 2);
+  EXPECT_NEAR(reflected(b, brewster), 0.5 * s, 1e-6);  // the parallel half vanishes
+  EXPECT_EQ(reflected(b, -0.74), 1);                   // total beyond cos = sqrt(5)/3 = 0.745
+  EXPECT_LT(reflected(b, -0.75), 0.7);
+  EXPECT_EQ(whole::dirac_probability(b, direction(-0.74, 0), {0, 0, -1}), 1);
+  EXPECT_EQ(whole::dirac_probability(b, direction(-0.74, 0), {0, 0, 1}), 0);
+  bsdf::Scattered out;
+  ASSERT_TRUE(whole::sample(b, direction(0.6, 0), 0.999, 0.5, 0.5, out));
+  EXPECT_TRUE(out.dirac);
+  EXPECT_NEAR(out.to.x, -0.8 / 1.5, 1e-12);
+  EXPECT_LT(out.to.z, 0);
+  EXPECT_EQ(b.index(out.to), 1.5);
+}
+TEST(bsdf, a_pane_and_matched_glass_let_light_straight_through) {
+  for (const Bsdf& b : {glass(0, 1.5f, true), make({}, Rgb(0), 1, Rgb(1), 0.5f, 1)}) {
+    const Vec3d from = direction(0.6, 0.4);
+    bsdf::Scattered out;
+    ASSERT_TRUE(whole::sample(b, from, 0.999, 0.3, 0.4, out));
+    EXPECT_TRUE(out.dirac);
+    EXPECT_LT(length(out.to + from), 1e-12);
+    EXPECT_EQ(b.index(out.to), 1);
+    EXPECT_FALSE(bsdf::connectible(b));
+  }
+}
+TEST(bsdf, a_mirror_follows_schlick) {
+  const Bsdf b = metal(0, Rgb(0.5f));
+  EXPECT_NEAR(reflected(b, 1), 0.5, 1e-7);
+  EXPECT_NEAR(reflected(b, -0.5), 0.5 + 0.5 / 32, 1e-6);
+  EXPECT_EQ(whole::dirac_reflectance(b, {0, 0, 1}, {0, 0, -1}), Rgb());
+  EXPECT_EQ(whole::f(b, {0, 0, 1}, {0, 0, 1}), Rgb());
+  EXPECT_EQ(whole::pdf_w(b, {0, 0, 1}, {0, 0, 1}), 0);
+  EXPECT_FALSE(bsdf::connectible(b));
+}
+TEST(bsdf, plain_diffuse_is_colour_over_pi_by_the_cosine) {
+  const Bsdf b = make({0.8f, 0.5f, 0.2f}, {}, 0, {}, 1);
+  ASSERT_TRUE(b.only_diffuse());
+  const Vec3d from = direction(-0.3, 1), to = direction(-0.8, 4);
+  EXPECT_LT(difference(whole::f(b, from, to), b.diffuse * static_cast<float>(std::numbers::inv_pi)),
+            1e-7);
+  EXPECT_DOUBLE_EQ(whole::pdf_w(b, from, to), 0.8 * std::numbers::inv_pi);
+  EXPECT_EQ(whole::f(b, from, -to), Rgb());
+  EXPECT_EQ(whole::pdf_w(b, from, -to), 0);
+}
+TEST(bsdf, black_absorbs) {
+  bsdf::Scattered out;
+  EXPECT_FALSE(whole::sample(make({}, {}, 0, {}, 1), {0, 0, 1}, 0.5, 0.5, 0.5, out));
+  EXPECT_FALSE(bsdf::connectible(make({}, {}, 0, {}, 1)));
+  EXPECT_FALSE(whole::sample(plastic(0.1f), {1, 0, 0}, 0.5, 0.5, 0.5, out));
+}
+
+// Directions in the surface or all but, the roughest and the almost smooth: every number is finite,
+// what sample() gives has a density, and its weight is bounded.
+TEST(bsdf, extremes_stay_finite) {
+  constexpr double cosines[] = {1, 1e-2, 1e-5, 1e-11, 1e-13, 1e-16, 1e-200, 5e-324, 0};
+  constexpr double uniforms[] = {0, 1e-12, 0.25, 0.5, 0.999, 1 - 0x1p-53};
+  for (float alpha : {0.0f, 9.9e-5f, 1e-4f, 1.1e-4f, 1e-3f, 1e-2f, 1.0f}) {
+    std::vector<NamedBsdf> kinds = all(alpha);
+    kinds.push_back({"infinite index", glass(alpha, 1e6f)});
+    kinds.push_back({"almost matched", glass(alpha, 1.0002f)});
+    for (const NamedBsdf& k : kinds) {
+      SCOPED_TRACE(k.name + " alpha " + std::to_string(alpha));
+      for (double c : cosines)
+        for (double sign : {1.0, -1.0}) {
+          const Vec3d from = direction(sign * c, 0.7);
+          for (double choice : uniforms)
+            for (double u : uniforms)
+              for (double v : uniforms) {
+                bsdf::Scattered s;
+                if (!whole::sample(k.b, from, choice, u, v, s)) continue;
+                ASSERT_NE(s.to.z, 0);
+                ASSERT_NEAR(length(s.to), 1, 1e-9);
+                if (s.dirac) {
+                  ASSERT_GT(whole::dirac_probability(k.b, from, s.to), 0);
+                  continue;
+                }
+                const double pdf = whole::pdf_w(k.b, from, s.to), n = k.b.index(s.to);
+                const double weight =
+                    max_component(whole::f(k.b, from, s.to)) * n * n * std::abs(s.to.z) / pdf;
+                ASSERT_TRUE(pdf > 0 && std::isfinite(pdf)) << pdf << " from " << from.z;
+                ASSERT_TRUE(weight >= 0 && weight < 100) << weight << " from " << from.z;
+              }
+          for (double c_to : cosines)
+            for (double sign_to : {1.0, -1.0})
+              for (double azimuth : {0.7, 0.7 + std::numbers::pi, 2.0}) {
+                const Vec3d to = direction(sign_to * c_to, azimuth);
+                ASSERT_TRUE(is_finite(whole::f(k.b, from, to)));
+                ASSERT_GE(whole::f(k.b, from, to).y, 0);
+                ASSERT_TRUE(std::isfinite(whole::pdf_w(k.b, from, to)));
+                ASSERT_TRUE(is_finite(whole::dirac_reflectance(k.b, from, to)));
+                ASSERT_TRUE(std::isfinite(whole::dirac_probability(k.b, from, to)));
+              }
+        }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace tdpt

@@ -1,0 +1,238 @@
+// Clear coat and sheen against the text of their extensions, and coats whose normal is not that of
+// what lies under them.
+#include "tools/tdpt-render/path/bsdf/coated.h"
+
+#include <gtest/gtest.h>
+
+#include "libcommon/math/rng.h"
+#include "libcommon/testing/statistics/chi_square.h"
+#include "tools/tdpt-render/path/bsdf/sheen.h"
+#include "tools/tdpt-render/testing/bsdfs.h"
+
+namespace tdpt {
+namespace {
+
+using namespace test;
+
+// KHR_materials_clearcoat: V D F of GGX with the coat's roughness and index 1.5, V = G2 / (4 cos
+// cos) written as the format does.
+double coat_of_the_format(double roughness, const Vec3d& l, const Vec3d& v) {
+  const double a = roughness * roughness, nl = l.z, nv = v.z;
+  const Vec3d h = normalize(l + v);
+  const double nh = h.z, vh = dot(v, h);
+  const double d = a * a / (std::numbers::pi * std::pow(nh * nh * (a * a - 1) + 1, 2));
+  const double vis = 0.5 / (nl * std::sqrt(nv * nv * (1 - a * a) + a * a) +
+                            nv * std::sqrt(nl * nl * (1 - a * a) + a * a));
+  return (0.04 + 0.96 * std::pow(1 - vh, 5)) * d * vis;
+}
+
+// KHR_materials_sheen: Charlie's distribution and its fitted masking.
+double sheen_of_the_format(double roughness, const Vec3d& l, const Vec3d& v) {
+  const double a = roughness * roughness;
+  const auto fit = [&](double x) {
+    const double t = (1 - a) * (1 - a);
+    const auto mix = [t](double p, double q) { return (1 - t) * p + t * q; };
+    return mix(21.5473, 25.3245) /
+               (1 + mix(3.82987, 3.32435) * std::pow(x, mix(0.19823, 0.16801))) +
+           mix(-1.97760, -1.27393) * x + mix(-4.32054, -4.85967);
+  };
+  const auto masking = [&](double c) {
+    return c < 0.5 ? std::exp(fit(c)) : std::exp(2 * fit(0.5) - fit(1 - c));
+  };
+  const Vec3d h = normalize(l + v);
+  const double sine = std::sqrt(1 - h.z * h.z);
+  const double d = (2 + 1 / a) * std::pow(sine, 1 / a) / (2 * std::numbers::pi);
+  return d / ((1 + masking(v.z) + masking(l.z)) * 4 * v.z * l.z);
+}
+
+template <class Use>
+void for_pairs(uint64_t stream, Use use) {
+  for (uint64_t i = 0; i < 500; ++i) {
+    Rng rng(31, stream, i);
+    Vec3d a = uniform_direction(rng), b = uniform_direction(rng);
+    a.z = std::abs(a.z), b.z = std::abs(b.z);
+    use(a, b);
+  }
+}
+
+TEST(coated, the_coat_is_that_of_the_format) {
+  for (const double roughness : {0.1, 0.3, 0.6, 1.0})
+    for_pairs(1, [&](const Vec3d& l, const Vec3d& v) {
+      const Coat coat{1, static_cast<float>(roughness * roughness)};
+      const double expected = coat_of_the_format(std::sqrt(double{coat.alpha}), l, v);
+      EXPECT_NEAR(coat::f(coat, l, v), expected, 1e-5 * expected);
+    });
+}
+
+TEST(coated, the_sheen_is_that_of_the_format_where_that_loses_no_light) {
+  for (const double roughness : {0.3, 0.5, 0.8, 1.0})
+    for_pairs(2, [&](const Vec3d& l, const Vec3d& v) {
+      const double expected = sheen_of_the_format(roughness, l, v);
+      EXPECT_NEAR(sheen::f(l, v, roughness * roughness), expected, 1e-9 * expected);
+    });
+}
+TEST(coated, a_fine_sheen_is_scaled_to_what_it_receives) {
+  const Vec3d grazing = direction(0.01, 0);
+  const SphereBins bins(64, 32);
+  const auto received = [&](auto f) {
+    double sum = 0;
+    for (const double x :
+         bins.integrate([&](const Vec3d& w) { return w.z > 1e-6 ? f(grazing, w) * w.z : 0.0; }))
+      sum += x;
+    return sum;
+  };
+  EXPECT_GT(received([](auto& l, auto& v) { return sheen_of_the_format(0.1, l, v); }), 1.5);
+  EXPECT_LT(received([](auto& l, auto& v) { return sheen::f(l, v, 0.01); }), 1.01);
+}
+
+// The format darkens what lies under a coat along the view alone, by Fresnel's factor of its
+// normal: what is reflected in all must be near to that.
+TEST(coated, reflects_about_as_much_as_the_format_says) {
+  for (const Bsdf& base :
+       {make(Rgb(0.8f), {}, 0, {}, 1), plastic(0.3f, Rgb(0.5f)), metal(0.2f, Rgb(0.7f))})
+    for (const double mu : {1.0, 0.7, 0.4, 0.2}) {
+      const Bsdf b = coated_by(0.01f, base);
+      const Vec3d from = direction(mu, 1);
+      const double fresnel = 0.04 + 0.96 * std::pow(1 - mu, 5);
+      const double format = fresnel + (1 - fresnel) * double{bsdf::albedo(base, from).y};
+      EXPECT_NEAR(coated::albedo(whole::point(b), from).y, format, 0.015) << mu;
+    }
+}
+
+TEST(coated, twin_darkened_along_the_view_alone_is_not_symmetric) {
+  const Bsdf base = plastic(0.3f), b = coated_by(0.1f, base);
+  int ours = 0, view_alone = 0;
+  for_pairs(3, [&](const Vec3d& l, const Vec3d& v) {
+    const auto along = [&](const Vec3d& to_light, const Vec3d& to_camera) {
+      return bsdf::f(base, to_light, to_camera).y * coat::left_over(b.coat, to_camera.z) +
+             coat::f(b.coat, to_light, to_camera);
+    };
+    const auto differ = [](double x, double y) { return std::abs(x - y) > 1e-3 * (x + y); };
+    ours += differ(whole::f(b, l, v).y, whole::f(b, v, l).y);
+    view_alone += differ(along(l, v), along(v, l));
+  });
+  EXPECT_EQ(ours, 0);
+  EXPECT_GT(view_alone, 300);
+}
+
+// Points whose coat leans by `angle`.
+Point leaning(const Bsdf& b, double angle) {
+  Point p = whole::point(b);
+  p.bsdf.coat.normal = Vec3f(direction(std::cos(angle), 0.5));
+  p.shading = normalize(Vec3d(-0.1, 0.15, 1));
+  return p;
+}
+
+double p_of_turns(const Point& p, const Point& judged, const Vec3d& back, uint64_t stream) {
+  const SphereBins bins(16, 16);
+  return chi_square_of_samples(
+             40000, bins.integrate([&](const Vec3d& w) {
+               return coated::scatter_pdf_w(judged, back, w, false);
+             }),
+             [&](uint64_t i) {
+               Rng rng(32, stream, i);
+               const double u = rng.uniform();
+               const double v = rng.uniform();
+               const double choice = rng.uniform();
+               Turn turn;
+               if (!coated::turn(p, From::camera, back, {u, v, choice}, turn) || turn.dirac)
+                 return bins.size();
+               return bins.bin(turn.w);
+             })
+      .p;
+}
+
+std::vector<NamedBsdf> kinds() {
+  return {{"plastic", coated_by(0.3f, plastic(0.4f))},
+          {"metal", coated_by(0.4f, metal(0.3f), 0.6f)},
+          {"mirror", coated_by(0.3f, metal(0))},
+          {"glass", coated_by(0.3f, glass(0.4f))},
+          {"thin", coated_by(0.4f, glass(0.3f, 1.5f, true))},
+          {"smooth coat", coated_by(0, plastic(0.4f))},
+          {"velvet", coated_by(0.3f, cloth(0.3f, plastic(0.3f), Rgb(0.5f)))}};
+}
+
+TEST(coated, walks_follow_their_density_where_the_coat_leans) {
+  const auto all = kinds();
+  const double least = sidak(1e-3, 4 * all.size());
+  for (size_t i = 0; i < all.size(); ++i)
+    for (const double z : {0.9, 0.3, -0.4, -0.9}) {
+      const Point p = leaning(all[i].b, 0.3);
+      EXPECT_GT(p_of_turns(p, p, direction(z, 2), i), least) << all[i].name << " " << z;
+    }
+}
+TEST(coated, twin_a_coat_that_leans_elsewhere_is_caught) {
+  const Bsdf b = coated_by(0.1f, plastic(0.4f));
+  const Point p = leaning(b, 0.3), judged = leaning(b, 0.25);
+  EXPECT_LT(p_of_turns(p, judged, direction(0.7, 2), 9), 1e-6);
+}
+
+// What a walk of light carries is what one of importance does, the other way round: weight x pdf /
+// cos is the BSDF.
+TEST(coated, walks_of_either_kind_carry_the_bsdf) {
+  for (const NamedBsdf& k : kinds())
+    for (uint64_t i = 0; i < 400; ++i) {
+      Rng rng(33, 0, i);
+      const Point p = leaning(k.b, 0.3);
+      const Vec3d back = uniform_direction(rng);
+      const double u = rng.uniform();
+      const double v = rng.uniform();
+      const double choice = rng.uniform();
+      for (const From from : {From::light, From::camera}) {
+        Turn turn;
+        if (!coated::turn(p, from, back, {u, v, choice}, turn) || turn.dirac) continue;
+        const Rgb f =
+            from == From::camera ? coated::bsdf(p, turn.w, back) : coated::bsdf(p, back, turn.w);
+        const double pdf_w = coated::scatter_pdf_w(p, back, turn.w, false);
+        ASSERT_GT(pdf_w, 0) << k.name;
+        const double expected = f.y * std::abs(dot(p.normal, turn.w)) / pdf_w;
+        EXPECT_NEAR(turn.weight.y, expected, 1e-5 * expected) << k.name;
+      }
+    }
+}
+
+// Two mirrors about two normals: each has its own way, and the way back is the same.
+TEST(coated, two_smooth_lobes_are_told_apart) {
+  const Point p = leaning(coated_by(0, metal(0, Rgb(0.8f))), 0.3);
+  const Onb<double> onb(p.shading);
+  const Vec3d coat = onb.to_world(Vec3d(p.bsdf.coat.normal)), back = direction(0.8, 2);
+  double probability = 0;
+  for (const Vec3d& n : {p.shading, coat}) {
+    const Vec3d to = n * (2 * dot(n, back)) - back;
+    const coated::Dirac there = coated::dirac(p, back, to), home = coated::dirac(p, to, back);
+    EXPECT_NEAR(there.cos_to, dot(n, to), 1e-6);
+    EXPECT_NEAR(there.reflectance.y, home.reflectance.y, 1e-5);
+    probability += there.probability;
+  }
+  EXPECT_NEAR(probability, 1, 1e-6);
+  const coated::Dirac of_coat = coated::dirac(p, back, coat * (2 * dot(coat, back)) - back);
+  EXPECT_NEAR(of_coat.reflectance.y, coat::reflectance(p.bsdf.coat, dot(coat, back)), 1e-6);
+}
+
+// Above the coat's normal and below the other, the coat alone is seen.
+TEST(coated, is_seen_from_where_what_lies_under_it_is_not) {
+  Point p = whole::point(coated_by(0.3f, plastic(0.3f)));
+  p.shading = direction(0.5, 0);
+  p.bsdf.coat.normal = Vec3f(Onb<double>(p.shading).to_local({0, 0, 1}));
+  const Vec3d low = direction(0.2, std::numbers::pi), up(0, 0, 1);
+  ASSERT_LT(dot(low, p.shading), 0);
+  EXPECT_NEAR(coated::bsdf(p, low, up).y, coat::f({1, 0.3f}, low, up), 1e-5);
+  EXPECT_GT(coated::scatter_pdf_w(p, low, up, false), 0);
+  EXPECT_GT(coated::albedo(p, low).y, 0.1);
+  // What the coat mirrors there has not gone into the glass.
+  p.bsdf = coated_by(0, glass(0));
+  p.bsdf.coat.normal = Vec3f(Onb<double>(p.shading).to_local({0, 0, 1}));
+  const Vec3d mirrored(-low.x, -low.y, low.z);
+  const double chance = coated::dirac(p, mirrored, low).probability;
+  EXPECT_NEAR(coated::scatter_pdf_w(p, mirrored, low, true), chance * low.z, 1e-6);
+}
+
+TEST(coated, darkens_what_shines_under_it) {
+  const Point p = whole::point(coated_by(0, make({}, {}, 0, {}, 1), 0.5f));
+  EXPECT_NEAR(coated::of_emission(p, {0, 0, 1}), 1 - 0.5 * 0.04, 1e-6);
+  EXPECT_NEAR(coated::of_emission(p, direction(-0.2, 0)),
+              1 - 0.5 * (0.04 + 0.96 * std::pow(0.8, 5)), 2e-3);
+}
+
+}  // namespace
+}  // namespace tdpt

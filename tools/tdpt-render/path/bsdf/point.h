@@ -1,0 +1,132 @@
+// A point where a path begins, turns or ends, and the light that is emitted and scattered there.
+//
+// Densities are per canonical area (pdf_A) unless their name says otherwise.
+//
+// The radiance BSDF is taken with geometric cosines everywhere: where the shading normal ns differs
+// from the geometric normal ng, f(to_light, to_camera) carries |to_light.ns| / |to_light.ng| (Veach
+// 5.3), and a direction that lies above one of them and below the other is dark. So walks from
+// either side agree.
+#pragma once
+#include <numbers>
+
+#include "libcommon/scene/lights.h"
+#include "libcommon/trace/tracer.h"
+#include "tools/tdpt-render/path/bsdf/bsdf.h"
+
+namespace tdpt {
+
+enum class From { light, camera };
+
+struct Point {
+  Vec3d position{};                     ///< at infinity unit, the way that light travels
+  Vec3d normal{};                       ///< unit geometric normal of the front side; 0 off surfaces
+  const Material* material = nullptr;   ///< of a surface
+  const LightSource* source = nullptr;  ///< where light begins here
+  uint32_t triangle = ~0u;
+
+  /// Diffuse reflection about the geometric normal by material->base_color. Otherwise `shading` and
+  /// `bsdf` hold what is there.
+  bool simple = true;
+  bool connectible = true;  ///< some lobe is not Dirac
+  Rgb emission{};           ///< of a surface where light begins [W/m2/sr]
+  Lights::InSky in_sky{};   ///< of a place in the sky
+  Vec3d shading{};          ///< unit shading normal, front side
+  Bsdf bsdf;
+
+  bool on_surface() const { return material != nullptr; }
+  bool at_infinity() const { return source && source->at_infinity(); }
+  /// Whether a ray can meet it: all but lights without surface.
+  bool met() const { return !source || source->met(); }
+  /// |cos| to the surface; 1 where there is none.
+  double cosine(const Vec3d& w) const { return on_surface() ? std::abs(dot(normal, w)) : 1; }
+  Tracer::Origin origin() const { return {position, normal}; }
+};
+
+/// The way from one point to another.
+struct Edge {
+  Vec3d w;    ///< unit
+  double d2;  ///< squared distance; 1 when one end is infinitely far
+};
+/// The same way from the other end.
+inline Edge reversed(const Edge& e) {
+  return {-e.w, e.d2};
+}
+inline Edge between(const Point& a, const Point& b) {
+  if (a.at_infinity()) return {a.position, 1};
+  if (b.at_infinity()) return {-b.position, 1};
+  const Vec3d d = b.position - a.position;
+  const double d2 = dot(d, d);
+  return {d / std::sqrt(d2), d2};
+}
+
+/// The place on the line of light through `p` along unit w where it has not yet reached any of the
+/// scene, which lies within 2 of the origin (canonical).
+inline Vec3d before_the_scene(const Vec3d& p, const Vec3d& w) {
+  return p - w * (dot(p, w) + 4);
+}
+
+/// G without visibility [1/m2]: |cos_a cos_b| / d^2.
+inline double geometry(const Point& a, const Point& b, const Edge& e) {
+  return a.cosine(e.w) * b.cosine(e.w) / e.d2;
+}
+
+/// Density of arriving at `to` per area along `e` when it was left with density pdf_w:
+/// pdf_A = pdf_w |cos_to| / d^2.
+inline double to_area(double pdf_w, const Edge& e, const Point& to) {
+  return pdf_w * to.cosine(e.w) / e.d2;
+}
+
+/// Both directions on the same side of the surface at `p`.
+inline bool same_side(const Point& p, const Vec3d& wi, const Vec3d& wo) {
+  return dot(p.normal, wi) * dot(p.normal, wo) > 0;
+}
+
+// Of points that are not simple. By value: an address taken would keep the vectors of simple ones
+// out of registers.
+Rgb layered_bsdf(const Point& p, Vec3d to_light, Vec3d to_camera);
+double layered_scatter_pdf_w(const Point& at, Vec3d back, Vec3d to, bool dirac);
+/// Share of what the surface emits along w that its clear coat lets through.
+double emission_under_coat(const Point& p, Vec3d w);
+
+/// The side of the surface at `p` that all edges of a path are on which has one along `away`; 0:
+/// both, as light goes through.
+inline Vec3d facing(const Point& p, const Vec3d& away) {
+  if (!p.simple && p.bsdf.transmits()) return {};
+  return dot(p.normal, away) > 0 ? p.normal : -p.normal;
+}
+
+/// Radiance BSDF without Dirac lobes [1/sr]; unit directions away from the surface.
+inline Rgb bsdf_at(const Point& p, const Vec3d& to_light, const Vec3d& to_camera) {
+  if (!p.simple) return layered_bsdf(p, to_light, to_camera);
+  return same_side(p, to_light, to_camera)
+             ? p.material->base_color * static_cast<float>(std::numbers::inv_pi)
+             : Rgb{};
+}
+
+/// pdf_A of reaching `to` along `e` when the walk came along unit `back`, away from the surface,
+/// and scatters at `at`. `dirac`: by a Dirac lobe; its density is per n^2 |cos| dw, which
+/// reflection and refraction preserve.
+inline double scatter_pdf_A(const Point& at, const Vec3d& back, const Edge& e, const Point& to,
+                            bool dirac) {
+  if (!at.simple) return to_area(layered_scatter_pdf_w(at, back, e.w, dirac), e, to);
+  const double cos_out = dot(at.normal, e.w);
+  if (!(dot(at.normal, back) * cos_out > 0)) return 0;
+  return to_area(std::abs(cos_out) * std::numbers::inv_pi, e, to);
+}
+
+/// What leaves along unit w (LightSource), at infinity the position; black where no light begins.
+inline Rgb emitted(const Point& p, const Vec3d& w) {
+  if (!p.source) return {};
+  if (p.source->is_sky()) return p.in_sky.radiance;
+  const Rgb out = p.source->emitted(p.normal, p.emission, w);
+  if (p.simple || !p.bsdf.coat) [[likely]]
+    return out;
+  return out * static_cast<float>(emission_under_coat(p, w));
+}
+
+/// pdf_A of reaching `to` along `e` when light leaves `light`.
+inline double emission_pdf_A(const Point& light, const Edge& e, const Point& to) {
+  return to_area(light.source->pdf_w(light.normal, e.w), e, to);
+}
+
+}  // namespace tdpt

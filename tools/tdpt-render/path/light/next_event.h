@@ -1,0 +1,67 @@
+// Where a next event looks: which light, and where on it, for a given shaded point.
+//
+// A kind of light is chosen as for light walks, and a light and a place on it. Of the sky a
+// direction is drawn through the windows [window_sky.h] with probability q
+// [Mixture::through_windows] where the point sees any, and else from all of it:
+//   p_nee(w | x) = P_sky ((1-q) p_sky(w) + q p_windows(w | x)).
+// Where panels are the only surfaces that emit, which of them and where on it depends on the point,
+// too [panels.h]. q is less than 1, so that nothing that shines is missed: what windows miss, since
+// no portal is there, has 1-q.
+#pragma once
+#include "libcommon/scene/lights.h"
+#include "tools/tdpt-render/path/light/panels.h"
+#include "tools/tdpt-render/path/light/vertex.h"
+#include "tools/tdpt-render/path/light/window_sky.h"
+
+namespace tdpt {
+
+/// p_nee of a place on a light, whatever q.
+struct NextEventPdf {
+  double plain = 0, windows = 0;
+  bool sees_windows = false;  ///< the shaded point does, and the place is in the sky
+  double of(double q) const { return sees_windows ? (1 - q) * plain + q * windows : plain; }
+};
+
+class NextEvents {
+ public:
+  NextEvents(const Scene& scene, const Lights& lights, const WindowSky& windows)
+      : lights_(lights), windows_(windows), panels_(scene, lights) {}
+
+  /// Whether their densities depend on the shaded point by more than what windows show.
+  bool by_panels() const { return !panels_.empty(); }
+  const Panels& panels() const { return panels_; }
+
+  /// Tells a surface that is seen along unit `away` from it, or was left along it, what it sees;
+  /// of panels later, when that is asked for.
+  void look_out(const Vec3d& away, Vertex& v) const {
+    if (windows_.empty() && panels_.empty()) return;
+    v.outlook.facing = facing(v, away);
+    if (!windows_.empty())
+      v.outlook.seen = v.connectible ? windows_.seen(v.position, v.outlook.facing) : 0;
+    if (!panels_.empty()) v.outlook.sent = v.connectible ? -1 : 0;
+  }
+  /// And of the panels at once: for one that many paths ask.
+  void look_at_panels(Vertex& v) const {
+    if (v.outlook.sent < 0) v.outlook.sent = panels_.sent(v);
+  }
+
+  /// A place on a light, without one where no panel sends anything; in the sky without its density,
+  /// and black where it is below the horizon of `shaded`, which has looked out if q is more than 0
+  /// or there are panels, and is told what they send. Four numbers in [0,1), as Lights::sample.
+  Lights::Point sample(Vertex& shaded, double q, double pick, double u, double v,
+                       double side) const;
+  /// Density of `sample` at a place on a light.
+  NextEventPdf pdf(const Vertex& shaded, const Point& light) const {
+    return pdf(shaded, *light.source, light.triangle, light.position, light.in_sky);
+  }
+
+ private:
+  NextEventPdf pdf(const Vertex& shaded, const LightSource& source, uint32_t triangle,
+                   const Vec3d& position, const Lights::InSky& in_sky) const;
+
+  const Lights& lights_;
+  const WindowSky& windows_;
+  Panels panels_;
+};
+
+}  // namespace tdpt

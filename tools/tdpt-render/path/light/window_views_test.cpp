@@ -1,0 +1,145 @@
+// From where windows are seen: two rooms in a row with a hole between them, the last one or both
+// open at their ends, held to lines drawn from each place.
+#include "tools/tdpt-render/path/light/window_views.h"
+
+#include <gtest/gtest.h>
+
+#include "libcommon/math/rng.h"
+#include "tools/tdpt-render/path/sample/world.h"
+#include "tools/tdpt-render/testing/known_windows.h"
+#include "tools/tdpt-render/testing/rooms.h"
+#include "tools/tdpt-render/testing/told.h"
+
+namespace tdpt {
+namespace {
+
+// Light goes to -x through the end and the hole, to +x through the beginning.
+const Portal kEnd = rectangle({4.1, 0, -1}, {0, 0, 2}, {0, 2, 0});
+const Portal kBeginning = rectangle({0, 0, -1}, {0, 2, 0}, {0, 0, 2});
+
+struct House {
+  Scene scene;
+  World world;
+  explicit House(Scene s, const std::vector<Portal>& portals)
+      : scene(std::move(s)), world(scene, scene.camera(""), 4, 4, portals) {}
+
+  // Of a place in metres: bit of the window whose centre is that of `portal`.
+  bool shows(const Portal& portal, const Vec3d& place) const {
+    return world.windows.shows(window(portal), scene.frame.to_canonical(place));
+  }
+  // Share of the window that the place sees.
+  double share(const Portal& portal, const Vec3d& place, uint64_t seed) const {
+    const Vec3d p = scene.frame.to_canonical(place);
+    const auto corner = [&](int i) {
+      return scene.frame.to_canonical(portal.vertices[static_cast<size_t>(i)]);
+    };
+    constexpr int kLines = 400;
+    int seen = 0;
+    for (int i = 0; i < kLines; ++i) {
+      Rng rng(7, seed, static_cast<uint64_t>(i));
+      const double u = rng.uniform(), v = rng.uniform();
+      const Vec3d at = corner(0) + (corner(1) - corner(0)) * u + (corner(3) - corner(0)) * v;
+      const Vec3d normal = cross(corner(1) - corner(0), corner(3) - corner(0));
+      seen += dot(normal, p - at) > 0 && world.tracer.visible({p}, {at});
+    }
+    return static_cast<double>(seen) / kLines;
+  }
+
+ private:
+  size_t window(const Portal& portal) const {
+    Vec3d centre;
+    for (const Vec3d& corner : portal.vertices) centre += scene.frame.to_canonical(corner) * 0.25;
+    const auto& all = world.windows.windows();
+    for (size_t i = 0; i < all.size(); ++i)
+      if (length(all[i].centre - centre) < 1e-6) return i;
+    ADD_FAILURE() << "no such window";
+    return 0;
+  }
+};
+
+Scene open_at_the_end() {
+  return under(open_end(read_gltf(two_rooms_path()), 4.09), one_colour_sky({1, 1, 1}));
+}
+Scene open_at_both_ends() {
+  return without(open_at_the_end(), [](const Vec3d& p) { return p.x < 0.01; });
+}
+
+// All of the window's own room, and of the next what sees it through the hole.
+TEST(window_views, are_from_where_lines_find_the_window) {
+  const House house(open_at_the_end(), {kEnd});
+  int seen = 0, missed = 0, unseen = 0, too_many = 0;
+  for (uint64_t i = 0; i < 2000; ++i) {
+    Rng rng(8, 0, i);
+    const double x = rng.uniform(), y = rng.uniform(), z = rng.uniform();
+    const Vec3d p(0.05 + 4 * x, 0.05 + 1.9 * y, -0.95 + 1.9 * z);
+    if (p.x > 1.95 && p.x < 2.15) continue;
+    const double share = house.share(kEnd, p, i);
+    const bool shown = house.shows(kEnd, p);
+    if (p.x > 2) seen += share > 0.02, missed += share > 0.02 && !shown;
+    unseen += share == 0;
+    too_many += share == 0 && shown;
+  }
+  EXPECT_GT(seen, 800);
+  EXPECT_EQ(missed, 0);
+  EXPECT_GT(unseen, 200);
+  EXPECT_LT(too_many, unseen / 4);  // beside those that see it
+}
+
+TEST(window_views, nothing_is_seen_from_outside) {
+  const House house(open_at_both_ends(), {kEnd, kBeginning});
+  for (const Portal* portal : {&kEnd, &kBeginning}) {
+    EXPECT_TRUE(house.shows(*portal, portal == &kEnd ? Vec3d(3, 0.5, 0) : Vec3d(1, 0.5, 0)));
+    // On the inner side of one window or the other, on all sides of the house.
+    for (const Vec3d& p : {Vec3d(-1, 1, 0), Vec3d(5.5, 1, 0), Vec3d(2, 3, 0), Vec3d(2, -1, 0.5),
+                           Vec3d(1, 1, 4), Vec3d(3, 1, -4), Vec3d(1e9, 1, 1), Vec3d(-1e9, 0, 0)})
+      EXPECT_FALSE(house.shows(*portal, p)) << p.x << " " << p.y << " " << p.z;
+  }
+}
+
+TEST(window_views, are_of_the_windows_that_there_are) {
+  House house(open_at_both_ends(), {kEnd});
+  const Vec3d place(3, 0.5, 0);
+  EXPECT_TRUE(house.shows(kEnd, place));
+  EXPECT_FALSE(house.shows(kEnd, {5.5, 1, 0}));
+  house.world.fill_openings(PortalSet({kBeginning}, house.scene.frame));
+  EXPECT_TRUE(house.shows(kBeginning, {1, 0.5, 0}));
+  EXPECT_FALSE(house.shows(kBeginning, {3, 1.9, 0.9}));  // the other room's corner
+  house.world.fill_openings(PortalSet({kEnd}, house.scene.frame));
+  house.world.fill_openings(PortalSet({kEnd}, house.scene.frame));  // the same again
+  EXPECT_TRUE(house.shows(kEnd, place));
+  EXPECT_FALSE(house.shows(kEnd, {5.5, 1, 0}));
+}
+
+// Of light that comes straight in nothing is lost: all that see but a sliver of the sky through a
+// window look there. Asking for sky behind the window, line by line, left 2.8 of 26 times.
+TEST(window_views, what_comes_straight_in_is_found_through_the_windows) {
+  const RoomWithWindows room(testing::RoomKind::sky_windows, 2);
+  const World world(room.scene, room.scene.camera(""), 24, 18, room.windows);
+  Integrator everywhere = nee;
+  everywhere.mixture.through_windows = 0;
+  const double with = error_of_pictures(world, nee, 2);
+  const double without = error_of_pictures(world, everywhere, 2);
+  std::printf("error without windows %g, with %g: %g times\n", without, with, without / with);
+  EXPECT_GT(without, 10 * with);
+}
+
+// What this is for: outside, where no window is seen, next events look everywhere.
+TEST(window_views, next_events_look_everywhere_where_no_window_is_seen) {
+  const House house(open_at_both_ends(), {kEnd, kBeginning});
+  const auto seen_at = [&](const Vec3d& place) {
+    Vertex v;
+    v.position = house.scene.frame.to_canonical(place);
+    v.normal = {0, 1, 0};
+    v.material = &house.scene.materials[0];
+    house.world.next_events.look_out(v.normal, v);
+    return v.outlook.seen;
+  };
+  EXPECT_GT(seen_at({1, 0, 0}), 0);
+  EXPECT_GT(seen_at({3, 0, 0}), 0);
+  EXPECT_EQ(seen_at({-2, 0, 0}), 0);
+  EXPECT_EQ(seen_at({6, 0, 0}), 0);
+  EXPECT_EQ(seen_at({2, 2.5, 0}), 0);
+}
+
+}  // namespace
+}  // namespace tdpt

@@ -1,0 +1,107 @@
+// Path guiding by the portals: where a walk stands on the side of a portal that it begins on, its
+// next direction is drawn towards a point on the portal with some probability ("the walk is
+// directed"), and as the surface scatters otherwise.
+//
+// Method: one-sample mixture of BSDF sampling and of sampling the portals as if they were lamps;
+// its density is known in closed form, nothing is learnt.
+//
+// w     direction; q: probability that a vertex aims. Beyond the first, 0.4 (1 - albedo) at most:
+//       a walk that does not aim carries 1 / (1 - q) as much from then on and survives with the
+//       albedo [roulette.h], so that q >= 1 - albedo would let it grow without bound
+// p(w)  density of the surface's own sampling, a(w) that of aiming [portals.h] [1/sr]
+// m     probability that no Dirac lobe was tried: those lobes are left as they are
+// b     1, but where a surface has no Dirac lobe and a narrow one (alpha < 0.3) the probability
+// that
+//       it would scatter by its diffuse lobe: a metal floor seldom shows the portal in the
+//       direction that it is looked at from
+//
+//   pdf_w = (1-qb) p(w) + qb m a(w),
+//
+// and the walk ends where p = 0: nothing is scattered there. P> and P< of a path [eq. 7] become
+// these; nothing else changes. Every walk is guided: what plain ones gain where lamps are seen
+// directly, MIS sample weights of next events gain without loss elsewhere [mixture.h].
+#pragma once
+#include "tools/tdpt-render/path/light/vertex.h"
+#include "tools/tdpt-render/path/sample/mixture.h"
+#include "tools/tdpt-render/path/sample/world.h"
+
+namespace tdpt {
+
+class Guide {
+ public:
+  /// Walks of `mixture`. Where it has no use for the portals there are none, at no cost.
+  Guide(const World& world, const Mixture& mixture)
+      : Guide(world, mixture.guiding, mixture.guiding != Guiding{},
+              mixture.has(Technique::portal) || mixture.guiding != Guiding{},
+              mixture.looks_out() ||
+                  (mixture.has(Technique::direct) && world.next_events.by_panels())) {}
+  /// The same, and all is known that the densities of any other directed walks depend on.
+  static Guide knowing_all(const World& world, const Mixture& mixture) {
+    return Guide(world, mixture.guiding, true, true, true);
+  }
+
+  /// Whether any walk may be directed; otherwise `crossing` knows D alone and no vertex has Aims.
+  bool active() const { return active_; }
+  /// Whether edges have crossings at all.
+  bool sees_portals() const { return sees_portals_; }
+  /// Whether vertices are told what next events know of them.
+  bool looks_out() const { return looks_out_; }
+
+  /// Of an edge `a` -> `b` of a path, a nearer to the light: here alone it is decided which edges
+  /// have one. `tests` counts those that are held against the portals; `drawn`: as in portals.h.
+  PortalSet::Crossing crossing(const Point& a, const Point& b, uint64_t& tests,
+                               const PortalSet::Drawn& drawn = {}) const;
+
+  /// Tells a surface that is seen along unit `away` from it, or was left along it, how walks are
+  /// directed there.
+  void aim_at_surface(const Vec3d& away, Vertex& v) const;
+  /// Tells y_0, a place on a light.
+  void aim_at_light(Vertex& v) const;
+
+  /// Whether there is anything to aim at from a surface.
+  bool may_aim(const Vertex& v, From from) const {
+    return v.aims.scattered[static_cast<size_t>(from)] > 0;
+  }
+  /// Whether a walk at `v` that came from unit `back` (0: it begins there) is directed, and then
+  /// the direction and the triangle aimed at. `u`: as in PortalSet::aim, and whether.
+  bool draw(const Vertex& v, const Vec3d& back, From from, const std::array<double, 4>& u, Vec3d& w,
+            int& triangle) const;
+
+  /// Whether the walk that leaves y_0 is directed, and then its ray and the triangle aimed at.
+  bool leave(const Vertex& y0, const std::array<double, 4>& u, Lights::Ray& ray,
+             int& triangle) const;
+
+  /// Of a walk at `at` that came from unit `back` (0: it begins there) and reaches `to` along `e`:
+  /// the guided density [1/canonical area], from the plain one and the edge's crossing.
+  double pdf_A(From from, const Vertex& at, const Vec3d& back, const Edge& e, const Point& to,
+               double plain_A, const PortalSet::Crossing& crossing) const {
+    if (!(plain_A > 0 && chance(from) > 0)) return plain_A;
+    const double W =
+        back == Vec3d() ? at.aims.emitted : at.aims.scattered[static_cast<size_t>(from)];
+    return W > 0 ? mixed_pdf_A(from, at, back, e, to, plain_A, crossing, W) : plain_A;
+  }
+
+ private:
+  Guide(const World& world, const Guiding& guiding, bool active, bool sees_portals, bool looks_out)
+      : portals_(world.portals),
+        guiding_(guiding),
+        active_(active && !world.portals.empty()),
+        sees_portals_(sees_portals && !world.portals.empty()),
+        looks_out_(looks_out && (!world.windows.empty() || world.next_events.by_panels())) {}
+  double chance(From from) const { return guiding_.chance[static_cast<size_t>(from)]; }
+  double chance(From from, double albedo) const;
+  double chance(From from, const Vertex& v, const Vec3d& back) const;
+  double mixed_pdf_A(From from, const Vertex& at, const Vec3d& back, const Edge& e, const Point& to,
+                     double plain_A, const PortalSet::Crossing& crossing, double W) const;
+  // Of a surface that is not simple: out of line, for the sake of those that are.
+  [[gnu::noinline]] double layered_pdf_A(From from, const Vertex& at, Vec3d back, const Edge& e,
+                                         const Point& to, double plain_A, double towards,
+                                         double W) const;
+  double aims(const Point& v, const Vec3d& facing, From from) const;
+
+  const PortalSet& portals_;
+  Guiding guiding_;
+  bool active_, sees_portals_, looks_out_;
+};
+
+}  // namespace tdpt

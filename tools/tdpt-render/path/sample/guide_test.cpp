@@ -1,0 +1,499 @@
+// Directed walks go where their density says, by chi-square over bins of the sphere, and their
+// smooth lobes are taken as often as without portals, by the binomial distribution. No density adds
+// up to more than 1.
+//
+// Walks are those of walk.h, in a box with one piece of material under test or one lamp in its
+// middle: each meets it at the same place, and the direction of its next edge is what is judged.
+#include <gtest/gtest.h>
+
+#include "libcommon/testing/statistics/chi_square.h"
+#include "tools/tdpt-render/integrators/integrator.h"
+#include "tools/tdpt-render/path/sample/surface.h"
+#include "tools/tdpt-render/path/sample/walk.h"
+
+namespace tdpt {
+namespace {
+
+constexpr double kLevel = 1e-3;  // a right program fails a whole TEST with this probability
+constexpr double kWrong = 1e-9;  // a wrong one is below this
+constexpr uint64_t kSamples = 150000;
+const Guiding kGuiding = tdpt_guided.mixture.guiding;
+// Of the piece in the middle, aslant to everything else.
+const Vec3d kUp = normalize(Vec3d(0.1, 0.2, 1));
+
+// Rectangle about `centre` with half sides u and v; light passes it along cross(u, v).
+Portal plate(const Vec3d& centre, const Vec3d& u, const Vec3d& v) {
+  const Vec3d p = centre - u - v;
+  return {"plate", {p, p + u * 2, p + u * 2 + v * 2, p + v * 2}, {{0, 1, 2}, {0, 2, 3}}, {}};
+}
+Portal turned_round(Portal portal) {
+  for (auto& t : portal.triangles) std::swap(t[1], t[2]);
+  return portal;
+}
+std::vector<Portal> turned_round(std::vector<Portal> portals) {
+  for (Portal& p : portals) p = turned_round(p);
+  return portals;
+}
+std::vector<Portal> operator+(std::vector<Portal> a, const std::vector<Portal>& b) {
+  a.insert(a.end(), b.begin(), b.end());
+  return a;
+}
+
+// Portals for walks from the camera that stand in the middle; for those from the light turn them
+// round.
+const std::vector<Portal> kOne{plate({0.2, 0.1, 0.5}, {0, 0.25, 0}, {0.2, 0, 0.05})};
+const std::vector<Portal> kAside{plate({-0.5, 0, 0.4}, {0, 0.1, 0}, {0, 0, 0.2}),
+                                 plate({-0.1, 0.6, 0.3}, {0.15, 0, 0}, {0, 0, 0.1})};
+const std::vector<Portal> kInSeries =
+    kOne + std::vector{plate({0.3, 0.1, 0.8}, {0, 0.2, 0}, {0.3, 0, 0})};
+const std::vector<Portal> kHalfBelow{plate({0.5, 0, 0}, {0, 0, 0.3}, {0, 0.3, 0})};
+const std::vector<Portal> kBelow{plate({0.2, 0, -0.5}, {0.25, 0, 0}, {0, 0.25, 0})};
+const std::vector<Portal> kWrongSide = turned_round(kOne);
+// Its plane is 0.01 away.
+const std::vector<Portal> kGrazing{plate({0.4, 0.01, 0.4}, {0.2, 0, 0}, {0, 0, 0.2})};
+
+enum class Kind { diffuse, rough, glossy, metal, plastic, milky, sheet };
+Material material(Kind kind) {
+  Material m;
+  m.base_color = {0.8f, 0.5f, 0.3f};
+  m.plain = kind == Kind::diffuse;
+  if (m.plain) return m;
+  m.specular = 1;
+  switch (kind) {
+    case Kind::rough:
+      m.metallic = 0.5f;
+      m.roughness = 0.6f;
+      break;
+    case Kind::glossy:  // a narrow lobe over a diffuse base
+      m.roughness = 0.4f;
+      break;
+    case Kind::metal:  // a narrow lobe alone: never directed
+      m.metallic = 1;
+      m.roughness = 0.45f;
+      break;
+    case Kind::plastic:
+      m.roughness = 0;
+      break;
+    case Kind::milky:  // smooth glass over a diffuse base
+      m.base_color = Rgb(0.9f);
+      m.roughness = 0;
+      m.transmission = 0.5f;
+      m.solid = true;
+      break;
+    default:
+      m.transmission = 0.6f;
+      m.roughness = 0.7f;
+      m.double_sided = true;
+  }
+  return m;
+}
+
+// Probability that a walk which came from `back` tries a smooth lobe.
+double smooth_share(const Vertex& at, const Vec3d& back) {
+  return at.simple ? 0
+                   : bsdf::any_dirac_probability(at.bsdf, Onb<double>(at.shading).to_local(back));
+}
+
+void add_triangle(Scene& scene, const Vec3d& a, const Vec3d& b, const Vec3d& c, uint32_t material) {
+  const auto first = static_cast<uint32_t>(scene.positions.size());
+  for (const Vec3d& p : {a, b, c}) scene.positions.push_back(Vec3f(p));
+  scene.triangles.push_back({{first, first + 1, first + 2}, material});
+}
+
+// The box [-1,1]^3 with dull walls, and a triangle of about that size in its middle.
+Scene box(const Material& middle, double size) {
+  Scene scene;
+  scene.materials = {Material{}, middle};
+  for (int axis = 0; axis < 3; ++axis)
+    for (const double side : {-1.0, 1.0}) {
+      std::array<Vec3d, 4> corner;
+      for (int i = 0; i < 4; ++i) {
+        std::array<double, 3> p;
+        p[static_cast<size_t>(axis)] = side;
+        p[static_cast<size_t>((axis + 1) % 3)] = i == 1 || i == 2 ? side : -side;
+        p[static_cast<size_t>((axis + 2) % 3)] = i >= 2 ? -1 : 1;
+        corner[static_cast<size_t>(i)] = {p[0], p[1], p[2]};
+      }
+      add_triangle(scene, corner[0], corner[1], corner[2], 0);
+      add_triangle(scene, corner[0], corner[2], corner[3], 0);
+    }
+  const Onb<double> onb(kUp);
+  const double far = size * std::sqrt(0.75);
+  add_triangle(scene, onb.x * size, onb.x * (-0.5 * size) + onb.y * far,
+               onb.x * (-0.5 * size) - onb.y * far, 1);
+  // Between the middle and some of the portals: walks end on it short of them.
+  add_triangle(scene, {0.1, 0, 0.35}, {0.25, 0.05, 0.35}, {0.1, 0.1, 0.35}, 0);
+  Camera camera;
+  camera.position = {-0.3, 0.2, 0.4};
+  camera.forward = normalize(-camera.position);
+  camera.right = normalize(cross(camera.forward, Vec3d(0, 0, 1)));
+  camera.up = cross(camera.right, camera.forward);
+  scene.cameras.push_back(camera);
+  return scene;
+}
+
+// Where walks stand whose next direction is judged.
+struct Stand {
+  const World& world;
+  Guide guide;
+  From from;
+  Vertex before, at;
+  Vec3d back{};  // 0: the walk begins there
+
+  Stand(const World& w, From f) : world(w), guide(w, tdpt_guided.mixture), from(f) {}
+
+  // Density [1/sr] of going on along w by a lobe that is not Dirac.
+  // `least`: of the surface's own; to spoil it.
+  double pdf_w(const Vec3d& w, double least = 0) const {
+    Hit hit;
+    if (!world.tracer.closest(at.origin(), w, hit)) return 0;
+    Vertex to;
+    place_on_surface(world, hit, to);
+    const Edge e = between(at, to);
+    const double plain =
+        std::max(back == Vec3d() ? emission_pdf_A(at, e, to)
+                                 : scatter_pdf_A(at, between(at, before).w, e, to, false),
+                 least);
+    uint64_t tests = 0;
+    const PortalSet::Crossing c =
+        from == From::light ? guide.crossing(at, to, tests) : guide.crossing(to, at, tests);
+    return guide.pdf_A(from, at, back, e, to, plain, c) * e.d2 / to.cosine(e.w);
+  }
+  double& aim() {  // W
+    return back == Vec3d() ? at.aims.emitted : at.aims.scattered[from == From::light ? 0 : 1];
+  }
+  double aim() const { return Stand(*this).aim(); }
+};
+
+struct Case {
+  std::string name;
+  From from;
+  Scene scene;
+  std::vector<Portal> portals;
+  bool begins = false;  // at a lamp in the middle
+  // Aslant: seen from the middle no border of a portal follows one of theirs, where quadrature
+  // would miss what lies beyond it.
+  SphereBins bins{normalize(Vec3d(0.31, -0.52, 0.83)), 2, 12, 16};
+
+  World world() const { return World(scene, scene.cameras[0], 64, 64, portals); }
+};
+
+// A walk that scatters at a piece of `kind` in the middle.
+Case scatters(const std::string& name, From from, Kind kind, const std::vector<Portal>& portals) {
+  Case c{name, from, box(material(kind), 0.05),
+         from == From::light ? turned_round(portals) : portals};
+  if (from == From::light) {
+    // A needle of light from where the camera is.
+    PunctualLight spot;
+    spot.kind = PunctualLight::Kind::spot;
+    spot.position = c.scene.cameras[0].position;
+    spot.direction = normalize(-spot.position);
+    spot.cos_inner = 1;
+    spot.cos_outer = 1 - 1e-13;
+    spot.intensity = Rgb(1.0f);
+    c.scene.lights.push_back(spot);
+  }
+  return c;
+}
+
+// A walk that begins at a lamp in the middle.
+Case begins(const std::string& name, Material lamp, const std::vector<Portal>& portals) {
+  lamp.emission = Rgb(1.0f);
+  return {name, From::light, box(lamp, 1e-5), turned_round(portals), true};
+}
+Case begins_at_a_point(const std::string& name, const std::vector<Portal>& portals) {
+  Case c{name, From::light, box(Material{}, 1e-5), turned_round(portals), true};
+  PunctualLight lamp;
+  lamp.position = kUp * 0.02;
+  lamp.intensity = Rgb(1.0f);
+  c.scene.lights.push_back(lamp);
+  return c;
+}
+
+Stand stand_of(const World& world, const Case& c) {
+  Stand s(world, c.from);
+  if (c.from == From::light) {
+    place_on_light(world, world.lights.sample(0.5, 1.0 / 3, 0.5, 0), c.begins ? s.at : s.before);
+    if (c.begins) {
+      s.guide.aim_at_light(s.at);
+      return s;
+    }
+  } else {
+    s.before = {};
+    s.before.position = world.film.position();
+  }
+  Hit hit;
+  const Vec3d w =
+      c.from == From::light ? -normalize(s.before.position) : world.film.direction(32, 32);
+  EXPECT_TRUE(world.tracer.closest(s.before.origin(), w, hit));
+  place_on_surface(world, hit, s.at);
+  EXPECT_LT(length(s.at.position), 1e-6);
+  s.guide.aim_at_surface(-w, s.at);
+  s.back = -w;
+  return s;
+}
+
+struct Judgement {
+  double p = 1, dirac_p = 1;
+  double total = 0;  // of the density and the Dirac lobes
+};
+
+template <class Pdf>
+Judgement judge(const Case& c, const Stand& s, uint64_t stream, const Pdf& pdf_w) {
+  const int begin = c.begins ? 0 : 1;  // the vertex that is judged
+  Walk walk;
+  RayCounts rays;
+  uint64_t tried = 0, dirac = 0;
+  const std::vector<double> share = c.bins.integrate(pdf_w);
+  const ChiSquare chi = chi_square_of_samples(kSamples, share, [&](uint64_t) {
+    do {  // until it gets to where it is judged: lamps are directed, too
+      const Sequence numbers(7, stream, tried++, 0);
+      if (c.from == From::camera)
+        walk_from_camera(s.world, s.guide, 32, 32, begin + 1, numbers, walk, rays);
+      else
+        walk_from_light(s.world, s.guide, begin + 1, numbers, walk, rays);
+    } while (walk.size <= begin ||
+             (!c.begins && length(walk[begin].position - s.at.position) > 1e-3));
+    if (walk.size == begin + 1) return c.bins.size();
+    if (!walk.state(begin).dirac) return c.bins.bin(between(walk[begin], walk[begin + 1]).w);
+    ++dirac;
+    return c.bins.size();
+  });
+  const double smooth = c.begins ? 0 : smooth_share(s.at, s.back);
+  Judgement j{chi.p, binomial_p(dirac, kSamples, smooth), smooth};
+  for (double x : share) j.total += x;
+  return j;
+}
+
+// Every density adds up to at most 1 and is followed. `aims`: whether there is anything to aim at.
+void all_hold(const std::vector<Case>& cases, bool aims = true) {
+  const double least = sidak(kLevel, 2 * cases.size());
+  for (size_t i = 0; i < cases.size(); ++i) {
+    const Case& c = cases[i];
+    const World world = c.world();
+    const Stand s = stand_of(world, c);
+    EXPECT_EQ(s.aim() > 0, aims) << c.name;
+    const Judgement j = judge(c, s, i, [&](const Vec3d& w) { return s.pdf_w(w); });
+    const std::string name = c.name + (c.from == From::light ? ", from the light" : "");
+    EXPECT_GT(j.p, least) << name;
+    EXPECT_GT(j.dirac_p, least) << name;
+    EXPECT_LT(j.total, 1 + 1e-3) << name;
+    EXPECT_GT(j.total, 0.3) << name;
+  }
+}
+
+// A narrow strip seen from the middle, which crosses these bins and does not follow them.
+SphereBins towards_the_grazing_one() {
+  return SphereBins(normalize(Vec3d(0.4, 0.07, 0.37)), 0.2, 20, 96);
+}
+
+TEST(guide, diffuse_surfaces_send_walks_at_portals_as_their_density_says) {
+  std::vector<Case> cases;
+  for (const From from : {From::light, From::camera}) {
+    cases.push_back(scatters("one", from, Kind::diffuse, kOne));
+    cases.push_back(scatters("several", from, Kind::diffuse, kOne + kAside));
+    cases.push_back(scatters("in series", from, Kind::diffuse, kInSeries));
+    cases.push_back(scatters("half below", from, Kind::diffuse, kHalfBelow));
+    // The one below is asked first, so that it takes what it must not.
+    cases.push_back(scatters("one above, one below", from, Kind::diffuse, kBelow + kOne));
+    cases.push_back(scatters("one of them looks away", from, Kind::diffuse, kAside + kWrongSide));
+    cases.push_back(scatters("grazing", from, Kind::diffuse, kGrazing));
+    cases.back().bins = towards_the_grazing_one();
+  }
+  all_hold(cases);
+}
+
+TEST(guide, other_surfaces_do_so_too_and_keep_their_smooth_lobes) {
+  std::vector<Case> cases;
+  for (const From from : {From::light, From::camera}) {
+    cases.push_back(scatters("rough", from, Kind::rough, kOne + kAside));
+    cases.push_back(scatters("rough, half below", from, Kind::rough, kHalfBelow));
+    cases.push_back(scatters("glossy", from, Kind::glossy, kOne + kAside));
+    cases.push_back(scatters("metal", from, Kind::metal, kOne + kAside));
+    cases.push_back(scatters("smooth plastic", from, Kind::plastic, kOne + kAside));
+    cases.push_back(scatters("smooth plastic, half below", from, Kind::plastic, kHalfBelow));
+    cases.push_back(scatters("smooth milky glass", from, Kind::milky, kInSeries));
+    cases.push_back(scatters("sheet", from, Kind::sheet, kOne));
+    cases.push_back(scatters("sheet, above and below", from, Kind::sheet, kBelow + kOne));
+    cases.push_back(scatters("sheet, half below", from, Kind::sheet, kHalfBelow));
+  }
+  all_hold(cases);
+}
+
+TEST(guide, lamps_do_so_too) {
+  Material black, mirror, both;
+  black.base_color = Rgb(0.0f);
+  mirror.plain = false;
+  mirror.metallic = 1;
+  mirror.roughness = 0;
+  both.double_sided = true;
+  std::vector<Case> cases;
+  for (const auto& [name, lamp] : std::vector<std::pair<std::string, Material>>{
+           {"one-sided", {}}, {"black", black}, {"mirror", mirror}, {"double-sided", both}}) {
+    cases.push_back(begins(name, lamp, kOne + kAside));
+    cases.push_back(begins(name + ", in series", lamp, kInSeries));
+    cases.push_back(begins(name + ", half below", lamp, kHalfBelow));
+    cases.push_back(begins(name + ", above and below", lamp, kBelow + kOne));
+  }
+  cases.push_back(begins_at_a_point("point", kBelow + kOne + kAside));
+  cases.push_back(begins_at_a_point("point, in series", kInSeries));
+  all_hold(cases);
+}
+
+TEST(guide, what_cannot_be_reached_is_never_aimed_at) {
+  std::vector<Case> cases;
+  for (const From from : {From::light, From::camera})
+    for (const Kind kind : {Kind::diffuse, Kind::rough, Kind::plastic}) {
+      cases.push_back(scatters("below", from, kind, kBelow));
+      cases.push_back(scatters("below, looking away", from, kind, turned_round(kBelow)));
+      cases.push_back(scatters("wrong side", from, kind, kWrongSide));
+      // In its very plane.
+      cases.push_back(
+          scatters("edge on", from, kind, {plate({0.4, 0, 0.4}, {0.2, 0, 0}, {0, 0, 0.2})}));
+    }
+  cases.push_back(begins("lamp, below", Material{}, kBelow));
+  cases.push_back(begins("lamp, wrong side", Material{}, kWrongSide));
+  cases.push_back(begins_at_a_point("point, wrong side", kWrongSide));
+  all_hold(cases, false);
+}
+
+// Lines of the sun through a box, by where they pass the plane across its way through the origin:
+// a grid of bins over the disc, each with the share that the density gives it.
+double sun_lines(double fault) {
+  Case c = begins_at_a_point("sun", kOne + kAside);
+  PunctualLight& sun = c.scene.lights[0];
+  sun.kind = PunctualLight::Kind::directional;
+  sun.direction = normalize(Vec3d(0.2, -0.3, 1));
+  const Onb<double> onb(sun.direction);
+  const World world = c.world();
+  const Guide guide(world, tdpt_guided.mixture);
+  Vertex y0;
+  place_on_light(world, world.lights.sample(0.5, 0.5, 0.5, 0), y0);
+  guide.aim_at_light(y0);
+  EXPECT_GT(y0.aims.emitted, 0);
+  constexpr int kSide = 16, kFine = 128;
+  const double radius = std::sqrt(y0.source->cos_per_pdf_w() / std::numbers::pi);
+  const auto bin = [&](const Vec3d& at) {
+    const auto index = [&](double x) {
+      return std::clamp(static_cast<int>((x / radius + 1) * 0.5 * kSide), 0, kSide - 1);
+    };
+    return static_cast<size_t>(index(dot(onb.x, at)) * kSide + index(dot(onb.y, at)));
+  };
+  std::vector<double> share(kSide * kSide);
+  const double cell = 2 * radius / (kSide * kFine);
+  for (int i = 0; i < kSide * kFine; ++i)
+    for (int j = 0; j < kSide * kFine; ++j) {
+      const double x = (i + 0.5) * cell - radius, y = (j + 0.5) * cell - radius;
+      Vertex to;  // a surface across the light's way
+      to.material = &world.scene.materials[0];
+      to.normal = -sun.direction;
+      to.position = onb.x * x + onb.y * y;
+      uint64_t tests = 0;
+      const double plain = x * x + y * y < radius * radius ? 1 / y0.source->cos_per_pdf_w() : 0;
+      const double p = guide.pdf_A(From::light, y0, Vec3d(), between(y0, to), to, plain,
+                                   guide.crossing(y0, to, tests));
+      share[bin(to.position)] += p * cell * cell;
+    }
+  double total = 0;
+  for (double s : share) total += s;
+  EXPECT_NEAR(total, 1, 1e-3);
+  for (double& s : share) s = s * fault + (1 - fault) / static_cast<double>(share.size());
+  return chi_square_of_samples(kSamples, share,
+                               [&](uint64_t i) {
+                                 Sequence numbers(3, 1, i, 0);
+                                 const auto u = numbers.uniforms<4>();
+                                 Lights::Ray ray = world.lights.leave(
+                                     world.lights.sample(0.5, 0.5, 0.5, 0), u[0], u[1]);
+                                 int triangle = -1;
+                                 guide.leave(y0, u, ray, triangle);
+                                 return bin(ray.origin);
+                               })
+      .p;
+}
+TEST(guide, parallel_light_is_directed_through_portals_by_its_density) {
+  EXPECT_GT(sun_lines(1), kLevel);
+}
+TEST(guide, twin_parallel_light_less_directed_than_its_density_says) {
+  EXPECT_LT(sun_lines(0.95), kWrong);
+}
+
+// Faults that must be found: `spoil` gets the stand and W, and changes what the density is told.
+template <class Spoil>
+Judgement spoilt(const Case& c, Spoil spoil, double least = 0) {
+  const World world = c.world();
+  Stand s = stand_of(world, c);
+  EXPECT_GT(s.aim(), 0) << c.name;
+  // Walks get the same from a stand of their own.
+  spoil(s, s.aim());
+  return judge(c, s, 1, [&](const Vec3d& w) { return s.pdf_w(w, least); });
+}
+// Dark, so that walks are directed as often as any may be.
+std::vector<Case> each_kind(const std::vector<Portal>& portals) {
+  std::vector<Case> cases{scatters("diffuse", From::camera, Kind::diffuse, portals),
+                          scatters("rough", From::light, Kind::rough, portals),
+                          scatters("glossy", From::camera, Kind::glossy, portals),
+                          scatters("plastic", From::camera, Kind::plastic, portals),
+                          scatters("sheet", From::light, Kind::sheet, portals),
+                          begins("lamp", Material{}, portals),
+                          begins_at_a_point("point", portals)};
+  for (Case& c : cases) c.scene.materials[1].base_color = Rgb(0.3f);
+  return cases;
+}
+
+TEST(guide, twin_densities_of_aiming_5_percent_off) {
+  for (const Case& c : each_kind(kOne + kAside))
+    for (const double factor : {0.95, 1.05}) {
+      const Judgement j = spoilt(c, [&](Stand& s, double) { s.aim() /= factor; });
+      EXPECT_LT(j.p, kWrong) << c.name << " " << factor;
+      if (c.name == "diffuse" && factor > 1) {
+        EXPECT_GT(j.total, 1 + 1e-3);
+      }
+    }
+}
+TEST(guide, twin_weights_of_facets_that_do_not_add_up_to_1) {
+  for (const Case& c : each_kind(kOne + kAside))
+    EXPECT_LT(spoilt(c, [](Stand& s, double W) { s.aim() /= W; }).p, kWrong) << c.name;
+}
+// W with what lies below the horizon, too: less is left for the rest.
+TEST(guide, twin_a_density_that_knows_no_horizon_when_it_chooses) {
+  for (const From from : {From::light, From::camera}) {
+    const Case c = scatters("above and below", from, Kind::diffuse, kBelow + kOne);
+    const Judgement j = spoilt(c, [&](Stand& s, double W) {
+      const double all = s.world.portals.aims(
+          s.at.position, {},
+          from == From::light ? PortalSet::Way::with_light : PortalSet::Way::against_light);
+      EXPECT_GT(all, 1.2 * W);
+      s.aim() *= all / W;
+    });
+    EXPECT_LT(j.p, kWrong);
+  }
+}
+// What is aimed below the horizon does not go on there.
+TEST(guide, twin_a_density_that_knows_no_horizon_when_it_scatters) {
+  for (const Case& c : {scatters("scatters", From::camera, Kind::diffuse, kHalfBelow),
+                        begins("begins", Material{}, kHalfBelow)})
+    EXPECT_LT(spoilt(
+                  c, [](Stand&, double) {}, 1e-30)
+                  .p,
+              kWrong)
+        << c.name;
+}
+TEST(guide, twin_smooth_lobes_that_are_directed_too) {
+  for (const Kind kind : {Kind::plastic, Kind::milky}) {
+    Case c = scatters("smooth", From::camera, kind, kOne);
+    c.scene.materials[1].base_color = Rgb(0.3f);  // directed often
+    double smooth = 0;
+    const Judgement j = spoilt(c, [&](Stand& s, double) {
+      smooth = smooth_share(s.at, s.back);
+      s.aim() *= 1 - smooth;
+    });
+    EXPECT_LT(j.p, kWrong);
+    // And their share, were a walk directed in their place as well.
+    EXPECT_GT(j.dirac_p, 1e-4);
+    const auto kept = static_cast<uint64_t>((1 - kGuiding.chance[1]) * smooth * kSamples);
+    EXPECT_LT(binomial_p(kept, kSamples, smooth), kWrong);
+  }
+}
+
+}  // namespace
+}  // namespace tdpt

@@ -1,0 +1,212 @@
+// The sub-paths of bidirectional path tracing: random walks from the camera and from a light, each
+// vertex with its throughput, with its density from this end, and with the density that a walk from
+// the other end would have given it. Section 3.1.2, eqs. 1 and 3.
+//
+// Method: BSDF sampling, mixed with path guiding by the portals [guide.h] where an integrator has
+// it. The density from the other end depends on two more vertices and is filled in when they are
+// known; throughputs and densities of unguided sampling are computed first, the guided ones replace
+// them.
+#include "tools/tdpt-render/path/sample/walk.h"
+
+#include <utility>
+
+#include "tools/tdpt-render/path/sample/surface.h"
+
+namespace tdpt {
+namespace {
+
+// Dimensions of a walk: of its start, then of each bounce, used or not, so that one means the same
+// in every sample: where on a light (pick, place, side) or how a surface scatters; then the aim.
+constexpr uint32_t kPerBounce = 8, kDirection = 4;
+
+class Walker {
+ public:
+  Walker(const World& world, const Guide& guide, From from, const Sequence& numbers, Walk& walk,
+         RayCounts& rays)
+      : world_(world), guide_(guide), from_(from), numbers_(numbers), walk_(walk), rays_(rays) {}
+
+  Sequence& numbers() { return numbers_; }
+
+  /// Extends the walk, whose last vertex is v, along unit w from `origin`: first hit, its
+  /// densities, and what the two vertices before it learn. `throughput`: of a walk that is not
+  /// directed. `plain_A(v, e, hit)`: density of the hit in such a walk. `triangle`: of the portals,
+  /// aimed at.
+  template <class PlainPdf>
+  bool extend(const Tracer::Origin& origin, const Vec3d& w, const Rgb& throughput,
+              const PlainPdf& plain_A, int triangle);
+
+  /// Goes on until the walk has that many edges or ends.
+  void scatter(int edges);
+
+ private:
+  PortalSet::Crossing crossing(const Vertex& v, const Vertex& next, int triangle);
+
+  const World& world_;
+  const Guide& guide_;
+  From from_;
+  Sequence numbers_;
+  Walk& walk_;
+  RayCounts& rays_;
+  Edge last_{};  ///< to the walk's last vertex; 0 where it begins there
+};
+
+PortalSet::Crossing Walker::crossing(const Vertex& v, const Vertex& next, int triangle) {
+  return from_ == From::light ? guide_.crossing(v, next, rays_.portal, {triangle, -1})
+                              : guide_.crossing(next, v, rays_.portal, {triangle, -1});
+}
+
+template <class PlainPdf>
+bool Walker::extend(const Tracer::Origin& origin, const Vec3d& w, const Rgb& throughput,
+                    const PlainPdf& plain_A, int triangle) {
+  const auto n = static_cast<size_t>(walk_.size);
+  Hit hit;
+  ++rays_.closest;
+  const bool by_film = n == 1 && from_ == From::camera;
+  const bool leaves = by_film ? !world_.tracer.first_seen(origin.position, w, hit)
+                              : !world_.tracer.closest(origin, w, hit);
+  if (leaves && (from_ == From::light || !world_.lights.sky() || hit.triangle != ~0u)) return false;
+  walk_.make_place();
+  Vertex& v = walk_.v[n - 1];
+  Vertex& next = walk_.v[n];
+  leaves ? place_in_sky(world_, w, next) : place_on_surface(world_, hit, next);
+  const Edge e = between(v, next);
+  const double plain = plain_A(v, e, next);
+  if (!(plain > 0)) return false;
+  WalkState& here = walk_.states[n - 1];
+  const bool known = n >= 2 && walk_.v[n - 2].met();
+  const double other =
+      known ? scatter_pdf_A(v, e.w, reversed(last_), walk_.v[n - 2], here.dirac) : 0;
+  if (known) walk_.states[n - 2].pdf_other_A = other;
+  WalkState& state = walk_.states[n];
+  if (guide_.active()) leaves ? guide_.aim_at_light(next) : guide_.aim_at_surface(-w, next);
+  // Light walks ask for the first: it may be x_1.
+  if (guide_.looks_out() && !leaves && (from_ == From::camera || n == 1)) {
+    world_.next_events.look_out(-w, next);
+    if (from_ == From::light) world_.next_events.look_at_panels(next);
+  }
+  if (n >= 2) here.other_survival = albedo_at(v, e.w);
+  state.own_survival = albedo_at(next, -e.w);
+  state.other_survival = 1;
+  const double went_on = always_goes_on(static_cast<int>(n) - 1) ? 1 : here.own_survival;
+  state.throughput =
+      hit.presence < 1 ? throughput * static_cast<float>(1 / hit.presence) : throughput;
+  state.pdf_own_A = went_on * plain;
+  state.pdf_other_A = 0;
+  state.edge = e;
+  state.crossing = crossing(v, next, triangle);
+  state.dirac = false;
+  if (world_.absorbing && !leaves)
+    state.throughput = state.throughput * transmittance(v, next, w, hit.distance);
+  ++walk_.size;
+  const Edge before = std::exchange(last_, e);
+  if (!guide_.active()) return true;
+
+  if (here.dirac || by_film) return true;
+  const double directed = guide_.pdf_A(from_, v, -before.w, e, next, plain, state.crossing);
+  state.pdf_own_A = went_on * directed;
+  state.throughput *= static_cast<float>(plain / directed);
+  if (known) {
+    const From reverse = from_ == From::light ? From::camera : From::light;
+    walk_.states[n - 2].pdf_other_A =
+        guide_.pdf_A(reverse, v, e.w, reversed(before), walk_.v[n - 2], other, here.crossing);
+  }
+  return true;
+}
+
+void Walker::scatter(int edges) {
+  while (walk_.size <= edges && !walk_[walk_.size - 1].at_infinity()) {
+    walk_.make_place();
+    const Vertex& v = walk_[walk_.size - 1];
+    WalkState& state = walk_.states[static_cast<size_t>(walk_.size) - 1];
+    const Vec3d to_previous = -last_.w;
+    numbers_.seek(kPerBounce * static_cast<uint32_t>(walk_.size - 1));
+    const auto [a, b, lobe, roulette] = numbers_.uniforms<4>();
+    const double chance = always_goes_on(walk_.size - 1) ? 1 : state.own_survival;
+    if (!(roulette < chance)) return;
+    Turn t;
+    const bool scatters = turn(v, from_, to_previous, {a, b, lobe}, t);
+    const bool tried_dirac = t.dirac;
+    Vec3d towards;
+    int triangle = -1;
+    bool aims = false;
+    if (guide_.active() && guide_.may_aim(v, from_)) {
+      numbers_.seek(kPerBounce * static_cast<uint32_t>(walk_.size - 1) + kDirection);
+      aims = guide_.draw(v, to_previous, from_, numbers_.uniforms<4>(), towards, triangle);
+    }
+    if (aims && !tried_dirac) {
+      if (!turn_towards(v, from_, to_previous, towards, t)) return;
+    } else if (!scatters) {
+      return;
+    }
+    // One factor more, f cos / pdf_w, of [eq. 1] or [eq. 3] over its density.
+    const Rgb throughput = state.throughput * t.weight * static_cast<float>(1 / chance);
+    if (max_component(throughput) <= 0) return;
+    state.dirac = t.dirac;
+    const auto pdf_A = [&](const Vertex& at, const Edge& e, const Vertex& to) {
+      return scatter_pdf_A(at, to_previous, e, to, t.dirac);
+    };
+    if (!extend(v.origin(), t.w, throughput, pdf_A, tried_dirac ? -1 : triangle)) {
+      state.dirac = false;
+      return;
+    }
+  }
+}
+
+}  // namespace
+
+void begin_at_light(const World& world, const Lights::Point& light, Walk& walk) {
+  walk.size = 0;
+  walk.make_place();
+  walk.size = 1;
+  place_on_light(world, light, walk.v[0]);
+  walk.states[0] = {};
+  walk.states[0].throughput = Rgb(static_cast<float>(1 / light.pdf));
+  walk.states[0].pdf_own_A = light.pdf;
+}
+
+void walk_from_camera(const World& world, const Guide& guide, double x, double y, int edges,
+                      Sequence numbers, Walk& walk, RayCounts& rays) {
+  walk.size = 0;
+  walk.make_place();
+  walk.size = 1;
+  walk.v[0] = {};
+  walk.v[0].position = world.film.position();
+  walk.states[0] = {};
+  walk.states[0].pdf_own_A = 1;
+  const Vec3d w = world.film.direction(x, y);
+  const auto pdf_A = [&](const Vertex&, const Edge& e, const Vertex& to) {
+    return to_area(world.film.pdf_w(w), {w, e.d2}, to);
+  };
+  Walker walker(world, guide, From::camera, numbers, walk, rays);
+  const Tracer::Origin pinhole = walk.v[0].origin();
+  if (walker.extend(pinhole, w, Rgb(1.0f), pdf_A, -1)) walker.scatter(edges);
+}
+
+void walk_from_light(const World& world, const Guide& guide, int edges, Sequence numbers,
+                     Walk& walk, RayCounts& rays) {
+  walk.size = 0;
+  if (world.lights.empty()) return;
+  Walker walker(world, guide, From::light, numbers, walk, rays);
+  walker.numbers().seek(0);
+  const auto [u, v, pick, side] = walker.numbers().uniforms<4>();
+  const Lights::Point light = world.lights.sample(pick, u, v, side);
+  begin_at_light(world, light, walk);
+  if (guide.active()) guide.aim_at_light(walk.v[0]);
+  if (edges < 1) return;
+  const Vertex& y0 = walk[0];
+  const std::array<double, 4> direction = walker.numbers().uniforms<4>();
+  Lights::Ray ray = world.lights.leave(light, direction[0], direction[1]);
+  int triangle = -1;
+  if (guide.active()) guide.leave(y0, direction, ray, triangle);
+  // Black beside what shines, where rounding has put it, with a density of 0.
+  const Rgb Le = emitted(y0, ray.direction);
+  if (max_component(Le) <= 0) return;
+  const Rgb throughput =
+      walk.state(0).throughput * Le * static_cast<float>(light.source->cos_per_pdf_w());
+  if (max_component(throughput) <= 0) return;
+  const Tracer::Origin origin{ray.origin, y0.normal};
+  if (walker.extend(origin, ray.direction, throughput, emission_pdf_A, triangle))
+    walker.scatter(edges);
+}
+
+}  // namespace tdpt

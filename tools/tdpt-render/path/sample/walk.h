@@ -1,0 +1,60 @@
+// The sub-paths of bidirectional path tracing: random walks from the camera and from a light.
+// Section 3.1.2.
+#pragma once
+#include <vector>
+
+#include "libcommon/math/sequence.h"
+#include "tools/tdpt-render/path/sample/guide.h"
+#include "tools/tdpt-render/path/sample/roulette.h"
+#include "tools/tdpt-render/path/sample/tally.h"
+
+namespace tdpt {
+
+/// What a walk knows of its own at one of its vertices.
+struct WalkState {
+  /// Of all before, without what is emitted or scattered here: 1 / pdf of the place on a light,
+  /// emission and f cos over their densities, transmittance over coverage.
+  Rgb throughput{};
+  double pdf_own_A = 0;  ///< of the vertex, sampled by this walk
+  /// As a walk from the other end would sample it that goes on from the vertex after it; known two
+  /// vertices later.
+  double pdf_other_A = 0;
+  /// Albedo here, by which this walk and, known one vertex later, one from the other end survives.
+  double own_survival = 1, other_survival = 1;
+  Edge edge{};                     ///< from the vertex before
+  PortalSet::Crossing crossing{};  ///< of that edge (portals.h)
+  bool dirac = false;              ///< the walk went on by a Dirac lobe
+};
+
+struct Walk {
+  std::vector<Vertex> v;          ///< `size` of them are the walk
+  std::vector<WalkState> states;  ///< as many
+  int size = 0;
+  /// Makes place for one vertex more; those there are may move.
+  void make_place() {
+    if (v.size() > static_cast<size_t>(size)) return;
+    v.resize(2 * v.size() + 8);
+    states.resize(v.size());
+  }
+  const Vertex& operator[](int i) const { return v[static_cast<size_t>(i)]; }
+  const WalkState& state(int i) const { return states[static_cast<size_t>(i)]; }
+};
+
+/// Unit direction from vertex i back to the vertex before it, 0 where the walk begins.
+inline Vec3d back(const Walk& walk, int i) {
+  if (i == 0) return {};
+  return -walk.state(i).edge.w;
+}
+
+/// y_0 alone, a walk of no edges; it has yet to be told where it may aim [Guide::aim_at_light].
+void begin_at_light(const World& world, const Lights::Point& light, Walk& walk);
+
+/// z_0 at the pinhole, z_1 ... z_n, n <= edges, through raster place (x, y).
+void walk_from_camera(const World& world, const Guide& guide, double x, double y, int edges,
+                      Sequence numbers, Walk& walk, RayCounts& rays);
+
+/// y_0 on a light, y_1 ... y_n, n <= edges.
+void walk_from_light(const World& world, const Guide& guide, int edges, Sequence numbers,
+                     Walk& walk, RayCounts& rays);
+
+}  // namespace tdpt

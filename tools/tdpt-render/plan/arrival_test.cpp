@@ -1,0 +1,46 @@
+// What arrives of each kind of light.
+#include "tools/tdpt-render/plan/arrival.h"
+
+#include <gtest/gtest.h>
+
+#include "tools/tdpt-render/testing/known_paths.h"
+#include "tools/tdpt-render/testing/sky.h"
+
+namespace tdpt {
+namespace {
+
+constexpr double kEnd = 4.09;  // the far room's wall [m]
+
+Lights::Shares arriving(const Scene& scene, const std::vector<Portal>& portals = {}) {
+  const World world(scene, scene.camera(""), 32, 24, portals);
+  const Lights::Shares plain = world.lights.shares(), found = arriving_shares(world, {});
+  EXPECT_NEAR(found.surfaces + found.lamps + found.parallel + found.sky, 1, 1e-12);
+  EXPECT_GE(found.sky, 0.1 * plain.sky * (1 - 1e-12));
+  EXPECT_GE(found.surfaces, 0.1 * plain.surfaces * (1 - 1e-12));
+  return found;
+}
+
+TEST(arrival, of_a_sky_round_a_closed_house_is_nothing) {
+  const Scene scene = under(diffuse_rooms(), one_colour_sky({2, 3, 4}));
+  const World world(scene, scene.camera(""), 32, 24, {});
+  EXPECT_GT(world.lights.shares().sky, 0.5);  // by power
+  EXPECT_NEAR(arriving(scene).sky, 0.1 * world.lights.shares().sky, 1e-12);
+}
+
+TEST(arrival, of_a_sky_that_comes_in_is_more) {
+  const Scene scene = under(open_end(diffuse_rooms(), kEnd), one_colour_sky({2, 3, 4}));
+  EXPECT_GT(arriving(scene).sky, 0.3);
+  const Portal end = rectangle({4.1, 0.1, -0.9}, {0, 0, 1.8}, {0, 1.8, 0});
+  EXPECT_NEAR(arriving(scene, {end}).sky, arriving(scene).sky, 0.2);
+}
+
+TEST(arrival, is_the_same_again_and_the_suns_without_lamps) {
+  const Scene lit = under(open_end(diffuse_rooms(), kEnd), one_colour_sky({2, 3, 4}));
+  EXPECT_EQ(arriving(lit), arriving(lit));
+  const Scene scene =
+      under(without_lamps(open_end(diffuse_rooms(), kEnd)), one_colour_sky({2, 3, 4}));
+  EXPECT_NEAR(arriving(scene).sky, 1, 1e-12);
+}
+
+}  // namespace
+}  // namespace tdpt

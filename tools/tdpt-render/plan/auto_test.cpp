@@ -1,0 +1,333 @@
+// Pictures of `auto`: the same for any number of threads, made by the right integrator, which is
+// told from few samples.
+#include <cmath>
+#include <set>
+
+#include <gtest/gtest.h>
+#include <oneapi/tbb/global_control.h>
+#include <nlohmann/json.hpp>
+
+#include "tools/tdpt-render/run/report.h"
+#include "tools/tdpt-render/testing/rooms.h"
+#include "tools/tdpt-render/testing/told.h"
+
+namespace tdpt {
+namespace {
+
+struct Room {
+  Scene scene;
+  World world;
+  std::vector<Candidate> candidates;
+
+  Room(const std::string& path, const std::vector<Portal>& portals, int width, int height)
+      : scene(read_gltf(path)),
+        world(scene, scene.camera(""), width, height, portals),
+        candidates(expecting_joins(world, auto_candidates(world), kMaxDepth)) {}
+
+  RenderResult render(const RenderSettings& settings) const {
+    return tdpt::render(world, candidates, settings);
+  }
+};
+
+Room two_rooms(int width = 40, int height = 30) {
+  return Room(two_rooms_path(), {portal_in_the_hole()}, width, height);
+}
+Room window(int width, int height) {
+  return Room(TDPT_TESTDATA "/scenes/window.glb",
+              {rectangle({2.05, 0.2, -0.8}, {0, 0, 1.6}, {0, 1.6, 0})}, width, height);
+}
+
+RenderSettings of(uint64_t spp, uint64_t seed = 1) {
+  RenderSettings settings;
+  settings.spp = spp;
+  settings.seed = seed;
+  return settings;
+}
+
+TEST(auto_choice, is_the_same_and_so_is_the_picture_for_any_number_of_threads) {
+  const Room room = two_rooms();
+  RenderSettings settings = of(40);
+  settings.layers = true;
+  std::vector<RenderResult> results;
+  for (size_t threads : {1, 2, 3}) {
+    tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    results.push_back(room.render(settings));
+  }
+  ASSERT_EQ(results[0].prospects.size(), room.candidates.size());
+  for (size_t r : {1, 2}) {
+    EXPECT_EQ(results[0].picture.pixels, results[r].picture.pixels);
+    EXPECT_EQ(results[0].chosen_label, results[r].chosen_label);
+    for (size_t i = 0; i < room.candidates.size(); ++i) {
+      EXPECT_EQ(results[0].prospects[i].relmse, results[r].prospects[i].relmse);
+      EXPECT_EQ(results[0].prospects[i].work, results[r].prospects[i].work);
+    }
+    for (const auto& [name, layer] : results[0].layers)
+      EXPECT_EQ(layer.pixels, results[r].layers.at(name).pixels) << name;
+  }
+}
+
+TEST(auto_choice, twin_another_seed_gives_another_picture_and_other_prospects) {
+  const Room room = two_rooms();
+  const RenderResult one = room.render(of(20, 1)), two = room.render(of(20, 2));
+  EXPECT_NE(one.picture.pixels, two.picture.pixels);
+  EXPECT_NE(one.prospects[0].relmse, two.prospects[0].relmse);
+}
+
+// From 8 samples of each pixel on.
+TEST(auto_choice, is_a_portal_integrator_for_a_small_hole_and_none_for_a_wide_window) {
+  for (const bool hole : {true, false}) {
+    const Room room = hole ? two_rooms(96, 72) : window(64, 48);
+    double logarithms = 0;
+    for (uint64_t seed = 1; seed <= 6; ++seed) {
+      const RenderResult r = room.render(of(8, seed));
+      ASSERT_FALSE(r.prospects.empty());
+      EXPECT_EQ(room.candidates[r.chosen].with_portals(), hole)
+          << r.chosen_label << " for " << (hole ? "the hole" : "the window");
+      const auto gain = portals_gain(r);
+      ASSERT_TRUE(gain);
+      if (hole) {
+        EXPECT_GT(*gain, 5);
+      } else {
+        EXPECT_LT(*gain, 1);
+      }
+      logarithms += std::log(*gain);
+    }
+    if (hole) {
+      EXPECT_GT(std::exp(logarithms / 6), 8);
+    }
+  }
+}
+
+// The scout's samples are thrown away: the picture is that of the chosen one, sample by sample.
+TEST(auto_choice, renders_as_the_chosen_one_does_alone) {
+  const Room room = two_rooms();
+  const RenderResult r = room.render(of(24));
+  EXPECT_GT(r.scouted, 0u);
+  EXPECT_EQ(r.spp, 24u);
+  EXPECT_EQ(r.picture.pixels,
+            render(room.world, room.candidates[r.chosen].integrator, of(24)).picture.pixels);
+  EXPECT_EQ(r.tally.rays.closest,
+            render(room.world, room.candidates[r.chosen].integrator, of(24)).tally.rays.closest);
+}
+
+TEST(auto_choice, is_bdpt_where_the_samples_are_too_few_to_tell) {
+  const Room room = two_rooms(16, 12);
+  const RenderResult r = room.render(of(2));
+  EXPECT_EQ(r.chosen_label, "bdpt");
+  EXPECT_TRUE(r.prospects.empty());
+  EXPECT_EQ(r.scouted, 0u);
+  EXPECT_EQ(choice_sentence(r), "auto chose bdpt; the samples are too few to tell more");
+  EXPECT_EQ(verdict_sentence(r), "");
+}
+
+TEST(auto_choice, costs_a_small_part_of_the_work) {
+  const Room room = two_rooms(64, 48);
+  Film film(64, 48, room.world.lights.power());
+  Scout scout(room.world, room.candidates, {});
+  EXPECT_FALSE(can_spare(4, 20, scout));
+  EXPECT_TRUE(can_spare(4, 64 * 48, scout));
+  scout.draw(kFewestGroups, film);
+  const std::vector<Prospect> told = scout.prospects();
+  const double work = told[best_of(told, kFewestGroups, 4)].work;
+  double before = 1;
+  for (const double spp : {4.0, 8.0, 32.0, 256.0, 1e4, 1e9}) {
+    const uint64_t groups = groups_for(spp, 64 * 48, scout);
+    const double share =
+        static_cast<double>(groups) * scout.work_of_group() / (spp * 64 * 48 * work);
+    EXPECT_LE(share, 0.15);  // 0.06 of what may be the best
+    EXPECT_LT(share, before);
+    EXPECT_LE(groups, kMostGroups);
+    before = share + 1e-3;
+  }
+  EXPECT_EQ(groups_for(1e9, 64 * 48, scout), kMostGroups);
+}
+
+TEST(auto_choice, by_the_clock_looks_around_in_a_part_of_the_time) {
+  const Room room = two_rooms(64, 48);
+  RenderSettings settings;
+  settings.seconds = 1;
+  const RenderResult r = room.render(settings);
+  EXPECT_GE(r.scouted, kFewestGroups);
+  EXPECT_LT(r.scout_cpu_seconds, 0.5 * r.cpu_seconds);
+  EXPECT_GE(r.spp, 1u);
+}
+
+TEST(auto_choice, stands_in_the_statistics) {
+  const Room room = two_rooms();
+  const RenderSettings settings = of(20);
+  const RenderResult r = room.render(settings);
+  const Integrator any = either_of(room.candidates);
+  const auto j = nlohmann::json::parse(stats_json(any, settings, r, {portal_in_the_hole()}));
+  EXPECT_EQ(j["integrator"], "auto");
+  EXPECT_EQ(j["chosen"], r.chosen_label);
+  EXPECT_EQ(j["scout"]["samples"], r.scouted);
+  EXPECT_EQ(j["scout"]["portals_gain"], *portals_gain(r));
+  ASSERT_EQ(j["scout"]["candidates"].size(), r.prospects.size());
+  for (size_t i = 0; i < r.prospects.size(); ++i) {
+    const auto& entry = j["scout"]["candidates"][i];
+    EXPECT_EQ(entry["integrator"], r.prospects[i].integrator);
+    EXPECT_EQ(entry["relmse"], r.prospects[i].relmse);
+    EXPECT_EQ(entry["work"], r.prospects[i].work);
+    EXPECT_EQ(entry["portals"], room.candidates[i].with_portals());
+  }
+  EXPECT_EQ(j["techniques"].size(), size_t{kTechniques});
+  const RenderResult plain = render(room.world, bdpt, of(2));
+  const auto without = nlohmann::json::parse(stats_json(bdpt, settings, plain, {}));
+  EXPECT_FALSE(without.contains("chosen"));
+  EXPECT_FALSE(without.contains("scout"));
+}
+
+TEST(auto_choice, says_what_it_chose_and_why_and_what_portals_are_worth) {
+  RenderResult r;
+  r.scouted = 512;
+  r.chosen_label = "tdpt-org";
+  r.prospects = {{"bdpt", false, true, 45, 45, 200}, {"tdpt-org", true, false, 10, 10, 300}};
+  r.chosen = 1;
+  EXPECT_EQ(choice_sentence(r),
+            "auto chose tdpt-org: error x work is 3 x by bdpt, told from 512 samples");
+  EXPECT_EQ(verdict_sentence(r),
+            "portals: 3 x the efficiency of bdpt, the best without them, by tdpt-org");
+  r.prospects[1].steady = 60;
+  r.chosen = 0;
+  r.chosen_label = "bdpt";
+  EXPECT_EQ(choice_sentence(r),
+            "auto chose bdpt: error x work is 2 x by tdpt-org, told from 512 samples");
+  EXPECT_EQ(verdict_sentence(r),
+            "portals: 0.5 x the efficiency of bdpt, the best without them, by tdpt-org: they are "
+            "left out");
+  r.prospects[1].steady = INFINITY;
+  EXPECT_EQ(choice_sentence(r),
+            "auto chose bdpt: error x work is tdpt-org misses light, told from 512 samples");
+  for (Prospect& p : r.prospects) p.steady = 0;
+  EXPECT_EQ(choice_sentence(r), "auto chose bdpt: no error showed in 512 samples");
+  r.prospects.clear();
+  r.interrupted = true;
+  EXPECT_EQ(choice_sentence(r), "auto chose bdpt; it was stopped before more could be told");
+}
+
+TEST(best_of, weighs_error_and_work_and_wants_proof) {
+  const Prospect bdpt{"bdpt", false, true, 1, 1, 100}, nee{"nee", false, true, 3, 3, 30},
+      other{"tdpt-org", true, false, 0.95, 0.95, 100};
+  EXPECT_EQ(best_of({bdpt, nee, other}, 2048, 4), 1u);
+  EXPECT_EQ(best_of({bdpt, other}, 2048, 4), 1u);
+  EXPECT_EQ(best_of({bdpt, other}, 64, 4), 0u);  // 5 % may be chance
+  EXPECT_EQ(best_of({other, bdpt}, 64, 4), 1u);
+  EXPECT_EQ(best_of({bdpt, {"pt", false, false, INFINITY, INFINITY, 1}}, 2048, 4), 0u);
+  EXPECT_EQ(best_of({{"bdpt", false, true, 0, 0, 100}, {"nee", false, true, 0, 0, 30}}, 64, 4), 0u);
+  // Calm, it gains by the order of its samples.
+  const Prospect calm{"nee", false, true, 0.8, 0.8, 30}, rival{"bdpt", false, true, 0.2, 0.2, 100};
+  EXPECT_EQ(best_of({rival, calm}, 64, 8), 0u);
+  EXPECT_EQ(best_of({rival, calm}, 64, 64), 1u);
+  EXPECT_EQ(left_to_nee(5, 8), 1);
+  EXPECT_NEAR(left_to_nee(1e9, 1e9), 0.9, 1e-9);
+  EXPECT_EQ(best_with(true, {bdpt, nee}), std::nullopt);
+  EXPECT_EQ(best_with(false, {bdpt, nee, other}), 1u);
+}
+
+TEST(candidates, are_safe_first_and_share_no_samples) {
+  const Room room = two_rooms();
+  EXPECT_EQ(room.candidates[0].label, "bdpt");
+  std::set<uint64_t> streams;
+  std::set<std::string> labels;
+  for (const Candidate& c : room.candidates) {
+    streams.insert(c.integrator.stream);
+    labels.insert(c.label);
+  }
+  EXPECT_EQ(streams.size(), 8u);  // bdpt favouring next events has tdpt-guided's, never both
+  EXPECT_EQ(labels.size(), 9u);
+  EXPECT_EQ(room.candidates.size(), 9u);
+  const World without(room.scene, room.scene.camera(""), 16, 12, {});
+  for (const Candidate& c : auto_candidates(without)) EXPECT_FALSE(c.with_portals()) << c.label;
+}
+
+TEST(candidates, that_miss_light_of_the_scene_are_none) {
+  Scene scene = read_gltf(two_rooms_path());
+  scene.lights.emplace_back();
+  scene.materials[0].plain = false;
+  scene.materials[0].metallic = 1;
+  scene.materials[0].roughness = 0;
+  const World world(scene, scene.camera(""), 16, 12, {});
+  std::vector<std::string> labels;
+  for (const Candidate& c : auto_candidates(world)) labels.push_back(c.label);
+  EXPECT_EQ(labels, (std::vector<std::string>{"bdpt", "bdpt favouring next events",
+                                              "bdpt, light walks 0.25"}));
+}
+
+// What is told of errors against pictures: each pixel's variance over many of them.
+class Told : public testing::Test {
+ protected:
+  static constexpr int kWidth = 24, kHeight = 18;
+
+  // [candidate]: by several scouts together, since a bright path that one of them meets may be half
+  // of what it tells.
+  static std::vector<double> told(const World& world, const std::vector<Candidate>& candidates) {
+    constexpr uint64_t kScouts = 6;
+    Film film(kWidth, kHeight, world.lights.power());
+    std::vector<double> errors(candidates.size());
+    for (uint64_t seed = 1; seed <= kScouts; ++seed) {
+      SampleRules rules;
+      rules.seed = seed;
+      Scout scout(world, candidates, rules);
+      scout.draw(2048, film);
+      const std::vector<Prospect> prospects = scout.prospects();
+      for (size_t i = 0; i < errors.size(); ++i) errors[i] += prospects[i].relmse / kScouts;
+    }
+    return errors;
+  }
+};
+
+TEST_F(Told, errors_are_those_of_pictures) {
+  const Room room = two_rooms(kWidth, kHeight);
+  const std::vector<double> errors = told(room.world, room.candidates);
+  std::vector<double> pictures;
+  for (size_t i = 0; i < errors.size(); ++i) {
+    if (room.candidates[i].label == "pt") {
+      pictures.push_back(0);
+      continue;
+    }
+    pictures.push_back(error_of_pictures(room.world, room.candidates[i].integrator));
+    std::printf("%-28s told %8.4f  of pictures %8.4f\n", room.candidates[i].label.c_str(),
+                errors[i], pictures[i]);
+    // Points that fill a pixel evenly make pictures better than one sample tells, calm ones most.
+    EXPECT_GT(pictures[i], 0.5 * errors[i]) << room.candidates[i].label;
+    EXPECT_LT(pictures[i], 1.3 * errors[i]) << room.candidates[i].label;
+  }
+  // Twin: those of another candidate are not.
+  for (size_t i = 1; i < errors.size(); ++i)
+    if (room.candidates[i].label == "nee" || room.candidates[i].label == "tdpt-org") {
+      EXPECT_FALSE(pictures[i] > 0.5 * errors[0] && pictures[i] < 1.3 * errors[0]);
+    }
+}
+
+// Candidates that meet the light of the next room in one sample of many are not thought calm
+// because none of a few was among them: 512 samples are enough.
+TEST_F(Told, errors_of_what_seldom_finds_light_are_large_at_once) {
+  const Room room = two_rooms(64, 48);
+  Film film(64, 48, room.world.lights.power());
+  for (uint64_t seed = 1; seed <= 8; ++seed) {
+    SampleRules rules;
+    rules.seed = seed;
+    Scout scout(room.world, room.candidates, rules);
+    scout.draw(64, film);
+    const std::vector<Prospect> told = scout.prospects();
+    const double least = told[*best_with(true, told)].cost();
+    for (const Prospect& p : told) {
+      if (p.integrator == "pt") {
+        EXPECT_GT(p.cost(), 50 * least);  // 1000 in the long run
+      } else if (!p.with_portals) {
+        EXPECT_GT(p.cost(), 2 * least) << p.integrator;  // 22
+      }
+    }
+  }
+}
+
+TEST_F(Told, of_a_scene_without_light_nothing) {
+  Scene scene = read_gltf(two_rooms_path());
+  for (Material& m : scene.materials) m.emission = {};
+  const World world(scene, scene.camera(""), kWidth, kHeight, {portal_in_the_hole()});
+  const std::vector<Candidate> candidates = auto_candidates(world);
+  for (const double e : told(world, candidates)) EXPECT_EQ(e, 0);
+}
+
+}  // namespace
+}  // namespace tdpt

@@ -1,0 +1,37 @@
+// Those that `auto` chooses among.
+#pragma once
+#include <span>
+#include <string>
+#include <vector>
+
+#include "tools/tdpt-render/integrators/integrator.h"
+#include "tools/tdpt-render/path/sample/world.h"
+
+namespace tdpt {
+
+struct Candidate {
+  Integrator integrator;
+  std::string label;  ///< names it in notes and statistics; several may share an integrator's name
+  /// Whether the world's portals are any use to it.
+  bool with_portals() const {
+    const Mixture& m = integrator.mixture;
+    return m.has(Technique::portal) || m.guiding != Guiding{} || m.looks_out();
+  }
+};
+
+/// For this scene, with the techniques that its portals allow, safe ones first: the first is taken
+/// where nothing can be told. `guided`: those of tdpt-guided that are to be tried.
+std::vector<Candidate> possible_candidates(const World& world,
+                                           std::span<const Integrator> guided = kGuided);
+/// Those that miss no light of the scene [light_missed]; the first of all where each does.
+std::vector<Candidate> auto_candidates(const World& world,
+                                       std::span<const Integrator> guided = kGuided);
+
+/// With the numbers of joins that are to be expected of each [light_pool.h].
+std::vector<Candidate> expecting_joins(const World& world, std::vector<Candidate> candidates,
+                                       int max_depth);
+
+/// `auto` by name, with all techniques of the candidates; it cannot be run.
+Integrator either_of(const std::vector<Candidate>& candidates);
+
+}  // namespace tdpt

@@ -1,0 +1,122 @@
+// A picture that no path can bring light to takes no paths.
+#include "tools/tdpt-render/plan/longest_path.h"
+
+#include <gtest/gtest.h>
+
+#include "libcommon/scene/sky.h"
+#include "tools/tdpt-render/plan/candidates.h"
+#include "tools/tdpt-render/run/render.h"
+#include "tools/tdpt-render/testing/renderer.h"
+#include "tools/tdpt-render/testing/rooms.h"
+
+namespace tdpt {
+namespace {
+
+constexpr int kWidth = 16, kHeight = 12;
+constexpr uint64_t kSpp = 8;
+
+Scene rooms() {
+  return read_gltf(two_rooms_path());
+}
+Scene dark_rooms() {
+  Scene scene = rooms();
+  for (Material& m : scene.materials) m.emission = {};
+  return scene;
+}
+Scene under_a_sky(Scene scene) {
+  scene.sky = std::make_shared<Sky>(Sky::Map{1, 1, {Rgb(1.0f)}}, 0.0);
+  return scene;
+}
+// Stands above the roof and looks up, `degrees` from there towards the camera's right.
+Camera from_above(const Scene& scene, double degrees) {
+  const double a = degrees * std::numbers::pi / 180;
+  Camera camera = scene.camera("");
+  camera.position = {0, 5, 0};
+  camera.forward = {std::sin(a), std::cos(a), 0};
+  camera.right = {std::cos(a), -std::sin(a), 0};
+  camera.up = {0, 0, 1};
+  camera.yfov = 1;
+  return camera;
+}
+
+RenderResult rendered(const World& world, bool alpha = false) {
+  RenderSettings settings;
+  settings.spp = kSpp;
+  settings.alpha = alpha;
+  settings.device = renderer_under_test(world);
+  return render(world, auto_candidates(world), settings);
+}
+
+TEST(longest_path, of_a_scene_without_light_is_none_and_costs_no_ray) {
+  const Scene scene = dark_rooms();
+  const World world(scene, scene.camera(""), kWidth, kHeight, {});
+  EXPECT_EQ(longest_path(world, kMaxDepth, false), 0);
+  const RenderResult r = rendered(world);
+  EXPECT_EQ(r.tally.rays.closest + r.tally.rays.shadow, 0u);
+  EXPECT_EQ(r.spp, kSpp);
+  EXPECT_EQ(r.nonzero(), 0);
+  EXPECT_EQ(r.picture.pixels.size(), size_t{kWidth * kHeight});
+}
+
+TEST(longest_path, a_transparent_film_of_it_still_tells_what_is_met) {
+  const Scene scene = dark_rooms();
+  const World world(scene, scene.camera(""), kWidth, kHeight, {});
+  const RenderResult r = rendered(world, true);
+  EXPECT_EQ(r.tally.rays.closest, kSpp * kWidth * kHeight);
+  for (const float a : r.picture.alpha) EXPECT_EQ(a, 1);
+}
+
+TEST(longest_path, is_none_where_the_camera_looks_past_everything) {
+  const Scene scene = rooms();
+  const World world(scene, from_above(scene, 0), kWidth, kHeight, {});
+  EXPECT_FALSE(may_see_surfaces(world));
+  const RenderResult r = rendered(world);
+  EXPECT_EQ(r.tally.rays.closest + r.tally.rays.shadow, 0u);
+  EXPECT_EQ(r.nonzero(), 0);
+}
+
+TEST(longest_path, is_the_cameras_ray_where_only_the_sky_is_seen) {
+  const Scene scene = under_a_sky(rooms());
+  const World world(scene, from_above(scene, 0), kWidth, kHeight, {});
+  const RenderResult r = rendered(world);
+  EXPECT_EQ(r.tally.rays.closest, kSpp * kWidth * kHeight);
+  EXPECT_EQ(r.tally.rays.shadow, 0u);
+  for (const Rgb& p : r.picture.pixels) EXPECT_NEAR(p.x, 1, 1e-5);
+}
+
+// Twin: whoever sees a corner of the scene samples as ever. The cube is seen from 4 above it under
+// an angle of 2 atan(sqrt(2)/4) about the way down.
+TEST(longest_path, is_as_asked_for_where_a_surface_may_be_seen) {
+  const Scene scene = rooms();
+  for (const double degrees : {160.0, 180.0, 200.0}) {
+    const World world(scene, from_above(scene, degrees), kWidth, kHeight, {});
+    EXPECT_TRUE(may_see_surfaces(world)) << degrees;
+    EXPECT_EQ(longest_path(world, kMaxDepth, false), kMaxDepth);
+    EXPECT_GT(rendered(world).tally.rays.closest, kSpp * kWidth * kHeight);
+  }
+  const World inside(scene, scene.camera(""), kWidth, kHeight, {});
+  EXPECT_EQ(longest_path(inside, 7, false), 7);
+}
+
+// Never false where a ray of the camera meets something.
+TEST(longest_path, never_passes_by_what_a_ray_meets) {
+  const Scene scene = rooms();
+  size_t met_in = 0, passed_by = 0;
+  for (int degrees = 0; degrees < 360; degrees += 3) {
+    const World world(scene, from_above(scene, degrees), kWidth, kHeight, {});
+    bool met = false;
+    for (int y = 0; y <= kHeight; ++y)
+      for (int x = 0; x <= kWidth; ++x) {
+        Hit hit;
+        met |= world.tracer.closest({world.film.position()}, world.film.direction(x, y), hit);
+      }
+    met_in += met;
+    passed_by += !may_see_surfaces(world);
+    EXPECT_FALSE(met && !may_see_surfaces(world)) << degrees;
+  }
+  EXPECT_GT(met_in, 10u);
+  EXPECT_GT(passed_by, 60u);
+}
+
+}  // namespace
+}  // namespace tdpt

@@ -1,0 +1,42 @@
+// How noisy a picture is, told while it is rendered, for people: when it ends does not depend on
+// it. From blocks of its own samples [error_estimate.h], of some of its pixels, so that it costs
+// next to nothing.
+#pragma once
+#include <optional>
+#include <string>
+
+#include "libcommon/film/film.h"
+#include "tools/tdpt-render/plan/error_estimate.h"
+
+namespace tdpt {
+
+struct Noise {
+  double relmse = 0;         ///< of the picture, estimated
+  double low = 0, high = 0;  ///< its interval, about 95 %
+  bool tells = false;        ///< else it may be many times too large
+};
+
+/// "relMSE about 0.012 [0.011, 0.014]", or that more samples are needed to tell.
+std::string words_of(const Noise& noise);
+
+class NoiseWatch {
+ public:
+  static constexpr size_t kMostPixels = 1 << 14;
+
+  /// Watches what is added to the film from now on. `samples`: that are to come, for a renderer
+  /// that would rather not be stopped: it is then looked at when a fourth to an eighth of them are
+  /// there, and no sooner. 0: at once.
+  explicit NoiseWatch(const Film& film, uint64_t samples = 0);
+  /// Number of samples of the film that is to be looked at.
+  uint64_t next() const { return from_ + blocks_.next(); }
+  void look(const Film& film) { blocks_.add(film.sums(step_)); }
+  /// Nothing before four blocks have been seen, and of a picture without light.
+  std::optional<Noise> noise(const Film& film) const;
+
+ private:
+  size_t step_;    // from one pixel that is watched to the next
+  uint64_t from_;  // samples that were there
+  PictureBlocks blocks_;
+};
+
+}  // namespace tdpt

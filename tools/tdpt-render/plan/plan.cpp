@@ -1,0 +1,167 @@
+#include "tools/tdpt-render/plan/plan.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <nlohmann/json.hpp>
+
+#include "libcommon/base/error.h"
+#include "libcommon/base/file.h"
+#include "libcommon/base/json_depth.h"
+#include "tools/tdpt-render/path/sample/light_pool.h"
+
+namespace tdpt {
+namespace {
+
+constexpr uint64_t kMostSamples = uint64_t{1} << 32;  // as --spp
+
+// By PortalWay::Way.
+constexpr std::array kWays{"as drawn", "front", "back", "both", "left out"};
+
+// A value of the plan, checked on the way in.
+class Reader {
+ public:
+  Reader(const nlohmann::json& from, const std::string& file) : from_(from), file_(file) {}
+
+  template <class T>
+  T get(const char* key) const {
+    const auto at = from_.find(key);
+    if (at == from_.end()) fail(key, "is missing");
+    const bool fits = std::is_same_v<T, std::string> ? at->is_string()
+                      : std::is_integral_v<T>        ? at->is_number_unsigned()
+                                                     : at->is_number();
+    if (!fits) fail(key, std::is_same_v<T, std::string> ? "is no string" : "is no such number");
+    return at->get<T>();
+  }
+  double within(const char* key, double lowest, double highest) const {
+    const double value = get<double>(key);
+    if (!(value >= lowest && value <= highest)) fail(key, "is out of range");
+    return value;
+  }
+  [[noreturn]] void fail(const char* key, const std::string& what) const {
+    throw InputError(file_, key, what);
+  }
+
+ private:
+  const nlohmann::json& from_;
+  const std::string& file_;
+};
+
+}  // namespace
+
+bool operator==(const Plan& a, const Plan& b) {
+  return std::string(a.integrator.name) == b.integrator.name &&
+         a.integrator.stream == b.integrator.stream &&
+         a.integrator.mixture == b.integrator.mixture && a.label == b.label && a.spp == b.spp &&
+         a.ways == b.ways && a.lights == b.lights;
+}
+
+namespace {
+
+nlohmann::ordered_json json_of(const Plan& plan) {
+  auto ways = nlohmann::ordered_json::array();
+  for (const PortalWay& w : plan.ways)
+    ways.push_back({{"portal", w.portal}, {"way", kWays[static_cast<size_t>(w.way)]}});
+  const Mixture& m = plan.integrator.mixture;
+  return nlohmann::ordered_json{{"integrator", plan.integrator.name},
+                                {"stream", plan.integrator.stream},
+                                {"label", plan.label},
+                                {"first_direct", m.first_direct},
+                                {"later_direct", m.later_direct},
+                                {"segments", m.segments},
+                                {"light_walks", m.light_walks},
+                                {"joined", m.joined},
+                                {"joined_to_segments", m.joined_to_segments},
+                                {"segments_joined", m.segments_joined},
+                                {"guide_light", m.guiding.chance[0]},
+                                {"guide_camera", m.guiding.chance[1]},
+                                {"through_windows", m.through_windows},
+                                {"spp", plan.spp},
+                                {"portals", ways},
+                                {"surfaces", plan.lights.surfaces},
+                                {"lamps", plan.lights.lamps},
+                                {"parallel", plan.lights.parallel},
+                                {"sky", plan.lights.sky}};
+}
+
+}  // namespace
+
+std::string plan_text(const Plan& plan) {
+  return json_of(plan).dump();
+}
+
+Plan read_plan(const std::string& text, const std::string& file) {
+  const nlohmann::json from =
+      nested_too_deep(text) ? nlohmann::json() : nlohmann::json::parse(text, nullptr, false);
+  if (!from.is_object()) throw InputError(file, "", "is no JSON object, expected a plan");
+  const Reader in(from, file);
+  Plan plan;
+  const Integrator* row = find_integrator(in.get<std::string>("integrator"));
+  if (!row) in.fail("integrator", "is not known");
+  plan.integrator = *row;
+  plan.integrator.stream = in.get<uint64_t>("stream");
+  if (plan.integrator.stream >= kStreams) in.fail("stream", "is out of range");
+  plan.label = in.get<std::string>("label");
+  Mixture& m = plan.integrator.mixture;
+  m.first_direct = in.within("first_direct", 1e-3, 1e3);
+  m.later_direct = in.within("later_direct", 1e-3, 1e3);
+  m.segments = in.within("segments", 0.01, 1);
+  m.light_walks = in.within("light_walks", kFewestLightWalks, 1);
+  m.joined = in.within("joined", 1e-3, LightPool::kWalks);
+  m.joined_to_segments = in.within("joined_to_segments", 1e-3, LightPool::kWalks);
+  m.segments_joined = in.within("segments_joined", 1, LightPool::kWalks / kFewestLightWalks);
+  m.guiding.chance = {in.within("guide_light", 0, 0.95), in.within("guide_camera", 0, 0.95)};
+  m.through_windows = in.within("through_windows", 0, 0.95);
+  plan.spp = in.get<uint64_t>("spp");
+  if (plan.spp > kMostSamples) in.fail("spp", "is out of range");
+  const auto ways = from.find("portals");
+  if (ways == from.end() || !ways->is_array()) in.fail("portals", "is no list");
+  for (const nlohmann::json& entry : *ways) {
+    if (!entry.is_object()) in.fail("portals", "has an entry that is no object");
+    const Reader of_portal(entry, file);
+    const auto way = std::find(kWays.begin(), kWays.end(), of_portal.get<std::string>("way"));
+    if (way == kWays.end()) of_portal.fail("way", "is not known");
+    plan.ways.push_back({static_cast<size_t>(of_portal.get<uint64_t>("portal")),
+                         static_cast<PortalWay::Way>(way - kWays.begin())});
+  }
+  plan.lights = {in.within("surfaces", 0, 1), in.within("lamps", 0, 1), in.within("parallel", 0, 1),
+                 in.within("sky", 0, 1)};
+  const Lights::Shares& s = plan.lights;
+  const double sum = s.surfaces + s.lamps + s.parallel + s.sky;
+  if (sum != 0 && std::abs(sum - 1) > 1e-9)
+    in.fail("surfaces", "and the other shares add up to no 1");
+  return plan;
+}
+
+std::string plan_file_text(const PlanFile& file) {
+  auto shape = nlohmann::ordered_json::object();
+  for (const auto& [name, value] : file.shape) shape[name] = value;
+  return nlohmann::ordered_json{
+             {"plan", json_of(file.plan)}, {"shape", shape}, {"command", file.command}}
+             .dump(2) +
+         "\n";
+}
+
+PlanFile read_plan_file(const std::string& path) {
+  const std::string name = display_name(path);
+  const std::string text_of_file = read_file(path);
+  const auto from = nested_too_deep(text_of_file)
+                        ? nlohmann::ordered_json()
+                        : nlohmann::ordered_json::parse(text_of_file, nullptr, false);
+  if (!from.is_object() || !from.contains("plan"))
+    throw InputError(name, "", "is no plan, expected one from --plan");
+  PlanFile file{read_plan(from["plan"].dump(), name), {}, {}};
+  const auto text = [&](const char* key, const nlohmann::ordered_json& value) {
+    if (!value.is_string()) throw InputError(name, key, "is no string");
+    return value.get<std::string>();
+  };
+  file.command = text("command", from.value("command", nlohmann::ordered_json()));
+  const auto shape = from.find("shape");
+  if (shape == from.end() || !shape->is_object()) throw InputError(name, "shape", "is no object");
+  for (const auto& [key, value] : shape->items())
+    file.shape.emplace_back(key, text("shape", value));
+  return file;
+}
+
+}  // namespace tdpt

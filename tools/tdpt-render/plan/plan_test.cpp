@@ -1,0 +1,60 @@
+#include "tools/tdpt-render/plan/plan.h"
+
+#include <gtest/gtest.h>
+
+#include "libcommon/base/error.h"
+
+namespace tdpt {
+namespace {
+
+TEST(plan, is_read_as_it_was_written) {
+  Plan plan{kGuided[2], "tdpt-guided 0.5 0.2 0.25", 1000, {{1, PortalWay::back}}, {}};
+  EXPECT_EQ(read_plan(plan_text(plan), "a"), plan);
+  plan.integrator.mixture.joined = 2.625;
+  plan.integrator.mixture.joined_to_segments = 1.7;
+  plan.integrator.mixture.segments_joined = 16;
+  EXPECT_EQ(read_plan(plan_text(plan), "a"), plan);
+  Plan other = plan;
+  other.integrator.mixture.joined = 2;
+  EXPECT_FALSE(read_plan(plan_text(other), "a") == plan);
+  other = plan;
+  other.integrator.mixture.segments = 0.5;
+  EXPECT_FALSE(read_plan(plan_text(other), "a") == plan);
+  other = plan;
+  other.integrator.mixture.segments_joined = 8;
+  EXPECT_FALSE(read_plan(plan_text(other), "a") == plan);
+  other = plan;
+  other.integrator.mixture.light_walks = 0.5;
+  EXPECT_FALSE(read_plan(plan_text(other), "a") == plan);
+  EXPECT_EQ(read_plan(plan_text(other), "a"), other);
+}
+
+TEST(plan, that_is_none_is_refused_with_its_place) {
+  const auto message = [](std::string text, const std::string& from, const std::string& to) {
+    if (!from.empty()) text.replace(text.find(from), from.size(), to);
+    try {
+      read_plan(text, "p.json");
+    } catch (const InputError& e) {
+      return std::string(e.what());
+    }
+    return std::string("read");
+  };
+  const std::string good = plan_text({});
+  EXPECT_EQ(message("{", "", ""), "p.json: is no JSON object, expected a plan");
+  EXPECT_EQ(message(good, "\"spp\"", "\"sp\""), "p.json:spp: is missing");
+  EXPECT_EQ(message(good, "\"spp\":0", "\"spp\":-1"), "p.json:spp: is no such number");
+  EXPECT_EQ(message(good, "\"segments\":1.0", "\"segments\":2"),
+            "p.json:segments: is out of range");
+  EXPECT_EQ(message(good, "\"light_walks\":1.0", "\"light_walks\":0.01"),
+            "p.json:light_walks: is out of range");
+  EXPECT_EQ(message(good, "\"portals\":[]", "\"portals\":[{\"portal\":0,\"way\":\"up\"}]"),
+            "p.json:way: is not known");
+  EXPECT_EQ(message(good, "\"portals\":[]", "\"portals\":[3]"),
+            "p.json:portals: has an entry that is no object");
+  EXPECT_EQ(message(good, "\"integrator\":\"bdpt\"", "\"integrator\":\"b\""),
+            "p.json:integrator: is not known");
+  EXPECT_EQ(message(good, "", ""), "read");
+}
+
+}  // namespace
+}  // namespace tdpt

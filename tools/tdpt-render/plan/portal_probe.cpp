@@ -1,0 +1,60 @@
+#include "tools/tdpt-render/plan/portal_probe.h"
+
+#include "libcommon/math/warp.h"
+
+namespace tdpt {
+namespace {
+
+constexpr uint64_t kWalks = 800, kStream = 0x9000;
+constexpr size_t kMostProbed = 8;
+// The first steps are too near the portal to know how large the room is.
+constexpr int kSteps = 8, kSkipped = 2;
+
+}  // namespace
+
+double probed_conductance(const World& world, const Portal& portal) {
+  Portal one_way = portal;
+  one_way.both_ways = false;
+  const PortalSet opening({one_way}, world.scene.frame);
+  if (opening.empty()) return 0;
+  double narrowest = 0;
+  for (const uint64_t to_camera : {0, 1}) {
+    uint64_t crossed = 0, bounces = 0;
+    for (uint64_t i = 0; i < kWalks; ++i) {
+      Rng rng(1, kStream + to_camera, i);
+      const PortalSet::Sample start = opening.sample(rng);
+      Tracer::Origin from{start.position};
+      Vec3d w = to_camera ? start.direction : -start.direction;
+      for (int step = 0; step < kSteps; ++step) {
+        Hit hit;
+        if (!world.tracer.closest(from, w, hit)) break;
+        if (step >= kSkipped) {
+          ++bounces;
+          const bool crosses = to_camera ? opening.density(hit.position, from.position) > 0
+                                         : opening.density(from.position, hit.position) > 0;
+          crossed += crosses;
+          if (crosses) break;
+        }
+        const Vec3d n = dot(hit.normal, w) < 0 ? hit.normal : -hit.normal;
+        from = {hit.position, n};
+        const double u = rng.uniform(), v = rng.uniform();
+        w = Onb<double>(n).to_world(cosine_hemisphere(u, v));
+      }
+    }
+    if (bounces > 0)
+      narrowest = std::max(narrowest, static_cast<double>(crossed) / static_cast<double>(bounces));
+  }
+  return narrowest;
+}
+
+void probe(const World& world, std::vector<Portal>& portals) {
+  size_t probed = 0;
+  for (Portal& portal : portals) {
+    if (portal.triangles.empty() || portal.figures.contains("conductance") ||
+        ++probed > kMostProbed)
+      continue;
+    portal.figures["conductance"] = probed_conductance(world, portal);
+  }
+}
+
+}  // namespace tdpt

@@ -1,0 +1,43 @@
+#include "tools/tdpt-render/plan/portal_probe.h"
+
+#include <gtest/gtest.h>
+
+#include "tools/tdpt-render/testing/rooms.h"
+
+namespace tdpt {
+namespace {
+
+double conductance_in(const char* scene_name, const Portal& portal) {
+  const Scene scene = read_gltf(std::string(TDPT_TESTDATA "/scenes/") + scene_name);
+  return probed_conductance(World(scene, scene.camera(""), 8, 6, {portal}), portal);
+}
+
+Portal in_the_window() {
+  return rectangle({2.05, 0.2, -0.8}, {0, 0, 1.6}, {0, 1.6, 0});
+}
+
+bool near(double measured, double expected) {
+  return measured > 0.75 * expected && measured < 1.33 * expected;
+}
+
+// A room's surface is 24 m2, less the opening.
+TEST(portal_probe, measures_the_opening_against_the_room) {
+  const double window = 2.56 / 24;
+  EXPECT_TRUE(near(conductance_in("window.glb", in_the_window()), window));
+  // Twin: a portal over a quarter of the window is seen to be another.
+  EXPECT_FALSE(
+      near(conductance_in("window.glb", rectangle({2.05, 0.2, -0.8}, {0, 0, 0.8}, {0, 0.8, 0})),
+           window));
+  EXPECT_LT(conductance_in("two-rooms.glb", portal_in_the_hole()), 0.01);
+}
+
+TEST(portal_probe, is_for_portals_without_figures) {
+  const Scene scene = read_gltf(two_rooms_path());
+  std::vector<Portal> portals(1, portal_in_the_hole());
+  portals[0].figures["conductance"] = 0.5;
+  probe(World(scene, scene.camera(""), 8, 6, portals), portals);
+  EXPECT_EQ(portals[0].figures, (std::map<std::string, double>{{"conductance", 0.5}}));
+}
+
+}  // namespace
+}  // namespace tdpt

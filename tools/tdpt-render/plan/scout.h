@@ -1,0 +1,166 @@
+// Integrator `auto`: finds out which of several integrators renders this picture with the least
+// error x work, before it renders, from few samples.
+//
+// Method: second moments of many estimators from the samples of one or two (as Grittmann et al.
+// 2022, "Efficiency-aware multiple importance sampling for bidirectional rendering algorithms",
+// choose numbers of samples). Every path that is found says by its densities how often each
+// candidate would find it and what it would then bring, so all candidates are judged by the same
+// paths, and one that seldom finds a bright path does not look calm because it found none.
+//
+// x         path, f its luminance, s strategies of candidate i: n_s samples of density p_s, counted
+//           v_s times in the weights
+// M_i       = integral f^2 sum_s v_s^2/n_s p_s / (sum_s v_s p_s)^2: second moments of what
+//           candidate i makes of a sample, path by path (balance heuristic)
+// R         runs: candidates that are rendered, `home` of those whose walks, and whose next events
+//           towards a sky, are like theirs; paths of several runs are weighed by the balance
+//           heuristic among them
+// X, X'     luminance of two independent samples of one pixel, of a candidate, as its home makes
+//           them: the home's strategies that it has, with its own weights; without splats
+// V_i       variance of one sample of a pixel:
+//             V_i = M_i + E[X^2 - sum of squares of its paths, each times c] - E[X X'],
+//           no bias: the second term is what the paths of one sample have in common, and what it
+//           adds that few joins are made: M_i counts all that come into question, c is the chance
+//           of one to get its ray [few.h]. A candidate whose walks are like none of a run takes
+//           its home's last two terms. What paths have in common that begin with a light walk is
+//           told, where there are portals, by the run that directs those, each path as often as the
+//           candidate would make it: few samples of walks that are not directed, and seldom come
+//           in, meet one.
+// I         the larger of two brightnesses: the mean of a block of pixels, the smallest that is
+//           known well, and that of the other samples of the pixel, which know a lamp or a window
+//           from the wall beside it. Paths that all candidates make alike, as those to a lamp in
+//           sight, tell nothing of these: they count by the mean of all samples of the pixel
+//
+// The error of a candidate is the mean of V_i / (I^2 + 0.01 mean^2): the relMSE of one sample per
+// pixel, as exrdiff has it but for I. Its work is told from the rays that its walks and techniques
+// take [work_model.h], never from the clock.
+//
+// Candidates are weighed against each other by the geometric mean of what quarters of the samples
+// tell: a bright path that all make badly is then one quarter's, where it hides what else tells
+// them apart, and not all there is.
+//
+// What is told is the error of independent samples. Samples of a pixel complement each other
+// [sequence.h], and `nee` gains most by that, where it is calm: its integrands are smooth and of
+// few dimensions. Over those of bdpt its errors fell by 0.53 and 0.57 in two rooms where one sample
+// has a relMSE of 0.4 and 0.8, from 16 samples a pixel on, by 0.78 to 1 in five where it is 2.3
+// to 43. The choice reckons with a fit to that, left_to_nee().
+//
+// The samples are thrown away, so nothing that is decided by them can bias the picture.
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tools/tdpt-render/integrators/passes.h"
+#include "tools/tdpt-render/plan/candidates.h"
+#include "tools/tdpt-render/plan/work_model.h"
+
+namespace tdpt {
+
+/// What is known of one candidate.
+struct Prospect {
+  std::string integrator;     ///< its label
+  bool with_portals = false;  ///< whether it uses them
+  bool safe = false;          ///< whether it needs no proof to be chosen: `bdpt`, `nee`
+  double relmse = 0;          ///< of one sample per pixel; infinite where it misses light
+  double steady = 0;          ///< the same as a geometric mean over quarters of the samples
+  double work = 0;            ///< of one sample [ns]
+  double cost() const { return steady * work; }
+};
+
+/// Samples of a pixel that are drawn together.
+inline constexpr size_t kScoutGroup = 4;
+
+/// What a sample of a run says of each candidate.
+struct ScoutRecord {
+  double brought = 0;           ///< luminance, as the run brings it to the sample's own pixel
+  double alike = 0;             ///< moment of paths that all candidates make alike
+  std::vector<double> moments;  ///< of its own pixel
+  // X, where the run is the candidate's home; what it tells of X^2 less the squares of its paths.
+  std::vector<double> x, common;
+};
+
+/// Sums over all samples, of what they bring to other pixels or need no others for.
+struct ScoutSums {
+  /// Of the picture in blocks, row by row.
+  static constexpr int kAcross = 16;
+  static constexpr size_t kBlocks = size_t{kAcross} * kAcross;
+  static constexpr size_t kQuarters = 4;  ///< of the groups, k-th of each four
+  /// Rays of each run: those of the walks from the camera and from the light, of segments until
+  /// they are joined with the camera's side, then by technique.
+  static constexpr size_t kParts = 3 + kTechniques;
+
+  ScoutSums() = default;
+  ScoutSums(size_t candidates, size_t runs);
+  void merge(const ScoutSums& other);
+
+  std::vector<std::vector<double>> splats;  ///< M_i of splats [candidate][quarter, block]
+  std::vector<double> luminance, squares;   ///< of all paths, by block; those of each, squared
+  std::vector<double> missed;               ///< of those that a candidate cannot make
+  std::vector<std::array<RayCounts, kParts>> rays;
+};
+
+/// Judges candidates for one picture.
+class Scout {
+ public:
+  /// At least one candidate, with the joins that are to be expected of it [expecting_joins()].
+  /// `work`: of who is to render; the scout itself runs on the CPU.
+  Scout(const World& world, const std::vector<Candidate>& candidates, const SampleRules& rules,
+        const WorkTables& work = kCpuWork);
+
+  /// Draws more groups of samples in each run. They are left in `film`, as large as the picture.
+  void draw(uint64_t groups, Film& film);
+  uint64_t groups() const { return blocks_.size(); }
+  /// Samples of a group, in all runs.
+  uint64_t samples_of_group() const { return kScoutGroup * runs_.size(); }
+
+  /// Of each candidate.
+  std::vector<Prospect> prospects() const;
+  /// Of a group, in all runs [ns], once one is drawn.
+  double work_of_group() const;
+
+ private:
+  friend class ScoutSample;
+  void draw_run(size_t run, uint64_t first, uint64_t end, Film& film, ScoutSums& sums);
+  double work_of(size_t candidate, const WorkTables& tables) const;
+  /// relMSE by candidate, from each quarter of the groups.
+  std::array<std::vector<double>, ScoutSums::kQuarters> errors() const;
+  ScoutRecord& record(uint64_t group, size_t run, size_t sample) {
+    return records_[(group * runs_.size() + run) * kScoutGroup + sample];
+  }
+
+  const World& world_;
+  const std::vector<Candidate>& candidates_;
+  const SampleRules rules_;
+  const WorkTables work_;
+  std::vector<size_t> runs_;  ///< candidates that are rendered
+  std::vector<size_t> home_;  ///< of each candidate: which of the runs
+  /// And that which tells what paths of one light walk have in common: with portals, one that
+  /// directs its light walks. Where those seldom come in by themselves, few samples see none.
+  std::vector<size_t> lit_by_;
+  std::vector<Guide> guides_;  ///< of each candidate
+  ScoutSums sums_;
+  std::vector<uint32_t> blocks_;      ///< of each group's pixel
+  std::vector<ScoutRecord> records_;  ///< by group, run, sample
+};
+
+/// Share of the work of a picture that a scout may take up: the more samples of each pixel, the
+/// less.
+double scouts_share(double spp);
+/// Fewer groups tell nothing, more tell enough.
+inline constexpr uint64_t kFewestGroups = 8, kMostGroups = 2048;
+/// Whether a picture of `spp` samples of each pixel can spare the fewest.
+bool can_spare(double spp, uint64_t pixels, const Scout& scout);
+/// How many it can spare, kMostGroups at most, from what those that were drawn tell.
+uint64_t groups_for(double spp, uint64_t pixels, const Scout& scout);
+
+/// What complementary samples leave of the error of `nee`, beside what they leave of others'.
+/// `relmse`: of one sample.
+double left_to_nee(double relmse, double spp);
+/// The candidate of least error x work for `spp` samples of each pixel, told from so many groups;
+/// the first of equals, and the first when none met light. One that is not safe is taken where it
+/// is better than the best that is by more than chance.
+size_t best_of(const std::vector<Prospect>& prospects, uint64_t groups, double spp);
+/// The best of those without portals, or of those with them; nothing where there is none.
+std::optional<size_t> best_with(bool portals, const std::vector<Prospect>& prospects);
+
+}  // namespace tdpt

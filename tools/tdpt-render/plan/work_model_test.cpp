@@ -1,0 +1,66 @@
+#include "tools/tdpt-render/plan/work_model.h"
+
+#include <gtest/gtest.h>
+
+#include "tools/tdpt-render/integrators/integrator.h"
+#include "tools/tdpt-render/testing/rooms.h"
+
+namespace tdpt {
+namespace {
+
+constexpr uint64_t kSamples = 100;
+constexpr RayCounts kRays{1000, 500, 2000, 300};
+
+class WorkModelTest : public testing::Test {
+ protected:
+  double of(const std::vector<Portal>& portals, const Integrator& integrator) const {
+    return WorkModel(World(scene_, scene_.camera(""), 8, 6, portals), integrator.mixture)
+        .per_sample(kRays, kSamples);
+  }
+  const Scene scene_ = read_gltf(two_rooms_path());
+  const std::vector<Portal> one_{portal_in_the_hole()}, two_ = two_crossing_portals();
+};
+
+TEST_F(WorkModelTest, more_for_edges_of_directed_walks_and_more_again_with_facets_to_choose_among) {
+  const WorkCosts& c = kWorkWithPortals;
+  EXPECT_NEAR(of(one_, tdpt_guided) - of(one_, tdpt_org), 20 * c.directed, 1e-9);
+  EXPECT_NEAR(of(two_, tdpt_guided) - of(two_, tdpt_org),
+              20 * (c.directed + c.facets + 2 * c.facet), 1e-9);
+  EXPECT_NEAR(of(two_, tdpt_org) - of(one_, tdpt_org), 20 * 2 * c.portal_triangle, 1e-9);
+}
+
+TEST_F(WorkModelTest, of_what_has_no_use_for_portals_has_a_table_of_its_own) {
+  const WorkCosts& c = kWorkWithoutPortals;
+  const RayCounts none{};
+  const WorkModel model(World(scene_, scene_.camera(""), 8, 6, one_), bdpt.mixture);
+  EXPECT_EQ(model.per_sample(none, kSamples), c.sample);
+  EXPECT_NEAR(model.per_sample({0, kSamples, 0}, kSamples), c.sample + c.shadow, 1e-9);
+  EXPECT_EQ(of({}, tdpt_guided), of({}, bdpt));
+  EXPECT_EQ(of(two_, bdpt), of({}, bdpt));
+}
+
+TEST_F(WorkModelTest, of_a_device_has_tables_of_its_own) {
+  const World world(scene_, scene_.camera(""), 8, 6, one_);
+  const auto of_device = [&](const Integrator& integrator) {
+    return WorkModel(world, integrator.mixture, kDeviceWork).per_sample({0, kSamples, 0}, kSamples);
+  };
+  EXPECT_EQ(of_device(bdpt), kDeviceWorkWithoutPortals.shadow);
+  EXPECT_EQ(of_device(tdpt_guided), kDeviceWorkWithPortals.shadow);
+}
+
+// work_model_bench asks the model for each of its terms this way.
+TEST_F(WorkModelTest, is_linear_in_its_table) {
+  const World world(scene_, scene_.camera(""), 8, 6, two_);
+  const auto cost = [&](const WorkCosts& c) {
+    return WorkModel(world, tdpt_guided.mixture, c).per_sample(kRays, kSamples);
+  };
+  EXPECT_EQ(cost({}), 0);
+  EXPECT_NEAR(cost({.sample = 3}) + cost({.closest = 7}) + cost({.facet = 5}),
+              cost({.sample = 3, .closest = 7, .facet = 5}), 1e-9);
+  EXPECT_NEAR(cost({.closest = 1}), 10, 1e-12);
+  EXPECT_NEAR(cost({.facet = 1}), 40, 1e-12);
+  EXPECT_NEAR(cost({.join = 1}), 3, 1e-12);
+}
+
+}  // namespace
+}  // namespace tdpt

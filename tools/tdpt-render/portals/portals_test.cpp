@@ -1,0 +1,300 @@
+#include "tools/tdpt-render/portals/portals.h"
+
+#include <algorithm>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+namespace tdpt {
+namespace {
+
+// Unit square in the plane z = 0 with normal +z, and a second one, twice as large, in x = 5.
+Portal square() {
+  return {"a", {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 3}}, {}};
+}
+Portal far_square() {
+  return {"b", {{5, 0, 0}, {5, 2, 0}, {5, 2, 1}, {5, 0, 1}}, {{0, 1, 2}, {0, 2, 3}}, {}};
+}
+const Frame kMetres{};
+
+TEST(portals, density_is_p_q_over_area_and_pi) {
+  const PortalSet one({square()}, kMetres);
+  EXPECT_DOUBLE_EQ(one.density({0.3, 0.2, -1}, {0.3, 0.2, 1}), 1 / std::numbers::pi);
+  EXPECT_DOUBLE_EQ(one.density({0.2, 0.7, -1}, {0.2, 0.8, 9}), 1 / std::numbers::pi);
+  const PortalSet two({square(), far_square()}, kMetres);  // total area 3
+  EXPECT_DOUBLE_EQ(two.density({0.3, 0.2, -1}, {0.3, 0.2, 1}), 1 / (3 * std::numbers::pi));
+}
+
+TEST(portals, a_segment_that_crosses_two_portals_has_both_densities) {
+  Portal above = square();
+  for (Vec3d& v : above.vertices) v.z += 0.5;
+  for (Vec3d& v : above.vertices) v.y += 0.9;  // no pair
+  above.vertices[1].z = above.vertices[2].z = -0.1;
+  const PortalSet set({square(), above}, kMetres);
+  ASSERT_EQ(set.pairs(), 0u);
+  EXPECT_NEAR(set.density({0.3, 0.95, -1}, {0.3, 0.95, 1}), 2 * set.polygon(0).density, 1e-12);
+  EXPECT_NEAR(set.density({0.3, 0.95, -1}, {0.3, 0.95, 0.2}), set.polygon(0).density, 1e-12);
+}
+
+TEST(portals, one_behind_the_other_has_segments_drawn_through_both) {
+  Portal above = square();
+  for (Vec3d& v : above.vertices) v.z += 0.5;
+  const PortalSet set({square(), above}, kMetres);
+  EXPECT_EQ(set.pairs(), 1u);
+  // Three quarters of two portals, and a quarter of a pair half a metre apart.
+  EXPECT_DOUBLE_EQ(set.density({0.3, 0.2, -1}, {0.3, 0.2, 1}),
+                   0.75 / std::numbers::pi + 0.25 * 0.5 * 0.5);
+  EXPECT_DOUBLE_EQ(set.density({0.3, 0.2, -1}, {0.3, 0.2, 0.2}), 0.75 / (2 * std::numbers::pi));
+  // At an angle of 45 degrees: d^2 = 0.5, cosines 1 / sqrt 2.
+  EXPECT_NEAR(set.density({-0.7, 0.2, -1}, {1.3, 0.2, 1}),
+              0.75 / std::numbers::pi + 0.25 * 0.5 / 0.5, 1e-12);
+  // What was drawn through both and is stopped between them is not spanned.
+  EXPECT_TRUE(set.spans({0, 2}, {0.3, 0.2, -1}, {0.3, 0.2, 1}));
+  EXPECT_FALSE(set.spans({0, 2}, {0.3, 0.2, -1}, {0.3, 0.2, 0.2}));
+  EXPECT_FALSE(set.spans({0, 2}, {0.3, 0.2, 0.1}, {0.3, 0.2, 1}));
+  EXPECT_TRUE(set.spans({0, -1}, {0.3, 0.2, -1}, {0.3, 0.2, 0.2}));
+}
+
+TEST(portals, a_planted_fault_scales_the_density_of_triangles_and_pairs_and_no_sample) {
+  Portal above = square();
+  for (Vec3d& v : above.vertices) v.z += 0.5;
+  const PortalSet set({square(), above}, kMetres), spoilt = set.with_scaled_density(1.05);
+  for (const Vec3d& end : {Vec3d(0.3, 0.2, 0.2), Vec3d(0.3, 0.2, 1), Vec3d(1.3, 0.2, 1)}) {
+    const Vec3d from(0.3, 0.2, -1);
+    EXPECT_DOUBLE_EQ(spoilt.density(from, end), 1.05 * set.density(from, end));
+  }
+  Rng rng(1, 0, 0), same(1, 0, 0);
+  EXPECT_EQ(set.sample(rng).direction, spoilt.sample(same).direction);
+}
+
+TEST(portals, beside_or_across_each_other_are_no_pair) {
+  Portal beside = square(), across = square();
+  for (Vec3d& v : beside.vertices) v.x += 2;
+  for (Vec3d& v : across.vertices) v = {v.x, v.z + 0.5, v.y - 0.5};
+  EXPECT_EQ(PortalSet({square(), beside}, kMetres).pairs(), 0u);
+  EXPECT_EQ(PortalSet({square(), across}, kMetres).pairs(), 0u);
+}
+
+TEST(portals, no_density_against_the_normal_beside_the_portal_or_short_of_it) {
+  const PortalSet set({square()}, kMetres);
+  EXPECT_EQ(set.density({0.3, 0.2, 1}, {0.3, 0.2, -1}), 0);
+  EXPECT_EQ(set.density({1.3, 0.2, -1}, {1.3, 0.2, 1}), 0);
+  EXPECT_EQ(set.density({0.3, 0.2, -1}, {0.3, 0.2, -0.1}), 0);
+  EXPECT_EQ(set.density({0.3, 0.2, 0.1}, {0.3, 0.2, 1}), 0);
+}
+
+TEST(portals, the_sampled_polygon_is_always_counted) {
+  const PortalSet set({square()}, kMetres);
+  EXPECT_GT(set.density({1.0000001, 0.2, -1}, {1.0000001, 0.2, 1}, {0, -1}), 0);
+}
+
+TEST(portals, a_segment_that_ends_in_the_portals_plane_has_no_density) {
+  const PortalSet set({square()}, kMetres);
+  EXPECT_EQ(set.density({0.3, 0.2, -1}, {0.3, 0.2, 1e-7}, {0, -1}), 0);
+  EXPECT_EQ(set.density({0.3, 0.2, -1e-7}, {0.3, 0.2, 1}, {0, -1}), 0);
+  EXPECT_GT(set.density({0.3, 0.2, -1e-5}, {0.3, 0.2, 1}, {0, -1}), 0);
+}
+
+// A slit of 3 cm x 2 m across `distance` m from the origin, aslant, of `strips` strips one after
+// the other; its lower half is bent back by `bend` degrees. Vertices are single-precision.
+Portal slit(double distance, int strips, double bend) {
+  const double angle = bend * std::numbers::pi / 180;
+  const Vec3d middle = Vec3d(1, -0.4, 0.3) * (distance / std::sqrt(1.25));
+  const Onb<double> onb(normalize(Vec3d(0.3, 0.8, -0.5)));
+  Portal p{"slit", {}, {}, {}};
+  for (int i = 0; i <= strips; ++i) {
+    const double along = 2.0 * i / strips - 1, down = std::max(-along, 0.0);
+    const Vec3d at(0, along < 0 ? along * std::cos(angle) : along, -down * std::sin(angle));
+    for (const double across : {-0.015, 0.015}) {
+      const Vec3d v = middle + onb.to_world(at + Vec3d(across, 0, 0));
+      p.vertices.push_back(Vec3d(Vec3f(v)));
+      p.rounding =
+          std::max(p.rounding, std::ldexp(std::abs(v.x) + std::abs(v.y) + std::abs(v.z), -24));
+    }
+  }
+  for (uint32_t i = 0; i < static_cast<uint32_t>(strips); ++i) {
+    p.triangles.push_back({2 * i, 2 * i + 1, 2 * i + 3});
+    p.triangles.push_back({2 * i, 2 * i + 3, 2 * i + 2});
+  }
+  return p;
+}
+
+TEST(portals, a_polygon_of_single_precision_vertices_is_one_facet) {
+  for (const double distance : {5.0, 50.0})
+    for (const int strips : {1, 2, 8}) {
+      Portal portal = slit(distance, strips, 0);
+      Frame frame;
+      frame.centre = {2, -1, 0.5};
+      frame.scale = 0.125;
+      const PortalSet set({portal}, frame);
+      EXPECT_EQ(set.facets(), 1u) << distance << " m, strips " << strips;
+      // All of it lies in one plane now, and neighbours still share their corners.
+      const PortalSet::Polygon& first = set.polygon(0);
+      for (int i = 0; i < static_cast<int>(set.size()); ++i) {
+        const PortalSet::Polygon& q = set.polygon(i);
+        EXPECT_EQ(length(q.normal - first.normal), 0);
+        for (const Vec3d& corner : {q.p0, q.p0 + q.e1, q.p0 + q.e2})
+          EXPECT_NEAR(dot(first.normal, corner - first.p0), 0, 1e-15);
+      }
+      EXPECT_LT(
+          length(set.polygon(0).p0 + set.polygon(0).e2 - (set.polygon(1).p0 + set.polygon(1).e1)),
+          1e-15);
+      const double area = 0.06 * frame.scale * frame.scale;
+      const Vec3d through = first.p0 + (first.e1 + first.e2) / 3;
+      EXPECT_NEAR(set.density(through - first.normal, through + first.normal),
+                  1 / (area * std::numbers::pi), 1e-3 / area);
+      // In any order.
+      std::rotate(portal.triangles.begin(), portal.triangles.begin() + 1, portal.triangles.end());
+      for (size_t i = 0; i + 3 < portal.triangles.size(); i += 2)
+        std::swap(portal.triangles[i], portal.triangles[portal.triangles.size() - 1 - i]);
+      EXPECT_EQ(PortalSet({portal}, frame).facets(), 1u);
+    }
+}
+
+TEST(portals, twin_a_slit_bent_by_a_degree_is_two_facets) {
+  for (const double distance : {5.0, 50.0})
+    for (const int strips : {2, 8}) {
+      Portal portal = slit(distance, strips, 1);
+      EXPECT_EQ(PortalSet({portal}, kMetres).facets(), 2u) << distance << " m";
+      std::swap(portal.triangles.front(), portal.triangles.back());
+      EXPECT_EQ(PortalSet({portal}, kMetres).facets(), 2u) << distance << " m, shuffled";
+    }
+}
+
+TEST(portals, triangles_of_one_plane_are_one_facet_whatever_stands_between_them) {
+  // Two squares of a plane, and between them in the file a third, turned out of it.
+  Portal p = square();
+  p.vertices.insert(p.vertices.end(), {{1, 0, 0}, {1, 0, 1}, {1, 1, 1}});
+  p.triangles.insert(p.triangles.begin() + 1, {4, 5, 6});
+  const PortalSet set({p}, kMetres);
+  EXPECT_EQ(set.facets(), 2u);
+  EXPECT_EQ(set.polygon(0).facet, set.polygon(1).facet);
+  EXPECT_EQ(set.polygon(2).facet, 1u);
+  // Back to back they look different ways.
+  Portal folded = square();
+  std::swap(folded.triangles[1][1], folded.triangles[1][2]);
+  EXPECT_EQ(PortalSet({folded}, kMetres).facets(), 2u);
+}
+
+// Two layers of small squares, light passing the lower before the upper.
+std::vector<Portal> layers(int of_each) {
+  std::vector<Portal> portals;
+  for (int i = 0; i < 2 * of_each; ++i) {
+    Portal p = square();
+    const int place = i / 2;
+    for (Vec3d& v : p.vertices)
+      v = Vec3d(v.x * 0.2 + 0.3 * (place % 5), v.y * 0.1 + 0.2 * (place / 5), i % 2);
+    portals.push_back(p);
+  }
+  return portals;
+}
+
+// Samples of `set`, each counted 1 / D for every triangle it crosses: their mean is pi A_q,
+// whatever the mixture. Largest difference of a triangle, or of all together [standard errors];
+// `fault`: factor of D.
+double worst_of_triangles(const PortalSet& set, double fault) {
+  constexpr int kSamples = 60000;
+  std::vector<double> sum(set.size() + 1), squares(set.size() + 1), expected(set.size() + 1);
+  const auto add = [&](size_t k, double value) {
+    sum[k] += value;
+    squares[k] += value * value;
+  };
+  for (uint64_t i = 0; i < kSamples; ++i) {
+    Rng rng(12, 0, i);
+    const PortalSet::Sample s = set.sample(rng);
+    const Vec3d from = s.position - s.direction * 50, to = s.position + s.direction * 50;
+    const double value = 1 / (fault * set.density(from, to, s.drawn));
+    double all = 0;
+    for (size_t k = 0; k < set.size(); ++k) {
+      const PortalSet::Polygon& q = set.polygon(static_cast<int>(k));
+      const double slope = dot(q.normal, to - from);
+      if (!(slope > 0) || !q.holds(from + (to - from) * (dot(q.normal, q.p0 - from) / slope), 0))
+        continue;
+      add(k, value);
+      all += value;
+    }
+    add(set.size(), all);
+  }
+  for (size_t k = 0; k < set.size(); ++k) {
+    const PortalSet::Polygon& q = set.polygon(static_cast<int>(k));
+    expected[k] = 0.5 * length(cross(q.e1, q.e2)) * std::numbers::pi;
+    expected.back() += expected[k];
+  }
+  double worst = 0;
+  for (size_t k = 0; k < expected.size(); ++k) {
+    const double mean = sum[k] / kSamples;
+    const double error = std::sqrt((squares[k] / kSamples - mean * mean) / kSamples);
+    worst = std::max(worst, std::abs(mean - expected[k]) / error);
+  }
+  return worst;
+}
+
+TEST(portals, of_many_portals_the_strongest_pairs_are_drawn) {
+  const PortalSet twenty(layers(10), kMetres);
+  EXPECT_EQ(twenty.pairs(), 100u);
+  const PortalSet sixty(layers(30), kMetres);  // 900 pairs
+  EXPECT_EQ(sixty.pairs(), PortalSet::kMostPairs);
+  for (const PortalSet* set : {&twenty, &sixty}) {
+    uint64_t paired = 0;
+    Rng rng(13, 0, 0);
+    for (int i = 0; i < 4000; ++i) paired += set->sample(rng).drawn.second >= 0;
+    EXPECT_NEAR(static_cast<double>(paired), 1000, 120);
+    EXPECT_LT(worst_of_triangles(*set, 1), 4.5);
+    EXPECT_GT(worst_of_triangles(*set, 1.05), 8);
+  }
+  // The pairs above each other are the strongest: those are kept.
+  const auto pairs_of = [&](const Vec3d& from, const Vec3d& to) {
+    return sixty.density(from, to) - 2 * sixty.polygon(0).density > 1e-6;
+  };
+  for (int place = 0; place < 30; ++place) {
+    const Vec3d at(0.1 + 0.3 * (place % 5), 0.04 + 0.2 * (place / 5), 0);
+    EXPECT_TRUE(pairs_of(at - Vec3d(0, 0, 1), at + Vec3d(0, 0, 2))) << place;
+  }
+  // From one corner to the other there is none.
+  const Vec3d low(0.1, 0.04, 0), high(1.3, 1.04, 1);
+  EXPECT_GT(sixty.density(low - (high - low), high + (high - low)), 0);
+  EXPECT_FALSE(pairs_of(low - (high - low), high + (high - low)));
+}
+
+TEST(portals, degenerate_triangles_are_dropped_and_no_portal_is_empty) {
+  const Portal line{"l", {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, {{0, 1, 2}}, {}};
+  EXPECT_TRUE(PortalSet({line}, kMetres).empty());
+  EXPECT_TRUE(PortalSet({}, kMetres).empty());
+}
+
+// Samples of two squares binned by square (1:2 by area), quarter of the square and cos^2 (cos^2 is
+// uniform for a cosine distribution); chi-square against probabilities skewed by `fault`.
+bool samples_hold(double fault) {
+  const PortalSet set({square(), far_square()}, kMetres);
+  std::array<double, 2 * 4 * 4> hits{}, expected{};
+  Rng rng(9, 0, 0);
+  const int n = 200000;
+  for (int i = 0; i < n; ++i) {
+    const PortalSet::Sample s = set.sample(rng);
+    const bool far = s.drawn.polygon >= 2;
+    const double u = far ? s.position.y / 2 : s.position.x;
+    const double v = far ? s.position.z : s.position.y;
+    const double c = dot(s.direction, set.polygon(s.drawn.polygon).normal);
+    EXPECT_GE(c, 0);
+    const auto bin = [](double x, int bins) {
+      return std::clamp(static_cast<int>(x * bins), 0, bins - 1);
+    };
+    const int b = ((far ? 4 : 0) + 2 * bin(u, 2) + bin(v, 2)) * 4 + bin(c * c, 4);
+    hits[static_cast<size_t>(b)] += 1;
+  }
+  double chi2 = 0;
+  for (size_t b = 0; b < hits.size(); ++b) {
+    expected[b] = n * (b < 16 ? 1.0 / 3 : 2.0 / 3) / 16 * (b == 20 ? fault : 1);
+    chi2 += (hits[b] - expected[b]) * (hits[b] - expected[b]) / expected[b];
+  }
+  return chi2 < 61.1;  // 31 degrees of freedom: p about 1e-3
+}
+TEST(portals, samples_follow_the_density) {
+  EXPECT_TRUE(samples_hold(1));
+}
+TEST(portals, twin_a_density_off_by_10_percent_in_one_bin_is_caught) {
+  EXPECT_FALSE(samples_hold(1.1));
+}
+
+}  // namespace
+}  // namespace tdpt

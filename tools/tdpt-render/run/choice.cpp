@@ -1,0 +1,191 @@
+#include "tools/tdpt-render/run/choice.h"
+
+#include <algorithm>
+
+#include "libcommon/base/error.h"
+#include "tools/tdpt-render/plan/arrival.h"
+#include "tools/tdpt-render/plan/longest_path.h"
+#include "tools/tdpt-render/plan/portal_probe.h"
+#include "tools/tdpt-render/plan/portal_ways.h"
+#include "tools/tdpt-render/portals/portal_fit.h"
+#include "tools/tdpt-render/run/portal_report.h"
+
+namespace tdpt {
+namespace {
+
+// The integrator with the numbers that were given, one at least.
+Integrator guided_as_given(const Arguments& a, Integrator guided) {
+  std::array<double, 2>& chance = guided.mixture.guiding.chance;
+  if (a.guide_light >= 0) chance[0] = a.guide_light;
+  if (a.guide_camera >= 0) chance[1] = a.guide_camera;
+  if (a.segments >= 0) guided.mixture.segments = a.segments;
+  if (a.light_walks >= 0) guided.mixture.light_walks = a.light_walks;
+  return guided;
+}
+
+std::vector<Candidate> candidates_of(const Request& request, const World& world) {
+  if (!request.automatic) return {{request.named, label_of(request.named)}};
+  if (request.guided.empty()) return auto_candidates(world);
+  return auto_candidates(world, request.guided);
+}
+
+void tell_left_out(const World& world, const std::vector<Portal>& portals,
+                   const PortalProbe& probed, const cli::Common& common) {
+  std::vector<std::string> sentences;
+  for (const PortalWay& w : probed.ways) {
+    if (w.way != PortalWay::left_out) continue;
+    const Portal& portal = portals[w.portal];
+    const std::string unit = unit_words(portal, world.tracer, world.scene.frame);
+    sentences.push_back(left_out(portal, probed.light[w.portal]) +
+                        (unit.empty() ? "" : "; it " + unit));
+  }
+  for (const std::string& sentence : first_few(sentences)) common.warn(sentence);
+}
+
+// Samples of the picture, about; by the clock, as fast as most scenes are.
+double samples_ahead(const RenderSettings& settings, const FilmPlane& film) {
+  constexpr double kPerSecond = 2e5;
+  const uint64_t spp = spp_foreseen(settings);
+  if (spp == 0) return kPerSecond * settings.seconds;
+  return static_cast<double>(spp) * film.width() * film.height();
+}
+
+void warn_of_no_portal(const Request& request, const World& world, const cli::Common& common) {
+  const Mixture& named = request.named.mixture;
+  if (world.portals.empty() && (named.has(Technique::portal) || named.guiding != Guiding{}))
+    common.warn("no portal is given, so no path is sampled through one");
+}
+
+// Whether there is more to it than the camera's own ray.
+bool is_sampled(const World& world, const RenderSettings& settings) {
+  return longest_path(world, settings.max_depth, settings.alpha) == settings.max_depth;
+}
+
+bool goes_through_portals(const Request& request, const World& world) {
+  const Mixture& named = request.named.mixture;
+  return request.automatic || named.has(Technique::portal) || named.guiding != Guiding{} ||
+         (named.looks_out() && !world.windows.empty());
+}
+
+void use_portals(const std::vector<PortalWay>& ways, World& world, std::vector<Portal>& portals,
+                 const cli::Common& common) {
+  for (const std::string& turning : turnings(portals, ways)) common.note(turning);
+  apply_ways(ways, portals);
+  world.fill_openings(PortalSet(portals, world.scene.frame));
+}
+
+// By power alone a sky outranks every lamp indoors.
+bool competes_with_sky(const World& world) {
+  return world.lights.sky() && world.lights.shares().sky < 1;
+}
+
+// Throws InputError where a plan chooses a kind of light never that there is, or one that is not.
+void check_kinds(const Lights::Shares& planned, const Lights::Shares& there,
+                 const std::string& file) {
+  const auto same = [](double a, double b) { return (a > 0) == (b > 0); };
+  if (!same(planned.surfaces, there.surfaces) || !same(planned.lamps, there.lamps) ||
+      !same(planned.parallel, there.parallel) || !same(planned.sky, there.sky))
+    throw InputError(file, "surfaces", "and the other shares are of other lights");
+}
+
+void find_candidates(const Request& request, const World& world, Choice& choice) {
+  choice.candidates = candidates_of(request, world);
+  choice.integrator = request.named;
+  if (request.automatic) choice.integrator = either_of(choice.candidates);
+}
+
+void warn_of_missing_light(const Choice& choice, const World& world, const cli::Common& common) {
+  if (const std::string missed = light_missed(choice.integrator, world.scene); !missed.empty())
+    common.warn(missed);
+  if (world.lights.empty())
+    common.warn(
+        "nothing in the scene emits light, expected an emissive surface, a lamp or an "
+        "--environment: the picture is black");
+  else if (!may_see_surfaces(world))
+    common.warn(std::string("no surface lies in the camera's view: the picture ") +
+                (world.scene.sky ? "shows the sky alone" : "is black"));
+}
+
+}  // namespace
+
+Request request_of(const Arguments& a) {
+  Request request;
+  request.automatic = a.integrator == "auto";
+  request.named = request.automatic ? bdpt : integrator_named(a.integrator);
+  if (a.guide_light < 0 && a.guide_camera < 0 && a.segments < 0 && a.light_walks < 0)
+    return request;
+  const Integrator& row = request.automatic ? tdpt_guided : request.named;
+  const auto refuse = [&](const char* option, const char* what) {
+    throw UsageError(std::string(option) + ": " + row.name + " " + what);
+  };
+  if (a.guide_light >= 0 && !row.mixture.techniques.walks_from_light())
+    refuse("--guide-light", "has no walks from the light");
+  if (a.light_walks >= 0 && !row.mixture.techniques.walks_from_light())
+    refuse("--light-walks", "has no walks from the light");
+  if (a.segments >= 0 && !row.mixture.has(Technique::portal))
+    refuse("--segments", "draws no portal segments");
+  request.guided = {guided_as_given(a, row)};
+  if (!request.automatic) request.named = request.guided.front();
+  return request;
+}
+
+Choice choose(const Request& request, const RenderSettings& settings, const Camera& camera,
+              World& world, std::vector<Portal>& portals, const cli::Common& common) {
+  Choice choice;
+  warn_of_no_portal(request, world, common);
+  const bool sampled = is_sampled(world, settings);
+  if (sampled && goes_through_portals(request, world)) {
+    // A small part of the work.
+    constexpr double kShare = 0.02, kFewest = 256;
+    const double ahead = samples_ahead(settings, world.film);
+    const PortalProbe probed = probe_ways(world, camera, portals, settings.max_depth, settings.seed,
+                                          std::clamp(kShare * ahead, kFewest, kProbeSamples));
+    choice.ways = probed.ways;
+    tell_left_out(world, portals, probed, common);
+    use_portals(choice.ways, world, portals, common);
+    for (size_t i = 0; i < portals.size(); ++i) {
+      portals[i].figures.erase(kLight);
+      if (probed.light[i].of > 0) portals[i].figures[kLight] = probed.light[i].share;
+    }
+    if (kShare * ahead > kProbeSamples) probe(world, portals);
+    for (const std::string& description : descriptions(portals)) common.note(description);
+    choice.probed = true;
+  }
+  choice.phases.done("probe");
+  choice.by_arrival = sampled && competes_with_sky(world);
+  if (choice.by_arrival)
+    world.lights.choose_by(
+        arriving_shares(world, {settings.max_depth, settings.beta, settings.seed}));
+  choice.phases.done("arrival");
+  find_candidates(request, world, choice);
+  warn_of_missing_light(choice, world, common);
+  return choice;
+}
+
+Choice choose_as_planned(const Plan& plan, const std::string& file, const Request& request,
+                         const RenderSettings& settings, World& world, std::vector<Portal>& portals,
+                         const cli::Common& common) {
+  Choice choice;
+  warn_of_no_portal(request, world, common);
+  const bool sampled = is_sampled(world, settings);
+  if (sampled && goes_through_portals(request, world)) {
+    for (const PortalWay& way : plan.ways)
+      if (way.portal >= portals.size())
+        throw InputError(file, "portals", "speak of one that there is not");
+    choice.ways = plan.ways;
+    choice.probed = true;
+    use_portals(choice.ways, world, portals, common);
+    for (Portal& portal : portals) portal.figures.erase(kLight);
+  }
+  choice.by_arrival = sampled && competes_with_sky(world);
+  if (choice.by_arrival) {
+    check_kinds(plan.lights, world.lights.shares(), file);
+    world.lights.choose_by(plan.lights);
+  }
+  choice.planned = true;
+  find_candidates(request, world, choice);
+  warn_of_missing_light(choice, world, common);
+  return choice;
+}
+
+}  // namespace tdpt

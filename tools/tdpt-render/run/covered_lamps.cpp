@@ -1,0 +1,162 @@
+#include "tools/tdpt-render/run/covered_lamps.h"
+
+#include <algorithm>
+#include <atomic>
+#include <map>
+#include <set>
+
+#include <fmt/format.h>
+#include <oneapi/tbb/parallel_for.h>
+
+#include "libcommon/base/number_words.h"
+#include "libcommon/math/rng.h"
+#include "libcommon/math/warp.h"
+
+namespace tdpt {
+namespace {
+
+// Canonical. Twice the step off a surface [tracer.cpp]: rays to the one stop before the other.
+constexpr double kHair = 1e-6;
+// Of three lamps in one place two are moved, and then one of those. A triangle that one round's
+// rays miss the next one's may find.
+constexpr uint32_t kRounds = 8;
+// Of the triangles wholly in another surface a ray misses a quarter.
+constexpr size_t kFewest = 8, kMost = 256, kAll = size_t{1} << 16;
+
+bool emits(const Scene& scene, uint32_t triangle) {
+  return max_component(scene.material_of(triangle).emission) > 0;
+}
+
+/// Whether the place, which lies in its plane, lies within the triangle.
+bool holds(const TriangleShape& s, const Vec3d& place) {
+  const Vec3d at = place - s.p0;
+  const double twice = 2 * s.area;
+  const double b1 = dot(cross(at, s.e2), s.normal) / twice;
+  const double b2 = dot(cross(s.e1, at), s.normal) / twice;
+  return b1 > 0 && b2 > 0 && b1 + b2 < 1;
+}
+
+/// What a ray from before the triangle, or from behind it, somewhere between it and what it shines
+/// on, to a place within it finds there; the triangle where that is nothing else. Near and far it
+/// may be another one, as roundings differ.
+uint32_t found_at(const Tracer& tracer, uint32_t triangle, bool behind, Rng& rng) {
+  const double u = rng.uniform(), v = rng.uniform();
+  const double a = rng.uniform(), b = rng.uniform();
+  const double way = rng.uniform();
+  double b1, b2;
+  uniform_triangle(u, v, b1, b2);
+  constexpr double rim = 0.05;  // where neighbours may be met
+  b1 = rim + (1 - 3 * rim) * b1, b2 = rim + (1 - 3 * rim) * b2;
+  const TriangleShape& s = tracer.shape(triangle);
+  const Vec3d place = s.p0 + s.e1 * b1 + s.e2 * b2;
+  const Vec3d up = behind ? -s.normal : s.normal;
+  const Vec3d w = normalize(Onb<double>(up).to_world(cosine_hemisphere(a, b)));
+  Hit hit;
+  const double free = tracer.closest({place, s.normal}, w, hit) ? hit.distance : 2;
+  const bool there = tracer.closest({place + w * (free * way), {}}, -w, hit) &&
+                     std::abs(dot(hit.normal, s.normal)) > 0.999 &&
+                     std::abs(dot(hit.position - place, s.normal)) < 0.5 * kHair &&
+                     holds(tracer.shape(hit.triangle), place);
+  return there ? hit.triangle : triangle;
+}
+
+/// Gives the triangle vertices of its own, a hair before those it had.
+void move(Scene& scene, uint32_t triangle) {
+  const Vec3d by = shape_of(scene, triangle).normal * kHair;
+  const auto again = [](auto& list, uint32_t vertex) {
+    if (!list.empty()) list.push_back(list[vertex]);
+  };
+  for (uint32_t& vertex : scene.triangles[triangle].vertex) {
+    const auto moved = static_cast<uint32_t>(scene.positions.size());
+    scene.positions.push_back(Vec3f(Vec3d(scene.positions[vertex]) + by));
+    again(scene.normals, vertex);
+    again(scene.tangents, vertex);
+    for (auto& uv : scene.uv) again(uv, vertex);
+    again(scene.colours, vertex);
+    vertex = moved;
+  }
+}
+
+using OneSided = std::map<uint32_t, uint32_t>;
+
+/// Material that is the same from the front and emits nothing behind, told from the other one.
+uint32_t one_sided(Scene& scene, uint32_t material, OneSided& known) {
+  const auto [it, fresh] = known.try_emplace(material, scene.materials.size());
+  if (fresh) {
+    Material front = scene.materials[material];
+    front.double_sided = false;
+    scene.materials.push_back(std::move(front));
+  }
+  return it->second;
+}
+
+/// Moves it; one of two sides is parted into them, and each is brought before what lies between:
+/// which one faces a room its winding does not say, and both may.
+void uncover(Scene& scene, uint32_t triangle, OneSided& known) {
+  if (scene.material_of(triangle).double_sided) {
+    Triangle back = scene.triangles[triangle];
+    back.material = one_sided(scene, back.material, known);
+    scene.triangles[triangle].material = back.material;
+    std::swap(back.vertex[1], back.vertex[2]);
+    scene.triangles.push_back(back);
+    if (!scene.smooth.empty()) scene.smooth.push_back(scene.smooth[triangle]);
+    move(scene, static_cast<uint32_t>(scene.triangles.size() - 1));
+    if (!scene.normals.empty())
+      for (const uint32_t vertex : scene.triangles.back().vertex)
+        scene.normals[vertex] = -scene.normals[vertex];
+  }
+  move(scene, triangle);
+}
+
+}  // namespace
+
+std::vector<uint32_t> covered_lamps(const Scene& scene, const Tracer& tracer, uint32_t seed) {
+  std::vector<uint32_t> lamps, covered;
+  for (uint32_t t = 0; t < scene.triangles.size(); ++t)
+    if (emits(scene, t)) lamps.push_back(t);
+  if (lamps.empty()) return {};
+  const size_t rays = std::clamp(kAll / lamps.size(), kFewest, kMost);
+  std::vector<uint8_t> is_covered(scene.triangles.size());
+  tbb::parallel_for(size_t{0}, lamps.size(), [&](size_t k) {
+    const uint32_t lamp = lamps[k];
+    const bool both = scene.material_of(lamp).double_sided;
+    for (uint64_t i = 0; i < rays; ++i) {
+      Rng rng(seed, lamp, i);
+      const uint32_t found = found_at(tracer, lamp, both && i % 2 == 1, rng);
+      if (found == lamp) continue;
+      const uint32_t later = emits(scene, found) ? std::max(found, lamp) : lamp;
+      std::atomic_ref(is_covered[later]).store(1, std::memory_order_relaxed);
+    }
+  });
+  for (const uint32_t lamp : lamps)
+    if (is_covered[lamp]) covered.push_back(lamp);
+  return covered;
+}
+
+OpenWorld open_world(Scene& scene, const Camera& camera, int width, int height,
+                     const std::vector<Portal>& portals) {
+  std::set<uint32_t> moved;
+  OneSided known;
+  const size_t before = scene.triangles.size();
+  std::unique_ptr<World> world;
+  for (uint32_t round = 0;; ++round) {
+    world = std::make_unique<World>(scene, camera, width, height, portals);
+    if (round == kRounds) break;
+    const std::vector<uint32_t> covered = covered_lamps(scene, world->tracer, round);
+    if (covered.empty()) break;
+    world.reset();  // it reads the scene in place
+    for (const uint32_t triangle : covered) {
+      uncover(scene, triangle, known);
+      if (triangle < before) moved.insert(triangle);
+    }
+  }
+  return {std::move(world), moved.size()};
+}
+
+std::string uncovered_sentence(size_t triangles, const Frame& frame) {
+  return fmt::format("{} of lamps {} in another surface: moved {} m before it",
+                     triangles == 1 ? "1 triangle" : fmt::format("{} triangles", triangles),
+                     triangles == 1 ? "lies" : "lie", number_words(kHair / frame.scale, 1));
+}
+
+}  // namespace tdpt

@@ -1,0 +1,132 @@
+#include "tools/tdpt-render/run/delivery.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <new>
+
+#include <fmt/format.h>
+
+#include "libcommon/base/error.h"
+#include "libcommon/base/file.h"
+#include "libcommon/base/output_file.h"
+#include "libcommon/cli/ending.h"
+#include "libcommon/formats/viewpoint.h"
+#include "tools/tdpt-render/run/features.h"
+#include "tools/tdpt-render/run/report.h"
+#include "tools/tdpt-render/run/target_report.h"
+
+namespace tdpt {
+namespace {
+
+// Of the picture that the film becomes. A rendering that goes on has those of its beginning.
+// `target`: how it came out, once that is known.
+std::map<std::string, std::string> attributes_of(const Job& job, const Choice& choice,
+                                                 const Plan& plan,
+                                                 const std::optional<TargetOutcome>& target) {
+  std::map<std::string, std::string> attributes = job.given.attributes;
+  if (attributes.empty()) {
+    cli::Common common = job.common;
+    if (!job.given.command.empty()) common.command = job.given.command;
+    attributes = exr_attributes(choice.integrator, choice.candidates.size() > 1 ? plan.label : "",
+                                job.settings, common.provenance(job.in.files));
+    attributes["camera"] = viewpoint_text(job.in.scene.frame, job.in.camera);
+  }
+  if (job.common.no_provenance) attributes.erase(provenance_attribute);
+  if (target) attributes.merge(target_attributes(*target));
+  return attributes;
+}
+
+// Those of --aov that the film's sums tell.
+std::vector<std::string> derived_of(const Arguments& a) {
+  std::vector<std::string> derived;
+  for (const std::string& name : aovs_of(a))
+    if (std::find(kDerived.begin(), kDerived.end(), name) != kDerived.end())
+      derived.push_back(name);
+  return derived;
+}
+
+std::string film_of(const Outcome& r) {
+  return film_bytes(r.standing, r.plan, r.job.film_shape,
+                    merged_words(r.job.given.processor, r.job.code), derived_of(r.job.a),
+                    attributes_of(r.job, r.choice, r.plan, r.target), r.channels);
+}
+
+std::string picture_of(const Outcome& r) {
+  if (r.job.is_shard()) return film_of(r);
+  FilmFacts facts;
+  facts.derived = derived_of(r.job.a);
+  facts.attributes = attributes_of(r.job, r.choice, r.plan, r.target);
+  return exr_bytes(finished_picture(r.standing.film, facts, r.channels));
+}
+
+void write_all(const Outcome& r, const RenderResult& result) {
+  const Job& job = r.job;
+  const Arguments& a = job.a;
+  const Picture& picture = result.picture;
+  cli::deliver({{job.common.output, [&] { return picture_of(r); }},
+                {a.preview, [&] { return png_bytes(picture, auto_exposure(picture)); }},
+                {a.nonzero, [&] { return png_bytes(nonzero_picture(picture), 0); }},
+                {job.writes_plan() && !result.hasty ? a.plan : "",
+                 [&] {
+                   return plan_file_text({result.plan, job.shape, job.common.command});
+                 }},
+                {a.stats,
+                 [&] {
+                   return stats_json(r.choice.integrator, job.settings, result, job.in.portals) +
+                          "\n";
+                 }}},
+               job.common);
+}
+
+// What could not be written, and where all that was rendered is now.
+std::string kept_sentence(const Outcome& r, bool saved) {
+  if (saved)
+    return fmt::format("all samples are in {}: --resume writes the picture",
+                       display_name(r.job.checkpoint()));
+  const std::string& output = r.job.common.output;
+  const std::string path = keep_elsewhere(output == "-" ? "picture.exr" : output, picture_of(r));
+  return path.empty() ? "the picture is lost" : "the picture is kept in " + path;
+}
+
+}  // namespace
+
+Channels channels_of(const Job& job, const World& world) {
+  if (job.a.aov.empty() || (job.is_shard() && shard_of(job.a.shard).index > 0)) return {};
+  return features(world, aovs_of(job.a), job.common.seed);
+}
+
+bool save(const Outcome& r) {
+  const std::string path = r.job.checkpoint();
+  std::string why;
+  try {
+    write_output(path, film_of(r));
+    return true;
+  } catch (const OutputError& e) {
+    why = e.what();
+  } catch (const std::bad_alloc&) {
+    why = path + ": there is no memory for it";
+  }
+  std::error_code ignored;
+  r.job.common.warn(why + (std::filesystem::exists(path, ignored)
+                               ? "; the checkpoint before it is kept"
+                               : "; there is no checkpoint yet"));
+  return false;
+}
+
+void show(const Job& job, const Picture& picture) {
+  try {
+    write_output(job.a.preview, png_bytes(picture, auto_exposure(picture)));
+  } catch (const OutputError&) {
+  }
+}
+
+void deliver(const Outcome& r, const RenderResult& result) {
+  const bool saved = !r.job.checkpoint().empty() && !result.hasty && save(r);
+  try {
+    write_all(r, result);
+  } catch (const OutputError& e) {
+    throw Error(e.code, fmt::format("{}; {}", e.what(), kept_sentence(r, saved)));
+  }
+}
+
+}  // namespace tdpt

@@ -1,0 +1,296 @@
+#include "tools/tdpt-render/run/explain.h"
+
+#include <cmath>
+#include <numeric>
+
+#include <fmt/format.h>
+
+#include "libcommon/base/counted.h"
+#include "libcommon/base/number_words.h"
+#include "libcommon/scene/uses.h"
+#include "tools/tdpt-render/run/portal_report.h"
+
+namespace tdpt {
+namespace {
+
+using cli::Decision;
+using cli::Decisions;
+
+void append(Decisions& all, Decisions more) {
+  all.insert(all.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
+}
+
+// Where no light comes by more than the camera's own ray.
+constexpr const char* kNothingBeyond = "no path beyond the camera's ray can bring light";
+
+Decision panels(const Rendered& r) {
+  const size_t n = r.world.next_events.panels().all().size();
+  if (n > 0)
+    return {"panels", "used",
+            fmt::format("{} flat rectangles are all that emits: next events choose among them by "
+                        "what arrives",
+                        n),
+            "four corners looked at for each panel and next event"};
+  return {"panels", "left out",
+          fmt::format("the surfaces that emit are not one big rectangle or 2 to {}", Panels::kMost),
+          "next events draw by power alone"};
+}
+
+Decision windows(const Rendered& r) {
+  if (r.result.longest) return {"windows", "left out", kNothingBeyond, "no next event is made"};
+  const size_t n = r.world.windows.windows().size();
+  if (n > 0)
+    return {"windows", "used", fmt::format("{} facets of portals show the sky", n),
+            "each next event towards the sky looks through them"};
+  return {"windows", "left out",
+          r.world.scene.sky ? "no portal shows the sky" : "there is no sky to look for",
+          "no summed-area table is made"};
+}
+
+// How lights are chosen among their kinds.
+Decision kinds_of_light(const Rendered& r) {
+  if (r.result.longest)
+    return {"kinds of light", "none chosen", kNothingBeyond, "nothing is measured"};
+  const Lights::Shares s = r.world.lights.shares();
+  const std::string shares = fmt::format("surfaces {}, lamps {}, parallel light {}, the sky {}",
+                                         number_words(s.surfaces, 2), number_words(s.lamps, 2),
+                                         number_words(s.parallel, 2), number_words(s.sky, 2));
+  if (r.choice.by_arrival)
+    return {"kinds of light", r.choice.planned ? "chosen as planned" : "chosen by what arrives",
+            "by power a sky would outrank every lamp indoors: " + shares,
+            cli::price_of(r.choice.phases, {"arrival"})};
+  return {"kinds of light", "chosen by power", "no sky stands beside other lights: " + shares,
+          "nothing is measured"};
+}
+
+std::string way_words(PortalWay::Way way) {
+  switch (way) {
+    case PortalWay::as_drawn:
+      return "used as drawn";
+    case PortalWay::front:
+      return "used from its back to its front";
+    case PortalWay::back:
+      return "used from its front to its back";
+    case PortalWay::both:
+      return "used both ways";
+    case PortalWay::left_out:
+      return "left out";
+  }
+  return "";
+}
+
+Decisions portals(const Rendered& r) {
+  if (r.portals.empty())
+    return {
+        {"portals", "left out", "none is given that can be used", "no edge is tested against any"}};
+  if (r.result.longest) return {{"portals", "left out", kNothingBeyond, "no segment is drawn"}};
+  if (!r.choice.probed)
+    return {{"portals", "left out", fmt::format("{} goes through none", r.choice.integrator.name),
+             "nothing is measured"}};
+  Decisions all;
+  if (r.choice.planned)
+    all.push_back(
+        {"portals", "as planned", "a plan tells which way each works", "nothing is measured"});
+  else
+    all.push_back(
+        {"portals", "looked at",
+         fmt::format("a small picture tells which of the {} the light passes, and which way",
+                     r.portals.size()),
+         cli::price_of(r.choice.phases, {"probe"})});
+  for (const PortalWay& w : r.choice.ways) {
+    const Portal& portal = r.portals[w.portal];
+    const auto light = portal.figures.find(kLight);
+    all.push_back(
+        {portal.name, way_words(w.way),
+         light == portal.figures.end()
+             ? (r.choice.planned ? "the plan says so"
+                                 : "too little of a small picture's light was seen to tell")
+             : fmt::format("{} of a small picture's light passed it",
+                           percent_words(light->second, 3)),
+         w.way == PortalWay::left_out
+             ? "no edge is tested against it"
+             : "each edge is tested against " + counted(portal.triangles.size(), "triangle")});
+  }
+  return all;
+}
+
+std::string share_of_rendering(const Rendered& r) {
+  if (r.result.spp == 0) return "";  // there is a plan alone
+  const double share = r.result.scout_cpu_seconds / std::max(r.result.cpu_seconds, 1e-9);
+  return ", " + percent_words(share) + " of the rendering";
+}
+
+Decision scout(const Rendered& r) {
+  if (r.choice.candidates.size() < 2)
+    return {"scout", "left out",
+            r.request.automatic ? "there is one candidate only" : "the integrator is named",
+            "no sample is thrown away"};
+  if (r.choice.planned)
+    return {"scout", "left out", "a plan says who renders", "no sample is thrown away"};
+  if (r.result.longest) return {"scout", "left out", kNothingBeyond, "no sample is thrown away"};
+  if (r.result.prospects.empty())
+    return {"scout", "left out", "the samples asked for cannot spare the fewest that tell anything",
+            "the first candidate renders"};
+  return {
+      "scout", counted(r.result.scouted, "sample") + " drawn",
+      fmt::format("auto weighs {} candidates by what they would find", r.choice.candidates.size()),
+      cli::price_of(r.result.scout_cpu_seconds) + share_of_rendering(r)};
+}
+
+// Why the candidate rendered or did not.
+std::string why(const Rendered& r, size_t i) {
+  const std::vector<Prospect>& all = r.result.prospects;
+  const Prospect& p = all[i];
+  if (!std::isfinite(p.cost())) return "it misses light that others found";
+  double least = INFINITY;
+  for (const Prospect& q : all) least = std::min(least, q.cost());
+  const bool is_least = !(p.cost() > least);
+  const std::string times =
+      least > 0 ? fmt::format("{} times the least", number_words(p.cost() / least)) : "0";
+  if (i == r.result.chosen)
+    return is_least ? "its error x work is the least"
+                    : "its error x work is " + times +
+                          ", and what has less may have it by chance or gains less from samples "
+                          "that complement each other";
+  return is_least ? "its error x work is the least, but may be so by chance"
+                  : "its error x work is " + times;
+}
+
+Decisions candidates(const Rendered& r) {
+  Decisions all;
+  if (!r.request.automatic) return all;
+  for (const Candidate& c : possible_candidates(r.world))
+    if (const std::string missed = light_missed(c.integrator, r.world.scene); !missed.empty())
+      all.push_back({c.label, "not weighed", missed, "no work"});
+  for (size_t i = 0; i < r.result.prospects.size(); ++i) {
+    const Prospect& p = r.result.prospects[i];
+    all.push_back({p.integrator, i == r.result.chosen ? "chosen" : "refused", why(r, i),
+                   fmt::format("relMSE {} x {} us a sample", number_words(p.steady),
+                               number_words(1e-3 * p.work))});
+  }
+  if (r.world.portals.empty())
+    all.push_back({"integrators with portals", "not weighed", "no portal can be used", "no work"});
+  return all;
+}
+
+Decisions techniques(const Rendered& r) {
+  const Integrator& ran = r.result.plan.integrator;
+  const auto& energy = r.result.tally.energy;
+  const double total = std::accumulate(energy.begin(), energy.end(), 0.0);
+  Decisions all;
+  for (size_t i = 0; i < kTechniques; ++i) {
+    const bool worth = !r.result.longest || static_cast<int>(i) < *r.result.longest;
+    const bool has = worth && ran.mixture.has(static_cast<Technique>(i));
+    all.push_back(
+        {fmt::format("technique {}", kTechniqueNames[i]), has ? "run" : "left out",
+         worth ? fmt::format("{} {}", r.result.plan.label, has ? "combines it" : "does without")
+               : "no path that it makes can bring light",
+         has ? fmt::format("brought {:.1f} % of the light",
+                           total > 0 ? 100 * energy[i] / total : 0.0)
+             : ""});
+  }
+  return all;
+}
+
+Decisions outputs(const Rendered& r) {
+  const RenderSettings& s = r.settings;
+  const auto asked = [](const char* what, bool done, const char* option, const char* price) {
+    return Decision{what, done ? "made" : "left out",
+                    fmt::format("{} is {}", option, done ? "given" : "not given"),
+                    done ? price : "no memory, no sums"};
+  };
+  return {asked("layers", s.layers, "--layers", "a sum more for each contribution"),
+          asked("frames", s.frames, "--stats", "measured aside, not in the times told"),
+          asked("alpha", s.alpha, "--alpha", "a count for each sample")};
+}
+
+Decision depth(const Rendered& r) {
+  if (r.result.longest)
+    return {"length of paths", r.result.longest == 0 ? "nothing sampled" : "camera rays only",
+            r.world.lights.empty() ? "nothing emits light" : "no surface lies in the camera's view",
+            "no path beyond is traced"};
+  if (r.settings.max_depth >= kMaxDepth)
+    return {"length of paths", "not limited", "--max-depth is not given",
+            "Russian roulette ends walks"};
+  return {"length of paths", fmt::format("{} edges at most", r.settings.max_depth),
+          "--max-depth says so",
+          r.result.beyond ? fmt::format("leaves out about {} of the light",
+                                        percent_words(r.result.beyond->share))
+                          : "what that leaves out is not known"};
+}
+
+Decision pilot(const Rendered& r) {
+  const TargetOutcome& target = *r.result.target;
+  if (target.pilot_samples == 0)
+    return {"pilot", "left out", target.dark ? kNothingBeyond : "a limit came before it",
+            "no sample is thrown away"};
+  return {"pilot", fmt::format("{} samples a pixel drawn", target.pilot_samples),
+          target.fixed > 0 ? fmt::format("they tell that {} take the relMSE to {}", target.fixed,
+                                         number_words(target.error))
+                           : "no light was met, or a limit came first",
+          cli::price_of(target.pilot_cpu_seconds)};
+}
+
+std::string why_so_many(const Rendered& r) {
+  if (r.result.longest == 0) return "each is black, and none is traced";
+  if (r.result.interrupted) return "a signal ended the rendering";
+  if (r.result.standing && r.result.standing->whole > 0) return "the shard has so many";
+  if (r.settings.spp > 0 && r.result.spp >= r.settings.spp) return "so many were asked for";
+  if (r.settings.fixed && !r.result.target) return "--time allows so many, by the plan";
+  using Stop = TargetOutcome::Stop;
+  if (!r.result.target || r.result.target->stop == Stop::time) return "--time was up";
+  return r.result.target->stop == Stop::unlit ? "the pilot, of as many, met no light"
+         : r.result.target->retried           ? "the pilot fixed fewer, and --retry so many"
+                                              : "the pilot fixed so many";
+}
+
+Decision samples_planned(const Rendered& r) {
+  const RenderSettings& s = r.settings;
+  const uint64_t spp = r.result.plan.spp;
+  const char* const why = r.result.longest == 0         ? "each is black, and none is traced"
+                          : s.spp > 0 && spp == s.spp   ? "so many were asked for"
+                          : !r.result.target            ? "--time allows so many"
+                          : r.result.target->fixed == 0 ? "the pilot, of as many, met no light"
+                                                        : "the pilot fixed so many";
+  return {"samples", fmt::format("{} a pixel to come", spp), why,
+          cli::price_of(r.result.cpu_seconds) + " so far"};
+}
+
+Decisions decisions_of_integrator(const Rendered& r) {
+  Decisions all = uses_of(r.world.scene, all_needs());
+  all.push_back(panels(r));
+  append(all, portals(r));
+  all.push_back(windows(r));
+  all.push_back(kinds_of_light(r));
+  all.push_back(scout(r));
+  append(all, candidates(r));
+  return all;
+}
+
+Decision samples(const Rendered& r) {
+  const RayCounts& rays = r.result.tally.rays;
+  return {"samples", fmt::format("{} a pixel", r.result.spp), why_so_many(r),
+          fmt::format("{}; {} closest, {} shadow, {} portal rays",
+                      cli::price_of(r.result.cpu_seconds), rays.closest, rays.shadow, rays.portal)};
+}
+
+}  // namespace
+
+Decisions decisions_of(const Rendered& r) {
+  Decisions all = decisions_of_integrator(r);
+  append(all, techniques(r));
+  append(all, outputs(r));
+  all.push_back(depth(r));
+  if (r.result.target) all.push_back(pilot(r));
+  all.push_back(samples(r));
+  return all;
+}
+
+Decisions decisions_of_plan(const Rendered& r) {
+  Decisions all = decisions_of_integrator(r);
+  if (r.result.target) all.push_back(pilot(r));
+  all.push_back(samples_planned(r));
+  return all;
+}
+
+}  // namespace tdpt

@@ -1,0 +1,44 @@
+// One run of the program, from the command line to the film.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "libcommon/cli/cli.h"
+#include "tools/tdpt-render/run/arguments.h"
+#include "tools/tdpt-render/run/choice.h"
+#include "tools/tdpt-render/run/course.h"
+#include "tools/tdpt-render/run/picture_size.h"
+
+namespace tdpt {
+
+/// What the command line names, read.
+struct Loaded {
+  Scene scene;
+  TakenSky sky;
+  Camera camera;
+  PictureSize size;
+  std::vector<Portal> portals;
+  std::vector<cli::Common::Input> files;
+  std::vector<std::string> portal_hashes;  ///< of their files
+};
+
+/// What is rendered, from the command line to the film.
+struct Job {
+  const Arguments& a;
+  const cli::Common& common;
+  Loaded in;
+  Request request;
+  RenderSettings settings;
+  GivenCourse given;
+  Shape shape, film_shape;
+  std::string code;  ///< that renders [FilmFacts::processor]
+
+  bool is_shard() const { return !a.shard.empty(); }
+  bool only_plans() const { return tdpt::only_plans(a, common.output_given); }
+  /// Of one that is written beside the picture.
+  bool writes_plan() const { return !a.plan.empty() && given.plan_file.empty(); }
+  /// Where what there is is kept; empty: nowhere.
+  std::string checkpoint() const { return a.checkpoint.empty() ? a.resume : a.checkpoint; }
+};
+
+}  // namespace tdpt

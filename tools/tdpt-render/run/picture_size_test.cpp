@@ -1,0 +1,64 @@
+#include "tools/tdpt-render/run/picture_size.h"
+
+#include <gtest/gtest.h>
+
+#include "libcommon/base/error.h"
+
+namespace tdpt {
+namespace {
+
+void expect(const PictureSize& size, int width, int height) {
+  EXPECT_EQ(size.width, width);
+  EXPECT_EQ(size.height, height);
+}
+
+TEST(picture_size, follows_the_camera_where_nothing_is_given) {
+  Camera camera;
+  camera.aspect = 4.0 / 3;
+  expect(picture_size(camera, 0, 0), 640, 480);
+  expect(picture_size(camera, 100, 0), 100, 75);
+  expect(picture_size(camera, 0, 75), 100, 75);
+  expect(picture_size(camera, 100, 100), 100, 100);
+}
+
+TEST(picture_size, is_16_by_9_for_a_camera_without_aspect) {
+  Camera camera;
+  camera.aspect = 0;
+  expect(picture_size(camera, 0, 0), 640, 360);
+}
+
+TEST(picture_size, has_a_pixel_at_least_and_as_many_as_memory_is_meant_for_at_most) {
+  Camera camera;
+  camera.aspect = 1000;
+  expect(picture_size(camera, 8, 0), 8, 1);
+  EXPECT_THROW(picture_size(camera, 0, 100), UsageError);  // 100000 wide
+  expect(picture_size(camera, 16384, 8192), 16384, 8192);
+  EXPECT_THROW(picture_size(camera, 16384, 8193), UsageError);
+}
+
+TEST(picture_size, is_that_of_the_scene_where_the_command_line_has_none) {
+  Camera camera;
+  camera.aspect = 4.0 / 3;
+  Scene scene;
+  scene.path = "room.glb";
+  scene.defaults.place = "scenes[0].extras";
+  expect(picture_size(scene, camera, 0, 0), 640, 480);
+  scene.defaults.width = 320, scene.defaults.height = 200;
+  expect(picture_size(scene, camera, 0, 0), 320, 200);
+  expect(picture_size(scene, camera, 100, 0), 100, 75);
+  expect(picture_size(scene, camera, 0, 75), 100, 75);
+  scene.defaults.width = 0;
+  expect(picture_size(scene, camera, 0, 0), 267, 200);
+  scene.defaults.width = 65536, scene.defaults.height = 65536;
+  try {
+    picture_size(scene, camera, 0, 0);
+    FAIL();
+  } catch (const InputError& e) {
+    EXPECT_STREQ(e.what(),
+                 "room.glb:scenes[0].extras.tdpt_width: a picture of 65536 x 65536 pixels is too "
+                 "large, at most 134217728 pixels");
+  }
+}
+
+}  // namespace
+}  // namespace tdpt

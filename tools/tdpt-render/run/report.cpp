@@ -1,0 +1,205 @@
+#include "tools/tdpt-render/run/report.h"
+
+#include <cmath>
+#include <numeric>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "libcommon/base/counted.h"
+#include "libcommon/base/number_words.h"
+
+#include "tools/tdpt-render/run/portal_report.h"
+#include "tools/tdpt-render/run/target_report.h"
+
+namespace tdpt {
+namespace {
+
+double total_energy(const RenderResult& result) {
+  return std::accumulate(result.tally.energy.begin(), result.tally.energy.end(), 0.0);
+}
+
+nlohmann::ordered_json numbers(const Vec3d& v) {
+  return {v.x, v.y, v.z};
+}
+
+nlohmann::ordered_json scout_json(const RenderResult& result) {
+  nlohmann::ordered_json j{{"samples", result.scouted}, {"cpu", result.scout_cpu_seconds}};
+  if (const auto gain = portals_gain(result)) j["portals_gain"] = *gain;
+  auto& candidates = j["candidates"] = nlohmann::ordered_json::array();
+  for (const Prospect& p : result.prospects)
+    candidates.push_back({{"integrator", p.integrator},
+                          {"portals", p.with_portals},
+                          {"relmse", p.relmse},
+                          {"work", p.work}});
+  return j;
+}
+
+nlohmann::ordered_json choice_json(const Integrator& integrator, const RenderResult& result) {
+  nlohmann::ordered_json j;
+  j["integrator"] = integrator.name;
+  if (!result.chosen_label.empty()) {
+    j["chosen"] = result.chosen_label;
+    if (result.scouted > 0) j["scout"] = scout_json(result);
+  }
+  return j;
+}
+
+nlohmann::ordered_json summary(const Integrator& integrator, const RenderSettings& settings,
+                               const RenderResult& result, const std::vector<Portal>& portals) {
+  nlohmann::ordered_json j = choice_json(integrator, result);
+  j["spp"] = result.spp;
+  j["width"] = result.picture.width;
+  j["height"] = result.picture.height;
+  j["max_depth"] = nullptr;
+  if (settings.max_depth < kMaxDepth) j["max_depth"] = settings.max_depth;
+  j["seconds"] = result.seconds;
+  j["cpu_seconds"] = result.cpu_seconds;
+  j["device"] = settings.device_name;
+  j["mean"] = numbers(result.mean());
+  j["nonzero"] = result.nonzero();
+  if (result.target) j["target"] = target_json(*result.target);
+  if (const auto& noise = result.noise)
+    j["noise"] = {{"relmse", noise->relmse},
+                  {"interval", {noise->low, noise->high}},
+                  {"tells", noise->tells}};
+  const RayCounts& rays = result.tally.rays;
+  j["rays"] = {{"closest", rays.closest}, {"shadow", rays.shadow}, {"portal", rays.portal}};
+  const double total = total_energy(result);
+  auto& techniques = j["techniques"] = nlohmann::ordered_json::object();
+  for (size_t i = 0; i < kTechniques; ++i)
+    if (integrator.mixture.has(static_cast<Technique>(i)))
+      techniques[kTechniqueNames[i]] = total > 0 ? result.tally.energy[i] / total : 0.0;
+  auto& lengths = j["light_by_length"] = nlohmann::ordered_json::array();
+  for (const double light : result.tally.by_length)
+    lengths.push_back(total > 0 ? light / total : 0.0);
+  if (const auto& beyond = result.beyond)
+    j["beyond"] = {{"depth", beyond->depth}, {"share", beyond->share}, {"error", beyond->error}};
+  j["not_finite"] = result.tally.not_finite;
+  if (!portals.empty()) j["portals"] = portals_json(portals, result);
+  return j;
+}
+
+// "3.4 x by bdpt, 5 x by nee": cost of all others.
+std::string costs_of_others(const RenderResult& result) {
+  std::vector<std::string> others;
+  const double least = result.prospects[result.chosen].cost();
+  for (size_t i = 0; i < result.prospects.size(); ++i) {
+    const Prospect& p = result.prospects[i];
+    if (i == result.chosen) continue;
+    others.push_back(std::isfinite(p.cost())
+                         ? fmt::format("{} x by {}", number_words(p.cost() / least), p.integrator)
+                         : p.integrator + " misses light");
+  }
+  return fmt::format("{}", fmt::join(others, ", "));
+}
+
+}  // namespace
+
+std::string summary_json(const Integrator& integrator, const RenderSettings& settings,
+                         const RenderResult& result, const std::vector<Portal>& portals) {
+  return summary(integrator, settings, result, portals).dump();
+}
+
+std::string stats_json(const Integrator& integrator, const RenderSettings& settings,
+                       const RenderResult& result, const std::vector<Portal>& portals) {
+  nlohmann::ordered_json j = summary(integrator, settings, result, portals);
+  if (!result.frames.empty()) {
+    auto& frames = j["frames"] = nlohmann::ordered_json::array();
+    for (const FrameRecord& f : result.frames)
+      frames.push_back({{"spp", f.spp},
+                        {"nonzero", f.nonzero},
+                        {"mean", numbers(f.mean)},
+                        {"seconds", f.seconds},
+                        {"cpu_seconds", f.cpu_seconds}});
+  }
+  return j.dump();
+}
+
+std::string plan_json(const RenderSettings& settings, const RenderResult& decided,
+                      const std::vector<Portal>& portals) {
+  nlohmann::ordered_json j = choice_json(decided.plan.integrator, decided);
+  j["spp"] = decided.plan.spp;
+  j["seconds"] = decided.seconds;
+  j["cpu_seconds"] = decided.cpu_seconds;
+  j["device"] = settings.device_name;
+  if (portals.empty()) return j.dump();
+  j["portals"] = portals_json(portals, decided);
+  for (auto& portal : j["portals"])
+    for (const char* of_samples : {"samples", "lit", "energy"}) portal.erase(of_samples);
+  return j.dump();
+}
+
+std::string length_sentence(const RenderSettings& settings, const RenderResult& result) {
+  if (result.beyond) return sentence(*result.beyond);
+  const double total = total_energy(result), last = result.tally.by_length.back();
+  if (settings.max_depth < kMaxDepth || !(last > 1e-4 * total)) return "";
+  return fmt::format(
+      "paths of {} to {} edges hold {} of the light; what longer ones hold is left out",
+      kMaxDepth / 2 + 1, kMaxDepth, percent_words(last / total));
+}
+
+std::optional<double> portals_gain(const RenderResult& result) {
+  const auto with = best_with(true, result.prospects), without = best_with(false, result.prospects);
+  if (!with || !without || !(result.prospects[*with].cost() > 0)) return {};
+  return result.prospects[*without].cost() / result.prospects[*with].cost();
+}
+
+std::string choice_sentence(const RenderResult& result) {
+  const std::string chose = "auto chose " + result.chosen_label;
+  if (result.longest) return chose + ": there is nothing to choose by";
+  if (result.prospects.empty())
+    return chose + (result.interrupted ? "; it was stopped before more could be told"
+                                       : "; the samples are too few to tell more");
+  if (result.prospects.size() < 2) return chose;
+  if (!(result.prospects[result.chosen].cost() > 0))
+    return chose + fmt::format(": no error showed in {}", counted(result.scouted, "sample"));
+  return chose + fmt::format(": error x work is {}, told from {}", costs_of_others(result),
+                             counted(result.scouted, "sample"));
+}
+
+std::string verdict_sentence(const RenderResult& result) {
+  const auto gain = portals_gain(result);
+  if (!gain) return "";
+  const std::string with = result.prospects[*best_with(true, result.prospects)].integrator;
+  const std::string without = result.prospects[*best_with(false, result.prospects)].integrator;
+  return fmt::format("portals: {} x the efficiency of {}, the best without them, by {}{}",
+                     number_words(*gain, 2), without, with,
+                     result.prospects[result.chosen].with_portals ? "" : ": they are left out");
+}
+
+Picture nonzero_picture(const Picture& picture) {
+  Picture marks{picture.width, picture.height, {}};
+  marks.pixels.reserve(picture.pixels.size());
+  for (const Rgb& p : picture.pixels)
+    marks.pixels.push_back(p != Rgb{} ? Rgb{1, 0, 0} : Rgb{0, 1, 0});
+  return marks;
+}
+
+std::map<std::string, std::string> exr_attributes(const Integrator& integrator,
+                                                  const std::string& chosen,
+                                                  const RenderSettings& settings,
+                                                  const Provenance& provenance) {
+  std::map<std::string, std::string> a;
+  a["integrator"] = integrator.name;
+  if (!chosen.empty()) a["chosen"] = chosen;
+  a["maxDepth"] = settings.max_depth < kMaxDepth ? std::to_string(settings.max_depth) : "none";
+  a["seed"] = std::to_string(settings.seed);
+  a["mis"] = settings.beta == 1 ? "balance" : "power";
+  a["pixelFilter"] = "box, one pixel wide";
+  a["colorSpace"] = "scene-linear Rec.709";
+  if (!provenance.empty())
+    a[provenance_attribute] = fmt::format("{}", fmt::join(provenance.lines, "\n"));
+  return a;
+}
+
+std::string with_option(const std::string& provenance, const std::string& tool,
+                        const std::string& option) {
+  const size_t at = provenance.rfind("made by " + tool + " ");
+  if (at == std::string::npos) return provenance;
+  std::string text = provenance;
+  text.insert(std::min(text.find('\n', at), text.size()), " " + option);
+  return text;
+}
+
+}  // namespace tdpt

@@ -1,0 +1,65 @@
+#include "tools/tdpt-render/run/seen_backs.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "libcommon/base/shown.h"
+
+namespace tdpt {
+namespace {
+
+constexpr int kRays = 32;             // along each side of the film
+constexpr double kLeastShare = 0.01;  // that is worth a word
+
+Vec3d direction_of(const FilmPlane& film, int ray) {
+  return film.direction((ray % kRays + 0.5) / kRays * film.width(),
+                        (ray / kRays + 0.5) / kRays * film.height());
+}
+
+bool is_culled_back(const Scene& scene, const Hit& hit, const Vec3d& w) {
+  return dot(hit.normal, w) > 0 && scene.single_sided(hit.triangle);
+}
+
+}  // namespace
+
+SeenBacks seen_backs(const World& world) {
+  const FilmPlane& film = world.film;
+  std::vector<int> met(world.scene.materials.size());
+  int backs = 0;
+  for (int i = 0; i < kRays * kRays; ++i) {
+    const Vec3d w = direction_of(film, i);
+    Hit hit;
+    if (!world.tracer.first_seen(film.position(), w, hit) || !is_culled_back(world.scene, hit, w))
+      continue;
+    ++backs;
+    ++met[world.scene.triangles[hit.triangle].material];
+  }
+  SeenBacks seen{static_cast<double>(backs) / (kRays * kRays), {}};
+  const auto most = std::max_element(met.begin(), met.end());
+  if (backs > 0) {
+    const std::string& name = world.scene.materials[static_cast<size_t>(most - met.begin())].name;
+    seen.material = name.empty() ? fmt::format("materials[{}]", most - met.begin())
+                                 : "material \"" + shown(name, 60) + "\"";
+  }
+  return seen;
+}
+
+std::string no_backs_sentence(const World& world) {
+  if (!world.tracer.culls()) return "";
+  for (int i = 0; i < kRays * kRays; ++i)
+    if (Hit hit; world.tracer.closest({world.film.position()}, direction_of(world.film, i), hit) &&
+                 is_culled_back(world.scene, hit, direction_of(world.film, i)))
+      return "";
+  return "no back of a single-sided surface is in the camera's way: --cull changes nothing";
+}
+
+std::string backs_sentence(const SeenBacks& seen) {
+  if (seen.share < kLeastShare) return "";
+  return fmt::format(
+      "the camera sees the backs of single-sided surfaces in {:.0f} % of the picture, most of all "
+      "of {}: glTF viewers do not draw them (--cull)",
+      100 * seen.share, seen.material);
+}
+
+}  // namespace tdpt

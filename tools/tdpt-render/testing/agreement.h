@@ -1,0 +1,173 @@
+// For tests: renders a scene with several integrators and asks whether they agree, for each length
+// of paths by itself. Sections 3.1 and 3.3: all of them estimate the same integral.
+//
+// The observer of PathSampler sees every contribution with its path: one run of depth 8 tells the
+// light of exactly k edges for every k. That a run of a smaller depth has the same light of each
+// length is a test of its own (agreement_test.cpp).
+#pragma once
+#include <gtest/gtest.h>
+#include <oneapi/tbb/parallel_for.h>
+
+#include "libcommon/testing/statistics/z_failure.h"
+#include "tools/tdpt-render/testing/variant.h"
+
+namespace tdpt {
+
+struct AgreementSettings {
+  int max_depth = 8;
+  size_t runs = 16;
+  uint64_t spp = 16;  ///< of each run
+  int block = 4;      ///< side of the blocks [pixels]; width and height are multiples of it
+  int apart = 8;      ///< lengths told apart; those beyond are taken together
+
+  /// Of paths by length, [0] for all together.
+  size_t lengths() const { return static_cast<size_t>(std::min(max_depth, apart + 1)) + 1; }
+};
+
+/// Luminance of blocks: [k] of paths of exactly k edges, the last also of longer ones, [0] of all
+/// together.
+struct DepthRuns {
+  std::vector<testing::BlockRuns> of_depth;
+  size_t across = 0;                        ///< blocks in a row
+  std::array<double, kTechniques> share{};  ///< of the energy, all depths
+  uint64_t not_finite = 0;
+};
+
+/// One picture per path length as in DepthRuns, [0] unused, luminance per pixel and sample.
+inline std::vector<std::vector<double>> render_by_depth(const World& world, const Variant& variant,
+                                                        const AgreementSettings& settings,
+                                                        uint64_t seed, Tally& tally) {
+  const int width = world.film.width(), height = world.film.height();
+  std::vector<std::vector<double>> pictures(
+      settings.lengths(),
+      std::vector<double>(static_cast<size_t>(width) * static_cast<size_t>(height)));
+  Film film(width, height, 1);
+  int px = 0, py = 0;
+  const PathObserver observer = [&](const Contribution& found) {
+    if (variant.loses && variant.loses(world, found)) return;
+    const auto& [path, strategy, value, times] = found;
+    const int k = path.k();
+    int x = px, y = py;
+    if (strategy.technique == Technique::light ||
+        (strategy.technique == Technique::portal && strategy.split == k - 2)) {  // a splat
+      double raster_x, raster_y;
+      const Vec3d w = normalize(path.vertex(k - 1).position - world.film.position());
+      if (!world.film.raster(w, raster_x, raster_y)) return;
+      x = static_cast<int>(raster_x);
+      y = static_cast<int>(raster_y);
+    }
+    const double weighted =
+        luminance(value) * path.weight(variant.integrator.mixture, strategy,
+                                       variant.beta[static_cast<size_t>(strategy.technique)]);
+    if (std::isfinite(weighted))
+      pictures[std::min(static_cast<size_t>(k), pictures.size() - 1)]
+              [static_cast<size_t>(y * width + x)] += weighted / static_cast<double>(settings.spp);
+  };
+  PathSampler sampler(world, variant.settings(settings.max_depth, seed), film, tally, &observer);
+  variant.picture(sampler, width, height, settings.spp, [&](int x, int y) { px = x, py = y; });
+  return pictures;
+}
+
+inline DepthRuns render_runs(const World& world, const Variant& variant,
+                             const AgreementSettings& settings) {
+  const int width = world.film.width(), height = world.film.height(), side = settings.block;
+  const size_t depths = settings.lengths();
+  const auto across = static_cast<size_t>(width / side), down = static_cast<size_t>(height / side);
+  using Blocks = std::vector<std::vector<double>>;  // [k][block]
+  std::vector<Blocks> runs(settings.runs, Blocks(depths, std::vector<double>(across * down)));
+  std::vector<Tally> tallies(settings.runs);
+  tbb::parallel_for(size_t{0}, settings.runs, [&](size_t r) {
+    const auto pictures = render_by_depth(world, variant, settings, r + 1, tallies[r]);
+    for (size_t k = 1; k < depths; ++k)
+      for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) {
+          const double v =
+              pictures[k][static_cast<size_t>(y * width + x)] / static_cast<double>(side * side);
+          const size_t b = static_cast<size_t>(y / side) * across + static_cast<size_t>(x / side);
+          runs[r][k][b] += v;
+          runs[r][0][b] += v;
+        }
+  });
+  DepthRuns out;
+  out.of_depth.resize(depths);
+  out.across = across;
+  double energy = 0;
+  for (size_t r = 0; r < settings.runs; ++r) {
+    for (size_t k = 0; k < depths; ++k) out.of_depth[k].add(runs[r][k]);
+    for (size_t i = 0; i < kTechniques; ++i) out.share[i] += tallies[r].energy[i];
+    for (double e : tallies[r].energy) energy += e;
+    out.not_finite += tallies[r].not_finite;
+  }
+  if (energy > 0)
+    for (double& share : out.share) share /= energy;
+  return out;
+}
+
+struct Verdict {
+  int disagreements = 0;  ///< of lengths, and all of them together
+  double worst_p = 1;
+  std::vector<testing::Agreement> of_depth;  ///< as in DepthRuns
+
+  bool holds() const { return disagreements == 0; }
+};
+
+/// `how`: testing::compare, or testing::compare_paired for runs that share their random numbers.
+inline Verdict judge(const DepthRuns& runs, const DepthRuns& reference,
+                     testing::Agreement (*how)(const testing::BlockRuns&,
+                                               const testing::BlockRuns&) = testing::compare) {
+  Verdict out;
+  for (size_t k = 0; k < runs.of_depth.size(); ++k) {
+    const testing::Agreement a = how(runs.of_depth[k], reference.of_depth[k]);
+    out.worst_p = std::min({out.worst_p, a.p_drift, a.p_rms, a.p_largest});
+    out.disagreements += !a.holds();
+    out.of_depth.push_back(a);
+  }
+  return out;
+}
+
+/// Whether the verdict on these runs holds; if not, every depth that disagrees is told and left to
+/// be looked at [z_failure.h]. A twin asks verdict.holds().
+inline ::testing::AssertionResult holds(const Verdict& verdict, const std::string& what,
+                                        const DepthRuns& runs, const DepthRuns& reference) {
+  if (verdict.holds()) return ::testing::AssertionSuccess();
+  ::testing::AssertionResult all = ::testing::AssertionFailure();
+  for (size_t k = 0; k < runs.of_depth.size(); ++k) {
+    const std::string depth = k == 0 ? ", all depths" : ", depth " + std::to_string(k);
+    all << testing::holds(verdict.of_depth[k], what + depth, runs.of_depth[k],
+                          reference.of_depth[k], runs.across)
+               .message();
+  }
+  return all;
+}
+
+/// Holds each of `others` against the reference.
+inline void expect_agreement(const World& world, const std::vector<Variant>& others,
+                             const DepthRuns& reference, const AgreementSettings& settings) {
+  EXPECT_EQ(reference.not_finite, 0u);
+  EXPECT_GT(reference.of_depth[0].mean(), 0);
+  for (const Variant& variant : others) {
+    const Integrator* integrator = &variant.integrator;
+    const DepthRuns runs = render_runs(world, variant, settings);
+    EXPECT_EQ(runs.not_finite, 0u);
+    const Verdict verdict = judge(runs, reference);
+    std::printf("%-9s least p %.1e; all depths %s\n", integrator->name, verdict.worst_p,
+                testing::compare(runs.of_depth[0], reference.of_depth[0]).text().c_str());
+    for (size_t i = 0; i < kTechniques; ++i)
+      if (runs.share[i] > 0) std::printf("  %s %.3f", kTechniqueNames[i], runs.share[i]);
+    std::printf("\n");
+    EXPECT_TRUE(holds(verdict, std::string(integrator->name) + " and bdpt", runs, reference));
+  }
+}
+
+/// Holds each of `others`, weighed with exponent `beta`, against bdpt by the balance heuristic.
+inline void expect_agreement(const World& world, const std::vector<const Integrator*>& others,
+                             const AgreementSettings& settings, double beta = 1) {
+  std::vector<Variant> variants;
+  for (const Integrator* integrator : others) {
+    variants.emplace_back(*integrator);
+    variants.back().beta.fill(beta);
+  }
+  expect_agreement(world, variants, render_runs(world, bdpt, settings), settings);
+}
+
+}  // namespace tdpt

@@ -1,0 +1,146 @@
+// BSDFs of every kind, and directions, for tests.
+#pragma once
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "tools/tdpt-render/path/bsdf/bsdf.h"
+#include "tools/tdpt-render/path/bsdf/coated.h"
+
+namespace tdpt::test {
+
+struct NamedBsdf {
+  std::string name;
+  Bsdf b;
+};
+
+inline Bsdf make(const Rgb& diffuse, const Rgb& f0, float f90, const Rgb& through, float alpha,
+                 float eta = 1.5f, bool thin = false) {
+  Bsdf b;
+  b.diffuse = diffuse, b.f0 = f0, b.f90 = Rgb(f90), b.through = through;
+  b.alpha = alpha, b.eta = eta, b.thin = thin;
+  return b;
+}
+inline Rgb normal_reflectance(float eta) {
+  const float r = (eta - 1) / (eta + 1);
+  return Rgb(r * r);
+}
+inline Bsdf plastic(float alpha, const Rgb& diffuse = {0.8f, 0.5f, 0.2f}, float f0 = 0.04f) {
+  return make(diffuse, Rgb(f0), 1, {}, alpha);
+}
+inline Bsdf metal(float alpha, const Rgb& f0 = {1.0f, 0.75f, 0.3f}) {
+  return make({}, f0, 1, {}, alpha);
+}
+inline Bsdf glass(float alpha, float eta = 1.5f, bool thin = false, const Rgb& through = Rgb(1)) {
+  return make({}, normal_reflectance(eta), 1, through, alpha, eta, thin);
+}
+
+inline Bsdf coated_by(float alpha, Bsdf b, float strength = 1) {
+  b.coat.strength = strength, b.coat.alpha = alpha;
+  return b;
+}
+inline Bsdf cloth(float alpha, Bsdf b, const Rgb& sheen) {
+  b.sheen = sheen, b.sheen_alpha = std::max(alpha, 0.05f);
+  return b;
+}
+
+/// White: nothing absorbs, so that what is not reflected or transmitted is lost by the model.
+inline std::vector<NamedBsdf> white(float alpha) {
+  return {{"plastic", plastic(alpha, Rgb(1))},
+          {"lacquer", plastic(alpha, Rgb(1), 0.5f)},
+          {"metal", metal(alpha, Rgb(1))},
+          {"glass", glass(alpha)},
+          {"diamond", glass(alpha, 2.4f)},
+          {"bubble", glass(alpha, 0.75f)},
+          {"matched", make({}, Rgb(0), 1, Rgb(1), alpha, 1)},
+          {"dull glass", make({}, Rgb(0.02f), 0.5f, Rgb(1), alpha)},
+          {"thin", glass(alpha, 1.5f, true)},
+          {"milky", make(Rgb(0.5f), Rgb(0.04f), 1, Rgb(0.5f), alpha)},
+          {"thin milky", make(Rgb(0.5f), Rgb(0.04f), 1, Rgb(0.5f), alpha, 1.5f, true)},
+          {"white velvet", cloth(alpha, make(Rgb(1), {}, 0, {}, 1), Rgb(1))},
+          {"coated paint", coated_by(alpha, make(Rgb(1), {}, 0, {}, 1))},
+          {"coated plastic", coated_by(alpha, plastic(0.3f, Rgb(1)))},
+          {"coated mirror", coated_by(alpha, metal(0, Rgb(1)))},
+          {"half coated metal", coated_by(alpha, metal(0.1f, Rgb(1)), 0.5f)},
+          {"coated glass", coated_by(alpha, glass(0))},
+          {"coated thin", coated_by(alpha, glass(0, 1.5f, true))}};
+}
+/// Coloured, half and odd mixtures.
+inline std::vector<NamedBsdf> coloured(float alpha) {
+  return {
+      {"plain", make({0.8f, 0.5f, 0.2f}, {}, 0, {}, alpha)},
+      {"plastic", plastic(alpha)},
+      {"gold", metal(alpha)},
+      {"half metal", make({0.4f, 0.2f, 0.1f}, {0.5f, 0.3f, 0.1f}, 1, {}, alpha)},
+      {"faint", make({0.4f, 0.2f, 0.1f}, {0.02f, 0.01f, 0}, 0.5f, {}, alpha)},
+      {"green glass", glass(alpha, 1.5f, false, {0.1f, 0.9f, 0.2f})},
+      {"green pane", glass(alpha, 1.5f, true, {0.1f, 0.9f, 0.2f})},
+      {"jade", make({0.1f, 0.4f, 0.2f}, Rgb(0.04f), 1, {0.2f, 0.5f, 0.3f}, alpha)},
+      {"paper", make({0.5f, 0.4f, 0.3f}, Rgb(0.04f), 1, Rgb(0.3f), alpha, 1.5f, true)},
+      {"half metal glass", make({}, {0.5f, 0.3f, 0.1f}, 1, Rgb(0.5f), alpha)},
+      {"velvet", cloth(alpha, make({0.3f, 0.1f, 0.1f}, {}, 0, {}, 1), {0.8f, 0.5f, 0.4f})},
+      {"satin", cloth(0.25f, plastic(alpha), {0.3f, 0.6f, 0.9f})},
+      {"veil", cloth(alpha, glass(alpha, 1.5f, true), {0.9f, 0.5f, 0.4f})},
+      {"wet stone", cloth(alpha, glass(alpha), {0.9f, 0.5f, 0.4f})},
+      {"dust", cloth(alpha, make({}, {}, 0, {}, 1), {0.3f, 0.2f, 0.1f})},
+      {"car paint", coated_by(alpha, make({0.5f, 0.1f, 0.1f}, {0.3f, 0.1f, 0.1f}, 1, {}, 0.3f))},
+      {"lacquered gold", coated_by(0.5f, metal(alpha), 0.7f)},
+      {"coated green glass", coated_by(alpha, glass(0.2f, 1.5f, false, {0.1f, 0.9f, 0.2f}))},
+      {"coated paper",
+       coated_by(alpha, make({0.5f, 0.4f, 0.3f}, Rgb(0.04f), 1, Rgb(0.3f), 0.5f, 1.5f, true))},
+      {"coated velvet", coated_by(alpha, cloth(0.3f, plastic(0.3f), {0.8f, 0.5f, 0.4f}), 0.6f)},
+      {"varnished black", coated_by(alpha, make({}, {}, 0, {}, 1))}};
+}
+
+/// bsdf::, the coat's lobe included: both about z.
+namespace whole {
+
+inline Point point(const Bsdf& b) {
+  Point p;
+  p.normal = p.shading = {0, 0, 1};
+  p.simple = false;
+  p.bsdf = b;
+  return p;
+}
+inline Rgb f(const Bsdf& b, const Vec3d& from, const Vec3d& to) {
+  if (!b.coat) return bsdf::f(b, from, to);
+  if (from.z == 0 || to.z == 0) return {};
+  const double n = b.index(to);
+  return coated::bsdf(point(b), from, to) * static_cast<float>(1 / (n * n));
+}
+inline double pdf_w(const Bsdf& b, const Vec3d& from, const Vec3d& to) {
+  return b.coat ? coated::scatter_pdf_w(point(b), from, to, false) : bsdf::pdf_w(b, from, to);
+}
+inline double dirac_probability(const Bsdf& b, const Vec3d& from, const Vec3d& to) {
+  return b.coat ? coated::dirac(point(b), from, to).probability
+                : bsdf::dirac_probability(b, from, to);
+}
+inline Rgb dirac_reflectance(const Bsdf& b, const Vec3d& from, const Vec3d& to) {
+  return b.coat ? coated::dirac(point(b), from, to).reflectance
+                : bsdf::dirac_reflectance(b, from, to);
+}
+inline bool sample(const Bsdf& b, const Vec3d& from, double choice, double u, double v,
+                   bsdf::Scattered& out) {
+  if (!b.coat) return bsdf::sample(b, from, choice, u, v, out);
+  Turn turn;
+  if (!coated::turn(point(b), From::camera, from, {u, v, choice}, turn)) return false;
+  out = {turn.w, turn.dirac};
+  return true;
+}
+inline bool connectible(const Bsdf& b) {
+  return bsdf::connectible(b) || (b.coat && !coat::smooth(b.coat));
+}
+
+}  // namespace whole
+
+inline Vec3d direction(double z, double azimuth) {
+  const double r = std::sqrt(std::max(0.0, (1 - z) * (1 + z)));
+  return {r * std::cos(azimuth), r * std::sin(azimuth), z};
+}
+template <class Random>
+Vec3d uniform_direction(Random& rng) {
+  const double z = 2 * rng.uniform() - 1;
+  return direction(z, 2 * std::numbers::pi * rng.uniform());
+}
+
+}  // namespace tdpt::test

@@ -1,0 +1,132 @@
+// For tests: what a machine makes of a world, to the last word of the film.
+#pragma once
+#include <cstring>
+#include <functional>
+#include <ostream>
+
+#include "tools/tdpt-render/device/wavefront.h"
+#include "tools/tdpt-render/path/sample/light_pool.h"
+#include "tools/tdpt-render/run/render.h"
+#include "tools/tdpt-render/testing/twin.h"
+
+namespace tdpt {
+
+/// All that there is to know of some samples.
+struct Outcome {
+  std::vector<unsigned char> film;  ///< its numbers as they lie in memory
+  std::vector<Units> counts;        ///< of the tally
+  std::vector<Tally::Place> not_finite_at;
+  double brightness = 0;  ///< mean luminance over pixels and samples
+
+  friend bool operator==(const Outcome& a, const Outcome& b) {
+    return a.film == b.film && a.counts == b.counts && a.not_finite_at == b.not_finite_at;
+  }
+};
+
+inline void PrintTo(const Outcome& o, std::ostream* out) {
+  *out << "a film of mean luminance " << o.brightness;
+  for (const Units units : o.counts) *out << " " << static_cast<uint64_t>(units);
+}
+
+inline Outcome outcome_of(Film& film, const Tally& tally) {
+  Outcome o;
+  const size_t pixels = static_cast<size_t>(film.width()) * static_cast<size_t>(film.height());
+  for (const Film::Numbers& n : film.numbers())
+    o.film.insert(o.film.end(), n.first, n.first + pixels * n.each * n.bytes);
+  o.counts = {tally.rays.closest, tally.rays.shadow, tally.rays.portal, tally.rays.join,
+              tally.not_finite};
+  for (const UnitSum& sum : tally.energy) o.counts.push_back(sum.units());
+  for (const UnitSum& sum : tally.by_length) o.counts.push_back(sum.units());
+  for (const Tally::OfPortal& portal : tally.portals)
+    o.counts.insert(o.counts.end(), {portal.drawn, portal.lit, portal.energy.units()});
+  o.not_finite_at = tally.not_finite_at;
+  o.brightness = luminance(Rgb(mean_of(film.picture())));
+  return o;
+}
+
+struct Samples {
+  SampleRange range{0, 2};
+  SampleRules rules{8};
+  bool alpha = false, layers = false;
+};
+
+inline Outcome rendered_by(SampleRenderer& renderer, const World& world,
+                           const Integrator& integrator, const Samples& samples) {
+  const int depth = samples.rules.max_depth;
+  Integrator expecting = integrator;
+  expecting.mixture = expecting_joins(world, integrator.mixture, depth);
+  Film film = film_for(world, samples.layers ? integrator.mixture.techniques : TechniqueSet(),
+                       samples.alpha);
+  Tally tally(film.unit());
+  Progress progress("rendering", "samples", 0, true);
+  renderer.render(expecting, samples.rules, 0, samples.range, film, tally, progress);
+  return outcome_of(film, tally);
+}
+
+/// What is planted in a machine, to be caught.
+struct Faults {
+  std::function<void(RenderTables&)> tables{};
+  std::function<void(shader::RenderParameters&)> parameters{};
+  Step skipped = Step::kSteps;
+};
+
+/// A machine of someone else, with less room.
+class Borrowed : public Machine {
+ public:
+  Borrowed(Machine& machine, const Room& room, const Faults& faults = {})
+      : machine_(machine), room_(room), faults_(faults) {}
+
+  Room room() const override { return room_; }
+  void set(const shader::RenderParameters& parameters,
+           const std::vector<uint32_t>& pool_offsets) override {
+    shader::RenderParameters p = parameters;
+    if (faults_.parameters) faults_.parameters(p);
+    machine_.set(p, pool_offsets);
+  }
+  void run(Step step, const shader::StepParameters& p) override {
+    if (step != faults_.skipped) machine_.run(step, p);
+  }
+  uint32_t gather(bool of_light, uint32_t first, uint32_t count) override {
+    return machine_.gather(of_light, first, count);
+  }
+  uint32_t pick(uint32_t count) override { return machine_.pick(count); }
+  void place_ends(uint32_t walks) override { machine_.place_ends(walks); }
+  std::vector<uint32_t> take_film() override { return machine_.take_film(); }
+
+ private:
+  Machine& machine_;
+  const Room room_;
+  const Faults faults_;
+};
+
+/// Words of films of the world's size.
+inline uint32_t film_words(const World& world, bool layers) {
+  const auto pixels =
+      static_cast<uint64_t>(world.film.width()) * static_cast<uint64_t>(world.film.height());
+  return FilmPlaces(pixels, layers, world.portals.portals()).words;
+}
+
+constexpr Room kEnough{1u << 17, 1u << 12};
+
+/// By the twin of devices.
+class TwinRenderer : public SampleRenderer {
+ public:
+  explicit TwinRenderer(const World& world, const Room& room = kEnough, const Faults& faults = {})
+      : tables_(world) {
+    if (faults.tables) faults.tables(tables_);
+    machine_ = make_twin(tables_, room, film_words(world, true));
+    renderer_ = std::make_unique<WavefrontRenderer>(
+        world, std::make_unique<Borrowed>(*machine_, room, faults));
+  }
+  void render(const Integrator& integrator, const SampleRules& rules, uint64_t round,
+              const SampleRange& samples, Film& film, Tally& tally, Progress& progress) override {
+    renderer_->render(integrator, rules, round, samples, film, tally, progress);
+  }
+
+ private:
+  RenderTables tables_;
+  std::unique_ptr<Machine> machine_;
+  std::unique_ptr<WavefrontRenderer> renderer_;
+};
+
+}  // namespace tdpt

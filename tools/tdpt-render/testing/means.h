@@ -1,0 +1,43 @@
+// For tests: the mean of a picture and its standard error, from independent runs.
+#pragma once
+#include <gtest/gtest.h>
+
+#include "tools/tdpt-render/testing/renderer.h"
+
+namespace tdpt {
+
+struct MeanAndError {
+  double mean, error;  ///< luminance; standard error from independent runs
+  /// Beside rounding.
+  double z(double expected) const {
+    return std::abs(mean - expected) / std::hypot(error, 1e-5 * expected);
+  }
+};
+
+inline MeanAndError mean_and_error(const std::vector<double>& runs) {
+  double sum = 0, squares = 0;
+  for (const double m : runs) sum += m, squares += m * m;
+  const auto n = static_cast<double>(runs.size());
+  const double mean = sum / n;
+  return {mean, std::sqrt(std::max(0.0, squares / n - mean * mean) / (n - 1))};
+}
+
+/// Of pictures as they are rendered.
+inline MeanAndError rendered(const World& world, const Integrator& integrator, uint64_t spp,
+                             uint64_t runs = 16, int max_depth = kMaxDepth) {
+  std::vector<double> means;
+  const auto renderer = renderer_under_test(world);
+  for (uint64_t seed = 1; seed <= runs; ++seed) {
+    RenderSettings settings;
+    settings.spp = spp;
+    settings.seed = seed;
+    settings.max_depth = max_depth;
+    settings.device = renderer;
+    const RenderResult r = render(world, integrator, settings);
+    EXPECT_EQ(r.tally.not_finite, 0u);
+    means.push_back(luminance(Rgb(r.mean())));
+  }
+  return mean_and_error(means);
+}
+
+}  // namespace tdpt

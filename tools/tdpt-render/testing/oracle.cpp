@@ -1,0 +1,477 @@
+#include "tools/tdpt-render/testing/oracle.h"
+
+#include <limits>
+#include <optional>
+
+#include "libcommon/scene/pane.h"
+#include "tools/tdpt-render/testing/oracle_coat.h"
+#include "tools/tdpt-render/testing/oracle_panels.h"
+
+namespace tdpt::oracle {
+namespace {
+
+using std::numbers::pi;
+
+/// From a to b; light from infinity comes along its direction.
+Vec3d unit(const Vertex& from, const Vertex& to) {
+  if (from.at_infinity()) return from.position;
+  if (to.at_infinity()) return -to.position;
+  return normalize(to.position - from.position);
+}
+
+double distance2(const Vertex& a, const Vertex& b) {
+  if (a.at_infinity() || b.at_infinity()) return 1;
+  const Vec3d d = b.position - a.position;
+  return dot(d, d);
+}
+
+double cosine_at(const Vertex& at, const Vertex& other) {
+  return at.on_surface() ? std::abs(dot(at.normal, unit(at, other))) : 1;
+}
+
+/// Lobes and shading normal, whatever shortcut the vertex takes.
+struct Surface {
+  explicit Surface(const Vertex& v)
+      : bsdf(v.bsdf), normal(v.normal), onb(v.simple ? v.normal : v.shading) {
+    if (!v.simple) return;
+    bsdf = {};
+    bsdf.diffuse = v.material->base_color;
+  }
+  Vec3d local(const Vec3d& w) const { return {dot(onb.x, w), dot(onb.y, w), dot(onb.z, w)}; }
+  /// Above both normals or below both.
+  bool valid(const Vec3d& w) const { return dot(normal, w) * local(w).z > 0; }
+
+  Bsdf bsdf;
+  Vec3d normal;
+  Onb<double> onb;
+};
+
+bool coated(const Vertex& v) {
+  return !v.simple && v.bsdf.coat;
+}
+
+/// Direction density at `at` [1/sr]; of a Dirac lobe per n^2 |cos| dw.
+double pdf_w(const Vertex& from, const Vertex& at, const Vertex& to, bool dirac) {
+  const Surface s(at);
+  const Vec3d wi = unit(at, from), wo = unit(at, to);
+  if (coated(at)) return CoatedSurface(at).pdf_w(wi, wo, dirac);
+  if (!s.valid(wi) || !s.valid(wo)) return 0;
+  const Vec3d i = s.local(wi), o = s.local(wo);
+  if (!dirac) return bsdf::pdf_w(s.bsdf, i, o);
+  const double n = s.bsdf.index(o);
+  return bsdf::dirac_probability(s.bsdf, i, o) * n * n * std::abs(o.z);
+}
+
+/// Radiance BSDF with geometric cosines; a Dirac lobe's delta is left out.
+Vec3d scattering(const Vertex& light_side, const Vertex& at, const Vertex& camera_side,
+                 bool dirac) {
+  const Surface s(at);
+  const Vec3d wl = unit(at, light_side), wc = unit(at, camera_side);
+  if (coated(at)) return CoatedSurface(at).scattering(wl, wc, dirac);
+  if (!s.valid(wl) || !s.valid(wc)) return {};
+  const Vec3d l = s.local(wl), c = s.local(wc);
+  const double n = s.bsdf.index(c);
+  const Rgb f = dirac ? bsdf::dirac_reflectance(s.bsdf, l, c) : bsdf::f(s.bsdf, l, c);
+  return Vec3d(f) * (n * n * std::abs(l.z) / std::abs(dot(at.normal, wl)));
+}
+
+Vec3d emission(const Vertex& x0, const Vertex& x1) {
+  if (!x0.on_surface()) return Vec3d(x0.source->emitted({}, {}, unit(x0, x1)));
+  if (!x0.material->double_sided && dot(x0.normal, unit(x0, x1)) <= 0) return {};
+  const double share = coated(x0) ? CoatedSurface(x0).emission_share(unit(x0, x1)) : 1;
+  return Vec3d(x0.simple ? x0.material->emission : x0.emission) * share;
+}
+
+bool in_the_sky(const Vertex& x) {
+  return x.at_infinity() && x.met();
+}
+
+/// Area of the disc across the light from infinity that holds the scene.
+double disc_of(const Scene& scene) {
+  double radius = 0;
+  for (const Triangle& t : scene.triangles)
+    for (const uint32_t v : t.vertex) radius = std::max(radius, length(Vec3d(scene.positions[v])));
+  return pi * std::pow(1.0001 * radius, 2);
+}
+
+/// P>(x_0).
+double light_pdf(const World& world, const SkyLight* sky, const Vertex& x0, Fault fault) {
+  if (x0.on_surface()) return world.lights.pdf_A(x0.triangle);
+  if (!in_the_sky(x0)) return x0.source->pdf_1();
+  const double spoilt = fault == Fault::sky_5_percent ? 1.05 : 1;
+  return spoilt * x0.source->pdf_1() * sky->start_pdf_w(-x0.position);
+}
+
+/// p_nee(x_0) of a next event at x_1.
+double next_event_pdf(const World& world, const SkyLight* sky, const Path& path,
+                      double through_windows, Fault fault) {
+  const Vertex& x0 = path.vertex(0);
+  if (x0.on_surface() && !world.next_events.panels().empty())
+    return (fault == Fault::panel_5_percent ? 1.05 : 1) * world.lights.shares().surfaces *
+           panel_pdf_A(world, x0, path.vertex(1), path.vertex(2));
+  if (!in_the_sky(x0)) return light_pdf(world, sky, x0, fault);
+  const double spoilt = fault == Fault::sky_5_percent ? 1.05 : 1;
+  const double through = fault == Fault::window_5_percent ? 1.05 : 1;
+  return spoilt * x0.source->pdf_1() *
+         sky->next_event_pdf_w(path.vertex(1), path.vertex(2), -x0.position, through_windows,
+                               through);
+}
+
+/// Of surfaces, points and spots [1/sr]; of light from infinity [1/area across it].
+double emission_pdf_w(const World& world, const Vertex& x0, const Vertex& x1) {
+  if (luminance(Vec3f(emission(x0, x1))) <= 0) return 0;
+  if (x0.at_infinity()) return 1 / disc_of(world.scene);
+  if (!x0.on_surface()) return 1 / x0.source->cos_per_pdf_w();
+  return cosine_at(x0, x1) / (x0.material->double_sided ? 2 * pi : pi);
+}
+
+double film_pdf_w(const World& world, const Vertex& camera, const Vertex& x) {
+  return world.film.pdf_w(unit(camera, x));
+}
+
+using Triangles = std::vector<std::array<Vec3d, 3>>;
+
+/// Corners of the portals' triangles: those of one portal that light passes the same way together.
+/// Each is planar.
+std::vector<Triangles> surfaces(const World& world) {
+  std::vector<Triangles> all;
+  std::vector<PortalSet::Polygon> firsts;
+  for (size_t i = 0; i < world.portals.size(); ++i) {
+    const PortalSet::Polygon& q = world.portals.polygon(static_cast<int>(i));
+    size_t k = 0;
+    while (k < all.size() && !(firsts[k].portal == q.portal && dot(firsts[k].normal, q.normal) > 0))
+      ++k;
+    if (k == all.size()) {
+      all.emplace_back();
+      firsts.push_back(q);
+    }
+    all[k].push_back({q.p0, q.p0 + q.e1, q.p0 + q.e2});
+  }
+  return all;
+}
+
+struct Plane {
+  Vec3d n, centre;
+  double area = 0;
+  explicit Plane(const Triangles& triangles) {
+    for (const auto& t : triangles) {
+      const Vec3d twice = cross(t[1] - t[0], t[2] - t[0]);
+      n += twice;
+      area += 0.5 * length(twice);
+      centre += (t[0] + t[1] + t[2]) * (length(twice) / 6);
+    }
+    n = normalize(n);
+    centre = centre / area;
+  }
+};
+
+/// Number of the triangles that the line through `a` along `w` passes, and how far along.
+int passed(const Triangles& triangles, const Vec3d& a, const Vec3d& w, double& distance) {
+  int number = 0;
+  const Plane plane(triangles);
+  distance = dot(plane.n, triangles[0][0] - a) / dot(plane.n, w);
+  const Vec3d at = a + w * distance;
+  for (const auto& t : triangles) {  // left of all three edges
+    bool inside = true;
+    for (size_t e = 0; e < 3; ++e)
+      inside = inside && dot(plane.n, cross(t[(e + 1) % 3] - t[e], at - t[e])) >= 0;
+    number += inside;
+  }
+  return number;
+}
+
+/// Of the edge from a to b.
+double long_is(const Vertex& a, const Vertex& b) {
+  return a.at_infinity() ? std::numeric_limits<double>::infinity() : std::sqrt(distance2(a, b));
+}
+
+/// Density, over p(F,G), of the pair of portals as the line from a to b passes them: per product of
+/// area and projected solid angle.
+double pair_pdf(const Vertex& a, const Vertex& b, const Triangles& f, const Triangles& g,
+                double& etendue) {
+  const Plane F(f), G(g);
+  etendue = 0;
+  for (const auto& t : g)
+    for (const Vec3d& corner : t)
+      if (dot(F.n, corner - f[0][0]) <= 0) return 0;
+  for (const auto& t : f)
+    for (const Vec3d& corner : t)
+      if (dot(G.n, corner - g[0][0]) >= 0) return 0;
+  const Vec3d d = G.centre - F.centre;
+  etendue = F.area * G.area * dot(F.n, d) * dot(G.n, d) / std::pow(dot(d, d), 2);
+  const Vec3d w = unit(a, b);
+  double s, t;  // from b on: before it both are less than 0
+  const int ways = passed(f, b.position, w, s) * passed(g, b.position, w, t);
+  if (dot(F.n, w) <= 0 || dot(G.n, w) <= 0 || -s > long_is(a, b) || t > 0) return 0;
+  return ways / (F.area * G.area) * std::pow(t - s, 2) / (dot(F.n, w) * dot(G.n, w));
+}
+
+/// p_AA [eq. 4], polygon by polygon with its cosines written out, and of pairs of portals. From the
+/// sky: per solid angle of its direction and area about b.
+double segment_pdf(const World& world, const Vertex& a, const Vertex& b, Fault fault) {
+  if (!a.on_surface() && !in_the_sky(a)) return 0;
+  const Vec3d w = unit(a, b);
+  const double G = cosine_at(a, b) * cosine_at(b, a) / distance2(a, b);
+  double total_area = 0, sum = 0;
+  for (size_t i = 0; i < world.portals.size(); ++i) {
+    const PortalSet::Polygon& q = world.portals.polygon(static_cast<int>(i));
+    total_area += 0.5 * length(cross(q.e1, q.e2));
+  }
+  double pairs = 0, etendues = 0;
+  const std::vector<Triangles> all = surfaces(world);
+  for (size_t i = 0; i < all.size(); ++i)
+    for (size_t j = 0; j < all.size(); ++j) {
+      if (i == j) continue;
+      double etendue;
+      const double p = pair_pdf(a, b, all[i], all[j], etendue);
+      pairs += etendue * p * G;
+      etendues += etendue;
+    }
+  const double c = etendues > 0 ? 0.25 : 0;
+  if (c > 0) sum += c * pairs / etendues;
+  for (size_t i = 0; i < world.portals.size(); ++i) {
+    const PortalSet::Polygon& q = world.portals.polygon(static_cast<int>(i));
+    const double cos_q = dot(q.normal, w);
+    if (cos_q <= 0) continue;
+    const double t = dot(q.normal, b.position - q.p0) / cos_q;  // from there to b
+    if (t < 0 || t > long_is(a, b)) continue;
+    // Inside: the point is left of all three edges.
+    const Vec3d at = b.position - w * t;
+    const Vec3d p[3] = {q.p0, q.p0 + q.e1, q.p0 + q.e2};
+    bool inside = true;
+    for (int e = 0; e < 3; ++e)
+      inside = inside && dot(q.normal, cross(p[(e + 1) % 3] - p[e], at - p[e])) >= 0;
+    if (!inside) continue;
+    const double area = 0.5 * length(cross(q.e1, q.e2));
+    const double p_q = area / total_area, p_A = 1 / area, p_w = cos_q / pi;
+    double p_AA = p_q * p_A * p_w / cos_q * G;
+    if (a.at_infinity()) {
+      // The portal's area about the line is that about b, seen along the line.
+      p_AA = p_q * p_A * p_w * (cosine_at(b, a) / cos_q);
+      if (fault == Fault::sky_segment_distance) p_AA /= t * t;
+      if (fault == Fault::sky_segment_cosine) p_AA *= cos_q;
+    }
+    sum += (1 - c) * p_AA;
+  }
+  return sum;
+}
+
+/// Density of the line of light from infinity to `to` among those through portals [1/area across].
+double aim_line_pdf(const World& world, const Vec3d& d, const Vertex& to) {
+  double total = 0;
+  int number = 0;
+  for (const Triangles& triangles : surfaces(world)) {
+    const Plane plane(triangles);
+    if (dot(plane.n, d) <= 0) continue;
+    total += plane.area * dot(plane.n, d);
+    double distance;
+    number += passed(triangles, to.position, d, distance);
+  }
+  return total > 0 ? number / total : -1;
+}
+
+/// Density [1/sr] of `to` as a direction that a walk at `at`, coming from `back`, aims in; null:
+/// the walk begins there.
+double aim_pdf_w(const World& world, From from, const Vertex* back, const Vertex& at,
+                 const Vertex& to) {
+  const Vec3d w = unit(at, to);
+  double total = 0, sum = 0;
+  for (const Triangles& triangles : surfaces(world)) {
+    const auto [n, centre, area] = Plane(triangles);
+    bool above = false;
+    const double side = dot(n, at.position - triangles[0][0]);
+    if (from == From::light ? side >= 0 : side <= 0) continue;
+    // A portal below the surface's horizon is not aimed at.
+    const bool one_sided =
+        at.on_surface() && (back ? at.simple || !at.bsdf.transmits() : !at.material->double_sided);
+    const double facing = back && dot(at.normal, unit(at, *back)) < 0 ? -1 : 1;
+    for (const auto& t : triangles)
+      for (const Vec3d& corner : t)
+        above |= !one_sided || facing * dot(at.normal, corner - at.position) > 0;
+    if (!above) continue;
+    // About its solid angle.
+    const double d = length(centre - at.position);
+    const double height = std::max(std::abs(dot(n, centre - at.position)), 0.1 * d);
+    const double weight = area * height * std::pow(d * d + area / pi, -1.5);
+    total += weight;
+    double distance;
+    const int number = passed(triangles, at.position, w, distance);
+    if (distance > 0) sum += number * weight * distance * distance / (std::abs(dot(n, w)) * area);
+  }
+  return total > 0 ? sum / total : -1;
+}
+
+/// Largest component of the albedo, as `at` is seen from `back`, within 0.05 and 1.
+double albedo(const Vertex& back, const Vertex& at) {
+  const Surface s(at);
+  double share = coated(at) ? CoatedSurface(at).albedo(unit(at, back))
+                            : max_component(bsdf::albedo(s.bsdf, s.local(unit(at, back))));
+  if (const Pane pane = pane_of(*at.material)) share /= pane.presence(cosine_at(at, back));
+  return std::clamp(share, 0.05, 1.0);
+}
+
+/// How a walk is directed.
+struct Directed {
+  double chance = 0;  ///< that it aims, if it may
+  double matt = 1, broad = 1;
+  double aimed = -1;  ///< density [1/sr]; less than 0: there is nothing to aim at
+
+  Directed(const World& world, const Guiding& guiding, From from, const Vertex* back,
+           const Vertex& at, const Vertex& to)
+      : chance(guiding.chance[static_cast<size_t>(from)]) {
+    if (back && !at.connectible) return;
+    aimed = at.at_infinity() ? aim_line_pdf(world, unit(at, to), to)
+                             : aim_pdf_w(world, from, back, at, to);
+    if (!back) return;
+    chance = std::min(chance, 0.4 * (1 - albedo(*back, at)));
+    if (at.simple) return;
+    if (coated(at)) {
+      double dirac;
+      CoatedSurface(at).odds(unit(at, *back), dirac, broad);
+      matt -= dirac;
+      return;
+    }
+    const Surface s(at);
+    const Vec3d local = s.local(unit(at, *back));
+    matt -= bsdf::dirac_probability(at.bsdf, local, local);
+    matt -= bsdf::dirac_probability(at.bsdf, local, -local);
+    const bool narrow = matt == 1 && at.bsdf.alpha < 0.3f && !at.bsdf.only_diffuse();
+    if (narrow) broad = bsdf::diffuse_probability(at.bsdf, local);
+  }
+};
+
+/// Density of the direction of a directed walk.
+double guided_pdf_w(const Directed& d, bool dirac, double plain, Fault fault) {
+  if (dirac || plain == 0 || d.aimed < 0) return plain;
+  const double matt = fault == Fault::aim_5_percent ? 1.05 * d.matt : d.matt;
+  return (1 - d.chance * d.broad) * plain + d.chance * d.broad * matt * d.aimed;
+}
+
+/// Probability that a walk goes on at its vertex `at`, its i-th.
+double survival(const Vertex* back, const Vertex& at, int i, Fault fault) {
+  return i < 2 || fault == Fault::immortal ? 1 : albedo(*back, at);
+}
+
+/// P>(x_i) and P<(x_i) of all vertices but the camera's.
+struct Densities {
+  std::vector<double> from_light, from_camera;
+};
+Densities of_walks(const World& world, const SkyLight* sky, const Path& path,
+                   const Guiding& guiding, Fault fault) {
+  const int k = path.k();
+  Densities all{std::vector<double>(static_cast<size_t>(k)),
+                std::vector<double>(static_cast<size_t>(k))};
+  for (int i = 0; i < k; ++i) {
+    const Vertex& x = path.vertex(i);
+    double& P_light = all.from_light[static_cast<size_t>(i)];
+    double& P_camera = all.from_camera[static_cast<size_t>(i)];
+    if (i == 0) {
+      P_light = light_pdf(world, sky, x, fault);
+    } else {
+      const Vertex& before = path.vertex(i - 1);
+      const Vertex* back = i == 1 ? nullptr : &path.vertex(i - 2);
+      const bool dirac = i > 1 && path.dirac(i - 1);
+      const double p = i == 1 ? emission_pdf_w(world, before, x) : pdf_w(*back, before, x, dirac);
+      const Directed directed(world, guiding, From::light, back, before, x);
+      double per_area = cosine_at(x, before) / distance2(before, x);
+      if (fault == Fault::missing_cosine && i == 2) per_area /= cosine_at(x, before);
+      P_light =
+          survival(back, before, i - 1, fault) * guided_pdf_w(directed, dirac, p, fault) * per_area;
+    }
+    const Vertex& after = path.vertex(i + 1);
+    double q = film_pdf_w(world, after, x);
+    if (i < k - 1) {
+      const Vertex& back = path.vertex(i + 2);
+      const double p = pdf_w(back, after, x, path.dirac(i + 1));
+      const Directed directed(world, guiding, From::camera, &back, after, x);
+      q = survival(&back, after, k - i - 1, fault) *
+          guided_pdf_w(directed, path.dirac(i + 1), p, fault);
+    }
+    // Of the sky per solid angle, which cosine and distance of 1 leave as it is.
+    const bool met = x.on_surface() || in_the_sky(x);
+    P_camera = met ? q * cosine_at(x, after) / distance2(after, x) : 0;
+  }
+  return all;
+}
+
+}  // namespace
+
+std::vector<StrategyDensity> densities(const World& world, const Path& path, const Mixture& mixture,
+                                       Fault fault, const SkyLight* sky) {
+  const int k = path.k();
+  std::optional<SkyLight> own;
+  if (!sky && world.scene.sky) sky = &own.emplace(world);
+  const auto [from_light, from_camera] = of_walks(world, sky, path, mixture.guiding, fault);
+  std::vector<StrategyDensity> result;
+  const auto add = [&, &from_light = from_light, &from_camera = from_camera](Technique technique,
+                                                                             int split) {
+    if (!mixture.has(technique)) return;
+    const bool portal = technique == Technique::portal;
+    // Every connection of the technique, by its first vertex, needs both ends free of Dirac lobes.
+    const auto connects = [&](int i) { return !path.dirac(i) && !path.dirac(i + 1); };
+    bool possible = true;
+    if (portal) possible = connects(split) && connects(split + 1);
+    if (split > 0) possible = possible && connects(split - 1);
+    if (!possible && fault != Fault::connection_at_a_mirror) return;
+    double log_p = 0;
+    for (int i = 0; i < split; ++i)
+      log_p += std::log(technique == Technique::direct
+                            ? next_event_pdf(world, sky, path, mixture.through_windows, fault)
+                            : from_light[static_cast<size_t>(i)]);
+    for (int i = portal ? split + 2 : split; i < k; ++i)
+      log_p += std::log(from_camera[static_cast<size_t>(i)]);
+    if (portal) {
+      double p = segment_pdf(world, path.vertex(split), path.vertex(split + 1), fault);
+      p *= mixture.segments * (split > 0 ? mixture.joined_to_segments : 1);
+      // A sample's own segment alone is seen by the camera; its vertices meet those of all.
+      if (split + 2 < k) p *= mixture.segments_joined;
+      const bool to_x = path.vertex(split).position.x < path.vertex(split + 1).position.x;
+      if (fault == Fault::portal_density_5_percent) p *= 1.05;
+      if (fault == Fault::one_way_5_percent && to_x) p *= 1.05;
+      log_p += std::log(p);
+    }
+    if (technique == Technique::bi) log_p += std::log(mixture.joined);
+    if (technique == Technique::light) log_p += std::log(mixture.light_walks);
+    const double sample_weight = technique != Technique::direct ? 1
+                                 : k == 2                       ? mixture.first_direct
+                                                                : mixture.later_direct;
+    result.push_back({{technique, split}, log_p, sample_weight});
+  };
+  add(Technique::camera, 0);
+  if (k >= 2) {
+    add(Technique::direct, 1);
+    add(Technique::light, k);
+    for (int s = 2; s <= k - 1; ++s) add(Technique::bi, s);
+    for (int a = 0; a <= k - 2; ++a) add(Technique::portal, a);
+  }
+  return result;
+}
+
+double weight(const std::vector<StrategyDensity>& densities, Strategy used, double beta) {
+  double largest = -std::numeric_limits<double>::infinity();
+  for (const StrategyDensity& d : densities) largest = std::max(largest, d.log_p);
+  double mine = 0, total = 0;
+  for (const StrategyDensity& d : densities) {
+    const double p = std::pow(d.sample_weight * std::exp(d.log_p - largest), beta);
+    total += p;
+    if (d.strategy == used) mine = p;
+  }
+  return mine / total;
+}
+
+Vec3d contribution(const World& world, const Path& path) {
+  const int k = path.k();
+  Vec3d value = emission(path.vertex(0), path.vertex(1));
+  for (int i = 0; i + 1 < k; ++i) {
+    const Vertex& a = path.vertex(i);
+    const Vertex& b = path.vertex(i + 1);
+    value *= cosine_at(a, b) * cosine_at(b, a) / distance2(a, b);
+    value = value * scattering(a, b, path.vertex(i + 2), path.dirac(i + 1));
+  }
+  const Vertex& last = path.vertex(k - 1);
+  const Vertex& camera = path.vertex(k);
+  return value *
+         (film_pdf_w(world, camera, last) * cosine_at(last, camera) / distance2(camera, last));
+}
+
+}  // namespace tdpt::oracle

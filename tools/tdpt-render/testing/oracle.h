@@ -1,0 +1,46 @@
+// The slow, obvious twin of path.cpp: every density of a path from its places and normals alone, as
+// logarithms, without ratios, caches or the walks that made it. For tests.
+#pragma once
+#include <vector>
+
+#include "tools/tdpt-render/path/sample/path.h"
+#include "tools/tdpt-render/testing/oracle_sky.h"
+
+namespace tdpt::oracle {
+
+struct StrategyDensity {
+  Strategy strategy;
+  double log_p;  ///< natural logarithm of the density per canonical area^(k+1); -inf: impossible
+  double sample_weight;  ///< by which the mixture multiplies it in the weights
+};
+
+/// A planted fault, for the tests that must fail.
+enum class Fault {
+  none,
+  portal_density_5_percent,
+  one_way_5_percent,  ///< density of segments to +x
+  missing_cosine,
+  connection_at_a_mirror,
+  aim_5_percent,         ///< density of the directions towards portals
+  immortal,              ///< walks that always go on
+  sky_5_percent,         ///< density of the sky's directions
+  sky_segment_distance,  ///< segments from the sky spread over the squared distance to the portal
+  window_5_percent,      ///< density of next events through windows
+  panel_5_percent,       ///< density of next events at panels
+  sky_segment_cosine,    ///< the portal's cosine is not cancelled in those
+};
+
+/// All strategies of `mixture` that can make the path. `sky`: of the world, where it is asked for
+/// often.
+std::vector<StrategyDensity> densities(const World& world, const Path& path, const Mixture& mixture,
+                                       Fault fault = Fault::none, const SkyLight* sky = nullptr);
+
+/// Weight of `used`: (n p)^beta over the sum of those of all strategies, n the sample weight.
+/// Balance heuristic [eq. 6] for beta = 1, power heuristic for beta = 2.
+double weight(const std::vector<StrategyDensity>& densities, Strategy used, double beta);
+
+/// Measurement contribution function: Le G f G ... f G W, the product of [eq. 1] to [eq. 3] without
+/// visibility, without absorption along the edges and without the deltas of Dirac lobes.
+Vec3d contribution(const World& world, const Path& path);
+
+}  // namespace tdpt::oracle

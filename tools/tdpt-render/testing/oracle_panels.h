@@ -1,0 +1,11 @@
+// The slow, obvious twin of panels.cpp: what a panel sends to a point, from its four corners'
+// places alone. For tests.
+#pragma once
+#include "tools/tdpt-render/path/sample/path.h"
+
+namespace tdpt::oracle {
+
+/// p_A of x_0, on a panel, as a next event at x_1 of a path that goes on to x_2, among panels.
+double panel_pdf_A(const World& world, const Vertex& x0, const Vertex& x1, const Vertex& x2);
+
+}  // namespace tdpt::oracle

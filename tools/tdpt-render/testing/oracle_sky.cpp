@@ -1,0 +1,210 @@
+#include "tools/tdpt-render/testing/oracle_sky.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace tdpt::oracle {
+namespace {
+
+using std::numbers::pi;
+
+/// Heights y of the rows' centres of a map, from pole to pole: 1, the centres', -1.
+double node(const Sky::Map& map, int i) {
+  return i == 0 ? 1 : i > map.height ? -1 : std::cos(pi * (i - 0.5) / map.height);
+}
+
+/// Where a direction lies among the centres of texels: in columns from the first's on, and in rows
+/// of nodes.
+struct Place {
+  double column, row;
+};
+Place place_of(const Sky& sky, const Vec3d& towards) {
+  const Sky::Map& map = sky.map();
+  double x, y;
+  sky.raster(towards, x, y);
+  int row = static_cast<int>(y + 0.5);  // between centres in angle, and so in height
+  const double up = node(map, row), low = node(map, row + 1);
+  return {std::fmod(x - 0.5 + map.width, map.width),
+          row + std::clamp((up - towards.y) / (up - low), 0.0, 1.0)};
+}
+Vec3d direction_of(const Sky& sky, const Place& p) {
+  const Sky::Map& map = sky.map();
+  const int row = std::min(static_cast<int>(p.row), map.height);
+  const double t = p.row - row, y = (1 - t) * node(map, row) + t * node(map, row + 1);
+  return sky.towards(p.column + 0.5, std::acos(y) / pi * map.height);
+}
+
+/// Of the map alone: linear in azimuth and in height.
+double map_luminance(const Sky& sky, const Place& p) {
+  const Sky::Map& map = sky.map();
+  const auto texel = [&](int column, int row) {  // rows of nodes
+    const int y = std::clamp(row - 1, 0, map.height - 1);
+    return luminance(map.texels[static_cast<size_t>(y * map.width + column % map.width)]);
+  };
+  const int i = std::min(static_cast<int>(p.row), map.height), j = static_cast<int>(p.column);
+  const double t = p.row - i, s = p.column - j;
+  return (1 - t) * ((1 - s) * texel(j, i) + s * texel(j + 1, i)) +
+         t * ((1 - s) * texel(j, i + 1) + s * texel(j + 1, i + 1));
+}
+
+bool lies_in(const Sky::Sun& sun, const Vec3d& towards) {
+  return std::atan2(length(cross(towards, sun.towards)), dot(towards, sun.towards)) <=
+         sun.half_angle;
+}
+
+double solid_angle(const Sky::Sun& sun) {
+  return 4 * pi * std::pow(std::sin(sun.half_angle / 2), 2);
+}
+
+/// The sky is laid out over t / (1 + |t|), t a tangent.
+double compress(double t) {
+  return t / (1 + std::abs(t));
+}
+
+/// Share of cell i of n over (-1, 1) that lies between two tangents.
+double overlap(int i, int n, double from, double to) {
+  const double low = 2.0 * i / n - 1, high = 2.0 * (i + 1) / n - 1;
+  return std::max(0.0, std::min(high, compress(to)) - std::max(low, compress(from))) * n / 2;
+}
+
+}  // namespace
+
+/// The rectangle around a facet along the axes of its sky, as seen from a place.
+struct Rectangle {
+  double x0 = HUGE_VAL, x1 = -HUGE_VAL, y0 = HUGE_VAL, y1 = -HUGE_VAL;
+  double height = 0;   ///< along z
+  bool above = false;  ///< a corner is above the surface's horizon
+
+  /// `front`: unit, side of the surface there that light comes to; 0: both.
+  Rectangle(const PortalSet& portals, const WindowSky::Window& window, const Vec3d& from,
+            const Vec3d& front) {
+    const RectifiedSky& sky = *window.sky;
+    for (const PortalSet::Outline& facet : portals.outlines()) {
+      if (length(facet.centre - window.centre) > 1e-9 || dot(facet.normal, sky.z()) > 0) continue;
+      height = dot(sky.z(), facet.centre - from);
+      for (const Vec3d& corner : facet.corners) {
+        const double x = dot(sky.x(), corner - from), y = dot(sky.y(), corner - from);
+        x0 = std::min(x0, x), x1 = std::max(x1, x);
+        y0 = std::min(y0, y), y1 = std::max(y1, y);
+      }
+    }
+    above = length(front) == 0;
+    for (const double x : {x0, x1})
+      for (const double y : {y0, y1})
+        above = above || dot(front, sky.x() * x + sky.y() * y + sky.z() * height) > 0;
+  }
+  bool seen() const { return height > 0 && above; }
+  bool passed_along(const Vec3d& local) const {
+    const double x = local.x / local.z * height, y = local.y / local.z * height;
+    return x >= x0 && x <= x1 && y >= y0 && y <= y1;
+  }
+};
+
+SkyLight::SkyLight(const World& world) : world_(world) {
+  const Sky& sky = *world.scene.sky;
+  const Sky::Map& map = sky.map();
+  if (map.width > 0) {
+    across_ = (127 + map.width) / map.width;
+    down_ = (64 + map.height) / (map.height + 1);
+  }
+  for (int row = 0; row < (map.height + 1) * down_; ++row) {
+    const double cell = 2 * pi / (map.width * across_) *
+                        (node(map, row / down_) - node(map, row / down_ + 1)) / down_;
+    for (int column = 0; column < map.width * across_; ++column) {
+      const Place middle{(column + 0.5) / across_, (row + 0.5) / down_};
+      const double light = map_luminance(sky, middle) * cell;  // linear: the middle's is the mean
+      total_ += light;
+      total_across_ += light * across_portals(direction_of(sky, middle));
+    }
+  }
+  for (const Sky::Sun& sun : sky.suns()) {
+    const double light = luminance(sun.radiance) * solid_angle(sun);
+    total_ += light;
+    total_across_ += light * across_portals(sun.towards);
+  }
+  for (const WindowSky::Window& window : world.windows.windows()) {
+    const RectifiedSky* laid_out = window.sky.get();
+    if (std::any_of(layouts_.begin(), layouts_.end(),
+                    [&](const Layout& l) { return l.sky == laid_out; }))
+      continue;
+    Layout layout{laid_out, static_cast<int>(std::lround(laid_out->in_cells(1e9))), {}};
+    const auto tangent = [&](int i) {
+      const double c = (2 * i + 1.0) / layout.n - 1;
+      return c / (1 - std::abs(c));
+    };
+    for (int i = 0; i < layout.n; ++i)
+      for (int j = 0; j < layout.n; ++j) {
+        const Vec3d w(tangent(i), tangent(j), 1);
+        // Of the plane z = 1, and solid angle of that.
+        const double area = std::pow((1 + std::abs(w.x)) * (1 + std::abs(w.y)) * 2 / layout.n, 2);
+        layout.cells.push_back(laid_out->density(normalize(w)) * area / std::pow(length(w), 3));
+      }
+    layouts_.push_back(layout);
+  }
+}
+
+double SkyLight::across_portals(const Vec3d& towards) const {
+  double area = 0;
+  for (size_t i = 0; i < world_.portals.size(); ++i) {
+    const PortalSet::Polygon& q = world_.portals.polygon(static_cast<int>(i));
+    area += 0.5 * length(cross(q.e1, q.e2)) * std::max(0.0, -dot(q.normal, towards));
+  }
+  return area;
+}
+
+double SkyLight::start_pdf_w(const Vec3d& towards) const {
+  const Sky& sky = *world_.scene.sky;
+  const double plain = luminance(sky.radiance(towards)) / total_;
+  if (!(total_across_ > 0)) return plain;
+  double light = 0;
+  if (across_ > 0) {
+    const Place p = place_of(sky, towards);
+    const Place middle{(std::floor(p.column * across_) + 0.5) / across_,
+                       (std::floor(p.row * down_) + 0.5) / down_};
+    light = map_luminance(sky, p) * across_portals(direction_of(sky, middle));
+  }
+  for (const Sky::Sun& sun : sky.suns())
+    if (lies_in(sun, towards)) light += luminance(sun.radiance) * across_portals(sun.towards);
+  return 0.1 * plain + 0.9 * light / total_across_;
+}
+
+double SkyLight::seen_through(const WindowSky::Window& window, const Rectangle& r) const {
+  if (!r.seen()) return 0;
+  const Layout& layout = *std::find_if(layouts_.begin(), layouts_.end(),
+                                       [&](const Layout& l) { return l.sky == window.sky.get(); });
+  const auto overlaps = [&](double low, double high) {
+    std::vector<double> of_cells;
+    for (int i = 0; i < layout.n; ++i)
+      of_cells.push_back(overlap(i, layout.n, low / r.height, high / r.height));
+    return of_cells;
+  };
+  const std::vector<double> along = overlaps(r.x0, r.x1), up = overlaps(r.y0, r.y1);
+  double sum = 0, all = 0;
+  for (const double cell : layout.cells) all += cell;
+  for (size_t i = 0; i < along.size(); ++i)
+    for (size_t j = 0; j < up.size() && along[i] > 0; ++j)
+      sum += along[i] * up[j] * layout.cells[i * up.size() + j];
+  return sum > 1e-12 * all ? sum : 0;
+}
+
+double SkyLight::next_event_pdf_w(const Vertex& shaded, const Vertex& next, const Vec3d& towards,
+                                  double q, double through) const {
+  const double plain = luminance(world_.scene.sky->radiance(towards)) / total_;
+  const bool one_sided = shaded.simple || !shaded.bsdf.transmits();
+  const double side = dot(shaded.normal, next.position - shaded.position) < 0 ? -1 : 1;
+  double seen = 0, light = 0;
+  for (size_t i = 0; i < world_.windows.windows().size(); ++i) {
+    if (!world_.windows.shows(i, shaded.position)) continue;
+    const WindowSky::Window& window = world_.windows.windows()[i];
+    const Rectangle r(world_.portals, window, shaded.position,
+                      one_sided ? shaded.normal * side : Vec3d());
+    seen += seen_through(window, r);
+    const Vec3d local = window.sky->to_local(towards);
+    if (r.seen() && local.z > 0 && r.passed_along(local)) light += window.sky->density(local);
+  }
+  if (!(seen > 0)) return plain;
+  return (1 - q) * plain + q * through * light / seen;
+}
+
+}  // namespace tdpt::oracle

@@ -1,0 +1,26 @@
+// For tests: who renders. Those that are compiled with TDPT_BY_TWIN ask of the renderer that
+// devices have what they ask of the CPU's.
+#pragma once
+#include "tools/tdpt-render/run/render.h"
+#ifdef TDPT_BY_TWIN
+#include "tools/tdpt-render/testing/device.h"
+#endif
+
+namespace tdpt {
+
+#ifdef TDPT_BY_TWIN
+inline constexpr bool kByTwin = true;
+#else
+inline constexpr bool kByTwin = false;
+#endif
+
+/// As RenderSettings::device.
+inline std::shared_ptr<SampleRenderer> renderer_under_test([[maybe_unused]] const World& world) {
+#ifdef TDPT_BY_TWIN
+  return std::make_shared<TwinRenderer>(world);
+#else
+  return nullptr;
+#endif
+}
+
+}  // namespace tdpt

@@ -1,0 +1,38 @@
+// For tests: the error that a scout is to tell, from many pictures.
+#pragma once
+#include <vector>
+
+#include "tools/tdpt-render/run/render.h"
+
+namespace tdpt {
+
+/// relMSE of one sample, whose pixel is normalised as exrdiff does: from the variance of each pixel
+/// over pictures of 16 samples.
+inline double error_of_pictures(const World& world, const Integrator& integrator,
+                                int max_depth = kMaxDepth) {
+  constexpr int kPictures = 48;
+  RenderSettings settings;
+  settings.spp = 16;
+  settings.max_depth = max_depth;
+  const size_t pixels =
+      static_cast<size_t>(world.film.width()) * static_cast<size_t>(world.film.height());
+  std::vector<double> sum(pixels), squares(pixels);
+  for (int i = 0; i < kPictures; ++i) {
+    settings.seed = 100 + static_cast<uint64_t>(i);
+    const Picture p = render(world, integrator, settings).picture;
+    for (size_t k = 0; k < pixels; ++k) {
+      const double l = luminance(p.pixels[k]);
+      sum[k] += l, squares[k] += l * l;
+    }
+  }
+  double mean = 0, error = 0;
+  for (const double s : sum) mean += s / kPictures / static_cast<double>(pixels);
+  for (size_t k = 0; k < pixels; ++k) {
+    const double m = sum[k] / kPictures;
+    const double variance = (squares[k] / kPictures - m * m) * kPictures / (kPictures - 1);
+    error += variance * static_cast<double>(settings.spp) / (m * m + 0.01 * mean * mean);
+  }
+  return error / static_cast<double>(pixels);
+}
+
+}  // namespace tdpt

@@ -1,0 +1,118 @@
+// For tests: integrators that do something else than their mixture says, to be caught.
+#pragma once
+#include <cmath>
+
+#include "tools/tdpt-render/integrators/integrator.h"
+#include "tools/tdpt-render/path/sample/path_sampler.h"
+
+namespace tdpt {
+
+/// The rows of the table.
+inline std::vector<const Integrator*> integrators() {
+  std::vector<const Integrator*> rows;
+  for (const Integrator& row : kIntegrators) rows.push_back(&row);
+  return rows;
+}
+
+struct Variant {
+  Variant(const Integrator& integrator_) : integrator(integrator_) {}  // as it should be
+  Variant(const Integrator& integrator_, void (*run_)(PathSampler&))
+      : integrator(integrator_), run(run_) {}
+  /// Weighed as `techniques`, samples of its own.
+  Variant(TechniqueSet techniques, void (*run_)(PathSampler&))
+      : integrator{"faulty", 9, {techniques}}, run(run_) {}
+
+  /// As a picture is rendered [passes.h]: light walks are pooled, and the weights expect as many
+  /// joins as there are.
+  static Variant pooled(const World& world, const Integrator& integrator, int max_depth) {
+    Variant v(integrator);
+    v.pools = true;
+    v.integrator.mixture = expecting_joins(world, integrator.mixture, max_depth);
+    return v;
+  }
+
+  SampleSettings settings(int max_depth, uint64_t seed) const {
+    return {integrator.mixture, max_depth, beta[0], seed, integrator.stream};
+  }
+  void sample(PathSampler& sampler, int x, int y, uint64_t s) const {
+    sampler.begin(x, y, s);
+    run(sampler);
+    sampler.end();
+  }
+  /// Samples 0..spp-1 of all pixels. `at(x, y)` is told whose comes next.
+  template <class At>
+  void picture(PathSampler& sampler, int width, int height, uint64_t spp, const At& at) const;
+
+  Integrator integrator;
+  bool pools = false;
+  /// Exponent of the MIS weights of each technique's samples, which sum to 1 if it is the same.
+  std::array<double, kTechniques> beta{1, 1, 1, 1, 1};
+  void (*run)(PathSampler&) = [](PathSampler& sampler) { sampler.run(); };
+  /// Share of a pool's samples that its light walks are counted as those of.
+  double counted_samples = 1;
+  /// Which pixels have a pool in common.
+  uint64_t (*pixel)(uint64_t pool, uint64_t i, uint64_t pools, uint64_t pixels) = pixel_of_pool;
+  /// Contributions that get lost on the way to the film; null: none.
+  bool (*loses)(const World&, const Contribution&) = nullptr;
+  /// What a sample with pools does beside its phases.
+  void (*besides)(PathSampler&) = [](PathSampler&) {};
+};
+
+template <class At>
+void Variant::picture(PathSampler& sampler, int width, int height, uint64_t spp,
+                      const At& at) const {
+  const auto pixels = static_cast<uint64_t>(width * height);
+  const uint64_t per_pool = pools ? samples_of_pool(integrator.mixture) : 1;
+  const uint64_t step = (pixels + per_pool - 1) / per_pool;
+  std::vector<Walk> walks(per_pool);
+  const Walk none;
+  LightPool pool;
+  for (uint64_t first = 0; first < step; ++first)
+    for (uint64_t s = 0; s < spp; ++s) {
+      const uint64_t samples = (pixels - first + step - 1) / step;
+      const uint64_t walking = pools ? light_walks_of(integrator.mixture, samples) : 0;
+      const auto each = [&](uint64_t count, const auto& visit) {
+        for (uint64_t i = 0; i < count; ++i) {
+          const auto p = static_cast<int>(pixel(first, i, step, pixels));
+          visit(p % width, p / width, i);
+        }
+      };
+      pool.clear(
+          static_cast<uint64_t>(std::lround(counted_samples * static_cast<double>(samples))));
+      each(walking, [&](int x, int y, uint64_t i) {
+        sampler.begin(x, y, s);
+        sampler.light_phase(walks[i]);
+        pool.add(walks[i]);
+      });
+      if (pools && sampler.has_segment_phase())
+        each(samples, [&](int x, int y, uint64_t i) {
+          sampler.begin(x, y, s);
+          sampler.segment_phase(i < walking ? walks[i] : none, pool);
+        });
+      each(samples, [&](int x, int y, uint64_t i) {
+        at(x, y);
+        if (!pools) return sample(sampler, x, y, s);
+        sampler.begin(x, y, s);
+        sampler.camera_phase(i < walking ? walks[i] : none, pool);
+        besides(sampler);
+        sampler.end();
+      });
+    }
+}
+
+/// Runs `fewer` in place of all that the mixture has.
+template <Technique... fewer>
+void run_only(PathSampler& sampler) {
+  sampler.walk_from_camera();
+  sampler.walk_from_light();
+  (sampler.run(fewer), ...);
+}
+
+/// Runs one of its techniques again.
+template <Technique again>
+void run_twice(PathSampler& sampler) {
+  sampler.run();
+  sampler.run(again);
+}
+
+}  // namespace tdpt
