@@ -7,6 +7,9 @@ status=0
 for program; do
   inputs=$(ninja -C "$build" -t inputs "bin/$program") || exit 2
   [ -n "$inputs" ] || { echo "$program is made from nothing"; exit 2; }
-  if echo "$inputs" | grep -E '/testing/|_(test|bench|fuzz)\.' | sed "s|^|$program is made from |"; then status=1; fi
+  if found=$(echo "$inputs" | grep -E '/testing/|_(test|bench|fuzz)\.'); then
+    echo "$found" | sed "s|^|$program is made from |"
+    status=1
+  fi
 done
 exit $status
