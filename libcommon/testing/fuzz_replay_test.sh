@@ -37,6 +37,8 @@ done
 rm "$work/in/3"
 pack
 expect 0 "2 inputs, each read or refused" # what a run before left is gone
-head -c 100 "$work/in.tar.gz" >"$work/cut" && mv "$work/cut" "$work/in.tar.gz"
+head -c 100000 /dev/urandom >"$work/in/3"
+tar -czf "$work/whole" -C "$work/in" 1 2 3
+head -c 50000 "$work/whole" >"$work/in.tar.gz"
 expect fault "unexpected end of file"
 exit $failed
