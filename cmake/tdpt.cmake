@@ -90,7 +90,7 @@ endfunction()
 
 # tdpt_fuzz(name SOURCES ... LINK ...): a target of libFuzzer, LLVMFuzzerTestOneInput of bytes that a reader must
 # read or refuse. With TDPT_FUZZ it is the program <name>_fuzz, one of `fuzzers`; else <name>_replay, which runs
-# it on stored inputs, those of testdata/fuzz/<name> as the test fuzz.<name>.
+# it on stored inputs, those of testdata/fuzz/<name>.tar.gz as the test fuzz.<name>. "planted" has none.
 function(tdpt_fuzz name)
   cmake_parse_arguments(A "" "" "SOURCES;LINK" ${ARGN})
   if(TDPT_FUZZ)
@@ -104,9 +104,10 @@ function(tdpt_fuzz name)
   elseif(BUILD_TESTING)
     add_executable(${name}_replay ${A_SOURCES})
     target_link_libraries(${name}_replay PRIVATE ${A_LINK} fuzz_replay)
-    set(folder ${CMAKE_SOURCE_DIR}/testdata/fuzz/${name})
-    if(IS_DIRECTORY ${folder})
-      add_test(NAME fuzz.${name} COMMAND ${name}_replay ${folder})
+    if(NOT name STREQUAL "planted")
+      add_test(NAME fuzz.${name}
+               COMMAND sh ${CMAKE_SOURCE_DIR}/libcommon/testing/files/fuzz_replay.sh $<TARGET_FILE:${name}_replay>
+                       ${CMAKE_SOURCE_DIR}/testdata/fuzz/${name}.tar.gz ${CMAKE_BINARY_DIR}/fuzz/${name})
       set_tests_properties(fuzz.${name} PROPERTIES LABELS fuzz TIMEOUT 120 ENVIRONMENT
                            LSAN_OPTIONS=suppressions=${CMAKE_SOURCE_DIR}/libcommon/testing/lsan.supp)
     endif()

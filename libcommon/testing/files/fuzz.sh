@@ -1,11 +1,11 @@
 #!/bin/sh
 # fuzz.sh BIN TESTDATA WORK [TARGET ...]: runs libFuzzer's targets BIN/TARGET_fuzz, all of them if none is named, each
 # for FUZZ_SECONDS (60), and then again, ROUNDS (1) times at most, until a round brings no new edge. Inputs:
-# TESTDATA/fuzz/TARGET and the files of its format elsewhere in TESTDATA; what brings new edges stays in
+# TESTDATA/fuzz/TARGET.tar.gz and the files of its format elsewhere in TESTDATA; what brings new edges stays in
 # WORK/corpus/TARGET, what breaks a target in WORK/findings, and then the exit code is 1.
 # A line for each: its edges, runs and inputs, and how many edges were new in the last round.
-# MERGE=1 makes TESTDATA/fuzz/TARGET anew instead: the fewest inputs that have all edges, each of 4 KiB at most, and those
-# named found-*.
+# MERGE=1 makes that archive anew instead: the fewest inputs that have all edges, each of 4 KiB at most, and those
+# whose names have a suffix, which libFuzzer gives to none. The same inputs make the same bytes.
 set -u
 bin=${1:?usage: fuzz.sh BIN TESTDATA WORK [TARGET ...]} testdata=${2:?} work=${3:?}
 shift 3
@@ -30,7 +30,7 @@ export LSAN_OPTIONS="${LSAN_OPTIONS:-suppressions=$testing/lsan.supp:print_suppr
 # Folders of the format's files in TESTDATA.
 seeds_of() {
   case $1 in
-  scene | portal) echo "$testdata/scenes $testdata/malformed $testdata/compressed" ;;
+  scene | portal) echo "$testdata/scenes $testdata/compressed" ;;
   environment) echo "$testdata/environments" ;;
   esac
 }
@@ -40,10 +40,11 @@ set_round() { edges=$1 brought=$2 runs=$((runs + $3)) inputs=$4; }
 
 failed=0
 for target in "$@"; do
-  stored=$testdata/fuzz/$target corpus=$work/corpus/$target log=$work/$target.log
+  archive=$testdata/fuzz/$target.tar.gz stored=$files/$target corpus=$work/corpus/$target log=$work/$target.log
   seeds=$(seeds_of "$target")
   [ -x "$bin/${target}_fuzz" ] || { echo "fuzz: $bin/${target}_fuzz is missing"; failed=1; continue; }
-  mkdir -p "$corpus" "$stored" || exit 2
+  rm -rf "$stored" && mkdir -p "$corpus" "$stored/merged" "$stored/in" || exit 2
+  [ ! -e "$archive" ] || tar -xzf "$archive" -C "$stored/in" || { echo "fuzz: $archive cannot be read"; exit 2; }
   # No header's word is worth more than this at once: 2^26 texels of a texture, 2^27 samples of a picture.
   limits="-rss_limit_mb=2048 -malloc_limit_mb=600 -timeout=20"
   asan=$ASAN_OPTIONS
@@ -51,16 +52,14 @@ for target in "$@"; do
   [ "$target" = light_grid ] && asan=$asan:quarantine_size_mb=8:detect_leaks=0
   [ -f "$testdata/fuzz/$target.dict" ] && limits="$limits -dict=$testdata/fuzz/$target.dict"
   if [ "${MERGE:-0}" = 1 ]; then
-    [ ! -e "$stored.new" ] || { echo "fuzz: $stored.new is left of a run that was ended: rename it to $stored, or remove it"; exit 2; }
-    rm -rf "$files/merged" && mkdir "$files/merged" || exit 2
+    cp "$stored"/in/*.* "$stored/merged" 2>/dev/null # what once broke the target stays, and what is larger
     # shellcheck disable=SC2086 # limits and seeds are words
-    ASAN_OPTIONS=$asan "$bin/${target}_fuzz" -set_cover_merge=1 -max_len=4096 $limits "$files/merged" "$stored" "$corpus" $seeds >"$log" 2>&1 ||
-      { echo "fuzz: $target: merging fails, see $log"; failed=1; continue; }
-    cp "$stored"/found-* "$files/merged" 2>/dev/null # what once broke the target stays
-    # Beside the old ones first: whenever this ends, all inputs of one of the two are there.
-    cp -R "$files/merged" "$stored.new" && rm -rf "$stored" && mv "$stored.new" "$stored" ||
-      { echo "fuzz: $target: the inputs could not be put into $stored"; exit 2; }
-    echo "$target: $(find "$stored" -type f | wc -l) inputs"
+    ASAN_OPTIONS=$asan "$bin/${target}_fuzz" -set_cover_merge=1 -max_len=4096 $limits "$stored/merged" "$stored/in" "$corpus" $seeds >"$log" 2>&1 &&
+      [ -n "$(ls "$stored/merged")" ] || { echo "fuzz: $target: merging fails, see $log"; failed=1; continue; }
+    # Beside the old one first: whenever this ends, one of the two is there, and whole.
+    tar --sort=name --mtime=@0 --owner=0 --group=0 --numeric-owner --mode=u=rwX,go=rX -C "$stored/merged" -I 'gzip -9n' -cf "$archive.new" . &&
+      mv "$archive.new" "$archive" || { echo "fuzz: $archive cannot be written"; exit 2; }
+    echo "$target: $(find "$stored/merged" -type f | wc -l) inputs"
     continue
   fi
   runs=0 round=0 brought=1
@@ -68,7 +67,7 @@ for target in "$@"; do
     round=$((round + 1))
     # shellcheck disable=SC2086
     ASAN_OPTIONS=$asan "$bin/${target}_fuzz" -max_total_time="$seconds" -max_len=65536 $limits -print_final_stats=1 \
-      -artifact_prefix="$work/findings/$target-" "$corpus" "$stored" $seeds >"$log" 2>&1
+      -artifact_prefix="$work/findings/$target-" "$corpus" "$stored/in" $seeds >"$log" 2>&1
     status=$?
     # shellcheck disable=SC2046 # four numbers
     set_round $(awk '

@@ -1,29 +1,44 @@
 #!/bin/sh
-# fuzz_replay_test.sh PLANTED_REPLAY: what fuzz_replay notices, on the target with planted faults.
+# fuzz_replay_test.sh PLANTED_REPLAY: what fuzz_replay.sh notices, on the target with planted faults.
 planted=$1
+replay=$(dirname "$0")/fuzz_replay.sh
 work=$(mktemp -d) || exit 2
 trap 'rm -rf "$work"' EXIT
 failed=0
+export LC_ALL=C # the words of tar
 
-# expect STATUS NAME: exit code 0 or not of a run on $work/in; it names the last input.
+# expect STATUS SAYS: exit code 0 or not of a run on $work/in.tar.gz, and what a line of it ends with.
 expect() {
-  "$planted" "$work/in" >"$work/said" 2>&1
+  sh "$replay" "$planted" "$work/in.tar.gz" "$work/unpacked" >"$work/said" 2>&1
   status=$?
   [ "$status" = 0 ] || status=fault
-  if [ "$status" != "$1" ] || { [ "$1" = fault ] && [ -n "$2" ] && ! grep -q "in/$2\$" "$work/said"; }; then
-    echo "${2:-no input}: $status, expected $1"
-    cat "$work/said"
-    failed=1
-  fi
+  [ "$status" = "$1" ] && grep -q "$2\$" "$work/said" && return
+  echo "$status, expected $1 and $2"
+  cat "$work/said"
+  failed=1
 }
+pack() { tar -czf "$work/in.tar.gz" -C "$work/in" .; }
 
 mkdir "$work/in"
-expect fault ""
+expect fault "in.tar.gz: Cannot open: No such file or directory"
+: >"$work/in.tar.gz"
+expect fault "not look like a tar archive"
+pack
+expect fault "0 inputs, each read or refused"
 echo "reads" >"$work/in/1"
 echo "refuses" >"$work/in/2"
-expect 0 2
+pack
+expect 0 unpacked/2
 for fault in "throws" "two lines" "breaks"; do
   echo "$fault" >"$work/in/3"
-  expect fault 3
+  pack
+  expect fault unpacked/3
 done
+rm "$work/in/3"
+pack
+expect 0 "2 inputs, each read or refused" # what a run before left is gone
+head -c 100000 /dev/urandom >"$work/in/3"
+tar -czf "$work/whole" -C "$work/in" 1 2 3
+head -c 50000 "$work/whole" >"$work/in.tar.gz"
+expect fault "unexpected end of file"
 exit $failed

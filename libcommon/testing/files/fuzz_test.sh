@@ -4,39 +4,52 @@ set -u
 here=$(cd "$(dirname "$0")" && pwd)
 work=$(mktemp -d) || exit 2
 trap 'rm -rf "$work"' EXIT
-mkdir -p "$work/bin" "$work/testdata/fuzz/keeps" "$work/testdata/fuzz/fails"
+mkdir -p "$work/bin" "$work/testdata/fuzz" "$work/old"
 target() { { echo '#!/bin/sh'; cat; } >"$work/bin/$1_fuzz" && chmod +x "$work/bin/$1_fuzz"; }
 target fails <<'TARGET'
 exit 1
 TARGET
 # The folder that inputs are merged into is the first argument that is one.
 target keeps <<'TARGET'
-for argument in "$@"; do [ -d "$argument" ] && { echo fewest >"$argument/fewest"; exit 0; }; done
+for argument in "$@"; do [ -d "$argument" ] && { echo fewest >"$argument/fewest"; touch -d @$$ "$argument/fewest"; exit 0; }; done
 TARGET
-echo old >"$work/testdata/fuzz/fails/old"
-echo old >"$work/testdata/fuzz/keeps/old"
-echo found >"$work/testdata/fuzz/keeps/found-it"
+echo old >"$work/old/old"
+echo found >"$work/old/found.it"
+for target in fails keeps; do tar -czf "$work/testdata/fuzz/$target.tar.gz" -C "$work/old" .; done
+target empties <<'TARGET'
+TARGET
+echo "no archive" >"$work/testdata/fuzz/damaged.tar.gz"
+cp "$work/bin/keeps_fuzz" "$work/bin/damaged_fuzz"
+cp "$work/bin/keeps_fuzz" "$work/bin/new_fuzz"
+mkdir -p "$work/work/corpus/new"
+before=$(cksum "$work"/testdata/fuzz/fails.tar.gz "$work"/testdata/fuzz/damaged.tar.gz)
 failed=0
-# expect STATUS WHAT FILES TARGET...: exit code of a merge, and the files that are then stored.
+# expect STATUS WHAT FILES TARGET...: exit code of a merge, and the inputs that are then stored for the last target.
 expect() {
   expected=$1 what=$2 files=$3
   shift 3
   MERGE=1 sh "$here/fuzz.sh" "$work/bin" "$work/testdata" "$work/work" "$@" >"$work/said" 2>&1
   status=$?
-  stored=$(cd "$work/testdata/fuzz" && find . | LC_ALL=C sort | tr '\n' ' ')
+  for last in "$@"; do :; done
+  stored=$(tar -tf "$work/testdata/fuzz/$last.tar.gz" 2>/dev/null | tr '\n' ' ')
   [ "$status" = "$expected" ] && [ "$stored" = "$files" ] && return
   echo "$what: exit $status, expected $expected; stored $stored, expected $files"
   cat "$work/said"
   failed=1
 }
 
-before=". ./fails ./fails/old ./keeps ./keeps/found-it ./keeps/old "
-expect 1 "a target that is not there" "$before" nosuch
+expect 1 "a target that is not there" "" nosuch
 grep -q '^fuzz: .*nosuch_fuzz is missing$' "$work/said" || { echo "no word of the target that is not there"; failed=1; }
-expect 1 "one fails, the next goes on" ". ./fails ./fails/old ./keeps ./keeps/fewest ./keeps/found-it " fails fails keeps
+expect 1 "one fails, the next goes on" "./ ./fewest ./found.it " fails keeps
 grep -q '^keeps: 2 inputs$' "$work/said" || { echo "no word of the inputs that are kept"; failed=1; }
-mkdir "$work/testdata/fuzz/keeps.new"
-expect 2 "what an ended run left" ". ./fails ./fails/old ./keeps ./keeps.new ./keeps/fewest ./keeps/found-it " keeps
+first=$(cksum <"$work/testdata/fuzz/keeps.tar.gz")
+expect 0 "the same inputs again" "./ ./fewest ./found.it " keeps
+[ "$first" = "$(cksum <"$work/testdata/fuzz/keeps.tar.gz")" ] || { echo "the same inputs make another archive"; failed=1; }
+expect 0 "a target without an archive" "./ ./fewest " new
+expect 1 "no input is left" "" empties
+expect 2 "an archive that is damaged" "" damaged
+[ "$before" = "$(cksum "$work"/testdata/fuzz/fails.tar.gz "$work"/testdata/fuzz/damaged.tar.gz)" ] ||
+  { echo "archives of targets that failed have changed"; failed=1; }
 
 # Rounds end with the first that brings no new edge: the third of this target's.
 target learns <<'TARGET'

@@ -1,7 +1,8 @@
-// make_scenes TESTDATA: writes the scenes of TESTDATA/scenes, TESTDATA/encodings and
-// TESTDATA/malformed.
+// make_scenes FOLDER: writes our scenes into FOLDER/scenes, FOLDER/encodings and FOLDER/malformed,
+// those of them that are there.
 #include <cstdio>
 #include <exception>
+#include <filesystem>
 
 #include "libcommon/base/output_file.h"
 #include "libcommon/testing/files/malformed.h"
@@ -10,19 +11,24 @@
 
 int main(int argc, char** argv) {
   if (argc != 2) {
-    std::fprintf(stderr, "usage: make_scenes TESTDATA\n");
+    std::fprintf(stderr, "usage: make_scenes FOLDER\n");
     return 2;
   }
+  bool written = false;
   try {
-    for (const auto& scene : tdpt::testing::make_scenes())
-      tdpt::write_output(std::string(argv[1]) + "/scenes/" + scene.file, scene.bytes);
-    for (const auto& [name, bytes] : tdpt::testing::encoded_rooms())
-      tdpt::write_output(std::string(argv[1]) + "/encodings/" + name, bytes);
-    for (const auto& scene : tdpt::testing::malformed_scenes())
-      tdpt::write_output(std::string(argv[1]) + "/malformed/" + scene.file, scene.bytes);
+    const auto write = [&](const char* folder, const auto& scenes) {
+      const auto path = std::filesystem::path(argv[1]) / folder;
+      if (!is_directory(path)) return;
+      for (const auto& scene : scenes) tdpt::write_output(path / scene.file, scene.bytes);
+      written = true;
+    };
+    write("scenes", tdpt::testing::make_scenes());
+    write("encodings", tdpt::testing::encoded_rooms());
+    write("malformed", tdpt::testing::malformed_scenes());
   } catch (const std::exception& e) {
     std::fprintf(stderr, "make_scenes: %s\n", e.what());
     return 4;
   }
-  return 0;
+  if (!written) std::fprintf(stderr, "make_scenes: %s has no folder for scenes\n", argv[1]);
+  return written ? 0 : 4;
 }

@@ -1,4 +1,4 @@
-// The scenes of testdata/malformed: each is wrong in one way, and is refused with one message.
+// Malformed scenes: each is wrong in one way, and is refused with one message.
 #pragma once
 #include <string>
 #include <vector>

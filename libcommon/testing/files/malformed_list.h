@@ -1,4 +1,4 @@
-// The scenes of testdata/malformed, collected: a scene that is right, and ways to spoil it.
+// Malformed scenes, collected: a scene that is right, and ways to spoil it.
 // Internal to malformed*.cpp.
 #pragma once
 #include <functional>

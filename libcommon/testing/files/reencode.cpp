@@ -347,17 +347,13 @@ EncodedScene encode(const std::vector<QuadPart>& parts, Encoding e) {
   return {"scene.glb", {{"scene.glb", b.glb()}}};
 }
 
-std::map<std::string, std::string> encoded_rooms() {
-  std::map<std::string, std::string> out;
-  const auto add = [&](const char* name, Encoding e) {
+std::vector<NamedScene> encoded_rooms() {
+  const auto room = [](const char* name, Encoding e) {
     const EncodedScene scene = encode(simple_room(), e);
-    out[name] = scene.files.at(scene.file);
+    return NamedScene{name, scene.files.at(scene.file)};
   };
-  add("plain.glb", Encoding::indices_u16);
-  add("instanced.glb", Encoding::instanced);
-  add("skinned.glb", Encoding::skinned);
-  add("morphed.glb", Encoding::morphed);
-  return out;
+  return {room("plain.glb", Encoding::indices_u16), room("instanced.glb", Encoding::instanced),
+          room("skinned.glb", Encoding::skinned), room("morphed.glb", Encoding::morphed)};
 }
 
 }  // namespace tdpt::testing

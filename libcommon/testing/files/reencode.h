@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "libcommon/math/vec.h"
+#include "libcommon/testing/rooms/rooms.h"
 
 namespace tdpt::testing {
 
@@ -62,6 +63,6 @@ struct EncodedScene {
 EncodedScene encode(const std::vector<QuadPart>& parts, Encoding encoding);
 
 /// The files of testdata/encodings: simple_room() in one piece, by name.
-std::map<std::string, std::string> encoded_rooms();
+std::vector<NamedScene> encoded_rooms();
 
 }  // namespace tdpt::testing
