@@ -21,7 +21,7 @@ def three(x):
 
 
 def row(*cells):
-    return "|" + "|".join(" " if c == "" else f" {c} " for c in cells) + "|"
+    return "|" + "|".join(f" {c} " for c in cells) + "|"
 
 
 def table(heads, rows):

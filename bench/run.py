@@ -36,7 +36,7 @@ BENCHMARKS = {  # name: (module, function, what it does)
     "cycles": ("cycles", "compare", "whether Cycles and tdpt-render agree in the mean: tables of doc/cycles.md"),
     "cycles-sky": ("cycles", "compare_skies", "the same where an environment lights a room"),
     "cycles-equal": ("cycles", "equal_time", "portals found here and portals drawn in Cycles, in equal CPU time"),
-    "tradeoff": ("tradeoff", "tradeoff", "speed against accuracy of every knob: doc/tradeoff.md (a night; --quick: three "
+    "tradeoff": ("tradeoff_page", "tradeoff", "speed against accuracy of every knob: doc/tradeoff.md (a night; --quick: three "
                  "quarters of an hour)"),
     "speed": ("speed", "integrators", "speed of every integrator, and noise after a minute, beside Tungsten's: "
               "doc/baseline.md (20 minutes)"),
