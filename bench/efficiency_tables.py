@@ -146,11 +146,14 @@ class Measurements:
         gains = [self.over_base(s, integrator).value for s in scenes]
         if not gains or not np.isfinite(gains).all():
             return stats.Ratio()
-        mean = stats.geometric([(self.costs(s, self.base(s)), self.costs(s, integrator))
-                                for s in scenes if self.base(s) != integrator])
-        exponent = sum(self.base(s) != integrator for s in scenes) / len(scenes)  # a gain of 1 over itself has no interval
+        value = math.exp(np.mean(np.log(gains)))
+        others = [s for s in scenes if self.base(s) != integrator]  # a gain of 1 over itself has no interval
+        if not others:
+            return stats.Ratio(value)
+        mean = stats.geometric([(self.costs(s, self.base(s)), self.costs(s, integrator)) for s in others])
+        exponent = len(others) / len(scenes)
         high = mean.high if mean.high >= stats.NO_BOUND else mean.high**exponent
-        return stats.Ratio(math.exp(np.mean(np.log(gains))), mean.low**exponent, high)
+        return stats.Ratio(value, mean.low**exponent, high)
 
     def aimed_relmse(self, scene):
         """The least relMSE that an aim asks of a picture of the scene, without an aim the base's. None where it is not

@@ -5,9 +5,11 @@ Runs a benchmark of the programs in BIN (build/bin) and writes its page in DOC (
 (build/NAME), so that a run that was stopped goes on where it was. `bench/run.py NAME --help` tells what is measured and
 the settings, which the environment may have as well. --quick: sizes of a trial.
 
+bench/run.py test NAME [ARGUMENT ...]: runs NAME_test.py; 77, with a word, where no Python has numpy.
 Without a NAME: what there is."""
 import importlib
 import os
+import runpy
 import signal
 import sys
 from pathlib import Path
@@ -96,6 +98,13 @@ def main():
         print(f"{__doc__}\n\n{listing()}")
         return 0
     name = sys.argv[1]
+    if name == "test" and len(sys.argv) > 2:
+        if not with_numpy():
+            print("skipped: no python3 here has numpy (Debian: python3-numpy)")
+            return 77
+        sys.argv = [str(Path(__file__).with_name(f"{sys.argv[2]}_test.py")), *sys.argv[3:]]
+        runpy.run_path(sys.argv[0], run_name="__main__")
+        return 0
     if name not in BENCHMARKS:
         print(f"bench/run.py: {name} is none of the benchmarks:\n{listing()}", file=sys.stderr)
         return 2

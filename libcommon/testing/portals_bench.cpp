@@ -16,7 +16,7 @@
 
 #include <fmt/format.h>
 
-#include "bench/room_bench.h"
+#include "libcommon/testing/room_bench.h"
 #include "libcommon/testing/known_rooms.h"
 #include "libcommon/testing/portal_score.h"
 #include "libcommon/testing/portal_stages.h"

@@ -1,4 +1,4 @@
-#include "bench/room_bench.h"
+#include "libcommon/testing/room_bench.h"
 
 #include <algorithm>
 #include <atomic>
