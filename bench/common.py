@@ -126,8 +126,8 @@ class Run:
 
 
 class Store:
-    """Runs of programs, kept by content: the key of a run is what the program is, its arguments and what is in the files
-    that it reads. A run that is there is not made again; one that was cut short leaves nothing."""
+    """Runs of programs, kept by content: the key of a run is what the program is, its arguments and what is in the
+    files that it reads. A run that is there is not made again; one that was cut short leaves nothing."""
 
     def __init__(self, folder, programs):
         self.folder, self.programs = Path(folder), Path(programs)
@@ -152,8 +152,8 @@ class Store:
         return path
 
     def run(self, program, *arguments, threads=1, output=True, provenance=False, may_fail=()):
-        """Runs PROGRAM ARGUMENT... --quiet --json -o OUT, or finds what it made. Arguments: paths of files that are read,
-        Made names, or what has a text. threads: 0 for all cores. Exit codes of may_fail are kept as results."""
+        """Runs PROGRAM ARGUMENT... --quiet --json -o OUT, or finds what it made. Arguments: paths of files that are
+        read, Made names, or what has a text. threads: 0 for all cores. Exit codes of may_fail are kept as results."""
         path = self.program(program)
         words = [self.sum_of(path), f"threads {threads}", f"provenance {provenance}"]
         words += ["file " + self.sum_of(a) if isinstance(a, Path) else f"word {a}" for a in arguments]
@@ -205,9 +205,9 @@ def _key(words):
 
 # ---- Errors ----
 class Halves:
-    """A reference in two halves A, B of different seeds. A picture x is off by (d(x,A) + d(x,B) - d(A,B)) / 2, d = relMSE
-    or MSE of exrdiff: this is the mean of (x-A)(x-B), to which the noise of neither half contributes on average; it may
-    come out below zero."""
+    """A reference in two halves A, B of different seeds. A picture x is off by (d(x,A) + d(x,B) - d(A,B)) / 2, d =
+    relMSE or MSE of exrdiff: this is the mean of (x-A)(x-B), to which the noise of neither half contributes on average;
+    it may come out below zero."""
 
     def __init__(self, bench, a, b):
         self.bench, self.a, self.b = bench, a, b
@@ -317,8 +317,10 @@ class Bench:
         for program in STAGES:
             inputs = (scene,) if program in ("ffgraph", "lightgrid") else ()
             light = sky if inputs else ()
-            runs[program] = run = self.store.run(program, *inputs, *out, *light, *(stage_options or {}).get(program, ()),
-                                                 *side(program), threads=threads)
+            runs[program] = run = self.store.run(
+                program, *inputs, *out, *light, *(stage_options or{}).get(program, ()),
+                *side(program),
+                threads=threads)
             out, cpu = (run.out,), cpu + run.cpu
         return Portals(run.out, run.said, cpu, runs)
 
@@ -338,7 +340,8 @@ class Bench:
         return self.store.run("exrdiff", picture, reference, *options, output=False).said
 
     def side_by_side(self, tasks, names=None):
-        """What functions of no arguments return, in order, JOBS of them at a time. The first that fails ends them all."""
+        """What functions of no arguments return, in order, JOBS of them at a time. The first that fails ends them
+        all."""
         with ThreadPoolExecutor(self.settings.jobs) as pool:
             waiting = [pool.submit(task) for task in tasks]
             try:

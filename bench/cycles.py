@@ -1,5 +1,5 @@
-"""Cycles, Blender's path tracer, beside tdpt-render: whether they agree in the mean, and what each makes with portals in
-equal CPU time. Tables of doc/cycles.md."""
+"""Cycles, Blender's path tracer, beside tdpt-render: whether they agree in the mean, and what each makes with portals
+in equal CPU time. Tables of doc/cycles.md."""
 import collections
 import functools
 import math
@@ -13,7 +13,8 @@ import numpy as np
 import pages
 import rooms
 import stats
-from common import MAPS, ROOT, SKIES, TESTDATA, Halves, Setting, Stop, checked, decibels_of, environment, settings, turns
+from common import (MAPS, ROOT, SKIES, TESTDATA, Halves, Setting, Stop, checked, decibels_of, environment, settings,
+                    turns)
 from formats import exr_read, exr_write
 
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])  # Rec.709
@@ -45,7 +46,8 @@ def agreement(names, sets):
     ys, xs = np.arange(height) * rows // height, np.arange(width) * columns // width
     index = (ys[:, None] * columns + xs[None, :]).ravel()
     count = np.bincount(index)
-    z = stats.in_errors(*(stats.mean_and_error(np.array([np.bincount(index, (p @ LUMINANCE).ravel()) / count for p in of]))
+    z = stats.in_errors(*(stats.mean_and_error(np.array([np.bincount(index,
+                                                                     (p @ LUMINANCE).ravel()) / count for p in of]))
                           for of in sets))
     lit = int(np.count_nonzero(z))
     lines.append(f"blocks    {columns} x {rows}, {lit} not black: mean z {z.sum() / max(lit, 1):+.2f}, "
@@ -97,11 +99,14 @@ def compare(bench):
                   ROOMS=Setting(("skylight", "windows", "behind"), "of bench/rooms.py"),
                   DEPTHS=Setting(("6",), "edges of the longest path"), SPP=Setting(32, "samples per pixel", 4))
 def compare_skies(bench):
-    """Do Cycles and tdpt-render agree where an environment lights a room? Three rooms under one colour, under a map whose
-    directions all differ, turned by 30 degrees, and under a clear sky with its sun in one texel. Prints the tables of the
-    benchmark cycles, and ends with 1 if any mean differs significantly."""
+    """Do Cycles and tdpt-render agree where an environment lights a room? Three rooms under one colour, under a map
+    whose directions all differ, turned by 30 degrees, and under a clear sky with its sun in one texel. Prints the
+    tables of the benchmark cycles, and ends with 1 if any mean differs significantly."""
     rooms.write_rooms([str(bench.cache)])
-    lights = {"colour": ("1,0.8,0.5", 0), "quarters": (bench.cache / "quarters.exr", 30), "sun": (MAPS / "clear-sun.exr", -45)}
+    lights = {
+        "colour": ("1,0.8,0.5", 0),
+        "quarters": (bench.cache / "quarters.exr", 30),
+        "sun": (MAPS / "clear-sun.exr", -45)}
     agree = []
     for sky in bench.settings.skies:
         if sky not in lights:
@@ -177,8 +182,9 @@ def error_table(cells):
 
 
 def equal_tables(cells):
-    return pages.sections("Efficiency over that of Cycles with portals by hand, 95 % intervals over seeds:", gain_table(cells),
-                          "relMSE, PSNR [dB] (samples per pixel; CPU seconds):", error_table(cells))
+    return pages.sections(
+        "Efficiency over that of Cycles with portals by hand, 95 % intervals over seeds:", gain_table(cells),
+        "relMSE, PSNR [dB] (samples per pixel; CPU seconds):", error_table(cells))
 
 
 class Room:
@@ -192,8 +198,12 @@ class Room:
         if not portals.count:
             raise Stop(1, f"{name}, {light}: no portals")
         script = bench.store.run("portalfit", portals.runs["lightgrid"].out, "--for", "cycles", threads=0).out
-        self.own = {"cycles-hand": ("--script", bench.cache / f"{name}.portals.py"), "cycles-found": ("--script", script),
-                    "cycles": (), "ours-nee": ("--integrator", "nee"), "ours-auto": ("--portal", portals.file)}
+        self.own = {
+            "cycles-hand": ("--script", bench.cache / f"{name}.portals.py"),
+            "cycles-found": ("--script", script),
+            "cycles": (),
+            "ours-nee": ("--integrator", "nee"),
+            "ours-auto": ("--portal", portals.file)}
 
     def made(self, method, seed, amount):
         """(path, samples, CPU seconds)"""
@@ -220,7 +230,8 @@ class Room:
             halves[own] = Halves(self.bench, first, self.made(own, 1000002, ("--spp", spp))[0])
         ours, cycles = halves["ours-auto"], halves["cycles-hand"]
         black = ours.ways[0]["black"]
-        cell = Cell(black["relmse"], black["psnr"], ours.ways[0]["peak"] ** 2, cycles.both("mean") / ours.both("mean") - 1)
+        cell = Cell(black["relmse"], black["psnr"], ours.ways[0]["peak"]
+                    ** 2, cycles.both("mean") / ours.both("mean") - 1)
         samples = {}
         for seed, method in turns(range(1, s.seeds + 1), ORDER):
             amount = ("--spp", samples[method]) if method in samples else ("--cpu-seconds", s.seconds_each)
@@ -236,12 +247,13 @@ class Room:
           REF=Setting(6.0, "how many times as long each half of a reference takes", 2.0),
           WIDTH=Setting(96, "of the pictures", 24), HEIGHT=Setting(72, "", 18))
 def equal_time(bench):
-    """What tdpt-render makes with the portals that the stages find, beside what Cycles makes with portals drawn by hand, in
-    equal CPU time. Rooms x skies, several seeds taking turns, one thread each; a room and a sky take four minutes.
+    """What tdpt-render makes with the portals that the stages find, beside what Cycles makes with portals drawn by
+    hand, in equal CPU time. Rooms x skies, several seeds taking turns, one thread each; a room and a sky take four
+    minutes.
 
-    CPU seconds are those of rendering. Cycles: of Blender's process in bpy.ops.render.render, less those of a picture of
-    one sample. tdpt-render: cpu_seconds of its summary, the time that auto takes to choose included. Loading the scene is
-    in neither. A program's pictures are held against its own reference, made with its portals."""
+    CPU seconds are those of rendering. Cycles: of Blender's process in bpy.ops.render.render, less those of a picture
+    of one sample. tdpt-render: cpu_seconds of its summary, the time that auto takes to choose included. Loading the
+    scene is in neither. A program's pictures are held against its own reference, made with its portals."""
     bench.need(os.environ.get("BLENDER", "blender"))
     rooms.write_rooms([str(bench.cache)])
     cells = {}

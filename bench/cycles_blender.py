@@ -30,7 +30,8 @@ def add_options(p):
     p.add_argument("--first-seed", type=int, default=1, metavar="FIRST")
     p.add_argument("--spp", type=int, default=256)
     p.add_argument("--cpu-seconds", type=float, metavar="S", help="as many samples as take so long, instead of --spp")
-    p.add_argument("--cpu", metavar="FILE", help="write a line a picture: seed, samples, CPU s beyond those of one sample")
+    p.add_argument("--cpu", metavar="FILE", help="write a line a picture: seed, samples, CPU s beyond those of one "
+                                                 "sample")
     p.add_argument("--max-depth", type=int, default=6, help="edges of the longest path, at least 2")
     p.add_argument("--width", type=int, default=160)
     p.add_argument("--height", type=int, default=120)

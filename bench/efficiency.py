@@ -42,10 +42,10 @@ WITHOUT_PORTALS = ("pt", "nee", "bdpt")
 COLUMNS = "scene integrator seed seconds spp cpu_seconds relmse psnr mape mean mse peak_mib".split()
 README = """# References of doc/efficiency.md
 
-Written by `make bench-efficiency-references` (`bench/efficiency.py`), read by `make bench-efficiency` while scene, depth
-and size are those of NAME.json, whatever the renderer: every integrator here converges to the same picture.
-Each is two halves of different seeds, half floats (`Halves` in `bench/common.py`); NAME-whole has no limit of depth. To
-make one anew, delete its NAME.json. doc/efficiency.md says how noisy they are.
+Written by `make bench-efficiency-references` (`bench/efficiency.py`), read by `make bench-efficiency` while scene,
+depth and size are those of NAME.json, whatever the renderer: every integrator here converges to the same picture. Each
+is two halves of different seeds, half floats (`Halves` in `bench/common.py`); NAME-whole has no limit of depth. To make
+one anew, delete its NAME.json. doc/efficiency.md says how noisy they are.
 
 | name | size | depth | integrator | samples per pixel | CPU seconds | rendered by |
 |---|---|---|---|---|---|---|
@@ -60,24 +60,34 @@ PAPER = {"veach-ajar": "-", "veach-ajar-flip": '"the metrics of TDPT occupy an o
          "cornell-box-portal": "-"}
 
 with_settings = settings(
-    BASELINE=Setting("", "another tdpt-render, of an older commit: gains are over its bdpt and nee, which take turns with "
-                     "the others as bdpt-before and nee-before"),
+    BASELINE=Setting(
+        "",
+        "another tdpt-render, of an older commit: gains are over its bdpt and nee, which take turns with "
+        "the others as bdpt-before and nee-before"),
     BASELINE_NAME=Setting("an older program", "what the page calls it"),
-    INTEGRATORS=Setting(("nee", "bdpt", "tdpt-org", "tdpt", "tdpt-guided", "auto"), "without a limit of depth only the last "
-                        "two and bdpt"),
+    INTEGRATORS=Setting(
+        ("nee", "bdpt", "tdpt-org", "tdpt", "tdpt-guided", "auto"),
+        "without a limit of depth only the last two and bdpt"),
     SECONDS_EACH=Setting(4.0, "CPU seconds of a picture; at a depth also a quarter and a sixteenth of it", 0.1),
     SEEDS=Setting(8, "pictures of each kind", 2),
-    LONG_SCENES=Setting(tuple(s.name for s in SCENES if s.wanted), "of these also long pictures, of the integrator that "
-                        "aims are asked of and of the one that gains are over"),
+    LONG_SCENES=Setting(
+        tuple(s.name for s in SCENES if s.wanted),
+        "of these also long pictures, of the integrator that "
+        "aims are asked of and of the one that gains are over"),
     LONG_SECONDS=Setting(60.0, "of a long picture", 0.2),
     LONG_SEEDS=Setting(3, "0: no long pictures", 1),
     DEPTH=Setting("6", "edges of the longest path, as the paper's figures have it; none: no limit, in all scenes"),
-    REFERENCES=Setting("stored", "stored: those of REFERENCE_FOLDER that fit, others are rendered; render: none of them"),
-    REFERENCE_FOLDER=Setting(str(TESTDATA / "references/efficiency"), "the stored ones"),
+    REFERENCES=Setting(
+        "stored", "stored: those of REFERENCE_FOLDER that fit, others are rendered; render: none of them"),
+    REFERENCE_FOLDER=Setting(str(TESTDATA / "references/efficiency"),
+                             "the stored ones"),
     REF_INTEGRATOR=Setting("tdpt-guided", "of the references"),
-    REF_SECONDS=Setting(100.0, "CPU seconds of a reference, in two halves; half of it without an aim, eight times it at "
-                        "320 x 180, so that its relMSE is a tenth of what it judges", 1.0),
-    WIDTH=Setting(0, "of all pictures, for trials", 32), HEIGHT=Setting(0, "the same", 24))
+    REF_SECONDS=Setting(
+        100.0,
+        "CPU seconds of a reference, in two halves; half of it without an aim, eight times it at "
+        "320 x 180, so that its relMSE is a tenth of what it judges", 1.0),
+    WIDTH=Setting(0, "of all pictures, for trials", 32),
+    HEIGHT=Setting(0, "the same", 24))
 
 
 def scene_sum(path):
@@ -138,8 +148,8 @@ class Efficiency:
         return self.s.ref_seconds * share / 2
 
     def stored_fits(self, scene):
-        """What is known of a stored one of this scene, depth and size, or None. It may come from any program: all converge
-        to the same picture."""
+        """What is known of a stored one of this scene, depth and size, or None. It may come from any program: all
+        converge to the same picture."""
         path = self.stored / f"{scene.name}.json"
         if self.s.references == "render" or not path.exists():
             return None
@@ -157,7 +167,8 @@ class Efficiency:
         """(Halves, what is known of both)."""
         about, stored = self.stored_fits(scene), ""
         if about:
-            pictures, seconds, spp = [self.stored / f"{scene.name}-{h}.exr" for h in (1, 2)], about["cpu_seconds"], about["spp"]
+            pictures, seconds, spp = [
+                self.stored / f"{scene.name}-{h}.exr" for h in (1, 2)], about["cpu_seconds"], about["spp"]
             integrator, stored = about["integrator"], about["program"]
         else:
             runs = self.rendered_halves(scene)
@@ -253,22 +264,24 @@ def head(run, m):
     return f"""# Efficiency of the integrators
 
 Written by `make bench-efficiency` ({version}, {cores()} cores; SECONDS_EACH={s.seconds_each:g} SEEDS={seeds}
-INTEGRATORS="{integrators}"; `bench/run.py efficiency --help` tells the rest). Every picture is one thread's, {run.depth_words}
-unless said otherwise, `--time {s.seconds_each:g}`, the integrators taking turns; portals are found by ffgraph, mincut, lightgrid and
-portalfit, none is drawn by hand. [efficiency.csv](efficiency.csv) has a row for each picture.
+INTEGRATORS="{integrators}"; `bench/run.py efficiency --help` tells the rest). Every picture is one thread's,
+{run.depth_words} unless said otherwise, `--time {s.seconds_each:g}`, the integrators taking turns; portals are found by
+ffgraph, mincut, lightgrid and portalfit, none is drawn by hand. [efficiency.csv](efficiency.csv) has a row for each
+picture.
 
-{older}* Efficiency = 1 / (relMSE x CPU seconds). **Gain** = efficiency over another's = mean of the other's relMSE x CPU seconds over
+{older}* Efficiency = 1 / (relMSE x CPU seconds). **Gain** = efficiency over another's = mean of the other's relMSE x
+CPU seconds over
   the seeds / the same mean of its own. The mean, not the median: it is what more samples would have to make up for.
 * Gains are over {run.over}, in scenes without a door over {run.better}. bdpt's own
   efficiency stands beside, so that no gain comes of a bdpt made worse.
-* Brackets: 95 % intervals by bootstrap over the {seeds} seeds, widened as the t distribution is for few (expanded percentiles).
-  relMSE is heavy-tailed where bdpt is bad: fireflies that no seed met are missing from bdpt's mean and from the interval, so
-  gains are more likely too small than too large.
+* Brackets: 95 % intervals by bootstrap over the {seeds} seeds, widened as the t distribution is for few (expanded
+  percentiles). relMSE is heavy-tailed where bdpt is bad: fireflies that no seed met are missing from bdpt's mean and
+  from the interval, so gains are more likely too small than too large.
 * Aims are asked of `auto`, the default, or, where it was not measured, of the best with portals.
-* A reference is two halves of different seeds; what they have in common is taken for the truth, so their noise is in no error,
-  only in MAPE and, a little, in the squares that relMSE divides by, where it makes all relMSE too large alike. Its own relMSE,
-  of both halves together, stands with each scene, beside what it judges: the relMSE that would meet the scene's aim in
-  the same time, without an aim that of bdpt. "-": hidden by the reference's noise.
+* A reference is two halves of different seeds; what they have in common is taken for the truth, so their noise is in no
+  error, only in MAPE and, a little, in the squares that relMSE divides by, where it makes all relMSE too large alike.
+  Its own relMSE, of both halves together, stands with each scene, beside what it judges: the relMSE that would meet the
+  scene's aim in the same time, without an aim that of bdpt. "-": hidden by the reference's noise.
 * MiB: the most memory that any seed's run held.
 """
 
@@ -290,7 +303,8 @@ def scene_section(run, m, scene):
     depth = "no limit of depth; " if scene.kind == "whole" else ""
     return f"""### {scene.name}
 
-{reference['width']} x {reference['height']} pixels; {depth}{portals}. Reference: {reference['cpu_seconds']:.3g} CPU s of \
+{reference['width']} x {reference['height']} pixels; {depth}{portals}. \
+Reference: {reference['cpu_seconds']:.3g} CPU s of \
 {reference['integrator']}{stored}, {tables.reference_words(m, scene.name)}
 {tables.check(m, scene.name)}
 
@@ -303,15 +317,16 @@ def long_sections(run, m):
         return []
     out = [section(f"Gain after {s.long_seconds:g} seconds", f"{s.long_seeds} seeds; over {run.over}.",
                    tables.gains(at, "doors")),
-           section(f"Gain after {s.long_seconds:g} seconds in furnished rooms", f"{s.long_seeds} seeds; over {run.better}.",
+           section(f"Gain after {s.long_seconds:g} seconds in furnished rooms",
+                   f"{s.long_seeds} seeds; over {run.better}.",
                    tables.gains(at, "rooms"))]
     there = [name for name in PEERS if name in m.scenes]
     if there:
         out.append(f"""## relMSE after {s.long_seconds:g} seconds, beside other programs
 
-320 x 180, {run.depth_words}. The other programs' figures are for 60 CPU seconds at depth 6; they were measured outside of
-this script, on a like machine. Metropolis light transport is Tungsten's, multiplexed (MMLT); its error differs much from
-run to run.""")
+320 x 180, {run.depth_words}. The other programs' figures are for 60 CPU seconds at depth 6; they were measured outside
+of this script, on a like machine. Metropolis light transport is Tungsten's, multiplexed (MMLT); its error differs much
+from run to run.""")
     for name in there:
         rows = [[program, figure, 60, "-", "-"] for program, figure in PEERS[name]]
         rows += tables.long_rows(at, name)
@@ -324,17 +339,23 @@ run to run.""")
 def page(run, m):
     over = "bdpt" + (f" of {run.s.baseline_name}" if run.s.baseline else "")
     run.over, run.better = over, over.replace("bdpt", "the better of bdpt and nee", 1)
-    papers = [[name, words, "not in the text", *tables.paper(m, name)] for name, words in PAPER.items() if name in m.scenes]
+    papers = [[name, words, "not in the text", *tables.paper(m, name)]
+                                                             for name, words in PAPER.items() if name in m.scenes]
     return pages.sections(
-        head(run, m), tables.busy(m), tables.noisy(m),
+        head(run, m),
+        tables.busy(m),
+        tables.noisy(m),
         section("Doors, holes, windows", f"Gain over {run.over}.", tables.gains(m, "doors")),
-        section("Furnished rooms, and a box", "No door; portals where the four stages find any. Gain over "
-                f"{run.better}.", tables.gains(m, "rooms")),
-        section("No limit of depth", "Gain over bdpt of this program; references of their own. NAME-whole is scene NAME.",
-                tables.gains(m, "whole")),
+        section(
+            "Furnished rooms, and a box", "No door; portals where the four stages find any. Gain over "
+            f"{run.better}.", tables.gains(m, "rooms")),
+        section(
+            "No limit of depth", "Gain over bdpt of this program; references of their own. NAME-whole is scene NAME.",
+            tables.gains(m, "whole")),
         f"""![relMSE against CPU seconds, a panel for each scene](efficiency.png)
 
-*Mean relMSE of {run.s.seeds} seeds over CPU seconds; bars from the lowest to the highest seed. Dotted: a picture without light.*
+*Mean relMSE of {run.s.seeds} seeds over CPU seconds; bars from the lowest to the highest seed. Dotted: a picture
+without light.*
 
 ## PSNR in the same time
 
@@ -346,19 +367,25 @@ Decibels, of the mean MSE x CPU seconds: pixels count by their light, so that di
 
 *mean / reference*: of the pictures of all lengths together, +- one standard error, the reference's noise included.""",
         *(scene_section(run, m, scene) for scene in run.scenes),
-        section("Beside the paper's Fig. 7", """\
-The paper compares its TDPT, here `tdpt`, with BDPT at 16 samples per pixel and depth 5. It prints PSNR and MAPE inside a
-picture, not in its text. Ours are after the same time; after the same samples they are in [figures.md](figures.md).""",
-                papers and pages.table(("scene", "the paper's words", "the paper's PSNR, MAPE", "PSNR, tdpt - bdpt",
-                                        "MAPE, tdpt against bdpt"), papers)),
+        section(
+            "Beside the paper's Fig. 7",
+            """\
+The paper compares its TDPT, here `tdpt`, with BDPT at 16 samples per pixel and depth 5. It prints PSNR and MAPE inside
+a picture, not in its text. Ours are after the same time; after the same samples they are in
+[figures.md](figures.md).""",
+            papers and pages.table(
+                ("scene", "the paper's words", "the paper's PSNR, MAPE", "PSNR, tdpt - bdpt",
+                 "MAPE, tdpt against bdpt"),
+                papers)),
         *long_sections(run, m))
 
 
 @with_settings
 def efficiency(bench):
     """1 / (relMSE x CPU seconds) of every integrator, with portals that the four stages find. An hour and a half of CPU
-    time, with BASELINE two, and 25 minutes more (50 with both of Veach, Ajar) for references that are not stored. --time
-    is time on the clock: a busy machine makes pictures that are worse than they might be, which the page tells."""
+    time, with BASELINE two, and 25 minutes more (50 with both of Veach, Ajar) for references that are not stored.
+    --time is time on the clock: a busy machine makes pictures that are worse than they might be, which the page
+    tells."""
     bench.need("gnuplot")
     run = Efficiency(bench)
     m = run.measure()

@@ -22,9 +22,9 @@ OF_THE_AIM = 0.1  # the most that a reference's relMSE may be of the one it judg
 
 @dataclass
 class Scene:
-    """kind: door, interior, open (no door), whole (no limit of depth). target: of the gain; wanted: relMSE after a minute;
-    wanted_psnr: PSNR over the base's in the same time [dB]; None: no aim. reference: what is known of it (mean, half:
-    difference of its halves' means / 2, relmse, black, integrator, spp)."""
+    """kind: door, interior, open (no door), whole (no limit of depth). target: of the gain; wanted: relMSE after a
+    minute; wanted_psnr: PSNR over the base's in the same time [dB]; None: no aim. reference: what is known of it (mean,
+    half: difference of its halves' means / 2, relmse, black, integrator, spp)."""
 
     name: str
     width: int
@@ -74,8 +74,8 @@ def with_portals(integrator):
 
 class Measurements:
     def __init__(self, scenes, rows, seconds):
-        """scenes: of Scene; rows: dictionaries, one a picture, with the columns of the CSV; seconds: nominal CPU seconds of
-        the pictures that tables are about."""
+        """scenes: of Scene; rows: dictionaries, one a picture, with the columns of the CSV; seconds: nominal CPU
+        seconds of the pictures that tables are about."""
         self.scenes, self.seconds = {s.name: s for s in scenes}, seconds
         self.integrators = list(dict.fromkeys(row["integrator"] for row in rows))
         self.rows = {}
@@ -290,8 +290,9 @@ def check(m, scene):
     if ratio == 0 or error == 0 or m.all_means(scene, "bdpt")[0] < 4:
         return "No check: bdpt was not rendered often enough."
     off = (ratio - 1) / error
-    return "Check: the mean of all of bdpt's pictures is %.4f +- %.4f of the reference's, %+.1f standard errors: %s." % (
-        ratio, error, off, "they agree" if abs(off) < 3 else "THEY DISAGREE")
+    words = "they agree" if abs(off) < 3 else "THEY DISAGREE"
+    return (f"Check: the mean of all of bdpt's pictures is {ratio:.4f} +- {error:.4f} of the reference's, {off:+.1f} "
+            f"standard errors: {words}.")
 
 
 def long_rows(m, scene):

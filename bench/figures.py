@@ -11,8 +11,8 @@ from common import STAGES, Made, Setting, Stop, cores, settings
 SCENES = ("cornell-box-portal", "veach-ajar", "veach-ajar-flip", "bathroom2", "bathroom2-channel")
 INTEGRATORS = ("pt", "nee", "bdpt", "tdpt-org", "tdpt")
 # The paper's share of non-zero pixels at 1 spp and CPU time per frame.
-FIG5 = {"pt": ("0.00619 %", "not in the text"), "nee": ("0.382 %", "not in the text"), "bdpt": ("4.79 %", "not in the text"),
-        "tdpt-org": ("27.6 %", "3.1 s"), "tdpt": ("24.4 %", "2.5 s")}
+FIG5 = {"pt": ("0.00619 %", "not in the text"), "nee": ("0.382 %", "not in the text"), "bdpt": (
+    "4.79 %", "not in the text"), "tdpt-org": ("27.6 %", "3.1 s"), "tdpt": ("24.4 %", "2.5 s")}
 WORDS = {"veach-ajar-flip": 'no direct light; "the metrics of TDPT occupy an overwhelming advantage"',
          "bathroom2": 'a large window; "the advantage of TDPT is not apparent"'}
 COMMON_WARNINGS = ("there is no portal in", "no portal is given")
@@ -32,8 +32,11 @@ class Figures:
     def render(self, scene, integrator, spp, depth, seed, *options):
         """said: with its frames."""
         given = ("--portal", self.portal(scene).file) if integrator.startswith("tdpt") else ()
-        run = self.bench.render(self.files[scene], *given, "--integrator", integrator, *self.size, "--spp", spp, "--max-depth",
-                                depth, "--seed", seed, "--stats", Made("stats.json"), *options, threads=0)
+        run = self.bench.render(
+            self.files[scene],
+            *given, "--integrator", integrator, *self.size, "--spp", spp, "--max-depth", depth, "--seed", seed,
+            "--stats", Made("stats.json"),
+            *options, threads=0)
         run.said = pages.read_json(run.folder / "stats.json")
         return run
 
@@ -65,8 +68,11 @@ def portal_section(figures):
         else:
             reason = f" ({said['reason']})" if said.get("reason") else ""
             rows.append([scene, f"0{reason}", "-", "-", "-"])
-            without.append(f"No portal in {scene}: there tdpt-org is bdpt, and tdpt is left with camera, direct and light.")
-    return pages.sections("## Portals", pages.table(("scene", "portals", "area [m2]", "share of the light", "support"), rows),
+            without.append(
+                f"No portal in {scene}: there tdpt-org is bdpt, and tdpt is left with camera, direct and light.")
+    return pages.sections("## Portals", pages.table(
+                              ("scene", "portals", "area [m2]", "share of the light", "support"),
+                              rows),
                           *without)
 
 
@@ -101,13 +107,15 @@ def figure5(figures):
 {pages.table(("integrator", "non-zero at 1 spp", "the paper", f"at {n} spp", f"mean at {n} spp", "the paper",
               "CPU s per frame", "the paper"), rows)}
 
-A frame of tdpt takes {abs(change):.0f} % {'more' if change < 0 else 'less'} CPU time than one of tdpt-org; the paper: about 20 % less."""
+A frame of tdpt takes {abs(change):.0f} % {'more' if change < 0 else 'less'} CPU time than one of tdpt-org; the paper:
+about 20 % less."""
 
 
 def figure6(figures):
     """Non-zero pixels of one sample per pixel."""
     three = ("bdpt", "tdpt-org", "tdpt")
-    runs = {i: figures.render("veach-ajar-flip", i, 1, 5, figures.s.seed, "--nonzero", Made("nonzero.png")) for i in three}
+    runs = {i: figures.render("veach-ajar-flip", i, 1, 5, figures.s.seed,
+                              "--nonzero", Made("nonzero.png")) for i in three}
     for i, run in runs.items():
         figures.copy(run.folder / "nonzero.png", f"fig6-{i}.png")
     said = [run.said for run in runs.values()]
@@ -129,7 +137,8 @@ def figure7(figures, scene):
     runs = {i: figures.render(scene, i, s.spp, 5, s.seed) for i in INTEGRATORS}
     errors, rows = {}, []
     for i, run in runs.items():
-        made = figures.bench.store.run("exrdiff", run.out, reference.out, "--side-by-side", Made("both.png"), output=False)
+        made = figures.bench.store.run("exrdiff", run.out, reference.out,
+                                       "--side-by-side", Made("both.png"), output=False)
         errors[i] = made.said
         if i in ("bdpt", "tdpt"):
             figures.copy(made.folder / "both.png", f"fig7-{scene}-{i}.png")
@@ -139,10 +148,20 @@ def figure7(figures, scene):
         seconds = runs[i].said["cpu_seconds"]
         cost, off = e["relmse"] * seconds, e["mean"] / e["reference_mean"]
         psnr = "-" if e["psnr"] is None else "%.2f" % e["psnr"]
-        rows.append([i, psnr, number(e["mape"]), number(e["relmse"]), number(e["relmse_trimmed"]), percent(e["nonzero"]),
-                     number(e["mean"]), number(seconds), "%.2g" % (base / cost) if cost > 0 and 0.8 < off < 1.2 else "-"])
+        rows.append(
+            [i, psnr, number(e["mape"]),
+             number(e["relmse"]),
+             number(e["relmse_trimmed"]),
+             percent(e["nonzero"]),
+             number(e["mean"]),
+             number(seconds),
+             "%.2g" % (base / cost) if cost >0 and 0.8 <off <1.2 else "-"])
     black = errors["bdpt"]["black"]
-    rows.append(["all black", "%.2f" % black["psnr"], number(black["mape"]), number(black["relmse"]), "-", "-", 0, "-", "-"])
+    rows.append(
+        ["all black", "%.2f" % black["psnr"],
+         number(black["mape"]),
+         number(black["relmse"]),
+         "-", "-", 0, "-", "-"])
     rows.append(["reference", "-", "-", "-", "-", percent(reference.said["nonzero"]),
                  number(errors["bdpt"]["reference_mean"]), number(reference.said["cpu_seconds"]), "-"])
     here, there = errors["tdpt"], errors["bdpt"]
@@ -151,13 +170,14 @@ def figure7(figures, scene):
                        for line in run.errors.splitlines() if line.startswith("tdpt-render: warning: ")})
     warnings = [f"- {w}" for w in warnings if not w.startswith(COMMON_WARNINGS)]
     return pages.sections(
-        f"### {scene}", f"{size_of(runs['bdpt'].said)} pixels",
-        pages.table(("integrator", "PSNR [dB]", "MAPE [%]", "relMSE", "trimmed", "non-zero", "mean", "CPU s", "efficiency"),
-                    rows),
-        f"The paper: {WORDS.get(scene, 'not in the text')}. Here tdpt has {gain:+.1f} dB of PSNR against bdpt, a MAPE of "
-        f"{here['mape']:.3g} % against {there['mape']:.3g} %, a relMSE of {here['relmse']:.3g} against {there['relmse']:.3g}.",
+        f"### {scene}", f"{size_of(runs['bdpt'].said)} pixels", pages.table(
+            ("integrator", "PSNR [dB]", "MAPE [%]", "relMSE", "trimmed", "non-zero", "mean", "CPU s", "efficiency"),
+            rows),
+        f"The paper: {WORDS.get(scene, 'not in the text')}. Here tdpt has {gain:+.1f} dB of PSNR against bdpt, a MAPE "
+        f"of {here['mape']:.3g} % against {there['mape']:.3g} %, a relMSE of {here['relmse']:.3g} against "
+        f"{there['relmse']:.3g}.",
         *(f"![{i} left, reference right](figures/fig7-{scene}-{i}.png)\n*{i}, reference*" for i in ("bdpt", "tdpt")),
-        *(["The renderer warns:", "\n".join(warnings)] if warnings else []))
+        *(["The renderer warns:", "\n".join(warnings)] if warnings else[]))
 
 
 @settings(WIDTH=Setting(0, "of the pictures; one follows from the other and the camera", 32),
@@ -187,19 +207,23 @@ nowhere. Its scenes, portals and machine are not ours, so compare rows rather th
         f"""## Fig 7: {s.spp} samples per pixel, depth 5
 
 Against tdpt-org with {s.ref_spp} samples per pixel and another seed, whose own noise counts against everyone:
-{100 * s.spp / s.ref_spp:.2g} % of tdpt-org's relMSE. *Trimmed* is relMSE without the worst thousandth of the pixels; *all black* is the
-score of a picture of no light. *Efficiency* is 1 / (relMSE x CPU s), bdpt's being 1; it stays open ("-") where
-the mean is a fifth or more off, since then too few paths were found to judge by.
-The paper prints its PSNR and MAPE inside a picture: not in the text.""",
+{100 * s.spp / s.ref_spp:.2g} % of tdpt-org's relMSE. *Trimmed* is relMSE without the worst thousandth of the pixels;
+*all black* is the score of a picture of no light. *Efficiency* is 1 / (relMSE x CPU s), bdpt's being 1; it stays open
+("-") where the mean is a fifth or more off, since then too few paths were found to judge by. The paper prints its PSNR
+and MAPE inside a picture: not in the text.""",
         *(figure7(f, scene) for scene in f.files)))
 
 
 # ---- Pictures of the stages ----
 @settings(SCENE=Setting("", "the room behind a door; default veach-ajar.glb of the paper's scenes"),
-          INTERIOR=Setting("", "a room whose lamp stands in its own window, for the last picture; default kitchen.glb of the "
-                           "interiors; left out, with a word, where it is not there"),
-          WINDOWS=Setting("", "a room lit by an environment through its windows; default living-room.glb of the interiors; "
-                          "left out, with a word, where it is not there"),
+          INTERIOR=Setting(
+              "",
+              "a room whose lamp stands in its own window, for the last picture; default kitchen.glb of the "
+              "interiors; left out, with a word, where it is not there"),
+          WINDOWS=Setting(
+              "",
+              "a room lit by an environment through its windows; default living-room.glb of the interiors; "
+              "left out, with a word, where it is not there"),
           SKY=Setting("", "what shines on WINDOWS, --environment; default the map beside it, NAME.env.exr"))
 def stages(bench):
     """The pictures of doc/stages.md, one of each stage, for a room behind a door and for one with windows; the cache
@@ -223,7 +247,8 @@ def stages(bench):
     pictures(scene, "")
     if interior.exists():
         form_factors = bench.store.run("ffgraph", interior, threads=0)
-        cut = bench.store.run("mincut", form_factors.out, "--scene", interior, "--preview", Made("preview.png"), threads=0)
+        cut = bench.store.run("mincut", form_factors.out, "--scene", interior,
+                              "--preview", Made("preview.png"), threads=0)
         shutil.copy(cut.folder / "preview.png", bench.doc / "figures/stage-mincut-kitchen.png")
     else:
         bench.say(f"{interior} is not there: its picture is left out")

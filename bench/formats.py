@@ -261,8 +261,9 @@ def _placed(document):
 
 
 def simplified(data, share):
-    """The scene without its smallest triangles, which make at most `share` of the area (paper, 4.1); what emits stays. A
-    mesh that several nodes show loses those that are small where it is largest. And: how many of how many are gone."""
+    """The scene without its smallest triangles, which make at most `share` of the area (paper, 4.1); what emits stays.
+    A mesh that several nodes show loses those that are small where it is largest. And: how many of how many are
+    gone."""
     document, binary = glb_parse(data)
     largest = {}  # of each primitive: areas, the most of all nodes
     for node, matrix in _placed(document):

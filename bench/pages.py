@@ -99,9 +99,10 @@ class Figure:
 
     def key(self, plots):
         """A panel that holds the key alone."""
-        self.panels.append(["unset title", "unset xlabel", "unset ylabel", "unset logscale", "unset xtics",
-                            "unset ytics", "unset border", "unset grid", "set key center center spacing 1.4 samplen 3 Left reverse",
-                            "plot [1:2] [1:2] " + ", ".join(plots)])
+        self.panels.append(
+            ["unset title", "unset xlabel", "unset ylabel", "unset logscale", "unset xtics", "unset ytics",
+             "unset border", "unset grid", "set key center center spacing 1.4 samplen 3 Left reverse",
+             "plot [1:2] [1:2] " +", ".join(plots)])
 
     def script(self, output):
         columns = min(self.columns, len(self.panels))
@@ -110,9 +111,10 @@ class Figure:
         head = ['set terminal %s size %d,%d font "sans-serif,12" background "white"' %
                 (kind, columns * self.width, lines * self.height), "set output %s" % quoted(output),
                 "set multiplot layout %d,%d" % (lines, columns)]
-        common = ['set grid lc rgb "#dddddd" lt 1 lw 0.5', "set border lw 1", "set key off", "set pointsize 1.1",
-                  "set bars 0.6", "set lmargin 9", "set rmargin 2", "set tmargin 2.2", "set bmargin 3.5", "set format x \"%g\"",
-                  "set format y \"%g\""]
+        common = [
+            'set grid lc rgb "#dddddd" lt 1 lw 0.5', "set border lw 1", "set key off", "set pointsize 1.1",
+            "set bars 0.6", "set lmargin 9", "set rmargin 2", "set tmargin 2.2", "set bmargin 3.5",
+            "set format x \"%g\"", "set format y \"%g\""]
         body = [line for panel in self.panels for line in ("reset", *common, *panel)]
         return "".join(self.data) + "\n".join(head + body + ["unset multiplot"]) + "\n"
 

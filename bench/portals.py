@@ -9,8 +9,8 @@ from common import ROOT, STAGES, Setting, checked, cores, settings
 KNOWN = "hole,slit,floor-door,through-floor,ajar-full,ajar,window,two-openings,holes-in-row,doors-in-row,closet"
 UNDER_SKY = ("sky-window,sky-windows,corner-windows,skylight,sky-blinds,colonnade,room-behind,deep-facade,landscape,"
              "deep-room")
-HEAD = """| rooms | all four | coverage >= 0.98 | tightness >= 0.90 | angle <= 3 | right number | strays | median coverage | \
-median tightness | median angle | CPU s |
+HEAD = """| rooms | all four | coverage >= 0.98 | tightness >= 0.90 | angle <= 3 | right number | strays | \
+median coverage | median tightness | median angle | CPU s |
 |---|---|---|---|---|---|---|---|---|---|---|---|"""
 ALL = "all four"
 
@@ -60,7 +60,8 @@ def time_tables(name, runs):
         pages.table(("ratio", "measured", "at most"), [
             ["four stages to bdpt, wall", ratio(wall, whole, bdpt), 1],
             ["four stages to bdpt, CPU", ratio(cpu, whole, bdpt), 1],
-            ["split in four to whole, CPU without loading and BVH", ratio(lambda t: t.cpu - t.aside, split, whole), 1.5]]))
+            ["split in four to whole, CPU without loading and BVH", ratio(lambda t: t.cpu - t.aside, split, whole),
+             1.5]]))
 
 
 def taken(bench, program, *arguments, output):
@@ -109,8 +110,11 @@ def first_seed(given):
     return int(head[:7], 16), f", the first digits of the commit that was measured, {head[:7]}"
 
 
-@settings(ROOMS=Setting(20, "of each kind", 1), SEED=Setting(0, "of the first; if not set, the first seven digits of the "
-                                                             "commit's hash, so that nobody chooses it"), RUNS=RUNS)
+@settings(ROOMS=Setting(20, "of each kind", 1),
+          SEED=Setting(
+              0, "of the first; if not set, the first seven digits of the "
+              "commit's hash, so that nobody chooses it"),
+          RUNS=RUNS)
 def portals(bench):
     """How right the portals are, on generated rooms whose openings are known, and what that costs. An hour on two quiet
     cores. Rows room by room stay in the cache."""
@@ -159,17 +163,17 @@ portal may lie in either of the two places that the light passes.
 
 {table("kinds", s.rooms)}
 
-A wide window, the mouth of a lampshade, sconce, cupboard or alcove with the lamp in it, and a window with the lamp right
-behind it may be found or not; `open-room` has nothing to be found. `ajar-full` is a leaf from floor to ceiling, with
-one slit beside it; `ajar` is lower than the ceiling, and beside the slit it has a gap over the leaf, a triangle a few
-centimetres wide that shares an edge with the slit and gets about a tenth of the light. A keyhole of 1 cm is found when a
-step of the walks passes it, which in walls much thicker than that none does: then nothing is right only where portalfit
-says that light may pass where no walk passed. More `--walks` find more of them.
+A wide window, the mouth of a lampshade, sconce, cupboard or alcove with the lamp in it, and a window with the lamp
+right behind it may be found or not; `open-room` has nothing to be found. `ajar-full` is a leaf from floor to ceiling,
+with one slit beside it; `ajar` is lower than the ceiling, and beside the slit it has a gap over the leaf, a triangle a
+few centimetres wide that shares an edge with the slit and gets about a tenth of the light. A keyhole of 1 cm is found
+when a step of the walks passes it, which in walls much thicker than that none does: then nothing is right only where
+portalfit says that light may pass where no walk passed. More `--walks` find more of them.
 
 ## Rooms lit by the sky
 
-A sky, the sun or both shine in through windows, and there is no lamp; in a `landscape` there is nothing to find. Fewer of
-each kind.
+A sky, the sun or both shine in through windows, and there is no lamp; in a `landscape` there is nothing to find. Fewer
+of each kind.
 
 {table("skies", few, "--kinds", UNDER_SKY)}
 
@@ -198,8 +202,8 @@ The knobs: walks and rays of ffgraph, lines of lightgrid.
 
 ## Invariance
 
-Rooms written in another way, and how far their portals lie from those of the room as it was: the largest distance of any
-corner from the other portal, in voxels of the light grid. Another seed shows what chance alone does.
+Rooms written in another way, and how far their portals lie from those of the room as it was: the largest distance of
+any corner from the other portal, in voxels of the light grid. Another seed shows what chance alone does.
 
 {invariance.said.strip()}
 

@@ -46,12 +46,16 @@ def light_table(runs, kinds, names, mean_of, mean_name):
     rows = []
     for (scene, integrator), of in runs.items():
         above, below = (of[kind] for kind in kinds)
-        cpu, error = ([np.mean([getattr(p, field) for p in kind]) for kind in (above, below)] for field in ("cpu", "relmse"))
+        cpu, error = ([np.mean([getattr(p, field) for p in kind])
+                      for kind in (above, below)] for field in ("cpu", "relmse"))
         efficiency, (mean, spread) = efficiency_ratio(above, below), mean_ratio(*(of[kind] for kind in mean_of))
         bounded = efficiency.low > 0 and efficiency.high < stats.NO_BOUND
-        rows.append([scene, integrator, *("%.2f" % c for c in cpu), "%.2f" % cpu_ratio(above, below), *map(pages.three, error),
-                     (efficiency if bounded else stats.Ratio(efficiency.value)).text(lambda x: "%.2f" % x),
-                     "%.4f" % mean + ("" if math.isnan(spread) else " +- %.4f" % spread)])
+        rows.append(
+            [scene, integrator, *("%.2f" % c for c in cpu),
+             "%.2f" % cpu_ratio(above, below),
+             *map(pages.three, error),
+             (efficiency if bounded else stats.Ratio(efficiency.value)).text(lambda x: "%.2f" % x),
+             "%.4f" % mean +("" if math.isnan(spread) else " +- %.4f" % spread)])
     a, b = names
     return pages.table(("scene", "integrator", f"CPU s, {a}", f"CPU s, {b}", "ratio", f"relMSE, {a}", f"relMSE, {b}",
                         f"efficiency, {a} / {b}", f"mean, {mean_name}"), rows)
@@ -66,14 +70,16 @@ def light_tables(runs):
 
 
 @settings(BASE=Setting("", "another tdpt-render, of an older commit: depth 6 is compared with its depth 6"),
-          SPP=Setting(64, "samples per pixel", 4), SEEDS=Setting(6, "pictures of each kind", 2),
+          SPP=Setting(64, "samples per pixel", 4),
+          SEEDS=Setting(6, "pictures of each kind", 2),
           REF_INTEGRATOR=Setting("tdpt-guided", "of the references"),
           REF_SECONDS=Setting(60.0, "of each half of a reference, all threads", 0.2),
-          WIDTH=Setting(0, "of all pictures, for trials; else each scene has its own", 24), HEIGHT=Setting(0, "the same", 18))
+          WIDTH=Setting(0, "of all pictures, for trials; else each scene has its own", 24),
+          HEIGHT=Setting(0, "the same", 18))
 def whole_light(bench):
     """What the whole light costs beside the light of paths of 6 edges, same samples: CPU time, error, efficiency
-    1 / (relMSE x CPU s) and mean, with bdpt and with auto and the portals that the four stages find. Half an hour on two
-    quiet cores. Runs take turns, one thread each, so that a busy machine slows all down."""
+    1 / (relMSE x CPU s) and mean, with bdpt and with auto and the portals that the four stages find. Half an hour on
+    two quiet cores. Runs take turns, one thread each, so that a busy machine slows all down."""
     s, runs = bench.settings, {}
     if s.base and not os.access(s.base, os.X_OK):
         raise Stop(2, f"BASE: {s.base} is no program")
@@ -92,16 +98,20 @@ def whole_light(bench):
             of = runs.setdefault((name, integrator), {kind: [] for kind in kinds})
             for seed, kind in turns(range(1, s.seeds + 1), kinds):
                 program = Path(s.base).resolve() if kind == "base" else "tdpt-render"
-                run = bench.store.run(program, scene, *(() if integrator == "bdpt" else portal), "--integrator", integrator,
-                                      *limits[kind], *size, "--spp", s.spp, "--seed", seed)
+                run = bench.store.run(
+                    program, scene, *(() if integrator =="bdpt" else portal),
+                    "--integrator", integrator, *limits[kind],
+                    *size, "--spp", s.spp, "--seed", seed)
                 off = halves[kind].off(run.out)
-                of[kind].append(Picture(run.said["cpu_seconds"], off["relmse"], bench.distance(run.out, halves[kind].a)["mean"]))
+                of[kind].append(Picture(run.said["cpu_seconds"], off["relmse"],
+                                bench.distance(run.out, halves[kind].a)["mean"]))
     bench.page("whole-light", f"""# What the whole light costs
 
 Written by `make bench-whole-light` ({bench.version()}). Without a limit walks end by Russian roulette; with
-`--max-depth 6` they end after 6 edges at the latest, and the light of longer paths is missing. {s.spp} samples per pixel
-both ways, {s.seeds} seeds, runs of one thread taking turns; auto gets the portals that the four stages find. Each way has a \
-reference of its own, whose noise is taken out of relMSE. Efficiency = 1 / (relMSE x CPU s).
+`--max-depth 6` they end after 6 edges at the latest, and the light of longer paths is missing. {s.spp} samples per
+pixel
+both ways, {s.seeds} seeds, runs of one thread taking turns; auto gets the portals that the four stages find. Each way \
+has a reference of its own, whose noise is taken out of relMSE. Efficiency = 1 / (relMSE x CPU s).
 
 * CPU time: median of the ratios of runs that followed each other; at depth 6 with the samples that tell what is left
   out, 1 % of all, up to a tenth of few. Efficiency: of the means over seeds, in brackets the 95 %
@@ -141,8 +151,8 @@ def only_when_it_pays():
 | what | who decides | price of deciding | held by |
 |---|---|---|---|
 | layers, frames, alpha | options; off | above | `layers_test`, `stats_test`, `alpha_test` |
-| techniques | `auto`, by error x work of samples that are thrown away | about 1 to 6 % of the picture's work | `auto_test`, \
-[regret.md](regret.md) |
+| techniques | `auto`, by error x work of samples that are thrown away | \
+about 1 to 6 % of the picture's work | `auto_test`, [regret.md](regret.md) |
 | portals | a small picture's light, then `auto` | 2 % of the samples, at most 3072 | `portal_ways_test`, `auto_test`, \
 [regret.md](regret.md) |
 | tables of the sky through windows | there are both, a sky and portals | nothing | `sky_samplers_test` |
@@ -150,12 +160,13 @@ def only_when_it_pays():
 | panels | one big rectangle or 2 to 8 are all that emits | nothing | `panels_test` |
 | cuts | drops of the potential; closets are not cut | two maximum flows for one opening | `series_cut_test` |
 | batches of segments | until the counts change by less than 4 % | comparing two grids | `lightgrid_test` |
-| the fine pass of a cut | a coarse segment joins its sides | nothing | `lightgrid_test`, `cli.lightgrid-no-bottleneck` |
+| the fine pass of a cut | a coarse segment joins its sides | nothing | \
+`lightgrid_test`, `cli.lightgrid-no-bottleneck` |
 | candidates of a portal | a quarter of the threshold of lines is left | nothing | `portalfit_test` |
 | rounds of `ffgraph` | patches straddle an opening | below | `ffgraph_test` |
 
-A round narrows the opening where patches straddle it, and is made whether it then pays or not: it pays where the opening
-lets a twentieth less of the light pass than before."""
+A round narrows the opening where patches straddle it, and is made whether it then pays or not: it pays where the
+opening lets a twentieth less of the light pass than before."""
 
 
 def ended(run, what, status):
@@ -223,8 +234,8 @@ def only_needed(bench):
     bench.page("only-needed", pages.sections(
         f"""# What is not needed, and what it costs
 
-`make bench-only-needed` writes this page. This one: RUNS={s.runs} pairs of runs that take turns, SPP={s.spp} samples a pixel, \
-WIDTH={s.width} pixels;
+`make bench-only-needed` writes this page. This one: RUNS={s.runs} pairs of runs that take turns, \
+SPP={s.spp} samples a pixel, WIDTH={s.width} pixels;
 one thread, CPU seconds of rendering alone. `--explain` of every program says what it leaves out, and why.
 
 ## What is not asked for
@@ -232,7 +243,8 @@ one thread, CPU seconds of rendering alone. `--explain` of every program says wh
 The price of asking for something, as a ratio to not asking: what is saved without it.""",
         pages.table(("what", "scene", "CPU time", "95 % interval of the mean"), asked),
         "## Nothing to do", pages.table(("stage", "CPU seconds"), nothing_rows(bench, room)),
-        """A scene without light is refused by `ffgraph`, which has nothing to start from; the others end with status 0 and a
+        """A scene without light is refused by `ffgraph`, which has nothing to start from; the others end with status 0
+        and a
 sentence (`cli.nothing-to-do`, `longest_path_test`).""",
         only_when_it_pays(), pages.table(("scene", "round", "why", "CPU seconds"), round_rows(bench))))
 
@@ -251,13 +263,13 @@ def shards_row(picture, count, runs):
             "%.2f" % beside]
 
 
-@settings(PICTURES=Setting(("two-rooms", "320", "240", "64", "veach-ajar", "320", "180", "64"), "scene, width, height, samples "
-                           "per pixel, of each picture", ("two-rooms", "32", "24", "4")),
+@settings(PICTURES=Setting(("two-rooms", "320", "240", "64", "veach-ajar", "320", "180", "64"),
+                           "scene, width, height, samples per pixel, of each picture", ("two-rooms", "32", "24", "4")),
           SHARDS=Setting(16, "of each picture", 3), RUNS=Setting(3, "times that everything is done", 1))
 def shards(bench):
-    """What it costs to render a picture in shards. CPU seconds of whole processes on one thread: the plan, the shards and
-    their merge, over those of the undivided run, which takes turns with them; the bytes must be the same. A quarter of an
-    hour."""
+    """What it costs to render a picture in shards. CPU seconds of whole processes on one thread: the plan, the shards
+    and their merge, over those of the undivided run, which takes turns with them; the bytes must be the same. A quarter
+    of an hour."""
     s, rows, n = bench.settings, [], bench.settings.shards
     sums = [bench.store.sum_of(bench.store.program(p)) for p in ("tdpt-render", "exrmerge")]
     pictures = [s.pictures[i : i + 4] for i in range(0, len(s.pictures), 4)]
@@ -296,6 +308,6 @@ medians, and least and largest of the ratios. Every merged picture had the bytes
 {pages.table(("scene", "picture", "samples", "runs", "undivided", "plan", f"{n} shards", "merge", "all over undivided",
               "a shard beside rendering"), rows)}
 
-What shards cost more: each loads the scene, builds its hierarchy and writes a film, the last column; the plan is made once
-more; films are read and added. None of that grows with the samples, so the more of them a shard has, the less it matters.
-[farm.md](farm.md) says how to render in shards.""")
+What shards cost more: each loads the scene, builds its hierarchy and writes a film, the last column; the plan is made
+once more; films are read and added. None of that grows with the samples, so the more of them a shard has, the less it
+matters. [farm.md](farm.md) says how to render in shards.""")

@@ -23,10 +23,12 @@ DRAWN = {
     "window": [((2.05, 0.2, -0.8), (0, 0, 1.6), (0, 1.6, 0))],
     "kitchen": [((-0.62, 0.9, -2.6), (1.4, 0, 0), (0, 1.66, 0))],
     "bathroom": [((-2.46, 0.5, -1.85), (0, 1.7, 0), (0, 0, 0.9))],
-    "living-room-lamps": [((0.38, 2.35, 0.3), (0.72, 0, 0), (0, -1.6, 0)), ((2.64, 2.35, 0.3), (0.7, 0, 0), (0, -1.6, 0)),
+    "living-room-lamps": [((0.38, 2.35, 0.3), (0.72, 0, 0), (0, -1.6, 0)),
+                          ((2.64, 2.35, 0.3), (0.7, 0, 0), (0, -1.6, 0)),
                           ((-0.3, 0.75, -2.96), (0, 1.7, 0), (0, 0, 0.82)),
                           ((-0.3, 0.75, -1.02), (0, 1.7, 0), (0, 0, 0.84))],
-    "classroom-lamps": [((-4.05, 0.9, 0.45), (0, 1.6, 0), (0, 0, 5.15)), ((-4.05, 0.9, -5.7), (0, 1.6, 0), (0, 0, 5.25))],
+    "classroom-lamps": [((-4.05, 0.9, 0.45), (0, 1.6, 0), (0, 0, 5.15)),
+                        ((-4.05, 0.9, -5.7), (0, 1.6, 0), (0, 0, 5.25))],
 }
 ALONE = ("two-rooms", "window", "cornell-box", "bathroom2", "veach-ajar", "kitchen", "bathroom", "living-room-lamps",
          "classroom-lamps")
@@ -123,8 +125,9 @@ def length_table(scenes):
                       f"{min(means):.3f}", "-" if target is None else target, met]
         rows.append([length, sum(map(len, of_scene)), *cells])
     each = ("5 %", "least of a scene", "target", "met in")
-    return pages.table(("samples per pixel", "choices", "mean of the better of bdpt and nee", *each, "mean of the best of all",
-                        *each), rows)
+    return pages.table(
+        ("samples per pixel", "choices", "mean of the better of bdpt and nee", *each, "mean of the best of all", *each),
+        rows)
 
 
 def verdict_table(scenes):
@@ -150,23 +153,26 @@ def regret_tables(scenes):
     if not scenes:
         raise ValueError("no scene with truth and choices, expected what regret_bench prints")
     return pages.sections(
-        "## All scenes\n\nGeometric means, the worst choice in twenty, and the scene where it is least.", length_table(scenes),
+        "## All scenes\n\nGeometric means, the worst choice in twenty, and the scene where it is least.",
+        length_table(scenes),
         "## Scene by scene\n\nEfficiency over that of the best of all, mean over choices.", scene_table(scenes),
-        "## What portals are said to be worth\n\nThe best integrator with portals over the best without: measured,\nand as "
-        "told by `auto`, median (least to most).", verdict_table(scenes))
+        "## What portals are said to be worth\n\nThe best integrator with portals over the best without: "
+        "measured,\nand as told by `auto`, median (least to most).", verdict_table(scenes))
 
 
 @settings(SECONDS_EACH=Setting(4.0, "CPU seconds for the true error of each integrator", 0.2),
           SEEDS=Setting(12, "choices of each scene and length", 2),
           ROOMS=Setting(1, "generated rooms of each kind"), SEED=Setting(1, "of the first"))
 def regret(bench):
-    """What `auto` loses by not knowing which integrator is best, and how right its verdict on portals is. About 25 minutes
-    on two quiet cores. ONLY: names of scenes, with +found or +drawn for those with portals."""
+    """What `auto` loses by not knowing which integrator is best, and how right its verdict on portals is. About 25
+    minutes on two quiet cores. ONLY: names of scenes, with +found or +drawn for those with portals."""
     s, texts = bench.settings, []
 
     def measure(name, scene, portal=None):
-        command = [bench.store.program("regret_bench"), scene, *((portal,) if portal else ()), "--name", name, "--seconds",
-                   f"{s.seconds_each:g}", "--seeds", s.seeds, "--width", 64, "--height", 48]
+        command = [
+            bench.store.program("regret_bench"),
+            scene, *((portal,) if portal else()),
+            "--name", name, "--seconds", f"{s.seconds_each:g}", "--seeds", s.seeds, "--width", 64, "--height", 48]
         sums = [bench.store.sum_of(path) for path in (command[0], scene, *((portal,) if portal else ()))]
 
         def make(path):
@@ -196,8 +202,8 @@ def regret(bench):
         folder = bench.cache / "rooms"
         folder.mkdir(exist_ok=True)
         if not list(folder.glob("*.portal.glb")):
-            checked([bench.store.program("portals_bench"), bench.programs, "--rooms", s.rooms, "--seed", s.seed, "--kinds",
-                     KINDS, "--keep", folder], may_fail=(1,))
+            checked([bench.store.program("portals_bench"), bench.programs, "--rooms", s.rooms,
+                    "--seed", s.seed, "--kinds", KINDS, "--keep", folder], may_fail=(1,))
         for portal in sorted(folder.glob("*.portal.glb")):
             room = portal.name.removesuffix(".portal.glb")
             measure(f"{room}+found", folder / f"{room}.glb", portal)
@@ -206,10 +212,11 @@ def regret(bench):
     measured = read_regret("".join(texts).splitlines())
     bench.page("regret", f"""# What `auto` loses, and how right its verdict is
 
-Written by `make bench-regret` ({bench.version()}). 64 x 48 pixels, paths of any length. The true error of each integrator is the
-relMSE of one sample, from eight pictures of {s.seconds_each:g} CPU seconds in all; its efficiency is 1 over that and its CPU time for a
-sample. `auto` chooses {s.seeds} times at each length, each time from other samples; its efficiency is that of its choice, less
-the time of the choice. Of these small pictures the choice takes more than of large ones, which need no more samples for it.
+Written by `make bench-regret` ({bench.version()}). 64 x 48 pixels, paths of any length. The true error of each
+integrator is the relMSE of one sample, from eight pictures of {s.seconds_each:g} CPU seconds in all; its efficiency is
+1 over that and its CPU time for a sample. `auto` chooses {s.seeds} times at each length, each time from other samples;
+its efficiency is that of its choice, less the time of the choice. Of these small pictures the choice takes more than of
+large ones, which need no more samples for it.
 
 `+found`: with the portals that the four stages find; `+drawn`: drawn by hand (`DRAWN` in `bench/promises.py`).
 
@@ -222,8 +229,12 @@ MET, BETTER = 0.9, 2.5  # share of pictures at least, median of target / relMSE 
 # interval, samples of the pilot, reached (1) or not (0).
 Picture = namedtuple("Picture", "relmse fixed told low high pilot reached")
 # Width, height, target, whether portals are looked for.
-SIZES = {"two-rooms": (32, 24, 0.01, True), "veach-ajar": (32, 18, 0.03, True), "cornell-box-portal": (32, 32, 0.05, True),
-         "cornell-box": (32, 32, 0.013, False), "kitchen": (40, 24, 0.013, False)}
+SIZES = {
+    "two-rooms": (32, 24, 0.01, True),
+    "veach-ajar": (32, 18, 0.03, True),
+    "cornell-box-portal": (32, 32, 0.05, True),
+    "cornell-box": (32, 32, 0.013, False),
+    "kitchen": (40, 24, 0.013, False)}
 
 
 class Kept:
@@ -251,27 +262,32 @@ def target_table(scenes):
     rows = []
     for name, k in scenes.items():
         met = stats.Ratio(*(100 * x for x in (k.met.value, k.met.low, k.met.high)))
-        rows.append([name, k.pixels, f"{k.target:g}", k.pictures, f"{met.value:.0f} % [{met.low:.0f}, {met.high:.0f}]",
-                     f"{k.better[1]:.2f} [{k.better[0]:.2f}, {k.better[2]:.2f}]", f"{k.samples:.0f}", f"{100 * k.pilot:.0f} %",
-                     f"{k.told:.2f}", f"{k.missed}, {k.known}", k.false_alarms, "yes" if k.keeps_its_word() else "no"])
+        rows.append(
+            [name, k.pixels, f"{k.target:g}", k.pictures, f"{met.value:.0f} % [{met.low:.0f}, {met.high:.0f}]",
+             f"{k.better[1]:.2f} [{k.better[0]:.2f}, {k.better[2]:.2f}]", f"{k.samples:.0f}", f"{100 * k.pilot:.0f} %",
+             f"{k.told:.2f}", f"{k.missed}, {k.known}", k.false_alarms, "yes" if k.keeps_its_word() else "no"])
     ratios = np.concatenate([k.ratios for k in scenes.values()])
     share = stats.wilson(int(np.sum(ratios >= 1)), len(ratios))
-    words = (f"All {len(ratios)} pictures: {100 * share.value:.1f} % [{100 * share.low:.1f}, {100 * share.high:.1f}] meet their "
-             f"target, and the median picture is {np.median(ratios):.2f} times too good.")
+    words = (
+        f"All {len(ratios)} pictures: {100 * share.value:.1f} % [{100 * share.low:.1f}, {100 * share.high:.1f}] meet "
+        f"their target, and the median picture is {np.median(ratios):.2f} times too good.")
     return pages.sections(
-        pages.table(("scene", "pixels", "E", "pictures", "meet it [95 %]", "E / relMSE, median [10 %, 90 %]", "samples",
-                     "of the pilot, all parts", "estimate / relMSE", "missed, told as missed", "told as missed, not missed",
-                     "kept"), rows), words,
-        "Samples are of each pixel, medians; the pilot's are thrown away, and small pictures take more of them than large "
-        "ones. The estimate is the program's own, after rendering, from blocks of the picture, a median; it is too high where "
-        "the samples of a pixel complement each other across blocks. Pictures miss where bright paths came that the pilot "
-        "did not meet.")
+        pages.table(
+            ("scene", "pixels", "E", "pictures", "meet it [95 %]", "E / relMSE, median [10 %, 90 %]", "samples",
+             "of the pilot, all parts", "estimate / relMSE", "missed, told as missed", "told as missed, not missed",
+             "kept"),
+            rows),
+        words,
+        "Samples are of each pixel, medians; the pilot's are thrown away, and small pictures take more of them than "
+        "large ones. The estimate is the program's own, after rendering, from blocks of the picture, a median; it is "
+        "too high where the samples of a pixel complement each other across blocks. Pictures miss where bright paths "
+        "came that the pilot did not meet.")
 
 
 @settings(SEEDS=Setting(100, "pictures of each scene", 2))
 def target_error(bench):
-    """How many of the pictures that tdpt-render renders to a relMSE (--target-error) have it, as exrdiff says against the
-    mean of the other seeds' pictures, and how much better they are than asked. Ten minutes of CPU time."""
+    """How many of the pictures that tdpt-render renders to a relMSE (--target-error) have it, as exrdiff says against
+    the mean of the other seeds' pictures, and how much better they are than asked. Ten minutes of CPU time."""
     seeds, files = bench.settings.seeds, bench.there(SIZES)
 
     def measure(name):
@@ -300,12 +316,12 @@ def target_error(bench):
     bench.page("target-error", f"""# Does `--target-error` keep its word?
 
 Written by `make bench-target-error` ({bench.version()}). Each scene is rendered by `auto` with `--target-error E` and
-{seeds} seeds, in small pictures since so many are needed; each picture's relMSE is what exrdiff says against the mean of all
-others, which are independent of it and whose noise counts against it. Asked for: 90 % of the pictures meet their target, and the
-median picture is at most 2.5 times too good.
+{seeds} seeds, in small pictures since so many are needed; each picture's relMSE is what exrdiff says against the mean
+of all others, which are independent of it and whose noise counts against it. Asked for: 90 % of the pictures meet their
+target, and the median picture is at most 2.5 times too good.
 
-Sizes and targets are such that pictures take about a hundred samples. Not all do as well: in a trial of cornell-box at 28 x 28
-and E = 0.02, where a few pixels on the rim of the lamp hold most of the error, pictures were about four times too good, and 2
-of 20 missed, one of them sevenfold.
+Sizes and targets are such that pictures take about a hundred samples. Not all do as well: in a trial of cornell-box at
+28 x 28 and E = 0.02, where a few pixels on the rim of the lamp hold most of the error, pictures were about four times
+too good, and 2 of 20 missed, one of them sevenfold.
 
 {target_table(dict(zip(files, kept)))}""")

@@ -104,7 +104,8 @@ def tell(results):
     """Prints tables of {(program, path): (kind, words)}; whether nothing went wrong."""
     counts = collections.Counter((program, of) for (program, _), (of, _) in results.items())
     kinds = ["read", "read with warnings", "refused", *WRONG]
-    print(pages.table(("program", *kinds), [[program, *(counts[program, k] for k in kinds)] for program in PROGRAMS]) + "\n")
+    print(pages.table(("program", *kinds), [[program, *(counts[program, k]
+          for k in kinds)] for program in PROGRAMS]) + "\n")
     groups = collections.defaultdict(list)
     for (program, path), (of, words) in results.items():
         if of in WRONG or (of == "refused" and program == "tdpt-render"):
@@ -116,8 +117,9 @@ def tell(results):
 
 @settings(FOLDER=Setting("", "that of the files"))
 def public_files(bench):
-    """Tries tdpt-render, ffgraph and tdpt-info on every glTF file below FOLDER, as it comes, and tells what became of them.
-    Files with the same bytes are tried once; those that are pointers of Git LFS, or whose buffers are, are not tried."""
+    """Tries tdpt-render, ffgraph and tdpt-info on every glTF file below FOLDER, as it comes, and tells what became of
+    them. Files with the same bytes are tried once; those that are pointers of Git LFS, or whose buffers are, are not
+    tried."""
     if not os.path.isdir(bench.settings.folder):
         raise Stop(2, "FOLDER=FOLDER: expected the folder of the files")
     found, copies, pointers = scenes(bench.settings.folder)

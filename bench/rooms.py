@@ -9,12 +9,15 @@ from formats import Builder, exr_write, portals_glb
 
 # ---- A clear sky ----
 # Latitude-longitude, as tdpt-render reads it: centre of the picture -Z, three quarters of its width +X, top +Y.
-# The sky is CIE's standard clear sky (CIE S 011/ISO 15469, type 12, low illuminance turbidity): in the zenith angle Z of
+# The sky is CIE's standard clear sky (CIE S 011/ISO 15469, type 12, low illuminance turbidity): in the zenith angle Z
+# of
 # a place and its angle s to the sun its luminance is in proportion to
 #   (1 - exp(-0.32 / cos Z)) (1 + 10 (exp(-3 s) - exp(-3 pi / 2)) + 0.45 cos^2 s),
-# scaled so that it brings a horizontal plane the irradiance pi, as a sky of radiance 1 all over would. The sun is a disc
+# scaled so that it brings a horizontal plane the irradiance pi, as a sky of radiance 1 all over would. The sun is a
+# disc
 # of 0.53 degrees with ten times that irradiance across its rays (a clear day's diffuse light is about a tenth of the
-# direct, Meinel and Meinel 1976): a radiance of 4.7e5. A texel that it covers in part has the mean, so the map keeps its
+# direct, Meinel and Meinel 1976): a radiance of 4.7e5. A texel that it covers in part has the mean, so the map keeps
+# its
 # irradiance whatever the size. The ground below the horizon is grey and reflects `ground` of all that reaches it.
 SUN_ANGLE = 0.53  # degrees across
 SUN_RATIO = 10.0  # irradiance across its rays to that of the sky on the ground
@@ -266,7 +269,8 @@ BAR_DEPTH = 0.06  # of the bars
 def panes(bar):
     """Corners (low, high) of each pane, y and z."""
     sides = [((HIGH[i] - LOW[i]) - (n - 1) * bar) / n for i, n in ((0, PANES_UP), (1, PANES_ACROSS))]
-    lows = [(LOW[0] + r * (sides[0] + bar), LOW[1] + c * (sides[1] + bar)) for r in range(PANES_UP) for c in range(PANES_ACROSS)]
+    lows = [(LOW[0] + r * (sides[0] + bar), LOW[1] + c * (sides[1] + bar))
+             for r in range(PANES_UP) for c in range(PANES_ACROSS)]
     return [(low, (low[0] + sides[0], low[1] + sides[1])) for low in lows]
 
 
@@ -297,8 +301,8 @@ def pane_portals(rectangles):
 
 
 def write_paned_rooms(folder):
-    """panes-4.glb and panes-20.glb, by the width of their bars [cm], and beside each its portals, one for all panes, one
-    a column or one a pane: panes-4-one.glb, panes-4-three.glb, panes-4-six.glb, ..."""
+    """panes-4.glb and panes-20.glb, by the width of their bars [cm], and beside each its portals, one for all panes,
+    one a column or one a pane: panes-4-one.glb, panes-4-three.glb, panes-4-six.glb, ..."""
     for centimetres in (4, 20):
         bar = centimetres / 100
         files = {"": paned_room(bar).glb(), "-one": pane_portals([(LOW, HIGH)]),
@@ -323,7 +327,8 @@ def write_rooms(arguments):
 
 
 # ---- Many triangles ----
-# The rooms stand along x, each 2 m wide, high and deep; the wall between them, 0.1 m thick, has the opening OPENING. The
+# The rooms stand along x, each 2 m wide, high and deep; the wall between them, 0.1 m thick, has the opening OPENING.
+# The
 # lamp hangs in the first room, the camera stands in the second. Every surface is a patch over the unit square, cut into
 # cells of two triangles each; a third of the triangles is walls, the rest eight bumpy balls on the floors. FORM:
 #   grid   a mesh for each patch, neighbours share their corners: half a vertex a triangle

@@ -90,7 +90,12 @@ def plot(rows):
 def stages_of(stem, options):
     """(program, arguments, output) from room to picture; options: {program: more of it}."""
     files = {end: f"{stem}.{end}" for end in ("glb", "max", "cut", "vdb", "portal.glb", "exr")}
-    inputs = {"ffgraph": ("glb",), "mincut": ("max",), "lightgrid": ("glb", "cut"), "portalfit": ("vdb",), "tdpt-render": ("glb",)}
+    inputs = {
+        "ffgraph": ("glb",),
+        "mincut": ("max",),
+        "lightgrid": ("glb", "cut"),
+        "portalfit": ("vdb",),
+        "tdpt-render": ("glb",)}
     outputs = dict(zip(PROGRAMS, ("max", "cut", "vdb", "portal.glb", "exr")))
     return [(p, [*(files[i] for i in inputs[p]), *options.get(p, ())], files[outputs[p]]) for p in PROGRAMS]
 
@@ -99,13 +104,14 @@ def stages_of(stem, options):
           FORMS=Setting(rooms.FORMS, "of: grid parts soup"),
           KEEP=Setting(0, "1: the rows that are in the cache make the page anew, nothing runs"))
 def scale(bench):
-    """CPU time and peak memory of the five programs on scenes of a thousand to ten million triangles, one thread each. A
-    quarter of an hour, 5 GiB of memory, 1.5 GiB of disk in the cache."""
+    """CPU time and peak memory of the five programs on scenes of a thousand to ten million triangles, one thread each.
+    A quarter of an hour, 5 GiB of memory, 1.5 GiB of disk in the cache."""
     bench.need("gnuplot")
     path, s = bench.cache / "scale.csv", bench.settings
     if not s.keep:
         rows, stem = [], bench.cache / "room"
-        picture = ("--portal", f"{stem}.portal.glb", "--integrator", "tdpt-guided", "--spp", 1, "--width", 64, "--height", 48)
+        picture = ("--portal", f"{stem}.portal.glb", "--integrator",
+                   "tdpt-guided", "--spp", 1, "--width", 64, "--height", 48)
         for form in s.forms:
             for size in s.sizes:
                 n = rooms.write_scene(int(float(size)), form, f"{stem}.glb")
@@ -126,23 +132,24 @@ def scale(bench):
 Written by `make bench-scale` ({bench.version()}), one thread. [scale.csv](scale.csv) has a row a run.
 
 The scene is two furnished rooms with one opening, the same surfaces cut into more and more triangles
-(`bench/rooms.py`): **grid**, large meshes whose triangles share corners (25 bytes of file a triangle); **parts**, a mesh
-and a node for every 512 triangles at most; **soup**, no corner shared (72 bytes of file a triangle). tdpt-render makes one sample
-per pixel at 64 x 48 with tdpt-guided, so its time is that of loading and of its hierarchy.
+(`bench/rooms.py`): **grid**, large meshes whose triangles share corners (25 bytes of file a triangle); **parts**, a
+mesh and a node for every 512 triangles at most; **soup**, no corner shared (72 bytes of file a triangle). tdpt-render
+makes one sample per pixel at 64 x 48 with tdpt-guided, so its time is that of loading and of its hierarchy.
 
 ![CPU seconds and memory against triangles](scale.png)
 
 {scale_tables(rows)}
 
-What does not depend on triangles: ffgraph's 1.2 million hits of walks and its pairs of patches, the network that mincut cuts, the
-voxels and lines of lightgrid. Up to 10^5 triangles that is most of the memory; it grows with the surfaces that are found to
-be pieces. portalfit reads no triangle: it takes 0.4 s, or 4 s where the first plane through the lines is not good enough,
-and which of the two is chance.
+What does not depend on triangles: ffgraph's 1.2 million hits of walks and its pairs of patches, the network that mincut
+cuts, the voxels and lines of lightgrid. Up to 10^5 triangles that is most of the memory; it grows with the surfaces
+that are found to be pieces. portalfit reads no triangle: it takes 0.4 s, or 4 s where the first plane through the lines
+is not good enough, and which of the two is chance.
 
 Where a triangle's memory is (soup, tdpt-render): 52 bytes are its corners and material, 36 more normals where they are
 interpolated, 104 its plane and edges in double precision, the rest Embree's hierarchy, which has corners of its own.
-Embree's compact hierarchy would save 50 to 60 bytes; rays through a soup of 10^6 triangles then take 1.55 times as long, through a
-grid 1.1 times, and the pictures are the same bytes, so it is not used. `bench.memory` holds the programs below the limit.
+Embree's compact hierarchy would save 50 to 60 bytes; rays through a soup of 10^6 triangles then take 1.55 times as
+long, through a grid 1.1 times, and the pictures are the same bytes, so it is not used. `bench.memory` holds the
+programs below the limit.
 
-What corners have beside a place and a normal comes on top where a material uses it: 8 bytes for texture coordinates, 16 for a
-tangent or a colour. A scene that has surfaces with alpha or window panes costs 16 bytes a triangle more.""")
+What corners have beside a place and a normal comes on top where a material uses it: 8 bytes for texture coordinates, 16
+for a tangent or a colour. A scene that has surfaces with alpha or window panes costs 16 bytes a triangle more.""")

@@ -51,7 +51,10 @@ class Pictures(unittest.TestCase):
     def test_are_read_back_as_they_were_by_both_readers(self):
         rng = np.random.default_rng(5)
         for shape in ((1, 1, 3), (16, 8, 3), (37, 20, 3)):
-            for rgb in (np.linspace(0, 900, np.prod(shape)).reshape(shape), rng.uniform(0, 60000, shape), np.zeros(shape)):
+            for rgb in (
+                np.linspace(0, 900, np.prod(shape)).reshape(shape),
+                rng.uniform(0, 60000, shape),
+                np.zeros(shape)):
                 content = formats.exr_content(rgb, "more\nwords")
                 np.testing.assert_array_equal(read_back(content)[0], rgb.astype(np.float16).astype(float))
                 picture, strings = formats.exr_parse(content)
@@ -99,7 +102,8 @@ class Glb(unittest.TestCase):
         data, dropped, of = formats.simplified(formats.glb_content(*squares()), 0.011)
         self.assertEqual((dropped, of), (1, 4))  # a half of the small square; a primitive is never empty
         document, _ = formats.glb_parse(data)
-        self.assertEqual([document["accessors"][m["primitives"][0]["indices"]]["count"] for m in document["meshes"]], [6, 3])
+        self.assertEqual([document["accessors"][m["primitives"][0]["indices"]]["count"]
+                         for m in document["meshes"]], [6, 3])
         self.assertEqual(formats.simplified(formats.glb_content(*squares()), 0.009)[1], 0)  # of equals all go or none
 
     def test_what_emits_stays_and_a_larger_instance_counts(self):
@@ -266,8 +270,10 @@ class Rooms(unittest.TestCase):
 class PublicFiles(unittest.TestCase):
     def test_what_became_of_a_run_is_told_by_status_words_and_picture(self):
         bad = np.full((2, 2, 3), np.nan)
-        for arguments, kind in (((0, ""), "read"), ((0, "x: warning: 2 lamps"), "read with warnings"), ((3, ""), "refused"),
-                                ((-11, ""), "crash"), ((4, ""), "crash"), ((None, ""), "hang"), ((0, "", bad), "not finite")):
+        for arguments, kind in (((0, ""), "read"), ((0, "x: warning: 2 lamps"), "read with warnings"),
+                                ((3, ""), "refused"),
+                                ((-11, ""), "crash"), ((4, ""), "crash"), ((None, ""), "hang"),
+                                ((0, "", bad), "not finite")):
             self.assertEqual(public_files.kind(*arguments), kind)
 
     def test_messages_that_differ_in_numbers_and_names_are_one(self):

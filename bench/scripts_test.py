@@ -48,9 +48,10 @@ class Stamp(unittest.TestCase):
     def run_bench(self, name, *words, programs=BIN, path=None, **values):
         """(exit code, what is said); values: settings."""
         given = {"SCENES": str(self.scenes), **values}
-        run = subprocess.run([sys.executable, "-B", HERE / "run.py", name, "--bin", programs, "--cache", self.cache, "--doc",
-                              self.doc, *words, *(f"{k}={v}" for k, v in given.items())], capture_output=True, text=True,
-                             check=False, env={**os.environ, **({"PATH": str(path)} if path else {})})
+        run = subprocess.run(
+            [sys.executable, "-B", HERE / "run.py", name, "--bin", programs, "--cache", self.cache, "--doc", self.doc, *
+             words, *(f"{k}={v}" for k, v in given.items())],
+            capture_output=True, text=True, check=False, env={**os.environ, **({"PATH": str(path)} if path else{})})
         return run.returncode, run.stdout + run.stderr
 
     def runs(self, name, *words, **values):
@@ -150,8 +151,8 @@ class Efficiency(Stamp):
         self.program(self.work, "older", f'echo "$*" >>{self.work}/calls\nexec {BIN}/tdpt-render "$@"')
         older = self.work / "older"
         self.stand_in(veach_ajar="two-rooms")
-        self.runs("efficiency", **self.efficiency(ONLY="window veach-ajar-whole", INTEGRATORS="bdpt auto", BASELINE=older,
-                                                  BASELINE_NAME="commit 1234567"))
+        self.runs("efficiency", **self.efficiency(ONLY="window veach-ajar-whole",
+                  INTEGRATORS="bdpt auto", BASELINE=older, BASELINE_NAME="commit 1234567"))
         text = self.page("efficiency")
         self.assertEqual((self.work / "calls").read_text().count("--integrator"), 12)
         self.assertIn("\nGain over bdpt of commit 1234567", text)
@@ -159,8 +160,10 @@ class Efficiency(Stamp):
         self.assertRegex(whole, r"\n\| veach-ajar-whole \| [0-9.-]")
         self.assertEqual(sum(r["scene"] == "veach-ajar-whole" for r in self.rows()), 4)
         for wrong, says in (({"BASELINE": self.work / "none"}, "no program"), ({"REFERENCES": "many"}, "neither"),
-                            ({"DEPTH": "none", "BASELINE": older}, "limited"), ({"LONG_SCENES": "cellar"}, "cellar is none"),
-                            ({"DEPTH": "deep"}, "neither"), ({"SEEDS": "many"}, "no number"), ({"WORD": "x"}, "no setting")):
+                            ({"DEPTH": "none", "BASELINE": older}, "limited"),
+                            ({"LONG_SCENES": "cellar"}, "cellar is none"),
+                            ({"DEPTH": "deep"}, "neither"), ({"SEEDS": "many"}, "no number"),
+                            ({"WORD": "x"}, "no setting")):
             status, said = self.run_bench("efficiency", **self.efficiency(**wrong))
             self.assertEqual((status, says in said), (2, True), said)
 
@@ -183,7 +186,8 @@ class Efficiency(Stamp):
             self.assertEqual(pictures() - before, rendered, change)
         # Halves that do not belong together are none.
         import efficiency
-        halves = [{"integrator": "a", "width": 4, "height": 3, "max_depth": 6, "spp": 1, "cpu_seconds": 1.0} for _ in "ab"]
+        halves = [{"integrator": "a", "width": 4, "height": 3, "max_depth": 6, "spp": 1, "cpu_seconds": 1.0}
+                  for _ in "ab"]
         with self.assertRaisesRegex(ValueError, "seed 7"):
             efficiency.described(SCENES / "window.glb", halves, (7, 7), "")
         with self.assertRaisesRegex(ValueError, "width"):
@@ -191,15 +195,16 @@ class Efficiency(Stamp):
 
 
 class CyclesPortals(Stamp):
-    """What `portalfit --for cycles` writes makes lamps in Blender where the portals are, seen with the eyes of Blender's own
-    glTF importer; and a script with a planted fault is told apart."""
+    """What `portalfit --for cycles` writes makes lamps in Blender where the portals are, seen with the eyes of
+    Blender's own glTF importer; and a script with a planted fault is told apart."""
 
     def test_lamps_are_where_the_portals_are(self):
         import cycles
         bench = common.Bench("cycles", cycles.equal_time, BIN, self.cache, self.doc)
         for room in ("window", "door-ajar"):
             found = bench.portals(SCENES / f"{room}.glb", stage_options={"portalfit": ("--all",)})
-            script = bench.store.run("portalfit", found.runs["lightgrid"].out, "--all", "--for", "cycles", threads=0).out
+            script = bench.store.run("portalfit", found.runs["lightgrid"].out,
+                                     "--all", "--for", "cycles", threads=0).out
             self.assertIn(" lamps for ", cycles.blender("check", found.file, script).said)
         text, wrong = script.read_text(), self.work / "wrong.py"
         placed = "portal.matrix_world = Matrix(matrix)"
@@ -248,8 +253,11 @@ class Missing(Stamp):
             for program in Path(folder).glob("*") if folder else ():
                 if program.name not in ("gnuplot", "valgrind", "perf") and not (path / program.name).exists():
                     (path / program.name).symlink_to(program)
-        for name, words in (("figures", "gnuplot is missing"), ("tradeoff", "gnuplot is missing"),
-                            ("limit", "perf does not work and valgrind is missing"), ("shards", "tdpt-render is missing")):
+        for name, words in (
+            ("figures", "gnuplot is missing"),
+            ("tradeoff", "gnuplot is missing"),
+            ("limit", "perf does not work and valgrind is missing"),
+            ("shards", "tdpt-render is missing")):
             status, said = self.run_bench(name, programs=self.work, path=path)
             self.assertEqual((status, words in said, said.count("\n")), (5, True, 1), said)
         self.assertEqual(self.run_bench("none-such")[0], 2)

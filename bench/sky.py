@@ -1,5 +1,5 @@
-"""What portals are worth where a sky shines in through windows: doc/sky.md, the README's picture of it, and the table of
-doc/guided.md about a window of six panes."""
+"""What portals are worth where a sky shines in through windows: doc/sky.md, the README's picture of it, and the table
+of doc/guided.md about a window of six panes."""
 import collections
 import functools
 import math
@@ -19,8 +19,13 @@ from pages import hundredths
 SEED = 20260717
 WITHOUT = ("bdpt", "nee")
 WITH = {"windows": "`nee` + portals", "aimed": "`nee` 0.4", "guided": "`tdpt-guided`", "auto": "`auto`"}
-OPTIONS = {"bdpt": ("--integrator", "bdpt"), "nee": ("--integrator", "nee"), "windows": ("--integrator", "nee"),
-           "aimed": ("--integrator", "nee", "--guide-camera", "0.4"), "guided": ("--integrator", "tdpt-guided"), "auto": ()}
+OPTIONS = {
+    "bdpt": ("--integrator", "bdpt"),
+    "nee": ("--integrator", "nee"),
+    "windows": ("--integrator", "nee"),
+    "aimed": ("--integrator", "nee", "--guide-camera", "0.4"),
+    "guided": ("--integrator", "tdpt-guided"),
+    "auto": ()}
 GROUPS = {"windows": "ordinary windows", "interiors": "interiors", "second": "through a second room"}
 # Name: group, and what it is: the N-th room of a kind, or an interior.
 ROOMS = {"window": ("windows", "sky-window", 1), "windows": ("windows", "sky-windows", 1),
@@ -121,7 +126,8 @@ def room_table(cells):
         chosen = collections.Counter(p.chosen for p in c.pictures["auto"]).most_common()
         of = len(c.pictures["auto"])
         words = ", ".join(name + (f" ({n} of {of})" if len(chosen) > 1 else "") for name, n in chosen)
-        rows.append([room, sky, c.portals or "none found", c.base(), *(c.gain(m).text(hundredths) for m in WITH), words])
+        rows.append([room, sky, c.portals or "none found", c.base(),
+                    *(c.gain(m).text(hundredths) for m in WITH), words])
     return pages.table(("room", "sky", "portals", "without", *WITH.values(), "`auto` chose"), rows)
 
 
@@ -143,8 +149,8 @@ def sky_tables(cells):
 
 
 def generated(bench, name, kind, number):
-    """The N-th generated room of that kind which has no lamp and stands upright, in metres: half of them are turned, where
-    no map's sky would be above. Stages that fail at once leave the room alone."""
+    """The N-th generated room of that kind which has no lamp and stands upright, in metres: half of them are turned,
+    where no map's sky would be above. Stages that fail at once leave the room alone."""
     program = bench.store.program("portals_bench")
     failing = bench.cache / "none"
     failing.mkdir(exist_ok=True)
@@ -171,11 +177,12 @@ def generated(bench, name, kind, number):
           SPP=Setting(32, "samples per pixel", 4), SEEDS=Setting(4, "pictures of each kind", 2),
           REF_SPP=Setting(96, "samples per pixel of each half of a reference", 16),
           REF_INTEGRATOR=Setting("auto", "of the references, with the portals found"),
-          WIDTH=Setting(72, "of the pictures of rooms; those of interiors are a third wider", 24), HEIGHT=Setting(54, "", 18))
+          WIDTH=Setting(72, "of the pictures of rooms; those of interiors are a third wider", 24),
+          HEIGHT=Setting(54, "", 18))
 def sky(bench):
-    """What the windows that the stages find are worth under a sky. Rooms x skies; in each, pictures of equally many samples
-    by `bdpt` and `nee` without portals and by what can be done with the portals found, several seeds, taking turns, one
-    thread each; efficiency 1 / (relMSE x CPU s) over the better of the two without. A quarter of an hour."""
+    """What the windows that the stages find are worth under a sky. Rooms x skies; in each, pictures of equally many
+    samples by `bdpt` and `nee` without portals and by what can be done with the portals found, several seeds, taking
+    turns, one thread each; efficiency 1 / (relMSE x CPU s) over the better of the two without. A quarter of an hour."""
     s, places, interiors = bench.settings, [], Path(bench.settings.scenes) / "interiors"
     for name in s.rooms:
         if name not in ROOMS:
@@ -195,7 +202,8 @@ def sky(bench):
         width = s.width * 4 // 3 if group == "interiors" else s.width
 
         def render(options, spp, seed):
-            return bench.render(scene, *shines, "--width", width, "--height", s.height, *options, "--spp", spp, "--seed", seed)
+            return bench.render(
+                scene, *shines, "--width", width, "--height", s.height, *options, "--spp", spp, "--seed", seed)
 
         portal = ("--portal", portals.file)
         halves = Halves(bench, *(render((*portal, "--integrator", s.ref_integrator), s.ref_spp, 1000000 + half).out
@@ -215,18 +223,19 @@ def sky(bench):
     cells = bench.side_by_side([functools.partial(cell, *place) for place in places])
     bench.page("sky", f"""# What the windows found are worth under a sky
 
-Written by `make bench-sky` ({bench.version()}). Pictures of {s.width} x {s.height} pixels (interiors {s.width * 4 // 3} x \
-{s.height}), {s.spp} samples per pixel,
-paths of any length, {s.seeds} seeds; runs of one thread taking turns. Portals are those that the four stages find, given the same
-`--environment`; the reference has twice {s.ref_spp} samples per pixel by `{s.ref_integrator}`, and its noise is taken out of \
-the errors.
+Written by `make bench-sky` ({bench.version()}). Pictures of {s.width} x {s.height} pixels (interiors \
+{s.width * 4 // 3} x {s.height}), {s.spp} samples per pixel,
+paths of any length, {s.seeds} seeds; runs of one thread taking turns. Portals are those that the four stages find,
+given the same
+`--environment`; the reference has twice {s.ref_spp} samples per pixel by `{s.ref_integrator}`, and its noise is \
+taken out of the errors.
 
-* Skies. overcast: 1,1,1 from everywhere. clear: `testdata/environments/clear.exr`. sun: `clear-sun.exr`, all the sun in one
-  texel; the interiors have their own maps instead, a low sun (living-room) and a sun beside a sky (classroom).
-* Rooms: the first of a kind of `libcommon/testing/known_rooms.h` that have no lamp and stand upright. behind, behind-2: a door
-  behind the room with the windows.
-* Gain: efficiency, 1 / (relMSE x CPU s), over that of the better of `bdpt` and `nee` without portals; in brackets the 95 % interval
-  over seeds, by bootstrap. The better one is picked by the same pictures, which favours it.
+* Skies. overcast: 1,1,1 from everywhere. clear: `testdata/environments/clear.exr`. sun: `clear-sun.exr`, all the sun in
+  one texel; the interiors have their own maps instead, a low sun (living-room) and a sun beside a sky (classroom).
+* Rooms: the first of a kind of `libcommon/testing/known_rooms.h` that have no lamp and stand upright. behind, behind-2:
+  a door behind the room with the windows.
+* Gain: efficiency, 1 / (relMSE x CPU s), over that of the better of `bdpt` and `nee` without portals; in brackets the
+  95 % interval over seeds, by bootstrap. The better one is picked by the same pictures, which favours it.
 * `nee` + portals: next events through the windows. `nee` 0.4: `--guide-camera 0.4`, too. `auto` pays for its choice.
 
 {sky_tables({(name, light): c for (name, light, _, _), c in zip(places, cells)})}""")
@@ -235,13 +244,16 @@ the errors.
 @settings(SCENE=Setting("", "a room without lamps (blinds.glb, which the benchmark sky leaves in build/sky). For "
                         "living-room.glb of the interiors TURN=200 lets the sun in through both walls' windows"),
           SKY=Setting("", "its --environment (clear-sun.exr of testdata)"), TURN=Setting(0.0, "and its rotation"),
-          WIDTH=Setting(480, "of each half", 24), SPP=Setting(12, "samples per pixel of the right one; others get as many as "
+          WIDTH=Setting(480, "of each half", 24), SPP=Setting(12, "samples per pixel of the right one; others get as "
+                                                                  "many as "
                                                               "they need for the same CPU time", 2),
-          BEFORE=Setting("nee", "integrator of the left one"), ALSO=Setting("bdpt", "another without portals, told alone"),
+          BEFORE=Setting("nee", "integrator of the left one"),
+          ALSO=Setting("bdpt", "another without portals, told alone"),
           REF_SPP=Setting(36, "samples per pixel of the reference, by auto with the portals", 4))
 def before_after(bench):
-    """DOC/sky-before-after.png, a room that the sun lights through its window: on the left without portals, on the right
-    with those that the four stages find, in equal CPU time; and what both are worth, for the caption, on stdout."""
+    """DOC/sky-before-after.png, a room that the sun lights through its window: on the left without portals, on the
+    right with those that the four stages find, in equal CPU time; and what both are worth, for the caption, on
+    stdout."""
     s = bench.settings
     scene = Path(s.scene or bench.cache.parent / "sky/blinds.glb").resolve()
     if not scene.exists():
@@ -268,8 +280,9 @@ def before_after(bench):
     for run in pictures:
         off, said = bench.distance(run.out, reference.out), run.said
         print(f"{said['integrator']} {said.get('chosen') or 'without portals'}, {said['spp']} samples per pixel, "
-              f"{said['cpu_seconds']} CPU s: relMSE {off['relmse']}, PSNR {off['psnr']} dB, mean {off['mean']} (reference "
-              f"{off['reference_mean']}); black: relMSE {off['black']['relmse']}, PSNR {off['black']['psnr']} dB")
+              f"{said['cpu_seconds']} CPU s: relMSE {off['relmse']}, PSNR {off['psnr']} dB, mean {off['mean']} "
+              f"(reference {off['reference_mean']}); black: relMSE {off['black']['relmse']}, PSNR "
+              f"{off['black']['psnr']} dB")
 
 
 @settings(BARS=Setting(("4", "20"), "widths of the bars [cm]"), SKIES=Setting(SKIES, "of: overcast clear sun"),
@@ -277,20 +290,21 @@ def before_after(bench):
           REF_SPP=Setting(96, "samples per pixel of each half of a reference", 8),
           WIDTH=Setting(96, "of the pictures", 24), HEIGHT=Setting(72, "", 18))
 def panes(bench):
-    """Is a window of six panes better rendered with one portal, one a column of panes or one a pane? A room with bars of
-    4 cm and of 20 cm under three skies, by each way to use a portal; equally many samples, one thread, runs taking turns.
-    Prints the table of doc/guided.md: how many times as efficient, 1 / (relMSE x CPU s), three and six portals are as one.
-    Ten minutes."""
+    """Is a window of six panes better rendered with one portal, one a column of panes or one a pane? A room with bars
+    of 4 cm and of 20 cm under three skies, by each way to use a portal; equally many samples, one thread, runs taking
+    turns. Prints the table of doc/guided.md: how many times as efficient, 1 / (relMSE x CPU s), three and six portals
+    are as one. Ten minutes."""
     s, rows = bench.settings, []
     rooms.write_paned_rooms(bench.cache)
     ways = {"nee": ("--integrator", "nee"), "tdpt-guided": ("--integrator", "tdpt-guided"), "auto": ()}
     for bar in s.bars:
         for light in s.skies:
             def render(portals, options, spp, seed, room=f"panes-{bar}", light=light):
-                return bench.render(bench.cache / f"{room}.glb", "--environment", environment(light), "--environment-rotation",
-                                    -45, "--portal", bench.cache / f"{room}-{portals}.glb", "--width", s.width, "--height",
-                                    s.height, *options, "--spp", spp, "--seed", seed)
-            halves = Halves(bench, *(render("one", ways["tdpt-guided"], s.ref_spp, 1000000 + half).out for half in (1, 2)))
+                return bench.render(bench.cache / f"{room}.glb", "--environment", environment(light),
+                                    "--environment-rotation", -45, "--portal", bench.cache / f"{room}-{portals}.glb",
+                                    "--width", s.width, "--height", s.height, *options, "--spp", spp, "--seed", seed)
+            halves = Halves(bench, *(render("one", ways["tdpt-guided"],
+                            s.ref_spp, 1000000 + half).out for half in (1, 2)))
             cost = collections.Counter()
             for seed in range(1, s.seeds + 1):
                 for way, options in ways.items():

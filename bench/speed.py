@@ -61,8 +61,8 @@ def integrators(bench):
 DEVICE = Setting("gpu", "gpu or gpu:WHICH, as --device has it")
 SOFTWARE = """
 The device here is software. It runs several invocations side by side, each waiting for the longest of them, takes both
-sides of every branch and keeps each stack in memory; it is there for tests. What a GPU is for, 20 times the speed of two
-cores, is not measured by this page: `make bench-grid-speed DEVICE=gpu:NAME` measures it where there is one.
+sides of every branch and keeps each stack in memory; it is there for tests. What a GPU is for, 20 times the speed of
+two cores, is not measured by this page: `make bench-grid-speed DEVICE=gpu:NAME` measures it where there is one.
 """
 
 
@@ -83,14 +83,14 @@ def grid(bench):
     newline = "\n"
     bench.page("light-grid-speed", f"""# How fast the light is counted
 
-Written by `make bench-grid-speed` ({bench.version("lightgrid")}). Segments between pivot patches, drawn, tested for visibility,
-judged by the votes around both their ends and marched through the grid. The back ends take turns in one run; medians of
-five rounds. `--device`s at hand, beside {cores()} cores of {processor()}:
+Written by `make bench-grid-speed` ({bench.version("lightgrid")}). Segments between pivot patches, drawn, tested for
+visibility, judged by the votes around both their ends and marched through the grid. The back ends take turns in one
+run; medians of five rounds. `--device`s at hand, beside {cores()} cores of {processor()}:
 
 {indented(devices)}
 
-Embree and the twin run on all cores through TBB, and so does a software device on its own threads. Segments per second, and the
-last column, go by the clock; those per CPU second hold on a machine that has other work, too.
+Embree and the twin run on all cores through TBB, and so does a software device on its own threads. Segments per second,
+and the last column, go by the clock; those per CPU second hold on a machine that has other work, too.
 
 {newline.join(tables)}
 
@@ -98,18 +98,20 @@ Where the device's time goes, and what becomes of the segments:
 
 {newline.join(times)}
 
-Votes are closest-hit rays in all directions, up to 32 for each segment that is free: where they take most of the time, the
-speed is that of incoherent rays. The scalar twin walks the device's own hierarchy one ray at a time, without vector
+Votes are closest-hit rays in all directions, up to 32 for each segment that is free: where they take most of the time,
+the speed is that of incoherent rays. The scalar twin walks the device's own hierarchy one ray at a time, without vector
 instructions. With eight times the voxels the counts no longer fit the caches, and the march begins to show.
 {software}""")
 
 
 @settings(DEVICE=DEVICE, ROUNDS=Setting(5, "after the one in which kernels are made", 1),
-          RADV=Setting("/usr/share/vulkan/icd.d/radeon_icd.x86_64.json", "driver that tells of registers without a device: "
-                       "the file that the Vulkan loader reads for Mesa's RADV"))
+          RADV=Setting(
+              "/usr/share/vulkan/icd.d/radeon_icd.x86_64.json",
+              "driver that tells of registers without a device: "
+              "the file that the Vulkan loader reads for Mesa's RADV"))
 def device(bench):
-    """How fast tdpt-render is on a device, beside the CPU, and what its kernels take, by device_bench. Ten minutes on two
-    quiet cores, most of them for kernels where the device is software."""
+    """How fast tdpt-render is on a device, beside the CPU, and what its kernels take, by device_bench. Ten minutes on
+    two quiet cores, most of them for kernels where the device is software."""
     s, program = bench.settings, bench.store.program("device_bench")
     fresh = {"MESA_SHADER_CACHE_DISABLE": "true"}  # kernels are made, not taken from the run before
     tables = []
@@ -130,16 +132,16 @@ Written by `make bench-gpu-speed` ({bench.version()}); [gpu.md](gpu.md) says wha
 
 {indented(devices)}
 
-Pictures 160 pixels wide, 8 samples per pixel, paths of up to 6 edges, through the portals that the stages find. CPU and device
-take turns; medians over {s.rounds} rounds, least and largest, after one in which kernels are made. A device
-that is a CPU is charged the time of all its cores, any other that of the clock. `auto` is what it chooses on the device.
+Pictures 160 pixels wide, 8 samples per pixel, paths of up to 6 edges, through the portals that the stages find. CPU and
+device take turns; medians over {s.rounds} rounds, least and largest, after one in which kernels are made. A device that
+is a CPU is charged the time of all its cores, any other that of the clock. `auto` is what it chooses on the device.
 
-Rays, estimates and bytes are those of one sample. Bytes: for each kernel the records that an invocation reads and writes
-(shaders/shared/path/render_layout.h), each whole, times its invocations, as if there were no cache; not the scene, its
-hierarchy, the film, nor what weights read along a path.""", *tables, """## Registers
+Rays, estimates and bytes are those of one sample. Bytes: for each kernel the records that an invocation reads and
+writes (shaders/shared/path/render_layout.h), each whole, times its invocations, as if there were no cache; not the
+scene, its hierarchy, the film, nor what weights read along a path.""", *tables, """## Registers
 
-What Mesa's RADV says of the kernels for RDNA 2 (Navi 21; 32 invocations side by side, 1024 vector registers for each SIMD), which
-needs no such device:
+What Mesa's RADV says of the kernels for RDNA 2 (Navi 21; 32 invocations side by side, 1024 vector registers for each
+SIMD), which needs no such device:
 
     VK_ICD_FILENAMES=radeon_icd.x86_64.json RADV_FORCE_FAMILY=navi21 device_bench --registers
 
@@ -157,7 +159,8 @@ PARTS = (
     ("sines, cosines (libm)", r"^libm\b", None),
     ("memory, files, system", r"^(?!tdpt-render)", None),
     ("weights, densities of paths", None, r"\bPath::|::weigh$|NextEventPdf|NextEvents::pdf|emission_pdf|scatter_pdf"),
-    ("joins and their choice", None, r"\bjoin|joined|\bEnds?::|Few::|Few>|LightPool|LightVertex|_columns|_chosen|estimate_"),
+    ("joins and their choice", None, r"\bjoin|joined|\bEnds?::|Few::|Few>|LightPool|LightVertex|_columns|_chosen|"
+                                     r"estimate_"),
     ("portals, directed walks", None, r"PortalSet|Guide::|segment|through\b|PathSampler::see"),
     ("surfaces, textures", None, r"bsdf|albedo|layered|place_on_surface|lookup|span_of|shading|base_color|towards|"
                                  r"add_lobes|\bturn|interpolated|\bnode\b|ggx|emission_at"),
@@ -278,27 +281,30 @@ HOW = {"perf": "samples of the processor's time by perf (cpu-clock)",
 
 def limit_page(loads, frames, profiles, how):
     """loads: processes that wanted a core, before and after each scene."""
-    quiet = "" if max(loads, default=0) <= 1.2 else (
-        f"The machine was not idle: up to {max(loads):.0f} processes wanted its {cores()} cores, so the clock tells nothing,\n"
+    quiet = "" if max(
+        loads, default=0) <=1.2 else(
+        f"The machine was not idle: up to {max(loads):.0f} processes wanted its {cores()} cores, so the clock tells "
+        f"nothing,\n"
         "and shared caches make all times longer.")
     rows = factor_rows(frames)
     return pages.sections(
         f"""# How far rendering is from casting its rays
 
 Written by `make bench-limit`. A frame is rendered, and the rays that it gave to Embree are given to it again:
-the same queries, robust mode and flags, in the order in which they came, on as many threads as made them and each its own,
-and nothing else. The factor says what a renderer that thinks at no cost would gain. No limit of depth, portals as the
-stages find them; CPU times of frames and rays by turns; median over seeds, least and largest. {aims(rows)}
+the same queries, robust mode and flags, in the order in which they came, on as many threads as made them and each its
+own, and nothing else. The factor says what a renderer that thinks at no cost would gain. No limit of depth, portals as
+the stages find them; CPU times of frames and rays by turns; median over seeds, least and largest. {aims(rows)}
 
 ## One thread""",
         pages.table(("scene", "integrator", "rays of a sample", "shadow rays", "sample [ns]", "ray alone [ns]",
                      "frame over rays", "wanted"), rows),
         """## More threads
 
-As many times as fast as one: by CPU time, as if each thread had a core of its own (n times the CPU time of one over that of n),
-and by the clock. Wanted: two threads 1.9 times one on an idle machine.""",
+As many times as fast as one: by CPU time, as if each thread had a core of its own (n times the CPU time of one over
+that of n), and by the clock. Wanted: two threads 1.9 times one on an idle machine.""",
         quiet,
-        pages.table(("scene", "integrator", "threads", "frame", "rays alone", "frame by the clock"), thread_rows(frames)),
+        pages.table(("scene", "integrator", "threads", "frame", "rays alone", "frame by the clock"),
+                    thread_rows(frames)),
         f"""## What the rest is
 
 Shares of the time of `tdpt-render`, one thread, by function after inlining; {HOW[how]}.""",
@@ -306,14 +312,19 @@ Shares of the time of `tdpt-render`, one thread, by function after inlining; {HO
         'What was tried to make a sample cheaper, and what came of it: [guided.md](guided.md), "What a sample costs".')
 
 
-@settings(INTEGRATORS=Setting("nee,bdpt,tdpt-org,tdpt-guided", "of the frames"), THREADS=Setting("1,2", "of the frames"),
-          SEEDS=Setting(5, "one frame each", 1), WIDTH=Setting(240, "of the frames", 24), SPP=Setting(8, "of the frames", 1),
-          PROFILED=Setting(("bdpt", "tdpt-guided"), "integrators with a profile"), PROFILE_SPP=Setting(32, "of that", 2),
+@settings(INTEGRATORS=Setting("nee,bdpt,tdpt-org,tdpt-guided", "of the frames"),
+          THREADS=Setting("1,2", "of the frames"),
+          SEEDS=Setting(5, "one frame each", 1),
+          WIDTH=Setting(240, "of the frames", 24),
+          SPP=Setting(8, "of the frames", 1),
+          PROFILED=Setting(("bdpt", "tdpt-guided"),
+                           "integrators with a profile"),
+          PROFILE_SPP=Setting(32, "of that", 2),
           PERF=Setting("perf", "anything else than a program that works: callgrind"))
 def limit(bench):
-    """How far the renderer is from casting its rays and nothing else: frames of two scenes with the portals that the stages
-    find, no limit of depth, by limit_bench; and a profile of what the rest is, by perf, or by callgrind of a small picture
-    where perf does not work. Four minutes on two quiet cores."""
+    """How far the renderer is from casting its rays and nothing else: frames of two scenes with the portals that the
+    stages find, no limit of depth, by limit_bench; and a profile of what the rest is, by perf, or by callgrind of a
+    small picture where perf does not work. Four minutes on two quiet cores."""
     s, record = bench.settings, bench.cache / "perf.data"
     perf = [s.perf, "record", "-q", "-e", "cpu-clock", "-o", record]
     # perf is often there and not allowed, or not made for the kernel.
@@ -330,8 +341,8 @@ def limit(bench):
             return profile_of(checked([s.perf, "report", "--stdio", "-q", "-i", record, "--no-children", "-F",
                                        "sample,dso,sym", "-t", "|"]).said.splitlines())
         out = bench.cache / "callgrind.out"
-        checked(["valgrind", "--quiet", "--tool=callgrind", f"--callgrind-out-file={out}", *render, "--spp", 4, "--width",
-                 32])
+        checked(["valgrind", "--quiet", "--tool=callgrind",
+                f"--callgrind-out-file={out}", *render, "--spp", 4, "--width", 32])
         told = checked(["callgrind_annotate", "--threshold=100", "--show-percs=no", out]).said
         found = re.findall(r"^ *([0-9][0-9,]*)  [^:\n]*:(.*) \[(.*)\]$", told, re.M)
         return profile_of(f"{count}|{module}|{name}" for count, name, module in found)
@@ -340,7 +351,8 @@ def limit(bench):
         portal = bench.portals(scene).file
         loads.append(os.getloadavg()[0])
         frames += frames_of(checked([bench.store.program("limit_bench"), scene, portal, "--integrators", s.integrators,
-                                     "--threads", s.threads, "--seeds", s.seeds, "--width", s.width, "--spp", s.spp]).said)
+                                     "--threads", s.threads, "--seeds", s.seeds, "--width", s.width, "--spp",
+                                     s.spp]).said)
         loads.append(os.getloadavg()[0])
         for integrator in s.profiled:
             profiles[name, integrator] = profile(scene, portal, integrator)

@@ -23,7 +23,15 @@ from common import TESTDATA, turns
 
 class Student(unittest.TestCase):
     def test_quantiles_are_those_of_the_tables(self):
-        for df, t in ((1, 12.706), (2, 4.303), (3, 3.182), (4, 2.776), (7, 2.365), (15, 2.131), (30, 2.042), (120, 1.980)):
+        for df, t in (
+            (1, 12.706),
+            (2, 4.303),
+            (3, 3.182),
+            (4, 2.776),
+            (7, 2.365),
+            (15, 2.131),
+            (30, 2.042),
+            (120, 1.980)):
             self.assertAlmostEqual(stats.t_quantile(0.025, df), t, delta=5e-4)
         self.assertAlmostEqual(stats.t_quantile(0.005, 7), 3.499, delta=5e-4)
 
@@ -105,8 +113,8 @@ class Means(unittest.TestCase):
 
 # ---- efficiency ----
 def measured(factor, spread, scenes=1, seconds=4.0):
-    """bdpt's relMSE is 8 and tdpt's 8 / factor on average over many seeds, of eight of which each is off by up to `spread` of
-    it; tdpt takes half the samples, and 1 s less than bdpt's 4 s."""
+    """bdpt's relMSE is 8 and tdpt's 8 / factor on average over many seeds, of eight of which each is off by up to
+    `spread` of it; tdpt takes half the samples, and 1 s less than bdpt's 4 s."""
     rng, rows, of = np.random.default_rng(20261121), [], []
     black = {"relmse": 80, "psnr": 0.7, "mape": 90}
     for s in range(1, scenes + 1):
@@ -227,7 +235,8 @@ class Efficiency(unittest.TestCase):
         row = efficiency_tables.long_rows(m, "room1")[1]
         self.assertEqual(row[2:], ["3.0", "at most 0.04 (0.02), every seed", "missed"])
         self.assertEqual(m.pair("room1"), ["tdpt", "bdpt"])
-        self.assertEqual(efficiency_tables.points(m), {("room1", "bdpt"): [(4, 8, 8, 8)], ("room1", "tdpt"): [(3, 2, 2, 2)]})
+        self.assertEqual(efficiency_tables.points(m), {("room1", "bdpt"): [
+                         (4, 8, 8, 8)], ("room1", "tdpt"): [(3, 2, 2, 2)]})
         self.assertEqual(efficiency_tables.paper(m, "room1"), ["+4.3 dB", "40 % against 50 %"])
         self.assertEqual(efficiency_tables.busy(m), "")
         for r in m.rows["room1", "bdpt"] + m.rows["room1", "tdpt"]:
@@ -237,11 +246,18 @@ class Efficiency(unittest.TestCase):
 
 # ---- sky, Cycles, the whole light ----
 # CPU s and relMSE of each method: nee is the better without portals, gains 2, 5, 10, 8.
-METHODS = {"bdpt": (4, 0.5), "nee": (1, 1), "windows": (1, 0.5), "aimed": (1, 0.2), "guided": (4, 0.025), "auto": (2.5, 0.05)}
+METHODS = {
+    "bdpt": (4, 0.5),
+    "nee": (1, 1),
+    "windows": (1, 0.5),
+    "aimed": (1, 0.2),
+    "guided": (4, 0.025),
+    "auto": (2.5, 0.05)}
 
 
 def cells(factor=None, seeds=6, noise=0.02):
-    """factor: {(room, sky): by which the errors with portals are smaller}. The machine is twice as slow for some seeds."""
+    """factor: {(room, sky): by which the errors with portals are smaller}. The machine is twice as slow for some
+    seeds."""
     rng, made = np.random.default_rng(3), {}
     for room, group in (("window", "windows"), ("corner", "windows"), ("behind", "second"), ("kitchen", "interiors")):
         for light in ("overcast", "sun"):
@@ -250,7 +266,8 @@ def cells(factor=None, seeds=6, noise=0.02):
                 for method, (cpu, relmse) in METHODS.items():
                     by = 1 if method in sky.WITHOUT else (factor or {}).get((room, light), 1)
                     error, busy = relmse / by * rng.lognormal(0, noise), 2 if seed % 3 == 0 else 1
-                    made[room, light].pictures[method].append(sky.Picture(cpu * busy, error, error / 10, 1, "nee 0 0.4"))
+                    made[room, light].pictures[method].append(
+                        sky.Picture(cpu * busy, error, error / 10, 1, "nee 0 0.4"))
     return made
 
 
@@ -273,7 +290,8 @@ class Sky(unittest.TestCase):
         of = lambda *which: sky.geometric_mean(sky.select(made, *which), "windows").value
         self.assertAlmostEqual(of("windows", "overcast"), 2 * math.sqrt(4), delta=0.2)
         self.assertAlmostEqual(of("second"), 20, delta=1)
-        self.assertAlmostEqual(of("windows", "sun"), 2, delta=0.1)  # of the corner alone: the other's error hides in noise
+        # of the corner alone: the other's error hides in noise
+        self.assertAlmostEqual(of("windows", "sun"), 2, delta=0.1)
 
     def test_aims_are_met_or_not(self):
         good = {("behind", s): 4 for s in ("overcast", "sun")}
@@ -296,7 +314,8 @@ class Cycles(unittest.TestCase):
             made[key] = cycles.Cell(0.9, 10.5, 4, -0.001)
             for _ in range(4):
                 for method, (cpu, relmse) in methods.items():
-                    error = relmse * rng.lognormal(0, 0.02) / (factor if (method, key[1]) == ("ours-auto", "sun") else 1)
+                    error = relmse * rng.lognormal(0, 0.02) / (factor if (method,
+                                                   key[1]) == ("ours-auto", "sun") else 1)
                     made[key].pictures[method].append(cycles.Picture(100, cpu, error, error / 10))
         return made
 
@@ -322,7 +341,8 @@ class Cycles(unittest.TestCase):
 
 class WholeLight(unittest.TestCase):
     def kinds(self, noisier=1.0, seeds=6):
-        """Depth 6 takes 2 s, no limit 1.25 times as much with `noisier` times the relMSE, and has a third more light."""
+        """Depth 6 takes 2 s, no limit 1.25 times as much with `noisier` times the relMSE, and has a third more
+        light."""
         rng, made = np.random.default_rng(5), {"none": [], "six": [], "base": []}
         for seed in range(1, seeds + 1):
             busy = 2 if seed % 3 == 0 else 1
@@ -355,7 +375,8 @@ class TargetError(unittest.TestCase):
         for _ in range(100):
             relmse = 0.02 / better * rng.lognormal(0, 0.1)
             estimate = told * relmse
-            pictures.append(promises.Picture(relmse, 64, estimate, estimate / 1.2, estimate * 1.2, 16, estimate <= 0.02))
+            pictures.append(promises.Picture(relmse, 64, estimate,
+                            estimate / 1.2, estimate * 1.2, 16, estimate <= 0.02))
         return promises.Kept(768, 0.02, pictures)
 
     def test_good_pictures_keep_the_word(self):
@@ -395,10 +416,11 @@ class Regret(unittest.TestCase):
         scene = promises.read_regret(REGRET)["room"]
         self.assertAlmostEqual(promises.portals_gain({i: scene.cost(i) for i in scene.truth}), 4)
         self.assertAlmostEqual(promises.portals_gain(scene.told[8, 1]), 3)
-        self.assertIsNone(promises.portals_gain({"bdpt": 1, "tdpt": 0.1}))  # the paper's algorithm alone is no candidate
+        # the paper's algorithm alone is no candidate
+        self.assertIsNone(promises.portals_gain({"bdpt": 1, "tdpt": 0.1}))
         text = promises.regret_tables(promises.read_regret(REGRET))
-        for row in ("| room | tdpt-guided 0.5 0.4 1 | 4.00 | 0.431 | tdpt-guided 0.5 0.4 1 |", "| room | 4.00 | 3 (3 to 3) |",
-                    "| **within a factor of two** |  | 100 % |"):
+        for row in ("| room | tdpt-guided 0.5 0.4 1 | 4.00 | 0.431 | tdpt-guided 0.5 0.4 1 |",
+                    "| room | 4.00 | 3 (3 to 3) |", "| **within a factor of two** |  | 100 % |"):
             self.assertIn(row, text)
 
     def test_what_is_no_measurement_is_refused(self):
@@ -415,8 +437,10 @@ class Time(unittest.TestCase):
         for k in (3, 1, 2):  # the middle one is the second
             of = {("room", "bdpt"): portals.Taken(10 * k, 20 * k)}
             for scene, cpu in (("room", 8), ("room/4", split_cpu)):
-                of.update({(scene, "ffgraph"): portals.Taken(k, cpu * k, k, 100), (scene, "mincut"): portals.Taken(1, 1, 0, 50),
-                           (scene, "lightgrid"): portals.Taken(k, k, 0.5, 60 * k), (scene, "portalfit"): portals.Taken(1, 1)})
+                of.update({(scene, "ffgraph"): portals.Taken(k, cpu * k, k, 100),
+                           (scene, "mincut"): portals.Taken(1, 1, 0, 50),
+                           (scene, "lightgrid"): portals.Taken(k, k, 0.5, 60 * k),
+                           (scene, "portalfit"): portals.Taken(1, 1)})
             rounds.append(of)
         return portals.time_tables("room", portals.with_sums(rounds))
 
@@ -449,7 +473,8 @@ class Time(unittest.TestCase):
 
 
 def frame(threads=1, seed=1, other=0, rays=1200, cpu=3.0, raw=1.5, wall=3.0, integrator="bdpt"):
-    return "\t".join(str(x) for x in ("a/a.glb", integrator, threads, seed, 100, 700, 500, rays, other, cpu, raw, wall, raw))
+    return "\t".join(str(x)
+                     for x in ("a/a.glb", integrator, threads, seed, 100, 700, 500, rays, other, cpu, raw, wall, raw))
 
 
 def frames(*lines_of):
@@ -459,7 +484,8 @@ def frames(*lines_of):
 class Limit(unittest.TestCase):
     def test_the_factor_is_the_median_over_seeds_and_held_against_what_is_wanted(self):
         row = speed.factor_rows(frames(frame(), frame(seed=2, cpu=6.0), frame(seed=3, cpu=4.5)))[0]
-        self.assertEqual(row, ("a", "`bdpt`", "12.0", "42 %", "45000000", "1250000", "3.00 (2.00 to 4.00)", "1.6: **missed**"))
+        self.assertEqual(row, ("a", "`bdpt`", "12.0", "42 %", "45000000",
+                         "1250000", "3.00 (2.00 to 4.00)", "1.6: **missed**"))
         self.assertEqual(speed.factor_rows(frames(frame(cpu=1.6, raw=1.0)))[0][-1], "1.6: met")
         self.assertEqual(speed.factor_rows(frames(frame(integrator="nee")))[0][-1], "-")
 
@@ -469,7 +495,8 @@ class Limit(unittest.TestCase):
         self.assertEqual(row[3:], ("1.94 (1.88 to 2.00)", "2.00 (2.00 to 2.00)", "1.31 (0.75 to 1.88)"))
 
     def test_shares_of_a_profile(self):
-        profile = speed.profile_of(["50|libembree3.so.3|[.] 0x0021f4686", "  3,0|tdpt-render|[.] tdpt::Path::weight_by_products",
+        profile = speed.profile_of(["50|libembree3.so.3|[.] 0x0021f4686",
+                                    "  3,0|tdpt-render|[.] tdpt::Path::weight_by_products",
                                     "15|tdpt-render|[.] tdpt::Few::choose", "5|[kernel.kallsyms]|[k] exc_page_fault"])
         shares = speed.shares(profile)
         self.assertAlmostEqual(sum(shares.values()), 100)
@@ -500,7 +527,8 @@ def made_up():
                 rows.append({"knob": setting[0], "value": setting[1], "scene": scene, "seed": seed, "chain_cpu": chain,
                              "portals": 1, "relmse": 0.1 * loss * (1 + 0.01 * seed), "cpu": 2.0})
     rooms = [{"knob": knob, "value": value, "verdict": "ok" if i != wrong else "MISS", "kind": f"kind{i}", "seed": 1,
-              "coverage": 1, "tightness": 1, "cpu": 3} for (knob, value), wrong in ((DEFAULT, 0), (QUICK, 4)) for i in range(10)]
+              "coverage": 1, "tightness": 1, "cpu": 3} for (knob, value),
+              wrong in ((DEFAULT, 0), (QUICK, 4)) for i in range(10)]
     return tradeoff_page.PortalCurves(rows, rooms)
 
 
@@ -516,8 +544,11 @@ class Tradeoff(unittest.TestCase):
         self.assertEqual(tradeoff_page.changed_words(curve, QUICK), "-1 kind4, +1 kind0")
 
     def test_finding_pays_from_where_the_gain_has_paid_the_stages(self):
-        rows = [{"knob": "integrator", "value": i, "scene": "wide", "spp": 16, "seed": s, "relmse": e, "cpu": 1, "mean": 1}
-                for i, e in (("bdpt", 0.4), ("auto", 0.1), ("tdpt", 0.5)) for s in (1, 2)]
+        rows = [
+            {"knob": "integrator", "value": i, "scene": "wide", "spp": 16, "seed": s, "relmse": e, "cpu": 1, "mean": 1}
+            for i, e in (("bdpt", 0.4),
+                        ("auto", 0.1),
+                        ("tdpt", 0.5)) for s in (1, 2)]
         curve = tradeoff_page.PictureCurves(rows)
         self.assertAlmostEqual(curve.pays_from("wide", 3), 4)  # 4 s of bdpt are 3 + 1 s
         self.assertIsNone(curve.pays_from("wide", 3, through="tdpt"))
@@ -541,14 +572,16 @@ class Tradeoff(unittest.TestCase):
             self.assertTrue((tradeoff.REFERENCES / f"{scene.name}.json").exists())
 
     def test_rows_of_portals_bench_are_read(self):
-        (row,) = tradeoff.rooms_of("MISS  ajar-full        1801  portals 1/2  coverage 0.9979  tightness 0.995  angle  0.04  "
+        (row,) = tradeoff.rooms_of("MISS  ajar-full        1801  portals 1/2  coverage 0.9979  tightness 0.995  angle "
+                                   " 0.04  "
                                    "strays 0  lamp down    wall 0.100 in 4    scale 1  4.22 s\n      no portal\n")
         self.assertEqual([row[k] for k in ("verdict", "kind", "openings", "cpu")], ["MISS", "ajar-full", "2", "4.22"])
 
 
 # ---- The model of work ----
 HEADER = TESTDATA.parent / "tools/tdpt-render/work_model.h"
-NAMES = "sample closest closest_deeper shadow join portal portal_triangle directed facets facet looking_out window".split()
+NAMES = ("sample closest closest_deeper shadow join portal portal_triangle directed facets facet looking_out "
+         "window").split()
 
 
 def source_table(name):

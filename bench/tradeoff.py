@@ -20,8 +20,8 @@ RENDERER = "tdpt-render"
 
 @dataclass(frozen=True)
 class Knob:
-    """One option of one program; `values` from cheap to dear, as its command line has them. words: values are no numbers,
-    so points are joined by no line."""
+    """One option of one program; `values` from cheap to dear, as its command line has them. words: values are no
+    numbers, so points are joined by no line."""
 
     program: str
     option: str
@@ -73,8 +73,8 @@ LENGTHS = (1, 2, 4, 8, 16, 32, 64)  # samples per pixel, of the samples that a s
 class Scene:
     """reference: of testdata/references/efficiency, which tells size and depth. apertures: the true ones, rectangles
     (corner, edge, edge) in metres whose normal, edge x edge, is the light's way; none where they are not known in
-    figures: then the portal of the most accurate settings stands for them. aperture: whether there is any; where not, no
-    portal is the right answer."""
+    figures: then the portal of the most accurate settings stands for them. aperture: whether there is any; where not,
+    no portal is the right answer."""
 
     name: str
     apertures: tuple = ()
@@ -122,9 +122,9 @@ ACCURATE = {"ffgraph": ("--walks", "400000", "--samples", "1200000", "--rounds",
 
 # ---- Measuring ----
 class Reference:
-    """In two halves A, B of different seeds: (x - A)(x - B) stands for the square of x's error, since the noise of neither
-    half is in it on average. r: mean of the halves; the squares that relMSE divides by hold their noise, which makes it
-    too small by about as much as the reference's own relMSE."""
+    """In two halves A, B of different seeds: (x - A)(x - B) stands for the square of x's error, since the noise of
+    neither half is in it on average. r: mean of the halves; the squares that relMSE divides by hold their noise, which
+    makes it too small by about as much as the reference's own relMSE."""
 
     def __init__(self, a, b):
         self.a, self.b, self.r = a, b, (a + b) / 2
@@ -208,8 +208,8 @@ class Tradeoff:
         limit = () if depth is None or "--max-depth" in options else ("--max-depth", str(depth))
         options = tuple(o for o in options if o not in ("--max-depth=none",))
         given = ("--portal", portal) if portal else ()
-        run = self.bench.render(self.files[scene], *given, *options, *limit, "--spp", spp, "--seed", seed, "--width", width,
-                                "--height", height)
+        run = self.bench.render(self.files[scene], *given, *options, *limit, "--spp",
+                                spp, "--seed", seed, "--width", width, "--height", height)
         rgb = exr_read(run.out)[0]
         return {"scene": scene, "seed": seed, "spp": spp, "cpu": run.said["cpu_seconds"], **reference.measures(rgb)}
 

@@ -57,7 +57,10 @@ class PortalCurves:
 
     def loss(self, setting, scenes=None):
         """Cost of pictures through its portals over that through the true ones: 1 is as good as can be."""
-        return stats.geometric([(cost(self.rows(setting, s)), cost(self.rows(("true", ""), s))) for s in scenes or self.scenes])
+        return stats.geometric(
+            [(cost(self.rows(setting, s)),
+              cost(self.rows(("true", ""),
+                             s))) for s in scenes or self.scenes])
 
     def chain(self, setting, scene=None):
         """CPU seconds of the four stages, mean over scenes."""
@@ -84,7 +87,8 @@ class PortalCurves:
 
     def changed(self, setting, other=("default", "")):
         """(kinds of the rooms that are wrong by it and right by the other, kinds of those the other way round)"""
-        here, there = ({(r["kind"], r["seed"]): r["verdict"] == "ok" for r in self.rooms.get(s, [])} for s in (setting, other))
+        here, there = ({(r["kind"], r["seed"]): r["verdict"] == "ok" for r in self.rooms.get(s, [])}
+                       for s in (setting, other))
         both = [room for room in here if room in there]
         return ([kind for kind, seed in both if there[kind, seed] and not here[kind, seed]],
                 [kind for kind, seed in both if here[kind, seed] and not there[kind, seed]])
@@ -164,13 +168,14 @@ RATIOS = "0.2, 0.3, 0.5, 0.7, 1, 1.5, 2, 3, 5, 10, 20, 50, 100"
 
 def labels(block):
     """Names at points, above and below by turns: neighbours may be near."""
-    return ['%s every 2::%d using 1:2:5 with labels %s rotate by 40 offset %s font ",9" notitle' % (block, first, side, offset)
+    return ['%s every 2::%d using 1:2:5 with labels %s rotate by 40 offset %s font ",9" notitle' % (block, first,
+                                                                                                    side, offset)
             for first, side, offset in ((0, "left", "0.3,0.7"), (1, "right", "-0.3,-0.7"))]
 
 
 def stage_figure(curves, program):
-    """For each knob two panels: what pictures through its portals cost, and the rooms that are right, against time over that
-    of the default; of a knob that costs no time, against its values."""
+    """For each knob two panels: what pictures through its portals cost, and the rooms that are right, against time over
+    that of the default; of a knob that costs no time, against its values."""
     default = ("default", "")
 
     figure = pages.Figure(4)
@@ -193,9 +198,13 @@ def stage_figure(curves, program):
         every = [point for points in each for point in points]
         times = [x for x, _ in every]
         wide = not timeless and max(times) > 6 * min(times)
-        across = (f"set xtics ({FEW_RATIOS if wide else RATIOS}); set logscale x; set xrange " + pages.span(times, 0.8, 1.25)
-                  if not timeless else "set xtics (%s); set xrange [-0.5:%g]" % (
-                      ", ".join('"%s" %d' % (pages.short(v), i) for i, (_, v) in enumerate(settings)), len(settings) - 0.5))
+        across = (
+            f"set xtics ({FEW_RATIOS if wide else RATIOS}); set logscale x; set xrange " +pages.span(
+                times, 0.8, 1.25)
+            if not timeless else "set xtics (%s); set xrange [-0.5:%g]" %
+            (", ".join('"%s" %d' % (pages.short(v),
+                                   i) for i, (_, v) in enumerate(settings)),
+             len(settings) -0.5))
         costs = [(chain(s), loss[s].value, loss[s].low, loss[s].high, '"%s"' % pages.short(v)) for s, v in settings]
         rooms = [(over(curves.room_cpu, s), *(100 * x for x in (e.value, e.low, e.high)), '"%s"' % pages.short(v))
                  for s, v in settings for e in (curves.right(s),)]
@@ -205,9 +214,13 @@ def stage_figure(curves, program):
                  (LOG["y"], f"set ytics ({RATIOS}); set yrange " + pages.span([y for _, y in every], 0.7, 3))),
                 ("rooms", "rooms right [%]", rooms, [], ("set yrange [0:119]",))):
             block = figure.block(points)
-            figure.panel(f"{knob.name}: {words}", knob.unit or "value" if timeless else "time of the four stages / at the default", y,
-                         [*lines, *pages.bars(block, 0, 2, not knob.words), pages.ring(figure.block([points[here][:2]])),
-                          *([] if timeless else labels(block))], (*ranges, across))
+            figure.panel(
+                f"{knob.name}: {words}", knob.unit or "value"
+                if timeless else "time of the four stages / at the default", y,
+                [*lines, *pages.bars(block, 0, 2, not knob.words),
+                 pages.ring(figure.block([points[here] [: 2]])),
+                 *([] if timeless else labels(block))],
+                (*ranges, across))
     return figure
 
 
@@ -242,14 +255,19 @@ def renderer_figure(curves):
                 enumerate(curves.relative(knob.name, v, knob.default) for v in values)]
         ticks = "set xtics (%s)" % ", ".join('"%s" %d' % (v, i) for i, v in enumerate(values))
         marks = figure.block([mean[values.index(knob.default)][:2]])
-        figure.panel(knob.name, knob.unit or "heuristic", "cost / at the default",
-                     lines + pages.bars(figure.block(mean), 0, 2, not knob.words) + [pages.ring(marks)],
-                     (LOG["y"], ticks, "set xrange [-0.5:%g]" % (len(values) - 0.5), f"set ytics ({RATIOS}); set yrange " + pages.span(every, 0.7, 2)))
+        figure.panel(
+            knob.name, knob.unit or "heuristic", "cost / at the default", lines +pages.bars(
+                figure.block(mean),
+                0, 2, not knob.words) +[pages.ring(marks)],
+            (LOG["y"],
+             ticks, "set xrange [-0.5:%g]" % (len(values) -0.5),
+             f"set ytics ({RATIOS}); set yrange " +pages.span(every, 0.7, 2)))
     return figure
 
 
 def chain_figure(pictures, portals):
-    """Total time to an error, the four stages included: what was measured, and from the longest pictures on as 1 / time."""
+    """Total time to an error, the four stages included: what was measured, and from the longest pictures on as 1 /
+    time."""
     figure = pages.Figure(4)
     lines = (("bdpt", False, 0), ("tdpt-guided", True, 4), ("auto", True, 5))
     for scene in (s for s in portals.scenes if pictures.longest(s, "tdpt-guided")):
@@ -262,17 +280,21 @@ def chain_figure(pictures, portals):
             seconds, error = points[-1][0] - extra, points[-1][1]
             ahead = [(seconds * 2**i + extra, error / 2**i) for i in range(13) if seconds * 2**i < 2000]
             drawn += pages.bars(figure.block(points), k, 1.5, False)
-            drawn.append(f"{figure.block([p[:2] for p in points] + ahead)} using 1:2 with lines {pages.line(k)} notitle")
+            drawn.append(
+                f"{figure.block([p[:2] for p in points] + ahead)} using 1:2 with lines {pages.line(k)} notitle")
             every += [e for _, e, _, _ in points]
-        figure.panel(scene, "CPU seconds from .glb to picture", "relMSE", drawn,
-                     (LOG["xy"], 'set format y "10^{%T}"', "set xrange [0.03:2000]", "set yrange [1e-4:%g]" % (2 * max(every))))
+        figure.panel(
+            scene, "CPU seconds from .glb to picture", "relMSE", drawn,
+            (LOG["xy"],
+             'set format y "10^{%T}"', "set xrange [0.03:2000]", "set yrange [1e-4:%g]" % (2 * max(every))))
     figure.key(['NaN with linespoints %s title "%s"' % (pages.style(k), i + (", portals found first" if p else ""))
                 for i, p, k in lines])
     return figure
 
 
 def simplified_figure(rows, portals):
-    """Cost through portals that were found without the smallest triangles, against the share of the area that they make."""
+    """Cost through portals that were found without the smallest triangles, against the share of the area that they
+    make."""
     figure = pages.Figure(2, 500, 380)
     drawn, key = [], []
     for k, scene in enumerate(portals.scenes):
@@ -283,8 +305,8 @@ def simplified_figure(rows, portals):
             points.append((100 * share, loss.value, loss.low, loss.high))
         drawn += pages.bars(figure.block(points), k, 1.5)
         key.append('NaN with linespoints %s title "%s"' % (pages.style(k), scene))
-    figure.panel("Portals of simplified scenes", "area of the triangles left out [%]", "cost / through the true opening", drawn,
-                 (LOG["xy"],))
+    figure.panel("Portals of simplified scenes",
+                 "area of the triangles left out [%]", "cost / through the true opening", drawn, (LOG["xy"],))
     figure.key(key)
     return figure
 
@@ -319,7 +341,8 @@ def verdict(knob, settings, curve):
         best = min(totals, key=totals.get)
         if knob.default in totals:
             over = totals[knob.default] / totals[best]
-            says.append(f"{render} s: " + ("the best" if best == knob.default else f"{hundredths(over)} of that of `{best}`"))
+            says.append(f"{render} s: " + ("the best" if best ==
+                        knob.default else f"{hundredths(over)} of that of `{best}`"))
     return "Total time of the default, by R. " + "; ".join(says) + "."
 
 
@@ -343,7 +366,8 @@ def summary_section(portals, pictures):
         for render in RENDERS:
             totals = {v: portals.total(s, render) for s, v in settings}
             value = min(totals, key=totals.get)
-            cells.append("" if value == knob.default else f"`{value}`, {hundredths(totals[knob.default] / totals[value])}")
+            cells.append(
+                "" if value ==knob.default else f"`{value}`, {hundredths(totals[knob.default] / totals[value])}")
         rows.append(cells)
     return table(("knob", "default", *(f"better at {r} s" for r in RENDERS)), rows)
 
@@ -358,13 +382,25 @@ def stage_section(program, curve):
         totals = [bold_least([curve.total(s, render) for s, _ in settings]) for render in RENDERS]
         rows = []
         for i, (setting, value) in enumerate(settings):
-            rows.append([value + (" (default)" if value == knob.default else ""), hundredths(curve.chain(setting)),
-                         interval(curve.loss(setting)), interval(curve.found(setting), True),
-                         interval(curve.right(setting), True), changed_words(curve, setting), "%.4f" % curve.room_median(setting, "coverage"),
-                         "%.3f" % curve.room_median(setting, "tightness"), *(t[i] for t in totals)])
-        lines += ["", f"### {knob.name}" + (f" [{knob.unit}]" if knob.unit else ""), "", table(
-            ("value", "CPU s", "cost / through the true opening", "right number [%]", "rooms right [%]", "rooms lost, won", "coverage",
-             "tightness", *(f"total at {r} s" for r in RENDERS)), rows), "", verdict(knob, settings, curve)]
+            rows.append(
+                [value +(" (default)" if value ==knob.default else ""),
+                 hundredths(curve.chain(setting)),
+                 interval(curve.loss(setting)),
+                 interval(curve.found(setting),
+                          True),
+                 interval(curve.right(setting),
+                          True),
+                 changed_words(curve, setting),
+                 "%.4f" % curve.room_median(setting, "coverage"),
+                 "%.3f" % curve.room_median(setting, "tightness"),
+                 *(t[i] for t in totals)])
+        lines +=["", f"### {knob.name}" +(f" [{knob.unit}]" if knob.unit else ""),
+                 "",
+                 table(
+                     ("value", "CPU s", "cost / through the true opening", "right number [%]", "rooms right [%]",
+                      "rooms lost, won", "coverage", "tightness", *(f"total at {r} s" for r in RENDERS)),
+                     rows),
+                 "", verdict(knob, settings, curve)]
     return lines
 
 
@@ -379,8 +415,8 @@ def renderer_section(pictures):
         for value in values:
             each = [hundredths(pictures.relative(knob.name, value, knob.default, [s]).value) for s in scenes]
             name = value + (" (default)" if value == knob.default else "")
-            rows.append([name, interval(pictures.relative(knob.name, value, knob.default)) if value != knob.default else "1",
-                         *each])
+            rows.append([name, interval(pictures.relative(knob.name, value, knob.default))
+                         if value !=knob.default else "1", *each])
         lines += ["", f"### {knob.name}" + (f" [{knob.unit}]" if knob.unit else ""), "",
                   table(("value", "all", *scenes), rows)]
     return lines
@@ -394,8 +430,9 @@ def errors_section(pictures):
     rows = []
     for s in pictures.scenes("integrator"):
         found = [pictures.longest(s, i) for i in INTEGRATORS]
-        rows.append([s, told(pictures.by["black", "", s]),
-                     *(f"{hundredths(sum(r['cpu'] for r in of) / len(of))} s: {told(of)}" if of else "-" for of in found)])
+        rows.append(
+            [s, told(pictures.by["black", "", s]),
+             *(f"{hundredths(sum(r['cpu'] for r in of) / len(of))} s: {told(of)}" if of else "-" for of in found)])
     return table(("scene", "black", *INTEGRATORS), rows)
 
 
@@ -408,8 +445,11 @@ def depth_section(pictures):
         for s in scenes:
             if (name, depth, s) in pictures.by:
                 mean, whole = (pictures.mean(name, d, s, "mean") for d in (depth, "none"))
-                cells.append("%s, %s s, %.0f %%" % (hundredths(pictures.mean(name, depth, s, "relmse")),
-                                                    hundredths(pictures.mean(name, depth, s, "cpu")), 100 * mean / whole))
+                cells.append(
+                    "%s, %s s, %.0f %%" %
+                    (hundredths(pictures.mean(name, depth, s, "relmse")),
+                     hundredths(pictures.mean(name, depth, s, "cpu")),
+                     100 * mean / whole))
         rows.append([depth, *cells])
     return table(("edges", *scenes), rows) if scenes else []
 
@@ -452,32 +492,35 @@ WORDS = {
     "head": """# Speed against accuracy
 
 Written by `{extent}make bench-tradeoff` ({version}, {cores} cores). Every knob that buys speed with
-accuracy, the others at their defaults; {seeds} seeds of each setting, programs taking turns on one thread each. CPU seconds
-throughout. The data: [portals](tradeoff-portals.csv), [rooms](tradeoff-rooms.csv), [pictures](tradeoff-pictures.csv),
-[simplified](tradeoff-simplified.csv).
+accuracy, the others at their defaults; {seeds} seeds of each setting, programs taking turns on one thread each. CPU
+seconds throughout. The data: [portals](tradeoff-portals.csv), [rooms](tradeoff-rooms.csv),
+[pictures](tradeoff-pictures.csv), [simplified](tradeoff-simplified.csv).
 
 * **cost** = relMSE x CPU seconds of a picture; errors are against references of two halves (doc/efficiency.md).
-* **cost / through the true opening**: of `tdpt-guided` through the portals that a setting finds over that through the true
-  ones, geometric mean of {count} scenes; 1 is as good as can be, with no portal it is what portals are worth. In door-ajar,
-  veach-ajar and bathroom2-channel the portals of the most accurate settings stand for the true ones; living-room-lamps has no
-  opening: there it is what useless portals cost.
-* **right number**: of the runs, where the number of openings is known. **rooms right**: of generated rooms with known openings
-  those with all four marks of [portals.md](portals.md); **lost, won**: the kinds of those that are right by the default and
-  wrong by the setting (-), or the other way round (+); coverage and tightness are medians.
-* **total at R s**: the four stages and then a picture as good as R CPU seconds give through the true opening: chain + R x cost /
-  that through the true opening; geometric mean. The least in bold. A default is right where its total is the least or near it.
-* A picture's noise is that of few bright paths: of the default's own cost the interval is a factor of [{low}, {high}]. Nearer
-  than that, two settings are alike.
-* Brackets: 95 % intervals over seeds (bootstrap; of shares Wilson's). Plots: grey lines are single scenes, the ring is the default.
+* **cost / through the true opening**: of `tdpt-guided` through the portals that a setting finds over that through the
+  true ones, geometric mean of {count} scenes; 1 is as good as can be, with no portal it is what portals are worth. In
+  door-ajar, veach-ajar and bathroom2-channel the portals of the most accurate settings stand for the true ones;
+  living-room-lamps has no opening: there it is what useless portals cost.
+* **right number**: of the runs, where the number of openings is known. **rooms right**: of generated rooms with known
+  openings those with all four marks of [portals.md](portals.md); **lost, won**: the kinds of those that are right by
+  the default and wrong by the setting (-), or the other way round (+); coverage and tightness are medians.
+* **total at R s**: the four stages and then a picture as good as R CPU seconds give through the true opening: chain + R
+  x cost / that through the true opening; geometric mean. The least in bold. A default is right where its total is the
+  least or near it.
+* A picture's noise is that of few bright paths: of the default's own cost the interval is a factor of [{low}, {high}].
+  Nearer than that, two settings are alike.
+* Brackets: 95 % intervals over seeds (bootstrap; of shares Wilson's). Plots: grey lines are single scenes, the ring is
+  the default.
 """,
     "summary": """## Where the defaults lie
 
-The values that do better than the default, if only by chance, and the default's total over theirs (of the renderer's knobs: its
-cost).
+The values that do better than the default, if only by chance, and the default's total over theirs (of the renderer's
+knobs: its cost).
 
-Most of these scenes are bare rooms, which would do with less: `--quality draft`. What keeps the defaults where they are stands in
-no mean: a furnished room without an opening, where settings beside the default find a useless portal (the right number is below
-100 %), and rooms that a setting loses. A room that cheaper and dearer settings lose alike stands at an edge and tells nothing.
+Most of these scenes are bare rooms, which would do with less: `--quality draft`. What keeps the defaults where they are
+stands in no mean: a furnished room without an opening, where settings beside the default find a useless portal (the
+right number is below 100 %), and rooms that a setting loses. A room that cheaper and dearer settings lose alike stands
+at an edge and tells nothing.
 """,
     "integrators": """## tdpt-render
 
@@ -499,15 +542,15 @@ relMSE against the whole light (no limit), CPU seconds, share of the light; `aut
 """,
     "chain": """## From .glb to picture
 
-When finding portals pays: from which length of `bdpt`'s picture on the four stages and a picture through their portals are done
-earlier; and CPU seconds to a relMSE of 0.1 and of 0.01, extrapolated from the longest pictures.
+When finding portals pays: from which length of `bdpt`'s picture on the four stages and a picture through their portals
+are done earlier; and CPU seconds to a relMSE of 0.1 and of 0.01, extrapolated from the longest pictures.
 
 ![Total time to an error](tradeoff-chain.png)
 """,
     "simplified": """## Simplified scenes
 
-"Proper simplification does not affect the stability of the results" (paper, 4.1). The smallest triangles are left out, those
-that make so much of the area, before the four stages; the picture is of the whole scene. Cost / through the true
+"Proper simplification does not affect the stability of the results" (paper, 4.1). The smallest triangles are left out,
+those that make so much of the area, before the four stages; the picture is of the whole scene. Cost / through the true
 opening, and the share of the triangles that are gone.
 
 ![Cost through portals of simplified scenes](tradeoff-simplified.png)
@@ -545,8 +588,8 @@ def page(bench, extent):
           TABLES=Setting(tuple(TABLES), "of: portals pictures rooms simplified"))
 def tradeoff(bench):
     """Every knob that buys speed with accuracy, as curves: doc/tradeoff.md, its plots and tables. A night on two cores,
-    --quick three quarters of an hour. Every number is one run's: `cpu` seconds of the process; errors against the stored
-    references."""
+    --quick three quarters of an hour. Every number is one run's: `cpu` seconds of the process; errors against the
+    stored references."""
     bench.need("gnuplot")
     run = Tradeoff(bench)
     for name in bench.settings.tables:

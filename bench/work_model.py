@@ -105,5 +105,6 @@ def work_model(arguments):
         print(table((DEVICE_TABLES if options.device else TABLES)[key], names, costs[key]))
     errors = np.abs(ratio_errors(rows, costs))
     if errors.size:
-        print(f"{sum(map(len, rows.values()))} lines; ratios to bdpt are off by {100 * errors.mean():.1f} % on average, "
-              f"{100 * errors.max():.1f} % at most", file=sys.stderr)
+        print(
+            f"{sum(map(len, rows.values()))} lines; ratios to bdpt are off by {100 * errors.mean():.1f} % on average, "
+            f"{100 * errors.max():.1f} % at most", file=sys.stderr)
