@@ -24,19 +24,14 @@ run() {
   shift
   "$bin/$tool" "$@"
 }
-# shellcheck source=bench/find-portals.sh
-. "$here/bench/find-portals.sh"
-stage() {
-  case $1 in
-    portalfit) run "$@" ;;
-    *) run "$@" --quiet ;;
-  esac
-}
 
 say "This ends on $out/before-after.png: the room without and with the portal, side by side, after $seconds seconds each."
 say ""
 say "Finding the portal"
-find_portals "$scene" room
+run ffgraph "$scene" -o room.max --quiet
+run mincut room.max -o room.cut --quiet
+run lightgrid "$scene" room.cut -o room.vdb --quiet
+run portalfit room.vdb -o room.portal.glb
 
 say ""
 say "Rendering for $seconds seconds each, without the portal and with it"

@@ -1,22 +1,22 @@
-"""Tries tdpt-render, ffgraph and tdpt-info on every glTF file below a folder, as it comes, and tells what became of
-them: doc/scenes.md, "Public files". Files with the same bytes are tried once; those that are pointers of Git LFS, or
-whose buffers are, are not tried."""
+"""What becomes of glTF files as they come: doc/scenes.md, "Public files"."""
 import collections
-import concurrent.futures
+import functools
 import hashlib
 import json
 import os
 import re
 import resource
 import subprocess
-import sys
 import tempfile
 import urllib.parse
+from pathlib import Path
 
-import exr_file
 import numpy as np
 
-USAGE = "usage: public_files.py BIN FOLDER"
+import pages
+from common import Setting, Stop, settings
+from formats import exr_read
+
 SECONDS, BYTES = 30, 4 << 30  # that a program may take of time and of address space
 POINTER = b"version https://git-lfs"
 SKY = ["--frame", "--environment", "1,1,1", "--threads", "1", "--progress", "none"]
@@ -26,11 +26,6 @@ PROGRAMS = {
     "tdpt-info": [],
 }
 WRONG = ("crash", "hang", "not finite")  # and must not be
-
-
-def content(path):
-    with open(path, "rb") as file:
-        return file.read()
 
 
 def beside(path, data):
@@ -53,8 +48,8 @@ def scenes(folder):
             if not name.lower().endswith((".glb", ".gltf")):
                 continue
             path = os.path.join(place, name)
-            all_of_it = [content(path)]
-            all_of_it += [content(p) for p in beside(path, all_of_it[0]) if os.path.isfile(p)]
+            all_of_it = [Path(path).read_bytes()]
+            all_of_it += [Path(p).read_bytes() for p in beside(path, all_of_it[0]) if os.path.isfile(p)]
             key = hashlib.sha256(b"\0".join(all_of_it)).digest()
             if any(data.startswith(POINTER) for data in all_of_it):
                 pointers += 1
@@ -95,7 +90,7 @@ def attempt(folder, program, path):
             return "hang", ""
         words = run.stderr.decode("utf-8", "replace")
         drawn = program == "tdpt-render" and run.returncode == 0
-        return kind(run.returncode, words, exr_file.read(out)[0] if drawn else None), words
+        return kind(run.returncode, words, exr_read(out)[0] if drawn else None), words
 
 
 def message(words, path):
@@ -109,30 +104,27 @@ def tell(results):
     """Prints tables of {(program, path): (kind, words)}; whether nothing went wrong."""
     counts = collections.Counter((program, of) for (program, _), (of, _) in results.items())
     kinds = ["read", "read with warnings", "refused", *WRONG]
-    print("| program | " + " | ".join(kinds) + " |\n" + "|---" * (len(kinds) + 1) + "|")
-    for program in PROGRAMS:
-        print(f"| {program} | " + " | ".join(str(counts[program, k]) for k in kinds) + " |")
+    print(pages.table(("program", *kinds), [[program, *(counts[program, k]
+          for k in kinds)] for program in PROGRAMS]) + "\n")
     groups = collections.defaultdict(list)
     for (program, path), (of, words) in results.items():
         if of in WRONG or (of == "refused" and program == "tdpt-render"):
             groups[of, message(words, path)].append(path)
-    print()
     for (of, text), paths in sorted(groups.items(), key=lambda g: -len(g[1])):
         print(f"{len(paths):5} {of}: {text}: {paths[0]}")
     return not any(of in WRONG for of, _ in results.values())
 
 
-def main(arguments):
-    if len(arguments) != 2:
-        print(USAGE, file=sys.stderr)
-        return 2
-    folder, (found, copies, pointers) = arguments[0], scenes(arguments[1])
+@settings(FOLDER=Setting("", "that of the files"))
+def public_files(bench):
+    """Tries tdpt-render, ffgraph and tdpt-info on every glTF file below FOLDER, as it comes, and tells what became of
+    them. Files with the same bytes are tried once; those that are pointers of Git LFS, or whose buffers are, are not
+    tried."""
+    if not os.path.isdir(bench.settings.folder):
+        raise Stop(2, "FOLDER=FOLDER: expected the folder of the files")
+    found, copies, pointers = scenes(bench.settings.folder)
     print(f"{len(found)} files; {copies} copies and {pointers} pointers of Git LFS left out\n")
     jobs = [(program, path) for path in found for program in PROGRAMS]
-    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
-        results = dict(zip(jobs, pool.map(lambda job: attempt(folder, *job), jobs)))
-    return 0 if tell(results) else 1
-
-
-if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    results = bench.side_by_side([functools.partial(attempt, bench.programs, *job) for job in jobs])
+    if not tell(dict(zip(jobs, results))):
+        raise Stop(1, "something went wrong")

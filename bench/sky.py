@@ -1,40 +1,65 @@
-"""sky.py LINES: the tables of doc/sky.md from what sky.sh measured, a line each:
-  cell ROOM GROUP SKY PORTALS BLACK_RELMSE BLACK_PSNR PEAK                  PEAK: squared, that of PSNR
-  run ROOM SKY METHOD SEED CPU RELMSE MSE MEAN CHOSEN                       MEAN: over the reference's
-
-cost of a method   mean over its seeds of CPU s x relMSE
-gain of a method   cost of the better of WITHOUT over its own
-"""
+"""What portals are worth where a sky shines in through windows: doc/sky.md, the README's picture of it, and the table
+of doc/guided.md about a window of six panes."""
 import collections
+import functools
 import math
-import sys
+import re
+import shutil
+from dataclasses import dataclass, field
+from pathlib import Path
 
 import numpy as np
 
-import intervals
+import pages
+import rooms
+import stats
+from common import SKIES, STAGES, Halves, Made, Setting, Stop, checked, decibels_of, environment, settings, turns
+from pages import hundredths
 
-Run = collections.namedtuple("Run", "cpu relmse mse mean chosen")
 SEED = 20260717
 WITHOUT = ("bdpt", "nee")
 WITH = {"windows": "`nee` + portals", "aimed": "`nee` 0.4", "guided": "`tdpt-guided`", "auto": "`auto`"}
+OPTIONS = {
+    "bdpt": ("--integrator", "bdpt"),
+    "nee": ("--integrator", "nee"),
+    "windows": ("--integrator", "nee"),
+    "aimed": ("--integrator", "nee", "--guide-camera", "0.4"),
+    "guided": ("--integrator", "tdpt-guided"),
+    "auto": ()}
 GROUPS = {"windows": "ordinary windows", "interiors": "interiors", "second": "through a second room"}
-NAN = float("nan")
+# Name: group, and what it is: the N-th room of a kind, or an interior.
+ROOMS = {"window": ("windows", "sky-window", 1), "windows": ("windows", "sky-windows", 1),
+         "corner": ("windows", "corner-windows", 1), "skylight": ("windows", "skylight", 1),
+         "blinds": ("windows", "sky-blinds", 1), "facade": ("windows", "deep-facade", 1),
+         "behind": ("second", "room-behind", 1), "behind-2": ("second", "room-behind", 2),
+         "living-room": ("interiors", "", 0), "classroom": ("interiors", "", 0)}
 
 
+@dataclass
+class Picture:
+    cpu: float
+    relmse: float
+    mse: float
+    mean: float = 1  # over the reference's
+    chosen: str = "-"
+
+
+@dataclass
 class Cell:
-    """A room under a sky."""
+    """A room under a sky. peak: squared, that of PSNR. pictures: of each method, in the order of their seeds.
 
-    def __init__(self, group, portals, black_relmse, black_psnr, peak):
-        self.group, self.portals, self.black_relmse = group, int(portals), float(black_relmse)
-        self.black_psnr, self.peak = float(black_psnr), float(peak)
-        self.runs = collections.defaultdict(dict)  # method: {seed: Run}
+    cost of a method   mean over its seeds of CPU s x relMSE
+    gain of a method   cost of the better of WITHOUT over its own"""
 
-    def of(self, method):
-        """Runs in the order of their seeds."""
-        return [self.runs[method][seed] for seed in sorted(self.runs[method])]
+    group: str
+    portals: int
+    black_relmse: float
+    black_psnr: float
+    peak: float
+    pictures: dict = field(default_factory=lambda: collections.defaultdict(list))
 
     def costs(self, method):
-        return np.array([r.cpu * r.relmse for r in self.of(method)])
+        return np.array([p.cpu * p.relmse for p in self.pictures[method]])
 
     def base(self):
         """The better method without portals."""
@@ -42,163 +67,250 @@ class Cell:
 
     def gain(self, method):
         """nan where an error hides in the noise of the reference."""
-        costs = [self.costs(m).mean() for m in (self.base(), method)]
-        return costs[0] / costs[1] if min(costs) > 0 else NAN
-
-    def interval(self, method):
-        rng = np.random.default_rng(SEED)
-        return intervals.ratio_interval(self.costs(self.base()), self.costs(method), rng)
+        return stats.ratio(self.costs(self.base()), self.costs(method), SEED)
 
     def psnr(self, method):
-        mse = np.mean([r.mse for r in self.of(method)])
-        return 10 * math.log10(self.peak / mse) if mse > 0 else NAN
-
-
-def read(lines):
-    """{(room, sky): Cell} in the order of the lines. Throws ValueError."""
-    cells = {}
-    for number, line in enumerate(lines, 1):
-        kind, *field = line.split()
-        try:
-            if kind == "cell":
-                room, group, sky, *numbers = field
-                if group not in GROUPS:
-                    raise ValueError(f"{group} is no group")
-                cells[room, sky] = Cell(group, *numbers)
-            elif kind == "run":
-                room, sky, method, seed, *numbers, chosen = field
-                cells[room, sky].runs[method][int(seed)] = Run(*map(float, numbers), chosen.replace("_", " "))
-            else:
-                raise ValueError(f"{kind} is neither cell nor run")
-        except (KeyError, TypeError, ValueError) as error:
-            raise ValueError(f"line {number}: {error}") from error
-    return cells
+        return decibels_of(self.peak, np.mean([p.mse for p in self.pictures[method]]))
 
 
 def geometric_mean(cells, method):
-    """Of the gains, and the ends of its 95 % interval over seeds; the rooms are what they are."""
-    gains = [cell.gain(method) for cell in cells]
-    known = [(cell, gain) for cell, gain in zip(cells, gains) if not math.isnan(gain)]
-    if not known:
-        return NAN, NAN, NAN
-    rng = np.random.default_rng(SEED)
-    total, least = np.zeros(intervals.DRAWS), min(len(cell.of(method)) for cell, _ in known)
-    for cell, _ in known:
-        for sign, of in ((1, cell.base()), (-1, method)):
-            costs = cell.costs(of)
-            means = costs[rng.integers(len(costs), size=(intervals.DRAWS, len(costs)))].mean(1)
-            total += sign * np.log(np.maximum(means, 1e-12))
-    total.sort()
-    value = math.exp(np.mean([math.log(gain) for _, gain in known]))
-    if least < 2:
-        return value, NAN, NAN
-    level = int(intervals.expanded_tail(least) * intervals.DRAWS)
-    ends = np.exp(total[[level, intervals.DRAWS - 1 - level]] / len(known))
-    return value, ends[0], ends[1]
-
-
-def number(x):
-    return "-" if math.isnan(x) else f"{x:.2f}" if x < 9.95 else f"{x:.1f}" if x < 99.5 else f"{x:.0f}"
-
-
-def with_interval(value, low, high):
-    if math.isnan(value) or math.isnan(low):
-        return number(value)
-    return f"{number(value)} [{number(low)}, {'-' if high >= intervals.NO_BOUND else number(high)}]"
-
-
-def of_cell(cell, method):
-    ends = cell.interval(method) if len(cell.of(method)) > 1 else (NAN, NAN)
-    return with_interval(cell.gain(method), *ends)
-
-
-def skies_of(cells):
-    return list(dict.fromkeys(sky for _, sky in cells))
+    """Of the gains that are known, its interval over seeds; the rooms are what they are."""
+    return stats.geometric([(cell.costs(cell.base()), cell.costs(method)) for cell in cells
+                            if not math.isnan(cell.gain(method).value)], SEED)
 
 
 def select(cells, group, sky=None):
+    """cells: {(room, sky): Cell}"""
     return [c for (_, s), c in cells.items() if c.group == group and sky in (None, s)]
 
 
 def mean_table(cells):
-    rows = ["| lit through | sky | rooms | " + " | ".join(WITH.values()) + " |", "|---|---|---|" + "---|" * len(WITH)]
+    rows = []
     for group, words in GROUPS.items():
-        for sky in (*skies_of(cells), None):
+        for sky in (*dict.fromkeys(sky for _, sky in cells), None):
             of = select(cells, group, sky)
             if of:
-                gains = " | ".join(with_interval(*geometric_mean(of, m)) for m in WITH)
-                rows.append(f"| {words} | {sky or '**all**'} | {len(of)} | {gains} |")
-    return rows
-
-
-def least(cells, value):
-    """The key for which value is least, and the value; nan counts for nothing."""
-    known = {key: v for key, v in ((key, value(cell)) for key, cell in cells.items()) if not math.isnan(v)}
-    key = min(known, key=known.get)
-    return key, known[key]
+                rows.append([words, sky or "**all**", len(of), *(geometric_mean(of, m).text(hundredths) for m in WITH)])
+    return pages.table(("lit through", "sky", "rooms", *WITH.values()), rows)
 
 
 def beside_best(cell):
     """Gain of auto over the greatest of a single method, 1 of the better without among them."""
-    return cell.gain("auto") / max(1, *(cell.gain(m) for m in WITH if m != "auto"))
+    return cell.gain("auto").value / max(1, *(cell.gain(m).value for m in WITH if m != "auto"))
 
 
 def aim_table(cells):
-    rows = ["| aim, for `auto` | measured | met |", "|---|---|---|"]
+    rows = []
 
-    def row(words, aim, value, shown):
+    def aim(words, wanted, value, shown):
         if not math.isnan(value):
-            rows.append(f"| {words}: {aim} | {shown} | {'yes' if value >= aim else '**no**'} |")
+            rows.append([f"{words}: {wanted}", shown, "yes" if value >= wanted else "**no**"])
 
-    for words, aim, group, sky in (("ordinary windows, geometric mean", 5, "windows", None),
-                                   ("the same under overcast", 1.5, "windows", "overcast"),
-                                   ("through a second room, geometric mean", 20, "second", None)):
+    for words, wanted, group, sky in (("ordinary windows, geometric mean", 5, "windows", None),
+                                      ("the same under overcast", 1.5, "windows", "overcast"),
+                                      ("through a second room, geometric mean", 20, "second", None)):
         mean = geometric_mean(select(cells, group, sky), "auto")
-        row(words, aim, mean[0], with_interval(*mean))
-    for words, value in (("the least gain", lambda c: c.gain("auto")), ("the least beside the best single choice", beside_best)):
-        (room, sky), low = least(cells, value)
-        below = sum(value(c) < 0.95 for c in cells.values())
-        row(words, 0.95, low, f"{low:.2f} ({room}, {sky}); below 0.95 in {below} of {len(cells)}")
-    return rows
+        aim(words, wanted, mean.value, mean.text(hundredths))
+    for words, value in (("the least gain", lambda c: c.gain("auto").value),
+                         ("the least beside the best single choice", beside_best)):
+        known = {key: v for key, v in ((key, value(cell)) for key, cell in cells.items()) if not math.isnan(v)}
+        room, sky = min(known, key=known.get)
+        low, below = known[room, sky], sum(v < 0.95 for v in known.values())
+        aim(words, 0.95, low, f"{low:.2f} ({room}, {sky}); below 0.95 in {below} of {len(cells)}")
+    return pages.table(("aim, for `auto`", "measured", "met"), rows)
 
 
 def room_table(cells):
-    rows = ["| room | sky | portals | without | " + " | ".join(WITH.values()) + " | `auto` chose |",
-            "|---|---|---|---|" + "---|" * (len(WITH) + 1)]
+    rows = []
     for (room, sky), c in cells.items():
-        gains = " | ".join(of_cell(c, m) for m in WITH)
-        chosen = collections.Counter(r.chosen for r in c.of("auto")).most_common()
-        words = ", ".join(name + (f" ({n} of {len(c.of('auto'))})" if len(chosen) > 1 else "") for name, n in chosen)
-        rows.append(f"| {room} | {sky} | {c.portals or 'none found'} | {c.base()} | {gains} | {words} |")
-    return rows
+        chosen = collections.Counter(p.chosen for p in c.pictures["auto"]).most_common()
+        of = len(c.pictures["auto"])
+        words = ", ".join(name + (f" ({n} of {of})" if len(chosen) > 1 else "") for name, n in chosen)
+        rows.append([room, sky, c.portals or "none found", c.base(),
+                    *(c.gain(m).text(hundredths) for m in WITH), words])
+    return pages.table(("room", "sky", "portals", "without", *WITH.values(), "`auto` chose"), rows)
 
 
 def error_table(cells):
-    methods = {**{m: f"`{m}`" for m in WITHOUT}, **WITH}
-    rows = ["| room | sky | " + " | ".join(methods.values()) + " | black |", "|---|---|" + "---|" * (len(methods) + 1)]
+    methods, rows = {**{m: f"`{m}`" for m in WITHOUT}, **WITH}, []
     for (room, sky), c in cells.items():
-        errors = [(np.mean([r.relmse for r in c.of(m)]), c.psnr(m)) for m in methods] + [(c.black_relmse, c.black_psnr)]
-        rows.append(f"| {room} | {sky} | " + " | ".join(f"{e:.2g}, {p:.1f}" for e, p in errors) + " |")
-    return rows
+        errors = [(np.mean([p.relmse for p in c.pictures[m]]), c.psnr(m)) for m in methods]
+        errors.append((c.black_relmse, c.black_psnr))
+        rows.append([room, sky, *(f"{e:.2g}, {p:.1f}" for e, p in errors)])
+    return pages.table(("room", "sky", *methods.values(), "black"), rows)
 
 
-def main(path):
-    with open(path, encoding="utf-8") as file:
-        cells = read(file)
-    if not cells:
-        raise ValueError("no cell, expected what sky.sh measures")
-    print("## Gains\n\nGeometric means over rooms.\n")
-    print("\n".join(mean_table(cells)))
-    print("\n## Aims\n")
-    print("\n".join(aim_table(cells)))
-    print("\n## Room by room\n\nwithout: which of `bdpt` and `nee` is the better without portals.\n")
-    print("\n".join(room_table(cells)))
-    print("\n## Errors\n\nrelMSE, PSNR [dB] with equally many samples, not in equal time; black: of a picture of no light.\n")
-    print("\n".join(error_table(cells)))
+def sky_tables(cells):
+    return pages.sections(
+        "## Gains\n\nGeometric means over rooms.", mean_table(cells), "## Aims", aim_table(cells),
+        "## Room by room\n\nwithout: which of `bdpt` and `nee` is the better without portals.", room_table(cells),
+        "## Errors\n\nrelMSE, PSNR [dB] with equally many samples, not in equal time; black: of a picture of no light.",
+        error_table(cells))
 
 
-if __name__ == "__main__":
-    try:
-        main(sys.argv[1])
-    except (OSError, ValueError) as error:
-        sys.exit(f"sky.py: {error}")
+def generated(bench, name, kind, number):
+    """The N-th generated room of that kind which has no lamp and stands upright, in metres: half of them are turned,
+    where no map's sky would be above. Stages that fail at once leave the room alone."""
+    program = bench.store.program("portals_bench")
+    failing = bench.cache / "none"
+    failing.mkdir(exist_ok=True)
+    for stage in STAGES:
+        if not (failing / stage).is_symlink():
+            (failing / stage).symlink_to(shutil.which("false"))
+
+    def make(path):
+        folder = path.with_suffix(".rooms")
+        told = checked([program, failing, "--rooms", 40, "--kinds", kind, "--jobs", 1, "--keep", folder], may_fail=(1,))
+        seeds = [re.search(r"(\d+)\s+portals ", line).group(1) for line in told.errors.splitlines()
+                 if " lamp sky " in line and " scale 1 " in line and " turned " not in line]
+        if len(seeds) < number:
+            raise Stop(4, f"of 40 rooms {kind} fewer than {number} have a sky and no placement")
+        shutil.copy(folder / f"{kind}-{seeds[number - 1]}.glb", path)
+        shutil.rmtree(folder)
+    kept = bench.store.keep([bench.store.sum_of(program), kind, number], make, ".glb")
+    shutil.copy(kept, bench.cache / f"{name}.glb")
+    return bench.cache / f"{name}.glb"
+
+
+@settings(ROOMS=Setting(tuple(ROOMS), "names of the rooms to measure"),
+          SKIES=Setting(SKIES, "of: overcast clear sun (sun: an interior has its own map instead)"),
+          SPP=Setting(32, "samples per pixel", 4), SEEDS=Setting(4, "pictures of each kind", 2),
+          REF_SPP=Setting(96, "samples per pixel of each half of a reference", 16),
+          REF_INTEGRATOR=Setting("auto", "of the references, with the portals found"),
+          WIDTH=Setting(72, "of the pictures of rooms; those of interiors are a third wider", 24),
+          HEIGHT=Setting(54, "", 18))
+def sky(bench):
+    """What the windows that the stages find are worth under a sky. Rooms x skies; in each, pictures of equally many
+    samples by `bdpt` and `nee` without portals and by what can be done with the portals found, several seeds, taking
+    turns, one thread each; efficiency 1 / (relMSE x CPU s) over the better of the two without. A quarter of an hour."""
+    s, places, interiors = bench.settings, [], Path(bench.settings.scenes) / "interiors"
+    for name in s.rooms:
+        if name not in ROOMS:
+            raise Stop(2, f"ROOMS: there is no {name}")
+        group, kind, number = ROOMS[name]
+        scene = generated(bench, name, kind, number) if kind else bench.find(name)
+        if scene:
+            places += [(name, light, group, scene) for light in s.skies]
+        else:
+            bench.say(f"there is no {interiors}/{name}.glb: left out")
+    if not places:
+        raise Stop(3, "none of the rooms is there")
+
+    def cell(name, light, group, scene):
+        shines = ("--environment", environment(light, interiors / f"{name}.env.exr"))
+        portals = bench.portals(scene, shines, threads=1)
+        width = s.width * 4 // 3 if group == "interiors" else s.width
+
+        def render(options, spp, seed):
+            return bench.render(
+                scene, *shines, "--width", width, "--height", s.height, *options, "--spp", spp, "--seed", seed)
+
+        portal = ("--portal", portals.file)
+        halves = Halves(bench, *(render((*portal, "--integrator", s.ref_integrator), s.ref_spp, 1000000 + half).out
+                                 for half in (1, 2)))
+        black = halves.ways[0]["black"]
+        made = Cell(group, portals.count, black["relmse"], black["psnr"], halves.ways[0]["peak"] ** 2)
+        pictures = {}
+        for seed, method in turns(range(1, s.seeds + 1), OPTIONS):
+            run = render((*(() if method in WITHOUT else portal), *OPTIONS[method]), s.spp, seed)
+            off = halves.off(run.out)
+            pictures[method, seed] = Picture(run.said["cpu_seconds"], off["relmse"], off["mse"],
+                                             off["mean"] / off["reference_mean"], run.said.get("chosen") or method)
+        for method, seed in sorted(pictures):
+            made.pictures[method].append(pictures[method, seed])
+        return made
+
+    cells = bench.side_by_side([functools.partial(cell, *place) for place in places])
+    bench.page("sky", f"""# What the windows found are worth under a sky
+
+Written by `make bench-sky` ({bench.version()}). Pictures of {s.width} x {s.height} pixels (interiors \
+{s.width * 4 // 3} x {s.height}), {s.spp} samples per pixel,
+paths of any length, {s.seeds} seeds; runs of one thread taking turns. Portals are those that the four stages find,
+given the same
+`--environment`; the reference has twice {s.ref_spp} samples per pixel by `{s.ref_integrator}`, and its noise is \
+taken out of the errors.
+
+* Skies. overcast: 1,1,1 from everywhere. clear: `testdata/environments/clear.exr`. sun: `clear-sun.exr`, all the sun in
+  one texel; the interiors have their own maps instead, a low sun (living-room) and a sun beside a sky (classroom).
+* Rooms: the first of a kind of `libcommon/testing/rooms/known_rooms.h` that have no lamp and stand upright. behind, behind-2:
+  a door behind the room with the windows.
+* Gain: efficiency, 1 / (relMSE x CPU s), over that of the better of `bdpt` and `nee` without portals; in brackets the
+  95 % interval over seeds, by bootstrap. The better one is picked by the same pictures, which favours it.
+* `nee` + portals: next events through the windows. `nee` 0.4: `--guide-camera 0.4`, too. `auto` pays for its choice.
+
+{sky_tables({(name, light): c for (name, light, _, _), c in zip(places, cells)})}""")
+
+
+@settings(SCENE=Setting("", "a room without lamps (blinds.glb, which the benchmark sky leaves in build/sky). For "
+                        "living-room.glb of the interiors TURN=200 lets the sun in through both walls' windows"),
+          SKY=Setting("", "its --environment (clear-sun.exr of testdata)"), TURN=Setting(0.0, "and its rotation"),
+          WIDTH=Setting(480, "of each half", 24), SPP=Setting(12, "samples per pixel of the right one; others get as "
+                                                                  "many as "
+                                                              "they need for the same CPU time", 2),
+          BEFORE=Setting("nee", "integrator of the left one"),
+          ALSO=Setting("bdpt", "another without portals, told alone"),
+          REF_SPP=Setting(36, "samples per pixel of the reference, by auto with the portals", 4))
+def before_after(bench):
+    """DOC/sky-before-after.png, a room that the sun lights through its window: on the left without portals, on the
+    right with those that the four stages find, in equal CPU time; and what both are worth, for the caption, on
+    stdout."""
+    s = bench.settings
+    scene = Path(s.scene or bench.cache.parent / "sky/blinds.glb").resolve()
+    if not scene.exists():
+        raise Stop(3, f"there is no scene {scene}; run the benchmark sky first, or name one with SCENE=FILE")
+    light = ("--environment", Path(s.sky).resolve() if Path(s.sky).is_file() else s.sky or environment("sun"),
+             "--environment-rotation", f"{s.turn:g}")
+
+    def render(spp, *options):
+        return bench.render(scene, *light, "--width", s.width, "--spp", spp, *options, threads=0)
+
+    portal = ("--portal", bench.portals(scene, light).file)
+    after = render(s.spp, *portal)
+
+    def without(integrator):
+        """In the time of the picture with portals."""
+        few = render(2, "--integrator", integrator).said["cpu_seconds"]
+        return render(max(1, round(2 * after.said["cpu_seconds"] / few)), "--integrator", integrator)
+
+    pictures = [without(s.before), without(s.also), after]
+    reference = render(s.ref_spp, *portal, "--seed", 1000001)
+    both = bench.store.run("exrdiff", pictures[0].out, after.out, "--side-by-side", Made("both.png"), output=False)
+    shutil.copy(both.folder / "both.png", bench.doc / "sky-before-after.png")
+    print(f"{scene.name}, {after.said['width']} x {after.said['height']} each")
+    for run in pictures:
+        off, said = bench.distance(run.out, reference.out), run.said
+        print(f"{said['integrator']} {said.get('chosen') or 'without portals'}, {said['spp']} samples per pixel, "
+              f"{said['cpu_seconds']} CPU s: relMSE {off['relmse']}, PSNR {off['psnr']} dB, mean {off['mean']} "
+              f"(reference {off['reference_mean']}); black: relMSE {off['black']['relmse']}, PSNR "
+              f"{off['black']['psnr']} dB")
+
+
+@settings(BARS=Setting(("4", "20"), "widths of the bars [cm]"), SKIES=Setting(SKIES, "of: overcast clear sun"),
+          SPP=Setting(24, "samples per pixel", 2), SEEDS=Setting(4, "pictures of each kind", 2),
+          REF_SPP=Setting(96, "samples per pixel of each half of a reference", 8),
+          WIDTH=Setting(96, "of the pictures", 24), HEIGHT=Setting(72, "", 18))
+def panes(bench):
+    """Is a window of six panes better rendered with one portal, one a column of panes or one a pane? A room with bars
+    of 4 cm and of 20 cm under three skies, by each way to use a portal; equally many samples, one thread, runs taking
+    turns. Prints the table of doc/guided.md: how many times as efficient, 1 / (relMSE x CPU s), three and six portals
+    are as one. Ten minutes."""
+    s, rows = bench.settings, []
+    rooms.write_paned_rooms(bench.cache)
+    ways = {"nee": ("--integrator", "nee"), "tdpt-guided": ("--integrator", "tdpt-guided"), "auto": ()}
+    for bar in s.bars:
+        for light in s.skies:
+            def render(portals, options, spp, seed, room=f"panes-{bar}", light=light):
+                return bench.render(bench.cache / f"{room}.glb", "--environment", environment(light),
+                                    "--environment-rotation", -45, "--portal", bench.cache / f"{room}-{portals}.glb",
+                                    "--width", s.width, "--height", s.height, *options, "--spp", spp, "--seed", seed)
+            halves = Halves(bench, *(render("one", ways["tdpt-guided"],
+                            s.ref_spp, 1000000 + half).out for half in (1, 2)))
+            cost = collections.Counter()
+            for seed in range(1, s.seeds + 1):
+                for way, options in ways.items():
+                    for portals in ("one", "three", "six"):
+                        run = render(portals, options, s.spp, seed)
+                        cost[way, portals] += run.said["cpu_seconds"] * halves.off(run.out)["relmse"]
+            rows += [[f"{bar} cm", light, portals, *("%.2f" % (cost[way, "one"] / cost[way, portals]) for way in ways)]
+                     for portals in ("three", "six")]
+    print(pages.table(("bars", "sky", "portals", *(f"`{way}`" for way in ways)), rows))

@@ -1,7 +1,5 @@
-#!/usr/bin/python3
-"""work_model.py [--device] [--hold TERM=COST]... [FILE...]: fits the tables of tools/tdpt-render/plan/work_model.h to what
-work_model_bench measured (files or standard input, headers in between allowed) and prints them as they stand there, with
---device those of a device.
+"""Fits the tables of tools/tdpt-render/plan/work_model.h to what work_model_bench measured (files or standard input, headers
+in between allowed) and prints them as they stand there, with --device those of a device.
 
 Least squares of relative errors: sum over lines of ((terms . costs) / nanoseconds - 1)^2, one fit to the
 lines with portals and one to those without; lines of pt do not count. A term that is 0 in all lines stays 0,
@@ -63,18 +61,11 @@ def fit(terms, times, held=None):
 def ratio_errors(rows, costs):
     """By line: the model's ratio to bdpt's time, of the same scene and depth, over the measured one, less 1. `rows`,
     `costs`: by TABLES' keys; bdpt's line may have the other table's."""
-    lines = [
-        (keys, np.dot(terms, costs[key]), float(keys["nanoseconds"])) for key in rows for keys, terms in rows[key]
-    ]
+    lines = [(keys, np.dot(terms, costs[key]), float(keys["nanoseconds"])) for key in rows for keys, terms in rows[key]]
     place = lambda keys: (keys["scene"], keys["depth"])
     bdpt = {place(keys): (model, measured) for keys, model, measured in lines if keys["integrator"] == "bdpt"}
-    return np.array(
-        [
-            (model / bdpt[place(keys)][0]) / (measured / bdpt[place(keys)][1]) - 1
-            for keys, model, measured in lines
-            if keys["integrator"] != "bdpt" and place(keys) in bdpt
-        ]
-    )
+    return np.array([(model / bdpt[place(keys)][0]) / (measured / bdpt[place(keys)][1]) - 1
+                     for keys, model, measured in lines if keys["integrator"] != "bdpt" and place(keys) in bdpt])
 
 
 def table(name, names, costs):
@@ -94,8 +85,8 @@ def held_costs(arguments, names):
     return held
 
 
-def main(arguments):
-    parser = argparse.ArgumentParser(prog="work_model.py", description=__doc__)
+def work_model(arguments):
+    parser = argparse.ArgumentParser(prog="bench/run.py work-model", description=__doc__)
     parser.add_argument("--device", action="store_true")
     parser.add_argument("--hold", action="append", default=[], metavar="TERM=COST")
     parser.add_argument("files", nargs="*", default=["/dev/stdin"])
@@ -116,13 +107,4 @@ def main(arguments):
     if errors.size:
         print(
             f"{sum(map(len, rows.values()))} lines; ratios to bdpt are off by {100 * errors.mean():.1f} % on average, "
-            f"{100 * errors.max():.1f} % at most",
-            file=sys.stderr,
-        )
-
-
-if __name__ == "__main__":
-    try:
-        main(sys.argv[1:])
-    except (OSError, ValueError) as error:
-        sys.exit(f"work_model.py: {error}")
+            f"{100 * errors.max():.1f} % at most", file=sys.stderr)

@@ -1,5 +1,5 @@
 // How many samples a device renders beside the CPU, what it spends its time on, and what that
-// moves. Prints tables in Markdown, and progress on stderr; bench/gpu-speed.sh makes
+// moves. Prints tables in Markdown, and progress on stderr; bench/run.py gpu-speed makes
 // doc/gpu-speed.md of them.
 #include <algorithm>
 #include <chrono>

@@ -2,7 +2,7 @@
 // frame is rendered, and the rays that it gave to Embree are given to it again, raw: the same
 // queries (in robust mode, with the renderer's flags) in the order in which they came, on as many
 // threads as made them, each with its own. A line for each integrator, number of threads and seed;
-// taking turns. bench/limit.py makes doc/limit.md of these lines.
+// taking turns. bench/speed.py makes doc/limit.md of these lines.
 //   --integrators A,B --threads 1,2 --seeds N --width W --spp N   default: as below
 //
 // Only opaque scenes: what decides whether a ray is stopped is a part of the renderer.

@@ -1,6 +1,6 @@
 // regret_bench SCENE PORTAL... : what `auto` loses by not knowing which integrator is best: the
 // true error x work of each, from converged second moments, and what is chosen from few samples at
-// what price. bench/regret.py makes tables of its lines.
+// what price. bench/promises.py makes tables of its lines.
 //   --width W --height H --seconds T   default 96 72 2, CPU seconds for the truth of each
 //   integrator;
 //                                      0: none is told

@@ -1,5 +1,5 @@
 // target_bench SCENE FOLDER [PORTAL...]: pictures of many seeds with --target-error, and what they
-// are held against; bench/target-error.sh runs it.
+// are held against; bench/promises.py runs it.
 //   --width W --height H    default 32 24
 //   --integrator NAME       default bdpt; auto
 //   --target E              relMSE, default 0.05

@@ -1,0 +1,385 @@
+"""What every benchmark shares: its settings, the scenes, programs whose results are kept by content, what a run takes,
+errors against references, and turns."""
+import hashlib
+import json
+import math
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import threading
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+from types import SimpleNamespace
+
+ROOT = Path(__file__).resolve().parent.parent
+TESTDATA = ROOT / "testdata"
+MAPS = TESTDATA / "environments"
+STAGES = ("ffgraph", "mincut", "lightgrid", "portalfit")
+# Names of what they write, which stand in pictures of it.
+OUTPUTS = {"ffgraph": "room.max", "mincut": "room.cut", "lightgrid": "room.vdb", "portalfit": "room.portal.glb"}
+SKIES = ("overcast", "clear", "sun")
+
+
+class Stop(Exception):
+    """Ends a benchmark. status: 2 wrong settings, 3 no scene, 4 a program failed, 5 something is missing."""
+
+    def __init__(self, status, words):
+        super().__init__(words)
+        self.status = status
+
+
+@dataclass(frozen=True)
+class Setting:
+    """default: its type is the setting's, a tuple is a list of words. quick: what --quick has in its place."""
+
+    default: object
+    words: str
+    quick: object = None
+
+    def read(self, name, text):
+        try:
+            return tuple(text.split()) if isinstance(self.default, tuple) else type(self.default)(text)
+        except ValueError as error:
+            raise Stop(2, f"{name}={text} is no number") from error
+
+
+COMMON = {
+    "SCENES": Setting(str(ROOT / "../shared/scenes"), "folder of the paper's scenes, with interiors/; one that is not "
+                      "there is left out, with a word"),
+    "ONLY": Setting((), "names of what is to be measured; default all"),
+    "JOBS": Setting(len(os.sched_getaffinity(0)), "programs at a time where they have one thread each"),
+}
+
+
+def settings(**own):
+    """Of a benchmark, a function of a Bench."""
+    def decorate(function):
+        function.settings = {**COMMON, **own}
+        return function
+    return decorate
+
+
+# ---- What a run takes ----
+# Its own process, since what a parent holds counts as a child's memory: about 10 MiB are the least it can tell.
+LAUNCH = """import json, os, signal, sys, time
+began = time.monotonic()
+child = os.posix_spawnp(sys.argv[2], sys.argv[2:], os.environ)
+signal.signal(signal.SIGTERM, lambda *_: os.kill(child, signal.SIGTERM))
+_, status, usage = os.wait4(child, 0)
+with open(sys.argv[1], "w") as file:
+    json.dump({"status": os.waitstatus_to_exitcode(status), "cpu": usage.ru_utime + usage.ru_stime,
+               "peak_mib": usage.ru_maxrss / 1024, "wall": time.monotonic() - began}, file)"""
+running = set()  # processes, to be ended where a benchmark is
+
+
+def measure(command, env=None):
+    """A process as it went: status, cpu [s], wall [s], peak_mib, said, errors. Nothing of it is kept."""
+    with tempfile.NamedTemporaryFile(prefix="bench-") as told:
+        child = subprocess.Popen([sys.executable, "-I", "-S", "-c", LAUNCH, told.name, *map(str, command)],
+                                 stdout=subprocess.PIPE, stderr=subprocess.PIPE, env={**os.environ, **(env or {})})
+        running.add(child)
+        try:
+            said, errors = child.communicate()
+        finally:
+            running.discard(child)
+        facts = told.read()
+    if not facts:
+        raise Stop(4, f"{command[0]} cannot be run: {errors.decode(errors='replace').strip()}")
+    return SimpleNamespace(**json.loads(facts), said=said.decode(), errors=errors.decode(errors="replace"))
+
+
+def end_running():
+    for child in list(running):
+        child.terminate()
+
+
+def checked(command, may_fail=(), env=None):
+    """The same of a program that has to end well, or by one of the codes of may_fail."""
+    run = measure(command, env)
+    if run.status and run.status not in may_fail:
+        words = f"{' '.join(map(str, command))}: exit code {run.status}: {run.errors.strip() or run.said[-2000:]}"
+        raise Stop(run.status if run.status > 0 else 4, words)
+    return run
+
+
+# ---- Results that are kept ----
+class Made(str):
+    """An argument: a file of that name that the program writes beside its result."""
+
+
+class Run:
+    """What is kept of one: out, a path; cpu [s], wall [s], peak_mib, status; said, a dictionary; errors."""
+
+    def __init__(self, folder):
+        self.folder = folder
+        self.said = json.loads((folder / "said").read_text() or "{}")
+        facts = json.loads((folder / "run.json").read_text())
+        self.cpu, self.status, self.peak, self.wall = (facts[k] for k in ("cpu", "status", "peak_mib", "wall"))
+        self.out = folder / facts["out"]
+
+    @property
+    def errors(self):
+        return (self.folder / "errors").read_text()
+
+
+class Store:
+    """Runs of programs, kept by content: the key of a run is what the program is, its arguments and what is in the
+    files that it reads. A run that is there is not made again; one that was cut short leaves nothing."""
+
+    def __init__(self, folder, programs):
+        self.folder, self.programs = Path(folder), Path(programs)
+        self.folder.mkdir(parents=True, exist_ok=True)
+        self._sums, self._lock = {}, threading.Lock()
+        self.made = self.found = 0
+
+    def sum_of(self, path):
+        """Of a file, which is read once."""
+        with self._lock:
+            known = self._sums.get(path)
+        if known is None:
+            known = hashlib.sha256(Path(path).read_bytes()).hexdigest()
+            with self._lock:
+                self._sums[path] = known
+        return known
+
+    def program(self, name):
+        path = self.programs / name
+        if not os.access(path, os.X_OK):
+            raise Stop(5, f"{path} is missing")
+        return path
+
+    def run(self, program, *arguments, threads=1, output=True, provenance=False, may_fail=()):
+        """Runs PROGRAM ARGUMENT... --quiet --json -o OUT, or finds what it made. Arguments: paths of files that are
+        read, Made names, or what has a text. threads: 0 for all cores. Exit codes of may_fail are kept as results."""
+        path = self.program(program)
+        words = [self.sum_of(path), f"threads {threads}", f"provenance {provenance}"]
+        words += ["file " + self.sum_of(a) if isinstance(a, Path) else f"word {a}" for a in arguments]
+        folder = self.folder / _key(words)
+        if (folder / "run.json").exists():
+            self.found += 1
+        else:
+            self._make(folder, path, arguments, threads, output, provenance, may_fail)
+            self.made += 1
+        return Run(folder)
+
+    def _make(self, folder, path, arguments, threads, output, provenance, may_fail):
+        half = Path(tempfile.mkdtemp(dir=self.folder, prefix="half-"))
+        try:
+            command = [path, *(half / a if isinstance(a, Made) else a for a in arguments), "--quiet", "--json"]
+            command += ["--threads", threads] if threads else []
+            command += [] if provenance else ["--no-provenance"]
+            out = OUTPUTS.get(path.name, "out")
+            command += ["-o", half / out] if output else []
+            run = checked(command, may_fail)
+            (half / "said").write_text("{}" if run.status else run.said)
+            (half / "errors").write_text(run.errors)
+            facts = {"out": out, **{k: getattr(run, k) for k in ("cpu", "wall", "status", "peak_mib")}}
+            (half / "run.json").write_text(json.dumps(facts))
+            try:
+                half.rename(folder)
+            except OSError:  # another thread was faster
+                shutil.rmtree(half)
+        except BaseException:
+            shutil.rmtree(half, ignore_errors=True)
+            raise
+
+    def keep(self, words, make, suffix=".kept"):
+        """A file that no run makes: make(path) writes it. words: all that it depends on."""
+        path = self.folder / (_key(map(str, words)) + suffix)
+        if not path.exists():
+            half = path.with_suffix(f".half{threading.get_ident()}{suffix}")
+            make(half)
+            half.rename(path)
+            self.made += 1
+        else:
+            self.found += 1
+        return path
+
+
+def _key(words):
+    return hashlib.sha256("\0".join(words).encode()).hexdigest()[:32]
+
+
+# ---- Errors ----
+class Halves:
+    """A reference in two halves A, B of different seeds. A picture x is off by (d(x,A) + d(x,B) - d(A,B)) / 2, d =
+    relMSE or MSE of exrdiff: this is the mean of (x-A)(x-B), to which the noise of neither half contributes on average;
+    it may come out below zero."""
+
+    def __init__(self, bench, a, b):
+        self.bench, self.a, self.b = bench, a, b
+        self.ways = bench.distance(a, b), bench.distance(b, a)
+
+    def both(self, *fields):
+        """Mean of a field of both ways."""
+        values = []
+        for way in self.ways:
+            for field in fields:
+                way = way[field]
+            values.append(way or 0)
+        return sum(values) / 2
+
+    def off(self, picture):
+        """relmse, mse, mape, mean and reference_mean of a picture."""
+        to = self.bench.distance(picture, self.a), self.bench.distance(picture, self.b)
+        mean = {field: sum(d[field] for d in to) / 2 for field in ("mape", "mean", "reference_mean")}
+        return {**mean, **{e: (to[0][e] + to[1][e] - self.both(e)) / 2 for e in ("relmse", "mse")}}
+
+
+def decibels_of(peak_squared, mse):
+    return 10 * math.log10(peak_squared / mse) if mse > 0 else math.nan
+
+
+def turns(seeds, methods):
+    """(seed, method): every seed begins with another method, so that a machine that is busy for a while slows all."""
+    methods = list(methods)
+    for seed in seeds:
+        yield from ((seed, method) for method in methods)
+        methods.append(methods.pop(0))
+
+
+@dataclass
+class Portals:
+    """Of a scene, by the four stages. said: portalfit's summary; cpu: of all four [s]."""
+
+    file: Path
+    said: dict
+    cpu: float
+    runs: dict
+
+    @property
+    def count(self):
+        return len(self.said.get("portals", ()))
+
+
+class Bench:
+    """A benchmark that is being run. settings: their values, by their names in small letters."""
+
+    def __init__(self, name, function, programs, cache, doc, given=(), quick=False):
+        self.name, self.programs, self.cache, self.doc, self.quick = name, Path(programs), Path(cache), Path(doc), quick
+        self.given = dict(given)
+        for folder in (self.cache, self.doc):
+            folder.mkdir(parents=True, exist_ok=True)
+        self.store = Store(self.cache / "runs", self.programs)
+        values = {}
+        for key, setting in function.settings.items():
+            text = self.given.get(key) or os.environ.get(key, "")
+            default = setting.quick if quick and setting.quick is not None else setting.default
+            values[key.lower()] = setting.read(key, text) if text else default
+        self.settings = SimpleNamespace(**values)
+        unknown = [key for key in self.given if key not in function.settings]
+        if unknown:
+            raise Stop(2, f"{unknown[0]} is no setting of {name}; it has {', '.join(function.settings)}")
+
+    def say(self, words):
+        print(f"{self.name}: {words}", file=sys.stderr)
+
+    def need(self, *programs):
+        for program in programs:
+            if not shutil.which(program):
+                raise Stop(5, f"{program} is missing (cmake/packages-figures.txt)")
+
+    def version(self, program="tdpt-render"):
+        return checked([self.store.program(program), "--version"]).said.splitlines()[0]
+
+    def find(self, scene):
+        """The file of a scene, None where there is none. NAME-whole is scene NAME."""
+        scenes = Path(self.settings.scenes)
+        for folder in (TESTDATA / "scenes", scenes, scenes / "interiors"):
+            path = folder / f"{scene.removesuffix('-whole')}.glb"
+            if path.exists():
+                return path.resolve()
+        return None
+
+    def there(self, names):
+        """Those that are wanted and there: {name: file}."""
+        only = self.settings.only
+        found = {}
+        for name in names:
+            if only and name not in only:
+                continue
+            path = self.find(name)
+            if path:
+                found[name] = path
+            else:
+                self.say(f"{name}: there is no {name.removesuffix('-whole')}.glb in SCENES, left out")
+        if not found:
+            raise Stop(3, "none of the scenes is there")
+        return found
+
+    def portals(self, scene, sky=(), stage_options=None, threads=0, side=lambda program: ()):
+        """By the four stages; sky: options of those that need the light; stage_options: {program: options} more; side:
+        more of each program, outputs among them."""
+        runs, out, cpu = {}, (), 0.0
+        for program in STAGES:
+            inputs = (scene,) if program in ("ffgraph", "lightgrid") else ()
+            light = sky if inputs else ()
+            runs[program] = run = self.store.run(
+                program, *inputs, *out, *light, *(stage_options or{}).get(program, ()),
+                *side(program),
+                threads=threads)
+            out, cpu = (run.out,), cpu + run.cpu
+        return Portals(run.out, run.said, cpu, runs)
+
+    def render(self, scene, *options, threads=1, **more):
+        return self.store.run("tdpt-render", scene, *options, threads=threads, **more)
+
+    def fresh(self, program, *arguments, output=None, threads=1, may_fail=()):
+        """Runs it now, whatever was kept: what it took."""
+        command = [self.store.program(program), *arguments, "--quiet", "--json"]
+        command += (["--threads", threads] if threads else []) + (["-o", output] if output else [])
+        run = checked(command, may_fail)
+        run.said = json.loads(run.said or "{}")
+        return run
+
+    def distance(self, picture, reference, *options):
+        """What exrdiff says."""
+        return self.store.run("exrdiff", picture, reference, *options, output=False).said
+
+    def side_by_side(self, tasks, names=None):
+        """What functions of no arguments return, in order, JOBS of them at a time. The first that fails ends them
+        all."""
+        with ThreadPoolExecutor(self.settings.jobs) as pool:
+            waiting = [pool.submit(task) for task in tasks]
+            try:
+                return [future.result() for future in waiting]
+            except BaseException as error:
+                if not isinstance(error, Exception):
+                    end_running()
+                pool.shutdown(cancel_futures=True)
+                failed = [i for i, f in enumerate(waiting) if f.done() and not f.cancelled() and f.exception() is error]
+                if names and failed:
+                    self.say(f"{names[failed[0]]} could not be measured")
+                raise
+
+    def page(self, name, text):
+        """DOC/NAME.md, whole or not at all."""
+        half = self.cache / f"{name}.md"
+        half.write_text(text.rstrip("\n") + "\n", encoding="utf-8")
+        shutil.move(half, self.doc / f"{name}.md")
+        self.say(self.doc / f"{name}.md")
+
+
+def environment(sky, own=None):
+    """What --environment gets for one of SKIES; own: an interior's own map of the sun."""
+    if sky == "overcast":
+        return "1,1,1"
+    if sky not in SKIES:
+        raise Stop(2, f"SKIES: {sky} is none of {', '.join(SKIES)}")
+    return own if sky == "sun" and own and own.exists() else MAPS / ("clear.exr" if sky == "clear" else "clear-sun.exr")
+
+
+def cores():
+    return os.cpu_count() or "?"
+
+
+def processor():
+    """The model's name, as the system tells it."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text().splitlines()
+    except OSError:
+        return ""
+    return " ".join(sorted({line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")}))

@@ -1,0 +1,266 @@
+"""Cycles, Blender's path tracer, beside tdpt-render: whether they agree in the mean, and what each makes with portals
+in equal CPU time. Tables of doc/cycles.md."""
+import collections
+import functools
+import math
+import os
+import shutil
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+import pages
+import rooms
+import stats
+from common import (MAPS, ROOT, SKIES, TESTDATA, Halves, Setting, Stop, checked, decibels_of, environment, settings,
+                    turns)
+from formats import exr_read, exr_write
+
+LUMINANCE = np.array([0.2126, 0.7152, 0.0722])  # Rec.709
+LIMIT = 4.0  # standard errors; by chance once in about 3000 comparisons of 16 with 16 seeds
+BLOCKS = (8, 6)  # columns, rows
+
+
+def blender(*arguments):
+    """Runs cycles_blender.py there. It takes the first Python on PATH for its own: the distribution's has numpy."""
+    program = shutil.which(os.environ.get("BLENDER", "blender")) or "blender"
+    return checked([program, "-b", "--factory-startup", "--python-exit-code", 1, "--python",
+                    ROOT / "bench/cycles_blender.py", "--", *arguments], env={"PATH": f"/usr/bin:{os.environ['PATH']}"})
+
+
+# ---- Do they agree in the mean? ----
+def agreement(names, sets):
+    """(lines of a table, whether no mean differs significantly) of two sets of pictures, one picture for each seed: for
+    each channel and for luminance both means with their standard errors over the seeds and the difference in standard
+    errors; then the same for every block of the picture."""
+    lines, worst = [f"          {names[0]:>24} {names[1]:>24}   difference"], 0.0
+    for label, weights in [*zip("RGB", np.eye(3)), ("luminance", LUMINANCE)]:
+        one, two = (stats.mean_and_error((p @ weights).mean((1, 2))) for p in sets)
+        z = float(stats.in_errors(one, two))
+        worst = max(worst, abs(z))
+        cells = " ".join(f"{m:.7f} +- {stats.percent(e, m):.2f} %".rjust(24) for m, e in (one, two))
+        lines.append(f"{label:9} {cells}   {stats.percent(one[0] - two[0], two[0]):+.2f} % = {z:+.2f} s.e.")
+    columns, rows = BLOCKS
+    height, width = sets[0].shape[1:3]
+    ys, xs = np.arange(height) * rows // height, np.arange(width) * columns // width
+    index = (ys[:, None] * columns + xs[None, :]).ravel()
+    count = np.bincount(index)
+    z = stats.in_errors(*(stats.mean_and_error(np.array([np.bincount(index,
+                                                                     (p @ LUMINANCE).ravel()) / count for p in of]))
+                          for of in sets))
+    lit = int(np.count_nonzero(z))
+    lines.append(f"blocks    {columns} x {rows}, {lit} not black: mean z {z.sum() / max(lit, 1):+.2f}, "
+                 f"rms z {np.sqrt((z**2).sum() / max(lit, 1)):.2f}, largest {np.abs(z).max():.2f}")
+    return lines, worst <= LIMIT
+
+
+def compare_scene(bench, scene, depth, light=()):
+    """Prints the table of a scene and a depth; whether they agree."""
+    s = bench.settings
+    work = bench.cache / "-".join([scene.stem, str(depth), *(str(w) for w in light)]).replace("/", "_")
+    work.mkdir(exist_ok=True)
+    size = ["--max-depth", depth, "--width", s.width, "--height", s.height, *light]
+    blender("render", scene, work / "cycles-%d.exr", "--seeds", s.seeds, "--spp", s.spp, *size, *s.cycles_options)
+    ours = [bench.render(scene, "--integrator", s.integrator, "--seed", seed, "--spp", s.spp, *size, threads=0).out
+            for seed in range(1, s.seeds + 1)]
+    theirs = [work / f"cycles-{seed}.exr" for seed in range(1, s.seeds + 1)]
+    sets = [np.array([exr_read(path)[0] for path in paths]) for paths in (theirs, ours)]
+    for name, pictures in zip(("Cycles", s.integrator), sets):
+        exr_write(work / f"{name}.exr", pictures.mean(0))
+    lines, agree = agreement(("Cycles", s.integrator), sets)
+    print("\n".join([f"\n{scene.name}, depth {depth}, {s.seeds} seeds of {s.spp} spp", *lines]), flush=True)
+    return agree
+
+
+compare_settings = functools.partial(
+    settings, SEEDS=Setting(16, "pictures of each program", 2), WIDTH=Setting(160, "of the pictures", 24),
+    HEIGHT=Setting(120, "", 18), INTEGRATOR=Setting("nee", "of tdpt-render"),
+    CYCLES_OPTIONS=Setting((), "more for cycles_blender.py render"))
+
+
+@compare_settings(FILES=Setting(tuple(str(TESTDATA / f"scenes/{n}.glb") for n in ("two-rooms", "window", "door-ajar")),
+                                "the scenes"),
+                  DEPTHS=Setting(("2", "3", "6"), "edges of the longest path", ("3",)),
+                  SPP=Setting(64, "samples per pixel", 4), SKY=Setting("", "--environment, for both"),
+                  SKY_ROTATION=Setting(0.0, "and its rotation"))
+def compare(bench):
+    """Do Cycles, Blender's path tracer, and tdpt-render agree in the mean? Renders the same diffuse scenes with both,
+    several seeds each, and prints a table for each scene and depth. Exit code 1 if any mean differs significantly.
+    BLENDER in the environment names Blender."""
+    s = bench.settings
+    light = ("--environment", s.sky, "--environment-rotation", f"{s.sky_rotation:g}") if s.sky else ()
+    agree = [compare_scene(bench, Path(scene).resolve(), depth, light) for scene in s.files for depth in s.depths]
+    if not all(agree):
+        raise Stop(1, "means differ")
+
+
+@compare_settings(SKIES=Setting(("colour", "quarters", "sun"), "of: colour quarters sun"),
+                  ROOMS=Setting(("skylight", "windows", "behind"), "of bench/rooms.py"),
+                  DEPTHS=Setting(("6",), "edges of the longest path"), SPP=Setting(32, "samples per pixel", 4))
+def compare_skies(bench):
+    """Do Cycles and tdpt-render agree where an environment lights a room? Three rooms under one colour, under a map
+    whose directions all differ, turned by 30 degrees, and under a clear sky with its sun in one texel. Prints the
+    tables of the benchmark cycles, and ends with 1 if any mean differs significantly."""
+    rooms.write_rooms([str(bench.cache)])
+    lights = {
+        "colour": ("1,0.8,0.5", 0),
+        "quarters": (bench.cache / "quarters.exr", 30),
+        "sun": (MAPS / "clear-sun.exr", -45)}
+    agree = []
+    for sky in bench.settings.skies:
+        if sky not in lights:
+            raise Stop(2, f"SKIES: {sky} is none of {', '.join(lights)}")
+        print(f"\n## {sky}")
+        light = ("--environment", lights[sky][0], "--environment-rotation", lights[sky][1])
+        agree += [compare_scene(bench, bench.cache / f"{room}.glb", depth, light)
+                  for room in bench.settings.rooms for depth in bench.settings.depths]
+    if not all(agree):
+        raise Stop(1, "means differ")
+
+
+# ---- In equal time ----
+METHODS = {"cycles": "Cycles", "cycles-hand": "Cycles, portals by hand", "cycles-found": "Cycles, portals found",
+           "ours-nee": "`nee`", "ours-auto": "`auto`, portals found"}
+ORDER = ("cycles-hand", "cycles-found", "cycles", "ours-nee", "ours-auto")
+BASE = "cycles-hand"
+SEED = 20261122
+
+
+@dataclass
+class Picture:
+    spp: int
+    cpu: float
+    relmse: float
+    mse: float
+
+
+@dataclass
+class Cell:
+    """A room under a sky. peak: squared, that of PSNR; off: of Cycles' mean, a share.
+
+    efficiency of a method   1 / mean over its seeds of CPU s x relMSE"""
+
+    black_relmse: float
+    black_psnr: float
+    peak: float
+    off: float
+    pictures: dict = field(default_factory=lambda: collections.defaultdict(list))
+
+    def costs(self, method):
+        return [p.cpu * p.relmse for p in self.pictures[method]]
+
+    def gain(self, method):
+        """Efficiency over BASE's."""
+        return stats.ratio(self.costs(BASE), self.costs(method), SEED)
+
+    def psnr(self, method):
+        return decibels_of(self.peak, np.mean([p.mse for p in self.pictures[method]]))
+
+
+def geometric_mean(cells, method):
+    return math.exp(np.mean([math.log(c.gain(method).value) for c in cells]))
+
+
+def gain_table(cells):
+    others = [m for m in METHODS if m != BASE]
+    rows = [[*key, *(cell.gain(m).text(pages.three) for m in others)] for key, cell in cells.items()]
+    for sky in dict.fromkeys(sky for _, sky in cells):
+        of = [c for (_, s), c in cells.items() if s == sky]
+        rows.append(["geometric mean", sky, *(pages.three(geometric_mean(of, m)) for m in others)])
+    rows.append(["geometric mean", "**all**", *(f"**{geometric_mean(cells.values(), m):.3g}**" for m in others)])
+    return pages.table(("room", "sky", *(METHODS[m] for m in others)), rows)
+
+
+def error_table(cells):
+    rows = []
+    for (room, sky), c in cells.items():
+        of = [(*np.mean([(p.spp, p.cpu, p.relmse) for p in c.pictures[m]], 0), c.psnr(m)) for m in METHODS]
+        words = [f"{error:.2g}, {p:.1f} ({spp:.0f}; {cpu:.1f} s)" for spp, cpu, error, p in of]
+        rows.append([room, sky, *words, f"{c.black_relmse:.2g}, {c.black_psnr:.1f}", f"{100 * c.off:+.2f} %"])
+    return pages.table(("room", "sky", *METHODS.values(), "black", "means"), rows)
+
+
+def equal_tables(cells):
+    return pages.sections(
+        "Efficiency over that of Cycles with portals by hand, 95 % intervals over seeds:", gain_table(cells),
+        "relMSE, PSNR [dB] (samples per pixel; CPU seconds):", error_table(cells))
+
+
+class Room:
+    """Its pictures under a sky, by either program. amount of a picture: ("--spp", N) or ("--cpu-seconds", S)."""
+
+    def __init__(self, bench, name, light):
+        self.bench, self.scene = bench, bench.cache / f"{name}.glb"
+        s, sky = bench.settings, environment(light)
+        self.options = ["--width", s.width, "--height", s.height, "--environment", sky, "--environment-rotation", -45]
+        portals = bench.portals(self.scene, self.options[4:])
+        if not portals.count:
+            raise Stop(1, f"{name}, {light}: no portals")
+        script = bench.store.run("portalfit", portals.runs["lightgrid"].out, "--for", "cycles", threads=0).out
+        self.own = {
+            "cycles-hand": ("--script", bench.cache / f"{name}.portals.py"),
+            "cycles-found": ("--script", script),
+            "cycles": (),
+            "ours-nee": ("--integrator", "nee"),
+            "ours-auto": ("--portal", portals.file)}
+
+    def made(self, method, seed, amount):
+        """(path, samples, CPU seconds)"""
+        if method.startswith("cycles"):
+            words = [*self.options, *self.own[method], *amount, "--first-seed", seed, "--max-depth", 1026]
+
+            def make(folder):
+                folder.mkdir()
+                blender("render", self.scene, folder / "picture.exr", "--threads", 1, *words, "--cpu", folder / "cpu")
+            store = self.bench.store
+            folder = store.keep([store.sum_of(self.scene), *words], make, ".cycles")
+            _, samples, cpu = (folder / "cpu").read_text().split()
+            return folder / "picture.exr", int(samples), float(cpu)
+        render = functools.partial(self.bench.render, self.scene, *self.options, *self.own[method], "--seed", seed)
+        if amount[0] == "--cpu-seconds":
+            amount = ("--spp", max(1, round(16 * amount[1] / render("--spp", 16).said["cpu_seconds"])))
+        run = render(*amount)
+        return run.out, run.said["spp"], run.said["cpu_seconds"]
+
+    def cell(self):
+        s, halves = self.bench.settings, {}
+        for own in ("cycles-hand", "ours-auto"):
+            first, spp, _ = self.made(own, 1000001, ("--cpu-seconds", s.ref * s.seconds_each))
+            halves[own] = Halves(self.bench, first, self.made(own, 1000002, ("--spp", spp))[0])
+        ours, cycles = halves["ours-auto"], halves["cycles-hand"]
+        black = ours.ways[0]["black"]
+        cell = Cell(black["relmse"], black["psnr"], ours.ways[0]["peak"]
+                    ** 2, cycles.both("mean") / ours.both("mean") - 1)
+        samples = {}
+        for seed, method in turns(range(1, s.seeds + 1), ORDER):
+            amount = ("--spp", samples[method]) if method in samples else ("--cpu-seconds", s.seconds_each)
+            path, samples[method], cpu = self.made(method, seed, amount)
+            off = halves["cycles-hand" if method.startswith("cycles") else "ours-auto"].off(path)
+            cell.pictures[method].append(Picture(samples[method], cpu, off["relmse"], off["mse"]))
+        return cell
+
+
+@settings(ROOMS=Setting(("window", "windows", "skylight", "behind"), "of bench/rooms.py"),
+          SKIES=Setting(SKIES, "of: overcast clear sun"), SECONDS_EACH=Setting(4.0, "CPU seconds of a picture", 0.1),
+          SEEDS=Setting(4, "pictures of each kind", 2),
+          REF=Setting(6.0, "how many times as long each half of a reference takes", 2.0),
+          WIDTH=Setting(96, "of the pictures", 24), HEIGHT=Setting(72, "", 18))
+def equal_time(bench):
+    """What tdpt-render makes with the portals that the stages find, beside what Cycles makes with portals drawn by
+    hand, in equal CPU time. Rooms x skies, several seeds taking turns, one thread each; a room and a sky take four
+    minutes.
+
+    CPU seconds are those of rendering. Cycles: of Blender's process in bpy.ops.render.render, less those of a picture
+    of one sample. tdpt-render: cpu_seconds of its summary, the time that auto takes to choose included. Loading the
+    scene is in neither. A program's pictures are held against its own reference, made with its portals."""
+    bench.need(os.environ.get("BLENDER", "blender"))
+    rooms.write_rooms([str(bench.cache)])
+    cells = {}
+    for name in bench.settings.rooms:
+        if name not in rooms.ROOMS:
+            raise Stop(2, f"ROOMS: there is no {name}")
+        for light in bench.settings.skies:
+            bench.say(f"{name}, {light}")
+            cells[name, light] = Room(bench, name, light).cell()
+    print(equal_tables(cells))

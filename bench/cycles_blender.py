@@ -1,0 +1,287 @@
+"""What runs inside Blender; doc/cycles.md tells what is set, and why Blender's own reading of a file is not enough.
+  blender -b --factory-startup --python-exit-code 1 --python cycles_blender.py -- render SCENE.glb OUT-%d.exr [OPTIONS]
+Cycles, its path tracer, renders a diffuse glTF scene as tdpt-render means it, a picture for each seed; %d becomes the
+seed. OUT has to be an absolute path or relative to the current folder.
+  ... -- check PORTALS.glb PORTALS.py
+Does what `portalfit --for cycles` writes set Cycles' portals where the portals are? Blender's importer reads the
+portals' meshes, the script runs, and each lamp is held against its mesh."""
+import argparse
+import math
+import os
+import sys
+import time
+
+import numpy
+
+# The importer of Blender 3.4 still asks for numpy.bool, which numpy 1.24 no longer has.
+if "bool" not in numpy.__dict__:
+    numpy.bool = bool
+
+import bmesh
+import bpy
+
+NEAR = 1e-5  # metres, and of a unit vector: both files come to single precision
+
+
+def add_options(p):
+    p.add_argument("scene")
+    p.add_argument("out")
+    p.add_argument("--seeds", type=int, default=1, help="pictures to make, seeds FIRST..FIRST+N-1")
+    p.add_argument("--first-seed", type=int, default=1, metavar="FIRST")
+    p.add_argument("--spp", type=int, default=256)
+    p.add_argument("--cpu-seconds", type=float, metavar="S", help="as many samples as take so long, instead of --spp")
+    p.add_argument("--cpu", metavar="FILE", help="write a line a picture: seed, samples, CPU s beyond those of one "
+                                                 "sample")
+    p.add_argument("--max-depth", type=int, default=6, help="edges of the longest path, at least 2")
+    p.add_argument("--width", type=int, default=160)
+    p.add_argument("--height", type=int, default=120)
+    p.add_argument("--threads", type=int, default=0, help="0: all cores")
+    p.add_argument("--lamp-cuts", type=int, default=0, help="cuts in each edge of the meshes that emit")
+    p.add_argument("--keep-materials", action="store_true", help="leave the materials as imported")
+    p.add_argument("--environment", metavar="FILE|R,G,B", help="the world's light, as --environment of tdpt-render")
+    p.add_argument("--environment-rotation", type=float, default=0, help="degrees, counter-clockwise from above")
+    p.add_argument("--script", help="Python run in the scene before it renders, as portalfit --for cycles writes it")
+
+
+def principled(material):
+    return next(n for n in material.node_tree.nodes if n.bl_idname == "ShaderNodeBsdfPrincipled")
+
+
+def glows(material):
+    inputs = principled(material).inputs
+    return inputs["Emission Strength"].default_value and any(inputs["Emission"].default_value[:3])
+
+
+def cut(mesh, cuts):
+    """The same surface in more triangles, all of them flat."""
+    mesh.use_auto_smooth = False
+    finer = bmesh.new()
+    finer.from_mesh(mesh)
+    bmesh.ops.subdivide_edges(finer, edges=finer.edges[:], cuts=cuts, use_grid_fill=True)
+    finer.to_mesh(mesh)
+    finer.free()
+
+
+def make_lambertian(material):
+    """Replaces the material by a Diffuse BSDF, or, where it emits, by an Emission on the front alone."""
+    nodes, links = material.node_tree.nodes, material.node_tree.links
+    source = principled(material)
+    for name in ("Base Color", "Emission", "Emission Strength"):
+        if source.inputs[name].is_linked:
+            sys.exit(f"cycles_blender.py: material {material.name}: {name} has a texture, expected a factor")
+    if source.inputs["Metallic"].default_value or source.inputs["Transmission"].default_value:
+        sys.exit(f"cycles_blender.py: material {material.name}: metal or glass, expected a diffuse one")
+    base = list(source.inputs["Base Color"].default_value)
+    strength = source.inputs["Emission Strength"].default_value
+    emission = [c * strength for c in source.inputs["Emission"].default_value[:3]]
+    one_sided = material.use_backface_culling  # What the importer makes of doubleSided false.
+
+    nodes.clear()
+    out = nodes.new("ShaderNodeOutputMaterial")
+    diffuse = nodes.new("ShaderNodeBsdfDiffuse")
+    diffuse.inputs["Color"].default_value = base
+    diffuse.inputs["Roughness"].default_value = 0
+    if not any(emission):
+        links.new(diffuse.outputs["BSDF"], out.inputs["Surface"])
+        return
+    glow = nodes.new("ShaderNodeEmission")
+    peak = max(emission)
+    glow.inputs["Color"].default_value = [c / peak for c in emission] + [1]
+    glow.inputs["Strength"].default_value = peak
+    if one_sided:
+        side = nodes.new("ShaderNodeNewGeometry")
+        front = nodes.new("ShaderNodeMath")
+        front.operation = "MULTIPLY_ADD"  # strength = peak - peak * backfacing
+        links.new(side.outputs["Backfacing"], front.inputs[0])
+        front.inputs[1].default_value = -peak
+        front.inputs[2].default_value = peak
+        links.new(front.outputs["Value"], glow.inputs["Strength"])
+    both = nodes.new("ShaderNodeAddShader")
+    links.new(diffuse.outputs["BSDF"], both.inputs[0])
+    links.new(glow.outputs["Emission"], both.inputs[1])
+    links.new(both.outputs["Shader"], out.inputs["Surface"])
+
+
+def shine(scene, environment, rotation):
+    """Lights the scene as `tdpt-render --environment` means it."""
+    scene.world = bpy.data.worlds.new("environment")
+    scene.world.use_nodes = True
+    nodes, links = scene.world.node_tree.nodes, scene.world.node_tree.links
+    background = next(n for n in nodes if n.bl_idname == "ShaderNodeBackground")
+    try:
+        colour = [float(c) for c in environment.split(",")]
+    except ValueError:
+        colour = None
+    if colour:
+        background.inputs["Color"].default_value = [c / max(colour) for c in colour] + [1]
+        background.inputs["Strength"].default_value = max(colour)
+        return
+    picture = nodes.new("ShaderNodeTexEnvironment")
+    picture.image = bpy.data.images.load(os.path.abspath(environment))
+    picture.image.colorspace_settings.name = "Linear"
+    picture.interpolation = "Linear"  # In the angle to the pole, ours in its cosine: the same where texels are small.
+    turn = nodes.new("ShaderNodeMapping")
+    turn.vector_type = "POINT"
+    # The centre of the map is +X here, and our -Z is +Y.
+    turn.inputs["Rotation"].default_value = (0, 0, -math.pi / 2 - math.radians(rotation))
+    place = nodes.new("ShaderNodeTexCoord")
+    links.new(place.outputs["Generated"], turn.inputs["Vector"])
+    links.new(turn.outputs["Vector"], picture.inputs["Vector"])
+    links.new(picture.outputs["Color"], background.inputs["Color"])
+
+
+def prepare(a):
+    bpy.ops.wm.read_factory_settings(use_empty=True)  # No cube, no lamp, no grey world.
+    bpy.ops.import_scene.gltf(filepath=os.path.abspath(a.scene))
+    scene = bpy.context.scene
+    scene.camera = next(o for o in scene.objects if o.type == "CAMERA")
+    if a.lamp_cuts:
+        for mesh in bpy.data.meshes:
+            if any(m and glows(m) for m in mesh.materials):
+                cut(mesh, a.lamp_cuts)
+    if not a.keep_materials:
+        for material in bpy.data.materials:
+            make_lambertian(material)
+
+    if a.environment:
+        shine(scene, a.environment, a.environment_rotation)
+    if a.script:
+        with open(a.script, encoding="utf-8") as script:
+            exec(compile(script.read(), a.script, "exec"), {"__name__": "__main__"})
+
+    render = scene.render
+    render.engine = "CYCLES"
+    render.resolution_x, render.resolution_y, render.resolution_percentage = a.width, a.height, 100
+    render.film_transparent = False
+    render.threads_mode = "FIXED" if a.threads else "AUTO"
+    if a.threads:
+        render.threads = a.threads
+    render.use_persistent_data = True
+    image = render.image_settings
+    image.file_format, image.color_mode, image.color_depth = "OPEN_EXR", "RGB", "32"
+    image.exr_codec = "ZIP"
+    scene.view_settings.view_transform = "Raw"
+
+    cycles = scene.cycles
+    cycles.device = "CPU"
+    cycles.samples = a.spp
+    cycles.use_adaptive_sampling = False
+    cycles.use_denoising = False
+    cycles.pixel_filter_type = "BOX"  # One pixel wide, like ours.
+    cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0  # Off.
+    cycles.blur_glossy = 0
+    cycles.caustics_reflective = cycles.caustics_refractive = True
+    cycles.light_sampling_threshold = 0
+    # Bounces count the surfaces after the first: a path of k edges has k - 2.
+    cycles.max_bounces = cycles.diffuse_bounces = cycles.glossy_bounces = a.max_depth - 2
+    return scene
+
+
+def render(scene, path, samples):
+    """Renders and saves; CPU seconds that the process took for it, Blender's scene to Cycles' included."""
+    scene.cycles.samples = samples
+    scene.render.filepath = os.path.abspath(path)
+    before = time.process_time()
+    bpy.ops.render.render(write_still=True)
+    return time.process_time() - before
+
+
+def samples_in(scene, path, seconds, one):
+    """How many samples take so many seconds more than one. The scene keeps one."""
+    samples, taken = 1, 0
+    while taken < min(0.5, seconds):
+        samples *= 4
+        taken = render(scene, path, samples + 1) - one
+    return max(1, round(seconds * samples / taken))
+
+
+def render_pictures(a):
+    if a.max_depth < 2:
+        sys.exit("cycles_blender.py: --max-depth: Cycles has no paths of less than 2 edges alone")
+    scene = prepare(a)
+    samples, one, lines = a.spp, 0, []
+    if a.cpu or a.cpu_seconds:
+        path = a.out.replace("%d", "one")
+        render(scene, path, 1)  # Data that persist are made here.
+        one = min(render(scene, path, 1) for _ in range(3))
+        if a.cpu_seconds:
+            samples = samples_in(scene, path, a.cpu_seconds, one)
+        os.remove(os.path.abspath(path))
+    for seed in range(a.first_seed, a.first_seed + a.seeds):
+        scene.cycles.seed = seed
+        lines.append(f"{seed} {samples} {render(scene, a.out.replace('%d', str(seed)), samples) - one:.3f}\n")
+    if a.cpu:
+        with open(a.cpu, "w", encoding="ascii") as file:
+            file.writelines(lines)
+
+
+def lamps():
+    return {o.name: o for o in bpy.context.scene.objects if o.type == "LIGHT"}
+
+
+def complaints(mesh, lamp):
+    """What is wrong with the lamp of a portal, sentences."""
+    wrong = []
+    light = lamp.data
+    if light.type != "AREA" or light.shape != "RECTANGLE" or not light.cycles.is_portal:
+        wrong.append("is no rectangular area lamp that is a portal")
+    corners = numpy.array([mesh.matrix_world @ v.co for v in mesh.data.vertices])
+    frame = numpy.array(lamp.matrix_world)
+    x, y, z, origin = (frame[:3, i] for i in range(4))
+    if not numpy.allclose(frame[:3, :3].T @ frame[:3, :3], numpy.eye(3), atol=NEAR):
+        wrong.append("is scaled or sheared")
+    if not numpy.isclose(numpy.linalg.det(frame), 1, atol=NEAR):
+        wrong.append("is mirrored")
+    # Light goes to the front of the mesh; an area lamp shines along its -Z.
+    turn = mesh.matrix_world.to_3x3()
+    normal = numpy.array((turn @ mesh.data.polygons[0].normal).normalized())
+    if not numpy.allclose(-z, normal, atol=1e-4):
+        wrong.append(f"shines along {-z}, expected {normal}")
+    at = (corners - origin) @ numpy.array([x, y, z]).T
+    if abs(at[:, 2]).max() > NEAR:
+        wrong.append(f"lies {abs(at[:, 2]).max()} m off the plane")
+    for axis, size in ((0, light.size), (1, light.size_y)):
+        low, high = at[:, axis].min(), at[:, axis].max()
+        if abs(low + size / 2) > NEAR or abs(high - size / 2) > NEAR:
+            wrong.append(f"has side {axis} from {-size / 2} to {size / 2}, the portal from {low} to {high}")
+    return wrong
+
+
+def check_portals(a):
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.import_scene.gltf(filepath=os.path.abspath(a.glb))
+    meshes = {o.name: o for o in bpy.context.scene.objects if o.type == "MESH"}
+    for o in meshes.values():
+        o.name = "mesh of " + o.name  # The lamps want these names.
+    with open(a.script, encoding="utf-8") as script:
+        program = compile(script.read(), a.script, "exec")
+    for _ in range(2):  # Run again, it replaces its lamps.
+        exec(program, {"__name__": "__main__"})
+    bpy.context.view_layer.update()
+    wrong = []
+    if sorted(lamps()) != sorted(meshes):
+        wrong.append(f"lamps {sorted(lamps())}, expected {sorted(meshes)}")
+    for name, mesh in meshes.items():
+        if name in lamps():
+            wrong += [f"{name} {sentence}" for sentence in complaints(mesh, lamps()[name])]
+    for sentence in wrong:
+        print(f"cycles_blender.py: {sentence}", file=sys.stderr)
+    print(f"{len(lamps())} lamps for {len(meshes)} portals")
+    sys.exit(1 if wrong or not meshes else 0)
+
+
+def main():
+    parser = argparse.ArgumentParser(prog="cycles_blender.py")
+    commands = parser.add_subparsers(required=True)
+    rendering = commands.add_parser("render")
+    add_options(rendering)
+    rendering.set_defaults(run=render_pictures)
+    checking = commands.add_parser("check")
+    checking.add_argument("glb")
+    checking.add_argument("script")
+    checking.set_defaults(run=check_portals)
+    options = parser.parse_args(sys.argv[sys.argv.index("--") + 1 :])
+    options.run(options)
+
+
+main()

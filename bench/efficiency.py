@@ -1,0 +1,454 @@
+"""How efficient the integrators are: doc/efficiency.{csv,md,png}, by the tables of efficiency_tables.py."""
+import csv
+import dataclasses
+import functools
+import json
+import os
+import shutil
+import subprocess
+from pathlib import Path
+from types import SimpleNamespace
+
+import efficiency_tables as tables
+import pages
+from common import ROOT, TESTDATA, Halves, Setting, Stop, cores, decibels_of, settings, turns
+from efficiency_tables import BEFORE, Measurements, Scene
+from formats import exr_read, exr_write
+
+# Aims: of the gain, its moonshot; relMSE wanted after a minute, its moonshot; PSNR in the same time.
+SCENES = (
+    Scene("two-rooms", 128, 96, "door", 40, wanted_psnr=-0.3),
+    Scene("small-hole", 128, 96, "door", 60, wanted_psnr=-0.3),
+    Scene("door-ajar", 128, 96, "door", 15, wanted_psnr=-0.3),
+    Scene("half-metre-hole", 128, 96, "door", wanted_psnr=-0.3),
+    Scene("three-rooms", 128, 96, "door", 60, wanted_psnr=-0.3),
+    Scene("window", 128, 96, "door", 2, wanted_psnr=-0.3),
+    Scene("veach-ajar", 320, 180, "door", 6, 12, 0.012, wanted_psnr=-0.3),
+    Scene("veach-ajar-flip", 320, 180, "door", 12, 25, 0.025, wanted_psnr=-0.3),
+    Scene("bathroom2-channel", 128, 72, "door", 5, wanted_psnr=0),
+    Scene("cornell-box-portal", 96, 96, "door", wanted_psnr=-0.3),
+    Scene("kitchen", 128, 72, "interior", 1),
+    Scene("bathroom", 128, 128, "interior", 1),
+    Scene("living-room-lamps", 128, 72, "interior", 1),
+    Scene("classroom-lamps", 128, 72, "interior", 1),
+    Scene("bathroom2", 128, 72, "open"),
+    Scene("cornell-box", 128, 128, "open"),
+    Scene("veach-ajar-whole", 128, 72, "whole"),
+    Scene("two-rooms-whole", 128, 96, "whole"),
+    Scene("kitchen-whole", 128, 72, "whole"),
+    Scene("bathroom2-whole", 128, 72, "whole"),
+)
+WITHOUT_PORTALS = ("pt", "nee", "bdpt")
+COLUMNS = "scene integrator seed seconds spp cpu_seconds relmse psnr mape mean mse peak_mib".split()
+README = """# References of doc/efficiency.md
+
+Written by `make bench-efficiency-references` (`bench/efficiency.py`), read by `make bench-efficiency` while scene,
+depth and size are those of NAME.json, whatever the renderer: every integrator here converges to the same picture. Each
+is two halves of different seeds, half floats (`Halves` in `bench/common.py`); NAME-whole has no limit of depth. To make
+one anew, delete its NAME.json. doc/efficiency.md says how noisy they are.
+
+| name | size | depth | integrator | samples per pixel | CPU seconds | rendered by |
+|---|---|---|---|---|---|---|
+"""
+# Other programs' figures for 60 CPU seconds at depth 6; Metropolis light transport is Tungsten's.
+PEERS = {"veach-ajar": (("Tungsten, BDPT", "0.20"), ("path guiding with next-event estimation", "0.23"),
+                        ("Tungsten, multiplexed Metropolis", "0.06 to 0.30")),
+         "veach-ajar-flip": (("Tungsten, BDPT", "1.5"), ("path guiding", "5"),
+                             ("Tungsten, multiplexed Metropolis", "0.32"))}
+PAPER = {"veach-ajar": "-", "veach-ajar-flip": '"the metrics of TDPT occupy an overwhelming advantage"',
+         "bathroom2-channel": '-; of bathroom2 without the channel "the advantage of TDPT is not apparent"',
+         "cornell-box-portal": "-"}
+
+with_settings = settings(
+    BASELINE=Setting(
+        "",
+        "another tdpt-render, of an older commit: gains are over its bdpt and nee, which take turns with "
+        "the others as bdpt-before and nee-before"),
+    BASELINE_NAME=Setting("an older program", "what the page calls it"),
+    INTEGRATORS=Setting(
+        ("nee", "bdpt", "tdpt-org", "tdpt", "tdpt-guided", "auto"),
+        "without a limit of depth only the last two and bdpt"),
+    SECONDS_EACH=Setting(4.0, "CPU seconds of a picture; at a depth also a quarter and a sixteenth of it", 0.1),
+    SEEDS=Setting(8, "pictures of each kind", 2),
+    LONG_SCENES=Setting(
+        tuple(s.name for s in SCENES if s.wanted),
+        "of these also long pictures, of the integrator that "
+        "aims are asked of and of the one that gains are over"),
+    LONG_SECONDS=Setting(60.0, "of a long picture", 0.2),
+    LONG_SEEDS=Setting(3, "0: no long pictures", 1),
+    DEPTH=Setting("6", "edges of the longest path, as the paper's figures have it; none: no limit, in all scenes"),
+    REFERENCES=Setting(
+        "stored", "stored: those of REFERENCE_FOLDER that fit, others are rendered; render: none of them"),
+    REFERENCE_FOLDER=Setting(str(TESTDATA / "references/efficiency"),
+                             "the stored ones"),
+    REF_INTEGRATOR=Setting("tdpt-guided", "of the references"),
+    REF_SECONDS=Setting(
+        100.0,
+        "CPU seconds of a reference, in two halves; half of it without an aim, eight times it at "
+        "320 x 180, so that its relMSE is a tenth of what it judges", 1.0),
+    WIDTH=Setting(0, "of all pictures, for trials", 32),
+    HEIGHT=Setting(0, "the same", 24))
+
+
+def scene_sum(path):
+    """What cksum says: sum and size."""
+    with open(path, "rb") as file:
+        return subprocess.run(["cksum"], stdin=file, check=True, capture_output=True, text=True).stdout.strip()
+
+
+class Efficiency:
+    """A run of the benchmark: scenes that are there, their portals, references, pictures."""
+
+    def __init__(self, bench):
+        self.bench, self.s = bench, bench.settings
+        s, known = self.s, {scene.name for scene in SCENES}
+        for name in (*s.only, *s.long_scenes):
+            if name not in known:
+                raise Stop(2, f"{name} is none of the scenes")
+        if s.depth != "none" and not s.depth.isdigit():
+            raise Stop(2, f"DEPTH={s.depth} is neither a number nor none")
+        if s.references not in ("stored", "render"):
+            raise Stop(2, f"REFERENCES={s.references} is neither stored nor render")
+        if s.baseline and not os.access(s.baseline, os.X_OK):
+            raise Stop(2, f"BASELINE: {s.baseline} is no program")
+        if s.baseline and s.depth == "none":
+            raise Stop(2, "BASELINE is for a limited DEPTH")
+        self.integrators = [*(("nee" + BEFORE, "bdpt" + BEFORE) if s.baseline else ()), *s.integrators]
+        wanted = [scene for scene in SCENES if not (s.depth == "none" and scene.kind == "whole")]
+        self.files = bench.there([scene.name for scene in wanted])
+        self.scenes = [dataclasses.replace(scene) for scene in wanted if scene.name in self.files]
+        self.stored = Path(s.reference_folder)
+        self.depth_words = "no limit of depth" if s.depth == "none" else f"depth {s.depth}"
+
+    def portal(self, scene):
+        return self.bench.portals(self.files[scene.name])
+
+    def depth(self, scene):
+        """None: no limit."""
+        return None if "none" in (self.s.depth, "none" if scene.kind == "whole" else "") else int(self.s.depth)
+
+    def options(self, scene):
+        """Of every picture of it: size and depth."""
+        sizes = {"--width": self.s.width, "--height": self.s.height}
+        if not any(sizes.values()):
+            sizes = {"--width": scene.width, "--height": scene.height}
+        depth = {} if self.depth(scene) is None else {"--max-depth": self.depth(scene)}
+        return [word for key, value in {**sizes, **depth}.items() if value for word in (key, value)]
+
+    def render(self, scene, integrator, seed, seconds, **more):
+        plain = integrator.removesuffix(BEFORE)
+        program = Path(self.s.baseline).resolve() if integrator != plain else "tdpt-render"
+        portal = () if plain in WITHOUT_PORTALS else ("--portal", self.portal(scene).file)
+        return self.bench.store.run(program, self.files[scene.name], "--integrator", plain, "--time", f"{seconds:g}",
+                                    "--seed", seed, *portal, *self.options(scene), **more)
+
+    # ---- References ----
+    def half_seconds(self, scene):
+        share = (8 if scene.width >= 320 else 1) / (2 if scene.target is None else 1)
+        return self.s.ref_seconds * share / 2
+
+    def stored_fits(self, scene):
+        """What is known of a stored one of this scene, depth and size, or None. It may come from any program: all
+        converge to the same picture."""
+        path = self.stored / f"{scene.name}.json"
+        if self.s.references == "render" or not path.exists():
+            return None
+        about = pages.read_json(path)
+        size = ["--width", about["width"], "--height", about["height"]]
+        depth = [] if about["max_depth"] is None else ["--max-depth", about["max_depth"]]
+        fits = about["scene"] == scene_sum(self.files[scene.name]) and size + depth == self.options(scene)
+        return about if fits else None
+
+    def rendered_halves(self, scene):
+        return [self.render(scene, self.s.ref_integrator, 1000000 + half, self.half_seconds(scene), provenance=True)
+                for half in (1, 2)]
+
+    def reference(self, scene):
+        """(Halves, what is known of both)."""
+        about, stored = self.stored_fits(scene), ""
+        if about:
+            pictures, seconds, spp = [
+                self.stored / f"{scene.name}-{h}.exr" for h in (1, 2)], about["cpu_seconds"], about["spp"]
+            integrator, stored = about["integrator"], about["program"]
+        else:
+            runs = self.rendered_halves(scene)
+            pictures, integrator = [run.out for run in runs], self.s.ref_integrator
+            seconds, spp = [run.said["cpu_seconds"] for run in runs], [run.said["spp"] for run in runs]
+            about = runs[0].said
+        halves = Halves(self.bench, *pictures)
+        means = [way["mean"] for way in halves.ways]
+        black = {field: halves.both("black", field) for field in ("relmse", "psnr", "mape")}
+        return halves, {"mean": halves.both("mean"), "half": abs(means[0] - means[1]) / 2, "black": black,
+                        "relmse": halves.both("relmse") / 4, "cpu_seconds": sum(seconds), "spp": sum(spp),
+                        "integrator": integrator, "stored": stored, "width": about["width"], "height": about["height"]}
+
+    # ---- Pictures ----
+    def row(self, scene, halves, integrator, seed, seconds):
+        """Of the CSV, of six digits."""
+        run = self.render(scene, integrator, seed, seconds)
+        off, peak = halves.off(run.out), halves.both("peak")
+        psnr = decibels_of(peak * peak, off["mse"]) if off["mse"] > 0 else None
+        numbers = {"seconds": seconds, "spp": run.said["spp"], "cpu_seconds": run.said["cpu_seconds"], "psnr": psnr,
+                   "peak_mib": round(run.peak, 1), **{k: off[k] for k in ("relmse", "mape", "mean", "mse")}}
+        numbers = {k: None if v is None else float("%.6g" % v) for k, v in numbers.items()}
+        return {"scene": scene.name, "integrator": integrator, "seed": seed, **numbers}
+
+    def measured(self, wanted):
+        """Rows of (scene, integrator, seed, seconds): all are rendered, by turns, before any is judged."""
+        self.bench.side_by_side([functools.partial(self.render, *key) for key in wanted])
+        return [self.row(key[0], self.halves[key[0].name], *key[1:]) for key in wanted]
+
+    def all_rows(self):
+        s, wanted = self.s, []
+        for scene in self.scenes:
+            whole = scene.kind == "whole"
+            measured = [i for i in self.integrators if not whole or i in ("bdpt", "tdpt-guided", "auto")]
+            # Pictures of one seed begin with the same samples: each length has its own seeds.
+            for k, seconds in enumerate((s.seconds_each,) if whole else (s.seconds_each, s.seconds_each / 4,
+                                                                         s.seconds_each / 16)):
+                seconds = float("%.6g" % seconds)
+                wanted += [(scene, i, 1000 * k + seed, seconds) for seed, i in turns(range(1, s.seeds + 1), measured)]
+        rows = self.measured(wanted)
+        m, wanted = Measurements(self.scenes, rows, s.seconds_each), []
+        for scene in self.scenes:
+            if scene.name in s.long_scenes:
+                wanted += [(scene, i, 3000 + seed, s.long_seconds)
+                           for seed, i in turns(range(1, s.long_seeds + 1), m.pair(scene.name))]
+        return rows + self.measured(wanted)
+
+    def measure(self):
+        for scene in self.scenes:
+            self.portal(scene)
+        missing = [scene for scene in self.scenes if not self.stored_fits(scene)]
+        self.bench.side_by_side([functools.partial(self.rendered_halves, scene) for scene in missing])
+        self.halves = {}
+        for scene in self.scenes:
+            self.halves[scene.name], scene.reference = self.reference(scene)
+        return Measurements(self.scenes, self.all_rows(), self.s.seconds_each)
+
+
+# ---- Page ----
+STYLES = {"bdpt-before": 'dt 2 lc rgb "#000000" pt 1', "nee-before": 'dt 2 lc rgb "#8c8c8c" pt 2',
+          "bdpt": 'lc rgb "#000000" pt 7', "nee": 'lc rgb "#8c8c8c" pt 5', "tdpt-org": 'lc rgb "#0072b2" pt 9',
+          "tdpt": 'lc rgb "#56b4e9" pt 11', "tdpt-guided": 'lc rgb "#d55e00" pt 13', "auto": 'lc rgb "#009e73" pt 6'}
+
+
+def plot(m):
+    """relMSE against CPU seconds, a panel for each scene that was rendered for several lengths of time."""
+    shown = [s for s in m.scenes.values() if s.kind != "whole"] or list(m.scenes.values())
+    points = {key: of for key, of in tables.points(m).items() if m.scenes[key[0]] in shown}
+    figure = pages.Figure(min(4, len(shown) + 1), 400, 340)
+    times = [t for of in points.values() for t, _, _, _ in of] or [0.1, 1]
+    span = f"[{min(times) / 1.4:.4g}:{max(times) * 1.4:.4g}]"  # the same in every panel
+    black = 'with lines dt 3 lw 1.2 lc rgb "#666666"'
+    for scene in shown:
+        drawn = [f"{span} {scene.reference['black']['relmse']} {black} notitle"]
+        for i in (i for i in m.integrators if (scene.name, i) in points):
+            style, block = STYLES.get(i, 'lc rgb "#cc79a7" pt 4'), figure.block(points[scene.name, i])
+            drawn += [f"{block} using 1:2:3:4 with yerrorbars lw 1 {style} notitle",
+                      f"{block} using 1:2 with lines lw 2 {style.split(' pt ')[0]} notitle"]
+        figure.panel(scene.name, "CPU seconds", "relMSE", drawn,
+                     ("set logscale xy", 'set format y "10^{%T}"', "set xtics in (0.1, 0.3, 1, 3, 10, 30, 100)"))
+    figure.key([*(f'NaN with linespoints lw 2 {STYLES.get(i, "pt 4")} title "{i}"' for i in m.integrators),
+                f'NaN {black} title "all black"'])
+    return figure.script("efficiency.png")
+
+
+def head(run, m):
+    s, seeds = run.s, run.s.seeds
+    integrators, version = " ".join(s.integrators), run.bench.version()
+    older = ""
+    if s.baseline:
+        older = (f"* `bdpt-before` and `nee-before` are bdpt and nee of another program, {s.baseline_name} "
+                 f"({run.bench.version(Path(s.baseline).resolve())}), in the same run.\n")
+    return f"""# Efficiency of the integrators
+
+Written by `make bench-efficiency` ({version}, {cores()} cores; SECONDS_EACH={s.seconds_each:g} SEEDS={seeds}
+INTEGRATORS="{integrators}"; `bench/run.py efficiency --help` tells the rest). Every picture is one thread's,
+{run.depth_words} unless said otherwise, `--time {s.seconds_each:g}`, the integrators taking turns; portals are found by
+ffgraph, mincut, lightgrid and portalfit, none is drawn by hand. [efficiency.csv](efficiency.csv) has a row for each
+picture.
+
+{older}* Efficiency = 1 / (relMSE x CPU seconds). **Gain** = efficiency over another's = mean of the other's relMSE x
+CPU seconds over
+  the seeds / the same mean of its own. The mean, not the median: it is what more samples would have to make up for.
+* Gains are over {run.over}, in scenes without a door over {run.better}. bdpt's own
+  efficiency stands beside, so that no gain comes of a bdpt made worse.
+* Brackets: 95 % intervals by bootstrap over the {seeds} seeds, widened as the t distribution is for few (expanded
+  percentiles). relMSE is heavy-tailed where bdpt is bad: fireflies that no seed met are missing from bdpt's mean and
+  from the interval, so gains are more likely too small than too large.
+* Aims are asked of `auto`, the default, or, where it was not measured, of the best with portals.
+* A reference is two halves of different seeds; what they have in common is taken for the truth, so their noise is in no
+  error, only in MAPE and, a little, in the squares that relMSE divides by, where it makes all relMSE too large alike.
+  Its own relMSE, of both halves together, stands with each scene, beside what it judges: the relMSE that would meet the
+  scene's aim in the same time, without an aim that of bdpt. "-": hidden by the reference's noise.
+* MiB: the most memory that any seed's run held.
+"""
+
+
+def part(words, text):
+    return f"{words}\n\n{text}" if text else ""
+
+
+def section(heading, words, text):
+    return f"## {heading}\n\n{words}\n\n{text}" if text else ""
+
+
+def scene_section(run, m, scene):
+    found, reference = run.portal(scene).said, scene.reference
+    areas = [f"{round(p['area'], 3):g}" for p in found.get("portals", ())]
+    reason = f" ({found['reason']})" if found.get("reason") else ""
+    portals = f"portals of {' and '.join(areas)} m2" if areas else f"no portal{reason}"
+    stored = f" (stored, rendered by {reference['stored']})" if reference["stored"] else ""
+    depth = "no limit of depth; " if scene.kind == "whole" else ""
+    return f"""### {scene.name}
+
+{reference['width']} x {reference['height']} pixels; {depth}{portals}. \
+Reference: {reference['cpu_seconds']:.3g} CPU s of \
+{reference['integrator']}{stored}, {tables.reference_words(m, scene.name)}
+{tables.check(m, scene.name)}
+
+{tables.scene_rows(m, scene.name)}"""
+
+
+def long_sections(run, m):
+    s, at = run.s, m.at(run.s.long_seconds)
+    if not s.long_seeds:
+        return []
+    out = [section(f"Gain after {s.long_seconds:g} seconds", f"{s.long_seeds} seeds; over {run.over}.",
+                   tables.gains(at, "doors")),
+           section(f"Gain after {s.long_seconds:g} seconds in furnished rooms",
+                   f"{s.long_seeds} seeds; over {run.better}.",
+                   tables.gains(at, "rooms"))]
+    there = [name for name in PEERS if name in m.scenes]
+    if there:
+        out.append(f"""## relMSE after {s.long_seconds:g} seconds, beside other programs
+
+320 x 180, {run.depth_words}. The other programs' figures are for 60 CPU seconds at depth 6; they were measured outside
+of this script, on a like machine. Metropolis light transport is Tungsten's, multiplexed (MMLT); its error differs much
+from run to run.""")
+    for name in there:
+        rows = [[program, figure, 60, "-", "-"] for program, figure in PEERS[name]]
+        rows += tables.long_rows(at, name)
+        rows.append(["all black", pages.three(m.scenes[name].reference["black"]["relmse"]), "-", "-", "-"])
+        out.append(f"### {name} after {s.long_seconds:g} s\n\n"
+                   + pages.table(("", "relMSE, seed by seed", "CPU s", "wanted (moonshot)", "met"), rows))
+    return out
+
+
+def page(run, m):
+    over = "bdpt" + (f" of {run.s.baseline_name}" if run.s.baseline else "")
+    run.over, run.better = over, over.replace("bdpt", "the better of bdpt and nee", 1)
+    papers = [[name, words, "not in the text", *tables.paper(m, name)]
+                                                             for name, words in PAPER.items() if name in m.scenes]
+    return pages.sections(
+        head(run, m),
+        tables.busy(m),
+        tables.noisy(m),
+        section("Doors, holes, windows", f"Gain over {run.over}.", tables.gains(m, "doors")),
+        section(
+            "Furnished rooms, and a box", "No door; portals where the four stages find any. Gain over "
+            f"{run.better}.", tables.gains(m, "rooms")),
+        section(
+            "No limit of depth", "Gain over bdpt of this program; references of their own. NAME-whole is scene NAME.",
+            tables.gains(m, "whole")),
+        f"""![relMSE against CPU seconds, a panel for each scene](efficiency.png)
+
+*Mean relMSE of {run.s.seeds} seeds over CPU seconds; bars from the lowest to the highest seed. Dotted: a picture
+without light.*
+
+## PSNR in the same time
+
+Decibels, of the mean MSE x CPU seconds: pixels count by their light, so that directly lit regions decide.""",
+        part(f"Over {run.over}.", tables.psnr(m, "doors")),
+        part(f"Over {run.better}, that of the smaller relMSE.", tables.psnr(m, "rooms")),
+        part("No limit of depth, over bdpt of this program.", tables.psnr(m, "whole")),
+        """## Scene by scene
+
+*mean / reference*: of the pictures of all lengths together, +- one standard error, the reference's noise included.""",
+        *(scene_section(run, m, scene) for scene in run.scenes),
+        section(
+            "Beside the paper's Fig. 7",
+            """\
+The paper compares its TDPT, here `tdpt`, with BDPT at 16 samples per pixel and depth 5. It prints PSNR and MAPE inside
+a picture, not in its text. Ours are after the same time; after the same samples they are in
+[figures.md](figures.md).""",
+            papers and pages.table(
+                ("scene", "the paper's words", "the paper's PSNR, MAPE", "PSNR, tdpt - bdpt",
+                 "MAPE, tdpt against bdpt"),
+                papers)),
+        *long_sections(run, m))
+
+
+@with_settings
+def efficiency(bench):
+    """1 / (relMSE x CPU seconds) of every integrator, with portals that the four stages find. An hour and a half of CPU
+    time, with BASELINE two, and 25 minutes more (50 with both of Veach, Ajar) for references that are not stored.
+    --time is time on the clock: a busy machine makes pictures that are worse than they might be, which the page
+    tells."""
+    bench.need("gnuplot")
+    run = Efficiency(bench)
+    m = run.measure()
+    with open(bench.doc / "efficiency.csv", "w", newline="", encoding="ascii") as file:
+        table = csv.writer(file, lineterminator="\n")
+        table.writerow(COLUMNS)
+        for row in (row for rows in m.rows.values() for row in rows):
+            table.writerow(["" if row[c] is None else "%.6g" % row[c] if isinstance(row[c], float) else row[c]
+                            for c in COLUMNS])
+    pages.draw(plot(m), bench.doc)
+    bench.page("efficiency", page(run, m))
+
+
+# ---- Stored references ----
+def described(scene, halves, seeds, program):
+    """What NAME.json says; halves: what tdpt-render says of them. Halves that do not belong together are an error."""
+    first, second = halves
+    for field in ("integrator", "width", "height", "max_depth"):
+        if first[field] != second[field]:
+            raise ValueError(f"{field} of the halves: {first[field]} and {second[field]}, expected the same")
+    if seeds[0] == seeds[1]:
+        raise ValueError(f"both halves have seed {seeds[0]}, expected two")
+    return {"scene": scene_sum(scene), **{k: first[k] for k in ("max_depth", "width", "height", "integrator")},
+            "program": program, "seeds": [int(s) for s in seeds], "spp": [h["spp"] for h in halves],
+            "cpu_seconds": [round(h["cpu_seconds"], 1) for h in halves]}
+
+
+def readme(folder):
+    rows = []
+    for path in sorted(folder.glob("*.json")):
+        r = SimpleNamespace(**pages.read_json(path))
+        rows.append(pages.row(path.stem, f"{r.width} x {r.height}", r.max_depth or "no limit", r.integrator,
+                              "%d and %d" % tuple(r.spp), "%.0f and %.0f" % tuple(r.cpu_seconds), r.program) + "\n")
+    return README + "".join(rows)
+
+
+def keep(folder, name, scene, runs, program):
+    """NAME-1.exr, NAME-2.exr and NAME.json in folder, where efficiency finds them, and a row of its README. Rounding to
+    half floats is off by at most 2^-11 of a value: relMSE 2.4e-7 at most, 5e-8 on average."""
+    pictures = [exr_read(run.out) for run in runs]
+    for _, header in pictures:
+        if f"from {Path(scene).name} " not in header["provenance"]:
+            raise ValueError(f"a half is not from {Path(scene).name}: {header['provenance']}")
+    about = described(scene, [run.said for run in runs], [header["seed"] for _, header in pictures], program)
+    for i, (rgb, header) in enumerate(pictures, 1):
+        exr_write(folder / f"{name}-{i}.exr", rgb, **header)
+    (folder / f"{name}.json").write_text(json.dumps(about, indent=1) + "\n", encoding="utf-8")
+    (folder / "README.md").write_text(readme(folder), encoding="utf-8")
+
+
+@with_settings
+def references(bench):
+    """References of efficiency that are missing or do not fit, rendered and stored in REFERENCE_FOLDER."""
+    run = Efficiency(bench)
+    run.stored.mkdir(parents=True, exist_ok=True)
+    missing = [scene for scene in run.scenes if not run.stored_fits(scene)]
+    commit = ""
+    if shutil.which("git"):
+        commit = subprocess.run(["git", "-C", ROOT, "describe", "--always", "--dirty"], capture_output=True, text=True,
+                                check=False).stdout.strip()
+    program = ", ".join(filter(None, (bench.version(), commit)))
+    for scene, runs in zip(missing, bench.side_by_side([functools.partial(run.rendered_halves, s) for s in missing])):
+        keep(run.stored, scene.name, run.files[scene.name], runs, program)
+        got, asked = sum(r.said["cpu_seconds"] for r in runs), 2 * run.half_seconds(scene)
+        busy = ": THE MACHINE WAS BUSY" if got < 0.85 * asked else ""
+        bench.say(f"{scene.name}: stored, {got:.2g} of {asked:g} CPU seconds{busy}")

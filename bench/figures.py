@@ -1,0 +1,274 @@
+"""The paper's figures from our renders (doc/figures.md), pictures of what each stage did (doc/stages.md), and small
+pictures of both for the README."""
+import math
+import shutil
+import subprocess
+from pathlib import Path
+
+import pages
+from common import STAGES, Made, Setting, Stop, cores, settings
+
+SCENES = ("cornell-box-portal", "veach-ajar", "veach-ajar-flip", "bathroom2", "bathroom2-channel")
+INTEGRATORS = ("pt", "nee", "bdpt", "tdpt-org", "tdpt")
+# The paper's share of non-zero pixels at 1 spp and CPU time per frame.
+FIG5 = {"pt": ("0.00619 %", "not in the text"), "nee": ("0.382 %", "not in the text"), "bdpt": (
+    "4.79 %", "not in the text"), "tdpt-org": ("27.6 %", "3.1 s"), "tdpt": ("24.4 %", "2.5 s")}
+WORDS = {"veach-ajar-flip": 'no direct light; "the metrics of TDPT occupy an overwhelming advantage"',
+         "bathroom2": 'a large window; "the advantage of TDPT is not apparent"'}
+COMMON_WARNINGS = ("there is no portal in", "no portal is given")
+
+
+class Figures:
+    def __init__(self, bench):
+        self.bench, self.s = bench, bench.settings
+        s = self.s
+        height = s.height or (0 if s.width else 120)
+        self.size = [w for key, value in (("--width", s.width), ("--height", height)) if value for w in (key, value)]
+        self.files = bench.there(SCENES)
+
+    def portal(self, scene):
+        return self.bench.portals(self.files[scene], stage_options={p: ("--seed", self.s.seed) for p in STAGES})
+
+    def render(self, scene, integrator, spp, depth, seed, *options):
+        """said: with its frames."""
+        given = ("--portal", self.portal(scene).file) if integrator.startswith("tdpt") else ()
+        run = self.bench.render(
+            self.files[scene],
+            *given, "--integrator", integrator, *self.size, "--spp", spp, "--max-depth", depth, "--seed", seed,
+            "--stats", Made("stats.json"),
+            *options, threads=0)
+        run.said = pages.read_json(run.folder / "stats.json")
+        return run
+
+    def copy(self, path, name):
+        shutil.copy(path, self.bench.doc / "figures" / name)
+
+
+def percent(share):
+    return pages.three(100 * share) + " %"
+
+
+def average(values):
+    return sum(values) / len(values)
+
+
+def size_of(said):
+    return f"{said['width']} x {said['height']}"
+
+
+def portal_section(figures):
+    rows, without = [], []
+    for scene in figures.files:
+        said = figures.portal(scene).said
+        portals = said["portals"]
+        if portals:
+            cells = [", ".join(f"{round(f * p[key], digits):g}{unit}" for p in portals) for key, f, digits, unit in
+                     (("area", 1, 3, ""), ("flux_share", 100, 1, " %"), ("support", 1, 2, ""))]
+            rows.append([scene, len(portals), *cells])
+        else:
+            reason = f" ({said['reason']})" if said.get("reason") else ""
+            rows.append([scene, f"0{reason}", "-", "-", "-"])
+            without.append(
+                f"No portal in {scene}: there tdpt-org is bdpt, and tdpt is left with camera, direct and light.")
+    return pages.sections("## Portals", pages.table(
+                              ("scene", "portals", "area [m2]", "share of the light", "support"),
+                              rows),
+                          *without)
+
+
+def figure5(figures):
+    """How the picture of the Cornell box with a hole forms."""
+    runs = {i: figures.render("cornell-box-portal", i, figures.s.frames, 6, figures.s.seed) for i in INTEGRATORS}
+    plot = pages.Figure(3, 320, 330)
+    panels = {words: [] for words in ("a  non-zero pixels [%]", "b  mean of the picture", "c  CPU seconds per frame")}
+    rows = []
+    for i, run in runs.items():
+        said, before, points = run.said, 0, []
+        for frame in said["frames"]:
+            points.append((frame["spp"], 100 * frame["nonzero"], average(frame["mean"]), frame["cpu_seconds"] - before))
+            before = frame["cpu_seconds"]
+        block = plot.block(points)
+        for column, drawn in enumerate(panels.values(), 2):
+            drawn.append(f'{block} using 1:{column} with lines lw 2 title "{i}"')
+        rows.append([i, percent(said["frames"][0]["nonzero"]), FIG5[i][0], percent(said["nonzero"]),
+                     pages.three(average(said["mean"])), "about 0.02", pages.three(said["cpu_seconds"] / said["spp"]),
+                     FIG5[i][1]])
+    for words, drawn in panels.items():
+        own = {"a": ("set yrange [0:*]",), "b": ("set key right bottom",)}.get(words[0], ())
+        plot.panel(words, "samples per pixel", "", drawn, ("set logscale x 2", *own))
+    pages.draw(plot.script("fig5.svg"), figures.bench.doc / "figures")
+    seconds = [runs[i].said["cpu_seconds"] for i in ("tdpt-org", "tdpt")]
+    change = 100 * (1 - seconds[1] / seconds[0])
+    n = figures.s.frames
+    return f"""## Fig 5: Cornell with a hole, depth 6, {n} samples per pixel, {size_of(runs['pt'].said)}
+
+![Non-zero share, mean and CPU seconds per frame over samples per pixel](figures/fig5.svg)
+
+{pages.table(("integrator", "non-zero at 1 spp", "the paper", f"at {n} spp", f"mean at {n} spp", "the paper",
+              "CPU s per frame", "the paper"), rows)}
+
+A frame of tdpt takes {abs(change):.0f} % {'more' if change < 0 else 'less'} CPU time than one of tdpt-org; the paper:
+about 20 % less."""
+
+
+def figure6(figures):
+    """Non-zero pixels of one sample per pixel."""
+    three = ("bdpt", "tdpt-org", "tdpt")
+    runs = {i: figures.render("veach-ajar-flip", i, 1, 5, figures.s.seed,
+                              "--nonzero", Made("nonzero.png")) for i in three}
+    for i, run in runs.items():
+        figures.copy(run.folder / "nonzero.png", f"fig6-{i}.png")
+    said = [run.said for run in runs.values()]
+    rows = [[f"![{i}](figures/fig6-{i}.png)" for i in three], [f"{percent(s['nonzero'])} non-zero" for s in said],
+            [f"mean {pages.three(average(s['mean']))}" for s in said]]
+    return f"""## Fig 6: veach-ajar-flip, 1 sample per pixel, depth 5, {size_of(said[0])}
+
+Red: some light arrived. Green: none.
+
+{pages.table(three, rows)}
+
+The paper: mean 0.044 for all three; the shares are not in the text."""
+
+
+def figure7(figures, scene):
+    """The same samples for everyone, against a long rendering."""
+    s = figures.s
+    reference = figures.render(scene, "tdpt-org", s.ref_spp, 5, s.seed + 1)
+    runs = {i: figures.render(scene, i, s.spp, 5, s.seed) for i in INTEGRATORS}
+    errors, rows = {}, []
+    for i, run in runs.items():
+        made = figures.bench.store.run("exrdiff", run.out, reference.out,
+                                       "--side-by-side", Made("both.png"), output=False)
+        errors[i] = made.said
+        if i in ("bdpt", "tdpt"):
+            figures.copy(made.folder / "both.png", f"fig7-{scene}-{i}.png")
+    base = errors["bdpt"]["relmse"] * runs["bdpt"].said["cpu_seconds"]
+    number = pages.three
+    for i, e in errors.items():
+        seconds = runs[i].said["cpu_seconds"]
+        cost, off = e["relmse"] * seconds, e["mean"] / e["reference_mean"]
+        psnr = "-" if e["psnr"] is None else "%.2f" % e["psnr"]
+        rows.append(
+            [i, psnr, number(e["mape"]),
+             number(e["relmse"]),
+             number(e["relmse_trimmed"]),
+             percent(e["nonzero"]),
+             number(e["mean"]),
+             number(seconds),
+             "%.2g" % (base / cost) if cost >0 and 0.8 <off <1.2 else "-"])
+    black = errors["bdpt"]["black"]
+    rows.append(
+        ["all black", "%.2f" % black["psnr"],
+         number(black["mape"]),
+         number(black["relmse"]),
+         "-", "-", 0, "-", "-"])
+    rows.append(["reference", "-", "-", "-", "-", percent(reference.said["nonzero"]),
+                 number(errors["bdpt"]["reference_mean"]), number(reference.said["cpu_seconds"]), "-"])
+    here, there = errors["tdpt"], errors["bdpt"]
+    gain = (here["psnr"] or math.inf) - (there["psnr"] or math.inf)
+    warnings = sorted({line.removeprefix("tdpt-render: warning: ") for run in (reference, runs["bdpt"])
+                       for line in run.errors.splitlines() if line.startswith("tdpt-render: warning: ")})
+    warnings = [f"- {w}" for w in warnings if not w.startswith(COMMON_WARNINGS)]
+    return pages.sections(
+        f"### {scene}", f"{size_of(runs['bdpt'].said)} pixels", pages.table(
+            ("integrator", "PSNR [dB]", "MAPE [%]", "relMSE", "trimmed", "non-zero", "mean", "CPU s", "efficiency"),
+            rows),
+        f"The paper: {WORDS.get(scene, 'not in the text')}. Here tdpt has {gain:+.1f} dB of PSNR against bdpt, a MAPE "
+        f"of {here['mape']:.3g} % against {there['mape']:.3g} %, a relMSE of {here['relmse']:.3g} against "
+        f"{there['relmse']:.3g}.",
+        *(f"![{i} left, reference right](figures/fig7-{scene}-{i}.png)\n*{i}, reference*" for i in ("bdpt", "tdpt")),
+        *(["The renderer warns:", "\n".join(warnings)] if warnings else[]))
+
+
+@settings(WIDTH=Setting(0, "of the pictures; one follows from the other and the camera", 32),
+          HEIGHT=Setting(0, "the same; 120 if neither is given", 18),
+          SPP=Setting(16, "samples per pixel of Fig 7's pictures", 2), REF_SPP=Setting(512, "of their references", 4),
+          FRAMES=Setting(128, "samples per pixel of Fig 5", 3), SEED=Setting(1, "of all"))
+def figures(bench):
+    """The paper's Figs 5 to 7 from our own renders, with portals that the four stages find."""
+    bench.need("gnuplot")
+    (bench.doc / "figures").mkdir(exist_ok=True)
+    f = Figures(bench)
+    s = f.s
+    bench.page("figures", pages.sections(
+        f"""# The paper's figures from our renders
+
+Written by `make figures` ({bench.version()}, {cores()} cores), which
+finds the portals of the scenes in `SCENES`, renders, compares and draws. The same at another size:
+
+    make figures HEIGHT=360 SPP={s.spp} FRAMES={s.frames} REF_SPP={s.ref_spp} SCENES=FOLDER
+
+Times are CPU seconds of rendering alone. `tdpt` is the paper's TDPT-REF. The paper's own numbers stand
+beside ours where its text gives them; "not in the text" means that they are in a picture of the paper or
+nowhere. Its scenes, portals and machine are not ours, so compare rows rather than digits.""",
+        portal_section(f),
+        figure5(f) if "cornell-box-portal" in f.files else "",
+        figure6(f) if "veach-ajar-flip" in f.files else "",
+        f"""## Fig 7: {s.spp} samples per pixel, depth 5
+
+Against tdpt-org with {s.ref_spp} samples per pixel and another seed, whose own noise counts against everyone:
+{100 * s.spp / s.ref_spp:.2g} % of tdpt-org's relMSE. *Trimmed* is relMSE without the worst thousandth of the pixels;
+*all black* is the score of a picture of no light. *Efficiency* is 1 / (relMSE x CPU s), bdpt's being 1; it stays open
+("-") where the mean is a fifth or more off, since then too few paths were found to judge by. The paper prints its PSNR
+and MAPE inside a picture: not in the text.""",
+        *(figure7(f, scene) for scene in f.files)))
+
+
+# ---- Pictures of the stages ----
+@settings(SCENE=Setting("", "the room behind a door; default veach-ajar.glb of the paper's scenes"),
+          INTERIOR=Setting(
+              "",
+              "a room whose lamp stands in its own window, for the last picture; default kitchen.glb of the "
+              "interiors; left out, with a word, where it is not there"),
+          WINDOWS=Setting(
+              "",
+              "a room lit by an environment through its windows; default living-room.glb of the interiors; "
+              "left out, with a word, where it is not there"),
+          SKY=Setting("", "what shines on WINDOWS, --environment; default the map beside it, NAME.env.exr"))
+def stages(bench):
+    """The pictures of doc/stages.md, one of each stage, for a room behind a door and for one with windows; the cache
+    receives the same for 3D viewers."""
+    s, scenes = bench.settings, Path(bench.settings.scenes)
+    scene = Path(s.scene or scenes / "veach-ajar.glb").resolve()
+    interior = Path(s.interior or scenes / "interiors/kitchen.glb").resolve()
+    windows = Path(s.windows or scenes / "interiors/living-room.glb").resolve()
+    if not scene.exists():
+        raise Stop(3, f"there is no scene {scene}; name one with SCENE=FILE")
+    (bench.doc / "figures").mkdir(exist_ok=True)
+
+    def pictures(room, suffix, sky=()):
+        def side(program):
+            shown = ("--scene", room) if program == "mincut" else ()
+            return (*shown, "--preview", Made("preview.png"), "--debug-glb", Made("debug.glb"))
+        for program, run in bench.portals(room, sky, side=side).runs.items():
+            shutil.copy(run.folder / "preview.png", bench.doc / f"figures/stage-{program}{suffix}.png")
+            shutil.copy(run.folder / "debug.glb", bench.cache / f"{program}{suffix}.debug.glb")
+
+    pictures(scene, "")
+    if interior.exists():
+        form_factors = bench.store.run("ffgraph", interior, threads=0)
+        cut = bench.store.run("mincut", form_factors.out, "--scene", interior,
+                              "--preview", Made("preview.png"), threads=0)
+        shutil.copy(cut.folder / "preview.png", bench.doc / "figures/stage-mincut-kitchen.png")
+    else:
+        bench.say(f"{interior} is not there: its picture is left out")
+    if windows.exists():
+        sky = s.sky or windows.with_suffix(".env.exr")
+        pictures(windows, "-windows", ("--environment", Path(sky) if Path(sky).exists() else sky))
+    else:
+        bench.say(f"{windows} is not there: its pictures are left out")
+    names = ",".join(STAGES)
+    bench.say(f"{bench.doc}/figures/stage-{{{names}}}.png, for 3D viewers {bench.cache}/*.debug.glb")
+
+
+@settings()
+def thumbnails(bench):
+    """The small pictures of README.md, 240 pixels wide, cut from those that stages and figures draw."""
+    bench.need("convert")
+    folder = bench.doc / "figures"
+    for name, of, part in (("ffgraph", "stage-ffgraph", "802x396+760+88"), ("mincut", "stage-mincut", "802x396+760+88"),
+                           ("lightgrid", "stage-lightgrid", "980x480+55+92"),
+                           ("portalfit", "stage-portalfit", "748x380+34+92"),
+                           ("tdpt-render", "fig7-veach-ajar-tdpt", "213x120+215+0")):
+        subprocess.run(["convert", folder / f"{of}.png", "-crop", part, "+repage", "-resize", "240x", "-strip",
+                        folder / f"thumbnail-{name}.png"], check=True)

@@ -1,0 +1,306 @@
+"""Files that the distribution has no Python module for. OpenEXR pictures: scanlines, ZIP, channels B G R; what is
+written is half, or float where a value is beyond half's range; the others come to half's precision there, too, which
+packs to half the size. And glTF binaries: made-up ones, portals at known places, scenes without their smallest
+triangles."""
+import json
+import struct
+import zlib
+
+import numpy as np
+
+HALF_MAX = 65504.0
+LINES = 16  # of a ZIP block
+
+
+def _string(text):
+    return text.encode("ascii") + b"\0"
+
+
+def _attribute(name, kind, data):
+    return _string(name) + _string(kind) + struct.pack("<i", len(data)) + data
+
+
+def _zip(raw):
+    """Even bytes before odd ones, differences to the byte before, deflated; as it was where that gains nothing."""
+    parted = np.frombuffer(raw, np.uint8)
+    parted = np.concatenate([parted[::2], parted[1::2]])
+    steps = parted.copy()
+    steps[1:] = parted[1:] - parted[:-1] + np.uint8(128)
+    packed = zlib.compress(steps.tobytes(), 9)
+    return packed if len(packed) < len(raw) else raw
+
+
+def exr_content(rgb, comments="", **strings):
+    """The bytes of the file. `rgb`: height x width x 3, row 0 at the top; strings: more attributes."""
+    height, width, channels = rgb.shape
+    if channels != 3:
+        raise ValueError(f"{channels} channels, expected 3")
+    half = not np.abs(rgb).max() > HALF_MAX
+    with np.errstate(over="ignore"):
+        pixels = rgb.astype("<f2")
+    if not half:
+        pixels = np.where(np.abs(rgb) > HALF_MAX, rgb, pixels).astype("<f4")
+    kinds = b"".join(_string(c) + struct.pack("<iiii", 1 if half else 2, 0, 1, 1) for c in "BGR") + b"\0"
+    window = struct.pack("<4i", 0, 0, width - 1, height - 1)
+    head = struct.pack("<2i", 20000630, 2)
+    head += _attribute("channels", "chlist", kinds)
+    for name, text in {"comments": comments, **strings}.items():
+        if text:
+            head += _attribute(name, "string", text.encode("utf-8"))
+    head += _attribute("compression", "compression", b"\x03")  # ZIP
+    head += _attribute("dataWindow", "box2i", window)
+    head += _attribute("displayWindow", "box2i", window)
+    head += _attribute("lineOrder", "lineOrder", b"\0")
+    head += _attribute("pixelAspectRatio", "float", struct.pack("<f", 1))
+    head += _attribute("screenWindowCenter", "v2f", struct.pack("<2f", 0, 0))
+    head += _attribute("screenWindowWidth", "float", struct.pack("<f", 1))
+    head += b"\0"
+    blocks = []
+    for y in range(0, height, LINES):
+        packed = _zip(np.ascontiguousarray(pixels[y : y + LINES, :, ::-1].transpose(0, 2, 1)).tobytes())
+        blocks.append(struct.pack("<2i", y, len(packed)) + packed)
+    places = len(head) + 8 * len(blocks) + np.cumsum([0] + [len(b) for b in blocks[:-1]])
+    return head + places.astype("<u8").tobytes() + b"".join(blocks)
+
+
+def _unzip(packed, size):
+    if len(packed) == size:
+        return packed
+    steps = np.frombuffer(zlib.decompress(packed), np.uint8)
+    parted = np.cumsum(steps - np.uint8(128), dtype=np.uint8) + np.uint8(128)
+    raw = np.empty(size, np.uint8)
+    raw[::2], raw[1::2] = parted[: (size + 1) // 2], parted[(size + 1) // 2 :]
+    return raw.tobytes()
+
+
+def _attributes(data):
+    """{name: (type, bytes)}, and where the header ends."""
+    found, place = {}, 8
+
+    def word():
+        nonlocal place
+        start, place = place, data.index(0, place) + 1
+        return data[start : place - 1].decode("ascii")
+
+    while data[place]:
+        name, kind = word(), word()
+        (size,) = struct.unpack_from("<i", data, place)
+        found[name] = kind, data[place + 4 : place + 4 + size]
+        place += 4 + size
+    return found, place + 1
+
+
+def exr_parse(data, path="picture"):
+    """(height x width x 3 of R G B, its string attributes) of the bytes of a file."""
+    attributes, place = _attributes(data)
+    left, top, right, bottom = struct.unpack("<4i", attributes["dataWindow"][1])
+    width, height = right - left + 1, bottom - top + 1
+    head = attributes["channels"][1]
+    channels = [struct.unpack_from("<2si", head, at) for at in range(0, len(head) - 1, 18)]
+    types = {kind for _, kind in channels}
+    if [name for name, _ in channels] != [b"B\0", b"G\0", b"R\0"] or len(types) > 1:
+        raise ValueError(f"{path}: expected channels B G R alone, of one type")
+    if attributes["compression"][1] != b"\x03":
+        raise ValueError(f"{path}: expected ZIP compression")
+    kind = {1: "<f2", 2: "<f4"}[types.pop()]
+    rgb = np.empty((height, width, 3))
+    for start in struct.unpack_from(f"<{-(-height // LINES)}Q", data, place):
+        y, size = struct.unpack_from("<2i", data, start)
+        lines = min(LINES, height - (y - top))
+        raw = _unzip(data[start + 8 : start + 8 + size], lines * width * 3 * np.dtype(kind).itemsize)
+        rgb[y - top : y - top + lines] = np.frombuffer(raw, kind).reshape(lines, 3, width).transpose(0, 2, 1)[..., ::-1]
+    return rgb, {name: value.decode() for name, (kind, value) in attributes.items() if kind == "string"}
+
+
+def exr_read(path):
+    with open(path, "rb") as file:
+        return exr_parse(file.read(), path)
+
+
+def exr_write(path, rgb, comments="", **strings):
+    with open(path, "wb") as file:
+        file.write(exr_content(rgb, comments, **strings))
+
+# ---- glTF binaries ----
+FLOAT, SHORTS, INTEGERS = 5126, 5123, 5125
+TYPES = {5121: "<u1", SHORTS: "<u2", INTEGERS: "<u4", FLOAT: "<f4"}
+WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
+
+
+def glb_parse(data):
+    """(document, binary chunk)"""
+    magic, version, _ = struct.unpack_from("<4sII", data)
+    if magic != b"glTF" or version != 2:
+        raise ValueError("no glTF 2.0 binary")
+    chunks, place = {}, 12
+    while place < len(data):
+        size, kind = struct.unpack_from("<I4s", data, place)
+        chunks[kind] = data[place + 8 : place + 8 + size]
+        place += 8 + size
+    return json.loads(chunks[b"JSON"]), chunks.get(b"BIN\0", b"")
+
+
+def glb_content(document, binary):
+    """A glTF binary; of no bytes, without a second chunk."""
+    text = json.dumps(document, separators=(",", ":")).encode()
+    text += b" " * (-len(text) % 4)
+    binary += b"\0" * (-len(binary) % 4)
+    if binary:
+        binary = struct.pack("<I4s", len(binary), b"BIN\0") + binary
+    size = 20 + len(text) + len(binary)
+    return struct.pack("<4sIII4s", b"glTF", 2, size, len(text), b"JSON") + text + binary
+
+
+class Builder:
+    """A .glb that grows, mesh by mesh; a node for each."""
+
+    def __init__(self):
+        self.chunks, self.size = [], 0
+        self.json = {"asset": {"version": "2.0"}, "scene": 0, "scenes": [{}]}
+
+    def add(self, kind, content):
+        """The index of what is one more of the document's `kind`."""
+        self.json.setdefault(kind, []).append(content)
+        return len(self.json[kind]) - 1
+
+    def accessor(self, values, component, kind, **more):
+        data = np.ascontiguousarray(values, TYPES[component]).tobytes()
+        view = self.add("bufferViews", {"buffer": 0, "byteOffset": self.size, "byteLength": len(data)})
+        self.chunks.append(data + b"\0" * (-len(data) % 4))
+        self.size += len(self.chunks[-1])
+        return self.add("accessors", {"bufferView": view, "componentType": component, "count": len(values),
+                                      "type": kind, **more})
+
+    def node(self, content):
+        self.json["scenes"][0].setdefault("nodes", []).append(self.add("nodes", content))
+
+    def mesh(self, places, corners=None, normals=None, material=None, **node):
+        """Triangles, three corners each; without corners three places each."""
+        places = np.asarray(places, "<f4")
+        ends = {"min": places.min(0).tolist(), "max": places.max(0).tolist()}
+        primitive = {"attributes": {"POSITION": self.accessor(places, FLOAT, "VEC3", **ends)}}
+        if normals is not None:
+            primitive["attributes"]["NORMAL"] = self.accessor(normals, FLOAT, "VEC3")
+        if corners is not None:
+            primitive["indices"] = self.accessor(np.ravel(corners), INTEGERS, "SCALAR")
+        if material is not None:
+            primitive["material"] = material
+        self.node({"mesh": self.add("meshes", {"primitives": [primitive]}), **node})
+
+    def camera(self, eye, target, **perspective):
+        """Upright, at eye, looking at target."""
+        back = np.asarray(eye, float) - target
+        back /= np.linalg.norm(back)
+        right = np.cross((0.0, 1.0, 0.0), back)
+        right /= np.linalg.norm(right)
+        camera = self.add("cameras", {"type": "perspective", "perspective": {"znear": 0.01, **perspective}})
+        columns = ((right, 0), (np.cross(back, right), 0), (back, 0), (eye, 1))
+        self.node({"camera": camera, "matrix": [float(v) for column, w in columns for v in (*column, w)]})
+
+    def diffuse(self, colour, **more):
+        """A material that reflects evenly and nothing else; its index."""
+        self.json["extensionsUsed"] = ["KHR_materials_emissive_strength", "KHR_materials_specular"]
+        extensions = {"KHR_materials_specular": {"specularFactor": 0}, **more.pop("extensions", {})}
+        surface = {"baseColorFactor": [*colour, 1], "metallicFactor": 0, "roughnessFactor": 1}
+        return self.add("materials", {"pbrMetallicRoughness": surface, "extensions": extensions, **more})
+
+    def content(self):
+        if self.size:
+            self.json["buffers"] = [{"byteLength": self.size}]
+        return glb_content(self.json, b"".join(self.chunks))
+
+
+def portals_glb(rectangles):
+    """A portal file of (corner, edge, edge), a mesh each; the light goes along edge x edge."""
+    builder = Builder()
+    for i, rectangle in enumerate(rectangles):
+        corner, u, v = (np.array(x, float) for x in rectangle)
+        builder.mesh([corner, corner + u, corner + u + v, corner + v], [0, 1, 2, 0, 2, 3], name=f"portal.{i}")
+    return builder.content()
+
+
+def gltf_array(document, binary, index):
+    """Of an accessor; views on the binary, or copies where it is interleaved."""
+    accessor = document["accessors"][index]
+    view = document["bufferViews"][accessor["bufferView"]]
+    kind, width, count = np.dtype(TYPES[accessor["componentType"]]), WIDTHS[accessor["type"]], accessor["count"]
+    start = view.get("byteOffset", 0) + accessor.get("byteOffset", 0)
+    stride = view.get("byteStride", kind.itemsize * width)
+    rows = np.lib.stride_tricks.as_strided(np.frombuffer(binary, np.uint8)[start:], (count, kind.itemsize * width),
+                                           (stride, 1))
+    return np.ascontiguousarray(rows).view(kind).reshape(count, width)
+
+
+def _matrix(node):
+    if "matrix" in node:
+        return np.array(node["matrix"], float).reshape(4, 4).T
+    x, y, z, w = node.get("rotation", (0, 0, 0, 1))
+    turn = np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+                     [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+                     [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]])
+    m = np.eye(4)
+    m[:3, :3] = turn * np.array(node.get("scale", (1, 1, 1)), float)
+    m[:3, 3] = node.get("translation", (0, 0, 0))
+    return m
+
+
+def _placed(document):
+    """(node, its matrix to the world) of all that a scene shows."""
+    found = []
+
+    def visit(index, above):
+        node = document["nodes"][index]
+        matrix = above @ _matrix(node)
+        found.append((node, matrix))
+        for child in node.get("children", ()):
+            visit(child, matrix)
+
+    for root in document["scenes"][document.get("scene", 0)]["nodes"]:
+        visit(root, np.eye(4))
+    return found
+
+
+def simplified(data, share):
+    """The scene without its smallest triangles, which make at most `share` of the area (paper, 4.1); what emits stays.
+    A mesh that several nodes show loses those that are small where it is largest. And: how many of how many are
+    gone."""
+    document, binary = glb_parse(data)
+    largest = {}  # of each primitive: areas, the most of all nodes
+    for node, matrix in _placed(document):
+        if "mesh" not in node:
+            continue
+        for p, primitive in enumerate(document["meshes"][node["mesh"]]["primitives"]):
+            if primitive.get("mode", 4) != 4 or "indices" not in primitive or _emits(document, primitive):
+                continue
+            corners = gltf_array(document, binary, primitive["attributes"]["POSITION"]).astype(float) @ matrix[:3, :3].T
+            indices = gltf_array(document, binary, primitive["indices"]).reshape(-1, 3)
+            a, b, c = (corners[indices[:, i]] for i in range(3))
+            areas = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
+            key = node["mesh"], p
+            largest[key] = np.maximum(largest.get(key, 0), areas)
+    all_areas = np.sort(np.concatenate(list(largest.values())))
+    gone = np.searchsorted(np.cumsum(all_areas), share * all_areas.sum(), side="right")
+    least = all_areas[min(gone, len(all_areas) - 1)]
+    binary = bytearray(binary)
+    dropped = 0
+    for (mesh, p), areas in largest.items():
+        primitive = document["meshes"][mesh]["primitives"][p]
+        indices = gltf_array(document, bytes(binary), primitive["indices"]).reshape(-1, 3)
+        kept = areas >= least
+        if not kept.any():  # glTF has no empty primitives
+            kept[np.argmax(areas)] = True
+        dropped += int((~kept).sum())
+        new = indices[kept].astype("<u4").tobytes()
+        document["bufferViews"].append({"buffer": 0, "byteOffset": len(binary), "byteLength": len(new)})
+        document["accessors"].append({"bufferView": len(document["bufferViews"]) - 1, "componentType": 5125,
+                                      "count": 3 * int(kept.sum()), "type": "SCALAR"})
+        primitive["indices"] = len(document["accessors"]) - 1
+        binary += new
+    document["buffers"][0]["byteLength"] = len(binary)
+    return glb_content(document, bytes(binary)), dropped, len(all_areas)
+
+
+def _emits(document, primitive):
+    if "material" not in primitive:
+        return False
+    return any(document["materials"][primitive["material"]].get("emissiveFactor", (0,)))

@@ -1,0 +1,143 @@
+"""Tables in Markdown, numbers as tables have them, and plots as text for gnuplot: panels that are told apart without
+colour, by points and dashes."""
+import json
+import math
+import subprocess
+
+STYLES = ("dt 1 pt 7", "dt 2 pt 5", "dt 3 pt 9", "dt 4 pt 11", "dt 5 pt 13", "dt 2 pt 6", "dt 3 pt 4", "dt 4 pt 8",
+          "dt 5 pt 10", "dt 2 pt 12")
+COLOURS = ("#000000", "#d55e00", "#0072b2", "#009e73", "#cc79a7", "#56b4e9", "#8c6d00", "#666666", "#aa4499", "#44aa99")
+
+
+def hundredths(x):
+    if x is None or not math.isfinite(x):
+        return "-"
+    return "%.2f" % x if x < 9.95 else "%.1f" % x if x < 99.5 else "%.0f" % x
+
+
+def three(x):
+    """Three digits."""
+    return "-" if x is None or not math.isfinite(x) else "%.3g" % x
+
+
+def row(*cells):
+    return "|" + "|".join(f" {c} " for c in cells) + "|"
+
+
+def table(heads, rows):
+    """Text without a newline at its end."""
+    return "\n".join([row(*heads), "|---" * len(heads) + "|", *(row(*cells) for cells in rows)])
+
+
+def sections(*parts):
+    """Paragraphs and tables with an empty line between; what is empty is left out."""
+    return "\n\n".join(part.strip("\n") for part in parts if part)
+
+
+def read_json(path):
+    return json.loads(path.read_text(encoding="utf-8"))
+
+
+def draw(script, folder, name="plot"):
+    """gnuplot makes in FOLDER what the script names."""
+    path = folder / f"{name}.gnuplot"
+    path.write_text(script, encoding="utf-8")
+    subprocess.run(["gnuplot", path.name], check=True, cwd=folder)
+    path.unlink()
+
+
+def quoted(text):
+    """A text of gnuplot's, such as a path."""
+    return '"' + text.replace("\\", "\\\\").replace('"', '\\"') + '"'
+
+
+def label(text):
+    """The same of what is drawn, in which an underscore would lower the next letter."""
+    return quoted(text.replace("_", "\\_"))
+
+
+def number(x):
+    return "NaN" if x is None or (isinstance(x, float) and not math.isfinite(x)) else "%.6g" % x
+
+
+def short(value):
+    """A number of an axis: 6.25k, 1.2M; a word as it is."""
+    try:
+        x = float(value)
+    except ValueError:
+        return value
+    for limit, letter in ((1e6, "M"), (1e3, "k")):
+        if x >= limit:
+            return "%.3g%s" % (x / limit, letter)
+    return "%.4g" % x
+
+
+def span(values, least, most):
+    """A range of an axis that holds the values and what is given, a little wider; as gnuplot has it."""
+    values = [v for v in values if v is not None and math.isfinite(v) and v > 0]
+    return "[%.4g:%.4g]" % (min([least, *values]) / 1.15, max([most, *values]) * 1.15)
+
+
+class Figure:
+    """Panels in rows. Each: title, words of the axes, lines, marks."""
+
+    def __init__(self, columns, width=400, height=320):
+        self.columns, self.width, self.height, self.panels, self.data = columns, width, height, [], []
+
+    def block(self, rows):
+        """Rows of numbers, as a named block of the script."""
+        rows = [[*row[:2], *(row[1] if isinstance(c, float) and math.isnan(c) else c for c in row[2:])] for row in rows]
+        name = "$d%d" % len(self.data)
+        self.data.append("%s << EOD\n%s\nEOD\n" % (name, "\n".join(
+            " ".join(c if isinstance(c, str) else number(c) for c in row) for row in rows)))
+        return name
+
+    def panel(self, title, x, y, plots, settings=()):
+        self.panels.append(["set title %s offset 0,-0.6" % label(title), "set xlabel %s offset 0,0.4" % label(x),
+                            "set ylabel %s offset 1,0" % label(y), *settings,
+                            "plot " + ", \\\n  ".join(plots) if plots else "plot NaN notitle"])
+
+    def key(self, plots):
+        """A panel that holds the key alone."""
+        self.panels.append(
+            ["unset title", "unset xlabel", "unset ylabel", "unset logscale", "unset xtics", "unset ytics",
+             "unset border", "unset grid", "set key center center spacing 1.4 samplen 3 Left reverse",
+             "plot [1:2] [1:2] " +", ".join(plots)])
+
+    def script(self, output):
+        columns = min(self.columns, len(self.panels))
+        lines = -(-len(self.panels) // columns)
+        kind = "svg" if output.endswith(".svg") else "pngcairo"
+        head = ['set terminal %s size %d,%d font "sans-serif,12" background "white"' %
+                (kind, columns * self.width, lines * self.height), "set output %s" % quoted(output),
+                "set multiplot layout %d,%d" % (lines, columns)]
+        common = [
+            'set grid lc rgb "#dddddd" lt 1 lw 0.5', "set border lw 1", "set key off", "set pointsize 1.1",
+            "set bars 0.6", "set lmargin 9", "set rmargin 2", "set tmargin 2.2", "set bmargin 3.5",
+            "set format x \"%g\"", "set format y \"%g\""]
+        body = [line for panel in self.panels for line in ("reset", *common, *panel)]
+        return "".join(self.data) + "\n".join(head + body + ["unset multiplot"]) + "\n"
+
+
+def style(k, thick=1.5):
+    return 'lc rgb "%s" lw %g %s' % (COLOURS[k % len(COLOURS)], thick, STYLES[k % len(STYLES)])
+
+
+def line(k, thick=1.5):
+    """The style of a line without points."""
+    return style(k, thick).rsplit(" pt ", 1)[0]
+
+
+def bars(block, k, thick=1.5, lines=True):
+    """x y low high, with its interval; joined by lines. An interval that is not known is none."""
+    found = ['%s using 1:2:3:4 with yerrorbars lc rgb "%s" lw %g pt %s notitle' % (
+        block, COLOURS[k % len(COLOURS)], thick, STYLES[k % len(STYLES)].split()[-1])]
+    return found + (["%s using 1:2 with lines %s notitle" % (block, line(k, thick))] if lines else [])
+
+
+def thin(block):
+    return '%s using 1:2 with lines lc rgb "#aaaaaa" lw 1 notitle' % block
+
+
+def ring(block):
+    return '%s using 1:2 with points pt 6 ps 2.4 lw 1.5 lc rgb "#000000" notitle' % block

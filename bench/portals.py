@@ -1,0 +1,215 @@
+"""How right the portals are, and what finding them costs: doc/portals.md."""
+import subprocess
+from dataclasses import dataclass
+
+import pages
+import stats
+from common import ROOT, STAGES, Setting, checked, cores, settings
+
+KNOWN = "hole,slit,floor-door,through-floor,ajar-full,ajar,window,two-openings,holes-in-row,doors-in-row,closet"
+UNDER_SKY = ("sky-window,sky-windows,corner-windows,skylight,sky-blinds,colonnade,room-behind,deep-facade,landscape,"
+             "deep-room")
+HEAD = """| rooms | all four | coverage >= 0.98 | tightness >= 0.90 | angle <= 3 | right number | strays | \
+median coverage | median tightness | median angle | CPU s |
+|---|---|---|---|---|---|---|---|---|---|---|---|"""
+ALL = "all four"
+
+
+# ---- Time ----
+@dataclass
+class Taken:
+    """wall, cpu [s]; aside: CPU seconds of loading the scene and of its BVH; peak [MiB]."""
+
+    wall: float
+    cpu: float
+    aside: float = 0
+    peak: float = 0
+
+
+def with_sums(rounds):
+    """rounds: [{(scene, stage): Taken}]. {(scene, stage): [Taken]}, after the stages of a scene all four of a round."""
+    runs = {}
+    for of in rounds:
+        for (scene, stage), taken in of.items():
+            runs.setdefault((scene, stage), []).append(taken)
+            if stage == STAGES[-1]:
+                four = [of[scene, s] for s in STAGES]
+                runs.setdefault((scene, ALL), []).append(Taken(
+                    *(sum(getattr(t, f) for t in four) for f in ("wall", "cpu", "aside")), max(t.peak for t in four)))
+    return runs
+
+
+def time_tables(name, runs):
+    """name: of the scene; NAME/4: the same with each of its triangles split in four. Medians over the rounds."""
+    median = lambda key, value: stats.lower_median([value(t) for t in runs[key]])
+    wall, cpu, rows = (lambda t: t.wall), (lambda t: t.cpu), []
+    for scene, stage in runs:
+        key, loads = (scene, stage), stage in ("ffgraph", "lightgrid", ALL)
+        peak = max(t.peak for t in runs[key])
+        rows.append([scene.removesuffix("/4") + (", split in four" if scene.endswith("/4") else ""),
+                     "tdpt-render bdpt, 1 spp, 1280x720" if stage == "bdpt" else stage, "%.2f" % median(key, wall),
+                     "%.2f" % median(key, cpu), "%.2f" % median(key, lambda t: t.aside) if loads else "-",
+                     "%d" % peak if peak > 0 else "-"])
+
+    def ratio(value, above, below):
+        return "%.2f" % (median(above, value) / median(below, value))
+
+    whole, bdpt, split = (name, ALL), (name, "bdpt"), (name + "/4", ALL)
+    return pages.sections(
+        pages.table(("scene", "stage", "wall s", "CPU s", "CPU s of loading and BVH", "peak MiB"), rows),
+        pages.table(("ratio", "measured", "at most"), [
+            ["four stages to bdpt, wall", ratio(wall, whole, bdpt), 1],
+            ["four stages to bdpt, CPU", ratio(cpu, whole, bdpt), 1],
+            ["split in four to whole, CPU without loading and BVH", ratio(lambda t: t.cpu - t.aside, split, whole),
+             1.5]]))
+
+
+def taken(bench, program, *arguments, output):
+    run = bench.fresh(program, *arguments, output=output, threads=0)
+    phases = run.said.get("phases", {}) if program in ("ffgraph", "lightgrid") else {}
+    aside = sum(phases[p]["cpu_seconds"] for p in ("load", "bvh") if phases.get(p))
+    return Taken(run.wall, run.cpu, aside, round((run.said.get("peak_bytes") or 0) / 2**20))
+
+
+def measured_time(bench):
+    scene, name = bench.find("veach-ajar"), "veach-ajar"
+    if not scene:
+        bench.say("veach-ajar.glb is not there, door-ajar.glb of testdata takes its place")
+        scene, name = bench.find("door-ajar"), "door-ajar"
+    split, file, rounds = bench.cache / "split.glb", (lambda end: bench.cache / f"a.{end}"), []
+    checked([bench.store.program("split_scene"), scene, split])
+    picture = ("--integrator", "bdpt", "--spp", 1, "--max-depth", 6, "--width", 1280, "--height", 720)
+    for _ in range(bench.settings.runs):
+        of = {(name, "bdpt"): taken(bench, "tdpt-render", scene, *picture, output=file("exr"))}
+        for key, room in ((name, scene), (name + "/4", split)):
+            of[key, "ffgraph"] = taken(bench, "ffgraph", room, output=file("max"))
+            of[key, "mincut"] = taken(bench, "mincut", file("max"), output=file("cut"))
+            of[key, "lightgrid"] = taken(bench, "lightgrid", room, file("cut"), output=file("vdb"))
+            of[key, "portalfit"] = taken(bench, "portalfit", file("vdb"), output=file("portal.glb"))
+        rounds.append(of)
+    return time_tables(name, with_sums(rounds))
+
+
+RUNS = Setting(3, "of each program whose time is told", 1)
+
+
+@settings(RUNS=RUNS)
+def portals_time(bench):
+    """How long finding the portals takes, and how much memory, on veach-ajar and on the same scene with each of its
+    triangles split in four, beside a rendering of one sample per pixel at depth 6. Prints a table of medians and one of
+    ratios. Runs take turns, so that a busy machine slows all down."""
+    print(measured_time(bench))
+
+
+# ---- Rooms with known openings ----
+def first_seed(given):
+    """(seed, where it comes from)"""
+    if given:
+        return given, ""
+    head = subprocess.run(["git", "-C", ROOT, "rev-parse", "HEAD"], check=True, capture_output=True, text=True).stdout
+    return int(head[:7], 16), f", the first digits of the commit that was measured, {head[:7]}"
+
+
+@settings(ROOMS=Setting(20, "of each kind", 1),
+          SEED=Setting(
+              0, "of the first; if not set, the first seven digits of the "
+              "commit's hash, so that nobody chooses it"),
+          RUNS=RUNS)
+def portals(bench):
+    """How right the portals are, on generated rooms whose openings are known, and what that costs. An hour on two quiet
+    cores. Rows room by room stay in the cache."""
+    s = bench.settings
+    seed, whence = first_seed(s.seed)
+    few = (s.rooms + 6) // 7  # rooms of each kind in the other tables
+    program = bench.store.program("portals_bench")
+
+    def table(name, count, *arguments):
+        """Of portals_bench."""
+        run = checked([program, bench.programs, "--seed", seed, "--rooms", count, "--jobs", s.jobs, *arguments],
+                      may_fail=(1,))
+        (bench.cache / f"{name}.rooms").write_text(run.errors, encoding="utf-8")
+        return run.said.strip()
+
+    def summary(label, **options):
+        """One row over all kinds."""
+        arguments = [word for stage, text in options.items() for word in (f"--{stage}", text)]
+        rows = table(label.replace(" ", "-").replace("'", ""), few, "--kinds", KNOWN, *arguments).splitlines()
+        kinds = "| all kinds together |"
+        return "\n".join(f"| {label} |" + row.removeprefix(kinds) for row in rows if row.startswith(kinds))
+
+    triangles, paper = {"ffgraph": "--nodes triangles"}, {"portalfit": "--method paper"}
+    rays = lambda walks, samples: {"ffgraph": f"--walks {walks} --samples {samples}"}
+    lines = lambda n: {"lightgrid": f"--lines {n}"}
+    invariance = checked([bench.store.program("invariance_bench"), bench.programs, few])
+    (bench.cache / "invariance.rooms").write_text(invariance.errors, encoding="utf-8")
+    bench.page("portals", f"""# How right the portals are
+
+Written by `make bench-portals` ({bench.version("portalfit")}, {cores()} cores). Rooms are generated from
+seeds (`libcommon/testing/rooms/known_rooms.h`): sizes, lamps, furniture, walls of 1 to 30 cm, four ways of splitting the
+triangles, and in every second room another place, direction or unit. Their openings are known. The first seed of
+each kind is {seed}{whence}.
+
+* **coverage**: share of the lines through an opening that cross the portals along their normal; of the worst opening.
+* **tightness**: share of a portal's lines that pass an opening, relative to a perfect portal in the middle of the
+  wall; of the worst portal.
+* **angle**: degrees between the normals; of the worst portal.
+* **strays**: portals that hardly any light passes (tightness below 0.3).
+
+A window that bars split may have one portal or one for each pane, a door with a window above it likewise. What stands
+in an opening (bars, slats, furniture) stops lines that no portal has to cover. Behind curtains, and beside a leaf, a
+portal may lie in either of the two places that the light passes.
+
+## By kind of room
+
+{table("kinds", s.rooms)}
+
+A wide window, the mouth of a lampshade, sconce, cupboard or alcove with the lamp in it, and a window with the lamp
+right behind it may be found or not; `open-room` has nothing to be found. `ajar-full` is a leaf from floor to ceiling,
+with one slit beside it; `ajar` is lower than the ceiling, and beside the slit it has a gap over the leaf, a triangle a
+few centimetres wide that shares an edge with the slit and gets about a tenth of the light. A keyhole of 1 cm is found
+when a step of the walks passes it, which in walls much thicker than that none does: then nothing is right only where
+portalfit says that light may pass where no walk passed. More `--walks` find more of them.
+
+## Rooms lit by the sky
+
+A sky, the sun or both shine in through windows, and there is no lamp; in a `landscape` there is nothing to find. Fewer
+of each kind.
+
+{table("skies", few, "--kinds", UNDER_SKY)}
+
+## The paper's rules
+
+Rooms of the first eleven kinds, fewer of them. The paper's nodes are triangles with form factors \
+(`ffgraph --nodes triangles`), its
+normal is the main axis of the fullest voxels (`portalfit --method paper`).
+
+| method {HEAD}
+{summary("ours")}
+{summary("triangles, our fit", **triangles)}
+{summary("patches, the paper's fit", **paper)}
+{summary("triangles, the paper's fit", **triangles, **paper)}
+
+## Speed against accuracy
+
+The knobs: walks and rays of ffgraph, lines of lightgrid.
+
+| setting {HEAD}
+{summary("a sixteenth of all", **rays(6250, 18750), **lines(512))}
+{summary("a quarter of all", **rays(25000, 75000), **lines(2048))}
+{summary("a quarter of the walks and rays", **rays(25000, 75000))}
+{summary("a quarter of the lines", **lines(2048))}
+{summary("four times all", **rays(400000, 1200000), **lines(32768))}
+
+## Invariance
+
+Rooms written in another way, and how far their portals lie from those of the room as it was: the largest distance of
+any corner from the other portal, in voxels of the light grid. Another seed shows what chance alone does.
+
+{invariance.said.strip()}
+
+## Time and memory
+
+Medians of interleaved runs, all threads; the rendering is `tdpt-render --integrator bdpt --spp 1 --max-depth 6
+--width 1280 --height 720`.
+
+{measured_time(bench)}""")

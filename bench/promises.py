@@ -1,0 +1,327 @@
+"""What the renderer promises: that `auto` chooses well (doc/regret.md), and that a picture has the error that was asked
+for (doc/target-error.md)."""
+import collections
+import functools
+import math
+from collections import namedtuple
+
+import numpy as np
+
+import pages
+import stats
+from common import Setting, Stop, checked, settings
+from formats import portals_glb
+
+# ---- Regret ----
+WITHOUT = ("bdpt", "nee")
+# At least, by the lengths from which on it holds: of the better of bdpt and nee, of the best of all.
+TARGETS = {4: (0.9, None), 8: (0.9, 0.85), 16: (0.9, 0.85), 32: (0.95, 0.93), 64: (0.95, 0.93), 256: (0.95, 0.97)}
+KINDS = ("hole,slit,floor-door,ajar,window,two-openings,holes-in-row,arch,banister,glazing-bars,blinds,curtains,bay,"
+         "windows-in-row,double-door,shared-edge,l-room,lamp-outside")
+# Portals drawn by hand: corner, edge, edge; the light goes along edge x edge.
+DRAWN = {
+    "window": [((2.05, 0.2, -0.8), (0, 0, 1.6), (0, 1.6, 0))],
+    "kitchen": [((-0.62, 0.9, -2.6), (1.4, 0, 0), (0, 1.66, 0))],
+    "bathroom": [((-2.46, 0.5, -1.85), (0, 1.7, 0), (0, 0, 0.9))],
+    "living-room-lamps": [((0.38, 2.35, 0.3), (0.72, 0, 0), (0, -1.6, 0)),
+                          ((2.64, 2.35, 0.3), (0.7, 0, 0), (0, -1.6, 0)),
+                          ((-0.3, 0.75, -2.96), (0, 1.7, 0), (0, 0, 0.82)),
+                          ((-0.3, 0.75, -1.02), (0, 1.7, 0), (0, 0, 0.84))],
+    "classroom-lamps": [((-4.05, 0.9, 0.45), (0, 1.6, 0), (0, 0, 5.15)),
+                        ((-4.05, 0.9, -5.7), (0, 1.6, 0), (0, 0, 5.25))],
+}
+ALONE = ("two-rooms", "window", "cornell-box", "bathroom2", "veach-ajar", "kitchen", "bathroom", "living-room-lamps",
+         "classroom-lamps")
+FOUND = ("two-rooms", "small-hole", "half-metre-hole", "door-ajar", "three-rooms", "veach-ajar", "cornell-box-portal",
+         "bathroom2-channel")
+
+
+class Regret:
+    """Of a scene, what `auto` loses by not knowing which integrator is best.
+
+    efficiency of integrator i   1 / (V_i T_i), V its relMSE for one sample, T its CPU time for one
+    efficiency of auto           that of its choice times t / (t + scout), t the time of its samples"""
+
+    def __init__(self):
+        self.truth = {}  # integrator: (V, its standard error, T [ns])
+        self.choices = collections.defaultdict(list)  # length: [(integrator, scout's CPU s)]
+        self.told = collections.defaultdict(dict)  # (length, seed): {integrator: cost}
+        self.pixels = 0
+
+    def cost(self, integrator):
+        v, _, t = self.truth[integrator]
+        return v * t
+
+    def best(self, names=None):
+        return min(names or self.truth, key=self.cost)
+
+    def without(self):
+        return self.best([n for n in WITHOUT if n in self.truth])
+
+    def efficiencies(self, length):
+        """Of auto, of each seed: over the better of bdpt and nee, and over the best of all."""
+        out = []
+        for integrator, scout in self.choices[length]:
+            rendering = length * self.pixels * self.truth[integrator][2] * 1e-9
+            price = rendering / (rendering + scout)
+            out.append(tuple(self.cost(best) / self.cost(integrator) * price for best in (self.without(), self.best())))
+        return out
+
+
+def read_regret(lines):
+    """Scenes by name, of what regret_bench prints."""
+    scenes = collections.defaultdict(Regret)
+    for number, line in enumerate(lines, 1):
+        kind, *field = line.rstrip("\n").split("\t")
+        try:
+            if kind == "truth":
+                scenes[field[0]].truth[field[1]] = tuple(float(x) for x in field[2:5])
+            elif kind == "told":
+                scenes[field[0]].told[int(field[1]), int(field[2])][field[3]] = float(field[4]) * float(field[5])
+            elif kind == "choice":
+                scenes[field[0]].choices[int(field[1])].append((field[3], float(field[4])))
+                scenes[field[0]].pixels = int(field[6])
+        except (IndexError, ValueError) as error:
+            raise ValueError(f"line {number}: {error}") from error
+    return {name: s for name, s in scenes.items() if s.truth and s.choices}
+
+
+def portals_gain(cost):
+    """Efficiency of the best with portals over that of the best without; None where there are not both."""
+    with_portals = [c for i, c in cost.items() if i.startswith("tdpt-")]  # tdpt itself is no candidate
+    without = [c for i, c in cost.items() if not i.startswith("tdpt")]
+    return min(without) / min(with_portals) if with_portals and without else None
+
+
+def mean(values):
+    return sum(values) / len(values)
+
+
+def lengths_of(scenes):
+    return sorted({length for s in scenes.values() for length in s.choices})
+
+
+def scene_table(scenes):
+    lengths, rows = lengths_of(scenes), []
+    for name, s in scenes.items():
+        cells = [f"{mean([e[1] for e in s.efficiencies(n)]):.3f}" for n in lengths]
+        chosen = collections.Counter(i for i, _ in s.choices[lengths[-1]]).most_common(1)[0][0]
+        rows.append([name, s.best(), f"{s.cost(s.without()) / s.cost(s.best()):.2f}", *cells, chosen])
+    return pages.table(("scene", "best of all", "its gain over bdpt, nee", *(f"{n} spp" for n in lengths),
+                        "chosen at the longest"), rows)
+
+
+def length_table(scenes):
+    rows = []
+    for length in lengths_of(scenes):
+        of_scene = [s.efficiencies(length) for s in scenes.values() if s.choices[length]]
+        cells = []
+        for k in range(2):
+            each = sorted(e[k] for scene in of_scene for e in scene)
+            means = [mean([e[k] for e in scene]) for scene in of_scene]
+            target = TARGETS.get(length, (None, None))[k]
+            met = "-" if target is None else f"{sum(m >= target for m in means)} of {len(means)}"
+            cells += [f"{math.exp(mean([math.log(x) for x in each])):.3f}", f"{each[int(0.05 * len(each))]:.3f}",
+                      f"{min(means):.3f}", "-" if target is None else target, met]
+        rows.append([length, sum(map(len, of_scene)), *cells])
+    each = ("5 %", "least of a scene", "target", "met in")
+    return pages.table(
+        ("samples per pixel", "choices", "mean of the better of bdpt and nee", *each, "mean of the best of all", *each),
+        rows)
+
+
+def verdict_table(scenes):
+    lengths = sorted({length for s in scenes.values() for length, _ in s.told})
+    rows, within = [], {n: [0, 0] for n in lengths}
+    for name, s in scenes.items():
+        true = portals_gain({i: s.cost(i) for i in s.truth})
+        if true is None:
+            continue
+        cells = []
+        for n in lengths:
+            told = sorted(g for (length, _), cost in s.told.items() if length == n for g in [portals_gain(cost)] if g)
+            within[n][0] += sum(0.5 <= g / true <= 2 for g in told)
+            within[n][1] += len(told)
+            cells.append(f"{told[len(told) // 2]:.2g} ({told[0]:.2g} to {told[-1]:.2g})" if told else "-")
+        rows.append([name, f"{true:.2f}", *cells])
+    shares = [f"{100 * a / b:.0f} %" if b else "-" for a, b in within.values()]
+    return pages.table(("scene", "gain by portals", *(f"told at {n} spp" for n in lengths)),
+                       [*rows, ["**within a factor of two**", "", *shares]])
+
+
+def regret_tables(scenes):
+    if not scenes:
+        raise ValueError("no scene with truth and choices, expected what regret_bench prints")
+    return pages.sections(
+        "## All scenes\n\nGeometric means, the worst choice in twenty, and the scene where it is least.",
+        length_table(scenes),
+        "## Scene by scene\n\nEfficiency over that of the best of all, mean over choices.", scene_table(scenes),
+        "## What portals are said to be worth\n\nThe best integrator with portals over the best without: "
+        "measured,\nand as told by `auto`, median (least to most).", verdict_table(scenes))
+
+
+@settings(SECONDS_EACH=Setting(4.0, "CPU seconds for the true error of each integrator", 0.2),
+          SEEDS=Setting(12, "choices of each scene and length", 2),
+          ROOMS=Setting(1, "generated rooms of each kind"), SEED=Setting(1, "of the first"))
+def regret(bench):
+    """What `auto` loses by not knowing which integrator is best, and how right its verdict on portals is. About 25
+    minutes on two quiet cores. ONLY: names of scenes, with +found or +drawn for those with portals."""
+    s, texts = bench.settings, []
+
+    def measure(name, scene, portal=None):
+        command = [
+            bench.store.program("regret_bench"),
+            scene, *((portal,) if portal else()),
+            "--name", name, "--seconds", f"{s.seconds_each:g}", "--seeds", s.seeds, "--width", 64, "--height", 48]
+        sums = [bench.store.sum_of(path) for path in (command[0], scene, *((portal,) if portal else ()))]
+
+        def make(path):
+            bench.say(name)
+            path.write_text(checked(command).said, encoding="utf-8")
+        texts.append(bench.store.keep([*sums, *command[-9:]], make, ".txt").read_text(encoding="utf-8"))
+
+    def scenes(names, suffix=""):
+        for name in names:
+            if s.only and name + suffix not in s.only:
+                continue
+            path = bench.find(name)
+            if path:
+                yield name, path
+            else:
+                bench.say(f"{name} is not there: left out")
+
+    for name, path in scenes(ALONE):
+        measure(name, path)
+    for name, path in scenes(DRAWN, "+drawn"):
+        portal = bench.cache / f"{name}.drawn.glb"
+        portal.write_bytes(portals_glb(DRAWN[name]))
+        measure(f"{name}+drawn", path, portal)
+    for name, path in scenes(FOUND, "+found"):
+        measure(f"{name}+found", path, bench.portals(path).file)
+    if not s.only:
+        folder = bench.cache / "rooms"
+        folder.mkdir(exist_ok=True)
+        if not list(folder.glob("*.portal.glb")):
+            checked([bench.store.program("portals_bench"), bench.programs, "--rooms", s.rooms,
+                    "--seed", s.seed, "--kinds", KINDS, "--keep", folder], may_fail=(1,))
+        for portal in sorted(folder.glob("*.portal.glb")):
+            room = portal.name.removesuffix(".portal.glb")
+            measure(f"{room}+found", folder / f"{room}.glb", portal)
+    if not texts:
+        raise Stop(3, "none of the scenes is there")
+    measured = read_regret("".join(texts).splitlines())
+    bench.page("regret", f"""# What `auto` loses, and how right its verdict is
+
+Written by `make bench-regret` ({bench.version()}). 64 x 48 pixels, paths of any length. The true error of each
+integrator is the relMSE of one sample, from eight pictures of {s.seconds_each:g} CPU seconds in all; its efficiency is
+1 over that and its CPU time for a sample. `auto` chooses {s.seeds} times at each length, each time from other samples;
+its efficiency is that of its choice, less the time of the choice. Of these small pictures the choice takes more than of
+large ones, which need no more samples for it.
+
+`+found`: with the portals that the four stages find; `+drawn`: drawn by hand (`DRAWN` in `bench/promises.py`).
+
+{regret_tables(dict(sorted(measured.items())))}""")
+
+
+# ---- Target error ----
+MET, BETTER = 0.9, 2.5  # share of pictures at least, median of target / relMSE at most
+# A line of target_bench after the seed: samples fixed, relMSE as the program estimates it (-1: not), the ends of its
+# interval, samples of the pilot, reached (1) or not (0).
+Picture = namedtuple("Picture", "relmse fixed told low high pilot reached")
+# Width, height, target, whether portals are looked for.
+SIZES = {
+    "two-rooms": (32, 24, 0.01, True),
+    "veach-ajar": (32, 18, 0.03, True),
+    "cornell-box-portal": (32, 32, 0.05, True),
+    "cornell-box": (32, 32, 0.013, False),
+    "kitchen": (40, 24, 0.013, False)}
+
+
+class Kept:
+    """How well a scene's pictures keep their target."""
+
+    def __init__(self, pixels, target, pictures):
+        relmse = np.array([p.relmse for p in pictures])
+        self.pixels, self.target, self.pictures = pixels, target, len(pictures)
+        self.ratios = target / relmse
+        self.met = stats.wilson(int(np.sum(relmse <= target)), len(pictures))
+        self.better = np.quantile(self.ratios, [0.1, 0.5, 0.9])
+        self.samples = np.median([p.fixed for p in pictures])
+        self.pilot = np.median([p.pilot / p.fixed for p in pictures])
+        self.told = np.median([p.told / p.relmse for p in pictures if p.told >= 0])
+        missed = [p for p in pictures if p.relmse > target]
+        self.missed, self.known = len(missed), sum(not p.reached for p in missed)
+        self.false_alarms = sum(not p.reached for p in pictures) - self.known
+
+    def keeps_its_word(self):
+        return self.met.value >= MET and self.better[1] <= BETTER
+
+
+def target_table(scenes):
+    """scenes: {name: Kept}"""
+    rows = []
+    for name, k in scenes.items():
+        met = stats.Ratio(*(100 * x for x in (k.met.value, k.met.low, k.met.high)))
+        rows.append(
+            [name, k.pixels, f"{k.target:g}", k.pictures, f"{met.value:.0f} % [{met.low:.0f}, {met.high:.0f}]",
+             f"{k.better[1]:.2f} [{k.better[0]:.2f}, {k.better[2]:.2f}]", f"{k.samples:.0f}", f"{100 * k.pilot:.0f} %",
+             f"{k.told:.2f}", f"{k.missed}, {k.known}", k.false_alarms, "yes" if k.keeps_its_word() else "no"])
+    ratios = np.concatenate([k.ratios for k in scenes.values()])
+    share = stats.wilson(int(np.sum(ratios >= 1)), len(ratios))
+    words = (
+        f"All {len(ratios)} pictures: {100 * share.value:.1f} % [{100 * share.low:.1f}, {100 * share.high:.1f}] meet "
+        f"their target, and the median picture is {np.median(ratios):.2f} times too good.")
+    return pages.sections(
+        pages.table(
+            ("scene", "pixels", "E", "pictures", "meet it [95 %]", "E / relMSE, median [10 %, 90 %]", "samples",
+             "of the pilot, all parts", "estimate / relMSE", "missed, told as missed", "told as missed, not missed",
+             "kept"),
+            rows),
+        words,
+        "Samples are of each pixel, medians; the pilot's are thrown away, and small pictures take more of them than "
+        "large ones. The estimate is the program's own, after rendering, from blocks of the picture, a median; it is "
+        "too high where the samples of a pixel complement each other across blocks. Pictures miss where bright paths "
+        "came that the pilot did not meet.")
+
+
+@settings(SEEDS=Setting(100, "pictures of each scene", 2))
+def target_error(bench):
+    """How many of the pictures that tdpt-render renders to a relMSE (--target-error) have it, as exrdiff says against
+    the mean of the other seeds' pictures, and how much better they are than asked. Ten minutes of CPU time."""
+    seeds, files = bench.settings.seeds, bench.there(SIZES)
+
+    def measure(name):
+        width, height, target, with_portals = SIZES[name]
+        portal = (bench.portals(files[name]).file,) if with_portals else ()
+        program = bench.store.program("target_bench")
+        options = ["--width", width, "--height", height, "--target", target, "--integrator", "auto", "--seeds", seeds]
+
+        def make(path):
+            folder = path.with_suffix(".pictures")
+            folder.mkdir()
+            lines = []
+            told = checked([program, files[name], folder, *portal, *options, "--threads", 1]).said
+            for seed, *numbers in map(str.split, told.splitlines()):
+                off = bench.distance(folder / f"{seed}.exr", folder / f"{seed}.reference.exr")
+                lines.append(" ".join([str(off["relmse"]), *numbers]))
+            for picture in folder.iterdir():
+                picture.unlink()
+            folder.rmdir()
+            path.write_text("\n".join(lines), encoding="ascii")
+        sums = [bench.store.sum_of(path) for path in (program, files[name], *portal)]
+        lines = bench.store.keep([*sums, *options], make).read_text(encoding="ascii").splitlines()
+        return Kept(width * height, target, [Picture(*map(float, line.split())) for line in lines])
+
+    kept = bench.side_by_side([functools.partial(measure, name) for name in files], list(files))
+    bench.page("target-error", f"""# Does `--target-error` keep its word?
+
+Written by `make bench-target-error` ({bench.version()}). Each scene is rendered by `auto` with `--target-error E` and
+{seeds} seeds, in small pictures since so many are needed; each picture's relMSE is what exrdiff says against the mean
+of all others, which are independent of it and whose noise counts against it. Asked for: 90 % of the pictures meet their
+target, and the median picture is at most 2.5 times too good.
+
+Sizes and targets are such that pictures take about a hundred samples. Not all do as well: in a trial of cornell-box at
+28 x 28 and E = 0.02, where a few pixels on the rim of the lamp hold most of the error, pictures were about four times
+too good, and 2 of 20 missed, one of them sevenfold.
+
+{target_table(dict(zip(files, kept)))}""")

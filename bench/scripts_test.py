@@ -1,0 +1,327 @@
+"""scripts_test.py TEST BIN: benchmarks at the size of a stamp, by the programs in BIN or by programs that play theirs.
+Exit 77, with a word, where something is missing that they need."""
+import csv
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+import common
+import rooms
+import scale
+
+HERE = Path(__file__).resolve().parent
+SCENES = HERE.parent / "testdata/scenes"
+BIN = Path(sys.argv.pop(2)).resolve() if len(sys.argv) > 2 else HERE.parent / "build/bin"
+
+
+def skip(words):
+    print(f"skipped: {words}")
+    sys.exit(77)
+
+
+def need(*programs):
+    for program in programs:
+        if not shutil.which(program):
+            skip(f"{program} is missing (cmake/packages-figures.txt)")
+
+
+class Stamp(unittest.TestCase):
+    """A folder of its own, with scenes, a cache and pages."""
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.work = Path(folder.name)
+        self.scenes, self.cache, self.doc = (self.work / name for name in ("scenes", "cache", "doc"))
+        self.scenes.mkdir()
+
+    def stand_in(self, **names):
+        """Scenes of testdata that stand in for the paper's: name=scene."""
+        for name, scene in names.items():
+            shutil.copy(SCENES / f"{scene}.glb", self.scenes / f"{name.replace('_', '-')}.glb")
+
+    def run_bench(self, name, *words, programs=BIN, path=None, **values):
+        """(exit code, what is said); values: settings."""
+        given = {"SCENES": str(self.scenes), **values}
+        run = subprocess.run(
+            [sys.executable, "-B", HERE / "run.py", name, "--bin", programs, "--cache", self.cache, "--doc", self.doc, *
+             words, *(f"{k}={v}" for k, v in given.items())],
+            capture_output=True, text=True, check=False, env={**os.environ, **({"PATH": str(path)} if path else{})})
+        return run.returncode, run.stdout + run.stderr
+
+    def runs(self, name, *words, **values):
+        """Of one that has to end well: (results made, what is said)."""
+        status, said = self.run_bench(name, *words, **values)
+        self.assertEqual(status, 0, said)
+        made = re.search(r"(\d+) results made", said)
+        return int(made.group(1)) if made else 0, said
+
+    def page(self, name):
+        return (self.doc / f"{name}.md").read_text(encoding="utf-8")
+
+    def program(self, folder, name, script):
+        """One that plays another's."""
+        folder.mkdir(exist_ok=True)
+        (folder / name).write_text(f"#!/bin/sh\n{script}\n")
+        (folder / name).chmod(0o755)
+
+    def missing_pictures(self, text):
+        return [name for name in re.findall(r"!\[.*?\]\((figures[^)]*)\)", text)
+                if not (self.doc / name).is_file() or not (self.doc / name).stat().st_size]
+
+
+class Stages(Stamp):
+    def test_every_picture_of_the_page_is_made(self):
+        rooms.write_rooms([str(self.work)])
+        self.runs("stages", SCENE=SCENES / "two-rooms.glb", INTERIOR=SCENES / "window.glb", SKY="1,1,1",
+                  WINDOWS=self.work / "skylight.glb")
+        text = (HERE.parent / "doc/stages.md").read_text(encoding="utf-8")
+        self.assertEqual((text.count("!["), self.missing_pictures(text)), (9, []))
+        (self.doc / "figures/stage-mincut.png").unlink()
+        self.assertEqual(self.missing_pictures(text), ["figures/stage-mincut.png"])
+        status, said = self.run_bench("stages", SCENE=self.work / "none.glb")
+        self.assertEqual((status, "there is no scene" in said), (3, True))
+
+
+class Figures(Stamp):
+    def test_page_is_whole_and_nothing_is_made_twice(self):
+        self.stand_in(cornell_box_portal="two-rooms", veach_ajar_flip="door-ajar")
+        _, said = self.runs("figures", "--quick", WIDTH=32)
+        self.assertIn("veach-ajar: there is no veach-ajar.glb in SCENES, left out", said)
+        text = self.page("figures")
+        for i in ("pt", "nee", "bdpt", "tdpt-org", "tdpt"):  # a row in Fig 5 and in each table of Fig 7; no empty cell
+            self.assertEqual(len(re.findall(rf"^\| {i}( \| [^| ][^|]*){{7,8}} \|$", text, re.M)), 3, i)
+        self.assertEqual(self.missing_pictures(text), [])
+        self.assertIsNone(re.search(r"\b(nan|null|None|inf)\b", text))
+        self.assertIn("</svg>", (self.doc / "figures/fig5.svg").read_text())
+        self.assertEqual(self.runs("figures", "--quick", WIDTH=32)[0], 0)
+        self.assertEqual(self.runs("figures", "--quick", WIDTH=32, SPP=3)[0], 20)  # ten pictures, judged
+        self.assertEqual(self.run_bench("figures", SCENES=self.work)[0], 3)
+
+
+class Efficiency(Stamp):
+    def efficiency(self, **more):
+        return {"WIDTH": 32, "HEIGHT": 24, "SECONDS_EACH": 0.02, "SEEDS": 2, "REF_SECONDS": 0.1, "LONG_SECONDS": 0.1,
+                "LONG_SEEDS": 2, "INTEGRATORS": "bdpt tdpt-org", "ONLY": "window veach-ajar veach-ajar-flip",
+                "REFERENCE_FOLDER": self.work / "references", **more}
+
+    def rows(self):
+        with open(self.doc / "efficiency.csv", newline="", encoding="ascii") as file:
+            return list(csv.DictReader(file))
+
+    def test_page_csv_and_cache(self):
+        self.stand_in(veach_ajar="two-rooms")
+        _, said = self.runs("efficiency", **self.efficiency())
+        self.assertIn("veach-ajar-flip: there is no veach-ajar-flip.glb in SCENES, left out", said)
+        text, rows = self.page("efficiency"), self.rows()
+        for heading in ("## Doors", "## PSNR", "### window", "### veach-ajar", "## Beside the paper", "## relMSE after",
+                        "Check: "):
+            self.assertIn("\n" + heading, text)
+        self.assertEqual(len(re.findall(r"^\| (?:bdpt|tdpt-org|all black)(?: \| [^| ][^|]*){10} \|$", text, re.M)), 6)
+        self.assertIsNone(re.search(r"\b(nan|None|inf)\b", text))
+        self.assertTrue((self.doc / "efficiency.png").stat().st_size)
+        # Two scenes, two integrators, two seeds, three times; and two long ones of both.
+        self.assertEqual((len(rows), len(rows[0])), (28, 12))
+        self.assertTrue(all(5 < float(r["peak_mib"]) < 500 for r in rows))
+        self.assertEqual(self.runs("efficiency", **self.efficiency())[0], 0)
+        more, _ = self.runs("efficiency", **self.efficiency(SEEDS=3, ONLY="window"))
+        self.assertEqual(more, 6 * 3)  # each a picture, and what exrdiff says of it and both halves
+
+    def test_references_noise_is_taken_out(self):
+        self.stand_in(veach_ajar="two-rooms")
+        self.runs("efficiency", **self.efficiency(ONLY="window", LONG_SEEDS=0))
+        (row, *_) = [r for r in self.rows() if (r["integrator"], r["seed"], r["seconds"]) == ("bdpt", "1", "0.02")]
+        import efficiency
+        values = {k: str(v) for k, v in self.efficiency(ONLY="window", LONG_SEEDS=0, SCENES=self.scenes).items()}
+        bench = common.Bench("efficiency", efficiency.efficiency, BIN, self.cache, self.doc, values)
+        run = efficiency.Efficiency(bench)
+        a, b = (r.out for r in run.rendered_halves(run.scenes[0]))
+        x = run.render(run.scenes[0], "bdpt", 1, 0.02).out
+        d = lambda p, q: bench.distance(p, q)["relmse"]
+        plain, noise = (d(x, a) + d(x, b)) / 2, (d(a, b) + d(b, a)) / 4
+        self.assertAlmostEqual(float(row["relmse"]), plain - noise, delta=1e-5 * plain)
+        self.assertGreater(noise, 1e-5 * plain)  # or it would not show
+
+    def test_older_program_no_limit_and_wrong_settings(self):
+        self.program(self.work, "older", f'echo "$*" >>{self.work}/calls\nexec {BIN}/tdpt-render "$@"')
+        older = self.work / "older"
+        self.stand_in(veach_ajar="two-rooms")
+        self.runs("efficiency", **self.efficiency(ONLY="window veach-ajar-whole",
+                  INTEGRATORS="bdpt auto", BASELINE=older, BASELINE_NAME="commit 1234567"))
+        text = self.page("efficiency")
+        self.assertEqual((self.work / "calls").read_text().count("--integrator"), 12)
+        self.assertIn("\nGain over bdpt of commit 1234567", text)
+        whole = text.partition("## No limit of depth")[2].partition("\n!")[0]
+        self.assertRegex(whole, r"\n\| veach-ajar-whole \| [0-9.-]")
+        self.assertEqual(sum(r["scene"] == "veach-ajar-whole" for r in self.rows()), 4)
+        for wrong, says in (({"BASELINE": self.work / "none"}, "no program"), ({"REFERENCES": "many"}, "neither"),
+                            ({"DEPTH": "none", "BASELINE": older}, "limited"),
+                            ({"LONG_SCENES": "cellar"}, "cellar is none"),
+                            ({"DEPTH": "deep"}, "neither"), ({"SEEDS": "many"}, "no number"),
+                            ({"WORD": "x"}, "no setting")):
+            status, said = self.run_bench("efficiency", **self.efficiency(**wrong))
+            self.assertEqual((status, says in said), (2, True), said)
+
+    def test_references_are_stored_and_fit_one_scene_depth_and_size(self):
+        self.stand_in(veach_ajar="two-rooms")
+        few = self.efficiency(ONLY="window", INTEGRATORS="bdpt", LONG_SEEDS=0)
+        _, said = self.runs("efficiency-references", **self.efficiency(ONLY="window veach-ajar"))
+        self.assertEqual(len(re.findall(r": stored, \S+ of 0.[18] CPU seconds", said)), 2)
+        stored = self.work / "references"
+        self.assertEqual(sorted(p.name for p in stored.iterdir()), [
+            "README.md", "veach-ajar-1.exr", "veach-ajar-2.exr", "veach-ajar.json", "window-1.exr", "window-2.exr",
+            "window.json"])
+        self.assertIn("| window | 32 x 24 | 6 | tdpt-guided |", (stored / "README.md").read_text())
+        pictures = lambda: len(list(self.cache.glob("runs/*/out")))
+        self.runs("efficiency", **few)
+        self.assertIn("(stored, rendered by tdpt-render ", self.page("efficiency"))
+        for change, rendered in (({}, 0), ({"REFERENCES": "render"}, 2), ({"DEPTH": 5}, 2 + 6), ({"WIDTH": 28}, 2 + 6)):
+            before = pictures()
+            self.runs("efficiency", **{**few, "REF_SECONDS": 0.2, **change})
+            self.assertEqual(pictures() - before, rendered, change)
+        # Halves that do not belong together are none.
+        import efficiency
+        halves = [{"integrator": "a", "width": 4, "height": 3, "max_depth": 6, "spp": 1, "cpu_seconds": 1.0}
+                  for _ in "ab"]
+        with self.assertRaisesRegex(ValueError, "seed 7"):
+            efficiency.described(SCENES / "window.glb", halves, (7, 7), "")
+        with self.assertRaisesRegex(ValueError, "width"):
+            efficiency.described(SCENES / "window.glb", [halves[0], {**halves[1], "width": 5}], (7, 8), "")
+
+
+class CyclesPortals(Stamp):
+    """What `portalfit --for cycles` writes makes lamps in Blender where the portals are, seen with the eyes of
+    Blender's own glTF importer; and a script with a planted fault is told apart."""
+
+    def test_lamps_are_where_the_portals_are(self):
+        import cycles
+        bench = common.Bench("cycles", cycles.equal_time, BIN, self.cache, self.doc)
+        for room in ("window", "door-ajar"):
+            found = bench.portals(SCENES / f"{room}.glb", stage_options={"portalfit": ("--all",)})
+            script = bench.store.run("portalfit", found.runs["lightgrid"].out,
+                                     "--all", "--for", "cycles", threads=0).out
+            self.assertIn(" lamps for ", cycles.blender("check", found.file, script).said)
+        text, wrong = script.read_text(), self.work / "wrong.py"
+        placed = "portal.matrix_world = Matrix(matrix)"
+        for old, new in ((placed, placed + " @ Matrix.Diagonal((1, -1, -1, 1))"),  # a lamp turned round
+                         ('lamp.size_y = "RECTANGLE", width,', 'lamp.size_y = "RECTANGLE", 1.01 * width,'),
+                         ("is_portal = True", "is_portal = False")):
+            wrong.write_text(text.replace(old, new))
+            self.assertNotEqual(wrong.read_text(), text)
+            with self.assertRaisesRegex(common.Stop, "cycles_blender.py: "):
+                cycles.blender("check", found.file, wrong)
+
+
+class TargetError(Stamp):
+    """By programs that play theirs."""
+
+    def test_what_fails_is_no_result(self):
+        programs = self.work / "bin"
+        measures = 'for seed in 1 2; do echo "$seed 16 0.01 0.009 0.011 4 1"; : >"$2/$seed.exr"; ' \
+                   ': >"$2/$seed.reference.exr"; done'
+        self.program(programs, "tdpt-render", "echo tdpt-render 0")
+        self.program(programs, "exrdiff", "echo '{ \"relmse\": 0.01 }'")
+        self.program(programs, "target_bench", measures)
+        for name in ("cornell-box", "kitchen"):
+            (self.scenes / f"{name}.glb").write_text(name)
+        run = lambda: self.run_bench("target-error", programs=programs, SEEDS=2, JOBS=2, ONLY="cornell-box kitchen")
+        status, said = run()
+        self.assertEqual(status, 0, said)
+        self.assertIn("\n| kitchen | 960 |", self.page("target-error"))
+        # What an older program measured is no result of one that fails.
+        (self.doc / "target-error.md").unlink()
+        self.program(programs, "target_bench", f"case $1 in *kitchen*) exit 3 ;; esac\n{measures}")
+        status, said = run()
+        self.assertEqual(status, 3, said)
+        self.assertIn("target-error: kitchen could not be measured", said)
+        self.program(programs, "target_bench", measures + "\n:")
+        self.program(programs, "exrdiff", "exit 4")
+        self.assertEqual(run()[0], 4)
+        self.assertFalse((self.doc / "target-error.md").exists())
+
+
+class Missing(Stamp):
+    def test_what_is_missing_is_said_in_a_line(self):
+        path = self.work / "path"
+        path.mkdir()
+        for folder in os.environ["PATH"].split(":"):
+            for program in Path(folder).glob("*") if folder else ():
+                if program.name not in ("gnuplot", "valgrind", "perf") and not (path / program.name).exists():
+                    (path / program.name).symlink_to(program)
+        for name, words in (
+            ("figures", "gnuplot is missing"),
+            ("tradeoff", "gnuplot is missing"),
+            ("limit", "perf does not work and valgrind is missing"),
+            ("shards", "tdpt-render is missing")):
+            status, said = self.run_bench(name, programs=self.work, path=path)
+            self.assertEqual((status, words in said, said.count("\n")), (5, True, 1), said)
+        self.assertEqual(self.run_bench("none-such")[0], 2)
+
+
+class Store(Stamp):
+    def test_what_is_there_is_not_run_again_until_content_changes_and_failures_leave_nothing(self):
+        script = f'echo run >>{self.work}/log\nfor o; do :; done\ncat "$1" >"$o" || exit 3\necho \'{{"a": 1}}\''
+        self.program(self.work, "tool", script)
+        count = lambda: (self.work / "log").read_text().count("run")
+        store = lambda: common.Store(self.cache, self.work)
+        given = self.work / "in"
+        given.write_text("x")
+        for _ in range(2):
+            run = store().run("tool", given, "--a")
+        self.assertEqual((count(), run.out.read_text(), run.said), (1, "x", {"a": 1}))
+        given.write_text("y")
+        self.assertEqual(store().run("tool", given, "--a").out.read_text(), "y")
+        self.program(self.work, "tool", script + "\ntrue")
+        store().run("tool", given, "--a")
+        self.assertEqual(count(), 3)
+        kept = store()
+        with self.assertRaisesRegex(common.Stop, "exit code 3"):
+            kept.run("tool", "absent")
+        self.assertEqual(len(list(self.cache.iterdir())), 3)
+        self.assertEqual(kept.run("tool", "absent", may_fail=(3,)).status, 3)
+
+    def test_time_and_memory_are_those_of_the_program(self):
+        held = lambda n: common.measure([sys.executable, "-S", "-c", "b = bytearray(b'1' * %d)" % n]).peak_mib
+        self.assertAlmostEqual(held(200 * scale.MIB) - held(100 * scale.MIB), 200, delta=5)  # twice: b'1' * n, too
+        busy = common.measure([sys.executable, "-S", "-c", "import time\nwhile time.process_time() < 0.3: pass"])
+        self.assertAlmostEqual(busy.cpu, 0.3, delta=0.2)
+
+
+class Memory(Stamp):
+    """The five programs hold less than 400 bytes for each triangle that a scene has more, one thread each."""
+
+    few = {"ffgraph": ["--walks", "10000", "--samples", "20000"], "lightgrid": ["--resolution", "32"],
+           "tdpt-render": ["--integrator", "bdpt", "--spp", "1", "--width", "16", "--height", "12"]}
+
+    def test_of_each_program_is_below_the_limit(self):
+        rows = {program: [] for program in scale.PROGRAMS}
+        for n in (50000, 200000):
+            rooms.write_scene(n, "soup", self.work / f"{n}.glb")
+            for program, arguments, output in scale.stages_of(self.work / str(n), self.few):
+                run = common.checked([BIN / program, "--quiet", "--threads", 1, *arguments, "-o", output])
+                rows[program].append(scale.Row("soup", n, program, run.cpu, run.peak_mib))
+        for program, of in rows.items():
+            print("%s: %.0f bytes a triangle" % (program, scale.bytes_each(*of)))
+            self.assertLess(scale.bytes_each(*of), scale.MOST_BYTES, program)
+
+    def test_twin_a_program_that_holds_a_fifth_more_is_caught(self):
+        def holds(each):
+            runs = [common.measure([sys.executable, "-S", "-c", "b = bytearray(%d)" % (each * n)]).peak_mib
+                    for n in (50000, 200000)]
+            return (runs[1] - runs[0]) * scale.MIB / 150000
+
+        self.assertLess(holds(0.8 * scale.MOST_BYTES), scale.MOST_BYTES)
+        self.assertGreater(holds(1.2 * scale.MOST_BYTES), scale.MOST_BYTES)
+
+
+if __name__ == "__main__":
+    if "Figures" in sys.argv or "Efficiency" in sys.argv:
+        need("gnuplot")
+    if "CyclesPortals" in sys.argv and not shutil.which(os.environ.get("BLENDER", "blender")):
+        skip("no Blender here (Debian: blender)")
+    unittest.main()

@@ -1,0 +1,359 @@
+"""How fast the programs are: the integrators beside Tungsten's (doc/baseline.md), lightgrid and tdpt-render on a device
+(doc/light-grid-speed.md, doc/gpu-speed.md), and rendering beside casting its rays and nothing else (doc/limit.md)."""
+import collections
+import os
+import re
+import shutil
+import statistics
+
+import pages
+from common import Setting, Stop, checked, cores, processor, settings
+
+# Tungsten's figures on a machine of the same kind (2 cores, depth 6, box filter, no roulette).
+PEERS = {("veach-ajar", "bdpt"): ("47 000", "0.20"), ("veach-ajar", "nee"): ("140 000", "0.44-0.59"),
+         ("half-metre-hole", "bdpt"): ("65 000", "0.038"), ("half-metre-hole", "nee"): ("280 000", "-")}
+
+
+def indented(text):
+    return "\n".join("    " + line for line in text.splitlines())
+
+
+def four(x):
+    """Up to four digits after the point."""
+    return "-" if x is None else f"{round(x, 4):.12g}"
+
+
+def scenes_of(bench, *names):
+    """(name, file) of those that are there."""
+    for name in names:
+        scene = bench.find(name)
+        if scene:
+            yield name, scene
+        else:
+            bench.say(f"{name}.glb is not there and stays out")
+
+
+@settings(SECONDS_EACH=Setting(60.0, "of a picture on one core", 0.2),
+          REF_SECONDS=Setting(600.0, "of a reference on all cores", 0.4))
+def integrators(bench):
+    """How fast the integrators are, and how noisy their pictures after a minute of one core, beside Tungsten's figures;
+    depth 6. Prints what lights_bench says, and the table of doc/baseline.md."""
+    s, rows, sizes = bench.settings, [], {"veach-ajar": (320, 180), "half-metre-hole": (256, 256)}
+    lights = bench.programs / "lights_bench"
+    if lights.exists():
+        print(checked([lights]).said)
+    for name, scene in scenes_of(bench, *sizes):
+        width, height = sizes[name]
+        options = ("--portal", bench.portals(scene).file, "--max-depth", 6, "--width", width, "--height", height)
+        reference = bench.render(scene, *options, "--integrator", "tdpt-org", "--seed", 1000, "--time",
+                                 f"{s.ref_seconds:g}", threads=0)
+        for integrator in ("pt", "nee", "bdpt", "tdpt-org", "tdpt", "tdpt-guided"):
+            run = bench.render(scene, *options, "--integrator", integrator, "--time", f"{s.seconds_each:g}")
+            off, said = bench.distance(run.out, reference.out), run.said
+            rows.append([name, integrator, round(width * height * said["spp"] / said["cpu_seconds"]),
+                         *map(four, (off["relmse"], off["psnr"], off["black"]["relmse"])),
+                         *PEERS.get((name, integrator), ("-", "-"))])
+    print(pages.table(("scene", "integrator", "samples per CPU second", f"relMSE after {s.seconds_each:g} s", "PSNR",
+                       "black relMSE", "Tungsten: samples", "relMSE"), rows))
+
+
+# ---- Devices ----
+DEVICE = Setting("gpu", "gpu or gpu:WHICH, as --device has it")
+SOFTWARE = """
+The device here is software. It runs several invocations side by side, each waiting for the longest of them, takes both
+sides of every branch and keeps each stack in memory; it is there for tests. What a GPU is for, 20 times the speed of
+two cores, is not measured by this page: `make bench-grid-speed DEVICE=gpu:NAME` measures it where there is one.
+"""
+
+
+@settings(DEVICE=DEVICE)
+def grid(bench):
+    """How fast each back end of lightgrid is, by lightgrid_bench. Two minutes on two quiet cores."""
+    given = []
+    for name, scene in scenes_of(bench, "veach-ajar", "two-rooms", "half-metre-hole"):
+        cut = bench.cache / f"{name}.cut"
+        shutil.copy(bench.store.run("mincut", bench.store.run("ffgraph", scene, threads=0).out, threads=0).out, cut)
+        given += [scene, cut]
+    program = bench.store.program("lightgrid_bench")
+    runs = {voxels: checked([program, bench.settings.device, voxels, *given]) for voxels in (128, 256)}
+    tables = [*runs[128].said.strip().splitlines(), *runs[256].said.strip().splitlines()[2:]]
+    times = [f"* {voxels} voxels, {line}" for voxels, run in runs.items() for line in run.errors.splitlines()[1:]]
+    software = SOFTWARE if "(cpu)" in runs[128].errors.partition("\n")[0] else ""
+    devices = checked([bench.store.program("lightgrid"), "--list-devices"]).said
+    newline = "\n"
+    bench.page("light-grid-speed", f"""# How fast the light is counted
+
+Written by `make bench-grid-speed` ({bench.version("lightgrid")}). Segments between pivot patches, drawn, tested for
+visibility, judged by the votes around both their ends and marched through the grid. The back ends take turns in one
+run; medians of five rounds. `--device`s at hand, beside {cores()} cores of {processor()}:
+
+{indented(devices)}
+
+Embree and the twin run on all cores through TBB, and so does a software device on its own threads. Segments per second,
+and the last column, go by the clock; those per CPU second hold on a machine that has other work, too.
+
+{newline.join(tables)}
+
+Where the device's time goes, and what becomes of the segments:
+
+{newline.join(times)}
+
+Votes are closest-hit rays in all directions, up to 32 for each segment that is free: where they take most of the time,
+the speed is that of incoherent rays. The scalar twin walks the device's own hierarchy one ray at a time, without vector
+instructions. With eight times the voxels the counts no longer fit the caches, and the march begins to show.
+{software}""")
+
+
+@settings(DEVICE=DEVICE, ROUNDS=Setting(5, "after the one in which kernels are made", 1),
+          RADV=Setting(
+              "/usr/share/vulkan/icd.d/radeon_icd.x86_64.json",
+              "driver that tells of registers without a device: "
+              "the file that the Vulkan loader reads for Mesa's RADV"))
+def device(bench):
+    """How fast tdpt-render is on a device, beside the CPU, and what its kernels take, by device_bench. Ten minutes on
+    two quiet cores, most of them for kernels where the device is software."""
+    s, program = bench.settings, bench.store.program("device_bench")
+    fresh = {"MESA_SHADER_CACHE_DISABLE": "true"}  # kernels are made, not taken from the run before
+    tables = []
+    for name, scene in scenes_of(bench, "veach-ajar", "two-rooms"):
+        command = [program, "--device", s.device, "--rounds", s.rounds, scene, bench.portals(scene).file]
+        tables.append(f"## {name}\n\n{checked(command, env=fresh).said.strip()}")
+    run = checked([program, "--registers"], may_fail=range(1, 256),
+                  env={**fresh, "VK_ICD_FILENAMES": s.radv, "RADV_FORCE_FAMILY": "navi21"})
+    registers = run.said
+    if run.status:
+        bench.say(run.errors.strip())
+        registers += "Not measured: " + (run.errors.strip().splitlines() or [""])[-1]
+    devices = checked([bench.store.program("tdpt-render"), "--list-devices"]).said
+    bench.page("gpu-speed", pages.sections(f"""# How fast tdpt-render is on a device
+
+Written by `make bench-gpu-speed` ({bench.version()}); [gpu.md](gpu.md) says what to make of it.
+`--device {s.device}` of those at hand, beside {cores()} cores of {processor()}:
+
+{indented(devices)}
+
+Pictures 160 pixels wide, 8 samples per pixel, paths of up to 6 edges, through the portals that the stages find. CPU and
+device take turns; medians over {s.rounds} rounds, least and largest, after one in which kernels are made. A device that
+is a CPU is charged the time of all its cores, any other that of the clock. `auto` is what it chooses on the device.
+
+Rays, estimates and bytes are those of one sample. Bytes: for each kernel the records that an invocation reads and
+writes (shaders/shared/path/render_layout.h), each whole, times its invocations, as if there were no cache; not the
+scene, its hierarchy, the film, nor what weights read along a path.""", *tables, """## Registers
+
+What Mesa's RADV says of the kernels for RDNA 2 (Navi 21; 32 invocations side by side, 1024 vector registers for each
+SIMD), which needs no such device:
+
+    VK_ICD_FILENAMES=radeon_icd.x86_64.json RADV_FORCE_FAMILY=navi21 device_bench --registers
+
+Of scenes that have all that kernels are made for, and in brackets of diffuse rooms with portals.""", registers))
+
+
+# ---- The limit ----
+# factor: CPU time of a frame over that of its rays cast again.
+Frame = collections.namedtuple("Frame", "scene integrator threads seed samples closest shadow rays other "
+                                        "frame_cpu raw_cpu frame_wall raw_wall")
+
+# What a function of the renderer is counted as: the first that fits, by its name or that of its object.
+PARTS = (
+    ("Embree", r"^libembree", None),
+    ("sines, cosines (libm)", r"^libm\b", None),
+    ("memory, files, system", r"^(?!tdpt-render)", None),
+    ("weights, densities of paths", None, r"\bPath::|::weigh$|NextEventPdf|NextEvents::pdf|emission_pdf|scatter_pdf"),
+    ("joins and their choice", None, r"\bjoin|joined|\bEnds?::|Few::|Few>|LightPool|LightVertex|_columns|_chosen|"
+                                     r"estimate_"),
+    ("portals, directed walks", None, r"PortalSet|Guide::|segment|through\b|PathSampler::see"),
+    ("surfaces, textures", None, r"bsdf|albedo|layered|place_on_surface|lookup|span_of|shading|base_color|towards|"
+                                 r"add_lobes|\bturn|interpolated|\bnode\b|ggx|emission_at"),
+    ("rays: origins, hits", None, r"Tracer|::visible|to_places"),
+    ("walks", None, r"Walker|walk_from|begin_at_light|place_on_light|place_in_sky"),
+    ("lights", None, r"Lights|LightSource|Panels|WindowSky|Sky|NextEvents|CumulativeTable"),
+    ("random numbers", None, r"Sequence|shader::|mix64|numbers"),
+    ("film, tally", None, r"Film|Tally|FixedSum|UnitSum|to_pixel|to_film|project"),
+    ("techniques", None, r"PathSampler|render_samples|tbb::"),
+    ("other", None, r""),
+)
+WANTED = {"bdpt": 1.6, "tdpt-guided": 2.2}  # of a frame over its rays
+
+
+
+def part_of(module, function):
+    for name, of_module, of_function in PARTS:
+        if of_module and re.search(of_module, module):
+            return name
+        if of_function is not None and re.search(of_function, function):
+            return name
+    raise ValueError(function)
+
+
+def shares(profile):
+    """Percentages of the parts of [(count, object, function)]."""
+    total = sum(count for count, _, _ in profile)
+    parts = dict.fromkeys((name for name, _, _ in PARTS), 0.0)
+    for count, module, function in profile:
+        parts[part_of(module, function)] += 100 * count / total
+    return parts
+
+
+def frames_of(text):
+    """Of what limit_bench prints."""
+    frames = []
+    for line in text.splitlines():
+        fields = line.split("\t")
+        if not line.strip() or fields[0] == "scene":
+            continue
+        scene = fields[0].rsplit("/", 1)[-1].removesuffix(".glb")
+        f = Frame(scene, fields[1], *(int(x) for x in fields[2:9]), *(float(x) for x in fields[9:]))
+        if f.other:
+            raise ValueError(f"{f.scene}, {f.integrator}: {f.other} rays ended otherwise when they were cast again")
+        if f.rays < f.closest + f.shadow:
+            raise ValueError(f"{f.scene}, {f.integrator}: rays are missing from the record")
+        frames.append(f)
+    return frames
+
+
+def profile_of(lines):
+    """[(count, object, function)] of lines COUNT|OBJECT|FUNCTION."""
+    parts = [line.split("|", 2) for line in lines if line.count("|") >= 2]
+    return [(int(count.replace(",", "")), module.strip().rsplit("/", 1)[-1], re.sub(r"^\[[.k]\] *", "", name.strip()))
+            for count, module, name in parts]
+
+
+def spread(values):
+    """Median, and the least and the largest."""
+    return f"{statistics.median(values):.2f} ({min(values):.2f} to {max(values):.2f})"
+
+
+def groups(frames):
+    """{(scene, integrator): {threads: [frames]}} in the order of the lines."""
+    found = {}
+    for f in frames:
+        found.setdefault((f.scene, f.integrator), collections.defaultdict(list))[f.threads].append(f)
+    return dict(sorted(found.items(), key=lambda item: [f.scene for f in frames].index(item[0][0])))
+
+
+def factor_rows(frames):
+    rows = []
+    for (scene, integrator), by_threads in groups(frames).items():
+        one = by_threads.get(1)
+        if not one:
+            continue
+        median = statistics.median
+        factors = [f.frame_cpu / f.raw_cpu for f in one]
+        aim = WANTED.get(integrator)
+        met = "-" if aim is None else f"{aim}: met" if median(factors) <= aim else f"{aim}: **missed**"
+        rows.append((scene, f"`{integrator}`", f"{median(f.rays / f.samples for f in one):.1f}",
+                     f"{100 * median(f.shadow / f.rays for f in one):.0f} %",
+                     f"{1e9 * median(f.frame_cpu / f.samples for f in one):.0f}",
+                     f"{1e9 * median(f.raw_cpu / f.rays for f in one):.0f}",
+                     spread(factors), met))
+    return rows
+
+
+def aims(rows):
+    """How many of the factors with an aim meet it, in a sentence."""
+    told = [row[-1] for row in rows if row[-1] != "-"]
+    return f"As low\nas wanted: {sum(t.endswith(': met') for t in told)} of the {len(told)} that have an aim."
+
+
+def thread_rows(frames):
+    """Of n threads over one: how many times as fast if every thread had a core, and by the clock."""
+    rows = []
+    for (scene, integrator), by_threads in groups(frames).items():
+        for n, of_n in sorted(by_threads.items()):
+            if n == 1 or 1 not in by_threads:
+                continue
+            pairs = [(a, b) for a in by_threads[1] for b in of_n if a.seed == b.seed]
+            rows.append((scene, f"`{integrator}`", str(n), spread([n * a.frame_cpu / b.frame_cpu for a, b in pairs]),
+                         spread([n * a.raw_cpu / b.raw_cpu for a, b in pairs]),
+                         spread([a.frame_wall / b.frame_wall for a, b in pairs])))
+    return rows
+
+
+def profile_table(profiles):
+    of = {key: shares(profile) for key, profile in profiles.items()}
+    rows = [[name] + [f"{s[name]:.0f} %" if s[name] >= 0.5 else "-" for s in of.values()] for name, _, _ in PARTS]
+    return pages.table(["part", *(f"{scene}, `{integrator}`" for scene, integrator in of)], rows)
+
+
+HOW = {"perf": "samples of the processor's time by perf (cpu-clock)",
+       "callgrind": "instructions by callgrind, of a picture 32 pixels wide, loading included"}
+
+
+def limit_page(loads, frames, profiles, how):
+    """loads: processes that wanted a core, before and after each scene."""
+    quiet = "" if max(
+        loads, default=0) <=1.2 else(
+        f"The machine was not idle: up to {max(loads):.0f} processes wanted its {cores()} cores, so the clock tells "
+        f"nothing,\n"
+        "and shared caches make all times longer.")
+    rows = factor_rows(frames)
+    return pages.sections(
+        f"""# How far rendering is from casting its rays
+
+Written by `make bench-limit`. A frame is rendered, and the rays that it gave to Embree are given to it again:
+the same queries, robust mode and flags, in the order in which they came, on as many threads as made them and each its
+own, and nothing else. The factor says what a renderer that thinks at no cost would gain. No limit of depth, portals as
+the stages find them; CPU times of frames and rays by turns; median over seeds, least and largest. {aims(rows)}
+
+## One thread""",
+        pages.table(("scene", "integrator", "rays of a sample", "shadow rays", "sample [ns]", "ray alone [ns]",
+                     "frame over rays", "wanted"), rows),
+        """## More threads
+
+As many times as fast as one: by CPU time, as if each thread had a core of its own (n times the CPU time of one over
+that of n), and by the clock. Wanted: two threads 1.9 times one on an idle machine.""",
+        quiet,
+        pages.table(("scene", "integrator", "threads", "frame", "rays alone", "frame by the clock"),
+                    thread_rows(frames)),
+        f"""## What the rest is
+
+Shares of the time of `tdpt-render`, one thread, by function after inlining; {HOW[how]}.""",
+        profile_table(profiles),
+        'What was tried to make a sample cheaper, and what came of it: [guided.md](guided.md), "What a sample costs".')
+
+
+@settings(INTEGRATORS=Setting("nee,bdpt,tdpt-org,tdpt-guided", "of the frames"),
+          THREADS=Setting("1,2", "of the frames"),
+          SEEDS=Setting(5, "one frame each", 1),
+          WIDTH=Setting(240, "of the frames", 24),
+          SPP=Setting(8, "of the frames", 1),
+          PROFILED=Setting(("bdpt", "tdpt-guided"),
+                           "integrators with a profile"),
+          PROFILE_SPP=Setting(32, "of that", 2),
+          PERF=Setting("perf", "anything else than a program that works: callgrind"))
+def limit(bench):
+    """How far the renderer is from casting its rays and nothing else: frames of two scenes with the portals that the
+    stages find, no limit of depth, by limit_bench; and a profile of what the rest is, by perf, or by callgrind of a
+    small picture where perf does not work. Four minutes on two quiet cores."""
+    s, record = bench.settings, bench.cache / "perf.data"
+    perf = [s.perf, "record", "-q", "-e", "cpu-clock", "-o", record]
+    # perf is often there and not allowed, or not made for the kernel.
+    works = shutil.which(s.perf) and checked([*perf, "true"], range(1, 256)).status == 0
+    if not works and not shutil.which("valgrind"):
+        raise Stop(5, f"{s.perf} does not work and valgrind is missing, no profile can be made")
+    loads, frames, profiles = [], [], {}
+
+    def profile(scene, portal, integrator):
+        render = [bench.store.program("tdpt-render"), "--quiet", scene, "--portal", portal, "--integrator", integrator,
+                  "--threads", 1, "-o", bench.cache / "picture.exr"]
+        if works:
+            checked([*perf, "-F", 997, *render, "--spp", s.profile_spp, "--width", s.width])
+            return profile_of(checked([s.perf, "report", "--stdio", "-q", "-i", record, "--no-children", "-F",
+                                       "sample,dso,sym", "-t", "|"]).said.splitlines())
+        out = bench.cache / "callgrind.out"
+        checked(["valgrind", "--quiet", "--tool=callgrind",
+                f"--callgrind-out-file={out}", *render, "--spp", 4, "--width", 32])
+        told = checked(["callgrind_annotate", "--threshold=100", "--show-percs=no", out]).said
+        found = re.findall(r"^ *([0-9][0-9,]*)  [^:\n]*:(.*) \[(.*)\]$", told, re.M)
+        return profile_of(f"{count}|{module}|{name}" for count, name, module in found)
+
+    for name, scene in scenes_of(bench, "two-rooms", "veach-ajar"):
+        portal = bench.portals(scene).file
+        loads.append(os.getloadavg()[0])
+        frames += frames_of(checked([bench.store.program("limit_bench"), scene, portal, "--integrators", s.integrators,
+                                     "--threads", s.threads, "--seeds", s.seeds, "--width", s.width, "--spp",
+                                     s.spp]).said)
+        loads.append(os.getloadavg()[0])
+        for integrator in s.profiled:
+            profiles[name, integrator] = profile(scene, portal, integrator)
+    bench.page("limit", limit_page(loads, frames, profiles, "perf" if works else "callgrind"))

@@ -1,0 +1,177 @@
+// portals_bench BIN [OPTION VALUE]...: runs the four stages on generated rooms with known openings
+// and scores the portals. Prints a row for each room on stderr and tables in markdown on stdout.
+//   --rooms N      rooms of each kind (20)
+//   --seed N       of the first room of each kind (1)
+//   --kinds A,B    only these kinds
+//   --jobs N       rooms at a time, each on one thread (all cores)
+//   --keep FOLDER  keeps scenes and what the stages wrote
+//   --ffgraph, --mincut, --lightgrid, --portalfit "OPTIONS"   for a stage
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "libcommon/testing/rooms/known_rooms.h"
+#include "libcommon/testing/rooms/portal_score.h"
+#include "libcommon/testing/rooms/portal_stages.h"
+#include "libcommon/testing/rooms/room_bench.h"
+
+namespace tdpt::testing {
+namespace {
+namespace fs = std::filesystem;
+
+struct Row {
+  PortalScore score;
+  StagesRun run;
+};
+
+// A keyhole need not be found where it is said that light may pass unseen.
+bool said_so(const KnownRoom& room, const StagesRun& run) {
+  return room.kind == RoomKind::keyhole && run.portals.empty() &&
+         run.said.find("where no walk passed") != std::string::npos;
+}
+
+Row run(const PortalStages& stages, bool keeps, const KnownRoom& room, const fs::path& folder) {
+  const std::string stem = (folder / fs::path(room.file()).stem()).string();
+  std::ofstream(stem + ".glb", std::ios::binary) << room.plan.glb(room.writing);
+  Row row;
+  PortalStages with_sky = stages;
+  with_sky.sky = room.sky;
+  row.run = run_stages(with_sky, stem);
+  row.score = score(row.run.portals, said_so(room, row.run) ? std::vector<KnownAperture>{}
+                                                            : room.placed_apertures());
+  if (!keeps) remove_stages(stem);
+  return row;
+}
+
+const char* const kSplittings[] = {"whole", "in 4", "in 144", "slivers"};
+
+void print_row(const KnownRoom& room, const Row& row) {
+  const PortalScore& s = row.score;
+  const Placement& p = room.writing.placement;
+  std::fprintf(stderr,
+               "%-5s %-14s %3llu  portals %zu/%zu  coverage %.4f  tightness %.3f  angle %5.2f  "
+               "strays %zu  lamp %-7s wall %.3f %-7s scale %g %s %.2f s%s\n",
+               s.right() ? "ok" : "MISS", name_of(room.kind),
+               static_cast<unsigned long long>(room.seed), s.portals, s.openings, s.coverage,
+               s.tightness, s.angle, s.strays, room.lamp.c_str(),
+               room.apertures.empty() ? 0 : room.apertures[0].thickness,
+               kSplittings[static_cast<size_t>(room.writing.splitting)], p.scale,
+               p.angle != 0 ? "turned" : "", row.run.cpu_seconds, row.run.failed ? "  FAILED" : "");
+  if (s.portals < s.openings || s.strays > 0)
+    std::fprintf(stderr, "      %s", row.run.said.c_str());
+}
+
+struct Tally {
+  std::string name;
+  size_t rooms = 0, right = 0, covered = 0, tight = 0, straight = 0, counted = 0, strays = 0;
+  double seconds = 0;
+  std::vector<double> coverages, tightnesses, angles;
+
+  void add(const Row& row) {
+    const PortalScore& s = row.score;
+    ++rooms;
+    right += s.right();
+    covered += s.coverage >= 0.98;
+    tight += s.tightness >= 0.90;
+    straight += s.angle <= 3;
+    counted += s.right_number();
+    strays += s.strays;
+    coverages.push_back(s.coverage);
+    tightnesses.push_back(s.tightness);
+    angles.push_back(s.angle);
+    seconds += row.run.cpu_seconds;
+  }
+  double percent_right() const {
+    return 100 * static_cast<double>(right) / static_cast<double>(rooms);
+  }
+};
+
+double median(std::vector<double> v) {
+  const auto middle = v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2);
+  std::nth_element(v.begin(), middle, v.end());
+  return *middle;
+}
+
+void print_line(const Tally& t) {
+  std::printf("| %s | %zu | %zu | %zu | %zu | %zu | %zu | %zu | %.4f | %.3f | %.2f | %.2f |\n",
+              t.name.c_str(), t.rooms, t.right, t.covered, t.tight, t.straight, t.counted, t.strays,
+              median(t.coverages), median(t.tightnesses), median(t.angles),
+              t.seconds / static_cast<double>(t.rooms));
+}
+
+// What is aimed at: percent of the rooms whose four scores are all right.
+constexpr double kTogether = 95, kEachKind = 80;
+
+void print_verdict(const std::vector<Tally>& kinds, const Tally& all) {
+  const auto share = [](const Tally& t) {
+    return fmt::format("{} of {} rooms right, {:.1f} %", t.right, t.rooms, t.percent_right());
+  };
+  const Tally& worst = *std::min_element(
+      kinds.begin(), kinds.end(),
+      [](const Tally& a, const Tally& b) { return a.percent_right() < b.percent_right(); });
+  std::string below;
+  for (const Tally& t : kinds)
+    if (t.percent_right() < kEachKind) below += (below.empty() ? "" : ", ") + t.name;
+  fmt::print(
+      "\nAll kinds together: {} (target: {} %).  \n"
+      "The worst kind: {}, {} (target: {} %); below that: {}.\n",
+      share(all), kTogether, worst.name, share(worst), kEachKind, below.empty() ? "none" : below);
+}
+
+void print_table(const std::vector<KnownRoom>& rooms, const std::vector<Row>& rows) {
+  std::vector<Tally> kinds;
+  Tally all;
+  all.name = "all kinds together";
+  for (size_t i = 0; i < rooms.size(); ++i) {
+    const char* const name = name_of(rooms[i].kind);
+    if (kinds.empty() || kinds.back().name != name) kinds.emplace_back().name = name;
+    kinds.back().add(rows[i]);
+    all.add(rows[i]);
+  }
+  std::printf(
+      "| kind | rooms | all four | coverage >= 0.98 | tightness >= 0.90 | angle <= 3 | right "
+      "number "
+      "| strays | median coverage | median tightness | median angle | CPU s |\n"
+      "|---|---|---|---|---|---|---|---|---|---|---|---|\n");
+  if (rooms.empty()) return;
+  for (const Tally& kind : kinds) print_line(kind);
+  print_line(all);
+  print_verdict(kinds, all);
+}
+
+int main_of(int argc, char** argv) {
+  PortalStages stages;
+  std::map<std::string, std::string> own;
+  for (const char* name : {"ffgraph", "mincut", "lightgrid", "portalfit"})
+    own[std::string("--") + name] = "";
+  std::vector<RoomKind> kinds = all_room_kinds();
+  kinds.insert(kinds.end(), sky_room_kinds().begin(), sky_room_kinds().end());
+  const RoomBench bench(argc, argv, kinds, 20, own);
+  stages.bin = bench.bin();
+  for (const auto& [name, none] : own) stages.options[name.substr(2)] = bench.own(name);
+  const std::vector<Row> rows = bench.rows<Row>(
+      [&](const KnownRoom& room, const fs::path& folder) {
+        return run(stages, bench.keeps(), room, folder);
+      },
+      print_row);
+  print_table(bench.rooms(), rows);
+  return 0;
+}
+
+}  // namespace
+}  // namespace tdpt::testing
+
+int main(int argc, char** argv) {
+  try {
+    return tdpt::testing::main_of(argc, argv);
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "portals_bench: %s\n", e.what());
+    return 1;
+  }
+}
