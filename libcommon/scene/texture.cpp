@@ -186,6 +186,39 @@ Texel base_color_at(const Scene& scene, const SurfacePlace& place) {
   return out;
 }
 
+MaterialValues material_values_at(const Scene& scene, const SurfacePlace& place) {
+  const Material& m = scene.material_of(place.triangle);
+  const auto texel = [&](const TextureMap& map) { return lookup(scene, map, place); };
+  const auto colour = [](const Texel& t) { return Rgb(t[0], t[1], t[2]); };
+  MaterialValues v{colour(base_color_at(scene, place)),
+                   m.metallic,
+                   m.roughness,
+                   m.specular,
+                   m.transmission,
+                   m.specular_color};
+  if (m.metallic_roughness_map) {
+    const Texel t = texel(m.metallic_roughness_map);
+    v.roughness *= t[1];
+    v.metallic *= t[2];
+  }
+  if (m.specular_map) v.specular *= texel(m.specular_map)[3];
+  if (m.specular_color_map) {
+    const Texel t = texel(m.specular_color_map);
+    v.specular_color = v.specular_color * colour(t);
+    if (m.glossy_map) v.roughness = 1 - (1 - v.roughness) * t[3];
+  }
+  if (m.transmission_map) v.transmission *= texel(m.transmission_map)[0];
+  if (m.sheened()) {
+    v.sheen_color = m.sheen_color * colour(texel(m.sheen_color_map));
+    v.sheen_roughness = m.sheen_roughness * texel(m.sheen_roughness_map)[3];
+  }
+  if (m.coat > 0) {
+    v.coat = m.coat * texel(m.coat_map)[0];
+    v.coat_roughness = m.coat_roughness * texel(m.coat_roughness_map)[1];
+  }
+  return v;
+}
+
 Rgb emission_at(const Scene& scene, const SurfacePlace& place) {
   const Material& m = scene.material_of(place.triangle);
   if (!m.emission_map) return m.emission;

@@ -132,15 +132,15 @@ void report(const Job& job, const World& world, const Choice& choice, const Rend
 }
 
 // Says what was decided and where it stands, without a picture.
-int write_plan(const Job& job, const World& world, const Choice& choice) {
+int write_plan(const Job& job, SampleRenderer& renderer, const Choice& choice) {
   const std::vector<Portal>& portals = job.in.portals;
-  const RenderResult decided = decide(world, choice.candidates, job.settings, choice.ways);
+  const RenderResult decided = decide(renderer, choice.candidates, job.settings, choice.ways);
   const Plan& plan = decided.plan;
   if (stop_requested()) {
     job.common.note("stopped by a signal; no plan is written");
     return static_cast<int>(Exit::interrupted);
   }
-  const std::string told = plan_json(job.settings, decided, portals);
+  const std::string told = plan_json(decided, portals);
   cli::deliver({{job.a.plan,
                  [&] {
                    return plan_file_text({plan, job.shape, job.common.command});
@@ -151,7 +151,7 @@ int write_plan(const Job& job, const World& world, const Choice& choice) {
   job.common.note(fmt::format("{} will render {} per pixel at {} x {}", plan.label,
                               counted(plan.spp, "sample"), job.in.size.width, job.in.size.height));
   job.common.explain_by([&] {
-    return decisions_of_plan({world, portals, job.request, choice, job.settings, decided});
+    return decisions_of_plan({renderer.world, portals, job.request, choice, job.settings, decided});
   });
   return 0;
 }
@@ -188,7 +188,8 @@ void add_visitors(const Job& job, const Choice& choice, Course& course) {
 }
 
 // A device that is lost on the way leaves what a checkpoint can hold.
-RenderResult rendered(const Job& job, const World& world, const Choice& choice, Course course) {
+RenderResult rendered(const Job& job, SampleRenderer& renderer, const Choice& choice,
+                      Course course) {
   add_visitors(job, choice, course);
   bool kept = false;
   if (!job.checkpoint().empty())
@@ -196,7 +197,7 @@ RenderResult rendered(const Job& job, const World& world, const Choice& choice, 
       kept = save({job, choice, standing, plan});
     };
   try {
-    return render(world, choice.candidates, job.settings, choice.ways, std::move(course));
+    return render(renderer, choice.candidates, job.settings, choice.ways, std::move(course));
   } catch (const Error& e) {
     if (!kept) throw;
     throw Error(e.code, fmt::format("{}; what was rendered is in {}: --resume goes on from it",
@@ -205,9 +206,10 @@ RenderResult rendered(const Job& job, const World& world, const Choice& choice, 
 }
 
 // Renders, and tells of it.
-int render(const Job& job, World& world, const Choice& choice, Course course) {
+int render(const Job& job, SampleRenderer& renderer, const Choice& choice, Course course) {
+  const World& world = renderer.world;
   const std::vector<Portal>& portals = job.in.portals;
-  const RenderResult result = rendered(job, world, choice, std::move(course));
+  const RenderResult result = rendered(job, renderer, choice, std::move(course));
   if (job.request.automatic && !choice.planned) job.common.note(choice_sentence(result));
   if (const std::string verdict = verdict_sentence(result); !verdict.empty())
     job.common.note(verdict);
@@ -267,15 +269,13 @@ int run(const Arguments& a, const cli::Common& common) {
       plan ? choose_as_planned(*plan, job.given.plan_file, job.request, job.settings, world,
                                in.portals, common)
            : choose(job.request, job.settings, in.camera, world, in.portals, common);
-  if (device) {
-    job.settings.device = upload->renderer();
-    upload.reset();
-    job.settings.device_name = device->info().name;
-    common.note("samples are rendered by " + words_of(device->info()) + ".");
-  }
+  const std::shared_ptr<SampleRenderer> renderer =
+      device ? upload->renderer() : std::make_shared<CpuRenderer>(world);
+  upload.reset();
+  if (device) common.note("samples are rendered by " + words_of(device->info()) + ".");
   check_film(job.given, film_options(world, choice.candidates, job.settings));
-  if (job.only_plans()) return write_plan(job, world, choice);
-  return render(job, world, choice, std::move(job.given.course));
+  if (job.only_plans()) return write_plan(job, *renderer, choice);
+  return render(job, *renderer, choice, std::move(job.given.course));
 }
 
 }  // namespace

@@ -111,8 +111,10 @@ struct Stage {
         of_cores(device.info().kind == "cpu") {
     const FilmPlaces places(pixels(), false, world.portals.portals());
     renderer = std::make_shared<WavefrontRenderer>(
-        world, make_gpu_machine(device, tables, room_on(device, tables, places.words), places.words,
-                                &work));
+        world,
+        make_gpu_machine(device, tables, room_on(device, tables, places.words), places.words,
+                         &work),
+        device.info().name);
   }
   static std::vector<Portal> portals_of(const Options& o) {
     std::vector<Portal> portals;
@@ -155,24 +157,22 @@ RenderSettings settings_of(const Options& o, int round) {
 Candidate candidate_of(const std::string& name, const Options& o, Stage& stage) {
   if (name != "auto") return {integrator_named(name), name};
   const std::vector<Candidate> all = auto_candidates(stage.world);
-  RenderSettings settings = settings_of(o, 0);
-  settings.device = stage.renderer;
-  const RenderResult result = render(stage.world, all, settings);
+  const RenderResult result = render(*stage.renderer, all, settings_of(o, 0));
   const Candidate& chosen = all[result.chosen];
   return {chosen.integrator, "auto: " + chosen.label};
 }
 
 // A round of one of them: samples per CPU second, or per second of a device that is none.
 double one_round(const Candidate& c, const RenderSettings& settings, const Stage& stage,
-                 RenderResult& result) {
-  const bool of_cores = !settings.device || stage.of_cores;
+                 SampleRenderer& renderer, RenderResult& result) {
+  const bool of_cores = !renderer.on_device() || stage.of_cores;
   const auto now = [&] {
     using namespace std::chrono;
     if (of_cores) return cpu_seconds();
     return duration<double>(steady_clock::now().time_since_epoch()).count();
   };
   const double before = now();
-  result = render(stage.world, c.integrator, settings);
+  result = render(renderer, c.integrator, settings);
   return static_cast<double>(stage.pixels() * settings.spp) / (now() - before);
 }
 
@@ -182,11 +182,11 @@ Measured measure(const std::string& name, const Options& o, Stage& stage) {
   const Candidate c = candidate_of(name, o, stage);
   m.label = c.label;
   for (int round = 0; round <= o.rounds; ++round) {
-    RenderSettings settings = settings_of(o, round);
+    const RenderSettings settings = settings_of(o, round);
     RenderResult result;
-    const double cpu = one_round(c, settings, stage, result);
-    settings.device = stage.renderer;
-    const double device = one_round(c, settings, stage, result);
+    CpuRenderer cpu_renderer(stage.world);
+    const double cpu = one_round(c, settings, stage, cpu_renderer, result);
+    const double device = one_round(c, settings, stage, *stage.renderer, result);
     fmt::print(stderr, "{} round {}: {:.0f} and {:.0f} samples per second, {:.3f}\n", m.label,
                round, cpu, device, device / cpu);
     if (round == 0) {

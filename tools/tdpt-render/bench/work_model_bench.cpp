@@ -46,8 +46,8 @@ void measure(const std::string& scene_path, const std::vector<Portal>& portals, 
   const Scene scene = read_gltf(scene_path);
   const World world(scene, scene.camera(""), o.width, o.height, portals);
   const std::optional<gpu::Device> device = device_asked(o.device);
-  std::shared_ptr<SampleRenderer> renderer;
-  if (device) renderer = GpuUpload(*device, world, false).renderer();
+  const std::shared_ptr<SampleRenderer> renderer =
+      device ? GpuUpload(*device, world, false).renderer() : std::make_shared<CpuRenderer>(world);
   const bool by_clock = device && device->info().kind != "cpu";
 
   for (int depth : kDepths)
@@ -55,8 +55,7 @@ void measure(const std::string& scene_path, const std::vector<Portal>& portals, 
       RenderSettings settings;
       settings.seconds = o.seconds;
       settings.max_depth = depth;
-      settings.device = renderer;
-      const RenderResult r = render(world, c.integrator, settings);
+      const RenderResult r = render(*renderer, c.integrator, settings);
       const auto samples = r.spp * static_cast<uint64_t>(o.width) * static_cast<uint64_t>(o.height);
       std::printf("%s\t%d\t%s\t%d\t%.6g", scene_path.c_str(), depth, c.label.c_str(),
                   Guide(world, c.integrator.mixture).sees_portals() ? 1 : 0,

@@ -21,22 +21,21 @@ struct Runs {
   double beta = 1;
 };
 
-RenderResult render_once(const World& world, const Integrator& integrator, const Runs& runs,
-                         uint64_t seed, const std::shared_ptr<SampleRenderer>& device) {
+RenderResult render_once(const Integrator& integrator, const Runs& runs, uint64_t seed,
+                         SampleRenderer& renderer) {
   RenderSettings settings;
   settings.spp = runs.spp;
   settings.max_depth = runs.max_depth;
   settings.beta = runs.beta;
   settings.seed = seed;
-  settings.device = device;
-  return render(world, integrator, settings);
+  return render(renderer, integrator, settings);
 }
 
-testing::BlockRuns blocks(const World& world, const Integrator& integrator, const Runs& runs,
-                          const std::shared_ptr<SampleRenderer>& device) {
+testing::BlockRuns blocks(SampleRenderer& renderer, const Integrator& integrator,
+                          const Runs& runs) {
   testing::BlockRuns all;
   for (uint64_t seed = runs.first_seed; seed < runs.first_seed + runs.runs; ++seed) {
-    const RenderResult r = render_once(world, integrator, runs, seed, device);
+    const RenderResult r = render_once(integrator, runs, seed, renderer);
     EXPECT_EQ(r.tally.not_finite, 0u);
     std::vector<double> run(size_t{kWidth / kBlock} * (kHeight / kBlock));
     for (int y = 0; y < kHeight; ++y)
@@ -52,14 +51,15 @@ testing::BlockRuns blocks(const World& world, const Integrator& integrator, cons
 // some hundredths of a per cent.
 void expect_agreement(const Stage& stage, const Runs& runs) {
   const auto world = stage.world(kWidth, kHeight);
-  const auto twin = std::make_shared<TwinRenderer>(*world);
+  CpuRenderer cpu(*world);
+  TwinRenderer twin(*world);
   Runs others = runs;
   others.first_seed += 1000;
   double brightest = 0;
   for (const Integrator* integrator : integrators()) {
-    const testing::BlockRuns by_cpu = blocks(*world, *integrator, runs, nullptr),
-                             by_twin = blocks(*world, *integrator, others, twin),
-                             paired = blocks(*world, *integrator, runs, twin);
+    const testing::BlockRuns by_cpu = blocks(cpu, *integrator, runs),
+                             by_twin = blocks(twin, *integrator, others),
+                             paired = blocks(twin, *integrator, runs);
     brightest = std::max(brightest, by_cpu.mean());
     const std::string what = stage.name + ", " + integrator->name + " of the device";
     const testing::Agreement free = testing::compare(by_twin, by_cpu);
@@ -126,11 +126,11 @@ TEST(device_agreement, sky_sun_and_windows) {
 
 // Pixels that differ by more than a thousandth, of the pixel or of the mean, by the same samples of
 // the same paths. Integrators that choose which pairs of many to join choose others on a device.
-double share_that_differs(const World& world, const Integrator& integrator,
-                          const std::shared_ptr<SampleRenderer>& device) {
+double share_that_differs(SampleRenderer& device, const Integrator& integrator) {
   const Runs runs{.spp = 4};
-  const RenderResult a = render_once(world, integrator, runs, 3, nullptr),
-                     b = render_once(world, integrator, runs, 3, device);
+  CpuRenderer cpu(device.world);
+  const RenderResult a = render_once(integrator, runs, 3, cpu),
+                     b = render_once(integrator, runs, 3, device);
   const auto mean = static_cast<float>(luminance(Rgb(a.mean())));
   size_t differ = 0;
   for (size_t i = 0; i < a.picture.pixels.size(); ++i) {
@@ -143,9 +143,9 @@ double share_that_differs(const World& world, const Integrator& integrator,
 TEST(device_closeness, all_but_few_pixels_are_those_of_the_cpu) {
   for (const Stage& stage : {two_rooms_stage(), door_stage(), lamps_stage(), solids_stage()}) {
     const auto world = stage.world(kWidth, kHeight);
-    const auto twin = std::make_shared<TwinRenderer>(*world);
+    TwinRenderer twin(*world);
     for (const Integrator* integrator : {&pt, &nee}) {
-      const double share = share_that_differs(*world, *integrator, twin);
+      const double share = share_that_differs(twin, *integrator);
       std::printf("%-10s %-11s %.4f of the pixels differ\n", stage.name.c_str(), integrator->name,
                   share);
       EXPECT_LT(share, 0.02) << stage.name << " " << integrator->name;
@@ -157,9 +157,10 @@ TEST(device_closeness, all_but_few_pixels_are_those_of_the_cpu) {
 class device_agreement_twin : public ::testing::Test {
  protected:
   testing::Agreement of(const char* what, const Integrator& integrator, const Faults& faults) {
-    const auto twin = std::make_shared<TwinRenderer>(*world_, kEnough, faults);
-    const testing::BlockRuns found = blocks(*world_, integrator, runs_, twin),
-                             known = blocks(*world_, integrator, runs_, nullptr);
+    TwinRenderer twin(*world_, kEnough, faults);
+    CpuRenderer cpu(*world_);
+    const testing::BlockRuns found = blocks(twin, integrator, runs_),
+                             known = blocks(cpu, integrator, runs_);
     const testing::Agreement same = testing::compare_paired(found, known);
     std::printf("%-36s %-11s %+.4f %% p %.1e\n", what, integrator.name, 100 * same.relative,
                 same.p_drift);
@@ -256,12 +257,10 @@ TEST_F(device_agreement_twin, a_technique_that_is_weighed_but_not_run_is_caught)
 // Twin of the above: a colour off by half a per cent is another pixel nearly everywhere.
 TEST_F(device_agreement_twin, pixels_off_by_half_a_percent_are_seen) {
   stand_before(solids_stage());
-  const auto twin =
-      std::make_shared<TwinRenderer>(*world_, kEnough, Faults{.tables = [](RenderTables& t) {
-        for (shader::SurfaceMaterial& m : t.surfaces.materials)
-          m.base_color = m.base_color * 1.005f;
-      }});
-  EXPECT_GT(share_that_differs(*world_, nee, twin), 0.5);
+  TwinRenderer twin(*world_, kEnough, Faults{.tables = [](RenderTables& t) {
+    for (shader::SurfaceMaterial& m : t.surfaces.materials) m.base_color = m.base_color * 1.005f;
+  }});
+  EXPECT_GT(share_that_differs(twin, nee), 0.5);
 }
 
 }  // namespace

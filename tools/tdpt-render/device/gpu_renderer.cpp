@@ -24,7 +24,8 @@ GpuUpload::GpuUpload(const gpu::Device& device, const World& world, bool layers)
 std::shared_ptr<SampleRenderer> GpuUpload::renderer() {
   tables_.follow(world_);
   return std::make_shared<WavefrontRenderer>(
-      world_, make_gpu_machine(device_, tables_, room_, film_words(world_, layers_)));
+      world_, make_gpu_machine(device_, tables_, room_, film_words(world_, layers_)),
+      device_.info().name);
 }
 
 }  // namespace tdpt

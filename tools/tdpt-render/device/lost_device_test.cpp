@@ -39,21 +39,23 @@ class LostMachine : public Machine {
 class lost_device : public ::testing::Test {
  protected:
   // Fails at the step of that number; -1: never.
-  RenderSettings settings_with(int steps) {
+  std::shared_ptr<SampleRenderer> lost_after(int steps) {
     left_ = steps;
+    const FilmPlaces places(24 * 18, true, world_.portals.portals());
+    return std::make_shared<WavefrontRenderer>(
+        world_,
+        std::make_unique<LostMachine>(make_twin(tables_, {1u << 16, 1u << 10}, places.words),
+                                      left_),
+        "lost");
+  }
+  static RenderResult rendered(const std::shared_ptr<SampleRenderer>& renderer,
+                               Course course = {}) {
     RenderSettings settings;
     settings.spp = 9;
     settings.max_depth = 6;
     settings.layers = settings.alpha = true;
     settings.frames = true;  // one sample at a time
-    const FilmPlaces places(24 * 18, true, world_.portals.portals());
-    settings.device = std::make_shared<WavefrontRenderer>(
-        world_, std::make_unique<LostMachine>(
-                    make_twin(tables_, {1u << 16, 1u << 10}, places.words), left_));
-    return settings;
-  }
-  RenderResult rendered(const RenderSettings& settings, Course course = {}) const {
-    return render(world_, {{tdpt_org, tdpt_org.name}}, settings, {}, std::move(course));
+    return render(*renderer, {{tdpt_org, tdpt_org.name}}, settings, {}, std::move(course));
   }
   std::string bytes_of(Standing& standing, const Plan& plan) const {
     standing.seconds = standing.cpu_seconds = standing.began = 0;
@@ -67,14 +69,14 @@ class lost_device : public ::testing::Test {
 };
 
 TEST_F(lost_device, keeps_all_whole_passes_and_another_goes_on_to_the_same_bytes) {
-  const RenderResult whole = rendered(settings_with(-1));
+  const RenderResult whole = rendered(lost_after(-1));
   const std::string expected = bytes_of(*whole.standing, whole.plan);
   const int all = -1 - left_;
   for (const int steps : {all / 4, all / 2, all / 2 + 1, all - 1}) {
     std::string kept;
     Course course;
     course.rescue = [&](Standing& standing, const Plan& plan) { kept = bytes_of(standing, plan); };
-    EXPECT_THROW(rendered(settings_with(steps), std::move(course)), Error);
+    EXPECT_THROW(rendered(lost_after(steps), std::move(course)), Error);
     FilmFile film = parse_film(kept, "kept");
     const uint64_t samples = film.film.samples();
     EXPECT_GT(samples, 0u);
@@ -82,7 +84,7 @@ TEST_F(lost_device, keeps_all_whole_passes_and_another_goes_on_to_the_same_bytes
     Course rest;
     rest.plan = read_plan(film.facts.plan, "kept");
     rest.standing = standing_of(std::move(film), "kept");
-    const RenderResult result = rendered(settings_with(-1), std::move(rest));
+    const RenderResult result = rendered(lost_after(-1), std::move(rest));
     EXPECT_EQ(result.picture.pixels, whole.picture.pixels);
     EXPECT_EQ(bytes_of(*result.standing, result.plan), expected) << samples;
   }
@@ -92,7 +94,7 @@ TEST_F(lost_device, keeps_all_whole_passes_and_another_goes_on_to_the_same_bytes
 class Careless : public SampleRenderer {
  public:
   explicit Careless(std::shared_ptr<SampleRenderer> sound, int passes)
-      : sound_(std::move(sound)), left_(passes) {}
+      : SampleRenderer(sound->world), sound_(std::move(sound)), left_(passes) {}
   void render(const Integrator& integrator, const SampleRules& rules, uint64_t round,
               const SampleRange& samples, Film& film, Tally& tally, Progress& progress) override {
     if (left_-- > 0)
@@ -108,18 +110,16 @@ class Careless : public SampleRenderer {
 };
 
 TEST_F(lost_device, twin_part_of_a_pass_in_the_film_is_caught) {
-  const RenderResult whole = rendered(settings_with(-1));
-  RenderSettings settings = settings_with(-1);
-  settings.device = std::make_shared<Careless>(settings.device, 4);
+  const RenderResult whole = rendered(lost_after(-1));
   std::string kept;
   Course course;
   course.rescue = [&](Standing& standing, const Plan& plan) { kept = bytes_of(standing, plan); };
-  EXPECT_THROW(rendered(settings, std::move(course)), Error);
+  EXPECT_THROW(rendered(std::make_shared<Careless>(lost_after(-1), 4), std::move(course)), Error);
   FilmFile film = parse_film(kept, "kept");
   Course rest;
   rest.plan = read_plan(film.facts.plan, "kept");
   rest.standing = standing_of(std::move(film), "kept");
-  EXPECT_NE(rendered(settings_with(-1), std::move(rest)).picture.pixels, whole.picture.pixels);
+  EXPECT_NE(rendered(lost_after(-1), std::move(rest)).picture.pixels, whole.picture.pixels);
 }
 
 }  // namespace

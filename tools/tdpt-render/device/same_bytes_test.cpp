@@ -50,7 +50,7 @@ class Pair {
                     const Room& room = kEnough) const {
     const auto world = stage_.world(width, height);
     const auto by = [&](Machine& machine) {
-      WavefrontRenderer renderer(*world, std::make_unique<Borrowed>(machine, room));
+      WavefrontRenderer renderer(*world, std::make_unique<Borrowed>(machine, room), "borrowed");
       return rendered_by(renderer, *world, integrator, samples);
     };
     return {by(*gpu_), by(*twin_)};
@@ -148,14 +148,13 @@ TEST_F(device_bytes, by_the_renderer_that_the_program_has) {
   settings.spp = 5;
   settings.max_depth = 6;
   settings.alpha = settings.layers = settings.variance = true;
-  RenderSettings by_twin = settings;
-  settings.device = GpuUpload(device(), *world, true).renderer();
-  by_twin.device = std::make_shared<TwinRenderer>(*world);
+  const auto by_device = GpuUpload(device(), *world, true).renderer();
+  TwinRenderer by_twin(*world);
   std::vector<std::vector<Candidate>> all{auto_candidates(*world)};
   for (const Integrator* integrator : integrators()) all.push_back({{*integrator, ""}});
   for (const std::vector<Candidate>& candidates : all) {
-    const RenderResult a = render(*world, candidates, settings),
-                       b = render(*world, candidates, by_twin);
+    const RenderResult a = render(*by_device, candidates, settings),
+                       b = render(by_twin, candidates, settings);
     EXPECT_EQ(a.chosen, b.chosen);
     EXPECT_EQ(outcome_of(a.standing->film, a.standing->tally),
               outcome_of(b.standing->film, b.standing->tally))

@@ -156,9 +156,11 @@ Error no_room(const RenderParameters& p) {
 
 }  // namespace
 
-WavefrontRenderer::WavefrontRenderer(const World& world, std::unique_ptr<Machine> machine)
-    : world_(world),
+WavefrontRenderer::WavefrontRenderer(const World& world_, std::unique_ptr<Machine> machine,
+                                     std::string name)
+    : SampleRenderer(world_),
       machine_(std::move(machine)),
+      name_(std::move(name)),
       samples_(std::min(machine_->room().samples, kFirstSubmission)),
       most_samples_(machine_->room().samples) {}
 
@@ -166,17 +168,17 @@ RenderParameters WavefrontRenderer::parameters_of(const Integrator& integrator,
                                                   const SampleRules& rules, uint64_t round,
                                                   const Film& film) const {
   RenderParameters p{};
-  set_camera(world_.film, p);
+  set_camera(world.film, p);
   set_mixture(integrator.mixture, p);
   set_pools(integrator.mixture, p);
   p.seed = rules.seed;
   p.stream = (integrator.stream + (kStreams + 1) * round) * 16;
   p.beta = static_cast<float>(rules.beta);
   p.max_depth = static_cast<uint32_t>(rules.max_depth);
-  p.culls = world_.tracer.culls();
+  p.culls = world.tracer.culls();
   p.transparent = film.has_alpha();
   for (size_t i = 0; i < kTechniques; ++i) p.layers |= film.has_layer(i);
-  const FilmPlaces places(uint64_t{p.width} * p.height, p.layers != 0, world_.portals.portals());
+  const FilmPlaces places(uint64_t{p.width} * p.height, p.layers != 0, world.portals.portals());
   p.met_first = places.met;
   p.tally_first = places.tally;
   p.portals_first = places.portals;
@@ -190,8 +192,8 @@ void WavefrontRenderer::render(const Integrator& integrator, const SampleRules& 
                                Progress& progress) {
   const RenderParameters p = parameters_of(integrator, rules, round, film);
   const uint64_t pixels = uint64_t{p.width} * p.height;
-  const FilmPlaces places(pixels, p.layers != 0, world_.portals.portals());
-  const bool drawn = integrator.mixture.has(Technique::portal) && !world_.portals.empty();
+  const FilmPlaces places(pixels, p.layers != 0, world.portals.portals());
+  const bool drawn = integrator.mixture.has(Technique::portal) && !world.portals.empty();
   const auto start = std::chrono::steady_clock::now();
   const uint64_t most = std::max<uint64_t>(kMostCounted / pixels, 1);
   for (uint64_t at = samples.first; at < samples.end(); at += most) {
@@ -199,7 +201,7 @@ void WavefrontRenderer::render(const Integrator& integrator, const SampleRules& 
     submit_all(p, some, progress);
     const std::vector<uint32_t> words = machine_->take_film();
     add_to_film(words, places, film);
-    add_to_tally(words, places, world_.portals.portals(), drawn, tally);
+    add_to_tally(words, places, world.portals.portals(), drawn, tally);
     add_left_out(words, places, some.first, p.width, pixels, tally);
     film.complete(some);
   }
@@ -392,7 +394,7 @@ void WavefrontRenderer::prepare(const Integrator& integrator, const SampleRules&
 
 bool WavefrontRenderer::crosses(const RenderParameters& p) const {
   const TechniqueSet techniques = TechniqueSet::of_bits(static_cast<uint8_t>(p.techniques));
-  return techniques.has(Technique::portal) && !world_.portals.empty();
+  return techniques.has(Technique::portal) && !world.portals.empty();
 }
 
 bool WavefrontRenderer::submit(RenderParameters p, const std::vector<uint32_t>& pool_offsets) {

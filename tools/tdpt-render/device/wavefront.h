@@ -11,7 +11,9 @@ namespace tdpt {
 class WavefrontRenderer : public SampleRenderer {
  public:
   /// The world must outlive it, with the portals that it has now.
-  WavefrontRenderer(const World& world, std::unique_ptr<Machine> machine);
+  WavefrontRenderer(const World& world, std::unique_ptr<Machine> machine, std::string name);
+  std::string name() const override { return name_; }
+  bool on_device() const override { return true; }
   void prepare(const Integrator& integrator, const SampleRules& rules, const Film& film,
                bool quiet) override;
   /// Throws Error (no_device), with both numbers, where not even one pool's paths have room.
@@ -32,8 +34,8 @@ class WavefrontRenderer : public SampleRenderer {
   /// False when there was no room.
   bool submit(shader::RenderParameters parameters, const std::vector<uint32_t>& pool_offsets);
 
-  const World& world_;
   std::unique_ptr<Machine> machine_;
+  const std::string name_;
   uint32_t samples_;       // of a submission: as many as have had room, and are soon done
   uint32_t most_samples_;  // that have had room
   uint64_t of_pass_ = 0;

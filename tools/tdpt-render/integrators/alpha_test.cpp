@@ -52,8 +52,7 @@ Picture rendered(const Scene& scene, const Integrator& integrator, bool alpha, u
   settings.spp = 16;
   settings.seed = seed;
   settings.alpha = alpha;
-  settings.device = renderer_under_test(world);
-  return render(world, integrator, settings).picture;
+  return render(*renderer_under_test(world), integrator, settings).picture;
 }
 
 // Largest difference, over the sky, from a picture that shows it.

@@ -40,8 +40,7 @@ Picture rendered(const Scene& scene, const Integrator& integrator, int max_depth
   settings.spp = 16;
   settings.max_depth = max_depth;
   settings.alpha = scene.sky != nullptr;
-  settings.device = renderer_under_test(world);
-  return render(world, integrator, settings).picture;
+  return render(*renderer_under_test(world), integrator, settings).picture;
 }
 
 double mean(const Picture& picture) {

@@ -289,8 +289,7 @@ std::vector<Rgb> picture_of(void (*make)(Room&)) {
   const World world(scene, scene.camera(""), room.width, room.height, room.portals);
   RenderSettings settings;
   settings.spp = 4;
-  settings.device = renderer_under_test(world);
-  return render(world, tdpt_org, settings).picture.pixels;
+  return render(*renderer_under_test(world), tdpt_org, settings).picture.pixels;
 }
 
 TEST(white_room, in_units_of_powers_of_two_has_the_same_bytes) {

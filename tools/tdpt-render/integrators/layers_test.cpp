@@ -15,8 +15,7 @@ RenderResult render_rooms(const Integrator& integrator, bool layers) {
   RenderSettings settings;
   settings.spp = 16;
   settings.layers = layers;
-  settings.device = renderer_under_test(world);
-  return render(world, integrator, settings);
+  return render(*renderer_under_test(world), integrator, settings);
 }
 
 // The largest distance between a pixel and the sum of its layers, in roundings of the pixel to

@@ -26,8 +26,7 @@ RenderResult rendered(const Scene& scene, const Integrator& integrator, int max_
   RenderSettings settings;
   settings.spp = spp;
   settings.max_depth = max_depth;
-  settings.device = renderer_under_test(world);
-  return render(world, integrator, settings);
+  return render(*renderer_under_test(world), integrator, settings);
 }
 
 // Radiance is 1 in every direction, with or without panes: every single sample is 1.

@@ -1,12 +1,20 @@
 // Who renders samples: the CPU, or a device. All else about a picture is the same, whoever does.
 #pragma once
+#include <string>
+
 #include "tools/tdpt-render/integrators/passes.h"
 
 namespace tdpt {
 
 class SampleRenderer {
  public:
+  /// Renders this world, which must outlive it.
+  explicit SampleRenderer(const World& world_) : world(world_) {}
   virtual ~SampleRenderer() = default;
+  const World& world;
+
+  virtual std::string name() const { return "cpu"; }
+  virtual bool on_device() const { return false; }
   /// Makes ready what takes its time, once: no time of a rendering has it in it.
   virtual void prepare(const Integrator&, const SampleRules&, const Film&, bool /*quiet*/) {}
   /// As render_samples(): a pure function of the renderer and its arguments, however samples are
@@ -22,14 +30,11 @@ class SampleRenderer {
 /// In doubles, in parallel.
 class CpuRenderer : public SampleRenderer {
  public:
-  explicit CpuRenderer(const World& world) : world_(world) {}
+  using SampleRenderer::SampleRenderer;
   void render(const Integrator& integrator, const SampleRules& rules, uint64_t round,
               const SampleRange& samples, Film& film, Tally& tally, Progress& progress) override {
-    render_samples(world_, integrator, rules, round, samples, film, tally, progress);
+    render_samples(world, integrator, rules, round, samples, film, tally, progress);
   }
-
- private:
-  const World& world_;
 };
 
 }  // namespace tdpt

@@ -99,8 +99,7 @@ Measured rendered(const World& world, const Integrator& integrator, uint64_t spp
   for (uint64_t seed = 1; seed <= kRuns; ++seed) {
     RenderSettings settings;
     settings.spp = spp, settings.seed = seed, settings.max_depth = max_depth, settings.beta = beta;
-    settings.device = renderer_under_test(world);
-    const RenderResult r = render(world, integrator, settings);
+    const RenderResult r = render(*renderer_under_test(world), integrator, settings);
     EXPECT_EQ(r.tally.not_finite, 0u) << integrator.name;
     const int width = world.film.width();
     const std::vector<double> q = quarters(width, world.film.height(), [&](int x, int y) {
@@ -378,8 +377,7 @@ TEST(sky_light, is_seen_as_it_is) {
     for (const Integrator* integrator : integrators()) {
       RenderSettings settings;
       settings.spp = 64;
-      settings.device = renderer_under_test(world);
-      const RenderResult r = render(world, *integrator, settings);
+      const RenderResult r = render(*renderer_under_test(world), *integrator, settings);
       EXPECT_EQ(r.tally.not_finite, 0u);
       EXPECT_NEAR(luminance(r.picture.pixels[0]) / luminance(sky->radiance(corner)), 1, 0.01)
           << integrator->name;

@@ -43,8 +43,7 @@ RenderResult rendered(const World& world, bool alpha = false) {
   RenderSettings settings;
   settings.spp = kSpp;
   settings.alpha = alpha;
-  settings.device = renderer_under_test(world);
-  return render(world, auto_candidates(world), settings);
+  return render(*renderer_under_test(world), auto_candidates(world), settings);
 }
 
 TEST(longest_path, of_a_scene_without_light_is_none_and_costs_no_ray) {

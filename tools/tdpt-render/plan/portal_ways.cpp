@@ -144,6 +144,25 @@ FilmPlane small_film(const Camera& camera, const FilmPlane& film, double pixels)
   return FilmPlane(camera, size(pixels / height), height);
 }
 
+// A world that is to have another film and other portals for a while.
+class Lent {
+ public:
+  Lent(World& world, FilmPlane film) : world_(world), film_(world.film), drawn_(world.portals) {
+    world.film = film;
+  }
+  ~Lent() {
+    world_.film = film_;
+    world_.fill_openings(std::move(drawn_));
+  }
+  Lent(const Lent&) = delete;
+  Lent& operator=(const Lent&) = delete;
+
+ private:
+  World& world_;
+  const FilmPlane film_;
+  PortalSet drawn_;
+};
+
 bool tells(const BothWays& light) {
   return std::max(light[0].samples, light[1].samples) >= kLeastSamples;
 }
@@ -173,9 +192,7 @@ PortalProbe probe_ways(World& world, const Camera& camera, const std::vector<Por
   for (size_t i = 0; i < portals.size(); ++i) probe.ways[i].portal = i;
   std::vector<size_t> open(std::min(portals.size(), kMostPortals));
   for (size_t i = 0; i < open.size(); ++i) open[i] = i;
-  const FilmPlane film = world.film;
-  const PortalSet drawn = world.portals;
-  world.film = small_film(camera, world.film, samples);
+  const Lent lent(world, small_film(camera, world.film, samples));
   uint64_t lit = 0;
   std::vector<bool> dark(portals.size());
   // First all of them. Small ones beside large ones may get next to no segments: a second picture
@@ -214,8 +231,6 @@ PortalProbe probe_ways(World& world, const Camera& camera, const std::vector<Por
     for (size_t i = 0; i < portals.size(); ++i)
       if (dark[i] || std::find(open.begin(), open.end(), i) != open.end())
         probe.ways[i].way = PortalWay::left_out;
-  world.film = film;
-  world.fill_openings(drawn);
   return probe;
 }
 

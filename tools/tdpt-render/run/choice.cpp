@@ -42,14 +42,6 @@ void tell_left_out(const World& world, const std::vector<Portal>& portals,
   for (const std::string& sentence : first_few(sentences)) common.warn(sentence);
 }
 
-// Samples of the picture, about; by the clock, as fast as most scenes are.
-double samples_ahead(const RenderSettings& settings, const FilmPlane& film) {
-  constexpr double kPerSecond = 2e5;
-  const uint64_t spp = spp_foreseen(settings);
-  if (spp == 0) return kPerSecond * settings.seconds;
-  return static_cast<double>(spp) * film.width() * film.height();
-}
-
 void warn_of_no_portal(const Request& request, const World& world, const cli::Common& common) {
   const Mixture& named = request.named.mixture;
   if (world.portals.empty() && (named.has(Technique::portal) || named.guiding != Guiding{}))
@@ -137,7 +129,7 @@ Choice choose(const Request& request, const RenderSettings& settings, const Came
   if (sampled && goes_through_portals(request, world)) {
     // A small part of the work.
     constexpr double kShare = 0.02, kFewest = 256;
-    const double ahead = samples_ahead(settings, world.film);
+    const double ahead = samples_foreseen(settings, world.film);
     const PortalProbe probed = probe_ways(world, camera, portals, settings.max_depth, settings.seed,
                                           std::clamp(kShare * ahead, kFewest, kProbeSamples));
     choice.ways = probed.ways;

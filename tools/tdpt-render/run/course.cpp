@@ -65,17 +65,13 @@ void take_limits(const Arguments& a, const Limits& then, RenderSettings& setting
   if (a.seconds > 0 && a.seconds != then.seconds) refuse("--time", a.seconds, then.seconds);
   if (a.target_error > 0 && a.target_error != then.target_error)
     refuse("--target-error", a.target_error, then.target_error);
-  settings.spp = then.spp;
-  settings.seconds = then.seconds;
-  settings.target_error = then.target_error;
-  settings.retry = then.retry;
+  static_cast<Limits&>(settings) = then;
 }
 
 // The picture is to have more samples than it was to have. Where it had not got all that were added
 // before, and as many are to be added, those are meant, and nothing is added: the command is given
 // again.
 bool add_samples(uint64_t n, Standing& standing) {
-  constexpr uint64_t kMostSamples = uint64_t{1} << 32;
   if (standing.added == n && standing.film.samples() < standing.goal) return false;
   if (std::max(standing.goal, standing.film.samples()) + n > kMostSamples)
     throw UsageError(fmt::format("--add-samples {}: a picture has {} samples per pixel at the most",
@@ -88,9 +84,7 @@ bool add_samples(uint64_t n, Standing& standing) {
 
 // No limit holds but the number of samples.
 void limit_to(uint64_t spp, RenderSettings& settings) {
-  settings.spp = spp;
-  settings.seconds = settings.target_error = 0;
-  settings.retry = false;
+  static_cast<Limits&>(settings) = {.spp = spp};
 }
 
 // What a film must have for this world to add to it, whatever its file says of itself.

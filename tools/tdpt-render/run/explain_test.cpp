@@ -28,7 +28,8 @@ struct Told {
     settings.target_error = target_error;
     const Request request = request_of(a);
     const Choice choice = choose(request, settings, scene.camera(""), world, portals, common);
-    result = render(world, choice.candidates, settings, choice.ways);
+    CpuRenderer cpu(world);
+    result = render(cpu, choice.candidates, settings, choice.ways);
     decisions = decisions_of({world, portals, request, choice, settings, result});
   }
 

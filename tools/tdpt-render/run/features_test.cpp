@@ -125,8 +125,7 @@ double told_over_seen_variance(double share) {
   double told = 0, seen = 0;
   for (uint64_t seed = 1; seed <= kPictures; ++seed) {
     settings.seed = seed;
-    settings.device = renderer_under_test(world);
-    const RenderResult r = render(world, bdpt, settings);
+    const RenderResult r = render(*renderer_under_test(world), bdpt, settings);
     const std::vector<double> variance = r.standing->film.variance();
     for (size_t i = 0; i < 108; ++i) {
       const auto y = static_cast<double>(luminance(r.picture.pixels[i]));

@@ -1,4 +1,4 @@
-// The loop over pixels and samples.
+// Renders a picture: decides, then loops over pixels and samples.
 #pragma once
 #include <functional>
 #include <map>
@@ -7,35 +7,12 @@
 #include <string>
 #include <vector>
 
-#include "tools/tdpt-render/integrators/sample_renderer.h"
 #include "tools/tdpt-render/plan/beyond.h"
+#include "tools/tdpt-render/plan/decision.h"
 #include "tools/tdpt-render/plan/noise.h"
-#include "tools/tdpt-render/plan/plan.h"
-#include "tools/tdpt-render/plan/scout.h"
 #include "tools/tdpt-render/run/standing.h"
 
 namespace tdpt {
-
-struct RenderSettings {
-  uint64_t spp = 0;    ///< samples per pixel; 0: as many as fit into `seconds`, or the target takes
-  double seconds = 0;  ///< wall-clock limit of rendering alone; 0: none
-  /// relMSE to render to, within the limits of spp and seconds; 0: none, they are what is rendered.
-  double target_error = 0;
-  bool retry = false;  ///< where it is missed, goes on once
-  int max_depth = kMaxDepth;
-  double beta = 1;  ///< 1: balance heuristic, 2: power heuristic
-  uint64_t seed = 1;
-  bool quiet = true;
-  bool alpha = false;     ///< transparent film: the sky behind all is left out
-  bool layers = false;    ///< keep each technique's contribution apart
-  bool variance = false;  ///< keep what tells the variance of each pixel
-  bool frames = false;    ///< measure the picture while it forms
-  /// A limit of time is turned into a number of samples before the first one.
-  bool fixed = false;
-  std::shared_ptr<SampleRenderer> device;  ///< renders, and what it takes to plan; none: the CPU
-  std::string device_name = "cpu";
-  Limits limits() const { return {spp, seconds, target_error, retry}; }
-};
 
 /// What the film of such a rendering keeps.
 Film::Options film_options(const World& world, const std::vector<Candidate>& candidates,
@@ -59,9 +36,6 @@ struct Course {
   std::function<void(Standing&, const Plan&)> rescue{};
 };
 
-/// How many samples per pixel there will be, as far as the settings say; 0: as time allows.
-uint64_t spp_foreseen(const RenderSettings& settings);
-
 Vec3d mean_of(const Picture& picture);      ///< over all pixels
 double nonzero_of(const Picture& picture);  ///< share of pixels that are not black
 
@@ -77,13 +51,12 @@ struct FrameRecord {
 /// sixteenth more than the one before.
 uint64_t next_frame(uint64_t spp);
 
-struct RenderResult {
+struct RenderResult : Decision {
   Picture picture;                      ///< with its alpha where the settings ask for it
+  std::string renderer;                 ///< its name
   uint64_t spp = 0;                     ///< samples each pixel got
   double seconds = 0, cpu_seconds = 0;  ///< the scout's counted, measuring frames not
   bool interrupted = false;  ///< a signal ended it early; the picture holds what was there
-  Plan plan;                 ///< what was decided by measuring
-  bool hasty = false;        ///< a signal came before it was: another run would decide otherwise
   std::shared_ptr<Standing> standing;  ///< where it ended
   RenderTally tally;
   std::map<std::string, Picture> layers;  ///< by technique; they add up to the picture
@@ -93,30 +66,27 @@ struct RenderResult {
   std::optional<Noise> noise;           ///< where they have none, as far as it can be told
   std::optional<Beyond> beyond;         ///< what the limit of depth leaves out, where there is one
 
-  std::optional<int> longest;       ///< path worth sampling, if shorter than asked [longest_path.h]
-  size_t chosen = 0;                ///< which of the candidates rendered
-  std::string chosen_label;         ///< empty when there was only one
-  std::vector<Prospect> prospects;  ///< of the candidates; empty where none was looked at
-  uint64_t scouted = 0;             ///< samples that they are told from
-  double scout_cpu_seconds = 0;
-
   Vec3d mean() const { return mean_of(picture); }
   double nonzero() const { return nonzero_of(picture); }
 };
 
-/// Renders in passes over the whole picture, so every pixel has the same number of samples whenever
-/// it stops. The picture is a function of (scene, settings, spp) alone.
+/// Renders with the best of the candidates [decision.h], in passes over the whole picture, so every
+/// pixel has the same number of samples whenever it stops. The picture is a function of (scene,
+/// settings, plan, spp) alone. `ways`: how the portals of the world were turned before, for the
+/// plan.
+RenderResult render(SampleRenderer& renderer, const std::vector<Candidate>& candidates,
+                    const RenderSettings& settings, const std::vector<PortalWay>& ways = {},
+                    Course course = {});
+RenderResult render(SampleRenderer& renderer, const Integrator& integrator,
+                    const RenderSettings& settings);
+/// By the CPU.
+RenderResult render(const World& world, const std::vector<Candidate>& candidates,
+                    const RenderSettings& settings);
 RenderResult render(const World& world, const Integrator& integrator,
                     const RenderSettings& settings);
 
-/// Renders with the best of the candidates, found by a scout if the budget allows one [scout.h],
-/// else with the first. `ways`: how the portals of `world` were turned before, for the plan.
-RenderResult render(const World& world, const std::vector<Candidate>& candidates,
-                    const RenderSettings& settings, const std::vector<PortalWay>& ways = {},
-                    Course course = {});
-
 /// All that the same call would decide before its first sample, and by what: a result without one.
-RenderResult decide(const World& world, const std::vector<Candidate>& candidates,
+RenderResult decide(SampleRenderer& renderer, const std::vector<Candidate>& candidates,
                     const RenderSettings& settings, const std::vector<PortalWay>& ways);
 
 }  // namespace tdpt

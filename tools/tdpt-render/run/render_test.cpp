@@ -234,6 +234,7 @@ class Eager : public CpuRenderer {
     calls.push_back(samples.count);
     CpuRenderer::render(integrator, rules, round, samples, film, tally, progress);
   }
+  bool on_device() const override { return true; }
   uint64_t samples_of_pass() const override { return uint64_t{1} << 40; }
 
   int prepared = 0;
@@ -246,27 +247,26 @@ TEST(render, gives_a_device_as_many_samples_at_a_time_as_nothing_wants_one_by_on
   RenderSettings settings;
   settings.spp = 40;
   const RenderResult by_cpu = render(world, bdpt, settings);
-  const auto device = std::make_shared<Eager>(world);
-  settings.device = device;
-  const RenderResult r = render(world, bdpt, settings);
-  EXPECT_EQ(device->calls, std::vector<uint64_t>(5, 8));
+  Eager device(world);
+  const RenderResult r = render(device, bdpt, settings);
+  EXPECT_EQ(device.calls, std::vector<uint64_t>(5, 8));
   ASSERT_TRUE(r.noise && by_cpu.noise);
   EXPECT_NEAR(r.noise->relmse / by_cpu.noise->relmse, 1, 1e-4);
   EXPECT_EQ(r.picture.pixels, by_cpu.picture.pixels);
   EXPECT_EQ(r.tally.rays.closest, by_cpu.tally.rays.closest);
   // What is there already needs no device to be ready.
-  device->calls.clear(), device->prepared = 0;
+  device.calls.clear(), device.prepared = 0;
   Course course;
   course.plan = r.plan;
   course.standing.emplace(std::move(*r.standing));
-  EXPECT_EQ(render(world, {{bdpt, bdpt.name}}, settings, {}, std::move(course)).picture.pixels,
+  EXPECT_EQ(render(device, {{bdpt, bdpt.name}}, settings, {}, std::move(course)).picture.pixels,
             by_cpu.picture.pixels);
-  EXPECT_EQ(device->prepared, 0);
-  decide(world, {{bdpt, bdpt.name}}, settings, {});
-  EXPECT_EQ(device->prepared, 0);
+  EXPECT_EQ(device.prepared, 0);
+  decide(device, {{bdpt, bdpt.name}}, settings, {});
+  EXPECT_EQ(device.prepared, 0);
   settings.frames = true;
-  EXPECT_EQ(render(world, bdpt, settings).picture.pixels, by_cpu.picture.pixels);
-  EXPECT_EQ(device->calls, std::vector<uint64_t>(40, 1));
+  EXPECT_EQ(render(device, bdpt, settings).picture.pixels, by_cpu.picture.pixels);
+  EXPECT_EQ(device.calls, std::vector<uint64_t>(40, 1));
 }
 
 TEST(render, counts_no_time_that_a_device_takes_to_be_ready_and_overruns_little) {
@@ -274,9 +274,8 @@ TEST(render, counts_no_time_that_a_device_takes_to_be_ready_and_overruns_little)
   const World world(scene, scene.camera(""), 16, 12, {});
   RenderSettings settings;
   settings.seconds = 0.2;
-  const auto device = std::make_shared<Eager>(world);
-  settings.device = device;
-  const RenderResult r = render(world, bdpt, settings);
+  Eager device(world);
+  const RenderResult r = render(device, bdpt, settings);
   EXPECT_GT(r.spp, 10u);
   EXPECT_GT(r.seconds, 0.1);
   EXPECT_LT(r.seconds, 0.29);

@@ -55,7 +55,7 @@ nlohmann::ordered_json summary(const Integrator& integrator, const RenderSetting
   if (settings.max_depth < kMaxDepth) j["max_depth"] = settings.max_depth;
   j["seconds"] = result.seconds;
   j["cpu_seconds"] = result.cpu_seconds;
-  j["device"] = settings.device_name;
+  j["device"] = result.renderer;
   j["mean"] = numbers(result.mean());
   j["nonzero"] = result.nonzero();
   if (result.target) j["target"] = target_json(*result.target);
@@ -116,13 +116,12 @@ std::string stats_json(const Integrator& integrator, const RenderSettings& setti
   return j.dump();
 }
 
-std::string plan_json(const RenderSettings& settings, const RenderResult& decided,
-                      const std::vector<Portal>& portals) {
+std::string plan_json(const RenderResult& decided, const std::vector<Portal>& portals) {
   nlohmann::ordered_json j = choice_json(decided.plan.integrator, decided);
   j["spp"] = decided.plan.spp;
   j["seconds"] = decided.seconds;
   j["cpu_seconds"] = decided.cpu_seconds;
-  j["device"] = settings.device_name;
+  j["device"] = decided.renderer;
   if (portals.empty()) return j.dump();
   j["portals"] = portals_json(portals, decided);
   for (auto& portal : j["portals"])

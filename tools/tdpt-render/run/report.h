@@ -12,8 +12,7 @@ std::string summary_json(const Integrator& integrator, const RenderSettings& set
                          const RenderResult& result, const std::vector<Portal>& portals = {});
 
 /// Of what was decided without rendering: who would render, how many samples, and what tells it.
-std::string plan_json(const RenderSettings& settings, const RenderResult& decided,
-                      const std::vector<Portal>& portals);
+std::string plan_json(const RenderResult& decided, const std::vector<Portal>& portals);
 
 /// What the length of paths leaves out, by --max-depth or by the hard stop; empty where that is
 /// nothing to speak of.

@@ -7,36 +7,9 @@
 
 #include "libcommon/film/film_file.h"
 #include "tools/tdpt-render/path/sample/tally.h"
-#include "tools/tdpt-render/plan/pilot.h"
+#include "tools/tdpt-render/plan/sample_count.h"
 
 namespace tdpt {
-
-/// How a picture that was to have a relMSE of at most `error` came out.
-struct TargetOutcome {
-  /// `fixed`: all samples are there that were fixed; `unlit`: none were, the pilot met no light.
-  enum class Stop { fixed, spp, time, signal, unlit };
-
-  double error = 0;
-  uint64_t pilot_samples = 0;  ///< of each pixel, thrown away
-  double pilot_cpu_seconds = 0;
-  uint64_t fixed = 0;  ///< samples of each pixel, by the pilot; 0: it did not come to that
-  bool retried = false;
-  bool may_retry = false;  ///< --retry was not asked for
-  Stop stop = Stop::fixed;
-  bool dark = false;             ///< nothing in the scene emits light: there is no error
-  std::optional<double> relmse;  ///< of the picture, estimated; from no light nothing is told
-  double low = 0, high = 0;      ///< its interval, about 95 %
-  bool reached() const { return dark || (relmse && *relmse <= error); }
-};
-
-/// What ends a rendering, as it was asked for; 0: no such limit.
-struct Limits {
-  uint64_t spp = 0;         ///< samples per pixel; 0: as many as `seconds` or the target take
-  double seconds = 0;       ///< wall-clock limit of rendering alone
-  double target_error = 0;  ///< relMSE to render to, within the limits of spp and seconds
-  bool retry = false;       ///< where it is missed, goes on once
-  friend bool operator==(const Limits&, const Limits&) = default;
-};
 
 struct Standing {
   Standing(Film empty, const Limits& limits_)

@@ -15,8 +15,7 @@ namespace {
 RenderResult render_rooms(RenderSettings settings, const Integrator& integrator = tdpt_org) {
   const Scene scene = read_gltf(two_rooms_path());
   const World world(scene, scene.camera(""), 24, 18, {portal_in_the_hole()});
-  settings.device = renderer_under_test(world);
-  return render(world, integrator, settings);
+  return render(*renderer_under_test(world), integrator, settings);
 }
 
 RenderSettings with_frames(uint64_t spp) {
@@ -108,8 +107,7 @@ struct Spoilt {
     RenderSettings settings;
     settings.spp = spp;
     settings.max_depth = max_depth;
-    settings.device = renderer_under_test(world);
-    result = render(world, integrator, settings);
+    result = render(*renderer_under_test(world), integrator, settings);
   }
 
   static constexpr int width = 32, height = 24;

@@ -112,12 +112,13 @@ constexpr Room kEnough{1u << 17, 1u << 12};
 class TwinRenderer : public SampleRenderer {
  public:
   explicit TwinRenderer(const World& world, const Room& room = kEnough, const Faults& faults = {})
-      : tables_(world) {
+      : SampleRenderer(world), tables_(world) {
     if (faults.tables) faults.tables(tables_);
     machine_ = make_twin(tables_, room, film_words(world, true));
     renderer_ = std::make_unique<WavefrontRenderer>(
-        world, std::make_unique<Borrowed>(*machine_, room, faults));
+        world, std::make_unique<Borrowed>(*machine_, room, faults), "twin");
   }
+  bool on_device() const override { return true; }
   void render(const Integrator& integrator, const SampleRules& rules, uint64_t round,
               const SampleRange& samples, Film& film, Tally& tally, Progress& progress) override {
     renderer_->render(integrator, rules, round, samples, film, tally, progress);

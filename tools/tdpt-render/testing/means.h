@@ -32,8 +32,7 @@ inline MeanAndError rendered(const World& world, const Integrator& integrator, u
     settings.spp = spp;
     settings.seed = seed;
     settings.max_depth = max_depth;
-    settings.device = renderer;
-    const RenderResult r = render(world, integrator, settings);
+    const RenderResult r = render(*renderer, integrator, settings);
     EXPECT_EQ(r.tally.not_finite, 0u);
     means.push_back(luminance(Rgb(r.mean())));
   }

@@ -14,12 +14,11 @@ inline constexpr bool kByTwin = true;
 inline constexpr bool kByTwin = false;
 #endif
 
-/// As RenderSettings::device.
-inline std::shared_ptr<SampleRenderer> renderer_under_test([[maybe_unused]] const World& world) {
+inline std::shared_ptr<SampleRenderer> renderer_under_test(const World& world) {
 #ifdef TDPT_BY_TWIN
   return std::make_shared<TwinRenderer>(world);
 #else
-  return nullptr;
+  return std::make_shared<CpuRenderer>(world);
 #endif
 }
 

@@ -14,59 +14,30 @@ T square(T x) {
   return x * x;
 }
 
-[[gnu::noinline]] void add_sheen(const Scene& scene, const Material& m, const SurfacePlace& place,
-                                 Bsdf& b) {
-  const auto colour = lookup(scene, m.sheen_color_map, place);
-  b.sheen = m.sheen_color * Rgb(colour[0], colour[1], colour[2]);
-  if (!(max_component(b.sheen) > 0)) return;
-  const float roughness = m.sheen_roughness * lookup(scene, m.sheen_roughness_map, place)[3];
-  b.sheen_alpha = square(std::max(roughness, sheen::kLeastRoughness));
-}
-
-// Its normal is put in by add_lobes().
-[[gnu::noinline]] void add_coat(const Scene& scene, const Material& m, const SurfacePlace& place,
-                                Bsdf& b) {
-  b.coat.strength = m.coat * lookup(scene, m.coat_map, place)[0];
-  const float roughness = m.coat_roughness * lookup(scene, m.coat_roughness_map, place)[1];
-  b.coat.alpha = roughness * roughness;
-}
-
 // glTF 2.0 appendix B with KHR_materials_specular, _ior and _transmission. Dielectric and metal
-// share one microfacet lobe, since Schlick's F is linear in f0 and f90.
+// share one microfacet lobe, since Schlick's F is linear in f0 and f90. The coat's normal is put in
+// by add_lobes().
 Bsdf bsdf_of(const Scene& scene, const Material& m, const SurfacePlace& place) {
-  const auto base = base_color_at(scene, place);
-  const Rgb color(base[0], base[1], base[2]);
-  float metallic = m.metallic, roughness = m.roughness, specular = m.specular;
-  float transmission = m.transmission;
-  Rgb specular_color = m.specular_color;
-  if (m.metallic_roughness_map) {
-    const auto t = lookup(scene, m.metallic_roughness_map, place);
-    roughness *= t[1];
-    metallic *= t[2];
-  }
-  if (m.specular_map) specular *= lookup(scene, m.specular_map, place)[3];
-  if (m.specular_color_map) {
-    const auto t = lookup(scene, m.specular_color_map, place);
-    specular_color = specular_color * Rgb(t[0], t[1], t[2]);
-    if (m.glossy_map) roughness = 1 - (1 - roughness) * t[3];
-  }
-  if (m.transmission_map) transmission *= lookup(scene, m.transmission_map, place)[0];
-
+  const MaterialValues v = material_values_at(scene, place);
   Bsdf b;
-  const float dielectric = 1 - metallic;
+  const float dielectric = 1 - v.metallic;
   const float r = (m.ior - 1) / (m.ior + 1);
-  const Rgb f0 = min(specular_color * (r * r), Rgb(1.0f)) * specular;
+  const Rgb f0 = min(v.specular_color * (r * r), Rgb(1.0f)) * v.specular;
   const bool interface = m.ior != 1;
-  b.f0 = color * metallic + f0 * dielectric;
-  b.f90 = Rgb(metallic + (interface ? specular * dielectric : 0.0f));
-  b.diffuse = color * (dielectric * (1 - transmission));
-  if (m.glossy_map) b.diffuse = b.diffuse * std::max(1 - max_component(specular_color), 0.0f);
-  if (!pane_of(m)) b.through = color * (dielectric * transmission);  // past a pane rays go by
-  b.alpha = roughness * roughness;
+  b.f0 = v.base_color * v.metallic + f0 * dielectric;
+  b.f90 = Rgb(v.metallic + (interface ? v.specular * dielectric : 0.0f));
+  b.diffuse = v.base_color * (dielectric * (1 - v.transmission));
+  if (m.glossy_map) b.diffuse = b.diffuse * std::max(1 - max_component(v.specular_color), 0.0f);
+  if (!pane_of(m))  // past a pane rays go by
+    b.through = v.base_color * (dielectric * v.transmission);
+  b.alpha = square(v.roughness);
   b.eta = m.ior;
   b.thin = !m.solid;
-  if (m.sheened()) add_sheen(scene, m, place, b);
-  if (m.coat > 0) add_coat(scene, m, place, b);
+  b.sheen = v.sheen_color;
+  if (max_component(b.sheen) > 0)
+    b.sheen_alpha = square(std::max(v.sheen_roughness, sheen::kLeastRoughness));
+  b.coat.strength = v.coat;
+  b.coat.alpha = square(v.coat_roughness);
   if (!b.only_diffuse()) b.prepare();
   return b;
 }

@@ -1,0 +1,87 @@
+#include "tools/tdpt-render/plan/decision.h"
+
+#include <algorithm>
+
+#include "libcommon/base/signals.h"
+
+namespace tdpt {
+namespace {
+
+std::optional<int> shorter(const Session& session) {
+  if (session.longest < session.settings.max_depth || session.world.lights.empty())
+    return session.longest;
+  return {};
+}
+
+// In rounds, each as large as all before, so that a short time is not overrun by much.
+void look_around(const Session& session, Scout& scout, Film& film) {
+  const RenderSettings& settings = session.settings;
+  const auto spp = static_cast<double>(spp_foreseen(settings));
+  const bool by_clock = settings.seconds > 0;
+  const double time = 0.5 * scouts_share(32) * settings.seconds;  // the last round is the rest
+  if (spp > 0 && !can_spare(spp, session.pixels, scout)) return;
+  for (uint64_t n = kFewestGroups; n > 0 && !stop_requested();) {
+    scout.draw(n, film);
+    if (by_clock && session.clock.seconds() > time) break;
+    const uint64_t enough = spp > 0 ? groups_for(spp, session.pixels, scout) : kMostGroups;
+    n = std::min(scout.groups(), enough - std::min(enough, scout.groups()));
+  }
+  film.clear();
+}
+
+// Samples of each pixel that there will be, about; by the clock those of a core's worth of the
+// time.
+double spp_ahead(const Session& session, const Scout& scout) {
+  if (const uint64_t spp = spp_foreseen(session.settings)) return static_cast<double>(spp);
+  return session.settings.seconds * 1e9 * scout.samples_of_group() /
+         (scout.work_of_group() * static_cast<double>(session.pixels));
+}
+
+void choose_by_scout(Session& session, const std::vector<Candidate>& candidates, Film& film,
+                     Decision& out) {
+  const double cpu = session.clock.cpu();
+  Scout scout(session.world, candidates, session.rules,
+              session.renderer.on_device() ? kDeviceWork : kCpuWork);
+  look_around(session, scout, film);
+  out.scout_cpu_seconds = session.clock.cpu() - cpu;
+  if (scout.groups() > 0) {
+    out.prospects = scout.prospects();
+    out.chosen = best_of(out.prospects, scout.groups(), spp_ahead(session, scout));
+    out.scouted = scout.groups() * scout.samples_of_group();
+  }
+  out.plan.integrator = candidates[out.chosen].integrator;
+  out.plan.label = out.chosen_label = candidates[out.chosen].label;
+}
+
+}  // namespace
+
+Decision decided(Session& session, const std::vector<Candidate>& candidates,
+                 const std::vector<PortalWay>& ways, Film& film) {
+  Decision out;
+  out.plan = {candidates[0].integrator, candidates[0].label, session.settings.spp, ways,
+              session.world.lights.shares()};
+  out.longest = shorter(session);
+  if (candidates.size() > 1) {
+    out.chosen_label = candidates[0].label;
+    if (!out.longest) choose_by_scout(session, candidates, film, out);
+  }
+  out.count = count_samples(session, out.plan.integrator, film);
+  if (out.count.measured) out.plan.spp = out.count.goal;
+  out.hasty = stop_requested();
+  return out;
+}
+
+Decision obeyed(const Plan& plan, const Session& session,
+                const std::vector<Candidate>& candidates) {
+  Decision out;
+  out.plan = plan;
+  out.count.goal = plan.spp;
+  out.longest = shorter(session);
+  if (candidates.size() < 2) return out;
+  out.chosen_label = plan.label;
+  for (size_t i = 0; i < candidates.size(); ++i)
+    if (candidates[i].label == plan.label) out.chosen = i;
+  return out;
+}
+
+}  // namespace tdpt

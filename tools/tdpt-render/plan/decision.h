@@ -1,0 +1,32 @@
+// All that is decided before the first sample of a picture: who renders it, and how many samples.
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tools/tdpt-render/plan/plan.h"
+#include "tools/tdpt-render/plan/sample_count.h"
+#include "tools/tdpt-render/plan/scout.h"
+
+namespace tdpt {
+
+struct Decision {
+  Plan plan;           ///< what was decided by measuring
+  bool hasty = false;  ///< a signal came before it was: another run would decide otherwise
+  SampleCount count;
+  std::optional<int> longest;       ///< path worth sampling, if shorter than asked [longest_path.h]
+  size_t chosen = 0;                ///< which of the candidates renders
+  std::string chosen_label;         ///< empty when there is only one
+  std::vector<Prospect> prospects;  ///< of the candidates; empty where none was looked at
+  uint64_t scouted = 0;             ///< samples that they are told from
+  double scout_cpu_seconds = 0;
+};
+
+/// The best of the candidates, found by a scout if the budget allows one [scout.h], else the first;
+/// and its samples. `film`: empty, as large as the picture; it is left so.
+Decision decided(Session& session, const std::vector<Candidate>& candidates,
+                 const std::vector<PortalWay>& ways, Film& film);
+/// What a plan says.
+Decision obeyed(const Plan& plan, const Session& session, const std::vector<Candidate>& candidates);
+
+}  // namespace tdpt
