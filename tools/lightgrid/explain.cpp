@@ -54,7 +54,7 @@ Decision of_lines(const std::string& cut, const LightGridReport::OfCut& c,
   if (c.kept == 0)
     return {cut + ", lines", "none", "no segment joins the two sides", "no fine pass"};
   return {cut + ", lines", fmt::format("{} kept", c.lines),
-          fmt::format("--lines allows {}, and {} of {} drawn through the light join the two sides",
+          fmt::format("--set lines allows {}, and {} of {} drawn through the light join the two sides",
                       options.lines, c.joined, c.tried),
           counted(c.tried, "line") + " tried"};
 }
