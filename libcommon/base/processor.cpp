@@ -56,7 +56,8 @@ void choose_processor_code(const std::string& name, std::vector<std::string> arg
   for (std::string& argument : arguments) argv.push_back(argument.data());
   argv.push_back(nullptr);
   ::execv("/proc/self/exe", argv.data());
-  throw Error(Exit::no_device, "--set isa=" + name + ": the program cannot be started anew with it");
+  throw Error(Exit::no_device,
+              "--set isa=" + name + ": the program cannot be started anew with it");
 }
 
 std::string processor_code() {

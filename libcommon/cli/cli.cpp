@@ -72,8 +72,7 @@ std::string Common::dependency_rule() const {
 }
 
 void Common::check_dependencies() const {
-  if (dependencies.empty() && !target_.empty())
-    throw UsageError("-MQ goes with -MF");
+  if (dependencies.empty() && !target_.empty()) throw UsageError("-MQ goes with -MF");
   if (dependencies.empty()) return;
   if (output == "-" || (output.empty() && target_.empty()))
     throw UsageError("-MF tells what a file was made from: give -o FILE");
@@ -89,8 +88,12 @@ std::string replaced(std::string text, const std::string& from, const std::strin
 }
 
 // As people write them, "--set walks", and as CLI11 knows them, "--set.walks".
-std::string for_people(const std::string& text) { return replaced(text, kSetting, "--set "); }
-std::string for_cli11(const std::string& text) { return replaced(text, "--set ", kSetting); }
+std::string for_people(const std::string& text) {
+  return replaced(text, kSetting, "--set ");
+}
+std::string for_cli11(const std::string& text) {
+  return replaced(text, "--set ", kSetting);
+}
 
 std::string name_of(const CLI::Option* option) {
   return option->get_lnames().empty() ? option->get_name()
@@ -336,9 +339,10 @@ Options::Options(const Program& program)
   if (uses(kThreads))
     option("--threads", common.threads, "N", "Threads to use; default all cores", 0, 4096,
            Shapes::nothing);
-  impl_->keep(impl_->add("--max-memory,--set max-memory", impl_->most_memory, "SIZE",
-                         "Most memory that reading a file may take; default three quarters of "
-                         "the machine's")
+  impl_->keep(impl_
+                  ->add("--max-memory,--set max-memory", impl_->most_memory, "SIZE",
+                        "Most memory that reading a file may take; default three quarters of "
+                        "the machine's")
                   ->check(size()),
               Shapes::nothing);
   if (program.output_help) {
@@ -393,62 +397,52 @@ void Options::part(Part part) {
 
 void Options::argument(const std::string& name, std::string& target, const std::string& help,
                        bool required) {
-  impl_->keep(impl_->add(name, target, "FILE", help)->required(required),
-              Shapes::nothing, Impl::Is::input);
+  impl_->keep(impl_->add(name, target, "FILE", help)->required(required), Shapes::nothing,
+              Impl::Is::input);
 }
 
 void Options::arguments(const std::string& name, std::vector<std::string>& target,
                         const std::string& help) {
-  impl_->keep(impl_->add(name, target, "FILE", help)->required(),
-              Shapes::nothing, Impl::Is::input);
+  impl_->keep(impl_->add(name, target, "FILE", help)->required(), Shapes::nothing, Impl::Is::input);
 }
 
 void Options::input(const std::string& flags, std::string& target, const std::string& value_name,
                     const std::string& help) {
-  impl_->keep(impl_->add(flags, target, value_name, help), Shapes::nothing,
-              Impl::Is::input);
+  impl_->keep(impl_->add(flags, target, value_name, help), Shapes::nothing, Impl::Is::input);
 }
 
 void Options::inputs(const std::string& flags, std::vector<std::string>& target,
                      const std::string& value_name, const std::string& help) {
-  impl_->keep(
-      impl_->add(flags, target, value_name, help)->expected(1)->take_all(),
-      Shapes::nothing, Impl::Is::input);
+  impl_->keep(impl_->add(flags, target, value_name, help)->expected(1)->take_all(), Shapes::nothing,
+              Impl::Is::input);
 }
 
 void Options::input_or_setting(const std::string& flags, std::string& target,
                                const std::string& value_name, const std::string& help,
                                const std::function<bool(const std::string&)>& is_file) {
-  impl_->keep(impl_->add(flags, target, value_name, help), Shapes::result,
-              Impl::Is::input, is_file);
+  impl_->keep(impl_->add(flags, target, value_name, help), Shapes::result, Impl::Is::input,
+              is_file);
 }
 
 void Options::option(const std::string& flags, std::string& target, const std::string& value_name,
                      const std::string& help, Shapes shapes) {
-  impl_->keep(impl_->add(flags, target, value_name, help)->check(some_text()),
-              shapes);
+  impl_->keep(impl_->add(flags, target, value_name, help)->check(some_text()), shapes);
 }
 
 void Options::option(const std::string& flags, int64_t& target, const std::string& value_name,
                      const std::string& help, int64_t lowest, int64_t highest, Shapes shapes) {
-  impl_->keep(impl_->add(flags, target, value_name, help)
-                  ->check(within(lowest, highest)),
-              shapes);
+  impl_->keep(impl_->add(flags, target, value_name, help)->check(within(lowest, highest)), shapes);
 }
 
 void Options::option(const std::string& flags, double& target, const std::string& value_name,
                      const std::string& help, double lowest, double highest, Shapes shapes) {
-  impl_->keep(impl_->add(flags, target, value_name, help)
-                  ->check(within(lowest, highest)),
-              shapes);
+  impl_->keep(impl_->add(flags, target, value_name, help)->check(within(lowest, highest)), shapes);
 }
 
 void Options::option(const std::string& flags, std::optional<double>& target,
                      const std::string& value_name, const std::string& help, double lowest,
                      double highest, Shapes shapes) {
-  impl_->keep(impl_->add(flags, target, value_name, help)
-                  ->check(within(lowest, highest)),
-              shapes);
+  impl_->keep(impl_->add(flags, target, value_name, help)->check(within(lowest, highest)), shapes);
 }
 
 void Options::quality() {
@@ -479,8 +473,7 @@ void Options::choice(const std::string& flags, std::string& target,
 }
 
 void Options::side_output(const std::string& flags, std::string& target, const std::string& help) {
-  impl_->keep(impl_->add(flags, target, "FILE", help), Shapes::nothing,
-              Impl::Is::side_output);
+  impl_->keep(impl_->add(flags, target, "FILE", help), Shapes::nothing, Impl::Is::side_output);
 }
 
 void Options::file(const std::string& flags, std::string& target, const std::string& help,

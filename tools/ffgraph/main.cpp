@@ -59,12 +59,12 @@ void declare_options(cli::Options& options, Arguments& a) {
   options.choice("--capacity,--set capacity", a.capacity, {"etendue", "formfactor"},
                  "What the capacities are; default etendue for patches, formfactor for triangles");
   options.quality();
-  options.option("--samples,--set samples", a.samples, kSamples, "N", "Rays for the etendue in each round", 1000,
-                 100000000);
+  options.option("--samples,--set samples", a.samples, kSamples, "N",
+                 "Rays for the etendue in each round", 1000, 100000000);
   options.option("--set walks", a.walks, kWalks, "N",
                  "Walks from the light, and as many from the camera", 1, 10000000);
-  options.option("--set bounces", a.bounces, "N", "Surfaces that a walk hits at most; default 12", 1,
-                 64);
+  options.option("--set bounces", a.bounces, "N", "Surfaces that a walk hits at most; default 12",
+                 1, 64);
   options.option("--set cells", a.cells, "N",
                  "Patches along the diagonal of what the walks reach; default 24", 4, 256);
   options.option("--set rounds", a.rounds, "N",

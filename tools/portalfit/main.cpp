@@ -41,7 +41,8 @@ void declare_options(cli::Options& options, Arguments& a) {
   options.argument("grid", a.grid, "The light grid (.vdb); default standard input", false);
   options.option("--threshold,--set threshold", a.threshold, "T",
                  "Smallest share of the lines that makes a portal; default 0.02", 0.0001, 1);
-  options.option("--max-portals,--set max-portals", a.max_portals, "N", "Most portals; default 8", 1, 1000);
+  options.option("--max-portals,--set max-portals", a.max_portals, "N", "Most portals; default 8",
+                 1, 1000);
   options.choice("--set method", a.method, {"tube", "paper"},
                  "How a portal is fitted: tube, the default, or the rule of the paper");
   options.choice(

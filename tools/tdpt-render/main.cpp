@@ -166,8 +166,7 @@ int print_shards(const Arguments& a, const cli::Common& common) {
   const std::string commands = shard_commands(a, common.arguments, common.output);
   std::fputs(commands.c_str(), stdout);
   if (!a.plan.empty() && !std::filesystem::exists(a.plan))
-    common.note("there is no " + a.plan +
-                " yet: the same command without --shard and -o makes it");
+    common.note("there is no " + a.plan + " yet: the same command without --shard and -o makes it");
   common.note("then merge them: " + merge_command(a, common.output));
   return 0;
 }

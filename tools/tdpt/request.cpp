@@ -23,12 +23,8 @@ constexpr std::string_view kDevice[]{"--device"};
 constexpr std::string_view kSampling[]{"--seed", "--quality"};
 constexpr std::string_view kAll[]{"--no-provenance"};
 constexpr std::string_view kUnshaped[]{"--threads", "--max-memory", "--quiet", "--explain"};
-constexpr std::string_view kBeside[]{"--checkpoint",
-                                     "--set checkpoint-every",
-                                     "--resume",
-                                     "--stats",
-                                     "--set nonzero",
-                                     "--preview",
+constexpr std::string_view kBeside[]{"--checkpoint", "--set checkpoint-every", "--resume",
+                                     "--stats",      "--set nonzero",          "--preview",
                                      "--json"};
 // Of this program alone.
 constexpr std::string_view kOwn[]{"--output",
@@ -121,12 +117,12 @@ Request request_of(const Arguments& a, const cli::Common& common) {
     } else if (given.name == "--portal" || !is_one_of(kOwn, given.name)) {
       r.identity.push_back(identity_of(given));
       if (given.name == "--portal") continue;  // the renderer's, behind the scene
-      append(is_one_of(kCamera, given.name)   ? r.camera
-             : is_one_of(kSky, given.name)    ? r.sky
-             : is_one_of(kDevice, given.name) ? r.device
+      append(is_one_of(kCamera, given.name)     ? r.camera
+             : is_one_of(kSky, given.name)      ? r.sky
+             : is_one_of(kDevice, given.name)   ? r.device
              : is_one_of(kSampling, given.name) ? r.sampling
-             : is_one_of(kAll, given.name)    ? r.all
-                                              : r.render,
+             : is_one_of(kAll, given.name)      ? r.all
+                                                : r.render,
              given);
     }
   }

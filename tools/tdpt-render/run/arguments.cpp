@@ -31,7 +31,7 @@ static_assert(kMostEdges == kMaxDepth && kSmallestWalkShare == kFewestLightWalks
 void declare_shard_options(cli::Options& options, Arguments& a) {
   using Use = cli::Options::Use;
   options.part(cli::Part::lasting);
-  options.option("--shard", a.shard, "I/N|all/N",
+  options.option("--shard", a.shard, "I/N",
                  "Render the I-th of N parts of the samples, from 0, for exrmerge; all/N prints "
                  "the commands of all, one a line",
                  cli::Shapes::nothing);
@@ -66,7 +66,9 @@ std::vector<std::string> aovs_of(const Arguments& a) {
   return names;
 }
 
-bool prints_shards(const Arguments& a) { return a.shard.starts_with("all/"); }
+bool prints_shards(const Arguments& a) {
+  return a.shard.starts_with("all/");
+}
 
 bool obeys_plan(const Arguments& a, bool output_given) {
   std::error_code ignored;

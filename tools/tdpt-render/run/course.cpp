@@ -208,7 +208,8 @@ Shard shard_of(const std::string& text) {
   const auto of = is_pair ? std::from_chars(index.ptr + 1, end, shard.of) : index;
   if (!is_pair || of.ec != std::errc() || of.ptr != end || shard.index >= shard.of ||
       shard.of > 1 << 20)
-    throw UsageError("--shard " + text + ": expected I/N with I from 0 to N - 1, N up to 1048576, or all/N");
+    throw UsageError("--shard " + text +
+                     ": expected I/N with I from 0 to N - 1, N up to 1048576, or all/N");
   return shard;
 }
 

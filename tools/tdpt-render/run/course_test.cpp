@@ -94,7 +94,7 @@ TEST(course, commands_of_shards_are_for_a_shell) {
   a.plan = "p";
   a.shard = "all/2";
   const std::vector<std::string> words{
-      "tdpt-render",      "my room.glb", "--plan",        "p", "-o", "out/a.exr",
+      "tdpt-render",   "my room.glb", "--plan",        "p", "-o", "out/a.exr",
       "--shard=all/2", "--camera",    "the 'left' one"};
   EXPECT_EQ(shard_commands(a, words, "out/a.exr"),
             "tdpt-render 'my room.glb' --plan p --camera 'the '\\''left'\\'' one' --shard 0/2 -o "
