@@ -36,7 +36,7 @@ check_options() {
     [A-Z] | SHARE | SECONDS | DEG | NAME) expect "$tool $name" "" "$(offered "$tool" "$name" '')" ;;
     esac
   done < <(options_of "$tool")
-  [ "$count" -gt 6 ] || complain "$tool: --help names $count options"
+  [ "$count" -gt 5 ] || complain "$tool: --help names $count options"
 }
 
 # check_files: in a folder with files of all kinds; `offered` as above.
