@@ -18,7 +18,7 @@ complain() {
 
 cat >Makefile <<END
 TDPT_BIN = $bin/
-FFGRAPH_FLAGS = --walks 5000 --samples 20000 --rounds 0
+FFGRAPH_FLAGS = --set walks=5000 --samples 20000 --set rounds=0
 LIGHTGRID_FLAGS = --resolution 32
 TDPT_RENDER_FLAGS = --spp 1 --width 16
 QUIET = 1
@@ -137,7 +137,7 @@ once "the renderer alone" TDPT_RENDER_FLAGS='--spp 2 --width 16' loose.exr
 grep -q 'tdpt-render: warning' log || complain "the renderer alone: it does not speak"
 once "side by side" -j4 SCENE.a=loose SCENE.b=loose CAMERA.a=--frame CAMERA.b=--frame QUIET= a.exr b.exr
 grep -q 'frame is about' log || complain "side by side: --frame is not noted"
-for command in "ffgraph loose.gltf --walks 5000 --samples 20000 --rounds 0 -o x.max" "tdpt-render loose.gltf --spp 1 --width 16 -o x.exr"; do
+for command in "ffgraph loose.gltf --set walks=5000 --samples 20000 --set rounds=0 -o x.max" "tdpt-render loose.gltf --spp 1 --width 16 -o x.exr"; do
   # shellcheck disable=SC2086 # words
   "$bin"/$command 2>&1 | grep -q 'warning: .*loose.png' || complain "$command: alone it does not speak"
 done
@@ -164,7 +164,7 @@ while [ "$1" != -o ]; do shift; done
 echo half >"$2"
 exit 1
 END
-for program in "timeout -s KILL 0.2 $bin/ffgraph --walks 1000000" "sh half"; do
+for program in "timeout -s KILL 0.2 $bin/ffgraph --set walks=1000000" "sh half"; do
   if make FFGRAPH="$program" whole.max >log 2>&1; then complain "$program: make says that all is well"; fi
   [ "$(cksum <whole.max)" = "$before" ] || complain "$program: the network is another"
 done

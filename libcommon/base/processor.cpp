@@ -47,7 +47,7 @@ bool is_plain() {
 void choose_processor_code(const std::string& name, std::vector<std::string> arguments) {
   chosen = name;
   if (name == "native") return;
-  if (!has(name)) throw Error(Exit::no_device, "--isa " + name + ": this processor lacks it");
+  if (!has(name)) throw Error(Exit::no_device, "--set isa=" + name + ": this processor lacks it");
   if (name != "sse2" || is_plain()) return;
   const char* before = std::getenv(kTunables);
   const std::string tunables = before && *before ? std::string(before) + ":" + kPlain : kPlain;
@@ -56,7 +56,8 @@ void choose_processor_code(const std::string& name, std::vector<std::string> arg
   for (std::string& argument : arguments) argv.push_back(argument.data());
   argv.push_back(nullptr);
   ::execv("/proc/self/exe", argv.data());
-  throw Error(Exit::no_device, "--isa " + name + ": the program cannot be started anew with it");
+  throw Error(Exit::no_device,
+              "--set isa=" + name + ": the program cannot be started anew with it");
 }
 
 std::string processor_code() {

@@ -62,7 +62,7 @@ void Common::summary(const std::string& json_text) const {
 void Common::also_read(const std::vector<std::string>& paths) const {
   check_outputs(outputs, paths);
   // What is made under another name gets that of the target in the end.
-  if (!target_.empty()) check_outputs({{"--dependencies-target", target_}}, paths);
+  if (!target_.empty()) check_outputs({{"-MQ", target_}}, paths);
   if (!dependencies.empty()) std::for_each(paths.begin(), paths.end(), check_make_name);
   read_.insert(read_.end(), paths.begin(), paths.end());
 }
@@ -72,13 +72,35 @@ std::string Common::dependency_rule() const {
 }
 
 void Common::check_dependencies() const {
-  if (dependencies.empty() && !target_.empty())
-    throw UsageError("--dependencies-target goes with --dependencies");
+  if (dependencies.empty() && !target_.empty()) throw UsageError("-MQ goes with -MF");
   if (dependencies.empty()) return;
   if (output == "-" || (output.empty() && target_.empty()))
-    throw UsageError("--dependencies tells what a file was made from: give -o FILE");
+    throw UsageError("-MF tells what a file was made from: give -o FILE");
   check_make_name(target_.empty() ? output : target_);
 }
+
+namespace {
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  for (size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size())
+    text.replace(at, from.size(), to);
+  return text;
+}
+
+// As people write them, "--set walks", and as CLI11 knows them, "--set.walks".
+std::string for_people(const std::string& text) {
+  return replaced(text, kSetting, "--set ");
+}
+std::string for_cli11(const std::string& text) {
+  return replaced(text, "--set ", kSetting);
+}
+
+std::string name_of(const CLI::Option* option) {
+  return option->get_lnames().empty() ? option->get_name()
+                                      : for_people("--" + option->get_lnames().front());
+}
+
+}  // namespace
 
 struct Options::Impl {
   explicit Impl(const std::string& summary, const std::string& tool) : app(summary, tool) {}
@@ -93,6 +115,7 @@ struct Options::Impl {
     std::function<Is()> use{};                          ///< what it is, where that depends
   };
   CLI::App app;
+  const CLI::Option* set = nullptr;  ///< --set, for --help and shells: what it says is a setting
   std::vector<Entry> entries;
 
   /// An output whose name follows from that of the result, by `path_of`, when the flag is given.
@@ -125,9 +148,50 @@ struct Options::Impl {
     if (const auto bytes = parse_size(most_memory)) limit_memory(*bytes);
   }
 
+  template <class T>
+  CLI::Option* add(const std::string& flags, T& target, const std::string& value_name,
+                   const std::string& help) {
+    return app.add_option(for_cli11(flags), target, help)->type_name(value_name);
+  }
+
   void keep(CLI::Option* option, Shapes shapes, Is is = Is::setting,
             std::function<bool(const std::string&)> is_file = {}) {
+    if (!setting_name(option).empty()) option->group(kSettings);
     entries.push_back({option, shapes, is, std::move(is_file)});
+  }
+
+  std::vector<std::string> settings() const {
+    std::vector<std::string> names;
+    for (const Entry& e : entries)
+      if (const std::string name = setting_name(e.option); !name.empty()) names.push_back(name);
+    return names;
+  }
+
+  // The command line with each `--set NAME=VALUE` as the option that CLI11 knows it by.
+  std::vector<std::string> with_settings(const std::vector<std::string>& given) const {
+    std::vector<std::string> words;
+    for (auto word = given.begin(); word != given.end(); ++word) {
+      if (*word == "--") return words.insert(words.end(), word, given.end()), words;
+      const bool alone = *word == "--set" && word + 1 != given.end();
+      if (!alone && !word->starts_with("--set=")) {
+        words.push_back(*word);
+        continue;
+      }
+      const std::string text = alone ? *++word : word->substr(6);
+      const size_t end = text.find('=');
+      const std::string name = text.substr(0, end);
+      const std::vector<std::string> known = settings();
+      if (std::find(known.begin(), known.end(), name) == known.end()) {
+        const std::string meant = nearest(name, known);
+        throw UsageError(fmt::format("--set {}: no such setting, expected one of {}{}", text,
+                                     fmt::join(known, ", "),
+                                     meant.empty() ? "" : " (did you mean " + meant + "?)"));
+      }
+      if (end == std::string::npos)
+        throw UsageError(fmt::format("--set {0}: expected {0}=VALUE", text));
+      words.insert(words.end(), {kSetting + name, text.substr(end + 1)});
+    }
+    return words;
   }
 
   // All files that the command line names as `is`, by option.
@@ -136,7 +200,7 @@ struct Options::Impl {
     for (const Entry& e : entries)
       if ((e.use ? e.use() : e.is) == is)
         for (const std::string& path : e.option->results())
-          if (!e.is_file || e.is_file(path)) files.push_back({e.option->get_name(), path});
+          if (!e.is_file || e.is_file(path)) files.push_back({name_of(e.option), path});
     return files;
   }
 
@@ -157,7 +221,7 @@ struct Options::Impl {
     for (const Beside& beside : besides) {
       if (beside.flag->count() == 0) continue;
       *beside.target = beside.path_of(path);
-      outputs.push_back({beside.flag->get_name(), *beside.target});
+      outputs.push_back({name_of(beside.flag), *beside.target});
     }
     return outputs;
   }
@@ -180,12 +244,15 @@ struct Options::Impl {
     std::vector<Completed> table;
     for (const CLI::Option* option : app.get_options()) {
       Completed& c = table.emplace_back();
+      c.setting = setting_name(option);
       for (const std::string& name : option->get_lnames()) c.names.push_back("--" + name);
       for (const std::string& name : option->get_snames()) c.names.push_back("-" + name);
       if (c.names.empty()) c.names.push_back(option->get_name());
       c.help = option->get_description();
       if (option->get_items_expected_max() > 0) c.value = option->get_type_name();
       c.words = words_of(c.value);
+      if (option == set)
+        for (const std::string& name : settings()) c.words.push_back(name + "=");
       c.repeated = option->get_multi_option_policy() == CLI::MultiOptionPolicy::TakeAll;
       for (const Entry& e : entries)
         if (e.option == option) {
@@ -203,26 +270,28 @@ struct Options::Impl {
         code == static_cast<int>(CLI::ExitCodes::RequiredError))
       for (const std::string& given : app.remaining())
         if (given.size() > 1 && given[0] == '-') return no_such_option(given);
-    return error.what();
+    return for_people(error.what());
   }
 
   // `given`: "--name", "-name" or "--name=value".
   std::string no_such_option(const std::string& given) const {
     const std::string option = given.substr(0, given.find('='));
-    std::vector<std::string> names;
-    for (const CLI::Option* known : app.get_options())
-      for (const std::string& name : known->get_lnames()) names.push_back(name);
+    std::vector<std::string> names, known = settings();
+    for (const CLI::Option* each : app.get_options())
+      for (const std::string& name : each->get_lnames()) names.push_back(name);
+    names.insert(names.end(), known.begin(), known.end());
     const size_t start = std::min(option.find_first_not_of('-'), option.size());
     const std::string meant = nearest(option.substr(start), names);
-    return fmt::format("{}: no such option{}", option,
-                       meant.empty() ? "" : " (did you mean --" + meant + "?)");
+    const char* dashes = app.get_option_no_throw("--" + meant) ? "--" : "--set ";
+    return fmt::format("{}: no such option{}", for_people(option),
+                       meant.empty() ? "" : fmt::format(" (did you mean {}{}?)", dashes, meant));
   }
 
   std::vector<Given> given() const {
     std::vector<Given> all;
     for (const Entry& e : entries) {
       if (e.option->count() == 0 || e.option->get_lnames().empty()) continue;
-      Given& one = all.emplace_back(Given{"--" + e.option->get_lnames().front(), {}});
+      Given& one = all.emplace_back(Given{name_of(e.option), {}});
       if (e.option->get_items_expected_max() > 0) one.values = e.option->results();
     }
     return all;
@@ -234,14 +303,15 @@ struct Options::Impl {
     std::string text = tool;
     for (const Entry& e : entries) {
       if (e.shapes == Shapes::nothing || e.option->count() == 0) continue;
-      const std::string name = "--" + e.option->get_lnames().front();
+      const std::string name = name_of(e.option);
+      const char* before_value = name.starts_with("--set ") ? "=" : " ";
       if (e.option->get_items_expected_max() == 0) {
         text += " " + name;
         continue;
       }
       for (const std::string& value : e.option->results())
         if (!e.is_file || !e.is_file(value))
-          text += " " + name + " " + value.substr(value.find_last_of('/') + 1);
+          text += " " + name + before_value + value.substr(value.find_last_of('/') + 1);
     }
     return text;
   }
@@ -260,13 +330,31 @@ Options::Options(const Program& program)
   impl_->result = program.result;
   CLI::App& app = impl_->app;
   app.formatter(help_in_80_columns());
-  const std::string commit =
-      *program.commit ? fmt::format(" (commit {})", program.commit) : std::string();
-  app.set_version_flag(
-      "--version",
-      fmt::format("{} {}{}\n{}", program.tool, TDPT_VERSION, commit, program.libraries),
-      "Print the versions of the program and its libraries and exit");
-  app.set_help_flag("-h,--help", "Print this help and exit");
+  const auto uses = [&](Uses what) { return (program.uses & what) != 0; };
+  part(Part::general);
+  if (uses(kSeed))
+    impl_->keep(impl_->add("--seed", common.seed, "N", "Seed of the random numbers; default 1")
+                    ->check(whole_number()),
+                Shapes::result);
+  if (uses(kThreads))
+    option("--threads", common.threads, "N", "Threads to use; default all cores", 0, 4096,
+           Shapes::nothing);
+  impl_->keep(impl_
+                  ->add("--max-memory,--set max-memory", impl_->most_memory, "SIZE",
+                        "Most memory that reading a file may take; default three quarters of "
+                        "the machine's")
+                  ->check(size()),
+              Shapes::nothing);
+  if (program.output_help) {
+    flag("--no-provenance", common.no_provenance, "Leave out where the file comes from",
+         Shapes::nothing);
+    side_output("--set dependencies", common.dependencies,
+                "Write a rule for Make: what the result was made from; also -MF FILE");
+    option("--set dependencies-target", common.target_, "NAME",
+           "What that rule is for; default what -o names; also -MQ NAME", Shapes::nothing);
+  }
+  static std::vector<std::string> none;
+  impl_->set = impl_->add("--set", none, "NAME=VALUE", "One of the settings below")->take_all();
   const auto complete = [this](const std::string& shell) {
     throw Instead{[=, this] { return completion_script(shell, common.tool, impl_->completed()); }};
   };
@@ -276,108 +364,85 @@ Options::Options(const Program& program)
                   ->type_name("bash|zsh|fish")
                   ->check(one_of({"bash", "zsh", "fish"})),
               Shapes::nothing);
+  app.set_help_flag("-h,--help", "Print this help and exit");
+  const std::string commit =
+      *program.commit ? fmt::format(" (commit {})", program.commit) : std::string();
+  app.set_version_flag(
+      "--version",
+      fmt::format("{} {}{}\n{}", program.tool, TDPT_VERSION, commit, program.libraries),
+      "Print the versions of the program and its libraries and exit");
+  part(Part::telling);
+  if (uses(kQuiet))
+    flag("--quiet", common.quiet, "No progress and no notes on stderr", Shapes::nothing);
+  if (uses(kProgress))
+    choice("--set progress", impl_->progress, {"auto", "json", "none"},
+           "Progress on stderr: auto, a line on a terminal (the default); json, an object a line",
+           Shapes::nothing);
+  flag("--explain", common.explain, "Print on stderr what was decided, why, and what it costs",
+       Shapes::nothing);
+  flag("--json", common.json,
+       "Print a summary as JSON on stdout (on stderr when the result goes to stdout)",
+       Shapes::nothing);
+  part(Part::files);
   if (program.output_help)
-    impl_->keep(
-        app.add_option("-o,--output", common.output, program.output_help)->type_name("FILE"),
-        Shapes::nothing, Impl::Is::output);
-  impl_->keep(app.add_option("--seed", common.seed, "Seed of the random numbers; default 1")
-                  ->type_name("N")
-                  ->check(whole_number()),
-              Shapes::result);
-  impl_->keep(app.add_option("--threads", common.threads, "Threads to use; default all cores")
-                  ->type_name("N")
-                  ->check(within(0, 4096)),
-              Shapes::nothing);
-  impl_->keep(app.add_option("--max-memory", impl_->most_memory,
-                             "Most memory that reading a file may take; default three quarters of "
-                             "the machine's")
-                  ->type_name("SIZE")
-                  ->check(size()),
-              Shapes::nothing);
-  impl_->keep(app.add_flag("--quiet", common.quiet, "No progress and no notes on stderr"),
-              Shapes::nothing);
-  choice("--progress", impl_->progress, {"auto", "json", "none"},
-         "Progress on stderr: auto, a line on a terminal (the default); json, an object a line",
-         Shapes::nothing);
-  impl_->keep(app.add_flag("--explain", common.explain,
-                           "Print on stderr what was decided, why, and what it costs"),
-              Shapes::nothing);
-  impl_->keep(app.add_flag("--json", common.json,
-                           "Print a summary as JSON on stdout (on stderr when the result goes to "
-                           "stdout)"),
-              Shapes::nothing);
-  impl_->keep(
-      app.add_flag("--no-provenance", common.no_provenance, "Leave out where the file comes from"),
-      Shapes::nothing);
-  side_output("--dependencies", common.dependencies,
-              "Write a rule for Make: what the result was made from; also -MF");
-  option("--dependencies-target", common.target_, "NAME",
-         "What that rule is for; default what -o names; also -MQ", Shapes::nothing);
+    impl_->keep(impl_->add("-o,--output", common.output, "FILE", program.output_help),
+                Shapes::nothing, Impl::Is::output);
 }
 
 Options::~Options() = default;
 
+void Options::part(Part part) {
+  impl_->app.option_defaults()->group(title_of(part));
+}
+
 void Options::argument(const std::string& name, std::string& target, const std::string& help,
                        bool required) {
-  impl_->keep(impl_->app.add_option(name, target, help)->required(required)->type_name("FILE"),
-              Shapes::nothing, Impl::Is::input);
+  impl_->keep(impl_->add(name, target, "FILE", help)->required(required), Shapes::nothing,
+              Impl::Is::input);
 }
 
 void Options::arguments(const std::string& name, std::vector<std::string>& target,
                         const std::string& help) {
-  impl_->keep(impl_->app.add_option(name, target, help)->required()->type_name("FILE"),
-              Shapes::nothing, Impl::Is::input);
+  impl_->keep(impl_->add(name, target, "FILE", help)->required(), Shapes::nothing, Impl::Is::input);
 }
 
 void Options::input(const std::string& flags, std::string& target, const std::string& value_name,
                     const std::string& help) {
-  impl_->keep(impl_->app.add_option(flags, target, help)->type_name(value_name), Shapes::nothing,
-              Impl::Is::input);
+  impl_->keep(impl_->add(flags, target, value_name, help), Shapes::nothing, Impl::Is::input);
 }
 
 void Options::inputs(const std::string& flags, std::vector<std::string>& target,
                      const std::string& value_name, const std::string& help) {
-  impl_->keep(
-      impl_->app.add_option(flags, target, help)->type_name(value_name)->expected(1)->take_all(),
-      Shapes::nothing, Impl::Is::input);
+  impl_->keep(impl_->add(flags, target, value_name, help)->expected(1)->take_all(), Shapes::nothing,
+              Impl::Is::input);
 }
 
 void Options::input_or_setting(const std::string& flags, std::string& target,
                                const std::string& value_name, const std::string& help,
                                const std::function<bool(const std::string&)>& is_file) {
-  impl_->keep(impl_->app.add_option(flags, target, help)->type_name(value_name), Shapes::result,
-              Impl::Is::input, is_file);
+  impl_->keep(impl_->add(flags, target, value_name, help), Shapes::result, Impl::Is::input,
+              is_file);
 }
 
 void Options::option(const std::string& flags, std::string& target, const std::string& value_name,
                      const std::string& help, Shapes shapes) {
-  impl_->keep(impl_->app.add_option(flags, target, help)->type_name(value_name)->check(some_text()),
-              shapes);
+  impl_->keep(impl_->add(flags, target, value_name, help)->check(some_text()), shapes);
 }
 
 void Options::option(const std::string& flags, int64_t& target, const std::string& value_name,
                      const std::string& help, int64_t lowest, int64_t highest, Shapes shapes) {
-  impl_->keep(impl_->app.add_option(flags, target, help)
-                  ->type_name(value_name)
-                  ->check(within(lowest, highest)),
-              shapes);
+  impl_->keep(impl_->add(flags, target, value_name, help)->check(within(lowest, highest)), shapes);
 }
 
 void Options::option(const std::string& flags, double& target, const std::string& value_name,
                      const std::string& help, double lowest, double highest, Shapes shapes) {
-  impl_->keep(impl_->app.add_option(flags, target, help)
-                  ->type_name(value_name)
-                  ->check(within(lowest, highest)),
-              shapes);
+  impl_->keep(impl_->add(flags, target, value_name, help)->check(within(lowest, highest)), shapes);
 }
 
 void Options::option(const std::string& flags, std::optional<double>& target,
                      const std::string& value_name, const std::string& help, double lowest,
                      double highest, Shapes shapes) {
-  impl_->keep(impl_->app.add_option(flags, target, help)
-                  ->type_name(value_name)
-                  ->check(within(lowest, highest)),
-              shapes);
+  impl_->keep(impl_->add(flags, target, value_name, help)->check(within(lowest, highest)), shapes);
 }
 
 void Options::quality() {
@@ -402,20 +467,18 @@ void Options::option(const std::string& flags, int64_t& target, const ByQuality<
 void Options::choice(const std::string& flags, std::string& target,
                      const std::vector<std::string>& words, const std::string& help,
                      Shapes shapes) {
-  impl_->keep(impl_->app.add_option(flags, target, help)
-                  ->type_name(fmt::format("{}", fmt::join(words, "|")))
+  impl_->keep(impl_->add(flags, target, fmt::format("{}", fmt::join(words, "|")), help)
                   ->check(one_of(words)),
               shapes);
 }
 
 void Options::side_output(const std::string& flags, std::string& target, const std::string& help) {
-  impl_->keep(impl_->app.add_option(flags, target, help)->type_name("FILE"), Shapes::nothing,
-              Impl::Is::side_output);
+  impl_->keep(impl_->add(flags, target, "FILE", help), Shapes::nothing, Impl::Is::side_output);
 }
 
 void Options::file(const std::string& flags, std::string& target, const std::string& help,
                    const std::function<Use()>& use) {
-  impl_->keep(impl_->app.add_option(flags, target, help)->type_name("FILE"), Shapes::nothing);
+  impl_->keep(impl_->add(flags, target, "FILE", help), Shapes::nothing);
   impl_->entries.back().use = [use] {
     const Use now = use();
     return now == Use::read      ? Impl::Is::input
@@ -473,7 +536,7 @@ int Options::run_main(int argc, char** argv, const std::function<int()>& run) {
   open_standard_streams();
   try {
     try {
-      std::vector<std::string> words = without_short_forms(argc, argv);
+      std::vector<std::string> words = impl_->with_settings(without_short_forms(argc, argv));
       std::reverse(words.begin(), words.end());
       impl_->app.parse(words);
     } catch (const Instead& instead) {

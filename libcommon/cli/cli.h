@@ -29,15 +29,15 @@ struct ByQuality {
 
 /// An option that the command line has.
 struct Given {
-  std::string name;                 ///< the long one, "--spp"
+  std::string name;                 ///< the long one, "--spp"; of a setting "--set walks"
   std::vector<std::string> values;  ///< empty of a flag
 };
 
-/// The options that every tool has.
+/// The options that are alike in all programs that have them.
 struct Common {
   std::string output = "-";  ///< -o; "-": standard output
   uint64_t seed = 1;         ///< --seed
-  int threads = 0;           ///< --threads; 0: all cores. Already applied when run() is called.
+  int64_t threads = 0;       ///< --threads; 0: all cores. Already applied when run() is called.
   bool quiet = false;        ///< --quiet: no progress, no notes (warnings and errors stay)
   bool json = false;         ///< --json: summary on stdout, or on stderr when the result goes there
   bool explain = false;      ///< --explain: decisions on stderr, whatever --quiet says
@@ -49,7 +49,7 @@ struct Common {
   /// another is read. All that is told here stands in the dependency file.
   void also_read(const std::vector<std::string>& paths) const;
 
-  std::string dependencies;  ///< --dependencies; empty: not asked for
+  std::string dependencies;  ///< -MF; empty: not asked for
   /// What stands in it: a rule for Make, of the files read so far.
   std::string dependency_rule() const;
 
@@ -84,7 +84,7 @@ struct Common {
  private:
   friend class Options;
   void check_dependencies() const;
-  std::string target_;  ///< --dependencies-target; empty: what -o names
+  std::string target_;  ///< -MQ; empty: what -o names
   mutable std::vector<std::string> read_;
 };
 
@@ -95,6 +95,19 @@ enum class Shapes { result, nothing };
 /// What the result is made of: a terminal shows text, and is never sent bytes.
 enum class Result { text, binary };
 
+/// Options that a program has if it makes use of them.
+enum Uses : unsigned {
+  kNone = 0,
+  kSeed = 1,
+  kThreads = 2,
+  kQuiet = 4,     ///< it has notes or progress to leave out
+  kProgress = 8,  ///< it shows any
+  kAll = 15
+};
+
+/// The parts of --help, in its order [help.cpp has their titles].
+enum class Part { files, effort, picture, camera, light, lasting, telling, general };
+
 /// A program, and what --help says of it before its options.
 struct Program {
   const char* tool;         ///< its name
@@ -104,6 +117,7 @@ struct Program {
   // [built_with.h]
   const char* libraries = "";  ///< what it is built with, a line each
   const char* commit = "";     ///< that it is built from
+  unsigned uses = kAll;
 };
 
 class Options {
@@ -116,6 +130,13 @@ class Options {
   // What --help shows is also what shells complete [completion.h]: words in small letters of a
   // value's name, "cpu|gpu[:WHICH]", and of files that are read the suffixes that `help` names,
   // "(.glb, .gltf)".
+  //
+  // `flags` "--set walks" declares a setting, given as `--set walks=5000`: what few need, and
+  // --help lists last. One whose name scripts rely on is an option as well: "--samples,--set
+  // samples".
+
+  /// Where --help lists the options that are declared from here on.
+  void part(Part part);
 
   /// A positional argument: a file that is read.
   void argument(const std::string& name, std::string& target, const std::string& help,

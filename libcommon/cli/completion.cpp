@@ -41,9 +41,15 @@ constexpr const char* kBashFiles = R"(  word=${word#[\"\']} word=${word//\\/}
   COMPREPLY=("${folders[@]}" "${found[@]}")
 )";
 
+// Names of settings, behind which the value comes.
+bool want_more(const std::vector<std::string>& words) {
+  return !words.empty() && words.back().ends_with('=');
+}
+
 std::string bash_value(const Completed& c) {
   std::string set;
   if (!c.words.empty()) set += fmt::format(" words='{}'", fmt::join(c.words, " "));
+  if (want_more(c.words)) set += "; compopt -o nospace 2>/dev/null";
   if (c.file) set += fmt::format(" files=1 suffixes=({})", fmt::join(c.suffixes, " "));
   return set.empty() ? " return" : set;
 }
@@ -53,9 +59,13 @@ std::string bash_script(const std::string& tool, const std::vector<Completed>& t
   std::string values, names;
   for (const Completed& c : table) {
     if (c.argument()) continue;
-    names += fmt::format("{}{}", names.empty() ? "" : " ", fmt::join(c.names, " "));
-    if (!c.value.empty())
-      values += fmt::format("  {}){} ;;\n", fmt::join(c.names, " | "), bash_value(c));
+    if (c.setting.empty()) {
+      names += fmt::format("{}{}", names.empty() ? "" : " ", fmt::join(c.names, " "));
+      if (!c.value.empty())
+        values += fmt::format("  {}){} ;;\n", fmt::join(c.names, " | "), bash_value(c));
+    } else {
+      values += fmt::format("  {}){} ;;\n", c.setting, bash_value(c));
+    }
   }
   return fmt::format(
       "{0}() {{\n"
@@ -92,6 +102,7 @@ std::string zsh_value(const Completed& c) {
   for (const std::string& suffix : c.suffixes)
     patterns += (patterns.empty() ? "" : "|") + suffix.substr(1);
   if (!c.words.empty()) action = fmt::format("({})", fmt::join(c.words, " "));
+  if (want_more(c.words)) action = fmt::format("compadd -S \"\" {}", fmt::join(c.words, " "));
   if (c.file) action = patterns.empty() ? "_files" : fmt::format("_files -g \"*.({})\"", patterns);
   return ":" + replaced(c.argument() ? c.names.front() : c.value, ":", "\\:") + ":" + action;
 }
@@ -104,6 +115,7 @@ std::string zsh_script(const std::string& tool, const std::vector<Completed>& ta
       script += " \\\n  " + in_quotes(value);
       continue;
     }
+    if (!c.setting.empty()) continue;
     const std::string help = replaced(replaced(c.help, "[", "\\["), "]", "\\]");
     for (const std::string& name : c.names) {
       const bool is_long = name.starts_with("--");
@@ -138,7 +150,7 @@ std::string fish_value(const Completed& c) {
 std::string fish_script(const std::string& tool, const std::vector<Completed>& table) {
   std::string script = fmt::format("complete -c {}{}\n", tool, fish_value(all_arguments(table)));
   for (const Completed& c : table) {
-    if (c.argument()) continue;
+    if (c.argument() || !c.setting.empty()) continue;
     script += "complete -c " + tool;
     for (const std::string& name : c.names)
       script += name.starts_with("--") ? " -l " + name.substr(2) : " -s " + name.substr(1);

@@ -14,6 +14,7 @@ struct Completed {
   bool file = false;                  ///< the value is, or can be, a file
   std::vector<std::string> suffixes;  ///< that such a file has, ".glb"; none: any
   bool repeated = false;
+  std::string setting{};  ///< what `--set` calls it; empty: it is an option
 
   bool argument() const { return names.front().front() != '-'; }
 };

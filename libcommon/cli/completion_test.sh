@@ -36,7 +36,7 @@ check_options() {
     [A-Z] | SHARE | SECONDS | DEG | NAME) expect "$tool $name" "" "$(offered "$tool" "$name" '')" ;;
     esac
   done < <(options_of "$tool")
-  [ "$count" -gt 9 ] || complain "$tool: --help names $count options"
+  [ "$count" -gt 5 ] || complain "$tool: --help names $count options"
 }
 
 # check_files: in a folder with files of all kinds; `offered` as above.
@@ -75,8 +75,10 @@ bash)
   done
   expect 'a part of a name' '--max-depth' "$(offered tdpt-render room.glb --max-d)"
   expect 'a part of a word' 'tdpt tdpt-org tdpt-guided' "$(offered tdpt-render --integrator td | tr '\n' ' ' | sed 's/ $//')"
-  expect 'a word after =' 'balance power' "$(offered tdpt-render --mis = | tr '\n' ' ' | sed 's/ $//')"
-  expect 'a part of a word after =' 'power' "$(offered tdpt-render --mis = p)"
+  expect 'a word after =' 'draft normal high' "$(offered tdpt-render --quality = | tr '\n' ' ' | sed 's/ $//')"
+  expect 'a part of a word after =' 'high' "$(offered tdpt-render --quality = h)"
+  expect 'a part of the name of a setting' 'guide-light= guide-camera=' "$(offered tdpt-render --set guide | tr '\n' ' ' | sed 's/ $//')"
+  expect 'the value of a setting' 'power' "$(offered tdpt-render --set mis = p)"
   check_files
   expect 'a file in quotes' 'two words.glb' "$(offered tdpt-render '"two w')"
   expect 'a file with an escaped blank' 'two words.glb' "$(offered tdpt-render 'two\ w')"
@@ -95,7 +97,8 @@ zsh)
     expect "$tool: options" "$(options_of "$tool" | cut -d ' ' -f 1 | tr '\n' ' ')" "$(offered "$tool" | tr '\n' ' ')"
   done
   grep -Fq "'*--portal=[" "$build/completions/zsh/_tdpt-render" || complain "--portal may be repeated"
-  grep -Fq ':balance|power:(balance power)' "$build/completions/zsh/_tdpt-render" || complain "--mis has two words"
+  grep -Fq ':draft|normal|high:(draft normal high)' "$build/completions/zsh/_tdpt-render" || complain "--quality has three words"
+  grep -Fq 'compadd -S "" ' "$build/completions/zsh/_tdpt-render" || complain "--set has the names of the settings"
   ;;
 fish)
   command -v fish >/dev/null || { echo "skipped: fish is missing"; exit 77; }

@@ -45,7 +45,7 @@ std::vector<std::string> without_short_forms(int argc, const char* const* argv) 
       words.push_back(word);
       continue;
     }
-    words.emplace_back(file ? "--dependencies" : "--dependencies-target");
+    words.emplace_back(file ? "--set.dependencies" : "--set.dependencies-target");
     if (word.size() > 3) words.push_back(word.substr(3));
   }
   return words;
@@ -54,7 +54,7 @@ std::vector<std::string> without_short_forms(int argc, const char* const* argv) 
 void check_make_name(const std::string& name) {
   const bool member = name.ends_with(')') && name.find('(') != std::string::npos;
   if (member || name.ends_with('\\') || name.find_first_of(";\t\n\r") != std::string::npos)
-    throw UsageError("--dependencies: Make has no way to write the name " + shown(name, 200));
+    throw UsageError("-MF: Make has no way to write the name " + shown(name, 200));
 }
 
 std::string make_rule(const std::string& target, const std::vector<std::string>& read) {

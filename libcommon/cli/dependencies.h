@@ -6,8 +6,8 @@
 
 namespace tdpt::cli {
 
-/// The command line without the program, -MF FILE and -MQ TARGET (also in one word) in their long
-/// forms: CLI11 takes one dash for one letter.
+/// The command line without the program, -MF FILE and -MQ TARGET (also in one word) as CLI11 knows
+/// the settings that they are short for: it takes one dash for one letter.
 std::vector<std::string> without_short_forms(int argc, const char* const* argv);
 
 /// Throws UsageError where Make has no way to write this name: with ;, a tab or a line break, with

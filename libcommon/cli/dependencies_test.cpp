@@ -23,9 +23,9 @@ Words spelled(std::vector<const char*> argv) {
 
 TEST(dependencies, are_asked_for_as_of_compilers) {
   EXPECT_EQ(spelled({"-MF", "a.d", "-MQ", "b"}),
-            (Words{"--dependencies", "a.d", "--dependencies-target", "b"}));
+            (Words{"--set.dependencies", "a.d", "--set.dependencies-target", "b"}));
   EXPECT_EQ(spelled({"-MFa.d", "x", "-MQb"}),
-            (Words{"--dependencies", "a.d", "x", "--dependencies-target", "b"}));
+            (Words{"--set.dependencies", "a.d", "x", "--set.dependencies-target", "b"}));
   EXPECT_EQ(spelled({"-M", "--", "-MF", "x"}), (Words{"-M", "--", "-MF", "x"}));
 }
 

@@ -8,6 +8,16 @@ namespace {
 
 constexpr size_t kWidth = 80, kRight = 30;  ///< columns; where the right half begins
 
+// Of each Part.
+constexpr const char* kTitles[]{"What goes in and what comes out",
+                                "How long and how good",
+                                "What the picture holds",
+                                "Camera",
+                                "Sky and lamps",
+                                "Long renders and many machines",
+                                "What is told of the work",
+                                "General"};
+
 // `text` in lines that end before kWidth, the first of which begins at column `at`, the others at
 // `indent`. A word that is longer than a line has one alone.
 std::string wrapped(const std::string& text, size_t at, size_t indent) {
@@ -30,19 +40,53 @@ std::string wrapped(const std::string& text, size_t at, size_t indent) {
 class In80Columns : public CLI::Formatter {
  public:
   std::string make_option(const CLI::Option* option, bool positional) const override {
-    std::string left = "  " + make_option_name(option, positional) + make_option_opts(option);
-    if (left.size() >= kRight)
-      left += "\n" + std::string(kRight, ' ');
-    else
-      left.resize(kRight, ' ');
-    return left + wrapped(make_option_desc(option), kRight, kRight);
+    const std::string setting = setting_name(option);
+    if (setting.empty())
+      return line("  " + make_option_name(option, positional) + make_option_opts(option),
+                  make_option_desc(option));
+    const std::string& flag = option->get_lnames().front();
+    return line("  " + setting + "=" + option->get_type_name(),
+                make_option_desc(option) + (flag == setting ? "; also --" + flag : ""));
+  }
+  std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode) const override {
+    std::string text = make_description(app) + make_usage(app, name) + make_positionals(app);
+    const auto add = [&](const std::string& title) {
+      const auto options = app->get_options([&](const CLI::Option* option) {
+        return option->nonpositional() && option->get_group() == title;
+      });
+      if (!options.empty()) text += make_group(title, false, options);
+    };
+    for (const char* title : kTitles) add(title);
+    add(kSettings);
+    return text;
   }
   std::string make_description(const CLI::App* app) const override {
     return wrapped(app->get_description(), 0, 0);
   }
+
+ private:
+  static std::string line(std::string left, const std::string& right) {
+    if (left.size() >= kRight)
+      left += "\n" + std::string(kRight, ' ');
+    else
+      left.resize(kRight, ' ');
+    return left + wrapped(right, kRight, kRight);
+  }
 };
 
 }  // namespace
+
+const char* const kSettings = "Settings that few need, each given as --set NAME=VALUE";
+
+std::string title_of(Part part) {
+  return kTitles[static_cast<size_t>(part)];
+}
+
+std::string setting_name(const CLI::Option* option) {
+  if (option->get_lnames().empty()) return "";
+  const std::string last = "--" + option->get_lnames().back();
+  return last.starts_with(kSetting) ? last.substr(std::string(kSetting).size()) : "";
+}
 
 std::shared_ptr<CLI::FormatterBase> help_in_80_columns() {
   return std::make_shared<In80Columns>();

@@ -330,7 +330,7 @@ std::string mixed_code_sentence(const std::string& processors) {
         processors);
   return fmt::format(
       "rendered by code for {}: the last digits may differ from those of one machine; "
-      "tdpt-render --isa sse2 is alike on all",
+      "tdpt-render --set isa=sse2 is alike on all",
       processors);
 }
 

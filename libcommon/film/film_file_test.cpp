@@ -260,7 +260,7 @@ TEST(merging, names_all_kinds_of_processors) {
   EXPECT_EQ(all.facts.processor, "avx2+fma, sse2");
   EXPECT_EQ(mixed_code_sentence(all.facts.processor),
             "rendered by code for avx2+fma, sse2: the last digits may differ from those of one "
-            "machine; tdpt-render --isa sse2 is alike on all");
+            "machine; tdpt-render --set isa=sse2 is alike on all");
   EXPECT_EQ(mixed_code_sentence(merged_words(all.facts.processor, kGpuCode)),
             "rendered by code for avx2+fma, gpu, sse2: CPU and GPU agree in the mean, but not in "
             "the last digits of each sample");

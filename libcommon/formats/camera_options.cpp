@@ -89,14 +89,18 @@ Camera placed_camera(const Scene& scene, const CameraArguments& a) {
 }  // namespace
 
 void declare_camera_options(cli::Options& options, CameraArguments& a) {
+  options.part(cli::Part::camera);
   options.option("--camera", a.name, "NAME",
                  "Camera of the scene to use; default the one it names, else the first");
   options.option("--look-from", a.look_from, "X,Y,Z",
                  "Place of a camera of one's own, metres in the axes of the file");
   options.option("--look-at", a.look_at, "X,Y,Z", "Place that it looks at");
-  options.option("--up", a.up, "X,Y,Z", "Direction that is up in its picture; default 0,1,0");
-  options.option("--fov", a.fov, "DEG",
-                 fmt::format("Full vertical angle of its view; default {}", kUsualFov), 0.01, 179);
+  options.option("--up,--set up", a.up, "X,Y,Z",
+                 "Direction that is up in the picture of --look-from; default 0,1,0");
+  options.option(
+      "--fov,--set fov", a.fov, "DEG",
+      fmt::format("Full vertical angle of --look-from and --frame; default {}", kUsualFov), 0.01,
+      179);
   options.flag("--frame", a.frame,
                "Camera that has all of the scene in view and culls, as viewers open a file");
   options.flag("--cull", a.cull,

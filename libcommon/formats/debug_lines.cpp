@@ -3,7 +3,7 @@
 namespace tdpt {
 
 void declare_debug_lines(cli::Options& options, std::string& value) {
-  options.choice("--debug-lines", value, {"edges", "strips"},
+  options.choice("--set debug-lines", value, {"edges", "strips"},
                  "Lines in --debug-glb: edges, the default, or thin strips, which renderers show",
                  cli::Shapes::nothing);
 }

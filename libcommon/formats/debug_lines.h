@@ -7,7 +7,7 @@
 
 namespace tdpt {
 
-/// --debug-lines.
+/// --set debug-lines.
 void declare_debug_lines(cli::Options& options, std::string& value);
 
 DebugLines debug_lines(const std::string& value);

@@ -26,7 +26,7 @@ bool same_file(const std::string& a, const std::string& b) {
 void check_name_of_png(const std::string& option, const std::string& path) {
   std::error_code ignored;
   if (!path.empty() && !path.ends_with(".png") && !std::filesystem::is_other(path, ignored))
-    throw UsageError(option + " " + path + ": the picture is a PNG, name it .png");
+    throw UsageError(option + "=" + path + ": the picture is a PNG, name it .png");
 }
 
 void check_no_portal_twice(const std::vector<std::string>& portals) {
@@ -39,31 +39,33 @@ void check_no_portal_twice(const std::vector<std::string>& portals) {
                          (portals[i] == portals[j] ? "" : ", before as " + portals[j]));
 }
 
-// How walks are directed at portals, and how many samples have which part.
-void declare_guide_options(cli::Options& options, RenderArguments& a) {
+// How walks are directed at portals, how many samples have which part, and how they are weighted.
+void declare_mixture_options(cli::Options& options, RenderArguments& a) {
   options.option(
-      "--guide-light", a.guide_light, "Q",
+      "--set guide-light", a.guide_light, "Q",
       "Probability that a light walk aims at a portal; default 0.7 with tdpt-guided, else 0", 0,
       0.95);
   options.option(
-      "--guide-camera", a.guide_camera, "Q",
+      "--set guide-camera", a.guide_camera, "Q",
       "Probability that a camera walk aims at a portal; default 0.4 with tdpt-guided, else 0", 0,
       0.95);
   options.option(
-      "--segments", a.segments, "SHARE",
+      "--set segments", a.segments, "SHARE",
       "Share of the samples that draw a portal segment; default 1, with tdpt-guided 0.25", 0.01, 1);
   options.option(
-      "--light-walks", a.light_walks, "SHARE",
+      "--set light-walks", a.light_walks, "SHARE",
       "Share of the samples that make a light walk; default 0.25 with tdpt-guided, else 1",
       kSmallestWalkShare, 1);
+  options.choice("--set mis", a.mis, {"balance", "power"}, "MIS heuristic; default balance");
 }
 
 // What makes a rendering last.
 void declare_checkpoint_options(cli::Options& options, RenderArguments& a) {
   using Use = cli::Options::Use;
+  options.part(cli::Part::lasting);
   options.side_output("--checkpoint", a.checkpoint,
                       "Keep what there is in FILE while rendering, for --resume");
-  options.option("--checkpoint-every", a.checkpoint_every, "SECONDS",
+  options.option("--set checkpoint-every", a.checkpoint_every, "SECONDS",
                  "Time between checkpoints; default 60", 0, 1e9, cli::Shapes::nothing);
   options.file("--resume", a.resume, "Go on from a checkpoint, which is kept up to date", [&a] {
     if (a.checkpoint.empty()) return Use::written;
@@ -72,7 +74,7 @@ void declare_checkpoint_options(cli::Options& options, RenderArguments& a) {
   options.option("--add-samples", a.add_samples, "N",
                  "With --resume: render N samples per pixel more than it was to have", 1,
                  int64_t{1} << 32, cli::Shapes::nothing);
-  options.choice("--isa", a.isa, {"native", "avx2", "sse2"},
+  options.choice("--set isa", a.isa, {"native", "avx2", "sse2"},
                  "Instructions to use: the newest, or those of older processors, too, for the same "
                  "bytes on each; default native",
                  cli::Shapes::nothing);
@@ -80,31 +82,38 @@ void declare_checkpoint_options(cli::Options& options, RenderArguments& a) {
 
 // How much is rendered.
 void declare_amount_options(cli::Options& options, RenderArguments& a) {
+  options.part(cli::Part::effort);
   options.quality();
+  options.option("--time", a.seconds, "SECONDS", "Stop rendering after this wall-clock time", 1e-3,
+                 1e9, cli::Shapes::nothing);
   options.option("--spp", a.spp, "N",
                  "Samples per pixel; default 16 (draft 4, high 64), or as --time allows or "
                  "--target-error takes",
                  1, int64_t{1} << 32);
-  options.option("--time", a.seconds, "SECONDS", "Stop rendering after this wall-clock time", 1e-3,
-                 1e9, cli::Shapes::nothing);
   options.option("--target-error", a.target_error, "E",
                  "Render until the relMSE is E, within --spp and --time; the number of samples is "
                  "fixed beforehand",
                  1e-9, 1e9);
-  options.flag("--retry", a.retry, "Where the target seems to be missed, render on once");
-  options.option("--max-depth", a.max_depth, "K", "Edges of the longest path; default no limit", 1,
-                 kMostEdges);
+  options.option("--set retry", a.retry, "0|1",
+                 "1: where the target seems to be missed, render on once; default 0", 0, 1);
   options.option("--width", a.width, "W",
                  "Width in pixels; default from --height, else as the scene says, else 640", 1,
                  65536);
   options.option("--height", a.height, "H",
                  "Height in pixels; default as the scene says, else from the camera's aspect", 1,
                  65536);
+  std::vector<std::string> names{"auto"};
+  names.insert(names.end(), kIntegratorNames.begin(), kIntegratorNames.end());
+  options.choice("--integrator", a.integrator, names,
+                 "Techniques to combine; default auto, which finds the best for this scene");
+  declare_mixture_options(options, a);
+  options.option("--max-depth", a.max_depth, "K", "Edges of the longest path; default no limit", 1,
+                 kMostEdges);
 }
 
-// What a picture holds beside its colours, and what is written beside it.
+// What a picture holds beside its colours.
 void declare_picture_options(cli::Options& options, RenderArguments& a) {
-  options.side_output("--stats", a.stats, "Write statistics as JSON, with the picture's progress");
+  options.part(cli::Part::picture);
   options.flag("--alpha", a.alpha,
                "Transparent film: leave out the sky behind all, add a channel A of what is before "
                "it");
@@ -112,33 +121,30 @@ void declare_picture_options(cli::Options& options, RenderArguments& a) {
                "Add each technique's contribution as layers <technique>.R .G .B");
   options.option("--aov", a.aov, "LIST",
                  "Add channels: albedo, normal, position, depth, variance, samples, or all");
-  options.side_output("--nonzero", a.nonzero,
-                      "Write a PNG of the pixels: red with a contribution, green without");
-  options.output_beside("--preview", a.preview, cli::png_beside, "Write a PNG beside the picture");
-  options.result_name(check_picture_name);
 }
 
 }  // namespace
 
 void check_render_arguments(const RenderArguments& a) {
-  check_name_of_png("--nonzero", a.nonzero);
+  check_name_of_png("--set nonzero", a.nonzero);
   check_no_portal_twice(a.portals);
 }
 
 void declare_render_options(cli::Options& options, RenderArguments& a) {
+  options.part(cli::Part::files);
   options.inputs("--portal", a.portals, "FILE",
                  "Portals (.glb, .gltf) from portalfit or a modelling program; may be repeated");
-  std::vector<std::string> names{"auto"};
-  names.insert(names.end(), kIntegratorNames.begin(), kIntegratorNames.end());
-  options.choice("--integrator", a.integrator, names,
-                 "Techniques to combine; default auto, which finds the best for this scene");
-  declare_guide_options(options, a);
+  options.output_beside("--preview", a.preview, cli::png_beside, "Write a PNG beside the picture");
+  options.result_name(check_picture_name);
   declare_amount_options(options, a);
-  declare_sky_options(options, a.sky);
-  declare_camera_options(options, a.camera);
-  options.choice("--mis", a.mis, {"balance", "power"}, "MIS heuristic; default balance");
-  declare_checkpoint_options(options, a);
   declare_picture_options(options, a);
+  declare_camera_options(options, a.camera);
+  declare_sky_options(options, a.sky);
+  declare_checkpoint_options(options, a);
+  options.part(cli::Part::telling);
+  options.side_output("--stats", a.stats, "Write statistics as JSON, with the picture's progress");
+  options.side_output("--set nonzero", a.nonzero,
+                      "Write a PNG of the pixels: red with a contribution, green without");
 }
 
 }  // namespace tdpt

@@ -31,7 +31,7 @@ struct RenderArguments {
   int64_t max_depth = 0;    ///< edges; 0: no limit
   double seconds = 0;       ///< 0: no limit
   double target_error = 0;  ///< relMSE; 0: none
-  bool retry = false;
+  int64_t retry = 0;        ///< whether to render on where the target is missed
 
   std::string checkpoint, resume;  ///< paths; empty: not given
   double checkpoint_every = -1;    ///< seconds; below 0: not given

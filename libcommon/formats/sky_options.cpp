@@ -125,7 +125,7 @@ std::string take_lamps(Scene& scene, const SkyArguments& a, bool with_map,
                        const cli::Common& common) {
   if (scene.lights.empty()) {
     if (a.light_units != "auto")
-      common.note_of(scene.path, "the scene has no lamp: --light-units changes nothing");
+      common.note_of(scene.path, "the scene has no lamp: --set light-units changes nothing");
     return "";
   }
   if (a.light_units == "auto" && !scene.lamp_units.reason.empty())
@@ -140,22 +140,23 @@ std::string take_lamps(Scene& scene, const SkyArguments& a, bool with_map,
 }  // namespace
 
 void declare_sky_options(cli::Options& options, SkyArguments& a) {
+  options.part(cli::Part::light);
   options.input_or_setting(
       "--environment", a.environment, "FILE|R,G,B",
       "What shines from all around: latitude-longitude map (.exr, .hdr) or "
       "one colour, W/m2/sr; default what the scene names, which 'none' leaves out",
       is_file);
-  options.option("--environment-rotation", a.rotation, "DEG",
+  options.option("--environment-rotation,--set environment-rotation", a.rotation, "DEG",
                  "Turn the environment about the vertical, counter-clockwise from above; default "
                  "as the scene says, else 0",
                  -360, 360);
-  options.option("--environment-scale", a.scale, "S",
+  options.option("--environment-scale,--set environment-scale", a.scale, "S",
                  "Multiply the environment by S; default as the scene says, else 1", 1e-9, 1e9);
   options.option("--sun-angle", a.sun_angle, "DEG",
                  "Angle that directional lamps are seen under; default 0, parallel light", 0, 90);
   std::vector<std::string> units = names_of_lamp_units();
   units.insert(units.begin(), "auto");
-  options.choice("--light-units", a.light_units, units,
+  options.choice("--set light-units", a.light_units, units,
                  "Units of the scene's lamps; default auto, by who wrote the file");
 }
 
@@ -214,8 +215,8 @@ void warn_of_lamps(const Scene& scene, const cli::Common& common) {
                   "meant, {}",
                   number_words(power.lamps / power.surfaces),
                   as_they_are
-                      ? "their units differ, and --light-units photometric divides lamps by 683"
-                      : "--light-units says in what their numbers are"));
+                      ? "their units differ, and --set light-units=photometric divides lamps by 683"
+                      : "--set light-units says in what their numbers are"));
 }
 
 }  // namespace tdpt

@@ -18,7 +18,7 @@ struct SkyArguments {
   std::string light_units = "auto";  ///< or a name of LampUnits::Kind
 };
 
-/// --environment, --environment-rotation, --environment-scale, --sun-angle, --light-units.
+/// --environment, --environment-rotation, --environment-scale, --sun-angle, --set light-units.
 void declare_sky_options(cli::Options& options, SkyArguments& a);
 
 /// The environment that is taken.

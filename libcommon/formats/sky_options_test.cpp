@@ -118,8 +118,9 @@ TEST(SkyOptions, UnitsAreThoseOfTheFileUnlessGiven) {
                   static_cast<float>(5 / (4 * std::numbers::pi)));
   Scene dark = lamps();
   dark.lights.clear();
-  EXPECT_NE(Taken(dark, "watts").note.find("the scene has no lamp: --light-units changes nothing"),
-            std::string::npos);
+  EXPECT_NE(
+      Taken(dark, "watts").note.find("the scene has no lamp: --set light-units changes nothing"),
+      std::string::npos);
 }
 
 // One factor for all that shines moves no light elsewhere.
@@ -151,13 +152,15 @@ TEST(SkyOptions, LampsThatOutshineSurfacesAreTold) {
   EXPECT_EQ(warning(1e6f), "");
   scene.materials[0].emission = Rgb(1);  // pi/2 W beside 4 pi of the lamp; suns do not count
   EXPECT_EQ(warning(12), "");
-  EXPECT_NE(warning(13).find("lamps have 104 times the power of the surfaces that emit: if that is "
-                             "not meant, their units differ, and --light-units photometric divides "
-                             "lamps by 683"),
-            std::string::npos);
+  EXPECT_NE(
+      warning(13).find("lamps have 104 times the power of the surfaces that emit: if that is "
+                       "not meant, their units differ, and --set light-units=photometric divides "
+                       "lamps by 683"),
+      std::string::npos);
   scene.lamp_units.kind = LampUnits::Kind::photometric;  // what they were taken for
-  EXPECT_NE(warning(13).find("if that is not meant, --light-units says in what their numbers are"),
-            std::string::npos);
+  EXPECT_NE(
+      warning(13).find("if that is not meant, --set light-units says in what their numbers are"),
+      std::string::npos);
 }
 
 TEST(SkyOptions, OneColour) {
@@ -390,12 +393,12 @@ TEST(SkyOptions, FilesOfAnotherSceneOrSkyAreTold) {
   EXPECT_EQ(said("1235+88"), "a.cut: was made from another scene than room.glb");
   EXPECT_EQ(said("1234+88"),
             "a.cut: was made from room.glb, but under another environment or "
-            "other --light-units");
+            "other --set light-units");
   scene.sky_hash = "88";
   EXPECT_EQ(said("1234+88"), "");
   EXPECT_EQ(said("1234"),
             "a.cut: was made from room.glb, but under another environment or "
-            "other --light-units");
+            "other --set light-units");
   EXPECT_TRUE(scene.is_scene_of("1234+99"));
   EXPECT_FALSE(scene.is_scene_of("12345"));
 }

@@ -22,10 +22,12 @@ std::string list_of_devices() {
 
 void declare_device_options(cli::Options& options, std::string& device, const std::string& what) {
   device = "cpu";
+  options.part(cli::Part::effort);
   options.option("--device", device, "cpu|gpu[:WHICH]",
                  what +
                      "; default cpu. WHICH: number or part of the name of a Vulkan device; "
                      "else the best");
+  options.part(cli::Part::telling);
   options.instead("--list-devices", list_of_devices, "List the Vulkan devices and exit");
 }
 

@@ -93,7 +93,7 @@ LampUnits lamp_units_of(std::string_view generator, const std::vector<LampNumber
     const bool alike = by_digits(lamps, Kind::photometric) == Kind::photometric;
     return {Kind::radiometric,
             alike ? "lamps are taken as W/sr and W/m2, but have the digits of Blender's candela: "
-                    "--light-units photometric would divide them by 683 lm/W"
+                    "--set light-units=photometric would divide them by 683 lm/W"
                   : ""};
   }
   if (*version < kWithModes)

@@ -53,7 +53,7 @@ TEST(LampUnits, NumbersLikeBlendersInAnothersFileAreTold) {
   EXPECT_EQ(units.kind, Kind::radiometric);
   EXPECT_EQ(units.reason,
             "lamps are taken as W/sr and W/m2, but have the digits of Blender's candela: "
-            "--light-units photometric would divide them by 683 lm/W");
+            "--set light-units=photometric would divide them by 683 lm/W");
 }
 
 TEST(LampUnits, BlenderBefore3440WroteWatts) {

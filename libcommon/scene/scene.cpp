@@ -50,7 +50,7 @@ void check_made_from(const Scene& scene, const std::string& identity, const std:
   throw InputError(display_name(file), "",
                    fmt::format("was made from {}{}", same ? "" : "another scene than ",
                                display_name(scene.path)) +
-                       (same ? ", but under another environment or other --light-units" : ""));
+                       (same ? ", but under another environment or other --set light-units" : ""));
 }
 
 const Camera& Scene::camera(const std::string& name) const {

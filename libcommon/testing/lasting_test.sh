@@ -26,7 +26,7 @@ is_whole() { exrmerge --quiet --gaps "$1" -o /dev/null; }
 
 order() {
   spp=64
-  SPY_ON_WRITES=$work/log LD_PRELOAD=$spy render --checkpoint c.exr --checkpoint-every 0 -o p.exr || fail "no picture"
+  SPY_ON_WRITES=$work/log LD_PRELOAD=$spy render --checkpoint c.exr --set checkpoint-every=0 -o p.exr || fail "no picture"
   # What happens to the first checkpoint, runs of one thing told once.
   got=$(uniq log | sed -n '1,/fsync folder/p' | tr '\n' ';')
   [ "$got" = "write file;fsync file;rename c.exr;fsync folder;" ] || fail "the order is: $got"
@@ -41,7 +41,7 @@ order() {
 kills() {
   spp=65536 killed=0 spoilt=0 seed=$$ changed=0 ms=100 before=none
   while [ $killed -lt 50 ] && [ $spoilt -lt "$1" ]; do
-    run="exec" render --integrator bdpt --checkpoint c.exr --resume c.exr --checkpoint-every 0 -o p.exr &
+    run="exec" render --integrator bdpt --checkpoint c.exr --resume c.exr --set checkpoint-every=0 -o p.exr &
     pid=$!
     seed=$(((seed * 1103515245 + 12345) % 2147483648))
     now=$((seed / 65536 % ms))
@@ -78,7 +78,7 @@ shards() {
   while [ $i -lt "$1" ]; do
     part=s.$i-of-$1.exr
     if [ $((i % 3)) -eq 0 ]; then
-      run="exec" room --plan plan.json --shard "$i/$1" --threads "$2" --checkpoint k.exr --checkpoint-every 0 -o "$part" &
+      run="exec" room --plan plan.json --shard "$i/$1" --threads "$2" --checkpoint k.exr --set checkpoint-every=0 -o "$part" &
       pid=$!
       sleep 0.15
       kill -KILL $pid 2>/dev/null
@@ -131,7 +131,7 @@ parts() {
   # The command of the beginning still holds; what was added is added once where it is killed on the way.
   room --spp 32 -o began.exr --checkpoint grown.exr || fail "no picture"
   cmp began.exr whole.exr || fail "a checkpoint changes the picture"
-  run="exec" room --resume grown.exr --add-samples 32 --checkpoint-every 0 --threads 1 -o more.exr &
+  run="exec" room --resume grown.exr --add-samples 32 --set checkpoint-every=0 --threads 1 -o more.exr &
   pid=$!
   while [ "$(exrmerge --quiet --gaps --json grown.exr -o now.exr 2>/dev/null | sed 's/.*"spp":\([0-9]*\).*/\1/')" = 32 ]; do sleep 0.02; done
   kill -KILL $pid
@@ -160,7 +160,7 @@ more_parts() {
   spp=0
   aim() { $run tdpt-render "$scene" --quiet --width 40 --height 30 --integrator bdpt --target-error 0.05 "$@"; }
   aim -o whole.exr || fail "no picture"
-  run="exec" aim --checkpoint c.exr --checkpoint-every 0 -o p.exr &
+  run="exec" aim --checkpoint c.exr --set checkpoint-every=0 -o p.exr &
   pid=$!
   while [ ! -e c.exr ]; do sleep 0.05; done
   kill -TERM $pid
@@ -177,7 +177,7 @@ more_parts() {
   cmp p.exr whole.exr || fail "a picture of given error that went on has other bytes"
 
   timed() { $run tdpt-render "$scene" --quiet --width 40 --height 30 --time 1.5 "$@"; }
-  run="exec" timed --checkpoint t.exr --checkpoint-every 0.1 -o p.exr &
+  run="exec" timed --checkpoint t.exr --set checkpoint-every=0.1 -o p.exr &
   pid=$!
   sleep 0.8
   kill -KILL $pid
@@ -238,7 +238,7 @@ traps() {
   same t1.exr t2.exr "a checkpoint of a given error is no picture"
 
   # Before all is decided nothing is kept, however often checkpoints are written.
-  run="exec" few --target-error 0.02 --checkpoint hasty.exr --checkpoint-every 0 -o p.exr &
+  run="exec" few --target-error 0.02 --checkpoint hasty.exr --set checkpoint-every=0 -o p.exr &
   pid=$!
   sleep 0.15
   kill -TERM $pid
@@ -298,7 +298,7 @@ traps() {
   refused 3 'deep.json: is no plan' few --plan deep.json --shard 0/2 -o p.exr
   tdpt-info deep.json 2>messages && fail "it is known"
   [ $? -lt 128 ] || fail "tdpt-info is ended"
-  refused 2 'only 16 samples' few --spp 16 --print-shards 17 -o p.exr
+  refused 2 'only 16 samples' few --spp 16 --shard all/17 -o p.exr
   refused 2 'at the most' few --resume whole-film.exr --add-samples 4294967296 -o p.exr
 }
 
@@ -325,7 +325,7 @@ kills)
   rm c.exr
   render -o undisturbed.exr || fail "no picture"
   for how in KILL TERM; do
-    run="exec" render --checkpoint c.exr --resume c.exr --threads 1 --checkpoint-every 0 -o p.exr &
+    run="exec" render --checkpoint c.exr --resume c.exr --threads 1 --set checkpoint-every=0 -o p.exr &
     pid=$!
     while [ ! -e c.exr ]; do sleep 0.02; done
     sleep 0.2
@@ -345,11 +345,11 @@ full-disk)
   mkdir small
   mount -t tmpfs -o size=96k tmpfs small 2>/dev/null || { echo "no file system can be mounted"; exit 77; }
   spp=16
-  render --checkpoint small/c.exr --checkpoint-every 0 -o p.exr || fail "there is no room for one checkpoint"
+  render --checkpoint small/c.exr --set checkpoint-every=0 -o p.exr || fail "there is no room for one checkpoint"
   cp small/c.exr before.exr
   head -c 96k /dev/zero >small/filling 2>/dev/null
   spp=32
-  tdpt-render "$scene" --quiet --resume small/c.exr --width 48 --height 36 --add-samples 4096 --checkpoint-every 0 \
+  tdpt-render "$scene" --quiet --resume small/c.exr --width 48 --height 36 --add-samples 4096 --set checkpoint-every=0 \
     -o q.exr 2>messages &
   pid=$!
   sleep 1.5

@@ -19,7 +19,7 @@ case $what in
   kills) ;;
   seed) fault='--seed 2' ;;
   processor)
-    fault='--isa sse2'
+    fault='--set isa=sse2'
     grep -q avx2 /proc/cpuinfo || { echo "skipped: this processor has but one code"; exit 77; }
     ;;
   *) echo "no such test: $what"; exit 2 ;;
@@ -119,7 +119,7 @@ if [ "$what" != kills ]; then
 fi
 n=4
 set -- --width 96 --height 72 --spp 256
-said=$(sh recipe/submit.sh two-rooms.glb picture.exr $n "$@" --checkpoint-every 0.2) || fail "nothing is submitted"
+said=$(sh recipe/submit.sh two-rooms.glb picture.exr $n "$@" --set checkpoint-every=0.2) || fail "nothing is submitted"
 echo "$said"
 shards=$(echo "$said" | sed 's/.*plan), \([0-9]*\) .*/\1/')
 

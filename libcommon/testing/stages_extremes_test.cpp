@@ -66,8 +66,8 @@ StagesRun run_on(const std::string& glb, bool few_walks) {
   std::ofstream(stem + ".glb", std::ios::binary) << glb;
   PortalStages stages{.bin = TDPT_BIN};
   if (few_walks)
-    stages.options = {{"ffgraph", "--walks 20000 --samples 60000"},
-                      {"lightgrid", "--resolution 64 --lines 2000"}};
+    stages.options = {{"ffgraph", "--set walks=20000 --samples 60000"},
+                      {"lightgrid", "--resolution 64 --set lines=2000"}};
   return run_stages(stages, stem);
 }
 

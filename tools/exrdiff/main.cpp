@@ -23,7 +23,8 @@ constexpr cli::Program kProgram{
     "none",
     cli::Result::binary,
     cli::kLibraries,
-    cli::kCommit};
+    cli::kCommit,
+    cli::kNone};
 
 struct Arguments {
   std::string picture, reference, beside;

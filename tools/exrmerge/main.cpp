@@ -18,7 +18,8 @@ constexpr cli::Program kProgram{"exrmerge",
                                 "Picture to write (OpenEXR); default standard output",
                                 cli::Result::binary,
                                 cli::kLibraries,
-                                cli::kCommit};
+                                cli::kCommit,
+                                cli::kQuiet};
 
 struct Arguments {
   std::vector<std::string> films;

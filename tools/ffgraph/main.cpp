@@ -28,7 +28,8 @@ constexpr cli::Program kProgram{"ffgraph",
                                 "Network to write (DIMACS); default standard output",
                                 cli::Result::text,
                                 cli::kLibraries,
-                                cli::kCommit};
+                                cli::kCommit,
+                                cli::kSeed | cli::kThreads | cli::kQuiet};
 
 // Between which of them curves tell, doc/tradeoff.md.
 constexpr cli::ByQuality<int64_t> kSamples{75000, 300000, 1200000}, kWalks{25000, 100000, 400000};
@@ -44,31 +45,32 @@ struct Arguments {
 
 void declare_options(cli::Options& options, Arguments& a) {
   options.argument("scene", a.scene, "Scene (.glb, .gltf); - is standard input");
-  declare_sky_options(options, a.sky);
-  declare_camera_options(options, a.camera);
-  options.choice("--nodes", a.nodes, {"patches", "triangles"},
-                 "What the nodes are; default patches");
-  options.choice("--capacity", a.capacity, {"etendue", "formfactor"},
-                 "What the capacities are; default etendue for patches, formfactor for triangles");
-  options.quality();
-  options.option("--samples", a.samples, kSamples, "N", "Rays for the etendue in each round", 1000,
-                 100000000);
-  options.option("--walks", a.walks, kWalks, "N",
-                 "Walks from the light, and as many from the camera", 1, 10000000);
-  options.option("--bounces", a.bounces, "N", "Surfaces that a walk hits at most; default 12", 1,
-                 64);
-  options.option("--cells", a.cells, "N",
-                 "Patches along the diagonal of what the walks reach; default 24", 4, 256);
-  options.option("--rounds", a.rounds, "N",
-                 "Rounds of splitting patches that straddle an opening; default 1", 0, 3);
   options.input(
       "--refine", a.refine, "CUT",
-      "Split where the patches of this cut (.cut) straddle its opening, instead of --rounds");
+      "Split where the patches of this cut (.cut) straddle its opening, instead of --set rounds");
   options.side_output("--preview", a.preview,
                       "Write a picture (.png, .svg, .pdf): what light and camera reach, as the "
                       "camera sees it and in plan");
   options.side_output("--debug-glb", a.debug_glb,
                       "Write the same as glTF, the patches as coloured squares");
+  options.part(cli::Part::effort);
+  options.choice("--nodes,--set nodes", a.nodes, {"patches", "triangles"},
+                 "What the nodes are; default patches");
+  options.choice("--capacity,--set capacity", a.capacity, {"etendue", "formfactor"},
+                 "What the capacities are; default etendue for patches, formfactor for triangles");
+  options.quality();
+  options.option("--samples,--set samples", a.samples, kSamples, "N",
+                 "Rays for the etendue in each round", 1000, 100000000);
+  options.option("--set walks", a.walks, kWalks, "N",
+                 "Walks from the light, and as many from the camera", 1, 10000000);
+  options.option("--set bounces", a.bounces, "N", "Surfaces that a walk hits at most; default 12",
+                 1, 64);
+  options.option("--set cells", a.cells, "N",
+                 "Patches along the diagonal of what the walks reach; default 24", 4, 256);
+  options.option("--set rounds", a.rounds, "N",
+                 "Rounds of splitting patches that straddle an opening; default 1", 0, 3);
+  declare_camera_options(options, a.camera);
+  declare_sky_options(options, a.sky);
 }
 
 // Hits of walks are kept in memory, 16 bytes each.

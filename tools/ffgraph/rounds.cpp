@@ -176,7 +176,7 @@ class Rounds {
     LightFlow flow = estimate(PatchMap(scene_, grid_.grid, component_, grid_.fine));
     report_.why_stopped = report_.camera_hits == 0  ? "the camera sees no surface"
                           : report_.light_hits == 0 ? "no light reaches a surface"
-                                                    : "--rounds allows no more";
+                                                    : "--set rounds allows no more";
     while (report_.rounds < static_cast<size_t>(settings_.rounds)) {
       const double cpu = cpu_seconds();
       const std::vector<uint8_t> chosen =

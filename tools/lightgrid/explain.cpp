@@ -53,10 +53,11 @@ Decision of_lines(const std::string& cut, const LightGridReport::OfCut& c,
                   const LightGridOptions& options) {
   if (c.kept == 0)
     return {cut + ", lines", "none", "no segment joins the two sides", "no fine pass"};
-  return {cut + ", lines", fmt::format("{} kept", c.lines),
-          fmt::format("--lines allows {}, and {} of {} drawn through the light join the two sides",
-                      options.lines, c.joined, c.tried),
-          counted(c.tried, "line") + " tried"};
+  return {
+      cut + ", lines", fmt::format("{} kept", c.lines),
+      fmt::format("--set lines allows {}, and {} of {} drawn through the light join the two sides",
+                  options.lines, c.joined, c.tried),
+      counted(c.tried, "line") + " tried"};
 }
 
 }  // namespace

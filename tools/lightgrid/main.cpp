@@ -44,20 +44,21 @@ struct Arguments {
 void declare_options(cli::Options& options, Arguments& a) {
   options.argument("scene", a.scene, "The scene, glTF 2.0 (.glb or .gltf)");
   options.argument("cut", a.cut, "Its minimum cut (.cut), as mincut writes it");
-  declare_sky_options(options, a.sky);
-  options.quality();
-  options.option("--resolution", a.resolution, kResolution, "N",
-                 "Voxels along the longest side of the grid", 8, 512);
-  options.option("--lines", a.lines, kLines, "N", "Most lines of light kept in the file", 100,
-                 1 << 22);
-  options.flag("--z-up", a.z_up, "Turn the grid for viewers whose up is +Z, as Blender");
-  declare_device_options(options, a.device, "What traces the lines");
   options.side_output(
       "--preview", a.preview,
       "Write a picture (.png, .svg, .pdf): the counts along the three axes of the grid");
   options.side_output("--debug-glb", a.debug_glb,
                       "Write the fullest voxels and some lines of light as glTF");
   declare_debug_lines(options, a.debug_lines);
+  options.flag("--z-up", a.z_up, "Turn the grid for viewers whose up is +Z, as Blender");
+  options.part(cli::Part::effort);
+  options.quality();
+  options.option("--resolution,--set resolution", a.resolution, kResolution, "N",
+                 "Voxels along the longest side of the grid", 8, 512);
+  options.option("--set lines", a.lines, kLines, "N", "Most lines of light kept in the file", 100,
+                 1 << 22);
+  declare_device_options(options, a.device, "What traces the lines");
+  declare_sky_options(options, a.sky);
 }
 
 struct NamedTracer {

@@ -29,7 +29,8 @@ constexpr cli::Program kProgram{"mincut",
                                 "Cut to write; default standard output",
                                 cli::Result::text,
                                 cli::kLibraries,
-                                cli::kCommit};
+                                cli::kCommit,
+                                cli::kThreads | cli::kQuiet};
 
 struct Arguments {
   std::string network = "-", scene, camera, preview, debug_glb, debug_lines = "edges";
@@ -40,10 +41,9 @@ struct Arguments {
 void declare_options(cli::Options& options, Arguments& a) {
   options.argument("network", a.network,
                    "Network (.max, a DIMACS maximum-flow problem); default standard input", false);
-  options.quality();
-  options.option("--cuts", a.cuts, "K",
+  options.option("--cuts,--set cuts", a.cuts, "K",
                  "Most bottlenecks to look for, one behind the other; default 8", 1, 64);
-  options.option("--largest-conductance", a.limits.largest_conductance, "C",
+  options.option("--set largest-conductance", a.limits.largest_conductance, "C",
                  "Largest share of the smaller side's light that may cross; default 0.12", 0, 1);
   options.side_output("--preview", a.preview,
                       "Write a picture (.png, .svg, .pdf): the cut's sides and pivot pairs in the "

@@ -27,7 +27,8 @@ constexpr cli::Program kProgram{"portalfit",
                                 "The portals (.glb, or the text of --for); default standard output",
                                 cli::Result::binary,
                                 cli::kLibraries,
-                                cli::kCommit};
+                                cli::kCommit,
+                                cli::kThreads | cli::kQuiet};
 
 struct Arguments {
   std::string grid = "-", method = "tube", renderer, preview, debug_glb, debug_lines = "edges";
@@ -38,11 +39,11 @@ struct Arguments {
 
 void declare_options(cli::Options& options, Arguments& a) {
   options.argument("grid", a.grid, "The light grid (.vdb); default standard input", false);
-  options.quality();
-  options.option("--threshold", a.threshold, "T",
+  options.option("--threshold,--set threshold", a.threshold, "T",
                  "Smallest share of the lines that makes a portal; default 0.02", 0.0001, 1);
-  options.option("--max-portals", a.max_portals, "N", "Most portals; default 8", 1, 1000);
-  options.choice("--method", a.method, {"tube", "paper"},
+  options.option("--max-portals,--set max-portals", a.max_portals, "N", "Most portals; default 8",
+                 1, 1000);
+  options.choice("--set method", a.method, {"tube", "paper"},
                  "How a portal is fitted: tube, the default, or the rule of the paper");
   options.choice(
       "--for", a.renderer, renderer_names(),

@@ -13,7 +13,8 @@ namespace {
 constexpr cli::Program kProgram{
     "tdpt-info",     "Tells what a file is, how it was made, and whether it is intact.",
     nullptr,         cli::Result::text,
-    cli::kLibraries, cli::kCommit};
+    cli::kLibraries, cli::kCommit,
+    cli::kNone};
 
 struct Arguments {
   std::vector<std::string> files;

@@ -73,7 +73,7 @@ RenderSettings settings_of(const Arguments& a, const cli::Common& common) {
   const bool unlimited = a.spp == 0 && a.seconds == 0 && a.target_error == 0;
   settings.spp = unlimited ? kSamples.at(common.quality) : static_cast<uint64_t>(a.spp);
   settings.target_error = a.target_error;
-  settings.retry = a.retry;
+  settings.retry = a.retry > 0;
   settings.seconds = a.seconds;
   settings.max_depth = a.max_depth == 0 ? kMaxDepth : static_cast<int>(a.max_depth);
   settings.beta = a.mis == "power" ? 2 : 1;
@@ -166,8 +166,7 @@ int print_shards(const Arguments& a, const cli::Common& common) {
   const std::string commands = shard_commands(a, common.arguments, common.output);
   std::fputs(commands.c_str(), stdout);
   if (!a.plan.empty() && !std::filesystem::exists(a.plan))
-    common.note("there is no " + a.plan +
-                " yet: the same command without --print-shards and -o makes it");
+    common.note("there is no " + a.plan + " yet: the same command without --shard and -o makes it");
   common.note("then merge them: " + merge_command(a, common.output));
   return 0;
 }
@@ -229,7 +228,7 @@ int render(const Job& job, SampleRenderer& renderer, const Choice& choice, Cours
 int run(const Arguments& a, const cli::Common& common) {
   check_render_arguments(a);
   const std::optional<gpu::Device> device = device_asked(a.device);
-  if (a.print_shards > 0) return print_shards(a, common);
+  if (prints_shards(a)) return print_shards(a, common);
   choose_processor_code(a.isa, common.arguments);
   check_course(a);
   catch_signals();

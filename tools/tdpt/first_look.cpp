@@ -15,11 +15,14 @@ constexpr int64_t kSmall = 320;  // pixels on the longer side
 constexpr int64_t kMost = 1024;  // samples of a pixel
 constexpr int kNice = 10;        // where the small one is there the stages come first
 
-// The word behind an option, as request_of() writes it.
+// An option with the word behind it, as request_of() writes it; `option` "--set retry": a setting.
 void drop(Words& words, const std::string& option, bool has_value) {
+  const bool setting = option.starts_with("--set ");
   for (auto at = words.begin(); at != words.end();) {
     const bool joined = at->starts_with(option + "=");
-    if (*at != option && !joined) {
+    const bool set = setting && *at == "--set" && at + 1 != words.end() &&
+                     (at + 1)->starts_with(option.substr(6) + "=");
+    if (*at != option && !joined && !set) {
       ++at;
       continue;
     }
@@ -39,14 +42,16 @@ FirstLook::FirstLook(const Arguments& a, const Request& request, const std::stri
       height_(a.height) {
   Words shape = request.render;
   for (const char* option :
-       {"--integrator", "--spp", "--time", "--target-error", "--guide-light", "--guide-camera",
-        "--segments", "--light-walks", "--add-samples", "--aov", "--width", "--height"})
+       {"--integrator", "--spp", "--time", "--target-error", "--set guide-light",
+        "--set guide-camera", "--set segments", "--set light-walks", "--set retry", "--add-samples",
+        "--aov", "--width", "--height"})
     drop(shape, option, true);
-  for (const char* option : {"--retry", "--layers"}) drop(shape, option, false);
+  drop(shape, "--layers", false);
   base_ = {programs + "/tdpt-render", request.scene};
   for (const Words& words : {request.camera, request.sky, request.unshaped, shape})
     base_.insert(base_.end(), words.begin(), words.end());
-  for (const char* word : {"--integrator", "bdpt", "--quiet", "--progress", "none", "--preview"})
+  for (const char* word :
+       {"--integrator", "bdpt", "--quiet", "--set", "progress=none", "--preview"})
     base_.emplace_back(word);
   begin();
 }

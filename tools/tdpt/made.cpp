@@ -34,7 +34,7 @@ Json json_of(const Made& made) {
 }
 
 std::vector<std::pair<std::string, std::string>> files_beside(const RenderArguments& a) {
-  return {{"--preview", a.preview}, {"--stats", a.stats}, {"--nonzero", a.nonzero}};
+  return {{"--preview", a.preview}, {"--stats", a.stats}, {"--set nonzero", a.nonzero}};
 }
 
 bool all_are_there(const RenderArguments& a, const Made& made) {

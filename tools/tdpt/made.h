@@ -32,7 +32,7 @@ std::optional<Unfinished> unfinished_in(const std::string& entry);
 
 /// Of the file at that path; "" where there is none.
 std::string hash_of_picture(const std::string& path);
-/// Hashes of the files that --preview, --stats and --nonzero name, where they are there.
+/// Hashes of the files that --preview, --stats and --set nonzero name, where they are there.
 std::map<std::string, std::string> files_written_beside(const RenderArguments& a);
 
 /// Whether the picture is there, whole, as `p` would make it, and all that goes with it.

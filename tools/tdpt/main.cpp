@@ -15,8 +15,8 @@ namespace {
 
 constexpr cli::Program kProgram{
     "tdpt",
-    "Finds the portals of a glTF scene and renders it through them. Beside the options that "
-    "come first it has those of tdpt-render; what the stages before it need of them they get.",
+    "Finds the portals of a glTF scene and renders it through them. It has "
+    "the options of tdpt-render; what the stages before it need of them they get.",
     "Picture to write (.exr)",
     cli::Result::text,
     cli::kLibraries,
@@ -36,6 +36,8 @@ std::string list_of_devices() {
 
 void declare_options(cli::Options& options, Arguments& a) {
   using cli::Shapes;
+  declare_render_options(options, a);
+  options.part(cli::Part::files);
   options.argument("scene", a.scene, "Scene (.glb, .gltf)", false);
   options.flag("--force", a.force, "Replace a picture that another command, or nobody known, made",
                Shapes::nothing);
@@ -49,18 +51,20 @@ void declare_options(cli::Options& options, Arguments& a) {
                  Shapes::nothing);
   options.flag("--clean", a.clean, "Empty that folder, but for what runs of tdpt are using",
                Shapes::nothing);
+  options.part(cli::Part::telling);
   options.flag("--dry-run", a.dry_run, "Print the commands that would run, and run none",
                Shapes::nothing);
-  declare_render_options(options, a);
+  options.part(cli::Part::effort);
   options.option("--device", a.device, "cpu|gpu[:WHICH]",
                  "Where to count light and to render; default cpu. WHICH: number or part of the "
                  "name of a Vulkan device; else the best");
+  options.part(cli::Part::telling);
   options.instead("--list-devices", list_of_devices, "List the Vulkan devices and exit");
 }
 
 ProgressForm form_of(const cli::Common& common) {
   for (const cli::Given& given : common.given)
-    if (given.name == "--progress" && !given.values.empty())
+    if (given.name == "--set progress" && !given.values.empty())
       return given.values.back() == "json"   ? ProgressForm::json
              : given.values.back() == "none" ? ProgressForm::none
                                              : ProgressForm::automatic;

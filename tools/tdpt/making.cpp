@@ -252,7 +252,8 @@ Making::Ending Making::run_stages() {
     if (is_whole(step.output)) continue;
     const std::string partial = portals_.path() + "/" + kPartial + name_of(step.output);
     Words words = step.command(partial);
-    words.insert(words.end(), {"--progress", "json"});
+    if (name_of(step.options[0]) == "lightgrid")  // the others are short, and show none
+      words.insert(words.end(), {"--set", "progress=json"});
     const bool reads_scene =
         std::find(step.inputs.begin(), step.inputs.end(), request_.scene) != step.inputs.end();
     ChildProcess::How how;
@@ -310,7 +311,7 @@ Making::Ending Making::render() {
   const std::string made = picture_.path() + "/" + kPicture, film = picture_.path() + "/film.exr";
   keep(Unfinished{pipeline_.key}, picture_.path());
   Words words = pipeline_.render.command(made);
-  words.insert(words.end(), {"--progress", "json"});
+  words.insert(words.end(), {"--set", "progress=json"});
   ChildProcess::How how;
   how.shares_stdout = true;
   const bool goes_on = is_there(film);

@@ -51,9 +51,10 @@ void add_stages(const Request& r, const std::string& programs, const std::string
     p.stages.push_back({title, joined({{programs + "/" + tool}, options, r.all, r.stage_flags[i]}),
                         inputs, r.unshaped, file(end)});
   };
-  stage(0, "tracing where light goes", "ffgraph", joined({r.camera, r.sky}), {r.scene}, "max");
+  stage(0, "tracing where light goes", "ffgraph", joined({r.camera, r.sky, r.sampling}), {r.scene},
+        "max");
   stage(1, "finding bottlenecks", "mincut", {}, {file("max")}, "cut");
-  stage(2, "following the light through them", "lightgrid", joined({r.sky, r.device}),
+  stage(2, "following the light through them", "lightgrid", joined({r.sky, r.device, r.sampling}),
         {r.scene, file("cut")}, "vdb");
   stage(3, "fitting portals", "portalfit", {}, {file("vdb")}, "portal.glb");
 }
@@ -65,7 +66,7 @@ std::string key_of_portals(const Request& r, const SceneState& state, const std:
     key.add(content_hash_of_file(programs + "/" + tool));
   key.add(file_name(r.scene));
   key.add(state.hash);
-  for (const Words& words : {r.camera, by_content(r.sky, state.sky), r.device, r.all})
+  for (const Words& words : {r.camera, by_content(r.sky, state.sky), r.device, r.sampling, r.all})
     key.add(words);
   for (const Words& words : r.stage_flags) {
     key.add(words);
@@ -86,7 +87,8 @@ std::string key_of_picture(const Request& r, const SceneState& state, const std:
   key.add(found);
   key.add(state.portals);
   for (const std::string& path : given) key.add(file_name(path));
-  for (const Words& words : {r.camera, by_content(r.sky, state.sky), r.device, r.all, r.render})
+  for (const Words& words :
+       {r.camera, by_content(r.sky, state.sky), r.device, r.sampling, r.all, r.render})
     key.add(words);
   return key.hash();
 }
@@ -130,7 +132,8 @@ Pipeline pipeline_of(const Arguments& a, const Request& r, const SceneState& sta
     const std::string film = work.path_of(p.picture_entry) + "/film.exr";
     beside.insert(beside.end(), {"--checkpoint", film, "--resume", film});
   }
-  const Words options = joined({{renderer}, r.camera, r.sky, r.device, r.all, r.render});
+  const Words options =
+      joined({{renderer}, r.camera, r.sky, r.device, r.sampling, r.all, r.render});
   p.check =
       joined({Step{"", options, given_to(r, given), beside, ""}.command(r.picture), {"--check"}});
   p.render = {"rendering", options, given_to(r, portals), beside, r.picture};

@@ -25,10 +25,10 @@ import zlib
 
 # What a command of tdpt-render may say and a measurement says for itself, with the number of values.
 OURS = {
-    "--spp": 1, "--time": 1, "--target-error": 1, "--retry": 0, "--checkpoint": 1, "--checkpoint-every": 1, "--resume": 1,
-    "--add-samples": 1, "--stats": 1, "--alpha": 0, "--layers": 0, "--aov": 1, "--nonzero": 1, "--preview": 0, "--json": 0,
-    "--explain": 0, "--quiet": 0, "--quality": 1, "--progress": 1, "--width": 1, "--height": 1, "--seed": 1, "--portal": 1,
-    "--integrator": 1, "--guide-light": 1, "--guide-camera": 1, "--segments": 1, "--light-walks": 1,
+    "--spp": 1, "--time": 1, "--target-error": 1, "--set retry": 1, "--checkpoint": 1, "--set checkpoint-every": 1, "--resume": 1,
+    "--add-samples": 1, "--stats": 1, "--alpha": 0, "--layers": 0, "--aov": 1, "--set nonzero": 1, "--preview": 0, "--json": 0,
+    "--explain": 0, "--quiet": 0, "--quality": 1, "--set progress": 1, "--width": 1, "--height": 1, "--seed": 1, "--portal": 1,
+    "--integrator": 1, "--set guide-light": 1, "--set guide-camera": 1, "--set segments": 1, "--set light-walks": 1,
     "--device": 1}
 STAGES = (("ffgraph", "max"), ("mincut", "cut"), ("lightgrid", "vdb"), ("portalfit", "portal.glb"))
 
@@ -46,10 +46,12 @@ def options_of(words):
     stay, ours = [], {}
     words = list(words)
     while words:
-        word = words.pop(0)
-        name, equals, value = word.partition("=")
+        taken = words.pop(0).split("=", 1) if words[0].startswith("--set=") else [words.pop(0)]
+        if taken == ["--set"] and words:
+            taken.append(words.pop(0))
+        name, equals, value = " ".join(taken).partition("=")
         if name not in OURS:
-            stay.append(word)
+            stay += taken
         elif equals:
             ours.setdefault(name, []).append(value)
         else:
@@ -275,9 +277,9 @@ def measure(a):
     base = [a.command[0], a.scene, *stay, *size_of(ours, a.width), *threads, "--quiet"]
     loud = [word for word in base if word != "--quiet"]
     portals = [word for file in ours.get("--portal", []) for word in ("--portal", file)]
-    for name in ("--guide-light", "--guide-camera", "--segments", "--light-walks"):
-        if name in ours:
-            portals += [name, ours[name][-1]]
+    for name in ("guide-light", "guide-camera", "segments", "light-walks"):
+        if "--set " + name in ours:
+            portals += ["--set", f"{name}={ours['--set ' + name][-1]}"]
     chosen = ours.get("--integrator", ["auto"])[-1]
 
     stages = told(a.stem, a.known, a.scene, a.folder, say) if a.stem else []

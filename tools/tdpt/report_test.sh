@@ -17,7 +17,7 @@ complain() {
 }
 cat >Makefile <<END
 TDPT_BIN = $bin/
-FFGRAPH_FLAGS = --walks 5000 --samples 20000 --rounds 0
+FFGRAPH_FLAGS = --set walks=5000 --samples 20000 --set rounds=0
 LIGHTGRID_FLAGS = --resolution 32
 REPORT_TIME = 0.2
 REPORT_WIDTH = 16
@@ -41,7 +41,7 @@ makes "a report" "${stages}room.report.html room.vdb " room.report.html -j4
 makes "a second time" "" room.report.html
 makes "a picture after it" "room.exr " TDPT_RENDER_FLAGS='--spp 1 --width 16' -n room.exr
 makes "another time" "room.report.html " REPORT_TIME=0.3 -n room.report.html
-makes "other flags" "room.report.html " TDPT_RENDER_FLAGS='--mis power' -n room.report.html
+makes "other flags" "room.report.html " TDPT_RENDER_FLAGS='--set mis=power' -n room.report.html
 cp room.report.html first.html
 touch room.glb
 makes "another scene" "${stages}room.report.html room.vdb " -n room.report.html

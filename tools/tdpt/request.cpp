@@ -18,12 +18,14 @@ using Names = std::span<const std::string_view>;
 constexpr std::string_view kCamera[]{"--camera", "--look-from", "--look-at", "--up",
                                      "--fov",    "--frame",     "--cull"};
 constexpr std::string_view kSky[]{"--environment", "--environment-rotation", "--environment-scale",
-                                  "--sun-angle", "--light-units"};
+                                  "--sun-angle", "--set light-units"};
 constexpr std::string_view kDevice[]{"--device"};
-constexpr std::string_view kAll[]{"--seed", "--quality", "--no-provenance"};
+constexpr std::string_view kSampling[]{"--seed", "--quality"};
+constexpr std::string_view kAll[]{"--no-provenance"};
 constexpr std::string_view kUnshaped[]{"--threads", "--max-memory", "--quiet", "--explain"};
-constexpr std::string_view kBeside[]{"--checkpoint", "--checkpoint-every", "--resume", "--stats",
-                                     "--nonzero",    "--preview",          "--json"};
+constexpr std::string_view kBeside[]{"--checkpoint", "--set checkpoint-every", "--resume",
+                                     "--stats",      "--set nonzero",          "--preview",
+                                     "--json"};
 // Of this program alone.
 constexpr std::string_view kOwn[]{"--output",
                                   "--work",
@@ -32,10 +34,10 @@ constexpr std::string_view kOwn[]{"--output",
                                   "--report",
                                   "--dry-run",
                                   "--clean",
-                                  "--progress",
+                                  "--set progress",
                                   "--portal",
-                                  "--dependencies",
-                                  "--dependencies-target"};
+                                  "--set dependencies",
+                                  "--set dependencies-target"};
 
 bool is_one_of(Names names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
@@ -45,7 +47,9 @@ bool is_one_of(Names names, const std::string& name) {
 void append(Words& words, const cli::Given& given) {
   if (given.values.empty()) words.push_back(given.name);
   for (const std::string& value : given.values) {
-    if (value.starts_with('-')) {
+    if (given.name.starts_with("--set ")) {
+      words.insert(words.end(), {"--set", given.name.substr(6) + "=" + value});
+    } else if (value.starts_with('-')) {
       words.push_back(given.name + "=" + value);
     } else {
       words.push_back(given.name);
@@ -113,11 +117,12 @@ Request request_of(const Arguments& a, const cli::Common& common) {
     } else if (given.name == "--portal" || !is_one_of(kOwn, given.name)) {
       r.identity.push_back(identity_of(given));
       if (given.name == "--portal") continue;  // the renderer's, behind the scene
-      append(is_one_of(kCamera, given.name)   ? r.camera
-             : is_one_of(kSky, given.name)    ? r.sky
-             : is_one_of(kDevice, given.name) ? r.device
-             : is_one_of(kAll, given.name)    ? r.all
-                                              : r.render,
+      append(is_one_of(kCamera, given.name)     ? r.camera
+             : is_one_of(kSky, given.name)      ? r.sky
+             : is_one_of(kDevice, given.name)   ? r.device
+             : is_one_of(kSampling, given.name) ? r.sampling
+             : is_one_of(kAll, given.name)      ? r.all
+                                                : r.render,
              given);
     }
   }

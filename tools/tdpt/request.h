@@ -22,6 +22,7 @@ struct Request {
   std::string scene;    ///< path, as programs are given it
   std::string picture;  ///< path
   Words camera, sky, device, all;
+  Words sampling;  ///< of those that draw random numbers: --seed and --quality
   Words render;    ///< of the renderer alone, that shape the picture
   Words unshaped;  ///< of all programs, that shape nothing: --threads and the like
   Words beside;    ///< of the renderer alone, that shape nothing

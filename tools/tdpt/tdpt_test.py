@@ -18,7 +18,7 @@ BIN, TESTDATA = (os.path.abspath(path) for path in sys.argv[1:3])
 TDPT = os.path.join(BIN, "tdpt")
 QUICK = ["--spp", "2", "--width", "16"]
 # A rendering of some seconds, with a checkpoint every tenth of one.
-LONG = ["--spp", "100", "--width", "64", "--integrator", "tdpt-guided", "--checkpoint-every", "0.1", "--threads", "1"]
+LONG = ["--spp", "100", "--width", "64", "--integrator", "tdpt-guided", "--set", "checkpoint-every=0.1", "--threads", "1"]
 
 
 class Tdpt(unittest.TestCase):
@@ -30,7 +30,7 @@ class Tdpt(unittest.TestCase):
         os.mkdir(self.here)
         self.mark = uuid.uuid4().hex
         self.env = dict(os.environ, TMPDIR=self.folder, XDG_CACHE_HOME=self.cache, TDPT_TEST_MARK=self.mark, LC_ALL="C",
-                        FFGRAPH_FLAGS="--walks 2000 --samples 10000 --rounds 0", LIGHTGRID_FLAGS="--resolution 16 --lines 200")
+                        FFGRAPH_FLAGS="--set walks=2000 --samples 10000 --set rounds=0", LIGHTGRID_FLAGS="--resolution 16 --set lines=200")
         self.scene("two-rooms", "room.glb")
 
     def path(self, name):
@@ -205,7 +205,7 @@ class Tdpt(unittest.TestCase):
         self.assertIn("/tdpt-render", out, "a texture is gone")
 
     def test_a_scene_that_is_saved_under_way(self):
-        slow = {"FFGRAPH_FLAGS": "--walks 100000 --samples 800000 --rounds 0"}
+        slow = {"FFGRAPH_FLAGS": "--set walks=100000 --samples 800000 --set rounds=0"}
         for program in ("ffgraph", "lightgrid"):
             with self.subTest(program):
                 self.scene("two-rooms", "room.glb")
@@ -352,7 +352,7 @@ class Tdpt(unittest.TestCase):
             os.kill(pid, signal.SIGKILL)
 
     def test_fifty_kills_leave_nothing_behind(self):
-        words = ["room.glb", "-o", "p.exr", "--preview", "--spp", "60", "--width", "48", "--checkpoint-every", "0"]
+        words = ["room.glb", "-o", "p.exr", "--preview", "--spp", "60", "--width", "48", "--set", "checkpoint-every=0"]
         began = time.monotonic()
         self.run_tdpt("room.glb", "-o", "whole.exr", *words[3:])
         lasts = time.monotonic() - began
@@ -400,7 +400,7 @@ class Tdpt(unittest.TestCase):
     # What it says.
 
     def test_progress_is_one_line_or_json(self):
-        _, err = self.run_tdpt("room.glb", "-o", "p.exr", *QUICK, "--progress", "json", "--quiet")
+        _, err = self.run_tdpt("room.glb", "-o", "p.exr", *QUICK, "--set", "progress=json", "--quiet")
         steps = [json.loads(line)["progress"] for line in err.splitlines()]
         self.assertEqual([s["program"] for s in steps if "what" not in s],
                          ["tdpt-render", "ffgraph", "mincut", "lightgrid", "portalfit", "tdpt-render"])
@@ -412,7 +412,7 @@ class Tdpt(unittest.TestCase):
         self.assertRegex(script.stdout.decode(), r"\[1/1\] rendering")
 
     def test_a_picture_to_look_at_comes_first(self):
-        slow = {"FFGRAPH_FLAGS": "--walks 100000 --samples 2000000 --rounds 0"}
+        slow = {"FFGRAPH_FLAGS": "--set walks=100000 --samples 2000000 --set rounds=0"}
         child = self.start("room.glb", "-o", "p.exr", *QUICK, "--preview", env=slow)
         self.wait_until(lambda: os.path.exists(self.path("p.png")), "a preview")
         self.assertTrue(self.runs("ffgraph")(), "the preview waits for the stages")

@@ -26,7 +26,7 @@ struct TargetOutcome {
   double pilot_cpu_seconds = 0;
   uint64_t fixed = 0;  ///< samples of each pixel, by the pilot; 0: it did not come to that
   bool retried = false;
-  bool may_retry = false;  ///< --retry was not asked for
+  bool may_retry = false;  ///< --set retry was not asked for
   Stop stop = Stop::fixed;
   bool dark = false;             ///< nothing in the scene emits light: there is no error
   std::optional<double> relmse;  ///< of the picture, estimated; from no light nothing is told

@@ -251,7 +251,7 @@ TEST(target, a_retry_goes_on_with_the_picture_once) {
   EXPECT_EQ(limited.spp, missed.spp);
   EXPECT_EQ(limited.target->fixed, missed.target->fixed);
   EXPECT_EQ(target_json(*limited.target)["stopped_by"], "spp");
-  EXPECT_EQ(target_sentence(*limited.target, limited.spp).find("--retry renders on"),
+  EXPECT_EQ(target_sentence(*limited.target, limited.spp).find("--set retry=1 renders on"),
             std::string::npos);
 }
 
@@ -265,13 +265,13 @@ TEST(target, a_miss_says_so_and_a_retry_once_more) {
   t.high = 0.013;
   EXPECT_EQ(target_sentence(t, 64),
             "target relMSE 0.01 missed: it is about 0.012 [0.011, 0.013] after 64 samples per "
-            "pixel; --retry renders on");
+            "pixel; --set retry=1 renders on");
   EXPECT_EQ(target_attributes(t).at("estimatedError"), "about 0.012 [0.011, 0.013]");
   t.retried = true;
   t.relmse = 0.009;
   EXPECT_EQ(target_sentence(t, 96),
             "target relMSE 0.01 reached: it is about 0.009 [0.011, 0.013] after 96 samples per "
-            "pixel, those of --retry among them");
+            "pixel, those of --set retry=1 among them");
 }
 
 }  // namespace

@@ -111,7 +111,7 @@ class Judge {
     if (!hash.empty() && hash != scene_.identity())
       out_.notes.push_back(name_ + (scene_.is_scene_of(hash)
                                         ? " was made for the scene under another environment "
-                                          "or other --light-units"
+                                          "or other --set light-units"
                                         : " was made for another state of the scene, or for "
                                           "another one"));
     compare_cameras();

@@ -30,16 +30,16 @@ static_assert(kMostEdges == kMaxDepth && kSmallestWalkShare == kFewestLightWalks
 // What makes a rendering one of many.
 void declare_shard_options(cli::Options& options, Arguments& a) {
   using Use = cli::Options::Use;
+  options.part(cli::Part::lasting);
   options.option("--shard", a.shard, "I/N",
-                 "Render the I-th of N parts of the samples, from 0, for exrmerge",
+                 "Render the I-th of N parts of the samples, from 0, for exrmerge; all/N prints "
+                 "the commands of all, one a line",
                  cli::Shapes::nothing);
   options.file(
       "--plan", a.plan,
       "Write what is decided before rendering, and render only if -o is given. Obey it "
       "where it is there, for -o or --shard",
       [&] { return obeys_plan(a, options.common.output_given) ? Use::read : Use::written; });
-  options.option("--print-shards", a.print_shards, "N",
-                 "Print the commands of N shards, one a line", 1, 1 << 20, cli::Shapes::nothing);
 }
 
 }  // namespace
@@ -66,6 +66,10 @@ std::vector<std::string> aovs_of(const Arguments& a) {
   return names;
 }
 
+bool prints_shards(const Arguments& a) {
+  return a.shard.starts_with("all/");
+}
+
 bool obeys_plan(const Arguments& a, bool output_given) {
   std::error_code ignored;
   return !a.plan.empty() &&
@@ -79,12 +83,12 @@ bool only_plans(const Arguments& a, bool output_given) {
 void declare_options(cli::Options& options, Arguments& a) {
   options.argument("scene", a.scene, "Scene (.glb, .gltf); - is standard input");
   declare_render_options(options, a);
-  declare_device_options(options, a.device, "Where to render");
   declare_shard_options(options, a);
+  declare_device_options(options, a.device, "Where to render");
   options.flag("--check", a.check, "Check the options, the scene and what else is read, and exit",
                cli::Shapes::nothing);
   const cli::Common& common = options.common;
-  options.result_is_text([&] { return a.print_shards > 0 || only_plans(a, common.output_given); });
+  options.result_is_text([&] { return prints_shards(a) || only_plans(a, common.output_given); });
 }
 
 }  // namespace tdpt

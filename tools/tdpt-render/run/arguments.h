@@ -9,15 +9,17 @@
 namespace tdpt {
 
 struct Arguments : RenderArguments {
-  std::string plan;          ///< a path; empty: not given
-  std::string shard;         ///< "I/N"; empty: not given
-  int64_t print_shards = 0;  ///< N; 0: not given
+  std::string plan;   ///< a path; empty: not given
+  std::string shard;  ///< "I/N" or "all/N"; empty: not given
   bool check = false;
 };
 
 /// The names of --aov, each once, in the order of kFeatures and kDerived. Throws UsageError for one
 /// that there is not.
 std::vector<std::string> aovs_of(const Arguments& a);
+
+/// --shard all/N: prints commands, and renders nothing.
+bool prints_shards(const Arguments& a);
 
 /// Whether --plan names a plan to obey, and not one to write: for a shard, and for a picture
 /// (`output_given`) where it is there.

@@ -111,11 +111,11 @@ Request request_of(const Arguments& a) {
     throw UsageError(std::string(option) + ": " + row.name + " " + what);
   };
   if (a.guide_light >= 0 && !row.mixture.techniques.walks_from_light())
-    refuse("--guide-light", "has no walks from the light");
+    refuse("--set guide-light", "has no walks from the light");
   if (a.light_walks >= 0 && !row.mixture.techniques.walks_from_light())
-    refuse("--light-walks", "has no walks from the light");
+    refuse("--set light-walks", "has no walks from the light");
   if (a.segments >= 0 && !row.mixture.has(Technique::portal))
-    refuse("--segments", "draws no portal segments");
+    refuse("--set segments", "draws no portal segments");
   request.guided = {guided_as_given(a, row)};
   if (!request.automatic) request.named = request.guided.front();
   return request;

@@ -166,12 +166,17 @@ std::vector<std::string> words_of_shards(const std::vector<std::string>& argumen
   for (size_t i = 0; i < arguments.size(); ++i) {
     const std::string& word = arguments[i];
     const std::string option = word.substr(0, word.find('='));
-    const bool own = option == "-o" || option == "--output" || option == "--print-shards" ||
+    const bool own = option == "-o" || option == "--output" || option == "--shard" ||
                      option == "--checkpoint" || option == "--resume";
     if (own && option == word) ++i;
     if (!own && (!word.starts_with("-o") || word == "-o")) words.push_back(shell_quoted(word));
   }
   return words;
+}
+
+// N of --shard all/N.
+uint64_t shards_of(const Arguments& a) {
+  return shard_of("0" + a.shard.substr(a.shard.find('/'))).of;
 }
 
 // "out/a" of "out/a.exr".
@@ -197,15 +202,16 @@ Shard shard_of(const std::string& text) {
   const auto of = is_pair ? std::from_chars(index.ptr + 1, end, shard.of) : index;
   if (!is_pair || of.ec != std::errc() || of.ptr != end || shard.index >= shard.of ||
       shard.of > 1 << 20)
-    throw UsageError("--shard " + text + ": expected I/N with I from 0 to N - 1, N up to 1048576");
+    throw UsageError("--shard " + text +
+                     ": expected I/N with I from 0 to N - 1, N up to 1048576, or all/N");
   return shard;
 }
 
 void check_course(const Arguments& a) {
   if (a.checkpoint_every >= 0 && a.checkpoint.empty() && a.resume.empty())
-    throw UsageError("--checkpoint-every: needs --checkpoint or --resume");
-  if (a.retry && a.target_error == 0 && a.resume.empty())
-    throw UsageError("--retry: needs --target-error");
+    throw UsageError("--set checkpoint-every: needs --checkpoint or --resume");
+  if (a.retry > 0 && a.target_error == 0 && a.resume.empty())
+    throw UsageError("--set retry: needs --target-error");
   if (a.add_samples > 0 && a.resume.empty())
     throw UsageError("--add-samples: needs --resume with the film of the picture");
   if (!a.shard.empty()) {
@@ -278,7 +284,7 @@ std::string other_code_sentence(const std::string& file, const std::string& befo
   return fmt::format(
       "{} was rendered by code for {}, this is code for {}: {}", file, shown(before), now,
       both ? "CPU and GPU agree in the mean, but not in the last digits of each sample"
-           : "the last digits may differ from those of one machine; --isa sse2 is "
+           : "the last digits may differ from those of one machine; --set isa=sse2 is "
              "alike on all");
 }
 
@@ -306,23 +312,23 @@ std::string film_bytes(Standing& standing, const Plan& plan, const Shape& shape,
 std::string shard_commands(const Arguments& a, const std::vector<std::string>& arguments,
                            const std::string& output) {
   if (a.plan.empty() && a.spp == 0)
-    throw UsageError("--print-shards: needs --spp, or --plan with the number of samples");
-  if (output == "-") throw UsageError("--print-shards: needs -o, the picture to merge into");
+    throw UsageError("--shard all: needs --spp, or --plan with the number of samples");
+  if (output == "-") throw UsageError("--shard all: needs -o, the picture to merge into");
   for (const auto& [option, path] :
-       {std::pair("--stats", a.stats), std::pair("--nonzero", a.nonzero),
+       {std::pair("--stats", a.stats), std::pair("--set nonzero", a.nonzero),
         std::pair("--preview", a.preview)})
     if (!path.empty())
-      throw UsageError(std::string("--print-shards: every shard would write to ") + option);
+      throw UsageError(std::string("--shard all: every shard would write to ") + option);
   const auto name = [&](const std::string& part) {
     return shell_quoted(stem_of(output) + "." + part + ".exr");
   };
-  const auto n = static_cast<uint64_t>(a.print_shards);
-  if (!a.shard.empty()) throw UsageError("--print-shards: " + a.shard + " of them is asked for");
+  const uint64_t n = shards_of(a);
   if (a.spp > 0 && n > static_cast<uint64_t>(a.spp))
-    throw UsageError(fmt::format("--print-shards {}: there are only {} samples", n, a.spp));
+    throw UsageError(fmt::format("--shard {}: there are only {} samples", a.shard, a.spp));
   for (const std::string& word : arguments)
-    if (word.starts_with("-MF") || word.starts_with("--dependencies"))
-      throw UsageError("--print-shards: every shard would write to " + word);
+    if (word.starts_with("-MF") || word.starts_with("dependencies") ||
+        word.starts_with("--set=dependencies"))
+      throw UsageError("--shard all: every shard would write to " + word);
   const std::string command = fmt::format("{}", fmt::join(words_of_shards(arguments), " "));
   std::string text;
   for (uint64_t i = 0; i < n; ++i) {
@@ -337,7 +343,7 @@ std::string shard_commands(const Arguments& a, const std::vector<std::string>& a
 
 std::string merge_command(const Arguments& a, const std::string& output) {
   // The stars stay outside of the quotes.
-  return fmt::format("exrmerge {}.*-of-{}.exr -o {}", shell_quoted(stem_of(output)), a.print_shards,
+  return fmt::format("exrmerge {}.*-of-{}.exr -o {}", shell_quoted(stem_of(output)), shards_of(a),
                      shell_quoted(output));
 }
 

@@ -66,7 +66,7 @@ std::string film_bytes(Standing& standing, const Plan& plan, const Shape& shape,
                        const std::map<std::string, std::string>& attributes,
                        const Channels& channels);
 
-/// --print-shards: the commands of the shards, one a line, for a shell: PICTURE.I-of-N.exr of the
+/// --shard all/N: the commands of the shards, one a line, for a shell: PICTURE.I-of-N.exr of the
 /// `output` PICTURE.exr each. `arguments`: the command line. Throws UsageError where that says not
 /// how many samples there are, and where shards would be in each other's way.
 std::string shard_commands(const Arguments& a, const std::vector<std::string>& arguments,

@@ -80,7 +80,7 @@ TEST(course, options_that_contradict_each_other_are_refused) {
 TEST(course, tells_what_other_code_does_to_a_film) {
   EXPECT_EQ(other_code_sentence("a.exr", "sse2", "avx2+fma"),
             "a.exr was rendered by code for sse2, this is code for avx2+fma: the last digits may "
-            "differ from those of one machine; --isa sse2 is alike on all");
+            "differ from those of one machine; --set isa=sse2 is alike on all");
   for (const auto& [before, now] :
        {std::pair("sse2", "gpu"), std::pair("gpu", "sse2"), std::pair("gpu, sse2", "sse2")})
     EXPECT_EQ(other_code_sentence("a.exr", before, now),
@@ -92,10 +92,10 @@ TEST(course, tells_what_other_code_does_to_a_film) {
 TEST(course, commands_of_shards_are_for_a_shell) {
   Arguments a;
   a.plan = "p";
-  a.print_shards = 2;
+  a.shard = "all/2";
   const std::vector<std::string> words{
-      "tdpt-render",      "my room.glb", "--plan",        "p", "-o", "out/a.exr",
-      "--print-shards=2", "--camera",    "the 'left' one"};
+      "tdpt-render",   "my room.glb", "--plan",        "p", "-o", "out/a.exr",
+      "--shard=all/2", "--camera",    "the 'left' one"};
   EXPECT_EQ(shard_commands(a, words, "out/a.exr"),
             "tdpt-render 'my room.glb' --plan p --camera 'the '\\''left'\\'' one' --shard 0/2 -o "
             "out/a.0-of-2.exr\n"
@@ -113,7 +113,12 @@ TEST(course, commands_of_shards_are_for_a_shell) {
   EXPECT_NE(complaint([&] { shard_commands(a, {}, "-"); }), "");
   a.stats = "s";
   EXPECT_NE(complaint([&] { shard_commands(a, {}, "a.exr"); }), "");
-  EXPECT_NE(complaint([&] { shard_commands(Arguments(), {}, "a.exr"); }), "");
+  EXPECT_NE(complaint([&] {
+              Arguments endless;
+              endless.shard = "all/2";
+              shard_commands(endless, {}, "a.exr");
+            }),
+            "");
 }
 
 // A plan, a checkpoint or a shard of another one is refused.

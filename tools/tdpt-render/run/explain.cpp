@@ -240,7 +240,7 @@ std::string why_so_many(const Rendered& r) {
   using Stop = TargetOutcome::Stop;
   if (!r.result.target || r.result.target->stop == Stop::time) return "--time was up";
   return r.result.target->stop == Stop::unlit ? "the pilot, of as many, met no light"
-         : r.result.target->retried           ? "the pilot fixed fewer, and --retry so many"
+         : r.result.target->retried           ? "the pilot fixed fewer, and --set retry so many"
                                               : "the pilot fixed so many";
 }
 

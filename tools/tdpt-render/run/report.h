@@ -26,7 +26,7 @@ std::optional<double> portals_gain(const RenderResult& result);
 /// The same as a sentence; empty where nothing is known.
 std::string verdict_sentence(const RenderResult& result);
 
-/// --nonzero: red where a pixel got some contribution, green where it is black.
+/// --set nonzero: red where a pixel got some contribution, green where it is black.
 Picture nonzero_picture(const Picture& picture);
 
 /// String attributes of the EXR header, but for the number of samples and the target's. `chosen`:

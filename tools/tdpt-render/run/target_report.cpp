@@ -32,7 +32,7 @@ std::string target_sentence(const TargetOutcome& target, uint64_t spp) {
   if (target.dark) return aim + "reached: no light can come to the camera, the picture is black";
   const std::string got =
       fmt::format(": it is {} after {} per pixel{}", estimate_of(target), counted(spp, "sample"),
-                  target.retried ? ", those of --retry among them" : "");
+                  target.retried ? ", those of --set retry=1 among them" : "");
   if (target.reached()) return aim + "reached" + got;
   const std::string enough =
       target.fixed > 0 ? fmt::format("; {} would do", target.fixed) : std::string();
@@ -48,7 +48,7 @@ std::string target_sentence(const TargetOutcome& target, uint64_t spp) {
     case Stop::fixed:
       break;
   }
-  return aim + "missed" + got + (target.may_retry ? "; --retry renders on" : "");
+  return aim + "missed" + got + (target.may_retry ? "; --set retry=1 renders on" : "");
 }
 
 nlohmann::ordered_json target_json(const TargetOutcome& target) {
