@@ -106,8 +106,27 @@ def checked(command, may_fail=(), env=None):
 
 
 # ---- Results that are kept ----
+# Those of the programs that obey --seed or have --quality, and what others lack of the options that all runs have.
+SEEDED = HAVE_QUALITY = ("ffgraph", "lightgrid")
+LACK = {"exrdiff": ("--quiet", "--no-provenance", "--threads"), "exrmerge": ("--threads",)}
+
+
+def common_options(program, threads, provenance=True):
+    """--quiet, --json and the rest, as far as the program has them. threads: 0 for all cores."""
+    options = [["--quiet"], ["--json"]]
+    options += [["--threads", threads]] if threads else []
+    options += [] if provenance else [["--no-provenance"]]
+    return [word for option in options if option[0] not in LACK.get(program, ()) for word in option]
+
+
 class Made(str):
-    """An argument: a file of that name that the program writes beside its result."""
+    """An argument: a file of that name that the program writes beside its result. before: what comes before its
+    path."""
+
+    def __new__(cls, name, before=""):
+        made = super().__new__(cls, name)
+        made.before = before
+        return made
 
 
 class Run:
@@ -168,9 +187,8 @@ class Store:
     def _make(self, folder, path, arguments, threads, output, provenance, may_fail):
         half = Path(tempfile.mkdtemp(dir=self.folder, prefix="half-"))
         try:
-            command = [path, *(half / a if isinstance(a, Made) else a for a in arguments), "--quiet", "--json"]
-            command += ["--threads", threads] if threads else []
-            command += [] if provenance else ["--no-provenance"]
+            command = [path, *(f"{a.before}{half / a}" if isinstance(a, Made) else a for a in arguments)]
+            command += common_options(path.name, threads, provenance)
             out = OUTPUTS.get(path.name, "out")
             command += ["-o", half / out] if output else []
             run = checked(command, may_fail)
@@ -329,8 +347,8 @@ class Bench:
 
     def fresh(self, program, *arguments, output=None, threads=1, may_fail=()):
         """Runs it now, whatever was kept: what it took."""
-        command = [self.store.program(program), *arguments, "--quiet", "--json"]
-        command += (["--threads", threads] if threads else []) + (["-o", output] if output else [])
+        command = [self.store.program(program), *arguments, *common_options(program, threads)]
+        command += ["-o", output] if output else []
         run = checked(command, may_fail)
         run.said = json.loads(run.said or "{}")
         return run

@@ -6,7 +6,7 @@ import subprocess
 from pathlib import Path
 
 import pages
-from common import STAGES, Made, Setting, Stop, cores, settings
+from common import SEEDED, STAGES, Made, Setting, Stop, cores, settings
 
 SCENES = ("cornell-box-portal", "veach-ajar", "veach-ajar-flip", "bathroom2", "bathroom2-channel")
 INTEGRATORS = ("pt", "nee", "bdpt", "tdpt-org", "tdpt")
@@ -27,7 +27,7 @@ class Figures:
         self.files = bench.there(SCENES)
 
     def portal(self, scene):
-        return self.bench.portals(self.files[scene], stage_options={p: ("--seed", self.s.seed) for p in STAGES})
+        return self.bench.portals(self.files[scene], stage_options={p: ("--seed", self.s.seed) for p in SEEDED})
 
     def render(self, scene, integrator, spp, depth, seed, *options):
         """said: with its frames."""
@@ -115,7 +115,7 @@ def figure6(figures):
     """Non-zero pixels of one sample per pixel."""
     three = ("bdpt", "tdpt-org", "tdpt")
     runs = {i: figures.render("veach-ajar-flip", i, 1, 5, figures.s.seed,
-                              "--nonzero", Made("nonzero.png")) for i in three}
+                              "--set", Made("nonzero.png", "nonzero=")) for i in three}
     for i, run in runs.items():
         figures.copy(run.folder / "nonzero.png", f"fig6-{i}.png")
     said = [run.said for run in runs.values()]

@@ -138,15 +138,15 @@ def portals(bench):
         return "\n".join(f"| {label} |" + row.removeprefix(kinds) for row in rows if row.startswith(kinds))
 
     triangles, paper = {"ffgraph": "--nodes triangles"}, {"portalfit": "--method paper"}
-    rays = lambda walks, samples: {"ffgraph": f"--walks {walks} --samples {samples}"}
-    lines = lambda n: {"lightgrid": f"--lines {n}"}
+    rays = lambda walks, samples: {"ffgraph": f"--set walks={walks} --samples {samples}"}
+    lines = lambda n: {"lightgrid": f"--set lines={n}"}
     invariance = checked([bench.store.program("invariance_bench"), bench.programs, few])
     (bench.cache / "invariance.rooms").write_text(invariance.errors, encoding="utf-8")
     bench.page("portals", f"""# How right the portals are
 
 Written by `make bench-portals` ({bench.version("portalfit")}, {cores()} cores). Rooms are generated from
-seeds (`libcommon/testing/rooms/known_rooms.h`): sizes, lamps, furniture, walls of 1 to 30 cm, four ways of splitting the
-triangles, and in every second room another place, direction or unit. Their openings are known. The first seed of
+seeds (`libcommon/testing/rooms/known_rooms.h`): sizes, lamps, furniture, walls of 1 to 30 cm, four ways of splitting
+the triangles, and in every second room another place, direction or unit. Their openings are known. The first seed of
 each kind is {seed}{whence}.
 
 * **coverage**: share of the lines through an opening that cross the portals along their normal; of the worst opening.

@@ -19,10 +19,10 @@ from formats import exr_read
 
 SECONDS, BYTES = 30, 4 << 30  # that a program may take of time and of address space
 POINTER = b"version https://git-lfs"
-SKY = ["--frame", "--environment", "1,1,1", "--threads", "1", "--progress", "none"]
+SKY = ["--frame", "--environment", "1,1,1", "--threads", "1", "--quiet"]
 PROGRAMS = {
     "tdpt-render": [*SKY, "--width", "64", "--height", "48", "--spp", "4", "-o"],
-    "ffgraph": [*SKY, "--samples", "20000", "--walks", "5000", "--rounds", "0", "-o"],
+    "ffgraph": [*SKY, "--samples", "20000", "--set", "walks=5000", "--set", "rounds=0", "-o"],
     "tdpt-info": [],
 }
 WRONG = ("crash", "hang", "not finite")  # and must not be

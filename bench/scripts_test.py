@@ -295,7 +295,7 @@ class Store(Stamp):
 class Memory(Stamp):
     """The five programs hold less than 400 bytes for each triangle that a scene has more, one thread each."""
 
-    few = {"ffgraph": ["--walks", "10000", "--samples", "20000"], "lightgrid": ["--resolution", "32"],
+    few = {"ffgraph": ["--set", "walks=10000", "--samples", "20000"], "lightgrid": ["--resolution", "32"],
            "tdpt-render": ["--integrator", "bdpt", "--spp", "1", "--width", "16", "--height", "12"]}
 
     def test_of_each_program_is_below_the_limit(self):

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from common import STAGES, TESTDATA, checked
+from common import HAVE_QUALITY, SEEDED, STAGES, TESTDATA, checked
 from formats import exr_read, portals_glb, simplified
 
 # ---- What is measured: knobs with the values that their curves have, and scenes ----
@@ -18,10 +18,14 @@ CHAIN = "the four stages"  # an option of all of them
 RENDERER = "tdpt-render"
 
 
+# The other knobs are settings, --set NAME=VALUE.
+OPTIONS = ("quality", "samples", "nodes", "cuts", "resolution", "threshold", "max-portals", "integrator")
+
+
 @dataclass(frozen=True)
 class Knob:
-    """One option of one program; `values` from cheap to dear, as its command line has them. words: values are no
-    numbers, so points are joined by no line."""
+    """One option or setting of one program; `values` from cheap to dear, as its command line has them. words: values
+    are no numbers, so points are joined by no line."""
 
     program: str
     option: str
@@ -35,11 +39,12 @@ class Knob:
         return f"{self.program} {self.option}"
 
     def arguments(self, value):
-        return (self.option, value)
+        name = self.option.removeprefix("--")
+        return (self.option, value) if name in OPTIONS else ("--set", f"{name}={value}")
 
     def settings(self, value):
         """{program: options}"""
-        return {p: self.arguments(value) for p in (STAGES if self.program == CHAIN else (self.program,))}
+        return {p: self.arguments(value) for p in (HAVE_QUALITY if self.program == CHAIN else (self.program,))}
 
 
 KNOBS = (
@@ -116,8 +121,8 @@ KINDS = ("slit", "hole", "ajar-full", "doors-in-row", "two-openings", "furnished
 # Shares of the area that the smallest triangles make, dropped before the four stages.
 SIMPLIFIED = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5)
 # Options of the portal that stands for an aperture that is not known in figures.
-ACCURATE = {"ffgraph": ("--walks", "400000", "--samples", "1200000", "--rounds", "2"),
-            "lightgrid": ("--lines", "32768", "--resolution", "256")}
+ACCURATE = {"ffgraph": ("--set", "walks=400000", "--samples", "1200000", "--set", "rounds=2"),
+            "lightgrid": ("--set", "lines=32768", "--resolution", "256")}
 
 
 # ---- Measuring ----
@@ -199,7 +204,7 @@ class Tradeoff:
 
     def portal(self, path, seed, stage_options):
         """Portals of a scene by the four stages, one thread."""
-        options = {program: ("--seed", seed, *stage_options.get(program, ())) for program in STAGES}
+        options = {p: (*(("--seed", seed) if p in SEEDED else ()), *stage_options.get(p, ())) for p in STAGES}
         return self.bench.portals(path, stage_options=options, threads=1)
 
     def picture(self, scene, seed, options, spp, portal=None):

@@ -1,5 +1,5 @@
-"""Fits the tables of tools/tdpt-render/plan/work_model.h to what work_model_bench measured (files or standard input, headers
-in between allowed) and prints them as they stand there, with --device those of a device.
+"""Fits the tables of tools/tdpt-render/plan/work_model.h to what work_model_bench measured (files or standard input,
+headers in between allowed) and prints them as they stand there, with --device those of a device.
 
 Least squares of relative errors: sum over lines of ((terms . costs) / nanoseconds - 1)^2, one fit to the
 lines with portals and one to those without; lines of pt do not count. A term that is 0 in all lines stays 0,
