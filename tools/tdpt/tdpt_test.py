@@ -185,7 +185,7 @@ class Tdpt(unittest.TestCase):
         self.assertIn("is up to date", err)
 
     def test_textures_and_skies_count(self):
-        subprocess.run(["sh", os.path.join(TESTDATA, "..", "libcommon", "testing", "loose_scene.sh"), self.path("room.glb"),
+        subprocess.run(["sh", os.path.join(TESTDATA, "..", "libcommon", "testing", "files", "loose_scene.sh"), self.path("room.glb"),
                         self.path("loose")], check=True, cwd=self.here)
         shutil.copyfile(os.path.join(TESTDATA, "environments", "clear.exr"), self.path("sky.exr"))
         words = ["loose.gltf", "-o", "p.exr", *QUICK, "--environment", "sky.exr"]
