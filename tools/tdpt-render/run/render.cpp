@@ -235,7 +235,6 @@ void Rendering::aim() {
 // As fast as the last of some that are thrown away, twice as many each time; of the form m 2^j,
 // m < 16, as samples_needed() has it.
 uint64_t Rendering::samples_in_time() {
-  constexpr uint64_t kRound = 3 + Pilot::kParts;  // no pilot's
   constexpr double kShare = 0.02;
   if (longest_ == 0) return 1;
   make_ready();
@@ -245,7 +244,8 @@ uint64_t Rendering::samples_in_time() {
   double each = 0;
   for (uint64_t n = 1, done = 0; !stop_requested(); done += n, n *= 2) {
     const double before = clock_.seconds();
-    renderer_.render(result_.plan.integrator, rules_, kRound, {done, n}, film, tally, progress);
+    renderer_.render(result_.plan.integrator, rules_, kTimingRound.first, {done, n}, film, tally,
+                     progress);
     const double took = clock_.seconds() - before;
     each = took / static_cast<double>(n);
     if (took > kShare * settings_.seconds) break;
