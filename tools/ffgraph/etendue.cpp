@@ -8,13 +8,13 @@
 #include <oneapi/tbb/parallel_sort.h>
 
 #include "libcommon/math/alias_table.h"
+#include "libcommon/math/streams.h"
 #include "libcommon/math/warp.h"
 #include "libcommon/scene/sky_bins.h"
 
 namespace tdpt {
 namespace {
 
-constexpr uint64_t kStream = 103;
 constexpr int kDensestLevel = 2;
 
 // `level`: above that of the fine region.
@@ -74,7 +74,7 @@ Etendue measure_etendue(const PatchMap& patches, const Fragments& fragments, con
 
   std::vector<Ends> ray(rays, {kNoPatch, kNoPatch});
   tbb::parallel_for(uint32_t{0}, rays, [&](uint32_t n) {
-    Rng rng(seed, kStream, n);
+    Rng rng(seed, kEtendue.first, n);
     const uint32_t fragment = table.sample(rng.uniform());
     const Fragments::Point from = fragments.sample(fragment, rng);
     const double u = rng.uniform();

@@ -6,13 +6,13 @@
 
 #include <oneapi/tbb/parallel_for.h>
 
+#include "libcommon/math/streams.h"
 #include "tools/ffgraph/form_factor.h"
 #include "tools/ffgraph/walks.h"
 
 namespace tdpt {
 namespace {
 
-constexpr uint64_t kStream = 104;
 constexpr double kScale = 1 << 30;
 constexpr double kSamples = 300000;  // of all patches, in proportion to area
 
@@ -98,7 +98,7 @@ DimacsFile triangle_flow(const Scene& scene, const Camera& camera, const Triangl
   tbb::parallel_for(size_t{0}, lit.size(), [&](size_t i) {
     for (size_t j = 0; j < seen.size(); ++j) {
       if (lit[i].face == seen[j].face) continue;
-      Rng rng(settings.seed, kStream, lit[i].face, seen[j].face);
+      Rng rng(settings.seed, kTriangleFlow.first, lit[i].face, seen[j].face);
       factors[i * seen.size() + j] =
           form_factor(facing(scene, lit[i].face), facing(scene, seen[j].face), settings.points,
                       settings.points, rng, &tracer);

@@ -4,6 +4,7 @@
 
 #include <oneapi/tbb/parallel_for.h>
 
+#include "libcommon/math/streams.h"
 #include "libcommon/math/warp.h"
 #include "libcommon/scene/film_plane.h"
 #include "libcommon/scene/lights.h"
@@ -12,8 +13,6 @@
 namespace tdpt {
 namespace {
 
-enum Stream : uint64_t { kLight = 101, kCamera = 102 };
-
 Vec3d cosine_direction(Rng& rng, const Vec3d& normal) {
   const double u = rng.uniform();
   const double v = rng.uniform();
@@ -21,12 +20,13 @@ Vec3d cosine_direction(Rng& rng, const Vec3d& normal) {
 }
 
 // Follows one walk from its first ray; writes at most `bounces` hits and a mark.
-void follow(const Tracer& tracer, Stream stream, bool sky, Rng& rng, Tracer::Origin from, Vec3d w,
-            WalkHit* hits, uint32_t bounces) {
+void follow(const Tracer& tracer, const Streams& streams, bool sky, Rng& rng, Tracer::Origin from,
+            Vec3d w, WalkHit* hits, uint32_t bounces) {
   for (uint32_t k = 0; k < bounces; ++k) {
     Hit hit;
-    if (k == 0 && stream == kCamera ? !tracer.first_seen(from.position, w, hit)
-                                    : !tracer.closest(from, w, hit)) {
+    if (k == 0 && streams.first == kWalksFromCamera.first
+            ? !tracer.first_seen(from.position, w, hit)
+            : !tracer.closest(from, w, hit)) {
       hits[k].face = sky ? kWalkToSky + sky_bin(w) : kWalkLeft;
       return;
     }
@@ -39,16 +39,16 @@ void follow(const Tracer& tracer, Stream stream, bool sky, Rng& rng, Tracer::Ori
 }
 
 template <class Begin>
-Walks run_walks(const Scene& scene, const Tracer& tracer, const WalkSettings& s, Stream stream,
-                const Begin& begin) {
+Walks run_walks(const Scene& scene, const Tracer& tracer, const WalkSettings& s,
+                const Streams& streams, const Begin& begin) {
   const bool sky = lit_from_infinity(scene);
   const size_t slots = size_t{s.bounces} + 1;
   Walks hits(s.walks * slots, WalkHit{kNoFace, {}});
   tbb::parallel_for(uint32_t{0}, s.walks, [&](uint32_t i) {
-    Rng rng(s.seed, stream, i);
+    Rng rng(s.seed, streams.first, i);
     Tracer::Origin from;
     const Vec3d w = begin(i, rng, from);
-    follow(tracer, stream, sky, rng, from, w, &hits[i * slots], s.bounces);
+    follow(tracer, streams, sky, rng, from, w, &hits[i * slots], s.bounces);
   });
   std::erase_if(hits, [](const WalkHit& h) { return h.face == kNoFace; });
   return hits;
@@ -76,10 +76,11 @@ Vec3d leave_light(const Lights& lights, const SkyLines* lines, Rng& rng, Tracer:
 Walks light_walks(const Scene& scene, const Tracer& tracer, const WalkSettings& settings) {
   const Lights lights(scene);
   if (lights.empty()) return {};
-  return run_walks(scene, tracer, settings, kLight, [&](uint32_t, Rng& rng, Tracer::Origin& from) {
-    uint32_t none;
-    return leave_light(lights, nullptr, rng, from, none);
-  });
+  return run_walks(scene, tracer, settings, kWalksFromLight,
+                   [&](uint32_t, Rng& rng, Tracer::Origin& from) {
+                     uint32_t none;
+                     return leave_light(lights, nullptr, rng, from, none);
+                   });
 }
 
 Walks light_walks(const Scene& scene, const Tracer& tracer, const WalkSettings& settings,
@@ -88,10 +89,10 @@ Walks light_walks(const Scene& scene, const Tracer& tracer, const WalkSettings& 
   starts.begun.assign(kSkyBins, 0);
   if (lights.empty()) return {};
   std::vector<uint32_t> bin(settings.walks, kSkyBins);
-  const Walks walks =
-      run_walks(scene, tracer, settings, kLight, [&](uint32_t i, Rng& rng, Tracer::Origin& from) {
-        return leave_light(lights, &lines, rng, from, bin[i]);
-      });
+  const Walks walks = run_walks(scene, tracer, settings, kWalksFromLight,
+                                [&](uint32_t i, Rng& rng, Tracer::Origin& from) {
+                                  return leave_light(lights, &lines, rng, from, bin[i]);
+                                });
   size_t walk = 0;
   for (size_t k = 0; k < walks.size(); ++k) {
     const bool first = k == 0 || !is_hit(walks[k - 1]);
@@ -108,7 +109,7 @@ std::vector<WalkHit> light_starts(const Scene& scene, const WalkSettings& settin
   if (lights.empty()) return {};
   std::vector<WalkHit> starts(settings.walks, WalkHit{kNoFace, {}});
   tbb::parallel_for(uint32_t{0}, settings.walks, [&](uint32_t i) {
-    Rng rng(settings.seed, kLight, i);
+    Rng rng(settings.seed, kWalksFromLight.first, i);
     const Lights::Point point = lights.sample(rng);
     if (!point.source->is_surface()) return;
     const bool back = dot(point.normal, shape_of(scene, point.triangle).normal) < 0;
@@ -124,12 +125,13 @@ Walks camera_walks(const Scene& scene, const Camera& camera, const Tracer& trace
   const int height = 4096;
   const int width = static_cast<int>(std::clamp(std::round(height * aspect), 1.0, 1e6));
   const FilmPlane film(camera, width, height);
-  return run_walks(scene, tracer, settings, kCamera, [&](uint32_t, Rng& rng, Tracer::Origin& from) {
-    const double x = rng.uniform() * width;
-    const double y = rng.uniform() * height;
-    from = {film.position(), {}};
-    return film.direction(x, y);
-  });
+  return run_walks(scene, tracer, settings, kWalksFromCamera,
+                   [&](uint32_t, Rng& rng, Tracer::Origin& from) {
+                     const double x = rng.uniform() * width;
+                     const double y = rng.uniform() * height;
+                     from = {film.position(), {}};
+                     return film.direction(x, y);
+                   });
 }
 
 size_t hits_in(const Walks& walks) {

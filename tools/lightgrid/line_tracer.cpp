@@ -3,9 +3,6 @@
 namespace tdpt {
 namespace {
 
-// Passes have streams of random numbers of their own.
-constexpr uint32_t kSegments = 1, kTries = 2;
-
 shader::LightParameters common_of(const Scene& scene, const LineTables& tables,
                                   const LightGrid& grid, uint64_t seed) {
   shader::LightParameters p{};
@@ -54,9 +51,9 @@ LineTracer::LineTracer(const Scene& scene, const LineTables& tables, const Light
                        uint64_t seed)
     : tables_(tables), common_(common_of(scene, tables, grid, seed)) {}
 
-shader::LightParameters LineTracer::parameters(uint32_t pass, size_t c, uint32_t n) const {
+shader::LightParameters LineTracer::parameters(const Streams& streams, size_t c, uint32_t n) const {
   shader::LightParameters p = common_;
-  p.stream = pass << 16 | static_cast<uint32_t>(c);
+  p.stream = static_cast<uint32_t>(streams.first | c);
   p.cut = static_cast<uint32_t>(c);
   p.first_arc = tables_.cuts[c].first;
   p.arcs = tables_.cuts[c].count;
@@ -67,7 +64,7 @@ shader::LightParameters LineTracer::parameters(uint32_t pass, size_t c, uint32_t
 void LineTracer::between_pivots(size_t c, uint32_t first, uint32_t n, TracedLines& out) {
   out.ends.resize(n);
   out.fate.resize(n);
-  shader::LightParameters p = parameters(kSegments, c, n);
+  shader::LightParameters p = parameters(kPivotLines, c, n);
   p.first = first;
   trace_segments(p, out);
 }
@@ -76,7 +73,7 @@ void LineTracer::through(size_t c, uint32_t round, std::span<const shader::LineT
                          TracedLines& out) {
   out.ends.resize(tries.size());
   out.fate.resize(tries.size());
-  shader::LightParameters p = parameters(kTries, c, static_cast<uint32_t>(tries.size()));
+  shader::LightParameters p = parameters(kTriedLines, c, static_cast<uint32_t>(tries.size()));
   p.round = round;
   trace_tries(p, tries, out);
 }

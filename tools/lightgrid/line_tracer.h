@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "libcommon/formats/light_grid.h"
+#include "libcommon/math/streams.h"
 #include "libcommon/scene/scene.h"
 #include "shaders/shared/light_layout.h"
 #include "tools/lightgrid/line_tables.h"
@@ -65,7 +66,7 @@ class LineTracer {
   const shader::LightParameters common_;  ///< what all calls share
 
  private:
-  shader::LightParameters parameters(uint32_t pass, size_t c, uint32_t n) const;
+  shader::LightParameters parameters(const Streams& streams, size_t c, uint32_t n) const;
 };
 
 /// Lines that a voxel was passed by and the sum of their directions [1/LIGHT_DIRECTION_UNITS]. The

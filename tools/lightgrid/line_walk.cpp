@@ -44,11 +44,11 @@
 #include <tbb/parallel_for.h>
 
 #include "libcommon/math/rng.h"
+#include "libcommon/math/streams.h"
 
 namespace tdpt {
 namespace {
 
-constexpr uint64_t kFineStream = 0x6c67'0002;
 constexpr double kFull = 0.2;       // of the largest count: from there on w is the same
 constexpr double kNarrowest = 2e4;  // exponent of the cosine
 // The walk ends when each chain has moved so often on average, or after so many steps.
@@ -152,7 +152,7 @@ class Chains {
         cut_(c),
         grid_(grid),
         seed_(seed),
-        stream_(kFineStream + (uint64_t{c} << 32)),
+        stream_(kChains.first + (uint64_t{c} << 32)),
         w_(weights_of({count.begin(), count.end()})),
         start_(kept),
         line_(chains),

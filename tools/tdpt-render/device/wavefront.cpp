@@ -172,7 +172,7 @@ RenderParameters WavefrontRenderer::parameters_of(const Integrator& integrator,
   set_mixture(integrator.mixture, p);
   set_pools(integrator.mixture, p);
   p.seed = rules.seed;
-  p.stream = (integrator.stream + (kStreams + 1) * round) * 16;
+  p.stream = stream_in(round, integrator.stream) * kPurposes;
   p.beta = static_cast<float>(rules.beta);
   p.max_depth = static_cast<uint32_t>(rules.max_depth);
   p.culls = world.tracer.culls();

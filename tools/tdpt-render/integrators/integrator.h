@@ -5,17 +5,15 @@
 #include <string_view>
 #include <vector>
 
+#include "libcommon/math/streams.h"
 #include "libcommon/scene/scene.h"
 #include "tools/tdpt-render/path/sample/mixture.h"
 
 namespace tdpt {
 
-/// No integrator has a stream as large: those beyond are a pilot's and the probe's.
-inline constexpr uint64_t kStreams = 1023;
-
 struct Integrator {
   const char* name;
-  uint64_t stream;  ///< of random numbers: no two rows share samples
+  uint64_t stream;  ///< below kStreams: no two rows share samples
   Mixture mixture;
 };
 

@@ -10,7 +10,7 @@ void render_samples(const World& world, const Integrator& integrator, const Samp
                     uint64_t round, const SampleRange& samples, Film& film, Tally& tally,
                     Progress& progress) {
   const SampleSettings settings{integrator.mixture, rules.max_depth, rules.beta, rules.seed,
-                                integrator.stream + (kStreams + 1) * round};
+                                stream_in(round, integrator.stream)};
   const auto width = static_cast<uint64_t>(world.film.width());
   const uint64_t pixels = width * static_cast<uint64_t>(world.film.height());
   // Light walks are pooled over pixels far apart, so that what those have in common is not seen.

@@ -11,7 +11,6 @@
 namespace tdpt {
 namespace {
 
-constexpr uint64_t kRound = 4;  // of the random numbers: 0 is the picture's
 constexpr size_t kSamples = 4096, kChunk = 64;
 constexpr int kDeepest = 8;         // edges
 constexpr double kKept = 0.1;       // of a share by power
@@ -31,7 +30,7 @@ double total(const Lights::Shares& s) {
 
 Lights::Shares arriving_shares(const World& world, const SampleRules& rules) {
   const SampleSettings how{nee.mixture, std::min(rules.max_depth, kDeepest), 1, rules.seed,
-                           nee.stream + (kStreams + 1) * kRound};
+                           stream_in(kArrivalRound.first, nee.stream)};
   Film film(world.film.width(), world.film.height(), world.lights.power());
   std::vector<std::vector<std::pair<const LightSource*, double>>> found(kSamples / kChunk);
   tbb::parallel_for(size_t{0}, found.size(), [&](size_t c) {

@@ -14,8 +14,6 @@
 namespace tdpt {
 namespace {
 
-constexpr uint64_t kRound = 2;  // of the random numbers: 0 is the picture's, 1 the scout's
-
 struct Group {
   double within = 0, beyond = 0;  // luminance
 };
@@ -51,7 +49,7 @@ Beyond light_beyond(const World& world, const Integrator& integrator, const Samp
   mixture.light_walks = 1;
   mixture.segments_joined = std::min<double>(mixture.segments_joined, LightPool::kWalks);
   const SampleSettings how{mixture, kMaxDepth, rules.beta, rules.seed,
-                           integrator.stream + (kStreams + 1) * kRound};
+                           stream_in(kBeyondRound.first, integrator.stream)};
   std::vector<Group> groups(
       static_cast<size_t>(std::clamp(samples, 64.0, 16384.0) / LightPool::kWalks));
   tbb::parallel_for(size_t{0}, groups.size(), [&](size_t g) {

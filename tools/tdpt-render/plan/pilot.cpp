@@ -5,7 +5,6 @@
 namespace tdpt {
 namespace {
 
-constexpr uint64_t kRound = 3;  // of the first part: 0 is the picture's, 1 the scout's, 2 beyond's
 // Samples of all pixels together. Fewer tell nothing of small pictures; where so many, and so many
 // of each pixel, met no light, more are not tried.
 constexpr uint64_t kFewest = uint64_t{1} << 14, kDarkness = uint64_t{1} << 20, kDarkEach = 64;
@@ -67,7 +66,7 @@ Pilot run_pilot(SampleRenderer& renderer, const Integrator& integrator, const Sa
                             const SampleRange& samples) -> std::optional<std::vector<Vec3d>> {
     if (give_up()) return {};
     film.clear();
-    renderer.render(integrator, rules, kRound + part, samples, film, tally, progress);
+    renderer.render(integrator, rules, kPilotRounds.first + part, samples, film, tally, progress);
     return film.sums();
   };
   const Pilot pilot = run_pilot(pixels, target, most, draw);

@@ -12,7 +12,7 @@
 namespace tdpt {
 
 struct Pilot {
-  static constexpr uint64_t kParts = 8;
+  static constexpr uint64_t kParts = kPilotRounds.count;
   /// Of parts of so many samples of each pixel.
   struct Round {
     uint64_t samples = 0;

@@ -101,7 +101,8 @@ Plan read_plan(const std::string& text, const std::string& file) {
   if (!row) in.fail("integrator", "is not known");
   plan.integrator = *row;
   plan.integrator.stream = in.get<uint64_t>("stream");
-  if (plan.integrator.stream >= kStreams) in.fail("stream", "is out of range");
+  if (plan.integrator.stream == 0 || plan.integrator.stream >= kStreams)
+    in.fail("stream", "is out of range");
   plan.label = in.get<std::string>("label");
   Mixture& m = plan.integrator.mixture;
   m.first_direct = in.within("first_direct", 1e-3, 1e3);

@@ -1,11 +1,12 @@
 #include "tools/tdpt-render/plan/portal_probe.h"
 
+#include "libcommon/math/streams.h"
 #include "libcommon/math/warp.h"
 
 namespace tdpt {
 namespace {
 
-constexpr uint64_t kWalks = 800, kStream = 0x9000;
+constexpr uint64_t kWalks = 800;
 constexpr size_t kMostProbed = 8;
 // The first steps are too near the portal to know how large the room is.
 constexpr int kSteps = 8, kSkipped = 2;
@@ -21,7 +22,7 @@ double probed_conductance(const World& world, const Portal& portal) {
   for (const uint64_t to_camera : {0, 1}) {
     uint64_t crossed = 0, bounces = 0;
     for (uint64_t i = 0; i < kWalks; ++i) {
-      Rng rng(1, kStream + to_camera, i);
+      Rng rng(*kPortalProbe.seed, kPortalProbe.first + to_camera, i);
       const PortalSet::Sample start = opening.sample(rng);
       Tracer::Origin from{start.position};
       Vec3d w = to_camera ? start.direction : -start.direction;

@@ -106,7 +106,7 @@ Passed passed_light(const World& world, const std::vector<Portal>& portals, int 
   tbb::parallel_for(0, height, [&](int y) {
     Counter& row = rows[static_cast<size_t>(y)];
     const PathObserver observer = [&](const Contribution& found) { row.add(found); };
-    PathSampler sampler(world, {mixture, max_depth, 1, seed, kStreams}, film,
+    PathSampler sampler(world, {mixture, max_depth, 1, seed, kPortalWaysStream}, film,
                         tallies[static_cast<size_t>(y)], &observer);
     for (int x = 0; x < width; ++x) {
       sampler.sample(x, y, 0);

@@ -4,6 +4,7 @@
 #include <bit>
 
 #include "libcommon/base/signals.h"
+#include "libcommon/math/streams.h"
 
 namespace tdpt {
 namespace {
@@ -11,7 +12,6 @@ namespace {
 // As fast as the last of some that are thrown away, twice as many each time; of the form m 2^j,
 // m < 16, as samples_needed() has it.
 uint64_t samples_in_time(Session& session, const Integrator& integrator, const Film& film) {
-  constexpr uint64_t kRound = 3 + Pilot::kParts;  // no pilot's
   constexpr double kShare = 0.02;
   const double seconds = session.settings.seconds;
   if (session.longest == 0) return 1;
@@ -22,7 +22,8 @@ uint64_t samples_in_time(Session& session, const Integrator& integrator, const F
   double each = 0;
   for (uint64_t n = 1, done = 0; !stop_requested(); done += n, n *= 2) {
     const double before = session.clock.seconds();
-    session.renderer.render(integrator, session.rules, kRound, {done, n}, aside, tally, progress);
+    session.renderer.render(integrator, session.rules, kTimingRound.first, {done, n}, aside, tally,
+                            progress);
     const double took = session.clock.seconds() - before;
     each = took / static_cast<double>(n);
     if (took > kShare * seconds) break;

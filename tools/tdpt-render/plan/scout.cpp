@@ -12,7 +12,6 @@
 namespace tdpt {
 namespace {
 
-constexpr uint64_t kRound = 1;   // of the random numbers: 0 is the picture's
 constexpr uint64_t kChunk = 64;  // groups that are added up in a row
 constexpr double kAlike = 1.05;  // most of moments over the least
 
@@ -360,7 +359,7 @@ void Scout::draw_run(size_t r, uint64_t first, uint64_t end, Film& film, ScoutSu
   ScoutSample seen(*this, r, sums);
   const PathObserver observer = [&](const Contribution& found) { seen.see(found); };
   const SampleSettings how{integrator.mixture, rules_.max_depth, 1, rules_.seed,
-                           integrator.stream + (kStreams + 1) * kRound};
+                           stream_in(kScoutRound.first, integrator.stream)};
   Runner runner(world_, integrator.mixture, guides_[runs_[r]], how, film, observer);
   const uint64_t per_pool = samples_of_pool(integrator.mixture);
   std::vector<Walk> walks(light_walks_of(integrator.mixture, per_pool));

@@ -5,7 +5,7 @@
 #include <oneapi/tbb/parallel_for.h>
 
 #include "libcommon/math/sequence.h"
-#include "tools/tdpt-render/integrators/integrator.h"
+#include "libcommon/math/streams.h"
 #include "tools/tdpt-render/path/sample/surface.h"
 
 namespace tdpt {
@@ -39,11 +39,10 @@ void look(const World& world, double x, double y, Seen& seen) {
 }
 
 Seen look(const World& world, size_t x, size_t y, uint64_t seed) {
-  constexpr uint64_t kPurpose = 15;  // no sampler's
   Seen seen;
   const uint64_t pixel = y << 32 | x;
   for (uint64_t i = 0; i < kRays; ++i) {
-    Sequence place(seed, (kStreams + 1) * 16 + kPurpose, pixel, i);
+    Sequence place(seed, kFeaturePlaces.first, pixel, i);
     const double u = place.uniform(), v = place.uniform();
     look(world, static_cast<double>(x) + u, static_cast<double>(y) + v, seen);
   }

@@ -8,6 +8,7 @@
 #include <oneapi/tbb/parallel_for.h>
 
 #include "libcommon/math/sequence.h"
+#include "libcommon/math/streams.h"
 
 namespace tdpt {
 namespace {
@@ -69,7 +70,7 @@ WindowViews::WindowViews(const Tracer& tracer, const std::vector<Opening>& openi
   std::vector<Line> lines(each * openings.size());
   tbb::parallel_for(size_t{0}, lines.size(), [&](size_t k) {
     const size_t i = k / each;
-    Sequence numbers(1, 0, i, k % each);
+    Sequence numbers(*kWindowViews.seed, kWindowViews.first, i, k % each);
     const auto [x, y, u, v] = numbers.uniforms<4>();
     const Vec3f from(openings[i].corner + openings[i].across * x + openings[i].up * y);
     const Vec3d w = inwards(openings[i], u, v);

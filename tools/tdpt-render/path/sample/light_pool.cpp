@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "libcommon/math/streams.h"
+
 namespace tdpt {
 
 uint64_t samples_of_pool(const Mixture& mixture) {
@@ -97,8 +99,9 @@ Mixture expecting_joins(const World& world, const Mixture& mixture, int max_dept
   Walk y;
   double starts = 0, scattered = 0;
   for (int i = 0; i < kWalks; ++i) {
-    walk_from_light(world, guide, max_depth - 1, Sequence(0, 0, 0, static_cast<uint64_t>(i)), y,
-                    rays);
+    walk_from_light(
+        world, guide, max_depth - 1,
+        Sequence(*kExpectedWalks.seed, kExpectedWalks.first, 0, static_cast<uint64_t>(i)), y, rays);
     for (int j = 0; j < y.size; ++j)
       if (y[j].connectible) ++(j == 0 ? starts : scattered);
   }

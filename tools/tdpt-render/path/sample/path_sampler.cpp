@@ -1,5 +1,6 @@
 #include "tools/tdpt-render/path/sample/path_sampler.h"
 
+#include "libcommon/math/streams.h"
 #include "tools/tdpt-render/path/sample/surface.h"
 
 namespace tdpt {
@@ -25,7 +26,7 @@ PathSampler::PathSampler(const World& world, const SampleSettings& settings, con
 
 Sequence PathSampler::numbers(Purpose purpose) const {
   const uint64_t pixel = static_cast<uint64_t>(y_) << 32 | static_cast<uint64_t>(x_);
-  return Sequence(settings_.seed, settings_.stream * 16 + purpose, pixel, sample_);
+  return Sequence(settings_.seed, settings_.stream * kPurposes + purpose, pixel, sample_);
 }
 
 void PathSampler::begin(int x, int y, uint64_t sample) {

@@ -1,0 +1,84 @@
+// Who draws random numbers, and in which streams [rng.h, sequence.h]: those of one program are all
+// here, so that no two drawers of one seed draw the same numbers. That they do not is asserted.
+#pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+namespace tdpt {
+
+/// `count` of them from `first` on, of any seed or of one.
+struct Streams {
+  uint64_t first, count;
+  std::optional<uint64_t> seed{};
+};
+
+constexpr bool disjoint(const Streams& a, const Streams& b) {
+  if (a.seed && b.seed && *a.seed != *b.seed) return true;
+  return a.first + a.count <= b.first || b.first + b.count <= a.first;
+}
+/// Each from each.
+template <size_t n>
+constexpr bool disjoint(const std::array<Streams, n>& all) {
+  for (size_t i = 0; i < n; ++i)
+    for (size_t j = 0; j < i; ++j)
+      if (!disjoint(all[i], all[j])) return false;
+  return true;
+}
+
+// The renderer's samples have a stream for each purpose, of an integrator's sixteen; an integrator
+// has sixteen in each round. Others find room beside them.
+
+constexpr uint64_t kPurposes = 16;
+/// An integrator has one of 1 to kStreams - 1.
+constexpr uint64_t kStreams = 256;
+constexpr uint64_t kStreamsOfRound = 1024;
+
+/// Rounds from `first` on of samples that have nothing in common.
+struct Rounds {
+  uint64_t first, count = 1;
+};
+constexpr Rounds kPictureRound{0}, kScoutRound{1}, kBeyondRound{2}, kPilotRounds{3, 8},
+    kArrivalRound{4}, kTimingRound{11};
+
+/// Of an integrator's samples, over kPurposes.
+constexpr uint64_t stream_in(uint64_t round, uint64_t integrator) {
+  return integrator + kStreamsOfRound * round;
+}
+constexpr Streams streams_of(const Rounds& rounds) {
+  const uint64_t first = stream_in(rounds.first, 1);
+  return {first * kPurposes,
+          (stream_in(rounds.first + rounds.count - 1, kStreams) - first) * kPurposes};
+}
+
+/// In place of an integrator's.
+constexpr uint64_t kPortalWaysStream = 1023;
+constexpr Streams kPortalWays{kPortalWaysStream * kPurposes, kPurposes},
+    kFeaturePlaces{1024 * kPurposes + 15, 1},  // of places in pixels
+    kPortalProbe{0x9000, 2, 1},  // of walks from a portal, to the light and to the camera
+    kWindowViews{0, 1, 1}, kExpectedWalks{0, 1, 0};
+
+static_assert(disjoint(std::array{streams_of(kPictureRound), streams_of(kScoutRound),
+                                  streams_of(kBeyondRound), streams_of(kPilotRounds),
+                                  streams_of(kTimingRound), kPortalWays, kFeaturePlaces,
+                                  kPortalProbe, kWindowViews, kExpectedWalks}));
+
+// ffgraph.
+constexpr Streams kWalksFromLight{101, 1}, kWalksFromCamera{102, 1}, kEtendue{103, 1},
+    kTriangleFlow{104, 1};
+static_assert(disjoint(std::array{kWalksFromLight, kWalksFromCamera, kEtendue, kTriangleFlow}));
+
+// lightgrid: of cut c < 256 c of each 256; a line has its own stream, two for the votes of its ends
+// and one for coins [shaders/shared/light_lines.h]. Chains have those of which the upper word is c.
+constexpr Streams kPivotLines{1 << 16, 0x400}, kTriedLines{2 << 16, 0x400},
+    kChains{0x6c67'0002, uint64_t{1} << 40};
+static_assert(disjoint(std::array{kPivotLines, kTriedLines, kChains}));
+
+// That disjoint() can fail: by one stream, by a round among others, by a seed.
+static_assert(!disjoint(std::array{Streams{0, 4}, Streams{4, 1}, Streams{3, 1}}));
+static_assert(!disjoint(streams_of({3, 8}), streams_of({4})));
+static_assert(!disjoint(Streams{0, 1, 1}, Streams{0, 1}) &&
+              !disjoint(Streams{0, 1, 1}, Streams{0, 1, 1}));
+
+}  // namespace tdpt
