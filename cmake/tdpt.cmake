@@ -114,36 +114,21 @@ function(tdpt_fuzz name)
   endif()
 endfunction()
 
-# tdpt_shader_tables(NAME a/HEADER.h ...): "shaders/NAME_tables.glsl" for kernels, from shaders/NAME.tables and the headers that
-# have its records (cmake/shader-tables.sh). Kernels that include it are compiled with tdpt_shaders(... TABLES NAME ...).
-function(tdpt_shader_tables name)
-  set(out ${CMAKE_BINARY_DIR}/generated/shaders/${name}_tables.glsl)
-  set(tables ${CMAKE_SOURCE_DIR}/shaders/${name}.tables)
-  list(TRANSFORM ARGN PREPEND ${CMAKE_SOURCE_DIR}/)
-  add_custom_command(OUTPUT ${out}
-    COMMAND sh ${CMAKE_SOURCE_DIR}/cmake/shader-tables.sh ${out} ${tables} ${ARGN}
-    DEPENDS ${tables} ${ARGN} ${CMAKE_SOURCE_DIR}/cmake/shader-tables.sh
-    COMMENT "Reading ${name}.tables" VERBATIM)
-endfunction()
-
 # tdpt_shaders(target a/NAME.comp ...): kernels, compiled into the target; paths from the source root. C++
 # includes "shaders/NAME.h" for the span NAME_spv. Each kernel belongs to one target. It is a test that its
 # arithmetic is exact (cmake/spirv-exact.sh); with INEXACT the test is that this finds it is not.
 function(tdpt_shaders target)
-  cmake_parse_arguments(A "INEXACT" "SUFFIX;DEFINE;TABLES" "" ${ARGN})
+  cmake_parse_arguments(A "INEXACT" "SUFFIX;DEFINE" "" ${ARGN})
   set(folder ${CMAKE_BINARY_DIR}/generated/shaders)
-  if(A_TABLES)
-    set(A_TABLES ${folder}/${A_TABLES}_tables.glsl)
-  endif()
   foreach(file IN LISTS A_UNPARSED_ARGUMENTS)
     get_filename_component(name ${file} NAME_WE)
     string(APPEND name "${A_SUFFIX}")
     set(source ${CMAKE_SOURCE_DIR}/${file})
     set(out ${folder}/${name})
     set(compile ${CMAKE_COMMAND} -E env INEXACT=$<BOOL:${A_INEXACT}> sh ${CMAKE_SOURCE_DIR}/cmake/compile-shader.sh ${out}
-        -I ${CMAKE_SOURCE_DIR} -I ${CMAKE_BINARY_DIR}/generated)
+        -I ${CMAKE_SOURCE_DIR})
     if(A_DEFINE)
-      list(APPEND compile -D${A_DEFINE})
+      list(APPEND compile "-D${A_DEFINE}")
     endif()
     file(CONFIGURE OUTPUT ${out}.h CONTENT
 "#pragma once
@@ -158,7 +143,7 @@ inline constexpr std::span<const uint32_t> @name@_spv{@name@_words};
 " @ONLY)
     add_custom_command(OUTPUT ${out}.inc ${out}.spv
       COMMAND ${compile} ${source}
-      DEPENDS ${source} ${A_TABLES} ${CMAKE_SOURCE_DIR}/cmake/compile-shader.sh DEPFILE ${out}.d
+      DEPENDS ${source} ${CMAKE_SOURCE_DIR}/cmake/compile-shader.sh DEPFILE ${out}.d
       COMMENT "Compiling the kernel ${name}" VERBATIM)
     target_sources(${target} PRIVATE ${out}.inc)
     if(BUILD_TESTING)

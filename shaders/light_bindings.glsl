@@ -1,3 +1,11 @@
+// What all kernels of the light grid are made of.
+#include "shaders/shared/grid_walk.h"
+#include "shaders/shared/light_layout.h"
+#include "shaders/shared/rng.h"
+#include "shaders/shared/texels.h"
+#include "shaders/shared/triangle.h"
+#include "shaders/shared/warp.h"
+
 // Whether some surface is not opaque, and whether a texture says where it is. Scenes without any
 // have kernels without that part of coverage.h: software devices run through both sides of a branch
 // that a lane may take, and any device needs registers for both.
@@ -18,16 +26,17 @@ float presence_at(uint triangle, vec3 w) { return 1.0; }
 // What all kernels of the light grid bind, by the names that shaders/shared/ knows.
 layout(local_size_x = LIGHT_GROUP) in;
 
-layout(std140, binding = 1) uniform Firsts { uvec4 first_texels[2]; };
-uint first_texel(uint table) { return first_texels[table >> 2u][table & 3u]; }
-#include "shaders/light_tables.glsl"
+layout(binding = 0) uniform usamplerBuffer scene_texels;
+layout(std140, binding = 1) uniform Firsts { LightFirstTexels first_texels; };
+#define READ(type, name, array)                              \
+  type load_##name(uint i) {                                 \
+    return entry_##type(scene_texels, first_texels.name, i); \
+  }
+LIGHT_TABLES(READ)
+#define BIND(number, type, array) \
+  layout(std430, binding = number) readonly buffer Read_##array { type array[]; };
+LIGHT_CUTS(BIND)
 
-layout(std430, binding = LIGHT_ARCS) readonly buffer Arcs { PivotArc pivot_arcs[]; };
-layout(std430, binding = LIGHT_PATCHES) readonly buffer Patches { PatchPieces patches[]; };
-layout(std430, binding = LIGHT_PIECES) readonly buffer Pieces { Piece pieces[]; };
-layout(std430, binding = LIGHT_FACES) readonly buffer Faces { uint first_cell[]; };
-layout(std430, binding = LIGHT_CELLS) readonly buffer Cells { PatchCell patch_cells[]; };
-layout(std430, binding = LIGHT_NORMALS) readonly buffer Normals { FaceNormal face_normals[]; };
 layout(std430, binding = LIGHT_TRIES) readonly buffer Tries { LineTry tries[]; };
 layout(std430, binding = LIGHT_LINES) buffer Lines { LineEnds lines[]; };
 layout(std430, binding = LIGHT_FATES) buffer Fates { uint fates[]; };
@@ -62,3 +71,9 @@ void count_voxel(ivec3 at, ivec3 direction) {
   imageAtomicAdd(voxel_direction_y, texel, direction.y);
   imageAtomicAdd(voxel_direction_z, texel, direction.z);
 }
+
+#include "shaders/shared/coverage.h"
+
+#include "shaders/shared/traversal.h"
+
+#include "shaders/shared/light_lines.h"

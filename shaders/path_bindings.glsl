@@ -1,6 +1,8 @@
 // What the renderer's kernels bind, by the names that shaders/shared/path/ knows; what a kernel
 // does not read is not bound. Whether a scene has what only some have is told when a kernel is made
 // for it (tools/tdpt-render/device/gpu_machine.cpp).
+#include "shaders/shared/path/kernel_heads.h"
+
 layout(local_size_x = 64) in;
 
 layout(constant_id = 0) const bool scene_has_layers = true;
@@ -29,12 +31,6 @@ layout(constant_id = 22) const bool power_heuristic = true;
 layout(constant_id = 23) const bool film_has_layers = true;
 layout(constant_id = 24) const bool film_is_transparent = true;
 
-struct AllSettings {
-  RenderParameters render;
-  GuideParameters guiding;
-  LightSettings lights;
-  uvec4 first_texels[kFirstTexels];
-};
 layout(std140, binding = 2) uniform Settings { AllSettings all_settings[1]; };
 RenderParameters render;
 GuideParameters guiding;
@@ -48,32 +44,29 @@ void read_settings() {
   guiding = all_settings[zero].guiding;
   light_settings = all_settings[zero].lights;
 }
-uint first_texel(uint table) {
-  return all_settings[0].first_texels[table >> 2u][table & 3u];
-}
-#include "shaders/path_tables.glsl"
 
-// What kernels write.
-layout(std430, binding = 3) buffer Vertices { PathVertex path_vertices[]; };
-layout(std430, binding = 4) buffer Bsdfs { PathBsdf path_bsdfs[]; };
-layout(std430, binding = 5) buffer Densities { PathDensity path_densities[]; };
-layout(std430, binding = 6) buffer Counts { uint walk_counts[]; };
-layout(std430, binding = 7) buffer Lasts { uint walk_last[]; };
-layout(std430, binding = 8) buffer Alive { uint alive[]; };
-layout(std430, binding = 9) buffer Rays { WalkRay walk_rays[]; };
-layout(std430, binding = 10) buffer Ends { JoinEnd join_ends[]; };
-layout(std430, binding = 11) buffer Joinings { Joining joinings[]; };
-layout(std430, binding = 12) buffer Scatterings { Scattering scatterings[]; };
-layout(std430, binding = 13) buffer Segments { PortalSegment segments[]; };
-layout(std430, binding = 14) buffer Sides { SegmentSide segment_sides[]; };
-layout(std430, binding = 15) buffer FilmWords { uint film_words[]; };
-layout(std430, binding = 16) buffer Flags { uint flags[]; };
-layout(std430, binding = 17) buffer LitSegments { uint lit_segments[]; };
-layout(std430, binding = 18) buffer LitFirst { uint lit_first[]; };
-layout(std430, binding = 19) buffer Estimates { float estimates[]; };
+layout(binding = 0) uniform usamplerBuffer path_texels;
+#define BIND(number, type, name, array, count)                              \
+  type load_##name(uint i) {                                                \
+    return entry_##type(path_texels, all_settings[0].first_texels.name, i); \
+  }                                                                         \
+  layout(std430, binding = number) buffer Written_##array { type array[]; };
+PATH_TABLES(BIND)
+#define BIND_WORDS(number, array, count) \
+  layout(std430, binding = number) buffer Written_##array { uint array[]; };
+PATH_WORDS(BIND_WORDS)
+
+layout(binding = 1) uniform usamplerBuffer scene_texels;
+#define READ(type, name, array)                                              \
+  type load_##name(uint i) {                                                 \
+    return entry_##type(scene_texels, all_settings[0].first_texels.name, i); \
+  }
+SCENE_TABLES(READ)
 
 layout(push_constant) uniform Work { StepParameters work; };
 
 uint tally_bucket() {
   return gl_WorkGroupID.x % kTallyBuckets;
 }
+
+#include "shaders/shared/sequence.h"

@@ -1,5 +1,5 @@
 // Tables of records one behind the other in one buffer, as kernels read them by texels
-// [cmake/shader-tables.sh]; of those that kernels write each is a storage buffer, too.
+// [shaders/shared/records.h]; of those that kernels write each is a storage buffer, too.
 #pragma once
 #include <optional>
 
@@ -11,9 +11,13 @@ class Tables {
  public:
   /// Adds one that holds `values`, which stay where they are until upload().
   template <class T>
-  void add(const std::vector<T>& values) {
+  void add(std::span<const T> values) {
     static_assert(std::is_trivially_copyable_v<T>);
-    add(std::as_bytes(std::span(values)), values.size() * sizeof(T));
+    add(std::as_bytes(values), values.size_bytes());
+  }
+  template <class T>
+  void add(const std::vector<T>& values) {
+    add(std::span<const T>(values));
   }
   /// Adds room for a table of so many bytes, undefined.
   void add_room(uint64_t bytes) { add({}, bytes); }

@@ -8,8 +8,8 @@
 #include "libcommon/math/rng.h"
 #include "libcommon/scene/test_coverage.h"
 #include "libcommon/scene/texture.h"
-#include "shaders/shared/loads.h"
 #include "shaders/shared/rng.h"
+#include "shaders/shared/tables.h"
 #include "shaders/shared/texels.h"
 
 namespace tdpt {
@@ -22,10 +22,7 @@ using testing::with_sheet;
 namespace kernel {
 using namespace shader;
 struct Kernel {
-  const uint* coverage_of;
-  const Coverage* coverages;
-  const uint* texel_words;
-  LOADS_OF_COVERAGE
+  TABLES_OF_COVERAGE(REFERS_TO)
   bool scene_has_coverage, coverage_has_textures, scene_has_panes;
   static float presence_at(uint, const vec3&) { return 1; }
 #include "shaders/shared/coverage.h"

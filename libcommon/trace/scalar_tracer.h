@@ -1,17 +1,14 @@
 // shaders/shared/traversal.h as C++, one ray at a time: the twin of a kernel's ray queries.
 #pragma once
 #include "libcommon/trace/bvh.h"
-#include "shaders/shared/loads.h"
+#include "shaders/shared/tables.h"
 #include "shaders/shared/triangle.h"
 
 namespace tdpt::shader {
 
 /// Refers to a Bvh. All surfaces are there, whatever their coverage.
 struct ScalarTracer {
-  const BvhNode* bvh_nodes;
-  const BvhTriangle* bvh_triangles;
-  LOADS(BvhNode, bvh_node, bvh_nodes)
-  LOADS(BvhTriangle, bvh_triangle, bvh_triangles)
+  TABLES_OF_BVH(REFERS_TO)
 
   explicit ScalarTracer(const Bvh& bvh)
       : bvh_nodes(bvh.nodes.data()), bvh_triangles(bvh.triangles.data()) {}

@@ -3,6 +3,8 @@
 #ifndef TDPT_SHADERS_SHARED_BVH_H
 #define TDPT_SHADERS_SHARED_BVH_H
 
+#include "shaders/shared/records.h"
+
 #include "shaders/shared/language.h"
 
 SHARED_BEGIN
@@ -13,30 +15,26 @@ const uint kBvhStack = 48u;
 /// An inner node with the boxes of both its children. A child is the index of an inner node, or a
 /// leaf: bit 31 set, the number of its triangles in bits 28 to 30 (0: an empty leaf), the index of
 /// the first one in bits 0 to 27. Node 0 is the root and always there.
-struct CACHE_LINE BvhNode {
-  vec3 low0;
-  uint child0;
-  vec3 high0;
-  uint child1;
-  vec3 low1;
-  float extent;  ///< of node 0: no coordinate of a triangle exceeds it. 0 in all others
-  vec3 high1;
-  uint pad;
-};
+#define TEXELS_OF_BvhNode(VEC, WORDS, PART)                                        \
+  VEC(low0, uint, child0)                                                          \
+  VEC(high0, uint, child1)                                                         \
+  /* extent: of node 0: no coordinate of a triangle exceeds it. 0 in all others */ \
+  VEC(low1, float, extent)                                                         \
+  VEC(high1, uint, pad)
+RECORD_ALIGNED(CACHE_LINE, BvhNode)
 
 const uint kBvhLeaf = 0x80000000u;
 const uint kBvhFirstMask = 0x0FFFFFFFu;
 const uint kBvhCountShift = 28u;
 const uint kBvhCountMask = 7u;
 
-struct BvhTriangle {
-  vec3 p0;
-  uint triangle;  ///< index in Scene::triangles
-  vec3 p1;
-  uint stops;  ///< 1: stops every ray; 0: surface_stops() is asked
-  vec3 p2;
-  uint pad;
-};
+#define TEXELS_OF_BvhTriangle(VEC, WORDS, PART)                \
+  /* triangle: index in Scene::triangles */                    \
+  VEC(p0, uint, triangle)                                      \
+  /* stops: 1: stops every ray; 0: surface_stops() is asked */ \
+  VEC(p1, uint, stops)                                         \
+  VEC(p2, uint, pad)
+RECORD(BvhTriangle)
 
 struct SurfaceHit {
   float t;        ///< in units of the ray's direction, above 0

@@ -4,7 +4,7 @@
 // of the rays; 1 - coverage is its transmittance. Computed as coverage_at() of
 // libcommon/scene/texture.h does, in floats.
 //
-// Read within a scope that has load_x(i) of LOADS_OF_COVERAGE [loads.h], scene_has_coverage,
+// Read within a scope that has load_x(i) of TABLES_OF_COVERAGE [tables.h], scene_has_coverage,
 // coverage_has_textures, and presence_at(triangle, w), which is 1 where there are no panes: a GLSL
 // file behind its buffers, or the body of a C++ struct. texels.h comes before.
 

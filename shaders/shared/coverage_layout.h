@@ -3,18 +3,20 @@
 #ifndef TDPT_SHADERS_SHARED_COVERAGE_LAYOUT_H
 #define TDPT_SHADERS_SHARED_COVERAGE_LAYOUT_H
 
+#include "shaders/shared/records.h"
+
 #include "shaders/shared/language.h"
 
 SHARED_BEGIN
 
 /// An image and how it is looked up. Texels are words: red in the lowest 8 bits, then green, blue,
 /// alpha.
-struct TexelGrid {
-  uint first;  ///< texel (0,0)
-  uint width;  ///< 0: no texture
-  uint height;
-  uint how;  ///< TEXELS_*
-};
+#define TEXELS_OF_TexelGrid(VEC, WORDS, PART) \
+  /* first: texel (0,0) */                    \
+  /* width: 0: no texture */                  \
+  /* how: TEXELS_* */                         \
+  WORDS(uint, first, uint, width, uint, height, uint, how)
+RECORD(TexelGrid)
 #define TEXELS_NEAREST 1u
 #define TEXELS_MIRROR_U 2u
 #define TEXELS_CLAMP_U 4u
@@ -23,21 +25,15 @@ struct TexelGrid {
 #define TEXELS_SRGB 32u  // but for alpha
 
 /// Coverage of a triangle that is not opaque, see coverage_at() of libcommon/scene/texture.h.
-struct Coverage {
-  float u0;  ///< texture coordinates of the corners, transformed
-  float v0;
-  float u1;
-  float v1;
-  float u2;
-  float v2;
-  float alpha0;  ///< factor of the material times the corner's
-  float alpha1;
-  float alpha2;
-  float cutoff;  ///< there from this alpha on, or not; below 0: as often as alpha says
-  uint pad0;
-  uint pad1;
-  TexelGrid grid;
-};
+#define TEXELS_OF_Coverage(VEC, WORDS, PART)                                      \
+  /* u0: texture coordinates of the corners, transformed */                       \
+  WORDS(float, u0, float, v0, float, u1, float, v1)                               \
+  /* alpha0: factor of the material times the corner's */                         \
+  WORDS(float, u2, float, v2, float, alpha0, float, alpha1)                       \
+  /* cutoff: there from this alpha on, or not; below 0: as often as alpha says */ \
+  WORDS(float, alpha2, float, cutoff, uint, pad0, uint, pad1)                     \
+  PART(TexelGrid, grid)
+RECORD(Coverage)
 /// Stands in coverage_of[] for triangles that are opaque, but for their being panes.
 const uint kNoCoverage = 0xFFFFFFFFu;
 

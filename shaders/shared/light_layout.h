@@ -3,16 +3,25 @@
 #ifndef TDPT_SHADERS_SHARED_LIGHT_LAYOUT_H
 #define TDPT_SHADERS_SHARED_LIGHT_LAYOUT_H
 
+#include "shaders/shared/bvh.h"
+#include "shaders/shared/coverage_layout.h"
+#include "shaders/shared/tables.h"
+
 #include "shaders/shared/language.h"
 
 // The scene as texels (0), where its tables begin (1), then storage buffers, in this order, then
 // the images.
-#define LIGHT_ARCS 2
-#define LIGHT_PATCHES 3
-#define LIGHT_PIECES 4
-#define LIGHT_FACES 5
-#define LIGHT_CELLS 6
-#define LIGHT_NORMALS 7
+#define LIGHT_TABLES(TABLE) \
+  TABLES_OF_BVH(TABLE)      \
+  TABLES_OF_COVERAGE(TABLE)
+// BUFFER(binding, type, array), of the cuts.
+#define LIGHT_CUTS(BUFFER)          \
+  BUFFER(2, PivotArc, pivot_arcs)   \
+  BUFFER(3, PatchPieces, patches)   \
+  BUFFER(4, Piece, pieces)          \
+  BUFFER(5, uint, first_cell)       \
+  BUFFER(6, PatchCell, patch_cells) \
+  BUFFER(7, FaceNormal, face_normals)
 #define LIGHT_TRIES 8
 #define LIGHT_LINES 9
 #define LIGHT_FATES 10
@@ -29,6 +38,13 @@
 #define LIGHT_MOST_SUMMED 524288
 
 SHARED_BEGIN
+
+/// Where each table of the scene begins in its texels.
+struct LightFirstTexels {
+#define FIRST_OF_SCENE(type, name, array) uint name;
+  LIGHT_TABLES(FIRST_OF_SCENE)
+#undef FIRST_OF_SCENE
+};
 
 /// A pair of patches, light's side first; slot of an alias table over the pairs of its cut.
 struct PivotArc {

@@ -142,8 +142,7 @@ class GpuLines : public LineTracer {
     return images;
   }
 
-  // In the order of shaders/light_bindings.glsl; the scene's tables in that of
-  // shaders/light.tables.
+  // In the order of light_layout.h.
   std::vector<gpu::Memory> bind(const Bvh& bvh, const CoverageTables& coverage,
                                 const LineTables& t) const {
     gpu::Tables scene;
@@ -151,14 +150,13 @@ class GpuLines : public LineTracer {
     add(bvh.nodes, bvh.triangles, coverage.coverage_of, coverage.coverages, coverage.texels);
     scene.upload(device_);
     std::vector<uint32_t> firsts = scene.first_texels();
-    firsts.resize(8);
+    firsts.resize((sizeof(shader::LightFirstTexels) + 15) / 16 * 4);
     const auto of = [&](const auto& values) { return gpu::Buffer(device_, values); };
-    std::vector<gpu::Memory> bound{scene.texels(), gpu::Uniforms(of(firsts)),
-                                   of(t.arcs),     of(t.patches),
-                                   of(t.pieces),   of(t.first_cell),
-                                   of(t.cells),    of(t.normals),
-                                   tries_,         lines_,
-                                   fates_,         lists_};
+    std::vector<gpu::Memory> bound{scene.texels(), gpu::Uniforms(of(firsts))};
+#define BIND(binding, type, array) bound.emplace_back(of(t.array));
+    LIGHT_CUTS(BIND)
+#undef BIND
+    bound.insert(bound.end(), {tries_, lines_, fates_, lists_});
     bound.insert(bound.end(), images_.begin(), images_.end());
     return bound;
   }
@@ -167,7 +165,9 @@ class GpuLines : public LineTracer {
     return {device_, program, bound_, sizeof(shader::LightParameters)};
   }
 
-  uint32_t slabs() const { return (static_cast<uint32_t>(common_.dim.z) + depth_ - 1) / depth_; }
+  uint32_t slabs() const {
+    return (static_cast<uint32_t>(common_.dim.z) + depth_ - 1) / depth_;
+  }
 
   // A kernel of a submission, and where its time is told.
   struct Step {

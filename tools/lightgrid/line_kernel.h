@@ -16,13 +16,11 @@ class LineKernel {
   LineKernel(const Tracer& tracer, const LineTables& t, const LightParameters& p, VoxelSums& sums)
       : tracer_(tracer),
         light(p),
-        pivot_arcs(t.arcs.data()),
-        patches(t.patches.data()),
-        pieces(t.pieces.data()),
-        first_cell(t.first_cell.data()),
-        patch_cells(t.cells.data()),
-        face_normals(t.normals.data()),
-        sums_(sums) {}
+#define REFER(binding, type, array) array(t.array.data()),
+        LIGHT_CUTS(REFER)
+#undef REFER
+            sums_(sums) {
+  }
 
   /// Segment number p.first + i: what light_segments.comp, light_votes.comp and light_march.comp do
   /// one after the other.
@@ -60,12 +58,9 @@ class LineKernel {
 
   const Tracer& tracer_;
   const LightParameters light;
-  const PivotArc* pivot_arcs;
-  const PatchPieces* patches;
-  const Piece* pieces;
-  const uint* first_cell;
-  const PatchCell* patch_cells;
-  const FaceNormal* face_normals;
+#define REFERS(binding, type, array) const type* array;
+  LIGHT_CUTS(REFERS)
+#undef REFERS
   VoxelSums& sums_;
 };
 

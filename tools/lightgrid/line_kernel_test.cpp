@@ -62,14 +62,14 @@ struct BetweenTwo {
 
 TEST(LineKernel, lines_through_a_place_lead_from_light_to_camera) {
   LineTables tables;
-  tables.normals = {{{-1, 0, 0}, 0}, {{-1, 0, 0}, 0}};  // faces 0 and 3 are met
+  tables.face_normals = {{{-1, 0, 0}, 0}, {{-1, 0, 0}, 0}};  // faces 0 and 3 are met
   tables.first_cell = {0, 1, 1, 1, 2};
   VoxelSums sums(1);
   BetweenTwo rays;
   shader::LineEnds line;
   // Regions ahead and behind; which cut.
   const auto fate = [&](uint32_t ahead, uint32_t behind, uint32_t c, Vec3f direction) {
-    tables.cells = {{{0, 0, 0}, ahead}, {{0, 0, 0}, behind}};
+    tables.patch_cells = {{{0, 0, 0}, ahead}, {{0, 0, 0}, behind}};
     shader::LightParameters p{};
     p.first_sky_face = UINT32_MAX;
     p.cell_corner = {-50, -50, -50};
@@ -240,7 +240,7 @@ TEST(LineKernel, lines_end_on_pairs_by_capacity_and_on_faces_by_area) {
 
 TEST(LineKernel, lines_are_free_when_both_faces_look_along) {
   LineTables tables;
-  tables.normals = {{{0, 0, 1}, 0}, {{0, 0.6f, -0.8f}, 0}};
+  tables.face_normals = {{{0, 0, 1}, 0}, {{0, 0.6f, -0.8f}, 0}};
   VoxelSums sums(1);
   const NoRays none;
   shader::LineKernel<NoRays> kernel(none, tables, {}, sums);

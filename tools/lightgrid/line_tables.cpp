@@ -95,17 +95,17 @@ void add_surfaces(const Scene& scene, const CutFile& cut, LineTables& tables) {
 
 void add_pairs(const CutFile& cut, LineTables& tables) {
   for (size_t c = 0; c < cut.cuts.size(); ++c) {
-    const size_t first = tables.arcs.size();
+    const size_t first = tables.pivot_arcs.size();
     std::vector<double> capacities;
     for (const CutArc& arc : cut.arcs) {
       if (!cut.crosses(arc, c) || tables.patches[arc.from].count == 0 ||
           tables.patches[arc.to].count == 0)
         continue;
-      tables.arcs.push_back({arc.from, arc.to, 0, 0});
+      tables.pivot_arcs.push_back({arc.from, arc.to, 0, 0});
       capacities.push_back(arc.capacity);
     }
     tables.cuts.push_back({static_cast<uint32_t>(first), static_cast<uint32_t>(capacities.size())});
-    if (!capacities.empty()) fill_alias(tables.arcs, first, capacities);
+    if (!capacities.empty()) fill_alias(tables.pivot_arcs, first, capacities);
   }
 }
 
@@ -139,14 +139,14 @@ void add_cells(const Scene& scene, const CutFile& cut, const std::string& cut_na
     const Patch &p = cut.patches[a], &q = cut.patches[b];
     return std::tie(p.level, p.cell) < std::tie(q.level, q.cell);
   });
-  tables.cells.resize(tables.first_cell.back());
+  tables.patch_cells.resize(tables.first_cell.back());
   std::vector<uint32_t> next(tables.first_cell.begin(), tables.first_cell.end() - 1);
   for (const uint32_t i : order) {
     const Patch& patch = cut.patches[i];
     const shader::PatchCell cell{{patch.cell[0], patch.cell[1], patch.cell[2]},
                                  static_cast<uint32_t>(patch.level) << 24 | cut.region[i]};
-    for (const uint32_t face : patch.faces) tables.cells[next[face]++] = cell;
-    if (patch.is_sky()) tables.cells[next[dome_face(scene, patch.sky)]++] = cell;
+    for (const uint32_t face : patch.faces) tables.patch_cells[next[face]++] = cell;
+    if (patch.is_sky()) tables.patch_cells[next[dome_face(scene, patch.sky)]++] = cell;
   }
 }
 
@@ -158,9 +158,9 @@ LineTables make_line_tables(const Scene& scene, const CutFile& cut, const std::s
   add_surfaces(scene, cut, tables);
   add_pairs(cut, tables);
   if (scene.dome < scene.triangles.size()) tables.first_sky_face = 2 * scene.dome;
-  tables.normals.resize(scene.triangles.size());
+  tables.face_normals.resize(scene.triangles.size());
   tbb::parallel_for(uint32_t{0}, static_cast<uint32_t>(scene.triangles.size()), [&](uint32_t t) {
-    tables.normals[t] = {Vec3f(shape_of(scene, t).normal), 0};
+    tables.face_normals[t] = {Vec3f(shape_of(scene, t).normal), 0};
   });
   tables.cell_corner = Vec3f(scene.frame.to_canonical(cut.grid.origin));
   tables.cells_per_unit = static_cast<float>(1 / (cut.grid.base_cell * scene.frame.scale));

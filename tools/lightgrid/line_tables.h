@@ -13,15 +13,15 @@ namespace tdpt {
 
 struct LineTables {
   struct PairsOfCut {
-    uint32_t first = 0, count = 0;  ///< of `arcs`
+    uint32_t first = 0, count = 0;  ///< of `pivot_arcs`
   };
   std::vector<PairsOfCut> cuts;
-  std::vector<shader::PivotArc> arcs;
+  std::vector<shader::PivotArc> pivot_arcs;
   std::vector<shader::PatchPieces> patches;  ///< as in the cut file; no pieces where no arc asks
   std::vector<shader::Piece> pieces;
-  std::vector<uint32_t> first_cell;      ///< of each face, and one more; into `cells`
-  std::vector<shader::PatchCell> cells;  ///< of each face in order
-  std::vector<shader::FaceNormal> normals;
+  std::vector<uint32_t> first_cell;            ///< of each face, and one more; into `patch_cells`
+  std::vector<shader::PatchCell> patch_cells;  ///< of each face in order
+  std::vector<shader::FaceNormal> face_normals;
 
   shader::vec3 cell_corner{};  ///< canonical
   float cells_per_unit = 1;

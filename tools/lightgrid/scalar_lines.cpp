@@ -2,8 +2,8 @@
 
 #include "libcommon/scene/coverage_tables.h"
 #include "libcommon/trace/bvh.h"
-#include "shaders/shared/loads.h"
 #include "shaders/shared/rng.h"
+#include "shaders/shared/tables.h"
 #include "shaders/shared/texels.h"
 #include "shaders/shared/triangle.h"
 #include "tools/lightgrid/cpu_lines.h"
@@ -13,14 +13,7 @@ namespace shader {
 namespace {
 
 struct ScalarRays {
-  const BvhNode* bvh_nodes;
-  const BvhTriangle* bvh_triangles;
-  LOADS(BvhNode, bvh_node, bvh_nodes)
-  LOADS(BvhTriangle, bvh_triangle, bvh_triangles)
-  const uint* coverage_of;
-  const Coverage* coverages;
-  const uint* texel_words;
-  LOADS_OF_COVERAGE
+  LIGHT_TABLES(REFERS_TO)
   bool scene_has_coverage, coverage_has_textures;
   static constexpr bool scene_has_panes = false;
 

@@ -5,7 +5,7 @@
 #include "shaders/shared/bvh.h"
 #include "shaders/shared/grid_walk.h"
 #include "shaders/shared/light_layout.h"
-#include "shaders/shared/loads.h"
+#include "shaders/shared/tables.h"
 #include "shaders/shared/triangle.h"
 
 layout(local_size_x = 64) in;
@@ -19,8 +19,7 @@ layout(push_constant) uniform Parameters { LightParameters light; };
 
 bool surface_stops(uint triangle, float b1, float b2, uint coin, vec3 w) { return true; }
 
-LOADS(BvhNode, bvh_node, bvh_nodes)
-LOADS(BvhTriangle, bvh_triangle, bvh_triangles)
+TABLES_OF_BVH(LOADS)
 
 #include "shaders/shared/traversal.h"
 

@@ -4,6 +4,7 @@
 #define TDPT_SHADERS_SHARED_PATH_LIGHTS_LAYOUT_H
 
 #include "shaders/shared/path/point.h"
+#include "shaders/shared/records.h"
 #include "shaders/shared/rng.h"
 #include "shaders/shared/warp.h"
 
@@ -24,41 +25,38 @@ struct LightPlace {
 };
 
 /// A triangle that emits.
-struct Emitter {
-  vec3 p0;
-  uint triangle;
-  vec3 e1;
-  float pdf_A;
-  vec3 e2;
-  uint source;  ///< SOURCE_FRONT or SOURCE_BOTH
-  vec3 normal;
-  uint pad;
-};
+#define TEXELS_OF_Emitter(VEC, WORDS, PART) \
+  VEC(p0, uint, triangle)                   \
+  VEC(e1, float, pdf_A)                     \
+  /* source: SOURCE_FRONT or SOURCE_BOTH */ \
+  VEC(e2, uint, source)                     \
+  VEC(normal, uint, pad)
+RECORD(Emitter)
 
 /// A light without extent. Versine: 1 - cos, which of narrow cones a float can hold.
-struct Lamp {
-  vec3 position;
-  uint parallel;  ///< 1: infinitely far
-  vec3 direction;
-  float pdf_1;
-  vec3 intensity;  ///< of parallel light irradiance
-  float extent;    ///< of the directions light leaves in [sr], parallel: of the disc across them
-  float cone;      ///< versine of the half angle that light leaves within; 2: all around
-  float edge;      ///< versine beyond which it is dark; above 2: nowhere
-  float per_edge;  ///< light grows by this per versine from the edge inwards, then squared
-  float pdf_w;     ///< 1/extent
-};
+#define TEXELS_OF_Lamp(VEC, WORDS, PART)                                                  \
+  /* parallel: 1: infinitely far */                                                       \
+  VEC(position, uint, parallel)                                                           \
+  VEC(direction, float, pdf_1)                                                            \
+  /* intensity: of parallel light irradiance */                                           \
+  /* extent: of the directions light leaves in [sr], parallel: of the disc across them */ \
+  VEC(intensity, float, extent)                                                           \
+  /* cone: versine of the half angle that light leaves within; 2: all around */           \
+  /* edge: versine beyond which it is dark; above 2: nowhere */                           \
+  /* per_edge: light grows by this per versine from the edge inwards, then squared */     \
+  /* pdf_w: 1/extent */                                                                   \
+  WORDS(float, cone, float, edge, float, per_edge, float, pdf_w)
+RECORD(Lamp)
 
-struct SkySun {
-  vec3 towards;
-  float versine;  ///< of its half angle
-  vec3 radiance;
-  float drawn;    ///< versine of what is drawn of it: little less, so that it is found in it again
-  float plain_w;  ///< density of its directions, among those by luminance
-  float start_w;  ///< and among those that walks begin in
-  uint pad0;
-  uint pad1;
-};
+#define TEXELS_OF_SkySun(VEC, WORDS, PART)                                                  \
+  /* versine: of its half angle */                                                          \
+  VEC(towards, float, versine)                                                              \
+  /* drawn: versine of what is drawn of it: little less, so that it is found in it again */ \
+  VEC(radiance, float, drawn)                                                               \
+  /* plain_w: density of its directions, among those by luminance */                        \
+  /* start_w: and among those that walks begin in */                                        \
+  WORDS(float, plain_w, float, start_w, uint, pad0, uint, pad1)
+RECORD(SkySun)
 
 /// A way to draw from the sky: entries of light_words[] [sky.h], blocks of fine cells row by row,
 /// then the suns. Of a map without texels the first entry is all of the sky.
@@ -73,12 +71,8 @@ struct SkyTable {
   uint split_y;
 };
 
-struct SkyTexel {
-  float r;
-  float g;
-  float b;
-  float pad;
-};
+#define TEXELS_OF_SkyTexel(VEC, WORDS, PART) WORDS(float, r, float, g, float, b, float, pad)
+RECORD(SkyTexel)
 
 /// A direction of the sky and where in its map: between the centres of columns `column` and the
 /// next, of rows `row` - 1 and `row` (tdpt::Sky::Cell).
@@ -91,20 +85,19 @@ struct SkyPlace {
 };
 
 /// An emitting rectangle: tdpt::Panels::Panel.
-struct Panel {
-  vec3 corner;
-  float length_x;
-  vec3 x;
-  float length_y;
-  vec3 y;
-  float least_height;
-  vec3 normal;
-  float weight;    ///< of what it sends, per area
-  uint source;     ///< SOURCE_FRONT or SOURCE_BOTH
-  uint triangle0;  ///< above the diagonal (x, then y)
-  uint triangle1;  ///< below it
-  uint corners;  ///< two bits each: which of the panel's are b1's, b2's of triangle0, of triangle1
-};
+#define TEXELS_OF_Panel(VEC, WORDS, PART)                                            \
+  VEC(corner, float, length_x)                                                       \
+  VEC(x, float, length_y)                                                            \
+  VEC(y, float, least_height)                                                        \
+  /* weight: of what it sends, per area */                                           \
+  VEC(normal, float, weight)                                                         \
+  /* source: SOURCE_FRONT or SOURCE_BOTH */                                          \
+  /* triangle0: above the diagonal (x, then y) */                                    \
+  /* triangle1: below it */                                                          \
+  /* corners: two bits each: which of the panel's are b1's, b2's of triangle0, of */ \
+  /* triangle1 */                                                                    \
+  WORDS(uint, source, uint, triangle0, uint, triangle1, uint, corners)
+RECORD(Panel)
 
 /// A panel from a point [panels.h].
 struct PanelView {
@@ -119,27 +112,21 @@ struct PanelView {
 };
 
 /// A portal's rectangle before the sky: tdpt::WindowSky::Window, along its frame's axes.
-struct SkyWindow {
-  float x0;
-  float x1;
-  float y0;
-  float y1;
-  float z;
-  uint frame;
-  uint pad0;
-  uint pad1;
-};
+#define TEXELS_OF_SkyWindow(VEC, WORDS, PART)       \
+  WORDS(float, x0, float, x1, float, y0, float, y1) \
+  WORDS(float, z, uint, frame, uint, pad0, uint, pad1)
+RECORD(SkyWindow)
 
 /// The sky as windows of one direction show it: tdpt::RectifiedSky. Sums of whole numbers, modulo
 /// 2^32: their differences are exact.
-struct WindowFrame {
-  vec3 x;
-  uint cells;  ///< along either axis
-  vec3 y;
-  uint sums;  ///< in light_words[]: [i (cells + 1) + j], of cells below column i and row j
-  vec3 z;
-  float unit;  ///< luminance x solid angle of one
-};
+#define TEXELS_OF_WindowFrame(VEC, WORDS, PART)                                        \
+  /* cells: along either axis */                                                       \
+  VEC(x, uint, cells)                                                                  \
+  /* sums: in light_words[]: [i (cells + 1) + j], of cells below column i and row j */ \
+  VEC(y, uint, sums)                                                                   \
+  /* unit: luminance x solid angle of one */                                           \
+  VEC(z, float, unit)
+RECORD(WindowFrame)
 
 /// A window's rectangle as a point sees it, in cells.
 struct CellRect {

@@ -1,8 +1,8 @@
 // Test only: the words of lights_test.h, one run of them an invocation.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "shaders/shared/loads.h"
 #include "shaders/shared/path/lights_test_layout.h"
+#include "shaders/shared/tables.h"
 layout(local_size_x = 64) in;
 layout(std430, binding = 0) readonly buffer Settings { LightSettings light_settings; };
 layout(std430, binding = 1) readonly buffer Tables { uint light_words[]; };
@@ -22,7 +22,7 @@ bool scene_has_lamps = (has & HAS_LAMPS) != 0u;
 bool scene_has_panels = (has & HAS_PANELS) != 0u;
 bool scene_has_windows = (has & HAS_WINDOWS) != 0u;
 bool scene_prefers = (has & PREFERS) != 0u;
-LOADS_OF_LIGHTS
+TABLES_OF_LIGHTS(LOADS)
 #include "shaders/shared/path/sky.h"
 
 #include "shaders/shared/path/lights.h"

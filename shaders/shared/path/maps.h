@@ -4,7 +4,7 @@
 // Texture coordinates are taken from the first corner's, of which whole images are left out, so
 // that those far from 0 lose as little as can be.
 //
-// Read within a scope that has load_x(i) of LOADS_OF_SURFACES [loads.h], scene_has_textures,
+// Read within a scope that has load_x(i) of TABLES_OF_SURFACES [tables.h], scene_has_textures,
 // scene_has_normals and scene_has_colours; texels.h and surface_layout.h come before.
 
 #include "shaders/shared/language.h"

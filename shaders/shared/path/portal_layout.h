@@ -4,6 +4,7 @@
 #define TDPT_SHADERS_SHARED_PATH_PORTAL_LAYOUT_H
 
 #include "shaders/shared/path/point.h"
+#include "shaders/shared/records.h"
 
 #include "shaders/shared/language.h"
 
@@ -28,51 +29,43 @@ const float kPortalReach = 8.0f;
 const float kPortalEdgeOn = 1e-4f;
 
 /// A triangle.
-struct PortalPolygon {
-  vec3 p0;
-  float end_of_all;  ///< share of the area of all polygons up to and with this one
-  vec3 e1;
-  float end_of_facet;  ///< the same within its facet
-  vec3 e2;
-  uint portal;  ///< which of the portals it is part of
-  vec3 grad1;   ///< barycentric b1 = dot(grad1, p - p0), b2 = dot(grad2, p - p0)
-  uint facet;
-  vec3 grad2;
-  uint pad;
-};
+#define TEXELS_OF_PortalPolygon(VEC, WORDS, PART)                             \
+  /* end_of_all: share of the area of all polygons up to and with this one */ \
+  VEC(p0, float, end_of_all)                                                  \
+  /* end_of_facet: the same within its facet */                               \
+  VEC(e1, float, end_of_facet)                                                \
+  /* portal: which of the portals it is part of */                            \
+  VEC(e2, uint, portal)                                                       \
+  /* grad1: barycentric b1 = dot(grad1, p - p0), b2 = dot(grad2, p - p0) */   \
+  VEC(grad1, uint, facet)                                                     \
+  VEC(grad2, uint, pad)
+RECORD(PortalPolygon)
 
 /// The triangles of a portal that lie in one plane.
-struct PortalFacet {
-  vec3 normal;  ///< from the light's side to the camera's
-  float area;
-  vec3 centre;    ///< lies in the plane
-  float reach2;   ///< squared distance from the centre that no corner has, whatever is rounded
-  float density;  ///< (1-c) p(q) / (A_q pi) of each of its triangles
-  float border;   ///< barycentric: what lies as far within each is clear of rounding
-  uint first;     ///< of its polygons
-  uint end;
-  uint first_corner;
-  uint end_corner;
-  uint first_pair;  ///< of the pairs that light passes it first of
-  uint end_pair;
-  float per_area;
-  uint pad0;
-  uint pad1;
-  uint pad2;
-};
+#define TEXELS_OF_PortalFacet(VEC, WORDS, PART)                                          \
+  /* normal: from the light's side to the camera's */                                    \
+  VEC(normal, float, area)                                                               \
+  /* centre: lies in the plane */                                                        \
+  /* reach2: squared distance from the centre that no corner has, whatever is rounded */ \
+  VEC(centre, float, reach2)                                                             \
+  /* density: (1-c) p(q) / (A_q pi) of each of its triangles */                          \
+  /* border: barycentric: what lies as far within each is clear of rounding */           \
+  /* first: of its polygons */                                                           \
+  WORDS(float, density, float, border, uint, first, uint, end)                           \
+  /* first_pair: of the pairs that light passes it first of */                           \
+  WORDS(uint, first_corner, uint, end_corner, uint, first_pair, uint, end_pair)          \
+  WORDS(float, per_area, uint, pad0, uint, pad1, uint, pad2)
+RECORD(PortalFacet)
 
-struct PortalCorner {
-  vec3 at;
-  uint pad;
-};
+#define TEXELS_OF_PortalCorner(VEC, WORDS, PART) VEC(at, uint, pad)
+RECORD(PortalCorner)
 
 /// Two facets that segments are drawn through both of, light passing `first` before `second`.
-struct PortalPair {
-  uint first;
-  uint second;
-  float pdf;  ///< c p(F,G) / (A_F A_G)
-  float end;  ///< share of all pairs up to and with this one
-};
+#define TEXELS_OF_PortalPair(VEC, WORDS, PART)          \
+  /* pdf: c p(F,G) / (A_F A_G) */                       \
+  /* end: share of all pairs up to and with this one */ \
+  WORDS(uint, first, uint, second, float, pdf, float, end)
+RECORD(PortalPair)
 
 /// Sizes of the tables, and of the segments the share c that is drawn through pairs.
 struct GuideParameters {

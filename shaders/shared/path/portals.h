@@ -9,7 +9,7 @@
 // known.
 //
 // Read within a scope that has
-//   load_portal_facet(i) and all others of LOADS_OF_PORTALS [loads.h]
+//   load_portal_facet(i) and all others of TABLES_OF_PORTALS [tables.h]
 //   GuideParameters guiding
 //   scene_has_portals, portals_have_pairs
 

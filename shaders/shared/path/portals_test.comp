@@ -1,8 +1,8 @@
 // Test only: the words of portals_test.h, one trial an invocation.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "shaders/shared/loads.h"
 #include "shaders/shared/path/portals_test_layout.h"
+#include "shaders/shared/tables.h"
 layout(local_size_x = 64) in;
 layout(std430, binding = 0) readonly buffer Facets { PortalFacet portal_facets[]; };
 layout(std430, binding = 1) readonly buffer Polygons { PortalPolygon portal_polygons[]; };
@@ -18,7 +18,7 @@ const bool guide_active = false;
 #else
 const bool guide_active = true;
 #endif
-LOADS_OF_PORTALS
+TABLES_OF_PORTALS(LOADS)
 #include "shaders/shared/path/portals.h"
 
 #include "shaders/shared/path/portals_test.h"

@@ -3,7 +3,7 @@
 #ifndef TDPT_SHADERS_SHARED_PATH_RENDER_LAYOUT_H
 #define TDPT_SHADERS_SHARED_PATH_RENDER_LAYOUT_H
 
-#include "shaders/shared/types.h"
+#include "shaders/shared/records.h"
 
 #include "shaders/shared/language.h"
 
@@ -84,9 +84,6 @@ const uint kLeftOutWords = 1u + kLeftOutPlaces;
 // Of each portal: segments drawn, those that brought light, and how much.
 const uint kPortalWords = 6u;
 
-/// So many uvec4 tell where the tables of shaders/path.tables begin, four each.
-const uint kFirstTexels = 11u;
-
 /// Push constants: invocation i < count has the slots first + i and next + i.
 struct StepParameters {
   uint count;
@@ -95,106 +92,90 @@ struct StepParameters {
 };
 
 /// A vertex of a walk: where it is, and what came there.
-struct PathVertex {
-  vec3 position;  ///< at infinity unit, the way that light travels
-  uint triangle;
-  vec3 back;  ///< unit, towards the vertex before; 0: the walk begins here
-  uint source;
-  vec3 throughput;  ///< of all before, without what is emitted or scattered here
-  float per_prev;   ///< |cos| / d^2 at the vertex before: of densities along the edge those there
-  vec3 facing;      ///< side of the surface that the path's edges are on; 0: both
-  uint walk;        ///< number of it within the submission
-  float aims_light;
-  float aims_camera;
-  float aims_emitted;
-  float seen;
-  float sent;
-  float from_light;  ///< of the edge from the vertex before, what its Crossing has beside D,
-  float from_camera;
-  uint ordinal;  ///< of those after y_0 that can be joined, how many came before
-  // What it is made of [keep_point()].
-  vec3 normal;
-  uint material;
-  vec3 color;
-  uint made_of;   ///< POINT_*
-  vec3 emission;  ///< in the sky its radiance
-  float plain_w;
-};
+#define TEXELS_OF_PathVertex(VEC, WORDS, PART)                                              \
+  /* position: at infinity unit, the way that light travels */                              \
+  VEC(position, uint, triangle)                                                             \
+  /* back: unit, towards the vertex before; 0: the walk begins here */                      \
+  VEC(back, uint, source)                                                                   \
+  /* throughput: of all before, without what is emitted or scattered here */                \
+  /* per_prev: |cos| / d^2 at the vertex before: of densities along the edge those there */ \
+  VEC(throughput, float, per_prev)                                                          \
+  /* facing: side of the surface that the path's edges are on; 0: both */                   \
+  /* walk: number of it within the submission */                                            \
+  VEC(facing, uint, walk)                                                                   \
+  WORDS(float, aims_light, float, aims_camera, float, aims_emitted, float, seen)            \
+  /* from_light: of the edge from the vertex before, what its Crossing has beside D */      \
+  /* ordinal: of those after y_0 that can be joined, how many came before */                \
+  WORDS(float, sent, float, from_light, float, from_camera, uint, ordinal)                  \
+  /* What it is made of [keep_point()]. */                                                  \
+  VEC(normal, uint, material)                                                               \
+  /* made_of: POINT_* */                                                                    \
+  VEC(color, uint, made_of)                                                                 \
+  /* emission: in the sky its radiance */                                                   \
+  VEC(emission, float, plain_w)
+RECORD(PathVertex)
 const uint POINT_SIMPLE = 1u;
 const uint POINT_CONNECTIBLE = 2u;
 const uint POINT_THIN = 4u;
 
 /// And of vertices that are not simple.
-struct PathBsdf {
-  vec3 shading;
-  float alpha;
-  vec3 diffuse;
-  float eta;
-  vec3 f0;
-  float sheen_alpha;
-  vec3 f90;
-  float coat_strength;
-  vec3 through;
-  float coat_alpha;
-  vec3 sheen;
-  float pad0;
-  vec3 coat_normal;
-  float pad1;
-  vec3 under_coat;
-  float pad2;
-};
+#define TEXELS_OF_PathBsdf(VEC, WORDS, PART) \
+  VEC(shading, float, alpha)                 \
+  VEC(diffuse, float, eta)                   \
+  VEC(f0, float, sheen_alpha)                \
+  VEC(f90, float, coat_strength)             \
+  VEC(through, float, coat_alpha)            \
+  VEC(sheen, float, pad0)                    \
+  VEC(coat_normal, float, pad1)              \
+  VEC(under_coat, float, pad2)
+RECORD(PathBsdf)
 
 /// How a walk leaves its last vertex, and what its ray meets.
-struct WalkRay {
-  vec3 origin;
-  uint here;  ///< slot of that vertex; kNoVertex: it is the camera
-  vec3 w;
-  uint flags;       ///< RAY_*
-  vec3 throughput;  ///< of a walk that is not directed
-  int polygon;      ///< of the portals, aimed at
-  uint triangle;    ///< met; kNoTriangle: none
-  float b1;
-  float b2;
-  uint walk;
-};
+#define TEXELS_OF_WalkRay(VEC, WORDS, PART)                    \
+  /* here: slot of that vertex; kNoVertex: it is the camera */ \
+  VEC(origin, uint, here)                                      \
+  /* flags: RAY_* */                                           \
+  VEC(w, uint, flags)                                          \
+  /* throughput: of a walk that is not directed */             \
+  /* polygon: of the portals, aimed at */                      \
+  VEC(throughput, int, polygon)                                \
+  /* triangle: met; kNoTriangle: none */                       \
+  WORDS(uint, triangle, float, b1, float, b2, uint, walk)
+RECORD(WalkRay)
 const uint RAY_THERE = 1u;
 const uint RAY_DIRAC = 2u;
 const uint RAY_BY_FILM = 4u;
 
 /// What an end of a path makes of light that goes on along another way than its own, w.
-struct Scattering {
-  vec3 f;          ///< radiance BSDF
-  float onward_w;  ///< density of w in its walk,
-  float behind_w;  ///< and of the way back in one that comes along -w
-  float albedo;    ///< as it is seen along w
-  float dirac;     ///< Odds of its walk,
-  float broad;
-  float dirac_behind;  ///< and of the other
-  float broad_behind;
-  float pad0;
-  float pad1;
-};
+#define TEXELS_OF_Scattering(VEC, WORDS, PART)                      \
+  /* f: radiance BSDF */                                            \
+  /* onward_w: density of w in its walk */                          \
+  VEC(f, float, onward_w)                                           \
+  /* behind_w: and of the way back in one that comes along -w */    \
+  /* albedo: as it is seen along w */                               \
+  /* dirac: Odds of its walk */                                     \
+  WORDS(float, behind_w, float, albedo, float, dirac, float, broad) \
+  /* dirac_behind: and of the other */                              \
+  WORDS(float, dirac_behind, float, broad_behind, float, pad0, float, pad1)
+RECORD(Scattering)
 
 /// Two ends that may be joined: one of the light's side and one of the camera's.
-struct Joining {
-  uint kind;    ///< JOINING_*
-  uint light;   ///< slot; of a segment its number
-  uint camera;  ///< slot
-  float times;  ///< samples that it stands for
-  vec3 w;       ///< unit, from the light's end to the camera's
-  float d2;
-  // Of a next event: the place on a light.
-  vec3 position;
-  uint source;
-  vec3 normal;
-  uint triangle;
-  vec3 radiance;  ///< what leaves it along w
-  float nee_A;
-  float light_A;
-  uint pixel;  ///< of what the camera sees; of a side its segment
-  uint pad0;
-  uint pad1;
-};
+#define TEXELS_OF_Joining(VEC, WORDS, PART)                   \
+  /* kind: JOINING_* */                                       \
+  /* light: slot; of a segment its number */                  \
+  /* camera: slot */                                          \
+  /* times: samples that it stands for */                     \
+  WORDS(uint, kind, uint, light, uint, camera, float, times)  \
+  /* w: unit, from the light's end to the camera's */         \
+  VEC(w, float, d2)                                           \
+  /* Of a next event: the place on a light. */                \
+  VEC(position, uint, source)                                 \
+  VEC(normal, uint, triangle)                                 \
+  /* radiance: what leaves it along w */                      \
+  VEC(radiance, float, nee_A)                                 \
+  /* pixel: of what the camera sees; of a side its segment */ \
+  WORDS(float, light_A, uint, pixel, uint, pad0, uint, pad1)
+RECORD(Joining)
 const uint JOINING_NEXT_EVENT = 0u;
 const uint JOINING_BI = 1u;
 const uint JOINING_SPLAT = 2u;
@@ -203,59 +184,56 @@ const uint JOINING_SEEN = 4u;     ///< x_c with the camera
 const uint JOINING_SEGMENT = 5u;  ///< x_c with z
 
 /// What the weights of paths need of it [weight.h].
-struct PathDensity {
-  float own_A;    ///< density of the vertex in this walk
-  float other_A;  ///< in one from the other end that goes on; known two vertices later
-  float pair_A;   ///< p_AA of the edge from the vertex before: G D [eq. 4]
-  float nee_A;    ///< of the place on a light that its edge has, as a next event at the other end
-  float own_survival;    ///< albedo, by which this walk goes on,
-  float other_survival;  ///< and by which one from the other end does, known one vertex later
-  uint prev;             ///< slot of the vertex before
-  uint flags;            ///< its number in the walk, and VERTEX_*
-};
+#define TEXELS_OF_PathDensity(VEC, WORDS, PART)                                            \
+  /* own_A: density of the vertex in this walk */                                          \
+  /* other_A: in one from the other end that goes on; known two vertices later */          \
+  /* pair_A: p_AA of the edge from the vertex before: G D [eq. 4] */                       \
+  /* nee_A: of the place on a light that its edge has, as a next event at the other end */ \
+  WORDS(float, own_A, float, other_A, float, pair_A, float, nee_A)                         \
+  /* own_survival: albedo, by which this walk goes on */                                   \
+  /* other_survival: and by which one from the other end does, known one vertex later */   \
+  /* prev: slot of the vertex before */                                                    \
+  /* flags: its number in the walk, and VERTEX_* */                                        \
+  WORDS(float, own_survival, float, other_survival, uint, prev, uint, flags)
+RECORD(PathDensity)
 
 /// The end of a light's walk as joins see it, in the order of pools and walks: what it sends,
 /// roughly, for estimates that choose few of many [joins.h].
-struct JoinEnd {
-  vec3 position;
-  uint slot;
-  vec3 facing;   ///< normal on the side that light leaves to; 0: it has no estimate
-  float alpha2;  ///< of a glossy one squared GGX alpha; 0: it is diffuse; -1: infinitely far
-  vec3 carried;  ///< throughput times the diffuse BSDF
-  float cosine;  ///< of `back` to `normal`
-  vec3 f0;       ///< throughput times what is reflected at normal incidence,
-  uint number;   ///< in its walk; of x_c the prefixes of its segment's sides, ten bits each
-  vec3 more;     ///< and more at grazing
-  float light0;  ///< of x_c: luminance of its segment's sides
-  vec3 back;
-  float light1;
-  vec3 normal;
-  float light2;
-};
+#define TEXELS_OF_JoinEnd(VEC, WORDS, PART)                                             \
+  VEC(position, uint, slot)                                                             \
+  /* facing: normal on the side that light leaves to; 0: it has no estimate */          \
+  /* alpha2: of a glossy one squared GGX alpha; 0: it is diffuse; -1: infinitely far */ \
+  VEC(facing, float, alpha2)                                                            \
+  /* carried: throughput times the diffuse BSDF */                                      \
+  /* cosine: of `back` to `normal` */                                                   \
+  VEC(carried, float, cosine)                                                           \
+  /* f0: throughput times what is reflected at normal incidence */                      \
+  /* number: in its walk; of x_c the prefixes of its segment's sides, ten bits each */  \
+  VEC(f0, uint, number)                                                                 \
+  /* more: and more at grazing */                                                       \
+  /* light0: of x_c: luminance of its segment's sides */                                \
+  VEC(more, float, light0)                                                              \
+  VEC(back, float, light1)                                                              \
+  VEC(normal, float, light2)
+RECORD(JoinEnd)
 
 /// A portal segment that a sample has drawn. Its ends are vertices in slots of their own.
-struct PortalSegment {
-  vec3 through;   ///< one throughput for both ends, G / p_AA over the share of samples
-  float density;  ///< D; 0: there is none
-  float pair_A;
-  uint portal;
-  uint there;  ///< bits: sides that light comes from
-  uint lit;    ///< how often it has brought light
-};
+#define TEXELS_OF_PortalSegment(VEC, WORDS, PART)                                 \
+  /* through: one throughput for both ends, G / p_AA over the share of samples */ \
+  /* density: D; 0: there is none */                                              \
+  VEC(through, float, density)                                                    \
+  /* there: bits: sides that light comes from */                                  \
+  /* lit: how often it has brought light */                                       \
+  WORDS(float, pair_A, uint, portal, uint, there, uint, lit)
+RECORD(PortalSegment)
 /// Light that comes to x_l, and all that a path's weight needs of that side: densities as in
 /// SegmentDensities and Half.
-struct SegmentSide {
-  vec3 value;
-  uint slot;  ///< of the last vertex of a light walk's prefix; kNoVertex: light begins at x_l
-  float light_A0;
-  float light_A1;
-  float first_A;
-  float second_A;
-  float pair_before;
-  float nee_A;
-  float pad0;
-  float pad1;
-};
+#define TEXELS_OF_SegmentSide(VEC, WORDS, PART)                                           \
+  /* slot: of the last vertex of a light walk's prefix; kNoVertex: light begins at x_l */ \
+  VEC(value, uint, slot)                                                                  \
+  WORDS(float, light_A0, float, light_A1, float, first_A, float, second_A)                \
+  WORDS(float, pair_before, float, nee_A, float, pad0, float, pad1)
+RECORD(SegmentSide)
 const uint kSegmentSides = 3u;
 
 // Of the weight of a path [weight.h].

@@ -3,7 +3,7 @@
 // coverage_at() of coverage.h.
 //
 // Read within a scope that has
-//   load_face(i) and all others of LOADS_OF_SURFACES            [loads.h]
+//   load_face(i) and all others of TABLES_OF_SURFACES [tables.h]
 //   bool scene_has_layers         some point is more than diffuse about the geometric normal
 //        scene_has_normals        some face has another shading normal than its own, but by maps
 //        scene_has_textures, scene_has_colours, scene_has_coats, scene_has_sheen,

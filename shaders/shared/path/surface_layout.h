@@ -5,6 +5,7 @@
 #define TDPT_SHADERS_SHARED_PATH_SURFACE_LAYOUT_H
 
 #include "shaders/shared/coverage_layout.h"
+#include "shaders/shared/records.h"
 
 #include "shaders/shared/language.h"
 
@@ -13,30 +14,19 @@ SHARED_BEGIN
 const uint kNoMap = 0xFFFFFFFFu;
 
 /// tdpt::Material, but for its maps.
-struct SurfaceMaterial {
-  vec3 base_color;
-  uint flags;  ///< MATERIAL_*
-  vec3 emission;
-  float roughness;
-  vec3 specular_color;
-  float specular;
-  vec3 absorption;
-  float ior;
-  vec3 sheen_color;
-  float sheen_roughness;
-  float metallic;
-  float transmission;
-  float normal_scale;
-  float coat_normal_scale;
-  float coat;
-  float coat_roughness;
-  float pane_share;  ///< of what is not reflected, gets through; 0: no pane
-  float pane_f0;
-  float pane_f90;
-  uint maps_of_normals;  ///< 1: it has some
-  uint pad0;
-  uint pad1;
-};
+#define TEXELS_OF_SurfaceMaterial(VEC, WORDS, PART)                                          \
+  /* flags: MATERIAL_* */                                                                    \
+  VEC(base_color, uint, flags)                                                               \
+  VEC(emission, float, roughness)                                                            \
+  VEC(specular_color, float, specular)                                                       \
+  VEC(absorption, float, ior)                                                                \
+  VEC(sheen_color, float, sheen_roughness)                                                   \
+  WORDS(float, metallic, float, transmission, float, normal_scale, float, coat_normal_scale) \
+  /* pane_share: of what is not reflected, gets through; 0: no pane */                       \
+  WORDS(float, coat, float, coat_roughness, float, pane_share, float, pane_f0)               \
+  /* maps_of_normals: 1: it has some */                                                      \
+  WORDS(float, pane_f90, uint, maps_of_normals, uint, pad0, uint, pad1)
+RECORD(SurfaceMaterial)
 // material_maps[MAPS_OF_MATERIAL material + MAP_*]: index into texture_maps[], or kNoMap; in the
 // order in which they count.
 #define MAPS_OF_MATERIAL 12u
@@ -61,49 +51,38 @@ struct SurfaceMaterial {
 #define MATERIAL_ABSORBS 32u
 
 /// tdpt::TextureMap.
-struct SurfaceMap {
-  TexelGrid grid;
-  float u_of_u;  ///< u' = u_of_u u + u_of_v v + u_shift
-  float u_of_v;
-  float u_shift;
-  uint uv_set;
-  float v_of_u;
-  float v_of_v;
-  float v_shift;
-  uint pad;
-};
+#define TEXELS_OF_SurfaceMap(VEC, WORDS, PART)                      \
+  PART(TexelGrid, grid)                                             \
+  /* u_of_u: u' = u_of_u u + u_of_v v + u_shift */                  \
+  WORDS(float, u_of_u, float, u_of_v, float, u_shift, uint, uv_set) \
+  WORDS(float, v_of_u, float, v_of_v, float, v_shift, uint, pad)
+RECORD(SurfaceMap)
 
-struct Face {
-  vec3 p0;
-  uint material;
-  vec3 e1;        ///< p1 - p0
-  uint smoothed;  ///< Scene::smooth
-  vec3 e2;        ///< p2 - p0
-  uint pad0;
-  vec3 normal;  ///< unit, of the front
-  uint pad1;
-};
+#define TEXELS_OF_Face(VEC, WORDS, PART) \
+  VEC(p0, uint, material)                \
+  /* e1: p1 - p0 */                      \
+  /* smoothed: Scene::smooth */          \
+  VEC(e1, uint, smoothed)                \
+  /* e2: p2 - p0 */                      \
+  VEC(e2, uint, pad0)                    \
+  /* normal: unit, of the front */       \
+  VEC(normal, uint, pad1)
+RECORD(Face)
 
 /// The corners of a face in corner_attributes[]. None where nothing is told of corners.
-struct FaceCorners {
-  uint a;
-  uint b;
-  uint c;
-  uint pad;
-};
+#define TEXELS_OF_FaceCorners(VEC, WORDS, PART) WORDS(uint, a, uint, b, uint, c, uint, pad)
+RECORD(FaceCorners)
 
-struct CornerAttributes {
-  vec3 normal;  ///< unit or 0
-  float handedness;
-  vec3 tangent;  ///< unit or 0
-  float alpha;
-  vec3 color;
-  float pad;
-  float u0;  ///< first set of texture coordinates
-  float v0;
-  float u1;  ///< second
-  float v1;
-};
+#define TEXELS_OF_CornerAttributes(VEC, WORDS, PART) \
+  /* normal: unit or 0 */                            \
+  VEC(normal, float, handedness)                     \
+  /* tangent: unit or 0 */                           \
+  VEC(tangent, float, alpha)                         \
+  VEC(color, float, pad)                             \
+  /* u0: first set of texture coordinates */         \
+  /* u1: second */                                   \
+  WORDS(float, u0, float, v0, float, u1, float, v1)
+RECORD(CornerAttributes)
 
 // surface_curves[]: tables of tools/tdpt-render/path/{interface_albedo,sheen}.cpp, one after the
 // other, light over bytes, and the nodes of a quadrature.

@@ -2,9 +2,9 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
-#include "shaders/shared/loads.h"
 #include "shaders/shared/path/surface_heads.h"
 #include "shaders/shared/path/surface_words.h"
+#include "shaders/shared/tables.h"
 
 layout(local_size_x = 64) in;
 layout(std430, binding = 0) readonly buffer Faces { Face faces[]; };
@@ -32,7 +32,7 @@ const bool scene_has_panes = true;
 const bool scene_has_coverage = true;
 const bool coverage_has_textures = true;
 
-LOADS_OF_SURFACES
+TABLES_OF_SURFACES(LOADS)
 #include "shaders/shared/path/surface.h"
 
 #include "shaders/shared/path/surface_test.h"

@@ -1,6 +1,7 @@
 #include "tools/tdpt-render/device/gpu_machine.h"
 
 #include <chrono>
+#include <cstring>
 #include <map>
 
 #include "libcommon/base/error.h"
@@ -9,38 +10,9 @@
 #include "libcommon/gpu/tables.h"
 #include "libcommon/math/sequence.h"
 #include "shaders/path_scan.h"
-#include "shaders/path_step_arrive_camera.h"
-#include "shaders/path_step_arrive_light.h"
-#include "shaders/path_step_begin_camera_walks.h"
-#include "shaders/path_step_begin_light_walks.h"
-#include "shaders/path_step_begin_segments.h"
-#include "shaders/path_step_choose_joins.h"
-#include "shaders/path_step_choose_next_events.h"
-#include "shaders/path_step_choose_seen.h"
-#include "shaders/path_step_choose_segments.h"
-#include "shaders/path_step_choose_sides.h"
-#include "shaders/path_step_choose_splats.h"
-#include "shaders/path_step_end_segments.h"
-#include "shaders/path_step_estimate_segments.h"
-#include "shaders/path_step_flag_camera.h"
-#include "shaders/path_step_flag_light.h"
-#include "shaders/path_step_flag_lit.h"
-#include "shaders/path_step_gather.h"
-#include "shaders/path_step_gather_sides.h"
-#include "shaders/path_step_go_on_camera.h"
-#include "shaders/path_step_go_on_light.h"
-#include "shaders/path_step_join.h"
-#include "shaders/path_step_join_segments.h"
-#include "shaders/path_step_join_sides.h"
-#include "shaders/path_step_list_ends.h"
-#include "shaders/path_step_list_lit.h"
-#include "shaders/path_step_list_starts.h"
-#include "shaders/path_step_meet_lights.h"
-#include "shaders/path_step_put_segments.h"
-#include "shaders/path_step_scatter_ends.h"
-#include "shaders/path_step_see.h"
-#include "shaders/path_step_trace.h"
+#include "shaders/path_steps.h"
 #include "shaders/shared/path/scan_layout.h"
+#include "shaders/shared/path/tables.h"
 
 namespace tdpt {
 namespace {
@@ -52,113 +24,68 @@ using gpu::Memory;
 
 constexpr size_t kOfSteps = static_cast<size_t>(Step::kSteps);
 
-// In the order of Step.
 constexpr std::array<std::span<const uint32_t>, kOfSteps> kPrograms{
-    shader::path_step_begin_light_walks_spv,
-    shader::path_step_begin_camera_walks_spv,
-    shader::path_step_go_on_light_spv,
-    shader::path_step_go_on_camera_spv,
-    shader::path_step_trace_spv,
-    shader::path_step_arrive_light_spv,
-    shader::path_step_arrive_camera_spv,
-    shader::path_step_list_ends_spv,
-    shader::path_step_list_starts_spv,
-    shader::path_step_meet_lights_spv,
-    shader::path_step_begin_segments_spv,
-    shader::path_step_end_segments_spv,
-    shader::path_step_put_segments_spv,
-    shader::path_step_gather_sides_spv,
-    shader::path_step_choose_next_events_spv,
-    shader::path_step_choose_joins_spv,
-    shader::path_step_choose_splats_spv,
-    shader::path_step_choose_sides_spv,
-    shader::path_step_choose_seen_spv,
-    shader::path_step_choose_segments_spv,
-    shader::path_step_flag_lit_spv,
-    shader::path_step_list_lit_spv,
-    shader::path_step_estimate_segments_spv,
-    shader::path_step_scatter_ends_spv,
-    shader::path_step_see_spv,
-    shader::path_step_join_spv,
-    shader::path_step_join_sides_spv,
-    shader::path_step_join_segments_spv};
-
-struct Settings {
-  shader::RenderParameters render;
-  shader::GuideParameters guiding;
-  shader::LightSettings lights;
-  uint32_t first_texels[4 * shader::kFirstTexels];
+#define STEP(name, call) shader::path_step_##name##_spv,
+#include "shaders/shared/path/steps.def"
 };
-// As std140 has them: what is nested begins and ends at multiples of 16 bytes, an array has
-// elements of as many.
-static_assert(offsetof(Settings, guiding) % 16 == 0 && offsetof(Settings, lights) % 16 == 0 &&
-              offsetof(Settings, first_texels) % 16 == 0 && sizeof(shader::SkyTable) % 16 == 0 &&
-              sizeof(Settings) % 16 == 0);
+constexpr std::span<const uint32_t> program_of(Step step) {
+  return kPrograms[static_cast<size_t>(step)];
+}
 
 uint32_t groups_of(uint32_t count) {
   return (count + 63) / 64;
 }
 
-// Tables of path.tables that kernels read of a submission, and in its order.
-enum PathTable : size_t {
-  kPoolOffsets,
-  kAlive,
-  kRanks,
-  kEndFirst,
-  kWalkLast,
-  kVertices,
-  kDensities,
-  kRays,
-  kJoinings,
-  kScatterings,
-  kEnds,
-  kSegments,
-  kSides,
-  kLitSegments,
-  kLitFirst,
-  kEstimates,
-  kBsdfs
+namespace path {
+enum Table : size_t {
+#define NUMBER(binding, type, name, array, count) array,
+  PATH_TABLES(NUMBER)
+#undef NUMBER
 };
+}  // namespace path
 
-gpu::Tables room_for_paths(const Room& room, bool layers, const Device& device) {
-  const uint64_t vertices = room.vertices, samples = room.samples, joinings = room.joinings();
-  gpu::Tables t;
-  t.add_room(4 * kMostOfPool);
-  t.add_room(4 * uint64_t{room.flags()});
-  t.add_room(4 * uint64_t{room.flags()});
-  t.add_room(4 * (samples + 1));
-  t.add_room(4 * samples);
-  t.add_room(vertices * sizeof(shader::PathVertex));
-  t.add_room(vertices * sizeof(shader::PathDensity));
-  t.add_room(2 * samples * sizeof(shader::WalkRay));
-  t.add_room(joinings * sizeof(shader::Joining));
-  t.add_room(2 * joinings * sizeof(shader::Scattering));
-  t.add_room((vertices + 2 * samples) * sizeof(shader::JoinEnd));
-  t.add_room(samples * sizeof(shader::PortalSegment));
-  t.add_room(samples * shader::kSegmentSides * sizeof(shader::SegmentSide));
-  t.add_room(4 * samples);
-  t.add_room(4 * (samples + 1));
-  t.add_room(4 * room.estimates());
-  t.add_room(layers ? vertices * sizeof(shader::PathBsdf) : 0);
-  t.upload(device);
-  return t;
-}
-
-// Those of a scene, in the order of path.tables.
-gpu::Tables uploaded_scene(const RenderTables& t, const Device& device) {
-  const std::vector<shader::uvec4> sobol(shader::sobol_points.begin(), shader::sobol_points.end());
-  const SurfaceTables& s = t.surfaces;
-  const LightTables& l = t.lights;
+gpu::Tables room_for_paths(const Room& room, bool layered, const Device& device) {
+  using namespace shader;
   gpu::Tables tables;
-  const auto add = [&](const auto&... values) { (tables.add(values), ...); };
-  add(t.bvh.nodes, t.bvh.triangles, sobol, s.faces, s.materials, s.material_maps, s.maps,
-      s.texel_words, s.face_corners, s.corner_attributes, t.curves, s.coverage.coverage_of,
-      s.coverage.coverages);
-  add(l.words, l.emitters, l.lamps, l.suns, l.texels, l.panels, l.windows, l.frames);
-  add(t.portals.facets, t.portals.polygons, t.portals.corners, t.portals.pairs);
+#define ADD_ROOM(binding, type, name, array, count) tables.add_room(sizeof(type) * uint64_t{count});
+  PATH_TABLES(ADD_ROOM)
+#undef ADD_ROOM
   tables.upload(device);
   return tables;
 }
+
+gpu::Tables uploaded_scene(const RenderTables& t, const Device& device) {
+  const shader::SceneSpans scene(t);
+  gpu::Tables tables;
+#define ADD(type, name, array) tables.add(scene.array);
+  SCENE_TABLES(ADD)
+#undef ADD
+  tables.upload(device);
+  return tables;
+}
+
+struct Words {
+#define BUFFER(binding, array, count) Buffer array;
+  PATH_WORDS(BUFFER)
+#undef BUFFER
+};
+Words words_for(const Room& room, uint32_t words_of_film, const Device& device) {
+#define BUFFER(binding, array, count) Buffer(device, sizeof(uint32_t) * uint64_t{count}),
+  return {PATH_WORDS(BUFFER)};
+#undef BUFFER
+}
+
+// Bindings are numbered as they are listed, behind the texels and the settings.
+#define BINDING(number, type, name, array, count) number,
+#define BINDING_OF_WORDS(number, array, count) number,
+constexpr uint32_t kBindings[] = {PATH_TABLES(BINDING) PATH_WORDS(BINDING_OF_WORDS)};
+#undef BINDING
+#undef BINDING_OF_WORDS
+static_assert([] {
+  for (uint32_t i = 0; i < std::size(kBindings); ++i)
+    if (kBindings[i] != 3 + i) return false;
+  return true;
+}());
 
 class GpuMachine : public Machine {
  public:
@@ -172,26 +99,23 @@ class GpuMachine : public Machine {
         film_words_(film_words),
         scene_(uploaded_scene(t, device)),
         path_(room_for_paths(room, t.surfaces.features.layers, device)),
-        settings_(device, sizeof(Settings)),
-        walk_counts_(device, 4 * (uint64_t{room.samples} + 1)),
-        film_(device, 4 * uint64_t{film_words}),
-        flags_(device, 4 * (uint64_t{room.flags()} + 1)),
+        settings_(device, sizeof(shader::AllSettings)),
+        words_(words_for(room, film_words, device)),
         totals_(device, 4 * (uint64_t{shader::scan_blocks(room.flags() + 1)} + 1)),
         memory_(bind()),
-        flag_light_(kernel(shader::path_step_flag_light_spv, {})),
-        flag_camera_(kernel(shader::path_step_flag_camera_spv, {})),
-        gather_(kernel(shader::path_step_gather_spv, {})),
-        scan_flags_(device, shader::path_scan_spv, {flags_, path_.part(kRanks), totals_},
+        flag_light_(kernel(program_of(Step::flag_light), {})),
+        flag_camera_(kernel(program_of(Step::flag_camera), {})),
+        gather_(kernel(program_of(Step::gather), {})),
+        scan_flags_(device, shader::path_scan_spv, {words_.flags, path_.part(path::ranks), totals_},
                     sizeof(shader::ScanParameters)),
-        scan_walks_(device, shader::path_scan_spv, {walk_counts_, path_.part(kEndFirst), totals_},
+        scan_walks_(device, shader::path_scan_spv,
+                    {words_.walk_counts, path_.part(path::end_first), totals_},
                     sizeof(shader::ScanParameters)) {
     std::vector<uint32_t> firsts = path_.first_texels();
     const std::vector<uint32_t> of_scene = scene_.first_texels();
     firsts.insert(firsts.end(), of_scene.begin(), of_scene.end());
-    if (firsts.size() > std::size(settings_host_.first_texels))
-      throw Error(Exit::internal, "there are more tables than kFirstTexels tells of");
-    std::copy(firsts.begin(), firsts.end(), settings_host_.first_texels);
-    device_.run([&](gpu::Commands& c) { c.clear(film_); });
+    std::memcpy(&settings_host_.first_texels, firsts.data(), firsts.size() * sizeof(uint32_t));
+    device_.run([&](gpu::Commands& c) { c.clear(words_.film_words); });
   }
 
   Room room() const override { return room_; }
@@ -199,7 +123,7 @@ class GpuMachine : public Machine {
   void set(const shader::RenderParameters& p, const std::vector<uint32_t>& pool_offsets) override {
     settings_host_.render = p;
     settings_.write(std::as_bytes(std::span(&settings_host_, 1)));
-    path_.write(kPoolOffsets, std::as_bytes(std::span(pool_offsets)));
+    path_.write(path::pool_offsets, std::as_bytes(std::span(pool_offsets)));
     kind_ = {p.guide_light > 0 || p.guide_camera > 0,
              p.culls != 0,
              p.techniques,
@@ -257,8 +181,8 @@ class GpuMachine : public Machine {
   }
 
   std::vector<uint32_t> take_film() override {
-    std::vector<uint32_t> words = film_.download<uint32_t>(film_words_);
-    device_.run([&](gpu::Commands& c) { c.clear(film_); });
+    std::vector<uint32_t> words = words_.film_words.download<uint32_t>(film_words_);
+    device_.run([&](gpu::Commands& c) { c.clear(words_.film_words); });
     return words;
   }
 
@@ -298,29 +222,16 @@ class GpuMachine : public Machine {
             !t.portals.pairs.empty()};
   }
 
-  // In the order of shaders/path_bindings.glsl.
+  // By PATH_TABLES and PATH_WORDS.
   std::vector<Memory> bind() const {
-    const auto written = [&](PathTable table) { return path_.part(table); };
-    return {path_.texels(),
-            scene_.texels(),
-            gpu::Uniforms(settings_),
-            written(kVertices),
-            written(kBsdfs),
-            written(kDensities),
-            walk_counts_,
-            written(kWalkLast),
-            written(kAlive),
-            written(kRays),
-            written(kEnds),
-            written(kJoinings),
-            written(kScatterings),
-            written(kSegments),
-            written(kSides),
-            film_,
-            flags_,
-            written(kLitSegments),
-            written(kLitFirst),
-            written(kEstimates)};
+    std::vector<Memory> all{path_.texels(), scene_.texels(), gpu::Uniforms(settings_)};
+#define BIND(binding, type, name, array, count) all.emplace_back(path_.part(path::array));
+#define BIND_WORDS(binding, array, count) all.emplace_back(words_.array);
+    PATH_TABLES(BIND)
+    PATH_WORDS(BIND_WORDS)
+#undef BIND
+#undef BIND_WORDS
+    return all;
   }
 
   Kernel kernel(std::span<const uint32_t> program, const std::vector<uint32_t>& constants) const {
@@ -357,13 +268,15 @@ class GpuMachine : public Machine {
   Device device_;
   const Room room_;
   DeviceWork* const work_;  // or none
-  Settings settings_host_;
+  shader::AllSettings settings_host_;
   const std::vector<uint32_t> features_;
   // Walks are directed, the camera culls, techniques, power heuristic, layers, transparent.
   std::array<uint32_t, 6> kind_{};
   const uint32_t film_words_;
   gpu::Tables scene_, path_;
-  Buffer settings_, walk_counts_, film_, flags_, totals_;
+  Buffer settings_;
+  Words words_;
+  Buffer totals_;
   const std::vector<Memory> memory_;
   const Kernel flag_light_, flag_camera_, gather_, scan_flags_, scan_walks_;
   std::map<std::pair<size_t, std::array<uint32_t, 6>>, Kernel> kernels_;

@@ -11,71 +11,16 @@
 
 namespace tdpt {
 
-/// Kernels; what invocation i does, `first` and `next` being those of StepParameters. Each has one
-/// heavy thing to do, once: devices take the text of a function anew wherever it is called.
+/// Kernels, and what the CPU's scalar build of them runs [steps.def].
 enum class Step : uint8_t {
-  begin_light_walks,   ///< walk i: y_0 into slot first + i, and ray i
-  begin_camera_walks,  ///< walk i: ray i
-  go_on_light,         ///< of those that gather() found: ray i
-  go_on_camera,
-  trace,         ///< ray i
-  arrive_light,  ///< where ray i has come to, into slot next + i
-  arrive_camera,
-  list_ends,       ///< of the light's vertex in slot first + i, for joins
-  list_starts,     ///< of light walk i
-  meet_lights,     ///< the camera's vertex in slot first + i
-  begin_segments,  ///< of sample i: rays 2i and 2i + 1
-  end_segments,    ///< where ray i has come to
-  put_segments,    ///< segment i
-  gather_sides,    ///< of segment first + i, its joinings from 2i on
-  // Choose pairs of ends: joinings i, or from 2i or 3i on.
-  choose_next_events,  ///< for the camera's vertex in slot first + i
-  choose_joins,        ///< likewise, two
-  choose_splats,       ///< of the light's vertex in slot first + i
-  choose_sides,        ///< for segment first + i, two
-  choose_seen,         ///< of segment first + i
-  choose_segments,     ///< for camera walk first + i, three; rows of estimates from slot `next` on
-  // Before the last: of segments, and of what they would bring.
-  flag_lit,           ///< segment first + i
-  list_lit,           ///< i of all segments, which pick() has ranked
-  estimate_segments,  ///< to the camera's vertex in slot first + i, row i
-  // Of joining i of those that pick() found:
-  scatter_ends,  ///< the light's end (first: 0), or the camera's
-  see,           ///< whether it brings anything
-  join,          ///< makes paths of it
-  join_sides,
-  join_segments,
+#define STEP(name, call) name,
+#include "shaders/shared/path/steps.def"
   kSteps
 };
 inline constexpr std::array<const char*, static_cast<size_t>(Step::kSteps)> kStepNames{
-    "begin light walks",
-    "begin camera walks",
-    "go on, light",
-    "go on, camera",
-    "trace",
-    "arrive, light",
-    "arrive, camera",
-    "list ends",
-    "list starts",
-    "meet lights",
-    "begin segments",
-    "end segments",
-    "put segments",
-    "gather sides",
-    "choose next events",
-    "choose joins",
-    "choose splats",
-    "choose sides",
-    "choose seen",
-    "choose segments",
-    "flag lit",
-    "list lit",
-    "estimate segments",
-    "scatter ends",
-    "see",
-    "join",
-    "join sides",
-    "join segments"};
+#define STEP(name, call) #name,
+#include "shaders/shared/path/steps.def"
+};
 
 /// How much room there is.
 struct Room {

@@ -1,6 +1,7 @@
 #include "tools/tdpt-render/device/render_tables.h"
 
 #include "libcommon/film/film.h"
+#include "libcommon/math/sequence.h"
 #include "tools/tdpt-render/path/bsdf/surface_curves.h"
 
 namespace tdpt {
@@ -17,5 +18,32 @@ void RenderTables::follow(const World& world) {
   lights = make_light_tables(world, radiance_unit);
   portals = PortalTables(world.portals);
 }
+
+shader::SceneSpans::SceneSpans(const RenderTables& t)
+    : bvh_nodes(t.bvh.nodes),
+      bvh_triangles(t.bvh.triangles),
+      sobol_points(shader::sobol_points),
+      faces(t.surfaces.faces),
+      materials(t.surfaces.materials),
+      material_maps(t.surfaces.material_maps),
+      texture_maps(t.surfaces.maps),
+      face_corners(t.surfaces.face_corners),
+      corner_attributes(t.surfaces.corner_attributes),
+      surface_curves(t.curves),
+      coverage_of(t.surfaces.coverage.coverage_of),
+      coverages(t.surfaces.coverage.coverages),
+      texel_words(t.surfaces.texel_words),
+      light_words(t.lights.words),
+      light_emitters(t.lights.emitters),
+      light_lamps(t.lights.lamps),
+      sky_suns(t.lights.suns),
+      sky_texels(t.lights.texels),
+      light_panels(t.lights.panels),
+      sky_windows(t.lights.windows),
+      window_frames(t.lights.frames),
+      portal_facets(t.portals.facets),
+      portal_polygons(t.portals.polygons),
+      portal_corners(t.portals.corners),
+      portal_pairs(t.portals.pairs) {}
 
 }  // namespace tdpt

@@ -1,7 +1,10 @@
 // All that kernels know of a world, as flat tables.
 #pragma once
+#include <span>
+
 #include "libcommon/scene/surface_tables.h"
 #include "libcommon/trace/bvh.h"
+#include "shaders/shared/path/tables.h"
 #include "tools/tdpt-render/device/light_tables.h"
 #include "tools/tdpt-render/device/portal_tables.h"
 
@@ -21,5 +24,15 @@ struct RenderTables {
   PortalTables portals;
   Bvh bvh;
 };
+
+namespace shader {
+/// Each of a scene's tables, by the name that kernels have for it.
+struct SceneSpans {
+  explicit SceneSpans(const RenderTables& tables);
+#define SPAN(type, name, array) std::span<const type> array;
+  SCENE_TABLES(SPAN)
+#undef SPAN
+};
+}  // namespace shader
 
 }  // namespace tdpt

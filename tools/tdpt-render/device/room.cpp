@@ -18,17 +18,28 @@ constexpr uint64_t kMostSlots = uint64_t{1} << 24;
 constexpr uint64_t kSlotsOfSample = 16;  // more than most samples take
 constexpr uint64_t kWorkGroup = 64;      // invocations, one for a slot
 
-// What GpuMachine binds of each slot, and of each sample.
-uint64_t slot_bytes(bool layered) {
-  return sizeof(shader::PathVertex) + sizeof(shader::PathDensity) + sizeof(shader::JoinEnd) +
-         3 * sizeof(uint32_t) + Room{1, 0}.estimates() * sizeof(float) +
-         (layered ? sizeof(shader::PathBsdf) : 0);
+// What so many slots and samples take of PATH_TABLES and PATH_WORDS.
+uint64_t bytes_of_paths(const Room& room, bool layered) {
+  using namespace shader;
+  constexpr uint64_t words_of_film = 0;
+#define BYTES(binding, type, name, array, count) \
+  +sizeof(type) * uint64_t {                     \
+    count                                        \
+  }
+#define BYTES_OF_WORDS(binding, array, count) \
+  +sizeof(uint) * uint64_t {                  \
+    count                                     \
+  }
+  return 0 PATH_TABLES(BYTES) PATH_WORDS(BYTES_OF_WORDS);
+#undef BYTES
+#undef BYTES_OF_WORDS
 }
-constexpr uint64_t sample_bytes() {
-  constexpr uint64_t kJoinings = Room{0, 1}.joinings();
-  return 3 * sizeof(uint32_t) + 2 * sizeof(shader::JoinEnd) + sizeof(shader::PortalSegment) +
-         shader::kSegmentSides * sizeof(shader::SegmentSide) + 2 * sizeof(shader::WalkRay) +
-         kJoinings * (sizeof(shader::Joining) + 2 * sizeof(shader::Scattering));
+// Of a slot, with its share of a sample.
+uint64_t slot_bytes(bool layered) {
+  constexpr uint32_t kSlots = kSlotsOfSample;
+  return (bytes_of_paths({2 * kSlots, 2}, layered) - bytes_of_paths({kSlots, 1}, layered)) /
+             kSlotsOfSample +
+         1;
 }
 
 [[noreturn]] void refuse(const std::string& device, const std::string& why) {
@@ -84,8 +95,7 @@ Room room_on(const std::string& name, const gpu::Limits& limits, const DeviceNee
     refuse(name, fmt::format("the film takes {} bytes, the device's largest buffer has {}",
                              needs.film, limits.buffer));
   const uint64_t fixed = scene + needs.film;
-  // With its samples, each of which has so many.
-  const uint64_t slot = slot_bytes(needs.layered) + sample_bytes() / kSlotsOfSample + 1;
+  const uint64_t slot = slot_bytes(needs.layered);
   const uint64_t most = limits.memory / 4 * 3;
   if (fixed + kFewestSlots * slot > most)
     refuse(name, fmt::format("scene, film and samples take {} bytes of memory at least, of the "

@@ -2,9 +2,9 @@
 #include <gtest/gtest.h>
 
 #include "libcommon/math/rng.h"
-#include "shaders/shared/loads.h"
 #include "shaders/shared/path/render_layout.h"
 #include "shaders/shared/scaled.h"
+#include "shaders/shared/tables.h"
 #include "tools/tdpt-render/path/sample/mixture.h"
 
 namespace tdpt::shader {

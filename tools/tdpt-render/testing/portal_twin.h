@@ -1,19 +1,15 @@
 // For tests: the twin of a kernel that has portals, and portals to try it with.
 #pragma once
 #include "libcommon/math/rng.h"
-#include "shaders/shared/loads.h"
 #include "shaders/shared/path/portals_test_layout.h"
+#include "shaders/shared/tables.h"
 #include "tools/tdpt-render/device/portal_tables.h"
 
 namespace tdpt::shader {
 
 /// Refers to the tables.
 struct PortalTwin {
-  const PortalFacet* portal_facets;
-  const PortalPolygon* portal_polygons;
-  const PortalCorner* portal_corners;
-  const PortalPair* portal_pairs;
-  LOADS_OF_PORTALS
+  TABLES_OF_PORTALS(REFERS_TO)
   GuideParameters guiding;
   TrialParameters render{0.7f, 0.4f};
   bool scene_has_portals, portals_have_pairs, guide_active = true;

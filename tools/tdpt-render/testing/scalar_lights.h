@@ -1,22 +1,14 @@
 // Lights as kernels have them, on the CPU: the same text as C++.
 #pragma once
-#include "shaders/shared/loads.h"
+#include "shaders/shared/tables.h"
 #include "tools/tdpt-render/device/light_tables.h"
 
 namespace tdpt::shader {
 
 /// Refers to tables.
 struct ScalarLights {
-  const uint* light_words;
-  const Emitter* light_emitters;
-  const Lamp* light_lamps;
-  const SkySun* sky_suns;
-  const SkyTexel* sky_texels;
-  const Panel* light_panels;
-  const SkyWindow* sky_windows;
-  const WindowFrame* window_frames;
+  TABLES_OF_LIGHTS(REFERS_TO)
   const LightSettings& light_settings;
-  LOADS_OF_LIGHTS
   bool scene_has_sky, scene_has_sky_map, scene_has_lamps, scene_has_panels, scene_has_windows,
       scene_prefers;
 

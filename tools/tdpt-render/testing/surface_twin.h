@@ -1,39 +1,29 @@
 // Test only: the text of shaders/shared/path/surface.h as C++, over tables of the host.
 #pragma once
 #include "libcommon/scene/surface_tables.h"
-#include "shaders/shared/loads.h"
 #include "shaders/shared/path/surface_heads.h"
+#include "shaders/shared/tables.h"
 #include "tools/tdpt-render/path/bsdf/surface_curves.h"
 
 namespace tdpt::shader {
 
 struct SurfaceTwin {
-  const Face* faces;
-  const FaceCorners* face_corners;
-  const CornerAttributes* corner_attributes;
-  const SurfaceMaterial* materials;
-  const uint* material_maps;
-  const SurfaceMap* texture_maps;
-  const uint* texel_words;
-  const float* surface_curves;
-  const uint* coverage_of;
-  const Coverage* coverages;
-  LOADS_OF_SURFACES
+  TABLES_OF_SURFACES(REFERS_TO)
   bool scene_has_layers, scene_has_normals, scene_has_textures, scene_has_colours, scene_has_coats,
       scene_has_sheen, scene_has_transmission, scene_has_absorption, scene_has_panes,
       scene_has_coverage, coverage_has_textures;
 
   SurfaceTwin(const SurfaceTables& t, const std::vector<float>& curves)
       : faces(t.faces.data()),
-        face_corners(t.face_corners.data()),
-        corner_attributes(t.corner_attributes.data()),
         materials(t.materials.data()),
         material_maps(t.material_maps.data()),
         texture_maps(t.maps.data()),
-        texel_words(t.texel_words.data()),
+        face_corners(t.face_corners.data()),
+        corner_attributes(t.corner_attributes.data()),
         surface_curves(curves.data()),
         coverage_of(t.coverage.coverage_of.data()),
         coverages(t.coverage.coverages.data()),
+        texel_words(t.texel_words.data()),
         scene_has_layers(t.features.layers),
         scene_has_normals(t.features.normals),
         scene_has_textures(t.features.textures),

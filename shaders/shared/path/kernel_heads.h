@@ -1,0 +1,12 @@
+// What kernels.h needs before it.
+#ifndef TDPT_SHADERS_SHARED_PATH_KERNEL_HEADS_H
+#define TDPT_SHADERS_SHARED_PATH_KERNEL_HEADS_H
+
+#include "shaders/shared/path/film_units.h"
+#include "shaders/shared/path/joins.h"
+#include "shaders/shared/path/surface_heads.h"
+#include "shaders/shared/path/tables.h"
+#include "shaders/shared/scaled.h"
+#include "shaders/shared/triangle.h"
+
+#endif

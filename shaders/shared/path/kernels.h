@@ -1,0 +1,45 @@
+// All that the renderer's kernels do, for a kernel and for its scalar build (the testing/twin.cpp of
+// the renderer).
+//
+// Read within a scope that has load_name() of SCENE_TABLES and PATH_TABLES [path/tables.h], the
+// arrays of the latter and of PATH_WORDS, what a scene has (see path_bindings.glsl), `render`,
+// `guiding`, `light_settings`, `work` and tally_bucket(): a GLSL file behind its buffers, or the body
+// of a C++ struct; kernel_heads.h comes before. Each text begins with language.h.
+
+#include "shaders/shared/path/surface.h"
+
+#include "shaders/shared/traversal.h"
+
+#include "shaders/shared/path/sky.h"
+
+#include "shaders/shared/path/lights.h"
+
+#include "shaders/shared/path/panels.h"
+
+#include "shaders/shared/path/window_sky.h"
+
+#include "shaders/shared/path/next_event.h"
+
+#include "shaders/shared/path/portals.h"
+
+#include "shaders/shared/path/guide.h"
+
+#include "shaders/shared/path/film_sum.h"
+
+#include "shaders/shared/path/film.h"
+
+#include "shaders/shared/path/camera.h"
+
+#include "shaders/shared/path/samples.h"
+
+#include "shaders/shared/path/rays.h"
+
+#include "shaders/shared/path/weight.h"
+
+#include "shaders/shared/path/walk.h"
+
+#include "shaders/shared/path/joinings.h"
+
+#include "shaders/shared/path/segments.h"
+
+#include "shaders/shared/path/ends.h"
