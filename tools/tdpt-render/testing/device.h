@@ -111,8 +111,8 @@ constexpr Room kEnough{1u << 17, 1u << 12};
 /// By the twin of devices.
 class TwinRenderer : public SampleRenderer {
  public:
-  explicit TwinRenderer(const World& world, const Room& room = kEnough, const Faults& faults = {})
-      : SampleRenderer(world), tables_(world) {
+  explicit TwinRenderer(const World& world_, const Room& room = kEnough, const Faults& faults = {})
+      : SampleRenderer(world_), tables_(world_) {
     if (faults.tables) faults.tables(tables_);
     machine_ = make_twin(tables_, room, film_words(world, true));
     renderer_ = std::make_unique<WavefrontRenderer>(
