@@ -137,7 +137,7 @@ def portals(bench):
         kinds = "| all kinds together |"
         return "\n".join(f"| {label} |" + row.removeprefix(kinds) for row in rows if row.startswith(kinds))
 
-    triangles, paper = {"ffgraph": "--nodes triangles"}, {"portalfit": "--method paper"}
+    triangles, paper = {"ffgraph": "--nodes triangles"}, {"portalfit": "--set method=paper"}
     rays = lambda walks, samples: {"ffgraph": f"--set walks={walks} --samples {samples}"}
     lines = lambda n: {"lightgrid": f"--set lines={n}"}
     invariance = checked([bench.store.program("invariance_bench"), bench.programs, few])
@@ -168,7 +168,7 @@ right behind it may be found or not; `open-room` has nothing to be found. `ajar-
 with one slit beside it; `ajar` is lower than the ceiling, and beside the slit it has a gap over the leaf, a triangle a
 few centimetres wide that shares an edge with the slit and gets about a tenth of the light. A keyhole of 1 cm is found
 when a step of the walks passes it, which in walls much thicker than that none does: then nothing is right only where
-portalfit says that light may pass where no walk passed. More `--walks` find more of them.
+portalfit says that light may pass where no walk passed. More walks (`ffgraph --set walks=N`) find more of them.
 
 ## Rooms lit by the sky
 
@@ -181,7 +181,7 @@ of each kind.
 
 Rooms of the first eleven kinds, fewer of them. The paper's nodes are triangles with form factors \
 (`ffgraph --nodes triangles`), its
-normal is the main axis of the fullest voxels (`portalfit --method paper`).
+normal is the main axis of the fullest voxels (`portalfit --set method=paper`).
 
 | method {HEAD}
 {summary("ours")}
