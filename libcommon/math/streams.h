@@ -31,7 +31,24 @@ constexpr bool disjoint(const std::array<Streams, n>& all) {
 // has sixteen in each round. Others find room beside them.
 
 constexpr uint64_t kPurposes = 16;
-/// An integrator has one of 1 to kStreams - 1.
+/// Of integrators, those below kStreams; behind the rows of the table those that `auto` tries.
+namespace stream {
+enum Integrator : uint64_t {
+  pt = 1,
+  nee,
+  bdpt,
+  tdpt_org,
+  tdpt,
+  tdpt_guided,
+  with_more_segments,
+  with_fewer_segments,
+  bdpt_through_windows,
+  nee_through_windows,
+  bdpt_aiming,
+  nee_aiming,
+  bdpt_with_few_light_walks
+};
+}  // namespace stream
 constexpr uint64_t kStreams = 256;
 constexpr uint64_t kStreamsOfRound = 1024;
 
