@@ -13,7 +13,7 @@ for header in $(cd "$root" && grep -lE '^#ifndef TDPT_SHADERS_' shaders/shared/*
     cat "$work/alone.cpp"
     echo 'void main() {}'
   } >"$work/alone.comp"
-  "$cxx" -std=c++20 -fsyntax-only -I "$root" "$work/alone.cpp" &&
+  "$cxx" -std=c++20 -w -fsyntax-only -I "$root" "$work/alone.cpp" &&
     glslc --target-env=vulkan1.2 -O0 -I "$root" -o "$work/alone.spv" "$work/alone.comp" || {
     echo "$header does not compile alone"
     failed=1
