@@ -76,7 +76,7 @@ TEST(room, that_is_too_little_is_refused_with_both_numbers) {
   limits.texels = uint64_t{1} << 31;
   const DeviceNeeds many{std::vector<SceneShare>(12, {"the textures", 1 << 27}), 0, false, 1};
   EXPECT_EQ(refusal(limits, many),
-            "a device: scene, film and samples take 1844901888 bytes of memory at least, of the "
+            "a device: scene, film and samples take 1845427200 bytes of memory at least, of the "
             "device's they may take 1610612736");
   limits.buffer = 1 << 26;
   EXPECT_EQ(refusal(limits, {}),
