@@ -68,5 +68,3 @@ layout(push_constant) uniform Work { StepParameters work; };
 uint tally_bucket() {
   return gl_WorkGroupID.x % kTallyBuckets;
 }
-
-#include "shaders/shared/sequence.h"

@@ -67,7 +67,7 @@ constexpr Points make_points() {
 
 namespace tdpt::shader {
 inline constexpr sequence::Points sobol_points = sequence::make_points();
-constexpr const uvec4& load_sobol_point(uint i) {
+inline const uvec4& load_sobol_point(uint i) {
   return sobol_points[i];
 }
 }  // namespace tdpt::shader

@@ -31,7 +31,24 @@ constexpr bool disjoint(const std::array<Streams, n>& all) {
 // has sixteen in each round. Others find room beside them.
 
 constexpr uint64_t kPurposes = 16;
-/// An integrator has one of 1 to kStreams - 1.
+/// Of integrators, those below kStreams; behind the rows of the table those that `auto` tries.
+namespace stream {
+enum Integrator : uint64_t {
+  pt = 1,
+  nee,
+  bdpt,
+  tdpt_org,
+  tdpt,
+  tdpt_guided,
+  with_more_segments,
+  with_fewer_segments,
+  bdpt_through_windows,
+  nee_through_windows,
+  bdpt_aiming,
+  nee_aiming,
+  bdpt_with_few_light_walks
+};
+}  // namespace stream
 constexpr uint64_t kStreams = 256;
 constexpr uint64_t kStreamsOfRound = 1024;
 
@@ -40,7 +57,7 @@ struct Rounds {
   uint64_t first, count = 1;
 };
 constexpr Rounds kPictureRound{0}, kScoutRound{1}, kBeyondRound{2}, kPilotRounds{3, 8},
-    kArrivalRound{4}, kTimingRound{11};
+    kTimingRound{11}, kArrivalRound{12};
 
 /// Of an integrator's samples, over kPurposes.
 constexpr uint64_t stream_in(uint64_t round, uint64_t integrator) {
@@ -55,14 +72,15 @@ constexpr Streams streams_of(const Rounds& rounds) {
 /// In place of an integrator's.
 constexpr uint64_t kPortalWaysStream = 1023;
 constexpr Streams kPortalWays{kPortalWaysStream * kPurposes, kPurposes},
-    kFeaturePlaces{1024 * kPurposes + 15, 1},  // of places in pixels
+    kFeaturePlaces{kStreamsOfRound * kPurposes + 15, 1},  // of places in pixels
     kPortalProbe{0x9000, 2, 1},  // of walks from a portal, to the light and to the camera
-    kWindowViews{0, 1, 1}, kExpectedWalks{0, 1, 0};
+    kWindowViews{0, 1, 1}, kExpectedWalks{0, 1, 0},
+    kCoveredLamps{uint64_t{1} << 32, uint64_t{1} << 32};  // of each triangle
 
-static_assert(disjoint(std::array{streams_of(kPictureRound), streams_of(kScoutRound),
-                                  streams_of(kBeyondRound), streams_of(kPilotRounds),
-                                  streams_of(kTimingRound), kPortalWays, kFeaturePlaces,
-                                  kPortalProbe, kWindowViews, kExpectedWalks}));
+static_assert(disjoint(std::array{
+    streams_of(kPictureRound), streams_of(kScoutRound), streams_of(kBeyondRound),
+    streams_of(kPilotRounds), streams_of(kTimingRound), streams_of(kArrivalRound), kPortalWays,
+    kFeaturePlaces, kPortalProbe, kWindowViews, kExpectedWalks, kCoveredLamps}));
 
 // ffgraph.
 constexpr Streams kWalksFromLight{101, 1}, kWalksFromCamera{102, 1}, kEtendue{103, 1},

@@ -6,7 +6,10 @@
 //
 // Read within a scope that has load_x(i) of TABLES_OF_COVERAGE [tables.h], scene_has_coverage,
 // coverage_has_textures, and presence_at(triangle, w), which is 1 where there are no panes: a GLSL
-// file behind its buffers, or the body of a C++ struct. texels.h comes before.
+// file behind its buffers, or the body of a C++ struct.
+
+#include "shaders/shared/rng.h"
+#include "shaders/shared/texels.h"
 
 #include "shaders/shared/language.h"
 

@@ -6,6 +6,12 @@
 // segment_blocked() and first_hit() of traversal.h or others like them, and count_voxel(): a GLSL
 // file behind its buffers, or the body of a C++ struct.
 
+#include "shaders/shared/bvh.h"
+#include "shaders/shared/grid_walk.h"
+#include "shaders/shared/light_layout.h"
+#include "shaders/shared/rng.h"
+#include "shaders/shared/warp.h"
+
 #include "shaders/shared/language.h"
 
 // Rays around each end of a line that vote on which side of the opening it lies.

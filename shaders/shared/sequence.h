@@ -13,10 +13,7 @@
 //   B. Burley, Practical Hash-based Owen Scrambling, JCGT 9(4), 2020;
 //   the hash is of the kind of S. Laine and T. Karras, with the constants of N. Vegdahl.
 //
-// Included where the points are, behind a buffer in GLSL. What must be there:
-//   uvec4 load_sobol_point(uint i)
-//       [256 * k + value]: what byte k of an index whose bits are reversed adds to the point; byte
-//       0 is the highest (libcommon/math/sequence.h).
+// Who calls it has load_sobol_point(), of the points of libcommon/math/sequence.h.
 #ifndef TDPT_SHADERS_SHARED_SEQUENCE_H
 #define TDPT_SHADERS_SHARED_SEQUENCE_H
 
@@ -25,6 +22,14 @@
 #include "shaders/shared/language.h"
 
 SHARED_BEGIN
+
+/// [256 * k + value]: what byte k of an index whose bits are reversed adds to the point; byte 0 is
+/// the highest.
+#ifdef __cplusplus
+inline const uvec4& load_sobol_point(uint i);
+#else
+uvec4 load_sobol_point(uint i);
+#endif
 
 const uint kSequenceBlock = 4u;  // dimensions of a block
 

@@ -1,9 +1,8 @@
 // Rays and segments through the hierarchy of bvh.h, without recursion.
 //
 // Included where the arrays are: at global scope in GLSL, behind the buffers, and INSIDE a struct's
-// body in C++, whose members they are (libcommon/trace/scalar_tracer.h). Hence no include guard, no
-// namespace and no other includes here: bvh.h and triangle.h come before, and the C++ struct lies
-// in tdpt::shader. What must be there:
+// body in C++, whose members they are (libcommon/trace/scalar_tracer.h). Hence no include guard and
+// no namespace here: the C++ struct lies in tdpt::shader. What must be there:
 //   load_bvh_node(i), load_bvh_triangle(i)
 //   bool surface_stops(uint triangle, float b1, float b2, uint coin, vec3 w)
 //       whether a surface that is there with some probability is there for this ray at this place.
@@ -20,6 +19,9 @@
 // The answer does not depend on the order of the nodes: a hit counts as no nearer than the box of
 // its leaf, boxes lie in the boxes of their parents and rounding is monotonic, so that no box that
 // is left out can hold the winner.
+
+#include "shaders/shared/bvh.h"
+#include "shaders/shared/triangle.h"
 
 #include "shaders/shared/language.h"
 

@@ -2,8 +2,10 @@
 // kernels. Each wrap of a word carries once into the next, so that after all additions the words
 // are the sum, whatever the order; in between they may be less than what was added.
 //
-// Read behind film_units.h, where film_words[] and atomicAdd() are. Functions change memory that
+// Read where film_words[] and atomicAdd() are. Functions change memory that
 // the scope refers to.
+
+#include "shaders/shared/path/film_units.h"
 
 #include "shaders/shared/language.h"
 

@@ -4,21 +4,15 @@
 // Read within a scope that has load_name() of SCENE_TABLES and PATH_TABLES [path/tables.h], the
 // arrays of the latter and of PATH_WORDS, what a scene has (see path_bindings.glsl), `render`,
 // `guiding`, `light_settings`, `work` and tally_bucket(): a GLSL file behind its buffers, or the body
-// of a C++ struct; kernel_heads.h comes before. Each text begins with language.h.
+// of a C++ struct. Each text begins with language.h.
+
+#include "shaders/shared/path/kernel_heads.h"
 
 #include "shaders/shared/path/surface.h"
 
 #include "shaders/shared/traversal.h"
 
-#include "shaders/shared/path/sky.h"
-
-#include "shaders/shared/path/lights.h"
-
-#include "shaders/shared/path/panels.h"
-
-#include "shaders/shared/path/window_sky.h"
-
-#include "shaders/shared/path/next_event.h"
+#include "shaders/shared/path/lighting.h"
 
 #include "shaders/shared/path/portals.h"
 

@@ -23,15 +23,7 @@ bool scene_has_panels = (has & HAS_PANELS) != 0u;
 bool scene_has_windows = (has & HAS_WINDOWS) != 0u;
 bool scene_prefers = (has & PREFERS) != 0u;
 TABLES_OF_LIGHTS(LOADS)
-#include "shaders/shared/path/sky.h"
-
-#include "shaders/shared/path/lights.h"
-
-#include "shaders/shared/path/panels.h"
-
-#include "shaders/shared/path/window_sky.h"
-
-#include "shaders/shared/path/next_event.h"
+#include "shaders/shared/path/lighting.h"
 
 #include "shaders/shared/path/lights_test.h"
 

@@ -13,6 +13,9 @@
 //   GuideParameters guiding
 //   scene_has_portals, portals_have_pairs
 
+#include "shaders/shared/path/portal_layout.h"
+#include "shaders/shared/rng.h"
+
 #include "shaders/shared/language.h"
 
 /// Of p over the facet's plane; < 0 on the light's side.

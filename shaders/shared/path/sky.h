@@ -1,7 +1,7 @@
 // All that shines from infinitely far away: libcommon/scene/sky.h in floats. What is seen along a
 // direction, and directions drawn in proportion to it.
 //
-// Read within a scope that has load_x(i) of light_word, sky_texel and sky_sun [loads.h],
+// Read within a scope that has load_x(i) of light_word, sky_texel and sky_sun [tables.h],
 // light_settings, scene_has_sky_map and scene_prefers: a GLSL file behind its buffers, or the body
 // of a C++ struct.
 //

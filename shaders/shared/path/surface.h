@@ -9,7 +9,9 @@
 //        scene_has_textures, scene_has_colours, scene_has_coats, scene_has_sheen,
 //        scene_has_transmission, scene_has_absorption, scene_has_panes
 //        scene_has_coverage, coverage_has_textures
-// a GLSL file behind its buffers, or the body of a C++ struct; surface_heads.h comes before.
+// a GLSL file behind its buffers, or the body of a C++ struct.
+
+#include "shaders/shared/path/surface_heads.h"
 
 #include "shaders/shared/path/interface_albedo.h"
 

@@ -14,6 +14,9 @@
 // Read where `render`, mixture_techniques (bits), power_heuristic, load_path_density() and
 // scene_has_portals are.
 
+#include "shaders/shared/path/render_layout.h"
+#include "shaders/shared/scaled.h"
+
 #include "shaders/shared/language.h"
 
 SHARED bool has_technique(uint technique) MEMBER_CONST {

@@ -28,30 +28,32 @@ inline constexpr double kFewLightWalks = 0.25;
 /// In the order of the paper.
 inline constexpr std::array kIntegrators{
     /// Path tracing: walk from the camera until a light is met.
-    Integrator{"pt", 1, {TechniqueSet(Technique::camera)}},
+    Integrator{"pt", stream::pt, {TechniqueSet(Technique::camera)}},
     /// And next-event estimation at every vertex.
-    Integrator{"nee", 2, {TechniqueSet(Technique::camera, Technique::direct)}},
+    Integrator{"nee", stream::nee, {TechniqueSet(Technique::camera, Technique::direct)}},
     /// Bidirectional path tracing (Veach).
-    Integrator{"bdpt", 3, {kTwoWays}},
+    Integrator{"bdpt", stream::bdpt, {kTwoWays}},
     /// Portal segments on top: the paper's TDPT-ORG, each split once.
-    Integrator{"tdpt-org", 4, {kThreeWays}},
+    Integrator{"tdpt-org", stream::tdpt_org, {kThreeWays}},
     /// Portal segments in place of the bi-connections: the paper's refined TDPT, section 3.
     Integrator{
         "tdpt",
-        5,
+        stream::tdpt,
         {TechniqueSet(Technique::camera, Technique::direct, Technique::light, Technique::portal)}},
     /// The techniques of tdpt-org with both walks directed at the portals [path/guide.h].
-    Integrator{
-        "tdpt-guided", 6, {kThreeWays, 6, 2, 0.25, {{0.7, 0.4}}, kThroughWindows, kFewLightWalks}}};
+    Integrator{"tdpt-guided",
+               stream::tdpt_guided,
+               {kThreeWays, 6, 2, 0.25, {{0.7, 0.4}}, kThroughWindows, kFewLightWalks}}};
 
 /// tdpt-guided as `auto` tries it, the likeliest first: as it stands in the table, with more
 /// segments, and less often directed with fewer.
 inline constexpr std::array kGuided{
     kIntegrators[5],
-    Integrator{
-        "tdpt-guided", 7, {kThreeWays, 6, 2, 0.5, {{0.7, 0.4}}, kThroughWindows, kFewLightWalks}},
     Integrator{"tdpt-guided",
-               8,
+               stream::with_more_segments,
+               {kThreeWays, 6, 2, 0.5, {{0.7, 0.4}}, kThroughWindows, kFewLightWalks}},
+    Integrator{"tdpt-guided",
+               stream::with_fewer_segments,
                {kThreeWays, 6, 2, 0.125, {{0.5, 0.2}}, kThroughWindows, kFewLightWalks}}};
 
 /// The row of that name; null when there is none.

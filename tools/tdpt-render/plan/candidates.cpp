@@ -48,16 +48,18 @@ std::vector<Candidate> possible_candidates(const World& world, std::span<const I
       {looking_everywhere(nee), label_of(nee)},
       {pt, label_of(pt)},
       {looking_everywhere(favouring_next_events()), "bdpt favouring next events"}};
-  const Integrator few_light_walks = with_few_light_walks(looking_everywhere(bdpt), 13);
+  const Integrator few_light_walks =
+      with_few_light_walks(looking_everywhere(bdpt), stream::bdpt_with_few_light_walks);
   all.push_back({few_light_walks, label_of(few_light_walks)});
   if (!world.portals.empty()) {
     all.push_back({tdpt_org, label_of(tdpt_org)});
     for (const Integrator& integrator : guided) all.push_back({integrator, label_of(integrator)});
   }
   if (!world.windows.empty()) {
-    all.push_back({with_stream(bdpt, 9), "bdpt through windows"});
-    all.push_back({with_stream(nee, 10), "nee through windows"});
-    for (const Integrator& integrator : {aiming(bdpt, 11), aiming(nee, 12)})
+    all.push_back({with_stream(bdpt, stream::bdpt_through_windows), "bdpt through windows"});
+    all.push_back({with_stream(nee, stream::nee_through_windows), "nee through windows"});
+    for (const Integrator& integrator :
+         {aiming(bdpt, stream::bdpt_aiming), aiming(nee, stream::nee_aiming)})
       all.push_back({integrator, label_of(integrator)});
   }
   return all;

@@ -10,6 +10,7 @@
 
 #include "libcommon/base/number_words.h"
 #include "libcommon/math/rng.h"
+#include "libcommon/math/streams.h"
 #include "libcommon/math/warp.h"
 
 namespace tdpt {
@@ -121,7 +122,7 @@ std::vector<uint32_t> covered_lamps(const Scene& scene, const Tracer& tracer, ui
     const uint32_t lamp = lamps[k];
     const bool both = scene.material_of(lamp).double_sided;
     for (uint64_t i = 0; i < rays; ++i) {
-      Rng rng(seed, lamp, i);
+      Rng rng(seed, kCoveredLamps.first + lamp, i);
       const uint32_t found = found_at(tracer, lamp, both && i % 2 == 1, rng);
       if (found == lamp) continue;
       const uint32_t later = emits(scene, found) ? std::max(found, lamp) : lamp;

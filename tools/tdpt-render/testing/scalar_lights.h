@@ -29,15 +29,7 @@ struct ScalarLights {
         scene_has_windows(t.has_windows),
         scene_prefers(t.prefers) {}
 
-#include "shaders/shared/path/sky.h"
-
-#include "shaders/shared/path/lights.h"
-
-#include "shaders/shared/path/panels.h"
-
-#include "shaders/shared/path/window_sky.h"
-
-#include "shaders/shared/path/next_event.h"
+#include "shaders/shared/path/lighting.h"
 };
 
 }  // namespace tdpt::shader

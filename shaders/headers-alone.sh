@@ -1,0 +1,23 @@
+#!/bin/sh
+# headers-alone.sh ROOT CXX: whether each header of shaders/shared that has an include guard includes what it needs: as
+# C++ and as GLSL it compiles alone, and twice. The others, texts, are read within a scope that their first lines tell.
+root=${1:?usage: headers-alone.sh ROOT CXX}
+cxx=${2:?}
+work=$(mktemp -d) || exit 2
+trap 'rm -rf "$work"' EXIT
+failed=0
+for header in $(cd "$root" && grep -lE '^#ifndef TDPT_SHADERS_' shaders/shared/*.h shaders/shared/*/*.h 2>"$work/none"); do
+  printf '#include "%s"\n#include "%s"\n' "$header" "$header" >"$work/alone.cpp"
+  {
+    printf '#version 460\n#extension GL_GOOGLE_include_directive : require\n'
+    cat "$work/alone.cpp"
+    echo 'void main() {}'
+  } >"$work/alone.comp"
+  "$cxx" -std=c++20 -w -fsyntax-only -I "$root" "$work/alone.cpp" &&
+    glslc --target-env=vulkan1.2 -O0 -I "$root" -o "$work/alone.spv" "$work/alone.comp" || {
+    echo "$header does not compile alone"
+    failed=1
+  }
+done
+[ -e "$work/alone.comp" ] || { echo "headers-alone: no headers under $root"; exit 2; }
+exit $failed

@@ -1,0 +1,17 @@
+// Lights, for kernels and their twins: the whole text, which next events are drawn with.
+//
+// Read within a scope that has load_name() of TABLES_OF_LIGHTS [tables.h], light_settings,
+// scene_has_sky, scene_has_sky_map, scene_has_lamps, scene_has_panels, scene_has_windows and
+// scene_prefers: a GLSL file behind its buffers, or the body of a C++ struct.
+
+#include "shaders/shared/path/lights_layout.h"
+
+#include "shaders/shared/path/sky.h"
+
+#include "shaders/shared/path/lights.h"
+
+#include "shaders/shared/path/panels.h"
+
+#include "shaders/shared/path/window_sky.h"
+
+#include "shaders/shared/path/next_event.h"
