@@ -67,4 +67,10 @@ expect 1 tools/lightgrid/gpu.cpp '<vulkan/vulkan.h>'
 expect 0 libcommon/draw/canvas.cpp '<pango/pangocairo.h>'
 expect 1 libcommon/draw/sheet.cpp '<cairo.h>'
 expect 1 tools/portalfit/preview.cpp '<pango/pangocairo.h>'
+expect 0 tools/tdpt-render/testing/faults.h '"tools/tdpt-render/portals/portals.h"
+struct PortalSetFaults {'
+expect 0 tools/tdpt-render/portals/portals.h '"libcommon/math/vec.h"
+  friend struct PortalSetFaults;  // of tests'
+expect 1 tools/tdpt-render/portals/portals.h '"libcommon/math/vec.h"
+struct PortalSetFaults {'
 exit $failed
