@@ -1,11 +1,12 @@
 #!/bin/sh
-# house-rules.sh ROOT: who may include whom. Prints every include that breaks a rule; exit 1 if any.
+# house-rules.sh ROOT: who may include whom. Prints every line that breaks a rule; exit 1 if any.
 #   A tool includes libcommon, shaders/shared and itself, never another tool.
 #   shaders/ is below them all: kernels and what they share with C++ include shaders/ alone, and every
 #   shared header gives the macros of language.h back.
 #   A room of libcommon includes itself and rooms before it; testing is for tests and bench.
-#   So do the rooms of tdpt-render; its testing/ and bench/ are included by tests alone.
+#   So do the rooms of tdpt-render; testing/ and bench/ of any tool are included by tests alone.
 #   Each heavy library has one home.
+#   A planted fault, struct ...Faults, is defined by tests alone; the class that it spoils names it as a friend.
 cd "${1:?usage: house-rules.sh ROOT}" || exit 2
 found=$(mktemp) && all=$(mktemp) || exit 2
 trap 'rm -f "$found" "$all"' EXIT
@@ -58,6 +59,7 @@ BEGIN {
   if (to[1] == "tools") {
     if (from[1] != "tools") bad("nothing outside a tool includes a tool")
     else if (from[2] != to[2]) bad("a tool never includes another")
+    else if (to[3] ~ /^(testing|bench)$/ && !test) bad(to[3] "/ is for tests only")
     else if (to[2] == "tdpt-render" && !test) {
       here = room_of(from)
       there = room_of(to)
@@ -87,5 +89,7 @@ BEGIN {
 END {
   for (file in open) print file ":" open[file] ": language.h is included, but language_end.h is not"
 }' "$all" >"$found"
+grep -rnE '(struct|class) +[A-Za-z]*Faults[^;]*$' --include='*.h' --include='*.cpp' tools libcommon shaders 2>/dev/null |
+  grep -vE '^[^:]*(/testing/|_test[.])' >>"$found"
 cat "$found"
 [ ! -s "$found" ]

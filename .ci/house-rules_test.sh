@@ -30,6 +30,8 @@ expect 0 libcommon/testing/rooms/room_bench.h '"libcommon/testing/rooms/known_ro
 expect 1 libcommon/testing/rooms/portals_bench.cpp '"tools/portalfit/hull.h"'
 expect 1 tools/mincut/main.cpp '"../ffgraph/patches.h"'
 expect 1 libcommon/formats/cut.cpp '"tools/mincut/max_flow.h"'
+expect 1 tools/lightgrid/lightgrid.cpp '"tools/lightgrid/testing/scalar_lines.h"'
+expect 0 tools/lightgrid/line_tracer_test.cpp '"tools/lightgrid/testing/scalar_lines.h"'
 expect 0 tools/tdpt-render/path/bsdf/coat.h '"tools/tdpt-render/path/bsdf/ggx.h"'
 expect 0 tools/tdpt-render/path/light/window_sky.h '"tools/tdpt-render/path/bsdf/point.h"'
 expect 1 tools/tdpt-render/path/bsdf/point.h '"tools/tdpt-render/path/light/vertex.h"'
@@ -67,4 +69,10 @@ expect 1 tools/lightgrid/gpu.cpp '<vulkan/vulkan.h>'
 expect 0 libcommon/draw/canvas.cpp '<pango/pangocairo.h>'
 expect 1 libcommon/draw/sheet.cpp '<cairo.h>'
 expect 1 tools/portalfit/preview.cpp '<pango/pangocairo.h>'
+expect 0 tools/tdpt-render/testing/faults.h '"tools/tdpt-render/portals/portals.h"
+struct PortalSetFaults {'
+expect 0 tools/tdpt-render/portals/portals.h '"libcommon/math/vec.h"
+  friend struct PortalSetFaults;  // of tests'
+expect 1 tools/tdpt-render/portals/portals.h '"libcommon/math/vec.h"
+struct PortalSetFaults {'
 exit $failed

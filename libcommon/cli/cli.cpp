@@ -1,321 +1,21 @@
 #include "libcommon/cli/cli.h"
 
-#include <algorithm>
 #include <cstdio>
 #include <iostream>
 #include <new>
-#include <vector>
 
 #include <fmt/format.h>
-#include <unistd.h>
-#include <CLI/CLI.hpp>
 
 #include "libcommon/base/error.h"
-#include "libcommon/base/memory_limit.h"
 #include "libcommon/base/progress.h"
 #include "libcommon/base/say.h"
-#include "libcommon/base/threads.h"
-#include "libcommon/cli/completion.h"
 #include "libcommon/cli/dependencies.h"
 #include "libcommon/cli/help.h"
-#include "libcommon/cli/nearest.h"
-#include "libcommon/cli/told.h"
+#include "libcommon/cli/options_impl.h"
 #include "libcommon/cli/validators.h"
 #include "tdpt_version.h"
 
 namespace tdpt::cli {
-
-Provenance Common::provenance(const std::vector<Input>& inputs) const {
-  Provenance p;
-  if (no_provenance) return p;
-  for (const Input& input : inputs) p.inherit(input.provenance);
-  p.made_by(tool, command);
-  for (const Input& input : inputs) p.from(input.path, input.hash);
-  return p;
-}
-
-void Common::note(const std::string& sentence) const {
-  if (!quiet) say(fmt::format("{}: {}", tool, sentence));
-}
-
-void Common::explain_by(const std::function<Decisions()>& decisions) const {
-  if (!explain) return;
-  for (const Decision& d : decisions()) say(fmt::format("{}: {}", tool, sentence(d)));
-}
-
-void Common::warn(const std::string& sentence) const {
-  say(fmt::format("{}: warning: {}", tool, sentence));
-}
-
-void Common::note_of(const std::string& file, const std::string& sentence) const {
-  if (!quiet && is_news(file, sentence)) note(sentence);
-}
-
-void Common::warn_of(const std::string& file, const std::string& sentence) const {
-  if (is_news(file, sentence)) warn(sentence);
-}
-
-void Common::summary(const std::string& json_text) const {
-  if (json) fmt::print(output == "-" ? stderr : stdout, "{}\n", json_text);
-}
-
-void Common::also_read(const std::vector<std::string>& paths) const {
-  check_outputs(outputs, paths);
-  // What is made under another name gets that of the target in the end.
-  if (!target_.empty()) check_outputs({{"-MQ", target_}}, paths);
-  if (!dependencies.empty()) std::for_each(paths.begin(), paths.end(), check_make_name);
-  read_.insert(read_.end(), paths.begin(), paths.end());
-}
-
-std::string Common::dependency_rule() const {
-  return make_rule(target_.empty() ? output : target_, read_);
-}
-
-void Common::check_dependencies() const {
-  if (dependencies.empty() && !target_.empty()) throw UsageError("-MQ goes with -MF");
-  if (dependencies.empty()) return;
-  if (output == "-" || (output.empty() && target_.empty()))
-    throw UsageError("-MF tells what a file was made from: give -o FILE");
-  check_make_name(target_.empty() ? output : target_);
-}
-
-namespace {
-
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
-  for (size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size())
-    text.replace(at, from.size(), to);
-  return text;
-}
-
-// As people write them, "--set walks", and as CLI11 knows them, "--set.walks".
-std::string for_people(const std::string& text) {
-  return replaced(text, kSetting, "--set ");
-}
-std::string for_cli11(const std::string& text) {
-  return replaced(text, "--set ", kSetting);
-}
-
-std::string name_of(const CLI::Option* option) {
-  return option->get_lnames().empty() ? option->get_name()
-                                      : for_people("--" + option->get_lnames().front());
-}
-
-}  // namespace
-
-struct Options::Impl {
-  explicit Impl(const std::string& summary, const std::string& tool) : app(summary, tool) {}
-
-  /// What the value of an option is to the run.
-  enum class Is { setting, input, output, side_output };
-  struct Entry {
-    CLI::Option* option;
-    Shapes shapes;
-    Is is = Is::setting;
-    std::function<bool(const std::string&)> is_file{};  ///< of an input's value; none: always
-    std::function<Is()> use{};                          ///< what it is, where that depends
-  };
-  CLI::App app;
-  const CLI::Option* set = nullptr;  ///< --set, for --help and shells: what it says is a setting
-  std::vector<Entry> entries;
-
-  /// An output whose name follows from that of the result, by `path_of`, when the flag is given.
-  struct Beside {
-    CLI::Option* flag;
-    std::string* target;
-    std::function<std::string(const std::string&)> path_of;
-  };
-  std::vector<Beside> besides;
-  std::function<void(const std::string&)> check_name;  ///< of the result, or none
-  Result result = Result::text;
-  std::function<bool()> is_text;  ///< of a binary result: whether it is not; none: never
-
-  std::string progress = "auto";                    ///< what shows it
-  std::string most_memory;                          ///< as given; empty: not
-  std::string quality;                              ///< as given; empty: not
-  std::vector<std::function<void(Quality)>> knobs;  ///< set what was not given
-
-  // What the words of --quality mean, to the knobs and to `common`.
-  void set_quality(Common& common) const {
-    if (!quality.empty())
-      common.quality = quality == "draft"  ? Quality::draft
-                       : quality == "high" ? Quality::high
-                                           : Quality::normal;
-    for (const auto& knob : knobs) knob(common.quality);
-  }
-
-  void limit(int threads) const {
-    limit_threads(threads);
-    if (const auto bytes = parse_size(most_memory)) limit_memory(*bytes);
-  }
-
-  template <class T>
-  CLI::Option* add(const std::string& flags, T& target, const std::string& value_name,
-                   const std::string& help) {
-    return app.add_option(for_cli11(flags), target, help)->type_name(value_name);
-  }
-
-  void keep(CLI::Option* option, Shapes shapes, Is is = Is::setting,
-            std::function<bool(const std::string&)> is_file = {}) {
-    if (!setting_name(option).empty()) option->group(kSettings);
-    entries.push_back({option, shapes, is, std::move(is_file)});
-  }
-
-  std::vector<std::string> settings() const {
-    std::vector<std::string> names;
-    for (const Entry& e : entries)
-      if (const std::string name = setting_name(e.option); !name.empty()) names.push_back(name);
-    return names;
-  }
-
-  // The command line with each `--set NAME=VALUE` as the option that CLI11 knows it by.
-  std::vector<std::string> with_settings(const std::vector<std::string>& given) const {
-    std::vector<std::string> words;
-    for (auto word = given.begin(); word != given.end(); ++word) {
-      if (*word == "--") return words.insert(words.end(), word, given.end()), words;
-      const bool alone = *word == "--set" && word + 1 != given.end();
-      if (!alone && !word->starts_with("--set=")) {
-        words.push_back(*word);
-        continue;
-      }
-      const std::string text = alone ? *++word : word->substr(6);
-      const size_t end = text.find('=');
-      const std::string name = text.substr(0, end);
-      const std::vector<std::string> known = settings();
-      if (std::find(known.begin(), known.end(), name) == known.end()) {
-        const std::string meant = nearest(name, known);
-        throw UsageError(fmt::format("--set {}: no such setting, expected one of {}{}", text,
-                                     fmt::join(known, ", "),
-                                     meant.empty() ? "" : " (did you mean " + meant + "?)"));
-      }
-      if (end == std::string::npos)
-        throw UsageError(fmt::format("--set {0}: expected {0}=VALUE", text));
-      words.insert(words.end(), {kSetting + name, text.substr(end + 1)});
-    }
-    return words;
-  }
-
-  // All files that the command line names as `is`, by option.
-  std::vector<NamedFile> files(Is is) const {
-    std::vector<NamedFile> files;
-    for (const Entry& e : entries)
-      if ((e.use ? e.use() : e.is) == is)
-        for (const std::string& path : e.option->results())
-          if (!e.is_file || e.is_file(path)) files.push_back({name_of(e.option), path});
-    return files;
-  }
-
-  void spare_terminal(const std::string& path) const {
-    if (path != "-" || result == Result::text || (is_text && is_text())) return;
-    if (::isatty(STDOUT_FILENO))
-      throw UsageError(
-          "the result is binary and standard output is a terminal: name a file with -o FILE, or "
-          "send it to a file or a pipe");
-  }
-
-  // `path`: where -o goes; empty: nowhere.
-  std::vector<NamedFile> outputs(const std::string& path) const {
-    if (check_name) check_name(path);
-    std::vector<NamedFile> outputs;
-    if (!path.empty() || !files(Is::output).empty()) outputs.push_back({"-o", path});
-    for (const NamedFile& file : files(Is::side_output)) outputs.push_back(file);
-    for (const Beside& beside : besides) {
-      if (beside.flag->count() == 0) continue;
-      *beside.target = beside.path_of(path);
-      outputs.push_back({name_of(beside.flag), *beside.target});
-    }
-    return outputs;
-  }
-
-  bool is_given(const std::string& name) const {
-    const CLI::Option* option = app.get_option_no_throw(name);
-    return option && option->count() > 0;
-  }
-
-  std::vector<std::string> inputs() const {
-    std::vector<std::string> paths;
-    for (const NamedFile& file : files(Is::input)) paths.push_back(file.path);
-    if (std::count(paths.begin(), paths.end(), "-") > 1)
-      throw UsageError("only one input can be the standard input");
-    return paths;
-  }
-
-  // The table as a shell is told of it, --help and --version with it.
-  std::vector<Completed> completed() const {
-    std::vector<Completed> table;
-    for (const CLI::Option* option : app.get_options()) {
-      Completed& c = table.emplace_back();
-      c.setting = setting_name(option);
-      for (const std::string& name : option->get_lnames()) c.names.push_back("--" + name);
-      for (const std::string& name : option->get_snames()) c.names.push_back("-" + name);
-      if (c.names.empty()) c.names.push_back(option->get_name());
-      c.help = option->get_description();
-      if (option->get_items_expected_max() > 0) c.value = option->get_type_name();
-      c.words = words_of(c.value);
-      if (option == set)
-        for (const std::string& name : settings()) c.words.push_back(name + "=");
-      c.repeated = option->get_multi_option_policy() == CLI::MultiOptionPolicy::TakeAll;
-      for (const Entry& e : entries)
-        if (e.option == option) {
-          c.file = e.is != Is::setting;
-          if (e.is == Is::input) c.suffixes = suffixes_in(c.help);
-        }
-    }
-    return table;
-  }
-
-  // What is wrong with the command line. An option that there is not is told before what lacks.
-  std::string fault(const CLI::ParseError& error) const {
-    const int code = error.get_exit_code();
-    if (code == static_cast<int>(CLI::ExitCodes::ExtrasError) ||
-        code == static_cast<int>(CLI::ExitCodes::RequiredError))
-      for (const std::string& given : app.remaining())
-        if (given.size() > 1 && given[0] == '-') return no_such_option(given);
-    return for_people(error.what());
-  }
-
-  // `given`: "--name", "-name" or "--name=value".
-  std::string no_such_option(const std::string& given) const {
-    const std::string option = given.substr(0, given.find('='));
-    std::vector<std::string> names, known = settings();
-    for (const CLI::Option* each : app.get_options())
-      for (const std::string& name : each->get_lnames()) names.push_back(name);
-    names.insert(names.end(), known.begin(), known.end());
-    const size_t start = std::min(option.find_first_not_of('-'), option.size());
-    const std::string meant = nearest(option.substr(start), names);
-    const char* dashes = app.get_option_no_throw("--" + meant) ? "--" : "--set ";
-    return fmt::format("{}: no such option{}", for_people(option),
-                       meant.empty() ? "" : fmt::format(" (did you mean {}{}?)", dashes, meant));
-  }
-
-  std::vector<Given> given() const {
-    std::vector<Given> all;
-    for (const Entry& e : entries) {
-      if (e.option->count() == 0 || e.option->get_lnames().empty()) continue;
-      Given& one = all.emplace_back(Given{name_of(e.option), {}});
-      if (e.option->get_items_expected_max() > 0) one.values = e.option->results();
-    }
-    return all;
-  }
-
-  // The tool and the options that shape the result, in the order of the table; paths of inputs are
-  // named by their `from` lines and do not stand here.
-  std::string canonical(const std::string& tool) const {
-    std::string text = tool;
-    for (const Entry& e : entries) {
-      if (e.shapes == Shapes::nothing || e.option->count() == 0) continue;
-      const std::string name = name_of(e.option);
-      const char* before_value = name.starts_with("--set ") ? "=" : " ";
-      if (e.option->get_items_expected_max() == 0) {
-        text += " " + name;
-        continue;
-      }
-      for (const std::string& value : e.option->results())
-        if (!e.is_file || !e.is_file(value))
-          text += " " + name + before_value + value.substr(value.find_last_of('/') + 1);
-    }
-    return text;
-  }
-};
 
 namespace {
 // Thrown out of the parser, which has not looked at what is required by then.
@@ -328,15 +28,24 @@ Options::Options(const Program& program)
     : impl_(std::make_unique<Impl>(program.summary, program.tool)) {
   common.tool = program.tool;
   impl_->result = program.result;
-  CLI::App& app = impl_->app;
-  app.formatter(help_in_80_columns());
-  const auto uses = [&](Uses what) { return (program.uses & what) != 0; };
+  impl_->app.formatter(help_in_80_columns());
   part(Part::general);
-  if (uses(kSeed))
+  declare_general(program);
+  declare_what_else_is_printed(program);
+  part(Part::telling);
+  declare_telling(program);
+  part(Part::files);
+  if (program.output_help)
+    impl_->keep(impl_->add("-o,--output", common.output, "FILE", program.output_help),
+                Shapes::nothing, Impl::Is::output);
+}
+
+void Options::declare_general(const Program& program) {
+  if (program.uses & kSeed)
     impl_->keep(impl_->add("--seed", common.seed, "N", "Seed of the random numbers; default 1")
                     ->check(whole_number()),
                 Shapes::result);
-  if (uses(kThreads))
+  if (program.uses & kThreads)
     option("--threads", common.threads, "N", "Threads to use; default all cores", 0, 4096,
            Shapes::nothing);
   impl_->keep(impl_
@@ -355,6 +64,10 @@ Options::Options(const Program& program)
   }
   static std::vector<std::string> none;
   impl_->set = impl_->add("--set", none, "NAME=VALUE", "One of the settings below")->take_all();
+}
+
+void Options::declare_what_else_is_printed(const Program& program) {
+  CLI::App& app = impl_->app;
   const auto complete = [this](const std::string& shell) {
     throw Instead{[=, this] { return completion_script(shell, common.tool, impl_->completed()); }};
   };
@@ -371,10 +84,12 @@ Options::Options(const Program& program)
       "--version",
       fmt::format("{} {}{}\n{}", program.tool, TDPT_VERSION, commit, program.libraries),
       "Print the versions of the program and its libraries and exit");
-  part(Part::telling);
-  if (uses(kQuiet))
+}
+
+void Options::declare_telling(const Program& program) {
+  if (program.uses & kQuiet)
     flag("--quiet", common.quiet, "No progress and no notes on stderr", Shapes::nothing);
-  if (uses(kProgress))
+  if (program.uses & kProgress)
     choice("--set progress", impl_->progress, {"auto", "json", "none"},
            "Progress on stderr: auto, a line on a terminal (the default); json, an object a line",
            Shapes::nothing);
@@ -383,10 +98,6 @@ Options::Options(const Program& program)
   flag("--json", common.json,
        "Print a summary as JSON on stdout (on stderr when the result goes to stdout)",
        Shapes::nothing);
-  part(Part::files);
-  if (program.output_help)
-    impl_->keep(impl_->add("-o,--output", common.output, "FILE", program.output_help),
-                Shapes::nothing, Impl::Is::output);
 }
 
 Options::~Options() = default;

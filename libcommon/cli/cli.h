@@ -207,8 +207,13 @@ class Options {
   int run_main(int argc, char** argv, const std::function<int()>& run);
 
  private:
+  // What programs have without declaring it.
+  void declare_general(const Program& program);
+  void declare_what_else_is_printed(const Program& program);
+  void declare_telling(const Program& program);
+
   struct Impl;
-  std::unique_ptr<Impl> impl_;
+  std::unique_ptr<Impl> impl_;  // [options_impl.h]
 };
 
 /// main() of a program: `declare` makes its table of options, which fill in the arguments, `run`

@@ -1,4 +1,4 @@
-// What --help prints, in lines of 80 columns. Of cli.cpp alone: CLI11 stays behind cli.h.
+// What --help prints, in lines of 80 columns. Internal to this room: CLI11 stays behind cli.h.
 #pragma once
 #include <memory>
 #include <string>

@@ -67,6 +67,7 @@ class LightSource {
 
  private:
   friend class Lights;
+  friend struct LightsFaults;
   explicit LightSource(bool both_sides)
       : is_surface_(true),
         both_sides_(both_sides),
@@ -170,9 +171,6 @@ class Lights {
   const LightSource& surface(bool both_sides) const { return surfaces_[both_sides]; }
   /// What rays meet that leave the scene; null: nothing shines there.
   const LightSource* sky() const { return has_sky_ ? &sky_ : nullptr; }
-  /// A planted fault, for tests: says that the density of the sky's directions is `factor` times
-  /// what it is.
-  void scale_sky_density(double factor) { sky_.pdf_1_ *= factor; }
   /// Directions of the sky, by luminance alone.
   const SkyDirections& directions() const { return directions_; }
   /// Those that prefer() made, from which kPreferred of the walks begin that do in the sky; empty:
@@ -190,6 +188,7 @@ class Lights {
   double radius() const { return radius_; }
 
  private:
+  friend struct LightsFaults;  // of tests [tools/tdpt-render/testing/faults.h]
   double start_w(const Sky::Place& place, double plain_w) const;
   const LightSource& source_of(size_t entry) const;
   void fill(const std::vector<double>& weights);

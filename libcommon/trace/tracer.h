@@ -88,10 +88,9 @@ class Tracer {
   /// Geometry of a triangle, computed once.
   const TriangleShape& shape(uint32_t triangle) const;
 
-  /// Scales the step off the surface (1 by default); for the test that compares two.
-  void set_offset_scale(double scale) { offset_scale_ = scale; }
-
  private:
+  friend struct TracerFaults;  // of tests [libcommon/testing/tracer_faults.h]
+
   Vec3f step_off(const Origin& from, const Vec3d& w) const;
   bool first_drawn(const Vec3d& camera, const Vec3d& w, Hit& hit) const;
   bool no_front_between(const Vec3d& camera, const Origin& place) const;
@@ -103,7 +102,7 @@ class Tracer {
 
   const Scene& scene_;
   const bool culls_;
-  double offset_scale_ = 1;
+  double offset_scale_ = 1;  // another in tests that compare two
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };

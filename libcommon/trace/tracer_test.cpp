@@ -4,6 +4,7 @@
 
 #include "libcommon/math/rng.h"
 #include "libcommon/math/warp.h"
+#include "libcommon/testing/tracer_faults.h"
 
 namespace tdpt {
 namespace {
@@ -55,7 +56,7 @@ TEST(tracer, hit_points_lie_on_their_ray_and_triangle) {
 // Pairs of places on the box, how many do not see each other; `normal` scales the step off.
 int hidden_pairs(double offset_scale) {
   Box box;
-  box.tracer.set_offset_scale(offset_scale);
+  TracerFaults::scale_step(box.tracer, offset_scale);
   Rng rng(3, 0, 0);
   const auto place = [&] {
     const uint32_t t = rng.below(static_cast<uint32_t>(box.scene.triangles.size()));

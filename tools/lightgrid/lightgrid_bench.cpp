@@ -14,7 +14,7 @@
 #include "libcommon/gpu/device.h"
 #include "tools/lightgrid/gpu_lines.h"
 #include "tools/lightgrid/lightgrid.h"
-#include "tools/lightgrid/scalar_lines.h"
+#include "tools/lightgrid/testing/scalar_lines.h"
 
 namespace tdpt {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "libcommon/base/error.h"
 #include "tools/lightgrid/air.h"
-#include "tools/lightgrid/test_cut.h"
+#include "tools/lightgrid/testing/perfect_cut.h"
 
 namespace tdpt {
 namespace {

@@ -1,7 +1,7 @@
 // What traces lines of light and counts them in the grid. Behind this interface stand Embree
-// (embree_lines.h), a compute shader on a Vulkan device (gpu_lines.h) and that shader's scalar twin
-// (scalar_lines.h). All draw the same lines from the same seed; between Embree and the two others
-// fewer than one ray in 10 000 meets another triangle.
+// (embree_lines.h), a compute shader on a Vulkan device (gpu_lines.h) and, for tests, that shader's
+// scalar twin (testing/scalar_lines.h). All draw the same lines from the same seed; between Embree
+// and the two others fewer than one ray in 10 000 meets another triangle.
 #pragma once
 #include <array>
 #include <span>

@@ -14,7 +14,7 @@
 #include "shaders/shared/grid_walk.h"
 #include "shaders/shared/rng.h"
 #include "shaders/special_segments_test.h"
-#include "tools/lightgrid/test_lines.h"
+#include "tools/lightgrid/testing/lines.h"
 
 namespace tdpt::testing {
 namespace {

@@ -8,7 +8,7 @@
 #include "libcommon/testing/files/read_png.h"
 #include "libcommon/testing/files/temp_folder.h"
 #include "tools/lightgrid/lightgrid.h"
-#include "tools/lightgrid/test_cut.h"
+#include "tools/lightgrid/testing/perfect_cut.h"
 
 namespace tdpt {
 namespace {

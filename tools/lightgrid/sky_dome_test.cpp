@@ -6,7 +6,7 @@
 #include "libcommon/scene/sky_bins.h"
 #include "libcommon/trace/tracer.h"
 #include "tools/lightgrid/sky_dome.h"
-#include "tools/lightgrid/test_lines.h"
+#include "tools/lightgrid/testing/lines.h"
 
 namespace tdpt::testing {
 namespace {

@@ -77,38 +77,28 @@ Polygon completed(const Polygon& hull, size_t points) {
   return enlarged(hull, 1 + 8.0 / 3 * std::log(n) / n);
 }
 
-std::vector<LightLine> picked(const LightGrid& grid, const std::vector<uint32_t>& lines) {
-  std::vector<LightLine> some;
-  for (const uint32_t l : lines) some.push_back(grid.lines[l]);
-  return some;
-}
-
 // Lines that neither begin nor end in the tube or close to it. The others may end on what stands
 // before an opening, as slats or a sill: then they tell of where that is, and not of the wall.
-std::vector<LightLine> clear_of(const LightGrid& grid, const std::vector<uint32_t>& lines,
-                                const Tube& tube) {
+Bundle clear_of(const Bundle& bundle, const Tube& tube) {
   const Slab slab(tube);
   std::vector<Vec2d> places;
-  for (const uint32_t l : lines)
-    if (const auto p = slab.passage(grid.lines[l])) places.push_back(p->at(0));
-  std::vector<LightLine> clear;
-  if (places.empty()) return clear;
+  for (const uint32_t l : bundle.which)
+    if (const auto p = slab.passage(bundle.line(l))) places.push_back(p->at(0));
+  if (places.empty()) return {bundle.of};
   const double far = tube.half + kClear * extents_of(places).shorter;
-  for (const uint32_t l : lines)
-    if (const auto p = slab.passage(grid.lines[l]); p && p->through(far))
-      clear.push_back(grid.lines[l]);
-  return clear;
+  return bundle.where([&](const LightLine& line) {
+    const auto p = slab.passage(line);
+    return p && p->through(far);
+  });
 }
 
 }  // namespace
 
-std::vector<uint32_t> lines_across(const LightGrid& grid, const std::vector<uint32_t>& lines,
-                                   const Aperture& a) {
-  std::vector<uint32_t> across;
-  for (const uint32_t l : lines)
-    if (const auto at = inside_at(a.tube, grid.lines[l], 0); at && contains(a.polygon, *at))
-      across.push_back(l);
-  return across;
+Bundle lines_across(const Bundle& lines, const Aperture& a) {
+  return lines.where([&](const LightLine& line) {
+    const auto at = inside_at(a.tube, line, 0);
+    return at && contains(a.polygon, *at);
+  });
 }
 
 Polygon outline_of(std::vector<Vec2d> points) {
@@ -124,48 +114,47 @@ Polygon whole_outline(const std::vector<Vec2d>& points) {
   return simplified(completed(hull, points.size()), kMostCorners, kWholeTolerance);
 }
 
-std::optional<Aperture> outlined(const LightGrid& grid, const std::vector<uint32_t>& lines,
-                                 const Tube& tube, bool again) {
+std::optional<Aperture> outlined(const Bundle& lines, const Tube& tube, double voxel, bool again) {
   Aperture a{tube, {}, {}};
-  std::vector<uint32_t> bundle;
+  Bundle bundle;
   for (int round = 0; round < 3; ++round) {
-    if (round > 0) a.tube = least_tube(picked(grid, bundle), a.tube, again || round > 1);
-    bundle = members(grid, lines, a.tube, grid.voxel);
+    if (round > 0) a.tube = least_tube(bundle.lines(), a.tube, again || round > 1);
+    bundle = members(lines, a.tube, voxel);
     if (bundle.size() < kFewestLines) return {};
   }
-  const std::vector<LightLine> clear = clear_of(grid, bundle, a.tube);
+  const Bundle clear = clear_of(bundle, a.tube);
   if (static_cast<double>(clear.size()) > kLeastClear * static_cast<double>(bundle.size()))
-    if (const auto lesser = lesser_tube(clear, a.tube)) {
+    if (const auto lesser = lesser_tube(clear.lines(), a.tube)) {
       a.tube = *lesser;
-      bundle = members(grid, lines, a.tube, grid.voxel);
+      bundle = members(lines, a.tube, voxel);
       if (bundle.size() < kFewestLines) return {};
     }
 
   std::vector<Vec2d> points;
-  for (const uint32_t l : bundle)
+  for (const uint32_t l : bundle.which)
     for (const double face : {-kWithin * a.tube.half, kWithin * a.tube.half})
-      if (const auto at = inside_at(a.tube, grid.lines[l], face)) points.push_back(*at);
+      if (const auto at = inside_at(a.tube, bundle.line(l), face)) points.push_back(*at);
   a.polygon = outline_of(std::move(points));
   if (a.polygon.empty()) return {};
-  a.lines = lines_across(grid, lines, a);
+  a.lines = lines_across(lines, a);
   return a;
 }
 
-std::optional<Aperture> find_aperture(const LightGrid& grid, const std::vector<uint32_t>& lines) {
+std::optional<Aperture> find_aperture(const LightGrid& grid, const Bundle& lines) {
   Tube tube;
   Plane& plane = tube.middle;
   plane.o = fullest_place(grid, lines);
-  plane.n = mean_direction_near(grid, lines, plane.o, 1.5 * grid.voxel);
+  plane.n = mean_direction_near(lines, plane.o, 1.5 * grid.voxel);
   if (plane.n == Vec3d{}) return {};
   tube.half = 0.5 * grid.voxel;
   for (int round = 0; round < 6; ++round) {
     const Plane before = plane;
-    const auto bundle = members(grid, lines, tube, grid.voxel);
+    const Bundle bundle = members(lines, tube, grid.voxel);
     if (bundle.size() < kFewestLines) return {};
-    plane = waist(grid, bundle, plane);
+    plane = waist(bundle, plane);
     if (dot(before.n, plane.n) > 1 - 1e-6 && length(before.o - plane.o) < 1e-3 * grid.voxel) break;
   }
-  return outlined(grid, lines, tube);
+  return outlined(lines, tube, grid.voxel);
 }
 
 }  // namespace tdpt

@@ -16,13 +16,12 @@ inline constexpr size_t kFewestLines = 30;
 
 struct Aperture {
   Tube tube;
-  Polygon polygon;              ///< in the middle of the tube [metres]
-  std::vector<uint32_t> lines;  ///< that cross it along the normal: indices into grid.lines
+  Polygon polygon;  ///< in the middle of the tube [metres]
+  Bundle lines;     ///< that cross it along the normal
 };
 
 /// Those of `lines` that cross the aperture along its normal.
-std::vector<uint32_t> lines_across(const LightGrid& grid, const std::vector<uint32_t>& lines,
-                                   const Aperture& a);
+Bundle lines_across(const Bundle& lines, const Aperture& a);
 
 /// The convex outline of an opening with these crossings, but for strays; empty when there is none.
 Polygon outline_of(std::vector<Vec2d> points);
@@ -32,11 +31,12 @@ Polygon outline_of(std::vector<Vec2d> points);
 /// a render more than a portal that is a little too large.
 Polygon whole_outline(const std::vector<Vec2d>& points);
 
-/// The aperture among `lines` close to `tube`: its tube, its outline. `again`: it is one already.
-std::optional<Aperture> outlined(const LightGrid& grid, const std::vector<uint32_t>& lines,
-                                 const Tube& tube, bool again = false);
+/// The aperture among `lines` close to `tube`: its tube, its outline. `voxel`: side of the grid's
+/// [metres]; `again`: it is one already.
+std::optional<Aperture> outlined(const Bundle& lines, const Tube& tube, double voxel,
+                                 bool again = false);
 
 /// The aperture around the fullest place of `lines`.
-std::optional<Aperture> find_aperture(const LightGrid& grid, const std::vector<uint32_t>& lines);
+std::optional<Aperture> find_aperture(const LightGrid& grid, const Bundle& lines);
 
 }  // namespace tdpt

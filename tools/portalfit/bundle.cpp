@@ -31,22 +31,27 @@ Plane tilted(const Plane& plane, double a, double b, double along) {
 
 }  // namespace
 
-Vec3d fullest_place(const LightGrid& grid, const std::vector<uint32_t>& lines) {
+std::vector<LightLine> Bundle::lines() const {
+  std::vector<LightLine> some;
+  for (const uint32_t l : which) some.push_back(line(l));
+  return some;
+}
+
+Vec3d fullest_place(const LightGrid& grid, const Bundle& bundle) {
   // Voxels beside a jamb are not air, so in a narrow slit there may be none: lines count
   // everywhere.
   std::vector<uint32_t> count(grid.count.size(), 0);
-  for (const uint32_t l : lines)
-    walk_grid(grid, grid.lines[l].light, grid.lines[l].camera,
+  for (const uint32_t l : bundle.which)
+    walk_grid(grid, bundle.line(l).light, bundle.line(l).camera,
               [&](size_t voxel, double) { ++count[voxel]; });
   const auto most = std::max_element(count.begin(), count.end());
   return centre_of(grid, static_cast<size_t>(most - count.begin()));
 }
 
-Vec3d mean_direction_near(const LightGrid& grid, const std::vector<uint32_t>& lines,
-                          const Vec3d& place, double radius) {
+Vec3d mean_direction_near(const Bundle& bundle, const Vec3d& place, double radius) {
   Vec3d sum{};
-  for (const uint32_t l : lines) {
-    const LightLine& line = grid.lines[l];
+  for (const uint32_t l : bundle.which) {
+    const LightLine& line = bundle.line(l);
     const Vec3d d = line.camera - line.light;
     const double t = std::clamp(dot(place - line.light, d) / dot(d, d), 0.0, 1.0);
     const Vec3d off = line.light + d * t - place;
@@ -98,21 +103,21 @@ std::set<Cell> dense_region(const std::map<Cell, double>& count, double h) {
 
 }  // namespace
 
-std::vector<uint32_t> members(const LightGrid& grid, const std::vector<uint32_t>& lines,
-                              const Tube& tube, double h) {
+Bundle members(const Bundle& bundle, const Tube& tube, double h) {
   std::vector<uint32_t> found;
   std::vector<Vec2d> points;
   // Lines that end before the middle pile up on the jambs: they do not count where others do.
   std::vector<bool> counts;
   size_t counting = 0;
-  for (const uint32_t l : lines)
-    if (const auto at = inside_at(tube, grid.lines[l], 0)) {
+  for (const uint32_t l : bundle.which)
+    if (const auto at = inside_at(tube, bundle.line(l), 0)) {
       found.push_back(l);
       points.push_back(*at);
-      counts.push_back(crossing(tube.middle, grid.lines[l]).has_value());
+      counts.push_back(crossing(tube.middle, bundle.line(l)).has_value());
       counting += counts.back();
     }
-  if (found.empty()) return {};
+  Bundle kept{bundle.of};
+  if (found.empty()) return kept;
   constexpr size_t kFewest = 30;
   if (counting < kFewest) counts.assign(points.size(), true);
   // Later looks are at all points again, since the first one may have joined two windows, in a
@@ -128,12 +133,12 @@ std::vector<uint32_t> members(const LightGrid& grid, const std::vector<uint32_t>
     for (size_t i = 0; i < points.size(); ++i)
       if (counts[i]) ++count[cell_of(points[i])];
     const std::set<Cell> region = dense_region(count, h);
-    std::vector<uint32_t> kept;
+    kept.which.clear();
     std::vector<Vec2d> kept_points;
     size_t n = 0;
     for (size_t i = 0; i < points.size(); ++i)
       if (region.contains(cell_of(points[i]))) {
-        kept.push_back(found[i]);
+        kept.which.push_back(found[i]);
         kept_points.push_back(points[i]);
         n += counts[i];
       }
@@ -201,10 +206,9 @@ struct Search {
 
 }  // namespace
 
-Plane waist(const LightGrid& grid, const std::vector<uint32_t>& lines, const Plane& start) {
-  std::vector<LightLine> some;
-  for (const uint32_t l : thinned(lines, kMostForMoments)) some.push_back(grid.lines[l]);
-  return Search{std::move(some)}.run(start, 1, 0.3);
+Plane waist(const Bundle& bundle, const Plane& start) {
+  const Bundle some{bundle.of, thinned(bundle.which, kMostForMoments)};
+  return Search{some.lines()}.run(start, 1, 0.3);
 }
 
 }  // namespace tdpt

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <utility>
 
 #include "tools/portalfit/bundle.h"
@@ -36,22 +37,20 @@ double density(const Aperture& a) {
 }
 
 // Those of its lines that cross `a` along `axis` between these places, the middle being 0.
-std::vector<uint32_t> strip_of(const LightGrid& grid, const Aperture& a, Vec2d middle, Vec2d axis,
-                               double from, double to) {
-  std::vector<uint32_t> strip;
-  for (const uint32_t l : a.lines)
-    if (const auto at = crossing(a.tube.middle, grid.lines[l])) {
-      const double along = dot(*at - middle, axis);
-      if (along >= from && along < to) strip.push_back(l);
-    }
-  return strip;
+Bundle strip_of(const Aperture& a, Vec2d middle, Vec2d axis, double from, double to) {
+  return a.lines.where([&](const LightLine& line) {
+    const auto at = crossing(a.tube.middle, line);
+    if (!at) return false;
+    const double along = dot(*at - middle, axis);
+    return along >= from && along < to;
+  });
 }
 
 }  // namespace
 
-std::optional<double> support_of(const LightGrid& grid, const Aperture& a) {
+std::optional<double> support_of(const std::vector<Probe>& probes, const Aperture& a) {
   double tried = 0, joined = 0;
-  for (const Probe& probe : grid.probes) {
+  for (const Probe& probe : probes) {
     const LightLine back{probe.line.camera, probe.line.light, probe.line.cut};
     auto at = clear_crossing(a.tube.middle, probe.line);
     if (!at && !probe.joins) at = clear_crossing(a.tube.middle, back);
@@ -63,16 +62,16 @@ std::optional<double> support_of(const LightGrid& grid, const Aperture& a) {
   return std::min(1.0, joined / tried / through_share(a));
 }
 
-double fullness_of(const LightGrid& grid, const Aperture& a) {
+double fullness_of(const Aperture& a) {
   Portal portal;
   for (const Vec2d& p : a.polygon) portal.vertices.push_back(to_space(a.tube.middle, p));
   portal.triangles = triangulate(a.polygon);
   const PortalShape shape = shape_of(portal);
   std::vector<Crossing> crossings;
-  for (const uint32_t l : a.lines)
-    if (const auto at = crossing(shape.plane, grid.lines[l]); at && contains(shape, *at))
+  for (const uint32_t l : a.lines.which)
+    if (const auto at = crossing(shape.plane, a.lines.line(l)); at && contains(shape, *at))
       crossings.push_back({l, *at});
-  return std::min(1.0, tightness_of(grid, shape, crossings).value_or(0) / through_share(a));
+  return std::min(1.0, tightness_of(*a.lines.of, shape, crossings).value_or(0) / through_share(a));
 }
 
 double density_of(const Aperture& a) {
@@ -83,50 +82,47 @@ namespace {
 
 // All of them, and those that begin on either side of the middle of where they do: light of two
 // windows.
-std::vector<std::vector<uint32_t>> apart(const LightGrid& grid,
-                                         const std::vector<uint32_t>& lines) {
+std::vector<Bundle> apart(const Bundle& lines) {
   Vec3d low(INFINITY), high(-INFINITY), sum{};
-  for (const uint32_t l : lines) {
-    low = min(low, grid.lines[l].light), high = max(high, grid.lines[l].light);
-    sum += grid.lines[l].light;
+  for (const uint32_t l : lines.which) {
+    const Vec3d& begin = lines.line(l).light;
+    low = min(low, begin), high = max(high, begin);
+    sum += begin;
   }
   const Vec3d size = high - low;
   const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-  std::vector<std::vector<uint32_t>> sets{lines, {}, {}};
-  for (const uint32_t l : lines)
-    sets[grid.lines[l].light[axis] * static_cast<double>(lines.size()) < sum[axis] ? 1 : 2]
-        .push_back(l);
-  return sets;
+  const auto before = [&](const LightLine& line) {
+    return line.light[axis] * static_cast<double>(lines.size()) < sum[axis];
+  };
+  return {lines, lines.where(before), lines.where(std::not_fn(before))};
 }
 
 // At the narrowest place of a bundle, looked for from where its light begins.
-Tube at_waist(const LightGrid& grid, const std::vector<uint32_t>& bundle, const Vec3d& along) {
+Tube at_waist(const Bundle& bundle, const Vec3d& along, double voxel) {
   Vec3d sum{};
-  for (const uint32_t l : bundle) sum += grid.lines[l].light;
-  const Vec3d start = sum / static_cast<double>(bundle.size()) + along * (4 * grid.voxel);
+  for (const uint32_t l : bundle.which) sum += bundle.line(l).light;
+  const Vec3d start = sum / static_cast<double>(bundle.size()) + along * (4 * voxel);
   Tube tube;
-  tube.middle = waist(grid, bundle, {start, along});
-  tube.half = 0.5 * grid.voxel;
+  tube.middle = waist(bundle, {start, along});
+  tube.half = 0.5 * voxel;
   return tube;
 }
 
 // The densest opening, among all `lines`, of those of `some` that go along one of the `axes`, as
 // far as it is denser than `most` and holds so many.
-std::optional<Aperture> densest_along(const LightGrid& grid, const std::vector<uint32_t>& lines,
-                                      const std::vector<uint32_t>& some,
-                                      const std::vector<Vec3d>& axes, double least_cos, double most,
-                                      double fewest) {
+std::optional<Aperture> densest_along(const LightGrid& grid, const Bundle& lines,
+                                      const Bundle& some, const std::vector<Vec3d>& axes,
+                                      double least_cos, double most, double fewest) {
   std::optional<Aperture> best;
   for (const Vec3d& axis : axes) {
-    std::vector<uint32_t> along;
-    for (const uint32_t l : some)
-      if (dot(normalize(grid.lines[l].camera - grid.lines[l].light), axis) > least_cos)
-        along.push_back(l);
-    for (const std::vector<uint32_t>& bundle : apart(grid, along)) {
+    const Bundle along = some.where([&](const LightLine& line) {
+      return dot(normalize(line.camera - line.light), axis) > least_cos;
+    });
+    for (const Bundle& bundle : apart(along)) {
       if (bundle.size() < kFewestLines) continue;
       auto part = find_aperture(grid, bundle);
-      if (!part) part = outlined(grid, bundle, at_waist(grid, bundle, axis));
-      if (part) part = outlined(grid, lines, part->tube, true);
+      if (!part) part = outlined(bundle, at_waist(bundle, axis, grid.voxel), grid.voxel);
+      if (part) part = outlined(lines, part->tube, grid.voxel, true);
       if (!part || density(*part) < most || static_cast<double>(part->lines.size()) < fewest)
         continue;
       most = density(*part);
@@ -138,8 +134,7 @@ std::optional<Aperture> densest_along(const LightGrid& grid, const std::vector<u
 
 }  // namespace
 
-std::optional<Aperture> part_of_directions(const LightGrid& grid,
-                                           const std::vector<uint32_t>& lines,
+std::optional<Aperture> part_of_directions(const LightGrid& grid, const Bundle& lines,
                                            const Aperture& whole) {
   const Onb<double> frame(whole.tube.middle.n);
   const Extents e = extents_of(whole.polygon);
@@ -150,10 +145,9 @@ std::optional<Aperture> part_of_directions(const LightGrid& grid,
                        kLeastOfWhole * static_cast<double>(whole.lines.size()));
 }
 
-std::optional<Aperture> aperture_of_directions(const LightGrid& grid,
-                                               const std::vector<uint32_t>& lines) {
+std::optional<Aperture> aperture_of_directions(const LightGrid& grid, const Bundle& lines) {
   Vec3d sum{};
-  for (const uint32_t l : lines) sum += normalize(grid.lines[l].camera - grid.lines[l].light);
+  for (const uint32_t l : lines.which) sum += normalize(lines.line(l).camera - lines.line(l).light);
   if (!(length(sum) > 0)) return {};
   std::vector<Vec3d> axes{normalize(sum)};
   for (const Vec3d& axis : {Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}})
@@ -162,9 +156,9 @@ std::optional<Aperture> aperture_of_directions(const LightGrid& grid,
                        kLeastOfWhole * static_cast<double>(lines.size()));
 }
 
-std::optional<Aperture> denser_part(const LightGrid& grid, const std::vector<uint32_t>& lines,
+std::optional<Aperture> denser_part(const LightGrid& grid, const Bundle& lines,
                                     const Aperture& whole) {
-  const auto support = support_of(grid, whole);
+  const auto support = support_of(grid.probes, whole);
   if (!support || *support >= kSure) return {};
   const Extents e = extents_of(whole.polygon);
   std::optional<Aperture> best;
@@ -175,14 +169,13 @@ std::optional<Aperture> denser_part(const LightGrid& grid, const std::vector<uin
                                  {-far, -0.5 * third},
                                  {-0.5 * third, 0.5 * third},
                                  {0.5 * third, far}}) {
-    const auto strip = strip_of(grid, whole, e.mean, e.axis, from, to);
-    auto part = find_aperture(grid, strip);
-    if (part) part = outlined(grid, lines, part->tube, true);
+    auto part = find_aperture(grid, strip_of(whole, e.mean, e.axis, from, to));
+    if (part) part = outlined(lines, part->tube, grid.voxel, true);
     if (!part || density(*part) < most ||
         static_cast<double>(part->lines.size()) <
             kLeastOfWhole * static_cast<double>(whole.lines.size()))
       continue;
-    if (support_of(grid, *part).value_or(0) < *support) continue;
+    if (support_of(grid.probes, *part).value_or(0) < *support) continue;
     most = density(*part);
     best = std::move(part);
   }

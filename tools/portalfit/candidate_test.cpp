@@ -9,6 +9,7 @@
 
 #include "libcommon/math/rng.h"
 #include "libcommon/math/warp.h"
+#include "tools/portalfit/test_bundle.h"
 
 namespace tdpt {
 namespace {
@@ -19,8 +20,10 @@ namespace {
 constexpr double kPier = 0.7, kFar = kPier + 1;
 
 struct Bay {
+  explicit Bay(double angle);
+  Bay(const Bay&) = delete;  // bundles refer to the grid
   LightGrid grid;
-  std::vector<uint32_t> all;
+  Bundle all;
   Aperture mouth;
 };
 
@@ -33,35 +36,33 @@ bool through_window(const LightLine& line, double side, double angle) {
   return dot(p, along) >= kPier && dot(p, along) <= kFar && std::abs(p.z) <= 0.5;
 }
 
-Bay bay(double angle) {
-  Bay b;
-  b.grid.voxel = 0.05;
-  b.grid.dim = {160, 160, 160};
-  b.grid.origin = Vec3d(-4);
-  b.grid.count.assign(size_t{160} * 160 * 160, 0);
+Bay::Bay(double angle) {
+  grid.voxel = 0.05;
+  grid.dim = {160, 160, 160};
+  grid.origin = Vec3d(-4);
+  grid.count.assign(size_t{160} * 160 * 160, 0);
   const double half = kFar * std::cos(angle), deep = -kFar * std::sin(angle);
-  for (uint64_t i = 0; b.grid.lines.size() < 6000; ++i) {
+  for (uint64_t i = 0; grid.lines.size() < 6000; ++i) {
     Rng rng(11, 1, i);
     const double y = 2.5 * (2 * rng.uniform() - 1), z = 1.5 * (2 * rng.uniform() - 1);
     const double u = rng.uniform(), v = rng.uniform();
     const Vec3d d = cosine_hemisphere(u, v), w{d.z, d.x, d.y}, p{0.5 * deep, y, z};
     const LightLine line{p - w * 3, p + w * 3};
     const bool joins = through_window(line, 1, angle) || through_window(line, -1, angle);
-    b.grid.probes.push_back({line, joins});
-    if (joins) b.grid.lines.push_back(line);
+    grid.probes.push_back({line, joins});
+    if (joins) grid.lines.push_back(line);
   }
-  for (uint32_t l = 0; l < b.grid.lines.size(); ++l) b.all.push_back(l);
-  b.mouth.tube.middle = {{deep, 0, 0}, {1, 0, 0}};
+  all = testing::all_of(grid);
+  mouth.tube.middle = {{deep, 0, 0}, {1, 0, 0}};
   for (const auto& [y, z] : {std::pair{-1.0, -1.0}, {1.0, -1.0}, {1.0, 1.0}, {-1.0, 1.0}})
-    b.mouth.polygon.push_back(in_plane(b.mouth.tube.middle, Vec3d{deep, y * half, z * 0.5}));
-  b.mouth.polygon = convex_hull(b.mouth.polygon);
-  b.mouth.lines = lines_across(b.grid, b.all, b.mouth);
-  return b;
+    mouth.polygon.push_back(in_plane(mouth.tube.middle, Vec3d{deep, y * half, z * 0.5}));
+  mouth.polygon = convex_hull(mouth.polygon);
+  mouth.lines = lines_across(all, mouth);
 }
 
 TEST(Candidate, OneWindowOfABayIsDenserThanItsMouth) {
   constexpr double kAngle = std::numbers::pi / 6;
-  const Bay b = bay(kAngle);
+  const Bay b(kAngle);
   const auto part = denser_part(b.grid, b.all, b.mouth);
   ASSERT_TRUE(part);
   EXPECT_NEAR(area(part->polygon), 1, 0.1);
@@ -70,7 +71,7 @@ TEST(Candidate, OneWindowOfABayIsDenserThanItsMouth) {
 
 // Twin: of one of them none is.
 TEST(Candidate, APartOfOneOpeningIsNotDenser) {
-  const Bay b = bay(std::numbers::pi / 6);
+  const Bay b(std::numbers::pi / 6);
   const auto window = denser_part(b.grid, b.all, b.mouth);
   ASSERT_TRUE(window);
   EXPECT_FALSE(denser_part(b.grid, b.all, *window));

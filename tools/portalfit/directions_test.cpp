@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <numeric>
 #include <utility>
 
 #include <gtest/gtest.h>
@@ -10,11 +9,13 @@
 #include "tools/portalfit/candidate.h"
 #include "tools/portalfit/parting.h"
 #include "tools/portalfit/portalfit.h"
+#include "tools/portalfit/test_bundle.h"
 #include "tools/portalfit/test_windows.h"
 
 namespace tdpt {
 namespace {
 
+using testing::all_of;
 using testing::RoomWithWindows;
 using testing::Window;
 
@@ -24,12 +25,6 @@ const Window kOther{{-0.8, 0, 0}, {0.5, 0, 0}, {0, 0, 0.5}, {0, -1, 0}};
 // In the wall x = -3, opposite the first.
 const Window kOpposite{{-3, -0.8, 0}, {0, 0.5, 0}, {0, 0, 0.5}, {1, 0, 0}};
 
-std::vector<uint32_t> all_of(const LightGrid& grid) {
-  std::vector<uint32_t> all(grid.lines.size());
-  std::iota(all.begin(), all.end(), 0u);
-  return all;
-}
-
 Aperture rectangle(const LightGrid& grid, const Window& w) {
   Aperture a;
   a.tube.middle = {w.middle, w.n};
@@ -37,7 +32,7 @@ Aperture rectangle(const LightGrid& grid, const Window& w) {
   for (const Vec3d& p : {-w.u - w.v, w.u - w.v, w.u + w.v, w.v - w.u})
     a.polygon.push_back(in_plane(a.tube.middle, w.middle + p));
   a.polygon = convex_hull(a.polygon);
-  a.lines = lines_across(grid, all_of(grid), a);
+  a.lines = lines_across(all_of(grid), a);
   return a;
 }
 
@@ -74,24 +69,25 @@ TEST(Directions, PartNoWindow) {
 TEST(Directions, FindAWindowWhereLightCrossesLight) {
   const RoomWithWindows room{{kOne, kOther, kOpposite}};
   const LightGrid grid = room.light(6000, 0);
-  const std::vector<uint32_t> all = all_of(grid);
+  const Bundle all = all_of(grid);
   const auto one = aperture_of_directions(grid, all);
   ASSERT_TRUE(one);
   EXPECT_GE(window_of(*one, room.windows), 0);
-  EXPECT_FALSE(aperture_of_directions(grid, {all.begin(), all.begin() + 20}));
+  EXPECT_FALSE(
+      aperture_of_directions(grid, {&grid.lines, {all.which.begin(), all.which.begin() + 20}}));
   EXPECT_FALSE(aperture_of_directions(grid, {}));
 }
 
 TEST(Directions, LinesBesideAnOpeningAreThoseOfTheOthers) {
   const LightGrid grid = RoomWithWindows{{kOne, kOther}}.light(6000, 0);
-  const auto own = lines_beside(grid, all_of(grid), {rectangle(grid, kOne)});
-  const auto other = rectangle(grid, kOther).lines;
+  const auto own = lines_beside(all_of(grid), {rectangle(grid, kOne)}).which;
+  const auto other = rectangle(grid, kOther).lines.which;
   std::vector<uint32_t> of_other;
   std::set_intersection(own.begin(), own.end(), other.begin(), other.end(),
                         std::back_inserter(of_other));
   EXPECT_GT(of_other.size(), own.size() * 95 / 100);  // but for grazing lines of the one
   EXPECT_NEAR(static_cast<double>(own.size()), 3000, 300);
-  EXPECT_EQ(lines_beside(grid, all_of(grid), {}).size(), 6000u);
+  EXPECT_EQ(lines_beside(all_of(grid), {}).size(), 6000u);
 }
 
 }  // namespace

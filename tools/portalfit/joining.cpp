@@ -75,16 +75,16 @@ Polygon outline_in(const Plane& plane, const std::vector<Aperture>& parts) {
 }
 
 // How good it is to join two groups of parts: the share left open, 0 where they stay apart.
-double worth_joining(const LightGrid& grid, const std::vector<Aperture>& a,
-                     const std::vector<Aperture>& b, bool too_many) {
+double worth_joining(const std::vector<Aperture>& a, const std::vector<Aperture>& b, bool too_many,
+                     double voxel) {
   std::vector<Aperture> both = a;
   both.insert(both.end(), b.begin(), b.end());
-  const Joint joint = joint_of(grid, both);
+  const Joint joint = joint_of(both, voxel);
   if (!joint.flat || joint.open < kOpenEnough) return 0;
   if (too_many) return joint.open;
   const Polygon one = outline_in(joint.plane, a), other = outline_in(joint.plane, b);
   const double bar = distance_between(one, other);
-  if (bar <= kThinBar * grid.voxel) return joint.open;
+  if (bar <= kThinBar * voxel) return joint.open;
   // The corners of a rectangle spread as a larger one.
   const double side =
       std::min(extents_of(one).shorter, extents_of(other).shorter) / std::numbers::sqrt3;
@@ -94,14 +94,14 @@ double worth_joining(const LightGrid& grid, const std::vector<Aperture>& a,
 using Group = std::vector<Aperture>;
 
 // Joins the best pair; false when there is none.
-bool join_best(const LightGrid& grid, std::vector<Group>& groups,
-               std::vector<std::vector<double>>& worth, bool too_many) {
+bool join_best(std::vector<Group>& groups, std::vector<std::vector<double>>& worth, bool too_many,
+               double voxel) {
   size_t best_a = 0, best_b = 0;
   double best = 0;
   for (size_t a = 0; a < groups.size(); ++a)
     for (size_t b = a + 1; b < groups.size(); ++b) {
       double& w = worth[a][b];
-      if (w < 0) w = worth_joining(grid, groups[a], groups[b], too_many);
+      if (w < 0) w = worth_joining(groups[a], groups[b], too_many, voxel);
       if (w > best) best = w, best_a = a, best_b = b;
     }
   if (!(best > 0)) return false;
@@ -118,22 +118,20 @@ std::vector<std::vector<double>> unknown(size_t groups) {
 }
 
 // One opening through the lines of all parts; the parts where that fails.
-std::vector<Aperture> laid_again(const LightGrid& grid, const std::vector<uint32_t>& all,
-                                 const Group& parts) {
-  const Joint joint = joint_of(grid, parts);
+std::vector<Aperture> laid_again(const Bundle& all, const Group& parts, double voxel) {
+  const Joint joint = joint_of(parts, voxel);
   std::vector<uint32_t> own;
-  for (const Aperture& a : parts) own.insert(own.end(), a.lines.begin(), a.lines.end());
+  for (const Aperture& a : parts) own.insert(own.end(), a.lines.which.begin(), a.lines.which.end());
   std::sort(own.begin(), own.end());
   own.erase(std::unique(own.begin(), own.end()), own.end());
-  std::vector<LightLine> lines;
-  for (const uint32_t l : own) lines.push_back(grid.lines[l]);
+  const std::vector<LightLine> lines = Bundle{all.of, own}.lines();
   Aperture a{holding_plane(lines, {joint.plane, 0}), {}, {}};
   std::vector<Vec2d> places;
   for (const LightLine& line : lines)
     if (const auto at = clear_crossing(a.tube.middle, line)) places.push_back(*at);
   a.polygon = outline_of(std::move(places));
   if (a.polygon.empty() || area(a.polygon) > kMostGrowth * area(joint.outline)) return parts;
-  a.lines = lines_across(grid, all, a);
+  a.lines = lines_across(all, a);
   if (static_cast<double>(a.lines.size()) < kLeastLines * static_cast<double>(own.size()))
     return parts;
   return {a};
@@ -141,7 +139,7 @@ std::vector<Aperture> laid_again(const LightGrid& grid, const std::vector<uint32
 
 }  // namespace
 
-Joint joint_of(const LightGrid& grid, const std::vector<Aperture>& parts) {
+Joint joint_of(const std::vector<Aperture>& parts, double voxel) {
   Plane first{{}, {}};
   std::vector<Vec3d> corners;
   double whole = 0;
@@ -173,7 +171,7 @@ Joint joint_of(const LightGrid& grid, const std::vector<Aperture>& parts) {
   }
   joint.open = open / area(joint.outline);
   const double side = extents_of(joint.outline).shorter;
-  joint.flat = faces && high <= std::max(grid.voxel, kFlat * side);
+  joint.flat = faces && high <= std::max(voxel, kFlat * side);
   return joint;
 }
 
@@ -181,17 +179,17 @@ double distance_between(const Polygon& a, const Polygon& b) {
   return std::min(from_corners(a, b), from_corners(b, a));
 }
 
-std::vector<Aperture> joined_in_planes(const LightGrid& grid, const std::vector<uint32_t>& all,
-                                       std::vector<Aperture> parts, size_t most) {
+std::vector<Aperture> joined_in_planes(const Bundle& all, std::vector<Aperture> parts, size_t most,
+                                       double voxel) {
   const bool too_many = parts.size() > most;
   std::vector<Group> groups;
   for (Aperture& a : parts) groups.push_back({std::move(a)});
   auto worth = unknown(groups.size());
-  while (groups.size() > (too_many ? most : 1) && join_best(grid, groups, worth, too_many)) {
+  while (groups.size() > (too_many ? most : 1) && join_best(groups, worth, too_many, voxel)) {
   }
   std::vector<Aperture> joined;
   for (const Group& group : groups) {
-    const auto some = group.size() > 1 ? laid_again(grid, all, group) : group;
+    const auto some = group.size() > 1 ? laid_again(all, group, voxel) : group;
     joined.insert(joined.end(), some.begin(), some.end());
   }
   return joined;

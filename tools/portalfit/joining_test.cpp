@@ -1,6 +1,5 @@
 #include "tools/portalfit/joining.h"
 
-#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -8,6 +7,7 @@
 
 #include "libcommon/math/rng.h"
 #include "libcommon/math/warp.h"
+#include "tools/portalfit/test_bundle.h"
 
 namespace tdpt {
 namespace {
@@ -26,28 +26,24 @@ Aperture pane(double x, double z = 0, double slope = 0) {
   return a;
 }
 
-LightGrid grid() {
-  LightGrid g;
-  g.voxel = 0.05;
-  return g;
-}
+constexpr double kVoxel = 0.05;
 
 TEST(Joining, PanesInOnePlaneLeaveTheirShareOpen) {
-  const Joint joint = joint_of(grid(), {pane(0), pane(1.25)});
+  const Joint joint = joint_of({pane(0), pane(1.25)}, kVoxel);
   EXPECT_TRUE(joint.flat);
   EXPECT_NEAR(area(joint.outline), 2.25, 1e-9);
   EXPECT_NEAR(joint.open, 2 / 2.25, 1e-9);
 }
 
 TEST(Joining, PanesOfABayAreNotFlat) {
-  EXPECT_FALSE(joint_of(grid(), {pane(0, 0, -0.6), pane(1, 0, 0.6)}).flat);
-  EXPECT_FALSE(joint_of(grid(), {pane(0), pane(1.25, 0.6)}).flat);  // one behind the other
-  EXPECT_FALSE(joint_of(grid(), {pane(0), pane(1, 0.5, 1)}).flat);
+  EXPECT_FALSE(joint_of({pane(0, 0, -0.6), pane(1, 0, 0.6)}, kVoxel).flat);
+  EXPECT_FALSE(joint_of({pane(0), pane(1.25, 0.6)}, kVoxel).flat);  // one behind the other
+  EXPECT_FALSE(joint_of({pane(0), pane(1, 0.5, 1)}, kVoxel).flat);
 }
 
 // Panes 1 m x 1 m side by side, `gap` between them, in a wall across z; lines through both.
 size_t left_of_two(double gap) {
-  LightGrid g = grid();
+  LightGrid g;
   std::vector<Aperture> panes{pane(0), pane(1 + gap)};
   for (uint64_t i = 0; i < 4000; ++i) {
     Rng rng(13, 1, i);
@@ -56,10 +52,9 @@ size_t left_of_two(double gap) {
     const Vec3d w = cosine_hemisphere(u, v), p{x, y, 0};
     g.lines.push_back({p - w * 2, p + w * 2});
   }
-  std::vector<uint32_t> all(g.lines.size());
-  std::iota(all.begin(), all.end(), 0u);
-  for (Aperture& a : panes) a.lines = lines_across(g, all, a);
-  return joined_in_planes(g, all, panes, 8).size();
+  const Bundle all = testing::all_of(g);
+  for (Aperture& a : panes) a.lines = lines_across(all, a);
+  return joined_in_planes(all, panes, 8, kVoxel).size();
 }
 
 // Though 0.83 of the outline around both is open.

@@ -20,37 +20,37 @@ namespace {
 
 constexpr double kFewestInCone = 60;
 
-std::vector<Crossing> crossings_of(const LightGrid& grid, const PortalShape& shape) {
+std::vector<Crossing> crossings_of(const std::vector<LightLine>& lines, const PortalShape& shape) {
   std::vector<Crossing> found;
-  for (uint32_t l = 0; l < grid.lines.size(); ++l)
-    if (const auto at = crossing(shape.plane, grid.lines[l]); at && contains(shape, *at))
+  for (uint32_t l = 0; l < lines.size(); ++l)
+    if (const auto at = crossing(shape.plane, lines[l]); at && contains(shape, *at))
       found.push_back({l, *at});
   return found;
 }
 
 // The cut with the largest share of whose lines the portal is crossed: shares, as cuts may have
-// different numbers of `lines`.
-size_t cut_of(const LightGrid& grid, const std::vector<size_t>& lines,
+// different numbers of them.
+size_t cut_of(const std::vector<LightLine>& lines, const std::vector<size_t>& of_cut,
               const std::vector<Crossing>& crossings) {
-  std::vector<size_t> crossed(lines.size(), 0);
-  for (const Crossing& c : crossings) ++crossed[grid.lines[c.line].cut];
+  std::vector<size_t> crossed(of_cut.size(), 0);
+  for (const Crossing& c : crossings) ++crossed[lines[c.line].cut];
   const auto share = [&](size_t k) {
-    return lines[k] ? static_cast<double>(crossed[k]) / static_cast<double>(lines[k]) : 0.0;
+    return of_cut[k] ? static_cast<double>(crossed[k]) / static_cast<double>(of_cut[k]) : 0.0;
   };
   size_t most = 0;
-  for (size_t k = 1; k < lines.size(); ++k)
+  for (size_t k = 1; k < of_cut.size(); ++k)
     if (share(k) > share(most)) most = k;
   return most;
 }
 
 }  // namespace
 
-std::optional<double> tightness_of(const LightGrid& grid, const PortalShape& shape,
+std::optional<double> tightness_of(const std::vector<LightLine>& lines, const PortalShape& shape,
                                    const std::vector<Crossing>& crossings) {
   if (crossings.empty()) return {};
   const auto in_the_middle = [&](const Crossing& c) { return contains(shape, c.at * 2); };
   const auto squared_sine = [&](const Crossing& c) {
-    const LightLine& line = grid.lines[c.line];
+    const LightLine& line = lines[c.line];
     const double cosine = dot(normalize(line.camera - line.light), shape.plane.n);
     return 1 - cosine * cosine;
   };
@@ -106,10 +106,10 @@ void appraise(const LightGrid& grid, std::vector<Portal>& portals) {
   std::vector<Appraised> appraised;
   for (Portal& portal : portals) {
     const PortalShape shape = shape_of(portal);
-    std::vector<Crossing> crossings = crossings_of(grid, shape);
-    const size_t cut = cut_of(grid, lines, crossings);
+    std::vector<Crossing> crossings = crossings_of(grid.lines, shape);
+    const size_t cut = cut_of(grid.lines, lines, crossings);
     std::erase_if(crossings, [&](const Crossing& c) { return grid.lines[c.line].cut != cut; });
-    const auto tightness = tightness_of(grid, shape, crossings);
+    const auto tightness = tightness_of(grid.lines, shape, crossings);
     portal.figures["cut"] = static_cast<double>(cut);
     if (tightness) portal.figures["tightness"] = *tightness;
     appraised.push_back({&portal, cut, std::move(crossings), tightness});

@@ -17,8 +17,8 @@ struct Crossing {
 };
 
 /// Share of a portal's lines that pass from one side to the other; nothing when none crosses.
-/// `crossings`: of one cut.
-std::optional<double> tightness_of(const LightGrid& grid, const PortalShape& shape,
+/// `crossings`: of one cut, by the grid's `lines`.
+std::optional<double> tightness_of(const std::vector<LightLine>& lines, const PortalShape& shape,
                                    const std::vector<Crossing>& crossings);
 
 /// Adds figures of portal(5) to each portal: `cut` (the one most of whose lines cross it),

@@ -49,15 +49,14 @@ bool keep_before(Aperture& a, size_t own, const std::vector<Aperture>& all) {
 }
 
 // Lines through `plane` near `polygon`, without the sorted `taken`.
-std::vector<LightLine> lines_near(const LightGrid& grid, const std::vector<uint32_t>& all,
-                                  const Plane& plane, const Polygon& polygon,
+std::vector<LightLine> lines_near(const Bundle& all, const Plane& plane, const Polygon& polygon,
                                   const std::vector<uint32_t>& taken) {
   const Polygon reach = enlarged(polygon, kReachOfLines);
   std::vector<LightLine> lines;
-  for (const uint32_t l : all)
-    if (const auto at = clear_crossing(plane, grid.lines[l]);
+  for (const uint32_t l : all.which)
+    if (const auto at = clear_crossing(plane, all.line(l));
         at && contains(reach, *at) && !std::binary_search(taken.begin(), taken.end(), l))
-      lines.push_back(grid.lines[l]);
+      lines.push_back(all.line(l));
   return lines;
 }
 
@@ -69,11 +68,11 @@ std::vector<Vec2d> places_in(const Plane& plane, const std::vector<LightLine>& l
 }
 
 // The opening again, from all lines that pass here and not through the others.
-std::optional<Aperture> fitted_again(const LightGrid& grid, const std::vector<uint32_t>& all,
-                                     const std::vector<uint32_t>& taken, Aperture a) {
+std::optional<Aperture> fitted_again(const Bundle& all, const std::vector<uint32_t>& taken,
+                                     Aperture a) {
   constexpr int kRounds = 6;
   for (int round = 0; round < kRounds; ++round) {
-    const auto own = lines_near(grid, all, a.tube.middle, a.polygon, taken);
+    const auto own = lines_near(all, a.tube.middle, a.polygon, taken);
     if (own.size() < kFewestLines) return {};
     a.tube = holding_plane(own, a.tube);
     const auto places = places_in(a.tube.middle, own);
@@ -112,8 +111,7 @@ std::optional<HalfPlane> shared_edge(const Aperture& a, const Aperture& b) {
   return half;
 }
 
-void part_from_each_other(const LightGrid& grid, const std::vector<uint32_t>& all,
-                          std::vector<Aperture>& found) {
+void part_from_each_other(const Bundle& all, std::vector<Aperture>& found, double voxel) {
   if (found.size() < 2) return;
   constexpr double kShared = 0.01;  // of its lines: with fewer, an opening stays as it is
   for (const double growth : {1.5, 1.2, 1.0}) {
@@ -123,46 +121,41 @@ void part_from_each_other(const LightGrid& grid, const std::vector<uint32_t>& al
         if (&b == &a) continue;
         Aperture wider = b;
         wider.polygon = enlarged(b.polygon, growth);
-        const auto across = lines_across(grid, all, wider);
-        others.insert(others.end(), across.begin(), across.end());
+        const Bundle across = lines_across(all, wider);
+        others.insert(others.end(), across.which.begin(), across.which.end());
       }
       std::sort(others.begin(), others.end());
-      const auto without = [&](const std::vector<uint32_t>& lines) {
-        std::vector<uint32_t> left;
-        std::set_difference(lines.begin(), lines.end(), others.begin(), others.end(),
-                            std::back_inserter(left));
+      const auto without = [&](const Bundle& lines) {
+        Bundle left{all.of};
+        std::set_difference(lines.which.begin(), lines.which.end(), others.begin(), others.end(),
+                            std::back_inserter(left.which));
         return left;
       };
       const auto shared = static_cast<double>(a.lines.size() - without(a.lines).size());
       const auto size = static_cast<double>(a.lines.size());
       if (shared < kShared * size || shared > 0.5 * size) continue;
-      auto again = outlined(grid, without(all), a.tube, true);
+      auto again = outlined(without(all), a.tube, voxel, true);
       if (!again) continue;
-      again->lines = lines_across(grid, all, *again);
+      again->lines = lines_across(all, *again);
       if (again->lines.size() >= kLeastLeft * size) a = std::move(*again);
     }
   }
 }
 
-std::vector<uint32_t> lines_beside(const LightGrid& grid, const std::vector<uint32_t>& all,
-                                   const std::vector<Aperture>& others) {
-  std::vector<uint32_t> taken, own;
-  for (const Aperture& b : others)
-    for (const uint32_t l : all)
-      if (const auto at = clear_crossing(b.tube.middle, grid.lines[l]);
-          at && contains(b.polygon, *at))
-        taken.push_back(l);
-  std::sort(taken.begin(), taken.end());
-  std::set_difference(all.begin(), all.end(), taken.begin(), taken.end(), std::back_inserter(own));
-  return own;
+Bundle lines_beside(const Bundle& all, const std::vector<Aperture>& others) {
+  return all.where([&](const LightLine& line) {
+    return std::none_of(others.begin(), others.end(), [&](const Aperture& b) {
+      const auto at = clear_crossing(b.tube.middle, line);
+      return at && contains(b.polygon, *at);
+    });
+  });
 }
 
-void part_at_shared_edges(const LightGrid& grid, const std::vector<uint32_t>& all,
-                          std::vector<Aperture>& found) {
+void part_at_shared_edges(const Bundle& all, std::vector<Aperture>& found) {
   std::vector<size_t> smallest_first;
   for (size_t k = 0; k < found.size(); ++k)
     if (keep_before(found[k], k, found)) {
-      found[k].lines = lines_across(grid, all, found[k]);
+      found[k].lines = lines_across(all, found[k]);
       smallest_first.push_back(k);
     }
   std::stable_sort(smallest_first.begin(), smallest_first.end(), [&](size_t a, size_t b) {
@@ -171,12 +164,13 @@ void part_at_shared_edges(const LightGrid& grid, const std::vector<uint32_t>& al
   for (const size_t k : smallest_first) {
     std::vector<uint32_t> taken;
     for (size_t b = 0; b < found.size(); ++b)
-      if (b != k) taken.insert(taken.end(), found[b].lines.begin(), found[b].lines.end());
+      if (b != k)
+        taken.insert(taken.end(), found[b].lines.which.begin(), found[b].lines.which.end());
     std::sort(taken.begin(), taken.end());
-    auto again = fitted_again(grid, all, taken, found[k]);
+    auto again = fitted_again(all, taken, found[k]);
     if (!again) continue;
     keep_before(*again, k, found);
-    again->lines = lines_across(grid, all, *again);
+    again->lines = lines_across(all, *again);
     if (again->lines.size() >= kLeastLeft * static_cast<double>(found[k].lines.size()) &&
         better(*again, found[k]))
       found[k] = std::move(*again);

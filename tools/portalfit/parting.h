@@ -23,19 +23,16 @@ std::optional<HalfPlane> shared_edge(const Aperture& a, const Aperture& b);
 /// crosses the plane of the first beyond its edge and draws its outline there. So each is outlined
 /// again by the lines that do not cross the others, at first with the others wider than found. Not
 /// where most of its lines cross others, too: such openings follow each other. All lines
-/// are those of `all`.
-void part_from_each_other(const LightGrid& grid, const std::vector<uint32_t>& all,
-                          std::vector<Aperture>& found);
+/// are those of `all`, found in a grid of voxels of that side [metres].
+void part_from_each_other(const Bundle& all, std::vector<Aperture>& found, double voxel);
 
 /// Lines of `all` that pass none of `others`.
-std::vector<uint32_t> lines_beside(const LightGrid& grid, const std::vector<uint32_t>& all,
-                                   const std::vector<Aperture>& others);
+Bundle lines_beside(const Bundle& all, const std::vector<Aperture>& others);
 
 /// Openings that share an edge: lines near it belong to neither yet, and each has drawn some of the
 /// other's. Each is cut off at the other's plane; then, the smallest first, each is fitted again to
 /// the lines near it that pass no other, as far as that is better: of less area, or with more
 /// lines. All lines are those of `all`.
-void part_at_shared_edges(const LightGrid& grid, const std::vector<uint32_t>& all,
-                          std::vector<Aperture>& found);
+void part_at_shared_edges(const Bundle& all, std::vector<Aperture>& found);
 
 }  // namespace tdpt

@@ -7,6 +7,7 @@
 
 #include "libcommon/math/rng.h"
 #include "libcommon/math/warp.h"
+#include "tools/portalfit/test_bundle.h"
 
 namespace tdpt {
 namespace {
@@ -62,11 +63,11 @@ double highest(const Aperture& a) {
   return y;
 }
 
-double through_neither(const std::vector<Aperture>& found, const std::vector<uint32_t>& all) {
+double through_neither(const std::vector<Aperture>& found, const Bundle& all) {
   size_t neither = 0;
-  for (const uint32_t l : all)
+  for (const uint32_t l : all.which)
     neither += std::none_of(found.begin(), found.end(), [&](const Aperture& a) {
-      return std::binary_search(a.lines.begin(), a.lines.end(), l);
+      return std::binary_search(a.lines.which.begin(), a.lines.which.end(), l);
     });
   return static_cast<double>(neither) / static_cast<double>(all.size());
 }
@@ -97,18 +98,17 @@ TEST(Parting, OpeningsApartShareNothing) {
 // The slit has taken the light through the gap near their edge: the gap gets it back.
 TEST(Parting, EachGetsItsLines) {
   const LightGrid grid = light(6000);
-  std::vector<uint32_t> all(grid.lines.size());
-  for (uint32_t l = 0; l < all.size(); ++l) all[l] = l;
+  const Bundle all = testing::all_of(grid);
   Aperture small = gap();
   small.polygon = enlarged(small.polygon, 0.7);
   std::vector<Aperture> found{slit(0.3), small};
-  for (Aperture& a : found) a.lines = lines_across(grid, all, a);
+  for (Aperture& a : found) a.lines = lines_across(all, a);
   // Twin: what they are before is none of what is asked for after.
   EXPECT_GT(highest(found[0]), kHigh + 0.25);
   EXPECT_LT(area(found[1].polygon), 0.75 * area(gap().polygon));
   EXPECT_GT(through_neither(found, all), 0.02);
 
-  part_at_shared_edges(grid, all, found);
+  part_at_shared_edges(all, found);
   EXPECT_NEAR(highest(found[0]), kHigh, 0.02);
   EXPECT_NEAR(area(found[0].polygon), area(slit(0).polygon), 0.02 * area(slit(0).polygon));
   EXPECT_NEAR(area(found[1].polygon), area(gap().polygon), 0.04 * area(gap().polygon));
@@ -138,15 +138,14 @@ TEST(Parting, AThinCornerIsKept) {
 // What the slit would keep alone is not enough to lay it again: it stays.
 TEST(Parting, AnOpeningWithoutLinesOfItsOwnStays) {
   const LightGrid grid = light(200);
-  std::vector<uint32_t> all;
-  for (uint32_t l = 0; l < grid.lines.size(); ++l)
-    if (const auto at = crossing(gap().tube.middle, grid.lines[l]);
-        at && contains(gap().polygon, *at))
-      all.push_back(l);
+  const Bundle all = testing::all_of(grid).where([](const LightLine& line) {
+    const auto at = crossing(gap().tube.middle, line);
+    return at && contains(gap().polygon, *at);
+  });
   std::vector<Aperture> found{slit(0), gap()};
-  for (Aperture& a : found) a.lines = lines_across(grid, all, a);
+  for (Aperture& a : found) a.lines = lines_across(all, a);
   ASSERT_LT(found[0].lines.size(), kFewestLines);
-  part_at_shared_edges(grid, all, found);
+  part_at_shared_edges(all, found);
   EXPECT_NEAR(area(found[0].polygon), area(slit(0).polygon), 1e-9);
 }
 

@@ -43,22 +43,18 @@ constexpr double kDegrees = 180 / std::numbers::pi;
 
 using Refusals = std::vector<FitResult::Refusal>;
 
-// Those that come through the opening or end within or close before it: none of them tells of
-// another opening.
-std::vector<uint32_t> lines_at(const LightGrid& grid, const std::vector<uint32_t>& lines,
-                               const Aperture& a) {
+// Without those that come through the opening or end within or close before it: none of them tells
+// of another opening.
+Bundle lines_not_at(const Bundle& lines, const Aperture& a) {
   const Polygon wider = enlarged(a.polygon, 1.1);
   const Extents e = extents_of(a.polygon);
   Tube deeper = a.tube;
   deeper.half += 0.5 * e.shorter;
-  std::vector<uint32_t> at_it;
-  for (const uint32_t l : lines)
+  return lines.where([&](const LightLine& line) {
     for (const double offset : {0.0, -a.tube.half, a.tube.half, -deeper.half, deeper.half})
-      if (const auto at = inside_at(deeper, grid.lines[l], offset); at && contains(wider, *at)) {
-        at_it.push_back(l);
-        break;
-      }
-  return at_it;
+      if (const auto at = inside_at(deeper, line, offset); at && contains(wider, *at)) return false;
+    return true;
+  });
 }
 
 // Angles between n and the main and minor axis of the voxels fuller than half the fullest.
@@ -78,7 +74,7 @@ Portal portal_of(const LightGrid& grid, const Aperture& a, size_t of,
   for (const Vec2d& p : a.polygon) portal.vertices.push_back(to_space(a.tube.middle, p));
   portal.triangles = triangulate(a.polygon);
   Vec3d sum{};
-  for (const uint32_t l : a.lines) sum += normalize(grid.lines[l].camera - grid.lines[l].light);
+  for (const LightLine& line : a.lines.lines()) sum += normalize(line.camera - line.light);
   const Vec3d mean = normalize(sum);
   auto& f = portal.figures;
   f["area"] = area(a.polygon);
@@ -104,12 +100,12 @@ double share_of(const Aperture& a, size_t lines) {
 }
 
 // What the lines `all` of one cut pass, one after the other; however little each carries.
-std::vector<Aperture> parts_of(const LightGrid& grid, const std::vector<uint32_t>& all,
+std::vector<Aperture> parts_of(const LightGrid& grid, const Bundle& all,
                                const PortalFitOptions& options, FitResult& result) {
   Refusals& refused = result.refused;
   const double fewest = std::max(static_cast<double>(kFewestLines),
                                  kLeastPart * options.threshold * static_cast<double>(all.size()));
-  std::vector<uint32_t> rest = all;
+  Bundle rest = all;
   std::vector<Aperture> parts;
   // Each takes its lines, so this ends.
   for (size_t tried = 0; tried < kMostTried && static_cast<double>(rest.size()) >= fewest;
@@ -124,18 +120,18 @@ std::vector<Aperture> parts_of(const LightGrid& grid, const std::vector<uint32_t
     }
     ++result.candidates;
     if (auto part = denser_part(grid, rest, *aperture)) aperture = std::move(part);
-    auto support = support_of(grid, *aperture);
-    double passing = support.value_or(1) * fullness_of(grid, *aperture);
+    auto support = support_of(grid.probes, *aperture);
+    double passing = support.value_or(1) * fullness_of(*aperture);
     // Lines that only end before an opening found earlier may be this one's, and what lies before
     // two windows at a corner has a denser part.
     const auto instead = [&](std::optional<Aperture> other) {
       if (!other || other->lines.empty()) return;
       aperture = std::move(other);
-      support = support_of(grid, *aperture);
-      passing = support.value_or(1) * fullness_of(grid, *aperture);
+      support = support_of(grid.probes, *aperture);
+      passing = support.value_or(1) * fullness_of(*aperture);
     };
     if (passing < kLeastPassing && !parts.empty())
-      instead(find_aperture(grid, lines_beside(grid, all, parts)));
+      instead(find_aperture(grid, lines_beside(all, parts)));
     if (passing < kLeastPassing || support.value_or(1) < kOneOpening)
       instead(part_of_directions(grid, rest, *aperture));
     if (support && *support < options.support)
@@ -152,10 +148,7 @@ std::vector<Aperture> parts_of(const LightGrid& grid, const std::vector<uint32_t
                          at_least(kLeastPassing)});
     else if (static_cast<double>(aperture->lines.size()) >= fewest)
       parts.push_back(*aperture);
-    std::vector<uint32_t> left;
-    const std::vector<uint32_t> gone = lines_at(grid, rest, *aperture);
-    std::set_difference(rest.begin(), rest.end(), gone.begin(), gone.end(),
-                        std::back_inserter(left));
+    Bundle left = lines_not_at(rest, *aperture);
     if (left.size() == rest.size()) break;
     rest = std::move(left);
   }
@@ -210,15 +203,15 @@ std::vector<Aperture> enough_light(std::vector<Aperture> found, size_t lines,
 }
 
 // The openings that the lines `all` of one cut pass, the fullest first.
-std::vector<Aperture> fit_cut(const LightGrid& grid, const std::vector<uint32_t>& all,
+std::vector<Aperture> fit_cut(const LightGrid& grid, const Bundle& all,
                               const PortalFitOptions& options, FitResult& result) {
   Refusals& refused = result.refused;
-  std::vector<Aperture> found = joined_in_planes(grid, all, parts_of(grid, all, options, result),
-                                                 std::numeric_limits<size_t>::max());
+  std::vector<Aperture> found = joined_in_planes(all, parts_of(grid, all, options, result),
+                                                 std::numeric_limits<size_t>::max(), grid.voxel);
   leave_out_sparse(found, refused);
   found = enough_light(std::move(found), all.size(), options, refused);
   if (found.size() > options.max_portals) {
-    found = joined_in_planes(grid, all, std::move(found), options.max_portals);
+    found = joined_in_planes(all, std::move(found), options.max_portals, grid.voxel);
     found = enough_light(std::move(found), all.size(), options, refused);
   }
   if (found.size() > options.max_portals) {
@@ -227,13 +220,13 @@ std::vector<Aperture> fit_cut(const LightGrid& grid, const std::vector<uint32_t>
                        "--max-portals"});
     found.resize(options.max_portals);
   }
-  part_from_each_other(grid, all, found);
-  part_at_shared_edges(grid, all, found);
+  part_from_each_other(all, found, grid.voxel);
+  part_at_shared_edges(all, found);
   return found;
 }
 
 // Whether one opening is the other again, found by the light of another cut.
-bool same_opening(const LightGrid& grid, const Aperture& a, const Aperture& b) {
+bool same_opening(const Aperture& a, const Aperture& b, double voxel) {
   const double size = std::sqrt(std::min(area(a.polygon), area(b.polygon)));
   const auto middle = [](const Aperture& x) {
     Vec3d sum{};
@@ -242,7 +235,7 @@ bool same_opening(const LightGrid& grid, const Aperture& a, const Aperture& b) {
   };
   constexpr double kNear = 0.9;  // cosine
   return dot(a.tube.middle.n, b.tube.middle.n) > kNear &&
-         length(middle(a) - middle(b)) < std::max(0.3 * size, grid.voxel);
+         length(middle(a) - middle(b)) < std::max(0.3 * size, voxel);
 }
 
 }  // namespace
@@ -260,30 +253,29 @@ FitResult fit_portals(const LightGrid& grid, const PortalFitOptions& options) {
     }
     return result;
   }
-  std::vector<std::vector<uint32_t>> of_cut;
+  std::vector<Bundle> of_cut;
   for (uint32_t l = 0; l < grid.lines.size(); ++l) {
     const uint32_t c = grid.lines[l].cut;
-    if (c >= of_cut.size()) of_cut.resize(c + 1);
-    of_cut[c].push_back(l);
+    if (c >= of_cut.size()) of_cut.resize(c + 1, {&grid.lines});
+    of_cut[c].which.push_back(l);
   }
   std::vector<Aperture> found;
   size_t explained = 0;
-  for (size_t c = 0; c < of_cut.size(); ++c) {
-    const std::vector<uint32_t>& lines = of_cut[c];
+  for (const Bundle& lines : of_cut) {
     const std::vector<Aperture> of_this = fit_cut(grid, lines, options, result);
     std::set<uint32_t> crossed;
-    for (const Aperture& a : of_this) crossed.insert(a.lines.begin(), a.lines.end());
+    for (const Aperture& a : of_this) crossed.insert(a.lines.which.begin(), a.lines.which.end());
     explained += crossed.size();
     for (const Aperture& a : of_this) {
       if (found.size() >= options.max_portals ||
           std::any_of(found.begin(), found.end(),
-                      [&](const Aperture& b) { return same_opening(grid, a, b); })) {
+                      [&](const Aperture& b) { return same_opening(a, b, grid.voxel); })) {
         ++result.repeated;
         continue;
       }
       found.push_back(a);
-      result.portals.push_back(portal_of(grid, a, lines.size(), support_of(grid, a)));
-      result.lines.push_back(a.lines);
+      result.portals.push_back(portal_of(grid, a, lines.size(), support_of(grid.probes, a)));
+      result.lines.push_back(a.lines.which);
     }
   }
   result.explained = static_cast<double>(explained) / static_cast<double>(grid.lines.size());

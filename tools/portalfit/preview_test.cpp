@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include <gtest/gtest.h>
 
@@ -13,6 +12,7 @@
 #include "libcommon/testing/files/temp_folder.h"
 #include "tools/portalfit/portal_shape.h"
 #include "tools/portalfit/portalfit.h"
+#include "tools/portalfit/test_bundle.h"
 #include "tools/portalfit/test_tube_lines.h"
 
 namespace tdpt {
@@ -48,12 +48,6 @@ LightGrid lines_through_the_door() {
     walk_grid(grid, at - way, at + way, [&](size_t v, double) { ++grid.count[v]; });
   }
   return grid;
-}
-
-std::vector<uint32_t> all_of(const LightGrid& grid) {
-  std::vector<uint32_t> all(grid.lines.size());
-  std::iota(all.begin(), all.end(), 0u);
-  return all;
 }
 
 TEST(frame_of, stands_upright_in_the_plane_and_looks_along_the_light) {
@@ -93,7 +87,8 @@ Green green_of(const std::string& bytes) {
 
 TEST(portal_preview, shows_the_outline_in_front_and_the_edge_from_above) {
   const LightGrid grid = lines_through_the_door();
-  const Green with = green_of(portal_preview(grid, {door()}, {all_of(grid)}, "room.vdb", "").png());
+  const Green with =
+      green_of(portal_preview(grid, {door()}, {testing::all_of(grid).which}, "room.vdb", "").png());
   // An outline of four sides of some 300 pixels, 2 wide; an edge and an arrow.
   EXPECT_GT(with.front, 1000);
   EXPECT_GT(with.above, 700);
@@ -160,7 +155,7 @@ TEST(lines_to_show, tells_own_lines_from_those_of_others_and_of_none) {
 TEST(portal_preview, has_a_row_for_each_portal_but_six_at_most) {
   const LightGrid grid = lines_through_the_door();
   const auto height = [&](size_t n) {
-    const std::vector<std::vector<uint32_t>> lines(n, all_of(grid));
+    const std::vector<std::vector<uint32_t>> lines(n, testing::all_of(grid).which);
     return testing::read_png(
                portal_preview(grid, std::vector<Portal>(n, door()), lines, "g", "").png())
         .height;

@@ -37,9 +37,9 @@ void check_accessors(Checker& c, Json& root) {
 }
 
 void check_primitive(Checker& c, Json& root, Json& p, const std::string& at) {
-  c.check(p, at,
-          {object("attributes", true), index("indices", "accessors"),
-           index("material", "materials"), object("extensions")});
+  c.check(
+      p, at,
+      {object("attributes", true), index("indices", "accessors"), index("material", "materials")});
   check_draco(c, p, at);
   check_attributes(c, p["attributes"], at + ".attributes");
   check_targets(c, p, at);
@@ -124,7 +124,7 @@ void check_frame(Checker& c, Json& root) {
           {objects("buffers"), objects("bufferViews"), objects("accessors"), objects("meshes"),
            objects("nodes"), objects("scenes"), objects("cameras"), objects("materials"),
            objects("textures"), objects("images"), objects("samplers"), objects("skins"),
-           objects("animations"), object("extensions"), index("scene", "scenes")});
+           objects("animations"), index("scene", "scenes")});
   for (const char* list : {"extensionsUsed", "extensionsRequired"})
     if (root.contains(list)) {
       if (!root[list].is_array()) c.fail(list, root[list], "an array");
@@ -140,15 +140,14 @@ void check_frame(Checker& c, Json& root) {
 void check_buffers(Checker& c, Json& root) {
   mark_views(c.uses, root);
   c.each(root, "", "bufferViews", [&](Json& v, const std::string& at) {
-    c.check(
-        v, at,
-        {index("buffer", "buffers", true), integer("byteOffset"), integer("byteLength", true, 1),
-         integer("byteStride", false, 4, 252), object("extensions")});
+    c.check(v, at,
+            {index("buffer", "buffers", true), integer("byteOffset"),
+             integer("byteLength", true, 1), integer("byteStride", false, 4, 252)});
     check_meshopt_view(c, v, at);
   });
   mark_buffers(c.uses, root);
   c.each(root, "", "buffers", [&](Json& b, const std::string& at) {
-    c.check(b, at, {integer("byteLength", true, 1), text("uri"), object("extensions")});
+    c.check(b, at, {integer("byteLength", true, 1), text("uri")});
     check_meshopt_buffer(c, b, at);
   });
 }

@@ -28,16 +28,15 @@ void check_meshopt_stride(Checker& c, const Json& e, const std::string& at) {
 }  // namespace
 
 void check_draco(Checker& c, Json& p, const std::string& at) {
-  if (!p.contains("extensions")) return;
-  c.check(p["extensions"], at + ".extensions", {object(kDraco)});
-  if (!is_draco(p)) return;
-  Json& e = p["extensions"][kDraco];
-  const std::string here = at + ".extensions." + kDraco;
-  c.check(e, here, {index("bufferView", "bufferViews", true), object("attributes", true)});
-  std::erase_if(e["attributes"].get_ref<Json::object_t&>(),
+  Json* const e = c.check_extension(
+      p, at, kDraco, {index("bufferView", "bufferViews", true), object("attributes", true)});
+  if (!e) return;
+  Json& ids = (*e)["attributes"];
+  std::erase_if(ids.get_ref<Json::object_t&>(),
                 [](const auto& a) { return !is_read_attribute(a.first); });
-  for (const auto& [name, value] : e["attributes"].items()) {
-    c.check(e["attributes"], here + ".attributes", {integer(name.c_str(), true, 0, 4294967295.0)});
+  for (const auto& [name, value] : ids.items()) {
+    c.check(ids, at + ".extensions." + kDraco + ".attributes",
+            {integer(name.c_str(), true, 0, 4294967295.0)});
     if (!p["attributes"].contains(name))
       c.fail_missing(at + ".attributes." + name.substr(0, 60), "but is compressed by Draco");
   }
@@ -46,27 +45,19 @@ void check_draco(Checker& c, Json& p, const std::string& at) {
 }
 
 void check_meshopt_buffer(Checker& c, Json& buffer, const std::string& at) {
-  if (!buffer.contains("extensions")) return;
-  for (const char* name : kMeshopt) {
-    Json& extensions = buffer["extensions"];
-    c.check(extensions, at + ".extensions", {object(name)});
-    if (extensions.contains(name))
-      c.check(extensions[name], at + ".extensions." + name, {boolean("fallback")});
-  }
+  for (const char* name : kMeshopt) c.check_extension(buffer, at, name, {boolean("fallback")});
 }
 
 void check_meshopt_view(Checker& c, Json& view, const std::string& at) {
-  if (!view.contains("extensions")) return;
   for (const char* name : kMeshopt) {
-    Json& extensions = view["extensions"];
-    c.check(extensions, at + ".extensions", {object(name)});
-    if (!extensions.contains(name)) continue;
-    Json& e = extensions[name];
+    const Json* const extension =
+        c.check_extension(view, at, name,
+                          {index("buffer", "buffers", true), integer("byteOffset"),
+                           integer("byteLength", true, 1), integer("byteStride", true, 1, 256),
+                           integer("count", true, 1), text("mode", true), text("filter")});
+    if (!extension) continue;
+    const Json& e = *extension;
     const std::string here = at + ".extensions." + name;
-    c.check(e, here,
-            {index("buffer", "buffers", true), integer("byteOffset"),
-             integer("byteLength", true, 1), integer("byteStride", true, 1, 256),
-             integer("count", true, 1), text("mode", true), text("filter")});
     const auto mode = e["mode"].get<std::string>(), filter = e.value("filter", "NONE");
     if (mode != "ATTRIBUTES" && mode != "TRIANGLES" && mode != "INDICES")
       c.fail(here + ".mode", e["mode"], "ATTRIBUTES, TRIANGLES or INDICES");

@@ -19,15 +19,11 @@ void check_texture(Checker& c, Json& parent, const std::string& at, const char* 
   if (!parent.contains(name)) return;
   Json& t = parent[name];
   const std::string here = at + "." + name;
-  c.check(t, here,
-          {index("index", "textures", true), integer("texCoord"), number("scale"),
-           object("extensions")});
+  c.check(t, here, {index("index", "textures", true), integer("texCoord"), number("scale")});
   seen.push_back(t["index"].get<size_t>());
-  if (!t.contains("extensions")) return;
-  c.check(t["extensions"], here + ".extensions", {object("KHR_texture_transform")});
-  if (t["extensions"].contains("KHR_texture_transform"))
-    c.check(t["extensions"]["KHR_texture_transform"], here + ".extensions.KHR_texture_transform",
-            {numbers("offset", 2), number("rotation"), numbers("scale", 2), integer("texCoord")});
+  c.check_extension(
+      t, here, "KHR_texture_transform",
+      {numbers("offset", 2), number("rotation"), numbers("scale", 2), integer("texCoord")});
 }
 
 void check_one_of(Checker& c, Json& parent, const std::string& at, const char* name,
@@ -151,13 +147,9 @@ void check_materials(Checker& c, Json& root) {
 
 void check_textures(Checker& c, Json& root) {
   c.each(root, "", "textures", [&](Json& t, const std::string& at) {
-    c.check(t, at, {index("source", "images"), index("sampler", "samplers"), object("extensions")});
-    if (!t.contains("extensions")) return;
-    for (const char* name : kTextureFormats) {
-      c.check(t["extensions"], at + ".extensions", {object(name)});
-      if (t["extensions"].contains(name))
-        c.check(t["extensions"][name], at + ".extensions." + name, {index("source", "images")});
-    }
+    c.check(t, at, {index("source", "images"), index("sampler", "samplers")});
+    for (const char* name : kTextureFormats)
+      c.check_extension(t, at, name, {index("source", "images")});
   });
   mark_parts_of_textures(c.uses, root);
   c.each(root, "", "images", [&](Json& i, const std::string& at) {
@@ -172,13 +164,8 @@ void check_textures(Checker& c, Json& root) {
 }
 
 void count_lights(Checker& c, Json& root) {
-  c.uses.count("lights", 0);
-  if (!root.contains("extensions")) return;
-  c.check(root["extensions"], "extensions", {object(kLights)});
-  if (!root["extensions"].contains(kLights)) return;
-  Json& owner = root["extensions"][kLights];
-  c.check(owner, std::string("extensions.") + kLights, {objects("lights")});
-  c.uses.count("lights", owner.value("lights", Json::array()).size());
+  const Json* const owner = c.check_extension(root, "", kLights, {objects("lights")});
+  c.uses.count("lights", owner ? owner->value("lights", Json::array()).size() : 0);
 }
 
 void check_lights(Checker& c, Json& root) {

@@ -4,41 +4,27 @@
 #include <set>
 
 #include "libcommon/scene/gltf/checker.h"
+#include "libcommon/scene/gltf/nodes.h"
 
 namespace tdpt::gltf {
 namespace {
 
 constexpr const char* kLights = "KHR_lights_punctual";
 constexpr const char* kInstances = "EXT_mesh_gpu_instancing";
-constexpr const char* kVisibility = "KHR_node_visibility";
-
-bool hides(const Json& n) {
-  if (!n.contains("extensions") || !n["extensions"].contains(kVisibility)) return false;
-  return !n["extensions"][kVisibility].value("visible", true);
-}
-
-void check_visibility(Checker& c, Json& n, const std::string& at) {
-  if (!n.contains("extensions")) return;
-  Json& e = n["extensions"];
-  const std::string here = at + ".extensions";
-  c.check(e, here, {object(kVisibility)});
-  if (e.contains(kVisibility))
-    c.check(e[kVisibility], here + "." + kVisibility, {boolean("visible")});
-}
 
 /// What it holds but for its camera, of which the picture knows nothing where it is not shown.
 void check_node(Checker& c, Json& n, const std::string& at, bool shown) {
   c.check(n, at,
           {name_of("name"), indices("children", "nodes"), index("camera", "cameras"),
            numbers("matrix", 16), numbers("translation", 3), numbers("rotation", 4),
-           numbers("scale", 3), object("extensions")});
-  check_visibility(c, n, at);
+           numbers("scale", 3)});
+  c.check_extension(n, at, kVisibility, {boolean("visible")});
   const auto check_content = [&] {
     c.check(n, at, {index("mesh", "meshes"), index("skin", "skins")});
     check_weights(c, n, at);
     check_node_extensions(c, n, at);
   };
-  if (shown && !hides(n)) return check_content();
+  if (shown && !is_hidden(n)) return check_content();
   if (c.tolerate(check_content)) return;
   for (const char* name : {"mesh", "skin", "weights"}) n.erase(name);
   if (!n.contains("extensions")) return;
@@ -95,7 +81,7 @@ void visit_nodes(Checker& c, Json& root, const std::vector<size_t>& first) {
     Json& n = root["nodes"][step.node];
     const bool is_new = c.uses.mark("nodes", step.node);
     if (is_new) check_node(c, n, place("nodes", step.node), step.visible);
-    const bool visible = step.visible && !hides(n);
+    const bool visible = step.visible && !is_hidden(n);
     if (!is_new && (seen[step.node] || !visible)) continue;
     if (visible) seen[step.node] = true;
     mark_parts_of_node(c.uses, n, visible);
@@ -122,24 +108,17 @@ void check_weights(Checker& c, Json& owner, const std::string& at) {
 }
 
 void check_node_extensions(Checker& c, Json& n, const std::string& at) {
-  if (!n.contains("extensions")) return;
-  Json& e = n["extensions"];
-  const std::string here = at + ".extensions";
-  c.check(e, here, {object(kInstances), object(kLights)});
-  if (e.contains(kLights)) {
-    const std::string light = here + "." + kLights;
-    c.check(e[kLights], light, {integer("light", true)});
+  if (const Json* e = c.check_extension(n, at, kLights, {integer("light", true)})) {
+    const Json& light = (*e)["light"];
     const size_t lights = c.uses.of("lights").size();
-    if (e[kLights]["light"].get<uint64_t>() >= lights)
-      c.fail(light + ".light", e[kLights]["light"],
+    if (light.get<uint64_t>() >= lights)
+      c.fail(at + ".extensions." + kLights + ".light", light,
              fmt::format("an index into the {} lights", lights));
   }
-  if (!e.contains(kInstances)) return;
-  const std::string instances = here + "." + kInstances;
-  c.check(e[kInstances], instances, {object("attributes", true)});
-  c.check(e[kInstances]["attributes"], instances + ".attributes",
-          {index("TRANSLATION", "accessors"), index("ROTATION", "accessors"),
-           index("SCALE", "accessors")});
+  if (Json* e = c.check_extension(n, at, kInstances, {object("attributes", true)}))
+    c.check((*e)["attributes"], at + ".extensions." + kInstances + ".attributes",
+            {index("TRANSLATION", "accessors"), index("ROTATION", "accessors"),
+             index("SCALE", "accessors")});
 }
 
 void check_nodes(Checker& c, Json& root) {

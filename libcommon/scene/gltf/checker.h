@@ -84,6 +84,19 @@ class Checker {
     }
   }
 
+  /// An extension of `owner`, an object of these fields; null where it has none.
+  Json* check_extension(Json& owner, const std::string& where, const char* name,
+                        std::initializer_list<Field> fields) {
+    const auto all = owner.find("extensions");
+    if (all == owner.end()) return nullptr;
+    const std::string at = where.empty() ? "extensions" : where + ".extensions";
+    if (!all->is_object()) fail(at, *all, "an object");
+    const auto found = all->find(name);
+    if (found == all->end()) return nullptr;
+    check(*found, at + "." + name, fields);
+    return &*found;
+  }
+
   size_t size_of(const char* section) const {
     const auto it = root_.find(section);
     return it == root_.end() ? 0 : it->size();

@@ -66,13 +66,6 @@ std::vector<size_t> parents_of(const Document& d, const std::vector<bool>& reach
   return parent;
 }
 
-bool is_hidden(const Document& d, size_t node) {
-  const auto& n = d.json["nodes"][node];
-  if (!n.contains("extensions")) return false;
-  const auto it = n["extensions"].find("KHR_node_visibility");
-  return it != n["extensions"].end() && !it->value("visible", true);
-}
-
 /// From the parent's map to the node's own.
 void move_by_its_own(const Document& d, PlacedNode& n) {
   if (n.fault) return;
@@ -87,6 +80,13 @@ void move_by_its_own(const Document& d, PlacedNode& n) {
 }
 
 }  // namespace
+
+bool is_hidden(const nlohmann::json& node) {
+  const auto extensions = node.find("extensions");
+  if (extensions == node.end()) return false;
+  const auto it = extensions->find(kVisibility);
+  return it != extensions->end() && !it->value("visible", true);
+}
 
 bool Affine::mirrors() const {
   // The sign alone matters, so each column may be scaled: products stay in range.
@@ -142,7 +142,7 @@ std::vector<PlacedNode> place_nodes(const Document& d, std::vector<std::string>&
     PlacedNode n = std::move(stack.back());
     stack.pop_back();
     move_by_its_own(d, n);
-    n.visible = n.visible && !is_hidden(d, n.node);
+    n.visible = n.visible && !is_hidden(d.json["nodes"][n.node]);
     placed[n.node] = true;
     const auto& below = d.model.nodes[n.node].children;
     for (size_t i = below.size(); i-- > 0;)

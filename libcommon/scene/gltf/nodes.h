@@ -32,10 +32,14 @@ std::optional<Affine> affine_of(const Vec3d& translation, const std::array<doubl
 /// The map of a node into its parent. Throws InputError where it is none.
 Affine local_map(const Document& document, size_t node);
 
+constexpr const char* kVisibility = "KHR_node_visibility";
+/// Whether it hides a node, of checked JSON, and all below but the cameras.
+bool is_hidden(const nlohmann::json& node);
+
 struct PlacedNode {
   size_t node;
   Affine map;    ///< to_world() if nothing is wrong
-  bool visible;  ///< by KHR_node_visibility, which hides all below but the cameras
+  bool visible;  ///< neither it nor one above is hidden
   /// Why there is no such map: of this node, or of one above; null: there is. An error only for
   /// those who need the map.
   std::shared_ptr<const InputError> fault{};

@@ -7,6 +7,7 @@
 #include "tools/tdpt-render/path/sample/guide.h"
 #include "tools/tdpt-render/path/sample/roulette.h"
 #include "tools/tdpt-render/path/sample/surface.h"
+#include "tools/tdpt-render/testing/faults.h"
 #include "tools/tdpt-render/testing/portal_twin.h"
 
 namespace tdpt {
@@ -254,7 +255,7 @@ TEST(guide_twin, where_walks_are_not_directed_only_segments_are_known) {
 }
 TEST(guide_twin, twin_densities_2_percent_off) {
   for (const auto& [name, set] : portals_to_try()) {
-    const PortalSet spoilt = set.with_scaled_density(1.02);
+    const PortalSet spoilt = PortalSetFaults::scaled(set, 1.02);
     EXPECT_GT(off_of(set, tdpt_guided.mixture, &spoilt).others, 1000) << name;
   }
 }

@@ -5,6 +5,7 @@
 #include "libcommon/testing/failures_elsewhere.h"
 #include "tools/tdpt-render/run/render.h"
 #include "tools/tdpt-render/testing/agreement.h"
+#include "tools/tdpt-render/testing/faults.h"
 #include "tools/tdpt-render/testing/rooms.h"
 
 namespace tdpt {
@@ -302,7 +303,7 @@ TEST_F(agreement_twin, a_technique_off_by_5_percent) {
 TEST_F(agreement_twin, a_portal_density_off_by_5_percent) {
   for (double factor : {0.95, 1.05}) {
     World world = box_.world();
-    world.portals = world.portals.with_scaled_density(factor);
+    world.portals = PortalSetFaults::scaled(world.portals, factor);
     expect_caught(factor < 1 ? "portal density x 0.95" : "portal density x 1.05", tdpt_ref, world);
   }
 }

@@ -1,6 +1,7 @@
 // Extremes of openings and lamps, each held against a closed form [test_extremes.h].
 #include "tools/tdpt-render/run/covered_lamps.h"
 #include "tools/tdpt-render/testing/extremes.h"
+#include "tools/tdpt-render/testing/faults.h"
 
 namespace tdpt {
 namespace {
@@ -76,7 +77,7 @@ TEST(opening, of_any_size_lights_a_patch_as_its_form_factor_says) {
 
 TEST(opening_twin, a_portal_a_tenth_narrower_than_it_is_weighed_is_caught) {
   Chamber chamber(1.5e-3, 1.5e-3);
-  chamber.world.portals = chamber.world.portals.with_scaled_density(1.1);
+  chamber.world.portals = PortalSetFaults::scaled(chamber.world.portals, 1.1);
   EXPECT_GT(rendered(chamber.world, tdpt_ref, 64, 16, 2).z(chamber.expected()), 6);
 }
 

@@ -4,6 +4,7 @@
 // A path tracer's samples are all alike there, and tell leaks and losses of a hundred thousandth;
 // those of techniques that join walks are not, and tell densities that are off.
 #include "tools/tdpt-render/testing/extremes.h"
+#include "tools/tdpt-render/testing/faults.h"
 
 namespace tdpt {
 namespace {
@@ -277,7 +278,7 @@ TEST(white_room_twin, a_portal_density_off_by_a_fifth_is_caught) {
   Room room;
   const Scene scene = room.read();
   World world(scene, scene.camera(""), room.width, room.height, room.portals);
-  world.portals = world.portals.with_scaled_density(0.8);
+  world.portals = PortalSetFaults::scaled(world.portals, 0.8);
   const MeanAndError r = rendered(world, tdpt_ref, spp_of(world, room.samples), room.runs);
   EXPECT_GT(std::abs(r.mean - 1), 6 * r.error);
 }

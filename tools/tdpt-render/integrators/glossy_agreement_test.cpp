@@ -8,6 +8,7 @@
 #include "libcommon/testing/files/temp_folder.h"
 #include "libcommon/testing/rooms/glossy_rooms.h"
 #include "tools/tdpt-render/testing/agreement.h"
+#include "tools/tdpt-render/testing/faults.h"
 #include "tools/tdpt-render/testing/rooms.h"
 
 namespace tdpt {
@@ -123,7 +124,7 @@ TEST(glossy_agreement_twin, faults_are_caught_on_glossy_surfaces_too) {
           run_only<Technique::camera, Technique::direct, Technique::light, Technique::portal>});
   caught("light twice", world, {bdpt.mixture.techniques, run_twice<Technique::light>});
   World spoilt(scene, scene.camera(""), 32, 24, {kWindow});
-  spoilt.portals = spoilt.portals.with_scaled_density(1.05);
+  spoilt.portals = PortalSetFaults::scaled(spoilt.portals, 1.05);
   EXPECT_FALSE(paired_verdict(render_runs(spoilt, tdpt_ref, kSettings),
                               render_runs(world_of(scene, {}), tdpt_ref, kSettings))
                    .holds());

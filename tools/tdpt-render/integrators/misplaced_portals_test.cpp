@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "tools/tdpt-render/testing/agreement.h"
+#include "tools/tdpt-render/testing/faults.h"
 #include "tools/tdpt-render/testing/rooms.h"
 
 namespace tdpt {
@@ -169,22 +170,10 @@ TEST_F(misplaced_portals, directed_walks_are_harmless_too) {
 TEST_F(misplaced_portals, twin_a_density_off_by_5_percent_is_caught) {
   for (const Portal& portal : {in_the_window(), across(1.2, 0, 2, -1, 1)}) {
     World world = world_with({portal});
-    world.portals = world.portals.with_scaled_density(1.05);
+    world.portals = PortalSetFaults::scaled(world.portals, 1.05);
     EXPECT_FALSE(verdict("twin, 5 %", world, tdpt_ref).holds());
   }
 }
-
-}  // namespace
-
-struct PortalSetFaults {
-  /// Factor of the density of segments to +x (1) or to -x (-1).
-  static void scale_one_way(PortalSet& set, double along_x, double factor) {
-    for (PortalSet::Polygon& q : set.polygons_)
-      if (q.normal.x * along_x > 0) q.density *= factor;
-  }
-};
-
-namespace {
 
 // Light crosses the middle of the camera's room both ways.
 TEST_F(misplaced_portals, one_that_works_both_ways_is_harmless) {
@@ -202,7 +191,7 @@ TEST_F(misplaced_portals, one_that_works_both_ways_is_harmless) {
 
 TEST_F(misplaced_portals, twin_copies_that_the_density_does_not_know_of_are_caught) {
   World world = world_with({in_the_window(), in_the_window()});
-  world.portals = world.portals.with_scaled_density(0.5);
+  world.portals = PortalSetFaults::scaled(world.portals, 0.5);
   EXPECT_FALSE(verdict("twin, copies", world, tdpt_ref).holds());
 }
 

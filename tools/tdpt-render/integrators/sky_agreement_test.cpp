@@ -8,6 +8,7 @@
 #include "libcommon/testing/rooms/glossy_rooms.h"
 #include "tools/tdpt-render/plan/candidates.h"
 #include "tools/tdpt-render/testing/agreement.h"
+#include "tools/tdpt-render/testing/faults.h"
 #include "tools/tdpt-render/testing/rooms.h"
 #include "tools/tdpt-render/testing/sheets.h"
 #include "tools/tdpt-render/testing/sky.h"
@@ -200,11 +201,11 @@ TEST(sky_agreement_twin, a_sky_or_a_portal_off_by_5_percent_is_caught) {
   World world(r.scene(), r.scene().camera(""), 32, 24, hole);
   for (const Integrator* integrator : kAll)
     EXPECT_TRUE(r.verdict("control", world, *integrator).holds()) << integrator->name;
-  world.lights.scale_sky_density(1.05);
+  LightsFaults::scale_sky(world.lights, 1.05);
   for (const Integrator* integrator : kAll)
     EXPECT_FALSE(r.verdict("sky 5 %", world, *integrator).holds()) << integrator->name;
-  world.lights.scale_sky_density(1 / 1.05);
-  world.portals = world.portals.with_scaled_density(1.05);
+  LightsFaults::scale_sky(world.lights, 1 / 1.05);
+  world.portals = PortalSetFaults::scaled(world.portals, 1.05);
   for (const Integrator* integrator : {&tdpt_org, &tdpt_ref})
     EXPECT_FALSE(r.verdict("portal 5 %", world, *integrator).holds()) << integrator->name;
 }

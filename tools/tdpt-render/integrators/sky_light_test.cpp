@@ -5,6 +5,7 @@
 #include <functional>
 
 #include "tools/tdpt-render/run/render.h"
+#include "tools/tdpt-render/testing/faults.h"
 #include "tools/tdpt-render/testing/renderer.h"
 #include "tools/tdpt-render/testing/rooms.h"
 #include "tools/tdpt-render/testing/sheets.h"
@@ -300,9 +301,9 @@ TEST(sky_light, twin_a_sky_off_by_5_percent_is_caught) {
       room.out.world(std::make_shared<Sky>(Sky::Map{}, 0, std::vector{sun}), {room.hole()});
   for (const Integrator* integrator : {&nee, &bdpt, &tdpt_org, &tdpt_ref, &tdpt_guided}) {
     const Measured m = rendered(world, *integrator, 192, 2);
-    world.lights.scale_sky_density(1.05);
+    LightsFaults::scale_sky(world.lights, 1.05);
     const Measured spoilt = rendered(world, *integrator, 192, 2);
-    world.lights.scale_sky_density(1 / 1.05);
+    LightsFaults::scale_sky(world.lights, 1 / 1.05);
     std::printf("twin, sky %-11s z %.1f\n", integrator->name, spoilt.z(m.mean));
     EXPECT_GT(spoilt.z(m.mean), 2 * kRight) << integrator->name;
   }
@@ -311,7 +312,7 @@ TEST(sky_light, twin_a_portal_off_by_5_percent_is_caught) {
   HoleInTheCeiling room(0.1);
   World world = room.out.world(one_colour_sky(Rgb(1)), {room.hole()});
   const auto expected = room.shown(world);
-  world.portals = world.portals.with_scaled_density(1.05);
+  world.portals = PortalSetFaults::scaled(world.portals, 1.05);
   for (const Integrator* integrator : {&tdpt_org, &tdpt_ref}) {
     const Measured spoilt = rendered(world, *integrator, 512, 2);
     std::printf("twin, portal %-11s z %.1f\n", integrator->name, spoilt.z(expected));

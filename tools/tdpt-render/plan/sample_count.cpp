@@ -52,7 +52,7 @@ Pilot piloted(const Session& session, const Integrator& integrator) {
 void aim_at_error(Session& session, const Integrator& integrator, const Film& film,
                   SampleCount& count) {
   const RenderSettings& settings = session.settings;
-  TargetOutcome& target = count.target.emplace();
+  TargetOutcome& target = count.target_at_start.emplace();
   target.error = settings.target_error;
   target.dark = session.longest == 0 || session.world.lights.empty();
   target.may_retry = !settings.retry;
@@ -112,7 +112,7 @@ SampleCount count_samples(Session& session, const Integrator& integrator, const 
   SampleCount count;
   count.goal = settings.spp;
   if (settings.target_error > 0) aim_at_error(session, integrator, film, count);
-  const bool dark = count.target && count.target->dark;
+  const bool dark = count.target_at_start && count.target_at_start->dark;
   if (!settings.fixed || settings.seconds == 0 || dark) return count;
   const uint64_t most = samples_in_time(session, integrator, film);
   count.goal = count.goal > 0 ? std::min(count.goal, most) : most;

@@ -35,9 +35,9 @@ struct TargetOutcome {
 };
 
 struct SampleCount {
-  uint64_t goal = 0;                    ///< samples of each pixel; 0: as many as the time allows
-  bool measured = false;                ///< rather than asked for
-  std::optional<TargetOutcome> target;  ///< where an error is asked for
+  uint64_t goal = 0;      ///< samples of each pixel; 0: as many as the time allows
+  bool measured = false;  ///< rather than asked for
+  std::optional<TargetOutcome> target_at_start;  ///< where an error is asked for
   Pilot pilot;
 };
 /// Before the first sample of the picture. Where an error is asked for, or a time that is to be

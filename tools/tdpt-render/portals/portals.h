@@ -136,17 +136,8 @@ class PortalSet {
   };
   const Polygon& polygon(int i) const { return polygons_[static_cast<size_t>(i)]; }
 
-  /// A planted fault, for tests: samples segments as this set does, and says that their density is
-  /// `factor` times what it is.
-  PortalSet with_scaled_density(double factor) const {
-    PortalSet spoilt = *this;
-    for (Polygon& q : spoilt.polygons_) q.density *= factor;
-    for (Pair& pair : spoilt.pairs_) pair.pdf *= factor;
-    return spoilt;
-  }
-
  private:
-  friend struct PortalSetFaults;  // of tests: spoils what is drawn or weighed
+  friend struct PortalSetFaults;  // of tests [testing/faults.h]
   friend struct PortalTables;     // the same for devices
 
   struct Facet {

@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tools/tdpt-render/testing/faults.h"
+
 namespace tdpt {
 namespace {
 
@@ -58,7 +60,7 @@ TEST(portals, one_behind_the_other_has_segments_drawn_through_both) {
 TEST(portals, a_planted_fault_scales_the_density_of_triangles_and_pairs_and_no_sample) {
   Portal above = square();
   for (Vec3d& v : above.vertices) v.z += 0.5;
-  const PortalSet set({square(), above}, kMetres), spoilt = set.with_scaled_density(1.05);
+  const PortalSet set({square(), above}, kMetres), spoilt = PortalSetFaults::scaled(set, 1.05);
   for (const Vec3d& end : {Vec3d(0.3, 0.2, 0.2), Vec3d(0.3, 0.2, 1), Vec3d(1.3, 0.2, 1)}) {
     const Vec3d from(0.3, 0.2, -1);
     EXPECT_DOUBLE_EQ(spoilt.density(from, end), 1.05 * set.density(from, end));

@@ -207,7 +207,7 @@ std::shared_ptr<Standing> beginning(const Session& session,
 // A picture that begins, or a part of one.
 void take_count(const SampleCount& count, const Course& course, Standing& standing) {
   standing.goal = count.goal;
-  standing.target = count.target;
+  standing.target = count.target_at_start;
   standing.pilot = count.pilot;
   if (course.part.count == 0) return;
   standing.first = course.part.first;
@@ -274,7 +274,7 @@ RenderResult decide(SampleRenderer& renderer, const std::vector<Candidate>& give
   Course none;
   const auto standing = beginning(session, candidates, none);
   static_cast<Decision&>(result) = decided(session, candidates, ways, standing->film);
-  result.target = result.count.target;
+  result.target = result.count.target_at_start;
   result.seconds = session.clock.seconds();
   result.cpu_seconds = session.clock.cpu();
   return result;

@@ -62,7 +62,7 @@ struct RenderResult : Decision {
   std::map<std::string, Picture> layers;  ///< by technique; they add up to the picture
   std::vector<FrameRecord> frames;        ///< the last one is the picture
 
-  std::optional<TargetOutcome> target;  ///< where the settings have one
+  std::optional<TargetOutcome> target;  ///< as it came out, where the settings have one
   std::optional<Noise> noise;           ///< where they have none, as far as it can be told
   std::optional<Beyond> beyond;         ///< what the limit of depth leaves out, where there is one
 

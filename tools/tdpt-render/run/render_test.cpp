@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <oneapi/tbb/global_control.h>
 
+#include "libcommon/testing/tracer_faults.h"
 #include "tools/tdpt-render/testing/rooms.h"
 #include "tools/tdpt-render/testing/variant.h"
 
@@ -155,7 +156,7 @@ TEST(render, the_step_off_the_surface_does_not_change_the_mean) {
   const Scene scene = read_gltf(two_rooms_path());
   World world(scene, scene.camera(""), 64, 48, {portal_in_the_hole()});
   const auto run = [&](double scale) {
-    world.tracer.set_offset_scale(scale);
+    TracerFaults::scale_step(world.tracer, scale);
     RenderSettings settings;
     settings.spp = 128;
     return luminance(Vec3f(render(world, tdpt_ref, settings).mean()));

@@ -1,4 +1,4 @@
-#include "tools/lightgrid/scalar_lines.h"
+#include "tools/lightgrid/testing/scalar_lines.h"
 
 #include "libcommon/scene/coverage_tables.h"
 #include "libcommon/trace/bvh.h"

@@ -1,4 +1,4 @@
-// Test only: scenes cut in two, and what each kind of line tracer makes of the same lines in them.
+// For tests: scenes cut in two, and what each kind of line tracer makes of the same lines in them.
 #pragma once
 #include <algorithm>
 #include <cstdlib>
@@ -14,8 +14,8 @@
 #include "tools/lightgrid/gpu_lines.h"
 #include "tools/lightgrid/lightgrid.h"
 #include "tools/lightgrid/line_tracer.h"
-#include "tools/lightgrid/scalar_lines.h"
-#include "tools/lightgrid/test_cut.h"
+#include "tools/lightgrid/testing/perfect_cut.h"
+#include "tools/lightgrid/testing/scalar_lines.h"
 
 namespace tdpt::testing {
 

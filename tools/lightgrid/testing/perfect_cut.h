@@ -1,4 +1,4 @@
-// Test only: the cut that a perfect ffgraph and mincut would give for a scene whose two sides a
+// For tests: the cut that a perfect ffgraph and mincut would give for a scene whose two sides a
 // plane parts.
 #pragma once
 #include <functional>

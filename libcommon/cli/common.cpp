@@ -1,0 +1,68 @@
+// What a program makes of the options that all have: where its output comes from, and what it says.
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "libcommon/base/error.h"
+#include "libcommon/base/say.h"
+#include "libcommon/cli/cli.h"
+#include "libcommon/cli/dependencies.h"
+#include "libcommon/cli/told.h"
+
+namespace tdpt::cli {
+
+Provenance Common::provenance(const std::vector<Input>& inputs) const {
+  Provenance p;
+  if (no_provenance) return p;
+  for (const Input& input : inputs) p.inherit(input.provenance);
+  p.made_by(tool, command);
+  for (const Input& input : inputs) p.from(input.path, input.hash);
+  return p;
+}
+
+void Common::note(const std::string& sentence) const {
+  if (!quiet) say(fmt::format("{}: {}", tool, sentence));
+}
+
+void Common::explain_by(const std::function<Decisions()>& decisions) const {
+  if (!explain) return;
+  for (const Decision& d : decisions()) say(fmt::format("{}: {}", tool, sentence(d)));
+}
+
+void Common::warn(const std::string& sentence) const {
+  say(fmt::format("{}: warning: {}", tool, sentence));
+}
+
+void Common::note_of(const std::string& file, const std::string& sentence) const {
+  if (!quiet && is_news(file, sentence)) note(sentence);
+}
+
+void Common::warn_of(const std::string& file, const std::string& sentence) const {
+  if (is_news(file, sentence)) warn(sentence);
+}
+
+void Common::summary(const std::string& json_text) const {
+  if (json) fmt::print(output == "-" ? stderr : stdout, "{}\n", json_text);
+}
+
+void Common::also_read(const std::vector<std::string>& paths) const {
+  check_outputs(outputs, paths);
+  // What is made under another name gets that of the target in the end.
+  if (!target_.empty()) check_outputs({{"-MQ", target_}}, paths);
+  if (!dependencies.empty()) std::for_each(paths.begin(), paths.end(), check_make_name);
+  read_.insert(read_.end(), paths.begin(), paths.end());
+}
+
+std::string Common::dependency_rule() const {
+  return make_rule(target_.empty() ? output : target_, read_);
+}
+
+void Common::check_dependencies() const {
+  if (dependencies.empty() && !target_.empty()) throw UsageError("-MQ goes with -MF");
+  if (dependencies.empty()) return;
+  if (output == "-" || (output.empty() && target_.empty()))
+    throw UsageError("-MF tells what a file was made from: give -o FILE");
+  check_make_name(target_.empty() ? output : target_);
+}
+
+}  // namespace tdpt::cli

@@ -1,0 +1,206 @@
+#include "libcommon/cli/options_impl.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "libcommon/base/error.h"
+#include "libcommon/base/memory_limit.h"
+#include "libcommon/base/threads.h"
+#include "libcommon/cli/help.h"
+#include "libcommon/cli/nearest.h"
+
+namespace tdpt::cli {
+namespace {
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  for (size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size())
+    text.replace(at, from.size(), to);
+  return text;
+}
+
+// As people write them, "--set walks"; CLI11 knows them as "--set.walks".
+std::string for_people(const std::string& text) {
+  return replaced(text, kSetting, "--set ");
+}
+
+std::string name_of(const CLI::Option* option) {
+  return option->get_lnames().empty() ? option->get_name()
+                                      : for_people("--" + option->get_lnames().front());
+}
+
+}  // namespace
+
+std::string for_cli11(const std::string& text) {
+  return replaced(text, "--set ", kSetting);
+}
+
+void Options::Impl::keep(CLI::Option* option, Shapes shapes, Is is,
+                         std::function<bool(const std::string&)> is_file) {
+  if (!setting_name(option).empty()) option->group(kSettings);
+  entries.push_back({option, shapes, is, std::move(is_file)});
+}
+
+std::vector<std::string> Options::Impl::settings() const {
+  std::vector<std::string> names;
+  for (const Entry& e : entries)
+    if (const std::string name = setting_name(e.option); !name.empty()) names.push_back(name);
+  return names;
+}
+
+std::vector<std::string> Options::Impl::with_settings(const std::vector<std::string>& given) const {
+  std::vector<std::string> words;
+  for (auto word = given.begin(); word != given.end(); ++word) {
+    if (*word == "--") return words.insert(words.end(), word, given.end()), words;
+    const bool alone = *word == "--set" && word + 1 != given.end();
+    if (!alone && !word->starts_with("--set=")) {
+      words.push_back(*word);
+      continue;
+    }
+    const std::string text = alone ? *++word : word->substr(6);
+    const size_t end = text.find('=');
+    const std::string name = text.substr(0, end);
+    const std::vector<std::string> known = settings();
+    if (std::find(known.begin(), known.end(), name) == known.end()) {
+      const std::string meant = nearest(name, known);
+      throw UsageError(fmt::format("--set {}: no such setting, expected one of {}{}", text,
+                                   fmt::join(known, ", "),
+                                   meant.empty() ? "" : " (did you mean " + meant + "?)"));
+    }
+    if (end == std::string::npos)
+      throw UsageError(fmt::format("--set {0}: expected {0}=VALUE", text));
+    words.insert(words.end(), {kSetting + name, text.substr(end + 1)});
+  }
+  return words;
+}
+
+void Options::Impl::set_quality(Common& common) const {
+  if (!quality.empty())
+    common.quality = quality == "draft"  ? Quality::draft
+                     : quality == "high" ? Quality::high
+                                         : Quality::normal;
+  for (const auto& knob : knobs) knob(common.quality);
+}
+
+void Options::Impl::limit(int threads) const {
+  limit_threads(threads);
+  if (const auto bytes = parse_size(most_memory)) limit_memory(*bytes);
+}
+
+void Options::Impl::spare_terminal(const std::string& path) const {
+  if (path != "-" || result == Result::text || (is_text && is_text())) return;
+  if (::isatty(STDOUT_FILENO))
+    throw UsageError(
+        "the result is binary and standard output is a terminal: name a file with -o FILE, or "
+        "send it to a file or a pipe");
+}
+
+std::vector<NamedFile> Options::Impl::files(Is is) const {
+  std::vector<NamedFile> files;
+  for (const Entry& e : entries)
+    if ((e.use ? e.use() : e.is) == is)
+      for (const std::string& path : e.option->results())
+        if (!e.is_file || e.is_file(path)) files.push_back({name_of(e.option), path});
+  return files;
+}
+
+std::vector<std::string> Options::Impl::inputs() const {
+  std::vector<std::string> paths;
+  for (const NamedFile& file : files(Is::input)) paths.push_back(file.path);
+  if (std::count(paths.begin(), paths.end(), "-") > 1)
+    throw UsageError("only one input can be the standard input");
+  return paths;
+}
+
+std::vector<NamedFile> Options::Impl::outputs(const std::string& path) const {
+  if (check_name) check_name(path);
+  std::vector<NamedFile> outputs;
+  if (!path.empty() || !files(Is::output).empty()) outputs.push_back({"-o", path});
+  for (const NamedFile& file : files(Is::side_output)) outputs.push_back(file);
+  for (const Beside& beside : besides) {
+    if (beside.flag->count() == 0) continue;
+    *beside.target = beside.path_of(path);
+    outputs.push_back({name_of(beside.flag), *beside.target});
+  }
+  return outputs;
+}
+
+bool Options::Impl::is_given(const std::string& name) const {
+  const CLI::Option* option = app.get_option_no_throw(name);
+  return option && option->count() > 0;
+}
+
+std::vector<Given> Options::Impl::given() const {
+  std::vector<Given> all;
+  for (const Entry& e : entries) {
+    if (e.option->count() == 0 || e.option->get_lnames().empty()) continue;
+    Given& one = all.emplace_back(Given{name_of(e.option), {}});
+    if (e.option->get_items_expected_max() > 0) one.values = e.option->results();
+  }
+  return all;
+}
+
+std::string Options::Impl::canonical(const std::string& tool) const {
+  std::string text = tool;
+  for (const Entry& e : entries) {
+    if (e.shapes == Shapes::nothing || e.option->count() == 0) continue;
+    const std::string name = name_of(e.option);
+    const char* before_value = name.starts_with("--set ") ? "=" : " ";
+    if (e.option->get_items_expected_max() == 0) {
+      text += " " + name;
+      continue;
+    }
+    for (const std::string& value : e.option->results())
+      if (!e.is_file || !e.is_file(value))
+        text += " " + name + before_value + value.substr(value.find_last_of('/') + 1);
+  }
+  return text;
+}
+
+std::vector<Completed> Options::Impl::completed() const {
+  std::vector<Completed> table;
+  for (const CLI::Option* option : app.get_options()) {
+    Completed& c = table.emplace_back();
+    c.setting = setting_name(option);
+    for (const std::string& name : option->get_lnames()) c.names.push_back("--" + name);
+    for (const std::string& name : option->get_snames()) c.names.push_back("-" + name);
+    if (c.names.empty()) c.names.push_back(option->get_name());
+    c.help = option->get_description();
+    if (option->get_items_expected_max() > 0) c.value = option->get_type_name();
+    c.words = words_of(c.value);
+    if (option == set)
+      for (const std::string& name : settings()) c.words.push_back(name + "=");
+    c.repeated = option->get_multi_option_policy() == CLI::MultiOptionPolicy::TakeAll;
+    for (const Entry& e : entries)
+      if (e.option == option) {
+        c.file = e.is != Is::setting;
+        if (e.is == Is::input) c.suffixes = suffixes_in(c.help);
+      }
+  }
+  return table;
+}
+
+std::string Options::Impl::fault(const CLI::ParseError& error) const {
+  const int code = error.get_exit_code();
+  if (code == static_cast<int>(CLI::ExitCodes::ExtrasError) ||
+      code == static_cast<int>(CLI::ExitCodes::RequiredError))
+    for (const std::string& given : app.remaining())
+      if (given.size() > 1 && given[0] == '-') return no_such_option(given);
+  return for_people(error.what());
+}
+
+std::string Options::Impl::no_such_option(const std::string& given) const {
+  const std::string option = given.substr(0, given.find('='));
+  std::vector<std::string> names, known = settings();
+  for (const CLI::Option* each : app.get_options())
+    for (const std::string& name : each->get_lnames()) names.push_back(name);
+  names.insert(names.end(), known.begin(), known.end());
+  const size_t start = std::min(option.find_first_not_of('-'), option.size());
+  const std::string meant = nearest(option.substr(start), names);
+  const char* dashes = app.get_option_no_throw("--" + meant) ? "--" : "--set ";
+  return fmt::format("{}: no such option{}", for_people(option),
+                     meant.empty() ? "" : fmt::format(" (did you mean {}{}?)", dashes, meant));
+}
+
+}  // namespace tdpt::cli

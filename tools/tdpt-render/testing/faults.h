@@ -1,0 +1,28 @@
+// For tests: planted faults. Samples are drawn as they were, and their density is said to be
+// another.
+#pragma once
+#include "libcommon/scene/lights.h"
+#include "tools/tdpt-render/portals/portals.h"
+
+namespace tdpt {
+
+struct PortalSetFaults {
+  /// `factor` times the density of all segments.
+  static PortalSet scaled(PortalSet set, double factor) {
+    for (PortalSet::Polygon& q : set.polygons_) q.density *= factor;
+    for (PortalSet::Pair& pair : set.pairs_) pair.pdf *= factor;
+    return set;
+  }
+  /// `factor` times that of segments to +x (along_x = 1) or to -x (-1).
+  static void scale_one_way(PortalSet& set, double along_x, double factor) {
+    for (PortalSet::Polygon& q : set.polygons_)
+      if (q.normal.x * along_x > 0) q.density *= factor;
+  }
+};
+
+struct LightsFaults {
+  /// `factor` times the density of the sky's directions.
+  static void scale_sky(Lights& lights, double factor) { lights.sky_.pdf_1_ *= factor; }
+};
+
+}  // namespace tdpt
