@@ -1,11 +1,9 @@
 """Cycles, Blender's path tracer, beside tdpt-render: whether they agree in the mean, and what each makes with portals
 in equal CPU time. Tables of doc/cycles.md."""
-import collections
 import functools
 import math
 import os
 import shutil
-from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -13,9 +11,9 @@ import numpy as np
 import pages
 import rooms
 import stats
-from common import (MAPS, ROOT, SKIES, TESTDATA, Halves, Setting, Stop, checked, decibels_of, environment, settings,
-                    turns)
+from common import MAPS, ROOT, SKIES, TESTDATA, Halves, Setting, Stop, checked, environment, settings, turns
 from formats import exr_read, exr_write
+from sky import Cell, Picture, black_words
 
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])  # Rec.709
 LIMIT = 4.0  # standard errors; by chance once in about 3000 comparisons of 16 with 16 seeds
@@ -30,6 +28,11 @@ def blender(*arguments):
 
 
 # ---- Do they agree in the mean? ----
+def percent(part, whole):
+    """0 % of nothing is 0; something of nothing is infinite."""
+    return 100 * part / whole if whole else 0.0 if not part else math.inf
+
+
 def agreement(names, sets):
     """(lines of a table, whether no mean differs significantly) of two sets of pictures, one picture for each seed: for
     each channel and for luminance both means with their standard errors over the seeds and the difference in standard
@@ -39,16 +42,14 @@ def agreement(names, sets):
         one, two = (stats.mean_and_error((p @ weights).mean((1, 2))) for p in sets)
         z = float(stats.in_errors(one, two))
         worst = max(worst, abs(z))
-        cells = " ".join(f"{m:.7f} +- {stats.percent(e, m):.2f} %".rjust(24) for m, e in (one, two))
-        lines.append(f"{label:9} {cells}   {stats.percent(one[0] - two[0], two[0]):+.2f} % = {z:+.2f} s.e.")
+        cells = " ".join(f"{m:.7f} +- {percent(e, m):.2f} %".rjust(24) for m, e in (one, two))
+        lines.append(f"{label:9} {cells}   {percent(one[0] - two[0], two[0]):+.2f} % = {z:+.2f} s.e.")
     columns, rows = BLOCKS
     height, width = sets[0].shape[1:3]
     ys, xs = np.arange(height) * rows // height, np.arange(width) * columns // width
     index = (ys[:, None] * columns + xs[None, :]).ravel()
-    count = np.bincount(index)
-    z = stats.in_errors(*(stats.mean_and_error(np.array([np.bincount(index,
-                                                                     (p @ LUMINANCE).ravel()) / count for p in of]))
-                          for of in sets))
+    means = lambda of: np.array([np.bincount(index, (p @ LUMINANCE).ravel()) / np.bincount(index) for p in of])
+    z = stats.in_errors(*(stats.mean_and_error(means(of)) for of in sets))
     lit = int(np.count_nonzero(z))
     lines.append(f"blocks    {columns} x {rows}, {lit} not black: mean z {z.sum() / max(lit, 1):+.2f}, "
                  f"rms z {np.sqrt((z**2).sum() / max(lit, 1)):.2f}, largest {np.abs(z).max():.2f}")
@@ -103,10 +104,8 @@ def compare_skies(bench):
     whose directions all differ, turned by 30 degrees, and under a clear sky with its sun in one texel. Prints the
     tables of the benchmark cycles, and ends with 1 if any mean differs significantly."""
     rooms.write_rooms([str(bench.cache)])
-    lights = {
-        "colour": ("1,0.8,0.5", 0),
-        "quarters": (bench.cache / "quarters.exr", 30),
-        "sun": (MAPS / "clear-sun.exr", -45)}
+    lights = {"colour": ("1,0.8,0.5", 0), "quarters": (bench.cache / "quarters.exr", 30),
+              "sun": (MAPS / "clear-sun.exr", -45)}
     agree = []
     for sky in bench.settings.skies:
         if sky not in lights:
@@ -127,37 +126,6 @@ BASE = "cycles-hand"
 SEED = 20261122
 
 
-@dataclass
-class Picture:
-    spp: int
-    cpu: float
-    relmse: float
-    mse: float
-
-
-@dataclass
-class Cell:
-    """A room under a sky. peak: squared, that of PSNR; off: of Cycles' mean, a share.
-
-    efficiency of a method   1 / mean over its seeds of CPU s x relMSE"""
-
-    black_relmse: float
-    black_psnr: float
-    peak: float
-    off: float
-    pictures: dict = field(default_factory=lambda: collections.defaultdict(list))
-
-    def costs(self, method):
-        return [p.cpu * p.relmse for p in self.pictures[method]]
-
-    def gain(self, method):
-        """Efficiency over BASE's."""
-        return stats.ratio(self.costs(BASE), self.costs(method), SEED)
-
-    def psnr(self, method):
-        return decibels_of(self.peak, np.mean([p.mse for p in self.pictures[method]]))
-
-
 def geometric_mean(cells, method):
     return math.exp(np.mean([math.log(c.gain(method).value) for c in cells]))
 
@@ -174,10 +142,10 @@ def gain_table(cells):
 
 def error_table(cells):
     rows = []
-    for (room, sky), c in cells.items():
-        of = [(*np.mean([(p.spp, p.cpu, p.relmse) for p in c.pictures[m]], 0), c.psnr(m)) for m in METHODS]
-        words = [f"{error:.2g}, {p:.1f} ({spp:.0f}; {cpu:.1f} s)" for spp, cpu, error, p in of]
-        rows.append([room, sky, *words, f"{c.black_relmse:.2g}, {c.black_psnr:.1f}", f"{100 * c.off:+.2f} %"])
+    for key, c in cells.items():
+        of = [(*c.error(m), *np.mean([(p.spp, p.cpu) for p in c.pictures[m]], 0)) for m in METHODS]
+        rows.append([*key, *("%.2g, %.1f (%.0f; %.1f s)" % facts for facts in of), black_words(c),
+                     f"{100 * c.off:+.2f} %"])
     return pages.table(("room", "sky", *METHODS.values(), "black", "means"), rows)
 
 
@@ -198,12 +166,9 @@ class Room:
         if not portals.count:
             raise Stop(1, f"{name}, {light}: no portals")
         script = bench.store.run("portalfit", portals.runs["lightgrid"].out, "--for", "cycles", threads=0).out
-        self.own = {
-            "cycles-hand": ("--script", bench.cache / f"{name}.portals.py"),
-            "cycles-found": ("--script", script),
-            "cycles": (),
-            "ours-nee": ("--integrator", "nee"),
-            "ours-auto": ("--portal", portals.file)}
+        self.own = {"cycles-hand": ("--script", bench.cache / f"{name}.portals.py"),
+                    "cycles-found": ("--script", script), "cycles": (),
+                    "ours-nee": ("--integrator", "nee"), "ours-auto": ("--portal", portals.file)}
 
     def made(self, method, seed, amount):
         """(path, samples, CPU seconds)"""
@@ -228,16 +193,14 @@ class Room:
         for own in ("cycles-hand", "ours-auto"):
             first, spp, _ = self.made(own, 1000001, ("--cpu-seconds", s.ref * s.seconds_each))
             halves[own] = Halves(self.bench, first, self.made(own, 1000002, ("--spp", spp))[0])
-        ours, cycles = halves["ours-auto"], halves["cycles-hand"]
-        black = ours.ways[0]["black"]
-        cell = Cell(black["relmse"], black["psnr"], ours.ways[0]["peak"]
-                    ** 2, cycles.both("mean") / ours.both("mean") - 1)
+        ours, theirs = halves["ours-auto"], halves["cycles-hand"]
+        cell = Cell(ours.black, ours.peak, (BASE,), SEED, off=theirs.both("mean") / ours.both("mean") - 1)
         samples = {}
         for seed, method in turns(range(1, s.seeds + 1), ORDER):
             amount = ("--spp", samples[method]) if method in samples else ("--cpu-seconds", s.seconds_each)
             path, samples[method], cpu = self.made(method, seed, amount)
             off = halves["cycles-hand" if method.startswith("cycles") else "ours-auto"].off(path)
-            cell.pictures[method].append(Picture(samples[method], cpu, off["relmse"], off["mse"]))
+            cell.pictures[method].append(Picture(cpu, off["relmse"], off["mse"], spp=samples[method]))
         return cell
 
 

@@ -11,7 +11,7 @@ from types import SimpleNamespace
 
 import efficiency_tables as tables
 import pages
-from common import ROOT, TESTDATA, Halves, Setting, Stop, cores, decibels_of, settings, turns
+from common import ROOT, TESTDATA, Halves, Setting, Stop, checked, cores, decibels_of, settings, turns
 from efficiency_tables import BEFORE, Measurements, Scene
 from formats import exr_read, exr_write
 
@@ -60,32 +60,23 @@ PAPER = {"veach-ajar": "-", "veach-ajar-flip": '"the metrics of TDPT occupy an o
          "cornell-box-portal": "-"}
 
 with_settings = settings(
-    BASELINE=Setting(
-        "",
-        "another tdpt-render, of an older commit: gains are over its bdpt and nee, which take turns with "
-        "the others as bdpt-before and nee-before"),
+    BASELINE=Setting("", "another tdpt-render, of an older commit: gains are over its bdpt and nee, which take turns "
+                     "with the others as bdpt-before and nee-before"),
     BASELINE_NAME=Setting("an older program", "what the page calls it"),
-    INTEGRATORS=Setting(
-        ("nee", "bdpt", "tdpt-org", "tdpt", "tdpt-guided", "auto"),
-        "without a limit of depth only the last two and bdpt"),
+    INTEGRATORS=Setting(("nee", "bdpt", "tdpt-org", "tdpt", "tdpt-guided", "auto"),
+                        "without a limit of depth only the last two and bdpt"),
     SECONDS_EACH=Setting(4.0, "CPU seconds of a picture; at a depth also a quarter and a sixteenth of it", 0.1),
     SEEDS=Setting(8, "pictures of each kind", 2),
-    LONG_SCENES=Setting(
-        tuple(s.name for s in SCENES if s.wanted),
-        "of these also long pictures, of the integrator that "
-        "aims are asked of and of the one that gains are over"),
+    LONG_SCENES=Setting(tuple(s.name for s in SCENES if s.wanted), "of these also long pictures, of the integrator that "
+                        "aims are asked of and of the one that gains are over"),
     LONG_SECONDS=Setting(60.0, "of a long picture", 0.2),
     LONG_SEEDS=Setting(3, "0: no long pictures", 1),
     DEPTH=Setting("6", "edges of the longest path, as the paper's figures have it; none: no limit, in all scenes"),
-    REFERENCES=Setting(
-        "stored", "stored: those of REFERENCE_FOLDER that fit, others are rendered; render: none of them"),
-    REFERENCE_FOLDER=Setting(str(TESTDATA / "references/efficiency"),
-                             "the stored ones"),
+    REFERENCES=Setting("stored", "stored: those of REFERENCE_FOLDER that fit, others are rendered; render: none of them"),
+    REFERENCE_FOLDER=Setting(str(TESTDATA / "references/efficiency"), "the stored ones"),
     REF_INTEGRATOR=Setting("tdpt-guided", "of the references"),
-    REF_SECONDS=Setting(
-        100.0,
-        "CPU seconds of a reference, in two halves; half of it without an aim, eight times it at "
-        "320 x 180, so that its relMSE is a tenth of what it judges", 1.0),
+    REF_SECONDS=Setting(100.0, "CPU seconds of a reference, in two halves; half of it without an aim, eight times it at "
+                        "320 x 180, so that its relMSE is a tenth of what it judges", 1.0),
     WIDTH=Setting(0, "of all pictures, for trials", 32),
     HEIGHT=Setting(0, "the same", 24))
 
@@ -101,18 +92,15 @@ class Efficiency:
 
     def __init__(self, bench):
         self.bench, self.s = bench, bench.settings
-        s, known = self.s, {scene.name for scene in SCENES}
-        for name in (*s.only, *s.long_scenes):
-            if name not in known:
-                raise Stop(2, f"{name} is none of the scenes")
-        if s.depth != "none" and not s.depth.isdigit():
-            raise Stop(2, f"DEPTH={s.depth} is neither a number nor none")
-        if s.references not in ("stored", "render"):
-            raise Stop(2, f"REFERENCES={s.references} is neither stored nor render")
-        if s.baseline and not os.access(s.baseline, os.X_OK):
-            raise Stop(2, f"BASELINE: {s.baseline} is no program")
-        if s.baseline and s.depth == "none":
-            raise Stop(2, "BASELINE is for a limited DEPTH")
+        s, known = self.s, [scene.name for scene in SCENES]
+        for wrong, words in (
+                *((name not in known, f"{name} is none of the scenes") for name in (*s.only, *s.long_scenes)),
+                (s.depth != "none" and not s.depth.isdigit(), f"DEPTH={s.depth} is neither a number nor none"),
+                (s.references not in ("stored", "render"), f"REFERENCES={s.references} is neither stored nor render"),
+                (s.baseline and not os.access(s.baseline, os.X_OK), f"BASELINE: {s.baseline} is no program"),
+                (s.baseline and s.depth == "none", "BASELINE is for a limited DEPTH")):
+            if wrong:
+                raise Stop(2, words)
         self.integrators = [*(("nee" + BEFORE, "bdpt" + BEFORE) if s.baseline else ()), *s.integrators]
         wanted = [scene for scene in SCENES if not (s.depth == "none" and scene.kind == "whole")]
         self.files = bench.there([scene.name for scene in wanted])
@@ -125,15 +113,13 @@ class Efficiency:
 
     def depth(self, scene):
         """None: no limit."""
-        return None if "none" in (self.s.depth, "none" if scene.kind == "whole" else "") else int(self.s.depth)
+        return None if self.s.depth == "none" or scene.kind == "whole" else int(self.s.depth)
 
     def options(self, scene):
         """Of every picture of it: size and depth."""
-        sizes = {"--width": self.s.width, "--height": self.s.height}
-        if not any(sizes.values()):
-            sizes = {"--width": scene.width, "--height": scene.height}
-        depth = {} if self.depth(scene) is None else {"--max-depth": self.depth(scene)}
-        return [word for key, value in {**sizes, **depth}.items() if value for word in (key, value)]
+        own = (self.s.width, self.s.height) if self.s.width or self.s.height else (scene.width, scene.height)
+        values = zip(("--width", "--height", "--max-depth"), (*own, self.depth(scene)))
+        return [word for name, value in values if value for word in (name, value)]
 
     def render(self, scene, integrator, seed, seconds, **more):
         plain = integrator.removesuffix(BEFORE)
@@ -167,20 +153,18 @@ class Efficiency:
         """(Halves, what is known of both)."""
         about, stored = self.stored_fits(scene), ""
         if about:
-            pictures, seconds, spp = [
-                self.stored / f"{scene.name}-{h}.exr" for h in (1, 2)], about["cpu_seconds"], about["spp"]
-            integrator, stored = about["integrator"], about["program"]
+            pictures, stored = [self.stored / f"{scene.name}-{h}.exr" for h in (1, 2)], about["program"]
         else:
             runs = self.rendered_halves(scene)
-            pictures, integrator = [run.out for run in runs], self.s.ref_integrator
-            seconds, spp = [run.said["cpu_seconds"] for run in runs], [run.said["spp"] for run in runs]
-            about = runs[0].said
+            pictures, said = [run.out for run in runs], [run.said for run in runs]
+            about = {**said[0], "integrator": self.s.ref_integrator,
+                     **{field: [of[field] for of in said] for field in ("cpu_seconds", "spp")}}
         halves = Halves(self.bench, *pictures)
         means = [way["mean"] for way in halves.ways]
-        black = {field: halves.both("black", field) for field in ("relmse", "psnr", "mape")}
-        return halves, {"mean": halves.both("mean"), "half": abs(means[0] - means[1]) / 2, "black": black,
-                        "relmse": halves.both("relmse") / 4, "cpu_seconds": sum(seconds), "spp": sum(spp),
-                        "integrator": integrator, "stored": stored, "width": about["width"], "height": about["height"]}
+        return halves, {"mean": halves.both("mean"), "half": abs(means[0] - means[1]) / 2, "stored": stored,
+                        "black": {field: halves.both("black", field) for field in ("relmse", "psnr", "mape")},
+                        "relmse": halves.both("relmse") / 4, "cpu_seconds": sum(about["cpu_seconds"]),
+                        "spp": sum(about["spp"]), **{k: about[k] for k in ("integrator", "width", "height")}}
 
     # ---- Pictures ----
     def row(self, scene, halves, integrator, seed, seconds):
@@ -204,17 +188,14 @@ class Efficiency:
             whole = scene.kind == "whole"
             measured = [i for i in self.integrators if not whole or i in ("bdpt", "tdpt-guided", "auto")]
             # Pictures of one seed begin with the same samples: each length has its own seeds.
-            for k, seconds in enumerate((s.seconds_each,) if whole else (s.seconds_each, s.seconds_each / 4,
-                                                                         s.seconds_each / 16)):
-                seconds = float("%.6g" % seconds)
+            for k, part in enumerate((1,) if whole else (1, 4, 16)):
+                seconds = float("%.6g" % (s.seconds_each / part))
                 wanted += [(scene, i, 1000 * k + seed, seconds) for seed, i in turns(range(1, s.seeds + 1), measured)]
         rows = self.measured(wanted)
-        m, wanted = Measurements(self.scenes, rows, s.seconds_each), []
-        for scene in self.scenes:
-            if scene.name in s.long_scenes:
-                wanted += [(scene, i, 3000 + seed, s.long_seconds)
-                           for seed, i in turns(range(1, s.long_seeds + 1), m.pair(scene.name))]
-        return rows + self.measured(wanted)
+        m = Measurements(self.scenes, rows, s.seconds_each)
+        return rows + self.measured([
+            (scene, i, 3000 + seed, s.long_seconds) for scene in self.scenes if scene.name in s.long_scenes
+            for seed, i in turns(range(1, s.long_seeds + 1), m.pair(scene.name))])
 
     def measure(self):
         for scene in self.scenes:
@@ -290,10 +271,6 @@ def part(words, text):
     return f"{words}\n\n{text}" if text else ""
 
 
-def section(heading, words, text):
-    return f"## {heading}\n\n{words}\n\n{text}" if text else ""
-
-
 def scene_section(run, m, scene):
     found, reference = run.portal(scene).said, scene.reference
     areas = [f"{round(p['area'], 3):g}" for p in found.get("portals", ())]
@@ -315,14 +292,13 @@ def long_sections(run, m):
     s, at = run.s, m.at(run.s.long_seconds)
     if not s.long_seeds:
         return []
-    out = [section(f"Gain after {s.long_seconds:g} seconds", f"{s.long_seeds} seeds; over {run.over}.",
-                   tables.gains(at, "doors")),
-           section(f"Gain after {s.long_seconds:g} seconds in furnished rooms",
-                   f"{s.long_seeds} seeds; over {run.better}.",
-                   tables.gains(at, "rooms"))]
+    after = f"after {s.long_seconds:g} seconds"
+    out = [part(f"## Gain {after}\n\n{s.long_seeds} seeds; over {run.over}.", tables.gains(at, "doors")),
+           part(f"## Gain {after} in furnished rooms\n\n{s.long_seeds} seeds; over {run.better}.",
+                tables.gains(at, "rooms"))]
     there = [name for name in PEERS if name in m.scenes]
     if there:
-        out.append(f"""## relMSE after {s.long_seconds:g} seconds, beside other programs
+        out.append(f"""## relMSE {after}, beside other programs
 
 320 x 180, {run.depth_words}. The other programs' figures are for 60 CPU seconds at depth 6; they were measured outside
 of this script, on a like machine. Metropolis light transport is Tungsten's, multiplexed (MMLT); its error differs much
@@ -340,18 +316,14 @@ def page(run, m):
     over = "bdpt" + (f" of {run.s.baseline_name}" if run.s.baseline else "")
     run.over, run.better = over, over.replace("bdpt", "the better of bdpt and nee", 1)
     papers = [[name, words, "not in the text", *tables.paper(m, name)]
-                                                             for name, words in PAPER.items() if name in m.scenes]
+              for name, words in PAPER.items() if name in m.scenes]
     return pages.sections(
-        head(run, m),
-        tables.busy(m),
-        tables.noisy(m),
-        section("Doors, holes, windows", f"Gain over {run.over}.", tables.gains(m, "doors")),
-        section(
-            "Furnished rooms, and a box", "No door; portals where the four stages find any. Gain over "
-            f"{run.better}.", tables.gains(m, "rooms")),
-        section(
-            "No limit of depth", "Gain over bdpt of this program; references of their own. NAME-whole is scene NAME.",
-            tables.gains(m, "whole")),
+        head(run, m), tables.busy(m), tables.noisy(m),
+        part(f"## Doors, holes, windows\n\nGain over {run.over}.", tables.gains(m, "doors")),
+        part("## Furnished rooms, and a box\n\nNo door; portals where the four stages find any. Gain over "
+             f"{run.better}.", tables.gains(m, "rooms")),
+        part("## No limit of depth\n\nGain over bdpt of this program; references of their own. NAME-whole is scene "
+             "NAME.", tables.gains(m, "whole")),
         f"""![relMSE against CPU seconds, a panel for each scene](efficiency.png)
 
 *Mean relMSE of {run.s.seeds} seeds over CPU seconds; bars from the lowest to the highest seed. Dotted: a picture
@@ -367,16 +339,13 @@ Decibels, of the mean MSE x CPU seconds: pixels count by their light, so that di
 
 *mean / reference*: of the pictures of all lengths together, +- one standard error, the reference's noise included.""",
         *(scene_section(run, m, scene) for scene in run.scenes),
-        section(
-            "Beside the paper's Fig. 7",
-            """\
+        part("""## Beside the paper's Fig. 7
+
 The paper compares its TDPT, here `tdpt`, with BDPT at 16 samples per pixel and depth 5. It prints PSNR and MAPE inside
 a picture, not in its text. Ours are after the same time; after the same samples they are in
-[figures.md](figures.md).""",
-            papers and pages.table(
-                ("scene", "the paper's words", "the paper's PSNR, MAPE", "PSNR, tdpt - bdpt",
-                 "MAPE, tdpt against bdpt"),
-                papers)),
+[figures.md](figures.md).""", papers and pages.table(
+            ("scene", "the paper's words", "the paper's PSNR, MAPE", "PSNR, tdpt - bdpt", "MAPE, tdpt against bdpt"),
+            papers)),
         *long_sections(run, m))
 
 
@@ -390,11 +359,10 @@ def efficiency(bench):
     run = Efficiency(bench)
     m = run.measure()
     with open(bench.doc / "efficiency.csv", "w", newline="", encoding="ascii") as file:
-        table = csv.writer(file, lineterminator="\n")
-        table.writerow(COLUMNS)
+        table = csv.DictWriter(file, COLUMNS, lineterminator="\n")
+        table.writeheader()
         for row in (row for rows in m.rows.values() for row in rows):
-            table.writerow(["" if row[c] is None else "%.6g" % row[c] if isinstance(row[c], float) else row[c]
-                            for c in COLUMNS])
+            table.writerow({k: "%.6g" % v if isinstance(v, float) else v for k, v in row.items()})
     pages.draw(plot(m), bench.doc)
     bench.page("efficiency", page(run, m))
 
@@ -442,10 +410,8 @@ def references(bench):
     run = Efficiency(bench)
     run.stored.mkdir(parents=True, exist_ok=True)
     missing = [scene for scene in run.scenes if not run.stored_fits(scene)]
-    commit = ""
-    if shutil.which("git"):
-        commit = subprocess.run(["git", "-C", ROOT, "describe", "--always", "--dirty"], capture_output=True, text=True,
-                                check=False).stdout.strip()
+    describe = ["git", "-C", ROOT, "describe", "--always", "--dirty"]
+    commit = checked(describe, range(256)).said.strip() if shutil.which("git") else ""
     program = ", ".join(filter(None, (bench.version(), commit)))
     for scene, runs in zip(missing, bench.side_by_side([functools.partial(run.rendered_halves, s) for s in missing])):
         keep(run.stored, scene.name, run.files[scene.name], runs, program)

@@ -5,6 +5,7 @@ gains: stats.py. A firefly that no seed met is in no interval.
 
 NAME-before is integrator NAME of the older program that gains are told over."""
 import copy
+import functools
 import math
 from dataclasses import dataclass, field
 
@@ -47,21 +48,12 @@ def decibels(x):
     return "%+.1f" % (10 * math.log10(x))
 
 
-def gain_text(gain):
-    return gain.text(digits, "?")
-
-
-def decibels_text(gain):
-    bounded = gain.low > 0 and gain.high < stats.NO_BOUND
-    return (gain if bounded else stats.Ratio(gain.value)).text(decibels)
-
-
 def verdict(gain, wanted):
     if not math.isfinite(gain.value):
         return "-"
-    if gain.value >= wanted:
-        return "met, but within the noise" if gain.low < wanted else "met"
-    return "missed, but within the noise" if gain.high >= wanted else "missed"
+    met = gain.value >= wanted
+    doubtful = gain.low < wanted if met else gain.high >= wanted
+    return ("met" if met else "missed") + (", but within the noise" if doubtful else "")
 
 
 def aim(wanted, moonshot=None):
@@ -136,6 +128,20 @@ class Measurements:
         base = self.base(scene)
         return self.gain(scene, integrator, base, error) if base and integrator else stats.Ratio()
 
+    def told(self, scene, integrator, error="relmse"):
+        """The same as text; of MSE in decibels."""
+        gain, itself = self.over_base(scene, integrator, error), integrator == self.base(scene)
+        if error == "mse":
+            return "0" if itself else gain.bounded().text(decibels)
+        return "1" if itself else gain.text(digits, "?")
+
+    def says(self, scene, wanted, error="relmse"):
+        """Whether what aims are asked of has such a gain."""
+        judged = self.judged(scene)
+        if wanted is None or not judged:
+            return "-"
+        return f"{judged}: {verdict(self.over_base(scene, judged, error), wanted)}"
+
     def efficiency(self, scene, integrator):
         """1 / (relMSE x CPU s), as text."""
         costs = self.costs(scene, integrator)
@@ -184,10 +190,6 @@ class Measurements:
         noise = noise / reference["spp"] if others > 2 else reference["half"] ** 2
         return mean / reference["mean"], math.sqrt(variance / weight + noise) / reference["mean"]
 
-    def most_memory(self, scene, integrator):
-        """MiB, as text."""
-        return "%.0f" % self.field("peak_mib", scene, integrator).max()
-
     def psnr(self, scene, integrator):
         """Of the mean MSE."""
         mse, psnr = self.field("mse", scene, integrator), self.field("psnr", scene, integrator)
@@ -199,12 +201,12 @@ class Measurements:
 
 
 def overview(m, group, cells, heads):
-    """(scenes, integrators that are shown, rows): a row for each scene of the group that was measured, cells(scene,
-    integrators). bdpt, where it is what all gains are over, has no column."""
+    """(scenes, integrators that are shown, heads, rows): a row for each scene of the group that was measured, with
+    cells(scene, integrators). bdpt, where it is what all gains are over, has no column."""
     scenes = [s for s in m.of_group(group) if m.base(s)]
     bases = {m.base(s) for s in scenes}
     shown = [i for i in m.integrators if any(m.count(s, i) for s in scenes) and (group == "rooms" or {i} != bases)]
-    return scenes, ["scene", *shown, *heads], [[s, *cells(s, shown)] for s in scenes], shown
+    return scenes, shown, ["scene", *shown, *heads], [[s, *cells(s, shown)] for s in scenes]
 
 
 def gains(m, group):
@@ -212,21 +214,20 @@ def gains(m, group):
     itself = [i for i in ("bdpt" + BEFORE, "bdpt") if any(m.count(s, i) for s in m.of_group(group))]
 
     def cells(scene, shown):
-        s, judged = m.scenes[scene], m.judged(scene)
-        says = "-" if s.target is None or not judged else f"{judged}: {verdict(m.over_base(scene, judged), s.target)}"
-        own = ["1" if i == m.base(scene) else gain_text(m.over_base(scene, i)) for i in shown]
-        return [*own, aim(s.target, s.moonshot), says, *(m.efficiency(scene, i) for i in itself)]
+        s = m.scenes[scene]
+        return [*(m.told(scene, i) for i in shown), aim(s.target, s.moonshot), m.says(scene, s.target),
+                *(m.efficiency(scene, i) for i in itself)]
 
     heads = ("aim (moonshot)", "met", *(f"efficiency of {i} [1/s]" for i in itself))
-    scenes, heads, rows, shown = overview(m, group, cells, heads)
+    scenes, shown, heads, rows = overview(m, group, cells, heads)
     interiors = [s for s in scenes if m.scenes[s].kind == "interior"]
     if interiors:
         means = {i: m.geometric_mean(interiors, i) for i in shown}
         judged = m.judged(interiors[0])
         says = f"{judged}: {verdict(means[judged], INTERIORS_AIM)}" if judged else "-"
         more = ["-"] * len(itself)
-        rows.append([f"**geometric mean of {len(interiors)} interiors**", *(gain_text(means[i]) for i in shown),
-                     INTERIORS_AIM, says, *more])
+        rows.append([f"**geometric mean of {len(interiors)} interiors**",
+                     *(means[i].text(digits, "?") for i in shown), INTERIORS_AIM, says, *more])
         rows.append(["**the least of them**", *(least(m, interiors, i) for i in shown), "-", "-", *more])
     return table(heads, rows) if rows else ""
 
@@ -240,31 +241,28 @@ def least(m, scenes, integrator):
 
 def psnr(m, group):
     def cells(scene, shown):
-        wanted, judged = m.scenes[scene].wanted_psnr, m.judged(scene)
-        says = "-"
-        if wanted is not None and judged:
-            says = f"{judged}: {verdict(m.over_base(scene, judged, 'mse'), 10 ** (wanted / 10))}"
-        own = ["0" if i == m.base(scene) else decibels_text(m.over_base(scene, i, "mse")) for i in shown]
-        return [*own, aim(wanted), says]
+        wanted = m.scenes[scene].wanted_psnr
+        return [*(m.told(scene, i, "mse") for i in shown), aim(wanted),
+                m.says(scene, None if wanted is None else 10 ** (wanted / 10), "mse")]
 
-    _, heads, rows, _ = overview(m, group, cells, ("at least", "met"))
+    *_, heads, rows = overview(m, group, cells, ("at least", "met"))
     return table(heads, rows) if rows else ""
 
 
 def scene_rows(m, scene):
-    base, rows = m.base(scene), []
+    rows = []
     for i in (i for i in m.integrators if m.count(scene, i)):
-        relmse = m.field("relmse", scene, i)
-        rows.append([i, three(m.average("spp", scene, i)), "%.2f" % m.average("cpu_seconds", scene, i),
-                     m.most_memory(scene, i), "%.3g [%.3g, %.3g]" % (relmse.mean(), relmse.min(), relmse.max()),
-                     m.efficiency(scene, i), "1" if i == base else gain_text(m.over_base(scene, i)), m.psnr(scene, i),
-                     "0" if i == base else decibels_text(m.over_base(scene, i, "mse")),
-                     three(m.average("mape", scene, i)), "%.4f +- %.4f" % m.mean_ratio(scene, i)])
+        relmse, average = m.field("relmse", scene, i), functools.partial(m.average, scene=scene, integrator=i)
+        rows.append([i, three(average("spp")), "%.2f" % average("cpu_seconds"),
+                     "%.0f" % m.field("peak_mib", scene, i).max(),
+                     "%.3g [%.3g, %.3g]" % (relmse.mean(), relmse.min(), relmse.max()), m.efficiency(scene, i),
+                     m.told(scene, i), m.psnr(scene, i), m.told(scene, i, "mse"), three(average("mape")),
+                     "%.4f +- %.4f" % m.mean_ratio(scene, i)])
     black = m.scenes[scene].reference["black"]
     rows.append(["all black", "-", "-", "-", three(black["relmse"]), "-", "-", "%.2f" % black["psnr"], "-",
                  three(black["mape"]), 0])
     return table(("integrator", "spp", "CPU s", "MiB", "relMSE [seeds]", "efficiency [1/s]", "gain", "PSNR [dB]",
-                  f"PSNR - that of {base}", "MAPE [%]", "mean / reference"), rows)
+                  f"PSNR - that of {m.base(scene)}", "MAPE [%]", "mean / reference"), rows)
 
 
 def too_noisy(m, scene):

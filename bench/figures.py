@@ -20,23 +20,21 @@ COMMON_WARNINGS = ("there is no portal in", "no portal is given")
 
 class Figures:
     def __init__(self, bench):
-        self.bench, self.s = bench, bench.settings
-        s = self.s
-        height = s.height or (0 if s.width else 120)
-        self.size = [w for key, value in (("--width", s.width), ("--height", height)) if value for w in (key, value)]
-        self.files = bench.there(SCENES)
+        self.bench, self.s, self.files = bench, bench.settings, bench.there(SCENES)
+        height = self.s.height or (0 if self.s.width else 120)
+        sizes = ("--width", self.s.width), ("--height", height)
+        self.size = [word for name, value in sizes if value for word in (name, value)]
 
     def portal(self, scene):
-        return self.bench.portals(self.files[scene], stage_options={p: ("--seed", self.s.seed) for p in SEEDED})
+        return self.bench.portals(self.files[scene],
+                                  options=lambda program: ("--seed", self.s.seed) if program in SEEDED else ())
 
     def render(self, scene, integrator, spp, depth, seed, *options):
         """said: with its frames."""
         given = ("--portal", self.portal(scene).file) if integrator.startswith("tdpt") else ()
-        run = self.bench.render(
-            self.files[scene],
-            *given, "--integrator", integrator, *self.size, "--spp", spp, "--max-depth", depth, "--seed", seed,
-            "--stats", Made("stats.json"),
-            *options, threads=0)
+        run = self.bench.render(self.files[scene], *given, "--integrator", integrator, *self.size, "--spp", spp,
+                                "--max-depth", depth, "--seed", seed, "--stats", Made("stats.json"), *options,
+                                threads=0)
         run.said = pages.read_json(run.folder / "stats.json")
         return run
 
@@ -61,19 +59,15 @@ def portal_section(figures):
     for scene in figures.files:
         said = figures.portal(scene).said
         portals = said["portals"]
-        if portals:
-            cells = [", ".join(f"{round(f * p[key], digits):g}{unit}" for p in portals) for key, f, digits, unit in
-                     (("area", 1, 3, ""), ("flux_share", 100, 1, " %"), ("support", 1, 2, ""))]
-            rows.append([scene, len(portals), *cells])
-        else:
-            reason = f" ({said['reason']})" if said.get("reason") else ""
-            rows.append([scene, f"0{reason}", "-", "-", "-"])
+        cells = [", ".join(f"{round(f * p[key], digits):g}{unit}" for p in portals) or "-" for key, f, digits, unit in
+                 (("area", 1, 3, ""), ("flux_share", 100, 1, " %"), ("support", 1, 2, ""))]
+        reason = f" ({said['reason']})" if not portals and said.get("reason") else ""
+        rows.append([scene, f"{len(portals)}{reason}", *cells])
+        if not portals:
             without.append(
                 f"No portal in {scene}: there tdpt-org is bdpt, and tdpt is left with camera, direct and light.")
-    return pages.sections("## Portals", pages.table(
-                              ("scene", "portals", "area [m2]", "share of the light", "support"),
-                              rows),
-                          *without)
+    heads = ("scene", "portals", "area [m2]", "share of the light", "support")
+    return pages.sections("## Portals", pages.table(heads, rows), *without)
 
 
 def figure5(figures):
@@ -148,20 +142,11 @@ def figure7(figures, scene):
         seconds = runs[i].said["cpu_seconds"]
         cost, off = e["relmse"] * seconds, e["mean"] / e["reference_mean"]
         psnr = "-" if e["psnr"] is None else "%.2f" % e["psnr"]
-        rows.append(
-            [i, psnr, number(e["mape"]),
-             number(e["relmse"]),
-             number(e["relmse_trimmed"]),
-             percent(e["nonzero"]),
-             number(e["mean"]),
-             number(seconds),
-             "%.2g" % (base / cost) if cost >0 and 0.8 <off <1.2 else "-"])
+        rows.append([i, psnr, *map(number, (e["mape"], e["relmse"], e["relmse_trimmed"])), percent(e["nonzero"]),
+                     number(e["mean"]), number(seconds), "%.2g" % (base / cost) if cost > 0 and 0.8 < off < 1.2 else "-"])
     black = errors["bdpt"]["black"]
-    rows.append(
-        ["all black", "%.2f" % black["psnr"],
-         number(black["mape"]),
-         number(black["relmse"]),
-         "-", "-", 0, "-", "-"])
+    rows.append(["all black", "%.2f" % black["psnr"], number(black["mape"]), number(black["relmse"]), "-", "-", 0, "-",
+                 "-"])
     rows.append(["reference", "-", "-", "-", "-", percent(reference.said["nonzero"]),
                  number(errors["bdpt"]["reference_mean"]), number(reference.said["cpu_seconds"]), "-"])
     here, there = errors["tdpt"], errors["bdpt"]
@@ -170,14 +155,14 @@ def figure7(figures, scene):
                        for line in run.errors.splitlines() if line.startswith("tdpt-render: warning: ")})
     warnings = [f"- {w}" for w in warnings if not w.startswith(COMMON_WARNINGS)]
     return pages.sections(
-        f"### {scene}", f"{size_of(runs['bdpt'].said)} pixels", pages.table(
-            ("integrator", "PSNR [dB]", "MAPE [%]", "relMSE", "trimmed", "non-zero", "mean", "CPU s", "efficiency"),
-            rows),
+        f"### {scene}", f"{size_of(runs['bdpt'].said)} pixels",
+        pages.table(("integrator", "PSNR [dB]", "MAPE [%]", "relMSE", "trimmed", "non-zero", "mean", "CPU s",
+                     "efficiency"), rows),
         f"The paper: {WORDS.get(scene, 'not in the text')}. Here tdpt has {gain:+.1f} dB of PSNR against bdpt, a MAPE "
         f"of {here['mape']:.3g} % against {there['mape']:.3g} %, a relMSE of {here['relmse']:.3g} against "
         f"{there['relmse']:.3g}.",
         *(f"![{i} left, reference right](figures/fig7-{scene}-{i}.png)\n*{i}, reference*" for i in ("bdpt", "tdpt")),
-        *(["The renderer warns:", "\n".join(warnings)] if warnings else[]))
+        *(["The renderer warns:", "\n".join(warnings)] if warnings else []))
 
 
 @settings(WIDTH=Setting(0, "of the pictures; one follows from the other and the camera", 32),
@@ -216,38 +201,31 @@ and MAPE inside a picture: not in the text.""",
 
 # ---- Pictures of the stages ----
 @settings(SCENE=Setting("", "the room behind a door; default veach-ajar.glb of the paper's scenes"),
-          INTERIOR=Setting(
-              "",
-              "a room whose lamp stands in its own window, for the last picture; default kitchen.glb of the "
-              "interiors; left out, with a word, where it is not there"),
-          WINDOWS=Setting(
-              "",
-              "a room lit by an environment through its windows; default living-room.glb of the interiors; "
-              "left out, with a word, where it is not there"),
+          INTERIOR=Setting("", "a room whose lamp stands in its own window, for the last picture; default kitchen.glb of "
+                           "the interiors; left out, with a word, where it is not there"),
+          WINDOWS=Setting("", "a room lit by an environment through its windows; default living-room.glb of the "
+                          "interiors; left out, with a word, where it is not there"),
           SKY=Setting("", "what shines on WINDOWS, --environment; default the map beside it, NAME.env.exr"))
 def stages(bench):
     """The pictures of doc/stages.md, one of each stage, for a room behind a door and for one with windows; the cache
     receives the same for 3D viewers."""
     s, scenes = bench.settings, Path(bench.settings.scenes)
-    scene = Path(s.scene or scenes / "veach-ajar.glb").resolve()
-    interior = Path(s.interior or scenes / "interiors/kitchen.glb").resolve()
-    windows = Path(s.windows or scenes / "interiors/living-room.glb").resolve()
+    scene, interior, windows = (Path(given or scenes / name).resolve() for given, name in (
+        (s.scene, "veach-ajar.glb"), (s.interior, "interiors/kitchen.glb"), (s.windows, "interiors/living-room.glb")))
     if not scene.exists():
         raise Stop(3, f"there is no scene {scene}; name one with SCENE=FILE")
     (bench.doc / "figures").mkdir(exist_ok=True)
 
     def pictures(room, suffix, sky=()):
-        def side(program):
-            shown = ("--scene", room) if program == "mincut" else ()
-            return (*shown, "--preview", Made("preview.png"), "--debug-glb", Made("debug.glb"))
-        for program, run in bench.portals(room, sky, side=side).runs.items():
+        made = ("--preview", Made("preview.png"), "--debug-glb", Made("debug.glb"))
+        of = bench.portals(room, sky, lambda program: (*(("--scene", room) if program == "mincut" else ()), *made))
+        for program, run in of.runs.items():
             shutil.copy(run.folder / "preview.png", bench.doc / f"figures/stage-{program}{suffix}.png")
             shutil.copy(run.folder / "debug.glb", bench.cache / f"{program}{suffix}.debug.glb")
 
     pictures(scene, "")
     if interior.exists():
-        form_factors = bench.store.run("ffgraph", interior, threads=0)
-        cut = bench.store.run("mincut", form_factors.out, "--scene", interior,
+        cut = bench.store.run("mincut", bench.store.run("ffgraph", interior, threads=0).out, "--scene", interior,
                               "--preview", Made("preview.png"), threads=0)
         shutil.copy(cut.folder / "preview.png", bench.doc / "figures/stage-mincut-kitchen.png")
     else:

@@ -1,9 +1,8 @@
 """How right the portals are, and what finding them costs: doc/portals.md."""
-import subprocess
-from dataclasses import dataclass
+import statistics
+from collections import namedtuple
 
 import pages
-import stats
 from common import ROOT, STAGES, Setting, checked, cores, settings
 
 KNOWN = "hole,slit,floor-door,through-floor,ajar-full,ajar,window,two-openings,holes-in-row,doors-in-row,closet"
@@ -16,14 +15,8 @@ ALL = "all four"
 
 
 # ---- Time ----
-@dataclass
-class Taken:
-    """wall, cpu [s]; aside: CPU seconds of loading the scene and of its BVH; peak [MiB]."""
-
-    wall: float
-    cpu: float
-    aside: float = 0
-    peak: float = 0
+# wall, cpu [s]; aside: CPU seconds of loading the scene and of its BVH; peak [MiB].
+Taken = namedtuple("Taken", "wall cpu aside peak", defaults=(0, 0))
 
 
 def with_sums(rounds):
@@ -33,35 +26,29 @@ def with_sums(rounds):
         for (scene, stage), taken in of.items():
             runs.setdefault((scene, stage), []).append(taken)
             if stage == STAGES[-1]:
-                four = [of[scene, s] for s in STAGES]
-                runs.setdefault((scene, ALL), []).append(Taken(
-                    *(sum(getattr(t, f) for t in four) for f in ("wall", "cpu", "aside")), max(t.peak for t in four)))
+                four = list(zip(*(of[scene, s] for s in STAGES)))
+                runs.setdefault((scene, ALL), []).append(Taken(*map(sum, four[:3]), max(four[3])))
     return runs
 
 
 def time_tables(name, runs):
     """name: of the scene; NAME/4: the same with each of its triangles split in four. Medians over the rounds."""
-    median = lambda key, value: stats.lower_median([value(t) for t in runs[key]])
-    wall, cpu, rows = (lambda t: t.wall), (lambda t: t.cpu), []
+    median = lambda key, value: statistics.median_low([value(t) for t in runs[key]])
+    wall, cpu, aside, rows = (lambda t: t.wall), (lambda t: t.cpu), (lambda t: t.aside), []
     for scene, stage in runs:
         key, loads = (scene, stage), stage in ("ffgraph", "lightgrid", ALL)
-        peak = max(t.peak for t in runs[key])
         rows.append([scene.removesuffix("/4") + (", split in four" if scene.endswith("/4") else ""),
                      "tdpt-render bdpt, 1 spp, 1280x720" if stage == "bdpt" else stage, "%.2f" % median(key, wall),
-                     "%.2f" % median(key, cpu), "%.2f" % median(key, lambda t: t.aside) if loads else "-",
-                     "%d" % peak if peak > 0 else "-"])
-
-    def ratio(value, above, below):
-        return "%.2f" % (median(above, value) / median(below, value))
+                     "%.2f" % median(key, cpu), "%.2f" % median(key, aside) if loads else "-",
+                     max(t.peak for t in runs[key]) or "-"])
 
     whole, bdpt, split = (name, ALL), (name, "bdpt"), (name + "/4", ALL)
+    ratios = [[words, "%.2f" % (median(above, value) / median(below, value)), most] for words, value, above, below, most in (
+        ("four stages to bdpt, wall", wall, whole, bdpt, 1), ("four stages to bdpt, CPU", cpu, whole, bdpt, 1),
+        ("split in four to whole, CPU without loading and BVH", lambda t: t.cpu - t.aside, split, whole, 1.5))]
     return pages.sections(
         pages.table(("scene", "stage", "wall s", "CPU s", "CPU s of loading and BVH", "peak MiB"), rows),
-        pages.table(("ratio", "measured", "at most"), [
-            ["four stages to bdpt, wall", ratio(wall, whole, bdpt), 1],
-            ["four stages to bdpt, CPU", ratio(cpu, whole, bdpt), 1],
-            ["split in four to whole, CPU without loading and BVH", ratio(lambda t: t.cpu - t.aside, split, whole),
-             1.5]]))
+        pages.table(("ratio", "measured", "at most"), ratios))
 
 
 def taken(bench, program, *arguments, output):
@@ -102,24 +89,17 @@ def portals_time(bench):
 
 
 # ---- Rooms with known openings ----
-def first_seed(given):
-    """(seed, where it comes from)"""
-    if given:
-        return given, ""
-    head = subprocess.run(["git", "-C", ROOT, "rev-parse", "HEAD"], check=True, capture_output=True, text=True).stdout
-    return int(head[:7], 16), f", the first digits of the commit that was measured, {head[:7]}"
-
-
 @settings(ROOMS=Setting(20, "of each kind", 1),
-          SEED=Setting(
-              0, "of the first; if not set, the first seven digits of the "
-              "commit's hash, so that nobody chooses it"),
+          SEED=Setting(0, "of the first; if not set, the first seven digits of the commit's hash, so that nobody "
+                       "chooses it"),
           RUNS=RUNS)
 def portals(bench):
     """How right the portals are, on generated rooms whose openings are known, and what that costs. An hour on two quiet
     cores. Rows room by room stay in the cache."""
-    s = bench.settings
-    seed, whence = first_seed(s.seed)
+    s, seed, whence = bench.settings, bench.settings.seed, ""
+    if not seed:
+        head = checked(["git", "-C", ROOT, "rev-parse", "HEAD"]).said[:7]
+        seed, whence = int(head, 16), f", the first digits of the commit that was measured, {head}"
     few = (s.rooms + 6) // 7  # rooms of each kind in the other tables
     program = bench.store.program("portals_bench")
 

@@ -1,5 +1,6 @@
 """What things cost that are asked for, or not: the whole light (doc/whole-light.md), options and stages that are not
 needed (doc/only-needed.md), and rendering in shards (doc/shards.md)."""
+import copy
 import filecmp
 import math
 import os
@@ -44,18 +45,14 @@ def light_table(runs, kinds, names, mean_of, mean_name):
     """runs: {(scene, integrator): {kind: [Picture]}}; kinds: two of them, names: what the page calls them; mean_of: the
     kinds whose ratio of means is told."""
     rows = []
-    for (scene, integrator), of in runs.items():
+    for key, of in runs.items():
         above, below = (of[kind] for kind in kinds)
-        cpu, error = ([np.mean([getattr(p, field) for p in kind])
-                      for kind in (above, below)] for field in ("cpu", "relmse"))
-        efficiency, (mean, spread) = efficiency_ratio(above, below), mean_ratio(*(of[kind] for kind in mean_of))
-        bounded = efficiency.low > 0 and efficiency.high < stats.NO_BOUND
-        rows.append(
-            [scene, integrator, *("%.2f" % c for c in cpu),
-             "%.2f" % cpu_ratio(above, below),
-             *map(pages.three, error),
-             (efficiency if bounded else stats.Ratio(efficiency.value)).text(lambda x: "%.2f" % x),
-             "%.4f" % mean +("" if math.isnan(spread) else " +- %.4f" % spread)])
+        cpu, error = ([np.mean([getattr(p, field) for p in kind]) for kind in (above, below)]
+                      for field in ("cpu", "relmse"))
+        mean, spread = mean_ratio(*(of[kind] for kind in mean_of))
+        rows.append([*key, *("%.2f" % c for c in cpu), "%.2f" % cpu_ratio(above, below), *map(pages.three, error),
+                     efficiency_ratio(above, below).bounded().text("%.2f".__mod__),
+                     "%.4f" % mean + ("" if math.isnan(spread) else " +- %.4f" % spread)])
     a, b = names
     return pages.table(("scene", "integrator", f"CPU s, {a}", f"CPU s, {b}", "ratio", f"relMSE, {a}", f"relMSE, {b}",
                         f"efficiency, {a} / {b}", f"mean, {mean_name}"), rows)
@@ -70,8 +67,7 @@ def light_tables(runs):
 
 
 @settings(BASE=Setting("", "another tdpt-render, of an older commit: depth 6 is compared with its depth 6"),
-          SPP=Setting(64, "samples per pixel", 4),
-          SEEDS=Setting(6, "pictures of each kind", 2),
+          SPP=Setting(64, "samples per pixel", 4), SEEDS=Setting(6, "pictures of each kind", 2),
           REF_INTEGRATOR=Setting("tdpt-guided", "of the references"),
           REF_SECONDS=Setting(60.0, "of each half of a reference, all threads", 0.2),
           WIDTH=Setting(0, "of all pictures, for trials; else each scene has its own", 24),
@@ -88,23 +84,19 @@ def whole_light(bench):
     for name, scene in bench.there(SIZES).items():
         portal = ("--portal", bench.portals(scene).file)
         size = ("--width", s.width or SIZES[name][0], "--height", s.height or SIZES[name][1])
-        halves = {}
-        for kind in ("none", "six"):
-            halves[kind] = Halves(bench, *(
-                bench.render(scene, *portal, "--integrator", s.ref_integrator, *limits[kind], *size, "--time",
-                             f"{s.ref_seconds:g}", "--seed", 1000000 + half, threads=0).out for half in (1, 2)))
+        halves = {kind: Halves(bench, *(
+            bench.render(scene, *portal, "--integrator", s.ref_integrator, *limits[kind], *size, "--time",
+                         f"{s.ref_seconds:g}", "--seed", 1000000 + half, threads=0).out for half in (1, 2)))
+            for kind in ("none", "six")}
         halves["base"] = halves["six"]
         for integrator in ("bdpt", "auto"):
-            of = runs.setdefault((name, integrator), {kind: [] for kind in kinds})
+            of = runs[name, integrator] = {kind: [] for kind in kinds}
             for seed, kind in turns(range(1, s.seeds + 1), kinds):
-                program = Path(s.base).resolve() if kind == "base" else "tdpt-render"
-                run = bench.store.run(
-                    program, scene, *(() if integrator =="bdpt" else portal),
-                    "--integrator", integrator, *limits[kind],
-                    *size, "--spp", s.spp, "--seed", seed)
-                off = halves[kind].off(run.out)
-                of[kind].append(Picture(run.said["cpu_seconds"], off["relmse"],
-                                bench.distance(run.out, halves[kind].a)["mean"]))
+                run = bench.store.run(Path(s.base).resolve() if kind == "base" else "tdpt-render", scene,
+                                      *(() if integrator == "bdpt" else portal), "--integrator", integrator,
+                                      *limits[kind], *size, "--spp", s.spp, "--seed", seed)
+                of[kind].append(Picture(run.said["cpu_seconds"], halves[kind].off(run.out)["relmse"],
+                                        bench.distance(run.out, halves[kind].a)["mean"]))
     bench.page("whole-light", f"""# What the whole light costs
 
 Written by `make bench-whole-light` ({bench.version()}). Without a limit walks end by Russian roulette; with
@@ -140,13 +132,12 @@ def away(scene):
 
 def asked_row(what, scene, pairs):
     """Of CPU seconds (with, without): the median of the ratios, and the interval of their mean."""
-    a, b = np.array(pairs).T
-    interval = stats.ratio(a / b, np.ones(len(b)), 1)
-    return [what, scene, f"{np.median(a / b):.3f}", f"{interval.low:.3f} to {interval.high:.3f}"]
+    ratios = np.divide(*np.array(pairs).T)
+    interval = stats.ratio(ratios, np.ones(len(ratios)), 1)
+    return [what, scene, f"{np.median(ratios):.3f}", f"{interval.low:.3f} to {interval.high:.3f}"]
 
 
-def only_when_it_pays():
-    return """## Done only when it pays
+PAYS = """## Done only when it pays
 
 | what | who decides | price of deciding | held by |
 |---|---|---|---|
@@ -169,23 +160,14 @@ A round narrows the opening where patches straddle it, and is made whether it th
 opening lets a twentieth less of the light pass than before."""
 
 
-def ended(run, what, status):
-    """CPU seconds of a program that has to end so, as text."""
-    if run.status != status:
-        raise Stop(4, f"{what}: status {run.status}, expected {status}: {run.errors.strip()}")
-    return "%.2f" % run.cpu
-
-
 def nothing_rows(bench, room):
     """CPU seconds of programs that have nothing to do, and end as they should."""
     document, rest = glb_parse(room.read_bytes())
     for name, change in (("dark", dark), ("away", away)):
-        changed = change(glb_parse(glb_content(document, rest))[0])
+        changed = change(copy.deepcopy(document))
         (bench.cache / f"{name}.glb").write_bytes(glb_content(changed, rest))
-    file = lambda name: bench.cache / name
-    size = "tdpt-render, 640 x 480 x 16, "
-    rows = []
-    for status, what, inputs, output in (
+    size, rows = "tdpt-render, 640 x 480 x 16, ", []
+    for wanted, what, inputs, output in (
             (3, "ffgraph, no light", ["dark.glb"], "dark.max"),
             (0, "ffgraph, the camera sees no surface", ["away.glb"], "away.max"),
             (0, "mincut, no flow", ["away.max"], "away.cut"),
@@ -193,8 +175,11 @@ def nothing_rows(bench, room):
             (0, "portalfit, empty grid", ["away.vdb"], "away.portal.glb"),
             (0, size + "no light", ["dark.glb"], "x.exr"),
             (0, size + "the camera sees no surface", ["away.glb"], "x.exr")):
-        run = bench.fresh(what.split(",")[0], *map(file, inputs), output=file(output), threads=0, may_fail=(3,))
-        rows.append([what, ended(run, what, status)])
+        run = bench.fresh(what.split(",")[0], *(bench.cache / name for name in inputs), output=bench.cache / output,
+                          threads=0, may_fail=(3,))
+        if run.status != wanted:
+            raise Stop(4, f"{what}: status {run.status}, expected {wanted}: {run.errors.strip()}")
+        rows.append([what, "%.2f" % run.cpu])
     return rows
 
 
@@ -246,7 +231,7 @@ The price of asking for something, as a ratio to not asking: what is saved witho
         """A scene without light is refused by `ffgraph`, which has nothing to start from; the others end with status 0
         and a
 sentence (`cli.nothing-to-do`, `longest_path_test`).""",
-        only_when_it_pays(), pages.table(("scene", "round", "why", "CPU seconds"), round_rows(bench))))
+        PAYS, pages.table(("scene", "round", "why", "CPU seconds"), round_rows(bench))))
 
 
 # ---- Shards ----

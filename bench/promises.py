@@ -1,9 +1,10 @@
 """What the renderer promises: that `auto` chooses well (doc/regret.md), and that a picture has the error that was asked
 for (doc/target-error.md)."""
-import collections
 import functools
 import math
-from collections import namedtuple
+import shutil
+from collections import Counter, defaultdict, namedtuple
+from statistics import mean
 
 import numpy as np
 
@@ -44,8 +45,8 @@ class Regret:
 
     def __init__(self):
         self.truth = {}  # integrator: (V, its standard error, T [ns])
-        self.choices = collections.defaultdict(list)  # length: [(integrator, scout's CPU s)]
-        self.told = collections.defaultdict(dict)  # (length, seed): {integrator: cost}
+        self.choices = defaultdict(list)  # length: [(integrator, scout's CPU s)]
+        self.told = defaultdict(dict)  # (length, seed): {integrator: cost}
         self.pixels = 0
 
     def cost(self, integrator):
@@ -70,7 +71,7 @@ class Regret:
 
 def read_regret(lines):
     """Scenes by name, of what regret_bench prints."""
-    scenes = collections.defaultdict(Regret)
+    scenes = defaultdict(Regret)
     for number, line in enumerate(lines, 1):
         kind, *field = line.rstrip("\n").split("\t")
         try:
@@ -93,10 +94,6 @@ def portals_gain(cost):
     return min(without) / min(with_portals) if with_portals and without else None
 
 
-def mean(values):
-    return sum(values) / len(values)
-
-
 def lengths_of(scenes):
     return sorted({length for s in scenes.values() for length in s.choices})
 
@@ -105,7 +102,7 @@ def scene_table(scenes):
     lengths, rows = lengths_of(scenes), []
     for name, s in scenes.items():
         cells = [f"{mean([e[1] for e in s.efficiencies(n)]):.3f}" for n in lengths]
-        chosen = collections.Counter(i for i, _ in s.choices[lengths[-1]]).most_common(1)[0][0]
+        chosen = Counter(i for i, _ in s.choices[lengths[-1]]).most_common(1)[0][0]
         rows.append([name, s.best(), f"{s.cost(s.without()) / s.cost(s.best()):.2f}", *cells, chosen])
     return pages.table(("scene", "best of all", "its gain over bdpt, nee", *(f"{n} spp" for n in lengths),
                         "chosen at the longest"), rows)
@@ -125,9 +122,8 @@ def length_table(scenes):
                       f"{min(means):.3f}", "-" if target is None else target, met]
         rows.append([length, sum(map(len, of_scene)), *cells])
     each = ("5 %", "least of a scene", "target", "met in")
-    return pages.table(
-        ("samples per pixel", "choices", "mean of the better of bdpt and nee", *each, "mean of the best of all", *each),
-        rows)
+    return pages.table(("samples per pixel", "choices", "mean of the better of bdpt and nee", *each,
+                        "mean of the best of all", *each), rows)
 
 
 def verdict_table(scenes):
@@ -168,42 +164,34 @@ def regret(bench):
     minutes on two quiet cores. ONLY: names of scenes, with +found or +drawn for those with portals."""
     s, texts = bench.settings, []
 
-    def measure(name, scene, portal=None):
-        command = [
-            bench.store.program("regret_bench"),
-            scene, *((portal,) if portal else()),
-            "--name", name, "--seconds", f"{s.seconds_each:g}", "--seeds", s.seeds, "--width", 64, "--height", 48]
-        sums = [bench.store.sum_of(path) for path in (command[0], scene, *((portal,) if portal else ()))]
+    def measure(name, scene, *portal):
+        command = [bench.store.program("regret_bench"), scene, *portal, "--name", name, "--seconds",
+                   f"{s.seconds_each:g}", "--seeds", s.seeds, "--width", 64, "--height", 48]
+        sums = [bench.store.sum_of(path) for path in (command[0], scene, *portal)]
 
         def make(path):
             bench.say(name)
             path.write_text(checked(command).said, encoding="utf-8")
         texts.append(bench.store.keep([*sums, *command[-9:]], make, ".txt").read_text(encoding="utf-8"))
 
-    def scenes(names, suffix=""):
-        for name in names:
-            if s.only and name + suffix not in s.only:
-                continue
-            path = bench.find(name)
-            if path:
-                yield name, path
-            else:
+    for names, suffix in ((ALONE, ""), (DRAWN, "+drawn"), (FOUND, "+found")):
+        for name in (n for n in names if not s.only or n + suffix in s.only):
+            path, portal = bench.find(name), ()
+            if not path:
                 bench.say(f"{name} is not there: left out")
-
-    for name, path in scenes(ALONE):
-        measure(name, path)
-    for name, path in scenes(DRAWN, "+drawn"):
-        portal = bench.cache / f"{name}.drawn.glb"
-        portal.write_bytes(portals_glb(DRAWN[name]))
-        measure(f"{name}+drawn", path, portal)
-    for name, path in scenes(FOUND, "+found"):
-        measure(f"{name}+found", path, bench.portals(path).file)
+                continue
+            if suffix == "+drawn":
+                portal = (bench.cache / f"{name}.drawn.glb",)
+                portal[0].write_bytes(portals_glb(DRAWN[name]))
+            elif suffix:
+                portal = (bench.portals(path).file,)
+            measure(name + suffix, path, *portal)
     if not s.only:
         folder = bench.cache / "rooms"
         folder.mkdir(exist_ok=True)
         if not list(folder.glob("*.portal.glb")):
             checked([bench.store.program("portals_bench"), bench.programs, "--rooms", s.rooms,
-                    "--seed", s.seed, "--kinds", KINDS, "--keep", folder], may_fail=(1,))
+                     "--seed", s.seed, "--kinds", KINDS, "--keep", folder], may_fail=(1,))
         for portal in sorted(folder.glob("*.portal.glb")):
             room = portal.name.removesuffix(".portal.glb")
             measure(f"{room}+found", folder / f"{room}.glb", portal)
@@ -229,12 +217,9 @@ MET, BETTER = 0.9, 2.5  # share of pictures at least, median of target / relMSE 
 # interval, samples of the pilot, reached (1) or not (0).
 Picture = namedtuple("Picture", "relmse fixed told low high pilot reached")
 # Width, height, target, whether portals are looked for.
-SIZES = {
-    "two-rooms": (32, 24, 0.01, True),
-    "veach-ajar": (32, 18, 0.03, True),
-    "cornell-box-portal": (32, 32, 0.05, True),
-    "cornell-box": (32, 32, 0.013, False),
-    "kitchen": (40, 24, 0.013, False)}
+SIZES = {"two-rooms": (32, 24, 0.01, True), "veach-ajar": (32, 18, 0.03, True),
+         "cornell-box-portal": (32, 32, 0.05, True), "cornell-box": (32, 32, 0.013, False),
+         "kitchen": (40, 24, 0.013, False)}
 
 
 class Kept:
@@ -261,23 +246,20 @@ def target_table(scenes):
     """scenes: {name: Kept}"""
     rows = []
     for name, k in scenes.items():
-        met = stats.Ratio(*(100 * x for x in (k.met.value, k.met.low, k.met.high)))
-        rows.append(
-            [name, k.pixels, f"{k.target:g}", k.pictures, f"{met.value:.0f} % [{met.low:.0f}, {met.high:.0f}]",
-             f"{k.better[1]:.2f} [{k.better[0]:.2f}, {k.better[2]:.2f}]", f"{k.samples:.0f}", f"{100 * k.pilot:.0f} %",
-             f"{k.told:.2f}", f"{k.missed}, {k.known}", k.false_alarms, "yes" if k.keeps_its_word() else "no"])
+        met = k.met.percent()
+        rows.append([name, k.pixels, f"{k.target:g}", k.pictures,
+                     f"{met.value:.0f} % [{met.low:.0f}, {met.high:.0f}]",
+                     "%.2f [%.2f, %.2f]" % (k.better[1], k.better[0], k.better[2]), f"{k.samples:.0f}",
+                     f"{100 * k.pilot:.0f} %", f"{k.told:.2f}", f"{k.missed}, {k.known}", k.false_alarms,
+                     "yes" if k.keeps_its_word() else "no"])
     ratios = np.concatenate([k.ratios for k in scenes.values()])
-    share = stats.wilson(int(np.sum(ratios >= 1)), len(ratios))
-    words = (
-        f"All {len(ratios)} pictures: {100 * share.value:.1f} % [{100 * share.low:.1f}, {100 * share.high:.1f}] meet "
-        f"their target, and the median picture is {np.median(ratios):.2f} times too good.")
+    share = stats.wilson(int(np.sum(ratios >= 1)), len(ratios)).percent()
     return pages.sections(
-        pages.table(
-            ("scene", "pixels", "E", "pictures", "meet it [95 %]", "E / relMSE, median [10 %, 90 %]", "samples",
-             "of the pilot, all parts", "estimate / relMSE", "missed, told as missed", "told as missed, not missed",
-             "kept"),
-            rows),
-        words,
+        pages.table(("scene", "pixels", "E", "pictures", "meet it [95 %]", "E / relMSE, median [10 %, 90 %]", "samples",
+                     "of the pilot, all parts", "estimate / relMSE", "missed, told as missed",
+                     "told as missed, not missed", "kept"), rows),
+        f"All {len(ratios)} pictures: {share.value:.1f} % [{share.low:.1f}, {share.high:.1f}] meet their target, and the "
+        f"median picture is {np.median(ratios):.2f} times too good.",
         "Samples are of each pixel, medians; the pilot's are thrown away, and small pictures take more of them than "
         "large ones. The estimate is the program's own, after rendering, from blocks of the picture, a median; it is "
         "too high where the samples of a pixel complement each other across blocks. Pictures miss where bright paths "
@@ -298,21 +280,24 @@ def target_error(bench):
 
         def make(path):
             folder = path.with_suffix(".pictures")
-            folder.mkdir()
+            folder.mkdir(exist_ok=True)
             lines = []
-            told = checked([program, files[name], folder, *portal, *options, "--threads", 1]).said
-            for seed, *numbers in map(str.split, told.splitlines()):
+            for line in checked([program, files[name], folder, *portal, *options, "--threads", 1]).said.splitlines():
+                seed, numbers = line.split(" ", 1)
                 off = bench.distance(folder / f"{seed}.exr", folder / f"{seed}.reference.exr")
-                lines.append(" ".join([str(off["relmse"]), *numbers]))
-            for picture in folder.iterdir():
-                picture.unlink()
-            folder.rmdir()
+                lines.append(f"{off['relmse']} {numbers}")
+            shutil.rmtree(folder)
             path.write_text("\n".join(lines), encoding="ascii")
+
         sums = [bench.store.sum_of(path) for path in (program, files[name], *portal)]
-        lines = bench.store.keep([*sums, *options], make).read_text(encoding="ascii").splitlines()
+        try:
+            lines = bench.store.keep([*sums, *options], make).read_text(encoding="ascii").splitlines()
+        except Stop:
+            bench.say(f"{name} could not be measured")
+            raise
         return Kept(width * height, target, [Picture(*map(float, line.split())) for line in lines])
 
-    kept = bench.side_by_side([functools.partial(measure, name) for name in files], list(files))
+    kept = bench.side_by_side([functools.partial(measure, name) for name in files])
     bench.page("target-error", f"""# Does `--target-error` keep its word?
 
 Written by `make bench-target-error` ({bench.version()}). Each scene is rendered by `auto` with `--target-error E` and

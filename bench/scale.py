@@ -1,14 +1,15 @@
 """How time and memory of the programs grow with the triangles of a scene: doc/scale.{csv,md,png}."""
 import csv
+import itertools
 import math
 from collections import namedtuple
 
 import pages
 import rooms
-from common import Setting, settings
+from common import STAGES, Setting, settings
 
 Row = namedtuple("Row", "form triangles program cpu peak")
-PROGRAMS = ("ffgraph", "mincut", "lightgrid", "portalfit", "tdpt-render")
+PROGRAMS = (*STAGES, "tdpt-render")
 MOST_BYTES = 400  # of a triangle
 NOISE = 1.3  # times n log n
 ENOUGH = 0.2  # CPU seconds
@@ -28,35 +29,27 @@ def bytes_each(before, last):
     return (last.peak - before.peak) * MIB / (last.triangles - before.triangles)
 
 
-def growth(of):
-    """(times the CPU time grew in the last step, times n log n grew); None where a program takes hardly any."""
-    before, last = of[-2:]
-    n, m = before.triangles, last.triangles
-    return (last.cpu / before.cpu, m * math.log(m) / (n * math.log(n))) if last.cpu >= ENOUGH else None
-
-
-def decade(row):
-    return round(math.log10(row.triangles))
-
-
 def table(rows, cell, last_head, last_cell):
     """`cell` of a row; `last_cell` of a series."""
+    decade = lambda row: round(math.log10(row.triangles))
     sizes, lines = sorted({decade(r) for r in rows}), []
-    for form in dict.fromkeys(r.form for r in rows):
-        for program in PROGRAMS:
-            of = series(rows, form, program)
-            cells = {decade(r): cell(r) for r in of}
-            if of:
-                lines.append([form, program, *(cells.get(s, "-") for s in sizes), last_cell(of)])
+    for form, program in itertools.product(dict.fromkeys(r.form for r in rows), PROGRAMS):
+        of = series(rows, form, program)
+        cells = {decade(r): cell % r._asdict() for r in of}
+        if of:
+            lines.append([form, program, *(cells.get(s, "-") for s in sizes), last_cell(of)])
     return pages.table(("scene", "program", *("10^%d" % s for s in sizes), last_head), lines)
 
 
 def scale_tables(rows):
     def verdict(of):
-        grown = growth(of)
-        if not grown:
+        """How many times the CPU time grew in the last step, and how many times n log n."""
+        before, last = of[-2:]
+        if last.cpu < ENOUGH:
             return "too short to tell"
-        return "%.1f, of n log n %.1f: %s" % (*grown, "no faster" if grown[0] <= NOISE * grown[1] else "**faster**")
+        grown = last.cpu / before.cpu
+        n_log_n = last.triangles * math.log(last.triangles) / (before.triangles * math.log(before.triangles))
+        return "%.1f, of n log n %.1f: %s" % (grown, n_log_n, "no faster" if grown <= NOISE * n_log_n else "**faster**")
 
     def each(of):
         step, whole = bytes_each(*of[-2:]), of[-1].peak * MIB / of[-1].triangles
@@ -64,9 +57,9 @@ def scale_tables(rows):
 
     return pages.sections(
         "CPU seconds; a growth of up to %.1f times that of n log n counts as noise:" % NOISE,
-        table(rows, lambda r: "%.2f" % r.cpu, "growth in the last step", verdict),
+        table(rows, "%(cpu).2f", "growth in the last step", verdict),
         "Peak memory [MiB]:",
-        table(rows, lambda r: "%.0f" % r.peak,
+        table(rows, "%(peak).0f",
               "bytes a triangle: of the last step, of the largest scene with all else; below %d" % MOST_BYTES, each))
 
 
@@ -76,10 +69,9 @@ def plot(rows):
     for title, label, least, field, limit in (("Time", "CPU seconds", 0.02, "cpu", "1.5e-7*x*log(x)"),
                                               ("Memory", "peak MiB", 8, "peak", "400*x/1048576")):
         drawn = [f"[500:2e7] [{least}:] {limit} {line} notitle"]
-        for form in forms:
-            for program in PROGRAMS:
-                block = figure.block([(r.triangles, getattr(r, field)) for r in series(rows, form, program)])
-                drawn.append(f"{block} using 1:2 with linespoints lw 2 {POINTS[program]}{DASHES[form]} notitle")
+        for form, program in itertools.product(forms, PROGRAMS):
+            block = figure.block([(r.triangles, getattr(r, field)) for r in series(rows, form, program)])
+            drawn.append(f"{block} using 1:2 with linespoints lw 2 {POINTS[program]}{DASHES[form]} notitle")
         figure.panel(title, "triangles", label, drawn, ("set logscale xy", 'set format x "10^{%T}"'))
     figure.key([f'NaN {line} title "n log n; 400 bytes a triangle"',
                 *(f'NaN with linespoints lw 2 {POINTS[program]}{DASHES[form]} title "{program}, {form}"'
@@ -89,15 +81,9 @@ def plot(rows):
 
 def stages_of(stem, options):
     """(program, arguments, output) from room to picture; options: {program: more of it}."""
-    files = {end: f"{stem}.{end}" for end in ("glb", "max", "cut", "vdb", "portal.glb", "exr")}
-    inputs = {
-        "ffgraph": ("glb",),
-        "mincut": ("max",),
-        "lightgrid": ("glb", "cut"),
-        "portalfit": ("vdb",),
-        "tdpt-render": ("glb",)}
-    outputs = dict(zip(PROGRAMS, ("max", "cut", "vdb", "portal.glb", "exr")))
-    return [(p, [*(files[i] for i in inputs[p]), *options.get(p, ())], files[outputs[p]]) for p in PROGRAMS]
+    return [(program, [*(f"{stem}.{end}" for end in inputs.split()), *options.get(program, ())], f"{stem}.{output}")
+            for program, inputs, output in zip(PROGRAMS, ("glb", "max", "glb cut", "vdb", "glb"),
+                                               ("max", "cut", "vdb", "portal.glb", "exr"))]
 
 
 @settings(SIZES=Setting(("1e3", "1e4", "1e5", "1e6", "1e7"), "triangles of the scenes", ("1e3", "1e4")),
@@ -110,15 +96,14 @@ def scale(bench):
     path, s = bench.cache / "scale.csv", bench.settings
     if not s.keep:
         rows, stem = [], bench.cache / "room"
-        picture = ("--portal", f"{stem}.portal.glb", "--integrator",
-                   "tdpt-guided", "--spp", 1, "--width", 64, "--height", 48)
-        for form in s.forms:
-            for size in s.sizes:
-                n = rooms.write_scene(int(float(size)), form, f"{stem}.glb")
-                for program, arguments, output in stages_of(stem, {"tdpt-render": picture}):
-                    run = bench.fresh(program, *arguments, output=output)
-                    rows.append((form, n, program, "%.3f" % run.cpu, "%.1f" % run.peak_mib))
-                bench.say(f"{form}: {n} triangles")
+        picture = ("--portal", f"{stem}.portal.glb", "--integrator", "tdpt-guided", "--spp", 1, "--width", 64,
+                   "--height", 48)
+        for form, size in itertools.product(s.forms, s.sizes):
+            n = rooms.write_scene(int(float(size)), form, f"{stem}.glb")
+            for program, arguments, output in stages_of(stem, {"tdpt-render": picture}):
+                run = bench.fresh(program, *arguments, output=output)
+                rows.append((form, n, program, "%.3f" % run.cpu, "%.1f" % run.peak_mib))
+            bench.say(f"{form}: {n} triangles")
         for room in bench.cache.glob("room.*"):
             room.unlink()
         with open(path, "w", newline="", encoding="ascii") as file:

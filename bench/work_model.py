@@ -6,6 +6,7 @@ lines with portals and one to those without; lines of pt do not count. A term th
 unwritten; one that is held has that cost where it is not. How far the fit is off goes to standard error.
 """
 import argparse
+import fileinput
 import sys
 
 import numpy as np
@@ -37,17 +38,15 @@ def read(lines):
     return terms, rows
 
 
-def fit(terms, times, held=None):
+def fit(terms, times, held=np.nan):
     """Costs [ns] that least squares of relative errors give; terms[line, term], times[line] in ns. held[term]: its
-    cost where it is known, else nan.
+    cost where it is known, else nan; nan: none is.
 
     Throws ValueError where the lines do not determine them."""
-    there = np.any(terms != 0, axis=0)
-    costs = np.zeros(terms.shape[1])
-    if held is not None:
-        known = ~np.isnan(held)
-        costs[known & there] = held[known & there]
-        there &= ~known
+    there, costs = np.any(terms != 0, axis=0), np.zeros(terms.shape[1])
+    known = there & ~np.isnan(held)
+    costs[known] = np.broadcast_to(held, costs.shape)[known]
+    there &= ~known
     a = terms[:, there] / times[:, None]
     # Columns of one length: the rank is then about directions and not about units.
     lengths = np.linalg.norm(a, axis=0)
@@ -89,13 +88,10 @@ def work_model(arguments):
     parser = argparse.ArgumentParser(prog="bench/run.py work-model", description=__doc__)
     parser.add_argument("--device", action="store_true")
     parser.add_argument("--hold", action="append", default=[], metavar="TERM=COST")
-    parser.add_argument("files", nargs="*", default=["/dev/stdin"])
+    parser.add_argument("files", nargs="*")
     options = parser.parse_args(arguments)
-    lines = []
-    for path in options.files:
-        with open(path, encoding="utf-8") as file:
-            lines += file.readlines()
-    names, rows = read(lines)
+    with fileinput.input(options.files, encoding="utf-8") as lines:
+        names, rows = read(lines)
     held = held_costs(options.hold, names)
     rows = {key: [row for row in rows[key] if row[0]["integrator"] != "pt"] for key in rows if rows[key]}
     costs = {}
@@ -105,6 +101,5 @@ def work_model(arguments):
         print(table((DEVICE_TABLES if options.device else TABLES)[key], names, costs[key]))
     errors = np.abs(ratio_errors(rows, costs))
     if errors.size:
-        print(
-            f"{sum(map(len, rows.values()))} lines; ratios to bdpt are off by {100 * errors.mean():.1f} % on average, "
-            f"{100 * errors.max():.1f} % at most", file=sys.stderr)
+        print(f"{sum(map(len, rows.values()))} lines; ratios to bdpt are off by {100 * errors.mean():.1f} % on average, "
+              f"{100 * errors.max():.1f} % at most", file=sys.stderr)
