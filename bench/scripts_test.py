@@ -24,12 +24,6 @@ def skip(words):
     sys.exit(77)
 
 
-def need(*programs):
-    for program in programs:
-        if not shutil.which(program):
-            skip(f"{program} is missing (cmake/packages-figures.txt)")
-
-
 class Stamp(unittest.TestCase):
     """A folder of its own, with scenes, a cache and pages."""
 
@@ -48,10 +42,9 @@ class Stamp(unittest.TestCase):
     def run_bench(self, name, *words, programs=BIN, path=None, **values):
         """(exit code, what is said); values: settings."""
         given = {"SCENES": str(self.scenes), **values}
-        run = subprocess.run(
-            [sys.executable, "-B", HERE / "run.py", name, "--bin", programs, "--cache", self.cache, "--doc", self.doc, *
-             words, *(f"{k}={v}" for k, v in given.items())],
-            capture_output=True, text=True, check=False, env={**os.environ, **({"PATH": str(path)} if path else{})})
+        run = subprocess.run([sys.executable, "-B", HERE / "run.py", name, "--bin", programs, "--cache", self.cache,
+                              "--doc", self.doc, *words, *(f"{k}={v}" for k, v in given.items())], capture_output=True,
+                             text=True, check=False, env={**os.environ, **({"PATH": str(path)} if path else {})})
         return run.returncode, run.stdout + run.stderr
 
     def runs(self, name, *words, **values):
@@ -159,11 +152,10 @@ class Efficiency(Stamp):
         whole = text.partition("## No limit of depth")[2].partition("\n!")[0]
         self.assertRegex(whole, r"\n\| veach-ajar-whole \| [0-9.-]")
         self.assertEqual(sum(r["scene"] == "veach-ajar-whole" for r in self.rows()), 4)
-        for wrong, says in (({"BASELINE": self.work / "none"}, "no program"), ({"REFERENCES": "many"}, "neither"),
-                            ({"DEPTH": "none", "BASELINE": older}, "limited"),
-                            ({"LONG_SCENES": "cellar"}, "cellar is none"),
-                            ({"DEPTH": "deep"}, "neither"), ({"SEEDS": "many"}, "no number"),
-                            ({"WORD": "x"}, "no setting")):
+        for says, wrong in (("no program", {"BASELINE": self.work / "none"}), ("neither", {"REFERENCES": "many"}),
+                            ("limited", {"DEPTH": "none", "BASELINE": older}), ("neither", {"DEPTH": "deep"}),
+                            ("cellar is none", {"LONG_SCENES": "cellar"}), ("no number", {"SEEDS": "many"}),
+                            ("no setting", {"WORD": "x"})):
             status, said = self.run_bench("efficiency", **self.efficiency(**wrong))
             self.assertEqual((status, says in said), (2, True), said)
 
@@ -253,11 +245,8 @@ class Missing(Stamp):
             for program in Path(folder).glob("*") if folder else ():
                 if program.name not in ("gnuplot", "valgrind", "perf") and not (path / program.name).exists():
                     (path / program.name).symlink_to(program)
-        for name, words in (
-            ("figures", "gnuplot is missing"),
-            ("tradeoff", "gnuplot is missing"),
-            ("limit", "perf does not work and valgrind is missing"),
-            ("shards", "tdpt-render is missing")):
+        for name, words in (("figures", "gnuplot is missing"), ("tradeoff", "gnuplot is missing"),
+                            ("limit", "perf does not work and valgrind is missing"), ("shards", "tdpt-render is missing")):
             status, said = self.run_bench(name, programs=self.work, path=path)
             self.assertEqual((status, words in said, said.count("\n")), (5, True, 1), said)
         self.assertEqual(self.run_bench("none-such")[0], 2)
@@ -320,8 +309,8 @@ class Memory(Stamp):
 
 
 if __name__ == "__main__":
-    if "Figures" in sys.argv or "Efficiency" in sys.argv:
-        need("gnuplot")
+    if {"Figures", "Efficiency"} & set(sys.argv) and not shutil.which("gnuplot"):
+        skip("gnuplot is missing (cmake/packages-figures.txt)")
     if "CyclesPortals" in sys.argv and not shutil.which(os.environ.get("BLENDER", "blender")):
         skip("no Blender here (Debian: blender)")
     unittest.main()
