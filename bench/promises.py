@@ -72,18 +72,15 @@ class Regret:
 def read_regret(lines):
     """Scenes by name, of what regret_bench prints."""
     scenes = defaultdict(Regret)
-    for number, line in enumerate(lines, 1):
-        kind, *field = line.rstrip("\n").split("\t")
-        try:
-            if kind == "truth":
-                scenes[field[0]].truth[field[1]] = tuple(float(x) for x in field[2:5])
-            elif kind == "told":
-                scenes[field[0]].told[int(field[1]), int(field[2])][field[3]] = float(field[4]) * float(field[5])
-            elif kind == "choice":
-                scenes[field[0]].choices[int(field[1])].append((field[3], float(field[4])))
-                scenes[field[0]].pixels = int(field[6])
-        except (IndexError, ValueError) as error:
-            raise ValueError(f"line {number}: {error}") from error
+    for kind, name, *field in (line.rstrip("\n").split("\t") for line in lines):
+        scene = scenes[name]
+        if kind == "truth":
+            scene.truth[field[0]] = tuple(map(float, field[1:4]))
+        elif kind == "told":
+            scene.told[int(field[0]), int(field[1])][field[2]] = float(field[3]) * float(field[4])
+        elif kind == "choice":
+            scene.choices[int(field[0])].append((field[2], float(field[3])))
+            scene.pixels = int(field[5])
     return {name: s for name, s in scenes.items() if s.truth and s.choices}
 
 
@@ -146,8 +143,6 @@ def verdict_table(scenes):
 
 
 def regret_tables(scenes):
-    if not scenes:
-        raise ValueError("no scene with truth and choices, expected what regret_bench prints")
     return pages.sections(
         "## All scenes\n\nGeometric means, the worst choice in twenty, and the scene where it is least.",
         length_table(scenes),

@@ -176,14 +176,6 @@ class Efficiency(Stamp):
             before = pictures()
             self.runs("efficiency", **{**few, "REF_SECONDS": 0.2, **change})
             self.assertEqual(pictures() - before, rendered, change)
-        # Halves that do not belong together are none.
-        import efficiency
-        halves = [{"integrator": "a", "width": 4, "height": 3, "max_depth": 6, "spp": 1, "cpu_seconds": 1.0}
-                  for _ in "ab"]
-        with self.assertRaisesRegex(ValueError, "seed 7"):
-            efficiency.described(SCENES / "window.glb", halves, (7, 7), "")
-        with self.assertRaisesRegex(ValueError, "width"):
-            efficiency.described(SCENES / "window.glb", [halves[0], {**halves[1], "width": 5}], (7, 8), "")
 
 
 class CyclesPortals(Stamp):

@@ -334,12 +334,6 @@ class Regret(unittest.TestCase):
                     "| room | 4.00 | 3 (3 to 3) |", "| **within a factor of two** |  | 100 % |"):
             self.assertIn(row, text)
 
-    def test_what_is_no_measurement_is_refused(self):
-        with self.assertRaisesRegex(ValueError, "line 1"):
-            promises.read_regret(["truth\troom\tbdpt\tx"])
-        with self.assertRaisesRegex(ValueError, "no scene"):
-            promises.regret_tables({})
-
 
 # ---- Time and memory ----
 class Time(unittest.TestCase):
