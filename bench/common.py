@@ -258,10 +258,9 @@ class Bench:
     def say(self, words):
         print(f"{self.name}: {words}", file=sys.stderr)
 
-    def need(self, *programs):
-        for program in programs:
-            if not shutil.which(program):
-                raise Stop(5, f"{program} is missing (cmake/packages-figures.txt)")
+    def need(self, program):
+        if not shutil.which(program):
+            raise Stop(5, f"{program} is missing (cmake/packages-figures.txt)")
 
     def version(self, program="tdpt-render"):
         return checked([self.store.program(program), "--version"]).said.splitlines()[0]
@@ -297,9 +296,8 @@ class Bench:
 
     def fresh(self, program, *arguments, output=None, threads=1, may_fail=()):
         """Runs it now, whatever was kept: what it took."""
-        command = [self.store.program(program), *arguments, *common_options(program, threads)]
-        command += ["-o", output] if output else []
-        run = checked(command, may_fail)
+        run = checked([self.store.program(program), *arguments, *common_options(program, threads),
+                       *(("-o", output) if output else ())], may_fail)
         run.said = json.loads(run.said or "{}")
         return run
 
@@ -307,9 +305,12 @@ class Bench:
         """What exrdiff says."""
         return self.store.run("exrdiff", picture, reference, *options, output=False).said
 
+    def halves(self, render):
+        """A reference of two runs, render(seed)."""
+        return Halves(self, *(render(1000000 + half).out for half in (1, 2)))
+
     def side_by_side(self, tasks):
-        """What functions of no arguments return, in order, JOBS of them at a time. The first that fails ends them
-        all."""
+        """What functions of no arguments return, in order, JOBS of them at a time; all end where one fails."""
         with ThreadPoolExecutor(self.settings.jobs) as pool:
             waiting = [pool.submit(task) for task in tasks]
             try:
@@ -330,12 +331,12 @@ class Bench:
 
 def environment(sky, own=None):
     """What --environment gets for one of SKIES; own: an interior's own map of the sun."""
-    if sky == "overcast":
-        return "1,1,1"
-    if sky not in SKIES:
+    found = {"overcast": "1,1,1", "clear": MAPS / "clear.exr",
+             "sun": own if own and own.exists() else MAPS / "clear-sun.exr"}
+    if sky not in found:
         raise Stop(2, f"SKIES: {sky} is none of {', '.join(SKIES)}")
-    return own if sky == "sun" and own and own.exists() else MAPS / ("clear.exr" if sky == "clear" else "clear-sun.exr")
+    return found[sky]
 
 
 def cores():
-    return os.cpu_count() or "?"
+    return os.cpu_count()

@@ -103,7 +103,7 @@ def compare_skies(bench):
     """Do Cycles and tdpt-render agree where an environment lights a room? Three rooms under one colour, under a map
     whose directions all differ, turned by 30 degrees, and under a clear sky with its sun in one texel. Prints the
     tables of the benchmark cycles, and ends with 1 if any mean differs significantly."""
-    rooms.write_rooms([str(bench.cache)])
+    rooms.write_rooms(bench.cache)
     lights = {"colour": ("1,0.8,0.5", 0), "quarters": (bench.cache / "quarters.exr", 30),
               "sun": (MAPS / "clear-sun.exr", -45)}
     agree = []
@@ -218,7 +218,7 @@ def equal_time(bench):
     of one sample. tdpt-render: cpu_seconds of its summary, the time that auto takes to choose included. Loading the
     scene is in neither. A program's pictures are held against its own reference, made with its portals."""
     bench.need(os.environ.get("BLENDER", "blender"))
-    rooms.write_rooms([str(bench.cache)])
+    rooms.write_rooms(bench.cache)
     cells = {}
     for name in bench.settings.rooms:
         if name not in rooms.ROOMS:

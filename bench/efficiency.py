@@ -1,5 +1,4 @@
 """How efficient the integrators are: doc/efficiency.{csv,md,png}, by the tables of efficiency_tables.py."""
-import csv
 import dataclasses
 import functools
 import json
@@ -39,7 +38,6 @@ SCENES = (
     Scene("bathroom2-whole", 128, 72, "whole"),
 )
 WITHOUT_PORTALS = ("pt", "nee", "bdpt")
-COLUMNS = "scene integrator seed seconds spp cpu_seconds relmse psnr mape mean mse peak_mib".split()
 README = """# References of doc/efficiency.md
 
 Written by `make bench-efficiency-references` (`bench/efficiency.py`), read by `make bench-efficiency` while scene,
@@ -171,9 +169,9 @@ class Efficiency:
         """Of the CSV, of six digits."""
         run = self.render(scene, integrator, seed, seconds)
         off, peak = halves.off(run.out), halves.both("peak")
-        psnr = decibels_of(peak * peak, off["mse"]) if off["mse"] > 0 else None
-        numbers = {"seconds": seconds, "spp": run.said["spp"], "cpu_seconds": run.said["cpu_seconds"], "psnr": psnr,
-                   "peak_mib": round(run.peak, 1), **{k: off[k] for k in ("relmse", "mape", "mean", "mse")}}
+        numbers = {"seconds": seconds, **{k: run.said[k] for k in ("spp", "cpu_seconds")}, "relmse": off["relmse"],
+                   "psnr": decibels_of(peak * peak, off["mse"]) if off["mse"] > 0 else None,
+                   **{k: off[k] for k in ("mape", "mean", "mse")}, "peak_mib": round(run.peak, 1)}
         numbers = {k: None if v is None else float("%.6g" % v) for k, v in numbers.items()}
         return {"scene": scene.name, "integrator": integrator, "seed": seed, **numbers}
 
@@ -358,11 +356,7 @@ def efficiency(bench):
     bench.need("gnuplot")
     run = Efficiency(bench)
     m = run.measure()
-    with open(bench.doc / "efficiency.csv", "w", newline="", encoding="ascii") as file:
-        table = csv.DictWriter(file, COLUMNS, lineterminator="\n")
-        table.writeheader()
-        for row in (row for rows in m.rows.values() for row in rows):
-            table.writerow({k: "%.6g" % v if isinstance(v, float) else v for k, v in row.items()})
+    pages.write_csv(bench.doc / "efficiency.csv", [row for rows in m.rows.values() for row in rows])
     pages.draw(plot(m), bench.doc)
     bench.page("efficiency", page(run, m))
 

@@ -1,5 +1,6 @@
 """Tables in Markdown, numbers as tables have them, and plots as text for gnuplot: panels that are told apart without
 colour, by points and dashes."""
+import csv
 import json
 import math
 import subprocess
@@ -32,6 +33,14 @@ def table(heads, rows):
 def sections(*parts):
     """Paragraphs and tables with an empty line between; what is empty is left out."""
     return "\n\n".join(part.strip("\n") for part in parts if part)
+
+
+def write_csv(path, rows):
+    """rows: dictionaries of the same fields."""
+    with open(path, "w", newline="", encoding="utf-8") as file:
+        file = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
+        file.writeheader()
+        file.writerows({k: "%.6g" % v if isinstance(v, float) else v for k, v in row.items()} for row in rows)
 
 
 def read_json(path):

@@ -1,9 +1,11 @@
 """How right the portals are, and what finding them costs: doc/portals.md."""
+import shutil
 import statistics
 from collections import namedtuple
 
 import pages
 from common import ROOT, STAGES, Setting, checked, cores, settings
+from scale import stages_of
 
 KNOWN = "hole,slit,floor-door,through-floor,ajar-full,ajar,window,two-openings,holes-in-row,doors-in-row,closet"
 UNDER_SKY = ("sky-window,sky-windows,corner-windows,skylight,sky-blinds,colonnade,room-behind,deep-facade,landscape,"
@@ -51,28 +53,28 @@ def time_tables(name, runs):
         pages.table(("ratio", "measured", "at most"), ratios))
 
 
-def taken(bench, program, *arguments, output):
-    run = bench.fresh(program, *arguments, output=output, threads=0)
-    phases = run.said.get("phases", {}) if program in ("ffgraph", "lightgrid") else {}
-    aside = sum(phases[p]["cpu_seconds"] for p in ("load", "bvh") if phases.get(p))
-    return Taken(run.wall, run.cpu, aside, round((run.said.get("peak_bytes") or 0) / 2**20))
-
-
 def measured_time(bench):
-    scene, name = bench.find("veach-ajar"), "veach-ajar"
+    name = "veach-ajar"
+    scene = bench.find(name)
     if not scene:
         bench.say("veach-ajar.glb is not there, door-ajar.glb of testdata takes its place")
-        scene, name = bench.find("door-ajar"), "door-ajar"
-    split, file, rounds = bench.cache / "split.glb", (lambda end: bench.cache / f"a.{end}"), []
+        name = "door-ajar"
+        scene = bench.find(name)
+    whole, split, rounds = bench.cache / "whole.glb", bench.cache / "split.glb", []
+    shutil.copy(scene, whole)
     checked([bench.store.program("split_scene"), scene, split])
     picture = ("--integrator", "bdpt", "--spp", 1, "--max-depth", 6, "--width", 1280, "--height", 720)
+
+    def taken(program, arguments, output):
+        run = bench.fresh(program, *arguments, output=output, threads=0)
+        phases = run.said.get("phases", {}) if program in ("ffgraph", "lightgrid") else {}
+        aside = sum(phases[p]["cpu_seconds"] for p in ("load", "bvh") if phases.get(p))
+        return Taken(run.wall, run.cpu, aside, round((run.said.get("peak_bytes") or 0) / 2**20))
+
     for _ in range(bench.settings.runs):
-        of = {(name, "bdpt"): taken(bench, "tdpt-render", scene, *picture, output=file("exr"))}
-        for key, room in ((name, scene), (name + "/4", split)):
-            of[key, "ffgraph"] = taken(bench, "ffgraph", room, output=file("max"))
-            of[key, "mincut"] = taken(bench, "mincut", file("max"), output=file("cut"))
-            of[key, "lightgrid"] = taken(bench, "lightgrid", room, file("cut"), output=file("vdb"))
-            of[key, "portalfit"] = taken(bench, "portalfit", file("vdb"), output=file("portal.glb"))
+        of = {(name, "bdpt"): taken("tdpt-render", (scene, *picture), bench.cache / "a.exr")}
+        for key, room in ((name, whole), (name + "/4", split)):
+            of.update({(key, stage[0]): taken(*stage) for stage in stages_of(room.with_suffix(""))[:4]})
         rounds.append(of)
     return time_tables(name, with_sums(rounds))
 

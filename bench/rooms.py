@@ -1,11 +1,11 @@
 """Made-up scenes and skies: diffuse rooms without a lamp, to be lit by an environment through their openings; one whose
 window has six panes; two furnished rooms of as many triangles as wanted; and a clear sky as an environment map."""
-import argparse
 import itertools
 from pathlib import Path
 
 import numpy as np
 
+from common import Setting, Stop, settings
 from formats import Builder, exr_write, portals_glb
 
 # ---- A clear sky ----
@@ -96,22 +96,19 @@ def sky_map(width, height, sun, with_sun, ground=0.2):
     return radiance
 
 
-def write_sky_map(arguments):
+@settings(OUT=Setting("sky.exr", "the file"), WIDTH=Setting(256, "texels; the height is half of it"),
+          AZIMUTH=Setting(0.0, "of the sun, degrees from -Z towards +X"),
+          ALTITUDE=Setting(35.0, "of the sun, degrees above the horizon"), SUN=Setting(0, "1: with the sun itself"),
+          GROUND=Setting(0.2, "albedo of the ground"))
+def write_sky_map(bench):
     """A clear sky as an environment map, without its sun or with it."""
-    p = argparse.ArgumentParser(prog="bench/run.py sky-map", description=write_sky_map.__doc__)
-    p.add_argument("out")
-    p.add_argument("--width", type=int, default=256, help="texels; the height is half of it")
-    p.add_argument("--azimuth", type=float, default=0, help="of the sun, degrees from -Z towards +X")
-    p.add_argument("--altitude", type=float, default=35, help="of the sun, degrees above the horizon")
-    p.add_argument("--sun", action="store_true", help="with the sun itself")
-    p.add_argument("--ground", type=float, default=0.2, help="albedo of the ground")
-    a = p.parse_args(arguments)
-    if a.width < 8 or a.width % 4:
-        p.error("--width: expected a multiple of 4 from 8 on")
-    if not 1 <= a.altitude <= 90:
-        p.error("--altitude: expected 1 to 90 degrees")
-    sky = sky_map(a.width, a.width // 2, towards(a.azimuth, a.altitude), a.sun, a.ground)
-    exr_write(a.out, sky, f"made by bench/run.py sky-map {' '.join(arguments[1:])}")
+    s = bench.settings
+    if s.width < 8 or s.width % 4:
+        raise Stop(2, "WIDTH: expected a multiple of 4 from 8 on")
+    if not 1 <= s.altitude <= 90:
+        raise Stop(2, "ALTITUDE: expected 1 to 90 degrees")
+    sky = sky_map(s.width, s.width // 2, towards(s.azimuth, s.altitude), s.sun, s.ground)
+    exr_write(s.out, sky, " ".join(["made by bench/run.py sky-map", *map("=".join, bench.given.items())]))
 
 
 def quarters(width=256):
@@ -289,17 +286,20 @@ def write_paned_rooms(folder):
             (folder / f"panes-{centimetres}-{name}.glb").write_bytes(portals_glb(portals))
 
 
-def write_rooms(arguments):
-    """In a folder window.glb, skylight.glb, windows.glb (a corner window, ground and a house outside), behind.glb (a
-    window, then a door); beside each NAME.portals.py, the openings to the outside as Blender's portals, as one would
-    draw them by hand; and quarters.exr."""
-    p = argparse.ArgumentParser(prog="bench/run.py rooms", description=write_rooms.__doc__)
-    p.add_argument("folder")
-    folder = Path(p.parse_args(arguments).folder)
+def write_rooms(folder):
+    """NAME.glb of each room, the same as portals for Blender, and quarters.exr."""
     for name, room in ROOMS.items():
         (folder / f"{name}.glb").write_bytes(room().glb())
         (folder / f"{name}.portals.py").write_text(room().portals_for_blender(), encoding="ascii")
     exr_write(folder / "quarters.exr", quarters())
+
+
+@settings(FOLDER=Setting(".", "that of the files"))
+def write_all_rooms(bench):
+    """In a folder window.glb, skylight.glb, windows.glb (a corner window, ground and a house outside), behind.glb (a
+    window, then a door); beside each NAME.portals.py, the openings to the outside as Blender's portals, as one would
+    draw them by hand; and quarters.exr."""
+    write_rooms(Path(bench.settings.folder))
 
 
 # ---- Many triangles ----
@@ -410,11 +410,9 @@ def write_scene(triangles, form, path):
     return count
 
 
-def write_many_triangles(arguments):
+@settings(TRIANGLES=Setting(1e5, "about so many"), FORM=Setting("grid", "of: grid parts soup"),
+          OUT=Setting("room.glb", "the file"))
+def write_many_triangles(bench):
     """Two furnished rooms with one opening, of about so many triangles."""
-    p = argparse.ArgumentParser(prog="bench/run.py many-triangles", description=write_many_triangles.__doc__)
-    p.add_argument("triangles", type=float)
-    p.add_argument("form", choices=FORMS)
-    p.add_argument("out")
-    a = p.parse_args(arguments)
-    print(write_scene(int(a.triangles), a.form, a.out))
+    s = bench.settings
+    print(write_scene(int(s.triangles), s.form, s.out))

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""bench/run.py NAME [--quick] [--bin BIN] [--cache CACHE] [--doc DOC] [SETTING=VALUE ...] [ARGUMENT ...]
+"""bench/run.py NAME [--quick] [--bin BIN] [--cache CACHE] [--doc DOC] [SETTING=VALUE ...]
 
 Runs a benchmark of the programs in BIN (build/bin) and writes its page in DOC (doc); pictures and results stay in CACHE
 (build/NAME), so that a run that was stopped goes on where it was. `bench/run.py NAME --help` tells what is measured and
@@ -57,7 +57,7 @@ BENCHMARKS = {  # name: (module, function, what it does)
     "scale": ("scale", "scale", "time and memory against triangles: doc/scale.md (a quarter of an hour, 5 GiB)"),
     "public-files": ("public_files", "public_files", "what becomes of every glTF file below a folder: doc/scenes.md"),
     "work-model": ("work_model", "work_model", "fits the tables of tools/tdpt-render/plan/work_model.h"),
-    "rooms": ("rooms", "write_rooms", "made-up rooms for an environment, in a folder"),
+    "rooms": ("rooms", "write_all_rooms", "made-up rooms for an environment, in a folder"),
     "many-triangles": ("rooms", "write_many_triangles", "two rooms of so many triangles, in a file"),
     "sky-map": ("rooms", "write_sky_map", "a clear sky as an environment map"),
 }
@@ -134,10 +134,7 @@ def main(name="--help", *words):
     if not found:
         print(f"{name}: python3 with numpy is missing (Debian: python3-numpy)", file=sys.stderr)
         return 5
-    function = getattr(found, function)
-    if not hasattr(function, "settings"):  # a tool with a command line of its own
-        return function(list(words))
-    return run(name, function, words)
+    return run(name, getattr(found, function), words)
 
 
 if __name__ == "__main__":

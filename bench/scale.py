@@ -79,7 +79,7 @@ def plot(rows):
     return figure.script("scale.png")
 
 
-def stages_of(stem, options):
+def stages_of(stem, options={}):
     """(program, arguments, output) from room to picture; options: {program: more of it}."""
     return [(program, [*(f"{stem}.{end}" for end in inputs.split()), *options.get(program, ())], f"{stem}.{output}")
             for program, inputs, output in zip(PROGRAMS, ("glb", "max", "glb cut", "vdb", "glb"),

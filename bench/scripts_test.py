@@ -70,7 +70,7 @@ class Stamp(unittest.TestCase):
 
 class Stages(Stamp):
     def test_every_picture_of_the_page_is_made(self):
-        rooms.write_rooms([str(self.work)])
+        rooms.write_rooms(self.work)
         self.runs("stages", SCENE=SCENES / "two-rooms.glb", INTERIOR=SCENES / "window.glb", SKY="1,1,1",
                   WINDOWS=self.work / "skylight.glb")
         text = (HERE.parent / "doc/stages.md").read_text(encoding="utf-8")

@@ -13,7 +13,7 @@ import numpy as np
 import pages
 import rooms
 import stats
-from common import SKIES, STAGES, Halves, Made, Setting, Stop, checked, decibels_of, environment, settings, turns
+from common import SKIES, STAGES, Made, Setting, Stop, checked, decibels_of, environment, settings, turns
 from pages import hundredths
 
 SEED = 20260717
@@ -85,11 +85,6 @@ def mean_table(cells):
     return pages.table(("lit through", "sky", "rooms", *WITH.values()), rows)
 
 
-def beside_best(cell):
-    """Gain of auto over the greatest of a single method, 1 of the better without among them."""
-    return cell.gain("auto").value / max(1, *(cell.gain(m).value for m in WITH if m != "auto"))
-
-
 def aim_table(cells):
     rows = []
 
@@ -97,14 +92,15 @@ def aim_table(cells):
         if not math.isnan(value):
             rows.append([f"{words}: {wanted}", shown, "yes" if value >= wanted else "**no**"])
 
-    for words, wanted, group, sky in (("ordinary windows, geometric mean", 5, "windows", None),
-                                      ("the same under overcast", 1.5, "windows", "overcast"),
-                                      ("through a second room, geometric mean", 20, "second", None)):
-        mean = geometric_mean(select(cells, group, sky), "auto")
+    for words, wanted, *which in (("ordinary windows, geometric mean", 5, "windows"),
+                                  ("the same under overcast", 1.5, "windows", "overcast"),
+                                  ("through a second room, geometric mean", 20, "second")):
+        mean = geometric_mean(select(cells, *which), "auto")
         aim(words, wanted, mean.value, mean.text(hundredths))
-    for words, value in (("the least gain", lambda c: c.gain("auto").value),
-                         ("the least beside the best single choice", beside_best)):
-        known = {key: v for key, v in ((key, value(cell)) for key, cell in cells.items()) if not math.isnan(v)}
+    gains = {key: {m: cell.gain(m).value for m in WITH} for key, cell in cells.items()}
+    for words, others in (("the least gain", ()), ("the least beside the best single choice", set(WITH) - {"auto"})):
+        values = {key: of["auto"] / max(1, *(of[m] for m in others), 1) for key, of in gains.items()}
+        known = {key: v for key, v in values.items() if not math.isnan(v)}
         room, sky = min(known, key=known.get)
         low, below = known[room, sky], sum(v < 0.95 for v in known.values())
         aim(words, 0.95, low, f"{low:.2f} ({room}, {sky}); below 0.95 in {below} of {len(cells)}")
@@ -189,8 +185,7 @@ def sky(bench):
             return bench.render(scene, *shines, "--width", width, "--height", s.height, *options, "--spp", spp,
                                 "--seed", seed)
 
-        halves = Halves(bench, *(render((*portal, "--integrator", s.ref_integrator), s.ref_spp, 1000000 + half).out
-                                 for half in (1, 2)))
+        halves = bench.halves(lambda seed: render((*portal, "--integrator", s.ref_integrator), s.ref_spp, seed))
         made = Cell(halves.black, halves.peak, group=group, portals=portals.count)
         for seed, method in turns(range(1, s.seeds + 1), OPTIONS):
             run = render((*(() if method in WITHOUT else portal), *OPTIONS[method]), s.spp, seed)
@@ -281,7 +276,7 @@ def panes(bench):
             return bench.render(bench.cache / f"{room}.glb", "--environment", environment(light),
                                 "--environment-rotation", -45, "--portal", bench.cache / f"{room}-{portals}.glb",
                                 "--width", s.width, "--height", s.height, *options, "--spp", spp, "--seed", seed)
-        halves = Halves(bench, *(render("one", GUIDED, s.ref_spp, 1000000 + half).out for half in (1, 2)))
+        halves = bench.halves(lambda seed, render=render: render("one", GUIDED, s.ref_spp, seed))
         cost = Counter()
         for seed, (way, options), portals in itertools.product(range(1, s.seeds + 1), ways.items(),
                                                                ("one", "three", "six")):

@@ -1,6 +1,5 @@
 """Every knob that trades speed for accuracy, as curves: what is measured. tradeoff_page.py makes doc/tradeoff.md of
 it."""
-import csv
 import functools
 import itertools
 import math
@@ -306,16 +305,9 @@ def room_tasks(bench):
 TABLES = {"portals": portal_tasks, "pictures": picture_tasks, "rooms": room_tasks, "simplified": simplified_tasks}
 
 
-def write_rows(path, rows):
-    with open(path, "w", newline="", encoding="utf-8") as file:
-        table = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
-        table.writeheader()
-        table.writerows({k: "%.6g" % v if isinstance(v, float) else v for k, v in row.items()} for row in rows)
-
-
 def run_all(bench, name, tasks):
-    """Their rows in order. They are run in another one, always the same, so that settings that are compared are not
-    measured one after the other."""
+    """Their rows in order. They are run in another one, always the same, so that what is compared is not measured one
+    after the other."""
     order = list(range(len(tasks)))
     random.Random(name).shuffle(order)
     found = dict(zip(order, bench.side_by_side([tasks[i] for i in order])))

@@ -16,7 +16,7 @@ import pages
 import stats
 from common import STAGES, Setting, cores, settings
 from pages import hundredths, table
-from tradeoff import CHAIN, DEPTHS, INTEGRATORS, KNOBS, RENDERER, TABLES, Tradeoff, run_all, write_rows
+from tradeoff import CHAIN, DEPTHS, INTEGRATORS, KNOBS, RENDERER, TABLES, Tradeoff, run_all
 
 RENDERS = (10, 100, 1000)  # R [CPU s]
 DEFAULT, TRUE = ("default", ""), ("true", "")
@@ -503,7 +503,7 @@ def tradeoff(bench):
     bench.need("gnuplot")
     run = Tradeoff(bench)
     for name in bench.settings.tables:
-        write_rows(bench.cache / f"{name}.csv", run_all(bench, name, list(TABLES[name](run))))
+        pages.write_csv(bench.cache / f"{name}.csv", run_all(bench, name, list(TABLES[name](run))))
     for name in TABLES:
         shutil.copy(bench.cache / f"{name}.csv", bench.doc / f"tradeoff-{name}.csv")
     extent = "".join(f"{key}={value} " for key, value in bench.given.items() if key in ("SEEDS", "ROOMS"))

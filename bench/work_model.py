@@ -1,15 +1,11 @@
-"""Fits the tables of tools/tdpt-render/plan/work_model.h to what work_model_bench measured (files or standard input,
-headers in between allowed) and prints them as they stand there, with --device those of a device.
-
-Least squares of relative errors: sum over lines of ((terms . costs) / nanoseconds - 1)^2, one fit to the
-lines with portals and one to those without; lines of pt do not count. A term that is 0 in all lines stays 0,
-unwritten; one that is held has that cost where it is not. How far the fit is off goes to standard error.
-"""
-import argparse
+"""The costs of the model of work, tools/tdpt-render/plan/work_model.h, by least squares of relative errors:
+sum over lines of ((terms . costs) / nanoseconds - 1)^2, one fit to the lines with portals and one to those without; lines
+of pt do not count. A term that is 0 in all lines stays 0, unwritten; one that is held has that cost where it is not."""
 import fileinput
-import sys
 
 import numpy as np
+
+from common import Setting, settings
 
 KEYS = ("scene", "depth", "integrator", "portals", "nanoseconds")  # before the terms
 TABLES = {1: "kWorkWithPortals", 0: "kWorkWithoutPortals"}
@@ -73,33 +69,32 @@ def table(name, names, costs):
     return "\n".join([f"inline constexpr WorkCosts {name}{{", *lines, "};"])
 
 
-def held_costs(arguments, names):
-    """held[term] of fit(). Throws ValueError."""
+def held_costs(costs, names):
+    """held[term] of fit(); costs: TERM=COST. Throws ValueError."""
     held = np.full(len(names), np.nan)
-    for argument in arguments:
-        name, _, cost = argument.partition("=")
+    for name, cost in (word.split("=") for word in costs):
         if name not in names:
-            raise ValueError(f"--hold {argument}: there is no such term")
+            raise ValueError(f"HOLD: {name}: there is no such term")
         held[names.index(name)] = float(cost)
     return held
 
 
-def work_model(arguments):
-    parser = argparse.ArgumentParser(prog="bench/run.py work-model", description=__doc__)
-    parser.add_argument("--device", action="store_true")
-    parser.add_argument("--hold", action="append", default=[], metavar="TERM=COST")
-    parser.add_argument("files", nargs="*")
-    options = parser.parse_args(arguments)
-    with fileinput.input(options.files, encoding="utf-8") as lines:
+@settings(FILES=Setting(("/dev/stdin",), "what work_model_bench printed"), DEVICE=Setting(0, "1: tables of a device"),
+          HOLD=Setting((), "TERM=COST ..., costs that are known"))
+def work_model(bench):
+    """Fits the tables of tools/tdpt-render/plan/work_model.h to what work_model_bench measured, headers in between
+    allowed, and prints them as they stand there. How far the fit is off goes to standard error."""
+    s = bench.settings
+    with fileinput.input(s.files, encoding="utf-8") as lines:
         names, rows = read(lines)
-    held = held_costs(options.hold, names)
+    held = held_costs(s.hold, names)
     rows = {key: [row for row in rows[key] if row[0]["integrator"] != "pt"] for key in rows if rows[key]}
     costs = {}
     for key, of in rows.items():
         terms = np.array([row for _, row in of])
         costs[key] = np.round(fit(terms, np.array([float(keys["nanoseconds"]) for keys, _ in of]), held))
-        print(table((DEVICE_TABLES if options.device else TABLES)[key], names, costs[key]))
+        print(table((DEVICE_TABLES if s.device else TABLES)[key], names, costs[key]))
     errors = np.abs(ratio_errors(rows, costs))
     if errors.size:
-        print(f"{sum(map(len, rows.values()))} lines; ratios to bdpt are off by {100 * errors.mean():.1f} % on average, "
-              f"{100 * errors.max():.1f} % at most", file=sys.stderr)
+        bench.say(f"{sum(map(len, rows.values()))} lines; ratios to bdpt are off by {100 * errors.mean():.1f} % on "
+                  f"average, {100 * errors.max():.1f} % at most")
