@@ -1,6 +1,7 @@
 """Cycles, Blender's path tracer, beside tdpt-render: whether they agree in the mean, and what each makes with portals
 in equal CPU time. Tables of doc/cycles.md."""
 import functools
+import itertools
 import math
 import os
 import shutil
@@ -56,22 +57,25 @@ def agreement(names, sets):
     return lines, worst <= LIMIT
 
 
-def compare_scene(bench, scene, depth, light=()):
-    """Prints the table of a scene and a depth; whether they agree."""
-    s = bench.settings
-    work = bench.cache / "-".join([scene.stem, str(depth), *(str(w) for w in light)]).replace("/", "_")
-    work.mkdir(exist_ok=True)
-    size = ["--max-depth", depth, "--width", s.width, "--height", s.height, *light]
-    blender("render", scene, work / "cycles-%d.exr", "--seeds", s.seeds, "--spp", s.spp, *size, *s.cycles_options)
-    ours = [bench.render(scene, "--integrator", s.integrator, "--seed", seed, "--spp", s.spp, *size, threads=0).out
-            for seed in range(1, s.seeds + 1)]
-    theirs = [work / f"cycles-{seed}.exr" for seed in range(1, s.seeds + 1)]
-    sets = [np.array([exr_read(path)[0] for path in paths]) for paths in (theirs, ours)]
-    for name, pictures in zip(("Cycles", s.integrator), sets):
-        exr_write(work / f"{name}.exr", pictures.mean(0))
-    lines, agree = agreement(("Cycles", s.integrator), sets)
-    print("\n".join([f"\n{scene.name}, depth {depth}, {s.seeds} seeds of {s.spp} spp", *lines]), flush=True)
-    return agree
+def compare_scenes(bench, jobs):
+    """Prints the table of each (scene, depth, light); ends the benchmark where a mean differs."""
+    s, all_agree = bench.settings, True
+    for scene, depth, light in jobs:
+        work = bench.cache / "-".join([scene.stem, depth, *map(str, light)]).replace("/", "_")
+        work.mkdir(exist_ok=True)
+        size = ["--max-depth", depth, "--width", s.width, "--height", s.height, *light]
+        blender("render", scene, work / "cycles-%d.exr", "--seeds", s.seeds, "--spp", s.spp, *size, *s.cycles_options)
+        ours = [bench.render(scene, "--integrator", s.integrator, "--seed", seed, "--spp", s.spp, *size, threads=0).out
+                for seed in range(1, s.seeds + 1)]
+        theirs = [work / f"cycles-{seed}.exr" for seed in range(1, s.seeds + 1)]
+        sets = [np.array([exr_read(path)[0] for path in paths]) for paths in (theirs, ours)]
+        for name, pictures in zip(("Cycles", s.integrator), sets):
+            exr_write(work / f"{name}.exr", pictures.mean(0))
+        lines, agree = agreement(("Cycles", s.integrator), sets)
+        all_agree = all_agree and agree
+        print("\n".join([f"\n{scene.name}, depth {depth}, {s.seeds} seeds of {s.spp} spp", *lines]), flush=True)
+    if not all_agree:
+        raise Stop(1, "means differ")
 
 
 compare_settings = functools.partial(
@@ -91,9 +95,7 @@ def compare(bench):
     BLENDER in the environment names Blender."""
     s = bench.settings
     light = ("--environment", s.sky, "--environment-rotation", f"{s.sky_rotation:g}") if s.sky else ()
-    agree = [compare_scene(bench, Path(scene).resolve(), depth, light) for scene in s.files for depth in s.depths]
-    if not all(agree):
-        raise Stop(1, "means differ")
+    compare_scenes(bench, [(Path(scene).resolve(), depth, light) for scene in s.files for depth in s.depths])
 
 
 @compare_settings(SKIES=Setting(("colour", "quarters", "sun"), "of: colour quarters sun"),
@@ -106,16 +108,18 @@ def compare_skies(bench):
     rooms.write_rooms(bench.cache)
     lights = {"colour": ("1,0.8,0.5", 0), "quarters": (bench.cache / "quarters.exr", 30),
               "sun": (MAPS / "clear-sun.exr", -45)}
-    agree = []
-    for sky in bench.settings.skies:
-        if sky not in lights:
-            raise Stop(2, f"SKIES: {sky} is none of {', '.join(lights)}")
-        print(f"\n## {sky}")
-        light = ("--environment", lights[sky][0], "--environment-rotation", lights[sky][1])
-        agree += [compare_scene(bench, bench.cache / f"{room}.glb", depth, light)
-                  for room in bench.settings.rooms for depth in bench.settings.depths]
-    if not all(agree):
-        raise Stop(1, "means differ")
+    wrong = set(bench.settings.skies) - set(lights)
+    if wrong:
+        raise Stop(2, f"SKIES: {wrong.pop()} is none of {', '.join(lights)}")
+
+    def jobs():
+        for sky in bench.settings.skies:
+            print(f"\n## {sky}")
+            light = ("--environment", lights[sky][0], "--environment-rotation", lights[sky][1])
+            yield from itertools.product([bench.cache / f"{room}.glb" for room in bench.settings.rooms],
+                                         bench.settings.depths, [light])
+
+    compare_scenes(bench, jobs())
 
 
 # ---- In equal time ----

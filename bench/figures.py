@@ -4,6 +4,7 @@ import math
 import shutil
 import subprocess
 from pathlib import Path
+from statistics import mean
 
 import pages
 from common import SEEDED, STAGES, Made, Setting, Stop, cores, settings
@@ -11,8 +12,8 @@ from common import SEEDED, STAGES, Made, Setting, Stop, cores, settings
 SCENES = ("cornell-box-portal", "veach-ajar", "veach-ajar-flip", "bathroom2", "bathroom2-channel")
 INTEGRATORS = ("pt", "nee", "bdpt", "tdpt-org", "tdpt")
 # The paper's share of non-zero pixels at 1 spp and CPU time per frame.
-FIG5 = {"pt": ("0.00619 %", "not in the text"), "nee": ("0.382 %", "not in the text"), "bdpt": (
-    "4.79 %", "not in the text"), "tdpt-org": ("27.6 %", "3.1 s"), "tdpt": ("24.4 %", "2.5 s")}
+FIG5 = {"pt": ("0.00619 %", "not in the text"), "nee": ("0.382 %", "not in the text"),
+        "bdpt": ("4.79 %", "not in the text"), "tdpt-org": ("27.6 %", "3.1 s"), "tdpt": ("24.4 %", "2.5 s")}
 WORDS = {"veach-ajar-flip": 'no direct light; "the metrics of TDPT occupy an overwhelming advantage"',
          "bathroom2": 'a large window; "the advantage of TDPT is not apparent"'}
 COMMON_WARNINGS = ("there is no portal in", "no portal is given")
@@ -46,10 +47,6 @@ def percent(share):
     return pages.three(100 * share) + " %"
 
 
-def average(values):
-    return sum(values) / len(values)
-
-
 def size_of(said):
     return f"{said['width']} x {said['height']}"
 
@@ -79,13 +76,13 @@ def figure5(figures):
     for i, run in runs.items():
         said, before, points = run.said, 0, []
         for frame in said["frames"]:
-            points.append((frame["spp"], 100 * frame["nonzero"], average(frame["mean"]), frame["cpu_seconds"] - before))
+            points.append((frame["spp"], 100 * frame["nonzero"], mean(frame["mean"]), frame["cpu_seconds"] - before))
             before = frame["cpu_seconds"]
         block = plot.block(points)
         for column, drawn in enumerate(panels.values(), 2):
             drawn.append(f'{block} using 1:{column} with lines lw 2 title "{i}"')
         rows.append([i, percent(said["frames"][0]["nonzero"]), FIG5[i][0], percent(said["nonzero"]),
-                     pages.three(average(said["mean"])), "about 0.02", pages.three(said["cpu_seconds"] / said["spp"]),
+                     pages.three(mean(said["mean"])), "about 0.02", pages.three(said["cpu_seconds"] / said["spp"]),
                      FIG5[i][1]])
     for words, drawn in panels.items():
         own = {"a": ("set yrange [0:*]",), "b": ("set key right bottom",)}.get(words[0], ())
@@ -114,7 +111,7 @@ def figure6(figures):
         figures.copy(run.folder / "nonzero.png", f"fig6-{i}.png")
     said = [run.said for run in runs.values()]
     rows = [[f"![{i}](figures/fig6-{i}.png)" for i in three], [f"{percent(s['nonzero'])} non-zero" for s in said],
-            [f"mean {pages.three(average(s['mean']))}" for s in said]]
+            [f"mean {pages.three(mean(s['mean']))}" for s in said]]
     return f"""## Fig 6: veach-ajar-flip, 1 sample per pixel, depth 5, {size_of(said[0])}
 
 Red: some light arrived. Green: none.
@@ -131,24 +128,21 @@ def figure7(figures, scene):
     runs = {i: figures.render(scene, i, s.spp, 5, s.seed) for i in INTEGRATORS}
     errors, rows = {}, []
     for i, run in runs.items():
-        made = figures.bench.store.run("exrdiff", run.out, reference.out,
-                                       "--side-by-side", Made("both.png"), output=False)
+        made = figures.bench.store.run("exrdiff", run.out, reference.out, "--side-by-side", Made("both.png"), output=False)
         errors[i] = made.said
         if i in ("bdpt", "tdpt"):
             figures.copy(made.folder / "both.png", f"fig7-{scene}-{i}.png")
-    base = errors["bdpt"]["relmse"] * runs["bdpt"].said["cpu_seconds"]
-    number = pages.three
+    base, number = errors["bdpt"]["relmse"] * runs["bdpt"].said["cpu_seconds"], pages.three
     for i, e in errors.items():
         seconds = runs[i].said["cpu_seconds"]
         cost, off = e["relmse"] * seconds, e["mean"] / e["reference_mean"]
-        psnr = "-" if e["psnr"] is None else "%.2f" % e["psnr"]
-        rows.append([i, psnr, *map(number, (e["mape"], e["relmse"], e["relmse_trimmed"])), percent(e["nonzero"]),
+        rows.append([i, "-" if e["psnr"] is None else "%.2f" % e["psnr"],
+                     *map(number, (e["mape"], e["relmse"], e["relmse_trimmed"])), percent(e["nonzero"]),
                      number(e["mean"]), number(seconds), "%.2g" % (base / cost) if cost > 0 and 0.8 < off < 1.2 else "-"])
-    black = errors["bdpt"]["black"]
-    rows.append(["all black", "%.2f" % black["psnr"], number(black["mape"]), number(black["relmse"]), "-", "-", 0, "-",
-                 "-"])
-    rows.append(["reference", "-", "-", "-", "-", percent(reference.said["nonzero"]),
-                 number(errors["bdpt"]["reference_mean"]), number(reference.said["cpu_seconds"]), "-"])
+    black, nothing = errors["bdpt"]["black"], ["-"] * 4
+    rows.append(["all black", "%.2f" % black["psnr"], number(black["mape"]), number(black["relmse"]), "-", "-", 0, "-", "-"])
+    rows.append(["reference", *nothing, percent(reference.said["nonzero"]), number(errors["bdpt"]["reference_mean"]),
+                 number(reference.said["cpu_seconds"]), "-"])
     here, there = errors["tdpt"], errors["bdpt"]
     gain = (here["psnr"] or math.inf) - (there["psnr"] or math.inf)
     warnings = sorted({line.removeprefix("tdpt-render: warning: ") for run in (reference, runs["bdpt"])

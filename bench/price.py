@@ -186,13 +186,11 @@ def nothing_rows(bench, room):
 def round_rows(bench):
     """What ffgraph's rounds of splitting brought."""
     rows = []
-    for name in ("door-ajar", "half-metre-hole", "small-hole", "three-rooms", "two-rooms", "window", "veach-ajar",
-                 "cornell-box-portal"):
-        scene = bench.find(name)
-        if scene:
-            told = bench.fresh("ffgraph", "--explain", scene, output=bench.cache / "rounds.max", threads=0).errors
-            found = re.findall(r"^ffgraph: round 1: (.*), because (.*) \((.*) CPU s\)$", told, re.M)
-            rows += [[name, *cells] for cells in found]
+    for name, scene in bench.there(("door-ajar", "half-metre-hole", "small-hole", "three-rooms", "two-rooms", "window",
+                                    "veach-ajar", "cornell-box-portal")).items():
+        told = bench.fresh("ffgraph", "--explain", scene, output=bench.cache / "rounds.max", threads=0).errors
+        found = re.findall(r"^ffgraph: round 1: (.*), because (.*) \((.*) CPU s\)$", told, re.M)
+        rows += [[name, *cells] for cells in found]
     return rows
 
 

@@ -91,12 +91,8 @@ def portals_gain(cost):
     return min(without) / min(with_portals) if with_portals and without else None
 
 
-def lengths_of(scenes):
-    return sorted({length for s in scenes.values() for length in s.choices})
-
-
-def scene_table(scenes):
-    lengths, rows = lengths_of(scenes), []
+def scene_table(scenes, lengths):
+    rows = []
     for name, s in scenes.items():
         cells = [f"{mean([e[1] for e in s.efficiencies(n)]):.3f}" for n in lengths]
         chosen = Counter(i for i, _ in s.choices[lengths[-1]]).most_common(1)[0][0]
@@ -105,19 +101,17 @@ def scene_table(scenes):
                         "chosen at the longest"), rows)
 
 
-def length_table(scenes):
+def length_table(scenes, lengths):
     rows = []
-    for length in lengths_of(scenes):
+    for length in lengths:
         of_scene = [s.efficiencies(length) for s in scenes.values() if s.choices[length]]
-        cells = []
-        for k in range(2):
+        rows.append([length, sum(map(len, of_scene))])
+        for k, target in enumerate(TARGETS.get(length, (None, None))):
             each = sorted(e[k] for scene in of_scene for e in scene)
             means = [mean([e[k] for e in scene]) for scene in of_scene]
-            target = TARGETS.get(length, (None, None))[k]
-            met = "-" if target is None else f"{sum(m >= target for m in means)} of {len(means)}"
-            cells += [f"{math.exp(mean([math.log(x) for x in each])):.3f}", f"{each[int(0.05 * len(each))]:.3f}",
-                      f"{min(means):.3f}", "-" if target is None else target, met]
-        rows.append([length, sum(map(len, of_scene)), *cells])
+            met = f"{sum(m >= target for m in means)} of {len(means)}" if target else "-"
+            rows[-1] += [f"{math.exp(mean([math.log(x) for x in each])):.3f}", f"{each[int(0.05 * len(each))]:.3f}",
+                         f"{min(means):.3f}", target or "-", met]
     each = ("5 %", "least of a scene", "target", "met in")
     return pages.table(("samples per pixel", "choices", "mean of the better of bdpt and nee", *each,
                         "mean of the best of all", *each), rows)
@@ -125,28 +119,27 @@ def length_table(scenes):
 
 def verdict_table(scenes):
     lengths = sorted({length for s in scenes.values() for length, _ in s.told})
-    rows, within = [], {n: [0, 0] for n in lengths}
+    rows, within = [], {n: [] for n in lengths}
     for name, s in scenes.items():
         true = portals_gain({i: s.cost(i) for i in s.truth})
         if true is None:
             continue
-        cells = []
+        rows.append([name, f"{true:.2f}"])
         for n in lengths:
-            told = sorted(g for (length, _), cost in s.told.items() if length == n for g in [portals_gain(cost)] if g)
-            within[n][0] += sum(0.5 <= g / true <= 2 for g in told)
-            within[n][1] += len(told)
-            cells.append(f"{told[len(told) // 2]:.2g} ({told[0]:.2g} to {told[-1]:.2g})" if told else "-")
-        rows.append([name, f"{true:.2f}", *cells])
-    shares = [f"{100 * a / b:.0f} %" if b else "-" for a, b in within.values()]
+            told = sorted(filter(None, (portals_gain(cost) for (length, _), cost in s.told.items() if length == n)))
+            within[n] += [0.5 <= g / true <= 2 for g in told]
+            rows[-1].append(f"{told[len(told) // 2]:.2g} ({told[0]:.2g} to {told[-1]:.2g})" if told else "-")
+    shares = [f"{100 * mean(of):.0f} %" if of else "-" for of in within.values()]
     return pages.table(("scene", "gain by portals", *(f"told at {n} spp" for n in lengths)),
                        [*rows, ["**within a factor of two**", "", *shares]])
 
 
 def regret_tables(scenes):
+    lengths = sorted({length for s in scenes.values() for length in s.choices})
     return pages.sections(
         "## All scenes\n\nGeometric means, the worst choice in twenty, and the scene where it is least.",
-        length_table(scenes),
-        "## Scene by scene\n\nEfficiency over that of the best of all, mean over choices.", scene_table(scenes),
+        length_table(scenes, lengths),
+        "## Scene by scene\n\nEfficiency over that of the best of all, mean over choices.", scene_table(scenes, lengths),
         "## What portals are said to be worth\n\nThe best integrator with portals over the best without: "
         "measured,\nand as told by `auto`, median (least to most).", verdict_table(scenes))
 

@@ -192,10 +192,9 @@ class Room:
         return builder.content()
 
 
-def shell(room, x, z, height, holes=None, colours=None):
+def shell(room, x, z, height, holes, colours):
     """Floor, ceiling and the walls -X, +X, -Z, +Z round the inside from -x to x, 0 to height and -z to z, 0.2 m thick.
     They reach into each other: no two have a face in one plane, which Cycles shows black."""
-    holes, colours = holes or {}, colours or {}
     for name, low, high, colour in (
         ("floor", (-x - 0.25, -0.2, -z - 0.25), (x + 0.25, 0, z + 0.25), WOOD),
         ("ceiling", (-x - 0.25, height, -z - 0.25), (x + 0.25, height + 0.2, z + 0.25), WHITE),
@@ -209,39 +208,43 @@ def shell(room, x, z, height, holes=None, colours=None):
             room.opening(low, high, hole, "xyz".index(name[1]) if len(name) == 2 else 1)
 
 
+def made(eye, target, yfov, inside, holes, colours, *blocks, landscape=False):
+    """A room by the arguments of Room, of shell and of block; landscape: with ground outside."""
+    room = Room(eye, target, yfov)
+    shell(room, *inside, holes, colours)
+    for block in (((-20, -0.4, -20), (20, -0.1, 20), GROUND),) * landscape + blocks:
+        room.block(*block)
+    return room
+
+
+BOX = ((-0.4, -0.03, -2.2), (1.2, 0.75, -1.4))
+
+
 def window():
-    r = Room((-1.5, 1.5, 2.1), (0.9, 1.0, -1.0), 1.1)
-    shell(r, 2, 2.5, 2.6, {"+x": [((1, 0.9, -0.8), (3, 2.2, 0.8))]}, {"-z": GREEN})
-    r.block((-20, -0.4, -20), (20, -0.1, 20), GROUND)
-    r.block((-0.4, -0.03, -2.2), (1.2, 0.75, -1.4))
-    r.block((8, -0.3, -4), (9, 2, 3), RED)
-    return r
+    return made((-1.5, 1.5, 2.1), (0.9, 1.0, -1.0), 1.1, (2, 2.5, 2.6), {"+x": [((1, 0.9, -0.8), (3, 2.2, 0.8))]},
+                {"-z": GREEN}, BOX, ((8, -0.3, -4), (9, 2, 3), RED), landscape=True)
 
 
 def skylight():
-    r = Room((-1.7, 1.5, 1.7), (0.6, 0.9, -0.8))
-    shell(r, 2, 2, 2.5, {"ceiling": [((-0.3, 2, -1.2), (0.9, 3, 0.3))]}, {"+x": RED, "-z": GREEN})
-    r.block((0.6, -0.03, -1.5), (1.2, 0.7, -0.9))
-    return r
+    return made((-1.7, 1.5, 1.7), (0.6, 0.9, -0.8), 1.0, (2, 2, 2.5), {"ceiling": [((-0.3, 2, -1.2), (0.9, 3, 0.3))]},
+                {"+x": RED, "-z": GREEN}, ((0.6, -0.03, -1.5), (1.2, 0.7, -0.9)))
 
 
 def windows():
-    r = Room((-2.2, 1.4, 1.5), (1.6, 1.2, -1.0), 1.1)
-    east = [((2, 0.8, -1.5), (3, 2.1, -0.3)), ((2, 0.8, 0.3), (3, 2.1, 1.5))]
-    shell(r, 2.5, 2, 2.6, {"+x": east, "-z": [((1, 0.9, -3), (2.2, 2, -1))]}, {"-x": RED, "-z": GREEN})
-    r.block((-20, -0.4, -20), (20, -0.1, 20), GROUND)
-    r.block((8, -0.3, -5), (9, 3, 1), RED)
-    return r
+    holes = {"+x": [((2, 0.8, -1.5), (3, 2.1, -0.3)), ((2, 0.8, 0.3), (3, 2.1, 1.5))],
+             "-z": [((1, 0.9, -3), (2.2, 2, -1))]}
+    return made((-2.2, 1.4, 1.5), (1.6, 1.2, -1.0), 1.1, (2.5, 2, 2.6), holes, {"-x": RED, "-z": GREEN},
+                ((8, -0.3, -5), (9, 3, 1), RED), landscape=True)
 
 
 def behind():
-    r = Room((-3.6, 1.5, 1.4), (-0.6, 1.0, -0.8), 1.1)
-    shell(r, 4, 2, 2.6, {"+x": [((3, 0.8, -1.5), (5, 2.2, 1.5))]}, {"-z": GREEN})
-    r.wall((-0.1, -0.03, -2.1), (0.1, 2.72, 2.1), [((-1, -1, -1.6), (1, 2, -0.7))], RED)
-    return r
+    room = made((-3.6, 1.5, 1.4), (-0.6, 1.0, -0.8), 1.1, (4, 2, 2.6), {"+x": [((3, 0.8, -1.5), (5, 2.2, 1.5))]},
+                {"-z": GREEN})
+    room.wall((-0.1, -0.03, -2.1), (0.1, 2.72, 2.1), [((-1, -1, -1.6), (1, 2, -0.7))], RED)
+    return room
 
 
-ROOMS = {"window": window, "skylight": skylight, "windows": windows, "behind": behind}
+ROOMS = {room.__name__: room for room in (window, skylight, windows, behind)}
 
 
 # ---- A room whose window has three by two panes ----
@@ -259,10 +262,8 @@ def panes(bar):
 
 
 def paned_room(bar):
-    r = Room((-1.6, 1.5, 2.1), (0.9, 1.0, -1.0), 1.1)
-    shell(r, 2, 2.5, 2.6, {"+x": [((1, LOW[0], LOW[1]), (3, HIGH[0], HIGH[1]))]}, {"-z": GREEN})
-    r.block((-20, -0.4, -20), (20, -0.1, 20), GROUND)
-    r.block((-0.4, -0.03, -2.2), (1.2, 0.75, -1.4))
+    r = made((-1.6, 1.5, 2.1), (0.9, 1.0, -1.0), 1.1, (2, 2.5, 2.6), {"+x": [((1, *LOW), (3, *HIGH))]}, {"-z": GREEN}, BOX,
+             landscape=True)
     (y, z), (top, right) = panes(bar)[0]
     x = (WINDOW_X - BAR_DEPTH / 2, WINDOW_X + BAR_DEPTH / 2)
     for row in range(1, PANES_UP):

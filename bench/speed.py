@@ -15,27 +15,12 @@ PEERS = {("veach-ajar", "bdpt"): ("47 000", "0.20"), ("veach-ajar", "nee"): ("14
          ("half-metre-hole", "bdpt"): ("65 000", "0.038"), ("half-metre-hole", "nee"): ("280 000", "-")}
 
 
-def four(x):
-    """Up to four digits after the point."""
-    return "-" if x is None else f"{round(x, 4):.12g}"
-
-
 def devices(bench, program):
     """The devices that a program sees, and the processor beside them."""
     listed = checked([bench.store.program(program), "--list-devices"]).said
     models = set(re.findall(r"^model name\s*: (.*\S)", Path("/proc/cpuinfo").read_text(), re.M))
     return (f"beside {cores()} cores of {' '.join(sorted(models))}:\n\n"
             + "\n".join("    " + line for line in listed.splitlines()))
-
-
-def scenes_of(bench, *names):
-    """(name, file) of those that are there."""
-    for name in names:
-        scene = bench.find(name)
-        if scene:
-            yield name, scene
-        else:
-            bench.say(f"{name}.glb is not there and stays out")
 
 
 @settings(SECONDS_EACH=Setting(60.0, "of a picture on one core", 0.2),
@@ -47,7 +32,7 @@ def integrators(bench):
     lights = bench.programs / "lights_bench"
     if lights.exists():
         print(checked([lights]).said)
-    for name, scene in scenes_of(bench, *sizes):
+    for name, scene in bench.there(sizes).items():
         width, height = sizes[name]
         options = ("--portal", bench.portals(scene).file, "--max-depth", 6, "--width", width, "--height", height)
         reference = bench.render(scene, *options, "--integrator", "tdpt-org", "--seed", 1000, "--time",
@@ -55,8 +40,9 @@ def integrators(bench):
         for integrator in ("pt", "nee", "bdpt", "tdpt-org", "tdpt", "tdpt-guided"):
             run = bench.render(scene, *options, "--integrator", integrator, "--time", f"{s.seconds_each:g}")
             off, said = bench.distance(run.out, reference.out), run.said
+            errors = off["relmse"], off["psnr"], off["black"]["relmse"]
             rows.append([name, integrator, round(width * height * said["spp"] / said["cpu_seconds"]),
-                         *map(four, (off["relmse"], off["psnr"], off["black"]["relmse"])),
+                         *("-" if e is None else f"{round(e, 4):.12g}" for e in errors),
                          *PEERS.get((name, integrator), ("-", "-"))])
     print(pages.table(("scene", "integrator", "samples per CPU second", f"relMSE after {s.seconds_each:g} s", "PSNR",
                        "black relMSE", "Tungsten: samples", "relMSE"), rows))
@@ -75,7 +61,7 @@ two cores, is not measured by this page: `make bench-grid-speed DEVICE=gpu:NAME`
 def grid(bench):
     """How fast each back end of lightgrid is, by lightgrid_bench. Two minutes on two quiet cores."""
     given = []
-    for name, scene in scenes_of(bench, "veach-ajar", "two-rooms", "half-metre-hole"):
+    for name, scene in bench.there(("veach-ajar", "two-rooms", "half-metre-hole")).items():
         cut = bench.cache / f"{name}.cut"
         shutil.copy(bench.store.run("mincut", bench.store.run("ffgraph", scene, threads=0).out, threads=0).out, cut)
         given += [scene, cut]
@@ -115,7 +101,7 @@ def device(bench):
     s, program = bench.settings, bench.store.program("device_bench")
     fresh = {"MESA_SHADER_CACHE_DISABLE": "true"}  # kernels are made, not taken from the run before
     tables = []
-    for name, scene in scenes_of(bench, "veach-ajar", "two-rooms"):
+    for name, scene in bench.there(("veach-ajar", "two-rooms")).items():
         command = [program, "--device", s.device, "--rounds", s.rounds, scene, bench.portals(scene).file]
         tables.append(f"## {name}\n\n{checked(command, env=fresh).said.strip()}")
     run = checked([program, "--registers"], may_fail=range(1, 256),
@@ -320,7 +306,7 @@ def limit(bench):
         found = re.findall(r"^ *([0-9][0-9,]*)  [^:\n]*:(.*) \[(.*)\]$", told, re.M)
         return profile_of(f"{count}|{module}|{name}" for count, name, module in found)
 
-    for name, scene in scenes_of(bench, "two-rooms", "veach-ajar"):
+    for name, scene in bench.there(("two-rooms", "veach-ajar")).items():
         portal = bench.portals(scene).file
         loads.append(os.getloadavg()[0])
         frames += frames_of(checked([bench.store.program("limit_bench"), scene, portal, "--integrators", s.integrators,

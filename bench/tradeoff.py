@@ -84,7 +84,6 @@ class Scene:
 
     name: str
     apertures: tuple = ()
-    paper: bool = False
     aperture: bool = True
 
     @property
@@ -105,14 +104,14 @@ SCENES = (
     Scene("three-rooms", (hole(2.05, 0.5), hole(4.15, 0.5))),
     Scene("half-metre-hole", (hole(2.05, 0.5),)),
     Scene("door-ajar"),
-    Scene("cornell-box-portal", (((1.01, 0.75, -0.25), (0, 0, 0.5), (0, 0.5, 0)),), paper=True),
-    Scene("veach-ajar", paper=True),
-    Scene("bathroom2-channel", paper=True),
+    Scene("cornell-box-portal", (((1.01, 0.75, -0.25), (0, 0, 0.5), (0, 0.5, 0)),)),
+    Scene("veach-ajar"),
+    Scene("bathroom2-channel"),
     Scene("living-room-lamps", aperture=False),
 )
 # Where portals are worth little or nothing: for the renderer's curves alone.
 OPEN = (Scene("window", (((2.05, 0.2, -0.8), (0, 0, 1.6), (0, 1.6, 0)),)), Scene("kitchen", aperture=False),
-        Scene("cornell-box", paper=True, aperture=False))
+        Scene("cornell-box", aperture=False))
 WHOLE = ("two-rooms-whole", "veach-ajar-whole", "kitchen-whole", "bathroom2-whole")
 
 # Rooms whose openings are known (libcommon/testing/rooms/known_rooms.h) that score portals, one by one.
@@ -158,16 +157,14 @@ class Tradeoff:
         self.lengths = LENGTHS[1::2] if self.quick else LENGTHS
         slow = ("bathroom2-channel", "half-metre-hole", "kitchen", "cornell-box") if self.quick else ()
         wanted = [name for name in (*(s.name for s in SCENES + OPEN), *WHOLE) if name not in slow]
-        self.files = {name: bench.find(name) for name in wanted}
-        for name in (name for name in wanted if not self.files[name]):
-            bench.say(f"{name}: there is no {name.removesuffix('-whole')}.glb in SCENES, left out")
+        self.files = bench.there(wanted)
 
     def values(self, knob):
         default = knob.values.index(knob.default)
         return tuple(v for i, v in enumerate(knob.values) if not self.quick or abs(i - default) == 1 or i in (default, 0))
 
     def scenes(self, scenes):
-        return tuple(s for s in scenes if self.files.get(s.name))
+        return tuple(s for s in scenes if s.name in self.files)
 
     @functools.cache
     def reference(self, scene):
@@ -269,7 +266,7 @@ def picture_tasks(bench):
                                         *GUIDED, *(knob.arguments(value) if value != knob.default else ()))
         for depth, name in itertools.product(DEPTHS, WHOLE[:: 2 if bench.quick else 1]):
             scene = Scene(name, aperture=not name.startswith(("kitchen", "bathroom2")))
-            if bench.files[name]:
+            if name in bench.files:
                 limit = () if depth == "none" else ("--max-depth", depth)
                 yield functools.partial(picture, "tdpt-render --max-depth", depth, scene, 700 + seed,
                                         bench.samples_of(name), "--integrator", "auto", *limit)
