@@ -13,7 +13,8 @@ def comparison(seconds, bdpt, portal, cpu, noisy):
     seconds that they got; noisy: whether the reference is about as short."""
     gain, decibels = bdpt["relmse"] / portal["relmse"], portal["psnr"] - bdpt["psnr"]
     if gain >= 1:
-        words = f"""In the same {seconds:g} seconds the portal makes the error {gain:.1f} times smaller (relMSE), and the
+        words = f"""In the same {seconds:g} seconds the portal makes the error {gain:.1f} times smaller (relMSE), \
+and the
 picture {abs(decibels):.1f} dB {'worse' if decibels < 0 else 'better'} (PSNR). \
 Since the error falls with time, bdpt alone would need
 about {seconds * gain:.0f} seconds for the same."""

@@ -8,7 +8,6 @@ import subprocess
 from pathlib import Path
 from types import SimpleNamespace
 
-import efficiency_tables as tables
 import pages
 from common import ROOT, TESTDATA, Halves, Setting, Stop, checked, cores, decibels_of, settings, turns
 from efficiency_tables import BEFORE, Measurements, Scene
@@ -65,18 +64,17 @@ with_settings = settings(
                         "without a limit of depth only the last two and bdpt"),
     SECONDS_EACH=Setting(4.0, "CPU seconds of a picture; at a depth also a quarter and a sixteenth of it", 0.1),
     SEEDS=Setting(8, "pictures of each kind", 2),
-    LONG_SCENES=Setting(tuple(s.name for s in SCENES if s.wanted), "of these also long pictures, of the integrator that "
-                        "aims are asked of and of the one that gains are over"),
-    LONG_SECONDS=Setting(60.0, "of a long picture", 0.2),
-    LONG_SEEDS=Setting(3, "0: no long pictures", 1),
+    LONG_SCENES=Setting(tuple(s.name for s in SCENES if s.wanted), "of these also long pictures, of the integrator "
+                        "that aims are asked of and of the one that gains are over"),
+    LONG_SECONDS=Setting(60.0, "of a long picture", 0.2), LONG_SEEDS=Setting(3, "0: no long pictures", 1),
     DEPTH=Setting("6", "edges of the longest path, as the paper's figures have it; none: no limit, in all scenes"),
-    REFERENCES=Setting("stored", "stored: those of REFERENCE_FOLDER that fit, others are rendered; render: none of them"),
+    REFERENCES=Setting("stored", "stored: those of REFERENCE_FOLDER that fit, others are rendered; render: none of "
+                       "them"),
     REFERENCE_FOLDER=Setting(str(TESTDATA / "references/efficiency"), "the stored ones"),
     REF_INTEGRATOR=Setting("tdpt-guided", "of the references"),
-    REF_SECONDS=Setting(100.0, "CPU seconds of a reference, in two halves; half of it without an aim, eight times it at "
-                        "320 x 180, so that its relMSE is a tenth of what it judges", 1.0),
-    WIDTH=Setting(0, "of all pictures, for trials", 32),
-    HEIGHT=Setting(0, "the same", 24))
+    REF_SECONDS=Setting(100.0, "CPU seconds of a reference, in two halves; half of it without an aim, eight times it "
+                        "at 320 x 180, so that its relMSE is a tenth of what it judges", 1.0),
+    WIDTH=Setting(0, "of all pictures, for trials", 32), HEIGHT=Setting(0, "the same", 24))
 
 
 def scene_sum(path):
@@ -215,7 +213,7 @@ STYLES = {"bdpt-before": 'dt 2 lc rgb "#000000" pt 1', "nee-before": 'dt 2 lc rg
 def plot(m):
     """relMSE against CPU seconds, a panel for each scene that was rendered for several lengths of time."""
     shown = [s for s in m.scenes.values() if s.kind != "whole"] or list(m.scenes.values())
-    points = {key: of for key, of in tables.points(m).items() if m.scenes[key[0]] in shown}
+    points = {key: of for key, of in m.points().items() if m.scenes[key[0]] in shown}
     figure = pages.Figure(min(4, len(shown) + 1), 400, 340)
     times = [t for of in points.values() for t, _, _, _ in of] or [0.1, 1]
     span = f"[{min(times) / 1.4:.4g}:{max(times) * 1.4:.4g}]"  # the same in every panel
@@ -280,10 +278,10 @@ def scene_section(run, m, scene):
 
 {reference['width']} x {reference['height']} pixels; {depth}{portals}. \
 Reference: {reference['cpu_seconds']:.3g} CPU s of \
-{reference['integrator']}{stored}, {tables.reference_words(m, scene.name)}
-{tables.check(m, scene.name)}
+{reference['integrator']}{stored}, {m.reference_words(scene.name)}
+{m.check(scene.name)}
 
-{tables.scene_rows(m, scene.name)}"""
+{m.scene_rows(scene.name)}"""
 
 
 def long_sections(run, m):
@@ -291,9 +289,9 @@ def long_sections(run, m):
     if not s.long_seeds:
         return []
     after = f"after {s.long_seconds:g} seconds"
-    out = [part(f"## Gain {after}\n\n{s.long_seeds} seeds; over {run.over}.", tables.gains(at, "doors")),
+    out = [part(f"## Gain {after}\n\n{s.long_seeds} seeds; over {run.over}.", at.gains("doors")),
            part(f"## Gain {after} in furnished rooms\n\n{s.long_seeds} seeds; over {run.better}.",
-                tables.gains(at, "rooms"))]
+                at.gains("rooms"))]
     there = [name for name in PEERS if name in m.scenes]
     if there:
         out.append(f"""## relMSE {after}, beside other programs
@@ -303,7 +301,7 @@ of this script, on a like machine. Metropolis light transport is Tungsten's, mul
 from run to run.""")
     for name in there:
         rows = [[program, figure, 60, "-", "-"] for program, figure in PEERS[name]]
-        rows += tables.long_rows(at, name)
+        rows += at.long_rows(name)
         rows.append(["all black", pages.three(m.scenes[name].reference["black"]["relmse"]), "-", "-", "-"])
         out.append(f"### {name} after {s.long_seconds:g} s\n\n"
                    + pages.table(("", "relMSE, seed by seed", "CPU s", "wanted (moonshot)", "met"), rows))
@@ -313,15 +311,15 @@ from run to run.""")
 def page(run, m):
     over = "bdpt" + (f" of {run.s.baseline_name}" if run.s.baseline else "")
     run.over, run.better = over, over.replace("bdpt", "the better of bdpt and nee", 1)
-    papers = [[name, words, "not in the text", *tables.paper(m, name)]
+    papers = [[name, words, "not in the text", *m.paper(name)]
               for name, words in PAPER.items() if name in m.scenes]
     return pages.sections(
-        head(run, m), tables.busy(m), tables.noisy(m),
-        part(f"## Doors, holes, windows\n\nGain over {run.over}.", tables.gains(m, "doors")),
+        head(run, m), m.busy(), m.noisy(),
+        part(f"## Doors, holes, windows\n\nGain over {run.over}.", m.gains("doors")),
         part("## Furnished rooms, and a box\n\nNo door; portals where the four stages find any. Gain over "
-             f"{run.better}.", tables.gains(m, "rooms")),
+             f"{run.better}.", m.gains("rooms")),
         part("## No limit of depth\n\nGain over bdpt of this program; references of their own. NAME-whole is scene "
-             "NAME.", tables.gains(m, "whole")),
+             "NAME.", m.gains("whole")),
         f"""![relMSE against CPU seconds, a panel for each scene](efficiency.png)
 
 *Mean relMSE of {run.s.seeds} seeds over CPU seconds; bars from the lowest to the highest seed. Dotted: a picture
@@ -330,9 +328,9 @@ without light.*
 ## PSNR in the same time
 
 Decibels, of the mean MSE x CPU seconds: pixels count by their light, so that directly lit regions decide.""",
-        part(f"Over {run.over}.", tables.psnr(m, "doors")),
-        part(f"Over {run.better}, that of the smaller relMSE.", tables.psnr(m, "rooms")),
-        part("No limit of depth, over bdpt of this program.", tables.psnr(m, "whole")),
+        part(f"Over {run.over}.", m.psnrs("doors")),
+        part(f"Over {run.better}, that of the smaller relMSE.", m.psnrs("rooms")),
+        part("No limit of depth, over bdpt of this program.", m.psnrs("whole")),
         """## Scene by scene
 
 *mean / reference*: of the pictures of all lengths together, +- one standard error, the reference's noise included.""",

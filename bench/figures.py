@@ -128,7 +128,8 @@ def figure7(figures, scene):
     runs = {i: figures.render(scene, i, s.spp, 5, s.seed) for i in INTEGRATORS}
     errors, rows = {}, []
     for i, run in runs.items():
-        made = figures.bench.store.run("exrdiff", run.out, reference.out, "--side-by-side", Made("both.png"), output=False)
+        made = figures.bench.store.run("exrdiff", run.out, reference.out, "--side-by-side", Made("both.png"),
+                                       output=False)
         errors[i] = made.said
         if i in ("bdpt", "tdpt"):
             figures.copy(made.folder / "both.png", f"fig7-{scene}-{i}.png")
@@ -136,11 +137,13 @@ def figure7(figures, scene):
     for i, e in errors.items():
         seconds = runs[i].said["cpu_seconds"]
         cost, off = e["relmse"] * seconds, e["mean"] / e["reference_mean"]
+        efficiency = "%.2g" % (base / cost) if cost > 0 and 0.8 < off < 1.2 else "-"
         rows.append([i, "-" if e["psnr"] is None else "%.2f" % e["psnr"],
                      *map(number, (e["mape"], e["relmse"], e["relmse_trimmed"])), percent(e["nonzero"]),
-                     number(e["mean"]), number(seconds), "%.2g" % (base / cost) if cost > 0 and 0.8 < off < 1.2 else "-"])
+                     number(e["mean"]), number(seconds), efficiency])
     black, nothing = errors["bdpt"]["black"], ["-"] * 4
-    rows.append(["all black", "%.2f" % black["psnr"], number(black["mape"]), number(black["relmse"]), "-", "-", 0, "-", "-"])
+    rows.append(["all black", "%.2f" % black["psnr"], number(black["mape"]), number(black["relmse"]), "-", "-", 0, "-",
+                 "-"])
     rows.append(["reference", *nothing, percent(reference.said["nonzero"]), number(errors["bdpt"]["reference_mean"]),
                  number(reference.said["cpu_seconds"]), "-"])
     here, there = errors["tdpt"], errors["bdpt"]
@@ -195,8 +198,8 @@ and MAPE inside a picture: not in the text.""",
 
 # ---- Pictures of the stages ----
 @settings(SCENE=Setting("", "the room behind a door; default veach-ajar.glb of the paper's scenes"),
-          INTERIOR=Setting("", "a room whose lamp stands in its own window, for the last picture; default kitchen.glb of "
-                           "the interiors; left out, with a word, where it is not there"),
+          INTERIOR=Setting("", "a room whose lamp stands in its own window, for the last picture; default kitchen.glb "
+                           "of the interiors; left out, with a word, where it is not there"),
           WINDOWS=Setting("", "a room lit by an environment through its windows; default living-room.glb of the "
                           "interiors; left out, with a word, where it is not there"),
           SKY=Setting("", "what shines on WINDOWS, --environment; default the map beside it, NAME.env.exr"))

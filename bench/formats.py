@@ -218,10 +218,8 @@ def gltf_array(document, binary, index):
 def _matrix(node):
     if "matrix" in node:
         return np.array(node["matrix"], float).reshape(4, 4).T
-    x, y, z, w = node.get("rotation", (0, 0, 0, 1))
-    turn = np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-                     [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-                     [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]])
+    *axis, w = node.get("rotation", (0, 0, 0, 1))
+    turn = np.array([v + 2 * np.cross(axis, np.cross(axis, v) + w * v) for v in np.eye(3)]).T
     m = np.eye(4)
     m[:3, :3] = turn * np.array(node.get("scale", (1, 1, 1)), float)
     m[:3, 3] = node.get("translation", (0, 0, 0))

@@ -139,7 +139,8 @@ def regret_tables(scenes):
     return pages.sections(
         "## All scenes\n\nGeometric means, the worst choice in twenty, and the scene where it is least.",
         length_table(scenes, lengths),
-        "## Scene by scene\n\nEfficiency over that of the best of all, mean over choices.", scene_table(scenes, lengths),
+        "## Scene by scene\n\nEfficiency over that of the best of all, mean over choices.",
+        scene_table(scenes, lengths),
         "## What portals are said to be worth\n\nThe best integrator with portals over the best without: "
         "measured,\nand as told by `auto`, median (least to most).", verdict_table(scenes))
 
@@ -246,8 +247,8 @@ def target_table(scenes):
         pages.table(("scene", "pixels", "E", "pictures", "meet it [95 %]", "E / relMSE, median [10 %, 90 %]", "samples",
                      "of the pilot, all parts", "estimate / relMSE", "missed, told as missed",
                      "told as missed, not missed", "kept"), rows),
-        f"All {len(ratios)} pictures: {share.value:.1f} % [{share.low:.1f}, {share.high:.1f}] meet their target, and the "
-        f"median picture is {np.median(ratios):.2f} times too good.",
+        f"All {len(ratios)} pictures: {share.value:.1f} % [{share.low:.1f}, {share.high:.1f}] meet their target, and "
+        f"the median picture is {np.median(ratios):.2f} times too good.",
         "Samples are of each pixel, medians; the pilot's are thrown away, and small pictures take more of them than "
         "large ones. The estimate is the program's own, after rendering, from blocks of the picture, a median; it is "
         "too high where the samples of a pixel complement each other across blocks. Pictures miss where bright paths "

@@ -10,13 +10,14 @@ from formats import Builder, exr_write, portals_glb
 
 # ---- A clear sky ----
 # Latitude-longitude, as tdpt-render reads it: centre of the picture -Z, three quarters of its width +X, top +Y.
-# The sky is CIE's standard clear sky (CIE S 011/ISO 15469, type 12, low illuminance turbidity): in the zenith angle Z of
-# a place and its angle s to the sun its luminance is in proportion to
+# The sky is CIE's standard clear sky (CIE S 011/ISO 15469, type 12, low illuminance turbidity): in the zenith angle Z
+# of a place and its angle s to the sun its luminance is in proportion to
 #   (1 - exp(-0.32 / cos Z)) (1 + 10 (exp(-3 s) - exp(-3 pi / 2)) + 0.45 cos^2 s),
-# scaled so that it brings a horizontal plane the irradiance pi, as a sky of radiance 1 all over would. The sun is a disc
-# of 0.53 degrees with ten times that irradiance across its rays (a clear day's diffuse light is about a tenth of the
-# direct, Meinel and Meinel 1976): a radiance of 4.7e5. A texel that it covers in part has the mean, so the map keeps its
-# irradiance whatever the size. The ground below the horizon is grey and reflects `ground` of all that reaches it.
+# scaled so that it brings a horizontal plane the irradiance pi, as a sky of radiance 1 all over would. The sun is a
+# disc of 0.53 degrees with ten times that irradiance across its rays (a clear day's diffuse light is about a tenth of
+# the direct, Meinel and Meinel 1976): a radiance of 4.7e5. A texel that it covers in part has the mean, so the map
+# keeps its irradiance whatever the size. The ground below the horizon is grey and reflects `ground` of all that
+# reaches it.
 SUN_ANGLE = 0.53  # degrees across
 SUN_RATIO = 10.0  # irradiance across its rays to that of the sky on the ground
 POINTS = 512  # along the radius of the sun's disc, and around it
@@ -257,13 +258,14 @@ BAR_DEPTH = 0.06  # of the bars
 def panes(bar):
     """Corners (low, high) of each pane, y and z."""
     up, across = (((HIGH[i] - LOW[i]) - (n - 1) * bar) / n for i, n in ((0, PANES_UP), (1, PANES_ACROSS)))
-    lows = [(LOW[0] + r * (up + bar), LOW[1] + c * (across + bar)) for r in range(PANES_UP) for c in range(PANES_ACROSS)]
+    lows = [(LOW[0] + r * (up + bar), LOW[1] + c * (across + bar))
+            for r in range(PANES_UP) for c in range(PANES_ACROSS)]
     return [(low, (low[0] + up, low[1] + across)) for low in lows]
 
 
 def paned_room(bar):
-    r = made((-1.6, 1.5, 2.1), (0.9, 1.0, -1.0), 1.1, (2, 2.5, 2.6), {"+x": [((1, *LOW), (3, *HIGH))]}, {"-z": GREEN}, BOX,
-             landscape=True)
+    r = made((-1.6, 1.5, 2.1), (0.9, 1.0, -1.0), 1.1, (2, 2.5, 2.6), {"+x": [((1, *LOW), (3, *HIGH))]}, {"-z": GREEN},
+             BOX, landscape=True)
     (y, z), (top, right) = panes(bar)[0]
     x = (WINDOW_X - BAR_DEPTH / 2, WINDOW_X + BAR_DEPTH / 2)
     for row in range(1, PANES_UP):
@@ -304,9 +306,9 @@ def write_all_rooms(bench):
 
 
 # ---- Many triangles ----
-# The rooms stand along x, each 2 m wide, high and deep; the wall between them, 0.1 m thick, has the opening OPENING. The
-# lamp hangs in the first room, the camera stands in the second. Every surface is a patch over the unit square, cut into
-# cells of two triangles each; a third of the triangles is walls, the rest eight bumpy balls on the floors. FORM:
+# The rooms stand along x, each 2 m wide, high and deep; the wall between them, 0.1 m thick, has the opening OPENING.
+# The lamp hangs in the first room, the camera stands in the second. Every surface is a patch over the unit square, cut
+# into cells of two triangles each; a third of the triangles is walls, the rest eight bumpy balls on the floors. FORM:
 #   grid   a mesh for each patch, neighbours share their corners: half a vertex a triangle
 #   parts  the same in pieces of at most 512 triangles, a mesh and a node each
 #   soup   as grid, but no triangle shares a corner: three vertices each
@@ -355,8 +357,10 @@ def walls():
     """Quads: the inner sides of both rooms but the wall between them; both faces of that, and its opening's jambs."""
     quads = []
     for x0, x1 in ((0, 2), (2.1, 4.1)):
-        quads += [((x0, 0, 1), (x1, 0, 1), (x1, 0, -1), (x0, 0, -1)), ((x0, 2, -1), (x1, 2, -1), (x1, 2, 1), (x0, 2, 1)),
-                  ((x0, 0, -1), (x1, 0, -1), (x1, 2, -1), (x0, 2, -1)), ((x1, 0, 1), (x0, 0, 1), (x0, 2, 1), (x1, 2, 1)),
+        quads += [((x0, 0, 1), (x1, 0, 1), (x1, 0, -1), (x0, 0, -1)),
+                  ((x0, 2, -1), (x1, 2, -1), (x1, 2, 1), (x0, 2, 1)),
+                  ((x0, 0, -1), (x1, 0, -1), (x1, 2, -1), (x0, 2, -1)),
+                  ((x1, 0, 1), (x0, 0, 1), (x0, 2, 1), (x1, 2, 1)),
                   ((x0, 0, 1), (x0, 0, -1), (x0, 2, -1), (x0, 2, 1)) if x0 == 0 else
                   ((x1, 0, -1), (x1, 0, 1), (x1, 2, 1), (x1, 2, -1))]
     xa, xb = OPENING["x"]

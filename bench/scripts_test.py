@@ -125,21 +125,6 @@ class Efficiency(Stamp):
         more, _ = self.runs("efficiency", **self.efficiency(SEEDS=3, ONLY="window"))
         self.assertEqual(more, 6 * 3)  # each a picture, and what exrdiff says of it and both halves
 
-    def test_references_noise_is_taken_out(self):
-        self.stand_in(veach_ajar="two-rooms")
-        self.runs("efficiency", **self.efficiency(ONLY="window", LONG_SEEDS=0))
-        (row, *_) = [r for r in self.rows() if (r["integrator"], r["seed"], r["seconds"]) == ("bdpt", "1", "0.02")]
-        import efficiency
-        values = {k: str(v) for k, v in self.efficiency(ONLY="window", LONG_SEEDS=0, SCENES=self.scenes).items()}
-        bench = common.Bench("efficiency", efficiency.efficiency, BIN, self.cache, self.doc, values)
-        run = efficiency.Efficiency(bench)
-        a, b = (r.out for r in run.rendered_halves(run.scenes[0]))
-        x = run.render(run.scenes[0], "bdpt", 1, 0.02).out
-        d = lambda p, q: bench.distance(p, q)["relmse"]
-        plain, noise = (d(x, a) + d(x, b)) / 2, (d(a, b) + d(b, a)) / 4
-        self.assertAlmostEqual(float(row["relmse"]), plain - noise, delta=1e-5 * plain)
-        self.assertGreater(noise, 1e-5 * plain)  # or it would not show
-
     def test_older_program_no_limit_and_wrong_settings(self):
         self.program(self.work, "older", f'echo "$*" >>{self.work}/calls\nexec {BIN}/tdpt-render "$@"')
         older = self.work / "older"
@@ -238,7 +223,8 @@ class Missing(Stamp):
                 if program.name not in ("gnuplot", "valgrind", "perf") and not (path / program.name).exists():
                     (path / program.name).symlink_to(program)
         for name, words in (("figures", "gnuplot is missing"), ("tradeoff", "gnuplot is missing"),
-                            ("limit", "perf does not work and valgrind is missing"), ("shards", "tdpt-render is missing")):
+                            ("limit", "perf does not work and valgrind is missing"),
+                            ("shards", "tdpt-render is missing")):
             status, said = self.run_bench(name, programs=self.work, path=path)
             self.assertEqual((status, words in said, said.count("\n")), (5, True, 1), said)
         self.assertEqual(self.run_bench("none-such")[0], 2)
@@ -266,9 +252,7 @@ class Store(Stamp):
         self.assertEqual(len(list(self.cache.iterdir())), 3)
         self.assertEqual(kept.run("tool", "absent", may_fail=(3,)).status, 3)
 
-    def test_time_and_memory_are_those_of_the_program(self):
-        held = lambda n: common.measure([sys.executable, "-S", "-c", "b = bytearray(b'1' * %d)" % n]).peak_mib
-        self.assertAlmostEqual(held(200 * scale.MIB) - held(100 * scale.MIB), 200, delta=5)  # twice: b'1' * n, too
+    def test_time_is_that_of_the_program(self):
         busy = common.measure([sys.executable, "-S", "-c", "import time\nwhile time.process_time() < 0.3: pass"])
         self.assertAlmostEqual(busy.cpu, 0.3, delta=0.2)
 

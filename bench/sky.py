@@ -113,7 +113,8 @@ def room_table(cells):
         chosen = Counter(p.chosen for p in c.pictures["auto"]).most_common()
         of = len(c.pictures["auto"])
         words = ", ".join(name + (f" ({n} of {of})" if len(chosen) > 1 else "") for name, n in chosen)
-        rows.append([room, sky, c.portals or "none found", c.base(), *(c.gain(m).text(hundredths) for m in WITH), words])
+        gains = (c.gain(m).text(hundredths) for m in WITH)
+        rows.append([room, sky, c.portals or "none found", c.base(), *gains, words])
     return pages.table(("room", "sky", "portals", "without", *WITH.values(), "`auto` chose"), rows)
 
 
@@ -219,10 +220,10 @@ taken out of the errors.
 @settings(SCENE=Setting("", "a room without lamps (blinds.glb, which the benchmark sky leaves in build/sky). For "
                         "living-room.glb of the interiors TURN=200 lets the sun in through both walls' windows"),
           SKY=Setting("", "its --environment (clear-sun.exr of testdata)"), TURN=Setting(0.0, "and its rotation"),
-          WIDTH=Setting(480, "of each half", 24),
-          SPP=Setting(12, "samples per pixel of the right one; others get as many as they need for the same CPU time", 2),
-          BEFORE=Setting("nee", "integrator of the left one"),
-          ALSO=Setting("bdpt", "another without portals, told alone"),
+          WIDTH=Setting(480, "of each half", 24), SPP=Setting(12, "samples per pixel of the right one; others get as "
+                                                              "many as they need for the same CPU time", 2),
+          BEFORE=Setting("nee", "integrator of the left one"), ALSO=Setting("bdpt", "another without portals, told "
+                                                                            "alone"),
           REF_SPP=Setting(36, "samples per pixel of the reference, by auto with the portals", 4))
 def before_after(bench):
     """DOC/sky-before-after.png, a room that the sun lights through its window: on the left without portals, on the

@@ -266,7 +266,8 @@ as wanted: {sum(t.endswith(': met') for t in told)} of the {len(told)} that have
 As many times as fast as one: by CPU time, as if each thread had a core of its own (n times the CPU time of one over
 that of n), and by the clock. Wanted: two threads 1.9 times one on an idle machine.""",
         busy,
-        pages.table(("scene", "integrator", "threads", "frame", "rays alone", "frame by the clock"), thread_rows(frames)),
+        pages.table(("scene", "integrator", "threads", "frame", "rays alone", "frame by the clock"),
+                    thread_rows(frames)),
         f"""## What the rest is
 
 Shares of the time of `tdpt-render`, one thread, by function after inlining; {HOW[how]}.""",
@@ -274,9 +275,9 @@ Shares of the time of `tdpt-render`, one thread, by function after inlining; {HO
         'What was tried to make a sample cheaper, and what came of it: [guided.md](guided.md), "What a sample costs".')
 
 
-@settings(INTEGRATORS=Setting("nee,bdpt,tdpt-org,tdpt-guided", "of the frames"), THREADS=Setting("1,2", "of the frames"),
-          SEEDS=Setting(5, "one frame each", 1), WIDTH=Setting(240, "of the frames", 24),
-          SPP=Setting(8, "of the frames", 1),
+@settings(INTEGRATORS=Setting("nee,bdpt,tdpt-org,tdpt-guided", "of the frames"),
+          THREADS=Setting("1,2", "of the frames"), SEEDS=Setting(5, "one frame each", 1),
+          WIDTH=Setting(240, "of the frames", 24), SPP=Setting(8, "of the frames", 1),
           PROFILED=Setting(("bdpt", "tdpt-guided"), "integrators with a profile"),
           PROFILE_SPP=Setting(32, "of that", 2),
           PERF=Setting("perf", "anything else than a program that works: callgrind"))

@@ -3,6 +3,7 @@ Each check has a twin: a planted fault that it must see."""
 import itertools
 import math
 import re
+import types
 import unittest
 
 import numpy as np
@@ -19,12 +20,12 @@ import stats
 import tradeoff
 import tradeoff_page
 import work_model
-from common import TESTDATA, turns
+from common import TESTDATA, Halves, turns
 
 
 class Student(unittest.TestCase):
     def test_quantiles_are_those_of_the_tables(self):
-        for df, t in ((1, 12.706), (2, 4.303), (3, 3.182), (4, 2.776), (7, 2.365), (15, 2.131), (30, 2.042), (120, 1.980)):
+        for df, t in ((1, 12.706), (2, 4.303), (3, 3.182), (7, 2.365), (15, 2.131), (30, 2.042), (120, 1.980)):
             self.assertAlmostEqual(stats.t_quantile(0.025, df), t, delta=5e-4)
         self.assertAlmostEqual(stats.t_quantile(0.005, 7), 3.499, delta=5e-4)
         self.assertAlmostEqual(stats.t_tail(1.96, 10000), stats.normal_tail(1.96), places=4)
@@ -101,12 +102,12 @@ def measured(factor, spread=0.0, scenes=1, kind="door", **others):
 
 
 def lines(table, data, *which):
-    return table(efficiency_tables.Measurements(*data, 4.0), *which).splitlines()
+    return getattr(efficiency_tables.Measurements(*data, 4.0), table)(*which).splitlines()
 
 
 def gain_of(data):
     """The gain of tdpt and whether it meets the target of 5, of the first room."""
-    cells = [c.strip() for c in lines(efficiency_tables.gains, data, "doors")[2].split("|")]
+    cells = [c.strip() for c in lines("gains", data, "doors")[2].split("|")]
     return cells[2], cells[4].removeprefix("tdpt: ")
 
 
@@ -121,7 +122,7 @@ class Efficiency(unittest.TestCase):
     def test_gains_without_noise_are_what_they_are(self):
         self.assertEqual(gain_of(measured(6)), ("8.0 [8.0, 8.0]", "met"))
         self.assertEqual(gain_of(measured(3)), ("4.0 [4.0, 4.0]", "missed"))
-        self.assertEqual(lines(efficiency_tables.psnr, measured(6), "doors")[-1],
+        self.assertEqual(lines("psnrs", measured(6), "doors")[-1],
                          "| room1 | +4.3 [+4.3, +4.3] | -0.3 | tdpt: met |")
 
     def test_noise_is_told(self):
@@ -131,23 +132,23 @@ class Efficiency(unittest.TestCase):
         self.assertIn("[0, ", gain_of((scenes, rows))[0])
 
     def test_gains_are_over_the_older_program_or_the_better_base(self):
-        head, _, row = lines(efficiency_tables.gains, measured(6, bdpt_before=2), "doors")
+        head, _, row = lines("gains", measured(6, bdpt_before=2), "doors")
         self.assertIn("efficiency of bdpt-before [1/s]", head)
         self.assertEqual(row, "| room1 | 0.25 [0.25, 0.25] | 2.0 [2.0, 2.0] | 5 (9) | tdpt: missed | 0.125 | 0.0312 |")
         for factor, base, gain in ((2, "nee", "2.0 [2.0, 2.0]"), (20, "bdpt", "8.0 [8.0, 8.0]")):
             data = measured(6, kind="open", nee=factor)
-            self.assertIn(f"| {gain} |", lines(efficiency_tables.gains, data, "rooms")[2])
-            self.assertIn(f"| PSNR - that of {base} |", lines(efficiency_tables.scene_rows, data, "room1")[0])
-        self.assertEqual(lines(efficiency_tables.gains, data, "doors"), [])  # each table has its own scenes
+            self.assertIn(f"| {gain} |", lines("gains", data, "rooms")[2])
+            self.assertIn(f"| PSNR - that of {base} |", lines("scene_rows", data, "room1")[0])
+        self.assertEqual(lines("gains", data, "doors"), [])  # each table has its own scenes
 
     def test_geometric_mean_and_least_of_interiors(self):
         data = measured(6, scenes=2, kind="interior")
         times(data[1], "relmse", 4, scene="room2", integrator="tdpt")
-        mean, low = lines(efficiency_tables.gains, data, "rooms")[-2:]
+        mean, low = lines("gains", data, "rooms")[-2:]
         self.assertEqual(mean, "| **geometric mean of 2 interiors** | 1.0 | 4.0 [4.0, 4.0] | 2.5 | tdpt: met | - |")
         self.assertEqual(low, "| **the least of them** | 1.0 (room1) | 2.0 (room2) | - | - | - |")
         times(data[1], "relmse", -1, scene="room1", integrator="tdpt")  # where one gain is unknown, so is the mean
-        self.assertIn("of 2 interiors** | 1.0 | - |", lines(efficiency_tables.gains, data, "rooms")[-2])
+        self.assertIn("of 2 interiors** | 1.0 | - |", lines("gains", data, "rooms")[-2])
 
     def test_gains_over_itself_have_no_interval_within_a_geometric_mean(self):
         scenes, rows = measured(6, 0.5, scenes=2, kind="interior", nee=4)
@@ -159,11 +160,11 @@ class Efficiency(unittest.TestCase):
 
     def test_references_are_told_from_a_tenth_of_what_they_judge(self):
         data = measured(6)
-        scene, words = data[0][0], lambda: lines(efficiency_tables.reference_words, data, "room1")[0]
+        scene, words = data[0][0], lambda: lines("reference_words", data, "room1")[0]
         self.assertEqual(words(), "relMSE 0.001, at most a tenth of the 0.04 that it judges.")
         scene.reference["relmse"] = 0.0041
         self.assertIn("MORE THAN a tenth of the 0.04", words())
-        self.assertTrue(lines(efficiency_tables.noisy, data)[0].endswith("judge: room1."))
+        self.assertTrue(lines("noisy", data)[0].endswith("judge: room1."))
         # 8 x 4 s / 5 in the 3 s of tdpt; an interior's 2.5; no aim: as bdpt.
         for kind, target, relmse in (("door", 5, 2.13), ("interior", 1, 4.27), ("open", None, 10.7)):
             scene.kind, scene.target, scene.wanted = kind, target, None
@@ -171,30 +172,31 @@ class Efficiency(unittest.TestCase):
 
     def test_check_finds_two_per_cent(self):
         scenes, rows = measured(4)
-        check = lambda of: lines(efficiency_tables.check, (scenes, of), "room1")[0]
+        check = lambda of: lines("check", (scenes, of), "room1")[0]
         self.assertIn("they agree", check(rows))
-        row = lines(efficiency_tables.scene_rows, (scenes, rows), "room1")[2]
+        row = lines("scene_rows", (scenes, rows), "room1")[2]
         # Pictures of 100 samples scatter by 0.0003; eight of them and the reference of 2000 by 0.0001.
-        self.assertRegex(row, r"^\| bdpt \| 100 \| 4.00 \| 68 \| 8 \[8, 8\] \| 0.0312 \| 1 \| 20.00 \| 0 \|.*\+- 0.0001 \|$")
+        self.assertTrue(row.startswith("| bdpt | 100 | 4.00 | 68 | 8 [8, 8] | 0.0312 | 1 | 20.00 | 0 |"))
+        self.assertTrue(row.endswith("+- 0.0001 |"))
         times(rows, "mean", 1.02, integrator="bdpt")
         self.assertIn("THEY DISAGREE", check(rows))
         self.assertIn("not rendered often enough", check(rows[:4]))
 
     def test_long_pictures_busy_machines_points_and_the_papers_row(self):
         m = efficiency_tables.Measurements(*measured(4), 4.0)
-        self.assertEqual(efficiency_tables.long_rows(m, "room1")[1][2:],
+        self.assertEqual(m.long_rows("room1")[1][2:],
                          ["3.0", "at most 0.04 (0.02), every seed", "missed"])
         self.assertEqual(m.pair("room1"), ["tdpt", "bdpt"])
-        self.assertEqual(efficiency_tables.points(m), {("room1", "bdpt"): [(4, 8, 8, 8)],
+        self.assertEqual(m.points(), {("room1", "bdpt"): [(4, 8, 8, 8)],
                                                        ("room1", "tdpt"): [(3, 2, 2, 2)]})
-        self.assertEqual(efficiency_tables.paper(m, "room1"), ["+4.3 dB", "40 % against 50 %"])
-        self.assertEqual(efficiency_tables.busy(m), "")
+        self.assertEqual(m.paper("room1"), ["+4.3 dB", "40 % against 50 %"])
+        self.assertEqual(m.busy(), "")
         times(m.rows["room1", "bdpt"] + m.rows["room1", "tdpt"], "cpu_seconds", 0.5)
-        self.assertIn("got 1.75 of its 4 CPU seconds", efficiency_tables.busy(m))
+        self.assertIn("got 1.75 of its 4 CPU seconds", m.busy())
 
 
 # ---- sky, Cycles, the whole light ----
-# CPU s and relMSE of each method: nee is the better without portals, gains 2, 5, 10, 8; those of Cycles: 0.5, 0.8, 2, 10.
+# CPU s and relMSE of each method: nee is the better without portals, gains 2, 5, 10, 8; of Cycles: 0.5, 0.8, 2, 10.
 METHODS = {"bdpt": (4, 0.5), "nee": (1, 1), "windows": (1, 0.5), "aimed": (1, 0.2), "guided": (4, 0.025),
            "auto": (2.5, 0.05)}
 OF_CYCLES = {"cycles": (4, 0.2), "cycles-hand": (4, 0.1), "cycles-found": (4, 0.125), "ours-nee": (4, 0.05),
@@ -207,7 +209,8 @@ def cells(factor=None, seeds=6, noise=0.02, methods=METHODS, base_of=sky.WITHOUT
     slow for some seeds."""
     rng, made = np.random.default_rng(3), {}
     for room, light in itertools.product(ROOMS, ("overcast", "sun")):
-        cell = made[room, light] = sky.Cell({"relmse": 0.9, "psnr": 10.5}, 2, base_of, group=ROOMS[room], portals=2, off=0)
+        black = {"relmse": 0.9, "psnr": 10.5}
+        cell = made[room, light] = sky.Cell(black, 2, base_of, group=ROOMS[room], portals=2, off=0)
         for seed, (method, (cpu, relmse)) in itertools.product(range(1, seeds + 1), methods.items()):
             by = 1 if method in base_of else (factor or {}).get((room, light), 1)
             error, busy = relmse / by * rng.lognormal(0, noise), 2 if seed % 3 == 0 else 1
@@ -266,17 +269,9 @@ class WholeLight(unittest.TestCase):
         rng, made = np.random.default_rng(5), {"none": [], "six": [], "base": []}
         for seed, (kind, cpu, relmse, mean) in itertools.product(range(1, seeds + 1), (
                 ("none", 1.25, noisier, 1), ("six", 1, 1, 0.75), ("base", 2, 1, 0.75))):
-            made[kind].append(price.Picture(2 * cpu * (2 if seed % 3 == 0 else 1), 0.1 * relmse * rng.lognormal(0, 0.02),
-                                            3 * mean * rng.normal(1, 0.002)))
+            made[kind].append(price.Picture(2 * cpu * (2 if seed % 3 == 0 else 1),
+                                            0.1 * relmse * rng.lognormal(0, 0.02), 3 * mean * rng.normal(1, 0.002)))
         return made
-
-    def test_ratios(self):
-        of = self.kinds(noisier=2, seeds=12)
-        self.assertAlmostEqual(price.cpu_ratio(of["none"], of["six"]), 1.25)  # of neighbours in time
-        self.assertAlmostEqual(price.efficiency_ratio(of["none"], of["six"]).value, 1 / 2.5, delta=0.02)
-        ratio, error = price.mean_ratio(of["six"], of["none"])
-        self.assertLess(abs(ratio - 0.75), 4 * error)
-        self.assertGreater(abs(ratio - 0.74), 4 * error)
 
     def test_rows(self):
         text = price.light_tables({("room", "bdpt"): self.kinds()})
@@ -290,8 +285,8 @@ class TargetError(unittest.TestCase):
     def kept(self, better=1.5, told=1.0):
         rng, pictures = np.random.default_rng(3), []
         for relmse in 0.02 / better * rng.lognormal(0, 0.1, 100):
-            estimate = told * relmse
-            pictures.append(promises.Picture(relmse, 64, estimate, estimate / 1.2, estimate * 1.2, 16, estimate <= 0.02))
+            e = told * relmse
+            pictures.append(promises.Picture(relmse, 64, e, e / 1.2, e * 1.2, 16, e <= 0.02))
         return promises.Kept(768, 0.02, pictures)
 
     def test_good_pictures_keep_the_word(self):
@@ -446,8 +441,8 @@ class Tradeoff(unittest.TestCase):
         self.assertEqual(curve.changed(QUICK), "-1 kind4, +1 kind0")
 
     def test_finding_pays_from_where_the_gain_has_paid_the_stages(self):
-        rows = [{"knob": "integrator", "value": i, "scene": "wide", "spp": 16, "seed": s, "relmse": e, "cpu": 1, "mean": 1}
-                for i, e in (("bdpt", 0.4), ("auto", 0.1), ("tdpt", 0.5)) for s in (1, 2)]
+        rows = [{"knob": "integrator", "value": i, "scene": "wide", "spp": 16, "seed": s, "relmse": e, "cpu": 1,
+                 "mean": 1} for i, e in (("bdpt", 0.4), ("auto", 0.1), ("tdpt", 0.5)) for s in (1, 2)]
         curve = tradeoff_page.PictureCurves(rows)
         self.assertAlmostEqual(curve.pays_from("wide", 3), 4)  # 4 s of bdpt are 3 + 1 s
         self.assertIsNone(curve.pays_from("wide", 3, through="tdpt"))
@@ -461,8 +456,11 @@ class Tradeoff(unittest.TestCase):
         rng, truth = np.random.default_rng(1), np.full((64, 64, 3), 2.0)
         a, b = (truth + rng.normal(0, 0.5, truth.shape) for _ in range(2))
         x = truth + rng.normal(0, 0.1, truth.shape)
-        self.assertAlmostEqual(tradeoff.Reference(a, b).measures(x)["mse"], 0.01, delta=0.008)
-        self.assertGreater(tradeoff.Reference(a, a).measures(x)["mse"], 0.2)  # twin: one half alone
+        measures = "relmse", "mse", "mape", "mean", "reference_mean", "black", "peak"
+        exrdiff = types.SimpleNamespace(distance=lambda p, q: dict.fromkeys(measures, ((p - q) ** 2).mean()))
+        for off in (lambda b: tradeoff.Reference(a, b).measures(x), lambda b: Halves(exrdiff, a, b).off(x)):
+            self.assertAlmostEqual(off(b)["mse"], 0.01, delta=0.008)
+            self.assertGreater(off(a)["mse"], 0.2)  # twin: one half alone
 
     def test_every_default_is_on_its_curve_and_scenes_have_references(self):
         for knob in tradeoff.KNOBS:

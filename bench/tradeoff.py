@@ -160,8 +160,8 @@ class Tradeoff:
         self.files = bench.there(wanted)
 
     def values(self, knob):
-        default = knob.values.index(knob.default)
-        return tuple(v for i, v in enumerate(knob.values) if not self.quick or abs(i - default) == 1 or i in (default, 0))
+        at = knob.values.index(knob.default)
+        return tuple(v for i, v in enumerate(knob.values) if not self.quick or abs(i - at) == 1 or i in (at, 0))
 
     def scenes(self, scenes):
         return tuple(s for s in scenes if s.name in self.files)

@@ -395,7 +395,8 @@ def simplified_section(losses, portals):
     rows = [[s, portals.loss(DEFAULT, [s]).text(hundredths),
              *("%s, %.0f %%" % (loss.text(hundredths), 100 * of[0]["dropped"] / of[0]["triangles"])
                for loss, of in losses[s].values())] for s in losses]
-    return table(("scene", "whole", *("%g %% of the area" % (100 * share) for share in losses[portals.scenes[0]])), rows)
+    shares = losses[portals.scenes[0]]
+    return table(("scene", "whole", *("%g %% of the area" % (100 * share) for share in shares)), rows)
 
 
 WORDS = {

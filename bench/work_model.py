@@ -1,6 +1,6 @@
-"""The costs of the model of work, tools/tdpt-render/plan/work_model.h, by least squares of relative errors:
-sum over lines of ((terms . costs) / nanoseconds - 1)^2, one fit to the lines with portals and one to those without; lines
-of pt do not count. A term that is 0 in all lines stays 0, unwritten; one that is held has that cost where it is not."""
+"""The costs of the model of work, tools/tdpt-render/plan/work_model.h, by least squares of relative errors: sum over
+lines of ((terms . costs) / nanoseconds - 1)^2, one fit to the lines with portals and one to those without; lines of pt
+do not count. A term that is 0 in all lines stays 0, unwritten; one that is held has that cost where it is not."""
 import fileinput
 
 import numpy as np
