@@ -134,29 +134,23 @@ def geometric_mean(cells, method):
     return math.exp(np.mean([math.log(c.gain(method).value) for c in cells]))
 
 
-def gain_table(cells):
+def equal_tables(cells):
     others = [m for m in METHODS if m != BASE]
-    rows = [[*key, *(cell.gain(m).text(pages.three) for m in others)] for key, cell in cells.items()]
+    gains = [[*key, *(cell.gain(m).text(pages.three) for m in others)] for key, cell in cells.items()]
     for sky in dict.fromkeys(sky for _, sky in cells):
         of = [c for (_, s), c in cells.items() if s == sky]
-        rows.append(["geometric mean", sky, *(pages.three(geometric_mean(of, m)) for m in others)])
-    rows.append(["geometric mean", "**all**", *(f"**{geometric_mean(cells.values(), m):.3g}**" for m in others)])
-    return pages.table(("room", "sky", *(METHODS[m] for m in others)), rows)
-
-
-def error_table(cells):
-    rows = []
+        gains.append(["geometric mean", sky, *(pages.three(geometric_mean(of, m)) for m in others)])
+    gains.append(["geometric mean", "**all**", *(f"**{geometric_mean(cells.values(), m):.3g}**" for m in others)])
+    errors = []
     for key, c in cells.items():
         of = [(*c.error(m), *np.mean([(p.spp, p.cpu) for p in c.pictures[m]], 0)) for m in METHODS]
-        rows.append([*key, *("%.2g, %.1f (%.0f; %.1f s)" % facts for facts in of), black_words(c),
-                     f"{100 * c.off:+.2f} %"])
-    return pages.table(("room", "sky", *METHODS.values(), "black", "means"), rows)
-
-
-def equal_tables(cells):
+        errors.append([*key, *("%.2g, %.1f (%.0f; %.1f s)" % facts for facts in of), black_words(c),
+                       f"{100 * c.off:+.2f} %"])
     return pages.sections(
-        "Efficiency over that of Cycles with portals by hand, 95 % intervals over seeds:", gain_table(cells),
-        "relMSE, PSNR [dB] (samples per pixel; CPU seconds):", error_table(cells))
+        "Efficiency over that of Cycles with portals by hand, 95 % intervals over seeds:",
+        pages.table(("room", "sky", *(METHODS[m] for m in others)), gains),
+        "relMSE, PSNR [dB] (samples per pixel; CPU seconds):",
+        pages.table(("room", "sky", *METHODS.values(), "black", "means"), errors))
 
 
 class Room:

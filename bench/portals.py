@@ -5,7 +5,7 @@ from collections import namedtuple
 
 import pages
 from common import ROOT, STAGES, Setting, checked, cores, settings
-from scale import stages_of
+from price import stages_of
 
 KNOWN = "hole,slit,floor-door,through-floor,ajar-full,ajar,window,two-openings,holes-in-row,doors-in-row,closet"
 UNDER_SKY = ("sky-window,sky-windows,corner-windows,skylight,sky-blinds,colonnade,room-behind,deep-facade,landscape,"

@@ -17,7 +17,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 BENCHMARKS = {  # name: (module, function, what it does)
-    "demo": ("demo", "demo", "a room without and with its portal in the same time, in demo/"),
+    "demo": ("figures", "demo", "a room without and with its portal in the same time, in demo/"),
     "efficiency": ("efficiency", "efficiency", "error against time of every integrator, with aims: doc/efficiency.md "
                    "(an hour and a half; BASELINE=PROGRAM BASELINE_NAME=WORDS: over that older one's)"),
     "efficiency-references": ("efficiency", "references", "its references that are missing or out of date, in "
@@ -54,9 +54,9 @@ BENCHMARKS = {  # name: (module, function, what it does)
                   "(ten minutes; DEVICE=gpu:WHICH)"),
     "limit": ("speed", "limit", "how far rendering is from casting its rays and nothing else: doc/limit.md (4 "
               "minutes)"),
-    "scale": ("scale", "scale", "time and memory against triangles: doc/scale.md (a quarter of an hour, 5 GiB)"),
+    "scale": ("price", "scale", "time and memory against triangles: doc/scale.md (a quarter of an hour, 5 GiB)"),
     "public-files": ("public_files", "public_files", "what becomes of every glTF file below a folder: doc/scenes.md"),
-    "work-model": ("work_model", "work_model", "fits the tables of tools/tdpt-render/plan/work_model.h"),
+    "work-model": ("promises", "work_model", "fits the tables of tools/tdpt-render/plan/work_model.h"),
     "rooms": ("rooms", "write_all_rooms", "made-up rooms for an environment, in a folder"),
     "many-triangles": ("rooms", "write_many_triangles", "two rooms of so many triangles, in a file"),
     "sky-map": ("rooms", "write_sky_map", "a clear sky as an environment map"),

@@ -11,8 +11,8 @@ import unittest
 from pathlib import Path
 
 import common
+import price
 import rooms
-import scale
 
 HERE = Path(__file__).resolve().parent
 SCENES = HERE.parent / "testdata/scenes"
@@ -264,24 +264,24 @@ class Memory(Stamp):
            "tdpt-render": ["--integrator", "bdpt", "--spp", "1", "--width", "16", "--height", "12"]}
 
     def test_of_each_program_is_below_the_limit(self):
-        rows = {program: [] for program in scale.PROGRAMS}
+        rows = {program: [] for program in price.PROGRAMS}
         for n in (50000, 200000):
             rooms.write_scene(n, "soup", self.work / f"{n}.glb")
-            for program, arguments, output in scale.stages_of(self.work / str(n), self.few):
+            for program, arguments, output in price.stages_of(self.work / str(n), self.few):
                 run = common.checked([BIN / program, "--quiet", "--threads", 1, *arguments, "-o", output])
-                rows[program].append(scale.Row("soup", n, program, run.cpu, run.peak_mib))
+                rows[program].append(price.Row("soup", n, program, run.cpu, run.peak_mib))
         for program, of in rows.items():
-            print("%s: %.0f bytes a triangle" % (program, scale.bytes_each(*of)))
-            self.assertLess(scale.bytes_each(*of), scale.MOST_BYTES, program)
+            print("%s: %.0f bytes a triangle" % (program, price.bytes_each(*of)))
+            self.assertLess(price.bytes_each(*of), price.MOST_BYTES, program)
 
     def test_twin_a_program_that_holds_a_fifth_more_is_caught(self):
         def holds(each):
             runs = [common.measure([sys.executable, "-S", "-c", "b = bytearray(%d)" % (each * n)]).peak_mib
                     for n in (50000, 200000)]
-            return (runs[1] - runs[0]) * scale.MIB / 150000
+            return (runs[1] - runs[0]) * price.MIB / 150000
 
-        self.assertLess(holds(0.8 * scale.MOST_BYTES), scale.MOST_BYTES)
-        self.assertGreater(holds(1.2 * scale.MOST_BYTES), scale.MOST_BYTES)
+        self.assertLess(holds(0.8 * price.MOST_BYTES), price.MOST_BYTES)
+        self.assertGreater(holds(1.2 * price.MOST_BYTES), price.MOST_BYTES)
 
 
 if __name__ == "__main__":

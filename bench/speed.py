@@ -232,12 +232,6 @@ def thread_rows(frames):
     return rows
 
 
-def profile_table(profiles):
-    of = {key: shares(profile) for key, profile in profiles.items()}
-    rows = [[name] + [f"{s[name]:.0f} %" if s[name] >= 0.5 else "-" for s in of.values()] for name, _, _ in PARTS]
-    return pages.table(["part", *(f"{scene}, `{integrator}`" for scene, integrator in of)], rows)
-
-
 HOW = {"perf": "samples of the processor's time by perf (cpu-clock)",
        "callgrind": "instructions by callgrind, of a picture 32 pixels wide, loading included"}
 
@@ -247,7 +241,7 @@ def limit_page(loads, frames, profiles, how):
     busy = max(loads, default=0) > 1.2 and f"""The machine was not idle: up to {max(loads):.0f} processes wanted its \
 {cores()} cores, so the clock tells nothing,
 and shared caches make all times longer."""
-    rows = factor_rows(frames)
+    rows, parts = factor_rows(frames), {key: shares(profile) for key, profile in profiles.items()}
     told = [row[-1] for row in rows if row[-1] != "-"]
     return pages.sections(
         f"""# How far rendering is from casting its rays
@@ -271,7 +265,9 @@ that of n), and by the clock. Wanted: two threads 1.9 times one on an idle machi
         f"""## What the rest is
 
 Shares of the time of `tdpt-render`, one thread, by function after inlining; {HOW[how]}.""",
-        profile_table(profiles),
+        pages.table(["part", *(f"{scene}, `{integrator}`" for scene, integrator in parts)],
+                    [[name, *(f"{of[name]:.0f} %" if of[name] >= 0.5 else "-" for of in parts.values())]
+                     for name, _, _ in PARTS]),
         'What was tried to make a sample cheaper, and what came of it: [guided.md](guided.md), "What a sample costs".')
 
 

@@ -13,13 +13,11 @@ import efficiency_tables
 import portals
 import price
 import promises
-import scale
 import sky
 import speed
 import stats
 import tradeoff
 import tradeoff_page
-import work_model
 from common import TESTDATA, Halves, turns
 
 
@@ -355,7 +353,7 @@ class Time(unittest.TestCase):
 
     def test_growth_and_bytes_of_a_triangle(self):
         def page(time, memory):
-            return scale.scale_tables([scale.Row("grid", n, "ffgraph", time(n), memory(n) / scale.MIB)
+            return price.scale_tables([price.Row("grid", n, "ffgraph", time(n), memory(n) / price.MIB)
                                        for n in (10**3, 10**5, 10**6, 10**7)])
         self.assertIn("no faster", page(lambda n: 2 + 1e-7 * n * math.log(n), lambda n: n))
         self.assertIn("**faster**", page(lambda n: 0.1 + 1e-9 * n**1.5, lambda n: n))
@@ -490,7 +488,7 @@ def source_table(name):
 
 def work_lines(costs, with_portals, noise):
     """Lines of work_model_bench: five scenes, three depths, six integrators."""
-    out, rng = ["\t".join([*work_model.KEYS, *NAMES])], np.random.default_rng(2)
+    out, rng = ["\t".join([*promises.KEYS, *NAMES])], np.random.default_rng(2)
     for scene, depth, integrator in itertools.product(range(5), (3, 6, 12), ("bdpt", "nee", "tdpt-org", *"abc")):
         deeper, (triangles, facets) = 3 * scene, (2 * (scene + 1), 1 + scene % 3) if with_portals else (0, 0)
         closest, shadow, joins, edges = depth * rng.uniform(0.5, 2, 4)
@@ -507,15 +505,15 @@ def work_lines(costs, with_portals, noise):
 
 def fitted(of, with_portals, hide=None):
     """Costs of the fit and largest error of its ratios; `hide`: a term the fit is not told of."""
-    names, rows = work_model.read(of)
+    names, rows = promises.read_work(of)
     of = [(keys, [0 if n == hide else t for n, t in zip(names, terms)]) for keys, terms in rows[int(with_portals)]]
-    costs = work_model.fit(np.array([t for _, t in of]), np.array([float(k["nanoseconds"]) for k, _ in of]))
-    return costs, np.max(np.abs(work_model.ratio_errors({0: of}, {0: costs})))
+    costs = promises.fit(np.array([t for _, t in of]), np.array([float(k["nanoseconds"]) for k, _ in of]))
+    return costs, np.max(np.abs(promises.ratio_errors({0: of}, {0: costs})))
 
 
 class WorkModel(unittest.TestCase):
     def test_fit_finds_the_costs_again_and_noise_averages_out_but_no_missing_term(self):
-        for with_portals, name in work_model.TABLES.items():
+        for with_portals, name in promises.TABLES.items():
             _, costs = source_table(name)
             found, worst = fitted(work_lines(costs, bool(with_portals), 0), with_portals)
             np.testing.assert_allclose(found, costs, rtol=1e-6, atol=1e-4)
@@ -527,21 +525,21 @@ class WorkModel(unittest.TestCase):
             fitted([of[0], *(line for line in of if line.startswith("room0\t"))], True)
 
     def test_tables_are_those_in_the_source(self):
-        for name in (*work_model.TABLES.values(), *work_model.DEVICE_TABLES.values()):
+        for name in (*promises.TABLES.values(), *promises.DEVICE_TABLES.values()):
             text, costs = source_table(name)
-            self.assertEqual(work_model.table(name, NAMES, costs + 0.3), text)
-            self.assertNotEqual(work_model.table(name, NAMES, costs + 1), text)
+            self.assertEqual(promises.costs_text(name, NAMES, costs + 0.3), text)
+            self.assertNotEqual(promises.costs_text(name, NAMES, costs + 1), text)
 
     def test_what_is_held_stays_and_wrong_lines_are_named(self):
-        self.assertEqual(work_model.held_costs(["join=9"], NAMES)[NAMES.index("join")], 9)
+        self.assertEqual(promises.held_costs(["join=9"], NAMES)[NAMES.index("join")], 9)
         with self.assertRaisesRegex(ValueError, "no such term"):
-            work_model.held_costs(["roof=1"], NAMES)
-        header = "\t".join([*work_model.KEYS, "sample"])
+            promises.held_costs(["roof=1"], NAMES)
+        header = "\t".join([*promises.KEYS, "sample"])
         for says, *of in (("line 1: expected the header", "room\t6\tbdpt\t1\t100\t1"),
                           ("line 2: has 5 fields, expected 6", header, "room\t6\tbdpt\t1\t100"),
                           ("line 2: nanoseconds", header, "room\t6\tbdpt\t1\t0\t1")):
             with self.assertRaisesRegex(ValueError, says):
-                work_model.read(of)
+                promises.read_work(of)
 
 
 if __name__ == "__main__":

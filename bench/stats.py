@@ -58,12 +58,6 @@ def t_quantile(tail, df):
     return (low + high) / 2
 
 
-def expanded_tail(n):
-    """Share of a bootstrap's draws beyond each end of a 95 % interval from n values: percentiles widened to the t
-    distribution (Hesterberg, "What Teachers Should Know About the Bootstrap", 2015: expanded percentiles)."""
-    return normal_tail(math.sqrt(n / (n - 1)) * t_quantile(0.025, n - 1))
-
-
 @dataclass
 class Ratio:
     """A measured ratio or share and the ends of its 95 % interval; nan where they are not known."""
@@ -90,8 +84,10 @@ class Ratio:
 
 def interval(pairs, rng, tail=None):
     """Ends of the 95 % interval of the geometric mean of mean(above) / mean(below) by bootstrap, pairs: of (above,
-    below), each drawn from by itself; 0 or NO_BOUND where draws are not positive. tail: share beyond each end."""
-    draws = []
+    below), each drawn from by itself; 0 or NO_BOUND where draws are not positive. tail: share beyond each end; if not
+    given, percentiles widened to the t distribution (Hesterberg, "What Teachers Should Know About the Bootstrap", 2015:
+    expanded percentiles)."""
+    draws, n = [], min(len(v) for pair in pairs for v in pair)
     for pair in pairs:
         above, below = (v[rng.integers(len(v), size=(DRAWS, len(v)))].mean(1) for v in pair)
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -99,7 +95,7 @@ def interval(pairs, rng, tail=None):
     means = np.prod(draws, axis=0) ** (1 / len(draws))
     means[np.max(draws, axis=0) >= NO_BOUND] = NO_BOUND
     means.sort()
-    level = int((tail or expanded_tail(min(len(v) for pair in pairs for v in pair))) * DRAWS)
+    level = int((tail or normal_tail(math.sqrt(n / (n - 1)) * t_quantile(0.025, n - 1))) * DRAWS)
     return means[level], means[DRAWS - 1 - level]
 
 
