@@ -23,6 +23,7 @@ STAGES = ("ffgraph", "mincut", "lightgrid", "portalfit")
 # Names of what they write, which stand in pictures of it.
 OUTPUTS = {"ffgraph": "room.max", "mincut": "room.cut", "lightgrid": "room.vdb", "portalfit": "room.portal.glb"}
 SKIES = ("overcast", "clear", "sun")
+CORES = os.cpu_count()
 
 
 class Stop(Exception):
@@ -336,7 +337,3 @@ def environment(sky, own=None):
     if sky not in found:
         raise Stop(2, f"SKIES: {sky} is none of {', '.join(SKIES)}")
     return found[sky]
-
-
-def cores():
-    return os.cpu_count()

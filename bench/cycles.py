@@ -35,9 +35,8 @@ def percent(part, whole):
 
 
 def agreement(names, sets):
-    """(lines of a table, whether no mean differs significantly) of two sets of pictures, one picture for each seed: for
-    each channel and for luminance both means with their standard errors over the seeds and the difference in standard
-    errors; then the same for every block of the picture."""
+    """(lines of a table, whether no mean differs significantly) of two sets of pictures, one for each seed: both means
+    with their standard errors, and the difference in standard errors; the same for every block of the picture."""
     lines, worst = [f"          {names[0]:>24} {names[1]:>24}   difference"], 0.0
     for label, weights in [*zip("RGB", np.eye(3)), ("luminance", LUMINANCE)]:
         one, two = (stats.mean_and_error((p @ weights).mean((1, 2))) for p in sets)
@@ -87,15 +86,13 @@ compare_settings = functools.partial(
 @compare_settings(FILES=Setting(tuple(str(TESTDATA / f"scenes/{n}.glb") for n in ("two-rooms", "window", "door-ajar")),
                                 "the scenes"),
                   DEPTHS=Setting(("2", "3", "6"), "edges of the longest path", ("3",)),
-                  SPP=Setting(64, "samples per pixel", 4), SKY=Setting("", "--environment, for both"),
-                  SKY_ROTATION=Setting(0.0, "and its rotation"))
+                  SPP=Setting(64, "samples per pixel", 4))
 def compare(bench):
     """Do Cycles, Blender's path tracer, and tdpt-render agree in the mean? Renders the same diffuse scenes with both,
     several seeds each, and prints a table for each scene and depth. Exit code 1 if any mean differs significantly.
     BLENDER in the environment names Blender."""
     s = bench.settings
-    light = ("--environment", s.sky, "--environment-rotation", f"{s.sky_rotation:g}") if s.sky else ()
-    compare_scenes(bench, [(Path(scene).resolve(), depth, light) for scene in s.files for depth in s.depths])
+    compare_scenes(bench, [(Path(scene).resolve(), depth, ()) for scene in s.files for depth in s.depths])
 
 
 @compare_settings(SKIES=Setting(("colour", "quarters", "sun"), "of: colour quarters sun"),

@@ -9,32 +9,24 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pages
-from common import ROOT, TESTDATA, Halves, Setting, Stop, checked, cores, decibels_of, settings, turns
+from common import CORES, ROOT, TESTDATA, Halves, Setting, Stop, checked, decibels_of, settings, turns
 from efficiency_tables import BEFORE, Measurements, Scene
 from formats import exr_read, exr_write
 
 # Aims: of the gain, its moonshot; relMSE wanted after a minute, its moonshot; PSNR in the same time.
 SCENES = (
-    Scene("two-rooms", 128, 96, "door", 40, wanted_psnr=-0.3),
-    Scene("small-hole", 128, 96, "door", 60, wanted_psnr=-0.3),
-    Scene("door-ajar", 128, 96, "door", 15, wanted_psnr=-0.3),
-    Scene("half-metre-hole", 128, 96, "door", wanted_psnr=-0.3),
-    Scene("three-rooms", 128, 96, "door", 60, wanted_psnr=-0.3),
-    Scene("window", 128, 96, "door", 2, wanted_psnr=-0.3),
+    *(Scene(name, 128, 96, "door", target, wanted_psnr=-0.3) for name, target in (
+        ("two-rooms", 40), ("small-hole", 60), ("door-ajar", 15), ("half-metre-hole", None), ("three-rooms", 60),
+        ("window", 2))),
     Scene("veach-ajar", 320, 180, "door", 6, 12, 0.012, wanted_psnr=-0.3),
     Scene("veach-ajar-flip", 320, 180, "door", 12, 25, 0.025, wanted_psnr=-0.3),
     Scene("bathroom2-channel", 128, 72, "door", 5, wanted_psnr=0),
     Scene("cornell-box-portal", 96, 96, "door", wanted_psnr=-0.3),
-    Scene("kitchen", 128, 72, "interior", 1),
-    Scene("bathroom", 128, 128, "interior", 1),
-    Scene("living-room-lamps", 128, 72, "interior", 1),
-    Scene("classroom-lamps", 128, 72, "interior", 1),
-    Scene("bathroom2", 128, 72, "open"),
-    Scene("cornell-box", 128, 128, "open"),
-    Scene("veach-ajar-whole", 128, 72, "whole"),
-    Scene("two-rooms-whole", 128, 96, "whole"),
-    Scene("kitchen-whole", 128, 72, "whole"),
-    Scene("bathroom2-whole", 128, 72, "whole"),
+    *(Scene(name, 128, height, "interior", 1) for name, height in (
+        ("kitchen", 72), ("bathroom", 128), ("living-room-lamps", 72), ("classroom-lamps", 72))),
+    Scene("bathroom2", 128, 72, "open"), Scene("cornell-box", 128, 128, "open"),
+    *(Scene(f"{name}-whole", 128, height, "whole") for name, height in (
+        ("veach-ajar", 72), ("two-rooms", 96), ("kitchen", 72), ("bathroom2", 72))),
 )
 WITHOUT_PORTALS = ("pt", "nee", "bdpt")
 README = """# References of doc/efficiency.md
@@ -68,9 +60,8 @@ with_settings = settings(
                         "that aims are asked of and of the one that gains are over"),
     LONG_SECONDS=Setting(60.0, "of a long picture", 0.2), LONG_SEEDS=Setting(3, "0: no long pictures", 1),
     DEPTH=Setting("6", "edges of the longest path, as the paper's figures have it; none: no limit, in all scenes"),
-    REFERENCES=Setting("stored", "stored: those of REFERENCE_FOLDER that fit, others are rendered; render: none of "
-                       "them"),
-    REFERENCE_FOLDER=Setting(str(TESTDATA / "references/efficiency"), "the stored ones"),
+    REFERENCE_FOLDER=Setting(str(TESTDATA / "references/efficiency"), "of those that are stored; they are used where "
+                             "they fit, others are rendered"),
     REF_INTEGRATOR=Setting("tdpt-guided", "of the references"),
     REF_SECONDS=Setting(100.0, "CPU seconds of a reference, in two halves; half of it without an aim, eight times it "
                         "at 320 x 180, so that its relMSE is a tenth of what it judges", 1.0),
@@ -92,7 +83,6 @@ class Efficiency:
         for wrong, words in (
                 *((name not in known, f"{name} is none of the scenes") for name in (*s.only, *s.long_scenes)),
                 (s.depth != "none" and not s.depth.isdigit(), f"DEPTH={s.depth} is neither a number nor none"),
-                (s.references not in ("stored", "render"), f"REFERENCES={s.references} is neither stored nor render"),
                 (s.baseline and not os.access(s.baseline, os.X_OK), f"BASELINE: {s.baseline} is no program"),
                 (s.baseline and s.depth == "none", "BASELINE is for a limited DEPTH")):
             if wrong:
@@ -130,10 +120,9 @@ class Efficiency:
         return self.s.ref_seconds * share / 2
 
     def stored_fits(self, scene):
-        """What is known of a stored one of this scene, depth and size, or None. It may come from any program: all
-        converge to the same picture."""
+        """What is known of a stored one of this scene, depth and size, by whatever program, or None."""
         path = self.stored / f"{scene.name}.json"
-        if self.s.references == "render" or not path.exists():
+        if not path.exists():
             return None
         about = pages.read_json(path)
         size = ["--width", about["width"], "--height", about["height"]]
@@ -231,17 +220,17 @@ def plot(m):
     return figure.script("efficiency.png")
 
 
-def head(run, m):
-    s, seeds = run.s, run.s.seeds
-    integrators, version = " ".join(s.integrators), run.bench.version()
-    older = ""
+def head(run):
+    s, older = run.s, ""
     if s.baseline:
         older = (f"* `bdpt-before` and `nee-before` are bdpt and nee of another program, {s.baseline_name} "
                  f"({run.bench.version(Path(s.baseline).resolve())}), in the same run.\n")
     return f"""# Efficiency of the integrators
 
-Written by `make bench-efficiency` ({version}, {cores()} cores; SECONDS_EACH={s.seconds_each:g} SEEDS={seeds}
-INTEGRATORS="{integrators}"; `bench/run.py efficiency --help` tells the rest). Every picture is one thread's,
+Written by `make bench-efficiency` ({run.bench.version()}, {CORES} cores; SECONDS_EACH={s.seconds_each:g} \
+SEEDS={s.seeds}
+INTEGRATORS="{' '.join(s.integrators)}"; `bench/run.py efficiency --help` tells the rest). Every picture is \
+one thread's,
 {run.depth_words} unless said otherwise, `--time {s.seconds_each:g}`, the integrators taking turns; portals are found by
 ffgraph, mincut, lightgrid and portalfit, none is drawn by hand. [efficiency.csv](efficiency.csv) has a row for each
 picture.
@@ -251,7 +240,7 @@ CPU seconds over
   the seeds / the same mean of its own. The mean, not the median: it is what more samples would have to make up for.
 * Gains are over {run.over}, in scenes without a door over {run.better}. bdpt's own
   efficiency stands beside, so that no gain comes of a bdpt made worse.
-* Brackets: 95 % intervals by bootstrap over the {seeds} seeds, widened as the t distribution is for few (expanded
+* Brackets: 95 % intervals by bootstrap over the {s.seeds} seeds, widened as the t distribution is for few (expanded
   percentiles). relMSE is heavy-tailed where bdpt is bad: fireflies that no seed met are missing from bdpt's mean and
   from the interval, so gains are more likely too small than too large.
 * Aims are asked of `auto`, the default, or, where it was not measured, of the best with portals.
@@ -314,7 +303,7 @@ def page(run, m):
     papers = [[name, words, "not in the text", *m.paper(name)]
               for name, words in PAPER.items() if name in m.scenes]
     return pages.sections(
-        head(run, m), m.busy(), m.noisy(),
+        head(run), m.busy(), m.noisy(),
         part(f"## Doors, holes, windows\n\nGain over {run.over}.", m.gains("doors")),
         part("## Furnished rooms, and a box\n\nNo door; portals where the four stages find any. Gain over "
              f"{run.better}.", m.gains("rooms")),

@@ -9,7 +9,7 @@ from pathlib import Path
 from statistics import mean
 
 import pages
-from common import ROOT, SEEDED, STAGES, TESTDATA, Made, Setting, Stop, cores, measure, settings
+from common import CORES, ROOT, SEEDED, STAGES, TESTDATA, Made, Setting, Stop, measure, settings
 
 SCENES = ("cornell-box-portal", "veach-ajar", "veach-ajar-flip", "bathroom2", "bathroom2-channel")
 INTEGRATORS = ("pt", "nee", "bdpt", "tdpt-org", "tdpt")
@@ -177,7 +177,7 @@ def figures(bench):
     bench.page("figures", pages.sections(
         f"""# The paper's figures from our renders
 
-Written by `make figures` ({bench.version()}, {cores()} cores), which
+Written by `make figures` ({bench.version()}, {CORES} cores), which
 finds the portals of the scenes in `SCENES`, renders, compares and draws. The same at another size:
 
     make figures HEIGHT=360 SPP={s.spp} FRAMES={s.frames} REF_SPP={s.ref_spp} SCENES=FOLDER
@@ -253,8 +253,8 @@ def thumbnails(bench):
 
 # ---- A portal for a room lit through a hole, and what it is good for ----
 def comparison(seconds, bdpt, portal, cpu, noisy):
-    """What two pictures of so many seconds are worth, in words; bdpt, portal: what exrdiff says of them, cpu: CPU
-    seconds that they got; noisy: whether the reference is about as short."""
+    """In words, what two pictures of so many seconds are worth by what exrdiff says of them. cpu: seconds that they
+    got; noisy: whether the reference is about as short."""
     gain, decibels = bdpt["relmse"] / portal["relmse"], portal["psnr"] - bdpt["psnr"]
     if gain >= 1:
         words = f"""In the same {seconds:g} seconds the portal makes the error {gain:.1f} times smaller (relMSE), \

@@ -236,9 +236,8 @@ def _placed(document, nodes, above):
 
 
 def simplified(data, share):
-    """The scene without its smallest triangles, which make at most `share` of the area (paper, 4.1); what emits stays.
-    A mesh that several nodes show loses those that are small where it is largest. And: how many of how many are
-    gone."""
+    """(the scene without its smallest triangles, which make at most `share` of the area (paper, 4.1); how many of how
+    many are gone). What emits stays. A mesh that several nodes show loses those that are small where it is largest."""
     document, binary = glb_parse(data)
     largest = {}  # of each primitive: areas, the most of all nodes
     for node, matrix in _placed(document, document["scenes"][document.get("scene", 0)]["nodes"], np.eye(4)):

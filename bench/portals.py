@@ -4,7 +4,7 @@ import statistics
 from collections import namedtuple
 
 import pages
-from common import ROOT, STAGES, Setting, checked, cores, settings
+from common import CORES, ROOT, STAGES, Setting, checked, settings
 from price import stages_of
 
 KNOWN = "hole,slit,floor-door,through-floor,ajar-full,ajar,window,two-openings,holes-in-row,doors-in-row,closet"
@@ -126,7 +126,7 @@ def portals(bench):
     (bench.cache / "invariance.rooms").write_text(invariance.errors, encoding="utf-8")
     bench.page("portals", f"""# How right the portals are
 
-Written by `make bench-portals` ({bench.version("portalfit")}, {cores()} cores). Rooms are generated from
+Written by `make bench-portals` ({bench.version("portalfit")}, {CORES} cores). Rooms are generated from
 seeds (`libcommon/testing/rooms/known_rooms.h`): sizes, lamps, furniture, walls of 1 to 30 cm, four ways of splitting
 the triangles, and in every second room another place, direction or unit. Their openings are known. The first seed of
 each kind is {seed}{whence}.

@@ -1,7 +1,6 @@
 """What things cost that are asked for, or not: the whole light (doc/whole-light.md), options and stages that are not
 needed (doc/only-needed.md), rendering in shards (doc/shards.md), and triangles (doc/scale.md)."""
 import copy
-import csv
 import filecmp
 import itertools
 import math
@@ -35,8 +34,7 @@ def mean_ratio(a, b):
 
 
 def light_table(runs, kinds, names, mean_of, mean_name):
-    """runs: {(scene, integrator): {kind: [Picture]}}; kinds: two of them, names: what the page calls them; mean_of: the
-    kinds whose ratio of means is told."""
+    """runs: {(scene, integrator): {kind: [Picture]}}; kinds: two, called names; mean_of: those whose means are told."""
     rows = []
     for key, of in runs.items():
         above, below = (of[kind] for kind in kinds)
@@ -371,30 +369,23 @@ def stages_of(stem, options={}):
 
 
 @settings(SIZES=Setting(("1e3", "1e4", "1e5", "1e6", "1e7"), "triangles of the scenes", ("1e3", "1e4")),
-          FORMS=Setting(rooms.FORMS, "of: grid parts soup"),
-          KEEP=Setting(0, "1: the rows that are in the cache make the page anew, nothing runs"))
+          FORMS=Setting(rooms.FORMS, "of: grid parts soup"))
 def scale(bench):
     """CPU time and peak memory of the five programs on scenes of a thousand to ten million triangles, one thread each.
     A quarter of an hour, 5 GiB of memory, 1.5 GiB of disk in the cache."""
     bench.need("gnuplot")
-    path, s = bench.cache / "scale.csv", bench.settings
-    if not s.keep:
-        rows, stem = [], bench.cache / "room"
-        picture = ("--portal", f"{stem}.portal.glb", "--integrator", "tdpt-guided", "--spp", 1, "--width", 64,
-                   "--height", 48)
-        for form, size in itertools.product(s.forms, s.sizes):
-            n = rooms.write_scene(int(float(size)), form, f"{stem}.glb")
-            for program, arguments, output in stages_of(stem, {"tdpt-render": picture}):
-                run = bench.fresh(program, *arguments, output=output)
-                rows.append((form, n, program, "%.3f" % run.cpu, "%.1f" % run.peak_mib))
-            bench.say(f"{form}: {n} triangles")
-        for room in bench.cache.glob("room.*"):
-            room.unlink()
-        with open(path, "w", newline="", encoding="ascii") as file:
-            csv.writer(file, lineterminator="\n").writerows(rows)
-    with open(path, newline="", encoding="ascii") as file:
-        rows = [Row(form, int(n), program, float(cpu), float(peak)) for form, n, program, cpu, peak in csv.reader(file)]
-    (bench.doc / "scale.csv").write_bytes(path.read_bytes())
+    s, rows, stem = bench.settings, [], bench.cache / "room"
+    picture = ("--portal", f"{stem}.portal.glb", "--integrator", "tdpt-guided", "--spp", 1, "--width", 64, "--height",
+               48)
+    for form, size in itertools.product(s.forms, s.sizes):
+        n = rooms.write_scene(int(float(size)), form, f"{stem}.glb")
+        for program, arguments, output in stages_of(stem, {"tdpt-render": picture}):
+            run = bench.fresh(program, *arguments, output=output)
+            rows.append(Row(form, n, program, round(run.cpu, 3), round(run.peak_mib, 1)))
+        bench.say(f"{form}: {n} triangles")
+    for room in bench.cache.glob("room.*"):
+        room.unlink()
+    (bench.doc / "scale.csv").write_text("".join("%s,%d,%s,%.3f,%.1f\n" % row for row in rows), encoding="ascii")
     pages.draw(scale_plot(rows), bench.doc)
     bench.page("scale", f"""# Time and memory against triangles
 

@@ -313,23 +313,15 @@ DEVICE_TABLES = {1: "kDeviceWorkWithPortals", 0: "kDeviceWorkWithoutPortals"}
 
 def read_work(lines):
     """Names of the terms and, by TABLES' keys, lines as (keys, terms). Throws ValueError."""
-    terms, rows = None, {key: [] for key in TABLES}
-    for number, line in enumerate(lines, 1):
-        fields = line.rstrip("\n").split("\t")
-        if tuple(fields[: len(KEYS)]) == KEYS:
-            if terms not in (None, fields[len(KEYS) :]):
-                raise ValueError(f"line {number}: the terms differ from those before")
-            terms = fields[len(KEYS) :]
-            continue
-        if terms is None:
-            raise ValueError(f"line {number}: expected the header of work_model_bench")
-        if len(fields) != len(KEYS) + len(terms):
-            raise ValueError(f"line {number}: has {len(fields)} fields, expected {len(KEYS) + len(terms)}")
-        keys = dict(zip(KEYS, fields))
-        row = [float(x) for x in fields[len(KEYS) :]]
-        if not float(keys["nanoseconds"]) > 0:
-            raise ValueError(f"line {number}: nanoseconds must be positive")
-        rows[int(keys["portals"])].append((keys, row))
+    terms, rows = [], {key: [] for key in TABLES}
+    for number, fields in enumerate((line.rstrip("\n").split("\t") for line in lines), 1):
+        keys, values = dict(zip(KEYS, fields)), fields[len(KEYS) :]
+        if tuple(keys.values()) == KEYS:
+            terms = values
+        elif len(values) != len(terms) or not float(keys["nanoseconds"]) > 0:
+            raise ValueError(f"line {number}: expected {len(terms)} terms after positive nanoseconds, as in the header")
+        else:
+            rows[int(keys["portals"])].append((keys, [float(x) for x in values]))
     return terms, rows
 
 

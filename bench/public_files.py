@@ -55,22 +55,9 @@ def scenes(folder):
     return found, copies, pointers
 
 
-def kind(status, words, picture=None):
-    """What became of a run. `status`: None where its time was over."""
-    if status is None:
-        return "hang"
-    if status == 3:
-        return "refused"
-    if status != 0:
-        return "crash"
-    if picture is not None and not np.isfinite(picture).all():
-        return "not finite"
-    return "read with warnings" if "warning: " in words else "read"
-
-
 def attempt(folder, program, path):
     """(what became of it, its words)."""
-    options = PROGRAMS[os.path.basename(program)]
+    options = PROGRAMS[program]
     with tempfile.TemporaryDirectory() as scratch:
         out = os.path.join(scratch, "out")
         command = [os.path.join(folder, program), path, *options, *([out] if options else [])]
@@ -80,8 +67,11 @@ def attempt(folder, program, path):
         except subprocess.TimeoutExpired:
             return "hang", ""
         words = run.stderr.decode("utf-8", "replace")
-        drawn = program == "tdpt-render" and run.returncode == 0
-        return kind(run.returncode, words, exr_read(out)[0] if drawn else None), words
+        if run.returncode:
+            return "refused" if run.returncode == 3 else "crash", words
+        if program == "tdpt-render" and not np.isfinite(exr_read(out)[0]).all():
+            return "not finite", words
+        return "read with warnings" if "warning: " in words else "read", words
 
 
 def message(words, path):

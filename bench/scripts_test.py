@@ -137,7 +137,7 @@ class Efficiency(Stamp):
         whole = text.partition("## No limit of depth")[2].partition("\n!")[0]
         self.assertRegex(whole, r"\n\| veach-ajar-whole \| [0-9.-]")
         self.assertEqual(sum(r["scene"] == "veach-ajar-whole" for r in self.rows()), 4)
-        for says, wrong in (("no program", {"BASELINE": self.work / "none"}), ("neither", {"REFERENCES": "many"}),
+        for says, wrong in (("no program", {"BASELINE": self.work / "none"}),
                             ("limited", {"DEPTH": "none", "BASELINE": older}), ("neither", {"DEPTH": "deep"}),
                             ("cellar is none", {"LONG_SCENES": "cellar"}), ("no number", {"SEEDS": "many"}),
                             ("no setting", {"WORD": "x"})):
@@ -157,7 +157,8 @@ class Efficiency(Stamp):
         pictures = lambda: len(list(self.cache.glob("runs/*/out")))
         self.runs("efficiency", **few)
         self.assertIn("(stored, rendered by tdpt-render ", self.page("efficiency"))
-        for change, rendered in (({}, 0), ({"REFERENCES": "render"}, 2), ({"DEPTH": 5}, 2 + 6), ({"WIDTH": 28}, 2 + 6)):
+        for change, rendered in (({}, 0), ({"REFERENCE_FOLDER": self.work / "none"}, 2), ({"DEPTH": 5}, 2 + 6),
+                                 ({"WIDTH": 28}, 2 + 6)):
             before = pictures()
             self.runs("efficiency", **{**few, "REF_SECONDS": 0.2, **change})
             self.assertEqual(pictures() - before, rendered, change)

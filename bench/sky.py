@@ -75,16 +75,6 @@ def select(cells, group, sky=None):
     return [c for (_, s), c in cells.items() if c.group == group and sky in (None, s)]
 
 
-def mean_table(cells):
-    rows = []
-    for group, words in GROUPS.items():
-        for sky in (*dict.fromkeys(sky for _, sky in cells), None):
-            of = select(cells, group, sky)
-            if of:
-                rows.append([words, sky or "**all**", len(of), *(geometric_mean(of, m).text(hundredths) for m in WITH)])
-    return pages.table(("lit through", "sky", "rooms", *WITH.values()), rows)
-
-
 def aim_table(cells):
     rows = []
 
@@ -118,18 +108,20 @@ def room_table(cells):
     return pages.table(("room", "sky", "portals", "without", *WITH.values(), "`auto` chose"), rows)
 
 
-def error_table(cells):
-    methods = {**{m: f"`{m}`" for m in WITHOUT}, **WITH}
-    rows = [[*key, *("%.2g, %.1f" % c.error(m) for m in methods), black_words(c)] for key, c in cells.items()]
-    return pages.table(("room", "sky", *methods.values(), "black"), rows)
-
-
 def sky_tables(cells):
+    groups = [(words, sky, select(cells, group, sky)) for group, words in GROUPS.items()
+              for sky in (*dict.fromkeys(sky for _, sky in cells), None)]
+    methods = {**{m: f"`{m}`" for m in WITHOUT}, **WITH}
     return pages.sections(
-        "## Gains\n\nGeometric means over rooms.", mean_table(cells), "## Aims", aim_table(cells),
+        "## Gains\n\nGeometric means over rooms.",
+        pages.table(("lit through", "sky", "rooms", *WITH.values()),
+                    [[words, sky or "**all**", len(of), *(geometric_mean(of, m).text(hundredths) for m in WITH)]
+                     for words, sky, of in groups if of]),
+        "## Aims", aim_table(cells),
         "## Room by room\n\nwithout: which of `bdpt` and `nee` is the better without portals.", room_table(cells),
         "## Errors\n\nrelMSE, PSNR [dB] with equally many samples, not in equal time; black: of a picture of no light.",
-        error_table(cells))
+        pages.table(("room", "sky", *methods.values(), "black"), [
+            [*key, *("%.2g, %.1f" % c.error(m) for m in methods), black_words(c)] for key, c in cells.items()]))
 
 
 def generated(bench, name, kind, number):
@@ -220,10 +212,11 @@ taken out of the errors.
 @settings(SCENE=Setting("", "a room without lamps (blinds.glb, which the benchmark sky leaves in build/sky). For "
                         "living-room.glb of the interiors TURN=200 lets the sun in through both walls' windows"),
           SKY=Setting("", "its --environment (clear-sun.exr of testdata)"), TURN=Setting(0.0, "and its rotation"),
-          WIDTH=Setting(480, "of each half", 24), SPP=Setting(12, "samples per pixel of the right one; others get as "
-                                                              "many as they need for the same CPU time", 2),
-          BEFORE=Setting("nee", "integrator of the left one"), ALSO=Setting("bdpt", "another without portals, told "
-                                                                            "alone"),
+          WIDTH=Setting(480, "of each half", 24),
+          SPP=Setting(12, "samples per pixel of the right one; others get as many as they need for the same CPU time",
+                      2),
+          BEFORE=Setting("nee", "integrator of the left one"),
+          ALSO=Setting("bdpt", "another without portals, told alone"),
           REF_SPP=Setting(36, "samples per pixel of the reference, by auto with the portals", 4))
 def before_after(bench):
     """DOC/sky-before-after.png, a room that the sun lights through its window: on the left without portals, on the

@@ -8,7 +8,7 @@ from collections import defaultdict, namedtuple
 from pathlib import Path
 
 import pages
-from common import Setting, Stop, checked, cores, settings
+from common import CORES, Setting, Stop, checked, settings
 
 # Tungsten's figures on a machine of the same kind (2 cores, depth 6, box filter, no roulette).
 PEERS = {("veach-ajar", "bdpt"): ("47 000", "0.20"), ("veach-ajar", "nee"): ("140 000", "0.44-0.59"),
@@ -19,7 +19,7 @@ def devices(bench, program):
     """The devices that a program sees, and the processor beside them."""
     listed = checked([bench.store.program(program), "--list-devices"]).said
     models = set(re.findall(r"^model name\s*: (.*\S)", Path("/proc/cpuinfo").read_text(), re.M))
-    return (f"beside {cores()} cores of {' '.join(sorted(models))}:\n\n"
+    return (f"beside {CORES} cores of {' '.join(sorted(models))}:\n\n"
             + "\n".join("    " + line for line in listed.splitlines()))
 
 
@@ -239,7 +239,7 @@ HOW = {"perf": "samples of the processor's time by perf (cpu-clock)",
 def limit_page(loads, frames, profiles, how):
     """loads: processes that wanted a core, before and after each scene."""
     busy = max(loads, default=0) > 1.2 and f"""The machine was not idle: up to {max(loads):.0f} processes wanted its \
-{cores()} cores, so the clock tells nothing,
+{CORES} cores, so the clock tells nothing,
 and shared caches make all times longer."""
     rows, parts = factor_rows(frames), {key: shares(profile) for key, profile in profiles.items()}
     told = [row[-1] for row in rows if row[-1] != "-"]

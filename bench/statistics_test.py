@@ -535,11 +535,9 @@ class WorkModel(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "no such term"):
             promises.held_costs(["roof=1"], NAMES)
         header = "\t".join([*promises.KEYS, "sample"])
-        for says, *of in (("line 1: expected the header", "room\t6\tbdpt\t1\t100\t1"),
-                          ("line 2: has 5 fields, expected 6", header, "room\t6\tbdpt\t1\t100"),
-                          ("line 2: nanoseconds", header, "room\t6\tbdpt\t1\t0\t1")):
-            with self.assertRaisesRegex(ValueError, says):
-                promises.read_work(of)
+        for wrong in ("room\t6\tbdpt\t1\t100", "room\t6\tbdpt\t1\t0\t1"):
+            with self.assertRaisesRegex(ValueError, "line 2: expected 1 terms"):
+                promises.read_work([header, wrong])
 
 
 if __name__ == "__main__":

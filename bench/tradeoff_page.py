@@ -14,7 +14,7 @@ import numpy as np
 
 import pages
 import stats
-from common import STAGES, Setting, cores, settings
+from common import CORES, STAGES, Setting, settings
 from pages import hundredths, table
 from tradeoff import CHAIN, DEPTHS, INTEGRATORS, KNOBS, RENDERER, TABLES, Tradeoff, run_all
 
@@ -139,8 +139,7 @@ class PictureCurves:
         return [r for r in rows if r["spp"] == most]
 
     def pays_from(self, scene, chain, through="auto"):
-        """CPU seconds of bdpt's picture from which on finding portals pays: chain / (1 - cost through / cost of bdpt).
-        None: never."""
+        """CPU seconds of bdpt's picture from which on finding portals pays; None: never."""
         a, b = cost(self.longest(scene, through)), cost(self.longest(scene, "bdpt"))
         gain = np.mean(b) / np.mean(a) if a and b else 0
         return chain / (1 - 1 / gain) if gain > 1 else None
@@ -233,8 +232,7 @@ def renderer_figure(curves):
 
 
 def chain_figure(pictures, portals):
-    """Total time to an error, the four stages included: what was measured, and from the longest pictures on as 1 /
-    time."""
+    """Total time to an error, the four stages included: as measured, then as 1 / time from the longest pictures on."""
     figure = pages.Figure(4)
     lines = (("bdpt", "", 0), ("tdpt-guided", ", portals found first", 4), ("auto", ", portals found first", 5))
     for scene in (s for s in portals.scenes if pictures.longest(s, "tdpt-guided")):
@@ -263,8 +261,7 @@ def simplified_losses(rows, portals):
 
 
 def simplified_figure(losses):
-    """Cost through portals that were found without the smallest triangles, against the share of the area that they
-    make."""
+    """Cost through portals found without the smallest triangles, against the share of the area that they make."""
     figure, drawn = pages.Figure(2, 500, 380), []
     for k, of in enumerate(losses.values()):
         points = [(100 * share, loss.value, loss.low, loss.high) for share, (loss, _) in of.items()]
@@ -485,7 +482,7 @@ def page(bench, extent):
         pages.draw(figure.script(name), bench.doc)
     own = portals.loss(DEFAULT)
     bench.page("tradeoff", pages.sections(
-        WORDS["head"].format(version=bench.version(), cores=cores(), extent=extent, count=len(portals.scenes),
+        WORDS["head"].format(version=bench.version(), cores=CORES, extent=extent, count=len(portals.scenes),
                              seeds=len({r["seed"] for r in data["portals"]}), low=hundredths(own.low / own.value),
                              high=hundredths(own.high / own.value)),
         WORDS["summary"], summary_section(portals, pictures),
@@ -495,17 +492,15 @@ def page(bench, extent):
         simplified_section(losses, portals)))
 
 
-@settings(SEEDS=Setting(5, "of each setting", 2), ROOMS=Setting(3, "of each kind", 1),
-          TABLES=Setting(tuple(TABLES), "of: portals pictures rooms simplified"))
+@settings(SEEDS=Setting(5, "of each setting", 2), ROOMS=Setting(3, "of each kind", 1))
 def tradeoff(bench):
     """Every knob that buys speed with accuracy, as curves: doc/tradeoff.md, its plots and tables. A night on two cores,
     --quick three quarters of an hour. Every number is one run's: `cpu` seconds of the process; errors against the
     stored references."""
     bench.need("gnuplot")
     run = Tradeoff(bench)
-    for name in bench.settings.tables:
-        pages.write_csv(bench.cache / f"{name}.csv", run_all(bench, name, list(TABLES[name](run))))
-    for name in TABLES:
+    for name, tasks in TABLES.items():
+        pages.write_csv(bench.cache / f"{name}.csv", run_all(bench, name, list(tasks(run))))
         shutil.copy(bench.cache / f"{name}.csv", bench.doc / f"tradeoff-{name}.csv")
     extent = "".join(f"{key}={value} " for key, value in bench.given.items() if key in ("SEEDS", "ROOMS"))
     page(bench, ("QUICK=1 " if bench.quick else "") + extent)
