@@ -106,7 +106,7 @@ class Measurements:
         return min((i for i in means if means[i] > 0), key=means.get, default=None)
 
     def base(self, scene):
-        """What gains are over, or None: bdpt, without a door the better of bdpt and nee; of the older program if any."""
+        """What gains are over, or None: bdpt, without a door the better of bdpt and nee; of the older one if any."""
         names = ("bdpt", "nee") if self.scenes[scene].kind in GROUPS["rooms"] else ("bdpt",)
         there = self.measured(scene, [n + BEFORE for n in names]) or self.measured(scene, names)
         return self.cheapest(scene, there) or next(iter(there), None) if there else None
