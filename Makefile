@@ -71,7 +71,7 @@ demo:
 	@echo "make demo: ends on the picture demo/before-after.png; first installs the packages that are missing and compiles" \
 	  "six programs"
 	@$(MAKE) --no-print-directory programs
-	@sh bench/demo.sh build/bin demo
+	@python3 -B bench/run.py demo --cache demo
 
 figures stages: %: bench-%
 

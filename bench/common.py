@@ -1,5 +1,6 @@
 """What every benchmark shares: its settings, the scenes, programs whose results are kept by content, what a run takes,
 errors against references, and turns."""
+import functools
 import hashlib
 import json
 import math
@@ -9,6 +10,7 @@ import subprocess
 import sys
 import tempfile
 import threading
+from collections import namedtuple
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
@@ -21,6 +23,7 @@ STAGES = ("ffgraph", "mincut", "lightgrid", "portalfit")
 # Names of what they write, which stand in pictures of it.
 OUTPUTS = {"ffgraph": "room.max", "mincut": "room.cut", "lightgrid": "room.vdb", "portalfit": "room.portal.glb"}
 SKIES = ("overcast", "clear", "sun")
+CORES = os.cpu_count()
 
 
 class Stop(Exception):
@@ -47,8 +50,8 @@ class Setting:
 
 
 COMMON = {
-    "SCENES": Setting(str(ROOT / "../shared/scenes"), "folder of the paper's scenes, with interiors/; one that is not "
-                      "there is left out, with a word"),
+    "SCENES": Setting(str(ROOT / "../shared/scenes"),
+                      "folder of the paper's scenes, with interiors/; one that is not there is left out, with a word"),
     "ONLY": Setting((), "names of what is to be measured; default all"),
     "JOBS": Setting(len(os.sched_getaffinity(0)), "programs at a time where they have one thread each"),
 }
@@ -113,15 +116,13 @@ LACK = {"exrdiff": ("--quiet", "--no-provenance", "--threads"), "exrmerge": ("--
 
 def common_options(program, threads, provenance=True):
     """--quiet, --json and the rest, as far as the program has them. threads: 0 for all cores."""
-    options = [["--quiet"], ["--json"]]
-    options += [["--threads", threads]] if threads else []
-    options += [] if provenance else [["--no-provenance"]]
-    return [word for option in options if option[0] not in LACK.get(program, ()) for word in option]
+    options = {"--quiet": (), "--json": (), **({"--threads": (threads,)} if threads else {}),
+               **({} if provenance else {"--no-provenance": ()})}
+    return [word for name, value in options.items() if name not in LACK.get(program, ()) for word in (name, *value)]
 
 
 class Made(str):
-    """An argument: a file of that name that the program writes beside its result. before: what comes before its
-    path."""
+    """An argument: a file of that name that the program writes beside its result, its path after `before`."""
 
     def __new__(cls, name, before=""):
         made = super().__new__(cls, name)
@@ -130,18 +131,14 @@ class Made(str):
 
 
 class Run:
-    """What is kept of one: out, a path; cpu [s], wall [s], peak_mib, status; said, a dictionary; errors."""
+    """What is kept of one: out, a path; cpu [s], wall [s], peak [MiB], status; said, a dictionary; errors."""
 
     def __init__(self, folder):
-        self.folder = folder
+        self.folder, self.errors = folder, (folder / "errors").read_text()
         self.said = json.loads((folder / "said").read_text() or "{}")
         facts = json.loads((folder / "run.json").read_text())
         self.cpu, self.status, self.peak, self.wall = (facts[k] for k in ("cpu", "status", "peak_mib", "wall"))
         self.out = folder / facts["out"]
-
-    @property
-    def errors(self):
-        return (self.folder / "errors").read_text()
 
 
 class Store:
@@ -149,20 +146,13 @@ class Store:
     files that it reads. A run that is there is not made again; one that was cut short leaves nothing."""
 
     def __init__(self, folder, programs):
-        self.folder, self.programs = Path(folder), Path(programs)
-        self.folder.mkdir(parents=True, exist_ok=True)
-        self._sums, self._lock = {}, threading.Lock()
+        self.folder, self.programs, self.lock = Path(folder), Path(programs), threading.Lock()
         self.made = self.found = 0
 
+    @functools.cache
     def sum_of(self, path):
         """Of a file, which is read once."""
-        with self._lock:
-            known = self._sums.get(path)
-        if known is None:
-            known = hashlib.sha256(Path(path).read_bytes()).hexdigest()
-            with self._lock:
-                self._sums[path] = known
-        return known
+        return hashlib.sha256(Path(path).read_bytes()).hexdigest()
 
     def program(self, name):
         path = self.programs / name
@@ -174,51 +164,39 @@ class Store:
         """Runs PROGRAM ARGUMENT... --quiet --json -o OUT, or finds what it made. Arguments: paths of files that are
         read, Made names, or what has a text. threads: 0 for all cores. Exit codes of may_fail are kept as results."""
         path = self.program(program)
-        words = [self.sum_of(path), f"threads {threads}", f"provenance {provenance}"]
-        words += ["file " + self.sum_of(a) if isinstance(a, Path) else f"word {a}" for a in arguments]
-        folder = self.folder / _key(words)
-        if (folder / "run.json").exists():
-            self.found += 1
-        else:
-            self._make(folder, path, arguments, threads, output, provenance, may_fail)
-            self.made += 1
-        return Run(folder)
 
-    def _make(self, folder, path, arguments, threads, output, provenance, may_fail):
-        half = Path(tempfile.mkdtemp(dir=self.folder, prefix="half-"))
-        try:
-            command = [path, *(f"{a.before}{half / a}" if isinstance(a, Made) else a for a in arguments)]
-            command += common_options(path.name, threads, provenance)
+        def make(folder):
+            folder.mkdir()
             out = OUTPUTS.get(path.name, "out")
-            command += ["-o", half / out] if output else []
-            run = checked(command, may_fail)
-            (half / "said").write_text("{}" if run.status else run.said)
-            (half / "errors").write_text(run.errors)
+            run = checked([path, *(f"{a.before}{folder / a}" if isinstance(a, Made) else a for a in arguments),
+                           *common_options(path.name, threads, provenance),
+                           *(("-o", folder / out) if output else ())], may_fail)
+            (folder / "said").write_text("{}" if run.status else run.said)
+            (folder / "errors").write_text(run.errors)
             facts = {"out": out, **{k: getattr(run, k) for k in ("cpu", "wall", "status", "peak_mib")}}
-            (half / "run.json").write_text(json.dumps(facts))
-            try:
-                half.rename(folder)
-            except OSError:  # another thread was faster
-                shutil.rmtree(half)
-        except BaseException:
-            shutil.rmtree(half, ignore_errors=True)
-            raise
+            (folder / "run.json").write_text(json.dumps(facts))
+
+        read = ["file " + self.sum_of(a) if isinstance(a, Path) else f"word {a}" for a in arguments]
+        return Run(self.keep([self.sum_of(path), f"threads {threads}", f"provenance {provenance}", *read], make, ""))
 
     def keep(self, words, make, suffix=".kept"):
-        """A file that no run makes: make(path) writes it. words: all that it depends on."""
-        path = self.folder / (_key(map(str, words)) + suffix)
-        if not path.exists():
-            half = path.with_suffix(f".half{threading.get_ident()}{suffix}")
-            make(half)
-            half.rename(path)
-            self.made += 1
-        else:
+        """A file or folder that make(path) writes. words: all that it depends on."""
+        path = self.folder / (hashlib.sha256("\0".join(map(str, words)).encode()).hexdigest()[:32] + suffix)
+        if path.exists():
             self.found += 1
+            return path
+        self.folder.mkdir(parents=True, exist_ok=True)
+        half = path.with_suffix(f".half{threading.get_ident()}{suffix}")
+        try:
+            make(half)
+            with self.lock:
+                if not path.exists():  # or another thread was faster
+                    half.rename(path)
+        finally:
+            shutil.rmtree(half, ignore_errors=True)
+            half.unlink(missing_ok=True)
+        self.made += 1
         return path
-
-
-def _key(words):
-    return hashlib.sha256("\0".join(words).encode()).hexdigest()[:32]
 
 
 # ---- Errors ----
@@ -230,15 +208,11 @@ class Halves:
     def __init__(self, bench, a, b):
         self.bench, self.a, self.b = bench, a, b
         self.ways = bench.distance(a, b), bench.distance(b, a)
+        self.black, self.peak = self.ways[0]["black"], self.ways[0]["peak"]
 
     def both(self, *fields):
         """Mean of a field of both ways."""
-        values = []
-        for way in self.ways:
-            for field in fields:
-                way = way[field]
-            values.append(way or 0)
-        return sum(values) / 2
+        return sum(functools.reduce(dict.get, fields, way) or 0 for way in self.ways) / 2
 
     def off(self, picture):
         """relmse, mse, mape, mean and reference_mean of a picture."""
@@ -259,18 +233,8 @@ def turns(seeds, methods):
         methods.append(methods.pop(0))
 
 
-@dataclass
-class Portals:
-    """Of a scene, by the four stages. said: portalfit's summary; cpu: of all four [s]."""
-
-    file: Path
-    said: dict
-    cpu: float
-    runs: dict
-
-    @property
-    def count(self):
-        return len(self.said.get("portals", ()))
+# Of a scene, by the four stages. said: portalfit's summary; cpu: of all four [s]; runs: {program: Run}.
+Portals = namedtuple("Portals", "file said count cpu runs")
 
 
 class Bench:
@@ -295,10 +259,9 @@ class Bench:
     def say(self, words):
         print(f"{self.name}: {words}", file=sys.stderr)
 
-    def need(self, *programs):
-        for program in programs:
-            if not shutil.which(program):
-                raise Stop(5, f"{program} is missing (cmake/packages-figures.txt)")
+    def need(self, program):
+        if not shutil.which(program):
+            raise Stop(5, f"{program} is missing (cmake/packages-figures.txt)")
 
     def version(self, program="tdpt-render"):
         return checked([self.store.program(program), "--version"]).said.splitlines()[0]
@@ -306,50 +269,36 @@ class Bench:
     def find(self, scene):
         """The file of a scene, None where there is none. NAME-whole is scene NAME."""
         scenes = Path(self.settings.scenes)
-        for folder in (TESTDATA / "scenes", scenes, scenes / "interiors"):
-            path = folder / f"{scene.removesuffix('-whole')}.glb"
-            if path.exists():
-                return path.resolve()
-        return None
+        paths = (folder / f"{scene.removesuffix('-whole')}.glb"
+                 for folder in (TESTDATA / "scenes", scenes, scenes / "interiors"))
+        return next((path.resolve() for path in paths if path.exists()), None)
 
     def there(self, names):
         """Those that are wanted and there: {name: file}."""
-        only = self.settings.only
-        found = {}
-        for name in names:
-            if only and name not in only:
-                continue
-            path = self.find(name)
-            if path:
-                found[name] = path
-            else:
-                self.say(f"{name}: there is no {name.removesuffix('-whole')}.glb in SCENES, left out")
+        files = {name: self.find(name) for name in names if not self.settings.only or name in self.settings.only}
+        for name in (name for name, path in files.items() if not path):
+            self.say(f"{name}: there is no {name.removesuffix('-whole')}.glb in SCENES, left out")
+        found = {name: path for name, path in files.items() if path}
         if not found:
             raise Stop(3, "none of the scenes is there")
         return found
 
-    def portals(self, scene, sky=(), stage_options=None, threads=0, side=lambda program: ()):
-        """By the four stages; sky: options of those that need the light; stage_options: {program: options} more; side:
-        more of each program, outputs among them."""
-        runs, out, cpu = {}, (), 0.0
+    def portals(self, scene, sky=(), options=lambda program: (), threads=0):
+        """By the four stages; sky: options of those that need the light; options: more of each program, or None."""
+        runs, out = {}, ()
         for program in STAGES:
-            inputs = (scene,) if program in ("ffgraph", "lightgrid") else ()
-            light = sky if inputs else ()
-            runs[program] = run = self.store.run(
-                program, *inputs, *out, *light, *(stage_options or{}).get(program, ()),
-                *side(program),
-                threads=threads)
-            out, cpu = (run.out,), cpu + run.cpu
-        return Portals(run.out, run.said, cpu, runs)
+            inputs = (scene, *out, *sky) if program in ("ffgraph", "lightgrid") else out
+            runs[program] = run = self.store.run(program, *inputs, *(options(program) or ()), threads=threads)
+            out = (run.out,)
+        return Portals(run.out, run.said, len(run.said.get("portals", ())), sum(r.cpu for r in runs.values()), runs)
 
     def render(self, scene, *options, threads=1, **more):
         return self.store.run("tdpt-render", scene, *options, threads=threads, **more)
 
     def fresh(self, program, *arguments, output=None, threads=1, may_fail=()):
         """Runs it now, whatever was kept: what it took."""
-        command = [self.store.program(program), *arguments, *common_options(program, threads)]
-        command += ["-o", output] if output else []
-        run = checked(command, may_fail)
+        run = checked([self.store.program(program), *arguments, *common_options(program, threads),
+                       *(("-o", output) if output else ())], may_fail)
         run.said = json.loads(run.said or "{}")
         return run
 
@@ -357,9 +306,12 @@ class Bench:
         """What exrdiff says."""
         return self.store.run("exrdiff", picture, reference, *options, output=False).said
 
-    def side_by_side(self, tasks, names=None):
-        """What functions of no arguments return, in order, JOBS of them at a time. The first that fails ends them
-        all."""
+    def halves(self, render):
+        """A reference of two runs, render(seed)."""
+        return Halves(self, *(render(1000000 + half).out for half in (1, 2)))
+
+    def side_by_side(self, tasks):
+        """What functions of no arguments return, in order, JOBS of them at a time; all end where one fails."""
         with ThreadPoolExecutor(self.settings.jobs) as pool:
             waiting = [pool.submit(task) for task in tasks]
             try:
@@ -368,9 +320,6 @@ class Bench:
                 if not isinstance(error, Exception):
                     end_running()
                 pool.shutdown(cancel_futures=True)
-                failed = [i for i, f in enumerate(waiting) if f.done() and not f.cancelled() and f.exception() is error]
-                if names and failed:
-                    self.say(f"{names[failed[0]]} could not be measured")
                 raise
 
     def page(self, name, text):
@@ -383,21 +332,8 @@ class Bench:
 
 def environment(sky, own=None):
     """What --environment gets for one of SKIES; own: an interior's own map of the sun."""
-    if sky == "overcast":
-        return "1,1,1"
-    if sky not in SKIES:
+    found = {"overcast": "1,1,1", "clear": MAPS / "clear.exr",
+             "sun": own if own and own.exists() else MAPS / "clear-sun.exr"}
+    if sky not in found:
         raise Stop(2, f"SKIES: {sky} is none of {', '.join(SKIES)}")
-    return own if sky == "sun" and own and own.exists() else MAPS / ("clear.exr" if sky == "clear" else "clear-sun.exr")
-
-
-def cores():
-    return os.cpu_count() or "?"
-
-
-def processor():
-    """The model's name, as the system tells it."""
-    try:
-        lines = Path("/proc/cpuinfo").read_text().splitlines()
-    except OSError:
-        return ""
-    return " ".join(sorted({line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")}))
+    return found[sky]

@@ -1,11 +1,10 @@
 """Cycles, Blender's path tracer, beside tdpt-render: whether they agree in the mean, and what each makes with portals
 in equal CPU time. Tables of doc/cycles.md."""
-import collections
 import functools
+import itertools
 import math
 import os
 import shutil
-from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -13,9 +12,9 @@ import numpy as np
 import pages
 import rooms
 import stats
-from common import (MAPS, ROOT, SKIES, TESTDATA, Halves, Setting, Stop, checked, decibels_of, environment, settings,
-                    turns)
+from common import MAPS, ROOT, SKIES, TESTDATA, Halves, Setting, Stop, checked, environment, settings, turns
 from formats import exr_read, exr_write
+from sky import Cell, Picture, black_words
 
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])  # Rec.709
 LIMIT = 4.0  # standard errors; by chance once in about 3000 comparisons of 16 with 16 seeds
@@ -30,47 +29,52 @@ def blender(*arguments):
 
 
 # ---- Do they agree in the mean? ----
+def percent(part, whole):
+    """0 % of nothing is 0; something of nothing is infinite."""
+    return 100 * part / whole if whole else 0.0 if not part else math.inf
+
+
 def agreement(names, sets):
-    """(lines of a table, whether no mean differs significantly) of two sets of pictures, one picture for each seed: for
-    each channel and for luminance both means with their standard errors over the seeds and the difference in standard
-    errors; then the same for every block of the picture."""
+    """(lines of a table, whether no mean differs significantly) of two sets of pictures, one for each seed: both means
+    with their standard errors, and the difference in standard errors; the same for every block of the picture."""
     lines, worst = [f"          {names[0]:>24} {names[1]:>24}   difference"], 0.0
     for label, weights in [*zip("RGB", np.eye(3)), ("luminance", LUMINANCE)]:
         one, two = (stats.mean_and_error((p @ weights).mean((1, 2))) for p in sets)
         z = float(stats.in_errors(one, two))
         worst = max(worst, abs(z))
-        cells = " ".join(f"{m:.7f} +- {stats.percent(e, m):.2f} %".rjust(24) for m, e in (one, two))
-        lines.append(f"{label:9} {cells}   {stats.percent(one[0] - two[0], two[0]):+.2f} % = {z:+.2f} s.e.")
+        cells = " ".join(f"{m:.7f} +- {percent(e, m):.2f} %".rjust(24) for m, e in (one, two))
+        lines.append(f"{label:9} {cells}   {percent(one[0] - two[0], two[0]):+.2f} % = {z:+.2f} s.e.")
     columns, rows = BLOCKS
     height, width = sets[0].shape[1:3]
     ys, xs = np.arange(height) * rows // height, np.arange(width) * columns // width
     index = (ys[:, None] * columns + xs[None, :]).ravel()
-    count = np.bincount(index)
-    z = stats.in_errors(*(stats.mean_and_error(np.array([np.bincount(index,
-                                                                     (p @ LUMINANCE).ravel()) / count for p in of]))
-                          for of in sets))
+    means = lambda of: np.array([np.bincount(index, (p @ LUMINANCE).ravel()) / np.bincount(index) for p in of])
+    z = stats.in_errors(*(stats.mean_and_error(means(of)) for of in sets))
     lit = int(np.count_nonzero(z))
     lines.append(f"blocks    {columns} x {rows}, {lit} not black: mean z {z.sum() / max(lit, 1):+.2f}, "
                  f"rms z {np.sqrt((z**2).sum() / max(lit, 1)):.2f}, largest {np.abs(z).max():.2f}")
     return lines, worst <= LIMIT
 
 
-def compare_scene(bench, scene, depth, light=()):
-    """Prints the table of a scene and a depth; whether they agree."""
-    s = bench.settings
-    work = bench.cache / "-".join([scene.stem, str(depth), *(str(w) for w in light)]).replace("/", "_")
-    work.mkdir(exist_ok=True)
-    size = ["--max-depth", depth, "--width", s.width, "--height", s.height, *light]
-    blender("render", scene, work / "cycles-%d.exr", "--seeds", s.seeds, "--spp", s.spp, *size, *s.cycles_options)
-    ours = [bench.render(scene, "--integrator", s.integrator, "--seed", seed, "--spp", s.spp, *size, threads=0).out
-            for seed in range(1, s.seeds + 1)]
-    theirs = [work / f"cycles-{seed}.exr" for seed in range(1, s.seeds + 1)]
-    sets = [np.array([exr_read(path)[0] for path in paths]) for paths in (theirs, ours)]
-    for name, pictures in zip(("Cycles", s.integrator), sets):
-        exr_write(work / f"{name}.exr", pictures.mean(0))
-    lines, agree = agreement(("Cycles", s.integrator), sets)
-    print("\n".join([f"\n{scene.name}, depth {depth}, {s.seeds} seeds of {s.spp} spp", *lines]), flush=True)
-    return agree
+def compare_scenes(bench, jobs):
+    """Prints the table of each (scene, depth, light); ends the benchmark where a mean differs."""
+    s, all_agree = bench.settings, True
+    for scene, depth, light in jobs:
+        work = bench.cache / "-".join([scene.stem, depth, *map(str, light)]).replace("/", "_")
+        work.mkdir(exist_ok=True)
+        size = ["--max-depth", depth, "--width", s.width, "--height", s.height, *light]
+        blender("render", scene, work / "cycles-%d.exr", "--seeds", s.seeds, "--spp", s.spp, *size, *s.cycles_options)
+        ours = [bench.render(scene, "--integrator", s.integrator, "--seed", seed, "--spp", s.spp, *size, threads=0).out
+                for seed in range(1, s.seeds + 1)]
+        theirs = [work / f"cycles-{seed}.exr" for seed in range(1, s.seeds + 1)]
+        sets = [np.array([exr_read(path)[0] for path in paths]) for paths in (theirs, ours)]
+        for name, pictures in zip(("Cycles", s.integrator), sets):
+            exr_write(work / f"{name}.exr", pictures.mean(0))
+        lines, agree = agreement(("Cycles", s.integrator), sets)
+        all_agree = all_agree and agree
+        print("\n".join([f"\n{scene.name}, depth {depth}, {s.seeds} seeds of {s.spp} spp", *lines]), flush=True)
+    if not all_agree:
+        raise Stop(1, "means differ")
 
 
 compare_settings = functools.partial(
@@ -82,17 +86,13 @@ compare_settings = functools.partial(
 @compare_settings(FILES=Setting(tuple(str(TESTDATA / f"scenes/{n}.glb") for n in ("two-rooms", "window", "door-ajar")),
                                 "the scenes"),
                   DEPTHS=Setting(("2", "3", "6"), "edges of the longest path", ("3",)),
-                  SPP=Setting(64, "samples per pixel", 4), SKY=Setting("", "--environment, for both"),
-                  SKY_ROTATION=Setting(0.0, "and its rotation"))
+                  SPP=Setting(64, "samples per pixel", 4))
 def compare(bench):
     """Do Cycles, Blender's path tracer, and tdpt-render agree in the mean? Renders the same diffuse scenes with both,
     several seeds each, and prints a table for each scene and depth. Exit code 1 if any mean differs significantly.
     BLENDER in the environment names Blender."""
     s = bench.settings
-    light = ("--environment", s.sky, "--environment-rotation", f"{s.sky_rotation:g}") if s.sky else ()
-    agree = [compare_scene(bench, Path(scene).resolve(), depth, light) for scene in s.files for depth in s.depths]
-    if not all(agree):
-        raise Stop(1, "means differ")
+    compare_scenes(bench, [(Path(scene).resolve(), depth, ()) for scene in s.files for depth in s.depths])
 
 
 @compare_settings(SKIES=Setting(("colour", "quarters", "sun"), "of: colour quarters sun"),
@@ -102,21 +102,21 @@ def compare_skies(bench):
     """Do Cycles and tdpt-render agree where an environment lights a room? Three rooms under one colour, under a map
     whose directions all differ, turned by 30 degrees, and under a clear sky with its sun in one texel. Prints the
     tables of the benchmark cycles, and ends with 1 if any mean differs significantly."""
-    rooms.write_rooms([str(bench.cache)])
-    lights = {
-        "colour": ("1,0.8,0.5", 0),
-        "quarters": (bench.cache / "quarters.exr", 30),
-        "sun": (MAPS / "clear-sun.exr", -45)}
-    agree = []
-    for sky in bench.settings.skies:
-        if sky not in lights:
-            raise Stop(2, f"SKIES: {sky} is none of {', '.join(lights)}")
-        print(f"\n## {sky}")
-        light = ("--environment", lights[sky][0], "--environment-rotation", lights[sky][1])
-        agree += [compare_scene(bench, bench.cache / f"{room}.glb", depth, light)
-                  for room in bench.settings.rooms for depth in bench.settings.depths]
-    if not all(agree):
-        raise Stop(1, "means differ")
+    rooms.write_rooms(bench.cache)
+    lights = {"colour": ("1,0.8,0.5", 0), "quarters": (bench.cache / "quarters.exr", 30),
+              "sun": (MAPS / "clear-sun.exr", -45)}
+    wrong = set(bench.settings.skies) - set(lights)
+    if wrong:
+        raise Stop(2, f"SKIES: {wrong.pop()} is none of {', '.join(lights)}")
+
+    def jobs():
+        for sky in bench.settings.skies:
+            print(f"\n## {sky}")
+            light = ("--environment", lights[sky][0], "--environment-rotation", lights[sky][1])
+            yield from itertools.product([bench.cache / f"{room}.glb" for room in bench.settings.rooms],
+                                         bench.settings.depths, [light])
+
+    compare_scenes(bench, jobs())
 
 
 # ---- In equal time ----
@@ -127,64 +127,27 @@ BASE = "cycles-hand"
 SEED = 20261122
 
 
-@dataclass
-class Picture:
-    spp: int
-    cpu: float
-    relmse: float
-    mse: float
-
-
-@dataclass
-class Cell:
-    """A room under a sky. peak: squared, that of PSNR; off: of Cycles' mean, a share.
-
-    efficiency of a method   1 / mean over its seeds of CPU s x relMSE"""
-
-    black_relmse: float
-    black_psnr: float
-    peak: float
-    off: float
-    pictures: dict = field(default_factory=lambda: collections.defaultdict(list))
-
-    def costs(self, method):
-        return [p.cpu * p.relmse for p in self.pictures[method]]
-
-    def gain(self, method):
-        """Efficiency over BASE's."""
-        return stats.ratio(self.costs(BASE), self.costs(method), SEED)
-
-    def psnr(self, method):
-        return decibels_of(self.peak, np.mean([p.mse for p in self.pictures[method]]))
-
-
 def geometric_mean(cells, method):
     return math.exp(np.mean([math.log(c.gain(method).value) for c in cells]))
 
 
-def gain_table(cells):
+def equal_tables(cells):
     others = [m for m in METHODS if m != BASE]
-    rows = [[*key, *(cell.gain(m).text(pages.three) for m in others)] for key, cell in cells.items()]
+    gains = [[*key, *(cell.gain(m).text(pages.three) for m in others)] for key, cell in cells.items()]
     for sky in dict.fromkeys(sky for _, sky in cells):
         of = [c for (_, s), c in cells.items() if s == sky]
-        rows.append(["geometric mean", sky, *(pages.three(geometric_mean(of, m)) for m in others)])
-    rows.append(["geometric mean", "**all**", *(f"**{geometric_mean(cells.values(), m):.3g}**" for m in others)])
-    return pages.table(("room", "sky", *(METHODS[m] for m in others)), rows)
-
-
-def error_table(cells):
-    rows = []
-    for (room, sky), c in cells.items():
-        of = [(*np.mean([(p.spp, p.cpu, p.relmse) for p in c.pictures[m]], 0), c.psnr(m)) for m in METHODS]
-        words = [f"{error:.2g}, {p:.1f} ({spp:.0f}; {cpu:.1f} s)" for spp, cpu, error, p in of]
-        rows.append([room, sky, *words, f"{c.black_relmse:.2g}, {c.black_psnr:.1f}", f"{100 * c.off:+.2f} %"])
-    return pages.table(("room", "sky", *METHODS.values(), "black", "means"), rows)
-
-
-def equal_tables(cells):
+        gains.append(["geometric mean", sky, *(pages.three(geometric_mean(of, m)) for m in others)])
+    gains.append(["geometric mean", "**all**", *(f"**{geometric_mean(cells.values(), m):.3g}**" for m in others)])
+    errors = []
+    for key, c in cells.items():
+        of = [(*c.error(m), *np.mean([(p.spp, p.cpu) for p in c.pictures[m]], 0)) for m in METHODS]
+        errors.append([*key, *("%.2g, %.1f (%.0f; %.1f s)" % facts for facts in of), black_words(c),
+                       f"{100 * c.off:+.2f} %"])
     return pages.sections(
-        "Efficiency over that of Cycles with portals by hand, 95 % intervals over seeds:", gain_table(cells),
-        "relMSE, PSNR [dB] (samples per pixel; CPU seconds):", error_table(cells))
+        "Efficiency over that of Cycles with portals by hand, 95 % intervals over seeds:",
+        pages.table(("room", "sky", *(METHODS[m] for m in others)), gains),
+        "relMSE, PSNR [dB] (samples per pixel; CPU seconds):",
+        pages.table(("room", "sky", *METHODS.values(), "black", "means"), errors))
 
 
 class Room:
@@ -198,12 +161,9 @@ class Room:
         if not portals.count:
             raise Stop(1, f"{name}, {light}: no portals")
         script = bench.store.run("portalfit", portals.runs["lightgrid"].out, "--for", "cycles", threads=0).out
-        self.own = {
-            "cycles-hand": ("--script", bench.cache / f"{name}.portals.py"),
-            "cycles-found": ("--script", script),
-            "cycles": (),
-            "ours-nee": ("--integrator", "nee"),
-            "ours-auto": ("--portal", portals.file)}
+        self.own = {"cycles-hand": ("--script", bench.cache / f"{name}.portals.py"),
+                    "cycles-found": ("--script", script), "cycles": (),
+                    "ours-nee": ("--integrator", "nee"), "ours-auto": ("--portal", portals.file)}
 
     def made(self, method, seed, amount):
         """(path, samples, CPU seconds)"""
@@ -228,16 +188,14 @@ class Room:
         for own in ("cycles-hand", "ours-auto"):
             first, spp, _ = self.made(own, 1000001, ("--cpu-seconds", s.ref * s.seconds_each))
             halves[own] = Halves(self.bench, first, self.made(own, 1000002, ("--spp", spp))[0])
-        ours, cycles = halves["ours-auto"], halves["cycles-hand"]
-        black = ours.ways[0]["black"]
-        cell = Cell(black["relmse"], black["psnr"], ours.ways[0]["peak"]
-                    ** 2, cycles.both("mean") / ours.both("mean") - 1)
+        ours, theirs = halves["ours-auto"], halves["cycles-hand"]
+        cell = Cell(ours.black, ours.peak, (BASE,), SEED, off=theirs.both("mean") / ours.both("mean") - 1)
         samples = {}
         for seed, method in turns(range(1, s.seeds + 1), ORDER):
             amount = ("--spp", samples[method]) if method in samples else ("--cpu-seconds", s.seconds_each)
             path, samples[method], cpu = self.made(method, seed, amount)
             off = halves["cycles-hand" if method.startswith("cycles") else "ours-auto"].off(path)
-            cell.pictures[method].append(Picture(samples[method], cpu, off["relmse"], off["mse"]))
+            cell.pictures[method].append(Picture(cpu, off["relmse"], off["mse"], spp=samples[method]))
         return cell
 
 
@@ -255,7 +213,7 @@ def equal_time(bench):
     of one sample. tdpt-render: cpu_seconds of its summary, the time that auto takes to choose included. Loading the
     scene is in neither. A program's pictures are held against its own reference, made with its portals."""
     bench.need(os.environ.get("BLENDER", "blender"))
-    rooms.write_rooms([str(bench.cache)])
+    rooms.write_rooms(bench.cache)
     cells = {}
     for name in bench.settings.rooms:
         if name not in rooms.ROOMS:

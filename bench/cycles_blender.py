@@ -23,33 +23,25 @@ import bpy
 NEAR = 1e-5  # metres, and of a unit vector: both files come to single precision
 
 
-def add_options(p):
-    p.add_argument("scene")
-    p.add_argument("out")
-    p.add_argument("--seeds", type=int, default=1, help="pictures to make, seeds FIRST..FIRST+N-1")
-    p.add_argument("--first-seed", type=int, default=1, metavar="FIRST")
-    p.add_argument("--spp", type=int, default=256)
-    p.add_argument("--cpu-seconds", type=float, metavar="S", help="as many samples as take so long, instead of --spp")
-    p.add_argument("--cpu", metavar="FILE", help="write a line a picture: seed, samples, CPU s beyond those of one "
-                                                 "sample")
-    p.add_argument("--max-depth", type=int, default=6, help="edges of the longest path, at least 2")
-    p.add_argument("--width", type=int, default=160)
-    p.add_argument("--height", type=int, default=120)
-    p.add_argument("--threads", type=int, default=0, help="0: all cores")
-    p.add_argument("--lamp-cuts", type=int, default=0, help="cuts in each edge of the meshes that emit")
-    p.add_argument("--keep-materials", action="store_true", help="leave the materials as imported")
-    p.add_argument("--environment", metavar="FILE|R,G,B", help="the world's light, as --environment of tdpt-render")
-    p.add_argument("--environment-rotation", type=float, default=0, help="degrees, counter-clockwise from above")
-    p.add_argument("--script", help="Python run in the scene before it renders, as portalfit --for cycles writes it")
+# Of `render`: name, what it is if not given, more of it.
+OPTIONS = (
+    ("seeds", 1, "pictures to make, seeds FIRST..FIRST+N-1"), ("first-seed", 1, None), ("spp", 256, None),
+    ("cpu-seconds", 0.0, "as many samples as take so long, instead of --spp"),
+    ("cpu", "", "FILE: write a line a picture: seed, samples, CPU s beyond those of one sample"),
+    ("max-depth", 6, "edges of the longest path, at least 2"), ("width", 160, None), ("height", 120, None),
+    ("threads", 0, "0: all cores"), ("lamp-cuts", 0, "cuts in each edge of the meshes that emit"),
+    ("environment", "", "FILE|R,G,B: the world's light, as --environment of tdpt-render"),
+    ("environment-rotation", 0.0, "degrees, counter-clockwise from above"),
+    ("script", "", "Python run in the scene before it renders, as portalfit --for cycles writes it"))
 
 
 def principled(material):
     return next(n for n in material.node_tree.nodes if n.bl_idname == "ShaderNodeBsdfPrincipled")
 
 
-def glows(material):
+def emitted(material):
     inputs = principled(material).inputs
-    return inputs["Emission Strength"].default_value and any(inputs["Emission"].default_value[:3])
+    return [c * inputs["Emission Strength"].default_value for c in inputs["Emission"].default_value[:3]]
 
 
 def cut(mesh, cuts):
@@ -65,16 +57,13 @@ def cut(mesh, cuts):
 def make_lambertian(material):
     """Replaces the material by a Diffuse BSDF, or, where it emits, by an Emission on the front alone."""
     nodes, links = material.node_tree.nodes, material.node_tree.links
-    source = principled(material)
+    inputs = principled(material).inputs
     for name in ("Base Color", "Emission", "Emission Strength"):
-        if source.inputs[name].is_linked:
+        if inputs[name].is_linked:
             sys.exit(f"cycles_blender.py: material {material.name}: {name} has a texture, expected a factor")
-    if source.inputs["Metallic"].default_value or source.inputs["Transmission"].default_value:
+    if inputs["Metallic"].default_value or inputs["Transmission"].default_value:
         sys.exit(f"cycles_blender.py: material {material.name}: metal or glass, expected a diffuse one")
-    base = list(source.inputs["Base Color"].default_value)
-    strength = source.inputs["Emission Strength"].default_value
-    emission = [c * strength for c in source.inputs["Emission"].default_value[:3]]
-    one_sided = material.use_backface_culling  # What the importer makes of doubleSided false.
+    base, emission = list(inputs["Base Color"].default_value), emitted(material)
 
     nodes.clear()
     out = nodes.new("ShaderNodeOutputMaterial")
@@ -88,13 +77,11 @@ def make_lambertian(material):
     peak = max(emission)
     glow.inputs["Color"].default_value = [c / peak for c in emission] + [1]
     glow.inputs["Strength"].default_value = peak
-    if one_sided:
-        side = nodes.new("ShaderNodeNewGeometry")
-        front = nodes.new("ShaderNodeMath")
+    if material.use_backface_culling:  # What the importer makes of doubleSided false.
+        side, front = nodes.new("ShaderNodeNewGeometry"), nodes.new("ShaderNodeMath")
         front.operation = "MULTIPLY_ADD"  # strength = peak - peak * backfacing
         links.new(side.outputs["Backfacing"], front.inputs[0])
-        front.inputs[1].default_value = -peak
-        front.inputs[2].default_value = peak
+        front.inputs[1].default_value, front.inputs[2].default_value = -peak, peak
         links.new(front.outputs["Value"], glow.inputs["Strength"])
     both = nodes.new("ShaderNodeAddShader")
     links.new(diffuse.outputs["BSDF"], both.inputs[0])
@@ -108,11 +95,8 @@ def shine(scene, environment, rotation):
     scene.world.use_nodes = True
     nodes, links = scene.world.node_tree.nodes, scene.world.node_tree.links
     background = next(n for n in nodes if n.bl_idname == "ShaderNodeBackground")
-    try:
+    if environment.count(",") == 2:
         colour = [float(c) for c in environment.split(",")]
-    except ValueError:
-        colour = None
-    if colour:
         background.inputs["Color"].default_value = [c / max(colour) for c in colour] + [1]
         background.inputs["Strength"].default_value = max(colour)
         return
@@ -130,6 +114,11 @@ def shine(scene, environment, rotation):
     links.new(picture.outputs["Color"], background.inputs["Color"])
 
 
+def run_script(path):
+    with open(path, encoding="utf-8") as script:
+        exec(compile(script.read(), path, "exec"), {"__name__": "__main__"})
+
+
 def prepare(a):
     bpy.ops.wm.read_factory_settings(use_empty=True)  # No cube, no lamp, no grey world.
     bpy.ops.import_scene.gltf(filepath=os.path.abspath(a.scene))
@@ -137,17 +126,14 @@ def prepare(a):
     scene.camera = next(o for o in scene.objects if o.type == "CAMERA")
     if a.lamp_cuts:
         for mesh in bpy.data.meshes:
-            if any(m and glows(m) for m in mesh.materials):
+            if any(m and any(emitted(m)) for m in mesh.materials):
                 cut(mesh, a.lamp_cuts)
-    if not a.keep_materials:
-        for material in bpy.data.materials:
-            make_lambertian(material)
-
+    for material in bpy.data.materials if not a.keep_materials else ():
+        make_lambertian(material)
     if a.environment:
         shine(scene, a.environment, a.environment_rotation)
     if a.script:
-        with open(a.script, encoding="utf-8") as script:
-            exec(compile(script.read(), a.script, "exec"), {"__name__": "__main__"})
+        run_script(a.script)
 
     render = scene.render
     render.engine = "CYCLES"
@@ -215,36 +201,25 @@ def render_pictures(a):
             file.writelines(lines)
 
 
-def lamps():
-    return {o.name: o for o in bpy.context.scene.objects if o.type == "LIGHT"}
-
-
 def complaints(mesh, lamp):
     """What is wrong with the lamp of a portal, sentences."""
-    wrong = []
-    light = lamp.data
-    if light.type != "AREA" or light.shape != "RECTANGLE" or not light.cycles.is_portal:
-        wrong.append("is no rectangular area lamp that is a portal")
+    light, frame = lamp.data, numpy.array(lamp.matrix_world)
     corners = numpy.array([mesh.matrix_world @ v.co for v in mesh.data.vertices])
-    frame = numpy.array(lamp.matrix_world)
     x, y, z, origin = (frame[:3, i] for i in range(4))
-    if not numpy.allclose(frame[:3, :3].T @ frame[:3, :3], numpy.eye(3), atol=NEAR):
-        wrong.append("is scaled or sheared")
-    if not numpy.isclose(numpy.linalg.det(frame), 1, atol=NEAR):
-        wrong.append("is mirrored")
     # Light goes to the front of the mesh; an area lamp shines along its -Z.
-    turn = mesh.matrix_world.to_3x3()
-    normal = numpy.array((turn @ mesh.data.polygons[0].normal).normalized())
-    if not numpy.allclose(-z, normal, atol=1e-4):
-        wrong.append(f"shines along {-z}, expected {normal}")
+    normal = numpy.array((mesh.matrix_world.to_3x3() @ mesh.data.polygons[0].normal).normalized())
     at = (corners - origin) @ numpy.array([x, y, z]).T
-    if abs(at[:, 2]).max() > NEAR:
-        wrong.append(f"lies {abs(at[:, 2]).max()} m off the plane")
+    found = [(light.type != "AREA" or light.shape != "RECTANGLE" or not light.cycles.is_portal,
+              "is no rectangular area lamp that is a portal"),
+             (not numpy.allclose(frame[:3, :3].T @ frame[:3, :3], numpy.eye(3), atol=NEAR), "is scaled or sheared"),
+             (not numpy.isclose(numpy.linalg.det(frame), 1, atol=NEAR), "is mirrored"),
+             (not numpy.allclose(-z, normal, atol=1e-4), f"shines along {-z}, expected {normal}"),
+             (abs(at[:, 2]).max() > NEAR, f"lies {abs(at[:, 2]).max()} m off the plane")]
     for axis, size in ((0, light.size), (1, light.size_y)):
         low, high = at[:, axis].min(), at[:, axis].max()
-        if abs(low + size / 2) > NEAR or abs(high - size / 2) > NEAR:
-            wrong.append(f"has side {axis} from {-size / 2} to {size / 2}, the portal from {low} to {high}")
-    return wrong
+        found.append((abs(low + size / 2) > NEAR or abs(high - size / 2) > NEAR,
+                      f"has side {axis} from {-size / 2} to {size / 2}, the portal from {low} to {high}"))
+    return [words for wrong, words in found if wrong]
 
 
 def check_portals(a):
@@ -253,35 +228,29 @@ def check_portals(a):
     meshes = {o.name: o for o in bpy.context.scene.objects if o.type == "MESH"}
     for o in meshes.values():
         o.name = "mesh of " + o.name  # The lamps want these names.
-    with open(a.script, encoding="utf-8") as script:
-        program = compile(script.read(), a.script, "exec")
     for _ in range(2):  # Run again, it replaces its lamps.
-        exec(program, {"__name__": "__main__"})
+        run_script(a.script)
     bpy.context.view_layer.update()
-    wrong = []
-    if sorted(lamps()) != sorted(meshes):
-        wrong.append(f"lamps {sorted(lamps())}, expected {sorted(meshes)}")
-    for name, mesh in meshes.items():
-        if name in lamps():
-            wrong += [f"{name} {sentence}" for sentence in complaints(mesh, lamps()[name])]
+    lamps = {o.name: o for o in bpy.context.scene.objects if o.type == "LIGHT"}
+    wrong = [] if sorted(lamps) == sorted(meshes) else [f"lamps {sorted(lamps)}, expected {sorted(meshes)}"]
+    for name in sorted(set(meshes) & set(lamps)):
+        wrong += [f"{name} {sentence}" for sentence in complaints(meshes[name], lamps[name])]
     for sentence in wrong:
         print(f"cycles_blender.py: {sentence}", file=sys.stderr)
-    print(f"{len(lamps())} lamps for {len(meshes)} portals")
+    print(f"{len(lamps)} lamps for {len(meshes)} portals")
     sys.exit(1 if wrong or not meshes else 0)
 
 
-def main():
-    parser = argparse.ArgumentParser(prog="cycles_blender.py")
-    commands = parser.add_subparsers(required=True)
-    rendering = commands.add_parser("render")
-    add_options(rendering)
-    rendering.set_defaults(run=render_pictures)
-    checking = commands.add_parser("check")
-    checking.add_argument("glb")
-    checking.add_argument("script")
-    checking.set_defaults(run=check_portals)
-    options = parser.parse_args(sys.argv[sys.argv.index("--") + 1 :])
-    options.run(options)
-
-
-main()
+parser = argparse.ArgumentParser(prog="cycles_blender.py")
+commands = parser.add_subparsers(required=True)
+for command, run, files in (("render", render_pictures, ("scene", "out")), ("check", check_portals, ("glb", "script"))):
+    p = commands.add_parser(command)
+    p.set_defaults(run=run)
+    for file in files:
+        p.add_argument(file)
+    for option, default, words in OPTIONS if command == "render" else ():
+        p.add_argument("--" + option, type=type(default), default=default, help=words)
+    if command == "render":
+        p.add_argument("--keep-materials", action="store_true", help="leave the materials as imported")
+given = parser.parse_args(sys.argv[sys.argv.index("--") + 1 :])
+given.run(given)

@@ -1,5 +1,4 @@
 """How efficient the integrators are: doc/efficiency.{csv,md,png}, by the tables of efficiency_tables.py."""
-import csv
 import dataclasses
 import functools
 import json
@@ -9,37 +8,27 @@ import subprocess
 from pathlib import Path
 from types import SimpleNamespace
 
-import efficiency_tables as tables
 import pages
-from common import ROOT, TESTDATA, Halves, Setting, Stop, cores, decibels_of, settings, turns
+from common import CORES, ROOT, TESTDATA, Halves, Setting, Stop, checked, decibels_of, settings, turns
 from efficiency_tables import BEFORE, Measurements, Scene
 from formats import exr_read, exr_write
 
 # Aims: of the gain, its moonshot; relMSE wanted after a minute, its moonshot; PSNR in the same time.
 SCENES = (
-    Scene("two-rooms", 128, 96, "door", 40, wanted_psnr=-0.3),
-    Scene("small-hole", 128, 96, "door", 60, wanted_psnr=-0.3),
-    Scene("door-ajar", 128, 96, "door", 15, wanted_psnr=-0.3),
-    Scene("half-metre-hole", 128, 96, "door", wanted_psnr=-0.3),
-    Scene("three-rooms", 128, 96, "door", 60, wanted_psnr=-0.3),
-    Scene("window", 128, 96, "door", 2, wanted_psnr=-0.3),
+    *(Scene(name, 128, 96, "door", target, wanted_psnr=-0.3) for name, target in (
+        ("two-rooms", 40), ("small-hole", 60), ("door-ajar", 15), ("half-metre-hole", None), ("three-rooms", 60),
+        ("window", 2))),
     Scene("veach-ajar", 320, 180, "door", 6, 12, 0.012, wanted_psnr=-0.3),
     Scene("veach-ajar-flip", 320, 180, "door", 12, 25, 0.025, wanted_psnr=-0.3),
     Scene("bathroom2-channel", 128, 72, "door", 5, wanted_psnr=0),
     Scene("cornell-box-portal", 96, 96, "door", wanted_psnr=-0.3),
-    Scene("kitchen", 128, 72, "interior", 1),
-    Scene("bathroom", 128, 128, "interior", 1),
-    Scene("living-room-lamps", 128, 72, "interior", 1),
-    Scene("classroom-lamps", 128, 72, "interior", 1),
-    Scene("bathroom2", 128, 72, "open"),
-    Scene("cornell-box", 128, 128, "open"),
-    Scene("veach-ajar-whole", 128, 72, "whole"),
-    Scene("two-rooms-whole", 128, 96, "whole"),
-    Scene("kitchen-whole", 128, 72, "whole"),
-    Scene("bathroom2-whole", 128, 72, "whole"),
+    *(Scene(name, 128, height, "interior", 1) for name, height in (
+        ("kitchen", 72), ("bathroom", 128), ("living-room-lamps", 72), ("classroom-lamps", 72))),
+    Scene("bathroom2", 128, 72, "open"), Scene("cornell-box", 128, 128, "open"),
+    *(Scene(f"{name}-whole", 128, height, "whole") for name, height in (
+        ("veach-ajar", 72), ("two-rooms", 96), ("kitchen", 72), ("bathroom2", 72))),
 )
 WITHOUT_PORTALS = ("pt", "nee", "bdpt")
-COLUMNS = "scene integrator seed seconds spp cpu_seconds relmse psnr mape mean mse peak_mib".split()
 README = """# References of doc/efficiency.md
 
 Written by `make bench-efficiency-references` (`bench/efficiency.py`), read by `make bench-efficiency` while scene,
@@ -60,34 +49,23 @@ PAPER = {"veach-ajar": "-", "veach-ajar-flip": '"the metrics of TDPT occupy an o
          "cornell-box-portal": "-"}
 
 with_settings = settings(
-    BASELINE=Setting(
-        "",
-        "another tdpt-render, of an older commit: gains are over its bdpt and nee, which take turns with "
-        "the others as bdpt-before and nee-before"),
+    BASELINE=Setting("", "another tdpt-render, of an older commit: gains are over its bdpt and nee, which take turns "
+                     "with the others as bdpt-before and nee-before"),
     BASELINE_NAME=Setting("an older program", "what the page calls it"),
-    INTEGRATORS=Setting(
-        ("nee", "bdpt", "tdpt-org", "tdpt", "tdpt-guided", "auto"),
-        "without a limit of depth only the last two and bdpt"),
+    INTEGRATORS=Setting(("nee", "bdpt", "tdpt-org", "tdpt", "tdpt-guided", "auto"),
+                        "without a limit of depth only the last two and bdpt"),
     SECONDS_EACH=Setting(4.0, "CPU seconds of a picture; at a depth also a quarter and a sixteenth of it", 0.1),
     SEEDS=Setting(8, "pictures of each kind", 2),
-    LONG_SCENES=Setting(
-        tuple(s.name for s in SCENES if s.wanted),
-        "of these also long pictures, of the integrator that "
-        "aims are asked of and of the one that gains are over"),
-    LONG_SECONDS=Setting(60.0, "of a long picture", 0.2),
-    LONG_SEEDS=Setting(3, "0: no long pictures", 1),
+    LONG_SCENES=Setting(tuple(s.name for s in SCENES if s.wanted), "of these also long pictures, of the integrator "
+                        "that aims are asked of and of the one that gains are over"),
+    LONG_SECONDS=Setting(60.0, "of a long picture", 0.2), LONG_SEEDS=Setting(3, "0: no long pictures", 1),
     DEPTH=Setting("6", "edges of the longest path, as the paper's figures have it; none: no limit, in all scenes"),
-    REFERENCES=Setting(
-        "stored", "stored: those of REFERENCE_FOLDER that fit, others are rendered; render: none of them"),
-    REFERENCE_FOLDER=Setting(str(TESTDATA / "references/efficiency"),
-                             "the stored ones"),
+    REFERENCE_FOLDER=Setting(str(TESTDATA / "references/efficiency"), "of those that are stored; they are used where "
+                             "they fit, others are rendered"),
     REF_INTEGRATOR=Setting("tdpt-guided", "of the references"),
-    REF_SECONDS=Setting(
-        100.0,
-        "CPU seconds of a reference, in two halves; half of it without an aim, eight times it at "
-        "320 x 180, so that its relMSE is a tenth of what it judges", 1.0),
-    WIDTH=Setting(0, "of all pictures, for trials", 32),
-    HEIGHT=Setting(0, "the same", 24))
+    REF_SECONDS=Setting(100.0, "CPU seconds of a reference, in two halves; half of it without an aim, eight times it "
+                        "at 320 x 180, so that its relMSE is a tenth of what it judges", 1.0),
+    WIDTH=Setting(0, "of all pictures, for trials", 32), HEIGHT=Setting(0, "the same", 24))
 
 
 def scene_sum(path):
@@ -101,18 +79,14 @@ class Efficiency:
 
     def __init__(self, bench):
         self.bench, self.s = bench, bench.settings
-        s, known = self.s, {scene.name for scene in SCENES}
-        for name in (*s.only, *s.long_scenes):
-            if name not in known:
-                raise Stop(2, f"{name} is none of the scenes")
-        if s.depth != "none" and not s.depth.isdigit():
-            raise Stop(2, f"DEPTH={s.depth} is neither a number nor none")
-        if s.references not in ("stored", "render"):
-            raise Stop(2, f"REFERENCES={s.references} is neither stored nor render")
-        if s.baseline and not os.access(s.baseline, os.X_OK):
-            raise Stop(2, f"BASELINE: {s.baseline} is no program")
-        if s.baseline and s.depth == "none":
-            raise Stop(2, "BASELINE is for a limited DEPTH")
+        s, known = self.s, [scene.name for scene in SCENES]
+        for wrong, words in (
+                *((name not in known, f"{name} is none of the scenes") for name in (*s.only, *s.long_scenes)),
+                (s.depth != "none" and not s.depth.isdigit(), f"DEPTH={s.depth} is neither a number nor none"),
+                (s.baseline and not os.access(s.baseline, os.X_OK), f"BASELINE: {s.baseline} is no program"),
+                (s.baseline and s.depth == "none", "BASELINE is for a limited DEPTH")):
+            if wrong:
+                raise Stop(2, words)
         self.integrators = [*(("nee" + BEFORE, "bdpt" + BEFORE) if s.baseline else ()), *s.integrators]
         wanted = [scene for scene in SCENES if not (s.depth == "none" and scene.kind == "whole")]
         self.files = bench.there([scene.name for scene in wanted])
@@ -125,15 +99,13 @@ class Efficiency:
 
     def depth(self, scene):
         """None: no limit."""
-        return None if "none" in (self.s.depth, "none" if scene.kind == "whole" else "") else int(self.s.depth)
+        return None if self.s.depth == "none" or scene.kind == "whole" else int(self.s.depth)
 
     def options(self, scene):
         """Of every picture of it: size and depth."""
-        sizes = {"--width": self.s.width, "--height": self.s.height}
-        if not any(sizes.values()):
-            sizes = {"--width": scene.width, "--height": scene.height}
-        depth = {} if self.depth(scene) is None else {"--max-depth": self.depth(scene)}
-        return [word for key, value in {**sizes, **depth}.items() if value for word in (key, value)]
+        own = (self.s.width, self.s.height) if self.s.width or self.s.height else (scene.width, scene.height)
+        values = zip(("--width", "--height", "--max-depth"), (*own, self.depth(scene)))
+        return [word for name, value in values if value for word in (name, value)]
 
     def render(self, scene, integrator, seed, seconds, **more):
         plain = integrator.removesuffix(BEFORE)
@@ -148,10 +120,9 @@ class Efficiency:
         return self.s.ref_seconds * share / 2
 
     def stored_fits(self, scene):
-        """What is known of a stored one of this scene, depth and size, or None. It may come from any program: all
-        converge to the same picture."""
+        """What is known of a stored one of this scene, depth and size, by whatever program, or None."""
         path = self.stored / f"{scene.name}.json"
-        if self.s.references == "render" or not path.exists():
+        if not path.exists():
             return None
         about = pages.read_json(path)
         size = ["--width", about["width"], "--height", about["height"]]
@@ -167,29 +138,27 @@ class Efficiency:
         """(Halves, what is known of both)."""
         about, stored = self.stored_fits(scene), ""
         if about:
-            pictures, seconds, spp = [
-                self.stored / f"{scene.name}-{h}.exr" for h in (1, 2)], about["cpu_seconds"], about["spp"]
-            integrator, stored = about["integrator"], about["program"]
+            pictures, stored = [self.stored / f"{scene.name}-{h}.exr" for h in (1, 2)], about["program"]
         else:
             runs = self.rendered_halves(scene)
-            pictures, integrator = [run.out for run in runs], self.s.ref_integrator
-            seconds, spp = [run.said["cpu_seconds"] for run in runs], [run.said["spp"] for run in runs]
-            about = runs[0].said
+            pictures, said = [run.out for run in runs], [run.said for run in runs]
+            about = {**said[0], "integrator": self.s.ref_integrator,
+                     **{field: [of[field] for of in said] for field in ("cpu_seconds", "spp")}}
         halves = Halves(self.bench, *pictures)
         means = [way["mean"] for way in halves.ways]
-        black = {field: halves.both("black", field) for field in ("relmse", "psnr", "mape")}
-        return halves, {"mean": halves.both("mean"), "half": abs(means[0] - means[1]) / 2, "black": black,
-                        "relmse": halves.both("relmse") / 4, "cpu_seconds": sum(seconds), "spp": sum(spp),
-                        "integrator": integrator, "stored": stored, "width": about["width"], "height": about["height"]}
+        return halves, {"mean": halves.both("mean"), "half": abs(means[0] - means[1]) / 2, "stored": stored,
+                        "black": {field: halves.both("black", field) for field in ("relmse", "psnr", "mape")},
+                        "relmse": halves.both("relmse") / 4, "cpu_seconds": sum(about["cpu_seconds"]),
+                        "spp": sum(about["spp"]), **{k: about[k] for k in ("integrator", "width", "height")}}
 
     # ---- Pictures ----
     def row(self, scene, halves, integrator, seed, seconds):
         """Of the CSV, of six digits."""
         run = self.render(scene, integrator, seed, seconds)
         off, peak = halves.off(run.out), halves.both("peak")
-        psnr = decibels_of(peak * peak, off["mse"]) if off["mse"] > 0 else None
-        numbers = {"seconds": seconds, "spp": run.said["spp"], "cpu_seconds": run.said["cpu_seconds"], "psnr": psnr,
-                   "peak_mib": round(run.peak, 1), **{k: off[k] for k in ("relmse", "mape", "mean", "mse")}}
+        numbers = {"seconds": seconds, **{k: run.said[k] for k in ("spp", "cpu_seconds")}, "relmse": off["relmse"],
+                   "psnr": decibels_of(peak * peak, off["mse"]) if off["mse"] > 0 else None,
+                   **{k: off[k] for k in ("mape", "mean", "mse")}, "peak_mib": round(run.peak, 1)}
         numbers = {k: None if v is None else float("%.6g" % v) for k, v in numbers.items()}
         return {"scene": scene.name, "integrator": integrator, "seed": seed, **numbers}
 
@@ -204,17 +173,14 @@ class Efficiency:
             whole = scene.kind == "whole"
             measured = [i for i in self.integrators if not whole or i in ("bdpt", "tdpt-guided", "auto")]
             # Pictures of one seed begin with the same samples: each length has its own seeds.
-            for k, seconds in enumerate((s.seconds_each,) if whole else (s.seconds_each, s.seconds_each / 4,
-                                                                         s.seconds_each / 16)):
-                seconds = float("%.6g" % seconds)
+            for k, part in enumerate((1,) if whole else (1, 4, 16)):
+                seconds = float("%.6g" % (s.seconds_each / part))
                 wanted += [(scene, i, 1000 * k + seed, seconds) for seed, i in turns(range(1, s.seeds + 1), measured)]
         rows = self.measured(wanted)
-        m, wanted = Measurements(self.scenes, rows, s.seconds_each), []
-        for scene in self.scenes:
-            if scene.name in s.long_scenes:
-                wanted += [(scene, i, 3000 + seed, s.long_seconds)
-                           for seed, i in turns(range(1, s.long_seeds + 1), m.pair(scene.name))]
-        return rows + self.measured(wanted)
+        m = Measurements(self.scenes, rows, s.seconds_each)
+        return rows + self.measured([
+            (scene, i, 3000 + seed, s.long_seconds) for scene in self.scenes if scene.name in s.long_scenes
+            for seed, i in turns(range(1, s.long_seeds + 1), m.pair(scene.name))])
 
     def measure(self):
         for scene in self.scenes:
@@ -236,7 +202,7 @@ STYLES = {"bdpt-before": 'dt 2 lc rgb "#000000" pt 1', "nee-before": 'dt 2 lc rg
 def plot(m):
     """relMSE against CPU seconds, a panel for each scene that was rendered for several lengths of time."""
     shown = [s for s in m.scenes.values() if s.kind != "whole"] or list(m.scenes.values())
-    points = {key: of for key, of in tables.points(m).items() if m.scenes[key[0]] in shown}
+    points = {key: of for key, of in m.points().items() if m.scenes[key[0]] in shown}
     figure = pages.Figure(min(4, len(shown) + 1), 400, 340)
     times = [t for of in points.values() for t, _, _, _ in of] or [0.1, 1]
     span = f"[{min(times) / 1.4:.4g}:{max(times) * 1.4:.4g}]"  # the same in every panel
@@ -254,17 +220,17 @@ def plot(m):
     return figure.script("efficiency.png")
 
 
-def head(run, m):
-    s, seeds = run.s, run.s.seeds
-    integrators, version = " ".join(s.integrators), run.bench.version()
-    older = ""
+def head(run):
+    s, older = run.s, ""
     if s.baseline:
         older = (f"* `bdpt-before` and `nee-before` are bdpt and nee of another program, {s.baseline_name} "
                  f"({run.bench.version(Path(s.baseline).resolve())}), in the same run.\n")
     return f"""# Efficiency of the integrators
 
-Written by `make bench-efficiency` ({version}, {cores()} cores; SECONDS_EACH={s.seconds_each:g} SEEDS={seeds}
-INTEGRATORS="{integrators}"; `bench/run.py efficiency --help` tells the rest). Every picture is one thread's,
+Written by `make bench-efficiency` ({run.bench.version()}, {CORES} cores; SECONDS_EACH={s.seconds_each:g} \
+SEEDS={s.seeds}
+INTEGRATORS="{' '.join(s.integrators)}"; `bench/run.py efficiency --help` tells the rest). Every picture is \
+one thread's,
 {run.depth_words} unless said otherwise, `--time {s.seconds_each:g}`, the integrators taking turns; portals are found by
 ffgraph, mincut, lightgrid and portalfit, none is drawn by hand. [efficiency.csv](efficiency.csv) has a row for each
 picture.
@@ -274,7 +240,7 @@ CPU seconds over
   the seeds / the same mean of its own. The mean, not the median: it is what more samples would have to make up for.
 * Gains are over {run.over}, in scenes without a door over {run.better}. bdpt's own
   efficiency stands beside, so that no gain comes of a bdpt made worse.
-* Brackets: 95 % intervals by bootstrap over the {seeds} seeds, widened as the t distribution is for few (expanded
+* Brackets: 95 % intervals by bootstrap over the {s.seeds} seeds, widened as the t distribution is for few (expanded
   percentiles). relMSE is heavy-tailed where bdpt is bad: fireflies that no seed met are missing from bdpt's mean and
   from the interval, so gains are more likely too small than too large.
 * Aims are asked of `auto`, the default, or, where it was not measured, of the best with portals.
@@ -290,10 +256,6 @@ def part(words, text):
     return f"{words}\n\n{text}" if text else ""
 
 
-def section(heading, words, text):
-    return f"## {heading}\n\n{words}\n\n{text}" if text else ""
-
-
 def scene_section(run, m, scene):
     found, reference = run.portal(scene).said, scene.reference
     areas = [f"{round(p['area'], 3):g}" for p in found.get("portals", ())]
@@ -305,31 +267,30 @@ def scene_section(run, m, scene):
 
 {reference['width']} x {reference['height']} pixels; {depth}{portals}. \
 Reference: {reference['cpu_seconds']:.3g} CPU s of \
-{reference['integrator']}{stored}, {tables.reference_words(m, scene.name)}
-{tables.check(m, scene.name)}
+{reference['integrator']}{stored}, {m.reference_words(scene.name)}
+{m.check(scene.name)}
 
-{tables.scene_rows(m, scene.name)}"""
+{m.scene_rows(scene.name)}"""
 
 
 def long_sections(run, m):
     s, at = run.s, m.at(run.s.long_seconds)
     if not s.long_seeds:
         return []
-    out = [section(f"Gain after {s.long_seconds:g} seconds", f"{s.long_seeds} seeds; over {run.over}.",
-                   tables.gains(at, "doors")),
-           section(f"Gain after {s.long_seconds:g} seconds in furnished rooms",
-                   f"{s.long_seeds} seeds; over {run.better}.",
-                   tables.gains(at, "rooms"))]
+    after = f"after {s.long_seconds:g} seconds"
+    out = [part(f"## Gain {after}\n\n{s.long_seeds} seeds; over {run.over}.", at.gains("doors")),
+           part(f"## Gain {after} in furnished rooms\n\n{s.long_seeds} seeds; over {run.better}.",
+                at.gains("rooms"))]
     there = [name for name in PEERS if name in m.scenes]
     if there:
-        out.append(f"""## relMSE after {s.long_seconds:g} seconds, beside other programs
+        out.append(f"""## relMSE {after}, beside other programs
 
 320 x 180, {run.depth_words}. The other programs' figures are for 60 CPU seconds at depth 6; they were measured outside
 of this script, on a like machine. Metropolis light transport is Tungsten's, multiplexed (MMLT); its error differs much
 from run to run.""")
     for name in there:
         rows = [[program, figure, 60, "-", "-"] for program, figure in PEERS[name]]
-        rows += tables.long_rows(at, name)
+        rows += at.long_rows(name)
         rows.append(["all black", pages.three(m.scenes[name].reference["black"]["relmse"]), "-", "-", "-"])
         out.append(f"### {name} after {s.long_seconds:g} s\n\n"
                    + pages.table(("", "relMSE, seed by seed", "CPU s", "wanted (moonshot)", "met"), rows))
@@ -339,19 +300,15 @@ from run to run.""")
 def page(run, m):
     over = "bdpt" + (f" of {run.s.baseline_name}" if run.s.baseline else "")
     run.over, run.better = over, over.replace("bdpt", "the better of bdpt and nee", 1)
-    papers = [[name, words, "not in the text", *tables.paper(m, name)]
-                                                             for name, words in PAPER.items() if name in m.scenes]
+    papers = [[name, words, "not in the text", *m.paper(name)]
+              for name, words in PAPER.items() if name in m.scenes]
     return pages.sections(
-        head(run, m),
-        tables.busy(m),
-        tables.noisy(m),
-        section("Doors, holes, windows", f"Gain over {run.over}.", tables.gains(m, "doors")),
-        section(
-            "Furnished rooms, and a box", "No door; portals where the four stages find any. Gain over "
-            f"{run.better}.", tables.gains(m, "rooms")),
-        section(
-            "No limit of depth", "Gain over bdpt of this program; references of their own. NAME-whole is scene NAME.",
-            tables.gains(m, "whole")),
+        head(run), m.busy(), m.noisy(),
+        part(f"## Doors, holes, windows\n\nGain over {run.over}.", m.gains("doors")),
+        part("## Furnished rooms, and a box\n\nNo door; portals where the four stages find any. Gain over "
+             f"{run.better}.", m.gains("rooms")),
+        part("## No limit of depth\n\nGain over bdpt of this program; references of their own. NAME-whole is scene "
+             "NAME.", m.gains("whole")),
         f"""![relMSE against CPU seconds, a panel for each scene](efficiency.png)
 
 *Mean relMSE of {run.s.seeds} seeds over CPU seconds; bars from the lowest to the highest seed. Dotted: a picture
@@ -360,23 +317,20 @@ without light.*
 ## PSNR in the same time
 
 Decibels, of the mean MSE x CPU seconds: pixels count by their light, so that directly lit regions decide.""",
-        part(f"Over {run.over}.", tables.psnr(m, "doors")),
-        part(f"Over {run.better}, that of the smaller relMSE.", tables.psnr(m, "rooms")),
-        part("No limit of depth, over bdpt of this program.", tables.psnr(m, "whole")),
+        part(f"Over {run.over}.", m.psnrs("doors")),
+        part(f"Over {run.better}, that of the smaller relMSE.", m.psnrs("rooms")),
+        part("No limit of depth, over bdpt of this program.", m.psnrs("whole")),
         """## Scene by scene
 
 *mean / reference*: of the pictures of all lengths together, +- one standard error, the reference's noise included.""",
         *(scene_section(run, m, scene) for scene in run.scenes),
-        section(
-            "Beside the paper's Fig. 7",
-            """\
+        part("""## Beside the paper's Fig. 7
+
 The paper compares its TDPT, here `tdpt`, with BDPT at 16 samples per pixel and depth 5. It prints PSNR and MAPE inside
 a picture, not in its text. Ours are after the same time; after the same samples they are in
-[figures.md](figures.md).""",
-            papers and pages.table(
-                ("scene", "the paper's words", "the paper's PSNR, MAPE", "PSNR, tdpt - bdpt",
-                 "MAPE, tdpt against bdpt"),
-                papers)),
+[figures.md](figures.md).""", papers and pages.table(
+            ("scene", "the paper's words", "the paper's PSNR, MAPE", "PSNR, tdpt - bdpt", "MAPE, tdpt against bdpt"),
+            papers)),
         *long_sections(run, m))
 
 
@@ -389,51 +343,31 @@ def efficiency(bench):
     bench.need("gnuplot")
     run = Efficiency(bench)
     m = run.measure()
-    with open(bench.doc / "efficiency.csv", "w", newline="", encoding="ascii") as file:
-        table = csv.writer(file, lineterminator="\n")
-        table.writerow(COLUMNS)
-        for row in (row for rows in m.rows.values() for row in rows):
-            table.writerow(["" if row[c] is None else "%.6g" % row[c] if isinstance(row[c], float) else row[c]
-                            for c in COLUMNS])
+    pages.write_csv(bench.doc / "efficiency.csv", [row for rows in m.rows.values() for row in rows])
     pages.draw(plot(m), bench.doc)
     bench.page("efficiency", page(run, m))
 
 
 # ---- Stored references ----
-def described(scene, halves, seeds, program):
-    """What NAME.json says; halves: what tdpt-render says of them. Halves that do not belong together are an error."""
-    first, second = halves
-    for field in ("integrator", "width", "height", "max_depth"):
-        if first[field] != second[field]:
-            raise ValueError(f"{field} of the halves: {first[field]} and {second[field]}, expected the same")
-    if seeds[0] == seeds[1]:
-        raise ValueError(f"both halves have seed {seeds[0]}, expected two")
-    return {"scene": scene_sum(scene), **{k: first[k] for k in ("max_depth", "width", "height", "integrator")},
-            "program": program, "seeds": [int(s) for s in seeds], "spp": [h["spp"] for h in halves],
-            "cpu_seconds": [round(h["cpu_seconds"], 1) for h in halves]}
-
-
-def readme(folder):
+def keep(folder, name, scene, runs, program):
+    """NAME-1.exr, NAME-2.exr and NAME.json in folder, where efficiency finds them, and a row of its README. Rounding to
+    half floats is off by at most 2^-11 of a value: relMSE 2.4e-7 at most, 5e-8 on average."""
+    seeds = []
+    for i, run in enumerate(runs, 1):
+        rgb, header = exr_read(run.out)
+        exr_write(folder / f"{name}-{i}.exr", rgb, **header)
+        seeds.append(int(header["seed"]))
+    said = [run.said for run in runs]
+    about = {"scene": scene_sum(scene), **{k: said[0][k] for k in ("max_depth", "width", "height", "integrator")},
+             "program": program, "seeds": seeds, "spp": [of["spp"] for of in said],
+             "cpu_seconds": [round(of["cpu_seconds"], 1) for of in said]}
+    (folder / f"{name}.json").write_text(json.dumps(about, indent=1) + "\n", encoding="utf-8")
     rows = []
     for path in sorted(folder.glob("*.json")):
         r = SimpleNamespace(**pages.read_json(path))
         rows.append(pages.row(path.stem, f"{r.width} x {r.height}", r.max_depth or "no limit", r.integrator,
                               "%d and %d" % tuple(r.spp), "%.0f and %.0f" % tuple(r.cpu_seconds), r.program) + "\n")
-    return README + "".join(rows)
-
-
-def keep(folder, name, scene, runs, program):
-    """NAME-1.exr, NAME-2.exr and NAME.json in folder, where efficiency finds them, and a row of its README. Rounding to
-    half floats is off by at most 2^-11 of a value: relMSE 2.4e-7 at most, 5e-8 on average."""
-    pictures = [exr_read(run.out) for run in runs]
-    for _, header in pictures:
-        if f"from {Path(scene).name} " not in header["provenance"]:
-            raise ValueError(f"a half is not from {Path(scene).name}: {header['provenance']}")
-    about = described(scene, [run.said for run in runs], [header["seed"] for _, header in pictures], program)
-    for i, (rgb, header) in enumerate(pictures, 1):
-        exr_write(folder / f"{name}-{i}.exr", rgb, **header)
-    (folder / f"{name}.json").write_text(json.dumps(about, indent=1) + "\n", encoding="utf-8")
-    (folder / "README.md").write_text(readme(folder), encoding="utf-8")
+    (folder / "README.md").write_text(README + "".join(rows), encoding="utf-8")
 
 
 @with_settings
@@ -442,10 +376,8 @@ def references(bench):
     run = Efficiency(bench)
     run.stored.mkdir(parents=True, exist_ok=True)
     missing = [scene for scene in run.scenes if not run.stored_fits(scene)]
-    commit = ""
-    if shutil.which("git"):
-        commit = subprocess.run(["git", "-C", ROOT, "describe", "--always", "--dirty"], capture_output=True, text=True,
-                                check=False).stdout.strip()
+    describe = ["git", "-C", ROOT, "describe", "--always", "--dirty"]
+    commit = checked(describe, range(256)).said.strip() if shutil.which("git") else ""
     program = ", ".join(filter(None, (bench.version(), commit)))
     for scene, runs in zip(missing, bench.side_by_side([functools.partial(run.rendered_halves, s) for s in missing])):
         keep(run.stored, scene.name, run.files[scene.name], runs, program)

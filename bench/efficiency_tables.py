@@ -5,7 +5,9 @@ gains: stats.py. A firefly that no seed met is in no interval.
 
 NAME-before is integrator NAME of the older program that gains are told over."""
 import copy
+import functools
 import math
+from collections import defaultdict
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -47,21 +49,12 @@ def decibels(x):
     return "%+.1f" % (10 * math.log10(x))
 
 
-def gain_text(gain):
-    return gain.text(digits, "?")
-
-
-def decibels_text(gain):
-    bounded = gain.low > 0 and gain.high < stats.NO_BOUND
-    return (gain if bounded else stats.Ratio(gain.value)).text(decibels)
-
-
 def verdict(gain, wanted):
     if not math.isfinite(gain.value):
         return "-"
-    if gain.value >= wanted:
-        return "met, but within the noise" if gain.low < wanted else "met"
-    return "missed, but within the noise" if gain.high >= wanted else "missed"
+    met = gain.value >= wanted
+    doubtful = gain.low < wanted if met else gain.high >= wanted
+    return ("met" if met else "missed") + (", but within the noise" if doubtful else "")
 
 
 def aim(wanted, moonshot=None):
@@ -73,14 +66,14 @@ def with_portals(integrator):
 
 
 class Measurements:
+    """Of scenes: Scene; rows: dictionaries, one a picture, with the columns of the CSV. seconds: nominal CPU seconds of
+    the pictures that tables are about."""
+
     def __init__(self, scenes, rows, seconds):
-        """scenes: of Scene; rows: dictionaries, one a picture, with the columns of the CSV; seconds: nominal CPU
-        seconds of the pictures that tables are about."""
-        self.scenes, self.seconds = {s.name: s for s in scenes}, seconds
+        self.scenes, self.seconds, self.rows = {s.name: s for s in scenes}, seconds, defaultdict(list)
         self.integrators = list(dict.fromkeys(row["integrator"] for row in rows))
-        self.rows = {}
         for row in rows:
-            self.rows.setdefault((row["scene"], row["integrator"]), []).append(row)
+            self.rows[row["scene"], row["integrator"]].append(row)
 
     def at(self, seconds):
         """The same, of pictures of another length."""
@@ -88,16 +81,13 @@ class Measurements:
         other.seconds = seconds
         return other
 
-    def of_group(self, group):
-        return [name for name, s in self.scenes.items() if s.kind in GROUPS[group]]
-
     def field(self, name, scene, integrator):
         """Of all seeds; nan where it is not known."""
         rows = [r for r in self.rows.get((scene, integrator), []) if r["seconds"] == self.seconds]
         return np.array([math.nan if r[name] is None else r[name] for r in rows], float)
 
-    def count(self, scene, integrator):
-        return len(self.field("seed", scene, integrator))
+    def measured(self, scene, integrators=None):
+        return [i for i in integrators or self.integrators if len(self.field("seed", scene, i))]
 
     def average(self, name, scene, integrator):
         values = self.field(name, scene, integrator)
@@ -112,22 +102,19 @@ class Measurements:
 
     def cheapest(self, scene, integrators):
         """By relMSE. None where none is known."""
-        means = {i: self.costs(scene, i).mean() for i in integrators if self.count(scene, i)}
+        means = {i: self.costs(scene, i).mean() for i in self.measured(scene, integrators)}
         return min((i for i in means if means[i] > 0), key=means.get, default=None)
 
     def base(self, scene):
-        """What gains are over: bdpt, in scenes without a door the better of bdpt and nee; of the older program where it
-        was measured. None where none was."""
+        """What gains are over, or None: bdpt, without a door the better of bdpt and nee; of the older one if any."""
         names = ("bdpt", "nee") if self.scenes[scene].kind in GROUPS["rooms"] else ("bdpt",)
-        before = [name + BEFORE for name in names if self.count(scene, name + BEFORE)]
-        there = before or [name for name in names if self.count(scene, name)]
-        return self.cheapest(scene, there) or next(iter(there), None)
+        there = self.measured(scene, [n + BEFORE for n in names]) or self.measured(scene, names)
+        return self.cheapest(scene, there) or next(iter(there), None) if there else None
 
     def judged(self, scene):
         """What aims are asked of: auto, or the best with portals where auto was not measured."""
-        if self.count(scene, "auto"):
-            return "auto"
-        return self.cheapest(scene, [i for i in self.integrators if with_portals(i)])
+        there = [i for i in self.measured(scene) if with_portals(i)]
+        return "auto" if "auto" in there else self.cheapest(scene, there) if there else None
 
     def pair(self, scene):
         return list(dict.fromkeys(i for i in (self.judged(scene), self.base(scene)) if i))
@@ -135,6 +122,19 @@ class Measurements:
     def over_base(self, scene, integrator, error="relmse"):
         base = self.base(scene)
         return self.gain(scene, integrator, base, error) if base and integrator else stats.Ratio()
+
+    def told(self, scene, integrator, error="relmse"):
+        """The same as text; of MSE in decibels."""
+        gain, itself = self.over_base(scene, integrator, error), integrator == self.base(scene)
+        if error == "mse":
+            return "0" if itself else gain.bounded().text(decibels)
+        return "1" if itself else gain.text(digits, "?")
+
+    def says(self, scene, wanted, error="relmse"):
+        """Whether what aims are asked of has such a gain."""
+        judged = self.judged(scene)
+        asked = wanted is not None and judged
+        return f"{judged}: {verdict(self.over_base(scene, judged, error), wanted)}" if asked else "-"
 
     def efficiency(self, scene, integrator):
         """1 / (relMSE x CPU s), as text."""
@@ -144,7 +144,7 @@ class Measurements:
     def geometric_mean(self, scenes, integrator):
         """Of the gains over the base; unknown where one of them is."""
         gains = [self.over_base(s, integrator).value for s in scenes]
-        if not gains or not np.isfinite(gains).all():
+        if not np.isfinite(gains).all():
             return stats.Ratio()
         value = math.exp(np.mean(np.log(gains)))
         others = [s for s in scenes if self.base(s) != integrator]  # a gain of 1 over itself has no interval
@@ -156,8 +156,7 @@ class Measurements:
         return stats.Ratio(value, mean.low**exponent, high)
 
     def aimed_relmse(self, scene):
-        """The least relMSE that an aim asks of a picture of the scene, without an aim the base's. None where it is not
-        known."""
+        """The least relMSE that an aim asks of a picture of the scene, without an aim the base's; None: not known."""
         s, base, judged = self.scenes[scene], self.base(scene), self.judged(scene)
         if not base or not judged:
             return None
@@ -167,7 +166,7 @@ class Measurements:
 
     def all_means(self, scene, integrator):
         """Of the pictures of all lengths: how many, their samples, their mean, variance of one of one sample."""
-        rows = self.rows.get((scene, integrator), [])
+        rows = self.rows.get((scene, integrator))
         if not rows:
             return 0, 0.0, 0.0, 0.0
         weights = np.array([r["spp"] for r in rows], float)
@@ -184,154 +183,123 @@ class Measurements:
         noise = noise / reference["spp"] if others > 2 else reference["half"] ** 2
         return mean / reference["mean"], math.sqrt(variance / weight + noise) / reference["mean"]
 
-    def most_memory(self, scene, integrator):
-        """MiB, as text."""
-        return "%.0f" % self.field("peak_mib", scene, integrator).max()
-
     def psnr(self, scene, integrator):
         """Of the mean MSE."""
         mse, psnr = self.field("mse", scene, integrator), self.field("psnr", scene, integrator)
-        known = ~np.isnan(psnr)
-        if not known.any() or mse.mean() <= 0:
-            return "-"
-        peak = (mse * 10 ** (psnr / 10))[known][0]
-        return "%.2f" % (10 * math.log10(peak / mse.mean()))
+        peaks = (mse * 10 ** (psnr / 10))[~np.isnan(psnr)]
+        return "%.2f" % (10 * math.log10(peaks[0] / mse.mean())) if len(peaks) and mse.mean() > 0 else "-"
 
+    # ---- Tables; empty where there is no scene ----
+    def of_group(self, group):
+        return [name for name, s in self.scenes.items() if s.kind in GROUPS[group] and self.base(name)]
 
-def overview(m, group, cells, heads):
-    """(scenes, integrators that are shown, rows): a row for each scene of the group that was measured, cells(scene,
-    integrators). bdpt, where it is what all gains are over, has no column."""
-    scenes = [s for s in m.of_group(group) if m.base(s)]
-    bases = {m.base(s) for s in scenes}
-    shown = [i for i in m.integrators if any(m.count(s, i) for s in scenes) and (group == "rooms" or {i} != bases)]
-    return scenes, ["scene", *shown, *heads], [[s, *cells(s, shown)] for s in scenes], shown
+    def shown(self, group):
+        """Integrators. bdpt, where it is what all gains are over, has no column."""
+        scenes = self.of_group(group)
+        bases, there = {self.base(s) for s in scenes}, {i for s in scenes for i in self.measured(s)}
+        return [i for i in self.integrators if i in there and (group == "rooms" or {i} != bases)]
 
+    def gains(self, group):
+        """Of bdpt also what it is itself: no gain comes of a bdpt made worse."""
+        scenes, shown = self.of_group(group), self.shown(group)
+        itself = [i for i in ("bdpt" + BEFORE, "bdpt") if any(self.measured(s, [i]) for s in scenes)]
+        rows = [[name, *(self.told(name, i) for i in shown), aim(s.target, s.moonshot), self.says(name, s.target),
+                 *(self.efficiency(name, i) for i in itself)] for name, s in self.scenes.items() if name in scenes]
+        interiors = [s for s in scenes if self.scenes[s].kind == "interior"]
+        if interiors:
+            means = {i: self.geometric_mean(interiors, i) for i in shown}
+            judged, more = self.judged(interiors[0]), ["-"] * len(itself)
+            says = f"{judged}: {verdict(means[judged], INTERIORS_AIM)}" if judged else "-"
+            rows.append([f"**geometric mean of {len(interiors)} interiors**",
+                         *(means[i].text(digits, "?") for i in shown), INTERIORS_AIM, says, *more])
+            rows.append(["**the least of them**", *(self.least(interiors, i) for i in shown), "-", "-", *more])
+        heads = ("aim (moonshot)", "met", *(f"efficiency of {i} [1/s]" for i in itself))
+        return table(("scene", *shown, *heads), rows) if rows else ""
 
-def gains(m, group):
-    """Of bdpt also what it is itself: no gain comes of a bdpt made worse. Empty where there is no scene."""
-    itself = [i for i in ("bdpt" + BEFORE, "bdpt") if any(m.count(s, i) for s in m.of_group(group))]
+    def least(self, scenes, integrator):
+        """The least gain; "-" where one is not known."""
+        found = {s: self.over_base(s, integrator).value for s in scenes}
+        scene = min(found, key=found.get)
+        return f"{digits(found[scene])} ({scene})" if np.isfinite(list(found.values())).all() else "-"
 
-    def cells(scene, shown):
-        s, judged = m.scenes[scene], m.judged(scene)
-        says = "-" if s.target is None or not judged else f"{judged}: {verdict(m.over_base(scene, judged), s.target)}"
-        own = ["1" if i == m.base(scene) else gain_text(m.over_base(scene, i)) for i in shown]
-        return [*own, aim(s.target, s.moonshot), says, *(m.efficiency(scene, i) for i in itself)]
+    def psnrs(self, group):
+        rows, shown = [], self.shown(group)
+        for scene in self.of_group(group):
+            wanted = self.scenes[scene].wanted_psnr
+            rows.append([scene, *(self.told(scene, i, "mse") for i in shown), aim(wanted),
+                         self.says(scene, None if wanted is None else 10 ** (wanted / 10), "mse")])
+        return table(("scene", *shown, "at least", "met"), rows) if rows else ""
 
-    heads = ("aim (moonshot)", "met", *(f"efficiency of {i} [1/s]" for i in itself))
-    scenes, heads, rows, shown = overview(m, group, cells, heads)
-    interiors = [s for s in scenes if m.scenes[s].kind == "interior"]
-    if interiors:
-        means = {i: m.geometric_mean(interiors, i) for i in shown}
-        judged = m.judged(interiors[0])
-        says = f"{judged}: {verdict(means[judged], INTERIORS_AIM)}" if judged else "-"
-        more = ["-"] * len(itself)
-        rows.append([f"**geometric mean of {len(interiors)} interiors**", *(gain_text(means[i]) for i in shown),
-                     INTERIORS_AIM, says, *more])
-        rows.append(["**the least of them**", *(least(m, interiors, i) for i in shown), "-", "-", *more])
-    return table(heads, rows) if rows else ""
+    def scene_rows(self, scene):
+        rows = []
+        for i in self.measured(scene):
+            relmse, average = self.field("relmse", scene, i), functools.partial(self.average, scene=scene, integrator=i)
+            rows.append([i, three(average("spp")), "%.2f" % average("cpu_seconds"),
+                         "%.0f" % self.field("peak_mib", scene, i).max(),
+                         "%.3g [%.3g, %.3g]" % (relmse.mean(), relmse.min(), relmse.max()), self.efficiency(scene, i),
+                         self.told(scene, i), self.psnr(scene, i), self.told(scene, i, "mse"), three(average("mape")),
+                         "%.4f +- %.4f" % self.mean_ratio(scene, i)])
+        black = self.scenes[scene].reference["black"]
+        rows.append(["all black", "-", "-", "-", three(black["relmse"]), "-", "-", "%.2f" % black["psnr"], "-",
+                     three(black["mape"]), 0])
+        return table(("integrator", "spp", "CPU s", "MiB", "relMSE [seeds]", "efficiency [1/s]", "gain", "PSNR [dB]",
+                      f"PSNR - that of {self.base(scene)}", "MAPE [%]", "mean / reference"), rows)
 
+    def too_noisy(self, scene):
+        aimed = self.aimed_relmse(scene)
+        return aimed is not None and self.scenes[scene].reference["relmse"] > OF_THE_AIM * aimed
 
-def least(m, scenes, integrator):
-    """The least gain; "-" where one is not known."""
-    found = {s: m.over_base(s, integrator).value for s in scenes}
-    scene = min(found, key=found.get)
-    return f"{digits(found[scene])} ({scene})" if np.isfinite(list(found.values())).all() else "-"
+    def reference_words(self, scene):
+        aimed, words = self.aimed_relmse(scene), "relMSE %.3g" % self.scenes[scene].reference["relmse"]
+        most = "MORE THAN" if self.too_noisy(scene) else "at most"
+        return words + ("." if aimed is None else ", %s a tenth of the %.3g that it judges." % (most, aimed))
 
+    def noisy(self):
+        names = ", ".join(filter(self.too_noisy, self.scenes))
+        return f"References with more than a tenth of the relMSE that they judge: {names}." if names else ""
 
-def psnr(m, group):
-    def cells(scene, shown):
-        wanted, judged = m.scenes[scene].wanted_psnr, m.judged(scene)
-        says = "-"
-        if wanted is not None and judged:
-            says = f"{judged}: {verdict(m.over_base(scene, judged, 'mse'), 10 ** (wanted / 10))}"
-        own = ["0" if i == m.base(scene) else decibels_text(m.over_base(scene, i, "mse")) for i in shown]
-        return [*own, aim(wanted), says]
+    def check(self, scene):
+        ratio, error = self.mean_ratio(scene, "bdpt")
+        if ratio == 0 or error == 0 or self.all_means(scene, "bdpt")[0] < 4:
+            return "No check: bdpt was not rendered often enough."
+        off = (ratio - 1) / error
+        words = "they agree" if abs(off) < 3 else "THEY DISAGREE"
+        return (f"Check: the mean of all of bdpt's pictures is {ratio:.4f} +- {error:.4f} of the reference's, "
+                f"{off:+.1f} standard errors: {words}.")
 
-    _, heads, rows, _ = overview(m, group, cells, ("at least", "met"))
-    return table(heads, rows) if rows else ""
+    def long_rows(self, scene):
+        """A row for each integrator with the relMSE of every seed."""
+        s, rows = self.scenes[scene], []
+        for i in self.measured(scene):
+            relmse, words = self.field("relmse", scene, i), ["-", "-"]
+            if s.wanted is not None and with_portals(i):
+                words = [f"at most {aim(s.wanted, s.wanted_moonshot)}, every seed",
+                         "met" if relmse.max() <= s.wanted else "missed"]
+            rows.append([i, ", ".join(map(three, relmse)), "%.1f" % self.average("cpu_seconds", scene, i), *words])
+        return rows
 
+    def busy(self):
+        got = np.concatenate([self.field("cpu_seconds", s, i) for s in self.scenes for i in self.integrators])
+        if not len(got) or got.mean() >= 0.85 * self.seconds:
+            return ""
+        return "The machine was busy: on average a picture got %.3g of its %g CPU seconds." % (got.mean(), self.seconds)
 
-def scene_rows(m, scene):
-    base, rows = m.base(scene), []
-    for i in (i for i in m.integrators if m.count(scene, i)):
-        relmse = m.field("relmse", scene, i)
-        rows.append([i, three(m.average("spp", scene, i)), "%.2f" % m.average("cpu_seconds", scene, i),
-                     m.most_memory(scene, i), "%.3g [%.3g, %.3g]" % (relmse.mean(), relmse.min(), relmse.max()),
-                     m.efficiency(scene, i), "1" if i == base else gain_text(m.over_base(scene, i)), m.psnr(scene, i),
-                     "0" if i == base else decibels_text(m.over_base(scene, i, "mse")),
-                     three(m.average("mape", scene, i)), "%.4f +- %.4f" % m.mean_ratio(scene, i)])
-    black = m.scenes[scene].reference["black"]
-    rows.append(["all black", "-", "-", "-", three(black["relmse"]), "-", "-", "%.2f" % black["psnr"], "-",
-                 three(black["mape"]), 0])
-    return table(("integrator", "spp", "CPU s", "MiB", "relMSE [seeds]", "efficiency [1/s]", "gain", "PSNR [dB]",
-                  f"PSNR - that of {base}", "MAPE [%]", "mean / reference"), rows)
+    def paper(self, scene):
+        """Two cells: PSNR and MAPE of tdpt against bdpt's."""
+        gain = self.gain(scene, "tdpt", "bdpt", "mse").value
+        if not math.isfinite(gain):
+            return ["-", "-"]
+        return [f"{decibels(gain)} dB",
+                "%.3g %% against %.3g %%" % tuple(self.average("mape", scene, i) for i in ("tdpt", "bdpt"))]
 
-
-def too_noisy(m, scene):
-    aimed = m.aimed_relmse(scene)
-    return aimed is not None and m.scenes[scene].reference["relmse"] > OF_THE_AIM * aimed
-
-
-def reference_words(m, scene):
-    aimed, words = m.aimed_relmse(scene), "relMSE %.3g" % m.scenes[scene].reference["relmse"]
-    if aimed is not None:
-        most = "MORE THAN" if too_noisy(m, scene) else "at most"
-        words += ", %s a tenth of the %.3g that it judges" % (most, aimed)
-    return words + "."
-
-
-def noisy(m):
-    names = [s for s in m.scenes if too_noisy(m, s)]
-    return "References with more than a tenth of the relMSE that they judge: %s." % ", ".join(names) if names else ""
-
-
-def check(m, scene):
-    ratio, error = m.mean_ratio(scene, "bdpt")
-    if ratio == 0 or error == 0 or m.all_means(scene, "bdpt")[0] < 4:
-        return "No check: bdpt was not rendered often enough."
-    off = (ratio - 1) / error
-    words = "they agree" if abs(off) < 3 else "THEY DISAGREE"
-    return (f"Check: the mean of all of bdpt's pictures is {ratio:.4f} +- {error:.4f} of the reference's, {off:+.1f} "
-            f"standard errors: {words}.")
-
-
-def long_rows(m, scene):
-    """A row for each integrator with the relMSE of every seed."""
-    s, rows = m.scenes[scene], []
-    for i in (i for i in m.integrators if m.count(scene, i)):
-        relmse = m.field("relmse", scene, i)
-        asked = s.wanted is not None and with_portals(i)
-        goal = f"at most {aim(s.wanted, s.wanted_moonshot)}, every seed" if asked else "-"
-        met = "-" if not asked else "met" if relmse.max() <= s.wanted else "missed"
-        rows.append([i, ", ".join(map(three, relmse)), "%.1f" % m.average("cpu_seconds", scene, i), goal, met])
-    return rows
-
-
-def busy(m):
-    got = np.concatenate([m.field("cpu_seconds", s, i) for s in m.scenes for i in m.integrators])
-    if not len(got) or got.mean() >= 0.85 * m.seconds:
-        return ""
-    return "The machine was busy: on average a picture got %.3g of its %g CPU seconds." % (got.mean(), m.seconds)
-
-
-def paper(m, scene):
-    """Two cells: PSNR and MAPE of tdpt against bdpt's."""
-    gain = m.gain(scene, "tdpt", "bdpt", "mse").value
-    if not math.isfinite(gain):
-        return ["-", "-"]
-    return [f"{decibels(gain)} dB",
-            "%.3g %% against %.3g %%" % tuple(m.average("mape", scene, i) for i in ("tdpt", "bdpt"))]
-
-
-def points(m):
-    """{(scene, integrator): [(CPU seconds, relMSE, its lowest, its highest)]} of all pictures that are no longer."""
-    found = {}
-    for seconds in sorted({r["seconds"] for rows in m.rows.values() for r in rows if r["seconds"] <= m.seconds}):
-        at = m.at(seconds)
-        for scene, i in m.rows:
-            relmse = at.field("relmse", scene, i)
-            if len(relmse) and relmse.mean() > 0:
-                low = relmse.min() if relmse.min() > 0 else relmse.mean()
-                found.setdefault((scene, i), []).append((at.average("cpu_seconds", scene, i), relmse.mean(), low,
-                                                         relmse.max()))
-    return found
+    def points(self):
+        """{(scene, integrator): [(CPU seconds, relMSE, its lowest, its highest)]} of pictures up to that length."""
+        found = defaultdict(list)
+        all_seconds = {r["seconds"] for rows in self.rows.values() for r in rows}
+        for at in (self.at(seconds) for seconds in sorted(all_seconds) if seconds <= self.seconds):
+            for key in self.rows:
+                relmse = at.field("relmse", *key)
+                if len(relmse) and relmse.mean() > 0:
+                    low = relmse.min() if relmse.min() > 0 else relmse.mean()
+                    found[key].append((at.average("cpu_seconds", *key), relmse.mean(), low, relmse.max()))
+        return found

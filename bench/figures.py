@@ -1,18 +1,21 @@
 """The paper's figures from our renders (doc/figures.md), pictures of what each stage did (doc/stages.md), and small
-pictures of both for the README."""
+pictures of both for the README; and `make demo`."""
 import math
+import os
+import re
 import shutil
 import subprocess
 from pathlib import Path
+from statistics import mean
 
 import pages
-from common import SEEDED, STAGES, Made, Setting, Stop, cores, settings
+from common import CORES, ROOT, SEEDED, STAGES, TESTDATA, Made, Setting, Stop, measure, settings
 
 SCENES = ("cornell-box-portal", "veach-ajar", "veach-ajar-flip", "bathroom2", "bathroom2-channel")
 INTEGRATORS = ("pt", "nee", "bdpt", "tdpt-org", "tdpt")
 # The paper's share of non-zero pixels at 1 spp and CPU time per frame.
-FIG5 = {"pt": ("0.00619 %", "not in the text"), "nee": ("0.382 %", "not in the text"), "bdpt": (
-    "4.79 %", "not in the text"), "tdpt-org": ("27.6 %", "3.1 s"), "tdpt": ("24.4 %", "2.5 s")}
+FIG5 = {"pt": ("0.00619 %", "not in the text"), "nee": ("0.382 %", "not in the text"),
+        "bdpt": ("4.79 %", "not in the text"), "tdpt-org": ("27.6 %", "3.1 s"), "tdpt": ("24.4 %", "2.5 s")}
 WORDS = {"veach-ajar-flip": 'no direct light; "the metrics of TDPT occupy an overwhelming advantage"',
          "bathroom2": 'a large window; "the advantage of TDPT is not apparent"'}
 COMMON_WARNINGS = ("there is no portal in", "no portal is given")
@@ -20,23 +23,21 @@ COMMON_WARNINGS = ("there is no portal in", "no portal is given")
 
 class Figures:
     def __init__(self, bench):
-        self.bench, self.s = bench, bench.settings
-        s = self.s
-        height = s.height or (0 if s.width else 120)
-        self.size = [w for key, value in (("--width", s.width), ("--height", height)) if value for w in (key, value)]
-        self.files = bench.there(SCENES)
+        self.bench, self.s, self.files = bench, bench.settings, bench.there(SCENES)
+        height = self.s.height or (0 if self.s.width else 120)
+        sizes = ("--width", self.s.width), ("--height", height)
+        self.size = [word for name, value in sizes if value for word in (name, value)]
 
     def portal(self, scene):
-        return self.bench.portals(self.files[scene], stage_options={p: ("--seed", self.s.seed) for p in SEEDED})
+        return self.bench.portals(self.files[scene],
+                                  options=lambda program: ("--seed", self.s.seed) if program in SEEDED else ())
 
     def render(self, scene, integrator, spp, depth, seed, *options):
         """said: with its frames."""
         given = ("--portal", self.portal(scene).file) if integrator.startswith("tdpt") else ()
-        run = self.bench.render(
-            self.files[scene],
-            *given, "--integrator", integrator, *self.size, "--spp", spp, "--max-depth", depth, "--seed", seed,
-            "--stats", Made("stats.json"),
-            *options, threads=0)
+        run = self.bench.render(self.files[scene], *given, "--integrator", integrator, *self.size, "--spp", spp,
+                                "--max-depth", depth, "--seed", seed, "--stats", Made("stats.json"), *options,
+                                threads=0)
         run.said = pages.read_json(run.folder / "stats.json")
         return run
 
@@ -48,10 +49,6 @@ def percent(share):
     return pages.three(100 * share) + " %"
 
 
-def average(values):
-    return sum(values) / len(values)
-
-
 def size_of(said):
     return f"{said['width']} x {said['height']}"
 
@@ -61,19 +58,15 @@ def portal_section(figures):
     for scene in figures.files:
         said = figures.portal(scene).said
         portals = said["portals"]
-        if portals:
-            cells = [", ".join(f"{round(f * p[key], digits):g}{unit}" for p in portals) for key, f, digits, unit in
-                     (("area", 1, 3, ""), ("flux_share", 100, 1, " %"), ("support", 1, 2, ""))]
-            rows.append([scene, len(portals), *cells])
-        else:
-            reason = f" ({said['reason']})" if said.get("reason") else ""
-            rows.append([scene, f"0{reason}", "-", "-", "-"])
+        cells = [", ".join(f"{round(f * p[key], digits):g}{unit}" for p in portals) or "-" for key, f, digits, unit in
+                 (("area", 1, 3, ""), ("flux_share", 100, 1, " %"), ("support", 1, 2, ""))]
+        reason = f" ({said['reason']})" if not portals and said.get("reason") else ""
+        rows.append([scene, f"{len(portals)}{reason}", *cells])
+        if not portals:
             without.append(
                 f"No portal in {scene}: there tdpt-org is bdpt, and tdpt is left with camera, direct and light.")
-    return pages.sections("## Portals", pages.table(
-                              ("scene", "portals", "area [m2]", "share of the light", "support"),
-                              rows),
-                          *without)
+    heads = ("scene", "portals", "area [m2]", "share of the light", "support")
+    return pages.sections("## Portals", pages.table(heads, rows), *without)
 
 
 def figure5(figures):
@@ -85,13 +78,13 @@ def figure5(figures):
     for i, run in runs.items():
         said, before, points = run.said, 0, []
         for frame in said["frames"]:
-            points.append((frame["spp"], 100 * frame["nonzero"], average(frame["mean"]), frame["cpu_seconds"] - before))
+            points.append((frame["spp"], 100 * frame["nonzero"], mean(frame["mean"]), frame["cpu_seconds"] - before))
             before = frame["cpu_seconds"]
         block = plot.block(points)
         for column, drawn in enumerate(panels.values(), 2):
             drawn.append(f'{block} using 1:{column} with lines lw 2 title "{i}"')
         rows.append([i, percent(said["frames"][0]["nonzero"]), FIG5[i][0], percent(said["nonzero"]),
-                     pages.three(average(said["mean"])), "about 0.02", pages.three(said["cpu_seconds"] / said["spp"]),
+                     pages.three(mean(said["mean"])), "about 0.02", pages.three(said["cpu_seconds"] / said["spp"]),
                      FIG5[i][1]])
     for words, drawn in panels.items():
         own = {"a": ("set yrange [0:*]",), "b": ("set key right bottom",)}.get(words[0], ())
@@ -120,7 +113,7 @@ def figure6(figures):
         figures.copy(run.folder / "nonzero.png", f"fig6-{i}.png")
     said = [run.said for run in runs.values()]
     rows = [[f"![{i}](figures/fig6-{i}.png)" for i in three], [f"{percent(s['nonzero'])} non-zero" for s in said],
-            [f"mean {pages.three(average(s['mean']))}" for s in said]]
+            [f"mean {pages.three(mean(s['mean']))}" for s in said]]
     return f"""## Fig 6: veach-ajar-flip, 1 sample per pixel, depth 5, {size_of(said[0])}
 
 Red: some light arrived. Green: none.
@@ -137,47 +130,38 @@ def figure7(figures, scene):
     runs = {i: figures.render(scene, i, s.spp, 5, s.seed) for i in INTEGRATORS}
     errors, rows = {}, []
     for i, run in runs.items():
-        made = figures.bench.store.run("exrdiff", run.out, reference.out,
-                                       "--side-by-side", Made("both.png"), output=False)
+        made = figures.bench.store.run("exrdiff", run.out, reference.out, "--side-by-side", Made("both.png"),
+                                       output=False)
         errors[i] = made.said
         if i in ("bdpt", "tdpt"):
             figures.copy(made.folder / "both.png", f"fig7-{scene}-{i}.png")
-    base = errors["bdpt"]["relmse"] * runs["bdpt"].said["cpu_seconds"]
-    number = pages.three
+    base, number = errors["bdpt"]["relmse"] * runs["bdpt"].said["cpu_seconds"], pages.three
     for i, e in errors.items():
         seconds = runs[i].said["cpu_seconds"]
         cost, off = e["relmse"] * seconds, e["mean"] / e["reference_mean"]
-        psnr = "-" if e["psnr"] is None else "%.2f" % e["psnr"]
-        rows.append(
-            [i, psnr, number(e["mape"]),
-             number(e["relmse"]),
-             number(e["relmse_trimmed"]),
-             percent(e["nonzero"]),
-             number(e["mean"]),
-             number(seconds),
-             "%.2g" % (base / cost) if cost >0 and 0.8 <off <1.2 else "-"])
-    black = errors["bdpt"]["black"]
-    rows.append(
-        ["all black", "%.2f" % black["psnr"],
-         number(black["mape"]),
-         number(black["relmse"]),
-         "-", "-", 0, "-", "-"])
-    rows.append(["reference", "-", "-", "-", "-", percent(reference.said["nonzero"]),
-                 number(errors["bdpt"]["reference_mean"]), number(reference.said["cpu_seconds"]), "-"])
+        efficiency = "%.2g" % (base / cost) if cost > 0 and 0.8 < off < 1.2 else "-"
+        rows.append([i, "-" if e["psnr"] is None else "%.2f" % e["psnr"],
+                     *map(number, (e["mape"], e["relmse"], e["relmse_trimmed"])), percent(e["nonzero"]),
+                     number(e["mean"]), number(seconds), efficiency])
+    black, nothing = errors["bdpt"]["black"], ["-"] * 4
+    rows.append(["all black", "%.2f" % black["psnr"], number(black["mape"]), number(black["relmse"]), "-", "-", 0, "-",
+                 "-"])
+    rows.append(["reference", *nothing, percent(reference.said["nonzero"]), number(errors["bdpt"]["reference_mean"]),
+                 number(reference.said["cpu_seconds"]), "-"])
     here, there = errors["tdpt"], errors["bdpt"]
     gain = (here["psnr"] or math.inf) - (there["psnr"] or math.inf)
     warnings = sorted({line.removeprefix("tdpt-render: warning: ") for run in (reference, runs["bdpt"])
                        for line in run.errors.splitlines() if line.startswith("tdpt-render: warning: ")})
     warnings = [f"- {w}" for w in warnings if not w.startswith(COMMON_WARNINGS)]
     return pages.sections(
-        f"### {scene}", f"{size_of(runs['bdpt'].said)} pixels", pages.table(
-            ("integrator", "PSNR [dB]", "MAPE [%]", "relMSE", "trimmed", "non-zero", "mean", "CPU s", "efficiency"),
-            rows),
+        f"### {scene}", f"{size_of(runs['bdpt'].said)} pixels",
+        pages.table(("integrator", "PSNR [dB]", "MAPE [%]", "relMSE", "trimmed", "non-zero", "mean", "CPU s",
+                     "efficiency"), rows),
         f"The paper: {WORDS.get(scene, 'not in the text')}. Here tdpt has {gain:+.1f} dB of PSNR against bdpt, a MAPE "
         f"of {here['mape']:.3g} % against {there['mape']:.3g} %, a relMSE of {here['relmse']:.3g} against "
         f"{there['relmse']:.3g}.",
         *(f"![{i} left, reference right](figures/fig7-{scene}-{i}.png)\n*{i}, reference*" for i in ("bdpt", "tdpt")),
-        *(["The renderer warns:", "\n".join(warnings)] if warnings else[]))
+        *(["The renderer warns:", "\n".join(warnings)] if warnings else []))
 
 
 @settings(WIDTH=Setting(0, "of the pictures; one follows from the other and the camera", 32),
@@ -193,7 +177,7 @@ def figures(bench):
     bench.page("figures", pages.sections(
         f"""# The paper's figures from our renders
 
-Written by `make figures` ({bench.version()}, {cores()} cores), which
+Written by `make figures` ({bench.version()}, {CORES} cores), which
 finds the portals of the scenes in `SCENES`, renders, compares and draws. The same at another size:
 
     make figures HEIGHT=360 SPP={s.spp} FRAMES={s.frames} REF_SPP={s.ref_spp} SCENES=FOLDER
@@ -216,38 +200,31 @@ and MAPE inside a picture: not in the text.""",
 
 # ---- Pictures of the stages ----
 @settings(SCENE=Setting("", "the room behind a door; default veach-ajar.glb of the paper's scenes"),
-          INTERIOR=Setting(
-              "",
-              "a room whose lamp stands in its own window, for the last picture; default kitchen.glb of the "
-              "interiors; left out, with a word, where it is not there"),
-          WINDOWS=Setting(
-              "",
-              "a room lit by an environment through its windows; default living-room.glb of the interiors; "
-              "left out, with a word, where it is not there"),
+          INTERIOR=Setting("", "a room whose lamp stands in its own window, for the last picture; default kitchen.glb "
+                           "of the interiors; left out, with a word, where it is not there"),
+          WINDOWS=Setting("", "a room lit by an environment through its windows; default living-room.glb of the "
+                          "interiors; left out, with a word, where it is not there"),
           SKY=Setting("", "what shines on WINDOWS, --environment; default the map beside it, NAME.env.exr"))
 def stages(bench):
     """The pictures of doc/stages.md, one of each stage, for a room behind a door and for one with windows; the cache
     receives the same for 3D viewers."""
     s, scenes = bench.settings, Path(bench.settings.scenes)
-    scene = Path(s.scene or scenes / "veach-ajar.glb").resolve()
-    interior = Path(s.interior or scenes / "interiors/kitchen.glb").resolve()
-    windows = Path(s.windows or scenes / "interiors/living-room.glb").resolve()
+    scene, interior, windows = (Path(given or scenes / name).resolve() for given, name in (
+        (s.scene, "veach-ajar.glb"), (s.interior, "interiors/kitchen.glb"), (s.windows, "interiors/living-room.glb")))
     if not scene.exists():
         raise Stop(3, f"there is no scene {scene}; name one with SCENE=FILE")
     (bench.doc / "figures").mkdir(exist_ok=True)
 
     def pictures(room, suffix, sky=()):
-        def side(program):
-            shown = ("--scene", room) if program == "mincut" else ()
-            return (*shown, "--preview", Made("preview.png"), "--debug-glb", Made("debug.glb"))
-        for program, run in bench.portals(room, sky, side=side).runs.items():
+        made = ("--preview", Made("preview.png"), "--debug-glb", Made("debug.glb"))
+        of = bench.portals(room, sky, lambda program: (*(("--scene", room) if program == "mincut" else ()), *made))
+        for program, run in of.runs.items():
             shutil.copy(run.folder / "preview.png", bench.doc / f"figures/stage-{program}{suffix}.png")
             shutil.copy(run.folder / "debug.glb", bench.cache / f"{program}{suffix}.debug.glb")
 
     pictures(scene, "")
     if interior.exists():
-        form_factors = bench.store.run("ffgraph", interior, threads=0)
-        cut = bench.store.run("mincut", form_factors.out, "--scene", interior,
+        cut = bench.store.run("mincut", bench.store.run("ffgraph", interior, threads=0).out, "--scene", interior,
                               "--preview", Made("preview.png"), threads=0)
         shutil.copy(cut.folder / "preview.png", bench.doc / "figures/stage-mincut-kitchen.png")
     else:
@@ -272,3 +249,94 @@ def thumbnails(bench):
                            ("tdpt-render", "fig7-veach-ajar-tdpt", "213x120+215+0")):
         subprocess.run(["convert", folder / f"{of}.png", "-crop", part, "+repage", "-resize", "240x", "-strip",
                         folder / f"thumbnail-{name}.png"], check=True)
+
+
+# ---- A portal for a room lit through a hole, and what it is good for ----
+def comparison(seconds, bdpt, portal, cpu, noisy):
+    """In words, what two pictures of so many seconds are worth by what exrdiff says of them. cpu: seconds that they
+    got; noisy: whether the reference is about as short."""
+    gain, decibels = bdpt["relmse"] / portal["relmse"], portal["psnr"] - bdpt["psnr"]
+    if gain >= 1:
+        words = f"""In the same {seconds:g} seconds the portal makes the error {gain:.1f} times smaller (relMSE), \
+and the
+picture {abs(decibels):.1f} dB {'worse' if decibels < 0 else 'better'} (PSNR). \
+Since the error falls with time, bdpt alone would need
+about {seconds * gain:.0f} seconds for the same."""
+        if noisy:
+            words += "\nThe reference has noise of its own, which counts against both: the true gain is larger."
+    else:
+        words = f"""In the same {seconds:g} seconds the error is {1 / gain:.1f} times larger with the portal (relMSE), \
+PSNR differs
+by {decibels:+.1f} dB: this scene is better rendered without."""
+    black = portal["black"]["relmse"]
+    if bdpt["relmse"] > 0.5 * black:
+        words += f"\nA picture of no light at all scores {black:.3g}: bdpt has found little here."
+    if max(cpu) > 1.1 * min(cpu):
+        words += f"\nBut the machine was busy: bdpt got {cpu[0]:.0f} CPU seconds and the portal {cpu[1]:.0f}; " \
+                 "try again when it is idle."
+    return words
+
+
+@settings(SCENE=Setting(str(TESTDATA / "scenes/two-rooms.glb"), "a room lit through a hole"),
+          SECONDS_EACH=Setting(20.0, "of a picture", 1.0),
+          SECONDS_REFERENCE=Setting(90.0, "of the reference, where testdata/references has none of the scene", 4.0),
+          WIDTH=Setting(160, "of the pictures"), HEIGHT=Setting(120, ""),
+          DEPTH=Setting("none", "edges of the longest path; none: the whole light"))
+def demo(bench):
+    """Finds the portal of a room, renders with bdpt and through the portal in the same time, compares both with a
+    reference, and leaves everything in CACHE."""
+    s, out, scene = bench.settings, os.path.relpath(bench.cache), Path(bench.settings.scene).resolve()
+    os.chdir(bench.cache)
+    size = ["--width", s.width, "--height", s.height, *(() if s.depth == "none" else ("--max-depth", s.depth))]
+
+    def run(*words):
+        """Shows a command as one would type it, then runs it."""
+        print("  $", " ".join(map(str, words)).replace(f"{ROOT}/", "").replace(str(scene), scene.name), flush=True)
+        if status := subprocess.run([bench.store.program(words[0]), *map(str, words[1:])], check=False).returncode:
+            raise SystemExit(status)
+
+    print(f"This ends on {out}/before-after.png: the room without and with the portal, side by side, after "
+          f"{s.seconds_each:g} seconds each.\n\nFinding the portal")
+    run("ffgraph", scene, "-o", "room.max", "--quiet")
+    run("mincut", "room.max", "-o", "room.cut", "--quiet")
+    run("lightgrid", scene, "room.cut", "-o", "room.vdb", "--quiet")
+    run("portalfit", "room.vdb", "-o", "room.portal.glb")
+    print(f"\nRendering for {s.seconds_each:g} seconds each, without the portal and with it")
+    for name, how in (("bdpt", ("--integrator", "bdpt")), ("portal", ("--portal", "room.portal.glb"))):
+        run("tdpt-render", scene, *how, "--time", f"{s.seconds_each:g}", *size, "-o", f"{name}.exr", "--preview",
+            "--stats", f"{name}.stats")
+    print()
+
+    # The shipped reference will do if it shows the very scene (its hash stands in the header) in the same size and
+    # depth; otherwise one is rendered, and kept for the next time.
+    kept = TESTDATA / f"references/{scene.stem}{'' if s.depth == 'none' else f'-depth{s.depth}'}.exr"
+    origins = [re.search(rb"from %s [0-9a-f]*" % re.escape(scene.name).encode(), path.read_bytes()[:16384])
+               for path in (Path("portal.exr"), kept) if path.exists()]
+    shipped = len({origin and origin[0] for origin in origins}) == 1 and origins[0] and \
+        measure([bench.store.program("exrdiff"), "portal.exr", kept]).status == 0
+    read = (bench.store.program("tdpt-render"), scene, "room.portal.glb")
+    key, noted = " ".join(map(str, (*map(bench.store.sum_of, read), s.seconds_reference, *size))), Path("reference.key")
+    reference = kept if shipped else "reference.exr"
+    if shipped:
+        print("Comparing with the reference in testdata/references")
+    elif noted.exists() and noted.read_text() == key:
+        print("Comparing with the reference from last time")
+    else:
+        print(f"Rendering a reference for {s.seconds_reference:g} seconds, with another seed")
+        noted.unlink(missing_ok=True)
+        run("tdpt-render", scene, "--portal", "room.portal.glb", "--integrator", "tdpt-guided", "--time",
+            f"{s.seconds_reference:g}", "--seed", "2", *size, "-o", reference)
+        noted.write_text(key)
+    errors = [bench.fresh("exrdiff", f"{name}.exr", reference, output=f"{name}-error.png").said
+              for name in ("bdpt", "portal")]
+    bench.fresh("exrdiff", "bdpt.exr", "portal.exr", "--side-by-side", "before-after.png")
+
+    print(f"\n  {'':14} {'relMSE':>12} {'PSNR [dB]':>12} {'MAPE [%]':>12} {'mean':>12}")
+    for name, of in (("bdpt", errors[0]), ("portal", errors[1]), ("", {"mean": 0, **errors[1]["black"]})):
+        name = f"{name}, {s.seconds_each:g} s" if name else "all black"
+        print(f"  {name:14} {of['relmse']:12.4g} {of['psnr']:12.2f} {of['mape']:12.1f} {of['mean']:12.4g}")
+    print(f"  {'reference':14} {'':12} {'':12} {'':12} {errors[1]['reference_mean']:12.4g}\n")
+    cpu = [pages.read_json(Path(f"{name}.stats"))["cpu_seconds"] for name in ("bdpt", "portal")]
+    print(comparison(s.seconds_each, *errors, cpu, not shipped))
+    print(f"Pictures: {out}/before-after.png (bdpt left, through the portal right), {out}/bdpt-error.png and\n"
+          f"{out}/portal-error.png (red too bright, blue too dark), {out}/*.exr.")

@@ -5,19 +5,16 @@ triangles."""
 import json
 import struct
 import zlib
+from pathlib import Path
 
 import numpy as np
 
 HALF_MAX = 65504.0
-LINES = 16  # of a ZIP block
-
-
-def _string(text):
-    return text.encode("ascii") + b"\0"
+LINES, ZIP = 16, b"\x03"  # of a block; the kind of compression
 
 
 def _attribute(name, kind, data):
-    return _string(name) + _string(kind) + struct.pack("<i", len(data)) + data
+    return f"{name}\0{kind}\0".encode("ascii") + struct.pack("<i", len(data)) + data
 
 
 def _zip(raw):
@@ -35,26 +32,19 @@ def exr_content(rgb, comments="", **strings):
     height, width, channels = rgb.shape
     if channels != 3:
         raise ValueError(f"{channels} channels, expected 3")
-    half = not np.abs(rgb).max() > HALF_MAX
+    half = np.abs(rgb).max() <= HALF_MAX
     with np.errstate(over="ignore"):
         pixels = rgb.astype("<f2")
     if not half:
         pixels = np.where(np.abs(rgb) > HALF_MAX, rgb, pixels).astype("<f4")
-    kinds = b"".join(_string(c) + struct.pack("<iiii", 1 if half else 2, 0, 1, 1) for c in "BGR") + b"\0"
+    kinds = b"".join(struct.pack("<2s4i", c, 1 if half else 2, 0, 1, 1) for c in (b"B", b"G", b"R")) + b"\0"
     window = struct.pack("<4i", 0, 0, width - 1, height - 1)
-    head = struct.pack("<2i", 20000630, 2)
-    head += _attribute("channels", "chlist", kinds)
-    for name, text in {"comments": comments, **strings}.items():
-        if text:
-            head += _attribute(name, "string", text.encode("utf-8"))
-    head += _attribute("compression", "compression", b"\x03")  # ZIP
-    head += _attribute("dataWindow", "box2i", window)
-    head += _attribute("displayWindow", "box2i", window)
-    head += _attribute("lineOrder", "lineOrder", b"\0")
-    head += _attribute("pixelAspectRatio", "float", struct.pack("<f", 1))
-    head += _attribute("screenWindowCenter", "v2f", struct.pack("<2f", 0, 0))
-    head += _attribute("screenWindowWidth", "float", struct.pack("<f", 1))
-    head += b"\0"
+    head = struct.pack("<2i", 20000630, 2) + b"".join(_attribute(*of) for of in (
+        ("channels", "chlist", kinds),
+        *((name, "string", text.encode()) for name, text in {"comments": comments, **strings}.items() if text),
+        ("compression", "compression", ZIP), ("dataWindow", "box2i", window), ("displayWindow", "box2i", window),
+        ("lineOrder", "lineOrder", b"\0"), ("pixelAspectRatio", "float", struct.pack("<f", 1)),
+        ("screenWindowCenter", "v2f", bytes(8)), ("screenWindowWidth", "float", struct.pack("<f", 1)))) + b"\0"
     blocks = []
     for y in range(0, height, LINES):
         packed = _zip(np.ascontiguousarray(pixels[y : y + LINES, :, ::-1].transpose(0, 2, 1)).tobytes())
@@ -76,17 +66,12 @@ def _unzip(packed, size):
 def _attributes(data):
     """{name: (type, bytes)}, and where the header ends."""
     found, place = {}, 8
-
-    def word():
-        nonlocal place
-        start, place = place, data.index(0, place) + 1
-        return data[start : place - 1].decode("ascii")
-
     while data[place]:
-        name, kind = word(), word()
-        (size,) = struct.unpack_from("<i", data, place)
-        found[name] = kind, data[place + 4 : place + 4 + size]
-        place += 4 + size
+        name, kind, rest = data[place:].split(b"\0", 2)
+        place += len(name) + len(kind) + 6
+        (size,) = struct.unpack_from("<i", rest)
+        found[name.decode()] = kind.decode(), rest[4 : 4 + size]
+        place += size
     return found, place + 1
 
 
@@ -100,7 +85,7 @@ def exr_parse(data, path="picture"):
     types = {kind for _, kind in channels}
     if [name for name, _ in channels] != [b"B\0", b"G\0", b"R\0"] or len(types) > 1:
         raise ValueError(f"{path}: expected channels B G R alone, of one type")
-    if attributes["compression"][1] != b"\x03":
+    if attributes["compression"][1] != ZIP:
         raise ValueError(f"{path}: expected ZIP compression")
     kind = {1: "<f2", 2: "<f4"}[types.pop()]
     rgb = np.empty((height, width, 3))
@@ -113,13 +98,12 @@ def exr_parse(data, path="picture"):
 
 
 def exr_read(path):
-    with open(path, "rb") as file:
-        return exr_parse(file.read(), path)
+    return exr_parse(Path(path).read_bytes(), path)
 
 
 def exr_write(path, rgb, comments="", **strings):
-    with open(path, "wb") as file:
-        file.write(exr_content(rgb, comments, **strings))
+    Path(path).write_bytes(exr_content(rgb, comments, **strings))
+
 
 # ---- glTF binaries ----
 FLOAT, SHORTS, INTEGERS = 5126, 5123, 5125
@@ -144,7 +128,7 @@ def glb_content(document, binary):
     """A glTF binary; of no bytes, without a second chunk."""
     text = json.dumps(document, separators=(",", ":")).encode()
     text += b" " * (-len(text) % 4)
-    binary += b"\0" * (-len(binary) % 4)
+    binary += bytes(-len(binary) % 4)
     if binary:
         binary = struct.pack("<I4s", len(binary), b"BIN\0") + binary
     size = 20 + len(text) + len(binary)
@@ -234,73 +218,56 @@ def gltf_array(document, binary, index):
 def _matrix(node):
     if "matrix" in node:
         return np.array(node["matrix"], float).reshape(4, 4).T
-    x, y, z, w = node.get("rotation", (0, 0, 0, 1))
-    turn = np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-                     [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-                     [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]])
+    *axis, w = node.get("rotation", (0, 0, 0, 1))
+    turn = np.array([v + 2 * np.cross(axis, np.cross(axis, v) + w * v) for v in np.eye(3)]).T
     m = np.eye(4)
     m[:3, :3] = turn * np.array(node.get("scale", (1, 1, 1)), float)
     m[:3, 3] = node.get("translation", (0, 0, 0))
     return m
 
 
-def _placed(document):
-    """(node, its matrix to the world) of all that a scene shows."""
-    found = []
-
-    def visit(index, above):
+def _placed(document, nodes, above):
+    """(node, its matrix to the world) of all that these nodes show."""
+    for index in nodes:
         node = document["nodes"][index]
         matrix = above @ _matrix(node)
-        found.append((node, matrix))
-        for child in node.get("children", ()):
-            visit(child, matrix)
-
-    for root in document["scenes"][document.get("scene", 0)]["nodes"]:
-        visit(root, np.eye(4))
-    return found
+        yield node, matrix
+        yield from _placed(document, node.get("children", ()), matrix)
 
 
 def simplified(data, share):
-    """The scene without its smallest triangles, which make at most `share` of the area (paper, 4.1); what emits stays.
-    A mesh that several nodes show loses those that are small where it is largest. And: how many of how many are
-    gone."""
+    """(the scene without its smallest triangles, which make at most `share` of the area (paper, 4.1); how many of how
+    many are gone). What emits stays. A mesh that several nodes show loses those that are small where it is largest."""
     document, binary = glb_parse(data)
     largest = {}  # of each primitive: areas, the most of all nodes
-    for node, matrix in _placed(document):
-        if "mesh" not in node:
-            continue
-        for p, primitive in enumerate(document["meshes"][node["mesh"]]["primitives"]):
+    for node, matrix in _placed(document, document["scenes"][document.get("scene", 0)]["nodes"], np.eye(4)):
+        for p, primitive in enumerate(document["meshes"][node["mesh"]]["primitives"] if "mesh" in node else ()):
             if primitive.get("mode", 4) != 4 or "indices" not in primitive or _emits(document, primitive):
                 continue
-            corners = gltf_array(document, binary, primitive["attributes"]["POSITION"]).astype(float) @ matrix[:3, :3].T
-            indices = gltf_array(document, binary, primitive["indices"]).reshape(-1, 3)
-            a, b, c = (corners[indices[:, i]] for i in range(3))
+            places = gltf_array(document, binary, primitive["attributes"]["POSITION"]).astype(float) @ matrix[:3, :3].T
+            a, b, c = places[gltf_array(document, binary, primitive["indices"]).reshape(-1, 3)].swapaxes(0, 1)
             areas = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
-            key = node["mesh"], p
-            largest[key] = np.maximum(largest.get(key, 0), areas)
+            largest[node["mesh"], p] = np.maximum(largest.get((node["mesh"], p), 0), areas)
     all_areas = np.sort(np.concatenate(list(largest.values())))
     gone = np.searchsorted(np.cumsum(all_areas), share * all_areas.sum(), side="right")
     least = all_areas[min(gone, len(all_areas) - 1)]
-    binary = bytearray(binary)
     dropped = 0
     for (mesh, p), areas in largest.items():
         primitive = document["meshes"][mesh]["primitives"][p]
-        indices = gltf_array(document, bytes(binary), primitive["indices"]).reshape(-1, 3)
+        indices = gltf_array(document, binary, primitive["indices"]).reshape(-1, 3)
         kept = areas >= least
         if not kept.any():  # glTF has no empty primitives
             kept[np.argmax(areas)] = True
         dropped += int((~kept).sum())
         new = indices[kept].astype("<u4").tobytes()
         document["bufferViews"].append({"buffer": 0, "byteOffset": len(binary), "byteLength": len(new)})
-        document["accessors"].append({"bufferView": len(document["bufferViews"]) - 1, "componentType": 5125,
+        document["accessors"].append({"bufferView": len(document["bufferViews"]) - 1, "componentType": INTEGERS,
                                       "count": 3 * int(kept.sum()), "type": "SCALAR"})
         primitive["indices"] = len(document["accessors"]) - 1
         binary += new
     document["buffers"][0]["byteLength"] = len(binary)
-    return glb_content(document, bytes(binary)), dropped, len(all_areas)
+    return glb_content(document, binary), dropped, len(all_areas)
 
 
 def _emits(document, primitive):
-    if "material" not in primitive:
-        return False
-    return any(document["materials"][primitive["material"]].get("emissiveFactor", (0,)))
+    return "material" in primitive and any(document["materials"][primitive["material"]].get("emissiveFactor", ()))

@@ -1,5 +1,6 @@
 """Tables in Markdown, numbers as tables have them, and plots as text for gnuplot: panels that are told apart without
 colour, by points and dashes."""
+import csv
 import json
 import math
 import subprocess
@@ -34,6 +35,14 @@ def sections(*parts):
     return "\n\n".join(part.strip("\n") for part in parts if part)
 
 
+def write_csv(path, rows):
+    """rows: dictionaries of the same fields."""
+    with open(path, "w", newline="", encoding="utf-8") as file:
+        file = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
+        file.writeheader()
+        file.writerows({k: "%.6g" % v if isinstance(v, float) else v for k, v in row.items()} for row in rows)
+
+
 def read_json(path):
     return json.loads(path.read_text(encoding="utf-8"))
 
@@ -46,14 +55,9 @@ def draw(script, folder, name="plot"):
     path.unlink()
 
 
-def quoted(text):
-    """A text of gnuplot's, such as a path."""
-    return '"' + text.replace("\\", "\\\\").replace('"', '\\"') + '"'
-
-
 def label(text):
-    """The same of what is drawn, in which an underscore would lower the next letter."""
-    return quoted(text.replace("_", "\\_"))
+    """A text that is drawn, in which an underscore would lower the next letter."""
+    return '"%s"' % text.replace("_", r"\\_")
 
 
 def number(x):
@@ -66,16 +70,19 @@ def short(value):
         x = float(value)
     except ValueError:
         return value
-    for limit, letter in ((1e6, "M"), (1e3, "k")):
-        if x >= limit:
-            return "%.3g%s" % (x / limit, letter)
-    return "%.4g" % x
+    return "%.3gM" % (x / 1e6) if x >= 1e6 else "%.3gk" % (x / 1e3) if x >= 1e3 else "%.4g" % x
 
 
 def span(values, least, most):
     """A range of an axis that holds the values and what is given, a little wider; as gnuplot has it."""
-    values = [v for v in values if v is not None and math.isfinite(v) and v > 0]
+    values = [v for v in values if math.isfinite(v) and v > 0]
     return "[%.4g:%.4g]" % (min([least, *values]) / 1.15, max([most, *values]) * 1.15)
+
+
+def ticks(words):
+    """An axis of 0, 1, ... with these words."""
+    return "set xtics (%s); set xrange [-0.5:%g]" % (", ".join('"%s" %d' % (w, i) for i, w in enumerate(words)),
+                                                     len(words) - 0.5)
 
 
 class Figure:
@@ -102,19 +109,18 @@ class Figure:
         self.panels.append(
             ["unset title", "unset xlabel", "unset ylabel", "unset logscale", "unset xtics", "unset ytics",
              "unset border", "unset grid", "set key center center spacing 1.4 samplen 3 Left reverse",
-             "plot [1:2] [1:2] " +", ".join(plots)])
+             "plot [1:2] [1:2] " + ", ".join(plots)])
 
     def script(self, output):
         columns = min(self.columns, len(self.panels))
         lines = -(-len(self.panels) // columns)
         kind = "svg" if output.endswith(".svg") else "pngcairo"
         head = ['set terminal %s size %d,%d font "sans-serif,12" background "white"' %
-                (kind, columns * self.width, lines * self.height), "set output %s" % quoted(output),
+                (kind, columns * self.width, lines * self.height), 'set output "%s"' % output,
                 "set multiplot layout %d,%d" % (lines, columns)]
-        common = [
-            'set grid lc rgb "#dddddd" lt 1 lw 0.5', "set border lw 1", "set key off", "set pointsize 1.1",
-            "set bars 0.6", "set lmargin 9", "set rmargin 2", "set tmargin 2.2", "set bmargin 3.5",
-            "set format x \"%g\"", "set format y \"%g\""]
+        common = ['set grid lc rgb "#dddddd" lt 1 lw 0.5', "set border lw 1", "set key off", "set pointsize 1.1",
+                  "set bars 0.6", "set lmargin 9", "set rmargin 2", "set tmargin 2.2", "set bmargin 3.5",
+                  'set format x "%g"', 'set format y "%g"']
         body = [line for panel in self.panels for line in ("reset", *common, *panel)]
         return "".join(self.data) + "\n".join(head + body + ["unset multiplot"]) + "\n"
 
@@ -123,16 +129,21 @@ def style(k, thick=1.5):
     return 'lc rgb "%s" lw %g %s' % (COLOURS[k % len(COLOURS)], thick, STYLES[k % len(STYLES)])
 
 
-def line(k, thick=1.5):
-    """The style of a line without points."""
-    return style(k, thick).rsplit(" pt ", 1)[0]
+def keyed(k, words):
+    """Of the key."""
+    return 'NaN with linespoints %s title "%s"' % (style(k), words)
+
+
+def line(block, k, thick=1.5):
+    """Without points."""
+    return "%s using 1:2 with lines %s notitle" % (block, style(k, thick).rsplit(" pt ", 1)[0])
 
 
 def bars(block, k, thick=1.5, lines=True):
     """x y low high, with its interval; joined by lines. An interval that is not known is none."""
     found = ['%s using 1:2:3:4 with yerrorbars lc rgb "%s" lw %g pt %s notitle' % (
         block, COLOURS[k % len(COLOURS)], thick, STYLES[k % len(STYLES)].split()[-1])]
-    return found + (["%s using 1:2 with lines %s notitle" % (block, line(k, thick))] if lines else [])
+    return found + ([line(block, k, thick)] if lines else [])
 
 
 def thin(block):

@@ -1,10 +1,11 @@
 """How right the portals are, and what finding them costs: doc/portals.md."""
-import subprocess
-from dataclasses import dataclass
+import shutil
+import statistics
+from collections import namedtuple
 
 import pages
-import stats
-from common import ROOT, STAGES, Setting, checked, cores, settings
+from common import CORES, ROOT, STAGES, Setting, checked, settings
+from price import stages_of
 
 KNOWN = "hole,slit,floor-door,through-floor,ajar-full,ajar,window,two-openings,holes-in-row,doors-in-row,closet"
 UNDER_SKY = ("sky-window,sky-windows,corner-windows,skylight,sky-blinds,colonnade,room-behind,deep-facade,landscape,"
@@ -16,14 +17,8 @@ ALL = "all four"
 
 
 # ---- Time ----
-@dataclass
-class Taken:
-    """wall, cpu [s]; aside: CPU seconds of loading the scene and of its BVH; peak [MiB]."""
-
-    wall: float
-    cpu: float
-    aside: float = 0
-    peak: float = 0
+# wall, cpu [s]; aside: CPU seconds of loading the scene and of its BVH; peak [MiB].
+Taken = namedtuple("Taken", "wall cpu aside peak", defaults=(0, 0))
 
 
 def with_sums(rounds):
@@ -33,59 +28,53 @@ def with_sums(rounds):
         for (scene, stage), taken in of.items():
             runs.setdefault((scene, stage), []).append(taken)
             if stage == STAGES[-1]:
-                four = [of[scene, s] for s in STAGES]
-                runs.setdefault((scene, ALL), []).append(Taken(
-                    *(sum(getattr(t, f) for t in four) for f in ("wall", "cpu", "aside")), max(t.peak for t in four)))
+                four = list(zip(*(of[scene, s] for s in STAGES)))
+                runs.setdefault((scene, ALL), []).append(Taken(*map(sum, four[:3]), max(four[3])))
     return runs
 
 
 def time_tables(name, runs):
     """name: of the scene; NAME/4: the same with each of its triangles split in four. Medians over the rounds."""
-    median = lambda key, value: stats.lower_median([value(t) for t in runs[key]])
-    wall, cpu, rows = (lambda t: t.wall), (lambda t: t.cpu), []
+    median = lambda key, value: statistics.median_low([value(t) for t in runs[key]])
+    wall, cpu, aside, rows = (lambda t: t.wall), (lambda t: t.cpu), (lambda t: t.aside), []
     for scene, stage in runs:
         key, loads = (scene, stage), stage in ("ffgraph", "lightgrid", ALL)
-        peak = max(t.peak for t in runs[key])
         rows.append([scene.removesuffix("/4") + (", split in four" if scene.endswith("/4") else ""),
                      "tdpt-render bdpt, 1 spp, 1280x720" if stage == "bdpt" else stage, "%.2f" % median(key, wall),
-                     "%.2f" % median(key, cpu), "%.2f" % median(key, lambda t: t.aside) if loads else "-",
-                     "%d" % peak if peak > 0 else "-"])
-
-    def ratio(value, above, below):
-        return "%.2f" % (median(above, value) / median(below, value))
+                     "%.2f" % median(key, cpu), "%.2f" % median(key, aside) if loads else "-",
+                     max(t.peak for t in runs[key]) or "-"])
 
     whole, bdpt, split = (name, ALL), (name, "bdpt"), (name + "/4", ALL)
+    ratios = (("four stages to bdpt, wall", wall, whole, bdpt, 1), ("four stages to bdpt, CPU", cpu, whole, bdpt, 1),
+              ("split in four to whole, CPU without loading and BVH", lambda t: t.cpu - t.aside, split, whole, 1.5))
     return pages.sections(
         pages.table(("scene", "stage", "wall s", "CPU s", "CPU s of loading and BVH", "peak MiB"), rows),
-        pages.table(("ratio", "measured", "at most"), [
-            ["four stages to bdpt, wall", ratio(wall, whole, bdpt), 1],
-            ["four stages to bdpt, CPU", ratio(cpu, whole, bdpt), 1],
-            ["split in four to whole, CPU without loading and BVH", ratio(lambda t: t.cpu - t.aside, split, whole),
-             1.5]]))
-
-
-def taken(bench, program, *arguments, output):
-    run = bench.fresh(program, *arguments, output=output, threads=0)
-    phases = run.said.get("phases", {}) if program in ("ffgraph", "lightgrid") else {}
-    aside = sum(phases[p]["cpu_seconds"] for p in ("load", "bvh") if phases.get(p))
-    return Taken(run.wall, run.cpu, aside, round((run.said.get("peak_bytes") or 0) / 2**20))
+        pages.table(("ratio", "measured", "at most"),
+                    [[words, "%.2f" % (median(a, of) / median(b, of)), most] for words, of, a, b, most in ratios]))
 
 
 def measured_time(bench):
-    scene, name = bench.find("veach-ajar"), "veach-ajar"
+    name = "veach-ajar"
+    scene = bench.find(name)
     if not scene:
         bench.say("veach-ajar.glb is not there, door-ajar.glb of testdata takes its place")
-        scene, name = bench.find("door-ajar"), "door-ajar"
-    split, file, rounds = bench.cache / "split.glb", (lambda end: bench.cache / f"a.{end}"), []
+        name = "door-ajar"
+        scene = bench.find(name)
+    whole, split, rounds = bench.cache / "whole.glb", bench.cache / "split.glb", []
+    shutil.copy(scene, whole)
     checked([bench.store.program("split_scene"), scene, split])
     picture = ("--integrator", "bdpt", "--spp", 1, "--max-depth", 6, "--width", 1280, "--height", 720)
+
+    def taken(program, arguments, output):
+        run = bench.fresh(program, *arguments, output=output, threads=0)
+        phases = run.said.get("phases", {}) if program in ("ffgraph", "lightgrid") else {}
+        aside = sum(phases[p]["cpu_seconds"] for p in ("load", "bvh") if phases.get(p))
+        return Taken(run.wall, run.cpu, aside, round((run.said.get("peak_bytes") or 0) / 2**20))
+
     for _ in range(bench.settings.runs):
-        of = {(name, "bdpt"): taken(bench, "tdpt-render", scene, *picture, output=file("exr"))}
-        for key, room in ((name, scene), (name + "/4", split)):
-            of[key, "ffgraph"] = taken(bench, "ffgraph", room, output=file("max"))
-            of[key, "mincut"] = taken(bench, "mincut", file("max"), output=file("cut"))
-            of[key, "lightgrid"] = taken(bench, "lightgrid", room, file("cut"), output=file("vdb"))
-            of[key, "portalfit"] = taken(bench, "portalfit", file("vdb"), output=file("portal.glb"))
+        of = {(name, "bdpt"): taken("tdpt-render", (scene, *picture), bench.cache / "a.exr")}
+        for key, room in ((name, whole), (name + "/4", split)):
+            of.update({(key, stage[0]): taken(*stage) for stage in stages_of(room.with_suffix(""))[:4]})
         rounds.append(of)
     return time_tables(name, with_sums(rounds))
 
@@ -102,24 +91,17 @@ def portals_time(bench):
 
 
 # ---- Rooms with known openings ----
-def first_seed(given):
-    """(seed, where it comes from)"""
-    if given:
-        return given, ""
-    head = subprocess.run(["git", "-C", ROOT, "rev-parse", "HEAD"], check=True, capture_output=True, text=True).stdout
-    return int(head[:7], 16), f", the first digits of the commit that was measured, {head[:7]}"
-
-
 @settings(ROOMS=Setting(20, "of each kind", 1),
-          SEED=Setting(
-              0, "of the first; if not set, the first seven digits of the "
-              "commit's hash, so that nobody chooses it"),
+          SEED=Setting(0, "of the first; if not set, the first seven digits of the commit's hash, so that nobody "
+                       "chooses it"),
           RUNS=RUNS)
 def portals(bench):
     """How right the portals are, on generated rooms whose openings are known, and what that costs. An hour on two quiet
     cores. Rows room by room stay in the cache."""
-    s = bench.settings
-    seed, whence = first_seed(s.seed)
+    s, seed, whence = bench.settings, bench.settings.seed, ""
+    if not seed:
+        head = checked(["git", "-C", ROOT, "rev-parse", "HEAD"]).said[:7]
+        seed, whence = int(head, 16), f", the first digits of the commit that was measured, {head}"
     few = (s.rooms + 6) // 7  # rooms of each kind in the other tables
     program = bench.store.program("portals_bench")
 
@@ -144,7 +126,7 @@ def portals(bench):
     (bench.cache / "invariance.rooms").write_text(invariance.errors, encoding="utf-8")
     bench.page("portals", f"""# How right the portals are
 
-Written by `make bench-portals` ({bench.version("portalfit")}, {cores()} cores). Rooms are generated from
+Written by `make bench-portals` ({bench.version("portalfit")}, {CORES} cores). Rooms are generated from
 seeds (`libcommon/testing/rooms/known_rooms.h`): sizes, lamps, furniture, walls of 1 to 30 cm, four ways of splitting
 the triangles, and in every second room another place, direction or unit. Their openings are known. The first seed of
 each kind is {seed}{whence}.

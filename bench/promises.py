@@ -1,9 +1,11 @@
-"""What the renderer promises: that `auto` chooses well (doc/regret.md), and that a picture has the error that was asked
-for (doc/target-error.md)."""
-import collections
+"""What the renderer promises: that `auto` chooses well (doc/regret.md), by a model of what samples cost, and that a
+picture has the error that was asked for (doc/target-error.md)."""
+import fileinput
 import functools
 import math
-from collections import namedtuple
+import shutil
+from collections import Counter, defaultdict, namedtuple
+from statistics import mean
 
 import numpy as np
 
@@ -44,8 +46,8 @@ class Regret:
 
     def __init__(self):
         self.truth = {}  # integrator: (V, its standard error, T [ns])
-        self.choices = collections.defaultdict(list)  # length: [(integrator, scout's CPU s)]
-        self.told = collections.defaultdict(dict)  # (length, seed): {integrator: cost}
+        self.choices = defaultdict(list)  # length: [(integrator, scout's CPU s)]
+        self.told = defaultdict(dict)  # (length, seed): {integrator: cost}
         self.pixels = 0
 
     def cost(self, integrator):
@@ -70,19 +72,16 @@ class Regret:
 
 def read_regret(lines):
     """Scenes by name, of what regret_bench prints."""
-    scenes = collections.defaultdict(Regret)
-    for number, line in enumerate(lines, 1):
-        kind, *field = line.rstrip("\n").split("\t")
-        try:
-            if kind == "truth":
-                scenes[field[0]].truth[field[1]] = tuple(float(x) for x in field[2:5])
-            elif kind == "told":
-                scenes[field[0]].told[int(field[1]), int(field[2])][field[3]] = float(field[4]) * float(field[5])
-            elif kind == "choice":
-                scenes[field[0]].choices[int(field[1])].append((field[3], float(field[4])))
-                scenes[field[0]].pixels = int(field[6])
-        except (IndexError, ValueError) as error:
-            raise ValueError(f"line {number}: {error}") from error
+    scenes = defaultdict(Regret)
+    for kind, name, *field in (line.rstrip("\n").split("\t") for line in lines):
+        scene = scenes[name]
+        if kind == "truth":
+            scene.truth[field[0]] = tuple(map(float, field[1:4]))
+        elif kind == "told":
+            scene.told[int(field[0]), int(field[1])][field[2]] = float(field[3]) * float(field[4])
+        elif kind == "choice":
+            scene.choices[int(field[0])].append((field[2], float(field[3])))
+            scene.pixels = int(field[5])
     return {name: s for name, s in scenes.items() if s.truth and s.choices}
 
 
@@ -93,69 +92,56 @@ def portals_gain(cost):
     return min(without) / min(with_portals) if with_portals and without else None
 
 
-def mean(values):
-    return sum(values) / len(values)
-
-
-def lengths_of(scenes):
-    return sorted({length for s in scenes.values() for length in s.choices})
-
-
-def scene_table(scenes):
-    lengths, rows = lengths_of(scenes), []
+def scene_table(scenes, lengths):
+    rows = []
     for name, s in scenes.items():
         cells = [f"{mean([e[1] for e in s.efficiencies(n)]):.3f}" for n in lengths]
-        chosen = collections.Counter(i for i, _ in s.choices[lengths[-1]]).most_common(1)[0][0]
+        chosen = Counter(i for i, _ in s.choices[lengths[-1]]).most_common(1)[0][0]
         rows.append([name, s.best(), f"{s.cost(s.without()) / s.cost(s.best()):.2f}", *cells, chosen])
     return pages.table(("scene", "best of all", "its gain over bdpt, nee", *(f"{n} spp" for n in lengths),
                         "chosen at the longest"), rows)
 
 
-def length_table(scenes):
+def length_table(scenes, lengths):
     rows = []
-    for length in lengths_of(scenes):
+    for length in lengths:
         of_scene = [s.efficiencies(length) for s in scenes.values() if s.choices[length]]
-        cells = []
-        for k in range(2):
+        rows.append([length, sum(map(len, of_scene))])
+        for k, target in enumerate(TARGETS.get(length, (None, None))):
             each = sorted(e[k] for scene in of_scene for e in scene)
             means = [mean([e[k] for e in scene]) for scene in of_scene]
-            target = TARGETS.get(length, (None, None))[k]
-            met = "-" if target is None else f"{sum(m >= target for m in means)} of {len(means)}"
-            cells += [f"{math.exp(mean([math.log(x) for x in each])):.3f}", f"{each[int(0.05 * len(each))]:.3f}",
-                      f"{min(means):.3f}", "-" if target is None else target, met]
-        rows.append([length, sum(map(len, of_scene)), *cells])
+            met = f"{sum(m >= target for m in means)} of {len(means)}" if target else "-"
+            rows[-1] += [f"{math.exp(mean([math.log(x) for x in each])):.3f}", f"{each[int(0.05 * len(each))]:.3f}",
+                         f"{min(means):.3f}", target or "-", met]
     each = ("5 %", "least of a scene", "target", "met in")
-    return pages.table(
-        ("samples per pixel", "choices", "mean of the better of bdpt and nee", *each, "mean of the best of all", *each),
-        rows)
+    return pages.table(("samples per pixel", "choices", "mean of the better of bdpt and nee", *each,
+                        "mean of the best of all", *each), rows)
 
 
 def verdict_table(scenes):
     lengths = sorted({length for s in scenes.values() for length, _ in s.told})
-    rows, within = [], {n: [0, 0] for n in lengths}
+    rows, within = [], {n: [] for n in lengths}
     for name, s in scenes.items():
         true = portals_gain({i: s.cost(i) for i in s.truth})
         if true is None:
             continue
-        cells = []
+        rows.append([name, f"{true:.2f}"])
         for n in lengths:
-            told = sorted(g for (length, _), cost in s.told.items() if length == n for g in [portals_gain(cost)] if g)
-            within[n][0] += sum(0.5 <= g / true <= 2 for g in told)
-            within[n][1] += len(told)
-            cells.append(f"{told[len(told) // 2]:.2g} ({told[0]:.2g} to {told[-1]:.2g})" if told else "-")
-        rows.append([name, f"{true:.2f}", *cells])
-    shares = [f"{100 * a / b:.0f} %" if b else "-" for a, b in within.values()]
+            told = sorted(filter(None, (portals_gain(cost) for (length, _), cost in s.told.items() if length == n)))
+            within[n] += [0.5 <= g / true <= 2 for g in told]
+            rows[-1].append(f"{told[len(told) // 2]:.2g} ({told[0]:.2g} to {told[-1]:.2g})" if told else "-")
+    shares = [f"{100 * mean(of):.0f} %" if of else "-" for of in within.values()]
     return pages.table(("scene", "gain by portals", *(f"told at {n} spp" for n in lengths)),
                        [*rows, ["**within a factor of two**", "", *shares]])
 
 
 def regret_tables(scenes):
-    if not scenes:
-        raise ValueError("no scene with truth and choices, expected what regret_bench prints")
+    lengths = sorted({length for s in scenes.values() for length in s.choices})
     return pages.sections(
         "## All scenes\n\nGeometric means, the worst choice in twenty, and the scene where it is least.",
-        length_table(scenes),
-        "## Scene by scene\n\nEfficiency over that of the best of all, mean over choices.", scene_table(scenes),
+        length_table(scenes, lengths),
+        "## Scene by scene\n\nEfficiency over that of the best of all, mean over choices.",
+        scene_table(scenes, lengths),
         "## What portals are said to be worth\n\nThe best integrator with portals over the best without: "
         "measured,\nand as told by `auto`, median (least to most).", verdict_table(scenes))
 
@@ -168,42 +154,34 @@ def regret(bench):
     minutes on two quiet cores. ONLY: names of scenes, with +found or +drawn for those with portals."""
     s, texts = bench.settings, []
 
-    def measure(name, scene, portal=None):
-        command = [
-            bench.store.program("regret_bench"),
-            scene, *((portal,) if portal else()),
-            "--name", name, "--seconds", f"{s.seconds_each:g}", "--seeds", s.seeds, "--width", 64, "--height", 48]
-        sums = [bench.store.sum_of(path) for path in (command[0], scene, *((portal,) if portal else ()))]
+    def measure(name, scene, *portal):
+        command = [bench.store.program("regret_bench"), scene, *portal, "--name", name, "--seconds",
+                   f"{s.seconds_each:g}", "--seeds", s.seeds, "--width", 64, "--height", 48]
+        sums = [bench.store.sum_of(path) for path in (command[0], scene, *portal)]
 
         def make(path):
             bench.say(name)
             path.write_text(checked(command).said, encoding="utf-8")
         texts.append(bench.store.keep([*sums, *command[-9:]], make, ".txt").read_text(encoding="utf-8"))
 
-    def scenes(names, suffix=""):
-        for name in names:
-            if s.only and name + suffix not in s.only:
-                continue
-            path = bench.find(name)
-            if path:
-                yield name, path
-            else:
+    for names, suffix in ((ALONE, ""), (DRAWN, "+drawn"), (FOUND, "+found")):
+        for name in (n for n in names if not s.only or n + suffix in s.only):
+            path, portal = bench.find(name), ()
+            if not path:
                 bench.say(f"{name} is not there: left out")
-
-    for name, path in scenes(ALONE):
-        measure(name, path)
-    for name, path in scenes(DRAWN, "+drawn"):
-        portal = bench.cache / f"{name}.drawn.glb"
-        portal.write_bytes(portals_glb(DRAWN[name]))
-        measure(f"{name}+drawn", path, portal)
-    for name, path in scenes(FOUND, "+found"):
-        measure(f"{name}+found", path, bench.portals(path).file)
+                continue
+            if suffix == "+drawn":
+                portal = (bench.cache / f"{name}.drawn.glb",)
+                portal[0].write_bytes(portals_glb(DRAWN[name]))
+            elif suffix:
+                portal = (bench.portals(path).file,)
+            measure(name + suffix, path, *portal)
     if not s.only:
         folder = bench.cache / "rooms"
         folder.mkdir(exist_ok=True)
         if not list(folder.glob("*.portal.glb")):
             checked([bench.store.program("portals_bench"), bench.programs, "--rooms", s.rooms,
-                    "--seed", s.seed, "--kinds", KINDS, "--keep", folder], may_fail=(1,))
+                     "--seed", s.seed, "--kinds", KINDS, "--keep", folder], may_fail=(1,))
         for portal in sorted(folder.glob("*.portal.glb")):
             room = portal.name.removesuffix(".portal.glb")
             measure(f"{room}+found", folder / f"{room}.glb", portal)
@@ -229,12 +207,9 @@ MET, BETTER = 0.9, 2.5  # share of pictures at least, median of target / relMSE 
 # interval, samples of the pilot, reached (1) or not (0).
 Picture = namedtuple("Picture", "relmse fixed told low high pilot reached")
 # Width, height, target, whether portals are looked for.
-SIZES = {
-    "two-rooms": (32, 24, 0.01, True),
-    "veach-ajar": (32, 18, 0.03, True),
-    "cornell-box-portal": (32, 32, 0.05, True),
-    "cornell-box": (32, 32, 0.013, False),
-    "kitchen": (40, 24, 0.013, False)}
+SIZES = {"two-rooms": (32, 24, 0.01, True), "veach-ajar": (32, 18, 0.03, True),
+         "cornell-box-portal": (32, 32, 0.05, True), "cornell-box": (32, 32, 0.013, False),
+         "kitchen": (40, 24, 0.013, False)}
 
 
 class Kept:
@@ -261,23 +236,20 @@ def target_table(scenes):
     """scenes: {name: Kept}"""
     rows = []
     for name, k in scenes.items():
-        met = stats.Ratio(*(100 * x for x in (k.met.value, k.met.low, k.met.high)))
-        rows.append(
-            [name, k.pixels, f"{k.target:g}", k.pictures, f"{met.value:.0f} % [{met.low:.0f}, {met.high:.0f}]",
-             f"{k.better[1]:.2f} [{k.better[0]:.2f}, {k.better[2]:.2f}]", f"{k.samples:.0f}", f"{100 * k.pilot:.0f} %",
-             f"{k.told:.2f}", f"{k.missed}, {k.known}", k.false_alarms, "yes" if k.keeps_its_word() else "no"])
+        met = k.met.percent()
+        rows.append([name, k.pixels, f"{k.target:g}", k.pictures,
+                     f"{met.value:.0f} % [{met.low:.0f}, {met.high:.0f}]",
+                     "%.2f [%.2f, %.2f]" % (k.better[1], k.better[0], k.better[2]), f"{k.samples:.0f}",
+                     f"{100 * k.pilot:.0f} %", f"{k.told:.2f}", f"{k.missed}, {k.known}", k.false_alarms,
+                     "yes" if k.keeps_its_word() else "no"])
     ratios = np.concatenate([k.ratios for k in scenes.values()])
-    share = stats.wilson(int(np.sum(ratios >= 1)), len(ratios))
-    words = (
-        f"All {len(ratios)} pictures: {100 * share.value:.1f} % [{100 * share.low:.1f}, {100 * share.high:.1f}] meet "
-        f"their target, and the median picture is {np.median(ratios):.2f} times too good.")
+    share = stats.wilson(int(np.sum(ratios >= 1)), len(ratios)).percent()
     return pages.sections(
-        pages.table(
-            ("scene", "pixels", "E", "pictures", "meet it [95 %]", "E / relMSE, median [10 %, 90 %]", "samples",
-             "of the pilot, all parts", "estimate / relMSE", "missed, told as missed", "told as missed, not missed",
-             "kept"),
-            rows),
-        words,
+        pages.table(("scene", "pixels", "E", "pictures", "meet it [95 %]", "E / relMSE, median [10 %, 90 %]", "samples",
+                     "of the pilot, all parts", "estimate / relMSE", "missed, told as missed",
+                     "told as missed, not missed", "kept"), rows),
+        f"All {len(ratios)} pictures: {share.value:.1f} % [{share.low:.1f}, {share.high:.1f}] meet their target, and "
+        f"the median picture is {np.median(ratios):.2f} times too good.",
         "Samples are of each pixel, medians; the pilot's are thrown away, and small pictures take more of them than "
         "large ones. The estimate is the program's own, after rendering, from blocks of the picture, a median; it is "
         "too high where the samples of a pixel complement each other across blocks. Pictures miss where bright paths "
@@ -298,21 +270,24 @@ def target_error(bench):
 
         def make(path):
             folder = path.with_suffix(".pictures")
-            folder.mkdir()
+            folder.mkdir(exist_ok=True)
             lines = []
-            told = checked([program, files[name], folder, *portal, *options, "--threads", 1]).said
-            for seed, *numbers in map(str.split, told.splitlines()):
+            for line in checked([program, files[name], folder, *portal, *options, "--threads", 1]).said.splitlines():
+                seed, numbers = line.split(" ", 1)
                 off = bench.distance(folder / f"{seed}.exr", folder / f"{seed}.reference.exr")
-                lines.append(" ".join([str(off["relmse"]), *numbers]))
-            for picture in folder.iterdir():
-                picture.unlink()
-            folder.rmdir()
+                lines.append(f"{off['relmse']} {numbers}")
+            shutil.rmtree(folder)
             path.write_text("\n".join(lines), encoding="ascii")
+
         sums = [bench.store.sum_of(path) for path in (program, files[name], *portal)]
-        lines = bench.store.keep([*sums, *options], make).read_text(encoding="ascii").splitlines()
+        try:
+            lines = bench.store.keep([*sums, *options], make).read_text(encoding="ascii").splitlines()
+        except Stop:
+            bench.say(f"{name} could not be measured")
+            raise
         return Kept(width * height, target, [Picture(*map(float, line.split())) for line in lines])
 
-    kept = bench.side_by_side([functools.partial(measure, name) for name in files], list(files))
+    kept = bench.side_by_side([functools.partial(measure, name) for name in files])
     bench.page("target-error", f"""# Does `--target-error` keep its word?
 
 Written by `make bench-target-error` ({bench.version()}). Each scene is rendered by `auto` with `--target-error E` and
@@ -325,3 +300,92 @@ Sizes and targets are such that pictures take about a hundred samples. Not all d
 too good, and 2 of 20 missed, one of them sevenfold.
 
 {target_table(dict(zip(files, kept)))}""")
+
+
+# ---- The model of work, tools/tdpt-render/plan/work_model.h ----
+# Least squares of relative errors: sum over lines of ((terms . costs) / nanoseconds - 1)^2, one fit to the lines with
+# portals and one to those without; lines of pt do not count. A term that is 0 in all lines stays 0, unwritten; one that
+# is held has that cost where it is not.
+KEYS = ("scene", "depth", "integrator", "portals", "nanoseconds")  # before the terms
+TABLES = {1: "kWorkWithPortals", 0: "kWorkWithoutPortals"}
+DEVICE_TABLES = {1: "kDeviceWorkWithPortals", 0: "kDeviceWorkWithoutPortals"}
+
+
+def read_work(lines):
+    """Names of the terms and, by TABLES' keys, lines as (keys, terms). Throws ValueError."""
+    terms, rows = [], {key: [] for key in TABLES}
+    for number, fields in enumerate((line.rstrip("\n").split("\t") for line in lines), 1):
+        keys, values = dict(zip(KEYS, fields)), fields[len(KEYS) :]
+        if tuple(keys.values()) == KEYS:
+            terms = values
+        elif len(values) != len(terms) or not float(keys["nanoseconds"]) > 0:
+            raise ValueError(f"line {number}: expected {len(terms)} terms after positive nanoseconds, as in the header")
+        else:
+            rows[int(keys["portals"])].append((keys, [float(x) for x in values]))
+    return terms, rows
+
+
+def fit(terms, times, held=np.nan):
+    """Costs [ns] that least squares of relative errors give; terms[line, term], times[line] in ns. held[term]: its
+    cost where it is known, else nan; nan: none is.
+
+    Throws ValueError where the lines do not determine them."""
+    there, costs = np.any(terms != 0, axis=0), np.zeros(terms.shape[1])
+    known = there & ~np.isnan(held)
+    costs[known] = np.broadcast_to(held, costs.shape)[known]
+    there &= ~known
+    a = terms[:, there] / times[:, None]
+    # Columns of one length: the rank is then about directions and not about units.
+    lengths = np.linalg.norm(a, axis=0)
+    solution, _, rank, _ = np.linalg.lstsq(a / lengths, 1 - terms @ costs / times, rcond=1e-9)
+    if rank < a.shape[1]:
+        raise ValueError(f"{len(times)} lines determine {rank} of {a.shape[1]} costs: more scenes are needed")
+    costs[there] = solution / lengths
+    return costs
+
+
+def ratio_errors(rows, costs):
+    """By line: the model's ratio to bdpt's time, of the same scene and depth, over the measured one, less 1. `rows`,
+    `costs`: by TABLES' keys; bdpt's line may have the other table's."""
+    lines = [(keys, np.dot(terms, costs[key]), float(keys["nanoseconds"])) for key in rows for keys, terms in rows[key]]
+    place = lambda keys: (keys["scene"], keys["depth"])
+    bdpt = {place(keys): (model, measured) for keys, model, measured in lines if keys["integrator"] == "bdpt"}
+    return np.array([(model / bdpt[place(keys)][0]) / (measured / bdpt[place(keys)][1]) - 1
+                     for keys, model, measured in lines if keys["integrator"] != "bdpt" and place(keys) in bdpt])
+
+
+def costs_text(name, names, costs):
+    """As it stands in work_model.h; whole nanoseconds."""
+    lines = [f"    .{n} = {c:.0f}," for n, c in zip(names, costs) if round(c) != 0]
+    return "\n".join([f"inline constexpr WorkCosts {name}{{", *lines, "};"])
+
+
+def held_costs(costs, names):
+    """held[term] of fit(); costs: TERM=COST. Throws ValueError."""
+    held = np.full(len(names), np.nan)
+    for name, cost in (word.split("=") for word in costs):
+        if name not in names:
+            raise ValueError(f"HOLD: {name}: there is no such term")
+        held[names.index(name)] = float(cost)
+    return held
+
+
+@settings(FILES=Setting(("/dev/stdin",), "what work_model_bench printed"), DEVICE=Setting(0, "1: tables of a device"),
+          HOLD=Setting((), "TERM=COST ..., costs that are known"))
+def work_model(bench):
+    """Fits the tables of tools/tdpt-render/plan/work_model.h to what work_model_bench measured, headers in between
+    allowed, and prints them as they stand there. How far the fit is off goes to standard error."""
+    s = bench.settings
+    with fileinput.input(s.files, encoding="utf-8") as lines:
+        names, rows = read_work(lines)
+    held = held_costs(s.hold, names)
+    rows = {key: [row for row in rows[key] if row[0]["integrator"] != "pt"] for key in rows if rows[key]}
+    costs = {}
+    for key, of in rows.items():
+        terms = np.array([row for _, row in of])
+        costs[key] = np.round(fit(terms, np.array([float(keys["nanoseconds"]) for keys, _ in of]), held))
+        print(costs_text((DEVICE_TABLES if s.device else TABLES)[key], names, costs[key]))
+    errors = np.abs(ratio_errors(rows, costs))
+    if errors.size:
+        bench.say(f"{sum(map(len, rows.values()))} lines; ratios to bdpt are off by {100 * errors.mean():.1f} % on "
+                  f"average, {100 * errors.max():.1f} % at most")

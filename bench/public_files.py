@@ -1,5 +1,4 @@
 """What becomes of glTF files as they come: doc/scenes.md, "Public files"."""
-import collections
 import functools
 import hashlib
 import json
@@ -9,6 +8,7 @@ import resource
 import subprocess
 import tempfile
 import urllib.parse
+from collections import Counter, defaultdict
 from pathlib import Path
 
 import numpy as np
@@ -20,21 +20,20 @@ from formats import exr_read
 SECONDS, BYTES = 30, 4 << 30  # that a program may take of time and of address space
 POINTER = b"version https://git-lfs"
 SKY = ["--frame", "--environment", "1,1,1", "--threads", "1", "--quiet"]
-PROGRAMS = {
-    "tdpt-render": [*SKY, "--width", "64", "--height", "48", "--spp", "4", "-o"],
-    "ffgraph": [*SKY, "--samples", "20000", "--set", "walks=5000", "--set", "rounds=0", "-o"],
-    "tdpt-info": [],
-}
+PROGRAMS = {"tdpt-render": [*SKY, "--width", "64", "--height", "48", "--spp", "4", "-o"],
+            "ffgraph": [*SKY, "--samples", "20000", "--set", "walks=5000", "--set", "rounds=0", "-o"],
+            "tdpt-info": []}
 WRONG = ("crash", "hang", "not finite")  # and must not be
 
 
 def beside(path, data):
-    """Paths of the files that a .gltf names."""
+    """Contents of the files that a .gltf names."""
     try:
         scene = json.loads(data)
-        parts = [p for section in ("buffers", "images") for p in scene.get(section, [])]
-        names = [p["uri"] for p in parts if "uri" in p and not p["uri"].startswith("data:")]
-        return [os.path.join(os.path.dirname(path), urllib.parse.unquote(name)) for name in names]
+        names = [p["uri"] for section in ("buffers", "images") for p in scene.get(section, [])
+                 if "uri" in p and not p["uri"].startswith("data:")]
+        files = [path.parent / urllib.parse.unquote(name) for name in names]
+        return [file.read_bytes() for file in files if file.is_file()]
     except (AttributeError, TypeError, ValueError):
         return []
 
@@ -42,55 +41,37 @@ def beside(path, data):
 def scenes(folder):
     """The files to try, and how many are left out as copies and as pointers."""
     found, seen, copies, pointers = [], set(), 0, 0
-    for place, folders, names in os.walk(folder):
-        folders.sort()
-        for name in sorted(names):
-            if not name.lower().endswith((".glb", ".gltf")):
-                continue
-            path = os.path.join(place, name)
-            all_of_it = [Path(path).read_bytes()]
-            all_of_it += [Path(p).read_bytes() for p in beside(path, all_of_it[0]) if os.path.isfile(p)]
-            key = hashlib.sha256(b"\0".join(all_of_it)).digest()
-            if any(data.startswith(POINTER) for data in all_of_it):
-                pointers += 1
-            elif key in seen:
-                copies += 1
-            else:
-                seen.add(key)
-                found.append(path)
+    for path in sorted(p for p in Path(folder).rglob("*") if p.suffix.lower() in (".glb", ".gltf") and p.is_file()):
+        data = path.read_bytes()
+        all_of_it = [data, *beside(path, data)]
+        key = hashlib.sha256(b"\0".join(all_of_it)).digest()
+        if any(part.startswith(POINTER) for part in all_of_it):
+            pointers += 1
+        elif key in seen:
+            copies += 1
+        else:
+            seen.add(key)
+            found.append(str(path))
     return found, copies, pointers
-
-
-def limit():
-    resource.setrlimit(resource.RLIMIT_AS, (BYTES, BYTES))
-
-
-def kind(status, words, picture=None):
-    """What became of a run. `status`: None where its time was over."""
-    if status is None:
-        return "hang"
-    if status == 3:
-        return "refused"
-    if status != 0:
-        return "crash"
-    if picture is not None and not np.isfinite(picture).all():
-        return "not finite"
-    return "read with warnings" if "warning: " in words else "read"
 
 
 def attempt(folder, program, path):
     """(what became of it, its words)."""
-    options = PROGRAMS[os.path.basename(program)]
+    options = PROGRAMS[program]
     with tempfile.TemporaryDirectory() as scratch:
         out = os.path.join(scratch, "out")
         command = [os.path.join(folder, program), path, *options, *([out] if options else [])]
         try:
-            run = subprocess.run(command, capture_output=True, timeout=SECONDS, preexec_fn=limit, check=False)
+            run = subprocess.run(command, capture_output=True, timeout=SECONDS, check=False, preexec_fn=lambda:
+                                 resource.setrlimit(resource.RLIMIT_AS, (BYTES, BYTES)))
         except subprocess.TimeoutExpired:
             return "hang", ""
         words = run.stderr.decode("utf-8", "replace")
-        drawn = program == "tdpt-render" and run.returncode == 0
-        return kind(run.returncode, words, exr_read(out)[0] if drawn else None), words
+        if run.returncode:
+            return "refused" if run.returncode == 3 else "crash", words
+        if program == "tdpt-render" and not np.isfinite(exr_read(out)[0]).all():
+            return "not finite", words
+        return "read with warnings" if "warning: " in words else "read", words
 
 
 def message(words, path):
@@ -102,11 +83,10 @@ def message(words, path):
 
 def tell(results):
     """Prints tables of {(program, path): (kind, words)}; whether nothing went wrong."""
-    counts = collections.Counter((program, of) for (program, _), (of, _) in results.items())
+    counts = Counter((program, of) for (program, _), (of, _) in results.items())
     kinds = ["read", "read with warnings", "refused", *WRONG]
-    print(pages.table(("program", *kinds), [[program, *(counts[program, k]
-          for k in kinds)] for program in PROGRAMS]) + "\n")
-    groups = collections.defaultdict(list)
+    print(pages.table(("program", *kinds), [[p, *(counts[p, k] for k in kinds)] for p in PROGRAMS]) + "\n")
+    groups = defaultdict(list)
     for (program, path), (of, words) in results.items():
         if of in WRONG or (of == "refused" and program == "tdpt-render"):
             groups[of, message(words, path)].append(path)

@@ -1,24 +1,23 @@
 """Made-up scenes and skies: diffuse rooms without a lamp, to be lit by an environment through their openings; one whose
 window has six panes; two furnished rooms of as many triangles as wanted; and a clear sky as an environment map."""
-import argparse
-import os
+import itertools
+from pathlib import Path
 
 import numpy as np
 
+from common import Setting, Stop, settings
 from formats import Builder, exr_write, portals_glb
 
 # ---- A clear sky ----
 # Latitude-longitude, as tdpt-render reads it: centre of the picture -Z, three quarters of its width +X, top +Y.
 # The sky is CIE's standard clear sky (CIE S 011/ISO 15469, type 12, low illuminance turbidity): in the zenith angle Z
-# of
-# a place and its angle s to the sun its luminance is in proportion to
+# of a place and its angle s to the sun its luminance is in proportion to
 #   (1 - exp(-0.32 / cos Z)) (1 + 10 (exp(-3 s) - exp(-3 pi / 2)) + 0.45 cos^2 s),
 # scaled so that it brings a horizontal plane the irradiance pi, as a sky of radiance 1 all over would. The sun is a
-# disc
-# of 0.53 degrees with ten times that irradiance across its rays (a clear day's diffuse light is about a tenth of the
-# direct, Meinel and Meinel 1976): a radiance of 4.7e5. A texel that it covers in part has the mean, so the map keeps
-# its
-# irradiance whatever the size. The ground below the horizon is grey and reflects `ground` of all that reaches it.
+# disc of 0.53 degrees with ten times that irradiance across its rays (a clear day's diffuse light is about a tenth of
+# the direct, Meinel and Meinel 1976): a radiance of 4.7e5. A texel that it covers in part has the mean, so the map
+# keeps its irradiance whatever the size. The ground below the horizon is grey and reflects `ground` of all that
+# reaches it.
 SUN_ANGLE = 0.53  # degrees across
 SUN_RATIO = 10.0  # irradiance across its rays to that of the sky on the ground
 POINTS = 512  # along the radius of the sun's disc, and around it
@@ -73,22 +72,15 @@ def raster(w, width, height):
     return column, height * np.arccos(np.clip(w[..., 1], -1, 1)) / np.pi
 
 
-def on_sun(sun):
-    """Directions evenly over its disc: POINTS^2 x 3."""
-    half = np.radians(SUN_ANGLE) / 2
+def sun_share(width, height, sun):
+    """Of the sun's solid angle the share that each texel holds: POINTS^2 directions evenly over its disc."""
     steps = (np.arange(POINTS) + 0.5) / POINTS
-    cosine, turn = np.meshgrid(1 - (1 - np.cos(half)) * steps, 2 * np.pi * steps)
+    cosine, turn = np.meshgrid(1 - (1 - np.cos(np.radians(SUN_ANGLE) / 2)) * steps, 2 * np.pi * steps)
     sine = np.sqrt(1 - cosine**2)
     side = np.cross(sun, (1.0, 0.0, 0.0) if abs(sun[0]) < 0.5 else (0.0, 1.0, 0.0))
     side /= np.linalg.norm(side)
-    other = np.cross(sun, side)
-    w = cosine[..., None] * sun + (sine * np.cos(turn))[..., None] * side + (sine * np.sin(turn))[..., None] * other
-    return w.reshape(-1, 3)
-
-
-def sun_share(width, height, sun):
-    """Of the sun's solid angle the share that each texel holds."""
-    x, y = (np.floor(c).astype(int) for c in raster(on_sun(sun), width, height))
+    parts = ((cosine, sun), (sine * np.cos(turn), side), (sine * np.sin(turn), np.cross(sun, side)))
+    x, y = (np.floor(c).astype(int).ravel() for c in raster(sum(a[..., None] * v for a, v in parts), width, height))
     texels = np.minimum(y, height - 1) * width + x % width
     return np.bincount(texels, minlength=width * height).reshape(height, width) / texels.size
 
@@ -105,22 +97,19 @@ def sky_map(width, height, sun, with_sun, ground=0.2):
     return radiance
 
 
-def write_sky_map(arguments):
+@settings(OUT=Setting("sky.exr", "the file"), WIDTH=Setting(256, "texels; the height is half of it"),
+          AZIMUTH=Setting(0.0, "of the sun, degrees from -Z towards +X"),
+          ALTITUDE=Setting(35.0, "of the sun, degrees above the horizon"), SUN=Setting(0, "1: with the sun itself"),
+          GROUND=Setting(0.2, "albedo of the ground"))
+def write_sky_map(bench):
     """A clear sky as an environment map, without its sun or with it."""
-    p = argparse.ArgumentParser(prog="bench/run.py sky-map", description=write_sky_map.__doc__)
-    p.add_argument("out")
-    p.add_argument("--width", type=int, default=256, help="texels; the height is half of it")
-    p.add_argument("--azimuth", type=float, default=0, help="of the sun, degrees from -Z towards +X")
-    p.add_argument("--altitude", type=float, default=35, help="of the sun, degrees above the horizon")
-    p.add_argument("--sun", action="store_true", help="with the sun itself")
-    p.add_argument("--ground", type=float, default=0.2, help="albedo of the ground")
-    a = p.parse_args(arguments)
-    if a.width < 8 or a.width % 4:
-        p.error("--width: expected a multiple of 4 from 8 on")
-    if not 1 <= a.altitude <= 90:
-        p.error("--altitude: expected 1 to 90 degrees")
-    sky = sky_map(a.width, a.width // 2, towards(a.azimuth, a.altitude), a.sun, a.ground)
-    exr_write(a.out, sky, f"made by bench/run.py sky-map {' '.join(arguments[1:])}")
+    s = bench.settings
+    if s.width < 8 or s.width % 4:
+        raise Stop(2, "WIDTH: expected a multiple of 4 from 8 on")
+    if not 1 <= s.altitude <= 90:
+        raise Stop(2, "ALTITUDE: expected 1 to 90 degrees")
+    sky = sky_map(s.width, s.width // 2, towards(s.azimuth, s.altitude), s.sun, s.ground)
+    exr_write(s.out, sky, " ".join(["made by bench/run.py sky-map", *map("=".join, bench.given.items())]))
 
 
 def quarters(width=256):
@@ -169,12 +158,9 @@ class Room:
         """A block without its `holes`, pairs of corners; it is cut into blocks along their sides."""
         cuts = [sorted({low[i], high[i], *(h[end][i] for h in holes for end in (0, 1) if low[i] < h[end][i] < high[i])})
                 for i in range(3)]
-        for x in zip(cuts[0], cuts[0][1:]):
-            for y in zip(cuts[1], cuts[1][1:]):
-                for z in zip(cuts[2], cuts[2][1:]):
-                    middle = [(a + b) / 2 for a, b in (x, y, z)]
-                    if not any(all(h[0][i] < middle[i] < h[1][i] for i in range(3)) for h in holes):
-                        self.block((x[0], y[0], z[0]), (x[1], y[1], z[1]), colour)
+        for cell in itertools.product(*(zip(c, c[1:]) for c in cuts)):
+            if not any(all(h[0][i] < sum(cell[i]) / 2 < h[1][i] for i in range(3)) for h in holes):
+                self.block(*zip(*cell), colour)
 
     def opening(self, low, high, hole, axis):
         """That of `hole` in the wall from `low` to `high`: a rectangle in the middle of the wall, the room round 0."""
@@ -207,10 +193,9 @@ class Room:
         return builder.content()
 
 
-def shell(room, x, z, height, holes=None, colours=None):
+def shell(room, x, z, height, holes, colours):
     """Floor, ceiling and the walls -X, +X, -Z, +Z round the inside from -x to x, 0 to height and -z to z, 0.2 m thick.
     They reach into each other: no two have a face in one plane, which Cycles shows black."""
-    holes, colours = holes or {}, colours or {}
     for name, low, high, colour in (
         ("floor", (-x - 0.25, -0.2, -z - 0.25), (x + 0.25, 0, z + 0.25), WOOD),
         ("ceiling", (-x - 0.25, height, -z - 0.25), (x + 0.25, height + 0.2, z + 0.25), WHITE),
@@ -224,39 +209,43 @@ def shell(room, x, z, height, holes=None, colours=None):
             room.opening(low, high, hole, "xyz".index(name[1]) if len(name) == 2 else 1)
 
 
+def made(eye, target, yfov, inside, holes, colours, *blocks, landscape=False):
+    """A room by the arguments of Room, of shell and of block; landscape: with ground outside."""
+    room = Room(eye, target, yfov)
+    shell(room, *inside, holes, colours)
+    for block in (((-20, -0.4, -20), (20, -0.1, 20), GROUND),) * landscape + blocks:
+        room.block(*block)
+    return room
+
+
+BOX = ((-0.4, -0.03, -2.2), (1.2, 0.75, -1.4))
+
+
 def window():
-    r = Room((-1.5, 1.5, 2.1), (0.9, 1.0, -1.0), 1.1)
-    shell(r, 2, 2.5, 2.6, {"+x": [((1, 0.9, -0.8), (3, 2.2, 0.8))]}, {"-z": GREEN})
-    r.block((-20, -0.4, -20), (20, -0.1, 20), GROUND)
-    r.block((-0.4, -0.03, -2.2), (1.2, 0.75, -1.4))
-    r.block((8, -0.3, -4), (9, 2, 3), RED)
-    return r
+    return made((-1.5, 1.5, 2.1), (0.9, 1.0, -1.0), 1.1, (2, 2.5, 2.6), {"+x": [((1, 0.9, -0.8), (3, 2.2, 0.8))]},
+                {"-z": GREEN}, BOX, ((8, -0.3, -4), (9, 2, 3), RED), landscape=True)
 
 
 def skylight():
-    r = Room((-1.7, 1.5, 1.7), (0.6, 0.9, -0.8))
-    shell(r, 2, 2, 2.5, {"ceiling": [((-0.3, 2, -1.2), (0.9, 3, 0.3))]}, {"+x": RED, "-z": GREEN})
-    r.block((0.6, -0.03, -1.5), (1.2, 0.7, -0.9))
-    return r
+    return made((-1.7, 1.5, 1.7), (0.6, 0.9, -0.8), 1.0, (2, 2, 2.5), {"ceiling": [((-0.3, 2, -1.2), (0.9, 3, 0.3))]},
+                {"+x": RED, "-z": GREEN}, ((0.6, -0.03, -1.5), (1.2, 0.7, -0.9)))
 
 
 def windows():
-    r = Room((-2.2, 1.4, 1.5), (1.6, 1.2, -1.0), 1.1)
-    east = [((2, 0.8, -1.5), (3, 2.1, -0.3)), ((2, 0.8, 0.3), (3, 2.1, 1.5))]
-    shell(r, 2.5, 2, 2.6, {"+x": east, "-z": [((1, 0.9, -3), (2.2, 2, -1))]}, {"-x": RED, "-z": GREEN})
-    r.block((-20, -0.4, -20), (20, -0.1, 20), GROUND)
-    r.block((8, -0.3, -5), (9, 3, 1), RED)
-    return r
+    holes = {"+x": [((2, 0.8, -1.5), (3, 2.1, -0.3)), ((2, 0.8, 0.3), (3, 2.1, 1.5))],
+             "-z": [((1, 0.9, -3), (2.2, 2, -1))]}
+    return made((-2.2, 1.4, 1.5), (1.6, 1.2, -1.0), 1.1, (2.5, 2, 2.6), holes, {"-x": RED, "-z": GREEN},
+                ((8, -0.3, -5), (9, 3, 1), RED), landscape=True)
 
 
 def behind():
-    r = Room((-3.6, 1.5, 1.4), (-0.6, 1.0, -0.8), 1.1)
-    shell(r, 4, 2, 2.6, {"+x": [((3, 0.8, -1.5), (5, 2.2, 1.5))]}, {"-z": GREEN})
-    r.wall((-0.1, -0.03, -2.1), (0.1, 2.72, 2.1), [((-1, -1, -1.6), (1, 2, -0.7))], RED)
-    return r
+    room = made((-3.6, 1.5, 1.4), (-0.6, 1.0, -0.8), 1.1, (4, 2, 2.6), {"+x": [((3, 0.8, -1.5), (5, 2.2, 1.5))]},
+                {"-z": GREEN})
+    room.wall((-0.1, -0.03, -2.1), (0.1, 2.72, 2.1), [((-1, -1, -1.6), (1, 2, -0.7))], RED)
+    return room
 
 
-ROOMS = {"window": window, "skylight": skylight, "windows": windows, "behind": behind}
+ROOMS = {room.__name__: room for room in (window, skylight, windows, behind)}
 
 
 # ---- A room whose window has three by two panes ----
@@ -268,22 +257,15 @@ BAR_DEPTH = 0.06  # of the bars
 
 def panes(bar):
     """Corners (low, high) of each pane, y and z."""
-    sides = [((HIGH[i] - LOW[i]) - (n - 1) * bar) / n for i, n in ((0, PANES_UP), (1, PANES_ACROSS))]
-    lows = [(LOW[0] + r * (sides[0] + bar), LOW[1] + c * (sides[1] + bar))
-             for r in range(PANES_UP) for c in range(PANES_ACROSS)]
-    return [(low, (low[0] + sides[0], low[1] + sides[1])) for low in lows]
-
-
-def pane_columns(bar):
-    """Of each column of panes."""
-    return [((LOW[0], low[1]), (HIGH[0], high[1])) for low, high in panes(bar)[:PANES_ACROSS]]
+    up, across = (((HIGH[i] - LOW[i]) - (n - 1) * bar) / n for i, n in ((0, PANES_UP), (1, PANES_ACROSS)))
+    lows = [(LOW[0] + r * (up + bar), LOW[1] + c * (across + bar))
+            for r in range(PANES_UP) for c in range(PANES_ACROSS)]
+    return [(low, (low[0] + up, low[1] + across)) for low in lows]
 
 
 def paned_room(bar):
-    r = Room((-1.6, 1.5, 2.1), (0.9, 1.0, -1.0), 1.1)
-    shell(r, 2, 2.5, 2.6, {"+x": [((1, LOW[0], LOW[1]), (3, HIGH[0], HIGH[1]))]}, {"-z": GREEN})
-    r.block((-20, -0.4, -20), (20, -0.1, 20), GROUND)
-    r.block((-0.4, -0.03, -2.2), (1.2, 0.75, -1.4))
+    r = made((-1.6, 1.5, 2.1), (0.9, 1.0, -1.0), 1.1, (2, 2.5, 2.6), {"+x": [((1, *LOW), (3, *HIGH))]}, {"-z": GREEN},
+             BOX, landscape=True)
     (y, z), (top, right) = panes(bar)[0]
     x = (WINDOW_X - BAR_DEPTH / 2, WINDOW_X + BAR_DEPTH / 2)
     for row in range(1, PANES_UP):
@@ -295,42 +277,38 @@ def paned_room(bar):
     return r
 
 
-def pane_portals(rectangles):
-    """A portal file: rectangles (low, high), y and z, in the middle of the wall; light goes to -x."""
-    return portals_glb([((WINDOW_X, y, z), (0, 0, right - z), (0, top - y, 0)) for (y, z), (top, right) in rectangles])
-
-
 def write_paned_rooms(folder):
     """panes-4.glb and panes-20.glb, by the width of their bars [cm], and beside each its portals, one for all panes,
     one a column or one a pane: panes-4-one.glb, panes-4-three.glb, panes-4-six.glb, ..."""
     for centimetres in (4, 20):
         bar = centimetres / 100
-        files = {"": paned_room(bar).glb(), "-one": pane_portals([(LOW, HIGH)]),
-                 "-three": pane_portals(pane_columns(bar)), "-six": pane_portals(panes(bar))}
-        for name, content in files.items():
-            (folder / f"panes-{centimetres}{name}.glb").write_bytes(content)
+        columns = [((LOW[0], low[1]), (HIGH[0], high[1])) for low, high in panes(bar)[:PANES_ACROSS]]
+        (folder / f"panes-{centimetres}.glb").write_bytes(paned_room(bar).glb())
+        for name, rectangles in (("one", [(LOW, HIGH)]), ("three", columns), ("six", panes(bar))):
+            portals = [((WINDOW_X, y, z), (0, 0, right - z), (0, top - y, 0)) for (y, z), (top, right) in rectangles]
+            (folder / f"panes-{centimetres}-{name}.glb").write_bytes(portals_glb(portals))
 
 
-def write_rooms(arguments):
+def write_rooms(folder):
+    """NAME.glb of each room, the same as portals for Blender, and quarters.exr."""
+    for name, room in ROOMS.items():
+        (folder / f"{name}.glb").write_bytes(room().glb())
+        (folder / f"{name}.portals.py").write_text(room().portals_for_blender(), encoding="ascii")
+    exr_write(folder / "quarters.exr", quarters())
+
+
+@settings(FOLDER=Setting(".", "that of the files"))
+def write_all_rooms(bench):
     """In a folder window.glb, skylight.glb, windows.glb (a corner window, ground and a house outside), behind.glb (a
     window, then a door); beside each NAME.portals.py, the openings to the outside as Blender's portals, as one would
     draw them by hand; and quarters.exr."""
-    p = argparse.ArgumentParser(prog="bench/run.py rooms", description=write_rooms.__doc__)
-    p.add_argument("folder")
-    folder = p.parse_args(arguments).folder
-    for name, room in ROOMS.items():
-        with open(os.path.join(folder, name + ".glb"), "wb") as file:
-            file.write(room().glb())
-        with open(os.path.join(folder, name + ".portals.py"), "w", encoding="ascii") as file:
-            file.write(room().portals_for_blender())
-    exr_write(os.path.join(folder, "quarters.exr"), quarters())
+    write_rooms(Path(bench.settings.folder))
 
 
 # ---- Many triangles ----
 # The rooms stand along x, each 2 m wide, high and deep; the wall between them, 0.1 m thick, has the opening OPENING.
-# The
-# lamp hangs in the first room, the camera stands in the second. Every surface is a patch over the unit square, cut into
-# cells of two triangles each; a third of the triangles is walls, the rest eight bumpy balls on the floors. FORM:
+# The lamp hangs in the first room, the camera stands in the second. Every surface is a patch over the unit square, cut
+# into cells of two triangles each; a third of the triangles is walls, the rest eight bumpy balls on the floors. FORM:
 #   grid   a mesh for each patch, neighbours share their corners: half a vertex a triangle
 #   parts  the same in pieces of at most 512 triangles, a mesh and a node each
 #   soup   as grid, but no triangle shares a corner: three vertices each
@@ -375,29 +353,24 @@ def ball(x, z):
     return at
 
 
-def box_sides(x0, x1, left, right):
-    """The inner sides of a room; those across x only where asked for."""
-    sides = [((x0, 0, 1), (x1, 0, 1), (x1, 0, -1), (x0, 0, -1)), ((x0, 2, -1), (x1, 2, -1), (x1, 2, 1), (x0, 2, 1)),
-             ((x0, 0, -1), (x1, 0, -1), (x1, 2, -1), (x0, 2, -1)), ((x1, 0, 1), (x0, 0, 1), (x0, 2, 1), (x1, 2, 1))]
-    if left:
-        sides.append(((x0, 0, 1), (x0, 0, -1), (x0, 2, -1), (x0, 2, 1)))
-    if right:
-        sides.append(((x1, 0, -1), (x1, 0, 1), (x1, 2, 1), (x1, 2, -1)))
-    return sides
-
-
-def pierced_wall():
-    """Both faces of the wall around the opening, and its jambs."""
+def walls():
+    """Quads: the inner sides of both rooms but the wall between them; both faces of that, and its opening's jambs."""
+    quads = []
+    for x0, x1 in ((0, 2), (2.1, 4.1)):
+        quads += [((x0, 0, 1), (x1, 0, 1), (x1, 0, -1), (x0, 0, -1)),
+                  ((x0, 2, -1), (x1, 2, -1), (x1, 2, 1), (x0, 2, 1)),
+                  ((x0, 0, -1), (x1, 0, -1), (x1, 2, -1), (x0, 2, -1)),
+                  ((x1, 0, 1), (x0, 0, 1), (x0, 2, 1), (x1, 2, 1)),
+                  ((x0, 0, 1), (x0, 0, -1), (x0, 2, -1), (x0, 2, 1)) if x0 == 0 else
+                  ((x1, 0, -1), (x1, 0, 1), (x1, 2, 1), (x1, 2, -1))]
     xa, xb = OPENING["x"]
-    (y0, y1), (z0, z1) = OPENING["y"], OPENING["z"]
-    outer = [(0, -1), (0, 1), (2, 1), (2, -1)]
-    inner = [(y0, z0), (y0, z1), (y1, z1), (y1, z0)]
-    sides = []
+    outer, inner = ([(y0, z0), (y0, z1), (y1, z1), (y1, z0)] for (y0, y1), (z0, z1) in
+                    (((0, 2), (-1, 1)), (OPENING["y"], OPENING["z"])))
     for k in range(4):
         o, p, i, j = outer[k], outer[(k + 1) % 4], inner[k], inner[(k + 1) % 4]
-        sides += [((xa, *p), (xa, *j), (xa, *i), (xa, *o)), ((xb, *o), (xb, *i), (xb, *j), (xb, *p)),
+        quads += [((xa, *p), (xa, *j), (xa, *i), (xa, *o)), ((xb, *o), (xb, *i), (xb, *j), (xb, *p)),
                   ((xa, *i), (xa, *j), (xb, *j), (xb, *i))]
-    return sides
+    return quads
 
 
 def lengths(quad):
@@ -408,64 +381,43 @@ def lengths(quad):
 
 def patches(triangles):
     """(surface, cells along u, cells along v) of all but the lamp."""
-    quads = box_sides(0, 2, True, False) + box_sides(2.1, 4.1, False, True) + pierced_wall()
+    quads = walls()
     area = sum(u * v for u, v in map(lengths, quads))
     step = np.sqrt(2 * area / (triangles * SHARE_OF_WALLS))
-    out = []
-    for quad in quads:
-        u, v = lengths(quad)
-        out.append((bilinear(*quad), max(1, round(u / step)), max(1, round(v / step))))
+    out = [(bilinear(*quad), *(max(1, round(side / step)) for side in lengths(quad))) for quad in quads]
     left = triangles - sum(2 * n * m for _, n, m in out)
     across = max(3, round(np.sqrt(max(left, 0) / (2 * 8 * 2))))
-    for x0 in (0, 2.1):
-        out += [(ball(x0 + x, z), 2 * across, across) for x, z in BALLS]
-    return out
-
-
-def corners_of(n, m):
-    """Three a triangle, of n x m cells over (n + 1) x (m + 1) vertices."""
-    a = (np.arange(m)[:, None] * (n + 1) + np.arange(n)[None, :]).ravel()
-    return np.stack([a, a + 1, a + n + 2, a, a + n + 2, a + n + 1], -1).ravel()
-
-
-def add_block(builder, surface, n, m, cells, form):
-    """Cells (first along u, v, their numbers) of a patch of n x m as a mesh; the number of its triangles."""
-    i, j, across, up = cells
-    v, u = np.meshgrid((j + np.arange(up + 1)) / m, (i + np.arange(across + 1)) / n, indexing="ij")
-    place, normal = (a.reshape(-1, 3) for a in surface(u, v))
-    corners = corners_of(across, up)
-    if form == "soup":
-        builder.mesh(place[corners], None, normal[corners], 0)
-    else:
-        builder.mesh(place, corners, normal, 0)
-    return 2 * across * up
+    return out + [(ball(x0 + x, z), 2 * across, across) for x0 in (0, 2.1) for x, z in BALLS]
 
 
 def write_scene(triangles, form, path):
     """The number of triangles that there are in the end."""
-    builder = Builder()
+    builder, count = Builder(), 2
     builder.diffuse((0.7, 0.7, 0.7), doubleSided=True)
     strength = {"KHR_materials_emissive_strength": {"emissiveStrength": LAMP_RADIANCE}}
     lamp = builder.diffuse((0, 0, 0), emissiveFactor=[1, 1, 1], extensions=strength)
     corners = np.array([(0.75, 1.99, -0.25), (1.25, 1.99, -0.25), (1.25, 1.99, 0.25), (0.75, 1.99, 0.25)])
     builder.mesh(corners, [0, 1, 2, 0, 2, 3], np.tile([0.0, -1, 0], (4, 1)), lamp)
-    count = 2
     for surface, n, m in patches(triangles):
         size = PART if form == "parts" else max(n, m)
-        for j in range(0, m, size):
-            for i in range(0, n, size):
-                count += add_block(builder, surface, n, m, (i, j, min(size, n - i), min(size, m - j)), form)
+        for j, i in itertools.product(range(0, m, size), range(0, n, size)):
+            across, up = min(size, n - i), min(size, m - j)
+            v, u = np.meshgrid((j + np.arange(up + 1)) / m, (i + np.arange(across + 1)) / n, indexing="ij")
+            place, normal = (a.reshape(-1, 3) for a in surface(u, v))
+            a = (np.arange(up)[:, None] * (across + 1) + np.arange(across)[None, :]).ravel()
+            corners = np.stack([a, a + 1, a + across + 2, a, a + across + 2, a + across + 1], -1).ravel()
+            if form == "soup":
+                place, normal, corners = place[corners], normal[corners], None
+            builder.mesh(place, corners, normal, 0)
+            count += 2 * across * up
     builder.camera(np.array([3.9, 1.6, 0.6]), np.array([2.6, 0.8, -0.2]), yfov=1.0, aspectRatio=4 / 3)
-    with open(path, "wb") as file:
-        file.write(builder.content())
+    Path(path).write_bytes(builder.content())
     return count
 
 
-def write_many_triangles(arguments):
+@settings(TRIANGLES=Setting(1e5, "about so many"), FORM=Setting("grid", "of: grid parts soup"),
+          OUT=Setting("room.glb", "the file"))
+def write_many_triangles(bench):
     """Two furnished rooms with one opening, of about so many triangles."""
-    p = argparse.ArgumentParser(prog="bench/run.py many-triangles", description=write_many_triangles.__doc__)
-    p.add_argument("triangles", type=float)
-    p.add_argument("form", choices=FORMS)
-    p.add_argument("out")
-    a = p.parse_args(arguments)
-    print(write_scene(int(a.triangles), a.form, a.out))
+    s = bench.settings
+    print(write_scene(int(s.triangles), s.form, s.out))

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""bench/run.py NAME [--quick] [--bin BIN] [--cache CACHE] [--doc DOC] [SETTING=VALUE ...] [ARGUMENT ...]
+"""bench/run.py NAME [--quick] [--bin BIN] [--cache CACHE] [--doc DOC] [SETTING=VALUE ...]
 
 Runs a benchmark of the programs in BIN (build/bin) and writes its page in DOC (doc); pictures and results stay in CACHE
 (build/NAME), so that a run that was stopped goes on where it was. `bench/run.py NAME --help` tells what is measured and
@@ -7,6 +7,7 @@ the settings, which the environment may have as well. --quick: sizes of a trial.
 
 bench/run.py test NAME [ARGUMENT ...]: runs NAME_test.py; 77, with a word, where no Python has numpy.
 Without a NAME: what there is."""
+import argparse
 import importlib
 import os
 import runpy
@@ -14,17 +15,18 @@ import signal
 import sys
 from pathlib import Path
 
+ROOT = Path(__file__).resolve().parent.parent
 BENCHMARKS = {  # name: (module, function, what it does)
+    "demo": ("figures", "demo", "a room without and with its portal in the same time, in demo/"),
     "efficiency": ("efficiency", "efficiency", "error against time of every integrator, with aims: doc/efficiency.md "
-                                               "(an "
-                   "hour and a half; BASELINE=PROGRAM BASELINE_NAME=WORDS: over that older one's)"),
+                   "(an hour and a half; BASELINE=PROGRAM BASELINE_NAME=WORDS: over that older one's)"),
     "efficiency-references": ("efficiency", "references", "its references that are missing or out of date, in "
                               "testdata/references/efficiency"),
     "figures": ("figures", "figures", "the paper's Figs 5 to 7 from our renders: doc/figures.md"),
     "stages": ("figures", "stages", "pictures of what each stage did: doc/figures/stage-*.png"),
     "thumbnails": ("figures", "thumbnails", "the small pictures of README.md, cut from those of figures and stages"),
     "portals": ("portals", "portals", "how right the portals are on rooms with known openings: doc/portals.md (an "
-                                      "hour)"),
+                "hour)"),
     "portals-time": ("portals", "portals_time", "how long finding the portals takes, beside a rendering"),
     "regret": ("promises", "regret", "what auto loses, and how right it is about portals: doc/regret.md (25 minutes)"),
     "target-error": ("promises", "target_error", "whether pictures have the error that was asked for: "
@@ -32,115 +34,72 @@ BENCHMARKS = {  # name: (module, function, what it does)
     "whole-light": ("price", "whole_light", "what the light beyond six edges costs: doc/whole-light.md (half an hour; "
                     "BASE=PROGRAM: beside an older one)"),
     "only-needed": ("price", "only_needed", "what is not asked for, and what it would cost: doc/only-needed.md (half "
-                                            "an "
-                    "hour)"),
+                    "an hour)"),
     "shards": ("price", "shards", "what it costs to render in shards: doc/shards.md (a quarter of an hour)"),
     "sky": ("sky", "sky", "what the windows found are worth under skies: doc/sky.md (a quarter of an hour)"),
     "sky-before-after": ("sky", "before_after", "the README's picture of a room lit through its window, and its "
-                                                "caption"),
+                         "caption"),
     "panes": ("sky", "panes", "one portal for a window of six panes, or several: the table of doc/guided.md (ten "
-                              "minutes)"),
+              "minutes)"),
     "cycles": ("cycles", "compare", "whether Cycles and tdpt-render agree in the mean: tables of doc/cycles.md"),
     "cycles-sky": ("cycles", "compare_skies", "the same where an environment lights a room"),
     "cycles-equal": ("cycles", "equal_time", "portals found here and portals drawn in Cycles, in equal CPU time"),
     "tradeoff": ("tradeoff_page", "tradeoff", "speed against accuracy of every knob: doc/tradeoff.md (a night; "
-                                              "--quick: three "
-                 "quarters of an hour)"),
+                 "--quick: three quarters of an hour)"),
     "speed": ("speed", "integrators", "speed of every integrator, and noise after a minute, beside Tungsten's: "
               "doc/baseline.md (20 minutes)"),
     "grid-speed": ("speed", "grid", "segments per second of lightgrid on each device: doc/light-grid-speed.md (two "
-                                    "minutes)"),
+                   "minutes)"),
     "gpu-speed": ("speed", "device", "samples per second on a device, share and size of each kernel: doc/gpu-speed.md "
-                                     "(ten "
-                  "minutes; DEVICE=gpu:WHICH)"),
+                  "(ten minutes; DEVICE=gpu:WHICH)"),
     "limit": ("speed", "limit", "how far rendering is from casting its rays and nothing else: doc/limit.md (4 "
-                                "minutes)"),
-    "scale": ("scale", "scale", "time and memory against triangles: doc/scale.md (a quarter of an hour, 5 GiB)"),
+              "minutes)"),
+    "scale": ("price", "scale", "time and memory against triangles: doc/scale.md (a quarter of an hour, 5 GiB)"),
     "public-files": ("public_files", "public_files", "what becomes of every glTF file below a folder: doc/scenes.md"),
-    "work-model": ("work_model", "work_model", "fits the tables of tools/tdpt-render/plan/work_model.h"),
-    "rooms": ("rooms", "write_rooms", "made-up rooms for an environment, in a folder"),
+    "work-model": ("promises", "work_model", "fits the tables of tools/tdpt-render/plan/work_model.h"),
+    "rooms": ("rooms", "write_all_rooms", "made-up rooms for an environment, in a folder"),
     "many-triangles": ("rooms", "write_many_triangles", "two rooms of so many triangles, in a file"),
     "sky-map": ("rooms", "write_sky_map", "a clear sky as an environment map"),
 }
+LISTING = "\n".join(f"  {name:{max(map(len, BENCHMARKS))}}  {words}" for name, (_, _, words) in BENCHMARKS.items())
 
 
-def with_numpy():
-    """Goes on with the distribution's Python where this one has no numpy; False where no Python has it."""
+def imported(module):
+    """The module; goes on with the distribution's Python where this one lacks numpy. None where no Python has it."""
     try:
-        import numpy  # noqa: F401, pylint: disable=unused-import
-        return True
-    except ImportError:
+        return importlib.import_module(module)
+    except ModuleNotFoundError:
         system = "/usr/bin/python3"
         if os.environ.get("BENCH_PYTHON") or not os.access(system, os.X_OK):
-            return False
+            return None
         os.environ["BENCH_PYTHON"] = system
         os.execv(system, [system, "-B", *sys.argv])
 
 
-def listing():
-    width = max(map(len, BENCHMARKS))
-    return "\n".join(f"  {name:{width}}  {words}" for name, (_, _, words) in BENCHMARKS.items())
-
-
-def read(words):
-    """(options, settings, arguments) of a command line."""
-    options, given, rest, words = {"--bin": None, "--cache": None, "--doc": None}, {}, [], list(words)
-    flags = set()
-    while words:
-        word = words.pop(0)
-        name, _, value = word.partition("=")
-        if word in options:
-            if not words:
-                sys.exit(f"bench/run.py: {word}: expected a folder")
-            options[word] = words.pop(0)
-        elif word in ("--quick", "--help"):
-            flags.add(word)
-        elif value and name.isidentifier() and name.isupper():
-            given[name] = value
-        else:
-            rest.append(word)
-    return options, flags, given, rest
-
-
-def main():
-    if len(sys.argv) < 2 or sys.argv[1] in ("--help", "-h"):
-        print(f"{__doc__}\n\n{listing()}")
-        return 0
-    name = sys.argv[1]
-    if name == "test" and len(sys.argv) > 2:
-        if not with_numpy():
-            print("skipped: no python3 here has numpy (Debian: python3-numpy)")
-            return 77
-        sys.argv = [str(Path(__file__).with_name(f"{sys.argv[2]}_test.py")), *sys.argv[3:]]
-        runpy.run_path(sys.argv[0], run_name="__main__")
-        return 0
-    if name not in BENCHMARKS:
-        print(f"bench/run.py: {name} is none of the benchmarks:\n{listing()}", file=sys.stderr)
-        return 2
-    if not with_numpy():
-        print(f"{name}: python3 with numpy is missing (Debian: python3-numpy)", file=sys.stderr)
-        return 5
+def run(name, function, words):
+    """A benchmark by the words of its command line; its exit code."""
     import common
-    module, function, _ = BENCHMARKS[name]
-    function = getattr(importlib.import_module(module), function)
-    options, flags, given, rest = read(sys.argv[2:])
-    if not hasattr(function, "settings"):  # a tool with a command line of its own
-        return function(sys.argv[2:])
-    if "--help" in flags:
+    parser = argparse.ArgumentParser(prog=f"bench/run.py {name}", add_help=False)
+    for folder in ("bin", "cache", "doc"):
+        parser.add_argument(f"--{folder}", type=Path)
+    parser.add_argument("--quick", action="store_true", default=os.environ.get("QUICK", "") not in ("", "0"))
+    parser.add_argument("--help", action="store_true")
+    parser.add_argument("settings", nargs="*", metavar="SETTING=VALUE")
+    options = parser.parse_intermixed_args(words)
+    if options.help:
         print(f"{name}: {function.__doc__}\n")
         for key, setting in function.settings.items():
             default = " ".join(setting.default) if isinstance(setting.default, tuple) else setting.default
             quick = "" if setting.quick is None else f"; quick {setting.quick}"
             print(f"  {key:16} {setting.words} ({default}{quick})")
         return 0
-    root = Path(common.ROOT)
     signal.signal(signal.SIGTERM, lambda *_: signal.raise_signal(signal.SIGINT))
     try:
-        bench = common.Bench(name, function, Path(options["--bin"] or root / "build/bin").resolve(),
-                             Path(options["--cache"] or root / "build" / name).resolve(),
-                             Path(options["--doc"] or os.environ.get("DOC") or root / "doc").resolve(), given,
-                             "--quick" in flags or os.environ.get("QUICK", "") not in ("", "0"))
-        function(bench, *rest)
+        bench = common.Bench(name, function, (options.bin or ROOT / "build/bin").resolve(),
+                             (options.cache or ROOT / "build" / name).resolve(),
+                             (options.doc or Path(os.environ.get("DOC") or ROOT / "doc")).resolve(),
+                             dict(word.partition("=")[::2] for word in options.settings), options.quick)
+        function(bench)
         if bench.store.made + bench.store.found:
             bench.say(f"{bench.store.made} results made, {bench.store.found} found in {bench.cache}")
         return 0
@@ -156,7 +115,29 @@ def main():
         common.end_running()
 
 
+def main(name="--help", *words):
+    if name in ("--help", "-h"):
+        print(f"{__doc__}\n\n{LISTING}")
+        return 0
+    if name == "test" and words:
+        if not imported("numpy"):
+            print("skipped: no python3 here has numpy (Debian: python3-numpy)")
+            return 77
+        sys.argv = [str(Path(__file__).with_name(f"{words[0]}_test.py")), *words[1:]]
+        runpy.run_path(sys.argv[0], run_name="__main__")
+        return 0
+    if name not in BENCHMARKS:
+        print(f"bench/run.py: {name} is none of the benchmarks:\n{LISTING}", file=sys.stderr)
+        return 2
+    module, function, _ = BENCHMARKS[name]
+    found = imported(module)
+    if not found:
+        print(f"{name}: python3 with numpy is missing (Debian: python3-numpy)", file=sys.stderr)
+        return 5
+    return run(name, getattr(found, function), words)
+
+
 if __name__ == "__main__":
     os.environ["LC_ALL"] = "C"
     sys.dont_write_bytecode = True
-    sys.exit(main())
+    sys.exit(main(*sys.argv[1:]))

@@ -1,11 +1,11 @@
 """What portals are worth where a sky shines in through windows: doc/sky.md, the README's picture of it, and the table
 of doc/guided.md about a window of six panes."""
-import collections
 import functools
+import itertools
 import math
 import re
 import shutil
-from dataclasses import dataclass, field
+from collections import Counter, defaultdict, namedtuple
 from pathlib import Path
 
 import numpy as np
@@ -13,19 +13,15 @@ import numpy as np
 import pages
 import rooms
 import stats
-from common import SKIES, STAGES, Halves, Made, Setting, Stop, checked, decibels_of, environment, settings, turns
+from common import SKIES, STAGES, Made, Setting, Stop, checked, decibels_of, environment, settings, turns
 from pages import hundredths
 
 SEED = 20260717
 WITHOUT = ("bdpt", "nee")
 WITH = {"windows": "`nee` + portals", "aimed": "`nee` 0.4", "guided": "`tdpt-guided`", "auto": "`auto`"}
-OPTIONS = {
-    "bdpt": ("--integrator", "bdpt"),
-    "nee": ("--integrator", "nee"),
-    "windows": ("--integrator", "nee"),
-    "aimed": ("--integrator", "nee", "--set", "guide-camera=0.4"),
-    "guided": ("--integrator", "tdpt-guided"),
-    "auto": ()}
+GUIDED = ("--integrator", "tdpt-guided")
+OPTIONS = {"bdpt": ("--integrator", "bdpt"), "nee": ("--integrator", "nee"), "windows": ("--integrator", "nee"),
+           "aimed": ("--integrator", "nee", "--set", "guide-camera=0.4"), "guided": GUIDED, "auto": ()}
 GROUPS = {"windows": "ordinary windows", "interiors": "interiors", "second": "through a second room"}
 # Name: group, and what it is: the N-th room of a kind, or an interior.
 ROOMS = {"window": ("windows", "sky-window", 1), "windows": ("windows", "sky-windows", 1),
@@ -33,44 +29,39 @@ ROOMS = {"window": ("windows", "sky-window", 1), "windows": ("windows", "sky-win
          "blinds": ("windows", "sky-blinds", 1), "facade": ("windows", "deep-facade", 1),
          "behind": ("second", "room-behind", 1), "behind-2": ("second", "room-behind", 2),
          "living-room": ("interiors", "", 0), "classroom": ("interiors", "", 0)}
+Picture = namedtuple("Picture", "cpu relmse mse chosen spp", defaults=("-", 0))
 
 
-@dataclass
-class Picture:
-    cpu: float
-    relmse: float
-    mse: float
-    mean: float = 1  # over the reference's
-    chosen: str = "-"
-
-
-@dataclass
 class Cell:
-    """A room under a sky. peak: squared, that of PSNR. pictures: of each method, in the order of their seeds.
+    """Pictures of a room under a sky by several methods, in the order of their seeds, and the black one. peak: that of
+    PSNR; base_of: methods, of which the better is what gains are over; more: what else is known of it.
 
     cost of a method   mean over its seeds of CPU s x relMSE
-    gain of a method   cost of the better of WITHOUT over its own"""
+    gain of a method   cost of the base over its own"""
 
-    group: str
-    portals: int
-    black_relmse: float
-    black_psnr: float
-    peak: float
-    pictures: dict = field(default_factory=lambda: collections.defaultdict(list))
+    def __init__(self, black, peak, base_of=WITHOUT, seed=SEED, **more):
+        self.black, self.peak, self.base_of, self.seed = black, peak, base_of, seed
+        self.pictures = defaultdict(list)
+        self.__dict__.update(more)
 
     def costs(self, method):
         return np.array([p.cpu * p.relmse for p in self.pictures[method]])
 
     def base(self):
-        """The better method without portals."""
-        return min(WITHOUT, key=lambda m: self.costs(m).mean())
+        return min(self.base_of, key=lambda m: self.costs(m).mean())
 
     def gain(self, method):
         """nan where an error hides in the noise of the reference."""
-        return stats.ratio(self.costs(self.base()), self.costs(method), SEED)
+        return stats.ratio(self.costs(self.base()), self.costs(method), self.seed)
 
-    def psnr(self, method):
-        return decibels_of(self.peak, np.mean([p.mse for p in self.pictures[method]]))
+    def error(self, method):
+        """relMSE and PSNR."""
+        relmse, mse = (np.mean([getattr(p, e) for p in self.pictures[method]]) for e in ("relmse", "mse"))
+        return relmse, decibels_of(self.peak**2, mse)
+
+
+def black_words(cell):
+    return f"{cell.black['relmse']:.2g}, {cell.black['psnr']:.1f}"
 
 
 def geometric_mean(cells, method):
@@ -84,21 +75,6 @@ def select(cells, group, sky=None):
     return [c for (_, s), c in cells.items() if c.group == group and sky in (None, s)]
 
 
-def mean_table(cells):
-    rows = []
-    for group, words in GROUPS.items():
-        for sky in (*dict.fromkeys(sky for _, sky in cells), None):
-            of = select(cells, group, sky)
-            if of:
-                rows.append([words, sky or "**all**", len(of), *(geometric_mean(of, m).text(hundredths) for m in WITH)])
-    return pages.table(("lit through", "sky", "rooms", *WITH.values()), rows)
-
-
-def beside_best(cell):
-    """Gain of auto over the greatest of a single method, 1 of the better without among them."""
-    return cell.gain("auto").value / max(1, *(cell.gain(m).value for m in WITH if m != "auto"))
-
-
 def aim_table(cells):
     rows = []
 
@@ -106,14 +82,15 @@ def aim_table(cells):
         if not math.isnan(value):
             rows.append([f"{words}: {wanted}", shown, "yes" if value >= wanted else "**no**"])
 
-    for words, wanted, group, sky in (("ordinary windows, geometric mean", 5, "windows", None),
-                                      ("the same under overcast", 1.5, "windows", "overcast"),
-                                      ("through a second room, geometric mean", 20, "second", None)):
-        mean = geometric_mean(select(cells, group, sky), "auto")
+    for words, wanted, *which in (("ordinary windows, geometric mean", 5, "windows"),
+                                  ("the same under overcast", 1.5, "windows", "overcast"),
+                                  ("through a second room, geometric mean", 20, "second")):
+        mean = geometric_mean(select(cells, *which), "auto")
         aim(words, wanted, mean.value, mean.text(hundredths))
-    for words, value in (("the least gain", lambda c: c.gain("auto").value),
-                         ("the least beside the best single choice", beside_best)):
-        known = {key: v for key, v in ((key, value(cell)) for key, cell in cells.items()) if not math.isnan(v)}
+    gains = {key: {m: cell.gain(m).value for m in WITH} for key, cell in cells.items()}
+    for words, others in (("the least gain", ()), ("the least beside the best single choice", set(WITH) - {"auto"})):
+        values = {key: of["auto"] / max(1, *(of[m] for m in others), 1) for key, of in gains.items()}
+        known = {key: v for key, v in values.items() if not math.isnan(v)}
         room, sky = min(known, key=known.get)
         low, below = known[room, sky], sum(v < 0.95 for v in known.values())
         aim(words, 0.95, low, f"{low:.2f} ({room}, {sky}); below 0.95 in {below} of {len(cells)}")
@@ -123,40 +100,37 @@ def aim_table(cells):
 def room_table(cells):
     rows = []
     for (room, sky), c in cells.items():
-        chosen = collections.Counter(p.chosen for p in c.pictures["auto"]).most_common()
+        chosen = Counter(p.chosen for p in c.pictures["auto"]).most_common()
         of = len(c.pictures["auto"])
         words = ", ".join(name + (f" ({n} of {of})" if len(chosen) > 1 else "") for name, n in chosen)
-        rows.append([room, sky, c.portals or "none found", c.base(),
-                    *(c.gain(m).text(hundredths) for m in WITH), words])
+        gains = (c.gain(m).text(hundredths) for m in WITH)
+        rows.append([room, sky, c.portals or "none found", c.base(), *gains, words])
     return pages.table(("room", "sky", "portals", "without", *WITH.values(), "`auto` chose"), rows)
 
 
-def error_table(cells):
-    methods, rows = {**{m: f"`{m}`" for m in WITHOUT}, **WITH}, []
-    for (room, sky), c in cells.items():
-        errors = [(np.mean([p.relmse for p in c.pictures[m]]), c.psnr(m)) for m in methods]
-        errors.append((c.black_relmse, c.black_psnr))
-        rows.append([room, sky, *(f"{e:.2g}, {p:.1f}" for e, p in errors)])
-    return pages.table(("room", "sky", *methods.values(), "black"), rows)
-
-
 def sky_tables(cells):
+    groups = [(words, sky, select(cells, group, sky)) for group, words in GROUPS.items()
+              for sky in (*dict.fromkeys(sky for _, sky in cells), None)]
+    methods = {**{m: f"`{m}`" for m in WITHOUT}, **WITH}
     return pages.sections(
-        "## Gains\n\nGeometric means over rooms.", mean_table(cells), "## Aims", aim_table(cells),
+        "## Gains\n\nGeometric means over rooms.",
+        pages.table(("lit through", "sky", "rooms", *WITH.values()),
+                    [[words, sky or "**all**", len(of), *(geometric_mean(of, m).text(hundredths) for m in WITH)]
+                     for words, sky, of in groups if of]),
+        "## Aims", aim_table(cells),
         "## Room by room\n\nwithout: which of `bdpt` and `nee` is the better without portals.", room_table(cells),
         "## Errors\n\nrelMSE, PSNR [dB] with equally many samples, not in equal time; black: of a picture of no light.",
-        error_table(cells))
+        pages.table(("room", "sky", *methods.values(), "black"), [
+            [*key, *("%.2g, %.1f" % c.error(m) for m in methods), black_words(c)] for key, c in cells.items()]))
 
 
 def generated(bench, name, kind, number):
     """The N-th generated room of that kind which has no lamp and stands upright, in metres: half of them are turned,
     where no map's sky would be above. Stages that fail at once leave the room alone."""
-    program = bench.store.program("portals_bench")
-    failing = bench.cache / "none"
+    program, failing = bench.store.program("portals_bench"), bench.cache / "none"
     failing.mkdir(exist_ok=True)
-    for stage in STAGES:
-        if not (failing / stage).is_symlink():
-            (failing / stage).symlink_to(shutil.which("false"))
+    for stage in (s for s in STAGES if not (failing / s).is_symlink()):
+        (failing / stage).symlink_to(shutil.which("false"))
 
     def make(path):
         folder = path.with_suffix(".rooms")
@@ -168,8 +142,7 @@ def generated(bench, name, kind, number):
         shutil.copy(folder / f"{kind}-{seeds[number - 1]}.glb", path)
         shutil.rmtree(folder)
     kept = bench.store.keep([bench.store.sum_of(program), kind, number], make, ".glb")
-    shutil.copy(kept, bench.cache / f"{name}.glb")
-    return bench.cache / f"{name}.glb"
+    return Path(shutil.copy(kept, bench.cache / f"{name}.glb"))
 
 
 @settings(ROOMS=Setting(tuple(ROOMS), "names of the rooms to measure"),
@@ -199,25 +172,19 @@ def sky(bench):
     def cell(name, light, group, scene):
         shines = ("--environment", environment(light, interiors / f"{name}.env.exr"))
         portals = bench.portals(scene, shines, threads=1)
-        width = s.width * 4 // 3 if group == "interiors" else s.width
+        portal, width = ("--portal", portals.file), s.width * 4 // 3 if group == "interiors" else s.width
 
         def render(options, spp, seed):
-            return bench.render(
-                scene, *shines, "--width", width, "--height", s.height, *options, "--spp", spp, "--seed", seed)
+            return bench.render(scene, *shines, "--width", width, "--height", s.height, *options, "--spp", spp,
+                                "--seed", seed)
 
-        portal = ("--portal", portals.file)
-        halves = Halves(bench, *(render((*portal, "--integrator", s.ref_integrator), s.ref_spp, 1000000 + half).out
-                                 for half in (1, 2)))
-        black = halves.ways[0]["black"]
-        made = Cell(group, portals.count, black["relmse"], black["psnr"], halves.ways[0]["peak"] ** 2)
-        pictures = {}
+        halves = bench.halves(lambda seed: render((*portal, "--integrator", s.ref_integrator), s.ref_spp, seed))
+        made = Cell(halves.black, halves.peak, group=group, portals=portals.count)
         for seed, method in turns(range(1, s.seeds + 1), OPTIONS):
             run = render((*(() if method in WITHOUT else portal), *OPTIONS[method]), s.spp, seed)
             off = halves.off(run.out)
-            pictures[method, seed] = Picture(run.said["cpu_seconds"], off["relmse"], off["mse"],
-                                             off["mean"] / off["reference_mean"], run.said.get("chosen") or method)
-        for method, seed in sorted(pictures):
-            made.pictures[method].append(pictures[method, seed])
+            made.pictures[method].append(Picture(run.said["cpu_seconds"], off["relmse"], off["mse"],
+                                                 run.said.get("chosen") or method))
         return made
 
     cells = bench.side_by_side([functools.partial(cell, *place) for place in places])
@@ -245,9 +212,9 @@ taken out of the errors.
 @settings(SCENE=Setting("", "a room without lamps (blinds.glb, which the benchmark sky leaves in build/sky). For "
                         "living-room.glb of the interiors TURN=200 lets the sun in through both walls' windows"),
           SKY=Setting("", "its --environment (clear-sun.exr of testdata)"), TURN=Setting(0.0, "and its rotation"),
-          WIDTH=Setting(480, "of each half", 24), SPP=Setting(12, "samples per pixel of the right one; others get as "
-                                                                  "many as "
-                                                              "they need for the same CPU time", 2),
+          WIDTH=Setting(480, "of each half", 24),
+          SPP=Setting(12, "samples per pixel of the right one; others get as many as they need for the same CPU time",
+                      2),
           BEFORE=Setting("nee", "integrator of the left one"),
           ALSO=Setting("bdpt", "another without portals, told alone"),
           REF_SPP=Setting(36, "samples per pixel of the reference, by auto with the portals", 4))
@@ -297,21 +264,18 @@ def panes(bench):
     are as one. Ten minutes."""
     s, rows = bench.settings, []
     rooms.write_paned_rooms(bench.cache)
-    ways = {"nee": ("--integrator", "nee"), "tdpt-guided": ("--integrator", "tdpt-guided"), "auto": ()}
-    for bar in s.bars:
-        for light in s.skies:
-            def render(portals, options, spp, seed, room=f"panes-{bar}", light=light):
-                return bench.render(bench.cache / f"{room}.glb", "--environment", environment(light),
-                                    "--environment-rotation", -45, "--portal", bench.cache / f"{room}-{portals}.glb",
-                                    "--width", s.width, "--height", s.height, *options, "--spp", spp, "--seed", seed)
-            halves = Halves(bench, *(render("one", ways["tdpt-guided"],
-                            s.ref_spp, 1000000 + half).out for half in (1, 2)))
-            cost = collections.Counter()
-            for seed in range(1, s.seeds + 1):
-                for way, options in ways.items():
-                    for portals in ("one", "three", "six"):
-                        run = render(portals, options, s.spp, seed)
-                        cost[way, portals] += run.said["cpu_seconds"] * halves.off(run.out)["relmse"]
-            rows += [[f"{bar} cm", light, portals, *("%.2f" % (cost[way, "one"] / cost[way, portals]) for way in ways)]
-                     for portals in ("three", "six")]
+    ways = {"nee": OPTIONS["nee"], "tdpt-guided": GUIDED, "auto": ()}
+    for bar, light in itertools.product(s.bars, s.skies):
+        def render(portals, options, spp, seed, room=f"panes-{bar}", light=light):
+            return bench.render(bench.cache / f"{room}.glb", "--environment", environment(light),
+                                "--environment-rotation", -45, "--portal", bench.cache / f"{room}-{portals}.glb",
+                                "--width", s.width, "--height", s.height, *options, "--spp", spp, "--seed", seed)
+        halves = bench.halves(lambda seed, render=render: render("one", GUIDED, s.ref_spp, seed))
+        cost = Counter()
+        for seed, (way, options), portals in itertools.product(range(1, s.seeds + 1), ways.items(),
+                                                               ("one", "three", "six")):
+            run = render(portals, options, s.spp, seed)
+            cost[way, portals] += run.said["cpu_seconds"] * halves.off(run.out)["relmse"]
+        rows += [[f"{bar} cm", light, portals, *("%.2f" % (cost[way, "one"] / cost[way, portals]) for way in ways)]
+                 for portals in ("three", "six")]
     print(pages.table(("bars", "sky", "portals", *(f"`{way}`" for way in ways)), rows))

@@ -1,36 +1,26 @@
 """How fast the programs are: the integrators beside Tungsten's (doc/baseline.md), lightgrid and tdpt-render on a device
 (doc/light-grid-speed.md, doc/gpu-speed.md), and rendering beside casting its rays and nothing else (doc/limit.md)."""
-import collections
 import os
 import re
 import shutil
 import statistics
+from collections import defaultdict, namedtuple
+from pathlib import Path
 
 import pages
-from common import Setting, Stop, checked, cores, processor, settings
+from common import CORES, Setting, Stop, checked, settings
 
 # Tungsten's figures on a machine of the same kind (2 cores, depth 6, box filter, no roulette).
 PEERS = {("veach-ajar", "bdpt"): ("47 000", "0.20"), ("veach-ajar", "nee"): ("140 000", "0.44-0.59"),
          ("half-metre-hole", "bdpt"): ("65 000", "0.038"), ("half-metre-hole", "nee"): ("280 000", "-")}
 
 
-def indented(text):
-    return "\n".join("    " + line for line in text.splitlines())
-
-
-def four(x):
-    """Up to four digits after the point."""
-    return "-" if x is None else f"{round(x, 4):.12g}"
-
-
-def scenes_of(bench, *names):
-    """(name, file) of those that are there."""
-    for name in names:
-        scene = bench.find(name)
-        if scene:
-            yield name, scene
-        else:
-            bench.say(f"{name}.glb is not there and stays out")
+def devices(bench, program):
+    """The devices that a program sees, and the processor beside them."""
+    listed = checked([bench.store.program(program), "--list-devices"]).said
+    models = set(re.findall(r"^model name\s*: (.*\S)", Path("/proc/cpuinfo").read_text(), re.M))
+    return (f"beside {CORES} cores of {' '.join(sorted(models))}:\n\n"
+            + "\n".join("    " + line for line in listed.splitlines()))
 
 
 @settings(SECONDS_EACH=Setting(60.0, "of a picture on one core", 0.2),
@@ -42,7 +32,7 @@ def integrators(bench):
     lights = bench.programs / "lights_bench"
     if lights.exists():
         print(checked([lights]).said)
-    for name, scene in scenes_of(bench, *sizes):
+    for name, scene in bench.there(sizes).items():
         width, height = sizes[name]
         options = ("--portal", bench.portals(scene).file, "--max-depth", 6, "--width", width, "--height", height)
         reference = bench.render(scene, *options, "--integrator", "tdpt-org", "--seed", 1000, "--time",
@@ -50,8 +40,9 @@ def integrators(bench):
         for integrator in ("pt", "nee", "bdpt", "tdpt-org", "tdpt", "tdpt-guided"):
             run = bench.render(scene, *options, "--integrator", integrator, "--time", f"{s.seconds_each:g}")
             off, said = bench.distance(run.out, reference.out), run.said
+            errors = off["relmse"], off["psnr"], off["black"]["relmse"]
             rows.append([name, integrator, round(width * height * said["spp"] / said["cpu_seconds"]),
-                         *map(four, (off["relmse"], off["psnr"], off["black"]["relmse"])),
+                         *("-" if e is None else f"{round(e, 4):.12g}" for e in errors),
                          *PEERS.get((name, integrator), ("-", "-"))])
     print(pages.table(("scene", "integrator", "samples per CPU second", f"relMSE after {s.seconds_each:g} s", "PSNR",
                        "black relMSE", "Tungsten: samples", "relMSE"), rows))
@@ -70,7 +61,7 @@ two cores, is not measured by this page: `make bench-grid-speed DEVICE=gpu:NAME`
 def grid(bench):
     """How fast each back end of lightgrid is, by lightgrid_bench. Two minutes on two quiet cores."""
     given = []
-    for name, scene in scenes_of(bench, "veach-ajar", "two-rooms", "half-metre-hole"):
+    for name, scene in bench.there(("veach-ajar", "two-rooms", "half-metre-hole")).items():
         cut = bench.cache / f"{name}.cut"
         shutil.copy(bench.store.run("mincut", bench.store.run("ffgraph", scene, threads=0).out, threads=0).out, cut)
         given += [scene, cut]
@@ -79,15 +70,12 @@ def grid(bench):
     tables = [*runs[128].said.strip().splitlines(), *runs[256].said.strip().splitlines()[2:]]
     times = [f"* {voxels} voxels, {line}" for voxels, run in runs.items() for line in run.errors.splitlines()[1:]]
     software = SOFTWARE if "(cpu)" in runs[128].errors.partition("\n")[0] else ""
-    devices = checked([bench.store.program("lightgrid"), "--list-devices"]).said
     newline = "\n"
     bench.page("light-grid-speed", f"""# How fast the light is counted
 
 Written by `make bench-grid-speed` ({bench.version("lightgrid")}). Segments between pivot patches, drawn, tested for
 visibility, judged by the votes around both their ends and marched through the grid. The back ends take turns in one
-run; medians of five rounds. `--device`s at hand, beside {cores()} cores of {processor()}:
-
-{indented(devices)}
+run; medians of five rounds. `--device`s at hand, {devices(bench, "lightgrid")}
 
 Embree and the twin run on all cores through TBB, and so does a software device on its own threads. Segments per second,
 and the last column, go by the clock; those per CPU second hold on a machine that has other work, too.
@@ -105,32 +93,26 @@ instructions. With eight times the voxels the counts no longer fit the caches, a
 
 
 @settings(DEVICE=DEVICE, ROUNDS=Setting(5, "after the one in which kernels are made", 1),
-          RADV=Setting(
-              "/usr/share/vulkan/icd.d/radeon_icd.x86_64.json",
-              "driver that tells of registers without a device: "
-              "the file that the Vulkan loader reads for Mesa's RADV"))
+          RADV=Setting("/usr/share/vulkan/icd.d/radeon_icd.x86_64.json", "driver that tells of registers without a "
+                       "device: the file that the Vulkan loader reads for Mesa's RADV"))
 def device(bench):
     """How fast tdpt-render is on a device, beside the CPU, and what its kernels take, by device_bench. Ten minutes on
     two quiet cores, most of them for kernels where the device is software."""
     s, program = bench.settings, bench.store.program("device_bench")
     fresh = {"MESA_SHADER_CACHE_DISABLE": "true"}  # kernels are made, not taken from the run before
     tables = []
-    for name, scene in scenes_of(bench, "veach-ajar", "two-rooms"):
+    for name, scene in bench.there(("veach-ajar", "two-rooms")).items():
         command = [program, "--device", s.device, "--rounds", s.rounds, scene, bench.portals(scene).file]
         tables.append(f"## {name}\n\n{checked(command, env=fresh).said.strip()}")
     run = checked([program, "--registers"], may_fail=range(1, 256),
                   env={**fresh, "VK_ICD_FILENAMES": s.radv, "RADV_FORCE_FAMILY": "navi21"})
-    registers = run.said
     if run.status:
         bench.say(run.errors.strip())
-        registers += "Not measured: " + (run.errors.strip().splitlines() or [""])[-1]
-    devices = checked([bench.store.program("tdpt-render"), "--list-devices"]).said
+        run.said += "Not measured: " + (run.errors.strip().splitlines() or [""])[-1]
     bench.page("gpu-speed", pages.sections(f"""# How fast tdpt-render is on a device
 
 Written by `make bench-gpu-speed` ({bench.version()}); [gpu.md](gpu.md) says what to make of it.
-`--device {s.device}` of those at hand, beside {cores()} cores of {processor()}:
-
-{indented(devices)}
+`--device {s.device}` of those at hand, {devices(bench, "tdpt-render")}
 
 Pictures 160 pixels wide, 8 samples per pixel, paths of up to 6 edges, through the portals that the stages find. CPU and
 device take turns; medians over {s.rounds} rounds, least and largest, after one in which kernels are made. A device that
@@ -145,13 +127,13 @@ SIMD), which needs no such device:
 
     VK_ICD_FILENAMES=radeon_icd.x86_64.json RADV_FORCE_FAMILY=navi21 device_bench --registers
 
-Of scenes that have all that kernels are made for, and in brackets of diffuse rooms with portals.""", registers))
+Of scenes that have all that kernels are made for, and in brackets of diffuse rooms with portals.""", run.said))
 
 
 # ---- The limit ----
 # factor: CPU time of a frame over that of its rays cast again.
-Frame = collections.namedtuple("Frame", "scene integrator threads seed samples closest shadow rays other "
-                                        "frame_cpu raw_cpu frame_wall raw_wall")
+Frame = namedtuple("Frame", "scene integrator threads seed samples closest shadow rays other frame_cpu raw_cpu "
+                            "frame_wall raw_wall")
 
 # What a function of the renderer is counted as: the first that fits, by its name or that of its object.
 PARTS = (
@@ -175,22 +157,14 @@ PARTS = (
 WANTED = {"bdpt": 1.6, "tdpt-guided": 2.2}  # of a frame over its rays
 
 
-
-def part_of(module, function):
-    for name, of_module, of_function in PARTS:
-        if of_module and re.search(of_module, module):
-            return name
-        if of_function is not None and re.search(of_function, function):
-            return name
-    raise ValueError(function)
-
-
 def shares(profile):
     """Percentages of the parts of [(count, object, function)]."""
-    total = sum(count for count, _, _ in profile)
     parts = dict.fromkeys((name for name, _, _ in PARTS), 0.0)
     for count, module, function in profile:
-        parts[part_of(module, function)] += 100 * count / total
+        part = next(name for name, of_module, of_function in PARTS
+                    if (of_module and re.search(of_module, module)) or
+                    (of_function is not None and re.search(of_function, function)))
+        parts[part] += 100 * count / sum(count for count, _, _ in profile)
     return parts
 
 
@@ -198,11 +172,11 @@ def frames_of(text):
     """Of what limit_bench prints."""
     frames = []
     for line in text.splitlines():
-        fields = line.split("\t")
-        if not line.strip() or fields[0] == "scene":
+        scene, *fields = line.split("\t")
+        if not scene.strip() or scene == "scene":
             continue
-        scene = fields[0].rsplit("/", 1)[-1].removesuffix(".glb")
-        f = Frame(scene, fields[1], *(int(x) for x in fields[2:9]), *(float(x) for x in fields[9:]))
+        f = Frame(scene.rsplit("/", 1)[-1].removesuffix(".glb"), fields[0], *map(int, fields[1:8]),
+                  *map(float, fields[8:]))
         if f.other:
             raise ValueError(f"{f.scene}, {f.integrator}: {f.other} rays ended otherwise when they were cast again")
         if f.rays < f.closest + f.shadow:
@@ -224,55 +198,38 @@ def spread(values):
 
 
 def groups(frames):
-    """{(scene, integrator): {threads: [frames]}} in the order of the lines."""
+    """(scene, integrator, {threads: [frames]}) in the order of the scenes, of what was rendered by one thread, too."""
     found = {}
     for f in frames:
-        found.setdefault((f.scene, f.integrator), collections.defaultdict(list))[f.threads].append(f)
-    return dict(sorted(found.items(), key=lambda item: [f.scene for f in frames].index(item[0][0])))
+        found.setdefault((f.scene, f.integrator), defaultdict(list))[f.threads].append(f)
+    scenes = [f.scene for f in frames]
+    return [(*key, of) for key, of in sorted(found.items(), key=lambda item: scenes.index(item[0][0])) if 1 in of]
 
 
 def factor_rows(frames):
     rows = []
-    for (scene, integrator), by_threads in groups(frames).items():
-        one = by_threads.get(1)
-        if not one:
-            continue
-        median = statistics.median
-        factors = [f.frame_cpu / f.raw_cpu for f in one]
-        aim = WANTED.get(integrator)
-        met = "-" if aim is None else f"{aim}: met" if median(factors) <= aim else f"{aim}: **missed**"
-        rows.append((scene, f"`{integrator}`", f"{median(f.rays / f.samples for f in one):.1f}",
-                     f"{100 * median(f.shadow / f.rays for f in one):.0f} %",
-                     f"{1e9 * median(f.frame_cpu / f.samples for f in one):.0f}",
-                     f"{1e9 * median(f.raw_cpu / f.rays for f in one):.0f}",
-                     spread(factors), met))
+    for scene, integrator, by_threads in groups(frames):
+        middle = lambda value, of=by_threads[1]: statistics.median(map(value, of))
+        factors, aim = [f.frame_cpu / f.raw_cpu for f in by_threads[1]], WANTED.get(integrator)
+        met = "met" if aim and statistics.median(factors) <= aim else "**missed**"
+        rows.append((scene, f"`{integrator}`", f"{middle(lambda f: f.rays / f.samples):.1f}",
+                     f"{100 * middle(lambda f: f.shadow / f.rays):.0f} %",
+                     f"{1e9 * middle(lambda f: f.frame_cpu / f.samples):.0f}",
+                     f"{1e9 * middle(lambda f: f.raw_cpu / f.rays):.0f}", spread(factors),
+                     f"{aim}: {met}" if aim else "-"))
     return rows
-
-
-def aims(rows):
-    """How many of the factors with an aim meet it, in a sentence."""
-    told = [row[-1] for row in rows if row[-1] != "-"]
-    return f"As low\nas wanted: {sum(t.endswith(': met') for t in told)} of the {len(told)} that have an aim."
 
 
 def thread_rows(frames):
     """Of n threads over one: how many times as fast if every thread had a core, and by the clock."""
     rows = []
-    for (scene, integrator), by_threads in groups(frames).items():
-        for n, of_n in sorted(by_threads.items()):
-            if n == 1 or 1 not in by_threads:
-                continue
-            pairs = [(a, b) for a in by_threads[1] for b in of_n if a.seed == b.seed]
+    for scene, integrator, by_threads in groups(frames):
+        for n in sorted(set(by_threads) - {1}):
+            pairs = [(a, b) for a in by_threads[1] for b in by_threads[n] if a.seed == b.seed]
             rows.append((scene, f"`{integrator}`", str(n), spread([n * a.frame_cpu / b.frame_cpu for a, b in pairs]),
                          spread([n * a.raw_cpu / b.raw_cpu for a, b in pairs]),
                          spread([a.frame_wall / b.frame_wall for a, b in pairs])))
     return rows
-
-
-def profile_table(profiles):
-    of = {key: shares(profile) for key, profile in profiles.items()}
-    rows = [[name] + [f"{s[name]:.0f} %" if s[name] >= 0.5 else "-" for s in of.values()] for name, _, _ in PARTS]
-    return pages.table(["part", *(f"{scene}, `{integrator}`" for scene, integrator in of)], rows)
 
 
 HOW = {"perf": "samples of the processor's time by perf (cpu-clock)",
@@ -281,19 +238,19 @@ HOW = {"perf": "samples of the processor's time by perf (cpu-clock)",
 
 def limit_page(loads, frames, profiles, how):
     """loads: processes that wanted a core, before and after each scene."""
-    quiet = "" if max(
-        loads, default=0) <=1.2 else(
-        f"The machine was not idle: up to {max(loads):.0f} processes wanted its {cores()} cores, so the clock tells "
-        f"nothing,\n"
-        "and shared caches make all times longer.")
-    rows = factor_rows(frames)
+    busy = max(loads, default=0) > 1.2 and f"""The machine was not idle: up to {max(loads):.0f} processes wanted its \
+{CORES} cores, so the clock tells nothing,
+and shared caches make all times longer."""
+    rows, parts = factor_rows(frames), {key: shares(profile) for key, profile in profiles.items()}
+    told = [row[-1] for row in rows if row[-1] != "-"]
     return pages.sections(
         f"""# How far rendering is from casting its rays
 
 Written by `make bench-limit`. A frame is rendered, and the rays that it gave to Embree are given to it again:
 the same queries, robust mode and flags, in the order in which they came, on as many threads as made them and each its
 own, and nothing else. The factor says what a renderer that thinks at no cost would gain. No limit of depth, portals as
-the stages find them; CPU times of frames and rays by turns; median over seeds, least and largest. {aims(rows)}
+the stages find them; CPU times of frames and rays by turns; median over seeds, least and largest. As low
+as wanted: {sum(t.endswith(': met') for t in told)} of the {len(told)} that have an aim.
 
 ## One thread""",
         pages.table(("scene", "integrator", "rays of a sample", "shadow rays", "sample [ns]", "ray alone [ns]",
@@ -302,23 +259,22 @@ the stages find them; CPU times of frames and rays by turns; median over seeds, 
 
 As many times as fast as one: by CPU time, as if each thread had a core of its own (n times the CPU time of one over
 that of n), and by the clock. Wanted: two threads 1.9 times one on an idle machine.""",
-        quiet,
+        busy,
         pages.table(("scene", "integrator", "threads", "frame", "rays alone", "frame by the clock"),
                     thread_rows(frames)),
         f"""## What the rest is
 
 Shares of the time of `tdpt-render`, one thread, by function after inlining; {HOW[how]}.""",
-        profile_table(profiles),
+        pages.table(["part", *(f"{scene}, `{integrator}`" for scene, integrator in parts)],
+                    [[name, *(f"{of[name]:.0f} %" if of[name] >= 0.5 else "-" for of in parts.values())]
+                     for name, _, _ in PARTS]),
         'What was tried to make a sample cheaper, and what came of it: [guided.md](guided.md), "What a sample costs".')
 
 
 @settings(INTEGRATORS=Setting("nee,bdpt,tdpt-org,tdpt-guided", "of the frames"),
-          THREADS=Setting("1,2", "of the frames"),
-          SEEDS=Setting(5, "one frame each", 1),
-          WIDTH=Setting(240, "of the frames", 24),
-          SPP=Setting(8, "of the frames", 1),
-          PROFILED=Setting(("bdpt", "tdpt-guided"),
-                           "integrators with a profile"),
+          THREADS=Setting("1,2", "of the frames"), SEEDS=Setting(5, "one frame each", 1),
+          WIDTH=Setting(240, "of the frames", 24), SPP=Setting(8, "of the frames", 1),
+          PROFILED=Setting(("bdpt", "tdpt-guided"), "integrators with a profile"),
           PROFILE_SPP=Setting(32, "of that", 2),
           PERF=Setting("perf", "anything else than a program that works: callgrind"))
 def limit(bench):
@@ -347,7 +303,7 @@ def limit(bench):
         found = re.findall(r"^ *([0-9][0-9,]*)  [^:\n]*:(.*) \[(.*)\]$", told, re.M)
         return profile_of(f"{count}|{module}|{name}" for count, name, module in found)
 
-    for name, scene in scenes_of(bench, "two-rooms", "veach-ajar"):
+    for name, scene in bench.there(("two-rooms", "veach-ajar")).items():
         portal = bench.portals(scene).file
         loads.append(os.getloadavg()[0])
         frames += frames_of(checked([bench.store.program("limit_bench"), scene, portal, "--integrators", s.integrators,

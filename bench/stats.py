@@ -1,4 +1,5 @@
 """Means, errors and intervals of a few measurements; every function is one formula."""
+import functools
 import math
 from dataclasses import dataclass
 
@@ -21,17 +22,10 @@ def in_errors(a, b):
         return np.where(difference == 0, 0.0, difference / error)
 
 
-def percent(part, whole):
-    """0 % of nothing is 0; something of nothing is infinite."""
-    return 100 * part / whole if whole else 0.0 if not part else float("inf")
-
-
 def weighted_mean(values, weights):
     """Mean of pictures' means, weights: their samples per pixel; and the variance of one of weight 1."""
     mean = np.average(values, weights=weights)
-    if len(values) < 2:
-        return mean, 0.0
-    return mean, np.sum(weights * (values - mean) ** 2) / (len(values) - 1)
+    return mean, np.sum(weights * (values - mean) ** 2) / (len(values) - 1) if len(values) > 1 else 0.0
 
 
 def normal_tail(x):
@@ -42,19 +36,17 @@ def normal_tail(x):
 def t_tail(t, df):
     """Probability of more than t > 0 under Student's distribution with df = 1, 2, ... degrees of freedom
     (Abramowitz and Stegun 26.7.3, 26.7.4)."""
-    angle = math.atan(t / math.sqrt(df))
+    angle, odd = math.atan(t / math.sqrt(df)), df % 2
     c = math.cos(angle)
-    term = total = c if df % 2 else 1.0
-    for k in range(3 if df % 2 else 2, df - 1, 2):
+    term = total = c if odd else 1.0
+    for k in range(2 + odd, df - 1, 2):
         term *= c * c * (k - 1) / k
         total += term
-    if df % 2:
-        inside = 2 / math.pi * (angle + (math.sin(angle) * total if df > 1 else 0))
-    else:
-        inside = math.sin(angle) * total
-    return (1 - inside) / 2
+    inside = math.sin(angle) * total if df > 1 else 0
+    return (1 - (2 / math.pi * (angle + inside) if odd else inside)) / 2
 
 
+@functools.cache
 def t_quantile(tail, df):
     """The t > 0 with t_tail(t, df) = tail, by bisection."""
     low, high = 0.0, 1.0
@@ -64,47 +56,6 @@ def t_quantile(tail, df):
         middle = (low + high) / 2
         low, high = (middle, high) if t_tail(middle, df) > tail else (low, middle)
     return (low + high) / 2
-
-
-def expanded_tail(n):
-    """Share of a bootstrap's draws beyond each end of a 95 % interval from n values: percentiles widened to the t
-    distribution (Hesterberg, "What Teachers Should Know About the Bootstrap", 2015: expanded percentiles)."""
-    return normal_tail(math.sqrt(n / (n - 1)) * t_quantile(0.025, n - 1))
-
-
-def _ratios(above, below, rng):
-    """Of the means of draws with replacement; 0 or NO_BOUND where draws of theirs are not positive."""
-    means = [v[rng.integers(len(v), size=(DRAWS, len(v)))].mean(1) for v in (above, below)]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return np.where(means[1] <= 0, NO_BOUND, np.maximum(means[0], 0) / means[1])
-
-
-def _ends(draws, tail):
-    draws.sort()
-    level = int(tail * DRAWS)
-    return draws[level], draws[DRAWS - 1 - level]
-
-
-def ratio_interval(above, below, rng, tail=None):
-    """Ends of the 95 % interval of mean(above) / mean(below) by bootstrap. tail: share beyond each end, if not
-    expanded_tail's."""
-    if tail is None:
-        tail = expanded_tail(min(len(above), len(below)))
-    return _ends(_ratios(above, below, rng), tail)
-
-
-def geometric_interval(pairs, rng):
-    """The same of the geometric mean of such ratios, pairs: of (above, below), each drawn from by itself."""
-    draws = [_ratios(above, below, rng) for above, below in pairs]
-    with np.errstate(divide="ignore"):
-        means = np.exp(np.mean(np.log(draws), axis=0))
-    means[np.max(draws, axis=0) >= NO_BOUND] = NO_BOUND
-    return _ends(means, expanded_tail(min(len(v) for pair in pairs for v in pair)))
-
-
-def lower_median(values):
-    """The middle one, of an even number the smaller of the two."""
-    return sorted(values)[(len(values) - 1) // 2]
 
 
 @dataclass
@@ -121,30 +72,48 @@ class Ratio:
             return "-"
         if not math.isfinite(self.low):
             return form(self.value)
-        high = unbounded if self.high >= NO_BOUND else form(self.high)
-        return f"{form(self.value)} [{form(self.low)}, {high}]"
+        return f"{form(self.value)} [{form(self.low)}, {unbounded if self.high >= NO_BOUND else form(self.high)}]"
+
+    def percent(self):
+        return Ratio(100 * self.value, 100 * self.low, 100 * self.high)
+
+    def bounded(self):
+        """Without the interval where that has no end, or begins at 0."""
+        return self if self.low > 0 and self.high < NO_BOUND else Ratio(self.value)
 
 
-def ratio(above, below, seed=SEED):
-    """Of means; nan where one is not positive, as an error is that hides in a reference's noise."""
-    above, below = np.asarray(above, float), np.asarray(below, float)
-    if not (len(above) and len(below) and above.mean() > 0 and below.mean() > 0):
-        return Ratio()
-    value = above.mean() / below.mean()
-    if min(len(above), len(below)) < 2:
-        return Ratio(value)
-    return Ratio(value, *ratio_interval(above, below, np.random.default_rng(seed)))
+def interval(pairs, rng, tail=None):
+    """Ends of the 95 % interval of the geometric mean of mean(above) / mean(below) by bootstrap, pairs: of (above,
+    below), each drawn from by itself; 0 or NO_BOUND where draws are not positive. tail: share beyond each end; if not
+    given, percentiles widened to the t distribution (Hesterberg, "What Teachers Should Know About the Bootstrap", 2015:
+    expanded percentiles)."""
+    draws, n = [], min(len(v) for pair in pairs for v in pair)
+    for pair in pairs:
+        above, below = (v[rng.integers(len(v), size=(DRAWS, len(v)))].mean(1) for v in pair)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            draws.append(np.where(below <= 0, NO_BOUND, np.maximum(above, 0) / below))
+    means = np.prod(draws, axis=0) ** (1 / len(draws))
+    means[np.max(draws, axis=0) >= NO_BOUND] = NO_BOUND
+    means.sort()
+    level = int((tail or normal_tail(math.sqrt(n / (n - 1)) * t_quantile(0.025, n - 1))) * DRAWS)
+    return means[level], means[DRAWS - 1 - level]
 
 
 def geometric(pairs, seed=SEED):
-    """Geometric mean of the ratios of pairs of samples (above, below); nan where one of them is."""
+    """Geometric mean of the ratios of the means of pairs of samples (above, below); nan where one mean is not positive,
+    as an error is that hides in a reference's noise. Of single values no interval."""
     pairs = [tuple(np.asarray(v, float) for v in pair) for pair in pairs]
     if not pairs or any(not len(v) or v.mean() <= 0 for pair in pairs for v in pair):
         return Ratio()
-    value = math.exp(np.mean([math.log(a.mean() / b.mean()) for a, b in pairs]))
+    value = math.prod(a.mean() / b.mean() for a, b in pairs) ** (1 / len(pairs))
     if min(len(v) for pair in pairs for v in pair) < 2:
         return Ratio(value)
-    return Ratio(value, *geometric_interval(pairs, np.random.default_rng(seed)))
+    return Ratio(value, *interval(pairs, np.random.default_rng(seed)))
+
+
+def ratio(above, below, seed=SEED):
+    """Of two means."""
+    return geometric([(above, below)], seed)
 
 
 def wilson(hits, of):

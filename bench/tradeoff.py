@@ -1,8 +1,7 @@
 """Every knob that trades speed for accuracy, as curves: what is measured. tradeoff_page.py makes doc/tradeoff.md of
 it."""
-import csv
+import functools
 import itertools
-import json
 import math
 import random
 import re
@@ -10,7 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from common import HAVE_QUALITY, SEEDED, STAGES, TESTDATA, checked
+import pages
+from common import HAVE_QUALITY, SEEDED, STAGES, TESTDATA, Portals, checked
 from formats import exr_read, portals_glb, simplified
 
 # ---- What is measured: knobs with the values that their curves have, and scenes ----
@@ -70,7 +70,8 @@ KNOBS = (
 )
 DEPTHS = ("2", "3", "4", "6", "8", "12", "none")
 INTEGRATORS = ("nee", "bdpt", "tdpt-org", "tdpt", "tdpt-guided", "auto")
-WITHOUT_PORTALS = ("pt", "nee", "bdpt")
+WITHOUT_PORTALS = ("nee", "bdpt")
+GUIDED = ("--integrator", "tdpt-guided")
 LENGTHS = (1, 2, 4, 8, 16, 32, 64)  # samples per pixel, of the samples that a scene's pictures have: LENGTHS / 8
 
 
@@ -83,7 +84,6 @@ class Scene:
 
     name: str
     apertures: tuple = ()
-    paper: bool = False
     aperture: bool = True
 
     @property
@@ -104,14 +104,14 @@ SCENES = (
     Scene("three-rooms", (hole(2.05, 0.5), hole(4.15, 0.5))),
     Scene("half-metre-hole", (hole(2.05, 0.5),)),
     Scene("door-ajar"),
-    Scene("cornell-box-portal", (((1.01, 0.75, -0.25), (0, 0, 0.5), (0, 0.5, 0)),), paper=True),
-    Scene("veach-ajar", paper=True),
-    Scene("bathroom2-channel", paper=True),
+    Scene("cornell-box-portal", (((1.01, 0.75, -0.25), (0, 0, 0.5), (0, 0.5, 0)),)),
+    Scene("veach-ajar"),
+    Scene("bathroom2-channel"),
     Scene("living-room-lamps", aperture=False),
 )
 # Where portals are worth little or nothing: for the renderer's curves alone.
 OPEN = (Scene("window", (((2.05, 0.2, -0.8), (0, 0, 1.6), (0, 1.6, 0)),)), Scene("kitchen", aperture=False),
-        Scene("cornell-box", paper=True, aperture=False))
+        Scene("cornell-box", aperture=False))
 WHOLE = ("two-rooms-whole", "veach-ajar-whole", "kitchen-whole", "bathroom2-whole")
 
 # Rooms whose openings are known (libcommon/testing/rooms/known_rooms.h) that score portals, one by one.
@@ -133,28 +133,15 @@ class Reference:
 
     def __init__(self, a, b):
         self.a, self.b, self.r = a, b, (a + b) / 2
-        self.mean = np.abs(self.r).mean()
-        self.below = self.r**2 + 0.01 * self.mean**2
-        self.peak = np.abs(self.r).max()
-
-    @classmethod
-    def read(cls, stem):
-        return cls(*(exr_read(f"{stem}-{half}.exr")[0] for half in (1, 2)))
+        self.mean, self.peak = np.abs(self.r).mean(), np.abs(self.r).max()
 
     def measures(self, x):
         """relmse, mse, psnr [dB], mape [%], mean of picture x. mape holds the reference's noise."""
         square = (x - self.a) * (x - self.b)
         mse = square.mean()
-        return {"relmse": (square / self.below).mean(), "mse": mse,
+        return {"relmse": (square / (self.r**2 + 0.01 * self.mean**2)).mean(), "mse": mse,
                 "psnr": 10 * np.log10(self.peak**2 / mse) if mse > 0 else float("inf"),
                 "mape": 100 * (np.abs(x - self.r) / (np.abs(self.r) + 0.01 * self.mean)).mean(), "mean": x.mean()}
-
-    def black(self):
-        return self.measures(np.zeros_like(self.r))
-
-    def noise(self):
-        """relMSE of the reference itself: a quarter of the halves' distance."""
-        return ((self.a - self.b) ** 2 / 4 / self.below).mean()
 
 
 REFERENCES = TESTDATA / "references/efficiency"
@@ -167,54 +154,42 @@ class Tradeoff:
     def __init__(self, bench):
         self.bench, self.store, self.quick = bench, bench.store, bench.quick
         self.seeds, self.rooms = bench.settings.seeds, bench.settings.rooms
-        self.samples = SAMPLES // 4 if self.quick else SAMPLES
         self.lengths = LENGTHS[1::2] if self.quick else LENGTHS
-        self.files, self.references = {}, {}
-        for name in (*(s.name for s in self.wanted(SCENES + OPEN)), *WHOLE):
-            self.files[name] = bench.find(name)
-            if not self.files[name]:
-                bench.say(f"{name}: there is no {name.removesuffix('-whole')}.glb in SCENES, left out")
+        slow = ("bathroom2-channel", "half-metre-hole", "kitchen", "cornell-box") if self.quick else ()
+        wanted = [name for name in (*(s.name for s in SCENES + OPEN), *WHOLE) if name not in slow]
+        self.files = bench.there(wanted)
 
     def values(self, knob):
-        if not self.quick:
-            return knob.values
-        default = knob.values.index(knob.default)
-        return tuple(v for i, v in enumerate(knob.values) if abs(i - default) == 1 or i in (default, 0))
-
-    def wanted(self, scenes):
-        slow = ("bathroom2-channel", "half-metre-hole", "kitchen", "cornell-box") if self.quick else ()
-        return tuple(s for s in scenes if s.name not in slow)
+        at = knob.values.index(knob.default)
+        return tuple(v for i, v in enumerate(knob.values) if not self.quick or abs(i - at) == 1 or i in (at, 0))
 
     def scenes(self, scenes):
-        return tuple(s for s in self.wanted(scenes) if self.files[s.name])
+        return tuple(s for s in scenes if s.name in self.files)
 
+    @functools.cache
     def reference(self, scene):
         """(Reference, width, height, depth)"""
-        if scene not in self.references:
-            with open(REFERENCES / f"{scene}.json", encoding="utf-8") as file:
-                about = json.load(file)
-            self.references[scene] = (Reference.read(REFERENCES / scene), about["width"], about["height"],
-                                      about["max_depth"])
-        return self.references[scene]
+        about = pages.read_json(REFERENCES / f"{scene}.json")
+        halves = (exr_read(REFERENCES / f"{scene}-{half}.exr")[0] for half in (1, 2))
+        return Reference(*halves), about["width"], about["height"], about["max_depth"]
 
     def samples_of(self, scene):
         """Samples per pixel of its pictures: a power of two."""
         _, width, height, _ = self.reference(scene)
-        return max(1, 2 ** round(math.log2(self.samples / (width * height))))
+        return max(1, 2 ** round(math.log2(SAMPLES / (4 if self.quick else 1) / (width * height))))
 
-    def portal(self, path, seed, stage_options):
+    def portal(self, path, seed, options):
         """Portals of a scene by the four stages, one thread."""
-        options = {p: (*(("--seed", seed) if p in SEEDED else ()), *stage_options.get(p, ())) for p in STAGES}
-        return self.bench.portals(path, stage_options=options, threads=1)
+        return self.bench.portals(path, threads=1, options=lambda program: (
+            *(("--seed", seed) if program in SEEDED else ()), *options.get(program, ())))
 
     def picture(self, scene, seed, options, spp, portal=None):
         """A row of what a picture is, `options` of the renderer."""
         reference, width, height, depth = self.reference(scene)
         limit = () if depth is None or "--max-depth" in options else ("--max-depth", str(depth))
-        options = tuple(o for o in options if o not in ("--max-depth=none",))
         given = ("--portal", portal) if portal else ()
-        run = self.bench.render(self.files[scene], *given, *options, *limit, "--spp",
-                                spp, "--seed", seed, "--width", width, "--height", height)
+        run = self.bench.render(self.files[scene], *given, *options, *limit, "--spp", spp, "--seed", seed,
+                                "--width", width, "--height", height)
         rgb = exr_read(run.out)[0]
         return {"scene": scene, "seed": seed, "spp": spp, "cpu": run.said["cpu_seconds"], **reference.measures(rgb)}
 
@@ -227,91 +202,74 @@ class Tradeoff:
 
 
 # ---- What each table needs: functions of no arguments, each a list of rows ----
-def through(bench, scene, seed, portal, **words):
+def through(bench, scene, seed, found, **words):
     """The row of a picture through these portals."""
-    row = bench.picture(scene.name, 100 + seed, ("--integrator", "tdpt-guided"), bench.samples_of(scene.name), portal)
-    return {**words, **row}
+    row = bench.picture(scene.name, 100 + seed, GUIDED, bench.samples_of(scene.name), found.file)
+    return [{**words, "chain_cpu": found.cpu, "portals": found.count, **row}]
 
 
 def stage_settings(bench):
     """(knob's name, value, {program: options}) of all curves of the four stages; the default once."""
-    yield "default", "", {}
-    for knob in KNOBS:
-        if knob.program == RENDERER:
-            continue
-        for value in bench.values(knob):
-            if value != knob.default:
-                yield knob.name, value, knob.settings(value)
+    of = [(knob, v) for knob in KNOBS if knob.program != RENDERER for v in bench.values(knob) if v != knob.default]
+    return [("default", "", {}), *((knob.name, v, knob.settings(v)) for knob, v in of)]
 
 
 def portal_tasks(bench):
     """The true ones take their turn among the settings: what else the machine does slows all alike."""
-    settings_of = [("true", "", None), *stage_settings(bench)]
-    for seed, (knob, value, settings), scene in itertools.product(
-            range(1, bench.seeds + 1), settings_of, bench.scenes(SCENES)):
-        def task(seed=seed, knob=knob, value=value, settings=settings, scene=scene):
-            if settings is None:
-                portal, cpu, count = bench.true_portal(scene), 0, scene.openings
-            else:
-                found = bench.portal(bench.files[scene.name], seed, settings)
-                portal, cpu, count = found.file, found.cpu, found.count
-            return [through(bench, scene, seed, portal, knob=knob, value=value, chain_cpu=cpu, portals=count)]
-        yield task
+    def task(seed, knob, value, settings, scene):
+        found = Portals(bench.true_portal(scene), None, scene.openings, 0, None) if settings is None else \
+            bench.portal(bench.files[scene.name], seed, settings)
+        return through(bench, scene, seed, found, knob=knob, value=value)
+
+    for seed, setting, scene in itertools.product(
+            range(1, bench.seeds + 1), [("true", "", None), *stage_settings(bench)], bench.scenes(SCENES)):
+        yield functools.partial(task, seed, *setting, scene)
 
 
 def simplified_tasks(bench):
     """The four stages on scenes without their smallest triangles; the portal is used in the whole one."""
-    shares = (0.01, 0.1, 0.5) if bench.quick else SIMPLIFIED
-    for seed, share, scene in itertools.product(range(1, bench.seeds + 1), shares,
-                                                bench.scenes(SCENES)):
-        def task(seed=seed, share=share, scene=scene):
-            data, gone, of = simplified(bench.files[scene.name].read_bytes(), share)
-            path = bench.store.keep(("simplified", bench.store.sum_of(bench.files[scene.name]), share),
-                                    lambda p: p.write_bytes(data), ".glb")
-            found = bench.portal(path, seed, {})
-            return [through(bench, scene, seed, found.file, share=share, dropped=gone, triangles=of,
-                            chain_cpu=found.cpu, portals=found.count)]
-        yield task
+    def task(seed, share, scene):
+        data, gone, of = simplified(bench.files[scene.name].read_bytes(), share)
+        path = bench.store.keep(("simplified", bench.store.sum_of(bench.files[scene.name]), share),
+                                lambda p: p.write_bytes(data), ".glb")
+        return through(bench, scene, seed, bench.portal(path, seed, {}), share=share, dropped=gone, triangles=of)
+
+    for words in itertools.product(range(1, bench.seeds + 1), (0.01, 0.1, 0.5) if bench.quick else SIMPLIFIED,
+                                   bench.scenes(SCENES)):
+        yield functools.partial(task, *words)
 
 
 def picture_tasks(bench):
     """Curves of the renderer: error against time by integrator, what its knobs do at one length, and depth."""
     scenes = bench.scenes(SCENES + OPEN)
 
-    def found(scene):
-        return bench.portal(bench.files[scene.name], 1, {}).file if scene.aperture else None
+    def black(scene):
+        reference = bench.reference(scene.name)[0]
+        return [{"knob": "black", "value": "", "scene": scene.name, "seed": 0, "spp": 0, "cpu": 0,
+                 **reference.measures(np.zeros_like(reference.r))}]
 
-    def task_of(scene, seed, options, spp, knob, value, with_portals=True):
-        def task():
-            portal = found(scene) if with_portals else None
-            return [{"knob": knob, "value": value, **bench.picture(scene.name, seed, options, spp, portal)}]
-        return task
+    def picture(knob, value, scene, seed, spp, *options, with_portals=True):
+        portal = bench.portal(bench.files[scene.name], 1, {}).file if scene.aperture and with_portals else None
+        return [{"knob": knob, "value": value, **bench.picture(scene.name, seed, options, spp, portal)}]
 
-    def black_of(scene):
-        nothing = {"scene": scene.name, "seed": 0, "spp": 0, "cpu": 0}
-        return lambda: [{"knob": "black", "value": "", **nothing, **bench.reference(scene.name)[0].black()}]
-
-    yield from map(black_of, scenes)
+    yield from (functools.partial(black, scene) for scene in scenes)
     for seed in range(1, bench.seeds + 1):
         for length, integrator, scene in itertools.product(bench.lengths, INTEGRATORS, scenes):
             spp = bench.samples_of(scene.name) * length / 8
             if spp >= 1 and (scene.aperture or not integrator.startswith("tdpt")):
                 # Pictures of one seed begin with the same samples: each length has its own.
-                yield task_of(scene, 1000 * length + seed, ("--integrator", integrator), int(spp), "integrator",
-                              integrator, integrator not in WITHOUT_PORTALS)
-        for knob in KNOBS:
-            if knob.program != RENDERER:
-                continue
-            for value, scene in itertools.product(bench.values(knob), scenes):
-                if scene.aperture:
-                    options = ("--integrator", "tdpt-guided", *(knob.arguments(value) if value != knob.default else ()))
-                    yield task_of(scene, 500 + seed, options, bench.samples_of(scene.name), knob.name, value)
+                yield functools.partial(picture, "integrator", integrator, scene, 1000 * length + seed, int(spp),
+                                        "--integrator", integrator, with_portals=integrator not in WITHOUT_PORTALS)
+        for knob in (k for k in KNOBS if k.program == RENDERER):
+            for value, scene in itertools.product(bench.values(knob), (s for s in scenes if s.aperture)):
+                yield functools.partial(picture, knob.name, value, scene, 500 + seed, bench.samples_of(scene.name),
+                                        *GUIDED, *(knob.arguments(value) if value != knob.default else ()))
         for depth, name in itertools.product(DEPTHS, WHOLE[:: 2 if bench.quick else 1]):
             scene = Scene(name, aperture=not name.startswith(("kitchen", "bathroom2")))
-            if bench.files[name]:
-                limit = ("--max-depth=none",) if depth == "none" else ("--max-depth", depth)
-                yield task_of(scene, 700 + seed, ("--integrator", "auto", *limit), bench.samples_of(name),
-                              "tdpt-render --max-depth", depth)
+            if name in bench.files:
+                limit = () if depth == "none" else ("--max-depth", depth)
+                yield functools.partial(picture, "tdpt-render --max-depth", depth, scene, 700 + seed,
+                                        bench.samples_of(name), "--integrator", "auto", *limit)
 
 
 ROOM = re.compile(r"(ok|MISS)\s+(\S+)\s+(\d+)\s+portals (\d+)/(\d+)\s+coverage (\S+)\s+tightness (\S+)\s+"
@@ -327,36 +285,27 @@ def rooms_of(text):
 def room_tasks(bench):
     programs = bench.store.programs
     sums = [bench.store.sum_of(programs / p) for p in ("portals_bench", *STAGES)]
-    for (knob, value, settings), kind in itertools.product(list(stage_settings(bench)), KINDS):
-        def task(knob=knob, value=value, settings=settings, kind=kind):
-            command = [programs / "portals_bench", programs, "--rooms", bench.rooms, "--seed", 1801, "--jobs", 1,
-                       "--kinds", kind]
-            for program, options in settings.items():
-                command += [f"--{program}", " ".join(options)]
 
-            def make(path):
-                path.write_text(checked(command, may_fail=(1,)).errors)
-            text = bench.store.keep((*sums, *command[2:]), make).read_text()
-            return [{"knob": knob, "value": value, **row} for row in rooms_of(text)]
-        yield task
+    def task(knob, value, settings, kind):
+        command = [programs / "portals_bench", programs, "--rooms", bench.rooms, "--seed", 1801, "--jobs", 1,
+                   "--kinds", kind]
+        for program, options in settings.items():
+            command += [f"--{program}", " ".join(options)]
+        text = bench.store.keep((*sums, *command[2:]),
+                                lambda path: path.write_text(checked(command, may_fail=(1,)).errors)).read_text()
+        return [{"knob": knob, "value": value, **row} for row in rooms_of(text)]
+
+    for setting, kind in itertools.product(stage_settings(bench), KINDS):
+        yield functools.partial(task, *setting, kind)
 
 
 TABLES = {"portals": portal_tasks, "pictures": picture_tasks, "rooms": room_tasks, "simplified": simplified_tasks}
 
 
-def write_rows(path, rows):
-    with open(path, "w", newline="", encoding="utf-8") as file:
-        table = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
-        table.writeheader()
-        table.writerows({k: "%.6g" % v if isinstance(v, float) else v for k, v in row.items()} for row in rows)
-
-
 def run_all(bench, name, tasks):
-    """Their rows in order. They are run in another one, always the same, so that settings that are compared are not
-    measured one after the other."""
+    """Their rows in order. They are run in another one, always the same, so that what is compared is not measured one
+    after the other."""
     order = list(range(len(tasks)))
     random.Random(name).shuffle(order)
-    rows = [None] * len(tasks)
-    for i, found in zip(order, bench.side_by_side([tasks[i] for i in order])):
-        rows[i] = found
-    return [row for of_task in rows for row in of_task]
+    found = dict(zip(order, bench.side_by_side([tasks[i] for i in order])))
+    return [row for i in range(len(tasks)) for row in found[i]]

@@ -14,27 +14,28 @@ import numpy as np
 
 import pages
 import stats
-from common import STAGES, Setting, cores, settings
+from common import CORES, STAGES, Setting, settings
 from pages import hundredths, table
-from tradeoff import CHAIN, DEPTHS, INTEGRATORS, KNOBS, RENDERER, TABLES, Tradeoff, run_all, write_rows
+from tradeoff import CHAIN, DEPTHS, INTEGRATORS, KNOBS, RENDERER, TABLES, Tradeoff, run_all
 
 RENDERS = (10, 100, 1000)  # R [CPU s]
+DEFAULT, TRUE = ("default", ""), ("true", "")
+DEPTH = "tdpt-render --max-depth"
+WORDED = ("knob", "value", "scene", "kind", "verdict")  # columns that are no numbers
 
 
 def read(path):
     """Rows as dictionaries; numbers as such."""
-    def value(text):
-        try:
-            return float(text)
-        except ValueError:
-            return text
     with open(path, newline="", encoding="utf-8") as file:
-        return [{k: v if k in ("knob", "value", "scene", "kind", "verdict") else value(v) for k, v in row.items()}
-                for row in csv.DictReader(file)]
+        return [{k: v if k in WORDED or not v else float(v) for k, v in row.items()} for row in csv.DictReader(file)]
 
 
 def cost(rows):
     return [r["relmse"] * r["cpu"] for r in rows]
+
+
+def mean(rows, field):
+    return float(np.mean([r[field] for r in rows]))
 
 
 def by(rows, *names):
@@ -45,38 +46,38 @@ def by(rows, *names):
 
 
 class PortalCurves:
-    """Of the four stages: rows of portals.csv, and of rooms.csv for the scores."""
+    """Of the four stages: rows of portals.csv, and of rooms.csv for the scores. A setting: (knob, value)."""
 
     def __init__(self, rows, rooms):
-        self.by = by(rows, "knob", "value", "scene")
-        self.rooms = by(rooms, "knob", "value")
+        self.by, self.rooms = by(rows, "knob", "value", "scene"), by(rooms, "knob", "value")
         self.scenes = list(dict.fromkeys(r["scene"] for r in rows))
 
     def rows(self, setting, scene):
         return self.by.get((*setting, scene), [])
 
+    def settings(self, knob):
+        """{value: setting} of what was measured of a knob, from cheap to dear."""
+        of = {value: DEFAULT if value == knob.default else (knob.name, value) for value in knob.values}
+        return {v: setting for v, setting in of.items() if any(self.rows(setting, s) for s in self.scenes)}
+
     def loss(self, setting, scenes=None):
         """Cost of pictures through its portals over that through the true ones: 1 is as good as can be."""
-        return stats.geometric(
-            [(cost(self.rows(setting, s)),
-              cost(self.rows(("true", ""),
-                             s))) for s in scenes or self.scenes])
+        return stats.geometric([(cost(self.rows(setting, s)), cost(self.rows(TRUE, s))) for s in scenes or self.scenes])
 
     def chain(self, setting, scene=None):
         """CPU seconds of the four stages, mean over scenes."""
-        scenes = [scene] if scene else self.scenes
-        return float(np.mean([np.mean([r["chain_cpu"] for r in self.rows(setting, s)]) for s in scenes]))
+        return float(np.mean([mean(self.rows(setting, s), "chain_cpu") for s in ([scene] if scene else self.scenes)]))
 
     def total(self, setting, render):
         """Geometric mean over the scenes of total(v, R)."""
         def of(scene):
-            loss = np.mean(cost(self.rows(setting, scene))) / np.mean(cost(self.rows(("true", ""), scene)))
+            loss = np.mean(cost(self.rows(setting, scene))) / np.mean(cost(self.rows(TRUE, scene)))
             return self.chain(setting, scene) + render * loss
         return math.exp(np.mean([math.log(of(s)) for s in self.scenes]))
 
     def found(self, setting):
         """Share of the runs that found as many portals as there are, where that is known."""
-        rows = [(r, t) for s in self.scenes for r in self.rows(setting, s) for t in self.rows(("true", ""), s)[:1]
+        rows = [(r, t) for s in self.scenes for r in self.rows(setting, s) for t in self.rows(TRUE, s)[:1]
                 if t["portals"] != ""]
         return stats.wilson(sum(r["portals"] == t["portals"] for r, t in rows), len(rows))
 
@@ -85,51 +86,51 @@ class PortalCurves:
         rows = self.rooms.get(setting, [])
         return stats.wilson(sum(r["verdict"] == "ok" for r in rows), len(rows))
 
-    def changed(self, setting, other=("default", "")):
-        """(kinds of the rooms that are wrong by it and right by the other, kinds of those the other way round)"""
+    def changed(self, setting):
+        """The kinds of rooms that it loses (-) and wins (+), in words."""
         here, there = ({(r["kind"], r["seed"]): r["verdict"] == "ok" for r in self.rooms.get(s, [])}
-                       for s in (setting, other))
-        both = [room for room in here if room in there]
-        return ([kind for kind, seed in both if there[kind, seed] and not here[kind, seed]],
-                [kind for kind, seed in both if here[kind, seed] and not there[kind, seed]])
+                       for s in (setting, DEFAULT))
+        words = []
+        for sign, right in (("-", there), ("+", here)):
+            kinds = [room[0] for room in here if room in there and here[room] != there[room] and right[room]]
+            words += [f"{sign}{kinds.count(kind)} {kind}" for kind in dict.fromkeys(kinds)]
+        return ", ".join(words)
 
-    def room_median(self, setting, field):
+    def over_rooms(self, average, setting, field):
         rows = self.rooms.get(setting, [])
-        return float(np.median([r[field] for r in rows])) if rows else math.nan
-
-    def room_cpu(self, setting):
-        rows = self.rooms.get(setting, [])
-        return float(np.mean([r["cpu"] for r in rows])) if rows else math.nan
+        return float(average([r[field] for r in rows])) if rows else math.nan
 
 
 class PictureCurves:
     """Of the renderer: rows of pictures.csv."""
 
     def __init__(self, rows):
-        self.by = by(rows, "knob", "value", "scene")
-        self.all = rows
+        self.all, self.by = rows, by(rows, "knob", "value", "scene")
 
     def scenes(self, knob):
         return list(dict.fromkeys(r["scene"] for r in self.all if r["knob"] == knob))
 
-    def points(self, scene, integrator, error="relmse"):
-        """[(CPU s, error, low, high)] by length."""
+    def knobs(self):
+        """(knob, its scenes, its values) of those that were measured."""
+        for knob in KNOBS:
+            scenes = self.scenes(knob.name) if knob.program == RENDERER else []
+            if scenes:
+                yield knob, scenes, [v for v in knob.values if (knob.name, v, scenes[0]) in self.by]
+
+    def points(self, scene, integrator):
+        """[(CPU s, relMSE, low, high)] by length."""
         found = []
         for _, rows in sorted(by(self.by.get(("integrator", integrator, scene), []), "spp").items()):
-            values = np.array([r[error] for r in rows])
-            mean = values.mean()
-            half = stats.t_quantile(0.025, len(values) - 1) * values.std(ddof=1) / math.sqrt(len(values)) \
-                if len(values) > 1 else math.nan
-            found.append((np.mean([r["cpu"] for r in rows]), mean, max(mean - half, 0.05 * mean), mean + half))
+            values = np.array([r["relmse"] for r in rows])
+            middle, n = values.mean(), len(values)
+            half = stats.t_quantile(0.025, n - 1) * values.std(ddof=1) / math.sqrt(n) if n > 1 else math.nan
+            found.append((mean(rows, "cpu"), middle, max(middle - half, 0.05 * middle), middle + half))
         return found
 
-    def relative(self, knob, value, default, scenes=None):
+    def relative(self, knob, value, scenes=None):
         """Cost over that of the default."""
-        scenes = scenes or self.scenes(knob)
-        return stats.geometric([(cost(self.by[knob, value, s]), cost(self.by[knob, default, s])) for s in scenes])
-
-    def mean(self, knob, value, scene, field):
-        return float(np.mean([r[field] for r in self.by[knob, value, scene]]))
+        return stats.geometric([(cost(self.by[knob.name, value, s]), cost(self.by[knob.name, knob.default, s]))
+                                for s in scenes or self.scenes(knob.name)])
 
     def longest(self, scene, integrator):
         """Rows of the longest pictures."""
@@ -137,90 +138,69 @@ class PictureCurves:
         most = max((r["spp"] for r in rows), default=0)
         return [r for r in rows if r["spp"] == most]
 
-    def pays_from(self, scene, chain, without="bdpt", through="auto"):
-        """CPU seconds of a picture without portals from which on finding them pays: chain / (1 - cost through / cost
-        without). None: never."""
-        a, b = cost(self.longest(scene, through)), cost(self.longest(scene, without))
-        if not a or not b:
-            return None
-        gain = np.mean(b) / np.mean(a)
+    def pays_from(self, scene, chain, through="auto"):
+        """CPU seconds of bdpt's picture from which on finding portals pays; None: never."""
+        a, b = cost(self.longest(scene, through)), cost(self.longest(scene, "bdpt"))
+        gain = np.mean(b) / np.mean(a) if a and b else 0
         return chain / (1 - 1 / gain) if gain > 1 else None
 
 
 # ---- Figures ----
-LOG = {"x": "set logscale x", "y": "set logscale y", "xy": "set logscale xy"}
-
-
-def settings_of(curves, knob):
-    """((name, value) or the default, value) of what was measured of a knob, from cheap to dear."""
-    found = []
-    for value in knob.values:
-        setting = ("default", "") if value == knob.default else (knob.name, value)
-        if any(curves.rows(setting, s) for s in curves.scenes):
-            found.append((setting, value))
-    return found
-
-
+LOG = "set logscale xy"
+TENS = 'set format y "10^{%T}"'
 FEW_RATIOS = "0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10"
-TIMELESS = 1.05  # between the least and the most time of a knob's values
 RATIOS = "0.2, 0.3, 0.5, 0.7, 1, 1.5, 2, 3, 5, 10, 20, 50, 100"
+TIMELESS = 1.05  # between the least and the most time of a knob's values
+
+
+def ratios(values, most):
+    return "set logscale y", f"set ytics ({RATIOS}); set yrange " + pages.span(values, 0.7, most)
 
 
 def labels(block):
     """Names at points, above and below by turns: neighbours may be near."""
-    return ['%s every 2::%d using 1:2:5 with labels %s rotate by 40 offset %s font ",9" notitle' % (block, first,
-                                                                                                    side, offset)
-            for first, side, offset in ((0, "left", "0.3,0.7"), (1, "right", "-0.3,-0.7"))]
+    return ['%s every 2::%d using 1:2:5 with labels %s rotate by 40 offset %s font ",9" notitle' % (block, *of)
+            for of in ((0, "left", "0.3,0.7"), (1, "right", "-0.3,-0.7"))]
 
 
 def stage_figure(curves, program):
     """For each knob two panels: what pictures through its portals cost, and the rooms that are right, against time over
     that of the default; of a knob that costs no time, against its values."""
-    default = ("default", "")
-
     figure = pages.Figure(4)
-    for knob in KNOBS:
-        settings = settings_of(curves, knob) if knob.program == program else []
-        if not settings:
+    for knob in (k for k in KNOBS if k.program == program):
+        of = curves.settings(knob)
+        if not of:
             continue
-        loss = {s: curves.loss(s) for s, _ in settings}
-        places = {s: i for i, (s, _) in enumerate(settings)}
-        seconds = [curves.chain(s) for s, _ in settings]
+        seconds = [curves.chain(s) for s in of.values()]
         timeless = max(seconds) < TIMELESS * min(seconds)
+        places = {s: i for i, s in enumerate(of.values())}
 
         def over(time, setting):
-            return places[setting] if timeless else time(setting) / time(default)
+            return places[setting] if timeless else time(setting) / time(DEFAULT)
 
-        def chain(setting, scene=None):
-            return over(lambda s: curves.chain(s, scene), setting)
+        def facts(time, ratio_of):
+            """Places, values with their intervals, names."""
+            return [(over(time, s), e.value, e.low, e.high, '"%s"' % pages.short(v))
+                    for v, s in of.items() for e in (ratio_of(s),)]
 
-        each = [[(chain(s, scene), curves.loss(s, [scene]).value) for s, _ in settings] for scene in curves.scenes]
-        every = [point for points in each for point in points]
-        times = [x for x, _ in every]
-        wide = not timeless and max(times) > 6 * min(times)
-        across = (
-            f"set xtics ({FEW_RATIOS if wide else RATIOS}); set logscale x; set xrange " +pages.span(
-                times, 0.8, 1.25)
-            if not timeless else "set xtics (%s); set xrange [-0.5:%g]" %
-            (", ".join('"%s" %d' % (pages.short(v),
-                                   i) for i, (_, v) in enumerate(settings)),
-             len(settings) -0.5))
-        costs = [(chain(s), loss[s].value, loss[s].low, loss[s].high, '"%s"' % pages.short(v)) for s, v in settings]
-        rooms = [(over(curves.room_cpu, s), *(100 * x for x in (e.value, e.low, e.high)), '"%s"' % pages.short(v))
-                 for s, v in settings for e in (curves.right(s),)]
-        here = [value for _, value in settings].index(knob.default)
+        each = [[(over(lambda s: curves.chain(s, scene), s), curves.loss(s, [scene]).value) for s in of.values()]
+                for scene in curves.scenes]
+        times, losses = zip(*(point for points in each for point in points))
+        few = FEW_RATIOS if max(times) > 6 * min(times) else RATIOS
+        across = pages.ticks([*map(pages.short, of)]) if timeless else \
+            f"set xtics ({few}); set logscale x; set xrange " + pages.span(times, 0.8, 1.25)
+        costs = facts(curves.chain, curves.loss)
+        rooms = facts(lambda s: curves.over_rooms(np.mean, s, "cpu"), lambda s: curves.right(s).percent())
         for words, y, points, lines, ranges in (
                 ("pictures", "cost / through the true opening", costs, [pages.thin(figure.block(p)) for p in each],
-                 (LOG["y"], f"set ytics ({RATIOS}); set yrange " + pages.span([y for _, y in every], 0.7, 3))),
+                 ratios(losses, 3)),
                 ("rooms", "rooms right [%]", rooms, [], ("set yrange [0:119]",))):
             block = figure.block(points)
-            figure.panel(
-                f"{knob.name}: {words}", knob.unit or "value"
-                if timeless else "time of the four stages / at the default", y,
-                [*lines, *pages.bars(block, 0, 2, not knob.words),
-                 pages.ring(figure.block([points[here] [: 2]])),
-                 *([] if timeless else labels(block))],
-                (*ranges, across))
+            ring = pages.ring(figure.block([points[list(of).index(knob.default)][:2]]))
+            figure.panel(f"{knob.name}: {words}",
+                         knob.unit or "value" if timeless else "time of the four stages / at the default", y,
+                         [*lines, *pages.bars(block, 0, 2, not knob.words), ring,
+                          *([] if timeless else labels(block))], (*ranges, across))
     return figure
 
 
@@ -231,227 +211,162 @@ def integrators_figure(curves):
         drawn = []
         for k, integrator in enumerate(INTEGRATORS):
             points = curves.points(scene, integrator)
-            if points:
-                drawn += pages.bars(figure.block(points), k, 1.5)
-        figure.panel(scene, "CPU seconds", "relMSE", drawn, (LOG["xy"], 'set format y "10^{%T}"'))
-    figure.key(['NaN with linespoints %s title "%s"' % (pages.style(k), i) for k, i in enumerate(INTEGRATORS)])
+            drawn += pages.bars(figure.block(points), k) if points else []
+        figure.panel(scene, "CPU seconds", "relMSE", drawn, (LOG, TENS))
+    figure.key([pages.keyed(k, i) for k, i in enumerate(INTEGRATORS)])
     return figure
 
 
 def renderer_figure(curves):
     """Cost of each value of a knob over that of the default."""
     figure = pages.Figure(3)
-    for knob in KNOBS:
-        scenes = curves.scenes(knob.name)
-        if knob.program != RENDERER or not scenes:
-            continue
-        values = [v for v in knob.values if (knob.name, v, scenes[0]) in curves.by]
-        lines = []
-        for scene in scenes:
-            lines.append(pages.thin(figure.block([(i, curves.relative(knob.name, v, knob.default, [scene]).value)
-                                                  for i, v in enumerate(values)])))
-        every = [curves.relative(knob.name, v, knob.default, [s]).value for v in values for s in scenes]
-        mean = [(i, e.value, e.low, e.high) for i, e in
-                enumerate(curves.relative(knob.name, v, knob.default) for v in values)]
-        ticks = "set xtics (%s)" % ", ".join('"%s" %d' % (v, i) for i, v in enumerate(values))
-        marks = figure.block([mean[values.index(knob.default)][:2]])
-        figure.panel(
-            knob.name, knob.unit or "heuristic", "cost / at the default", lines +pages.bars(
-                figure.block(mean),
-                0, 2, not knob.words) +[pages.ring(marks)],
-            (LOG["y"],
-             ticks, "set xrange [-0.5:%g]" % (len(values) -0.5),
-             f"set ytics ({RATIOS}); set yrange " +pages.span(every, 0.7, 2)))
+    for knob, scenes, values in curves.knobs():
+        each = [[(i, curves.relative(knob, v, [scene]).value) for i, v in enumerate(values)] for scene in scenes]
+        lines = [pages.thin(figure.block(points)) for points in each]
+        means = [(i, e.value, e.low, e.high) for i, e in enumerate(curves.relative(knob, v) for v in values)]
+        ring = pages.ring(figure.block([means[values.index(knob.default)][:2]]))
+        figure.panel(knob.name, knob.unit or "heuristic", "cost / at the default",
+                     [*lines, *pages.bars(figure.block(means), 0, 2, not knob.words), ring],
+                     (*ratios([y for points in each for _, y in points], 2), pages.ticks(values)))
     return figure
 
 
 def chain_figure(pictures, portals):
-    """Total time to an error, the four stages included: what was measured, and from the longest pictures on as 1 /
-    time."""
+    """Total time to an error, the four stages included: as measured, then as 1 / time from the longest pictures on."""
     figure = pages.Figure(4)
-    lines = (("bdpt", False, 0), ("tdpt-guided", True, 4), ("auto", True, 5))
+    lines = (("bdpt", "", 0), ("tdpt-guided", ", portals found first", 4), ("auto", ", portals found first", 5))
     for scene in (s for s in portals.scenes if pictures.longest(s, "tdpt-guided")):
         drawn, every = [], []
-        for integrator, through, k in lines:
-            extra = portals.chain(("default", ""), scene) if through else 0
-            points = [(t + extra, e, low, high) for t, e, low, high in pictures.points(scene, integrator)]
+        for integrator, first, k in lines:
+            extra = portals.chain(DEFAULT, scene) if first else 0
+            points = [(t + extra, *errors) for t, *errors in pictures.points(scene, integrator)]
             if not points:
                 continue
             seconds, error = points[-1][0] - extra, points[-1][1]
             ahead = [(seconds * 2**i + extra, error / 2**i) for i in range(13) if seconds * 2**i < 2000]
-            drawn += pages.bars(figure.block(points), k, 1.5, False)
-            drawn.append(
-                f"{figure.block([p[:2] for p in points] + ahead)} using 1:2 with lines {pages.line(k)} notitle")
-            every += [e for _, e, _, _ in points]
-        figure.panel(
-            scene, "CPU seconds from .glb to picture", "relMSE", drawn,
-            (LOG["xy"],
-             'set format y "10^{%T}"', "set xrange [0.03:2000]", "set yrange [1e-4:%g]" % (2 * max(every))))
-    figure.key(['NaN with linespoints %s title "%s"' % (pages.style(k), i + (", portals found first" if p else ""))
-                for i, p, k in lines])
+            drawn += pages.bars(figure.block(points), k, lines=False)
+            drawn.append(pages.line(figure.block([p[:2] for p in points] + ahead), k))
+            every += [p[1] for p in points]
+        figure.panel(scene, "CPU seconds from .glb to picture", "relMSE", drawn,
+                     (LOG, TENS, "set xrange [0.03:2000]", "set yrange [1e-4:%g]" % (2 * max(every))))
+    figure.key([pages.keyed(k, i + first) for i, first, k in lines])
     return figure
 
 
-def simplified_figure(rows, portals):
-    """Cost through portals that were found without the smallest triangles, against the share of the area that they
-    make."""
-    figure = pages.Figure(2, 500, 380)
-    drawn, key = [], []
-    for k, scene in enumerate(portals.scenes):
-        points = []
-        for share in sorted({r["share"] for r in rows}):
-            loss = stats.ratio(cost([r for r in rows if r["scene"] == scene and r["share"] == share]),
-                                   cost(portals.rows(("true", ""), scene)))
-            points.append((100 * share, loss.value, loss.low, loss.high))
-        drawn += pages.bars(figure.block(points), k, 1.5)
-        key.append('NaN with linespoints %s title "%s"' % (pages.style(k), scene))
-    figure.panel("Portals of simplified scenes",
-                 "area of the triangles left out [%]", "cost / through the true opening", drawn, (LOG["xy"],))
-    figure.key(key)
+def simplified_losses(rows, portals):
+    """{scene: {share: (loss, rows)}}"""
+    groups = by(rows, "scene", "share")
+    return {s: {share: (stats.ratio(cost(groups[s, share]), cost(portals.rows(TRUE, s))), groups[s, share])
+                for share in sorted({r["share"] for r in rows})} for s in portals.scenes}
+
+
+def simplified_figure(losses):
+    """Cost through portals found without the smallest triangles, against the share of the area that they make."""
+    figure, drawn = pages.Figure(2, 500, 380), []
+    for k, of in enumerate(losses.values()):
+        points = [(100 * share, loss.value, loss.low, loss.high) for share, (loss, _) in of.items()]
+        drawn += pages.bars(figure.block(points), k)
+    figure.panel("Portals of simplified scenes", "area of the triangles left out [%]",
+                 "cost / through the true opening", drawn, (LOG,))
+    figure.key([pages.keyed(k, scene) for k, scene in enumerate(losses)])
     return figure
 
 
 # ---- Page ----
-DEFAULT, TRUE = ("default", ""), ("true", "")
-
-
-def interval(e, percent=False):
-    if percent:
-        return stats.Ratio(*(100 * x for x in (e.value, e.low, e.high))).text(lambda x: "%.0f" % x)
-    return e.text(hundredths)
-
-
 def bold_least(values):
     """As text, the least in bold, and those that are within half a per cent of it."""
-    least = min(values)
-    return [("**%s**" if v <= 1.005 * least else "%s") % hundredths(v) for v in values]
+    return [("**%s**" if v <= 1.005 * min(values) else "%s") % hundredths(v) for v in values]
 
 
-def changed_words(curve, setting):
-    """The kinds of rooms that a setting loses (-) and wins (+)."""
-    return ", ".join(f"{sign}{kinds.count(kind)} {kind}" for sign, kinds in zip("-+", curve.changed(setting))
-                     for kind in dict.fromkeys(kinds))
+def title(knob):
+    return f"### {knob.name}" + (f" [{knob.unit}]" if knob.unit else "")
 
 
-def verdict(knob, settings, curve):
+def named(knob, value):
+    return value + (" (default)" if value == knob.default else "")
+
+
+def verdict(knob, curve):
     """Where the default lies: its total over the least, at each length."""
     says = []
     for render in RENDERS:
-        totals = {value: curve.total(setting, render) for setting, value in settings}
+        totals = {value: curve.total(setting, render) for value, setting in curve.settings(knob).items()}
         best = min(totals, key=totals.get)
-        if knob.default in totals:
-            over = totals[knob.default] / totals[best]
-            says.append(f"{render} s: " + ("the best" if best ==
-                        knob.default else f"{hundredths(over)} of that of `{best}`"))
+        over = f"{hundredths(totals[knob.default] / totals[best])} of that of `{best}`"
+        says.append(f"{render} s: " + ("the best" if best == knob.default else over))
     return "Total time of the default, by R. " + "; ".join(says) + "."
 
 
 def summary_section(portals, pictures):
     """Where each default lies: what is best at each R, and the default's total over that one's."""
     rows = []
-    for knob in KNOBS:
-        cells = [f"`{knob.name}`", knob.default]
-        if knob.program == RENDERER:
-            scenes = pictures.scenes(knob.name)
-            if not scenes:
-                continue
-            each = {v: pictures.relative(knob.name, v, knob.default).value for v in knob.values
-                    if (knob.name, v, scenes[0]) in pictures.by}
-            value = min(each, key=each.get)
-            rows.append([*cells, *["" if value == knob.default else f"`{value}`, {hundredths(1 / each[value])}"] * 3])
-            continue
-        settings = settings_of(portals, knob)
-        if not settings:
-            continue
-        for render in RENDERS:
-            totals = {v: portals.total(s, render) for s, v in settings}
-            value = min(totals, key=totals.get)
-            cells.append(
-                "" if value ==knob.default else f"`{value}`, {hundredths(totals[knob.default] / totals[value])}")
-        rows.append(cells)
+
+    def better(knob, totals):
+        """Words about the least of {value: total}."""
+        value = min(totals, key=totals.get)
+        return "" if value == knob.default else f"`{value}`, {hundredths(totals[knob.default] / totals[value])}"
+
+    for knob in (k for k in KNOBS if k.program != RENDERER):
+        of = portals.settings(knob)
+        if of:
+            rows.append([f"`{knob.name}`", knob.default,
+                         *(better(knob, {v: portals.total(s, render) for v, s in of.items()}) for render in RENDERS)])
+    for knob, _, values in pictures.knobs():
+        each = {v: 1 if v == knob.default else pictures.relative(knob, v).value for v in values}
+        rows.append([f"`{knob.name}`", knob.default, *[better(knob, each)] * 3])
     return table(("knob", "default", *(f"better at {r} s" for r in RENDERS)), rows)
 
 
 def stage_section(program, curve):
-    picture = picture_of(program)
-    lines = [f"## {program}", "", f"![Cost and rooms against time for each knob of {program}]({picture})"]
+    picture, lines = picture_of(program), []
+    heads = ("value", "CPU s", "cost / through the true opening", "right number [%]", "rooms right [%]",
+             "rooms lost, won", "coverage", "tightness", *(f"total at {r} s" for r in RENDERS))
+    whole = "%.0f".__mod__
     for knob in KNOBS:
-        settings = settings_of(curve, knob) if knob.program == program else []
-        if not settings:
+        of = curve.settings(knob) if knob.program == program else {}
+        if not of:
             continue
-        totals = [bold_least([curve.total(s, render) for s, _ in settings]) for render in RENDERS]
-        rows = []
-        for i, (setting, value) in enumerate(settings):
-            rows.append(
-                [value +(" (default)" if value ==knob.default else ""),
-                 hundredths(curve.chain(setting)),
-                 interval(curve.loss(setting)),
-                 interval(curve.found(setting),
-                          True),
-                 interval(curve.right(setting),
-                          True),
-                 changed_words(curve, setting),
-                 "%.4f" % curve.room_median(setting, "coverage"),
-                 "%.3f" % curve.room_median(setting, "tightness"),
-                 *(t[i] for t in totals)])
-        lines +=["", f"### {knob.name}" +(f" [{knob.unit}]" if knob.unit else ""),
-                 "",
-                 table(
-                     ("value", "CPU s", "cost / through the true opening", "right number [%]", "rooms right [%]",
-                      "rooms lost, won", "coverage", "tightness", *(f"total at {r} s" for r in RENDERS)),
-                     rows),
-                 "", verdict(knob, settings, curve)]
-    return lines
+        totals = zip(*(bold_least([curve.total(s, render) for s in of.values()]) for render in RENDERS))
+        rows = [[named(knob, value), hundredths(curve.chain(s)), curve.loss(s).text(hundredths),
+                 curve.found(s).percent().text(whole), curve.right(s).percent().text(whole), curve.changed(s),
+                 "%.4f" % curve.over_rooms(np.median, s, "coverage"),
+                 "%.3f" % curve.over_rooms(np.median, s, "tightness"), *total]
+                for (value, s), total in zip(of.items(), totals)]
+        lines += [title(knob), table(heads, rows), verdict(knob, curve)]
+    return pages.sections(f"## {program}", f"![Cost and rooms against time for each knob of {program}]({picture})",
+                          *lines)
 
 
 def renderer_section(pictures):
     lines = []
-    for knob in KNOBS:
-        scenes = pictures.scenes(knob.name)
-        if knob.program != RENDERER or not scenes:
-            continue
-        values = [v for v in knob.values if (knob.name, v, scenes[0]) in pictures.by]
-        rows = []
-        for value in values:
-            each = [hundredths(pictures.relative(knob.name, value, knob.default, [s]).value) for s in scenes]
-            name = value + (" (default)" if value == knob.default else "")
-            rows.append([name, interval(pictures.relative(knob.name, value, knob.default))
-                         if value !=knob.default else "1", *each])
-        lines += ["", f"### {knob.name}" + (f" [{knob.unit}]" if knob.unit else ""), "",
-                  table(("value", "all", *scenes), rows)]
-    return lines
+    for knob, scenes, values in pictures.knobs():
+        rows = [[named(knob, v), "1" if v == knob.default else pictures.relative(knob, v).text(hundredths),
+                 *(hundredths(pictures.relative(knob, v, [s]).value) for s in scenes)] for v in values]
+        lines += [title(knob), table(("value", "all", *scenes), rows)]
+    return pages.sections(*lines)
 
 
 def errors_section(pictures):
     """Every measure of the longest pictures, and what a black one has."""
     def told(rows):
-        relmse, psnr, mape = (sum(r[field] for r in rows) / len(rows) for field in ("relmse", "psnr", "mape"))
+        relmse, psnr, mape = (mean(rows, field) for field in ("relmse", "psnr", "mape"))
         return "%s, %.1f dB, %s %%" % (hundredths(relmse) if relmse >= 0.1 else "%.2g" % relmse, psnr, hundredths(mape))
     rows = []
     for s in pictures.scenes("integrator"):
         found = [pictures.longest(s, i) for i in INTEGRATORS]
-        rows.append(
-            [s, told(pictures.by["black", "", s]),
-             *(f"{hundredths(sum(r['cpu'] for r in of) / len(of))} s: {told(of)}" if of else "-" for of in found)])
+        rows.append([s, told(pictures.by["black", "", s]),
+                     *(f"{hundredths(mean(of, 'cpu'))} s: {told(of)}" if of else "-" for of in found)])
     return table(("scene", "black", *INTEGRATORS), rows)
 
 
 def depth_section(pictures):
-    name = "tdpt-render --max-depth"
-    scenes = pictures.scenes(name)
-    rows = []
+    scenes, rows = pictures.scenes(DEPTH), []
     for depth in DEPTHS:
-        cells = []
-        for s in scenes:
-            if (name, depth, s) in pictures.by:
-                mean, whole = (pictures.mean(name, d, s, "mean") for d in (depth, "none"))
-                cells.append(
-                    "%s, %s s, %.0f %%" %
-                    (hundredths(pictures.mean(name, depth, s, "relmse")),
-                     hundredths(pictures.mean(name, depth, s, "cpu")),
-                     100 * mean / whole))
-        rows.append([depth, *cells])
-    return table(("edges", *scenes), rows) if scenes else []
+        of = [(pictures.by[DEPTH, depth, s], pictures.by[DEPTH, "none", s]) for s in scenes]
+        rows.append([depth, *("%s, %s s, %.0f %%" % (hundredths(mean(rows, "relmse")), hundredths(mean(rows, "cpu")),
+                                                     100 * mean(rows, "mean") / mean(whole, "mean"))
+                              for rows, whole in of)])
+    return table(("edges", *scenes), rows) if scenes else ""
 
 
 def chain_section(pictures, portals):
@@ -463,29 +378,22 @@ def chain_section(pictures, portals):
             rows.append(cells + ["no opening"] * 2 + ["-"] * 4)
             continue
         for integrator in ("tdpt-guided", "auto"):
-            pays = pictures.pays_from(s, chain, through=integrator)
+            pays = pictures.pays_from(s, chain, integrator)
             cells.append("never" if pays is None else hundredths(pays))
-        errors = []
         for target in (0.1, 0.01):
             for integrator, extra in (("bdpt", 0), ("auto", chain)):
-                rows_of = pictures.longest(s, integrator)
-                errors.append(hundredths(extra + sum(cost(rows_of)) / len(rows_of) / target) if rows_of else "-")
-        rows.append(cells + errors)
+                cells.append(hundredths(extra + np.mean(cost(pictures.longest(s, integrator))) / target))
+        rows.append(cells)
     return table(("scene", "the four stages [CPU s]", "tdpt-guided pays from [CPU s]", "auto pays from [CPU s]",
                   "bdpt to 0.1", "chain and auto to 0.1", "bdpt to 0.01", "chain and auto to 0.01"), rows)
 
 
-def simplified_section(rows, portals):
-    out = []
-    shares = sorted({r["share"] for r in rows})
-    for s in portals.scenes:
-        cells = []
-        for share in shares:
-            of = [r for r in rows if r["scene"] == s and r["share"] == share]
-            loss = stats.ratio(cost(of), cost(portals.rows(TRUE, s)))
-            cells.append("%s, %.0f %%" % (interval(loss), 100 * of[0]["dropped"] / of[0]["triangles"]))
-        out.append([s, interval(portals.loss(DEFAULT, [s])), *cells])
-    return table(("scene", "whole", *("%g %% of the area" % (100 * share) for share in shares)), out)
+def simplified_section(losses, portals):
+    rows = [[s, portals.loss(DEFAULT, [s]).text(hundredths),
+             *("%s, %.0f %%" % (loss.text(hundredths), 100 * of[0]["dropped"] / of[0]["triangles"])
+               for loss, of in losses[s].values())] for s in losses]
+    shares = losses[portals.scenes[0]]
+    return table(("scene", "whole", *("%g %% of the area" % (100 * share) for share in shares)), rows)
 
 
 WORDS = {
@@ -565,36 +473,34 @@ def picture_of(program):
 def page(bench, extent):
     data = {name: read(bench.cache / f"{name}.csv") for name in TABLES}
     portals, pictures = PortalCurves(data["portals"], data["rooms"]), PictureCurves(data["pictures"])
-    drawn = {picture_of(program): stage_figure(portals, program) for program in (CHAIN, *STAGES)}
-    drawn["tradeoff-integrators.png"] = integrators_figure(pictures)
-    drawn["tradeoff-renderer.png"] = renderer_figure(pictures)
-    drawn["tradeoff-chain.png"] = chain_figure(pictures, portals)
-    drawn["tradeoff-simplified.png"] = simplified_figure(data["simplified"], portals)
-    for name, figure in drawn.items():
+    losses = simplified_losses(data["simplified"], portals)
+    for name, figure in {**{picture_of(program): stage_figure(portals, program) for program in (CHAIN, *STAGES)},
+                         "tradeoff-integrators.png": integrators_figure(pictures),
+                         "tradeoff-renderer.png": renderer_figure(pictures),
+                         "tradeoff-chain.png": chain_figure(pictures, portals),
+                         "tradeoff-simplified.png": simplified_figure(losses)}.items():
         pages.draw(figure.script(name), bench.doc)
     own = portals.loss(DEFAULT)
     bench.page("tradeoff", pages.sections(
-        WORDS["head"].format(version=bench.version(), cores=cores(), extent=extent, count=len(portals.scenes),
+        WORDS["head"].format(version=bench.version(), cores=CORES, extent=extent, count=len(portals.scenes),
                              seeds=len({r["seed"] for r in data["portals"]}), low=hundredths(own.low / own.value),
                              high=hundredths(own.high / own.value)),
         WORDS["summary"], summary_section(portals, pictures),
-        *("\n".join(stage_section(program, portals)) for program in (CHAIN, *STAGES)),
-        WORDS["integrators"].format(errors=errors_section(pictures)), "\n".join(renderer_section(pictures)),
+        *(stage_section(program, portals) for program in (CHAIN, *STAGES)),
+        WORDS["integrators"].format(errors=errors_section(pictures)), renderer_section(pictures),
         WORDS["depth"], depth_section(pictures), WORDS["chain"], chain_section(pictures, portals), WORDS["simplified"],
-        simplified_section(data["simplified"], portals)))
+        simplified_section(losses, portals)))
 
 
-@settings(SEEDS=Setting(5, "of each setting", 2), ROOMS=Setting(3, "of each kind", 1),
-          TABLES=Setting(tuple(TABLES), "of: portals pictures rooms simplified"))
+@settings(SEEDS=Setting(5, "of each setting", 2), ROOMS=Setting(3, "of each kind", 1))
 def tradeoff(bench):
     """Every knob that buys speed with accuracy, as curves: doc/tradeoff.md, its plots and tables. A night on two cores,
     --quick three quarters of an hour. Every number is one run's: `cpu` seconds of the process; errors against the
     stored references."""
     bench.need("gnuplot")
     run = Tradeoff(bench)
-    for name in bench.settings.tables:
-        write_rows(bench.cache / f"{name}.csv", run_all(bench, name, list(TABLES[name](run))))
-    for name in TABLES:
+    for name, tasks in TABLES.items():
+        pages.write_csv(bench.cache / f"{name}.csv", run_all(bench, name, list(tasks(run))))
         shutil.copy(bench.cache / f"{name}.csv", bench.doc / f"tradeoff-{name}.csv")
     extent = "".join(f"{key}={value} " for key, value in bench.given.items() if key in ("SEEDS", "ROOMS"))
     page(bench, ("QUICK=1 " if bench.quick else "") + extent)
