@@ -410,7 +410,7 @@ class Limit(unittest.TestCase):
 
 
 # ---- Speed against accuracy ----
-QUICK, DEFAULT, NONE = ("lightgrid --lines", "512"), ("default", ""), ("lightgrid --lines", "2048")
+QUICK, DEFAULT, NONE = ("lightgrid --set lines", "512"), ("default", ""), ("lightgrid --set lines", "2048")
 
 
 def made_up():
@@ -447,7 +447,7 @@ class Tradeoff(unittest.TestCase):
 
     def test_figures_hold_every_setting(self):
         text = tradeoff_page.stage_figure(made_up(), "lightgrid").script("my_dir/x.png")
-        for part in ('"8.19k"', '"512"', "lightgrid --lines: rooms", 'set output "my_dir/x.png"'):
+        for part in ('"8.19k"', '"512"', "lightgrid --set lines: rooms", 'set output "my_dir/x.png"'):
             self.assertIn(part, text)
 
     def test_noise_of_the_reference_is_in_no_error(self):

@@ -18,13 +18,10 @@ CHAIN = "the four stages"  # an option of all of them
 RENDERER = "tdpt-render"
 
 
-# The other knobs are settings, --set NAME=VALUE.
-OPTIONS = ("quality", "samples", "nodes", "cuts", "resolution", "threshold", "max-portals", "integrator")
-
 
 @dataclass(frozen=True)
 class Knob:
-    """One option or setting of one program; `values` from cheap to dear, as its command line has them. words: values
+    """One option of one program, or setting (--set NAME); `values` from cheap to dear, as its command line has them. words: values
     are no numbers, so points are joined by no line."""
 
     program: str
@@ -39,8 +36,8 @@ class Knob:
         return f"{self.program} {self.option}"
 
     def arguments(self, value):
-        name = self.option.removeprefix("--")
-        return (self.option, value) if name in OPTIONS else ("--set", f"{name}={value}")
+        option, _, setting = self.option.partition(" ")
+        return (option, f"{setting}={value}" if setting else value)
 
     def settings(self, value):
         """{program: options}"""
@@ -49,24 +46,24 @@ class Knob:
 
 KNOBS = (
     Knob(CHAIN, "--quality", ("draft", "normal", "high"), "normal"),
-    Knob("ffgraph", "--walks", ("6250", "25000", "100000", "400000"), "100000", "walks"),
+    Knob("ffgraph", "--set walks", ("6250", "25000", "100000", "400000"), "100000", "walks"),
     Knob("ffgraph", "--samples", ("18750", "75000", "300000", "1200000"), "300000", "rays a round"),
-    Knob("ffgraph", "--rounds", ("0", "1", "2", "3"), "1", "rounds"),
-    Knob("ffgraph", "--cells", ("6", "12", "24", "48"), "24", "patches along the diagonal"),
-    Knob("ffgraph", "--bounces", ("2", "4", "8", "12", "24"), "12", "surfaces of a walk"),
+    Knob("ffgraph", "--set rounds", ("0", "1", "2", "3"), "1", "rounds"),
+    Knob("ffgraph", "--set cells", ("6", "12", "24", "48"), "24", "patches along the diagonal"),
+    Knob("ffgraph", "--set bounces", ("2", "4", "8", "12", "24"), "12", "surfaces of a walk"),
     Knob("ffgraph", "--nodes", ("triangles", "patches"), "patches", words=True),
     Knob("mincut", "--cuts", ("1", "2", "4", "8", "16"), "8", "bottlenecks looked for"),
-    Knob("mincut", "--largest-conductance", ("0.03", "0.06", "0.12", "0.24"), "0.12", "share of the light"),
+    Knob("mincut", "--set largest-conductance", ("0.03", "0.06", "0.12", "0.24"), "0.12", "share of the light"),
     Knob("lightgrid", "--resolution", ("32", "64", "128", "256"), "128", "voxels along the longest side"),
-    Knob("lightgrid", "--lines", ("512", "2048", "4096", "8192", "16384", "32768"), "8192", "lines of light"),
+    Knob("lightgrid", "--set lines", ("512", "2048", "4096", "8192", "16384", "32768"), "8192", "lines of light"),
     Knob("portalfit", "--threshold", ("0.005", "0.02", "0.05", "0.2"), "0.02", "share of the lines"),
     Knob("portalfit", "--max-portals", ("1", "2", "4", "8"), "8", "portals at most"),
-    Knob("portalfit", "--method", ("paper", "tube"), "tube", words=True),
-    Knob(RENDERER, "--guide-light", ("0", "0.25", "0.5", "0.7", "0.9"), "0.7", "probability"),
-    Knob(RENDERER, "--guide-camera", ("0", "0.2", "0.4", "0.7", "0.9"), "0.4", "probability"),
-    Knob(RENDERER, "--segments", ("0.0625", "0.125", "0.25", "0.5", "1"), "0.25", "share of the samples"),
-    Knob(RENDERER, "--light-walks", ("0.0625", "0.125", "0.25", "0.5", "1"), "0.25", "share of the samples"),
-    Knob(RENDERER, "--mis", ("balance", "power"), "balance", words=True),
+    Knob("portalfit", "--set method", ("paper", "tube"), "tube", words=True),
+    Knob(RENDERER, "--set guide-light", ("0", "0.25", "0.5", "0.7", "0.9"), "0.7", "probability"),
+    Knob(RENDERER, "--set guide-camera", ("0", "0.2", "0.4", "0.7", "0.9"), "0.4", "probability"),
+    Knob(RENDERER, "--set segments", ("0.0625", "0.125", "0.25", "0.5", "1"), "0.25", "share of the samples"),
+    Knob(RENDERER, "--set light-walks", ("0.0625", "0.125", "0.25", "0.5", "1"), "0.25", "share of the samples"),
+    Knob(RENDERER, "--set mis", ("balance", "power"), "balance", words=True),
 )
 DEPTHS = ("2", "3", "4", "6", "8", "12", "none")
 INTEGRATORS = ("nee", "bdpt", "tdpt-org", "tdpt", "tdpt-guided", "auto")
