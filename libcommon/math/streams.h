@@ -1,5 +1,6 @@
-// Who draws random numbers, and in which streams [rng.h, sequence.h]: those of one program are all
-// here, so that no two drawers of one seed draw the same numbers. That they do not is asserted.
+// Who draws random numbers, and from which stream [rng.h, sequence.h]. All streams of a program
+// stand here, and an assertion holds that no two users of one seed share one. (The coins that round
+// a film's sums need none: they are a hash of seed, pixel and sample.)
 #pragma once
 #include <array>
 #include <cstddef>
@@ -31,7 +32,7 @@ constexpr bool disjoint(const std::array<Streams, n>& all) {
 // has sixteen in each round. Others find room beside them.
 
 constexpr uint64_t kPurposes = 16;
-/// Of integrators, those below kStreams; behind the rows of the table those that `auto` tries.
+/// Of integrators, below kStreams: first the rows of the table, then what else `auto` tries.
 namespace stream {
 enum Integrator : uint64_t {
   pt = 1,
@@ -87,8 +88,9 @@ constexpr Streams kWalksFromLight{101, 1}, kWalksFromCamera{102, 1}, kEtendue{10
     kTriangleFlow{104, 1};
 static_assert(disjoint(std::array{kWalksFromLight, kWalksFromCamera, kEtendue, kTriangleFlow}));
 
-// lightgrid: of cut c < 256 c of each 256; a line has its own stream, two for the votes of its ends
-// and one for coins [shaders/shared/light_lines.h]. Chains have those of which the upper word is c.
+// lightgrid: each of these has 256 streams, one for each cut c. A line has a stream of its own, two
+// for the votes of its ends and one for coins [shaders/shared/light_lines.h]. Chains of cut c have
+// the streams whose upper word is c.
 constexpr Streams kPivotLines{1 << 16, 0x400}, kTriedLines{2 << 16, 0x400},
     kChains{0x6c67'0002, uint64_t{1} << 40};
 static_assert(disjoint(std::array{kPivotLines, kTriedLines, kChains}));

@@ -1,17 +1,11 @@
 // Which samples there are, which pools they are of, and their random numbers.
 //
-// Read behind sequence.h, where `render` and load_pool_offset() are.
+// Read behind sequence.h and purposes.h, where `render` and load_pool_offset() are.
 
 #include "shaders/shared/language.h"
 
-// Streams of random numbers of a sample, and dimensions of a walk: of its start, then of each
-// bounce, used or not, so that one means the same in every sample.
-const uint PURPOSE_FILM = 0u;
-const uint PURPOSE_CAMERA_WALK = 1u;
-const uint PURPOSE_LIGHT_WALK = 2u;
-const uint PURPOSE_NEXT_EVENT = 3u;
-const uint PURPOSE_SEGMENT = 4u;
-const uint PURPOSE_CHOICES = 5u;
+// Dimensions of a walk: of its start, then of each bounce, used or not, so that one means the same
+// in every sample.
 const uint kPerBounce = 8u;
 const uint kAimDimension = 4u;
 

@@ -1,5 +1,5 @@
 // What a point does with light: simple or in layers, with a coat or without. The text of
-// tools/tdpt-render/path/{point.h,surface.cpp,roulette.cpp} in floats.
+// tools/tdpt-render/path/bsdf/scatter.cpp and path/sample/{surface,roulette}.cpp in floats.
 //
 // Read behind coated.h, within the same scope.
 

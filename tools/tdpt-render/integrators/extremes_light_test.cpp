@@ -1,4 +1,4 @@
-// Extremes of openings and lamps, each held against a closed form [test_extremes.h].
+// Extremes of openings and lamps, each held against a closed form [testing/extremes.h].
 #include "tools/tdpt-render/run/covered_lamps.h"
 #include "tools/tdpt-render/testing/extremes.h"
 #include "tools/tdpt-render/testing/faults.h"

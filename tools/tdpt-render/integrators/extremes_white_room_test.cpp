@@ -1,5 +1,5 @@
 // Extremes of units, place, shape, triangles, portals, materials, cameras and pictures, each in a
-// white room [test_extremes.h]: it shows the radiance of its ceiling, or the row is wrong.
+// white room [testing/extremes.h]: it shows the radiance of its ceiling, or the row is wrong.
 //
 // A path tracer's samples are all alike there, and tell leaks and losses of a hundred thousandth;
 // those of techniques that join walks are not, and tell densities that are off.

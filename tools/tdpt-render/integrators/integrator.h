@@ -1,4 +1,4 @@
-// The integrators: a row of a table each. What a row says is all there is to one (path/mixture.h).
+// The integrators: a row of a table each. What a row says is all there is to one [mixture.h].
 #pragma once
 #include <array>
 #include <string>
@@ -40,7 +40,7 @@ inline constexpr std::array kIntegrators{
         "tdpt",
         stream::tdpt,
         {TechniqueSet(Technique::camera, Technique::direct, Technique::light, Technique::portal)}},
-    /// The techniques of tdpt-org with both walks directed at the portals [path/guide.h].
+    /// The techniques of tdpt-org with both walks directed at the portals [guide.h].
     Integrator{"tdpt-guided",
                stream::tdpt_guided,
                {kThreeWays, 6, 2, 0.25, {{0.7, 0.4}}, kThroughWindows, kFewLightWalks}}};

@@ -7,7 +7,8 @@ namespace {
 
 constexpr double kAim = 0.4;
 
-// bdpt with tdpt-guided's sample weights of next events: what that is without portals.
+// bdpt with tdpt-guided's sample weights of next events: what that is without portals, and with the
+// same random numbers.
 Integrator favouring_next_events() {
   Integrator integrator{"bdpt", kGuided[0].stream, kGuided[0].mixture};
   integrator.mixture.techniques = kTwoWays;

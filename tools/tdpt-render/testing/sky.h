@@ -1,4 +1,4 @@
-// For tests: skies, and the rooms of test_rooms.h opened to them.
+// For tests: skies, and the rooms of rooms.h opened to them.
 #pragma once
 #include <cmath>
 #include <memory>

@@ -24,7 +24,7 @@ PathSampler::PathSampler(const World& world, const SampleSettings& settings, con
       tally_(tally),
       observer_(observer) {}
 
-Sequence PathSampler::numbers(Purpose purpose) const {
+Sequence PathSampler::numbers(uint32_t purpose) const {
   const uint64_t pixel = static_cast<uint64_t>(y_) << 32 | static_cast<uint64_t>(x_);
   return Sequence(settings_.seed, settings_.stream * kPurposes + purpose, pixel, sample_);
 }
@@ -46,8 +46,8 @@ void PathSampler::run() {
 }
 
 void PathSampler::light_phase(Walk& y) {
-  tdpt::walk_from_light(world_, guide_, settings_.max_depth - 1, numbers(light_walk), y,
-                        tally_.rays);
+  tdpt::walk_from_light(world_, guide_, settings_.max_depth - 1,
+                        numbers(shader::PURPOSE_LIGHT_WALK), y, tally_.rays);
 }
 
 void PathSampler::join_with(const Walk& y, LightPool& pool) {
@@ -84,11 +84,11 @@ void PathSampler::end() {
 }
 
 void PathSampler::walk_from_camera() {
-  Sequence place = numbers(film_place);
+  Sequence place = numbers(shader::PURPOSE_FILM);
   const double x = x_ + place.uniform();
   const double y = y_ + place.uniform();
-  tdpt::walk_from_camera(world_, guide_, x, y, settings_.max_depth, numbers(camera_walk),
-                         camera_walk_, tally_.rays);
+  tdpt::walk_from_camera(world_, guide_, x, y, settings_.max_depth,
+                         numbers(shader::PURPOSE_CAMERA_WALK), camera_walk_, tally_.rays);
   camera_ends_.clear();
   for (int j = 1; j < camera_walk_.size; ++j)
     camera_ends_.emplace_back(camera_walk_[j], back(camera_walk_, j),
@@ -195,7 +195,7 @@ void PathSampler::camera() {
 void PathSampler::direct() {
   const Walk& z = camera_walk_;
   if (world_.lights.empty()) return;
-  Sequence random = numbers(next_event);
+  Sequence random = numbers(shader::PURPOSE_NEXT_EVENT);
   for (int j = 1; j < z.size && j < settings_.max_depth; ++j) {
     if (!z[j].connectible) continue;
     random.seek(4 * static_cast<uint32_t>(j));
@@ -268,7 +268,7 @@ Rgb PathSampler::joined(const End& l, const End& c, size_t number) const {
 
 void PathSampler::bi() {
   const Walk& z = camera_walk_;
-  Sequence random = numbers(choices);
+  Sequence random = numbers(shader::PURPOSE_CHOICES);
   for (int t = 2; t <= z.size; ++t) {
     if (!z[t - 1].connectible) continue;
     random.seek(2 * static_cast<uint32_t>(t));

@@ -13,6 +13,7 @@
 #include <functional>
 
 #include "libcommon/film/film.h"
+#include "shaders/shared/path/purposes.h"
 #include "tools/tdpt-render/path/sample/few.h"
 #include "tools/tdpt-render/path/sample/light_pool.h"
 #include "tools/tdpt-render/path/sample/path.h"
@@ -85,15 +86,7 @@ class PathSampler {
   void portal();  ///< the camera and its vertices joined with few segments that cross a portal
 
  private:
-  enum Purpose : uint64_t {
-    film_place,
-    camera_walk,
-    light_walk,
-    next_event,
-    segment_place,
-    choices
-  };
-  Sequence numbers(Purpose purpose) const;
+  Sequence numbers(uint32_t purpose) const;
 
   const End& camera_end(int j) const { return camera_ends_[static_cast<size_t>(j - 1)]; }
 

@@ -23,7 +23,7 @@ void PathSampler::segment_phase(const Walk& y, LightPool& pool) {
   join_with(y, pool);
   if (world_.portals.empty() || settings_.max_depth < 2) return;
   tally_.begin_portals(world_.portals.portals());
-  Sequence random = numbers(segment_place);
+  Sequence random = numbers(shader::PURPOSE_SEGMENT);
   const PortalSet::Sample sample = world_.portals.sample(random.uniforms<7>());
   const double share = settings_.mixture.segments;
   if (!(random.uniform() < share)) return;
@@ -190,7 +190,7 @@ void PathSampler::join_with_segments() {
   for (size_t i = 0; i < n; ++i)
     for (size_t j = 0; j < ends; ++j) few_.add(estimates_[j * row + i]);
   tally_.rays.join += n * ends;
-  Sequence random = numbers(segment_place);
+  Sequence random = numbers(shader::PURPOSE_SEGMENT);
   random.seek(12);
   for (const auto& [chosen, chance] : few_.choose(kPairs, random.uniform())) {
     const size_t i = chosen / ends, j = chosen % ends;
