@@ -6,6 +6,8 @@
 #   make bench     lists the benchmarks; make bench-NAME builds and runs one, whose page in doc/ it writes
 #                  (bench/run.py NAME --help tells its settings: make bench-regret SEEDS=3; QUICK=1: sizes of a trial)
 #   make test      installs what is missing, builds, runs every test
+#   make test-long what is too much for each run, and before a release: sweeps of portals, rooms and materials, and the statistical
+#                  tests with 200 fresh seeds each (hours; ONLY=REGEX: those)
 #   make test-slurm    the files of doc/farm/ under Slurm, on this machine, as root: a node dies, the bytes stay (three minutes)
 #   make test-report   reports of three scenes, opened in a headless Chromium: build/report (five minutes)
 #   make install   programs, man pages, completions, tdpt.mk and doc/farm/ under PREFIX (and DESTDIR), after building what is missing
@@ -26,7 +28,7 @@ TEST_STATUS ?=
 # All that is there to run; `make build` adds every test and benchmark.
 PROGRAMS = ffgraph mincut lightgrid portalfit tdpt-render exrdiff exrmerge tdpt-info tdpt
 
-.PHONY: all build programs demo figures stages bench test test-slurm test-report install uninstall package package-test sanitize fuzz packages format clean
+.PHONY: all build programs demo figures stages bench test test-long test-slurm test-report install uninstall package package-test sanitize fuzz packages format clean
 all: build
 
 build:
@@ -50,6 +52,10 @@ test:
 	@$(MAKE) --no-print-directory packages build
 	@ctest --preset release --parallel $(JOBS); code=$$?; \
 	if [ -n "$(TEST_STATUS)" ]; then echo $$code >"$(TEST_STATUS)"; else exit $$code; fi
+
+test-long: packages
+	@$(MAKE) --no-print-directory build
+	@ctest --preset long --parallel $(JOBS) $(if $(ONLY),-R "$(ONLY)")
 
 # The last two have planted faults, which must be found.
 test-slurm: programs

@@ -55,7 +55,7 @@ function(tdpt_sources out)
 endfunction()
 
 # tdpt_test(name FOLDER f LINK ...): all *_test.cpp of a folder (or SOURCES ...) as one GoogleTest program; each test is
-# a ctest test.
+# a ctest test. Those of suites long_* are for `make test-long`.
 function(tdpt_test name)
   cmake_parse_arguments(A "" "TIMEOUT;FOLDER" "SOURCES;LINK" ${ARGN})
   if(A_FOLDER)
@@ -73,11 +73,23 @@ function(tdpt_test name)
   target_compile_definitions(${name} PRIVATE
     TDPT_TESTDATA="${CMAKE_SOURCE_DIR}/testdata" TDPT_BIN="${CMAKE_BINARY_DIR}/bin"
     TDPT_SHARED="${CMAKE_SOURCE_DIR}/../shared")
-  gtest_discover_tests(${name} TEST_PREFIX ${name}. DISCOVERY_MODE PRE_TEST
-                       PROPERTIES TIMEOUT ${A_TIMEOUT} ENVIRONMENT
-                       LSAN_OPTIONS=suppressions=${CMAKE_SOURCE_DIR}/libcommon/testing/lsan.supp)
+  set(environment ENVIRONMENT LSAN_OPTIONS=suppressions=${CMAKE_SOURCE_DIR}/libcommon/testing/lsan.supp)
+  gtest_discover_tests(${name} TEST_PREFIX ${name}. DISCOVERY_MODE PRE_TEST TEST_FILTER -long_*
+                       PROPERTIES TIMEOUT ${A_TIMEOUT} ${environment})
+  gtest_discover_tests(${name} TEST_PREFIX ${name}. DISCOVERY_MODE PRE_TEST TEST_FILTER long_* TEST_LIST ${name}_LONG_TESTS
+                       PROPERTIES LABELS long TIMEOUT 1800 ${environment})
 endfunction()
 include(GoogleTest)
+
+# tdpt_power(program name FILTER): a test of `make test-long`: these tests of the program with 200 fresh seeds, which may
+# not fail by chance nor miss a fault (libcommon/testing/statistics/power.sh).
+function(tdpt_power program name filter)
+  if(BUILD_TESTING)
+    add_test(NAME power.${name} COMMAND sh ${CMAKE_SOURCE_DIR}/libcommon/testing/statistics/power.sh
+                                         ${CMAKE_BINARY_DIR}/bin 200 ${program} ${filter})
+    set_tests_properties(power.${name} PROPERTIES LABELS long TIMEOUT 36000)
+  endif()
+endfunction()
 
 # tdpt_bench(name SOURCES ... LINK ...): a program that prints ratios; built, never run as a test.
 function(tdpt_bench name)
@@ -169,7 +181,7 @@ function(tdpt_software_vulkan)
     if(TARGET ${test})  # its tests are not known before ctest runs
       set(script ${CMAKE_CURRENT_BINARY_DIR}/${test}_software_vulkan.cmake)
       file(WRITE ${script}
-           "set_tests_properties(\${${test}_TESTS} PROPERTIES ENVIRONMENT_MODIFICATION \"${environment}\")\n")
+           "set_tests_properties(\${${test}_TESTS} \${${test}_LONG_TESTS} PROPERTIES ENVIRONMENT_MODIFICATION \"${environment}\")\n")
       set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES ${script})
     else()
       set_tests_properties(${test} PROPERTIES ENVIRONMENT_MODIFICATION "${environment}")

@@ -105,7 +105,7 @@ class Spread {
 };
 
 // ---- ffgraph: facts of the cut ----
-class QualityOfGraphs : public Quality {
+class long_QualityOfGraphs : public Quality {
  protected:
   Point point(const std::string& quality, int first_seed) override {
     Spread spread;
@@ -122,12 +122,12 @@ class QualityOfGraphs : public Quality {
   }
 };
 
-TEST_F(QualityOfGraphs, each_step_tells_more_of_the_cut) {
+TEST_F(long_QualityOfGraphs, each_step_tells_more_of_the_cut) {
   expect_ordered();
 }
 
 // ---- lightgrid: where and which way its lines cross the wall ----
-class QualityOfLines : public Quality {
+class long_QualityOfLines : public Quality {
  protected:
   // Means and mean squares of their places and directions in the middle of the wall, x = 2.05.
   std::vector<double> moments() const {
@@ -158,7 +158,7 @@ class QualityOfLines : public Quality {
   }
 };
 
-TEST_F(QualityOfLines, each_step_tells_more_of_the_light) {
+TEST_F(long_QualityOfLines, each_step_tells_more_of_the_light) {
   run("ffgraph", kScene + " -o " + file("m"));
   run("mincut", file("m") + " -o " + file("c"));
   expect_ordered();

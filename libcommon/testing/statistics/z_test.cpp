@@ -76,12 +76,12 @@ Difference difference(const std::vector<double>& first, const std::vector<double
   if (first.size() < 2 || second.size() < 2) throw std::invalid_argument("two runs at least");
   const Moments a = moments(first), b = moments(second);
   const double variance = a.variance_of_mean + b.variance_of_mean;
-  if (!(variance > 0)) return {a.mean, b.mean, 0};  // both are nothing but zeros
+  if (!(variance > 0)) return {a.mean, b.mean};  // both are nothing but zeros
   const double freedom =
       variance * variance /
       (a.variance_of_mean * a.variance_of_mean / (static_cast<double>(first.size()) - 1) +
        b.variance_of_mean * b.variance_of_mean / (static_cast<double>(second.size()) - 1));
-  return {a.mean, b.mean, z_of_t((a.mean - b.mean) / std::sqrt(variance), freedom)};
+  return {a.mean, b.mean, z_of_t((a.mean - b.mean) / std::sqrt(variance), freedom), freedom};
 }
 
 std::string Agreement::text() const {
@@ -125,7 +125,8 @@ Agreement compare(const BlockRuns& first, const BlockRuns& second) {
   Agreement out;
   if (!(first.mean() + second.mean() > 0)) return out;  // both black
   out.relative = first.mean() / second.mean() - 1;
-  out.drift_z = difference(sums(first, first, second), sums(second, first, second)).z;
+  const Difference drift = difference(sums(first, first, second), sums(second, first, second));
+  out.drift_z = drift.z, out.freedom = drift.freedom;
   out.p_drift = two_sided(out.drift_z);
 
   double sum = 0, square = 0;
@@ -160,6 +161,7 @@ Agreement compare_paired(const BlockRuns& first, const BlockRuns& second) {
   if (!(first.mean() + second.mean() > 0)) return out;
   out.relative = first.mean() / second.mean() - 1;
   out.drift_z = z_of_pairs(sums(first, first, second), sums(second, first, second));
+  out.freedom = static_cast<double>(first.runs()) - 1;
   out.p_drift = two_sided(out.drift_z);
   for (size_t b = 0; b < first.blocks(); ++b)
     out.z_of_block.push_back(z_of_pairs(values_of(first, b), values_of(second, b)));

@@ -38,6 +38,7 @@ class BlockRuns {
 struct Difference {
   double first = 0, second = 0;  ///< means
   double z = 0;                  ///< of first - second, as of a normal distribution
+  double freedom = 0;            ///< degrees of freedom that it has come from
 };
 /// Welch's test of two sets of independent values, two or more in each. Standard errors below 1e-6
 /// of the mean are rounding: they are taken to be that.
@@ -46,6 +47,7 @@ Difference difference(const std::vector<double>& first, const std::vector<double
 struct Agreement {
   double relative = 0;  ///< mean of the first over that of the second, less 1
   double drift_z = 0;
+  double freedom = 0;   ///< of the drift
   size_t tested = 0;    ///< blocks that z was taken of
   double mean_z = 0;    ///< over them
   double rms_z = 1;     ///< over them; 1 when there are none
@@ -56,9 +58,11 @@ struct Agreement {
   // Probability of as much by chance.
   double p_drift = 1, p_rms = 1, p_largest = 1;
 
-  /// A false alarm is about three times as likely as this (z_test_test.cpp measures it).
+  /// A false alarm is about three times as likely as this (z_test_test.cpp measures it): a test
+  /// that asks more than once shares it.
   static constexpr double kLeast = 1e-5;
-  bool holds() const { return p_drift > kLeast && p_rms > kLeast && p_largest > kLeast; }
+  double least = kLeast;
+  bool holds() const { return p_drift > least && p_rms > least && p_largest > least; }
   /// One line with all of the above.
   std::string text() const;
 };

@@ -32,7 +32,7 @@ double radiance(double albedo, int depth = kMaxDepth) {
 
 TEST(furnace, of_albedo_0_9_shows_10) {
   const Furnace f(0.9f);
-  for (const Integrator* integrator : integrators()) {
+  for (const Integrator* integrator : integrators_under_test()) {
     const MeanAndError r = rendered(f.world, *integrator, 8);
     std::printf("%-11s %8.4f +- %.4f\n", integrator->name, r.mean, r.error);
     EXPECT_LT(r.z(radiance(double{0.9f})), 5) << integrator->name;
@@ -43,7 +43,7 @@ TEST(furnace, of_albedo_0_9_shows_10) {
 TEST(furnace, of_paths_of_1_2_and_64_edges_shows_as_many_terms) {
   const Furnace f(0.9f, 8, 6);
   for (const int depth : {1, 2, 64})
-    for (const Integrator* integrator : integrators()) {
+    for (const Integrator* integrator : integrators_under_test()) {
       const MeanAndError r = rendered(f.world, *integrator, 8, 16, depth);
       EXPECT_LT(r.z(radiance(double{0.9f}, depth)), 5) << integrator->name << " " << depth;
       EXPECT_LT(r.error, 0.02 * r.mean) << integrator->name << " " << depth;
@@ -51,9 +51,9 @@ TEST(furnace, of_paths_of_1_2_and_64_edges_shows_as_many_terms) {
 }
 
 // Every path of a strategy that joins walks of a hundred edges takes as long as they: few samples.
-TEST(furnace, of_albedo_0_99_shows_100) {
+void expect_100(const std::vector<const Integrator*>& chosen) {
   const Furnace f(0.99f, 8, 6);
-  for (const Integrator* integrator : integrators()) {
+  for (const Integrator* integrator : chosen) {
     const double light_walks = integrator->mixture.light_walks;  // as many of all
     const MeanAndError r =
         rendered(f.world, *integrator,
@@ -63,7 +63,14 @@ TEST(furnace, of_albedo_0_99_shows_100) {
     EXPECT_LT(r.error, 0.04 * r.mean) << integrator->name;
   }
 }
+TEST(furnace, of_albedo_0_99_shows_100) {
+  expect_100({&pt, &tdpt_guided});
+}
+TEST(long_furnace, of_albedo_0_99_shows_100) {
+  expect_100(integrators());
+}
 
+#ifndef TDPT_BY_TWIN
 // Survival of the walks that made a path by that strategy.
 double survived(const Path& path, const Strategy& strategy) {
   double all = 1;
@@ -142,6 +149,8 @@ TEST(furnace, of_albedo_1_ends) {
     }
   }
 }
+
+#endif
 
 }  // namespace
 }  // namespace tdpt

@@ -41,7 +41,7 @@ double mean_luminance(const Picture& picture) {
 }
 
 TEST(layers, add_up_to_the_picture_for_every_integrator) {
-  for (const Integrator* integrator : integrators()) {
+  for (const Integrator* integrator : integrators_under_test()) {
     const RenderResult r = render_rooms(*integrator, true);
     size_t techniques = 0;
     for (size_t i = 0; i < kTechniques; ++i) {
@@ -69,7 +69,7 @@ TEST(layers, twin_a_technique_left_out_of_the_sum_is_noticed) {
 }
 
 TEST(layers, do_not_change_a_bit_of_the_picture) {
-  for (const Integrator* integrator : integrators()) {
+  for (const Integrator* integrator : integrators_under_test()) {
     const RenderResult with = render_rooms(*integrator, true);
     const RenderResult without = render_rooms(*integrator, false);
     EXPECT_EQ(with.picture.pixels, without.picture.pixels) << integrator->name;

@@ -2,6 +2,8 @@
 // they should not, and portals work behind them.
 #include <gtest/gtest.h>
 
+#include "libcommon/testing/statistics/power.h"
+#include "libcommon/testing/statistics/z_test.h"
 #include "tools/tdpt-render/run/render.h"
 #include "tools/tdpt-render/testing/renderer.h"
 #include "tools/tdpt-render/testing/rooms.h"
@@ -18,14 +20,13 @@ Scene furnace_with(const Material& pane, float albedo) {
   return with_sheet(scene, pane, {-0.8, 0.2, -0.9}, {0.9, 0, 0.1}, {0, 1.5, 0.2});
 }
 
-constexpr uint64_t kMany = kByTwin ? 512 : 1024;
-
 RenderResult rendered(const Scene& scene, const Integrator& integrator, int max_depth, uint64_t spp,
-                      const std::vector<Portal>& portals = {}) {
+                      const std::vector<Portal>& portals = {}, uint64_t seed = 1) {
   const World world(scene, scene.camera(""), 32, 24, portals);
   RenderSettings settings;
   settings.spp = spp;
   settings.max_depth = max_depth;
+  settings.seed = testing::fresh(seed);
   return render(*renderer_under_test(world), integrator, settings);
 }
 
@@ -42,7 +43,7 @@ TEST(panes, cannot_be_seen_in_a_furnace) {
 // on either side.
 TEST(panes, keep_the_light_of_a_furnace_for_every_integrator) {
   const Scene scene = furnace_with(clear_pane(), 0.5f);
-  for (const Integrator* integrator : integrators())
+  for (const Integrator* integrator : integrators_under_test())
     EXPECT_NEAR(rendered(scene, *integrator, 20, 24, {portal_in_the_furnace()}).mean().x, 2, 0.012)
         << integrator->name;
 }
@@ -65,36 +66,70 @@ TEST(panes, a_portal_works_behind_one) {
   EXPECT_LT(portal_share(glazed_rooms(tinted)), 0.01);
 }
 
-// What the portal in the hole brings, with `sheet` at each of these x.
-double brought_by_the_portal(const Material& sheet, std::initializer_list<double> at) {
+#ifndef TDPT_BY_TWIN
+// Short pictures whose random numbers are one's own, or the same for two sheets.
+constexpr uint64_t kPictures = 32;
+
+// What the portal in the hole brings to each, with `sheet` at each of these x.
+testing::BlockRuns brought_by_the_portal(const Material& sheet, std::initializer_list<double> at) {
   Scene scene = read_gltf(two_rooms_path());
   for (double x : at)
     scene = with_sheet(scene, sheet, {x, 0.875, -0.125}, {0, 0, 0.25}, {0, 0.25, 0});
-  const RenderResult r = rendered(scene, tdpt_ref, 6, kMany, {portal_in_the_hole()});
-  return r.tally.energy[static_cast<size_t>(Technique::portal)];
+  testing::BlockRuns all;
+  for (uint64_t seed = 1; seed <= kPictures; ++seed) {
+    const RenderResult r = rendered(scene, tdpt_ref, 4, 10, {portal_in_the_hole()}, seed);
+    all.add({r.tally.energy[static_cast<size_t>(Technique::portal)]});
+  }
+  return all;
 }
 
 // A portal drawn on the glass is the likeliest that an artist draws.
 TEST(panes, in_the_plane_of_a_portal_take_no_more_light_than_beside_it) {
   for (const Material& sheet : {clear_pane(), veil(0.3f)}) {
-    const double beside = brought_by_the_portal(sheet, {2.06});
-    EXPECT_NEAR(brought_by_the_portal(sheet, {2.05}) / beside, 1, 0.02);
-    EXPECT_LT(brought_by_the_portal(sheet, {2.05, 2.06}) / beside, 0.97);  // twin: met twice
+    const testing::BlockRuns beside = brought_by_the_portal(sheet, {2.06});
+    const auto compared = [&](std::initializer_list<double> at) {
+      const testing::Agreement a = compare_paired(brought_by_the_portal(sheet, at), beside);
+      testing::tell_answer(a, kPictures);
+      return a;
+    };
+    const testing::Agreement within = compared({2.05}), twice = compared({2.05, 2.06});
+    EXPECT_TRUE(within.holds()) << within.text();
+    EXPECT_FALSE(twice.holds()) << twice.text();  // twin: met twice
   }
 }
 
+Scene rooms_with_panes(const Material& pane, int panes) {
+  Scene scene = read_gltf(TDPT_TESTDATA "/scenes/window.glb");
+  for (int i = 0; i < panes; ++i)
+    scene = with_sheet(scene, pane, {2.04 + 0.01 * i, 0.2, -0.8}, {0, 0, 1.6}, {0, 1.6, 0});
+  return scene;
+}
+// Light of two edges comes through the window once: each pane is an edge more where walks stop at
+// it.
+testing::BlockRuns through(const Material& pane, int panes, int max_depth) {
+  const Scene scene = rooms_with_panes(pane, panes);
+  testing::BlockRuns all;
+  for (uint64_t seed = 1; seed <= kPictures; ++seed)
+    all.add({luminance(Vec3f(rendered(scene, bdpt, max_depth, 12, {}, seed).mean()))});
+  return all;
+}
+
 // The same pane as a smooth lobe that walks take, which glass of another colour is: the slow way.
-// Each passage is then an edge more; the picture of many edges is the same, but for Schlick's curve
-// in the place of Fresnel's (less than 2 % here).
+// The picture is the same, but for Schlick's curve in the place of Fresnel's.
 TEST(panes, agree_with_glass_that_walks_pass_by_a_lobe) {
   Material tinted = clear_pane();
   tinted.base_color = Rgb(1, 1, 0.999f);
-  const double pane = rendered(glazed_rooms(clear_pane()), bdpt, 16, kMany).mean().x;
-  const double lobe = rendered(glazed_rooms(tinted), bdpt, 18, kMany).mean().x;
-  EXPECT_NEAR(pane / lobe, 1, 0.025);
-  const double open = rendered(read_gltf(two_rooms_path()), bdpt, 16, kMany).mean().x;
-  EXPECT_GT(open / lobe, 1.035);  // twin: without the pane
+  const testing::BlockRuns lobe = through(tinted, 3, 2 + 3);
+  const auto compared = [&](int panes) {
+    const testing::Agreement a = compare(through(clear_pane(), panes, 2), lobe);
+    testing::tell_answer(a, kPictures);
+    return a;
+  };
+  const testing::Agreement all = compared(3), fewer = compared(1);
+  EXPECT_TRUE(all.holds()) << all.text();
+  EXPECT_FALSE(fewer.holds()) << fewer.text();  // twin: two panes less
 }
+#endif
 
 }  // namespace
 }  // namespace tdpt

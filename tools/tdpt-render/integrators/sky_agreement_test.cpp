@@ -19,7 +19,7 @@ namespace {
 using testing::GlossyRooms;
 using Integrators = std::vector<const Integrator*>;
 
-constexpr AgreementSettings kSettings{.max_depth = 6, .runs = 32, .spp = 24};
+constexpr AgreementSettings kSettings{.max_depth = 6, .runs = 32, .spp = 8};
 const Integrators kWithPt{&pt, &nee, &bdpt, &tdpt_org, &tdpt_ref, &tdpt_guided};
 const Integrators kAll{&nee, &bdpt, &tdpt_org, &tdpt_ref, &tdpt_guided};
 const Integrators kFew{&nee, &tdpt_ref, &tdpt_guided};
@@ -48,10 +48,8 @@ class Room {
                 const AgreementSettings& settings = kSettings,
                 const std::vector<Portal>& of_reference = {})
       : scene_(under(std::move(scene), std::move(sky))), settings_(settings) {
-    AgreementSettings calm = settings;  // all are held against it
-    calm.spp *= 4;
     const World world(scene_, scene_.camera(""), 32, 24, of_reference);
-    reference_ = render_runs(world, bdpt, calm);
+    reference_ = render_runs(world, bdpt, settings.of_reference());
     EXPECT_EQ(reference_.not_finite, 0u);
     EXPECT_GT(reference_.of_depth[0].mean(), 0);
   }
@@ -64,10 +62,6 @@ class Room {
                 variant.integrator.name, runs.share[static_cast<size_t>(Technique::portal)],
                 v.worst_p,
                 testing::compare(runs.of_depth[0], reference_.of_depth[0]).text().c_str());
-    if (getenv("DEPTHS"))
-      for (size_t k = 1; k < runs.of_depth.size(); ++k)
-        std::printf("   k %zu mean %.6f ref %.6f: %s\n", k, runs.of_depth[k].mean(),
-                    reference_.of_depth[k].mean(), v.of_depth[k].text().c_str());
     return v;
   }
   void expect_agreement(const std::string& what, const std::vector<Portal>& portals,
@@ -75,6 +69,12 @@ class Room {
     const World world(scene_, scene_.camera(""), 32, 24, portals);
     for (const Integrator* integrator : all)
       EXPECT_TRUE(verdict(what, world, *integrator).holds()) << what << ", " << integrator->name;
+  }
+  /// Twin: segments that count twice.
+  void expect_twice_to_be_caught(const std::vector<Portal>& portals) const {
+    const World world(scene_, scene_.camera(""), 32, 24, portals);
+    const Variant twice(tdpt_org, run_twice<Technique::portal>);
+    EXPECT_FALSE(verdict("twin, segments twice", world, twice).holds());
   }
   const Scene& scene() const { return scene_; }
 
@@ -88,31 +88,48 @@ const Sky::Sun kSun = sun_of({1, 0.45, 0.2}, 0.25 * kDegree, 5);
 
 TEST(sky_agreement, one_colour) {
   const Room r(room({}), one_colour_sky({1, 1.2f, 1.5f}));
-  r.expect_agreement("no portal", {}, kWithPt);
-  r.expect_agreement("in the window", {kWindow}, kAll);
+  r.expect_agreement("no portal", {}, {&pt});
+  r.expect_agreement("in the window", {kWindow}, kFew);
+  r.expect_twice_to_be_caught({kWindow});
 }
 
-TEST(sky_agreement, uneven_map_whatever_the_portals) {
+const Portal kInTheRoom = rectangle({0.7, 0.3, -0.8}, {0.9, 0, 0.4}, {0, 1, 0});
+
+TEST(sky_agreement, uneven_map) {
+  const Room r(room({}), uneven_sky());
+  r.expect_agreement("no portal", {}, {&pt, &nee});
+  r.expect_agreement("in the window", both_ways({kWindow}), {&tdpt_org});
+  r.expect_agreement("one behind another", {kWindow, across(0.2, 1.8, -0.9, 0.9, 1.2)}, kAll);
+  r.expect_twice_to_be_caught({kWindow});
+}
+
+TEST(long_sky_agreement, uneven_map_whatever_the_portals) {
   const Room r(room({}), uneven_sky());
   r.expect_agreement("no portal", {}, kWithPt);
-  r.expect_agreement("in the window", {kWindow}, kAll);
-  r.expect_agreement("half of it", {across(0.5, 1.5, -0.5, 0)}, kFew);
-  r.expect_agreement("two halves", {across(0.5, 1.5, -0.5, 0), across(0.5, 1.5, 0, 0.5)}, kFew);
-  r.expect_agreement("larger than it", {across(0, 2, -0.9, 0.9)}, kFew);
-  r.expect_agreement("in the room", {rectangle({0.7, 0.3, -0.8}, {0.9, 0, 0.4}, {0, 1, 0})}, kFew);
-  r.expect_agreement("outside", {across(-1, 3, -2, 2, 2.6)}, kFew);
-  r.expect_agreement("tilted", {rectangle({1.8, 0.5, -0.5}, {0.2, 0, 1}, {0.25, 1, 0})}, kFew);
-  r.expect_agreement("both ways", both_ways({kWindow}), kFew);
-  r.expect_agreement("one behind another", {kWindow, across(0.2, 1.8, -0.9, 0.9, 1.2)}, kAll);
+  for (const auto& [what, portals] : std::vector<std::pair<const char*, std::vector<Portal>>>{
+           {"in the window", {kWindow}},
+           {"half of it", {across(0.5, 1.5, -0.5, 0)}},
+           {"two halves", {across(0.5, 1.5, -0.5, 0), across(0.5, 1.5, 0, 0.5)}},
+           {"larger than it", {across(0, 2, -0.9, 0.9)}},
+           {"in the room", {kInTheRoom}},
+           {"outside", {across(-1, 3, -2, 2, 2.6)}},
+           {"tilted", {rectangle({1.8, 0.5, -0.5}, {0.2, 0, 1}, {0.25, 1, 0})}},
+           {"both ways", both_ways({kWindow})}})
+    r.expect_agreement(what, portals, kAll);
 }
 
 TEST(sky_agreement, sun_and_sky) {
   const Room r(room({}), uneven_sky({kSun}));
-  r.expect_agreement("no portal", {}, kAll);
-  r.expect_agreement("in the window", {kWindow}, kAll);
-  r.expect_agreement("half of it", {across(0.5, 1.5, 0, 0.5)}, kFew);
-  r.expect_agreement("in the room", {rectangle({0.7, 0.3, -0.8}, {0.9, 0, 0.4}, {0, 1, 0})}, kFew);
-  r.expect_agreement("both ways", both_ways({kWindow}), kFew);
+  r.expect_agreement("half of it", {across(0.5, 1.5, 0, 0.5)}, kAll);
+  r.expect_agreement("in the room", {kInTheRoom}, {&tdpt_guided});
+  r.expect_twice_to_be_caught({kWindow});
+}
+
+TEST(long_sky_agreement, sun_and_sky) {
+  const Room r(room({}), uneven_sky({kSun}));
+  for (const auto& portals : std::vector<std::vector<Portal>>{
+           {}, {kWindow}, {across(0.5, 1.5, 0, 0.5)}, {kInTheRoom}, both_ways({kWindow})})
+    r.expect_agreement("sun", portals, kAll);
 }
 
 // The second is a triangle, half of the back wall, of which the portal's rectangle is twice as
@@ -122,12 +139,12 @@ TEST(sky_agreement, two_windows) {
       without(room({}), [](const Vec3d& p) { return p.z < -0.99 && p.y > p.x - 0.01; });
   const Portal triangle{"triangle", {{0, 0, -0.99}, {2, 2, -0.99}, {0, 2, -0.99}}, {{0, 1, 2}}, {}};
   const Room r(scene, uneven_sky({kSun}));
-  r.expect_agreement("no portal", {}, kFew);
-  r.expect_agreement("in both", {kWindow, triangle}, kAll);
-  r.expect_agreement("in the sun's", {kWindow}, kFew);
+  r.expect_agreement("in both", {kWindow, triangle}, kFew);
+  r.expect_agreement("in the sun's", {kWindow}, {&tdpt_guided});
+  r.expect_twice_to_be_caught({kWindow, triangle});
   // A sun beside all portals is found seldom.
   const Room sunless(scene, std::make_shared<Sky>(graded_map(), 0.3));
-  sunless.expect_agreement("in one", {triangle}, kAll);
+  sunless.expect_agreement("in one", {triangle}, {&tdpt_org, &tdpt_guided});
 }
 
 // Sky and lamps beside each other.
@@ -146,34 +163,39 @@ TEST(sky_agreement, lamps_and_sky) {
   scene.lights.push_back(lamp);
   const Room r(scene, uneven_sky());
   r.expect_agreement("lamps and sky", {kWindow}, kAll);
+  r.expect_twice_to_be_caught({kWindow});
 }
 
 TEST(sky_agreement, a_pane_in_the_window_and_a_veil_before_it) {
   Scene scene = with_sheet(room({}), clear_pane(), {2.05, 0.5, -0.5}, {0, 0, 1}, {0, 1, 0});
   scene = with_sheet(scene, veil(0.4f), {2.09, 0.5, -0.5}, {0, 0, 0.6}, {0, 1, 0});
   const Room r(scene, uneven_sky({kSun}));
-  r.expect_agreement("no portal", {}, kFew);
-  r.expect_agreement("on the pane", {kWindow}, kAll);
-  r.expect_agreement("behind it", {across(0.5, 1.5, -0.5, 0.5, 2.02)}, kFew);
-}
-
-TEST(sky_agreement, glossy_surfaces) {
-  const Room r(room({.plastic_floor = true, .metal_walls = true, .smooth = true}), uneven_sky());
-  r.expect_agreement("no portal", {}, kFew);
-  r.expect_agreement("in the window", {kWindow}, kAll);
+  r.expect_agreement("on the pane", {kWindow}, kFew);
+  r.expect_agreement("behind it", {across(0.5, 1.5, -0.5, 0.5, 2.02)}, {&tdpt_org});
+  r.expect_twice_to_be_caught({kWindow});
 }
 
 // What mirrors and glass throw of the bright patch, nee meets by chance alone.
-TEST(sky_agreement, mirror_and_glass) {
-  for (const GlossyRooms& what :
-       {GlossyRooms{.plastic_floor = true, .mirror = true}, GlossyRooms{.glass = true}}) {
-    const Room r(room(what), std::make_shared<Sky>(graded_map(), 0.3));
-    r.expect_agreement("no portal", {}, kFew);
-    r.expect_agreement("in the window", {kWindow}, kAll);
+void expect_agreement_of_things(const Integrators& without, const Integrators& with) {
+  const auto uneven = uneven_sky(), graded = std::make_shared<const Sky>(graded_map(), 0.3);
+  for (const auto& [what, sky] :
+       {std::pair{GlossyRooms{.plastic_floor = true, .metal_walls = true, .smooth = true}, uneven},
+        {GlossyRooms{.plastic_floor = true, .mirror = true}, graded},
+        {GlossyRooms{.glass = true}, graded}}) {
+    const Room r(room(what), sky);
+    r.expect_agreement("no portal", {}, without);
+    r.expect_agreement("in the window", {kWindow}, with);
+    r.expect_twice_to_be_caught({kWindow});
   }
 }
+TEST(sky_agreement, glossy_surfaces_mirror_and_glass) {
+  expect_agreement_of_things({}, {&nee, &tdpt_org});
+}
+TEST(long_sky_agreement, glossy_surfaces_mirror_and_glass) {
+  expect_agreement_of_things(kFew, kAll);
+}
 
-TEST(sky_agreement, all_that_auto_tries) {
+TEST(long_sky_agreement, all_that_auto_tries) {
   const Room r(room({}), uneven_sky({kSun}));
   const World world(r.scene(), r.scene().camera(""), 32, 24, {kWindow});
   for (const Candidate& c : auto_candidates(world, kGuided)) {
@@ -184,17 +206,21 @@ TEST(sky_agreement, all_that_auto_tries) {
 
 // Walks that nothing but roulette ends, shared by samples, as pictures are rendered.
 TEST(sky_agreement, whole_light) {
-  const AgreementSettings settings{.max_depth = kMaxDepth, .runs = 32, .spp = 24};
+  AgreementSettings settings = kSettings;
+  settings.max_depth = kMaxDepth;
   const Room r(room({}), uneven_sky({kSun}), settings);
   const World world(r.scene(), r.scene().camera(""), 32, 24, {kWindow});
   for (const Integrator* integrator : kAll)
     EXPECT_TRUE(r.verdict("whole", world, Variant::pooled(world, *integrator, kMaxDepth)).holds())
         << integrator->name;
+  Variant twice = Variant::pooled(world, tdpt_org, kMaxDepth);
+  twice.besides = [](PathSampler& sampler) { sampler.run(Technique::portal); };
+  EXPECT_FALSE(r.verdict("twin, segments twice", world, twice).holds());
 }
 
 // Twins: densities that claim 5 % more than they have.
 TEST(sky_agreement_twin, a_sky_or_a_portal_off_by_5_percent_is_caught) {
-  const AgreementSettings settings{.max_depth = 3, .runs = 16, .spp = 24};
+  const AgreementSettings settings{.max_depth = 3, .runs = 64, .spp = 6};
   const std::vector<Portal> hole{across(0.75, 1.25, -0.25, 0.25)};
   const Room r(open_end(read_gltf(TDPT_TESTDATA "/scenes/half-metre-hole.glb"), 2.09),
                one_colour_sky(Rgb(1)), settings, hole);

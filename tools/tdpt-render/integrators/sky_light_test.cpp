@@ -4,6 +4,7 @@
 
 #include <functional>
 
+#include "libcommon/testing/statistics/power.h"
 #include "tools/tdpt-render/run/render.h"
 #include "tools/tdpt-render/testing/faults.h"
 #include "tools/tdpt-render/testing/renderer.h"
@@ -99,7 +100,8 @@ Measured rendered(const World& world, const Integrator& integrator, uint64_t spp
   std::vector<double> sum(5), squares(5);
   for (uint64_t seed = 1; seed <= kRuns; ++seed) {
     RenderSettings settings;
-    settings.spp = spp, settings.seed = seed, settings.max_depth = max_depth, settings.beta = beta;
+    settings.spp = spp, settings.seed = testing::fresh(seed), settings.max_depth = max_depth,
+    settings.beta = beta;
     const RenderResult r = render(*renderer_under_test(world), integrator, settings);
     EXPECT_EQ(r.tally.not_finite, 0u) << integrator.name;
     const int width = world.film.width();
@@ -130,7 +132,7 @@ struct Expectation {
 /// pt, of which portals change nothing, where there are none and the sun is not too small to be
 /// met.
 void expect_shown(const char* what, const World& world, const Expectation& e, bool with_pt = true) {
-  for (const Integrator* integrator : integrators()) {
+  for (const Integrator* integrator : integrators_under_test()) {
     if (integrator == &pt && (!with_pt || !world.portals.empty())) continue;
     const Measured m = rendered(world, *integrator, e.spp, e.max_depth);
     std::printf("%-24s %-11s %9.5f +- %.5f, known %.5f, worst z %.2f\n", what, integrator->name,
@@ -375,7 +377,7 @@ TEST(sky_light, is_seen_as_it_is) {
     const auto sky = std::make_shared<Sky>(map, 0.3, std::vector{sun_of(towards, half_angle, 5)});
     const World world = out.world(sky, {rectangle({-1, -1, -1}, {0, 0, 2}, {2, 0, 0})});
     const Vec3d corner = world.film.direction(0.5, 0.5);
-    for (const Integrator* integrator : integrators()) {
+    for (const Integrator* integrator : integrators_under_test()) {
       RenderSettings settings;
       settings.spp = 64;
       const RenderResult r = render(*renderer_under_test(world), *integrator, settings);
@@ -386,7 +388,7 @@ TEST(sky_light, is_seen_as_it_is) {
     // The sun's disc.
     out.look({0, 0, 0}, towards, half_angle / 4);
     const World close = out.world(sky);
-    for (const Integrator* integrator : integrators()) {
+    for (const Integrator* integrator : integrators_under_test()) {
       const Measured m = rendered(close, *integrator, 1);
       EXPECT_NEAR(m.mean[4] / luminance(sky->radiance(towards)), 1, 1e-3) << integrator->name;
     }
@@ -406,7 +408,7 @@ TEST(sky_light, does_not_get_into_a_closed_box) {
       {rectangle({-3, 1, -3}, {6, 0, 0}, {0, 0, 6})}};      // through all of them
   for (const auto& portals : sets) {
     const World world(scene, scene.camera(""), 8, 6, portals);
-    for (const Integrator* integrator : integrators())
+    for (const Integrator* integrator : integrators_under_test())
       EXPECT_EQ(rendered(world, *integrator, 24, 32).mean[4], 0) << integrator->name;
   }
 }

@@ -11,7 +11,7 @@
 namespace tdpt {
 namespace {
 
-constexpr AgreementSettings kSettings{.max_depth = kMaxDepth, .runs = 16, .spp = 16};
+constexpr AgreementSettings kSettings{.max_depth = kMaxDepth, .runs = 32, .spp = 4};
 
 // Bright, so that a good part of the light is of long paths.
 Scene bright_rooms() {
@@ -37,9 +37,7 @@ void expect_whole_agreement(const World& world, const std::vector<const Integrat
   for (const Integrator* integrator : others)
     variants.push_back(Variant::pooled(world, *integrator, kMaxDepth));
   // The reference joins the vertices of a sample with each other alone.
-  AgreementSettings calm = kSettings;  // all are held against it
-  calm.spp *= 4;
-  const DepthRuns reference = render_runs(world, bdpt, calm);
+  const DepthRuns reference = render_runs(world, bdpt, kSettings.of_reference());
   EXPECT_GT(reference.of_depth.back().mean(), 0.01 * reference.of_depth[0].mean());
   expect_agreement(world, variants, reference, kSettings);
 }
@@ -84,7 +82,7 @@ class whole_agreement_twin : public ::testing::Test {
   const Scene scene_ = glossy_rooms();
   const World world_{
       scene_, scene_.camera(""), 32, 24, {rectangle({2.05, 0.5, -0.5}, {0, 0, 1}, {0, 1, 0})}};
-  const DepthRuns reference_ = render_runs(world_, bdpt, kSettings);
+  const DepthRuns reference_ = render_runs(world_, bdpt, kSettings.of_reference());
 };
 
 // Weights may expect what they like, as long as all strategies' do.

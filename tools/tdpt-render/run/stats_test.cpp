@@ -155,7 +155,7 @@ TEST(not_finite, twin_a_sound_scene_has_none) {
 }
 
 TEST(not_finite, never_reaches_the_picture_by_any_technique) {
-  for (const Integrator* integrator : integrators()) {
+  for (const Integrator* integrator : integrators_under_test()) {
     const Spoilt room(kNoNumbers[0], 5, *integrator);
     EXPECT_GT(room.result.tally.not_finite, 0u) << integrator->name;
     EXPECT_TRUE(std::all_of(room.result.picture.pixels.begin(), room.result.picture.pixels.end(),
@@ -167,7 +167,7 @@ TEST(not_finite, never_reaches_the_picture_by_any_technique) {
 
 TEST(integrators, say_which_light_they_miss) {
   Scene scene = read_gltf(furnace_path());
-  for (const Integrator* integrator : integrators())
+  for (const Integrator* integrator : integrators_under_test())
     EXPECT_EQ(light_missed(*integrator, scene), "") << integrator->name;
   scene.lights.emplace_back();
   EXPECT_EQ(light_missed(pt, scene),

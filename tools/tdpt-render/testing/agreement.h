@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 #include <oneapi/tbb/parallel_for.h>
 
+#include "libcommon/testing/statistics/power.h"
 #include "libcommon/testing/statistics/z_failure.h"
 #include "tools/tdpt-render/testing/variant.h"
 
@@ -19,7 +20,15 @@ struct AgreementSettings {
   uint64_t spp = 16;  ///< of each run
   int block = 4;      ///< side of the blocks [pixels]; width and height are multiples of it
   int apart = 8;      ///< lengths told apart; those beyond are taken together
+  uint64_t first_seed = 1;
 
+  /// What others are held against: as many more samples as cost least for four or five of them.
+  AgreementSettings of_reference() const {
+    AgreementSettings calm = *this;
+    calm.spp *= 2;
+    calm.first_seed += 1000;
+    return calm;
+  }
   /// Of paths by length, [0] for all together.
   size_t lengths() const { return static_cast<size_t>(std::min(max_depth, apart + 1)) + 1; }
 };
@@ -31,6 +40,7 @@ struct DepthRuns {
   size_t across = 0;                        ///< blocks in a row
   std::array<double, kTechniques> share{};  ///< of the energy, all depths
   uint64_t not_finite = 0;
+  uint64_t spp = 0;  ///< of all runs
 };
 
 /// One picture per path length as in DepthRuns, [0] unused, luminance per pixel and sample.
@@ -77,7 +87,8 @@ inline DepthRuns render_runs(const World& world, const Variant& variant,
   std::vector<Blocks> runs(settings.runs, Blocks(depths, std::vector<double>(across * down)));
   std::vector<Tally> tallies(settings.runs);
   tbb::parallel_for(size_t{0}, settings.runs, [&](size_t r) {
-    const auto pictures = render_by_depth(world, variant, settings, r + 1, tallies[r]);
+    const auto pictures = render_by_depth(world, variant, settings,
+                                          testing::fresh(settings.first_seed + r), tallies[r]);
     for (size_t k = 1; k < depths; ++k)
       for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x) {
@@ -91,6 +102,7 @@ inline DepthRuns render_runs(const World& world, const Variant& variant,
   DepthRuns out;
   out.of_depth.resize(depths);
   out.across = across;
+  out.spp = settings.runs * settings.spp;
   double energy = 0;
   for (size_t r = 0; r < settings.runs; ++r) {
     for (size_t k = 0; k < depths; ++k) out.of_depth[k].add(runs[r][k]);
@@ -111,13 +123,19 @@ struct Verdict {
   bool holds() const { return disagreements == 0; }
 };
 
+/// Of one question, so that all of a test, three of each length of nine renderers, fail by chance
+/// as seldom as a test may.
+inline constexpr double kLeast = testing::kFalseAlarm / 256;
+
 /// `how`: testing::compare, or testing::compare_paired for runs that share their random numbers.
 inline Verdict judge(const DepthRuns& runs, const DepthRuns& reference,
                      testing::Agreement (*how)(const testing::BlockRuns&,
                                                const testing::BlockRuns&) = testing::compare) {
   Verdict out;
   for (size_t k = 0; k < runs.of_depth.size(); ++k) {
-    const testing::Agreement a = how(runs.of_depth[k], reference.of_depth[k]);
+    testing::Agreement a = how(runs.of_depth[k], reference.of_depth[k]);
+    a.least = kLeast;
+    testing::tell_answer(a, runs.spp, k);
     out.worst_p = std::min({out.worst_p, a.p_drift, a.p_rms, a.p_largest});
     out.disagreements += !a.holds();
     out.of_depth.push_back(a);
@@ -159,7 +177,8 @@ inline void expect_agreement(const World& world, const std::vector<Variant>& oth
   }
 }
 
-/// Holds each of `others`, weighed with exponent `beta`, against bdpt by the balance heuristic.
+/// Holds each of `others`, weighed with exponent `beta`, against bdpt by the balance heuristic. The
+/// twin is in the same room and takes as many samples: portal segments that count twice.
 inline void expect_agreement(const World& world, const std::vector<const Integrator*>& others,
                              const AgreementSettings& settings, double beta = 1) {
   std::vector<Variant> variants;
@@ -167,7 +186,10 @@ inline void expect_agreement(const World& world, const std::vector<const Integra
     variants.emplace_back(*integrator);
     variants.back().beta.fill(beta);
   }
-  expect_agreement(world, variants, render_runs(world, bdpt, settings), settings);
+  const DepthRuns reference = render_runs(world, bdpt, settings.of_reference());
+  expect_agreement(world, variants, reference, settings);
+  const Variant twice(tdpt_org, run_twice<Technique::portal>);
+  EXPECT_FALSE(judge(render_runs(world, twice, settings), reference).holds());
 }
 
 }  // namespace tdpt

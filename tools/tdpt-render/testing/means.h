@@ -2,6 +2,7 @@
 #pragma once
 #include <gtest/gtest.h>
 
+#include "libcommon/testing/statistics/power.h"
 #include "tools/tdpt-render/testing/renderer.h"
 
 namespace tdpt {
@@ -30,7 +31,7 @@ inline MeanAndError rendered(const World& world, const Integrator& integrator, u
   for (uint64_t seed = 1; seed <= runs; ++seed) {
     RenderSettings settings;
     settings.spp = spp;
-    settings.seed = seed;
+    settings.seed = testing::fresh(seed);
     settings.max_depth = max_depth;
     const RenderResult r = render(*renderer, integrator, settings);
     EXPECT_EQ(r.tally.not_finite, 0u);

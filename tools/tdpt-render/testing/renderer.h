@@ -2,6 +2,7 @@
 // devices have what they ask of the CPU's.
 #pragma once
 #include "tools/tdpt-render/run/render.h"
+#include "tools/tdpt-render/testing/variant.h"
 #ifdef TDPT_BY_TWIN
 #include "tools/tdpt-render/testing/device.h"
 #endif
@@ -20,6 +21,13 @@ inline std::shared_ptr<SampleRenderer> renderer_under_test(const World& world) {
 #else
   return std::make_shared<CpuRenderer>(world);
 #endif
+}
+
+/// Of the scalar build, which takes ten times as long a sample, those that run all kernels between
+/// them.
+inline std::vector<const Integrator*> integrators_under_test() {
+  if (kByTwin) return {&pt, &nee, &tdpt_org, &tdpt_guided};
+  return integrators();
 }
 
 }  // namespace tdpt
