@@ -66,7 +66,6 @@ TEST(panes, a_portal_works_behind_one) {
   EXPECT_LT(portal_share(glazed_rooms(tinted)), 0.01);
 }
 
-#ifndef TDPT_BY_TWIN
 // Short pictures whose random numbers are one's own, or the same for two sheets.
 constexpr uint64_t kPictures = 32;
 
@@ -129,7 +128,6 @@ TEST(panes, agree_with_glass_that_walks_pass_by_a_lobe) {
   EXPECT_TRUE(all.holds()) << all.text();
   EXPECT_FALSE(fewer.holds()) << fewer.text();  // twin: two panes less
 }
-#endif
 
 }  // namespace
 }  // namespace tdpt
