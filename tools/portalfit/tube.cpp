@@ -37,6 +37,8 @@ namespace tdpt {
 namespace {
 
 constexpr int kSides = 16;           // of an outline
+constexpr double kInner = 0.97;      // of the nearest tangent, within which places are passed over
+constexpr double kRounding = 1e-9;   // by which products of lengths are told apart
 constexpr double kThrough = 0.002;   // smallest share of the lines held that pass both faces
 constexpr double kGrazing = 0.1;     // cosines count as no less
 constexpr double kMostTilt = 0.3;    // in a step: tangent
@@ -192,17 +194,24 @@ class Search {
   bool measure_outline(Look& look) {
     const Whitening whitening = look.extents.whitening();
     for (Vec2d& p : places_) p = whitening(p);
+    outer_.clear();
+    for (const Vec2d& p : places_)
+      if (dot(p, p) >= inner_ * inner_) outer_.push_back(p);
+    double nearest = INFINITY;
     Polygon outline{{-100, -100}, {100, -100}, {100, 100}, {-100, 100}};
     double least[2] = {0, 0}, most[2] = {0, 0};
     const auto beyond = static_cast<size_t>(goal_.outside * static_cast<double>(places_.size()));
     for (int side = 0; side < kSides; ++side) {
       const double angle = 2 * std::numbers::pi * side / kSides;
       const Vec2d axis{std::cos(angle), std::sin(angle)};
-      const double limit = reach_of(axis, beyond);
+      double limit = reach_of(outer_, axis, beyond);
+      if (!(limit > inner_ * (1 + kRounding))) limit = reach_of(places_, axis, beyond);
+      nearest = std::min(nearest, limit);
       if (side % (kSides / 4) == 0)
         (side < kSides / 2 ? most : least)[side / (kSides / 4) % 2] = limit;
       outline = clipped(outline, axis, limit);
     }
+    inner_ = kInner * std::max(nearest, 0.0);
     look.size = area(outline) * look.extents.longer * look.extents.shorter;
     const double a = (most[0] + least[0]) * look.extents.longer,
                  b = (most[1] + least[1]) * look.extents.shorter;
@@ -212,11 +221,12 @@ class Search {
     return true;
   }
 
-  // How far along the axis the places reach but for the `beyond` farthest: the least of a heap of
-  // the farthest, which few of the places ever enter.
-  double reach_of(Vec2d axis, size_t beyond) {
+  // How far along the axis these places reach but for the `beyond` farthest: the least of a heap of
+  // the farthest, which few of the places ever enter. -INFINITY where there are no more than those.
+  double reach_of(const std::vector<Vec2d>& places, Vec2d axis, size_t beyond) {
+    if (places.size() <= beyond) return -INFINITY;
     farthest_.clear();
-    for (const Vec2d& p : places_) {
+    for (const Vec2d& p : places) {
       const double at = dot(p, axis);
       if (farthest_.size() <= beyond) {
         farthest_.push_back(at);
@@ -248,6 +258,8 @@ class Search {
   Goal goal_;
   std::vector<double> length_;  // of the lines, where it is needed [m]
   std::vector<Vec2d> places_;   // of the last look, both faces
+  std::vector<Vec2d> outer_;    // those that may matter to its outline: not within inner_
+  double inner_ = 0;            // within all tangents of the look before, about as this one's
   std::vector<double> farthest_;
 };
 
