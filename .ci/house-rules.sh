@@ -7,6 +7,7 @@
 #   So do the rooms of tdpt-render; testing/ and bench/ of any tool are included by tests alone.
 #   Each heavy library has one home.
 #   A planted fault, struct ...Faults, is defined by tests alone; the class that it spoils names it as a friend.
+#   A test has a namespace of its own, NAME_test: those of a program are compiled six files at a time.
 cd "${1:?usage: house-rules.sh ROOT}" || exit 2
 found=$(mktemp) && all=$(mktemp) || exit 2
 trap 'rm -f "$found" "$all"' EXIT
@@ -91,5 +92,9 @@ END {
 }' "$all" >"$found"
 grep -rnE '(struct|class) +[A-Za-z]*Faults[^;]*$' --include='*.h' --include='*.cpp' tools libcommon shaders 2>/dev/null |
   grep -vE '^[^:]*(/testing/|_test[.])' >>"$found"
+grep -rlE '^(TEST|TEST_[FP])\(' --include='*_test.cpp' tools libcommon shaders 2>/dev/null | while read -r file; do
+  name=$(basename "$file" .cpp | tr - _)
+  grep -qE "^namespace ([a-z:]*::)?$name \{" "$file" || echo "$file:1: has no namespace $name of its own"
+done >>"$found"
 cat "$found"
 [ ! -s "$found" ]

@@ -75,4 +75,10 @@ expect 0 tools/tdpt-render/portals/portals.h '"libcommon/math/vec.h"
   friend struct PortalSetFaults;  // of tests'
 expect 1 tools/tdpt-render/portals/portals.h '"libcommon/math/vec.h"
 struct PortalSetFaults {'
+expect 0 libcommon/math/vec_test.cpp '<gtest/gtest.h>
+namespace tdpt::vec_test {
+TEST(Vec, adds) {}'
+expect 1 libcommon/math/vec_test.cpp '<gtest/gtest.h>
+namespace tdpt {
+TEST(Vec, adds) {}'
 exit $failed

@@ -13,8 +13,7 @@
 #include "libcommon/base/error.h"
 #include "libcommon/base/memory_limit.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::another_process_test {
 
 constexpr size_t kLong = 1 << 20;  // more than a pipe holds
 
@@ -97,5 +96,4 @@ TEST(another_process, that_cannot_be_had_is_told) {
   EXPECT_EQ(said, "no other process can be started: Too many open files");
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::another_process_test

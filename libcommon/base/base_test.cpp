@@ -20,8 +20,7 @@
 #include "libcommon/base/provenance.h"
 #include "libcommon/base/shell_quoted.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::base_test {
 namespace fs = std::filesystem;
 
 struct Folder {
@@ -271,5 +270,4 @@ TEST(provenance, names_and_values_keep_to_their_line) {
   EXPECT_EQ(p.lines[1], "from line?break.glb 00");
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::base_test

@@ -13,8 +13,7 @@
 
 #include "libcommon/base/error.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::child_process_test {
 
 int wait_for(ChildProcess& child, std::string& text) {
   while (child.read(text)) std::this_thread::sleep_for(std::chrono::milliseconds(2));
@@ -116,5 +115,4 @@ TEST(child_process, only_the_main_thread_may_start_one) {
   std::thread([] { EXPECT_THROW(ChildProcess({"/bin/true"}, {}), Error); }).join();
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::child_process_test

@@ -7,8 +7,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-namespace tdpt {
-namespace {
+namespace tdpt::progress_test {
 
 // What `work` writes to stderr, which is no terminal, line by line.
 template <class Work>
@@ -114,5 +113,4 @@ TEST(progress, is_not_told_where_nobody_looks) {
   EXPECT_EQ(told(ProgressForm::json, work).size(), 2u);
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::progress_test

@@ -2,8 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace tdpt::cli {
-namespace {
+namespace tdpt::cli::completion_test {
 
 using Words = std::vector<std::string>;
 
@@ -35,5 +34,4 @@ TEST(completion, quotes_of_a_help_text_do_not_end_those_of_the_script) {
             std::string::npos);
 }
 
-}  // namespace
-}  // namespace tdpt::cli
+}  // namespace tdpt::cli::completion_test

@@ -5,8 +5,7 @@
 #include "libcommon/base/phases.h"
 #include "libcommon/cli/cli.h"
 
-namespace tdpt::cli {
-namespace {
+namespace tdpt::cli::decision_test {
 
 TEST(decision, is_one_line_with_its_reason_and_its_price) {
   EXPECT_EQ(sentence({"alpha", "left out", "no material has any", "no ray asks"}),
@@ -44,5 +43,4 @@ TEST(decision, is_not_thought_of_unless_asked_for) {
   EXPECT_EQ(asked, 1u);
 }
 
-}  // namespace
-}  // namespace tdpt::cli
+}  // namespace tdpt::cli::decision_test

@@ -11,8 +11,7 @@
 
 #include "libcommon/base/error.h"
 
-namespace tdpt::cli {
-namespace {
+namespace tdpt::cli::dependencies_test {
 namespace fs = std::filesystem;
 
 using Words = std::vector<std::string>;
@@ -90,5 +89,4 @@ TEST(dependencies, are_read_back_by_make_whatever_the_names) {
   }
 }
 
-}  // namespace
-}  // namespace tdpt::cli
+}  // namespace tdpt::cli::dependencies_test

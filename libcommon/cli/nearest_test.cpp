@@ -2,8 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace tdpt::cli {
-namespace {
+namespace tdpt::cli::nearest_test {
 
 const std::vector<std::string> kNames{"spp",   "time",   "max-depth", "max-portals", "width",
                                       "light", "height", "camera",    "environment"};
@@ -36,5 +35,4 @@ TEST(nearest, is_the_only_word_that_begins_so) {
   EXPECT_EQ(nearest("en", kNames), "");   // too short to tell
 }
 
-}  // namespace
-}  // namespace tdpt::cli
+}  // namespace tdpt::cli::nearest_test

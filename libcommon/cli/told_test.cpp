@@ -5,8 +5,7 @@
 
 #include "libcommon/testing/files/temp_folder.h"
 
-namespace tdpt::cli {
-namespace {
+namespace tdpt::cli::told_test {
 
 class told : public ::testing::Test {
  protected:
@@ -42,5 +41,4 @@ TEST_F(told, a_file_that_cannot_be_used_hides_nothing) {
   }
 }
 
-}  // namespace
-}  // namespace tdpt::cli
+}  // namespace tdpt::cli::told_test

@@ -12,8 +12,7 @@
 #include "libcommon/testing/files/read_png.h"
 #include "libcommon/testing/files/temp_folder.h"
 
-namespace tdpt::draw {
-namespace {
+namespace tdpt::draw::canvas_test {
 
 const Ink kWhite{1, 1, 1}, kBlack{0, 0, 0};
 
@@ -312,5 +311,4 @@ TEST(colour, reach_and_regions_have_their_colours_at_the_ends) {
   EXPECT_NE(region(1, 3), kCamera);
 }
 
-}  // namespace
-}  // namespace tdpt::draw
+}  // namespace tdpt::draw::canvas_test

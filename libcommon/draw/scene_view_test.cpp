@@ -5,8 +5,7 @@
 #include "libcommon/draw/patch_lookup.h"
 #include "libcommon/draw/scene_sheet.h"
 
-namespace tdpt::draw {
-namespace {
+namespace tdpt::draw::scene_view_test {
 
 // Rooms x 0..2 and 2.1..4.1, hole y 0.875..1.125, z -0.125..0.125; the camera in the first.
 const Scene& two_rooms() {
@@ -113,5 +112,4 @@ TEST_F(Sheet, what_lies_behind_the_camera_is_not_drawn) {
   EXPECT_EQ(sheet_.canvas().png(), before);
 }
 
-}  // namespace
-}  // namespace tdpt::draw
+}  // namespace tdpt::draw::scene_view_test

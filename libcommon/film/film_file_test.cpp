@@ -10,8 +10,7 @@
 #include "libcommon/base/memory_limit.h"
 #include "libcommon/math/rng.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::film_file_test {
 
 constexpr int kWidth = 3, kHeight = 2;
 
@@ -266,5 +265,4 @@ TEST(merging, names_all_kinds_of_processors) {
             "the last digits of each sample");
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::film_file_test

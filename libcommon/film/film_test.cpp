@@ -10,8 +10,7 @@
 
 #include "libcommon/math/rng.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::film_test {
 
 Vec3d grey(double v) {
   return {v, v, v};
@@ -172,5 +171,4 @@ TEST(film, tells_its_variance) {
   EXPECT_EQ(ratio_of_variances(1, 1e9), std::numeric_limits<double>::infinity());
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::film_test

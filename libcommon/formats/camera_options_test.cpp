@@ -9,8 +9,7 @@
 #include "libcommon/base/error.h"
 #include "libcommon/scene/film_plane.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::camera_options_test {
 
 constexpr double kRadians = std::numbers::pi / 180;
 
@@ -221,5 +220,4 @@ TEST(CameraOptions, WhatIsNoPlaceIsRefused) {
             "2 --look-from 4e8,0,0: 1e+08 times the scene's size away, expected at most 1e+06");
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::camera_options_test

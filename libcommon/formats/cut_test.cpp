@@ -10,8 +10,7 @@
 #include "libcommon/formats/viewpoint.h"
 #include "libcommon/math/rng.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::cut_test {
 
 std::string temporary(const std::string& text) {
   const std::string path = std::filesystem::temp_directory_path() /
@@ -203,5 +202,4 @@ TEST(cut, damaged_files_are_read_or_refused) {
   EXPECT_GT(refused, 150);
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::cut_test

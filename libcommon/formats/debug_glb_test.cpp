@@ -8,8 +8,7 @@
 #include "libcommon/scene/scene.h"
 #include "libcommon/testing/files/temp_folder.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::debug_glb_test {
 
 using Kind = DebugMesh::Kind;
 
@@ -126,5 +125,4 @@ TEST(debug_glb, cubes_face_outwards) {
   }
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::debug_glb_test

@@ -10,8 +10,7 @@
 #include "libcommon/formats/viewpoint.h"
 #include "libcommon/math/rng.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::dimacs_test {
 
 std::string temporary(const std::string& text) {
   const std::string path = std::filesystem::temp_directory_path() /
@@ -232,5 +231,4 @@ TEST(dimacs, damaged_files_are_read_or_refused) {
   EXPECT_GT(refused, 150);
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::dimacs_test

@@ -8,8 +8,7 @@
 #include "libcommon/formats/picture.h"
 #include "libcommon/math/rng.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::environment_test {
 
 Picture grey(int width, int height, float value = 1) {
   return {width, height,
@@ -106,5 +105,4 @@ TEST(Environment, DamagedFilesAreReadOrRefused) {
   }
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::environment_test

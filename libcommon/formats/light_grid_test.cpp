@@ -14,10 +14,9 @@
 #include "libcommon/formats/viewpoint.h"
 #include "libcommon/math/rng.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::light_grid_test {
 
-class LightGridFormat : public testing::Test {
+class LightGridFormat : public ::testing::Test {
  protected:
   ~LightGridFormat() override { std::filesystem::remove(path_); }
   std::string write(const std::string& bytes) const {
@@ -373,5 +372,4 @@ TEST(WalkGrid, CrossesASmallGridByHand) {
   EXPECT_TRUE(seen.empty());
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::light_grid_test

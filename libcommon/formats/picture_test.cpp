@@ -29,8 +29,7 @@
 #include "libcommon/formats/png.h"
 #include "libcommon/math/rng.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::picture_test {
 
 Picture gradient(int width, int height) {
   Picture p{width, height, {}};
@@ -489,5 +488,4 @@ TEST(Picture, AutomaticExposurePutsThe95thPercentileAtWhite) {
   EXPECT_EQ(auto_exposure(p), 0);
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::picture_test

@@ -12,8 +12,7 @@
 #include "libcommon/base/error.h"
 #include "libcommon/testing/rooms/squares.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::portal_test {
 
 using Json = nlohmann::json;
 
@@ -423,5 +422,4 @@ TEST_F(PortalFormat, SurvivesDamage) {
   }
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::portal_test

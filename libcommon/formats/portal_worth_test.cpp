@@ -2,8 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace tdpt {
-namespace {
+namespace tdpt::portal_worth_test {
 
 TEST(Drawback, IsWhatTheFiguresSayAgainstAPortal) {
   EXPECT_EQ(drawback_of({}), "");
@@ -30,5 +29,4 @@ TEST(WorthSentence, SaysWhatIsKnown) {
             "1 m2, conductance 0.2: a wide way, 20 % of the smaller side's light finds it alone");
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::portal_worth_test

@@ -6,8 +6,7 @@
 #include "libcommon/base/memory_limit.h"
 #include "libcommon/math/rng.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::radiance_hdr_test {
 
 std::string bytes(std::initializer_list<int> values) {
   std::string text;
@@ -150,5 +149,4 @@ TEST(RadianceHdr, DamagedFilesAreReadOrRefused) {
   }
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::radiance_hdr_test

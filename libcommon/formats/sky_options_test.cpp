@@ -13,8 +13,7 @@
 #include "libcommon/formats/picture.h"
 #include "libcommon/testing/files/temp_folder.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::sky_options_test {
 
 constexpr double kRadians = std::numbers::pi / 180;
 
@@ -403,5 +402,4 @@ TEST(SkyOptions, FilesOfAnotherSceneOrSkyAreTold) {
   EXPECT_FALSE(scene.is_scene_of("12345"));
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::sky_options_test

@@ -5,8 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace tdpt {
-namespace {
+namespace tdpt::viewpoint_test {
 
 Viewpoint eye() {
   return {{1.25, -2, 0.1}, {0.6, 0, -0.8}, {0, 1, 0}, 0.9, 1.5, true, "the eye"};
@@ -71,5 +70,4 @@ TEST(Viewpoint, InWords) {
   EXPECT_EQ(words_of(v), "eye 1.5 0 1e-07 m, direction 0 0 -1, up 0 1 0, field of view 45 degrees");
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::viewpoint_test

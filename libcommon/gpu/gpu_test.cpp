@@ -14,8 +14,7 @@
 #include "shaders/gpu_test_special.h"
 #include "shaders/gpu_test_tables.h"
 
-namespace tdpt::gpu {
-namespace {
+namespace tdpt::gpu::gpu_test {
 
 struct TestPush {
   uint32_t n, step;
@@ -506,5 +505,4 @@ TEST(MisuseDeathTest, MessagesThatNobodyTakesFailTheProcess) {
   EXPECT_EXIT(leave(false), ::testing::ExitedWithCode(0), "");
 }
 
-}  // namespace
-}  // namespace tdpt::gpu
+}  // namespace tdpt::gpu::gpu_test

@@ -10,8 +10,7 @@
 #include "libcommon/math/vec.h"
 #include "libcommon/math/warp.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::math_test {
 
 TEST(rng, depends_on_every_coordinate_and_on_nothing_else) {
   const uint64_t first = Rng(1, 2, 3, 4).bits();
@@ -132,5 +131,4 @@ TEST(Thinned, KeepsOrderAndSpacing) {
   EXPECT_TRUE(thinned(std::vector<int>{}, 5).empty());
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::math_test

@@ -4,8 +4,7 @@
 
 #include "libcommon/math/rng.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::max_flow_test {
 
 FlowNetwork random_network(uint64_t seed) {
   Rng rng(seed, 0, 0);
@@ -84,5 +83,4 @@ TEST(max_flow, is_0_without_a_path) {
   EXPECT_EQ(max_flow({2, 0, 1, {}}).value, 0);
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::max_flow_test

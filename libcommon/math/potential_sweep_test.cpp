@@ -4,8 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace tdpt {
-namespace {
+namespace tdpt::potential_sweep_test {
 
 // Four patches in a row, the light at the first and the camera at the last; the arcs between the
 // two in the middle are a tenth of the others.
@@ -44,5 +43,4 @@ TEST(terminal_grades, are_relative_to_half_the_hit_weighted_median) {
   EXPECT_EQ(terminal_grades({0, 0}, {1, 1}), (std::vector<double>{0, 0}));
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::potential_sweep_test

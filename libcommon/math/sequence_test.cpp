@@ -7,8 +7,7 @@
 
 #include "libcommon/testing/statistics/chi_square.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::sequence_test {
 
 double number(uint64_t seed, uint64_t stream, uint64_t pixel, uint64_t sample, uint32_t d) {
   Sequence sequence(seed, stream, pixel, sample);
@@ -218,5 +217,4 @@ TEST(sequence, dimensions_are_the_same_in_order_and_sought) {
   EXPECT_EQ(again.uniform(), number(1, 2, 3, 77, 8));
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::sequence_test

@@ -4,8 +4,7 @@
 
 #include "libcommon/math/rng.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::series_cut_test {
 
 constexpr int kPatches = 20;  // of a room
 
@@ -313,5 +312,4 @@ TEST(series_cut, a_terminal_that_reaches_nothing_is_told) {
   EXPECT_EQ(series_cut(blind, 8, {}).reason, "the camera sees no surface");
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::series_cut_test

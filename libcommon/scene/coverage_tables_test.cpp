@@ -12,8 +12,7 @@
 #include "shaders/shared/tables.h"
 #include "shaders/shared/texels.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::coverage_tables_test {
 
 using testing::sheet_materials;
 using testing::small_image;
@@ -101,5 +100,4 @@ TEST(Coverages, without_texture_coordinates_have_the_texel_of_the_transform) {
   EXPECT_EQ(share_uncovered(m, halves, false), 0);
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::coverage_tables_test

@@ -7,8 +7,7 @@
 
 #include "libcommon/math/rng.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::film_plane_test {
 
 Camera camera() {
   Camera c;
@@ -65,5 +64,4 @@ TEST(FilmPlane, DensityIntegratesToOneOverTheSphere) {
   EXPECT_GT(std::abs(faulty / n - 1), 4 * error);
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::film_plane_test

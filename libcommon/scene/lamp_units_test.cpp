@@ -9,8 +9,7 @@
 
 #include "libcommon/scene/scene.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::lamp_units_test {
 
 using Kind = LampUnits::Kind;
 constexpr const char* kOld = "Khronos glTF Blender I/O v3.3.35";
@@ -143,5 +142,4 @@ TEST(LampUnits, LampsAreTakenByTheirKind) {
   for (const PunctualLight& lamp : scene.lights) EXPECT_EQ(lamp.intensity, Rgb(8, 4, 0));
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::lamp_units_test

@@ -6,8 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace tdpt {
-namespace {
+namespace tdpt::lights_test {
 
 Material material(const Rgb& emission, bool double_sided) {
   Material m;
@@ -147,5 +146,4 @@ TEST(Lights, NarrowSpotsAreAsBrightInsideAsWideOnes) {
   }
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::lights_test

@@ -6,8 +6,7 @@
 #include "libcommon/scene/distinct_names.h"
 #include "libcommon/scene/test_materials.h"
 
-namespace tdpt::testing {
-namespace {
+namespace tdpt::testing::memory_test {
 
 // What is said of a scene where reading may take this memory; "" where it is read.
 std::string complaint(const std::vector<Json>& materials, const GlbBuilder& b, uint64_t limit) {
@@ -127,5 +126,4 @@ TEST(DistinctNames, AreNumberedInTheOrderTheyCome) {
   EXPECT_EQ(names.take("", "", "camera"), "camera.1");
 }
 
-}  // namespace
-}  // namespace tdpt::testing
+}  // namespace tdpt::testing::memory_test

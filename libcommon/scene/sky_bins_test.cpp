@@ -7,8 +7,7 @@
 
 #include "libcommon/math/rng.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::sky_bins_test {
 
 constexpr double kAll = 4 * std::numbers::pi;
 
@@ -99,5 +98,4 @@ TEST(sky_bins, hold_a_map_s_bright_texel_where_it_is) {
   EXPECT_NEAR(all, 1e6 * sr, 1e-3 * all);
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::sky_bins_test

@@ -10,8 +10,7 @@
 #include "libcommon/math/warp.h"
 #include "libcommon/testing/statistics/chi_square.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::sky_test {
 
 using std::numbers::pi;
 
@@ -494,5 +493,4 @@ TEST(SkyDirections, LargeMapsAreDrawnFromExactlyAsWell) {
   expect_proportional(even, e);
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::sky_test

@@ -5,8 +5,7 @@
 #include <cmath>
 #include <limits>
 
-namespace tdpt {
-namespace {
+namespace tdpt::texture_test {
 
 using Wrap = TextureMap::Wrap;
 using Bytes = std::vector<uint8_t>;
@@ -315,5 +314,4 @@ TEST(NormalMaps, WhatTheyBendBehindTheSurfaceComesBack) {
   EXPECT_GT(n.x, 0.7);
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::texture_test

@@ -4,8 +4,7 @@
 
 #include "libcommon/scene/gltf/materials.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::uses_test {
 
 Scene with_everything() {
   Scene scene;
@@ -64,5 +63,4 @@ TEST(uses, says_how_many_ask_for_it) {
             "scene is dropped)");
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::uses_test

@@ -14,8 +14,7 @@
 #include "libcommon/testing/rooms/portal_stages.h"
 #include "libcommon/testing/rooms/room_scene.h"
 
-namespace tdpt::testing {
-namespace {
+namespace tdpt::testing::pipeline_test {
 namespace fs = std::filesystem;
 
 const std::string kOwn = TDPT_TESTDATA "/scenes/", kPaper = TDPT_SHARED "/scenes/";
@@ -266,5 +265,4 @@ TEST(pipeline, bathroom_has_its_portal_in_the_channel_of_the_window) {
   EXPECT_LT(coverage(channel, portals), 0.9);
 }
 
-}  // namespace
-}  // namespace tdpt::testing
+}  // namespace tdpt::testing::pipeline_test

@@ -14,8 +14,7 @@
 #include "libcommon/formats/light_grid.h"
 #include "libcommon/testing/files/temp_folder.h"
 
-namespace tdpt::testing {
-namespace {
+namespace tdpt::testing::quality_test {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
@@ -186,5 +185,4 @@ TEST_F(QualityOfPictures, each_step_is_nearer_to_a_reference) {
   expect_ordered();
 }
 
-}  // namespace
-}  // namespace tdpt::testing
+}  // namespace tdpt::testing::quality_test

@@ -16,8 +16,7 @@
 #include "libcommon/testing/rooms/portal_stages.h"
 #include "libcommon/testing/rooms/room_scene.h"
 
-namespace tdpt::testing {
-namespace {
+namespace tdpt::testing::stages_extremes_test {
 
 constexpr double kLamp = kRoom + kWall + 1;  // x of its middle
 constexpr Opening kHole{0.75, 1.25, -0.25, 0.25};
@@ -325,5 +324,4 @@ TEST_P(NoPortal, is_told_in_one_line) {
 INSTANTIATE_TEST_SUITE_P(extremes, NoPortal, ::testing::ValuesIn(without_portal()),
                          [](const auto& p) { return p.param.name; });
 
-}  // namespace
-}  // namespace tdpt::testing
+}  // namespace tdpt::testing::stages_extremes_test

@@ -9,8 +9,7 @@
 #include "libcommon/trace/scalar_tracer.h"
 #include "libcommon/trace/test_meshes.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::bvh_test {
 
 using namespace testing;
 using shader::BvhNode;
@@ -170,5 +169,4 @@ TEST(bvh, surfaces_that_are_not_always_there_are_marked) {
     EXPECT_EQ(t.stops, t.triangle == 0 ? 1u : 0u) << t.triangle;
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::bvh_test

@@ -7,8 +7,7 @@
 #include "libcommon/trace/test_meshes.h"
 #include "libcommon/trace/tracer.h"
 
-namespace tdpt::testing {
-namespace {
+namespace tdpt::testing::ray_record_test {
 
 // Casts first-hit rays and asks for visibility by turns; how many of either.
 constexpr uint64_t kOfEach = 500;
@@ -63,5 +62,4 @@ TEST(ray_record, twin_rays_of_two_scenes_are_told) {
   EXPECT_GT(ray_record::cast_again(), 100u);
 }
 
-}  // namespace
-}  // namespace tdpt::testing
+}  // namespace tdpt::testing::ray_record_test

@@ -6,8 +6,7 @@
 #include "libcommon/math/warp.h"
 #include "libcommon/testing/tracer_faults.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::tracer_test {
 
 Vec3d random_direction(Rng& rng) {
   const double z = 2 * rng.uniform() - 1;
@@ -277,5 +276,4 @@ TEST(tracer, a_pane_lets_pass_what_it_does_not_reflect) {
   }
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::tracer_test

@@ -9,8 +9,7 @@
 #include "libcommon/trace/tracer.h"
 
 // Twins of ScalarTracer.
-namespace tdpt::shader {
-namespace {
+namespace tdpt::shader::traversal_test {
 
 /// With plain edge functions that do not count what is exactly on an edge.
 struct StrictTracer : ScalarTracer {
@@ -47,11 +46,9 @@ struct ScreenTracer : ScalarTracer {
 #include "shaders/shared/traversal.h"
 };
 
-}  // namespace
-}  // namespace tdpt::shader
+}  // namespace tdpt::shader::traversal_test
 
-namespace tdpt {
-namespace {
+namespace tdpt::traversal_test {
 
 using namespace testing;
 using shader::BvhNode;
@@ -269,7 +266,7 @@ TEST(traversal, no_ray_leaves_a_closed_mesh) {
 TEST(traversal, twin_with_plain_edges_leaks) {
   for (const Scene& scene : {file("furnace.glb"), sphere(200, 0.95)}) {
     const Bvh bvh = build_bvh(scene);
-    EXPECT_GT(leaks(scene, shader::StrictTracer(bvh), kLeakRays / 16), 100);
+    EXPECT_GT(leaks(scene, shader::traversal_test::StrictTracer(bvh), kLeakRays / 16), 100);
   }
 }
 
@@ -458,7 +455,7 @@ TEST(traversal, a_surface_that_is_not_there_is_passed) {
   scene.materials[1].alpha_mode = Material::Alpha::blend;
   for (uint32_t t = 0; t < 2; ++t) scene.triangles[t].material = 1;
   const Bvh bvh = build_bvh(scene);
-  const shader::ScreenTracer tracer(bvh);
+  const shader::traversal_test::ScreenTracer tracer(bvh);
   const Vec3f above(0.2f, 0.1f, 0.25f);  // over triangle 0
   for (uint32_t coin = 0; coin < 10; ++coin) {
     SurfaceHit hit;
@@ -469,5 +466,4 @@ TEST(traversal, a_surface_that_is_not_there_is_passed) {
   }
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::traversal_test

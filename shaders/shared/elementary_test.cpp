@@ -7,8 +7,7 @@
 #include "shaders/shared/elementary.h"
 #include "shaders/shared/scaled.h"
 
-namespace tdpt::shader {
-namespace {
+namespace tdpt::shader::elementary_test {
 
 // Largest of error(x) over `n` floats of [low, high].
 template <class Error>
@@ -84,5 +83,4 @@ TEST(scaled, adds_what_differs_in_size) {
   EXPECT_TRUE(std::isnan(narrowed(sum(scaled(NAN), scaled(1.0f)))));
 }
 
-}  // namespace
-}  // namespace tdpt::shader
+}  // namespace tdpt::shader::elementary_test

@@ -8,8 +8,7 @@
 #include "shaders/numbers_test.h"
 #include "shaders/shared/numbers_test.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::numbers_test {
 
 constexpr uint32_t kGroups = 64, kInvocations = 64 * kGroups;
 
@@ -59,5 +58,4 @@ TEST(numbers, are_those_of_the_objects_that_the_cpu_draws_from) {
   for (size_t k = 8; k < 18; ++k) EXPECT_EQ(at(k), sequence.bits());
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::numbers_test

@@ -11,8 +11,7 @@
 #include "shaders/shared/rng.h"
 #include "shaders/shared/warp.h"
 
-namespace tdpt::shader {
-namespace {
+namespace tdpt::shader::shared_test {
 
 using tdpt::Rng;
 
@@ -249,5 +248,4 @@ TEST(voxel_walk, passes_what_it_visits_and_nothing_else_but_for_rounding) {
   EXPECT_GT(share_that_differs<double>(0.05, 1e-12), 1e-2);
 }
 
-}  // namespace
-}  // namespace tdpt::shader
+}  // namespace tdpt::shader::shared_test

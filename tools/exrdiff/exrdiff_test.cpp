@@ -9,8 +9,7 @@
 #include "tools/exrdiff/measure.h"
 #include "tools/exrdiff/report.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::exrdiff_test {
 
 // Two pixels by hand: r = 1 1 1, 3 3 3, so m = 2 and peak = 3; a = 1 2 1, 0 3 4.
 const Picture reference{2, 1, {Rgb(1), Rgb(3)}};
@@ -156,5 +155,4 @@ TEST(Difference, SideBySideHasOneExposure) {
   EXPECT_FLOAT_EQ(s.pixels[1].z, 4.0f / 3.0f);  // and the picture follows it
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::exrdiff_test

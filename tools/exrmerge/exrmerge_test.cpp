@@ -6,8 +6,7 @@
 #include "libcommon/base/output_file.h"
 #include "libcommon/testing/files/temp_folder.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::exrmerge_test {
 
 class films : public ::testing::Test {
  protected:
@@ -51,5 +50,4 @@ TEST_F(films, that_are_not_all_there_are_told) {
   EXPECT_THROW(check_whole(merged({film({0, 0})}), "a.exr"), InputError);
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::exrmerge_test

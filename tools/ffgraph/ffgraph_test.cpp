@@ -10,8 +10,7 @@
 #include "tools/ffgraph/connectivity.h"
 #include "tools/ffgraph/rounds.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::ffgraph_test {
 
 // Axis-parallel unit box [0,1]^3 of twelve triangles that look inwards; corners shared.
 Scene box() {
@@ -377,5 +376,4 @@ TEST(graph, is_the_same_for_any_number_of_threads) {
   EXPECT_FALSE(one == dimacs_text(dimacs_file(graph_of(room("two-rooms.glb"), 1, 2)->flow)));
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::ffgraph_test

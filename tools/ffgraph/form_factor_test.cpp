@@ -7,8 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace tdpt {
-namespace {
+namespace tdpt::form_factor_test {
 
 using Square = std::array<FacingTriangle, 2>;
 
@@ -118,5 +117,4 @@ TEST(form_factor, is_0_through_a_wall_and_whole_without) {
   EXPECT_GT(form_factor(low, near, 8, 8, rng, &tracer), 0);
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::form_factor_test

@@ -6,8 +6,7 @@
 #include "tools/ffgraph/fragments.h"
 #include "tools/ffgraph/patch_grid.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::patch_map_test {
 
 // A square of n x n quads at z = 0, corners of neighbours shared.
 Scene sheet(uint32_t n) {
@@ -171,5 +170,4 @@ TEST(connectivity, the_two_zeros_are_one_place) {
   EXPECT_EQ(surface_components(s), std::vector<uint32_t>(8, 0));
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::patch_map_test

@@ -5,8 +5,7 @@
 #include "libcommon/testing/files/read_png.h"
 #include "libcommon/testing/files/temp_folder.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::preview_test {
 
 const Scene& two_rooms() {
   static const Scene scene = read_gltf(TDPT_TESTDATA "/scenes/two-rooms.glb");
@@ -102,5 +101,4 @@ TEST(network_debug_glb, has_squares_for_patches_and_the_triangles_themselves) {
   EXPECT_NEAR(area, expected, 1e-4 * expected);
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::preview_test

@@ -8,8 +8,7 @@
 #include "tools/ffgraph/rounds.h"
 #include "tools/ffgraph/sky_lines.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::sky_test {
 
 // A box from -0.5 to 0.5, and in a wall of it a square hole of side `hole`; 0: none.
 Scene box(float hole) {
@@ -159,5 +158,4 @@ TEST(sky_lines, come_from_outside_and_half_of_them_to_the_aim) {
   EXPECT_NEAR(of_sun, 0.5 * kLines, 0.03 * kLines);
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::sky_test

@@ -10,8 +10,7 @@
 #include "tools/lightgrid/air.h"
 #include "tools/lightgrid/testing/perfect_cut.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::lightgrid_test {
 
 Scene two_rooms() {
   return read_gltf(TDPT_TESTDATA "/scenes/two-rooms.glb");
@@ -280,5 +279,4 @@ TEST(LightGrid, NoBottleneckIsAResult) {
             "no pair of the cut has any surface");
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::lightgrid_test

@@ -8,8 +8,7 @@
 #include "libcommon/testing/statistics/chi_square.h"
 #include "tools/lightgrid/lightgrid.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::line_kernel_test {
 
 // Sums of both signs beside each other do not disturb one another, up to the largest there may be.
 TEST(VoxelSums, keep_what_they_pack_apart) {
@@ -490,5 +489,4 @@ TEST(LineTables, CellsTooSmallForFloatsHoldNothing) {
     EXPECT_FALSE(kernel.region_at(0, at, region));
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::line_kernel_test

@@ -16,8 +16,7 @@
 #include "shaders/special_segments_test.h"
 #include "tools/lightgrid/testing/lines.h"
 
-namespace tdpt::testing {
-namespace {
+namespace tdpt::testing::line_tracer_test {
 
 TEST_F(LineTracers, device_and_twin_count_the_same_in_every_voxel_of_rooms) {
   for (const char* name : {"two-rooms", "door-ajar", "window"}) {
@@ -342,5 +341,4 @@ TEST(SlabDepth, KeepsToTheDevicesLimits) {
   }
 }
 
-}  // namespace
-}  // namespace tdpt::testing
+}  // namespace tdpt::testing::line_tracer_test

@@ -9,8 +9,7 @@
 #include "libcommon/math/rng.h"
 #include "libcommon/math/warp.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::line_walk_test {
 
 constexpr double kHole = 0.2;  // half its side
 constexpr uint64_t kSeed = 5;
@@ -130,5 +129,4 @@ TEST(LineWalk, IsThinnedOutByTheVotesOnce) {
   EXPECT_GT(std::abs(found - kShare * kShare / (1 + kShare * kShare)), 0.1);
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::line_walk_test

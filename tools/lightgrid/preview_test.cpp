@@ -10,8 +10,7 @@
 #include "tools/lightgrid/lightgrid.h"
 #include "tools/lightgrid/testing/perfect_cut.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::preview_test {
 
 TEST(flattened, keeps_the_fullest_and_the_share_of_geometry) {
   LightGrid grid;
@@ -109,5 +108,4 @@ TEST(grid_debug_glb, shows_the_fullest_voxels_as_cubes_at_their_places) {
     }
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::preview_test

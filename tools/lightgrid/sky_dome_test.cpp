@@ -8,8 +8,7 @@
 #include "tools/lightgrid/sky_dome.h"
 #include "tools/lightgrid/testing/lines.h"
 
-namespace tdpt::testing {
-namespace {
+namespace tdpt::testing::sky_dome_test {
 
 // Two rooms without a ceiling under a sky, whose bins are joined to the faces that look up in one
 // of them.
@@ -95,5 +94,4 @@ TEST(LinesUnderASky, are_free_and_end_at_the_grid) {
   EXPECT_LE(met_on_the_way, seen / 500);  // along edges
 }
 
-}  // namespace
-}  // namespace tdpt::testing
+}  // namespace tdpt::testing::sky_dome_test

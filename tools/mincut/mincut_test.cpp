@@ -10,8 +10,7 @@
 #include "tools/mincut/cut_of.h"
 #include "tools/mincut/verify.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::mincut_test {
 
 FlowNetwork random_network(uint64_t seed, uint32_t nodes, uint32_t arcs, uint32_t largest) {
   Rng rng(seed, 1, 0);
@@ -169,5 +168,4 @@ TEST(plain_cut, names_value_sides_and_arcs) {
             "c tdpt cut 2\ns 3\nn 1 s\nn 2 t\nn 3 s\na 3 2 3\n");
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::mincut_test

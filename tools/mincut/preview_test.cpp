@@ -8,8 +8,7 @@
 #include "libcommon/testing/files/read_png.h"
 #include "libcommon/testing/files/temp_folder.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::preview_test {
 
 // Rooms x 0..2 and 2.1..4.1; the lamp hangs in the second, the camera stands in the first.
 const Scene& two_rooms() {
@@ -144,5 +143,4 @@ TEST(cut_debug_glb, has_a_square_for_each_patch_before_its_face) {
   EXPECT_EQ(glb.triangles.size(), 2 * cut.patches.size());
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::preview_test

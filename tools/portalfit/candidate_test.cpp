@@ -11,8 +11,7 @@
 #include "libcommon/math/warp.h"
 #include "tools/portalfit/test_bundle.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::candidate_test {
 
 // Windows 1 m high and 1 m wide, kPier from the z axis on both sides of it, that lean back from the
 // plane across x by `angle`; and the plane across the mouth between their far sides. Probes pass
@@ -77,5 +76,4 @@ TEST(Candidate, APartOfOneOpeningIsNotDenser) {
   EXPECT_FALSE(denser_part(b.grid, b.all, *window));
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::candidate_test

@@ -2,8 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace tdpt {
-namespace {
+namespace tdpt::choice_test {
 
 Portal portal(double cut, double share, double conductance) {
   Portal p;
@@ -35,5 +34,4 @@ TEST(Choice, WhatIsUnknownSaysNothing) {
   EXPECT_EQ(useless({Portal{}, keyhole}), (std::vector<bool>{false, false}));
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::choice_test

@@ -12,8 +12,7 @@
 #include "tools/portalfit/test_bundle.h"
 #include "tools/portalfit/test_windows.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::directions_test {
 
 using testing::all_of;
 using testing::RoomWithWindows;
@@ -90,5 +89,4 @@ TEST(Directions, LinesBesideAnOpeningAreThoseOfTheOthers) {
   EXPECT_EQ(lines_beside(all_of(grid), {}).size(), 6000u);
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::directions_test

@@ -9,8 +9,7 @@
 #include "libcommon/math/warp.h"
 #include "tools/portalfit/test_bundle.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::joining_test {
 
 // 1 m x 1 m in the plane across z, its middle at (x, 0, z), turned about the y axis.
 Aperture pane(double x, double z = 0, double slope = 0) {
@@ -72,5 +71,4 @@ TEST(Joining, DistanceIsBetweenEdges) {
   EXPECT_EQ(distance_between(a, enlarged(a, 0.5)), 0);
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::joining_test

@@ -8,8 +8,7 @@
 #include "libcommon/math/rng.h"
 #include "libcommon/math/warp.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::merit_test {
 
 // A square hole of side `a` about the origin, light going to +z through a wall of thickness `d`:
 // places uniform on its middle, cosine directions, lines that meet the jambs dropped.
@@ -146,5 +145,4 @@ TEST(Appraise, AGridWithoutLinesTellsNothing) {
   EXPECT_FALSE(portals[0].figures.contains("conductance"));
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::merit_test

@@ -4,8 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace tdpt {
-namespace {
+namespace tdpt::paper_test {
 
 // Full voxels in a box of so many voxels, light along +x.
 LightGrid grid_with_box(int nx, int ny, int nz) {
@@ -58,5 +57,4 @@ TEST(PortalByPaper, NeedsAPolygon) {
   EXPECT_FALSE(portal_by_paper(row, 0.5));
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::paper_test

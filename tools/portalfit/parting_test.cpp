@@ -9,8 +9,7 @@
 #include "libcommon/math/warp.h"
 #include "tools/portalfit/test_bundle.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::parting_test {
 
 // A box open at the front (z = 0) from y = 0 to 2, the slit, and at the top (y = 2) from z = -0.7
 // to 0, the gap; both 0.1 wide. They share the edge y = 2, z = 0. Light leaves the box.
@@ -149,5 +148,4 @@ TEST(Parting, AnOpeningWithoutLinesOfItsOwnStays) {
   EXPECT_NEAR(area(found[0].polygon), area(slit(0).polygon), 1e-9);
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::parting_test

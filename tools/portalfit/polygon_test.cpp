@@ -7,8 +7,7 @@
 
 #include "libcommon/math/rng.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::polygon_test {
 
 Polygon circle(size_t n) {
   Polygon p;
@@ -90,5 +89,4 @@ TEST(Polygon, CutsThroughACornerLeaveNoEdgeWithoutLength) {
     }
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::polygon_test

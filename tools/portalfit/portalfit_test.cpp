@@ -11,8 +11,7 @@
 #include "libcommon/math/rng.h"
 #include "libcommon/math/warp.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::portalfit_test {
 
 constexpr double kDegrees = 180 / std::numbers::pi;
 
@@ -410,5 +409,4 @@ TEST(PortalScore, SeesWhatIsWrong) {
   EXPECT_LT(score(large, o, light).tightness, 0.5);
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::portalfit_test

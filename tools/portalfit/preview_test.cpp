@@ -15,8 +15,7 @@
 #include "tools/portalfit/test_bundle.h"
 #include "tools/portalfit/test_tube_lines.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::preview_test {
 
 // In the plane x = 2, light towards -x: y 0.5..1.5, z -0.2..0.6.
 Portal door() {
@@ -188,5 +187,4 @@ TEST(portal_debug_glb, has_the_corners_of_the_portal) {
   EXPECT_EQ(corners_missing(beside), 4);
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::preview_test

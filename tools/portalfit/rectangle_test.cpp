@@ -8,8 +8,7 @@
 #include "libcommon/math/rng.h"
 #include "tools/portalfit/polygon.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::rectangle_test {
 
 // The convex polygon in the plane of u and v around `at`.
 Portal portal(const Polygon& polygon, const Vec3d& at, const Vec3d& u, const Vec3d& v) {
@@ -168,5 +167,4 @@ TEST(Overlaps, NeighboursAndOtherWallsStay) {
   EXPECT_EQ(without_overlaps(apart).size(), apart.size());
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::rectangle_test

@@ -10,8 +10,7 @@
 #include "tdpt_version.h"
 #include "tools/portalfit/rectangle.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::renderers_test {
 
 Portal quadrilateral(const Vec3d& at, const Vec3d& u, const Vec3d& v, double cut = 0) {
   Portal p;
@@ -249,5 +248,4 @@ TEST(Renderers, NamesFromOutsideStayComments) {
             std::string::npos);
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::renderers_test

@@ -10,8 +10,7 @@
 #include "libcommon/math/warp.h"
 #include "tools/portalfit/test_tube_lines.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::tube_test {
 
 constexpr double kDegrees = 180 / std::numbers::pi;
 
@@ -136,5 +135,4 @@ TEST(Tube, LinesThatEndInsideCount) {
   EXPECT_FALSE(inside_at(tube, against, 0));
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::tube_test

@@ -6,8 +6,7 @@
 #include "libcommon/film/film_file.h"
 #include "libcommon/testing/files/temp_folder.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::tdpt_info_test {
 
 class files : public ::testing::Test {
  protected:
@@ -96,5 +95,4 @@ TEST_F(files, cannot_command_a_terminal) {
   EXPECT_FALSE(says(told("a", "{\"plan\": {\"label\": \"\\u001b[2J\"}, \"shape\": {}}"), "\033"));
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::tdpt_info_test

@@ -10,8 +10,7 @@
 #include "libcommon/testing/files/glb_builder.h"
 #include "libcommon/testing/files/temp_folder.h"
 
-namespace tdpt::testing {
-namespace {
+namespace tdpt::testing::attributes_test {
 
 using Json = nlohmann::ordered_json;
 using Words = std::vector<std::string>;
@@ -458,5 +457,4 @@ TEST(Attributes, OfOtherTypesAreRefused) {
             "accessors[3].componentType: normals are of type 5125, expected 5126 (float)");
 }
 
-}  // namespace
-}  // namespace tdpt::testing
+}  // namespace tdpt::testing::attributes_test

@@ -5,8 +5,7 @@
 
 #include "libcommon/scene/test_materials.h"
 
-namespace tdpt::testing {
-namespace {
+namespace tdpt::testing::bubbles_test {
 
 struct Surface {
   std::vector<float> positions;
@@ -100,5 +99,4 @@ TEST(Bubbles, PanesSolidsAndWhatDoesNotRefractAreNot) {
   EXPECT_EQ(warnings(ball(12), lambert(0.5, 0.5, 0.5)), Sentences{});
 }
 
-}  // namespace
-}  // namespace tdpt::testing
+}  // namespace tdpt::testing::bubbles_test

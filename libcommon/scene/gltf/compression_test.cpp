@@ -9,8 +9,7 @@
 #include "libcommon/testing/files/temp_folder.h"
 #include "libcommon/testing/rooms/squares.h"
 
-namespace tdpt::testing {
-namespace {
+namespace tdpt::testing::compression_test {
 
 using Json = nlohmann::ordered_json;
 
@@ -196,5 +195,4 @@ TEST(Compression, AWebPIsNotBelievedMoreThanItsBytes) {
   EXPECT_EQ(gltf::texels_declared(lossless(4097, 4096)), std::nullopt);
 }
 
-}  // namespace
-}  // namespace tdpt::testing
+}  // namespace tdpt::testing::compression_test

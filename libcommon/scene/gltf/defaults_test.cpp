@@ -10,8 +10,7 @@
 #include "libcommon/testing/files/glb_builder.h"
 #include "libcommon/testing/files/temp_folder.h"
 
-namespace tdpt::testing {
-namespace {
+namespace tdpt::testing::defaults_test {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
@@ -175,5 +174,4 @@ TEST(SceneDefaults, AreReadWithAScene) {
             1);
 }
 
-}  // namespace
-}  // namespace tdpt::testing
+}  // namespace tdpt::testing::defaults_test

@@ -10,8 +10,7 @@
 #include "libcommon/testing/files/malformed.h"
 #include "libcommon/testing/files/temp_folder.h"
 
-namespace tdpt::testing {
-namespace {
+namespace tdpt::testing::errors_test {
 
 namespace fs = std::filesystem;
 
@@ -148,5 +147,4 @@ TEST(Missing, AFileThatIsNotThere) {
   EXPECT_NE(refusal(kTestdata).find("is a folder"), std::string::npos);
 }
 
-}  // namespace
-}  // namespace tdpt::testing
+}  // namespace tdpt::testing::errors_test

@@ -4,8 +4,7 @@
 #include <gtest/gtest.h>
 #include <cstring>
 
-namespace tdpt::gltf {
-namespace {
+namespace tdpt::gltf::images_test {
 
 /// A grey JPEG of one bit for each block; `data` follows the header of its only scan.
 std::string jpeg(int width, int height, bool scan, const std::string& data) {
@@ -89,5 +88,4 @@ TEST(Images, ChunksAreAsLongAsTheySay) {
     EXPECT_EQ(texels_declared(png(longer)), std::nullopt) << longer;
 }
 
-}  // namespace
-}  // namespace tdpt::gltf
+}  // namespace tdpt::gltf::images_test

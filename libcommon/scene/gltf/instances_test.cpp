@@ -5,8 +5,7 @@
 #include "libcommon/base/error.h"
 #include "libcommon/scene/test_strips.h"
 
-namespace tdpt::testing {
-namespace {
+namespace tdpt::testing::instances_test {
 
 // ---- instances
 // -----------------------------------------------------------------------------------
@@ -131,5 +130,4 @@ TEST(Visibility, HidesMeshesAndLampsBelowButNoCameras) {
   }
 }
 
-}  // namespace
-}  // namespace tdpt::testing
+}  // namespace tdpt::testing::instances_test

@@ -6,8 +6,7 @@
 #include "libcommon/base/error.h"
 #include "libcommon/scene/test_materials.h"
 
-namespace tdpt::testing {
-namespace {
+namespace tdpt::testing::leniency_test {
 
 /// A square with a camera: accessors 0 and 1, mesh 0, material 0, nodes 0 and 1, view 0 and 1.
 GlbBuilder square() {
@@ -482,5 +481,4 @@ TEST(Leniency, ExtensionsThatChangeNoPictureMayBeRequired) {
   EXPECT_NE(refusal(b).find("\"KHR_lights_environment\" is not supported"), std::string::npos);
 }
 
-}  // namespace
-}  // namespace tdpt::testing
+}  // namespace tdpt::testing::leniency_test

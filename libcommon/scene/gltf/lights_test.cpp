@@ -8,8 +8,7 @@
 #include "libcommon/testing/files/glb_builder.h"
 #include "libcommon/testing/files/temp_folder.h"
 
-namespace tdpt::testing {
-namespace {
+namespace tdpt::testing::lights_test {
 
 using Json = nlohmann::ordered_json;
 using Kind = PunctualLight::Kind;
@@ -154,5 +153,4 @@ TEST(PunctualLights, WhoWroteThemIsKnownWhereThereIsNone) {
   EXPECT_TRUE(by_blender("Khronos glTF Blender I/O v3.4.50"));
 }
 
-}  // namespace
-}  // namespace tdpt::testing
+}  // namespace tdpt::testing::lights_test

@@ -4,8 +4,7 @@
 #include "libcommon/scene/test_materials.h"
 #include "libcommon/scene/texture.h"
 
-namespace tdpt::testing {
-namespace {
+namespace tdpt::testing::maps_test {
 
 TEST(Maps, EveryOneFindsItsPlace) {
   Json m = lambert(0.5, 0.5, 0.5);
@@ -404,5 +403,4 @@ TEST(Alpha, IsANeedAndNotPlain) {
   EXPECT_TRUE(material(black, with(kTwoOpaque)).plain);
 }
 
-}  // namespace
-}  // namespace tdpt::testing
+}  // namespace tdpt::testing::maps_test

@@ -3,8 +3,7 @@
 
 #include "libcommon/scene/test_materials.h"
 
-namespace tdpt::testing {
-namespace {
+namespace tdpt::testing::materials_test {
 
 TEST(Materials, ALambertianOneIsPlain) {
   const Scene s = scene_with({lambert(0.1, 0.2, 0.3)});
@@ -340,5 +339,4 @@ TEST(Materials, SurfacesWithoutOneAreGrey) {
   EXPECT_EQ(s.warnings, Sentences{"surfaces without a material are taken as diffuse grey of 0.8"});
 }
 
-}  // namespace
-}  // namespace tdpt::testing
+}  // namespace tdpt::testing::materials_test

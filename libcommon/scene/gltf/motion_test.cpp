@@ -7,8 +7,7 @@
 #include "libcommon/scene/gltf/nodes.h"
 #include "libcommon/scene/test_strips.h"
 
-namespace tdpt::testing {
-namespace {
+namespace tdpt::testing::motion_test {
 
 // ---- skins
 // ---------------------------------------------------------------------------------------
@@ -396,5 +395,4 @@ TEST(Animations, ThatMoveNothingAreToldOf) {
                        "1 animation channel moves a node that has a matrix, and is left out"}));
 }
 
-}  // namespace
-}  // namespace tdpt::testing
+}  // namespace tdpt::testing::motion_test

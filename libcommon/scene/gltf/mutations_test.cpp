@@ -13,8 +13,7 @@
 #include "libcommon/testing/files/temp_folder.h"
 #include "libcommon/testing/rooms/squares.h"
 
-namespace tdpt::testing {
-namespace {
+namespace tdpt::testing::mutations_test {
 
 const std::string kTestdata = TDPT_TESTDATA;
 
@@ -372,5 +371,4 @@ TEST(Mutations, EveryTruncationIsRefused) {
     EXPECT_THROW(read_gltf(folder.write("short.glb", whole.substr(0, n))), InputError) << n;
 }
 
-}  // namespace
-}  // namespace tdpt::testing
+}  // namespace tdpt::testing::mutations_test

@@ -11,8 +11,7 @@
 #include "libcommon/testing/files/temp_folder.h"
 #include "libcommon/testing/rooms/rooms.h"
 
-namespace tdpt::testing {
-namespace {
+namespace tdpt::testing::reader_test {
 
 using Json = nlohmann::ordered_json;
 using Corners = std::vector<std::array<Vec3f, 3>>;
@@ -368,5 +367,4 @@ TEST(Shapes, AreaNormalAndCorners) {
   expect_near(t.p0 + t.e1, Vec3d(s.vertex(0, 1)));
 }
 
-}  // namespace
-}  // namespace tdpt::testing
+}  // namespace tdpt::testing::reader_test

@@ -5,8 +5,7 @@
 #include "libcommon/base/error.h"
 #include "libcommon/testing/files/temp_folder.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::scene_files_test {
 
 using Names = std::vector<std::string>;
 
@@ -30,5 +29,4 @@ TEST(scene_files, are_those_that_its_json_names) {
   EXPECT_THROW(files_of_scene(folder.path / "missing.glb"), InputError);
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::scene_files_test

@@ -7,8 +7,7 @@
 #include "libcommon/testing/files/reencode.h"
 #include "libcommon/testing/files/temp_folder.h"
 
-namespace tdpt::testing {
-namespace {
+namespace tdpt::testing::split_test {
 
 struct Shape {
   size_t triangles = 0, vertices = 0;
@@ -82,5 +81,4 @@ TEST(split, refuses_what_it_does_not_know) {
   EXPECT_THROW(split_in_four(room(Encoding::quantized)), std::invalid_argument);
 }
 
-}  // namespace
-}  // namespace tdpt::testing
+}  // namespace tdpt::testing::split_test

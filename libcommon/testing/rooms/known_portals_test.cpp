@@ -12,8 +12,7 @@
 #include "libcommon/testing/rooms/portal_score.h"
 #include "libcommon/testing/rooms/portal_stages.h"
 
-namespace tdpt::testing {
-namespace {
+namespace tdpt::testing::known_portals_test {
 
 StagesRun portals_of(const KnownRoom& room, const Writing& writing) {
   const TempFolder folder;
@@ -120,5 +119,4 @@ TEST(known_portals, do_not_move_with_triangles_units_place_and_power) {
   EXPECT_GT(distance(moved, again.portals[0]), again.voxel);
 }
 
-}  // namespace
-}  // namespace tdpt::testing
+}  // namespace tdpt::testing::known_portals_test

@@ -12,8 +12,7 @@
 #include "libcommon/testing/rooms/portal_score.h"
 #include "libcommon/trace/tracer.h"
 
-namespace tdpt::testing {
-namespace {
+namespace tdpt::testing::known_rooms_test {
 
 struct Leaks {
   int rays = 0, through = 0, unexplained = 0, lost = 0;
@@ -335,5 +334,4 @@ TEST(portal_distance, is_that_of_shifted_squares) {
   EXPECT_TRUE(std::isinf(distance_to_nearest(a, {})));
 }
 
-}  // namespace
-}  // namespace tdpt::testing
+}  // namespace tdpt::testing::known_rooms_test

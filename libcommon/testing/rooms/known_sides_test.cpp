@@ -11,8 +11,7 @@
 #include "libcommon/testing/rooms/portal_score.h"
 #include "libcommon/trace/tracer.h"
 
-namespace tdpt::testing {
-namespace {
+namespace tdpt::testing::known_sides_test {
 
 // Rays and diffuse walks in a plan, in its own frame.
 class TracedPlan {
@@ -219,5 +218,4 @@ TEST(known_sides, twin_slats_bars_and_furniture_that_are_kept_quiet_are_noticed)
   }
 }
 
-}  // namespace
-}  // namespace tdpt::testing
+}  // namespace tdpt::testing::known_sides_test

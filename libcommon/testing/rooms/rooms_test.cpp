@@ -14,8 +14,7 @@
 #include "libcommon/testing/files/temp_folder.h"
 #include "libcommon/trace/tracer.h"
 
-namespace tdpt::testing {
-namespace {
+namespace tdpt::testing::rooms_test {
 
 const std::string kScenes = std::string(TDPT_TESTDATA) + "/scenes/";
 
@@ -120,5 +119,4 @@ TEST(Rooms, TheHoleOfTwoRoomsIsWhereTheReadmeSays) {
     }
 }
 
-}  // namespace
-}  // namespace tdpt::testing
+}  // namespace tdpt::testing::rooms_test

@@ -6,8 +6,7 @@
 
 #include "libcommon/math/rng.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::chi_square_test {
 
 TEST(chi_square, probabilities_are_those_of_the_tables) {
   EXPECT_NEAR(chi_square_p(3.841, 1), 0.05, 1e-4);
@@ -97,5 +96,4 @@ TEST(chi_square, quadrature_follows_edges_and_peaks) {
   EXPECT_NEAR(integrate(peak, 0, 1, 0, 1), std::numbers::pi * 1e-3, 1e-9);
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::chi_square_test

@@ -8,8 +8,7 @@
 #include "libcommon/math/rng.h"
 #include "libcommon/testing/statistics/z_test.h"
 
-namespace tdpt::testing {
-namespace {
+namespace tdpt::testing::power_test {
 
 TEST(power, of_many_degrees_of_freedom_is_that_of_the_normal_distribution) {
   // 4.417 leaves 1e-5 outside on both sides, 3.090 leaves 1e-3 on one.
@@ -71,5 +70,4 @@ TEST(power, of_a_size_is_what_was_asked_for) {
   }
 }
 
-}  // namespace
-}  // namespace tdpt::testing
+}  // namespace tdpt::testing::power_test

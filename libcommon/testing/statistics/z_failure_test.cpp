@@ -9,8 +9,7 @@
 #include "libcommon/testing/failures_elsewhere.h"
 #include "libcommon/testing/files/read_png.h"
 
-namespace tdpt::testing {
-namespace {
+namespace tdpt::testing::z_failure_test {
 
 class z_failure : public ::testing::Test {
  protected:
@@ -107,5 +106,4 @@ TEST_F(z_failure, an_agreement_leaves_nothing) {
   EXPECT_FALSE(std::filesystem::exists(elsewhere_.folder()));
 }
 
-}  // namespace
-}  // namespace tdpt::testing
+}  // namespace tdpt::testing::z_failure_test

@@ -9,8 +9,7 @@
 
 #include "libcommon/math/rng.h"
 
-namespace tdpt::testing {
-namespace {
+namespace tdpt::testing::z_test_test {
 
 constexpr size_t kBlocks = 48, kRuns = 16;
 
@@ -185,5 +184,4 @@ TEST(z_test, means_that_differ_by_rounding_agree) {
   EXPECT_GT(std::abs(difference({1, 1, 1, 1}, {1.1, 1.1, 1.1, 1.1}).z), 5);
 }
 
-}  // namespace
-}  // namespace tdpt::testing
+}  // namespace tdpt::testing::z_test_test

@@ -11,8 +11,7 @@
 #include "tools/tdpt-render/testing/stages.h"
 #include "tools/tdpt-render/testing/variant.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::agreement_test {
 
 constexpr int kWidth = 32, kHeight = 24, kBlock = 4;
 
@@ -285,5 +284,4 @@ TEST_F(device_agreement_twin, pixels_off_by_half_a_percent_are_seen) {
   EXPECT_GT(share_that_differs(twin, nee), 0.5);
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::agreement_test

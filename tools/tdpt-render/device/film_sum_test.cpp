@@ -25,7 +25,7 @@ struct FilmTwin {
 
 }  // namespace shader
 
-namespace {
+namespace film_sum_test {
 
 constexpr uint32_t kGroups = 256, kInvocations = 64 * kGroups, kSums = 15, kWords = 4 * kSums;
 
@@ -171,5 +171,5 @@ TEST(film_sum, threads_carry_every_wrap_once) {
   EXPECT_EQ(words, std::vector<uint32_t>(4));
 }
 
-}  // namespace
+}  // namespace film_sum_test
 }  // namespace tdpt

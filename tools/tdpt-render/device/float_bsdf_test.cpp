@@ -12,8 +12,7 @@
 #include "tools/tdpt-render/testing/bsdfs.h"
 #include "tools/tdpt-render/testing/float_points.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::float_bsdf_test {
 
 using namespace test;
 
@@ -380,5 +379,4 @@ TEST(float_bsdf, extremes_stay_finite) {
   }
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::float_bsdf_test

@@ -10,8 +10,7 @@
 #include "tools/tdpt-render/testing/surface_scene.h"
 #include "tools/tdpt-render/testing/surface_words.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::float_surface_test {
 
 using test::SurfaceHeap;
 
@@ -257,5 +256,4 @@ TEST(float_surface, of_a_device_are_those_of_the_cpu) {
   EXPECT_GT(device.differences(both.tables, both.curves), 0u);
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::float_surface_test

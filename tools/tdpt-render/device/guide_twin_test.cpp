@@ -10,8 +10,7 @@
 #include "tools/tdpt-render/testing/faults.h"
 #include "tools/tdpt-render/testing/portal_twin.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::guide_twin_test {
 
 using shader::FROM_CAMERA;
 using shader::FROM_LIGHT;
@@ -260,5 +259,4 @@ TEST(guide_twin, twin_densities_2_percent_off) {
   }
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::guide_twin_test

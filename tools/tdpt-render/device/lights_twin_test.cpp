@@ -22,7 +22,7 @@ struct TestedLights : ScalarLights {
 
 }  // namespace shader
 
-namespace {
+namespace lights_twin_test {
 
 constexpr uint32_t kGroups = 64, kInvocations = 64 * kGroups;
 
@@ -82,24 +82,25 @@ Differences compare_words(const std::vector<uint32_t>& theirs, const LightTables
   return d;
 }
 
-TEST(lights_twin, a_device_makes_the_same_words_of_all_lights) {
+// Both of these of one run: a device is long in compiling so many lights.
+TEST(lights_twin, a_device_makes_the_same_words_of_all_lights_and_one_wrong_bit_is_seen) {
   const std::vector<std::string> named{"panels", "colour and windows", "uneven and windows", "fine",
                                        "panels and windows"};
+  size_t lamps = 0;
   for (const auto& lit : lit_worlds(named)) {
     const std::vector<shader::Shaded> places = shaded_places(lit->scene);
     const std::vector<uint32_t> theirs = device_words(lit->tables, places);
     const Differences d = compare_words(theirs, lit->tables, places);
     EXPECT_EQ(d.words, 0u) << lit->name;
     EXPECT_EQ(d.no_numbers, 0u) << lit->name;
+    if (!lit->tables.has_lamps) continue;
+    ++lamps;
+    LightTables wrong = lit->tables;
+    float& x = wrong.lamps[0].position.x;
+    x = std::bit_cast<float>(std::bit_cast<uint32_t>(x) ^ 1u);
+    EXPECT_GT(compare_words(theirs, wrong, places).words, 0u) << lit->name;
   }
-}
-TEST(lights_twin, twin_one_wrong_bit_in_a_place_is_seen) {
-  const LitWorld lit("lamps", glossy_rooms(), {});
-  std::vector<shader::Shaded> places = shaded_places(lit.scene);
-  LightTables wrong = lit.tables;
-  float& x = wrong.lamps[0].position.x;
-  x = std::bit_cast<float>(std::bit_cast<uint32_t>(x) ^ 1u);
-  EXPECT_GT(compare_words(device_words(lit.tables, places), wrong, places).words, 0u);
+  EXPECT_GT(lamps, 0u);
 }
 
 // Which of the renderer's lights it is: a kind, and of lamps which.
@@ -293,5 +294,5 @@ TEST(lights, of_any_width_and_strength_are_found) {
   EXPECT_GT(lit_ones, 0.98 * spots);
 }
 
-}  // namespace
+}  // namespace lights_twin_test
 }  // namespace tdpt

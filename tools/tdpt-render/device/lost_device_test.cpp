@@ -8,8 +8,7 @@
 #include "tools/tdpt-render/testing/rooms.h"
 #include "tools/tdpt-render/testing/twin.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::lost_device_test {
 
 // Is lost when it has run so many steps.
 class LostMachine : public Machine {
@@ -122,5 +121,4 @@ TEST_F(lost_device, twin_part_of_a_pass_in_the_film_is_caught) {
   EXPECT_NE(rendered(lost_after(-1), std::move(rest)).picture.pixels, whole.picture.pixels);
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::lost_device_test

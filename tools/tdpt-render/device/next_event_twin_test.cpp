@@ -3,8 +3,7 @@
 #include "libcommon/testing/statistics/chi_square.h"
 #include "tools/tdpt-render/testing/lights.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::next_event_twin_test {
 
 using std::numbers::pi;
 
@@ -347,5 +346,4 @@ TEST(next_event_twin, beside_a_sun_the_rest_of_the_sky_is_seen_as_exactly) {
   EXPECT_NEAR(b.outlook.seen / a.outlook.seen, 1, 0.05);
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::next_event_twin_test

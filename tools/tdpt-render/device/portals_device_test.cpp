@@ -6,8 +6,7 @@
 #include "shaders/portals_test_unguided.h"
 #include "tools/tdpt-render/testing/portal_twin.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::portals_device_test {
 
 constexpr uint32_t kGroups = 96, kInvocations = 64 * kGroups;
 
@@ -60,5 +59,4 @@ TEST(portals_device, twin_one_wrong_bit_in_a_table_is_seen) {
   EXPECT_GT(differences(twin, theirs), 0u);
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::portals_device_test

@@ -11,8 +11,7 @@
 #include "tools/tdpt-render/testing/portal_twin.h"
 #include "tools/tdpt-render/testing/rooms.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::portals_twin_test {
 
 using shader::Crossing;
 using shader::Drawn;
@@ -538,5 +537,4 @@ TEST(portals_twin, extremes_are_finite) {
   }
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::portals_twin_test

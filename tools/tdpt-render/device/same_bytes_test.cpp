@@ -11,8 +11,7 @@
 #include "tools/tdpt-render/testing/stages.h"
 #include "tools/tdpt-render/testing/variant.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::same_bytes_test {
 
 constexpr int kWidth = 33, kHeight = 17;
 
@@ -197,5 +196,4 @@ TEST_F(device_bytes, twin_one_wrong_bit_in_a_table_is_seen) {
   }
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::same_bytes_test

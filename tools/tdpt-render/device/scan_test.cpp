@@ -8,8 +8,7 @@
 #include "shaders/path_scan.h"
 #include "shaders/shared/path/scan_layout.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::scan_test {
 
 struct Sums {
   std::vector<uint32_t> before;
@@ -71,5 +70,4 @@ TEST(scan, sums_wrap_round_as_words_do) {
   expect_sums(all, device_sums(device, all));
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::scan_test

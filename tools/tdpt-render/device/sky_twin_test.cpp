@@ -3,8 +3,7 @@
 #include "libcommon/testing/statistics/chi_square.h"
 #include "tools/tdpt-render/testing/lights.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::sky_twin_test {
 
 using std::numbers::pi;
 
@@ -223,5 +222,4 @@ TEST(sky_twin, ends_of_the_unit_interval_are_drawn) {
     }
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::sky_twin_test

@@ -6,8 +6,7 @@
 #include "tools/tdpt-render/testing/stages.h"
 #include "tools/tdpt-render/testing/variant.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::tiling_test {
 
 // One pool at a time has room, and less than that where paths are long.
 const std::vector<Room> kRooms{{1u << 13, kMostOfPool}, {1u << 14, 777}, {1u << 15, 1u << 14}};
@@ -120,5 +119,4 @@ TEST(tiling, a_pool_that_has_no_room_is_refused_with_both_numbers) {
   }
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::tiling_test

@@ -7,8 +7,7 @@
 #include "shaders/shared/tables.h"
 #include "tools/tdpt-render/path/sample/mixture.h"
 
-namespace tdpt::shader {
-namespace {
+namespace tdpt::shader::weight_test {
 
 struct Weights {
   RenderParameters render{};
@@ -213,5 +212,4 @@ TEST(weights_of_kernels, twin_a_strategy_that_counts_otherwise_is_seen) {
   EXPECT_GT(most, 0.01);
 }
 
-}  // namespace
-}  // namespace tdpt::shader
+}  // namespace tdpt::shader::weight_test

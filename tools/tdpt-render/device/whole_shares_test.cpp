@@ -2,8 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace tdpt {
-namespace {
+namespace tdpt::whole_shares_test {
 
 TEST(whole_shares, are_in_proportion_and_never_none) {
   const std::vector<double> weights{1, 0, 1e-12, 3, 0};
@@ -54,5 +53,4 @@ TEST(word_table, guides_to_every_word) {
   }
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::whole_shares_test

@@ -10,8 +10,7 @@
 #include "tools/tdpt-render/testing/faults.h"
 #include "tools/tdpt-render/testing/rooms.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::agreement_test {
 
 using Integrators = std::vector<const Integrator*>;
 
@@ -337,5 +336,4 @@ TEST_F(agreement_twin, what_is_off_by_5_percent) {
   }
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::agreement_test

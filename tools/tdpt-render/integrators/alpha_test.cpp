@@ -5,8 +5,7 @@
 #include "tools/tdpt-render/run/render.h"
 #include "tools/tdpt-render/testing/renderer.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::alpha_test {
 
 void add_square(Scene& scene, const Vec3f& corner, const Vec3f& u, const Vec3f& v,
                 const Material& material) {
@@ -118,5 +117,4 @@ TEST(Alpha, IsTheSameForAnyNumberOfThreads) {
   EXPECT_EQ(all.pixels, alone.pixels);
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::alpha_test

@@ -10,8 +10,7 @@
 #include "tools/tdpt-render/testing/rooms.h"
 #include "tools/tdpt-render/testing/sheets.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::culling_test {
 
 constexpr int kWidth = 32, kHeight = 24;
 
@@ -203,5 +202,4 @@ TEST(culling, backs_that_the_camera_sees_are_told) {
   EXPECT_EQ(backs_sentence(seen_backs(World(inside, inside.camera(""), kWidth, kHeight, {}))), "");
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::culling_test

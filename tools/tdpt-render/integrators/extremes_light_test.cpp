@@ -3,8 +3,7 @@
 #include "tools/tdpt-render/testing/extremes.h"
 #include "tools/tdpt-render/testing/faults.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::extremes_light_test {
 
 using std::numbers::pi;
 
@@ -308,5 +307,4 @@ TEST(covered_lamps, are_told) {
             "12 triangles of lamps lie in another surface: moved 2e-06 m before it");
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::extremes_light_test

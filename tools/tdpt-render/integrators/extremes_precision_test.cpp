@@ -6,8 +6,7 @@
 #include "tools/tdpt-render/testing/oracle.h"
 #include "tools/tdpt-render/testing/variant.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::extremes_precision_test {
 
 /// Paths of a furnace, of so many edges.
 template <class Visit>
@@ -139,5 +138,4 @@ TEST(precision, places_1e7_sizes_away_need_double) {
   EXPECT_GT(lost, 900);
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::extremes_precision_test

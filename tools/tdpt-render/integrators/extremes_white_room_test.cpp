@@ -6,8 +6,7 @@
 #include "tools/tdpt-render/testing/extremes.h"
 #include "tools/tdpt-render/testing/faults.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::extremes_white_room_test {
 
 const Vec3d kLow{-1, 0, -1}, kHigh{1, 2, 1};
 
@@ -333,5 +332,4 @@ TEST(far_from_the_origin, what_rounding_leaves_of_a_scene_is_said) {
   EXPECT_EQ(warnings(1e5, 0).size(), 1u);
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::extremes_white_room_test

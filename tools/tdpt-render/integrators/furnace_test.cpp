@@ -6,8 +6,7 @@
 #include "tools/tdpt-render/testing/rooms.h"
 #include "tools/tdpt-render/testing/variant.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::furnace_test {
 
 struct Furnace {
   explicit Furnace(float albedo, int width = 16, int height = 12)
@@ -152,5 +151,4 @@ TEST(furnace, of_albedo_1_ends) {
 
 #endif
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::furnace_test

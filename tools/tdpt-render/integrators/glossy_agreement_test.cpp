@@ -11,8 +11,7 @@
 #include "tools/tdpt-render/testing/faults.h"
 #include "tools/tdpt-render/testing/rooms.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::glossy_agreement_test {
 
 using testing::GlossyRooms;
 using Light = GlossyRooms::Light;
@@ -140,5 +139,4 @@ TEST(glossy_agreement_twin, a_scene_without_its_coats_or_its_cloth_is_caught) {
   EXPECT_TRUE(caught(dull));
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::glossy_agreement_test

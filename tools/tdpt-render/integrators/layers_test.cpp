@@ -6,8 +6,7 @@
 #include "tools/tdpt-render/testing/rooms.h"
 #include "tools/tdpt-render/testing/variant.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::layers_test {
 
 RenderResult render_rooms(const Integrator& integrator, bool layers) {
   const Scene scene = read_gltf(two_rooms_path());
@@ -101,5 +100,4 @@ TEST(layers, a_contribution_goes_to_its_own_layer) {
   for (size_t layer : {0, 1}) EXPECT_EQ(film.layer_sums(layer), (std::vector<Vec3d>{{}, {}}));
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::layers_test

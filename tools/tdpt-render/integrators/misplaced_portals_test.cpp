@@ -11,8 +11,7 @@
 #include "tools/tdpt-render/testing/faults.h"
 #include "tools/tdpt-render/testing/rooms.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::misplaced_portals_test {
 
 // 5 % of a portal's density are to be seen, sample by sample.
 constexpr AgreementSettings kSettings{.max_depth = 4, .runs = 64, .spp = 8};
@@ -195,5 +194,4 @@ TEST_F(misplaced_portals, twin_copies_that_the_density_does_not_know_of_are_caug
   EXPECT_FALSE(verdict("twin, copies", world, tdpt_ref).holds());
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::misplaced_portals_test

@@ -10,8 +10,7 @@
 #include "tools/tdpt-render/testing/sheets.h"
 #include "tools/tdpt-render/testing/variant.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::panes_test {
 
 Scene furnace_with(const Material& pane, float albedo) {
   Scene scene = read_gltf(furnace_path());
@@ -129,5 +128,4 @@ TEST(panes, agree_with_glass_that_walks_pass_by_a_lobe) {
   EXPECT_FALSE(fewer.holds()) << fewer.text();  // twin: two panes less
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::panes_test

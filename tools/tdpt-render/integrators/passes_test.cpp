@@ -8,8 +8,7 @@
 #include "tools/tdpt-render/testing/agreement.h"
 #include "tools/tdpt-render/testing/rooms.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::passes_test {
 
 constexpr int kWidth = 128, kHeight = 96;
 constexpr uint64_t kPictures = 24;
@@ -80,5 +79,4 @@ TEST_F(Pools, twin_pixels_evenly_apart_are_caught) {
   EXPECT_GT(correlation_down_columns(pictures), 0.06);
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::passes_test

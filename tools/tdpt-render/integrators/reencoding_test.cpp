@@ -11,8 +11,7 @@
 #include "tools/tdpt-render/testing/agreement.h"
 #include "tools/tdpt-render/testing/rooms.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::reencoding_test {
 
 using testing::Encoding;
 using testing::Same;
@@ -138,5 +137,4 @@ TEST(reencoding, twin_a_lamp_turned_over_is_caught) {
                    .holds());
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::reencoding_test

@@ -13,8 +13,7 @@
 #include "tools/tdpt-render/testing/sheets.h"
 #include "tools/tdpt-render/testing/sky.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::sky_agreement_test {
 
 using testing::GlossyRooms;
 using Integrators = std::vector<const Integrator*>;
@@ -236,5 +235,4 @@ TEST(sky_agreement_twin, a_sky_or_a_portal_off_by_5_percent_is_caught) {
     EXPECT_FALSE(r.verdict("portal 5 %", world, *integrator).holds()) << integrator->name;
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::sky_agreement_test

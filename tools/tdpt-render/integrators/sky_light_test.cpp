@@ -13,8 +13,7 @@
 #include "tools/tdpt-render/testing/sky.h"
 #include "tools/tdpt-render/testing/variant.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::sky_light_test {
 
 using std::numbers::pi;
 
@@ -94,7 +93,7 @@ std::vector<double> quarters(int width, int height, const Value& value) {
   return sums;
 }
 
-Measured rendered(const World& world, const Integrator& integrator, uint64_t spp,
+Measured measured(const World& world, const Integrator& integrator, uint64_t spp,
                   int max_depth = kMaxDepth, double beta = 1) {
   constexpr uint64_t kRuns = 12;
   std::vector<double> sum(5), squares(5);
@@ -134,7 +133,7 @@ struct Expectation {
 void expect_shown(const char* what, const World& world, const Expectation& e, bool with_pt = true) {
   for (const Integrator* integrator : integrators_under_test()) {
     if (integrator == &pt && (!with_pt || !world.portals.empty())) continue;
-    const Measured m = rendered(world, *integrator, e.spp, e.max_depth);
+    const Measured m = measured(world, *integrator, e.spp, e.max_depth);
     std::printf("%-24s %-11s %9.5f +- %.5f, known %.5f, worst z %.2f\n", what, integrator->name,
                 m.mean[4], m.error[4], e.quarters[4], m.z(e.quarters));
     EXPECT_LT(m.z(e.quarters), kRight) << what << ", " << integrator->name;
@@ -302,9 +301,9 @@ TEST(sky_light, twin_a_sky_off_by_5_percent_is_caught) {
   World world =
       room.out.world(std::make_shared<Sky>(Sky::Map{}, 0, std::vector{sun}), {room.hole()});
   for (const Integrator* integrator : {&nee, &bdpt, &tdpt_org, &tdpt_ref, &tdpt_guided}) {
-    const Measured m = rendered(world, *integrator, 192, 2);
+    const Measured m = measured(world, *integrator, 192, 2);
     LightsFaults::scale_sky(world.lights, 1.05);
-    const Measured spoilt = rendered(world, *integrator, 192, 2);
+    const Measured spoilt = measured(world, *integrator, 192, 2);
     LightsFaults::scale_sky(world.lights, 1 / 1.05);
     std::printf("twin, sky %-11s z %.1f\n", integrator->name, spoilt.z(m.mean));
     EXPECT_GT(spoilt.z(m.mean), 2 * kRight) << integrator->name;
@@ -316,7 +315,7 @@ TEST(sky_light, twin_a_portal_off_by_5_percent_is_caught) {
   const auto expected = room.shown(world);
   world.portals = PortalSetFaults::scaled(world.portals, 1.05);
   for (const Integrator* integrator : {&tdpt_org, &tdpt_ref}) {
-    const Measured spoilt = rendered(world, *integrator, 512, 2);
+    const Measured spoilt = measured(world, *integrator, 512, 2);
     std::printf("twin, portal %-11s z %.1f\n", integrator->name, spoilt.z(expected));
     EXPECT_GT(spoilt.z(expected), 2 * kRight) << integrator->name;
   }
@@ -352,7 +351,7 @@ TEST(sky_light, comes_from_where_the_map_has_it) {
     const Onb<double> onb(facing);
     out.quad(-onb.x - onb.y, onb.x * 2, onb.y * 2, out.diffuse(0.5f));
     out.look(facing * 4, {0, 0, 0}, 0.3);
-    return rendered(out.world(std::make_shared<Sky>(map, rotation)), nee, 16, 2).mean[4];
+    return measured(out.world(std::make_shared<Sky>(map, rotation)), nee, 16, 2).mean[4];
   };
   // Twice the step of the map in azimuth and elevation: 0.196 x 0.196 sr.
   const double full = 0.5 / pi * 100 * std::pow(2 * pi / 32, 2);
@@ -389,7 +388,7 @@ TEST(sky_light, is_seen_as_it_is) {
     out.look({0, 0, 0}, towards, half_angle / 4);
     const World close = out.world(sky);
     for (const Integrator* integrator : integrators_under_test()) {
-      const Measured m = rendered(close, *integrator, 1);
+      const Measured m = measured(close, *integrator, 1);
       EXPECT_NEAR(m.mean[4] / luminance(sky->radiance(towards)), 1, 1e-3) << integrator->name;
     }
     out.look({0, 0, 0}, towards, 0.1);
@@ -409,9 +408,8 @@ TEST(sky_light, does_not_get_into_a_closed_box) {
   for (const auto& portals : sets) {
     const World world(scene, scene.camera(""), 8, 6, portals);
     for (const Integrator* integrator : integrators_under_test())
-      EXPECT_EQ(rendered(world, *integrator, 24, 32).mean[4], 0) << integrator->name;
+      EXPECT_EQ(measured(world, *integrator, 24, 32).mean[4], 0) << integrator->name;
   }
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::sky_light_test

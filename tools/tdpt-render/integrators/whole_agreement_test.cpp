@@ -8,8 +8,7 @@
 #include "tools/tdpt-render/testing/agreement.h"
 #include "tools/tdpt-render/testing/rooms.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::whole_agreement_test {
 
 constexpr AgreementSettings kSettings{.max_depth = kMaxDepth, .runs = 32, .spp = 4};
 
@@ -117,5 +116,4 @@ TEST_F(whole_agreement_twin, a_technique_that_is_weighed_but_not_run_is_caught) 
   EXPECT_FALSE(verdict("bi missing", without).holds());
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::whole_agreement_test

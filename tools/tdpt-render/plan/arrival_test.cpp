@@ -6,8 +6,7 @@
 #include "tools/tdpt-render/testing/known_paths.h"
 #include "tools/tdpt-render/testing/sky.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::arrival_test {
 
 constexpr double kEnd = 4.09;  // the far room's wall [m]
 
@@ -42,5 +41,4 @@ TEST(arrival, is_the_same_again_and_the_suns_without_lamps) {
   EXPECT_NEAR(arriving(scene).sky, 1, 1e-12);
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::arrival_test

@@ -11,8 +11,7 @@
 #include "tools/tdpt-render/testing/rooms.h"
 #include "tools/tdpt-render/testing/told.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::auto_test {
 
 struct Room {
   Scene scene;
@@ -329,5 +328,4 @@ TEST_F(Told, of_a_scene_without_light_nothing) {
   for (const double e : told(world, candidates)) EXPECT_EQ(e, 0);
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::auto_test

@@ -8,8 +8,7 @@
 #include "tools/tdpt-render/run/report.h"
 #include "tools/tdpt-render/testing/rooms.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::beyond_test {
 
 constexpr int kSize = 16;
 
@@ -67,5 +66,4 @@ TEST(length, where_no_walk_ends_the_hard_stop_is_told) {
             "paths of 513 to 1024 edges hold 50 % of the light; what longer ones hold is left out");
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::beyond_test

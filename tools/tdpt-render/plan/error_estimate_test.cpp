@@ -9,8 +9,7 @@
 
 #include "tools/tdpt-render/plan/pilot.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::error_estimate_test {
 
 class Synthetic {
  public:
@@ -257,5 +256,4 @@ TEST(error_estimate, blocks_of_a_picture_double_in_size) {
                                          48, 56}));
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::error_estimate_test

@@ -9,8 +9,7 @@
 #include "tools/tdpt-render/testing/renderer.h"
 #include "tools/tdpt-render/testing/rooms.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::longest_path_test {
 
 constexpr int kWidth = 16, kHeight = 12;
 constexpr uint64_t kSpp = 8;
@@ -117,5 +116,4 @@ TEST(longest_path, never_passes_by_what_a_ray_meets) {
   EXPECT_GT(passed_by, 60u);
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::longest_path_test

@@ -8,8 +8,7 @@
 #include "tools/tdpt-render/run/render.h"
 #include "tools/tdpt-render/testing/rooms.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::noise_test {
 
 constexpr int kWidth = 200, kHeight = 150;
 
@@ -121,5 +120,4 @@ TEST(noise, of_a_rendering_is_told_and_changes_no_pixel) {
   EXPECT_EQ(film.picture().pixels, r.picture.pixels);
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::noise_test

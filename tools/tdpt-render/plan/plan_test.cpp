@@ -4,8 +4,7 @@
 
 #include "libcommon/base/error.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::plan_test {
 
 TEST(plan, is_read_as_it_was_written) {
   Plan plan{kGuided[2], "tdpt-guided 0.5 0.2 0.25", 1000, {{1, PortalWay::back}}, {}};
@@ -56,5 +55,4 @@ TEST(plan, that_is_none_is_refused_with_its_place) {
   EXPECT_EQ(message(good, "", ""), "read");
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::plan_test

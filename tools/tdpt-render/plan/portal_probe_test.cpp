@@ -4,8 +4,7 @@
 
 #include "tools/tdpt-render/testing/rooms.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::portal_probe_test {
 
 double conductance_in(const char* scene_name, const Portal& portal) {
   const Scene scene = read_gltf(std::string(TDPT_TESTDATA "/scenes/") + scene_name);
@@ -39,5 +38,4 @@ TEST(portal_probe, is_for_portals_without_figures) {
   EXPECT_EQ(portals[0].figures, (std::map<std::string, double>{{"conductance", 0.5}}));
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::portal_probe_test

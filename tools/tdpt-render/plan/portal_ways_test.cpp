@@ -6,8 +6,7 @@
 
 #include "tools/tdpt-render/testing/rooms.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::portal_ways_test {
 
 constexpr auto kAsDrawn = PortalWay::as_drawn, kFront = PortalWay::front, kBack = PortalWay::back,
                kBoth = PortalWay::both, kLeftOut = PortalWay::left_out;
@@ -220,5 +219,4 @@ TEST(apply_ways, turns_portals_and_lets_them_work_both_ways) {
   EXPECT_NEAR(portals[1].figures.at("area"), 0.0625, 1e-12);
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::portal_ways_test

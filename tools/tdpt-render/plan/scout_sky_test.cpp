@@ -8,8 +8,7 @@
 #include "tools/tdpt-render/testing/known_windows.h"
 #include "tools/tdpt-render/testing/told.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::scout_sky_test {
 
 constexpr double kEnd = 4.09;  // the far room's wall [m]
 
@@ -69,5 +68,4 @@ TEST(scout_under_a_sky, errors_of_light_walks_that_seldom_come_in) {
   }
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::scout_sky_test

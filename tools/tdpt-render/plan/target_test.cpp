@@ -8,8 +8,7 @@
 #include "tools/tdpt-render/run/target_report.h"
 #include "tools/tdpt-render/testing/rooms.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::target_test {
 
 constexpr int kWidth = 16, kHeight = 12;
 
@@ -274,5 +273,4 @@ TEST(target, a_miss_says_so_and_a_retry_once_more) {
             "pixel, those of --set retry=1 among them");
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::target_test

@@ -5,13 +5,12 @@
 #include "tools/tdpt-render/integrators/integrator.h"
 #include "tools/tdpt-render/testing/rooms.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::work_model_test {
 
 constexpr uint64_t kSamples = 100;
 constexpr RayCounts kRays{1000, 500, 2000, 300};
 
-class WorkModelTest : public testing::Test {
+class WorkModelTest : public ::testing::Test {
  protected:
   double of(const std::vector<Portal>& portals, const Integrator& integrator) const {
     return WorkModel(World(scene_, scene_.camera(""), 8, 6, portals), integrator.mixture)
@@ -62,5 +61,4 @@ TEST_F(WorkModelTest, is_linear_in_its_table) {
   EXPECT_NEAR(cost({.join = 1}), 3, 1e-12);
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::work_model_test

@@ -14,8 +14,7 @@
 #include "tools/tdpt-render/portals/portal_fit.h"
 #include "tools/tdpt-render/testing/rooms.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::given_portals_test {
 
 using Strings = std::vector<std::string>;
 
@@ -261,5 +260,4 @@ TEST_F(given_portals, a_copy_of_a_pane_is_a_portal) {
   EXPECT_EQ(given(panes).file.portals.size(), 8u);
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::given_portals_test

@@ -9,8 +9,7 @@
 
 #include "libcommon/math/rng.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::outline_test {
 
 // In a plane that is no plane of the axes.
 const Vec3d kRight = normalize(Vec3d(1, 0.2, -0.3)),
@@ -139,5 +138,4 @@ TEST(Outline, what_overlaps_is_left_as_it_is) {
   EXPECT_EQ(fewest(wound), wound.triangles);
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::outline_test

@@ -9,8 +9,7 @@
 
 #include "tools/tdpt-render/testing/rooms.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::portal_mesh_test {
 
 Portal square() {
   return rectangle({2, 0, 0}, {0, 0, 1}, {0, 1, 0});
@@ -183,5 +182,4 @@ TEST(portal_mesh, copies_count_once_and_two_faces_back_to_back_work_both_ways) {
   EXPECT_TRUE(portal.both_ways);
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::portal_mesh_test

@@ -7,8 +7,7 @@
 
 #include "tools/tdpt-render/testing/faults.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::portals_test {
 
 // Unit square in the plane z = 0 with normal +z, and a second one, twice as large, in x = 5.
 Portal square() {
@@ -298,5 +297,4 @@ TEST(portals, twin_a_density_off_by_10_percent_in_one_bin_is_caught) {
   EXPECT_FALSE(samples_hold(1.1));
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::portals_test

@@ -10,8 +10,7 @@
 #include "libcommon/testing/statistics/chi_square.h"
 #include "tools/tdpt-render/portals/portals.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::samplers_test {
 
 constexpr double kRight = 1e-4;  // a right sampler is above this in all but 1 seed of 10 000
 constexpr double kWrong = 1e-9;  // a wrong one below that
@@ -465,5 +464,4 @@ TEST(samplers, twin_the_suns_rays_crowded_in_the_middle) {
   EXPECT_LT(sun_places(1.15), kWrong);
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::samplers_test

@@ -10,8 +10,7 @@
 #include "libcommon/testing/files/temp_folder.h"
 #include "tools/tdpt-render/testing/rooms.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::course_test {
 
 std::string complaint(const std::function<void()>& work) {
   try {
@@ -224,5 +223,4 @@ TEST(standing, that_is_no_beginning_is_refused) {
   EXPECT_EQ(state("{}"), "c.exr:film.state.limits: is missing");
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::course_test

@@ -6,8 +6,7 @@
 
 #include "tools/tdpt-render/testing/rooms.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::explain_test {
 
 struct Told {
   Scene scene = read_gltf(two_rooms_path());
@@ -101,5 +100,4 @@ TEST(explain, says_what_of_an_unlimited_picture_is_left_out) {
   EXPECT_TRUE(told.about("samples").chosen.starts_with("16 a pixel"));
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::explain_test

@@ -12,8 +12,7 @@
 #include "tools/tdpt-render/testing/renderer.h"
 #include "tools/tdpt-render/testing/rooms.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::features_test {
 
 constexpr int kWidth = 32, kHeight = 24;
 
@@ -145,5 +144,4 @@ TEST(aov, variance_is_that_of_pictures_of_other_seeds) {
   EXPECT_LT(told_over_seen_variance(0.25), 0.75);  // twin
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::features_test

@@ -6,8 +6,7 @@
 #include "tools/tdpt-render/run/render.h"
 #include "tools/tdpt-render/testing/rooms.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::parts_test {
 
 class parts : public ::testing::Test {
  protected:
@@ -70,5 +69,4 @@ TEST_F(parts, are_what_render_makes_of_the_plan) {
   EXPECT_EQ(whole.plan.integrator.mixture, integrator_.mixture);
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::parts_test

@@ -4,8 +4,7 @@
 
 #include "libcommon/base/error.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::picture_size_test {
 
 void expect(const PictureSize& size, int width, int height) {
   EXPECT_EQ(size.width, width);
@@ -60,5 +59,4 @@ TEST(picture_size, is_that_of_the_scene_where_the_command_line_has_none) {
   }
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::picture_size_test

@@ -6,8 +6,7 @@
 
 #include "tools/tdpt-render/testing/rooms.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::portal_report_test {
 
 // Upright, in a corner of the camera's room behind the camera: light passes, none of it counts.
 Portal in_the_corner() {
@@ -135,5 +134,4 @@ TEST(portals_report, idle_portals_are_told_with_what_was_measured_of_them) {
   EXPECT_NE(idleness(portals, 0.003).find(", 100 % passed hall"), std::string::npos);
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::portal_report_test

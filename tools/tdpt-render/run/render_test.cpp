@@ -9,8 +9,7 @@
 #include "tools/tdpt-render/testing/rooms.h"
 #include "tools/tdpt-render/testing/variant.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::render_test {
 
 // Rims of an opening count in density and in visibility alike, however far rays step off.
 TEST(render, the_step_off_the_surface_does_not_change_the_mean) {
@@ -143,5 +142,4 @@ TEST(render, counts_no_time_that_a_device_takes_to_be_ready_and_overruns_little)
   EXPECT_LT(r.seconds, 0.29);
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::render_test

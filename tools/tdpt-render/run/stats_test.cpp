@@ -9,8 +9,7 @@
 #include "tools/tdpt-render/testing/rooms.h"
 #include "tools/tdpt-render/testing/variant.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::stats_test {
 
 RenderResult render_rooms(RenderSettings settings, const Integrator& integrator = tdpt_org) {
   const Scene scene = read_gltf(two_rooms_path());
@@ -185,5 +184,4 @@ TEST(integrators, say_which_light_they_miss) {
   EXPECT_EQ(light_missed(tdpt_org, scene), "");
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::stats_test

@@ -7,8 +7,7 @@
 #include "tools/tdpt-render/path/bsdf/ggx.h"
 #include "tools/tdpt-render/testing/bsdfs.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::bsdf_sampling_test {
 
 using namespace test;
 
@@ -195,5 +194,4 @@ TEST(bsdf_sampling, twin_lobes_chosen_by_other_odds) {
   EXPECT_LT(smooth.transmitted_p, 1e-4);
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::bsdf_sampling_test

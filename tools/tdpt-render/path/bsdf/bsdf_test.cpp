@@ -11,8 +11,7 @@
 #include "tools/tdpt-render/path/bsdf/interface_albedo.h"
 #include "tools/tdpt-render/testing/bsdfs.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::bsdf_test {
 
 using namespace test;
 
@@ -336,5 +335,4 @@ TEST(bsdf, extremes_stay_finite) {
   }
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::bsdf_test

@@ -9,8 +9,7 @@
 #include "tools/tdpt-render/path/bsdf/sheen.h"
 #include "tools/tdpt-render/testing/bsdfs.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::coated_test {
 
 using namespace test;
 
@@ -234,5 +233,4 @@ TEST(coated, darkens_what_shines_under_it) {
               1 - 0.5 * (0.04 + 0.96 * std::pow(0.8, 5)), 2e-3);
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::coated_test

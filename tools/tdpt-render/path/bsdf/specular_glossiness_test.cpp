@@ -5,8 +5,7 @@
 #include "libcommon/scene/test_materials.h"
 #include "tools/tdpt-render/path/sample/surface.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::specular_glossiness_test {
 
 using testing::Json;
 
@@ -63,5 +62,4 @@ TEST(specular_glossiness, by_a_texture_of_two_texels) {
   EXPECT_NEAR(black.alpha, rough * rough, 1e-6);
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::specular_glossiness_test

@@ -7,8 +7,7 @@
 #include "tools/tdpt-render/testing/panels.h"
 #include "tools/tdpt-render/testing/sky.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::panels_test {
 
 using oracle::Fault;
 
@@ -221,5 +220,4 @@ INSTANTIATE_TEST_SUITE_P(integrators, panel_paths, testing::ValuesIn(integrators
                            return name;
                          });
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::panels_test

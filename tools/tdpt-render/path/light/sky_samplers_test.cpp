@@ -12,8 +12,7 @@
 #include "tools/tdpt-render/testing/rooms.h"
 #include "tools/tdpt-render/testing/sky.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::sky_samplers_test {
 
 using std::numbers::pi;
 
@@ -360,5 +359,4 @@ TEST(sky_samplers, twin_light_walks_of_another_density) {
     EXPECT_LT(light_walks(over_the_floor(), *integrator, true), kWrong) << integrator->name;
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::sky_samplers_test

@@ -10,8 +10,7 @@
 #include "tools/tdpt-render/testing/rooms.h"
 #include "tools/tdpt-render/testing/told.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::window_views_test {
 
 // Light goes to -x through the end and the hole, to +x through the beginning.
 const Portal kEnd = rectangle({4.1, 0, -1}, {0, 0, 2}, {0, 2, 0});
@@ -141,5 +140,4 @@ TEST(window_views, next_events_look_everywhere_where_no_window_is_seen) {
   EXPECT_EQ(seen_at({2, 2.5, 0}), 0);
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::window_views_test

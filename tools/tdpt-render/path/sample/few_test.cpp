@@ -8,8 +8,7 @@
 
 #include "libcommon/math/rng.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::few_test {
 
 constexpr int kDraws = 20000;  // u at even distances: what is rare has a chance of 0.1 at least
 
@@ -141,5 +140,4 @@ TEST(few, what_is_not_finite_is_kept_and_all_beside_it) {
   EXPECT_EQ(draw({1e308, 1e308, 1e308}, 1).fewest, 3);  // whose sum is not finite
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::few_test

@@ -11,8 +11,7 @@
 #include "tools/tdpt-render/path/sample/surface.h"
 #include "tools/tdpt-render/path/sample/walk.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::guide_test {
 
 constexpr double kLevel = 1e-3;  // a right program fails a whole TEST with this probability
 constexpr double kWrong = 1e-9;  // a wrong one is below this
@@ -495,5 +494,4 @@ TEST(guide, twin_smooth_lobes_that_are_directed_too) {
   }
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::guide_test

@@ -8,8 +8,7 @@
 #include "tools/tdpt-render/testing/bsdfs.h"
 #include "tools/tdpt-render/testing/rooms.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::joins_test {
 
 Vec3d direction(Rng& rng) {
   const double u = rng.uniform();
@@ -117,5 +116,4 @@ TEST(joins, twin_ends_that_face_the_other_side_miss_what_is_joined) {
   EXPECT_GT(compare(Surfaces({test::plastic(0.3f)}, 77), -1).missed, 500u);
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::joins_test

@@ -6,8 +6,7 @@
 #include "tools/tdpt-render/integrators/integrator.h"
 #include "tools/tdpt-render/testing/rooms.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::light_pool_test {
 
 // Walks of so many vertices each, whose places tell them apart.
 std::vector<Walk> walks_of(const std::vector<int>& sizes) {
@@ -207,5 +206,4 @@ TEST(light_pool, keeps_the_segments_that_are_of_use) {
   }
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::light_pool_test

@@ -3,8 +3,7 @@
 
 #include "tools/tdpt-render/testing/known_paths.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::path_by_hand_test {
 
 Walk walk_of(int size) {
   Walk walk;
@@ -156,5 +155,4 @@ TEST(paths_by_hand, a_vertex_that_no_walk_can_have_made_leaves_the_weights_of_se
   }
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::path_by_hand_test

@@ -6,8 +6,7 @@
 
 #include "tools/tdpt-render/testing/known_paths.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::path_test {
 
 using oracle::Fault;
 
@@ -394,5 +393,4 @@ TEST(transmittance, inside_a_solid_is_that_of_its_length_and_1_towards_the_sun) 
   EXPECT_EQ(transmittance(a, sun, {0, 0, 1}, 1).x, 1);
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::path_test

@@ -33,8 +33,7 @@
 #include "tools/tdpt-render/testing/rooms.h"
 #include "tools/tdpt-render/testing/variant.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::rays_test {
 
 // Lit by its walls, or by a lamp within it.
 Scene ball(bool glowing) {
@@ -230,5 +229,4 @@ TEST(rays, twin_a_walk_of_one_edge_more_is_caught) {
   EXPECT_GT(count(tdpt_ref, 6, table_1(tdpt_ref.mixture.techniques, 5)).beyond, 500u);
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::rays_test

@@ -6,8 +6,7 @@
 #include "libcommon/math/rng.h"
 #include "tools/tdpt-render/testing/bsdfs.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::roulette_test {
 
 using test::NamedBsdf;
 
@@ -175,5 +174,4 @@ TEST(roulette, the_first_vertices_always_go_on) {
   for (const int i : {2, 3, 100}) EXPECT_FALSE(always_goes_on(i));
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::roulette_test

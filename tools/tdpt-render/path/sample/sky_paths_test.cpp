@@ -6,8 +6,7 @@
 #include "tools/tdpt-render/testing/known_paths.h"
 #include "tools/tdpt-render/testing/sky.h"
 
-namespace tdpt {
-namespace {
+namespace tdpt::sky_paths_test {
 
 using oracle::Fault;
 
@@ -221,5 +220,4 @@ TEST(sky_path_twin, an_aim_off_by_5_percent_is_caught) {
   }
 }
 
-}  // namespace
-}  // namespace tdpt
+}  // namespace tdpt::sky_paths_test
