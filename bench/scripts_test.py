@@ -71,7 +71,10 @@ class Stamp(unittest.TestCase):
 class Stages(Stamp):
     def test_every_picture_of_the_page_is_made(self):
         rooms.write_rooms(self.work)
-        self.runs("stages", SCENE=SCENES / "two-rooms.glb", INTERIOR=SCENES / "window.glb", SKY="1,1,1",
+        few = {"ffgraph": "--set walks=20000 --samples 100000 --set rounds=0", "lightgrid": "--resolution 32 --set lines=1000"}
+        for program in common.STAGES:  # the same with a small number of rays
+            self.program(self.work / "bin", program, f'exec "{BIN}/{program}" {few.get(program, "")} "$@"')
+        self.runs("stages", programs=self.work / "bin", SCENE=SCENES / "two-rooms.glb", INTERIOR=SCENES / "window.glb", SKY="1,1,1",
                   WINDOWS=self.work / "skylight.glb")
         text = (HERE.parent / "doc/stages.md").read_text(encoding="utf-8")
         self.assertEqual((text.count("!["), self.missing_pictures(text)), (9, []))

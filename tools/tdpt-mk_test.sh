@@ -18,8 +18,8 @@ complain() {
 
 cat >Makefile <<END
 TDPT_BIN = $bin/
-FFGRAPH_FLAGS = --set walks=5000 --samples 20000 --set rounds=0
-LIGHTGRID_FLAGS = --resolution 32
+FFGRAPH_FLAGS = --set walks=2000 --samples 10000 --set rounds=0
+LIGHTGRID_FLAGS = --resolution 16 --set lines=200
 TDPT_RENDER_FLAGS = --spp 1 --width 16
 QUIET = 1
 include $here/tdpt.mk
@@ -137,7 +137,7 @@ once "the renderer alone" TDPT_RENDER_FLAGS='--spp 2 --width 16' loose.exr
 grep -q 'tdpt-render: warning' log || complain "the renderer alone: it does not speak"
 once "side by side" -j4 SCENE.a=loose SCENE.b=loose CAMERA.a=--frame CAMERA.b=--frame QUIET= a.exr b.exr
 grep -q 'frame is about' log || complain "side by side: --frame is not noted"
-for command in "ffgraph loose.gltf --set walks=5000 --samples 20000 --set rounds=0 -o x.max" "tdpt-render loose.gltf --spp 1 --width 16 -o x.exr"; do
+for command in "ffgraph loose.gltf --set walks=2000 --samples 10000 --set rounds=0 -o x.max" "tdpt-render loose.gltf --spp 1 --width 16 -o x.exr"; do
   # shellcheck disable=SC2086 # words
   "$bin"/$command 2>&1 | grep -q 'warning: .*loose.png' || complain "$command: alone it does not speak"
 done

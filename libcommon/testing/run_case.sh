@@ -13,7 +13,8 @@ work=$(mktemp -d) || exit 99
 trap 'rm -rf "$work"' EXIT
 trap 'exit 99' HUP INT TERM
 mkdir "$work/run"
-export XDG_CACHE_HOME="$work/cache"
+# Kernels that a software device compiled before are kept for all cases: it takes seconds to make them.
+export MESA_SHADER_CACHE_DIR="${MESA_SHADER_CACHE_DIR:-${XDG_CACHE_HOME:-${HOME:-/tmp}/.cache}}" XDG_CACHE_HOME="$work/cache"
 script=$work/script stdout=$work/stdout stderr=$work/stderr wrong=$work/wrong
 : >"$script"
 : >"$wrong"
