@@ -5,14 +5,10 @@
 
 #include <fmt/format.h>
 
+#include "libcommon/base/replaced.h"
+
 namespace tdpt::cli {
 namespace {
-
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
-  for (size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size())
-    text.replace(at, from.size(), to);
-  return text;
-}
 
 std::string in_quotes(const std::string& text) {
   return "'" + replaced(text, "'", R"('\'')") + "'";

@@ -7,18 +7,13 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/memory_limit.h"
+#include "libcommon/base/replaced.h"
 #include "libcommon/base/threads.h"
 #include "libcommon/cli/help.h"
 #include "libcommon/cli/nearest.h"
 
 namespace tdpt::cli {
 namespace {
-
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
-  for (size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size())
-    text.replace(at, from.size(), to);
-  return text;
-}
 
 // As people write them, "--set walks"; CLI11 knows them as "--set.walks".
 std::string for_people(const std::string& text) {

@@ -1,6 +1,6 @@
 // Any bytes as a scene; wherever one looks at what is read, it is in range.
-#include "libcommon/testing/files/fuzz.h"
 #include "libcommon/scene/scene.h"
+#include "libcommon/testing/files/fuzz.h"
 #include "libcommon/testing/files/sound_scene.h"
 
 using namespace tdpt;

@@ -1,5 +1,5 @@
-// What samples leave behind: the film's sums, and what is counted beside them [path/sample/tally.h of
-// the renderer], by atomics alone, so that order cannot matter.
+// What samples leave behind: the film's sums, and what is counted beside them [path/sample/tally.h
+// of the renderer], by atomics alone, so that order cannot matter.
 //
 // Read behind film_sum.h, where `render` and tally_bucket() are: each of some buckets counts for
 // some of the invocations.

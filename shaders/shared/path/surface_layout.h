@@ -84,8 +84,8 @@ RECORD(FaceCorners)
   WORDS(float, u0, float, v0, float, u1, float, v1)
 RECORD(CornerAttributes)
 
-// surface_curves[]: tables of tools/tdpt-render/path/bsdf/{interface_albedo,sheen}.cpp, one after the
-// other, light over bytes, and the nodes of a quadrature.
+// surface_curves[]: tables of tools/tdpt-render/path/bsdf/{interface_albedo,sheen}.cpp, one after
+// the other, light over bytes, and the nodes of a quadrature.
 const uint kInterfaceCosines = 64u;  ///< nodes; two numbers each
 const uint kInterfaceAlphas = 48u;   ///< rows
 const uint kInterfaceAverages = 2u * kInterfaceCosines * kInterfaceAlphas;
