@@ -416,7 +416,7 @@ class Tdpt(unittest.TestCase):
         def measures():
             return any(b"/report/with.0.exr" in self.command_of(pid) for pid in self.pids_of("tdpt-render"))
         # Its first rendering takes 1.5 s. What is stopped, and outlives a kill, is there for as long as is looked.
-        for number, code, seconds in ((signal.SIGKILL, -9, 2), (signal.SIGTERM, 6, 0.5)):
+        for number, code, seconds in ((signal.SIGKILL, -9, 2), (signal.SIGTERM, 6, 1)):
             child = self.start("room.glb", "-o", "p.exr", *QUICK, "--report", "--threads", "1",
                                env={"REPORT_TIME": "24", "REPORT_WIDTH": "64"})
             with self.held("tdpt-render", measures) if number == signal.SIGKILL else contextlib.nullcontext():
