@@ -219,7 +219,7 @@ TEST(sky_agreement, whole_light) {
 
 // Twins: densities that claim 5 % more than they have.
 TEST(sky_agreement_twin, a_sky_or_a_portal_off_by_5_percent_is_caught) {
-  const AgreementSettings settings{.max_depth = 3, .runs = 64, .spp = 6};
+  const AgreementSettings settings{.max_depth = 3, .runs = 64, .spp = 10};
   const std::vector<Portal> hole{across(0.75, 1.25, -0.25, 0.25)};
   const Room r(open_end(read_gltf(TDPT_TESTDATA "/scenes/half-metre-hole.glb"), 2.09),
                one_colour_sky(Rgb(1)), settings, hole);
