@@ -219,6 +219,7 @@ TEST_F(device_agreement_twin, a_density_off_by_2_percent_is_caught) {
       word = std::bit_cast<uint32_t>(1.02f * std::bit_cast<float>(word));
     }
   });
+  runs_.runs = 48;
   EXPECT_FALSE(
       of("of the film", bdpt, {.parameters = [](auto& p) { p.film_area *= 1.02f; }}).holds());
 }
@@ -243,6 +244,7 @@ TEST_F(device_agreement_twin, a_cosine_off_by_2_percent_is_caught) {
 }
 
 TEST_F(device_agreement_twin, a_lobe_of_3_percent_more_is_caught) {
+  runs_.runs = 40;
   const auto colours = [](RenderTables& t) {
     for (shader::SurfaceMaterial& m : t.surfaces.materials) m.base_color = m.base_color * 1.03f;
   };

@@ -52,10 +52,11 @@ Scene cutaway() {
   return rooms("window.glb", {-1.5, 1.3, 0.4}, {2, 1, -0.1});
 }
 
+// But pt, which meets the lamp too seldom to tell its own error.
 TEST(culling, all_integrators_agree) {
   const Scene scene = cutaway();
   const World world(scene, scene.camera(""), kWidth, kHeight, {kWindow});
-  expect_agreement(world, {&pt, &nee, &tdpt_org, &tdpt_ref, &tdpt_guided}, kSettings);
+  expect_agreement(world, {&nee, &tdpt_org, &tdpt_ref, &tdpt_guided}, kSettings);
 }
 
 // The walls' backs are lit, too, and towards the camera: light walks come to them.

@@ -127,7 +127,7 @@ TEST(glossy_agreement_twin, a_portal_off_by_5_percent_is_caught_on_glossy_surfac
 }
 
 TEST(glossy_agreement_twin, a_scene_without_its_coats_or_its_cloth_is_caught) {
-  constexpr AgreementSettings kShort{.max_depth = 3, .runs = 64, .spp = 12};
+  constexpr AgreementSettings kShort{.max_depth = 3, .runs = 64, .spp = 18};
   const Scene scene = scene_of({.coats = true});
   const DepthRuns reference = render_runs(world_of(scene), bdpt, kShort.of_reference());
   const auto caught = [&](const Scene& faulty) {
