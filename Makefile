@@ -47,8 +47,8 @@ packages:
 	@sh cmake/install-packages.sh cmake/packages-test.txt
 
 test:
-	@echo "make test: installs the packages that are missing, compiles everything (6 minutes on 2 quiet cores, less what" \
-	  "ccache has) and runs every test (about as long again)"
+	@echo "make test: installs the packages that are missing, compiles everything (ten minutes on 2 quiet cores, less what" \
+	  "ccache has) and runs every test (a quarter of an hour)"
 	@$(MAKE) --no-print-directory packages build
 	@ctest --preset release --parallel $(JOBS); code=$$?; \
 	if [ -n "$(TEST_STATUS)" ]; then echo $$code >"$(TEST_STATUS)"; else exit $$code; fi
