@@ -1,5 +1,6 @@
-// Records of tables. RECORD(T) is a struct T of whole texels, four words each, one behind the other:
-// TEXELS_OF_T(VEC, WORDS, PART) lists them, and a member has its own comment above its texel.
+// Records of tables. RECORD(T) is a struct T of whole texels, four words each, one behind the
+// other: TEXELS_OF_T(VEC, WORDS, PART) lists them, and a member has its own comment above its
+// texel.
 //   VEC(a, type, b)                             vec3 a; type b;
 //   WORDS(type, a, type, b, type, c, type, d)
 //   PART(T, a)                                  another record
@@ -22,35 +23,34 @@
 #ifdef __cplusplus
 
 #define RECORD(T) RECORD_ALIGNED(, T)
-#define RECORD_ALIGNED(alignment, T)                                \
-  struct alignment T {                                              \
+#define RECORD_ALIGNED(alignment, T)                                 \
+  struct alignment T {                                               \
     TEXELS_OF_##T(MEMBERS_OF_VEC, MEMBERS_OF_WORDS, MEMBERS_OF_PART) \
   };
 
 #else
 
 #define RECORD_ALIGNED(alignment, T) RECORD(T)
-#define RECORD(T)                                                    \
-  struct T {                                                         \
-    TEXELS_OF_##T(MEMBERS_OF_VEC, MEMBERS_OF_WORDS, MEMBERS_OF_PART) \
-  };                                                                 \
+#define RECORD(T)                                                                     \
+  struct T {                                                                          \
+    TEXELS_OF_##T(MEMBERS_OF_VEC, MEMBERS_OF_WORDS, MEMBERS_OF_PART)                  \
+  };                                                                                  \
   const uint kTexelsOf_##T = 0u TEXELS_OF_##T(ONE_VEC, ONE_OF_WORDS, TEXELS_OF_PART); \
-  T next_##T(usamplerBuffer texels, inout uint at) {                 \
-    T r;                                                             \
-    uvec4 w;                                                         \
-    TEXELS_OF_##T(READ_VEC, READ_WORDS, READ_PART)                   \
-    return r;                                                        \
-  }                                                                  \
-  T entry_##T(usamplerBuffer texels, uint first, uint i) {           \
-    uint at = first + i * kTexelsOf_##T;                             \
-    return next_##T(texels, at);                                     \
+  T next_##T(usamplerBuffer texels, inout uint at) {                                  \
+    T r;                                                                              \
+    uvec4 w;                                                                          \
+    TEXELS_OF_##T(READ_VEC, READ_WORDS, READ_PART) return r;                          \
+  }                                                                                   \
+  T entry_##T(usamplerBuffer texels, uint first, uint i) {                            \
+    uint at = first + i * kTexelsOf_##T;                                              \
+    return next_##T(texels, at);                                                      \
   }
 #define ONE_VEC(a, type, b) +1u
 #define ONE_OF_WORDS(type0, a, type1, b, type2, c, type3, d) +1u
 #define TEXELS_OF_PART(T, a) +kTexelsOf_##T
-#define READ_VEC(a, type, b)               \
-  w = texelFetch(texels, int(at++));       \
-  r.a = uintBitsToFloat(w.xyz);            \
+#define READ_VEC(a, type, b)         \
+  w = texelFetch(texels, int(at++)); \
+  r.a = uintBitsToFloat(w.xyz);      \
   r.b = type##_of_word(w.w);
 #define READ_WORDS(type0, a, type1, b, type2, c, type3, d) \
   w = texelFetch(texels, int(at++));                       \

@@ -204,6 +204,7 @@ class Search {
     for (int side = 0; side < kSides; ++side) {
       const double angle = 2 * std::numbers::pi * side / kSides;
       const Vec2d axis{std::cos(angle), std::sin(angle)};
+      // None of those left out reaches as far as inner_.
       double limit = reach_of(outer_, axis, beyond);
       if (!(limit > inner_ * (1 + kRounding))) limit = reach_of(places_, axis, beyond);
       nearest = std::min(nearest, limit);

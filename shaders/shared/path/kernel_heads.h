@@ -4,10 +4,10 @@
 
 #include "shaders/shared/path/film_units.h"
 #include "shaders/shared/path/joins.h"
+#include "shaders/shared/path/purposes.h"
 #include "shaders/shared/path/surface_heads.h"
 #include "shaders/shared/path/tables.h"
 #include "shaders/shared/scaled.h"
-#include "shaders/shared/path/purposes.h"
 #include "shaders/shared/sequence.h"
 #include "shaders/shared/triangle.h"
 
