@@ -44,7 +44,7 @@ BEGIN {
   home["^draco/"] = "^libcommon/(scene/gltf/draco[.]cpp$|testing/files/compress)"
   home["^meshoptimizer[.]h"] = "^libcommon/(scene/gltf/meshopt[.]cpp$|testing/files/compress)"
   home["^webp/"] = "^libcommon/(scene/gltf/webp[.]cpp$|testing/files/compress)"
-  home["^embree"] = "^libcommon/trace/"
+  home["^embree"] = "^libcommon/trace/embree[.]h$"
   home["^vulkan/"] = "^libcommon/gpu/"
   home["^openvdb/"] = "^libcommon/formats/light_grid"
   home["^(OpenEXR/|Imf)"] = "^libcommon/formats/picture"

@@ -1,10 +1,15 @@
 #include "libcommon/base/processor.h"
 
 #include <array>
+#include <cstdint>
 #include <cstdlib>
 #include <cstring>
 
 #include <unistd.h>
+#if defined(__x86_64__)
+#include <pmmintrin.h>
+#include <xmmintrin.h>
+#endif
 
 #include "libcommon/base/error.h"
 
@@ -18,6 +23,10 @@ constexpr const char* kPlain = "glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4";
 std::string chosen = "native";
 
 #if defined(__x86_64__)
+void flush_denormals_now() {
+  _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
+  _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
+}
 bool has(const std::string& isa) {
   if (isa == "avx512")
     return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
@@ -31,6 +40,13 @@ bool has(const std::string& isa) {
 // Those that Embree has code for, the newest first.
 constexpr std::array kKnown{"avx512", "avx2", "avx", "sse4.2", "sse2"};
 #else
+void flush_denormals_now() {
+#if defined(__aarch64__)
+  uint64_t control = 0;  // its bit 24 has operands and results flushed
+  asm volatile("mrs %0, fpcr" : "=r"(control));
+  asm volatile("msr fpcr, %0" : : "r"(control | uint64_t{1} << 24));
+#endif
+}
 bool has(const std::string&) {
   return false;
 }
@@ -72,6 +88,14 @@ std::string processor_code() {
   }
   if (has("avx2") && !is_plain()) code += "+fma";
   return code;
+}
+
+void flush_denormals() {
+  thread_local const bool done = [] {
+    flush_denormals_now();
+    return true;
+  }();
+  (void)done;
 }
 
 std::string embree_configuration() {

@@ -1,6 +1,7 @@
 #!/bin/sh
 # run_case.sh BIN TESTDATA CASE: runs one end-to-end case; testdata/cli/README.md tells the format.
-# Exit 0: everything was as expected. Otherwise every difference is told, with both outputs.
+# Exit 0: everything was as expected. 77: this machine lacks what the case needs. Otherwise every
+# difference is told, with both outputs.
 set -u
 absolute() { case $1 in /*) printf '%s\n' "$1" ;; *) printf '%s/%s\n' "$PWD" "$1" ;; esac; }
 bin=$(absolute "$1") TESTDATA=$(absolute "$2") case=$3
@@ -27,6 +28,7 @@ expected=0 commands=0
 while IFS= read -r line || [ -n "$line" ]; do
   value_of
   case $line in
+  needs:*) (cd "$work/run" && sh -c "$value") >/dev/null 2>&1 </dev/null || { echo "skipped: this fails here: $value"; exit 77; } ;;
   command:*) printf '%s\n' "$value" >>"$script"; commands=$((commands + 1)) ;;
   exit:*) expected=$value ;;
   esac
@@ -53,7 +55,7 @@ while IFS= read -r line || [ -n "$line" ]; do
   number=$((number + 1))
   value_of
   case $line in
-  '' | '#'* | command:* | exit:*) ;;
+  '' | '#'* | needs:* | command:* | exit:*) ;;
   stdout:*) matches "$stdout" stdout "$value" ;;
   stderr:*) matches "$stderr" stderr "$value" ;;
   not-stdout:*) matches_not "$stdout" stdout "$value" ;;

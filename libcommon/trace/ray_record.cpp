@@ -7,15 +7,16 @@
 #include <thread>
 #include <vector>
 
-#include <embree3/rtcore.h>
-#include <pmmintrin.h>
-#include <xmmintrin.h>
+#include "libcommon/base/processor.h"
+#include "libcommon/trace/embree.h"
+
+using tdpt::embree::Query;
 
 extern "C" {
-void __real_rtcIntersect1(RTCScene scene, RTCIntersectContext* context, RTCRayHit* query);
-void __real_rtcOccluded1(RTCScene scene, RTCIntersectContext* context, RTCRay* ray);
-void __wrap_rtcIntersect1(RTCScene scene, RTCIntersectContext* context, RTCRayHit* query);
-void __wrap_rtcOccluded1(RTCScene scene, RTCIntersectContext* context, RTCRay* ray);
+void __real_tdpt_first_hit(RTCScene scene, Query& query, RTCRayHit& ray);
+bool __real_tdpt_any_hit(RTCScene scene, Query& query, RTCRay& ray);
+void __wrap_tdpt_first_hit(RTCScene scene, Query& query, RTCRayHit& ray);
+bool __wrap_tdpt_any_hit(RTCScene scene, Query& query, RTCRay& ray);
 }
 
 namespace tdpt::ray_record {
@@ -36,11 +37,10 @@ struct Record {
   uint64_t number = 0;  // of the record: a thread that knows another has no place in this one
   bool open = false;
   RTCScene scene = nullptr;
-  RTCIntersectContextFlags flags{};
 };
 Record record;
 
-Rays& rays_of_thread(RTCScene scene, const RTCIntersectContext& context) {
+Rays& rays_of_thread(RTCScene scene) {
   thread_local Rays* own = nullptr;
   thread_local uint64_t number = 0;
   if (number != record.number) {
@@ -48,7 +48,6 @@ Rays& rays_of_thread(RTCScene scene, const RTCIntersectContext& context) {
     own = record.of_threads.emplace_back(std::make_unique<Rays>()).get();
     number = record.number;
     record.scene = scene;
-    record.flags = context.flags;
   }
   return *own;
 }
@@ -58,23 +57,20 @@ Ray kept(const RTCRay& r, float tfar, bool met) {
 }
 
 uint64_t cast(const Rays& rays) {
-  // As the Tracer does.
-  _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
-  _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  context.flags = record.flags;
+  flush_denormals();  // as the Tracer does
+  Query query;
   uint64_t others = 0;
   for (const Ray& r : rays) {
-    RTCRayHit query;
-    query.ray = {r.org_x, r.org_y, r.org_z, 0, r.dir_x, r.dir_y, r.dir_z, 0, r.tfar, ~0u, 0, 0};
-    query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    if (r.tfar == kInfinite)
-      __real_rtcIntersect1(record.scene, &context, &query);
-    else
-      __real_rtcOccluded1(record.scene, &context, &query.ray);
-    const bool met =
-        r.tfar == kInfinite ? query.hit.geomID != RTC_INVALID_GEOMETRY_ID : query.ray.tfar < 0;
+    RTCRayHit ray;
+    ray.ray = embree::ray(r.org_x, r.org_y, r.org_z, r.dir_x, r.dir_y, r.dir_z, r.tfar);
+    ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    bool met = false;
+    if (r.tfar == kInfinite) {
+      __real_tdpt_first_hit(record.scene, query, ray);
+      met = ray.hit.geomID != RTC_INVALID_GEOMETRY_ID;
+    } else {
+      met = __real_tdpt_any_hit(record.scene, query, ray.ray);
+    }
     others += met != r.met;
   }
   return others;
@@ -117,15 +113,16 @@ uint64_t cast_again() {
 
 using namespace tdpt::ray_record;
 
-void __wrap_rtcIntersect1(RTCScene scene, RTCIntersectContext* context, RTCRayHit* query) {
-  __real_rtcIntersect1(scene, context, query);
+void __wrap_tdpt_first_hit(RTCScene scene, Query& query, RTCRayHit& ray) {
+  __real_tdpt_first_hit(scene, query, ray);
   if (!record.open) return;
-  const bool met = query->hit.geomID != RTC_INVALID_GEOMETRY_ID;
-  rays_of_thread(scene, *context).push_back(kept(query->ray, kInfinite, met));
+  const bool met = ray.hit.geomID != RTC_INVALID_GEOMETRY_ID;
+  rays_of_thread(scene).push_back(kept(ray.ray, kInfinite, met));
 }
 
-void __wrap_rtcOccluded1(RTCScene scene, RTCIntersectContext* context, RTCRay* ray) {
-  const float tfar = ray->tfar;
-  __real_rtcOccluded1(scene, context, ray);
-  if (record.open) rays_of_thread(scene, *context).push_back(kept(*ray, tfar, ray->tfar < 0));
+bool __wrap_tdpt_any_hit(RTCScene scene, Query& query, RTCRay& ray) {
+  const float tfar = ray.tfar;
+  const bool met = __real_tdpt_any_hit(scene, query, ray);
+  if (record.open) rays_of_thread(scene).push_back(kept(ray, tfar, met));
+  return met;
 }

@@ -1,7 +1,7 @@
 // For benchmarks: keeps the rays that the program gives to Embree, and gives them to it again.
 //
-// Rays are seen on their way: programs that link this are linked with --wrap=rtcIntersect1 and
-// --wrap=rtcOccluded1, so that the Tracer's calls go by here, and the Tracer is that of every day.
+// Rays are seen on their way: programs that link this are linked with --wrap=tdpt_first_hit and
+// --wrap=tdpt_any_hit, so that the Tracer's calls go by here, and the Tracer is that of every day.
 // Queries are kept as they were made, first hits and occlusion by turns, those of each thread in
 // their order. Coverage is no property of a ray: scenes are to be opaque.
 #pragma once

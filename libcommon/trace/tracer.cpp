@@ -3,15 +3,14 @@
 #include <bit>
 #include <limits>
 
-#include <embree3/rtcore.h>
-#include <pmmintrin.h>
-#include <xmmintrin.h>
+#include <fmt/format.h>
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/processor.h"
 #include "libcommon/math/rng.h"
 #include "libcommon/scene/pane.h"
 #include "libcommon/scene/texture.h"
+#include "libcommon/trace/embree.h"
 
 namespace tdpt {
 
@@ -45,43 +44,54 @@ struct Tracer::Impl {
 namespace {
 // Canonical coordinates are at most 1 in magnitude: 4 units in the last place of 1.
 constexpr double kStep = 4 * 1.1920929e-7;
+constexpr float kInfinite = std::numeric_limits<float>::infinity();
 
-// Denormals slow Embree down; set per thread, once.
-void flush_denormals() {
-  thread_local const bool done = [] {
-    _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
-    _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
-    return true;
-  }();
-  (void)done;
+// A device of an Embree that can do what is asked of it; else throws.
+RTCDevice new_device() {
+  RTCDevice device = rtcNewDevice(embree_configuration().c_str());
+  if (!device && rtcGetDeviceError(nullptr) == RTC_ERROR_UNSUPPORTED_CPU)
+    throw Error(Exit::no_device, "this processor lacks the instructions that Embree needs");
+  if (!device) throw Error(Exit::internal, "Embree gives no device");
+  const auto has = [&](RTCDeviceProperty p) { return rtcGetDeviceProperty(device, p) != 0; };
+  const char* wrong = nullptr;
+  if (has(RTC_DEVICE_PROPERTY_BACKFACE_CULLING_ENABLED)) wrong = "with back-face culling";
+  if (!has(RTC_DEVICE_PROPERTY_TRIANGLE_GEOMETRY_SUPPORTED)) wrong = "without triangles";
+  if (!has(RTC_DEVICE_PROPERTY_FILTER_FUNCTION_SUPPORTED)) wrong = "without filter functions";
+  if (!wrong) return device;
+  rtcReleaseDevice(device);
+  throw Error(Exit::internal, fmt::format("this Embree was built {}; another is needed", wrong));
 }
 
 // What Embree hands on to the filter.
-struct Context : RTCIntersectContext {
-  explicit Context(const uint32_t* coin_ = nullptr) : coin(coin_) {
-    rtcInitIntersectContext(this);
-    flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
-  }
+struct Query : embree::Query {
+  explicit Query(const uint32_t* coin_ = nullptr, RTCFilterFunctionN filter_ = nullptr)
+      : embree::Query(filter_), coin(coin_) {}
   const uint32_t* coin;  ///< of a float ray
 };
 
 // Of a camera's ray, which backs do not stop.
-struct CameraContext : Context {
-  CameraContext(const Tracer& tracer_, const std::array<std::vector<uint32_t>, 2>& triangles_,
-                const Vec3d& w_)
-      : tracer(tracer_), triangles(triangles_), w(w_) {
-    filter = [](const RTCFilterFunctionNArguments* a) {
-      const auto& self = *static_cast<const CameraContext*>(a->context);
-      const auto& chosen = self.triangles[RTCHitN_geomID(a->hit, a->N, 0)];
-      const uint32_t primitive = RTCHitN_primID(a->hit, a->N, 0);
-      const uint32_t triangle = chosen.empty() ? primitive : chosen[primitive];
-      if (!self.tracer.draws(triangle, self.w)) a->valid[0] = 0;
-    };
+struct CameraQuery : Query {
+  CameraQuery(const Tracer& tracer_, const std::array<std::vector<uint32_t>, 2>& triangles_,
+              const Vec3d& w_)
+      : Query(nullptr, pass_backs), tracer(tracer_), triangles(triangles_), w(w_) {}
+  static void pass_backs(const RTCFilterFunctionNArguments* a) {
+    const auto& self = *static_cast<const CameraQuery*>(a->context);
+    const auto& chosen = self.triangles[RTCHitN_geomID(a->hit, a->N, 0)];
+    const uint32_t primitive = RTCHitN_primID(a->hit, a->N, 0);
+    const uint32_t triangle = chosen.empty() ? primitive : chosen[primitive];
+    if (!self.tracer.draws(triangle, self.w)) a->valid[0] = 0;
   }
   const Tracer& tracer;
   const std::array<std::vector<uint32_t>, 2>& triangles;
   const Vec3d& w;  ///< away from the camera
 };
+
+RTCRayHit ray_hit(const RTCRay& ray) {
+  RTCRayHit query;
+  query.ray = ray;
+  query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  return query;
+}
 
 // Where they are, if Embree may read the 16 bytes at the last one, of which 12 are its own.
 void give_vertices(RTCGeometry geometry, const std::vector<Vec3f>& positions) {
@@ -137,12 +147,13 @@ void Tracer::Impl::add_geometry(const std::vector<uint32_t>& chosen, bool alpha)
       const Vec3d w(RTCRayN_dir_x(a->ray, a->N, 0), RTCRayN_dir_y(a->ray, a->N, 0),
                     RTCRayN_dir_z(a->ray, a->N, 0));
       if (!self.present(t, RTCHitN_u(a->hit, a->N, 0), RTCHitN_v(a->hit, a->N, 0), w,
-                        static_cast<const Context*>(a->context)->coin))
+                        static_cast<const Query*>(a->context)->coin))
         a->valid[0] = 0;
     };
     rtcSetGeometryIntersectFilterFunction(geometry, filter);
     rtcSetGeometryOccludedFilterFunction(geometry, filter);
   }
+  rtcSetGeometryMask(geometry, embree::kMask);
   rtcCommitGeometry(geometry);
   rtcAttachGeometry(scene, geometry);
   rtcReleaseGeometry(geometry);
@@ -151,12 +162,10 @@ void Tracer::Impl::add_geometry(const std::vector<uint32_t>& chosen, bool alpha)
 Tracer::Tracer(const Scene& scene, bool culls)
     : scene_(scene), culls_(culls), impl_(std::make_unique<Impl>()) {
   flush_denormals();
-  impl_->device = rtcNewDevice(embree_configuration().c_str());
-  if (!impl_->device) throw Error(Exit::internal, "Embree gives no device");
+  impl_->device = new_device();
   impl_->scene = rtcNewScene(impl_->device);
-  rtcSetSceneFlags(impl_->scene,
-                   culls ? RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION
-                         : RTC_SCENE_FLAG_ROBUST);
+  rtcSetSceneFlags(impl_->scene, culls ? RTC_SCENE_FLAG_ROBUST | embree::kFiltersOfQueries
+                                       : RTC_SCENE_FLAG_ROBUST);
   rtcSetSceneBuildQuality(impl_->scene, RTC_BUILD_QUALITY_HIGH);
   impl_->traced = &scene;
   const auto n = static_cast<uint32_t>(scene.triangles.size());
@@ -198,17 +207,14 @@ const TriangleShape& Tracer::shape(uint32_t triangle) const {
 
 bool Tracer::first_hit(const Vec3f& from, const Vec3f& w, uint32_t coin, FloatHit& hit) const {
   flush_denormals();
-  RTCRayHit query;
-  query.ray = {from.x, from.y, from.z, 0, w.x, w.y, w.z, 0, std::numeric_limits<float>::infinity(),
-               ~0u,    0,      0};
-  query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  Context context(&coin);
-  rtcIntersect1(impl_->scene, &context, &query);
-  if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
-  hit.t = query.ray.tfar;
-  hit.triangle = impl_->triangle(query.hit.geomID, query.hit.primID);
-  hit.b1 = query.hit.u;
-  hit.b2 = query.hit.v;
+  RTCRayHit found = ray_hit(embree::ray(from.x, from.y, from.z, w.x, w.y, w.z, kInfinite));
+  Query query(&coin);
+  tdpt_first_hit(impl_->scene, query, found);
+  if (found.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
+  hit.t = found.ray.tfar;
+  hit.triangle = impl_->triangle(found.hit.geomID, found.hit.primID);
+  hit.b1 = found.hit.u;
+  hit.b2 = found.hit.v;
   hit.back = dot(impl_->shapes[hit.triangle].normal, Vec3d(w)) > 0;
   return true;
 }
@@ -216,28 +222,24 @@ bool Tracer::first_hit(const Vec3f& from, const Vec3f& w, uint32_t coin, FloatHi
 bool Tracer::segment_blocked(const Vec3f& a, const Vec3f& b, uint32_t coin) const {
   flush_denormals();
   const Vec3f d = b - a;
-  RTCRay ray{a.x, a.y, a.z, 0, d.x, d.y, d.z, 0, 1.0f, ~0u, 0, 0};
-  Context context(&coin);
-  rtcOccluded1(impl_->scene, &context, &ray);
-  return ray.tfar < 0;
+  RTCRay ray = embree::ray(a.x, a.y, a.z, d.x, d.y, d.z, 1);
+  Query query(&coin);
+  return tdpt_any_hit(impl_->scene, query, ray);
 }
 
-template <class Context>
-[[gnu::always_inline]] inline bool Tracer::first_surface(Context& context, const Vec3f& o,
+template <class Query>
+[[gnu::always_inline]] inline bool Tracer::first_surface(Query& query, const Vec3f& o,
                                                          const Vec3d& from, const Vec3d& w,
                                                          Hit& hit) const {
   flush_denormals();
   const Vec3f d(w);
-  RTCRayHit query;
-  query.ray = {o.x, o.y, o.z, 0, d.x, d.y, d.z, 0, std::numeric_limits<float>::infinity(),
-               ~0u, 0,   0};
-  query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  rtcIntersect1(impl_->scene, &context, &query);
-  if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
-  hit.triangle = impl_->triangle(query.hit.geomID, query.hit.primID);
+  RTCRayHit found = ray_hit(embree::ray(o.x, o.y, o.z, d.x, d.y, d.z, kInfinite));
+  tdpt_first_hit(impl_->scene, query, found);
+  if (found.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
+  hit.triangle = impl_->triangle(found.hit.geomID, found.hit.primID);
   const TriangleShape& s = impl_->shapes[hit.triangle];
-  hit.b1 = query.hit.u;
-  hit.b2 = query.hit.v;
+  hit.b1 = found.hit.u;
+  hit.b2 = found.hit.v;
   hit.position = s.p0 + s.e1 * hit.b1 + s.e2 * hit.b2;
   hit.normal = s.normal;
   hit.presence = impl_->presence(hit.triangle, w);
@@ -246,42 +248,41 @@ template <class Context>
 }
 
 bool Tracer::closest_from(const Vec3f& from, const Vec3d& w, Hit& hit) const {
-  Context context;
-  return first_surface(context, from, Vec3d(from), w, hit);
+  Query query;
+  return first_surface(query, from, Vec3d(from), w, hit);
 }
 
 bool Tracer::closest(const Origin& from, const Vec3d& w, Hit& hit) const {
-  Context context;
-  return first_surface(context, step_off(from, w), from.position, w, hit);
+  Query query;
+  return first_surface(query, step_off(from, w), from.position, w, hit);
 }
 
 bool Tracer::first_drawn(const Vec3d& camera, const Vec3d& w, Hit& hit) const {
-  CameraContext context(*this, impl_->triangles, w);
-  return first_surface(context, step_off({camera}, w), camera, w, hit);
+  CameraQuery query(*this, impl_->triangles, w);
+  return first_surface(query, step_off({camera}, w), camera, w, hit);
 }
 
 bool Tracer::no_front_between(const Vec3d& camera, const Origin& place) const {
   const Vec3d w = place.position - camera;
-  CameraContext context(*this, impl_->triangles, w);
-  return unblocked(context, place, {camera});
+  CameraQuery query(*this, impl_->triangles, w);
+  return unblocked(query, place, {camera});
 }
 
 bool Tracer::visible(const Origin& a, const Origin& b) const {
-  Context context;
-  return unblocked(context, a, b);
+  Query query;
+  return unblocked(query, a, b);
 }
 
-template <class Context>
-[[gnu::always_inline]] inline bool Tracer::unblocked(Context& context, const Origin& a,
+template <class Query>
+[[gnu::always_inline]] inline bool Tracer::unblocked(Query& query, const Origin& a,
                                                      const Origin& b) const {
   flush_denormals();
   const Vec3d w = b.position - a.position;
   const Vec3f from = step_off(a, w);
   const Vec3f to = step_off(b, -w);
   const Vec3f d = to - from;
-  RTCRay ray{from.x, from.y, from.z, 0, d.x, d.y, d.z, 0, 1.0f, ~0u, 0, 0};
-  rtcOccluded1(impl_->scene, &context, &ray);
-  return ray.tfar >= 0;
+  RTCRay ray = embree::ray(from.x, from.y, from.z, d.x, d.y, d.z, 1);
+  return !tdpt_any_hit(impl_->scene, query, ray);
 }
 
 }  // namespace tdpt

@@ -94,11 +94,11 @@ class Tracer {
   Vec3f step_off(const Origin& from, const Vec3d& w) const;
   bool first_drawn(const Vec3d& camera, const Vec3d& w, Hit& hit) const;
   bool no_front_between(const Vec3d& camera, const Origin& place) const;
-  template <class Context>
-  bool first_surface(Context& context, const Vec3f& o, const Vec3d& from, const Vec3d& w,
+  template <class Query>
+  bool first_surface(Query& query, const Vec3f& o, const Vec3d& from, const Vec3d& w,
                      Hit& hit) const;
-  template <class Context>
-  bool unblocked(Context& context, const Origin& a, const Origin& b) const;
+  template <class Query>
+  bool unblocked(Query& query, const Origin& a, const Origin& b) const;
 
   const Scene& scene_;
   const bool culls_;

@@ -201,7 +201,12 @@ class MeshoptEncoder {
     size_t stride = 4 * n;
     if (filters_ && name == "POSITION") {
       filter = "EXPONENTIAL";
+#if MESHOPTIMIZER_VERSION >= 190
+      meshopt_encodeFilterExp(raw.data(), count, stride, 12, values.data(),
+                              meshopt_EncodeExpSharedVector);
+#else
       meshopt_encodeFilterExp(raw.data(), count, stride, 12, values.data());
+#endif
     } else if (filters_ && name == "NORMAL") {
       filter = "OCTAHEDRAL", stride = 4;
       std::vector<float> four;
