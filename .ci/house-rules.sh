@@ -6,6 +6,7 @@
 #   A room of libcommon includes itself and rooms before it; testing is for tests and bench.
 #   So do the rooms of tdpt-render; testing/ and bench/ of any tool are included by tests alone.
 #   Each heavy library has one home.
+#   What Linux alone has is called in libcommon/base (doc/systems.md).
 #   A planted fault, struct ...Faults, is defined by tests alone; the class that it spoils names it as a friend.
 #   A test has a namespace of its own, NAME_test: those of a program are compiled six files at a time.
 cd "${1:?usage: house-rules.sh ROOT}" || exit 2
@@ -96,5 +97,7 @@ grep -rlE '^(TEST|TEST_[FP])\(' --include='*_test.cpp' tools libcommon shaders 2
   name=$(basename "$file" .cpp | tr - _)
   grep -qE "^namespace ([a-z:]*::)?$name \{" "$file" || echo "$file:1: has no namespace $name of its own"
 done >>"$found"
+grep -rnE '"/proc/|O_TMPFILE|::(pipe2|prctl|syscall|renameat2)\(' --include='*.h' --include='*.cpp' tools libcommon shaders 2>/dev/null |
+  grep -vE '^(libcommon/base/|[^:]*(/testing/|_test[.]))' | sed 's/$/  [only Linux has that: libcommon\/base]/' >>"$found"
 cat "$found"
 [ ! -s "$found" ]

@@ -82,4 +82,8 @@ TEST(Vec, adds) {}'
 expect 1 libcommon/math/vec_test.cpp '<gtest/gtest.h>
 namespace tdpt {
 TEST(Vec, adds) {}'
+expect 0 libcommon/base/output_file.cpp '<fcntl.h>
+const int fd = ::open(folder, O_TMPFILE);'
+expect 1 libcommon/cli/told.cpp '<fcntl.h>
+const int fd = ::open(folder, O_TMPFILE);'
 exit $failed

@@ -7,7 +7,9 @@ list=${1:-$(dirname "$0")/packages.txt}
 say() { printf '%s\n' "install-packages: $*" >&2; }
 
 if ! command -v dpkg-query >/dev/null 2>&1; then
-  say "this system has no Debian packages; what $list lists must be there already"
+  system=$(sed -n 's/^PRETTY_NAME=//p' "${OS_RELEASE:-/etc/os-release}" 2>/dev/null | tr -d '"')
+  say "${system:-this system} has no Debian packages: what $list lists must be there already, under the names that" \
+    "doc/systems.md has; what is missing is said when the sources are configured"
   exit 0
 fi
 

@@ -10,7 +10,7 @@ failed=0
 fresh() {
   rm -rf "${work:?}/bin"
   mkdir "$work/bin"
-  for real in sh sed dirname env cat; do ln -s "$(command -v $real)" "$work/bin/$real"; done
+  for real in sh sed dirname env cat tr; do ln -s "$(command -v $real)" "$work/bin/$real"; done
   : >"$work/done"
 }
 fake() {
@@ -67,5 +67,9 @@ fake apt-get 'exit 100'
 expect 1 "apt-get fails" 'apt-get could not install them'
 
 fresh
-expect 0 "not Debian" 'no Debian packages'
+printf 'NAME=Other\nPRETTY_NAME="Other Linux 7"\n' >"$work/os-release"
+export OS_RELEASE="$work/os-release"
+expect 0 "not Debian" 'Other Linux 7 has no Debian packages: what .*packages.txt lists must be there already'
+export OS_RELEASE=/nonexistent
+expect 0 "unknown" 'this system has no Debian packages'
 exit $failed

@@ -41,10 +41,15 @@ VKAPI_ATTR VkBool32 VKAPI_CALL keep_message(VkDebugUtilsMessageSeverityFlagBitsE
   return VK_FALSE;
 }
 
+// As C has it: vulkan.hpp has had two types for the callback.
 vk::raii::DebugUtilsMessengerEXT make_messenger(const vk::raii::Instance& instance) {
-  using Severity = vk::DebugUtilsMessageSeverityFlagBitsEXT;
-  const auto type = vk::DebugUtilsMessageTypeFlagBitsEXT::eValidation;
-  return {instance, {{}, Severity::eWarning | Severity::eError, type, keep_message}};
+  VkDebugUtilsMessengerCreateInfoEXT info{};
+  info.sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT;
+  info.messageSeverity = VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT |
+                         VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT;
+  info.messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT;
+  info.pfnUserCallback = keep_message;
+  return {instance, vk::DebugUtilsMessengerCreateInfoEXT(info)};
 }
 
 const vk::raii::Context& loader() try {
