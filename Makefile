@@ -12,8 +12,12 @@
 #   make test-report   reports of three scenes, opened in a headless Chromium: build/report (five minutes)
 #   make install   programs, man pages, completions, tdpt.mk and doc/farm/ under PREFIX (and DESTDIR), after building what is missing
 #   make uninstall takes away what that put there, with the same PREFIX and DESTDIR
-#   make package   a Debian package, build/tdpt_VERSION_ARCH.deb, of the sources as they lie here
-#   make package-test   installs that on a bare Debian 12, made in BARE=FOLDER, and tries it there; as root
+#   make tarball   build/tdpt-VERSION-linux-MACHINE.tar.gz: programs, and the libraries they need beside them, for systems
+#                  where nothing is installed
+#   make tarball-test   tries that on bare systems, Debian 12 and 13, made in BARE=FOLDER; as root
+#   make package   a Debian package for this release, build/tdpt_VERSION_ARCH.deb, of the sources as they lie here
+#   make package-test   installs that on a bare system of the same release, made in BARE=FOLDER, as the Containerfile
+#                  says, and tries it there; as root
 #   make sanitize  builds with the sanitizers into build-sanitize and runs every test there
 #   make fuzz      libFuzzer on every reader, SECONDS=60 each, with clang (TARGETS="scene cut": these; ROUNDS=N: N times at
 #                  most, until a round brings no new edge): doc/fuzzing.md
@@ -28,7 +32,7 @@ TEST_STATUS ?=
 # All that is there to run; `make build` adds every test and benchmark.
 PROGRAMS = ffgraph mincut lightgrid portalfit tdpt-render exrdiff exrmerge tdpt-info tdpt
 
-.PHONY: all build programs demo figures stages bench test test-long test-slurm test-report install uninstall package package-test sanitize fuzz packages format clean
+.PHONY: all build programs demo figures stages bench test test-long test-slurm test-report install uninstall tarball tarball-test package package-test sanitize fuzz packages format clean
 all: build
 
 build:
@@ -108,6 +112,15 @@ install:
 	@cmake --build --preset release --parallel $(JOBS)
 	@DESTDIR="$(DESTDIR)" sh cmake/install.sh build "$(PREFIX)"
 
+tarball: programs
+	@sh cmake/install-packages.sh cmake/packages-tarball.txt
+	@sh cmake/tarball.sh build build
+
+tarball-test: tarball
+	@sh cmake/install-packages.sh cmake/packages-package-test.txt
+	@for suite in bookworm trixie; do \
+	  sh .ci/tarball.sh build/tdpt-*-linux-*.tar.gz "$(or $(BARE),build/bare)/$$suite" $$suite || exit 1; done
+
 package:
 	@sh cmake/install-packages.sh
 	@sh cmake/install-packages.sh cmake/packages-package.txt
@@ -116,7 +129,8 @@ package:
 # BARE: the folder of the bare system, which stays for the next time.
 package-test: package
 	@sh cmake/install-packages.sh cmake/packages-package-test.txt
-	@sh .ci/package.sh build/tdpt_*.deb "$(or $(BARE),build/bare)"
+	@suite=$$(. /etc/os-release; echo "$$VERSION_CODENAME"); \
+	sh .ci/package.sh build/tdpt_*.deb "$(or $(BARE),build/bare)/$$suite" "$$suite"
 
 uninstall:
 	@DESTDIR="$(DESTDIR)" sh cmake/uninstall.sh "$(PREFIX)"

@@ -1,6 +1,6 @@
 #!/bin/sh
-# package.sh OUT: builds the Debian package of the sources as they lie here, OUT/tdpt_VERSION_ARCH.deb, and has lintian
-# judge it. The same sources give the same bytes: the time in it is that of the last commit, or of debian/changelog
+# package.sh OUT: builds the Debian package of the sources as they lie here, OUT/tdpt_VERSION+debRELEASE_ARCH.deb, and
+# OUT/tdpt-dbgsym_... with its debug symbols, and has lintian judge them. The same sources give the same bytes: the time in it is that of the last commit, or of debian/changelog
 # where there is no git.
 set -eu
 out=${1:?usage: package.sh OUT}
@@ -28,16 +28,20 @@ if [ -e .git ]; then
 else
   find . \( -path './build*' -o -path ./demo \) -prune -o ! -type d -print0
 fi | tar -c --null --no-recursion --mtime="@$SOURCE_DATE_EPOCH" -T - | tar -x -C "$work/tdpt-$version"
+# Packages of two releases are told apart by their names.
+# shellcheck source=/dev/null
+release=$(. /etc/os-release; printf '%s%s' "$(printf %.3s "$ID")" "${VERSION_ID:-}")
+sed -i "1s/($version)/($version+$release)/" "$work/tdpt-$version/debian/changelog"
 # What ccache has was compiled in another folder, which shows in the build IDs.
 export CCACHE_DISABLE=1
-export DEB_BUILD_OPTIONS="noautodbgsym parallel=${JOBS:-$(nproc)}"
+export DEB_BUILD_OPTIONS="parallel=${JOBS:-$(nproc)}"
 (cd "$work/tdpt-$version" && dpkg-buildpackage -b -us -uc) >"$work/log" 2>&1 || {
   tail -n 40 "$work/log" | cut -c 1-300 >&2
   echo "package.sh: dpkg-buildpackage fails; all that it said is in $work/log" >&2
   exit 1
 }
-mv "$work/"tdpt_*.deb "$out"
+rm -f "$out"/tdpt_*.deb "$out"/tdpt-dbgsym_*.deb
+mv "$work"/tdpt_*.deb "$work"/tdpt-dbgsym_*.deb "$out"
 rm -rf "$work/tdpt-$version"
-deb=$(printf '%s\n' "$out"/tdpt_"$version"_*.deb)
-lintian --allow-root --tag-display-limit 0 --fail-on error "$deb"
-echo "$deb"
+lintian --allow-root --tag-display-limit 0 --fail-on error,warning "$out"/tdpt_*.deb "$out"/tdpt-dbgsym_*.deb
+printf '%s\n' "$out"/tdpt_*.deb "$out"/tdpt-dbgsym_*.deb

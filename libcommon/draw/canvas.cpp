@@ -3,12 +3,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <filesystem>
 #include <numbers>
 
 #include <cairo-pdf.h>
 #include <cairo-svg.h>
 #include <pango/pangocairo.h>
 
+#include "libcommon/base/child_process.h"
 #include "libcommon/base/error.h"
 #include "libcommon/formats/png.h"
 
@@ -54,6 +57,18 @@ Surface surface_of(const Raster& texels) {
     }
   cairo_surface_mark_dirty(surface.get());
   return surface;
+}
+
+// A system without fonts has those that were packed with the program, if there are any
+// [cmake/tarball.sh].
+void find_fonts() {
+  namespace fs = std::filesystem;
+  std::error_code unreadable;
+  if (std::getenv("FONTCONFIG_FILE") || std::getenv("FONTCONFIG_PATH") ||
+      fs::exists("/etc/fonts/fonts.conf", unreadable))
+    return;
+  const fs::path packed = fs::path(program_folder()) / "../share/tdpt/fonts/fonts.conf";
+  if (fs::exists(packed, unreadable)) ::setenv("FONTCONFIG_FILE", packed.c_str(), 1);
 }
 
 // The words as one line, shaped, with glyphs out of other fonts where the first has none.
@@ -218,6 +233,7 @@ void Canvas::raster(Point top_left, double texel, const Raster& texels) {
 }
 
 void check_fonts() {
+  find_fonts();
   text_width("", 1);
 }
 

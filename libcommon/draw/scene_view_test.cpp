@@ -43,7 +43,7 @@ TEST(section, is_as_long_as_the_walls_that_it_cuts) {
 
 TEST(patch_lookup, finds_the_finest_patch_of_the_face_and_cell) {
   const Frame frame{{1, 0, 0}, 0.5};
-  Patch coarse, fine;
+  Patch coarse{}, fine{};
   coarse.cell = {0, 0, 0};
   coarse.faces = {4};
   fine.level = 1;

@@ -4,7 +4,6 @@
 // are parted stably and small ones by one thread: so threads leave no trace in the result.
 #include "libcommon/trace/bvh.h"
 
-#include <emmintrin.h>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_invoke.h>
@@ -33,43 +32,50 @@ constexpr uint32_t kMaxBins = 16;
 constexpr float kNodeCost = 2.0f;  // of visiting a node, in tests of a triangle
 constexpr float kPad = 0x1p-18f;   // see traversal.h
 
+// Four numbers at once, on whatever processor: a type of GCC's and clang's.
+using Four = float __attribute__((vector_size(16)));
+using FourInts = int32_t __attribute__((vector_size(16)));
+
+Four all_of(float v) {
+  return Four{v, v, v, v};
+}
+Four least(Four a, Four b) {
+  return a < b ? a : b;
+}
+Four most(Four a, Four b) {
+  return a > b ? a : b;
+}
+
 struct Box {
-  __m128 low, high;
+  Four low, high;
 
   static Box empty() {
-    return {_mm_set1_ps(std::numeric_limits<float>::infinity()),
-            _mm_set1_ps(-std::numeric_limits<float>::infinity())};
+    constexpr float kInfinite = std::numeric_limits<float>::infinity();
+    return {all_of(kInfinite), all_of(-kInfinite)};
   }
 
   void add(const Box& b) {
-    low = _mm_min_ps(low, b.low);
-    high = _mm_max_ps(high, b.high);
+    low = least(low, b.low);
+    high = most(high, b.high);
   }
-  void add(__m128 point) {
-    low = _mm_min_ps(low, point);
-    high = _mm_max_ps(high, point);
+  void add(Four point) {
+    low = least(low, point);
+    high = most(high, point);
   }
   /// Half the surface; of an empty box 0.
   float area() const {
-    const __m128 d = _mm_max_ps(_mm_sub_ps(high, low), _mm_setzero_ps());
-    const __m128 e = _mm_shuffle_ps(d, d, _MM_SHUFFLE(3, 0, 2, 1));
-    alignas(16) std::array<float, 4> p;
-    _mm_store_ps(p.data(), _mm_mul_ps(d, e));
-    return p[0] + p[1] + p[2];
+    const Four d = most(high - low, Four{});
+    return d[0] * d[1] + d[1] * d[2] + d[2] * d[0];
   }
 };
 
 // The box of a triangle. The fourth lane of `low` holds its index in a form that is a normal
 // float, so that no instruction stumbles over it.
 struct Reference {
-  __m128 low, high;
+  Four low, high;
 
-  uint32_t triangle() const {
-    return static_cast<uint32_t>(
-               _mm_cvtsi128_si32(_mm_shuffle_epi32(_mm_castps_si128(low), 0xFF))) &
-           0x0FFFFFFFu;
-  }
-  __m128 twice_middle() const { return _mm_add_ps(low, high); }
+  uint32_t triangle() const { return std::bit_cast<uint32_t>(float{low[3]}) & 0x0FFFFFFFu; }
+  Four twice_middle() const { return low + high; }
 };
 
 struct Range {
@@ -96,22 +102,20 @@ uint32_t levels(uint32_t count) {
 
 // Maps twice the middle of a box to a bin on each axis.
 struct BinMap {
-  __m128 low, scale;
+  Four low, scale;
   int bins;
 
   BinMap(const Box& middles, uint32_t count)
       : low(middles.low), bins(static_cast<int>(std::min(kMaxBins, 4 + count / 16))) {
-    const __m128 size = _mm_sub_ps(middles.high, middles.low);
-    const __m128 s = _mm_div_ps(_mm_set1_ps(static_cast<float>(bins) * 0.9999f), size);
+    const Four size = middles.high - middles.low;
+    const Four s = all_of(static_cast<float>(bins) * 0.9999f) / size;
     // An axis without extent has all in bin 0.
-    const __m128 wide =
-        _mm_and_ps(_mm_cmpgt_ps(size, _mm_set1_ps(1e-30f)), _mm_cmplt_ps(size, _mm_set1_ps(1e37f)));
-    scale = _mm_and_ps(s, wide);
+    const FourInts wide = (size > all_of(1e-30f)) & (size < all_of(1e37f));
+    scale = wide ? s : Four{};
   }
-  __m128i operator()(__m128 middle) const {
-    const __m128 x = _mm_mul_ps(_mm_sub_ps(middle, low), scale);
-    const __m128 most = _mm_set1_ps(static_cast<float>(bins - 1));
-    return _mm_cvttps_epi32(_mm_min_ps(_mm_max_ps(x, _mm_setzero_ps()), most));
+  FourInts operator()(Four middle) const {
+    const Four last = all_of(static_cast<float>(bins - 1));
+    return __builtin_convertvector(least(most((middle - low) * scale, Four{}), last), FourInts);
   }
 };
 
@@ -128,8 +132,7 @@ struct Bins {
   }
   void add(const Reference* begin, const Reference* end, const BinMap& map) {
     for (const Reference* r = begin; r != end; ++r) {
-      alignas(16) std::array<int, 4> bin;
-      _mm_store_si128(reinterpret_cast<__m128i*>(bin.data()), map(r->twice_middle()));
+      const FourInts bin = map(r->twice_middle());
       for (size_t axis = 0; axis < 3; ++axis) {
         const auto b = static_cast<size_t>(bin[axis]);
         box[axis][b].add(Box{r->low, r->high});
@@ -185,14 +188,10 @@ Cut best_cut(const Bins& bins, int count) {
 struct Side {
   const BinMap& map;
   int axis;
-  __m128i last;  // bin on the left
+  int last;  // bin on the left
 
-  Side(const BinMap& m, const Cut& cut)
-      : map(m), axis(cut.axis), last(_mm_set1_epi32(cut.bin - 1)) {}
-  bool right(__m128 middle) const {
-    const __m128 beyond = _mm_castsi128_ps(_mm_cmpgt_epi32(map(middle), last));
-    return (_mm_movemask_ps(beyond) >> axis & 1) != 0;
-  }
+  Side(const BinMap& m, const Cut& cut) : map(m), axis(cut.axis), last(cut.bin - 1) {}
+  bool right(Four middle) const { return map(middle)[axis] > last; }
 };
 
 class Builder {
@@ -206,13 +205,10 @@ class Builder {
     splits_ = std::make_unique_for_overwrite<Split[]>(n);
     order_ = std::make_unique_for_overwrite<uint32_t[]>(n);
     const Range all = refer();
-    alignas(16) std::array<float, 4> low, high;
-    _mm_store_ps(low.data(), all.box.low);
-    _mm_store_ps(high.data(), all.box.high);
     float extent = 1;
     for (size_t axis = 0; n > 0 && axis < 3; ++axis)
-      extent = std::max({extent, std::abs(low[axis]), std::abs(high[axis])});
-    pad_ = _mm_set1_ps(kPad * extent);
+      extent = std::max({extent, std::abs(all.box.low[axis]), std::abs(all.box.high[axis])});
+    pad_ = all_of(kPad * extent);
 
     Bvh bvh;
     uint32_t root = 0, nodes = 0;
@@ -224,7 +220,7 @@ class Builder {
       place(bvh.nodes, root, 0);
     } else {
       Split only;
-      const Box nothing{_mm_setzero_ps(), _mm_setzero_ps()};
+      const Box nothing{Four{}, Four{}};
       only.box = {n > 0 ? all.box : nothing, nothing};
       write(bvh.nodes[0], only, root, leaf(0, 0));
     }
@@ -244,13 +240,10 @@ class Builder {
             Box box = Box::empty();
             for (int corner = 0; corner < 3; ++corner) {
               const Vec3f p = scene_.vertex(t, corner);
-              box.add(_mm_setr_ps(p.x, p.y, p.z, 1));
+              box.add(Four{p.x, p.y, p.z, 1});
             }
-            const auto name = std::bit_cast<float>(0x40000000u | t);
-            const __m128 low = _mm_shuffle_ps(
-                box.low, _mm_shuffle_ps(_mm_set1_ps(name), box.low, _MM_SHUFFLE(2, 2, 0, 0)),
-                _MM_SHUFFLE(0, 2, 1, 0));
-            references_[t] = {low, box.high};
+            references_[t] = {box.low, box.high};
+            references_[t].low[3] = std::bit_cast<float>(0x40000000u | t);
             sum.box.add(box);
             sum.middles.add(references_[t].twice_middle());
           }
@@ -340,18 +333,14 @@ class Builder {
   // Where no cut tells the triangles apart, or the stack of a traversal would not do.
   static std::array<Range, 2> halve(Reference* from, const Range& range) {
     const uint32_t middle = range.begin + range.size() / 2;
-    alignas(16) std::array<float, 4> size;
-    _mm_store_ps(size.data(), _mm_sub_ps(range.middles.high, range.middles.low));
-    const auto axis =
-        static_cast<size_t>(std::max_element(size.begin(), size.begin() + 3) - size.begin());
+    const Four size = range.middles.high - range.middles.low;
+    int axis = size[1] > size[0] ? 1 : 0;
+    if (size[2] > size[axis]) axis = 2;
     if (size[axis] > 0)
       std::nth_element(from + range.begin, from + middle, from + range.end,
                        [axis](const Reference& a, const Reference& b) {
-                         alignas(16) std::array<float, 4> x, y;
-                         _mm_store_ps(x.data(), a.twice_middle());
-                         _mm_store_ps(y.data(), b.twice_middle());
-                         return x[axis] < y[axis] ||
-                                (x[axis] == y[axis] && a.triangle() < b.triangle());
+                         const float x = a.twice_middle()[axis], y = b.twice_middle()[axis];
+                         return x < y || (x == y && a.triangle() < b.triangle());
                        });
     return {range_of(from, range.begin, middle), range_of(from, middle, range.end)};
   }
@@ -365,7 +354,7 @@ class Builder {
     uint32_t i = range.begin, j = range.end;
     while (i < j) {
       const Reference r = from[i];
-      const __m128 middle = r.twice_middle();
+      const Four middle = r.twice_middle();
       const bool right = side.right(middle);
       part[right].box.add(Box{r.low, r.high});
       part[right].middles.add(middle);
@@ -427,15 +416,11 @@ class Builder {
   }
 
   void write(BvhNode& node, const Split& split, uint32_t child0, uint32_t child1) const {
-    const auto vector = [](__m128 a) {
-      alignas(16) std::array<float, 4> v;
-      _mm_store_ps(v.data(), a);
-      return Vec3f(v[0], v[1], v[2]);
-    };
-    node.low0 = vector(_mm_sub_ps(split.box[0].low, pad_));
-    node.high0 = vector(_mm_add_ps(split.box[0].high, pad_));
-    node.low1 = vector(_mm_sub_ps(split.box[1].low, pad_));
-    node.high1 = vector(_mm_add_ps(split.box[1].high, pad_));
+    const auto vector = [](Four a) { return Vec3f(a[0], a[1], a[2]); };
+    node.low0 = vector(split.box[0].low - pad_);
+    node.high0 = vector(split.box[0].high + pad_);
+    node.low1 = vector(split.box[1].low - pad_);
+    node.high1 = vector(split.box[1].high + pad_);
     node.child0 = child0;
     node.child1 = child1;
     node.extent = 0;
@@ -478,7 +463,7 @@ class Builder {
   }
 
   const Scene& scene_;
-  __m128 pad_;
+  Four pad_;
   std::unique_ptr<Reference[]> references_, spare_;
   std::unique_ptr<Split[]> splits_;
   std::unique_ptr<uint32_t[]> order_;

@@ -1,0 +1,61 @@
+# For scripts that try things where nothing is installed; as root. To be sourced by sh with -eu.
+# shellcheck shell=sh
+
+# bare_system FOLDER SUITE: a bare Debian in FOLDER, made by debootstrap if there is none, from MIRROR,
+# http://deb.debian.org/debian if that is not set. Its /proc is mounted until the script ends.
+bare_system() {
+  bare=$1
+  if [ "$(id -u)" != 0 ]; then
+    echo "$0: only root can make and enter a bare system" >&2
+    exit 1
+  fi
+  if [ ! -x "$bare/usr/bin/apt-get" ]; then
+    debootstrap --variant=minbase "$2" "$bare" "${MIRROR:-http://deb.debian.org/debian}"
+  fi
+  # The way to the network is that of this machine.
+  cp /etc/resolv.conf /etc/hosts "$bare/etc"
+  find /etc/apt/apt.conf.d -type f -exec cp {} "$bare/etc/apt/apt.conf.d" \;
+  mkdir -p "$bare/proc"
+  mountpoint -q "$bare/proc" || mount -t proc proc "$bare/proc"
+  trap 'umount "$bare/proc"' EXIT
+}
+
+# inside COMMANDS: by sh -eu, as root, in the bare system.
+inside() {
+  chroot "$bare" env -i PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LC_ALL=C \
+    DEBIAN_FRONTEND=noninteractive sh -euc "$1"
+}
+
+# as_user USER COMMANDS: the same as a user of the bare system, whose folder is /work.
+as_user() {
+  chroot "$bare" su -s /bin/sh "$1" -c "set -eu; cd /work; $2"
+}
+
+# container FILE CONTEXT: what a Containerfile says, done in the bare system, whatever FROM names. Sets `user`.
+container() {
+  user=root
+  lines=$(sed -e ':a' -e '/\\$/{N;s/\\\n//;ba' -e '}' "$1")
+  while IFS= read -r line; do
+    case $line in
+    '' | '#'* | 'FROM '* | 'LABEL '*) ;;
+    'COPY '*)
+      # shellcheck disable=SC2086  # patterns and words
+      set -- "$2" ${line#COPY }
+      context=$1 to=${line##* }
+      shift
+      while [ $# -gt 1 ]; do
+        # shellcheck disable=SC2086
+        cp $context/$1 "$bare$to"
+        shift
+      done
+      set -- "" "$context"
+      ;;
+    'RUN '*) inside "${line#RUN }" </dev/null ;;
+    'USER '*) user=${line#USER } ;;
+    'WORKDIR '*) mkdir -p "$bare${line#WORKDIR }" ;;
+    *) echo "$0: what is this in $1: $line" >&2; exit 1 ;;
+    esac
+  done <<EOF
+$lines
+EOF
+}
