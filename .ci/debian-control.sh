@@ -1,6 +1,6 @@
 #!/bin/sh
 # debian-control.sh ROOT: what the Debian package is built with is what cmake/packages.txt lists, but for the compiler,
-# which every package has, ccache and fonts; its version is the project's, in CITATION.cff as well. Exit 1 if not.
+# which every package has, ccache and fonts; its version is the project's, in CITATION.cff and CHANGELOG.md as well. Exit 1 if not.
 cd "${1:?usage: debian-control.sh ROOT}" || exit 2
 work=$(mktemp -d) || exit 2
 trap 'rm -rf "$work"' EXIT
@@ -25,4 +25,6 @@ version=$(sed -n 's/^project(tdpt VERSION \([0-9.]*\).*/\1/p' CMakeLists.txt)
   { echo "debian/changelog: its first version is not $version, as in CMakeLists.txt"; status=1; }
 [ "$(sed -n 's/^version: *//p' CITATION.cff)" = "$version" ] ||
   { echo "CITATION.cff: its version is not $version, as in CMakeLists.txt"; status=1; }
+[ "$(sed -n 's/^## \[\([0-9.]*\)\] - .*/\1/p' CHANGELOG.md | head -1)" = "$version" ] ||
+  { echo "CHANGELOG.md: its newest version is not $version, as in CMakeLists.txt"; status=1; }
 exit $status

@@ -8,7 +8,7 @@ failed=0
 faulty() {
   rm -rf "$work/root"
   mkdir -p "$work/root/cmake" "$work/root/debian"
-  for file in CMakeLists.txt CITATION.cff cmake/packages.txt debian/control debian/changelog; do
+  for file in CMakeLists.txt CITATION.cff CHANGELOG.md cmake/packages.txt debian/control debian/changelog; do
     cp "$here/../$file" "$work/root/$file"
   done
   sed "$2" "$work/root/$1" >"$work/edited" && mv "$work/edited" "$work/root/$1"
@@ -21,4 +21,5 @@ faulty cmake/packages.txt '$a libnew-dev' 'libnew-dev .* is missing'
 faulty cmake/packages.txt /libfmt/d 'libfmt-dev .* is not in'
 faulty debian/changelog 1s/0/9/ 'debian/changelog'
 faulty CITATION.cff 's/^version: /&9/' 'CITATION.cff'
+faulty CHANGELOG.md 's/^## .0.*/## Next/' 'CHANGELOG.md'
 exit $failed

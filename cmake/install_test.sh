@@ -28,7 +28,7 @@ for program in ffgraph mincut lightgrid portalfit tdpt-render exrdiff exrmerge t
 done
 "$empty/opt/tdpt/bin/tdpt" "$here/../testdata/scenes/two-rooms.glb" -o "$work/a.exr" --integrator bdpt --spp 1 --width 8 --quiet \
   --work "$work/cache" || complain "tdpt does not find the programs where it is installed"
-for file in share/man/man7/tdpt.7 share/tdpt/tdpt.mk share/doc/tdpt/LICENSE; do
+for file in share/man/man7/tdpt.7 share/tdpt/tdpt.mk share/doc/tdpt/LICENSE share/doc/tdpt/CHANGELOG.md; do
   [ -s "$empty/opt/tdpt/$file" ] || complain "$file is not installed"
 done
 # dead FOLDER: the links of its README that lead to no file; sources' own, as a twin, lead to some.

@@ -17,6 +17,7 @@
 #include "libcommon/base/json_depth.h"
 #include "libcommon/base/memory_limit.h"
 #include "libcommon/base/shown.h"
+#include "libcommon/formats/format_version.h"
 
 namespace tdpt {
 namespace {
@@ -24,7 +25,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kAttribute = "film";
-constexpr int kFormat = 1;
 constexpr uint64_t kMostSamples = uint64_t{1} << 33;
 constexpr size_t kMostChannels = 64, kMostRanges = 1 << 20, kMostCounts = 1 << 16;
 constexpr std::array kColours{"R", "G", "B"};
@@ -96,7 +96,7 @@ Json json_of(const Film& film, const FilmFacts& facts, const FilmBlocks& blocks,
              const Channels& channels) {
   std::vector<std::string> names;
   for (const auto& [name, values] : channels) names.push_back(name);
-  Json j{{"format", kFormat},
+  Json j{{"format", format_version::film},
          {"width", film.width()},
          {"height", film.height()},
          {"unit", std::ilogb(film.unit())},
@@ -239,7 +239,8 @@ void check_sums(const Film::Options& options, bool has_before, const ExrFile& ex
 // The film in a file whose attribute says `json`. `exr`: its float channels, `bytes`: the file.
 FilmFile film_of(const Json& json, ExrFile& exr, std::string_view bytes, const std::string& name) {
   const Reader in(json, name);
-  in.whole("format", kFormat, kFormat);
+  check_version(name, "film.format", in.at("format", Json::value_t::number_integer).dump(),
+                format_version::film);
   const int width = exr.picture.width, height = exr.picture.height;
   in.whole("width", width, width);
   in.whole("height", height, height);

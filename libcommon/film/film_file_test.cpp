@@ -157,6 +157,9 @@ TEST(film_file, that_says_what_cannot_be_is_refused_with_its_place) {
   EXPECT_EQ(message("\\\"unit\\\":-62", "\\\"unit\\\":-2e"), "a.exr:film: is damaged");
   EXPECT_EQ(message("\\\"width\\\":3", "\\\"width\\\":4"), "a.exr:film.width: is out of range");
   EXPECT_EQ(message("\\\"spp\\\":8", "\\\"spq\\\":8"), "a.exr:film.spp: is missing");
+  EXPECT_EQ(
+      message("\\\"format\\\":1", "\\\"format\\\":2"),
+      "a.exr:film.format: this file has version 2 of the format; this program reads version 1");
   EXPECT_EQ(message("\\\"alpha\\\":true", "\\\"alpha\\\":1234"),
             "a.exr:film.alpha: is of another type");
   EXPECT_EQ(message("\\\"blocks\\\":0", "\\\"blocks\\\":1"),

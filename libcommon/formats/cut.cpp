@@ -17,8 +17,10 @@ class CutReader {
 
   CutFile read() {
     in_.expect_text("a cut file from mincut");
-    if (!in_.next() || in_.rest() != "c tdpt cut 2")
-      in_.fail_file("is no cut file, expected it to start with 'c tdpt cut 2'");
+    if (!in_.next() || in_.word() != "c" || in_.word() != "tdpt" || in_.word() != "cut")
+      in_.fail_file(fmt::format("is no cut file, expected it to start with 'c tdpt cut {}'",
+                                format_version::cut));
+    in_.expect_version(format_version::cut);
     while (in_.next()) line(in_.word());
     finish();
     return std::move(out_);
@@ -133,7 +135,7 @@ CutFile read_cut(const std::string& path) {
 }
 
 std::string cut_text(const CutFile& file) {
-  std::string out = "c tdpt cut 2\n";
+  std::string out = fmt::format("c tdpt cut {}\n", format_version::cut);
   const auto to = std::back_inserter(out);
   for (const std::string& line : file.provenance.lines) fmt::format_to(to, "c {}\n", line);
   fmt::format_to(to, "c scene {}\n", file.scene_hash);

@@ -115,6 +115,12 @@ TEST(cut, says_what_is_wrong_and_where) {
   const std::vector<std::pair<std::string, std::string>> cases = {
       {"p max 3 4\n", " is no cut file, expected it to start with 'c tdpt cut 2'"},
       {"", " is no cut file, expected it to start with 'c tdpt cut 2'"},
+      {"c tdpt cut 3\n",
+       "line 1: this file has version 3 of the format; this program reads version 2"},
+      {"c tdpt cut 1\n",
+       "line 1: this file has version 1 of the format; this program reads version 2"},
+      {"c tdpt cut\n",
+       "line 1: the file says no version of its format; this program reads version 2"},
       {head + nodes + "s 2 0\n", "line 10: an 's' line behind a node, expected it before"},
       {head + "s 2 -1\n", "line 6: a negative conductance, expected 0 or more"},
       {head + "s 2 0\n" + nodes + "a 3 4 1\n",

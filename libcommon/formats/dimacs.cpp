@@ -44,11 +44,9 @@ class DimacsReader {
 
   void comment() {
     const std::string whole(in_.rest());
-    if (!out_.has_patches) {
-      if (whole == "tdpt max 1") out_.has_patches = true;
-      return;
-    }
     const std::string_view word = in_.word();
+    if (word == "tdpt") return version();
+    if (!out_.has_patches) return;
     if (word == "made" || word == "from") {
       out_.provenance.lines.push_back(whole);
     } else if (word == "scene") {
@@ -84,6 +82,13 @@ class DimacsReader {
     } else if (word == "faces") {
       read_faces(in_, out_.patches[patch_of(in_, index_, "node of a face")]);
     }
+  }
+
+  // "max VERSION"; what begins otherwise may be anybody's comment.
+  void version() {
+    if (in_.word() != "max" || in_.rest().find_first_of("0123456789") != 0) return;
+    in_.expect_version(format_version::max);
+    out_.has_patches = true;
   }
 
   void problem() {
@@ -186,7 +191,7 @@ std::string dimacs_text(const DimacsFile& file) {
   std::string out;
   const auto to = std::back_inserter(out);
   if (file.has_patches) {
-    out += "c tdpt max 1\n";
+    fmt::format_to(to, "c tdpt max {}\n", format_version::max);
     for (const std::string& line : file.provenance.lines) fmt::format_to(to, "c {}\n", line);
     fmt::format_to(to, "c scene {}\n", file.scene_hash);
     if (!file.camera.empty()) fmt::format_to(to, "c camera {}\n", file.camera);

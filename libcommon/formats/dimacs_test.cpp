@@ -103,6 +103,12 @@ TEST(dimacs, plain_problems_of_others_are_read) {
   EXPECT_EQ(f.network.arcs.size(), 5u);
 }
 
+TEST(dimacs, comments_of_others_are_no_version) {
+  for (const char* comment : {"c tdpt\n", "c tdpt max\n", "c tdpt max flow\n", "c tdpt min 2\n"})
+    EXPECT_FALSE(
+        read_text(comment + std::string("p max 2 1\nn 1 s\nn 2 t\na 1 2 4\n")).has_patches);
+}
+
 // A problem, whose first line is the first, or the fourth behind `kOurs`.
 const std::string kProblem = "p max 4 2\nn 1 s\nn 4 t\n";
 const std::string kArcs = "a 1 2 4\na 2 4 4\n";
@@ -118,6 +124,10 @@ TEST(dimacs, says_what_is_wrong_and_where) {
       {"x\n", "line 1: 'x' at the start of the line, expected one of c, p, n, a"},
       {p + arcs + "c from " + std::string(5000, 'x') + std::string(1, '\0') + "\n",
        " is a binary file, expected a DIMACS maximum-flow problem such as ffgraph writes"},
+      {"c tdpt max 2\n" + p + arcs,
+       "line 1: this file has version 2 of the format; this program reads version 1"},
+      {p + arcs + "c  tdpt max 10 \r\n",
+       "line 6: this file has version 10 of the format; this program reads version 1"},
       {p + "p max 4 2\n", "line 4: a second 'p' line, expected one"},
       {"p min 4 2\n", "line 1: 'min' as problem, expected max"},
       {"p max 1 2\n",

@@ -21,6 +21,7 @@
 #include "libcommon/base/hash.h"
 #include "libcommon/base/memory_limit.h"
 #include "libcommon/base/shown.h"
+#include "libcommon/formats/format_version.h"
 #include "libcommon/formats/viewpoint.h"
 
 namespace tdpt {
@@ -161,6 +162,7 @@ bool is_damaged(const std::string& bytes) {
   return id[14] == '8' && id[19] == 'a' && id != identifier_of(bytes);
 }
 
+constexpr const char* kVersion = "tdpt_format";
 constexpr vdb::Index64 kLinesForNothing = 1 << 16;
 
 class Reader {
@@ -225,6 +227,9 @@ class Reader {
   }
 
   void read_metadata(const vdb::MetaMap& meta, LightGrid& light) {
+    if (meta[kVersion])  // without it the first
+      check_version(name_, kVersion, std::to_string(value<int32_t>(meta, kVersion)),
+                    format_version::light_grid);
     const vdb::Vec3d origin = value<vdb::Vec3d>(meta, "tdpt_origin");
     light.origin = {origin.x(), origin.y(), origin.z()};
     light.voxel = value<double>(meta, "tdpt_voxel");
@@ -407,6 +412,7 @@ LightGrid parse_light_grid(const std::string& bytes, const std::string& name) {
 std::string light_grid_bytes(const LightGrid& light, bool z_up) {
   initialise();
   vdb::MetaMap meta;
+  meta.insertMeta(kVersion, vdb::Int32Metadata(format_version::light_grid));
   if (z_up) meta.insertMeta("tdpt_z_up", vdb::BoolMetadata(true));
   meta.insertMeta("tdpt_origin",
                   vdb::Vec3DMetadata({light.origin.x, light.origin.y, light.origin.z}));

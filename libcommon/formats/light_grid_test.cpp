@@ -182,6 +182,20 @@ std::string foreign(std::string bytes) {
   return bytes.replace(21 + 14, 1, "4");
 }
 
+// Its metadatum is a name, the length and name of its type, the size of the value, and the value.
+TEST_F(LightGridFormat, RefusesAnotherVersion) {
+  std::string bytes = foreign(light_grid_bytes(small()));
+  const std::string name = "tdpt_format";
+  const size_t at = bytes.find(name);
+  ASSERT_NE(at, std::string::npos);
+  EXPECT_EQ(error_of(std::string(bytes).replace(at, name.size(), "tdpt_formal")), "no error");
+  char& value = bytes[at + name.size() + 4 + std::string("int32").size() + 4];
+  ASSERT_EQ(value, 1);
+  value = 2;
+  EXPECT_EQ(error_of(bytes),
+            "tdpt_format: this file has version 2 of the format; this program reads version 1");
+}
+
 TEST_F(LightGridFormat, RefusesLinesWithoutVoxels) {
   LightGrid g = small();
   g.dim = {0, 0, 0};

@@ -22,11 +22,14 @@
 #include "libcommon/base/file.h"
 #include "libcommon/base/shown.h"
 #include "libcommon/formats/exr_attributes.h"
+#include "libcommon/formats/format_version.h"
 #include "libcommon/formats/picture_bounds.h"
 #include "libcommon/formats/png.h"
 
 namespace tdpt {
 namespace {
+
+constexpr const char* kVersion = "tdptFormat";  // attribute; pictures of other programs lack it
 
 class MemoryInput : public Imf::IStream {
  public:
@@ -183,7 +186,7 @@ ExrFile read_part(Imf::MultiPartInputFile& file, int index,
   result.pixels_without_data = static_cast<int64_t>(w.width * w.height - covered);
   for (auto a = header.begin(); a != header.end(); ++a) {
     const std::string key = a.name();
-    if (key == "type" || key == "name") continue;  // of the part, not of the picture
+    if (key == "type" || key == "name" || key == kVersion) continue;  // not of the picture
     if (const auto* text = dynamic_cast<const Imf::StringAttribute*>(&a.attribute()))
       result.attributes[key] = text->value();
   }
@@ -208,6 +211,8 @@ auto parse(std::string_view bytes, const std::string& name, const Read& read) {
       const Imf::Header& header = file.header(part);
       if (header.hasType() && Imf::isDeepData(header.type()))
         throw InputError(name, "type", "deep pixels, expected one sample of R, G and B a pixel");
+      if (const auto* version = header.findTypedAttribute<Imf::StringAttribute>(kVersion))
+        check_version(name, kVersion, version->value(), format_version::picture);
       return read(file, part);
     }
     throw InputError(name, "channels",
@@ -323,6 +328,7 @@ std::string exr_bytes(const ExrFile& file) {
   const int width = file.picture.width, height = file.picture.height;
   Imf::Header header(width, height);
   header.compression() = Imf::ZIP_COMPRESSION;
+  header.insert(kVersion, Imf::StringAttribute(std::to_string(format_version::picture)));
   for (const auto& [name, text] : file.attributes)
     header.insert(name.c_str(), Imf::StringAttribute(text));
 

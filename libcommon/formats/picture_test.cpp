@@ -333,6 +333,27 @@ TEST(Picture, AttributesAreAsLongAsTheySay) {
             "a.exr: is damaged: attribute channels of 54 bytes is no chlist");
 }
 
+TEST(Picture, RefusesAnotherVersion) {
+  ExrFile file;
+  file.picture = gradient(4, 4);
+  std::string bytes = exr_bytes(file);
+  using namespace std::string_view_literals;
+  const auto version = "tdptFormat\0string\0\1\0\0\0"sv;
+  const size_t at = bytes.find(version);
+  ASSERT_NE(at, std::string::npos);
+  EXPECT_EQ(complaint(std::string(bytes).replace(at, 10, "tdptFormal")), "");
+  bytes[at + version.size()] = '2';
+  const std::string expected =
+      "a.exr:tdptFormat: this file has version 2 of the format; this program reads version 1";
+  EXPECT_EQ(complaint(bytes), expected);
+  try {
+    parse_exr_picture(bytes, "a.exr", 8, 8);
+    ADD_FAILURE();
+  } catch (const InputError& e) {
+    EXPECT_EQ(e.what(), expected);
+  }
+}
+
 // A header of `layers` of R, G and B with no pixels behind it.
 std::string header_of(int width, int height, int layers, Imf::Compression compression) {
   const TemporaryFile file;

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "libcommon/formats/format_version.h"
 #include "libcommon/formats/viewpoint.h"
 #include "libcommon/scene/gltf/accessors.h"
 #include "libcommon/scene/gltf/document.h"
@@ -56,6 +57,11 @@ class Reader {
     const Json& asset = d_.json.at("asset");
     const auto extras = asset.find("extras");
     if (extras == asset.end() || !extras->is_object()) return;
+    // Portals that are drawn by hand have none.
+    if (const auto version = extras->find(kPortalVersionKey); version != extras->end())
+      if (const std::string fault = fault_of_version(version->dump(), format_version::portal);
+          !fault.empty())
+        d_.fail(fmt::format("asset.extras.{}", kPortalVersionKey), fault);
     if (const auto hash = extras->find("scene_hash"); hash != extras->end() && hash->is_string())
       file.scene_hash = hash->get<std::string>();
     // Another program may call something else so.
@@ -180,6 +186,7 @@ class Writer {
   explicit Writer(const PortalFile& file) {
     root_["asset"] = {{"version", "2.0"}, {"generator", "tdpt " TDPT_VERSION}};
     Json& extras = root_["asset"]["extras"];
+    extras[kPortalVersionKey] = format_version::portal;
     extras["scene_hash"] = file.scene_hash;
     if (!file.camera.empty()) extras["camera"] = file.camera;
     if (!file.provenance.empty()) extras["provenance"] = file.provenance.lines;

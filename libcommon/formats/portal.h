@@ -39,6 +39,9 @@ struct PortalFile {
   std::string camera = {};  ///< that it was made for [viewpoint.h]; empty: unknown
 };
 
+/// In asset.extras: the version of the format.
+inline constexpr const char* kPortalVersionKey = "tdpt_portal_format";
+
 /// Reads every mesh of the file, one portal a mesh node, node transforms applied (a mirroring
 /// transform keeps the front side). Throws InputError.
 PortalFile read_portals(const std::string& path);

@@ -384,6 +384,22 @@ TEST_F(PortalFormat, DropsTrianglesWithoutArea) {
   EXPECT_EQ(message(g), "nodes[0]: has no triangle with an area");
 }
 
+TEST_F(PortalFormat, RefusesAnotherVersion) {
+  std::string glb = portal_bytes({});
+  const std::string key = "\"tdpt_portal_format\":";
+  const size_t at = glb.find(key + "1");
+  ASSERT_NE(at, std::string::npos);
+  glb[at + key.size()] = '2';
+  EXPECT_EQ(error_of(write("p", glb)),
+            "asset.extras.tdpt_portal_format: this file has version 2 of the format; this program "
+            "reads version 1");
+  Json g = square();
+  g["asset"]["extras"]["tdpt_portal_format"] = 1;
+  EXPECT_EQ(message(g), "no error");
+  g["asset"]["extras"]["tdpt_portal_format"] = "one";
+  EXPECT_EQ(place_of(message(g)), "asset.extras.tdpt_portal_format");
+}
+
 TEST_F(PortalFormat, RefusesWhatIsNoGltf) {
   EXPECT_NE(error_of(write("p", "")), "no error");
   EXPECT_NE(error_of(write("p", "[1]")), "no error");

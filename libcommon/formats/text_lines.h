@@ -10,6 +10,7 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/shown.h"
+#include "libcommon/formats/format_version.h"
 
 namespace tdpt {
 
@@ -80,6 +81,11 @@ class TextLines {
     if (w.empty() || error != std::errc() || end != w.data() + w.size() || !std::isfinite(value))
       fail(found(w) + " as " + what + ", expected a finite number");
     return value;
+  }
+
+  /// The rest of the line is the version of the format that is read.
+  void expect_version(int read) {
+    if (const std::string fault = fault_of_version(rest(), read); !fault.empty()) fail(fault);
   }
 
   /// Nothing may follow.

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "libcommon/formats/format_version.h"
 #include "tools/mincut/verify.h"
 
 namespace tdpt {
@@ -62,7 +63,7 @@ FoundCuts cut_of(const DimacsFile& problem, size_t most, const CutLimits& limits
 
 std::string plain_cut_text(const DimacsFile& problem, const MaxFlow& flow,
                            const Provenance& provenance) {
-  std::string out = "c tdpt cut 2\n";
+  std::string out = fmt::format("c tdpt cut {}\n", format_version::cut);
   const auto to = std::back_inserter(out);
   for (const std::string& line : provenance.lines) fmt::format_to(to, "c {}\n", line);
   fmt::format_to(to, "s {}\n", flow.value);

@@ -20,6 +20,7 @@
 #include "libcommon/formats/cut.h"
 #include "libcommon/formats/dimacs.h"
 #include "libcommon/formats/environment.h"
+#include "libcommon/formats/format_version.h"
 #include "libcommon/formats/light_grid.h"
 #include "libcommon/formats/portal.h"
 #include "libcommon/formats/viewpoint.h"
@@ -105,7 +106,7 @@ void tell_portals(const PortalFile& file, Knowledge& k) {
 // Portals that a program made say so; others are triangles without a lamp or a camera.
 void tell_gltf(const std::string& path, const std::string& bytes, Knowledge& k) {
   if (bytes.find("portal.0") != std::string::npos ||
-      bytes.find("made by portalfit") != std::string::npos)
+      bytes.find(kPortalVersionKey) != std::string::npos)
     return tell_portals(read_portals(path), k);
   try {
     tell_scene(read_gltf(path), k);
@@ -195,7 +196,9 @@ void tell_picture(const std::string& bytes, const std::string& name, Knowledge& 
     if (key != provenance_attribute) fact(k, key, value);
 }
 
-void tell_plan(const Json& json, Knowledge& k) {
+void tell_plan(const Json& json, const std::string& name, Knowledge& k) {
+  const auto version = json.find("format");
+  check_version(name, "format", version == json.end() ? "" : version->dump(), format_version::plan);
   k.kind = "plan";
   const Json plan = json.value("plan", Json::object()), shape = json.value("shape", Json::object());
   for (const char* key : {"integrator", "label", "spp"})
@@ -256,7 +259,7 @@ Knowledge knowledge_of(const std::string& path) {
   } else if (is_json(bytes)) {
     const Json json = nested_too_deep(bytes) ? Json() : Json::parse(bytes, nullptr, false);
     if (json.is_object() && json.contains("plan") && json.contains("shape"))
-      tell_plan(json, k);
+      tell_plan(json, name, k);
     else
       tell_gltf(path, bytes, k);
   } else if (begins("c") || begins("p ")) {

@@ -514,6 +514,23 @@ class Tdpt(unittest.TestCase):
         self.assertIn("portals-of-the-church", os.listdir(work))
         self.assertEqual(sorted(os.listdir(self.path("w"))), ["picture-finals", "portals-of-the-church"])
 
+    def test_a_cache_of_another_version_is_refused_and_stays(self):
+        self.run_tdpt("room.glb", "-o", "p.exr", *QUICK)
+        work = os.path.join(self.cache, "tdpt")
+        tag = os.path.join(work, "CACHEDIR.TAG")
+        with open(tag, encoding="utf-8") as stream:
+            text = stream.read()
+        self.assertIn("format: 1\n", text)
+        with open(tag, "w", encoding="utf-8") as stream:
+            stream.write(text.replace("format: 1\n", "format: 2\n"))
+        before = sorted(os.listdir(work))
+        for words in (["room.glb", "-o", "p.exr", *QUICK], ["room.glb", "-o", "q.exr", *QUICK], ["--clean"]):
+            _, err = self.run_tdpt(*words, expect=3)
+            self.assertEqual(err, f"tdpt: {tag}: this file has version 2 of the format; this program reads version 1\n")
+        self.assertEqual(sorted(os.listdir(work)), before)
+        self.assertNotIn("q.exr", os.listdir(self.here))
+        self.run_tdpt("room.glb", "-o", "q.exr", *QUICK, "--work", "w")
+
     def test_nobody_reads_what_it_says(self):
         for more in ("2>/dev/full", "<&- >&- 2>&-"):
             subprocess.run(["sh", "-c", f'"$@" {more}', "sh", TDPT, "room.glb", "-o", "p.exr", "--force", *QUICK], cwd=self.here,

@@ -19,6 +19,7 @@
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
 #include "libcommon/base/output_file.h"
+#include "libcommon/formats/format_version.h"
 
 namespace tdpt {
 namespace {
@@ -28,6 +29,8 @@ namespace fs = std::filesystem;
 constexpr const char* kTag =
     "Signature: 8a477f597d28d172789f06886806bc55\n"
     "# This is the cache of tdpt; `tdpt --clean` empties it.\n";
+constexpr const char* kVersionKey = "# Version of its format: ";
+constexpr int kVersion = 1;
 constexpr size_t kMostKnown = 10000;  // of known-KEY files, some hundred bytes each
 
 [[noreturn]] void fail(const std::string& path, int error) {
@@ -140,15 +143,23 @@ void WorkFolder::make() const {
         !file.path().filename().string().starts_with(".tdpt-"))  // of a run that begins, too
       throw UsageError("--work " + path_ +
                        ": has other things in it, expected a folder of its own");
-  write_output(path_ + "/CACHEDIR.TAG", kTag);
+  write_output(path_ + "/CACHEDIR.TAG", fmt::format("{}{}{}\n", kTag, kVersionKey, kVersion));
 }
 
 bool WorkFolder::is_ours() const {
+  const std::string path = path_ + "/CACHEDIR.TAG";
+  std::string tag;
   try {
-    return read_file(path_ + "/CACHEDIR.TAG") == kTag;
+    tag = read_file(path);
   } catch (const InputError&) {
     return false;
   }
+  if (!tag.starts_with(kTag)) return false;
+  const size_t at = tag.find(kVersionKey);
+  if (at == tag.npos) return true;  // the first version
+  const std::string version = tag.substr(at + std::strlen(kVersionKey));
+  check_version(path, "", version.substr(0, version.find('\n')), kVersion);
+  return true;
 }
 
 HeldEntry WorkFolder::hold(const std::string& name, For what,
@@ -175,6 +186,7 @@ HeldEntry WorkFolder::hold(const std::string& name, For what,
 }
 
 std::optional<std::string> WorkFolder::known(const std::string& hash) const {
+  if (!is_ours()) return {};
   const std::string path = path_ + "/known-" + hash;
   try {
     std::string text = read_file(path);

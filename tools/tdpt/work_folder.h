@@ -1,8 +1,8 @@
 // The folder that tdpt keeps its work in: a cache, shared by runs side by side and by all scenes.
 //
-//   CACHEDIR.TAG       tells backup programs what this is (bford.info/cachedir); without it nothing
-//   is
-//                      removed from a folder, which may be anybody's
+//   CACHEDIR.TAG       tells backup programs what this is (bford.info/cachedir), and us the version
+//                      of the format; without it nothing is removed from a folder, which may be
+//                      anybody's
 //   portals-KEY/       what the four stages made; KEY: hash of all that shapes it
 //   picture-KEY/       what an unfinished picture left; KEY: hash of the picture's path
 //   known-KEY          of a picture, who made it; of a scene, which files it reads; KEY: hash of
@@ -61,7 +61,8 @@ class WorkFolder {
   /// Whether it is kept: not where there is no folder yet, or no room in it.
   bool know(const std::string& hash, const std::string& text) const;
 
-  /// Whether it is one, and not some folder of that name.
+  /// Whether it is one, and not some folder of that name. Throws InputError, as all that asks this,
+  /// for one of another version.
   bool is_ours() const;
   /// Removes what was used longest ago, and nobody holds, until all is no larger than `bytes`. Does
   /// nothing to a folder that is not ours.

@@ -9,6 +9,7 @@
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
 #include "libcommon/base/json_depth.h"
+#include "libcommon/formats/format_version.h"
 #include "tools/tdpt-render/path/sample/light_pool.h"
 
 namespace tdpt {
@@ -138,8 +139,10 @@ Plan read_plan(const std::string& text, const std::string& file) {
 std::string plan_file_text(const PlanFile& file) {
   auto shape = nlohmann::ordered_json::object();
   for (const auto& [name, value] : file.shape) shape[name] = value;
-  return nlohmann::ordered_json{
-             {"plan", json_of(file.plan)}, {"shape", shape}, {"command", file.command}}
+  return nlohmann::ordered_json{{"format", format_version::plan},
+                                {"plan", json_of(file.plan)},
+                                {"shape", shape},
+                                {"command", file.command}}
              .dump(2) +
          "\n";
 }
@@ -152,6 +155,8 @@ PlanFile read_plan_file(const std::string& path) {
                         : nlohmann::ordered_json::parse(text_of_file, nullptr, false);
   if (!from.is_object() || !from.contains("plan"))
     throw InputError(name, "", "is no plan, expected one from --plan");
+  const auto version = from.find("format");
+  check_version(name, "format", version == from.end() ? "" : version->dump(), format_version::plan);
   PlanFile file{read_plan(from["plan"].dump(), name), {}, {}};
   const auto text = [&](const char* key, const nlohmann::ordered_json& value) {
     if (!value.is_string()) throw InputError(name, key, "is no string");

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "libcommon/base/error.h"
+#include "libcommon/testing/files/temp_folder.h"
 
 namespace tdpt::plan_test {
 
@@ -53,6 +54,26 @@ TEST(plan, that_is_none_is_refused_with_its_place) {
   EXPECT_EQ(message(good, "\"integrator\":\"bdpt\"", "\"integrator\":\"b\""),
             "p.json:integrator: is not known");
   EXPECT_EQ(message(good, "", ""), "read");
+}
+
+TEST(plan, file_of_another_version_is_refused) {
+  const testing::TempFolder folder;
+  const auto message = [&](const std::string& from, const std::string& to) {
+    std::string text = plan_file_text({{}, {{"scene", "77ab"}}, "tdpt-render"});
+    text.replace(text.find(from), from.size(), to);
+    const std::string path = folder.write("a.plan", text);
+    try {
+      read_plan_file(path);
+    } catch (const InputError& e) {
+      return std::string(e.what()).substr(path.size() + 1);
+    }
+    return std::string("read");
+  };
+  EXPECT_EQ(message("", ""), "read");
+  EXPECT_EQ(message("\"format\": 1", "\"format\": 2"),
+            "format: this file has version 2 of the format; this program reads version 1");
+  EXPECT_EQ(message("\"format\"", "\"formal\""),
+            "format: the file says no version of its format; this program reads version 1");
 }
 
 }  // namespace tdpt::plan_test
