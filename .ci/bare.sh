@@ -51,7 +51,10 @@ container() {
       set -- "" "$context"
       ;;
     'RUN '*) inside "${line#RUN }" </dev/null ;;
-    'USER '*) user=${line#USER } ;;
+    'USER '*)
+      # shellcheck disable=SC2034  # for scripts that source this
+      user=${line#USER }
+      ;;
     'WORKDIR '*) mkdir -p "$bare${line#WORKDIR }" ;;
     *) echo "$0: what is this in $1: $line" >&2; exit 1 ;;
     esac

@@ -91,13 +91,15 @@ BEGIN {
 END {
   for (file in open) print file ":" open[file] ": language.h is included, but language_end.h is not"
 }' "$all" >"$found"
-grep -rnE '(struct|class) +[A-Za-z]*Faults[^;]*$' --include='*.h' --include='*.cpp' tools libcommon shaders 2>/dev/null |
-  grep -vE '^[^:]*(/testing/|_test[.])' >>"$found"
-grep -rlE '^(TEST|TEST_[FP])\(' --include='*_test.cpp' tools libcommon shaders 2>/dev/null | while read -r file; do
-  name=$(basename "$file" .cpp | tr - _)
-  grep -qE "^namespace ([a-z:]*::)?$name \{" "$file" || echo "$file:1: has no namespace $name of its own"
-done >>"$found"
-grep -rnE '"/proc/|O_TMPFILE|::(pipe2|prctl|syscall|renameat2)\(' --include='*.h' --include='*.cpp' tools libcommon shaders 2>/dev/null |
-  grep -vE '^(libcommon/base/|[^:]*(/testing/|_test[.]))' | sed 's/$/  [only Linux has that: libcommon\/base]/' >>"$found"
+{
+  grep -rnE '(struct|class) +[A-Za-z]*Faults[^;]*$' --include='*.h' --include='*.cpp' tools libcommon shaders 2>/dev/null |
+    grep -vE '^[^:]*(/testing/|_test[.])'
+  grep -rlE '^(TEST|TEST_[FP])\(' --include='*_test.cpp' tools libcommon shaders 2>/dev/null | while read -r file; do
+    name=$(basename "$file" .cpp | tr - _)
+    grep -qE "^namespace ([a-z:]*::)?$name \{" "$file" || echo "$file:1: has no namespace $name of its own"
+  done
+  grep -rnE '"/proc/|O_TMPFILE|::(pipe2|prctl|syscall|renameat2)\(' --include='*.h' --include='*.cpp' tools libcommon shaders 2>/dev/null |
+    grep -vE '^(libcommon/base/|[^:]*(/testing/|_test[.]))' | sed 's/$/  [only Linux has that: libcommon\/base]/'
+} >>"$found"
 cat "$found"
 [ ! -s "$found" ]

@@ -179,7 +179,7 @@ class Room:
             y = np.cross(z, x)
             sides = [float(np.abs(np.dot(high - low, v)).max()) for v in (x, y)]
             frame = turned @ np.array([x, y, z, (low + high) / 2]).T
-            lamps.append((*sides, [*map(list, frame), [0.0, 0.0, 0.0, 1.0]]))
+            lamps.append((*sides, [*frame.tolist(), [0.0, 0.0, 0.0, 1.0]]))
         return PORTALS.format(lamps=",\n    ".join(map(repr, lamps)))
 
     def glb(self):

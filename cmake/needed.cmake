@@ -1,4 +1,5 @@
 # All that the programs are built from. What is missing is said in one sentence, not one package at a time.
+set(CMAKE_POLICY_DEFAULT_CMP0167 NEW)  # CGAL asks for Boost by its own files, as below
 set(TDPT_MISSING "")
 
 # tdpt_need(package [version] [find_package's arguments])

@@ -172,14 +172,15 @@ endfunction()
 
 # tdpt_software_vulkan(test ...): these tests run on Mesa's lavapipe, whatever else the machine has, and under
 # Vulkan's validation. A test is a name given to add_test or a program given to tdpt_test. Mesa's LLVM compiles without
-# its optimisations, which takes half as long; cli.tdpt-render-gpu has them on.
+# its optimisations, which takes half as long; cli.tdpt-render-gpu has them on. Newer layers look at what kernels write
+# only when they are told to.
 file(GLOB TDPT_LAVAPIPE /usr/share/vulkan/icd.d/lvp_icd*.json /usr/local/share/vulkan/icd.d/lvp_icd*.json
      /etc/vulkan/icd.d/lvp_icd*.json)
 function(tdpt_software_vulkan)
   list(APPEND TDPT_LAVAPIPE lavapipe-is-not-installed)
   list(GET TDPT_LAVAPIPE 0 driver)
   set(environment
-      "VK_ICD_FILENAMES=set:${driver};VK_DRIVER_FILES=set:${driver};TDPT_VULKAN_VALIDATION=set:1;GALLIVM_PERF=set:nopt")
+      "VK_ICD_FILENAMES=set:${driver};VK_DRIVER_FILES=set:${driver};TDPT_VULKAN_VALIDATION=set:1;GALLIVM_PERF=set:nopt;VK_KHRONOS_VALIDATION_SYNCVAL_SHADER_ACCESSES_HEURISTIC=set:true")
   foreach(test IN LISTS ARGN)
     if(TARGET ${test})  # its tests are not known before ctest runs
       set(script ${CMAKE_CURRENT_BINARY_DIR}/${test}_software_vulkan.cmake)

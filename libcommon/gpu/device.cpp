@@ -36,8 +36,10 @@ VKAPI_ATTR VkBool32 VKAPI_CALL keep_message(VkDebugUtilsMessageSeverityFlagBitsE
                                             VkDebugUtilsMessageTypeFlagsEXT,
                                             const VkDebugUtilsMessengerCallbackDataEXT* data,
                                             void*) {
-  fmt::print(stderr, "Vulkan validation: {}\n", data->pMessage);
-  messages.texts.emplace_back(data->pMessage);
+  const std::string text =
+      fmt::format("{}: {}", data->pMessageIdName ? data->pMessageIdName : "", data->pMessage);
+  fmt::print(stderr, "Vulkan validation: {}\n", text);
+  messages.texts.push_back(text);
   return VK_FALSE;
 }
 
