@@ -116,6 +116,20 @@ TEST(tracer, a_wall_hides_and_an_empty_scene_has_no_hits) {
   EXPECT_TRUE(Tracer(nothing).visible(inside, outside));
 }
 
+// Embree can be built to pass by backs: then light would come in from behind.
+TEST(tracer, a_wall_is_met_from_either_side) {
+  Box box;
+  Rng rng(6, 0, 0);
+  for (int i = 0; i < 1000; ++i) {
+    const Vec3d w = random_direction(rng);
+    Hit from_inside, from_outside;
+    ASSERT_TRUE(box.tracer.closest({{0, 0, 0}}, w, from_inside));
+    ASSERT_TRUE(box.tracer.closest({w * 4.0}, -w, from_outside));
+    EXPECT_LT(dot(from_inside.normal, w), 0);
+    EXPECT_GT(dot(from_outside.normal, -w), 0);
+  }
+}
+
 // ---- Culling ----
 
 // From outside the furnace, whose walls face inwards: what is met by stepping through every back.
