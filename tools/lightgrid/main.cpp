@@ -35,7 +35,7 @@ constexpr cli::Program kProgram{
 // Between which of them curves tell, doc/tradeoff.md.
 constexpr cli::ByQuality<int64_t> kResolution{64, 128, 256}, kLines{2048, 8192, 16384};
 
-constexpr double kBesideBox = 1e-3;  // of its longest side
+constexpr double kBesideBox = 0.1;  // of its longest side
 
 struct Arguments {
   std::string scene, cut, lines_from, device, preview, debug_glb, debug_lines = "edges";
@@ -88,8 +88,8 @@ struct Loaded {
   std::vector<cli::Common::Input> files;
 };
 
-// One's own lines: of cuts that there are and, unless they come from a sky, with ends in the box of
-// the scene, or nearly, since others round otherwise.
+// One's own lines: of cuts that there are and, unless they come from a sky, with ends about the box
+// of the scene. What draws them may know its patches and not their borders; other units show.
 void load_lines(const std::string& path, Loaded& in) {
   LineLimits limits;
   limits.cuts = in.cut.cuts.size();
