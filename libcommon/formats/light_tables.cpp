@@ -176,6 +176,7 @@ class TableReader {
       const std::string_view answer = in_.word();
       if (answer != "yes" && answer != "no")
         in_.fail(TextLines::found(answer) + " as bottleneck, expected yes or no");
+      if (answer == "yes") in_.end();
       same(all.answer, {answer == "yes", std::string(in_.rest())}, "bottleneck");
     }
   }
@@ -192,7 +193,8 @@ class TableReader {
     box.origin = patch_lines::read_vec3(in_, "origin of the grid");
     box.voxel = in_.real("side of a voxel");
     for (int c = 0; c < 3; ++c)
-      if (!(box.voxel > 0 && std::abs(box.origin[c]) + kMostVoxelsPerSide * box.voxel < kFarthest))
+      if (!(box.voxel > 0 &&
+            std::abs(box.origin[c]) + kMostVoxelsPerSide * box.voxel < 1e6 * kFarthest))
         in_.fail("voxels of no size that single precision holds, expected a side above 0");
     size_t total = 1;
     for (int& side : box.dim) {
@@ -304,6 +306,21 @@ void place_around_lines(LightGrid& grid) {
   }
 }
 
+// How many voxels to make room for: a few bytes must not claim the memory of many.
+size_t voxels_for(const LightGrid& grid, const std::vector<TableText>& texts) {
+  constexpr size_t kForNothing = size_t{1} << 20, kForEachByte = 1024;
+  size_t voxels = 1, most = kForNothing;
+  for (const int side : grid.dim) voxels *= static_cast<size_t>(side);
+  for (const TableText& text : texts) most += kForEachByte * text.text.size();
+  const std::string& name = texts.front().name;
+  if (voxels > most)
+    throw InputError(name, "",
+                     fmt::format("{} voxels, expected at most {} of so few rows", voxels, most));
+  expect_memory(name, "", fmt::format("{} voxels", voxels),
+                voxels * (sizeof(float) + sizeof(uint8_t) + sizeof(Vec3f)));
+  return voxels;
+}
+
 // Counts and directions of the lines, in the air.
 void count_lines(LightGrid& grid) {
   for (const LightLine& l : grid.lines) {
@@ -377,10 +394,7 @@ LightGrid parse_light_tables(const std::vector<TableText>& texts) {
     if (!all.box && (each.table == kAir || each.table == kCount))
       each.fail("no '# grid' line in any table, expected the box of the voxels");
   if (!all.box) place_around_lines(grid);
-  const auto side = [&](size_t c) { return static_cast<size_t>(grid.dim[c]); };
-  const size_t voxels = side(0) * side(1) * side(2);
-  expect_memory(texts.front().name, "", fmt::format("{} voxels", voxels),
-                voxels * (sizeof(float) + sizeof(uint8_t) + sizeof(Vec3f)));
+  const size_t voxels = voxels_for(grid, texts);
   grid.count.assign(voxels, 0);
   grid.direction.assign(voxels, {});
   grid.air.assign(voxels, 0);

@@ -31,7 +31,7 @@ LightGrid read_light(const std::vector<std::string>& paths, std::vector<cli::Com
 
 /// What the lines of a table must keep to.
 struct LineLimits {
-  static constexpr double kFarthest = 3e38;                ///< within single precision
+  static constexpr double kFarthest = 1e30;                ///< well within single precision
   Vec3d low = Vec3d(-kFarthest), high = Vec3d(kFarthest);  ///< of both ends [metres]
   size_t cuts = kMostCuts;
 };
