@@ -114,7 +114,8 @@ void Options::argument(const std::string& name, std::string& target, const std::
 
 void Options::arguments(const std::string& name, std::vector<std::string>& target,
                         const std::string& help) {
-  impl_->keep(impl_->add(name, target, "FILE", help)->required(), Shapes::nothing, Impl::Is::input);
+  impl_->keep(impl_->add(name, target, "FILE", help)->required(target.empty()), Shapes::nothing,
+              Impl::Is::input);
 }
 
 void Options::input(const std::string& flags, std::string& target, const std::string& value_name,

@@ -141,7 +141,7 @@ class Options {
   /// A positional argument: a file that is read.
   void argument(const std::string& name, std::string& target, const std::string& help,
                 bool required = true);
-  /// Positional arguments: files that are read, one at least.
+  /// Positional arguments: files that are read. One at least must be given where `target` is empty.
   void arguments(const std::string& name, std::vector<std::string>& target,
                  const std::string& help);
   /// A file that is read, named by an option; of several, each by the option again.

@@ -13,7 +13,8 @@ namespace tdpt {
 
 /// What is written and read now. Where each file says it: the format's page in man/.
 namespace format_version {
-inline constexpr int max = 1, cut = 2, light_grid = 1, portal = 1, picture = 1, film = 1, plan = 1;
+inline constexpr int max = 1, cut = 2, light_grid = 1, light_table = 1, portal = 1, picture = 1,
+                     film = 1, plan = 1;
 }
 
 /// What is wrong with a file that says `found` as its version where `read` is read; "" when they

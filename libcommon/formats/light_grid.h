@@ -32,6 +32,7 @@ struct Probe {
 struct CutFigures {
   double conductance = 0;  ///< of the cut, see cut(5): 0 to 1
   double kept = 0;         ///< share of the visible segments that are no leaks: 0 to 1
+  bool operator==(const CutFigures&) const = default;
 };
 
 /// Dense box of cubic voxels. Index (i,j,k) is at [i + dim[0] * (j + dim[1] * k)]; voxel (i,j,k)
@@ -105,7 +106,9 @@ inline Vec3d centre_of(const LightGrid& grid, size_t voxel) {
 /// Reads a file made by light_grid_bytes(), in another process: no bytes end this one. "-":
 /// standard input. Throws InputError.
 LightGrid read_light_grid(const std::string& path);
-/// The same of the bytes of `name`, in this process and on this thread alone. OpenVDB, given bytes
+/// The same of the bytes of `name`.
+LightGrid read_light_grid(const std::string& bytes, const std::string& name);
+/// The same again, in this process and on this thread alone. OpenVDB, given bytes
 /// that are not its own, may end the process or spoil its memory. Throws InputError.
 LightGrid parse_light_grid(const std::string& bytes, const std::string& name);
 /// The file as .vdb bytes, with the scene's +Y as up or, for viewers whose up is +Z, turned

@@ -108,8 +108,10 @@ bool all_voxels(const LightGrid& grid) {
 }  // namespace
 
 LightGrid read_light_grid(const std::string& path) {
-  const std::string name = display_name(path);
-  const std::string bytes = read_file(path);
+  return read_light_grid(read_file(path), display_name(path));
+}
+
+LightGrid read_light_grid(const std::string& bytes, const std::string& name) {
   LightGrid grid;
   std::string refused;
   const bool whole = in_another_process(

@@ -75,6 +75,11 @@ Decisions decisions_of(const Scene& scene, const LightGrid& grid, const LightGri
                              cli::price_of(report.phases, {"fine"}))});
   for (size_t c = 0; c < report.cuts.size(); ++c) {
     const std::string cut = fmt::format("cut {}", c + 1);
+    if (!options.own.empty()) {
+      all.push_back({cut + ", lines", fmt::format("{} kept", report.cuts[c].lines),
+                     "--lines-from gives them", counted(report.cuts[c].tried, "line") + " tried"});
+      continue;
+    }
     all.push_back(of_batches(cut, report.cuts[c], options));
     if (report.cuts[c].drawn == 0) continue;
     all.push_back(of_leaks(cut, report.cuts[c]));

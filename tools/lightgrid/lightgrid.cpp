@@ -5,7 +5,8 @@
 // for visibility and marched through the grid (3D DDA), in batches that double until the shape of
 // the counts settles. They show where the light passes, but patches and voxels blur it and uniform
 // points on patches distort it. Fine: the Markov chain on lines of line_walk.cpp, which starts from
-// these segments.
+// these segments. One's own lines stand for the segments and are kept; of the fine pass only the
+// probes are.
 #include "tools/lightgrid/lightgrid.h"
 
 #include <algorithm>
@@ -92,6 +93,25 @@ std::vector<LightLine> coarse_pass(const Scene& scene, LineTracer& tracer, size_
   return kept;
 }
 
+// The same of one's own lines: those of cut `c`, counted as they are.
+std::vector<LightLine> own_pass(size_t c, const LightGrid& grid, const std::vector<LightLine>& own,
+                                std::vector<uint32_t>& count, std::vector<Vec3d>& direction,
+                                CoarseReport& report) {
+  std::vector<LightLine> kept;
+  for (LightLine line : own) {
+    if (line.cut != c || !clip_to(grid, line)) continue;
+    kept.push_back(line);
+    walk_grid(grid, line.light, line.camera, [&](size_t voxel, double) {
+      count[voxel] += grid.air[voxel];
+      direction[voxel] += normalize(line.camera - line.light);
+    });
+  }
+  report.drawn = report.visible = report.kept = kept.size();
+  report.settled = true;
+  report.change = 0;
+  return kept;
+}
+
 }  // namespace
 
 Extent box_of(const Scene& scene) {
@@ -156,7 +176,9 @@ void add_cut(const Scene& scene, LineTracer& tracer, size_t c, const LightGridOp
   std::vector<uint32_t> count(grid.count.size(), 0);
   CoarseReport coarse;
   const std::vector<LightLine> kept =
-      coarse_pass(scene, tracer, c, grid, options, watch, count, direction, coarse);
+      options.own.empty()
+          ? coarse_pass(scene, tracer, c, grid, options, watch, count, direction, coarse)
+          : own_pass(c, grid, options.own, count, direction, coarse);
   report.phases.done("coarse");
   report.drawn += coarse.drawn;
   report.visible += coarse.visible;
@@ -172,7 +194,7 @@ void add_cut(const Scene& scene, LineTracer& tracer, size_t c, const LightGridOp
   const LineWalk walk =
       walk_among_lines(scene, tracer, c, grid, count, kept, options.lines, options.seed);
   const size_t before = grid.lines.size();
-  for (LightLine line : walk.lines)
+  for (LightLine line : options.own.empty() ? walk.lines : kept)
     if (clip_to(grid, line)) grid.lines.push_back(line);
   for (Probe probe : walk.probes)
     if (clip_to(grid, probe.line)) grid.probes.push_back(probe);
@@ -207,9 +229,11 @@ LightGrid make_light_grid(const Scene& scene, const CutFile& cut, const std::str
   for (const Bottleneck& b : cut.cuts)
     grid.cuts.push_back({std::clamp(b.conductance, 0.0, 1.0), 0});
   for (size_t c = 0; c < cut.cuts.size() && !report.stopped; ++c)
-    if (tables.cuts[c].count > 0)
+    if (tables.cuts[c].count > 0 || !options.own.empty())
       add_cut(scene, *tracer, c, options, watch, grid, direction, report);
-  if (report.drawn == 0) return no_light_grid(scene, "no pair of the cut has any surface");
+  if (report.drawn == 0)
+    return no_light_grid(scene, options.own.empty() ? "no pair of the cut has any surface"
+                                                    : "no line given lies in the grid");
   grid.flux_share =
       report.visible ? static_cast<double>(report.kept) / static_cast<double>(report.visible) : 0;
   if (grid.lines.empty()) {

@@ -17,6 +17,9 @@ struct LightGridOptions {
   uint64_t samples = 1 << 20;  ///< most segments drawn between pivot patches
   double tolerance = 0.04;     ///< change of the normalised counts that counts as settled
   size_t lines = 8192;         ///< lines to keep in the file
+  /// One's own lines, in place of segments between pivot patches; all are kept. Empty: they are
+  /// drawn.
+  std::vector<LightLine> own;
 };
 
 /// What a caller may want to know or say while segments are drawn.

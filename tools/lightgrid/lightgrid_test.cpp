@@ -279,4 +279,44 @@ TEST(LightGrid, NoBottleneckIsAResult) {
             "no pair of the cut has any surface");
 }
 
+// Lines through the middle of the hole, and one that does not come into the grid.
+std::vector<LightLine> own_lines() {
+  std::vector<LightLine> own{{{9, 9, 9}, {8, 8, 8}, 0}};
+  for (int i = 0; i < 40; ++i) own.push_back({{3.9, 0.9 + 0.005 * i, 0}, {0.2, 1, 0.1}, 0});
+  return own;
+}
+
+TEST(LightGrid, KeepsOnesOwnLinesAndCountsThem) {
+  const Scene scene = two_rooms();
+  LightGridOptions options = quick();
+  options.own = own_lines();
+  LightGridReport report;
+  const LightGrid grid = make_light_grid(scene, door_cut(scene), "a.cut", options, report);
+  ASSERT_EQ(grid.lines.size(), 40u);
+  for (size_t l = 0; l < 40; ++l) EXPECT_EQ(grid.lines[l].light, options.own[l + 1].light);
+  EXPECT_EQ(report.fullest, 40);  // where they end
+  EXPECT_TRUE(report.settled);
+  EXPECT_EQ(grid.cuts[0].kept, 1);
+  EXPECT_EQ(grid.flux_share, 1);
+  for (size_t v = 0; v < grid.count.size(); ++v) {
+    EXPECT_TRUE(grid.air[v] || grid.count[v] == 0);
+    EXPECT_LE(length(grid.direction[v]), 1 + 1e-5f);
+    EXPECT_TRUE(grid.count[v] == 0 || grid.direction[v].x < -0.9f);
+  }
+  size_t joins = 0;
+  for (const Probe& probe : grid.probes) joins += probe.joins;
+  EXPECT_GT(grid.probes.size(), 1000u);
+  EXPECT_GT(joins, grid.probes.size() / 8);
+}
+
+TEST(LightGrid, OnesOwnLinesBesideTheGridAreNone) {
+  const Scene scene = two_rooms();
+  LightGridOptions options = quick();
+  options.own = {own_lines().front()};
+  LightGridReport report;
+  const LightGrid grid = make_light_grid(scene, door_cut(scene), "a.cut", options, report);
+  EXPECT_FALSE(grid.bottleneck);
+  EXPECT_EQ(grid.reason, "no line given lies in the grid");
+}
+
 }  // namespace tdpt::lightgrid_test

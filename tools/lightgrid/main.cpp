@@ -11,6 +11,7 @@
 #include "libcommon/cli/ending.h"
 #include "libcommon/draw/canvas.h"
 #include "libcommon/formats/debug_lines.h"
+#include "libcommon/formats/light_tables.h"
 #include "libcommon/formats/sky_options.h"
 #include "libcommon/gpu/device_options.h"
 #include "tools/lightgrid/explain.h"
@@ -34,8 +35,10 @@ constexpr cli::Program kProgram{
 // Between which of them curves tell, doc/tradeoff.md.
 constexpr cli::ByQuality<int64_t> kResolution{64, 128, 256}, kLines{2048, 8192, 16384};
 
+constexpr double kBesideBox = 0.1;  // of its longest side
+
 struct Arguments {
-  std::string scene, cut, device, preview, debug_glb, debug_lines = "edges";
+  std::string scene, cut, lines_from, device, preview, debug_glb, debug_lines = "edges";
   SkyArguments sky;
   int64_t resolution = 0, lines = 0;
   bool z_up = false;
@@ -44,6 +47,8 @@ struct Arguments {
 void declare_options(cli::Options& options, Arguments& a) {
   options.argument("scene", a.scene, "The scene, glTF 2.0 (.glb or .gltf)");
   options.argument("cut", a.cut, "Its minimum cut (.cut), as mincut writes it");
+  options.input("--lines-from", a.lines_from, "FILE",
+                "Take lines of one's own from a table (.csv) in place of drawing them");
   options.side_output(
       "--preview", a.preview,
       "Write a picture (.png, .svg, .pdf): the counts along the three axes of the grid");
@@ -79,8 +84,26 @@ NamedTracer tracer_on(const std::string& device) {
 struct Loaded {
   Scene scene;
   CutFile cut;
+  std::vector<LightLine> lines;  ///< one's own
   std::vector<cli::Common::Input> files;
 };
+
+// One's own lines: of cuts that there are and, unless they come from a sky, with ends about the box
+// of the scene. What draws them may know its patches and not their borders; other units show.
+void load_lines(const std::string& path, Loaded& in) {
+  LineLimits limits;
+  limits.cuts = in.cut.cuts.size();
+  const Extent box = box_of(in.scene);
+  const Extent around = box.widened(Vec3d(kBesideBox * max_component(box.size())));
+  if (!has_sky(in.cut)) {
+    limits.low = in.scene.frame.to_metres(around.low);
+    limits.high = in.scene.frame.to_metres(around.high);
+  }
+  const LightGrid table = read_light_lines(path, limits);
+  if (!table.scene_hash.empty()) check_made_from(in.scene, table.scene_hash, path);
+  in.files.push_back({path, table.hash, table.provenance});
+  in.lines = table.lines;
+}
 
 Loaded load(const Arguments& a, const cli::Common& common) {
   Loaded in;
@@ -92,14 +115,16 @@ Loaded load(const Arguments& a, const cli::Common& common) {
   in.cut = read_cut(a.cut);
   in.files.push_back({a.cut, in.cut.hash, in.cut.provenance});
   if (has_sky(in.cut)) add_sky_dome(in.scene);
+  if (!a.lines_from.empty()) load_lines(a.lines_from, in);
   return in;
 }
 
-LightGridOptions options_of(const Arguments& a, const cli::Common& common) {
+LightGridOptions options_of(const Arguments& a, const cli::Common& common, const Loaded& in) {
   LightGridOptions how;
   how.resolution = static_cast<int>(a.resolution);
   how.seed = common.seed;
   how.lines = static_cast<size_t>(a.lines);
+  how.own = in.lines;
   return how;
 }
 
@@ -115,14 +140,17 @@ LightGrid compute(const Arguments& a, const cli::Common& common, const Loaded& i
   return grid;
 }
 
-void tell(const cli::Common& common, const LightGrid& grid, const LightGridReport& report) {
+void tell(const cli::Common& common, const LightGrid& grid, const LightGridReport& report,
+          const Arguments& a) {
   if (!grid.bottleneck) return common.note("no light grid: " + grid.reason + ".");
-  common.note(fmt::format(
-      "{} of {} segments are visible, {} of these join the two sides; the counts {} (change {:.1f} "
-      "%).",
-      report.visible, report.drawn, report.kept,
-      report.settled ? "have settled" : "had not settled when the budget was spent",
-      100 * report.change));
+  if (a.lines_from.empty())
+    common.note(
+        fmt::format("{} of {} segments are visible, {} of these join the two sides; the counts {} "
+                    "(change {:.1f} "
+                    "%).",
+                    report.visible, report.drawn, report.kept,
+                    report.settled ? "have settled" : "had not settled when the budget was spent",
+                    100 * report.change));
   common.note(fmt::format("{} kept; of {} drawn through the light {} join the two sides.",
                           counted(grid.lines.size(), "line"), counted(report.tried, "line"),
                           report.joined));
@@ -145,9 +173,9 @@ int run(const Arguments& a, const cli::Common& common) {
   LightGridReport report;
   const Loaded in = load(a, common);
   report.phases.done("load");
-  const LightGridOptions how = options_of(a, common);
+  const LightGridOptions how = options_of(a, common, in);
   const LightGrid grid = compute(a, common, in, how, tracer.make, report);
-  tell(common, grid, report);
+  tell(common, grid, report, a);
   common.explain_by([&] { return decisions_of(in.scene, grid, how, report, tracer.name); });
   cli::deliver({{common.output, [&] { return light_grid_bytes(grid, a.z_up); }},
                 {a.preview, [&] { return grid_preview(grid, a.scene).file_named(a.preview); }},

@@ -11,6 +11,7 @@
 #include "libcommon/cli/ending.h"
 #include "libcommon/draw/canvas.h"
 #include "libcommon/formats/debug_lines.h"
+#include "libcommon/formats/light_tables.h"
 #include "libcommon/formats/portal_worth.h"
 #include "tools/portalfit/choice.h"
 #include "tools/portalfit/explain.h"
@@ -31,14 +32,17 @@ constexpr cli::Program kProgram{"portalfit",
                                 cli::kThreads | cli::kQuiet};
 
 struct Arguments {
-  std::string grid = "-", method = "tube", renderer, preview, debug_glb, debug_lines = "edges";
+  std::vector<std::string> grid{"-"};
+  std::string method = "tube", renderer, preview, debug_glb, debug_lines = "edges";
   double threshold = PortalFitOptions{}.threshold;
   int64_t max_portals = 8;
   bool require_portal = false, all = false;
 };
 
 void declare_options(cli::Options& options, Arguments& a) {
-  options.argument("grid", a.grid, "The light grid (.vdb); default standard input", false);
+  options.arguments("grid", a.grid,
+                    "The light grid (.vdb), or tables of it (.csv) with that of its lines among "
+                    "them; default standard input");
   options.option("--threshold,--set threshold", a.threshold, "T",
                  "Smallest share of the lines that makes a portal; default 0.02", 0.0001, 1);
   options.option("--max-portals,--set max-portals", a.max_portals, "N", "Most portals; default 8",
@@ -88,8 +92,9 @@ struct Written {
   std::vector<std::vector<uint32_t>> lines;
 };
 
-Written choose(const Arguments& a, const cli::Common& common, const LightGrid& grid,
-               const FitResult& found, const std::vector<std::string>& useless) {
+Written choose(const cli::Common& common, const std::vector<cli::Common::Input>& files,
+               const LightGrid& grid, const FitResult& found,
+               const std::vector<std::string>& useless) {
   Written out;
   for (size_t i = 0; i < found.portals.size(); ++i)
     if (useless[i].empty()) {
@@ -98,7 +103,7 @@ Written choose(const Arguments& a, const cli::Common& common, const LightGrid& g
     }
   out.file.scene_hash = grid.scene_hash;
   out.file.camera = grid.camera;
-  out.file.provenance = common.provenance({{a.grid, grid.hash, grid.provenance}});
+  out.file.provenance = common.provenance(files);
   return out;
 }
 
@@ -141,7 +146,8 @@ std::string why_none(const Arguments& a, const cli::Common& common, const LightG
   const std::string why = !found.portals.empty() ? "each that was found is useless"
                           : grid.bottleneck      ? kNoOpening
                                                  : grid.reason;
-  if (a.require_portal) throw InputError(display_name(a.grid), "", "gives no portal: " + why);
+  if (a.require_portal)
+    throw InputError(display_name(a.grid.front()), "", "gives no portal: " + why);
   common.note("no portal: " + why + ".");
   return why;
 }
@@ -156,7 +162,8 @@ void deliver(const Arguments& a, const cli::Common& common, const LightGrid& gri
                  }},
                 {a.preview,
                  [&] {
-                   return portal_preview(grid, written.file.portals, written.lines, a.grid, why)
+                   return portal_preview(grid, written.file.portals, written.lines, a.grid.front(),
+                                         why)
                        .file_named(a.preview);
                  }},
                 {a.debug_glb,
@@ -167,12 +174,13 @@ void deliver(const Arguments& a, const cli::Common& common, const LightGrid& gri
 int run(const Arguments& a, const cli::Common& common) {
   if (!a.preview.empty()) draw::check_fonts();
   Phases phases;
-  const LightGrid grid = read_light_grid(a.grid);
+  std::vector<cli::Common::Input> files;
+  const LightGrid grid = read_light(a.grid, files);
   phases.done("load");
   const FitResult found = fit(a, grid);
   phases.done("fit");
   const std::vector<std::string> useless = left_out(a, found);
-  const Written written = choose(a, common, grid, found, useless);
+  const Written written = choose(common, files, grid, found, useless);
   nlohmann::json summary = tell(common, found, useless);
   if (written.file.portals.empty()) summary["reason"] = why_none(a, common, grid, found);
   common.explain_by([&] { return decisions_of(grid, options_of(a), found, useless, phases); });

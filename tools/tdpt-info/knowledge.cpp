@@ -21,7 +21,7 @@
 #include "libcommon/formats/dimacs.h"
 #include "libcommon/formats/environment.h"
 #include "libcommon/formats/format_version.h"
-#include "libcommon/formats/light_grid.h"
+#include "libcommon/formats/light_tables.h"
 #include "libcommon/formats/portal.h"
 #include "libcommon/formats/viewpoint.h"
 #include "libcommon/scene/scene.h"
@@ -145,8 +145,8 @@ void tell_cut(const CutFile& file, Knowledge& k) {
   fact(k, "pivot_pairs", file.arcs.size());
 }
 
-void tell_grid(const LightGrid& grid, Knowledge& k) {
-  k.kind = "light grid";
+void tell_grid(const LightGrid& grid, const char* kind, Knowledge& k) {
+  k.kind = kind;
   k.scene = grid.scene_hash;
   k.provenance = grid.provenance;
   tell_camera(k, grid.camera);
@@ -251,7 +251,9 @@ Knowledge knowledge_of(const std::string& path) {
   } else if (begins("glTF")) {
     tell_gltf(path, bytes, k);
   } else if (begins(" BDV")) {
-    tell_grid(read_light_grid(path), k);
+    tell_grid(read_light_grid(bytes, name), "light grid", k);
+  } else if (begins("cut,") || begins("i,j,k")) {
+    tell_grid(parse_light_tables({{name, bytes}}), "table of a light grid", k);
   } else if (begins("#?")) {
     tell_environment(bytes, name, k);
   } else if (begins("c tdpt cut")) {

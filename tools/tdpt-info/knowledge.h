@@ -12,8 +12,8 @@ namespace tdpt {
 /// Of one file.
 struct Knowledge {
   std::string path;
-  std::string kind;   ///< "scene", "flow network", "cut", "light grid", "portals", "picture",
-                      ///< "film", "plan", "environment"
+  std::string kind;   ///< "scene", "flow network", "cut", "light grid", "table of a light grid",
+                      ///< "portals", "picture", "film", "plan", "environment"
   std::string hash;   ///< of its bytes; what it reads beside itself included for a scene
   std::string scene;  ///< hash of the scene that it was made from; empty: none is told
   /// Plain facts, in order, as JSON values: "12", "\"text\"".

@@ -5,6 +5,7 @@
 #include "libcommon/base/say.h"
 #include "libcommon/cli/built_with.h"
 #include "libcommon/cli/cli.h"
+#include "libcommon/formats/light_tables.h"
 #include "tools/tdpt-info/knowledge.h"
 
 namespace tdpt {
@@ -18,15 +19,26 @@ constexpr cli::Program kProgram{
 
 struct Arguments {
   std::vector<std::string> files;
+  std::string dump;
 };
 
 void declare_options(cli::Options& options, Arguments& a) {
   options.common.output.clear();
   options.arguments("files", a.files, "Any files of these programs; - is standard input");
+  options.choice("--dump", a.dump, light_table_names(),
+                 "Print a table of a light grid as CSV instead, for programs of one's own",
+                 cli::Shapes::nothing);
+}
+
+int dump(const Arguments& a) {
+  std::vector<cli::Common::Input> files;
+  std::fputs(light_table_text(read_light(a.files, files), a.dump).c_str(), stdout);
+  return 0;
 }
 
 // All are told of; the first that is damaged decides how it ends.
 int run(const Arguments& a, const cli::Common& common) {
+  if (!a.dump.empty()) return dump(a);
   int code = 0;
   for (const std::string& path : a.files) {
     try {

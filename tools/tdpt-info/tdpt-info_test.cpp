@@ -4,6 +4,7 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/film/film_file.h"
+#include "libcommon/formats/light_tables.h"
 #include "libcommon/testing/files/temp_folder.h"
 
 namespace tdpt::tdpt_info_test {
@@ -41,6 +42,20 @@ TEST_F(files, are_known_by_their_content) {
   EXPECT_TRUE(says(told("a.cut", "p max 2 1\nn 1 s\nn 2 t\na 1 2 5\n"), "a.cut: flow network\n"));
   EXPECT_TRUE(says(told("a", R"({"format": 1, "plan": {"spp": 4}, "shape": {"scene": "12"}})"),
                    "a: plan\n"));
+}
+
+TEST_F(files, of_a_light_grid_are_tables_too) {
+  LightGrid grid;
+  grid.scene_hash = "77ab";
+  grid.lines = {{{0, 0, 0}, {0, 0, 1}}};
+  grid.dim = {1, 1, 1};
+  grid.count = {3}, grid.air = {1}, grid.direction = {{}};
+  for (const std::string& name : light_table_names()) {
+    const std::string text = told("a", light_table_text(grid, name));
+    EXPECT_TRUE(says(text, "a: table of a light grid\n")) << text;
+    EXPECT_TRUE(says(text, "  of scene: 77ab\n")) << text;
+  }
+  EXPECT_TRUE(says(told("a", "i,j,k\n"), "a: no '# tdpt light grid 1' line"));
 }
 
 TEST_F(files, say_what_they_hold_and_how_they_were_made) {

@@ -130,6 +130,13 @@ def plans():
     yield "nested", b'{"plan":' + b"[" * 1000000
 
 
+def tables():
+    """Tables of a light grid with one line."""
+    text = "cut,light_x,light_y,light_z,camera_x,camera_y,camera_z\n# tdpt light grid 1\n# grid 0 0 0 1 %s\n0,1,1,0.5,9,9,0.6\n"
+    yield "voxels-of-the-header", (text % "512 512 512").encode()
+    yield "voxels-in-a-row", (text % "2048 500 1").encode()
+
+
 def stored(testdata):
     folder = os.path.join(testdata, "liars")
     for name in sorted(os.listdir(folder)):
@@ -141,6 +148,6 @@ def stored(testdata):
 def all_of(testdata):
     """(file name, bytes)"""
     for suffix, kind in ((".exr", liars_exr.pictures()), (".glb", scenes()), (".portal.glb", portals()), (".max", networks()),
-                         (".hdr", skies()), (".json", plans()), (".vdb", stored(testdata))):
+                         (".hdr", skies()), (".json", plans()), (".vdb", stored(testdata)), (".csv", tables())):
         for name, data in kind:
             yield name + suffix, data

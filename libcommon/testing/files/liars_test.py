@@ -25,7 +25,8 @@ READERS = {".exr": [["exrdiff", "{}", "{}"], ["exrmerge", "{}", "-o", "o"],
            ".portal.glb": [["tdpt-render", ROOM, *FEW, "--portal", "{}", "-o", "o.exr"]],
            ".max": [["mincut", "{}", "-o", "o.cut"], ["lightgrid", ROOM, "{}", "-o", "o.vdb"]],
            ".json": [["tdpt-render", ROOM, *FEW, "--plan", "{}", "-o", "o.exr"]],
-           ".vdb": [["portalfit", "{}", "-o", "o.glb"]]}
+           ".vdb": [["portalfit", "{}", "-o", "o.glb"]],
+           ".csv": [["portalfit", "{}", "-o", "o.glb"]]}
 
 
 def measured(command, folder):

@@ -1,0 +1,445 @@
+// Tables of a light grid: the names of the columns, '#' lines with what they have in common, rows.
+// Every header is read before the rows of any: one of them may name the box of all.
+#include "libcommon/formats/light_tables.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <iterator>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "libcommon/base/error.h"
+#include "libcommon/base/file.h"
+#include "libcommon/base/hash.h"
+#include "libcommon/base/memory_limit.h"
+#include "libcommon/formats/format_version.h"
+#include "libcommon/formats/patch_lines.h"
+#include "libcommon/formats/text_lines.h"
+#include "libcommon/math/reach.h"
+
+namespace tdpt {
+namespace {
+
+#define ENDS "cut,light_x,light_y,light_z,camera_x,camera_y,camera_z"
+enum Table : size_t { kLines, kProbes, kAir, kCount };
+constexpr std::array<const char*, 4> kNames{"lines", "probes", "air", "count"};
+constexpr std::array<std::string_view, 4> kColumns{
+    ENDS, ENDS ",joins", "i,j,k", "i,j,k,count,direction_x,direction_y,direction_z"};
+#undef ENDS
+constexpr std::string_view kFormat = "light grid";
+constexpr double kFarthest = LineLimits::kFarthest;
+constexpr int kResolution = 128;  // of a box that no table names
+
+// ---- Writing ----
+
+void write_ends(std::string& out, const LightLine& l) {
+  fmt::format_to(std::back_inserter(out), "{},{},{},{},{},{},{}", l.cut, l.light.x, l.light.y,
+                 l.light.z, l.camera.x, l.camera.y, l.camera.z);
+}
+
+void write_header(std::string& out, const LightGrid& grid) {
+  const auto to = std::back_inserter(out);
+  fmt::format_to(to, "# tdpt {} {}\n", kFormat, format_version::light_table);
+  for (const std::string& line : grid.provenance.lines) fmt::format_to(to, "# {}\n", line);
+  if (!grid.scene_hash.empty()) fmt::format_to(to, "# scene {}\n", grid.scene_hash);
+  if (!grid.camera.empty()) fmt::format_to(to, "# camera {}\n", grid.camera);
+  fmt::format_to(to, "# grid {} {} {} {} {} {} {}\n", grid.origin.x, grid.origin.y, grid.origin.z,
+                 grid.voxel, grid.dim[0], grid.dim[1], grid.dim[2]);
+  fmt::format_to(to, "# bottleneck {}\n", grid.bottleneck ? "yes" : "no " + grid.reason);
+  for (size_t c = 0; c < grid.cuts.size(); ++c)
+    fmt::format_to(to, "# cut {} {} {}\n", c, grid.cuts[c].conductance, grid.cuts[c].kept);
+}
+
+void write_voxels(std::string& out, const LightGrid& grid, bool counts) {
+  const auto to = std::back_inserter(out);
+  size_t at = 0;
+  for (int k = 0; k < grid.dim[2]; ++k)
+    for (int j = 0; j < grid.dim[1]; ++j)
+      for (int i = 0; i < grid.dim[0]; ++i, ++at) {
+        if (counts ? !(grid.count[at] > 0) : !grid.air[at]) continue;
+        fmt::format_to(to, "{},{},{}", i, j, k);
+        const Vec3f& d = grid.direction[at];
+        if (counts) fmt::format_to(to, ",{},{},{},{}", grid.count[at], d.x, d.y, d.z);
+        out += '\n';
+      }
+}
+
+// ---- Reading ----
+
+// What the tables of one grid say of it, each of them the same.
+struct Header {
+  struct Box {
+    Vec3d origin{};
+    double voxel = 1;
+    std::array<int, 3> dim{};
+    bool operator==(const Box&) const = default;
+  };
+  struct Answer {
+    bool bottleneck = true;
+    std::string reason;
+    bool operator==(const Answer&) const = default;
+  };
+  std::optional<Box> box;
+  std::optional<std::string> scene, camera;
+  std::optional<Answer> answer;
+  std::vector<CutFigures> cuts;
+  Provenance provenance;
+};
+
+std::string_view columns_of(std::string_view text) {
+  TextLines in(text, "");
+  return in.next() ? in.rest() : std::string_view();
+}
+
+// The next of `list`, which loses it, without blanks.
+std::string_view next_cell(std::string_view& list) {
+  std::string_view cell = list.substr(0, list.find(','));
+  list.remove_prefix(std::min(cell.size() + 1, list.size()));
+  cell.remove_prefix(std::min(cell.find_first_not_of(" \t"), cell.size()));
+  return cell.substr(0, cell.find_last_not_of(" \t") + 1);
+}
+
+class TableReader {
+ public:
+  // Reads the columns and the '#' lines; adds to `all` what they say. Keeps a view of the text.
+  TableReader(const TableText& file, Header& all)
+      : name(file.name), text_(file.text), in_(file.text, file.name) {
+    in_.expect_text("a table of a light grid");
+    in_.next();
+    const std::string_view columns = in_.rest();
+    const auto known = std::find(kColumns.begin(), kColumns.end(), columns);
+    if (known == kColumns.end())
+      in_.fail(fmt::format("{} as columns, expected those of {}", TextLines::found(columns),
+                           fmt::join(kNames, ", ")));
+    table = static_cast<Table>(known - kColumns.begin());
+    read_header(all);
+  }
+
+  std::string name;
+  Table table;
+
+  [[noreturn]] void fail(const std::string& message) const { in_.fail_file(message); }
+
+  // Adds the rows to `grid`, whose voxels are there where the table has some.
+  void read_rows(LightGrid& grid, const LineLimits& limits) {
+    if (table == kLines || table == kProbes) {
+      const auto rows = static_cast<uint64_t>(std::count(text_.begin(), text_.end(), '\n')) + 1;
+      expect_memory(name, "", fmt::format("{} lines", rows), rows * sizeof(Probe));
+    }
+    for (; more_; more_ = in_.next()) {
+      cells_ = in_.rest(), columns_ = kColumns[table];
+      if (cells_.front() == '#') in_.fail("a '#' line behind a row, expected it before");
+      const auto cells = std::count(cells_.begin(), cells_.end(), ',') + 1;
+      const auto expected = std::count(columns_.begin(), columns_.end(), ',') + 1;
+      if (cells != expected)
+        in_.fail(fmt::format("a row of {} cells, expected {}", cells, expected));
+      read_row(grid, limits);
+    }
+  }
+
+ private:
+  void read_header(Header& all) {
+    Provenance provenance;
+    bool versioned = false;
+    size_t cuts = 0;
+    while ((more_ = in_.next())) {
+      TextLines ahead = in_;
+      if (ahead.rest().front() != '#') break;
+      std::string_view key = in_.word().substr(1);
+      if (key.empty()) key = in_.word();
+      if (key == "tdpt") {
+        const std::string first(in_.word());
+        const std::string format = fmt::format("{} {}", first, in_.word());
+        if (format != kFormat)
+          in_.fail(fmt::format("{} as format, expected '{}'", TextLines::found(format), kFormat));
+        in_.expect_version(format_version::light_table);
+        versioned = true;
+      } else if (key == "cut") {
+        read_cut(cuts++, all.cuts);
+      } else if (key == "made" || key == "from") {
+        provenance.lines.push_back(fmt::format("{} {}", key, in_.rest()));
+      } else {
+        read_fact(key, all);
+      }
+    }
+    if (!versioned)
+      fail(fmt::format("no '# tdpt {} {}' line before the first row", kFormat,
+                       format_version::light_table));
+    all.provenance.inherit(provenance);
+  }
+
+  void read_fact(std::string_view key, Header& all) {
+    if (key == "scene") {
+      same(all.scene, std::string(in_.rest()), "scene");
+    } else if (key == "camera") {
+      same(all.camera, patch_lines::read_camera(in_), "camera");
+    } else if (key == "grid") {
+      same(all.box, read_box(), "grid");
+    } else if (key == "bottleneck") {
+      const std::string_view answer = in_.word();
+      if (answer != "yes" && answer != "no")
+        in_.fail(TextLines::found(answer) + " as bottleneck, expected yes or no");
+      if (answer == "yes") in_.end();
+      same(all.answer, {answer == "yes", std::string(in_.rest())}, "bottleneck");
+    }
+  }
+
+  template <class T>
+  void same(std::optional<T>& known, const T& value, const char* what) const {
+    if (known && !(*known == value))
+      in_.fail(fmt::format("another {} than above or in another table, expected the same", what));
+    known = value;
+  }
+
+  Header::Box read_box() {
+    Header::Box box;
+    box.origin = patch_lines::read_vec3(in_, "origin of the grid");
+    box.voxel = in_.real("side of a voxel");
+    for (int c = 0; c < 3; ++c)
+      if (!(box.voxel > 0 &&
+            std::abs(box.origin[c]) + kMostVoxelsPerSide * box.voxel < 1e6 * kFarthest))
+        in_.fail("voxels of no size that single precision holds, expected a side above 0");
+    size_t total = 1;
+    for (int& side : box.dim) {
+      side = static_cast<int>(in_.integer("voxels along a side", 0, kMostVoxelsPerSide));
+      total *= static_cast<size_t>(side);
+    }
+    if (total > kMostVoxels)
+      in_.fail(fmt::format("{} voxels, expected at most {}", total, kMostVoxels));
+    in_.end();
+    return box;
+  }
+
+  // Line `n` of the table's cuts.
+  void read_cut(size_t n, std::vector<CutFigures>& cuts) {
+    in_.integer("cut", static_cast<int64_t>(n),
+                static_cast<int64_t>(std::min<size_t>(n, kMostCuts - 1)));
+    CutFigures figures;
+    for (double* const share : {&figures.conductance, &figures.kept}) {
+      *share = in_.real("share");
+      if (!(*share >= 0 && *share <= 1))
+        in_.fail(fmt::format("{} as share, expected 0 to 1", *share));
+    }
+    in_.end();
+    if (n == cuts.size()) cuts.push_back(figures);
+    std::optional<CutFigures> known = cuts[n];
+    same(known, figures, "cut");
+  }
+
+  // -- Rows --
+
+  // The next cell, a number within [lowest, highest].
+  template <class T>
+  T number(double lowest, double highest) {
+    const std::string_view column = next_cell(columns_), cell = next_cell(cells_);
+    T value = 0;
+    const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
+    if (cell.empty() || error != std::errc() || end != cell.data() + cell.size() ||
+        !(value >= lowest && value <= highest))
+      in_.fail(fmt::format("{} as {}, expected a number from {:.6g} to {:.6g}",
+                           TextLines::found(cell), column, lowest, highest));
+    return value;
+  }
+
+  // A whole number below `end`; "3.0" is one.
+  size_t whole(size_t end) {
+    const std::string_view column = columns_.substr(0, columns_.find(','));
+    const auto value = number<double>(0, static_cast<double>(end) - 1);
+    if (value != std::floor(value))
+      in_.fail(fmt::format("{} as {}, expected a whole number", value, column));
+    return static_cast<size_t>(value);
+  }
+
+  Vec3d place(const LineLimits& limits) {
+    Vec3d p;
+    for (int c = 0; c < 3; ++c) p[c] = number<double>(limits.low[c], limits.high[c]);
+    return p;
+  }
+
+  LightLine line(const LineLimits& limits) {
+    LightLine l;
+    l.cut = static_cast<uint32_t>(whole(limits.cuts));
+    l.light = place(limits);
+    l.camera = place(limits);
+    if (!(length(l.camera - l.light) > 0)) in_.fail("a line whose ends are one place");
+    return l;
+  }
+
+  size_t voxel(const LightGrid& grid) {
+    std::array<int, 3> at;
+    for (size_t c = 0; c < 3; ++c)
+      at[c] = static_cast<int>(whole(static_cast<size_t>(grid.dim[c])));
+    return grid.index(at[0], at[1], at[2]);
+  }
+
+  void read_row(LightGrid& grid, const LineLimits& limits) {
+    if (table == kLines) {
+      grid.lines.push_back(line(limits));
+    } else if (table == kProbes) {
+      const LightLine l = line(limits);
+      grid.probes.push_back({l, whole(2) == 1});
+    } else if (const size_t at = voxel(grid); table == kAir) {
+      grid.air[at] = 1;
+    } else {
+      if (grid.count[at] > 0) in_.fail("a voxel again, expected each once");
+      grid.count[at] = number<float>(0, kFarthest);
+      for (int c = 0; c < 3; ++c) grid.direction[at][c] = number<float>(-kFarthest, kFarthest);
+    }
+  }
+
+  std::string_view text_;
+  TextLines in_;
+  bool more_ = false;                 // in_ stands before a row
+  std::string_view cells_, columns_;  // of the row, what is left
+};
+
+// The box around lines and probes, where no table names one, and half a voxel more: what lies in
+// its upper face is in no voxel.
+void place_around_lines(LightGrid& grid) {
+  Extent box;
+  for (const LightLine& l : grid.lines) box.add(l.light), box.add(l.camera);
+  for (const Probe& p : grid.probes) box.add(p.line.light), box.add(p.line.camera);
+  if (box.empty()) return;
+  const Vec3d size = box.size(), middle = box.low + size * 0.5;
+  grid.voxel = max_component(size) / kResolution;
+  for (int c = 0; c < 3; ++c) {
+    const int side = static_cast<int>(std::ceil(size[c] / grid.voxel - 1e-6)) + 1;
+    grid.dim[static_cast<size_t>(c)] = side;
+    grid.origin[c] = middle[c] - 0.5 * side * grid.voxel;
+  }
+}
+
+// How many voxels to make room for: a few bytes must not claim the memory of many.
+size_t voxels_for(const LightGrid& grid, const std::vector<TableText>& texts) {
+  constexpr size_t kForNothing = size_t{1} << 20, kForEachByte = 1024;
+  size_t voxels = 1, most = kForNothing;
+  for (const int side : grid.dim) voxels *= static_cast<size_t>(side);
+  for (const TableText& text : texts) most += kForEachByte * text.text.size();
+  const std::string& name = texts.front().name;
+  if (voxels > most)
+    throw InputError(name, "",
+                     fmt::format("{} voxels, expected at most {} of so few rows", voxels, most));
+  expect_memory(name, "", fmt::format("{} voxels", voxels),
+                voxels * (sizeof(float) + sizeof(uint8_t) + sizeof(Vec3f)));
+  return voxels;
+}
+
+// Counts and directions of the lines, in the air.
+void count_lines(LightGrid& grid) {
+  for (const LightLine& l : grid.lines) {
+    const Vec3f d(normalize(l.camera - l.light));
+    walk_grid(grid, l.light, l.camera, [&](size_t voxel, double) {
+      if (grid.air[voxel]) grid.count[voxel] += 1, grid.direction[voxel] += d;
+    });
+  }
+  for (size_t i = 0; i < grid.count.size(); ++i)
+    if (grid.count[i] > 0) grid.direction[i] = grid.direction[i] / grid.count[i];
+}
+
+LightGrid grid_of(const Header& all) {
+  LightGrid grid;
+  if (all.box) grid.origin = all.box->origin, grid.voxel = all.box->voxel, grid.dim = all.box->dim;
+  if (all.answer) grid.bottleneck = all.answer->bottleneck, grid.reason = all.answer->reason;
+  grid.scene_hash = all.scene.value_or("");
+  grid.camera = all.camera.value_or("");
+  grid.cuts = all.cuts;
+  grid.provenance = all.provenance;
+  return grid;
+}
+
+// Both ends within the box or the voxels around it, as of a .vdb.
+LineLimits limits_of(const LightGrid& grid) {
+  const Vec3d size = Vec3d(grid.dim[0], grid.dim[1], grid.dim[2]) * grid.voxel;
+  return {grid.origin - Vec3d(grid.voxel), grid.origin + size + Vec3d(grid.voxel), kMostCuts};
+}
+
+}  // namespace
+
+std::vector<std::string> light_table_names() {
+  return {kNames.begin(), kNames.end()};
+}
+
+std::string light_table_text(const LightGrid& grid, const std::string& table) {
+  const auto which = std::find(kNames.begin(), kNames.end(), table) - kNames.begin();
+  std::string out(kColumns[static_cast<size_t>(which)]);
+  out += '\n';
+  write_header(out, grid);
+  if (which == kLines)
+    for (const LightLine& l : grid.lines) write_ends(out, l), out += '\n';
+  else if (which == kProbes)
+    for (const Probe& p : grid.probes) write_ends(out, p.line), out += p.joins ? ",1\n" : ",0\n";
+  else
+    write_voxels(out, grid, which == kCount);
+  return out;
+}
+
+LightGrid parse_light_tables(const std::vector<TableText>& texts) {
+  Header all;
+  std::vector<TableReader> tables;
+  for (const TableText& text : texts) {
+    TableReader next(text, all);
+    for (const TableReader& other : tables)
+      if (other.table == next.table)
+        next.fail(
+            fmt::format("is a second table of {}, beside {}", kNames[next.table], other.name));
+    tables.push_back(std::move(next));
+  }
+  LightGrid grid = grid_of(all);
+  const auto read_rows = [&](Table table, const LineLimits& limits = {}) {
+    for (TableReader& each : tables)
+      if (each.table == table) return each.read_rows(grid, limits), true;
+    return false;
+  };
+  const LineLimits limits = all.box ? limits_of(grid) : LineLimits();
+  read_rows(kLines, limits);
+  read_rows(kProbes, limits);
+  for (const TableReader& each : tables)
+    if (!all.box && (each.table == kAir || each.table == kCount))
+      each.fail("no '# grid' line in any table, expected the box of the voxels");
+  if (!all.box) place_around_lines(grid);
+  const size_t voxels = voxels_for(grid, texts);
+  grid.count.assign(voxels, 0);
+  grid.direction.assign(voxels, {});
+  grid.air.assign(voxels, 0);
+  if (!read_rows(kAir)) grid.air.assign(voxels, 1);
+  if (!read_rows(kCount)) count_lines(grid);
+  return grid;
+}
+
+LightGrid read_light(const std::vector<std::string>& paths,
+                     std::vector<cli::Common::Input>& files) {
+  std::vector<TableText> texts;
+  bool lines = false;
+  for (const std::string& path : paths) {
+    texts.push_back({display_name(path), read_file(path)});
+    lines = lines || columns_of(texts.back().text) == kColumns[kLines];
+  }
+  const bool tables =
+      texts.size() > 1 || (columns_of(texts[0].text).find(',') != std::string_view::npos &&
+                           texts[0].text.find('\0') == std::string::npos);
+  LightGrid grid =
+      tables ? parse_light_tables(texts) : read_light_grid(texts[0].text, texts[0].name);
+  if (tables && !lines)
+    throw InputError(texts[0].name, "", "is given without a table of lines, expected one");
+  for (size_t t = 0; t < texts.size(); ++t)
+    files.push_back({paths[t], content_hash(texts[t].text), grid.provenance});
+  return grid;
+}
+
+LightGrid read_light_lines(const std::string& path, const LineLimits& limits) {
+  const TableText text{display_name(path), read_file(path)};
+  Header all;
+  TableReader table(text, all);
+  if (table.table != kLines)
+    table.fail(fmt::format("is a table of {}, expected one of lines", kNames[table.table]));
+  LightGrid grid = grid_of(all);
+  table.read_rows(grid, limits);
+  if (grid.lines.empty()) table.fail("holds no line, expected one at least");
+  grid.hash = content_hash(text.text);
+  return grid;
+}
+
+}  // namespace tdpt
