@@ -203,9 +203,9 @@ void tell_plan(const Json& json, const std::string& name, Knowledge& k) {
   const Json plan = json.value("plan", Json::object()), shape = json.value("shape", Json::object());
   for (const char* key : {"integrator", "label", "spp"})
     if (plan.contains(key)) fact(k, key, plan[key]);
-  for (const auto& [name, value] : shape.items()) {
-    if (name == "scene" && value.is_string()) k.scene = value.get<std::string>();
-    fact(k, name, value);
+  for (const auto& [key, value] : shape.items()) {
+    if (key == "scene" && value.is_string()) k.scene = value.get<std::string>();
+    fact(k, key, value);
   }
 }
 
