@@ -30,7 +30,8 @@ JOBS ?= $(shell nproc 2>/dev/null || echo 2)
 TEST_STATUS ?=
 
 # All that is there to run; `make build` adds every test and benchmark.
-PROGRAMS = ffgraph mincut lightgrid portalfit tdpt-render exrdiff exrmerge tdpt-info tdpt
+DEMO_PROGRAMS = ffgraph mincut lightgrid portalfit tdpt-render exrdiff
+PROGRAMS = $(DEMO_PROGRAMS) exrmerge tdpt-info tdpt
 
 .PHONY: all build programs demo figures stages bench test test-long test-slurm test-report install uninstall tarball tarball-test package package-test sanitize fuzz packages format clean
 all: build
@@ -80,7 +81,7 @@ test-report: programs
 demo:
 	@echo "make demo: ends on the picture demo/before-after.png; first installs the packages that are missing and compiles" \
 	  "six programs"
-	@$(MAKE) --no-print-directory programs
+	@$(MAKE) --no-print-directory programs PROGRAMS="$(DEMO_PROGRAMS)"
 	@python3 -B bench/run.py demo --cache demo
 
 figures stages: %: bench-%
