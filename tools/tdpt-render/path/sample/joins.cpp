@@ -75,7 +75,7 @@ template <class L>
 TDPT_INLINE double estimate_simple(const L& l, int i, const Vec3d& at, const Vec3d& facing,
                                    const Rgb& carried) {
   const Way w = way(l, i, at, facing);
-  const auto g = static_cast<float>((w.sent > 0) & (w.met > 0) ? w.g : 0.0);
+  const auto g = static_cast<float>(((w.sent > 0) & (w.met > 0)) ? w.g : 0.0);
   return brought(l, i, l.colour[Ends::red][i] * carried.x * g,
                  l.colour[Ends::green][i] * carried.y * g, l.colour[Ends::blue][i] * carried.z * g);
 }
@@ -122,7 +122,7 @@ TDPT_INLINE double estimate_glossy(const L& l, int i, const Vec3d& at, const Vec
              z = static_cast<float>(w.z * scale);
   const Colours sent = scattered([&](Ends::Colour k) { return l.colour[k][i]; }, x, y, z);
   const Colours met = scattered([&](Ends::Colour k) { return c.of[k]; }, -x, -y, -z);
-  const auto g = static_cast<float>((w.sent > 0) & (w.met > 0) ? w.g : 0.0);
+  const auto g = static_cast<float>(((w.sent > 0) & (w.met > 0)) ? w.g : 0.0);
   // Where both ends are at one place there is no direction.
   const double value = brought(l, i, sent.r * met.r * g, sent.g * met.g * g, sent.b * met.b * g);
   return (w.sent > 0) & (w.met > 0) ? value : 0.0;
