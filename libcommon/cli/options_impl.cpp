@@ -70,12 +70,12 @@ std::vector<std::string> Options::Impl::with_settings(const std::vector<std::str
   return words;
 }
 
-void Options::Impl::set_quality(Common& common) const {
+void Options::Impl::set_quality(Common& given) const {
   if (!quality.empty())
-    common.quality = quality == "draft"  ? Quality::draft
-                     : quality == "high" ? Quality::high
-                                         : Quality::normal;
-  for (const auto& knob : knobs) knob(common.quality);
+    given.quality = quality == "draft"  ? Quality::draft
+                    : quality == "high" ? Quality::high
+                                        : Quality::normal;
+  for (const auto& knob : knobs) knob(given.quality);
 }
 
 void Options::Impl::limit(int threads) const {

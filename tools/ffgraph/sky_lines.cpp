@@ -37,7 +37,7 @@ std::vector<double> sky_grades(const std::vector<double>& light) {
   return grade;
 }
 
-SkyLines::SkyLines(const Scene& scene, const Extent& aim, const Extent& wider) : scene_(scene) {
+SkyLines::SkyLines(const Scene& scene, const Extent& aim, const Extent& wider) {
   Extent whole;
   for (const Vec3f& p : scene.positions) whole.add(Vec3d(p));
   balls_ = {ball_about(aim.empty() ? whole : aim), ball_about(wider.empty() ? whole : wider),

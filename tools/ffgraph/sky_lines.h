@@ -27,8 +27,8 @@ class SkyLines {
     double radius;
   };
 
-  /// `aims`: where the first half and the next quarter of the lines fall. Keeps a reference to
-  /// `scene`, which is lit from infinity.
+  /// `aims`: where the first half and the next quarter of the lines fall. `scene` is lit
+  /// from infinity.
   SkyLines(const Scene& scene, const Extent& aim, const Extent& wider);
 
   struct Line {
@@ -40,7 +40,6 @@ class SkyLines {
  private:
   Vec3d towards(Rng& rng) const;
 
-  const Scene& scene_;
   std::vector<Ball> balls_;      // aim, wider, all
   SkyDirections directions_;     // of the sky
   std::vector<Vec3d> parallel_;  // towards the lamps

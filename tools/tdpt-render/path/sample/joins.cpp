@@ -3,7 +3,8 @@
 #include "tools/tdpt-render/path/bsdf/ggx.h"
 
 // Compiled for what the machine has; no product is fused with a sum in any (-ffp-contract=off).
-#if defined(__x86_64__) && !defined(__SANITIZE_ADDRESS__)
+// clang has no clones of templates.
+#if defined(__x86_64__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
 #define TDPT_WIDE [[gnu::target_clones("default", "avx2")]]
 #else
 #define TDPT_WIDE
@@ -125,7 +126,7 @@ TDPT_INLINE double estimate_glossy(const L& l, int i, const Vec3d& at, const Vec
   const auto g = static_cast<float>(((w.sent > 0) & (w.met > 0)) ? w.g : 0.0);
   // Where both ends are at one place there is no direction.
   const double value = brought(l, i, sent.r * met.r * g, sent.g * met.g * g, sent.b * met.b * g);
-  return (w.sent > 0) & (w.met > 0) ? value : 0.0;
+  return ((w.sent > 0) & (w.met > 0)) ? value : 0.0;
 }
 
 // n: a multiple of kLanes, which leaves nothing over.
