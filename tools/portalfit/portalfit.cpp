@@ -35,7 +35,6 @@ constexpr double kAfterAll = 2.5;       // thresholds, for what comes after near
 constexpr double kSparse = 0.2;         // in density, against other openings of the cut
 constexpr double kLeastPassing = 0.25;  // of a candidate's lines: support times fullness
 constexpr size_t kMostTried = 48;       // candidates of a cut
-constexpr double kFewestProbes = 30;    // that tell the support
 // Support of one opening: a plane across a corner, with windows on both sides of it, has less.
 constexpr double kOneOpening = 0.9;
 constexpr double kFull = 0.5;  // of the fullest voxel, for the paper's rule

@@ -46,7 +46,7 @@ Pilot run_pilot(uint64_t pixels, double target, uint64_t most, const DrawPart& d
         parts[k][i] = Vec3f((Vec3d(parts[k][i]) * before + (*sums)[i]) * (1 / now));
     }
     const ErrorEstimate& estimate =
-        pilot.rounds.emplace_back(samples, estimate_error(parts)).estimate;
+        pilot.rounds.emplace_back(Pilot::Round{samples, estimate_error(parts)}).estimate;
     const uint64_t drawn = Pilot::kParts * samples;
     if (estimate.lit) {
       pilot.needed = samples_needed(estimate, Pilot::kParts, samples, target);

@@ -214,7 +214,9 @@ class ScoutSample {
   }
 
   void weigh(const Contribution& found, double light) {
-    const auto& [path, strategy, value, times] = found;
+    const Path& path = found.path;
+    const Strategy& strategy = found.strategy;
+    const double times = found.times;
     const std::vector<StrategySums>& of = sums_of(path, strategy);
     double all_runs = 0;
     for (const size_t r : scout_.runs_) all_runs += of[r].counted;

@@ -27,7 +27,7 @@ struct LightVertex : End {
   const Walk* walk;
   int index;  ///< y_index
   LightVertex(const Walk& y, int i)
-      : End(y[i], tdpt::back(y, i), y.state(i).throughput), walk(&y), index(i) {}
+      : End(y[i], tdpt::way_back(y, i), y.state(i).throughput), walk(&y), index(i) {}
 };
 
 class LightPool {

@@ -91,7 +91,7 @@ void PathSampler::walk_from_camera() {
                          numbers(shader::PURPOSE_CAMERA_WALK), camera_walk_, tally_.rays);
   camera_ends_.clear();
   for (int j = 1; j < camera_walk_.size; ++j)
-    camera_ends_.emplace_back(camera_walk_[j], back(camera_walk_, j),
+    camera_ends_.emplace_back(camera_walk_[j], way_back(camera_walk_, j),
                               camera_walk_.state(j).throughput);
 }
 
@@ -185,7 +185,7 @@ void PathSampler::camera() {
   if (film_.has_alpha() && looks_out()) return;
   for (int j = 1; j < z.size; ++j) {
     if (!z[j].source) continue;
-    const Rgb Le = emitted(z[j], back(z, j));
+    const Rgb Le = emitted(z[j], way_back(z, j));
     if (black(Le)) continue;
     const Path path(world_, guide_, *light_, 0, z, j + 1, tally_.rays);
     to_pixel({path, {Technique::camera, 0}, z.state(j).throughput * Le, 1});
@@ -209,7 +209,7 @@ void PathSampler::direct() {
     const Edge e = between(z[j], y0);
     const Rgb Le = emitted(y0, -e.w);
     if (black(Le)) continue;
-    const Rgb f = bsdf_at(z[j], e.w, back(z, j));
+    const Rgb f = bsdf_at(z[j], e.w, way_back(z, j));
     const Rgb sent = z.state(j).throughput * f * Le;
     if (black(sent) || !visible(z[j], y0)) continue;
     // What many do not need: half of them and more are hidden.
@@ -233,7 +233,7 @@ void PathSampler::light() {
     Rgb factor;
     double raster_x, raster_y;
     if (!project(y[i], to_camera, factor, raster_x, raster_y)) continue;
-    const Rgb value = y.state(i).throughput * bsdf_at(y[i], back(y, i), to_camera) * factor *
+    const Rgb value = y.state(i).throughput * bsdf_at(y[i], way_back(y, i), to_camera) * factor *
                       static_cast<float>(1 / times);
     if (black(value) || !seen(y[i])) continue;
     const Path path(world_, guide_, y, i + 1, camera_walk_, 1, tally_.rays);

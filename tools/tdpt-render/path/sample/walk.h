@@ -41,7 +41,7 @@ struct Walk {
 };
 
 /// Unit direction from vertex i back to the vertex before it, 0 where the walk begins.
-inline Vec3d back(const Walk& walk, int i) {
+inline Vec3d way_back(const Walk& walk, int i) {
   if (i == 0) return {};
   return -walk.state(i).edge.w;
 }
