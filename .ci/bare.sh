@@ -39,8 +39,10 @@ container() {
     case $line in
     '' | '#'* | 'FROM '* | 'LABEL '*) ;;
     'COPY '*)
-      # shellcheck disable=SC2086  # patterns and words
+      set -f  # patterns are those of the context's folder
+      # shellcheck disable=SC2086  # words
       set -- "$2" ${line#COPY }
+      set +f
       context=$1 to=${line##* }
       shift
       while [ $# -gt 1 ]; do
