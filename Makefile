@@ -10,7 +10,7 @@
 #                  tests with 200 fresh seeds each (hours; ONLY=REGEX: those)
 #   make test-slurm    the files of doc/farm/ under Slurm, on this machine, as root: a node dies, the bytes stay (three minutes)
 #   make test-report   reports of three scenes, opened in a headless Chromium: build/report (five minutes)
-#   make install   programs, man pages, completions, tdpt.mk and doc/farm/ under PREFIX (and DESTDIR), after building what is missing
+#   make install   programs, man pages, completions, tdpt.mk and scripts of doc/ under PREFIX (and DESTDIR), after building what is missing
 #   make uninstall takes away what that put there, with the same PREFIX and DESTDIR
 #   make tarball   build/tdpt-VERSION-linux-MACHINE.tar.gz: programs, and the libraries they need beside them, for systems
 #                  where nothing is installed

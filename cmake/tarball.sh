@@ -77,6 +77,7 @@ else
   time=$(cd "$sources" && sed -n 's/^ -- .*>  //p' debian/changelog | head -n 1 | xargs -0 date +%s -d)
 fi
 mkdir -p "$out"
+rm -f "$out"/tdpt-*-linux-*.tar.gz  # of other versions
 tar -c --sort=name --mtime="@$time" --owner=0 --group=0 --numeric-owner --mode=go-w -C "$work" "$name" | gzip -9n >"$out/$name.tar.gz.new"
 mv "$out/$name.tar.gz.new" "$out/$name.tar.gz"
 echo "$out/$name.tar.gz"

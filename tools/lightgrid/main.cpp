@@ -146,8 +146,7 @@ void tell(const cli::Common& common, const LightGrid& grid, const LightGridRepor
   if (a.lines_from.empty())
     common.note(
         fmt::format("{} of {} segments are visible, {} of these join the two sides; the counts {} "
-                    "(change {:.1f} "
-                    "%).",
+                    "(change {:.1f} %).",
                     report.visible, report.drawn, report.kept,
                     report.settled ? "have settled" : "had not settled when the budget was spent",
                     100 * report.change));
