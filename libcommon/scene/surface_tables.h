@@ -29,6 +29,9 @@ struct SurfaceTables {
   SurfaceFeatures features;
 };
 
+/// Its factors, without maps.
+shader::SurfaceMaterial surface_material(const Material& m);
+
 /// `radiance_unit`: a power of two; radiance in the tables is over it.
 SurfaceTables make_surfaces(const Scene& scene, double radiance_unit);
 

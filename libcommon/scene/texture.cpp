@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "libcommon/scene/srgb.h"
+#include "libcommon/scene/surface_tables.h"
 
 namespace tdpt {
 namespace {
@@ -186,16 +187,12 @@ Texel base_color_at(const Scene& scene, const SurfacePlace& place) {
   return out;
 }
 
-MaterialValues material_values_at(const Scene& scene, const SurfacePlace& place) {
+shader::SurfaceMaterial material_at(const Scene& scene, const SurfacePlace& place) {
   const Material& m = scene.material_of(place.triangle);
+  shader::SurfaceMaterial v = surface_material(m);
   const auto texel = [&](const TextureMap& map) { return lookup(scene, map, place); };
   const auto colour = [](const Texel& t) { return Rgb(t[0], t[1], t[2]); };
-  MaterialValues v{colour(base_color_at(scene, place)),
-                   m.metallic,
-                   m.roughness,
-                   m.specular,
-                   m.transmission,
-                   m.specular_color};
+  v.base_color = colour(base_color_at(scene, place));
   if (m.metallic_roughness_map) {
     const Texel t = texel(m.metallic_roughness_map);
     v.roughness *= t[1];
@@ -209,12 +206,12 @@ MaterialValues material_values_at(const Scene& scene, const SurfacePlace& place)
   }
   if (m.transmission_map) v.transmission *= texel(m.transmission_map)[0];
   if (m.sheened()) {
-    v.sheen_color = m.sheen_color * colour(texel(m.sheen_color_map));
-    v.sheen_roughness = m.sheen_roughness * texel(m.sheen_roughness_map)[3];
+    v.sheen_color = v.sheen_color * colour(texel(m.sheen_color_map));
+    v.sheen_roughness *= texel(m.sheen_roughness_map)[3];
   }
   if (m.coat > 0) {
-    v.coat = m.coat * texel(m.coat_map)[0];
-    v.coat_roughness = m.coat_roughness * texel(m.coat_roughness_map)[1];
+    v.coat *= texel(m.coat_map)[0];
+    v.coat_roughness *= texel(m.coat_roughness_map)[1];
   }
   return v;
 }

@@ -5,6 +5,7 @@
 #include <array>
 
 #include "libcommon/scene/scene.h"
+#include "shaders/shared/path/surface_layout.h"
 
 namespace tdpt {
 
@@ -20,15 +21,8 @@ std::array<float, 4> lookup(const Scene& scene, const TextureMap& map, const Sur
 /// Base colour with alpha: factor x texture x vertex colour. Linear, each in [0,1].
 std::array<float, 4> base_color_at(const Scene& scene, const SurfacePlace& place);
 
-/// What factors, textures and vertex colours make of a material at one place; names and ranges as
-/// in Material.
-struct MaterialValues {
-  Rgb base_color;
-  float metallic, roughness, specular, transmission;
-  Rgb specular_color, sheen_color{};
-  float sheen_roughness = 0, coat = 0, coat_roughness = 0;
-};
-MaterialValues material_values_at(const Scene& scene, const SurfacePlace& place);
+/// A place's material: all that textures and vertex colours say is in its factors.
+shader::SurfaceMaterial material_at(const Scene& scene, const SurfacePlace& place);
 
 /// Radiance of the front side [W/m2/sr]: factor x texture.
 Rgb emission_at(const Scene& scene, const SurfacePlace& place);

@@ -83,6 +83,17 @@ SHARED float turns_of(float y, float x) {
   return y < 0.0f ? -turns : turns;
 }
 
+#ifdef __cplusplus
+
+inline double exponential(double x) {
+  return std::exp(x);
+}
+inline double power(double x, double y) {
+  return std::pow(x, y);
+}
+
+#endif
+
 SHARED_END
 
 #include "shaders/shared/language_end.h"

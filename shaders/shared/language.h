@@ -11,7 +11,10 @@
 // in one expression: C++ leaves their order open. Write a constant as one number: GLSL's compiler
 // works out 23.0f * 1.07f in more digits than a float has.
 //
-// What the CPU counts in doubles and a device in floats is a GENERIC text over REAL and VEC3.
+// What the CPU counts in doubles and a device in floats is one text over REAL and VEC3: free
+// functions are GENERIC, and a text that stands in a struct's body in C++ takes the struct's own
+// `Real`. Its literals have their f where a float holds them exactly or a little more or less
+// changes nothing; any other is REAL(0.04). Records that are stored hold floats: VEC3(record.color).
 #include "shaders/shared/types.h"
 
 #ifdef __cplusplus
@@ -24,6 +27,7 @@
 #define CACHE_LINE alignas(64)
 #define OUT(type) type&    // a parameter that is written
 #define INOUT(type) type&  // a parameter that is read and written
+#define IN(type) const type&  // a large one that is read
 #define GENERIC_STRUCT  \
   template <class Real> \
   struct
@@ -45,6 +49,7 @@
 #define CACHE_LINE
 #define OUT(type) out type
 #define INOUT(type) inout type
+#define IN(type) type
 #define GENERIC_STRUCT struct
 #define GENERIC
 #define REAL float
@@ -55,3 +60,5 @@
 #define cross exact_cross
 
 #endif
+
+#define INVERSE_PI REAL(0.318309886183790672)

@@ -7,6 +7,8 @@
 #undef CACHE_LINE
 #undef OUT
 #undef INOUT
+#undef IN
+#undef INVERSE_PI
 #undef GENERIC_STRUCT
 #undef GENERIC
 #undef REAL

@@ -71,6 +71,9 @@ inline double reciprocal(double x) {
 inline double root(double x) {
   return std::sqrt(std::max(x, 0.0));
 }
+inline double inverse_root(double x) {
+  return 1 / std::sqrt(x);
+}
 inline double either_sign(double x) {
   return std::copysign(1.0, x);
 }

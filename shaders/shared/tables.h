@@ -35,6 +35,7 @@
   TABLE(FaceCorners, face_corners, face_corners)                \
   TABLE(CornerAttributes, corner_attributes, corner_attributes) \
   TABLE(float, surface_curve, surface_curves)                   \
+  TABLE(float, sheen_curve, sheen_curves)                       \
   TABLES_OF_COVERAGE(TABLE)
 #define TABLES_OF_LIGHTS(TABLE)                 \
   TABLE(uint, light_word, light_words)          \

@@ -69,6 +69,13 @@ using std::abs;
 using std::floor;
 using std::max;
 using std::min;
+// Of a text in doubles, against a literal.
+constexpr double max(double a, float b) {
+  return max(a, double{b});
+}
+constexpr double min(double a, float b) {
+  return min(a, double{b});
+}
 
 inline uint floatBitsToUint(float x) {
   return std::bit_cast<uint>(x);

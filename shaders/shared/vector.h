@@ -25,6 +25,25 @@ SHARED float luminance(vec3 c) {
   return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z;
 }
 
+GENERIC VEC3 normalized(VEC3 v) {
+  return v * inverse_root(max(dot(v, v), 1e-37f));
+}
+GENERIC REAL largest(VEC3 c) {
+  return max(max(c.x, c.y), c.z);
+}
+GENERIC REAL sum_of(VEC3 c) {
+  return c.x + c.y + c.z;
+}
+GENERIC bool is_zero(VEC3 v) {
+  return v.x == 0.0f && v.y == 0.0f && v.z == 0.0f;
+}
+GENERIC bool is_positive(VEC3 c) {
+  return c.x > 0.0f || c.y > 0.0f || c.z > 0.0f;
+}
+GENERIC VEC3 not_below_0(VEC3 c) {
+  return VEC3(max(c.x, 0.0f), max(c.y, 0.0f), max(c.z, 0.0f));
+}
+
 /// An orthonormal basis.
 GENERIC_STRUCT Onb {
   VEC3 x;

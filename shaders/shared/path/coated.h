@@ -1,24 +1,26 @@
-// A surface with or without a clear coat as one, each about its own normal: the text of
-// tools/tdpt-render/path/bsdf/coated.cpp in floats. Where there is no coat, it is taken with
-// probability 0.
+// A surface with or without a clear coat as one: both scatter, each about its own normal.
+//
+// The coat's normal is not bent by what bends the surface under it, or by a map of its own; light
+// above the one normal may be below the other, and then only one of them scatters it. The coat is
+// taken with a probability that depends on `back` alone; where there is none, with 0.
 //
 // Read behind bsdf.h, within the same scope.
 
 #include "shaders/shared/language.h"
 
-SHARED bool same_normals(Point p) MEMBER_CONST {
-  return p.bsdf.coat.normal == vec3(0.0f, 0.0f, 1.0f);
+SHARED bool same_normals(IN(Point) p) MEMBER_CONST {
+  return VEC3(p.bsdf.coat.normal) == VEC3(0.0f, 0.0f, 1.0f);
 }
 
 /// A direction as both see it.
 struct Seen {
-  float side;  ///< cosine to the geometric normal
-  vec3 base;
-  vec3 coat;  ///< mirrored to the front
+  REAL side;  ///< cosine to the geometric normal
+  VEC3 base;
+  VEC3 coat;  ///< mirrored to the front
   bool on_base;
   bool on_coat;
 };
-SHARED Seen seen_from(Point p, vec3 w) MEMBER_CONST {
+SHARED Seen seen_from(IN(Point) p, VEC3 w) MEMBER_CONST {
   Seen seen;
   seen.side = dot(p.normal, w);
   bool below = seen.side < 0.0f;
@@ -27,17 +29,17 @@ SHARED Seen seen_from(Point p, vec3 w) MEMBER_CONST {
   seen.coat = seen.base;
   seen.on_coat = false;
   if (!has_coat(p.bsdf)) return seen;
-  if (!same_normals(p)) seen.coat = to_local(onb_about(p.bsdf.coat.normal), seen.base);
+  if (!same_normals(p)) seen.coat = to_local(onb_about(VEC3(p.bsdf.coat.normal)), seen.base);
   seen.on_coat = below ? seen.coat.z < 0.0f : seen.side > 0.0f && seen.coat.z > 0.0f;
   bool inside = below && !p.bsdf.thin && transmits(p.bsdf);
   seen.on_coat = seen.on_coat && !inside;
   if (below) seen.coat.z = -seen.coat.z;
   return seen;
 }
-SHARED bool both_on_base(Seen a, Seen b) MEMBER_CONST {
+SHARED bool both_on_base(IN(Seen) a, IN(Seen) b) MEMBER_CONST {
   return a.on_base && b.on_base;
 }
-SHARED bool both_on_coat(Seen a, Seen b) MEMBER_CONST {
+SHARED bool both_on_coat(IN(Seen) a, IN(Seen) b) MEMBER_CONST {
   return a.on_coat && b.on_coat && (a.side < 0.0f) == (b.side < 0.0f);
 }
 
@@ -46,18 +48,18 @@ struct Standing {
   Seen seen;
   View view;
   Shares shares;
-  float coat;  ///< that the coat is taken
+  REAL coat;  ///< that the coat is taken
 };
 
 /// In proportion to what the coat reflects and what else leaves.
-SHARED float coat_probability(Bsdf b, Seen from, View view) MEMBER_CONST {
+SHARED REAL coat_probability(IN(Bsdf) b, IN(Seen) from, IN(View) view) MEMBER_CONST {
   if (!from.on_coat) return 0.0f;
   if (!from.on_base) return 1.0f;
   // Facets reflect more than their mean at some angles.
-  float e = 1.0f - coat_left_over(b.coat, from.coat.z) + 0.02f * b.coat.strength;
+  REAL e = 1.0f - coat_left_over(b.coat, from.coat.z) + REAL(0.02) * b.coat.strength;
   return 3.0f * e * reciprocal(max(3.0f * e + sum_of(bsdf_albedo(b, view)), 1e-30f));
 }
-SHARED Standing standing_at(Point p, vec3 back) MEMBER_CONST {
+SHARED Standing standing_at(IN(Point) p, VEC3 back) MEMBER_CONST {
   Standing here;
   here.seen = seen_from(p, back);
   here.view = view_of(p.bsdf, here.seen.base);
@@ -69,25 +71,25 @@ SHARED Standing standing_at(Point p, vec3 back) MEMBER_CONST {
 /// What leads from `back` to `to`: of the surface and of its coat, where their normals differ each
 /// with its own cosines.
 struct Layers {
-  vec3 base;    ///< f, or reflectance of basic radiance
-  float coat;   ///< the same of the coat, colourless
-  float pdf_w;  ///< or probability
+  VEC3 base;    ///< f, or reflectance of basic radiance
+  REAL coat;   ///< the same of the coat, colourless
+  REAL pdf_w;  ///< or probability
 };
 
 /// Which Dirac lobe leads there where both are smooth: both do if their normals are the same, else
 /// the one whose normal is nearer to the half vector.
-SHARED bool coat_is_nearer(Point p, Seen back, Seen to) MEMBER_CONST {
-  vec3 h = back.base + to.base;
-  return abs(dot(h, p.bsdf.coat.normal)) > abs(h.z);
+SHARED bool coat_is_nearer(IN(Point) p, IN(Seen) back, IN(Seen) to) MEMBER_CONST {
+  VEC3 h = back.base + to.base;
+  return abs(dot(h, VEC3(p.bsdf.coat.normal))) > abs(h.z);
 }
 
-SHARED Layers layers_between(Point p, Standing here, Seen to, bool dirac) MEMBER_CONST {
+SHARED Layers layers_between(IN(Point) p, IN(Standing) here, IN(Seen) to, bool dirac) MEMBER_CONST {
   Seen back = here.seen;
   Layers layers;
-  layers.base = vec3(0.0f);
+  layers.base = VEC3(0.0f);
   layers.coat = 0.0f;
   layers.pdf_w = 0.0f;
-  float taken = here.coat;
+  REAL taken = here.coat;
   if (both_on_base(back, to)) {
     Lobes lobes = bsdf_lobes(p.bsdf, here.view, here.shares, to.base, dirac);
     layers.base = lobes.f;
@@ -102,22 +104,22 @@ SHARED Layers layers_between(Point p, Standing here, Seen to, bool dirac) MEMBER
     if (base_leads && !same_normals(p) && !coat_is_nearer(p, back, to)) return layers;
     bool alone = !base_leads || !same_normals(p);
     layers.coat = coat_reflectance(p.bsdf.coat, back.coat.z);
-    layers.base = alone ? vec3(0.0f) : layers.base;
+    layers.base = alone ? VEC3(0.0f) : layers.base;
     layers.pdf_w = alone ? taken : layers.pdf_w + taken;
   }
   return layers;
 }
 
 /// As bsdf_turn(), with `to` in the shading frame; `by_coat`: which of the two was taken.
-SHARED bool coated_turn(Point p, Standing here, float u, float v, float choice, OUT(vec3) to,
+SHARED bool coated_turn(IN(Point) p, IN(Standing) here, REAL u, REAL v, REAL choice, OUT(VEC3) to,
                         OUT(bool) dirac, OUT(bool) by_coat) MEMBER_CONST {
-  float taken = here.coat;
+  REAL taken = here.coat;
   by_coat = choice < taken;
   if (!by_coat) {
-    to = vec3(0.0f);
+    to = VEC3(0.0f);
     dirac = false;
     if (!here.seen.on_base) return false;
-    float rest = choice;
+    REAL rest = choice;
     if (taken > 0.0f)
       rest = min((choice - taken) * reciprocal(max(1.0f - taken, 1e-30f)), 0.99999994f);
     return bsdf_turn(p.bsdf, here.view, here.shares, rest, u, v, to, dirac);
@@ -125,26 +127,26 @@ SHARED bool coated_turn(Point p, Standing here, float u, float v, float choice, 
   dirac = coat_smooth(p.bsdf.coat);
   if (!coat_turn(p.bsdf.coat, here.seen.coat, u, v, to)) return false;
   if (here.seen.side < 0.0f) to.z = -to.z;
-  if (!same_normals(p)) to = to_world(onb_about(p.bsdf.coat.normal), to);
+  if (!same_normals(p)) to = to_world(onb_about(VEC3(p.bsdf.coat.normal)), to);
   return true;
 }
 
-SHARED vec3 coated_albedo(Point p, Standing here) MEMBER_CONST {
-  vec3 albedo = vec3(0.0f);
+SHARED VEC3 coated_albedo(IN(Point) p, IN(Standing) here) MEMBER_CONST {
+  VEC3 albedo = VEC3(0.0f);
   if (here.seen.on_base || !has_coat(p.bsdf)) albedo = bsdf_albedo(p.bsdf, here.view);
-  if (here.seen.on_coat) albedo += vec3(1.0f - coat_left_over(p.bsdf.coat, here.seen.coat.z));
+  if (here.seen.on_coat) albedo += VEC3(1.0f - coat_left_over(p.bsdf.coat, here.seen.coat.z));
   return albedo;
 }
 
-SHARED Odds coated_odds(Point p, Standing here) MEMBER_CONST {
-  Odds odds;
+SHARED OF_REAL(Odds) coated_odds(IN(Point) p, IN(Standing) here) MEMBER_CONST {
+  OF_REAL(Odds) odds;
   odds.dirac = 0.0f;
   odds.broad = 1.0f;
   if (here.seen.on_base) odds = bsdf_odds(p.bsdf, here.view, here.shares);
   if (!has_coat(p.bsdf)) return odds;
-  float taken = here.coat;
-  odds.dirac = (1.0f - taken) * odds.dirac + (coat_smooth(p.bsdf.coat) ? taken : 0.0f);
-  odds.broad = (1.0f - taken) * odds.broad + (p.bsdf.coat.alpha >= kNarrowAlpha ? taken : 0.0f);
+  REAL taken = here.coat;
+  odds.dirac = (1.0f - taken) * odds.dirac + (coat_smooth(p.bsdf.coat) ? taken : REAL(0.0f));
+  odds.broad = (1.0f - taken) * odds.broad + (p.bsdf.coat.alpha >= kNarrowAlpha ? taken : REAL(0.0f));
   if (odds.dirac > 0.0f) odds.broad = 1.0f;
   return odds;
 }

@@ -97,8 +97,8 @@ SHARED float guide_chance(uint from, Point v, vec3 back) MEMBER_CONST {
 }
 
 /// b and 1 - m of a walk that came from `back`.
-SHARED Odds guide_odds(Point at, vec3 back) MEMBER_CONST {
-  Odds odds;
+SHARED OF_FLOAT(Odds) guide_odds(Point at, vec3 back) MEMBER_CONST {
+  OF_FLOAT(Odds) odds;
   odds.dirac = 0.0f;
   odds.broad = 1.0f;
   if (at.simple || is_zero(back)) return odds;
@@ -149,7 +149,7 @@ SHARED float guide_chance_at(uint from, float albedo) MEMBER_CONST {
 /// Of a walk that leaves along an edge with this crossing: the guided density [1/canonical area]
 /// from the plain one. W: of what it may aim at; q: that it aims, scope: Odds of where it scatters;
 /// per_area: |cos| / d^2 at the edge's other end.
-SHARED float guided_pdf_A(uint from, float W, float q, Odds scope, float plain_A, float per_area,
+SHARED float guided_pdf_A(uint from, float W, float q, OF_FLOAT(Odds) scope, float plain_A, float per_area,
                           Crossing crossing) MEMBER_CONST {
   if (!(plain_A > 0.0f && guide_first_chance(from) > 0.0f && W > 0.0f)) return plain_A;
   float by_surface = (1.0f - q * scope.broad) * plain_A;

@@ -1,6 +1,9 @@
-// Directional albedo of the specular lobe with Schlick's F, E = f0 a + f90 b: the tables of
-// tools/tdpt-render/path/bsdf/interface_albedo.cpp, linear between nodes in mu^(1/4) and
-// alpha^(1/4).
+// How much a reflecting interface takes away from what lies under it: directional albedo of the
+// specular lobe with Schlick's F = f0 + (f90 - f0)(1 - c)^5,
+//   E(mu) = f0 A(mu, alpha) + f90 B(mu, alpha),   E_avg = 2 int E(mu) mu dmu.
+// A and B are those of a table [tools/tdpt-render/path/bsdf/interface_table.cpp], linear between
+// nodes in mu^(1/4) and alpha^(1/4), within 0.002 where mu > 0.05; its averages are those of the
+// linear interpolant, so that int (1 - E) mu dmu is exact. alpha = 0 is Schlick's curve itself.
 //
 // Read within a scope that has load_surface_curve(); fresnel.h and surface_layout.h come before.
 
@@ -8,19 +11,19 @@
 
 /// E = f0 a + f90 b.
 struct InterfaceAlbedo {
-  float a;
-  float b;
+  REAL a;
+  REAL b;
 };
 
 /// Node below x^(1/4), x in [0,1], and the way from it to the next.
-SHARED uint interface_node(float x, uint nodes, OUT(float) rest) MEMBER_CONST {
-  float t = root(root(min(max(x, 0.0f), 1.0f))) * float(nodes - 1u);
+SHARED uint interface_node(REAL x, uint nodes, OUT(REAL) rest) MEMBER_CONST {
+  REAL t = root(root(min(max(x, 0.0f), 1.0f))) * REAL(nodes - 1u);
   uint i = min(uint(t), nodes - 2u);
-  rest = t - float(i);
+  rest = t - REAL(i);
   return i;
 }
 
-SHARED InterfaceAlbedo interface_between(uint i, uint j, float rest) MEMBER_CONST {
+SHARED InterfaceAlbedo interface_between(uint i, uint j, REAL rest) MEMBER_CONST {
   InterfaceAlbedo e;
   e.a = load_surface_curve(i) + (load_surface_curve(j) - load_surface_curve(i)) * rest;
   e.b =
@@ -29,16 +32,16 @@ SHARED InterfaceAlbedo interface_between(uint i, uint j, float rest) MEMBER_CONS
 }
 
 /// At cosine `mu` in [0,1] to the normal; alpha in [0,1].
-SHARED InterfaceAlbedo interface_albedo(float mu, float alpha) MEMBER_CONST {
+SHARED InterfaceAlbedo interface_albedo(REAL mu, REAL alpha) MEMBER_CONST {
   InterfaceAlbedo e;
   if (!(alpha > 0.0f)) {
-    FresnelCurve f = schlick_curve(mu);
+    OF_REAL(FresnelCurve) f = schlick_curve(mu);
     e.a = f.rest;
     e.b = f.part;
     return e;
   }
-  float s;
-  float t;
+  REAL s;
+  REAL t;
   uint k = interface_node(alpha, kInterfaceAlphas, s);
   uint i = 2u * (k * kInterfaceCosines + interface_node(mu, kInterfaceCosines, t));
   uint j = i + 2u * kInterfaceCosines;
@@ -50,12 +53,12 @@ SHARED InterfaceAlbedo interface_albedo(float mu, float alpha) MEMBER_CONST {
 }
 
 /// Average over cosine-distributed directions.
-SHARED InterfaceAlbedo interface_albedo_average(float alpha) MEMBER_CONST {
+SHARED InterfaceAlbedo interface_albedo_average(REAL alpha) MEMBER_CONST {
   InterfaceAlbedo e;
-  e.a = 0.952380952f;
-  e.b = 0.0476190476f;
+  e.a = REAL(0.952380952380952381);
+  e.b = REAL(0.0476190476190476190);
   if (!(alpha > 0.0f)) return e;
-  float s;
+  REAL s;
   uint k = kInterfaceAverages + 2u * interface_node(alpha, kInterfaceAlphas, s);
   return interface_between(k, k + 2u, s);
 }

@@ -1,54 +1,9 @@
 // From a place on a face to a point of a path: the text of place_on_surface() of
-// tools/tdpt-render/path/sample/surface.cpp in floats.
+// tools/tdpt-render/path/sample/surface.cpp in floats; and what surfaces say of a point.
 //
-// Read behind maps.h and bsdf.h, within the same scope.
+// Read behind maps.h and material.h, within the same scope.
 
 #include "shaders/shared/language.h"
-
-/// `color` and nothing else.
-SHARED Bsdf diffuse_bsdf(vec3 color) MEMBER_CONST {
-  Bsdf b;
-  b.diffuse = color;
-  b.f0 = vec3(0.0f);
-  b.f90 = vec3(0.0f);
-  b.through = vec3(0.0f);
-  b.alpha = 1.0f;
-  b.eta = 1.0f;
-  b.thin = false;
-  b.sheen = vec3(0.0f);
-  b.sheen_alpha = 0.0f;
-  b.coat.strength = 0.0f;
-  b.coat.alpha = 0.0f;
-  b.coat.normal = vec3(0.0f, 0.0f, 1.0f);
-  b.under_coat = vec3(1.0f);
-  return b;
-}
-
-/// Of material_at().
-SHARED Bsdf bsdf_of(SurfaceMaterial m) MEMBER_CONST {
-  float dielectric = 1.0f - m.metallic;
-  float r = (m.ior - 1.0f) * reciprocal(m.ior + 1.0f);
-  vec3 f0 = m.specular_color * (r * r);
-  f0 = vec3(min(f0.x, 1.0f), min(f0.y, 1.0f), min(f0.z, 1.0f)) * m.specular;
-  Bsdf b = diffuse_bsdf(m.base_color * (dielectric * (1.0f - m.transmission)));
-  b.f0 = m.base_color * m.metallic + f0 * dielectric;
-  b.f90 = vec3(m.metallic + (m.ior != 1.0f ? m.specular * dielectric : 0.0f));
-  if (scene_has_textures && (m.flags & MATERIAL_GLOSSY_MAP) != 0u)
-    b.diffuse = b.diffuse * max(1.0f - largest(m.specular_color), 0.0f);
-  bool pane = scene_has_panes && m.pane_share > 0.0f;
-  if (!pane) b.through = m.base_color * (dielectric * m.transmission);  // past a pane rays go by
-  b.alpha = m.roughness * m.roughness;
-  b.eta = m.ior;
-  b.thin = (m.flags & MATERIAL_SOLID) == 0u;
-  if (scene_has_sheen && is_positive(m.sheen_color)) {
-    float roughness = max(m.sheen_roughness, 0.07f);
-    b.sheen = m.sheen_color;
-    b.sheen_alpha = roughness * roughness;
-  }
-  b.coat.strength = m.coat;
-  b.coat.alpha = m.coat_roughness * m.coat_roughness;
-  return b;
-}
 
 SHARED void add_layers(Face face, SurfaceMaterial m, SurfacePlace at, INOUT(Point) p) MEMBER_CONST {
   p.simple = false;
@@ -62,13 +17,7 @@ SHARED void add_layers(Face face, SurfaceMaterial m, SurfacePlace at, INOUT(Poin
     p.shading = k == 0u ? n : p.shading;
     coat_normal = n;
   }
-  if ((m.flags & MATERIAL_PLAIN) != 0u) return;
-  p.bsdf = bsdf_of(m);
-  p.connectible = bsdf_connectible(p.bsdf);
-  if (!has_coat(p.bsdf)) return;
-  p.connectible = p.connectible || !coat_smooth(p.bsdf.coat);
-  if (bent_coat) p.bsdf.coat.normal = normalized(to_local(onb_about(p.shading), coat_normal));
-  if (is_positive(p.bsdf.diffuse)) p.bsdf.under_coat = average_under_coat(p.bsdf);
+  if ((m.flags & MATERIAL_PLAIN) == 0u) put_material(m, bent_coat, coat_normal, p);
 }
 
 /// Puts `p` on a face, at barycentrics b1, b2 of its second and third corner.
@@ -100,6 +49,27 @@ SHARED void place_on_surface(uint triangle, float b1, float b2, OUT(Point) p) ME
   p.emission = m.emission;
   if (!is_zero(p.emission))
     p.source = (m.flags & MATERIAL_DOUBLE_SIDED) != 0u ? SOURCE_BOTH : SOURCE_FRONT;
+}
+
+/// Probability that a ray along `w`, of any length, finds a pane; 1 of all else.
+SHARED float presence_at(uint triangle, vec3 w) MEMBER_CONST {
+  if (!scene_has_panes) return 1.0f;
+  SurfaceMaterial m = load_material(load_face(triangle).material);
+  if (!(m.pane_share > 0.0f)) return 1.0f;
+  vec3 unit = normalized(brought_near_1(w));
+  OF_FLOAT(FresnelCurve) f = schlick_curve(min(abs(dot(load_face(triangle).normal, unit)), 1.0f));
+  return 1.0f - m.pane_share * ((1.0f - m.pane_f90) + (m.pane_f90 - m.pane_f0) * f.rest);
+}
+
+SHARED float presence_of(Point p, vec3 w) MEMBER_CONST {
+  return max(presence_at(p.triangle, w), 1e-6f);
+}
+SHARED bool is_in_sky(Point p) MEMBER_CONST {
+  return p.source == SOURCE_SKY;
+}
+SHARED vec3 absorption_of(Point p) MEMBER_CONST {
+  SurfaceMaterial m = load_material(p.material);
+  return (m.flags & MATERIAL_ABSORBS) != 0u ? m.absorption : vec3(0.0f);
 }
 
 #include "shaders/shared/language_end.h"

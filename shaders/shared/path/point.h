@@ -27,24 +27,23 @@ const uint SOURCE_BOTH = 2u;   ///< on both sides
 const uint SOURCE_SKY = 3u;
 const uint SOURCE_LAMPS = 4u;  ///< from here on: lamp source - SOURCE_LAMPS of the table of lamps
 
-/// tdpt::Coat.
 struct Coat {
   float strength;  ///< [0,1]; 0: none
   float alpha;     ///< GGX; below 1e-4: smooth
   vec3 normal;     ///< unit, in the shading frame of what lies under it
 };
 
-/// tdpt::Bsdf [tools/tdpt-render/path/bsdf/bsdf.h].
+/// How a place scatters [bsdf.h].
 struct Bsdf {
-  vec3 diffuse;
-  vec3 f0;
-  vec3 f90;
-  vec3 through;
-  float alpha;
-  float eta;
-  bool thin;
-  vec3 sheen;
-  float sheen_alpha;
+  vec3 diffuse;       ///< colour under the interface, [0,1]
+  vec3 f0;            ///< reflectance of the interface at normal incidence
+  vec3 f90;           ///< and at grazing incidence (Schlick); all 0: no interface
+  vec3 through;       ///< colour of what goes through; 0: opaque
+  float alpha;        ///< GGX, [0,1]; below 1e-4, or for |eta - 1| < 1e-4 in a solid: smooth
+  float eta;          ///< index behind the front side / before it; used when it transmits
+  bool thin;          ///< transmits straight on, without refraction
+  vec3 sheen;         ///< colour, [0,1]
+  float sheen_alpha;  ///< squared roughness; 0: no sheen
   Coat coat;
   vec3 under_coat;  ///< average of what interface and coat leave to the diffuse lobe, if coated
 };
@@ -125,27 +124,17 @@ struct Outlook {
 };
 
 /// The next direction of a walk.
-struct Turn {
-  vec3 w;       ///< unit
-  vec3 weight;  ///< f cos / pdf_w
+GENERIC_STRUCT Turn {
+  VEC3 w;       ///< unit
+  VEC3 weight;  ///< f cos / pdf_w
   bool dirac;
 };
 
 /// Of a walk that scatters at a point.
-struct Odds {
-  float dirac;  ///< that a Dirac lobe is tried
-  float broad;  ///< that a lobe is taken which is not narrow; 1 where some lobe is Dirac
+GENERIC_STRUCT Odds {
+  REAL dirac;  ///< that a Dirac lobe is tried
+  REAL broad;  ///< that a lobe is taken which is not narrow; 1 where some lobe is Dirac
 };
-
-SHARED vec3 normalized(vec3 v) {
-  return v * inverse_root(max(dot(v, v), 1e-37f));
-}
-SHARED float largest(vec3 c) {
-  return max(max(c.x, c.y), c.z);
-}
-SHARED bool is_zero(vec3 v) {
-  return v.x == 0.0f && v.y == 0.0f && v.z == 0.0f;
-}
 
 SHARED_END
 

@@ -17,8 +17,8 @@ SHARED float albedo_at(Point p, vec3 back) MEMBER_CONST {
   float layered = min(p.bsdf.sheen_alpha + 0.1f * abs(dot(p.normal, back)), 1.0f);
   return p.simple ? min(max(largest(p.color), 0.05f), 1.0f) : layered;
 }
-SHARED Odds odds_at(Point p, vec3 back) MEMBER_CONST {
-  Odds odds;
+SHARED OF_FLOAT(Odds) odds_at(Point p, vec3 back) MEMBER_CONST {
+  OF_FLOAT(Odds) odds;
   odds.dirac = p.bsdf.coat.strength;
   odds.broad = p.bsdf.coat.alpha * abs(dot(p.normal, back));
   return odds;

@@ -1,72 +1,88 @@
-// Sheen of cloth in floats [tools/tdpt-render/path/bsdf/sheen.h]: D V min(N(v), N(w)).
+// Sheen of cloth, as KHR_materials_sheen has it: fibres that stand up, brightest at grazing angles.
 //
-// Read within a scope that has load_surface_curve(); elementary.h, ggx.h and surface_layout.h come
-// before.
+// Shading frame, directions unit, on the side of z > 0; h the half vector, a = roughness^2.
+//   D(h)    = (2 + 1/a) sin(h)^(1/a) / (2 pi)                         (Estevez & Kulla 2017)
+//   V(v, w) = 1 / ((1 + L(v) + L(w)) 4 v_z w_z), L their fitted masking
+// D V sends more than it receives at grazing angles and small roughness. There it is scaled:
+//   f(v, w) = D V min(N(v), N(w)),  N = min(1, 1/E0),  E0 the directional albedo of D V,
+// which changes nothing where E0 <= 1: at any angle for roughness of at least 0.25. E0 and the
+// albedo of f are tables [tools/tdpt-render/path/bsdf/sheen_table.cpp], linear between nodes in
+// mu^(1/3) and roughness.
+//
+// Read within a scope that has load_sheen_curve(); elementary.h and surface_layout.h come before.
 
 #include "shaders/shared/language.h"
 
 /// Of Estevez & Kulla's fit: L = a / (1 + b x^c) + d x + e.
 struct SheenMasking {
-  float a;
-  float b;
-  float c;
-  float d;
-  float e;
+  REAL a;
+  REAL b;
+  REAL c;
+  REAL d;
+  REAL e;
 };
 
-SHARED SheenMasking sheen_masking(float alpha) MEMBER_CONST {
-  float t = (1.0f - alpha) * (1.0f - alpha);
+SHARED SheenMasking sheen_masking(REAL alpha) MEMBER_CONST {
+  REAL t = (1.0f - alpha) * (1.0f - alpha);
   SheenMasking m;
-  m.a = 21.5473f + t * 3.7772f;
-  m.b = 3.82987f - t * 0.50552f;
-  m.c = 0.19823f - t * 0.03022f;
-  m.d = -1.97760f + t * 0.70367f;
-  m.e = -4.32054f - t * 0.53913f;
+  m.a = REAL(21.5473) + t * REAL(3.7772);
+  m.b = REAL(3.82987) - t * REAL(0.50552);
+  m.c = REAL(0.19823) - t * REAL(0.03022);
+  m.d = REAL(-1.97760) + t * REAL(0.70367);
+  m.e = REAL(-4.32054) - t * REAL(0.53913);
   return m;
 }
-SHARED float sheen_fit(SheenMasking m, float x) MEMBER_CONST {
+SHARED REAL sheen_fit(SheenMasking m, REAL x) MEMBER_CONST {
   return m.a * reciprocal(1.0f + m.b * power(x, m.c)) + m.d * x + m.e;
 }
-SHARED float sheen_masks(SheenMasking m, float cosine) MEMBER_CONST {
+SHARED REAL sheen_masks(SheenMasking m, REAL cosine) MEMBER_CONST {
   bool steep = cosine < 0.5f;
-  float own = sheen_fit(m, steep ? cosine : 1.0f - cosine);
+  REAL own = sheen_fit(m, steep ? cosine : 1.0f - cosine);
   return exponential(steep ? own : 2.0f * sheen_fit(m, 0.5f) - own);
 }
 
 /// The table at `first`, linear between nodes in mu^(1/3) and roughness.
-SHARED float sheen_table(uint first, float mu, float alpha) MEMBER_CONST {
-  float x = power(min(max(mu, 0.0f), 1.0f), 0.333333333f) * float(kSheenCosines - 1u);
-  float r = (root(alpha) - 0.07f) * 24.7311828f;
-  r = min(max(r, 0.0f), float(kSheenRoughnesses - 1u));
+SHARED REAL sheen_table(uint first, REAL mu, REAL alpha) MEMBER_CONST {
+  REAL x = power(min(max(mu, 0.0f), 1.0f), REAL(0.333333333333333333)) * REAL(kSheenCosines - 1u);
+  REAL r = (root(alpha) - kLeastSheenRoughness) * REAL(24.7311827956989247);
+  r = min(max(r, 0.0f), REAL(kSheenRoughnesses - 1u));
   uint column = min(uint(x), kSheenCosines - 2u);
   uint row = min(uint(r), kSheenRoughnesses - 2u);
-  x = x - float(column);
-  r = r - float(row);
+  x = x - REAL(column);
+  r = r - REAL(row);
   uint i = first + row * kSheenCosines + column;
   uint j = i + kSheenCosines;
-  float p = load_surface_curve(i) + (load_surface_curve(i + 1u) - load_surface_curve(i)) * x;
-  float q = load_surface_curve(j) + (load_surface_curve(j + 1u) - load_surface_curve(j)) * x;
+  REAL p = load_sheen_curve(i) + (load_sheen_curve(i + 1u) - load_sheen_curve(i)) * x;
+  REAL q = load_sheen_curve(j) + (load_sheen_curve(j + 1u) - load_sheen_curve(j)) * x;
   return p + (q - p) * r;
 }
 
+/// D; also where v and w almost oppose each other.
+SHARED REAL sheen_distribution(VEC3 v, VEC3 w, REAL alpha) MEMBER_CONST {
+  VEC3 h = v + w;
+  REAL flat_part = h.x * h.x + h.y * h.y;
+  REAL sin2 = min(flat_part * reciprocal(max(flat_part + h.z * h.z, 1e-30f)), 1.0f);
+  REAL over_alpha = reciprocal(alpha);
+  return (2.0f + over_alpha) * power(sin2, 0.5f * over_alpha) * (0.5f * INVERSE_PI);
+}
+/// V; `masks`: L(v) + L(w).
+SHARED REAL sheen_visibility(REAL cos_v, REAL cos_w, REAL masks) MEMBER_CONST {
+  return 0.25f * reciprocal((1.0f + masks) * cos_v * cos_w);
+}
+
 /// For a white sheen [1/sr]; 0 where a cosine is less than 1e-6.
-SHARED float sheen_f(vec3 v, vec3 w, float alpha) MEMBER_CONST {
+SHARED REAL sheen_f(VEC3 v, VEC3 w, REAL alpha) MEMBER_CONST {
   if (!(v.z >= 1e-6f) || !(w.z >= 1e-6f)) return 0.0f;
-  vec3 h = v + w;
-  float flat_part = h.x * h.x + h.y * h.y;
-  float sin2 = min(flat_part * reciprocal(max(flat_part + h.z * h.z, 1e-30f)), 1.0f);
-  float over_alpha = reciprocal(alpha);
-  float d = (2.0f + over_alpha) * power(sin2, 0.5f * over_alpha) * (0.5f * kInversePi);
+  REAL d = sheen_distribution(v, w, alpha);
   SheenMasking m = sheen_masking(alpha);
-  float masks = sheen_masks(m, v.z) + sheen_masks(m, w.z);
-  float visibility = 0.25f * reciprocal((1.0f + masks) * v.z * w.z);
-  float unscaled =
-      max(sheen_table(kSheenUnscaled, v.z, alpha), sheen_table(kSheenUnscaled, w.z, alpha));
-  return d * visibility * (unscaled > 1.0f ? reciprocal(unscaled) : 1.0f);
+  REAL masks = sheen_masks(m, v.z) + sheen_masks(m, w.z);
+  REAL visibility = sheen_visibility(v.z, w.z, masks);
+  REAL unscaled = max(sheen_table(0u, v.z, alpha), sheen_table(0u, w.z, alpha));
+  return d * visibility * (unscaled > 1.0f ? reciprocal(unscaled) : REAL(1.0f));
 }
 
 /// Directional albedo at cosine `mu`.
-SHARED float sheen_albedo(float mu, float alpha) MEMBER_CONST {
+SHARED REAL sheen_albedo(REAL mu, REAL alpha) MEMBER_CONST {
   return sheen_table(kSheenAlbedos, mu, alpha);
 }
 

@@ -3,6 +3,7 @@
 // coverage_at() of coverage.h.
 //
 // Read within a scope that has
+//   Real, in C++                  float
 //   load_face(i) and all others of TABLES_OF_SURFACES [tables.h]
 //   bool scene_has_layers         some point is more than diffuse about the geometric normal
 //        scene_has_normals        some face has another shading normal than its own, but by maps
@@ -23,10 +24,14 @@
 
 #include "shaders/shared/path/coated.h"
 
+#include "shaders/shared/path/material.h"
+
 #include "shaders/shared/path/maps.h"
 
 #include "shaders/shared/path/place.h"
 
 #include "shaders/shared/path/scatter.h"
+
+#include "shaders/shared/path/scattering.h"
 
 #include "shaders/shared/coverage.h"

@@ -84,19 +84,20 @@ RECORD(FaceCorners)
   WORDS(float, u0, float, v0, float, u1, float, v1)
 RECORD(CornerAttributes)
 
-// surface_curves[]: tables of tools/tdpt-render/path/bsdf/{interface_albedo,sheen}.cpp, one after
-// the other, light over bytes, and the nodes of a quadrature.
+// surface_curves[]: the table of interface_albedo.h, light over bytes, and the nodes of a
+// quadrature. sheen_curves[]: those of sheen.h, where there is sheen.
 const uint kInterfaceCosines = 64u;  ///< nodes; two numbers each
 const uint kInterfaceAlphas = 48u;   ///< rows
 const uint kInterfaceAverages = 2u * kInterfaceCosines * kInterfaceAlphas;
-const uint kSheenCosines = 40u;
-const uint kSheenRoughnesses = 24u;
-const uint kSheenUnscaled = kInterfaceAverages + 2u * kInterfaceAlphas;
-const uint kSheenAlbedos = kSheenUnscaled + kSheenCosines * kSheenRoughnesses;
-const uint kLinearOfSrgb = kSheenAlbedos + kSheenCosines * kSheenRoughnesses;
+const uint kLinearOfSrgb = kInterfaceAverages + 2u * kInterfaceAlphas;
 const uint kGauss = kLinearOfSrgb + 256u;  ///< nodes 1/2 +- x of [0,1], and weights
 const uint kGaussNodes = 6u;
 const uint kSurfaceCurves = kGauss + 2u * kGaussNodes;
+const uint kSheenCosines = 40u;
+const uint kSheenRoughnesses = 24u;
+const uint kSheenAlbedos = kSheenCosines * kSheenRoughnesses;  ///< behind those of D V
+const uint kSheenCurves = 2u * kSheenAlbedos;
+const float kLeastSheenRoughness = 0.07f;  ///< less is taken for it
 
 #ifdef __cplusplus
 static_assert(sizeof(SurfaceMaterial) == 128 && sizeof(SurfaceMap) == 48 && sizeof(Face) == 64);

@@ -18,6 +18,7 @@ layout(std430, binding = 7) readonly buffer CoverageOf { uint coverage_of[]; };
 layout(std430, binding = 8) readonly buffer Coverages { Coverage coverages[]; };
 layout(std430, binding = 9) readonly buffer MapsOfMaterials { uint material_maps[]; };
 layout(std430, binding = 10) writeonly buffer Words { uint words[]; };
+layout(std430, binding = 11) readonly buffer SheenCurves { float sheen_curves[]; };
 layout(push_constant) uniform Parameters { uint triangles; };
 
 const bool scene_has_layers = true;

@@ -51,7 +51,7 @@ SHARED PlaceWords words_of_place(uint i, uint triangles) MEMBER_CONST {
   u = next_unit(rng);
   v = next_unit(rng);
   float choice = next_unit(rng);
-  Turn t;
+  OF_FLOAT(Turn) t;
   bool turns = turn(p, i & 1u, back, u, v, choice, t);
   put(words, turns);
   put(words, t.dirac);
@@ -72,7 +72,7 @@ SHARED PlaceWords words_of_place(uint i, uint triangles) MEMBER_CONST {
   }
   if (turn_towards(p, i & 1u, back, to, t)) put(words, t.weight);
   put(words, albedo_at(p, back));
-  Odds odds = odds_at(p, back);
+  OF_FLOAT(Odds) odds = odds_at(p, back);
   put(words, odds.dirac);
   put(words, odds.broad);
   put(words, emission_under_coat(p, back));

@@ -107,7 +107,7 @@ SHARED void keep_aims(INOUT(PathVertex) v, Aims aims) MEMBER_CONST {
 
 /// Density per area of the walk from `from` at a vertex, from that per solid angle. `albedo`,
 /// `scope`: as the vertex is seen from where the walk came.
-SHARED float scattered_pdf_A(uint from, PathVertex at, float albedo, Odds scope, float pdf_w,
+SHARED float scattered_pdf_A(uint from, PathVertex at, float albedo, OF_FLOAT(Odds) scope, float pdf_w,
                              float per_area, Crossing crossing) MEMBER_CONST {
   float plain_A = pdf_w * per_area;
   if (!scene_has_portals || !guide_active) return plain_A;
@@ -119,20 +119,20 @@ SHARED float emitted_pdf_A(uint source, vec3 normal, float aims_emitted, vec3 w,
                            Crossing crossing) MEMBER_CONST {
   float plain_A = emission_pdf_w(source, normal, w) * per_area;
   if (!scene_has_portals || !guide_active) return plain_A;
-  Odds all;
+  OF_FLOAT(Odds) all;
   all.dirac = 0.0f;
   all.broad = 1.0f;
   return guided_pdf_A(FROM_LIGHT, aims_emitted, render.guide_light, all, plain_A, per_area,
                       crossing);
 }
-SHARED Odds odds_onward(Scattering s) MEMBER_CONST {
-  Odds odds;
+SHARED OF_FLOAT(Odds) odds_onward(Scattering s) MEMBER_CONST {
+  OF_FLOAT(Odds) odds;
   odds.dirac = s.dirac;
   odds.broad = s.broad;
   return odds;
 }
-SHARED Odds odds_behind(Scattering s) MEMBER_CONST {
-  Odds odds;
+SHARED OF_FLOAT(Odds) odds_behind(Scattering s) MEMBER_CONST {
+  OF_FLOAT(Odds) odds;
   odds.dirac = s.dirac_behind;
   odds.broad = s.broad_behind;
   return odds;
@@ -323,7 +323,7 @@ SHARED bool goes_on(uint from, uint slot) MEMBER_CONST {
 /// The next direction of a walk, scattered or directed. Numbers: direction, lobe, then as
 /// guide_draw().
 SHARED bool directed_turn(uint from, Point p, PathVertex at, float albedo, float u, float v,
-                          float lobe, float a, float b, float c, float d, OUT(Turn) t,
+                          float lobe, float a, float b, float c, float d, OUT(OF_FLOAT(Turn)) t,
                           OUT(int) polygon) MEMBER_CONST {
   polygon = -1;
   t.dirac = false;
@@ -381,7 +381,7 @@ SHARED void go_on(uint from, uint here, uint i) MEMBER {
     d = uniform_of(numbers);
   }
   Point p = kept_point(here, at);
-  Turn t;
+  OF_FLOAT(Turn) t;
   WalkRay ray = no_ray(at.walk);
   if (!directed_turn(from, p, at, known.own_survival, u, v, lobe, a, b, c, d, t, ray.polygon))
     return;

@@ -29,7 +29,7 @@ struct Both {
   const Scene& scene() const { return heap.scene(); }
 
   SurfaceHeap heap;
-  std::vector<float> curves = make_surface_curves();
+  shader::Curves curves;
   SurfaceTables tables;
   shader::SurfaceTwin twin;
 };
@@ -70,7 +70,7 @@ double distance(const shader::Point& a, const Point& b) {
                                                      : shader::SOURCE_FRONT;
   d += a.source != source;
   d += distance(a.emission * static_cast<float>(kUnit / 50), b.emission * (1.0f / 50));
-  if (b.simple) return d + distance(a.color, b.material->base_color);
+  if (b.simple) return d + distance(a.color, b.color);
   return d + distance(a.shading, b.shading) + distance(a.bsdf, b.bsdf);
 }
 
@@ -189,7 +189,7 @@ TEST(float_surface, any_texture_coordinates_will_do) {
     for (auto& uv : scene.uv)
       for (size_t i = 0; i < uv.size(); i += 2) uv[i] = {odd, odd};
     const SurfaceTables tables = make_surfaces(scene, 1);
-    const std::vector<float> curves = make_surface_curves();
+    const shader::Curves curves;
     const shader::SurfaceTwin twin(tables, curves);
     for (uint64_t i = 0; i < 4 * SurfaceHeap::kTriangles; ++i) {
       const Place at = draw_place(i);
@@ -212,7 +212,7 @@ class OnDevice {
       : materials_(device_, both.tables.materials), kernel_(bound(both.tables, both.curves)) {}
 
   // Words that are not those of C++.
-  size_t differences(const SurfaceTables& tables, const std::vector<float>& curves) {
+  size_t differences(const SurfaceTables& tables, const shader::Curves& curves) {
     device_.run([&](gpu::Commands& c) {
       c.dispatch(kernel_, gpu::push(SurfaceHeap::kTriangles), kGroups);
     });
@@ -228,7 +228,7 @@ class OnDevice {
   }
 
  private:
-  gpu::Kernel bound(const SurfaceTables& t, const std::vector<float>& curves) const {
+  gpu::Kernel bound(const SurfaceTables& t, const shader::Curves& curves) const {
     return {
         device_,
         shader::surface_test_spv,

@@ -5,11 +5,20 @@
 #include "tools/tdpt-render/path/bsdf/surface_curves.h"
 
 namespace tdpt {
+namespace {
+
+std::vector<float> in_floats(std::span<const double> curves) {
+  return {curves.begin(), curves.end()};
+}
+
+}  // namespace
 
 RenderTables::RenderTables(const World& world)
     : radiance_unit(Film::power_of_two(world.lights.power())),
       surfaces(make_surfaces(world.scene, radiance_unit)),
-      curves(make_surface_curves()),
+      surface_curves(in_floats(tdpt::surface_curves())),
+      sheen_curves(surfaces.features.sheen ? in_floats(tdpt::sheen_curves())
+                                           : std::vector<float>()),
       lights(make_light_tables(world, radiance_unit)),
       portals(world.portals),
       bvh(build_bvh(world.scene)) {}
@@ -29,7 +38,8 @@ shader::SceneSpans::SceneSpans(const RenderTables& t)
       texture_maps(t.surfaces.maps),
       face_corners(t.surfaces.face_corners),
       corner_attributes(t.surfaces.corner_attributes),
-      surface_curves(t.curves),
+      surface_curves(t.surface_curves),
+      sheen_curves(t.sheen_curves),
       coverage_of(t.surfaces.coverage.coverage_of),
       coverages(t.surfaces.coverage.coverages),
       texel_words(t.surfaces.texel_words),

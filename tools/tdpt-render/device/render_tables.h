@@ -19,7 +19,7 @@ struct RenderTables {
 
   double radiance_unit;  ///< radiance in the tables is over it, a power of two
   SurfaceTables surfaces;
-  std::vector<float> curves;  ///< surface_curves[]
+  std::vector<float> surface_curves, sheen_curves;  ///< the latter where there is sheen
   LightTables lights;
   PortalTables portals;
   Bvh bvh;

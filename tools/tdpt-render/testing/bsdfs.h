@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "tools/tdpt-render/path/bsdf/bsdf.h"
-#include "tools/tdpt-render/path/bsdf/coated.h"
+#include "tools/tdpt-render/path/bsdf/surfaces.h"
+#include "tools/tdpt-render/testing/oracle_bsdf.h"
 
 namespace tdpt::test {
 
@@ -16,8 +16,8 @@ struct NamedBsdf {
 
 inline Bsdf make(const Rgb& diffuse, const Rgb& f0, float f90, const Rgb& through, float alpha,
                  float eta = 1.5f, bool thin = false) {
-  Bsdf b;
-  b.diffuse = diffuse, b.f0 = f0, b.f90 = Rgb(f90), b.through = through;
+  Bsdf b = surfaces().diffuse_bsdf(diffuse);
+  b.f0 = f0, b.f90 = Rgb(f90), b.through = through;
   b.alpha = alpha, b.eta = eta, b.thin = thin;
   return b;
 }
@@ -92,7 +92,21 @@ inline std::vector<NamedBsdf> coloured(float alpha) {
       {"varnished black", coated_by(alpha, make({}, {}, 0, {}, 1))}};
 }
 
-/// bsdf::, the coat's lobe included: both about z.
+inline bool transmits(const Bsdf& b) {
+  return surfaces().transmits(b);
+}
+inline bool has_sheen(const Bsdf& b) {
+  return surfaces().has_sheen(b);
+}
+inline bool has_coat(const Bsdf& b) {
+  return surfaces().has_coat(b);
+}
+/// Index of refraction on the side of w.
+inline double index(const Bsdf& b, const Vec3d& w) {
+  return surfaces().index_at(b, w);
+}
+
+/// Of all layers, each about z.
 namespace whole {
 
 inline Point point(const Bsdf& b) {
@@ -100,35 +114,48 @@ inline Point point(const Bsdf& b) {
   p.normal = p.shading = {0, 0, 1};
   p.simple = false;
   p.bsdf = b;
+  if (surfaces().has_coat(b)) p.bsdf.under_coat = Rgb(surfaces().average_under_coat(b));
   return p;
 }
-inline Rgb f(const Bsdf& b, const Vec3d& from, const Vec3d& to) {
-  if (!b.coat) return bsdf::f(b, from, to);
-  if (from.z == 0 || to.z == 0) return {};
-  const double n = b.index(to);
-  return coated::bsdf(point(b), from, to) * static_cast<float>(1 / (n * n));
+inline Vec3d f(const Bsdf& b, const Vec3d& from, const Vec3d& to) {
+  const double n = index(b, to);
+  return surfaces().bsdf_at(point(b), from, to) * (1 / (n * n));
 }
 inline double pdf_w(const Bsdf& b, const Vec3d& from, const Vec3d& to) {
-  return b.coat ? coated::scatter_pdf_w(point(b), from, to, false) : bsdf::pdf_w(b, from, to);
+  return surfaces().scatter_pdf_w(point(b), from, to, false);
+}
+/// Of the Dirac lobe that leads from `from` to `to`.
+inline shader::Surfaces::Layers dirac(const Bsdf& b, const Vec3d& from, const Vec3d& to) {
+  const Point p = point(b);
+  const shader::Surfaces& s = surfaces();
+  return s.layers_between(p, s.standing_at(p, from), s.seen_from(p, to), true);
 }
 inline double dirac_probability(const Bsdf& b, const Vec3d& from, const Vec3d& to) {
-  return b.coat ? coated::dirac(point(b), from, to).probability
-                : bsdf::dirac_probability(b, from, to);
+  return dirac(b, from, to).pdf_w;
 }
-inline Rgb dirac_reflectance(const Bsdf& b, const Vec3d& from, const Vec3d& to) {
-  return b.coat ? coated::dirac(point(b), from, to).reflectance
-                : bsdf::dirac_reflectance(b, from, to);
+inline Vec3d dirac_reflectance(const Bsdf& b, const Vec3d& from, const Vec3d& to) {
+  const auto layers = dirac(b, from, to);
+  return layers.base + Vec3d(layers.coat);
 }
+inline Vec3d albedo(const Bsdf& b, const Vec3d& from) {
+  const Point p = point(b);
+  return surfaces().coated_albedo(p, surfaces().standing_at(p, from));
+}
+struct Scattered {
+  Vec3d to;
+  bool dirac;
+};
+/// Three uniform numbers in [0,1). False when the walk is absorbed: pdf_w and dirac_probability add
+/// up to 1 less the probability of that.
 inline bool sample(const Bsdf& b, const Vec3d& from, double choice, double u, double v,
-                   bsdf::Scattered& out) {
-  if (!b.coat) return bsdf::sample(b, from, choice, u, v, out);
+                   Scattered& out) {
   Turn turn;
-  if (!coated::turn(point(b), From::camera, from, {u, v, choice}, turn)) return false;
+  if (!surfaces().turn(point(b), shader::FROM_CAMERA, from, u, v, choice, turn)) return false;
   out = {turn.w, turn.dirac};
   return true;
 }
 inline bool connectible(const Bsdf& b) {
-  return bsdf::connectible(b) || (b.coat && !coat::smooth(b.coat));
+  return surfaces().bsdf_connectible(b) || (has_coat(b) && !surfaces().coat_smooth(b.coat));
 }
 
 }  // namespace whole

@@ -4,6 +4,8 @@
 #include <optional>
 
 #include "libcommon/scene/pane.h"
+#include "tools/tdpt-render/path/bsdf/surfaces.h"
+#include "tools/tdpt-render/testing/oracle_bsdf.h"
 #include "tools/tdpt-render/testing/oracle_coat.h"
 #include "tools/tdpt-render/testing/oracle_panels.h"
 
@@ -34,8 +36,7 @@ struct Surface {
   explicit Surface(const Vertex& v)
       : bsdf(v.bsdf), normal(v.normal), onb(v.simple ? v.normal : v.shading) {
     if (!v.simple) return;
-    bsdf = {};
-    bsdf.diffuse = v.material->base_color;
+    bsdf = surfaces().diffuse_bsdf(v.material->base_color);
   }
   Vec3d local(const Vec3d& w) const { return {dot(onb.x, w), dot(onb.y, w), dot(onb.z, w)}; }
   /// Above both normals or below both.
@@ -47,7 +48,7 @@ struct Surface {
 };
 
 bool coated(const Vertex& v) {
-  return !v.simple && v.bsdf.coat;
+  return !v.simple && v.bsdf.coat.strength > 0;
 }
 
 /// Direction density at `at` [1/sr]; of a Dirac lobe per n^2 |cos| dw.
@@ -58,7 +59,7 @@ double pdf_w(const Vertex& from, const Vertex& at, const Vertex& to, bool dirac)
   if (!s.valid(wi) || !s.valid(wo)) return 0;
   const Vec3d i = s.local(wi), o = s.local(wo);
   if (!dirac) return bsdf::pdf_w(s.bsdf, i, o);
-  const double n = s.bsdf.index(o);
+  const double n = bsdf::index(s.bsdf, o);
   return bsdf::dirac_probability(s.bsdf, i, o) * n * n * std::abs(o.z);
 }
 
@@ -70,9 +71,9 @@ Vec3d scattering(const Vertex& light_side, const Vertex& at, const Vertex& camer
   if (coated(at)) return CoatedSurface(at).scattering(wl, wc, dirac);
   if (!s.valid(wl) || !s.valid(wc)) return {};
   const Vec3d l = s.local(wl), c = s.local(wc);
-  const double n = s.bsdf.index(c);
-  const Rgb f = dirac ? bsdf::dirac_reflectance(s.bsdf, l, c) : bsdf::f(s.bsdf, l, c);
-  return Vec3d(f) * (n * n * std::abs(l.z) / std::abs(dot(at.normal, wl)));
+  const double n = bsdf::index(s.bsdf, c);
+  const Vec3d f = dirac ? bsdf::dirac_reflectance(s.bsdf, l, c) : bsdf::f(s.bsdf, l, c);
+  return f * (n * n * std::abs(l.z) / std::abs(dot(at.normal, wl)));
 }
 
 Vec3d emission(const Vertex& x0, const Vertex& x1) {
@@ -283,7 +284,7 @@ double aim_pdf_w(const World& world, From from, const Vertex* back, const Vertex
     if (from == From::light ? side >= 0 : side <= 0) continue;
     // A portal below the surface's horizon is not aimed at.
     const bool one_sided =
-        at.on_surface() && (back ? at.simple || !at.bsdf.transmits() : !at.material->double_sided);
+        at.on_surface() && (back ? at.simple || !bsdf::transmits(at.bsdf) : !at.material->double_sided);
     const double facing = back && dot(at.normal, unit(at, *back)) < 0 ? -1 : 1;
     for (const auto& t : triangles)
       for (const Vec3d& corner : t)
@@ -335,7 +336,7 @@ struct Directed {
     const Vec3d local = s.local(unit(at, *back));
     matt -= bsdf::dirac_probability(at.bsdf, local, local);
     matt -= bsdf::dirac_probability(at.bsdf, local, -local);
-    const bool narrow = matt == 1 && at.bsdf.alpha < 0.3f && !at.bsdf.only_diffuse();
+    const bool narrow = matt == 1 && at.bsdf.alpha < 0.3f && !bsdf::only_diffuse(at.bsdf);
     if (narrow) broad = bsdf::diffuse_probability(at.bsdf, local);
   }
 };

@@ -1,6 +1,7 @@
 #include "tools/tdpt-render/testing/oracle_coat.h"
 
 #include "tools/tdpt-render/path/sample/surface.h"
+#include "tools/tdpt-render/testing/oracle_bsdf.h"
 
 namespace tdpt::oracle {
 namespace {
@@ -26,7 +27,7 @@ bool CoatedSurface::seen(const Vec3d& a, const Vec3d& b, bool by_coat) const {
   for (const Vec3d& w : {a, b})
     if (dot(n, w) * dot(front_, w) <= 0) return false;
   if (!by_coat) return true;
-  const bool solid = bsdf_.transmits() && !bsdf_.thin;
+  const bool solid = bsdf::transmits(bsdf_) && !bsdf_.thin;
   return dot(front_, a) * dot(front_, b) > 0 && !(solid && dot(front_, a) < 0);
 }
 
@@ -34,8 +35,8 @@ double CoatedSurface::take(const Vec3d& back) const {
   if (!seen(back, back, true)) return 0;
   if (!seen(back, back, false)) return 1;
   const double e = 1 - coat::left_over(bsdf_.coat, dot(coat_, back)) + 0.02 * bsdf_.coat.strength;
-  const Rgb rest = bsdf::albedo(bsdf_, local(base_, back, false));
-  return e / (e + (double{rest.x} + rest.y + rest.z) / 3);
+  const Vec3d rest = bsdf::albedo(bsdf_, local(base_, back, false));
+  return e / (e + (rest.x + rest.y + rest.z) / 3);
 }
 
 // Which of two mirrors leads from a to b: that whose normal lies nearer to the half vector.
@@ -58,7 +59,7 @@ double CoatedSurface::pdf_w(const Vec3d& back, const Vec3d& to, bool dirac) cons
   }
   if (mirrored_by_coat(back, to)) return p * std::abs(dot(coat_, to));
   if (!seen(back, to, false)) return 0;
-  const double n = bsdf_.index(o);
+  const double n = bsdf::index(bsdf_, o);
   return (1 - p) * bsdf::dirac_probability(bsdf_, i, o) * n * n * std::abs(o.z);
 }
 
@@ -70,8 +71,8 @@ Vec3d CoatedSurface::scattering(const Vec3d& to_light, const Vec3d& to_camera, b
   Vec3d sum;
   if (seen(to_light, to_camera, false)) {
     const Vec3d l = local(base_, to_light, false), c = local(base_, to_camera, false);
-    const double n = bsdf_.index(c);
-    sum += Vec3d(dirac ? bsdf::dirac_reflectance(bsdf_, l, c) : bsdf::f(bsdf_, l, c)) *
+    const double n = bsdf::index(bsdf_, c);
+    sum += (dirac ? bsdf::dirac_reflectance(bsdf_, l, c) : bsdf::f(bsdf_, l, c)) *
            (n * n * std::abs(l.z) / g);
   }
   if (!dirac && seen(to_light, to_camera, true))

@@ -38,7 +38,7 @@ struct Layout {
 }  // namespace
 
 double panel_pdf_A(const World& world, const Vertex& x0, const Vertex& x1, const Vertex& x2) {
-  const bool both_ways = !x1.simple && x1.bsdf.transmits();
+  const bool both_ways = !x1.simple && bsdf::transmits(x1.bsdf);
   const Vec3d way = towards(x1, x2);
   Vec3d up = x1.simple ? x1.normal : x1.shading;
   const Vec3d seen_from = dot(x1.normal, way) > 0 ? x1.normal : -x1.normal;

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "tools/tdpt-render/testing/oracle_bsdf.h"
+
 namespace tdpt::oracle {
 namespace {
 
@@ -191,7 +193,7 @@ double SkyLight::seen_through(const WindowSky::Window& window, const Rectangle& 
 double SkyLight::next_event_pdf_w(const Vertex& shaded, const Vertex& next, const Vec3d& towards,
                                   double q, double through) const {
   const double plain = luminance(world_.scene.sky->radiance(towards)) / total_;
-  const bool one_sided = shaded.simple || !shaded.bsdf.transmits();
+  const bool one_sided = shaded.simple || !bsdf::transmits(shaded.bsdf);
   const double side = dot(shaded.normal, next.position - shaded.position) < 0 ? -1 : 1;
   double seen = 0, light = 0;
   for (size_t i = 0; i < world_.windows.windows().size(); ++i) {

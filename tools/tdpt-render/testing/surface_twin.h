@@ -7,20 +7,30 @@
 
 namespace tdpt::shader {
 
+/// Of any scene.
+struct Curves {
+  std::vector<float> surface = of(tdpt::surface_curves()), sheen = of(tdpt::sheen_curves());
+  static std::vector<float> of(std::span<const double> curves) {
+    return {curves.begin(), curves.end()};
+  }
+};
+
 struct SurfaceTwin {
+  using Real = float;
   TABLES_OF_SURFACES(REFERS_TO)
   bool scene_has_layers, scene_has_normals, scene_has_textures, scene_has_colours, scene_has_coats,
       scene_has_sheen, scene_has_transmission, scene_has_absorption, scene_has_panes,
       scene_has_coverage, coverage_has_textures;
 
-  SurfaceTwin(const SurfaceTables& t, const std::vector<float>& curves)
+  SurfaceTwin(const SurfaceTables& t, const Curves& curves)
       : faces(t.faces.data()),
         materials(t.materials.data()),
         material_maps(t.material_maps.data()),
         texture_maps(t.maps.data()),
         face_corners(t.face_corners.data()),
         corner_attributes(t.corner_attributes.data()),
-        surface_curves(curves.data()),
+        surface_curves(curves.surface.data()),
+        sheen_curves(curves.sheen.data()),
         coverage_of(t.coverage.coverage_of.data()),
         coverages(t.coverage.coverages.data()),
         texel_words(t.texel_words.data()),

@@ -11,6 +11,7 @@ namespace {
 
 // Refers to memory, as a kernel does to its buffers, by the same names.
 struct TwinKernels {
+  using Real = float;
 #define OF_PATH(binding, type, name, array, count) \
   type* array;                                     \
   LOADS(type, name, array)

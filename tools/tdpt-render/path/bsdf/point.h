@@ -1,11 +1,6 @@
 // A point where a path begins, turns or ends, and the light that is emitted and scattered there.
 //
 // Densities are per canonical area (pdf_A) unless their name says otherwise.
-//
-// The radiance BSDF is taken with geometric cosines everywhere: where the shading normal ns differs
-// from the geometric normal ng, f(to_light, to_camera) carries |to_light.ns| / |to_light.ng| (Veach
-// 5.3), and a direction that lies above one of them and below the other is dark. So walks from
-// either side agree.
 #pragma once
 #include <numbers>
 
@@ -24,14 +19,15 @@ struct Point {
   const LightSource* source = nullptr;  ///< where light begins here
   uint32_t triangle = ~0u;
 
-  /// Diffuse reflection about the geometric normal by material->base_color. Otherwise `shading` and
-  /// `bsdf` hold what is there.
+  /// Diffuse reflection about the geometric normal by `color`. Otherwise `shading` and `bsdf` hold
+  /// what is there.
   bool simple = true;
   bool connectible = true;  ///< some lobe is not Dirac
+  Rgb color{};
   Rgb emission{};           ///< of a surface where light begins [W/m2/sr]
   Lights::InSky in_sky{};   ///< of a place in the sky
   Vec3d shading{};          ///< unit shading normal, front side
-  Bsdf bsdf;
+  Bsdf bsdf{};
 
   bool on_surface() const { return material != nullptr; }
   bool at_infinity() const { return source && source->at_infinity(); }
@@ -81,7 +77,7 @@ inline bool same_side(const Point& p, const Vec3d& wi, const Vec3d& wo) {
   return dot(p.normal, wi) * dot(p.normal, wo) > 0;
 }
 
-// Of points that are not simple. By value: an address taken would keep the vectors of simple ones
+// Of points that are not simple [scatter.cpp]. By value: an address taken would keep the vectors of simple ones
 // out of registers.
 Rgb layered_bsdf(const Point& p, Vec3d to_light, Vec3d to_camera);
 double layered_scatter_pdf_w(const Point& at, Vec3d back, Vec3d to, bool dirac);
@@ -91,7 +87,7 @@ double emission_under_coat(const Point& p, Vec3d w);
 /// The side of the surface at `p` that all edges of a path are on which has one along `away`; 0:
 /// both, as light goes through.
 inline Vec3d facing(const Point& p, const Vec3d& away) {
-  if (!p.simple && p.bsdf.transmits()) return {};
+  if (!p.simple && shader::is_positive(p.bsdf.through)) return {};
   return dot(p.normal, away) > 0 ? p.normal : -p.normal;
 }
 
@@ -99,7 +95,7 @@ inline Vec3d facing(const Point& p, const Vec3d& away) {
 inline Rgb bsdf_at(const Point& p, const Vec3d& to_light, const Vec3d& to_camera) {
   if (!p.simple) return layered_bsdf(p, to_light, to_camera);
   return same_side(p, to_light, to_camera)
-             ? p.material->base_color * static_cast<float>(std::numbers::inv_pi)
+             ? p.color * static_cast<float>(std::numbers::inv_pi)
              : Rgb{};
 }
 
@@ -119,7 +115,7 @@ inline Rgb emitted(const Point& p, const Vec3d& w) {
   if (!p.source) return {};
   if (p.source->is_sky()) return p.in_sky.radiance;
   const Rgb out = p.source->emitted(p.normal, p.emission, w);
-  if (p.simple || !p.bsdf.coat) [[likely]]
+  if (p.simple || !(p.bsdf.coat.strength > 0)) [[likely]]
     return out;
   return out * static_cast<float>(emission_under_coat(p, w));
 }

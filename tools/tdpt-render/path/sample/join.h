@@ -28,7 +28,7 @@ struct End {
         back(back_),
         carried(throughput),
         layered(!v.simple || !v.on_surface() || back_ == Vec3d()) {
-    opaque = layered && v.on_surface() && back != Vec3d() && !v.bsdf.transmits();
+    opaque = layered && v.on_surface() && back != Vec3d() && !shader::is_positive(v.bsdf.through);
     if (layered && !opaque) return;
     facing = dot(v.normal, back) > 0 ? v.normal : -v.normal;
     if (!layered) carried = carried * bsdf_at(v, back, back);

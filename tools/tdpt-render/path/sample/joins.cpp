@@ -1,7 +1,5 @@
 #include "tools/tdpt-render/path/sample/joins.h"
 
-#include "tools/tdpt-render/path/bsdf/ggx.h"
-
 // Compiled for what the machine has; no product is fused with a sum in any (-ffp-contract=off).
 // clang has no clones of templates.
 #if defined(__x86_64__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
@@ -89,7 +87,7 @@ TDPT_INLINE float most(float a, float b) {
   return a > b ? a : b;
 }
 
-// What an end scatters along unit w: its diffuse lobe, and the interface's [ggx.h]. `at(c)`: column
+// What an end scatters along unit w: its diffuse lobe, and the interface's [shaders/shared/path/ggx.h]. `at(c)`: column
 // c of it.
 template <class At>
 TDPT_INLINE Colours scattered(const At& at, float x, float y, float z) {

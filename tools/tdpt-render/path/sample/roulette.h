@@ -28,7 +28,7 @@ constexpr bool always_goes_on(int i) {
 /// 1 at most; 1 off surfaces. Of a pane, that of the share of rays that find it.
 double layered_albedo(const Point& p, Vec3d back);
 inline double simple_albedo(const Point& p) {
-  return p.on_surface() ? std::clamp(double{max_component(p.material->base_color)}, 0.05, 1.0) : 1;
+  return p.on_surface() ? std::clamp(double{max_component(p.color)}, 0.05, 1.0) : 1;
 }
 inline double albedo_at(const Point& p, const Vec3d& back) {
   return p.simple ? simple_albedo(p) : layered_albedo(p, back);

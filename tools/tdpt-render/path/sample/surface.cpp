@@ -1,62 +1,22 @@
 #include "tools/tdpt-render/path/sample/surface.h"
 
-#include <algorithm>
-
-#include "libcommon/scene/pane.h"
 #include "libcommon/scene/texture.h"
-#include "tools/tdpt-render/path/bsdf/sheen.h"
+#include "tools/tdpt-render/path/bsdf/surfaces.h"
 
 namespace tdpt {
 namespace {
 
-template <class T>
-T square(T x) {
-  return x * x;
-}
-
-// glTF 2.0 appendix B with KHR_materials_specular, _ior and _transmission. Dielectric and metal
-// share one microfacet lobe, since Schlick's F is linear in f0 and f90. The coat's normal is put in
-// by add_lobes().
-Bsdf bsdf_of(const Scene& scene, const Material& m, const SurfacePlace& place) {
-  const MaterialValues v = material_values_at(scene, place);
-  Bsdf b;
-  const float dielectric = 1 - v.metallic;
-  const float r = (m.ior - 1) / (m.ior + 1);
-  const Rgb f0 = min(v.specular_color * (r * r), Rgb(1.0f)) * v.specular;
-  const bool interface = m.ior != 1;
-  b.f0 = v.base_color * v.metallic + f0 * dielectric;
-  b.f90 = Rgb(v.metallic + (interface ? v.specular * dielectric : 0.0f));
-  b.diffuse = v.base_color * (dielectric * (1 - v.transmission));
-  if (m.glossy_map) b.diffuse = b.diffuse * std::max(1 - max_component(v.specular_color), 0.0f);
-  if (!pane_of(m))  // past a pane rays go by
-    b.through = v.base_color * (dielectric * v.transmission);
-  b.alpha = square(v.roughness);
-  b.eta = m.ior;
-  b.thin = !m.solid;
-  b.sheen = v.sheen_color;
-  if (max_component(b.sheen) > 0)
-    b.sheen_alpha = square(std::max(v.sheen_roughness, sheen::kLeastRoughness));
-  b.coat.strength = v.coat;
-  b.coat.alpha = square(v.coat_roughness);
-  if (!b.only_diffuse()) b.prepare();
-  return b;
-}
-
 void add_lobes(const Scene& scene, const Material& m, const SurfacePlace& place, Point& p) {
   p.simple = false;
   p.shading = shading_normal_at(scene, place, p.normal);
+  const shader::Surfaces& text = surfaces();
   if (m.plain) {
-    p.bsdf = {};
-    p.bsdf.diffuse = m.base_color;
+    p.bsdf = text.diffuse_bsdf(m.base_color);
     return;
   }
-  p.bsdf = bsdf_of(scene, m, place);
-  p.connectible = bsdf::connectible(p.bsdf);
-  if (!p.bsdf.coat) return;
-  p.connectible |= !coat::smooth(p.bsdf.coat);
-  if (m.normal_map || m.coat_normal_map)
-    p.bsdf.coat.normal =
-        Vec3f(normalize(Onb<double>(p.shading).to_local(coat_normal_at(scene, place, p.normal))));
+  const bool bent_coat = m.coat > 0 && (m.normal_map || m.coat_normal_map);
+  text.put_material(material_at(scene, place), bent_coat,
+                    bent_coat ? coat_normal_at(scene, place, p.normal) : p.normal, p);
 }
 
 bool emits(const Material& m) {
@@ -86,6 +46,7 @@ void place_on_surface(const World& world, const Hit& hit, Point& p) {
   p.material = &m;
   p.simple = true;
   p.connectible = true;
+  p.color = m.base_color;
   p.source = nullptr;
   if (world.layered)
     add_layers(world, m, hit, p);

@@ -139,7 +139,7 @@ void Walker::scatter(int edges) {
       return;
     }
     // One factor more, f cos / pdf_w, of [eq. 1] or [eq. 3] over its density.
-    const Rgb throughput = state.throughput * t.weight * static_cast<float>(1 / chance);
+    const Rgb throughput = state.throughput * Rgb(t.weight) * static_cast<float>(1 / chance);
     if (max_component(throughput) <= 0) return;
     state.dirac = t.dirac;
     const auto pdf_A = [&](const Vertex& at, const Edge& e, const Vertex& to) {

@@ -1,0 +1,56 @@
+// What kernels ask of a point at once.
+//
+// Read behind scatter.h, within the same scope.
+
+#include "shaders/shared/language.h"
+
+/// All that the end of a walk, which came to `p` from unit `back`, makes of the way on along unit
+/// w. `dirac`: by a Dirac lobe; then f is of no meaning.
+SHARED Scattering scattering_at(Point p, uint from, vec3 back, vec3 w, bool dirac) MEMBER_CONST {
+  Scattering s;
+  s.pad0 = 0.0f;
+  s.pad1 = 0.0f;
+  s.dirac = 0.0f;
+  s.broad = 1.0f;
+  s.dirac_behind = 0.0f;
+  s.broad_behind = 1.0f;
+  if (!is_layered(p)) {
+    bool passes = !dirac && same_side(p, back, w);
+    s.f = passes ? p.color * INVERSE_PI : vec3(0.0f);
+    s.onward_w = passes ? abs(dot(p.normal, w)) * INVERSE_PI : 0.0f;
+    s.behind_w = passes ? abs(dot(p.normal, back)) * INVERSE_PI : 0.0f;
+    s.albedo = on_surface(p) ? held_albedo(largest(p.color)) : 1.0f;
+    return s;
+  }
+  // Each way in turn: one text of a surface is enough for a kernel.
+  for (uint i = 0u; i < 2u; ++i) {
+    Standing here = standing_at(p, i == 0u ? back : w);
+    Seen to = seen_from(p, i == 0u ? w : back);
+    Layers layers = layers_between(p, here, to, dirac);
+    OF_FLOAT(Odds) odds = coated_odds(p, here);
+    float pdf_w = dirac ? layers.pdf_w * dirac_measure(p, layers, to) : layers.pdf_w;
+    if (i == 0u) {
+      s.onward_w = pdf_w;
+      s.dirac = odds.dirac;
+      s.broad = odds.broad;
+      bool back_is_light = from == FROM_LIGHT;
+      Seen l = here.seen;
+      Seen c = to;
+      if (!back_is_light) {
+        l = to;
+        c = here.seen;
+      }
+      s.f = dirac ? vec3(0.0f) : of_radiance(p, layers, l, c);
+    } else {
+      s.behind_w = pdf_w;
+      s.dirac_behind = odds.dirac;
+      s.broad_behind = odds.broad;
+      s.albedo = largest(coated_albedo(p, here));
+    }
+  }
+  if (scene_has_panes) s.albedo = s.albedo * reciprocal(presence_of(p, w));
+  s.albedo = held_albedo(s.albedo);
+  return s;
+}
+
+#include "shaders/shared/language_end.h"

@@ -1,0 +1,63 @@
+// Evaluates surfaces: the text of shaders/shared/path in doubles, over the renderer's points. Slow to
+// compile: scatter.h has what others ask of it.
+#pragma once
+#include "libcommon/scene/pane.h"
+#include "shaders/shared/path/fresnel.h"
+#include "shaders/shared/path/ggx.h"
+#include "shaders/shared/path/surface_layout.h"
+#include "shaders/shared/warp.h"
+#include "tools/tdpt-render/path/bsdf/point.h"
+#include "tools/tdpt-render/path/bsdf/surface_curves.h"
+
+namespace tdpt::shader {
+
+struct Surfaces {
+  using Real = double;
+  using Point = tdpt::Point;
+  static constexpr bool scene_has_layers = true, scene_has_textures = true, scene_has_coats = true,
+                        scene_has_sheen = true, scene_has_transmission = true,
+                        scene_has_absorption = true, scene_has_panes = true;
+
+  double load_surface_curve(uint i) const { return curves_[i]; }
+  double load_sheen_curve(uint i) const { return sheen_curves()[i]; }
+  bool on_surface(const Point& p) const { return p.on_surface(); }
+  bool is_in_sky(const Point& p) const { return p.at_infinity(); }
+  bool same_side(const Point& p, const Vec3d& a, const Vec3d& b) const {
+    return tdpt::same_side(p, a, b);
+  }
+  Vec3d absorption_of(const Point& p) const {
+    return p.material->solid ? Vec3d(p.material->absorption) : Vec3d();
+  }
+  double presence_of(const Point& p, const Vec3d& back) const {
+    const Pane pane = p.material ? pane_of(*p.material) : Pane{};
+    return pane ? pane.presence(dot(p.normal, back)) : 1;
+  }
+
+#include "shaders/shared/path/interface_albedo.h"
+  // Apart: each begins with language.h.
+#include "shaders/shared/path/sheen.h"
+
+#include "shaders/shared/path/coat.h"
+
+#include "shaders/shared/path/bsdf.h"
+
+#include "shaders/shared/path/coated.h"
+
+#include "shaders/shared/path/material.h"
+
+#include "shaders/shared/path/scatter.h"
+
+ private:
+  const double* curves_ = tdpt::surface_curves().data();
+};
+
+}  // namespace tdpt::shader
+
+namespace tdpt {
+
+inline const shader::Surfaces& surfaces() {
+  static const shader::Surfaces text;
+  return text;
+}
+
+}  // namespace tdpt

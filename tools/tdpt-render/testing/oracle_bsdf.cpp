@@ -1,0 +1,316 @@
+// Letters: h half vector or microfacet normal, mu cosine to z, F Fresnel reflectance, E directional
+// albedo of the interface, n index of refraction, a GGX's alpha.
+#include "tools/tdpt-render/testing/oracle_bsdf.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "tools/tdpt-render/path/bsdf/surfaces.h"
+
+namespace tdpt::oracle {
+namespace {
+
+using std::numbers::inv_pi;
+using std::numbers::pi;
+
+constexpr double kLeastAlpha = 1e-4;  // less counts as 0
+
+double square(double x) {
+  return x * x;
+}
+double schlick(double c) {
+  return std::pow(1 - c, 5);
+}
+bool positive(const Vec3d& c) {
+  return max_component(c) > 0;
+}
+double sum(const Vec3d& c) {
+  return c.x + c.y + c.z;
+}
+Vec3d mirrored(const Vec3d& w) {
+  return {w.x, w.y, -w.z};
+}
+
+// GGX with height-correlated Smith masking, by tangents.
+double tan2(const Vec3d& w) {
+  return (w.x * w.x + w.y * w.y) / (w.z * w.z);
+}
+double ggx_d(const Vec3d& h, double a) {
+  return a * a / (pi * square(square(h.z)) * square(a * a + tan2(h)));
+}
+double lambda(const Vec3d& w, double a) {
+  return 0.5 * (std::sqrt(1 + a * a * tan2(w)) - 1);
+}
+double g1(const Vec3d& w, double a) {
+  return 1 / (1 + lambda(w, a));
+}
+double g2(const Vec3d& v, const Vec3d& w, double a) {
+  return 1 / (1 + lambda(v, a) + lambda(w, a));
+}
+
+// The surface as `from` sees it: mirrored, if need be, so that from.z > 0.
+struct View {
+  View(const Bsdf& bsdf, const Vec3d& w)
+      : b(bsdf),
+        back(w.z < 0),
+        from(turn(w)),
+        through(b.through),
+        solid(positive(through) && !b.thin),
+        interface(positive(through) || positive(Vec3d(b.f90))),
+        diffuse(solid && back ? Vec3d() : Vec3d(b.diffuse)),
+        sheen(b.sheen_alpha > 0 && !(solid && back) ? Vec3d(b.sheen) : Vec3d()),
+        alpha(b.alpha < kLeastAlpha || (solid && std::abs(b.eta - 1) < 1e-4) ? 0.0 : b.alpha),
+        ratio(solid && back ? 1 / double{b.eta} : double{b.eta}) {
+    if (solid) (back ? n_from : n_behind) = b.eta;
+  }
+
+  Vec3d turn(const Vec3d& w) const { return back ? mirrored(w) : w; }
+  bool rough() const { return interface && alpha > 0; }
+  bool smooth() const { return interface && !(alpha > 0); }
+  bool inside(const Vec3d& w) const { return solid && (w.z < 0) != back; }
+
+  // Reflectance at cosine c to the (microfacet's) normal.
+  Vec3d fresnel(double c) const {
+    double s = schlick(c);
+    if (positive(through)) {
+      const double sin2 = (1 - c * c) / (ratio * ratio);  // behind
+      if (sin2 >= 1) return Vec3d(1.0);
+      const double ct = std::sqrt(1 - sin2);
+      if (positive(Vec3d(b.diffuse))) {
+        s = schlick(ratio >= 1 ? c : ct);
+      } else {
+        const double rs = (c - ratio * ct) / (c + ratio * ct);
+        const double rp = (ratio * c - ct) / (ratio * c + ct);
+        const double r0 = square((ratio - 1) / (ratio + 1));
+        s = std::max(0.0, (0.5 * (rs * rs + rp * rp) - r0) / (1 - r0));
+      }
+    }
+    return Vec3d(b.f0) + (Vec3d(b.f90) - Vec3d(b.f0)) * s;
+  }
+  Vec3d transmittance(const Vec3d& fresnel) const { return (Vec3d(1.0) - fresnel) * through; }
+
+  // 1 - E, what the interface leaves to the diffuse lobe.
+  Vec3d left_over(const shader::Surfaces::InterfaceAlbedo& e) const {
+    return max(Vec3d(1.0) - (Vec3d(b.f0) * e.a + Vec3d(b.f90) * e.b), Vec3d(0.0));
+  }
+  Vec3d left_over(double mu) const {
+    return interface ? left_over(surfaces().interface_albedo(mu, alpha)) : Vec3d(1.0);
+  }
+
+  // What the layers above leave along a direction that is turned as `from` is.
+  double under_coat(const Vec3d& w) const {
+    if (!(b.coat.strength > 0) || inside(w)) return 1;
+    return coat::left_over(b.coat, dot(turn(w), Vec3d(b.coat.normal)));
+  }
+  double under_sheen(const Vec3d& w) const {
+    if (!(b.sheen_alpha > 0) || inside(w)) return 1;
+    const double e = surfaces().sheen_albedo(std::abs(w.z), b.sheen_alpha);
+    return 1 - double{max_component(b.sheen)} * e;
+  }
+
+  Vec3d diffuse_lobe(const Vec3d& to) const {
+    const Vec3d d = diffuse * inv_pi;
+    const double c = under_coat(from) * under_coat(to);
+    if (!interface && !(b.coat.strength > 0)) return d;
+    const Vec3d both = left_over(from.z) * left_over(to.z) * c;
+    const Vec3d mean = b.coat.strength > 0
+                           ? average_under_coat()
+                           : left_over(surfaces().interface_albedo_average(alpha));
+    const auto over = [](double x, double m) { return m > 0 ? x / m : 0.0; };
+    return d * Vec3d(over(both.x, mean.x), over(both.y, mean.y), over(both.z, mean.z));
+  }
+  // 2 int (1 - E) c mu dmu by midpoints, as if both had one normal.
+  Vec3d average_under_coat() const {
+    constexpr int kPoints = 2000;
+    Vec3d mean;
+    for (int i = 0; i < kPoints; ++i) {
+      const double mu = (i + 0.5) / kPoints;
+      mean += left_over(mu) * (2 * mu / kPoints * coat::left_over(b.coat, mu));
+    }
+    return mean;
+  }
+
+  // That the diffuse lobe is taken and not the interface, below a sheen; -1: there is neither.
+  double diffuse_or_interface() const {
+    if (!positive(diffuse)) return interface ? 0 : -1;
+    if (!interface) return 1;
+    const Vec3d left = left_over(from.z), F = fresnel(from.z);
+    const double d = sum(diffuse * left);
+    const double i = smooth() ? sum(F) + sum(transmittance(F))
+                              : sum(Vec3d(1.0) - left + left * through) + 1e-3 * sum(Vec3d(b.f90));
+    return d + i > 0 ? d / (d + i) : -1;
+  }
+  // Those of the diffuse lobe and of the sheen; the interface has the rest. Less than 0: nothing.
+  std::array<double, 2> shares() const {
+    const double d = diffuse_or_interface();
+    if (!positive(sheen)) return {d, 0};
+    const double e = surfaces().sheen_albedo(from.z, b.sheen_alpha);
+    const double under = std::min(sum(diffuse) + (interface ? sum(Vec3d(b.f90)) : 0), 3.0) *
+                         (1 - max_component(sheen) * e);
+    const double s = d < 0 ? 1 : sum(sheen) * std::max(e, 0.05) / (sum(sheen) * std::max(e, 0.05) + under);
+    return {d < 0 ? 0 : (1 - s) * d, s};
+  }
+  // That the interface, once taken, reflects and does not transmit; -1: neither.
+  double reflect_probability(const Vec3d& F) const {
+    const double r = sum(F), t = sum(transmittance(F));
+    return r + t > 0 ? r / (r + t) : -1;
+  }
+
+  const Bsdf& b;
+  bool back;
+  Vec3d from, through;
+  bool solid, interface;
+  Vec3d diffuse, sheen;
+  double alpha;                     // 0: smooth
+  double ratio;                     // index behind the interface / before it, for Fresnel
+  double n_from = 1, n_behind = 1;  // index where directions live
+};
+
+// Microfacet that joins view.from and `to` (mirrored like it) and how densely it does.
+struct Facet {
+  Facet(const View& view, const Vec3d& to) : reflects(to.z > 0) {
+    if (!reflects && !positive(view.through)) return;
+    const bool bends = !reflects && view.solid;
+    const Vec3d way = bends ? view.from * view.n_from + to * view.n_behind
+                            : view.from + (reflects ? to : mirrored(to));
+    const double l = length(way);
+    h = way / (way.z < 0 ? -l : l);
+    cos = dot(view.from, h);
+    const double cos_to = bends ? -dot(to, h) : cos;
+    there = cos > 0 && cos_to > 0;
+    const double scale = bends ? cos_to / (l * l) : 0.25 / cos;  // (n_from from.h + n_to to.h)^2
+    dh_dto = bends ? square(view.n_behind) * scale : scale;
+    f_jacobian = bends ? cos * scale : 0.25 / square(view.n_from);  // of basic radiance
+  }
+
+  Vec3d h;
+  double cos = 0, dh_dto = 0, f_jacobian = 0;
+  bool reflects, there = false;
+};
+
+}  // namespace
+
+namespace bsdf {
+
+bool transmits(const Bsdf& b) {
+  return positive(Vec3d(b.through));
+}
+bool only_diffuse(const Bsdf& b) {
+  return !positive(Vec3d(b.f90)) && !transmits(b) && !(b.sheen_alpha > 0) && !(b.coat.strength > 0);
+}
+double index(const Bsdf& b, const Vec3d& w) {
+  return w.z < 0 && !b.thin && transmits(b) ? double{b.eta} : 1.0;
+}
+
+Vec3d f(const Bsdf& b, const Vec3d& from, const Vec3d& to) {
+  const View view(b, from);
+  const Vec3d w = view.turn(to);
+  const double coat = std::min(view.under_coat(view.from), view.under_coat(w));
+  Vec3d all;
+  if (w.z > 0) all += view.diffuse_lobe(w);
+  const Facet m(view, w);
+  if (view.rough() && m.there) {
+    const Vec3d F = view.fresnel(m.cos);
+    all += (m.reflects ? F : view.transmittance(F)) *
+           (ggx_d(m.h, view.alpha) * g2(view.from, w, view.alpha) / (view.from.z * std::abs(w.z)) *
+            m.f_jacobian * coat);
+  }
+  all *= std::min(view.under_sheen(view.from), view.under_sheen(w));
+  if (w.z > 0 && positive(view.sheen))
+    all += view.sheen * (surfaces().sheen_f(view.from, w, b.sheen_alpha) * coat);
+  return all;
+}
+
+double pdf_w(const Bsdf& b, const Vec3d& from, const Vec3d& to) {
+  const View view(b, from);
+  const Vec3d w = view.turn(to);
+  const auto [diffuse, sheen] = view.shares();
+  if (diffuse < 0) return 0;
+  double pdf = w.z > 0 ? (diffuse * w.z + 0.5 * sheen) * inv_pi : 0;
+  const Facet m(view, w);
+  if (!view.rough() || !m.there) return pdf;
+  const double reflect = view.reflect_probability(view.fresnel(m.cos));
+  const double of_h = ggx_d(m.h, view.alpha) * g1(view.from, view.alpha) * m.cos / view.from.z;
+  return pdf + (1 - diffuse - sheen) * (m.reflects ? reflect : 1 - reflect) * of_h * m.dh_dto;
+}
+
+Vec3d albedo(const Bsdf& b, const Vec3d& from) {
+  const View view(b, from);
+  if (view.solid && view.back && view.rough()) return Vec3d(1.0);  // all of it, beyond some angle
+  const Vec3d left =
+      view.smooth() ? Vec3d(1.0) - view.fresnel(view.from.z) : view.left_over(view.from.z);
+  Vec3d all = Vec3d(1.0) - left + left * (view.through + view.diffuse);
+  all *= view.under_sheen(view.from);
+  if (positive(view.sheen))
+    all += view.sheen * surfaces().sheen_albedo(view.from.z, b.sheen_alpha);
+  return all * view.under_coat(view.from);
+}
+
+double dirac_probability(const Bsdf& b, const Vec3d& from, const Vec3d& to) {
+  const View view(b, from);
+  if (!view.smooth()) return 0;
+  const auto [diffuse, sheen] = view.shares();
+  const double reflect = view.reflect_probability(view.fresnel(view.from.z));
+  if (diffuse < 0 || reflect < 0) return 0;
+  return (1 - diffuse - sheen) * (view.turn(to).z > 0 ? reflect : 1 - reflect);
+}
+
+Vec3d dirac_reflectance(const Bsdf& b, const Vec3d& from, const Vec3d& to) {
+  const View view(b, from);
+  if (!view.smooth()) return {};
+  const Vec3d F = view.fresnel(view.from.z), w = view.turn(to);
+  return (w.z > 0 ? F : view.transmittance(F)) *
+         (std::min(view.under_coat(view.from), view.under_coat(w)) *
+          std::min(view.under_sheen(view.from), view.under_sheen(w)));
+}
+
+double diffuse_probability(const Bsdf& b, const Vec3d& from) {
+  const auto [diffuse, sheen] = View(b, from).shares();
+  return std::max(0.0, diffuse + sheen);
+}
+
+}  // namespace bsdf
+
+namespace coat {
+namespace {
+
+double fresnel(double c) {
+  return 0.04 + 0.96 * schlick(c);
+}
+// The half vector, unit; its cosine to both is more than 0.
+bool half_vector(const shader::Coat& c, const Vec3d& from, const Vec3d& to, Vec3d& h) {
+  h = normalize(from + to);
+  return !smooth(c) && from.z > 0 && to.z > 0;
+}
+
+}  // namespace
+
+bool smooth(const shader::Coat& c) {
+  return c.alpha < kLeastAlpha;
+}
+
+double left_over(const shader::Coat& c, double mu) {
+  const auto e = surfaces().interface_albedo(std::abs(mu), smooth(c) ? 0.0 : double{c.alpha});
+  return 1 - c.strength * (0.04 * e.a + e.b);
+}
+
+double f(const shader::Coat& c, const Vec3d& from, const Vec3d& to) {
+  Vec3d h;
+  if (!half_vector(c, from, to, h)) return 0;
+  return c.strength * fresnel(dot(from, h)) * ggx_d(h, c.alpha) * g2(from, to, c.alpha) /
+         (4 * from.z * to.z);
+}
+
+double pdf_w(const shader::Coat& c, const Vec3d& from, const Vec3d& to) {
+  Vec3d h;
+  if (!half_vector(c, from, to, h)) return 0;
+  return ggx_d(h, c.alpha) * g1(from, c.alpha) / (4 * from.z);
+}
+
+double reflectance(const shader::Coat& c, double mu) {
+  return c.strength * fresnel(std::abs(mu));
+}
+
+}  // namespace coat
+
+}  // namespace tdpt::oracle
