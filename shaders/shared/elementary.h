@@ -77,7 +77,7 @@ SHARED float turns_of(float y, float x) {
   p = p * z + 1.99777106478e-1f;
   p = p * z - 3.33329491539e-1f;
   float turns = (p * z * s + s) * 0.159154943f;
-  if (steep) turns = turns + 0.125f;
+  if (steep) turns = turns + 1.25e-1f;
   if (b > a) turns = 0.25f - turns;
   if (x < 0.0f) turns = 0.5f - turns;
   return y < 0.0f ? -turns : turns;

@@ -14,7 +14,8 @@
 // What the CPU counts in doubles and a device in floats is one text over REAL and VEC3: free
 // functions are GENERIC, and a text that stands in a struct's body in C++ takes the struct's own
 // `Real`. Its literals have their f where a float holds them exactly or a little more or less
-// changes nothing; any other is REAL(0.04). Records that are stored hold floats: VEC3(record.color).
+// changes nothing; any other is REAL(0.04). Records that are stored hold floats:
+// VEC3(record.color).
 #include "shaders/shared/types.h"
 
 #ifdef __cplusplus
@@ -25,8 +26,8 @@
 #define MEMBER_CONST const  // after every function that C++ has as a member, see traversal.h,
 #define MEMBER              // but for those that write
 #define CACHE_LINE alignas(64)
-#define OUT(type) type&    // a parameter that is written
-#define INOUT(type) type&  // a parameter that is read and written
+#define OUT(type) type&       // a parameter that is written
+#define INOUT(type) type&     // a parameter that is read and written
 #define IN(type) const type&  // a large one that is read
 #define GENERIC_STRUCT  \
   template <class Real> \

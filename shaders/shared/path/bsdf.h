@@ -67,15 +67,19 @@ struct View {
   REAL rise;    ///< ratio - 1
   REAL n_from;  ///< index where directions live
   REAL n_behind;
-  VEC3 left;  ///< 1 - E, what the interface leaves to the diffuse lobe along `from`
+  InterfaceRow row;  ///< of alpha, where there is a diffuse lobe under an interface
+  VEC3 left;         ///< and 1 - E, what is left to it along `from`
 };
 
 /// 1 - E of an interface.
 SHARED VEC3 interface_left_over(IN(Bsdf) b, InterfaceAlbedo e) MEMBER_CONST {
   return not_below_0(VEC3(1.0f) - (VEC3(b.f0) * e.a + VEC3(b.f90) * e.b));
 }
+/// Of a diffuse lobe.
 SHARED VEC3 left_over(IN(Bsdf) b, IN(View) view, REAL mu) MEMBER_CONST {
-  return view.interfaced ? interface_left_over(b, interface_albedo(mu, view.alpha)) : VEC3(1.0f);
+  if (!view.interfaced) return VEC3(1.0f);
+  if (!(view.alpha > 0.0f)) return interface_left_over(b, smooth_interface_albedo(mu));
+  return interface_left_over(b, interface_albedo_in(view.row, mu));
 }
 
 SHARED VEC3 turned(IN(View) view, VEC3 w) MEMBER_CONST {
@@ -99,6 +103,11 @@ SHARED View view_of(IN(Bsdf) b, VEC3 from) MEMBER_CONST {
   view.rise = inside ? -rise * view.ratio : rise;
   view.n_from = inside ? eta : REAL(1.0f);
   view.n_behind = view.solid && !view.back ? eta : REAL(1.0f);
+  view.left = VEC3(1.0f);
+  view.row.node = 0u;
+  view.row.rest = 0.0f;
+  if (!view.diffuse || !view.interfaced) return view;
+  if (view.alpha > 0.0f) view.row = interface_row(view.alpha);
   view.left = left_over(b, view, view.from.z);
   return view;
 }
@@ -139,7 +148,9 @@ SHARED Reflectance reflectance_at(IN(Bsdf) b, IN(View) view, REAL cosine, REAL q
 }
 
 SHARED Reflectance reflectance_at(IN(Bsdf) b, IN(View) view, REAL cosine) MEMBER_CONST {
-  return reflectance_at(b, view, cosine, refracted_q(cosine, view.ratio, view.rise));
+  REAL q = 0.0f;
+  if (view.passes) q = refracted_q(cosine, view.ratio, view.rise);
+  return reflectance_at(b, view, cosine, q);
 }
 
 /// What the layers above let through: a coat along both directions, a sheen along them together.
@@ -162,6 +173,10 @@ SHARED REAL under_sheen_along(IN(Bsdf) b, IN(View) view, VEC3 w) MEMBER_CONST {
 }
 SHARED Covers covers_along(IN(Bsdf) b, IN(View) view, VEC3 to) MEMBER_CONST {
   Covers covers;
+  covers.from = 1.0f;
+  covers.to = 1.0f;
+  covers.sheen = 1.0f;
+  if (!has_coat(b) && !has_sheen(b)) return covers;
   covers.from = under_coat_along(b, view, view.from);
   covers.to = under_coat_along(b, view, to);
   covers.sheen = min(under_sheen_along(b, view, view.from), under_sheen_along(b, view, to));
@@ -193,7 +208,8 @@ SHARED VEC3 diffuse_lobe(IN(Bsdf) b, IN(View) view, REAL mu_to, Covers covers) M
     p = p * (covers.from * covers.to);
     mean = VEC3(b.under_coat);
   } else {
-    mean = interface_left_over(b, interface_albedo_average(view.alpha));
+    mean = interface_left_over(
+        b, view.alpha > 0.0f ? interface_average_in(view.row) : smooth_interface_average());
   }
   return d *
          VEC3(quotient_or_0(p.x, mean.x), quotient_or_0(p.y, mean.y), quotient_or_0(p.z, mean.z));
@@ -260,7 +276,7 @@ struct Facet {
   VEC3 h;
   REAL cosine;      ///< from.h > 0
   REAL q;           ///< refracted_q(); of what is refracted by the cosine behind, which keeps f
-                     ///< symmetric where it nearly grazes
+                    ///< symmetric where it nearly grazes
   REAL dh_dto;      ///< solid angle of h per solid angle of `to`
   REAL f_jacobian;  ///< f = Fresnel part * D * G2/(cos cos) * this
   bool joins;
@@ -289,7 +305,7 @@ SHARED Facet facet_between(IN(View) view, VEC3 to) MEMBER_CONST {
   facet.joins = facet.cosine > 0.0f && cos_to > 0.0f;
   if (!facet.joins) return facet;
   if (mirrored) {
-    facet.q = refracted_q(facet.cosine, view.ratio, view.rise);
+    if (view.passes) facet.q = refracted_q(facet.cosine, view.ratio, view.rise);
     facet.dh_dto = 0.25f * reciprocal(facet.cosine);
     facet.f_jacobian = 0.25f * reciprocal(view.n_from * view.n_from);  // of basic radiance
   } else {
@@ -303,14 +319,15 @@ SHARED Facet facet_between(IN(View) view, VEC3 to) MEMBER_CONST {
 
 /// What leads from one direction to another.
 struct Lobes {
-  VEC3 f;       ///< symmetric [1/sr]; of a Dirac lobe: reflectance or transmittance
+  VEC3 f;      ///< symmetric [1/sr]; of a Dirac lobe: reflectance or transmittance
   REAL pdf_w;  ///< of bsdf_turn(), the choice of the lobe included [1/sr]; of a Dirac lobe: how
-                ///< probable it is
+               ///< probable it is
 };
 
 /// The lobes that are not Dirac, or, by `dirac`, the one that is: reflection on the same side,
 /// transmission on the other. 0 where a direction lies in the surface.
-SHARED Lobes bsdf_lobes(IN(Bsdf) b, IN(View) view, Shares shares, VEC3 to, bool dirac) MEMBER_CONST {
+SHARED Lobes bsdf_lobes(IN(Bsdf) b, IN(View) view, Shares shares, VEC3 to,
+                        bool dirac) MEMBER_CONST {
   Lobes lobes;
   lobes.f = VEC3(0.0f);
   lobes.pdf_w = 0.0f;
@@ -327,7 +344,8 @@ SHARED Lobes bsdf_lobes(IN(Bsdf) b, IN(View) view, Shares shares, VEC3 to, bool 
   Facet m = facet_between(view, w);
   if (view.interfaced && dirac == is_smooth(view) && (dirac || m.joins)) {
     REAL c = dirac ? view.from.z : m.cosine;
-    REAL q = dirac ? refracted_q(c, view.ratio, view.rise) : m.q;
+    REAL q = m.q;
+    if (dirac && view.passes) q = refracted_q(c, view.ratio, view.rise);
     Reflectance r = reflectance_at(b, view, c, q);
     Split split = split_of(b, view, r);
     REAL share = shares.diffuse < 0.0f ? REAL(0.0f) : 1.0f - (shares.diffuse + shares.sheen);
@@ -354,7 +372,9 @@ SHARED VEC3 bsdf_albedo(IN(Bsdf) b, IN(View) view) MEMBER_CONST {
   if (view.solid && view.back && is_rough(view)) return VEC3(1.0f);  // all, beyond some angle
   VEC3 left = VEC3(1.0f);
   if (is_smooth(view)) left = reflectance_at(b, view, view.from.z).rest;
-  if (is_rough(view)) left = view.left;
+  if (is_rough(view))
+    left = view.diffuse ? view.left
+                        : interface_left_over(b, interface_albedo(view.from.z, view.alpha));
   VEC3 behind = VEC3(b.through);
   if (view.diffuse) behind += VEC3(b.diffuse);
   VEC3 all = VEC3(1.0f) - left + left * behind;

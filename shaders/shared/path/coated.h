@@ -71,9 +71,10 @@ SHARED Standing standing_at(IN(Point) p, VEC3 back) MEMBER_CONST {
 /// What leads from `back` to `to`: of the surface and of its coat, where their normals differ each
 /// with its own cosines.
 struct Layers {
-  VEC3 base;    ///< f, or reflectance of basic radiance
-  REAL coat;   ///< the same of the coat, colourless
-  REAL pdf_w;  ///< or probability
+  VEC3 base;     ///< f, or reflectance of basic radiance
+  REAL coat;     ///< the same of the coat, colourless
+  REAL pdf_w;    ///< or probability
+  bool by_coat;  ///< the Dirac lobe is the coat's alone
 };
 
 /// Which Dirac lobe leads there where both are smooth: both do if their normals are the same, else
@@ -89,6 +90,7 @@ SHARED Layers layers_between(IN(Point) p, IN(Standing) here, IN(Seen) to, bool d
   layers.base = VEC3(0.0f);
   layers.coat = 0.0f;
   layers.pdf_w = 0.0f;
+  layers.by_coat = false;
   REAL taken = here.coat;
   if (both_on_base(back, to)) {
     Lobes lobes = bsdf_lobes(p.bsdf, here.view, here.shares, to.base, dirac);
@@ -104,6 +106,7 @@ SHARED Layers layers_between(IN(Point) p, IN(Standing) here, IN(Seen) to, bool d
     if (base_leads && !same_normals(p) && !coat_is_nearer(p, back, to)) return layers;
     bool alone = !base_leads || !same_normals(p);
     layers.coat = coat_reflectance(p.bsdf.coat, back.coat.z);
+    layers.by_coat = alone;
     layers.base = alone ? VEC3(0.0f) : layers.base;
     layers.pdf_w = alone ? taken : layers.pdf_w + taken;
   }
@@ -146,7 +149,8 @@ SHARED OF_REAL(Odds) coated_odds(IN(Point) p, IN(Standing) here) MEMBER_CONST {
   if (!has_coat(p.bsdf)) return odds;
   REAL taken = here.coat;
   odds.dirac = (1.0f - taken) * odds.dirac + (coat_smooth(p.bsdf.coat) ? taken : REAL(0.0f));
-  odds.broad = (1.0f - taken) * odds.broad + (p.bsdf.coat.alpha >= kNarrowAlpha ? taken : REAL(0.0f));
+  odds.broad =
+      (1.0f - taken) * odds.broad + (p.bsdf.coat.alpha >= kNarrowAlpha ? taken : REAL(0.0f));
   if (odds.dirac > 0.0f) odds.broad = 1.0f;
   return odds;
 }

@@ -149,8 +149,8 @@ SHARED float guide_chance_at(uint from, float albedo) MEMBER_CONST {
 /// Of a walk that leaves along an edge with this crossing: the guided density [1/canonical area]
 /// from the plain one. W: of what it may aim at; q: that it aims, scope: Odds of where it scatters;
 /// per_area: |cos| / d^2 at the edge's other end.
-SHARED float guided_pdf_A(uint from, float W, float q, OF_FLOAT(Odds) scope, float plain_A, float per_area,
-                          Crossing crossing) MEMBER_CONST {
+SHARED float guided_pdf_A(uint from, float W, float q, OF_FLOAT(Odds) scope, float plain_A,
+                          float per_area, Crossing crossing) MEMBER_CONST {
   if (!(plain_A > 0.0f && guide_first_chance(from) > 0.0f && W > 0.0f)) return plain_A;
   float by_surface = (1.0f - q * scope.broad) * plain_A;
   // What the infinite ray crosses.

@@ -31,36 +31,52 @@ SHARED InterfaceAlbedo interface_between(uint i, uint j, REAL rest) MEMBER_CONST
   return e;
 }
 
-/// At cosine `mu` in [0,1] to the normal; alpha in [0,1].
-SHARED InterfaceAlbedo interface_albedo(REAL mu, REAL alpha) MEMBER_CONST {
-  InterfaceAlbedo e;
-  if (!(alpha > 0.0f)) {
-    OF_REAL(FresnelCurve) f = schlick_curve(mu);
-    e.a = f.rest;
-    e.b = f.part;
-    return e;
-  }
-  REAL s;
+/// What is told of alpha, in (0,1], for many cosines.
+struct InterfaceRow {
+  uint node;
+  REAL rest;
+};
+SHARED InterfaceRow interface_row(REAL alpha) MEMBER_CONST {
+  InterfaceRow row;
+  row.node = interface_node(alpha, kInterfaceAlphas, row.rest);
+  return row;
+}
+
+/// At cosine `mu` in [0,1] to the normal.
+SHARED InterfaceAlbedo interface_albedo_in(InterfaceRow row, REAL mu) MEMBER_CONST {
   REAL t;
-  uint k = interface_node(alpha, kInterfaceAlphas, s);
-  uint i = 2u * (k * kInterfaceCosines + interface_node(mu, kInterfaceCosines, t));
+  uint i = 2u * (row.node * kInterfaceCosines + interface_node(mu, kInterfaceCosines, t));
   uint j = i + 2u * kInterfaceCosines;
   InterfaceAlbedo low = interface_between(i, i + 2u, t);
   InterfaceAlbedo high = interface_between(j, j + 2u, t);
-  e.a = low.a + (high.a - low.a) * s;
-  e.b = low.b + (high.b - low.b) * s;
+  InterfaceAlbedo e;
+  e.a = low.a + (high.a - low.a) * row.rest;
+  e.b = low.b + (high.b - low.b) * row.rest;
   return e;
+}
+SHARED InterfaceAlbedo smooth_interface_albedo(REAL mu) MEMBER_CONST {
+  OF_REAL(FresnelCurve) f = schlick_curve(mu);
+  InterfaceAlbedo e;
+  e.a = f.rest;
+  e.b = f.part;
+  return e;
+}
+/// alpha in [0,1].
+SHARED InterfaceAlbedo interface_albedo(REAL mu, REAL alpha) MEMBER_CONST {
+  if (!(alpha > 0.0f)) return smooth_interface_albedo(mu);
+  return interface_albedo_in(interface_row(alpha), mu);
 }
 
 /// Average over cosine-distributed directions.
-SHARED InterfaceAlbedo interface_albedo_average(REAL alpha) MEMBER_CONST {
+SHARED InterfaceAlbedo interface_average_in(InterfaceRow row) MEMBER_CONST {
+  uint k = kInterfaceAverages + 2u * row.node;
+  return interface_between(k, k + 2u, row.rest);
+}
+SHARED InterfaceAlbedo smooth_interface_average() MEMBER_CONST {
   InterfaceAlbedo e;
   e.a = REAL(0.952380952380952381);
   e.b = REAL(0.0476190476190476190);
-  if (!(alpha > 0.0f)) return e;
-  REAL s;
-  uint k = kInterfaceAverages + 2u * interface_node(alpha, kInterfaceAlphas, s);
-  return interface_between(k, k + 2u, s);
+  return e;
 }
 
 #include "shaders/shared/language_end.h"

@@ -11,8 +11,6 @@
 
 #include "shaders/shared/language.h"
 
-const uint kCandidates = 8u;  // of one vertex that it is joined with
-
 // Slots of a segment's ends.
 SHARED uint slot_of_x_l(uint segment) MEMBER_CONST {
   return render.segments_first + 2u * segment;
@@ -105,7 +103,7 @@ SHARED void choose_next_event(uint slot, uint place) MEMBER {
 /// Candidate i of n, of those that are looked at, spread evenly from u in [0,1).
 SHARED uint candidate_of(uint n, uint i, float u) MEMBER_CONST {
   if (n <= kCandidates) return i;
-  return min(uint((float(i) + u) * (float(n) * 0.125f)), n - 1u);
+  return min(uint((float(i) + u) * (float(n) * kPerCandidate)), n - 1u);
 }
 
 /// Writes a joining of two ends.
@@ -156,7 +154,7 @@ SHARED void choose_ends(uint place, uint count, uint kind, uint group, uint n, J
                         uint camera, uint edges, uint pixel, float u, float u_few) MEMBER {
   uint m = min(n, kCandidates);
   float walks = float(walks_of_pool(pool_of_group(group)));
-  float times = n <= kCandidates ? walks : walks * 8.0f * reciprocal(float(n));
+  float times = n <= kCandidates ? walks : walks * float(kCandidates) * reciprocal(float(n));
   float rough[kCandidates];
   float total = 0.0f;
   uint not_zero = 0u;
@@ -196,7 +194,7 @@ SHARED void choose_joins(uint slot, uint place) MEMBER {
   float u = uniform_of(numbers);
   float u_few = uniform_of(numbers);
   JoinEnd here = join_end(kept_point(slot, at), at.back, at.throughput, slot, t);
-  choose_ends(place, t <= 3u ? 2u : 1u, JOINING_BI, group, first_end(group + 1u) - first_end(group),
+  choose_ends(place, connections_of(t), JOINING_BI, group, first_end(group + 1u) - first_end(group),
               here, slot, t, name.pixel, u, u_few);
 }
 

@@ -60,8 +60,7 @@ SHARED void put_material(IN(SurfaceMaterial) m, bool bent_coat, VEC3 coat_normal
   p.connectible = bsdf_connectible(p.bsdf);
   if (!has_coat(p.bsdf)) return;
   p.connectible = p.connectible || !coat_smooth(p.bsdf.coat);
-  if (bent_coat)
-    p.bsdf.coat.normal = vec3(normalized(to_local(onb_about(p.shading), coat_normal)));
+  if (bent_coat) p.bsdf.coat.normal = vec3(normalized(to_local(onb_about(p.shading), coat_normal)));
   if (is_positive(p.bsdf.diffuse)) p.bsdf.under_coat = vec3(average_under_coat(p.bsdf));
 }
 

@@ -3,6 +3,7 @@
 #ifndef TDPT_SHADERS_SHARED_PATH_RENDER_LAYOUT_H
 #define TDPT_SHADERS_SHARED_PATH_RENDER_LAYOUT_H
 
+#include "shaders/shared/path/connections.h"
 #include "shaders/shared/records.h"
 
 #include "shaders/shared/language.h"
@@ -234,7 +235,7 @@ RECORD(PortalSegment)
   WORDS(float, light_A0, float, light_A1, float, first_A, float, second_A)                \
   WORDS(float, pair_before, float, nee_A, float, pad0, float, pad1)
 RECORD(SegmentSide)
-const uint kSegmentSides = 3u;
+const uint kSegmentSides = 1u + kLightSides;
 
 // Of the weight of a path [weight.h].
 

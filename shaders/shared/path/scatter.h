@@ -28,7 +28,8 @@ SHARED VEC3 of_radiance(IN(Point) p, IN(Layers) layers, IN(Seen) l, IN(Seen) c) 
 
 /// Radiance BSDF without Dirac lobes [1/sr]; unit directions away from the surface.
 SHARED VEC3 bsdf_at(IN(Point) p, VEC3 to_light, VEC3 to_camera) MEMBER_CONST {
-  if (!is_layered(p)) return same_side(p, to_light, to_camera) ? VEC3(p.color) * INVERSE_PI : VEC3(0.0f);
+  if (!is_layered(p))
+    return same_side(p, to_light, to_camera) ? VEC3(p.color) * INVERSE_PI : VEC3(0.0f);
   Standing l = standing_at(p, to_light);
   Seen c = seen_from(p, to_camera);
   return of_radiance(p, layers_between(p, l, c, false), l.seen, c);
@@ -36,22 +37,26 @@ SHARED VEC3 bsdf_at(IN(Point) p, VEC3 to_light, VEC3 to_camera) MEMBER_CONST {
 
 /// n_to^2 |cos_to| of a Dirac lobe, about the normal that it is reflected by.
 SHARED REAL dirac_measure(IN(Point) p, IN(Layers) layers, IN(Seen) to) MEMBER_CONST {
-  if (has_coat(p.bsdf) && is_zero(layers.base)) return abs(to.coat.z);
+  if (layers.by_coat) return abs(to.coat.z);
   REAL n = index_at(p.bsdf, to.base);
   return n * n * abs(to.base.z);
 }
 
-/// Density of scattering along `to` when the walk came along unit `back`, away from the surface
+/// Density of scattering along `to` of a walk that came along unit `back`, away from the surface
 /// [1/sr]. `dirac`: by a Dirac lobe: its probability times n_to^2 |cos_to|, the density per
-/// n^2 |cos| dw, which reflection and refraction preserve.
-SHARED REAL scatter_pdf_w(IN(Point) at, VEC3 back, VEC3 to, bool dirac) MEMBER_CONST {
-  if (!is_layered(at)) {
-    REAL cosine = dot(at.normal, to);
-    return !dirac && dot(at.normal, back) * cosine > 0.0f ? abs(cosine) * INVERSE_PI : REAL(0.0f);
-  }
-  Seen next = seen_from(at, to);
-  Layers layers = layers_between(at, standing_at(at, back), next, dirac);
-  return dirac ? layers.pdf_w * dirac_measure(at, layers, next) : layers.pdf_w;
+/// n^2 |cos| dw, which reflection and refraction preserve. Of a simple point:
+SHARED REAL simple_pdf_w(IN(Point) p, VEC3 back, VEC3 to, bool dirac) MEMBER_CONST {
+  REAL cosine = dot(p.normal, to);
+  return !dirac && dot(p.normal, back) * cosine > 0.0f ? abs(cosine) * INVERSE_PI : REAL(0.0f);
+}
+SHARED REAL layered_pdf_w(IN(Point) p, IN(Standing) here, VEC3 to, bool dirac) MEMBER_CONST {
+  Seen next = seen_from(p, to);
+  Layers layers = layers_between(p, here, next, dirac);
+  return dirac ? layers.pdf_w * dirac_measure(p, layers, next) : layers.pdf_w;
+}
+SHARED REAL scatter_pdf_w(IN(Point) p, VEC3 back, VEC3 to, bool dirac) MEMBER_CONST {
+  if (!is_layered(p)) return simple_pdf_w(p, back, to, dirac);
+  return layered_pdf_w(p, standing_at(p, back), to, dirac);
 }
 
 /// f cos / pdf_w of the way from `back` to `to`, or reflectance by probability; false: none leads
@@ -66,12 +71,11 @@ SHARED bool weigh(IN(Point) p, uint from, IN(Standing) here, IN(Seen) to, bool d
   REAL over_pdf = reciprocal(layers.pdf_w);
   if (dirac) {
     // f = reflectance n_c^2 |l.ns| / |l.ng| per n^2 |cos| dw.
-    bool coat = has_coat(p.bsdf) && is_zero(layers.base);
     REAL n = index_at(p.bsdf, back.base) * reciprocal(index_at(p.bsdf, to.base));
-    REAL factor = coat ? REAL(1.0f) : n * n;
+    REAL factor = layers.by_coat ? REAL(1.0f) : n * n;
     if (!from_camera)
-      factor = abs((coat ? back.coat.z : back.base.z) * to.side) *
-               reciprocal(max(abs(back.side * (coat ? to.coat.z : to.base.z)), 1e-30f));
+      factor = abs((layers.by_coat ? back.coat.z : back.base.z) * to.side) *
+               reciprocal(max(abs(back.side * (layers.by_coat ? to.coat.z : to.base.z)), 1e-30f));
     weight = (layers.base + VEC3(layers.coat)) * (factor * over_pdf);
   } else {
     VEC3 f = from_camera ? of_radiance(p, layers, to, back) : of_radiance(p, layers, back, to);
@@ -80,37 +84,50 @@ SHARED bool weigh(IN(Point) p, uint from, IN(Standing) here, IN(Seen) to, bool d
   return true;
 }
 
-/// The next direction given: `t` is by a lobe that is not Dirac.
-SHARED bool turn_towards(IN(Point) p, uint from, VEC3 back, VEC3 w, OUT(OF_REAL(Turn)) t) MEMBER_CONST {
-  t.w = w;
-  t.dirac = false;
-  t.weight = VEC3(p.color);
-  if (!is_layered(p)) return same_side(p, back, w);
-  return weigh(p, from, standing_at(p, back), seen_from(p, w), false, t.weight);
-}
-
 /// The next direction of a walk that came along unit `back`. u, v: direction; `choice`: of a lobe.
 /// False when the walk ends here; t.dirac then tells whether a Dirac lobe was tried, as bent
 /// normals may send what it reflects into the surface.
-SHARED bool turn(IN(Point) p, uint from, VEC3 back, REAL u, REAL v, REAL choice,
-                 OUT(OF_REAL(Turn)) t) MEMBER_CONST {
+SHARED bool simple_turn(IN(Point) p, VEC3 back, REAL u, REAL v, OUT(OF_REAL(Turn)) t) MEMBER_CONST {
+  VEC3 n = dot(p.normal, back) > 0.0f ? p.normal : -p.normal;
   t.dirac = false;
   t.weight = VEC3(p.color);
-  if (!is_layered(p)) {
-    VEC3 n = dot(p.normal, back) > 0.0f ? p.normal : -p.normal;
-    t.w = cosine_hemisphere(n, u, v);
-    return true;
-  }
-  t.w = back;
+  t.w = cosine_hemisphere(n, u, v);
+  return true;
+}
+SHARED bool layered_turn(IN(Point) p, uint from, IN(Standing) here, REAL u, REAL v, REAL choice,
+                         OUT(OF_REAL(Turn)) t) MEMBER_CONST {
   VEC3 to;
   bool by_coat;
-  Standing here = standing_at(p, back);
+  t.dirac = false;
+  t.weight = VEC3(0.0f);
+  t.w = VEC3(0.0f);
   if (!coated_turn(p, here, u, v, choice, to, t.dirac, by_coat)) return false;
   t.w = normalized(to_world(onb_about(p.shading), to));
   Seen next = seen_from(p, t.w);
   // Bent normals may send it to a side where the lobe that it comes from is not seen.
   if (!(by_coat ? both_on_coat(here.seen, next) : next.on_base)) return false;
   return weigh(p, from, here, next, t.dirac, t.weight);
+}
+SHARED bool turn(IN(Point) p, uint from, VEC3 back, REAL u, REAL v, REAL choice,
+                 OUT(OF_REAL(Turn)) t) MEMBER_CONST {
+  if (!is_layered(p)) return simple_turn(p, back, u, v, t);
+  return layered_turn(p, from, standing_at(p, back), u, v, choice, t);
+}
+
+/// The next direction given: `t` is by a lobe that is not Dirac.
+SHARED bool layered_turn_towards(IN(Point) p, uint from, IN(Standing) here, VEC3 w,
+                                 OUT(OF_REAL(Turn)) t) MEMBER_CONST {
+  t.w = w;
+  t.dirac = false;
+  return weigh(p, from, here, seen_from(p, w), false, t.weight);
+}
+SHARED bool turn_towards(IN(Point) p, uint from, VEC3 back, VEC3 w,
+                         OUT(OF_REAL(Turn)) t) MEMBER_CONST {
+  t.w = w;
+  t.dirac = false;
+  t.weight = VEC3(p.color);
+  if (!is_layered(p)) return same_side(p, back, w);
+  return layered_turn_towards(p, from, standing_at(p, back), w, t);
 }
 
 SHARED OF_REAL(Odds) odds_at(IN(Point) p, VEC3 back) MEMBER_CONST {
@@ -124,14 +141,19 @@ SHARED OF_REAL(Odds) odds_at(IN(Point) p, VEC3 back) MEMBER_CONST {
 SHARED REAL held_albedo(REAL albedo) MEMBER_CONST {
   return min(max(albedo, 0.05f), 1.0f);
 }
+SHARED REAL simple_albedo(IN(Point) p) MEMBER_CONST {
+  return on_surface(p) ? held_albedo(REAL(largest(p.color))) : REAL(1.0f);
+}
+SHARED REAL layered_albedo(IN(Point) p, IN(Standing) here, VEC3 back) MEMBER_CONST {
+  REAL albedo = largest(coated_albedo(p, here));
+  if (scene_has_panes) albedo = albedo * reciprocal(presence_of(p, back));
+  return held_albedo(albedo);
+}
 /// Albedo of a surface as it is seen along unit `back`: the largest component, but 0.05 at least, 1
 /// at most; 1 off surfaces. Of a pane, that of the share of rays that find it.
 SHARED REAL albedo_at(IN(Point) p, VEC3 back) MEMBER_CONST {
-  if (!on_surface(p)) return 1.0f;
-  if (!is_layered(p)) return held_albedo(REAL(largest(p.color)));
-  REAL albedo = largest(coated_albedo(p, standing_at(p, back)));
-  if (scene_has_panes) albedo = albedo * reciprocal(presence_of(p, back));
-  return held_albedo(albedo);
+  if (!on_surface(p) || !is_layered(p)) return simple_albedo(p);
+  return layered_albedo(p, standing_at(p, back), back);
 }
 
 /// Share of what the surface emits along w that its clear coat lets through.

@@ -15,11 +15,10 @@ SHARED Scattering scattering_at(Point p, uint from, vec3 back, vec3 w, bool dira
   s.dirac_behind = 0.0f;
   s.broad_behind = 1.0f;
   if (!is_layered(p)) {
-    bool passes = !dirac && same_side(p, back, w);
-    s.f = passes ? p.color * INVERSE_PI : vec3(0.0f);
-    s.onward_w = passes ? abs(dot(p.normal, w)) * INVERSE_PI : 0.0f;
-    s.behind_w = passes ? abs(dot(p.normal, back)) * INVERSE_PI : 0.0f;
-    s.albedo = on_surface(p) ? held_albedo(largest(p.color)) : 1.0f;
+    s.f = !dirac && same_side(p, back, w) ? p.color * INVERSE_PI : vec3(0.0f);
+    s.onward_w = simple_pdf_w(p, back, w, dirac);
+    s.behind_w = simple_pdf_w(p, w, back, dirac);
+    s.albedo = simple_albedo(p);
     return s;
   }
   // Each way in turn: one text of a surface is enough for a kernel.

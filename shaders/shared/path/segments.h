@@ -247,8 +247,6 @@ SHARED void list_lit(uint segment) MEMBER {
   if (segment + 1u == work.count) lit_first[render.groups] = rank + flags[segment];
 }
 
-const uint kPairs = 3u;  // joins of a sample's camera vertices with segments
-
 // Of each of the camera's vertices: the sum of its estimates, how many are not zero, and all of
 // them, one for each lit segment of its pool.
 SHARED uint row_of_estimates(uint i) MEMBER_CONST {

@@ -107,8 +107,8 @@ SHARED void keep_aims(INOUT(PathVertex) v, Aims aims) MEMBER_CONST {
 
 /// Density per area of the walk from `from` at a vertex, from that per solid angle. `albedo`,
 /// `scope`: as the vertex is seen from where the walk came.
-SHARED float scattered_pdf_A(uint from, PathVertex at, float albedo, OF_FLOAT(Odds) scope, float pdf_w,
-                             float per_area, Crossing crossing) MEMBER_CONST {
+SHARED float scattered_pdf_A(uint from, PathVertex at, float albedo, OF_FLOAT(Odds) scope,
+                             float pdf_w, float per_area, Crossing crossing) MEMBER_CONST {
   float plain_A = pdf_w * per_area;
   if (!scene_has_portals || !guide_active) return plain_A;
   float W = from == FROM_LIGHT ? at.aims_light : at.aims_camera;

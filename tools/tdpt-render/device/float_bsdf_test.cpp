@@ -1,5 +1,5 @@
-// BSDFs in floats (shaders/shared/path) against those that count in doubles, and by themselves:
-// weights, energy, symmetry, densities of what is drawn, and extremes.
+// BSDFs in floats against the same text in doubles: values, weights, densities of what is drawn,
+// and extremes.
 //
 // Floats know a direction to 2^-24, a microfacet's slope as well as that, and the density of slopes
 // D, which changes by 4/alpha of itself a unit of slope, to some 1e-6/alpha; near total reflection
@@ -8,6 +8,7 @@
 
 #include "libcommon/math/rng.h"
 #include "libcommon/testing/statistics/chi_square.h"
+#include "tools/tdpt-render/path/bsdf/scatter.h"
 #include "tools/tdpt-render/path/sample/roulette.h"
 #include "tools/tdpt-render/testing/bsdfs.h"
 #include "tools/tdpt-render/testing/float_points.h"
@@ -61,7 +62,8 @@ bool draw_ways(const Point& p, Rng& rng, bool turned, Ways& out) {
   const double v = rng.uniform();
   const double choice = rng.uniform();
   Turn t;
-  if (!turn(p, From::camera, Vec3d(out.back), {u, v, choice}, t) || t.dirac) return false;
+  if (!turn(p, From::camera, incidence(p, Vec3d(out.back)), {u, v, choice}, t) || t.dirac)
+    return false;
   out.to = Vec3f(t.w);
   return true;
 }
@@ -82,7 +84,7 @@ std::vector<double> errors(float alpha, bool bent, float faulty_alpha) {
       if (std::min(std::abs(dot(p.shading, back)), std::abs(dot(p.shading, to))) < 1e-4) continue;
       const Pair f = pair(any_surface().bsdf_at(q, w.to, w.back), bsdf_at(p, to, back));
       const Pair pdf{any_surface().scatter_pdf_w(q, w.back, w.to, false),
-                     layered_scatter_pdf_w(p, back, to, false)};
+                     scatter_pdf_w(p, incidence(p, back), to, false)};
       found.push_back(f.error());
       found.push_back(pdf.error());
     }
@@ -122,12 +124,13 @@ TEST(float_bsdf, albedo_and_odds_are_those_of_doubles) {
         const shader::Point q = in_floats(p);
         const Vec3f back(uniform_direction(rng));
         if (std::abs(back.z) < 1e-4f) continue;
-        const double albedo = std::clamp<double>(max_component(albedo_of(p, Vec3d(back))), 0.05, 1);
+        const double albedo =
+            std::clamp<double>(max_component(albedo_of(p, incidence(p, Vec3d(back)))), 0.05, 1);
         shader::Point met = q;
         met.triangle = 0;
         EXPECT_NEAR(any_surface().albedo_at(met, back), albedo, 5e-6) << k.name << back.z;
-        const Odds exact = odds_of(p, Vec3d(back));
-        const shader::Odds mine = any_surface().odds_at(q, back);
+        const Odds exact = odds_at(p, incidence(p, Vec3d(back)));
+        const shader::Odds<float> mine = any_surface().odds_at(q, back);
         EXPECT_NEAR(mine.dirac, exact.dirac, 5e-6) << k.name << " " << alpha << " " << back.z;
         EXPECT_NEAR(mine.broad, exact.broad, 5e-6) << k.name << " " << alpha << " " << back.z;
       }
@@ -145,23 +148,11 @@ TEST(float_bsdf, off_surfaces_the_albedo_is_1_and_of_simple_ones_their_colour) {
 }
 
 // The walk's weight, by doubles along the direction that floats drew.
-bool exact_weight(const Point& p, bool camera, const Vec3d& back, const shader::Turn& t,
-                  Rgb& weight) {
-  const Vec3d w(t.w);
-  if (!t.dirac) {
-    Turn exact;
-    if (!turn_towards(p, camera ? From::camera : From::light, back, w, exact)) return false;
-    weight = exact.weight;
-    return true;
-  }
-  const coated::Dirac d = coated::dirac(p, back, w);
-  if (!(d.probability > 0)) return false;
-  const double n = d.n_back / d.n_to;
-  const double sides = dot(p.normal, w) / dot(p.normal, back);
-  weight = d.reflectance *
-           static_cast<float>((camera ? n * n : std::abs(d.cos_back * sides / d.cos_to)) /
-                              d.probability);
-  return true;
+bool exact_weight(const Point& p, bool camera, const Vec3d& back, const shader::Turn<float>& t,
+                  Vec3d& weight) {
+  const shader::Surfaces& s = surfaces();
+  return s.weigh(p, camera ? shader::FROM_CAMERA : shader::FROM_LIGHT, s.standing_at(p, back),
+                 s.seen_from(p, Vec3d(t.w)), t.dirac, weight);
 }
 // Errors of weights, sorted; twin: a density 1 % off.
 std::vector<double> weight_errors(float alpha, bool bent, double off) {
@@ -175,17 +166,17 @@ std::vector<double> weight_errors(float alpha, bool bent, double off) {
       const float u = rng.uniform_float();
       const float v = rng.uniform_float();
       const float choice = rng.uniform_float();
-      shader::Turn t;
+      shader::Turn<float> t;
       if (!any_surface().turn(in_floats(p), camera ? shader::FROM_CAMERA : shader::FROM_LIGHT, back,
                               u, v, choice, t))
         continue;
       EXPECT_NEAR(length(Vec3d(t.w)), 1, 1e-6);
-      Rgb exact;
+      Vec3d exact;
       const Vec3d w(t.w);
       if (std::min(std::abs(dot(p.shading, Vec3d(back))), std::abs(dot(p.shading, w))) < 1e-3)
         continue;
       if (!exact_weight(p, camera, Vec3d(back), t, exact)) exact = {};
-      found.push_back(pair(t.weight * static_cast<float>(off), exact).error());
+      found.push_back(pair(t.weight * static_cast<float>(off), Rgb(exact)).error());
     }
   std::sort(found.begin(), found.end());
   return found;
@@ -200,68 +191,6 @@ TEST(float_bsdf, weights_are_f_cos_by_density) {
 }
 TEST(float_bsdf, twin_a_density_half_a_percent_off) {
   EXPECT_GT(quantile(weight_errors(0.3f, false, 1 / 1.005), 0.5), 1e-3);
-}
-
-// What a beam from `from` keeps, by samples of floats and, with the same numbers, of doubles.
-struct Energy {
-  double mine = 0, exact = 0;
-  float largest = 0;
-};
-Energy energy(const Bsdf& b, const Vec3f& from, int n) {
-  const Point p = whole::point(b);
-  const shader::Point q = in_floats(p);
-  const auto basic = [&](const Vec3d& to) {
-    const double ratio = b.index(to) / b.index(Vec3d(from));
-    return ratio * ratio / n;
-  };
-  Energy e;
-  double x = 0.5, y = 0.5, z = 0.5;
-  for (int i = 0; i < n; ++i) {
-    x = std::fmod(x + 0.8191725133961645, 1);
-    y = std::fmod(y + 0.6710436067037893, 1);
-    z = std::fmod(z + 0.5497004779019703, 1);
-    shader::Turn mine;
-    if (any_surface().turn(q, shader::FROM_CAMERA, from, static_cast<float>(y),
-                           static_cast<float>(z), static_cast<float>(x), mine)) {
-      e.mine += mine.weight.y * basic(Vec3d(mine.w));
-      e.largest = std::max(e.largest, max_component(mine.weight));
-    }
-    Turn exact;
-    if (turn(p, From::camera, Vec3d(from), {y, z, x}, exact))
-      e.exact += exact.weight.y * basic(exact.w);
-  }
-  return e;
-}
-TEST(float_bsdf, keeps_as_much_energy_as_in_doubles) {
-  for (const float alpha : kAlphas)
-    for (const NamedBsdf& k : all(alpha))
-      for (const double z : {1.0, 0.8, 0.3, 0.07, 0.01, -0.01, -0.3, -1.0}) {
-        const Energy e = energy(k.b, Vec3f(direction(z, 1)), 1024);
-        EXPECT_NEAR(e.mine, e.exact, 2.5e-3) << k.name << " alpha " << alpha << " cos " << z;
-        EXPECT_LT(e.largest, 12) << k.name << " alpha " << alpha << " cos " << z;
-      }
-}
-
-bool symmetric(const Bsdf& b, const Vec3f& x, const Vec3f& y, double tolerance) {
-  const shader::Point p = in_floats(whole::point(b));
-  const auto f = [&](const Vec3f& l, const Vec3f& c) {
-    const double n = b.index(Vec3d(c));
-    return max_component(any_surface().bsdf_at(p, l, c)) / (n * n);
-  };
-  return Pair{f(x, y), f(y, x)}.error() < tolerance;
-}
-TEST(float_bsdf, is_symmetric) {
-  for (const float alpha : kAlphas)
-    for (const NamedBsdf& k : all(alpha)) {
-      int bad = 0;
-      for (uint64_t i = 0; i < 200; ++i) {
-        Rng rng(11, 0, i);
-        Ways w;
-        if (!draw_ways(whole::point(k.b), rng, i % 2 == 1, w)) continue;
-        bad += !symmetric(k.b, w.back, w.to, 2e-4 + 2e-5 / std::max(alpha, 2e-4f));
-      }
-      EXPECT_LE(bad, 1) << k.name << " alpha " << alpha;
-    }
 }
 
 struct Judgement {
@@ -283,7 +212,7 @@ Judgement judge(const Bsdf& b, const Vec3f& from, const SphereBins& bins, uint64
                               const float u = rng.uniform_float();
                               const float v = rng.uniform_float();
                               const float choice = rng.uniform_float();
-                              shader::Turn t;
+                              shader::Turn<float> t;
                               if (!surface.turn(p, shader::FROM_CAMERA, from, u, v, choice, t))
                                 return bins.size();
                               if (!t.dirac) return bins.bin(normalize(Vec3d(t.w)));
@@ -291,7 +220,7 @@ Judgement judge(const Bsdf& b, const Vec3f& from, const SphereBins& bins, uint64
                               return bins.size();
                             });
   const auto probability = [&](const Vec3f& to) {
-    const double n = b.index(Vec3d(to));
+    const double n = index(b, Vec3d(to));
     return double{surface.scatter_pdf_w(p, from, to, true)} / (n * n * std::abs(to.z));
   };
   return {c.p, binomial_p(reflected, kSamples, probability({0, 0, from.z})),
@@ -362,7 +291,7 @@ TEST(float_bsdf, extremes_stay_finite) {
           for (const float choice : uniforms)
             for (const float u : uniforms)
               for (const float v : uniforms) {
-                shader::Turn t;
+                shader::Turn<float> t;
                 if (!any_surface().turn(p, shader::FROM_LIGHT, from, u, v, choice, t)) continue;
                 ASSERT_NEAR(length(Vec3d(t.w)), 1, 1e-6);
                 ASSERT_TRUE(is_finite(t.weight));

@@ -58,7 +58,7 @@ double distance(const shader::Bsdf& a, const Bsdf& b) {
              std::abs(a.alpha - b.alpha) + std::abs(a.eta - b.eta) + (a.thin != b.thin);
   if (max_component(b.sheen) > 0) d += std::abs(a.sheen_alpha - b.sheen_alpha);
   d += std::abs(strength - b.coat.strength);
-  if (!b.coat) return d;
+  if (!(b.coat.strength > 0)) return d;
   d += std::abs(alpha - b.coat.alpha) + distance(normal, Vec3d(b.coat.normal));
   return max_component(b.diffuse) > 0 ? d + distance(a.under_coat, b.under_coat) : d;
 }
@@ -234,9 +234,9 @@ class OnDevice {
         shader::surface_test_spv,
         {gpu::Buffer(device_, t.faces), gpu::Buffer(device_, t.face_corners),
          gpu::Buffer(device_, t.corner_attributes), materials_, gpu::Buffer(device_, t.maps),
-         gpu::Buffer(device_, t.texel_words), gpu::Buffer(device_, curves),
+         gpu::Buffer(device_, t.texel_words), gpu::Buffer(device_, curves.surface),
          gpu::Buffer(device_, t.coverage.coverage_of), gpu::Buffer(device_, t.coverage.coverages),
-         gpu::Buffer(device_, t.material_maps), words_},
+         gpu::Buffer(device_, t.material_maps), words_, gpu::Buffer(device_, curves.sheen)},
         4};
   }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "tools/tdpt-render/integrators/integrator.h"
+#include "tools/tdpt-render/path/bsdf/surfaces.h"
 #include "tools/tdpt-render/path/sample/guide.h"
 #include "tools/tdpt-render/path/sample/roulette.h"
 #include "tools/tdpt-render/path/sample/surface.h"
@@ -74,6 +75,7 @@ class Points {
     p.theirs.normal = Vec3d(p.mine.normal);
     p.theirs.triangle = p.mine.triangle;
     p.theirs.simple = p.mine.simple;
+    p.theirs.color = p.mine.color;
     p.theirs.connectible = p.mine.connectible;
     if (surface) p.theirs.material = &p.material;
     if (p.mine.source >= shader::SOURCE_LAMPS)
@@ -86,25 +88,25 @@ class Points {
   /// What the twin is told of a point that is not simple, as it is seen along `back`.
   static void look_at(const vec3& back, Both& p) {
     if (p.mine.simple) return;
-    const Odds odds = odds_of(p.theirs, Vec3d(back));
+    const Incidence in = incidence(p.theirs, Vec3d(back));
+    const Odds odds = odds_at(p.theirs, in);
     const auto cos = static_cast<float>(std::abs(dot(p.mine.normal, back)));
     p.mine.bsdf.coat.strength = static_cast<float>(odds.dirac);
     p.mine.bsdf.coat.alpha = static_cast<float>(odds.broad) / cos;
-    p.mine.bsdf.sheen_alpha = static_cast<float>(albedo_at(p.theirs, Vec3d(back))) - 0.1f * cos;
+    p.mine.bsdf.sheen_alpha = static_cast<float>(albedo_at(p.theirs, in)) - 0.1f * cos;
   }
 
  private:
   static void add_lobes(Rng& rng, Both& p) {
     Bsdf& b = p.theirs.bsdf;
     p.theirs.shading = p.theirs.normal;
-    b.diffuse = Rgb(0.5f * number(rng));
+    b = surfaces().diffuse_bsdf(Rgb(0.5f * number(rng)));
     b.f0 = Rgb(0.04f);
     b.f90 = Rgb(1.0f);
     b.eta = 1.5f;
     b.thin = true;
     b.alpha = rng.uniform() < 0.3 ? 0 : number(rng);
     if (rng.uniform() < 0.3) b.through = Rgb(0.4f * number(rng));
-    b.prepare();
     p.mine.bsdf.through = b.through;
   }
 
@@ -189,8 +191,8 @@ struct Trial {
       mine = twin.guide_leave(at.mine, aims, u, v, pick, whether, origin, w, triangle);
     } else {
       const From way = from == FROM_LIGHT ? From::light : From::camera;
-      directed =
-          guide.active() && guide.draw(at.theirs, Vec3d(back), way, numbers, their_w, theirs);
+      const Incidence in = incidence(at.theirs, Vec3d(back));
+      directed = guide.active() && guide.draw(at.theirs, &in, way, numbers, their_w, theirs);
       mine = twin.guide_draw(at.mine, aims, back, from, u, v, pick, whether, w, triangle);
     }
     if (!directed || !mine) return directed == mine;
@@ -216,7 +218,9 @@ struct Trial {
     const shader::Crossing my_c = from == FROM_LIGHT
                                       ? twin.edge_crossing(at.mine, to.mine, my_drawn)
                                       : twin.edge_crossing(to.mine, at.mine, my_drawn);
-    const double p = guide.pdf_A(way, at.theirs, Vec3d(back), e, to.theirs, 0.25, c);
+    const Incidence in = incidence(at.theirs, Vec3d(back));
+    const bool begins = back == vec3();
+    const double p = guide.pdf_A(way, at.theirs, begins ? nullptr : &in, e, to.theirs, 0.25, c);
     const float per_area = shader::to_area(1.0f, my_e, to.mine);
     const double mine = twin.guided_pdf_A(from, at.mine, aims, back, 0.25f, per_area, my_c);
     const double apart = std::max(std::abs(mine / p - 1),

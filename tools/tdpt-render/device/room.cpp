@@ -74,7 +74,8 @@ std::vector<SceneShare> shares_of(const RenderTables& t) {
           {"the portals", bytes_of(t.portals.polygons) + bytes_of(t.portals.facets)},
           {"the corners of the portals", bytes_of(t.portals.corners)},
           {"the pairs of portals", bytes_of(t.portals.pairs)},
-          {"what all scenes need", bytes_of(t.surface_curves) + bytes_of(t.sheen_curves) + sizeof(shader::sobol_points)}};
+          {"what all scenes need",
+           bytes_of(t.surface_curves) + bytes_of(t.sheen_curves) + sizeof(shader::sobol_points)}};
 }
 
 Room room_on(const std::string& name, const gpu::Limits& limits, const DeviceNeeds& needs) {

@@ -37,6 +37,7 @@ inline Bsdf glass(float alpha, float eta = 1.5f, bool thin = false, const Rgb& t
 
 inline Bsdf coated_by(float alpha, Bsdf b, float strength = 1) {
   b.coat.strength = strength, b.coat.alpha = alpha;
+  b.under_coat = Rgb(surfaces().average_under_coat(b));
   return b;
 }
 inline Bsdf cloth(float alpha, Bsdf b, const Rgb& sheen) {
@@ -114,7 +115,6 @@ inline Point point(const Bsdf& b) {
   p.normal = p.shading = {0, 0, 1};
   p.simple = false;
   p.bsdf = b;
-  if (surfaces().has_coat(b)) p.bsdf.under_coat = Rgb(surfaces().average_under_coat(b));
   return p;
 }
 inline Vec3d f(const Bsdf& b, const Vec3d& from, const Vec3d& to) {

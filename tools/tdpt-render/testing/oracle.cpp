@@ -283,8 +283,8 @@ double aim_pdf_w(const World& world, From from, const Vertex* back, const Vertex
     const double side = dot(n, at.position - triangles[0][0]);
     if (from == From::light ? side >= 0 : side <= 0) continue;
     // A portal below the surface's horizon is not aimed at.
-    const bool one_sided =
-        at.on_surface() && (back ? at.simple || !bsdf::transmits(at.bsdf) : !at.material->double_sided);
+    const bool one_sided = at.on_surface() && (back ? at.simple || !bsdf::transmits(at.bsdf)
+                                                    : !at.material->double_sided);
     const double facing = back && dot(at.normal, unit(at, *back)) < 0 ? -1 : 1;
     for (const auto& t : triangles)
       for (const Vec3d& corner : t)

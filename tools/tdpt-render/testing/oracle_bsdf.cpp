@@ -113,11 +113,13 @@ struct View {
     const double c = under_coat(from) * under_coat(to);
     if (!interface && !(b.coat.strength > 0)) return d;
     const Vec3d both = left_over(from.z) * left_over(to.z) * c;
-    const Vec3d mean = b.coat.strength > 0
-                           ? average_under_coat()
-                           : left_over(surfaces().interface_albedo_average(alpha));
+    const Vec3d mean = b.coat.strength > 0 ? average_under_coat() : left_over(average_albedo());
     const auto over = [](double x, double m) { return m > 0 ? x / m : 0.0; };
     return d * Vec3d(over(both.x, mean.x), over(both.y, mean.y), over(both.z, mean.z));
+  }
+  shader::Surfaces::InterfaceAlbedo average_albedo() const {
+    if (!(alpha > 0)) return surfaces().smooth_interface_average();
+    return surfaces().interface_average_in(surfaces().interface_row(alpha));
   }
   // 2 int (1 - E) c mu dmu by midpoints, as if both had one normal.
   Vec3d average_under_coat() const {
@@ -147,7 +149,8 @@ struct View {
     const double e = surfaces().sheen_albedo(from.z, b.sheen_alpha);
     const double under = std::min(sum(diffuse) + (interface ? sum(Vec3d(b.f90)) : 0), 3.0) *
                          (1 - max_component(sheen) * e);
-    const double s = d < 0 ? 1 : sum(sheen) * std::max(e, 0.05) / (sum(sheen) * std::max(e, 0.05) + under);
+    const double s =
+        d < 0 ? 1 : sum(sheen) * std::max(e, 0.05) / (sum(sheen) * std::max(e, 0.05) + under);
     return {d < 0 ? 0 : (1 - s) * d, s};
   }
   // That the interface, once taken, reflects and does not transmit; -1: neither.
@@ -241,8 +244,7 @@ Vec3d albedo(const Bsdf& b, const Vec3d& from) {
       view.smooth() ? Vec3d(1.0) - view.fresnel(view.from.z) : view.left_over(view.from.z);
   Vec3d all = Vec3d(1.0) - left + left * (view.through + view.diffuse);
   all *= view.under_sheen(view.from);
-  if (positive(view.sheen))
-    all += view.sheen * surfaces().sheen_albedo(view.from.z, b.sheen_alpha);
+  if (positive(view.sheen)) all += view.sheen * surfaces().sheen_albedo(view.from.z, b.sheen_alpha);
   return all * view.under_coat(view.from);
 }
 

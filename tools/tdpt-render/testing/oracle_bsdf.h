@@ -1,6 +1,7 @@
 // Scattering at one point of a surface by the formulas as books have them, and each question
 // answered by itself: against the text of shaders/shared/path. Only the tables of albedos are
-// shared with it. For tests. Directions are unit, in the shading frame [shaders/shared/path/bsdf.h].
+// shared with it. For tests. Directions are unit, in the shading frame
+// [shaders/shared/path/bsdf.h].
 #pragma once
 #include "tools/tdpt-render/path/bsdf/bsdf.h"
 

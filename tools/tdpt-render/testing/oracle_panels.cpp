@@ -1,5 +1,7 @@
 #include "tools/tdpt-render/testing/oracle_panels.h"
 
+#include "tools/tdpt-render/testing/oracle_bsdf.h"
+
 namespace tdpt::oracle {
 namespace {
 

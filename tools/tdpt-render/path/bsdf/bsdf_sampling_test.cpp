@@ -4,7 +4,6 @@
 
 #include "libcommon/math/rng.h"
 #include "libcommon/testing/statistics/chi_square.h"
-#include "tools/tdpt-render/path/bsdf/ggx.h"
 #include "tools/tdpt-render/testing/bsdfs.h"
 
 namespace tdpt::bsdf_sampling_test {
@@ -19,7 +18,7 @@ struct Judgement {
   size_t bins = 0;
 };
 
-// sample(b, from, choice, u, v, out), pdf_w(b, from, to), probability(b, from, to) as in bsdf::.
+// sample(b, from, choice, u, v, out), pdf_w(b, from, to), probability(b, from, to) as in whole::.
 template <class Sample, class Pdf, class Probability>
 Judgement judge(const Bsdf& b, const Vec3d& from, const SphereBins& bins, uint64_t stream,
                 Sample sample, Pdf pdf_w, Probability probability) {
@@ -31,7 +30,7 @@ Judgement judge(const Bsdf& b, const Vec3d& from, const SphereBins& bins, uint64
         const double choice = rng.uniform();
         const double u = rng.uniform();
         const double v = rng.uniform();
-        bsdf::Scattered s;
+        whole::Scattered s;
         if (!sample(b, from, choice, u, v, s)) return bins.size();
         if (!s.dirac) return bins.bin(s.to);
         ++(from.z * s.to.z > 0 ? reflected : transmitted);
@@ -78,7 +77,7 @@ Vec3d transmission(const Bsdf& b, const Vec3d& from) {
   Bsdf smooth = b;
   smooth.alpha = 0;
   smooth.diffuse = {};
-  bsdf::Scattered s;
+  whole::Scattered s;
   return whole::sample(smooth, from, 1 - 1e-9, 0.5, 0.5, s) ? s.to : reflection(from);
 }
 
@@ -100,7 +99,7 @@ TEST(bsdf_sampling, narrow_lobes_follow_their_density) {
     for (double z : {0.9, 0.2, -0.85}) {
       const Vec3d from = direction(z, 1 + z);
       cases.push_back({k.name, k.b, from, SphereBins(reflection(from), 0.1, 16, 12)});
-      if (k.b.transmits())
+      if (transmits(k.b))
         cases.push_back({k.name, k.b, from, SphereBins(transmission(k.b, from), 0.1, 16, 12)});
     }
   for (float alpha : {1e-2f, 1e-3f, 1.1e-4f})
@@ -144,7 +143,7 @@ TEST(bsdf_sampling, twin_a_density_without_the_jacobian_of_reflection) {
 }
 TEST(bsdf_sampling, twin_a_density_of_refraction_in_the_other_medium) {
   const auto other = [](const Bsdf& b, const Vec3d& from, const Vec3d& to) {
-    const double n = b.index(from) / b.index(to);
+    const double n = index(b, from) / index(b, to);
     return whole::pdf_w(b, from, to) * n * n;
   };
   EXPECT_LT(judge(glass(0.4f), direction(0.6, 1), SphereBins(16, 16), 1, whole::sample, other,
@@ -154,7 +153,7 @@ TEST(bsdf_sampling, twin_a_density_of_refraction_in_the_other_medium) {
 }
 TEST(bsdf_sampling, twin_normals_drawn_whether_visible_or_not) {
   const auto blind = [](const Bsdf& b, const Vec3d& from, double, double u, double v,
-                        bsdf::Scattered& out) {
+                        whole::Scattered& out) {
     const double tangent = b.alpha * std::sqrt(v / (1 - v));
     const double c = 1 / std::sqrt(1 + tangent * tangent);
     const Vec3d h = direction(c, 2 * std::numbers::pi * u);
@@ -168,7 +167,7 @@ TEST(bsdf_sampling, twin_normals_drawn_whether_visible_or_not) {
 }
 TEST(bsdf_sampling, twin_a_roughness_5_percent_off) {
   const auto rougher = [](Bsdf b, const Vec3d& from, double choice, double u, double v,
-                          bsdf::Scattered& out) {
+                          whole::Scattered& out) {
     b.alpha *= 1.05f;
     return whole::sample(b, from, choice, u, v, out);
   };
@@ -180,7 +179,7 @@ TEST(bsdf_sampling, twin_a_roughness_5_percent_off) {
 }
 TEST(bsdf_sampling, twin_lobes_chosen_by_other_odds) {
   const auto other_odds = [](const Bsdf& b, const Vec3d& from, double choice, double u, double v,
-                             bsdf::Scattered& out) {
+                             whole::Scattered& out) {
     return whole::sample(b, from, std::pow(choice, 1.25), u, v, out);
   };
   const Vec3d from = direction(0.6, 1);

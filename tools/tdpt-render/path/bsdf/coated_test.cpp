@@ -1,12 +1,10 @@
 // Clear coat and sheen against the text of their extensions, and coats whose normal is not that of
 // what lies under them.
-#include "tools/tdpt-render/path/bsdf/coated.h"
-
 #include <gtest/gtest.h>
 
 #include "libcommon/math/rng.h"
 #include "libcommon/testing/statistics/chi_square.h"
-#include "tools/tdpt-render/path/bsdf/sheen.h"
+#include "tools/tdpt-render/path/bsdf/scatter.h"
 #include "tools/tdpt-render/testing/bsdfs.h"
 
 namespace tdpt::coated_test {
@@ -57,9 +55,9 @@ void for_pairs(uint64_t stream, Use use) {
 TEST(coated, the_coat_is_that_of_the_format) {
   for (const double roughness : {0.1, 0.3, 0.6, 1.0})
     for_pairs(1, [&](const Vec3d& l, const Vec3d& v) {
-      const Coat coat{1, static_cast<float>(roughness * roughness)};
+      const shader::Coat coat{1, static_cast<float>(roughness * roughness), {0, 0, 1}};
       const double expected = coat_of_the_format(std::sqrt(double{coat.alpha}), l, v);
-      EXPECT_NEAR(coat::f(coat, l, v), expected, 1e-5 * expected);
+      EXPECT_NEAR(surfaces().coat_f(coat, l, v), expected, 1e-5 * expected);
     });
 }
 
@@ -67,7 +65,7 @@ TEST(coated, the_sheen_is_that_of_the_format_where_that_loses_no_light) {
   for (const double roughness : {0.3, 0.5, 0.8, 1.0})
     for_pairs(2, [&](const Vec3d& l, const Vec3d& v) {
       const double expected = sheen_of_the_format(roughness, l, v);
-      EXPECT_NEAR(sheen::f(l, v, roughness * roughness), expected, 1e-9 * expected);
+      EXPECT_NEAR(surfaces().sheen_f(l, v, roughness * roughness), expected, 1e-9 * expected);
     });
 }
 TEST(coated, a_fine_sheen_is_scaled_to_what_it_receives) {
@@ -81,7 +79,7 @@ TEST(coated, a_fine_sheen_is_scaled_to_what_it_receives) {
     return sum;
   };
   EXPECT_GT(received([](auto& l, auto& v) { return sheen_of_the_format(0.1, l, v); }), 1.5);
-  EXPECT_LT(received([](auto& l, auto& v) { return sheen::f(l, v, 0.01); }), 1.01);
+  EXPECT_LT(received([](auto& l, auto& v) { return surfaces().sheen_f(l, v, 0.01); }), 1.01);
 }
 
 // The format darkens what lies under a coat along the view alone, by Fresnel's factor of its
@@ -93,8 +91,8 @@ TEST(coated, reflects_about_as_much_as_the_format_says) {
       const Bsdf b = coated_by(0.01f, base);
       const Vec3d from = direction(mu, 1);
       const double fresnel = 0.04 + 0.96 * std::pow(1 - mu, 5);
-      const double format = fresnel + (1 - fresnel) * double{bsdf::albedo(base, from).y};
-      EXPECT_NEAR(coated::albedo(whole::point(b), from).y, format, 0.015) << mu;
+      const double format = fresnel + (1 - fresnel) * whole::albedo(base, from).y;
+      EXPECT_NEAR(whole::albedo(b, from).y, format, 0.015) << mu;
     }
 }
 
@@ -103,8 +101,9 @@ TEST(coated, twin_darkened_along_the_view_alone_is_not_symmetric) {
   int ours = 0, view_alone = 0;
   for_pairs(3, [&](const Vec3d& l, const Vec3d& v) {
     const auto along = [&](const Vec3d& to_light, const Vec3d& to_camera) {
-      return bsdf::f(base, to_light, to_camera).y * coat::left_over(b.coat, to_camera.z) +
-             coat::f(b.coat, to_light, to_camera);
+      return whole::f(base, to_light, to_camera).y *
+                 surfaces().coat_left_over(b.coat, to_camera.z) +
+             surfaces().coat_f(b.coat, to_light, to_camera);
     };
     const auto differ = [](double x, double y) { return std::abs(x - y) > 1e-3 * (x + y); };
     ours += differ(whole::f(b, l, v).y, whole::f(b, v, l).y);
@@ -126,7 +125,7 @@ double p_of_turns(const Point& p, const Point& judged, const Vec3d& back, uint64
   const SphereBins bins(16, 16);
   return chi_square_of_samples(
              40000, bins.integrate([&](const Vec3d& w) {
-               return coated::scatter_pdf_w(judged, back, w, false);
+               return scatter_pdf_w(judged, incidence(judged, back), w, false);
              }),
              [&](uint64_t i) {
                Rng rng(32, stream, i);
@@ -134,7 +133,8 @@ double p_of_turns(const Point& p, const Point& judged, const Vec3d& back, uint64
                const double v = rng.uniform();
                const double choice = rng.uniform();
                Turn turn;
-               if (!coated::turn(p, From::camera, back, {u, v, choice}, turn) || turn.dirac)
+               if (!tdpt::turn(p, From::camera, incidence(p, back), {u, v, choice}, turn) ||
+                   turn.dirac)
                  return bins.size();
                return bins.bin(turn.w);
              })
@@ -179,16 +179,28 @@ TEST(coated, walks_of_either_kind_carry_the_bsdf) {
       const double choice = rng.uniform();
       for (const From from : {From::light, From::camera}) {
         Turn turn;
-        if (!coated::turn(p, from, back, {u, v, choice}, turn) || turn.dirac) continue;
+        if (!tdpt::turn(p, from, incidence(p, back), {u, v, choice}, turn) || turn.dirac) continue;
         const Rgb f =
-            from == From::camera ? coated::bsdf(p, turn.w, back) : coated::bsdf(p, back, turn.w);
-        const double pdf_w = coated::scatter_pdf_w(p, back, turn.w, false);
+            from == From::camera ? layered_bsdf(p, turn.w, back) : layered_bsdf(p, back, turn.w);
+        const double pdf_w = scatter_pdf_w(p, incidence(p, back), turn.w, false);
         ASSERT_GT(pdf_w, 0) << k.name;
         const double expected = f.y * std::abs(dot(p.normal, turn.w)) / pdf_w;
         EXPECT_NEAR(turn.weight.y, expected, 1e-5 * expected) << k.name;
       }
     }
 }
+
+struct Dirac {
+  Dirac(const Point& p, const Vec3d& back, const Vec3d& to) {
+    const shader::Surfaces& s = surfaces();
+    const auto next = s.seen_from(p, to);
+    const auto layers = s.layers_between(p, s.standing_at(p, back), next, true);
+    probability = layers.pdf_w;
+    reflectance = layers.base.y + layers.coat;
+    measure = s.dirac_measure(p, layers, next);
+  }
+  double probability, reflectance, measure;
+};
 
 // Two mirrors about two normals: each has its own way, and the way back is the same.
 TEST(coated, two_smooth_lobes_are_told_apart) {
@@ -198,14 +210,14 @@ TEST(coated, two_smooth_lobes_are_told_apart) {
   double probability = 0;
   for (const Vec3d& n : {p.shading, coat}) {
     const Vec3d to = n * (2 * dot(n, back)) - back;
-    const coated::Dirac there = coated::dirac(p, back, to), home = coated::dirac(p, to, back);
-    EXPECT_NEAR(there.cos_to, dot(n, to), 1e-6);
-    EXPECT_NEAR(there.reflectance.y, home.reflectance.y, 1e-5);
+    const Dirac there(p, back, to), home(p, to, back);
+    EXPECT_NEAR(there.measure, std::abs(dot(n, to)), 1e-6);
+    EXPECT_NEAR(there.reflectance, home.reflectance, 1e-5);
     probability += there.probability;
   }
   EXPECT_NEAR(probability, 1, 1e-6);
-  const coated::Dirac of_coat = coated::dirac(p, back, coat * (2 * dot(coat, back)) - back);
-  EXPECT_NEAR(of_coat.reflectance.y, coat::reflectance(p.bsdf.coat, dot(coat, back)), 1e-6);
+  const Dirac of_coat(p, back, coat * (2 * dot(coat, back)) - back);
+  EXPECT_NEAR(of_coat.reflectance, surfaces().coat_reflectance(p.bsdf.coat, dot(coat, back)), 1e-6);
 }
 
 // Above the coat's normal and below the other, the coat alone is seen.
@@ -215,21 +227,21 @@ TEST(coated, is_seen_from_where_what_lies_under_it_is_not) {
   p.bsdf.coat.normal = Vec3f(Onb<double>(p.shading).to_local({0, 0, 1}));
   const Vec3d low = direction(0.2, std::numbers::pi), up(0, 0, 1);
   ASSERT_LT(dot(low, p.shading), 0);
-  EXPECT_NEAR(coated::bsdf(p, low, up).y, coat::f({1, 0.3f}, low, up), 1e-5);
-  EXPECT_GT(coated::scatter_pdf_w(p, low, up, false), 0);
-  EXPECT_GT(coated::albedo(p, low).y, 0.1);
+  EXPECT_NEAR(layered_bsdf(p, low, up).y, surfaces().coat_f({1, 0.3f, {0, 0, 1}}, low, up), 1e-5);
+  EXPECT_GT(scatter_pdf_w(p, incidence(p, low), up, false), 0);
+  EXPECT_GT(albedo_of(p, incidence(p, low)).y, 0.1);
   // What the coat mirrors there has not gone into the glass.
   p.bsdf = coated_by(0, glass(0));
   p.bsdf.coat.normal = Vec3f(Onb<double>(p.shading).to_local({0, 0, 1}));
   const Vec3d mirrored(-low.x, -low.y, low.z);
-  const double chance = coated::dirac(p, mirrored, low).probability;
-  EXPECT_NEAR(coated::scatter_pdf_w(p, mirrored, low, true), chance * low.z, 1e-6);
+  const double chance = Dirac(p, mirrored, low).probability;
+  EXPECT_NEAR(scatter_pdf_w(p, incidence(p, mirrored), low, true), chance * low.z, 1e-6);
 }
 
 TEST(coated, darkens_what_shines_under_it) {
   const Point p = whole::point(coated_by(0, make({}, {}, 0, {}, 1), 0.5f));
-  EXPECT_NEAR(coated::of_emission(p, {0, 0, 1}), 1 - 0.5 * 0.04, 1e-6);
-  EXPECT_NEAR(coated::of_emission(p, direction(-0.2, 0)),
+  EXPECT_NEAR(emission_under_coat(p, {0, 0, 1}), 1 - 0.5 * 0.04, 1e-6);
+  EXPECT_NEAR(emission_under_coat(p, direction(-0.2, 0)),
               1 - 0.5 * (0.04 + 0.96 * std::pow(0.8, 5)), 2e-3);
 }
 

@@ -24,9 +24,9 @@ struct Point {
   bool simple = true;
   bool connectible = true;  ///< some lobe is not Dirac
   Rgb color{};
-  Rgb emission{};           ///< of a surface where light begins [W/m2/sr]
-  Lights::InSky in_sky{};   ///< of a place in the sky
-  Vec3d shading{};          ///< unit shading normal, front side
+  Rgb emission{};          ///< of a surface where light begins [W/m2/sr]
+  Lights::InSky in_sky{};  ///< of a place in the sky
+  Vec3d shading{};         ///< unit shading normal, front side
   Bsdf bsdf{};
 
   bool on_surface() const { return material != nullptr; }
@@ -77,10 +77,9 @@ inline bool same_side(const Point& p, const Vec3d& wi, const Vec3d& wo) {
   return dot(p.normal, wi) * dot(p.normal, wo) > 0;
 }
 
-// Of points that are not simple [scatter.cpp]. By value: an address taken would keep the vectors of simple ones
-// out of registers.
+// Of points that are not simple [scatter.cpp]. By value: an address taken would keep the vectors of
+// simple ones out of registers.
 Rgb layered_bsdf(const Point& p, Vec3d to_light, Vec3d to_camera);
-double layered_scatter_pdf_w(const Point& at, Vec3d back, Vec3d to, bool dirac);
 /// Share of what the surface emits along w that its clear coat lets through.
 double emission_under_coat(const Point& p, Vec3d w);
 
@@ -94,20 +93,8 @@ inline Vec3d facing(const Point& p, const Vec3d& away) {
 /// Radiance BSDF without Dirac lobes [1/sr]; unit directions away from the surface.
 inline Rgb bsdf_at(const Point& p, const Vec3d& to_light, const Vec3d& to_camera) {
   if (!p.simple) return layered_bsdf(p, to_light, to_camera);
-  return same_side(p, to_light, to_camera)
-             ? p.color * static_cast<float>(std::numbers::inv_pi)
-             : Rgb{};
-}
-
-/// pdf_A of reaching `to` along `e` when the walk came along unit `back`, away from the surface,
-/// and scatters at `at`. `dirac`: by a Dirac lobe; its density is per n^2 |cos| dw, which
-/// reflection and refraction preserve.
-inline double scatter_pdf_A(const Point& at, const Vec3d& back, const Edge& e, const Point& to,
-                            bool dirac) {
-  if (!at.simple) return to_area(layered_scatter_pdf_w(at, back, e.w, dirac), e, to);
-  const double cos_out = dot(at.normal, e.w);
-  if (!(dot(at.normal, back) * cos_out > 0)) return 0;
-  return to_area(std::abs(cos_out) * std::numbers::inv_pi, e, to);
+  return same_side(p, to_light, to_camera) ? p.color * static_cast<float>(std::numbers::inv_pi)
+                                           : Rgb{};
 }
 
 /// What leaves along unit w (LightSource), at infinity the position; black where no light begins.

@@ -1,7 +1,5 @@
 #include "tools/tdpt-render/path/bsdf/scatter.h"
 
-#include "tools/tdpt-render/path/bsdf/surfaces.h"
-
 // Flat: of each text what its answer does not need is left out.
 
 namespace tdpt {
@@ -10,16 +8,12 @@ namespace tdpt {
   return Rgb(surfaces().bsdf_at(p, to_light, to_camera));
 }
 
-[[gnu::flatten]] double layered_scatter_pdf_w(const Point& at, Vec3d back, Vec3d to, bool dirac) {
-  return surfaces().scatter_pdf_w(at, back, to, dirac);
-}
-
 double emission_under_coat(const Point& p, Vec3d w) {
   return surfaces().emission_under_coat(p, w);
 }
 
-double layered_albedo(const Point& p, Vec3d back) {
-  return surfaces().albedo_at(p, back);
+[[gnu::flatten]] Incidence layered_incidence(const Point& p, const Vec3d& back) {
+  return {back, surfaces().standing_at(p, back)};
 }
 
 namespace {
@@ -30,20 +24,33 @@ uint32_t index(From from) {
 
 }  // namespace
 
-bool turn(const Point& p, From from, const Vec3d& back, const std::array<double, 3>& u, Turn& out) {
-  return surfaces().turn(p, index(from), back, u[0], u[1], u[2], out);
+bool turn(const Point& p, From from, const Incidence& in, const std::array<double, 3>& u,
+          Turn& out) {
+  if (p.simple) return surfaces().simple_turn(p, in.back, u[0], u[1], out);
+  return surfaces().layered_turn(p, index(from), *in.layers, u[0], u[1], u[2], out);
 }
 
-bool turn_towards(const Point& p, From from, const Vec3d& back, const Vec3d& w, Turn& out) {
-  return surfaces().turn_towards(p, index(from), back, w, out);
+bool turn_towards(const Point& p, From from, const Incidence& in, const Vec3d& w, Turn& out) {
+  if (!p.simple) return surfaces().layered_turn_towards(p, index(from), *in.layers, w, out);
+  out = {w, Vec3d(p.color), false};
+  return same_side(p, in.back, w);
 }
 
-Odds odds_of(const Point& p, const Vec3d& back) {
-  return surfaces().odds_at(p, back);
+[[gnu::flatten]] double layered_pdf_w(const Point& p, const Incidence& in, const Vec3d& to,
+                                      bool dirac) {
+  return surfaces().layered_pdf_w(p, *in.layers, to, dirac);
 }
 
-Rgb albedo_of(const Point& p, const Vec3d& back) {
-  return Rgb(surfaces().coated_albedo(p, surfaces().standing_at(p, back)));
+[[gnu::flatten]] double layered_albedo(const Point& p, const Incidence& in) {
+  return surfaces().layered_albedo(p, *in.layers, in.back);
+}
+
+Odds odds_at(const Point& p, const Incidence& in) {
+  return p.simple ? Odds{0, 1} : surfaces().coated_odds(p, *in.layers);
+}
+
+Rgb albedo_of(const Point& p, const Incidence& in) {
+  return Rgb(surfaces().coated_albedo(p, *in.layers));
 }
 
 Rgb transmittance(const Point& a, const Point& b, const Vec3d& w, double d) {

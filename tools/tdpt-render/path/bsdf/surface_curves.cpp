@@ -60,11 +60,11 @@ struct VisibleNormals {
         if (!(to_z > 0)) continue;
         const double g =  // G2 / G1
             weight[i] * to_z * (mu + s_mu) / (to_z * s_mu + mu * ggx_stretched(to_z, a));
-        const FresnelCurve<double> f = schlick_curve(c);
-        sum[0] += g * f.rest;
-        sum[1] += g * f.part;
+        sum[0] += g;
+        sum[1] += g * schlick_curve(c).part;
       }
     }
+    sum[0] -= sum[1];
     return sum;
   }
 };
@@ -93,8 +93,9 @@ void add_interface(std::vector<double>& curves) {
       const double mu = std::pow(node(i, kInterfaceCosines), 4);
       const FresnelCurve<double> smooth = schlick_curve(mu);
       const std::array<double, 2> e =
-          k == 0 ? std::array{smooth.rest, smooth.part}
-                 : normals.integrate(std::max(mu, kGrazing), std::pow(node(k, kInterfaceAlphas), 4));
+          k == 0
+              ? std::array{smooth.rest, smooth.part}
+              : normals.integrate(std::max(mu, kGrazing), std::pow(node(k, kInterfaceAlphas), 4));
       curves.insert(curves.end(), e.begin(), e.end());
     }
   for (uint k = 0; k < kInterfaceAlphas; ++k) add_average(curves, k);

@@ -1,5 +1,5 @@
-// Evaluates surfaces: the text of shaders/shared/path in doubles, over the renderer's points. Slow to
-// compile: scatter.h has what others ask of it.
+// Evaluates surfaces: the text of shaders/shared/path in doubles, over the renderer's points. Slow
+// to compile: scatter.h has what others ask of it.
 #pragma once
 #include "libcommon/scene/pane.h"
 #include "shaders/shared/path/fresnel.h"

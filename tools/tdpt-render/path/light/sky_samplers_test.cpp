@@ -326,7 +326,7 @@ double light_walks(const std::vector<Portal>& portals, const Integrator& integra
           const Edge e = between(y0, y1);
           const double plain = emission_pdf_A(y0, e, y1);
           const double arrives = guide.active() && !fault
-                                     ? guide.pdf_A(From::light, y0, {}, e, y1, plain,
+                                     ? guide.pdf_A(From::light, y0, nullptr, e, y1, plain,
                                                    guide.crossing(y0, y1, rays.portal))
                                      : plain * (fault ? 1.1 : 1);
           probability[quarter(-y0.position) * kPlaces + place(y1.position)] +=

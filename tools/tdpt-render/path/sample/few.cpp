@@ -13,29 +13,30 @@ constexpr double kAlike = 0.5;
 
 // k for which the sum of min(1, k e_i) is `count`; less than as many terms are not 0, and their e_i
 // sum to 1.
-double Few::factor(int count) const {
+double Few::factor(uint32_t count) const {
   double k = count;
   for (;;) {
     double rest = 0;
-    int sure = 0;
+    uint32_t sure = 0;
     for (const auto& [number, e] : terms())
       if (k * e < 1)
         rest += e;
       else
         ++sure;
+    if (sure >= count) return k;
     const double next = (count - sure) / rest;
-    if (sure >= count || !(next > k)) return k;
+    if (!(next > k)) return k;
     k = next;
   }
 }
 
 // Which terms are taken is anybody's guess: nothing jumps by it.
-std::span<const Few::Taken> Few::choose(int count, double u) {
+std::span<const Few::Taken> Few::choose(uint32_t count, double u) {
   if (taken_.size() < not_zero_ + 1) taken_.resize(not_zero_ + 1);
   double total = 0;
   for (const auto& [number, e] : terms()) total += e;
   // What is no number is not weighed against others: it is to be met and counted.
-  if (not_zero_ <= static_cast<size_t>(count) || !std::isfinite(total)) {
+  if (not_zero_ <= count || !std::isfinite(total)) {
     for (size_t i = 0; i < not_zero_; ++i) taken_[i] = {terms_[i].number, 1};
     return {taken_.data(), not_zero_};
   }

@@ -4,6 +4,7 @@
 // c_i = min(1, k e_i), k such that the chances add up to the number that is wanted. The sum over
 // those that are taken of term / chance has no bias, whatever the estimates.
 #pragma once
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -28,7 +29,7 @@ class Few {
     double chance;  ///< that it was taken
   };
   /// Takes `count` of the terms, or all that are not 0 if those are not more. u in [0,1).
-  std::span<const Taken> choose(int count, double u);
+  std::span<const Taken> choose(uint32_t count, double u);
 
  private:
   struct Term {
@@ -36,7 +37,7 @@ class Few {
     double estimate;
   };
   std::span<const Term> terms() const { return {terms_.data(), not_zero_}; }
-  double factor(int count) const;
+  double factor(uint32_t count) const;
 
   std::vector<Term> terms_;  // the first not_zero_ of them
   size_t added_ = 0, not_zero_ = 0;

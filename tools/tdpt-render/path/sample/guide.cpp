@@ -14,14 +14,14 @@ PortalSet::Way way(From from) {
   return from == From::light ? PortalSet::Way::with_light : PortalSet::Way::against_light;
 }
 
-// b and m of a walk that came from `back`.
+// b and m of a walk.
 struct Scope {
   double broad = 1, matt = 1;
 };
 
-Scope scope(const Point& at, const Vec3d& back) {
-  if (at.simple) return {};
-  const Odds odds = odds_of(at, back);
+Scope scope(const Point& at, const Incidence* in) {
+  if (!in || at.simple) return {};
+  const Odds odds = odds_at(at, *in);
   return {odds.broad, 1 - odds.dirac};
 }
 
@@ -71,22 +71,17 @@ void Guide::aim_at_light(Vertex& v) const {
   v.aims.emitted = aims(v, v.aims.facing, From::light);
 }
 
-double Guide::chance(From from, double albedo) const {
+double Guide::chance(From from, const Vertex& v, const Incidence* in) const {
   constexpr double kMost = 0.4;
-  return std::min(chance(from), kMost * (1 - albedo));
+  return in ? std::min(chance(from), kMost * (1 - albedo_at(v, *in))) : chance(from);
 }
 
-double Guide::chance(From from, const Vertex& v, const Vec3d& back) const {
-  return back == Vec3d() ? chance(from) : chance(from, albedo_at(v, back));
-}
-
-bool Guide::draw(const Vertex& v, const Vec3d& back, From from, const std::array<double, 4>& u,
+bool Guide::draw(const Vertex& v, const Incidence* in, From from, const std::array<double, 4>& u,
                  Vec3d& w, int& triangle) const {
-  const bool begins = back == Vec3d();
-  const double W = begins ? v.aims.emitted : v.aims.scattered[index(from)];
+  const double W = in ? v.aims.scattered[index(from)] : v.aims.emitted;
   if (!(W > 0)) return false;
-  const double q = chance(from, v, back);
-  if (!(u[3] < q) || (!begins && !(u[3] < q * scope(v, back).broad))) return false;
+  const double q = chance(from, v, in);
+  if (!(u[3] < q) || !(u[3] < q * scope(v, in).broad)) return false;
   triangle = portals_.aim(v.position, v.aims.facing, way(from), W, {u[0], u[1], u[2]}, w);
   return true;
 }
@@ -94,7 +89,7 @@ bool Guide::draw(const Vertex& v, const Vec3d& back, From from, const std::array
 bool Guide::leave(const Vertex& y0, const std::array<double, 4>& u, Lights::Ray& ray,
                   int& triangle) const {
   if (!y0.at_infinity()) {
-    if (!draw(y0, Vec3d(), From::light, u, ray.direction, triangle)) return false;
+    if (!draw(y0, nullptr, From::light, u, ray.direction, triangle)) return false;
     ray.origin = y0.position;
     return true;
   }
@@ -106,18 +101,11 @@ bool Guide::leave(const Vertex& y0, const std::array<double, 4>& u, Lights::Ray&
   return true;
 }
 
-double Guide::mixed_pdf_A(From from, const Vertex& at, const Vec3d& back, const Edge& e,
+double Guide::mixed_pdf_A(From from, const Vertex& at, const Incidence* in, const Edge& e,
                           const Point& to, double plain_A, const PortalSet::Crossing& crossing,
                           double W) const {
   const double towards = from == From::light ? crossing.from_light : crossing.from_camera;
-  if (back == Vec3d()) return mixed(chance(from), {}, plain_A, towards, W, e, to);
-  if (at.simple) return mixed(chance(from, simple_albedo(at)), {}, plain_A, towards, W, e, to);
-  return layered_pdf_A(from, at, back, e, to, plain_A, towards, W);
-}
-
-double Guide::layered_pdf_A(From from, const Vertex& at, Vec3d back, const Edge& e, const Point& to,
-                            double plain_A, double towards, double W) const {
-  return mixed(chance(from, at, back), scope(at, back), plain_A, towards, W, e, to);
+  return mixed(chance(from, at, in), scope(at, in), plain_A, towards, W, e, to);
 }
 
 }  // namespace tdpt

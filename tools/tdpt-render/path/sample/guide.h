@@ -11,8 +11,7 @@
 // p(w)  density of the surface's own sampling, a(w) that of aiming [portals.h] [1/sr]
 // m     probability that no Dirac lobe was tried: those lobes are left as they are
 // b     1, but where a surface has no Dirac lobe and a narrow one (alpha < 0.3) the probability
-// that
-//       it would scatter by its diffuse lobe: a metal floor seldom shows the portal in the
+//       that it would scatter by its diffuse lobe: a metal floor seldom shows the portal in the
 //       direction that it is looked at from
 //
 //   pdf_w = (1-qb) p(w) + qb m a(w),
@@ -21,6 +20,7 @@
 // these; nothing else changes. Every walk is guided: what plain ones gain where lamps are seen
 // directly, MIS sample weights of next events gain without loss elsewhere [mixture.h].
 #pragma once
+#include "tools/tdpt-render/path/bsdf/scatter.h"
 #include "tools/tdpt-render/path/light/vertex.h"
 #include "tools/tdpt-render/path/sample/mixture.h"
 #include "tools/tdpt-render/path/sample/world.h"
@@ -62,23 +62,22 @@ class Guide {
   bool may_aim(const Vertex& v, From from) const {
     return v.aims.scattered[static_cast<size_t>(from)] > 0;
   }
-  /// Whether a walk at `v` that came from unit `back` (0: it begins there) is directed, and then
-  /// the direction and the triangle aimed at. `u`: as in PortalSet::aim, and whether.
-  bool draw(const Vertex& v, const Vec3d& back, From from, const std::array<double, 4>& u, Vec3d& w,
-            int& triangle) const;
+  /// Whether a walk at `v` (`in` null: that begins there) is directed, and then the direction and
+  /// the triangle aimed at. `u`: as in PortalSet::aim, and whether.
+  bool draw(const Vertex& v, const Incidence* in, From from, const std::array<double, 4>& u,
+            Vec3d& w, int& triangle) const;
 
   /// Whether the walk that leaves y_0 is directed, and then its ray and the triangle aimed at.
   bool leave(const Vertex& y0, const std::array<double, 4>& u, Lights::Ray& ray,
              int& triangle) const;
 
-  /// Of a walk at `at` that came from unit `back` (0: it begins there) and reaches `to` along `e`:
-  /// the guided density [1/canonical area], from the plain one and the edge's crossing.
-  double pdf_A(From from, const Vertex& at, const Vec3d& back, const Edge& e, const Point& to,
+  /// Of a walk at `at` (`in` null: that begins there) which reaches `to` along `e`: the guided
+  /// density [1/canonical area], from the plain one and the edge's crossing.
+  double pdf_A(From from, const Vertex& at, const Incidence* in, const Edge& e, const Point& to,
                double plain_A, const PortalSet::Crossing& crossing) const {
     if (!(plain_A > 0 && chance(from) > 0)) return plain_A;
-    const double W =
-        back == Vec3d() ? at.aims.emitted : at.aims.scattered[static_cast<size_t>(from)];
-    return W > 0 ? mixed_pdf_A(from, at, back, e, to, plain_A, crossing, W) : plain_A;
+    const double W = in ? at.aims.scattered[static_cast<size_t>(from)] : at.aims.emitted;
+    return W > 0 ? mixed_pdf_A(from, at, in, e, to, plain_A, crossing, W) : plain_A;
   }
 
  private:
@@ -89,14 +88,10 @@ class Guide {
         sees_portals_(sees_portals && !world.portals.empty()),
         looks_out_(looks_out && (!world.windows.empty() || world.next_events.by_panels())) {}
   double chance(From from) const { return guiding_.chance[static_cast<size_t>(from)]; }
-  double chance(From from, double albedo) const;
-  double chance(From from, const Vertex& v, const Vec3d& back) const;
-  double mixed_pdf_A(From from, const Vertex& at, const Vec3d& back, const Edge& e, const Point& to,
-                     double plain_A, const PortalSet::Crossing& crossing, double W) const;
-  // Of a surface that is not simple: out of line, for the sake of those that are.
-  [[gnu::noinline]] double layered_pdf_A(From from, const Vertex& at, Vec3d back, const Edge& e,
-                                         const Point& to, double plain_A, double towards,
-                                         double W) const;
+  double chance(From from, const Vertex& v, const Incidence* in) const;
+  double mixed_pdf_A(From from, const Vertex& at, const Incidence* in, const Edge& e,
+                     const Point& to, double plain_A, const PortalSet::Crossing& crossing,
+                     double W) const;
   double aims(const Point& v, const Vec3d& facing, From from) const;
 
   const PortalSet& portals_;

@@ -89,8 +89,7 @@ Material material(Kind kind) {
 
 // Probability that a walk which came from `back` tries a smooth lobe.
 double smooth_share(const Vertex& at, const Vec3d& back) {
-  return at.simple ? 0
-                   : bsdf::any_dirac_probability(at.bsdf, Onb<double>(at.shading).to_local(back));
+  return at.simple ? 0 : odds_at(at, incidence(at, back)).dirac;
 }
 
 void add_triangle(Scene& scene, const Vec3d& a, const Vec3d& b, const Vec3d& c, uint32_t material) {
@@ -149,14 +148,16 @@ struct Stand {
     Vertex to;
     place_on_surface(world, hit, to);
     const Edge e = between(at, to);
-    const double plain =
-        std::max(back == Vec3d() ? emission_pdf_A(at, e, to)
-                                 : scatter_pdf_A(at, between(at, before).w, e, to, false),
-                 least);
+    const double plain = std::max(
+        back == Vec3d() ? emission_pdf_A(at, e, to)
+                        : scatter_pdf_A(at, incidence(at, between(at, before).w), e, to, false),
+        least);
     uint64_t tests = 0;
     const PortalSet::Crossing c =
         from == From::light ? guide.crossing(at, to, tests) : guide.crossing(to, at, tests);
-    return guide.pdf_A(from, at, back, e, to, plain, c) * e.d2 / to.cosine(e.w);
+    const Incidence in = incidence(at, back);
+    const Incidence* const from_where = back == Vec3d() ? nullptr : &in;
+    return guide.pdf_A(from, at, from_where, e, to, plain, c) * e.d2 / to.cosine(e.w);
   }
   double& aim() {  // W
     return back == Vec3d() ? at.aims.emitted : at.aims.scattered[from == From::light ? 0 : 1];
@@ -389,7 +390,7 @@ double sun_lines(double fault) {
       to.position = onb.x * x + onb.y * y;
       uint64_t tests = 0;
       const double plain = x * x + y * y < radius * radius ? 1 / y0.source->cos_per_pdf_w() : 0;
-      const double p = guide.pdf_A(From::light, y0, Vec3d(), between(y0, to), to, plain,
+      const double p = guide.pdf_A(From::light, y0, nullptr, between(y0, to), to, plain,
                                    guide.crossing(y0, to, tests));
       share[bin(to.position)] += p * cell * cell;
     }

@@ -87,8 +87,8 @@ TDPT_INLINE float most(float a, float b) {
   return a > b ? a : b;
 }
 
-// What an end scatters along unit w: its diffuse lobe, and the interface's [shaders/shared/path/ggx.h]. `at(c)`: column
-// c of it.
+// What an end scatters along unit w: its diffuse lobe, and the interface's
+// [shaders/shared/path/ggx.h]. `at(c)`: column c of it.
 template <class At>
 TDPT_INLINE Colours scattered(const At& at, float x, float y, float z) {
   const float hx = at(Ends::back_x) + x, hy = at(Ends::back_y) + y, hz = at(Ends::back_z) + z;

@@ -18,6 +18,7 @@
 #include <span>
 #include <vector>
 
+#include "shaders/shared/path/connections.h"
 #include "tools/tdpt-render/path/sample/joins.h"
 #include "tools/tdpt-render/path/sample/portal_segment.h"
 
@@ -36,7 +37,7 @@ class LightPool {
   /// took 1.16 times: walks leave the cache before they are joined.
   static constexpr int kWalks = 16;
   /// Candidates of one vertex that they are joined with.
-  static constexpr int kCandidates = 8;
+  static constexpr int kCandidates = static_cast<int>(shader::kCandidates);
 
   /// For so many samples.
   void clear(uint64_t samples = 1);

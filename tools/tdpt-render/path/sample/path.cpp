@@ -151,63 +151,81 @@ void Path::fill_joint(const World& world, int s, int first_z) {
     place(i).edge = &joint_[u(i - (s - 1))];
   }
   if (first_z < k_) at(first_z) = reversed(*place(first_z).edge);
-  for (int i = std::max(s, 2); i <= first_z && i < k_; ++i)
-    place(i).survival[0] = albedo_at(x(i), -at(i - 1).w);
-  for (int i = std::max(s - 1, 1); i < first_z && !always_goes_on(k_ - i); ++i)
-    place(i).survival[1] = albedo_at(x(i), at(i).w);
-  walks_[0].light_A = plain_light_A(world, 0, {}, {});  // of walks, whoever placed x_0
-  for (int i = std::max(s, 1); i < first_z + 2 && i < k_; ++i) {
-    const Edge &before = at(i - 2), &e = at(i - 1);
-    walks_[i].light_A = light_survival(i) *
-                        directed_light_A(guide_, i, plain_light_A(world, i, before, e), before, e);
-  }
-  for (int i = std::max(s - 2, 0); i < first_z; ++i) {
-    const Edge &e = at(i), &after = at(i + 1);
-    walks_[i].camera_A = camera_survival(i) *
-                         directed_camera_A(guide_, i, plain_camera_A(world, i, e, after), e, after);
+  walks_[0].light_A = plain_light_A(world, 0, nullptr, {});  // of walks, whoever placed x_0
+  if (s <= 1)
+    walks_[1].light_A =
+        directed_light_A(guide_, 1, plain_light_A(world, 1, nullptr, at(0)), nullptr, at(0));
+  if (first_z == k_)
+    walks_[k_ - 1].camera_A =
+        camera_survival(k_ - 1) * plain_camera_A(world, k_ - 1, at(k_ - 1), nullptr);
+  for (int i = std::max(s - 1, 1); i <= first_z && i < k_; ++i) {
+    const Edge &before = at(i - 1), &after = at(i);
+    const Incidence from_light = incidence(x(i), -before.w), from_camera = incidence(x(i), after.w);
+    if (i >= s && i >= 2) place(i).survival[0] = albedo_at(x(i), from_light);
+    if (i < first_z && !always_goes_on(k_ - i)) place(i).survival[1] = albedo_at(x(i), from_camera);
+    if (i + 1 < k_) {
+      const double plain = plain_light_A(world, i + 1, &from_light, after);
+      walks_[i + 1].light_A =
+          light_survival(i + 1) * directed_light_A(guide_, i + 1, plain, &from_light, after);
+    }
+    const double plain = plain_camera_A(world, i - 1, before, &from_camera);
+    walks_[i - 1].camera_A =
+        camera_survival(i - 1) * directed_camera_A(guide_, i - 1, plain, before, &from_camera);
   }
 }
 
-double Path::plain_light_A(const World& world, int i, const Edge& before, const Edge& e) const {
+double Path::plain_light_A(const World& world, int i, const Incidence* in, const Edge& e) const {
   if (i == 0) return world.lights.pdf(*x(0).source, x(0).triangle, x(0).position, x(0).in_sky);
   if (i == 1) return emission_pdf_A(x(0), e, x(1));
-  return scatter_pdf_A(x(i - 1), -before.w, e, x(i), dirac(i - 1));
+  return scatter_pdf_A(x(i - 1), *in, e, x(i), dirac(i - 1));
 }
 
-double Path::directed_light_A(const Guide& guide, int i, double plain, const Edge& before,
+double Path::directed_light_A(const Guide& guide, int i, double plain, const Incidence* in,
                               const Edge& e) const {
   if (!guide.active() || i == 0 || dirac(i - 1)) return plain;
-  const Vec3d back = i == 1 ? Vec3d() : -before.w;
-  return guide.pdf_A(From::light, x(i - 1), back, e, x(i), plain, *place(i - 1).crossing);
+  return guide.pdf_A(From::light, x(i - 1), in, e, x(i), plain, *place(i - 1).crossing);
 }
 
-double Path::plain_camera_A(const World& world, int i, const Edge& e, const Edge& after) const {
+double Path::plain_camera_A(const World& world, int i, const Edge& e, const Incidence* in) const {
   if (!x(i).met()) return 0;
-  if (i < k_ - 1) return scatter_pdf_A(x(i + 1), after.w, reversed(e), x(i), dirac(i + 1));
+  if (i < k_ - 1) return scatter_pdf_A(x(i + 1), *in, reversed(e), x(i), dirac(i + 1));
   return to_area(world.film.pdf_w(-e.w), e, x(i));
 }
 
 double Path::directed_camera_A(const Guide& guide, int i, double plain, const Edge& e,
-                               const Edge& after) const {
+                               const Incidence* in) const {
   if (!guide.active() || !x(i).met() || i == k_ - 1 || dirac(i + 1)) return plain;
-  return guide.pdf_A(From::camera, x(i + 1), after.w, reversed(e), x(i), plain, *place(i).crossing);
+  return guide.pdf_A(From::camera, x(i + 1), in, reversed(e), x(i), plain, *place(i).crossing);
+}
+
+std::optional<Incidence> Path::from_light(int i) const {
+  if (i < 1 || i >= k_) return std::nullopt;
+  return incidence(x(i), -edge(i - 1).w);
+}
+std::optional<Incidence> Path::from_camera(int i) const {
+  if (i < 1 || i >= k_) return std::nullopt;
+  return incidence(x(i), edge(i).w);
 }
 
 void Path::plain_densities(const World& world, WalkDensities& d) const {
+  const auto given = [](const std::optional<Incidence>& in) { return in ? &*in : nullptr; };
   for (int i = 0; i < k_; ++i) {
-    d[i].light_A = light_survival(i) * plain_light_A(world, i, edge(i - 2), edge(i - 1));
-    d[i].camera_A = camera_survival(i) * plain_camera_A(world, i, edge(i), edge(i + 1));
+    const auto light = from_light(i - 1), camera = from_camera(i + 1);
+    d[i].light_A = light_survival(i) * plain_light_A(world, i, given(light), edge(i - 1));
+    d[i].camera_A = camera_survival(i) * plain_camera_A(world, i, edge(i), given(camera));
   }
 }
 
 void Path::directed_densities(const Guide& guide, const WalkDensities& plain,
                               WalkDensities& d) const {
+  const auto given = [](const std::optional<Incidence>& in) { return in ? &*in : nullptr; };
   for (int i = 0; i < k_; ++i) {
-    const double light = light_survival(i), camera = camera_survival(i);
-    d[i].light_A =
-        light * directed_light_A(guide, i, plain[i].light_A / light, edge(i - 2), edge(i - 1));
-    d[i].camera_A =
-        camera * directed_camera_A(guide, i, plain[i].camera_A / camera, edge(i), edge(i + 1));
+    const auto light = from_light(i - 1), camera = from_camera(i + 1);
+    const double on_light = light_survival(i), on_camera = camera_survival(i);
+    d[i].light_A = on_light * directed_light_A(guide, i, plain[i].light_A / on_light, given(light),
+                                               edge(i - 1));
+    d[i].camera_A = on_camera * directed_camera_A(guide, i, plain[i].camera_A / on_camera, edge(i),
+                                                  given(camera));
   }
 }
 

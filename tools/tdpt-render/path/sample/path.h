@@ -104,15 +104,17 @@ class Path {
   double light_survival(int i) const { return i == 0 ? 1 : survives(From::light, i - 1); }
   double camera_survival(int i) const { return survives(From::camera, i + 1); }
   /// P>(x_i) and P<(x_i) of walks that go on at the vertex before, from the finished path: of plain
-  /// walks, and directed ones from these. The edges, in the order of the path: of P>(x_i) those
-  /// that end at x_{i-1} and x_i, of P<(x_i) those that begin at x_i and x_{i+1}; where there is no
-  /// such edge, any.
-  double plain_light_A(const World& world, int i, const Edge& before, const Edge& e) const;
-  double plain_camera_A(const World& world, int i, const Edge& e, const Edge& after) const;
-  double directed_light_A(const Guide& guide, int i, double plain, const Edge& before,
+  /// walks, and directed ones from these. `e`: the edge that is walked, in the order of the path;
+  /// `in`: how the vertex that it leaves was come to, null at the path's ends.
+  double plain_light_A(const World& world, int i, const Incidence* in, const Edge& e) const;
+  double plain_camera_A(const World& world, int i, const Edge& e, const Incidence* in) const;
+  double directed_light_A(const Guide& guide, int i, double plain, const Incidence* in,
                           const Edge& e) const;
   double directed_camera_A(const Guide& guide, int i, double plain, const Edge& e,
-                           const Edge& after) const;
+                           const Incidence* in) const;
+  /// How walks of either kind come to x_i; none at the path's ends.
+  std::optional<Incidence> from_light(int i) const;
+  std::optional<Incidence> from_camera(int i) const;
   const Vertex& x(int i) const { return vertex(i); }
   /// x_i -> x_{i+1}; nothing beyond the ends.
   Edge edge(int i) const { return i < 0 || i >= k_ ? Edge{} : between(x(i), x(i + 1)); }

@@ -4,16 +4,6 @@
 #include "tools/tdpt-render/path/sample/surface.h"
 
 namespace tdpt {
-namespace {
-
-// Connections of z_{t-1}: fewer where a walk is long, since most of what the picture shows has been
-// told before. Measured without limit: 1 for all costs 10 to 15 % of the efficiency, 2 for all 5 to
-// 15 % with directed walks.
-constexpr int connections(int t) {
-  return t <= 3 ? 2 : 1;
-}
-
-}  // namespace
 
 PathSampler::PathSampler(const World& world, const SampleSettings& settings, const Guide& guide,
                          Film& film, Tally& tally, const PathObserver* observer)
@@ -276,7 +266,7 @@ void PathSampler::bi() {
     const double times = pool_->draw(false, u_candidates, drawn_);
     const End& end = camera_end(t - 1);
     join_drawn(end, t);
-    for (const auto& [c, chance] : few_.choose(connections(t), u_few)) {
+    for (const auto& [c, chance] : few_.choose(shader::connections_of(t), u_few)) {
       const LightVertex& y = *drawn_[c];
       if (!visible(*y.vertex, z[t - 1])) continue;
       const double n = times * chance;

@@ -10,9 +10,7 @@
 // factor of the densities P> and P< of the next vertex, which all weights are made of: a strategy
 // that needs a long walk is known to be seldom.
 #pragma once
-#include <algorithm>
-
-#include "tools/tdpt-render/path/bsdf/point.h"
+#include "tools/tdpt-render/path/bsdf/scatter.h"
 
 namespace tdpt {
 
@@ -22,16 +20,6 @@ constexpr int kMaxDepth = 1024;
 /// Whether walks go on at their vertex i, whatever it is: y_0, y_1, z_0, z_1.
 constexpr bool always_goes_on(int i) {
   return i <= 1;
-}
-
-/// Albedo of a surface as it is seen along unit `back`: the largest component, but 0.05 at least,
-/// 1 at most; 1 off surfaces. Of a pane, that of the share of rays that find it.
-double layered_albedo(const Point& p, Vec3d back);
-inline double simple_albedo(const Point& p) {
-  return p.on_surface() ? std::clamp(double{max_component(p.color)}, 0.05, 1.0) : 1;
-}
-inline double albedo_at(const Point& p, const Vec3d& back) {
-  return p.simple ? simple_albedo(p) : layered_albedo(p, back);
 }
 
 }  // namespace tdpt

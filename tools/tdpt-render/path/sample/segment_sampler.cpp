@@ -12,12 +12,6 @@
 #include "tools/tdpt-render/path/sample/surface.h"
 
 namespace tdpt {
-namespace {
-
-constexpr int kLightSides = 2;  // joins of x_l, beside light that begins there
-constexpr int kPairs = 3;       // joins of a sample's camera vertices with segments
-
-}  // namespace
 
 void PathSampler::segment_phase(const Walk& y, LightPool& pool) {
   join_with(y, pool);
@@ -104,7 +98,7 @@ void PathSampler::join_with_light(PortalSegment& segment, const std::array<doubl
   const double times = pool_->draw(true, u[0], drawn_);
   const End end(x_l, segment.w, Rgb(1.0f));
   join_drawn(end, 3);
-  for (const auto& [c, chance] : few_.choose(kLightSides, u[1])) {
+  for (const auto& [c, chance] : few_.choose(shader::kLightSides, u[1])) {
     const LightVertex& y = *drawn_[c];
     if (!visible(*y.vertex, x_l)) continue;
     const double n = times * chance;
@@ -192,7 +186,7 @@ void PathSampler::join_with_segments() {
   tally_.rays.join += n * ends;
   Sequence random = numbers(shader::PURPOSE_SEGMENT);
   random.seek(12);
-  for (const auto& [chosen, chance] : few_.choose(kPairs, random.uniform())) {
+  for (const auto& [chosen, chance] : few_.choose(shader::kPairs, random.uniform())) {
     const size_t i = chosen / ends, j = chosen % ends;
     PortalSegment& segment = segments[i];
     const int t = 2 + static_cast<int>(j);

@@ -48,6 +48,9 @@ class Walker {
   Walk& walk_;
   RayCounts& rays_;
   Edge last_{};  ///< to the walk's last vertex; 0 where it begins there
+  /// Of that vertex and of the one before, along the ways to them; by turns.
+  std::array<Incidence, 2> come_to_;
+  Incidence& come_to(int vertex) { return come_to_[static_cast<size_t>(vertex) & 1]; }
 };
 
 PortalSet::Crossing Walker::crossing(const Vertex& v, const Vertex& next, int triangle) {
@@ -74,8 +77,9 @@ bool Walker::extend(const Tracer::Origin& origin, const Vec3d& w, const Rgb& thr
   if (!(plain > 0)) return false;
   WalkState& here = walk_.states[n - 1];
   const bool known = n >= 2 && walk_.v[n - 2].met();
+  const Incidence before_next = n >= 2 ? incidence(v, e.w) : Incidence{};
   const double other =
-      known ? scatter_pdf_A(v, e.w, reversed(last_), walk_.v[n - 2], here.dirac) : 0;
+      known ? scatter_pdf_A(v, before_next, reversed(last_), walk_.v[n - 2], here.dirac) : 0;
   if (known) walk_.states[n - 2].pdf_other_A = other;
   WalkState& state = walk_.states[n];
   if (guide_.active()) leaves ? guide_.aim_at_light(next) : guide_.aim_at_surface(-w, next);
@@ -84,8 +88,10 @@ bool Walker::extend(const Tracer::Origin& origin, const Vec3d& w, const Rgb& thr
     world_.next_events.look_out(-w, next);
     if (from_ == From::light) world_.next_events.look_at_panels(next);
   }
-  if (n >= 2) here.other_survival = albedo_at(v, e.w);
-  state.own_survival = albedo_at(next, -e.w);
+  if (n >= 2) here.other_survival = albedo_at(v, before_next);
+  Incidence& arrived = come_to(walk_.size);
+  arrived = incidence(next, -e.w);
+  state.own_survival = albedo_at(next, arrived);
   state.other_survival = 1;
   const double went_on = always_goes_on(static_cast<int>(n) - 1) ? 1 : here.own_survival;
   state.throughput =
@@ -102,13 +108,15 @@ bool Walker::extend(const Tracer::Origin& origin, const Vec3d& w, const Rgb& thr
   if (!guide_.active()) return true;
 
   if (here.dirac || by_film) return true;
-  const double directed = guide_.pdf_A(from_, v, -before.w, e, next, plain, state.crossing);
+  const double directed =
+      guide_.pdf_A(from_, v, n >= 2 ? &come_to(static_cast<int>(n) - 1) : nullptr, e, next, plain,
+                   state.crossing);
   state.pdf_own_A = went_on * directed;
   state.throughput *= static_cast<float>(plain / directed);
   if (known) {
     const From reverse = from_ == From::light ? From::camera : From::light;
-    walk_.states[n - 2].pdf_other_A =
-        guide_.pdf_A(reverse, v, e.w, reversed(before), walk_.v[n - 2], other, here.crossing);
+    walk_.states[n - 2].pdf_other_A = guide_.pdf_A(reverse, v, &before_next, reversed(before),
+                                                   walk_.v[n - 2], other, here.crossing);
   }
   return true;
 }
@@ -118,23 +126,23 @@ void Walker::scatter(int edges) {
     walk_.make_place();
     const Vertex& v = walk_[walk_.size - 1];
     WalkState& state = walk_.states[static_cast<size_t>(walk_.size) - 1];
-    const Vec3d to_previous = -last_.w;
+    const Incidence& here = come_to(walk_.size - 1);
     numbers_.seek(kPerBounce * static_cast<uint32_t>(walk_.size - 1));
     const auto [a, b, lobe, roulette] = numbers_.uniforms<4>();
     const double chance = always_goes_on(walk_.size - 1) ? 1 : state.own_survival;
     if (!(roulette < chance)) return;
     Turn t;
-    const bool scatters = turn(v, from_, to_previous, {a, b, lobe}, t);
+    const bool scatters = turn(v, from_, here, {a, b, lobe}, t);
     const bool tried_dirac = t.dirac;
     Vec3d towards;
     int triangle = -1;
     bool aims = false;
     if (guide_.active() && guide_.may_aim(v, from_)) {
       numbers_.seek(kPerBounce * static_cast<uint32_t>(walk_.size - 1) + kDirection);
-      aims = guide_.draw(v, to_previous, from_, numbers_.uniforms<4>(), towards, triangle);
+      aims = guide_.draw(v, &here, from_, numbers_.uniforms<4>(), towards, triangle);
     }
     if (aims && !tried_dirac) {
-      if (!turn_towards(v, from_, to_previous, towards, t)) return;
+      if (!turn_towards(v, from_, here, towards, t)) return;
     } else if (!scatters) {
       return;
     }
@@ -143,7 +151,7 @@ void Walker::scatter(int edges) {
     if (max_component(throughput) <= 0) return;
     state.dirac = t.dirac;
     const auto pdf_A = [&](const Vertex& at, const Edge& e, const Vertex& to) {
-      return scatter_pdf_A(at, to_previous, e, to, t.dirac);
+      return scatter_pdf_A(at, here, e, to, t.dirac);
     };
     if (!extend(v.origin(), t.w, throughput, pdf_A, tried_dirac ? -1 : triangle)) {
       state.dirac = false;
