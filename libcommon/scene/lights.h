@@ -37,6 +37,8 @@ class LightSource {
   }
   bool is_sky() const { return sky_ != nullptr; }
   bool is_surface() const { return is_surface_; }
+  /// Of a surface.
+  bool both_sides() const { return both_sides_; }
   /// What stands in the scene for a lamp.
   const PunctualLight& lamp() const { return light_; }
   /// Of a spot and of parallel light: unit, the way it travels.

@@ -34,6 +34,23 @@ GENERIC void uniform_triangle(REAL u, REAL v, OUT(REAL) b1, OUT(REAL) b2) {
   b2 = second;
 }
 
+/// Where a density that is linear on [0,1] has grown by `share`.
+GENERIC REAL drawn_linear(REAL w0, REAL w1, REAL share) {
+  REAL most = max(w0, w1);
+  if (!(most > 1e-30f)) return share;
+  REAL per_most = reciprocal(most);
+  REAL a = w0 * per_most;
+  REAL b = w1 * per_most;
+  REAL grown = a + root(a * a + share * (b * b - a * a));
+  return grown > 0.0f ? min(REAL(1), share * (a + b) * reciprocal(grown)) : share;
+}
+GENERIC REAL between_corners(REAL upper_left, REAL upper_right, REAL lower_left, REAL lower_right,
+                             REAL across, REAL down) {
+  REAL upper = upper_left * (1.0f - across) + upper_right * across;
+  REAL lower = lower_left * (1.0f - across) + lower_right * across;
+  return upper * (1.0f - down) + lower * down;
+}
+
 SHARED_END
 
 #include "shaders/shared/language_end.h"

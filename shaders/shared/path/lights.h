@@ -9,6 +9,9 @@
 SHARED bool is_surface(uint source) MEMBER_CONST {
   return source == SOURCE_FRONT || source == SOURCE_BOTH;
 }
+SHARED bool is_two_sided(uint source) MEMBER_CONST {
+  return source == SOURCE_BOTH;
+}
 /// Whether a ray can meet it; if not, only those who sample lights find it.
 SHARED bool source_met(uint source) MEMBER_CONST {
   return source < SOURCE_LAMPS;

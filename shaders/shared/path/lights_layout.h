@@ -84,7 +84,7 @@ struct SkyPlace {
   float down;
 };
 
-/// An emitting rectangle: tdpt::Panels::Panel.
+/// An emitting rectangle: tdpt::Panel.
 #define TEXELS_OF_Panel(VEC, WORDS, PART)                                            \
   VEC(corner, float, length_x)                                                       \
   VEC(x, float, length_y)                                                            \
@@ -98,18 +98,6 @@ struct SkyPlace {
   /* triangle1 */                                                                    \
   WORDS(uint, source, uint, triangle0, uint, triangle1, uint, corners)
 RECORD(Panel)
-
-/// A panel from a point [panels.h].
-struct PanelView {
-  float height;  ///< over its plane, at least a share of its size
-  float s;       ///< where its corner is from the foot of the point's perpendicular, along x
-  float t;       ///< and along y
-  float w00;     ///< weights of the corners (0,0), (1,0), (0,1), (1,1)
-  float w10;
-  float w01;
-  float w11;
-  float total;  ///< integral of the weight; 0: nothing else is told
-};
 
 /// A portal's rectangle before the sky: tdpt::WindowSky::Window, along its frame's axes.
 #define TEXELS_OF_SkyWindow(VEC, WORDS, PART)       \

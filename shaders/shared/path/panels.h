@@ -1,48 +1,77 @@
-// Next events at the few big flat emitters that rooms have: tools/tdpt-render/path/light/panels.h
-// in floats, where the method is told.
+// Next events at the few big flat emitters that rooms have: windows, panels, a lamp's face. Which
+// of them, and where on it, by what arrives at the shaded point unless something is between.
 //
-// Read behind lights.h, within a scope that has what that needs, load_light_panel() and
-// scene_has_panels.
+// Method: each emitting rectangle is laid out over
+//   a = c(s/H),  b = c(t/H),  c(v) = v / (1 + |v|) in (-1, 1),
+// with s, t from the foot of the point's perpendicular on its plane. That is about as even as solid
+// angle is and takes no arc tangent (window_sky.h does so with the sky). What is left of the
+// geometry term, R, is looked at in the four corners, and taken to be bilinear over (a, b) between.
+//
+// Y      luminance that a panel sends out (mean; no more than proportional)
+// h, H   height of the point over the plane; the same, at least a share of the panel's size
+// z      height of a corner over the horizon of the shading normal, 0 below it; where light goes
+//        through the surface, on either side of it
+// R      z h / d^4 per da db: what is common to all cos cos / d^2 of the panel
+//   p_A(x_0 | x_1) = Y R(a,b) (da db / dA) / sum over the panels of Y integral R da db
+//
+// It is an estimate of cos cos / d^2, not a bound: 0 only where that is 0. Samples in exact
+// proportion to it (Peters 2021) have 0.93 of its relMSE, and a picture takes twice the time:
+// measured with next events alone in two furnished rooms.
 //
 // Where a point lies close to a panel's plane, all of the panel may be between a = 1 - 1e-5 and 1:
 // lengths in a are taken as H (s1 - s0) / (f0 f1), f = H + |s|, and places from s0 on, so that
 // nothing is lost.
+//
+// Read behind lights.h, within a scope that has what that needs, load_light_panel() and
+// scene_has_panels. C++ has Panel, Point, Outlook and LightPlace in doubles, too.
 
 #include "shaders/shared/language.h"
 
+/// A panel from a point.
+struct PanelView {
+  REAL height;  ///< H
+  REAL s;       ///< of its corner
+  REAL t;
+  REAL w00;  ///< R of the corners (0,0), (1,0), (0,1), (1,1)
+  REAL w10;
+  REAL w01;
+  REAL w11;
+  REAL total;  ///< integral of R; 0: nothing else is told
+};
+
 /// Length in a (b) of a side from s on that is `length` long.
-SHARED float compressed_length(float s, float length, float H) MEMBER_CONST {
-  float end = s + length;
-  float per_f0 = reciprocal(H + abs(s));
-  float per_f1 = reciprocal(H + abs(end));
+SHARED REAL compressed_length(REAL s, REAL length, REAL H) MEMBER_CONST {
+  REAL end = s + length;
+  REAL per_f0 = reciprocal(H + abs(s));
+  REAL per_f1 = reciprocal(H + abs(end));
   if (s < 0.0f && end > 0.0f) return abs(s) * per_f0 + end * per_f1;
   return H * length * per_f0 * per_f1;
 }
 /// Place on the side where a has grown by `share` of that length, from s on.
-SHARED float stretched_part(float s, float length, float H, float share) MEMBER_CONST {
-  float end = s + length;
-  float f0 = H + abs(s);
-  float f1 = H + abs(end);
-  float x;
+SHARED REAL stretched_part(REAL s, REAL length, REAL H, REAL share) MEMBER_CONST {
+  REAL end = s + length;
+  REAL f0 = H + abs(s);
+  REAL f1 = H + abs(end);
+  REAL x;
   if (s < 0.0f && end > 0.0f) {
-    float before = abs(s) * reciprocal(f0);
-    float a = share * (before + end * reciprocal(f1)) - before;
+    REAL before = abs(s) * reciprocal(f0);
+    REAL a = share * (before + end * reciprocal(f1)) - before;
     x = H * a * reciprocal(max(1.0f - abs(a), 1e-7f)) - s;
   } else {
-    float part = share * length;
+    REAL part = share * length;
     x = part * f0 * reciprocal(s >= 0.0f ? f1 - part : f1 + part);
   }
   return min(max(x, 0.0f), length);
 }
 /// And the other way round.
-SHARED float compressed_share(float s, float length, float H, float x) MEMBER_CONST {
-  float end = s + length;
-  float f0 = H + abs(s);
-  float f1 = H + abs(end);
-  float share;
+SHARED REAL compressed_share(REAL s, REAL length, REAL H, REAL x) MEMBER_CONST {
+  REAL end = s + length;
+  REAL f0 = H + abs(s);
+  REAL f1 = H + abs(end);
+  REAL share;
   if (s < 0.0f && end > 0.0f) {
-    float before = abs(s) * reciprocal(f0);
-    float at = s + x;
+    REAL before = abs(s) * reciprocal(f0);
+    REAL at = s + x;
     share = (at * reciprocal(H + abs(at)) + before) * reciprocal(before + end * reciprocal(f1));
   } else {
     share = x * f1 * reciprocal(length * (s >= 0.0f ? f0 + x : f0 - x));
@@ -51,17 +80,16 @@ SHARED float compressed_share(float s, float length, float H, float x) MEMBER_CO
 }
 
 /// On the side of the shading normal that the edges of the path are on, if there is one.
-SHARED vec3 panel_horizon(Point p, vec3 facing) MEMBER_CONST {
+SHARED VEC3 panel_horizon(IN(Point) p, VEC3 facing) MEMBER_CONST {
   if (p.simple) return facing;
   return dot(p.shading, facing) < 0.0f ? -p.shading : p.shading;
 }
 
 /// Weight of a corner at (s, t), `over` the horizon.
-SHARED float corner_weight(float over, float s, float t, float H, float height,
-                           float scale) MEMBER_CONST {
+SHARED REAL corner_weight(REAL over, REAL s, REAL t, REAL H, REAL height, REAL scale) MEMBER_CONST {
   // Nearer than that to a corner is no nearer.
-  float h = max(height, 1e-3f * H);
-  float spread_per_d2 = (H + abs(s)) * (H + abs(t)) * reciprocal(s * s + t * t + h * h);
+  REAL h = max(height, 1e-3f * H);
+  REAL spread_per_d2 = (H + abs(s)) * (H + abs(t)) * reciprocal(s * s + t * t + h * h);
   return over * scale * (spread_per_d2 * spread_per_d2);
 }
 
@@ -79,27 +107,29 @@ SHARED PanelView no_view() MEMBER_CONST {
 }
 
 /// A panel from `position`; `up`: of its horizon, `both_ways`: light goes through the surface.
-SHARED PanelView look_at_panel(Panel panel, vec3 position, vec3 up, bool both_ways) MEMBER_CONST {
+SHARED PanelView look_at_panel(IN(Panel) panel, VEC3 position, VEC3 up,
+                               bool both_ways) MEMBER_CONST {
   PanelView view = no_view();
-  vec3 r = panel.corner - position;
-  float front = -dot(panel.normal, r);
-  float height = panel.source == SOURCE_BOTH ? abs(front) : front;
+  VEC3 r = panel.corner - position;
+  REAL front = -dot(panel.normal, r);
+  REAL height = is_two_sided(panel.source) ? abs(front) : front;
   if (!(height > 1e-30f)) return view;
-  float z = dot(up, r);
-  float z_x = dot(up, panel.x) * panel.length_x;
-  float z_y = dot(up, panel.y) * panel.length_y;
-  vec3 z3 = vec3(z + z_x, z + z_y, z + z_x + z_y);
-  float o00 = both_ways ? abs(z) : max(z, 0.0f);
-  float o10 = both_ways ? abs(z3.x) : max(z3.x, 0.0f);
-  float o01 = both_ways ? abs(z3.y) : max(z3.y, 0.0f);
-  float o11 = both_ways ? abs(z3.z) : max(z3.z, 0.0f);
-  float H = max(height, panel.least_height);
-  float per_H = reciprocal(H);
-  float scale = height * per_H * per_H;
-  float s = dot(panel.x, r);
-  float t = dot(panel.y, r);
-  float s1 = s + panel.length_x;
-  float t1 = t + panel.length_y;
+  REAL z = dot(up, r);
+  REAL z_x = dot(up, panel.x) * panel.length_x;
+  REAL z_y = dot(up, panel.y) * panel.length_y;
+  VEC3 z3 = VEC3(z + z_x, z + z_y, z + z_x + z_y);
+  REAL o00 = both_ways ? abs(z) : max(z, 0.0f);
+  REAL o10 = both_ways ? abs(z3.x) : max(z3.x, 0.0f);
+  REAL o01 = both_ways ? abs(z3.y) : max(z3.y, 0.0f);
+  REAL o11 = both_ways ? abs(z3.z) : max(z3.z, 0.0f);
+  if (!(max(max(o00, o10), max(o01, o11)) > 0.0f)) return view;
+  REAL H = max(height, panel.least_height);
+  REAL per_H = reciprocal(H);
+  REAL scale = height * per_H * per_H;
+  REAL s = dot(panel.x, r);
+  REAL t = dot(panel.y, r);
+  REAL s1 = s + panel.length_x;
+  REAL t1 = t + panel.length_y;
   view.height = H;
   view.s = s;
   view.t = t;
@@ -107,17 +137,17 @@ SHARED PanelView look_at_panel(Panel panel, vec3 position, vec3 up, bool both_wa
   view.w10 = corner_weight(o10, s1, t, H, height, scale);
   view.w01 = corner_weight(o01, s, t1, H, height, scale);
   view.w11 = corner_weight(o11, s1, t1, H, height, scale);
-  float mean = 0.25f * (view.w00 + view.w10 + view.w01 + view.w11);
-  float total =
+  REAL mean = 0.25f * (view.w00 + view.w10 + view.w01 + view.w11);
+  REAL total =
       mean * compressed_length(s, panel.length_x, H) * compressed_length(t, panel.length_y, H);
   view.total = total > 1e-30f ? total : 0.0f;
   return view;
 }
 
 /// What all panels send to a point.
-SHARED float sent_by_panels(Point p, vec3 facing) MEMBER_CONST {
-  vec3 up = panel_horizon(p, facing);
-  float sum = 0.0f;
+SHARED REAL sent_by_panels(IN(Point) p, VEC3 facing) MEMBER_CONST {
+  VEC3 up = panel_horizon(p, facing);
+  REAL sum = 0.0f;
   for (uint i = 0u; i < light_settings.panels; ++i)
     sum += load_light_panel(i).weight *
            look_at_panel(load_light_panel(i), p.position, up, is_zero(facing)).total;
@@ -125,20 +155,22 @@ SHARED float sent_by_panels(Point p, vec3 facing) MEMBER_CONST {
 }
 
 /// p_A of a place x along, y across a panel, with `sent` by all.
-SHARED float panel_pdf_A(Panel panel, PanelView view, float x, float y, float sent) MEMBER_CONST {
+SHARED REAL panel_pdf_A(IN(Panel) panel, IN(PanelView) view, REAL x, REAL y,
+                        REAL sent) MEMBER_CONST {
   if (!(view.total > 0.0f) || !(sent > 0.0f)) return 0.0f;
-  float H = view.height;
-  float U = compressed_share(view.s, panel.length_x, H, x);
-  float V = compressed_share(view.t, panel.length_y, H, y);
-  float per_f = H * reciprocal((H + abs(view.s + x)) * (H + abs(view.t + y)));
+  REAL H = view.height;
+  REAL U = compressed_share(view.s, panel.length_x, H, x);
+  REAL V = compressed_share(view.t, panel.length_y, H, y);
+  REAL per_f = H * reciprocal((H + abs(view.s + x)) * (H + abs(view.t + y)));
   return panel.weight * between_corners(view.w00, view.w10, view.w01, view.w11, U, V) * per_f *
          per_f * reciprocal(sent);
 }
 /// The same of a place that is told by its position.
-SHARED float panel_pdf_A_at(Panel panel, PanelView view, vec3 position, float sent) MEMBER_CONST {
-  vec3 from_corner = position - panel.corner;
-  float x = min(max(dot(panel.x, from_corner), 0.0f), panel.length_x);
-  float y = min(max(dot(panel.y, from_corner), 0.0f), panel.length_y);
+SHARED REAL panel_pdf_A_at(IN(Panel) panel, IN(PanelView) view, VEC3 position,
+                           REAL sent) MEMBER_CONST {
+  VEC3 from_corner = position - panel.corner;
+  REAL x = min(max(dot(panel.x, from_corner), 0.0f), panel.length_x);
+  REAL y = min(max(dot(panel.y, from_corner), 0.0f), panel.length_y);
   return panel_pdf_A(panel, view, x, y, sent);
 }
 
@@ -153,56 +185,62 @@ SHARED uint panel_of(uint triangle) MEMBER_CONST {
 }
 
 /// p_A of a place on a panel, which is 0 on what is none.
-SHARED float pdf_A_by_panels(Point p, Outlook outlook, uint triangle, vec3 position) MEMBER_CONST {
+SHARED REAL pdf_A_by_panels(IN(Point) p, IN(Outlook) outlook, uint triangle,
+                            VEC3 position) MEMBER_CONST {
   uint i = panel_of(triangle);
   if (i == light_settings.panels) return 0.0f;
-  vec3 up = panel_horizon(p, outlook.facing);
+  VEC3 up = panel_horizon(p, outlook.facing);
   PanelView view = look_at_panel(load_light_panel(i), p.position, up, is_zero(outlook.facing));
   return panel_pdf_A_at(load_light_panel(i), view, position, outlook.sent);
 }
 
 /// Of a panel's corner k, counted around, at x and y in [0,1] of its sides, on the half of the
 /// diagonal that the corner is on.
-SHARED float panel_corner_share(uint k, float x, float y) MEMBER_CONST {
+SHARED REAL panel_corner_share(uint k, REAL x, REAL y) MEMBER_CONST {
   return k == 0u ? 1.0f - max(x, y) : k == 1u ? x - y : k == 2u ? min(x, y) : y - x;
 }
 
-/// A place on a panel with p_A; none where none sends anything. Three numbers in [0,1).
-SHARED LightPlace place_on_panels(Point p, Outlook outlook, float pick, float u,
-                                  float v) MEMBER_CONST {
+/// A place on a panel with p_A, from two numbers in [0,1).
+SHARED LightPlace place_on_panel(IN(Panel) panel, IN(PanelView) seen, REAL sent, REAL u,
+                                 REAL v) MEMBER_CONST {
   LightPlace place = no_light_place();
-  if (!(outlook.sent > 0.0f)) return place;
-  vec3 up = panel_horizon(p, outlook.facing);
-  bool both_ways = is_zero(outlook.facing);
-  float left = pick * outlook.sent;
-  uint chosen = 0u;
-  PanelView seen = no_view();
-  for (uint i = 0u; i < light_settings.panels && left >= 0.0f; ++i) {
-    PanelView view = look_at_panel(load_light_panel(i), p.position, up, both_ways);
-    float share = load_light_panel(i).weight * view.total;
-    if (!(share > 0.0f)) continue;
-    chosen = i;
-    seen = view;
-    left = left < share ? -1.0f : left - share;
-  }
-  if (!(seen.total > 0.0f)) return place;
-  Panel panel = load_light_panel(chosen);
-  float V = drawn_linear(seen.w00 + seen.w10, seen.w01 + seen.w11, v);
-  float U =
+  REAL V = drawn_linear(seen.w00 + seen.w10, seen.w01 + seen.w11, v);
+  REAL U =
       drawn_linear(seen.w00 * (1.0f - V) + seen.w01 * V, seen.w10 * (1.0f - V) + seen.w11 * V, u);
-  float x = stretched_part(seen.s, panel.length_x, seen.height, U);
-  float y = stretched_part(seen.t, panel.length_y, seen.height, V);
+  REAL x = stretched_part(seen.s, panel.length_x, seen.height, U);
+  REAL y = stretched_part(seen.t, panel.length_y, seen.height, V);
   place.position = panel.corner + panel.x * x + panel.y * y;
   place.source = panel.source;
-  float x_share = x * reciprocal(panel.length_x);
-  float y_share = y * reciprocal(panel.length_y);
+  REAL x_share = x * reciprocal(panel.length_x);
+  REAL y_share = y * reciprocal(panel.length_y);
   bool first = x_share >= y_share;
   place.triangle = first ? panel.triangle0 : panel.triangle1;
   uint corners = first ? panel.corners : panel.corners >> 4;
   place.b1 = panel_corner_share(corners & 3u, x_share, y_share);
   place.b2 = panel_corner_share(corners >> 2 & 3u, x_share, y_share);
-  place.pdf = panel_pdf_A_at(panel, seen, place.position, outlook.sent);
+  place.pdf = panel_pdf_A_at(panel, seen, place.position, sent);
   return place;
+}
+
+/// The same on one of all; none where none sends anything. Three numbers in [0,1).
+SHARED LightPlace place_on_panels(IN(Point) p, IN(Outlook) outlook, REAL pick, REAL u,
+                                  REAL v) MEMBER_CONST {
+  if (!(outlook.sent > 0.0f)) return no_light_place();
+  VEC3 up = panel_horizon(p, outlook.facing);
+  bool both_ways = is_zero(outlook.facing);
+  REAL left = pick * outlook.sent;
+  uint chosen = 0u;
+  PanelView seen = no_view();
+  for (uint i = 0u; i < light_settings.panels && left >= 0.0f; ++i) {
+    PanelView view = look_at_panel(load_light_panel(i), p.position, up, both_ways);
+    REAL share = load_light_panel(i).weight * view.total;
+    if (!(share > 0.0f)) continue;
+    chosen = i;
+    seen = view;
+    left = left < share ? -1.0f : left - share;
+  }
+  if (!(seen.total > 0.0f)) return no_light_place();
+  return place_on_panel(load_light_panel(chosen), seen, outlook.sent, u, v);
 }
 
 #include "shaders/shared/language_end.h"

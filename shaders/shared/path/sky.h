@@ -41,23 +41,6 @@ SHARED float share_of_entry(uint begin, uint entry) MEMBER_CONST {
   return float(words) * 2.3283064365386963e-10f;
 }
 
-/// Where a density that is linear on [0,1] has grown by `share`.
-SHARED float drawn_linear(float w0, float w1, float share) MEMBER_CONST {
-  float most = max(w0, w1);
-  if (!(most > 1e-30f)) return share;
-  float per_most = reciprocal(most);
-  float a = w0 * per_most;
-  float b = w1 * per_most;
-  float grown = a + root(a * a + share * (b * b - a * a));
-  return grown > 0.0f ? min(1.0f, share * (a + b) * reciprocal(grown)) : share;
-}
-SHARED float between_corners(float upper_left, float upper_right, float lower_left,
-                             float lower_right, float across, float down) MEMBER_CONST {
-  float upper = upper_left * (1.0f - across) + upper_right * across;
-  float lower = lower_left * (1.0f - across) + lower_right * across;
-  return upper * (1.0f - down) + lower * down;
-}
-
 /// 1 - cos and 1 + cos of a row's upper edge, their difference to its lower one.
 struct SkyRow {
   float north;

@@ -66,7 +66,7 @@ void add_lamps(const World& world, const WordTable& table, double radiance_unit,
 }
 
 void add_panels(const World& world, LightTables& tables) {
-  for (const Panels::Panel& panel : world.next_events.panels().all()) {
+  for (const Panel& panel : world.next_events.panels()) {
     shader::Panel p{};
     p.corner = Vec3f(panel.corner);
     p.x = Vec3f(panel.x);
@@ -75,13 +75,11 @@ void add_panels(const World& world, LightTables& tables) {
     p.length_x = static_cast<float>(panel.length_x);
     p.length_y = static_cast<float>(panel.length_y);
     p.least_height = static_cast<float>(panel.least_height);
-    p.weight = static_cast<float>(panel.luminance);
-    p.source = panel.both_sides ? shader::SOURCE_BOTH : shader::SOURCE_FRONT;
-    p.triangle0 = panel.triangle[0];
-    p.triangle1 = panel.triangle[1];
-    for (size_t half = 0; half < 2; ++half)
-      for (size_t b = 0; b < 2; ++b)
-        p.corners |= uint32_t{panel.corners[half][b + 1]} << (4 * half + 2 * b);
+    p.weight = static_cast<float>(panel.weight);
+    p.source = panel.source->both_sides() ? shader::SOURCE_BOTH : shader::SOURCE_FRONT;
+    p.triangle0 = panel.triangle0;
+    p.triangle1 = panel.triangle1;
+    p.corners = panel.corners;
     tables.panels.push_back(p);
   }
   tables.settings.panels = static_cast<uint32_t>(tables.panels.size());

@@ -66,15 +66,15 @@ double at_panels(const Place& shaded, const Place& claimed) {
   const auto lit = panels();
   Seen s(*lit, shaded);
   const Seen other(*lit, claimed);
-  const std::vector<Panels::Panel>& all = lit->world.next_events.panels().all();
+  const std::vector<Panel>& all = lit->world.next_events.panels();
   std::vector<double> probability;
   double sum = 0;
-  for (const Panels::Panel& panel : all) {
+  for (const Panel& panel : all) {
     const auto density = [&](double x, double y) {
       const Vec3f at(panel.corner + panel.x * (x * panel.length_x) +
                      panel.y * (y * panel.length_y));
       return double{lit->twin.next_event_pdf(other.p, other.outlook, 0, shader::SOURCE_FRONT,
-                                             panel.triangle[x < y], at, {})};
+                                             x < y ? panel.triangle1 : panel.triangle0, at, {})};
     };
     const auto at = [](size_t k) { return static_cast<double>(k) / kLattice; };
     for (size_t k = 0; k < kLattice * kLattice; ++k) {
@@ -91,8 +91,8 @@ double at_panels(const Place& shaded, const Place& claimed) {
   const auto draw = [&](uint64_t i) {
     const shader::LightPlace p = sampled(*lit, s, 91, i);
     for (size_t k = 0; k < all.size(); ++k) {
-      const Panels::Panel& panel = all[k];
-      if (p.triangle != panel.triangle[0] && p.triangle != panel.triangle[1]) continue;
+      const Panel& panel = all[k];
+      if (p.triangle != panel.triangle0 && p.triangle != panel.triangle1) continue;
       const TriangleShape shape = shape_of(lit->scene, p.triangle);
       EXPECT_LT(length(shape.p0 + shape.e1 * p.b1 + shape.e2 * p.b2 - Vec3d(p.position)), 1e-6);
       EXPECT_EQ(p.pdf, pdf_of(*lit, s, p));
@@ -141,8 +141,8 @@ TEST(next_event_twin, panels_that_send_nothing_are_not_chosen) {
     Seen s(*lit, dark);
     EXPECT_EQ(s.outlook.sent, 0);
     EXPECT_EQ(sampled(*lit, s, 93, 0).source, shader::SOURCE_NONE);
-    for (const Panels::Panel& panel : lit->world.next_events.panels().all())
-      EXPECT_EQ(lit->twin.next_event_pdf(s.p, s.outlook, 0, shader::SOURCE_FRONT, panel.triangle[0],
+    for (const Panel& panel : lit->world.next_events.panels())
+      EXPECT_EQ(lit->twin.next_event_pdf(s.p, s.outlook, 0, shader::SOURCE_FRONT, panel.triangle0,
                                          Vec3f(panel.corner), {}),
                 0);
   }

@@ -24,7 +24,7 @@ void append(Decisions& all, Decisions more) {
 constexpr const char* kNothingBeyond = "no path beyond the camera's ray can bring light";
 
 Decision panels(const Rendered& r) {
-  const size_t n = r.world.next_events.panels().all().size();
+  const size_t n = r.world.next_events.panels().size();
   if (n > 0)
     return {"panels", "used",
             fmt::format("{} flat rectangles are all that emits: next events choose among them by "
@@ -32,7 +32,7 @@ Decision panels(const Rendered& r) {
                         n),
             "four corners looked at for each panel and next event"};
   return {"panels", "left out",
-          fmt::format("the surfaces that emit are not one big rectangle or 2 to {}", Panels::kMost),
+          fmt::format("the surfaces that emit are not one big rectangle or 2 to {}", kMostPanels),
           "next events draw by power alone"};
 }
 

@@ -10,7 +10,7 @@ Vec3d towards(const Vertex& from, const Vertex& to) {
 }
 
 // cos cos / d^2 of a place on a panel.
-double arrives(const Vertex& x1, const Vec3d& up, bool both_ways, const Panels::Panel& panel,
+double arrives(const Vertex& x1, const Vec3d& up, bool both_ways, const Panel& panel,
                const Vec3d& place) {
   const Vec3d d = place - x1.position;
   const double cos = dot(up, normalize(d));
@@ -20,7 +20,7 @@ double arrives(const Vertex& x1, const Vec3d& up, bool both_ways, const Panels::
 
 // The plane of a panel as it is laid out about a point: s and t of a place, and a, b.
 struct Layout {
-  Layout(const Panels::Panel& panel, const Vec3d& point)
+  Layout(const Panel& panel, const Vec3d& point)
       : x(panel.x),
         y(panel.y),
         foot(point - panel.normal * dot(panel.normal, point - panel.corner)) {
@@ -46,9 +46,9 @@ double panel_pdf_A(const World& world, const Vertex& x0, const Vertex& x1, const
   const Vec3d seen_from = dot(x1.normal, way) > 0 ? x1.normal : -x1.normal;
   if (!both_ways && dot(up, seen_from) < 0) up = -up;
   double sum = 0, mine = 0;
-  for (const Panels::Panel& panel : world.next_events.panels().all()) {
+  for (const Panel& panel : world.next_events.panels()) {
     const double height = dot(panel.normal, x1.position - panel.corner);
-    if (height == 0 || (height < 0 && !panel.both_sides)) continue;
+    if (height == 0 || (height < 0 && !panel.source->both_sides())) continue;
     const Layout layout(panel, x1.position);
     const Vec3d u = panel.x * panel.length_x, v = panel.y * panel.length_y;
     // [i][j]: i along x, j along y.
@@ -62,11 +62,11 @@ double panel_pdf_A(const World& world, const Vertex& x0, const Vertex& x1, const
       }
     const double a0 = layout.c(layout.s(panel.corner)), a1 = layout.c(layout.s(panel.corner + u));
     const double b0 = layout.c(layout.t(panel.corner)), b1 = layout.c(layout.t(panel.corner + v));
-    sum += panel.luminance * mean * (a1 - a0) * (b1 - b0);
-    if (panel.triangle[0] != x0.triangle && panel.triangle[1] != x0.triangle) continue;
+    sum += panel.weight * mean * (a1 - a0) * (b1 - b0);
+    if (panel.triangle0 != x0.triangle && panel.triangle1 != x0.triangle) continue;
     const double A = (layout.c(layout.s(x0.position)) - a0) / (a1 - a0);
     const double B = (layout.c(layout.t(x0.position)) - b0) / (b1 - b0);
-    mine = panel.luminance * layout.da_db_per_area(x0.position) *
+    mine = panel.weight * layout.da_db_per_area(x0.position) *
            ((1 - A) * (1 - B) * R[0][0] + A * (1 - B) * R[1][0] + (1 - A) * B * R[0][1] +
             A * B * R[1][1]);
   }

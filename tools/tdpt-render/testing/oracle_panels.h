@@ -1,4 +1,4 @@
-// The slow, obvious twin of panels.cpp: what a panel sends to a point, from its four corners'
+// The slow, obvious twin of panels.h: what a panel sends to a point, from its four corners'
 // places alone. For tests.
 #pragma once
 #include "tools/tdpt-render/path/sample/path.h"

@@ -7,6 +7,7 @@ namespace tdpt::shader {
 
 /// Refers to tables.
 struct ScalarLights {
+  using Real = float;
   TABLES_OF_LIGHTS(REFERS_TO)
   const LightSettings& light_settings;
   bool scene_has_sky, scene_has_sky_map, scene_has_lamps, scene_has_panels, scene_has_windows,

@@ -25,11 +25,11 @@ struct NextEventPdf {
 class NextEvents {
  public:
   NextEvents(const Scene& scene, const Lights& lights, const WindowSky& windows)
-      : lights_(lights), windows_(windows), panels_(scene, lights) {}
+      : lights_(lights), windows_(windows), panels_(panels_of(scene, lights)) {}
 
   /// Whether their densities depend on the shaded point by more than what windows show.
   bool by_panels() const { return !panels_.empty(); }
-  const Panels& panels() const { return panels_; }
+  const std::vector<Panel>& panels() const { return panels_; }
 
   /// Tells a surface that is seen along unit `away` from it, or was left along it, what it sees;
   /// of panels later, when that is asked for.
@@ -42,7 +42,7 @@ class NextEvents {
   }
   /// And of the panels at once: for one that many paths ask.
   void look_at_panels(Vertex& v) const {
-    if (v.outlook.sent < 0) v.outlook.sent = panels_.sent(v);
+    if (v.outlook.sent < 0) v.outlook.sent = sent_by_panels(v);
   }
 
   /// A place on a light, without one where no panel sends anything; in the sky without its density,
@@ -59,9 +59,12 @@ class NextEvents {
   NextEventPdf pdf(const Vertex& shaded, const LightSource& source, uint32_t triangle,
                    const Vec3d& position, const Lights::InSky& in_sky) const;
 
+  double sent_by_panels(const Vertex& v) const;
+  Lights::Point sample_panels(Vertex& v, double pick, double a, double b) const;
+
   const Lights& lights_;
   const WindowSky& windows_;
-  Panels panels_;
+  std::vector<Panel> panels_;
 };
 
 }  // namespace tdpt

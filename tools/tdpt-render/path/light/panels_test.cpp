@@ -24,7 +24,7 @@ class Rooms {
  public:
   Rooms() : scene_(with_panels(diffuse_rooms())), world_(scene_, scene_.camera(""), 4, 4, {}) {}
   const World& world() const { return world_; }
-  const Panels& panels() const { return world_.next_events.panels(); }
+  const std::vector<Panel>& panels() const { return world_.next_events.panels(); }
 
   Vertex vertex(const Shaded& shaded) const {
     Vertex v;
@@ -36,10 +36,10 @@ class Rooms {
     world_.next_events.look_out(v.normal, v);
     return v;
   }
-  double density(const Vertex& v, const Panels::Panel& panel, double x, double y) const {
+  double density(const Vertex& v, const Panel& panel, double x, double y) const {
     Vertex light;
-    light.source = &world_.lights.surface(panel.both_sides);
-    light.triangle = panel.triangle[x < y];
+    light.source = panel.source;
+    light.triangle = x < y ? panel.triangle1 : panel.triangle0;
     light.position = panel.corner + panel.x * (x * panel.length_x) + panel.y * (y * panel.length_y);
     return world_.next_events.pdf(v, light).of(0);
   }
@@ -59,7 +59,7 @@ double next_events(const Shaded& shaded, const Shaded& claimed) {
   Vertex v = rooms.vertex(shaded);
   const Vertex other = rooms.vertex(claimed);
   std::vector<double> probability;
-  for (const Panels::Panel& panel : rooms.panels().all())
+  for (const Panel& panel : rooms.panels())
     for (size_t i = 0; i < kLattice; ++i)
       for (size_t j = 0; j < kLattice; ++j) {
         const auto at = [](size_t k) { return static_cast<double>(k) / kLattice; };
@@ -78,9 +78,9 @@ double next_events(const Shaded& shaded, const Shaded& claimed) {
     const double b = rng.uniform();
     const double side = rng.uniform();
     const Lights::Point p = rooms.world().next_events.sample(v, 0, pick, a, b, side);
-    for (size_t k = 0; k < rooms.panels().all().size(); ++k) {
-      const Panels::Panel& panel = rooms.panels().all()[k];
-      if (p.triangle != panel.triangle[0] && p.triangle != panel.triangle[1]) continue;
+    for (size_t k = 0; k < rooms.panels().size(); ++k) {
+      const Panel& panel = rooms.panels()[k];
+      if (p.triangle != panel.triangle0 && p.triangle != panel.triangle1) continue;
       const TriangleShape& shape = rooms.world().tracer.shape(p.triangle);
       EXPECT_LT(length(shape.p0 + shape.e1 * p.b1 + shape.e2 * p.b2 - p.position), 1e-6);
       const double x = dot(panel.x, p.position - panel.corner) / panel.length_x;
@@ -124,8 +124,7 @@ TEST(panels, those_that_send_nothing_are_not_chosen) {
     const Lights::Point p = rooms.world().next_events.sample(v, 0, 0.5, 0.5, 0.5, 0.5);
     EXPECT_EQ(p.source, nullptr);
     EXPECT_EQ(v.outlook.sent, 0);
-    for (const Panels::Panel& panel : rooms.panels().all())
-      EXPECT_EQ(rooms.density(v, panel, 0.4, 0.6), 0);
+    for (const Panel& panel : rooms.panels()) EXPECT_EQ(rooms.density(v, panel, 0.4, 0.6), 0);
   }
 }
 
@@ -147,13 +146,13 @@ TEST(panels, densities_are_finite_at_the_extremes) {
         EXPECT_TRUE(std::isfinite(p.pdf) && p.pdf > 0) << p.pdf;
         EXPECT_TRUE(is_finite(p.position));
       }
-      for (const Panels::Panel& panel : rooms.panels().all())
+      for (const Panel& panel : rooms.panels())
         EXPECT_TRUE(std::isfinite(rooms.density(v, panel, 0.3, 0.3)));
     }
 }
 
 TEST(panels, are_few_and_rectangles_or_there_are_none) {
-  const auto number = [](const Scene& scene) { return Panels(scene, Lights(scene)).all().size(); };
+  const auto number = [](const Scene& scene) { return panels_of(scene, Lights(scene)).size(); };
   EXPECT_EQ(number(diffuse_rooms()), 0u);  // one small lamp
   Scene scene = with_panels(diffuse_rooms());
   EXPECT_EQ(number(scene), 4u);
@@ -165,9 +164,9 @@ TEST(panels, are_few_and_rectangles_or_there_are_none) {
     EXPECT_EQ(number(scene), 0u) << size;
   }
   scene = diffuse_rooms();
-  for (size_t n = 2; n <= Panels::kMost + 1; ++n) {
+  for (size_t n = 2; n <= kMostPanels + 1; ++n) {
     add_panel(scene, {0.2 * static_cast<double>(n), 1.9, 0}, {0.1, 0, 0}, {0, 0, 0.1}, Rgb(1.0f));
-    EXPECT_EQ(number(scene), n <= Panels::kMost ? n : 0);
+    EXPECT_EQ(number(scene), n <= kMostPanels ? n : 0);
   }
 }
 
