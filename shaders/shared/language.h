@@ -37,7 +37,8 @@
   constexpr  // before every function, instead of SHARED
 #define REAL Real
 #define VEC3 Vec3<Real>
-#define OF_REAL(type) type<Real>    // a GENERIC_STRUCT
+#define ROUNDING REAL(sizeof(REAL) == sizeof(float) ? 2.4e-7f : 4.5e-16)  // of a product or two
+#define OF_REAL(type) type<Real>                                          // a GENERIC_STRUCT
 #define OF_FLOAT(type) type<float>  // the same where all counts in floats
 
 #else
@@ -55,6 +56,7 @@
 #define GENERIC
 #define REAL float
 #define VEC3 vec3
+#define ROUNDING 2.4e-7f
 #define OF_REAL(type) type
 #define OF_FLOAT(type) type
 #define dot exact_dot

@@ -9,6 +9,7 @@
 #undef INOUT
 #undef IN
 #undef INVERSE_PI
+#undef ROUNDING
 #undef GENERIC_STRUCT
 #undef GENERIC
 #undef REAL

@@ -105,7 +105,7 @@ RECORD(Panel)
   WORDS(float, z, uint, frame, uint, pad0, uint, pad1)
 RECORD(SkyWindow)
 
-/// The sky as windows of one direction show it: tdpt::RectifiedSky. Sums of whole numbers, modulo
+/// The sky as windows of one direction show it: tdpt::WindowFrame. Sums of whole numbers, modulo
 /// 2^32: their differences are exact.
 #define TEXELS_OF_WindowFrame(VEC, WORDS, PART)                                        \
   /* cells: along either axis */                                                       \
@@ -115,14 +115,6 @@ RECORD(SkyWindow)
   /* unit: luminance x solid angle of one */                                           \
   VEC(z, float, unit)
 RECORD(WindowFrame)
-
-/// A window's rectangle as a point sees it, in cells.
-struct CellRect {
-  float a0;
-  float a1;
-  float b0;
-  float b1;
-};
 
 /// All there is one of. What begins "first_" is a place in light_words[].
 struct LightSettings {

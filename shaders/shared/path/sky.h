@@ -317,4 +317,18 @@ SHARED InSky look_at_sky(vec3 towards) MEMBER_CONST {
   return look_in_sky(any_place(towards));
 }
 
+/// Windows that may be seen from `position`: bit i of a mask.
+SHARED uint windows_in_view(vec3 position) MEMBER_CONST {
+  vec3 cell = (position - light_settings.view_low) * light_settings.view_scale;
+  bool inside = cell.x >= 0.0f && cell.y >= 0.0f && cell.z >= 0.0f &&
+                cell.x < float(light_settings.view_x) && cell.y < float(light_settings.view_y) &&
+                cell.z < float(light_settings.view_z);
+  if (!inside) return light_settings.view_beyond;
+  uint row = uint(cell.z) * light_settings.view_y + uint(cell.y);
+  return load_light_word(light_settings.first_view + row * light_settings.view_x + uint(cell.x));
+}
+SHARED uint window_sum(WindowFrame frame, uint i) MEMBER_CONST {
+  return load_light_word(frame.sums + i);
+}
+
 #include "shaders/shared/language_end.h"

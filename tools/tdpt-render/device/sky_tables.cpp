@@ -249,30 +249,16 @@ void add_sky(const World& world, double radiance_unit, LightTables& tables) {
 
 namespace {
 
-// Sums of contents as whole numbers, less than 2^32 together.
-void add_frame(const RectifiedSky& sky, double radiance_unit, LightTables& tables) {
-  constexpr double kRounding = 1e-13;  // of the sums that contents are differences of
-  const auto n = static_cast<size_t>(sky.cells());
-  const double unit = sky.total() / (0x1p32 - 1 - static_cast<double>(n * n));
+void add_frame(const WindowFrame& f, double radiance_unit, LightTables& tables) {
   shader::WindowFrame frame{};
-  frame.x = Vec3f(sky.x());
-  frame.y = Vec3f(sky.y());
-  frame.z = Vec3f(sky.z());
-  frame.cells = static_cast<uint32_t>(n);
+  frame.x = Vec3f(f.x);
+  frame.y = Vec3f(f.y);
+  frame.z = Vec3f(f.z);
+  frame.cells = f.cells;
   frame.sums = static_cast<uint32_t>(tables.words.size());
-  frame.unit = static_cast<float>(unit / radiance_unit);
+  frame.unit = static_cast<float>(f.unit / radiance_unit);
   tables.frames.push_back(frame);
-  std::vector<uint32_t> before(n + 1);
-  tables.words.insert(tables.words.end(), before.begin(), before.end());
-  for (size_t i = 0; i < n; ++i) {
-    uint32_t column = 0;
-    for (size_t j = 0; j < n; ++j) {
-      const double content = sky.content(static_cast<int>(i), static_cast<int>(j));
-      if (content > kRounding * sky.total()) column += 1 + static_cast<uint32_t>(content / unit);
-      before[j + 1] += column;
-    }
-    tables.words.insert(tables.words.end(), before.begin(), before.end());
-  }
+  tables.words.insert(tables.words.end(), f.sums.begin(), f.sums.end());
 }
 
 void add_views(const WindowViews& views, size_t windows, LightTables& tables) {
@@ -291,13 +277,13 @@ void add_views(const WindowViews& views, size_t windows, LightTables& tables) {
 }  // namespace
 
 void add_windows(const World& world, double radiance_unit, LightTables& tables) {
-  std::vector<const RectifiedSky*> frames;
+  std::vector<const WindowFrame*> frames;
   for (const WindowSky::Window& w : world.windows.windows()) {
-    const auto found = std::find(frames.begin(), frames.end(), w.sky.get());
+    const auto found = std::find(frames.begin(), frames.end(), w.frame.get());
     const auto frame = static_cast<uint32_t>(found - frames.begin());
     if (found == frames.end()) {
-      frames.push_back(w.sky.get());
-      add_frame(*w.sky, radiance_unit, tables);
+      frames.push_back(w.frame.get());
+      add_frame(*w.frame, radiance_unit, tables);
     }
     shader::SkyWindow window{};
     window.x0 = static_cast<float>(w.x0);

@@ -81,12 +81,12 @@ struct Rectangle {
   /// `front`: unit, side of the surface there that light comes to; 0: both.
   Rectangle(const PortalSet& portals, const WindowSky::Window& window, const Vec3d& from,
             const Vec3d& front) {
-    const RectifiedSky& sky = *window.sky;
+    const WindowFrame& sky = *window.frame;
     for (const PortalSet::Outline& facet : portals.outlines()) {
-      if (length(facet.centre - window.centre) > 1e-9 || dot(facet.normal, sky.z()) > 0) continue;
-      height = dot(sky.z(), facet.centre - from);
+      if (length(facet.centre - window.centre) > 1e-9 || dot(facet.normal, sky.z) > 0) continue;
+      height = dot(sky.z, facet.centre - from);
       for (const Vec3d& corner : facet.corners) {
-        const double x = dot(sky.x(), corner - from), y = dot(sky.y(), corner - from);
+        const double x = dot(sky.x, corner - from), y = dot(sky.y, corner - from);
         x0 = std::min(x0, x), x1 = std::max(x1, x);
         y0 = std::min(y0, y), y1 = std::max(y1, y);
       }
@@ -94,7 +94,7 @@ struct Rectangle {
     above = length(front) == 0;
     for (const double x : {x0, x1})
       for (const double y : {y0, y1})
-        above = above || dot(front, sky.x() * x + sky.y() * y + sky.z() * height) > 0;
+        above = above || dot(front, sky.x * x + sky.y * y + sky.z * height) > 0;
   }
   bool seen() const { return height > 0 && above; }
   bool passed_along(const Vec3d& local) const {
@@ -126,22 +126,17 @@ SkyLight::SkyLight(const World& world) : world_(world) {
     total_across_ += light * across_portals(sun.towards);
   }
   for (const WindowSky::Window& window : world.windows.windows()) {
-    const RectifiedSky* laid_out = window.sky.get();
+    const WindowFrame* const frame = window.frame.get();
     if (std::any_of(layouts_.begin(), layouts_.end(),
-                    [&](const Layout& l) { return l.sky == laid_out; }))
+                    [&](const Layout& l) { return l.frame == frame; }))
       continue;
-    Layout layout{laid_out, static_cast<int>(std::lround(laid_out->in_cells(1e9))), {}};
-    const auto tangent = [&](int i) {
-      const double c = (2 * i + 1.0) / layout.n - 1;
-      return c / (1 - std::abs(c));
-    };
-    for (int i = 0; i < layout.n; ++i)
-      for (int j = 0; j < layout.n; ++j) {
-        const Vec3d w(tangent(i), tangent(j), 1);
-        // Of the plane z = 1, and solid angle of that.
-        const double area = std::pow((1 + std::abs(w.x)) * (1 + std::abs(w.y)) * 2 / layout.n, 2);
-        layout.cells.push_back(laid_out->density(normalize(w)) * area / std::pow(length(w), 3));
-      }
+    Layout layout{frame, static_cast<int>(frame->cells), {}};
+    const uint32_t* const sums = frame->sums.data();
+    const uint32_t n = frame->cells + 1;
+    for (uint32_t i = 0; i < frame->cells; ++i)
+      for (uint32_t j = 0; j < frame->cells; ++j)
+        layout.cells.push_back(frame->unit * (sums[(i + 1) * n + j + 1] - sums[i * n + j + 1] -
+                                              sums[(i + 1) * n + j] + sums[i * n + j]));
     layouts_.push_back(layout);
   }
 }
@@ -171,10 +166,14 @@ double SkyLight::start_pdf_w(const Vec3d& towards) const {
   return 0.1 * plain + 0.9 * light / total_across_;
 }
 
+const SkyLight::Layout& SkyLight::layout_of(const WindowSky::Window& window) const {
+  return *std::find_if(layouts_.begin(), layouts_.end(),
+                       [&](const Layout& l) { return l.frame == window.frame.get(); });
+}
+
 double SkyLight::seen_through(const WindowSky::Window& window, const Rectangle& r) const {
   if (!r.seen()) return 0;
-  const Layout& layout = *std::find_if(layouts_.begin(), layouts_.end(),
-                                       [&](const Layout& l) { return l.sky == window.sky.get(); });
+  const Layout& layout = layout_of(window);
   const auto overlaps = [&](double low, double high) {
     std::vector<double> of_cells;
     for (int i = 0; i < layout.n; ++i)
@@ -182,12 +181,11 @@ double SkyLight::seen_through(const WindowSky::Window& window, const Rectangle& 
     return of_cells;
   };
   const std::vector<double> along = overlaps(r.x0, r.x1), up = overlaps(r.y0, r.y1);
-  double sum = 0, all = 0;
-  for (const double cell : layout.cells) all += cell;
+  double sum = 0;
   for (size_t i = 0; i < along.size(); ++i)
     for (size_t j = 0; j < up.size() && along[i] > 0; ++j)
       sum += along[i] * up[j] * layout.cells[i * up.size() + j];
-  return sum > 1e-12 * all ? sum : 0;
+  return sum;
 }
 
 double SkyLight::next_event_pdf_w(const Vertex& shaded, const Vertex& next, const Vec3d& towards,
@@ -197,13 +195,20 @@ double SkyLight::next_event_pdf_w(const Vertex& shaded, const Vertex& next, cons
   const double side = dot(shaded.normal, next.position - shaded.position) < 0 ? -1 : 1;
   double seen = 0, light = 0;
   for (size_t i = 0; i < world_.windows.windows().size(); ++i) {
-    if (!world_.windows.shows(i, shaded.position)) continue;
+    if (!(world_.windows.in_view(shaded.position) >> i & 1u)) continue;
     const WindowSky::Window& window = world_.windows.windows()[i];
     const Rectangle r(world_.portals, window, shaded.position,
                       one_sided ? shaded.normal * side : Vec3d());
     seen += seen_through(window, r);
-    const Vec3d local = window.sky->to_local(towards);
-    if (r.seen() && local.z > 0 && r.passed_along(local)) light += window.sky->density(local);
+    const WindowFrame& frame = *window.frame;
+    const Vec3d w(dot(frame.x, towards), dot(frame.y, towards), dot(frame.z, towards));
+    if (!(r.seen() && w.z > 0 && r.passed_along(w))) continue;
+    // Content over solid angle: of the plane z = 1, and that of it.
+    const Layout& layout = layout_of(window);
+    const double s = w.x / w.z, t = w.y / w.z, n = layout.n;
+    const auto cell = [&](double x) { return static_cast<size_t>((compress(x) + 1) / 2 * n); };
+    const double area = std::pow((1 + std::abs(s)) * (1 + std::abs(t)) * 2 / n, 2);
+    light += layout.cells[cell(s) * frame.cells + cell(t)] / (area * std::pow(w.z, 3));
   }
   if (!(seen > 0)) return plain;
   return (1 - q) * plain + q * through * light / seen;

@@ -25,12 +25,13 @@ class SkyLight {
  private:
   /// Cells in which the sky is laid out as seen through a plane: luminance x solid angle.
   struct Layout {
-    const RectifiedSky* sky;
+    const WindowFrame* frame;
     int n;
     std::vector<double> cells;
   };
 
   double across_portals(const Vec3d& towards) const;
+  const Layout& layout_of(const WindowSky::Window& window) const;
   double seen_through(const WindowSky::Window& window, const Rectangle& r) const;
 
   const World& world_;

@@ -276,7 +276,7 @@ TEST(sky_samplers, windows_that_were_there_before_keep_their_tables) {
     size_t n = 0;
     for (const WindowSky::Window& a : other.windows())
       n += std::any_of(one.windows().begin(), one.windows().end(),
-                       [&](const WindowSky::Window& b) { return a.sky == b.sky; });
+                       [&](const WindowSky::Window& b) { return a.frame == b.frame; });
     return std::pair(n, other.windows().size());
   };
   EXPECT_EQ(kept(scene.sky.get()), std::pair(size_t{3}, size_t{3}));

@@ -1,18 +1,13 @@
 #include "tools/tdpt-render/path/light/window_sky.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 
 namespace tdpt {
 namespace {
 
 using std::numbers::pi;
-
-// Of unit w with w.z > 0: da db / dw.
-double per_solid_angle(const Vec3d& w) {
-  const double across = (std::abs(w.x) + w.z) * (std::abs(w.y) + w.z);
-  return w.z / (across * across);
-}
 
 // c and its inverse.
 double compressed(double t) {
@@ -113,89 +108,28 @@ class Cells {
 
 }  // namespace
 
-RectifiedSky::RectifiedSky(const Sky& sky, const Vec3d& x, const Vec3d& z, int cells)
-    : x_(x), y_(cross(z, x)), z_(z), n_(cells) {
-  Cells content(sky, x_, y_, z_, n_);
+WindowFrame::WindowFrame(const Sky& sky, const Vec3d& x_, const Vec3d& z_, int n)
+    : x(x_), y(cross(z_, x_)), z(z_), cells(static_cast<uint32_t>(n)) {
+  Cells content(sky, x, y, z, n);
   content.gather();
   content.add_bright();
-  const auto n = static_cast<size_t>(n_);
-  sums_.assign((n + 1) * (n + 1), 0);
-  for (size_t i = 0; i < n; ++i) {
+  double total = 0;
+  for (size_t i = 0; i < cells; ++i) {
     double column = 0;
-    for (size_t j = 0; j < n; ++j) {
-      column += content.cells()[i * n + j];
-      sums_[(i + 1) * (n + 1) + j + 1] = sums_[i * (n + 1) + j + 1] + column;
+    for (size_t j = 0; j < cells; ++j) column += content.cells()[i * cells + j];
+    total += column;
+  }
+  constexpr double kBlack = 1e-13;  // of all
+  unit = total / (0x1p32 - 1 - static_cast<double>(cells * cells));
+  sums.assign((cells + 1) * (cells + 1), 0);
+  for (size_t i = 0; i < cells; ++i) {
+    uint32_t column = 0;
+    for (size_t j = 0; j < cells; ++j) {
+      const double light = content.cells()[i * cells + j];
+      if (light > kBlack * total) column += 1 + static_cast<uint32_t>(light / unit);
+      sums[(i + 1) * (cells + 1) + j + 1] = sums[i * (cells + 1) + j + 1] + column;
     }
   }
-}
-
-RectifiedSky::Place RectifiedSky::place(double b) const {
-  const int j = std::min(static_cast<int>(b), n_ - 1);
-  return {j, b - j};
-}
-
-double RectifiedSky::sum(const Rect& r) const {
-  const Place low = place(r.b0), high = place(r.b1);
-  const auto between = [](const double* sums, double t) {
-    return sums[0] + t * (sums[1] - sums[0]);
-  };
-  const auto below = [&](const double* sums) {
-    return between(sums + high.j, high.t) - between(sums + low.j, low.t);
-  };
-  const auto column = [&](double a) {
-    const auto [i, s] = place(a);
-    const double* const sums = &sums_[static_cast<size_t>(i * (n_ + 1))];
-    const double here = below(sums), next = below(sums + n_ + 1);
-    return here + s * (next - here);
-  };
-  return column(r.a1) - column(r.a0);
-}
-
-namespace {
-
-// Where a function that grows, linear between whole numbers, has grown by `share` of what it does
-// from `low` to `high`. By halves, and at last by counting: nothing branches on what was found,
-// which is as hard to predict as the share is random.
-template <class Function>
-double grown_by(double share, double low, double high, const Function& at_whole) {
-  const auto at = [&](double x) {
-    const int i = static_cast<int>(x);
-    const double here = at_whole(i);
-    return x == i ? here : here + (x - i) * (at_whole(i + 1) - here);
-  };
-  const double begin = at(low), end = at(high), wanted = begin + share * (end - begin);
-  int first = static_cast<int>(low), more = static_cast<int>(std::ceil(high)) - 1 - first;
-  constexpr int kFew = 12;
-  while (more > kFew) {
-    const int half = (more + 1) / 2;
-    first = at_whole(first + half) < wanted ? first + half : first;
-    more -= half;
-  }
-  int before = 0;
-  for (int i = 1; i <= more; ++i) before += at_whole(first + i) < wanted;
-  first += before;
-  const double from = std::max<double>(first, low), to = std::min<double>(first + 1, high);
-  const double f = first < low ? begin : at_whole(first);
-  const double g = first + 1 > high ? end : at_whole(first + 1);
-  return g > f ? from + (to - from) * std::clamp((wanted - f) / (g - f), 0.0, 1.0) : from;
-}
-
-}  // namespace
-
-Vec3d RectifiedSky::sample(const Rect& r, double u, double v) const {
-  const Place low = place(r.b0), high = place(r.b1);
-  const double a = grown_by(u, r.a0, r.a1, [&](int i) { return at(i, high) - at(i, low); });
-  const int column = std::min(static_cast<int>(a), n_ - 1);
-  const double b =
-      grown_by(v, r.b0, r.b1, [&](int j) { return at(column + 1, j) - at(column, j); });
-  const auto tangent = [&](double cells) { return stretched(2 * cells / n_ - 1); };
-  return normalize(x_ * tangent(a) + y_ * tangent(b) + z_);
-}
-
-double RectifiedSky::density(const Vec3d& w) const {
-  const auto cell = [&](double x) { return std::min(static_cast<int>(in_cells(x, w.z)), n_ - 1); };
-  const int i = cell(w.x), j = cell(w.y);
-  return content(i, j) * (0.25 * n_ * n_) * per_solid_angle(w);
 }
 
 namespace {
@@ -239,9 +173,9 @@ WindowSky::WindowSky(const Sky* sky, const Tracer& tracer, const PortalSet& port
              HUGE_VAL,
              -HUGE_VAL,
              0};
-    w.z = dot(w.sky->z(), w.centre);
+    w.z = dot(w.frame->z, w.centre);
     for (const Vec3d& corner : outline.corners) {
-      const double x = dot(w.sky->x(), corner), y = dot(w.sky->y(), corner);
+      const double x = dot(w.frame->x, corner), y = dot(w.frame->y, corner);
       w.x0 = std::min(w.x0, x), w.x1 = std::max(w.x1, x);
       w.y0 = std::min(w.y0, y), w.y1 = std::max(w.y1, y);
     }
@@ -253,126 +187,74 @@ WindowSky::WindowSky(const Sky* sky, const Tracer& tracer, const PortalSet& port
 void WindowSky::look_around(const Tracer& tracer, const WindowSky& before) {
   std::vector<WindowViews::Opening> openings;
   for (const Window& w : windows_) {
-    const RectifiedSky& sky = *w.sky;
-    openings.push_back({sky.x() * w.x0 + sky.y() * w.y0 + sky.z() * w.z, sky.x() * (w.x1 - w.x0),
-                        sky.y() * (w.y1 - w.y0), sky.z()});
+    const Vec3d &x = w.frame->x, &y = w.frame->y, &z = w.frame->z;
+    openings.push_back({x * w.x0 + y * w.y0 + z * w.z, x * (w.x1 - w.x0), y * (w.y1 - w.y0), z});
   }
   views_ = before.views_.are_of(openings) ? before.views_ : WindowViews(tracer, openings);
 }
 
-std::shared_ptr<const RectifiedSky> WindowSky::laid_out(const Vec3d& x, const Vec3d& z,
-                                                        const WindowSky& before) const {
+std::shared_ptr<const WindowFrame> WindowSky::laid_out(const Vec3d& x, const Vec3d& z,
+                                                       const WindowSky& before) const {
   // A rectangle has four axes; windows of one wall share a table.
-  std::shared_ptr<const RectifiedSky> same;
+  std::shared_ptr<const WindowFrame> same;
   for (const Window& w : windows_) {
     constexpr double kAlike = 1e-6;
-    if (length(w.sky->z() - z) > kAlike) continue;
-    const double along = std::abs(dot(w.sky->x(), x)), across = std::abs(dot(w.sky->y(), x));
-    if (std::min(along, across) < kAlike) same = w.sky;
+    if (length(w.frame->z - z) > kAlike) continue;
+    const double along = std::abs(dot(w.frame->x, x)), across = std::abs(dot(w.frame->y, x));
+    if (std::min(along, across) < kAlike) same = w.frame;
   }
   if (same) return same;
   // The very same: a picture must not tell what was looked at before.
   for (const Window& w : before.windows_)
-    if (before.sky_ == sky_ && w.sky->x() == x && w.sky->z() == z) return w.sky;
+    if (before.sky_ == sky_ && w.frame->x == x && w.frame->z == z) return w.frame;
   const int cells =
       sky_->one_colour() && sky_->suns().empty() ? 64 : std::clamp(sky_->map().height, 128, 256);
-  return std::make_shared<RectifiedSky>(*sky_, x, z, cells);
+  return std::make_shared<WindowFrame>(*sky_, x, z, cells);
 }
 
+}  // namespace tdpt
+
+namespace tdpt::shader {
 namespace {
 
-// A point as the windows of one frame see it, for one after the other.
-class Eye {
- public:
-  Eye(const Vec3d& p, const Vec3d& facing)
-      : p_(p), facing_(facing), both_sides_(facing == Vec3d()) {}
+// The text in doubles.
+struct Windows {
+  using Real = double;
+  using SkyWindow = WindowSky::Window;
+  using WindowFrame = tdpt::WindowFrame;
 
-  // True if the frame is another than before.
-  bool turn_to(const RectifiedSky& frame) {
-    if (frame_ == &frame) return false;
-    frame_ = &frame;
-    at_ = frame.to_local(p_);
-    if (!both_sides_) front_ = frame.to_local(facing_);
-    return true;
+  explicit Windows(const WindowSky& all) : all_(all) {}
+  uint windows_in_view(const Vec3d& position) const { return all_.in_view(position); }
+  const SkyWindow& load_sky_window(uint i) const { return all_.windows()[i]; }
+  static const WindowFrame& load_window_frame(const std::shared_ptr<const WindowFrame>& frame) {
+    return *frame;
   }
-  const Vec3d& at() const { return at_; }
-  // From inside, a corner above the horizon.
-  bool sees(const WindowSky::Window& w) const {
-    const double height = w.z - at_.z;
-    if (!(height > PortalSet::kMargin)) return false;
-    return both_sides_ || front_.x * ((front_.x > 0 ? w.x1 : w.x0) - at_.x) +
-                                  front_.y * ((front_.y > 0 ? w.y1 : w.y0) - at_.y) +
-                                  front_.z * height >
-                              0;
-  }
-  // S_F, and the rectangle where it is more than 0.
-  double seen_through(const WindowSky::Window& w, RectifiedSky::Rect& r) {
-    const RectifiedSky& sky = *w.sky;
-    turn_to(sky);
-    if (!sees(w)) return 0;
-    const double height = w.z - at_.z;
-    r = {sky.in_cells(w.x0 - at_.x, height), sky.in_cells(w.x1 - at_.x, height),
-         sky.in_cells(w.y0 - at_.y, height), sky.in_cells(w.y1 - at_.y, height)};
-    if (!(r.a0 < r.a1 && r.b0 < r.b1)) return 0;
-    // Beside a sun, all that a window without it shows may be the rounding of the sums over both.
-    constexpr double kRounding = 1e-12;
-    const double seen = sky.sum(r);
-    return seen > kRounding * sky.total() ? seen : 0;
-  }
+  static uint window_sum(const WindowFrame& frame, uint i) { return frame.sums[i]; }
 
  private:
-  const Vec3d &p_, &facing_;
-  bool both_sides_;
-  const RectifiedSky* frame_ = nullptr;
-  Vec3d at_{}, front_{};
+  const WindowSky& all_;
+
+ public:
+#include "shaders/shared/path/window_sky.h"
 };
 
 }  // namespace
+}  // namespace tdpt::shader
 
-double WindowSky::seen(const Vec3d& p, const Vec3d& facing) const {
-  double sum = 0;
-  RectifiedSky::Rect r;
-  Eye eye(p, facing);
-  for_each(p, [&](const Window& w) { sum += eye.seen_through(w, r); });
-  return sum;
+namespace tdpt {
+
+[[gnu::flatten]] double WindowSky::seen(const Vec3d& x, const Vec3d& facing) const {
+  return shader::Windows(*this).seen_through_windows(x, facing);
 }
 
-Vec3d WindowSky::sample(const Vec3d& p, const Vec3d& facing, double seen, double pick, double u,
-                        double v) const {
-  double rest = pick * seen;
-  const Window* chosen = nullptr;
-  RectifiedSky::Rect r, of_chosen{};
-  Eye eye(p, facing);
-  for_each(p, [&](const Window& w) {
-    if (rest < 0) return;
-    const double through = eye.seen_through(w, r);
-    if (!(through > 0)) return;
-    chosen = &w;
-    of_chosen = r;
-    rest -= through;
-  });
-  return chosen->sky->sample(of_chosen, u, v);
+[[gnu::flatten]] Vec3d WindowSky::sample(const Vec3d& x, const Vec3d& facing, double seen,
+                                         double pick, double u, double v) const {
+  return shader::Windows(*this).towards_window(x, facing, seen, pick, u, v);
 }
 
-double WindowSky::pdf_w(const Vec3d& p, const Vec3d& facing, double seen,
-                        const Vec3d& towards) const {
-  double sum = 0, density = -1;  // of the frame's; -1: not known yet
-  Eye eye(p, facing);
-  Vec3d local;
-  for_each(p, [&](const Window& w) {
-    if (eye.turn_to(*w.sky)) local = w.sky->to_local(towards), density = -1;
-    if (!(local.z > 0)) return;
-    // Where the plane is passed, times local.z.
-    const double height = w.z - eye.at().z;
-    const double x = local.x * height + eye.at().x * local.z;
-    const double y = local.y * height + eye.at().y * local.z;
-    if (!(x >= w.x0 * local.z && x <= w.x1 * local.z && y >= w.y0 * local.z &&
-          y <= w.y1 * local.z && eye.sees(w)))
-      return;
-    if (density < 0) density = w.sky->density(local);
-    sum += density;
-  });
-  return sum / seen;
+[[gnu::flatten]] double WindowSky::pdf_w(const Vec3d& x, const Vec3d& facing, double seen,
+                                         const Vec3d& towards) const {
+  return shader::Windows(*this).windows_pdf_w(x, facing, seen, towards);
 }
 
 }  // namespace tdpt

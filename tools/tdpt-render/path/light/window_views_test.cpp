@@ -24,7 +24,7 @@ struct House {
 
   // Of a place in metres: bit of the window whose centre is that of `portal`.
   bool shows(const Portal& portal, const Vec3d& place) const {
-    return world.windows.shows(window(portal), scene.frame.to_canonical(place));
+    return world.windows.in_view(scene.frame.to_canonical(place)) >> window(portal) & 1u;
   }
   // Share of the window that the place sees.
   double share(const Portal& portal, const Vec3d& place, uint64_t seed) const {
