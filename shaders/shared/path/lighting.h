@@ -14,4 +14,6 @@
 
 #include "shaders/shared/path/window_sky.h"
 
+#include "shaders/shared/path/next_event_pdf.h"
+
 #include "shaders/shared/path/next_event.h"

@@ -9,6 +9,9 @@
 SHARED bool is_surface(uint source) MEMBER_CONST {
   return source == SOURCE_FRONT || source == SOURCE_BOTH;
 }
+SHARED bool is_sky(uint source) MEMBER_CONST {
+  return scene_has_sky && source == SOURCE_SKY;
+}
 SHARED bool is_two_sided(uint source) MEMBER_CONST {
   return source == SOURCE_BOTH;
 }
@@ -17,7 +20,7 @@ SHARED bool source_met(uint source) MEMBER_CONST {
   return source < SOURCE_LAMPS;
 }
 SHARED bool source_at_infinity(uint source) MEMBER_CONST {
-  if (scene_has_sky && source == SOURCE_SKY) return true;
+  if (is_sky(source)) return true;
   return scene_has_lamps && source >= SOURCE_LAMPS &&
          load_light_lamp(source - SOURCE_LAMPS).parallel != 0u;
 }
@@ -36,7 +39,7 @@ SHARED float versine_from_axis(Lamp lamp, vec3 w) MEMBER_CONST {
 /// lamp, irradiance of parallel light. Black where no light begins.
 SHARED vec3 source_radiance(uint source, vec3 front, vec3 emission, InSky in_sky,
                             vec3 w) MEMBER_CONST {
-  if (scene_has_sky && source == SOURCE_SKY) return in_sky.radiance;
+  if (is_sky(source)) return in_sky.radiance;
   if (source == SOURCE_BOTH || (source == SOURCE_FRONT && dot(front, w) > 0.0f)) return emission;
   if (!scene_has_lamps || source < SOURCE_LAMPS) return vec3(0.0f, 0.0f, 0.0f);
   Lamp lamp = load_light_lamp(source - SOURCE_LAMPS);
@@ -52,7 +55,7 @@ SHARED float emission_pdf_w(uint source, vec3 front, vec3 w) MEMBER_CONST {
   float cosine = dot(front, w);
   if (source == SOURCE_FRONT) return max(cosine, 0.0f) * 0.318309886f;
   if (source == SOURCE_BOTH) return abs(cosine) * 0.159154943f;
-  if (scene_has_sky && source == SOURCE_SKY) return reciprocal(light_settings.sky_extent);
+  if (is_sky(source)) return reciprocal(light_settings.sky_extent);
   if (!scene_has_lamps) return 0.0f;
   Lamp lamp = load_light_lamp(source - SOURCE_LAMPS);
   return versine_from_axis(lamp, w) > lamp.edge ? 0.0f : lamp.pdf_w;
@@ -61,7 +64,7 @@ SHARED float emission_pdf_w(uint source, vec3 front, vec3 w) MEMBER_CONST {
 SHARED float cos_per_pdf_w(uint source) MEMBER_CONST {
   if (source == SOURCE_FRONT) return 3.14159265f;
   if (source == SOURCE_BOTH) return 6.28318531f;
-  if (scene_has_sky && source == SOURCE_SKY) return light_settings.sky_extent;
+  if (is_sky(source)) return light_settings.sky_extent;
   if (!scene_has_lamps || source < SOURCE_LAMPS) return 0.0f;
   return load_light_lamp(source - SOURCE_LAMPS).extent;
 }
@@ -129,7 +132,7 @@ SHARED uint word_in_sky(uint word, float more) MEMBER_CONST {
 SHARED float light_pdf(uint source, uint triangle, vec3, InSky in_sky) MEMBER_CONST {
   if (is_surface(source))
     return uintBitsToFloat(load_light_word(light_settings.first_pdf_A + triangle));
-  if (scene_has_sky && source == SOURCE_SKY) return light_settings.sky_pdf_1 * in_sky.start_w;
+  if (is_sky(source)) return light_settings.sky_pdf_1 * in_sky.start_w;
   if (!scene_has_lamps || source < SOURCE_LAMPS) return 0.0f;
   return load_light_lamp(source - SOURCE_LAMPS).pdf_1;
 }

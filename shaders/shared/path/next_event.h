@@ -1,7 +1,6 @@
-// Where a next event looks: which light, and where on it, for a given shaded point
-// [tools/tdpt-render/path/light/next_event.h].
+// Next events: what a point sees, and a place on a light drawn for it [next_event_pdf.h].
 //
-// Read behind panels.h and window_sky.h.
+// Read behind next_event_pdf.h.
 
 #include "shaders/shared/language.h"
 
@@ -13,20 +12,6 @@ SHARED void look_out(Point p, vec3 facing, OUT(Outlook) o) MEMBER_CONST {
   if (!p.connectible) return;
   if (scene_has_windows) o.seen = seen_through_windows(p.position, facing);
   if (scene_has_panels) o.sent = sent_by_panels(p, facing);
-}
-
-/// Density of sample_next_event, where `p` has looked out: of the place of `position` on `triangle`
-/// of a surface, or in the sky, per measure as LightPlace has it.
-SHARED float next_event_pdf(Point p, Outlook outlook, float through_windows, uint source,
-                            uint triangle, vec3 position, InSky in_sky) MEMBER_CONST {
-  if (scene_has_panels && is_surface(source))
-    return light_settings.surfaces * pdf_A_by_panels(p, outlook, triangle, position);
-  if (!scene_has_sky || source != SOURCE_SKY) return light_pdf(source, triangle, position, in_sky);
-  float pdf_w = in_sky.plain_w;
-  if (scene_has_windows && outlook.seen > 0.0f && through_windows > 0.0f)
-    pdf_w = (1.0f - through_windows) * pdf_w +
-            through_windows * windows_pdf_w(p.position, outlook.facing, outlook.seen, -position);
-  return light_settings.sky_pdf_1 * pdf_w;
 }
 
 /// A place on a light for `p`, which has looked out; none where no panel sends anything.

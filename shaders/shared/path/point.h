@@ -27,6 +27,12 @@ const uint SOURCE_BOTH = 2u;   ///< on both sides
 const uint SOURCE_SKY = 3u;
 const uint SOURCE_LAMPS = 4u;  ///< from here on: lamp source - SOURCE_LAMPS of the table of lamps
 
+#ifdef __cplusplus
+using Source = uint;  // a scope in doubles has its own
+#else
+#define Source uint
+#endif
+
 struct Coat {
   float strength;  ///< [0,1]; 0: none
   float alpha;     ///< GGX; below 1e-4: smooth

@@ -7,27 +7,41 @@ namespace tdpt::shader {
 namespace {
 
 // The text in doubles.
-struct Panels {
+struct NextEvents {
   using Real = double;
   using Point = tdpt::Point;
   using Outlook = tdpt::Outlook;
+  using InSky = Lights::InSky;
+  using Source = const LightSource*;
   using Panel = tdpt::Panel;
   using LightPlace = Lights::Point;
 
-  explicit Panels(const std::vector<Panel>& all)
-      : all_(all.data()), light_settings{static_cast<uint>(all.size())} {}
-  const Panel& load_light_panel(uint i) const { return all_[i]; }
-  static bool is_two_sided(const LightSource* source) { return source->both_sides(); }
-  static LightPlace no_light_place() { return {}; }
+  const Lights& lights;
+  const WindowSky& windows;
+  const std::vector<Panel>& panels;
 
- private:
-  const Panel* all_;
+  static constexpr bool scene_has_windows = true;
+  bool scene_has_panels = !panels.empty();
   struct {
     uint panels;
-  } light_settings;
+    double surfaces, sky_pdf_1;
+  } light_settings{static_cast<uint>(panels.size()), lights.shares().surfaces,
+                   lights.sky() ? lights.sky()->pdf_1() : 0};
+  const Panel& load_light_panel(uint i) const { return panels[i]; }
+  static bool is_surface(Source source) { return source->is_surface(); }
+  static bool is_sky(Source source) { return source->is_sky(); }
+  static bool is_two_sided(Source source) { return source->both_sides(); }
+  static LightPlace no_light_place() { return {}; }
+  double light_pdf(Source source, uint triangle, const Vec3d& position, const InSky& in_sky) const {
+    return lights.pdf(*source, triangle, position, in_sky);
+  }
+  double windows_pdf_w(const Vec3d& x, const Vec3d& facing, double seen, const Vec3d& to) const {
+    return windows.pdf_w(x, facing, seen, to);
+  }
 
- public:
 #include "shaders/shared/path/panels.h"
+  // Apart: each begins with language.h.
+#include "shaders/shared/path/next_event_pdf.h"
 };
 
 }  // namespace
@@ -36,16 +50,16 @@ struct Panels {
 namespace tdpt {
 
 [[gnu::flatten]] double NextEvents::sent_by_panels(const Vertex& v) const {
-  return shader::Panels(panels_).sent_by_panels(v, v.outlook.facing);
+  return shader::NextEvents{lights_, windows_, panels_}.sent_by_panels(v, v.outlook.facing);
 }
 
 // As the text's place_on_panels(), which looks at each again.
 [[gnu::flatten]] Lights::Point NextEvents::sample_panels(Vertex& v, double pick, double a,
                                                          double b) const {
-  const shader::Panels text(panels_);
+  const shader::NextEvents text{lights_, windows_, panels_};
   const Vec3d up = text.panel_horizon(v, v.outlook.facing);
   const bool both_ways = shader::is_zero(v.outlook.facing);
-  std::array<shader::Panels::PanelView, kMostPanels> views;
+  std::array<shader::NextEvents::PanelView, kMostPanels> views;
   double& sent = v.outlook.sent;
   sent = 0;
   for (size_t i = 0; i < panels_.size(); ++i) {
@@ -92,21 +106,16 @@ Lights::Point NextEvents::sample(Vertex& shaded, double through_windows, double 
   return point;
 }
 
-NextEventPdf NextEvents::pdf(const Vertex& shaded, const LightSource& source, uint32_t triangle,
-                             const Vec3d& position, const Lights::InSky& in_sky) const {
-  if (by_panels() && source.is_surface()) {
-    Outlook outlook = shaded.outlook;
-    if (outlook.sent < 0) outlook.sent = sent_by_panels(shaded);
-    return {lights_.shares().surfaces *
-            shader::Panels(panels_).pdf_A_by_panels(shaded, outlook, triangle, position)};
-  }
-  if (!source.is_sky()) return {lights_.pdf(source, triangle, position, in_sky)};
-  NextEventPdf pdf{source.pdf_1() * in_sky.plain_w};
-  const auto& [facing, seen, sent] = shaded.outlook;
-  pdf.sees_windows = seen > 0;
-  if (pdf.sees_windows)
-    pdf.windows = source.pdf_1() * windows_.pdf_w(shaded.position, facing, seen, -position);
-  return pdf;
+[[gnu::flatten]] NextEventPdf NextEvents::pdf(const Vertex& shaded, const Point& light) const {
+  const shader::NextEvents text{lights_, windows_, panels_};
+  Outlook outlook = shaded.outlook;
+  if (outlook.sent < 0 && light.source->is_surface()) outlook.sent = sent_by_panels(shaded);
+  const auto pdf_by = [&](double q) {
+    return text.next_event_pdf(shaded, outlook, q, light.source, light.triangle, light.position,
+                               light.in_sky);
+  };
+  const bool sees_windows = light.source->is_sky() && outlook.seen > 0;
+  return {pdf_by(0), sees_windows ? pdf_by(1) : 0, sees_windows};
 }
 
 }  // namespace tdpt

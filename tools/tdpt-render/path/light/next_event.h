@@ -1,12 +1,5 @@
-// Where a next event looks: which light, and where on it, for a given shaded point.
-//
-// A kind of light is chosen as for light walks, and a light and a place on it. Of the sky a
-// direction is drawn through the windows [window_sky.h] with probability q
-// [Mixture::through_windows] where the point sees any, and else from all of it:
-//   p_nee(w | x) = P_sky ((1-q) p_sky(w) + q p_windows(w | x)).
-// Where panels are the only surfaces that emit, which of them and where on it depends on the point,
-// too [panels.h]. q is less than 1, so that nothing that shines is missed: what windows miss, since
-// no portal is there, has 1-q.
+// Where a next event looks: which light, and where on it, for a given shaded point
+// [shaders/shared/path/next_event_pdf.h], q [Mixture::through_windows].
 #pragma once
 #include "libcommon/scene/lights.h"
 #include "tools/tdpt-render/path/light/panels.h"
@@ -51,14 +44,9 @@ class NextEvents {
   Lights::Point sample(Vertex& shaded, double q, double pick, double u, double v,
                        double side) const;
   /// Density of `sample` at a place on a light.
-  NextEventPdf pdf(const Vertex& shaded, const Point& light) const {
-    return pdf(shaded, *light.source, light.triangle, light.position, light.in_sky);
-  }
+  NextEventPdf pdf(const Vertex& shaded, const Point& light) const;
 
  private:
-  NextEventPdf pdf(const Vertex& shaded, const LightSource& source, uint32_t triangle,
-                   const Vec3d& position, const Lights::InSky& in_sky) const;
-
   double sent_by_panels(const Vertex& v) const;
   Lights::Point sample_panels(Vertex& v, double pick, double a, double b) const;
 
