@@ -5,6 +5,19 @@
 #include "libcommon/math/warp.h"
 #include "libcommon/scene/texture.h"
 
+namespace tdpt::shader {
+namespace {
+
+// The text in doubles.
+struct Lamps {
+  using Real = double;
+  using Lamp = tdpt::Lamp;
+#include "shaders/shared/path/lamp.h"
+};
+
+}  // namespace
+}  // namespace tdpt::shader
+
 namespace tdpt {
 namespace {
 
@@ -28,31 +41,34 @@ double mean_luminance(const Scene& scene, uint32_t triangle) {
   return 0.9 * sum / places + 0.1 * factor;
 }
 
-double cos_cone(const PunctualLight& light) {
-  return light.kind == Kind::spot ? light.cos_outer : -1;
+// Versine of the half angle that light leaves within.
+double cone(const PunctualLight& light) {
+  return light.kind == Kind::spot ? 1 - light.cos_outer : 2;
 }
 
 }  // namespace
 
-// The smooth edge between the cones is the one KHR_lights_punctual recommends, without its lower
-// bound of 0.001 on the difference of the cosines, which narrow spots fall below.
-Rgb LightSource::intensity(const Vec3d& w) const {
-  if (light_.kind != Kind::spot) return light_.intensity;
-  const double scale = 1 / std::max(1e-15, light_.cos_inner - light_.cos_outer);
-  const double t = std::clamp((dot(light_.direction, w) - light_.cos_outer) * scale, 0.0, 1.0);
-  return light_.intensity * static_cast<float>(t * t);
+Rgb LightSource::lamp_radiance(const Vec3d& w) const {
+  return Rgb(shader::Lamps().lamp_radiance(lamp_, w));
 }
 
-double LightSource::pdf_towards(const Vec3d& w) const {
-  return light_.kind == Kind::spot && dot(light_.direction, w) < light_.cos_outer ? 0 : pdf_;
+double LightSource::lamp_pdf_w(const Vec3d& w) const {
+  return shader::Lamps().lamp_pdf_w(lamp_, w);
 }
 
 LightSource LightSource::punctual(const PunctualLight& light, double extent) {
   LightSource source(false);
   source.is_surface_ = false;
-  source.light_ = light;
-  source.pdf_ = 1 / extent;
-  source.cos_per_pdf_w_ = 1 / source.pdf_;
+  Lamp& lamp = source.lamp_;
+  lamp.position = light.position, lamp.direction = light.direction;
+  lamp.intensity = Vec3d(light.intensity);
+  lamp.parallel = light.kind == Kind::directional;
+  lamp.extent = extent, lamp.pdf_w = 1 / extent;
+  lamp.cone = cone(light);
+  const bool spot = light.kind == Kind::spot;
+  // Rounding must not leave a lamp's way back outside.
+  lamp.edge = spot ? lamp.cone : 4;
+  lamp.per_edge = spot ? 1 / std::max(1e-15, light.cos_inner - light.cos_outer) : 1;
   return source;
 }
 
@@ -84,7 +100,7 @@ Lights::Lights(const Scene& scene) : scene_(scene), pdf_A_(scene.triangles.size(
     const double y = luminance(light.intensity);
     if (y <= 0) continue;
     const double extent =
-        light.kind == Kind::directional ? pi * radius_ * radius_ : 2 * pi * (1 - cos_cone(light));
+        light.kind == Kind::directional ? pi * radius_ * radius_ : 2 * pi * cone(light);
     punctual_.push_back(LightSource::punctual(light, extent));
     add(y * extent);
   }
@@ -176,7 +192,7 @@ Lights::Point Lights::sample(double pick, double u, double v, double side) const
   if (i >= triangles_.size()) {
     const LightSource& source = punctual_[i - triangles_.size()];
     point.source = &source;
-    point.position = source.at_infinity() ? source.light_.direction : source.light_.position;
+    point.position = source.at_infinity() ? source.lamp_.direction : source.lamp_.position;
     point.pdf = source.pdf_1_;
     return point;
   }
@@ -193,19 +209,12 @@ Lights::Point Lights::sample(double pick, double u, double v, double side) const
 }
 
 Lights::Ray Lights::leave(const Point& point, double u, double v) const {
-  const double phi = 2 * pi * u;
-  if (point.source->at_infinity()) {
-    const double r = radius_ * std::sqrt(v);
-    const Onb<double> onb(point.position);
-    return {onb.to_world({r * std::cos(phi), r * std::sin(phi), -2 * radius_}), point.position};
-  }
+  const shader::Lamps text;
+  if (point.source->at_infinity())
+    return {text.before_the_disc(point.position, radius_, u, v), point.position};
   if (point.source->is_surface())
-    return {point.position, normalize(Onb<double>(point.normal).to_world(cosine_hemisphere(u, v)))};
-  const PunctualLight& light = point.source->light_;
-  const Onb<double> onb(light.direction);
-  const double z = 1 - v * (1 - cos_cone(light));
-  const double r = std::sqrt(std::max(0.0, 1 - z * z));
-  return {light.position, normalize(onb.to_world({r * std::cos(phi), r * std::sin(phi), z}))};
+    return {point.position, normalize(cosine_hemisphere(point.normal, u, v))};
+  return {point.position, text.leave_lamp(point.source->lamp_, u, v)};
 }
 
 }  // namespace tdpt

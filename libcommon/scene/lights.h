@@ -11,8 +11,11 @@
 #include "libcommon/math/rng.h"
 #include "libcommon/math/vec.h"
 #include "libcommon/scene/scene.h"
+#include "shaders/shared/path/lights_layout.h"
 
 namespace tdpt {
+
+using Lamp = shader::LampOf<double>;
 
 /// How light leaves a place of a light, and the density with which walks follow it. Emitting
 /// surfaces, points, spots, parallel light and the sky answer the same questions.
@@ -32,57 +35,48 @@ class LightSource {
 
   /// Whether a ray can meet it; if not, only those who sample lights find it.
   bool met() const { return is_surface_ || sky_; }
-  bool at_infinity() const {
-    return !is_surface_ && light_.kind == PunctualLight::Kind::directional;
-  }
+  bool at_infinity() const { return !is_surface_ && lamp_.parallel; }
   bool is_sky() const { return sky_ != nullptr; }
   bool is_surface() const { return is_surface_; }
   /// Of a surface.
   bool both_sides() const { return both_sides_; }
-  /// What stands in the scene for a lamp.
-  const PunctualLight& lamp() const { return light_; }
-  /// Of a spot and of parallel light: unit, the way it travels.
-  const Vec3d& direction() const { return light_.direction; }
+  const Lamp& lamp() const { return lamp_; }
   /// The side that it shines to, from a place with unit normal `front`; 0: all.
   Vec3d facing(const Vec3d& front) const { return is_surface_ && !both_sides_ ? front : Vec3d(); }
 
   /// What leaves along unit w; `radiance`: of a surface there, textures included.
   Rgb emitted(const Vec3d& front, const Rgb& radiance, const Vec3d& w) const {
     if (sky_) return sky_->radiance(-w);
-    if (!is_surface_) return intensity(w);
+    if (!is_surface_) return lamp_radiance(w);
     return both_sides_ || dot(front, w) > 0 ? radiance : Rgb{};
   }
   /// Density of the direction in which a walk leaves [1/sr]: |cos|/pi on the front of a surface,
   /// half of that on each side when both emit; uniform over the sphere or the spot's cone; at
   /// infinity of the line along w [1/canonical area].
   double pdf_w(const Vec3d& front, const Vec3d& w) const {
-    if (!is_surface_) return pdf_towards(w);
+    if (!is_surface_) return lamp_pdf_w(w);
     const double cos = dot(front, w);
     if (both_sides_) return std::abs(cos) * (0.5 * std::numbers::inv_pi);
     return std::max(cos, 0.0) * std::numbers::inv_pi;
   }
   /// |cos| / pdf_w, the same for every direction that light leaves in: a walk that leaves carries
   /// this times what is emitted.
-  double cos_per_pdf_w() const { return cos_per_pdf_w_; }
+  double cos_per_pdf_w() const { return lamp_.extent; }
   /// Probability that a point, spot, parallel light or the sky is chosen to begin a walk.
   double pdf_1() const { return pdf_1_; }
 
  private:
   friend class Lights;
   friend struct LightsFaults;
-  explicit LightSource(bool both_sides)
-      : is_surface_(true),
-        both_sides_(both_sides),
-        cos_per_pdf_w_((both_sides ? 2 : 1) * std::numbers::pi) {}
-  Rgb intensity(const Vec3d& w) const;
-  double pdf_towards(const Vec3d& w) const;
+  explicit LightSource(bool both_sides) : is_surface_(true), both_sides_(both_sides) {
+    lamp_.extent = (both_sides ? 2 : 1) * std::numbers::pi;
+  }
+  Rgb lamp_radiance(const Vec3d& w) const;
+  double lamp_pdf_w(const Vec3d& w) const;
 
   bool is_surface_, both_sides_ = false;
-  double cos_per_pdf_w_;
   const Sky* sky_ = nullptr;
-  // Of punctual lights; the sky is a directional one from everywhere.
-  PunctualLight light_;
-  double pdf_ = 0;  // where light leaves
+  Lamp lamp_;  // the sky is parallel light from everywhere; a surface has but an extent
   double pdf_1_ = 0;
 };
 

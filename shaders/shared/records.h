@@ -22,7 +22,32 @@
 
 #ifdef __cplusplus
 
+#include <type_traits>
+
 #define RECORD(T) RECORD_ALIGNED(, T)
+// The same with Real in place of floats: TOf<double>.
+#define RECORD_OF_REALS(T)                                                      \
+  template <class Real>                                                         \
+  struct T##Of {                                                                \
+    template <class Type>                                                       \
+    using In = std::conditional_t<std::is_same_v<Type, float>, Real, Type>;     \
+    TEXELS_OF_##T(REALS_OF_VEC, REALS_OF_WORDS, ) explicit operator T() const { \
+      T r;                                                                      \
+      TEXELS_OF_##T(PUT_VEC, PUT_WORDS, ) return r;                             \
+    }                                                                           \
+  };
+#define REALS_OF_VEC(a, type, b) \
+  Vec3<Real> a{};                \
+  In<type> b{};
+#define REALS_OF_WORDS(type0, a, type1, b, type2, c, type3, d) \
+  In<type0> a{};                                               \
+  In<type1> b{};                                               \
+  In<type2> c{};                                               \
+  In<type3> d{};
+#define PUT_VEC(a, type, b) r.a = vec3(a), r.b = static_cast<type>(b);
+#define PUT_WORDS(type0, a, type1, b, type2, c, type3, d)   \
+  r.a = static_cast<type0>(a), r.b = static_cast<type1>(b); \
+  r.c = static_cast<type2>(c), r.d = static_cast<type3>(d);
 #define RECORD_ALIGNED(alignment, T)                                 \
   struct alignment T {                                               \
     TEXELS_OF_##T(MEMBERS_OF_VEC, MEMBERS_OF_WORDS, MEMBERS_OF_PART) \

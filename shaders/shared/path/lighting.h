@@ -8,6 +8,8 @@
 
 #include "shaders/shared/path/sky.h"
 
+#include "shaders/shared/path/lamp.h"
+
 #include "shaders/shared/path/lights.h"
 
 #include "shaders/shared/path/panels.h"

@@ -29,12 +29,6 @@ SHARED vec3 source_facing(uint source, vec3 front) MEMBER_CONST {
   return source == SOURCE_FRONT ? front : vec3(0.0f, 0.0f, 0.0f);
 }
 
-/// 1 - cos of the angle between a lamp's axis and unit w.
-SHARED float versine_from_axis(Lamp lamp, vec3 w) MEMBER_CONST {
-  vec3 d = w - lamp.direction;
-  return 0.5f * dot(d, d);
-}
-
 /// What leaves along unit w: radiance of a surface and the sky, which are told it, intensity of a
 /// lamp, irradiance of parallel light. Black where no light begins.
 SHARED vec3 source_radiance(uint source, vec3 front, vec3 emission, InSky in_sky,
@@ -42,10 +36,7 @@ SHARED vec3 source_radiance(uint source, vec3 front, vec3 emission, InSky in_sky
   if (is_sky(source)) return in_sky.radiance;
   if (source == SOURCE_BOTH || (source == SOURCE_FRONT && dot(front, w) > 0.0f)) return emission;
   if (!scene_has_lamps || source < SOURCE_LAMPS) return vec3(0.0f, 0.0f, 0.0f);
-  Lamp lamp = load_light_lamp(source - SOURCE_LAMPS);
-  float inside = (lamp.edge - versine_from_axis(lamp, w)) * lamp.per_edge;
-  float share = min(max(inside, 0.0f), 1.0f);
-  return lamp.intensity * (share * share);
+  return lamp_radiance(load_light_lamp(source - SOURCE_LAMPS), w);
 }
 
 /// Density of the direction in which a walk leaves [1/sr]; at infinity of the line along w
@@ -53,12 +44,11 @@ SHARED vec3 source_radiance(uint source, vec3 front, vec3 emission, InSky in_sky
 SHARED float emission_pdf_w(uint source, vec3 front, vec3 w) MEMBER_CONST {
   if (source == SOURCE_NONE) return 0.0f;
   float cosine = dot(front, w);
-  if (source == SOURCE_FRONT) return max(cosine, 0.0f) * 0.318309886f;
-  if (source == SOURCE_BOTH) return abs(cosine) * 0.159154943f;
+  if (source == SOURCE_FRONT) return max(cosine, 0.0f) * INVERSE_PI;
+  if (source == SOURCE_BOTH) return abs(cosine) * (0.5f * INVERSE_PI);
   if (is_sky(source)) return reciprocal(light_settings.sky_extent);
   if (!scene_has_lamps) return 0.0f;
-  Lamp lamp = load_light_lamp(source - SOURCE_LAMPS);
-  return versine_from_axis(lamp, w) > lamp.edge ? 0.0f : lamp.pdf_w;
+  return lamp_pdf_w(load_light_lamp(source - SOURCE_LAMPS), w);
 }
 /// |cos| / pdf_w, the same for every direction that light leaves in.
 SHARED float cos_per_pdf_w(uint source) MEMBER_CONST {
@@ -165,20 +155,10 @@ SHARED void leave_light(LightPlace place, float u, float v, OUT(vec3) origin,
     direction = normalized(cosine_hemisphere(place.normal, u, v));
     return;
   }
-  float cosine;
-  float sine;
-  cos_sin_turns(u, cosine, sine);
-  if (source_at_infinity(place.source)) {
-    float r = light_settings.radius * root(v);
-    vec3 local = vec3(r * cosine, r * sine, -2.0f * light_settings.radius);
-    origin = to_world(onb_about(place.position), local);
-  } else if (scene_has_lamps && place.source >= SOURCE_LAMPS) {
-    Lamp lamp = load_light_lamp(place.source - SOURCE_LAMPS);
-    float h = v * lamp.cone;
-    float r = root(h * (2.0f - h));
-    vec3 local = vec3(r * cosine, r * sine, 1.0f - h);
-    direction = normalized(to_world(onb_about(lamp.direction), local));
-  }
+  if (source_at_infinity(place.source))
+    origin = before_the_disc(place.position, light_settings.radius, u, v);
+  else if (scene_has_lamps && place.source >= SOURCE_LAMPS)
+    direction = leave_lamp(load_light_lamp(place.source - SOURCE_LAMPS), u, v);
 }
 
 #include "shaders/shared/language_end.h"

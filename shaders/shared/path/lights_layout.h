@@ -33,7 +33,7 @@ struct LightPlace {
   VEC(normal, uint, pad)
 RECORD(Emitter)
 
-/// A light without extent. Versine: 1 - cos, which of narrow cones a float can hold.
+/// A light without extent [lamp.h]. Versine: 1 - cos, which of narrow cones a float can hold.
 #define TEXELS_OF_Lamp(VEC, WORDS, PART)                                                  \
   /* parallel: 1: infinitely far */                                                       \
   VEC(position, uint, parallel)                                                           \
@@ -155,6 +155,7 @@ struct LightSettings {
 };
 
 #ifdef __cplusplus
+RECORD_OF_REALS(Lamp)
 static_assert(sizeof(Emitter) == 64 && sizeof(Lamp) == 64 && sizeof(SkySun) == 48);
 static_assert(sizeof(SkyTexel) == 16 && sizeof(Panel) == 80 && sizeof(SkyWindow) == 32);
 static_assert(sizeof(WindowFrame) == 48 && sizeof(LightSettings) == 208);

@@ -9,8 +9,6 @@
 namespace tdpt {
 namespace {
 
-using Kind = PunctualLight::Kind;
-
 void add_emitters(const World& world, const WordTable& table, LightTables& tables) {
   std::vector<float> pdf_A(world.scene.triangles.size());
   const std::vector<uint32_t>& emitters = world.lights.emitters();
@@ -34,29 +32,12 @@ void add_emitters(const World& world, const WordTable& table, LightTables& table
   for (const float pdf : pdf_A) tables.words.push_back(std::bit_cast<uint32_t>(pdf));
 }
 
-shader::Lamp lamp_of(const LightSource& source, double radiance_unit) {
-  const PunctualLight& light = source.lamp();
-  const bool spot = light.kind == Kind::spot;
-  shader::Lamp lamp{};
-  lamp.position = Vec3f(light.position);
-  lamp.direction = Vec3f(light.direction);
-  lamp.parallel = light.kind == Kind::directional;
-  lamp.intensity = Rgb(Vec3d(light.intensity) / radiance_unit);
-  lamp.extent = static_cast<float>(source.cos_per_pdf_w());
-  lamp.pdf_w = static_cast<float>(1 / source.cos_per_pdf_w());
-  lamp.cone = static_cast<float>(spot ? 1 - light.cos_outer : 2);
-  // Rounding must not leave a lamp's way back outside.
-  lamp.edge = spot ? lamp.cone : 4;
-  lamp.per_edge =
-      spot ? static_cast<float>(1 / std::max(1e-15, light.cos_inner - light.cos_outer)) : 1;
-  return lamp;
-}
-
 void add_lamps(const World& world, const WordTable& table, double radiance_unit,
                LightTables& tables) {
   const std::vector<LightSource>& lamps = world.lights.lamps();
   for (uint32_t i = 0; i < lamps.size(); ++i) {
-    tables.lamps.push_back(lamp_of(lamps[i], radiance_unit));
+    tables.lamps.push_back(static_cast<shader::Lamp>(lamps[i].lamp()));
+    tables.lamps.back().intensity = Rgb(lamps[i].lamp().intensity / radiance_unit);
     const auto words =
         static_cast<double>(table.words_of(tables.words, tables.settings.emitters + i));
     tables.lamps.back().pdf_1 = static_cast<float>(words * 0x1p-32);
