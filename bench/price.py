@@ -136,7 +136,7 @@ PAYS = """## Done only when it pays
 |---|---|---|---|
 | layers, frames, alpha | options; off | above | `layers_test`, `stats_test`, `alpha_test` |
 | techniques | `auto`, by error x work of samples that are thrown away | \
-about 1 to 6 % of the picture's work | `auto_test`, [regret.md](regret.md) |
+about 3 % of the picture's work | `auto_test`, [regret.md](regret.md) |
 | portals | a small picture's light, then `auto` | 2 % of the samples, at most 3072 | `portal_ways_test`, `auto_test`, \
 [regret.md](regret.md) |
 | tables of the sky through windows | there are both, a sky and portals | nothing | `sky_samplers_test` |

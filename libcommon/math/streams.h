@@ -47,7 +47,8 @@ enum Integrator : uint64_t {
   nee_through_windows,
   bdpt_aiming,
   nee_aiming,
-  bdpt_with_few_light_walks
+  bdpt_with_few_light_walks,
+  bdpt_favouring_next_events
 };
 }  // namespace stream
 constexpr uint64_t kStreams = 256;

@@ -259,9 +259,9 @@ class Verdict:
         candidates = get(m["with"], "first", "scout", "candidates") or []
         self.used = next((bool(c.get("portals")) for c in candidates if c.get("integrator") == self.chosen),
                          not self.chosen.startswith(("pt", "nee", "bdpt")) or (get(self.last, "techniques", "portal") or 0) > 0)
-        self.candidates = [c for c in candidates if number(c.get("relmse")) and number(c.get("work"))]
+        self.candidates = [c for c in candidates if all(number(c.get(key)) for key in ("relmse", "work", "cost"))]
         plain = [c for c in self.candidates if not c.get("portals")]
-        self.best_plain = min(plain, key=lambda c: c["relmse"] * c["work"])["integrator"] if plain else None
+        self.best_plain = min(plain, key=lambda c: c["cost"])["integrator"] if plain else None
         a, b = get(m["with"], "steps", -1), get(m["without"], "steps", -1)
         self.after, self.before = a, b
         self.gain = None
@@ -544,14 +544,14 @@ def portals_part(m, v):
                        [el("li", f"A cut with {percent(c.get('light_side'))} of the surface on the light\u2019s side: {c.get('why', 'no reason is told')}.")
                         for c in cuts if isinstance(c, dict)]))
     if v.candidates:
-        least = min(c["relmse"] * c["work"] for c in v.candidates)
-        order = sorted(v.candidates, key=lambda c: c["relmse"] * c["work"])
+        least = min(c["cost"] for c in v.candidates)
+        order = sorted(v.candidates, key=lambda c: c["cost"])
         body.append(details(f"What {m['integrator']} weighed: {count(len(order), 'way')} to render",
                             table(f"Foretold from {get(m, 'with', 'first', 'scout', 'samples')} samples: error of one sample per pixel, "
-                                  "work of a sample, and their product over the least",
-                                  ("Way", "Portals", "relMSE", "\u00b5s a sample", "Error \u00d7 work"),
+                                  "work of a sample, and the time for the same noise over the least",
+                                  ("Way", "Portals", "relMSE", "\u00b5s a sample", "Time for the same noise"),
                                   [(c["integrator"], "yes" if c.get("portals") else "no", figure(c["relmse"], 3), figure(c["work"] / 1000, 3),
-                                    figure(c["relmse"] * c["work"] / least, 3)) for c in order], numeric=(2, 3, 4))))
+                                    figure(c["cost"] / least, 2)) for c in order], numeric=(2, 3, 4))))
     return section("portals", "The portals and their worth", *body)
 
 

@@ -5,28 +5,36 @@
 //   integrator;
 //                                      0: none is told
 //   --seeds N                          pictures of each length, default 8
+//   --lengths N,N...                   samples per pixel, default 4,8,16,32,64,256
+//   --depth N --camera NAME --environment FILE
+//                                     as of tdpt-render, default no limit, the first and none
 //   --name NAME                        of the scene, in what is printed
 //
-//   truth  SCENE INTEGRATOR  relMSE of a sample, its standard error, CPU ns of a sample
-//   told   SCENE SPP SEED INTEGRATOR  steady relMSE and work as told from the samples of a scout
-//   choice SCENE SPP SEED INTEGRATOR  that was chosen, CPU s of the scout, its groups; pixels
+//   truth  SCENE INTEGRATOR  relMSE of a sample, its standard error, CPU ns of a sample, ns by
+//                                     the model of work
+//   told   SCENE SPP SEED INTEGRATOR  relMSE as it is judged, and work, from the samples of a scout
+//   choice SCENE SPP SEED INTEGRATOR  that was chosen, CPU s of the scout, its groups; pixels; the
+//                                     gain by portals, its interval, the best with and without them
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <sstream>
 
 #include "libcommon/base/threads.h"
+#include "libcommon/formats/sky_options.h"
 #include "tools/tdpt-render/run/render.h"
 
 namespace tdpt {
 namespace {
 
 constexpr size_t kPictures = 8;  // of each integrator, for the variance of its pixels
-constexpr uint64_t kLengths[] = {4, 8, 16, 32, 64, 256};
 
 struct Settings {
-  int width = 96, height = 72, seeds = 8;
+  int width = 96, height = 72, seeds = 8, depth = kMaxDepth;
   double seconds = 2;
+  std::vector<uint64_t> lengths{4, 8, 16, 32, 64, 256};
+  std::string camera, environment;
   std::string name;  // of the scene in what is printed; empty: its file
 };
 
@@ -34,18 +42,22 @@ struct Settings {
 struct Pictures {
   uint64_t spp = 0;
   double cpu_seconds = 0;
+  double work = 0;  // of a sample, by the model [ns]
   std::vector<std::vector<double>> luminance;
 };
 
 void render_one(const World& world, const Integrator& integrator, uint64_t spp, uint64_t seed,
-                Pictures& pictures) {
+                int depth, Pictures& pictures) {
   RenderSettings how;
+  how.max_depth = depth;
   how.spp = spp;
   how.seed = seed;
   how.quiet = true;
   const RenderResult r = render(world, integrator, how);
   pictures.spp = spp;
   pictures.cpu_seconds += r.cpu_seconds;
+  pictures.work =
+      WorkModel(world, integrator.mixture).per_sample(r.tally.rays, spp * r.picture.pixels.size());
   std::vector<double>& l = pictures.luminance.emplace_back();
   for (const Rgb& p : r.picture.pixels) l.push_back(luminance(p));
 }
@@ -76,21 +88,25 @@ void print_truth(const char* scene, const std::string& label, const Pictures& p,
   double mean = 0;
   for (const double r : reference) mean += r;
   mean /= static_cast<double>(reference.size());
-  // Of each picture by itself: their scatter tells the error.
+  // Each picture against the mean of the others of its kind: their scatter tells the error.
+  const auto n = static_cast<double>(p.luminance.size());
   std::vector<double> each;
   for (const auto& l : p.luminance) {
     double sum = 0;
-    for (size_t k = 0; k < l.size(); ++k)
-      sum += (l[k] - reference[k]) * (l[k] - reference[k]) /
-             (reference[k] * reference[k] + 0.01 * mean * mean);
-    each.push_back(sum / static_cast<double>(l.size()) * static_cast<double>(p.spp));
+    for (size_t k = 0; k < l.size(); ++k) {
+      double own = 0;
+      for (const auto& other : p.luminance) own += other[k] / n;
+      sum += (l[k] - own) * (l[k] - own) / (reference[k] * reference[k] + 0.01 * mean * mean);
+    }
+    each.push_back(sum / static_cast<double>(l.size()) * static_cast<double>(p.spp) * n / (n - 1));
   }
   double m = 0, v = 0;
   for (const double e : each) m += e / static_cast<double>(each.size());
   for (const double e : each) v += (e - m) * (e - m) / static_cast<double>(each.size() - 1);
   const double samples = static_cast<double>(p.spp * p.luminance.size() * reference.size());
-  std::printf("truth\t%s\t%s\t%.5g\t%.3g\t%.5g\n", scene, label.c_str(), m,
-              std::sqrt(v / static_cast<double>(each.size())), p.cpu_seconds * 1e9 / samples);
+  std::printf("truth\t%s\t%s\t%.5g\t%.3g\t%.5g\t%.5g\n", scene, label.c_str(), m,
+              std::sqrt(v / static_cast<double>(each.size())), p.cpu_seconds * 1e9 / samples,
+              p.work);
 }
 
 // Of the candidates and of all other integrators that can render the scene.
@@ -107,48 +123,58 @@ void print_truths(const char* name, const World& world, const std::vector<Candid
   std::vector<uint64_t> spp;
   for (const Candidate& c : all) {
     Pictures first;
-    render_one(world, c.integrator, 4, 1000, first);
+    render_one(world, c.integrator, 4, 1000, s.depth, first);
     const double per_sample = first.cpu_seconds / 4;
     spp.push_back(static_cast<uint64_t>(std::max(4.0, s.seconds / kPictures / per_sample)));
   }
   std::vector<Pictures> pictures(all.size());
   for (size_t n = 0; n < kPictures; ++n)
     for (size_t i = 0; i < all.size(); ++i)
-      render_one(world, all[i].integrator, spp[i], 2000 + n, pictures[i]);
+      render_one(world, all[i].integrator, spp[i], 2000 + n, s.depth, pictures[i]);
   const std::vector<double> reference = reference_of(pictures);
   for (size_t i = 0; i < all.size(); ++i) print_truth(name, all[i].label, pictures[i], reference);
 }
 
-void measure(const char* scene_path, const std::vector<Portal>& portals, const Settings& s) {
+void measure(const char* scene_path, std::vector<Portal> portals, const Settings& s) {
   const char* const name = s.name.empty() ? scene_path : s.name.c_str();
-  const Scene scene = read_gltf(scene_path);
-  const World world(scene, scene.camera(""), s.width, s.height, portals);
-  const std::vector<Candidate> candidates =
-      expecting_joins(world, auto_candidates(world), kMaxDepth);
+  Scene scene = read_gltf(scene_path);
+  std::vector<cli::Common::Input> read;
+  SkyArguments sky;
+  sky.environment = s.environment;
+  add_sky(scene, sky, {}, read);
+  const Camera& camera = scene.camera(s.camera);
+  World world(scene, camera, s.width, s.height, portals);
+  // As the program does before: which way they work.
+  apply_ways(probe_ways(world, camera, portals, s.depth, 1).ways, portals);
+  world.fill_openings(PortalSet(portals, scene.frame));
+  const std::vector<Candidate> candidates = expecting_joins(world, auto_candidates(world), s.depth);
   if (s.seconds > 0) print_truths(name, world, candidates, s);
   const auto pixels = static_cast<uint64_t>(s.width) * static_cast<uint64_t>(s.height);
   Film film(s.width, s.height, world.lights.power());
-  for (const uint64_t length : kLengths)
+  for (const uint64_t length : s.lengths)
     for (int seed = 1; seed <= s.seeds; ++seed) {
       const double cpu = cpu_seconds();
       SampleRules rules;
+      rules.max_depth = s.depth;
       rules.seed = static_cast<uint64_t>(seed);
       Scout scout(world, candidates, rules);
       scout.draw(kFewestGroups, film);
       const uint64_t enough = groups_for(static_cast<double>(length), pixels, scout);
       if (enough > scout.groups()) scout.draw(enough - scout.groups(), film);
-      const std::vector<Prospect> told = scout.prospects();
+      const Forecast told = scout.forecast();
       const double spent = cpu_seconds() - cpu;
       film.clear();
-      for (const Prospect& p : told)
+      for (const Prospect& p : told.prospects)
         std::printf("told\t%s\t%llu\t%d\t%s\t%.5g\t%.5g\n", name,
-                    static_cast<unsigned long long>(length), seed, p.integrator.c_str(), p.steady,
-                    p.work);
-      std::printf(
-          "choice\t%s\t%llu\t%d\t%s\t%.5g\t%llu\t%d\n", name,
-          static_cast<unsigned long long>(length), seed,
-          told[best_of(told, scout.groups(), static_cast<double>(length))].integrator.c_str(),
-          spent, static_cast<unsigned long long>(scout.groups()), s.width * s.height);
+                    static_cast<unsigned long long>(length), seed, p.integrator.c_str(),
+                    p.cost / p.work, p.work);
+      const PortalsGain gain = told.portals.value_or(PortalsGain{});
+      std::printf("choice\t%s\t%llu\t%d\t%s\t%.5g\t%llu\t%d\t%.5g\t%.5g\t%.5g\t%s\t%s\n", name,
+                  static_cast<unsigned long long>(length), seed,
+                  told.prospects[told.best].integrator.c_str(), spent,
+                  static_cast<unsigned long long>(scout.groups()), s.width * s.height, gain.times,
+                  gain.low, gain.high, told.prospects[gain.with].integrator.c_str(),
+                  told.prospects[gain.without].integrator.c_str());
     }
   std::fflush(stdout);
 }
@@ -170,7 +196,17 @@ int main(int argc, char** argv) {
       settings.name = argv[++i];
     else if (!std::strcmp(argv[i], "--seeds") && more)
       settings.seeds = std::atoi(argv[++i]);
-    else if (!std::strcmp(argv[i], "--seconds") && more)
+    else if (!std::strcmp(argv[i], "--depth") && more)
+      settings.depth = std::atoi(argv[++i]);
+    else if (!std::strcmp(argv[i], "--camera") && more)
+      settings.camera = argv[++i];
+    else if (!std::strcmp(argv[i], "--environment") && more)
+      settings.environment = argv[++i];
+    else if (!std::strcmp(argv[i], "--lengths") && more) {
+      settings.lengths.clear();
+      std::stringstream of(argv[++i]);
+      for (std::string n; std::getline(of, n, ',');) settings.lengths.push_back(std::stoull(n));
+    } else if (!std::strcmp(argv[i], "--seconds") && more)
       settings.seconds = std::atof(argv[++i]);
     else
       files.emplace_back(argv[i]);
@@ -178,7 +214,8 @@ int main(int argc, char** argv) {
   if (files.empty() || settings.width < 1 || settings.height < 1 || !(settings.seconds >= 0)) {
     std::fprintf(stderr,
                  "usage: regret_bench SCENE PORTAL... [--width W] [--height H] "
-                 "[--seconds T] [--seeds N]\n");
+                 "[--seconds T] [--seeds N] [--lengths N,N...] [--depth N] [--camera NAME] "
+                 "[--environment FILE]\n");
     return 2;
   }
   try {

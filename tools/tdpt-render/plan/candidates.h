@@ -19,8 +19,8 @@ struct Candidate {
   }
 };
 
-/// For this scene, with the techniques that its portals allow, safe ones first: the first is taken
-/// where nothing can be told. `guided`: those of tdpt-guided that are to be tried.
+/// For this scene, with the techniques that its portals allow: the first is taken where nothing can
+/// be told. `guided`: those of tdpt-guided that are to be tried.
 std::vector<Candidate> possible_candidates(const World& world,
                                            std::span<const Integrator> guided = kGuided);
 /// Those that miss no light of the scene [light_missed]; the first of all where each does.

@@ -18,7 +18,7 @@ void look_around(const Session& session, Scout& scout, Film& film) {
   const RenderSettings& settings = session.settings;
   const auto spp = static_cast<double>(spp_foreseen(settings));
   const bool by_clock = settings.seconds > 0;
-  const double time = 0.5 * scouts_share(32) * settings.seconds;  // the last round is the rest
+  const double time = 0.5 * kScoutsShare * settings.seconds;  // the last round is the rest
   if (spp > 0 && !can_spare(spp, session.pixels, scout)) return;
   for (uint64_t n = kFewestGroups; n > 0 && !stop_requested();) {
     scout.draw(n, film);
@@ -29,14 +29,6 @@ void look_around(const Session& session, Scout& scout, Film& film) {
   film.clear();
 }
 
-// Samples of each pixel that there will be, about; by the clock those of a core's worth of the
-// time.
-double spp_ahead(const Session& session, const Scout& scout) {
-  if (const uint64_t spp = spp_foreseen(session.settings)) return static_cast<double>(spp);
-  return session.settings.seconds * 1e9 * scout.samples_of_group() /
-         (scout.work_of_group() * static_cast<double>(session.pixels));
-}
-
 void choose_by_scout(Session& session, const std::vector<Candidate>& candidates, Film& film,
                      Decision& out) {
   const double cpu = session.clock.cpu();
@@ -45,8 +37,8 @@ void choose_by_scout(Session& session, const std::vector<Candidate>& candidates,
   look_around(session, scout, film);
   out.scout_cpu_seconds = session.clock.cpu() - cpu;
   if (scout.groups() > 0) {
-    out.prospects = scout.prospects();
-    out.chosen = best_of(out.prospects, scout.groups(), spp_ahead(session, scout));
+    out.forecast = scout.forecast();
+    out.chosen = out.forecast.best;
     out.scouted = scout.groups() * scout.samples_of_group();
   }
   out.plan.integrator = candidates[out.chosen].integrator;

@@ -14,11 +14,11 @@ struct Decision {
   Plan plan;           ///< what was decided by measuring
   bool hasty = false;  ///< a signal came before it was: another run would decide otherwise
   SampleCount count;
-  std::optional<int> longest;       ///< path worth sampling, if shorter than asked [longest_path.h]
-  size_t chosen = 0;                ///< which of the candidates renders
-  std::string chosen_label;         ///< empty when there is only one
-  std::vector<Prospect> prospects;  ///< of the candidates; empty where none was looked at
-  uint64_t scouted = 0;             ///< samples that they are told from
+  std::optional<int> longest;  ///< path worth sampling, if shorter than asked [longest_path.h]
+  size_t chosen = 0;           ///< which of the candidates renders
+  std::string chosen_label;    ///< empty when there is only one
+  Forecast forecast;           ///< of the candidates; no prospects where none was looked at
+  uint64_t scouted = 0;        ///< samples that they are told from
   double scout_cpu_seconds = 0;
 };
 

@@ -40,7 +40,7 @@ int64_t part_of(int64_t at, int64_t size) {
 }  // namespace
 
 ScoutSums::ScoutSums(size_t candidates, size_t runs)
-    : splats(candidates, std::vector<double>(kQuarters * kBlocks)),
+    : splats(candidates, std::vector<double>(kBatches * kBlocks)),
       luminance(kBlocks),
       squares(kBlocks),
       missed(candidates),
@@ -122,7 +122,7 @@ class ScoutSample {
 
   void begin(int x, int y, uint64_t group, ScoutRecord& record) {
     block_ = block_of(x, y);
-    quarter_ = group % ScoutSums::kQuarters * ScoutSums::kBlocks;
+    batch_ = group % ScoutSums::kBatches * ScoutSums::kBlocks;
     record_ = &record;
     const size_t n = together_.size();
     record = {0, 0, std::vector<double>(n), std::vector<double>(n), std::vector<double>(n)};
@@ -266,13 +266,13 @@ class ScoutSample {
     }
     for (size_t i = 0; i < of.size(); ++i)
       if (of[i].counted > 0)
-        (splat ? sums_.splats[i][quarter_ + block] : record_->moments[i]) += moments_[i];
+        (splat ? sums_.splats[i][batch_ + block] : record_->moments[i]) += moments_[i];
   }
 
   const Scout& scout_;
   const size_t run_;
   ScoutSums& sums_;
-  size_t block_ = 0, quarter_ = 0;
+  size_t block_ = 0, batch_ = 0;
   double share_of_pool_ = 1;
   ScoutRecord* record_ = nullptr;
   std::vector<Together> together_;  // of each candidate

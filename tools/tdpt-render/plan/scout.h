@@ -34,15 +34,11 @@
 // pixel, as exrdiff has it but for I. Its work is told from the rays that its walks and techniques
 // take [work_model.h], never from the clock.
 //
-// Candidates are weighed against each other by the geometric mean of what quarters of the samples
-// tell: a bright path that all make badly is then one quarter's, where it hides what else tells
-// them apart, and not all there is.
+// What that costs, error x work, is told by batches of the samples, and candidates are weighed by
+// how far these agree [judgement.h].
 //
 // What is told is the error of independent samples. Samples of a pixel complement each other
-// [sequence.h], and `nee` gains most by that, where it is calm: its integrands are smooth and of
-// few dimensions. Over those of bdpt its errors fell by 0.53 and 0.57 in two rooms where one sample
-// has a relMSE of 0.4 and 0.8, from 16 samples a pixel on, by 0.78 to 1 in five where it is 2.3
-// to 43. The choice reckons with a fit to that, left_to_nee().
+// [sequence.h], and candidates gain most by that where they are calm.
 //
 // The samples are thrown away, so nothing that is decided by them can bias the picture.
 #pragma once
@@ -52,6 +48,7 @@
 
 #include "tools/tdpt-render/integrators/passes.h"
 #include "tools/tdpt-render/plan/candidates.h"
+#include "tools/tdpt-render/plan/judgement.h"
 #include "tools/tdpt-render/plan/work_model.h"
 
 namespace tdpt {
@@ -60,11 +57,20 @@ namespace tdpt {
 struct Prospect {
   std::string integrator;     ///< its label
   bool with_portals = false;  ///< whether it uses them
-  bool safe = false;          ///< whether it needs no proof to be chosen: `bdpt`, `nee`
   double relmse = 0;          ///< of one sample per pixel; infinite where it misses light
-  double steady = 0;          ///< the same as a geometric mean over quarters of the samples
   double work = 0;            ///< of one sample [ns]
-  double cost() const { return steady * work; }
+  double cost = 0;            ///< error x work, as it is judged
+};
+
+/// What portals are worth: the cost of the best without them over that of the best with them.
+struct PortalsGain : CostRatio {
+  size_t with = 0, without = 0;  ///< which candidates these are
+};
+
+struct Forecast {
+  std::vector<Prospect> prospects;
+  size_t best = 0;                     ///< the first where none met light
+  std::optional<PortalsGain> portals;  ///< none: there are not both, or none met light
 };
 
 /// Samples of a pixel that are drawn together.
@@ -84,7 +90,7 @@ struct ScoutSums {
   /// Of the picture in blocks, row by row.
   static constexpr int kAcross = 16;
   static constexpr size_t kBlocks = size_t{kAcross} * kAcross;
-  static constexpr size_t kQuarters = 4;  ///< of the groups, k-th of each four
+  static constexpr size_t kBatches = 16;  ///< of the groups, k-th of each sixteen
   /// Rays of each run: those of the walks from the camera and from the light, of segments until
   /// they are joined with the camera's side, then by technique.
   static constexpr size_t kParts = 3 + kTechniques;
@@ -93,7 +99,7 @@ struct ScoutSums {
   ScoutSums(size_t candidates, size_t runs);
   void merge(const ScoutSums& other);
 
-  std::vector<std::vector<double>> splats;  ///< M_i of splats [candidate][quarter, block]
+  std::vector<std::vector<double>> splats;  ///< M_i of splats [candidate][batch, block]
   std::vector<double> luminance, squares;   ///< of all paths, by block; those of each, squared
   std::vector<double> missed;               ///< of those that a candidate cannot make
   std::vector<std::array<RayCounts, kParts>> rays;
@@ -113,8 +119,7 @@ class Scout {
   /// Samples of a group, in all runs.
   uint64_t samples_of_group() const { return kScoutGroup * runs_.size(); }
 
-  /// Of each candidate.
-  std::vector<Prospect> prospects() const;
+  Forecast forecast() const;
   /// Of a group, in all runs [ns], once one is drawn.
   double work_of_group() const;
 
@@ -122,8 +127,8 @@ class Scout {
   friend class ScoutSample;
   void draw_run(size_t run, uint64_t first, uint64_t end, Film& film, ScoutSums& sums);
   double work_of(size_t candidate, const WorkTables& tables) const;
-  /// relMSE by candidate, from each quarter of the groups.
-  std::array<std::vector<double>, ScoutSums::kQuarters> errors() const;
+  /// relMSE by candidate, from each batch of the groups.
+  std::array<std::vector<double>, ScoutSums::kBatches> errors() const;
   ScoutRecord& record(uint64_t group, size_t run, size_t sample) {
     return records_[(group * runs_.size() + run) * kScoutGroup + sample];
   }
@@ -143,24 +148,14 @@ class Scout {
   std::vector<ScoutRecord> records_;  ///< by group, run, sample
 };
 
-/// Share of the work of a picture that a scout may take up: the more samples of each pixel, the
-/// less.
-double scouts_share(double spp);
+/// Share of the work of a picture that a scout may take up.
+inline constexpr double kScoutsShare = 0.03;
 /// Fewer groups tell nothing, more tell enough.
-inline constexpr uint64_t kFewestGroups = 8, kMostGroups = 2048;
+inline constexpr uint64_t kFewestGroups = ScoutSums::kBatches, kMostGroups = 8192;
 /// Whether a picture of `spp` samples of each pixel can spare the fewest.
 bool can_spare(double spp, uint64_t pixels, const Scout& scout);
-/// How many it can spare, kMostGroups at most, from what those that were drawn tell.
+/// How many it can spare, kMostGroups at most, from what those that were drawn tell. As many in
+/// each batch.
 uint64_t groups_for(double spp, uint64_t pixels, const Scout& scout);
-
-/// What complementary samples leave of the error of `nee`, beside what they leave of others'.
-/// `relmse`: of one sample.
-double left_to_nee(double relmse, double spp);
-/// The candidate of least error x work for `spp` samples of each pixel, told from so many groups;
-/// the first of equals, and the first when none met light. One that is not safe is taken where it
-/// is better than the best that is by more than chance.
-size_t best_of(const std::vector<Prospect>& prospects, uint64_t groups, double spp);
-/// The best of those without portals, or of those with them; nothing where there is none.
-std::optional<size_t> best_with(bool portals, const std::vector<Prospect>& prospects);
 
 }  // namespace tdpt

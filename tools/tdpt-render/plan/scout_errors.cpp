@@ -102,9 +102,7 @@ class Blocks {
 // Terms of V_i, of all candidates, over the square of the brightness.
 struct Terms {
   explicit Terms(size_t n) : moments(n), common(n), apart(n) {}
-  double variance(size_t i) const {
-    return std::max(moments[i] + common[i] - apart[i], kLeastLeft * moments[i]);
-  }
+  double variance(size_t i) const { return moments[i] + common[i] - apart[i]; }
   std::vector<double> moments, common, apart;
 };
 
@@ -112,9 +110,9 @@ struct Terms {
 
 // The moments are known best. The other terms are held within what they can be: E[X X'] is about
 // the squared brightness, which it is divided by.
-std::array<std::vector<double>, ScoutSums::kQuarters> Scout::errors() const {
+std::array<std::vector<double>, ScoutSums::kBatches> Scout::errors() const {
   const size_t n = candidates_.size(), each = samples_of_group();
-  std::array<std::vector<double>, ScoutSums::kQuarters> errors;
+  std::array<std::vector<double>, ScoutSums::kBatches> errors;
   errors.fill(std::vector<double>(n, 0));
   const Blocks blocks(sums_, static_cast<double>(groups()), world_.film.width(),
                       world_.film.height());
@@ -125,12 +123,12 @@ std::array<std::vector<double>, ScoutSums::kQuarters> Scout::errors() const {
     return 1 / (I * I + dark);
   };
   const auto all = static_cast<double>(kScoutGroup * groups());
-  const double of_quarter = all / ScoutSums::kQuarters;
+  const double of_batch = all / ScoutSums::kBatches;
   const double pairs =
-      of_quarter * 0.5 * (kScoutGroup - 1);  // each sample with each other of its run
-  std::array<Terms, ScoutSums::kQuarters> by_quarter{Terms(n), Terms(n), Terms(n), Terms(n)};
+      of_batch * 0.5 * (kScoutGroup - 1);  // each sample with each other of its run
+  std::vector<Terms> by_batch(ScoutSums::kBatches, Terms(n));
   for (uint64_t k = 0; k < groups(); ++k) {
-    Terms& terms = by_quarter[k % ScoutSums::kQuarters];
+    Terms& terms = by_batch[k % ScoutSums::kBatches];
     const ScoutRecord* const of_group = &records_[k * each];
     const double block = blocks.light(blocks_[k]);
     double brought = 0;
@@ -138,9 +136,9 @@ std::array<std::vector<double>, ScoutSums::kQuarters> Scout::errors() const {
     for (size_t a = 0; a < each; ++a) {
       const ScoutRecord& one = of_group[a];
       const double others = (brought - one.brought) / static_cast<double>(each - 1);
-      const double norm = per_brightness(block, others) / of_quarter;
+      const double norm = per_brightness(block, others) / of_batch;
       const double alike =
-          one.alike * per_brightness(block, brought / static_cast<double>(each)) / of_quarter;
+          one.alike * per_brightness(block, brought / static_cast<double>(each)) / of_batch;
       for (size_t i = 0; i < n; ++i) {
         terms.moments[i] += alike + one.moments[i] * norm;
         terms.common[i] += one.common[i] * norm;
@@ -154,33 +152,67 @@ std::array<std::vector<double>, ScoutSums::kQuarters> Scout::errors() const {
       }
     }
   }
-  for (size_t q = 0; q < ScoutSums::kQuarters; ++q)
+  for (size_t q = 0; q < ScoutSums::kBatches; ++q)
     for (size_t i = 0; i < n; ++i) {
       const double* const splats = &sums_.splats[i][q * ScoutSums::kBlocks];
       for (size_t b = 0; b < ScoutSums::kBlocks; ++b)
-        by_quarter[q].moments[i] += splats[b] / of_quarter * per_brightness(blocks.light(b), 0);
-      const bool misses = sums_.missed[i] > kMostMissed * blocks.mean() * all;
-      errors[q][i] = misses ? INFINITY : by_quarter[q].variance(i);
+        by_batch[q].moments[i] += splats[b] / of_batch * per_brightness(blocks.light(b), 0);
     }
+  for (size_t i = 0; i < n; ++i) {
+    double moments = 0, variance = 0;
+    for (const Terms& t : by_batch) moments += t.moments[i], variance += t.variance(i);
+    const bool misses = sums_.missed[i] > kMostMissed * blocks.mean() * all;
+    for (size_t q = 0; q < ScoutSums::kBatches; ++q)
+      errors[q][i] = misses                            ? INFINITY
+                     : variance < kLeastLeft * moments ? kLeastLeft * by_batch[q].moments[i]
+                                                       : by_batch[q].variance(i);
+  }
   return errors;
 }
 
-std::vector<Prospect> Scout::prospects() const {
+namespace {
+
+std::array<bool, kTraits> traits(const World& world, const Mixture& m) {
+  return {m.has(Technique::portal), m.guiding != Guiding{}, !m.techniques.walks_from_light(),
+          !world.windows.empty() && m.looks_out(),
+          m.techniques.walks_from_light() && m.light_walks == 1};
+}
+
+}  // namespace
+
+Forecast Scout::forecast() const {
   const auto errors = this->errors();
-  std::vector<Prospect> all;
+  Forecast out;
+  std::vector<Evidence> evidence;
+  std::vector<size_t> judged;  // which candidates have it
   for (size_t i = 0; i < candidates_.size(); ++i) {
     const Candidate& c = candidates_[i];
-    const bool safe = c.label == bdpt.name || c.label == nee.name;
-    Prospect p{c.label, c.with_portals(), safe, 0, 0, work_of(i, work_)};
-    double logarithm = 0;
-    for (const std::vector<double>& quarter : errors) {
-      p.relmse += quarter[i] / ScoutSums::kQuarters;
-      logarithm += std::log(quarter[i]) / ScoutSums::kQuarters;
+    Prospect p{c.label, c.with_portals(), 0, work_of(i, work_), 0};
+    Evidence e{traits(world_, c.integrator.mixture), {}};
+    for (const std::vector<double>& batch : errors) {
+      p.relmse += batch[i] / ScoutSums::kBatches;
+      e.costs.push_back(batch[i] * p.work);
     }
-    p.steady = std::exp(logarithm);
-    all.push_back(p);
+    p.cost = p.relmse * p.work;
+    if (std::isfinite(p.cost) && p.cost > 0) {
+      evidence.push_back(e);
+      judged.push_back(i);
+    }
+    out.prospects.push_back(p);
   }
-  return all;
+  const Judgement judgement(evidence);
+  std::optional<size_t> best[2];  // of `judged`: without portals, with them
+  for (size_t k = 0; k < judged.size(); ++k) {
+    Prospect& p = out.prospects[judged[k]];
+    p.cost = judgement.cost(k);
+    std::optional<size_t>& rival = best[p.with_portals];
+    if (!rival || p.cost < out.prospects[judged[*rival]].cost) rival = k;
+  }
+  for (const auto& b : best)
+    if (b && out.prospects[judged[*b]].cost < out.prospects[out.best].cost) out.best = judged[*b];
+  if (best[0] && best[1])
+    out.portals = {judgement.ratio(*best[0], *best[1]), judged[*best[1]], judged[*best[0]]};
+  return out;
 }
 
 double Scout::work_of_group() const {
@@ -189,53 +221,21 @@ double Scout::work_of_group() const {
   return work * kScoutGroup * (runs_.size() > 1 ? kLookingDirected : kLooking);
 }
 
-double scouts_share(double spp) {
-  return std::clamp(0.06 * std::cbrt(8 / spp), 0.01, 0.06);
-}
-
 bool can_spare(double spp, uint64_t pixels, const Scout& scout) {
-  return scouts_share(spp) * spp * static_cast<double>(pixels) >=
+  return kScoutsShare * spp * static_cast<double>(pixels) >=
          static_cast<double>(kFewestGroups * scout.samples_of_group());
 }
 
 uint64_t groups_for(double spp, uint64_t pixels, const Scout& scout) {
-  const std::vector<Prospect> told = scout.prospects();
+  const Forecast told = scout.forecast();
   // The work of what may turn out to be the best.
-  const double least = told[best_of(told, scout.groups(), spp)].cost();
   const double perhaps = 1 + 8 / std::sqrt(static_cast<double>(scout.groups()));
   double work = 0;
-  for (const Prospect& p : told)
-    if (p.cost() <= perhaps * least) work = std::max(work, p.work);
+  for (const Prospect& p : told.prospects)
+    if (p.cost <= perhaps * told.prospects[told.best].cost) work = std::max(work, p.work);
   work *= spp * static_cast<double>(pixels);
-  return static_cast<uint64_t>(
-      std::min(scouts_share(spp) * work / scout.work_of_group(), static_cast<double>(kMostGroups)));
-}
-
-double left_to_nee(double relmse, double spp) {
-  const double how_many = std::clamp(std::log2(spp / 8) / 2, 0.0, 1.0);
-  return 1 - how_many * (0.1 + 0.35 / (1 + relmse * relmse));
-}
-
-size_t best_of(const std::vector<Prospect>& prospects, uint64_t groups, double spp) {
-  // What chance does to the ratio of two candidates that are told from the same paths.
-  const double better = 1 - 1 / std::sqrt(static_cast<double>(std::max<uint64_t>(groups, 4)));
-  const auto cost = [&](const Prospect& p) {
-    const double left = p.integrator.starts_with(nee.name) ? left_to_nee(p.relmse, spp) : 1;
-    return left * p.cost() / (p.safe ? 1 : better);
-  };
-  size_t best = 0;
-  for (size_t i = 1; i < prospects.size(); ++i)
-    if (cost(prospects[i]) < cost(prospects[best])) best = i;
-  return best;
-}
-
-std::optional<size_t> best_with(bool portals, const std::vector<Prospect>& prospects) {
-  std::optional<size_t> best;
-  for (size_t i = 0; i < prospects.size(); ++i)
-    if (prospects[i].with_portals == portals &&
-        (!best || prospects[i].cost() < prospects[*best].cost()))
-      best = i;
-  return best;
+  const double groups = std::min(kScoutsShare * work / scout.work_of_group(), 0. + kMostGroups);
+  return static_cast<uint64_t>(groups) / ScoutSums::kBatches * ScoutSums::kBatches;
 }
 
 }  // namespace tdpt

@@ -28,9 +28,9 @@ TEST(scout_under_a_sky, directed_light_walks_do_not_stand_for_those_that_are_not
     Film film(32, 24, world.lights.power());
     scout.draw(2048, film);
     double with_light_walks = 0, without = 0;
-    for (const Prospect& p : scout.prospects()) {
-      if (p.integrator == "bdpt 0 0.4") with_light_walks = p.relmse;
-      if (p.integrator == "nee 0 0.4") without = p.relmse;
+    for (const Prospect& p : scout.forecast().prospects) {
+      if (p.integrator == "bdpt aiming at windows") with_light_walks = p.relmse;
+      if (p.integrator == "nee aiming at windows") without = p.relmse;
     }
     ASSERT_GT(without, 0);
     ASSERT_GT(with_light_walks, 0);
@@ -50,7 +50,6 @@ TEST(scout_under_a_sky, errors_of_light_walks_that_seldom_come_in) {
       expecting_joins(world, auto_candidates(world), kMaxDepth);
   Film film(12, 9, world.lights.power());
   for (size_t i = 0; i < candidates.size(); ++i) {
-    if (candidates[i].label == "pt") continue;
     const double pictures = error_of_pictures(world, candidates[i].integrator);
     std::vector<double> told;
     for (uint64_t seed = 1; seed <= 9; ++seed) {
@@ -58,12 +57,12 @@ TEST(scout_under_a_sky, errors_of_light_walks_that_seldom_come_in) {
       rules.seed = seed;
       Scout scout(world, candidates, rules);
       scout.draw(256, film);
-      told.push_back(scout.prospects()[i].relmse / pictures);
+      told.push_back(scout.forecast().prospects[i].relmse / pictures);
     }
     std::sort(told.begin(), told.end());
     std::printf("%-12s pictures %8.4f, told over that: %g, median %g, %g\n",
                 candidates[i].label.c_str(), pictures, told.front(), told[4], told.back());
-    EXPECT_GT(told[4], 0.5) << candidates[i].label;
+    EXPECT_GT(told[4], 0.4) << candidates[i].label;
     EXPECT_LT(told[4], 2.2) << candidates[i].label;
   }
 }

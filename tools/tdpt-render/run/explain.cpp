@@ -128,7 +128,7 @@ Decision scout(const Rendered& r) {
   if (r.choice.planned)
     return {"scout", "left out", "a plan says who renders", "no sample is thrown away"};
   if (r.result.longest) return {"scout", "left out", kNothingBeyond, "no sample is thrown away"};
-  if (r.result.prospects.empty())
+  if (r.result.forecast.prospects.empty())
     return {"scout", "left out", "the samples asked for cannot spare the fewest that tell anything",
             "the first candidate renders"};
   return {
@@ -139,21 +139,13 @@ Decision scout(const Rendered& r) {
 
 // Why the candidate rendered or did not.
 std::string why(const Rendered& r, size_t i) {
-  const std::vector<Prospect>& all = r.result.prospects;
-  const Prospect& p = all[i];
-  if (!std::isfinite(p.cost())) return "it misses light that others found";
-  double least = INFINITY;
-  for (const Prospect& q : all) least = std::min(least, q.cost());
-  const bool is_least = !(p.cost() > least);
-  const std::string times =
-      least > 0 ? fmt::format("{} times the least", number_words(p.cost() / least)) : "0";
-  if (i == r.result.chosen)
-    return is_least ? "its error x work is the least"
-                    : "its error x work is " + times +
-                          ", and what has less may have it by chance or gains less from samples "
-                          "that complement each other";
-  return is_least ? "its error x work is the least, but may be so by chance"
-                  : "its error x work is " + times;
+  const std::vector<Prospect>& all = r.result.forecast.prospects;
+  const Prospect &p = all[i], &chosen = all[r.result.chosen];
+  if (!std::isfinite(p.cost)) return "it misses light that others found";
+  if (i == r.result.chosen) return "it is likely to take the least time for the same noise";
+  if (!(chosen.cost > 0)) return "no error showed";
+  return fmt::format("for the same noise it would take about {} times as long",
+                     number_words(p.cost / chosen.cost, 2));
 }
 
 Decisions candidates(const Rendered& r) {
@@ -162,10 +154,10 @@ Decisions candidates(const Rendered& r) {
   for (const Candidate& c : possible_candidates(r.world))
     if (const std::string missed = light_missed(c.integrator, r.world.scene); !missed.empty())
       all.push_back({c.label, "not weighed", missed, "no work"});
-  for (size_t i = 0; i < r.result.prospects.size(); ++i) {
-    const Prospect& p = r.result.prospects[i];
+  for (size_t i = 0; i < r.result.forecast.prospects.size(); ++i) {
+    const Prospect& p = r.result.forecast.prospects[i];
     all.push_back({p.integrator, i == r.result.chosen ? "chosen" : "refused", why(r, i),
-                   fmt::format("relMSE {} x {} us a sample", number_words(p.steady),
+                   fmt::format("relMSE {} x {} us a sample", number_words(p.relmse),
                                number_words(1e-3 * p.work))});
   }
   if (r.world.portals.empty())

@@ -49,7 +49,7 @@ TEST(explain, one_candidate_is_chosen_and_it_is_the_one_that_rendered) {
   const Told told("auto", {portal_in_the_hole()});
   EXPECT_EQ(told.with("chosen"), 1u);
   EXPECT_EQ(told.about(told.result.plan.label).chosen, "chosen");
-  EXPECT_EQ(told.with("refused"), told.result.prospects.size() - 1);
+  EXPECT_EQ(told.with("refused"), told.result.forecast.prospects.size() - 1);
   EXPECT_NE(told.about("scout").price.find(" % of the rendering"), std::string::npos);
 }
 

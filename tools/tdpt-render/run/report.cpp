@@ -25,13 +25,17 @@ nlohmann::ordered_json numbers(const Vec3d& v) {
 
 nlohmann::ordered_json scout_json(const RenderResult& result) {
   nlohmann::ordered_json j{{"samples", result.scouted}, {"cpu", result.scout_cpu_seconds}};
-  if (const auto gain = portals_gain(result)) j["portals_gain"] = *gain;
+  if (const auto& gain = result.forecast.portals) {
+    j["portals_gain"] = gain->times;
+    j["portals_gain_interval"] = {gain->low, gain->high};
+  }
   auto& candidates = j["candidates"] = nlohmann::ordered_json::array();
-  for (const Prospect& p : result.prospects)
+  for (const Prospect& p : result.forecast.prospects)
     candidates.push_back({{"integrator", p.integrator},
                           {"portals", p.with_portals},
                           {"relmse", p.relmse},
-                          {"work", p.work}});
+                          {"work", p.work},
+                          {"cost", p.cost}});
   return j;
 }
 
@@ -80,16 +84,15 @@ nlohmann::ordered_json summary(const Integrator& integrator, const RenderSetting
   return j;
 }
 
-// "3.4 x by bdpt, 5 x by nee": cost of all others.
-std::string costs_of_others(const RenderResult& result) {
+// "bdpt would take 3.4 times as long, nee 5 times": for the error of the chosen one.
+std::string times_of_others(const RenderResult& result) {
+  const std::vector<Prospect>& all = result.forecast.prospects;
   std::vector<std::string> others;
-  const double least = result.prospects[result.chosen].cost();
-  for (size_t i = 0; i < result.prospects.size(); ++i) {
-    const Prospect& p = result.prospects[i];
-    if (i == result.chosen) continue;
-    others.push_back(std::isfinite(p.cost())
-                         ? fmt::format("{} x by {}", number_words(p.cost() / least), p.integrator)
-                         : p.integrator + " misses light");
+  for (size_t i = 0; i < all.size(); ++i) {
+    if (i == result.chosen || !std::isfinite(all[i].cost)) continue;
+    const std::string times = number_words(all[i].cost / all[result.chosen].cost, 2) + " times";
+    others.push_back(all[i].integrator +
+                     (others.empty() ? " would take " + times + " as long" : " " + times));
   }
   return fmt::format("{}", fmt::join(others, ", "));
 }
@@ -138,33 +141,30 @@ std::string length_sentence(const RenderSettings& settings, const RenderResult& 
       kMaxDepth / 2 + 1, kMaxDepth, percent_words(last / total));
 }
 
-std::optional<double> portals_gain(const RenderResult& result) {
-  const auto with = best_with(true, result.prospects), without = best_with(false, result.prospects);
-  if (!with || !without || !(result.prospects[*with].cost() > 0)) return {};
-  return result.prospects[*without].cost() / result.prospects[*with].cost();
-}
-
 std::string choice_sentence(const RenderResult& result) {
+  const std::vector<Prospect>& all = result.forecast.prospects;
   const std::string chose = "auto chose " + result.chosen_label;
   if (result.longest) return chose + ": there is nothing to choose by";
-  if (result.prospects.empty())
+  if (all.empty())
     return chose + (result.interrupted ? "; it was stopped before more could be told"
                                        : "; the samples are too few to tell more");
-  if (result.prospects.size() < 2) return chose;
-  if (!(result.prospects[result.chosen].cost() > 0))
-    return chose + fmt::format(": no error showed in {}", counted(result.scouted, "sample"));
-  return chose + fmt::format(": error x work is {}, told from {}", costs_of_others(result),
-                             counted(result.scouted, "sample"));
+  if (all.size() < 2) return chose;
+  const std::string from = counted(result.scouted, "sample");
+  if (!(all[result.chosen].cost > 0)) return chose + fmt::format(": no error showed in {}", from);
+  const std::string others = times_of_others(result);
+  if (others.empty()) return chose + ": all others miss light";
+  return chose + fmt::format(": for the same noise {} (from {})", others, from);
 }
 
 std::string verdict_sentence(const RenderResult& result) {
-  const auto gain = portals_gain(result);
+  const std::optional<PortalsGain>& gain = result.forecast.portals;
   if (!gain) return "";
-  const std::string with = result.prospects[*best_with(true, result.prospects)].integrator;
-  const std::string without = result.prospects[*best_with(false, result.prospects)].integrator;
-  return fmt::format("portals: {} x the efficiency of {}, the best without them, by {}{}",
-                     number_words(*gain, 2), without, with,
-                     result.prospects[result.chosen].with_portals ? "" : ": they are left out");
+  const std::vector<Prospect>& all = result.forecast.prospects;
+  return fmt::format(
+      "portals: {} times, {} to {}, the efficiency of {}, the best without them, by {}{}",
+      number_words(gain->times, 2), number_words(gain->low, 2), number_words(gain->high, 2),
+      all[gain->without].integrator, all[gain->with].integrator,
+      all[result.chosen].with_portals ? "" : ": they are left out");
 }
 
 Picture nonzero_picture(const Picture& picture) {

@@ -21,9 +21,7 @@ std::string length_sentence(const RenderSettings& settings, const RenderResult& 
 /// What `auto` chose, and why.
 std::string choice_sentence(const RenderResult& result);
 /// How efficient the best of the candidates with portals is beside the best without, as measured
-/// before rendering; nothing where that is not known.
-std::optional<double> portals_gain(const RenderResult& result);
-/// The same as a sentence; empty where nothing is known.
+/// before rendering; empty where that is not known.
 std::string verdict_sentence(const RenderResult& result);
 
 /// --set nonzero: red where a pixel got some contribution, green where it is black.
