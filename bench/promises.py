@@ -48,6 +48,7 @@ class Regret:
         self.truth = {}  # integrator: (V, its standard error, T [ns])
         self.choices = defaultdict(list)  # length: [(integrator, scout's CPU s)]
         self.told = defaultdict(dict)  # (length, seed): {integrator: cost}
+        self.intervals = defaultdict(list)  # length: [(least, most)] of the gain by portals, told to hold it in 90 %
         self.pixels = 0
 
     def cost(self, integrator):
@@ -82,6 +83,8 @@ def read_regret(lines):
         elif kind == "choice":
             scene.choices[int(field[0])].append((field[2], float(field[3])))
             scene.pixels = int(field[5])
+            if len(field) > 8 and float(field[7]) < float(field[8]):
+                scene.intervals[int(field[0])].append((float(field[7]), float(field[8])))
     return {name: s for name, s in scenes.items() if s.truth and s.choices}
 
 
@@ -120,7 +123,7 @@ def length_table(scenes, lengths):
 
 def verdict_table(scenes):
     lengths = sorted({length for s in scenes.values() for length, _ in s.told})
-    rows, within = [], {n: [] for n in lengths}
+    rows, within, held = [], {n: [] for n in lengths}, {n: [] for n in lengths}
     for name, s in scenes.items():
         true = portals_gain({i: s.cost(i) for i in s.truth})
         if true is None:
@@ -129,10 +132,12 @@ def verdict_table(scenes):
         for n in lengths:
             told = sorted(filter(None, (portals_gain(cost) for (length, _), cost in s.told.items() if length == n)))
             within[n] += [0.5 <= g / true <= 2 for g in told]
+            held[n] += [low <= true <= high for low, high in s.intervals[n]]
             rows[-1].append(f"{told[len(told) // 2]:.2g} ({told[0]:.2g} to {told[-1]:.2g})" if told else "-")
-    shares = [f"{100 * mean(of):.0f} %" if of else "-" for of in within.values()]
+    shares = lambda shares: [f"{100 * mean(of):.0f} %" if of else "-" for of in shares.values()]
     return pages.table(("scene", "gain by portals", *(f"told at {n} spp" for n in lengths)),
-                       [*rows, ["**within a factor of two**", "", *shares]])
+                       [*rows, ["**within a factor of two**", "", *shares(within)],
+                        ["**within the interval that was told**", "", *shares(held)]])
 
 
 def regret_tables(scenes):

@@ -309,8 +309,8 @@ truth\troom\ttdpt-guided 0.5 0.4 1\t1.25\t0.1\t200
 told\troom\t8\t1\tbdpt\t9\t100
 told\troom\t8\t1\tnee\t40\t50
 told\troom\t8\t1\ttdpt-guided 0.5 0.4 1\t1.5\t200
-choice\troom\t8\t1\ttdpt-guided 0.5 0.4 1\t0.0004\t10\t1000
-choice\troom\t8\t2\tnee\t0.0004\t10\t1000""".splitlines()
+choice\troom\t8\t1\ttdpt-guided 0.5 0.4 1\t0.0004\t10\t1000\t3\t2\t5\ttdpt-guided 0.5 0.4 1\tbdpt
+choice\troom\t8\t2\tnee\t0.0004\t10\t1000\t3\t2\t3.5\ttdpt-guided 0.5 0.4 1\tbdpt""".splitlines()
 
 
 class Regret(unittest.TestCase):
@@ -324,7 +324,8 @@ class Regret(unittest.TestCase):
         self.assertIsNone(promises.portals_gain({"bdpt": 1, "tdpt": 0.1}))
         text = promises.regret_tables({"room": scene})
         for row in ("| room | tdpt-guided 0.5 0.4 1 | 4.00 | 0.431 | tdpt-guided 0.5 0.4 1 |",
-                    "| room | 4.00 | 3 (3 to 3) |", "| **within a factor of two** |  | 100 % |"):
+                    "| room | 4.00 | 3 (3 to 3) |", "| **within a factor of two** |  | 100 % |",
+                    "| **within the interval that was told** |  | 50 % |"):
             self.assertIn(row, text)
 
 
