@@ -10,8 +10,8 @@ SHARED_BEGIN
 const uint kCandidates = 8u;
 const float kPerCandidate = 1.25e-1f;
 /// Of z_{t-1}: fewer where a walk is long, since most of what the picture shows has been told
-/// before. Measured without limit: 1 for all costs 10 to 15 % of the efficiency, 2 for all 5 to 15 %
-/// with directed walks.
+/// before. Measured without limit: 1 for all costs 10 to 15 % of the efficiency, 2 for all 5 to 15
+/// % with directed walks.
 SHARED uint connections_of(uint t) {
   return t <= 3u ? 2u : 1u;
 }

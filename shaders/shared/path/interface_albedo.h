@@ -1,7 +1,7 @@
 // How much a reflecting interface takes away from what lies under it: directional albedo of the
 // specular lobe with Schlick's F = f0 + (f90 - f0)(1 - c)^5,
 //   E(mu) = f0 A(mu, alpha) + f90 B(mu, alpha),   E_avg = 2 int E(mu) mu dmu.
-// A and B are those of a table [tools/tdpt-render/path/bsdf/interface_table.cpp], linear between
+// A and B are those of a table [tools/tdpt-render/path/bsdf/surface_curves.cpp], linear between
 // nodes in mu^(1/4) and alpha^(1/4), within 0.002 where mu > 0.05; its averages are those of the
 // linear interpolant, so that int (1 - E) mu dmu is exact. alpha = 0 is Schlick's curve itself.
 //

@@ -6,7 +6,7 @@
 // D V sends more than it receives at grazing angles and small roughness. There it is scaled:
 //   f(v, w) = D V min(N(v), N(w)),  N = min(1, 1/E0),  E0 the directional albedo of D V,
 // which changes nothing where E0 <= 1: at any angle for roughness of at least 0.25. E0 and the
-// albedo of f are tables [tools/tdpt-render/path/bsdf/sheen_table.cpp], linear between nodes in
+// albedo of f are tables [tools/tdpt-render/path/bsdf/surface_curves.cpp], linear between nodes in
 // mu^(1/3) and roughness.
 //
 // Read within a scope that has load_sheen_curve(); elementary.h and surface_layout.h come before.

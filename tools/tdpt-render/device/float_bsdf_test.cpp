@@ -62,7 +62,7 @@ bool draw_ways(const Point& p, Rng& rng, bool turned, Ways& out) {
   const double v = rng.uniform();
   const double choice = rng.uniform();
   Turn t;
-  if (!turn(p, From::camera, incidence(p, Vec3d(out.back)), {u, v, choice}, t) || t.dirac)
+  if (!turn(p, From::camera, Incidence(p, Vec3d(out.back)), {u, v, choice}, t) || t.dirac)
     return false;
   out.to = Vec3f(t.w);
   return true;
@@ -84,7 +84,7 @@ std::vector<double> errors(float alpha, bool bent, float faulty_alpha) {
       if (std::min(std::abs(dot(p.shading, back)), std::abs(dot(p.shading, to))) < 1e-4) continue;
       const Pair f = pair(any_surface().bsdf_at(q, w.to, w.back), bsdf_at(p, to, back));
       const Pair pdf{any_surface().scatter_pdf_w(q, w.back, w.to, false),
-                     scatter_pdf_w(p, incidence(p, back), to, false)};
+                     scatter_pdf_w(p, Incidence(p, back), to, false)};
       found.push_back(f.error());
       found.push_back(pdf.error());
     }
@@ -125,11 +125,11 @@ TEST(float_bsdf, albedo_and_odds_are_those_of_doubles) {
         const Vec3f back(uniform_direction(rng));
         if (std::abs(back.z) < 1e-4f) continue;
         const double albedo =
-            std::clamp<double>(max_component(albedo_of(p, incidence(p, Vec3d(back)))), 0.05, 1);
+            std::clamp<double>(max_component(albedo_of(p, Incidence(p, Vec3d(back)))), 0.05, 1);
         shader::Point met = q;
         met.triangle = 0;
         EXPECT_NEAR(any_surface().albedo_at(met, back), albedo, 5e-6) << k.name << back.z;
-        const Odds exact = odds_at(p, incidence(p, Vec3d(back)));
+        const Odds exact = odds_at(p, Incidence(p, Vec3d(back)));
         const shader::Odds<float> mine = any_surface().odds_at(q, back);
         EXPECT_NEAR(mine.dirac, exact.dirac, 5e-6) << k.name << " " << alpha << " " << back.z;
         EXPECT_NEAR(mine.broad, exact.broad, 5e-6) << k.name << " " << alpha << " " << back.z;

@@ -88,7 +88,7 @@ class Points {
   /// What the twin is told of a point that is not simple, as it is seen along `back`.
   static void look_at(const vec3& back, Both& p) {
     if (p.mine.simple) return;
-    const Incidence in = incidence(p.theirs, Vec3d(back));
+    const Incidence in(p.theirs, Vec3d(back));
     const Odds odds = odds_at(p.theirs, in);
     const auto cos = static_cast<float>(std::abs(dot(p.mine.normal, back)));
     p.mine.bsdf.coat.strength = static_cast<float>(odds.dirac);
@@ -191,7 +191,7 @@ struct Trial {
       mine = twin.guide_leave(at.mine, aims, u, v, pick, whether, origin, w, triangle);
     } else {
       const From way = from == FROM_LIGHT ? From::light : From::camera;
-      const Incidence in = incidence(at.theirs, Vec3d(back));
+      const Incidence in(at.theirs, Vec3d(back));
       directed = guide.active() && guide.draw(at.theirs, &in, way, numbers, their_w, theirs);
       mine = twin.guide_draw(at.mine, aims, back, from, u, v, pick, whether, w, triangle);
     }
@@ -218,7 +218,7 @@ struct Trial {
     const shader::Crossing my_c = from == FROM_LIGHT
                                       ? twin.edge_crossing(at.mine, to.mine, my_drawn)
                                       : twin.edge_crossing(to.mine, at.mine, my_drawn);
-    const Incidence in = incidence(at.theirs, Vec3d(back));
+    const Incidence in(at.theirs, Vec3d(back));
     const bool begins = back == vec3();
     const double p = guide.pdf_A(way, at.theirs, begins ? nullptr : &in, e, to.theirs, 0.25, c);
     const float per_area = shader::to_area(1.0f, my_e, to.mine);

@@ -21,7 +21,7 @@ struct Seen {
 
 Vec3d albedo_at(const Point& p, const Vec3d& back) {
   if (p.simple) return Vec3d(p.color);
-  return Vec3d(min(albedo_of(p, incidence(p, back)), Rgb(1.0f)));
+  return Vec3d(min(albedo_of(p, Incidence(p, back)), Rgb(1.0f)));
 }
 
 void look(const World& world, double x, double y, Seen& seen) {

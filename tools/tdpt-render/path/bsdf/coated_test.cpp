@@ -125,7 +125,7 @@ double p_of_turns(const Point& p, const Point& judged, const Vec3d& back, uint64
   const SphereBins bins(16, 16);
   return chi_square_of_samples(
              40000, bins.integrate([&](const Vec3d& w) {
-               return scatter_pdf_w(judged, incidence(judged, back), w, false);
+               return scatter_pdf_w(judged, Incidence(judged, back), w, false);
              }),
              [&](uint64_t i) {
                Rng rng(32, stream, i);
@@ -133,7 +133,7 @@ double p_of_turns(const Point& p, const Point& judged, const Vec3d& back, uint64
                const double v = rng.uniform();
                const double choice = rng.uniform();
                Turn turn;
-               if (!tdpt::turn(p, From::camera, incidence(p, back), {u, v, choice}, turn) ||
+               if (!tdpt::turn(p, From::camera, Incidence(p, back), {u, v, choice}, turn) ||
                    turn.dirac)
                  return bins.size();
                return bins.bin(turn.w);
@@ -179,10 +179,10 @@ TEST(coated, walks_of_either_kind_carry_the_bsdf) {
       const double choice = rng.uniform();
       for (const From from : {From::light, From::camera}) {
         Turn turn;
-        if (!tdpt::turn(p, from, incidence(p, back), {u, v, choice}, turn) || turn.dirac) continue;
+        if (!tdpt::turn(p, from, Incidence(p, back), {u, v, choice}, turn) || turn.dirac) continue;
         const Rgb f =
             from == From::camera ? layered_bsdf(p, turn.w, back) : layered_bsdf(p, back, turn.w);
-        const double pdf_w = scatter_pdf_w(p, incidence(p, back), turn.w, false);
+        const double pdf_w = scatter_pdf_w(p, Incidence(p, back), turn.w, false);
         ASSERT_GT(pdf_w, 0) << k.name;
         const double expected = f.y * std::abs(dot(p.normal, turn.w)) / pdf_w;
         EXPECT_NEAR(turn.weight.y, expected, 1e-5 * expected) << k.name;
@@ -228,14 +228,14 @@ TEST(coated, is_seen_from_where_what_lies_under_it_is_not) {
   const Vec3d low = direction(0.2, std::numbers::pi), up(0, 0, 1);
   ASSERT_LT(dot(low, p.shading), 0);
   EXPECT_NEAR(layered_bsdf(p, low, up).y, surfaces().coat_f({1, 0.3f, {0, 0, 1}}, low, up), 1e-5);
-  EXPECT_GT(scatter_pdf_w(p, incidence(p, low), up, false), 0);
-  EXPECT_GT(albedo_of(p, incidence(p, low)).y, 0.1);
+  EXPECT_GT(scatter_pdf_w(p, Incidence(p, low), up, false), 0);
+  EXPECT_GT(albedo_of(p, Incidence(p, low)).y, 0.1);
   // What the coat mirrors there has not gone into the glass.
   p.bsdf = coated_by(0, glass(0));
   p.bsdf.coat.normal = Vec3f(Onb<double>(p.shading).to_local({0, 0, 1}));
   const Vec3d mirrored(-low.x, -low.y, low.z);
   const double chance = Dirac(p, mirrored, low).probability;
-  EXPECT_NEAR(scatter_pdf_w(p, incidence(p, mirrored), low, true), chance * low.z, 1e-6);
+  EXPECT_NEAR(scatter_pdf_w(p, Incidence(p, mirrored), low, true), chance * low.z, 1e-6);
 }
 
 TEST(coated, darkens_what_shines_under_it) {

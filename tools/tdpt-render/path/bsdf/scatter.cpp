@@ -12,8 +12,13 @@ double emission_under_coat(const Point& p, Vec3d w) {
   return surfaces().emission_under_coat(p, w);
 }
 
-[[gnu::flatten]] Incidence layered_incidence(const Point& p, const Vec3d& back) {
-  return {back, surfaces().standing_at(p, back)};
+[[gnu::flatten]] void Incidence::see_layers(const Point& p) {
+  struct Made {  // where it is to be
+    operator shader::Surfaces::Standing() const { return surfaces().standing_at(p, back); }
+    const Point& p;
+    const Vec3d& back;
+  };
+  layers.emplace(Made{p, back});
 }
 
 namespace {

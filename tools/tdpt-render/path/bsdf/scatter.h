@@ -10,13 +10,20 @@ namespace tdpt {
 /// A point as it is seen along one direction, where a walk came from or might: what all that it
 /// then does has in common.
 struct Incidence {
+  Incidence() = default;
+  Incidence(const Point& p, const Vec3d& from) { become(p, from); }
+  /// In place: what the layers are told is large, and a simple point has none.
+  void become(const Point& p, const Vec3d& from) {
+    back = from;
+    if (!p.simple) see_layers(p);
+  }
+
   Vec3d back;                                        ///< unit, away from the surface
   std::optional<shader::Surfaces::Standing> layers;  ///< of a point that is not simple
+
+ private:
+  void see_layers(const Point& p);
 };
-Incidence layered_incidence(const Point& p, const Vec3d& back);
-inline Incidence incidence(const Point& p, const Vec3d& back) {
-  return p.simple ? Incidence{back, {}} : layered_incidence(p, back);
-}
 
 /// Three numbers in [0,1): direction, two, and the choice of a lobe. False when the walk ends here;
 /// `out.dirac` then tells whether a Dirac lobe was tried, as bent normals may send what it reflects

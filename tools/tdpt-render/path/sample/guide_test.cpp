@@ -89,7 +89,7 @@ Material material(Kind kind) {
 
 // Probability that a walk which came from `back` tries a smooth lobe.
 double smooth_share(const Vertex& at, const Vec3d& back) {
-  return at.simple ? 0 : odds_at(at, incidence(at, back)).dirac;
+  return at.simple ? 0 : odds_at(at, Incidence(at, back)).dirac;
 }
 
 void add_triangle(Scene& scene, const Vec3d& a, const Vec3d& b, const Vec3d& c, uint32_t material) {
@@ -150,12 +150,12 @@ struct Stand {
     const Edge e = between(at, to);
     const double plain = std::max(
         back == Vec3d() ? emission_pdf_A(at, e, to)
-                        : scatter_pdf_A(at, incidence(at, between(at, before).w), e, to, false),
+                        : scatter_pdf_A(at, Incidence(at, between(at, before).w), e, to, false),
         least);
     uint64_t tests = 0;
     const PortalSet::Crossing c =
         from == From::light ? guide.crossing(at, to, tests) : guide.crossing(to, at, tests);
-    const Incidence in = incidence(at, back);
+    const Incidence in(at, back);
     const Incidence* const from_where = back == Vec3d() ? nullptr : &in;
     return guide.pdf_A(from, at, from_where, e, to, plain, c) * e.d2 / to.cosine(e.w);
   }

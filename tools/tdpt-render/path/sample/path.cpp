@@ -160,7 +160,7 @@ void Path::fill_joint(const World& world, int s, int first_z) {
         camera_survival(k_ - 1) * plain_camera_A(world, k_ - 1, at(k_ - 1), nullptr);
   for (int i = std::max(s - 1, 1); i <= first_z && i < k_; ++i) {
     const Edge &before = at(i - 1), &after = at(i);
-    const Incidence from_light = incidence(x(i), -before.w), from_camera = incidence(x(i), after.w);
+    const Incidence from_light(x(i), -before.w), from_camera(x(i), after.w);
     if (i >= s && i >= 2) place(i).survival[0] = albedo_at(x(i), from_light);
     if (i < first_z && !always_goes_on(k_ - i)) place(i).survival[1] = albedo_at(x(i), from_camera);
     if (i + 1 < k_) {
@@ -200,11 +200,11 @@ double Path::directed_camera_A(const Guide& guide, int i, double plain, const Ed
 
 std::optional<Incidence> Path::from_light(int i) const {
   if (i < 1 || i >= k_) return std::nullopt;
-  return incidence(x(i), -edge(i - 1).w);
+  return Incidence(x(i), -edge(i - 1).w);
 }
 std::optional<Incidence> Path::from_camera(int i) const {
   if (i < 1 || i >= k_) return std::nullopt;
-  return incidence(x(i), edge(i).w);
+  return Incidence(x(i), edge(i).w);
 }
 
 void Path::plain_densities(const World& world, WalkDensities& d) const {

@@ -39,7 +39,7 @@ TEST(paths_by_hand, weights_survive_products_that_no_double_holds) {
   for (int j = 1; j < k; ++j) place(k - j, z.v[static_cast<size_t>(j)]);
   const auto at = [&](int i) -> const Vertex& { return i == 0 ? y[0] : z[k - i]; };
   const auto scattered = [](const Vertex& from, const Vertex& v, const Vertex& to) {
-    return scatter_pdf_A(v, incidence(v, between(v, from).w), between(v, to), to, false);
+    return scatter_pdf_A(v, Incidence(v, between(v, from).w), between(v, to), to, false);
   };
   for (int i = 0; i < k; ++i) {
     const Vertex& v = at(i);

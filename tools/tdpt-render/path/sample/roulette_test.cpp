@@ -61,7 +61,7 @@ double survival(const Bsdf& b, const Vec3d& from) {
   Point p = test::whole::point(b);
   p.material = &material;
   const Onb<double> onb(p.shading);
-  return albedo_at(p, incidence(p, onb.x * from.x + onb.y * from.y + onb.z * from.z));
+  return albedo_at(p, Incidence(p, onb.x * from.x + onb.y * from.y + onb.z * from.z));
 }
 
 std::vector<NamedBsdf> kinds(float alpha) {
@@ -137,16 +137,16 @@ TEST(roulette, twin_walks_that_know_less_of_a_surface_are_caught) {
 TEST(roulette, a_diffuse_surface_has_the_largest_component_of_its_colour) {
   Material material;
   Point p;
-  EXPECT_EQ(albedo_at(p, incidence(p, {0, 0, 1})), 1);  // off surfaces
+  EXPECT_EQ(albedo_at(p, Incidence(p, {0, 0, 1})), 1);  // off surfaces
   p.material = &material;
   p.normal = p.shading = {0, 0, 1};
   material.base_color = {0.2f, 0.7f, 0.1f};
-  EXPECT_EQ(albedo_at(p, incidence(p, {0, 0, 1})), double{0.7f});
-  EXPECT_EQ(albedo_at(p, incidence(p, {0, 0, -1})), double{0.7f});
+  EXPECT_EQ(albedo_at(p, Incidence(p, {0, 0, 1})), double{0.7f});
+  EXPECT_EQ(albedo_at(p, Incidence(p, {0, 0, -1})), double{0.7f});
   material.base_color = {};
-  EXPECT_EQ(albedo_at(p, incidence(p, {0, 0, 1})), 0.05);  // a black one ends few walks in vain
+  EXPECT_EQ(albedo_at(p, Incidence(p, {0, 0, 1})), 0.05);  // a black one ends few walks in vain
   material.base_color = Rgb(1);
-  EXPECT_EQ(albedo_at(p, incidence(p, {0, 0, 1})), 1);
+  EXPECT_EQ(albedo_at(p, Incidence(p, {0, 0, 1})), 1);
 }
 
 // Rays find a pane as seldom as it reflects: those that do are all reflected.
@@ -162,9 +162,9 @@ TEST(roulette, walks_that_have_found_a_pane_go_on) {
   p.bsdf = test::make({}, test::normal_reflectance(1.5f), 1, {}, 0);
   for (const double z : {1.0, 0.6, -0.9}) {
     p.material = &pane;
-    EXPECT_NEAR(albedo_at(p, incidence(p, test::direction(z, 0.7))), 1, 0.01) << z;
+    EXPECT_NEAR(albedo_at(p, Incidence(p, test::direction(z, 0.7))), 1, 0.01) << z;
     p.material = &sheet;  // twin: what all rays meet
-    EXPECT_LT(albedo_at(p, incidence(p, test::direction(z, 0.7))), 0.2) << z;
+    EXPECT_LT(albedo_at(p, Incidence(p, test::direction(z, 0.7))), 0.2) << z;
   }
 }
 

@@ -77,7 +77,8 @@ bool Walker::extend(const Tracer::Origin& origin, const Vec3d& w, const Rgb& thr
   if (!(plain > 0)) return false;
   WalkState& here = walk_.states[n - 1];
   const bool known = n >= 2 && walk_.v[n - 2].met();
-  const Incidence before_next = n >= 2 ? incidence(v, e.w) : Incidence{};
+  Incidence before_next;
+  if (n >= 2) before_next.become(v, e.w);
   const double other =
       known ? scatter_pdf_A(v, before_next, reversed(last_), walk_.v[n - 2], here.dirac) : 0;
   if (known) walk_.states[n - 2].pdf_other_A = other;
@@ -90,7 +91,7 @@ bool Walker::extend(const Tracer::Origin& origin, const Vec3d& w, const Rgb& thr
   }
   if (n >= 2) here.other_survival = albedo_at(v, before_next);
   Incidence& arrived = come_to(walk_.size);
-  arrived = incidence(next, -e.w);
+  arrived.become(next, -e.w);
   state.own_survival = albedo_at(next, arrived);
   state.other_survival = 1;
   const double went_on = always_goes_on(static_cast<int>(n) - 1) ? 1 : here.own_survival;
