@@ -49,7 +49,8 @@ double worst(double digits, F f, Exact exact) {
 TEST(real, keeps_to_its_bounds) {
   const double inverse = worst(
       36, [](float x) { return reciprocal(x); }, [](double x) { return 1 / x; });
-  const double inverse_roots = worst(36, inverse_root, [](double x) { return 1 / std::sqrt(x); });
+  const double inverse_roots = worst(
+      36, [](float x) { return inverse_root(x); }, [](double x) { return 1 / std::sqrt(x); });
   const double roots = worst(
       36, [](float x) { return root(x); }, [](double x) { return std::sqrt(x); });
   RecordProperty("reciprocal_ulp", std::to_string(inverse));

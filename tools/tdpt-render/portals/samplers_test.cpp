@@ -415,7 +415,7 @@ double light_directions(Source source, double power) {
     ++counts[bins.bin(lights.leave(p, u, v).direction)];
   }
   std::vector<double> expected = bins.integrate([&](const Vec3d& w) {
-    const double cos = dot(punctual ? light->direction() : normal, w);
+    const double cos = dot(punctual ? light->lamp().direction : normal, w);
     return light->pdf_w(normal, w) * std::pow(1 - std::abs(cos) / 10, power);
   });
   for (double& e : expected) e *= static_cast<double>(kept);
