@@ -139,7 +139,7 @@ SHARED OF_REAL(Odds) odds_at(IN(Point) p, VEC3 back) MEMBER_CONST {
 }
 
 SHARED REAL held_albedo(REAL albedo) MEMBER_CONST {
-  return min(max(albedo, 0.05f), 1.0f);
+  return min(max(albedo, REAL(0.05)), 1.0f);
 }
 SHARED REAL simple_albedo(IN(Point) p) MEMBER_CONST {
   return on_surface(p) ? held_albedo(REAL(largest(p.color))) : REAL(1.0f);

@@ -27,7 +27,6 @@ Vec3d place(Rng& rng) {
 class Surfaces {
  public:
   Surfaces(const std::vector<Bsdf>& kinds, size_t n) : vertices_(n) {
-    material_.base_color = {0.8f, 0.5f, 0.2f};
     Rng rng(5, kinds.size(), 0);
     for (size_t i = 0; i < n; ++i) {
       Vertex& v = vertices_[i];
@@ -35,6 +34,7 @@ class Surfaces {
       v.normal = direction(rng);
       v.material = &material_;
       v.simple = kinds.empty();
+      v.color = {0.8f, 0.5f, 0.2f};
       v.shading = normalize(v.normal * 4.0 + direction(rng));
       if (!v.simple) v.bsdf = kinds[i % kinds.size()];
       const Vec3d back = normalize(v.normal * (rng.uniform() < 0.5 ? 1.5 : -1.5) + direction(rng));

@@ -29,6 +29,7 @@ TEST(paths_by_hand, weights_survive_products_that_no_double_holds) {
                  along * (0.01 * (i / 2 - (k - 1) / 2));
     v.normal = across * (i % 2 ? -1 : 1);
     v.material = &grey;
+    v.color = grey.base_color;
   };
   place(0, y.v[0]);
   y.v[0].material = &scene.material_of(lamp);
@@ -116,6 +117,7 @@ TEST(paths_by_hand, a_vertex_that_no_walk_can_have_made_leaves_the_weights_of_se
     v.position = position;
     v.normal = normalize(normal);
     v.material = &grey;
+    v.color = grey.base_color;
     return v;
   };
   Walk y = walk_of(1), z = walk_of(2);

@@ -140,12 +140,12 @@ TEST(roulette, a_diffuse_surface_has_the_largest_component_of_its_colour) {
   EXPECT_EQ(albedo_at(p, Incidence(p, {0, 0, 1})), 1);  // off surfaces
   p.material = &material;
   p.normal = p.shading = {0, 0, 1};
-  material.base_color = {0.2f, 0.7f, 0.1f};
+  p.color = {0.2f, 0.7f, 0.1f};
   EXPECT_EQ(albedo_at(p, Incidence(p, {0, 0, 1})), double{0.7f});
   EXPECT_EQ(albedo_at(p, Incidence(p, {0, 0, -1})), double{0.7f});
-  material.base_color = {};
+  p.color = {};
   EXPECT_EQ(albedo_at(p, Incidence(p, {0, 0, 1})), 0.05);  // a black one ends few walks in vain
-  material.base_color = Rgb(1);
+  p.color = Rgb(1);
   EXPECT_EQ(albedo_at(p, Incidence(p, {0, 0, 1})), 1);
 }
 
