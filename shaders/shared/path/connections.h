@@ -13,7 +13,7 @@ const float kPerCandidate = 1.25e-1f;
 /// before. Measured without limit: 1 for all costs 10 to 15 % of the efficiency, 2 for all 5 to 15
 /// % with directed walks.
 SHARED uint connections_of(uint t) {
-  return t <= 3u ? 2u : 1u;
+  return t > 3u ? 1u : 2u;
 }
 /// Of a portal segment's x_l with light vertices, beside light that begins there.
 const uint kLightSides = 2u;
