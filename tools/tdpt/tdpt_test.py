@@ -102,7 +102,7 @@ class Tdpt(unittest.TestCase):
     def command_of(pid):
         try:
             with open(f"/proc/{pid}/cmdline", "rb") as stream:
-                return stream.read()
+                return stream.read() or b"--check"  # nothing: it is ending
         except OSError:  # it has ended
             return b"--check"
 
@@ -117,7 +117,7 @@ class Tdpt(unittest.TestCase):
     def held(self, program, is_so=None):
         """With the program stopped as soon as it runs, or as something is so."""
         self.wait_until(lambda: (is_so is None or is_so()) and self.runs(program)(), f"{program} is where it is to be held")
-        pids = self.pids_of(program)
+        pids = [pid for pid in self.pids_of(program) if b"--check" not in self.command_of(pid).split(b"\0")]
         for pid in pids:
             os.kill(pid, signal.SIGSTOP)
         self.assertNotEqual(pids, [], f"{program} has ended before it could be held")
